@@ -1,0 +1,624 @@
+/* flexbeam.h - 0.1.0 - flexible bodies in real time, a header-only C99 library
+
+   A beam given by its section properties becomes modes, the modes become a flexible body, and the body moves:
+   fixed step, bounded and data-independent work, no allocation, nothing beyond libc and libm.
+
+     q_dot  = M^-1 ( pi - Lambda(q)^T V )                           V = (v, w) = S(q)^-1 y
+     pi_dot = f_e - K q - C q_dot + d/dq ( V^T Lambda pbar + 1/2 V^T S V )       pbar = M^-1 pi
+     P_dot  = R f,   L_dot = R g - V_O x P                          y = (R^T P, R^T L) - Lambda(q) pbar
+
+   The state is the MOMENTA (P, L linear and angular, pi elastic), so the only matrix that depends on the shape
+   is the 6x6 Schur complement S(q) = M_rr(q) - Lambda(q) M^-1 Lambda(q)^T: a polynomial of degree 2 in q whose
+   terms are collected once, at init, for just the effects the scene calls for.
+
+   QUICK START (examples/quickstart.c; do this in ONE file, the others include flexbeam.h alone)
+
+>>>QUICKSTART
+
+   CONTENTS (search for the anchor; the same anchors divide flexbeam_impl.h, the tests and the README)
+     >>config     options, real type, libm hooks, mismatch guard
+     >>status     status codes and their texts
+     >>vec3       3-vectors, 3x3 and symmetric 6x6 matrices
+     >>rotation   unit quaternions, exponential and logarithm
+     >>linalg     LU, Cholesky, symmetric and generalized eigenvalues
+     >>beam       sections, stations, lumped bodies, element matrices
+     >>modes      cantilever, pinned and free modes; finite-element coordinates
+     >>body       shape integrals, effects, momentum form, loads, nodes, energy
+     >>system     (planned) joints, trees, loops
+     >>mixed      (planned) geometrically exact mixed beam
+     >>integrate  rk4 with its stability limit
+     >>analyse    (planned) trim, linearization, effect advisor
+     >>build      version and configuration string
+
+   OPTIONS (define before the include, the same in every file: a mismatch does not link. Best in one file that every
+   compiler call names: -DFLEXBEAM_CONFIG='"my_flexbeam_config.h"'. Values are bare numbers.)
+     macro                            default  range   meaning
+     FLEXBEAM_IMPLEMENTATION          -        -       defined in one file: the code is compiled there
+     FLEXBEAM_STATIC                  -        -       private copy in this file (float and double in one program)
+     FB_SINGLE                        0        0, 1    1: fb_real is float
+     FB_MAX_MODES                     12       1..60   elastic coordinates of a body
+     FB_MAX_NODES                     8        1..255  nodes of a body that carry loads or sensors (node 0 = O)
+     FB_MAX_LOADS                     8        1..255  loads on a body at a time
+     FB_MAX_ELEMENTS                  20       1..200  finite elements of a beam (model building only)
+     FB_MAX_STATIONS                  64       1..999  stations of a beam (model building only)
+     FB_MAX_LUMPS                     8        1..255  lumped bodies on a beam (model building only)
+     FB_WITH_SPIN_COUPLING            1        0, 1    0 removes the effect's code and tables at compile time
+     FB_WITH_RESIDUAL_INERTIA         1        0, 1    "
+     FB_WITH_SPIN_STIFFENING          1        0, 1    "
+     FB_WITH_ACCELERATION_STIFFENING  1        0, 1    "
+     FB_WITH_DAMPING                  1        0, 1    "
+     FB_WITH_GRAVITY                  1        0, 1    "
+     FB_ASSERT(x)                     nothing  -       called with 0 on a programmer's error (NULL, index, capacity)
+     FB_ALLOW_FAST_MATH               -        -       compile under -ffast-math (finite checks are then void)
+     FB_SQRT FB_SIN FB_COS FB_ATAN2 FB_FABS            replace libm
+
+   CONVENTIONS
+     SI units and radians. Matrices are flat and row-major, packed with the run-time n. Quaternions are (w,x,y,z), unit,
+     and map body components to inertial ones. Arguments: context, outputs, inputs, sizes. Outputs may not overlap
+     inputs unless a function says so. Zero means default in a desc struct. A failing call changes nothing
+     that it was given to change.
+
+     paper          code                     shape      unit          meaning
+     m, c, J        shape.mass, .c, .J       1, 3, 3x3  kg, kg m, kg m^2   moments of mass about O
+     p_a, h_a       shape.P, .H              3 x n      kg, kg m      momenta of the modes (columns)
+     M_ab, K_ab     shape.M, .K              n x n      kg, N/m       elastic mass and stiffness
+     upsilon_ab     shape.ups                n x n x 3  kg            -int psi_a x psi_b dm
+     Gamma_a        shape.Gam                n x 3 x 3  kg m          -int psi_a^ r^ dm
+     Pi_ab          shape.Pi                 n x n x 9  kg            -int psi_a^ psi_b^ dm
+     chi_ab         (at a point)             n x n x 3  1/m           quadratic displacement u = psi q + 1/2 chi q q
+     p^chi, h^chi, Gamma^chi   shape.pchi, .hchi, .Gamchi              their integrals
+     rho, q         state.rho, .quat         3, 4       m, -          pose of the body frame
+     q_a            state.q                  n          m             elastic coordinates
+     pi_e           state.pi                 n          kg m/s        elastic momenta
+     p, h           R^T state.P, R^T state.L 3          N s, N m s    momenta; L about O, both kept in inertial axes
+     v, w           motion.v, .w             3          m/s, rad/s    velocity of O and angular velocity, body axes
+     Lambda, S      body terms               6 x n, 6 x 6             rigid-elastic coupling, Schur complement
+     Units of q: with mass-normalized modes (M = 1) q carries sqrt(kg) m and psi 1/sqrt(kg); only products have units.
+
+   NOT INCLUDED (yet): plasticity, contact, fluids, fracture, gravity gradients, joints, shear flexibility, twist and
+   curvature, nonlinear strain (the stiffness is linear in q; stiffening comes from kinematics).
+
+   REFERENCES
+     [DB] G.M.T. D'Eleuterio and T.D. Barfoot, "Just a second, we'd like to go first: a first-order discretized
+          formulation for structural dynamics".
+     [H]  A.S. Hopkins, "The motion of interconnected flexible bodies", 1975.
+     [L]  Leigh, "The application of Hamilton's weak principle", thesis, 2006.
+     [HW] E. Hairer and G. Wanner, "Solving Ordinary Differential Equations II", Springer, IV.2 (stability region).
+     [GV] G.H. Golub and C.F. Van Loan, "Matrix Computations".
+*/
+#ifndef FLEXBEAM_H
+#define FLEXBEAM_H
+
+/* ---------------------------------------------------------------------------------------------------------------
+   1 >>config */
+
+#ifdef FLEXBEAM_CONFIG
+#include FLEXBEAM_CONFIG
+#endif
+
+#ifndef FB_SINGLE
+#define FB_SINGLE 0
+#endif
+#ifndef FB_MAX_MODES
+#define FB_MAX_MODES 12
+#endif
+#ifndef FB_MAX_NODES
+#define FB_MAX_NODES 8
+#endif
+#ifndef FB_MAX_LOADS
+#define FB_MAX_LOADS 8
+#endif
+#ifndef FB_MAX_ELEMENTS
+#define FB_MAX_ELEMENTS 20
+#endif
+#ifndef FB_MAX_STATIONS
+#define FB_MAX_STATIONS 64
+#endif
+#ifndef FB_MAX_LUMPS
+#define FB_MAX_LUMPS 8
+#endif
+#ifndef FB_WITH_SPIN_COUPLING
+#define FB_WITH_SPIN_COUPLING 1
+#endif
+#ifndef FB_WITH_RESIDUAL_INERTIA
+#define FB_WITH_RESIDUAL_INERTIA 1
+#endif
+#ifndef FB_WITH_SPIN_STIFFENING
+#define FB_WITH_SPIN_STIFFENING 1
+#endif
+#ifndef FB_WITH_ACCELERATION_STIFFENING
+#define FB_WITH_ACCELERATION_STIFFENING 1
+#endif
+#ifndef FB_WITH_DAMPING
+#define FB_WITH_DAMPING 1
+#endif
+#ifndef FB_WITH_GRAVITY
+#define FB_WITH_GRAVITY 1
+#endif
+#ifndef FB_ASSERT
+#define FB_ASSERT(x) ((void)0)
+#endif
+
+#if FB_SINGLE != 0 && FB_SINGLE != 1
+#error "flexbeam: FB_SINGLE is 0 or 1"
+#endif
+#if FB_MAX_MODES < 1 || FB_MAX_MODES > 60
+#error "flexbeam: FB_MAX_MODES is 1..60"
+#endif
+#if FB_MAX_NODES < 1 || FB_MAX_NODES > 255 || FB_MAX_LOADS < 1 || FB_MAX_LOADS > 255
+#error "flexbeam: FB_MAX_NODES and FB_MAX_LOADS are 1..255"
+#endif
+#if FB_MAX_ELEMENTS < 1 || FB_MAX_ELEMENTS > 200 || FB_MAX_STATIONS < 1 || FB_MAX_STATIONS > 999 || \
+    FB_MAX_LUMPS < 1 || FB_MAX_LUMPS > 255
+#error "flexbeam: FB_MAX_ELEMENTS is 1..200, FB_MAX_STATIONS 1..999, FB_MAX_LUMPS 1..255"
+#endif
+#if (FB_WITH_SPIN_COUPLING | FB_WITH_RESIDUAL_INERTIA | FB_WITH_SPIN_STIFFENING | FB_WITH_ACCELERATION_STIFFENING | \
+     FB_WITH_DAMPING | FB_WITH_GRAVITY) > 1
+#error "flexbeam: FB_WITH_... are 0 or 1"
+#endif
+#if defined(__FAST_MATH__) && !defined(FB_ALLOW_FAST_MATH)
+#error "flexbeam: -ffast-math voids the finite checks; define FB_ALLOW_FAST_MATH to accept that"
+#endif
+
+#if FB_SINGLE
+typedef float fb_real;
+#define FB_R(x) (x##f)
+#define FB_EPSILON 1.19209290e-7f
+#define FB_HUGE 1e18f /* magnitudes above this are refused: their squares overflow */
+#else
+typedef double fb_real;
+#define FB_R(x) (x)
+#define FB_EPSILON 2.2204460492503131e-16
+#define FB_HUGE 1e150
+#endif
+
+#ifdef FLEXBEAM_STATIC
+#ifndef FLEXBEAM_IMPLEMENTATION
+#define FLEXBEAM_IMPLEMENTATION
+#endif
+#if defined(__GNUC__)
+#define FB_API static __attribute__((unused))
+#else
+#define FB_API static
+#endif
+#elif defined(__cplusplus)
+#define FB_API extern "C"
+#else
+#define FB_API extern
+#endif
+
+/* The configuration is the name of a symbol that every including file refers to and the implementation defines:
+   files that disagree do not link ("undefined reference to fb_config_is_double_modes12..."). */
+#if FB_SINGLE
+#define FBI_PRECISION single
+#else
+#define FBI_PRECISION double
+#endif
+#define FBI_CAT(p, m, n, l, e, s, u, a, b, c, d, f, g) \
+  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_with##a##b##c##d##f##g
+#define FBI_CAT_(p, m, n, l, e, s, u, a, b, c, d, f, g) FBI_CAT(p, m, n, l, e, s, u, a, b, c, d, f, g)
+#define FBI_CONFIG_SYMBOL                                                                                             \
+  FBI_CAT_(FBI_PRECISION, FB_MAX_MODES, FB_MAX_NODES, FB_MAX_LOADS, FB_MAX_ELEMENTS, FB_MAX_STATIONS, FB_MAX_LUMPS,   \
+           FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA, FB_WITH_SPIN_STIFFENING, FB_WITH_ACCELERATION_STIFFENING, \
+           FB_WITH_DAMPING, FB_WITH_GRAVITY)
+#define FBI_STRING(x) #x
+#define FBI_STRING_(x) FBI_STRING(x)
+
+#ifndef FLEXBEAM_STATIC
+#ifdef __cplusplus
+extern "C" {
+#endif
+extern const char FBI_CONFIG_SYMBOL[];
+#ifdef __cplusplus
+}
+#endif
+#if defined(__has_attribute)
+#if __has_attribute(retain)
+__attribute__((used, retain))
+#elif __has_attribute(used)
+__attribute__((used))
+#endif
+#endif
+static const char *const fbi_config_reference = FBI_CONFIG_SYMBOL;
+#endif
+
+/* Capacities that follow from the options. */
+#define FBI_WITH_QUADRATIC (FB_WITH_SPIN_STIFFENING || FB_WITH_ACCELERATION_STIFFENING)
+#define FBI_WITH_SHAPE_INERTIA (FB_WITH_RESIDUAL_INERTIA || FBI_WITH_QUADRATIC)
+#define FBI_MAX_PAIRS (FB_MAX_MODES * (FB_MAX_MODES + 1) / 2)
+#define FBI_MAX_DOF (6 * (FB_MAX_ELEMENTS + 1))
+
+/* ---------------------------------------------------------------------------------------------------------------
+   2 >>status */
+
+#define FB_STATUS_LIST(X)                                                                                              \
+  X(FB_OK, 0, "ok")                                                                                                    \
+  X(FB_ERR_NULL, -1, "a required pointer is NULL")                                                                     \
+  X(FB_ERR_VALUE, -2, "a value is out of its range")                                                                   \
+  X(FB_ERR_NOT_FINITE, -3, "a value is not finite, or so large that its square is not")                                \
+  X(FB_ERR_CAPACITY, -4, "more than the compile-time capacity, or an index beyond what exists")                        \
+  X(FB_ERR_SINGULAR, -5, "a matrix is singular or not positive definite (a free body needs inertia about every axis)") \
+  X(FB_ERR_CONVERGENCE, -6, "the iteration did not converge")                                                          \
+  X(FB_ERR_KIND, -7, "modes of that kind do not exist: no stiffness, no inertia, or too few elements")                 \
+  X(FB_ERR_EFFECTS, -8, "effects that belong together are split, or one was removed at compile time")                  \
+  X(FB_ERR_STEP, -9, "the step is longer than the stability limit of the scheme")                                      \
+  X(FB_ERR_RANGE, -10, "the deflection has left the range of the model")
+
+#define FBI_STATUS_ENUM(name, value, text) name = value,
+typedef enum fb_status { FB_STATUS_LIST(FBI_STATUS_ENUM) } fb_status;
+#undef FBI_STATUS_ENUM
+
+/* Text of a status; never NULL. */
+FB_API const char *fb_status_string(fb_status status);
+
+/* ---------------------------------------------------------------------------------------------------------------
+   3 >>vec3: sizes are fixed; outputs may not overlap inputs unless said */
+
+FB_API fb_real fb_vec3_dot(const fb_real a[3], const fb_real b[3]);
+FB_API void fb_vec3_cross(fb_real c[3], const fb_real a[3], const fb_real b[3]);      /* c = a x b */
+FB_API void fb_mat33_mul_vec3(fb_real y[3], const fb_real A[9], const fb_real x[3]);  /* y = A x */
+FB_API void fb_mat33_mulT_vec3(fb_real y[3], const fb_real A[9], const fb_real x[3]); /* y = A^T x */
+FB_API void fb_mat33_mul(fb_real C[9], const fb_real A[9], const fb_real B[9]);       /* C = A B */
+
+/* Symmetric 6x6 matrices are packed by the upper triangle in 21 numbers, fb_sym6_index(i, j) with any order of i, j. */
+FB_API int fb_sym6_index(int i, int j);
+FB_API void fb_sym6_mul_vec6(fb_real y[6], const fb_real S[21], const fb_real x[6]); /* y = S x */
+/* x = S^-1 y for positive definite S; x may be y. FB_ERR_SINGULAR: S is not positive definite; x unchanged. */
+FB_API fb_status fb_sym6_solve(fb_real x[6], const fb_real S[21], const fb_real y[6]);
+
+/* ---------------------------------------------------------------------------------------------------------------
+   4 >>rotation: quaternions (w,x,y,z); rotation vectors [rad] */
+
+FB_API void fb_quat_mul(fb_real r[4], const fb_real p[4], const fb_real q[4]); /* r = p o q */
+FB_API void fb_quat_to_mat33(fb_real R[9], const fb_real q[4]);                /* x_I = R x_B */
+FB_API void fb_quat_from_rotvec(fb_real q[4], const fb_real phi[3]);           /* exponential */
+FB_API void fb_quat_to_rotvec(fb_real phi[3], const fb_real q[4]);             /* logarithm, |phi| <= pi */
+/* Scales q to unit length in place. FB_ERR_VALUE: zero or not finite; q unchanged. */
+FB_API fb_status fb_quat_normalize(fb_real q[4]);
+
+/* ---------------------------------------------------------------------------------------------------------------
+   5 >>linalg: dense, run-time n; singularity is judged relative to each row and column, so scaling units changes nothing */
+
+/* A (n x n) is overwritten by its factors P A = L U. FB_ERR_SINGULAR, FB_ERR_NOT_FINITE: A is spoiled.
+   scale: n reals of scratch. */
+FB_API fb_status fb_lu_factor(fb_real *A, int *perm, fb_real *scale, int n);
+/* x = A^-1 b with the factors; x may not be b. */
+FB_API void fb_lu_solve(fb_real *x, const fb_real *LU, const int *perm, const fb_real *b, int n);
+
+/* The lower triangle of the symmetric A (n x n) is overwritten by L, A = L L^T. FB_ERR_SINGULAR: not positive definite. */
+FB_API fb_status fb_chol_factor(fb_real *A, int n);
+FB_API void fb_chol_solve(fb_real *x, const fb_real *L, const fb_real *b, int n); /* x = A^-1 b; x may be b */
+
+/* Eigenvalues d (n, ascending) and orthonormal eigenvectors (row k of V, n x n) of the symmetric A (n x n, overwritten).
+   FB_ERR_NOT_FINITE; FB_ERR_CONVERGENCE after 60 Jacobi sweeps. */
+FB_API fb_status fb_eig_sym_solve(fb_real *d, fb_real *V, fb_real *A, int n);
+/* K x = d M x, K symmetric, M positive definite (both n x n, overwritten): d ascending, rows of X with X M X^T = 1.
+   FB_ERR_SINGULAR: M is not positive definite; else as fb_eig_sym_solve. */
+FB_API fb_status fb_eig_gen_solve(fb_real *d, fb_real *X, fb_real *K, fb_real *M, int n);
+
+/* ---------------------------------------------------------------------------------------------------------------
+   6 >>beam: straight beam along its own x axis, from the root (x = 0) to the tip (x = length) */
+
+typedef struct fb_section { /* properties at a station; between stations they vary linearly */
+  fb_real x;                /* [m] from the root; ignored when there is one station (uniform beam) */
+  fb_real mass;             /* [kg/m] > 0 */
+  fb_real EA;               /* [N] axial stiffness; 0: rigid, no axial modes */
+  fb_real GJ;               /* [N m^2] torsional stiffness; 0: rigid */
+  fb_real EI_y;             /* [N m^2] bending about y (displacement along z); 0: rigid */
+  fb_real EI_z;             /* [N m^2] bending about z (displacement along y); 0: rigid */
+  fb_real i_y;              /* [kg m] rotary inertia about y per length, int z^2 dm/dx; 0: none */
+  fb_real i_z;              /* [kg m] rotary inertia about z per length, int y^2 dm/dx; 0: none */
+} fb_section;
+
+typedef struct fb_lump { /* rigid body fixed to an element node */
+  int node;              /* 0 root .. n_element tip */
+  fb_real mass;          /* [kg] >= 0 */
+  fb_real center[3];     /* [m] mass center from the node, beam axes */
+  fb_real inertia[6];    /* [kg m^2] about the mass center: xx, yy, zz, xy, xz, yz (matrix entries, not products) */
+} fb_lump;
+
+typedef enum fb_root { FB_ROOT_CLAMPED = 0, FB_ROOT_PINNED = 1, FB_ROOT_FREE = 2 } fb_root; /* pinned: slopes free */
+
+typedef struct fb_beam_desc {
+  fb_real length; /* [m] > 0 */
+  int n_element;  /* 1..FB_MAX_ELEMENTS, equal lengths */
+  fb_root root;
+  int n_station; /* 1 (uniform) or 2.., the first at 0, the last at length, strictly ascending */
+  int n_lump;    /* 0..FB_MAX_LUMPS */
+  fb_section station[FB_MAX_STATIONS];
+  fb_lump lump[FB_MAX_LUMPS];
+  fb_real position[3]; /* [m] root in the body frame */
+  fb_real attitude[4]; /* quaternion, beam axes to body axes; all zero = identity */
+} fb_beam_desc;
+
+typedef struct fb_beam { /* a checked desc */
+  fb_beam_desc desc;
+  fb_real axes[9]; /* beam axes to body axes */
+  fb_real mass;    /* [kg] with lumped bodies */
+} fb_beam;
+
+/* FB_ERR_VALUE, FB_ERR_NOT_FINITE, FB_ERR_CAPACITY, FB_ERR_NULL; the beam is written only on FB_OK. */
+FB_API fb_status fb_beam_init(fb_beam *beam, const fb_beam_desc *desc);
+/* Section properties at x (linear between stations, the end values outside). */
+FB_API void fb_beam_section(fb_section *section, const fb_beam *beam, fb_real x);
+/* Finite-element stiffness and consistent mass of the beam without root condition, K and M (ndof x ndof),
+   ndof = 6 (n_element + 1), per node (u_x, u_y, u_z, theta_x, theta_y, theta_z). */
+FB_API void fb_beam_matrices(fb_real *K, fb_real *M, const fb_beam *beam);
+
+/* ---------------------------------------------------------------------------------------------------------------
+   7 >>modes: the basis in which a beam deforms */
+
+typedef enum fb_kind {                     /* what a mode mainly does */
+                       FB_KIND_BEND_Y = 0, /* displacement along y, stiffness EI_z */
+                       FB_KIND_BEND_Z = 1, /* displacement along z, stiffness EI_y */
+                       FB_KIND_AXIAL = 2,
+                       FB_KIND_TORSION = 3,
+                       FB_KIND_COUNT = 4
+} fb_kind;
+
+#define FB_ALL_MODES 1000 /* a count: as many as there are (below omega_limit) */
+
+typedef enum fb_basis {
+  FB_BASIS_MODES = 0,   /* natural modes, mass-normalized (M = 1, K = omega^2) */
+  FB_BASIS_ELEMENTS = 1 /* finite-element coordinates kept as they are: M and K full */
+} fb_basis;
+
+typedef struct fb_modes_desc {
+  fb_basis basis;
+  int count
+      [FB_KIND_COUNT]; /* lowest modes to keep per kind; FB_BASIS_ELEMENTS: nonzero keeps all coordinates of the kind */
+  fb_real omega_limit; /* [rad/s] modes above are left out; 0: no limit */
+} fb_modes_desc;
+
+typedef struct fb_modes {
+  int n;                       /* retained, ascending in frequency (a tie: in the order of the kinds) */
+  int ndof;                    /* length of a shape */
+  fb_kind kind[FB_MAX_MODES];  /* by the largest share of kinetic energy */
+  fb_real omega[FB_MAX_MODES]; /* [rad/s]; 0 for finite-element coordinates */
+  fb_real
+      shape[FB_MAX_MODES * FBI_MAX_DOF];  /* n x ndof nodal values; a mode's main displacement at the tip is positive */
+  fb_real M[FB_MAX_MODES * FB_MAX_MODES]; /* n x n */
+  fb_real K[FB_MAX_MODES * FB_MAX_MODES]; /* n x n */
+} fb_modes;
+
+typedef struct fb_modes_work { /* scratch; large: make it static */
+  fb_real K[FBI_MAX_DOF * FBI_MAX_DOF], M[FBI_MAX_DOF * FBI_MAX_DOF];
+  fb_real Kc[FBI_MAX_DOF * FBI_MAX_DOF], Mc[FBI_MAX_DOF * FBI_MAX_DOF], X[FBI_MAX_DOF * FBI_MAX_DOF];
+  fb_real omega2[FBI_MAX_DOF];
+  fb_modes found;
+} fb_modes_work;
+
+/* FB_ERR_KIND: a kind asked for has no stiffness or inertia, or fewer modes than asked; FB_ERR_CAPACITY: more than
+   FB_MAX_MODES; FB_ERR_VALUE, FB_ERR_CONVERGENCE, FB_ERR_SINGULAR. modes is written only on FB_OK.
+   Rigid-body modes of pinned and free roots are not modes here: the body frame carries that motion. */
+FB_API fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_beam *beam, const fb_modes_desc *desc);
+
+/* ---------------------------------------------------------------------------------------------------------------
+   8 >>body */
+
+typedef enum fb_effect {                              /* switches, or-ed into a mask */
+                         FB_EFFECT_ELASTIC = 1,       /* the modes move; without it the body is rigid (undeformed) */
+                         FB_EFFECT_SPIN_COUPLING = 2, /* gyroscopic (Coriolis) coupling of modes, N(w): degree 1 */
+                         FB_EFFECT_RESIDUAL_INERTIA =
+                             4, /* inertia follows the shape, centrifugal softening: degrees 1 and 2 */
+                         FB_EFFECT_SPIN_STIFFENING = 8, /* centrifugal stiffening, int chi . w x (w x r): degree 2 */
+                         FB_EFFECT_ACCELERATION_STIFFENING =
+                             16,                 /* the same for acceleration of O, angular acceleration and gravity */
+                         FB_EFFECT_DAMPING = 32, /* modal damping */
+                         FB_EFFECT_GRAVITY = 64  /* uniform gravity */
+} fb_effect;
+#define FB_EFFECTS_RIGID 0u
+#define FB_EFFECTS_LINEAR 1u /* level 1 of the accuracy ladder */
+#define FB_EFFECTS_SPIN 3u   /* level 2 */
+#define FB_EFFECTS_FULL \
+  31u /* level 3: every inertial effect; add FB_EFFECT_DAMPING and FB_EFFECT_GRAVITY as called for */
+
+/* FB_ERR_EFFECTS when the set is half of something: residual inertia without spin coupling or without spin stiffening
+   keeps the centrifugal softening and drops what outweighs it (a slender beam then diverges above its first bending
+   frequency), or when an effect was removed at compile time. */
+FB_API fb_status fb_effects_check(unsigned effects);
+
+/* A point of a body that carries loads or is looked at. Node 0 is the origin O of the body frame. */
+typedef struct fb_node {
+  fb_real r[3];                    /* [m] undeformed position */
+  fb_real psi[3 * FB_MAX_MODES];   /* n x 3 displacement shapes */
+  fb_real theta[3 * FB_MAX_MODES]; /* n x 3 rotation shapes */
+#if FBI_WITH_QUADRATIC
+  fb_real chi[3 * FBI_MAX_PAIRS];       /* pairs a >= b at a (a+1)/2 + b: quadratic displacement */
+  fb_real chi_theta[3 * FBI_MAX_PAIRS]; /* quadratic rotation */
+#endif
+} fb_node;
+
+/* Everything that is integrated over the undeformed body; built once, not needed by the step. */
+typedef struct fb_shape {
+  int n;      /* elastic coordinates */
+  int n_node; /* nodes, node 0 included */
+  fb_real mass, c[3], J[9];
+  fb_real P[3 * FB_MAX_MODES], H[3 * FB_MAX_MODES]; /* n x 3 here: row a is p_a, h_a */
+  fb_real M[FB_MAX_MODES * FB_MAX_MODES], K[FB_MAX_MODES * FB_MAX_MODES];
+  fb_real ups[3 * FB_MAX_MODES * FB_MAX_MODES];
+  fb_real Gam[9 * FB_MAX_MODES];
+  fb_real Pi[9 * FB_MAX_MODES * FB_MAX_MODES];
+  fb_real pchi[3 * FB_MAX_MODES * FB_MAX_MODES], hchi[3 * FB_MAX_MODES * FB_MAX_MODES];
+  fb_real Gamchi[9 * FB_MAX_MODES * FB_MAX_MODES];
+  fb_real size;                /* [m] largest distance of a mass from O */
+  fb_real reach[FB_MAX_MODES]; /* largest displacement shape of each mode */
+  fb_node node[FB_MAX_NODES];
+} fb_shape;
+
+/* An empty body with n elastic coordinates and node 0. FB_ERR_CAPACITY, FB_ERR_NULL. */
+FB_API fb_status fb_shape_init(fb_shape *shape, int n);
+/* A point mass [kg] at r [m] with displacement shapes psi (n x 3) and chi (n x n x 3, symmetric in the modes, or NULL). */
+FB_API fb_status fb_shape_add_particle(fb_shape *shape, fb_real mass, const fb_real r[3], const fb_real *psi,
+                                       const fb_real *chi);
+/* A rigid body fixed to the body frame: mass [kg], mass center [m], inertia about it [kg m^2] (xx, yy, zz, xy, xz, yz). */
+FB_API fb_status fb_shape_add_rigid(fb_shape *shape, fb_real mass, const fb_real center[3], const fb_real inertia[6]);
+/* A beam with its modes as coordinates first .. first + modes->n - 1: all integrals, M and K. */
+FB_API fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes);
+/* A node on that beam at x [m] from the root; its number goes to *node. */
+FB_API fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, const fb_beam *beam,
+                                        const fb_modes *modes, fb_real x);
+
+typedef enum fb_base { FB_BASE_FREE = 0, FB_BASE_PRESCRIBED = 1 } fb_base;
+
+typedef struct fb_body_desc {
+  unsigned effects;           /* FB_EFFECT_... or-ed */
+  fb_base base;               /* prescribed: the motion of the body frame is given with each step */
+  fb_real zeta[FB_MAX_MODES]; /* damping ratio of each mode (for a general M: of the k-th by frequency) */
+  fb_real gravity[3];         /* [m/s^2] inertial axes */
+  fb_real deflection_limit; /* [m] bound of the sum of modal deflections, beyond it FB_ERR_RANGE; 0: the body's size */
+  int allow_split_effects;  /* 1: accept a set that fb_effects_check refuses for being half of something */
+  int allow_long_step;      /* 1: do not refuse steps beyond the stability limit */
+} fb_body_desc;
+
+/* The model a step needs; constant after init, may live in ROM. */
+typedef struct fb_body {
+  int n, n_node;
+  unsigned effects;
+  fb_base base;
+  int normalized; /* M = 1 and K, C diagonal */
+  int constant_S; /* S does not depend on q */
+  int allow_long_step;
+  int n_lambda, n_lambda_linear; /* terms of Lambda; those of the linear momentum come first */
+  int n_S;                       /* terms of S */
+  fb_real mass, c[3];
+  fb_real deflection_limit, reach[FB_MAX_MODES];
+  fb_real limit_elastic, limit_damping, limit_gyro, limit_spin, limit_acceleration; /* bounds for fb_rk4_limit */
+  fb_real S0_inverse[36];
+  fb_real K_diagonal[FB_MAX_MODES];
+  fb_real M[FB_MAX_MODES * FB_MAX_MODES], Minv[FB_MAX_MODES * FB_MAX_MODES]; /* n x n, used when not normalized */
+  fb_real K[FB_MAX_MODES * FB_MAX_MODES];
+#if FB_WITH_DAMPING
+  fb_real C_diagonal[FB_MAX_MODES], C[FB_MAX_MODES * FB_MAX_MODES];
+#endif
+#if FB_WITH_GRAVITY
+  fb_real gravity[3];
+#endif
+  /* Lambda_ib(q) = sum_a coefficient * (1, q)_a */
+#define FBI_MAX_LAMBDA                                                                                 \
+  (FB_MAX_MODES * (6 + 3 * FB_MAX_MODES * (FB_WITH_SPIN_COUPLING || FB_WITH_ACCELERATION_STIFFENING) + \
+                   3 * FB_MAX_MODES * FB_WITH_ACCELERATION_STIFFENING))
+  fb_real lambda[FBI_MAX_LAMBDA];
+  unsigned char lambda_i[FBI_MAX_LAMBDA], lambda_a[FBI_MAX_LAMBDA], lambda_b[FBI_MAX_LAMBDA];
+  /* S_i(q) = sum_ab coefficient * (1, q)_a (1, q)_b, i = 0..20 packed, pairs a >= b in the order 00, 10, 11, 20, ... */
+#define FBI_MAX_MONOMIALS (FBI_WITH_SHAPE_INERTIA ? (FB_MAX_MODES + 1) * (FB_MAX_MODES + 2) / 2 : 1)
+#define FBI_MAX_S (21 * FBI_MAX_MONOMIALS)
+  fb_real S[FBI_MAX_S];
+  unsigned char S_i[FBI_MAX_S];
+  unsigned char S_count[FBI_MAX_MONOMIALS]; /* terms of each pair */
+  fb_node node[FB_MAX_NODES];
+} fb_body;
+
+/* FB_ERR_EFFECTS (see fb_effects_check), FB_ERR_SINGULAR (M, or S_0 of a free body), FB_ERR_VALUE (no mass, negative
+   damping), FB_ERR_NOT_FINITE, FB_ERR_NULL. body is written only on FB_OK. Work: O(n^4); large locals: none. */
+typedef struct fb_body_work {
+  fb_real L[FB_MAX_MODES * FB_MAX_MODES], A[FB_MAX_MODES * FB_MAX_MODES], B[FB_MAX_MODES * FB_MAX_MODES];
+  fb_real X[FB_MAX_MODES * FB_MAX_MODES], d[FB_MAX_MODES];
+  fb_real Lambda[(FB_MAX_MODES + 1) * 6 * FB_MAX_MODES];
+  fb_body body;
+} fb_body_work;
+FB_API fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc);
+
+typedef struct fb_state { /* all that changes; assignment is a snapshot */
+  fb_real rho[3];         /* [m] position of O, inertial axes */
+  fb_real quat[4];        /* attitude of the body frame */
+  fb_real P[3], L[3];     /* [N s], [N m s] momentum and angular momentum about O, inertial axes (free base only) */
+  fb_real q[FB_MAX_MODES], pi[FB_MAX_MODES]; /* elastic coordinates and momenta */
+} fb_state;
+
+typedef enum fb_axes {
+  FB_AXES_INERTIAL = 0, /* dead load */
+  FB_AXES_NODE = 1,     /* follower: turns with the node's section */
+  FB_AXES_BODY = 2      /* turns with the body frame */
+} fb_axes;
+
+typedef struct fb_load {
+  int node;
+  fb_axes axes;
+  fb_real force[3], torque[3]; /* [N], [N m] in those axes, at the node */
+} fb_load;
+
+typedef struct fb_input { /* what acts on a body at one instant; all zero: nothing */
+  int n_load;
+  fb_load load[FB_MAX_LOADS];
+  fb_real v[3], w[3];         /* [m/s], [rad/s] prescribed base: velocity of O and angular velocity, body axes */
+  fb_real v_dot[3], w_dot[3]; /* [m/s^2], [rad/s^2] their rates in body axes; for accelerations and reactions alone */
+} fb_input;
+
+typedef struct fb_motion { /* velocities and accelerations, body axes */
+  fb_real v[3], w[3], q_dot[FB_MAX_MODES];
+  fb_real v_dot[3], w_dot[3], q_ddot[FB_MAX_MODES]; /* rates of the components; acceleration of O is v_dot + w x v */
+  fb_real reaction_force[3], reaction_torque[3];    /* [N], [N m] of a prescribed base on the body at O; zero if free */
+} fb_motion;
+
+typedef struct fb_node_motion { /* inertial axes */
+  fb_real position[3], quat[4]; /* of the node and its section */
+  fb_real velocity[3], angular_rate[3];
+  fb_real acceleration[3], angular_acceleration[3];
+  fb_real displacement[3], rotation[3]; /* elastic, body axes [m], rotation vector [rad] */
+} fb_node_motion;
+
+typedef struct fb_energy {
+  fb_real kinetic, strain, gravity; /* [J]; gravity is zero with O at the inertial origin and no deflection of c */
+} fb_energy;
+
+typedef struct fb_momentum {
+  fb_real linear[3], angular[3]; /* [N s], [N m s] about the inertial origin, inertial axes */
+} fb_momentum;
+
+/* At the inertial origin, at rest, undeformed. */
+FB_API fb_status fb_state_init(const fb_body *body, fb_state *state);
+/* Sets the momenta of state from v, w (body axes) and q_dot (n, NULL: zero) at its pose and q. FB_ERR_NOT_FINITE. */
+FB_API fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, const fb_real v[3], const fb_real w[3],
+                                        const fb_real *q_dot);
+/* Finite, unit quaternion, within the deflection limit. FB_ERR_NOT_FINITE, FB_ERR_VALUE, FB_ERR_RANGE. */
+FB_API fb_status fb_state_check(const fb_body *body, const fb_state *state);
+/* Time derivative of state under input (NULL: nothing acts). rate may not be state. FB_ERR_RANGE: S(q) is no longer
+   positive definite, the deflection has left the model. FB_ERR_CAPACITY: a load names a node that does not exist. */
+FB_API fb_status fb_body_rates(const fb_body *body, fb_state *rate, const fb_state *state, const fb_input *input);
+/* Velocities, accelerations and reactions at state under input (NULL: nothing acts). */
+FB_API fb_status fb_body_motion(const fb_body *body, fb_motion *motion, const fb_state *state, const fb_input *input);
+/* Pose, velocity and acceleration of a node, from the motion at the same state. */
+FB_API fb_status fb_body_node_motion(const fb_body *body, fb_node_motion *out, const fb_state *state,
+                                     const fb_motion *motion, int node);
+FB_API fb_status fb_body_energy(const fb_body *body, fb_energy *energy, const fb_state *state, const fb_input *input);
+FB_API fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, const fb_state *state,
+                                  const fb_input *input);
+
+/* ---------------------------------------------------------------------------------------------------------------
+   11 >>integrate */
+
+/* Classical Runge-Kutta, order 4, four evaluations, fixed work. The inputs are those at t, t + dt/2 and t + dt; pass the
+   same pointer three times for inputs held over the step, NULL for none. The quaternion is normalized, values below
+   about 1e-150 (double) or 1e-18 (single) become zero. FB_ERR_STEP: dt exceeds fb_rk4_limit at the present spin;
+   FB_ERR_VALUE: dt <= 0; FB_ERR_RANGE, FB_ERR_NOT_FINITE: the motion has left the model. On failure
+   state is as before the call. */
+typedef struct fb_rk4_work {
+  fb_state stage, rate, sum;
+} fb_rk4_work;
+FB_API fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work, const fb_input *start,
+                             const fb_input *middle, const fb_input *end, fb_real dt);
+/* Largest stable step [s] of rk4 for the body at a spin |w| [rad/s] and an acceleration of O [m/s^2]: 2.785 / (bound of
+   the highest frequency, with rigid-elastic coupling, gyroscopic, stiffening and damping terms). The stiffening by loads
+   is not in it. FB_HUGE for a rigid body at rest. */
+FB_API fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real acceleration);
+
+/* ---------------------------------------------------------------------------------------------------------------
+   13 >>build */
+
+#define FB_VERSION "0.1.0"
+FB_API const char *fb_version_string(void); /* "0.1.0" */
+FB_API const char *fb_config_string(void);  /* the configuration symbol's name */
+/* FB_OK when the caller's configuration is the implementation's: pass FB_CONFIG. */
+#define FB_CONFIG FBI_STRING_(FBI_CONFIG_SYMBOL)
+FB_API fb_status fb_config_check(const char *config);
+
+#endif /* FLEXBEAM_H */
+
+#if defined(FLEXBEAM_IMPLEMENTATION) && !defined(FLEXBEAM_IMPL_INCLUDED)
+#define FLEXBEAM_IMPL_INCLUDED
+#include "flexbeam_impl.h"
+#endif
+
+/* HISTORY
+   0.1.0  one flexible body: beams, modes, momentum form, rk4 */

@@ -1,0 +1,2919 @@
+/* flexbeam_impl.h - implementation of flexbeam.h, included by it where FLEXBEAM_IMPLEMENTATION is defined.
+   One equation, one function, one id: [E8.2] defines, E8.2 cites; tests/test_<section>.c tests it. */
+
+/* ---------------------------------------------------------------------------------------------------------------
+   1 >>config */
+
+#ifndef FB_SQRT
+#include <math.h>
+#if FB_SINGLE
+#define FB_SQRT(x) sqrtf(x)
+#define FB_SIN(x) sinf(x)
+#define FB_COS(x) cosf(x)
+#define FB_ATAN2(y, x) atan2f(y, x)
+#define FB_FABS(x) fabsf(x)
+#else
+#define FB_SQRT(x) sqrt(x)
+#define FB_SIN(x) sin(x)
+#define FB_COS(x) cos(x)
+#define FB_ATAN2(y, x) atan2(y, x)
+#define FB_FABS(x) fabs(x)
+#endif
+#endif
+#include <string.h>
+
+#ifndef FLEXBEAM_STATIC
+#ifdef __cplusplus
+extern "C" {
+#endif
+extern const char FBI_CONFIG_SYMBOL[]; /* a const object of C++ has internal linkage without this */
+const char FBI_CONFIG_SYMBOL[] = FBI_STRING_(FBI_CONFIG_SYMBOL);
+#ifdef __cplusplus
+}
+#endif
+#endif
+
+#ifdef FLEXBEAM_STATIC
+#define FB_DEF FB_API
+#elif defined(__cplusplus)
+#define FB_DEF extern "C"
+#else
+#define FB_DEF
+#endif
+
+#define FBI_REQUIRE(condition, status) \
+  do {                                 \
+    if (!(condition)) {                \
+      FB_ASSERT(0);                    \
+      return status;                   \
+    }                                  \
+  } while (0)
+
+/* ---------------------------------------------------------------------------------------------------------------
+   2 >>status (uses 1) */
+
+#define FBI_STATUS_TEXT(name, value, text) \
+  case name:                               \
+    return text;
+FB_DEF const char *fb_status_string(fb_status status)
+{
+  switch (status) {
+    FB_STATUS_LIST(FBI_STATUS_TEXT)
+  }
+  return "unknown status";
+}
+#undef FBI_STATUS_TEXT
+
+/* 1 if x[0..n-1] is finite and its squares are, too (false for NaN). */
+static int fbi_is_finite(const fb_real *x, int n)
+{
+  fb_real sum = FB_R(0.0);
+  for (int i = 0; i < n; i++) {
+    sum += FB_FABS(x[i]);
+  }
+  return sum <= FB_HUGE;
+}
+
+static void fbi_zero(fb_real *x, int n)
+{
+  for (int i = 0; i < n; i++) {
+    x[i] = FB_R(0.0);
+  }
+}
+
+static void fbi_copy(fb_real *y, const fb_real *x, int n)
+{
+  for (int i = 0; i < n; i++) {
+    y[i] = x[i];
+  }
+}
+
+static fb_real fbi_larger(fb_real a, fb_real b)
+{
+  return a > b ? a : b;
+}
+
+/* ---------------------------------------------------------------------------------------------------------------
+   3 >>vec3 (uses 1-2) */
+
+FB_DEF fb_real fb_vec3_dot(const fb_real a[3], const fb_real b[3])
+{
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+FB_DEF void fb_vec3_cross(fb_real c[3], const fb_real a[3], const fb_real b[3])
+{
+  c[0] = a[1] * b[2] - a[2] * b[1];
+  c[1] = a[2] * b[0] - a[0] * b[2];
+  c[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+FB_DEF void fb_mat33_mul_vec3(fb_real y[3], const fb_real A[9], const fb_real x[3])
+{
+  for (int i = 0; i < 3; i++) {
+    y[i] = A[3 * i] * x[0] + A[3 * i + 1] * x[1] + A[3 * i + 2] * x[2];
+  }
+}
+
+FB_DEF void fb_mat33_mulT_vec3(fb_real y[3], const fb_real A[9], const fb_real x[3])
+{
+  for (int i = 0; i < 3; i++) {
+    y[i] = A[i] * x[0] + A[3 + i] * x[1] + A[6 + i] * x[2];
+  }
+}
+
+FB_DEF void fb_mat33_mul(fb_real C[9], const fb_real A[9], const fb_real B[9])
+{
+  for (int i = 0; i < 3; i++) {
+    for (int j = 0; j < 3; j++) {
+      C[3 * i + j] = A[3 * i] * B[j] + A[3 * i + 1] * B[3 + j] + A[3 * i + 2] * B[6 + j];
+    }
+  }
+}
+
+/* y += s x */
+static void fbi_vec3_add(fb_real y[3], fb_real s, const fb_real x[3])
+{
+  y[0] += s * x[0];
+  y[1] += s * x[1];
+  y[2] += s * x[2];
+}
+
+/* y += a x b */
+static void fbi_vec3_add_cross(fb_real y[3], const fb_real a[3], const fb_real b[3])
+{
+  y[0] += a[1] * b[2] - a[2] * b[1];
+  y[1] += a[2] * b[0] - a[0] * b[2];
+  y[2] += a[0] * b[1] - a[1] * b[0];
+}
+
+static fb_real fbi_vec3_norm(const fb_real a[3])
+{
+  return FB_SQRT(fb_vec3_dot(a, a));
+}
+
+FB_DEF int fb_sym6_index(int i, int j)
+{
+  const int row = i < j ? i : j;
+  const int col = i < j ? j : i;
+  return row * (11 - row) / 2 + col;
+}
+
+FB_DEF void fb_sym6_mul_vec6(fb_real y[6], const fb_real S[21], const fb_real x[6])
+{
+  for (int i = 0; i < 6; i++) {
+    y[i] = FB_R(0.0);
+    for (int j = 0; j < 6; j++) {
+      y[i] += S[fb_sym6_index(i, j)] * x[j];
+    }
+  }
+}
+
+/* A = L L^T of the symmetric 3x3 (xx, xy, xz, yy, yz, zz); L keeps the reciprocals of its diagonal. Positive definite
+   means that each pivot stands out of the rounding of its diagonal element reference[k]. */
+static int fbi_chol3_factor(fb_real L[6], const fb_real A[6], const fb_real reference[3])
+{
+  const fb_real tol = 8 * FB_EPSILON;
+  fb_real d;
+  if (!(A[0] > tol * reference[0])) {
+    return 0;
+  }
+  L[0] = FB_R(1.0) / FB_SQRT(A[0]);
+  L[1] = A[1] * L[0];
+  L[2] = A[2] * L[0];
+  d = A[3] - L[1] * L[1];
+  if (!(d > tol * reference[1])) {
+    return 0;
+  }
+  L[3] = FB_R(1.0) / FB_SQRT(d);
+  L[4] = (A[4] - L[1] * L[2]) * L[3];
+  d = A[5] - L[2] * L[2] - L[4] * L[4];
+  if (!(d > tol * reference[2])) {
+    return 0;
+  }
+  L[5] = FB_R(1.0) / FB_SQRT(d);
+  return 1;
+}
+
+/* x = L^-1 y */
+static void fbi_chol3_forward(fb_real x[3], const fb_real L[6], const fb_real y[3])
+{
+  x[0] = y[0] * L[0];
+  x[1] = (y[1] - L[1] * x[0]) * L[3];
+  x[2] = (y[2] - L[2] * x[0] - L[4] * x[1]) * L[5];
+}
+
+/* x = L^-T y */
+static void fbi_chol3_back(fb_real x[3], const fb_real L[6], const fb_real y[3])
+{
+  x[2] = y[2] * L[5];
+  x[1] = (y[1] - L[4] * x[2]) * L[3];
+  x[0] = (y[0] - L[1] * x[1] - L[2] * x[2]) * L[0];
+}
+
+/* [E3.1] Solution with a symmetric positive definite 6x6 by blocks of 3.
+   S = [A B; B^T D], A = L L^T, Z = L^-1 B, D - Z^T Z = G G^T: straight code without index arithmetic.
+   Source: [GV] 4.2.  Shapes: S packed 21.  Cost: about 150 flops, 6 square roots, 6 divisions.
+   Fails: not positive definite.  Test: sym6_solve_inverts_random_and_graded_matrices. */
+FB_DEF fb_status fb_sym6_solve(fb_real x[6], const fb_real S[21], const fb_real y[6])
+{
+  const fb_real A[6] = {S[0], S[1], S[2], S[6], S[7], S[11]};
+  const fb_real ref_a[3] = {S[0], S[6], S[11]};
+  const fb_real ref_d[3] = {S[15], S[18], S[20]};
+  const fb_real b0[3] = {S[3], S[8], S[12]}, b1[3] = {S[4], S[9], S[13]}, b2[3] = {S[5], S[10], S[14]};
+  fb_real L[6], G[6], D[6], z0[3], z1[3], z2[3], s[3], t[3];
+  if (!fbi_chol3_factor(L, A, ref_a)) {
+    return FB_ERR_SINGULAR;
+  }
+  fbi_chol3_forward(z0, L, b0);
+  fbi_chol3_forward(z1, L, b1);
+  fbi_chol3_forward(z2, L, b2);
+  D[0] = S[15] - fb_vec3_dot(z0, z0);
+  D[1] = S[16] - fb_vec3_dot(z0, z1);
+  D[2] = S[17] - fb_vec3_dot(z0, z2);
+  D[3] = S[18] - fb_vec3_dot(z1, z1);
+  D[4] = S[19] - fb_vec3_dot(z1, z2);
+  D[5] = S[20] - fb_vec3_dot(z2, z2);
+  if (!fbi_chol3_factor(G, D, ref_d)) {
+    return FB_ERR_SINGULAR;
+  }
+  fbi_chol3_forward(s, L, y);
+  t[0] = y[3] - fb_vec3_dot(z0, s);
+  t[1] = y[4] - fb_vec3_dot(z1, s);
+  t[2] = y[5] - fb_vec3_dot(z2, s);
+  fbi_chol3_forward(t, G, t);
+  fbi_chol3_back(x + 3, G, t);
+  fbi_vec3_add(s, -x[3], z0);
+  fbi_vec3_add(s, -x[4], z1);
+  fbi_vec3_add(s, -x[5], z2);
+  fbi_chol3_back(x, L, s);
+  return FB_OK;
+}
+
+/* ---------------------------------------------------------------------------------------------------------------
+   4 >>rotation (uses 1-3) */
+
+FB_DEF void fb_quat_mul(fb_real r[4], const fb_real p[4], const fb_real q[4])
+{
+  r[0] = p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3];
+  r[1] = p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2];
+  r[2] = p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1];
+  r[3] = p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0];
+}
+
+/* [E4.1] Rotation matrix of a unit quaternion, x_I = R x_B.
+   R = (w^2 - u.u) 1 + 2 u u^T + 2 w u^.  Source: textbook.  Cost: 30 flops.  Fails: never.
+   Test: quaternion_and_matrix_rotate_alike. */
+FB_DEF void fb_quat_to_mat33(fb_real R[9], const fb_real q[4])
+{
+  const fb_real x2 = q[1] + q[1], y2 = q[2] + q[2], z2 = q[3] + q[3];
+  const fb_real wx = q[0] * x2, wy = q[0] * y2, wz = q[0] * z2;
+  const fb_real xx = q[1] * x2, xy = q[1] * y2, xz = q[1] * z2;
+  const fb_real yy = q[2] * y2, yz = q[2] * z2, zz = q[3] * z2;
+  R[0] = FB_R(1.0) - (yy + zz);
+  R[1] = xy - wz;
+  R[2] = xz + wy;
+  R[3] = xy + wz;
+  R[4] = FB_R(1.0) - (xx + zz);
+  R[5] = yz - wx;
+  R[6] = xz - wy;
+  R[7] = yz + wx;
+  R[8] = FB_R(1.0) - (xx + yy);
+}
+
+/* [E4.2] Exponential: q = (cos(phi/2), sin(phi/2)/phi * phi_vector); near zero by its series, so that it is smooth.
+   Source: textbook.  Cost: 20 flops, sin, cos, sqrt.  Fails: never.  Test: exponential_and_logarithm_are_inverse. */
+FB_DEF void fb_quat_from_rotvec(fb_real q[4], const fb_real phi[3])
+{
+  const fb_real half2 = FB_R(0.25) * fb_vec3_dot(phi, phi);
+  fb_real s;
+  if (half2 < FB_R(1e-3)) { /* remainder half2^4 / 9! is below rounding */
+    s = FB_R(0.5) *
+        (FB_R(1.0) - half2 / FB_R(6.0) * (FB_R(1.0) - half2 / FB_R(20.0) * (FB_R(1.0) - half2 / FB_R(42.0))));
+    q[0] = FB_COS(FB_SQRT(half2));
+  } else {
+    const fb_real half = FB_SQRT(half2);
+    s = FB_R(0.5) * FB_SIN(half) / half;
+    q[0] = FB_COS(half);
+  }
+  q[1] = s * phi[0];
+  q[2] = s * phi[1];
+  q[3] = s * phi[2];
+}
+
+/* [E4.3] Logarithm, the shorter way round: phi = 2 atan2(|u|, w) u/|u|, |phi| <= pi.
+   Source: textbook.  Cost: 20 flops, sqrt, atan2.  Fails: never.  Test: exponential_and_logarithm_are_inverse. */
+FB_DEF void fb_quat_to_rotvec(fb_real phi[3], const fb_real q[4])
+{
+  const fb_real sign = q[0] < FB_R(0.0) ? -FB_R(1.0) : FB_R(1.0);
+  const fb_real u = fbi_vec3_norm(q + 1);
+  const fb_real s =
+      u > FB_R(0.0) ? FB_R(2.0) * sign * FB_ATAN2(u, sign * q[0]) / u : FB_R(2.0) * sign; /* |q| = 1: limit is 2 */
+  phi[0] = s * q[1];
+  phi[1] = s * q[2];
+  phi[2] = s * q[3];
+}
+
+FB_DEF fb_status fb_quat_normalize(fb_real q[4])
+{
+  const fb_real norm2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+  if (!(norm2 > FB_R(1e-20) && norm2 < FB_HUGE)) {
+    return FB_ERR_VALUE;
+  }
+  {
+    const fb_real s = FB_R(1.0) / FB_SQRT(norm2);
+    q[0] *= s;
+    q[1] *= s;
+    q[2] *= s;
+    q[3] *= s;
+  }
+  return FB_OK;
+}
+
+/* ---------------------------------------------------------------------------------------------------------------
+   5 >>linalg (uses 1-2) */
+
+/* [E5.1] LU with scaled partial pivoting, P A = L U.
+   A pivot counts as zero when it is below n epsilon of its column's largest element, both taken relative to their rows'
+   largest elements: neither row nor column scaling changes the verdict.
+   Source: [GV] 3.4.  Shapes: A n x n.  Cost: 2/3 n^3 flops.  Fails: singular, not finite.
+   Test: lu_solves_random_graded_and_refuses_singular_matrices. */
+FB_DEF fb_status fb_lu_factor(fb_real *A, int *perm, fb_real *scale, int n)
+{
+  FBI_REQUIRE(A && perm && scale, FB_ERR_NULL);
+  FBI_REQUIRE(n >= 0, FB_ERR_VALUE);
+  for (int i = 0; i < n; i++) {
+    fb_real largest = FB_R(0.0);
+    if (!fbi_is_finite(A + i * n, n)) {
+      return FB_ERR_NOT_FINITE;
+    }
+    for (int j = 0; j < n; j++) {
+      largest = fbi_larger(largest, FB_FABS(A[i * n + j]));
+    }
+    if (!(largest > FB_R(0.0))) {
+      return FB_ERR_SINGULAR;
+    }
+    scale[i] = FB_R(1.0) / largest;
+    perm[i] = i;
+  }
+  for (int k = 0; k < n; k++) {
+    fb_real best = FB_R(0.0), column = FB_R(0.0), pivot;
+    int row = k;
+    for (int i = 0; i < n; i++) { /* rows above k hold U: the column as it was, up to pivot growth */
+      const fb_real size = FB_FABS(A[i * n + k]) * scale[i];
+      column = fbi_larger(column, size);
+      if (i >= k && size > best) {
+        best = size;
+        row = i;
+      }
+    }
+    if (!(best > (fb_real)n * FB_EPSILON * column)) {
+      return FB_ERR_SINGULAR;
+    }
+    if (row != k) {
+      const int p = perm[k];
+      const fb_real s = scale[k];
+      perm[k] = perm[row];
+      perm[row] = p;
+      scale[k] = scale[row];
+      scale[row] = s;
+      for (int j = 0; j < n; j++) {
+        const fb_real a = A[k * n + j];
+        A[k * n + j] = A[row * n + j];
+        A[row * n + j] = a;
+      }
+    }
+    pivot = FB_R(1.0) / A[k * n + k];
+    for (int i = k + 1; i < n; i++) {
+      const fb_real factor = A[i * n + k] * pivot;
+      A[i * n + k] = factor;
+      for (int j = k + 1; j < n; j++) {
+        A[i * n + j] -= factor * A[k * n + j];
+      }
+    }
+  }
+  return FB_OK;
+}
+
+FB_DEF void fb_lu_solve(fb_real *x, const fb_real *LU, const int *perm, const fb_real *b, int n)
+{
+  for (int i = 0; i < n; i++) {
+    fb_real sum = b[perm[i]];
+    for (int j = 0; j < i; j++) {
+      sum -= LU[i * n + j] * x[j];
+    }
+    x[i] = sum;
+  }
+  for (int i = n - 1; i >= 0; i--) {
+    fb_real sum = x[i];
+    for (int j = i + 1; j < n; j++) {
+      sum -= LU[i * n + j] * x[j];
+    }
+    x[i] = sum / LU[i * n + i];
+  }
+}
+
+/* [E5.2] Cholesky, A = L L^T. A pivot counts as zero below n epsilon of its own diagonal element.
+   Source: [GV] 4.2.  Shapes: A n x n, lower triangle used.  Cost: n^3/3 flops.  Fails: not positive definite.
+   Test: cholesky_factors_graded_and_refuses_indefinite_matrices. */
+FB_DEF fb_status fb_chol_factor(fb_real *A, int n)
+{
+  FBI_REQUIRE(A, FB_ERR_NULL);
+  FBI_REQUIRE(n >= 0, FB_ERR_VALUE);
+  for (int j = 0; j < n; j++) {
+    const fb_real diagonal = A[j * n + j];
+    fb_real sum = diagonal;
+    for (int k = 0; k < j; k++) {
+      sum -= A[j * n + k] * A[j * n + k];
+    }
+    if (!fbi_is_finite(&sum, 1)) {
+      return FB_ERR_NOT_FINITE;
+    }
+    if (!(sum > (fb_real)n * FB_EPSILON * diagonal)) {
+      return FB_ERR_SINGULAR;
+    }
+    A[j * n + j] = FB_SQRT(sum);
+    for (int i = j + 1; i < n; i++) {
+      sum = A[i * n + j];
+      for (int k = 0; k < j; k++) {
+        sum -= A[i * n + k] * A[j * n + k];
+      }
+      A[i * n + j] = sum / A[j * n + j];
+    }
+  }
+  return FB_OK;
+}
+
+/* x = L^-1 b; x may be b */
+static void fbi_chol_forward(fb_real *x, const fb_real *L, const fb_real *b, int n)
+{
+  for (int i = 0; i < n; i++) {
+    fb_real sum = b[i];
+    for (int j = 0; j < i; j++) {
+      sum -= L[i * n + j] * x[j];
+    }
+    x[i] = sum / L[i * n + i];
+  }
+}
+
+/* x = L^-T b; x may be b */
+static void fbi_chol_back(fb_real *x, const fb_real *L, const fb_real *b, int n)
+{
+  for (int i = n - 1; i >= 0; i--) {
+    fb_real sum = b[i];
+    for (int j = i + 1; j < n; j++) {
+      sum -= L[j * n + i] * x[j];
+    }
+    x[i] = sum / L[i * n + i];
+  }
+}
+
+FB_DEF void fb_chol_solve(fb_real *x, const fb_real *L, const fb_real *b, int n)
+{
+  fbi_chol_forward(x, L, b, n);
+  fbi_chol_back(x, L, x, n);
+}
+
+/* Turns rows and columns p, q of the symmetric A and rows p, q of V so that A_pq becomes zero. */
+static void fbi_jacobi_rotate(fb_real *A, fb_real *V, int n, int p, int q)
+{
+  const fb_real apq = A[p * n + q];
+  const fb_real theta = (A[q * n + q] - A[p * n + p]) / (FB_R(2.0) * apq);
+  const fb_real root = FB_FABS(theta) < FB_HUGE ? FB_SQRT(theta * theta + FB_R(1.0)) : FB_FABS(theta);
+  const fb_real t = (theta < FB_R(0.0) ? -FB_R(1.0) : FB_R(1.0)) / (FB_FABS(theta) + root);
+  const fb_real c = FB_R(1.0) / FB_SQRT(t * t + FB_R(1.0));
+  const fb_real s = t * c;
+  A[p * n + p] -= t * apq;
+  A[q * n + q] += t * apq;
+  A[p * n + q] = FB_R(0.0);
+  A[q * n + p] = FB_R(0.0);
+  for (int i = 0; i < n; i++) {
+    const fb_real vp = V[p * n + i], vq = V[q * n + i];
+    V[p * n + i] = c * vp - s * vq;
+    V[q * n + i] = s * vp + c * vq;
+    if (i != p && i != q) {
+      const fb_real ap = A[p * n + i], aq = A[q * n + i];
+      A[p * n + i] = c * ap - s * aq;
+      A[q * n + i] = s * ap + c * aq;
+      A[i * n + p] = A[p * n + i];
+      A[i * n + q] = A[q * n + i];
+    }
+  }
+}
+
+/* Sorts d and the rows of V ascending (selection: n exchanges at most). */
+static void fbi_eig_sort(fb_real *d, fb_real *V, int n)
+{
+  for (int i = 0; i < n; i++) {
+    int least = i;
+    for (int j = i + 1; j < n; j++) {
+      least = d[j] < d[least] ? j : least;
+    }
+    if (least != i) {
+      const fb_real t = d[i];
+      d[i] = d[least];
+      d[least] = t;
+      for (int k = 0; k < n; k++) {
+        const fb_real v = V[i * n + k];
+        V[i * n + k] = V[least * n + k];
+        V[least * n + k] = v;
+      }
+    }
+  }
+}
+
+/* [E5.3] Symmetric eigenvalues by cyclic Jacobi rotations until every off-diagonal element is below rounding of its two
+   diagonal ones (or of the norm, where those vanish): small eigenvalues of graded matrices keep their digits.
+   Source: [GV] 8.5.  Shapes: A n x n, V rows.  Cost: about 6 n^3 flops a sweep, 5 to 10 sweeps.
+   Fails: not finite; more than 60 sweeps.  Test: jacobi_diagonalizes_random_graded_and_degenerate_matrices. */
+FB_DEF fb_status fb_eig_sym_solve(fb_real *d, fb_real *V, fb_real *A, int n)
+{
+  fb_real norm = FB_R(0.0);
+  int rotated = 1;
+  FBI_REQUIRE(d && V && A, FB_ERR_NULL);
+  FBI_REQUIRE(n >= 0, FB_ERR_VALUE);
+  for (int i = 0; i < n; i++) {
+    if (!fbi_is_finite(A + i * n, n)) {
+      return FB_ERR_NOT_FINITE;
+    }
+    for (int j = 0; j < n; j++) {
+      V[i * n + j] = i == j ? FB_R(1.0) : FB_R(0.0);
+      norm = fbi_larger(norm, FB_FABS(A[i * n + j]));
+    }
+  }
+  for (int sweep = 0; sweep < 60 && rotated; sweep++) {
+    rotated = 0;
+    for (int p = 0; p < n - 1; p++) {
+      for (int q = p + 1; q < n; q++) {
+        const fb_real own = FB_SQRT(FB_FABS(A[p * n + p])) * FB_SQRT(FB_FABS(A[q * n + q]));
+        if (FB_FABS(A[p * n + q]) > FB_EPSILON * fbi_larger(own, FB_R(1e-9) * norm)) {
+          fbi_jacobi_rotate(A, V, n, p, q);
+          rotated = 1;
+        }
+      }
+    }
+  }
+  if (rotated) {
+    return FB_ERR_CONVERGENCE;
+  }
+  for (int i = 0; i < n; i++) {
+    d[i] = A[i * n + i];
+  }
+  fbi_eig_sort(d, V, n);
+  return FB_OK;
+}
+
+/* [E5.4] K x = d M x through M = L L^T, (L^-1 K L^-T) y = d y, x = L^-T y.
+   Source: [GV] 8.7.  Shapes: K, M n x n, X rows.  Cost: E5.3 and 2 n^3 flops.  Fails: M not positive definite.
+   Test: generalized_eigenvectors_diagonalize_both_matrices. */
+FB_DEF fb_status fb_eig_gen_solve(fb_real *d, fb_real *X, fb_real *K, fb_real *M, int n)
+{
+  fb_status status;
+  FBI_REQUIRE(d && X && K && M, FB_ERR_NULL);
+  status = fb_chol_factor(M, n);
+  if (status != FB_OK) {
+    return status;
+  }
+  for (int pass = 0; pass < 2; pass++) { /* rows, transpose, rows again */
+    for (int i = 0; i < n; i++) {
+      fbi_chol_forward(K + i * n, M, K + i * n, n);
+    }
+    for (int i = 0; i < n; i++) {
+      for (int j = 0; j < i; j++) {
+        const fb_real a = K[i * n + j], b = K[j * n + i];
+        K[i * n + j] = pass ? FB_R(0.5) * (a + b) : b;
+        K[j * n + i] = pass ? K[i * n + j] : a;
+      }
+    }
+  }
+  status = fb_eig_sym_solve(d, X, K, n);
+  if (status != FB_OK) {
+    return status;
+  }
+  for (int k = 0; k < n; k++) {
+    fbi_chol_back(X + k * n, M, X + k * n, n);
+  }
+  return FB_OK;
+}
+
+/* ---------------------------------------------------------------------------------------------------------------
+   6 >>beam (uses 1-5) */
+
+/* Five Gauss points: exact for polynomials of degree 9, the highest the integrals of this library meet. */
+#define FBI_GAUSS 5
+static const fb_real fbi_gauss_x[FBI_GAUSS] = {FB_R(0.04691007703066800), FB_R(0.23076534494715845), FB_R(0.5),
+                                               FB_R(0.76923465505284155), FB_R(0.95308992296933200)};
+static const fb_real fbi_gauss_w[FBI_GAUSS] = {FB_R(0.11846344252809454), FB_R(0.23931433524968324),
+                                               FB_R(0.28444444444444444), FB_R(0.23931433524968324),
+                                               FB_R(0.11846344252809454)};
+
+typedef struct fbi_field { /* linear displacement field at a point of the reference line, beam axes */
+  fb_real u[3];            /* displacement */
+  fb_real theta[3];        /* section rotation */
+  fb_real strain;          /* u_x' */
+  fb_real curvature[3];    /* theta' */
+} fbi_field;
+
+/* [E6.1] Two-node beam element: cubic Hermite bending in two planes, linear axial displacement and torsion.
+   u_y = N1 u_y1 + N2 theta_z1 + N3 u_y2 + N4 theta_z2, theta_z = u_y', theta_y = -u_z', Euler-Bernoulli.
+   Source: [H] C.1-17 (sign of the slopes as in errata item 3).  Shapes: e 12 nodal values, s = 0..1, element length l.
+   Cost: 60 flops.  Fails: never.  Test: rigid_motion_of_an_element_gives_no_strain. */
+static void fbi_field_eval(fbi_field *f, const fb_real e[12], fb_real s, fb_real l)
+{
+  const fb_real N1 = FB_R(1.0) + s * s * (FB_R(2.0) * s - FB_R(3.0)), N3 = FB_R(1.0) - N1;
+  const fb_real N2 = l * s * (FB_R(1.0) + s * (s - FB_R(2.0))), N4 = l * s * s * (s - FB_R(1.0));
+  const fb_real d3 = FB_R(6.0) * s * (FB_R(1.0) - s) / l; /* d1 = -d3 */
+  const fb_real d2 = FB_R(1.0) + s * (FB_R(3.0) * s - FB_R(4.0)), d4 = s * (FB_R(3.0) * s - FB_R(2.0));
+  const fb_real c3 = (FB_R(6.0) - FB_R(12.0) * s) / (l * l); /* c1 = -c3 */
+  const fb_real c2 = (FB_R(6.0) * s - FB_R(4.0)) / l, c4 = (FB_R(6.0) * s - FB_R(2.0)) / l;
+  f->u[0] = (FB_R(1.0) - s) * e[0] + s * e[6];
+  f->u[1] = N1 * e[1] + N2 * e[5] + N3 * e[7] + N4 * e[11];
+  f->u[2] = N1 * e[2] - N2 * e[4] + N3 * e[8] - N4 * e[10];
+  f->theta[0] = (FB_R(1.0) - s) * e[3] + s * e[9];
+  f->theta[1] = d3 * (e[2] - e[8]) + d2 * e[4] + d4 * e[10];
+  f->theta[2] = d3 * (e[7] - e[1]) + d2 * e[5] + d4 * e[11];
+  f->strain = (e[6] - e[0]) / l;
+  f->curvature[0] = (e[9] - e[3]) / l;
+  f->curvature[1] = c3 * (e[2] - e[8]) + c2 * e[4] + c4 * e[10];
+  f->curvature[2] = c3 * (e[7] - e[1]) + c2 * e[5] + c4 * e[11];
+}
+
+FB_DEF void fb_beam_section(fb_section *section, const fb_beam *beam, fb_real x)
+{
+  const fb_section *st = beam->desc.station;
+  const int last = beam->desc.n_station - 1;
+  int k = 0;
+  fb_real s;
+  while (k < last && x > st[k + 1].x) {
+    k++;
+  }
+  if (k == last || x <= st[k].x) {
+    *section = st[k];
+    section->x = x;
+    return;
+  }
+  s = (x - st[k].x) / (st[k + 1].x - st[k].x);
+  section->x = x;
+  section->mass = st[k].mass + s * (st[k + 1].mass - st[k].mass);
+  section->EA = st[k].EA + s * (st[k + 1].EA - st[k].EA);
+  section->GJ = st[k].GJ + s * (st[k + 1].GJ - st[k].GJ);
+  section->EI_y = st[k].EI_y + s * (st[k + 1].EI_y - st[k].EI_y);
+  section->EI_z = st[k].EI_z + s * (st[k + 1].EI_z - st[k].EI_z);
+  section->i_y = st[k].i_y + s * (st[k + 1].i_y - st[k].i_y);
+  section->i_z = st[k].i_z + s * (st[k + 1].i_z - st[k].i_z);
+}
+
+typedef struct fbi_cell { /* a stretch of beam inside one element and between two stations: polynomial properties */
+  int element;
+  fb_real x0, x1; /* [m] */
+} fbi_cell;
+
+/* The next cell; 0 after the last. Begin with {0, 0, 0}. */
+static int fbi_cell_next(fbi_cell *cell, const fb_beam *beam)
+{
+  const fb_real l = beam->desc.length / (fb_real)beam->desc.n_element;
+  const fb_real gap = FB_R(1e-6) * l; /* slivers are not worth an integral */
+  fb_real end;
+  cell->x0 = cell->x1;
+  if (cell->x0 >= (fb_real)(cell->element + 1) * l - gap) {
+    cell->element++;
+  }
+  if (cell->element >= beam->desc.n_element) {
+    return 0;
+  }
+  end = (fb_real)(cell->element + 1) * l;
+  cell->x1 = end;
+  for (int k = 0; k < beam->desc.n_station; k++) {
+    const fb_real x = beam->desc.station[k].x;
+    if (x > cell->x0 + gap && x < end - gap && x < cell->x1) {
+      cell->x1 = x;
+    }
+  }
+  return 1;
+}
+
+/* Position in its element (0..1) of the fraction t of a cell. */
+static fb_real fbi_cell_s(const fbi_cell *cell, const fb_beam *beam, fb_real t)
+{
+  const fb_real l = beam->desc.length / (fb_real)beam->desc.n_element;
+  return (cell->x0 + t * (cell->x1 - cell->x0)) / l - (fb_real)cell->element;
+}
+
+/* Matrix entries (xx, yy, zz, xy, xz, yz) of an inertia to the second moments of mass int r r^T dm = 1/2 tr(J) 1 - J. */
+static void fbi_second_moments(fb_real S[9], const fb_real inertia[6])
+{
+  const fb_real half = FB_R(0.5) * (inertia[0] + inertia[1] + inertia[2]);
+  S[0] = half - inertia[0];
+  S[4] = half - inertia[1];
+  S[8] = half - inertia[2];
+  S[1] = S[3] = -inertia[3];
+  S[2] = S[6] = -inertia[4];
+  S[5] = S[7] = -inertia[5];
+}
+
+/* [E6.2] Spread of a rigid body: three vectors s_k with int r r^T dm = sum s_k s_k^T (semidefinite Cholesky), so that
+   integrals over the body become sums. Fails: the inertia is not one of a distribution of positive mass.
+   Test: lumped_bodies_must_have_a_physical_inertia. */
+static fb_status fbi_spread(fb_real s[3][3], const fb_real inertia[6])
+{
+  fb_real S[9], trace;
+  fbi_second_moments(S, inertia);
+  trace = S[0] + S[4] + S[8];
+  for (int k = 0; k < 3; k++) {
+    const fb_real pivot = S[4 * k];
+    for (int i = 0; i < 3; i++) {
+      s[k][i] = FB_R(0.0);
+    }
+    if (!(pivot >= -FB_R(16.0) * FB_EPSILON * trace)) {
+      return FB_ERR_VALUE;
+    }
+    if (pivot > FB_R(16.0) * FB_EPSILON * trace) {
+      const fb_real root = FB_SQRT(pivot);
+      for (int i = k; i < 3; i++) {
+        s[k][i] = S[3 * k + i] / root;
+      }
+    } else if (FB_FABS(S[3 * k + (k + 1) % 3]) + FB_FABS(S[3 * k + (k + 2) % 3]) > FB_R(1e3) * FB_EPSILON * trace) {
+      return FB_ERR_VALUE;
+    }
+    for (int i = 0; i < 3; i++) {
+      for (int j = 0; j < 3; j++) {
+        S[3 * i + j] = i > k && j > k ? S[3 * i + j] - s[k][i] * s[k][j] : (i > k || j > k ? FB_R(0.0) : S[3 * i + j]);
+      }
+    }
+  }
+  return FB_OK;
+}
+
+static fb_status fbi_section_check(const fb_section *s)
+{
+  const fb_real all[8] = {s->x, s->mass, s->EA, s->GJ, s->EI_y, s->EI_z, s->i_y, s->i_z};
+  if (!fbi_is_finite(all, 8)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  return s->mass >= FB_R(0.0) && s->EA >= FB_R(0.0) && s->GJ >= FB_R(0.0) && s->EI_y >= FB_R(0.0) &&
+                 s->EI_z >= FB_R(0.0) && s->i_y >= FB_R(0.0) && s->i_z >= FB_R(0.0)
+             ? FB_OK
+             : FB_ERR_VALUE;
+}
+
+static fb_status fbi_stations_check(const fb_beam_desc *desc)
+{
+  for (int k = 0; k < desc->n_station; k++) {
+    const fb_status status = fbi_section_check(&desc->station[k]);
+    if (status != FB_OK) {
+      return status;
+    }
+    if (k > 0 && !(desc->station[k].x > desc->station[k - 1].x)) {
+      return FB_ERR_VALUE;
+    }
+  }
+  if (desc->n_station > 1) {
+    const fb_real slack = FB_R(16.0) * FB_EPSILON * desc->length;
+    if (FB_FABS(desc->station[0].x) > slack || FB_FABS(desc->station[desc->n_station - 1].x - desc->length) > slack) {
+      return FB_ERR_VALUE;
+    }
+  }
+  return FB_OK;
+}
+
+static fb_status fbi_lumps_check(const fb_beam_desc *desc)
+{
+  for (int k = 0; k < desc->n_lump; k++) {
+    const fb_lump *lump = &desc->lump[k];
+    fb_real spread[3][3];
+    if (!fbi_is_finite(&lump->mass, 1) || !fbi_is_finite(lump->center, 3) || !fbi_is_finite(lump->inertia, 6)) {
+      return FB_ERR_NOT_FINITE;
+    }
+    if (lump->node < 0 || lump->node > desc->n_element) {
+      return FB_ERR_CAPACITY;
+    }
+    if (!(lump->mass >= FB_R(0.0)) || fbi_spread(spread, lump->inertia) != FB_OK) {
+      return FB_ERR_VALUE;
+    }
+  }
+  return FB_OK;
+}
+
+FB_DEF fb_status fb_beam_init(fb_beam *beam, const fb_beam_desc *desc)
+{
+  static const fb_real identity[4] = {FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_real quat[4];
+  fb_status status;
+  fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
+  FBI_REQUIRE(beam && desc, FB_ERR_NULL);
+  if (!fbi_is_finite(&desc->length, 1) || !fbi_is_finite(desc->position, 3) || !fbi_is_finite(desc->attitude, 4)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  if (desc->n_element > FB_MAX_ELEMENTS || desc->n_station > FB_MAX_STATIONS || desc->n_lump > FB_MAX_LUMPS) {
+    return FB_ERR_CAPACITY;
+  }
+  if (!(desc->length > FB_R(0.0)) || desc->n_element < 1 || desc->n_station < 1 || desc->n_lump < 0 ||
+      (int)desc->root < (int)FB_ROOT_CLAMPED || (int)desc->root > (int)FB_ROOT_FREE) {
+    return FB_ERR_VALUE;
+  }
+  status = fbi_stations_check(desc);
+  if (status == FB_OK) {
+    status = fbi_lumps_check(desc);
+  }
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_copy(quat, desc->attitude, 4);
+  if (FB_FABS(quat[0]) + FB_FABS(quat[1]) + FB_FABS(quat[2]) + FB_FABS(quat[3]) == FB_R(0.0)) {
+    fbi_copy(quat, identity, 4);
+  }
+  status = fb_quat_normalize(quat);
+  if (status != FB_OK) {
+    return status;
+  }
+  {
+    fb_beam checked;
+    checked.desc = *desc;
+    checked.mass = FB_R(0.0);
+    fb_quat_to_mat33(checked.axes, quat);
+    if (desc->n_station == 1) {
+      checked.desc.station[0].x = FB_R(0.0);
+    }
+    while (fbi_cell_next(&cell, &checked)) {
+      for (int g = 0; g < FBI_GAUSS; g++) {
+        fb_section section;
+        fb_beam_section(&section, &checked, cell.x0 + fbi_gauss_x[g] * (cell.x1 - cell.x0));
+        checked.mass += fbi_gauss_w[g] * (cell.x1 - cell.x0) * section.mass;
+      }
+    }
+    for (int k = 0; k < desc->n_lump; k++) {
+      checked.mass += desc->lump[k].mass;
+    }
+    if (!(checked.mass > FB_R(0.0))) {
+      return FB_ERR_VALUE;
+    }
+    *beam = checked;
+  }
+  return FB_OK;
+}
+
+/* [E6.3] Element stiffness and consistent mass at one Gauss point, added to the assembled K and M.
+   K_ij += dx (EA e_i e_j + GJ k_x k_x + EI_y k_y k_y + EI_z k_z k_z),
+   M_ij += dx (mass u_i.u_j + (i_y + i_z) th_x th_x + i_y th_y th_y + i_z th_z th_z).
+   Source: [H] C.1-27, C.2-11.  Shapes: K, M ndof x ndof.  Cost: 144 x 20 flops.  Fails: never.
+   Test: element_matrices_match_the_textbook_ones. */
+static void fbi_element_add(fb_real *K, fb_real *M, const fb_section *section, int first, int ndof, fb_real s,
+                            fb_real l, fb_real dx)
+{
+  fbi_field f[12];
+  for (int i = 0; i < 12; i++) {
+    fb_real e[12] = {0};
+    e[i] = FB_R(1.0);
+    fbi_field_eval(&f[i], e, s, l);
+  }
+  for (int i = 0; i < 12; i++) {
+    for (int j = 0; j < 12; j++) {
+      const fbi_field *a = &f[i], *b = &f[j];
+      const int at = (first + i) * ndof + first + j;
+      K[at] +=
+          dx * (section->EA * a->strain * b->strain + section->GJ * a->curvature[0] * b->curvature[0] +
+                section->EI_y * a->curvature[1] * b->curvature[1] + section->EI_z * a->curvature[2] * b->curvature[2]);
+      M[at] +=
+          dx * (section->mass * fb_vec3_dot(a->u, b->u) + (section->i_y + section->i_z) * a->theta[0] * b->theta[0] +
+                section->i_y * a->theta[1] * b->theta[1] + section->i_z * a->theta[2] * b->theta[2]);
+    }
+  }
+}
+
+/* [E6.4] A lumped body in the mass matrix of its node: with u = u_n + theta x c,
+   M += mass (u.u) + theta.J theta, J about the mass center.
+   Source: rigid-body kinetic energy.  Shapes: M ndof x ndof.  Fails: never.
+   Test: tip_mass_lowers_the_frequencies_as_published. */
+static void fbi_lump_add(fb_real *M, const fb_lump *lump, int ndof)
+{
+  const fb_real *c = lump->center, *J = lump->inertia, m = lump->mass;
+  const int at = 6 * lump->node;
+  const fb_real cross[9] = {FB_R(0.0), c[2], -c[1], -c[2],    FB_R(0.0),
+                            c[0],      c[1], -c[0], FB_R(0.0)}; /* u += cross theta */
+  const fb_real inertia[9] = {J[0], J[3], J[4], J[3], J[1], J[5], J[4], J[5], J[2]};
+  for (int i = 0; i < 3; i++) {
+    M[(at + i) * ndof + at + i] += m;
+    for (int j = 0; j < 3; j++) {
+      fb_real steiner = FB_R(0.0);
+      for (int k = 0; k < 3; k++) {
+        steiner += cross[3 * k + i] * cross[3 * k + j];
+      }
+      M[(at + i) * ndof + at + 3 + j] += m * cross[3 * i + j];
+      M[(at + 3 + j) * ndof + at + i] += m * cross[3 * i + j];
+      M[(at + 3 + i) * ndof + at + 3 + j] += inertia[3 * i + j] + m * steiner;
+    }
+  }
+}
+
+FB_DEF void fb_beam_matrices(fb_real *K, fb_real *M, const fb_beam *beam)
+{
+  const int ndof = 6 * (beam->desc.n_element + 1);
+  const fb_real l = beam->desc.length / (fb_real)beam->desc.n_element;
+  fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
+  fbi_zero(K, ndof * ndof);
+  fbi_zero(M, ndof * ndof);
+  while (fbi_cell_next(&cell, beam)) {
+    for (int g = 0; g < FBI_GAUSS; g++) {
+      const fb_real dx = fbi_gauss_w[g] * (cell.x1 - cell.x0);
+      fb_section section;
+      fb_beam_section(&section, beam, cell.x0 + fbi_gauss_x[g] * (cell.x1 - cell.x0));
+      fbi_element_add(K, M, &section, 6 * cell.element, ndof, fbi_cell_s(&cell, beam, fbi_gauss_x[g]), l, dx);
+    }
+  }
+  for (int k = 0; k < beam->desc.n_lump; k++) {
+    fbi_lump_add(M, &beam->desc.lump[k], ndof);
+  }
+}
+
+/* ---------------------------------------------------------------------------------------------------------------
+   7 >>modes (uses 1-6) */
+
+/* Which kind of motion a degree of freedom of a node belongs to, and the displacement that shows it. */
+static const fb_kind fbi_dof_kind[6] = {FB_KIND_AXIAL,   FB_KIND_BEND_Y, FB_KIND_BEND_Z,
+                                        FB_KIND_TORSION, FB_KIND_BEND_Z, FB_KIND_BEND_Y};
+static const int fbi_kind_dof[FB_KIND_COUNT] = {1, 2, 0, 3};
+
+/* Does the beam have stiffness and inertia of this kind at all? Otherwise it is rigid in that way. */
+static int fbi_kind_exists(const fb_beam *beam, fb_kind kind, const fb_real *M, int ndof)
+{
+  int stiff = 0, inert = 0;
+  for (int k = 0; k < beam->desc.n_station; k++) {
+    const fb_section *s = &beam->desc.station[k];
+    const fb_real stiffness[FB_KIND_COUNT] = {s->EI_z, s->EI_y, s->EA, s->GJ};
+    stiff = stiff || stiffness[kind] > FB_R(0.0);
+  }
+  for (int i = 0; i < ndof; i++) {
+    inert = inert || (fbi_dof_kind[i % 6] == kind && M[i * ndof + i] > FB_R(0.0));
+  }
+  return stiff && inert;
+}
+
+/* Kinds that the mass matrix couples (lumped bodies off the axis) share a group number; -1: the kind does not exist. */
+static void fbi_kind_groups(int group[FB_KIND_COUNT], const fb_beam *beam, const fb_real *M, int ndof)
+{
+  for (int k = 0; k < FB_KIND_COUNT; k++) {
+    group[k] = fbi_kind_exists(beam, (fb_kind)k, M, ndof) ? k : -1;
+  }
+  for (int i = 0; i < ndof; i++) {
+    for (int j = 0; j < ndof; j++) {
+      const int a = group[fbi_dof_kind[i % 6]], b = group[fbi_dof_kind[j % 6]];
+      if (a >= 0 && b >= 0 && a != b && FB_FABS(M[i * ndof + j]) > FB_R(0.0)) {
+        for (int k = 0; k < FB_KIND_COUNT; k++) {
+          group[k] = group[k] == (a > b ? a : b) ? (a < b ? a : b) : group[k];
+        }
+      }
+    }
+  }
+}
+
+/* Does the root condition hold this degree of freedom? */
+static int fbi_is_held(const fb_beam *beam, int dof)
+{
+  return dof < 6 && (beam->desc.root == FB_ROOT_CLAMPED || (beam->desc.root == FB_ROOT_PINNED && dof < 4));
+}
+
+/* Free degrees of freedom of a group; their number. */
+static int fbi_group_dofs(int *dof, const fb_beam *beam, const int group[FB_KIND_COUNT], int id, int ndof)
+{
+  int n = 0;
+  for (int i = 0; i < ndof; i++) {
+    if (group[fbi_dof_kind[i % 6]] == id && !fbi_is_held(beam, i)) {
+      dof[n++] = i;
+    }
+  }
+  return n;
+}
+
+/* Rigid-body modes of a group: a free root leaves 2 per bending plane and 1 axial and torsional, a pinned one 1 per plane. */
+static int fbi_rigid_modes(const fb_beam *beam, const int group[FB_KIND_COUNT], int id)
+{
+  static const int free_root[FB_KIND_COUNT] = {2, 2, 1, 1}, pinned_root[FB_KIND_COUNT] = {1, 1, 0, 0};
+  int n = 0;
+  for (int k = 0; k < FB_KIND_COUNT; k++) {
+    if (group[k] == id && beam->desc.root != FB_ROOT_CLAMPED) {
+      n += beam->desc.root == FB_ROOT_FREE ? free_root[k] : pinned_root[k];
+    }
+  }
+  return n;
+}
+
+/* [E7.1] Shift of the eigenproblem: the Rayleigh quotient of the field (x/L)^2 in all its kinds, a fraction of the lowest
+   elastic eigenvalue; zero where the root alone makes K definite.
+   Fails: never.  Test: beam_frequencies_match_the_closed_form (free and pinned roots). */
+static fb_real fbi_shift(const fb_beam *beam, const fb_real *Kc, const fb_real *Mc, const int *dof, int n)
+{
+  const fb_real L = beam->desc.length;
+  fb_real k = FB_R(0.0), m = FB_R(0.0);
+  if (beam->desc.root == FB_ROOT_CLAMPED) {
+    return FB_R(0.0);
+  }
+  for (int i = 0; i < n; i++) {
+    for (int j = 0; j < n; j++) {
+      fb_real y[2];
+      for (int side = 0; side < 2; side++) {
+        const int at = dof[side ? j : i];
+        const fb_real x = (fb_real)(at / 6) / (fb_real)beam->desc.n_element;
+        y[side] = at % 6 < 4 ? L * x * x : (at % 6 == 4 ? -FB_R(2.0) : FB_R(2.0)) * x;
+      }
+      k += y[0] * Kc[i * n + j] * y[1];
+      m += y[0] * Mc[i * n + j] * y[1];
+    }
+  }
+  return k / m;
+}
+
+/* [E7.2] Natural modes of a group as the LARGEST eigenvalues of M x = mu (K + shift M) x, omega^2 = 1/mu - shift:
+   the low modes, the wanted ones, keep all digits (also in single precision) and massless coordinates are harmless.
+   Source: [GV] 8.7.  Shapes: work.X rows of n, work.omega2 ascending.  Fails: as E5.4.
+   Test: beam_frequencies_match_the_closed_form. */
+static fb_status fbi_group_solve(const fb_beam *beam, fb_modes_work *work, const int *dof, int n, int ndof, int *found)
+{
+  fb_real shift;
+  fb_status status;
+  for (int i = 0; i < n; i++) {
+    for (int j = 0; j < n; j++) {
+      work->Kc[i * n + j] = work->K[dof[i] * ndof + dof[j]];
+      work->Mc[i * n + j] = work->M[dof[i] * ndof + dof[j]];
+    }
+  }
+  shift = fbi_shift(beam, work->Kc, work->Mc, dof, n);
+  for (int i = 0; i < n * n; i++) {
+    work->Kc[i] += shift * work->Mc[i];
+  }
+  status = fb_eig_gen_solve(work->omega2, work->X, work->Mc, work->Kc, n);
+  if (status != FB_OK) {
+    return status;
+  }
+  *found = 0;
+  for (int k = n - 1; k >= 0 && work->omega2[k] > (fb_real)n * FB_EPSILON * work->omega2[n - 1]; k--) {
+    (*found)++;
+  }
+  for (int k = 0; k < n / 2; k++) { /* largest mu first */
+    const int other = n - 1 - k;
+    const fb_real mu = work->omega2[k];
+    work->omega2[k] = work->omega2[other];
+    work->omega2[other] = mu;
+    for (int i = 0; i < n; i++) {
+      const fb_real x = work->X[k * n + i];
+      work->X[k * n + i] = work->X[other * n + i];
+      work->X[other * n + i] = x;
+    }
+  }
+  for (int k = 0; k < *found; k++) {
+    work->omega2[k] = FB_R(1.0) / work->omega2[k] - shift;
+  }
+  return FB_OK;
+}
+
+/* a^T M b for full-length shapes */
+static fb_real fbi_modal_mass(const fb_real *a, const fb_real *M, const fb_real *b, int ndof)
+{
+  fb_real sum = FB_R(0.0);
+  for (int i = 0; i < ndof; i++) {
+    fb_real row = FB_R(0.0);
+    if (FB_FABS(a[i]) > FB_R(0.0)) {
+      for (int j = 0; j < ndof; j++) {
+        row += M[i * ndof + j] * b[j];
+      }
+      sum += a[i] * row;
+    }
+  }
+  return sum;
+}
+
+/* The kind with the largest share of a shape's kinetic energy. */
+static fb_kind fbi_shape_kind(const fb_real *shape, const fb_real *M, int ndof)
+{
+  fb_real share[FB_KIND_COUNT] = {0};
+  int best = 0;
+  for (int i = 0; i < ndof; i++) {
+    fb_real row = FB_R(0.0);
+    for (int j = 0; j < ndof; j++) {
+      row += M[i * ndof + j] * shape[j];
+    }
+    share[fbi_dof_kind[i % 6]] += shape[i] * row;
+  }
+  for (int k = 1; k < FB_KIND_COUNT; k++) {
+    best = share[k] > share[best] ? k : best;
+  }
+  return (fb_kind)best;
+}
+
+/* [E7.3] Mass normalization, x^T M x = 1, orthogonal to the shapes before it, tip displacement of its kind positive.
+   Source: convention.  Shapes: rows of ndof.  Fails: never.  Test: modes_are_orthonormal_with_a_fixed_sign. */
+static void fbi_shape_normalize(fb_modes *modes, int k, const fb_real *M)
+{
+  const int ndof = modes->ndof;
+  fb_real *x = modes->shape + k * ndof;
+  const int main_dof = fbi_kind_dof[modes->kind[k]];
+  fb_real scale, sign, largest = FB_R(0.0);
+  for (int j = 0; j < k; j++) {
+    const fb_real overlap = fbi_modal_mass(modes->shape + j * ndof, M, x, ndof);
+    for (int i = 0; i < ndof; i++) {
+      x[i] -= overlap * modes->shape[j * ndof + i];
+    }
+  }
+  sign = x[ndof - 6 + main_dof];
+  for (int i = main_dof; i < ndof; i += 6) {
+    largest = FB_FABS(x[i]) > FB_FABS(largest) ? x[i] : largest;
+  }
+  if (FB_FABS(sign) < FB_R(1e-3) * FB_FABS(largest)) { /* a node of the shape at the tip: heavy tip body */
+    sign = largest;
+  }
+  scale = (sign < FB_R(0.0) ? -FB_R(1.0) : FB_R(1.0)) / FB_SQRT(fbi_modal_mass(x, M, x, ndof));
+  for (int i = 0; i < ndof; i++) {
+    x[i] *= scale;
+  }
+}
+
+/* Takes the modes asked for from a solved group, n coordinates dof, into work.found; counts[kind] modes so far. */
+static fb_status fbi_group_take(const fb_modes_desc *desc, fb_modes_work *work, const int *dof, int n, int first,
+                                int last, int counts[FB_KIND_COUNT])
+{
+  fb_modes *out = &work->found;
+  for (int k = first; k < last; k++) {
+    const fb_real omega = FB_SQRT(fbi_larger(work->omega2[k], FB_R(0.0)));
+    fb_real *shape;
+    fb_real spare[FBI_MAX_DOF];
+    fb_kind kind;
+    if (desc->omega_limit > FB_R(0.0) && omega > desc->omega_limit) {
+      return FB_OK;
+    }
+    shape = out->n < FB_MAX_MODES ? out->shape + out->n * out->ndof : spare;
+    fbi_zero(shape, out->ndof);
+    for (int i = 0; i < n; i++) {
+      shape[dof[i]] = work->X[k * n + i];
+    }
+    kind = fbi_shape_kind(shape, work->M, out->ndof);
+    if (counts[kind] >= desc->count[kind]) {
+      continue;
+    }
+    if (out->n == FB_MAX_MODES) {
+      return FB_ERR_CAPACITY;
+    }
+    counts[kind]++;
+    out->kind[out->n] = kind;
+    out->omega[out->n] = omega;
+    fbi_shape_normalize(out, out->n, work->M);
+    out->n++;
+  }
+  return FB_OK;
+}
+
+/* Ascending frequency; insertion keeps the order of equal ones. */
+static void fbi_modes_sort(fb_modes *modes)
+{
+  for (int i = 1; i < modes->n; i++) {
+    for (int k = i; k > 0 && modes->omega[k] < modes->omega[k - 1]; k--) {
+      const fb_real omega = modes->omega[k];
+      const fb_kind kind = modes->kind[k];
+      modes->omega[k] = modes->omega[k - 1];
+      modes->omega[k - 1] = omega;
+      modes->kind[k] = modes->kind[k - 1];
+      modes->kind[k - 1] = kind;
+      for (int j = 0; j < modes->ndof; j++) {
+        const fb_real x = modes->shape[k * modes->ndof + j];
+        modes->shape[k * modes->ndof + j] = modes->shape[(k - 1) * modes->ndof + j];
+        modes->shape[(k - 1) * modes->ndof + j] = x;
+      }
+    }
+  }
+}
+
+/* The finite-element coordinates of the kinds asked for, as they are. */
+static fb_status fbi_elements_take(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam,
+                                   const int group[FB_KIND_COUNT])
+{
+  fb_modes *out = &work->found;
+  int dof[FBI_MAX_DOF];
+  for (int i = 0; i < out->ndof; i++) {
+    const fb_kind kind = fbi_dof_kind[i % 6];
+    if (desc->count[kind] > 0 && group[kind] >= 0 && !fbi_is_held(beam, i)) {
+      if (out->n == FB_MAX_MODES) {
+        return FB_ERR_CAPACITY;
+      }
+      fbi_zero(out->shape + out->n * out->ndof, out->ndof);
+      out->shape[out->n * out->ndof + i] = FB_R(1.0);
+      out->kind[out->n] = kind;
+      out->omega[out->n] = FB_R(0.0);
+      dof[out->n] = i;
+      out->n++;
+    }
+  }
+  for (int i = 0; i < out->n; i++) {
+    for (int j = 0; j < out->n; j++) {
+      out->M[i * out->n + j] = work->M[dof[i] * out->ndof + dof[j]];
+      out->K[i * out->n + j] = work->K[dof[i] * out->ndof + dof[j]];
+    }
+  }
+  return FB_OK;
+}
+
+static fb_status fbi_modes_take(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam,
+                                const int group[FB_KIND_COUNT])
+{
+  fb_modes *out = &work->found;
+  int counts[FB_KIND_COUNT] = {0};
+  int dof[FBI_MAX_DOF];
+  for (int id = 0; id < FB_KIND_COUNT; id++) {
+    const int n = fbi_group_dofs(dof, beam, group, id, out->ndof);
+    int found = 0;
+    fb_status status;
+    if (group[id] != id || n == 0) {
+      continue;
+    }
+    status = fbi_group_solve(beam, work, dof, n, out->ndof, &found);
+    if (status == FB_OK) {
+      status = fbi_group_take(desc, work, dof, n, fbi_rigid_modes(beam, group, id), found, counts);
+    }
+    if (status != FB_OK) {
+      return status;
+    }
+  }
+  for (int k = 0; k < FB_KIND_COUNT; k++) {
+    if (desc->count[k] < FB_ALL_MODES && !(desc->omega_limit > FB_R(0.0)) && counts[k] < desc->count[k]) {
+      return FB_ERR_KIND;
+    }
+  }
+  fbi_modes_sort(out);
+  fbi_zero(out->M, out->n * out->n);
+  fbi_zero(out->K, out->n * out->n);
+  for (int k = 0; k < out->n; k++) {
+    out->M[k * out->n + k] = FB_R(1.0);
+    out->K[k * out->n + k] = out->omega[k] * out->omega[k];
+  }
+  return FB_OK;
+}
+
+FB_DEF fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_beam *beam, const fb_modes_desc *desc)
+{
+  int group[FB_KIND_COUNT];
+  fb_status status;
+  FBI_REQUIRE(modes && work && beam && desc, FB_ERR_NULL);
+  if (!fbi_is_finite(&desc->omega_limit, 1)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  if (desc->omega_limit < FB_R(0.0)) {
+    return FB_ERR_VALUE;
+  }
+  work->found.n = 0;
+  work->found.ndof = 6 * (beam->desc.n_element + 1);
+  fb_beam_matrices(work->K, work->M, beam);
+  fbi_kind_groups(group, beam, work->M, work->found.ndof);
+  for (int k = 0; k < FB_KIND_COUNT; k++) {
+    if (desc->count[k] < 0) {
+      return FB_ERR_VALUE;
+    }
+    if (desc->count[k] > 0 && desc->count[k] < FB_ALL_MODES && group[k] < 0) {
+      return FB_ERR_KIND;
+    }
+  }
+  if (desc->basis == FB_BASIS_ELEMENTS) {
+    status = fbi_elements_take(desc, work, beam, group);
+  } else {
+    status = desc->basis == FB_BASIS_MODES ? fbi_modes_take(desc, work, beam, group) : FB_ERR_VALUE;
+  }
+  if (status == FB_OK) {
+    *modes = work->found;
+  }
+  return status;
+}
+
+/* ---------------------------------------------------------------------------------------------------------------
+   8 >>body (uses 1-7)
+   8a shape integrals - 8b effects to terms - 8c kernels of the step - 8d nodes and loads - 8e motion, energy, momentum */
+
+FB_DEF fb_status fb_shape_init(fb_shape *shape, int n)
+{
+  FBI_REQUIRE(shape, FB_ERR_NULL);
+  FBI_REQUIRE(n >= 0, FB_ERR_VALUE);
+  FBI_REQUIRE(n <= FB_MAX_MODES, FB_ERR_CAPACITY);
+  memset(shape, 0, sizeof *shape);
+  shape->n = n;
+  shape->n_node = 1;
+  return FB_OK;
+}
+
+/* A += -w a^ b^ = w ((a.b) 1 - b a^T) */
+static void fbi_add_minus_cross_cross(fb_real A[9], fb_real w, const fb_real a[3], const fb_real b[3])
+{
+  const fb_real dot = fb_vec3_dot(a, b);
+  for (int i = 0; i < 3; i++) {
+    for (int j = 0; j < 3; j++) {
+      A[3 * i + j] += w * ((i == j ? dot : FB_R(0.0)) - b[i] * a[j]);
+    }
+  }
+}
+
+/* [E8.1] Shape integrals of one mass element.
+   m, c = int r, J = -int r^ r^, p_a = int psi_a, h_a = int r x psi_a, M_ab = int psi_a.psi_b, ups_ab = -int psi_a x psi_b,
+   Gam_a = -int psi_a^ r^, Pi_ab = -int psi_a^ psi_b^, p^chi_ab = int chi_ab, h^chi_ab = int r x chi_ab,
+   Gam^chi_ab = -int chi_ab^ r^.  The linear integrals are weighted by m1, the bilinear ones by m2: a particle has both,
+   a direction of spread of a section or a lumped body (E6.2) has m1 = 0.
+   Source: [DB] after (4) and (7).  Shapes: psi nb x 3, chi nb x nb x 3 (NULL: none), coordinates first.. of shape.
+   Cost: 70 nb^2 flops.  Fails: never.  Test: accelerations_agree_with_a_particle_model. */
+static void fbi_shape_add(fb_shape *shape, fb_real m1, fb_real m2, const fb_real r[3], const fb_real *psi,
+                          const fb_real *chi, int first, int nb)
+{
+  const int n = shape->n;
+  shape->mass += m1;
+  fbi_vec3_add(shape->c, m1, r);
+  fbi_add_minus_cross_cross(shape->J, m2, r, r);
+  for (int a = 0; a < nb; a++) {
+    const int at = first + a;
+    fb_real cross[3];
+    fb_vec3_cross(cross, r, psi + 3 * a);
+    fbi_vec3_add(shape->P + 3 * at, m1, psi + 3 * a);
+    fbi_vec3_add(shape->H + 3 * at, m2, cross);
+    fbi_add_minus_cross_cross(shape->Gam + 9 * at, m2, psi + 3 * a, r);
+    for (int b = 0; b < nb; b++) {
+      const int ab = at * n + first + b;
+      fb_vec3_cross(cross, psi + 3 * a, psi + 3 * b);
+      shape->M[ab] += m2 * fb_vec3_dot(psi + 3 * a, psi + 3 * b);
+      fbi_vec3_add(shape->ups + 3 * ab, -m2, cross);
+      fbi_add_minus_cross_cross(shape->Pi + 9 * ab, m2, psi + 3 * a, psi + 3 * b);
+      if (chi) {
+        const fb_real *x = chi + 3 * (a * nb + b);
+        fb_vec3_cross(cross, r, x);
+        fbi_vec3_add(shape->pchi + 3 * ab, m1, x);
+        fbi_vec3_add(shape->hchi + 3 * ab, m2, cross);
+        fbi_add_minus_cross_cross(shape->Gamchi + 9 * ab, m2, x, r);
+      }
+    }
+  }
+}
+
+/* Extent of the body and of its modes, for the deflection limit. */
+static void fbi_shape_extend(fb_shape *shape, const fb_real r[3], const fb_real *psi, int first, int nb)
+{
+  shape->size = fbi_larger(shape->size, fbi_vec3_norm(r));
+  for (int a = 0; a < nb; a++) {
+    shape->reach[first + a] = fbi_larger(shape->reach[first + a], fbi_vec3_norm(psi + 3 * a));
+  }
+}
+
+FB_DEF fb_status fb_shape_add_particle(fb_shape *shape, fb_real mass, const fb_real r[3], const fb_real *psi,
+                                       const fb_real *chi)
+{
+  FBI_REQUIRE(shape && r && (psi || shape->n == 0), FB_ERR_NULL);
+  if (!fbi_is_finite(&mass, 1) || !fbi_is_finite(r, 3) || !fbi_is_finite(psi, 3 * shape->n) ||
+      !fbi_is_finite(chi, chi ? 3 * shape->n * shape->n : 0)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  if (mass < FB_R(0.0)) {
+    return FB_ERR_VALUE;
+  }
+  fbi_shape_add(shape, mass, mass, r, psi, chi, 0, shape->n);
+  fbi_shape_extend(shape, r, psi, 0, shape->n);
+  return FB_OK;
+}
+
+FB_DEF fb_status fb_shape_add_rigid(fb_shape *shape, fb_real mass, const fb_real center[3], const fb_real inertia[6])
+{
+  fb_real spread[3][3];
+  FBI_REQUIRE(shape && center && inertia, FB_ERR_NULL);
+  if (!fbi_is_finite(&mass, 1) || !fbi_is_finite(center, 3) || !fbi_is_finite(inertia, 6)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  if (mass < FB_R(0.0) || fbi_spread(spread, inertia) != FB_OK) {
+    return FB_ERR_VALUE;
+  }
+  fbi_shape_add(shape, mass, mass, center, NULL, NULL, 0, 0);
+  for (int k = 0; k < 3; k++) {
+    fbi_shape_add(shape, FB_R(0.0), FB_R(1.0), spread[k], NULL, NULL, 0, 0);
+  }
+  fbi_shape_extend(shape, center, NULL, 0, 0);
+  return FB_OK;
+}
+
+/* The field of one mode at a point s of an element, beam axes. */
+static void fbi_mode_field(fbi_field *f, const fb_beam *beam, const fb_modes *modes, int mode, int element, fb_real s)
+{
+  fbi_field_eval(f, modes->shape + mode * modes->ndof + 6 * element, s,
+                 beam->desc.length / (fb_real)beam->desc.n_element);
+}
+
+typedef struct fbi_quadratic { /* second-degree displacement and rotation of the section per pair of modes, beam axes */
+  fb_real chi[3 * FB_MAX_MODES * FB_MAX_MODES];
+  fb_real theta[3 * FB_MAX_MODES * FB_MAX_MODES];
+} fbi_quadratic;
+
+/* [E8.2] Slopes of the quadratic field, u = psi q + 1/2 chi q q and rotation vector theta q + 1/2 chi_theta q q, such that
+   stretch, twist and curvature stay LINEAR in q to second degree (the strain energy then needs no cubic terms):
+   chi_theta_ab' = 1/2 (theta_a x theta_b' + theta_b x theta_a'),
+   chi_ab' = chi_theta_ab x e + 1/2 (theta_a x (theta_b x e) + theta_b x (theta_a x e)) + eps_a theta_b x e + eps_b theta_a x e.
+   For pure bending this is the foreshortening chi_ab = -int (psi_2a' psi_2b' + psi_3a' psi_3b') e; with torsion it holds
+   the second-degree part of the section rotation.
+   Source: exponential map to second degree, kappa = theta' - 1/2 theta x theta', u' = R(e + eps e) - e.
+   Shapes: e beam axis; 3-vectors in beam axes.  Fails: never.
+   Test: quadratic_field_keeps_the_strain_linear, spinning_beams_stiffen_as_published. */
+static void fbi_quadratic_slope(fb_real chi[3], fb_real theta[3], const fbi_field *a, const fbi_field *b,
+                                const fb_real chi_theta[3])
+{
+  static const fb_real e[3] = {FB_R(1.0), FB_R(0.0), FB_R(0.0)};
+  fb_real ae[3], be[3];
+  fb_vec3_cross(ae, a->theta, e);
+  fb_vec3_cross(be, b->theta, e);
+  fb_vec3_cross(theta, a->theta, b->curvature);
+  fbi_vec3_add_cross(theta, b->theta, a->curvature);
+  fb_vec3_cross(chi, a->theta, be);
+  fbi_vec3_add_cross(chi, b->theta, ae);
+  for (int i = 0; i < 3; i++) {
+    theta[i] *= FB_R(0.5);
+    chi[i] *= FB_R(0.5);
+  }
+  fbi_vec3_add_cross(chi, chi_theta, e);
+  fbi_vec3_add(chi, a->strain, be);
+  fbi_vec3_add(chi, b->strain, ae);
+}
+
+typedef struct fbi_cumulative {           /* weights of the integrals of a cell from its start, exact to degree 4 */
+  fb_real to_point[FBI_GAUSS][FBI_GAUSS]; /* to each Gauss point: int_0^x_i f = sum_j w_ij f(x_j) */
+  fb_real to_t[FBI_GAUSS];                /* to the fraction t */
+} fbi_cumulative;
+
+static void fbi_cumulative_weights(fb_real w[FBI_GAUSS], fb_real t)
+{
+  for (int j = 0; j < FBI_GAUSS; j++) {
+    w[j] = FB_R(0.0);
+    for (int g = 0; g < FBI_GAUSS; g++) {
+      const fb_real x = t * fbi_gauss_x[g];
+      fb_real lagrange = FB_R(1.0);
+      for (int k = 0; k < FBI_GAUSS; k++) {
+        lagrange *= k == j ? FB_R(1.0) : (x - fbi_gauss_x[k]) / (fbi_gauss_x[j] - fbi_gauss_x[k]);
+      }
+      w[j] += t * fbi_gauss_w[g] * lagrange;
+    }
+  }
+}
+
+static void fbi_cumulative_init(fbi_cumulative *c, fb_real t)
+{
+  for (int g = 0; g < FBI_GAUSS; g++) {
+    fbi_cumulative_weights(c->to_point[g], fbi_gauss_x[g]);
+  }
+  fbi_cumulative_weights(c->to_t, t);
+}
+
+/* Integrates the quadratic field of the pair (a, b) over a part of a cell, from chi and theta at the cell's start. */
+static void fbi_quadratic_advance(fb_real chi[3], fb_real theta[3], const fb_beam *beam, const fb_modes *modes,
+                                  const fbi_cell *cell, const fbi_cumulative *c, int a, int b)
+{
+  const fb_real dx = cell->x1 - cell->x0;
+  fbi_field fa[FBI_GAUSS], fb[FBI_GAUSS];
+  fb_real rate[FBI_GAUSS][3], at[3], slope[3], unused[3];
+  for (int g = 0; g < FBI_GAUSS; g++) {
+    const fb_real s = fbi_cell_s(cell, beam, fbi_gauss_x[g]);
+    fbi_mode_field(&fa[g], beam, modes, a, cell->element, s);
+    fbi_mode_field(&fb[g], beam, modes, b, cell->element, s);
+    fbi_quadratic_slope(unused, rate[g], &fa[g], &fb[g], theta);
+  }
+  for (int g = 0; g < FBI_GAUSS; g++) { /* the rotation at each point first: the displacement follows it */
+    fbi_copy(at, theta, 3);
+    for (int j = 0; j < FBI_GAUSS; j++) {
+      fbi_vec3_add(at, dx * c->to_point[g][j], rate[j]);
+    }
+    fbi_quadratic_slope(slope, unused, &fa[g], &fb[g], at);
+    fbi_vec3_add(chi, dx * c->to_t[g], slope);
+  }
+  for (int j = 0; j < FBI_GAUSS; j++) {
+    fbi_vec3_add(theta, dx * c->to_t[j], rate[j]);
+  }
+}
+
+typedef struct fbi_station { /* the displacement fields of all modes at a point of the reference line, body axes */
+  fb_real r[3];
+  fb_real u[3 * FB_MAX_MODES], theta[3 * FB_MAX_MODES];
+  fbi_quadratic quad; /* n x n x 3 */
+} fbi_station;
+
+/* Fields at the fraction t of a cell; start holds the quadratic field at the cell's beginning, beam axes. */
+static void fbi_station_eval(fbi_station *st, const fb_beam *beam, const fb_modes *modes, const fbi_cell *cell,
+                             fb_real t, const fbi_quadratic *start)
+{
+  const fb_real x[3] = {cell->x0 + t * (cell->x1 - cell->x0), FB_R(0.0), FB_R(0.0)};
+  fbi_cumulative weights;
+  fbi_cumulative_init(&weights, t);
+  fb_mat33_mul_vec3(st->r, beam->axes, x);
+  fbi_vec3_add(st->r, FB_R(1.0), beam->desc.position);
+  for (int a = 0; a < modes->n; a++) {
+    fbi_field f;
+    fbi_mode_field(&f, beam, modes, a, cell->element, fbi_cell_s(cell, beam, t));
+    fb_mat33_mul_vec3(st->u + 3 * a, beam->axes, f.u);
+    fb_mat33_mul_vec3(st->theta + 3 * a, beam->axes, f.theta);
+    for (int b = 0; b <= a; b++) {
+      const int ab = 3 * (a * modes->n + b), ba = 3 * (b * modes->n + a);
+      fb_real chi[3], theta[3];
+      fbi_copy(chi, start->chi + ab, 3);
+      fbi_copy(theta, start->theta + ab, 3);
+      fbi_quadratic_advance(chi, theta, beam, modes, cell, &weights, a, b);
+      fb_mat33_mul_vec3(st->quad.chi + ab, beam->axes, chi);
+      fb_mat33_mul_vec3(st->quad.theta + ab, beam->axes, theta);
+      fbi_copy(st->quad.chi + ba, st->quad.chi + ab, 3);
+      fbi_copy(st->quad.theta + ba, st->quad.theta + ab, 3);
+    }
+  }
+}
+
+/* Carries the quadratic field from a cell's start to its end. */
+static void fbi_quadratic_next(fbi_quadratic *start, const fb_beam *beam, const fb_modes *modes, const fbi_cell *cell)
+{
+  fbi_cumulative weights;
+  fbi_cumulative_init(&weights, FB_R(1.0));
+  for (int a = 0; a < modes->n; a++) {
+    for (int b = 0; b <= a; b++) {
+      const int ab = 3 * (a * modes->n + b);
+      fbi_quadratic_advance(start->chi + ab, start->theta + ab, beam, modes, cell, &weights, a, b);
+    }
+  }
+}
+
+/* [E8.3] Displacement of a point d off the reference line, which turns with the section:
+   psi_a += theta_a x d,  chi_ab += chi_theta_ab x d + 1/2 (theta_a x (theta_b x d) + theta_b x (theta_a x d)).
+   With linear = 0 only these parts are formed (a direction of spread, E6.2).
+   Source: exponential map to second degree.  Shapes: psi n x 3, chi n x n x 3.  Fails: never.
+   Test: offset_masses_move_with_their_section. */
+static void fbi_offset_field(fb_real *psi, fb_real *chi, const fbi_station *st, const fb_real d[3], int n, int linear)
+{
+  for (int a = 0; a < n; a++) {
+    fb_vec3_cross(psi + 3 * a, st->theta + 3 * a, d);
+    fbi_vec3_add(psi + 3 * a, (fb_real)linear, st->u + 3 * a);
+  }
+  for (int a = 0; a < n; a++) {
+    for (int b = 0; b < n; b++) {
+      fb_real *x = chi + 3 * (a * n + b);
+      fb_real ad[3], bd[3], second[3];
+      fb_vec3_cross(ad, st->theta + 3 * a, d);
+      fb_vec3_cross(bd, st->theta + 3 * b, d);
+      fb_vec3_cross(second, st->theta + 3 * a, bd);
+      fbi_vec3_add_cross(second, st->theta + 3 * b, ad);
+      fb_vec3_cross(x, st->quad.theta + 3 * (a * n + b), d);
+      fbi_vec3_add(x, FB_R(0.5), second);
+      fbi_vec3_add(x, (fb_real)linear, st->quad.chi + 3 * (a * n + b));
+    }
+  }
+}
+
+/* A rigid slice at a station: mass with its center d, and directions of spread s_k (weights w_k), body axes. */
+static void fbi_slice_add(fb_shape *shape, const fbi_station *st, int first, int n, fb_real mass, const fb_real d[3],
+                          fb_real spread[3][3], const fb_real w[3])
+{
+  fb_real psi[3 * FB_MAX_MODES], chi[3 * FB_MAX_MODES * FB_MAX_MODES], r[3];
+  fbi_copy(r, st->r, 3);
+  fbi_vec3_add(r, FB_R(1.0), d);
+  fbi_offset_field(psi, chi, st, d, n, 1);
+  fbi_shape_add(shape, mass, mass, r, psi, chi, first, n);
+  fbi_shape_extend(shape, r, psi, first, n);
+  for (int k = 0; k < 3; k++) {
+    if (w[k] > FB_R(0.0)) {
+      fbi_offset_field(psi, chi, st, spread[k], n, 0);
+      fbi_shape_add(shape, FB_R(0.0), w[k], spread[k], psi, chi, first, n);
+    }
+  }
+}
+
+/* Lumped bodies at the element node that a station lies on. */
+static void fbi_lumps_to_shape(fb_shape *shape, const fb_beam *beam, const fbi_station *st, int node, int first, int n)
+{
+  for (int k = 0; k < beam->desc.n_lump; k++) {
+    const fb_lump *lump = &beam->desc.lump[k];
+    const fb_real unit[3] = {FB_R(1.0), FB_R(1.0), FB_R(1.0)};
+    fb_real local[3][3], spread[3][3], d[3];
+    if (lump->node == node && fbi_spread(local, lump->inertia) == FB_OK) {
+      for (int i = 0; i < 3; i++) {
+        fb_mat33_mul_vec3(spread[i], beam->axes, local[i]);
+      }
+      fb_mat33_mul_vec3(d, beam->axes, lump->center);
+      fbi_slice_add(shape, st, first, n, lump->mass, d, spread, unit);
+    }
+  }
+}
+
+static fb_status fbi_beam_fits(const fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes)
+{
+  FBI_REQUIRE(shape && beam && modes, FB_ERR_NULL);
+  FBI_REQUIRE(first >= 0 && modes->n >= 0 && first + modes->n <= shape->n, FB_ERR_CAPACITY);
+  FBI_REQUIRE(modes->ndof == 6 * (beam->desc.n_element + 1), FB_ERR_VALUE);
+  return FB_OK;
+}
+
+FB_DEF fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes)
+{
+  const fb_real none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  const fb_status status = fbi_beam_fits(shape, first, beam, modes);
+  fb_real spread[3][3];
+  fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
+  fbi_quadratic start;
+  fbi_station st;
+  int node = 0;
+  if (status != FB_OK) {
+    return status;
+  }
+  for (int i = 0; i < 3; i++) { /* columns of the axes: the section spreads along y and z */
+    for (int k = 0; k < 3; k++) {
+      spread[k][i] = beam->axes[3 * i + k];
+    }
+  }
+  memset(&start, 0, sizeof start);
+  while (fbi_cell_next(&cell, beam)) {
+    if (cell.element == node) {
+      fbi_station_eval(&st, beam, modes, &cell, FB_R(0.0), &start);
+      fbi_lumps_to_shape(shape, beam, &st, node, first, modes->n);
+      node++;
+    }
+    for (int g = 0; g < FBI_GAUSS; g++) {
+      const fb_real dx = fbi_gauss_w[g] * (cell.x1 - cell.x0);
+      fb_section section;
+      fb_real w[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+      fb_beam_section(&section, beam, cell.x0 + fbi_gauss_x[g] * (cell.x1 - cell.x0));
+      w[1] = dx * section.i_z;
+      w[2] = dx * section.i_y;
+      fbi_station_eval(&st, beam, modes, &cell, fbi_gauss_x[g], &start);
+      fbi_slice_add(shape, &st, first, modes->n, dx * section.mass, none, spread, w);
+    }
+    if (node == beam->desc.n_element && cell.x1 >= beam->desc.length * (FB_R(1.0) - FB_R(1e-6) / (fb_real)node)) {
+      fbi_station_eval(&st, beam, modes, &cell, FB_R(1.0), &start);
+      fbi_lumps_to_shape(shape, beam, &st, node, first, modes->n);
+      fbi_shape_extend(shape, st.r, st.u, first, modes->n);
+    }
+    fbi_quadratic_next(&start, beam, modes, &cell);
+  }
+  for (int a = 0; a < modes->n; a++) {
+    for (int b = 0; b < modes->n; b++) {
+      shape->K[(first + a) * shape->n + first + b] += modes->K[a * modes->n + b];
+    }
+  }
+  return FB_OK;
+}
+
+FB_DEF fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, const fb_beam *beam,
+                                        const fb_modes *modes, fb_real x)
+{
+  const fb_status status = fbi_beam_fits(shape, first, beam, modes);
+  fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
+  fbi_quadratic start;
+  fbi_station st;
+  if (status != FB_OK) {
+    return status;
+  }
+  FBI_REQUIRE(node, FB_ERR_NULL);
+  if (!fbi_is_finite(&x, 1)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  if (x < FB_R(0.0) || x > beam->desc.length * (FB_R(1.0) + FB_R(4.0) * FB_EPSILON)) {
+    return FB_ERR_VALUE;
+  }
+  if (shape->n_node >= FB_MAX_NODES) {
+    return FB_ERR_CAPACITY;
+  }
+  memset(&start, 0, sizeof start);
+  (void)fbi_cell_next(&cell, beam);
+  while (x > cell.x1 && cell.element < beam->desc.n_element) {
+    fbi_cell next = cell;
+    if (!fbi_cell_next(&next, beam)) {
+      break;
+    }
+    fbi_quadratic_next(&start, beam, modes, &cell);
+    cell = next;
+  }
+  fbi_station_eval(&st, beam, modes, &cell, (x - cell.x0) / (cell.x1 - cell.x0), &start);
+  {
+    fb_node *out = &shape->node[shape->n_node];
+    memset(out, 0, sizeof *out);
+    fbi_copy(out->r, st.r, 3);
+    fbi_copy(out->psi + 3 * first, st.u, 3 * modes->n);
+    fbi_copy(out->theta + 3 * first, st.theta, 3 * modes->n);
+#if FBI_WITH_QUADRATIC
+    for (int a = 0; a < modes->n; a++) {
+      for (int b = 0; b <= a; b++) {
+        const int pair = 3 * ((first + a) * (first + a + 1) / 2 + first + b), ab = 3 * (a * modes->n + b);
+        fbi_copy(out->chi + pair, st.quad.chi + ab, 3);
+        fbi_copy(out->chi_theta + pair, st.quad.theta + ab, 3);
+      }
+    }
+#endif
+  }
+  *node = shape->n_node++;
+  return FB_OK;
+}
+
+/* ---- 8b effects to terms */
+
+#define FBI_EFFECTS_BUILT                                                      \
+  (FB_EFFECT_ELASTIC | (FB_WITH_SPIN_COUPLING ? FB_EFFECT_SPIN_COUPLING : 0) | \
+   (FB_WITH_RESIDUAL_INERTIA ? FB_EFFECT_RESIDUAL_INERTIA : 0) |               \
+   (FB_WITH_SPIN_STIFFENING ? FB_EFFECT_SPIN_STIFFENING : 0) |                 \
+   (FB_WITH_ACCELERATION_STIFFENING ? FB_EFFECT_ACCELERATION_STIFFENING : 0) | \
+   (FB_WITH_DAMPING ? FB_EFFECT_DAMPING : 0) | (FB_WITH_GRAVITY ? FB_EFFECT_GRAVITY : 0))
+
+FB_DEF fb_status fb_effects_check(unsigned effects)
+{
+  if (effects & ~(unsigned)FBI_EFFECTS_BUILT) {
+    return FB_ERR_EFFECTS;
+  }
+  if ((effects & FB_EFFECT_RESIDUAL_INERTIA) &&
+      (!(effects & FB_EFFECT_SPIN_COUPLING) || !(effects & FB_EFFECT_SPIN_STIFFENING))) {
+    return FB_ERR_EFFECTS;
+  }
+  return FB_OK;
+}
+
+/* [E8.4] Coupling matrices Lambda(q) = Lambda_0 + sum_a q_a Lambda_a (6 x n each), a = 0 first:
+   Lambda_0 = [P; H],  Lambda_a = [P^chi_a ; H^chi_a - Ups_a],  Ups_a = row_b{ups_ab}:
+   what the second-order form calls M_re(q), the momenta of the modes on the deformed body. ups enters with the spin
+   coupling, chi with the acceleration stiffening.
+   Source: DESIGN 2 and 3; [DB] (7), (25).  Shapes: Lambda (n+1) x 6 x n.  Fails: never.
+   Test: accelerations_agree_with_a_particle_model. */
+static void fbi_lambda_fill(fb_real *Lambda, const fb_shape *shape, int n, int with_ups, int with_chi)
+{
+  fbi_zero(Lambda, (n + 1) * 6 * n);
+  for (int b = 0; b < n; b++) {
+    for (int i = 0; i < 3; i++) {
+      Lambda[i * n + b] = shape->P[3 * b + i];
+      Lambda[(3 + i) * n + b] = shape->H[3 * b + i];
+      for (int a = 0; a < n; a++) {
+        const int ab = 3 * (a * n + b) + i;
+        fb_real *row = Lambda + ((a + 1) * 6 + i) * n + b;
+        row[0] = with_chi ? shape->pchi[ab] : FB_R(0.0);
+        row[3 * n] = (with_chi ? shape->hchi[ab] : FB_R(0.0)) - (with_ups ? shape->ups[ab] : FB_R(0.0));
+      }
+    }
+  }
+}
+
+/* Length of the 3-vector at x, or its bound by the two diagonal ones: what an element is small against. */
+static fb_real fbi_pair_size(const fb_real *x, int a, int b, int n)
+{
+  const fb_real own = fbi_vec3_norm(x + 3 * (a * n + b));
+  return own + FB_SQRT(fbi_vec3_norm(x + 3 * (a * n + a))) * FB_SQRT(fbi_vec3_norm(x + 3 * (b * n + b)));
+}
+
+/* Lists the elements of Lambda that are not zero to rounding; the linear momentum's first. */
+static void fbi_lambda_list(fb_body *body, const fb_shape *shape, const fb_real *Lambda)
+{
+  const int n = body->n;
+  const fb_real tol = FB_R(64.0) * FB_EPSILON;
+  body->n_lambda = 0;
+  for (int i = 0; i < 6; i++) {
+    const fb_real rigid = FB_SQRT(i < 3 ? shape->mass : shape->J[0] + shape->J[4] + shape->J[8]);
+    for (int a = 0; a <= n; a++) {
+      for (int b = 0; b < n; b++) {
+        const fb_real value = Lambda[(a * 6 + i) * n + b];
+        const fb_real mb = FB_SQRT(shape->M[b * n + b]);
+        fb_real size = rigid * mb;
+        if (a > 0) {
+          size = fbi_pair_size(i < 3 ? shape->pchi : shape->hchi, a - 1, b, n) +
+                 (i < 3 ? FB_R(0.0) : FB_SQRT(shape->M[(a - 1) * n + a - 1]) * mb);
+        }
+        if (FB_FABS(value) > tol * size) {
+          const int t = body->n_lambda++;
+          body->lambda[t] = value;
+          body->lambda_i[t] = (unsigned char)i;
+          body->lambda_a[t] = (unsigned char)a;
+          body->lambda_b[t] = (unsigned char)b;
+        }
+      }
+    }
+    body->n_lambda_linear = i == 2 ? body->n_lambda : body->n_lambda_linear;
+  }
+}
+
+/* A 6x6 of blocks [m 1, -c^; c^, J] from m, c and J, packed; the symmetric part of J counts. */
+static void fbi_rigid_matrix(fb_real S[21], fb_real m, const fb_real c[3], const fb_real J[9])
+{
+  fbi_zero(S, 21);
+  S[0] = S[6] = S[11] = m;
+  S[4] = c[2]; /* rows v, columns w: -c^ */
+  S[5] = -c[1];
+  S[8] = -c[2];
+  S[10] = c[0];
+  S[12] = c[1];
+  S[13] = -c[0];
+  for (int i = 0; i < 3; i++) {
+    for (int j = i; j < 3; j++) {
+      S[fb_sym6_index(3 + i, 3 + j)] = FB_R(0.5) * (J[3 * i + j] + J[3 * j + i]);
+    }
+  }
+}
+
+/* [E8.5] Rigid part of S: M_rr(q) = [m 1, -c(q)^; c(q)^, J(q)], coefficient of the monomial (1,q)_a (1,q)_b, a >= b:
+   c(q) = c + p_a q_a + 1/2 p^chi_ab q_a q_b,  J(q) = J + (Gam_a + Gam_a^T) q_a + (Pi_ab + 1/2 (Gam^chi_ab + ^T)) q_a q_b.
+   p_a, Gam_a, Pi_ab belong to the residual inertia, Gam^chi to the spin stiffening, p^chi to the acceleration stiffening.
+   Source: [DB] after (4), DESIGN 3.  Shapes: S packed 21.  Fails: never.
+   Test: accelerations_agree_with_a_particle_model. */
+static void fbi_rigid_term(fb_real S[21], const fb_shape *shape, unsigned effects, int a, int b)
+{
+  const int n = shape->n;
+  fb_real c[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, J[9] = {0}, m = FB_R(0.0);
+  if (a == 0) {
+    m = shape->mass;
+    fbi_copy(c, shape->c, 3);
+    fbi_copy(J, shape->J, 9);
+  } else if (b == 0) {
+    if (effects & FB_EFFECT_RESIDUAL_INERTIA) {
+      fbi_copy(c, shape->P + 3 * (a - 1), 3);
+      for (int i = 0; i < 9; i++) {
+        J[i] = FB_R(2.0) * shape->Gam[9 * (a - 1) + i];
+      }
+    }
+  } else {
+    const int ab = (a - 1) * n + b - 1;
+    const fb_real twice = a == b ? FB_R(1.0) : FB_R(2.0); /* ab and ba */
+    for (int i = 0; i < 9; i++) {
+      J[i] = twice * ((effects & FB_EFFECT_RESIDUAL_INERTIA ? shape->Pi[9 * ab + i] : FB_R(0.0)) +
+                      (effects & FB_EFFECT_SPIN_STIFFENING ? shape->Gamchi[9 * ab + i] : FB_R(0.0)));
+    }
+    if (effects & FB_EFFECT_ACCELERATION_STIFFENING) {
+      fbi_vec3_add(c, FB_R(0.5) * twice, shape->pchi + 3 * ab);
+    }
+  }
+  fbi_rigid_matrix(S, m, c, J);
+}
+
+/* What the rigid and elastic contributions to element (i, j) of S of a pair are made of: below rounding of this it is zero. */
+static fb_real fbi_S_size(const fb_shape *shape, const fb_real *Z, int a, int b, int i, int j)
+{
+  const int n = shape->n;
+  const fb_real J = FB_SQRT(shape->J[0] + shape->J[4] + shape->J[8]);
+  const fb_real m = FB_SQRT(shape->mass);
+  fb_real size = FB_R(0.0), zi = FB_R(0.0), zj = FB_R(0.0);
+  for (int k = 0; k < n; k++) {
+    zi += Z[(a * 6 + i) * n + k] * Z[(a * 6 + i) * n + k] + Z[(b * 6 + i) * n + k] * Z[(b * 6 + i) * n + k];
+    zj += Z[(a * 6 + j) * n + k] * Z[(a * 6 + j) * n + k] + Z[(b * 6 + j) * n + k] * Z[(b * 6 + j) * n + k];
+  }
+  if (j >= 3) {
+    const fb_real sa = a > 0 ? FB_SQRT(shape->M[(a - 1) * n + a - 1]) : J;
+    const fb_real sb = b > 0 ? FB_SQRT(shape->M[(b - 1) * n + b - 1]) : (i < 3 ? m : J);
+    size = sa * sb;
+  }
+  return size + FB_SQRT(zi) * FB_SQRT(zj);
+}
+
+/* [E8.6] Terms of the Schur complement S(q) = M_rr(q) - Lambda(q) M^-1 Lambda(q)^T. With M = L L^T and Z_a = Lambda_a L^-T
+   the coefficient of a pair is its part of M_rr less Z_a Z_b^T + Z_b Z_a^T (once for a = b).
+   This is DESIGN's S_0 + [0 D1; D1^T D2] in one polynomial. Without residual inertia the caller leaves ups out of Z.
+   Source: DESIGN 2 and 3.  Shapes: Z (n+1) x 6 x n.  Cost: 21 n^3.  Fails: never.
+   Test: residual_inertia_vanishes_on_a_rotation_closed_basis, accelerations_agree_with_a_particle_model. */
+static void fbi_S_list(fb_body *body, const fb_shape *shape, const fb_real *Z)
+{
+  const int n = body->n;
+  const int last = body->constant_S ? 0 : n;
+  int pair = 0;
+  body->n_S = 0;
+  for (int a = 0; a <= last; a++) {
+    for (int b = 0; b <= a; b++) {
+      fb_real S[21];
+      const int before = body->n_S;
+      fbi_rigid_term(S, shape, body->effects, a, b);
+      for (int i = 0; i < 6; i++) {
+        for (int j = i; j < 6; j++) {
+          fb_real elastic = FB_R(0.0);
+          const int at = fb_sym6_index(i, j);
+          for (int k = 0; k < n; k++) {
+            elastic += Z[(a * 6 + i) * n + k] * Z[(b * 6 + j) * n + k];
+            elastic += a == b ? FB_R(0.0) : Z[(b * 6 + i) * n + k] * Z[(a * 6 + j) * n + k];
+          }
+          S[at] -= elastic;
+          if (a == 0 || FB_FABS(S[at]) > FB_R(64.0) * FB_EPSILON * fbi_S_size(shape, Z, a, b, i, j)) {
+            body->S[body->n_S] = S[at];
+            body->S_i[body->n_S++] = (unsigned char)at;
+          }
+        }
+      }
+      body->S_count[pair++] = (unsigned char)(body->n_S - before);
+    }
+  }
+}
+
+/* [E8.7] Damping force C q_dot with the modal ratios zeta_k: C = sum_k 2 zeta_k omega_k (M x_k)(M x_k)^T.
+   For normalized modes C = diag(2 zeta omega). It acts on the rate of deformation, so it takes no momentum.
+   Source: textbook.  Shapes: C n x n.  Fails: K indefinite.  Test: damped_free_decay_has_the_given_ratio. */
+#if FB_WITH_DAMPING
+static fb_status fbi_damping_fill(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_real *zeta)
+{
+  const int n = body->n;
+  fb_status status;
+  fbi_zero(body->C, n * n);
+  fbi_zero(body->C_diagonal, n);
+  if (!(body->effects & FB_EFFECT_DAMPING)) {
+    return FB_OK;
+  }
+  if (body->normalized) {
+    for (int k = 0; k < n; k++) {
+      body->C_diagonal[k] = FB_R(2.0) * zeta[k] * FB_SQRT(body->K_diagonal[k]);
+      body->C[k * n + k] = body->C_diagonal[k];
+    }
+    return FB_OK;
+  }
+  fbi_copy(work->A, shape->K, n * n);
+  fbi_copy(work->B, shape->M, n * n);
+  status = fb_eig_gen_solve(work->d, work->X, work->A, work->B, n);
+  for (int k = 0; status == FB_OK && k < n; k++) {
+    const fb_real factor = FB_R(2.0) * zeta[k] * FB_SQRT(fbi_larger(work->d[k], FB_R(0.0)));
+    for (int i = 0; i < n; i++) { /* row k of A: M x_k */
+      work->A[i] = FB_R(0.0);
+      for (int j = 0; j < n; j++) {
+        work->A[i] += shape->M[i * n + j] * work->X[k * n + j];
+      }
+    }
+    for (int i = 0; i < n * n; i++) {
+      body->C[i] += factor * work->A[i / n] * work->A[i % n];
+    }
+  }
+  return status;
+}
+#endif
+
+/* Largest eigenvalue of A x = d B x; B is kept, A is not. */
+static fb_status fbi_largest_eigenvalue(fb_real *largest, fb_body_work *work, const fb_real *B, int n)
+{
+  fb_status status = FB_OK;
+  *largest = FB_R(0.0);
+  if (n > 0) {
+    fbi_copy(work->B, B, n * n);
+    status = fb_eig_gen_solve(work->d, work->X, work->A, work->B, n);
+    *largest = fbi_larger(*largest, status == FB_OK ? work->d[n - 1] : FB_R(0.0));
+  }
+  return status;
+}
+
+/* sqrt of the largest eigenvalue of sum_i T_i^T B^-1 T_i against B, T_i(a,b) = table[3 (a n + b) + i]: a bound of the
+   norm of sum_i x_i T_i for a unit vector x. */
+static fb_status fbi_table_norm(fb_real *norm, fb_body_work *work, const fb_real *table, const fb_real *B, int n)
+{
+  fb_status status = FB_OK;
+  fb_real largest = FB_R(0.0);
+  fbi_copy(work->L, B, n * n);
+  if (n > 0) {
+    status = fb_chol_factor(work->L, n);
+  }
+  fbi_zero(work->A, n * n);
+  for (int i = 0; status == FB_OK && i < 3; i++) {
+    for (int a = 0; a < n; a++) { /* row a of X: L^-1 T_i e_a */
+      for (int b = 0; b < n; b++) {
+        work->X[a * n + b] = table[3 * (b * n + a) + i];
+      }
+      fbi_chol_forward(work->X + a * n, work->L, work->X + a * n, n);
+    }
+    for (int ab = 0; ab < n * n; ab++) {
+      for (int k = 0; k < n; k++) {
+        work->A[ab] += work->X[(ab / n) * n + k] * work->X[(ab % n) * n + k];
+      }
+    }
+  }
+  if (status == FB_OK) {
+    status = fbi_largest_eigenvalue(&largest, work, B, n);
+  }
+  *norm = FB_SQRT(largest);
+  return status;
+}
+
+/* [E8.8] Bounds of the body's highest frequency |lambda| <= g + sqrt(g^2 + k) with g = limit_gyro |w| + limit_damping / 2,
+   k = limit_elastic + limit_spin w^2 + limit_acceleration |a|: the largest eigenvalues of K, C, the gyroscopic matrices and
+   the stiffening, all against the elastic mass that is left when the body is free, M - M_re^T M_rr^-1 M_re.
+   Source: quadratic eigenvalue bound |lambda|^2 <= 2 g |lambda| + k.  Fails: M or S_0 not positive definite.
+   Test: the_step_limit_is_the_stability_boundary. */
+static fb_status fbi_limits_fill(fb_body *body, fb_body_work *work, const fb_shape *shape)
+{
+  const int n = body->n;
+  fb_real *reduced = body->Minv; /* free until the inverse is formed */
+  fb_status status = FB_OK;
+  fbi_copy(reduced, shape->M, n * n);
+  if (body->base == FB_BASE_FREE) {
+    fb_real S[21];
+    fbi_rigid_matrix(S, shape->mass, shape->c, shape->J);
+    for (int b = 0; b < n && status == FB_OK; b++) {
+      fb_real column[6];
+      fbi_copy(column, shape->P + 3 * b, 3);
+      fbi_copy(column + 3, shape->H + 3 * b, 3);
+      status = fb_sym6_solve(column, S, column);
+      for (int a = 0; a < n; a++) {
+        reduced[a * n + b] -= fb_vec3_dot(column, shape->P + 3 * a) + fb_vec3_dot(column + 3, shape->H + 3 * a);
+      }
+    }
+  }
+  fbi_copy(work->A, shape->K, n * n);
+  status = status == FB_OK ? fbi_largest_eigenvalue(&body->limit_elastic, work, reduced, n) : status;
+  body->limit_damping = FB_R(0.0);
+  body->limit_gyro = FB_R(1.0);
+  body->limit_spin = FB_R(0.0);
+  body->limit_acceleration = FB_R(0.0);
+#if FB_WITH_DAMPING
+  fbi_copy(work->A, body->C, n * n);
+  status = status == FB_OK ? fbi_largest_eigenvalue(&body->limit_damping, work, reduced, n) : status;
+#endif
+  if (body->effects & FB_EFFECT_SPIN_COUPLING) {
+    fb_real gyro = FB_R(0.0);
+    status = status == FB_OK ? fbi_table_norm(&gyro, work, shape->ups, reduced, n) : status;
+    body->limit_gyro = fbi_larger(FB_R(1.0), gyro);
+  }
+  if (body->effects & FB_EFFECT_SPIN_STIFFENING) {
+    for (int ab = 0; ab < n * n; ab++) {
+      work->A[ab] = -(shape->Gamchi[9 * ab] + shape->Gamchi[9 * ab + 4] + shape->Gamchi[9 * ab + 8]);
+    }
+    status = status == FB_OK ? fbi_largest_eigenvalue(&body->limit_spin, work, reduced, n) : status;
+  }
+  if (body->effects & FB_EFFECT_ACCELERATION_STIFFENING) {
+    status = status == FB_OK ? fbi_table_norm(&body->limit_acceleration, work, shape->pchi, reduced, n) : status;
+  }
+  return status;
+}
+
+/* M = 1 to rounding and K diagonal: the step then needs no products with M^-1. */
+static int fbi_is_normalized(const fb_shape *shape)
+{
+  const int n = shape->n;
+  for (int i = 0; i < n; i++) {
+    for (int j = 0; j < n; j++) {
+      const fb_real expected = i == j ? FB_R(1.0) : FB_R(0.0);
+      if (FB_FABS(shape->M[i * n + j] - expected) > FB_R(64.0) * FB_EPSILON ||
+          (i != j && FB_FABS(shape->K[i * n + j]) > FB_R(0.0))) {
+        return 0;
+      }
+    }
+  }
+  return 1;
+}
+
+static fb_status fbi_inverses_fill(fb_body *body, fb_body_work *work)
+{
+  const int n = body->n;
+  for (int j = 0; j < n; j++) { /* work.L holds the factor of M */
+    fbi_zero(work->d, n);
+    work->d[j] = FB_R(1.0);
+    fb_chol_solve(body->Minv + j * n, work->L, work->d, n);
+  }
+  if (body->base == FB_BASE_FREE) {
+    fb_real S[21] = {0};
+    for (int t = 0; t < body->S_count[0]; t++) {
+      S[body->S_i[t]] = body->S[t];
+    }
+    for (int j = 0; j < 6; j++) {
+      fb_real unit[6] = {0};
+      unit[j] = FB_R(1.0);
+      if (fb_sym6_solve(body->S0_inverse + 6 * j, S, unit) != FB_OK) {
+        return FB_ERR_SINGULAR;
+      }
+    }
+  }
+  return FB_OK;
+}
+
+static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *desc)
+{
+  if (!fbi_is_finite(desc->zeta, shape->n) || !fbi_is_finite(desc->gravity, 3) ||
+      !fbi_is_finite(&desc->deflection_limit, 1)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  for (int k = 0; k < shape->n; k++) {
+    if (desc->zeta[k] < FB_R(0.0)) {
+      return FB_ERR_VALUE;
+    }
+  }
+  if (!(shape->mass > FB_R(0.0)) || desc->deflection_limit < FB_R(0.0) ||
+      (desc->base != FB_BASE_FREE && desc->base != FB_BASE_PRESCRIBED)) {
+    return FB_ERR_VALUE;
+  }
+  if ((desc->effects & ~(unsigned)FBI_EFFECTS_BUILT) ||
+      (!desc->allow_split_effects && fb_effects_check(desc->effects) != FB_OK)) {
+    return FB_ERR_EFFECTS;
+  }
+  return FB_OK;
+}
+
+/* Everything but matrices and terms. */
+static void fbi_body_fill(fb_body *body, const fb_shape *shape, const fb_body_desc *desc)
+{
+  memset(body, 0, sizeof *body);
+  body->effects = desc->effects & FB_EFFECT_ELASTIC ? desc->effects : desc->effects & FB_EFFECT_GRAVITY;
+  body->n = desc->effects & FB_EFFECT_ELASTIC ? shape->n : 0;
+  body->n_node = shape->n_node;
+  body->base = desc->base;
+  body->allow_long_step = desc->allow_long_step;
+  body->normalized = fbi_is_normalized(shape);
+  body->constant_S =
+      body->n == 0 ||
+      !(body->effects & (FB_EFFECT_RESIDUAL_INERTIA | FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING));
+  body->mass = shape->mass;
+  fbi_copy(body->c, shape->c, 3);
+  body->deflection_limit = desc->deflection_limit > FB_R(0.0) ? desc->deflection_limit : shape->size;
+  fbi_copy(body->reach, shape->reach, body->n);
+#if FB_WITH_GRAVITY
+  if (body->effects & FB_EFFECT_GRAVITY) {
+    fbi_copy(body->gravity, desc->gravity, 3);
+  }
+#endif
+  for (int k = 0; k < body->n; k++) {
+    body->K_diagonal[k] = shape->K[k * shape->n + k];
+  }
+  fbi_copy(body->K, shape->K, body->n * body->n);
+  fbi_copy(body->M, shape->M, body->n * body->n);
+  for (int k = 0; k < shape->n_node; k++) {
+    body->node[k] = shape->node[k];
+  }
+}
+
+FB_DEF fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc)
+{
+  fb_body *out;
+  fb_status status;
+  int n, ups, chi;
+  FBI_REQUIRE(body && work && shape && desc, FB_ERR_NULL);
+  status = fbi_body_desc_check(shape, desc);
+  if (status != FB_OK) {
+    return status;
+  }
+  out = &work->body;
+  fbi_body_fill(out, shape, desc);
+  n = out->n;
+  ups = (out->effects & FB_EFFECT_SPIN_COUPLING) != 0;
+  chi = (out->effects & FB_EFFECT_ACCELERATION_STIFFENING) != 0;
+#if FB_WITH_DAMPING
+  status = fbi_damping_fill(out, work, shape, desc->zeta);
+  if (status != FB_OK) {
+    return status;
+  }
+#endif
+  status = fbi_limits_fill(out, work, shape);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_lambda_fill(work->Lambda, shape, n, ups, chi);
+  fbi_lambda_list(out, shape, work->Lambda);
+  fbi_lambda_fill(work->Lambda, shape, n, ups && (out->effects & FB_EFFECT_RESIDUAL_INERTIA), chi);
+  fbi_copy(work->L, shape->M, n * n);
+  if (n > 0) {
+    status = fb_chol_factor(work->L, n);
+  }
+  if (status != FB_OK) {
+    return status;
+  }
+  for (int row = 0; row < (n + 1) * 6; row++) { /* Z = Lambda L^-T, row by row */
+    fbi_chol_forward(work->Lambda + row * n, work->L, work->Lambda + row * n, n);
+  }
+  fbi_S_list(out, shape, work->Lambda);
+  status = fbi_inverses_fill(out, work);
+  if (status == FB_OK) {
+    *body = *out;
+  }
+  return status;
+}
+
+/* ---- 8c kernels of the step */
+
+typedef struct fbi_kinetics {   /* what an evaluation knows about a state */
+  fb_real R[9];                 /* body to inertial axes */
+  fb_real qx[FB_MAX_MODES + 1]; /* (1, q) */
+  fb_real pb[FB_MAX_MODES];     /* M^-1 pi */
+  fb_real V[6];                 /* (v, w), body axes */
+  fb_real ph[6];                /* (p, h), body axes */
+  fb_real S[21];                /* S(q), when it was needed */
+  fb_real fg[6],
+      fe[FB_MAX_MODES]; /* resultant force and torque about O, body axes, and modal forces of loads and gravity */
+} fbi_kinetics;
+
+/* y = M^-1 x; normalized modes: a copy */
+static void fbi_mass_solve(fb_real *y, const fb_body *body, const fb_real *x)
+{
+  const int n = body->n;
+  if (body->normalized) {
+    fbi_copy(y, x, n);
+    return;
+  }
+  for (int i = 0; i < n; i++) {
+    y[i] = FB_R(0.0);
+    for (int j = 0; j < n; j++) {
+      y[i] += body->Minv[i * n + j] * x[j];
+    }
+  }
+}
+
+/* [E8.9] y -= Lambda(q) pb, the elastic share of the momenta, for one pair (qx, pb) of the bilinear form.
+   Source: DESIGN 2, recovery of velocities.  Cost: 3 n_lambda flops.  Test: momenta_agree_with_a_particle_model. */
+static void fbi_lambda_mul(fb_real y[6], const fb_body *body, const fb_real *qx, const fb_real *pb)
+{
+  for (int t = 0; t < body->n_lambda; t++) {
+    y[body->lambda_i[t]] -= body->lambda[t] * qx[body->lambda_a[t]] * pb[body->lambda_b[t]];
+  }
+}
+
+/* [E8.10] Both gradients of the trilinear form V^T Lambda(q) pb: e -= Lambda(q)^T V (elastic velocities),
+   x += d/d(1,q) (V^T Lambda pb) (elastic forces: gyroscopic, E8.4).
+   Source: DESIGN 2; -N(w)^T pi_e and R_b.  Cost: 5 n_lambda flops.  Test: accelerations_agree_with_a_particle_model. */
+static void fbi_lambda_gradients(fb_real *e, fb_real *x, const fb_body *body, const fb_real V[6], const fb_real *qx,
+                                 const fb_real *pb)
+{
+  for (int t = 0; t < body->n_lambda; t++) {
+    const int a = body->lambda_a[t], b = body->lambda_b[t];
+    const fb_real s = body->lambda[t] * V[body->lambda_i[t]];
+    e[b] -= s * qx[a];
+    x[a] += s * pb[b];
+  }
+}
+
+/* [E8.11] S(q) = sum of its terms, or for two arguments its polar form 1/2 (S(x + y) - S(x) - S(y)) without the factor:
+   coefficient (x_a y_b + y_a x_b) / 2.
+   Source: E8.6.  Cost: 2 n_S + n^2 flops.  Test: momenta_agree_with_a_particle_model. */
+static void fbi_S_eval(fb_real S[21], const fb_body *body, const fb_real *x, const fb_real *y)
+{
+  const int last = body->constant_S ? 0 : body->n;
+  const fb_real *c = body->S;
+  const unsigned char *at = body->S_i, *count = body->S_count;
+  fbi_zero(S, 21);
+  for (int a = 0; a <= last; a++) {
+    for (int b = 0; b <= a; b++) {
+      const fb_real monomial = FB_R(0.5) * (x[a] * y[b] + y[a] * x[b]);
+      for (int t = *count++; t > 0; t--) {
+        S[*at++] += *c++ * monomial;
+      }
+    }
+  }
+}
+
+#if FBI_WITH_SHAPE_INERTIA
+/* [E8.12] x += d/d(1,q) (1/2 V^T S V): centrifugal softening and stiffening.
+   Source: DESIGN 2, R_b = d/dq_b (v^T D1 w + 1/2 w^T D2 w + ...).  Cost: 2 n_S + 3 n^2 flops.
+   Test: accelerations_agree_with_a_particle_model. */
+static void fbi_S_gradient(fb_real *x, const fb_body *body, const fb_real V[6], const fb_real *qx)
+{
+  const fb_real *c = body->S;
+  const unsigned char *at = body->S_i, *count = body->S_count;
+  fb_real VV[21];
+  for (int i = 0, k = 0; i < 6; i++) {
+    VV[k++] = FB_R(0.5) * V[i] * V[i];
+    for (int j = i + 1; j < 6; j++) {
+      VV[k++] = V[i] * V[j];
+    }
+  }
+  for (int a = 0; a <= body->n; a++) {
+    for (int b = 0; b <= a; b++) {
+      fb_real g = FB_R(0.0);
+      for (int t = *count++; t > 0; t--) {
+        g += *c++ * VV[*at++];
+      }
+      x[a] += g * qx[b];
+      x[b] += g * qx[a];
+    }
+  }
+}
+#endif
+
+/* [E8.13] Velocities from momenta, S(q) V = (p, h) - Lambda(q) pb; given ones when the base is prescribed.
+   Source: DESIGN 2.  Fails: S(q) not positive definite (the deflection has left the model).
+   Test: momenta_agree_with_a_particle_model. */
+static fb_status fbi_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
+{
+  fb_real y[6];
+  k->qx[0] = FB_R(1.0);
+  fbi_copy(k->qx + 1, state->q, body->n);
+  fbi_mass_solve(k->pb, body, state->pi);
+  fb_quat_to_mat33(k->R, state->quat);
+  if (body->base == FB_BASE_PRESCRIBED) {
+    for (int i = 0; i < 3; i++) {
+      k->V[i] = input ? input->v[i] : FB_R(0.0);
+      k->V[3 + i] = input ? input->w[i] : FB_R(0.0);
+    }
+    return FB_OK;
+  }
+  fb_mat33_mulT_vec3(k->ph, k->R, state->P);
+  fb_mat33_mulT_vec3(k->ph + 3, k->R, state->L);
+  fbi_copy(y, k->ph, 6);
+  fbi_lambda_mul(y, body, k->qx, k->pb);
+#if FBI_WITH_SHAPE_INERTIA
+  if (!body->constant_S) {
+    fbi_S_eval(k->S, body, k->qx, k->qx);
+    return fb_sym6_solve(k->V, k->S, y) == FB_OK ? FB_OK : FB_ERR_RANGE;
+  }
+#endif
+  for (int i = 0; i < 6; i++) {
+    const fb_real *row = body->S0_inverse + 6 * i;
+    k->V[i] = row[0] * y[0] + row[1] * y[1] + row[2] * y[2] + row[3] * y[3] + row[4] * y[4] + row[5] * y[5];
+  }
+  return FB_OK;
+}
+
+/* ---- 8d nodes and loads */
+
+typedef struct fbi_node_field {                         /* a node on the deformed body, body axes */
+  fb_real u[3], phi[3];                                 /* displacement, rotation vector */
+  fb_real Ju[3 * FB_MAX_MODES], Jphi[3 * FB_MAX_MODES]; /* n x 3: velocity and angular rate per q_dot */
+} fbi_node_field;
+
+#define FBI_QUADRATIC_EFFECTS (FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING)
+
+/* [E8.14] Position and rotation of a node, u = psi q + 1/2 chi q q, phi = theta q + 1/2 chi_theta q q, and their
+   variations J_u,a = psi_a + chi_ab q_b,  J_phi,a = theta_a + chi_theta_ab q_b + 1/2 phi x theta_a.
+   Source: DESIGN 3; left Jacobian of the exponential map to first degree.  Cost: 12 n (n+1) flops.  Fails: never.
+   Test: node_kinematics_match_finite_differences. */
+static void fbi_node_eval(fbi_node_field *f, const fb_body *body, const fb_node *node, const fb_real *q)
+{
+  const int n = body->n;
+  fbi_zero(f->u, 3);
+  fbi_zero(f->phi, 3);
+  for (int i = 0; i < 3 * n; i++) {
+    f->Ju[i] = node->psi[i];
+    f->Jphi[i] = node->theta[i];
+  }
+#if FBI_WITH_QUADRATIC
+  if (body->effects & FBI_QUADRATIC_EFFECTS) {
+    fb_real half[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+    for (int a = 0; a < n; a++) {
+      fbi_vec3_add(half, FB_R(0.5) * q[a], node->theta + 3 * a);
+      for (int b = 0; b < n; b++) {
+        const int pair = 3 * (a > b ? a * (a + 1) / 2 + b : b * (b + 1) / 2 + a);
+        fbi_vec3_add(f->Ju + 3 * a, q[b], node->chi + pair);
+        fbi_vec3_add(f->Jphi + 3 * a, q[b], node->chi_theta + pair);
+      }
+    }
+    for (int a = 0; a < n; a++) { /* the terms phi x theta_a cancel in the sum for phi */
+      fbi_vec3_add_cross(f->Jphi + 3 * a, half, node->theta + 3 * a);
+    }
+  }
+#endif
+  for (int a = 0; a < n; a++) {
+    for (int i = 0; i < 3; i++) {
+      f->u[i] += FB_R(0.5) * q[a] * (node->psi[3 * a + i] + f->Ju[3 * a + i]);
+      f->phi[i] += FB_R(0.5) * q[a] * (node->theta[3 * a + i] + f->Jphi[3 * a + i]);
+    }
+  }
+}
+
+/* [E8.15] A load at a node: f += F, g += T + (r + u) x F, f_e,a += J_u,a.F + J_phi,a.T, on the deformed body.
+   Source: virtual work; DESIGN 2 (f, g about O of the deformed body).  Fails: never.
+   Test: power_of_loads_is_the_rate_of_energy. */
+static void fbi_load_add(fbi_kinetics *k, const fb_body *body, const fb_load *load, const fb_real *q)
+{
+  const fb_node *node = &body->node[load->node];
+  fbi_node_field f;
+  fb_real F[3], T[3], arm[3];
+  fbi_node_eval(&f, body, node, q);
+  fbi_copy(F, load->force, 3);
+  fbi_copy(T, load->torque, 3);
+  if (load->axes == FB_AXES_INERTIAL) {
+    fb_mat33_mulT_vec3(F, k->R, load->force);
+    fb_mat33_mulT_vec3(T, k->R, load->torque);
+  } else if (load->axes == FB_AXES_NODE) {
+    fb_real turn[4], section[9];
+    fb_quat_from_rotvec(turn, f.phi);
+    fb_quat_to_mat33(section, turn);
+    fb_mat33_mul_vec3(F, section, load->force);
+    fb_mat33_mul_vec3(T, section, load->torque);
+  }
+  for (int i = 0; i < 3; i++) {
+    arm[i] = node->r[i] + f.u[i];
+    k->fg[i] += F[i];
+    k->fg[3 + i] += T[i];
+  }
+  fbi_vec3_add_cross(k->fg + 3, arm, F);
+  for (int a = 0; a < body->n; a++) {
+    k->fe[a] += fb_vec3_dot(f.Ju + 3 * a, F) + fb_vec3_dot(f.Jphi + 3 * a, T);
+  }
+}
+
+/* First moment of mass of the deformed body, c(q) = c + P q + 1/2 p^chi q q, from the terms of the linear momentum. */
+static void fbi_first_moment(fb_real c[3], const fb_body *body, const fb_real *qx)
+{
+  fbi_copy(c, body->c, 3);
+  for (int t = 0; t < body->n_lambda_linear; t++) {
+    const fb_real half = body->lambda_a[t] == 0 ? FB_R(1.0) : FB_R(0.5);
+    c[body->lambda_i[t]] += half * body->lambda[t] * qx[body->lambda_a[t]] * qx[body->lambda_b[t] + 1];
+  }
+}
+
+#if FB_WITH_GRAVITY
+/* [E8.16] Uniform gravity from V = -m g.rho - g.R c(q): f = m g, torque c(q) x g, f_e = (P + P^chi(q))^T g, g in body axes.
+   Source: potential energy.  Cost: 6 n_lambda_linear flops.  Fails: never.
+   Test: a_falling_body_does_not_deform, gravity_conserves_energy. */
+static void fbi_gravity_add(fbi_kinetics *k, const fb_body *body)
+{
+  fb_real g[3], c[3];
+  fb_mat33_mulT_vec3(g, k->R, body->gravity);
+  fbi_first_moment(c, body, k->qx);
+  fbi_vec3_add(k->fg, body->mass, g);
+  fbi_vec3_add_cross(k->fg + 3, c, g);
+  for (int t = 0; t < body->n_lambda_linear; t++) {
+    k->fe[body->lambda_b[t]] += body->lambda[t] * k->qx[body->lambda_a[t]] * g[body->lambda_i[t]];
+  }
+}
+#endif
+
+static fb_status fbi_input_check(const fb_body *body, const fb_input *input)
+{
+  if (!input) {
+    return FB_OK;
+  }
+  FBI_REQUIRE(input->n_load >= 0 && input->n_load <= FB_MAX_LOADS, FB_ERR_CAPACITY);
+  for (int i = 0; i < input->n_load; i++) {
+    FBI_REQUIRE(input->load[i].node >= 0 && input->load[i].node < body->n_node, FB_ERR_CAPACITY);
+  }
+  return FB_OK;
+}
+
+static void fbi_forces(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
+{
+  fbi_zero(k->fg, 6);
+  fbi_zero(k->fe, body->n);
+#if FB_WITH_GRAVITY
+  if (body->effects & FB_EFFECT_GRAVITY) {
+    fbi_gravity_add(k, body);
+  }
+#endif
+  for (int i = 0; input && i < input->n_load; i++) {
+    fbi_load_add(k, body, &input->load[i], state->q);
+  }
+}
+
+/* [E8.17] Elastic equations.
+   q_dot = M^-1 (pi - Lambda(q)^T V),  pi_dot = f_e - K q - C q_dot + d/dq (V^T Lambda(q) pb + 1/2 V^T S(q) V).
+   These are Hamilton's equations of 1/2 y^T S^-1 y + 1/2 pi^T M^-1 pi + U, so any set of terms conserves energy.
+   Source: DESIGN 2; [DB] (23), (25).  Fails: never.  Test: accelerations_agree_with_a_particle_model. */
+static void fbi_elastic_rates(fb_state *rate, const fbi_kinetics *k, const fb_body *body, const fb_state *state)
+{
+  const int n = body->n;
+  fb_real e[FB_MAX_MODES] = {0}, x[FB_MAX_MODES + 1] = {0};
+  for (int a = 0; a < n; a++) {
+    e[a] = state->pi[a];
+    x[a + 1] = k->fe[a];
+  }
+  fbi_lambda_gradients(e, x, body, k->V, k->qx, k->pb);
+#if FBI_WITH_SHAPE_INERTIA
+  if (!body->constant_S) {
+    fbi_S_gradient(x, body, k->V, k->qx);
+  }
+#endif
+  fbi_mass_solve(rate->q, body, e);
+  for (int a = 0; a < n; a++) {
+    fb_real force = x[a + 1];
+    if (body->normalized) {
+      force -= body->K_diagonal[a] * state->q[a];
+    } else {
+      for (int b = 0; b < n; b++) {
+        force -= body->K[a * n + b] * state->q[b];
+      }
+    }
+    rate->pi[a] = force;
+  }
+#if FB_WITH_DAMPING
+  if (body->effects & FB_EFFECT_DAMPING) {
+    for (int a = 0; a < n; a++) {
+      if (body->normalized) {
+        rate->pi[a] -= body->C_diagonal[a] * rate->q[a];
+      } else {
+        for (int b = 0; b < n; b++) {
+          rate->pi[a] -= body->C[a * n + b] * rate->q[b];
+        }
+      }
+    }
+  }
+#endif
+}
+
+/* [E8.18] Rigid equations in inertial axes: rho_dot = R v, quat_dot = 1/2 quat o (0, w), P_dot = R f,
+   L_dot = R g - V_O x P. Unloaded, P and rho x P + L are constant to rounding with ANY Runge-Kutta step, which the same
+   equations in body axes (dp/dt = f - w x p, dh/dt = g - w x h - v x p) are not.
+   Source: Newton-Euler; DESIGN 2 in inertial axes.  Cost: 70 flops.  Fails: never.
+   Test: tumbling_conserves_momentum_and_energy. */
+static void fbi_rigid_rates(fb_state *rate, const fbi_kinetics *k, const fb_body *body, const fb_state *state)
+{
+  const fb_real spin[4] = {FB_R(0.0), FB_R(0.5) * k->V[3], FB_R(0.5) * k->V[4], FB_R(0.5) * k->V[5]};
+  fb_mat33_mul_vec3(rate->rho, k->R, k->V);
+  fb_quat_mul(rate->quat, state->quat, spin);
+  if (body->base == FB_BASE_PRESCRIBED) {
+    fbi_zero(rate->P, 3);
+    fbi_zero(rate->L, 3);
+    return;
+  }
+  fb_mat33_mul_vec3(rate->P, k->R, k->fg);
+  fb_mat33_mul_vec3(rate->L, k->R, k->fg + 3);
+  fbi_vec3_add_cross(rate->L, state->P, rate->rho);
+}
+
+static fb_status fbi_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
+                           const fb_input *input)
+{
+  const fb_status status = fbi_velocity(k, body, state, input);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_forces(k, body, state, input);
+  fbi_elastic_rates(rate, k, body, state);
+  fbi_rigid_rates(rate, k, body, state);
+  return FB_OK;
+}
+
+FB_DEF fb_status fb_body_rates(const fb_body *body, fb_state *rate, const fb_state *state, const fb_input *input)
+{
+  fbi_kinetics k;
+  fb_status status;
+  FBI_REQUIRE(body && rate && state, FB_ERR_NULL);
+  status = fbi_input_check(body, input);
+  return status == FB_OK ? fbi_rates(rate, &k, body, state, input) : status;
+}
+
+/* ---- 8e state, motion, energy, momentum */
+
+FB_DEF fb_status fb_state_init(const fb_body *body, fb_state *state)
+{
+  FBI_REQUIRE(body && state, FB_ERR_NULL);
+  memset(state, 0, sizeof *state);
+  state->quat[0] = FB_R(1.0);
+  return FB_OK;
+}
+
+FB_DEF fb_status fb_state_check(const fb_body *body, const fb_state *state)
+{
+  fb_real deflection = FB_R(0.0), norm2 = -FB_R(1.0);
+  FBI_REQUIRE(body && state, FB_ERR_NULL);
+  if (!fbi_is_finite(state->rho, 3) || !fbi_is_finite(state->quat, 4) || !fbi_is_finite(state->P, 3) ||
+      !fbi_is_finite(state->L, 3) || !fbi_is_finite(state->q, body->n) || !fbi_is_finite(state->pi, body->n)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  for (int a = 0; a < body->n; a++) {
+    deflection += body->reach[a] * FB_FABS(state->q[a]);
+  }
+  if (deflection > body->deflection_limit) {
+    return FB_ERR_RANGE;
+  }
+  for (int i = 0; i < 4; i++) {
+    norm2 += state->quat[i] * state->quat[i];
+  }
+  return FB_FABS(norm2) < FB_R(1e-3) ? FB_OK : FB_ERR_VALUE;
+}
+
+/* Momenta of the prescribed or known velocities V: (p, h) = S(q) V + Lambda(q) pb; S(q) goes to k. */
+static void fbi_momenta(fbi_kinetics *k, const fb_body *body)
+{
+  fb_real elastic[6] = {0};
+  fbi_S_eval(k->S, body, k->qx, k->qx);
+  fb_sym6_mul_vec6(k->ph, k->S, k->V);
+  fbi_lambda_mul(elastic, body, k->qx, k->pb);
+  for (int i = 0; i < 6; i++) {
+    k->ph[i] -= elastic[i];
+  }
+}
+
+FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, const fb_real v[3], const fb_real w[3],
+                                        const fb_real *q_dot)
+{
+  const int n = body ? body->n : 0;
+  fbi_kinetics k;
+  fb_real e[FB_MAX_MODES], unused[FB_MAX_MODES + 1], zero[FB_MAX_MODES] = {0};
+  FBI_REQUIRE(body && state && v && w, FB_ERR_NULL);
+  if (!fbi_is_finite(v, 3) || !fbi_is_finite(w, 3) || !fbi_is_finite(q_dot ? q_dot : zero, n) ||
+      !fbi_is_finite(state->q, n) || !fbi_is_finite(state->quat, 4)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  fb_quat_to_mat33(k.R, state->quat);
+  k.qx[0] = FB_R(1.0);
+  fbi_copy(k.qx + 1, state->q, n);
+  fbi_copy(k.V, v, 3);
+  fbi_copy(k.V + 3, w, 3);
+  fbi_zero(e, n); /* pi = M q_dot + Lambda(q)^T V */
+  fbi_lambda_gradients(e, unused, body, k.V, k.qx, zero);
+  for (int a = 0; a < n; a++) {
+    fb_real inertia = q_dot ? q_dot[a] : FB_R(0.0);
+    if (!body->normalized && q_dot) {
+      inertia = FB_R(0.0);
+      for (int b = 0; b < n; b++) {
+        inertia += body->M[a * n + b] * q_dot[b];
+      }
+    }
+    state->pi[a] = inertia - e[a];
+  }
+  fbi_mass_solve(k.pb, body, state->pi);
+  fbi_momenta(&k, body);
+  fb_mat33_mul_vec3(state->P, k.R, k.ph);
+  fb_mat33_mul_vec3(state->L, k.R, k.ph + 3);
+  if (body->base == FB_BASE_PRESCRIBED) {
+    fbi_zero(state->P, 3);
+    fbi_zero(state->L, 3);
+  }
+  return FB_OK;
+}
+
+/* [E8.19] Accelerations from the rates of the state: differentiate E8.13 and E8.17,
+   S V_dot = d/dt(p, h) - S_dot V - Lambda_dot pb - Lambda pb_dot,
+   q_ddot = M^-1 (pi_dot - Lambda^T V_dot - Lambda_dot^T V);
+   with a prescribed base V_dot is given and the first line yields the reaction (force, torque) instead.
+   Source: DESIGN 2, acceleration form.  Fails: S(q) not positive definite.
+   Test: accelerations_agree_with_a_particle_model, reactions_balance_the_momentum. */
+static fb_status fbi_accelerations(fb_motion *m, fbi_kinetics *k, const fb_body *body, const fb_state *rate,
+                                   const fb_input *input)
+{
+  const int n = body->n;
+  fb_real qx_dot[FB_MAX_MODES + 1], pb_dot[FB_MAX_MODES], e[FB_MAX_MODES], unused[FB_MAX_MODES + 1];
+  fb_real S_dot[21], y[6], V_dot[6], turn[6];
+  qx_dot[0] = FB_R(0.0);
+  fbi_copy(qx_dot + 1, rate->q, n);
+  fbi_mass_solve(pb_dot, body, rate->pi);
+  fbi_momenta(k, body);
+  fbi_S_eval(S_dot, body, k->qx, qx_dot);
+  fb_vec3_cross(turn, k->V + 3, k->ph); /* (w x p, w x h + v x p): turning of the axes */
+  fb_vec3_cross(turn + 3, k->V + 3, k->ph + 3);
+  fbi_vec3_add_cross(turn + 3, k->V, k->ph);
+  fb_sym6_mul_vec6(y, S_dot, k->V);
+  for (int i = 0; i < 6; i++) {
+    y[i] = k->fg[i] - turn[i] - FB_R(2.0) * y[i];
+  }
+  fbi_lambda_mul(y, body, qx_dot, k->pb);
+  fbi_lambda_mul(y, body, k->qx, pb_dot);
+  if (body->base == FB_BASE_FREE) {
+    if (fb_sym6_solve(V_dot, k->S, y) != FB_OK) {
+      return FB_ERR_RANGE;
+    }
+  } else {
+    fb_real inertia[6];
+    for (int i = 0; i < 3; i++) {
+      V_dot[i] = input ? input->v_dot[i] : FB_R(0.0);
+      V_dot[3 + i] = input ? input->w_dot[i] : FB_R(0.0);
+    }
+    fb_sym6_mul_vec6(inertia, k->S, V_dot);
+    for (int i = 0; i < 3; i++) {
+      m->reaction_force[i] = inertia[i] - y[i];
+      m->reaction_torque[i] = inertia[3 + i] - y[3 + i];
+    }
+  }
+  fbi_copy(e, rate->pi, n);
+  fbi_lambda_gradients(e, unused, body, V_dot, k->qx, k->pb);
+  fbi_lambda_gradients(e, unused, body, k->V, qx_dot, k->pb);
+  fbi_mass_solve(m->q_ddot, body, e);
+  fbi_copy(m->v_dot, V_dot, 3);
+  fbi_copy(m->w_dot, V_dot + 3, 3);
+  return FB_OK;
+}
+
+FB_DEF fb_status fb_body_motion(const fb_body *body, fb_motion *motion, const fb_state *state, const fb_input *input)
+{
+  fbi_kinetics k;
+  fb_state rate;
+  fb_motion out;
+  fb_status status;
+  FBI_REQUIRE(body && motion && state, FB_ERR_NULL);
+  status = fbi_input_check(body, input);
+  if (status == FB_OK) {
+    status = fbi_rates(&rate, &k, body, state, input);
+  }
+  if (status != FB_OK) {
+    return status;
+  }
+  memset(&out, 0, sizeof out);
+  fbi_copy(out.v, k.V, 3);
+  fbi_copy(out.w, k.V + 3, 3);
+  fbi_copy(out.q_dot, rate.q, body->n);
+  status = fbi_accelerations(&out, &k, body, &rate, input);
+  if (status == FB_OK) {
+    *motion = out;
+  }
+  return status;
+}
+
+/* [E8.20] Motion of a node, s = r + u:
+   velocity v + w x s + u_dot,  u_dot = J_u q_dot,
+   acceleration v_dot + w x v + w_dot x s + w x (w x s) + 2 w x u_dot + J_u q_ddot + chi q_dot q_dot,
+   angular rate w + J_phi q_dot,  its rate w_dot + J_phi q_ddot + w x J_phi q_dot + chi_theta q_dot q_dot.
+   Source: kinematics of a moving frame.  Fails: no such node.  Test: node_kinematics_match_finite_differences. */
+FB_DEF fb_status fb_body_node_motion(const fb_body *body, fb_node_motion *out, const fb_state *state,
+                                     const fb_motion *motion, int node)
+{
+  fbi_node_field f;
+  fb_real R[9], turn[4], s[3], ud[3] = {0}, pd[3] = {0}, ws[3], a[3], alpha[3], vel[3], rate[3];
+  FBI_REQUIRE(body && out && state && motion, FB_ERR_NULL);
+  FBI_REQUIRE(node >= 0 && node < body->n_node, FB_ERR_CAPACITY);
+  fbi_node_eval(&f, body, &body->node[node], state->q);
+  fb_quat_to_mat33(R, state->quat);
+  fbi_copy(a, motion->v_dot, 3);
+  fbi_copy(alpha, motion->w_dot, 3);
+  for (int k = 0; k < body->n; k++) {
+    fbi_vec3_add(ud, motion->q_dot[k], f.Ju + 3 * k);
+    fbi_vec3_add(pd, motion->q_dot[k], f.Jphi + 3 * k);
+    fbi_vec3_add(a, motion->q_ddot[k], f.Ju + 3 * k);
+    fbi_vec3_add(alpha, motion->q_ddot[k], f.Jphi + 3 * k);
+  }
+#if FBI_WITH_QUADRATIC
+  if (body->effects & FBI_QUADRATIC_EFFECTS) {
+    for (int i = 0; i < body->n; i++) {
+      for (int j = 0; j < body->n; j++) {
+        const int pair = 3 * (i > j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i);
+        fbi_vec3_add(a, motion->q_dot[i] * motion->q_dot[j], body->node[node].chi + pair);
+        fbi_vec3_add(alpha, motion->q_dot[i] * motion->q_dot[j], body->node[node].chi_theta + pair);
+      }
+    }
+  }
+#endif
+  fbi_copy(s, body->node[node].r, 3);
+  fbi_vec3_add(s, FB_R(1.0), f.u);
+  fb_vec3_cross(ws, motion->w, s);
+  for (int i = 0; i < 3; i++) {
+    vel[i] = motion->v[i] + ws[i] + ud[i];
+    rate[i] = motion->w[i] + pd[i];
+    ws[i] += FB_R(2.0) * ud[i] + motion->v[i];
+  }
+  fbi_vec3_add_cross(a, motion->w_dot, s);
+  fbi_vec3_add_cross(a, motion->w, ws);
+  fbi_vec3_add_cross(alpha, motion->w, pd);
+  fb_mat33_mul_vec3(out->position, R, s);
+  fbi_vec3_add(out->position, FB_R(1.0), state->rho);
+  fb_quat_from_rotvec(turn, f.phi);
+  fb_quat_mul(out->quat, state->quat, turn);
+  fb_mat33_mul_vec3(out->velocity, R, vel);
+  fb_mat33_mul_vec3(out->angular_rate, R, rate);
+  fb_mat33_mul_vec3(out->acceleration, R, a);
+  fb_mat33_mul_vec3(out->angular_acceleration, R, alpha);
+  fbi_copy(out->displacement, f.u, 3);
+  fbi_copy(out->rotation, f.phi, 3);
+  return FB_OK;
+}
+
+/* [E8.21] T = 1/2 V^T S V + 1/2 pi^T M^-1 pi (the square completed), U = 1/2 q^T K q, gravity -m g.rho - g.R c(q).
+   Source: DESIGN 2, T = 1/2 (p.v + h.w + pi_e.q_dot).  Fails: as the rates.
+   Test: momenta_agree_with_a_particle_model, tumbling_conserves_momentum_and_energy. */
+FB_DEF fb_status fb_body_energy(const fb_body *body, fb_energy *energy, const fb_state *state, const fb_input *input)
+{
+  fbi_kinetics k;
+  fb_real SV[6];
+  fb_status status;
+  FBI_REQUIRE(body && energy && state, FB_ERR_NULL);
+  status = fbi_velocity(&k, body, state, input);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_S_eval(k.S, body, k.qx, k.qx);
+  fb_sym6_mul_vec6(SV, k.S, k.V);
+  energy->kinetic = FB_R(0.5) * (fb_vec3_dot(SV, k.V) + fb_vec3_dot(SV + 3, k.V + 3));
+  energy->strain = FB_R(0.0);
+  energy->gravity = FB_R(0.0);
+  for (int a = 0; a < body->n; a++) {
+    energy->kinetic += FB_R(0.5) * state->pi[a] * k.pb[a];
+    for (int b = 0; b < body->n; b++) {
+      energy->strain += FB_R(0.5) * state->q[a] * body->K[a * body->n + b] * state->q[b];
+    }
+  }
+#if FB_WITH_GRAVITY
+  {
+    fb_real c[3], moment[3];
+    fbi_first_moment(c, body, k.qx);
+    fb_mat33_mul_vec3(moment, k.R, c);
+    fbi_vec3_add(moment, body->mass, state->rho);
+    energy->gravity = -fb_vec3_dot(moment, body->gravity);
+  }
+#endif
+  return FB_OK;
+}
+
+/* Linear momentum P and angular momentum L + rho x P; for a prescribed base from the given velocities. */
+FB_DEF fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, const fb_state *state,
+                                  const fb_input *input)
+{
+  fbi_kinetics k;
+  fb_status status;
+  FBI_REQUIRE(body && momentum && state, FB_ERR_NULL);
+  status = fbi_velocity(&k, body, state, input);
+  if (status != FB_OK) {
+    return status;
+  }
+  if (body->base == FB_BASE_PRESCRIBED) {
+    fbi_momenta(&k, body);
+    fb_mat33_mul_vec3(momentum->linear, k.R, k.ph);
+    fb_mat33_mul_vec3(momentum->angular, k.R, k.ph + 3);
+  } else {
+    fbi_copy(momentum->linear, state->P, 3);
+    fbi_copy(momentum->angular, state->L, 3);
+  }
+  fbi_vec3_add_cross(momentum->angular, state->rho, momentum->linear);
+  return FB_OK;
+}
+
+/* ---------------------------------------------------------------------------------------------------------------
+   11 >>integrate (uses 1-8) */
+
+/* [E11.1] Largest stable step of rk4: |lambda| dt <= 2.785, the least radius of its stability region in the left half
+   plane (2.785 on the real axis, 2.828 on the imaginary one), with the frequency bound of E8.8.
+   Source: [HW] IV.2.  Cost: 10 flops, a square root.  Fails: never.
+   Test: the_step_limit_is_the_stability_boundary. */
+FB_DEF fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real acceleration)
+{
+  const fb_real g = body->limit_gyro * FB_FABS(spin) + FB_R(0.5) * body->limit_damping;
+  const fb_real k =
+      body->limit_elastic + body->limit_spin * spin * spin + body->limit_acceleration * FB_FABS(acceleration);
+  const fb_real bound = g + FB_SQRT(g * g + k);
+  return bound * FB_HUGE > FB_R(2.785) ? FB_R(2.785) / bound : FB_HUGE;
+}
+
+/* y = x + s rate */
+static void fbi_state_advance(fb_state *y, const fb_state *x, fb_real s, const fb_state *rate, int n)
+{
+  for (int i = 0; i < 3; i++) {
+    y->rho[i] = x->rho[i] + s * rate->rho[i];
+    y->P[i] = x->P[i] + s * rate->P[i];
+    y->L[i] = x->L[i] + s * rate->L[i];
+  }
+  for (int i = 0; i < 4; i++) {
+    y->quat[i] = x->quat[i] + s * rate->quat[i];
+  }
+  for (int i = 0; i < n; i++) {
+    y->q[i] = x->q[i] + s * rate->q[i];
+    y->pi[i] = x->pi[i] + s * rate->pi[i];
+  }
+}
+
+/* [E11.2] Flush: adding and taking away a constant rounds what is below its last digit to zero, without a branch. Squares of
+   what is left do not underflow; larger values change by rounding at most.
+   Source: IEEE 754 rounding.  Cost: 2 n flops.  Fails: never.  Test: decay_reaches_zero_without_subnormals. */
+#if FB_SINGLE
+#define FBI_FLUSH 7.2759576e-12f /* 2^-37 */
+#else
+#define FBI_FLUSH 5.5026675582180395e-135 /* 2^-446 */
+#endif
+static void fbi_flush(fb_real *x, int n)
+{
+  for (int i = 0; i < n; i++) {
+    const volatile fb_real lifted = x[i] + FBI_FLUSH; /* volatile: wider registers would undo it */
+    x[i] = lifted - FBI_FLUSH;
+  }
+}
+
+/* What the step limit depends on: spin, and acceleration of O by the base's motion and by gravity. */
+static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const fb_input *input, fb_real dt)
+{
+  fb_real a[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_real gravity = FB_R(0.0);
+  if (body->base == FB_BASE_PRESCRIBED) {
+    fb_vec3_cross(a, k->V + 3, k->V);
+    if (input) {
+      fbi_vec3_add(a, FB_R(1.0), input->v_dot);
+    }
+  }
+#if FB_WITH_GRAVITY
+  gravity = fbi_vec3_norm(body->gravity);
+#endif
+  return dt <= fb_rk4_limit(body, fbi_vec3_norm(k->V + 3), fbi_vec3_norm(a) + gravity) ? FB_OK : FB_ERR_STEP;
+}
+
+/* [E11.3] Classical Runge-Kutta. Source: textbook.  Cost: 4 evaluations.  Test: rk4_converges_with_order_four. */
+FB_DEF fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work, const fb_input *start,
+                             const fb_input *middle, const fb_input *end, fb_real dt)
+{
+  static const fb_real node[4] = {FB_R(0.5), FB_R(0.5), FB_R(1.0), FB_R(0.0)};
+  static const fb_real weight[4] = {FB_R(1.0) / FB_R(6.0), FB_R(1.0) / FB_R(3.0), FB_R(1.0) / FB_R(3.0),
+                                    FB_R(1.0) / FB_R(6.0)};
+  const fb_input *input[4];
+  const fb_state *at = state;
+  fb_status status = FB_OK;
+  FBI_REQUIRE(body && state && work, FB_ERR_NULL);
+  if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
+    return FB_ERR_VALUE;
+  }
+  input[0] = start;
+  input[1] = input[2] = middle;
+  input[3] = end;
+  work->sum = *state;
+  for (int stage = 0; stage < 4; stage++) {
+    fbi_kinetics k;
+    status = fbi_input_check(body, input[stage]);
+    if (status == FB_OK) {
+      status = fbi_rates(&work->rate, &k, body, at, input[stage]);
+    }
+    if (status == FB_OK && stage == 0 && !body->allow_long_step) {
+      status = fbi_rk4_check(body, &k, start, dt);
+    }
+    if (status != FB_OK) {
+      return status;
+    }
+    fbi_state_advance(&work->sum, &work->sum, dt * weight[stage], &work->rate, body->n);
+    if (stage < 3) {
+      fbi_state_advance(&work->stage, state, dt * node[stage], &work->rate, body->n);
+      at = &work->stage;
+    }
+  }
+  fbi_flush(work->sum.P, 3);
+  fbi_flush(work->sum.L, 3);
+  fbi_flush(work->sum.q, body->n);
+  fbi_flush(work->sum.pi, body->n);
+  if (fb_quat_normalize(work->sum.quat) != FB_OK) {
+    return FB_ERR_NOT_FINITE;
+  }
+  status = fb_state_check(body, &work->sum);
+  if (status == FB_OK) {
+    *state = work->sum;
+  }
+  return status;
+}
+
+/* ---------------------------------------------------------------------------------------------------------------
+   13 >>build (uses 1-2) */
+
+FB_DEF const char *fb_version_string(void)
+{
+  return FB_VERSION;
+}
+
+FB_DEF const char *fb_config_string(void)
+{
+  return FB_CONFIG;
+}
+
+FB_DEF fb_status fb_config_check(const char *config)
+{
+  FBI_REQUIRE(config, FB_ERR_NULL);
+  return strcmp(config, FB_CONFIG) == 0 ? FB_OK : FB_ERR_VALUE;
+}

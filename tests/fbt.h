@@ -1,0 +1,76 @@
+/* fbt.h - the test harness: nothing but a C compiler.
+   Each tests/test_<section>.c defines static tests with TEST(name) and lists them in SUITE(section, ...); a test that is
+   not listed fails the build (-Wunused-function). Every test file is a translation unit of its own and sees only
+   flexbeam.h; the code itself is in test_main.c. */
+#ifndef FBT_H
+#define FBT_H
+
+#include "../flexbeam.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#ifndef FBT_REFERENCE
+#define FBT_REFERENCE "tests/reference/"
+#endif
+
+typedef struct fbt_case {
+  const char *name;
+  void (*run)(void);
+} fbt_case;
+
+#define FBT_COUNT(array) ((int)(sizeof(array) / sizeof((array)[0])))
+#define TEST(name) static void name(void)
+#define RUN(name) \
+  {               \
+#name, name   \
+  }
+#define SUITE(section, ...)                        \
+  void fbt_suite_##section(void);                  \
+  void fbt_suite_##section(void)                   \
+  {                                                \
+    static const fbt_case cases[] = {__VA_ARGS__}; \
+    fbt_run(#section, cases, FBT_COUNT(cases));    \
+  }
+
+/* A tolerance for double and one for single precision. */
+#define FBT_TOL(in_double, in_single) (FB_SINGLE ? (in_single) : (in_double))
+
+/* The running test fails, with place and text, when a claim does not hold. All are printed up to a few per test. */
+#define FBT_TRUE(claim) fbt_check((claim) != 0, __FILE__, __LINE__, #claim, 0.0, 0.0, 0.0)
+#define FBT_INT_EQ(got, expected) fbt_equal((int)(got), (int)(expected), __FILE__, __LINE__, #got " == " #expected)
+#define FBT_NEAR_ABS(got, expected, tol) \
+  fbt_near((double)(got), (double)(expected), (double)(tol), 0.0, __FILE__, __LINE__, #got " ~ " #expected)
+#define FBT_NEAR_REL(got, expected, tol)                                              \
+  fbt_near((double)(got), (double)(expected), 0.0, (double)(tol), __FILE__, __LINE__, \
+           #got " ~ " #expected " (relative)")
+#define FBT_BELOW(got, limit) fbt_below((double)(got), (double)(limit), __FILE__, __LINE__, #got " < " #limit)
+
+void fbt_run(const char *section, const fbt_case *cases, int n);
+void fbt_check(int ok, const char *file, int line, const char *claim, double got, double expected, double tol);
+void fbt_equal(int got, int expected, const char *file, int line, const char *claim);
+void fbt_near(double got, double expected, double abs_tol, double rel_tol, const char *file, int line,
+              const char *claim);
+void fbt_below(double got, double limit, const char *file, int line, const char *claim);
+
+/* Repeatable random numbers: uniform in (-1, 1), and a whole array of them. */
+void fbt_seed(unsigned seed);
+double fbt_random(void);
+void fbt_fill(fb_real *x, int n, double scale);
+/* Largest |a_i - b_i| and largest |a_i|. */
+double fbt_difference(const fb_real *a, const fb_real *b, int n);
+double fbt_largest(const fb_real *a, int n);
+
+/* A reference CSV: '#' lines skipped, header line, rows of numbers or words. */
+typedef struct fbt_table {
+  int rows, columns;
+  char header[64][32];
+  char cell[256][64][40];
+} fbt_table;
+/* Reads FBT_REFERENCE name; the test fails if it cannot. The table is static: one at a time. */
+const fbt_table *fbt_reference(const char *name);
+double fbt_value(const fbt_table *table, int row, const char *column);
+const char *fbt_word(const fbt_table *table, int row, const char *column);
+
+#endif

@@ -1,0 +1,181 @@
+/* Runs every suite and closes with "N passed, N failed". Optional argument: only the suites whose name contains it. */
+#ifndef FBT_SEPARATE /* set where another file holds the implementation */
+#define FLEXBEAM_IMPLEMENTATION
+#endif
+#include "fbt.h"
+
+void fbt_suite_status(void);
+void fbt_suite_vec3(void);
+void fbt_suite_rotation(void);
+void fbt_suite_linalg(void);
+void fbt_suite_beam(void);
+void fbt_suite_modes(void);
+void fbt_suite_body(void);
+void fbt_suite_integrate(void);
+void fbt_suite_build(void);
+
+static int passed, failed, claims_failed;
+static const char *only = "";
+static unsigned long long random_state = 1;
+
+void fbt_check(int ok, const char *file, int line, const char *claim, double got, double expected, double tol)
+{
+  if (!ok) {
+    claims_failed++;
+    if (claims_failed <= 5) {
+      printf("  %s:%d: %s: got %.17g, expected %.17g, tolerance %g\n", file, line, claim, got, expected, tol);
+    }
+  }
+}
+
+void fbt_equal(int got, int expected, const char *file, int line, const char *claim)
+{
+  fbt_check(got == expected, file, line, claim, got, expected, 0.0);
+}
+
+void fbt_near(double got, double expected, double abs_tol, double rel_tol, const char *file, int line,
+              const char *claim)
+{
+  const double tol = abs_tol + rel_tol * fabs(expected);
+  fbt_check(fabs(got - expected) <= tol, file, line, claim, got, expected, tol);
+}
+
+void fbt_below(double got, double limit, const char *file, int line, const char *claim)
+{
+  fbt_check(got < limit, file, line, claim, got, limit, 0.0);
+}
+
+void fbt_run(const char *section, const fbt_case *cases, int n)
+{
+  for (int i = 0; i < n; i++) {
+    if (strstr(section, only) == NULL && strstr(cases[i].name, only) == NULL) {
+      continue;
+    }
+    claims_failed = 0;
+    fbt_seed(1);
+    cases[i].run();
+    printf("%s %s/%s\n", claims_failed ? "FAIL" : "ok  ", section, cases[i].name);
+    fflush(stdout);
+    passed += claims_failed == 0;
+    failed += claims_failed != 0;
+  }
+}
+
+void fbt_seed(unsigned seed)
+{
+  random_state = 0x9E3779B97F4A7C15ull * (seed + 1);
+}
+
+double fbt_random(void)
+{
+  random_state = random_state * 6364136223846793005ull + 1442695040888963407ull;
+  return (double)(random_state >> 11) / 4503599627370496.0 - 1.0;
+}
+
+void fbt_fill(fb_real *x, int n, double scale)
+{
+  for (int i = 0; i < n; i++) {
+    x[i] = (fb_real)(scale * fbt_random());
+  }
+}
+
+double fbt_difference(const fb_real *a, const fb_real *b, int n)
+{
+  double largest = 0.0;
+  for (int i = 0; i < n; i++) {
+    const double d = fabs((double)a[i] - (double)b[i]);
+    largest = d > largest || d != d ? d : largest;
+  }
+  return largest;
+}
+
+double fbt_largest(const fb_real *a, int n)
+{
+  double largest = 0.0;
+  for (int i = 0; i < n; i++) {
+    largest = fabs((double)a[i]) > largest ? fabs((double)a[i]) : largest;
+  }
+  return largest;
+}
+
+static int split(char cells[64][40], char *line)
+{
+  int n = 0;
+  line[strcspn(line, "\r\n")] = 0;
+  for (char *p = line; p && n < 64; n++) {
+    char *comma = strchr(p, ',');
+    if (comma) {
+      *comma++ = 0;
+    }
+    snprintf(cells[n], 40, "%.39s", p);
+    p = comma;
+  }
+  return n;
+}
+
+const fbt_table *fbt_reference(const char *name)
+{
+  static fbt_table table;
+  static char line[8192];
+  static char header[64][40];
+  char path[256];
+  FILE *file;
+  memset(&table, 0, sizeof table);
+  snprintf(path, sizeof path, "%s%s", FBT_REFERENCE, name);
+  file = fopen(path, "r");
+  FBT_TRUE(file != NULL);
+  if (!file) {
+    printf("  cannot read %s: run the tests from the top of the project\n", path);
+    return &table;
+  }
+  while (fgets(line, sizeof line, file)) {
+    if (line[0] == '#' || line[0] == '\n') {
+      continue;
+    }
+    if (table.columns == 0) {
+      table.columns = split(header, line);
+      for (int i = 0; i < table.columns; i++) {
+        snprintf(table.header[i], 32, "%.31s", header[i]);
+      }
+    } else if (table.rows < 256) {
+      (void)split(table.cell[table.rows], line);
+      table.rows++;
+    }
+  }
+  fclose(file);
+  FBT_TRUE(table.rows > 0);
+  return &table;
+}
+
+const char *fbt_word(const fbt_table *table, int row, const char *column)
+{
+  for (int i = 0; i < table->columns; i++) {
+    if (strcmp(table->header[i], column) == 0 && row < table->rows) {
+      return table->cell[row][i];
+    }
+  }
+  FBT_TRUE(!"column exists in the reference");
+  return "nan";
+}
+
+double fbt_value(const fbt_table *table, int row, const char *column)
+{
+  return strtod(fbt_word(table, row, column), NULL);
+}
+
+int main(int argc, char **argv)
+{
+  only = argc > 1 ? argv[1] : "";
+  printf("flexbeam %s, %s\n", fb_version_string(), fb_config_string());
+  fbt_suite_status();
+  fbt_suite_vec3();
+  fbt_suite_rotation();
+  fbt_suite_linalg();
+  fbt_suite_beam();
+  fbt_suite_modes();
+  fbt_suite_body();
+  fbt_suite_integrate();
+  fbt_suite_build();
+  printf("%d passed, %d failed\n", passed, failed);
+  return failed != 0 || passed == 0;
+}
