@@ -226,7 +226,7 @@ static const char *const fbi_config_reference = FBI_CONFIG_SYMBOL;
 #define FBI_WITH_QUADRATIC (FB_WITH_SPIN_STIFFENING || FB_WITH_ACCELERATION_STIFFENING)
 #define FBI_WITH_SHAPE_INERTIA (FB_WITH_RESIDUAL_INERTIA || FBI_WITH_QUADRATIC)
 #define FBI_MAX_PAIRS (FB_MAX_MODES * (FB_MAX_MODES + 1) / 2)
-#define FBI_MAX_DOF (6 * (FB_MAX_ELEMENTS + 1))
+#define FBI_MAX_DOF (6 * (FB_MAX_ELEMENTS + 1) + 8 * FB_MAX_ELEMENTS)
 
 /* ---------------------------------------------------------------------------------------------------------------
    2 >>status */
@@ -368,11 +368,15 @@ typedef struct fb_modes_desc {
   int count
       [FB_KIND_COUNT]; /* lowest modes to keep per kind; FB_BASIS_ELEMENTS: nonzero keeps all coordinates of the kind */
   fb_real omega_limit; /* [rad/s] modes above are left out; 0: no limit */
+  /* Steady spin [rad/s] about an axis across the beam, spin_radius [m] before the clamped root: half of each plane's
+     bending modes are those at rest, half those under the spin's tension, combined to Ritz modes of the unloaded beam. A few
+     then do for every spin up to about this one, where modes at rest converge slowly. 0: modes at rest. */
+  fb_real spin, spin_radius;
 } fb_modes_desc;
 
 typedef struct fb_modes {
   int n;                       /* retained, ascending in frequency (a tie: in the order of the kinds) */
-  int ndof;                    /* length of a shape */
+  int ndof;                    /* length of a shape: 6 per node, then 8 internal ones per element */
   fb_kind kind[FB_MAX_MODES];  /* by the largest share of kinetic energy */
   fb_real omega[FB_MAX_MODES]; /* [rad/s]; 0 for finite-element coordinates */
   fb_real
@@ -396,22 +400,20 @@ FB_API fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_b
 /* ---------------------------------------------------------------------------------------------------------------
    8 >>body */
 
-typedef enum fb_effect {                              /* switches, or-ed into a mask */
-                         FB_EFFECT_ELASTIC = 1,       /* the modes move; without it the body is rigid (undeformed) */
-                         FB_EFFECT_SPIN_COUPLING = 2, /* gyroscopic (Coriolis) coupling of modes, N(w): degree 1 */
-                         FB_EFFECT_RESIDUAL_INERTIA =
-                             4, /* inertia follows the shape, centrifugal softening: degrees 1 and 2 */
-                         FB_EFFECT_SPIN_STIFFENING = 8, /* centrifugal stiffening, int chi . w x (w x r): degree 2 */
-                         FB_EFFECT_ACCELERATION_STIFFENING =
-                             16,                 /* the same for acceleration of O, angular acceleration and gravity */
-                         FB_EFFECT_DAMPING = 32, /* modal damping */
-                         FB_EFFECT_GRAVITY = 64  /* uniform gravity */
+/* Switches, or-ed into a mask. The degrees are those of the elastic coordinates in the inertia. */
+typedef enum fb_effect {
+  FB_EFFECT_ELASTIC = 1,                  /* the modes move; without it the body is rigid */
+  FB_EFFECT_SPIN_COUPLING = 2,            /* gyroscopic (Coriolis) coupling of modes, N(w): degree 1 */
+  FB_EFFECT_RESIDUAL_INERTIA = 4,         /* inertia follows the shape, centrifugal softening: degrees 1, 2 */
+  FB_EFFECT_SPIN_STIFFENING = 8,          /* centrifugal stiffening by foreshortening: degree 2 */
+  FB_EFFECT_ACCELERATION_STIFFENING = 16, /* the same by acceleration of O, angular acceleration, gravity */
+  FB_EFFECT_DAMPING = 32,                 /* modal damping */
+  FB_EFFECT_GRAVITY = 64                  /* uniform gravity */
 } fb_effect;
 #define FB_EFFECTS_RIGID 0u
 #define FB_EFFECTS_LINEAR 1u /* level 1 of the accuracy ladder */
 #define FB_EFFECTS_SPIN 3u   /* level 2 */
-#define FB_EFFECTS_FULL \
-  31u /* level 3: every inertial effect; add FB_EFFECT_DAMPING and FB_EFFECT_GRAVITY as called for */
+#define FB_EFFECTS_FULL 31u  /* level 3: every inertial effect; add damping and gravity as called for */
 
 /* FB_ERR_EFFECTS when the set is half of something: residual inertia without spin coupling or without spin stiffening
    keeps the centrifugal softening and drops what outweighs it (a slender beam then diverges above its first bending
@@ -471,12 +473,31 @@ typedef struct fb_body_desc {
   int allow_long_step;      /* 1: do not refuse steps beyond the stability limit */
 } fb_body_desc;
 
+/* The elements of Lambda(q) (6 x n) and S(q) (6 x 6, packed) that are not zero. A term is one struct: gcc 12.2 -O2 drops
+   a call whose loop runs over parallel arrays of reals and bytes of one struct. */
+typedef struct fb_lambda_term {
+  fb_real c;
+  unsigned char i, a, b;
+} fb_lambda_term;
+
+typedef struct fb_S_term {
+  fb_real c;
+  unsigned char i;
+} fb_S_term;
+
+#define FBI_MAX_LAMBDA                                                                                 \
+  (FB_MAX_MODES * (6 + 3 * FB_MAX_MODES * (FB_WITH_SPIN_COUPLING || FB_WITH_ACCELERATION_STIFFENING) + \
+                   3 * FB_MAX_MODES * FB_WITH_ACCELERATION_STIFFENING))
+#define FBI_MAX_MONOMIALS (FBI_WITH_SHAPE_INERTIA ? (FB_MAX_MODES + 1) * (FB_MAX_MODES + 2) / 2 : 1)
+#define FBI_MAX_S (21 * FBI_MAX_MONOMIALS)
+
 /* The model a step needs; constant after init, may live in ROM. */
 typedef struct fb_body {
   int n, n_node;
   unsigned effects;
   fb_base base;
-  int normalized; /* M = 1 and K, C diagonal */
+  int unit_mass;  /* M = 1 */
+  int diagonal;   /* M = 1 and K, C diagonal: the usual, and cheapest, modal form */
   int constant_S; /* S does not depend on q */
   int allow_long_step;
   int n_lambda, n_lambda_linear; /* terms of Lambda; those of the linear momentum come first */
@@ -486,7 +507,8 @@ typedef struct fb_body {
   fb_real limit_elastic, limit_damping, limit_gyro, limit_spin, limit_acceleration; /* bounds for fb_rk4_limit */
   fb_real S0_inverse[36];
   fb_real K_diagonal[FB_MAX_MODES];
-  fb_real M[FB_MAX_MODES * FB_MAX_MODES], Minv[FB_MAX_MODES * FB_MAX_MODES]; /* n x n, used when not normalized */
+  fb_real M[FB_MAX_MODES * FB_MAX_MODES],
+      Minv[FB_MAX_MODES * FB_MAX_MODES]; /* n x n, M and its inverse used when not 1, K when not diagonal */
   fb_real K[FB_MAX_MODES * FB_MAX_MODES];
 #if FB_WITH_DAMPING
   fb_real C_diagonal[FB_MAX_MODES], C[FB_MAX_MODES * FB_MAX_MODES];
@@ -494,18 +516,9 @@ typedef struct fb_body {
 #if FB_WITH_GRAVITY
   fb_real gravity[3];
 #endif
-  /* Lambda_ib(q) = sum_a coefficient * (1, q)_a */
-#define FBI_MAX_LAMBDA                                                                                 \
-  (FB_MAX_MODES * (6 + 3 * FB_MAX_MODES * (FB_WITH_SPIN_COUPLING || FB_WITH_ACCELERATION_STIFFENING) + \
-                   3 * FB_MAX_MODES * FB_WITH_ACCELERATION_STIFFENING))
-  fb_real lambda[FBI_MAX_LAMBDA];
-  unsigned char lambda_i[FBI_MAX_LAMBDA], lambda_a[FBI_MAX_LAMBDA], lambda_b[FBI_MAX_LAMBDA];
-  /* S_i(q) = sum_ab coefficient * (1, q)_a (1, q)_b, i = 0..20 packed, pairs a >= b in the order 00, 10, 11, 20, ... */
-#define FBI_MAX_MONOMIALS (FBI_WITH_SHAPE_INERTIA ? (FB_MAX_MODES + 1) * (FB_MAX_MODES + 2) / 2 : 1)
-#define FBI_MAX_S (21 * FBI_MAX_MONOMIALS)
-  fb_real S[FBI_MAX_S];
-  unsigned char S_i[FBI_MAX_S];
-  unsigned char S_count[FBI_MAX_MONOMIALS]; /* terms of each pair */
+  fb_lambda_term lambda[FBI_MAX_LAMBDA];    /* Lambda_ib(q) = sum of c (1, q)_a */
+  fb_S_term S[FBI_MAX_S];                   /* S_i(q) = sum of c (1, q)_a (1, q)_b, pair by pair */
+  unsigned char S_count[FBI_MAX_MONOMIALS]; /* terms of each pair a >= b, in the order 00, 10, 11, 20, ... */
   fb_node node[FB_MAX_NODES];
 } fb_body;
 

@@ -272,7 +272,7 @@ TEST(accelerations_agree_with_a_particle_model)
       desc.allow_split_effects = 1;
       desc.deflection_limit = FB_R(100.0);
       FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
-      FBT_INT_EQ(body.normalized, normal);
+      FBT_INT_EQ(body.unit_mass, normal);
       velocity_random(&s, n, 0.5);
       state_from(&state, &body, &s);
       memset(&input, 0, sizeof input);
