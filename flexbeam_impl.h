@@ -1553,46 +1553,30 @@ static void fbi_mode_field(fbi_field *f, const fb_beam *beam, const fb_modes *mo
   fbi_field_add_internal(f, shape + fbi_element_dof(beam, element, 12), s, l);
 }
 
-typedef struct fbi_quadratic { /* second-degree displacement and rotation of the section per pair of modes, beam axes */
-  fb_real chi[3 * FB_MAX_MODES * FB_MAX_MODES];
-  fb_real theta[3 * FB_MAX_MODES * FB_MAX_MODES];
+typedef struct
+    fbi_quadratic { /* running integrals of the second-degree field per pair of modes, along the beam's axis */
+  fb_real shift[FB_MAX_MODES * FB_MAX_MODES]; /* displacement (foreshortening) */
+  fb_real twist[FB_MAX_MODES * FB_MAX_MODES]; /* rotation */
 } fbi_quadratic;
 
-/* [E8.2] Slopes of the quadratic field, u = psi q + 1/2 chi q q and rotation vector theta q + 1/2 chi_theta q q, such that
-   stretch, twist and curvature stay LINEAR in q to second degree (the strain energy then needs no cubic terms):
-   chi_theta_ab' = 1/2 (theta_a x theta_b' + theta_b x theta_a'),
-   chi_ab' = chi_theta_ab x e + 1/2 (theta_a x (theta_b x e) + theta_b x (theta_a x e)) + eps_a theta_b x e + eps_b theta_a x e.
-   For pure bending this is the foreshortening chi_ab = -int (psi_2a' psi_2b' + psi_3a' psi_3b') e; with torsion it holds
-   the second-degree part of the section rotation.
-   Source: exponential map to second degree, kappa = theta' - 1/2 theta x theta', u' = R(e + eps e) - e.
-   Shapes: e beam axis; 3-vectors in beam axes.  Fails: never.
-   Test: quadratic_field_keeps_the_strain_linear, spinning_beams_stiffen_as_published. */
-static void fbi_quadratic_slope(fb_real chi[3], fb_real theta[3], const fbi_field *a, const fbi_field *b,
-                                const fb_real chi_theta[3])
+/* [E8.2] Quadratic field, u = psi q + 1/2 chi q q and rotation vector theta q + 1/2 chi_theta q q, of a section whose tangent
+   has the transverse components u_y', u_z' exactly and whose stretch and twist rate stay LINEAR in q:
+   chi_ab = -int (u_y,a' u_y,b' + u_z,a' u_z,b') dx e  (foreshortening),
+   chi_theta_ab = 1/2 int (theta_a x theta_b' + theta_b x theta_a').e dx e - 1/2 (phi_a e x theta_b + phi_b e x theta_a),
+   phi = theta.e the torsion, e the beam's axis. The strain energy then has no terms of degree 3 but the coupling
+   (EI_z - EI_y) phi u_y'' u_z'' of torsion with bending in both planes, which is left out.
+   Source: DESIGN 3; exponential map to second degree, kappa = theta' - 1/2 theta x theta'.
+   Shapes: the slopes of the two integrals.  Fails: never.
+   Test: quadratic_field_is_inextensible_and_twist_free, spinning_beams_stiffen_as_published. */
+static void fbi_quadratic_slope(fb_real *shift, fb_real *twist, const fbi_field *a, const fbi_field *b)
 {
-  static const fb_real e[3] = {FB_R(1.0), FB_R(0.0), FB_R(0.0)};
-  fb_real ae[3], be[3];
-  fb_vec3_cross(ae, a->theta, e);
-  fb_vec3_cross(be, b->theta, e);
-  fb_vec3_cross(theta, a->theta, b->curvature);
-  fbi_vec3_add_cross(theta, b->theta, a->curvature);
-  fb_vec3_cross(chi, a->theta, be);
-  fbi_vec3_add_cross(chi, b->theta, ae);
-  for (int i = 0; i < 3; i++) {
-    theta[i] *= FB_R(0.5);
-    chi[i] *= FB_R(0.5);
-  }
-  fbi_vec3_add_cross(chi, chi_theta, e);
-  fbi_vec3_add(chi, a->strain, be);
-  fbi_vec3_add(chi, b->strain, ae);
+  *shift = -(a->theta[1] * b->theta[1] + a->theta[2] * b->theta[2]);
+  *twist = FB_R(0.5) * (a->theta[1] * b->curvature[2] - a->theta[2] * b->curvature[1] + b->theta[1] * a->curvature[2] -
+                        b->theta[2] * a->curvature[1]);
 }
 
-typedef struct fbi_cumulative {           /* weights of the integrals of a cell from its start, exact to degree 8 */
-  fb_real to_point[FBI_GAUSS][FBI_GAUSS]; /* to each Gauss point: int_0^x_i f = sum_j w_ij f(x_j) */
-  fb_real to_t[FBI_GAUSS];                /* to the fraction t */
-} fbi_cumulative;
-
-static void fbi_cumulative_weights(fb_real w[FBI_GAUSS], fb_real t)
+/* Weights of the integral over the fraction t of a cell, int_0^t f = sum_j w_j f(x_j), exact to degree 8. */
+static void fbi_partial_weights(fb_real w[FBI_GAUSS], fb_real t)
 {
   for (int j = 0; j < FBI_GAUSS; j++) {
     w[j] = FB_R(0.0);
@@ -1605,14 +1589,6 @@ static void fbi_cumulative_weights(fb_real w[FBI_GAUSS], fb_real t)
       w[j] += t * fbi_gauss_w[g] * lagrange;
     }
   }
-}
-
-static void fbi_cumulative_init(fbi_cumulative *c, fb_real t)
-{
-  for (int g = 0; g < FBI_GAUSS; g++) {
-    fbi_cumulative_weights(c->to_point[g], fbi_gauss_x[g]);
-  }
-  fbi_cumulative_weights(c->to_t, t);
 }
 
 typedef struct fbi_cell_fields { /* the linear fields of all modes at the Gauss points of a cell */
@@ -1630,71 +1606,63 @@ static void fbi_cell_fields_init(fbi_cell_fields *c, const fb_beam *beam, const 
   }
 }
 
-/* Integrates the quadratic field of the pair (a, b) over a part of a cell, from chi and theta at the cell's start. */
-static void fbi_quadratic_advance(fb_real chi[3], fb_real theta[3], const fbi_cell_fields *c, const fbi_cumulative *w,
-                                  int a, int b)
+/* Adds the integrals of the quadratic field over the fraction t of a cell to those at its start. */
+static void fbi_quadratic_advance(fbi_quadratic *to, const fbi_quadratic *start, const fbi_cell_fields *c, fb_real t,
+                                  int n)
 {
   const fb_real dx = c->cell.x1 - c->cell.x0;
-  fb_real rate[FBI_GAUSS][3], at[3], slope[3], unused[3];
-  for (int g = 0; g < FBI_GAUSS; g++) {
-    fbi_quadratic_slope(unused, rate[g], &c->at[a][g], &c->at[b][g], theta);
-  }
-  for (int g = 0; g < FBI_GAUSS; g++) { /* the rotation at each point first: the displacement follows it */
-    fbi_copy(at, theta, 3);
-    for (int j = 0; j < FBI_GAUSS; j++) {
-      fbi_vec3_add(at, dx * w->to_point[g][j], rate[j]);
+  fb_real w[FBI_GAUSS];
+  fbi_partial_weights(w, t);
+  for (int a = 0; a < n; a++) {
+    for (int b = 0; b <= a; b++) {
+      fb_real shift = start->shift[a * n + b], twist = start->twist[a * n + b];
+      for (int g = 0; g < FBI_GAUSS; g++) {
+        fb_real s, r;
+        fbi_quadratic_slope(&s, &r, &c->at[a][g], &c->at[b][g]);
+        shift += dx * w[g] * s;
+        twist += dx * w[g] * r;
+      }
+      to->shift[a * n + b] = to->shift[b * n + a] = shift;
+      to->twist[a * n + b] = to->twist[b * n + a] = twist;
     }
-    fbi_quadratic_slope(slope, unused, &c->at[a][g], &c->at[b][g], at);
-    fbi_vec3_add(chi, dx * w->to_t[g], slope);
-  }
-  for (int j = 0; j < FBI_GAUSS; j++) {
-    fbi_vec3_add(theta, dx * w->to_t[j], rate[j]);
   }
 }
 
 typedef struct fbi_station { /* the displacement fields of all modes at a point of the reference line, body axes */
   fb_real r[3];
   fb_real u[3 * FB_MAX_MODES], theta[3 * FB_MAX_MODES];
-  fbi_quadratic quad; /* n x n x 3 */
+  fb_real chi[3 * FB_MAX_MODES * FB_MAX_MODES], chi_theta[3 * FB_MAX_MODES * FB_MAX_MODES]; /* n x n x 3 */
 } fbi_station;
 
-/* Fields at the fraction t of a cell; start holds the quadratic field at the cell's beginning, beam axes. */
+/* Fields at the fraction t of a cell; start holds the integrals of the quadratic field at the cell's beginning. */
 static void fbi_station_eval(fbi_station *st, const fb_beam *beam, const fb_modes *modes, const fbi_cell_fields *c,
                              fb_real t, const fbi_quadratic *start)
 {
+  const int n = modes->n;
   const fb_real x[3] = {c->cell.x0 + t * (c->cell.x1 - c->cell.x0), FB_R(0.0), FB_R(0.0)};
-  fbi_cumulative weights;
-  fbi_cumulative_init(&weights, t);
+  const fb_real e[3] = {beam->axes[0], beam->axes[3], beam->axes[6]};
+  fbi_quadratic here;
+  fbi_quadratic_advance(&here, start, c, t, n);
   fb_mat33_mul_vec3(st->r, beam->axes, x);
   fbi_vec3_add(st->r, FB_R(1.0), beam->desc.position);
-  for (int a = 0; a < modes->n; a++) {
+  for (int a = 0; a < n; a++) {
     fbi_field f;
     fbi_mode_field(&f, beam, modes, a, c->cell.element, fbi_cell_s(&c->cell, beam, t));
     fb_mat33_mul_vec3(st->u + 3 * a, beam->axes, f.u);
     fb_mat33_mul_vec3(st->theta + 3 * a, beam->axes, f.theta);
-    for (int b = 0; b <= a; b++) {
-      const int ab = 3 * (a * modes->n + b), ba = 3 * (b * modes->n + a);
-      fb_real chi[3], theta[3];
-      fbi_copy(chi, start->chi + ab, 3);
-      fbi_copy(theta, start->theta + ab, 3);
-      fbi_quadratic_advance(chi, theta, c, &weights, a, b);
-      fb_mat33_mul_vec3(st->quad.chi + ab, beam->axes, chi);
-      fb_mat33_mul_vec3(st->quad.theta + ab, beam->axes, theta);
-      fbi_copy(st->quad.chi + ba, st->quad.chi + ab, 3);
-      fbi_copy(st->quad.theta + ba, st->quad.theta + ab, 3);
-    }
   }
-}
-
-/* Carries the quadratic field from a cell's start to its end. */
-static void fbi_quadratic_next(fbi_quadratic *start, const fbi_cell_fields *c, int n)
-{
-  fbi_cumulative weights;
-  fbi_cumulative_init(&weights, FB_R(1.0));
   for (int a = 0; a < n; a++) {
-    for (int b = 0; b <= a; b++) {
-      const int ab = 3 * (a * n + b);
-      fbi_quadratic_advance(start->chi + ab, start->theta + ab, c, &weights, a, b);
+    for (int b = 0; b < n; b++) {
+      const fb_real *ta = st->theta + 3 * a, *tb = st->theta + 3 * b;
+      const fb_real phi_a = fb_vec3_dot(ta, e), phi_b = fb_vec3_dot(tb, e);
+      fb_real *chi = st->chi + 3 * (a * n + b), *theta = st->chi_theta + 3 * (a * n + b);
+      fb_real ea[3], eb[3];
+      fb_vec3_cross(ea, e, ta);
+      fb_vec3_cross(eb, e, tb);
+      for (int i = 0; i < 3; i++) {
+        chi[i] = here.shift[a * n + b] * e[i];
+        theta[i] = here.twist[a * n + b] * e[i] - FB_R(0.5) * (phi_a * eb[i] + phi_b * ea[i]);
+      }
     }
   }
 }
@@ -1718,9 +1686,9 @@ static void fbi_offset_field(fb_real *psi, fb_real *chi, const fbi_station *st, 
       fb_vec3_cross(bd, st->theta + 3 * b, d);
       fb_vec3_cross(second, st->theta + 3 * a, bd);
       fbi_vec3_add_cross(second, st->theta + 3 * b, ad);
-      fb_vec3_cross(x, st->quad.theta + 3 * (a * n + b), d);
+      fb_vec3_cross(x, st->chi_theta + 3 * (a * n + b), d);
       fbi_vec3_add(x, FB_R(0.5), second);
-      fbi_vec3_add(x, (fb_real)linear, st->quad.chi + 3 * (a * n + b));
+      fbi_vec3_add(x, (fb_real)linear, st->chi + 3 * (a * n + b));
     }
   }
 }
@@ -1809,7 +1777,7 @@ FB_DEF fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *be
       fbi_lumps_to_shape(shape, beam, &st, node, first, modes->n);
       fbi_shape_extend(shape, st.r, st.u, first, modes->n);
     }
-    fbi_quadratic_next(&start, &fields, modes->n);
+    fbi_quadratic_advance(&start, &start, &fields, FB_R(1.0), modes->n);
   }
   for (int a = 0; a < modes->n; a++) {
     for (int b = 0; b < modes->n; b++) {
@@ -1846,7 +1814,7 @@ FB_DEF fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, c
     if (x <= cell.x1 || cell.x1 >= beam->desc.length * (FB_R(1.0) - FB_R(4.0) * FB_EPSILON)) {
       break;
     }
-    fbi_quadratic_next(&start, &fields, modes->n);
+    fbi_quadratic_advance(&start, &start, &fields, FB_R(1.0), modes->n);
   }
   fbi_station_eval(&st, beam, modes, &fields, (x - cell.x0) / (cell.x1 - cell.x0), &start);
   {
@@ -1859,8 +1827,8 @@ FB_DEF fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, c
     for (int a = 0; a < modes->n; a++) {
       for (int b = 0; b <= a; b++) {
         const int pair = 3 * ((first + a) * (first + a + 1) / 2 + first + b), ab = 3 * (a * modes->n + b);
-        fbi_copy(out->chi + pair, st.quad.chi + ab, 3);
-        fbi_copy(out->chi_theta + pair, st.quad.theta + ab, 3);
+        fbi_copy(out->chi + pair, st.chi + ab, 3);
+        fbi_copy(out->chi_theta + pair, st.chi_theta + ab, 3);
       }
     }
 #endif
