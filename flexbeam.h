@@ -164,12 +164,14 @@
 typedef float fb_real;
 #define FB_R(x) (x##f)
 #define FB_EPSILON 1.19209290e-7f
-#define FB_HUGE 1e18f /* magnitudes above this are refused: their squares overflow */
+#define FB_HUGE 1e18f  /* magnitudes above this are refused: their squares overflow */
+#define FB_TINY 1e-18f /* magnitudes below this become zero in a step: their squares underflow */
 #else
 typedef double fb_real;
 #define FB_R(x) (x)
 #define FB_EPSILON 2.2204460492503131e-16
 #define FB_HUGE 1e150
+#define FB_TINY 1e-150
 #endif
 
 #ifdef FLEXBEAM_STATIC
@@ -603,7 +605,7 @@ FB_API fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, co
 
 /* Classical Runge-Kutta, order 4, four evaluations, fixed work. The inputs are those at t, t + dt/2 and t + dt; pass the
    same pointer three times for inputs held over the step, NULL for none. The quaternion is normalized, values below
-   about 1e-150 (double) or 1e-18 (single) become zero. FB_ERR_STEP: dt exceeds fb_rk4_limit at the present spin;
+   FB_TINY become zero. FB_ERR_STEP: dt exceeds fb_rk4_limit at the present spin;
    FB_ERR_VALUE: dt <= 0; FB_ERR_RANGE, FB_ERR_NOT_FINITE: the motion has left the model. On failure
    state is as before the call. */
 typedef struct fb_rk4_work {
