@@ -13,7 +13,45 @@
 
    QUICK START (examples/quickstart.c; do this in ONE file, the others include flexbeam.h alone)
 
->>>QUICKSTART
+     #define FLEXBEAM_IMPLEMENTATION
+     #include "flexbeam.h"
+     #include <stdio.h>
+
+     static fb_beam beam;
+     static fb_modes modes;
+     static fb_modes_work modes_work;
+     static fb_shape shape;
+     static fb_body body;
+     static fb_body_work body_work;
+
+     int main(void)
+     {
+       const fb_section uniform = {.mass = 1.2, .EI_y = 14004, .EI_z = 14004}; // [kg/m], [N m^2]
+       const fb_beam_desc boom = {.length = 10, .n_element = 10, .n_station = 1, .station = {uniform}};
+       const fb_modes_desc keep = {.count = {3, 3}};                             // bending modes along y, along z
+       const fb_body_desc level = {.effects = FB_EFFECTS_FULL};                  // or fewer: FB_EFFECTS_LINEAR, ...
+       const fb_input torque = {.n_load = 1, .load = {{.torque = {0, 0, 160}}}}; // [N m] at node 0, the origin
+       const fb_real center[3] = {0}, inertia[6] = {80, 80, 80};                 // [m], [kg m^2] of the hub
+       fb_state state;
+       fb_rk4_work work;
+       fb_motion motion;
+       fb_node_motion tip;
+       int node, status = fb_beam_init(&beam, &boom); // build: on the desktop or at start-up
+       status |= fb_modes_solve(&modes, &modes_work, &beam, &keep);
+       status |= fb_shape_init(&shape, modes.n);
+       status |= fb_shape_add_rigid(&shape, 500, center, inertia);
+       status |= fb_shape_add_beam(&shape, 0, &beam, &modes);
+       status |= fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, 10);
+       status |= fb_body_init(&body, &body_work, &shape, &level);
+       status |= fb_state_init(&body, &state);
+       for (int k = 0; k < 1000 && status == FB_OK; k++) { // run: one step of 1 ms
+         status = fb_rk4_step(&body, &state, &work, &torque, &torque, &torque, FB_R(0.001));
+       }
+       status |= fb_body_motion(&body, &motion, &state, &torque);
+       status |= fb_body_node_motion(&body, &tip, &state, &motion, node);
+       printf("after 1 s: hub %.4f rad/s, tip %.4f m, status %d\n", motion.w[2], tip.displacement[1], status);
+       return status != FB_OK;
+     }
 
    CONTENTS (search for the anchor; the same anchors divide flexbeam_impl.h, the tests and the README)
      >>config     options, real type, libm hooks, mismatch guard

@@ -39,6 +39,7 @@ typedef struct fbt_case {
 
 /* The running test fails, with place and text, when a claim does not hold. All are printed up to a few per test. */
 #define FBT_TRUE(claim) fbt_check((claim) != 0, __FILE__, __LINE__, #claim, 0.0, 0.0, 0.0)
+#define FBT_FAIL(text) fbt_check(0, __FILE__, __LINE__, text, 0.0, 0.0, 0.0)
 #define FBT_INT_EQ(got, expected) fbt_equal((int)(got), (int)(expected), __FILE__, __LINE__, #got " == " #expected)
 #define FBT_NEAR_ABS(got, expected, tol) \
   fbt_near((double)(got), (double)(expected), (double)(tol), 0.0, __FILE__, __LINE__, #got " ~ " #expected)
@@ -46,6 +47,9 @@ typedef struct fbt_case {
   fbt_near((double)(got), (double)(expected), 0.0, (double)(tol), __FILE__, __LINE__, \
            #got " ~ " #expected " (relative)")
 #define FBT_BELOW(got, limit) fbt_below((double)(got), (double)(limit), __FILE__, __LINE__, #got " < " #limit)
+
+/* A measured figure for README's verification table (test_runner --figures): what, against which source, how much. */
+void fbt_figure(const char *what, const char *source, double value);
 
 void fbt_run(const char *section, const fbt_case *cases, int n);
 void fbt_check(int ok, const char *file, int line, const char *claim, double got, double expected, double tol);

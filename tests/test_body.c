@@ -10,19 +10,25 @@ typedef struct particles {
   double m[PARTICLES], r[PARTICLES][3], psi[PARTICLES][MAX_N][3], chi[PARTICLES][MAX_N][MAX_N][3];
 } particles;
 
+/* As the library sees it. */
+static double rounded(double x)
+{
+  return (double)(fb_real)x;
+}
+
 /* Random masses, places and modes; quadratic: random symmetric chi. */
 static void particles_random(particles *p, int n, int quadratic)
 {
   memset(p, 0, sizeof *p);
   p->n = n;
   for (int i = 0; i < PARTICLES; i++) {
-    p->m[i] = (fb_real)(1.0 + 0.5 * fbt_random());
+    p->m[i] = rounded(1.0 + 0.5 * fbt_random());
     for (int k = 0; k < 3; k++) {
-      p->r[i][k] = (fb_real)fbt_random();
+      p->r[i][k] = rounded(fbt_random());
       for (int a = 0; a < n; a++) {
-        p->psi[i][a][k] = (fb_real)(0.4 * fbt_random());
+        p->psi[i][a][k] = rounded(0.4 * fbt_random());
         for (int b = 0; quadratic && b <= a; b++) {
-          p->chi[i][a][b][k] = p->chi[i][b][a][k] = (fb_real)(0.1 * fbt_random());
+          p->chi[i][a][b][k] = p->chi[i][b][a][k] = rounded(0.1 * fbt_random());
         }
       }
     }
@@ -87,12 +93,12 @@ typedef struct velocity {
 static void velocity_random(velocity *s, int n, double deflection)
 {
   for (int k = 0; k < 3; k++) {
-    s->v[k] = (fb_real)fbt_random();
-    s->w[k] = (fb_real)fbt_random();
+    s->v[k] = rounded(fbt_random());
+    s->w[k] = rounded(fbt_random());
   }
   for (int a = 0; a < n; a++) {
-    s->q[a] = (fb_real)(deflection * fbt_random());
-    s->qd[a] = (fb_real)fbt_random();
+    s->q[a] = rounded(deflection * fbt_random());
+    s->qd[a] = rounded(fbt_random());
   }
 }
 
@@ -200,7 +206,7 @@ static void particles_accelerate(double *acc, const particles *p, const velocity
     double x[3], J[MAX_N][3], xd[3], jac[6 + MAX_N][3], bias[3], ud[3], t[3];
     particle_at(x, J, xd, p, i, s);
     for (int k = 0; k < 3; k++) {
-      const double e[3] = {k == 0, k == 1, k == 2};
+      const double e[3] = {k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0};
       memcpy(jac[k], e, sizeof e);
       cross(jac[3 + k], e, x);
     }
@@ -248,6 +254,7 @@ static void state_from(fb_state *state, const fb_body *b, const velocity *s)
 /* E8.1, E8.4 to E8.6, E8.10, E8.12, E8.17, E8.19: degree 1 and residual inertia are exact. */
 TEST(accelerations_agree_with_a_particle_model)
 {
+  double worst = 0.0;
   for (int n = 1; n <= MAX_N; n++) {
     for (int normal = 0; normal < 2; normal++) {
       velocity s;
@@ -291,17 +298,20 @@ TEST(accelerations_agree_with_a_particle_model)
         scale = fmax(scale, fabs(acc[a]));
         error = fmax(error, fabs(got - acc[a]));
       }
-      FBT_BELOW(error / scale, FBT_TOL(1e-9, 2e-3));
+      worst = fmax(worst, error / scale);
+      FBT_BELOW(error / scale, FBT_TOL(1e-12, 1e-5));
       for (int a = 0; a < n; a++) {
-        FBT_NEAR_ABS(motion.q_dot[a], s.qd[a], FBT_TOL(1e-11, 1e-3));
+        FBT_NEAR_ABS(motion.q_dot[a], s.qd[a], FBT_TOL(1e-12, 2e-5));
       }
     }
   }
+  fbt_figure("accelerations, n = 1..8, normalized and general M", "Newton's law of 30 particles", worst);
 }
 
 /* E8.9, E8.11, E8.13, E8.21: momenta are the derivatives of the particles' kinetic energy, degree 2 with chi. */
 TEST(momenta_agree_with_a_particle_model)
 {
+  double worst = 0.0;
   for (int n = 1; n <= MAX_N; n++) {
     velocity s;
     fb_state state;
@@ -326,14 +336,16 @@ TEST(momenta_agree_with_a_particle_model)
       *y -= 1.0;
       error = fmax(error, fabs(0.5 * (particles_energy_2(&cloud, &up) - particles_energy_2(&cloud, &down)) - got));
     }
-    FBT_BELOW(error, FBT_TOL(1e-11, 1e-4));
+    worst = fmax(worst, error);
+    FBT_BELOW(error, FBT_TOL(1e-12, 1e-4));
     FBT_INT_EQ(fb_body_energy(&body, &energy, &state, NULL), FB_OK);
     FBT_NEAR_REL(energy.kinetic, particles_energy_2(&cloud, &s), FBT_TOL(1e-12, 1e-5));
     FBT_INT_EQ(fb_body_motion(&body, &motion, &state, NULL), FB_OK);
     for (int a = 0; a < n; a++) {
-      FBT_NEAR_ABS(motion.q_dot[a], s.qd[a], FBT_TOL(1e-10, 1e-2));
+      FBT_NEAR_ABS(motion.q_dot[a], s.qd[a], FBT_TOL(1e-12, 1e-4));
     }
   }
+  fbt_figure("momenta with the quadratic field", "kinetic energy of 30 particles", worst);
 }
 
 /* E8.12 with chi: pi_dot = dT/dq at fixed velocities (Lagrange), by finite differences of the particles' energy. */
@@ -357,7 +369,7 @@ TEST(elastic_forces_agree_with_a_particle_model)
       up.q[a] += 1.0; /* quadratic in q at fixed velocities: exact */
       down.q[a] -= 1.0;
       FBT_NEAR_ABS(rate.pi[a], 0.5 * (particles_energy_2(&cloud, &up) - particles_energy_2(&cloud, &down)),
-                   FBT_TOL(1e-10, 3e-3));
+                   FBT_TOL(1e-12, 1e-4));
     }
   }
 }
@@ -429,7 +441,7 @@ static void rigid(double R[6][6], const particles *p, const double *q, unsigned 
   }
   memset(R, 0, sizeof(double) * 36);
   for (int k = 0; k < 3; k++) {
-    const double e[3] = {k == 0, k == 1, k == 2};
+    const double e[3] = {k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0};
     double t[3];
     cross(t, c, e);
     R[k][k] = m;
@@ -565,6 +577,7 @@ static const unsigned effect_sets[] = {
 /* E8.4 to E8.6, E8.17, E8.19: each effect alone and together. */
 TEST(each_set_of_effects_follows_its_own_lagrangian)
 {
+  double worst = 0.0;
   for (int n = 1; n <= MAX_N; n += n < 3 ? 1 : 5) {
     for (int set = 0; set < FBT_COUNT(effect_sets); set++) {
       velocity s;
@@ -588,15 +601,17 @@ TEST(each_set_of_effects_follows_its_own_lagrangian)
         scale = fmax(scale, fabs(acc[a]));
         error = fmax(error, fabs(got - acc[a]));
       }
-      FBT_BELOW(error / scale, FBT_TOL(1e-9, 1e-2));
+      worst = fmax(worst, error / scale);
+      FBT_BELOW(error / scale, FBT_TOL(1e-12, 1e-4));
     }
   }
+  fbt_figure("accelerations of 8 sets of effects", "Lagrange's equations of particles", worst);
 }
 
 /* Two scalar functions of the place. */
 static double scalar_function(const double r[3], int which)
 {
-  return (double)(fb_real)(which ? 0.3 * sin(2.0 * r[0]) + 0.2 * r[1] : 0.4 * r[0] * r[0] - 0.1 * r[2]);
+  return rounded(which ? 0.3 * sin(2.0 * r[0]) + 0.2 * r[1] : 0.4 * r[0] * r[0] - 0.1 * r[2]);
 }
 
 /* E8.6: with the same functions in x, y and z the residual inertia is zero, term by term. */
@@ -1114,6 +1129,7 @@ TEST(elastic_response_is_frame_indifferent)
   coarse = frame_difference(3.0, 0.002);
   fbt_seed(3);
   fine = frame_difference(3.0, 0.00025);
+  fbt_figure("elastic response in a turned, moving frame", "frame indifference", fine);
   FBT_BELOW(fine, FBT_TOL(3e-13, 1e-3));
   FBT_BELOW(coarse, FBT_TOL(1e-9, 1e-3));
 }
@@ -1235,7 +1251,8 @@ TEST(spinning_beams_stiffen_as_published)
       }
     }
   }
-  FBT_BELOW(worst, FBT_TOL(1e-6, 2e-2)); /* asked for: 1e-4 */
+  fbt_figure("rotating cantilever, first flap and lag, eta 0..12", "power series (p02; Wright et al. 1982)", worst);
+  FBT_BELOW(worst, FBT_TOL(1e-6, 2e-3));
 }
 
 /* Bad input returns its status and changes nothing. */
@@ -1327,6 +1344,7 @@ TEST(a_rigid_body_is_the_case_of_no_modes)
     error = fmax(error, fabs((double)state.quat[1] * fbt_value(table, k, "q0") -
                              (double)state.quat[0] * fbt_value(table, k, "q1")));
   }
+  fbt_figure("free asymmetric top", "Jacobi elliptic functions (p10)", error);
   FBT_BELOW(error, FBT_TOL(1e-8, 1e-2)); /* the motion passes its separatrix: errors grow e-fold by e-fold */
 }
 

@@ -1,4 +1,5 @@
-/* Runs every suite and closes with "N passed, N failed". Optional argument: only the suites whose name contains it. */
+/* Runs every suite and closes with "N passed, N failed". Optional argument: only the suites and tests whose name contains
+   it, or --figures: print the measured figures, fields separated by |. */
 #ifndef FBT_SEPARATE /* set where another file holds the implementation */
 #define FLEXBEAM_IMPLEMENTATION
 #endif
@@ -15,7 +16,8 @@ void fbt_suite_integrate(void);
 void fbt_suite_build(void);
 
 static int passed, failed, claims_failed;
-static const char *only = "";
+static int figures;
+static const char *only = "", *running = "";
 static unsigned long long random_state = 1;
 
 void fbt_check(int ok, const char *file, int line, const char *claim, double got, double expected, double tol)
@@ -52,12 +54,22 @@ void fbt_run(const char *section, const fbt_case *cases, int n)
       continue;
     }
     claims_failed = 0;
+    running = cases[i].name;
     fbt_seed(1);
     cases[i].run();
-    printf("%s %s/%s\n", claims_failed ? "FAIL" : "ok  ", section, cases[i].name);
+    if (!figures || claims_failed) {
+      printf("%s %s/%s\n", claims_failed ? "FAIL" : "ok  ", section, cases[i].name);
+    }
     fflush(stdout);
     passed += claims_failed == 0;
     failed += claims_failed != 0;
+  }
+}
+
+void fbt_figure(const char *what, const char *source, double value)
+{
+  if (figures) {
+    printf("%s|%s|%.1e|%s\n", what, source, value, running);
   }
 }
 
@@ -154,7 +166,7 @@ const char *fbt_word(const fbt_table *table, int row, const char *column)
       return table->cell[row][i];
     }
   }
-  FBT_TRUE(!"column exists in the reference");
+  FBT_FAIL("column exists in the reference");
   return "nan";
 }
 
@@ -165,8 +177,11 @@ double fbt_value(const fbt_table *table, int row, const char *column)
 
 int main(int argc, char **argv)
 {
-  only = argc > 1 ? argv[1] : "";
-  printf("flexbeam %s, %s\n", fb_version_string(), fb_config_string());
+  figures = argc > 1 && strcmp(argv[1], "--figures") == 0;
+  only = argc > 1 && !figures ? argv[1] : "";
+  if (!figures) {
+    printf("flexbeam %s, %s\n", fb_version_string(), fb_config_string());
+  }
   fbt_suite_status();
   fbt_suite_vec3();
   fbt_suite_rotation();
@@ -176,6 +191,8 @@ int main(int argc, char **argv)
   fbt_suite_body();
   fbt_suite_integrate();
   fbt_suite_build();
-  printf("%d passed, %d failed\n", passed, failed);
+  if (!figures || failed) {
+    printf("%d passed, %d failed\n", passed, failed);
+  }
   return failed != 0 || passed == 0;
 }
