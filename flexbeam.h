@@ -544,7 +544,7 @@ typedef struct fb_body {
   int n_S;                       /* terms of S */
   fb_real mass, c[3];
   fb_real deflection_limit, reach[FB_MAX_MODES];
-  fb_real limit_elastic, limit_damping, limit_gyro, limit_spin, limit_acceleration; /* bounds for fb_rk4_limit */
+  fb_real limit_elastic, limit_damping, limit_spin, limit_acceleration; /* bounds for fb_rk4_limit */
   fb_real S0_inverse[36];
   fb_real K_diagonal[FB_MAX_MODES];
   fb_real M[FB_MAX_MODES * FB_MAX_MODES],

@@ -2110,9 +2110,10 @@ static fb_status fbi_table_norm(fb_real *norm, fb_body_work *work, const fb_real
   return status;
 }
 
-/* [E8.8] Bounds of the body's highest frequency |lambda| <= g + sqrt(g^2 + k) with g = limit_gyro |w| + limit_damping / 2,
-   k = limit_elastic + limit_spin w^2 + limit_acceleration |a|: the largest eigenvalues of K, C, the gyroscopic matrices and
-   the stiffening, all against the elastic mass that is left when the body is free, M - M_re^T M_rr^-1 M_re.
+/* [E8.8] Bounds of the body's highest frequency |lambda| <= g + sqrt(g^2 + k) with g = |w| + limit_damping / 2,
+   k = limit_elastic + limit_spin w^2 + limit_acceleration |a|: the largest eigenvalues of K, C and the stiffening against the
+   elastic mass that is left when the body is free, M - M_re^T M_rr^-1 M_re. The gyroscopic matrix is at most |w| against M:
+   |N(w) q| <= |w| |q|, a turning frame shifts a frequency by its rate. At rest the bound is the frequency itself.
    Source: quadratic eigenvalue bound |lambda|^2 <= 2 g |lambda| + k.  Fails: M or S_0 not positive definite.
    Test: the_step_limit_is_the_stability_boundary. */
 static fb_status fbi_limits_fill(fb_body *body, fb_body_work *work, const fb_shape *shape)
@@ -2137,18 +2138,12 @@ static fb_status fbi_limits_fill(fb_body *body, fb_body_work *work, const fb_sha
   fbi_copy(work->A, shape->K, n * n);
   status = status == FB_OK ? fbi_largest_eigenvalue(&body->limit_elastic, work, reduced, n) : status;
   body->limit_damping = FB_R(0.0);
-  body->limit_gyro = FB_R(1.0);
   body->limit_spin = FB_R(0.0);
   body->limit_acceleration = FB_R(0.0);
 #if FB_WITH_DAMPING
   fbi_copy(work->A, body->C, n * n);
   status = status == FB_OK ? fbi_largest_eigenvalue(&body->limit_damping, work, reduced, n) : status;
 #endif
-  if (body->effects & FB_EFFECT_SPIN_COUPLING) {
-    fb_real gyro = FB_R(0.0);
-    status = status == FB_OK ? fbi_table_norm(&gyro, work, shape->ups, reduced, n) : status;
-    body->limit_gyro = fbi_larger(FB_R(1.0), gyro);
-  }
   if (body->effects & FB_EFFECT_SPIN_STIFFENING) {
     for (int ab = 0; ab < n * n; ab++) {
       work->A[ab] = -(shape->Gamchi[9 * ab] + shape->Gamchi[9 * ab + 4] + shape->Gamchi[9 * ab + 8]);
@@ -2939,7 +2934,7 @@ FB_DEF fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, co
    Test: the_step_limit_is_the_stability_boundary. */
 FB_DEF fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real acceleration)
 {
-  const fb_real g = body->limit_gyro * FB_FABS(spin) + FB_R(0.5) * body->limit_damping;
+  const fb_real g = FB_FABS(spin) + FB_R(0.5) * body->limit_damping;
   const fb_real k =
       body->limit_elastic + body->limit_spin * spin * spin + body->limit_acceleration * FB_FABS(acceleration);
   const fb_real bound = g + FB_SQRT(g * g + k);
