@@ -517,19 +517,24 @@ typedef struct fb_body_desc {
    a call whose loop runs over parallel arrays of reals and bytes of one struct. */
 typedef struct fb_lambda_term {
   fb_real c;
-  unsigned char i, a, b;
+  unsigned short i, a, b;
 } fb_lambda_term;
 
 typedef struct fb_S_term {
   fb_real c;
-  unsigned char i;
+  unsigned short i, pair;
 } fb_S_term;
+
+typedef struct fb_S_pair {
+  unsigned short a, b;
+} fb_S_pair;
 
 #define FBI_MAX_LAMBDA                                                                                 \
   (FB_MAX_MODES * (6 + 3 * FB_MAX_MODES * (FB_WITH_SPIN_COUPLING || FB_WITH_ACCELERATION_STIFFENING) + \
                    3 * FB_MAX_MODES * FB_WITH_ACCELERATION_STIFFENING))
-#define FBI_MAX_MONOMIALS (FBI_WITH_SHAPE_INERTIA ? (FB_MAX_MODES + 1) * (FB_MAX_MODES + 2) / 2 : 1)
-#define FBI_MAX_S (21 * FBI_MAX_MONOMIALS)
+/* pairs a >= b of (1, q) but 00 */
+#define FBI_MAX_PAIRS_S (FBI_WITH_SHAPE_INERTIA ? (FB_MAX_MODES + 1) * (FB_MAX_MODES + 2) / 2 - 1 : 1)
+#define FBI_MAX_S (FBI_WITH_SHAPE_INERTIA ? 21 * FBI_MAX_PAIRS_S : 1)
 
 /* The model a step needs; constant after init, may live in ROM. */
 typedef struct fb_body {
@@ -540,12 +545,12 @@ typedef struct fb_body {
   int diagonal;   /* M = 1 and K, C diagonal: the usual, and cheapest, modal form */
   int constant_S; /* S does not depend on q */
   int allow_long_step;
-  int n_lambda, n_lambda_linear; /* terms of Lambda; those of the linear momentum come first */
-  int n_S;                       /* terms of S */
+  int n_lambda, n_lambda_constant; /* terms of Lambda; those of a = 0 come first */
+  int n_S, n_pair;                 /* terms of S, and the pairs of (1, q) they belong to */
   fb_real mass, c[3];
   fb_real deflection_limit, reach[FB_MAX_MODES];
   fb_real limit_elastic, limit_damping, limit_spin, limit_acceleration; /* bounds for fb_rk4_limit */
-  fb_real S0_inverse[36];
+  fb_real S0[21], S0_inverse[36];
   fb_real K_diagonal[FB_MAX_MODES];
   fb_real M[FB_MAX_MODES * FB_MAX_MODES],
       Minv[FB_MAX_MODES * FB_MAX_MODES]; /* n x n, M and its inverse used when not 1, K when not diagonal */
@@ -556,9 +561,9 @@ typedef struct fb_body {
 #if FB_WITH_GRAVITY
   fb_real gravity[3];
 #endif
-  fb_lambda_term lambda[FBI_MAX_LAMBDA];    /* Lambda_ib(q) = sum of c (1, q)_a */
-  fb_S_term S[FBI_MAX_S];                   /* S_i(q) = sum of c (1, q)_a (1, q)_b, pair by pair */
-  unsigned char S_count[FBI_MAX_MONOMIALS]; /* terms of each pair a >= b, in the order 00, 10, 11, 20, ... */
+  fb_lambda_term lambda[FBI_MAX_LAMBDA]; /* -Lambda_ib(q) = sum of c (1, q)_a */
+  fb_S_term S[FBI_MAX_S];                /* S_i(q) = S0_i + sum of c (1, q)_a (1, q)_b over its pairs */
+  fb_S_pair pair[FBI_MAX_PAIRS_S];
   fb_node node[FB_MAX_NODES];
 } fb_body;
 

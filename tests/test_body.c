@@ -633,11 +633,11 @@ TEST(residual_inertia_vanishes_on_a_rotation_closed_basis)
   desc.allow_split_effects = 1;
   FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
   FBT_TRUE(!body.constant_S);
-  FBT_INT_EQ(body.n_S, 21);   /* the constant part alone: every other term vanished to rounding */
+  FBT_INT_EQ(body.n_S, 0);    /* the constant part alone: every other term vanished to rounding */
   cloud.psi[0][0][0] += 0.01; /* not closed any more */
   particles_to_shape(&shape, &cloud);
   FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
-  FBT_TRUE(body.n_S > 21);
+  FBT_TRUE(body.n_S > 0);
 }
 
 /* ---- a boom with everything on it */
