@@ -1,0 +1,99 @@
+# flexbeam: GNU make. Everything is built under build/; `make test` needs a C compiler and make, nothing else.
+
+CC     ?= cc
+CFLAGS ?= -O2
+
+WARNINGS   = -Wall -Wextra -Wpedantic -Wconversion -Wdouble-promotion -Wshadow -Wundef -Wvla -Werror=unused-function
+WARNINGS_C = -Wstrict-prototypes -Wmissing-prototypes
+FLAGS      = -std=c99 -I. -ffp-contract=off $(WARNINGS) $(WARNINGS_C)
+export WARNINGS WARNINGS_C
+
+LIBRARY  = flexbeam.h flexbeam_impl.h
+SECTIONS = main status vec3 rotation linalg beam modes body integrate build
+EXAMPLES = quickstart spinup campbell
+CHECKS   = sanitize suite compile instructions mismatch removed style tidy two_precisions stack symbols ids quickstart
+
+.DELETE_ON_ERROR:
+.PHONY: help run test examples bench sizes readme format clean ci FORCE $(CHECKS:%=check-%)
+
+help:
+	@echo "make run       spin-up of a flexible beam against its reference, time per step, picture if gnuplot is there"
+	@echo "make test      build and run the tests, build the examples"
+	@echo "make examples  $(EXAMPLES:%=build/examples/%)"
+	@echo "make bench     time per step by modes and effects, double and single: build/bench_step_*.csv"
+	@echo "make sizes     bytes of the structs by precision and FB_MAX_MODES"
+	@echo "make readme    regenerate the tables, the program and the picture of README.md (wants gnuplot, valgrind)"
+	@echo "make ci        every check: compilers, standards, sanitizers, configuration, symbols, stack, instructions, style"
+	@echo "make check-X   one of them: $(sort $(CHECKS))"
+	@echo "make format    clang-format all sources"
+	@echo "make clean     remove build/"
+
+# ---- what users run
+
+run: build/examples/spinup
+	$< --reference tests/reference/p07C_second_order.csv --out build/spinup.csv
+
+test: examples check-quickstart build/test_runner
+	build/test_runner
+
+examples: $(EXAMPLES:%=build/examples/%)
+
+bench: build/bench/bench_step_double build/bench/bench_step_single
+	@for p in double single; do \
+	  echo "$$p:" && build/bench/bench_step_$$p > build/bench_step_$$p.csv && \
+	  awk -F, '/^#/ { print; next } { printf "%-9s %5s  %-13s %9s %9s %9s %9s %7s\n", $$1, $$2, $$3, $$4, $$5, $$6, $$7, $$8 }' \
+	    build/bench_step_$$p.csv || exit 1; \
+	done
+
+sizes: bench/sizes.c flexbeam.h flexbeam_impl.h | build/bench
+	@for single in 0 1; do for modes in 1 2 4 6 12; do \
+	  $(CC) -std=c99 -I. -DFB_SINGLE=$$single -DFB_MAX_MODES=$$modes -o build/bench/sizes $< -lm && \
+	  build/bench/sizes || exit 1; \
+	done; done | awk 'NR == 1 || !/^precision/'
+
+readme: examples build/readme/figures_double build/readme/figures_single
+	sh bench/readme.sh
+
+build/readme/figures_double build/readme/figures_single: $(wildcard tests/*.[ch]) $(LIBRARY) | build/readme
+	$(CC) $(FLAGS) $(CFLAGS) -DFB_SINGLE=$(if $(findstring single,$@),1,0) -o $@ $(SECTIONS:%=tests/test_%.c) -lm
+
+format:
+	clang-format -i *.h tests/*.[ch] tests/checks/*.c examples/*.c bench/*.[ch]
+
+clean:
+	rm -rf build
+
+# ---- programs
+
+build/examples/%: examples/%.c $(LIBRARY) build/flags | build/examples
+	$(CC) $(FLAGS) $(CFLAGS) -o $@ $< -lm
+
+build/bench/%_double: bench/%.c bench/scene.h $(LIBRARY) build/flags | build/bench
+	$(CC) $(FLAGS) $(CFLAGS) -DFBB_FLAGS='"$(CFLAGS)"' -o $@ $< -lm
+
+build/bench/%_single: bench/%.c bench/scene.h $(LIBRARY) build/flags | build/bench
+	$(CC) $(FLAGS) $(CFLAGS) -DFBB_FLAGS='"$(CFLAGS)"' -DFB_SINGLE=1 -o $@ $< -lm
+
+build/test_runner: $(SECTIONS:%=build/tests/test_%.o)
+	$(CC) $(CFLAGS) -o $@ $^ -lm
+
+build/tests/%.o: tests/%.c tests/fbt.h flexbeam.h build/flags | build/tests
+	$(CC) $(FLAGS) $(CFLAGS) -c -o $@ $<
+
+build/tests/test_main.o: flexbeam_impl.h
+
+build build/tests build/examples build/bench build/readme:
+	@mkdir -p $@
+
+# Changes only when the compiler or its flags do.
+build/flags: FORCE | build
+	@echo '$(CC) $(FLAGS) $(CFLAGS)' | cmp -s - $@ || echo '$(CC) $(FLAGS) $(CFLAGS)' > $@
+
+# ---- checks: each is a script that prints one line of ok or FAIL, and why
+
+ci:
+	@$(MAKE) -s -k -j2 --output-sync=target --no-print-directory $(CHECKS:%=check-%)
+	@echo "ci: all $(words $(CHECKS)) checks passed"
+
+$(CHECKS:%=check-%): check-%: tests/checks/%.sh
+	@sh $<

@@ -1,0 +1,43 @@
+#!/bin/sh
+# Regenerates the tables, the program and the picture of README.md from what the programs print: make readme.
+set -eu
+out=build/readme
+mkdir -p "$out"
+
+# block NAME: standard input replaces what stands between <!-- NAME --> and <!-- /NAME -->
+block() {
+  cat > "$out/block"
+  awk -v name="$1" -v file="$out/block" '
+    $0 == "<!-- /" name " -->" { while ((getline line < file) > 0) print line; skip = 0 }
+    !skip { print }
+    $0 == "<!-- " name " -->" { skip = 1 }' README.md > "$out/new"
+  cp "$out/new" README.md
+}
+
+# the program, between ```c and ```
+sed -n '/^#/,$p' examples/quickstart.c > "$out/program"
+awk -v file="$out/program" '
+  /^```$/ { if (skip) { while ((getline line < file) > 0) print line } skip = 0 }
+  !skip { print }
+  /^```c$/ { skip = 1 }' README.md > "$out/new"
+cp "$out/new" README.md
+
+# figures of the tests, double and single side by side
+build/readme/figures_double --figures > "$out/double"
+build/readme/figures_single --figures > "$out/single"
+awk -F'|' '
+  BEGIN { print "| case | against | double | single | test |"; print "|---|---|---|---|---|" }
+  FNR == NR { single[$1] = $3; next }
+  { print "| " $1 " | " $2 " | " $3 " | " ($1 in single ? single[$1] : "") " | " $4 " |"; done[$1] = 1 }' \
+  "$out/single" "$out/double" | block figures
+
+# the spin-up: its table, and the picture beside the example
+build/examples/spinup --reference tests/reference/p07C_second_order.csv --out build/spinup.csv > "$out/spinup"
+{ echo '```'; sed -n '/^Spin-up/,/^ *6 .*full/p' "$out/spinup"; echo '```'; } | block spinup
+[ ! -f build/spinup.svg ] || cp build/spinup.svg examples/spinup.svg
+
+make -s check-instructions > "$out/instructions" || true # the table is printed before the verdict
+{ echo '```'; grep -v '^ok\|^FAIL' "$out/instructions"; echo '```'; } | block instructions
+
+{ echo '```'; make -s sizes; echo '```'; } | block sizes
+echo "README.md: program and tables regenerated"

@@ -1,0 +1,13 @@
+/* sizes - bytes of the structs a program holds, for the precision and FB_MAX_MODES of this build (`make sizes`). */
+#define FLEXBEAM_STATIC
+#include "flexbeam.h"
+#include <stdio.h>
+
+int main(void)
+{
+  printf("precision  modes    body   state  rk4_work  input    shape    modes  modes_work  body_work\n");
+  printf("%-9s %6d %7d %7d %9d %6d %8d %8d %11d %10d\n", FB_SINGLE ? "single" : "double", FB_MAX_MODES,
+         (int)sizeof(fb_body), (int)sizeof(fb_state), (int)sizeof(fb_rk4_work), (int)sizeof(fb_input),
+         (int)sizeof(fb_shape), (int)sizeof(fb_modes), (int)sizeof(fb_modes_work), (int)sizeof(fb_body_work));
+  return 0;
+}

@@ -1,0 +1,24 @@
+#!/bin/sh
+# Every program and test compiles without a warning: gcc and clang, both precisions, C99, C11 and C17; the library and its
+# tests as C++11, too. C99 is optimized, so that the warnings that need flow analysis are on.
+. tests/checks/common.sh
+need gcc gcc
+need g++ g++
+need clang clang
+count=0
+for cc in gcc clang; do
+  cxx=$([ $cc = gcc ] && echo g++ || echo clang++)
+  for single in 0 1; do
+    for file in tests/test_*.c examples/*.c bench/*.c; do
+      for std in "c99 -O2" "c11 -O0" "c17 -O0"; do
+        try $cc -std=$std $base $WARNINGS_C -DFB_SINGLE=$single -c -o "$out/object.o" "$file"
+        count=$((count + 1))
+      done
+    done
+    for file in tests/test_*.c; do
+      try $cxx -x c++ -std=c++11 $base -DFB_SINGLE=$single -c -o "$out/object.o" "$file"
+      count=$((count + 1))
+    done
+  done
+done
+ok "$count compilations without a warning (gcc, clang x double, single x C99, C11, C17, C++11)"

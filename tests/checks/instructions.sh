@@ -1,0 +1,75 @@
+#!/bin/sh
+# Instructions per rk4 step, counted step by step: the same for every step of a run, decayed or not; below the bounds; an effect
+# that is off at run time costs as much as one that was compiled out, give or take the tests of its switch.
+# Boom on a hub, free, unloaded, gcc -O2, double. Masks: FB_EFFECT_... of flexbeam.h.
+. tests/checks/common.sh
+need gcc gcc
+need valgrind valgrind
+steps=60
+bound_linear=5500    # without residual inertia and stiffening
+bound_residual=15000 # with
+switch=100           # 4 evaluations x 25: the tests of a switch and the registers they cost
+
+# build NAME OPTIONS...: the library as an object of its own, as a user links it
+build() {
+  program=$out/$1
+  shift
+  try gcc -std=c99 -I. -ffp-contract=off -O2 -g "$@" -c -o "$program.o" "$out/impl.c"
+  try gcc -std=c99 -I. -O2 "$@" -o "$program" bench/step_count.c "$program.o" -lm -Wl,-z,now
+}
+
+# count PROGRAM Y Z AXIAL EFFECTS [decayed]: sets per_step; the counter is written out and zeroed after every step
+count() {
+  program=$out/$1
+  shift
+  rm -f "$out"/count*
+  modes="$1 $2 $3 $4"
+  shift 4
+  try valgrind --tool=callgrind --callgrind-out-file="$out/count" --toggle-collect=fb_rk4_step \
+    --dump-after=fb_rk4_step "$program" $modes $steps "$@"
+  cat "$out"/count.* | sed -n 's/^summary: //p' | grep -v '^0$' | sort -n | uniq -c > "$out/counts"
+  [ "$(wc -l < "$out/counts")" = 1 ] || {
+    cat "$out/counts"
+    fail "$modes $*: steps differ in their number of instructions (count, instructions above)"
+  }
+  read -r n per_step < "$out/counts"
+  [ "$n" = $steps ] || fail "$modes $*: $n steps counted instead of $steps"
+}
+
+# row NAME PROGRAM Y Z AXIAL EFFECTS BOUND [decayed]
+row() {
+  count "$2" "$3" "$4" "$5" "$6" ${8:-}
+  printf '  %-34s %s+%s+%s %8d %s\n' "$1" "$3" "$4" "$5" "$per_step" "$([ "$7" = 0 ] || echo "(bound $7)")"
+  [ "$7" = 0 ] || [ "$per_step" -le "$7" ] || over="$over, $1 $per_step > $7"
+}
+
+over=
+build default
+echo "  instructions per step of rk4    modes y+z+axial"
+row "rigid" default 0 0 0 0 $bound_linear
+row "linear" default 3 3 0 1 $bound_linear
+row "spin coupling" default 3 3 0 3 $bound_linear
+row "residual inertia" default 3 3 0 7 $bound_residual
+row "full" default 3 3 0 31 $bound_residual
+row "full, damping" default 3 3 0 63 $bound_residual
+row "full, gravity" default 3 3 0 95 $bound_residual
+row "linear, with axial modes" default 2 2 2 1 0
+row "spin coupling, with axial modes" default 2 2 2 3 0
+row "full, with axial modes" default 2 2 2 31 0
+row "linear, damping" default 3 3 0 33 0
+moving=$per_step
+row "linear, damping, decayed" default 3 3 0 33 0 decayed
+[ "$per_step" = "$moving" ] || fail "a decayed body takes $per_step instructions, a moving one $moving"
+
+# off at run time against compiled out: EFFECT of flexbeam.h, mask without it
+for pair in SPIN_COUPLING:1 RESIDUAL_INERTIA:27 SPIN_STIFFENING:19 ACCELERATION_STIFFENING:15 DAMPING:31 GRAVITY:31; do
+  effect=${pair%:*}
+  build without -DFB_WITH_$effect=0
+  count default 3 3 0 ${pair#*:}
+  off=$per_step
+  count without 3 3 0 ${pair#*:}
+  printf '  %-34s %8d off, %8d compiled out\n' "$(echo $effect | tr 'A-Z_' 'a-z ')" "$off" "$per_step"
+  [ $((off - per_step)) -le $switch ] || over="$over, $effect off costs $((off - per_step))"
+done
+[ -z "$over" ] || fail "${over#, }"
+ok "every step of a run takes the same number of instructions, within the bounds; what is off costs at most $switch"

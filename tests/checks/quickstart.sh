@@ -1,0 +1,19 @@
+#!/bin/sh
+# The QUICK START of flexbeam.h and the program of README.md are examples/quickstart.c, line by line.
+. tests/checks/common.sh
+sed -n '/^#/,$p' examples/quickstart.c > "$out/example"
+sed -n '/^   QUICK START/,/^   CONTENTS/p' flexbeam.h | sed -e '1d;$d' -e 's/^     //' | sed -n '/^#/,$p' |
+  sed -e :a -e '/^\n*$/{$d;N;ba' -e '}' > "$out/header"
+diff "$out/header" "$out/example" > "$out/log" || {
+  head -n 20 "$out/log"
+  fail "QUICK START of flexbeam.h is not examples/quickstart.c"
+}
+[ -f README.md ] || fail "no README.md"
+awk '/^```c/ { code = 1; text = ""; next }
+     /^```/ { if (code && text ~ /#define FLEXBEAM_IMPLEMENTATION/) printf "%s", text; code = 0 }
+     code { text = text $0 "\n" }' README.md | sed -n '/^#/,$p' > "$out/readme"
+diff "$out/readme" "$out/example" > "$out/log" || {
+  head -n 20 "$out/log"
+  fail "the program of README.md is not examples/quickstart.c"
+}
+ok "flexbeam.h, README.md and examples/quickstart.c agree ($(wc -l < "$out/example") lines)"

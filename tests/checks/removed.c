@@ -1,0 +1,34 @@
+/* Size of fb_body, and which effects this build refuses; with removed= it is the object that removed.sh measures. */
+#define FLEXBEAM_IMPLEMENTATION
+#include "flexbeam.h"
+#include <stdio.h>
+
+int main(void)
+{
+  static const unsigned effects[] = {
+      FB_EFFECT_SPIN_COUPLING,   FB_EFFECT_SPIN_COUPLING | FB_EFFECT_RESIDUAL_INERTIA | FB_EFFECT_SPIN_STIFFENING,
+      FB_EFFECT_SPIN_STIFFENING, FB_EFFECT_ACCELERATION_STIFFENING,
+      FB_EFFECT_DAMPING,         FB_EFFECT_GRAVITY};
+  static fb_shape shape;
+  static fb_body body;
+  static fb_body_work work;
+  static const fb_real r[3] = {0}, inertia[6] = {1, 1, 1};
+  if (fb_effects_check(FB_EFFECTS_LINEAR) != FB_OK || fb_shape_init(&shape, 0) != FB_OK ||
+      fb_shape_add_rigid(&shape, 1, r, inertia) != FB_OK) {
+    return 1;
+  }
+  printf("%d ", (int)sizeof(fb_body));
+  for (int k = 0; k < 6; k++) { /* refused by the check, and by fb_body_init: 1 */
+    fb_body_desc desc = {0};
+    fb_status status;
+    desc.effects = effects[k] | FB_EFFECT_ELASTIC;
+    desc.allow_split_effects = 1;
+    status = fb_body_init(&body, &work, &shape, &desc);
+    if (status != fb_effects_check(desc.effects) || (status != FB_OK && status != FB_ERR_EFFECTS)) {
+      return 1;
+    }
+    printf("%d", status == FB_ERR_EFFECTS);
+  }
+  printf("\n");
+  return 0;
+}

@@ -1,0 +1,48 @@
+#!/bin/sh
+# An effect removed by macro is gone: no warnings, less code or smaller tables, asking for it is refused, and with all of them
+# removed their functions are not there. Bytes: text at -Os (32 fewer at least), sizeof fb_body.
+. tests/checks/common.sh
+need gcc gcc
+need clang clang
+effects="SPIN_COUPLING RESIDUAL_INERTIA SPIN_STIFFENING ACCELERATION_STIFFENING DAMPING GRAVITY"
+all=$(for e in $effects; do printf -- '-DFB_WITH_%s=0 ' $e; done)
+
+# measure SINGLE OPTIONS...: sets text, body, refused
+measure() {
+  single=$1
+  shift
+  try clang $c99 -O1 -DFB_SINGLE=$single "$@" -c -o "$out/object.o" "$out/impl.c"
+  try gcc $c99 -Os -DFB_SINGLE=$single "$@" -c -o "$out/object.o" "$out/impl.c"
+  text=$(size "$out/object.o" | awk 'NR == 2 { print $1 }')
+  try gcc $c99 -O0 -DFB_SINGLE=$single "$@" -o "$out/program" tests/checks/removed.c -lm
+  try "$out/program"
+  read -r body refused < "$out/log"
+}
+
+result= useless=
+for single in 0 1; do
+  measure $single
+  full_text=$text full_body=$body
+  [ $single = 1 ] || result=" full $text/$body"
+  [ $refused = 000000 ] || fail "the full build refuses effects: $refused"
+  k=1
+  for effect in $effects; do
+    measure $single -DFB_WITH_$effect=0
+    [ "$(echo $refused | cut -c $k)" = 1 ] || fail "FB_WITH_$effect=0 does not refuse the effect: $refused"
+    [ $text -lt $((full_text - 32)) ] || [ $body -lt $full_body ] || useless="$useless FB_WITH_$effect=0"
+    [ $single = 1 ] || result="$result, $effect $((full_text - text))/$((full_body - body))"
+    k=$((k + 1))
+  done
+  measure $single $all
+  [ $refused = 111111 ] || fail "all removed, but not all refused: $refused"
+  [ $single = 1 ] || result="$result, all $((full_text - text))/$((full_body - body))"
+done
+gcc -std=c99 -I. -O0 -c -o "$out/full.o" "$out/impl.c"
+gcc -std=c99 -I. -O0 $all -c -o "$out/none.o" "$out/impl.c"
+for function in fbi_S_gradient fbi_gravity_add fbi_damping_fill; do
+  nm "$out/full.o" | grep -q " $function\$" || fail "no function $function: this list is out of date"
+  nm "$out/none.o" | grep -q " $function\$" && fail "$function is still there with all effects removed"
+done
+report="bytes of code/fb_body saved, double:$result"
+[ -z "$useless" ] || fail "nothing saved by$useless; $report"
+ok "$report"

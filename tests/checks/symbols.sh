@@ -1,0 +1,22 @@
+#!/bin/sh
+# The object needs nothing but a few functions of libm and memory functions, has no writable data, and exports fb_ alone.
+# sincos is what gcc makes of sin and cos of one argument where the C library has it.
+. tests/checks/common.sh
+need gcc gcc
+need clang clang
+allowed='sqrtf?|sinf?|cosf?|sincosf?|atan2f?|fabsf?|memcpy|memset|memmove|memcmp|strcmp'
+for cc in gcc clang; do
+  for opt in -O0 -O2 -Os; do
+    for single in 0 1; do
+      object=$out/$cc$opt$single.o
+      try $cc $c99 $opt -fno-stack-protector -DFB_SINGLE=$single -c -o "$object" "$out/impl.c"
+      nm -u "$object" | sed 's/.* U //' >> "$out/undefined"
+      size -A -d "$object" | awk '$1 ~ /^\.(data|bss|tdata|tbss)$/ { sum += $2 } END { exit sum != 0 }' ||
+        fail "$object has writable data"
+      nm -g --defined-only "$object" | sed 's/.* //' | sort > "$out/exported"
+    done
+  done
+done
+grep -vE "^($allowed)\$" "$out/undefined" && fail "undefined symbols beyond the list"
+grep -v '^fb_' "$out/exported" && fail "exported names that do not begin with fb_"
+ok "needs only $(sort -u "$out/undefined" | tr '\n' ' ')- exports $(grep -c . "$out/exported") names, all fb_, no writable data"

@@ -1,0 +1,637 @@
+/* Section 6: sections, stations, lumped bodies, element matrices. References are written out in double or summed in
+   long double from the very numbers of the desc; bounds are units of the epsilon of fb_real. */
+#include "fbt.h"
+
+#define EPS FBT_TOL(2.2204460492503131e-16, 1.19209290e-7)
+#define MAX_DOF (6 * (FB_MAX_ELEMENTS + 1))
+
+static fb_beam_desc desc;
+static fb_beam beam;
+static fb_real K[MAX_DOF * MAX_DOF], M[MAX_DOF * MAX_DOF];
+
+static void uniform_desc(fb_beam_desc *out, int n_element)
+{
+  memset(out, 0, sizeof *out);
+  out->length = FB_R(1.7);
+  out->n_element = n_element;
+  out->n_station = 1;
+  out->station[0].mass = FB_R(2.3);
+  out->station[0].EA = FB_R(7.1);
+  out->station[0].GJ = FB_R(3.7);
+  out->station[0].EI_y = FB_R(5.3);
+  out->station[0].EI_z = FB_R(1.9);
+  out->station[0].i_y = FB_R(0.13);
+  out->station[0].i_z = FB_R(0.29);
+}
+
+/* Five stations, none on a node of most meshes, the middle one on the node of an even number of elements. */
+static void tapered_desc(fb_beam_desc *out, int n_element)
+{
+  static const double x[5] = {0.0, 0.13, 0.5, 0.58, 1.0};
+  uniform_desc(out, n_element);
+  out->n_station = 5;
+  for (int k = 0; k < 5; k++) {
+    fb_section *s = &out->station[k];
+    s->x = k == 4 ? out->length : (fb_real)x[k] * out->length;
+    s->mass = (fb_real)(2.0 + fbt_random());
+    s->EA = (fb_real)(2.0 + fbt_random());
+    s->GJ = (fb_real)(2.0 + fbt_random());
+    s->EI_y = (fb_real)(2.0 + fbt_random());
+    s->EI_z = (fb_real)(2.0 + fbt_random());
+    s->i_y = (fb_real)(0.2 + 0.1 * fbt_random());
+    s->i_z = (fb_real)(0.2 + 0.1 * fbt_random());
+  }
+}
+
+/* Two bodies off the axis with full inertia matrices. */
+static void lumps_add(fb_beam_desc *out)
+{
+  static const fb_lump lump[2] = {{0,
+                                   FB_R(0.7),
+                                   {FB_R(0.1), FB_R(-0.3), FB_R(0.2)},
+                                   {FB_R(0.5), FB_R(0.6), FB_R(0.7), FB_R(0.1), FB_R(-0.05), FB_R(0.08)}},
+                                  {1,
+                                   FB_R(1.3),
+                                   {FB_R(-0.2), FB_R(0.4), FB_R(0.5)},
+                                   {FB_R(0.9), FB_R(0.8), FB_R(0.6), FB_R(-0.2), FB_R(0.1), FB_R(0.15)}}};
+  out->n_lump = 2;
+  out->lump[0] = lump[0];
+  out->lump[1] = lump[1];
+  out->lump[1].node = out->n_element;
+}
+
+/* Adds one plane's bending matrices (12 x 12) at displacement u and rotation t of the first node: sign = 1 where the
+   rotation is +u', -1 where it is -u'. */
+static void textbook_bending(double *Kt, double *Mt, int u, int t, double sign, double EI, double m, double i, double l)
+{
+  const int at[4] = {u, t, u + 6, t + 6};
+  const double k[16] = {12,  6 * l,  -12, 6 * l,  6 * l, 4 * l * l, -6 * l, 2 * l * l,
+                        -12, -6 * l, 12,  -6 * l, 6 * l, 2 * l * l, -6 * l, 4 * l * l};
+  const double c[16] = {156, 22 * l, 54,  -13 * l, 22 * l,  4 * l * l,  13 * l,  -3 * l * l,
+                        54,  13 * l, 156, -22 * l, -13 * l, -3 * l * l, -22 * l, 4 * l * l};
+  const double r[16] = {36,  3 * l,  -36, 3 * l,  3 * l, 4 * l * l, -3 * l, -l * l,
+                        -36, -3 * l, 36,  -3 * l, 3 * l, -l * l,    -3 * l, 4 * l * l};
+  for (int a = 0; a < 4; a++) {
+    for (int b = 0; b < 4; b++) {
+      const double s = (a + b) % 2 ? sign : 1.0;
+      Kt[12 * at[a] + at[b]] += s * EI / (l * l * l) * k[4 * a + b];
+      Mt[12 * at[a] + at[b]] += s * (m * l / 420.0 * c[4 * a + b] + i / (30.0 * l) * r[4 * a + b]);
+    }
+  }
+}
+
+static void textbook_rod(double *Kt, double *Mt, int u, double stiffness, double m, double l)
+{
+  for (int a = 0; a < 2; a++) {
+    for (int b = 0; b < 2; b++) {
+      Kt[12 * (u + 6 * a) + u + 6 * b] += (a == b ? 1.0 : -1.0) * stiffness / l;
+      Mt[12 * (u + 6 * a) + u + 6 * b] += (a == b ? 2.0 : 1.0) * m * l / 6.0;
+    }
+  }
+}
+
+/* E6.3, E6.1: Przemieniecki, Theory of Matrix Structural Analysis, 1968, 5.6 and 11.4, shear left out; both planes with
+   the signs of theta_z = u_y' and theta_y = -u_z'; three elements are three times one. */
+TEST(element_matrices_match_the_textbook_ones)
+{
+  for (int n = 1; n <= 3; n += 2) {
+    const int ndof = 6 * (n + 1);
+    double Kt[144] = {0}, Mt[144] = {0};
+    const fb_section *s = desc.station;
+    double l;
+    uniform_desc(&desc, n);
+    l = (double)desc.length / n;
+    textbook_bending(Kt, Mt, 1, 5, 1.0, (double)s->EI_z, (double)s->mass, (double)s->i_z, l);
+    textbook_bending(Kt, Mt, 2, 4, -1.0, (double)s->EI_y, (double)s->mass, (double)s->i_y, l);
+    textbook_rod(Kt, Mt, 0, (double)s->EA, (double)s->mass, l);
+    textbook_rod(Kt, Mt, 3, (double)s->GJ, (double)s->i_y + (double)s->i_z, l);
+    FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+    fbt_fill(K, MAX_DOF * MAX_DOF, 1e9);
+    fbt_fill(M, MAX_DOF * MAX_DOF, 1e9);
+    fb_beam_matrices(K, M, &beam);
+    for (int i = 0; i < ndof; i++) {
+      for (int j = 0; j < ndof; j++) {
+        double k = 0.0, m = 0.0;
+        for (int e = 0; e < n; e++) {
+          const int a = i - 6 * e, b = j - 6 * e;
+          k += a >= 0 && a < 12 && b >= 0 && b < 12 ? Kt[12 * a + b] : 0.0;
+          m += a >= 0 && a < 12 && b >= 0 && b < 12 ? Mt[12 * a + b] : 0.0;
+        }
+        FBT_NEAR_ABS(K[i * ndof + j], k, 4.0 * n * EPS * sqrt(Kt[13 * (i % 6)] * Kt[13 * (j % 6)]));
+        FBT_NEAR_ABS(M[i * ndof + j], m, 4.0 * n * EPS * sqrt(Mt[13 * (i % 6)] * Mt[13 * (j % 6)]));
+      }
+    }
+  }
+}
+
+enum { MASS, EA, GJ, EI_Y, EI_Z, I_Y, I_Z };
+
+/* int_0^length p(x) x^power dx of the piecewise linear property p, term by term. */
+static double moment(int property, int power)
+{
+  long double sum = 0.0L;
+  for (int k = 0; k + 1 < desc.n_station; k++) {
+    const fb_section *s = &desc.station[k], *e = s + 1;
+    const fb_real value[2][7] = {{s->mass, s->EA, s->GJ, s->EI_y, s->EI_z, s->i_y, s->i_z},
+                                 {e->mass, e->EA, e->GJ, e->EI_y, e->EI_z, e->i_y, e->i_z}};
+    const long double x0 = (long double)s->x, x1 = (long double)e->x, p0 = (long double)value[0][property];
+    const long double slope = ((long double)value[1][property] - p0) / (x1 - x0);
+    sum += (p0 - slope * x0) * (powl(x1, power + 1) - powl(x0, power + 1)) / (power + 1);
+    sum += slope * (powl(x1, power + 2) - powl(x0, power + 2)) / (power + 2);
+  }
+  return (double)sum;
+}
+
+/* y^T A z and the sum of the magnitudes of its terms. */
+static double form(double *size, const fb_real *matrix, const double *y, const double *z, int n)
+{
+  long double sum = 0.0L, all = 0.0L;
+  for (int i = 0; i < n; i++) {
+    for (int j = 0; j < n; j++) {
+      const long double t = (long double)y[i] * (long double)matrix[i * n + j] * (long double)z[j];
+      sum += t;
+      all += fabsl(t);
+    }
+  }
+  *size = (double)all;
+  return (double)sum;
+}
+
+/* Rigid translation (axis 0 to 2) or rotation about the root (3 to 5) in nodal values. */
+static void rigid_field(double *y, int axis)
+{
+  for (int node = 0; node <= desc.n_element; node++) {
+    double *at = y + 6 * node;
+    const double x = (double)desc.length * node / desc.n_element;
+    memset(at, 0, 6 * sizeof *at);
+    at[axis] = 1.0;
+    at[2] -= axis == 4 ? x : 0.0; /* e_y x (x, 0, 0) = (0, 0, -x) */
+    at[1] += axis == 5 ? x : 0.0;
+  }
+}
+
+/* Mass matrix of the beam as a rigid body about the root: [m, -mc^; mc^, J]. */
+static void rigid_mass(double R[36])
+{
+  double c[3] = {moment(MASS, 1), 0.0, 0.0}, J[9] = {0}, m = moment(MASS, 0);
+  J[0] = moment(I_Y, 0) + moment(I_Z, 0);
+  J[4] = moment(MASS, 2) + moment(I_Y, 0);
+  J[8] = moment(MASS, 2) + moment(I_Z, 0);
+  for (int k = 0; k < desc.n_lump; k++) {
+    const fb_lump *lump = &desc.lump[k];
+    const fb_real *I6 = lump->inertia;
+    const double own[9] = {(double)I6[0], (double)I6[3], (double)I6[4], (double)I6[3], (double)I6[1],
+                           (double)I6[5], (double)I6[4], (double)I6[5], (double)I6[2]};
+    const double r[3] = {(double)desc.length * lump->node / desc.n_element + (double)lump->center[0],
+                         (double)lump->center[1], (double)lump->center[2]};
+    m += (double)lump->mass;
+    for (int i = 0; i < 3; i++) {
+      c[i] += (double)lump->mass * r[i];
+      for (int j = 0; j < 3; j++) {
+        J[3 * i + j] += own[3 * i + j] +
+                        (double)lump->mass * ((i == j ? r[0] * r[0] + r[1] * r[1] + r[2] * r[2] : 0.0) - r[i] * r[j]);
+      }
+    }
+  }
+  memset(R, 0, 36 * sizeof *R);
+  for (int i = 0; i < 3; i++) {
+    R[7 * i] = m;
+    for (int j = 0; j < 3; j++) {
+      R[6 * (3 + i) + 3 + j] = J[3 * i + j];
+    }
+  }
+  R[4] = R[24] = c[2]; /* (v x) . (w_y x c) and so on */
+  R[5] = R[30] = -c[1];
+  R[9] = R[19] = -c[2];
+  R[11] = R[31] = c[0];
+  R[15] = R[20] = c[1];
+  R[16] = R[26] = -c[0];
+}
+
+/* E6.1, E6.4: the six rigid motions cost no strain energy in any element, and their kinetic energy is that of the rigid
+   body: mass, first and second moments with the rotary inertia of the sections and lumped bodies off the axis. */
+TEST(rigid_motion_of_an_element_gives_no_strain)
+{
+  static const int mesh[] = {1, 2, 3, 7, FB_MAX_ELEMENTS};
+  for (int k = 0; k < FBT_COUNT(mesh); k++) {
+    const int n = 6 * (mesh[k] + 1);
+    double y[6][MAX_DOF], R[36];
+    tapered_desc(&desc, mesh[k]);
+    lumps_add(&desc);
+    FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+    fb_beam_matrices(K, M, &beam);
+    rigid_mass(R);
+    FBT_NEAR_REL(beam.mass, R[0], 4.0 * EPS);
+    for (int a = 0; a < 6; a++) {
+      rigid_field(y[a], a);
+      for (int i = 0; i < n; i++) {
+        double force = 0.0, size = 0.0;
+        for (int j = 0; j < n; j++) {
+          force += (double)K[i * n + j] * y[a][j];
+          size += fabs((double)K[i * n + j] * y[a][j]);
+        }
+        FBT_NEAR_ABS(force, 0.0, 4.0 * EPS * size);
+      }
+    }
+    for (int a = 0; a < 6; a++) {
+      for (int b = 0; b < 6; b++) {
+        double size;
+        const double got = form(&size, M, y[a], y[b], n);
+        FBT_NEAR_ABS(got, R[6 * a + b], 4.0 * EPS * size);
+      }
+    }
+  }
+}
+
+/* The field x^power in the nodal values of a kind: 0 u_x, 1 u_y, 2 u_z, 3 theta_x. */
+static void power_field(double *y, int kind, int power)
+{
+  memset(y, 0, MAX_DOF * sizeof *y);
+  for (int node = 0; node <= desc.n_element; node++) {
+    const double x = (double)desc.length * node / desc.n_element;
+    const double slope = power ? power * pow(x, power - 1) : 0.0;
+    y[6 * node + kind] = pow(x, power);
+    if (kind == 1) {
+      y[6 * node + 5] = slope;
+    } else if (kind == 2) {
+      y[6 * node + 4] = -slope;
+    }
+  }
+}
+
+/* Strain and kinetic energies (bilinear) of the fields x^p and x^q of a kind. */
+static void power_energies(double *strain, double *kinetic, int kind, int p, int q)
+{
+  const int stiffness = kind == 0 ? EA : kind == 1 ? EI_Z : kind == 2 ? EI_Y : GJ;
+  const int rotary = kind == 1 ? I_Z : I_Y;
+  const int order = kind == 1 || kind == 2 ? 2 : 1;
+  const int factor = order == 2 ? p * (p - 1) * q * (q - 1) : p * q;
+  *strain = factor ? factor * moment(stiffness, p + q - 2 * order) : 0.0;
+  *kinetic = kind == 3 ? moment(I_Y, p + q) + moment(I_Z, p + q) : moment(MASS, p + q);
+  if (order == 2 && p > 0 && q > 0) {
+    *kinetic += p * q * moment(rotary, p + q - 2);
+  }
+}
+
+/* E6.3: with stations inside elements the energies of every polynomial field the elements hold, cubic bending, linear
+   extension and twist, are the integrals of the piecewise linear table, whatever the mesh. */
+TEST(tapered_stations_integrate_exactly)
+{
+  for (int mesh = 1; mesh <= FB_MAX_ELEMENTS; mesh++) {
+    const int n = 6 * (mesh + 1);
+    fbt_seed(1);
+    tapered_desc(&desc, mesh);
+    FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+    fb_beam_matrices(K, M, &beam);
+    FBT_NEAR_REL(beam.mass, moment(MASS, 0), 4.0 * EPS);
+    for (int kind = 0; kind < 4; kind++) {
+      const int degree = kind == 1 || kind == 2 ? 3 : 1;
+      for (int p = 0; p <= degree; p++) {
+        for (int q = 0; q <= degree; q++) {
+          double y[MAX_DOF], z[MAX_DOF], strain, kinetic, size;
+          power_field(y, kind, p);
+          power_field(z, kind, q);
+          power_energies(&strain, &kinetic, kind, p, q);
+          {
+            const double got = form(&size, K, y, z, n);
+            FBT_NEAR_ABS(got, strain, 4.0 * EPS * size);
+          }
+          {
+            const double got = form(&size, M, y, z, n);
+            FBT_NEAR_ABS(got, kinetic, 4.0 * EPS * size);
+          }
+        }
+      }
+    }
+  }
+}
+
+/* Section 6: properties are linear between stations and keep the end values outside. */
+TEST(sections_are_interpolated_between_stations)
+{
+  fb_section s;
+  tapered_desc(&desc, 3);
+  FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+  for (int k = 0; k < desc.n_station; k++) {
+    const fb_section *a = &desc.station[k], *b = a + (k + 1 < desc.n_station);
+    for (int i = 0; i <= 4; i++) {
+      const double t = 0.25 * i, x = (double)a->x + t * ((double)b->x - (double)a->x);
+      fb_beam_section(&s, &beam, (fb_real)x);
+      FBT_NEAR_ABS(s.x, x, 2.0 * EPS);
+      FBT_NEAR_REL(s.mass, (1.0 - t) * (double)a->mass + t * (double)b->mass, 16.0 * EPS);
+      FBT_NEAR_REL(s.EA, (1.0 - t) * (double)a->EA + t * (double)b->EA, 16.0 * EPS);
+      FBT_NEAR_REL(s.GJ, (1.0 - t) * (double)a->GJ + t * (double)b->GJ, 16.0 * EPS);
+      FBT_NEAR_REL(s.EI_y, (1.0 - t) * (double)a->EI_y + t * (double)b->EI_y, 16.0 * EPS);
+      FBT_NEAR_REL(s.EI_z, (1.0 - t) * (double)a->EI_z + t * (double)b->EI_z, 16.0 * EPS);
+      FBT_NEAR_REL(s.i_y, (1.0 - t) * (double)a->i_y + t * (double)b->i_y, 16.0 * EPS);
+      FBT_NEAR_REL(s.i_z, (1.0 - t) * (double)a->i_z + t * (double)b->i_z, 16.0 * EPS);
+    }
+  }
+  fb_beam_section(&s, &beam, -FB_R(1.0));
+  FBT_NEAR_ABS(s.EI_z, desc.station[0].EI_z, 0.0);
+  fb_beam_section(&s, &beam, FB_R(2.0) * desc.length);
+  FBT_NEAR_ABS(s.EI_z, desc.station[4].EI_z, 0.0);
+  uniform_desc(&desc, 3);
+  desc.station[0].x = FB_R(77.0); /* one station: its place is ignored */
+  FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+  FBT_NEAR_REL(beam.mass, (double)desc.length * (double)desc.station[0].mass, 4.0 * EPS);
+  for (int i = 0; i <= 4; i++) {
+    fb_beam_section(&s, &beam, FB_R(0.25) * (fb_real)i * desc.length);
+    FBT_NEAR_ABS(s.mass, desc.station[0].mass, 0.0);
+  }
+}
+
+static fb_beam pattern; /* what must survive a refusal */
+
+/* desc is refused with the status and the beam keeps every byte. */
+static void refused(fb_status expected)
+{
+  memset(&pattern, 0xA5, sizeof pattern);
+  memset(&beam, 0xA5, sizeof beam);
+  FBT_INT_EQ(fb_beam_init(&beam, &desc), expected);
+  FBT_TRUE(memcmp(&beam, &pattern, sizeof beam) == 0);
+}
+
+/* Inertia about the mass center (xx, yy, zz, xy, xz, yz) of n random particles, rounded once. */
+static void particles_inertia(fb_real inertia[6], int n)
+{
+  double S[6] = {0}, sum[3] = {0}, r[8][3]; /* int xx, yy, zz, xy, xz, yz */
+  for (int p = 0; p < n; p++) {
+    for (int k = 0; k < 3; k++) {
+      r[p][k] = fbt_random();
+      sum[k] += r[p][k] / n;
+    }
+  }
+  for (int p = 0; p < n; p++) {
+    const double x = r[p][0] - sum[0], y = r[p][1] - sum[1], z = r[p][2] - sum[2];
+    const double add[6] = {x * x, y * y, z * z, x * y, x * z, y * z};
+    for (int k = 0; k < 6; k++) {
+      S[k] += add[k];
+    }
+  }
+  inertia[0] = (fb_real)(S[1] + S[2]);
+  inertia[1] = (fb_real)(S[0] + S[2]);
+  inertia[2] = (fb_real)(S[0] + S[1]);
+  inertia[3] = (fb_real)-S[3];
+  inertia[4] = (fb_real)-S[4];
+  inertia[5] = (fb_real)-S[5];
+}
+
+/* J = R diag(a) R^T for a random rotation R. */
+static void principal_inertia(fb_real inertia[6], double a, double b, double c)
+{
+  static const int row[6] = {0, 1, 2, 0, 0, 1}, column[6] = {0, 1, 2, 1, 2, 2};
+  const double principal[3] = {a, b, c};
+  fb_real q[4], R[9];
+  fbt_fill(q, 4, 1.0);
+  FBT_INT_EQ(fb_quat_normalize(q), FB_OK);
+  fb_quat_to_mat33(R, q);
+  for (int k = 0; k < 6; k++) {
+    double sum = 0.0;
+    for (int i = 0; i < 3; i++) {
+      sum += (double)R[3 * row[k] + i] * principal[i] * (double)R[3 * column[k] + i];
+    }
+    inertia[k] = (fb_real)sum;
+  }
+}
+
+/* E6.2: an inertia is that of a distribution of positive mass if and only if int r r^T dm is semidefinite: principal
+   moments obey the triangle inequality, in any axes. Rods and plates, where it holds with equality, are accepted. */
+TEST(lumped_bodies_must_have_a_physical_inertia)
+{
+  static const fb_real good[][6] = {{0, 0, 0, 0, 0, 0}, {1, 1, 1, 0, 0, 0}, {0, 1, 1, 0, 0, 0},  {1, 0, 1, 0, 0, 0},
+                                    {1, 1, 0, 0, 0, 0}, {2, 1, 1, 0, 0, 0}, {1, 2, 1, 0, 0, 0},  {1, 1, 2, 0, 0, 0},
+                                    {1, 1, 2, 1, 0, 0}, {1, 2, 1, 0, 1, 0}, {2, 1, 1, 0, 0, -1}, {2, 2, 2, 1, 1, -1}};
+  static const fb_real bad[][6] = {{3, 1, 1, 0, 0, 0},    {1, 3, 1, 0, 0, 0},     {1, 1, 3, 0, 0, 0},
+                                   {-1, 1, 1, 0, 0, 0},   {1, 0, 0, 0, 0, 0},     {0, 0, 1, 0, 0, 0},
+                                   {0, 0, 0, 1, 0, 0},    {0, 0, 0, 0, 0, -1},    {0, 1, 1, 1, 0, 0},
+                                   {1, 1, 1, 0.75, 0, 0}, {1, 1, 1, 0, -0.75, 0}, {1, 1, 1, 0, 0, 0.75},
+                                   {2, 1, 1, 0.25, 0, 0}, {1, 1, 2, 0, 0.25, 0},  {-1, -1, -1, 0, 0, 0}};
+  uniform_desc(&desc, 2);
+  desc.n_lump = 1;
+  desc.lump[0].mass = FB_R(1.0);
+  desc.lump[0].node = 2;
+  for (int k = 0; k < FBT_COUNT(good); k++) {
+    for (int scale = -24; scale <= 24; scale += 24) { /* the verdict has no unit */
+      for (int i = 0; i < 6; i++) {
+        desc.lump[0].inertia[i] = (fb_real)ldexp((double)good[k][i], scale);
+      }
+      FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+    }
+  }
+  for (int k = 0; k < FBT_COUNT(bad); k++) {
+    for (int scale = -24; scale <= 24; scale += 24) {
+      for (int i = 0; i < 6; i++) {
+        desc.lump[0].inertia[i] = (fb_real)ldexp((double)bad[k][i], scale);
+      }
+      refused(FB_ERR_VALUE);
+    }
+  }
+  for (int trial = 0; trial < 200; trial++) {
+    particles_inertia(desc.lump[0].inertia, 5 + trial % 4);
+    FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+    principal_inertia(desc.lump[0].inertia, 1.0, 1.5, 2.5 * (1.0 - 64.0 * EPS));
+    FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+    principal_inertia(desc.lump[0].inertia, 1.0, 1.5, 2.501);
+    refused(FB_ERR_VALUE);
+    principal_inertia(desc.lump[0].inertia, -0.001, 1.0, 1.0);
+    refused(FB_ERR_VALUE);
+  }
+}
+
+/* One fault each; the status it deserves, or FB_OK after the last. */
+static fb_status spoil(int fault)
+{
+  fb_section *middle = &desc.station[2], *last = &desc.station[4];
+  switch (fault) {
+  case 0:
+    desc.length = FB_R(0.0);
+    return FB_ERR_VALUE;
+  case 1:
+    desc.length = -desc.length;
+    return FB_ERR_VALUE;
+  case 2:
+    desc.n_element = 0;
+    return FB_ERR_VALUE;
+  case 3:
+    desc.n_element = -1;
+    return FB_ERR_VALUE;
+  case 4:
+    desc.n_element = FB_MAX_ELEMENTS + 1;
+    return FB_ERR_CAPACITY;
+  case 5:
+    desc.n_station = 0;
+    return FB_ERR_VALUE;
+  case 6:
+    desc.n_station = -1;
+    return FB_ERR_VALUE;
+  case 7:
+    desc.n_station = FB_MAX_STATIONS + 1;
+    return FB_ERR_CAPACITY;
+  case 8:
+    desc.n_lump = -1;
+    return FB_ERR_VALUE;
+  case 9:
+    desc.n_lump = FB_MAX_LUMPS + 1;
+    return FB_ERR_CAPACITY;
+  case 10:
+    desc.root = (fb_root)3;
+    return FB_ERR_VALUE;
+  case 11:
+    middle->x = desc.station[1].x; /* not ascending */
+    return FB_ERR_VALUE;
+  case 12:
+    middle->x = -middle->x;
+    return FB_ERR_VALUE;
+  case 13:
+    desc.station[0].x = FB_R(1e-3); /* not from the root */
+    return FB_ERR_VALUE;
+  case 14:
+    desc.station[0].x = -FB_R(1e-3);
+    return FB_ERR_VALUE;
+  case 15:
+    last->x *= FB_R(0.999); /* not to the tip */
+    return FB_ERR_VALUE;
+  case 16:
+    last->x *= FB_R(1.001);
+    return FB_ERR_VALUE;
+  case 17:
+    middle->mass = -FB_R(1e-6);
+    return FB_ERR_VALUE;
+  case 18:
+    middle->EA = -FB_R(1e-6);
+    return FB_ERR_VALUE;
+  case 19:
+    middle->GJ = -FB_R(1e-6);
+    return FB_ERR_VALUE;
+  case 20:
+    middle->EI_y = -FB_R(1e-6);
+    return FB_ERR_VALUE;
+  case 21:
+    middle->EI_z = -FB_R(1e-6);
+    return FB_ERR_VALUE;
+  case 22:
+    middle->i_y = -FB_R(1e-6);
+    return FB_ERR_VALUE;
+  case 23:
+    last->i_z = -FB_R(1e-6);
+    return FB_ERR_VALUE;
+  case 24:
+    desc.lump[1].mass = -FB_R(1e-6);
+    return FB_ERR_VALUE;
+  case 25:
+    desc.lump[1].node = desc.n_element + 1;
+    return FB_ERR_CAPACITY;
+  case 26:
+    desc.lump[1].node = -1;
+    return FB_ERR_CAPACITY;
+  case 27:
+    for (int k = 0; k < desc.n_station; k++) {
+      desc.station[k].mass = FB_R(0.0);
+    }
+    desc.lump[0].mass = desc.lump[1].mass = FB_R(0.0); /* no mass at all */
+    return FB_ERR_VALUE;
+  default:
+    return FB_OK;
+  }
+}
+
+/* Every number of the desc that can be not finite. */
+static int numbers_of_desc(fb_real *list[64])
+{
+  int n = 0;
+  list[n++] = &desc.length;
+  for (int i = 0; i < 3; i++) {
+    list[n++] = &desc.position[i];
+  }
+  for (int i = 0; i < 4; i++) {
+    list[n++] = &desc.attitude[i];
+  }
+  for (int k = 0; k < desc.n_station; k += 2) {
+    fb_section *s = &desc.station[k];
+    fb_real *all[8] = {&s->x, &s->mass, &s->EA, &s->GJ, &s->EI_y, &s->EI_z, &s->i_y, &s->i_z};
+    for (int i = 0; i < 8; i++) {
+      list[n++] = all[i];
+    }
+  }
+  for (int k = 0; k < desc.n_lump; k++) {
+    list[n++] = &desc.lump[k].mass;
+    for (int i = 0; i < 9; i++) {
+      list[n++] = i < 3 ? &desc.lump[k].center[i] : &desc.lump[k].inertia[i - 3];
+    }
+  }
+  return n;
+}
+
+/* Section 6: whatever is wrong with a desc is refused with its status, and the beam is not written. */
+TEST(bad_beams_are_refused_and_leave_the_output_alone)
+{
+  const fb_real bad[4] = {(fb_real)NAN, (fb_real)INFINITY, -(fb_real)INFINITY, (fb_real)(4.0 * (double)FB_HUGE)};
+  fb_real *list[64];
+  int n, faults = 0;
+  for (int fault = 0;; fault++) {
+    fb_status expected;
+    tapered_desc(&desc, 3);
+    lumps_add(&desc);
+    expected = spoil(fault);
+    if (expected == FB_OK) {
+      FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+      break;
+    }
+    refused(expected);
+    faults++;
+  }
+  FBT_INT_EQ(faults, 28);
+  n = numbers_of_desc(list);
+  for (int i = 0; i < n; i++) {
+    for (int k = 0; k < 4; k++) {
+      tapered_desc(&desc, 3);
+      lumps_add(&desc);
+      *list[i] = bad[k];
+      refused(FB_ERR_NOT_FINITE);
+    }
+  }
+  tapered_desc(&desc, 3);
+  FBT_INT_EQ(fb_beam_init(NULL, &desc), FB_ERR_NULL);
+  memset(&beam, 0xA5, sizeof beam);
+  FBT_INT_EQ(fb_beam_init(&beam, NULL), FB_ERR_NULL);
+  FBT_TRUE(memcmp(&beam, &pattern, sizeof beam) == 0);
+}
+
+/* Section 6: the largest desc is accepted; a beam without mass of its own may carry bodies; the attitude is
+   normalized, and all zero means none. */
+TEST(good_beams_keep_their_desc)
+{
+  fb_real q[4] = {FB_R(1.0), FB_R(2.0), FB_R(-3.0), FB_R(0.5)}, axes[9];
+  uniform_desc(&desc, FB_MAX_ELEMENTS);
+  desc.n_station = FB_MAX_STATIONS;
+  for (int k = 0; k < FB_MAX_STATIONS; k++) {
+    desc.station[k] = desc.station[0];
+    desc.station[k].x = desc.length * (fb_real)k / (fb_real)(FB_MAX_STATIONS - 1);
+  }
+  desc.n_lump = FB_MAX_LUMPS;
+  for (int k = 0; k < FB_MAX_LUMPS; k++) {
+    desc.lump[k].mass = FB_R(0.5);
+  }
+  memcpy(desc.attitude, q, sizeof q);
+  FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+  FBT_TRUE(memcmp(&beam.desc, &desc, sizeof desc) == 0);
+  FBT_NEAR_REL(beam.mass, 1.7 * 2.3 + 0.5 * FB_MAX_LUMPS, 16.0 * EPS);
+  FBT_INT_EQ(fb_quat_normalize(q), FB_OK);
+  fb_quat_to_mat33(axes, q);
+  FBT_TRUE(memcmp(beam.axes, axes, sizeof axes) == 0);
+  memset(desc.attitude, 0, sizeof desc.attitude);
+  for (int k = 0; k < FB_MAX_STATIONS; k++) {
+    desc.station[k].mass = FB_R(0.0);
+  }
+  FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+  FBT_NEAR_REL(beam.mass, 0.5 * FB_MAX_LUMPS, 4.0 * EPS);
+  for (int i = 0; i < 9; i++) {
+    FBT_NEAR_ABS(beam.axes[i], i % 4 == 0, 0.0);
+  }
+}
+
+SUITE(beam, RUN(element_matrices_match_the_textbook_ones), RUN(rigid_motion_of_an_element_gives_no_strain),
+      RUN(tapered_stations_integrate_exactly), RUN(sections_are_interpolated_between_stations),
+      RUN(lumped_bodies_must_have_a_physical_inertia), RUN(bad_beams_are_refused_and_leave_the_output_alone),
+      RUN(good_beams_keep_their_desc))

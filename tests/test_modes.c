@@ -1,0 +1,914 @@
+/* Section 7: natural modes, against closed forms and published tables, and against element matrices integrated here in
+   double from the polynomials of the shapes. Needs the default capacities or larger ones. */
+#include "fbt.h"
+
+#define EPS FBT_TOL(2.2204460492503131e-16, 1.19209290e-7)
+#define MAX_DOF (14 * FB_MAX_ELEMENTS + 6)
+/* Elements where rounding and truncation balance: in single precision the stiffness of short elements cancels, and the
+   first bending frequency of n elements is uncertain by a few 1e-8 n^4. */
+#define ELEMENTS FBT_TOL(10, 4)
+#define ROUNDING FBT_TOL(1e-11, 1e-4)
+static const double pi = 3.14159265358979323846;
+
+static fb_beam_desc desc;
+static fb_beam beam;
+static fb_modes modes, other, pattern;
+static fb_modes_work work;
+
+/* Length 2, mass 3, EI_y 5, EI_z 7, EA 11, GJ 13, polar inertia 0: bending factors sqrt(EI / (m L^4)). */
+static void uniform_desc(int n_element, fb_root root)
+{
+  memset(&desc, 0, sizeof desc);
+  desc.length = FB_R(2.0);
+  desc.n_element = n_element;
+  desc.root = root;
+  desc.n_station = 1;
+  desc.station[0].mass = FB_R(3.0);
+  desc.station[0].EI_y = FB_R(5.0);
+  desc.station[0].EI_z = FB_R(7.0);
+  desc.station[0].EA = FB_R(11.0);
+  desc.station[0].GJ = FB_R(13.0);
+}
+
+static fb_status solve(fb_modes *out, int bend_y, int bend_z, int axial, int torsion)
+{
+  static fb_modes_desc keep;
+  memset(&keep, 0, sizeof keep);
+  keep.count[FB_KIND_BEND_Y] = bend_y;
+  keep.count[FB_KIND_BEND_Z] = bend_z;
+  keep.count[FB_KIND_AXIAL] = axial;
+  keep.count[FB_KIND_TORSION] = torsion;
+  FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+  return fb_modes_solve(out, &work, &beam, &keep);
+}
+
+/* Frequency of the k-th mode (from 1) of a kind. */
+static double omega_of(const fb_modes *in, fb_kind kind, int k)
+{
+  for (int i = 0; i < in->n; i++) {
+    k -= in->kind[i] == kind;
+    if (k == 0) {
+      return (double)in->omega[i];
+    }
+  }
+  FBT_INT_EQ(k, 0); /* the mode exists */
+  return 0.0;
+}
+
+/* What an element of polynomial degree p must do wrong: relative error of the frequency of wave number b and length h,
+   (q!/(2q)!)^2 / (2 (2q+1)) (b h)^(2q) with q = p - 1 in bending and q = p axially: 1/1440 and 1/24 for the classical
+   elements, and with the internal shapes q = 4 and 3. */
+static double element_error(int q, double bh)
+{
+  double c = 1.0;
+  for (int i = q + 1; i <= 2 * q; i++) {
+    c /= i;
+  }
+  return c * c / (2.0 * (2 * q + 1)) * pow(bh, 2 * q);
+}
+
+/* From above by Rayleigh and Ritz, by no more than elements of that degree must. */
+static void frequency_is_near(double got, double exact, int q, double bh)
+{
+  FBT_BELOW(got / exact - 1.0, 1.5 * element_error(q, bh) + ROUNDING);
+  FBT_BELOW(-ROUNDING, got / exact - 1.0);
+}
+
+/* E7.1, E7.2, E6.5: uniform beams, p01_uniform_beams.csv: clamped, pinned and free roots, both planes, extension and
+   twist, six modes each. In double precision ten elements give the first three cantilever frequencies to 1e-8. */
+TEST(beam_frequencies_match_the_closed_form)
+{
+  static const char *const boundary[3] = {"clamped-free", "pinned-free", "free-free"};
+  const fbt_table *table = fbt_reference("p01_uniform_beams.csv");
+  int rows = 0;
+  for (int root = 0; root < 3; root++) {
+    const double h = 1.0 / ELEMENTS;
+    uniform_desc((int)ELEMENTS, (fb_root)root);
+    FBT_INT_EQ(solve(&modes, 6, 6, 0, 0), FB_OK);
+    desc.station[0].i_y = FB_R(0.25); /* for twist alone; slopes feel it, so bending is not asked for */
+    desc.station[0].i_z = FB_R(0.75);
+    FBT_INT_EQ(solve(&other, 0, 0, 6, 6), FB_OK);
+    for (int row = 0; row < table->rows; row++) {
+      const int mode = (int)fbt_value(table, row, "mode");
+      const double b = fbt_value(table, row, "beta_or_kL"), freq = fbt_value(table, row, "freq");
+      if (strcmp(fbt_word(table, row, "boundary"), boundary[root]) != 0) {
+        continue;
+      }
+      rows++;
+      if (strcmp(fbt_word(table, row, "kind"), "bending") == 0) {
+        frequency_is_near(omega_of(&modes, FB_KIND_BEND_Y, mode), freq * sqrt(7.0 / 48.0), 4, b * h);
+        frequency_is_near(omega_of(&modes, FB_KIND_BEND_Z, mode), freq * sqrt(5.0 / 48.0), 4, b * h);
+        if (root == 0 && mode <= 3) {
+          FBT_NEAR_REL(omega_of(&modes, FB_KIND_BEND_Y, mode), freq * sqrt(7.0 / 48.0), FBT_TOL(1e-8, 5e-5));
+        }
+      } else if (root != 1) { /* a pinned root holds both, as a clamped one */
+        frequency_is_near(omega_of(&other, FB_KIND_AXIAL, mode), freq * sqrt(11.0 / 12.0), 3, b * h);
+        frequency_is_near(omega_of(&other, FB_KIND_TORSION, mode), freq * sqrt(13.0 / 4.0), 3, b * h);
+      }
+    }
+  }
+  FBT_INT_EQ(rows, 30);
+}
+
+/* E6.5: halving the elements divides the error of a frequency by 2^8 in bending and 2^6 axially, third modes of a
+   pinned beam; coarse meshes in single precision, where finer ones drown in rounding. */
+TEST(frequencies_converge_with_order_eight_and_six)
+{
+  double error[2], rod[2];
+  for (int i = 0; i < 2; i++) {
+    uniform_desc((int)FBT_TOL(6, 2) << i, FB_ROOT_PINNED);
+    FBT_INT_EQ(solve(&modes, 3, 0, 0, 0), FB_OK);
+    error[i] = omega_of(&modes, FB_KIND_BEND_Y, 3) / (104.2476964588613 * sqrt(7.0 / 48.0)) - 1.0;
+    uniform_desc(4 << i, FB_ROOT_PINNED);
+    FBT_INT_EQ(solve(&modes, 0, 0, 3, 0), FB_OK);
+    rod[i] = omega_of(&modes, FB_KIND_AXIAL, 3) / (2.5 * pi * sqrt(11.0 / 12.0)) - 1.0;
+  }
+  FBT_NEAR_ABS(log2(error[0] / error[1]), 8.0, 0.25);
+  FBT_NEAR_ABS(log2(rod[0] / rod[1]), 6.0, 0.25);
+}
+
+/* E6.1, E6.3: the finite-element coordinates alone are the classical elements: errors 1/1440 (b h)^4 of cubic
+   bending, from which order 4 follows (gain 16), and 1/24 (k h)^2 of linear extension, order 2 (gain 4). */
+TEST(element_coordinates_converge_with_order_four_and_two)
+{
+  double error[2], rod[2];
+  for (int i = 0; i < 2; i++) {
+    static fb_real d[FB_MAX_MODES], X[FB_MAX_MODES * FB_MAX_MODES];
+    static fb_modes_desc keep;
+    const int n = 3 << i, mode = (int)FBT_TOL(1, 2); /* single precision: one with a larger error */
+    static const double b[2] = {1.875104068711961, 4.694091132974175};
+    for (int axial = 0; axial < 2; axial++) {
+      uniform_desc(n, FB_ROOT_CLAMPED);
+      memset(&keep, 0, sizeof keep);
+      keep.basis = FB_BASIS_ELEMENTS;
+      keep.count[axial ? FB_KIND_AXIAL : FB_KIND_BEND_Y] = 1;
+      FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+      FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, &keep), FB_OK);
+      FBT_INT_EQ(modes.n, axial ? n : 2 * n);
+      FBT_INT_EQ(fb_eig_gen_solve(d, X, modes.K, modes.M, modes.n), FB_OK);
+      if (axial) {
+        rod[i] = sqrt((double)d[0]) / (0.5 * pi * sqrt(11.0 / 12.0)) - 1.0;
+        FBT_NEAR_REL(rod[i], element_error(1, 0.5 * pi / n), 0.05);
+      } else {
+        error[i] = sqrt((double)d[mode - 1]) / (b[mode - 1] * b[mode - 1] * sqrt(7.0 / 48.0)) - 1.0;
+        FBT_NEAR_REL(error[i], element_error(2, b[mode - 1] / n), FBT_TOL(0.05, 0.3));
+      }
+    }
+  }
+  FBT_NEAR_REL(error[0] / error[1], 16.0, FBT_TOL(0.05, 0.3));
+  FBT_NEAR_REL(rod[0] / rod[1], 4.0, 0.05);
+}
+
+/* Cantilever with section rotary inertia i (Rayleigh) and a tip body of mass m_t, its center e beyond the tip,
+   inertia j about it: w = A (cosh ax - cos bx) + B (sinh(ax)/a - sin(bx)/b), a^2, b^2 = -+p + sqrt(p^2 + q), p = i
+   omega^2 / 2 EI, q = m omega^2 / EI; tip: EI w'' = omega^2 (j w' + m_t e (w + e w')), -EI w''' = omega^2 (i w' +
+   m_t (w + e w')). */
+static double tip_determinant(double omega, double L, double m, double EI, double i, double mt, double e, double j)
+{
+  const double o2 = omega * omega, p = 0.5 * i * o2 / EI, q = m * o2 / EI;
+  const double a = sqrt(sqrt(p * p + q) - p), b = sqrt(sqrt(p * p + q) + p);
+  const double ch = cosh(a * L), sh = sinh(a * L), c = cos(b * L), s = sin(b * L);
+  double moment[2], force[2];
+  for (int k = 0; k < 2; k++) {
+    const double w = k ? sh / a - s / b : ch - c, w1 = k ? ch - c : a * sh + b * s;
+    const double w2 = k ? a * sh + b * s : a * a * ch + b * b * c;
+    const double w3 = k ? a * a * ch + b * b * c : a * a * a * sh - b * b * b * s;
+    moment[k] = EI * w2 - o2 * (j * w1 + mt * e * (w + e * w1));
+    force[k] = EI * w3 + o2 * (i * w1 + mt * (w + e * w1));
+  }
+  return (moment[0] * force[1] - moment[1] * force[0]) / (ch * ch);
+}
+
+/* Its k-th frequency (from 1): scan and bisection, the step a hundredth of the first without tip body. */
+static double tip_omega(int k, double L, double m, double EI, double i, double mt, double e, double j)
+{
+  const double step = 0.035 * sqrt(EI / (m * L * L * L * L));
+  double low = 0.1 * step, f = tip_determinant(low, L, m, EI, i, mt, e, j);
+  for (int n = 0; n < 20000; n++) {
+    const double high = low + step, g = tip_determinant(high, L, m, EI, i, mt, e, j);
+    if ((f < 0.0) != (g < 0.0) && --k == 0) {
+      double x = low, y = high;
+      for (int bisect = 0; bisect < 60; bisect++) {
+        const double mid = 0.5 * (x + y), h = tip_determinant(mid, L, m, EI, i, mt, e, j);
+        if ((h < 0.0) == (f < 0.0)) {
+          x = mid;
+        } else {
+          y = mid;
+        }
+      }
+      return 0.5 * (x + y);
+    }
+    low = high;
+    f = g;
+  }
+  return 0.0;
+}
+
+/* The k-th root (from 1) of x tan x = ratio. */
+static double tan_root(int k, double ratio)
+{
+  double low = (k - 1) * pi, high = low + 0.5 * pi;
+  for (int bisect = 0; bisect < 60; bisect++) {
+    const double mid = 0.5 * (low + high);
+    if (mid * sin(mid) * cos(mid) < ratio * cos(mid) * cos(mid)) {
+      low = mid;
+    } else {
+      high = mid;
+    }
+  }
+  return low;
+}
+
+/* E6.4: point masses on the tip, p01_tip_mass.csv; bodies with inertia and their center beyond the tip against the
+   frequency equation above, which first has to give the table; twist and extension: k L tan(k L) = beam / tip
+   inertia. */
+TEST(tip_mass_lowers_the_frequencies_as_published)
+{
+  const fbt_table *table = fbt_reference("p01_tip_mass.csv");
+  const double h = 1.0 / ELEMENTS, y = sqrt(7.0 / 48.0), z = sqrt(5.0 / 48.0);
+  FBT_INT_EQ(table->rows, 12);
+  for (int row = 0; row < table->rows; row++) {
+    const double mu = fbt_value(table, row, "mu"), freq = fbt_value(table, row, "freq");
+    const double b = fbt_value(table, row, "betaL");
+    const int mode = (int)fbt_value(table, row, "mode");
+    uniform_desc((int)ELEMENTS, FB_ROOT_CLAMPED);
+    desc.n_lump = 1;
+    desc.lump[0].node = desc.n_element;
+    desc.lump[0].mass = (fb_real)(6.0 * mu);
+    FBT_INT_EQ(solve(&modes, 6, 6, 0, 0), FB_OK);
+    frequency_is_near(omega_of(&modes, FB_KIND_BEND_Y, mode), freq * y, 4, b * h);
+    frequency_is_near(omega_of(&modes, FB_KIND_BEND_Z, mode), freq * z, 4, b * h);
+    FBT_NEAR_REL(tip_omega(mode, 1.0, 1.0, 1.0, 0.0, mu, 0.0, 0.0), freq, 1e-9);
+  }
+  desc.lump[0].mass = FB_R(4.0);
+  desc.lump[0].center[0] = FB_R(0.25);
+  desc.lump[0].inertia[0] = FB_R(0.5);
+  desc.lump[0].inertia[1] = FB_R(1.5);
+  desc.lump[0].inertia[2] = FB_R(1.25);
+  desc.station[0].i_y = FB_R(0.125);
+  desc.station[0].i_z = FB_R(0.375);
+  FBT_INT_EQ(solve(&modes, 4, 4, 0, 0), FB_OK);
+  FBT_INT_EQ(solve(&other, 0, 0, 3, 3), FB_OK);
+  for (int mode = 1; mode <= 4; mode++) {
+    const double omega_y = tip_omega(mode, 2.0, 3.0, 7.0, 0.375, 4.0, 0.25, 1.25);
+    const double omega_z = tip_omega(mode, 2.0, 3.0, 5.0, 0.125, 4.0, 0.25, 1.5);
+    frequency_is_near(omega_of(&modes, FB_KIND_BEND_Y, mode), omega_y, 4, pi * mode * h);
+    frequency_is_near(omega_of(&modes, FB_KIND_BEND_Z, mode), omega_z, 4, pi * mode * h);
+  }
+  for (int mode = 1; mode <= 3; mode++) {
+    const double axial = tan_root(mode, 6.0 / 4.0), twist = tan_root(mode, 1.0 / 0.5);
+    frequency_is_near(omega_of(&other, FB_KIND_AXIAL, mode), 0.5 * axial * sqrt(11.0 / 3.0), 3, axial * h);
+    frequency_is_near(omega_of(&other, FB_KIND_TORSION, mode), 0.5 * twist * sqrt(13.0 / 0.5), 3, twist * h);
+  }
+}
+
+/* E6.3: rotary inertia of the sections, in each plane its own: the Rayleigh cantilever, whose frequency equation
+   (above, without a tip body) is closed; without rotary inertia it gives Euler's. */
+TEST(rotary_inertia_lowers_the_frequencies_as_rayleigh_found)
+{
+  uniform_desc((int)ELEMENTS, FB_ROOT_CLAMPED);
+  desc.station[0].i_y = FB_R(0.0625);
+  desc.station[0].i_z = FB_R(0.1875);
+  FBT_NEAR_REL(tip_omega(1, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0), 3.516015268500151, 1e-12);
+  FBT_INT_EQ(solve(&modes, 4, 4, 0, 0), FB_OK);
+  for (int mode = 1; mode <= 4; mode++) {
+    const double omega_y = tip_omega(mode, 2.0, 3.0, 7.0, 0.1875, 0.0, 0.0, 0.0);
+    const double omega_z = tip_omega(mode, 2.0, 3.0, 5.0, 0.0625, 0.0, 0.0, 0.0);
+    FBT_BELOW(omega_y / tip_omega(mode, 2.0, 3.0, 7.0, 0.0, 0.0, 0.0, 0.0), 0.99); /* it matters here */
+    frequency_is_near(omega_of(&modes, FB_KIND_BEND_Y, mode), omega_y, 4, pi * mode / ELEMENTS);
+    frequency_is_near(omega_of(&modes, FB_KIND_BEND_Z, mode), omega_z, 4, pi * mode / ELEMENTS);
+  }
+}
+
+/* E6.3: cantilever of linear taper at rest, p02_rotating_tapered.csv (alpha = eta = 0): mass 1 - x/2 is a table of
+   two stations, EI = (1 - x/2)^3 one of all stations, lowered by h^2/12 EI'' so that the chords hold the same area
+   (without that they are too stiff on average, 3e-5 in frequency). */
+TEST(tapered_beam_has_the_published_frequencies)
+{
+  const fbt_table *table = fbt_reference("p02_rotating_tapered.csv");
+  const double chord = 1.0 / (FB_MAX_STATIONS - 1);
+  int rows = 0;
+  uniform_desc((int)ELEMENTS, FB_ROOT_CLAMPED);
+  desc.length = FB_R(1.0);
+  desc.station[0].EA = desc.station[0].GJ = FB_R(0.0);
+  desc.n_station = FB_MAX_STATIONS;
+  for (int k = 0; k < FB_MAX_STATIONS; k++) {
+    const double x = (double)k / (FB_MAX_STATIONS - 1), height = 1.0 - 0.5 * x;
+    desc.station[k].x = (fb_real)x;
+    desc.station[k].mass = (fb_real)height;
+    desc.station[k].EI_y = desc.station[k].EI_z = (fb_real)(height * (height * height - chord * chord / 8.0));
+  }
+  FBT_INT_EQ(solve(&modes, 4, 4, 0, 0), FB_OK);
+  for (int row = 0; row < table->rows; row++) {
+    if (fbt_value(table, row, "alpha") <= 0.0 && fbt_value(table, row, "eta") <= 0.0) {
+      const int mode = (int)fbt_value(table, row, "mode");
+      const double mu = fbt_value(table, row, "mu_flap");
+      FBT_NEAR_REL(omega_of(&modes, FB_KIND_BEND_Y, mode), mu, FBT_TOL(3e-7, 5e-4));
+      FBT_NEAR_REL(omega_of(&modes, FB_KIND_BEND_Z, mode), mu, FBT_TOL(3e-7, 5e-4));
+      rows++;
+    }
+  }
+  FBT_INT_EQ(rows, 4);
+}
+
+/* The shapes of an element as polynomials in s = 0..1 (E6.1, E6.5): what moves (0 u_x, 1 u_y, 2 u_z, 3 theta_x),
+   with which power of the element length and sign (u_z has the slope -theta_y), and the coefficients. */
+typedef struct shape_polynomial {
+  int component, slope;
+  double sign, c[6];
+} shape_polynomial;
+static const shape_polynomial element[20] = {
+    {0, 0, 1, {1, -1, 0, 0, 0, 0}},         {1, 0, 1, {1, 0, -3, 2, 0, 0}},         {2, 0, 1, {1, 0, -3, 2, 0, 0}},
+    {3, 0, 1, {1, -1, 0, 0, 0, 0}},         {2, 1, -1, {0, 1, -2, 1, 0, 0}},        {1, 1, 1, {0, 1, -2, 1, 0, 0}},
+    {0, 0, 1, {0, 1, 0, 0, 0, 0}},          {1, 0, 1, {0, 0, 3, -2, 0, 0}},         {2, 0, 1, {0, 0, 3, -2, 0, 0}},
+    {3, 0, 1, {0, 1, 0, 0, 0, 0}},          {2, 1, -1, {0, 0, -1, 1, 0, 0}},        {1, 1, 1, {0, 0, -1, 1, 0, 0}},
+    {1, 0, 1, {0, 0, 16, -32, 16, 0}},      {1, 0, 1, {0, 0, -64, 256, -320, 128}}, {2, 0, 1, {0, 0, 16, -32, 16, 0}},
+    {2, 0, 1, {0, 0, -64, 256, -320, 128}}, {0, 0, 1, {0, 4, -4, 0, 0, 0}},         {0, 0, 1, {0, -8, 24, -16, 0, 0}},
+    {3, 0, 1, {0, 4, -4, 0, 0, 0}},         {3, 0, 1, {0, -8, 24, -16, 0, 0}}};
+
+/* int over a..b of u^(order) v^(order) (p0 + p1 s + p2 s^2) ds */
+static double polynomial_integral(const double *u, const double *v, int order, const double *p, double a, double b)
+{
+  double sum = 0.0;
+  for (int i = order; i < 6; i++) {
+    for (int j = order; j < 6; j++) {
+      double factor = u[i] * v[j];
+      for (int k = 0; k < order; k++) {
+        factor *= (i - k) * (j - k);
+      }
+      for (int k = 0; k < 3; k++) {
+        const int power = i + j - 2 * order + k + 1;
+        sum += factor * p[k] * (pow(b, power) - pow(a, power)) / power;
+      }
+    }
+  }
+  return sum;
+}
+
+static double full_K[MAX_DOF * MAX_DOF], full_M[MAX_DOF * MAX_DOF];
+
+static int full_dofs(void)
+{
+  return 14 * desc.n_element + 6;
+}
+
+/* Adds element e between its fractions a and b, properties linear from section *s to *t, with the tension c0 + c1 x +
+   c2 x^2. */
+static void full_add_cell(int e, double a, double b, const fb_section *s, const fb_section *t, const double tension[3])
+{
+  const int n = full_dofs(), nodes = 6 * (desc.n_element + 1);
+  const double l = (double)desc.length / desc.n_element, x0 = (double)s->x, span = (double)t->x - x0;
+  const double from[7] = {(double)s->EA,   (double)s->EI_z, (double)s->EI_y, (double)s->GJ,
+                          (double)s->mass, (double)s->i_y,  (double)s->i_z};
+  const double to[7] = {(double)t->EA,   (double)t->EI_z, (double)t->EI_y, (double)t->GJ,
+                        (double)t->mass, (double)t->i_y,  (double)t->i_z};
+  const double T[3] = {tension[0] + e * l * (tension[1] + e * l * tension[2]),
+                       l * (tension[1] + 2 * e * l * tension[2]), l * l * tension[2]};
+  double p[7][3];
+  for (int i = 0; i < 7; i++) {
+    const double slope = span > 0.0 ? (to[i] - from[i]) / span : 0.0;
+    p[i][0] = from[i] + slope * (e * l - x0);
+    p[i][1] = slope * l;
+    p[i][2] = 0.0;
+  }
+  for (int i = 0; i < 20; i++) {
+    for (int j = 0; j < 20; j++) {
+      const shape_polynomial *u = &element[i], *v = &element[j];
+      const int at = (i < 12 ? 6 * e + i : nodes + 8 * e + i - 12) * n + (j < 12 ? 6 * e + j : nodes + 8 * e + j - 12);
+      const double scale = u->sign * v->sign * pow(l, u->slope + v->slope);
+      if (u->component != v->component) {
+        continue;
+      }
+      if (u->component == 1 || u->component == 2) {
+        full_K[at] += scale / (l * l * l) * polynomial_integral(u->c, v->c, 2, p[u->component], a, b);
+        full_K[at] += scale / l * polynomial_integral(u->c, v->c, 1, T, a, b);
+        full_M[at] += scale * l * polynomial_integral(u->c, v->c, 0, p[4], a, b);
+        full_M[at] += scale / l * polynomial_integral(u->c, v->c, 1, p[u->component == 1 ? 6 : 5], a, b);
+      } else {
+        full_K[at] += scale / l * polynomial_integral(u->c, v->c, 1, p[u->component], a, b);
+        full_M[at] += u->component == 0 ? scale * l * polynomial_integral(u->c, v->c, 0, p[4], a, b) : 0.0;
+        full_M[at] += u->component == 3 ? scale * l * polynomial_integral(u->c, v->c, 0, p[5], a, b) : 0.0;
+        full_M[at] += u->component == 3 ? scale * l * polynomial_integral(u->c, v->c, 0, p[6], a, b) : 0.0;
+      }
+    }
+  }
+}
+
+/* Kinetic energy (bilinear) of a lumped body whose node moves by unit i and unit j: velocities of its center and
+   spins. */
+static double lump_mass(const fb_lump *lump, int i, int j)
+{
+  const fb_real *J = lump->inertia;
+  const double c[3] = {(double)lump->center[0], (double)lump->center[1], (double)lump->center[2]};
+  const double own[9] = {(double)J[0], (double)J[3], (double)J[4], (double)J[3], (double)J[1],
+                         (double)J[5], (double)J[4], (double)J[5], (double)J[2]};
+  double v[2][3], sum = 0.0;
+  for (int side = 0; side < 2; side++) {
+    const int k = side ? j : i;
+    for (int a = 0; a < 3; a++) { /* e_k x c: component a */
+      const int r = k - 3;
+      v[side][a] = k < 3 ? a == k : a == (r + 1) % 3 ? -c[(r + 2) % 3] : a == (r + 2) % 3 ? c[(r + 1) % 3] : 0.0;
+    }
+  }
+  for (int a = 0; a < 3; a++) {
+    sum += (double)lump->mass * v[0][a] * v[1][a];
+  }
+  return sum + (i >= 3 && j >= 3 ? own[3 * (i - 3) + j - 3] : 0.0);
+}
+
+/* full_K and full_M of desc, all shapes, no root condition. */
+static void full_matrices(const double tension[3])
+{
+  const int n = full_dofs();
+  memset(full_K, 0, sizeof full_K);
+  memset(full_M, 0, sizeof full_M);
+  for (int e = 0; e < desc.n_element; e++) {
+    const double l = (double)desc.length / desc.n_element;
+    if (desc.n_station == 1) {
+      full_add_cell(e, 0.0, 1.0, &desc.station[0], &desc.station[0], tension);
+    }
+    for (int k = 0; k + 1 < desc.n_station; k++) {
+      const double a = fmax(0.0, (double)desc.station[k].x / l - e);
+      const double b = fmin(1.0, (double)desc.station[k + 1].x / l - e);
+      if (a < b) {
+        full_add_cell(e, a, b, &desc.station[k], &desc.station[k + 1], tension);
+      }
+    }
+  }
+  for (int k = 0; k < desc.n_lump; k++) {
+    const int at = 6 * desc.lump[k].node;
+    for (int i = 0; i < 36; i++) {
+      full_M[(at + i / 6) * n + at + i % 6] += lump_mass(&desc.lump[k], i / 6, i % 6);
+    }
+  }
+}
+
+static double form(const double *A, const fb_real *y, const fb_real *z)
+{
+  const int n = full_dofs();
+  double sum = 0.0;
+  for (int i = 0; i < n; i++) {
+    double row = 0.0;
+    for (int j = 0; j < n; j++) {
+      row += A[i * n + j] * (double)z[j];
+    }
+    sum += (double)y[i] * row;
+  }
+  return sum;
+}
+
+/* Five stations, two bodies off the axis: every kind of motion is coupled with every other. */
+static void coupled_desc(int n_element, fb_root root)
+{
+  static const fb_lump lump[2] = {{0,
+                                   FB_R(1.3),
+                                   {FB_R(-0.1), FB_R(0.2), FB_R(0.3)},
+                                   {FB_R(0.3), FB_R(0.4), FB_R(0.5), FB_R(-0.1), FB_R(0.05), FB_R(0.08)}},
+                                  {0,
+                                   FB_R(0.8),
+                                   {FB_R(0.1), FB_R(-0.3), FB_R(0.2)},
+                                   {FB_R(0.3), FB_R(0.2), FB_R(0.25), FB_R(0.05), FB_R(-0.02), FB_R(0.01)}}};
+  uniform_desc(n_element, root);
+  desc.n_station = 5;
+  for (int k = 4; k >= 0; k--) {
+    static const double x[5] = {0.0, 0.26, 1.0, 1.15, 2.0};
+    fb_section *s = &desc.station[k];
+    *s = desc.station[0];
+    s->x = (fb_real)x[k];
+    s->mass *= (fb_real)(1.0 + 0.4 * fbt_random());
+    s->EA *= (fb_real)(1.0 + 0.4 * fbt_random());
+    s->GJ *= (fb_real)(1.0 + 0.4 * fbt_random());
+    s->EI_y *= (fb_real)(1.0 + 0.4 * fbt_random());
+    s->EI_z *= (fb_real)(1.0 + 0.4 * fbt_random());
+    s->i_y = (fb_real)(0.1 + 0.04 * fbt_random());
+    s->i_z = (fb_real)(0.1 + 0.04 * fbt_random());
+  }
+  desc.n_lump = 2;
+  desc.lump[0] = lump[0];
+  desc.lump[0].node = n_element;
+  desc.lump[1] = lump[1];
+  desc.lump[1].node = n_element / 2;
+}
+
+/* Is this degree of freedom held, by the root condition or because its kind has no stiffness, which means rigid? */
+static int is_held(int dof)
+{
+  const fb_section *s = &desc.station[0];
+  const fb_real stiffness[4] = {s->EA, s->EI_z, s->EI_y, s->GJ};
+  const int nodes = 6 * (desc.n_element + 1);
+  const shape_polynomial *p = &element[dof < nodes ? dof % 6 : 12 + (dof - nodes) % 8];
+  return (dof < 6 && desc.root != FB_ROOT_FREE && (desc.root == FB_ROOT_CLAMPED || dof < 4)) ||
+         !(stiffness[p->component] > FB_R(0.0));
+}
+
+static const double no_tension[3] = {0.0, 0.0, 0.0};
+
+/* X M X^T = 1, X K X^T = omega^2, K x = omega^2 M x in every free coordinate (in units of the largest term of the row),
+   held coordinates still, tip displacement of the mode's kind positive, ascending. */
+static void modes_are_right(const fb_modes *in)
+{
+  static const int main_dof[FB_KIND_COUNT] = {1, 2, 0, 3};
+  const int n = full_dofs();
+  FBT_INT_EQ(in->ndof, n);
+  full_matrices(no_tension);
+  for (int a = 0; a < in->n; a++) {
+    const fb_real *x = in->shape + a * n;
+    const double omega = (double)in->omega[a];
+    FBT_TRUE(x[6 * desc.n_element + main_dof[in->kind[a]]] > FB_R(0.0));
+    FBT_TRUE(a == 0 || in->omega[a] >= in->omega[a - 1]);
+    for (int b = 0; b < in->n; b++) {
+      const fb_real *y = in->shape + b * n;
+      const double k = form(full_K, x, y) / (omega * (double)in->omega[b]);
+      FBT_NEAR_ABS(form(full_M, x, y), a == b, FBT_TOL(2e-13, 5e-6));
+      FBT_NEAR_ABS(k, a == b, FBT_TOL(1e-12, 1e-4));
+      FBT_NEAR_ABS(in->M[a * in->n + b], a == b, 0.0);
+      FBT_NEAR_REL(in->K[a * in->n + b], a == b ? omega * omega : 0.0, 4.0 * EPS);
+    }
+    for (int i = 0; i < n; i++) {
+      double residual = 0.0, size = 0.0;
+      for (int j = 0; j < n; j++) {
+        const double k = full_K[i * n + j] * (double)x[j], m = omega * omega * full_M[i * n + j] * (double)x[j];
+        residual += k - m;
+        size += fabs(k) + fabs(m);
+      }
+      if (is_held(i)) {
+        FBT_TRUE(x[i] >= FB_R(0.0) && x[i] <= FB_R(0.0));
+      } else {
+        FBT_NEAR_ABS(residual, 0.0, FBT_TOL(1e-9, 3e-3) * size);
+      }
+    }
+  }
+}
+
+/* Rigid motions the root leaves free carry no momentum in a mode. */
+static void modes_are_free_of_rigid_motion(const fb_modes *in)
+{
+  const int n = full_dofs();
+  for (int axis = 0; axis < 6; axis++) {
+    static fb_real rigid[MAX_DOF];
+    if (desc.root == FB_ROOT_CLAMPED || (desc.root == FB_ROOT_PINNED && axis < 4)) {
+      continue;
+    }
+    memset(rigid, 0, sizeof rigid);
+    for (int node = 0; node <= desc.n_element; node++) {
+      const fb_real at = desc.length * (fb_real)node / (fb_real)desc.n_element;
+      rigid[6 * node + axis] = FB_R(1.0);
+      rigid[6 * node + 2] -= axis == 4 ? at : FB_R(0.0);
+      rigid[6 * node + 1] += axis == 5 ? at : FB_R(0.0);
+    }
+    for (int a = 0; a < in->n; a++) {
+      const double overlap = form(full_M, in->shape + a * n, rigid) / sqrt(form(full_M, rigid, rigid));
+      FBT_NEAR_ABS(overlap, 0.0, FBT_TOL(1e-12, 1e-4));
+    }
+  }
+}
+
+/* E7.3, E7.2, E7.1: mass normal, diagonal stiffness, eigenvectors coordinate by coordinate, sign at the tip, free of
+   rigid motion; the same bits twice, whatever was in the output and the work before. Beams with every coupling, each
+   root. */
+TEST(modes_are_orthonormal_with_a_fixed_sign)
+{
+  for (int root = 0; root < 3; root++) {
+    for (int coupled = 0; coupled < 2; coupled++) {
+      const int n = 3;
+      fbt_seed(1);
+      coupled_desc(n, (fb_root)root);
+      if (!coupled) {
+        desc.n_lump = 0;
+      }
+      memset(&modes, 0xA5, sizeof modes);
+      memset(&work, 0xA5, sizeof work);
+      FBT_INT_EQ(solve(&modes, 3, 3, 2, 2), FB_OK);
+      FBT_INT_EQ(modes.n, 10);
+      modes_are_right(&modes);
+      modes_are_free_of_rigid_motion(&modes);
+      memset(&other, 0, sizeof other);
+      memset(&work, 0, sizeof work);
+      FBT_INT_EQ(solve(&other, 3, 3, 2, 2), FB_OK);
+      FBT_INT_EQ(other.n, modes.n);
+      FBT_TRUE(memcmp(other.kind, modes.kind, sizeof(fb_kind) * 10) == 0);
+      FBT_TRUE(memcmp(other.omega, modes.omega, sizeof(fb_real) * 10) == 0);
+      FBT_TRUE(memcmp(other.shape, modes.shape, sizeof(fb_real) * (size_t)(10 * modes.ndof)) == 0);
+      FBT_TRUE(memcmp(other.K, modes.K, sizeof(fb_real) * 100) == 0);
+      FBT_TRUE(memcmp(other.M, modes.M, sizeof(fb_real) * 100) == 0);
+    }
+  }
+}
+/* E7.2, E7.3: a round section bends alike in both planes, to the bit but for the sign of the slopes, and its planes
+   do not mix; equal frequencies come in the order of the kinds. */
+TEST(a_round_beam_has_pairs_of_unmixed_modes)
+{
+  for (int root = 0; root < 3; root++) {
+    uniform_desc(5, (fb_root)root);
+    desc.station[0].EI_z = desc.station[0].EI_y;
+    desc.station[0].i_y = desc.station[0].i_z = FB_R(0.1);
+    FBT_INT_EQ(solve(&modes, 4, 4, 0, 0), FB_OK);
+    FBT_INT_EQ(modes.n, 8);
+    modes_are_right(&modes);
+    for (int k = 0; k < 8; k++) {
+      const fb_real *x = modes.shape + k * modes.ndof, *pair = modes.shape + (k ^ 1) * modes.ndof;
+      FBT_INT_EQ(modes.kind[k], k % 2 ? FB_KIND_BEND_Z : FB_KIND_BEND_Y);
+      FBT_NEAR_REL(modes.omega[k], modes.omega[k ^ 1], 0.0);
+      for (int i = 0; i < modes.ndof; i++) {
+        const shape_polynomial *p = &element[i < 36 ? i % 6 : 12 + (i - 36) % 8];
+        const int mirror = i >= 36 ? (k % 2 ? i - 2 : i + 2) : i % 6 > 3 ? i + 9 - 2 * (i % 6) : i + 3 - 2 * (i % 6);
+        if (p->component != (int)modes.kind[k] + 1) {
+          FBT_NEAR_ABS(x[i], 0.0, 0.0);
+        } else {
+          FBT_NEAR_ABS(x[i], (p->slope ? -1.0 : 1.0) * (double)pair[mirror], 0.0);
+        }
+      }
+    }
+  }
+}
+
+/* E6.4, E7.3: a tip body beside the axis couples twist with bending across: both are found, labelled and
+   orthonormal, each moves in the other's coordinates, and neither in those of the uncoupled kinds. Stiff in bending,
+   the beam twists as a shaft with the inertia about its own axis, moved there by Steiner. */
+TEST(a_body_beside_the_axis_couples_bending_and_torsion)
+{
+  uniform_desc(4, FB_ROOT_CLAMPED);
+  desc.station[0].i_y = desc.station[0].i_z = FB_R(0.05);
+  desc.n_lump = 1;
+  desc.lump[0].node = 4;
+  desc.lump[0].mass = FB_R(2.0);
+  desc.lump[0].center[1] = FB_R(0.5);
+  for (int i = 0; i < 3; i++) {
+    desc.lump[0].inertia[i] = FB_R(0.25);
+  }
+  desc.station[0].EA = FB_R(0.0); /* else the body couples extension with bending along y, too */
+  FBT_INT_EQ(solve(&modes, 2, 3, 0, 3), FB_OK);
+  FBT_INT_EQ(modes.n, 8);
+  modes_are_right(&modes);
+  for (int k = 0; k < modes.n; k++) {
+    const fb_real *tip = modes.shape + k * modes.ndof + 24;
+    if (modes.kind[k] == FB_KIND_BEND_Y) {
+      FBT_NEAR_ABS(fabs((double)tip[2]) + fabs((double)tip[3]) + fabs((double)tip[4]), 0.0, 0.0);
+    } else {
+      FBT_BELOW(0.01, fabs((double)tip[2]));
+      FBT_BELOW(0.01, fabs((double)tip[3]));
+      FBT_NEAR_ABS(fabs((double)tip[0]) + fabs((double)tip[1]) + fabs((double)tip[5]), 0.0, 0.0);
+    }
+  }
+  FBT_INT_EQ(solve(&modes, 0, 0, 0, 1), FB_OK);
+  FBT_INT_EQ(modes.n, 1);
+  FBT_INT_EQ(modes.kind[0], FB_KIND_TORSION);
+  desc.station[0].EI_y = FB_R(0.0); /* rigid */
+  FBT_INT_EQ(solve(&modes, 0, 0, 0, 1), FB_OK);
+  frequency_is_near((double)modes.omega[0], 0.5 * tan_root(1, 0.2 / 0.75) * sqrt(13.0 / 0.1), 3, 0.1);
+}
+
+/* Section 7: counts and the frequency limit select from one ordered list. */
+TEST(modes_are_selected_by_count_and_frequency)
+{
+  static fb_modes_desc keep;
+  int count[FB_KIND_COUNT] = {0};
+  uniform_desc(3, FB_ROOT_CLAMPED);
+  desc.station[0].i_y = desc.station[0].i_z = FB_R(0.05);
+  FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+  memset(&keep, 0, sizeof keep);
+  for (int k = 0; k < FB_KIND_COUNT; k++) {
+    keep.count[k] = FB_ALL_MODES;
+  }
+  keep.omega_limit = FB_R(18.0);
+  FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, &keep), FB_OK);
+  FBT_INT_EQ(modes.n, 12);
+  for (int k = 0; k < modes.n; k++) {
+    count[modes.kind[k]]++;
+    FBT_TRUE(k == 0 || modes.omega[k] > modes.omega[k - 1]);
+    FBT_BELOW(modes.omega[k], 18.0);
+  }
+  FBT_INT_EQ(count[FB_KIND_BEND_Y], 2);
+  FBT_INT_EQ(count[FB_KIND_BEND_Z], 3);
+  FBT_INT_EQ(count[FB_KIND_AXIAL], 6);
+  FBT_INT_EQ(count[FB_KIND_TORSION], 1);
+  FBT_INT_EQ(solve(&other, 2, 3, 6, 1), FB_OK); /* the same by counts */
+  FBT_INT_EQ(other.n, 12);
+  FBT_TRUE(memcmp(other.omega, modes.omega, sizeof(fb_real) * 12) == 0);
+  FBT_TRUE(memcmp(other.shape, modes.shape, sizeof(fb_real) * (size_t)(12 * modes.ndof)) == 0);
+  FBT_INT_EQ(solve(&other, 1, 2, 0, 1), FB_OK); /* the lowest of each kind */
+  FBT_INT_EQ(other.n, 4);
+  FBT_TRUE(omega_of(&other, FB_KIND_BEND_Y, 1) == omega_of(&modes, FB_KIND_BEND_Y, 1));
+  FBT_TRUE(omega_of(&other, FB_KIND_BEND_Z, 2) == omega_of(&modes, FB_KIND_BEND_Z, 2));
+  FBT_TRUE(omega_of(&other, FB_KIND_TORSION, 1) == omega_of(&modes, FB_KIND_TORSION, 1));
+  for (int last = 0; last < 11; last++) {
+    keep.omega_limit = FB_R(0.5) * (modes.omega[last] + modes.omega[last + 1]);
+    FBT_INT_EQ(fb_modes_solve(&other, &work, &beam, &keep), FB_OK);
+    FBT_INT_EQ(other.n, last + 1);
+    FBT_TRUE(memcmp(other.omega, modes.omega, sizeof(fb_real) * (size_t)other.n) == 0);
+    FBT_TRUE(memcmp(other.kind, modes.kind, sizeof(fb_kind) * (size_t)other.n) == 0);
+  }
+  keep.omega_limit = FB_R(0.5) * modes.omega[0]; /* none */
+  FBT_INT_EQ(fb_modes_solve(&other, &work, &beam, &keep), FB_OK);
+  FBT_INT_EQ(other.n, 0);
+  keep.count[FB_KIND_BEND_Y] = 1; /* a count under a limit is an upper bound */
+  FBT_INT_EQ(fb_modes_solve(&other, &work, &beam, &keep), FB_OK);
+  FBT_INT_EQ(other.n, 0);
+  FBT_INT_EQ(solve(&other, 0, 0, 0, 0), FB_OK);
+  FBT_INT_EQ(other.n, 0);
+}
+
+/* Section 7: finite-element coordinates are unit shapes, M and K those of fb_beam_matrices without the held and the
+   unwanted rows. */
+TEST(element_coordinates_keep_the_element_matrices)
+{
+  static const fb_kind nodal[6] = {FB_KIND_AXIAL,   FB_KIND_BEND_Y, FB_KIND_BEND_Z,
+                                   FB_KIND_TORSION, FB_KIND_BEND_Z, FB_KIND_BEND_Y};
+  static fb_real K[MAX_DOF * MAX_DOF], M[MAX_DOF * MAX_DOF];
+  for (int root = 0; root < 3; root++) {
+    for (int set = 1; set < 16; set++) { /* which kinds */
+      static fb_modes_desc keep;
+      int dof[18], n = 0;
+      fbt_seed(1);
+      coupled_desc(2, (fb_root)root);
+      memset(&keep, 0, sizeof keep);
+      keep.basis = FB_BASIS_ELEMENTS;
+      for (int k = 0; k < FB_KIND_COUNT; k++) {
+        keep.count[k] = set >> k & 1 ? FB_ALL_MODES : 0;
+      }
+      for (int i = 0; i < 18; i++) {
+        if (set >> nodal[i % 6] & 1 && !is_held(i)) {
+          dof[n++] = i;
+        }
+      }
+      FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+      if (n > FB_MAX_MODES) {
+        FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, &keep), FB_ERR_CAPACITY);
+        continue;
+      }
+      FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, &keep), FB_OK);
+      fb_beam_matrices(K, M, &beam);
+      FBT_INT_EQ(modes.n, n);
+      FBT_INT_EQ(modes.ndof, full_dofs());
+      for (int a = 0; a < n; a++) {
+        FBT_INT_EQ(modes.kind[a], nodal[dof[a] % 6]);
+        FBT_NEAR_ABS(modes.omega[a], 0.0, 0.0);
+        for (int i = 0; i < modes.ndof; i++) {
+          FBT_NEAR_ABS(modes.shape[a * modes.ndof + i], i == dof[a], 0.0);
+        }
+        for (int b = 0; b < n; b++) {
+          FBT_NEAR_REL(modes.M[a * n + b], M[dof[a] * 18 + dof[b]], 0.0);
+          FBT_NEAR_REL(modes.K[a * n + b], K[dof[a] * 18 + dof[b]], 0.0);
+        }
+      }
+    }
+  }
+}
+
+/* E6.6, E7.4: with a spin the modes are Ritz modes of the beam at rest that hold the modes under tension: mass
+   normal, stiffness diagonal, and with the geometric stiffness of the tension added here, T = spin^2 m (L - x) (r +
+   (L + x)/2), four of them have the two lowest published frequencies (p02_rotating_uniform.csv, out of plane) up to
+   eta = 12. */
+TEST(modes_for_a_spin_hold_the_modes_under_tension)
+{
+  const fbt_table *table = fbt_reference("p02_rotating_uniform.csv");
+  int rows = 0;
+  for (int row = 0; row < table->rows; row++) {
+    static fb_modes_desc keep;
+    const double eta = fbt_value(table, row, "eta"), alpha = fbt_value(table, row, "alpha");
+    const int mode = (int)fbt_value(table, row, "mode");
+    const double o2 = eta * eta * 5.0 / 48.0; /* [rad^2/s^2] */
+    const double tension[3] = {3.0 * o2 * (4.0 * alpha + 2.0), -3.0 * o2 * 2.0 * alpha, -1.5 * o2};
+    fb_real k[16], V[16], d[4];
+    if (mode > 2 || eta < 3.0 || eta > 12.0) {
+      continue;
+    }
+    rows++;
+    uniform_desc((int)ELEMENTS, FB_ROOT_CLAMPED);
+    memset(&keep, 0, sizeof keep);
+    keep.count[FB_KIND_BEND_Z] = 4;
+    keep.spin = (fb_real)-sqrt(o2);
+    keep.spin_radius = (fb_real)(2.0 * alpha);
+    FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+    FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, &keep), FB_OK);
+    FBT_INT_EQ(modes.n, 4);
+    full_matrices(tension);
+    for (int a = 0; a < 4; a++) {
+      FBT_INT_EQ(modes.kind[a], FB_KIND_BEND_Z);
+      FBT_TRUE(a == 0 || modes.omega[a] > modes.omega[a - 1]);
+      for (int b = 0; b < 4; b++) {
+        const fb_real *x = modes.shape + a * modes.ndof, *y = modes.shape + b * modes.ndof;
+        k[4 * a + b] = (fb_real)form(full_K, x, y);
+        FBT_NEAR_ABS(form(full_M, x, y), a == b, FBT_TOL(1e-11, 1e-3));
+      }
+    }
+    FBT_INT_EQ(fb_eig_sym_solve(d, V, k, 4), FB_OK);
+    FBT_NEAR_REL(sqrt((double)d[mode - 1]), fbt_value(table, row, "mu_flap") * sqrt(5.0 / 48.0), FBT_TOL(5e-8, 5e-3));
+    full_matrices(no_tension);
+    for (int a = 0; a < 4; a++) {
+      for (int b = 0; b < 4; b++) {
+        const double omega2 = (double)modes.omega[a] * (double)modes.omega[b];
+        const double got = form(full_K, modes.shape + a * modes.ndof, modes.shape + b * modes.ndof);
+        FBT_NEAR_ABS(got / omega2, a == b, FBT_TOL(2e-11, 1e-4));
+      }
+    }
+  }
+  FBT_INT_EQ(rows, 60);
+}
+
+/* desc and keep are refused with the status, and the modes keep every byte. */
+static void refused(const fb_modes_desc *keep, fb_status expected)
+{
+  memset(&pattern, 0xA5, sizeof pattern);
+  memset(&modes, 0xA5, sizeof modes);
+  FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+  FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), expected);
+  FBT_TRUE(memcmp(&modes, &pattern, sizeof modes) == 0);
+}
+
+/* Section 7: what a beam cannot have is refused: kinds without stiffness or inertia, more modes than coordinates or
+   capacity, numbers out of range; the output is left alone. */
+TEST(modes_that_do_not_exist_are_refused)
+{
+  const fb_real bad[3] = {(fb_real)NAN, (fb_real)INFINITY, (fb_real)(4.0 * (double)FB_HUGE)};
+  static fb_modes_desc keep;
+  for (int kind = 0; kind < FB_KIND_COUNT; kind++) {
+    for (int what = 0; what < 4;
+         what++) { /* 0 no stiffness, 1 no inertia, 2 more than the element has, 3 elements, none */
+      uniform_desc(1, FB_ROOT_CLAMPED);
+      desc.station[0].i_y = desc.station[0].i_z = FB_R(0.05);
+      memset(&keep, 0, sizeof keep);
+      keep.count[kind] = 1;
+      keep.basis = what == 3 ? FB_BASIS_ELEMENTS : FB_BASIS_MODES;
+      if (what == 0 || what == 3) {
+        fb_section *s = &desc.station[0];
+        fb_real *stiffness[FB_KIND_COUNT] = {&s->EI_z, &s->EI_y, &s->EA, &s->GJ};
+        *stiffness[kind] = FB_R(0.0);
+      } else if (what == 1) { /* only twist can be without inertia; massless bending beams need a body */
+        if (kind != FB_KIND_TORSION) {
+          continue;
+        }
+        desc.station[0].i_y = desc.station[0].i_z = FB_R(0.0);
+      } else {
+        const int exist = kind == FB_KIND_BEND_Y || kind == FB_KIND_BEND_Z ? 4 : 3;
+        keep.count[kind] = exist;
+        FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+        FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, &keep), FB_OK);
+        FBT_INT_EQ(modes.n, exist);
+        keep.count[kind] = exist + 1;
+      }
+      refused(&keep, FB_ERR_KIND);
+      if (what < 2) { /* "as many as there are": none */
+        keep.count[kind] = FB_ALL_MODES;
+        FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, &keep), FB_OK);
+        FBT_INT_EQ(modes.n, 0);
+      }
+    }
+  }
+  uniform_desc(FB_MAX_ELEMENTS, FB_ROOT_CLAMPED); /* more than FB_MAX_MODES */
+  memset(&keep, 0, sizeof keep);
+  keep.count[FB_KIND_AXIAL] = FB_MAX_MODES + 1 < 3 * FB_MAX_ELEMENTS ? FB_MAX_MODES + 1 : FB_ALL_MODES;
+  refused(&keep, FB_ERR_CAPACITY);
+  keep.count[FB_KIND_AXIAL] = FB_ALL_MODES;
+  refused(&keep, FB_ERR_CAPACITY);
+  uniform_desc(2, FB_ROOT_CLAMPED);
+  memset(&keep, 0, sizeof keep);
+  keep.count[FB_KIND_BEND_Z] = -1;
+  refused(&keep, FB_ERR_VALUE);
+  keep.count[FB_KIND_BEND_Z] = 1;
+  keep.omega_limit = -FB_R(1.0);
+  refused(&keep, FB_ERR_VALUE);
+  keep.omega_limit = FB_R(0.0);
+  memset(&keep.basis, 2, sizeof keep.basis); /* no basis */
+  refused(&keep, FB_ERR_VALUE);
+  keep.basis = FB_BASIS_ELEMENTS; /* a spin is for modes of clamped beams */
+  keep.spin = FB_R(1.0);
+  refused(&keep, FB_ERR_VALUE);
+  keep.basis = FB_BASIS_MODES;
+  for (int root = FB_ROOT_PINNED; root <= FB_ROOT_FREE; root++) {
+    uniform_desc(2, (fb_root)root);
+    refused(&keep, FB_ERR_VALUE);
+  }
+  uniform_desc(2, FB_ROOT_CLAMPED);
+  for (int i = 0; i < 9; i++) {
+    fb_real *field[3] = {&keep.omega_limit, &keep.spin, &keep.spin_radius};
+    const fb_real before = *field[i / 3];
+    *field[i / 3] = bad[i % 3];
+    refused(&keep, FB_ERR_NOT_FINITE);
+    *field[i / 3] = before;
+  }
+  uniform_desc(2, FB_ROOT_CLAMPED); /* no stiffness in the outer half: a mechanism */
+  desc.n_station = 3;
+  desc.station[2] = desc.station[1] = desc.station[0];
+  desc.station[1].x = FB_R(0.75);
+  desc.station[2].x = FB_R(2.0);
+  desc.station[1].EI_y = desc.station[2].EI_y = FB_R(0.0);
+  memset(&keep, 0, sizeof keep);
+  keep.count[FB_KIND_BEND_Z] = 1;
+  refused(&keep, FB_ERR_SINGULAR);
+  uniform_desc(2, FB_ROOT_CLAMPED);
+  FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+  FBT_INT_EQ(fb_modes_solve(NULL, &work, &beam, &keep), FB_ERR_NULL);
+  FBT_INT_EQ(fb_modes_solve(&modes, NULL, &beam, &keep), FB_ERR_NULL);
+  FBT_INT_EQ(fb_modes_solve(&modes, &work, NULL, &keep), FB_ERR_NULL);
+  FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, NULL), FB_ERR_NULL);
+  FBT_TRUE(memcmp(&modes, &pattern, sizeof modes) == 0);
+}
+
+SUITE(modes, RUN(beam_frequencies_match_the_closed_form), RUN(frequencies_converge_with_order_eight_and_six),
+      RUN(element_coordinates_converge_with_order_four_and_two), RUN(tip_mass_lowers_the_frequencies_as_published),
+      RUN(rotary_inertia_lowers_the_frequencies_as_rayleigh_found), RUN(tapered_beam_has_the_published_frequencies),
+      RUN(modes_are_orthonormal_with_a_fixed_sign), RUN(a_round_beam_has_pairs_of_unmixed_modes),
+      RUN(a_body_beside_the_axis_couples_bending_and_torsion), RUN(modes_are_selected_by_count_and_frequency),
+      RUN(element_coordinates_keep_the_element_matrices), RUN(modes_for_a_spin_hold_the_modes_under_tension),
+      RUN(modes_that_do_not_exist_are_refused))
