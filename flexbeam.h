@@ -26,7 +26,7 @@
 
      int main(void)
      {
-       const fb_section uniform = {.mass = 1.2, .EI_y = 14004, .EI_z = 14004}; // [kg/m], [N m^2]
+       const fb_section uniform = {.mass = FB_R(1.2), .EI_y = 14004, .EI_z = 14004}; // [kg/m], [N m^2]
        const fb_beam_desc boom = {.length = 10, .n_element = 10, .n_station = 1, .station = {uniform}};
        const fb_modes_desc keep = {.count = {3, 3}};                             // bending modes along y, along z
        const fb_body_desc level = {.effects = FB_EFFECTS_FULL};                  // or fewer: FB_EFFECTS_LINEAR, ...
@@ -49,7 +49,8 @@
        }
        status |= fb_body_motion(&body, &motion, &state, &torque);
        status |= fb_body_node_motion(&body, &tip, &state, &motion, node);
-       printf("after 1 s: hub %.4f rad/s, tip %.4f m, status %d\n", motion.w[2], tip.displacement[1], status);
+       printf("after 1 s: hub %.4f rad/s, tip %.4f m, status %d\n", (double)motion.w[2], (double)tip.displacement[1],
+              status);
        return status != FB_OK;
      }
 
@@ -203,13 +204,13 @@ typedef float fb_real;
 #define FB_R(x) (x##f)
 #define FB_EPSILON 1.19209290e-7f
 #define FB_HUGE 1e18f  /* magnitudes above this are refused: their squares overflow */
-#define FB_TINY 1e-18f /* magnitudes below this become zero in a step: their squares underflow */
+#define FB_TINY 1e-12f /* magnitudes below this become zero in a step: their cubes underflow */
 #else
 typedef double fb_real;
 #define FB_R(x) (x)
 #define FB_EPSILON 2.2204460492503131e-16
 #define FB_HUGE 1e150
-#define FB_TINY 1e-150
+#define FB_TINY 1e-100
 #endif
 
 #ifdef FLEXBEAM_STATIC
@@ -284,7 +285,7 @@ static const char *const fbi_config_reference = FBI_CONFIG_SYMBOL;
   X(FB_ERR_STEP, -9, "the step is longer than the stability limit of the scheme")                                      \
   X(FB_ERR_RANGE, -10, "the deflection has left the range of the model")
 
-#define FBI_STATUS_ENUM(name, value, text) name = value,
+#define FBI_STATUS_ENUM(name, value, text) name = (value),
 typedef enum fb_status { FB_STATUS_LIST(FBI_STATUS_ENUM) } fb_status;
 #undef FBI_STATUS_ENUM
 
@@ -478,11 +479,18 @@ typedef struct fb_shape {
   fb_real mass, c[3], J[9];
   fb_real P[3 * FB_MAX_MODES], H[3 * FB_MAX_MODES]; /* n x 3 here: row a is p_a, h_a */
   fb_real M[FB_MAX_MODES * FB_MAX_MODES], K[FB_MAX_MODES * FB_MAX_MODES];
+#if FB_WITH_SPIN_COUPLING
   fb_real ups[3 * FB_MAX_MODES * FB_MAX_MODES];
-  fb_real Gam[9 * FB_MAX_MODES];
-  fb_real Pi[9 * FB_MAX_MODES * FB_MAX_MODES];
-  fb_real pchi[3 * FB_MAX_MODES * FB_MAX_MODES], hchi[3 * FB_MAX_MODES * FB_MAX_MODES];
+#endif
+#if FB_WITH_RESIDUAL_INERTIA
+  fb_real Gam[9 * FB_MAX_MODES], Pi[9 * FB_MAX_MODES * FB_MAX_MODES];
+#endif
+#if FB_WITH_SPIN_STIFFENING
   fb_real Gamchi[9 * FB_MAX_MODES * FB_MAX_MODES];
+#endif
+#if FB_WITH_ACCELERATION_STIFFENING
+  fb_real pchi[3 * FB_MAX_MODES * FB_MAX_MODES], hchi[3 * FB_MAX_MODES * FB_MAX_MODES];
+#endif
   fb_real size;                /* [m] largest distance of a mass from O */
   fb_real reach[FB_MAX_MODES]; /* largest displacement shape of each mode */
   fb_node node[FB_MAX_NODES];
@@ -546,6 +554,7 @@ typedef struct fb_body {
   int constant_S; /* S does not depend on q */
   int allow_long_step;
   int n_lambda, n_lambda_constant; /* terms of Lambda; those of a = 0 come first */
+  int n_linear_constant, n_linear; /* of either kind those of the linear momentum, first among them */
   int n_S, n_pair;                 /* terms of S, and the pairs of (1, q) they belong to */
   fb_real mass, c[3];
   fb_real deflection_limit, reach[FB_MAX_MODES];

@@ -58,6 +58,15 @@ const char FBI_CONFIG_SYMBOL[] = FBI_STRING_(FBI_CONFIG_SYMBOL);
 #define FBI_UNROLL
 #endif
 
+/* The step is one piece of code: its small functions go in line. Loads are the exception, they would be large. */
+#if defined(__GNUC__)
+#define FBI_FLATTEN __attribute__((flatten))
+#define FBI_NOINLINE __attribute__((noinline))
+#else
+#define FBI_FLATTEN
+#define FBI_NOINLINE
+#endif
+
 /* ---------------------------------------------------------------------------------------------------------------
    2 >>status (uses 1) */
 
@@ -176,6 +185,11 @@ FB_DEF void fb_sym6_mul_vec6(fb_real y[6], const fb_real S[21], const fb_real x[
       y[i] += S[fb_sym6_index(i, j)] * x[j];
     }
   }
+}
+
+static fb_real fbi_vec6_dot(const fb_real a[6], const fb_real b[6])
+{
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5];
 }
 
 /* A = L L^T of the symmetric 3x3 (xx, xy, xz, yy, yz, zz); L keeps the reciprocals of its diagonal. Positive definite
@@ -1485,6 +1499,22 @@ static void fbi_add_minus_cross_cross(fb_real A[9], fb_real w, const fb_real a[3
   }
 }
 
+/* The part of E8.1 with the quadratic displacement chi of the pair ab. */
+static void fbi_shape_add_quadratic(fb_shape *shape, fb_real m1, fb_real m2, const fb_real r[3], const fb_real chi[3],
+                                    int ab)
+{
+#if FB_WITH_ACCELERATION_STIFFENING
+  fb_real cross[3];
+  fb_vec3_cross(cross, r, chi);
+  fbi_vec3_add(shape->pchi + 3 * ab, m1, chi);
+  fbi_vec3_add(shape->hchi + 3 * ab, m2, cross);
+#endif
+#if FB_WITH_SPIN_STIFFENING
+  fbi_add_minus_cross_cross(shape->Gamchi + 9 * ab, m2, chi, r);
+#endif
+  (void)shape, (void)m1, (void)m2, (void)r, (void)chi, (void)ab;
+}
+
 /* [E8.1] Shape integrals of one mass element.
    m, c = int r, J = -int r^ r^, p_a = int psi_a, h_a = int r x psi_a, M_ab = int psi_a.psi_b, ups_ab = -int psi_a x psi_b,
    Gam_a = -int psi_a^ r^, Pi_ab = -int psi_a^ psi_b^, p^chi_ab = int chi_ab, h^chi_ab = int r x chi_ab,
@@ -1505,19 +1535,21 @@ static void fbi_shape_add(fb_shape *shape, fb_real m1, fb_real m2, const fb_real
     fb_vec3_cross(cross, r, psi + 3 * a);
     fbi_vec3_add(shape->P + 3 * at, m1, psi + 3 * a);
     fbi_vec3_add(shape->H + 3 * at, m2, cross);
+#if FB_WITH_RESIDUAL_INERTIA
     fbi_add_minus_cross_cross(shape->Gam + 9 * at, m2, psi + 3 * a, r);
+#endif
     for (int b = 0; b < nb; b++) {
       const int ab = at * n + first + b;
-      fb_vec3_cross(cross, psi + 3 * a, psi + 3 * b);
       shape->M[ab] += m2 * fb_vec3_dot(psi + 3 * a, psi + 3 * b);
+#if FB_WITH_SPIN_COUPLING
+      fb_vec3_cross(cross, psi + 3 * a, psi + 3 * b);
       fbi_vec3_add(shape->ups + 3 * ab, -m2, cross);
+#endif
+#if FB_WITH_RESIDUAL_INERTIA
       fbi_add_minus_cross_cross(shape->Pi + 9 * ab, m2, psi + 3 * a, psi + 3 * b);
+#endif
       if (chi) {
-        const fb_real *x = chi + 3 * (a * nb + b);
-        fb_vec3_cross(cross, r, x);
-        fbi_vec3_add(shape->pchi + 3 * ab, m1, x);
-        fbi_vec3_add(shape->hchi + 3 * ab, m2, cross);
-        fbi_add_minus_cross_cross(shape->Gamchi + 9 * ab, m2, x, r);
+        fbi_shape_add_quadratic(shape, m1, m2, r, chi + 3 * (a * nb + b), ab);
       }
     }
   }
@@ -1868,6 +1900,14 @@ FB_DEF fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, c
    (FB_WITH_ACCELERATION_STIFFENING ? FB_EFFECT_ACCELERATION_STIFFENING : 0) | \
    (FB_WITH_DAMPING ? FB_EFFECT_DAMPING : 0) | (FB_WITH_GRAVITY ? FB_EFFECT_GRAVITY : 0))
 
+#define FBI_QUADRATIC_EFFECTS (FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING)
+
+/* Is one of these effects on? 0 at compile time where they were removed. */
+static int fbi_has(unsigned effects, int effect)
+{
+  return (effects & (unsigned)effect & (unsigned)FBI_EFFECTS_BUILT) != 0;
+}
+
 FB_DEF fb_status fb_effects_check(unsigned effects)
 {
   if (effects & ~(unsigned)FBI_EFFECTS_BUILT) {
@@ -1896,38 +1936,52 @@ static void fbi_lambda_fill(fb_real *Lambda, const fb_shape *shape, int n, int w
       for (int a = 0; a < n; a++) {
         const int ab = 3 * (a * n + b) + i;
         fb_real *row = Lambda + ((a + 1) * 6 + i) * n + b;
-        row[0] = with_chi ? shape->pchi[ab] : FB_R(0.0);
-        row[3 * n] = (with_chi ? shape->hchi[ab] : FB_R(0.0)) - (with_ups ? shape->ups[ab] : FB_R(0.0));
+#if FB_WITH_ACCELERATION_STIFFENING
+        row[0] += with_chi ? shape->pchi[ab] : FB_R(0.0);
+        row[3 * n] += with_chi ? shape->hchi[ab] : FB_R(0.0);
+#endif
+#if FB_WITH_SPIN_COUPLING
+        row[3 * n] -= with_ups ? shape->ups[ab] : FB_R(0.0);
+#endif
+        (void)row, (void)ab, (void)with_chi, (void)with_ups;
       }
     }
   }
 }
 
-/* Length of the 3-vector at x, or its bound by the two diagonal ones: what an element is small against. */
-static fb_real fbi_pair_size(const fb_real *x, int a, int b, int n)
+/* What the element i of Lambda_a for mode b is small against: bounds of the integrals that it is made of. */
+static fb_real fbi_lambda_size(const fb_shape *shape, int i, int a, int b)
 {
-  const fb_real own = fbi_vec3_norm(x + 3 * (a * n + b));
-  return own + FB_SQRT(fbi_vec3_norm(x + 3 * (a * n + a))) * FB_SQRT(fbi_vec3_norm(x + 3 * (b * n + b)));
+  const int n = shape->n;
+  const fb_real mb = FB_SQRT(shape->M[b * n + b]);
+  fb_real size;
+  if (a == 0) {
+    return mb * FB_SQRT(i < 3 ? shape->mass : shape->J[0] + shape->J[4] + shape->J[8]);
+  }
+  a--;
+  size = i < 3 ? FB_R(0.0) : mb * FB_SQRT(shape->M[a * n + a]);
+#if FB_WITH_ACCELERATION_STIFFENING
+  {
+    const fb_real *x = i < 3 ? shape->pchi : shape->hchi;
+    size += fbi_vec3_norm(x + 3 * (a * n + b)) +
+            FB_SQRT(fbi_vec3_norm(x + 3 * (a * n + a)) * fbi_vec3_norm(x + 3 * (b * n + b)));
+  }
+#endif
+  return size;
 }
 
-/* Lists the elements of -Lambda that are not zero to rounding, those of a = 0 first. */
-static void fbi_lambda_list(fb_body *body, const fb_shape *shape, const fb_real *Lambda)
+/* Lists the elements of -Lambda_a that are not zero to rounding, a = first..last; those of the linear momentum first. Returns
+   how many these are. */
+static int fbi_lambda_list(fb_body *body, const fb_shape *shape, const fb_real *Lambda, int first, int last)
 {
   const int n = body->n;
-  const fb_real tol = FB_R(64.0) * FB_EPSILON;
-  body->n_lambda = 0;
-  for (int a = 0; a <= n; a++) {
-    for (int i = 0; i < 6; i++) {
-      const fb_real rigid = FB_SQRT(i < 3 ? shape->mass : shape->J[0] + shape->J[4] + shape->J[8]);
+  const int start = body->n_lambda;
+  int linear = 0;
+  for (int i = 0; i < 6; i++) {
+    for (int a = first; a <= last; a++) {
       for (int b = 0; b < n; b++) {
         const fb_real value = Lambda[(a * 6 + i) * n + b];
-        const fb_real mb = FB_SQRT(shape->M[b * n + b]);
-        fb_real size = rigid * mb;
-        if (a > 0) {
-          size = fbi_pair_size(i < 3 ? shape->pchi : shape->hchi, a - 1, b, n) +
-                 (i < 3 ? FB_R(0.0) : FB_SQRT(shape->M[(a - 1) * n + a - 1]) * mb);
-        }
-        if (FB_FABS(value) > tol * size) {
+        if (FB_FABS(value) > FB_R(64.0) * FB_EPSILON * fbi_lambda_size(shape, i, a, b)) {
           fb_lambda_term *term = &body->lambda[body->n_lambda++];
           term->c = -value;
           term->i = (unsigned short)i;
@@ -1936,8 +1990,9 @@ static void fbi_lambda_list(fb_body *body, const fb_shape *shape, const fb_real 
         }
       }
     }
-    body->n_lambda_constant = a == 0 ? body->n_lambda : body->n_lambda_constant;
+    linear = i == 2 ? body->n_lambda - start : linear;
   }
+  return linear;
 }
 
 /* A 6x6 of blocks [m 1, -c^; c^, J] from m, c and J, packed; the symmetric part of J counts. */
@@ -1958,6 +2013,16 @@ static void fbi_rigid_matrix(fb_real S[21], fb_real m, const fb_real c[3], const
   }
 }
 
+#if FB_WITH_RESIDUAL_INERTIA || FB_WITH_SPIN_STIFFENING
+/* A += s B for 3x3 */
+static void fbi_vec9_add(fb_real A[9], fb_real s, const fb_real B[9])
+{
+  for (int i = 0; i < 9; i++) {
+    A[i] += s * B[i];
+  }
+}
+#endif
+
 /* [E8.5] Rigid part of S: M_rr(q) = [m 1, -c(q)^; c(q)^, J(q)], coefficient of the monomial (1,q)_a (1,q)_b, a >= b:
    c(q) = c + p_a q_a + 1/2 p^chi_ab q_a q_b,  J(q) = J + (Gam_a + Gam_a^T) q_a + (Pi_ab + 1/2 (Gam^chi_ab + ^T)) q_a q_b.
    p_a, Gam_a, Pi_ab belong to the residual inertia, Gam^chi to the spin stiffening, p^chi to the acceleration stiffening.
@@ -1965,30 +2030,34 @@ static void fbi_rigid_matrix(fb_real S[21], fb_real m, const fb_real c[3], const
    Test: accelerations_agree_with_a_particle_model. */
 static void fbi_rigid_term(fb_real S[21], const fb_shape *shape, unsigned effects, int a, int b)
 {
-  const int n = shape->n;
+  const int ab = (a - 1) * shape->n + b - 1;
+  const fb_real twice = a == b ? FB_R(1.0) : FB_R(2.0); /* ab and ba */
   fb_real c[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, J[9] = {0}, m = FB_R(0.0);
   if (a == 0) {
     m = shape->mass;
     fbi_copy(c, shape->c, 3);
     fbi_copy(J, shape->J, 9);
-  } else if (b == 0) {
-    if (effects & FB_EFFECT_RESIDUAL_INERTIA) {
-      fbi_copy(c, shape->P + 3 * (a - 1), 3);
-      for (int i = 0; i < 9; i++) {
-        J[i] = FB_R(2.0) * shape->Gam[9 * (a - 1) + i];
-      }
-    }
-  } else {
-    const int ab = (a - 1) * n + b - 1;
-    const fb_real twice = a == b ? FB_R(1.0) : FB_R(2.0); /* ab and ba */
-    for (int i = 0; i < 9; i++) {
-      J[i] = twice * ((effects & FB_EFFECT_RESIDUAL_INERTIA ? shape->Pi[9 * ab + i] : FB_R(0.0)) +
-                      (effects & FB_EFFECT_SPIN_STIFFENING ? shape->Gamchi[9 * ab + i] : FB_R(0.0)));
-    }
-    if (effects & FB_EFFECT_ACCELERATION_STIFFENING) {
-      fbi_vec3_add(c, FB_R(0.5) * twice, shape->pchi + 3 * ab);
-    }
   }
+#if FB_WITH_RESIDUAL_INERTIA
+  if (a > 0 && b == 0 && fbi_has(effects, FB_EFFECT_RESIDUAL_INERTIA)) {
+    fbi_copy(c, shape->P + 3 * (a - 1), 3);
+    fbi_vec9_add(J, FB_R(2.0), shape->Gam + 9 * (a - 1));
+  }
+  if (a > 0 && b > 0 && fbi_has(effects, FB_EFFECT_RESIDUAL_INERTIA)) {
+    fbi_vec9_add(J, twice, shape->Pi + 9 * ab);
+  }
+#endif
+#if FB_WITH_SPIN_STIFFENING
+  if (a > 0 && b > 0 && fbi_has(effects, FB_EFFECT_SPIN_STIFFENING)) {
+    fbi_vec9_add(J, twice, shape->Gamchi + 9 * ab);
+  }
+#endif
+#if FB_WITH_ACCELERATION_STIFFENING
+  if (a > 0 && b > 0 && fbi_has(effects, FB_EFFECT_ACCELERATION_STIFFENING)) {
+    fbi_vec3_add(c, FB_R(0.5) * twice, shape->pchi + 3 * ab);
+  }
+#endif
+  (void)effects, (void)ab, (void)twice;
   fbi_rigid_matrix(S, m, c, J);
 }
 
@@ -2061,7 +2130,7 @@ static fb_status fbi_damping_fill(fb_body *body, fb_body_work *work, const fb_sh
   fb_status status;
   fbi_zero(body->C, n * n);
   fbi_zero(body->C_diagonal, n);
-  if (!(body->effects & FB_EFFECT_DAMPING)) {
+  if (!fbi_has(body->effects, FB_EFFECT_DAMPING)) {
     return FB_OK;
   }
   if (body->diagonal) {
@@ -2103,6 +2172,7 @@ static fb_status fbi_largest_eigenvalue(fb_real *largest, fb_body_work *work, co
   return status;
 }
 
+#if FB_WITH_ACCELERATION_STIFFENING
 /* sqrt of the largest eigenvalue of sum_i T_i^T B^-1 T_i against B, T_i(a,b) = table[3 (a n + b) + i]: a bound of the
    norm of sum_i x_i T_i for a unit vector x. */
 static fb_status fbi_table_norm(fb_real *norm, fb_body_work *work, const fb_real *table, const fb_real *B, int n)
@@ -2133,6 +2203,7 @@ static fb_status fbi_table_norm(fb_real *norm, fb_body_work *work, const fb_real
   *norm = FB_SQRT(largest);
   return status;
 }
+#endif
 
 /* [E8.8] Bounds of the body's highest frequency |lambda| <= g + sqrt(g^2 + k) with g = |w| + limit_damping / 2,
    k = limit_elastic + limit_spin w^2 + limit_acceleration |a|: the largest eigenvalues of K, C and the stiffening against the
@@ -2168,15 +2239,19 @@ static fb_status fbi_limits_fill(fb_body *body, fb_body_work *work, const fb_sha
   fbi_copy(work->A, body->C, n * n);
   status = status == FB_OK ? fbi_largest_eigenvalue(&body->limit_damping, work, reduced, n) : status;
 #endif
-  if (body->effects & FB_EFFECT_SPIN_STIFFENING) {
+#if FB_WITH_SPIN_STIFFENING
+  if (fbi_has(body->effects, FB_EFFECT_SPIN_STIFFENING)) {
     for (int ab = 0; ab < n * n; ab++) {
       work->A[ab] = -(shape->Gamchi[9 * ab] + shape->Gamchi[9 * ab + 4] + shape->Gamchi[9 * ab + 8]);
     }
     status = status == FB_OK ? fbi_largest_eigenvalue(&body->limit_spin, work, reduced, n) : status;
   }
-  if (body->effects & FB_EFFECT_ACCELERATION_STIFFENING) {
+#endif
+#if FB_WITH_ACCELERATION_STIFFENING
+  if (fbi_has(body->effects, FB_EFFECT_ACCELERATION_STIFFENING)) {
     status = status == FB_OK ? fbi_table_norm(&body->limit_acceleration, work, shape->pchi, reduced, n) : status;
   }
+#endif
   return status;
 }
 
@@ -2248,15 +2323,13 @@ static void fbi_body_fill(fb_body *body, const fb_shape *shape, const fb_body_de
   body->allow_long_step = desc->allow_long_step;
   body->unit_mass = fbi_is_diagonal(shape->M, shape->n, 1);
   body->diagonal = body->unit_mass && fbi_is_diagonal(shape->K, shape->n, 0);
-  body->constant_S =
-      body->n == 0 ||
-      !(body->effects & (FB_EFFECT_RESIDUAL_INERTIA | FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING));
+  body->constant_S = body->n == 0 || !fbi_has(body->effects, FB_EFFECT_RESIDUAL_INERTIA | FBI_QUADRATIC_EFFECTS);
   body->mass = shape->mass;
   fbi_copy(body->c, shape->c, 3);
   body->deflection_limit = desc->deflection_limit > FB_R(0.0) ? desc->deflection_limit : shape->size;
   fbi_copy(body->reach, shape->reach, body->n);
 #if FB_WITH_GRAVITY
-  if (body->effects & FB_EFFECT_GRAVITY) {
+  if (fbi_has(body->effects, FB_EFFECT_GRAVITY)) {
     fbi_copy(body->gravity, desc->gravity, 3);
   }
 #endif
@@ -2283,8 +2356,8 @@ FB_DEF fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape 
   out = &work->body;
   fbi_body_fill(out, shape, desc);
   n = out->n;
-  ups = (out->effects & FB_EFFECT_SPIN_COUPLING) != 0;
-  chi = (out->effects & FB_EFFECT_ACCELERATION_STIFFENING) != 0;
+  ups = fbi_has(out->effects, FB_EFFECT_SPIN_COUPLING);
+  chi = fbi_has(out->effects, FB_EFFECT_ACCELERATION_STIFFENING);
 #if FB_WITH_DAMPING
   status = fbi_damping_fill(out, work, shape, desc->zeta);
   if (status != FB_OK) {
@@ -2296,8 +2369,11 @@ FB_DEF fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape 
     return status;
   }
   fbi_lambda_fill(work->Lambda, shape, n, ups, chi);
-  fbi_lambda_list(out, shape, work->Lambda);
-  fbi_lambda_fill(work->Lambda, shape, n, ups && (out->effects & FB_EFFECT_RESIDUAL_INERTIA), chi);
+  out->n_lambda = 0;
+  out->n_linear_constant = fbi_lambda_list(out, shape, work->Lambda, 0, 0);
+  out->n_lambda_constant = out->n_lambda;
+  out->n_linear = fbi_lambda_list(out, shape, work->Lambda, 1, n);
+  fbi_lambda_fill(work->Lambda, shape, n, ups && fbi_has(out->effects, FB_EFFECT_RESIDUAL_INERTIA), chi);
   fbi_copy(work->L, shape->M, n * n);
   if (n > 0) {
     status = fb_chol_factor(work->L, n);
@@ -2348,16 +2424,35 @@ static void fbi_mass_solve(fb_real *y, const fb_body *body, const fb_real *x)
   }
 }
 
-/* [E8.9] y -= Lambda(q) pb, the elastic share of the momenta, for one pair (qx, pb) of the bilinear form.
+/* y -= sum_a q_a Lambda_a pb, the part of E8.9 that is linear in q; q by (1, q). */
+static void fbi_lambda_linear_sub(fb_real y[6], const fb_body *body, const fb_real *qx, const fb_real *pb)
+{
+  const fb_lambda_term *t = body->lambda + body->n_lambda_constant;
+  for (const fb_lambda_term *end = body->lambda + body->n_lambda; t < end; t++) {
+    y[t->i] += t->c * qx[t->a] * pb[t->b];
+  }
+}
+
+/* [E8.9] y -= Lambda(q) pb, the elastic share of the momenta.
    Source: DESIGN 2, recovery of velocities.  Cost: 3 n_lambda flops.  Test: momenta_agree_with_a_particle_model. */
 static void fbi_lambda_sub(fb_real y[6], const fb_body *body, const fb_real *qx, const fb_real *pb)
 {
   const fb_lambda_term *t = body->lambda;
   for (const fb_lambda_term *end = t + body->n_lambda_constant; t < end; t++) {
-    y[t->i] += t->c * qx[0] * pb[t->b];
+    y[t->i] += t->c * pb[t->b];
   }
+  fbi_lambda_linear_sub(y, body, qx, pb);
+}
+
+/* e -= sum_a q_a Lambda_a^T V, x += d/dq (V^T Lambda(q) pb): the part of E8.10 that is linear in q. */
+static void fbi_lambda_linear_gradients(fb_real *e, fb_real *x, const fb_body *body, const fb_real V[6],
+                                        const fb_real *qx, const fb_real *pb)
+{
+  const fb_lambda_term *t = body->lambda + body->n_lambda_constant;
   for (const fb_lambda_term *end = body->lambda + body->n_lambda; t < end; t++) {
-    y[t->i] += t->c * qx[t->a] * pb[t->b];
+    const fb_real s = t->c * V[t->i];
+    e[t->b] += s * qx[t->a];
+    x[t->a] -= s * pb[t->b];
   }
 }
 
@@ -2369,13 +2464,9 @@ static void fbi_lambda_gradients(fb_real *e, fb_real *x, const fb_body *body, co
 {
   const fb_lambda_term *t = body->lambda;
   for (const fb_lambda_term *end = t + body->n_lambda_constant; t < end; t++) {
-    e[t->b] += t->c * V[t->i] * qx[0];
+    e[t->b] += t->c * V[t->i];
   }
-  for (const fb_lambda_term *end = body->lambda + body->n_lambda; t < end; t++) {
-    const fb_real s = t->c * V[t->i];
-    e[t->b] += s * qx[t->a];
-    x[t->a] -= s * pb[t->b];
-  }
+  fbi_lambda_linear_gradients(e, x, body, V, qx, pb);
 }
 
 /* S = S_0 + its terms with the monomials m of the pairs a >= b.
@@ -2455,6 +2546,7 @@ static fb_status fbi_velocity(fbi_kinetics *k, const fb_body *body, const fb_sta
   for (int a = 0; a < body->n; a++) {
     k->qx[a + 1] = state->q[a];
     k->x[a + 1] = FB_R(0.0);
+    k->e[a] = state->pi[a];
   }
   k->pb = state->pi;
   if (!body->unit_mass) {
@@ -2482,10 +2574,12 @@ static fb_status fbi_velocity(fbi_kinetics *k, const fb_body *body, const fb_sta
     return FB_OK;
   }
 #endif
-  for (int i = 0; i < 6; i++) {
-    const fb_real *row = body->S0_inverse + 6 * i;
-    k->V[i] = row[0] * y[0] + row[1] * y[1] + row[2] * y[2] + row[3] * y[3] + row[4] * y[4] + row[5] * y[5];
-  }
+  k->V[0] = fbi_vec6_dot(body->S0_inverse, y);
+  k->V[1] = fbi_vec6_dot(body->S0_inverse + 6, y);
+  k->V[2] = fbi_vec6_dot(body->S0_inverse + 12, y);
+  k->V[3] = fbi_vec6_dot(body->S0_inverse + 18, y);
+  k->V[4] = fbi_vec6_dot(body->S0_inverse + 24, y);
+  k->V[5] = fbi_vec6_dot(body->S0_inverse + 30, y);
   return FB_OK;
 }
 
@@ -2495,8 +2589,6 @@ typedef struct fbi_node_field {                         /* a node on the deforme
   fb_real u[3], phi[3];                                 /* displacement, rotation vector */
   fb_real Ju[3 * FB_MAX_MODES], Jphi[3 * FB_MAX_MODES]; /* n x 3: velocity and angular rate per q_dot */
 } fbi_node_field;
-
-#define FBI_QUADRATIC_EFFECTS (FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING)
 
 /* [E8.14] Position and rotation of a node, u = psi q + 1/2 chi q q, phi = theta q + 1/2 chi_theta q q, and their
    variations J_u,a = psi_a + chi_ab q_b,  J_phi,a = theta_a + chi_theta_ab q_b + 1/2 phi x theta_a.
@@ -2512,7 +2604,7 @@ static void fbi_node_eval(fbi_node_field *f, const fb_body *body, const fb_node 
     f->Jphi[i] = node->theta[i];
   }
 #if FBI_WITH_QUADRATIC
-  if (body->effects & FBI_QUADRATIC_EFFECTS) {
+  if (fbi_has(body->effects, FBI_QUADRATIC_EFFECTS)) {
     fb_real half[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
     for (int a = 0; a < n; a++) {
       fbi_vec3_add(half, FB_R(0.5) * q[a], node->theta + 3 * a);
@@ -2538,7 +2630,7 @@ static void fbi_node_eval(fbi_node_field *f, const fb_body *body, const fb_node 
 /* [E8.15] A load at a node: f += F, g += T + (r + u) x F, f_e,a += J_u,a.F + J_phi,a.T, on the deformed body.
    Source: virtual work; DESIGN 2 (f, g about O of the deformed body).  Fails: never.
    Test: power_of_loads_is_the_rate_of_energy. */
-static void fbi_load_add(fbi_kinetics *k, const fb_body *body, const fb_load *load, const fb_real *q)
+static FBI_NOINLINE void fbi_load_add(fbi_kinetics *k, const fb_body *body, const fb_load *load, const fb_real *q)
 {
   const fb_node *node = &body->node[load->node];
   fbi_node_field f;
@@ -2567,35 +2659,34 @@ static void fbi_load_add(fbi_kinetics *k, const fb_body *body, const fb_load *lo
   }
 }
 
-/* First moment of mass of the deformed body, c(q) = c + P q + 1/2 p^chi q q, from the terms of the linear momentum. */
-static void fbi_first_moment(fb_real c[3], const fb_body *body, const fb_real *qx)
+#if FB_WITH_GRAVITY
+/* [E8.16] Uniform gravity from V = -m g.rho - g.R c(q), c(q) = c + P q + 1/2 p^chi q q: force m g, torque c(q) x g, modal forces
+   x = (P + P^chi(q))^T g by (1, q), all from the terms of the linear momentum; g in body axes.
+   Source: potential energy.  Cost: 8 flops a term.  Fails: never.
+   Test: a_falling_body_does_not_deform, power_of_loads_is_the_rate_of_energy. */
+static void fbi_gravity_eval(fb_real c[3], fb_real *x, const fb_body *body, const fb_real *qx, const fb_real g[3])
 {
+  const fb_lambda_term *t = body->lambda;
   fbi_copy(c, body->c, 3);
-  const fb_lambda_term *end = body->lambda + body->n_lambda;
-  for (const fb_lambda_term *t = body->lambda; t < end; t++) {
-    if (t->i < 3) {
-      const fb_real factor = t->a == 0 ? t->c : FB_R(0.5) * t->c;
-      c[t->i] -= factor * qx[t->a] * qx[t->b + 1];
-    }
+  for (const fb_lambda_term *end = t + body->n_linear_constant; t < end; t++) {
+    c[t->i] -= t->c * qx[t->b + 1];
+    x[t->b + 1] -= t->c * g[t->i];
+  }
+  t = body->lambda + body->n_lambda_constant;
+  for (const fb_lambda_term *end = t + body->n_linear; t < end; t++) {
+    const fb_real s = t->c * qx[t->a];
+    c[t->i] -= FB_R(0.5) * s * qx[t->b + 1];
+    x[t->b + 1] -= s * g[t->i];
   }
 }
 
-#if FB_WITH_GRAVITY
-/* [E8.16] Uniform gravity from V = -m g.rho - g.R c(q): f = m g, torque c(q) x g, f_e = (P + P^chi(q))^T g, g in body axes.
-   Source: potential energy.  Cost: 6 flops a term of the linear momentum.  Fails: never.
-   Test: a_falling_body_does_not_deform, gravity_conserves_energy. */
 static void fbi_gravity_add(fbi_kinetics *k, const fb_body *body)
 {
   fb_real g[3], c[3];
   fb_mat33_mulT_vec3(g, k->R, body->gravity);
-  fbi_first_moment(c, body, k->qx);
+  fbi_gravity_eval(c, k->x, body, k->qx, g);
   fbi_vec3_add(k->fg, body->mass, g);
   fbi_vec3_add_cross(k->fg + 3, c, g);
-  for (const fb_lambda_term *t = body->lambda; t < body->lambda + body->n_lambda; t++) {
-    if (t->i < 3) {
-      k->x[t->b + 1] -= t->c * k->qx[t->a] * g[t->i];
-    }
-  }
 }
 #endif
 
@@ -2616,9 +2707,9 @@ static void fbi_forces(fbi_kinetics *k, const fb_body *body, const fb_state *sta
   for (int i = 0; i < 6; i++) {
     k->fg[i] = FB_R(0.0);
   }
-  k->loaded = (input && input->n_load > 0) || (body->effects & FB_EFFECT_GRAVITY);
+  k->loaded = (input && input->n_load > 0) || fbi_has(body->effects, FB_EFFECT_GRAVITY);
 #if FB_WITH_GRAVITY
-  if (body->effects & FB_EFFECT_GRAVITY) {
+  if (fbi_has(body->effects, FB_EFFECT_GRAVITY)) {
     fbi_gravity_add(k, body);
   }
 #endif
@@ -2653,22 +2744,16 @@ static void fbi_spring_force(fb_real *y, const fb_real *f, const fb_real *A, con
 static void fbi_elastic_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state)
 {
   const int n = body->n;
-  fb_real *e = body->unit_mass ? rate->q : k->e;
-  for (int a = 0; a < n; a++) {
-    e[a] = state->pi[a];
-  }
-  fbi_lambda_gradients(e, k->x, body, k->V, k->qx, k->pb);
+  fbi_lambda_gradients(k->e, k->x, body, k->V, k->qx, k->pb);
 #if FBI_WITH_SHAPE_INERTIA
   if (!body->constant_S) {
     fbi_S_gradient(k->x, body, k->V, k->qx);
   }
 #endif
-  if (!body->unit_mass) {
-    fbi_mass_solve(rate->q, body, e);
-  }
+  fbi_mass_solve(rate->q, body, k->e);
   fbi_spring_force(rate->pi, k->x + 1, body->K, body->K_diagonal, state->q, n, body->diagonal);
 #if FB_WITH_DAMPING
-  if (body->effects & FB_EFFECT_DAMPING) {
+  if (fbi_has(body->effects, FB_EFFECT_DAMPING)) {
     fbi_spring_force(rate->pi, rate->pi, body->C, body->C_diagonal, rate->q, n, body->diagonal);
   }
 #endif
@@ -2831,7 +2916,7 @@ static fb_status fbi_accelerations(fb_motion *m, fbi_kinetics *k, const fb_body 
   for (int i = 0; i < 6; i++) {
     y[i] = k->fg[i] - turn[i] - SV[i];
   }
-  fbi_lambda_sub(y, body, xd, k->pb);
+  fbi_lambda_linear_sub(y, body, xd, k->pb);
   fbi_lambda_sub(y, body, k->qx, pb_dot);
   if (body->base == FB_BASE_FREE) {
     if (fb_sym6_solve(V_dot, k->S, y) != FB_OK) {
@@ -2850,7 +2935,7 @@ static fb_status fbi_accelerations(fb_motion *m, fbi_kinetics *k, const fb_body 
   }
   fbi_copy(k->e, rate->pi, n);
   fbi_lambda_gradients(k->e, k->x, body, V_dot, k->qx, k->pb); /* k.x is spent */
-  fbi_lambda_gradients(k->e, k->x, body, k->V, xd, k->pb);
+  fbi_lambda_linear_gradients(k->e, k->x, body, k->V, xd, k->pb);
   fbi_mass_solve(m->q_ddot, body, k->e);
   fbi_copy(m->v_dot, V_dot, 3);
   fbi_copy(m->w_dot, V_dot + 3, 3);
@@ -2905,7 +2990,7 @@ FB_DEF fb_status fb_body_node_motion(const fb_body *body, fb_node_motion *out, c
     fbi_vec3_add(alpha, motion->q_ddot[k], f.Jphi + 3 * k);
   }
 #if FBI_WITH_QUADRATIC
-  if (body->effects & FBI_QUADRATIC_EFFECTS) {
+  if (fbi_has(body->effects, FBI_QUADRATIC_EFFECTS)) {
     for (int i = 0; i < body->n; i++) {
       for (int j = 0; j < body->n; j++) {
         const int pair = 3 * (i > j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i);
@@ -2966,7 +3051,7 @@ FB_DEF fb_status fb_body_energy(const fb_body *body, fb_energy *energy, const fb
 #if FB_WITH_GRAVITY
   {
     fb_real c[3], moment[3];
-    fbi_first_moment(c, body, k.qx);
+    fbi_gravity_eval(c, k.x, body, k.qx, body->gravity); /* k.x is spent */
     fb_mat33_mul_vec3(moment, k.R, c);
     fbi_vec3_add(moment, body->mass, state->rho);
     energy->gravity = -fb_vec3_dot(moment, body->gravity);
@@ -3045,7 +3130,7 @@ static void fbi_stage_advance(fb_rk4_work *work, const fb_state *state, fb_real 
   }
 }
 
-/* [E11.2] Flush: values whose squares would underflow become zero; NaN stays NaN. Compilers make a selection of it, not a
+/* [E11.2] Flush: values whose cubes would underflow become zero; NaN stays NaN. Compilers make a selection of it, not a
    branch (the instruction count of a step is checked to be the same for every step).
    Source: IEEE 754.  Cost: 2 n flops.  Fails: never.  Test: decay_reaches_zero_without_subnormals. */
 static void fbi_flush(fb_real *x, int n)
@@ -3073,8 +3158,8 @@ static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const
 }
 
 /* [E11.3] Classical Runge-Kutta. Source: textbook.  Cost: 4 evaluations.  Test: rk4_converges_with_order_four. */
-FB_DEF fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work, const fb_input *start,
-                             const fb_input *middle, const fb_input *end, fb_real dt)
+FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work, const fb_input *start,
+                                         const fb_input *middle, const fb_input *end, fb_real dt)
 {
   static const fb_real node[4] = {FB_R(0.5), FB_R(0.5), FB_R(1.0), FB_R(0.0)};
   static const fb_real weight[4] = {FB_R(1.0) / FB_R(6.0), FB_R(1.0) / FB_R(3.0), FB_R(1.0) / FB_R(3.0),

@@ -33,11 +33,11 @@ awk -F'|' '
 
 # the spin-up: its table, and the picture beside the example
 build/examples/spinup --reference tests/reference/p07C_second_order.csv --out build/spinup.csv > "$out/spinup"
-{ echo '```'; sed -n '/^Spin-up/,/^ *6 .*full/p' "$out/spinup"; echo '```'; } | block spinup
+{ echo '```'; sed -n -e 's/ *$//' -e '/^Spin-up/,/^ *6 .*full/p' "$out/spinup"; echo '```'; } | block spinup
 [ ! -f build/spinup.svg ] || cp build/spinup.svg examples/spinup.svg
 
 make -s check-instructions > "$out/instructions" || true # the table is printed before the verdict
-{ echo '```'; grep -v '^ok\|^FAIL' "$out/instructions"; echo '```'; } | block instructions
+{ echo '```'; sed -e '/^ok/d' -e '/^FAIL/d' -e 's/ *$//' "$out/instructions"; echo '```'; } | block instructions
 
 { echo '```'; make -s sizes; echo '```'; } | block sizes
 echo "README.md: program and tables regenerated"

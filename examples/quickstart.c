@@ -12,7 +12,7 @@ static fb_body_work body_work;
 
 int main(void)
 {
-  const fb_section uniform = {.mass = 1.2, .EI_y = 14004, .EI_z = 14004}; // [kg/m], [N m^2]
+  const fb_section uniform = {.mass = FB_R(1.2), .EI_y = 14004, .EI_z = 14004}; // [kg/m], [N m^2]
   const fb_beam_desc boom = {.length = 10, .n_element = 10, .n_station = 1, .station = {uniform}};
   const fb_modes_desc keep = {.count = {3, 3}};                             // bending modes along y, along z
   const fb_body_desc level = {.effects = FB_EFFECTS_FULL};                  // or fewer: FB_EFFECTS_LINEAR, ...
@@ -35,6 +35,7 @@ int main(void)
   }
   status |= fb_body_motion(&body, &motion, &state, &torque);
   status |= fb_body_node_motion(&body, &tip, &state, &motion, node);
-  printf("after 1 s: hub %.4f rad/s, tip %.4f m, status %d\n", motion.w[2], tip.displacement[1], status);
+  printf("after 1 s: hub %.4f rad/s, tip %.4f m, status %d\n", (double)motion.w[2], (double)tip.displacement[1],
+         status);
   return status != FB_OK;
 }
