@@ -36,22 +36,26 @@
        fb_rk4_work work;
        fb_motion motion;
        fb_node_motion tip;
-       int node, status = fb_beam_init(&beam, &boom); // build: on the desktop or at start-up
-       status |= fb_modes_solve(&modes, &modes_work, &beam, &keep);
-       status |= fb_shape_init(&shape, modes.n);
-       status |= fb_shape_add_rigid(&shape, 500, center, inertia);
-       status |= fb_shape_add_beam(&shape, 0, &beam, &modes);
-       status |= fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, 10);
-       status |= fb_body_init(&body, &body_work, &shape, &level);
-       status |= fb_state_init(&body, &state);
+       int node = 0;
+       fb_status status = fb_beam_init(&beam, &boom); // build: on the desktop or at start-up
+       status = status ? status : fb_modes_solve(&modes, &modes_work, &beam, &keep);
+       status = status ? status : fb_shape_init(&shape, modes.n);
+       status = status ? status : fb_shape_add_rigid(&shape, 500, center, inertia);
+       status = status ? status : fb_shape_add_beam(&shape, 0, &beam, &modes);
+       status = status ? status : fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, 10);
+       status = status ? status : fb_body_init(&body, &body_work, &shape, &level);
+       status = status ? status : fb_state_init(&body, &state);
        for (int k = 0; k < 1000 && status == FB_OK; k++) { // run: one step of 1 ms
          status = fb_rk4_step(&body, &state, &work, &torque, &torque, &torque, FB_R(0.001));
        }
-       status |= fb_body_motion(&body, &motion, &state, &torque);
-       status |= fb_body_node_motion(&body, &tip, &state, &motion, node);
-       printf("after 1 s: hub %.4f rad/s, tip %.4f m, status %d\n", (double)motion.w[2], (double)tip.displacement[1],
-              status);
-       return status != FB_OK;
+       status = status ? status : fb_body_motion(&body, &motion, &state, &torque);
+       status = status ? status : fb_body_node_motion(&body, &tip, &state, &motion, node);
+       if (status != FB_OK) {
+         printf("%s\n", fb_status_string(status));
+         return 1;
+       }
+       printf("after 1 s: hub %.4f rad/s, tip %.4f m\n", (double)motion.w[2], (double)tip.displacement[1]);
+       return 0;
      }
 
    CONTENTS (search for the anchor; the same anchors divide flexbeam_impl.h, the tests and the README)
@@ -92,6 +96,7 @@
      FB_SQRT FB_SIN FB_COS FB_ATAN2 FB_FABS            replace libm
 
    CONVENTIONS
+     Compile: cc -std=c99 program.c -lm. Constants of type fb_real are written FB_R(1.0), with a decimal point.
      SI units and radians. Matrices are flat and row-major, packed with the run-time n. Quaternions are (w,x,y,z), unit,
      and map body components to inertial ones. Arguments: context, outputs, inputs, sizes. Outputs may not overlap
      inputs unless a function says so. Zero means default in a desc struct. A failing call changes nothing
@@ -342,7 +347,7 @@ FB_API fb_status fb_eig_gen_solve(fb_real *d, fb_real *X, fb_real *K, fb_real *M
 
 typedef struct fb_section { /* properties at a station; between stations they vary linearly */
   fb_real x;                /* [m] from the root; ignored when there is one station (uniform beam) */
-  fb_real mass;             /* [kg/m] > 0 */
+  fb_real mass;             /* [kg/m]; the beam with its lumped bodies must have some */
   fb_real EA;               /* [N] axial stiffness; 0: rigid, no axial modes */
   fb_real GJ;               /* [N m^2] torsional stiffness; 0: rigid */
   fb_real EI_y;             /* [N m^2] bending about y (displacement along z); 0: rigid */
@@ -458,7 +463,11 @@ typedef enum fb_effect {
 
 /* FB_ERR_EFFECTS when the set is half of something: residual inertia without spin coupling or without spin stiffening
    keeps the centrifugal softening and drops what outweighs it (a slender beam then diverges above its first bending
-   frequency), or when an effect was removed at compile time. */
+   frequency), or when an effect was removed at compile time. fb_body_init also refuses spin stiffening of a FREE body without
+   acceleration stiffening: its meaning would depend on the choice of O.
+   Without residual inertia the inertia does not follow the shape, and with few modes the loads of the frame's own motion on
+   them (w x v of O, products of w) are missing, too: such sets are for a body whose O is at rest or slow. Use all of
+   FB_EFFECTS_FULL for a body that flies. */
 FB_API fb_status fb_effects_check(unsigned effects);
 
 /* A point of a body that carries loads or is looked at. Node 0 is the origin O of the body frame. */
@@ -516,9 +525,11 @@ typedef struct fb_body_desc {
   fb_base base;               /* prescribed: the motion of the body frame is given with each step */
   fb_real zeta[FB_MAX_MODES]; /* damping ratio of each mode (for a general M: of the k-th by frequency) */
   fb_real gravity[3];         /* [m/s^2] inertial axes */
-  fb_real deflection_limit; /* [m] bound of the sum of modal deflections, beyond it FB_ERR_RANGE; 0: the body's size */
-  int allow_split_effects;  /* 1: accept a set that fb_effects_check refuses for being half of something */
-  int allow_long_step;      /* 1: do not refuse steps beyond the stability limit */
+  fb_real
+      deflection_limit; /* [m] bound of the sum of modal deflections, beyond it FB_ERR_RANGE; 0: half the body's size.
+                                 The model is right to about 0.1 % at 6 % of the length, to some percent at 15 % */
+  int allow_split_effects; /* 1: accept a set that fb_effects_check refuses for being half of something */
+  int allow_long_step;     /* 1: do not refuse steps beyond the stability limit */
 } fb_body_desc;
 
 /* The elements of Lambda(q) (6 x n) and S(q) (6 x 6, packed) that are not zero. A term is one struct: gcc 12.2 -O2 drops
@@ -577,7 +588,7 @@ typedef struct fb_body {
 } fb_body;
 
 /* FB_ERR_EFFECTS (see fb_effects_check), FB_ERR_SINGULAR (M, or S_0 of a free body), FB_ERR_VALUE (no mass, negative
-   damping), FB_ERR_NOT_FINITE, FB_ERR_NULL. body is written only on FB_OK. Work: O(n^4); large locals: none. */
+   damping), FB_ERR_NOT_FINITE, FB_ERR_NULL. body is written only on FB_OK.  */
 typedef struct fb_body_work {
   fb_real L[FB_MAX_MODES * FB_MAX_MODES], A[FB_MAX_MODES * FB_MAX_MODES], B[FB_MAX_MODES * FB_MAX_MODES];
   fb_real X[FB_MAX_MODES * FB_MAX_MODES], d[FB_MAX_MODES];
@@ -609,7 +620,7 @@ typedef struct fb_input { /* what acts on a body at one instant; all zero: nothi
   int n_load;
   fb_load load[FB_MAX_LOADS];
   fb_real v[3], w[3];         /* [m/s], [rad/s] prescribed base: velocity of O and angular velocity, body axes */
-  fb_real v_dot[3], w_dot[3]; /* [m/s^2], [rad/s^2] their rates in body axes; for accelerations and reactions alone */
+  fb_real v_dot[3], w_dot[3]; /* [m/s^2], [rad/s^2] their rates in body axes: accelerations, reactions, step limit */
 } fb_input;
 
 typedef struct fb_motion { /* velocities and accelerations, body axes */
@@ -633,7 +644,8 @@ typedef struct fb_momentum {
   fb_real linear[3], angular[3]; /* [N s], [N m s] about the inertial origin, inertial axes */
 } fb_momentum;
 
-/* At the inertial origin, at rest, undeformed. */
+/* At the inertial origin, at rest, undeformed. A prescribed base that moves from the first step on wants
+   fb_state_from_velocity with its v, w: a jump in them is an impulse on the modes. */
 FB_API fb_status fb_state_init(const fb_body *body, fb_state *state);
 /* Sets the momenta of state from v, w (body axes) and q_dot (n, NULL: zero) at its pose and q. FB_ERR_NOT_FINITE. */
 FB_API fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, const fb_real v[3], const fb_real w[3],
@@ -656,8 +668,8 @@ FB_API fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, co
    11 >>integrate */
 
 /* Classical Runge-Kutta, order 4, four evaluations, fixed work. The inputs are those at t, t + dt/2 and t + dt; pass the
-   same pointer three times for inputs held over the step, NULL for none. The quaternion is normalized, values below
-   FB_TINY become zero. FB_ERR_STEP: dt exceeds fb_rk4_limit at the present spin;
+   same pointer three times for inputs held over the step, NULL for none. The quaternion is normalized, momenta and
+   elastic values below FB_TINY become zero. FB_ERR_STEP: dt exceeds fb_rk4_limit at the present spin;
    FB_ERR_VALUE: dt <= 0; FB_ERR_RANGE, FB_ERR_NOT_FINITE: the motion has left the model. On failure
    state is as before the call. */
 typedef struct fb_rk4_work {
@@ -666,8 +678,8 @@ typedef struct fb_rk4_work {
 FB_API fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work, const fb_input *start,
                              const fb_input *middle, const fb_input *end, fb_real dt);
 /* Largest stable step [s] of rk4 for the body at a spin |w| [rad/s] and an acceleration of O [m/s^2]: 2.785 / (bound of
-   the highest frequency, with rigid-elastic coupling, gyroscopic, stiffening and damping terms). The stiffening by loads
-   is not in it. FB_HUGE for a rigid body at rest. */
+   the highest frequency, with rigid-elastic coupling, gyroscopic, stiffening and damping terms). The stiffening by loads and
+   by angular acceleration is not in it. FB_HUGE for a rigid body at rest, 0 for input that is not a number. */
 FB_API fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real acceleration);
 
 /* ---------------------------------------------------------------------------------------------------------------

@@ -762,6 +762,12 @@ static int fbi_cell_next(fbi_cell *cell, const fb_beam *beam)
   return 1;
 }
 
+static int fbi_cell_is_last(const fbi_cell *cell, const fb_beam *beam)
+{
+  fbi_cell next = *cell;
+  return !fbi_cell_next(&next, beam);
+}
+
 /* Position in its element (0..1) of the fraction t of a cell. */
 static fb_real fbi_cell_s(const fbi_cell *cell, const fb_beam *beam, fb_real t)
 {
@@ -781,34 +787,31 @@ static void fbi_second_moments(fb_real S[9], const fb_real inertia[6])
   S[5] = S[7] = -inertia[5];
 }
 
-/* [E6.2] Spread of a rigid body: three vectors s_k with int r r^T dm = sum s_k s_k^T (semidefinite Cholesky), so that
-   integrals over the body become sums. Fails: the inertia is not one of a distribution of positive mass.
+/* [E6.2] Spread of a rigid body: three vectors s_k with int r r^T dm = sum s_k s_k^T (semidefinite Cholesky, the largest
+   diagonal element first), so that integrals over the body become sums. Rods and plates are the semidefinite cases.
+   Source: [GV] 4.2.  Fails: the inertia is not one of a distribution of positive mass.
    Test: lumped_bodies_must_have_a_physical_inertia. */
 static fb_status fbi_spread(fb_real s[3][3], const fb_real inertia[6])
 {
-  fb_real S[9], trace;
+  fb_real S[9], tol;
   fbi_second_moments(S, inertia);
-  trace = S[0] + S[4] + S[8];
+  tol = FB_R(64.0) * FB_EPSILON * (FB_FABS(inertia[0]) + FB_FABS(inertia[1]) + FB_FABS(inertia[2]));
   for (int k = 0; k < 3; k++) {
-    const fb_real pivot = S[4 * k];
+    const int p = S[0] >= S[4] ? (S[0] >= S[8] ? 0 : 2) : (S[4] >= S[8] ? 1 : 2);
+    const fb_real pivot = S[4 * p];
+    const fb_real root = pivot > tol ? FB_SQRT(pivot) : FB_R(0.0);
     for (int i = 0; i < 3; i++) {
-      s[k][i] = FB_R(0.0);
-    }
-    if (!(pivot >= -FB_R(16.0) * FB_EPSILON * trace)) {
-      return FB_ERR_VALUE;
-    }
-    if (pivot > FB_R(16.0) * FB_EPSILON * trace) {
-      const fb_real root = FB_SQRT(pivot);
-      for (int i = k; i < 3; i++) {
-        s[k][i] = S[3 * k + i] / root;
-      }
-    } else if (FB_FABS(S[3 * k + (k + 1) % 3]) + FB_FABS(S[3 * k + (k + 2) % 3]) > FB_R(1e3) * FB_EPSILON * trace) {
-      return FB_ERR_VALUE;
+      s[k][i] = pivot > tol ? S[3 * p + i] / root : FB_R(0.0);
     }
     for (int i = 0; i < 3; i++) {
       for (int j = 0; j < 3; j++) {
-        S[3 * i + j] = i > k && j > k ? S[3 * i + j] - s[k][i] * s[k][j] : (i > k || j > k ? FB_R(0.0) : S[3 * i + j]);
+        S[3 * i + j] -= s[k][i] * s[k][j];
       }
+    }
+  }
+  for (int i = 0; i < 9; i++) { /* what is left is rounding, or the inertia was not physical */
+    if (!(FB_FABS(S[i]) <= FB_R(4.0) * tol)) {
+      return FB_ERR_VALUE;
     }
   }
   return FB_OK;
@@ -1785,7 +1788,7 @@ static void fbi_lumps_to_shape(fb_shape *shape, const fb_beam *beam, const fbi_s
 static fb_status fbi_beam_fits(const fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes)
 {
   FBI_REQUIRE(shape && beam && modes, FB_ERR_NULL);
-  FBI_REQUIRE(first >= 0 && modes->n >= 0 && first + modes->n <= shape->n, FB_ERR_CAPACITY);
+  FBI_REQUIRE(first >= 0 && modes->n >= 0 && modes->n <= shape->n && first <= shape->n - modes->n, FB_ERR_CAPACITY);
   FBI_REQUIRE(modes->ndof == 6 * (beam->desc.n_element + 1) + 8 * beam->desc.n_element, FB_ERR_VALUE);
   return FB_OK;
 }
@@ -1826,7 +1829,7 @@ FB_DEF fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *be
       fbi_station_eval(&st, beam, modes, &fields, fbi_gauss_x[g], &start);
       fbi_slice_add(shape, &st, first, modes->n, dx * section.mass, none, spread, w);
     }
-    if (node == beam->desc.n_element && cell.x1 >= beam->desc.length * (FB_R(1.0) - FB_R(1e-6) / (fb_real)node)) {
+    if (fbi_cell_is_last(&cell, beam)) {
       fbi_station_eval(&st, beam, modes, &fields, FB_R(1.0), &start);
       fbi_lumps_to_shape(shape, beam, &st, node, first, modes->n);
       fbi_shape_extend(shape, st.r, st.u, first, modes->n);
@@ -1865,7 +1868,7 @@ FB_DEF fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, c
   memset(&start, 0, sizeof start);
   while (fbi_cell_next(&cell, beam)) {
     fbi_cell_fields_init(&fields, beam, modes, &cell);
-    if (x <= cell.x1 || cell.x1 >= beam->desc.length * (FB_R(1.0) - FB_R(4.0) * FB_EPSILON)) {
+    if (x <= cell.x1 || fbi_cell_is_last(&cell, beam)) {
       break;
     }
     fbi_quadratic_advance(&start, &start, &fields, FB_R(1.0), modes->n);
@@ -2172,10 +2175,9 @@ static fb_status fbi_largest_eigenvalue(fb_real *largest, fb_body_work *work, co
   return status;
 }
 
-#if FB_WITH_ACCELERATION_STIFFENING
-/* sqrt of the largest eigenvalue of sum_i T_i^T B^-1 T_i against B, T_i(a,b) = table[3 (a n + b) + i]: a bound of the
-   norm of sum_i x_i T_i for a unit vector x. */
-static fb_status fbi_table_norm(fb_real *norm, fb_body_work *work, const fb_real *table, const fb_real *B, int n)
+#if FBI_WITH_QUADRATIC
+/* sqrt of the largest eigenvalue of sum_i T_i^T B^-1 T_i against B, T_i(a,b) = table[m (a n + b) + i], i < m: a bound of the norm of sum_i x_i T_i for a unit vector x. */
+static fb_status fbi_table_norm(fb_real *norm, fb_body_work *work, const fb_real *table, int m, const fb_real *B, int n)
 {
   fb_status status = FB_OK;
   fb_real largest = FB_R(0.0);
@@ -2184,10 +2186,10 @@ static fb_status fbi_table_norm(fb_real *norm, fb_body_work *work, const fb_real
     status = fb_chol_factor(work->L, n);
   }
   fbi_zero(work->A, n * n);
-  for (int i = 0; status == FB_OK && i < 3; i++) {
+  for (int i = 0; status == FB_OK && i < m; i++) {
     for (int a = 0; a < n; a++) { /* row a of X: L^-1 T_i e_a */
       for (int b = 0; b < n; b++) {
-        work->X[a * n + b] = table[3 * (b * n + a) + i];
+        work->X[a * n + b] = table[m * (b * n + a) + i];
       }
       fbi_chol_forward(work->X + a * n, work->L, work->X + a * n, n);
     }
@@ -2207,8 +2209,8 @@ static fb_status fbi_table_norm(fb_real *norm, fb_body_work *work, const fb_real
 
 /* [E8.8] Bounds of the body's highest frequency |lambda| <= g + sqrt(g^2 + k) with g = |w| + limit_damping / 2,
    k = limit_elastic + limit_spin w^2 + limit_acceleration |a|: the largest eigenvalues of K, C and the stiffening against the
-   elastic mass that is left when the body is free, M - M_re^T M_rr^-1 M_re. The gyroscopic matrix is at most |w| against M:
-   |N(w) q| <= |w| |q|, a turning frame shifts a frequency by its rate. At rest the bound is the frequency itself.
+   elastic mass that is left when the body is free, M - M_re^T M_rr^-1 M_re. The gyroscopic part is |N(w) q| <= |w| |q| against
+   M, which is a bound for a prescribed base; for a free one it rests on trials. At rest the bound is the frequency itself.
    Source: quadratic eigenvalue bound |lambda|^2 <= 2 g |lambda| + k.  Fails: M or S_0 not positive definite.
    Test: the_step_limit_is_the_stability_boundary. */
 static fb_status fbi_limits_fill(fb_body *body, fb_body_work *work, const fb_shape *shape)
@@ -2241,15 +2243,12 @@ static fb_status fbi_limits_fill(fb_body *body, fb_body_work *work, const fb_sha
 #endif
 #if FB_WITH_SPIN_STIFFENING
   if (fbi_has(body->effects, FB_EFFECT_SPIN_STIFFENING)) {
-    for (int ab = 0; ab < n * n; ab++) {
-      work->A[ab] = -(shape->Gamchi[9 * ab] + shape->Gamchi[9 * ab + 4] + shape->Gamchi[9 * ab + 8]);
-    }
-    status = status == FB_OK ? fbi_largest_eigenvalue(&body->limit_spin, work, reduced, n) : status;
+    status = status == FB_OK ? fbi_table_norm(&body->limit_spin, work, shape->Gamchi, 9, reduced, n) : status;
   }
 #endif
 #if FB_WITH_ACCELERATION_STIFFENING
   if (fbi_has(body->effects, FB_EFFECT_ACCELERATION_STIFFENING)) {
-    status = status == FB_OK ? fbi_table_norm(&body->limit_acceleration, work, shape->pchi, reduced, n) : status;
+    status = status == FB_OK ? fbi_table_norm(&body->limit_acceleration, work, shape->pchi, 3, reduced, n) : status;
   }
 #endif
   return status;
@@ -2290,14 +2289,26 @@ static fb_status fbi_inverses_fill(fb_body *body, fb_body_work *work)
   return FB_OK;
 }
 
+/* A free origin accelerates; stiffening by spin alone then depends on where in the body it was put. */
+static int fbi_depends_on_origin(unsigned effects, fb_base base)
+{
+  return base == FB_BASE_FREE && fbi_has(effects, FB_EFFECT_SPIN_STIFFENING) &&
+         !fbi_has(effects, FB_EFFECT_ACCELERATION_STIFFENING);
+}
+
 static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *desc)
 {
   if (!fbi_is_finite(desc->zeta, shape->n) || !fbi_is_finite(desc->gravity, 3) ||
       !fbi_is_finite(&desc->deflection_limit, 1)) {
     return FB_ERR_NOT_FINITE;
   }
+  if (!fbi_is_finite(shape->M, shape->n * shape->n) || !fbi_is_finite(shape->K, shape->n * shape->n) ||
+      !fbi_is_finite(shape->P, 3 * shape->n) || !fbi_is_finite(shape->H, 3 * shape->n) || !fbi_is_finite(shape->c, 3) ||
+      !fbi_is_finite(shape->J, 9)) {
+    return FB_ERR_NOT_FINITE;
+  }
   for (int k = 0; k < shape->n; k++) {
-    if (desc->zeta[k] < FB_R(0.0)) {
+    if (desc->zeta[k] < FB_R(0.0) || shape->K[k * shape->n + k] < FB_R(0.0)) {
       return FB_ERR_VALUE;
     }
   }
@@ -2306,7 +2317,8 @@ static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *
     return FB_ERR_VALUE;
   }
   if ((desc->effects & ~(unsigned)FBI_EFFECTS_BUILT) ||
-      (!desc->allow_split_effects && fb_effects_check(desc->effects) != FB_OK)) {
+      (!desc->allow_split_effects &&
+       (fb_effects_check(desc->effects) != FB_OK || fbi_depends_on_origin(desc->effects, desc->base)))) {
     return FB_ERR_EFFECTS;
   }
   return FB_OK;
@@ -2326,7 +2338,7 @@ static void fbi_body_fill(fb_body *body, const fb_shape *shape, const fb_body_de
   body->constant_S = body->n == 0 || !fbi_has(body->effects, FB_EFFECT_RESIDUAL_INERTIA | FBI_QUADRATIC_EFFECTS);
   body->mass = shape->mass;
   fbi_copy(body->c, shape->c, 3);
-  body->deflection_limit = desc->deflection_limit > FB_R(0.0) ? desc->deflection_limit : shape->size;
+  body->deflection_limit = desc->deflection_limit > FB_R(0.0) ? desc->deflection_limit : FB_R(0.5) * shape->size;
   fbi_copy(body->reach, shape->reach, body->n);
 #if FB_WITH_GRAVITY
   if (fbi_has(body->effects, FB_EFFECT_GRAVITY)) {
@@ -2585,6 +2597,14 @@ static fb_status fbi_velocity(fbi_kinetics *k, const fb_body *body, const fb_sta
 
 /* ---- 8d nodes and loads */
 
+#if FBI_WITH_QUADRATIC
+/* Where the 3-vector of the pair of modes a, b stands in a node's table. */
+static int fbi_pair(int a, int b)
+{
+  return 3 * (a > b ? a * (a + 1) / 2 + b : b * (b + 1) / 2 + a);
+}
+#endif
+
 typedef struct fbi_node_field {                         /* a node on the deformed body, body axes */
   fb_real u[3], phi[3];                                 /* displacement, rotation vector */
   fb_real Ju[3 * FB_MAX_MODES], Jphi[3 * FB_MAX_MODES]; /* n x 3: velocity and angular rate per q_dot */
@@ -2609,7 +2629,7 @@ static void fbi_node_eval(fbi_node_field *f, const fb_body *body, const fb_node 
     for (int a = 0; a < n; a++) {
       fbi_vec3_add(half, FB_R(0.5) * q[a], node->theta + 3 * a);
       for (int b = 0; b < n; b++) {
-        const int pair = 3 * (a > b ? a * (a + 1) / 2 + b : b * (b + 1) / 2 + a);
+        const int pair = fbi_pair(a, b);
         fbi_vec3_add(f->Ju + 3 * a, q[b], node->chi + pair);
         fbi_vec3_add(f->Jphi + 3 * a, q[b], node->chi_theta + pair);
       }
@@ -2698,6 +2718,7 @@ static fb_status fbi_input_check(const fb_body *body, const fb_input *input)
   FBI_REQUIRE(input->n_load >= 0 && input->n_load <= FB_MAX_LOADS, FB_ERR_CAPACITY);
   for (int i = 0; i < input->n_load; i++) {
     FBI_REQUIRE(input->load[i].node >= 0 && input->load[i].node < body->n_node, FB_ERR_CAPACITY);
+    FBI_REQUIRE((int)input->load[i].axes >= 0 && (int)input->load[i].axes <= (int)FB_AXES_BODY, FB_ERR_VALUE);
   }
   return FB_OK;
 }
@@ -2795,13 +2816,20 @@ static fb_status fbi_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body,
   return FB_OK;
 }
 
+static int fbi_state_is_finite(const fb_state *state, int n)
+{
+  return fbi_is_finite(state->rho, 3) && fbi_is_finite(state->quat, 4) && fbi_is_finite(state->P, 3) &&
+         fbi_is_finite(state->L, 3) && fbi_is_finite(state->q, n) && fbi_is_finite(state->pi, n);
+}
+
 FB_DEF fb_status fb_body_rates(const fb_body *body, fb_state *rate, const fb_state *state, const fb_input *input)
 {
   fbi_kinetics k;
   fb_status status;
   FBI_REQUIRE(body && rate && state, FB_ERR_NULL);
   status = fbi_input_check(body, input);
-  return status == FB_OK ? fbi_rates(rate, &k, body, state, input) : status;
+  status = status == FB_OK ? fbi_rates(rate, &k, body, state, input) : status;
+  return status == FB_OK && !fbi_state_is_finite(rate, body->n) ? FB_ERR_NOT_FINITE : status;
 }
 
 /* ---- 8e state, motion, energy, momentum */
@@ -2857,6 +2885,7 @@ FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, co
                                         const fb_real *q_dot)
 {
   const int n = body ? body->n : 0;
+  fb_state out;
   fbi_kinetics k;
   fb_real e[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0}, zero[FB_MAX_MODES] = {0};
   FBI_REQUIRE(body && state && v && w, FB_ERR_NULL);
@@ -2864,6 +2893,11 @@ FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, co
       !fbi_is_finite(state->q, n) || !fbi_is_finite(state->quat, 4)) {
     return FB_ERR_NOT_FINITE;
   }
+  out = *state;
+  if (fb_quat_normalize(out.quat) != FB_OK) {
+    return FB_ERR_VALUE;
+  }
+  fbi_copy(out.quat, state->quat, 4); /* as it was; only zero is refused */
   fb_quat_to_mat33(k.R, state->quat);
   k.qx[0] = FB_R(1.0);
   fbi_copy(k.qx + 1, state->q, n);
@@ -2879,17 +2913,22 @@ FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, co
         inertia += body->M[a * n + b] * q_dot[b];
       }
     }
-    state->pi[a] = inertia - e[a];
+    out.pi[a] = inertia - e[a];
   }
-  fbi_mass_solve(k.Minv_pi, body, state->pi);
+  fbi_mass_solve(k.Minv_pi, body, out.pi);
   k.pb = k.Minv_pi;
   fbi_momenta(&k, body);
-  fb_mat33_mul_vec3(state->P, k.R, k.ph);
-  fb_mat33_mul_vec3(state->L, k.R, k.ph + 3);
-  if (body->base == FB_BASE_PRESCRIBED) {
-    fbi_zero(state->P, 3);
-    fbi_zero(state->L, 3);
+  if (body->base == FB_BASE_FREE) {
+    fb_mat33_mul_vec3(out.P, k.R, k.ph);
+    fb_mat33_mul_vec3(out.L, k.R, k.ph + 3);
+  } else {
+    fbi_zero(out.P, 3);
+    fbi_zero(out.L, 3);
   }
+  if (!fbi_state_is_finite(&out, n)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *state = out;
   return FB_OK;
 }
 
@@ -2961,6 +3000,11 @@ FB_DEF fb_status fb_body_motion(const fb_body *body, fb_motion *motion, const fb
   fbi_copy(out.w, k.V + 3, 3);
   fbi_copy(out.q_dot, rate.q, body->n);
   status = fbi_accelerations(&out, &k, body, &rate, input);
+  if (status == FB_OK &&
+      (!fbi_is_finite(out.v, 3) || !fbi_is_finite(out.w, 3) || !fbi_is_finite(out.v_dot, 3) ||
+       !fbi_is_finite(out.w_dot, 3) || !fbi_is_finite(out.q_dot, body->n) || !fbi_is_finite(out.q_ddot, body->n))) {
+    status = FB_ERR_NOT_FINITE;
+  }
   if (status == FB_OK) {
     *motion = out;
   }
@@ -2993,7 +3037,7 @@ FB_DEF fb_status fb_body_node_motion(const fb_body *body, fb_node_motion *out, c
   if (fbi_has(body->effects, FBI_QUADRATIC_EFFECTS)) {
     for (int i = 0; i < body->n; i++) {
       for (int j = 0; j < body->n; j++) {
-        const int pair = 3 * (i > j ? i * (i + 1) / 2 + j : j * (j + 1) / 2 + i);
+        const int pair = fbi_pair(i, j);
         fbi_vec3_add(a, motion->q_dot[i] * motion->q_dot[j], body->node[node].chi + pair);
         fbi_vec3_add(alpha, motion->q_dot[i] * motion->q_dot[j], body->node[node].chi_theta + pair);
       }
@@ -3030,6 +3074,7 @@ FB_DEF fb_status fb_body_node_motion(const fb_body *body, fb_node_motion *out, c
 FB_DEF fb_status fb_body_energy(const fb_body *body, fb_energy *energy, const fb_state *state, const fb_input *input)
 {
   fbi_kinetics k;
+  fb_energy out;
   fb_real SV[6];
   fb_status status;
   FBI_REQUIRE(body && energy && state, FB_ERR_NULL);
@@ -3039,13 +3084,13 @@ FB_DEF fb_status fb_body_energy(const fb_body *body, fb_energy *energy, const fb
   }
   fbi_S_eval(k.S, body, k.qx);
   fb_sym6_mul_vec6(SV, k.S, k.V);
-  energy->kinetic = FB_R(0.5) * (fb_vec3_dot(SV, k.V) + fb_vec3_dot(SV + 3, k.V + 3));
-  energy->strain = FB_R(0.0);
-  energy->gravity = FB_R(0.0);
+  out.kinetic = FB_R(0.5) * (fb_vec3_dot(SV, k.V) + fb_vec3_dot(SV + 3, k.V + 3));
+  out.strain = FB_R(0.0);
+  out.gravity = FB_R(0.0);
   for (int a = 0; a < body->n; a++) {
-    energy->kinetic += FB_R(0.5) * state->pi[a] * k.pb[a];
+    out.kinetic += FB_R(0.5) * state->pi[a] * k.pb[a];
     for (int b = 0; b < body->n; b++) {
-      energy->strain += FB_R(0.5) * state->q[a] * body->K[a * body->n + b] * state->q[b];
+      out.strain += FB_R(0.5) * state->q[a] * body->K[a * body->n + b] * state->q[b];
     }
   }
 #if FB_WITH_GRAVITY
@@ -3054,9 +3099,13 @@ FB_DEF fb_status fb_body_energy(const fb_body *body, fb_energy *energy, const fb
     fbi_gravity_eval(c, k.x, body, k.qx, body->gravity); /* k.x is spent */
     fb_mat33_mul_vec3(moment, k.R, c);
     fbi_vec3_add(moment, body->mass, state->rho);
-    energy->gravity = -fb_vec3_dot(moment, body->gravity);
+    out.gravity = -fb_vec3_dot(moment, body->gravity);
   }
 #endif
+  if (!fbi_is_finite(&out.kinetic, 1) || !fbi_is_finite(&out.strain, 1) || !fbi_is_finite(&out.gravity, 1)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *energy = out;
   return FB_OK;
 }
 
@@ -3096,6 +3145,9 @@ FB_DEF fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real accelerat
   const fb_real k =
       body->limit_elastic + body->limit_spin * spin * spin + body->limit_acceleration * FB_FABS(acceleration);
   const fb_real bound = g + FB_SQRT(g * g + k);
+  if (!(bound >= FB_R(0.0))) { /* not a number: no step is stable */
+    return FB_R(0.0);
+  }
   return bound * FB_HUGE > FB_R(2.785) ? FB_R(2.785) / bound : FB_HUGE;
 }
 
@@ -3140,21 +3192,26 @@ static void fbi_flush(fb_real *x, int n)
   }
 }
 
-/* What the step limit depends on: spin, and acceleration of O by the base's motion and by gravity. */
+/* What the step limit depends on: spin, and acceleration of O by the base's motion or, free, by spin about the mass center
+   and by the loads, with gravity. */
 static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const fb_input *input, fb_real dt)
 {
+  const fb_real spin = fbi_vec3_norm(k->V + 3);
   fb_real a[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-  fb_real gravity = FB_R(0.0);
+  fb_real acceleration;
   if (body->base == FB_BASE_PRESCRIBED) {
     fb_vec3_cross(a, k->V + 3, k->V);
     if (input) {
       fbi_vec3_add(a, FB_R(1.0), input->v_dot);
     }
-  }
+    acceleration = fbi_vec3_norm(a);
 #if FB_WITH_GRAVITY
-  gravity = fbi_vec3_norm(body->gravity);
+    acceleration += fbi_vec3_norm(body->gravity);
 #endif
-  return dt <= fb_rk4_limit(body, fbi_vec3_norm(k->V + 3), fbi_vec3_norm(a) + gravity) ? FB_OK : FB_ERR_STEP;
+  } else {
+    acceleration = (spin * spin * fbi_vec3_norm(body->c) + fbi_vec3_norm(k->fg)) / body->mass;
+  }
+  return dt <= fb_rk4_limit(body, spin, acceleration) ? FB_OK : FB_ERR_STEP;
 }
 
 /* [E11.3] Classical Runge-Kutta. Source: textbook.  Cost: 4 evaluations.  Test: rk4_converges_with_order_four. */

@@ -22,20 +22,24 @@ int main(void)
   fb_rk4_work work;
   fb_motion motion;
   fb_node_motion tip;
-  int node, status = fb_beam_init(&beam, &boom); // build: on the desktop or at start-up
-  status |= fb_modes_solve(&modes, &modes_work, &beam, &keep);
-  status |= fb_shape_init(&shape, modes.n);
-  status |= fb_shape_add_rigid(&shape, 500, center, inertia);
-  status |= fb_shape_add_beam(&shape, 0, &beam, &modes);
-  status |= fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, 10);
-  status |= fb_body_init(&body, &body_work, &shape, &level);
-  status |= fb_state_init(&body, &state);
+  int node = 0;
+  fb_status status = fb_beam_init(&beam, &boom); // build: on the desktop or at start-up
+  status = status ? status : fb_modes_solve(&modes, &modes_work, &beam, &keep);
+  status = status ? status : fb_shape_init(&shape, modes.n);
+  status = status ? status : fb_shape_add_rigid(&shape, 500, center, inertia);
+  status = status ? status : fb_shape_add_beam(&shape, 0, &beam, &modes);
+  status = status ? status : fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, 10);
+  status = status ? status : fb_body_init(&body, &body_work, &shape, &level);
+  status = status ? status : fb_state_init(&body, &state);
   for (int k = 0; k < 1000 && status == FB_OK; k++) { // run: one step of 1 ms
     status = fb_rk4_step(&body, &state, &work, &torque, &torque, &torque, FB_R(0.001));
   }
-  status |= fb_body_motion(&body, &motion, &state, &torque);
-  status |= fb_body_node_motion(&body, &tip, &state, &motion, node);
-  printf("after 1 s: hub %.4f rad/s, tip %.4f m, status %d\n", (double)motion.w[2], (double)tip.displacement[1],
-         status);
-  return status != FB_OK;
+  status = status ? status : fb_body_motion(&body, &motion, &state, &torque);
+  status = status ? status : fb_body_node_motion(&body, &tip, &state, &motion, node);
+  if (status != FB_OK) {
+    printf("%s\n", fb_status_string(status));
+    return 1;
+  }
+  printf("after 1 s: hub %.4f rad/s, tip %.4f m\n", (double)motion.w[2], (double)tip.displacement[1]);
+  return 0;
 }

@@ -64,8 +64,9 @@ static const char help[] =
     "  --out FILE        CSV: t [s], tip_x, tip_y [m], omega_z [rad/s], energy [J] (spinup.csv)\n"
     "  --reference FILE  CSV with columns t, GE_u2 to compare with (none: the richest model here)\n"
     "  --help            this text\n"
-    "Without --modes and --effects: a table of models, the CSV of 3 modes with all effects, and a picture (SVG)\n"
-    "when gnuplot is installed.\n";
+    "Without --modes and --effects: a table of models, the CSV of 3 modes with all effects (and beside it _linear.csv\n"
+    "and _split.csv), and a picture (SVG) when gnuplot is installed. Deflections above about 15 % of the length are\n"
+    "beyond the model's accuracy.\n";
 
 static int fail(const char *what, const char *value)
 {
@@ -135,7 +136,7 @@ static int read_options(options *o, int argc, char **argv)
   } numbers[] = {{"--length", &o->length, 0, 1}, {"--mass", &o->mass, 0, 1},    {"--ei", &o->ei, 0, 1},
                  {"--ea", &o->ea, 0, 0},         {"--spin", &o->spin, -1e6, 0}, {"--ramp", &o->ramp, 0, 1},
                  {"--t-end", &o->t_end, 0, 1},   {"--dt", &o->dt, 0, 1}};
-  for (int i = 1; i < argc; i++) {
+  for (int i = 1; i < argc; i += 2) {
     const char *name = argv[i];
     int status = -1;
     if (strcmp(name, "--help") == 0) {
@@ -143,7 +144,7 @@ static int read_options(options *o, int argc, char **argv)
       exit(0);
     }
     if (i + 1 == argc) {
-      return fail(strncmp(name, "--", 2) == 0 ? "unknown option, or its value is missing" : "not an option", name);
+      return fail("no such option, or its value is missing", name);
     }
     for (int k = 0; k < (int)(sizeof numbers / sizeof numbers[0]); k++) {
       if (strcmp(name, numbers[k].name) == 0) {
@@ -161,7 +162,12 @@ static int read_options(options *o, int argc, char **argv)
     if (status != 0) {
       return status > 0 ? status : fail("unknown option", name);
     }
-    i++;
+  }
+  if (strlen(o->out) > 400) {
+    return fail("--out: the name is longer than 400 characters", "");
+  }
+  if (strlen(o->out) > 4 && strcmp(o->out + strlen(o->out) - 4, ".svg") == 0) {
+    return fail("--out names the CSV; the picture gets its name with .svg", o->out);
   }
   if (o->t_end / o->dt > 1e8) {
     return fail("more than 1e8 steps: enlarge --dt or shorten --t-end", "");
@@ -353,14 +359,21 @@ static void other_name(char *name, size_t size, const char *path, const char *en
   snprintf(name, size, "%.*s%s", length, path, ending);
 }
 
+/* A name in gnuplot's quotes. */
+static void put_quoted(FILE *gnuplot, const char *name)
+{
+  fputs("'", gnuplot);
+  for (const char *p = name; *p; p++) {
+    fputs(*p == '\'' ? "''" : (const char[2]){*p, 0}, gnuplot);
+  }
+  fputs("'", gnuplot);
+}
+
 static void plot_line(FILE *gnuplot, const char *file, const char *columns, const char *style, const char *title,
                       const char *end)
 {
-  fputs("'", gnuplot);
-  for (const char *p = file; *p; p++) {
-    fputs(*p == '\'' ? "''" : (const char[2]){*p, 0}, gnuplot);
-  }
-  fprintf(gnuplot, "' using %s %s title '%s'%s\n", columns, style, title, end);
+  put_quoted(gnuplot, file);
+  fprintf(gnuplot, " using %s %s title '%s'%s\n", columns, style, title, end);
 }
 
 static void draw(const options *o, const char *full, const char *linear, const char *split)
@@ -377,12 +390,13 @@ static void draw(const options *o, const char *full, const char *linear, const c
     printf("no picture: gnuplot did not start\n");
     return;
   }
+  fprintf(gnuplot, "set terminal svg size 900,520 font 'Helvetica,14' background '#ffffff'\nset output ");
+  put_quoted(gnuplot, svg);
   fprintf(gnuplot,
-          "set terminal svg size 900,520 font 'Helvetica,14' background '#ffffff'\nset output '%s'\n"
-          "set datafile separator ','\nset datafile commentschars '#'\nset key bottom right\nset grid\n"
+          "\nset datafile separator ','\nset datafile commentschars '#'\nset key bottom right\nset grid\n"
           "set xlabel 'time [s]'\nset ylabel 'tip deflection [m]'\nset yrange [%g:%g]\n"
           "set title 'Spin-up of a flexible beam: what each effect does to the tip'\nplot \\\n",
-          svg, -0.1 * o->length, 0.03 * o->length);
+          -0.1 * o->length, 0.03 * o->length);
   plot_line(gnuplot, full, "1:3", "every ::1 with lines lw 2 lc rgb '#0060ad'", "3 modes, all effects", ",\\");
   plot_line(gnuplot, linear, "1:3", "every ::1 with lines lw 2 lc rgb '#888888'", "3 modes, linear", ",\\");
   plot_line(gnuplot, split, "1:3", "every ::1 with lines lw 2 lc rgb '#dd181f'",
@@ -468,7 +482,7 @@ static int run_one(const options *o)
   if (status != 0) {
     return status;
   }
-  printf("%d modes: %.0f ns per step, %.0f times real time; CSV: %s\n", n, result.ns,
+  printf("%d mode(s): %.0f ns per step, %.0f times real time; CSV: %s\n", n, result.ns,
          1e9 * o->t_end / (double)steps_of(o) / result.ns, o->out);
   if (o->reference) {
     printf("tip deflection: largest error %.4f %% of the reference's peak\n", 100 * tip_error(&result, &target));
@@ -498,8 +512,14 @@ static int run_table(const options *o)
   char names[3][512];
   double full3 = 1.0;
   int stopped = 0, status = 0;
+  status = simulate(o, 6, FB_EFFECTS_FULL, 0); /* the stiffest: its step limit before any output */
+  if (status == 0) {
+    status = write_csv(&result, o->out); /* the file can be written */
+  }
+  if (status != 0) {
+    return status;
+  }
   if (!o->reference) {
-    status = simulate(o, 6, FB_EFFECTS_FULL, 0);
     target.rows = result.rows;
     memcpy(target.t, result.t, sizeof target.t);
     memcpy(target.y, result.tip_y, sizeof target.y);
@@ -556,5 +576,10 @@ int main(int argc, char **argv)
   if (status != 0) {
     return status;
   }
-  return o.modes < 0 && o.effects < 0 ? run_table(&o) : run_one(&o);
+  status = o.modes < 0 && o.effects < 0 ? run_table(&o) : run_one(&o);
+  if (fflush(stdout) != 0 && status == 0) {
+    fprintf(stderr, "spinup: cannot write the output\n");
+    status = 1;
+  }
+  return status;
 }

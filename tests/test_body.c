@@ -669,7 +669,8 @@ static void boom(fb_shape *out, int node[2])
     s->GJ = FB_R(15.0) * taper;
     s->EI_y = FB_R(30.0) * taper;
     s->EI_z = FB_R(60.0) * taper;
-    s->i_y = s->i_z = FB_R(0.01) * taper;
+    s->i_y = FB_R(0.01) * taper;
+    s->i_z = FB_R(0.03) * taper;
   }
   beam_desc.n_lump = 1;
   tip->node = 5;
@@ -845,6 +846,122 @@ TEST(offset_masses_move_with_their_section)
                    FBT_TOL(1e-13, 1e-6));
     }
   }
+}
+
+/* Largest difference of the integrals of two shapes, those of a from coordinate first on, relative to the largest of each. */
+static double shape_difference(const fb_shape *a, const fb_shape *b, int first)
+{
+  double worst = fmax(fbt_difference(a->c, b->c, 3), fbt_difference(a->J, b->J, 9)) / fbt_largest(b->J, 9);
+  for (int i = 0; i < b->n; i++) {
+    const int at = first + i;
+    worst = fmax(worst, fbt_difference(a->P + 3 * at, b->P + 3 * i, 3) / fbt_largest(b->P, 3 * b->n));
+    worst = fmax(worst, fbt_difference(a->H + 3 * at, b->H + 3 * i, 3) / fbt_largest(b->H, 3 * b->n));
+    worst = fmax(worst, fbt_difference(a->Gam + 9 * at, b->Gam + 9 * i, 9) / fbt_largest(b->Gam, 9 * b->n));
+    for (int k = 0; k < b->n; k++) {
+      const int x = at * a->n + first + k, y = i * b->n + k, nn = b->n * b->n;
+      worst = fmax(worst, fabs((double)(a->M[x] - b->M[y])));
+      worst = fmax(worst, fabs((double)(a->K[x] - b->K[y])) / fbt_largest(b->K, nn));
+      worst = fmax(worst, fbt_difference(a->ups + 3 * x, b->ups + 3 * y, 3));
+      worst = fmax(worst, fbt_difference(a->Pi + 9 * x, b->Pi + 9 * y, 9));
+      worst = fmax(worst, fbt_difference(a->pchi + 3 * x, b->pchi + 3 * y, 3) / fbt_largest(b->pchi, 3 * nn));
+      worst = fmax(worst, fbt_difference(a->hchi + 3 * x, b->hchi + 3 * y, 3) / fbt_largest(b->hchi, 3 * nn));
+      worst = fmax(worst, fbt_difference(a->Gamchi + 9 * x, b->Gamchi + 9 * y, 9) / fbt_largest(b->Gamchi, 9 * nn));
+    }
+  }
+  return worst;
+}
+
+static fb_shape other;
+
+/* E6.2, E8.1, E8.3: a lumped body with offset and full inertia is the handful of particles it is made of, each moving as
+   u + (exp(phi) - 1) d with the node's displacement and rotation to second degree. */
+TEST(lumped_bodies_are_the_particles_they_stand_for)
+{
+  double m[5], d[5][3], total = 0.0, center[3] = {0}, S[3][3] = {{0}};
+  int node[2];
+  fb_lump *tip = &beam_desc.lump[0];
+  boom(&shape, node);
+  for (int i = 0; i < 5; i++) {
+    m[i] = 0.1 + 0.05 * i;
+    total += m[i];
+    for (int k = 0; k < 3; k++) {
+      d[i][k] = 0.2 * fbt_random();
+      center[k] += m[i] * d[i][k];
+    }
+  }
+  for (int i = 0; i < 5; i++) {
+    for (int k = 0; k < 3; k++) {
+      for (int l = 0; l < 3; l++) {
+        S[k][l] += m[i] * (d[i][k] - center[k] / total) * (d[i][l] - center[l] / total);
+      }
+    }
+  }
+  tip->mass = (fb_real)total;
+  for (int k = 0; k < 3; k++) {
+    tip->center[k] = (fb_real)(center[k] / total);
+    tip->inertia[k] = (fb_real)(S[0][0] + S[1][1] + S[2][2] - S[k][k]);
+  }
+  tip->inertia[3] = -(fb_real)S[0][1];
+  tip->inertia[4] = -(fb_real)S[0][2];
+  tip->inertia[5] = -(fb_real)S[1][2];
+  FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
+  FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
+  beam_desc.n_lump = 0;
+  FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
+  FBT_INT_EQ(fb_shape_init(&other, modes.n), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&other, 0, &beam, &modes), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam_node(&other, &node[0], 0, &beam, &modes, FB_R(4.0)), FB_OK);
+  for (int i = 0; i < 5; i++) {
+    const fb_node *n = &other.node[node[0]];
+    fb_real local[3], D[3], r[3], psi[3 * BOOM_MODES], chi[3 * BOOM_MODES * BOOM_MODES];
+    for (int k = 0; k < 3; k++) {
+      local[k] = (fb_real)d[i][k];
+    }
+    fb_mat33_mul_vec3(D, beam.axes, local);
+    for (int a = 0; a < BOOM_MODES; a++) {
+      fb_vec3_cross(psi + 3 * a, n->theta + 3 * a, D);
+      for (int b = 0; b < BOOM_MODES; b++) {
+        const int pair = a > b ? a * (a + 1) / 2 + b : b * (b + 1) / 2 + a;
+        fb_real t[3], ab[3], ba[3], *x = chi + 3 * (a * BOOM_MODES + b);
+        fb_vec3_cross(t, n->theta + 3 * b, D);
+        fb_vec3_cross(ab, n->theta + 3 * a, t);
+        fb_vec3_cross(t, n->theta + 3 * a, D);
+        fb_vec3_cross(ba, n->theta + 3 * b, t);
+        fb_vec3_cross(x, n->chi_theta + 3 * pair, D);
+        for (int k = 0; k < 3; k++) {
+          x[k] += n->chi[3 * pair + k] + FB_R(0.5) * (ab[k] + ba[k]);
+        }
+      }
+      for (int k = 0; k < 3; k++) {
+        psi[3 * a + k] += n->psi[3 * a + k];
+      }
+    }
+    for (int k = 0; k < 3; k++) {
+      r[k] = n->r[k] + D[k];
+    }
+    FBT_INT_EQ(fb_shape_add_particle(&other, (fb_real)m[i], r, psi, chi), FB_OK);
+  }
+  FBT_NEAR_REL(shape.mass, other.mass, FBT_TOL(1e-14, 1e-6));
+  FBT_BELOW(shape_difference(&shape, &other, 0), FBT_TOL(1e-12, 1e-4));
+}
+
+/* A beam's coordinates may stand anywhere among those of the body. */
+TEST(a_beam_may_take_later_coordinates)
+{
+  int node[2], at;
+  boom(&shape, node);
+  FBT_INT_EQ(fb_shape_init(&other, BOOM_MODES), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&other, 0, &beam, &modes), FB_OK);
+  FBT_INT_EQ(fb_shape_init(&shape, BOOM_MODES + 3), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 3, &beam, &modes), FB_OK);
+  FBT_TRUE(shape_difference(&shape, &other, 3) == 0.0);
+  FBT_INT_EQ(fb_shape_add_beam_node(&other, &at, 0, &beam, &modes, FB_R(1.7)), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam_node(&shape, &at, 3, &beam, &modes, FB_R(1.7)), FB_OK);
+  FBT_TRUE(fbt_difference(shape.node[1].psi + 9, other.node[1].psi, 3 * BOOM_MODES) == 0.0);
+  FBT_TRUE(fbt_difference(shape.node[1].theta + 9, other.node[1].theta, 3 * BOOM_MODES) == 0.0);
+  FBT_TRUE(fbt_difference(shape.node[1].chi + 3 * 9, other.node[1].chi, 3) == 0.0); /* pair 33 against 00 */
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 0x7FFFFFFF, &beam, &modes), FB_ERR_CAPACITY);
 }
 
 /* out = state + h rate */
@@ -1310,6 +1427,18 @@ TEST(bodies_refuse_bad_input)
   input.n_load = 1;
   input.load[0].node = 3;
   FBT_INT_EQ(fb_body_rates(&body, &same, &state, &input), FB_ERR_CAPACITY);
+  input.load[0].node = 1;
+  input.load[0].axes = (fb_axes)7;
+  FBT_INT_EQ(fb_body_rates(&body, &same, &state, &input), FB_ERR_VALUE);
+  input.load[0].axes = FB_AXES_BODY;
+  input.load[0].force[0] = (fb_real)NAN;
+  FBT_INT_EQ(fb_body_rates(&body, &same, &state, &input), FB_ERR_NOT_FINITE);
+  memset(&same, 0, sizeof same);
+  FBT_INT_EQ(fb_state_from_velocity(&body, &same, v, w, NULL), FB_ERR_VALUE); /* no attitude */
+  FBT_TRUE(fb_rk4_limit(&body, (fb_real)NAN, 0) == FB_R(0.0));
+  desc.effects = FB_EFFECTS_SPIN | FB_EFFECT_RESIDUAL_INERTIA | FB_EFFECT_SPIN_STIFFENING;
+  desc.base = FB_BASE_FREE; /* would depend on the choice of O */
+  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_ERR_EFFECTS);
   state.q[0] = FB_R(1e3);
   FBT_INT_EQ(fb_state_check(&body, &state), FB_ERR_RANGE);
   state.q[0] = (fb_real)NAN;
@@ -1352,6 +1481,7 @@ SUITE(body, RUN(accelerations_agree_with_a_particle_model), RUN(momenta_agree_wi
       RUN(elastic_forces_agree_with_a_particle_model), RUN(each_set_of_effects_follows_its_own_lagrangian),
       RUN(residual_inertia_vanishes_on_a_rotation_closed_basis), RUN(beam_integrals_reproduce_mass_and_modal_mass),
       RUN(quadratic_field_is_inextensible_and_twist_free), RUN(offset_masses_move_with_their_section),
+      RUN(lumped_bodies_are_the_particles_they_stand_for), RUN(a_beam_may_take_later_coordinates),
       RUN(power_of_loads_is_the_rate_of_energy), RUN(node_kinematics_match_finite_differences),
       RUN(reactions_balance_the_momentum), RUN(a_falling_body_does_not_deform),
       RUN(elastic_response_is_frame_indifferent), RUN(damped_free_decay_has_the_given_ratio),

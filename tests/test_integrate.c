@@ -215,6 +215,25 @@ TEST(the_step_limit_is_the_stability_boundary)
   }
 }
 
+/* E11.1: a spinning free body whose origin is far from its mass center: what its own spin does to O counts. */
+TEST(the_step_limit_knows_the_acceleration_of_a_far_origin)
+{
+  static const fb_real heavy[6] = {FB_R(4e4), FB_R(4e4), FB_R(4e4), 0, 0, 0};
+  const fb_real root[3] = {-FB_R(10.0), 0, 0};
+  double dt;
+  boom(FB_EFFECTS_FULL, FB_BASE_FREE, 3, 3, 0, 0.0);
+  beam_desc.position[0] = -FB_R(10.0);
+  FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
+  FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
+  FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(1e4), root, heavy), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
+  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &body_desc), FB_OK);
+  dt = (double)fb_rk4_limit(&body, FB_R(20.0), FB_R(4000.0));
+  FBT_BELOW(dt, 0.8 * (double)fb_rk4_limit(&body, FB_R(20.0), 0));
+  FBT_BELOW(growth(0.9 * dt, 20.0, 2, 8000), 1.5);
+  FBT_TRUE(growth(0.97 * (double)fb_rk4_limit(&body, FB_R(20.0), 0), 20.0, 2, 8000) > 1e3); /* refused */
+}
+
 /* E11.2: a damped motion decays to exact zeros; no number on the way is subnormal. */
 TEST(decay_reaches_zero_without_subnormals)
 {
@@ -334,5 +353,6 @@ TEST(rk4_refuses_bad_input_and_repeats_itself)
 }
 
 SUITE(integrate, RUN(rk4_converges_with_order_four), RUN(tumbling_conserves_momentum_and_energy),
-      RUN(the_step_limit_is_the_stability_boundary), RUN(decay_reaches_zero_without_subnormals),
-      RUN(spin_up_follows_the_geometrically_exact_beam), RUN(rk4_refuses_bad_input_and_repeats_itself))
+      RUN(the_step_limit_is_the_stability_boundary), RUN(the_step_limit_knows_the_acceleration_of_a_far_origin),
+      RUN(decay_reaches_zero_without_subnormals), RUN(spin_up_follows_the_geometrically_exact_beam),
+      RUN(rk4_refuses_bad_input_and_repeats_itself))
