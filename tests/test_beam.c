@@ -334,6 +334,7 @@ TEST(sections_are_interpolated_between_stations)
   uniform_desc(&desc, 3);
   desc.station[0].x = FB_R(77.0); /* one station: its place is ignored */
   FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+  FBT_NEAR_ABS(beam.desc.station[0].x, 0.0, 0.0);
   FBT_NEAR_REL(beam.mass, (double)desc.length * (double)desc.station[0].mass, 4.0 * EPS);
   for (int i = 0; i <= 4; i++) {
     fb_beam_section(&s, &beam, FB_R(0.25) * (fb_real)i * desc.length);
@@ -620,6 +621,14 @@ TEST(good_beams_keep_their_desc)
   FBT_INT_EQ(fb_quat_normalize(q), FB_OK);
   fb_quat_to_mat33(axes, q);
   FBT_TRUE(memcmp(beam.axes, axes, sizeof axes) == 0);
+  for (int k = 0; k < 16; k++) { /* any element of the attitude may be the only one, or cancel in a sum */
+    for (int i = 0; i < 4; i++) {
+      desc.attitude[i] = q[i] = (fb_real)((i == k / 4) - (i == k % 4 && k / 4 != k % 4));
+    }
+    FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+    fb_quat_to_mat33(axes, q);
+    FBT_BELOW(fbt_difference(beam.axes, axes, 9), 4.0 * EPS);
+  }
   memset(desc.attitude, 0, sizeof desc.attitude);
   for (int k = 0; k < FB_MAX_STATIONS; k++) {
     desc.station[k].mass = FB_R(0.0);
@@ -629,6 +638,10 @@ TEST(good_beams_keep_their_desc)
   for (int i = 0; i < 9; i++) {
     FBT_NEAR_ABS(beam.axes[i], i % 4 == 0, 0.0);
   }
+  desc.n_lump = 1;
+  desc.lump[0].mass = FB_R(1e-15); /* however small */
+  FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+  FBT_NEAR_REL(beam.mass, 1e-15, 4.0 * EPS);
 }
 
 SUITE(beam, RUN(element_matrices_match_the_textbook_ones), RUN(rigid_motion_of_an_element_gives_no_strain),
