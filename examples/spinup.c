@@ -57,7 +57,8 @@ static const char help[] =
     "  --spin W          [rad/s] final hub rate (6)\n"
     "  --ramp T          [s] time to reach it (15)\n"
     "  --t-end T         [s] end of the run (30)\n"
-    "  --dt DT           [s] step of rk4 (0.001); refused beyond the stability limit\n"
+    "  --dt DT           [s] step of rk4 (0.001, or 0.8 of the stability limit if that is less); refused beyond the "
+    "limit\n"
     "  --modes N         bending modes, 0..12; alone: that model with the full set of effects\n"
     "  --effects A[,B]   any of rigid, linear, spin-coupling, residual-inertia, spin-stiffening,\n"
     "                    acceleration-stiffening, full; alone: with 3 modes\n"
@@ -168,9 +169,6 @@ static int read_options(options *o, int argc, char **argv)
   }
   if (strlen(o->out) > 4 && strcmp(o->out + strlen(o->out) - 4, ".svg") == 0) {
     return fail("--out names the CSV; the picture gets its name with .svg", o->out);
-  }
-  if (o->t_end / o->dt > 1e8) {
-    return fail("more than 1e8 steps: enlarge --dt or shorten --t-end", "");
   }
   return 0;
 }
@@ -413,6 +411,21 @@ static void draw(const options *o, const char *full, const char *linear, const c
 static history result;
 static series target;
 
+/* The step where none was asked for, and a bound on their number. */
+static int choose_step(options *o)
+{
+  int tip;
+  const int n = o->modes >= 0 ? o->modes : o->effects >= 0 ? 3 : 6;
+  const fb_status status = build(o, n, FB_EFFECTS_FULL, &tip);
+  if (status != FB_OK) {
+    return fail("cannot build the model", fb_status_string(status));
+  }
+  if (o->dt <= 0) {
+    o->dt = fmin(0.001, 0.8 * (double)fb_rk4_limit(&body, (fb_real)o->spin, 0));
+  }
+  return o->t_end / o->dt > 1e8 ? fail("more than 1e8 steps: enlarge --dt or shorten --t-end", "") : 0;
+}
+
 static long steps_of(const options *o)
 {
   return (long)ceil(o->t_end / o->dt * (1 - 1e-12));
@@ -568,11 +581,12 @@ static int run_table(const options *o)
 
 int main(int argc, char **argv)
 {
-  options o = {10, 12, 14004, 31724000, 6, 15, 30, 0.001, -1, -1, "spinup.csv", NULL};
+  options o = {10, 12, 14004, 31724000, 6, 15, 30, 0, -1, -1, "spinup.csv", NULL};
   int status = read_options(&o, argc, argv);
   if (status == 0 && o.reference) {
     status = read_reference(&target, o.reference);
   }
+  status = status ? status : choose_step(&o);
   if (status != 0) {
     return status;
   }
