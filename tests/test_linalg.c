@@ -1,7 +1,7 @@
 /* Section 5: LU, Cholesky, symmetric and generalized eigenvalues. Residuals are sums in long double, in units of the
-   epsilon of fb_real. Graded: D1 A D2 with diagonals of powers of two from 1 to 1e-6 in random order, so that row and
-   column scaling together raise the condition number by 1e12, the same in both precisions (LU in double: columns to 1e-12,
-   condition 1e18). */
+   epsilon of fb_real. Graded: D1 A D2 with diagonals of powers of two from 1 to 1e-6 in random order, so that row
+   and column scaling together raise the condition number by 1e12, the same in both precisions (LU in double: columns
+   to 1e-12, condition 1e18). */
 #include "fbt.h"
 
 #define EPS FBT_TOL(2.2204460492503131e-16, 1.19209290e-7)
