@@ -34,7 +34,7 @@ awk -F'|' '
 # the spin-up: its table, and the picture beside the example
 build/examples/spinup --reference tests/reference/p07C_second_order.csv --out build/spinup.csv > "$out/spinup"
 { echo '```'; sed -n -e 's/ *$//' -e '/^Spin-up/,/^ *6 .*full/p' "$out/spinup"; echo '```'; } | block spinup
-[ ! -f build/spinup.svg ] || cp build/spinup.svg examples/spinup.svg
+[ ! -f build/spinup.svg ] || sed "s/ *$//" build/spinup.svg > examples/spinup.svg
 
 make -s check-instructions > "$out/instructions" || true # the table is printed before the verdict
 { echo '```'; sed -e '/^ok/d' -e '/^FAIL/d' -e 's/ *$//' "$out/instructions"; echo '```'; } | block instructions
