@@ -532,6 +532,19 @@ typedef struct fb_body_desc {
   int allow_long_step;     /* 1: do not refuse steps beyond the stability limit */
 } fb_body_desc;
 
+/* A symmetric n x n matrix by its diagonal and those elements below it (a > b) that are not zero. Modal matrices are a
+   diagonal, finite-element ones blocks and bands. */
+typedef struct fb_pair_term {
+  fb_real c;
+  unsigned short a, b;
+} fb_pair_term;
+
+typedef struct fb_sparse {
+  int n_term;
+  fb_real diagonal[FB_MAX_MODES];
+  fb_pair_term term[FBI_MAX_PAIRS];
+} fb_sparse;
+
 /* The elements of Lambda(q) (6 x n) and S(q) (6 x 6, packed) that are not zero. A term is one struct: gcc 12.2 -O2 drops
    a call whose loop runs over parallel arrays of reals and bytes of one struct. */
 typedef struct fb_lambda_term {
@@ -561,7 +574,6 @@ typedef struct fb_body {
   unsigned effects;
   fb_base base;
   int unit_mass;  /* M = 1 */
-  int diagonal;   /* M = 1 and K, C diagonal: the usual, and cheapest, modal form */
   int constant_S; /* S does not depend on q */
   int allow_long_step;
   int n_lambda, n_lambda_constant; /* terms of Lambda; those of a = 0 come first */
@@ -571,12 +583,9 @@ typedef struct fb_body {
   fb_real deflection_limit, reach[FB_MAX_MODES];
   fb_real limit_elastic, limit_damping, limit_spin, limit_acceleration; /* bounds for fb_rk4_limit */
   fb_real S0[21], S0_inverse[36];
-  fb_real K_diagonal[FB_MAX_MODES];
-  fb_real M[FB_MAX_MODES * FB_MAX_MODES],
-      Minv[FB_MAX_MODES * FB_MAX_MODES]; /* n x n, M and its inverse used when not 1, K when not diagonal */
-  fb_real K[FB_MAX_MODES * FB_MAX_MODES];
+  fb_sparse M, Minv, K; /* elastic mass (it and its inverse are used when not 1) and stiffness */
 #if FB_WITH_DAMPING
-  fb_real C_diagonal[FB_MAX_MODES], C[FB_MAX_MODES * FB_MAX_MODES];
+  fb_sparse C;
 #endif
 #if FB_WITH_GRAVITY
   fb_real gravity[3];

@@ -2123,6 +2123,36 @@ static void fbi_S_list(fb_body *body, const fb_shape *shape, const fb_real *Z)
   }
 }
 
+/* The elements of the symmetric A (n x n) that are not zero to rounding. */
+static void fbi_sparse_fill(fb_sparse *out, const fb_real *A, int n)
+{
+  out->n_term = 0;
+  for (int a = 0; a < n; a++) {
+    out->diagonal[a] = A[a * n + a];
+    for (int b = 0; b < a; b++) {
+      const fb_real size = FB_SQRT(FB_FABS(A[a * n + a])) * FB_SQRT(FB_FABS(A[b * n + b]));
+      if (FB_FABS(A[a * n + b]) > FB_R(64.0) * FB_EPSILON * size) {
+        fb_pair_term *term = &out->term[out->n_term++];
+        term->c = A[a * n + b];
+        term->a = (unsigned short)a;
+        term->b = (unsigned short)b;
+      }
+    }
+  }
+}
+
+static void fbi_sparse_to_dense(fb_real *A, const fb_sparse *sparse, int n)
+{
+  fbi_zero(A, n * n);
+  for (int a = 0; a < n; a++) {
+    A[a * n + a] = sparse->diagonal[a];
+  }
+  for (int k = 0; k < sparse->n_term; k++) {
+    const fb_pair_term *t = &sparse->term[k];
+    A[t->a * n + t->b] = A[t->b * n + t->a] = t->c;
+  }
+}
+
 /* [E8.7] Damping force C q_dot with the modal ratios zeta_k: C = sum_k 2 zeta_k omega_k (M x_k)(M x_k)^T.
    For normalized modes C = diag(2 zeta omega). It acts on the rate of deformation, so it takes no momentum.
    Source: textbook.  Shapes: C n x n.  Fails: K indefinite.  Test: damped_free_decay_has_the_given_ratio. */
@@ -2130,19 +2160,18 @@ static void fbi_S_list(fb_body *body, const fb_shape *shape, const fb_real *Z)
 static fb_status fbi_damping_fill(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_real *zeta)
 {
   const int n = body->n;
+  fb_real *C = work->L; /* free until M is factored */
   fb_status status;
-  fbi_zero(body->C, n * n);
-  fbi_zero(body->C_diagonal, n);
   if (!fbi_has(body->effects, FB_EFFECT_DAMPING)) {
     return FB_OK;
   }
-  if (body->diagonal) {
+  if (body->unit_mass && body->K.n_term == 0) {
     for (int k = 0; k < n; k++) {
-      body->C_diagonal[k] = FB_R(2.0) * zeta[k] * FB_SQRT(body->K_diagonal[k]);
-      body->C[k * n + k] = body->C_diagonal[k];
+      body->C.diagonal[k] = FB_R(2.0) * zeta[k] * FB_SQRT(body->K.diagonal[k]);
     }
     return FB_OK;
   }
+  fbi_zero(C, n * n);
   fbi_copy(work->A, shape->K, n * n);
   fbi_copy(work->B, shape->M, n * n);
   status = fb_eig_gen_solve(work->d, work->X, work->A, work->B, n);
@@ -2155,9 +2184,10 @@ static fb_status fbi_damping_fill(fb_body *body, fb_body_work *work, const fb_sh
       }
     }
     for (int i = 0; i < n * n; i++) {
-      body->C[i] += factor * work->A[i / n] * work->A[i % n];
+      C[i] += factor * work->A[i / n] * work->A[i % n];
     }
   }
+  fbi_sparse_fill(&body->C, C, n);
   return status;
 }
 #endif
@@ -2216,7 +2246,7 @@ static fb_status fbi_table_norm(fb_real *norm, fb_body_work *work, const fb_real
 static fb_status fbi_limits_fill(fb_body *body, fb_body_work *work, const fb_shape *shape)
 {
   const int n = body->n;
-  fb_real *reduced = body->Minv; /* free until the inverse is formed */
+  fb_real *reduced = work->Lambda; /* free until Lambda is filled */
   fb_status status = FB_OK;
   fbi_copy(reduced, shape->M, n * n);
   if (body->base == FB_BASE_FREE) {
@@ -2238,7 +2268,7 @@ static fb_status fbi_limits_fill(fb_body *body, fb_body_work *work, const fb_sha
   body->limit_spin = FB_R(0.0);
   body->limit_acceleration = FB_R(0.0);
 #if FB_WITH_DAMPING
-  fbi_copy(work->A, body->C, n * n);
+  fbi_sparse_to_dense(work->A, &body->C, n);
   status = status == FB_OK ? fbi_largest_eigenvalue(&body->limit_damping, work, reduced, n) : status;
 #endif
 #if FB_WITH_SPIN_STIFFENING
@@ -2254,19 +2284,15 @@ static fb_status fbi_limits_fill(fb_body *body, fb_body_work *work, const fb_sha
   return status;
 }
 
-/* Is A (n x n) diagonal, with ones if unit is set, to rounding? */
-static int fbi_is_diagonal(const fb_real *A, int n, int unit)
+/* Is it the unit matrix to rounding? */
+static int fbi_is_unit(const fb_sparse *A, int n)
 {
-  for (int i = 0; i < n; i++) {
-    for (int j = 0; j < n; j++) {
-      const fb_real expected = i != j ? FB_R(0.0) : (unit ? FB_R(1.0) : A[i * n + i]);
-      const fb_real size = unit ? FB_R(1.0) : FB_SQRT(FB_FABS(A[i * n + i])) * FB_SQRT(FB_FABS(A[j * n + j]));
-      if (FB_FABS(A[i * n + j] - expected) > FB_R(64.0) * FB_EPSILON * size) {
-        return 0;
-      }
+  for (int a = 0; a < n; a++) {
+    if (FB_FABS(A->diagonal[a] - FB_R(1.0)) > FB_R(64.0) * FB_EPSILON) {
+      return 0;
     }
   }
-  return 1;
+  return A->n_term == 0;
 }
 
 static fb_status fbi_inverses_fill(fb_body *body, fb_body_work *work)
@@ -2275,8 +2301,9 @@ static fb_status fbi_inverses_fill(fb_body *body, fb_body_work *work)
   for (int j = 0; j < n; j++) { /* work.L holds the factor of M */
     fbi_zero(work->d, n);
     work->d[j] = FB_R(1.0);
-    fb_chol_solve(body->Minv + j * n, work->L, work->d, n);
+    fb_chol_solve(work->A + j * n, work->L, work->d, n);
   }
+  fbi_sparse_fill(&body->Minv, work->A, n);
   if (body->base == FB_BASE_FREE) {
     for (int j = 0; j < 6; j++) {
       fb_real unit[6] = {0};
@@ -2333,8 +2360,9 @@ static void fbi_body_fill(fb_body *body, const fb_shape *shape, const fb_body_de
   body->n_node = shape->n_node;
   body->base = desc->base;
   body->allow_long_step = desc->allow_long_step;
-  body->unit_mass = fbi_is_diagonal(shape->M, shape->n, 1);
-  body->diagonal = body->unit_mass && fbi_is_diagonal(shape->K, shape->n, 0);
+  fbi_sparse_fill(&body->M, shape->M, body->n);
+  fbi_sparse_fill(&body->K, shape->K, body->n);
+  body->unit_mass = fbi_is_unit(&body->M, body->n);
   body->constant_S = body->n == 0 || !fbi_has(body->effects, FB_EFFECT_RESIDUAL_INERTIA | FBI_QUADRATIC_EFFECTS);
   body->mass = shape->mass;
   fbi_copy(body->c, shape->c, 3);
@@ -2345,11 +2373,6 @@ static void fbi_body_fill(fb_body *body, const fb_shape *shape, const fb_body_de
     fbi_copy(body->gravity, desc->gravity, 3);
   }
 #endif
-  for (int k = 0; k < body->n; k++) {
-    body->K_diagonal[k] = shape->K[k * shape->n + k];
-  }
-  fbi_copy(body->K, shape->K, body->n * body->n);
-  fbi_copy(body->M, shape->M, body->n * body->n);
   for (int k = 0; k < shape->n_node; k++) {
     body->node[k] = shape->node[k];
   }
@@ -2420,20 +2443,37 @@ typedef struct fbi_kinetics {   /* what an evaluation knows about a state */
   fb_real e[FB_MAX_MODES];     /* pi - Lambda^T V */
 } fbi_kinetics;
 
+/* y = f + s A x for a symmetric sparse A; f NULL: zero; y may be f, not x */
+static void fbi_sparse_eval(fb_real *y, const fb_real *f, fb_real s, const fb_sparse *A, const fb_real *x, int n)
+{
+  const fb_pair_term *t = A->term;
+  for (int a = 0; a < n; a++) {
+    y[a] = (f ? f[a] : FB_R(0.0)) + s * A->diagonal[a] * x[a];
+  }
+  for (const fb_pair_term *end = t + A->n_term; t < end; t++) {
+    y[t->a] += s * t->c * x[t->b];
+    y[t->b] += s * t->c * x[t->a];
+  }
+}
+
 /* y = M^-1 x; normalized modes: a copy */
 static void fbi_mass_solve(fb_real *y, const fb_body *body, const fb_real *x)
 {
-  const int n = body->n;
   if (body->unit_mass) {
-    fbi_copy(y, x, n);
+    fbi_copy(y, x, body->n);
     return;
   }
-  for (int i = 0; i < n; i++) {
-    y[i] = FB_R(0.0);
-    for (int j = 0; j < n; j++) {
-      y[i] += body->Minv[i * n + j] * x[j];
-    }
+  fbi_sparse_eval(y, NULL, FB_R(1.0), &body->Minv, x, body->n);
+}
+
+/* y = M x */
+static void fbi_mass_mul(fb_real *y, const fb_body *body, const fb_real *x)
+{
+  if (body->unit_mass) {
+    fbi_copy(y, x, body->n);
+    return;
   }
+  fbi_sparse_eval(y, NULL, FB_R(1.0), &body->M, x, body->n);
 }
 
 /* y -= sum_a q_a Lambda_a pb, the part of E8.9 that is linear in q; q by (1, q). */
@@ -2739,25 +2779,6 @@ static void fbi_forces(fbi_kinetics *k, const fb_body *body, const fb_state *sta
   }
 }
 
-/* y = f - A x, A full (n x n) or diagonal; y may be f */
-static void fbi_spring_force(fb_real *y, const fb_real *f, const fb_real *A, const fb_real *A_diagonal,
-                             const fb_real *x, int n, int diagonal)
-{
-  if (diagonal) {
-    for (int a = 0; a < n; a++) {
-      y[a] = f[a] - A_diagonal[a] * x[a];
-    }
-    return;
-  }
-  for (int a = 0; a < n; a++) {
-    fb_real sum = f[a];
-    for (int b = 0; b < n; b++) {
-      sum -= A[a * n + b] * x[b];
-    }
-    y[a] = sum;
-  }
-}
-
 /* [E8.17] Elastic equations.
    q_dot = M^-1 (pi - Lambda(q)^T V),  pi_dot = f_e - K q - C q_dot + d/dq (V^T Lambda(q) pb + 1/2 V^T S(q) V).
    These are Hamilton's equations of 1/2 y^T S^-1 y + 1/2 pi^T M^-1 pi + U, so any set of terms conserves energy.
@@ -2772,10 +2793,10 @@ static void fbi_elastic_rates(fb_state *rate, fbi_kinetics *k, const fb_body *bo
   }
 #endif
   fbi_mass_solve(rate->q, body, k->e);
-  fbi_spring_force(rate->pi, k->x + 1, body->K, body->K_diagonal, state->q, n, body->diagonal);
+  fbi_sparse_eval(rate->pi, k->x + 1, FB_R(-1.0), &body->K, state->q, n);
 #if FB_WITH_DAMPING
   if (fbi_has(body->effects, FB_EFFECT_DAMPING)) {
-    fbi_spring_force(rate->pi, rate->pi, body->C, body->C_diagonal, rate->q, n, body->diagonal);
+    fbi_sparse_eval(rate->pi, rate->pi, FB_R(-1.0), &body->C, rate->q, n);
   }
 #endif
 }
@@ -2905,15 +2926,9 @@ FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, co
   fbi_copy(k.V + 3, w, 3);
   fbi_zero(e, n); /* pi = M q_dot + Lambda(q)^T V */
   fbi_lambda_gradients(e, unused, body, k.V, k.qx, zero);
+  fbi_mass_mul(out.pi, body, q_dot ? q_dot : zero);
   for (int a = 0; a < n; a++) {
-    fb_real inertia = q_dot ? q_dot[a] : FB_R(0.0);
-    if (!body->unit_mass && q_dot) {
-      inertia = FB_R(0.0);
-      for (int b = 0; b < n; b++) {
-        inertia += body->M[a * n + b] * q_dot[b];
-      }
-    }
-    out.pi[a] = inertia - e[a];
+    out.pi[a] -= e[a];
   }
   fbi_mass_solve(k.Minv_pi, body, out.pi);
   k.pb = k.Minv_pi;
@@ -3087,11 +3102,10 @@ FB_DEF fb_status fb_body_energy(const fb_body *body, fb_energy *energy, const fb
   out.kinetic = FB_R(0.5) * (fb_vec3_dot(SV, k.V) + fb_vec3_dot(SV + 3, k.V + 3));
   out.strain = FB_R(0.0);
   out.gravity = FB_R(0.0);
+  fbi_sparse_eval(k.e, NULL, FB_R(0.5), &body->K, state->q, body->n); /* k.e is spent */
   for (int a = 0; a < body->n; a++) {
     out.kinetic += FB_R(0.5) * state->pi[a] * k.pb[a];
-    for (int b = 0; b < body->n; b++) {
-      out.strain += FB_R(0.5) * state->q[a] * body->K[a * body->n + b] * state->q[b];
-    }
+    out.strain += state->q[a] * k.e[a];
   }
 #if FB_WITH_GRAVITY
   {
