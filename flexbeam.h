@@ -518,11 +518,16 @@ FB_API fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *be
 FB_API fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, const fb_beam *beam,
                                         const fb_modes *modes, fb_real x);
 
-typedef enum fb_base { FB_BASE_FREE = 0, FB_BASE_PRESCRIBED = 1 } fb_base;
+typedef enum fb_base { /* how the body frame moves */
+                       FB_BASE_FREE = 0,
+                       FB_BASE_PRESCRIBED = 1, /* v, w of the input */
+                       FB_BASE_PINNED = 2,     /* O stays where it is, all rotations are free */
+                       FB_BASE_HINGED = 3      /* O and the z axis stay where they are, the body turns about z */
+} fb_base;
 
 typedef struct fb_body_desc {
-  unsigned effects;           /* FB_EFFECT_... or-ed */
-  fb_base base;               /* prescribed: the motion of the body frame is given with each step */
+  unsigned effects; /* FB_EFFECT_... or-ed */
+  fb_base base;
   fb_real zeta[FB_MAX_MODES]; /* damping ratio of each mode (for a general M: of the k-th by frequency) */
   fb_real gravity[3];         /* [m/s^2] inertial axes */
   fb_real
@@ -609,7 +614,8 @@ FB_API fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape 
 typedef struct fb_state { /* all that changes; assignment is a snapshot */
   fb_real rho[3];         /* [m] position of O, inertial axes */
   fb_real quat[4];        /* attitude of the body frame */
-  fb_real P[3], L[3];     /* [N s], [N m s] momentum and angular momentum about O, inertial axes (free base only) */
+  fb_real P[3], L[3];     /* [N s], [N m s] momentum and angular momentum about O, inertial axes; those of held axes are
+                             zero (prescribed: all, pinned: P, hinged: all but L along the hinge) */
   fb_real q[FB_MAX_MODES], pi[FB_MAX_MODES]; /* elastic coordinates and momenta */
 } fb_state;
 
@@ -635,7 +641,7 @@ typedef struct fb_input { /* what acts on a body at one instant; all zero: nothi
 typedef struct fb_motion { /* velocities and accelerations, body axes */
   fb_real v[3], w[3], q_dot[FB_MAX_MODES];
   fb_real v_dot[3], w_dot[3], q_ddot[FB_MAX_MODES]; /* rates of the components; acceleration of O is v_dot + w x v */
-  fb_real reaction_force[3], reaction_torque[3];    /* [N], [N m] of a prescribed base on the body at O; zero if free */
+  fb_real reaction_force[3], reaction_torque[3];    /* [N], [N m] of the base on the body at O; zero for what is free */
 } fb_motion;
 
 typedef struct fb_node_motion { /* inertial axes */
@@ -656,7 +662,8 @@ typedef struct fb_momentum {
 /* At the inertial origin, at rest, undeformed. A prescribed base that moves from the first step on wants
    fb_state_from_velocity with its v, w: a jump in them is an impulse on the modes. */
 FB_API fb_status fb_state_init(const fb_body *body, fb_state *state);
-/* Sets the momenta of state from v, w (body axes) and q_dot (n, NULL: zero) at its pose and q. FB_ERR_NOT_FINITE. */
+/* Sets the momenta of state from v, w (body axes) and q_dot (n, NULL: zero) at its pose and q. FB_ERR_NOT_FINITE;
+   FB_ERR_VALUE: a velocity that a pinned or hinged base holds at zero. */
 FB_API fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, const fb_real v[3], const fb_real w[3],
                                         const fb_real *q_dot);
 /* Finite, unit quaternion, within the deflection limit. FB_ERR_NOT_FINITE, FB_ERR_VALUE, FB_ERR_RANGE. */

@@ -2237,6 +2237,50 @@ static fb_status fbi_table_norm(fb_real *norm, fb_body_work *work, const fb_real
 }
 #endif
 
+/* Of a vector in body axes the part about the axes that the base lets turn; a hinge keeps z. */
+static void fbi_turning_part(fb_real g[3], fb_base base)
+{
+  if (base == FB_BASE_HINGED) {
+    g[0] = g[1] = FB_R(0.0);
+  }
+}
+
+static int fbi_holds_origin(fb_base base)
+{
+  return base == FB_BASE_PINNED || base == FB_BASE_HINGED;
+}
+
+/* [E8.22] Solution with a symmetric 6x6 for what the base leaves free, the rest zero: all of V, the three of w (pinned), that about
+   z (hinged), nothing (prescribed).
+   Source: rows of E8.13 whose reactions are zero.  Shapes: S packed 21.  Cost: at most 150 flops.
+   Fails: not positive definite.  Test: pinned_and_hinged_bodies_swing_as_rigid_pendulums. */
+static fb_status fbi_base_solve(fb_real x[6], fb_base base, const fb_real S[21], const fb_real y[6])
+{
+  if (base == FB_BASE_FREE) {
+    return fb_sym6_solve(x, S, y);
+  }
+  for (int i = 0; i < 6; i++) {
+    x[i] = i >= 3 ? y[i] : FB_R(0.0);
+  }
+  if (base == FB_BASE_PINNED) {
+    const fb_real reference[3] = {S[15], S[18], S[20]};
+    fb_real L[6];
+    if (!fbi_chol3_factor(L, S + 15, reference)) {
+      return FB_ERR_SINGULAR;
+    }
+    fbi_chol3_forward(x + 3, L, x + 3);
+    fbi_chol3_back(x + 3, L, x + 3);
+    return FB_OK;
+  }
+  x[3] = x[4] = FB_R(0.0);
+  if (base == FB_BASE_PRESCRIBED) {
+    x[5] = FB_R(0.0);
+    return FB_OK;
+  }
+  x[5] = y[5] / S[20];
+  return S[20] > FB_R(0.0) ? FB_OK : FB_ERR_SINGULAR;
+}
+
 /* [E8.8] Bounds of the body's highest frequency |lambda| <= g + sqrt(g^2 + k) with g = |w| + limit_damping / 2,
    k = limit_elastic + limit_spin w^2 + limit_acceleration |a|: the largest eigenvalues of K, C and the stiffening against the
    elastic mass that is left when the body is free, M - M_re^T M_rr^-1 M_re. The gyroscopic part is |N(w) q| <= |w| |q| against
@@ -2249,14 +2293,14 @@ static fb_status fbi_limits_fill(fb_body *body, fb_body_work *work, const fb_sha
   fb_real *reduced = work->Lambda; /* free until Lambda is filled */
   fb_status status = FB_OK;
   fbi_copy(reduced, shape->M, n * n);
-  if (body->base == FB_BASE_FREE) {
+  {
     fb_real S[21];
     fbi_rigid_matrix(S, shape->mass, shape->c, shape->J);
     for (int b = 0; b < n && status == FB_OK; b++) {
       fb_real column[6];
       fbi_copy(column, shape->P + 3 * b, 3);
       fbi_copy(column + 3, shape->H + 3 * b, 3);
-      status = fb_sym6_solve(column, S, column);
+      status = fbi_base_solve(column, body->base, S, column);
       for (int a = 0; a < n; a++) {
         reduced[a * n + b] -= fb_vec3_dot(column, shape->P + 3 * a) + fb_vec3_dot(column + 3, shape->H + 3 * a);
       }
@@ -2304,13 +2348,11 @@ static fb_status fbi_inverses_fill(fb_body *body, fb_body_work *work)
     fb_chol_solve(work->A + j * n, work->L, work->d, n);
   }
   fbi_sparse_fill(&body->Minv, work->A, n);
-  if (body->base == FB_BASE_FREE) {
-    for (int j = 0; j < 6; j++) {
-      fb_real unit[6] = {0};
-      unit[j] = FB_R(1.0);
-      if (fb_sym6_solve(body->S0_inverse + 6 * j, body->S0, unit) != FB_OK) {
-        return FB_ERR_SINGULAR;
-      }
+  for (int j = 0; j < 6; j++) {
+    fb_real unit[6] = {0};
+    unit[j] = FB_R(1.0);
+    if (fbi_base_solve(body->S0_inverse + 6 * j, body->base, body->S0, unit) != FB_OK) {
+      return FB_ERR_SINGULAR;
     }
   }
   return FB_OK;
@@ -2339,8 +2381,8 @@ static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *
       return FB_ERR_VALUE;
     }
   }
-  if (!(shape->mass > FB_R(0.0)) || desc->deflection_limit < FB_R(0.0) ||
-      (desc->base != FB_BASE_FREE && desc->base != FB_BASE_PRESCRIBED)) {
+  if (!(shape->mass > FB_R(0.0)) || desc->deflection_limit < FB_R(0.0) || (int)desc->base < (int)FB_BASE_FREE ||
+      (int)desc->base > (int)FB_BASE_HINGED) {
     return FB_ERR_VALUE;
   }
   if ((desc->effects & ~(unsigned)FBI_EFFECTS_BUILT) ||
@@ -2620,7 +2662,7 @@ static fb_status fbi_velocity(fbi_kinetics *k, const fb_body *body, const fb_sta
 #if FBI_WITH_SHAPE_INERTIA
   if (!body->constant_S) {
     fbi_S_eval(k->S, body, k->qx);
-    if (fb_sym6_solve(k->V, k->S, y) != FB_OK) {
+    if (fbi_base_solve(k->V, body->base, k->S, y) != FB_OK) {
       return fbi_is_finite(k->S, 21) ? FB_ERR_RANGE : FB_ERR_NOT_FINITE;
     }
     return FB_OK;
@@ -2818,10 +2860,17 @@ static void fbi_rigid_rates(fb_state *rate, const fbi_kinetics *k, const fb_body
     return;
   }
   if (k->loaded) {
-    fb_mat33_mul_vec3(rate->P, k->R, k->fg);
-    fb_mat33_mul_vec3(rate->L, k->R, k->fg + 3);
+    fb_real g[3];
+    fbi_copy(g, k->fg + 3, 3);
+    fbi_turning_part(g, body->base);
+    fb_mat33_mul_vec3(rate->L, k->R, g);
   }
-  fbi_vec3_add_cross(rate->L, state->P, rate->rho);
+  if (body->base == FB_BASE_FREE) {
+    if (k->loaded) {
+      fb_mat33_mul_vec3(rate->P, k->R, k->fg);
+    }
+    fbi_vec3_add_cross(rate->L, state->P, rate->rho);
+  }
 }
 
 static fb_status fbi_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
@@ -2908,14 +2957,17 @@ FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, co
   const int n = body ? body->n : 0;
   fb_state out;
   fbi_kinetics k;
-  fb_real e[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0}, zero[FB_MAX_MODES] = {0};
+  fb_real e[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0}, zero[FB_MAX_MODES] = {0}, held[3];
   FBI_REQUIRE(body && state && v && w, FB_ERR_NULL);
   if (!fbi_is_finite(v, 3) || !fbi_is_finite(w, 3) || !fbi_is_finite(q_dot ? q_dot : zero, n) ||
       !fbi_is_finite(state->q, n) || !fbi_is_finite(state->quat, 4)) {
     return FB_ERR_NOT_FINITE;
   }
   out = *state;
-  if (fb_quat_normalize(out.quat) != FB_OK) {
+  fbi_copy(held, w, 3);
+  fbi_turning_part(held, body->base);
+  if (fb_quat_normalize(out.quat) != FB_OK || (fbi_holds_origin(body->base) && fbi_vec3_norm(v) > FB_R(0.0)) ||
+      (body->base == FB_BASE_HINGED && fbi_vec3_norm(held) < fbi_vec3_norm(w))) {
     return FB_ERR_VALUE;
   }
   fbi_copy(out.quat, state->quat, 4); /* as it was; only zero is refused */
@@ -2933,12 +2985,14 @@ FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, co
   fbi_mass_solve(k.Minv_pi, body, out.pi);
   k.pb = k.Minv_pi;
   fbi_momenta(&k, body);
+  fbi_zero(out.P, 3);
+  fbi_zero(out.L, 3);
   if (body->base == FB_BASE_FREE) {
     fb_mat33_mul_vec3(out.P, k.R, k.ph);
+  }
+  if (body->base != FB_BASE_PRESCRIBED) {
+    fbi_turning_part(k.ph + 3, body->base);
     fb_mat33_mul_vec3(out.L, k.R, k.ph + 3);
-  } else {
-    fbi_zero(out.P, 3);
-    fbi_zero(out.L, 3);
   }
   if (!fbi_state_is_finite(&out, n)) {
     return FB_ERR_NOT_FINITE;
@@ -2947,10 +3001,23 @@ FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, co
   return FB_OK;
 }
 
+/* What the base must add to y for the accelerations: S V_dot - y where an axis is held. */
+static void fbi_reactions(fb_motion *m, const fb_body *body, const fb_real S[21], const fb_real V_dot[6],
+                          const fb_real y[6])
+{
+  fb_real SV[6];
+  fb_sym6_mul_vec6(SV, S, V_dot);
+  for (int i = 0; i < 3; i++) {
+    const int turns = body->base == FB_BASE_PINNED || (body->base == FB_BASE_HINGED && i == 2);
+    m->reaction_force[i] = body->base == FB_BASE_FREE ? FB_R(0.0) : SV[i] - y[i];
+    m->reaction_torque[i] = body->base == FB_BASE_FREE || turns ? FB_R(0.0) : SV[3 + i] - y[3 + i];
+  }
+}
+
 /* [E8.19] Accelerations from the rates of the state: differentiate E8.13 and E8.17,
    S V_dot = d/dt(p, h) - S_dot V - Lambda_dot pb - Lambda pb_dot,
    q_ddot = M^-1 (pi_dot - Lambda^T V_dot - Lambda_dot^T V);
-   with a prescribed base V_dot is given and the first line yields the reaction (force, torque) instead.
+   for what the base holds V_dot is given and the first line yields the reaction (force, torque) instead.
    Source: DESIGN 2, acceleration form.  Fails: S(q) not positive definite.
    Test: accelerations_agree_with_a_particle_model, reactions_balance_the_momentum. */
 static fb_status fbi_accelerations(fb_motion *m, fbi_kinetics *k, const fb_body *body, const fb_state *rate,
@@ -2972,21 +3039,14 @@ static fb_status fbi_accelerations(fb_motion *m, fbi_kinetics *k, const fb_body 
   }
   fbi_lambda_linear_sub(y, body, xd, k->pb);
   fbi_lambda_sub(y, body, k->qx, pb_dot);
-  if (body->base == FB_BASE_FREE) {
-    if (fb_sym6_solve(V_dot, k->S, y) != FB_OK) {
-      return FB_ERR_RANGE;
-    }
-  } else {
-    for (int i = 0; i < 3; i++) {
-      V_dot[i] = input ? input->v_dot[i] : FB_R(0.0);
-      V_dot[3 + i] = input ? input->w_dot[i] : FB_R(0.0);
-    }
-    fb_sym6_mul_vec6(SV, k->S, V_dot);
-    for (int i = 0; i < 3; i++) {
-      m->reaction_force[i] = SV[i] - y[i];
-      m->reaction_torque[i] = SV[3 + i] - y[3 + i];
-    }
+  if (fbi_base_solve(V_dot, body->base, k->S, y) != FB_OK) {
+    return FB_ERR_RANGE;
   }
+  if (body->base == FB_BASE_PRESCRIBED && input) {
+    fbi_copy(V_dot, input->v_dot, 3);
+    fbi_copy(V_dot + 3, input->w_dot, 3);
+  }
+  fbi_reactions(m, body, k->S, V_dot, y);
   fbi_copy(k->e, rate->pi, n);
   fbi_lambda_gradients(k->e, k->x, body, V_dot, k->qx, k->pb); /* k.x is spent */
   fbi_lambda_linear_gradients(k->e, k->x, body, k->V, xd, k->pb);
@@ -3123,7 +3183,7 @@ FB_DEF fb_status fb_body_energy(const fb_body *body, fb_energy *energy, const fb
   return FB_OK;
 }
 
-/* Linear momentum P and angular momentum L + rho x P; for a prescribed base from the given velocities. */
+/* Linear momentum P and angular momentum L + rho x P; for a base that is held from the velocities. */
 FB_DEF fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, const fb_state *state,
                                   const fb_input *input)
 {
@@ -3134,7 +3194,7 @@ FB_DEF fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, co
   if (status != FB_OK) {
     return status;
   }
-  if (body->base == FB_BASE_PRESCRIBED) {
+  if (body->base != FB_BASE_FREE) {
     fbi_momenta(&k, body);
     fb_mat33_mul_vec3(momentum->linear, k.R, k.ph);
     fb_mat33_mul_vec3(momentum->angular, k.R, k.ph + 3);
@@ -3213,9 +3273,9 @@ static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const
   const fb_real spin = fbi_vec3_norm(k->V + 3);
   fb_real a[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_real acceleration;
-  if (body->base == FB_BASE_PRESCRIBED) {
+  if (body->base != FB_BASE_FREE) {
     fb_vec3_cross(a, k->V + 3, k->V);
-    if (input) {
+    if (input && body->base == FB_BASE_PRESCRIBED) {
       fbi_vec3_add(a, FB_R(1.0), input->v_dot);
     }
     acceleration = fbi_vec3_norm(a);

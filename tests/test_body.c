@@ -721,6 +721,12 @@ static void boom_state(fb_state *state, double size)
   fbt_fill(v, 3, 1.0);
   fbt_fill(w, 3, 0.5);
   fbt_fill(qd, BOOM_MODES, size);
+  if (body.base == FB_BASE_PINNED || body.base == FB_BASE_HINGED) {
+    memset(v, 0, sizeof v);
+  }
+  if (body.base == FB_BASE_HINGED) {
+    w[0] = w[1] = 0;
+  }
   FBT_INT_EQ(fb_state_from_velocity(&body, state, v, w, qd), FB_OK);
 }
 
@@ -985,9 +991,10 @@ static void state_along(fb_state *out, const fb_state *state, const fb_state *ra
 /* E8.15, E8.16, E8.21: the work of the loads, less damping, is the change of energy: an identity of the rates. */
 TEST(power_of_loads_is_the_rate_of_energy)
 {
+  static const fb_base base[] = {FB_BASE_FREE, FB_BASE_PINNED, FB_BASE_HINGED};
   int node[2];
-  boom_body(FB_EFFECTS_FULL | FB_EFFECT_GRAVITY, FB_BASE_FREE, node);
-  for (int axes = 0; axes < 3; axes++) {
+  for (int k = 0; k < 9; k++) {
+    const int axes = k % 3;
     fb_state state, rate, ahead, behind;
     fb_input input;
     fb_motion motion;
@@ -995,26 +1002,27 @@ TEST(power_of_loads_is_the_rate_of_energy)
     fb_energy up, down;
     double power = 0.0, change;
     const double h = FBT_TOL(1e-5, 1e-2);
+    boom_body(FB_EFFECTS_FULL | FB_EFFECT_GRAVITY, base[k / 3], node);
     boom_state(&state, 0.05);
     memset(&input, 0, sizeof input);
     input.n_load = 2;
-    for (int k = 0; k < 2; k++) {
-      input.load[k].node = node[k];
-      input.load[k].axes = (fb_axes)axes;
-      fbt_fill(input.load[k].force, 3, 2.0);
-      fbt_fill(input.load[k].torque, 3, 1.0);
+    for (int i = 0; i < 2; i++) {
+      input.load[i].node = node[i];
+      input.load[i].axes = (fb_axes)axes;
+      fbt_fill(input.load[i].force, 3, 2.0);
+      fbt_fill(input.load[i].torque, 3, 1.0);
     }
     FBT_INT_EQ(fb_body_motion(&body, &motion, &state, &input), FB_OK);
-    for (int k = 0; k < 2; k++) {
+    for (int i = 0; i < 2; i++) {
       fb_real R[9], F[3], T[3];
-      FBT_INT_EQ(fb_body_node_motion(&body, &at, &state, &motion, node[k]), FB_OK);
+      FBT_INT_EQ(fb_body_node_motion(&body, &at, &state, &motion, node[i]), FB_OK);
       fb_quat_to_mat33(R, axes == FB_AXES_NODE ? at.quat : state.quat);
       if (axes == FB_AXES_INERTIAL) {
-        memcpy(F, input.load[k].force, sizeof F);
-        memcpy(T, input.load[k].torque, sizeof T);
+        memcpy(F, input.load[i].force, sizeof F);
+        memcpy(T, input.load[i].torque, sizeof T);
       } else {
-        fb_mat33_mul_vec3(F, R, input.load[k].force);
-        fb_mat33_mul_vec3(T, R, input.load[k].torque);
+        fb_mat33_mul_vec3(F, R, input.load[i].force);
+        fb_mat33_mul_vec3(T, R, input.load[i].torque);
       }
       power += (double)(fb_vec3_dot(F, at.velocity) + fb_vec3_dot(T, at.angular_rate));
     }
@@ -1029,6 +1037,86 @@ TEST(power_of_loads_is_the_rate_of_energy)
     FBT_NEAR_ABS(change, power, FBT_TOL(1e-7, 5e-2));
   }
 }
+
+/* E8.22, E8.19: a free body with the reactions of its base as loads at O moves as the held one does. */
+TEST(a_held_body_is_a_free_one_with_its_reactions)
+{
+  static const fb_base base[] = {FB_BASE_PINNED, FB_BASE_HINGED};
+  int node[2];
+  for (int k = 0; k < 2; k++) {
+    fb_state held, loose;
+    fb_motion motion, free_motion;
+    fb_input input;
+    fb_real qd[BOOM_MODES], v[3], w[3];
+    boom_body(FB_EFFECTS_FULL | FB_EFFECT_GRAVITY, base[k], node);
+    boom_state(&held, 0.05);
+    memset(&input, 0, sizeof input);
+    input.n_load = 1;
+    input.load[0].node = node[0];
+    fbt_fill(input.load[0].force, 3, 2.0);
+    FBT_INT_EQ(fb_body_motion(&body, &motion, &held, &input), FB_OK);
+    FBT_TRUE(fbt_largest(motion.reaction_force, 3) > 0.1 && fbt_largest(motion.v_dot, 3) == 0.0);
+    FBT_TRUE((fbt_largest(motion.reaction_torque, 3) > 0.1) == (base[k] == FB_BASE_HINGED));
+    boom_body(FB_EFFECTS_FULL | FB_EFFECT_GRAVITY, FB_BASE_FREE, node);
+    loose = held;
+    memcpy(v, motion.v, sizeof v);
+    memcpy(w, motion.w, sizeof w);
+    memcpy(qd, motion.q_dot, sizeof qd);
+    FBT_INT_EQ(fb_state_from_velocity(&body, &loose, v, w, qd), FB_OK);
+    input.n_load = 2;
+    input.load[1].axes = FB_AXES_BODY;
+    memcpy(input.load[1].force, motion.reaction_force, sizeof input.load[1].force);
+    memcpy(input.load[1].torque, motion.reaction_torque, sizeof input.load[1].torque);
+    FBT_INT_EQ(fb_body_motion(&body, &free_motion, &loose, &input), FB_OK);
+    FBT_BELOW(fbt_difference(free_motion.v_dot, motion.v_dot, 3), FBT_TOL(1e-12, 1e-3));
+    FBT_BELOW(fbt_difference(free_motion.w_dot, motion.w_dot, 3), FBT_TOL(1e-12, 1e-3));
+    FBT_BELOW(fbt_difference(free_motion.q_ddot, motion.q_ddot, BOOM_MODES), FBT_TOL(1e-11, 1e-2));
+  }
+}
+
+/* E8.22: a rigid pendulum from 1 rad is at the bottom after a quarter of 2 pi / (omega_0 agm(1, cos 1/2)); pinned and hinged. */
+TEST(pinned_and_hinged_bodies_swing_as_rigid_pendulums)
+{
+  static const fb_real center[3] = {FB_R(0.5), 0, 0}, inertia[6] = {FB_R(0.1), FB_R(0.2), FB_R(0.25)};
+  const double start = 1.0, J = 0.25 + 2.0 * 0.25, omega = sqrt(2.0 * 9.0 * 0.5 / J);
+  double a = 1.0, g = cos(0.5 * start), quarter;
+  for (int k = 0; k < 6; k++) {
+    const double mean = 0.5 * (a + g);
+    g = sqrt(a * g);
+    a = mean;
+  }
+  quarter = 0.5 * 3.14159265358979323846 / (omega * a);
+  for (int k = 0; k < 2; k++) {
+    static fb_body_desc desc;
+    fb_state state;
+    fb_rk4_work work;
+    fb_motion motion;
+    const fb_real turn[3] = {0, 0, (fb_real)start};
+    memset(&desc, 0, sizeof desc);
+    desc.base = k ? FB_BASE_PINNED : FB_BASE_HINGED;
+    desc.effects = FB_EFFECT_GRAVITY;
+    desc.gravity[0] = FB_R(9.0);
+    FBT_INT_EQ(fb_shape_init(&shape, 0), FB_OK);
+    FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(2.0), center, inertia), FB_OK);
+    FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
+    FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+    fb_quat_from_rotvec(state.quat, turn);
+    for (int i = 0; i < 1000; i++) {
+      FBT_INT_EQ(fb_rk4_step(&body, &state, &work, NULL, NULL, NULL, (fb_real)(quarter / 1000.0)), FB_OK);
+    }
+    FBT_INT_EQ(fb_body_motion(&body, &motion, &state, NULL), FB_OK);
+    FBT_NEAR_ABS(state.quat[3], 0.0, FBT_TOL(1e-12, 1e-5));
+    FBT_NEAR_REL(motion.w[2], -2.0 * omega * sin(0.5 * start), FBT_TOL(1e-11, 1e-5));
+    FBT_NEAR_REL(motion.reaction_force[0], -(2.0 * 9.0 + 2.0 * 0.5 * pow(2.0 * omega * sin(0.5 * start), 2.0)),
+                 FBT_TOL(1e-11, 1e-5));
+    { /* a velocity that the base holds is refused */
+      const fb_real v[3] = {0, 1, 0}, w[3] = {1, 0, 0}, none[3] = {0};
+      FBT_INT_EQ(fb_state_from_velocity(&body, &state, v, none, NULL), FB_ERR_VALUE);
+      FBT_INT_EQ(fb_state_from_velocity(&body, &state, none, w, NULL), k ? FB_OK : FB_ERR_VALUE);
+    }
+  }
+}
+
 /* Defects of velocity, acceleration, angular rate and angular acceleration of a node at the middle of two rk4 steps of h
    against central differences of its pose (and rate). */
 static void node_defects(double defect[4], double h, int node)
@@ -1506,6 +1594,7 @@ SUITE(body, RUN(accelerations_agree_with_a_particle_model), RUN(momenta_agree_wi
       RUN(quadratic_field_is_inextensible_and_twist_free), RUN(offset_masses_move_with_their_section),
       RUN(lumped_bodies_are_the_particles_they_stand_for), RUN(a_beam_may_take_later_coordinates),
       RUN(power_of_loads_is_the_rate_of_energy), RUN(node_kinematics_match_finite_differences),
-      RUN(reactions_balance_the_momentum), RUN(a_falling_body_does_not_deform),
+      RUN(reactions_balance_the_momentum), RUN(a_held_body_is_a_free_one_with_its_reactions),
+      RUN(pinned_and_hinged_bodies_swing_as_rigid_pendulums), RUN(a_falling_body_does_not_deform),
       RUN(elastic_response_is_frame_indifferent), RUN(damped_free_decay_has_the_given_ratio),
       RUN(spinning_beams_stiffen_as_published), RUN(a_rigid_body_is_the_case_of_no_modes), RUN(bodies_refuse_bad_input))
