@@ -405,8 +405,12 @@ typedef enum fb_kind {                     /* what a mode mainly does */
 #define FB_ALL_MODES 1000 /* a count: as many as there are (below omega_limit) */
 
 typedef enum fb_basis {
-  FB_BASIS_MODES = 0,   /* natural modes, mass-normalized (M = 1, K = omega^2) */
-  FB_BASIS_ELEMENTS = 1 /* finite-element coordinates kept as they are: M and K full */
+  FB_BASIS_MODES = 0,    /* natural modes, mass-normalized (M = 1, K = omega^2) */
+  FB_BASIS_ELEMENTS = 1, /* finite-element coordinates kept as they are: M and K full */
+  /* The SAME functions of x for u_x, u_y and u_z, orthonormal against the mass: [DB]'s basis. Equal counts make it closed under
+     rotation: a turned deflection is a deflection again, the inertia that follows the shape (residual inertia) vanishes and
+     spin couples each function with itself alone. Smooth element functions (value and slope continuous), clamped root. */
+  FB_BASIS_FUNCTIONS = 2
 } fb_basis;
 
 typedef struct fb_modes_desc {
@@ -418,13 +422,19 @@ typedef struct fb_modes_desc {
      bending modes are those at rest, half those under the spin's tension, combined to Ritz modes of the unloaded beam. A few
      then do for every spin up to about this one, where modes at rest converge slowly. 0: modes at rest. */
   fb_real spin, spin_radius;
+  /* FB_BASIS_FUNCTIONS: polynomial degree in an element, 3..8 (0: 3, cubic Hermite; above 5 for double precision); with n_element elements there are
+     2 n_element + (degree - 3) n_element functions, in the order of the bending frequencies, and count says how many to keep in
+     each direction. root_strain = 1: u_x gets one more function, with a slope at the root, where strain is largest; without it
+     the axial strain at the root is zero, with it the basis is not quite closed. */
+  int degree, root_strain;
 } fb_modes_desc;
 
 typedef struct fb_modes {
-  int n;                       /* retained, ascending in frequency (a tie: in the order of the kinds) */
-  int ndof;                    /* length of a shape: 6 per node, then 8 internal ones per element */
+  int n;      /* retained, ascending in frequency (a tie: in the order of the kinds) */
+  int ndof;   /* length of a shape: 6 per node, then 8 internal ones per element */
+  int degree; /* 0, or that of FB_BASIS_FUNCTIONS: then a shape is value and slope per node, then bubbles */
   fb_kind kind[FB_MAX_MODES];  /* by the largest share of kinetic energy */
-  fb_real omega[FB_MAX_MODES]; /* [rad/s]; 0 for finite-element coordinates */
+  fb_real omega[FB_MAX_MODES]; /* [rad/s]; 0 for coordinates that are not modes */
   fb_real
       shape[FB_MAX_MODES * FBI_MAX_DOF];  /* n x ndof nodal values; a mode's main displacement at the tip is positive */
   fb_real M[FB_MAX_MODES * FB_MAX_MODES]; /* n x n */
@@ -439,7 +449,7 @@ typedef struct fb_modes_work { /* scratch; large: make it static */
 } fb_modes_work;
 
 /* FB_ERR_KIND: a kind asked for has no stiffness or inertia, or fewer modes than asked; FB_ERR_CAPACITY: more than
-   FB_MAX_MODES; FB_ERR_VALUE, FB_ERR_CONVERGENCE, FB_ERR_SINGULAR. modes is written only on FB_OK.
+   FB_MAX_MODES; FB_ERR_VALUE (also: functions or spin without a clamped root), FB_ERR_CONVERGENCE, FB_ERR_SINGULAR. modes is written only on FB_OK.
    Rigid-body modes of pinned and free roots are not modes here: the body frame carries that motion. */
 FB_API fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_beam *beam, const fb_modes_desc *desc);
 

@@ -49,6 +49,9 @@ const char FBI_CONFIG_SYMBOL[] = FBI_STRING_(FBI_CONFIG_SYMBOL);
     }                                  \
   } while (0)
 
+/* What is smaller than this against what it is made of is rounding: a few hundred operations' worth. */
+#define FBI_ROUNDING ((FB_SINGLE ? FB_R(64.0) : FB_R(1024.0)) * FB_EPSILON)
+
 /* Unrolls the short loops over terms: a third of their instructions is counting, and -O2 does not do it by itself. */
 #if defined(__clang__)
 #define FBI_UNROLL _Pragma("unroll 4")
@@ -708,6 +711,57 @@ static void fbi_field_add_internal(fbi_field *f, const fb_real b[8], fb_real s, 
   f->curvature[2] += c1 * b[0] + c2 * b[1];
 }
 
+#define FBI_DEGREE 8 /* of the element functions, at most: the 9 Gauss points are exact for their mass */
+#define FBI_FUNCTIONS (FBI_DEGREE + 1) /* functions in an element: 4 Hermite cubics and degree - 3 bubbles */
+
+typedef struct fbi_functions { /* of an element at a point */
+  fb_real value[FBI_FUNCTIONS], slope[FBI_FUNCTIONS], curvature[FBI_FUNCTIONS];
+} fbi_functions;
+
+/* [E6.7] Scalar functions with continuous slope: the four Hermite cubics of an element and the bubbles
+   16 s^2 (1-s)^2 P_j(2s-1), P_j the Legendre polynomials.
+   Source: hierarchic (p-version) elements.  Shapes: degree + 1 functions.  Cost: 20 flops each.  Fails: never.
+   Test: functions_are_orthonormal_and_as_smooth_as_they_claim. */
+static void fbi_functions_eval(fbi_functions *f, fb_real s, fb_real l, int degree)
+{
+  const fb_real r = FB_R(2.0) * s - FB_R(1.0), p = s * (FB_R(1.0) - s); /* p' = -r */
+  const fb_real b = FB_R(16.0) * p * p, b1 = -FB_R(32.0) * p * r, b2 = FB_R(32.0) * (r * r - FB_R(2.0) * p);
+  fb_real P = FB_R(1.0), P1 = FB_R(0.0), P2 = FB_R(0.0); /* P_j and its derivatives */
+  fb_real Q = FB_R(0.0), Q1 = FB_R(0.0), Q2 = FB_R(0.0); /* those of P_(j-1) */
+  f->value[2] = s * s * (FB_R(3.0) - FB_R(2.0) * s);
+  f->value[0] = FB_R(1.0) - f->value[2];
+  f->value[1] = l * s * (FB_R(1.0) + s * (s - FB_R(2.0)));
+  f->value[3] = l * s * s * (s - FB_R(1.0));
+  f->slope[2] = FB_R(6.0) * p / l;
+  f->slope[0] = -f->slope[2];
+  f->slope[1] = FB_R(1.0) + s * (FB_R(3.0) * s - FB_R(4.0));
+  f->slope[3] = s * (FB_R(3.0) * s - FB_R(2.0));
+  f->curvature[2] = -FB_R(6.0) * r / (l * l);
+  f->curvature[0] = -f->curvature[2];
+  f->curvature[1] = (FB_R(6.0) * s - FB_R(4.0)) / l;
+  f->curvature[3] = (FB_R(6.0) * s - FB_R(2.0)) / l;
+  for (int j = 0; j + 3 < degree; j++) {
+    const fb_real a = (fb_real)(2 * j + 1) / (fb_real)(j + 1), c = (fb_real)j / (fb_real)(j + 1);
+    const fb_real N = a * r * P - c * Q, N1 = a * (P + r * P1) - c * Q1, N2 = a * (FB_R(2.0) * P1 + r * P2) - c * Q2;
+    f->value[4 + j] = b * P;
+    f->slope[4 + j] = (b1 * P + FB_R(2.0) * b * P1) / l;
+    f->curvature[4 + j] = (b2 * P + FB_R(4.0) * (b1 * P1 + b * P2)) / (l * l);
+    Q = P, Q1 = P1, Q2 = P2;
+    P = N, P1 = N1, P2 = N2;
+  }
+}
+
+/* Place of function k of an element among all: value and slope per node, then the bubbles. */
+static int fbi_function_dof(int n_element, int degree, int element, int k)
+{
+  return k < 4 ? 2 * element + k : 2 * (n_element + 1) + (degree - 3) * element + k - 4;
+}
+
+static int fbi_function_ndof(int n_element, int degree)
+{
+  return 2 * (n_element + 1) + (degree - 3) * n_element;
+}
+
 FB_DEF void fb_beam_section(fb_section *section, const fb_beam *beam, fb_real x)
 {
   const fb_section *st = beam->desc.station;
@@ -795,7 +849,7 @@ static fb_status fbi_spread(fb_real s[3][3], const fb_real inertia[6])
 {
   fb_real S[9], tol;
   fbi_second_moments(S, inertia);
-  tol = FB_R(64.0) * FB_EPSILON * (FB_FABS(inertia[0]) + FB_FABS(inertia[1]) + FB_FABS(inertia[2]));
+  tol = FBI_ROUNDING * (FB_FABS(inertia[0]) + FB_FABS(inertia[1]) + FB_FABS(inertia[2]));
   for (int k = 0; k < 3; k++) {
     const int p = S[0] >= S[4] ? (S[0] >= S[8] ? 0 : 2) : (S[4] >= S[8] ? 1 : 2);
     const fb_real pivot = S[4 * p];
@@ -931,6 +985,18 @@ static int fbi_element_dof(const fb_beam *beam, int element, int k)
   return k < 12 ? 6 * element + k : 6 * (beam->desc.n_element + 1) + 8 * element + k - 12;
 }
 
+/* Stiffness and mass per length of two fields at a section, under a tension. */
+static void fbi_field_products(fb_real *k, fb_real *m, const fbi_field *a, const fbi_field *b,
+                               const fb_section *section, fb_real tension)
+{
+  const fb_real yy = a->theta[1] * b->theta[1], zz = a->theta[2] * b->theta[2];
+  *k = section->EA * a->strain * b->strain + section->GJ * a->curvature[0] * b->curvature[0] +
+       section->EI_y * a->curvature[1] * b->curvature[1] + section->EI_z * a->curvature[2] * b->curvature[2] +
+       tension * (yy + zz);
+  *m = section->mass * fb_vec3_dot(a->u, b->u) + (section->i_y + section->i_z) * a->theta[0] * b->theta[0] +
+       section->i_y * yy + section->i_z * zz;
+}
+
 /* [E6.3] Element stiffness and consistent mass at one Gauss point, added to the assembled K and M.
    K_ij += dx (EA e_i e_j + GJ k_x k_x + EI_y k_y k_y + EI_z k_z k_z + T (th_y th_y + th_z th_z)),
    M_ij += dx (mass u_i.u_j + (i_y + i_z) th_x th_x + i_y th_y th_y + i_z th_z th_z);
@@ -950,14 +1016,11 @@ static void fbi_element_add(fb_real *K, fb_real *M, const fb_beam *beam, const f
   }
   for (int i = 0; i < n_local; i++) {
     for (int j = 0; j < n_local; j++) {
-      const fbi_field *a = &f[i], *b = &f[j];
       const int at = fbi_element_dof(beam, element, i) * ndof + fbi_element_dof(beam, element, j);
-      const fb_real yy = a->theta[1] * b->theta[1], zz = a->theta[2] * b->theta[2];
-      K[at] += dx * (section->EA * a->strain * b->strain + section->GJ * a->curvature[0] * b->curvature[0] +
-                     section->EI_y * a->curvature[1] * b->curvature[1] +
-                     section->EI_z * a->curvature[2] * b->curvature[2] + tension * (yy + zz));
-      M[at] += dx * (section->mass * fb_vec3_dot(a->u, b->u) +
-                     (section->i_y + section->i_z) * a->theta[0] * b->theta[0] + section->i_y * yy + section->i_z * zz);
+      fb_real k, m;
+      fbi_field_products(&k, &m, &f[i], &f[j], section, tension);
+      K[at] += dx * k;
+      M[at] += dx * m;
     }
   }
 }
@@ -1440,6 +1503,191 @@ static fb_status fbi_natural_modes(const fb_modes_desc *desc, fb_modes_work *wor
   return FB_OK;
 }
 
+/* The field of one coordinate at a point s of an element, beam axes. */
+static void fbi_mode_field(fbi_field *f, const fb_beam *beam, const fb_modes *modes, int mode, int element, fb_real s)
+{
+  const fb_real l = beam->desc.length / (fb_real)beam->desc.n_element;
+  const fb_real *shape = modes->shape + mode * modes->ndof;
+  fbi_functions local;
+  fb_real value = FB_R(0.0), slope = FB_R(0.0), curvature = FB_R(0.0);
+  if (modes->degree == 0) {
+    fbi_field_eval(f, shape + fbi_element_dof(beam, element, 0), s, l);
+    fbi_field_add_internal(f, shape + fbi_element_dof(beam, element, 12), s, l);
+    return;
+  }
+  fbi_functions_eval(&local, s, l, modes->degree);
+  for (int k = 0; k <= modes->degree; k++) {
+    const fb_real c = shape[fbi_function_dof(beam->desc.n_element, modes->degree, element, k)];
+    value += c * local.value[k];
+    slope += c * local.slope[k];
+    curvature += c * local.curvature[k];
+  }
+  memset(f, 0, sizeof *f);
+  if (modes->kind[mode] == FB_KIND_AXIAL) {
+    f->u[0] = value;
+    f->strain = slope;
+  } else {
+    const int y = modes->kind[mode] == FB_KIND_BEND_Y;
+    f->u[y ? 1 : 2] = value;
+    f->theta[y ? 2 : 1] = y ? slope : -slope;
+    f->curvature[y ? 2 : 1] = y ? curvature : -curvature;
+  }
+}
+
+/* M and K of the coordinates from their fields. */
+static void fbi_modes_matrices(fb_modes *modes, const fb_beam *beam)
+{
+  const int n = modes->n, last = beam->desc.n_element - 1;
+  fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
+  fbi_field f[FB_MAX_MODES];
+  fbi_zero(modes->M, n * n);
+  fbi_zero(modes->K, n * n);
+  while (fbi_cell_next(&cell, beam)) {
+    for (int g = 0; g < FBI_GAUSS; g++) {
+      fb_section section;
+      fb_beam_section(&section, beam, cell.x0 + fbi_gauss_x[g] * (cell.x1 - cell.x0));
+      for (int a = 0; a < n; a++) {
+        fbi_mode_field(&f[a], beam, modes, a, cell.element, fbi_cell_s(&cell, beam, fbi_gauss_x[g]));
+      }
+      for (int ab = 0; ab < n * n; ab++) {
+        fb_real k, m;
+        fbi_field_products(&k, &m, &f[ab / n], &f[ab % n], &section, FB_R(0.0));
+        modes->K[ab] += fbi_gauss_w[g] * (cell.x1 - cell.x0) * k;
+        modes->M[ab] += fbi_gauss_w[g] * (cell.x1 - cell.x0) * m;
+      }
+    }
+  }
+  for (int i = 0; i < beam->desc.n_lump; i++) { /* E6.4 */
+    const fb_lump *lump = &beam->desc.lump[i];
+    const fb_real *J = lump->inertia;
+    const fb_real inertia[9] = {J[0], J[3], J[4], J[3], J[1], J[5], J[4], J[5], J[2]};
+    const int element = lump->node < last ? lump->node : last;
+    for (int a = 0; a < n; a++) {
+      fbi_mode_field(&f[a], beam, modes, a, element, (fb_real)(lump->node - element));
+      fbi_vec3_add_cross(f[a].u, f[a].theta, lump->center);
+    }
+    for (int ab = 0; ab < n * n; ab++) {
+      fb_real h[3];
+      fb_mat33_mul_vec3(h, inertia, f[ab % n].theta);
+      modes->M[ab] += lump->mass * fb_vec3_dot(f[ab / n].u, f[ab % n].u) + fb_vec3_dot(f[ab / n].theta, h);
+    }
+  }
+}
+
+/* Scalar mass and bending stiffness (axial, where there is none) of all element functions, to work.M and work.K. */
+static void fbi_functions_matrices(fb_modes_work *work, const fb_beam *beam, const int group[FB_KIND_COUNT], int degree)
+{
+  const int ne = beam->desc.n_element, ndof = fbi_function_ndof(ne, degree);
+  const fb_real l = beam->desc.length / (fb_real)ne;
+  fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
+  fbi_zero(work->K, ndof * ndof);
+  fbi_zero(work->M, ndof * ndof);
+  while (fbi_cell_next(&cell, beam)) {
+    for (int g = 0; g < FBI_GAUSS; g++) {
+      const fb_real dx = fbi_gauss_w[g] * (cell.x1 - cell.x0);
+      const int bends = group[FB_KIND_BEND_Y] >= 0 || group[FB_KIND_BEND_Z] >= 0;
+      fbi_functions f;
+      fb_section section;
+      const fb_real *d = bends ? f.curvature : f.slope;
+      fb_real stiffness;
+      fb_beam_section(&section, beam, cell.x0 + fbi_gauss_x[g] * (cell.x1 - cell.x0));
+      stiffness = group[FB_KIND_BEND_Y] >= 0 ? section.EI_z : bends ? section.EI_y : section.EA;
+      fbi_functions_eval(&f, fbi_cell_s(&cell, beam, fbi_gauss_x[g]), l, degree);
+      for (int i = 0; i <= degree; i++) {
+        for (int j = 0; j <= degree; j++) {
+          const int at =
+              fbi_function_dof(ne, degree, cell.element, i) * ndof + fbi_function_dof(ne, degree, cell.element, j);
+          work->K[at] += dx * stiffness * d[i] * d[j];
+          work->M[at] += dx * section.mass * f.value[i] * f.value[j];
+        }
+      }
+    }
+  }
+  for (int i = 0; i < beam->desc.n_lump; i++) {
+    work->M[2 * beam->desc.lump[i].node * (ndof + 1)] += beam->desc.lump[i].mass;
+  }
+}
+
+/* Makes x orthogonal to the m rows of f and normalizes it. */
+static void fbi_orthonormalize(fb_real *x, const fb_real *f, const fb_real *M, int m, int ndof)
+{
+  fb_real norm;
+  for (int twice = 0; twice < 2; twice++) { /* once more takes off what rounding left */
+    for (int k = 0; k < m; k++) {
+      const fb_real share = fbi_modal_product(f + k * ndof, M, x, ndof);
+      for (int i = 0; i < ndof; i++) {
+        x[i] -= share * f[k * ndof + i];
+      }
+    }
+  }
+  norm = FB_SQRT(fbi_modal_product(x, M, x, ndof));
+  for (int i = 0; i < ndof; i++) {
+    x[i] /= norm;
+  }
+}
+
+/* [E7.5] Functions of x that serve u_x, u_y and u_z alike: the bending modes of the smooth element functions, orthonormal
+   against the mass. ups_ab of a function with another one vanishes then, and S(q) is constant for equal counts.
+   Source: [DB] 4.3 (the same basis functions in each direction), orthonormalized.  Shapes: m functions of ndof.
+   Fails: no mass, not clamped, more asked than there are.
+   Test: functions_are_orthonormal_and_as_smooth_as_they_claim, functions_close_the_basis. */
+static fb_status fbi_functions_take(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam,
+                                    const int group[FB_KIND_COUNT])
+{
+  static const fb_kind order[] = {FB_KIND_BEND_Y, FB_KIND_BEND_Z, FB_KIND_AXIAL};
+  fb_modes *out = &work->found;
+  const int degree = desc->degree > 0 ? desc->degree : 3;
+  const int ndof = fbi_function_ndof(beam->desc.n_element, degree), m = ndof - 2;
+  fb_real *f = work->Mc; /* m x ndof; the reduced matrices are spent by then */
+  fb_status status;
+  if (beam->desc.root != FB_ROOT_CLAMPED || desc->degree < 0 || degree < 3 || degree > FBI_DEGREE) {
+    return FB_ERR_VALUE;
+  }
+  if (desc->count[FB_KIND_TORSION] > 0 || (desc->root_strain && desc->count[FB_KIND_AXIAL] == 0)) {
+    return FB_ERR_KIND;
+  }
+  fbi_functions_matrices(work, beam, group, degree);
+  for (int i = 0; i < m * m; i++) {
+    work->Kc[i] = work->K[(i / m + 2) * ndof + i % m + 2];
+    work->Mc[i] = work->M[(i / m + 2) * ndof + i % m + 2];
+  }
+  status = fb_eig_gen_solve(work->omega2, work->X, work->Kc, work->Mc, m);
+  if (status != FB_OK) {
+    return status;
+  }
+  for (int k = 0; k < m; k++) {
+    const fb_real sign = work->X[k * m + 2 * beam->desc.n_element - 2] < FB_R(0.0) ? -FB_R(1.0) : FB_R(1.0);
+    f[k * ndof] = f[k * ndof + 1] = FB_R(0.0);
+    for (int i = 0; i < m; i++) {
+      f[k * ndof + 2 + i] = sign * work->X[k * m + i];
+    }
+  }
+  out->degree = degree;
+  out->ndof = ndof;
+  for (int d = 0; d < 3; d++) {
+    const fb_kind kind = order[d];
+    const int count = desc->count[kind] < FB_ALL_MODES ? desc->count[kind] : group[kind] >= 0 ? m : 0;
+    const int root = kind == FB_KIND_AXIAL && count > 0 && desc->root_strain;
+    if (count > m || out->n + count + root > FB_MAX_MODES) {
+      return count > m ? FB_ERR_KIND : FB_ERR_CAPACITY;
+    }
+    for (int k = 0; k < count + root; k++, out->n++) {
+      out->kind[out->n] = kind;
+      out->omega[out->n] = FB_R(0.0);
+      fb_real *shape = out->shape + out->n * ndof;
+      fbi_zero(shape, ndof);
+      shape[1] = FB_R(1.0); /* a slope at the root */
+      if (k < count) {
+        fbi_copy(shape, f + k * ndof, ndof);
+      } else {
+        fbi_orthonormalize(shape, f, work->M, m, ndof);
+      }
+    }
+  }
+  fbi_modes_matrices(out, beam);
+  return FB_OK;
+}
+
 FB_DEF fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_beam *beam, const fb_modes_desc *desc)
 {
   int group[FB_KIND_COUNT];
@@ -1454,6 +1702,7 @@ FB_DEF fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_b
     return FB_ERR_VALUE;
   }
   work->found.n = 0;
+  work->found.degree = 0;
   work->found.ndof = 6 * (beam->desc.n_element + 1) + 8 * beam->desc.n_element;
   fbi_matrices(work->K, work->M, beam, 20, FB_R(0.0), FB_R(0.0));
   fbi_kind_groups(group, beam, work->M, work->found.ndof);
@@ -1467,6 +1716,8 @@ FB_DEF fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_b
   }
   if (desc->basis == FB_BASIS_ELEMENTS) {
     status = fbi_elements_take(desc, work, beam, group);
+  } else if (desc->basis == FB_BASIS_FUNCTIONS) {
+    status = fbi_functions_take(desc, work, beam, group);
   } else {
     status = desc->basis == FB_BASIS_MODES ? fbi_natural_modes(desc, work, beam, group) : FB_ERR_VALUE;
   }
@@ -1599,15 +1850,6 @@ FB_DEF fb_status fb_shape_add_rigid(fb_shape *shape, fb_real mass, const fb_real
   }
   fbi_shape_extend(shape, center, NULL, 0, 0);
   return FB_OK;
-}
-
-/* The field of one mode at a point s of an element, beam axes. */
-static void fbi_mode_field(fbi_field *f, const fb_beam *beam, const fb_modes *modes, int mode, int element, fb_real s)
-{
-  const fb_real l = beam->desc.length / (fb_real)beam->desc.n_element;
-  const fb_real *shape = modes->shape + mode * modes->ndof;
-  fbi_field_eval(f, shape + fbi_element_dof(beam, element, 0), s, l);
-  fbi_field_add_internal(f, shape + fbi_element_dof(beam, element, 12), s, l);
 }
 
 typedef struct
@@ -1789,7 +2031,9 @@ static fb_status fbi_beam_fits(const fb_shape *shape, int first, const fb_beam *
 {
   FBI_REQUIRE(shape && beam && modes, FB_ERR_NULL);
   FBI_REQUIRE(first >= 0 && modes->n >= 0 && modes->n <= shape->n && first <= shape->n - modes->n, FB_ERR_CAPACITY);
-  FBI_REQUIRE(modes->ndof == 6 * (beam->desc.n_element + 1) + 8 * beam->desc.n_element, FB_ERR_VALUE);
+  FBI_REQUIRE(modes->ndof == (modes->degree > 0 ? fbi_function_ndof(beam->desc.n_element, modes->degree)
+                                                : 6 * (beam->desc.n_element + 1) + 8 * beam->desc.n_element),
+              FB_ERR_VALUE);
   return FB_OK;
 }
 
@@ -1984,7 +2228,7 @@ static int fbi_lambda_list(fb_body *body, const fb_shape *shape, const fb_real *
     for (int a = first; a <= last; a++) {
       for (int b = 0; b < n; b++) {
         const fb_real value = Lambda[(a * 6 + i) * n + b];
-        if (FB_FABS(value) > FB_R(64.0) * FB_EPSILON * fbi_lambda_size(shape, i, a, b)) {
+        if (FB_FABS(value) > FBI_ROUNDING * fbi_lambda_size(shape, i, a, b)) {
           fb_lambda_term *term = &body->lambda[body->n_lambda++];
           term->c = -value;
           term->i = (unsigned short)i;
@@ -2108,7 +2352,7 @@ static void fbi_S_list(fb_body *body, const fb_shape *shape, const fb_real *Z)
           }
           if (a == 0) {
             body->S0[at] = S[at];
-          } else if (FB_FABS(S[at]) > FB_R(64.0) * FB_EPSILON * fbi_S_size(shape, Z, a, b, i, j)) {
+          } else if (FB_FABS(S[at]) > FBI_ROUNDING * fbi_S_size(shape, Z, a, b, i, j)) {
             body->S[body->n_S].c = S[at];
             body->S[body->n_S].pair = (unsigned short)body->n_pair;
             body->S[body->n_S++].i = (unsigned short)at;
@@ -2131,7 +2375,7 @@ static void fbi_sparse_fill(fb_sparse *out, const fb_real *A, int n)
     out->diagonal[a] = A[a * n + a];
     for (int b = 0; b < a; b++) {
       const fb_real size = FB_SQRT(FB_FABS(A[a * n + a])) * FB_SQRT(FB_FABS(A[b * n + b]));
-      if (FB_FABS(A[a * n + b]) > FB_R(64.0) * FB_EPSILON * size) {
+      if (FB_FABS(A[a * n + b]) > FBI_ROUNDING * size) {
         fb_pair_term *term = &out->term[out->n_term++];
         term->c = A[a * n + b];
         term->a = (unsigned short)a;
@@ -2332,7 +2576,7 @@ static fb_status fbi_limits_fill(fb_body *body, fb_body_work *work, const fb_sha
 static int fbi_is_unit(const fb_sparse *A, int n)
 {
   for (int a = 0; a < n; a++) {
-    if (FB_FABS(A->diagonal[a] - FB_R(1.0)) > FB_R(64.0) * FB_EPSILON) {
+    if (FB_FABS(A->diagonal[a] - FB_R(1.0)) > FBI_ROUNDING) {
       return 0;
     }
   }

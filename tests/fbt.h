@@ -5,6 +5,10 @@
 #ifndef FBT_H
 #define FBT_H
 
+/* Twenty-four modes: three elements with cubic functions in three directions have nineteen. */
+#ifndef FB_MAX_MODES
+#define FB_MAX_MODES 24
+#endif
 #include "../flexbeam.h"
 #include <math.h>
 #include <stdio.h>

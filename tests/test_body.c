@@ -647,6 +647,45 @@ static fb_beam beam;
 static fb_modes modes;
 static fb_modes_work modes_work;
 
+/* E7.5, E8.4, E8.6: the same functions in each direction make a closed basis: S is constant and spin couples a function with
+   itself alone. The function with strain at the root opens it. */
+TEST(functions_close_the_basis)
+{
+  for (int root = 0; root < 2; root++) {
+    static fb_modes_desc keep;
+    static fb_body_desc desc;
+    const int m = 3;
+    memset(&beam_desc, 0, sizeof beam_desc);
+    memset(&keep, 0, sizeof keep);
+    memset(&desc, 0, sizeof desc);
+    beam_desc.length = FB_R(3.0);
+    beam_desc.n_element = 2;
+    beam_desc.n_station = 1;
+    beam_desc.station[0].mass = FB_R(2.0);
+    beam_desc.station[0].EI_y = FB_R(5.0);
+    beam_desc.station[0].EI_z = FB_R(7.0);
+    beam_desc.station[0].EA = FB_R(900.0);
+    beam_desc.n_lump = 1;
+    beam_desc.lump[0].node = 2;
+    beam_desc.lump[0].mass = FB_R(0.5);
+    keep.basis = FB_BASIS_FUNCTIONS;
+    keep.count[FB_KIND_BEND_Y] = keep.count[FB_KIND_BEND_Z] = keep.count[FB_KIND_AXIAL] = m;
+    keep.root_strain = root;
+    desc.effects = FB_EFFECTS_SPIN | FB_EFFECT_RESIDUAL_INERTIA;
+    desc.allow_split_effects = 1;
+    desc.base = FB_BASE_PRESCRIBED;
+    FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
+    FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_OK);
+    FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
+    FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
+    FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
+    FBT_TRUE(body.unit_mass);
+    FBT_BELOW(fbt_difference(shape.M, modes.M, modes.n * modes.n), FBT_TOL(1e-13, 1e-5));
+    FBT_INT_EQ(body.n_lambda - body.n_lambda_constant, 6 * m);
+    FBT_INT_EQ(body.n_S == 0, !root);
+  }
+}
+
 #define BOOM_MODES 7
 
 /* Rigid hub, boom off its axis in a skew direction with an offset tip body, bending, stretch and torsion modes, two nodes. */
@@ -654,7 +693,7 @@ static void boom(fb_shape *out, int node[2])
 {
   static const fb_real center[3] = {FB_R(0.1), -FB_R(0.2), FB_R(0.05)};
   static const fb_real inertia[6] = {FB_R(3.0), FB_R(4.0), FB_R(5.0), FB_R(0.2), -FB_R(0.1), FB_R(0.3)};
-  static const fb_modes_desc keep = {FB_BASIS_MODES, {2, 2, 1, 2}, 0, 0, 0};
+  static const fb_modes_desc keep = {FB_BASIS_MODES, {2, 2, 1, 2}, 0, 0, 0, 0, 0};
   fb_lump *tip = &beam_desc.lump[0];
   memset(&beam_desc, 0, sizeof beam_desc);
   beam_desc.length = FB_R(4.0);
@@ -775,7 +814,7 @@ static void bent_at(double u[3], fb_real R[9], double x, const double *q)
 TEST(quadratic_field_is_inextensible_and_twist_free)
 {
   double tangent[2], stretch[2], twist[2];
-  static const fb_modes_desc keep = {FB_BASIS_MODES, {2, 2, 0, 1}, 0, 0, 0};
+  static const fb_modes_desc keep = {FB_BASIS_MODES, {2, 2, 0, 1}, 0, 0, 0, 0, 0};
   int node[2];
   boom(&shape, node);
   beam_desc.n_lump = 0;
@@ -1343,7 +1382,7 @@ TEST(elastic_response_is_frame_indifferent)
    coordinates (full M) the same. */
 TEST(damped_free_decay_has_the_given_ratio)
 {
-  static const fb_modes_desc keep = {FB_BASIS_ELEMENTS, {1, 0, 0, 0}, 0, 0, 0};
+  static const fb_modes_desc keep = {FB_BASIS_ELEMENTS, {1, 0, 0, 0}, 0, 0, 0, 0, 0};
   static fb_body_desc desc;
   int node[2];
   boom(&shape, node);
@@ -1590,11 +1629,12 @@ TEST(a_rigid_body_is_the_case_of_no_modes)
 
 SUITE(body, RUN(accelerations_agree_with_a_particle_model), RUN(momenta_agree_with_a_particle_model),
       RUN(elastic_forces_agree_with_a_particle_model), RUN(each_set_of_effects_follows_its_own_lagrangian),
-      RUN(residual_inertia_vanishes_on_a_rotation_closed_basis), RUN(beam_integrals_reproduce_mass_and_modal_mass),
-      RUN(quadratic_field_is_inextensible_and_twist_free), RUN(offset_masses_move_with_their_section),
-      RUN(lumped_bodies_are_the_particles_they_stand_for), RUN(a_beam_may_take_later_coordinates),
-      RUN(power_of_loads_is_the_rate_of_energy), RUN(node_kinematics_match_finite_differences),
-      RUN(reactions_balance_the_momentum), RUN(a_held_body_is_a_free_one_with_its_reactions),
-      RUN(pinned_and_hinged_bodies_swing_as_rigid_pendulums), RUN(a_falling_body_does_not_deform),
-      RUN(elastic_response_is_frame_indifferent), RUN(damped_free_decay_has_the_given_ratio),
-      RUN(spinning_beams_stiffen_as_published), RUN(a_rigid_body_is_the_case_of_no_modes), RUN(bodies_refuse_bad_input))
+      RUN(residual_inertia_vanishes_on_a_rotation_closed_basis), RUN(functions_close_the_basis),
+      RUN(beam_integrals_reproduce_mass_and_modal_mass), RUN(quadratic_field_is_inextensible_and_twist_free),
+      RUN(offset_masses_move_with_their_section), RUN(lumped_bodies_are_the_particles_they_stand_for),
+      RUN(a_beam_may_take_later_coordinates), RUN(power_of_loads_is_the_rate_of_energy),
+      RUN(node_kinematics_match_finite_differences), RUN(reactions_balance_the_momentum),
+      RUN(a_held_body_is_a_free_one_with_its_reactions), RUN(pinned_and_hinged_bodies_swing_as_rigid_pendulums),
+      RUN(a_falling_body_does_not_deform), RUN(elastic_response_is_frame_indifferent),
+      RUN(damped_free_decay_has_the_given_ratio), RUN(spinning_beams_stiffen_as_published),
+      RUN(a_rigid_body_is_the_case_of_no_modes), RUN(bodies_refuse_bad_input))

@@ -1012,11 +1012,36 @@ TEST(modes_that_do_not_exist_are_refused)
   keep.omega_limit = -FB_R(1.0);
   refused(&keep, FB_ERR_VALUE);
   keep.omega_limit = FB_R(0.0);
-  memset(&keep.basis, 2, sizeof keep.basis); /* no basis */
+  memset(&keep.basis, 9, sizeof keep.basis); /* no basis */
   refused(&keep, FB_ERR_VALUE);
   keep.basis = FB_BASIS_ELEMENTS; /* a spin is for modes of clamped beams */
   keep.spin = FB_R(1.0);
   refused(&keep, FB_ERR_VALUE);
+  keep.basis = FB_BASIS_FUNCTIONS;
+  refused(&keep, FB_ERR_VALUE);
+  keep.spin = FB_R(0.0);
+  for (int degree = -1; degree < 10; degree++) {
+    keep.degree = degree;
+    if (degree != 0 && (degree < 3 || degree > 8)) {
+      refused(&keep, FB_ERR_VALUE);
+    }
+  }
+  keep.degree = 0;
+  keep.root_strain = 1; /* without axial functions */
+  refused(&keep, FB_ERR_KIND);
+  keep.root_strain = 0;
+  keep.count[FB_KIND_BEND_Z] = 5; /* two elements have four */
+  refused(&keep, FB_ERR_KIND);
+  keep.count[FB_KIND_BEND_Z] = 1;
+  keep.count[FB_KIND_TORSION] = 1;
+  refused(&keep, FB_ERR_KIND);
+  keep.count[FB_KIND_TORSION] = 0;
+  for (int root = FB_ROOT_PINNED; root <= FB_ROOT_FREE; root++) {
+    uniform_desc(2, (fb_root)root);
+    refused(&keep, FB_ERR_VALUE);
+  }
+  uniform_desc(2, FB_ROOT_CLAMPED);
+  keep.spin = FB_R(1.0);
   keep.basis = FB_BASIS_MODES;
   for (int root = FB_ROOT_PINNED; root <= FB_ROOT_FREE; root++) {
     uniform_desc(2, (fb_root)root);
@@ -1048,11 +1073,81 @@ TEST(modes_that_do_not_exist_are_refused)
   FBT_TRUE(memcmp(&modes, &pattern, sizeof modes) == 0);
 }
 
-SUITE(modes, RUN(beam_frequencies_match_the_closed_form), RUN(frequencies_converge_with_order_eight_and_six),
-      RUN(element_coordinates_converge_with_order_four_and_two), RUN(tip_mass_lowers_the_frequencies_as_published),
-      RUN(rotary_inertia_lowers_the_frequencies_as_rayleigh_found), RUN(tapered_beam_has_the_published_frequencies),
-      RUN(modes_are_orthonormal_with_a_fixed_sign), RUN(a_held_tip_does_not_choose_the_sign),
-      RUN(a_round_beam_has_pairs_of_unmixed_modes), RUN(a_body_beside_the_axis_couples_bending_and_torsion),
-      RUN(a_beam_without_mass_has_the_modes_of_its_tip_body), RUN(frequencies_do_not_depend_on_the_units),
-      RUN(modes_are_selected_by_count_and_frequency), RUN(element_coordinates_keep_the_element_matrices),
-      RUN(modes_for_a_spin_hold_the_modes_under_tension), RUN(modes_that_do_not_exist_are_refused))
+/* Value of an axial function at x by its coefficients: cubic Hermite part and bubbles, of beams of one or two elements. */
+static double function_value(const fb_modes *in, int k, double x)
+{
+  const int n_element = in->degree == 3 ? 2 : 1;
+  const double l = 2.0 / n_element;
+  const int e = x < l || n_element == 1 ? 0 : 1;
+  const double s = x / l - e, b = 16.0 * s * s * (1.0 - s) * (1.0 - s), r = 2.0 * s - 1.0;
+  const fb_real *c = in->shape + k * in->ndof, *bubble = c + 2 * (n_element + 1) + (in->degree - 3) * e;
+  double value = (double)c[2 * e] * (1.0 + s * s * (2.0 * s - 3.0)) +
+                 (double)c[2 * e + 1] * l * s * (1.0 - s) * (1.0 - s) + (double)c[2 * e + 2] * s * s * (3.0 - 2.0 * s) +
+                 (double)c[2 * e + 3] * l * s * s * (s - 1.0);
+  const double P[6] = {
+      1.0, r, 1.5 * r * r - 0.5, (5.0 * r * r - 3.0) * r / 2.0, (35.0 * r * r * r * r - 30.0 * r * r + 3.0) / 8.0, 0.0};
+  for (int j = 0; j + 3 < in->degree; j++) {
+    value += (double)bubble[j] * b * P[j];
+  }
+  return value;
+}
+
+/* E6.7, E7.5: M = 1; in the plane whose stiffness orders them the functions are its bending modes (beta L of the clamped-free
+   beam); at the ends of elements value and slope agree from both sides; only the root function has strain at the root, and
+   with it u_x = x, the stretch of a pulled rod, is a combination of them. */
+TEST(functions_are_orthonormal_and_as_smooth_as_they_claim)
+{
+  static const double beta_L[3] = {1.8751040687119611, 4.694091132974175, 7.854757438237613};
+  for (int degree = 3; degree <= 8; degree += 5) {
+    const int elements = degree == 3 ? 2 : 1, m = (degree - 1) * elements;
+    static fb_modes_desc keep;
+    double compliance = 0.0;
+    memset(&keep, 0, sizeof keep);
+    keep.basis = FB_BASIS_FUNCTIONS;
+    keep.count[FB_KIND_BEND_Y] = degree == 3 ? m : 4;
+    keep.count[FB_KIND_BEND_Z] = degree == 3 ? m : 0;
+    keep.count[FB_KIND_AXIAL] = m;
+    keep.degree = degree;
+    keep.root_strain = 1;
+    uniform_desc(elements, FB_ROOT_CLAMPED);
+    FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+    FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, &keep), FB_OK);
+    FBT_INT_EQ(modes.n, keep.count[0] + keep.count[1] + m + 1);
+    for (int i = 0; i < modes.n; i++) {
+      for (int j = 0; j < modes.n; j++) {
+        FBT_NEAR_ABS(modes.M[i * modes.n + j], i == j, FBT_TOL(1e-12, degree == 3 ? 1e-5 : 1e-3));
+      }
+      FBT_TRUE((fabs((double)modes.shape[i * modes.ndof + 1]) > 0.01) == (i == modes.n - 1)); /* slope at the root */
+    }
+    for (int k = 0; k < 3 && degree == 8; k++) {
+      const double above = (double)modes.K[k * (modes.n + 1)] / (7.0 / 3.0 * pow(beta_L[k] / 2.0, 4.0)) - 1.0;
+      FBT_BELOW(above, k == 2 ? 6e-4 : FBT_TOL(1e-7, 1e-4));
+      FBT_TRUE(above > -FBT_TOL(1e-12, 1e-4)); /* Rayleigh-Ritz: from above */
+    }
+    /* Rayleigh-Ritz of a rod pulled at the tip is exact: q^T K q with q the projection of u = x is EA L */
+    for (int i = modes.n - m - 1; i < modes.n; i++) {
+      for (int j = modes.n - m - 1; j < modes.n; j++) {
+        double moment[2];
+        for (int k = 0; k < 2; k++) { /* int u x mass dx by Simpson's rule */
+          moment[k] = 0.0;
+          for (int p = 0; p <= 4000; p++) {
+            const double x = 2.0 * p / 4000.0, w = (p == 0 || p == 4000 ? 1.0 : p % 2 ? 4.0 : 2.0) * 2.0 / 12000.0;
+            moment[k] += 3.0 * w * x * function_value(&modes, k ? j : i, x);
+          }
+        }
+        compliance += moment[0] * (double)modes.K[i * modes.n + j] * moment[1];
+      }
+    }
+    FBT_NEAR_REL(compliance, 11.0 * 2.0, FBT_TOL(1e-8, 1e-3));
+  }
+}
+
+SUITE(modes, RUN(functions_are_orthonormal_and_as_smooth_as_they_claim), RUN(beam_frequencies_match_the_closed_form),
+      RUN(frequencies_converge_with_order_eight_and_six), RUN(element_coordinates_converge_with_order_four_and_two),
+      RUN(tip_mass_lowers_the_frequencies_as_published), RUN(rotary_inertia_lowers_the_frequencies_as_rayleigh_found),
+      RUN(tapered_beam_has_the_published_frequencies), RUN(modes_are_orthonormal_with_a_fixed_sign),
+      RUN(a_held_tip_does_not_choose_the_sign), RUN(a_round_beam_has_pairs_of_unmixed_modes),
+      RUN(a_body_beside_the_axis_couples_bending_and_torsion), RUN(a_beam_without_mass_has_the_modes_of_its_tip_body),
+      RUN(frequencies_do_not_depend_on_the_units), RUN(modes_are_selected_by_count_and_frequency),
+      RUN(element_coordinates_keep_the_element_matrices), RUN(modes_for_a_spin_hold_the_modes_under_tension),
+      RUN(modes_that_do_not_exist_are_refused))
