@@ -91,6 +91,9 @@
      FB_WITH_ACCELERATION_STIFFENING  1        0, 1    "
      FB_WITH_DAMPING                  1        0, 1    "
      FB_WITH_GRAVITY                  1        0, 1    "
+     FB_WITH_NONLINEAR_STRAIN         1        0, 1    "
+     FB_MAX_STRAINS                   20       1..999  strain stations of a body (nonlinear strain only)
+     FB_WITH_FORMS                    0        0, 1    1: the second-order and the printed first-order form, too
      FB_ASSERT(x)                     nothing  -       called with 0 on a programmer's error (NULL, index, capacity)
      FB_ALLOW_FAST_MATH               -        -       compile under -ffast-math (finite checks are then void)
      FB_SQRT FB_SIN FB_COS FB_ATAN2 FB_FABS            replace libm
@@ -179,6 +182,15 @@
 #ifndef FB_WITH_GRAVITY
 #define FB_WITH_GRAVITY 1
 #endif
+#ifndef FB_WITH_NONLINEAR_STRAIN
+#define FB_WITH_NONLINEAR_STRAIN 1
+#endif
+#ifndef FB_MAX_STRAINS
+#define FB_MAX_STRAINS 20
+#endif
+#ifndef FB_WITH_FORMS
+#define FB_WITH_FORMS 0
+#endif
 #ifndef FB_ASSERT
 #define FB_ASSERT(x) ((void)0)
 #endif
@@ -197,8 +209,14 @@
 #error "flexbeam: FB_MAX_ELEMENTS is 1..200, FB_MAX_STATIONS 1..999, FB_MAX_LUMPS 1..255"
 #endif
 #if (FB_WITH_SPIN_COUPLING | FB_WITH_RESIDUAL_INERTIA | FB_WITH_SPIN_STIFFENING | FB_WITH_ACCELERATION_STIFFENING | \
-     FB_WITH_DAMPING | FB_WITH_GRAVITY) > 1
+     FB_WITH_DAMPING | FB_WITH_GRAVITY | FB_WITH_NONLINEAR_STRAIN | FB_WITH_FORMS) > 1
 #error "flexbeam: FB_WITH_... are 0 or 1"
+#endif
+#if FB_MAX_STRAINS < 1 || FB_MAX_STRAINS > 999
+#error "flexbeam: FB_MAX_STRAINS is 1..999"
+#endif
+#if FB_WITH_FORMS && !(FB_WITH_SPIN_COUPLING && FB_WITH_RESIDUAL_INERTIA)
+#error "flexbeam: FB_WITH_FORMS needs FB_WITH_SPIN_COUPLING and FB_WITH_RESIDUAL_INERTIA"
 #endif
 #if defined(__FAST_MATH__) && !defined(FB_ALLOW_FAST_MATH)
 #error "flexbeam: -ffast-math voids the finite checks; define FB_ALLOW_FAST_MATH to accept that"
@@ -240,13 +258,13 @@ typedef double fb_real;
 #else
 #define FBI_PRECISION double
 #endif
-#define FBI_CAT(p, m, n, l, e, s, u, a, b, c, d, f, g) \
-  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_with##a##b##c##d##f##g
-#define FBI_CAT_(p, m, n, l, e, s, u, a, b, c, d, f, g) FBI_CAT(p, m, n, l, e, s, u, a, b, c, d, f, g)
-#define FBI_CONFIG_SYMBOL                                                                                             \
-  FBI_CAT_(FBI_PRECISION, FB_MAX_MODES, FB_MAX_NODES, FB_MAX_LOADS, FB_MAX_ELEMENTS, FB_MAX_STATIONS, FB_MAX_LUMPS,   \
-           FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA, FB_WITH_SPIN_STIFFENING, FB_WITH_ACCELERATION_STIFFENING, \
-           FB_WITH_DAMPING, FB_WITH_GRAVITY)
+#define FBI_CAT(p, m, n, l, e, s, u, t, a, b, c, d, f, g, h, o) \
+  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_with##a##b##c##d##f##g##h##_forms##o
+#define FBI_CAT_(p, m, n, l, e, s, u, t, a, b, c, d, f, g, h, o) FBI_CAT(p, m, n, l, e, s, u, t, a, b, c, d, f, g, h, o)
+#define FBI_CONFIG_SYMBOL                                                                                           \
+  FBI_CAT_(FBI_PRECISION, FB_MAX_MODES, FB_MAX_NODES, FB_MAX_LOADS, FB_MAX_ELEMENTS, FB_MAX_STATIONS, FB_MAX_LUMPS, \
+           FB_MAX_STRAINS, FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA, FB_WITH_SPIN_STIFFENING,                \
+           FB_WITH_ACCELERATION_STIFFENING, FB_WITH_DAMPING, FB_WITH_GRAVITY, FB_WITH_NONLINEAR_STRAIN, FB_WITH_FORMS)
 #define FBI_STRING(x) #x
 #define FBI_STRING_(x) FBI_STRING(x)
 
@@ -272,6 +290,7 @@ static const char *const fbi_config_reference = FBI_CONFIG_SYMBOL;
 #define FBI_WITH_QUADRATIC (FB_WITH_SPIN_STIFFENING || FB_WITH_ACCELERATION_STIFFENING)
 #define FBI_WITH_SHAPE_INERTIA (FB_WITH_RESIDUAL_INERTIA || FBI_WITH_QUADRATIC)
 #define FBI_MAX_PAIRS (FB_MAX_MODES * (FB_MAX_MODES + 1) / 2)
+#define FBI_MAX_STRAINS ((FB_MAX_STRAINS + 3) / 4 * 4) /* whole groups of four */
 #define FBI_MAX_DOF (6 * (FB_MAX_ELEMENTS + 1) + 8 * FB_MAX_ELEMENTS)
 
 /* ---------------------------------------------------------------------------------------------------------------
@@ -286,7 +305,7 @@ static const char *const fbi_config_reference = FBI_CONFIG_SYMBOL;
   X(FB_ERR_SINGULAR, -5, "a matrix is singular or not positive definite (a free body needs inertia about every axis)") \
   X(FB_ERR_CONVERGENCE, -6, "the iteration did not converge")                                                          \
   X(FB_ERR_KIND, -7, "modes of that kind do not exist: no stiffness, no inertia, or too few elements")                 \
-  X(FB_ERR_EFFECTS, -8, "effects that belong together are split, or one was removed at compile time")                  \
+  X(FB_ERR_EFFECTS, -8, "effects are split or excluded by others, lack their data, or were removed at compile time")   \
   X(FB_ERR_STEP, -9, "the step is longer than the stability limit of the scheme")                                      \
   X(FB_ERR_RANGE, -10, "the deflection has left the range of the model")
 
@@ -464,16 +483,19 @@ typedef enum fb_effect {
   FB_EFFECT_SPIN_STIFFENING = 8,          /* centrifugal stiffening by foreshortening: degree 2 */
   FB_EFFECT_ACCELERATION_STIFFENING = 16, /* the same by acceleration of O, angular acceleration, gravity */
   FB_EFFECT_DAMPING = 32,                 /* modal damping */
-  FB_EFFECT_GRAVITY = 64                  /* uniform gravity */
+  FB_EFFECT_GRAVITY = 64,                 /* uniform gravity */
+  FB_EFFECT_NONLINEAR_STRAIN = 128 /* axial strain u_x' + 1/2 (u_y'^2 + u_z'^2): stiffening by axial coordinates */
 } fb_effect;
 #define FB_EFFECTS_RIGID 0u
-#define FB_EFFECTS_LINEAR 1u /* level 1 of the accuracy ladder */
-#define FB_EFFECTS_SPIN 3u   /* level 2 */
-#define FB_EFFECTS_FULL 31u  /* level 3: every inertial effect; add damping and gravity as called for */
+#define FB_EFFECTS_LINEAR 1u   /* level 1 of the accuracy ladder */
+#define FB_EFFECTS_SPIN 3u     /* level 2 */
+#define FB_EFFECTS_FULL 31u    /* level 3: every inertial effect; add damping and gravity as called for */
+#define FB_EFFECTS_STRAIN 135u /* level 4: stiffening by axial coordinates instead of the quadratic field */
 
 /* FB_ERR_EFFECTS when the set is half of something: residual inertia without spin coupling or without spin stiffening
-   keeps the centrifugal softening and drops what outweighs it (a slender beam then diverges above its first bending
-   frequency), or when an effect was removed at compile time. fb_body_init also refuses spin stiffening of a FREE body without
+   (or nonlinear strain) keeps the centrifugal softening and drops what outweighs it (a slender beam then diverges above its
+   first bending frequency), when nonlinear strain comes with spin or acceleration stiffening (the foreshortening would count
+   twice), or when an effect was removed at compile time. fb_body_init also refuses spin stiffening of a FREE body without
    acceleration stiffening: its meaning would depend on the choice of O.
    Without residual inertia the inertia does not follow the shape, and with few modes the loads of the frame's own motion on
    them (w x v of O, products of w) are missing, too: such sets are for a body whose O is at rest or slow. Use all of
@@ -510,6 +532,11 @@ typedef struct fb_shape {
 #if FB_WITH_ACCELERATION_STIFFENING
   fb_real pchi[3 * FB_MAX_MODES * FB_MAX_MODES], hchi[3 * FB_MAX_MODES * FB_MAX_MODES];
 #endif
+#if FB_WITH_NONLINEAR_STRAIN
+  int n_strain;                                      /* strain stations, a multiple of four */
+  fb_real strain_weight[FBI_MAX_STRAINS];            /* [N m] EA dx */
+  fb_real slope[3 * FB_MAX_MODES * FBI_MAX_STRAINS]; /* n x 3 x FBI_MAX_STRAINS: u_x', u_y', u_z' in beam axes */
+#endif
   fb_real size;                /* [m] largest distance of a mass from O */
   fb_real reach[FB_MAX_MODES]; /* largest displacement shape of each mode */
   fb_node node[FB_MAX_NODES];
@@ -528,12 +555,27 @@ FB_API fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *be
 FB_API fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, const fb_beam *beam,
                                         const fb_modes *modes, fb_real x);
 
+/* The strain stations of that beam, for FB_EFFECT_NONLINEAR_STRAIN: as many Gauss points per element as integrate the strain energy
+   exactly (cubic functions: 5). Its axial coordinates must be able to follow the foreshortening: as many axial functions as
+   bending ones, or the beam is too stiff (membrane locking; one cubic element 29 %, two 4 %, three 0.4 % of the deflection in
+   the spin-up). FB_ERR_CAPACITY: more than FB_MAX_STRAINS; FB_ERR_KIND: EA is zero somewhere; else as fb_shape_add_beam. */
+#if FB_WITH_NONLINEAR_STRAIN
+FB_API fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes);
+#endif
+
 typedef enum fb_base { /* how the body frame moves */
                        FB_BASE_FREE = 0,
                        FB_BASE_PRESCRIBED = 1, /* v, w of the input */
                        FB_BASE_PINNED = 2,     /* O stays where it is, all rotations are free */
                        FB_BASE_HINGED = 3      /* O and the z axis stay where they are, the body turns about z */
 } fb_base;
+
+typedef enum fb_truncation {
+  FB_TRUNCATE_NONE = 0,
+  FB_TRUNCATE_ABOVE_0 = 1, /* [DB] Q = 0 */
+  FB_TRUNCATE_ABOVE_1 = 2, /* Q = 1: the strain energy has no lower bound, the motion diverges */
+  FB_TRUNCATE_ABOVE_2 = 3  /* Q = 2 */
+} fb_truncation;
 
 typedef struct fb_body_desc {
   unsigned effects; /* FB_EFFECT_... or-ed */
@@ -543,6 +585,9 @@ typedef struct fb_body_desc {
   fb_real
       deflection_limit; /* [m] bound of the sum of modal deflections, beyond it FB_ERR_RANGE; 0: half the body's size.
                                  The model is right to about 0.1 % at 6 % of the length, to some percent at 15 % */
+  /* Leaves out the terms whose degree in q is above this one, as in [DB] Figures 4 and 5: to see what they do. Wants
+     allow_split_effects. Momentum form: of the strain energy; 0: all are kept. */
+  fb_truncation truncation;
   int allow_split_effects; /* 1: accept a set that fb_effects_check refuses for being half of something */
   int allow_long_step;     /* 1: do not refuse steps beyond the stability limit */
 } fb_body_desc;
@@ -583,6 +628,13 @@ typedef struct fb_S_pair {
 #define FBI_MAX_PAIRS_S (FBI_WITH_SHAPE_INERTIA ? (FB_MAX_MODES + 1) * (FB_MAX_MODES + 2) / 2 - 1 : 1)
 #define FBI_MAX_S (FBI_WITH_SHAPE_INERTIA ? 21 * FBI_MAX_PAIRS_S : 1)
 
+#if FB_WITH_NONLINEAR_STRAIN
+typedef struct fb_strain_row { /* what a coordinate adds to u_x', u_y' or u_z' (axis 0, 1, 2) at the strain stations */
+  fb_real slope[FBI_MAX_STRAINS];
+  unsigned short axis, a;
+} fb_strain_row;
+#endif
+
 /* The model a step needs; constant after init, may live in ROM. */
 typedef struct fb_body {
   int n, n_node;
@@ -597,6 +649,13 @@ typedef struct fb_body {
   fb_real mass, c[3];
   fb_real deflection_limit, reach[FB_MAX_MODES];
   fb_real limit_elastic, limit_damping, limit_spin, limit_acceleration; /* bounds for fb_rk4_limit */
+#if FB_WITH_NONLINEAR_STRAIN
+  int n_strain, n_row;
+  fb_real quartic;     /* 1, or 0 where the strain energy of degree 4 is left out */
+  fb_real limit_slope; /* largest eigenvalue of EA u_y' u_y' + EA u_z' u_z' against the elastic mass */
+  fb_real strain_weight[FBI_MAX_STRAINS];
+  fb_strain_row row[3 * FB_MAX_MODES];
+#endif
   fb_real S0[21], S0_inverse[36];
   fb_sparse M, Minv, K; /* elastic mass (it and its inverse are used when not 1) and stiffness */
 #if FB_WITH_DAMPING
@@ -705,7 +764,8 @@ FB_API fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *
                              const fb_input *middle, const fb_input *end, fb_real dt);
 /* Largest stable step [s] of rk4 for the body at a spin |w| [rad/s] and an acceleration of O [m/s^2]: 2.785 / (bound of
    the highest frequency, with rigid-elastic coupling, gyroscopic, stiffening and damping terms). The stiffening by loads and
-   by angular acceleration is not in it. FB_HUGE for a rigid body at rest, 0 for input that is not a number. */
+   by angular acceleration is not in it, and nonlinear strain is that of the undeformed body: the step's own check takes the
+   slopes it finds, which lower the limit (0.1 by some 5 %). FB_HUGE for a rigid body at rest, 0 for input that is not a number. */
 FB_API fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real acceleration);
 
 /* ---------------------------------------------------------------------------------------------------------------

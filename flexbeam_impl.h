@@ -654,6 +654,30 @@ static const fb_real fbi_gauss_w[FBI_GAUSS] = {
     FB_R(0.15617353852000145), FB_R(0.16511967750062990), FB_R(0.15617353852000145),
     FB_R(0.13030534820146770), FB_R(0.09032408034742870), FB_R(0.04063719418078720)};
 
+/* [E6.8] Gauss-Legendre points and weights on 0..1, n <= FBI_RULE: Newton's iteration on P_n from its asymptotic zeros.
+   Source: [GV] is silent; Abramowitz and Stegun 25.4.29.  Cost: 10 n^2 flops x 6.  Fails: never.
+   Test: gauss_rules_integrate_polynomials. */
+#define FBI_RULE 15
+static void fbi_gauss_rule(fb_real *x, fb_real *w, int n)
+{
+  for (int i = 0; i < n; i++) {
+    fb_real r = -FB_COS(FB_R(3.14159265358979324) * ((fb_real)i + FB_R(0.75)) / ((fb_real)n + FB_R(0.5)));
+    fb_real slope = FB_R(1.0);
+    for (int newton = 0; newton < 6; newton++) {
+      fb_real P = FB_R(1.0), Q = FB_R(0.0); /* P_j, P_(j-1) */
+      for (int j = 0; j < n; j++) {
+        const fb_real N = ((fb_real)(2 * j + 1) * r * P - (fb_real)j * Q) / (fb_real)(j + 1);
+        Q = P;
+        P = N;
+      }
+      slope = (fb_real)n * (Q - r * P) / (FB_R(1.0) - r * r);
+      r -= P / slope;
+    }
+    x[i] = FB_R(0.5) * (FB_R(1.0) + r);
+    w[i] = FB_R(1.0) / ((FB_R(1.0) - r * r) * slope * slope);
+  }
+}
+
 typedef struct fbi_field { /* linear displacement field at a point of the reference line, beam axes */
   fb_real u[3];            /* displacement */
   fb_real theta[3];        /* section rotation */
@@ -2138,14 +2162,61 @@ FB_DEF fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, c
   return FB_OK;
 }
 
+#if FB_WITH_NONLINEAR_STRAIN
+FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes)
+{
+  const fb_status status = fbi_beam_fits(shape, first, beam, modes);
+  const int points = modes && modes->degree > 0 ? 2 * modes->degree - 1 : FBI_GAUSS; /* slopes to the fourth power */
+  fb_real x[FBI_RULE], w[FBI_RULE];
+  fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
+  int n = 0;
+  if (status != FB_OK) {
+    return status;
+  }
+  while (fbi_cell_next(&cell, beam)) {
+    fb_section ends[2];
+    fb_beam_section(&ends[0], beam, cell.x0);
+    fb_beam_section(&ends[1], beam, cell.x1);
+    if (!(ends[0].EA > FB_R(0.0) && ends[1].EA > FB_R(0.0))) {
+      return FB_ERR_KIND;
+    }
+    n += points;
+  }
+  if (shape->n_strain + (n + 3) / 4 * 4 > FBI_MAX_STRAINS) {
+    return FB_ERR_CAPACITY;
+  }
+  fbi_gauss_rule(x, w, points);
+  memset(&cell, 0, sizeof cell);
+  n = shape->n_strain;
+  while (fbi_cell_next(&cell, beam)) {
+    for (int g = 0; g < points; g++, n++) {
+      fb_section section;
+      fb_beam_section(&section, beam, cell.x0 + x[g] * (cell.x1 - cell.x0));
+      shape->strain_weight[n] = w[g] * (cell.x1 - cell.x0) * section.EA;
+      for (int a = 0; a < modes->n; a++) {
+        fb_real *slope = shape->slope + 3 * (first + a) * FBI_MAX_STRAINS + n;
+        fbi_field f;
+        fbi_mode_field(&f, beam, modes, a, cell.element, fbi_cell_s(&cell, beam, x[g]));
+        slope[0] = f.strain;
+        slope[FBI_MAX_STRAINS] = f.theta[2];
+        slope[2 * FBI_MAX_STRAINS] = -f.theta[1];
+      }
+    }
+  }
+  shape->n_strain = (n + 3) / 4 * 4; /* the rest of a group of four has no weight */
+  return FB_OK;
+}
+#endif
+
 /* ---- 8b effects to terms */
 
-#define FBI_EFFECTS_BUILT                                                      \
-  (FB_EFFECT_ELASTIC | (FB_WITH_SPIN_COUPLING ? FB_EFFECT_SPIN_COUPLING : 0) | \
-   (FB_WITH_RESIDUAL_INERTIA ? FB_EFFECT_RESIDUAL_INERTIA : 0) |               \
-   (FB_WITH_SPIN_STIFFENING ? FB_EFFECT_SPIN_STIFFENING : 0) |                 \
-   (FB_WITH_ACCELERATION_STIFFENING ? FB_EFFECT_ACCELERATION_STIFFENING : 0) | \
-   (FB_WITH_DAMPING ? FB_EFFECT_DAMPING : 0) | (FB_WITH_GRAVITY ? FB_EFFECT_GRAVITY : 0))
+#define FBI_EFFECTS_BUILT                                                                  \
+  (FB_EFFECT_ELASTIC | (FB_WITH_SPIN_COUPLING ? FB_EFFECT_SPIN_COUPLING : 0) |             \
+   (FB_WITH_RESIDUAL_INERTIA ? FB_EFFECT_RESIDUAL_INERTIA : 0) |                           \
+   (FB_WITH_SPIN_STIFFENING ? FB_EFFECT_SPIN_STIFFENING : 0) |                             \
+   (FB_WITH_ACCELERATION_STIFFENING ? FB_EFFECT_ACCELERATION_STIFFENING : 0) |             \
+   (FB_WITH_DAMPING ? FB_EFFECT_DAMPING : 0) | (FB_WITH_GRAVITY ? FB_EFFECT_GRAVITY : 0) | \
+   (FB_WITH_NONLINEAR_STRAIN ? FB_EFFECT_NONLINEAR_STRAIN : 0))
 
 #define FBI_QUADRATIC_EFFECTS (FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING)
 
@@ -2155,13 +2226,20 @@ static int fbi_has(unsigned effects, int effect)
   return (effects & (unsigned)effect & (unsigned)FBI_EFFECTS_BUILT) != 0;
 }
 
+/* Removed at compile time, or foreshortening counted twice: never right. */
+static int fbi_is_excluded(unsigned effects)
+{
+  return (effects & ~(unsigned)FBI_EFFECTS_BUILT) ||
+         ((effects & FB_EFFECT_NONLINEAR_STRAIN) && (effects & FBI_QUADRATIC_EFFECTS));
+}
+
 FB_DEF fb_status fb_effects_check(unsigned effects)
 {
-  if (effects & ~(unsigned)FBI_EFFECTS_BUILT) {
+  if (fbi_is_excluded(effects)) {
     return FB_ERR_EFFECTS;
   }
   if ((effects & FB_EFFECT_RESIDUAL_INERTIA) &&
-      (!(effects & FB_EFFECT_SPIN_COUPLING) || !(effects & FB_EFFECT_SPIN_STIFFENING))) {
+      (!(effects & FB_EFFECT_SPIN_COUPLING) || !(effects & (FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_NONLINEAR_STRAIN)))) {
     return FB_ERR_EFFECTS;
   }
   return FB_OK;
@@ -2525,6 +2603,48 @@ static fb_status fbi_base_solve(fb_real x[6], fb_base base, const fb_real S[21],
   return S[20] > FB_R(0.0) ? FB_OK : FB_ERR_SINGULAR;
 }
 
+#if FB_WITH_NONLINEAR_STRAIN
+/* The rows of strain slopes that are not zero, and what is left of the strain energy. */
+static void fbi_strain_fill(fb_body *body, const fb_shape *shape, fb_truncation truncation)
+{
+  body->n_strain = 0;
+  body->n_row = 0;
+  body->quartic = truncation == FB_TRUNCATE_ABOVE_1 ? FB_R(0.0) : FB_R(1.0);
+  if (!fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
+    return;
+  }
+  body->n_strain = shape->n_strain;
+  fbi_copy(body->strain_weight, shape->strain_weight, FBI_MAX_STRAINS);
+  for (int i = 0; i < 3 * body->n; i++) {
+    const fb_real *slope = shape->slope + i * FBI_MAX_STRAINS;
+    fb_real largest = FB_R(0.0);
+    for (int g = 0; g < body->n_strain; g++) {
+      largest = fbi_larger(largest, FB_FABS(slope[g]));
+    }
+    if (largest > FB_R(0.0)) {
+      fb_strain_row *row = &body->row[body->n_row++];
+      fbi_copy(row->slope, slope, FBI_MAX_STRAINS);
+      row->axis = (unsigned short)(i % 3);
+      row->a = (unsigned short)(i / 3);
+    }
+  }
+}
+
+/* A += sum of weight_g slope_a slope_b over the transverse rows, n x n */
+static void fbi_slope_matrix(fb_real *A, const fb_body *body)
+{
+  const int n = body->n;
+  for (int i = 0; i < body->n_row; i++) {
+    for (int j = 0; j < body->n_row; j++) {
+      const fb_strain_row *a = &body->row[i], *b = &body->row[j];
+      for (int g = 0; g < body->n_strain && a->axis == b->axis && a->axis > 0; g++) {
+        A[a->a * n + b->a] += body->strain_weight[g] * a->slope[g] * b->slope[g];
+      }
+    }
+  }
+}
+#endif
+
 /* [E8.8] Bounds of the body's highest frequency |lambda| <= g + sqrt(g^2 + k) with g = |w| + limit_damping / 2,
    k = limit_elastic + limit_spin w^2 + limit_acceleration |a|: the largest eigenvalues of K, C and the stiffening against the
    elastic mass that is left when the body is free, M - M_re^T M_rr^-1 M_re. The gyroscopic part is |N(w) q| <= |w| |q| against
@@ -2552,6 +2672,11 @@ static fb_status fbi_limits_fill(fb_body *body, fb_body_work *work, const fb_sha
   }
   fbi_copy(work->A, shape->K, n * n);
   status = status == FB_OK ? fbi_largest_eigenvalue(&body->limit_elastic, work, reduced, n) : status;
+#if FB_WITH_NONLINEAR_STRAIN
+  fbi_zero(work->A, n * n);
+  fbi_slope_matrix(work->A, body);
+  status = status == FB_OK ? fbi_largest_eigenvalue(&body->limit_slope, work, reduced, n) : status;
+#endif
   body->limit_damping = FB_R(0.0);
   body->limit_spin = FB_R(0.0);
   body->limit_acceleration = FB_R(0.0);
@@ -2629,11 +2754,20 @@ static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *
       (int)desc->base > (int)FB_BASE_HINGED) {
     return FB_ERR_VALUE;
   }
-  if ((desc->effects & ~(unsigned)FBI_EFFECTS_BUILT) ||
+  if ((int)desc->truncation < (int)FB_TRUNCATE_NONE || (int)desc->truncation > (int)FB_TRUNCATE_ABOVE_2) {
+    return FB_ERR_VALUE;
+  }
+  if (fbi_is_excluded(desc->effects) ||
       (!desc->allow_split_effects &&
-       (fb_effects_check(desc->effects) != FB_OK || fbi_depends_on_origin(desc->effects, desc->base)))) {
+       (fb_effects_check(desc->effects) != FB_OK || fbi_depends_on_origin(desc->effects, desc->base) ||
+        desc->truncation != FB_TRUNCATE_NONE))) {
     return FB_ERR_EFFECTS;
   }
+#if FB_WITH_NONLINEAR_STRAIN
+  if (fbi_has(desc->effects, FB_EFFECT_NONLINEAR_STRAIN) && shape->n_strain == 0) {
+    return FB_ERR_EFFECTS;
+  }
+#endif
   return FB_OK;
 }
 
@@ -2642,6 +2776,9 @@ static void fbi_body_fill(fb_body *body, const fb_shape *shape, const fb_body_de
 {
   memset(body, 0, sizeof *body);
   body->effects = desc->effects & FB_EFFECT_ELASTIC ? desc->effects : desc->effects & FB_EFFECT_GRAVITY;
+  if (desc->truncation == FB_TRUNCATE_ABOVE_0) {
+    body->effects &= ~(unsigned)FB_EFFECT_NONLINEAR_STRAIN;
+  }
   body->n = desc->effects & FB_EFFECT_ELASTIC ? shape->n : 0;
   body->n_node = shape->n_node;
   body->base = desc->base;
@@ -2658,6 +2795,9 @@ static void fbi_body_fill(fb_body *body, const fb_shape *shape, const fb_body_de
   if (fbi_has(body->effects, FB_EFFECT_GRAVITY)) {
     fbi_copy(body->gravity, desc->gravity, 3);
   }
+#endif
+#if FB_WITH_NONLINEAR_STRAIN
+  fbi_strain_fill(body, shape, desc->truncation);
 #endif
   for (int k = 0; k < shape->n_node; k++) {
     body->node[k] = shape->node[k];
@@ -2727,6 +2867,9 @@ typedef struct fbi_kinetics {   /* what an evaluation knows about a state */
   fb_real fg[6];               /* resultant force and torque about O of loads and gravity, body axes */
   fb_real x[FB_MAX_MODES + 1]; /* elastic forces by (1, q): loads and gravity, then inertia; x[0] is not used */
   fb_real e[FB_MAX_MODES];     /* pi - Lambda^T V */
+#if FB_WITH_NONLINEAR_STRAIN
+  fb_real slope[3][FBI_MAX_STRAINS]; /* u_x', u_y', u_z' at the strain stations */
+#endif
 } fbi_kinetics;
 
 /* y = f + s A x for a symmetric sparse A; f NULL: zero; y may be f, not x */
@@ -2870,6 +3013,78 @@ static void fbi_S_gradient(fb_real *x, const fb_body *body, const fb_real V[6], 
     x[a] += g[k] * qx[b];
     x[b] += g[k] * qx[a];
   }
+}
+#endif
+
+#if FB_WITH_NONLINEAR_STRAIN
+/* u_x', u_y', u_z' at the strain stations. Groups of four: straight code, which compilers turn into vectors. */
+static void fbi_slopes_eval(fb_real slope[3][FBI_MAX_STRAINS], const fb_body *body, const fb_real *q)
+{
+  const fb_strain_row *row = body->row;
+  for (int i = 0; i < 3; i++) {
+    for (int g = 0; g < body->n_strain; g++) {
+      slope[i][g] = FB_R(0.0);
+    }
+  }
+  for (const fb_strain_row *end = row + body->n_row; row < end; row++) {
+    const fb_real x = q[row->a];
+    fb_real *y = slope[row->axis];
+    for (int g = 0; g < body->n_strain; g += 4) {
+      y[g] += row->slope[g] * x;
+      y[g + 1] += row->slope[g + 1] * x;
+      y[g + 2] += row->slope[g + 2] * x;
+      y[g + 3] += row->slope[g + 3] * x;
+    }
+  }
+}
+
+/* x -= sum of slope_a f over the stations, f for each axis */
+static void fbi_slopes_sub(fb_real *x, const fb_body *body, fb_real f[3][FBI_MAX_STRAINS])
+{
+  const fb_strain_row *row = body->row;
+  for (const fb_strain_row *end = row + body->n_row; row < end; row++) {
+    const fb_real *y = f[row->axis];
+    fb_real a = FB_R(0.0), b = FB_R(0.0), c = FB_R(0.0), d = FB_R(0.0);
+    for (int g = 0; g < body->n_strain; g += 4) {
+      a += row->slope[g] * y[g];
+      b += row->slope[g + 1] * y[g + 1];
+      c += row->slope[g + 2] * y[g + 2];
+      d += row->slope[g + 3] * y[g + 3];
+    }
+    x[row->a] -= (a + b) + (c + d);
+  }
+}
+
+/* [E8.23] Forces of the nonlinear axial strain e = u_x' + 1/2 (u_y'^2 + u_z'^2), what K q leaves of
+   dU/dq_a = int EA e (psi_x,a' + u_y' psi_y,a' + u_z' psi_z,a') dx, by quadrature over the strain stations instead of
+   tensors with three and four indices: 2 sums over the stations per coordinate. U has degree 4; x -= dU/dq.
+   Source: [DB] (27), (29)-(31) with errata items 5 to 10.  Shapes: x n.  Cost: (4 n + 12) stations.  Fails: never.
+   Test: strain_forces_are_the_gradient_of_the_energy, spin_up_follows_the_references_of_each_form. */
+static void fbi_strain_sub(fb_real *x, fb_real slope[3][FBI_MAX_STRAINS], const fb_body *body, const fb_real *q)
+{
+  fb_real f[3][FBI_MAX_STRAINS];
+  fbi_slopes_eval(slope, body, q);
+  for (int g = 0; g < body->n_strain; g++) {
+    const fb_real y = slope[1][g], z = slope[2][g], EA = body->strain_weight[g];
+    const fb_real half = FB_R(0.5) * (y * y + z * z);
+    const fb_real tension = EA * (slope[0][g] + body->quartic * half);
+    f[0][g] = EA * half;
+    f[1][g] = tension * y;
+    f[2][g] = tension * z;
+  }
+  fbi_slopes_sub(x, body, f);
+}
+
+/* What the strain energy has beyond 1/2 q^T K q: 1/2 int EA (u_x' r + r^2/4), r = u_y'^2 + u_z'^2. */
+static fb_real fbi_strain_energy(const fb_body *body, const fb_real *q)
+{
+  fb_real slope[3][FBI_MAX_STRAINS], energy = FB_R(0.0);
+  fbi_slopes_eval(slope, body, q);
+  for (int g = 0; g < body->n_strain; g++) {
+    const fb_real half = FB_R(0.5) * (slope[1][g] * slope[1][g] + slope[2][g] * slope[2][g]);
+    energy += body->strain_weight[g] * half * (slope[0][g] + FB_R(0.5) * body->quartic * half);
+  }
+  return energy;
 }
 #endif
 
@@ -3076,6 +3291,11 @@ static void fbi_elastic_rates(fb_state *rate, fbi_kinetics *k, const fb_body *bo
 #if FBI_WITH_SHAPE_INERTIA
   if (!body->constant_S) {
     fbi_S_gradient(k->x, body, k->V, k->qx);
+  }
+#endif
+#if FB_WITH_NONLINEAR_STRAIN
+  if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
+    fbi_strain_sub(k->x + 1, k->slope, body, state->q);
   }
 #endif
   fbi_mass_solve(rate->q, body, k->e);
@@ -3411,6 +3631,11 @@ FB_DEF fb_status fb_body_energy(const fb_body *body, fb_energy *energy, const fb
     out.kinetic += FB_R(0.5) * state->pi[a] * k.pb[a];
     out.strain += state->q[a] * k.e[a];
   }
+#if FB_WITH_NONLINEAR_STRAIN
+  if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
+    out.strain += fbi_strain_energy(body, state->q);
+  }
+#endif
 #if FB_WITH_GRAVITY
   {
     fb_real c[3], moment[3];
@@ -3453,20 +3678,39 @@ FB_DEF fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, co
 /* ---------------------------------------------------------------------------------------------------------------
    11 >>integrate (uses 1-8) */
 
+/* Bound of the highest frequency (E8.8) with deflected, stretched beams: of a slope s and a strain e
+   k <= limit_elastic (1 + s) + limit_slope (s + s^2 + e), from (u_x' + s u_y')^2 <= (1 + s) u_x'^2 + (s + s^2) u_y'^2. */
+static fb_real fbi_frequency_bound(const fb_body *body, fb_real spin, fb_real acceleration, fb_real slope,
+                                   fb_real strain)
+{
+  const fb_real g = FB_FABS(spin) + FB_R(0.5) * body->limit_damping;
+  fb_real k = body->limit_spin * spin * spin + body->limit_acceleration * FB_FABS(acceleration);
+#if FB_WITH_NONLINEAR_STRAIN
+  k += body->limit_elastic * (FB_R(1.0) + slope) + body->limit_slope * (slope + slope * slope + strain);
+#else
+  k += body->limit_elastic;
+  (void)slope, (void)strain;
+#endif
+  return g + FB_SQRT(g * g + k);
+}
+
+/* radius / bound: the step that a scheme stable up to |lambda| dt = radius may take */
+static fb_real fbi_step_limit(fb_real radius, fb_real bound)
+{
+  if (!(bound >= FB_R(0.0))) { /* not a number: no step is stable */
+    return FB_R(0.0);
+  }
+  return bound * FB_HUGE > radius ? radius / bound : FB_HUGE;
+}
+
 /* [E11.1] Largest stable step of rk4: |lambda| dt <= 2.785, the least radius of its stability region in the left half
    plane (2.785 on the real axis, 2.828 on the imaginary one), with the frequency bound of E8.8.
    Source: [HW] IV.2.  Cost: 10 flops, a square root.  Fails: never.
    Test: the_step_limit_is_the_stability_boundary. */
+#define FBI_RK4_RADIUS FB_R(2.785)
 FB_DEF fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real acceleration)
 {
-  const fb_real g = FB_FABS(spin) + FB_R(0.5) * body->limit_damping;
-  const fb_real k =
-      body->limit_elastic + body->limit_spin * spin * spin + body->limit_acceleration * FB_FABS(acceleration);
-  const fb_real bound = g + FB_SQRT(g * g + k);
-  if (!(bound >= FB_R(0.0))) { /* not a number: no step is stable */
-    return FB_R(0.0);
-  }
-  return bound * FB_HUGE > FB_R(2.785) ? FB_R(2.785) / bound : FB_HUGE;
+  return fbi_step_limit(FBI_RK4_RADIUS, fbi_frequency_bound(body, spin, acceleration, FB_R(0.0), FB_R(0.0)));
 }
 
 /* next = x + s rate, sum += w rate */
@@ -3510,13 +3754,28 @@ static void fbi_flush(fb_real *x, int n)
   }
 }
 
+#if FB_WITH_NONLINEAR_STRAIN
+/* Largest slope and largest tensile strain at the stations. */
+static void fbi_largest_slopes(fb_real *slope, fb_real *strain, const fbi_kinetics *k, int n_strain)
+{
+  fb_real r = FB_R(0.0);
+  *strain = FB_R(0.0);
+  for (int g = 0; g < n_strain; g++) {
+    const fb_real square = k->slope[1][g] * k->slope[1][g] + k->slope[2][g] * k->slope[2][g];
+    r = fbi_larger(r, square);
+    *strain = fbi_larger(*strain, k->slope[0][g] + FB_R(0.5) * square);
+  }
+  *slope = FB_SQRT(r);
+}
+#endif
+
 /* What the step limit depends on: spin, and acceleration of O by the base's motion or, free, by spin about the mass center
    and by the loads, with gravity. */
 static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const fb_input *input, fb_real dt)
 {
   const fb_real spin = fbi_vec3_norm(k->V + 3);
   fb_real a[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-  fb_real acceleration;
+  fb_real acceleration, slope = FB_R(0.0), strain = FB_R(0.0);
   if (body->base != FB_BASE_FREE) {
     fb_vec3_cross(a, k->V + 3, k->V);
     if (input && body->base == FB_BASE_PRESCRIBED) {
@@ -3529,7 +3788,14 @@ static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const
   } else {
     acceleration = (spin * spin * fbi_vec3_norm(body->c) + fbi_vec3_norm(k->fg)) / body->mass;
   }
-  return dt <= fb_rk4_limit(body, spin, acceleration) ? FB_OK : FB_ERR_STEP;
+#if FB_WITH_NONLINEAR_STRAIN
+  if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
+    fbi_largest_slopes(&slope, &strain, k, body->n_strain);
+  }
+#endif
+  return dt <= fbi_step_limit(FBI_RK4_RADIUS, fbi_frequency_bound(body, spin, acceleration, slope, strain))
+             ? FB_OK
+             : FB_ERR_STEP;
 }
 
 /* [E11.3] Classical Runge-Kutta. Source: textbook.  Cost: 4 evaluations.  Test: rk4_converges_with_order_four. */
