@@ -536,6 +536,12 @@ typedef struct fb_shape {
   int n_strain;                                      /* strain stations, a multiple of four */
   fb_real strain_weight[FBI_MAX_STRAINS];            /* [N m] EA dx */
   fb_real slope[3 * FB_MAX_MODES * FBI_MAX_STRAINS]; /* n x 3 x FBI_MAX_STRAINS: u_x', u_y', u_z' in beam axes */
+#if FB_WITH_FORMS
+  /* n x n x 3: bilinear part of the stiffness torque as printed and the boundary term that it lacks; and whether they are
+     complete: beams along x with FB_BASIS_FUNCTIONS only */
+  fb_real torque[3 * FB_MAX_MODES * FB_MAX_MODES], torque_boundary[3 * FB_MAX_MODES * FB_MAX_MODES];
+  int torque_unknown;
+#endif
 #endif
   fb_real size;                /* [m] largest distance of a mass from O */
   fb_real reach[FB_MAX_MODES]; /* largest displacement shape of each mode */
@@ -570,6 +576,26 @@ typedef enum fb_base { /* how the body frame moves */
                        FB_BASE_HINGED = 3      /* O and the z axis stay where they are, the body turns about z */
 } fb_base;
 
+#if FB_WITH_FORMS
+/* The equations of motion of a body. The momentum form is the library's own; the others are for comparison. */
+typedef enum fb_form {
+  FB_FORM_MOMENTUM = 0,
+  FB_FORM_SECOND =
+      1, /* [DB] (7)-(8): velocities and q_dot; a mass matrix that follows the shape, factored at every evaluation */
+  FB_FORM_FIRST =
+      2 /* [DB] (23)-(25): velocities and elastic velocities v_e, a constant mass matrix, a stiffness torque.
+                         It has no inertia that follows the shape (FB_EFFECT_RESIDUAL_INERTIA adds nothing) and no quadratic field */
+} fb_form;
+
+/* The stiffness torque K_re q of the first-order form. The frame and the beam exchange energy through it: one that does not fit
+   the elastic forces lets energy leak. All are the same on a rotation-closed basis. */
+typedef enum fb_stiffness_torque {
+  FB_TORQUE_IDENTITY = 0, /* [DB] (49), q_b Upsilon_b M^-1 dU/dq: energy-exact on every basis */
+  FB_TORQUE_PRINTED = 1,  /* [DB] (34)-(36): wrong where u_x' is free at the root, and refinement does not mend it */
+  FB_TORQUE_BOUNDARY = 2  /* (36) with the boundary term - u_x'(0) EI u_y''(0) that its integration by parts leaves */
+} fb_stiffness_torque;
+#endif
+
 typedef enum fb_truncation {
   FB_TRUNCATE_NONE = 0,
   FB_TRUNCATE_ABOVE_0 = 1, /* [DB] Q = 0 */
@@ -585,9 +611,13 @@ typedef struct fb_body_desc {
   fb_real
       deflection_limit; /* [m] bound of the sum of modal deflections, beyond it FB_ERR_RANGE; 0: half the body's size.
                                  The model is right to about 0.1 % at 6 % of the length, to some percent at 15 % */
-  /* Leaves out the terms whose degree in q is above this one, as in [DB] Figures 4 and 5: to see what they do. Wants
-     allow_split_effects. Momentum form: of the strain energy; 0: all are kept. */
+  /* Leaves out the terms whose degree in q (bracketed superscript in [DB]) is above this one, as in [DB] Figures 4 and 5, to see
+     what they do: of the stiffness, of the stiffness torque and, second-order form, of the inertia. Wants allow_split_effects. */
   fb_truncation truncation;
+#if FB_WITH_FORMS
+  fb_form form;
+  fb_stiffness_torque stiffness_torque;
+#endif
   int allow_split_effects; /* 1: accept a set that fb_effects_check refuses for being half of something */
   int allow_long_step;     /* 1: do not refuse steps beyond the stability limit */
 } fb_body_desc;
@@ -635,6 +665,10 @@ typedef struct fb_strain_row { /* what a coordinate adds to u_x', u_y' or u_z' (
 } fb_strain_row;
 #endif
 
+#if FB_WITH_FORMS
+#define FBI_MAX_TORQUE (3 * FB_MAX_MODES * FB_MAX_MODES)
+#endif
+
 /* The model a step needs; constant after init, may live in ROM. */
 typedef struct fb_body {
   int n, n_node;
@@ -649,6 +683,16 @@ typedef struct fb_body {
   fb_real mass, c[3];
   fb_real deflection_limit, reach[FB_MAX_MODES];
   fb_real limit_elastic, limit_damping, limit_spin, limit_acceleration; /* bounds for fb_rk4_limit */
+#if FB_WITH_FORMS
+  fb_form form;
+  fb_stiffness_torque stiffness_torque;
+  int torque_degree;                    /* 3, or what truncation leaves */
+  int n_S_value, n_lambda_value;        /* second-order form: terms in the mass matrix, the others in its rates alone */
+  int n_gam, n_torque;                  /* first-order form */
+  fb_real M_rr[21];                     /* rigid mass matrix of the undeformed body */
+  fb_lambda_term gam[9 * FB_MAX_MODES]; /* Gamma_a, element i of 9 */
+  fb_lambda_term torque[FBI_MAX_TORQUE]; /* stiffness torque, element i of 3, bilinear in q_a q_b */
+#endif
 #if FB_WITH_NONLINEAR_STRAIN
   int n_strain, n_row;
   fb_real quartic;     /* 1, or 0 where the strain energy of degree 4 is left out */
@@ -686,7 +730,7 @@ typedef struct fb_state { /* all that changes; assignment is a snapshot */
   fb_real P[3], L[3];     /* [N s], [N m s] momentum and angular momentum about O, inertial axes; those of held axes are
                              zero (prescribed: all, pinned: P, hinged: all but L along the hinge) */
   fb_real q[FB_MAX_MODES], pi[FB_MAX_MODES]; /* elastic coordinates and momenta */
-} fb_state;
+} fb_state; /* in the other forms P, L are v, w (body axes) and pi is q_dot (second-order) or v_e (first-order) */
 
 typedef enum fb_axes {
   FB_AXES_INERTIAL = 0, /* dead load */
@@ -704,7 +748,8 @@ typedef struct fb_input { /* what acts on a body at one instant; all zero: nothi
   int n_load;
   fb_load load[FB_MAX_LOADS];
   fb_real v[3], w[3];         /* [m/s], [rad/s] prescribed base: velocity of O and angular velocity, body axes */
-  fb_real v_dot[3], w_dot[3]; /* [m/s^2], [rad/s^2] their rates in body axes: accelerations, reactions, step limit */
+  fb_real v_dot[3], w_dot[3]; /* [m/s^2], [rad/s^2] their rates in body axes: accelerations, reactions, step limit, and
+                                 the equations of motion of the second- and first-order forms */
 } fb_input;
 
 typedef struct fb_motion { /* velocities and accelerations, body axes */

@@ -372,6 +372,23 @@ FB_DEF fb_status fb_quat_normalize(fb_real q[4])
 /* ---------------------------------------------------------------------------------------------------------------
    5 >>linalg (uses 1-2) */
 
+/* y -= s x; groups of four, which compilers turn into vectors; the rows do not overlap */
+static void fbi_row_sub(fb_real *y, fb_real s, const fb_real *x, int n)
+{
+  int j = 0;
+  for (; j + 4 <= n; j += 4) {
+    const fb_real a = y[j] - s * x[j], b = y[j + 1] - s * x[j + 1], c = y[j + 2] - s * x[j + 2],
+                  d = y[j + 3] - s * x[j + 3];
+    y[j] = a;
+    y[j + 1] = b;
+    y[j + 2] = c;
+    y[j + 3] = d;
+  }
+  for (; j < n; j++) {
+    y[j] -= s * x[j];
+  }
+}
+
 /* [E5.1] LU with scaled partial pivoting, P A = L U.
    A pivot counts as zero when it is below n epsilon of its column's largest element, both taken relative to their rows'
    largest elements: neither row nor column scaling changes the verdict.
@@ -426,9 +443,7 @@ FB_DEF fb_status fb_lu_factor(fb_real *A, int *perm, fb_real *scale, int n)
     for (int i = k + 1; i < n; i++) {
       const fb_real factor = A[i * n + k] * pivot;
       A[i * n + k] = factor;
-      for (int j = k + 1; j < n; j++) {
-        A[i * n + j] -= factor * A[k * n + j];
-      }
+      fbi_row_sub(A + i * n + k + 1, factor, A + k * n + k + 1, n - k - 1);
     }
   }
   return FB_OK;
@@ -683,6 +698,7 @@ typedef struct fbi_field { /* linear displacement field at a point of the refere
   fb_real theta[3];        /* section rotation */
   fb_real strain;          /* u_x' */
   fb_real curvature[3];    /* theta' */
+  fb_real strain_slope;    /* u_x''; element functions only */
 } fbi_field;
 
 /* [E6.1] Two-node beam element: cubic Hermite bending in two planes, linear axial displacement and torsion.
@@ -1550,6 +1566,7 @@ static void fbi_mode_field(fbi_field *f, const fb_beam *beam, const fb_modes *mo
   if (modes->kind[mode] == FB_KIND_AXIAL) {
     f->u[0] = value;
     f->strain = slope;
+    f->strain_slope = curvature;
   } else {
     const int y = modes->kind[mode] == FB_KIND_BEND_Y;
     f->u[y ? 1 : 2] = value;
@@ -1753,7 +1770,8 @@ FB_DEF fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_b
 
 /* ---------------------------------------------------------------------------------------------------------------
    8 >>body (uses 1-7)
-   8a shape integrals - 8b effects to terms - 8c kernels of the step - 8d nodes and loads - 8e motion, energy, momentum */
+   8a shape integrals - 8b effects to terms - 8c kernels of the step - 8d nodes and loads - 8e the other forms -
+   8f motion, energy, momentum */
 
 FB_DEF fb_status fb_shape_init(fb_shape *shape, int n)
 {
@@ -2162,6 +2180,55 @@ FB_DEF fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, c
   return FB_OK;
 }
 
+#if FB_WITH_FORMS && FB_WITH_NONLINEAR_STRAIN
+/* [E8.24] The part of degree 1 of the stiffness torque as printed: g_s,3 = int (EA u_x' u_y' - EI_z u_x'' u_y'') dx,
+   g_s,2 = -int (EA u_x' u_z' - EI_y u_x'' u_z'') dx; different EI add g_s,1 = (EI_z - EI_y) int u_y'' u_z'' dx.
+   At the root of a clamped beam the integration by parts leaves -u_x'(0) EI_z u_y''(0) in g_s,3, + .. u_z''(0) in g_s,2.
+   Source: [DB] (34)-(36) with errata item 9 and trap c.  Shapes: n x n x 3.  Fails: never.
+   Test: stiffness_torques_agree_on_a_closed_basis, spin_up_follows_the_references_of_each_form. */
+static void fbi_torque_add(fb_real g[3], const fbi_field *x, const fbi_field *b, fb_real EA, fb_real EI_y, fb_real EI_z)
+{
+  g[0] -= (EI_z - EI_y) * x->curvature[2] * b->curvature[1];
+  g[1] -= -EA * x->strain * b->theta[1] + EI_y * x->strain_slope * b->curvature[1];
+  g[2] += EA * x->strain * b->theta[2] - EI_z * x->strain_slope * b->curvature[2];
+}
+
+static void fbi_torque_station(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes,
+                               const fb_section *section, int element, fb_real s, fb_real dx)
+{
+  const int n = modes->n;
+  fbi_field f[FB_MAX_MODES];
+  for (int a = 0; a < n; a++) {
+    fbi_mode_field(&f[a], beam, modes, a, element, s);
+  }
+  for (int ab = 0; ab < n * n; ab++) {
+    const int at = 3 * ((first + ab / n) * shape->n + first + ab % n);
+    fbi_torque_add(shape->torque + at, &f[ab / n], &f[ab % n], dx * section->EA, dx * section->EI_y,
+                   dx * section->EI_z);
+  }
+}
+
+static void fbi_torque_root(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes)
+{
+  const int n = modes->n;
+  fb_section section;
+  fbi_field f[FB_MAX_MODES];
+  fb_beam_section(&section, beam, FB_R(0.0));
+  for (int a = 0; a < n; a++) {
+    fbi_mode_field(&f[a], beam, modes, a, 0, FB_R(0.0));
+  }
+  for (int ab = 0; ab < n * n; ab++) {
+    fb_real *g = shape->torque_boundary + 3 * ((first + ab / n) * shape->n + first + ab % n);
+    g[1] -= f[ab / n].strain * section.EI_y * f[ab % n].curvature[1];
+    g[2] -= f[ab / n].strain * section.EI_z * f[ab % n].curvature[2];
+  }
+  shape->torque_unknown |= modes->degree == 0;
+  for (int i = 0; i < 9; i++) { /* the terms of higher degree are not turned into body axes */
+    shape->torque_unknown |= FB_FABS(beam->axes[i] - (i % 4 == 0 ? FB_R(1.0) : FB_R(0.0))) > FBI_ROUNDING;
+  }
+}
+#endif
+
 #if FB_WITH_NONLINEAR_STRAIN
 FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes)
 {
@@ -2193,6 +2260,10 @@ FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_b
       fb_section section;
       fb_beam_section(&section, beam, cell.x0 + x[g] * (cell.x1 - cell.x0));
       shape->strain_weight[n] = w[g] * (cell.x1 - cell.x0) * section.EA;
+#if FB_WITH_FORMS
+      fbi_torque_station(shape, first, beam, modes, &section, cell.element, fbi_cell_s(&cell, beam, x[g]),
+                         w[g] * (cell.x1 - cell.x0));
+#endif
       for (int a = 0; a < modes->n; a++) {
         fb_real *slope = shape->slope + 3 * (first + a) * FBI_MAX_STRAINS + n;
         fbi_field f;
@@ -2203,6 +2274,9 @@ FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_b
       }
     }
   }
+#if FB_WITH_FORMS
+  fbi_torque_root(shape, first, beam, modes);
+#endif
   shape->n_strain = (n + 3) / 4 * 4; /* the rest of a group of four has no weight */
   return FB_OK;
 }
@@ -2410,39 +2484,51 @@ static fb_real fbi_S_size(const fb_shape *shape, const fb_real *Z, int a, int b,
    This is DESIGN's S_0 + [0 D1; D1^T D2] in one polynomial. Without residual inertia the caller leaves ups out of Z.
    Source: DESIGN 2 and 3.  Shapes: Z (n+1) x 6 x n.  Cost: 21 n^3.  Fails: never.
    Test: residual_inertia_vanishes_on_a_rotation_closed_basis, accelerations_agree_with_a_particle_model. */
-static void fbi_S_list(fb_body *body, const fb_shape *shape, const fb_real *Z)
+static void fbi_S_list_pair(fb_body *body, const fb_shape *shape, const fb_real *Z, int a, int b)
 {
-  const int n = body->n;
-  const int last = body->constant_S ? 0 : n;
-  body->n_S = 0;
-  body->n_pair = 0;
-  for (int a = 0; a <= last; a++) {
-    for (int b = 0; b <= a; b++) {
-      const int before = body->n_S;
-      fb_real S[21];
-      fbi_rigid_term(S, shape, body->effects, a, b);
-      for (int i = 0; i < 6; i++) {
-        for (int j = i; j < 6; j++) {
-          const int at = fb_sym6_index(i, j);
-          for (int k = 0; k < n; k++) {
-            S[at] -= Z[(a * 6 + i) * n + k] * Z[(b * 6 + j) * n + k];
-            S[at] -= a == b ? FB_R(0.0) : Z[(b * 6 + i) * n + k] * Z[(a * 6 + j) * n + k];
-          }
-          if (a == 0) {
-            body->S0[at] = S[at];
-          } else if (FB_FABS(S[at]) > FBI_ROUNDING * fbi_S_size(shape, Z, a, b, i, j)) {
-            body->S[body->n_S].c = S[at];
-            body->S[body->n_S].pair = (unsigned short)body->n_pair;
-            body->S[body->n_S++].i = (unsigned short)at;
-          }
-        }
+  const int n = body->n, before = body->n_S;
+  fb_real S[21];
+  fbi_rigid_term(S, shape, body->effects, a, b);
+  for (int i = 0; i < 6; i++) {
+    for (int j = i; j < 6; j++) {
+      const int at = fb_sym6_index(i, j);
+      for (int k = 0; k < n; k++) {
+        S[at] -= Z[(a * 6 + i) * n + k] * Z[(b * 6 + j) * n + k];
+        S[at] -= a == b ? FB_R(0.0) : Z[(b * 6 + i) * n + k] * Z[(a * 6 + j) * n + k];
       }
-      if (body->n_S > before) {
-        body->pair[body->n_pair].a = (unsigned short)a;
-        body->pair[body->n_pair++].b = (unsigned short)b;
+      if (a == 0) {
+        body->S0[at] = S[at];
+      } else if (FB_FABS(S[at]) > FBI_ROUNDING * fbi_S_size(shape, Z, a, b, i, j)) {
+        body->S[body->n_S].c = S[at];
+        body->S[body->n_S].pair = (unsigned short)body->n_pair;
+        body->S[body->n_S++].i = (unsigned short)at;
       }
     }
   }
+  if (body->n_S > before) {
+    body->pair[body->n_pair].a = (unsigned short)a;
+    body->pair[body->n_pair++].b = (unsigned short)b;
+  }
+}
+
+/* Ascending in degree: the constant part, the pairs a0, the pairs ab. Returns how many terms have degree 1. */
+static int fbi_S_list(fb_body *body, const fb_shape *shape, const fb_real *Z)
+{
+  const int last = body->constant_S ? 0 : body->n;
+  int linear;
+  body->n_S = 0;
+  body->n_pair = 0;
+  fbi_S_list_pair(body, shape, Z, 0, 0);
+  for (int a = 1; a <= last; a++) {
+    fbi_S_list_pair(body, shape, Z, a, 0);
+  }
+  linear = body->n_S;
+  for (int a = 1; a <= last; a++) {
+    for (int b = 1; b <= a; b++) {
+      fbi_S_list_pair(body, shape, Z, a, b);
+    }
+  }
+  return linear;
 }
 
 /* The elements of the symmetric A (n x n) that are not zero to rounding. */
@@ -2734,6 +2820,38 @@ static int fbi_depends_on_origin(unsigned effects, fb_base base)
          !fbi_has(effects, FB_EFFECT_ACCELERATION_STIFFENING);
 }
 
+#if FB_WITH_FORMS
+/* A mass matrix that follows the shape wants J(q) and h(q) together ([DB] errata, trap e); the printed first-order form has no
+   quadratic field, and its printed torque belongs to one kind of basis. */
+static fb_status fbi_form_check(const fb_shape *shape, const fb_body_desc *desc)
+{
+  const int spin = fbi_has(desc->effects, FB_EFFECT_SPIN_COUPLING);
+  if ((int)desc->form < (int)FB_FORM_MOMENTUM || (int)desc->form > (int)FB_FORM_FIRST ||
+      (int)desc->stiffness_torque < (int)FB_TORQUE_IDENTITY || (int)desc->stiffness_torque > (int)FB_TORQUE_BOUNDARY) {
+    return FB_ERR_VALUE;
+  }
+  if (desc->form == FB_FORM_SECOND && !desc->allow_split_effects &&
+      spin != fbi_has(desc->effects, FB_EFFECT_RESIDUAL_INERTIA)) {
+    return FB_ERR_EFFECTS;
+  }
+  if (desc->form == FB_FORM_FIRST && fbi_has(desc->effects, FBI_QUADRATIC_EFFECTS)) {
+    return FB_ERR_EFFECTS;
+  }
+#if FB_WITH_NONLINEAR_STRAIN
+  if (desc->form == FB_FORM_FIRST && desc->stiffness_torque != FB_TORQUE_IDENTITY &&
+      (shape->n_strain == 0 || shape->torque_unknown)) {
+    return FB_ERR_EFFECTS;
+  }
+#else
+  if (desc->stiffness_torque != FB_TORQUE_IDENTITY) {
+    return FB_ERR_EFFECTS;
+  }
+#endif
+  (void)shape;
+  return FB_OK;
+}
+#endif
+
 static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *desc)
 {
   if (!fbi_is_finite(desc->zeta, shape->n) || !fbi_is_finite(desc->gravity, 3) ||
@@ -2768,7 +2886,11 @@ static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *
     return FB_ERR_EFFECTS;
   }
 #endif
+#if FB_WITH_FORMS
+  return fbi_form_check(shape, desc);
+#else
   return FB_OK;
+#endif
 }
 
 /* Everything but matrices and terms. */
@@ -2779,6 +2901,14 @@ static void fbi_body_fill(fb_body *body, const fb_shape *shape, const fb_body_de
   if (desc->truncation == FB_TRUNCATE_ABOVE_0) {
     body->effects &= ~(unsigned)FB_EFFECT_NONLINEAR_STRAIN;
   }
+#if FB_WITH_FORMS
+  body->form = desc->form;
+  body->stiffness_torque = desc->stiffness_torque;
+  body->torque_degree = desc->truncation == FB_TRUNCATE_NONE ? 3 : (int)desc->truncation - 1;
+  if (desc->form == FB_FORM_FIRST) {
+    body->effects &= ~(unsigned)FB_EFFECT_RESIDUAL_INERTIA;
+  }
+#endif
   body->n = desc->effects & FB_EFFECT_ELASTIC ? shape->n : 0;
   body->n_node = shape->n_node;
   body->base = desc->base;
@@ -2803,6 +2933,63 @@ static void fbi_body_fill(fb_body *body, const fb_shape *shape, const fb_body_de
     body->node[k] = shape->node[k];
   }
 }
+
+#if FB_WITH_FORMS
+/* Elements of a table (n x m, element i of coordinate or pair k at table[m k + i]) that are not zero, with factor c. */
+static void fbi_table_list(fb_lambda_term *list, int *n_list, const fb_real *table, int m, int n, int bilinear,
+                           fb_real c)
+{
+  fb_real largest = FB_R(0.0);
+  const int count = bilinear ? n * n : n;
+  for (int k = 0; k < m * count; k++) {
+    largest = fbi_larger(largest, FB_FABS(table[k]));
+  }
+  for (int k = 0; k < m * count; k++) {
+    if (FB_FABS(table[k]) > FBI_ROUNDING * largest) {
+      fb_lambda_term *term = &list[(*n_list)++];
+      term->c = c * table[k];
+      term->i = (unsigned short)(k % m);
+      term->a = (unsigned short)(bilinear ? k / m / n + 1 : k / m + 1);
+      term->b = (unsigned short)(bilinear ? k / m % n : 0);
+    }
+  }
+}
+
+/* The tables of the form: S(q), or for the second-order form M_rr(q) in its place, with the terms that truncation leaves; rates
+   and gradients keep one degree more, Gamma^(Q) belongs to J^(Q+1). */
+static void fbi_form_fill(fb_body *body, fb_body_work *work, const fb_shape *shape)
+{
+  const int n = body->n;
+  int linear;
+  fbi_rigid_matrix(body->M_rr, shape->mass, shape->c, shape->J);
+  if (body->form == FB_FORM_SECOND) {
+    fbi_zero(work->Lambda, (n + 1) * 6 * n);
+  }
+  linear = fbi_S_list(body, shape, work->Lambda);
+  body->n_S_value = body->n_S;
+  body->n_lambda_value = body->form == FB_FORM_FIRST ? body->n_lambda_constant : body->n_lambda;
+  if (body->form == FB_FORM_SECOND && body->torque_degree < 2) {
+    body->n_S_value = body->torque_degree == 0 ? 0 : linear;
+    body->n_S = body->torque_degree == 0 ? linear : body->n_S;
+    body->n_lambda_value = body->torque_degree == 0 ? body->n_lambda_constant : body->n_lambda;
+  }
+  body->n_gam = body->n_torque = 0;
+  if (body->form != FB_FORM_FIRST) {
+    return;
+  }
+  fbi_table_list(body->gam, &body->n_gam, shape->Gam, 9, n, 0, FB_R(1.0));
+#if FB_WITH_NONLINEAR_STRAIN
+  if (body->stiffness_torque != FB_TORQUE_IDENTITY && body->torque_degree > 0) {
+    fb_real *table = work->Lambda; /* is spent */
+    for (int k = 0; k < 3 * n * n; k++) {
+      const fb_real boundary = body->stiffness_torque == FB_TORQUE_BOUNDARY ? shape->torque_boundary[k] : FB_R(0.0);
+      table[k] = shape->torque[k] + boundary;
+    }
+    fbi_table_list(body->torque, &body->n_torque, table, 3, n, 1, FB_R(1.0));
+  }
+#endif
+}
+#endif
 
 FB_DEF fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc)
 {
@@ -2845,7 +3032,11 @@ FB_DEF fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape 
   for (int row = 0; row < (n + 1) * 6; row++) { /* Z = Lambda L^-T, row by row */
     fbi_chol_forward(work->Lambda + row * n, work->L, work->Lambda + row * n, n);
   }
-  fbi_S_list(out, shape, work->Lambda);
+#if FB_WITH_FORMS
+  fbi_form_fill(out, work, shape);
+#else
+  (void)fbi_S_list(out, shape, work->Lambda);
+#endif
   status = fbi_inverses_fill(out, work);
   if (status == FB_OK) {
     *body = *out;
@@ -2867,6 +3058,10 @@ typedef struct fbi_kinetics {   /* what an evaluation knows about a state */
   fb_real fg[6];               /* resultant force and torque about O of loads and gravity, body axes */
   fb_real x[FB_MAX_MODES + 1]; /* elastic forces by (1, q): loads and gravity, then inertia; x[0] is not used */
   fb_real e[FB_MAX_MODES];     /* pi - Lambda^T V */
+#if FB_WITH_FORMS
+  fb_real y[6];     /* right-hand side of the rigid equations */
+  fb_real V_dot[6]; /* accelerations, body axes */
+#endif
 #if FB_WITH_NONLINEAR_STRAIN
   fb_real slope[3][FBI_MAX_STRAINS]; /* u_x', u_y', u_z' at the strain stations */
 #endif
@@ -2883,6 +3078,17 @@ static void fbi_sparse_eval(fb_real *y, const fb_real *f, fb_real s, const fb_sp
     y[t->a] += s * t->c * x[t->b];
     y[t->b] += s * t->c * x[t->a];
   }
+}
+
+/* The form of the equations; a constant where there is but one. */
+static int fbi_form(const fb_body *body)
+{
+#if FB_WITH_FORMS
+  return (int)body->form;
+#else
+  (void)body;
+  return 0;
+#endif
 }
 
 /* y = M^-1 x; normalized modes: a copy */
@@ -2950,20 +3156,20 @@ static void fbi_lambda_gradients(fb_real *e, fb_real *x, const fb_body *body, co
   fbi_lambda_linear_gradients(e, x, body, V, qx, pb);
 }
 
-/* S = S_0 + its terms with the monomials m of the pairs a >= b.
-   Cost: 2 n_S flops. */
-static void fbi_S_add(fb_real S[21], const fb_body *body, const fb_real *m)
+/* S += its first n terms with the monomials m of the pairs a >= b.
+   Cost: 2 n flops. */
+static void fbi_S_add(fb_real S[21], const fb_body *body, const fb_real *m, int n)
 {
   const fb_S_term *t = body->S;
   FBI_UNROLL
-  for (int k = body->n_S; k > 0; k--, t++) {
+  for (int k = n; k > 0; k--, t++) {
     S[t->i] += t->c * m[t->pair];
   }
 }
 
-/* [E8.11] S(q) from the monomials (1,q)_a (1,q)_b.
+/* [E8.11] S(q) from the monomials (1,q)_a (1,q)_b and the first n of its terms: all, but in a truncated second-order form.
    Source: E8.6.  Cost: 2 n_S + n_pair flops.  Test: momenta_agree_with_a_particle_model. */
-static void fbi_S_eval(fb_real S[21], const fb_body *body, const fb_real *qx)
+static void fbi_S_eval(fb_real S[21], const fb_body *body, const fb_real *qx, int n)
 {
   fb_real m[FBI_MAX_PAIRS_S];
   for (int k = 0; k < body->n_pair; k++) {
@@ -2972,7 +3178,7 @@ static void fbi_S_eval(fb_real S[21], const fb_body *body, const fb_real *qx)
   for (int i = 0; i < 21; i++) {
     S[i] = body->S0[i];
   }
-  fbi_S_add(S, body, m);
+  fbi_S_add(S, body, m, n);
 }
 
 /* Rate of S(q) along the rate xd of (1, q). */
@@ -2984,7 +3190,7 @@ static void fbi_S_rate(fb_real dS[21], const fb_body *body, const fb_real *qx, c
     m[k] = qx[a] * xd[b] + xd[a] * qx[b];
   }
   fbi_zero(dS, 21);
-  fbi_S_add(dS, body, m);
+  fbi_S_add(dS, body, m, body->n_S);
 }
 
 #if FBI_WITH_SHAPE_INERTIA
@@ -3057,17 +3263,19 @@ static void fbi_slopes_sub(fb_real *x, const fb_body *body, fb_real f[3][FBI_MAX
 
 /* [E8.23] Forces of the nonlinear axial strain e = u_x' + 1/2 (u_y'^2 + u_z'^2), what K q leaves of
    dU/dq_a = int EA e (psi_x,a' + u_y' psi_y,a' + u_z' psi_z,a') dx, by quadrature over the strain stations instead of
-   tensors with three and four indices: 2 sums over the stations per coordinate. U has degree 4; x -= dU/dq.
+   tensors with three and four indices: 2 sums over the stations per coordinate. x -= dU/dq; with quartic = 0 instead of 1 the
+   part of U of degree 4 is left out.
    Source: [DB] (27), (29)-(31) with errata items 5 to 10.  Shapes: x n.  Cost: (4 n + 12) stations.  Fails: never.
    Test: strain_forces_are_the_gradient_of_the_energy, spin_up_follows_the_references_of_each_form. */
-static void fbi_strain_sub(fb_real *x, fb_real slope[3][FBI_MAX_STRAINS], const fb_body *body, const fb_real *q)
+static void fbi_strain_sub(fb_real *x, fb_real slope[3][FBI_MAX_STRAINS], const fb_body *body, const fb_real *q,
+                           fb_real quartic)
 {
   fb_real f[3][FBI_MAX_STRAINS];
   fbi_slopes_eval(slope, body, q);
   for (int g = 0; g < body->n_strain; g++) {
     const fb_real y = slope[1][g], z = slope[2][g], EA = body->strain_weight[g];
     const fb_real half = FB_R(0.5) * (y * y + z * z);
-    const fb_real tension = EA * (slope[0][g] + body->quartic * half);
+    const fb_real tension = EA * (slope[0][g] + quartic * half);
     f[0][g] = EA * half;
     f[1][g] = tension * y;
     f[2][g] = tension * z;
@@ -3102,7 +3310,7 @@ static fb_status fbi_velocity(fbi_kinetics *k, const fb_body *body, const fb_sta
     k->e[a] = state->pi[a];
   }
   k->pb = state->pi;
-  if (!body->unit_mass) {
+  if (!body->unit_mass && fbi_form(body) == 0) {
     fbi_mass_solve(k->Minv_pi, body, state->pi);
     k->pb = k->Minv_pi;
   }
@@ -3114,13 +3322,18 @@ static fb_status fbi_velocity(fbi_kinetics *k, const fb_body *body, const fb_sta
     }
     return FB_OK;
   }
+  if (fbi_form(body) != 0) { /* the state has velocities */
+    fbi_copy(k->V, state->P, 3);
+    fbi_copy(k->V + 3, state->L, 3);
+    return FB_OK;
+  }
   fb_mat33_mulT_vec3(k->ph, k->R, state->P);
   fb_mat33_mulT_vec3(k->ph + 3, k->R, state->L);
   fbi_copy(y, k->ph, 6);
   fbi_lambda_sub(y, body, k->qx, k->pb);
 #if FBI_WITH_SHAPE_INERTIA
   if (!body->constant_S) {
-    fbi_S_eval(k->S, body, k->qx);
+    fbi_S_eval(k->S, body, k->qx, body->n_S);
     if (fbi_base_solve(k->V, body->base, k->S, y) != FB_OK) {
       return fbi_is_finite(k->S, 21) ? FB_ERR_RANGE : FB_ERR_NOT_FINITE;
     }
@@ -3210,7 +3423,8 @@ static FBI_NOINLINE void fbi_load_add(fbi_kinetics *k, const fb_body *body, cons
     fb_mat33_mul_vec3(T, section, load->torque);
   }
   for (int i = 0; i < 3; i++) {
-    arm[i] = node->r[i] + f.u[i];
+    arm[i] =
+        node->r[i] + (fbi_form(body) == 2 ? FB_R(0.0) : f.u[i]); /* the printed form's F_re q takes u x F off again */
     k->fg[i] += F[i];
     k->fg[3 + i] += T[i];
   }
@@ -3247,7 +3461,7 @@ static void fbi_gravity_add(fbi_kinetics *k, const fb_body *body)
   fb_mat33_mulT_vec3(g, k->R, body->gravity);
   fbi_gravity_eval(c, k->x, body, k->qx, g);
   fbi_vec3_add(k->fg, body->mass, g);
-  fbi_vec3_add_cross(k->fg + 3, c, g);
+  fbi_vec3_add_cross(k->fg + 3, fbi_form(body) == 2 ? body->c : c, g);
 }
 #endif
 
@@ -3280,31 +3494,45 @@ static void fbi_forces(fbi_kinetics *k, const fb_body *body, const fb_state *sta
   }
 }
 
+/* f = x - dU/dq - C q_dot, the elastic forces; the strain energy is E8.23's and 1/2 q^T K q. */
+static void fbi_elastic_forces(fb_real *f, fbi_kinetics *k, const fb_body *body, const fb_real *q, const fb_real *q_dot)
+{
+#if FB_WITH_NONLINEAR_STRAIN
+  if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
+    fbi_strain_sub(k->x + 1, k->slope, body, q, body->quartic);
+  }
+#endif
+  fbi_sparse_eval(f, k->x + 1, FB_R(-1.0), &body->K, q, body->n);
+#if FB_WITH_DAMPING
+  if (fbi_has(body->effects, FB_EFFECT_DAMPING)) {
+    fbi_sparse_eval(f, f, FB_R(-1.0), &body->C, q_dot, body->n);
+  }
+#endif
+  (void)q_dot;
+}
+
+/* (w x p, w x h + v x p): what turning axes add to the rate of momenta */
+static void fbi_turning(fb_real turn[6], const fb_real V[6], const fb_real ph[6])
+{
+  fb_vec3_cross(turn, V + 3, ph);
+  fb_vec3_cross(turn + 3, V + 3, ph + 3);
+  fbi_vec3_add_cross(turn + 3, V, ph);
+}
+
 /* [E8.17] Elastic equations.
    q_dot = M^-1 (pi - Lambda(q)^T V),  pi_dot = f_e - K q - C q_dot + d/dq (V^T Lambda(q) pb + 1/2 V^T S(q) V).
    These are Hamilton's equations of 1/2 y^T S^-1 y + 1/2 pi^T M^-1 pi + U, so any set of terms conserves energy.
    Source: DESIGN 2; [DB] (23), (25).  Fails: never.  Test: accelerations_agree_with_a_particle_model. */
 static void fbi_elastic_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state)
 {
-  const int n = body->n;
   fbi_lambda_gradients(k->e, k->x, body, k->V, k->qx, k->pb);
 #if FBI_WITH_SHAPE_INERTIA
   if (!body->constant_S) {
     fbi_S_gradient(k->x, body, k->V, k->qx);
   }
 #endif
-#if FB_WITH_NONLINEAR_STRAIN
-  if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
-    fbi_strain_sub(k->x + 1, k->slope, body, state->q);
-  }
-#endif
   fbi_mass_solve(rate->q, body, k->e);
-  fbi_sparse_eval(rate->pi, k->x + 1, FB_R(-1.0), &body->K, state->q, n);
-#if FB_WITH_DAMPING
-  if (fbi_has(body->effects, FB_EFFECT_DAMPING)) {
-    fbi_sparse_eval(rate->pi, rate->pi, FB_R(-1.0), &body->C, rate->q, n);
-  }
-#endif
+  fbi_elastic_forces(rate->pi, k, body, state->q, rate->q);
 }
 
 /* [E8.18] Rigid equations in inertial axes: rho_dot = R v, quat_dot = 1/2 quat o (0, w), P_dot = R f,
@@ -3337,6 +3565,283 @@ static void fbi_rigid_rates(fb_state *rate, const fbi_kinetics *k, const fb_body
   }
 }
 
+static fb_status fbi_momentum_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state)
+{
+  fbi_elastic_rates(rate, k, body, state);
+  fbi_rigid_rates(rate, k, body, state);
+  return FB_OK;
+}
+
+/* ---- 8e the other forms */
+
+#if FB_WITH_FORMS
+/* First of the six rigid rows that the base leaves free. */
+static int fbi_first_free(fb_base base)
+{
+  return base == FB_BASE_FREE ? 0 : base == FB_BASE_PINNED ? 3 : base == FB_BASE_HINGED ? 5 : 6;
+}
+
+/* (p, h) = S V + Lambda pb by the mass matrix of the form, which goes to k.S: M_rr(q), Lambda(q), or constant ones. */
+static void fbi_form_momenta(fbi_kinetics *k, const fb_body *body)
+{
+  if (body->form == FB_FORM_SECOND) {
+    fbi_S_eval(k->S, body, k->qx, body->n_S_value);
+  } else {
+    fbi_copy(k->S, body->M_rr, 21);
+  }
+  fb_sym6_mul_vec6(k->ph, k->S, k->V);
+  for (int t = 0; t < body->n_lambda_value; t++) {
+    const fb_lambda_term *term = &body->lambda[t];
+    k->ph[term->i] -= term->c * k->qx[term->a] * k->pb[term->b];
+  }
+}
+
+/* e -= Lambda^T V by the mass matrix of the form */
+static void fbi_form_lambda_sub(fb_real *e, const fb_body *body, const fb_real V[6], const fb_real *qx)
+{
+  for (int t = 0; t < body->n_lambda_value; t++) {
+    const fb_lambda_term *term = &body->lambda[t];
+    e[term->b] += term->c * qx[term->a] * V[term->i];
+  }
+}
+
+/* Rates of the pose; accelerations of what the base holds. */
+static void fbi_form_pose(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
+                          const fb_input *input)
+{
+  fb_mat33_mul_vec3(rate->rho, k->R, k->V);
+  fbi_quat_rate(rate->quat, state->quat, k->V + 3);
+  fbi_zero(k->V_dot, 6);
+  if (body->base == FB_BASE_PRESCRIBED && input) {
+    fbi_copy(k->V_dot, input->v_dot, 3);
+    fbi_copy(k->V_dot + 3, input->w_dot, 3);
+  }
+}
+
+/* Rates of the velocities that the state keeps: none where they are given. */
+static void fbi_form_velocity_rates(fb_state *rate, const fbi_kinetics *k, const fb_body *body)
+{
+  const int kept = body->base != FB_BASE_PRESCRIBED;
+  for (int i = 0; i < 3; i++) {
+    rate->P[i] = kept ? k->V_dot[i] : FB_R(0.0);
+    rate->L[i] = kept ? k->V_dot[3 + i] : FB_R(0.0);
+  }
+}
+
+/* Mass matrix of the second-order form: the rigid rows from first on, then the elastic ones; size x size. */
+static void fbi_second_matrix(fb_real *A, const fbi_kinetics *k, const fb_body *body, int first, int size)
+{
+  const int rigid = 6 - first;
+  fbi_zero(A, size * size);
+  for (int i = first; i < 6; i++) {
+    for (int j = first; j < 6; j++) {
+      A[(i - first) * size + j - first] = k->S[fb_sym6_index(i, j)];
+    }
+  }
+  for (int t = 0; t < body->n_lambda_value; t++) {
+    const fb_lambda_term *term = &body->lambda[t];
+    const int row = term->i - first, column = rigid + term->b;
+    if (row >= 0) {
+      A[row * size + column] -= term->c * k->qx[term->a];
+      A[column * size + row] -= term->c * k->qx[term->a];
+    }
+  }
+  for (int a = 0; a < body->n; a++) {
+    A[(rigid + a) * (size + 1)] = body->M.diagonal[a];
+  }
+  for (int t = 0; t < body->M.n_term; t++) {
+    const int a = rigid + body->M.term[t].a, b = rigid + body->M.term[t].b;
+    A[a * size + b] = A[b * size + a] = body->M.term[t].c;
+  }
+}
+
+/* [E8.25] Second-order form. With y = (f, g) - turning of (p, h) - M_rr_dot V - Lambda_dot q_dot
+   [M_rr(q) Lambda(q); Lambda(q)^T M] (V_dot; q_ddot) =
+     (y; f_e - dU/dq - C q_dot - Lambda_dot^T V + d/dq (V^T Lambda q_dot + 1/2 V^T M_rr V)),
+   solved by dense LU at every evaluation. Written out for a linear displacement field these are the printed equations:
+   Lambda = M_re(q) = [P; h(q)], M_rr(q) = [m 1, -c(q)^; c(q)^, J(q)].
+   Source: [DB] (7)-(8) with errata items 1 and 2.  Cost: 2/3 (n+6)^3 flops.  Fails: mass matrix singular.
+   Test: second_order_form_is_the_printed_one, forms_agree_on_a_closed_basis. */
+static fb_status fbi_second_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state)
+{
+  const int n = body->n, first = fbi_first_free(body->base), size = 6 - first + n;
+  fb_real A[(FB_MAX_MODES + 6) * (FB_MAX_MODES + 6)], b[FB_MAX_MODES + 6], x[FB_MAX_MODES + 6], scale[FB_MAX_MODES + 6];
+  fb_real xd[FB_MAX_MODES + 1], turn[6], SV[6], *f = b + 6 - first;
+  int perm[FB_MAX_MODES + 6];
+  fb_status status;
+  xd[0] = FB_R(0.0);
+  fbi_copy(xd + 1, k->pb, n);
+  fbi_form_momenta(k, body);
+  fbi_turning(turn, k->V, k->ph);
+  fbi_S_rate(k->dS, body, k->qx, xd);
+  fb_sym6_mul_vec6(SV, k->dS, k->V);
+  for (int i = 0; i < 6; i++) {
+    k->y[i] = k->fg[i] - turn[i] - SV[i];
+  }
+  fbi_lambda_linear_sub(k->y, body, xd, k->pb);
+  fbi_copy(b, k->y + first, 6 - first);
+  fbi_zero(k->e, n);
+  fbi_lambda_linear_gradients(k->e, k->x, body, k->V, xd, k->pb); /* k.e = -Lambda_dot^T V */
+  fbi_S_gradient(k->x, body, k->V, k->qx);
+  if (first == 6) {
+    fbi_form_lambda_sub(k->e, body, k->V_dot, k->qx);
+  }
+  fbi_elastic_forces(f, k, body, state->q, k->pb);
+  for (int a = 0; a < n; a++) {
+    f[a] += k->e[a];
+  }
+  fbi_second_matrix(A, k, body, first, size);
+  status = fb_lu_factor(A, perm, scale, size);
+  if (status != FB_OK) {
+    return status == FB_ERR_SINGULAR ? FB_ERR_RANGE : status;
+  }
+  fb_lu_solve(x, A, perm, b, size);
+  fbi_copy(k->V_dot + first, x, 6 - first);
+  fbi_copy(rate->q, k->pb, n);
+  fbi_copy(rate->pi, x + 6 - first, n);
+  return FB_OK;
+}
+
+#if FB_WITH_NONLINEAR_STRAIN
+/* [E8.26] Stiffness torque as printed, degrees 2 and 3 from the slopes at the strain stations, degree 1 from E8.24's table:
+   g_s,3 = .. + int EA (-u_x'^2 + 1/2 r - 1/2 u_x' r) u_y' dx, g_s,2 the same with -u_z', r = u_y'^2 + u_z'^2. g -= g_s.
+   Source: [DB] (34)-(36) with errata items 10, 11.  Cost: 10 flops a station.  Fails: never.
+   Test: stiffness_torques_agree_on_a_closed_basis, spin_up_follows_the_references_of_each_form. */
+static void fbi_printed_torque_sub(fb_real g[3], const fbi_kinetics *k, const fb_body *body)
+{
+  const fb_real second = body->torque_degree >= 2 ? FB_R(1.0) : FB_R(0.0);
+  const fb_real third = body->torque_degree >= 3 ? FB_R(1.0) : FB_R(0.0);
+  for (int t = 0; t < body->n_torque; t++) {
+    const fb_lambda_term *term = &body->torque[t];
+    g[term->i] -= term->c * k->qx[term->a] * k->qx[term->b + 1];
+  }
+  for (int s = 0; s < body->n_strain; s++) {
+    const fb_real x = k->slope[0][s], y = k->slope[1][s], z = k->slope[2][s], half = FB_R(0.5) * (y * y + z * z);
+    const fb_real c = body->strain_weight[s] * (second * (half - x * x) - third * x * half);
+    g[1] += c * z;
+    g[2] -= c * y;
+  }
+}
+#endif
+
+/* [E8.27] Stiffness torque by the identity g_s = q_b Upsilon_b M^-1 dU/dq; of the elastic forces those are in it whose degree
+   truncation leaves. g -= g_s; minus_dU is what acts on the modes.
+   Source: [DB] (49).  Cost: 3 n_lambda flops.  Fails: never.
+   Test: stiffness_torques_agree_on_a_closed_basis, spin_up_follows_the_references_of_each_form. */
+static void fbi_identity_torque_sub(fb_real y[6], const fbi_kinetics *k, const fb_body *body, const fb_real *q,
+                                    const fb_real *minus_dU)
+{
+  fb_real f[FB_MAX_MODES], acceleration[FB_MAX_MODES];
+  if (body->torque_degree == 0) {
+    return;
+  }
+  fbi_copy(f, minus_dU, body->n);
+  if (body->torque_degree < 3) {
+    fbi_sparse_eval(f, NULL, FB_R(-1.0), &body->K, q, body->n);
+#if FB_WITH_NONLINEAR_STRAIN
+    if (body->torque_degree == 2 && fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
+      fb_real slope[3][FBI_MAX_STRAINS];
+      fbi_strain_sub(f, slope, body, q, FB_R(0.0));
+    }
+#endif
+  }
+  fbi_mass_solve(acceleration, body, f);
+  fbi_lambda_linear_sub(y, body, k->qx, acceleration);
+}
+
+/* Inertia forces of the first-order form: y = (f, g) less [DB] (23)'s rigid rows, f less its elastic ones. */
+static void fbi_first_inertia(fb_real *f, fbi_kinetics *k, const fb_body *body)
+{
+  const fb_real *w = k->V + 3;
+  fb_real wv[6] = {0}, wp[3], cwv[3], Jw[3], wJw[3], G[9] = {0}, Gw[3];
+  fbi_form_momenta(k, body);
+  fb_vec3_cross(wv, w, k->V);
+  fb_vec3_cross(wp, w, k->ph);
+  fb_vec3_cross(cwv, body->c, wv);
+  Jw[0] = k->S[15] * w[0] + k->S[16] * w[1] + k->S[17] * w[2];
+  Jw[1] = k->S[16] * w[0] + k->S[18] * w[1] + k->S[19] * w[2];
+  Jw[2] = k->S[17] * w[0] + k->S[19] * w[1] + k->S[20] * w[2];
+  fb_vec3_cross(wJw, w, Jw);
+  for (int t = 0; t < body->n_gam; t++) {
+    const fb_lambda_term *term = &body->gam[t];
+    G[term->i] += term->c * k->pb[term->a - 1];
+    k->x[term->a] += term->c * w[term->i / 3] * w[term->i % 3];
+  }
+  fb_mat33_mulT_vec3(Gw, G, w);
+  for (int i = 0; i < 3; i++) {
+    k->y[i] = k->fg[i] - wp[i];
+    k->y[3 + i] = k->fg[3 + i] - cwv[i] - wJw[i] - Gw[i];
+  }
+  fbi_zero(f, body->n);
+  fbi_form_lambda_sub(f, body, wv, k->qx);
+}
+
+/* [E8.28] First-order form: with the constant mass matrix
+   m v_dot - c^ w_dot + P v_e_dot + w x (m v - c^ w + P v_e) = f
+   c^ v_dot + J w_dot + H v_e_dot + c^ (w x v) + w x J w + sum_a v_a Gamma_a^T w + g_s(q) = g + F_re q
+   P^T v_dot + H^T w_dot + M v_e_dot + P^T (w x v) - w^T Gamma_a w + w^T ups_ab v_b + dU/dq = f_e,   q_dot = v_e + M^-1 q_b Ups_b^T w.
+   Solved by the Schur complement of M, a constant 6x6 whose inverse is at hand.
+   Source: [DB] (23)-(25); F_re q takes u x F off the torque, loads act at the undeformed arm.  Cost: 4 n_lambda + 300 flops.
+   Fails: never.  Test: forms_agree_on_a_closed_basis, spin_up_follows_the_references_of_each_form. */
+static void fbi_first_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state)
+{
+  const int n = body->n;
+  fb_real f[FB_MAX_MODES], minus_dU[FB_MAX_MODES], a[FB_MAX_MODES], y[6];
+  fbi_zero(k->e, n);
+  fbi_lambda_linear_gradients(k->e, k->x, body, k->V, k->qx, k->pb);
+  fbi_mass_solve(rate->q, body, k->e);
+  for (int i = 0; i < n; i++) {
+    rate->q[i] += k->pb[i];
+  }
+  fbi_first_inertia(f, k, body);
+  for (int i = 0; i < n; i++) {
+    f[i] += k->x[i + 1];
+    k->x[i + 1] = FB_R(0.0);
+  }
+  fbi_elastic_forces(minus_dU, k, body, state->q, rate->q);
+#if FB_WITH_NONLINEAR_STRAIN
+  if (body->stiffness_torque != FB_TORQUE_IDENTITY) {
+    fbi_printed_torque_sub(k->y + 3, k, body);
+  }
+#endif
+  if (body->stiffness_torque == FB_TORQUE_IDENTITY) {
+    fbi_identity_torque_sub(k->y, k, body, state->q, minus_dU);
+  }
+  for (int i = 0; i < n; i++) {
+    f[i] += minus_dU[i];
+  }
+  if (body->base != FB_BASE_PRESCRIBED) {
+    fbi_copy(y, k->y, 6);
+    fbi_mass_solve(a, body, f);
+    for (const fb_lambda_term *t = body->lambda; t < body->lambda + body->n_lambda_constant; t++) {
+      y[t->i] += t->c * a[t->b];
+    }
+    for (int i = 0; i < 6; i++) {
+      k->V_dot[i] = fbi_vec6_dot(body->S0_inverse + 6 * i, y);
+    }
+  }
+  fbi_form_lambda_sub(f, body, k->V_dot, k->qx);
+  fbi_mass_solve(rate->pi, body, f);
+}
+
+static fb_status fbi_form_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
+                                const fb_input *input)
+{
+  fb_status status = FB_OK;
+  if (body->form == FB_FORM_MOMENTUM) {
+    return fbi_momentum_rates(rate, k, body, state);
+  }
+  fbi_form_pose(rate, k, body, state, input);
+  if (body->form == FB_FORM_SECOND) {
+    status = fbi_second_rates(rate, k, body, state);
+  } else {
+    fbi_first_rates(rate, k, body, state);
+  }
+  fbi_form_velocity_rates(rate, k, body);
+  return status;
+}
+#endif
+
 static fb_status fbi_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
                            const fb_input *input)
 {
@@ -3345,9 +3850,11 @@ static fb_status fbi_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body,
     return status;
   }
   fbi_forces(k, body, state, input);
-  fbi_elastic_rates(rate, k, body, state);
-  fbi_rigid_rates(rate, k, body, state);
-  return FB_OK;
+#if FB_WITH_FORMS
+  return fbi_form_rates(rate, k, body, state, input);
+#else
+  return fbi_momentum_rates(rate, k, body, state);
+#endif
 }
 
 static int fbi_state_is_finite(const fb_state *state, int n)
@@ -3366,7 +3873,7 @@ FB_DEF fb_status fb_body_rates(const fb_body *body, fb_state *rate, const fb_sta
   return status == FB_OK && !fbi_state_is_finite(rate, body->n) ? FB_ERR_NOT_FINITE : status;
 }
 
-/* ---- 8e state, motion, energy, momentum */
+/* ---- 8f state, motion, energy, momentum */
 
 FB_DEF fb_status fb_state_init(const fb_body *body, fb_state *state)
 {
@@ -3407,13 +3914,52 @@ FB_DEF fb_status fb_state_check(const fb_body *body, const fb_state *state)
 static void fbi_momenta(fbi_kinetics *k, const fb_body *body)
 {
   fb_real elastic[6] = {0};
-  fbi_S_eval(k->S, body, k->qx);
+  fbi_S_eval(k->S, body, k->qx, body->n_S);
   fb_sym6_mul_vec6(k->ph, k->S, k->V);
   fbi_lambda_sub(elastic, body, k->qx, k->pb);
   for (int i = 0; i < 6; i++) {
     k->ph[i] -= elastic[i];
   }
 }
+
+#if FB_WITH_FORMS
+/* The state of a form from pose, V and q_dot (in state.pi): velocities of what is free, and q_dot or v_e (E8.28). */
+static void fbi_form_state(fb_state *state, fbi_kinetics *k, const fb_body *body)
+{
+  const int kept = body->base != FB_BASE_PRESCRIBED;
+  fb_real v[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0};
+  for (int i = 0; i < 3; i++) {
+    state->P[i] = kept ? k->V[i] : FB_R(0.0);
+    state->L[i] = kept ? k->V[3 + i] : FB_R(0.0);
+  }
+  if (body->form == FB_FORM_FIRST) {
+    fbi_zero(k->e, body->n);
+    fbi_lambda_linear_gradients(k->e, unused, body, k->V, k->qx, state->pi);
+    fbi_mass_solve(v, body, k->e);
+    for (int a = 0; a < body->n; a++) {
+      state->pi[a] -= v[a];
+    }
+  }
+}
+
+/* True momenta: of the first-order form by those of the momentum form, pi = M v_e + M_re^T V. */
+static void fbi_form_true_momenta(fbi_kinetics *k, const fb_body *body)
+{
+  fb_real pi[FB_MAX_MODES];
+  if (body->form == FB_FORM_SECOND) {
+    fbi_form_momenta(k, body);
+    return;
+  }
+  fbi_zero(k->e, body->n);
+  fbi_form_lambda_sub(k->e, body, k->V, k->qx);
+  fbi_mass_solve(pi, body, k->e);
+  for (int a = 0; a < body->n; a++) {
+    k->Minv_pi[a] = k->pb[a] - pi[a];
+  }
+  k->pb = k->Minv_pi;
+  fbi_momenta(k, body);
+}
+#endif
 
 FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, const fb_real v[3], const fb_real w[3],
                                         const fb_real *q_dot)
@@ -3440,6 +3986,14 @@ FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, co
   fbi_copy(k.qx + 1, state->q, n);
   fbi_copy(k.V, v, 3);
   fbi_copy(k.V + 3, w, 3);
+#if FB_WITH_FORMS
+  if (body->form != FB_FORM_MOMENTUM) {
+    fbi_copy(out.pi, q_dot ? q_dot : zero, n);
+    fbi_form_state(&out, &k, body);
+    *state = out;
+    return FB_OK;
+  }
+#endif
   fbi_zero(e, n); /* pi = M q_dot + Lambda(q)^T V */
   fbi_lambda_gradients(e, unused, body, k.V, k.qx, zero);
   fbi_mass_mul(out.pi, body, q_dot ? q_dot : zero);
@@ -3478,6 +4032,33 @@ static void fbi_reactions(fb_motion *m, const fb_body *body, const fb_real S[21]
   }
 }
 
+#if FB_WITH_FORMS
+/* Accelerations of the other forms: the rates are accelerations already, but that of q_dot = v_e + M^-1 q_b Ups_b^T w. */
+static void fbi_form_motion(fb_motion *m, fbi_kinetics *k, const fb_body *body, const fb_state *rate)
+{
+  fb_real xd[FB_MAX_MODES + 1], y[6], unused[FB_MAX_MODES + 1] = {0};
+  xd[0] = FB_R(0.0);
+  fbi_copy(xd + 1, rate->q, body->n);
+  fbi_copy(m->v_dot, k->V_dot, 3);
+  fbi_copy(m->w_dot, k->V_dot + 3, 3);
+  fbi_zero(k->e, body->n);
+  if (body->form == FB_FORM_FIRST) {
+    fbi_lambda_linear_gradients(k->e, unused, body, k->V, xd, k->pb);
+    fbi_lambda_linear_gradients(k->e, unused, body, k->V_dot, k->qx, k->pb);
+  }
+  fbi_mass_solve(m->q_ddot, body, k->e);
+  for (int a = 0; a < body->n; a++) {
+    m->q_ddot[a] += rate->pi[a];
+  }
+  fbi_copy(y, k->y, 6);
+  for (int t = 0; t < body->n_lambda_value; t++) {
+    const fb_lambda_term *term = &body->lambda[t];
+    y[term->i] += term->c * k->qx[term->a] * rate->pi[term->b];
+  }
+  fbi_reactions(m, body, k->S, k->V_dot, y);
+}
+#endif
+
 /* [E8.19] Accelerations from the rates of the state: differentiate E8.13 and E8.17,
    S V_dot = d/dt(p, h) - S_dot V - Lambda_dot pb - Lambda pb_dot,
    q_ddot = M^-1 (pi_dot - Lambda^T V_dot - Lambda_dot^T V);
@@ -3494,9 +4075,7 @@ static fb_status fbi_accelerations(fb_motion *m, fbi_kinetics *k, const fb_body 
   fbi_mass_solve(pb_dot, body, rate->pi);
   fbi_momenta(k, body);
   fbi_S_rate(k->dS, body, k->qx, xd);
-  fb_vec3_cross(turn, k->V + 3, k->ph); /* (w x p, w x h + v x p): turning of the axes */
-  fb_vec3_cross(turn + 3, k->V + 3, k->ph + 3);
-  fbi_vec3_add_cross(turn + 3, k->V, k->ph);
+  fbi_turning(turn, k->V, k->ph);
   fb_sym6_mul_vec6(SV, k->dS, k->V);
   for (int i = 0; i < 6; i++) {
     y[i] = k->fg[i] - turn[i] - SV[i];
@@ -3538,7 +4117,14 @@ FB_DEF fb_status fb_body_motion(const fb_body *body, fb_motion *motion, const fb
   fbi_copy(out.v, k.V, 3);
   fbi_copy(out.w, k.V + 3, 3);
   fbi_copy(out.q_dot, rate.q, body->n);
-  status = fbi_accelerations(&out, &k, body, &rate, input);
+#if FB_WITH_FORMS
+  if (body->form != FB_FORM_MOMENTUM) {
+    fbi_form_motion(&out, &k, body, &rate);
+  }
+#endif
+  if (fbi_form(body) == 0) {
+    status = fbi_accelerations(&out, &k, body, &rate, input);
+  }
   if (status == FB_OK &&
       (!fbi_is_finite(out.v, 3) || !fbi_is_finite(out.w, 3) || !fbi_is_finite(out.v_dot, 3) ||
        !fbi_is_finite(out.w_dot, 3) || !fbi_is_finite(out.q_dot, body->n) || !fbi_is_finite(out.q_ddot, body->n))) {
@@ -3607,6 +4193,28 @@ FB_DEF fb_status fb_body_node_motion(const fb_body *body, fb_node_motion *out, c
   return FB_OK;
 }
 
+static fb_real fbi_kinetic_energy(fbi_kinetics *k, const fb_body *body, const fb_state *state)
+{
+  fb_real SV[6], T = FB_R(0.0);
+#if FB_WITH_FORMS
+  if (body->form != FB_FORM_MOMENTUM) { /* 1/2 V^T (p, h) + 1/2 pb^T (M pb + Lambda^T V) */
+    fbi_form_momenta(k, body);
+    fbi_sparse_eval(k->e, NULL, FB_R(-1.0), &body->M, k->pb, body->n);
+    fbi_form_lambda_sub(k->e, body, k->V, k->qx);
+    for (int a = 0; a < body->n; a++) {
+      T -= FB_R(0.5) * k->pb[a] * k->e[a];
+    }
+    return T + FB_R(0.5) * fbi_vec6_dot(k->ph, k->V);
+  }
+#endif
+  fbi_S_eval(k->S, body, k->qx, body->n_S);
+  fb_sym6_mul_vec6(SV, k->S, k->V);
+  for (int a = 0; a < body->n; a++) {
+    T += FB_R(0.5) * state->pi[a] * k->pb[a];
+  }
+  return T + FB_R(0.5) * fbi_vec6_dot(SV, k->V);
+}
+
 /* [E8.21] T = 1/2 V^T S V + 1/2 pi^T M^-1 pi (the square completed), U = 1/2 q^T K q, gravity -m g.rho - g.R c(q).
    Source: DESIGN 2, T = 1/2 (p.v + h.w + pi_e.q_dot).  Fails: as the rates.
    Test: momenta_agree_with_a_particle_model, tumbling_conserves_momentum_and_energy. */
@@ -3614,21 +4222,17 @@ FB_DEF fb_status fb_body_energy(const fb_body *body, fb_energy *energy, const fb
 {
   fbi_kinetics k;
   fb_energy out;
-  fb_real SV[6];
   fb_status status;
   FBI_REQUIRE(body && energy && state, FB_ERR_NULL);
   status = fbi_velocity(&k, body, state, input);
   if (status != FB_OK) {
     return status;
   }
-  fbi_S_eval(k.S, body, k.qx);
-  fb_sym6_mul_vec6(SV, k.S, k.V);
-  out.kinetic = FB_R(0.5) * (fb_vec3_dot(SV, k.V) + fb_vec3_dot(SV + 3, k.V + 3));
+  out.kinetic = fbi_kinetic_energy(&k, body, state);
   out.strain = FB_R(0.0);
   out.gravity = FB_R(0.0);
   fbi_sparse_eval(k.e, NULL, FB_R(0.5), &body->K, state->q, body->n); /* k.e is spent */
   for (int a = 0; a < body->n; a++) {
-    out.kinetic += FB_R(0.5) * state->pi[a] * k.pb[a];
     out.strain += state->q[a] * k.e[a];
   }
 #if FB_WITH_NONLINEAR_STRAIN
@@ -3663,8 +4267,15 @@ FB_DEF fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, co
   if (status != FB_OK) {
     return status;
   }
-  if (body->base != FB_BASE_FREE) {
-    fbi_momenta(&k, body);
+  if (fbi_form(body) != 0 || body->base != FB_BASE_FREE) {
+#if FB_WITH_FORMS
+    if (body->form != FB_FORM_MOMENTUM) {
+      fbi_form_true_momenta(&k, body);
+    }
+#endif
+    if (fbi_form(body) == 0) {
+      fbi_momenta(&k, body);
+    }
     fb_mat33_mul_vec3(momentum->linear, k.R, k.ph);
     fb_mat33_mul_vec3(momentum->angular, k.R, k.ph + 3);
   } else {
@@ -3679,14 +4290,15 @@ FB_DEF fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, co
    11 >>integrate (uses 1-8) */
 
 /* Bound of the highest frequency (E8.8) with deflected, stretched beams: of a slope s and a strain e
-   k <= limit_elastic (1 + s) + limit_slope (s + s^2 + e), from (u_x' + s u_y')^2 <= (1 + s) u_x'^2 + (s + s^2) u_y'^2. */
+   k <= (sqrt(limit_elastic) + s sqrt(limit_slope))^2 + e limit_slope, the triangle inequality for u_x' + s u_y'. */
 static fb_real fbi_frequency_bound(const fb_body *body, fb_real spin, fb_real acceleration, fb_real slope,
                                    fb_real strain)
 {
   const fb_real g = FB_FABS(spin) + FB_R(0.5) * body->limit_damping;
   fb_real k = body->limit_spin * spin * spin + body->limit_acceleration * FB_FABS(acceleration);
 #if FB_WITH_NONLINEAR_STRAIN
-  k += body->limit_elastic * (FB_R(1.0) + slope) + body->limit_slope * (slope + slope * slope + strain);
+  const fb_real root = FB_SQRT(body->limit_elastic) + slope * FB_SQRT(body->limit_slope);
+  k += root * root + strain * body->limit_slope;
 #else
   k += body->limit_elastic;
   (void)slope, (void)strain;

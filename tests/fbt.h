@@ -9,6 +9,9 @@
 #ifndef FB_MAX_MODES
 #define FB_MAX_MODES 24
 #endif
+#ifndef FB_WITH_FORMS
+#define FB_WITH_FORMS 1
+#endif
 #include "../flexbeam.h"
 #include <math.h>
 #include <stdio.h>
