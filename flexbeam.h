@@ -443,7 +443,7 @@ typedef struct fb_modes_desc {
   fb_real spin, spin_radius;
   /* FB_BASIS_FUNCTIONS: polynomial degree in an element, 3..8 (0: 3, cubic Hermite; above 5 for double precision); with n_element elements there are
      2 n_element + (degree - 3) n_element functions, in the order of the bending frequencies, and count says how many to keep in
-     each direction. root_strain = 1: u_x gets one more function, with a slope at the root, where strain is largest; without it
+     each direction; the coordinates are f_1 along y, z and x, f_2 along y, z and x, and so on. root_strain = 1: u_x gets one more function, with a slope at the root, where strain is largest; without it
      the axial strain at the root is zero, with it the basis is not quite closed. */
   int degree, root_strain;
 } fb_modes_desc;
@@ -642,6 +642,10 @@ typedef struct fb_lambda_term {
   unsigned short i, a, b;
 } fb_lambda_term;
 
+typedef struct fb_lambda_row { /* row i of Lambda, and where its terms linear in q end in the list; ascending */
+  unsigned short i, end;
+} fb_lambda_row;
+
 typedef struct fb_S_term {
   fb_real c;
   unsigned short i, pair;
@@ -679,6 +683,7 @@ typedef struct fb_body {
   int allow_long_step;
   int n_lambda, n_lambda_constant; /* terms of Lambda; those of a = 0 come first */
   int n_linear_constant, n_linear; /* of either kind those of the linear momentum, first among them */
+  int n_row;                       /* rows of Lambda that have terms linear in q */
   int n_S, n_pair;                 /* terms of S, and the pairs of (1, q) they belong to */
   fb_real mass, c[3];
   fb_real deflection_limit, reach[FB_MAX_MODES];
@@ -694,11 +699,11 @@ typedef struct fb_body {
   fb_lambda_term torque[FBI_MAX_TORQUE]; /* stiffness torque, element i of 3, bilinear in q_a q_b */
 #endif
 #if FB_WITH_NONLINEAR_STRAIN
-  int n_strain, n_row;
+  int n_strain, n_strain_row;
   fb_real quartic;     /* 1, or 0 where the strain energy of degree 4 is left out */
   fb_real limit_slope; /* largest eigenvalue of EA u_y' u_y' + EA u_z' u_z' against the elastic mass */
   fb_real strain_weight[FBI_MAX_STRAINS];
-  fb_strain_row row[3 * FB_MAX_MODES];
+  fb_strain_row strain_row[3 * FB_MAX_MODES];
 #endif
   fb_real S0[21], S0_inverse[36];
   fb_sparse M, Minv, K; /* elastic mass (it and its inverse are used when not 1) and stiffness */
@@ -708,6 +713,7 @@ typedef struct fb_body {
 #if FB_WITH_GRAVITY
   fb_real gravity[3];
 #endif
+  fb_lambda_row lambda_row[6];
   fb_lambda_term lambda[FBI_MAX_LAMBDA]; /* -Lambda_ib(q) = sum of c (1, q)_a */
   fb_S_term S[FBI_MAX_S];                /* S_i(q) = S0_i + sum of c (1, q)_a (1, q)_b over its pairs */
   fb_S_pair pair[FBI_MAX_PAIRS_S];

@@ -376,6 +376,7 @@ FB_DEF fb_status fb_quat_normalize(fb_real q[4])
 static void fbi_row_sub(fb_real *y, fb_real s, const fb_real *x, int n)
 {
   int j = 0;
+  FBI_UNROLL
   for (; j + 4 <= n; j += 4) {
     const fb_real a = y[j] - s * x[j], b = y[j + 1] - s * x[j + 1], c = y[j + 2] - s * x[j + 2],
                   d = y[j + 3] - s * x[j + 3];
@@ -1680,6 +1681,7 @@ static fb_status fbi_functions_take(const fb_modes_desc *desc, fb_modes_work *wo
   const int degree = desc->degree > 0 ? desc->degree : 3;
   const int ndof = fbi_function_ndof(beam->desc.n_element, degree), m = ndof - 2;
   fb_real *f = work->Mc; /* m x ndof; the reduced matrices are spent by then */
+  int count[3];
   fb_status status;
   if (beam->desc.root != FB_ROOT_CLAMPED || desc->degree < 0 || degree < 3 || degree > FBI_DEGREE) {
     return FB_ERR_VALUE;
@@ -1706,25 +1708,30 @@ static fb_status fbi_functions_take(const fb_modes_desc *desc, fb_modes_work *wo
   out->degree = degree;
   out->ndof = ndof;
   for (int d = 0; d < 3; d++) {
-    const fb_kind kind = order[d];
-    const int count = desc->count[kind] < FB_ALL_MODES ? desc->count[kind] : group[kind] >= 0 ? m : 0;
-    const int root = kind == FB_KIND_AXIAL && count > 0 && desc->root_strain;
-    if (count > m || out->n + count + root > FB_MAX_MODES) {
-      return count > m ? FB_ERR_KIND : FB_ERR_CAPACITY;
+    count[d] = desc->count[order[d]] < FB_ALL_MODES ? desc->count[order[d]] : group[order[d]] >= 0 ? m : 0;
+    if (count[d] > m) {
+      return FB_ERR_KIND;
     }
-    for (int k = 0; k < count + root; k++, out->n++) {
-      out->kind[out->n] = kind;
-      out->omega[out->n] = FB_R(0.0);
-      fb_real *shape = out->shape + out->n * ndof;
-      fbi_zero(shape, ndof);
-      shape[1] = FB_R(1.0); /* a slope at the root */
-      if (k < count) {
-        fbi_copy(shape, f + k * ndof, ndof);
-      } else {
-        fbi_orthonormalize(shape, f, work->M, m, ndof);
+  }
+  if (count[0] + count[1] + count[2] + (desc->root_strain != 0) > FB_MAX_MODES) {
+    return FB_ERR_CAPACITY;
+  }
+  for (int k = 0; k < m; k++) { /* y, z and x in turn: sums over the coordinates then do not wait for each other */
+    for (int d = 0; d < 3; d++) {
+      if (k < count[d]) {
+        out->kind[out->n] = order[d];
+        fbi_copy(out->shape + out->n++ * ndof, f + k * ndof, ndof);
       }
     }
   }
+  if (desc->root_strain && count[2] > 0) {
+    fb_real *shape = out->shape + out->n * ndof;
+    fbi_zero(shape, ndof);
+    shape[1] = FB_R(1.0); /* a slope at the root */
+    fbi_orthonormalize(shape, f, work->M, m, ndof);
+    out->kind[out->n++] = FB_KIND_AXIAL;
+  }
+  fbi_zero(out->omega, out->n);
   fbi_modes_matrices(out, beam);
   return FB_OK;
 }
@@ -2369,29 +2376,47 @@ static fb_real fbi_lambda_size(const fb_shape *shape, int i, int a, int b)
   return size;
 }
 
-/* Lists the elements of -Lambda_a that are not zero to rounding, a = first..last; those of the linear momentum first. Returns
-   how many these are. */
-static int fbi_lambda_list(fb_body *body, const fb_shape *shape, const fb_real *Lambda, int first, int last)
+/* Appends element (i, b) of -Lambda_a to the list where it is not zero to rounding. */
+static void fbi_lambda_list_term(fb_body *body, const fb_shape *shape, const fb_real *Lambda, int i, int a, int b)
+{
+  const fb_real value = Lambda[(a * 6 + i) * body->n + b];
+  if (FB_FABS(value) > FBI_ROUNDING * fbi_lambda_size(shape, i, a, b)) {
+    fb_lambda_term *term = &body->lambda[body->n_lambda++];
+    term->c = -value;
+    term->i = (unsigned short)i;
+    term->a = (unsigned short)a;
+    term->b = (unsigned short)b;
+  }
+}
+
+/* The constant terms: those of the linear momentum first, rows in turn, so that sums do not wait for each other. Then the terms
+   linear in q, row by row: there are more of them, and a row's sum stays in a register. */
+static void fbi_lambda_list(fb_body *body, const fb_shape *shape, const fb_real *Lambda)
 {
   const int n = body->n;
-  const int start = body->n_lambda;
-  int linear = 0;
-  for (int i = 0; i < 6; i++) {
-    for (int a = first; a <= last; a++) {
-      for (int b = 0; b < n; b++) {
-        const fb_real value = Lambda[(a * 6 + i) * n + b];
-        if (FB_FABS(value) > FBI_ROUNDING * fbi_lambda_size(shape, i, a, b)) {
-          fb_lambda_term *term = &body->lambda[body->n_lambda++];
-          term->c = -value;
-          term->i = (unsigned short)i;
-          term->a = (unsigned short)a;
-          term->b = (unsigned short)b;
-        }
+  body->n_lambda = body->n_linear_constant = body->n_linear = body->n_row = 0;
+  for (int half = 0; half < 6; half += 3) {
+    for (int b = 0; b < n; b++) {
+      for (int i = half; i < half + 3; i++) {
+        fbi_lambda_list_term(body, shape, Lambda, i, 0, b);
       }
     }
-    linear = i == 2 ? body->n_lambda - start : linear;
+    body->n_linear_constant = half == 0 ? body->n_lambda : body->n_linear_constant;
   }
-  return linear;
+  body->n_lambda_constant = body->n_lambda;
+  for (int i = 0; i < 6; i++) {
+    const int before = body->n_lambda;
+    for (int a = 1; a <= n; a++) {
+      for (int b = 0; b < n; b++) {
+        fbi_lambda_list_term(body, shape, Lambda, i, a, b);
+      }
+    }
+    if (body->n_lambda > before) {
+      body->lambda_row[body->n_row].i = (unsigned short)i;
+      body->lambda_row[body->n_row++].end = (unsigned short)body->n_lambda;
+    }
+    body->n_linear = i == 2 ? body->n_lambda - body->n_lambda_constant : body->n_linear;
+  }
 }
 
 /* A 6x6 of blocks [m 1, -c^; c^, J] from m, c and J, packed; the symmetric part of J counts. */
@@ -2694,7 +2719,7 @@ static fb_status fbi_base_solve(fb_real x[6], fb_base base, const fb_real S[21],
 static void fbi_strain_fill(fb_body *body, const fb_shape *shape, fb_truncation truncation)
 {
   body->n_strain = 0;
-  body->n_row = 0;
+  body->n_strain_row = 0;
   body->quartic = truncation == FB_TRUNCATE_ABOVE_1 ? FB_R(0.0) : FB_R(1.0);
   if (!fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
     return;
@@ -2708,7 +2733,7 @@ static void fbi_strain_fill(fb_body *body, const fb_shape *shape, fb_truncation 
       largest = fbi_larger(largest, FB_FABS(slope[g]));
     }
     if (largest > FB_R(0.0)) {
-      fb_strain_row *row = &body->row[body->n_row++];
+      fb_strain_row *row = &body->strain_row[body->n_strain_row++];
       fbi_copy(row->slope, slope, FBI_MAX_STRAINS);
       row->axis = (unsigned short)(i % 3);
       row->a = (unsigned short)(i / 3);
@@ -2720,9 +2745,9 @@ static void fbi_strain_fill(fb_body *body, const fb_shape *shape, fb_truncation 
 static void fbi_slope_matrix(fb_real *A, const fb_body *body)
 {
   const int n = body->n;
-  for (int i = 0; i < body->n_row; i++) {
-    for (int j = 0; j < body->n_row; j++) {
-      const fb_strain_row *a = &body->row[i], *b = &body->row[j];
+  for (int i = 0; i < body->n_strain_row; i++) {
+    for (int j = 0; j < body->n_strain_row; j++) {
+      const fb_strain_row *a = &body->strain_row[i], *b = &body->strain_row[j];
       for (int g = 0; g < body->n_strain && a->axis == b->axis && a->axis > 0; g++) {
         A[a->a * n + b->a] += body->strain_weight[g] * a->slope[g] * b->slope[g];
       }
@@ -3017,10 +3042,7 @@ FB_DEF fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape 
     return status;
   }
   fbi_lambda_fill(work->Lambda, shape, n, ups, chi);
-  out->n_lambda = 0;
-  out->n_linear_constant = fbi_lambda_list(out, shape, work->Lambda, 0, 0);
-  out->n_lambda_constant = out->n_lambda;
-  out->n_linear = fbi_lambda_list(out, shape, work->Lambda, 1, n);
+  fbi_lambda_list(out, shape, work->Lambda);
   fbi_lambda_fill(work->Lambda, shape, n, ups && fbi_has(out->effects, FB_EFFECT_RESIDUAL_INERTIA), chi);
   fbi_copy(work->L, shape->M, n * n);
   if (n > 0) {
@@ -3057,7 +3079,7 @@ typedef struct fbi_kinetics {   /* what an evaluation knows about a state */
   int loaded;                  /* loads or gravity act: fg is not zero */
   fb_real fg[6];               /* resultant force and torque about O of loads and gravity, body axes */
   fb_real x[FB_MAX_MODES + 1]; /* elastic forces by (1, q): loads and gravity, then inertia; x[0] is not used */
-  fb_real e[FB_MAX_MODES];     /* pi - Lambda^T V */
+  fb_real e[FB_MAX_MODES];     /* scratch */
 #if FB_WITH_FORMS
   fb_real y[6];     /* right-hand side of the rigid equations */
   fb_real V_dot[6]; /* accelerations, body axes */
@@ -3111,12 +3133,16 @@ static void fbi_mass_mul(fb_real *y, const fb_body *body, const fb_real *x)
   fbi_sparse_eval(y, NULL, FB_R(1.0), &body->M, x, body->n);
 }
 
-/* y -= sum_a q_a Lambda_a pb, the part of E8.9 that is linear in q; q by (1, q). */
+/* y -= sum_a q_a Lambda_a pb, the part of E8.9 that is linear in q; q by (1, q). Row by row: sums stay in registers. */
 static void fbi_lambda_linear_sub(fb_real y[6], const fb_body *body, const fb_real *qx, const fb_real *pb)
 {
   const fb_lambda_term *t = body->lambda + body->n_lambda_constant;
-  for (const fb_lambda_term *end = body->lambda + body->n_lambda; t < end; t++) {
-    y[t->i] += t->c * qx[t->a] * pb[t->b];
+  for (const fb_lambda_row *r = body->lambda_row; r < body->lambda_row + body->n_row; r++) {
+    fb_real sum = y[r->i];
+    for (const fb_lambda_term *end = body->lambda + r->end; t < end; t++) {
+      sum += t->c * qx[t->a] * pb[t->b];
+    }
+    y[r->i] = sum;
   }
 }
 
@@ -3125,7 +3151,8 @@ static void fbi_lambda_linear_sub(fb_real y[6], const fb_body *body, const fb_re
 static void fbi_lambda_sub(fb_real y[6], const fb_body *body, const fb_real *qx, const fb_real *pb)
 {
   const fb_lambda_term *t = body->lambda;
-  for (const fb_lambda_term *end = t + body->n_lambda_constant; t < end; t++) {
+  FBI_UNROLL
+  for (int k = body->n_lambda_constant; k > 0; k--, t++) {
     y[t->i] += t->c * pb[t->b];
   }
   fbi_lambda_linear_sub(y, body, qx, pb);
@@ -3150,7 +3177,8 @@ static void fbi_lambda_gradients(fb_real *e, fb_real *x, const fb_body *body, co
                                  const fb_real *pb)
 {
   const fb_lambda_term *t = body->lambda;
-  for (const fb_lambda_term *end = t + body->n_lambda_constant; t < end; t++) {
+  FBI_UNROLL
+  for (int k = body->n_lambda_constant; k > 0; k--, t++) {
     e[t->b] += t->c * V[t->i];
   }
   fbi_lambda_linear_gradients(e, x, body, V, qx, pb);
@@ -3223,35 +3251,30 @@ static void fbi_S_gradient(fb_real *x, const fb_body *body, const fb_real V[6], 
 #endif
 
 #if FB_WITH_NONLINEAR_STRAIN
-/* u_x', u_y', u_z' at the strain stations. Groups of four: straight code, which compilers turn into vectors. */
+/* u_x', u_y', u_z' at the strain stations. */
 static void fbi_slopes_eval(fb_real slope[3][FBI_MAX_STRAINS], const fb_body *body, const fb_real *q)
 {
-  const fb_strain_row *row = body->row;
+  const fb_strain_row *row = body->strain_row;
   for (int i = 0; i < 3; i++) {
     for (int g = 0; g < body->n_strain; g++) {
       slope[i][g] = FB_R(0.0);
     }
   }
-  for (const fb_strain_row *end = row + body->n_row; row < end; row++) {
-    const fb_real x = q[row->a];
-    fb_real *y = slope[row->axis];
-    for (int g = 0; g < body->n_strain; g += 4) {
-      y[g] += row->slope[g] * x;
-      y[g + 1] += row->slope[g + 1] * x;
-      y[g + 2] += row->slope[g + 2] * x;
-      y[g + 3] += row->slope[g + 3] * x;
-    }
+  for (const fb_strain_row *end = row + body->n_strain_row; row < end; row++) {
+    fbi_row_sub(slope[row->axis], -q[row->a], row->slope, body->n_strain);
   }
 }
 
 /* x -= sum of slope_a f over the stations, f for each axis */
 static void fbi_slopes_sub(fb_real *x, const fb_body *body, fb_real f[3][FBI_MAX_STRAINS])
 {
-  const fb_strain_row *row = body->row;
-  for (const fb_strain_row *end = row + body->n_row; row < end; row++) {
+  const int n = body->n_strain;
+  const fb_strain_row *row = body->strain_row;
+  for (const fb_strain_row *end = row + body->n_strain_row; row < end; row++) {
     const fb_real *y = f[row->axis];
     fb_real a = FB_R(0.0), b = FB_R(0.0), c = FB_R(0.0), d = FB_R(0.0);
-    for (int g = 0; g < body->n_strain; g += 4) {
+    FBI_UNROLL
+    for (int g = 0; g < n; g += 4) {
       a += row->slope[g] * y[g];
       b += row->slope[g + 1] * y[g + 1];
       c += row->slope[g + 2] * y[g + 2];
@@ -3267,8 +3290,8 @@ static void fbi_slopes_sub(fb_real *x, const fb_body *body, fb_real f[3][FBI_MAX
    part of U of degree 4 is left out.
    Source: [DB] (27), (29)-(31) with errata items 5 to 10.  Shapes: x n.  Cost: (4 n + 12) stations.  Fails: never.
    Test: strain_forces_are_the_gradient_of_the_energy, spin_up_follows_the_references_of_each_form. */
-static void fbi_strain_sub(fb_real *x, fb_real slope[3][FBI_MAX_STRAINS], const fb_body *body, const fb_real *q,
-                           fb_real quartic)
+static FBI_NOINLINE void fbi_strain_sub(fb_real *x, fb_real slope[3][FBI_MAX_STRAINS], const fb_body *body,
+                                        const fb_real *q, fb_real quartic)
 {
   fb_real f[3][FBI_MAX_STRAINS];
   fbi_slopes_eval(slope, body, q);
@@ -3307,7 +3330,6 @@ static fb_status fbi_velocity(fbi_kinetics *k, const fb_body *body, const fb_sta
   for (int a = 0; a < body->n; a++) {
     k->qx[a + 1] = state->q[a];
     k->x[a + 1] = FB_R(0.0);
-    k->e[a] = state->pi[a];
   }
   k->pb = state->pi;
   if (!body->unit_mass && fbi_form(body) == 0) {
@@ -3409,13 +3431,21 @@ static FBI_NOINLINE void fbi_load_add(fbi_kinetics *k, const fb_body *body, cons
   const fb_node *node = &body->node[load->node];
   fbi_node_field f;
   fb_real F[3], T[3], arm[3];
-  fbi_node_eval(&f, body, node, q);
   fbi_copy(F, load->force, 3);
   fbi_copy(T, load->torque, 3);
   if (load->axes == FB_AXES_INERTIAL) {
     fb_mat33_mulT_vec3(F, k->R, load->force);
     fb_mat33_mulT_vec3(T, k->R, load->torque);
-  } else if (load->axes == FB_AXES_NODE) {
+  }
+  if (load->node == 0) { /* O neither moves nor turns in the frame */
+    for (int i = 0; i < 3; i++) {
+      k->fg[i] += F[i];
+      k->fg[3 + i] += T[i];
+    }
+    return;
+  }
+  fbi_node_eval(&f, body, node, q);
+  if (load->axes == FB_AXES_NODE) {
     fb_real turn[4], section[9];
     fb_quat_from_rotvec(turn, f.phi);
     fb_quat_to_mat33(section, turn);
@@ -3525,13 +3555,17 @@ static void fbi_turning(fb_real turn[6], const fb_real V[6], const fb_real ph[6]
    Source: DESIGN 2; [DB] (23), (25).  Fails: never.  Test: accelerations_agree_with_a_particle_model. */
 static void fbi_elastic_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state)
 {
-  fbi_lambda_gradients(k->e, k->x, body, k->V, k->qx, k->pb);
+  fb_real *e = body->unit_mass ? rate->q : k->e; /* pi - Lambda^T V */
+  fbi_copy(e, state->pi, body->n);
+  fbi_lambda_gradients(e, k->x, body, k->V, k->qx, k->pb);
 #if FBI_WITH_SHAPE_INERTIA
   if (!body->constant_S) {
     fbi_S_gradient(k->x, body, k->V, k->qx);
   }
 #endif
-  fbi_mass_solve(rate->q, body, k->e);
+  if (!body->unit_mass) {
+    fbi_mass_solve(rate->q, body, k->e);
+  }
   fbi_elastic_forces(rate->pi, k, body, state->q, rate->q);
 }
 
@@ -4325,34 +4359,24 @@ FB_DEF fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real accelerat
   return fbi_step_limit(FBI_RK4_RADIUS, fbi_frequency_bound(body, spin, acceleration, FB_R(0.0), FB_R(0.0)));
 }
 
-/* next = x + s rate, sum += w rate */
-static void fbi_advance(fb_real *next, fb_real *sum, fb_real x, fb_real s, fb_real w, fb_real rate)
+static void fbi_vec3_advance(fb_real y[3], const fb_real x[3], fb_real s, const fb_real rate[3])
 {
-  *next = x + s * rate;
-  *sum += w * rate;
+  y[0] = x[0] + s * rate[0];
+  y[1] = x[1] + s * rate[1];
+  y[2] = x[2] + s * rate[2];
 }
 
-static void fbi_vec3_advance(fb_real next[3], fb_real sum[3], const fb_real x[3], fb_real s, fb_real w,
-                             const fb_real rate[3])
+/* out = state + s rate; out may be state */
+static void fbi_state_advance(fb_state *out, const fb_state *state, fb_real s, const fb_state *rate, int n)
 {
-  fbi_advance(next, sum, x[0], s, w, rate[0]);
-  fbi_advance(next + 1, sum + 1, x[1], s, w, rate[1]);
-  fbi_advance(next + 2, sum + 2, x[2], s, w, rate[2]);
-}
-
-/* One stage of rk4 done: the next stage's state, and the weighted sum. */
-static void fbi_stage_advance(fb_rk4_work *work, const fb_state *state, fb_real s, fb_real w, int n)
-{
-  fb_state *next = &work->stage, *sum = &work->sum;
-  const fb_state *rate = &work->rate;
-  fbi_vec3_advance(next->rho, sum->rho, state->rho, s, w, rate->rho);
-  fbi_vec3_advance(next->quat, sum->quat, state->quat, s, w, rate->quat);
-  fbi_advance(next->quat + 3, sum->quat + 3, state->quat[3], s, w, rate->quat[3]);
-  fbi_vec3_advance(next->P, sum->P, state->P, s, w, rate->P);
-  fbi_vec3_advance(next->L, sum->L, state->L, s, w, rate->L);
+  fbi_vec3_advance(out->rho, state->rho, s, rate->rho);
+  fbi_vec3_advance(out->quat, state->quat, s, rate->quat);
+  out->quat[3] = state->quat[3] + s * rate->quat[3];
+  fbi_vec3_advance(out->P, state->P, s, rate->P);
+  fbi_vec3_advance(out->L, state->L, s, rate->L);
   for (int a = 0; a < n; a++) {
-    fbi_advance(next->q + a, sum->q + a, state->q[a], s, w, rate->q[a]);
-    fbi_advance(next->pi + a, sum->pi + a, state->pi[a], s, w, rate->pi[a]);
+    out->q[a] = state->q[a] + s * rate->q[a];
+    out->pi[a] = state->pi[a] + s * rate->pi[a];
   }
 }
 
@@ -4414,7 +4438,7 @@ static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const
 FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work, const fb_input *start,
                                          const fb_input *middle, const fb_input *end, fb_real dt)
 {
-  static const fb_real node[4] = {FB_R(0.5), FB_R(0.5), FB_R(1.0), FB_R(0.0)};
+  static const fb_real node[3] = {FB_R(0.5), FB_R(0.5), FB_R(1.0)};
   static const fb_real weight[4] = {FB_R(1.0) / FB_R(6.0), FB_R(1.0) / FB_R(3.0), FB_R(1.0) / FB_R(3.0),
                                     FB_R(1.0) / FB_R(6.0)};
   const fb_input *input[4];
@@ -4440,8 +4464,11 @@ FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, f
     if (status != FB_OK) {
       return status;
     }
-    fbi_stage_advance(work, state, dt * node[stage], dt * weight[stage], body->n);
-    at = &work->stage;
+    fbi_state_advance(&work->sum, &work->sum, dt * weight[stage], &work->rate, body->n);
+    if (stage < 3) {
+      fbi_state_advance(&work->stage, state, dt * node[stage], &work->rate, body->n);
+      at = &work->stage;
+    }
   }
   fbi_flush(work->sum.P, 3);
   fbi_flush(work->sum.L, 3);
