@@ -819,6 +819,32 @@ FB_API fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *
    slopes it finds, which lower the limit (0.1 by some 5 %). FB_HUGE for a rigid body at rest, 0 for input that is not a number. */
 FB_API fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real acceleration);
 
+/* The implicit steppers factor one symmetric n x n matrix per step (Cholesky), which holds the stiffness of the modes, nonlinear
+   strain and damping included; gyroscopic terms and the stiffening of the quadratic field are explicit in it. Their step is
+   bounded by these alone: spin [rad/s] |w| dt <= 1/2; FB_HUGE at rest. Status and failure as fb_rk4_step. */
+typedef struct fb_implicit_work {
+  fb_state rate, first, stage;
+  fb_real g;                                                   /* [s] gamma dt of the factored matrix */
+  fb_real E[FB_MAX_MODES * FB_MAX_MODES], scale[FB_MAX_MODES]; /* its factors */
+  fb_real K[FB_MAX_MODES * FB_MAX_MODES];                      /* tangent stiffness */
+  fb_real N[FB_MAX_MODES * FB_MAX_MODES];                      /* gyroscopic terms */
+  fb_real X[6 * FB_MAX_MODES], Y[6 * FB_MAX_MODES], Z[6 * FB_MAX_MODES], G[36]; /* recoil of the base */
+  int perm[FB_MAX_MODES];
+} fb_implicit_work;
+
+/* Rosenbrock scheme of order 2, L-stable: modes too fast for the step die out at once, and what they should have done is lost; slow
+   ones lose 1/2 (w dt)^3 or so of their amplitude a radian. Two evaluations, one factor. */
+FB_API fb_status fb_rosenbrock_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *start,
+                                    const fb_input *end, fb_real dt);
+FB_API fb_real fb_rosenbrock_limit(const fb_body *body, fb_real spin, fb_real acceleration);
+
+/* Implicit midpoint rule, order 2, symmetric, without dissipation: fast modes keep ringing, at a frequency that is wrong. One factor,
+   1 + iterations evaluations (0: 3 iterations; 50 at most). The energy of a conservative body stays bounded as far as the
+   iterations converge: by about |w| dt each. */
+FB_API fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *middle,
+                                  fb_real dt, int iterations);
+FB_API fb_real fb_midpoint_limit(const fb_body *body, fb_real spin, fb_real acceleration);
+
 /* ---------------------------------------------------------------------------------------------------------------
    13 >>build */
 

@@ -190,6 +190,10 @@ FB_DEF void fb_sym6_mul_vec6(fb_real y[6], const fb_real S[21], const fb_real x[
   }
 }
 
+/* Row and column of the packed elements. */
+static const int fbi_sym6_row[21] = {0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 4, 4, 5};
+static const int fbi_sym6_column[21] = {0, 1, 2, 3, 4, 5, 1, 2, 3, 4, 5, 2, 3, 4, 5, 3, 4, 5, 4, 5, 5};
+
 static fb_real fbi_vec6_dot(const fb_real a[6], const fb_real b[6])
 {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5];
@@ -2683,6 +2687,12 @@ static int fbi_holds_origin(fb_base base)
   return base == FB_BASE_PINNED || base == FB_BASE_HINGED;
 }
 
+/* First of the six rigid rows that the base leaves free. */
+static int fbi_first_free(fb_base base)
+{
+  return base == FB_BASE_FREE ? 0 : base == FB_BASE_PINNED ? 3 : base == FB_BASE_HINGED ? 5 : 6;
+}
+
 /* [E8.22] Solution with a symmetric 6x6 for what the base leaves free, the rest zero: all of V, the three of w (pinned), that about
    z (hinged), nothing (prescribed).
    Source: rows of E8.13 whose reactions are zero.  Shapes: S packed 21.  Cost: at most 150 flops.
@@ -3265,22 +3275,26 @@ static void fbi_slopes_eval(fb_real slope[3][FBI_MAX_STRAINS], const fb_body *bo
   }
 }
 
+/* Sum of x y over whole groups of four: four sums, which compilers turn into vectors. */
+static fb_real fbi_stations_dot(const fb_real *x, const fb_real *y, int n)
+{
+  fb_real a = FB_R(0.0), b = FB_R(0.0), c = FB_R(0.0), d = FB_R(0.0);
+  FBI_UNROLL
+  for (int g = 0; g < n; g += 4) {
+    a += x[g] * y[g];
+    b += x[g + 1] * y[g + 1];
+    c += x[g + 2] * y[g + 2];
+    d += x[g + 3] * y[g + 3];
+  }
+  return (a + b) + (c + d);
+}
+
 /* x -= sum of slope_a f over the stations, f for each axis */
 static void fbi_slopes_sub(fb_real *x, const fb_body *body, fb_real f[3][FBI_MAX_STRAINS])
 {
-  const int n = body->n_strain;
   const fb_strain_row *row = body->strain_row;
   for (const fb_strain_row *end = row + body->n_strain_row; row < end; row++) {
-    const fb_real *y = f[row->axis];
-    fb_real a = FB_R(0.0), b = FB_R(0.0), c = FB_R(0.0), d = FB_R(0.0);
-    FBI_UNROLL
-    for (int g = 0; g < n; g += 4) {
-      a += row->slope[g] * y[g];
-      b += row->slope[g + 1] * y[g + 1];
-      c += row->slope[g + 2] * y[g + 2];
-      d += row->slope[g + 3] * y[g + 3];
-    }
-    x[row->a] -= (a + b) + (c + d);
+    x[row->a] -= fbi_stations_dot(row->slope, f[row->axis], body->n_strain);
   }
 }
 
@@ -3304,6 +3318,43 @@ static FBI_NOINLINE void fbi_strain_sub(fb_real *x, fb_real slope[3][FBI_MAX_STR
     f[2][g] = tension * z;
   }
   fbi_slopes_sub(x, body, f);
+}
+
+/* [E8.29] Tangent stiffness d2U/dq2 of the strain energy beyond K, A += ..; of tensile strain e alone in the geometric part, so that it
+   is never indefinite:
+   K + int EA (psi_x (u_y' psi_y + u_z' psi_z) + .. + (u_y' psi_y + u_z' psi_z)^2 + max(e, 0) (psi_y psi_y + psi_z psi_z)) dx.
+   Source: second derivative of [DB] (27).  Shapes: n x n.  Cost: n^2 stations.  Fails: never.
+   Test: the_tangent_is_the_derivative_of_the_forces. */
+static void fbi_strain_tangent_add(fb_real *A, const fb_body *body, fb_real slope[3][FBI_MAX_STRAINS])
+{
+  const int n = body->n;
+  fb_real w[3][3][FBI_MAX_STRAINS], t[3][FBI_MAX_STRAINS];
+  for (int g = 0; g < body->n_strain; g++) {
+    const fb_real EA = body->strain_weight[g], y = slope[1][g], z = slope[2][g];
+    const fb_real e = slope[0][g] + FB_R(0.5) * (y * y + z * z), tension = EA * fbi_larger(e, FB_R(0.0));
+    w[0][0][g] = FB_R(0.0); /* is in K */
+    w[0][1][g] = w[1][0][g] = EA * y;
+    w[0][2][g] = w[2][0][g] = EA * z;
+    w[1][1][g] = EA * y * y + tension;
+    w[1][2][g] = w[2][1][g] = EA * y * z;
+    w[2][2][g] = EA * z * z + tension;
+  }
+  for (int i = 0; i < body->n_strain_row; i++) {
+    const fb_strain_row *a = &body->strain_row[i];
+    for (int axis = 0; axis < 3; axis++) {
+      for (int g = 0; g < body->n_strain; g++) {
+        t[axis][g] = a->slope[g] * w[a->axis][axis][g];
+      }
+    }
+    for (int j = 0; j <= i; j++) {
+      const fb_strain_row *b = &body->strain_row[j];
+      const fb_real sum = fbi_stations_dot(t[b->axis], b->slope, body->n_strain);
+      A[a->a * n + b->a] += sum;
+      if (i != j) {
+        A[b->a * n + a->a] += sum;
+      }
+    }
+  }
 }
 
 /* What the strain energy has beyond 1/2 q^T K q: 1/2 int EA (u_x' r + r^2/4), r = u_y'^2 + u_z'^2. */
@@ -3609,12 +3660,6 @@ static fb_status fbi_momentum_rates(fb_state *rate, fbi_kinetics *k, const fb_bo
 /* ---- 8e the other forms */
 
 #if FB_WITH_FORMS
-/* First of the six rigid rows that the base leaves free. */
-static int fbi_first_free(fb_base base)
-{
-  return base == FB_BASE_FREE ? 0 : base == FB_BASE_PINNED ? 3 : base == FB_BASE_HINGED ? 5 : 6;
-}
-
 /* (p, h) = S V + Lambda pb by the mass matrix of the form, which goes to k.S: M_rr(q), Lambda(q), or constant ones. */
 static void fbi_form_momenta(fbi_kinetics *k, const fb_body *body)
 {
@@ -4405,33 +4450,56 @@ static void fbi_largest_slopes(fb_real *slope, fb_real *strain, const fbi_kineti
 }
 #endif
 
-/* What the step limit depends on: spin, and acceleration of O by the base's motion or, free, by spin about the mass center
-   and by the loads, with gravity. */
+/* What step limits depend on: spin, and acceleration of O by the base's motion or, free, by spin about the mass center and by the
+   loads, with gravity. */
+static void fbi_step_conditions(fb_real *spin, fb_real *acceleration, const fb_body *body, const fbi_kinetics *k,
+                                const fb_input *input)
+{
+  fb_real a[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  *spin = fbi_vec3_norm(k->V + 3);
+  if (body->base == FB_BASE_FREE) {
+    *acceleration = (*spin * *spin * fbi_vec3_norm(body->c) + fbi_vec3_norm(k->fg)) / body->mass;
+    return;
+  }
+  fb_vec3_cross(a, k->V + 3, k->V);
+  if (input && body->base == FB_BASE_PRESCRIBED) {
+    fbi_vec3_add(a, FB_R(1.0), input->v_dot);
+  }
+  *acceleration = fbi_vec3_norm(a);
+#if FB_WITH_GRAVITY
+  *acceleration += fbi_vec3_norm(body->gravity);
+#endif
+}
+
 static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const fb_input *input, fb_real dt)
 {
-  const fb_real spin = fbi_vec3_norm(k->V + 3);
-  fb_real a[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-  fb_real acceleration, slope = FB_R(0.0), strain = FB_R(0.0);
-  if (body->base != FB_BASE_FREE) {
-    fb_vec3_cross(a, k->V + 3, k->V);
-    if (input && body->base == FB_BASE_PRESCRIBED) {
-      fbi_vec3_add(a, FB_R(1.0), input->v_dot);
-    }
-    acceleration = fbi_vec3_norm(a);
-#if FB_WITH_GRAVITY
-    acceleration += fbi_vec3_norm(body->gravity);
-#endif
-  } else {
-    acceleration = (spin * spin * fbi_vec3_norm(body->c) + fbi_vec3_norm(k->fg)) / body->mass;
-  }
+  fb_real spin, acceleration, slope = FB_R(0.0), strain = FB_R(0.0), bound;
+  fbi_step_conditions(&spin, &acceleration, body, k, input);
 #if FB_WITH_NONLINEAR_STRAIN
   if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
     fbi_largest_slopes(&slope, &strain, k, body->n_strain);
   }
 #endif
-  return dt <= fbi_step_limit(FBI_RK4_RADIUS, fbi_frequency_bound(body, spin, acceleration, slope, strain))
-             ? FB_OK
-             : FB_ERR_STEP;
+  bound = fbi_frequency_bound(body, spin, acceleration, slope, strain);
+  return dt <= fbi_step_limit(FBI_RK4_RADIUS, bound) ? FB_OK : FB_ERR_STEP;
+}
+
+/* What ends every step: small values become zero, the quaternion is normalized, and the motion is still within the model. */
+static fb_status fbi_step_end(fb_state *state, fb_state *next, const fb_body *body)
+{
+  fb_status status;
+  fbi_flush(next->P, 3);
+  fbi_flush(next->L, 3);
+  fbi_flush(next->q, body->n);
+  fbi_flush(next->pi, body->n);
+  if (fb_quat_normalize(next->quat) != FB_OK) {
+    return FB_ERR_NOT_FINITE;
+  }
+  status = fbi_state_range(body, next);
+  if (status == FB_OK) {
+    *state = *next;
+  }
+  return status;
 }
 
 /* [E11.3] Classical Runge-Kutta. Source: textbook.  Cost: 4 evaluations.  Test: rk4_converges_with_order_four. */
@@ -4470,18 +4538,363 @@ FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, f
       at = &work->stage;
     }
   }
-  fbi_flush(work->sum.P, 3);
-  fbi_flush(work->sum.L, 3);
-  fbi_flush(work->sum.q, body->n);
-  fbi_flush(work->sum.pi, body->n);
-  if (fb_quat_normalize(work->sum.quat) != FB_OK) {
-    return FB_ERR_NOT_FINITE;
+  return fbi_step_end(state, &work->sum, body);
+}
+
+/* ---- implicit steppers */
+
+/* y += s A x, A n x n row by row or, transposed, column by column */
+static void fbi_dense_add(fb_real *y, fb_real s, const fb_real *A, const fb_real *x, int n, int transposed)
+{
+  for (int a = 0; a < n; a++) {
+    if (transposed) {
+      fbi_row_sub(y, -s * x[a], A + a * n, n);
+    } else {
+      fb_real sum = FB_R(0.0);
+      for (int b = 0; b < n; b++) {
+        sum += A[a * n + b] * x[b];
+      }
+      y[a] += s * sum;
+    }
   }
-  status = fbi_state_range(body, &work->sum);
+}
+
+/* Tangent stiffness to w.K. */
+static void fbi_tangent(fb_implicit_work *w, const fb_body *body, const fb_real *q)
+{
+  fbi_sparse_to_dense(w->K, &body->K, body->n);
+#if FB_WITH_NONLINEAR_STRAIN
+  if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
+    fb_real slope[3][FBI_MAX_STRAINS];
+    fbi_slopes_eval(slope, body, q);
+    fbi_strain_tangent_add(w->K, body, slope);
+  }
+#endif
+  (void)q;
+}
+
+/* Lambda(q) of the free rigid rows, rows x n; n_terms of its list. */
+static void fbi_lambda_rows(fb_real *X, const fb_body *body, const fb_real *qx, int first, int n_terms)
+{
+  fbi_zero(X, (6 - first) * body->n);
+  for (int t = 0; t < n_terms; t++) {
+    const fb_lambda_term *term = &body->lambda[t];
+    if (term->i >= first) {
+      X[(term->i - first) * body->n + term->b] -= term->c * qx[term->a];
+    }
+  }
+}
+
+/* D_a = d/dq_a (Lambda(q) pb + S(q) V) of the free rows, rows x n, and N_ab = -(Lambda_a^T V)_b, M times the transpose of the
+   gyroscopic matrix: how momenta and elastic velocities change with the shape. Momentum form only. */
+static void fbi_shape_rates(fb_real *D, fb_real *N, const fbi_kinetics *k, const fb_body *body, int first)
+{
+  const int n = body->n;
+  fbi_zero(D, (6 - first) * n);
+  fbi_zero(N, n * n);
+  for (int t = body->n_lambda_constant; t < body->n_lambda; t++) {
+    const fb_lambda_term *term = &body->lambda[t];
+    const int a = term->a - 1, b = term->b;
+    N[a * n + b] += term->c * k->V[term->i];
+    if (term->i >= first) {
+      D[(term->i - first) * n + a] -= term->c * k->pb[b];
+    }
+  }
+  for (int t = 0; t < body->n_S; t++) {
+    const fb_S_pair *pair = &body->pair[body->S[t].pair];
+    const int i = fbi_sym6_row[body->S[t].i], j = fbi_sym6_column[body->S[t].i];
+    for (int side = 0; side < 2; side++) {
+      const int a = side ? pair->b : pair->a;
+      const fb_real c = body->S[t].c * k->qx[side ? pair->a : pair->b];
+      if (a > 0 && i >= first) {
+        D[(i - first) * n + a - 1] += c * k->V[j];
+      }
+      if (a > 0 && j >= first && i != j) {
+        D[(j - first) * n + a - 1] += c * k->V[i];
+      }
+    }
+  }
+}
+
+/* X <- G^-1 X, rows x n, G lower triangular */
+static void fbi_rows_solve(fb_real *X, const fb_real *G, int rows, int n)
+{
+  for (int i = 0; i < rows; i++) {
+    const fb_real scale = FB_R(1.0) / G[i * rows + i];
+    for (int j = 0; j < i; j++) {
+      fbi_row_sub(X + i * n, G[i * rows + j], X + j * n, n);
+    }
+    for (int a = 0; a < n; a++) {
+      X[i * n + a] *= scale;
+    }
+  }
+}
+
+/* Coupling of the free rigid rows to the modes at the present shape: with M_rr = G G^T, X = G^-1 Lambda, Y = G^-1 (D - Lambda M^-1 N^T),
+   Z = X + g Y.
+   M_rr of the momentum form is S + Lambda M^-1 Lambda^T. */
+static fb_status fbi_coupling(fb_implicit_work *w, const fbi_kinetics *k, const fb_body *body)
+{
+  const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first, momentum = fbi_form(body) == 0;
+  const fb_real *S = body->constant_S ? body->S0 : k->S;
+  int terms = body->n_lambda;
+#if FB_WITH_FORMS
+  terms = momentum ? terms : body->n_lambda_value;
+  S = body->form == FB_FORM_FIRST ? body->M_rr : S;
+#endif
+  fbi_lambda_rows(w->X, body, k->qx, first, terms);
+  fbi_zero(w->Y, rows * n);
+  if (momentum) {
+    fbi_shape_rates(w->Y, w->N, k, body, first);
+  }
+  for (int i = 0; i < rows; i++) {
+    if (momentum) {
+      fbi_mass_solve(w->scale, body, w->X + i * n);
+      fbi_dense_add(w->Y + i * n, -FB_R(1.0), w->N, w->scale, n, 0);
+    }
+    for (int j = 0; j < rows; j++) {
+      fb_real sum = S[fb_sym6_index(first + i, first + j)];
+      for (int a = 0; a < n && momentum; a++) {
+        sum += w->scale[a] * w->X[j * n + a];
+      }
+      w->G[i * rows + j] = sum;
+    }
+  }
+  if (rows > 0 && fb_chol_factor(w->G, rows) != FB_OK) {
+    return FB_ERR_RANGE;
+  }
+  fbi_rows_solve(w->X, w->G, rows, n);
+  fbi_rows_solve(w->Y, w->G, rows, n);
+  for (int i = 0; i < rows * n; i++) {
+    w->Z[i] = w->X[i] + w->g * w->Y[i];
+  }
+  return FB_OK;
+}
+
+/* [E11.4] Matrix of the implicit steppers: k = (I - g W)^-1 r with g = gamma dt and W the Jacobian of the momentum form,
+     q' = M^-1 (pi - Lambda^T V),  pi' = -K_t q - C q' + .., V = S^-1 (y - Lambda M^-1 pi),
+   without the second derivatives of S and the products g^2 of gyroscopic terms, eliminated down to the n modes:
+   E = M + g (C + N - N^T) + g^2 K_t - (X - g Y)^T Z. What is left, M - X^T X, is the mass of the modes when the base may recoil.
+   The other forms do without N and Y.
+   Source: block elimination; Newmark's effective stiffness is the case of a held base.  Shapes: n x n.  Cost: 2/3 n^3 flops.
+   Fails: M_rr or E singular.  Test: each_scheme_converges_at_its_order, implicit_steps_may_be_very_long. */
+static fb_status fbi_implicit_factor(fb_implicit_work *w, const fbi_kinetics *k, const fb_body *body, fb_real g)
+{
+  const int n = body->n, rows = 6 - fbi_first_free(body->base);
+  fb_status status;
+  w->g = g;
+  status = fbi_coupling(w, k, body);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_tangent(w, body, k->qx + 1);
+  fbi_sparse_to_dense(w->E, &body->M, n);
+  fbi_row_sub(w->E, -g * g, w->K, n * n);
+  if (fbi_form(body) == 0) {
+    for (int ab = 0; ab < n * n; ab++) {
+      w->E[ab] += g * (w->N[ab] - w->N[ab % n * n + ab / n]);
+    }
+  }
+  for (int i = 0; i < rows; i++) {
+    for (int a = 0; a < n; a++) {
+      fbi_row_sub(w->E + a * n, w->X[i * n + a] - g * w->Y[i * n + a], w->Z + i * n, n);
+    }
+  }
+#if FB_WITH_DAMPING
+  if (fbi_has(body->effects, FB_EFFECT_DAMPING)) {
+    for (int a = 0; a < n; a++) {
+      w->E[a * n + a] += g * body->C.diagonal[a];
+    }
+    for (int t = 0; t < body->C.n_term; t++) {
+      const fb_pair_term *term = &body->C.term[t];
+      w->E[term->a * n + term->b] += g * term->c;
+      w->E[term->b * n + term->a] += g * term->c;
+    }
+  }
+#endif
+  status = n > 0 ? fb_lu_factor(w->E, w->perm, w->scale, n) : FB_OK;
+  return status == FB_ERR_SINGULAR ? FB_ERR_RANGE : status;
+}
+
+/* y += s (C x) where damping is on */
+static void fbi_damping_add(fb_real *y, fb_real s, const fb_body *body, const fb_real *x)
+{
+#if FB_WITH_DAMPING
+  if (fbi_has(body->effects, FB_EFFECT_DAMPING)) {
+    fbi_sparse_eval(y, y, s, &body->C, x, body->n);
+  }
+#endif
+  (void)y, (void)s, (void)body, (void)x;
+}
+
+/* z_i += sum of A_i x over the rows */
+static void fbi_rows_add(fb_real z[6], fb_real s, const fb_real *A, const fb_real *x, int rows, int n)
+{
+  for (int i = 0; i < rows; i++) {
+    for (int a = 0; a < n; a++) {
+      z[i] += s * A[i * n + a] * x[a];
+    }
+  }
+}
+
+/* [E11.5] r becomes k = (I - g W)^-1 r.
+   Momentum form: E k_q = (M + g C + g N) r_q + g r_pi - (X - g Y)^T X r_q,  z = Z k_q - X r_q,  d = k_q - r_q,
+   k_pi = r_pi - g K_t k_q - (C + N) d - Y^T z, and the recoil g dV = -G^-T z.
+   The others, elastic velocities u:  E k_u = (M - X^T X) r_u - g K_t r_q,  k_q = r_q + g k_u,  k_V = r_V - G^-T X (k_u - r_u).
+   The pose takes part by the recoil, so that it is integrated as stiffly as what moves it.
+   Source: E11.4.  Cost: 4 n^2 + 50 n flops.  Fails: never.  Test: each_scheme_converges_at_its_order. */
+static void fbi_implicit_solve(fb_state *r, const fb_implicit_work *w, const fb_body *body, const fbi_kinetics *k,
+                               const fb_state *state)
+{
+  const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first, momentum = fbi_form(body) == 0;
+  const fb_real g = w->g;
+  fb_real b[FB_MAX_MODES], d[FB_MAX_MODES], z[6] = {0}, V[6] = {0}, turn[4], move[3];
+  fb_real *u = momentum ? r->q : r->pi;
+  fbi_copy(d, u, n);
+  fbi_mass_mul(b, body, u);
+  fbi_rows_add(z, -FB_R(1.0), w->X, u, rows, n);
+  for (int i = 0; i < rows; i++) { /* z = -X r */
+    fbi_row_sub(b, -z[i], w->X + i * n, n);
+    fbi_row_sub(b, g * z[i], w->Y + i * n, n);
+  }
+  if (momentum) {
+    fbi_row_sub(b, -g, r->pi, n);
+    fbi_damping_add(b, g, body, r->q);
+    fbi_dense_add(b, g, w->N, r->q, n, 0);
+  } else {
+    fbi_dense_add(b, -g, w->K, r->q, n, 1);
+  }
+  fb_lu_solve(u, w->E, w->perm, b, n);
+  fbi_rows_add(z, FB_R(1.0), w->Z, u, rows, n);
+  fbi_chol_back(V + first, w->G, z, rows);
+  for (int a = 0; a < n; a++) {
+    d[a] = u[a] - d[a];
+  }
+  if (momentum) {
+    fbi_dense_add(r->pi, -g, w->K, r->q, n, 1);
+    fbi_damping_add(r->pi, -FB_R(1.0), body, d);
+    fbi_dense_add(r->pi, -FB_R(1.0), w->N, d, n, 0);
+    for (int i = 0; i < rows; i++) {
+      fbi_row_sub(r->pi, z[i], w->Y + i * n, n);
+    }
+  } else {
+    fbi_row_sub(r->q, -g, r->pi, n);
+    for (int i = 0; i < 6; i++) {
+      fb_real *rate = i < 3 ? r->P + i : r->L + i - 3;
+      *rate -= V[i];
+      V[i] = -g * *rate;
+    }
+  }
+  for (int i = 0; i < 6; i++) {
+    V[i] = -V[i];
+  }
+  fb_mat33_mul_vec3(move, k->R, V);
+  fbi_quat_rate(turn, state->quat, V + 3);
+  fbi_vec3_add(r->rho, FB_R(1.0), move);
+  for (int i = 0; i < 4; i++) {
+    r->quat[i] += turn[i];
+  }
+}
+
+/* [E11.6] Largest step of the implicit schemes: what their iteration matrix leaves out, gyroscopic terms of frequency up to 2 |w|
+   and the stiffening of the quadratic field, is explicit; |w| dt <= 1/2 and the frequency of the stiffening times dt <= 1.
+   Source: trials.  Fails: never.  Test: implicit_steps_may_be_very_long. */
+static fb_real fbi_implicit_limit(const fb_body *body, fb_real spin, fb_real acceleration)
+{
+  const fb_real k = body->limit_spin * spin * spin + body->limit_acceleration * FB_FABS(acceleration);
+  return fbi_step_limit(FB_R(1.0), fbi_larger(FB_R(2.0) * FB_FABS(spin), FB_SQRT(k)));
+}
+
+FB_DEF fb_real fb_midpoint_limit(const fb_body *body, fb_real spin, fb_real acceleration)
+{
+  return fbi_implicit_limit(body, spin, acceleration);
+}
+
+FB_DEF fb_real fb_rosenbrock_limit(const fb_body *body, fb_real spin, fb_real acceleration)
+{
+  return fbi_implicit_limit(body, spin, acceleration);
+}
+
+/* Start of an implicit step: rates at the state, checked step, factored iteration matrix. */
+static fb_status fbi_implicit_start(fb_implicit_work *w, fbi_kinetics *k, const fb_body *body, const fb_state *state,
+                                    const fb_input *input, fb_real dt, fb_real g)
+{
+  fb_status status = dt > FB_R(0.0) && dt < FB_HUGE ? fbi_input_check(body, input) : FB_ERR_VALUE;
   if (status == FB_OK) {
-    *state = work->sum;
+    status = fbi_rates(&w->rate, k, body, state, input);
   }
-  return status;
+  if (status == FB_OK && !body->allow_long_step) {
+    fb_real spin, acceleration;
+    fbi_step_conditions(&spin, &acceleration, body, k, input);
+    status = dt <= fbi_implicit_limit(body, spin, acceleration) ? FB_OK : FB_ERR_STEP;
+  }
+  return status == FB_OK ? fbi_implicit_factor(w, k, body, g) : status;
+}
+
+/* [E11.7] Rosenbrock scheme of order 2 with two stages, L-stable, gamma = 1 - 1/sqrt(2):
+   (I - gamma dt W) k_1 = f(t, y),  (I - gamma dt W) k_2 = f(t + dt, y + dt k_1) - 2 k_1,  y += dt (3/2 k_1 + 1/2 k_2).
+   It keeps its order for any matrix W, so terms may be left out of it.
+   Source: J.G. Verwer, E.J. Spee, J.G. Blom, W. Hundsdorfer, SIAM J. Sci. Comput. 20 (1999), ROS2.
+   Cost: 2 evaluations, one Cholesky factor, 2 solutions.  Fails: as E11.4.
+   Test: each_scheme_converges_at_its_order, implicit_steps_may_be_very_long. */
+FB_DEF fb_status fb_rosenbrock_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *start,
+                                    const fb_input *end, fb_real dt)
+{
+  fbi_kinetics k, at_end;
+  fb_status status;
+  FBI_REQUIRE(body && state && work, FB_ERR_NULL);
+  status = fbi_implicit_start(work, &k, body, state, start, dt, FB_R(0.29289321881345248) * dt);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_implicit_solve(&work->rate, work, body, &k, state);
+  work->first = work->rate;
+  fbi_state_advance(&work->stage, state, dt, &work->first, body->n);
+  status = fbi_input_check(body, end);
+  if (status == FB_OK) {
+    status = fbi_rates(&work->rate, &at_end, body, &work->stage, end);
+  }
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_state_advance(&work->rate, &work->rate, -FB_R(2.0), &work->first, body->n);
+  fbi_implicit_solve(&work->rate, work, body, &k, state);
+  fbi_state_advance(&work->stage, state, FB_R(1.5) * dt, &work->first, body->n);
+  fbi_state_advance(&work->stage, &work->stage, FB_R(0.5) * dt, &work->rate, body->n);
+  return fbi_step_end(state, &work->stage, body);
+}
+
+/* [E11.8] Implicit midpoint, y += dt k with k = f(t + dt/2, y + dt/2 k), by a fixed number of simplified Newton iterations
+   (I - dt/2 W) dk = f - k, W factored at the start of the step.
+   Source: textbook; conserves quadratic invariants, symmetric.  Cost: 1 + iterations evaluations, one Cholesky factor.
+   Fails: as E11.4.  Test: each_scheme_converges_at_its_order, midpoint_keeps_energy_and_momentum. */
+FB_DEF fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *middle,
+                                  fb_real dt, int iterations)
+{
+  const int count = iterations > 0 ? iterations : 3;
+  const int n = body ? body->n : 0;
+  fbi_kinetics k, at;
+  fb_status status;
+  FBI_REQUIRE(body && state && work, FB_ERR_NULL);
+  FBI_REQUIRE(iterations >= 0 && iterations <= 50, FB_ERR_VALUE);
+  status = fbi_implicit_start(work, &k, body, state, middle, dt, FB_R(0.5) * dt);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_implicit_solve(&work->rate, work, body, &k, state);
+  work->first = work->rate;
+  for (int i = 0; i < count; i++) {
+    fbi_state_advance(&work->stage, state, FB_R(0.5) * dt, &work->first, n);
+    status = fbi_rates(&work->rate, &at, body, &work->stage, middle);
+    if (status != FB_OK) {
+      return status;
+    }
+    fbi_state_advance(&work->rate, &work->rate, -FB_R(1.0), &work->first, n);
+    fbi_implicit_solve(&work->rate, work, body, &k, state);
+    fbi_state_advance(&work->first, &work->first, FB_R(1.0), &work->rate, n);
+  }
+  fbi_state_advance(&work->stage, state, dt, &work->first, n);
+  return fbi_step_end(state, &work->stage, body);
 }
 
 /* ---------------------------------------------------------------------------------------------------------------
