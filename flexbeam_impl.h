@@ -394,6 +394,24 @@ static void fbi_row_sub(fb_real *y, fb_real s, const fb_real *x, int n)
   }
 }
 
+/* Sum of x y: four sums, which compilers turn into vectors */
+static fb_real fbi_dot(const fb_real *x, const fb_real *y, int n)
+{
+  fb_real a = FB_R(0.0), b = FB_R(0.0), c = FB_R(0.0), d = FB_R(0.0);
+  int j = 0;
+  FBI_UNROLL
+  for (; j + 4 <= n; j += 4) {
+    a += x[j] * y[j];
+    b += x[j + 1] * y[j + 1];
+    c += x[j + 2] * y[j + 2];
+    d += x[j + 3] * y[j + 3];
+  }
+  for (; j < n; j++) {
+    a += x[j] * y[j];
+  }
+  return (a + b) + (c + d);
+}
+
 /* [E5.1] LU with scaled partial pivoting, P A = L U.
    A pivot counts as zero when it is below n epsilon of its column's largest element, both taken relative to their rows'
    largest elements: neither row nor column scaling changes the verdict.
@@ -457,18 +475,10 @@ FB_DEF fb_status fb_lu_factor(fb_real *A, int *perm, fb_real *scale, int n)
 FB_DEF void fb_lu_solve(fb_real *x, const fb_real *LU, const int *perm, const fb_real *b, int n)
 {
   for (int i = 0; i < n; i++) {
-    fb_real sum = b[perm[i]];
-    for (int j = 0; j < i; j++) {
-      sum -= LU[i * n + j] * x[j];
-    }
-    x[i] = sum;
+    x[i] = b[perm[i]] - fbi_dot(LU + i * n, x, i);
   }
   for (int i = n - 1; i >= 0; i--) {
-    fb_real sum = x[i];
-    for (int j = i + 1; j < n; j++) {
-      sum -= LU[i * n + j] * x[j];
-    }
-    x[i] = sum / LU[i * n + i];
+    x[i] = (x[i] - fbi_dot(LU + i * n + i + 1, x + i + 1, n - i - 1)) / LU[i * n + i];
   }
 }
 
@@ -481,10 +491,7 @@ FB_DEF fb_status fb_chol_factor(fb_real *A, int n)
   FBI_REQUIRE(n >= 0, FB_ERR_VALUE);
   for (int j = 0; j < n; j++) {
     const fb_real diagonal = A[j * n + j];
-    fb_real sum = diagonal;
-    for (int k = 0; k < j; k++) {
-      sum -= A[j * n + k] * A[j * n + k];
-    }
+    const fb_real sum = diagonal - fbi_dot(A + j * n, A + j * n, j);
     if (!fbi_is_finite(&sum, 1)) {
       return FB_ERR_NOT_FINITE;
     }
@@ -493,11 +500,7 @@ FB_DEF fb_status fb_chol_factor(fb_real *A, int n)
     }
     A[j * n + j] = FB_SQRT(sum);
     for (int i = j + 1; i < n; i++) {
-      sum = A[i * n + j];
-      for (int k = 0; k < j; k++) {
-        sum -= A[i * n + k] * A[j * n + k];
-      }
-      A[i * n + j] = sum / A[j * n + j];
+      A[i * n + j] = (A[i * n + j] - fbi_dot(A + i * n, A + j * n, j)) / A[j * n + j];
     }
   }
   return FB_OK;
@@ -2829,6 +2832,26 @@ static int fbi_is_unit(const fb_sparse *A, int n)
   return A->n_term == 0;
 }
 
+/* sqrt of the largest eigenvalue of M_rr x = lambda S_0 x over the rows that the base leaves free. */
+static fb_status fbi_recoil_fill(fb_body *body, const fb_shape *shape)
+{
+  const int first = fbi_first_free(body->base), rows = 6 - first;
+  fb_real M_rr[21], A[36], B[36], X[36], d[6];
+  fb_status status = FB_OK;
+  body->recoil = FB_R(1.0);
+  fbi_rigid_matrix(M_rr, shape->mass, shape->c, shape->J);
+  for (int i = 0; i < rows * rows; i++) {
+    const int at = fb_sym6_index(first + i / rows, first + i % rows);
+    A[i] = M_rr[at];
+    B[i] = body->S0[at];
+  }
+  if (rows > 0) {
+    status = fb_eig_gen_solve(d, X, A, B, rows);
+    body->recoil = FB_SQRT(status == FB_OK ? d[rows - 1] : FB_R(1.0));
+  }
+  return status;
+}
+
 static fb_status fbi_inverses_fill(fb_body *body, fb_body_work *work)
 {
   const int n = body->n;
@@ -3070,6 +3093,7 @@ FB_DEF fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape 
   (void)fbi_S_list(out, shape, work->Lambda);
 #endif
   status = fbi_inverses_fill(out, work);
+  status = status == FB_OK ? fbi_recoil_fill(out, shape) : status;
   if (status == FB_OK) {
     *body = *out;
   }
@@ -3275,26 +3299,12 @@ static void fbi_slopes_eval(fb_real slope[3][FBI_MAX_STRAINS], const fb_body *bo
   }
 }
 
-/* Sum of x y over whole groups of four: four sums, which compilers turn into vectors. */
-static fb_real fbi_stations_dot(const fb_real *x, const fb_real *y, int n)
-{
-  fb_real a = FB_R(0.0), b = FB_R(0.0), c = FB_R(0.0), d = FB_R(0.0);
-  FBI_UNROLL
-  for (int g = 0; g < n; g += 4) {
-    a += x[g] * y[g];
-    b += x[g + 1] * y[g + 1];
-    c += x[g + 2] * y[g + 2];
-    d += x[g + 3] * y[g + 3];
-  }
-  return (a + b) + (c + d);
-}
-
 /* x -= sum of slope_a f over the stations, f for each axis */
 static void fbi_slopes_sub(fb_real *x, const fb_body *body, fb_real f[3][FBI_MAX_STRAINS])
 {
   const fb_strain_row *row = body->strain_row;
   for (const fb_strain_row *end = row + body->n_strain_row; row < end; row++) {
-    x[row->a] -= fbi_stations_dot(row->slope, f[row->axis], body->n_strain);
+    x[row->a] -= fbi_dot(row->slope, f[row->axis], body->n_strain);
   }
 }
 
@@ -3348,7 +3358,7 @@ static void fbi_strain_tangent_add(fb_real *A, const fb_body *body, fb_real slop
     }
     for (int j = 0; j <= i; j++) {
       const fb_strain_row *b = &body->strain_row[j];
-      const fb_real sum = fbi_stations_dot(t[b->axis], b->slope, body->n_strain);
+      const fb_real sum = fbi_dot(t[b->axis], b->slope, body->n_strain);
       A[a->a * n + b->a] += sum;
       if (i != j) {
         A[b->a * n + a->a] += sum;
@@ -4543,6 +4553,8 @@ FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, f
 
 /* ---- implicit steppers */
 
+#define FBI_MAX_ITERATIONS 50
+
 /* y += s A x, A n x n row by row or, transposed, column by column */
 static void fbi_dense_add(fb_real *y, fb_real s, const fb_real *A, const fb_real *x, int n, int transposed)
 {
@@ -4799,20 +4811,10 @@ static void fbi_implicit_solve(fb_state *r, const fb_implicit_work *w, const fb_
 /* [E11.6] Largest step of the implicit schemes: what their iteration matrix leaves out, gyroscopic terms of frequency up to 2 |w|
    and the stiffening of the quadratic field, is explicit; |w| dt <= 1/2 and the frequency of the stiffening times dt <= 1.
    Source: trials.  Fails: never.  Test: implicit_steps_may_be_very_long. */
-static fb_real fbi_implicit_limit(const fb_body *body, fb_real spin, fb_real acceleration)
+FB_DEF fb_real fb_implicit_limit(const fb_body *body, fb_real spin, fb_real acceleration)
 {
   const fb_real k = body->limit_spin * spin * spin + body->limit_acceleration * FB_FABS(acceleration);
   return fbi_step_limit(FB_R(1.0), fbi_larger(FB_R(2.0) * FB_FABS(spin), FB_SQRT(k)));
-}
-
-FB_DEF fb_real fb_midpoint_limit(const fb_body *body, fb_real spin, fb_real acceleration)
-{
-  return fbi_implicit_limit(body, spin, acceleration);
-}
-
-FB_DEF fb_real fb_rosenbrock_limit(const fb_body *body, fb_real spin, fb_real acceleration)
-{
-  return fbi_implicit_limit(body, spin, acceleration);
 }
 
 /* Start of an implicit step: rates at the state, checked step, factored iteration matrix. */
@@ -4826,75 +4828,476 @@ static fb_status fbi_implicit_start(fb_implicit_work *w, fbi_kinetics *k, const 
   if (status == FB_OK && !body->allow_long_step) {
     fb_real spin, acceleration;
     fbi_step_conditions(&spin, &acceleration, body, k, input);
-    status = dt <= fbi_implicit_limit(body, spin, acceleration) ? FB_OK : FB_ERR_STEP;
+    status = dt <= fb_implicit_limit(body, spin, acceleration) ? FB_OK : FB_ERR_STEP;
   }
   return status == FB_OK ? fbi_implicit_factor(w, k, body, g) : status;
 }
 
-/* [E11.7] Rosenbrock scheme of order 2 with two stages, L-stable, gamma = 1 - 1/sqrt(2):
-   (I - gamma dt W) k_1 = f(t, y),  (I - gamma dt W) k_2 = f(t + dt, y + dt k_1) - 2 k_1,  y += dt (3/2 k_1 + 1/2 k_2).
-   It keeps its order for any matrix W, so terms may be left out of it.
-   Source: J.G. Verwer, E.J. Spee, J.G. Blom, W. Hundsdorfer, SIAM J. Sci. Comput. 20 (1999), ROS2.
-   Cost: 2 evaluations, one Cholesky factor, 2 solutions.  Fails: as E11.4.
-   Test: each_scheme_converges_at_its_order, implicit_steps_may_be_very_long. */
-FB_DEF fb_status fb_rosenbrock_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *start,
-                                    const fb_input *end, fb_real dt)
+/* Simplified Newton iterations for k = f(base + g k), k given a guess: (I - g W) dk = f - k. */
+static fb_status fbi_stage_solve(fb_implicit_work *w, fb_state *k, const fb_body *body, const fbi_kinetics *at,
+                                 const fb_state *base, const fb_state *state, const fb_input *input, int iterations)
 {
-  fbi_kinetics k, at_end;
-  fb_status status;
-  FBI_REQUIRE(body && state && work, FB_ERR_NULL);
-  status = fbi_implicit_start(work, &k, body, state, start, dt, FB_R(0.29289321881345248) * dt);
-  if (status != FB_OK) {
-    return status;
+  fb_status status = fbi_input_check(body, input);
+  for (int i = 0; i < iterations && status == FB_OK; i++) {
+    fbi_kinetics here;
+    fbi_state_advance(&w->stage, base, w->g, k, body->n);
+    status = fbi_rates(&w->rate, &here, body, &w->stage, input);
+    fbi_state_advance(&w->rate, &w->rate, -FB_R(1.0), k, body->n);
+    fbi_implicit_solve(&w->rate, w, body, at, state);
+    fbi_state_advance(k, k, FB_R(1.0), &w->rate, body->n);
   }
-  fbi_implicit_solve(&work->rate, work, body, &k, state);
-  work->first = work->rate;
-  fbi_state_advance(&work->stage, state, dt, &work->first, body->n);
-  status = fbi_input_check(body, end);
-  if (status == FB_OK) {
-    status = fbi_rates(&work->rate, &at_end, body, &work->stage, end);
-  }
-  if (status != FB_OK) {
-    return status;
-  }
-  fbi_state_advance(&work->rate, &work->rate, -FB_R(2.0), &work->first, body->n);
-  fbi_implicit_solve(&work->rate, work, body, &k, state);
-  fbi_state_advance(&work->stage, state, FB_R(1.5) * dt, &work->first, body->n);
-  fbi_state_advance(&work->stage, &work->stage, FB_R(0.5) * dt, &work->rate, body->n);
-  return fbi_step_end(state, &work->stage, body);
+  return status;
 }
 
-/* [E11.8] Implicit midpoint, y += dt k with k = f(t + dt/2, y + dt/2 k), by a fixed number of simplified Newton iterations
-   (I - dt/2 W) dk = f - k, W factored at the start of the step.
-   Source: textbook; conserves quadratic invariants, symmetric.  Cost: 1 + iterations evaluations, one Cholesky factor.
+/* [E11.7] Implicit midpoint, y += dt k with k = f(t + dt/2, y + dt/2 k).
+   Source: textbook; conserves quadratic invariants, symmetric.  Cost: 1 + iterations evaluations, one LU.
    Fails: as E11.4.  Test: each_scheme_converges_at_its_order, midpoint_keeps_energy_and_momentum. */
 FB_DEF fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *middle,
                                   fb_real dt, int iterations)
 {
-  const int count = iterations > 0 ? iterations : 3;
-  const int n = body ? body->n : 0;
-  fbi_kinetics k, at;
+  fbi_kinetics at;
   fb_status status;
   FBI_REQUIRE(body && state && work, FB_ERR_NULL);
-  FBI_REQUIRE(iterations >= 0 && iterations <= 50, FB_ERR_VALUE);
-  status = fbi_implicit_start(work, &k, body, state, middle, dt, FB_R(0.5) * dt);
+  FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
+  status = fbi_implicit_start(work, &at, body, state, middle, dt, FB_R(0.5) * dt);
+  if (status == FB_OK) {
+    work->first = work->rate;
+    fbi_implicit_solve(&work->first, work, body, &at, state);
+    status = fbi_stage_solve(work, &work->first, body, &at, state, state, middle, iterations > 0 ? iterations : 3);
+  }
   if (status != FB_OK) {
     return status;
   }
-  fbi_implicit_solve(&work->rate, work, body, &k, state);
-  work->first = work->rate;
-  for (int i = 0; i < count; i++) {
-    fbi_state_advance(&work->stage, state, FB_R(0.5) * dt, &work->first, n);
-    status = fbi_rates(&work->rate, &at, body, &work->stage, middle);
-    if (status != FB_OK) {
-      return status;
-    }
-    fbi_state_advance(&work->rate, &work->rate, -FB_R(1.0), &work->first, n);
-    fbi_implicit_solve(&work->rate, work, body, &k, state);
-    fbi_state_advance(&work->first, &work->first, FB_R(1.0), &work->rate, n);
-  }
-  fbi_state_advance(&work->stage, state, dt, &work->first, n);
+  fbi_state_advance(&work->stage, state, dt, &work->first, body->n);
   return fbi_step_end(state, &work->stage, body);
+}
+
+/* The input at the fraction s between two; loads must be at the same nodes in the same axes. */
+static fb_status fbi_input_between(fb_input *out, const fb_input *a, const fb_input *b, fb_real s)
+{
+  *out = *a;
+  if (a->n_load != b->n_load) {
+    return FB_ERR_VALUE;
+  }
+  for (int k = 0; k < a->n_load; k++) {
+    if (a->load[k].node != b->load[k].node || a->load[k].axes != b->load[k].axes) {
+      return FB_ERR_VALUE;
+    }
+  }
+  for (int i = 0; i < 3; i++) {
+    for (int k = 0; k < a->n_load; k++) {
+      out->load[k].force[i] += s * (b->load[k].force[i] - a->load[k].force[i]);
+      out->load[k].torque[i] += s * (b->load[k].torque[i] - a->load[k].torque[i]);
+    }
+    out->v[i] += s * (b->v[i] - a->v[i]);
+    out->w[i] += s * (b->w[i] - a->w[i]);
+    out->v_dot[i] += s * (b->v_dot[i] - a->v_dot[i]);
+    out->w_dot[i] += s * (b->w_dot[i] - a->w_dot[i]);
+  }
+  return FB_OK;
+}
+
+/* [E11.8] Two-stage SDIRK scheme of order 2, L-stable and stiffly accurate, c = 1 - 1/sqrt(2):
+   k_1 = f(t + c dt, y + c dt k_1),  k_2 = f(t + dt, y + (1-c) dt k_1 + c dt k_2),  y <- its last stage.
+   Source: R. Alexander, SIAM J. Numer. Anal. 14 (1977).  Cost: 1 + 2 iterations evaluations, one LU.
+   Fails: as E11.4.  Test: each_scheme_converges_at_its_order, implicit_steps_may_be_very_long. */
+FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *start,
+                               const fb_input *end, fb_real dt, int iterations)
+{
+  const fb_real c = FB_R(0.29289321881345248);
+  const int count = iterations > 0 ? iterations : 2;
+  fb_input between;
+  const fb_input *first = start;
+  fbi_kinetics at;
+  fb_status status;
+  FBI_REQUIRE(body && state && work, FB_ERR_NULL);
+  FBI_REQUIRE((start != NULL) == (end != NULL), FB_ERR_NULL);
+  FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
+  status = fbi_implicit_start(work, &at, body, state, start, dt, c * dt);
+  if (status == FB_OK && start != end) {
+    status = fbi_input_between(&between, start, end, c);
+    first = &between;
+  }
+  if (status == FB_OK) {
+    work->first = work->rate;
+    fbi_implicit_solve(&work->first, work, body, &at, state);
+    status = fbi_stage_solve(work, &work->first, body, &at, state, state, first, count);
+  }
+  if (status == FB_OK) {
+    fbi_state_advance(&work->base, state, (FB_R(1.0) - c) * dt, &work->first, body->n);
+    status = fbi_stage_solve(work, &work->first, body, &at, &work->base, state, end, count);
+  }
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_state_advance(&work->stage, &work->base, c * dt, &work->first, body->n);
+  return fbi_step_end(state, &work->stage, body);
+}
+
+/* ---- exponential scheme */
+
+FB_DEF fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real acceleration)
+{
+  return fb_implicit_limit(body, body->recoil * spin, acceleration);
+}
+
+#if FB_WITH_NONLINEAR_STRAIN
+/* Displacement of the coordinates by a unit of r at station g: K^-1 Psi_x^T EA to work.d; work.L holds the factor of K. */
+static void fbi_membrane_column(fb_body_work *work, const fb_body *body, int g)
+{
+  fbi_zero(work->d, body->n);
+  for (int i = 0; i < body->n_strain_row; i++) {
+    const fb_strain_row *row = &body->strain_row[i];
+    work->d[row->a] += row->axis == 0 ? body->strain_weight[g] * row->slope[g] : FB_R(0.0);
+  }
+  fb_chol_solve(work->d, work->L, work->d, body->n);
+}
+
+/* [E11.9] Membrane coordinates s = q + G(q), G_a = sum_g G_ag r_g with r = 1/2 (u_y'^2 + u_z'^2) at the strain stations and
+   G = K^-1 Psi_x^T EA: then dU/dq_a of E8.23 is K s but for what the axial functions cannot follow. G does not depend on the
+   coordinates that it moves, so q = s - G(s). Momenta: sigma = (1 - G'^T) pi.
+   Source: point transformation of [DB] (27).  Shapes: G n_axial x stations.  Fails: K singular; axial coordinates that bend.
+   Test: membrane_coordinates_make_the_strain_linear. */
+static fb_status fbi_membrane_fill(fb_exponential *scheme, fb_body_work *work, const fb_body *body)
+{
+  const int n = body->n;
+  fb_real *moved = work->A, largest = FB_R(0.0);
+  fb_status status;
+  fbi_sparse_to_dense(work->L, &body->K, n);
+  status = fb_chol_factor(work->L, n);
+  fbi_zero(moved, n);
+  for (int g = 0; g < body->n_strain && status == FB_OK; g++) {
+    fbi_membrane_column(work, body, g);
+    for (int a = 0; a < n; a++) {
+      moved[a] = fbi_larger(moved[a], FB_FABS(work->d[a]));
+      largest = fbi_larger(largest, moved[a]);
+    }
+  }
+  for (int a = 0; a < n && status == FB_OK; a++) {
+    if (moved[a] > FBI_ROUNDING * largest) {
+      scheme->axial[scheme->n_axial++] = a;
+    }
+    for (int i = 0; i < body->n_strain_row; i++) {
+      const int bends = body->strain_row[i].a == a && body->strain_row[i].axis > 0;
+      status = bends && moved[a] > FBI_ROUNDING * largest ? FB_ERR_EFFECTS : status;
+    }
+  }
+  for (int g = 0; g < body->n_strain && status == FB_OK; g++) {
+    fbi_membrane_column(work, body, g);
+    for (int k = 0; k < scheme->n_axial; k++) {
+      scheme->G[k * FBI_MAX_STRAINS + g] = work->d[scheme->axial[k]];
+    }
+  }
+  return status;
+}
+
+/* s = q + sign G(q), sign 1, or -1 to go back; slope is that of q and of s. */
+static void fbi_membrane_shift(fb_real *q, fb_real slope[3][FBI_MAX_STRAINS], const fb_exponential *scheme,
+                               const fb_body *body, fb_real sign)
+{
+  fb_real r[FBI_MAX_STRAINS];
+  fbi_slopes_eval(slope, body, q);
+  for (int g = 0; g < body->n_strain; g++) {
+    r[g] = FB_R(0.5) * (slope[1][g] * slope[1][g] + slope[2][g] * slope[2][g]);
+  }
+  for (int k = 0; k < scheme->n_axial; k++) {
+    q[scheme->axial[k]] += sign * fbi_dot(scheme->G + k * FBI_MAX_STRAINS, r, body->n_strain);
+  }
+}
+
+/* h_g = sum_a G_ag pi_a */
+static void fbi_membrane_loads(fb_real h[FBI_MAX_STRAINS], const fb_exponential *scheme, const fb_body *body,
+                               const fb_real *pi)
+{
+  fbi_zero(h, body->n_strain);
+  for (int k = 0; k < scheme->n_axial; k++) {
+    fbi_row_sub(h, -pi[scheme->axial[k]], scheme->G + k * FBI_MAX_STRAINS, body->n_strain);
+  }
+}
+
+/* x_b -= sum_g psi_b' (h u' + k v') over the transverse rows: G'^T pi, and its rate */
+static void fbi_membrane_sub(fb_real *x, const fb_body *body, const fb_real *h, fb_real u[3][FBI_MAX_STRAINS],
+                             const fb_real *k, fb_real v[3][FBI_MAX_STRAINS])
+{
+  fb_real f[3][FBI_MAX_STRAINS];
+  for (int g = 0; g < body->n_strain; g++) {
+    f[0][g] = FB_R(0.0);
+    f[1][g] = h[g] * u[1][g] + k[g] * v[1][g];
+    f[2][g] = h[g] * u[2][g] + k[g] * v[2][g];
+  }
+  fbi_slopes_sub(x, body, f);
+}
+#endif
+
+/* Stumpff functions c_j = sum_k (-t^2)^k / (2k + j)!, j = 0..4; by c_j = 1/j! - t^2 c_(j+2) from the series where closed forms
+   cancel. */
+static void fbi_stumpff(fb_real c[5], fb_real t)
+{
+  const fb_real x = t * t;
+  if (t < FB_R(0.5)) {
+    c[3] = c[4] = FB_R(0.0);
+    for (int k = 7; k >= 0; k--) { /* 1/j! (1 - x/((j+1)(j+2)) (1 - ..)) */
+      c[3] = FB_R(1.0) - x * c[3] / (fb_real)((2 * k + 4) * (2 * k + 5));
+      c[4] = FB_R(1.0) - x * c[4] / (fb_real)((2 * k + 5) * (2 * k + 6));
+    }
+    c[3] /= FB_R(6.0);
+    c[4] /= FB_R(24.0);
+    c[2] = FB_R(0.5) - x * c[4];
+    c[1] = FB_R(1.0) - x * c[3];
+    c[0] = FB_R(1.0) - x * c[2];
+    return;
+  }
+  c[0] = FB_COS(t);
+  c[1] = FB_SIN(t) / t;
+  c[2] = (FB_R(1.0) - c[0]) / x;
+  c[3] = (FB_R(1.0) - c[1]) / x;
+  c[4] = (FB_R(0.5) - c[2]) / x;
+}
+
+/* Modes of the linear part: K x = omega^2 M_free x with the mass that a base which may recoil leaves to the modes. */
+static fb_status fbi_exponential_modes(fb_exponential *scheme, fb_body_work *work, const fb_body *body)
+{
+  const int n = body->n, first = fbi_first_free(body->base);
+  fb_real *rows = work->Lambda, *M = work->Lambda + 6 * n; /* M_free = (M^-1 + B^T S_0^-1 B)^-1, B = Lambda_0 M^-1 */
+  fb_real unit[FB_MAX_MODES + 1] = {FB_R(1.0)};
+  fb_status status;
+  fbi_lambda_rows(rows, body, unit, 0, body->n_lambda_constant);
+  fbi_sparse_to_dense(work->A, &body->M, n);
+  if (body->unit_mass) {
+    fbi_copy(work->B, work->A, n * n);
+  } else {
+    fbi_sparse_to_dense(work->B, &body->Minv, n);
+  }
+  for (int i = first; i < 6; i++) {
+    fbi_mass_solve(work->d, body, rows + i * n);
+    fbi_copy(rows + i * n, work->d, n);
+  }
+  for (int i = first; i < 6; i++) {
+    for (int j = first; j < 6; j++) {
+      for (int a = 0; a < n; a++) {
+        fbi_row_sub(work->B + a * n, -body->S0_inverse[6 * i + j] * rows[i * n + a], rows + j * n, n);
+      }
+    }
+  }
+  status = fb_chol_factor(work->B, n);
+  for (int a = 0; a < n && status == FB_OK; a++) {
+    fbi_zero(work->d, n);
+    work->d[a] = FB_R(1.0);
+    fb_chol_solve(M + a * n, work->B, work->d, n);
+  }
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_sparse_to_dense(work->A, &body->K, n);
+  fbi_copy(work->B, M, n * n);
+  status = fb_eig_gen_solve(scheme->omega2, scheme->X, work->A, work->B, n);
+  for (int k = 0; k < n && status == FB_OK; k++) {
+    fbi_zero(scheme->MX + k * n, n);
+    for (int a = 0; a < n; a++) {
+      fbi_row_sub(scheme->MX + k * n, -scheme->X[k * n + a], M + a * n, n);
+    }
+    status = scheme->omega2[k] > FB_R(0.0) ? status : FB_ERR_SINGULAR;
+  }
+  return status;
+}
+
+FB_DEF fb_status fb_exponential_init(fb_exponential *scheme, fb_body_work *work, const fb_body *body, fb_real dt)
+{
+  fb_exponential out;
+  fb_status status = FB_OK;
+  FBI_REQUIRE(scheme && work && body, FB_ERR_NULL);
+  if (!(dt > FB_R(0.0) && dt < FB_HUGE) || fbi_form(body) != 0) {
+    return FB_ERR_VALUE;
+  }
+  memset(&out, 0, sizeof out);
+  out.dt = dt;
+  if (body->n > 0) {
+    status = fbi_exponential_modes(&out, work, body);
+  }
+#if FB_WITH_NONLINEAR_STRAIN
+  if (status == FB_OK && fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
+    status = fbi_membrane_fill(&out, work, body);
+  }
+#endif
+  for (int k = 0; k < body->n && status == FB_OK; k++) {
+    fb_real c[5];
+    fbi_stumpff(c, FB_R(0.5) * dt * FB_SQRT(out.omega2[k]));
+    for (int j = 0; j < 5; j++) {
+      out.half[j][k] = c[j];
+    }
+    fbi_stumpff(c, dt * FB_SQRT(out.omega2[k]));
+    for (int j = 0; j < 5; j++) {
+      out.full[j][k] = c[j];
+    }
+  }
+  if (status == FB_OK) {
+    *scheme = out;
+  }
+  return status;
+}
+
+/* The pose and the momenta of the frame, which have no stiff part. */
+static void fbi_rigid_copy(fb_state *out, const fb_state *in)
+{
+  fbi_copy(out->rho, in->rho, 3);
+  fbi_copy(out->quat, in->quat, 4);
+  fbi_copy(out->P, in->P, 3);
+  fbi_copy(out->L, in->L, 3);
+}
+
+/* Modal coordinates z: x in z.q, p in z.pi. */
+static void fbi_modal_from(fb_state *z, const fb_exponential *scheme, const fb_body *body, fb_state *state)
+{
+  const int n = body->n;
+#if FB_WITH_NONLINEAR_STRAIN
+  if (scheme->n_axial > 0) {
+    fb_real slope[3][FBI_MAX_STRAINS], h[FBI_MAX_STRAINS], none[FBI_MAX_STRAINS] = {0};
+    fbi_membrane_loads(h, scheme, body, state->pi);
+    fbi_membrane_shift(state->q, slope, scheme, body, FB_R(1.0));
+    fbi_membrane_sub(state->pi, body, h, slope, none, slope);
+  }
+#endif
+  fbi_rigid_copy(z, state);
+  for (int k = 0; k < n; k++) {
+    z->q[k] = fbi_dot(scheme->MX + k * n, state->q, n);
+    z->pi[k] = fbi_dot(scheme->X + k * n, state->pi, n);
+  }
+}
+
+static void fbi_modal_to(fb_state *state, const fb_exponential *scheme, const fb_body *body, const fb_state *z)
+{
+  const int n = body->n;
+  fbi_rigid_copy(state, z);
+  fbi_zero(state->q, n);
+  fbi_zero(state->pi, n);
+  for (int k = 0; k < n; k++) {
+    fbi_row_sub(state->q, -z->q[k], scheme->X + k * n, n);
+    fbi_row_sub(state->pi, -z->pi[k], scheme->MX + k * n, n);
+  }
+#if FB_WITH_NONLINEAR_STRAIN
+  if (scheme->n_axial > 0) {
+    fb_real slope[3][FBI_MAX_STRAINS], h[FBI_MAX_STRAINS], none[FBI_MAX_STRAINS] = {0};
+    fbi_membrane_shift(state->q, slope, scheme, body, -FB_R(1.0));
+    fbi_membrane_loads(h, scheme, body, state->pi);
+    for (int g = 0; g < body->n_strain; g++) {
+      h[g] = -h[g];
+    }
+    fbi_membrane_sub(state->pi, body, h, slope, none, slope);
+  }
+#endif
+}
+
+/* What is left of the rates of z without the linear elastic part: N = (X M s_dot - p, X sigma_dot + omega^2 x). */
+static fb_status fbi_modal_rates(fb_state *N, fbi_kinetics *k, fb_exponential_work *w, const fb_exponential *scheme,
+                                 const fb_body *body, const fb_state *z, const fb_input *input)
+{
+  const int n = body->n;
+  fb_status status = fbi_input_check(body, input);
+  fbi_modal_to(&w->at, scheme, body, z);
+  status = status == FB_OK ? fbi_rates(&w->rate, k, body, &w->at, input) : status;
+  if (status != FB_OK) {
+    return status;
+  }
+#if FB_WITH_NONLINEAR_STRAIN
+  if (scheme->n_axial > 0) {
+    fb_real rate[3][FBI_MAX_STRAINS], h[FBI_MAX_STRAINS], h_dot[FBI_MAX_STRAINS], r[FBI_MAX_STRAINS];
+    fbi_slopes_eval(rate, body, w->rate.q);
+    fbi_membrane_loads(h, scheme, body, w->at.pi);
+    fbi_membrane_loads(h_dot, scheme, body, w->rate.pi);
+    for (int g = 0; g < body->n_strain; g++) {
+      r[g] = k->slope[1][g] * rate[1][g] + k->slope[2][g] * rate[2][g];
+    }
+    for (int a = 0; a < scheme->n_axial; a++) {
+      w->rate.q[scheme->axial[a]] += fbi_dot(scheme->G + a * FBI_MAX_STRAINS, r, body->n_strain);
+    }
+    fbi_membrane_sub(w->rate.pi, body, h_dot, k->slope, h, rate);
+  }
+#endif
+  fbi_rigid_copy(N, &w->rate);
+  for (int i = 0; i < n; i++) {
+    N->q[i] = fbi_dot(scheme->MX + i * n, w->rate.q, n) - z->pi[i];
+    N->pi[i] = fbi_dot(scheme->X + i * n, w->rate.pi, n) + scheme->omega2[i] * z->q[i];
+  }
+  return FB_OK;
+}
+
+/* y += s phi_j(h L) v: on modes c_j + h L c_(j+1) with L = [0 1; -omega^2 0], on the rest 1/j!. */
+static void fbi_phi_add(fb_state *y, fb_real s, const fb_real c[5][FB_MAX_MODES], int j, const fb_exponential *scheme,
+                        fb_real h, const fb_state *v, int n)
+{
+  const fb_real rest = s * (j < 2 ? FB_R(1.0) : j == 2 ? FB_R(0.5) : FB_R(1.0) / FB_R(6.0));
+  fbi_state_advance(y, y, rest, v, 0);
+  for (int k = 0; k < n; k++) {
+    y->q[k] += s * (c[j][k] * v->q[k] + h * c[j + 1][k] * v->pi[k]);
+    y->pi[k] += s * (c[j][k] * v->pi[k] - h * scheme->omega2[k] * c[j + 1][k] * v->q[k]);
+  }
+}
+
+/* out = sum of weights w_i N_i */
+static void fbi_modal_sum(fb_state *out, const fb_state N[4], fb_real a, fb_real b, fb_real c, fb_real d, int n)
+{
+  memset(out, 0, sizeof *out);
+  fbi_state_advance(out, out, a, &N[0], n);
+  fbi_state_advance(out, out, b, &N[1], n);
+  fbi_state_advance(out, out, c, &N[2], n);
+  fbi_state_advance(out, out, d, &N[3], n);
+}
+
+/* [E11.10] Exponential Runge-Kutta scheme of order 4 for z' = L z + N(t, z), stages at 0, 1/2, 1/2, 1:
+   z_2 = e^(hL/2) z + h/2 phi_1(hL/2) N_1,  z_3 = z_2 + h phi_2(hL/2) (N_2 - N_1),
+   z_4 = e^(hL) z + h phi_1(hL) N_1 + 2h phi_2(hL) (N_3 - N_1),
+   z <- e^(hL) z + h phi_1 N_1 + h phi_2 (-3 N_1 + 2 N_2 + 2 N_3 - N_4) + 4h phi_3 (N_1 - N_2 - N_3 + N_4).
+   Where L = 0 this is the classical Runge-Kutta scheme.
+   Source: S. Krogstad, J. Comput. Phys. 203 (2005).  Cost: 4 evaluations, 16 n^2 flops each.  Fails: as the rates.
+   Test: each_scheme_converges_at_its_order, the_exponential_scheme_is_exact_for_linear_bodies. */
+FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *scheme, fb_state *state,
+                                     fb_exponential_work *work, const fb_input *start, const fb_input *middle,
+                                     const fb_input *end)
+{
+  fbi_kinetics k;
+  fb_state *z = &work->z, *N = work->N, *sum = &work->sum;
+  fb_real h, spin, acceleration;
+  fb_status status;
+  int n;
+  FBI_REQUIRE(body && scheme && state && work, FB_ERR_NULL);
+  n = body->n;
+  h = scheme->dt;
+  work->at = *state;
+  fbi_modal_from(z, scheme, body, &work->at);
+  status = fbi_modal_rates(&N[0], &k, work, scheme, body, z, start);
+  if (status == FB_OK && !body->allow_long_step) {
+    fbi_step_conditions(&spin, &acceleration, body, &k, start);
+    status = h <= fb_exponential_limit(body, spin, acceleration) ? FB_OK : FB_ERR_STEP;
+  }
+  if (status == FB_OK) {
+    memset(&work->half, 0, sizeof work->half);
+    fbi_phi_add(&work->half, FB_R(1.0), scheme->half, 0, scheme, FB_R(0.5) * h, z, n);
+    fbi_phi_add(&work->half, FB_R(0.5) * h, scheme->half, 1, scheme, FB_R(0.5) * h, &N[0], n);
+    status = fbi_modal_rates(&N[1], &k, work, scheme, body, &work->half, middle);
+  }
+  if (status == FB_OK) {
+    fbi_modal_sum(sum, N, -FB_R(1.0), FB_R(1.0), FB_R(0.0), FB_R(0.0), n);
+    fbi_phi_add(&work->half, h, scheme->half, 2, scheme, FB_R(0.5) * h, sum, n);
+    status = fbi_modal_rates(&N[2], &k, work, scheme, body, &work->half, middle);
+  }
+  if (status == FB_OK) {
+    memset(&work->full, 0, sizeof work->full);
+    fbi_phi_add(&work->full, FB_R(1.0), scheme->full, 0, scheme, h, z, n);
+    fbi_phi_add(&work->full, h, scheme->full, 1, scheme, h, &N[0], n);
+    fbi_modal_sum(sum, N, -FB_R(2.0), FB_R(0.0), FB_R(2.0), FB_R(0.0), n);
+    work->half = work->full;
+    fbi_phi_add(&work->half, h, scheme->full, 2, scheme, h, sum, n);
+    status = fbi_modal_rates(&N[3], &k, work, scheme, body, &work->half, end);
+  }
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_modal_sum(sum, N, -FB_R(3.0), FB_R(2.0), FB_R(2.0), -FB_R(1.0), n);
+  fbi_phi_add(&work->full, h, scheme->full, 2, scheme, h, sum, n);
+  fbi_modal_sum(sum, N, FB_R(4.0), -FB_R(4.0), -FB_R(4.0), FB_R(4.0), n);
+  fbi_phi_add(&work->full, h, scheme->full, 3, scheme, h, sum, n);
+  fbi_modal_to(&work->at, scheme, body, &work->full);
+  return fbi_step_end(state, &work->at, body);
 }
 
 /* ---------------------------------------------------------------------------------------------------------------
