@@ -828,12 +828,11 @@ FB_API fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real accelerat
    most). Status and failure as fb_rk4_step. */
 typedef struct fb_implicit_work {
   fb_state rate, first, base, stage;
-  fb_real g;                                                   /* [s] gamma dt of the factored matrix */
-  fb_real E[FB_MAX_MODES * FB_MAX_MODES], scale[FB_MAX_MODES]; /* its factors */
-  fb_real K[FB_MAX_MODES * FB_MAX_MODES];                      /* tangent stiffness */
-  fb_real N[FB_MAX_MODES * FB_MAX_MODES];                      /* gyroscopic terms */
+  fb_real g;                              /* [s] gamma dt of the factored matrix */
+  fb_real E[FB_MAX_MODES * FB_MAX_MODES]; /* its factors */
+  fb_real K[FB_MAX_MODES * FB_MAX_MODES]; /* tangent stiffness */
+  fb_real V[6];                           /* velocities of the gyroscopic terms */
   fb_real X[6 * FB_MAX_MODES], Y[6 * FB_MAX_MODES], Z[6 * FB_MAX_MODES], G[36]; /* recoil of the base */
-  int perm[FB_MAX_MODES];
 } fb_implicit_work;
 
 FB_API fb_real fb_implicit_limit(const fb_body *body, fb_real spin, fb_real acceleration);

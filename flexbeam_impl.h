@@ -482,6 +482,36 @@ FB_DEF void fb_lu_solve(fb_real *x, const fb_real *LU, const int *perm, const fb
   }
 }
 
+/* [E5.4] LU without pivoting, for matrices whose symmetric part is positive definite: growth is then bounded. Reciprocals of the
+   pivots stand on the diagonal.
+   Source: [GV] 4.3.2.  Shapes: A n x n.  Cost: 2/3 n^3 flops.  Fails: a pivot that is not positive.
+   Test: unpivoted_lu_solves_gyroscopic_systems. */
+static fb_status fbi_lu_plain_factor(fb_real *A, int n)
+{
+  for (int k = 0; k < n; k++) {
+    if (!(A[k * n + k] > FB_R(0.0)) || !fbi_is_finite(A + k * n + k, 1)) {
+      return fbi_is_finite(A + k * n + k, 1) ? FB_ERR_SINGULAR : FB_ERR_NOT_FINITE;
+    }
+    A[k * n + k] = FB_R(1.0) / A[k * n + k];
+    for (int i = k + 1; i < n; i++) {
+      A[i * n + k] *= A[k * n + k];
+      fbi_row_sub(A + i * n + k + 1, A[i * n + k], A + k * n + k + 1, n - k - 1);
+    }
+  }
+  return FB_OK;
+}
+
+/* x = A^-1 x with those factors */
+static void fbi_lu_plain_solve(fb_real *x, const fb_real *A, int n)
+{
+  for (int i = 1; i < n; i++) {
+    x[i] -= fbi_dot(A + i * n, x, i);
+  }
+  for (int i = n - 1; i >= 0; i--) {
+    x[i] = (x[i] - fbi_dot(A + i * n + i + 1, x + i + 1, n - i - 1)) * A[i * n + i];
+  }
+}
+
 /* [E5.2] Cholesky, A = L L^T. A pivot counts as zero below n epsilon of its own diagonal element.
    Source: [GV] 4.2.  Shapes: A n x n, lower triangle used.  Cost: n^3/3 flops.  Fails: not positive definite.
    Test: cholesky_factors_graded_and_refuses_indefinite_matrices. */
@@ -3330,6 +3360,19 @@ static FBI_NOINLINE void fbi_strain_sub(fb_real *x, fb_real slope[3][FBI_MAX_STR
   fbi_slopes_sub(x, body, f);
 }
 
+/* t = x y, element by element, whole groups of four */
+static void fbi_products(fb_real *t, const fb_real *x, const fb_real *y, int n)
+{
+  FBI_UNROLL
+  for (int j = 0; j < n; j += 4) {
+    const fb_real a = x[j] * y[j], b = x[j + 1] * y[j + 1], c = x[j + 2] * y[j + 2], d = x[j + 3] * y[j + 3];
+    t[j] = a;
+    t[j + 1] = b;
+    t[j + 2] = c;
+    t[j + 3] = d;
+  }
+}
+
 /* [E8.29] Tangent stiffness d2U/dq2 of the strain energy beyond K, A += ..; of tensile strain e alone in the geometric part, so that it
    is never indefinite:
    K + int EA (psi_x (u_y' psi_y + u_z' psi_z) + .. + (u_y' psi_y + u_z' psi_z)^2 + max(e, 0) (psi_y psi_y + psi_z psi_z)) dx.
@@ -3352,9 +3395,7 @@ static void fbi_strain_tangent_add(fb_real *A, const fb_body *body, fb_real slop
   for (int i = 0; i < body->n_strain_row; i++) {
     const fb_strain_row *a = &body->strain_row[i];
     for (int axis = 0; axis < 3; axis++) {
-      for (int g = 0; g < body->n_strain; g++) {
-        t[axis][g] = a->slope[g] * w[a->axis][axis][g];
-      }
+      fbi_products(t[axis], a->slope, w[a->axis][axis], body->n_strain);
     }
     for (int j = 0; j <= i; j++) {
       const fb_strain_row *b = &body->strain_row[j];
@@ -4555,22 +4596,6 @@ FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, f
 
 #define FBI_MAX_ITERATIONS 50
 
-/* y += s A x, A n x n row by row or, transposed, column by column */
-static void fbi_dense_add(fb_real *y, fb_real s, const fb_real *A, const fb_real *x, int n, int transposed)
-{
-  for (int a = 0; a < n; a++) {
-    if (transposed) {
-      fbi_row_sub(y, -s * x[a], A + a * n, n);
-    } else {
-      fb_real sum = FB_R(0.0);
-      for (int b = 0; b < n; b++) {
-        sum += A[a * n + b] * x[b];
-      }
-      y[a] += s * sum;
-    }
-  }
-}
-
 /* Tangent stiffness to w.K. */
 static void fbi_tangent(fb_implicit_work *w, const fb_body *body, const fb_real *q)
 {
@@ -4597,19 +4622,24 @@ static void fbi_lambda_rows(fb_real *X, const fb_body *body, const fb_real *qx, 
   }
 }
 
-/* D_a = d/dq_a (Lambda(q) pb + S(q) V) of the free rows, rows x n, and N_ab = -(Lambda_a^T V)_b, M times the transpose of the
-   gyroscopic matrix: how momenta and elastic velocities change with the shape. Momentum form only. */
-static void fbi_shape_rates(fb_real *D, fb_real *N, const fbi_kinetics *k, const fb_body *body, int first)
+/* y += s N x with N_ab = -(Lambda_a^T V)_b, M times the transpose of the gyroscopic matrix. */
+static void fbi_gyro_add(fb_real *y, fb_real s, const fb_real V[6], const fb_body *body, const fb_real *x)
+{
+  for (int t = body->n_lambda_constant; t < body->n_lambda; t++) {
+    const fb_lambda_term *term = &body->lambda[t];
+    y[term->a - 1] += s * term->c * V[term->i] * x[term->b];
+  }
+}
+
+/* D_a = d/dq_a (Lambda(q) pb + S(q) V) of the free rows, rows x n: how momenta change with the shape. */
+static void fbi_shape_rates(fb_real *D, const fbi_kinetics *k, const fb_body *body, int first)
 {
   const int n = body->n;
   fbi_zero(D, (6 - first) * n);
-  fbi_zero(N, n * n);
   for (int t = body->n_lambda_constant; t < body->n_lambda; t++) {
     const fb_lambda_term *term = &body->lambda[t];
-    const int a = term->a - 1, b = term->b;
-    N[a * n + b] += term->c * k->V[term->i];
     if (term->i >= first) {
-      D[(term->i - first) * n + a] -= term->c * k->pb[b];
+      D[(term->i - first) * n + term->a - 1] -= term->c * k->pb[term->b];
     }
   }
   for (int t = 0; t < body->n_S; t++) {
@@ -4657,19 +4687,17 @@ static fb_status fbi_coupling(fb_implicit_work *w, const fbi_kinetics *k, const 
   fbi_lambda_rows(w->X, body, k->qx, first, terms);
   fbi_zero(w->Y, rows * n);
   if (momentum) {
-    fbi_shape_rates(w->Y, w->N, k, body, first);
+    fbi_shape_rates(w->Y, k, body, first);
   }
   for (int i = 0; i < rows; i++) {
+    fb_real a[FB_MAX_MODES];
     if (momentum) {
-      fbi_mass_solve(w->scale, body, w->X + i * n);
-      fbi_dense_add(w->Y + i * n, -FB_R(1.0), w->N, w->scale, n, 0);
+      fbi_mass_solve(a, body, w->X + i * n);
+      fbi_gyro_add(w->Y + i * n, -FB_R(1.0), w->V, body, a);
     }
     for (int j = 0; j < rows; j++) {
-      fb_real sum = S[fb_sym6_index(first + i, first + j)];
-      for (int a = 0; a < n && momentum; a++) {
-        sum += w->scale[a] * w->X[j * n + a];
-      }
-      w->G[i * rows + j] = sum;
+      const fb_real elastic = momentum ? fbi_dot(a, w->X + j * n, n) : FB_R(0.0);
+      w->G[i * rows + j] = S[fb_sym6_index(first + i, first + j)] + elastic;
     }
   }
   if (rows > 0 && fb_chol_factor(w->G, rows) != FB_OK) {
@@ -4695,6 +4723,7 @@ static fb_status fbi_implicit_factor(fb_implicit_work *w, const fbi_kinetics *k,
   const int n = body->n, rows = 6 - fbi_first_free(body->base);
   fb_status status;
   w->g = g;
+  fbi_copy(w->V, k->V, 6);
   status = fbi_coupling(w, k, body);
   if (status != FB_OK) {
     return status;
@@ -4702,10 +4731,11 @@ static fb_status fbi_implicit_factor(fb_implicit_work *w, const fbi_kinetics *k,
   fbi_tangent(w, body, k->qx + 1);
   fbi_sparse_to_dense(w->E, &body->M, n);
   fbi_row_sub(w->E, -g * g, w->K, n * n);
-  if (fbi_form(body) == 0) {
-    for (int ab = 0; ab < n * n; ab++) {
-      w->E[ab] += g * (w->N[ab] - w->N[ab % n * n + ab / n]);
-    }
+  for (int t = body->n_lambda_constant; t < body->n_lambda && fbi_form(body) == 0; t++) {
+    const fb_lambda_term *term = &body->lambda[t];
+    const int a = term->a - 1, b = term->b;
+    w->E[a * n + b] += g * term->c * w->V[term->i];
+    w->E[b * n + a] -= g * term->c * w->V[term->i];
   }
   for (int i = 0; i < rows; i++) {
     for (int a = 0; a < n; a++) {
@@ -4724,7 +4754,7 @@ static fb_status fbi_implicit_factor(fb_implicit_work *w, const fbi_kinetics *k,
     }
   }
 #endif
-  status = n > 0 ? fb_lu_factor(w->E, w->perm, w->scale, n) : FB_OK;
+  status = fbi_lu_plain_factor(w->E, n);
   return status == FB_ERR_SINGULAR ? FB_ERR_RANGE : status;
 }
 
@@ -4739,13 +4769,11 @@ static void fbi_damping_add(fb_real *y, fb_real s, const fb_body *body, const fb
   (void)y, (void)s, (void)body, (void)x;
 }
 
-/* z_i += sum of A_i x over the rows */
-static void fbi_rows_add(fb_real z[6], fb_real s, const fb_real *A, const fb_real *x, int rows, int n)
+/* y -= s A x, A symmetric n x n */
+static void fbi_symmetric_sub(fb_real *y, fb_real s, const fb_real *A, const fb_real *x, int n)
 {
-  for (int i = 0; i < rows; i++) {
-    for (int a = 0; a < n; a++) {
-      z[i] += s * A[i * n + a] * x[a];
-    }
+  for (int a = 0; a < n; a++) {
+    fbi_row_sub(y, s * x[a], A + a * n, n);
   }
 }
 
@@ -4764,28 +4792,31 @@ static void fbi_implicit_solve(fb_state *r, const fb_implicit_work *w, const fb_
   fb_real *u = momentum ? r->q : r->pi;
   fbi_copy(d, u, n);
   fbi_mass_mul(b, body, u);
-  fbi_rows_add(z, -FB_R(1.0), w->X, u, rows, n);
-  for (int i = 0; i < rows; i++) { /* z = -X r */
+  for (int i = 0; i < rows; i++) {
+    z[i] = -fbi_dot(w->X + i * n, u, n);
     fbi_row_sub(b, -z[i], w->X + i * n, n);
     fbi_row_sub(b, g * z[i], w->Y + i * n, n);
   }
   if (momentum) {
     fbi_row_sub(b, -g, r->pi, n);
     fbi_damping_add(b, g, body, r->q);
-    fbi_dense_add(b, g, w->N, r->q, n, 0);
+    fbi_gyro_add(b, g, w->V, body, r->q);
   } else {
-    fbi_dense_add(b, -g, w->K, r->q, n, 1);
+    fbi_symmetric_sub(b, g, w->K, r->q, n);
   }
-  fb_lu_solve(u, w->E, w->perm, b, n);
-  fbi_rows_add(z, FB_R(1.0), w->Z, u, rows, n);
+  fbi_lu_plain_solve(b, w->E, n);
+  fbi_copy(u, b, n);
+  for (int i = 0; i < rows; i++) {
+    z[i] += fbi_dot(w->Z + i * n, u, n);
+  }
   fbi_chol_back(V + first, w->G, z, rows);
   for (int a = 0; a < n; a++) {
     d[a] = u[a] - d[a];
   }
   if (momentum) {
-    fbi_dense_add(r->pi, -g, w->K, r->q, n, 1);
+    fbi_symmetric_sub(r->pi, g, w->K, r->q, n);
     fbi_damping_add(r->pi, -FB_R(1.0), body, d);
-    fbi_dense_add(r->pi, -FB_R(1.0), w->N, d, n, 0);
+    fbi_gyro_add(r->pi, -FB_R(1.0), w->V, body, d);
     for (int i = 0; i < rows; i++) {
       fbi_row_sub(r->pi, z[i], w->Y + i * n, n);
     }
