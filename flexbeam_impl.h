@@ -485,7 +485,7 @@ FB_DEF void fb_lu_solve(fb_real *x, const fb_real *LU, const int *perm, const fb
 /* [E5.4] LU without pivoting, for matrices whose symmetric part is positive definite: growth is then bounded. Reciprocals of the
    pivots stand on the diagonal.
    Source: [GV] 4.3.2.  Shapes: A n x n.  Cost: 2/3 n^3 flops.  Fails: a pivot that is not positive.
-   Test: unpivoted_lu_solves_gyroscopic_systems. */
+   Test: each_scheme_converges_at_its_order. */
 static fb_status fbi_lu_plain_factor(fb_real *A, int n)
 {
   for (int k = 0; k < n; k++) {
@@ -4717,7 +4717,7 @@ static fb_status fbi_coupling(fb_implicit_work *w, const fbi_kinetics *k, const 
    E = M + g (C + N - N^T) + g^2 K_t - (X - g Y)^T Z. What is left, M - X^T X, is the mass of the modes when the base may recoil.
    The other forms do without N and Y.
    Source: block elimination; Newmark's effective stiffness is the case of a held base.  Shapes: n x n.  Cost: 2/3 n^3 flops.
-   Fails: M_rr or E singular.  Test: each_scheme_converges_at_its_order, implicit_steps_may_be_very_long. */
+   Fails: M_rr or E singular.  Test: each_scheme_converges_at_its_order, steps_may_be_a_thousand_periods_long. */
 static fb_status fbi_implicit_factor(fb_implicit_work *w, const fbi_kinetics *k, const fb_body *body, fb_real g)
 {
   const int n = body->n, rows = 6 - fbi_first_free(body->base);
@@ -4841,7 +4841,7 @@ static void fbi_implicit_solve(fb_state *r, const fb_implicit_work *w, const fb_
 
 /* [E11.6] Largest step of the implicit schemes: what their iteration matrix leaves out, gyroscopic terms of frequency up to 2 |w|
    and the stiffening of the quadratic field, is explicit; |w| dt <= 1/2 and the frequency of the stiffening times dt <= 1.
-   Source: trials.  Fails: never.  Test: implicit_steps_may_be_very_long. */
+   Source: trials.  Fails: never.  Test: steps_may_be_a_thousand_periods_long. */
 FB_DEF fb_real fb_implicit_limit(const fb_body *body, fb_real spin, fb_real acceleration)
 {
   const fb_real k = body->limit_spin * spin * spin + body->limit_acceleration * FB_FABS(acceleration);
@@ -4931,7 +4931,7 @@ static fb_status fbi_input_between(fb_input *out, const fb_input *a, const fb_in
 /* [E11.8] Two-stage SDIRK scheme of order 2, L-stable and stiffly accurate, c = 1 - 1/sqrt(2):
    k_1 = f(t + c dt, y + c dt k_1),  k_2 = f(t + dt, y + (1-c) dt k_1 + c dt k_2),  y <- its last stage.
    Source: R. Alexander, SIAM J. Numer. Anal. 14 (1977).  Cost: 1 + 2 iterations evaluations, one LU.
-   Fails: as E11.4.  Test: each_scheme_converges_at_its_order, implicit_steps_may_be_very_long. */
+   Fails: as E11.4.  Test: each_scheme_converges_at_its_order, steps_may_be_a_thousand_periods_long. */
 FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *start,
                                const fb_input *end, fb_real dt, int iterations)
 {
