@@ -482,7 +482,7 @@ FB_DEF void fb_lu_solve(fb_real *x, const fb_real *LU, const int *perm, const fb
   }
 }
 
-/* [E5.4] LU without pivoting, for matrices whose symmetric part is positive definite: growth is then bounded. Reciprocals of the
+/* [E5.5] LU without pivoting, for matrices whose symmetric part is positive definite: growth is then bounded. Reciprocals of the
    pivots stand on the diagonal.
    Source: [GV] 4.3.2.  Shapes: A n x n.  Cost: 2/3 n^3 flops.  Fails: a pivot that is not positive.
    Test: each_scheme_converges_at_its_order. */
@@ -3555,8 +3555,7 @@ static FBI_NOINLINE void fbi_load_add(fbi_kinetics *k, const fb_body *body, cons
     fb_mat33_mul_vec3(T, section, load->torque);
   }
   for (int i = 0; i < 3; i++) {
-    arm[i] =
-        node->r[i] + (fbi_form(body) == 2 ? FB_R(0.0) : f.u[i]); /* the printed form's F_re q takes u x F off again */
+    arm[i] = node->r[i] + f.u[i];
     k->fg[i] += F[i];
     k->fg[3 + i] += T[i];
   }
@@ -3593,7 +3592,7 @@ static void fbi_gravity_add(fbi_kinetics *k, const fb_body *body)
   fb_mat33_mulT_vec3(g, k->R, body->gravity);
   fbi_gravity_eval(c, k->x, body, k->qx, g);
   fbi_vec3_add(k->fg, body->mass, g);
-  fbi_vec3_add_cross(k->fg + 3, fbi_form(body) == 2 ? body->c : c, g);
+  fbi_vec3_add_cross(k->fg + 3, c, g);
 }
 #endif
 
@@ -3626,6 +3625,17 @@ static void fbi_forces(fbi_kinetics *k, const fb_body *body, const fb_state *sta
   }
 }
 
+/* y += s (C x) where damping is on */
+static void fbi_damping_add(fb_real *y, fb_real s, const fb_body *body, const fb_real *x)
+{
+#if FB_WITH_DAMPING
+  if (fbi_has(body->effects, FB_EFFECT_DAMPING)) {
+    fbi_sparse_eval(y, y, s, &body->C, x, body->n);
+  }
+#endif
+  (void)y, (void)s, (void)body, (void)x;
+}
+
 /* f = x - dU/dq - C q_dot, the elastic forces; the strain energy is E8.23's and 1/2 q^T K q. */
 static void fbi_elastic_forces(fb_real *f, fbi_kinetics *k, const fb_body *body, const fb_real *q, const fb_real *q_dot)
 {
@@ -3635,12 +3645,7 @@ static void fbi_elastic_forces(fb_real *f, fbi_kinetics *k, const fb_body *body,
   }
 #endif
   fbi_sparse_eval(f, k->x + 1, FB_R(-1.0), &body->K, q, body->n);
-#if FB_WITH_DAMPING
-  if (fbi_has(body->effects, FB_EFFECT_DAMPING)) {
-    fbi_sparse_eval(f, f, FB_R(-1.0), &body->C, q_dot, body->n);
-  }
-#endif
-  (void)q_dot;
+  fbi_damping_add(f, -FB_R(1.0), body, q_dot);
 }
 
 /* (w x p, w x h + v x p): what turning axes add to the rate of momenta */
@@ -3854,20 +3859,25 @@ static void fbi_printed_torque_sub(fb_real g[3], const fbi_kinetics *k, const fb
 }
 #endif
 
-/* [E8.27] Stiffness torque by the identity g_s = q_b Upsilon_b M^-1 dU/dq; of the elastic forces those are in it whose degree
-   truncation leaves. g -= g_s; minus_dU is what acts on the modes.
-   Source: [DB] (49).  Cost: 3 n_lambda flops.  Fails: never.
+/* [E8.27] Stiffness and load torque by the identities q_b Upsilon_b M^-1 dU/dq = K_re q, q_b Upsilon_b M^-1 f_e = F_re q: what acts on the
+   modes acts on the frame through the v_e that it turns. y += F_re q - K_re q; loads are f_e, the elastic forces -dU/dq and damping.
+   With a printed K_re the elastic forces are left out; of them those are in it whose degree truncation leaves.
+   Source: [DB] (49), (50).  Cost: 3 n_lambda flops.  Fails: never.
    Test: stiffness_torques_agree_on_a_closed_basis, spin_up_follows_the_references_of_each_form. */
-static void fbi_identity_torque_sub(fb_real y[6], const fbi_kinetics *k, const fb_body *body, const fb_real *q,
-                                    const fb_real *minus_dU)
+static void fbi_identity_torque_add(fb_real y[6], const fbi_kinetics *k, const fb_body *body, const fb_real *q,
+                                    const fb_real *q_dot, const fb_real *loads, const fb_real *elastic)
 {
   fb_real f[FB_MAX_MODES], acceleration[FB_MAX_MODES];
-  if (body->torque_degree == 0) {
-    return;
+  fbi_copy(f, loads, body->n);
+  if (body->stiffness_torque == FB_TORQUE_IDENTITY && body->torque_degree == 3) {
+    for (int a = 0; a < body->n; a++) {
+      f[a] += elastic[a];
+    }
+  } else {
+    fbi_damping_add(f, -FB_R(1.0), body, q_dot);
   }
-  fbi_copy(f, minus_dU, body->n);
-  if (body->torque_degree < 3) {
-    fbi_sparse_eval(f, NULL, FB_R(-1.0), &body->K, q, body->n);
+  if (body->stiffness_torque == FB_TORQUE_IDENTITY && body->torque_degree > 0 && body->torque_degree < 3) {
+    fbi_sparse_eval(f, f, FB_R(-1.0), &body->K, q, body->n);
 #if FB_WITH_NONLINEAR_STRAIN
     if (body->torque_degree == 2 && fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
       fb_real slope[3][FBI_MAX_STRAINS];
@@ -3906,39 +3916,45 @@ static void fbi_first_inertia(fb_real *f, fbi_kinetics *k, const fb_body *body)
   fbi_form_lambda_sub(f, body, wv, k->qx);
 }
 
+/* q_dot = v_e + M^-1 q_b Ups_b^T w, and the gyroscopic forces -ups_ab.w v_b to k.x. */
+static void fbi_elastic_rotation(fb_real *q_dot, fbi_kinetics *k, const fb_body *body)
+{
+  fbi_zero(k->e, body->n);
+  fbi_lambda_linear_gradients(k->e, k->x, body, k->V, k->qx, k->pb);
+  fbi_mass_solve(q_dot, body, k->e);
+  for (int a = 0; a < body->n; a++) {
+    q_dot[a] += k->pb[a];
+  }
+}
+
 /* [E8.28] First-order form: with the constant mass matrix
    m v_dot - c^ w_dot + P v_e_dot + w x (m v - c^ w + P v_e) = f
    c^ v_dot + J w_dot + H v_e_dot + c^ (w x v) + w x J w + sum_a v_a Gamma_a^T w + g_s(q) = g + F_re q
    P^T v_dot + H^T w_dot + M v_e_dot + P^T (w x v) - w^T Gamma_a w + w^T ups_ab v_b + dU/dq = f_e,   q_dot = v_e + M^-1 q_b Ups_b^T w.
    Solved by the Schur complement of M, a constant 6x6 whose inverse is at hand.
-   Source: [DB] (23)-(25); F_re q takes u x F off the torque, loads act at the undeformed arm.  Cost: 4 n_lambda + 300 flops.
+   Source: [DB] (23)-(25); F_re q by E8.27.  Cost: 4 n_lambda + 300 flops.
    Fails: never.  Test: forms_agree_on_a_closed_basis, spin_up_follows_the_references_of_each_form. */
 static void fbi_first_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state)
 {
   const int n = body->n;
-  fb_real f[FB_MAX_MODES], minus_dU[FB_MAX_MODES], a[FB_MAX_MODES], y[6];
-  fbi_zero(k->e, n);
-  fbi_lambda_linear_gradients(k->e, k->x, body, k->V, k->qx, k->pb);
-  fbi_mass_solve(rate->q, body, k->e);
-  for (int i = 0; i < n; i++) {
-    rate->q[i] += k->pb[i];
-  }
+  fb_real f[FB_MAX_MODES], loads[FB_MAX_MODES], elastic[FB_MAX_MODES], a[FB_MAX_MODES], y[6];
+  fbi_copy(loads, k->x + 1, n);
+  fbi_zero(k->x + 1, n);
+  fbi_elastic_rotation(rate->q, k, body);
   fbi_first_inertia(f, k, body);
   for (int i = 0; i < n; i++) {
-    f[i] += k->x[i + 1];
+    f[i] += loads[i] + k->x[i + 1];
     k->x[i + 1] = FB_R(0.0);
   }
-  fbi_elastic_forces(minus_dU, k, body, state->q, rate->q);
+  fbi_elastic_forces(elastic, k, body, state->q, rate->q);
 #if FB_WITH_NONLINEAR_STRAIN
   if (body->stiffness_torque != FB_TORQUE_IDENTITY) {
     fbi_printed_torque_sub(k->y + 3, k, body);
   }
 #endif
-  if (body->stiffness_torque == FB_TORQUE_IDENTITY) {
-    fbi_identity_torque_sub(k->y, k, body, state->q, minus_dU);
-  }
+  fbi_identity_torque_add(k->y, k, body, state->q, rate->q, loads, elastic);
   for (int i = 0; i < n; i++) {
-    f[i] += minus_dU[i];
+    f[i] += elastic[i];
   }
   if (body->base != FB_BASE_PRESCRIBED) {
     fbi_copy(y, k->y, 6);
@@ -4756,17 +4772,6 @@ static fb_status fbi_implicit_factor(fb_implicit_work *w, const fbi_kinetics *k,
 #endif
   status = fbi_lu_plain_factor(w->E, n);
   return status == FB_ERR_SINGULAR ? FB_ERR_RANGE : status;
-}
-
-/* y += s (C x) where damping is on */
-static void fbi_damping_add(fb_real *y, fb_real s, const fb_body *body, const fb_real *x)
-{
-#if FB_WITH_DAMPING
-  if (fbi_has(body->effects, FB_EFFECT_DAMPING)) {
-    fbi_sparse_eval(y, y, s, &body->C, x, body->n);
-  }
-#endif
-  (void)y, (void)s, (void)body, (void)x;
 }
 
 /* y -= s A x, A symmetric n x n */
