@@ -828,6 +828,7 @@ FB_API fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real accelerat
    most). Status and failure as fb_rk4_step. */
 typedef struct fb_implicit_work {
   fb_state rate, first, base, stage;
+  fb_input between;
   fb_real g;                              /* [s] gamma dt of the factored matrix */
   fb_real E[FB_MAX_MODES * FB_MAX_MODES]; /* its factors */
   fb_real K[FB_MAX_MODES * FB_MAX_MODES]; /* tangent stiffness */

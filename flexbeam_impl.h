@@ -707,8 +707,9 @@ static const fb_real fbi_gauss_w[FBI_GAUSS] = {
     FB_R(0.15617353852000145), FB_R(0.16511967750062990), FB_R(0.15617353852000145),
     FB_R(0.13030534820146770), FB_R(0.09032408034742870), FB_R(0.04063719418078720)};
 
+#if FB_WITH_NONLINEAR_STRAIN
 /* [E6.8] Gauss-Legendre points and weights on 0..1, n <= FBI_RULE: Newton's iteration on P_n from its asymptotic zeros.
-   Source: [GV] is silent; Abramowitz and Stegun 25.4.29.  Cost: 10 n^2 flops x 6.  Fails: never.
+   Source: Abramowitz and Stegun 25.4.29.  Cost: 10 n^2 flops x 6.  Fails: never.
    Test: gauss_rules_integrate_polynomials. */
 #define FBI_RULE 15
 static void fbi_gauss_rule(fb_real *x, fb_real *w, int n)
@@ -730,6 +731,7 @@ static void fbi_gauss_rule(fb_real *x, fb_real *w, int n)
     w[i] = FB_R(1.0) / ((FB_R(1.0) - r * r) * slope * slope);
   }
 }
+#endif
 
 typedef struct fbi_field { /* linear displacement field at a point of the reference line, beam axes */
   fb_real u[3];            /* displacement */
@@ -4942,7 +4944,6 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
 {
   const fb_real c = FB_R(0.29289321881345248);
   const int count = iterations > 0 ? iterations : 2;
-  fb_input between;
   const fb_input *first = start;
   fbi_kinetics at;
   fb_status status;
@@ -4951,8 +4952,8 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
   FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
   status = fbi_implicit_start(work, &at, body, state, start, dt, c * dt);
   if (status == FB_OK && start != end) {
-    status = fbi_input_between(&between, start, end, c);
-    first = &between;
+    status = fbi_input_between(&work->between, start, end, c);
+    first = &work->between;
   }
   if (status == FB_OK) {
     work->first = work->rate;

@@ -1,25 +1,47 @@
 /* step_count - steps one body, for a counter of instructions (tests/checks/instructions.sh).
-   usage: step_count Y Z AXIAL EFFECTS STEPS [decayed]
-   Y, Z, AXIAL: modes of each kind; EFFECTS: mask of FB_EFFECT_...; decayed: the elastic motion is about to vanish. */
+   usage: step_count Y Z AXIAL EFFECTS STEPS [SCHEME [decayed]]
+   Y, Z, AXIAL: modes of each kind; EFFECTS: mask of FB_EFFECT_...; SCHEME: fb_rk4_step (default), fb_midpoint_step, fb_sdirk_step,
+   fb_exponential_step; decayed: the elastic motion is about to vanish. */
 #include "scene.h"
+
+static fb_body body;
+static fb_body_work body_work;
+static fb_exponential exponential;
+
+static fb_status step(const char *scheme, fb_state *state, fb_real dt)
+{
+  static fb_rk4_work rk4;
+  static fb_implicit_work implicit;
+  static fb_exponential_work work;
+  if (strcmp(scheme, "fb_midpoint_step") == 0) {
+    return fb_midpoint_step(&body, state, &implicit, NULL, dt, 0);
+  }
+  if (strcmp(scheme, "fb_sdirk_step") == 0) {
+    return fb_sdirk_step(&body, state, &implicit, NULL, NULL, dt, 0);
+  }
+  if (strcmp(scheme, "fb_exponential_step") == 0) {
+    return fb_exponential_step(&body, &exponential, state, &work, NULL, NULL, NULL);
+  }
+  return fb_rk4_step(&body, state, &rk4, NULL, NULL, NULL, dt);
+}
 
 int main(int argc, char **argv)
 {
-  static fb_body body;
-  fb_rk4_work work;
   fb_state state;
-  const int decayed = argc == 7;
+  const int decayed = argc == 8;
+  const char *scheme = argc > 6 ? argv[6] : "fb_rk4_step";
   fb_real dt;
   if (argc < 6) {
-    fprintf(stderr, "usage: step_count Y Z AXIAL EFFECTS STEPS [decayed]\n");
+    fprintf(stderr, "usage: step_count Y Z AXIAL EFFECTS STEPS [SCHEME [decayed]]\n");
     return 2;
   }
   fbb_body(&body, atoi(argv[1]), atoi(argv[2]), atoi(argv[3]), (unsigned)atoi(argv[4]), FB_R(0.5));
   fbb_state(&state, &body, 0, decayed ? FB_R(0.0) : FB_R(1.0), decayed ? (fb_real)1e-133 : FB_R(0.01));
   dt = FB_R(0.5) * fb_rk4_limit(&body, FB_R(2.0), FB_R(10.0));
   dt = dt < FB_R(0.01) ? dt : FB_R(0.01);
+  fbb_check(fb_exponential_init(&exponential, &body_work, &body, dt), "exponential scheme");
   for (int k = atoi(argv[5]); k > 0; k--) {
-    fbb_check(fb_rk4_step(&body, &state, &work, NULL, NULL, NULL, dt), "step");
+    fbb_check(step(scheme, &state, dt), "step");
   }
   printf("n = %d, q[0] = %g, n_lambda = %d, n_S = %d\n", body.n, (double)state.q[0], body.n_lambda, body.n_S);
   return 0;

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Instructions per rk4 step, counted step by step: the same for every step of a run, decayed or not; below the bounds; an effect
+# Instructions per step, counted step by step: the same for every step of a run, decayed or not; below the bounds; an effect
 # that is off at run time costs as much as one that was compiled out, give or take the tests of its switch.
 # Boom on a hub, free, unloaded, gcc -O2, double. Masks: FB_EFFECT_... of flexbeam.h.
 . tests/checks/common.sh
@@ -20,15 +20,16 @@ build() {
   try gcc -std=c99 -I. -O2 "$@" -o "$program" bench/step_count.c "$program.o" -lm -Wl,-z,now
 }
 
-# count PROGRAM Y Z AXIAL EFFECTS [decayed]: sets per_step; the counter is written out and zeroed after every step
+# count PROGRAM Y Z AXIAL EFFECTS [SCHEME [decayed]]: sets per_step; the counter is written out and zeroed after every step
 count() {
   program=$out/$1
   shift
   rm -f "$out"/count*
   modes="$1 $2 $3 $4"
+  scheme=${5:-fb_rk4_step}
   shift 4
-  try valgrind --tool=callgrind --callgrind-out-file="$out/count" --toggle-collect=fb_rk4_step \
-    --dump-after=fb_rk4_step "$program" $modes $steps "$@"
+  try valgrind --tool=callgrind --callgrind-out-file="$out/count" --toggle-collect=$scheme \
+    --dump-after=$scheme "$program" $modes $steps "$@"
   cat "$out"/count.* | sed -n 's/^summary: //p' | grep -v '^0$' | sort -n | uniq -c > "$out/counts"
   [ "$(wc -l < "$out/counts")" = 1 ] || {
     cat "$out/counts"
@@ -38,9 +39,9 @@ count() {
   [ "$n" = $steps ] || fail "$modes $*: $n steps counted instead of $steps"
 }
 
-# row NAME PROGRAM Y Z AXIAL EFFECTS BOUND [decayed]
+# row NAME PROGRAM Y Z AXIAL EFFECTS BOUND [SCHEME [decayed]]
 row() {
-  count "$2" "$3" "$4" "$5" "$6" ${8:-}
+  count "$2" "$3" "$4" "$5" "$6" ${8:-} ${9:-}
   printf '  %-34s %s+%s+%s %8d %s\n' "$1" "$3" "$4" "$5" "$per_step" "$([ "$7" = 0 ] || echo "(bound $7)")"
   [ "$7" = 0 ] || [ "$per_step" -le "$7" ] || over="$over, $1 $per_step > $7"
 }
@@ -60,11 +61,16 @@ row "spin coupling, with axial modes" default 2 2 2 3 0
 row "full, with axial modes" default 2 2 2 31 0
 row "linear, damping" default 3 3 0 33 0
 moving=$per_step
-row "linear, damping, decayed" default 3 3 0 33 0 decayed
+row "linear, damping, decayed" default 3 3 0 33 0 fb_rk4_step decayed
 [ "$per_step" = "$moving" ] || fail "a decayed body takes $per_step instructions, a moving one $moving"
 
+row "full, implicit midpoint" default 3 3 0 31 0 fb_midpoint_step
+row "full, SDIRK2" default 3 3 0 31 0 fb_sdirk_step
+row "full, exponential" default 3 3 0 31 0 fb_exponential_step
+row "full, exponential, decayed" default 3 3 0 63 0 fb_exponential_step decayed
+
 # off at run time against compiled out: EFFECT of flexbeam.h, mask without it
-for pair in SPIN_COUPLING:1 RESIDUAL_INERTIA:27 SPIN_STIFFENING:19 ACCELERATION_STIFFENING:15 DAMPING:31 GRAVITY:31; do
+for pair in SPIN_COUPLING:1 RESIDUAL_INERTIA:27 SPIN_STIFFENING:19 ACCELERATION_STIFFENING:15 DAMPING:31 GRAVITY:31 NONLINEAR_STRAIN:31; do
   effect=${pair%:*}
   build without -DFB_WITH_$effect=0
   count default 3 3 0 ${pair#*:}

@@ -8,7 +8,8 @@ int main(void)
   static const unsigned effects[] = {
       FB_EFFECT_SPIN_COUPLING,   FB_EFFECT_SPIN_COUPLING | FB_EFFECT_RESIDUAL_INERTIA | FB_EFFECT_SPIN_STIFFENING,
       FB_EFFECT_SPIN_STIFFENING, FB_EFFECT_ACCELERATION_STIFFENING,
-      FB_EFFECT_DAMPING,         FB_EFFECT_GRAVITY};
+      FB_EFFECT_DAMPING,         FB_EFFECT_GRAVITY,
+      FB_EFFECT_NONLINEAR_STRAIN};
   static fb_shape shape;
   static fb_body body;
   static fb_body_work work;
@@ -17,8 +18,11 @@ int main(void)
       fb_shape_add_rigid(&shape, 1, r, inertia) != FB_OK) {
     return 1;
   }
+#if FB_WITH_NONLINEAR_STRAIN
+  shape.n_strain = 4; /* an effect without its data is refused, too */
+#endif
   printf("%d ", (int)sizeof(fb_body));
-  for (int k = 0; k < 6; k++) { /* refused by the check, and by fb_body_init: 1 */
+  for (int k = 0; k < 7; k++) { /* refused by the check, and by fb_body_init: 1 */
     fb_body_desc desc = {0};
     fb_status status;
     desc.effects = effects[k] | FB_EFFECT_ELASTIC;
