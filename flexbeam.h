@@ -69,7 +69,7 @@
      >>body       shape integrals, effects, momentum form, loads, nodes, energy
      >>system     (planned) joints, trees, loops
      >>mixed      (planned) geometrically exact mixed beam
-     >>integrate  rk4 with its stability limit
+     >>integrate  rk4, implicit midpoint, SDIRK2, exponential scheme; their limits
      >>analyse    (planned) trim, linearization, effect advisor
      >>build      version and configuration string
 
@@ -123,13 +123,31 @@
      Units of q: with mass-normalized modes (M = 1) q carries sqrt(kg) m and psi 1/sqrt(kg); only products have units.
 
    NOT INCLUDED (yet): plasticity, contact, fluids, fracture, gravity gradients, joints, shear flexibility, twist and
-   curvature, nonlinear strain (the stiffness is linear in q; stiffening comes from kinematics).
+   curvature. Strain is linear, or with FB_EFFECT_NONLINEAR_STRAIN has the axial part of second degree.
+
+   WHICH SCHEME? (all fixed work; a step beyond its limit is refused)
+     scheme                order  limit               a step costs            takes
+     fb_rk4_step           4      stiffest mode       4 evaluations           any body, any form
+     fb_midpoint_step      2      spin                4 evaluations, one LU   stiff bodies; keeps energy
+     fb_sdirk_step         2      spin                5 evaluations, one LU   stiff bodies; L-stable: fast modes die out
+     fb_exponential_step   4      spin, light bases   4 evaluations           stiff elasticity, exactly; momentum form
+
+   HALF AN EFFECT IS WORSE THAN NONE (what the papers' equations do when taken apart; refused unless allow_split_effects)
+     Inertia that follows the shape softens a spinning beam; without the stiffening that outweighs it a slender one diverges
+     above its first bending frequency. The strain energy of third degree without that of fourth has no lower bound: any motion
+     diverges, spinning or not. J(q) without its second degree makes the mass matrix indefinite. The stiffness torque of the
+     first-order form that the paper prints lets energy leak where the axial strain at the root is free, and no refinement
+     mends it; the one by its identity (49) does not, and without its third degree the torque no longer fits the forces (5 to
+     14 % off). On a basis with the same functions in every direction first- and second-order form are the same equations;
+     that basis has no axial strain at the root, where it is largest.
 
    REFERENCES
      [DB] G.M.T. D'Eleuterio and T.D. Barfoot, "Just a second, we'd like to go first: a first-order discretized
           formulation for structural dynamics".
      [H]  A.S. Hopkins, "The motion of interconnected flexible bodies", 1975.
      [L]  Leigh, "The application of Hamilton's weak principle", thesis, 2006.
+     [AL] R. Alexander, "Diagonally implicit Runge-Kutta methods for stiff O.D.E.'s", SIAM J. Numer. Anal. 14, 1977.
+     [KR] S. Krogstad, "Generalized integrating factor methods for stiff PDEs", J. Comput. Phys. 203, 2005.
      [HW] E. Hairer and G. Wanner, "Solving Ordinary Differential Equations II", Springer, IV.2 (stability region).
      [GV] G.H. Golub and C.F. Van Loan, "Matrix Computations".
 */

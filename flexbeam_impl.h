@@ -4829,10 +4829,11 @@ static void fbi_implicit_solve(fb_state *r, const fb_implicit_work *w, const fb_
     }
   } else {
     fbi_row_sub(r->q, -g, r->pi, n);
-    for (int i = 0; i < 6; i++) {
-      fb_real *rate = i < 3 ? r->P + i : r->L + i - 3;
-      *rate -= V[i];
-      V[i] = -g * *rate;
+    for (int i = 0; i < 3; i++) {
+      r->P[i] -= V[i];
+      r->L[i] -= V[3 + i];
+      V[i] = -g * r->P[i];
+      V[3 + i] = -g * r->L[i];
     }
   }
   for (int i = 0; i < 6; i++) {
@@ -4937,7 +4938,7 @@ static fb_status fbi_input_between(fb_input *out, const fb_input *a, const fb_in
 
 /* [E11.8] Two-stage SDIRK scheme of order 2, L-stable and stiffly accurate, c = 1 - 1/sqrt(2):
    k_1 = f(t + c dt, y + c dt k_1),  k_2 = f(t + dt, y + (1-c) dt k_1 + c dt k_2),  y <- its last stage.
-   Source: R. Alexander, SIAM J. Numer. Anal. 14 (1977).  Cost: 1 + 2 iterations evaluations, one LU.
+   Source: [AL].  Cost: 1 + 2 iterations evaluations, one LU.
    Fails: as E11.4.  Test: each_scheme_converges_at_its_order, steps_may_be_a_thousand_periods_long. */
 FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *start,
                                const fb_input *end, fb_real dt, int iterations)
@@ -5285,7 +5286,7 @@ static void fbi_modal_sum(fb_state *out, const fb_state N[4], fb_real a, fb_real
    z_4 = e^(hL) z + h phi_1(hL) N_1 + 2h phi_2(hL) (N_3 - N_1),
    z <- e^(hL) z + h phi_1 N_1 + h phi_2 (-3 N_1 + 2 N_2 + 2 N_3 - N_4) + 4h phi_3 (N_1 - N_2 - N_3 + N_4).
    Where L = 0 this is the classical Runge-Kutta scheme.
-   Source: S. Krogstad, J. Comput. Phys. 203 (2005).  Cost: 4 evaluations, 16 n^2 flops each.  Fails: as the rates.
+   Source: [KR].  Cost: 4 evaluations, 16 n^2 flops each.  Fails: as the rates.
    Test: each_scheme_converges_at_its_order, the_exponential_scheme_is_exact_for_linear_bodies. */
 FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *scheme, fb_state *state,
                                      fb_exponential_work *work, const fb_input *start, const fb_input *middle,

@@ -444,7 +444,7 @@ static void order_of(scheme which, const fb_state *fine, double order, int steps
     fbt_figure(text, order > 3 ? "4" : "2", log2(coarse / half));
     FBT_NEAR_ABS(log2(coarse / half), order, 0.35);
   } else {
-    FBT_BELOW(half, 5e-2); /* rounding hides the order */
+    FBT_BELOW(fmin(coarse, half), 5e-2); /* rounding hides the order */
   }
 }
 
