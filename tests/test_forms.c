@@ -621,6 +621,394 @@ TEST(second_order_form_is_the_printed_one)
   FBT_BELOW(worst, FBT_TOL(1e-12, 1e-4));
 }
 
+/* ---- the spin-up */
+
+#define ROWS 61 /* every 0.5 s from 0 on */
+
+typedef struct spin_up {
+  scene beam;
+  fb_form form;
+  fb_stiffness_torque torque;
+  fb_truncation cut;
+  int prescribed; /* variant C: given rate; else A: hinged, torque for 15 s */
+  int per_second; /* steps */
+  double end;     /* [s] */
+} spin_up;
+
+typedef struct track {
+  int rows;
+  double u1[ROWS], u2[ROWS]; /* [m] tip */
+  double lag;                /* [m] smallest u2 */
+  fb_status status;
+  double stop;                  /* [s] where it did not end well */
+  double work, energy, balance; /* [J] of the torque, peak energy, largest difference; variant A */
+} track;
+
+/* Torque 160 (1 - cos) N m about z for 15 s, or the rate that it gives a rigid beam. */
+static void spin_input(fb_input *input, int prescribed, double t)
+{
+  const double phase = 2.0 * 3.14159265358979323846 * t / RAMP, rise = t < RAMP ? 1.0 - cos(phase) : 0.0;
+  if (prescribed) {
+    input->w_dot[2] = (fb_real)(0.4 * rise);
+    input->w[2] = (fb_real)(t < RAMP ? 6.0 / RAMP * (t - RAMP * sin(phase) / (2.0 * 3.14159265358979323846)) : 6.0);
+  } else {
+    input->n_load = 1;
+    input->load[0].torque[2] = (fb_real)(160.0 * rise);
+  }
+}
+
+static double tip(const fb_state *state, int axis)
+{
+  double u = 0.0;
+  for (int a = 0; a < body.n; a++) {
+    u += (double)(body.node[1].psi[3 * a + axis] * state->q[a]);
+  }
+  return u;
+}
+
+static void spin_body(const spin_up *s)
+{
+  scene_shape(&s->beam, BENDING, 0);
+  desc_clear();
+  desc.truncation = s->cut;
+  desc.deflection_limit = (fb_real)(2.0 * LENGTH); /* as the references' */
+  desc.allow_split_effects = s->cut != FB_TRUNCATE_NONE;
+  desc.allow_long_step = 1;
+  scene_body(s->form, s->torque, s->prescribed ? FB_BASE_PRESCRIBED : FB_BASE_HINGED, FB_EFFECTS_STRAIN);
+}
+
+/* Simpson's rule for the work, a step's share: c g w dt / 3; the energy where a pair of steps ends. */
+static void account(track *out, const fb_state *state, const fb_input *input, int step, double dt)
+{
+  const double g = (double)input->load[0].torque[2];
+  fb_motion motion;
+  fb_energy e;
+  FBT_INT_EQ(fb_body_motion(&body, &motion, state, input), FB_OK);
+  out->work += (step % 2 ? 4.0 : 1.0) * g * (double)motion.w[2] * dt / 3.0;
+  if (step % 2 == 0) {
+    FBT_INT_EQ(fb_body_energy(&body, &e, state, NULL), FB_OK);
+    out->energy = fmax(out->energy, (double)e.kinetic + (double)e.strain);
+    out->balance = fmax(out->balance, fabs((double)e.kinetic + (double)e.strain - out->work));
+    out->work += g * (double)motion.w[2] * dt / 3.0; /* begins the next pair */
+  }
+}
+
+static void spin(track *out, const spin_up *s, int with_energy)
+{
+  static fb_input end[2], middle;
+  static fb_rk4_work work;
+  const int steps = (int)(s->end * s->per_second);
+  const double dt = 1.0 / s->per_second;
+  fb_state state;
+  memset(out, 0, sizeof *out);
+  memset(end, 0, sizeof end);
+  memset(&middle, 0, sizeof middle);
+  spin_body(s);
+  FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+  out->rows = 1;
+  for (int k = 0; k < steps; k++) {
+    const fb_input *start = &end[k % 2], *next = &end[(k + 1) % 2];
+    spin_input(&middle, s->prescribed, (k + 0.5) * dt);
+    spin_input(&end[(k + 1) % 2], s->prescribed, (k + 1) * dt);
+    out->status = fb_rk4_step(&body, &state, &work, start, &middle, next, (fb_real)dt);
+    if (out->status != FB_OK) {
+      out->stop = k * dt;
+      FBT_INT_EQ(fb_state_check(&body, &state), FB_OK); /* is as before the step */
+      return;
+    }
+    out->lag = fmin(out->lag, tip(&state, 1));
+    if (2 * (k + 1) % s->per_second == 0) {
+      out->u1[out->rows] = tip(&state, 0);
+      out->u2[out->rows++] = tip(&state, 1);
+    }
+    if (with_energy) {
+      account(out, &state, next, k + 1, dt);
+    }
+  }
+}
+
+/* Largest error of a tip history, relative to the reference's peak in the whole time. */
+static double history_error(const fbt_table *table, const double *u, int rows, const char *prefix, const char *suffix)
+{
+  char column[32];
+  double error = 0.0, peak = 0.0;
+  snprintf(column, sizeof column, "%s%s", prefix, suffix);
+  for (int k = 0; k < rows; k++) {
+    error = fmax(error, fabs(u[k] - fbt_value(table, k, column)));
+  }
+  for (int k = 0; k < table->rows; k++) {
+    peak = fmax(peak, fabs(fbt_value(table, k, column)));
+  }
+  return error / peak;
+}
+
+static double track_error(const track *t, const spin_up *s, const char *prefix)
+{
+  static const char *const name[2][2] = {{"p07A_second_order.csv", "p07A_first_order.csv"},
+                                         {"p07C_second_order.csv", "p07C_first_order.csv"}};
+  const fbt_table *table = fbt_reference(name[s->prescribed][s->form == FB_FORM_FIRST]);
+  const double u1 = history_error(table, t->u1, t->rows, prefix, "_u1");
+  return fmax(u1, history_error(table, t->u2, t->rows, prefix, "_u2"));
+}
+
+/* Steps that the stiffest axial mode leaves stable. */
+static int steps_per_second(int n_element)
+{
+  return FB_SINGLE ? 2000 : n_element == 1 ? 4000 : n_element == 2 ? 4000 : 6000;
+}
+
+/* Basis C or H, n_element, form, torque, variant: against its own column. */
+static double spin_error(int root_strain, int n_element, fb_form form, fb_stiffness_torque torque, int prescribed,
+                         double end)
+{
+  static const char *const torque_name[3] = {"proj", "weak", "strong"};
+  const scene beam_of = {n_element, 3, root_strain, 1, 0};
+  static track t;
+  spin_up s;
+  char prefix[16];
+  s.beam = beam_of;
+  s.form = form;
+  s.torque = torque;
+  s.cut = FB_TRUNCATE_NONE;
+  s.prescribed = prescribed;
+  s.per_second = steps_per_second(n_element);
+  s.end = end;
+  spin(&t, &s, 0);
+  FBT_INT_EQ(t.status, FB_OK);
+  snprintf(prefix, sizeof prefix, "%s%c%d%s", form == FB_FORM_FIRST ? "F" : "", root_strain ? 'H' : 'C', n_element,
+           form != FB_FORM_FIRST ? ""
+           : root_strain         ? torque_name[torque]
+                                 : "weak"); /* one column for basis C */
+  return track_error(&t, &s, prefix);
+}
+
+/* Elements 1 to 3, both bases, both variants, up to 30 or 15 s. On basis C, and with a given rate, all torques do the same: one of
+   them will do; three elements in the second-order form take long: one run. */
+static double form_error(int form, int n, int root, int prescribed)
+{
+  const double end = FB_SINGLE ? 4.0 : n == 1 || (n == 2 && root) ? 30.0 : 15.0;
+  const int torques = form == FB_FORM_FIRST && !prescribed && (root || n == 1) ? 3 : 1;
+  double worst = 0.0;
+  if (form == FB_FORM_SECOND && n == 3 && (prescribed || !root)) {
+    return 0.0;
+  }
+  for (int torque = 0; torque < torques; torque++) {
+    worst = fmax(worst, spin_error(root, n, (fb_form)form, (fb_stiffness_torque)torque, prescribed, end));
+  }
+  return worst;
+}
+
+/* E8.23 to E8.28: tip histories of [DB]'s example with torque (A) and given rate (C), to the digits of independent solutions of the
+   same equations by Gauss collocation of order 10. */
+TEST(spin_up_follows_the_references_of_each_form)
+{
+  static const char *const name[] = {"spin-up, momentum form", "spin-up, second-order form",
+                                     "spin-up, first-order form"};
+  for (int form = 0; form < 3; form++) {
+    double worst = 0.0;
+    for (int n = 1; n <= (FB_SINGLE ? 1 : 3); n++) {
+      for (int k = 0; k < 4; k++) {
+        worst = fmax(worst, form_error(form, n, k / 2, k % 2));
+      }
+    }
+    fbt_figure(name[form], "[DB] discretized independently (p07A, p07C)", worst);
+    FBT_BELOW(worst, FBT_TOL(1e-9, 1e-4));
+  }
+}
+
+/* E8.23 and trap h: one element of degree 8 and strain at the root is converged; what is left against the geometrically exact beam is
+   the model's error. Variant A to the peak and beyond. */
+TEST(one_element_of_degree_8_is_converged)
+{
+  static const scene beam_of = {1, 8, 1, 1, 0};
+  static track t;
+  spin_up s;
+  if (FB_SINGLE) {
+    return; /* functions above degree 5 want double precision */
+  }
+  memset(&s, 0, sizeof s);
+  s.beam = beam_of;
+  s.per_second = 20000;
+  s.end = 10.0;
+  spin(&t, &s, 0);
+  FBT_INT_EQ(t.status, FB_OK);
+  {
+    const double converged = track_error(&t, &s, "LC"), exact = track_error(&t, &s, "GE");
+    fbt_figure("spin-up, one element of degree 8", "[DB] (27) converged (p07A)", converged);
+    fbt_figure("spin-up, the strain energy of [DB] (27)", "geometrically exact beam (p07A)", exact);
+    FBT_BELOW(converged, 3e-6);
+    FBT_BELOW(exact, 1e-2);
+  }
+}
+
+/* E8.25, E8.27, trap c: the work of the torque is the energy in every form on basis H; the printed stiffness torque leaks. */
+TEST(work_of_the_torque_is_the_energy)
+{
+  static const fb_form form[] = {FB_FORM_MOMENTUM, FB_FORM_SECOND, FB_FORM_FIRST, FB_FORM_FIRST, FB_FORM_FIRST};
+  static const fb_stiffness_torque torque[] = {FB_TORQUE_IDENTITY, FB_TORQUE_IDENTITY, FB_TORQUE_IDENTITY,
+                                               FB_TORQUE_BOUNDARY, FB_TORQUE_PRINTED};
+  static const char *const name[] = {"energy, momentum form", "energy, second-order form", "energy, first-order form",
+                                     "energy, boundary term", "energy, printed torque"};
+  const scene beam_of = {FB_SINGLE ? 1 : 2, 3, 1, 1, 0};
+  for (int i = 0; i < FBT_COUNT(form); i++) {
+    static track t;
+    spin_up s;
+    double miss;
+    memset(&s, 0, sizeof s);
+    s.beam = beam_of;
+    s.form = form[i];
+    s.torque = torque[i];
+    s.per_second = steps_per_second(beam_of.n_element);
+    s.end = FB_SINGLE ? 4.0 : 16.0;
+    spin(&t, &s, 1);
+    FBT_INT_EQ(t.status, FB_OK);
+    miss = t.balance / t.energy;
+    fbt_figure(name[i], "work of the torque", miss);
+    if (torque[i] == FB_TORQUE_IDENTITY) {
+      FBT_BELOW(miss, FBT_TOL(1e-10, 1e-4));
+    } else if (!FB_SINGLE) {
+      FBT_TRUE(miss > (torque[i] == FB_TORQUE_PRINTED ? 1e-5 : 1e-6));
+    }
+  }
+}
+
+/* A row of p07_Q.csv: [DB]'s Q, basis, form and variant. */
+static int truncation_row(spin_up *s, const fbt_table *table, int row)
+{
+  const char *basis = fbt_word(table, row, "basis"), *form = fbt_word(table, row, "form");
+  const int q = (int)fbt_value(table, row, "Q"), n = basis[1] - '0';
+  memset(s, 0, sizeof *s);
+  s->beam.n_element = n;
+  s->beam.degree = 3;
+  s->beam.root_strain = basis[0] == 'H';
+  s->beam.planes = 1;
+  s->form = form[0] == 'f' ? FB_FORM_FIRST : FB_FORM_SECOND;
+  s->torque = FB_TORQUE_PRINTED;
+  s->cut = q == 3 ? FB_TRUNCATE_NONE : (fb_truncation)(q + 1);
+  s->prescribed = fbt_word(table, row, "variant")[0] == 'C';
+  s->per_second = steps_per_second(n);
+  s->end = n == 1 ? 30.0 : 15.0; /* the peak is at 7 s, divergence before 10 s */
+  return (n == 1 || (n == 2 && s->beam.root_strain)) && strcmp(form, "first_nokin") != 0;
+}
+
+/* E8.23 to E8.28 with terms left out, [DB] figures 4 and 5, trap d: Q = 1 diverges for want of a lower bound of the strain energy,
+   Q = 0 where softening is not outweighed; all else has the reference's largest deflection. */
+TEST(truncation_does_what_the_paper_shows)
+{
+  double worst = 0.0, late = 0.0;
+  static fbt_table table;
+  if (FB_SINGLE) {
+    return;
+  }
+  table = *fbt_reference("p07_Q.csv");
+  for (int row = 0; row < table.rows; row++) {
+    static track t;
+    spin_up s;
+    if (!truncation_row(&s, &table, row)) {
+      continue;
+    }
+    spin(&t, &s, 0);
+    if (strcmp(fbt_word(&table, row, "status"), "ok") == 0) {
+      FBT_INT_EQ(t.status, FB_OK);
+      worst = fmax(worst, fabs(t.lag / fbt_value(&table, row, "u2min") - 1.0));
+    } else {
+      FBT_INT_EQ(t.status, FB_ERR_RANGE);
+      late = fmax(late, fabs(t.stop - fbt_value(&table, row, "t_div")));
+    }
+  }
+  fbt_figure("largest lag, terms above Q left out", "[DB] discretized independently (p07_Q)", worst);
+  fbt_figure("time [s] at which it diverges", "the same, steps of 2.5 ms", late);
+  FBT_BELOW(worst, 1e-8);
+  FBT_BELOW(late, 0.01);
+}
+
+/* ---- refusals */
+
+/* fb_body_init with desc fails with that status and leaves the body as it was. */
+static void refused(fb_status expected)
+{
+  static fb_body before;
+  memcpy(&before, &body, sizeof body);
+  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), expected);
+  FBT_TRUE(memcmp(&before, &body, sizeof body) == 0);
+}
+
+/* Stations for that beam and those modes fail with that status and leave the shape as it was. */
+static void stations_refused(fb_status expected)
+{
+  static fb_shape before;
+  memcpy(&before, &shape, sizeof shape);
+  FBT_INT_EQ(fb_shape_add_beam_strain(&shape, 0, &beam, &modes), expected);
+  FBT_TRUE(memcmp(&before, &shape, sizeof shape) == 0);
+}
+
+/* Trap e: J, h follow the shape in degree 1 and 2 together or not at all; and every other set that is half of something. */
+TEST(half_an_inertia_is_refused)
+{
+  static const scene natural = {2, 0, 0, 2, 1};
+  const unsigned half = FB_EFFECT_ELASTIC | FB_EFFECT_SPIN_COUPLING;
+  scene_shape(&closed_3d, BENDING, 1);
+  desc_clear();
+  scene_body(FB_FORM_SECOND, FB_TORQUE_IDENTITY, FB_BASE_FREE, FB_EFFECTS_STRAIN);
+  desc.effects = half;
+  refused(FB_ERR_EFFECTS);
+  desc.effects = FB_EFFECTS_STRAIN & ~(unsigned)FB_EFFECT_RESIDUAL_INERTIA;
+  refused(FB_ERR_EFFECTS);
+  desc.allow_split_effects = 1;
+  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
+  desc.effects = FB_EFFECTS_STRAIN | FB_EFFECT_SPIN_STIFFENING; /* foreshortening would count twice */
+  for (int form = 0; form < 3; form++) {
+    desc.form = (fb_form)form;
+    refused(FB_ERR_EFFECTS);
+  }
+  desc.effects = FB_EFFECTS_FULL; /* the first-order form has no quadratic field */
+  refused(FB_ERR_EFFECTS);
+  desc_clear();
+  desc.effects = FB_EFFECTS_STRAIN;
+  desc.truncation = FB_TRUNCATE_ABOVE_2;
+  refused(FB_ERR_EFFECTS);
+  desc.truncation = (fb_truncation)4;
+  refused(FB_ERR_VALUE);
+  desc_clear();
+  desc.effects = FB_EFFECTS_STRAIN;
+  desc.form = (fb_form)3;
+  refused(FB_ERR_VALUE);
+  desc.form = FB_FORM_FIRST;
+  desc.stiffness_torque = (fb_stiffness_torque)3;
+  refused(FB_ERR_VALUE);
+  desc.stiffness_torque = FB_TORQUE_PRINTED;
+  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
+  scene_shape(&natural, BENDING, 1); /* its printed torque is not known for natural modes */
+  refused(FB_ERR_EFFECTS);
+  desc.stiffness_torque = FB_TORQUE_IDENTITY;
+  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
+  FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
+  refused(FB_ERR_EFFECTS); /* no stations */
+}
+
+/* Stations: more than fit, a beam without axial stiffness, missing things. */
+TEST(strain_stations_refuse_bad_input)
+{
+  static const scene many = {3, 5, 0, 1, 0}; /* nine stations an element */
+  const int fits = FB_MAX_STRAINS >= 27;
+  scene_modes(&many, BENDING);
+  FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
+  if (!fits) {
+    stations_refused(FB_ERR_CAPACITY);
+  }
+  beam.desc.station[0].EA = 0;
+  stations_refused(FB_ERR_KIND);
+  FBT_INT_EQ(fb_shape_init(&shape, modes.n - 1), FB_OK);
+  stations_refused(FB_ERR_CAPACITY);
+  FBT_INT_EQ(fb_shape_add_beam_strain(NULL, 0, &beam, &modes), FB_ERR_NULL);
+  FBT_INT_EQ(fb_shape_add_beam_strain(&shape, 0, NULL, &modes), FB_ERR_NULL);
+  FBT_INT_EQ(fb_shape_add_beam_strain(&shape, 0, &beam, NULL), FB_ERR_NULL);
+}
+
 SUITE(forms, RUN(strain_forces_are_the_gradient_of_the_energy), RUN(gauss_rules_integrate_polynomials),
       RUN(forms_agree_on_a_closed_basis), RUN(stiffness_torques_agree_on_a_closed_basis),
-      RUN(second_order_form_is_the_printed_one))
+      RUN(second_order_form_is_the_printed_one), RUN(spin_up_follows_the_references_of_each_form),
+      RUN(one_element_of_degree_8_is_converged), RUN(work_of_the_torque_is_the_energy),
+      RUN(truncation_does_what_the_paper_shows), RUN(half_an_inertia_is_refused), RUN(strain_stations_refuse_bad_input))
