@@ -967,7 +967,7 @@ TEST(half_an_inertia_is_refused)
   desc.effects = FB_EFFECTS_STRAIN;
   desc.truncation = FB_TRUNCATE_ABOVE_2;
   refused(FB_ERR_EFFECTS);
-  desc.truncation = (fb_truncation)4;
+  memset(&desc.truncation, 1, sizeof desc.truncation); /* no value of the enum, which a cast may not make in C++ */
   refused(FB_ERR_VALUE);
   desc_clear();
   desc.effects = FB_EFFECTS_STRAIN;
