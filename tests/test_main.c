@@ -12,6 +12,7 @@ void fbt_suite_linalg(void);
 void fbt_suite_beam(void);
 void fbt_suite_modes(void);
 void fbt_suite_body(void);
+void fbt_suite_forms(void);
 void fbt_suite_integrate(void);
 void fbt_suite_build(void);
 
@@ -189,6 +190,7 @@ int main(int argc, char **argv)
   fbt_suite_beam();
   fbt_suite_modes();
   fbt_suite_body();
+  fbt_suite_forms();
   fbt_suite_integrate();
   fbt_suite_build();
   if (!figures || failed) {
