@@ -58,14 +58,14 @@ build/readme/figures_double build/readme/figures_single: $(wildcard tests/*.[ch]
 	$(CC) $(FLAGS) $(CFLAGS) -DFB_SINGLE=$(if $(findstring single,$@),1,0) -o $@ $(SECTIONS:%=tests/test_%.c) -lm
 
 format:
-	clang-format -i *.h tests/*.[ch] tests/checks/*.c examples/*.c bench/*.[ch]
+	clang-format -i *.h tests/*.[ch] tests/checks/*.c examples/*.[ch] bench/*.[ch]
 
 clean:
 	rm -rf build
 
 # ---- programs
 
-build/examples/%: examples/%.c $(LIBRARY) build/flags | build/examples
+build/examples/%: examples/%.c $(wildcard examples/*.h) $(LIBRARY) build/flags | build/examples
 	$(CC) $(FLAGS) $(CFLAGS) -o $@ $< -lm
 
 build/bench/%_double: bench/%.c bench/scene.h $(LIBRARY) build/flags | build/bench
