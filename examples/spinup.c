@@ -338,18 +338,6 @@ static void draw(const options *o, const char *full, const char *linear, const c
 static history result;
 static series target;
 
-static int build_or_say(const scene *s)
-{
-  const fb_status status = build(s);
-  if (status == FB_ERR_CAPACITY && s->elements) {
-    return fail(
-        "cannot build the model: fewer --elements, a lower --polynomial or one of --planes, it holds 40 coordinates "
-        "and 60 strain stations",
-        "");
-  }
-  return status == FB_OK ? 0 : fail("cannot build the model", fb_status_string(status));
-}
-
 /* The step where none was asked for, and a bound on their number. */
 static int choose_step(options *o)
 {

@@ -175,6 +175,18 @@ static fb_status build(const scene *s)
   return status;
 }
 
+static int build_or_say(const scene *s)
+{
+  const fb_status status = build(s);
+  if (status == FB_ERR_CAPACITY && s->elements) {
+    return fail(
+        "cannot build the model: fewer --elements, a lower --polynomial or one of --planes, it holds 40 coordinates "
+        "and 60 strain stations",
+        "");
+  }
+  return status == FB_OK ? 0 : fail("cannot build the model", fb_status_string(status));
+}
+
 /* The final rate [rad/s]; of a torque that of the rigid beam. */
 static double final_spin(const scene *s)
 {
