@@ -442,8 +442,11 @@ static int run_one(const options *o)
   }
   printf("stopped at t = %.3f s: %s\n", result.t_stop, fb_status_string(result.status));
   if (result.status == FB_ERR_STEP) {
-    printf("the limit of %s is %.4g s undeflected at %.3g rad/s; slopes and stretch lower it: try --dt %.3g\n",
-           schemes[s->scheme].name, step_limit(s), final_spin(s), 0.7 * fmin(s->dt, step_limit(s)));
+    printf("the limit of %s is %.4g s undeflected at %.3g rad/s; slopes, stretch and faster rates lower it: try --dt "
+           "%.3g\n",
+           schemes[s->scheme].name, step_limit(s), final_spin(s), 0.5 * fmin(s->dt, step_limit(s)));
+  } else if (result.status == FB_ERR_RANGE && !model.split) {
+    printf("a shorter --dt or another --scheme shows whether it was the step or the model\n");
   }
   return 1;
 }
