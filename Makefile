@@ -10,14 +10,15 @@ export WARNINGS WARNINGS_C
 
 LIBRARY  = flexbeam.h flexbeam_impl.h
 SECTIONS = main status vec3 rotation linalg beam modes body forms integrate build
-EXAMPLES = quickstart spinup campbell
+EXAMPLES = quickstart spinup campbell table1
 CHECKS   = sanitize suite compile instructions mismatch removed style tidy two_precisions stack symbols ids quickstart
 
 .DELETE_ON_ERROR:
-.PHONY: help run test examples bench sizes readme format clean ci FORCE $(CHECKS:%=check-%)
+.PHONY: help run table1 test examples bench sizes readme format clean ci FORCE $(CHECKS:%=check-%)
 
 help:
 	@echo "make run       spin-up of a flexible beam against its reference, time per step, picture if gnuplot is there"
+	@echo "make table1    the forms of the equations of motion, figures and accuracy of D'Eleuterio and Barfoot: build/table1/"
 	@echo "make test      build and run the tests, build the examples"
 	@echo "make examples  $(EXAMPLES:%=build/examples/%)"
 	@echo "make bench     time per step by modes and effects, double and single: build/bench_step_*.csv"
@@ -32,6 +33,10 @@ help:
 
 run: build/examples/spinup
 	$< --reference tests/reference/p07C_second_order.csv --out build/spinup.csv
+
+table1: build/examples/table1
+	@mkdir -p build/table1
+	@$< --out build/table1 > build/table1/tables.txt; status=$$?; cat build/table1/tables.txt; exit $$status
 
 test: examples check-quickstart build/test_runner
 	build/test_runner
@@ -58,14 +63,14 @@ build/readme/figures_double build/readme/figures_single: $(wildcard tests/*.[ch]
 	$(CC) $(FLAGS) $(CFLAGS) -DFB_SINGLE=$(if $(findstring single,$@),1,0) -o $@ $(SECTIONS:%=tests/test_%.c) -lm
 
 format:
-	clang-format -i *.h tests/*.[ch] tests/checks/*.c examples/*.c bench/*.[ch]
+	clang-format -i *.h tests/*.[ch] tests/checks/*.c examples/*.[ch] bench/*.[ch]
 
 clean:
 	rm -rf build
 
 # ---- programs
 
-build/examples/%: examples/%.c $(LIBRARY) build/flags | build/examples
+build/examples/%: examples/%.c $(wildcard examples/*.h) $(LIBRARY) build/flags | build/examples
 	$(CC) $(FLAGS) $(CFLAGS) -o $@ $< -lm
 
 build/bench/%_double: bench/%.c bench/scene.h $(LIBRARY) build/flags | build/bench

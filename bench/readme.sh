@@ -36,6 +36,11 @@ build/examples/spinup --reference tests/reference/p07C_second_order.csv --out bu
 { echo '```'; sed -n -e 's/ *$//' -e '/^Spin-up/,/^ *6 .*full/p' "$out/spinup"; echo '```'; } | block spinup
 [ ! -f build/spinup.svg ] || sed "s/ *$//" build/spinup.svg > examples/spinup.svg
 
+# the forms of the equations of motion, and what accuracy costs in time
+make -s table1 > "$out/table1"
+{ echo '```'; sed -n -e 's/ *$//' -e '/^Accuracy/,/^torque.*converged/p' "$out/table1"; echo '```'; } | block accuracy
+{ echo '```'; sed -n -e 's/ *$//' -e '/^Table 1/,$p' "$out/table1"; echo '```'; } | block table1
+
 make -s check-instructions > "$out/instructions" || true # the table is printed before the verdict
 { echo '```'; sed -e '/^ok/d' -e '/^FAIL/d' -e 's/ *$//' "$out/instructions"; echo '```'; } | block instructions
 

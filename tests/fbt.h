@@ -5,9 +5,13 @@
 #ifndef FBT_H
 #define FBT_H
 
-/* Twenty-four modes: three elements with cubic functions in three directions have nineteen. */
+/* Three elements with cubic functions in three directions have nineteen coordinates, two of degree 6 in a plane twenty-one and
+   twenty-two strain stations. */
 #ifndef FB_MAX_MODES
 #define FB_MAX_MODES 24
+#endif
+#ifndef FB_MAX_STRAINS
+#define FB_MAX_STRAINS 24
 #endif
 #ifndef FB_WITH_FORMS
 #define FB_WITH_FORMS 1
