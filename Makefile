@@ -21,7 +21,7 @@ help:
 	@echo "make table1    the forms of the equations of motion, figures and accuracy of D'Eleuterio and Barfoot: build/table1/"
 	@echo "make test      build and run the tests, build the examples"
 	@echo "make examples  $(EXAMPLES:%=build/examples/%)"
-	@echo "make bench     time per step by modes and effects, double and single: build/bench_step_*.csv"
+	@echo "make bench     time per step by modes and effects, by form and scheme: build/bench_*.csv"
 	@echo "make sizes     bytes of the structs by precision and FB_MAX_MODES"
 	@echo "make readme    regenerate the tables, the program and the picture of README.md (wants gnuplot, valgrind)"
 	@echo "make ci        every check: compilers, standards, sanitizers, configuration, symbols, stack, instructions, style"
@@ -43,12 +43,14 @@ test: examples check-quickstart build/test_runner
 
 examples: $(EXAMPLES:%=build/examples/%)
 
-bench: build/bench/bench_step_double build/bench/bench_step_single
+bench: build/bench/bench_step_double build/bench/bench_step_single build/bench/bench_forms_double
 	@for p in double single; do \
 	  echo "$$p:" && build/bench/bench_step_$$p > build/bench_step_$$p.csv && \
 	  awk -F, '/^#/ { print; next } { printf "%-9s %5s  %-13s %9s %9s %9s %9s %7s\n", $$1, $$2, $$3, $$4, $$5, $$6, $$7, $$8 }' \
 	    build/bench_step_$$p.csv || exit 1; \
 	done
+	@build/bench/bench_forms_double > build/bench_forms.csv && \
+	awk -F, '/^#/ { print; next } { printf "%-9s %8s %3s %9s %8s %8s %16s %15s\n", $$1, $$2, $$3, $$4, $$5, $$6, $$7, $$8 }' build/bench_forms.csv
 
 sizes: bench/sizes.c flexbeam.h flexbeam_impl.h | build/bench
 	@for single in 0 1; do for modes in 1 2 4 6 12; do \
@@ -56,7 +58,7 @@ sizes: bench/sizes.c flexbeam.h flexbeam_impl.h | build/bench
 	  build/bench/sizes || exit 1; \
 	done; done | awk 'NR == 1 || !/^precision/'
 
-readme: examples build/readme/figures_double build/readme/figures_single
+readme: examples build/bench/bench_forms_double build/readme/figures_double build/readme/figures_single
 	sh bench/readme.sh
 
 build/readme/figures_double build/readme/figures_single: $(wildcard tests/*.[ch]) $(LIBRARY) | build/readme
@@ -73,10 +75,10 @@ clean:
 build/examples/%: examples/%.c $(wildcard examples/*.h) $(LIBRARY) build/flags | build/examples
 	$(CC) $(FLAGS) $(CFLAGS) -o $@ $< -lm
 
-build/bench/%_double: bench/%.c bench/scene.h $(LIBRARY) build/flags | build/bench
+build/bench/%_double: bench/%.c $(wildcard bench/*.h) $(LIBRARY) build/flags | build/bench
 	$(CC) $(FLAGS) $(CFLAGS) -DFBB_FLAGS='"$(CFLAGS)"' -o $@ $< -lm
 
-build/bench/%_single: bench/%.c bench/scene.h $(LIBRARY) build/flags | build/bench
+build/bench/%_single: bench/%.c $(wildcard bench/*.h) $(LIBRARY) build/flags | build/bench
 	$(CC) $(FLAGS) $(CFLAGS) -DFBB_FLAGS='"$(CFLAGS)"' -DFB_SINGLE=1 -o $@ $< -lm
 
 build/test_runner: $(SECTIONS:%=build/tests/test_%.o)

@@ -37,6 +37,9 @@ build/examples/spinup --reference tests/reference/p07C_second_order.csv --out bu
 [ ! -f build/spinup.svg ] || sed "s/ *$//" build/spinup.svg > examples/spinup.svg
 
 # the forms of the equations of motion, and what accuracy costs in time
+build/bench/bench_forms_double > "$out/forms"
+{ echo '```'; awk -F, '!/^#/ { printf "%-9s %8s %3s %9s %8s %8s %16s %15s\n", $1, $2, $3, $4, $5, $6, $7, $8 }' "$out/forms"; echo '```'; } |
+  block forms
 make -s table1 > "$out/table1"
 { echo '```'; sed -n -e 's/ *$//' -e '/^Accuracy/,/^torque.*converged/p' "$out/table1"; echo '```'; } | block accuracy
 { echo '```'; sed -n -e 's/ *$//' -e '/^Table 1/,$p' "$out/table1"; echo '```'; } | block table1

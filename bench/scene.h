@@ -2,10 +2,7 @@
 #ifndef FBB_SCENE_H
 #define FBB_SCENE_H
 
-#include "flexbeam.h"
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
+#include "check.h"
 
 #define FBB_COUNT(array) ((int)(sizeof(array) / sizeof((array)[0])))
 
@@ -25,14 +22,6 @@ static const fbb_set fbb_sets[] = {
     {"full+gravity", FB_EFFECTS_FULL | FB_EFFECT_GRAVITY},
     {"full+both", FB_EFFECTS_FULL | FB_EFFECT_DAMPING | FB_EFFECT_GRAVITY},
 };
-
-static void fbb_check(fb_status status, const char *what)
-{
-  if (status != FB_OK) {
-    fprintf(stderr, "%s: %s\n", what, fb_status_string(status));
-    exit(1);
-  }
-}
 
 /* The body with y and z bending modes and axial ones; zeta damps each mode where damping is among the effects. */
 static void fbb_body(fb_body *body, int y, int z, int axial, unsigned effects, fb_real zeta)

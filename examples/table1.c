@@ -299,7 +299,10 @@ static int print_accuracy(const options *o, scene *s, const accuracy_row *row, c
   if (status != 0) {
     return status;
   }
-  s->dt = row->dt > 0 && row->dt < step_limit(s) ? row->dt : default_step(s);
+  if (row->dt > step_limit(s)) {
+    return 0; /* not for this drive */
+  }
+  s->dt = row->dt > 0 ? row->dt : default_step(s);
   run_timed(&result, s, o->repeat);
   peak = tip_peak(&result, &t);
   printf("%-6s  %-33s %3d  %-10s %7.3f %8.3f %12.0f %7.3f %8.3f\n", s->drive == DRIVE_HUB ? "hub" : "torque", row->name,
@@ -322,7 +325,7 @@ static int accuracy(const options *o)
                                {"3 elements, axial strain", 3, 3, scheme_of("rk4"), "H3", 1e-5, 0},
                                {"3 elements, axial strain", 3, 3, scheme_of("midpoint"), "H3", 1e-3, 0},
                                {"3 elements, axial strain", 3, 3, scheme_of("sdirk"), "H3", 5e-3, 0.005},
-                               {"3 elements, axial strain", 3, 3, scheme_of("exponential"), "H3", 1e-3, 0.005},
+                               {"3 elements, axial strain", 3, 3, scheme_of("exponential"), "H3", 1e-3, 0},
                                {"3 elements, axial strain", 3, 3, scheme_of("exponential"), "H3", 1e-3, 0.01},
                                {"1 element of degree 8 (converged)", 1, 8, scheme_of("rk4"), "LC", 1e-4, 0},
                                {"1 element of degree 8 (converged)", 1, 8, scheme_of("exponential"), "LC", 1e-3, 0.01}};
