@@ -840,10 +840,11 @@ FB_API fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *
    slopes it finds, which lower the limit (0.1 by some 5 %). FB_HUGE for a rigid body at rest, 0 for input that is not a number. */
 FB_API fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real acceleration);
 
-/* The implicit steppers factor one symmetric n x n matrix per step (Cholesky), which holds the stiffness of the modes, nonlinear
-   strain and damping included; gyroscopic terms and the stiffening of the quadratic field are explicit in it. Their step is
-   bounded by these alone, fb_implicit_limit: |w| dt <= 1/2; FB_HUGE at rest. Simplified Newton iterations, a fixed number (50 at
-   most). Status and failure as fb_rk4_step. */
+/* The implicit steppers factor one n x n matrix per step (LU). It holds the stiffness of the modes with nonlinear strain, damping, the
+   recoil of the base and, for the momentum form, gyroscopic terms; not the stiffening of the quadratic field, products of the
+   spin, and the stiffness torque of the first-order form. Newton iterations with that matrix take care of these, a fixed number
+   (50 at most), as long as the step is short against them: fb_implicit_limit, |w| dt <= 1/2; FB_HUGE at rest. Status and failure
+   as fb_rk4_step. */
 typedef struct fb_implicit_work {
   fb_state rate, first, base, stage;
   fb_input between;

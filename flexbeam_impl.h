@@ -3081,34 +3081,16 @@ static void fbi_form_fill(fb_body *body, fb_body_work *work, const fb_shape *sha
 }
 #endif
 
-FB_DEF fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc)
+/* Terms of Lambda(q) and S(q) for the effects that are on. Without residual inertia ups is in Lambda, not in S. */
+static fb_status fbi_terms_fill(fb_body *body, fb_body_work *work, const fb_shape *shape)
 {
-  fb_body *out;
-  fb_status status;
-  int n, ups, chi;
-  FBI_REQUIRE(body && work && shape && desc, FB_ERR_NULL);
-  status = fbi_body_desc_check(shape, desc);
-  if (status != FB_OK) {
-    return status;
-  }
-  out = &work->body;
-  fbi_body_fill(out, shape, desc);
-  n = out->n;
-  ups = fbi_has(out->effects, FB_EFFECT_SPIN_COUPLING);
-  chi = fbi_has(out->effects, FB_EFFECT_ACCELERATION_STIFFENING);
-#if FB_WITH_DAMPING
-  status = fbi_damping_fill(out, work, shape, desc->zeta);
-  if (status != FB_OK) {
-    return status;
-  }
-#endif
-  status = fbi_limits_fill(out, work, shape);
-  if (status != FB_OK) {
-    return status;
-  }
+  const int n = body->n;
+  const int ups = fbi_has(body->effects, FB_EFFECT_SPIN_COUPLING);
+  const int chi = fbi_has(body->effects, FB_EFFECT_ACCELERATION_STIFFENING);
+  fb_status status = FB_OK;
   fbi_lambda_fill(work->Lambda, shape, n, ups, chi);
-  fbi_lambda_list(out, shape, work->Lambda);
-  fbi_lambda_fill(work->Lambda, shape, n, ups && fbi_has(out->effects, FB_EFFECT_RESIDUAL_INERTIA), chi);
+  fbi_lambda_list(body, shape, work->Lambda);
+  fbi_lambda_fill(work->Lambda, shape, n, ups && fbi_has(body->effects, FB_EFFECT_RESIDUAL_INERTIA), chi);
   fbi_copy(work->L, shape->M, n * n);
   if (n > 0) {
     status = fb_chol_factor(work->L, n);
@@ -3120,11 +3102,30 @@ FB_DEF fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape 
     fbi_chol_forward(work->Lambda + row * n, work->L, work->Lambda + row * n, n);
   }
 #if FB_WITH_FORMS
-  fbi_form_fill(out, work, shape);
+  fbi_form_fill(body, work, shape);
 #else
-  (void)fbi_S_list(out, shape, work->Lambda);
+  (void)fbi_S_list(body, shape, work->Lambda);
 #endif
-  status = fbi_inverses_fill(out, work);
+  return FB_OK;
+}
+
+FB_DEF fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc)
+{
+  fb_body *out;
+  fb_status status;
+  FBI_REQUIRE(body && work && shape && desc, FB_ERR_NULL);
+  status = fbi_body_desc_check(shape, desc);
+  if (status != FB_OK) {
+    return status;
+  }
+  out = &work->body;
+  fbi_body_fill(out, shape, desc);
+#if FB_WITH_DAMPING
+  status = fbi_damping_fill(out, work, shape, desc->zeta);
+#endif
+  status = status == FB_OK ? fbi_limits_fill(out, work, shape) : status;
+  status = status == FB_OK ? fbi_terms_fill(out, work, shape) : status;
+  status = status == FB_OK ? fbi_inverses_fill(out, work) : status;
   status = status == FB_OK ? fbi_recoil_fill(out, shape) : status;
   if (status == FB_OK) {
     *body = *out;
