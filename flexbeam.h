@@ -129,8 +129,8 @@
      scheme                order  limit               a step costs            takes
      fb_rk4_step           4      stiffest mode       4 evaluations           any body, any form
      fb_midpoint_step      2      spin                4 evaluations, one LU   stiff bodies; keeps energy
-     fb_sdirk_step         2      spin                5 evaluations, one LU   stiff bodies; L-stable: fast modes die out
-     fb_exponential_step   4      spin, light bases   4 evaluations           stiff elasticity, exactly; momentum form
+     fb_sdirk_step         2      spin                7 evaluations, one LU   stiff bodies; L-stable: fast modes die out
+     fb_exponential_step   4      spin                4 evaluations           stiff elasticity, exactly; momentum form
 
    HALF AN EFFECT IS WORSE THAN NONE (what the papers' equations do when taken apart; refused unless allow_split_effects)
      Inertia that follows the shape softens a spinning beam; without the stiffening that outweighs it a slender one diverges
@@ -552,8 +552,9 @@ typedef struct fb_shape {
   fb_real pchi[3 * FB_MAX_MODES * FB_MAX_MODES], hchi[3 * FB_MAX_MODES * FB_MAX_MODES];
 #endif
 #if FB_WITH_NONLINEAR_STRAIN
-  int n_strain;                                      /* strain stations, a multiple of four */
-  fb_real strain_weight[FBI_MAX_STRAINS];            /* [N m] EA dx */
+  int n_strain;                           /* strain stations, a multiple of four */
+  fb_real stretch;                        /* [s^2] largest strain that a beam's own mass causes per spin squared */
+  fb_real strain_weight[FBI_MAX_STRAINS]; /* [N m] EA dx */
   fb_real slope[3 * FB_MAX_MODES * FBI_MAX_STRAINS]; /* n x 3 x FBI_MAX_STRAINS: u_x', u_y', u_z' in beam axes */
 #if FB_WITH_FORMS
   /* n x n x 3: bilinear part of the stiffness torque as printed and the boundary term that it lacks; and whether they are
@@ -708,6 +709,7 @@ typedef struct fb_body {
   fb_real deflection_limit, reach[FB_MAX_MODES];
   fb_real
       recoil; /* sqrt of the largest ratio of the body's inertia to what of it the modes leave to the frame; 1: heavy hub */
+  fb_real gyration;                                                     /* [m] radius of gyration about O */
   fb_real limit_elastic, limit_damping, limit_spin, limit_acceleration; /* bounds for fb_rk4_limit */
 #if FB_WITH_FORMS
   fb_form form;
@@ -721,8 +723,9 @@ typedef struct fb_body {
 #endif
 #if FB_WITH_NONLINEAR_STRAIN
   int n_strain, n_strain_row;
-  fb_real quartic;     /* 1, or 0 where the strain energy of degree 4 is left out */
-  fb_real limit_slope; /* largest eigenvalue of EA u_y' u_y' + EA u_z' u_z' against the elastic mass */
+  fb_real quartic;       /* 1, or 0 where the strain energy of degree 4 is left out */
+  fb_real limit_slope;   /* largest eigenvalue of EA u_y' u_y' + EA u_z' u_z' against the elastic mass */
+  fb_real limit_tension; /* [s] change of a frequency by the tension of a spin, per spin squared */
   fb_real strain_weight[FBI_MAX_STRAINS];
   fb_strain_row strain_row[3 * FB_MAX_MODES];
 #endif
@@ -840,11 +843,18 @@ FB_API fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *
    slopes it finds, which lower the limit (0.1 by some 5 %). FB_HUGE for a rigid body at rest, 0 for input that is not a number. */
 FB_API fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real acceleration);
 
+/* Largest step [s] of the schemes below, whose stiff part is the elastic one: what they leave explicit are gyroscopic terms 2 |w|, times
+   the recoil of a base lighter than its modes, the stiffening of the quadratic field, and the tension of a spinning beam. At a spin
+   |w| [rad/s] and an acceleration of O [m/s^2]; FB_HUGE at rest, 0 for input that is not a number. A free body that moves at a speed
+   v counts 2 sqrt(1 - 1/recoil^2) v / gyration as spin (fields of fb_body), since its momentum about O changes with every tremor of O:
+   choose an inertial frame in which O is slow. The limit holds for any motion; a smooth one may be stepped further
+   (allow_long_step). */
+FB_API fb_real fb_spin_limit(const fb_body *body, fb_real spin, fb_real acceleration);
+
 /* The implicit steppers factor one n x n matrix per step (LU). It holds the stiffness of the modes with nonlinear strain, damping, the
    recoil of the base and, for the momentum form, gyroscopic terms; not the stiffening of the quadratic field, products of the
    spin, and the stiffness torque of the first-order form. Newton iterations with that matrix take care of these, a fixed number
-   (50 at most), as long as the step is short against them: fb_implicit_limit, |w| dt <= 1/2; FB_HUGE at rest. Status and failure
-   as fb_rk4_step. */
+   (50 at most). Status and failure as fb_rk4_step, FB_ERR_STEP beyond fb_spin_limit. */
 typedef struct fb_implicit_work {
   fb_state rate, first, base, stage;
   fb_input between;
@@ -855,15 +865,13 @@ typedef struct fb_implicit_work {
   fb_real X[6 * FB_MAX_MODES], Y[6 * FB_MAX_MODES], Z[6 * FB_MAX_MODES], G[36]; /* recoil of the base */
 } fb_implicit_work;
 
-FB_API fb_real fb_implicit_limit(const fb_body *body, fb_real spin, fb_real acceleration);
-
 /* Implicit midpoint rule, order 2, symmetric, without dissipation: fast modes keep ringing, at a frequency that is wrong. The energy
    of a conservative body stays bounded as far as the iterations converge. 1 + iterations evaluations (0: 3 iterations). */
 FB_API fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *middle,
                                   fb_real dt, int iterations);
 
 /* Two-stage SDIRK scheme, order 2, L-stable: modes too fast for the step die out at once, slow ones hardly. 1 + 2 iterations evaluations
-   (0: 2 iterations). The inputs at t and t + dt list loads at the same nodes in the same axes. */
+   (0: 3 iterations; 2 and less do where the base is heavy or its motion given). The inputs at t and t + dt list loads at the same nodes in the same axes. */
 FB_API fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *start,
                                const fb_input *end, fb_real dt, int iterations);
 
@@ -888,14 +896,10 @@ typedef struct fb_exponential_work {
 /* FB_ERR_VALUE: dt, or a body of another form; FB_ERR_SINGULAR: K or the mass is not positive definite; FB_ERR_EFFECTS: nonlinear
    strain whose axial coordinates bend, too. */
 FB_API fb_status fb_exponential_init(fb_exponential *scheme, fb_body_work *work, const fb_body *body, fb_real dt);
-/* Inputs at t, t + dt/2, t + dt; status and failure as fb_rk4_step. */
+/* Inputs at t, t + dt/2, t + dt; status and failure as fb_rk4_step, FB_ERR_STEP beyond fb_spin_limit. */
 FB_API fb_status fb_exponential_step(const fb_body *body, const fb_exponential *scheme, fb_state *state,
                                      fb_exponential_work *work, const fb_input *start, const fb_input *middle,
                                      const fb_input *end);
-/* Largest step [s]: gyroscopic terms 2 |w|, times the recoil of a base lighter than its modes, and the stiffening of the quadratic field
-   are explicit. FB_HUGE at rest. */
-FB_API fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real acceleration);
-
 /* ---------------------------------------------------------------------------------------------------------------
    13 >>build */
 

@@ -2280,7 +2280,7 @@ FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_b
 {
   const fb_status status = fbi_beam_fits(shape, first, beam, modes);
   const int points = modes && modes->degree > 0 ? 2 * modes->degree - 1 : FBI_GAUSS; /* slopes to the fourth power */
-  fb_real x[FBI_RULE], w[FBI_RULE];
+  fb_real x[FBI_RULE], w[FBI_RULE], moment = FB_R(0.0), softest = FB_HUGE;
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
   int n = 0;
   if (status != FB_OK) {
@@ -2305,6 +2305,12 @@ FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_b
     for (int g = 0; g < points; g++, n++) {
       fb_section section;
       fb_beam_section(&section, beam, cell.x0 + x[g] * (cell.x1 - cell.x0));
+      const fb_real at[3] = {section.x, FB_R(0.0), FB_R(0.0)};
+      fb_real r[3];
+      fb_mat33_mul_vec3(r, beam->axes, at);
+      fbi_vec3_add(r, FB_R(1.0), beam->desc.position);
+      moment += w[g] * (cell.x1 - cell.x0) * section.mass * fbi_vec3_norm(r);
+      softest = section.EA < softest ? section.EA : softest;
       shape->strain_weight[n] = w[g] * (cell.x1 - cell.x0) * section.EA;
 #if FB_WITH_FORMS
       fbi_torque_station(shape, first, beam, modes, &section, cell.element, fbi_cell_s(&cell, beam, x[g]),
@@ -2320,6 +2326,10 @@ FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_b
       }
     }
   }
+  for (int k = 0; k < beam->desc.n_lump; k++) {
+    moment += beam->desc.lump[k].mass * (fbi_vec3_norm(beam->desc.position) + beam->desc.length);
+  }
+  shape->stretch = fbi_larger(shape->stretch, moment / softest);
 #if FB_WITH_FORMS
   fbi_torque_root(shape, first, beam, modes);
 #endif
@@ -2801,6 +2811,37 @@ static void fbi_slope_matrix(fb_real *A, const fb_body *body)
 }
 #endif
 
+#if FB_WITH_NONLINEAR_STRAIN
+/* Change of a frequency by a tension, 1/2 T S / omega with S = int psi' psi' dx: half the square root of the largest eigenvalue of
+   S M^-1 S against K, times the tension of the beam's own mass per spin squared. */
+static fb_status fbi_tension_fill(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_real *reduced)
+{
+  const int n = body->n;
+  fb_real largest = FB_R(0.0);
+  fb_status status;
+  body->limit_tension = FB_R(0.0);
+  if (body->n_strain == 0 || n == 0) {
+    return FB_OK;
+  }
+  fbi_zero(work->A, n * n);
+  fbi_slope_matrix(work->A, body);
+  fbi_copy(work->L, reduced, n * n);
+  status = fb_chol_factor(work->L, n);
+  for (int a = 0; a < n && status == FB_OK; a++) {
+    fbi_chol_forward(work->X + a * n, work->L, work->A + a * n, n);
+  }
+  for (int ab = 0; ab < n * n; ab++) {
+    work->A[ab] = fbi_dot(work->X + ab / n * n, work->X + ab % n * n, n);
+  }
+  for (int ab = 0; ab < n * n; ab++) { /* a little mass, where a coordinate has no stiffness */
+    work->L[ab] = shape->K[ab] + FB_R(1e-6) * body->limit_elastic * reduced[ab];
+  }
+  status = status == FB_OK ? fbi_largest_eigenvalue(&largest, work, work->L, n) : status;
+  body->limit_tension = FB_R(0.5) * shape->stretch * FB_SQRT(largest);
+  return status;
+}
+#endif
+
 /* [E8.8] Bounds of the body's highest frequency |lambda| <= g + sqrt(g^2 + k) with g = |w| + limit_damping / 2,
    k = limit_elastic + limit_spin w^2 + limit_acceleration |a|: the largest eigenvalues of K, C and the stiffening against the
    elastic mass that is left when the body is free, M - M_re^T M_rr^-1 M_re. The gyroscopic part is |N(w) q| <= |w| |q| against
@@ -2832,6 +2873,7 @@ static fb_status fbi_limits_fill(fb_body *body, fb_body_work *work, const fb_sha
   fbi_zero(work->A, n * n);
   fbi_slope_matrix(work->A, body);
   status = status == FB_OK ? fbi_largest_eigenvalue(&body->limit_slope, work, reduced, n) : status;
+  status = status == FB_OK ? fbi_tension_fill(body, work, shape, reduced) : status;
 #endif
   body->limit_damping = FB_R(0.0);
   body->limit_spin = FB_R(0.0);
@@ -2871,6 +2913,7 @@ static fb_status fbi_recoil_fill(fb_body *body, const fb_shape *shape)
   fb_real M_rr[21], A[36], B[36], X[36], d[6];
   fb_status status = FB_OK;
   body->recoil = FB_R(1.0);
+  body->gyration = FB_SQRT((shape->J[0] + shape->J[4] + shape->J[8]) / (FB_R(2.0) * shape->mass));
   fbi_rigid_matrix(M_rr, shape->mass, shape->c, shape->J);
   for (int i = 0; i < rows * rows; i++) {
     const int at = fb_sym6_index(first + i / rows, first + i % rows);
@@ -4848,13 +4891,28 @@ static void fbi_implicit_solve(fb_state *r, const fb_implicit_work *w, const fb_
   }
 }
 
-/* [E11.6] Largest step of the implicit schemes: what their iteration matrix leaves out, gyroscopic terms of frequency up to 2 |w|
-   and the stiffening of the quadratic field, is explicit; |w| dt <= 1/2 and the frequency of the stiffening times dt <= 1.
-   Source: trials.  Fails: never.  Test: steps_may_be_a_thousand_periods_long. */
-FB_DEF fb_real fb_implicit_limit(const fb_body *body, fb_real spin, fb_real acceleration)
+/* [E11.6] Largest step of the schemes whose stiff part is elastic: explicit are gyroscopic terms of frequency up to 2 |w|, times the
+   recoil of a base lighter than its modes, the stiffening of the quadratic field, and the change of frequencies by the tension of a
+   spinning beam; the largest of them times dt <= 1.
+   Source: trials.  Fails: never.  Test: steps_within_the_limit_are_stable. */
+FB_DEF fb_real fb_spin_limit(const fb_body *body, fb_real spin, fb_real acceleration)
 {
   const fb_real k = body->limit_spin * spin * spin + body->limit_acceleration * FB_FABS(acceleration);
-  return fbi_step_limit(FB_R(1.0), fbi_larger(FB_R(2.0) * FB_FABS(spin), FB_SQRT(k)));
+  fb_real bound = fbi_larger(FB_R(2.0) * body->recoil * FB_FABS(spin), FB_SQRT(k));
+#if FB_WITH_NONLINEAR_STRAIN
+  bound = fbi_larger(bound, body->limit_tension * spin * spin);
+#endif
+  return fbi_step_limit(FB_R(1.0), bound);
+}
+
+/* The spin that a free body's drift is as bad as: L about O feels P x (recoil of O). From trials. */
+static fb_real fbi_drift_spin(const fb_body *body, const fbi_kinetics *k)
+{
+  if (body->base != FB_BASE_FREE || body->n == 0) {
+    return FB_R(0.0);
+  }
+  return FB_R(2.0) * FB_SQRT(fbi_larger(FB_R(1.0) - FB_R(1.0) / (body->recoil * body->recoil), FB_R(0.0))) *
+         fbi_vec3_norm(k->V) / body->gyration;
 }
 
 /* Start of an implicit step: rates at the state, checked step, factored iteration matrix. */
@@ -4862,13 +4920,14 @@ static fb_status fbi_implicit_start(fb_implicit_work *w, fbi_kinetics *k, const 
                                     const fb_input *input, fb_real dt, fb_real g)
 {
   fb_status status = dt > FB_R(0.0) && dt < FB_HUGE ? fbi_input_check(body, input) : FB_ERR_VALUE;
+  w->stage = *state; /* beyond n, too */
   if (status == FB_OK) {
     status = fbi_rates(&w->rate, k, body, state, input);
   }
   if (status == FB_OK && !body->allow_long_step) {
     fb_real spin, acceleration;
     fbi_step_conditions(&spin, &acceleration, body, k, input);
-    status = dt <= fb_implicit_limit(body, spin, acceleration) ? FB_OK : FB_ERR_STEP;
+    status = dt <= fb_spin_limit(body, spin + fbi_drift_spin(body, k), acceleration) ? FB_OK : FB_ERR_STEP;
   }
   return status == FB_OK ? fbi_implicit_factor(w, k, body, g) : status;
 }
@@ -4945,7 +5004,7 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
                                const fb_input *end, fb_real dt, int iterations)
 {
   const fb_real c = FB_R(0.29289321881345248);
-  const int count = iterations > 0 ? iterations : 2;
+  const int count = iterations > 0 ? iterations : 3;
   const fb_input *first = start;
   fbi_kinetics at;
   fb_status status;
@@ -4974,11 +5033,6 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
 }
 
 /* ---- exponential scheme */
-
-FB_DEF fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real acceleration)
-{
-  return fb_implicit_limit(body, body->recoil * spin, acceleration);
-}
 
 #if FB_WITH_NONLINEAR_STRAIN
 /* Displacement of the coordinates by a unit of r at station g: K^-1 Psi_x^T EA to work.d; work.L holds the factor of K. */
@@ -5272,14 +5326,13 @@ static void fbi_phi_add(fb_state *y, fb_real s, const fb_real c[5][FB_MAX_MODES]
   }
 }
 
-/* out = sum of weights w_i N_i */
-static void fbi_modal_sum(fb_state *out, const fb_state N[4], fb_real a, fb_real b, fb_real c, fb_real d, int n)
+/* out = sum of weight_i N_i over the first count of them: the others are not known yet */
+static void fbi_modal_sum(fb_state *out, const fb_state N[4], const fb_real *weight, int count, int n)
 {
   memset(out, 0, sizeof *out);
-  fbi_state_advance(out, out, a, &N[0], n);
-  fbi_state_advance(out, out, b, &N[1], n);
-  fbi_state_advance(out, out, c, &N[2], n);
-  fbi_state_advance(out, out, d, &N[3], n);
+  for (int i = 0; i < count; i++) {
+    fbi_state_advance(out, out, weight[i], &N[i], n);
+  }
 }
 
 /* [E11.10] Exponential Runge-Kutta scheme of order 4 for z' = L z + N(t, z), stages at 0, 1/2, 1/2, 1:
@@ -5293,6 +5346,9 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
                                      fb_exponential_work *work, const fb_input *start, const fb_input *middle,
                                      const fb_input *end)
 {
+  static const fb_real third[2] = {-FB_R(1.0), FB_R(1.0)}, fourth[3] = {-FB_R(2.0), FB_R(0.0), FB_R(2.0)};
+  static const fb_real second[4] = {-FB_R(3.0), FB_R(2.0), FB_R(2.0), -FB_R(1.0)};
+  static const fb_real last[4] = {FB_R(4.0), -FB_R(4.0), -FB_R(4.0), FB_R(4.0)};
   fbi_kinetics k;
   fb_state *z = &work->z, *N = work->N, *sum = &work->sum;
   fb_real h, spin, acceleration;
@@ -5306,7 +5362,7 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   status = fbi_modal_rates(&N[0], &k, work, scheme, body, z, start);
   if (status == FB_OK && !body->allow_long_step) {
     fbi_step_conditions(&spin, &acceleration, body, &k, start);
-    status = h <= fb_exponential_limit(body, spin, acceleration) ? FB_OK : FB_ERR_STEP;
+    status = h <= fb_spin_limit(body, spin + fbi_drift_spin(body, &k), acceleration) ? FB_OK : FB_ERR_STEP;
   }
   if (status == FB_OK) {
     memset(&work->half, 0, sizeof work->half);
@@ -5315,7 +5371,7 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
     status = fbi_modal_rates(&N[1], &k, work, scheme, body, &work->half, middle);
   }
   if (status == FB_OK) {
-    fbi_modal_sum(sum, N, -FB_R(1.0), FB_R(1.0), FB_R(0.0), FB_R(0.0), n);
+    fbi_modal_sum(sum, N, third, 2, n);
     fbi_phi_add(&work->half, h, scheme->half, 2, scheme, FB_R(0.5) * h, sum, n);
     status = fbi_modal_rates(&N[2], &k, work, scheme, body, &work->half, middle);
   }
@@ -5323,7 +5379,7 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
     memset(&work->full, 0, sizeof work->full);
     fbi_phi_add(&work->full, FB_R(1.0), scheme->full, 0, scheme, h, z, n);
     fbi_phi_add(&work->full, h, scheme->full, 1, scheme, h, &N[0], n);
-    fbi_modal_sum(sum, N, -FB_R(2.0), FB_R(0.0), FB_R(2.0), FB_R(0.0), n);
+    fbi_modal_sum(sum, N, fourth, 3, n);
     work->half = work->full;
     fbi_phi_add(&work->half, h, scheme->full, 2, scheme, h, sum, n);
     status = fbi_modal_rates(&N[3], &k, work, scheme, body, &work->half, end);
@@ -5331,9 +5387,9 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   if (status != FB_OK) {
     return status;
   }
-  fbi_modal_sum(sum, N, -FB_R(3.0), FB_R(2.0), FB_R(2.0), -FB_R(1.0), n);
+  fbi_modal_sum(sum, N, second, 4, n);
   fbi_phi_add(&work->full, h, scheme->full, 2, scheme, h, sum, n);
-  fbi_modal_sum(sum, N, FB_R(4.0), -FB_R(4.0), -FB_R(4.0), FB_R(4.0), n);
+  fbi_modal_sum(sum, N, last, 4, n);
   fbi_phi_add(&work->full, h, scheme->full, 3, scheme, h, sum, n);
   fbi_modal_to(&work->at, scheme, body, &work->full);
   return fbi_step_end(state, &work->at, body);

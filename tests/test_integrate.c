@@ -759,14 +759,37 @@ TEST(every_scheme_refuses_bad_input)
   FBT_INT_EQ(fb_exponential_step(&body, &exponential, &state, &exponential_work, &other, NULL, NULL), FB_ERR_CAPACITY);
   FBT_INT_EQ(fb_exponential_step(&body, NULL, &state, &exponential_work, NULL, NULL, NULL), FB_ERR_NULL);
   FBT_TRUE(memcmp(&state, &before, sizeof state) == 0);
+  { /* work means nothing between steps, whatever was left in it */
+    fb_state clean = before, dirty = before;
+    prepare(EXPONENTIAL, 0.001);
+    memset(&exponential_work, 0, sizeof exponential_work);
+    memset(&implicit_work, 0, sizeof implicit_work);
+    for (int which = MIDPOINT; which < SCHEMES; which++) {
+      clean = dirty = before;
+      FBT_INT_EQ(step((scheme)which, &clean, NULL, NULL, NULL, 0.001), FB_OK);
+      memset(&exponential_work, 0xff, sizeof exponential_work);
+      memset(&implicit_work, 0xff, sizeof implicit_work);
+      FBT_INT_EQ(step((scheme)which, &dirty, NULL, NULL, NULL, 0.001), FB_OK);
+      FBT_TRUE(memcmp(&clean, &dirty, sizeof clean) == 0);
+    }
+  }
+  { /* a light base that drifts: refused before it can do harm */
+    const fb_real fast[3] = {0, FB_R(300.0), 0}, none[3] = {0};
+    fb_state drifting = before;
+    FBT_INT_EQ(fb_state_from_velocity(&body, &drifting, fast, none, NULL), FB_OK);
+    prepare(EXPONENTIAL, 0.01);
+    for (int which = MIDPOINT; which < SCHEMES; which++) {
+      FBT_INT_EQ(step((scheme)which, &drifting, NULL, NULL, NULL, 0.01), FB_ERR_STEP);
+    }
+  }
   untouched = exponential;
   FBT_INT_EQ(fb_exponential_init(&exponential, &body_work, &body, -FB_R(1.0)), FB_ERR_VALUE);
   FBT_INT_EQ(fb_exponential_init(&exponential, &body_work, NULL, FB_R(1.0)), FB_ERR_NULL);
   strained(FB_BASE_FREE, FB_FORM_SECOND, 1e5, 1);
   FBT_INT_EQ(fb_exponential_init(&exponential, &body_work, &body, FB_R(0.01)), FB_ERR_VALUE);
   FBT_TRUE(memcmp(&untouched, &exponential, sizeof untouched) == 0);
-  FBT_TRUE(fb_implicit_limit(&body, (fb_real)NAN, 0) == FB_R(0.0));
-  FBT_TRUE(fb_exponential_limit(&body, 0, 0) == FB_HUGE);
+  FBT_TRUE(fb_spin_limit(&body, (fb_real)NAN, 0) == FB_R(0.0));
+  FBT_TRUE(fb_spin_limit(&body, 0, 0) == FB_HUGE);
 }
 
 SUITE(integrate, RUN(each_scheme_converges_at_its_order), RUN(midpoint_keeps_energy_and_momentum),
