@@ -128,9 +128,9 @@
    WHICH SCHEME? (all fixed work; a step beyond its limit is refused)
      scheme                order  limit               a step costs            takes
      fb_rk4_step           4      stiffest mode       4 evaluations           any body, any form
-     fb_midpoint_step      2      spin                4 evaluations, one LU   stiff bodies; keeps energy
-     fb_sdirk_step         2      spin                7 evaluations, one LU   stiff bodies; L-stable: fast modes die out
-     fb_exponential_step   4      spin                4 evaluations           stiff elasticity, exactly; momentum form
+     fb_midpoint_step      2      spin                3 evaluations, one LU   stiff bodies; keeps energy
+     fb_sdirk_step         2      spin                5 evaluations, one LU   stiff bodies; L-stable: fast modes die out
+     fb_exponential_step   4      spin, light bases   4 evaluations           stiff elasticity, exactly; momentum form
 
    HALF AN EFFECT IS WORSE THAN NONE (what the papers' equations do when taken apart; refused unless allow_split_effects)
      Inertia that follows the shape softens a spinning beam; without the stiffening that outweighs it a slender one diverges
@@ -843,18 +843,10 @@ FB_API fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *
    slopes it finds, which lower the limit (0.1 by some 5 %). FB_HUGE for a rigid body at rest, 0 for input that is not a number. */
 FB_API fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real acceleration);
 
-/* Largest step [s] of the schemes below, whose stiff part is the elastic one: what they leave explicit are gyroscopic terms 2 |w|, times
-   the recoil of a base lighter than its modes, the stiffening of the quadratic field, and the tension of a spinning beam. At a spin
-   |w| [rad/s] and an acceleration of O [m/s^2]; FB_HUGE at rest, 0 for input that is not a number. A free body that moves at a speed
-   v counts 2 sqrt(1 - 1/recoil^2) v / gyration as spin (fields of fb_body), since its momentum about O changes with every tremor of O:
-   choose an inertial frame in which O is slow. The limit holds for any motion; a smooth one may be stepped further
-   (allow_long_step). */
-FB_API fb_real fb_spin_limit(const fb_body *body, fb_real spin, fb_real acceleration);
-
-/* The implicit steppers factor one n x n matrix per step (LU). It holds the stiffness of the modes with nonlinear strain, damping, the
-   recoil of the base and, for the momentum form, gyroscopic terms; not the stiffening of the quadratic field, products of the
-   spin, and the stiffness torque of the first-order form. Newton iterations with that matrix take care of these, a fixed number
-   (50 at most). Status and failure as fb_rk4_step, FB_ERR_STEP beyond fb_spin_limit. */
+/* The implicit steppers factor one n x n matrix per step (LU): in the momentum form the Jacobian of the equations of motion but for the
+   stiffening of the quadratic field, products of the spin and compression; in the other forms without gyroscopic terms and, first
+   order, without the stiffness torque. Newton iterations with that matrix, a fixed number (50 at most). Status and failure as
+   fb_rk4_step, FB_ERR_STEP beyond fb_implicit_limit. */
 typedef struct fb_implicit_work {
   fb_state rate, first, base, stage;
   fb_input between;
@@ -862,16 +854,20 @@ typedef struct fb_implicit_work {
   fb_real E[FB_MAX_MODES * FB_MAX_MODES]; /* its factors */
   fb_real K[FB_MAX_MODES * FB_MAX_MODES]; /* tangent stiffness */
   fb_real V[6];                           /* velocities of the gyroscopic terms */
-  fb_real X[6 * FB_MAX_MODES], Y[6 * FB_MAX_MODES], Z[6 * FB_MAX_MODES], G[36]; /* recoil of the base */
+  fb_real X[6 * FB_MAX_MODES], Y[6 * FB_MAX_MODES], Z[6 * FB_MAX_MODES], A[36]; /* recoil of the base */
 } fb_implicit_work;
 
+/* Largest step [s] of the implicit schemes at a spin |w| [rad/s] and an acceleration of O [m/s^2]: |w| dt <= 1/10, less where the
+   quadratic field or the tension of a spinning beam stiffens much. FB_HUGE at rest, 0 for input that is not a number. */
+FB_API fb_real fb_implicit_limit(const fb_body *body, fb_real spin, fb_real acceleration);
+
 /* Implicit midpoint rule, order 2, symmetric, without dissipation: fast modes keep ringing, at a frequency that is wrong. The energy
-   of a conservative body stays bounded as far as the iterations converge. 1 + iterations evaluations (0: 3 iterations). */
+   of a conservative body stays bounded as far as the iterations converge. 1 + iterations evaluations (0: 2 iterations). */
 FB_API fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *middle,
                                   fb_real dt, int iterations);
 
 /* Two-stage SDIRK scheme, order 2, L-stable: modes too fast for the step die out at once, slow ones hardly. 1 + 2 iterations evaluations
-   (0: 3 iterations; 2 and less do where the base is heavy or its motion given). The inputs at t and t + dt list loads at the same nodes in the same axes. */
+   (0: 2 iterations). The inputs at t and t + dt list loads at the same nodes in the same axes. */
 FB_API fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *start,
                                const fb_input *end, fb_real dt, int iterations);
 
@@ -896,10 +892,18 @@ typedef struct fb_exponential_work {
 /* FB_ERR_VALUE: dt, or a body of another form; FB_ERR_SINGULAR: K or the mass is not positive definite; FB_ERR_EFFECTS: nonlinear
    strain whose axial coordinates bend, too. */
 FB_API fb_status fb_exponential_init(fb_exponential *scheme, fb_body_work *work, const fb_body *body, fb_real dt);
-/* Inputs at t, t + dt/2, t + dt; status and failure as fb_rk4_step, FB_ERR_STEP beyond fb_spin_limit. */
+/* Inputs at t, t + dt/2, t + dt; status and failure as fb_rk4_step, FB_ERR_STEP beyond fb_exponential_limit. */
 FB_API fb_status fb_exponential_step(const fb_body *body, const fb_exponential *scheme, fb_state *state,
                                      fb_exponential_work *work, const fb_input *start, const fb_input *middle,
                                      const fb_input *end);
+/* Largest step [s] of the exponential scheme: |w| dt <= 1/2 for a held base, less where the quadratic field or the tension of a spinning
+   beam stiffens much, where the base is lighter than its modes and trembles with them (recoil of fb_body, 1 for a heavy hub), and
+   with damping ratios above 1/4. For a free body recoil counts squared, and the step adds the speed of the mass center by the radius
+   of gyration to the spin: choose a heavy hub and an inertial frame in which it is slow, or an implicit scheme. The limit holds for
+   any motion; a smooth one may be stepped further (allow_long_step). Order 4 is seen where omega dt is below about 5 for the modes
+   that move. */
+FB_API fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real acceleration);
+
 /* ---------------------------------------------------------------------------------------------------------------
    13 >>build */
 

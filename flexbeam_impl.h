@@ -4720,23 +4720,43 @@ static void fbi_shape_rates(fb_real *D, const fbi_kinetics *k, const fb_body *bo
   }
 }
 
-/* X <- G^-1 X, rows x n, G lower triangular */
-static void fbi_rows_solve(fb_real *X, const fb_real *G, int rows, int n)
+/* X <- A^-1 X, rows x n, with the factors of fbi_lu_plain_factor */
+static void fbi_rows_solve(fb_real *X, const fb_real *A, int rows, int n)
 {
-  for (int i = 0; i < rows; i++) {
-    const fb_real scale = FB_R(1.0) / G[i * rows + i];
+  for (int i = 1; i < rows; i++) {
     for (int j = 0; j < i; j++) {
-      fbi_row_sub(X + i * n, G[i * rows + j], X + j * n, n);
+      fbi_row_sub(X + i * n, A[i * rows + j], X + j * n, n);
+    }
+  }
+  for (int i = rows - 1; i >= 0; i--) {
+    for (int j = i + 1; j < rows; j++) {
+      fbi_row_sub(X + i * n, A[i * rows + j], X + j * n, n);
     }
     for (int a = 0; a < n; a++) {
-      X[i * n + a] *= scale;
+      X[i * n + a] *= A[i * rows + i];
     }
   }
 }
 
-/* Coupling of the free rigid rows to the modes at the present shape: with M_rr = G G^T, X = G^-1 Lambda, Y = G^-1 (D - Lambda M^-1 N^T),
-   Z = X + g Y.
-   M_rr of the momentum form is S + Lambda M^-1 Lambda^T. */
+/* A -= g [0 p^; p^ h^] on the free rows: momenta in inertial axes about O change in body axes with turning, and about O with moving. */
+static void fbi_turning_sub(fb_real *A, fb_real g, const fb_real ph[6], int first)
+{
+  const int rows = 6 - first;
+  for (int block = 0; block < 3; block++) { /* vw, wv, ww */
+    const int row = block == 0 ? 0 : 3, column = block == 1 ? 0 : 3;
+    const fb_real *x = block == 2 ? ph + 3 : ph;
+    const fb_real cross[9] = {FB_R(0.0), -x[2], x[1], x[2], FB_R(0.0), -x[0], -x[1], x[0], FB_R(0.0)};
+    for (int i = 0; i < 9; i++) {
+      const int r = row + i / 3 - first, c = column + i % 3 - first;
+      if (r >= 0 && c >= 0) {
+        A[r * rows + c] -= g * cross[i];
+      }
+    }
+  }
+}
+
+/* Coupling of the free rigid rows to the modes at the present shape: X = Lambda, Y = D - Lambda M^-1 N^T, Z = A^-1 (X + g Y) with the
+   rigid mass matrix A, which for the momentum form is S + Lambda M^-1 Lambda^T - g [0 p^; p^ h^]. */
 static fb_status fbi_coupling(fb_implicit_work *w, const fbi_kinetics *k, const fb_body *body)
 {
   const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first, momentum = fbi_form(body) == 0;
@@ -4759,24 +4779,27 @@ static fb_status fbi_coupling(fb_implicit_work *w, const fbi_kinetics *k, const 
     }
     for (int j = 0; j < rows; j++) {
       const fb_real elastic = momentum ? fbi_dot(a, w->X + j * n, n) : FB_R(0.0);
-      w->G[i * rows + j] = S[fb_sym6_index(first + i, first + j)] + elastic;
+      w->A[i * rows + j] = S[fb_sym6_index(first + i, first + j)] + elastic;
     }
   }
-  if (rows > 0 && fb_chol_factor(w->G, rows) != FB_OK) {
+  if (momentum && rows > 0) {
+    fbi_turning_sub(w->A, w->g, k->ph, first);
+  }
+  if (fbi_lu_plain_factor(w->A, rows) != FB_OK) {
     return FB_ERR_RANGE;
   }
-  fbi_rows_solve(w->X, w->G, rows, n);
-  fbi_rows_solve(w->Y, w->G, rows, n);
   for (int i = 0; i < rows * n; i++) {
     w->Z[i] = w->X[i] + w->g * w->Y[i];
   }
+  fbi_rows_solve(w->Z, w->A, rows, n);
   return FB_OK;
 }
 
 /* [E11.4] Matrix of the implicit steppers: k = (I - g W)^-1 r with g = gamma dt and W the Jacobian of the momentum form,
      q' = M^-1 (pi - Lambda^T V),  pi' = -K_t q - C q' + .., V = S^-1 (y - Lambda M^-1 pi),
    without the second derivatives of S and the products g^2 of gyroscopic terms, eliminated down to the n modes:
-   E = M + g (C + N - N^T) + g^2 K_t - (X - g Y)^T Z. What is left, M - X^T X, is the mass of the modes when the base may recoil.
+   E = M + g (C + N - N^T) + g^2 K_t - (X - g Y)^T Z. What is left, M - Lambda^T M_rr^-1 Lambda, is the mass of the modes when the base
+   may recoil.
    The other forms do without N and Y.
    Source: block elimination; Newmark's effective stiffness is the case of a held base.  Shapes: n x n.  Cost: 2/3 n^3 flops.
    Fails: M_rr or E singular.  Test: each_scheme_converges_at_its_order, steps_may_be_a_thousand_periods_long. */
@@ -4828,25 +4851,64 @@ static void fbi_symmetric_sub(fb_real *y, fb_real s, const fb_real *A, const fb_
   }
 }
 
-/* [E11.5] r becomes k = (I - g W)^-1 r.
-   Momentum form: E k_q = (M + g C + g N) r_q + g r_pi - (X - g Y)^T X r_q,  z = Z k_q - X r_q,  d = k_q - r_q,
-   k_pi = r_pi - g K_t k_q - (C + N) d - Y^T z, and the recoil g dV = -G^-T z.
-   The others, elastic velocities u:  E k_u = (M - X^T X) r_u - g K_t r_q,  k_q = r_q + g k_u,  k_V = r_V - G^-T X (k_u - r_u).
-   The pose takes part by the recoil, so that it is integrated as stiffly as what moves it.
+/* t = A^-1 (X u + g (R^T r_P + p x a, R^T r_L + h x a)), a the rotation of r_quat: velocities that the base takes up before the modes
+   answer; momenta in the momentum form only. */
+static void fbi_base_answer(fb_real t[6], const fb_implicit_work *w, const fb_body *body, const fbi_kinetics *k,
+                            const fb_state *r, const fb_state *state, const fb_real *u)
+{
+  const int first = fbi_first_free(body->base), rows = 6 - first;
+  fb_real ph[6] = {0};
+  if (fbi_form(body) == 0 && rows > 0) {
+    const fb_real back[4] = {FB_R(2.0) * state->quat[0], -FB_R(2.0) * state->quat[1], -FB_R(2.0) * state->quat[2],
+                             -FB_R(2.0) * state->quat[3]};
+    fb_real turn[4];
+    fb_quat_mul(turn, back, r->quat);
+    fb_mat33_mulT_vec3(ph, k->R, r->P);
+    fb_mat33_mulT_vec3(ph + 3, k->R, r->L);
+    fbi_vec3_add_cross(ph, k->ph, turn + 1);
+    fbi_vec3_add_cross(ph + 3, k->ph + 3, turn + 1);
+  }
+  for (int i = 0; i < rows; i++) {
+    t[i] = fbi_dot(w->X + i * body->n, u, body->n) + w->g * ph[first + i];
+  }
+  fbi_lu_plain_solve(t, w->A, rows);
+}
+
+/* The pose takes part by the recoil V (times g), so that it is integrated as stiffly as what moves it; L about O with it, so that
+   L + rho x P is conserved. */
+static void fbi_recoil_pose(fb_state *r, const fb_body *body, const fbi_kinetics *k, const fb_state *state,
+                            const fb_real V[6])
+{
+  fb_real turn[4], move[3];
+  fb_mat33_mul_vec3(move, k->R, V);
+  fbi_quat_rate(turn, state->quat, V + 3);
+  fbi_vec3_add(r->rho, FB_R(1.0), move);
+  for (int i = 0; i < 4; i++) {
+    r->quat[i] += turn[i];
+  }
+  if (fbi_form(body) == 0 && body->base == FB_BASE_FREE) {
+    fbi_vec3_add_cross(r->L, state->P, move);
+  }
+}
+
+/* [E11.5] r becomes k = (I - g W)^-1 r, with t of fbi_base_answer.
+   Momentum form: E k_q = (M + g C + g N) r_q + g r_pi - (X - g Y)^T t,  g dV = t - Z k_q,  d = k_q - r_q,
+   k_pi = r_pi - g K_t k_q - (C + N) d + Y^T g dV.
+   The others, elastic velocities u:  E k_u = M r_u - X^T t - g K_t r_q,  k_q = r_q + g k_u,  k_V = r_V + t - Z k_u.
    Source: E11.4.  Cost: 4 n^2 + 50 n flops.  Fails: never.  Test: each_scheme_converges_at_its_order. */
 static void fbi_implicit_solve(fb_state *r, const fb_implicit_work *w, const fb_body *body, const fbi_kinetics *k,
                                const fb_state *state)
 {
   const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first, momentum = fbi_form(body) == 0;
   const fb_real g = w->g;
-  fb_real b[FB_MAX_MODES], d[FB_MAX_MODES], z[6] = {0}, V[6] = {0}, turn[4], move[3];
+  fb_real b[FB_MAX_MODES], d[FB_MAX_MODES], t[6], V[6] = {0};
   fb_real *u = momentum ? r->q : r->pi;
   fbi_copy(d, u, n);
   fbi_mass_mul(b, body, u);
+  fbi_base_answer(t, w, body, k, r, state, u);
   for (int i = 0; i < rows; i++) {
-    z[i] = -fbi_dot(w->X + i * n, u, n);
-    fbi_row_sub(b, -z[i], w->X + i * n, n);
-    fbi_row_sub(b, g * z[i], w->Y + i * n, n);
+    fbi_row_sub(b, t[i], w->X + i * n, n);
+    fbi_row_sub(b, -g * t[i], w->Y + i * n, n);
   }
   if (momentum) {
     fbi_row_sub(b, -g, r->pi, n);
@@ -4858,9 +4920,8 @@ static void fbi_implicit_solve(fb_state *r, const fb_implicit_work *w, const fb_
   fbi_lu_plain_solve(b, w->E, n);
   fbi_copy(u, b, n);
   for (int i = 0; i < rows; i++) {
-    z[i] += fbi_dot(w->Z + i * n, u, n);
+    V[first + i] = t[i] - fbi_dot(w->Z + i * n, u, n);
   }
-  fbi_chol_back(V + first, w->G, z, rows);
   for (int a = 0; a < n; a++) {
     d[a] = u[a] - d[a];
   }
@@ -4869,50 +4930,37 @@ static void fbi_implicit_solve(fb_state *r, const fb_implicit_work *w, const fb_
     fbi_damping_add(r->pi, -FB_R(1.0), body, d);
     fbi_gyro_add(r->pi, -FB_R(1.0), w->V, body, d);
     for (int i = 0; i < rows; i++) {
-      fbi_row_sub(r->pi, z[i], w->Y + i * n, n);
+      fbi_row_sub(r->pi, -V[first + i], w->Y + i * n, n);
     }
   } else {
     fbi_row_sub(r->q, -g, r->pi, n);
     for (int i = 0; i < 3; i++) {
-      r->P[i] -= V[i];
-      r->L[i] -= V[3 + i];
-      V[i] = -g * r->P[i];
-      V[3 + i] = -g * r->L[i];
+      r->P[i] += V[i];
+      r->L[i] += V[3 + i];
+      V[i] = g * r->P[i];
+      V[3 + i] = g * r->L[i];
     }
   }
-  for (int i = 0; i < 6; i++) {
-    V[i] = -V[i];
-  }
-  fb_mat33_mul_vec3(move, k->R, V);
-  fbi_quat_rate(turn, state->quat, V + 3);
-  fbi_vec3_add(r->rho, FB_R(1.0), move);
-  for (int i = 0; i < 4; i++) {
-    r->quat[i] += turn[i];
-  }
+  fbi_recoil_pose(r, body, k, state, V);
 }
 
-/* [E11.6] Largest step of the schemes whose stiff part is elastic: explicit are gyroscopic terms of frequency up to 2 |w|, times the
-   recoil of a base lighter than its modes, the stiffening of the quadratic field, and the change of frequencies by the tension of a
-   spinning beam; the largest of them times dt <= 1.
-   Source: trials.  Fails: never.  Test: steps_within_the_limit_are_stable. */
-FB_DEF fb_real fb_spin_limit(const fb_body *body, fb_real spin, fb_real acceleration)
+/* Frequency of the stiffening by the quadratic field, or its change by the tension of a spinning beam, whichever is larger. */
+static fb_real fbi_explicit_bound(const fb_body *body, fb_real spin, fb_real acceleration)
 {
-  const fb_real k = body->limit_spin * spin * spin + body->limit_acceleration * FB_FABS(acceleration);
-  fb_real bound = fbi_larger(FB_R(2.0) * body->recoil * FB_FABS(spin), FB_SQRT(k));
+  fb_real bound = FB_SQRT(body->limit_spin * spin * spin + body->limit_acceleration * FB_FABS(acceleration));
 #if FB_WITH_NONLINEAR_STRAIN
   bound = fbi_larger(bound, body->limit_tension * spin * spin);
 #endif
-  return fbi_step_limit(FB_R(1.0), bound);
+  return bound;
 }
 
-/* The spin that a free body's drift is as bad as: L about O feels P x (recoil of O). From trials. */
-static fb_real fbi_drift_spin(const fb_body *body, const fbi_kinetics *k)
+/* [E11.6] Largest step of the implicit schemes: what their matrix leaves out or takes from the step's start, products of the spin, the
+   stiffening of the quadratic field and by tension; |w| dt <= 1/10, the frequency of the others times dt <= 1.
+   Source: trials.  Fails: never.  Test: steps_within_the_limit_are_stable. */
+FB_DEF fb_real fb_implicit_limit(const fb_body *body, fb_real spin, fb_real acceleration)
 {
-  if (body->base != FB_BASE_FREE || body->n == 0) {
-    return FB_R(0.0);
-  }
-  return FB_R(2.0) * FB_SQRT(fbi_larger(FB_R(1.0) - FB_R(1.0) / (body->recoil * body->recoil), FB_R(0.0))) *
-         fbi_vec3_norm(k->V) / body->gyration;
+  return fbi_step_limit(FB_R(1.0),
+                        fbi_larger(FB_R(10.0) * FB_FABS(spin), fbi_explicit_bound(body, spin, acceleration)));
 }
 
 /* Start of an implicit step: rates at the state, checked step, factored iteration matrix. */
@@ -4927,7 +4975,7 @@ static fb_status fbi_implicit_start(fb_implicit_work *w, fbi_kinetics *k, const 
   if (status == FB_OK && !body->allow_long_step) {
     fb_real spin, acceleration;
     fbi_step_conditions(&spin, &acceleration, body, k, input);
-    status = dt <= fb_spin_limit(body, spin + fbi_drift_spin(body, k), acceleration) ? FB_OK : FB_ERR_STEP;
+    status = dt <= fb_implicit_limit(body, spin, acceleration) ? FB_OK : FB_ERR_STEP;
   }
   return status == FB_OK ? fbi_implicit_factor(w, k, body, g) : status;
 }
@@ -4962,7 +5010,7 @@ FB_DEF fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_impli
   if (status == FB_OK) {
     work->first = work->rate;
     fbi_implicit_solve(&work->first, work, body, &at, state);
-    status = fbi_stage_solve(work, &work->first, body, &at, state, state, middle, iterations > 0 ? iterations : 3);
+    status = fbi_stage_solve(work, &work->first, body, &at, state, state, middle, iterations > 0 ? iterations : 2);
   }
   if (status != FB_OK) {
     return status;
@@ -5004,7 +5052,7 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
                                const fb_input *end, fb_real dt, int iterations)
 {
   const fb_real c = FB_R(0.29289321881345248);
-  const int count = iterations > 0 ? iterations : 3;
+  const int count = iterations > 0 ? iterations : 2;
   const fb_input *first = start;
   fbi_kinetics at;
   fb_status status;
@@ -5033,6 +5081,25 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
 }
 
 /* ---- exponential scheme */
+
+/* [E11.11] Largest step of the exponential scheme: gyroscopic terms 2 |w|, faster by the recoil of a light base (squared for a free one,
+   whose O moves, too), stiffening as in E11.6, heavy damping; the largest of them times dt <= 1.
+   Source: trials.  Fails: never.  Test: steps_within_the_limit_are_stable. */
+FB_DEF fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real acceleration)
+{
+  const fb_real lightness = body->base == FB_BASE_FREE ? body->recoil * body->recoil - FB_R(1.0) : FB_R(0.0);
+  const fb_real turning = (FB_R(2.0) * body->recoil + FB_R(15.0) * lightness) * FB_FABS(spin);
+  const int heavy = body->limit_damping > FB_R(0.5) * FB_SQRT(body->limit_elastic);
+  const fb_real bound = fbi_larger(turning, fbi_explicit_bound(body, spin, acceleration));
+  return fbi_step_limit(FB_R(1.0), fbi_larger(bound, heavy ? body->limit_damping : FB_R(0.0)));
+}
+
+/* The spin that the motion of a free body's mass center is as bad as: L about O feels P x (recoil of O). */
+static fb_real fbi_drift_spin(const fb_body *body, const fb_state *state)
+{
+  return body->base == FB_BASE_FREE && body->n > 0 ? fbi_vec3_norm(state->P) / (body->mass * body->gyration)
+                                                   : FB_R(0.0);
+}
 
 #if FB_WITH_NONLINEAR_STRAIN
 /* Displacement of the coordinates by a unit of r at station g: K^-1 Psi_x^T EA to work.d; work.L holds the factor of K. */
@@ -5362,7 +5429,7 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   status = fbi_modal_rates(&N[0], &k, work, scheme, body, z, start);
   if (status == FB_OK && !body->allow_long_step) {
     fbi_step_conditions(&spin, &acceleration, body, &k, start);
-    status = h <= fb_spin_limit(body, spin + fbi_drift_spin(body, &k), acceleration) ? FB_OK : FB_ERR_STEP;
+    status = h <= fb_exponential_limit(body, spin + fbi_drift_spin(body, state), acceleration) ? FB_OK : FB_ERR_STEP;
   }
   if (status == FB_OK) {
     memset(&work->half, 0, sizeof work->half);

@@ -117,9 +117,9 @@ typedef struct scheme {
 
 static const scheme schemes[] = {
     {"rk4", 0.001, step_rk4, fb_rk4_limit},
-    {"midpoint", 0.0025, step_midpoint, fb_spin_limit},
-    {"sdirk", 0.005, step_sdirk, fb_spin_limit},
-    {"exponential", 0.005, step_exponential, fb_spin_limit},
+    {"midpoint", 0.005, step_midpoint, fb_implicit_limit},
+    {"sdirk", 0.005, step_sdirk, fb_implicit_limit},
+    {"exponential", 0.005, step_exponential, fb_exponential_limit},
 };
 #define SCHEMES ((int)(sizeof schemes / sizeof schemes[0]))
 
