@@ -92,7 +92,7 @@
      FB_WITH_DAMPING                  1        0, 1    "
      FB_WITH_GRAVITY                  1        0, 1    "
      FB_WITH_NONLINEAR_STRAIN         1        0, 1    "
-     FB_MAX_STRAINS                   20       1..999  strain stations of a body (nonlinear strain only)
+     FB_MAX_STRAINS                   24       1..999  strain stations of a body (nonlinear strain only)
      FB_WITH_FORMS                    0        0, 1    1: the second-order and the printed first-order form, too
      FB_ASSERT(x)                     nothing  -       called with 0 on a programmer's error (NULL, index, capacity)
      FB_ALLOW_FAST_MATH               -        -       compile under -ffast-math (finite checks are then void)
@@ -132,14 +132,19 @@
      fb_sdirk_step         2      spin                5 evaluations, one LU   stiff bodies; L-stable: fast modes die out
      fb_exponential_step   4      spin, light bases   4 evaluations           stiff elasticity, exactly; momentum form
 
-   HALF AN EFFECT IS WORSE THAN NONE (what the papers' equations do when taken apart; refused unless allow_split_effects)
-     Inertia that follows the shape softens a spinning beam; without the stiffening that outweighs it a slender one diverges
-     above its first bending frequency. The strain energy of third degree without that of fourth has no lower bound: any motion
-     diverges, spinning or not. J(q) without its second degree makes the mass matrix indefinite. The stiffness torque of the
-     first-order form that the paper prints lets energy leak where the axial strain at the root is free, and no refinement
-     mends it; the one by its identity (49) does not, and without its third degree the torque no longer fits the forces (5 to
-     14 % off). On a basis with the same functions in every direction first- and second-order form are the same equations;
-     that basis has no axial strain at the root, where it is largest.
+   HALF AN EFFECT IS WORSE THAN NONE (the papers' equations taken apart; refused unless allow_split_effects)
+     Inertia that follows the shape softens a spinning beam; without the stiffening that outweighs it a slender one
+     diverges above its first bending frequency. The strain energy of third degree without that of fourth has no lower
+     bound: any motion diverges, spinning or not. J(q) without its second degree makes the mass matrix indefinite. The
+     stiffness torque that the paper prints for the first-order form lets energy leak where the axial strain at the root
+     is free, and no refinement mends it; the one by its identity (49) does not leak, and without its third degree the
+     torque no longer fits the forces (5 to 14 % off). On a basis with the same functions in every direction first- and
+     second-order form are the same equations (but for rotary inertia); that basis has no axial strain at the root,
+     where it is largest.
+
+   AXIAL STRAIN, in which order: fb_modes_solve with basis FB_BASIS_FUNCTIONS, count FB_ALL_MODES for bend_y, bend_z and
+     axial, root_strain 1; fb_shape_add_beam, then fb_shape_add_beam_strain, once per beam; effects FB_EFFECTS_STRAIN.
+     One cubic element in space has 6 coordinates, root_strain one more: set FB_MAX_MODES. Then not fb_rk4_step.
 
    REFERENCES
      [DB] G.M.T. D'Eleuterio and T.D. Barfoot, "Just a second, we'd like to go first: a first-order discretized
@@ -204,7 +209,7 @@
 #define FB_WITH_NONLINEAR_STRAIN 1
 #endif
 #ifndef FB_MAX_STRAINS
-#define FB_MAX_STRAINS 20
+#define FB_MAX_STRAINS 24
 #endif
 #ifndef FB_WITH_FORMS
 #define FB_WITH_FORMS 0
@@ -361,7 +366,8 @@ FB_API void fb_quat_to_rotvec(fb_real phi[3], const fb_real q[4]);             /
 FB_API fb_status fb_quat_normalize(fb_real q[4]);
 
 /* ---------------------------------------------------------------------------------------------------------------
-   5 >>linalg: dense, run-time n; singularity is judged relative to each row and column, so scaling units changes nothing */
+   5 >>linalg: dense, run-time n; singularity is judged relative to each row and column, so scaling units changes
+   nothing */
 
 /* A (n x n) is overwritten by its factors P A = L U. FB_ERR_SINGULAR, FB_ERR_NOT_FINITE: A is spoiled.
    scale: n reals of scratch. */
@@ -369,12 +375,13 @@ FB_API fb_status fb_lu_factor(fb_real *A, int *perm, fb_real *scale, int n);
 /* x = A^-1 b with the factors; x may not be b. */
 FB_API void fb_lu_solve(fb_real *x, const fb_real *LU, const int *perm, const fb_real *b, int n);
 
-/* The lower triangle of the symmetric A (n x n) is overwritten by L, A = L L^T. FB_ERR_SINGULAR: not positive definite. */
+/* The lower triangle of the symmetric A (n x n) is overwritten by L, A = L L^T. FB_ERR_SINGULAR: not positive
+   definite. */
 FB_API fb_status fb_chol_factor(fb_real *A, int n);
 FB_API void fb_chol_solve(fb_real *x, const fb_real *L, const fb_real *b, int n); /* x = A^-1 b; x may be b */
 
-/* Eigenvalues d (n, ascending) and orthonormal eigenvectors (row k of V, n x n) of the symmetric A (n x n, overwritten).
-   FB_ERR_NOT_FINITE; FB_ERR_CONVERGENCE after 60 Jacobi sweeps. */
+/* Eigenvalues d (n, ascending) and orthonormal eigenvectors (row k of V, n x n) of the symmetric A (n x n,
+   overwritten). FB_ERR_NOT_FINITE; FB_ERR_CONVERGENCE after 60 Jacobi sweeps. */
 FB_API fb_status fb_eig_sym_solve(fb_real *d, fb_real *V, fb_real *A, int n);
 /* K x = d M x, K symmetric, M positive definite (both n x n, overwritten): d ascending, rows of X with X M X^T = 1.
    FB_ERR_SINGULAR: M is not positive definite; else as fb_eig_sym_solve. */
@@ -445,9 +452,10 @@ typedef enum fb_kind {                     /* what a mode mainly does */
 typedef enum fb_basis {
   FB_BASIS_MODES = 0,    /* natural modes, mass-normalized (M = 1, K = omega^2) */
   FB_BASIS_ELEMENTS = 1, /* finite-element coordinates kept as they are: M and K full */
-  /* The SAME functions of x for u_x, u_y and u_z, orthonormal against the mass: [DB]'s basis. Equal counts make it closed under
-     rotation: a turned deflection is a deflection again, the inertia that follows the shape (residual inertia) vanishes and
-     spin couples each function with itself alone. Smooth element functions (value and slope continuous), clamped root. */
+  /* The SAME functions of x for u_x, u_y and u_z, orthonormal against the mass: [DB]'s basis. Equal counts make it
+     closed under rotation: a turned deflection is a deflection again, the inertia that follows the shape (residual
+     inertia) vanishes and spin couples each function with itself alone. Smooth element functions (value and slope
+     continuous), clamped root. */
   FB_BASIS_FUNCTIONS = 2
 } fb_basis;
 
@@ -457,13 +465,14 @@ typedef struct fb_modes_desc {
       [FB_KIND_COUNT]; /* lowest modes to keep per kind; FB_BASIS_ELEMENTS: nonzero keeps all coordinates of the kind */
   fb_real omega_limit; /* [rad/s] modes above are left out; 0: no limit */
   /* Steady spin [rad/s] about an axis across the beam, spin_radius [m] before the clamped root: half of each plane's
-     bending modes are those at rest, half those under the spin's tension, combined to Ritz modes of the unloaded beam. A few
-     then do for every spin up to about this one, where modes at rest converge slowly. 0: modes at rest. */
+     bending modes are those at rest, half those under the spin's tension, combined to Ritz modes of the unloaded
+     beam. A few then do for every spin up to about this one, where modes at rest converge slowly. 0: modes at rest. */
   fb_real spin, spin_radius;
-  /* FB_BASIS_FUNCTIONS: polynomial degree in an element, 3..8 (0: 3, cubic Hermite; above 5 for double precision); with n_element elements there are
-     2 n_element + (degree - 3) n_element functions, in the order of the bending frequencies, and count says how many to keep in
-     each direction; the coordinates are f_1 along y, z and x, f_2 along y, z and x, and so on. root_strain = 1: u_x gets one more function, with a slope at the root, where strain is largest; without it
-     the axial strain at the root is zero, with it the basis is not quite closed. */
+  /* FB_BASIS_FUNCTIONS: polynomial degree in an element, 3..8 (0: 3, cubic Hermite; above 5 for double precision);
+     with n_element elements there are 2 n_element + (degree - 3) n_element functions, in the order of the bending
+     frequencies, and count says how many to keep in each direction; the coordinates are f_1 along y, z and x, f_2
+     along y, z and x, and so on. root_strain = 1: u_x gets one more function, with a slope at the root, where strain
+     is largest; without it the axial strain at the root is zero, with it the basis is not quite closed. */
   int degree, root_strain;
 } fb_modes_desc;
 
@@ -487,8 +496,9 @@ typedef struct fb_modes_work { /* scratch; large: make it static */
 } fb_modes_work;
 
 /* FB_ERR_KIND: a kind asked for has no stiffness or inertia, or fewer modes than asked; FB_ERR_CAPACITY: more than
-   FB_MAX_MODES; FB_ERR_VALUE (also: functions or spin without a clamped root), FB_ERR_CONVERGENCE, FB_ERR_SINGULAR. modes is written only on FB_OK.
-   Rigid-body modes of pinned and free roots are not modes here: the body frame carries that motion. */
+   FB_MAX_MODES; FB_ERR_VALUE (also: functions or spin without a clamped root), FB_ERR_CONVERGENCE, FB_ERR_SINGULAR.
+   modes is written only on FB_OK. Rigid-body modes of pinned and free roots are not modes here: the body frame
+   carries that motion. */
 FB_API fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_beam *beam, const fb_modes_desc *desc);
 
 /* ---------------------------------------------------------------------------------------------------------------
@@ -512,13 +522,13 @@ typedef enum fb_effect {
 #define FB_EFFECTS_STRAIN 135u /* level 4: stiffening by axial coordinates instead of the quadratic field */
 
 /* FB_ERR_EFFECTS when the set is half of something: residual inertia without spin coupling or without spin stiffening
-   (or nonlinear strain) keeps the centrifugal softening and drops what outweighs it (a slender beam then diverges above its
-   first bending frequency), when nonlinear strain comes with spin or acceleration stiffening (the foreshortening would count
-   twice), or when an effect was removed at compile time. fb_body_init also refuses spin stiffening of a FREE body without
-   acceleration stiffening: its meaning would depend on the choice of O.
-   Without residual inertia the inertia does not follow the shape, and with few modes the loads of the frame's own motion on
-   them (w x v of O, products of w) are missing, too: such sets are for a body whose O is at rest or slow. Use all of
-   FB_EFFECTS_FULL for a body that flies. */
+   (or nonlinear strain) keeps the centrifugal softening and drops what outweighs it (a slender beam then diverges
+   above its first bending frequency), when nonlinear strain comes with spin or acceleration stiffening (the
+   foreshortening would count twice), or when an effect was removed at compile time. fb_body_init also refuses spin
+   stiffening of a FREE body without acceleration stiffening: its meaning would depend on the choice of O.
+   Without residual inertia the inertia does not follow the shape, and with few modes the loads of the frame's own
+   motion on them (w x v of O, products of w) are missing, too: such sets are for a body whose O is at rest or slow.
+   Use all of FB_EFFECTS_FULL for a body that flies. */
 FB_API fb_status fb_effects_check(unsigned effects);
 
 /* A point of a body that carries loads or is looked at. Node 0 is the origin O of the body frame. */
@@ -557,8 +567,8 @@ typedef struct fb_shape {
   fb_real strain_weight[FBI_MAX_STRAINS]; /* [N m] EA dx */
   fb_real slope[3 * FB_MAX_MODES * FBI_MAX_STRAINS]; /* n x 3 x FBI_MAX_STRAINS: u_x', u_y', u_z' in beam axes */
 #if FB_WITH_FORMS
-  /* n x n x 3: bilinear part of the stiffness torque as printed and the boundary term that it lacks; and whether they are
-     complete: beams along x with FB_BASIS_FUNCTIONS only */
+  /* n x n x 3: bilinear part of the stiffness torque as printed and the boundary term that it lacks; and whether they
+     are complete: beams along x with FB_BASIS_FUNCTIONS only */
   fb_real torque[3 * FB_MAX_MODES * FB_MAX_MODES], torque_boundary[3 * FB_MAX_MODES * FB_MAX_MODES];
   int torque_unknown;
 #endif
@@ -570,10 +580,12 @@ typedef struct fb_shape {
 
 /* An empty body with n elastic coordinates and node 0. FB_ERR_CAPACITY, FB_ERR_NULL. */
 FB_API fb_status fb_shape_init(fb_shape *shape, int n);
-/* A point mass [kg] at r [m] with displacement shapes psi (n x 3) and chi (n x n x 3, symmetric in the modes, or NULL). */
+/* A point mass [kg] at r [m] with displacement shapes psi (n x 3) and chi (n x n x 3, symmetric in the modes, or
+   NULL). */
 FB_API fb_status fb_shape_add_particle(fb_shape *shape, fb_real mass, const fb_real r[3], const fb_real *psi,
                                        const fb_real *chi);
-/* A rigid body fixed to the body frame: mass [kg], mass center [m], inertia about it [kg m^2] (xx, yy, zz, xy, xz, yz). */
+/* A rigid body fixed to the body frame: mass [kg], mass center [m], inertia about it [kg m^2] (xx, yy, zz, xy, xz,
+   yz). */
 FB_API fb_status fb_shape_add_rigid(fb_shape *shape, fb_real mass, const fb_real center[3], const fb_real inertia[6]);
 /* A beam with its modes as coordinates first .. first + modes->n - 1: all integrals, M and K. */
 FB_API fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes);
@@ -581,10 +593,12 @@ FB_API fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *be
 FB_API fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, const fb_beam *beam,
                                         const fb_modes *modes, fb_real x);
 
-/* The strain stations of that beam, for FB_EFFECT_NONLINEAR_STRAIN: as many Gauss points per element as integrate the strain energy
-   exactly (cubic functions: 5). Its axial coordinates must be able to follow the foreshortening: as many axial functions as
-   bending ones, or the beam is too stiff (membrane locking; one cubic element 29 %, two 4 %, three 0.4 % of the deflection in
-   the spin-up). FB_ERR_CAPACITY: more than FB_MAX_STRAINS; FB_ERR_KIND: EA is zero somewhere; else as fb_shape_add_beam. */
+/* The strain stations of that beam, for FB_EFFECT_NONLINEAR_STRAIN; once per beam. As many Gauss points per element as
+   integrate the strain energy exactly, 2 degree - 1 (cubic functions: 5; natural modes: 9), rounded up to a multiple of
+   four per beam. The axial coordinates must be able to follow the foreshortening, or the beam is too stiff (membrane
+   locking): element functions with as many axial as bending ones (one cubic element 29 %, two 4 %, three 0.4 % of the
+   deflection in the spin-up); a few natural axial modes are far too stiff. FB_ERR_CAPACITY: more than FB_MAX_STRAINS;
+   FB_ERR_KIND: EA is zero somewhere; else as fb_shape_add_beam. */
 #if FB_WITH_NONLINEAR_STRAIN
 FB_API fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes);
 #endif
@@ -607,8 +621,8 @@ typedef enum fb_form {
                          It has no inertia that follows the shape (FB_EFFECT_RESIDUAL_INERTIA adds nothing) and no quadratic field */
 } fb_form;
 
-/* The stiffness torque K_re q of the first-order form. The frame and the beam exchange energy through it: one that does not fit
-   the elastic forces lets energy leak. All are the same on a rotation-closed basis. */
+/* The stiffness torque K_re q of the first-order form. The frame and the beam exchange energy through it: one that
+   does not fit the elastic forces lets energy leak. All are the same on a rotation-closed basis. */
 typedef enum fb_stiffness_torque {
   FB_TORQUE_IDENTITY = 0, /* [DB] (49), q_b Upsilon_b M^-1 dU/dq: energy-exact on every basis */
   FB_TORQUE_PRINTED = 1,  /* [DB] (34)-(36): wrong where u_x' is free at the root, and refinement does not mend it */
@@ -631,8 +645,9 @@ typedef struct fb_body_desc {
   fb_real
       deflection_limit; /* [m] bound of the sum of modal deflections, beyond it FB_ERR_RANGE; 0: half the body's size.
                                  The model is right to about 0.1 % at 6 % of the length, to some percent at 15 % */
-  /* Leaves out the terms whose degree in q (bracketed superscript in [DB]) is above this one, as in [DB] Figures 4 and 5, to see
-     what they do: of the stiffness, of the stiffness torque and, second-order form, of the inertia. Wants allow_split_effects. */
+  /* Leaves out the terms whose degree in q (bracketed superscript in [DB]) is above this one, as in [DB] Figures 4
+     and 5, to see what they do: of the stiffness, of the stiffness torque and, second-order form, of the inertia.
+     Wants allow_split_effects. */
   fb_truncation truncation;
 #if FB_WITH_FORMS
   fb_form form;
@@ -655,8 +670,8 @@ typedef struct fb_sparse {
   fb_pair_term term[FBI_MAX_PAIRS];
 } fb_sparse;
 
-/* The elements of Lambda(q) (6 x n) and S(q) (6 x 6, packed) that are not zero. A term is one struct: gcc 12.2 -O2 drops
-   a call whose loop runs over parallel arrays of reals and bytes of one struct. */
+/* The elements of Lambda(q) (6 x n) and S(q) (6 x 6, packed) that are not zero. A term is one struct: gcc 12.2 -O2
+   drops a call whose loop runs over parallel arrays of reals and bytes of one struct. */
 typedef struct fb_lambda_term {
   fb_real c;
   unsigned short i, a, b;
@@ -796,7 +811,8 @@ typedef struct fb_node_motion { /* inertial axes */
 } fb_node_motion;
 
 typedef struct fb_energy {
-  fb_real kinetic, strain, gravity; /* [J]; gravity is zero with O at the inertial origin and no deflection of c */
+  fb_real kinetic, strain,
+      gravity; /* [J]; gravity is -m g.(rho + R c(q)/m), zero with the mass center at the inertial origin */
 } fb_energy;
 
 typedef struct fb_momentum {
@@ -827,8 +843,8 @@ FB_API fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, co
 /* ---------------------------------------------------------------------------------------------------------------
    11 >>integrate */
 
-/* Classical Runge-Kutta, order 4, four evaluations, fixed work. The inputs are those at t, t + dt/2 and t + dt; pass the
-   same pointer three times for inputs held over the step, NULL for none. The quaternion is normalized, momenta and
+/* Classical Runge-Kutta, order 4, four evaluations, fixed work. The inputs are those at t, t + dt/2 and t + dt; pass
+   the same pointer three times for inputs held over the step, NULL for none. The quaternion is normalized, momenta and
    elastic values below FB_TINY become zero. FB_ERR_STEP: dt exceeds fb_rk4_limit at the present spin;
    FB_ERR_VALUE: dt <= 0; FB_ERR_RANGE, FB_ERR_NOT_FINITE: the motion has left the model. On failure
    state is as before the call. */
@@ -838,15 +854,16 @@ typedef struct fb_rk4_work {
 FB_API fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work, const fb_input *start,
                              const fb_input *middle, const fb_input *end, fb_real dt);
 /* Largest stable step [s] of rk4 for the body at a spin |w| [rad/s] and an acceleration of O [m/s^2]: 2.785 / (bound of
-   the highest frequency, with rigid-elastic coupling, gyroscopic, stiffening and damping terms). The stiffening by loads and
-   by angular acceleration is not in it, and nonlinear strain is that of the undeformed body: the step's own check takes the
-   slopes it finds, which lower the limit (0.1 by some 5 %). FB_HUGE for a rigid body at rest, 0 for input that is not a number. */
+   the highest frequency, with rigid-elastic coupling, gyroscopic, stiffening and damping terms). The stiffening by
+   loads and by angular acceleration is not in it, and nonlinear strain is that of the undeformed body: the step's own
+   check takes the slopes it finds, which lower the limit (0.1 by some 5 %). FB_HUGE for a rigid body at rest, 0 for
+   input that is not a number. */
 FB_API fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real acceleration);
 
-/* The implicit steppers factor one n x n matrix per step (LU): in the momentum form the Jacobian of the equations of motion but for the
-   stiffening of the quadratic field, products of the spin and compression; in the other forms without gyroscopic terms and, first
-   order, without the stiffness torque. Newton iterations with that matrix, a fixed number (50 at most). Status and failure as
-   fb_rk4_step, FB_ERR_STEP beyond fb_implicit_limit. */
+/* The implicit steppers factor one n x n matrix per step (LU): in the momentum form the Jacobian of the equations of
+   motion but for the stiffening of the quadratic field, products of the spin and compression; in the other forms
+   without gyroscopic terms and, first order, without the stiffness torque. Newton iterations with that matrix, a
+   fixed number (50 at most). Status and failure as fb_rk4_step, FB_ERR_STEP beyond fb_implicit_limit. */
 typedef struct fb_implicit_work {
   fb_state rate, first, base, stage;
   fb_input between;
@@ -857,24 +874,28 @@ typedef struct fb_implicit_work {
   fb_real X[6 * FB_MAX_MODES], Y[6 * FB_MAX_MODES], Z[6 * FB_MAX_MODES], A[36]; /* recoil of the base */
 } fb_implicit_work;
 
-/* Largest step [s] of the implicit schemes at a spin |w| [rad/s] and an acceleration of O [m/s^2]: |w| dt <= 1/10, less where the
-   quadratic field or the tension of a spinning beam stiffens much. FB_HUGE at rest, 0 for input that is not a number. */
+/* Largest step [s] of the implicit schemes at a spin |w| [rad/s] and an acceleration of O [m/s^2]: |w| dt <= 1/10,
+   less where the quadratic field or the tension of a spinning beam stiffens much. FB_HUGE at rest, 0 for input that
+   is not a number. */
 FB_API fb_real fb_implicit_limit(const fb_body *body, fb_real spin, fb_real acceleration);
 
-/* Implicit midpoint rule, order 2, symmetric, without dissipation: fast modes keep ringing, at a frequency that is wrong. The energy
-   of a conservative body stays bounded as far as the iterations converge. 1 + iterations evaluations (0: 2 iterations). */
+/* Implicit midpoint rule, order 2, symmetric, without dissipation: fast modes keep ringing, at a frequency that is
+   wrong. The energy of a conservative body stays bounded as far as the iterations converge. 1 + iterations
+   evaluations (0: 2 iterations). */
 FB_API fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *middle,
                                   fb_real dt, int iterations);
 
-/* Two-stage SDIRK scheme, order 2, L-stable: modes too fast for the step die out at once, slow ones hardly. 1 + 2 iterations evaluations
-   (0: 2 iterations). The inputs at t and t + dt list loads at the same nodes in the same axes. */
+/* Two-stage SDIRK scheme, order 2, L-stable: modes too fast for the step die out at once, slow ones hardly. 1 + 2
+   iterations evaluations (0: 2 iterations). The inputs at t and t + dt list loads at the same nodes in the same axes.
+   */
 FB_API fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *start,
                                const fb_input *end, fb_real dt, int iterations);
 
-/* Exponential Runge-Kutta scheme of order 4: the constant linear elastic part (K, and M with the base's recoil) is propagated exactly,
-   so that stiff modes cost nothing in step size; everything else is explicit. No factorization: four evaluations and 16 n^2 flops
-   each for the change to modal coordinates. With nonlinear strain it works in the coordinates s = q + G(q) that make the membrane
-   strain linear: axial modes then follow the foreshortening exactly. Momentum form only; made for one step size. */
+/* Exponential Runge-Kutta scheme of order 4: the constant linear elastic part (K, and M with the base's recoil) is
+   propagated exactly, so that stiff modes cost nothing in step size; everything else is explicit. No factorization:
+   four evaluations and 16 n^2 flops each for the change to modal coordinates. With nonlinear strain it works in the
+   coordinates s = q + G(q) that make the membrane strain linear: axial modes then follow the foreshortening exactly.
+   Momentum form only; made for one step size. */
 typedef struct fb_exponential { /* constant after init, may live in ROM */
   fb_real dt;
   int n_axial; /* coordinates that take up foreshortening */
@@ -889,19 +910,19 @@ typedef struct fb_exponential { /* constant after init, may live in ROM */
 typedef struct fb_exponential_work {
   fb_state z, half, full, at, rate, sum, N[4];
 } fb_exponential_work;
-/* FB_ERR_VALUE: dt, or a body of another form; FB_ERR_SINGULAR: K or the mass is not positive definite; FB_ERR_EFFECTS: nonlinear
-   strain whose axial coordinates bend, too. */
+/* FB_ERR_VALUE: dt, or a body of another form; FB_ERR_SINGULAR: K or the mass is not positive definite;
+   FB_ERR_EFFECTS: nonlinear strain whose axial coordinates bend, too. */
 FB_API fb_status fb_exponential_init(fb_exponential *scheme, fb_body_work *work, const fb_body *body, fb_real dt);
 /* Inputs at t, t + dt/2, t + dt; status and failure as fb_rk4_step, FB_ERR_STEP beyond fb_exponential_limit. */
 FB_API fb_status fb_exponential_step(const fb_body *body, const fb_exponential *scheme, fb_state *state,
                                      fb_exponential_work *work, const fb_input *start, const fb_input *middle,
                                      const fb_input *end);
-/* Largest step [s] of the exponential scheme: |w| dt <= 1/2 for a held base, less where the quadratic field or the tension of a spinning
-   beam stiffens much, where the base is lighter than its modes and trembles with them (recoil of fb_body, 1 for a heavy hub), and
-   with damping ratios above 1/4. For a free body recoil counts squared, and the step adds the speed of the mass center by the radius
-   of gyration to the spin: choose a heavy hub and an inertial frame in which it is slow, or an implicit scheme. The limit holds for
-   any motion; a smooth one may be stepped further (allow_long_step). Order 4 is seen where omega dt is below about 5 for the modes
-   that move. */
+/* Largest step [s] of the exponential scheme: |w| dt <= 1/2 for a held base, less where the quadratic field or the
+   tension of a spinning beam stiffens much, where the base is lighter than its modes and trembles with them (recoil
+   of fb_body, 1 for a heavy hub), and with damping ratios above 1/4. For a free body recoil counts squared, and the
+   step adds the speed of the mass center by the radius of gyration to the spin: choose a heavy hub and an inertial
+   frame in which it is slow, or an implicit scheme. The limit holds for any motion; a smooth one may be stepped
+   further (allow_long_step). Order 4 is seen where omega dt is below about 5 for the modes that move. */
 FB_API fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real acceleration);
 
 /* ---------------------------------------------------------------------------------------------------------------
@@ -922,4 +943,5 @@ FB_API fb_status fb_config_check(const char *config);
 #endif
 
 /* HISTORY
-   0.1.0  one flexible body: beams, modes, momentum form, rk4 */
+   0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,
+          pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme */

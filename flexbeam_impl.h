@@ -292,8 +292,8 @@ FB_DEF void fb_quat_mul(fb_real r[4], const fb_real p[4], const fb_real q[4])
 }
 
 /* [E4.1] Rotation matrix of a quaternion of any length, x_I = R x_B.
-   R = ((w^2 - u.u) 1 + 2 u u^T + 2 w u^) / |q|^2: orthogonal also for the stages of a stepper, which are not unit, so that a
-   turned frame gives the same motion to rounding.
+   R = ((w^2 - u.u) 1 + 2 u u^T + 2 w u^) / |q|^2: orthogonal also for the stages of a stepper, which are not unit, so
+   that a turned frame gives the same motion to rounding.
    Source: textbook.  Cost: 40 flops, a division.  Fails: q = 0.  Test: quaternion_and_matrix_rotate_alike. */
 FB_DEF void fb_quat_to_mat33(fb_real R[9], const fb_real q[4])
 {
@@ -482,8 +482,8 @@ FB_DEF void fb_lu_solve(fb_real *x, const fb_real *LU, const int *perm, const fb
   }
 }
 
-/* [E5.5] LU without pivoting, for matrices whose symmetric part is positive definite: growth is then bounded. Reciprocals of the
-   pivots stand on the diagonal.
+/* [E5.5] LU without pivoting, for matrices whose symmetric part is positive definite: growth is then bounded.
+   Reciprocals of the pivots stand on the diagonal.
    Source: [GV] 4.3.2.  Shapes: A n x n.  Cost: 2/3 n^3 flops.  Fails: a pivot that is not positive.
    Test: each_scheme_converges_at_its_order. */
 static fb_status fbi_lu_plain_factor(fb_real *A, int n)
@@ -766,8 +766,9 @@ static void fbi_field_eval(fbi_field *f, const fb_real e[12], fb_real s, fb_real
 }
 
 /* [E6.5] Internal shapes that vanish at both nodes (with their slopes, in bending), two per kind of motion: bending
-   16 s^2 (1-s)^2 (1, 4 (2s-1)), axial and torsion 4 s (1-s) (1, 2 (2s-1)). With them the frequencies converge with order 8
-   instead of 4 (bending) and 6 instead of 2: ten elements give the first modes to 1e-8, which cubics alone do not.
+   16 s^2 (1-s)^2 (1, 4 (2s-1)), axial and torsion 4 s (1-s) (1, 2 (2s-1)). With them the frequencies converge with
+   order 8 instead of 4 (bending) and 6 instead of 2: ten elements give the first modes to 1e-8, which cubics alone do
+   not.
    Source: hierarchic (p-version) elements.  Shapes: b 8 amplitudes, two each of u_y, u_z, u_x, theta_x.
    Cost: 70 flops.  Fails: never.  Test: beam_frequencies_match_the_closed_form. */
 static void fbi_field_add_internal(fbi_field *f, const fb_real b[8], fb_real s, fb_real l)
@@ -909,7 +910,8 @@ static fb_real fbi_cell_s(const fbi_cell *cell, const fb_beam *beam, fb_real t)
   return (cell->x0 + t * (cell->x1 - cell->x0)) / l - (fb_real)cell->element;
 }
 
-/* Matrix entries (xx, yy, zz, xy, xz, yz) of an inertia to the second moments of mass int r r^T dm = 1/2 tr(J) 1 - J. */
+/* Matrix entries (xx, yy, zz, xy, xz, yz) of an inertia to the second moments of mass int r r^T dm = 1/2 tr(J) 1 - J.
+   */
 static void fbi_second_moments(fb_real S[9], const fb_real inertia[6])
 {
   const fb_real half = FB_R(0.5) * (inertia[0] + inertia[1] + inertia[2]);
@@ -921,8 +923,9 @@ static void fbi_second_moments(fb_real S[9], const fb_real inertia[6])
   S[5] = S[7] = -inertia[5];
 }
 
-/* [E6.2] Spread of a rigid body: three vectors s_k with int r r^T dm = sum s_k s_k^T (semidefinite Cholesky, the largest
-   diagonal element first), so that integrals over the body become sums. Rods and plates are the semidefinite cases.
+/* [E6.2] Spread of a rigid body: three vectors s_k with int r r^T dm = sum s_k s_k^T (semidefinite Cholesky, the
+   largest diagonal element first), so that integrals over the body become sums. Rods and plates are the semidefinite
+   cases.
    Source: [GV] 4.2.  Fails: the inertia is not one of a distribution of positive mass.
    Test: lumped_bodies_must_have_a_physical_inertia. */
 static fb_status fbi_spread(fb_real s[3][3], const fb_real inertia[6])
@@ -1248,7 +1251,8 @@ static int fbi_group_dofs(int *dof, const fb_beam *beam, const int group[FB_KIND
   return n;
 }
 
-/* Rigid-body modes of a group: a free root leaves 2 per bending plane and 1 axial and torsional, a pinned one 1 per plane. */
+/* Rigid-body modes of a group: a free root leaves 2 per bending plane and 1 axial and torsional, a pinned one 1 per
+   plane. */
 static int fbi_rigid_modes(const fb_beam *beam, const int group[FB_KIND_COUNT], int id)
 {
   static const int free_root[FB_KIND_COUNT] = {2, 2, 1, 1}, pinned_root[FB_KIND_COUNT] = {1, 1, 0, 0};
@@ -1261,8 +1265,8 @@ static int fbi_rigid_modes(const fb_beam *beam, const int group[FB_KIND_COUNT], 
   return n;
 }
 
-/* [E7.1] Shift of the eigenproblem: the Rayleigh quotient of the field (x/L)^2 in all its kinds, a fraction of the lowest
-   elastic eigenvalue; zero where the root alone makes K definite.
+/* [E7.1] Shift of the eigenproblem: the Rayleigh quotient of the field (x/L)^2 in all its kinds, a fraction of the
+   lowest elastic eigenvalue; zero where the root alone makes K definite.
    Fails: never.  Test: beam_frequencies_match_the_closed_form (free and pinned roots). */
 static fb_real fbi_shift(const fb_beam *beam, const fb_real *Kc, const fb_real *Mc, const int *dof, int n)
 {
@@ -1512,8 +1516,8 @@ static fb_status fbi_modes_take(const fb_modes_desc *desc, fb_modes_work *work, 
   return FB_OK;
 }
 
-/* [E7.4] Ritz modes of the unloaded beam in the span of the shapes found: K x = omega^2 x with M = 1 in that basis, so that
-   modes at rest and modes at a spin together give diagonal matrices again. work.K is the unloaded stiffness.
+/* [E7.4] Ritz modes of the unloaded beam in the span of the shapes found: K x = omega^2 x with M = 1 in that basis,
+   so that modes at rest and modes at a spin together give diagonal matrices again. work.K is the unloaded stiffness.
    Source: Rayleigh-Ritz.  Shapes: n shapes of ndof.  Fails: as E5.3.  Test: spinning_beams_stiffen_as_published. */
 static fb_status fbi_modes_ritz(fb_modes_work *work, const fb_beam *beam)
 {
@@ -1707,8 +1711,9 @@ static void fbi_orthonormalize(fb_real *x, const fb_real *f, const fb_real *M, i
   }
 }
 
-/* [E7.5] Functions of x that serve u_x, u_y and u_z alike: the bending modes of the smooth element functions, orthonormal
-   against the mass. ups_ab of a function with another one vanishes then, and S(q) is constant for equal counts.
+/* [E7.5] Functions of x that serve u_x, u_y and u_z alike: the bending modes of the smooth element functions,
+   orthonormal against the mass. ups_ab of a function with another one vanishes then, and S(q) is constant for equal
+   counts.
    Source: [DB] 4.3 (the same basis functions in each direction), orthonormalized.  Shapes: m functions of ndof.
    Fails: no mass, not clamped, more asked than there are.
    Test: functions_are_orthonormal_and_as_smooth_as_they_claim, functions_close_the_basis. */
@@ -1858,8 +1863,8 @@ static void fbi_shape_add_quadratic(fb_shape *shape, fb_real m1, fb_real m2, con
 }
 
 /* [E8.1] Shape integrals of one mass element.
-   m, c = int r, J = -int r^ r^, p_a = int psi_a, h_a = int r x psi_a, M_ab = int psi_a.psi_b, ups_ab = -int psi_a x psi_b,
-   Gam_a = -int psi_a^ r^, Pi_ab = -int psi_a^ psi_b^, p^chi_ab = int chi_ab, h^chi_ab = int r x chi_ab,
+   m, c = int r, J = -int r^ r^, p_a = int psi_a, h_a = int r x psi_a, M_ab = int psi_a.psi_b, ups_ab = -int psi_a x
+   psi_b, Gam_a = -int psi_a^ r^, Pi_ab = -int psi_a^ psi_b^, p^chi_ab = int chi_ab, h^chi_ab = int r x chi_ab,
    Gam^chi_ab = -int chi_ab^ r^.  The linear integrals are weighted by m1, the bilinear ones by m2: a particle has both,
    a direction of spread of a section or a lumped body (E6.2) has m1 = 0.
    Source: [DB] after (4) and (7).  Shapes: psi nb x 3, chi nb x nb x 3 (NULL: none), coordinates first.. of shape.
@@ -1946,12 +1951,12 @@ typedef struct
   fb_real twist[FB_MAX_MODES * FB_MAX_MODES]; /* rotation */
 } fbi_quadratic;
 
-/* [E8.2] Quadratic field, u = psi q + 1/2 chi q q and rotation vector theta q + 1/2 chi_theta q q, of a section whose tangent
-   has the transverse components u_y', u_z' exactly and whose stretch and twist rate stay LINEAR in q:
+/* [E8.2] Quadratic field, u = psi q + 1/2 chi q q and rotation vector theta q + 1/2 chi_theta q q, of a section whose
+   tangent has the transverse components u_y', u_z' exactly and whose stretch and twist rate stay LINEAR in q:
    chi_ab = -int (u_y,a' u_y,b' + u_z,a' u_z,b') dx e  (foreshortening),
-   chi_theta_ab = 1/2 int (theta_a x theta_b' + theta_b x theta_a').e dx e - 1/2 (phi_a e x theta_b + phi_b e x theta_a),
-   phi = theta.e the torsion, e the beam's axis. The strain energy then has no terms of degree 3 but the coupling
-   (EI_z - EI_y) phi u_y'' u_z'' of torsion with bending in both planes, which is left out.
+   chi_theta_ab = 1/2 int (theta_a x theta_b' + theta_b x theta_a').e dx e - 1/2 (phi_a e x theta_b + phi_b e x
+   theta_a), phi = theta.e the torsion, e the beam's axis. The strain energy then has no terms of degree 3 but the
+   coupling (EI_z - EI_y) phi u_y'' u_z'' of torsion with bending in both planes, which is left out.
    Source: DESIGN 3; exponential map to second degree, kappa = theta' - 1/2 theta x theta'.
    Shapes: the slopes of the two integrals.  Fails: never.
    Test: quadratic_field_is_inextensible_and_twist_free, spinning_beams_stiffen_as_published. */
@@ -2229,7 +2234,8 @@ FB_DEF fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, c
 #if FB_WITH_FORMS && FB_WITH_NONLINEAR_STRAIN
 /* [E8.24] The part of degree 1 of the stiffness torque as printed: g_s,3 = int (EA u_x' u_y' - EI_z u_x'' u_y'') dx,
    g_s,2 = -int (EA u_x' u_z' - EI_y u_x'' u_z'') dx; different EI add g_s,1 = (EI_z - EI_y) int u_y'' u_z'' dx.
-   At the root of a clamped beam the integration by parts leaves -u_x'(0) EI_z u_y''(0) in g_s,3, + .. u_z''(0) in g_s,2.
+   At the root of a clamped beam the integration by parts leaves -u_x'(0) EI_z u_y''(0) in g_s,3, + .. u_z''(0) in
+   g_s,2.
    Source: [DB] (34)-(36) with errata item 9 and trap c.  Shapes: n x n x 3.  Fails: never.
    Test: stiffness_torques_agree_on_a_closed_basis, spin_up_follows_the_references_of_each_form. */
 static void fbi_torque_add(fb_real g[3], const fbi_field *x, const fbi_field *b, fb_real EA, fb_real EI_y, fb_real EI_z)
@@ -2438,8 +2444,8 @@ static void fbi_lambda_list_term(fb_body *body, const fb_shape *shape, const fb_
   }
 }
 
-/* The constant terms: those of the linear momentum first, rows in turn, so that sums do not wait for each other. Then the terms
-   linear in q, row by row: there are more of them, and a row's sum stays in a register. */
+/* The constant terms: those of the linear momentum first, rows in turn, so that sums do not wait for each other. Then
+   the terms linear in q, row by row: there are more of them, and a row's sum stays in a register. */
 static void fbi_lambda_list(fb_body *body, const fb_shape *shape, const fb_real *Lambda)
 {
   const int n = body->n;
@@ -2497,8 +2503,9 @@ static void fbi_vec9_add(fb_real A[9], fb_real s, const fb_real B[9])
 #endif
 
 /* [E8.5] Rigid part of S: M_rr(q) = [m 1, -c(q)^; c(q)^, J(q)], coefficient of the monomial (1,q)_a (1,q)_b, a >= b:
-   c(q) = c + p_a q_a + 1/2 p^chi_ab q_a q_b,  J(q) = J + (Gam_a + Gam_a^T) q_a + (Pi_ab + 1/2 (Gam^chi_ab + ^T)) q_a q_b.
-   p_a, Gam_a, Pi_ab belong to the residual inertia, Gam^chi to the spin stiffening, p^chi to the acceleration stiffening.
+   c(q) = c + p_a q_a + 1/2 p^chi_ab q_a q_b,  J(q) = J + (Gam_a + Gam_a^T) q_a + (Pi_ab + 1/2 (Gam^chi_ab + ^T)) q_a
+   q_b. p_a, Gam_a, Pi_ab belong to the residual inertia, Gam^chi to the spin stiffening, p^chi to the acceleration
+   stiffening.
    Source: [DB] after (4), DESIGN 3.  Shapes: S packed 21.  Fails: never.
    Test: accelerations_agree_with_a_particle_model. */
 static void fbi_rigid_term(fb_real S[21], const fb_shape *shape, unsigned effects, int a, int b)
@@ -2534,7 +2541,8 @@ static void fbi_rigid_term(fb_real S[21], const fb_shape *shape, unsigned effect
   fbi_rigid_matrix(S, m, c, J);
 }
 
-/* What the rigid and elastic contributions to element (i, j) of S of a pair are made of: below rounding of this it is zero. */
+/* What the rigid and elastic contributions to element (i, j) of S of a pair are made of: below rounding of this it is
+   zero. */
 static fb_real fbi_S_size(const fb_shape *shape, const fb_real *Z, int a, int b, int i, int j)
 {
   const int n = shape->n;
@@ -2553,8 +2561,8 @@ static fb_real fbi_S_size(const fb_shape *shape, const fb_real *Z, int a, int b,
   return size + FB_SQRT(zi) * FB_SQRT(zj);
 }
 
-/* [E8.6] Terms of the Schur complement S(q) = M_rr(q) - Lambda(q) M^-1 Lambda(q)^T. With M = L L^T and Z_a = Lambda_a L^-T
-   the coefficient of a pair is its part of M_rr less Z_a Z_b^T + Z_b Z_a^T (once for a = b).
+/* [E8.6] Terms of the Schur complement S(q) = M_rr(q) - Lambda(q) M^-1 Lambda(q)^T. With M = L L^T and Z_a = Lambda_a
+   L^-T the coefficient of a pair is its part of M_rr less Z_a Z_b^T + Z_b Z_a^T (once for a = b).
    This is DESIGN's S_0 + [0 D1; D1^T D2] in one polynomial. Without residual inertia the caller leaves ups out of Z.
    Source: DESIGN 2 and 3.  Shapes: Z (n+1) x 6 x n.  Cost: 21 n^3.  Fails: never.
    Test: residual_inertia_vanishes_on_a_rotation_closed_basis, accelerations_agree_with_a_particle_model. */
@@ -2688,7 +2696,8 @@ static fb_status fbi_largest_eigenvalue(fb_real *largest, fb_body_work *work, co
 }
 
 #if FBI_WITH_QUADRATIC
-/* sqrt of the largest eigenvalue of sum_i T_i^T B^-1 T_i against B, T_i(a,b) = table[m (a n + b) + i], i < m: a bound of the norm of sum_i x_i T_i for a unit vector x. */
+/* sqrt of the largest eigenvalue of sum_i T_i^T B^-1 T_i against B, T_i(a,b) = table[m (a n + b) + i], i < m: a bound
+   of the norm of sum_i x_i T_i for a unit vector x. */
 static fb_status fbi_table_norm(fb_real *norm, fb_body_work *work, const fb_real *table, int m, const fb_real *B, int n)
 {
   fb_status status = FB_OK;
@@ -2738,8 +2747,8 @@ static int fbi_first_free(fb_base base)
   return base == FB_BASE_FREE ? 0 : base == FB_BASE_PINNED ? 3 : base == FB_BASE_HINGED ? 5 : 6;
 }
 
-/* [E8.22] Solution with a symmetric 6x6 for what the base leaves free, the rest zero: all of V, the three of w (pinned), that about
-   z (hinged), nothing (prescribed).
+/* [E8.22] Solution with a symmetric 6x6 for what the base leaves free, the rest zero: all of V, the three of w
+   (pinned), that about z (hinged), nothing (prescribed).
    Source: rows of E8.13 whose reactions are zero.  Shapes: S packed 21.  Cost: at most 150 flops.
    Fails: not positive definite.  Test: pinned_and_hinged_bodies_swing_as_rigid_pendulums. */
 static fb_status fbi_base_solve(fb_real x[6], fb_base base, const fb_real S[21], const fb_real y[6])
@@ -2812,8 +2821,8 @@ static void fbi_slope_matrix(fb_real *A, const fb_body *body)
 #endif
 
 #if FB_WITH_NONLINEAR_STRAIN
-/* Change of a frequency by a tension, 1/2 T S / omega with S = int psi' psi' dx: half the square root of the largest eigenvalue of
-   S M^-1 S against K, times the tension of the beam's own mass per spin squared. */
+/* Change of a frequency by a tension, 1/2 T S / omega with S = int psi' psi' dx: half the square root of the largest
+   eigenvalue of S M^-1 S against K, times the tension of the beam's own mass per spin squared. */
 static fb_status fbi_tension_fill(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_real *reduced)
 {
   const int n = body->n;
@@ -2843,9 +2852,10 @@ static fb_status fbi_tension_fill(fb_body *body, fb_body_work *work, const fb_sh
 #endif
 
 /* [E8.8] Bounds of the body's highest frequency |lambda| <= g + sqrt(g^2 + k) with g = |w| + limit_damping / 2,
-   k = limit_elastic + limit_spin w^2 + limit_acceleration |a|: the largest eigenvalues of K, C and the stiffening against the
-   elastic mass that is left when the body is free, M - M_re^T M_rr^-1 M_re. The gyroscopic part is |N(w) q| <= |w| |q| against
-   M, which is a bound for a prescribed base; for a free one it rests on trials. At rest the bound is the frequency itself.
+   k = limit_elastic + limit_spin w^2 + limit_acceleration |a|: the largest eigenvalues of K, C and the stiffening
+   against the elastic mass that is left when the body is free, M - M_re^T M_rr^-1 M_re. The gyroscopic part is |N(w)
+   q| <= |w| |q| against M, which is a bound for a prescribed base; for a free one it rests on trials. At rest the
+   bound is the frequency itself.
    Source: quadratic eigenvalue bound |lambda|^2 <= 2 g |lambda| + k.  Fails: M or S_0 not positive definite.
    Test: the_step_limit_is_the_stability_boundary. */
 static fb_status fbi_limits_fill(fb_body *body, fb_body_work *work, const fb_shape *shape)
@@ -2954,8 +2964,8 @@ static int fbi_depends_on_origin(unsigned effects, fb_base base)
 }
 
 #if FB_WITH_FORMS
-/* A mass matrix that follows the shape wants J(q) and h(q) together ([DB] errata, trap e); the printed first-order form has no
-   quadratic field, and its printed torque belongs to one kind of basis. */
+/* A mass matrix that follows the shape wants J(q) and h(q) together ([DB] errata, trap e); the printed first-order
+   form has no quadratic field, and its printed torque belongs to one kind of basis. */
 static fb_status fbi_form_check(const fb_shape *shape, const fb_body_desc *desc)
 {
   const int spin = fbi_has(desc->effects, FB_EFFECT_SPIN_COUPLING);
@@ -3088,8 +3098,8 @@ static void fbi_table_list(fb_lambda_term *list, int *n_list, const fb_real *tab
   }
 }
 
-/* The tables of the form: S(q), or for the second-order form M_rr(q) in its place, with the terms that truncation leaves; rates
-   and gradients keep one degree more, Gamma^(Q) belongs to J^(Q+1). */
+/* The tables of the form: S(q), or for the second-order form M_rr(q) in its place, with the terms that truncation
+   leaves; rates and gradients keep one degree more, Gamma^(Q) belongs to J^(Q+1). */
 static void fbi_form_fill(fb_body *body, fb_body_work *work, const fb_shape *shape)
 {
   const int n = body->n;
@@ -3305,7 +3315,8 @@ static void fbi_S_add(fb_real S[21], const fb_body *body, const fb_real *m, int 
   }
 }
 
-/* [E8.11] S(q) from the monomials (1,q)_a (1,q)_b and the first n of its terms: all, but in a truncated second-order form.
+/* [E8.11] S(q) from the monomials (1,q)_a (1,q)_b and the first n of its terms: all, but in a truncated second-order
+   form.
    Source: E8.6.  Cost: 2 n_S + n_pair flops.  Test: momenta_agree_with_a_particle_model. */
 static void fbi_S_eval(fb_real S[21], const fb_body *body, const fb_real *qx, int n)
 {
@@ -3386,8 +3397,8 @@ static void fbi_slopes_sub(fb_real *x, const fb_body *body, fb_real f[3][FBI_MAX
 
 /* [E8.23] Forces of the nonlinear axial strain e = u_x' + 1/2 (u_y'^2 + u_z'^2), what K q leaves of
    dU/dq_a = int EA e (psi_x,a' + u_y' psi_y,a' + u_z' psi_z,a') dx, by quadrature over the strain stations instead of
-   tensors with three and four indices: 2 sums over the stations per coordinate. x -= dU/dq; with quartic = 0 instead of 1 the
-   part of U of degree 4 is left out.
+   tensors with three and four indices: 2 sums over the stations per coordinate. x -= dU/dq; with quartic = 0 instead
+   of 1 the part of U of degree 4 is left out.
    Source: [DB] (27), (29)-(31) with errata items 5 to 10.  Shapes: x n.  Cost: (4 n + 12) stations.  Fails: never.
    Test: strain_forces_are_the_gradient_of_the_energy, spin_up_follows_the_references_of_each_form. */
 static FBI_NOINLINE void fbi_strain_sub(fb_real *x, fb_real slope[3][FBI_MAX_STRAINS], const fb_body *body,
@@ -3419,9 +3430,10 @@ static void fbi_products(fb_real *t, const fb_real *x, const fb_real *y, int n)
   }
 }
 
-/* [E8.29] Tangent stiffness d2U/dq2 of the strain energy beyond K, A += ..; of tensile strain e alone in the geometric part, so that it
-   is never indefinite:
-   K + int EA (psi_x (u_y' psi_y + u_z' psi_z) + .. + (u_y' psi_y + u_z' psi_z)^2 + max(e, 0) (psi_y psi_y + psi_z psi_z)) dx.
+/* [E8.29] Tangent stiffness d2U/dq2 of the strain energy beyond K, A += ..; of tensile strain e alone in the
+   geometric part, so that it is never indefinite:
+   K + int EA (psi_x (u_y' psi_y + u_z' psi_z) + .. + (u_y' psi_y + u_z' psi_z)^2 + max(e, 0) (psi_y psi_y + psi_z
+   psi_z)) dx.
    Source: second derivative of [DB] (27).  Shapes: n x n.  Cost: n^2 stations.  Fails: never.
    Test: the_tangent_is_the_derivative_of_the_forces. */
 static void fbi_strain_tangent_add(fb_real *A, const fb_body *body, fb_real slope[3][FBI_MAX_STRAINS])
@@ -3612,8 +3624,8 @@ static FBI_NOINLINE void fbi_load_add(fbi_kinetics *k, const fb_body *body, cons
 }
 
 #if FB_WITH_GRAVITY
-/* [E8.16] Uniform gravity from V = -m g.rho - g.R c(q), c(q) = c + P q + 1/2 p^chi q q: force m g, torque c(q) x g, modal forces
-   x = (P + P^chi(q))^T g by (1, q), all from the terms of the linear momentum; g in body axes.
+/* [E8.16] Uniform gravity from V = -m g.rho - g.R c(q), c(q) = c + P q + 1/2 p^chi q q: force m g, torque c(q) x g,
+   modal forces x = (P + P^chi(q))^T g by (1, q), all from the terms of the linear momentum; g in body axes.
    Source: potential energy.  Cost: 8 flops a term.  Fails: never.
    Test: a_falling_body_does_not_deform, power_of_loads_is_the_rate_of_energy. */
 static void fbi_gravity_eval(fb_real c[3], fb_real *x, const fb_body *body, const fb_real *qx, const fb_real g[3])
@@ -3884,8 +3896,9 @@ static fb_status fbi_second_rates(fb_state *rate, fbi_kinetics *k, const fb_body
 }
 
 #if FB_WITH_NONLINEAR_STRAIN
-/* [E8.26] Stiffness torque as printed, degrees 2 and 3 from the slopes at the strain stations, degree 1 from E8.24's table:
-   g_s,3 = .. + int EA (-u_x'^2 + 1/2 r - 1/2 u_x' r) u_y' dx, g_s,2 the same with -u_z', r = u_y'^2 + u_z'^2. g -= g_s.
+/* [E8.26] Stiffness torque as printed, degrees 2 and 3 from the slopes at the strain stations, degree 1 from E8.24's
+   table: g_s,3 = .. + int EA (-u_x'^2 + 1/2 r - 1/2 u_x' r) u_y' dx, g_s,2 the same with -u_z', r = u_y'^2 + u_z'^2.
+   g -= g_s.
    Source: [DB] (34)-(36) with errata items 10, 11.  Cost: 10 flops a station.  Fails: never.
    Test: stiffness_torques_agree_on_a_closed_basis, spin_up_follows_the_references_of_each_form. */
 static void fbi_printed_torque_sub(fb_real g[3], const fbi_kinetics *k, const fb_body *body)
@@ -3905,9 +3918,10 @@ static void fbi_printed_torque_sub(fb_real g[3], const fbi_kinetics *k, const fb
 }
 #endif
 
-/* [E8.27] Stiffness and load torque by the identities q_b Upsilon_b M^-1 dU/dq = K_re q, q_b Upsilon_b M^-1 f_e = F_re q: what acts on the
-   modes acts on the frame through the v_e that it turns. y += F_re q - K_re q; loads are f_e, the elastic forces -dU/dq and damping.
-   With a printed K_re the elastic forces are left out; of them those are in it whose degree truncation leaves.
+/* [E8.27] Stiffness and load torque by the identities q_b Upsilon_b M^-1 dU/dq = K_re q, q_b Upsilon_b M^-1 f_e =
+   F_re q: what acts on the modes acts on the frame through the v_e that it turns. y += F_re q - K_re q; loads are
+   f_e, the elastic forces -dU/dq and damping. With a printed K_re the elastic forces are left out; of them those are
+   in it whose degree truncation leaves.
    Source: [DB] (49), (50).  Cost: 3 n_lambda flops.  Fails: never.
    Test: stiffness_torques_agree_on_a_closed_basis, spin_up_follows_the_references_of_each_form. */
 static void fbi_identity_torque_add(fb_real y[6], const fbi_kinetics *k, const fb_body *body, const fb_real *q,
@@ -3976,8 +3990,9 @@ static void fbi_elastic_rotation(fb_real *q_dot, fbi_kinetics *k, const fb_body 
 /* [E8.28] First-order form: with the constant mass matrix
    m v_dot - c^ w_dot + P v_e_dot + w x (m v - c^ w + P v_e) = f
    c^ v_dot + J w_dot + H v_e_dot + c^ (w x v) + w x J w + sum_a v_a Gamma_a^T w + g_s(q) = g + F_re q
-   P^T v_dot + H^T w_dot + M v_e_dot + P^T (w x v) - w^T Gamma_a w + w^T ups_ab v_b + dU/dq = f_e,   q_dot = v_e + M^-1 q_b Ups_b^T w.
-   Solved by the Schur complement of M, a constant 6x6 whose inverse is at hand.
+   P^T v_dot + H^T w_dot + M v_e_dot + P^T (w x v) - w^T Gamma_a w + w^T ups_ab v_b + dU/dq = f_e
+   q_dot = v_e + M^-1 q_b Ups_b^T w
+   solved by the Schur complement of M, a constant 6x6 whose inverse is at hand.
    Source: [DB] (23)-(25); F_re q by E8.27.  Cost: 4 n_lambda + 300 flops.
    Fails: never.  Test: forms_agree_on_a_closed_basis, spin_up_follows_the_references_of_each_form. */
 static void fbi_first_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state)
@@ -4225,7 +4240,8 @@ static void fbi_reactions(fb_motion *m, const fb_body *body, const fb_real S[21]
 }
 
 #if FB_WITH_FORMS
-/* Accelerations of the other forms: the rates are accelerations already, but that of q_dot = v_e + M^-1 q_b Ups_b^T w. */
+/* Accelerations of the other forms: the rates are accelerations already, but that of q_dot = v_e + M^-1 q_b Ups_b^T
+   w. */
 static void fbi_form_motion(fb_motion *m, fbi_kinetics *k, const fb_body *body, const fb_state *rate)
 {
   fb_real xd[FB_MAX_MODES + 1], y[6], unused[FB_MAX_MODES + 1] = {0};
@@ -4563,8 +4579,8 @@ static void fbi_largest_slopes(fb_real *slope, fb_real *strain, const fbi_kineti
 }
 #endif
 
-/* What step limits depend on: spin, and acceleration of O by the base's motion or, free, by spin about the mass center and by the
-   loads, with gravity. */
+/* What step limits depend on: spin, and acceleration of O by the base's motion or, free, by spin about the mass
+   center and by the loads, with gravity. */
 static void fbi_step_conditions(fb_real *spin, fb_real *acceleration, const fb_body *body, const fbi_kinetics *k,
                                 const fb_input *input)
 {
@@ -4597,7 +4613,8 @@ static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const
   return dt <= fbi_step_limit(FBI_RK4_RADIUS, bound) ? FB_OK : FB_ERR_STEP;
 }
 
-/* What ends every step: small values become zero, the quaternion is normalized, and the motion is still within the model. */
+/* What ends every step: small values become zero, the quaternion is normalized, and the motion is still within the
+   model. */
 static fb_status fbi_step_end(fb_state *state, fb_state *next, const fb_body *body)
 {
   fb_status status;
@@ -4738,7 +4755,8 @@ static void fbi_rows_solve(fb_real *X, const fb_real *A, int rows, int n)
   }
 }
 
-/* A -= g [0 p^; p^ h^] on the free rows: momenta in inertial axes about O change in body axes with turning, and about O with moving. */
+/* A -= g [0 p^; p^ h^] on the free rows: momenta in inertial axes about O change in body axes with turning, and about
+   O with moving. */
 static void fbi_turning_sub(fb_real *A, fb_real g, const fb_real ph[6], int first)
 {
   const int rows = 6 - first;
@@ -4755,8 +4773,8 @@ static void fbi_turning_sub(fb_real *A, fb_real g, const fb_real ph[6], int firs
   }
 }
 
-/* Coupling of the free rigid rows to the modes at the present shape: X = Lambda, Y = D - Lambda M^-1 N^T, Z = A^-1 (X + g Y) with the
-   rigid mass matrix A, which for the momentum form is S + Lambda M^-1 Lambda^T - g [0 p^; p^ h^]. */
+/* Coupling of the free rigid rows to the modes at the present shape: X = Lambda, Y = D - Lambda M^-1 N^T, Z = A^-1 (X
+   + g Y) with the rigid mass matrix A, which for the momentum form is S + Lambda M^-1 Lambda^T - g [0 p^; p^ h^]. */
 static fb_status fbi_coupling(fb_implicit_work *w, const fbi_kinetics *k, const fb_body *body)
 {
   const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first, momentum = fbi_form(body) == 0;
@@ -4795,13 +4813,14 @@ static fb_status fbi_coupling(fb_implicit_work *w, const fbi_kinetics *k, const 
   return FB_OK;
 }
 
-/* [E11.4] Matrix of the implicit steppers: k = (I - g W)^-1 r with g = gamma dt and W the Jacobian of the momentum form,
-     q' = M^-1 (pi - Lambda^T V),  pi' = -K_t q - C q' + .., V = S^-1 (y - Lambda M^-1 pi),
+/* [E11.4] Matrix of the implicit steppers: k = (I - g W)^-1 r with g = gamma dt and W the Jacobian of the momentum
+   form, q' = M^-1 (pi - Lambda^T V),  pi' = -K_t q - C q' + .., V = S^-1 (y - Lambda M^-1 pi),
    without the second derivatives of S and the products g^2 of gyroscopic terms, eliminated down to the n modes:
-   E = M + g (C + N - N^T) + g^2 K_t - (X - g Y)^T Z. What is left, M - Lambda^T M_rr^-1 Lambda, is the mass of the modes when the base
-   may recoil.
+   E = M + g (C + N - N^T) + g^2 K_t - (X - g Y)^T Z. What is left, M - Lambda^T M_rr^-1 Lambda, is the mass of the
+   modes when the base may recoil.
    The other forms do without N and Y.
-   Source: block elimination; Newmark's effective stiffness is the case of a held base.  Shapes: n x n.  Cost: 2/3 n^3 flops.
+   Source: block elimination; Newmark's effective stiffness is the case of a held base.  Shapes: n x n.  Cost: 2/3 n^3
+   flops.
    Fails: M_rr or E singular.  Test: each_scheme_converges_at_its_order, steps_may_be_a_thousand_periods_long. */
 static fb_status fbi_implicit_factor(fb_implicit_work *w, const fbi_kinetics *k, const fb_body *body, fb_real g)
 {
@@ -4851,8 +4870,8 @@ static void fbi_symmetric_sub(fb_real *y, fb_real s, const fb_real *A, const fb_
   }
 }
 
-/* t = A^-1 (X u + g (R^T r_P + p x a, R^T r_L + h x a)), a the rotation of r_quat: velocities that the base takes up before the modes
-   answer; momenta in the momentum form only. */
+/* t = A^-1 (X u + g (R^T r_P + p x a, R^T r_L + h x a)), a the rotation of r_quat: velocities that the base takes up
+   before the modes answer; momenta in the momentum form only. */
 static void fbi_base_answer(fb_real t[6], const fb_implicit_work *w, const fb_body *body, const fbi_kinetics *k,
                             const fb_state *r, const fb_state *state, const fb_real *u)
 {
@@ -4874,8 +4893,8 @@ static void fbi_base_answer(fb_real t[6], const fb_implicit_work *w, const fb_bo
   fbi_lu_plain_solve(t, w->A, rows);
 }
 
-/* The pose takes part by the recoil V (times g), so that it is integrated as stiffly as what moves it; L about O with it, so that
-   L + rho x P is conserved. */
+/* The pose takes part by the recoil V (times g), so that it is integrated as stiffly as what moves it; L about O with
+   it, so that L + rho x P is conserved. */
 static void fbi_recoil_pose(fb_state *r, const fb_body *body, const fbi_kinetics *k, const fb_state *state,
                             const fb_real V[6])
 {
@@ -4944,7 +4963,8 @@ static void fbi_implicit_solve(fb_state *r, const fb_implicit_work *w, const fb_
   fbi_recoil_pose(r, body, k, state, V);
 }
 
-/* Frequency of the stiffening by the quadratic field, or its change by the tension of a spinning beam, whichever is larger. */
+/* Frequency of the stiffening by the quadratic field, or its change by the tension of a spinning beam, whichever is
+   larger. */
 static fb_real fbi_explicit_bound(const fb_body *body, fb_real spin, fb_real acceleration)
 {
   fb_real bound = FB_SQRT(body->limit_spin * spin * spin + body->limit_acceleration * FB_FABS(acceleration));
@@ -4954,8 +4974,9 @@ static fb_real fbi_explicit_bound(const fb_body *body, fb_real spin, fb_real acc
   return bound;
 }
 
-/* [E11.6] Largest step of the implicit schemes: what their matrix leaves out or takes from the step's start, products of the spin, the
-   stiffening of the quadratic field and by tension; |w| dt <= 1/10, the frequency of the others times dt <= 1.
+/* [E11.6] Largest step of the implicit schemes: what their matrix leaves out or takes from the step's start, products
+   of the spin, the stiffening of the quadratic field and by tension; |w| dt <= 1/10, the frequency of the others
+   times dt <= 1.
    Source: trials.  Fails: never.  Test: steps_within_the_limit_are_stable. */
 FB_DEF fb_real fb_implicit_limit(const fb_body *body, fb_real spin, fb_real acceleration)
 {
@@ -5082,8 +5103,9 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
 
 /* ---- exponential scheme */
 
-/* [E11.11] Largest step of the exponential scheme: gyroscopic terms 2 |w|, faster by the recoil of a light base (squared for a free one,
-   whose O moves, too), stiffening as in E11.6, heavy damping; the largest of them times dt <= 1.
+/* [E11.11] Largest step of the exponential scheme: gyroscopic terms 2 |w|, faster by the recoil of a light base
+   (squared for a free one, whose O moves, too), stiffening as in E11.6, heavy damping; the largest of them times dt
+   <= 1.
    Source: trials.  Fails: never.  Test: steps_within_the_limit_are_stable. */
 FB_DEF fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real acceleration)
 {
@@ -5102,7 +5124,8 @@ static fb_real fbi_drift_spin(const fb_body *body, const fb_state *state)
 }
 
 #if FB_WITH_NONLINEAR_STRAIN
-/* Displacement of the coordinates by a unit of r at station g: K^-1 Psi_x^T EA to work.d; work.L holds the factor of K. */
+/* Displacement of the coordinates by a unit of r at station g: K^-1 Psi_x^T EA to work.d; work.L holds the factor of
+   K. */
 static void fbi_membrane_column(fb_body_work *work, const fb_body *body, int g)
 {
   fbi_zero(work->d, body->n);
@@ -5113,10 +5136,11 @@ static void fbi_membrane_column(fb_body_work *work, const fb_body *body, int g)
   fb_chol_solve(work->d, work->L, work->d, body->n);
 }
 
-/* [E11.9] Membrane coordinates s = q + G(q), G_a = sum_g G_ag r_g with r = 1/2 (u_y'^2 + u_z'^2) at the strain stations and
-   G = K^-1 Psi_x^T EA: then dU/dq_a of E8.23 is K s but for what the axial functions cannot follow. G does not depend on the
-   coordinates that it moves, so q = s - G(s). Momenta: sigma = (1 - G'^T) pi.
-   Source: point transformation of [DB] (27).  Shapes: G n_axial x stations.  Fails: K singular; axial coordinates that bend.
+/* [E11.9] Membrane coordinates s = q + G(q), G_a = sum_g G_ag r_g with r = 1/2 (u_y'^2 + u_z'^2) at the strain
+   stations and G = K^-1 Psi_x^T EA: then dU/dq_a of E8.23 is K s but for what the axial functions cannot follow. G
+   does not depend on the coordinates that it moves, so q = s - G(s). Momenta: sigma = (1 - G'^T) pi.
+   Source: point transformation of [DB] (27).  Shapes: G n_axial x stations.  Fails: K singular; axial coordinates
+   that bend.
    Test: membrane_coordinates_make_the_strain_linear. */
 static fb_status fbi_membrane_fill(fb_exponential *scheme, fb_body_work *work, const fb_body *body)
 {
@@ -5189,8 +5213,8 @@ static void fbi_membrane_sub(fb_real *x, const fb_body *body, const fb_real *h, 
 }
 #endif
 
-/* Stumpff functions c_j = sum_k (-t^2)^k / (2k + j)!, j = 0..4; by c_j = 1/j! - t^2 c_(j+2) from the series where closed forms
-   cancel. */
+/* Stumpff functions c_j = sum_k (-t^2)^k / (2k + j)!, j = 0..4; by c_j = 1/j! - t^2 c_(j+2) from the series where
+   closed forms cancel. */
 static void fbi_stumpff(fb_real c[5], fb_real t)
 {
   const fb_real x = t * t;

@@ -1,5 +1,6 @@
-/* Section 8: nonlinear axial strain and the equations of D'Eleuterio and Barfoot [DB] beside the momentum form, on their spin-up
-   of a beam. Basis C is closed under rotation (the same functions in every direction), H has strain at the root as well. */
+/* Section 8: nonlinear axial strain and the equations of D'Eleuterio and Barfoot [DB] beside the momentum form, on
+   their spin-up of a beam. Basis C is closed under rotation (the same functions in every direction), H has strain at
+   the root as well. */
 #include "fbt.h"
 
 #define LENGTH 10.0
@@ -150,7 +151,8 @@ static void element_samples(double u[3][SAMPLES + 1], int element, const fb_real
   }
 }
 
-/* [DB] (27): U = int 1/2 EA (u_x' + 1/2 (u_y'^2 + u_z'^2))^2 + 1/2 EI_z u_y''^2 + 1/2 EI_y u_z''^2 dx by Simpson's rule. */
+/* [DB] (27): U = int 1/2 EA (u_x' + 1/2 (u_y'^2 + u_z'^2))^2 + 1/2 EI_z u_y''^2 + 1/2 EI_y u_z''^2 dx by Simpson's
+   rule. */
 static double integrated_energy(const fb_real *q, double EI_y)
 {
   const int intervals = 2000;
@@ -190,7 +192,8 @@ static double energy_slope(const fb_state *state, int a, double h)
   return sum / (12.0 * h);
 }
 
-/* E8.23: the energy is that of [DB] (27), the forces are its gradient: functions and natural modes, both planes, EI_y != EI_z. */
+/* E8.23: the energy is that of [DB] (27), the forces are its gradient: functions and natural modes, both planes, EI_y
+   != EI_z. */
 TEST(strain_forces_are_the_gradient_of_the_energy)
 {
   static const scene scenes[] = {{1, 3, 1, 2, 0}, {2, 3, 0, 2, 0}, {2, 5, 0, 2, 0}, {1, 0, 0, 2, 1}, {2, 0, 0, 2, 1}};
@@ -240,7 +243,8 @@ static void monomial(fb_real *q, int power)
   fb_lu_solve(q, A, perm, b, modes.n);
 }
 
-/* E6.8: u_y = (x/L)^d has a strain energy with x^(4 d - 4), the highest degree that the 2 d - 1 points integrate exactly, but one. */
+/* E6.8: u_y = (x/L)^d has a strain energy with x^(4 d - 4), the highest degree that the 2 d - 1 points integrate
+   exactly, but one. */
 TEST(gauss_rules_integrate_polynomials)
 {
   double worst = 0.0;
@@ -290,8 +294,8 @@ static double acceleration_difference(const fb_real *a, const fb_real *b)
   return fmax(rigid, elastic);
 }
 
-/* E8.25, E8.28: on a closed basis (trap a) the three forms are the same equations; with strain at the root the first-order form
-   is a projection. Free body with hub, loads at O, force at the tip, gravity. */
+/* E8.25, E8.28: on a closed basis (trap a) the three forms are the same equations; with strain at the root the
+   first-order form is a projection. Free body with hub, loads at O, force at the tip, gravity. */
 TEST(forms_agree_on_a_closed_basis)
 {
   for (int open = 0; open < 2; open++) {
@@ -337,8 +341,8 @@ static void first_order_rates(fb_real *acc, fb_state *rate, fb_state *state, fb_
   memcpy(acc + 6, rate->pi, sizeof(fb_real) * (size_t)modes.n);
 }
 
-/* Rate of energy less power of the loads at O, relative to the rate of strain energy; energies are of degree 4 along a straight
-   line, so that differences over five points are exact. */
+/* Rate of energy less power of the loads at O, relative to the rate of strain energy; energies are of degree 4 along
+   a straight line, so that differences over five points are exact. */
 static double energy_leak(const fb_state *state, const fb_state *rate, const fb_input *input, double h)
 {
   static const double c[5] = {1.0, -8.0, 0.0, 8.0, -1.0};
@@ -364,8 +368,8 @@ static double energy_leak(const fb_state *state, const fb_state *rate, const fb_
   return fabs(change - power) / fabs(strain);
 }
 
-/* E8.24, E8.26, E8.27: the three stiffness torques are one on a closed basis, EI_y != EI_z; on an open one (trap c) they differ, and
-   that of the identity alone does the work that the strain energy stores. */
+/* E8.24, E8.26, E8.27: the three stiffness torques are one on a closed basis, EI_y != EI_z; on an open one (trap c)
+   they differ, and that of the identity alone does the work that the strain energy stores. */
 TEST(stiffness_torques_agree_on_a_closed_basis)
 {
   for (int open = 0; open < 2; open++) {
@@ -581,8 +585,8 @@ static void moving_from(moving *s, const fb_motion *motion)
   }
 }
 
-/* E8.25: the motion of the second-order form satisfies [DB] (7) with errata items 1 and 2, free and with a prescribed base, whose
-   reactions are then in its first two lines; the parameters are sums over particles. */
+/* E8.25: the motion of the second-order form satisfies [DB] (7) with errata items 1 and 2, free and with a prescribed
+   base, whose reactions are then in its first two lines; the parameters are sums over particles. */
 TEST(second_order_form_is_the_printed_one)
 {
   static const fb_base base[] = {FB_BASE_FREE, FB_BASE_PRESCRIBED};
@@ -782,8 +786,8 @@ static double spin_error(int root_strain, int n_element, fb_form form, fb_stiffn
   return track_error(&t, &s, prefix);
 }
 
-/* Elements 1 to 3, both bases, both variants, up to 30 or 15 s. On basis C, and with a given rate, all torques do the same: one of
-   them will do; three elements in the second-order form take long: one run. */
+/* Elements 1 to 3, both bases, both variants, up to 30 or 15 s. On basis C, and with a given rate, all torques do the
+   same: one of them will do; three elements in the second-order form take long: one run. */
 static double form_error(int form, int n, int root, int prescribed)
 {
   const double end = FB_SINGLE ? 4.0 : n == 1 || (n == 2 && root) ? 30.0 : 15.0;
@@ -798,8 +802,8 @@ static double form_error(int form, int n, int root, int prescribed)
   return worst;
 }
 
-/* E8.23 to E8.28: tip histories of [DB]'s example with torque (A) and given rate (C), to the digits of independent solutions of the
-   same equations by Gauss collocation of order 10. */
+/* E8.23 to E8.28: tip histories of [DB]'s example with torque (A) and given rate (C), to the digits of independent
+   solutions of the same equations by Gauss collocation of order 10. */
 TEST(spin_up_follows_the_references_of_each_form)
 {
   static const char *const name[] = {"spin-up, momentum form", "spin-up, second-order form",
@@ -816,8 +820,8 @@ TEST(spin_up_follows_the_references_of_each_form)
   }
 }
 
-/* E8.23 and trap h: two elements of degree 6 with strain at the root are converged; what is left against the geometrically exact beam is
-   the model's error. Variant A to the peak and beyond. */
+/* E8.23 and trap h: two elements of degree 6 with strain at the root are converged; what is left against the
+   geometrically exact beam is the model's error. Variant A to the peak and beyond. */
 TEST(two_elements_of_degree_6_are_converged)
 {
   static const scene beam_of = {2, 6, 1, 1, 0};
@@ -841,7 +845,8 @@ TEST(two_elements_of_degree_6_are_converged)
   }
 }
 
-/* E8.25, E8.27, trap c: the work of the torque is the energy in every form on basis H; the printed stiffness torque leaks. */
+/* E8.25, E8.27, trap c: the work of the torque is the energy in every form on basis H; the printed stiffness torque
+   leaks. */
 TEST(work_of_the_torque_is_the_energy)
 {
   static const fb_form form[] = {FB_FORM_MOMENTUM, FB_FORM_SECOND, FB_FORM_FIRST, FB_FORM_FIRST, FB_FORM_FIRST};
@@ -891,8 +896,8 @@ static int truncation_row(spin_up *s, const fbt_table *table, int row)
   return (n == 1 || (n == 2 && s->beam.root_strain)) && strcmp(form, "first_nokin") != 0;
 }
 
-/* E8.23 to E8.28 with terms left out, [DB] figures 4 and 5, trap d: Q = 1 diverges for want of a lower bound of the strain energy,
-   Q = 0 where softening is not outweighed; all else has the reference's largest deflection. */
+/* E8.23 to E8.28 with terms left out, [DB] figures 4 and 5, trap d: Q = 1 diverges for want of a lower bound of the
+   strain energy, Q = 0 where softening is not outweighed; all else has the reference's largest deflection. */
 TEST(truncation_does_what_the_paper_shows)
 {
   double worst = 0.0, late = 0.0;
@@ -942,7 +947,8 @@ static void stations_refused(fb_status expected)
   FBT_TRUE(memcmp(&before, &shape, sizeof shape) == 0);
 }
 
-/* Trap e: J, h follow the shape in degree 1 and 2 together or not at all; and every other set that is half of something. */
+/* Trap e: J, h follow the shape in degree 1 and 2 together or not at all; and every other set that is half of
+   something. */
 TEST(half_an_inertia_is_refused)
 {
   static const scene natural = {2, 0, 0, 2, 1};

@@ -112,8 +112,8 @@ TEST(rk4_converges_with_order_four)
   }
 }
 
-/* E8.18: unloaded and undamped, tumbling: linear and angular momentum to rounding over 1e6 steps with a coarse step; the
-   drift of energy falls with at least the 4th power of the step. */
+/* E8.18: unloaded and undamped, tumbling: linear and angular momentum to rounding over 1e6 steps with a coarse step;
+   the drift of energy falls with at least the 4th power of the step. */
 TEST(tumbling_conserves_momentum_and_energy)
 {
   fb_state state;
@@ -151,8 +151,8 @@ TEST(tumbling_conserves_momentum_and_energy)
   }
 }
 
-/* Largest deflection in the last quarter of many steps over that in the first; huge if a step failed. The body spins about
-   axis x or z of its frame, its mass center at rest. */
+/* Largest deflection in the last quarter of many steps over that in the first; huge if a step failed. The body spins
+   about axis x or z of its frame, its mass center at rest. */
 static double growth(double dt, double spin, int axis, int steps)
 {
   fb_state state;
@@ -183,9 +183,9 @@ static double growth(double dt, double spin, int axis, int steps)
   return last / first;
 }
 
-/* E8.8, E11.1: at the limit the motion stays bounded, 3 % beyond it leaves the range, for a free and a held root (the free
-   boom is stiffer: rigid-elastic coupling). With spin up to five times the first bending frequency (3.8 rad/s), about the
-   boom and across it, and with damping the limit is on the safe side. */
+/* E8.8, E11.1: at the limit the motion stays bounded, 3 % beyond it leaves the range, for a free and a held root (the
+   free boom is stiffer: rigid-elastic coupling). With spin up to five times the first bending frequency (3.8 rad/s),
+   about the boom and across it, and with damping the limit is on the safe side. */
 TEST(the_step_limit_is_the_stability_boundary)
 {
   double limit[2];
@@ -292,8 +292,8 @@ static fb_status spin_up_run(double *tip, int n, unsigned effects)
   return FB_OK;
 }
 
-/* E8.2, E8.12, E8.17: three bending modes with all modal effects follow the geometrically exact beam to 0.2 % of the peak
-   and the converged modal solution to 0.1 %; without spin stiffening the motion leaves the range and says so. */
+/* E8.2, E8.12, E8.17: three bending modes with all modal effects follow the geometrically exact beam to 0.2 % of the
+   peak and the converged modal solution to 0.1 %; without spin stiffening the motion leaves the range and says so. */
 TEST(spin_up_follows_the_geometrically_exact_beam)
 {
   const fbt_table *table = fbt_reference("p07C_second_order.csv");
@@ -459,8 +459,8 @@ static void order_of(scheme which, const fb_state *fine, double order, int steps
   }
 }
 
-/* E11.4 to E11.8, E11.10: halving the step divides the error by 2^order; free and prescribed base, modes with the quadratic field and
-   nonlinear strain, follower loads and base motion that vary within the step. */
+/* E11.4 to E11.8, E11.10: halving the step divides the error by 2^order; free and prescribed base, modes with the
+   quadratic field and nonlinear strain, follower loads and base motion that vary within the step. */
 TEST(each_scheme_converges_at_its_order)
 {
   for (int k = 0; k < 4; k++) {
@@ -492,7 +492,8 @@ TEST(each_scheme_converges_at_its_order)
   }
 }
 
-/* E11.7: unloaded and undamped: the implicit midpoint rule keeps the momenta to rounding and the energy within 1e-8 over 1e6 steps. */
+/* E11.7: unloaded and undamped: the implicit midpoint rule keeps the momenta to rounding and the energy within 1e-8
+   over 1e6 steps. */
 TEST(midpoint_keeps_energy_and_momentum)
 {
   const int steps = FBT_TOL(1000000, 10000);
@@ -521,8 +522,8 @@ TEST(midpoint_keeps_energy_and_momentum)
   FBT_BELOW(momentum, FBT_TOL(1e-10, 1e-3));
 }
 
-/* E11.4, E11.6, E11.8, E11.10: a step of 1000 periods of the stiffest mode, slow motion and all modes struck: every scheme stays
-   finite or says why not, the L-stable one lets no energy grow. */
+/* E11.4, E11.6, E11.8, E11.10: a step of 1000 periods of the stiffest mode, slow motion and all modes struck: every
+   scheme stays finite or says why not, the L-stable one lets no energy grow. */
 TEST(steps_may_be_a_thousand_periods_long)
 {
   for (int which = RK4; which < SCHEMES; which++) {
@@ -562,8 +563,8 @@ TEST(steps_may_be_a_thousand_periods_long)
   }
 }
 
-/* E11.6, E11.11: steps just within the limits on light hubs, spinning, tension and all: no scheme leaves the model or blows up. A step may
-   be refused when the motion has come to spin or drift faster. */
+/* E11.6, E11.11: steps just within the limits on light hubs, spinning, tension and all: no scheme leaves the model or
+   blows up. A step may be refused when the motion has come to spin or drift faster. */
 TEST(steps_within_the_limit_are_stable)
 {
   static const fb_base base[] = {FB_BASE_FREE, FB_BASE_PRESCRIBED, FB_BASE_PINNED, FB_BASE_HINGED};
@@ -597,7 +598,8 @@ TEST(steps_within_the_limit_are_stable)
   }
 }
 
-/* E11.4, E11.5: a free body on a light hub that drifts at 20 m/s, three iterations of the midpoint rule at 2 ms: energy as at rest. */
+/* E11.4, E11.5: a free body on a light hub that drifts at 20 m/s, three iterations of the midpoint rule at 2 ms:
+   energy as at rest. */
 TEST(implicit_schemes_do_not_mind_drift)
 {
   const fb_real v[3] = {0, 0, FB_R(20.0)}, w[3] = {0};
@@ -649,8 +651,8 @@ TEST(membrane_coordinates_make_the_strain_linear)
   FBT_BELOW(worst, FBT_TOL(1e-12, 1e-4) * largest);
 }
 
-/* E8.29: the matrix of the implicit steppers against central differences of the elastic forces; stretched beam, so that no compression
-   is left out. */
+/* E8.29: the matrix of the implicit steppers against central differences of the elastic forces; stretched beam, so
+   that no compression is left out. */
 TEST(the_tangent_is_the_derivative_of_the_forces)
 {
   const double h = FBT_TOL(1e-5, 3e-3);
@@ -706,8 +708,8 @@ TEST(the_exponential_scheme_is_exact_for_linear_bodies)
   }
 }
 
-/* The spin-up by a prescribed hub, three cubic elements: largest error of the tip's deflection every 0.5 s against rk4 at 0.125 ms, both
-   relative to the peak. */
+/* The spin-up by a prescribed hub, three cubic elements: largest error of the tip's deflection every 0.5 s against
+   rk4 at 0.125 ms, both relative to the peak. */
 static double spin_up_tip(scheme which, double dt, double t_end, double *tip)
 {
   const int steps = (int)floor(t_end / dt + 0.5), stride = (int)floor(0.5 / dt + 0.5);
@@ -739,8 +741,8 @@ static double spin_up_tip(scheme which, double dt, double t_end, double *tip)
   return worst / peak;
 }
 
-/* E11.8, E11.10: the stiff axial modes (the step limit of rk4 is 0.19 ms) do not set the step of the dissipative and the exponential
-   scheme: 5 ms and more for 0.1 % of the peak. */
+/* E11.8, E11.10: the stiff axial modes (the step limit of rk4 is 0.19 ms) do not set the step of the dissipative and
+   the exponential scheme: 5 ms and more for 0.1 % of the peak. */
 TEST(stiff_axial_modes_do_not_set_the_step)
 {
   static double tip[64];
