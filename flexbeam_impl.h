@@ -4963,25 +4963,18 @@ static void fbi_implicit_solve(fb_state *r, const fb_implicit_work *w, const fb_
   fbi_recoil_pose(r, body, k, state, V);
 }
 
-/* Frequency of the stiffening by the quadratic field, or its change by the tension of a spinning beam, whichever is
-   larger. */
-static fb_real fbi_explicit_bound(const fb_body *body, fb_real spin, fb_real acceleration)
+/* Frequency of the stiffening by the quadratic field. */
+static fb_real fbi_stiffening(const fb_body *body, fb_real spin, fb_real acceleration)
 {
-  fb_real bound = FB_SQRT(body->limit_spin * spin * spin + body->limit_acceleration * FB_FABS(acceleration));
-#if FB_WITH_NONLINEAR_STRAIN
-  bound = fbi_larger(bound, body->limit_tension * spin * spin);
-#endif
-  return bound;
+  return FB_SQRT(body->limit_spin * spin * spin + body->limit_acceleration * FB_FABS(acceleration));
 }
 
-/* [E11.6] Largest step of the implicit schemes: what their matrix leaves out or takes from the step's start, products
-   of the spin, the stiffening of the quadratic field and by tension; |w| dt <= 1/10, the frequency of the others
-   times dt <= 1.
+/* [E11.6] Largest step of the implicit schemes: what their matrix leaves out, products of the spin and the stiffening
+   of the quadratic field; |w| dt <= 1/10, the frequency of the latter times dt <= 1.
    Source: trials.  Fails: never.  Test: steps_within_the_limit_are_stable. */
 FB_DEF fb_real fb_implicit_limit(const fb_body *body, fb_real spin, fb_real acceleration)
 {
-  return fbi_step_limit(FB_R(1.0),
-                        fbi_larger(FB_R(10.0) * FB_FABS(spin), fbi_explicit_bound(body, spin, acceleration)));
+  return fbi_step_limit(FB_R(1.0), fbi_larger(FB_R(10.0) * FB_FABS(spin), fbi_stiffening(body, spin, acceleration)));
 }
 
 /* Start of an implicit step: rates at the state, checked step, factored iteration matrix. */
@@ -5104,15 +5097,18 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
 /* ---- exponential scheme */
 
 /* [E11.11] Largest step of the exponential scheme: gyroscopic terms 2 |w|, faster by the recoil of a light base
-   (squared for a free one, whose O moves, too), stiffening as in E11.6, heavy damping; the largest of them times dt
-   <= 1.
+   (squared for a free one, whose O moves, too), the quadratic field, the change of frequencies by the tension of a
+   spinning beam, heavy damping; the largest of them times dt <= 1.
    Source: trials.  Fails: never.  Test: steps_within_the_limit_are_stable. */
 FB_DEF fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real acceleration)
 {
   const fb_real lightness = body->base == FB_BASE_FREE ? body->recoil * body->recoil - FB_R(1.0) : FB_R(0.0);
   const fb_real turning = (FB_R(2.0) * body->recoil + FB_R(15.0) * lightness) * FB_FABS(spin);
   const int heavy = body->limit_damping > FB_R(0.5) * FB_SQRT(body->limit_elastic);
-  const fb_real bound = fbi_larger(turning, fbi_explicit_bound(body, spin, acceleration));
+  fb_real bound = fbi_larger(turning, fbi_stiffening(body, spin, acceleration));
+#if FB_WITH_NONLINEAR_STRAIN
+  bound = fbi_larger(bound, body->limit_tension * spin * spin);
+#endif
   return fbi_step_limit(FB_R(1.0), fbi_larger(bound, heavy ? body->limit_damping : FB_R(0.0)));
 }
 
