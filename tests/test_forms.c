@@ -769,7 +769,7 @@ static double spin_error(int root_strain, int n_element, fb_form form, fb_stiffn
   const scene beam_of = {n_element, 3, root_strain, 1, 0};
   static track t;
   spin_up s;
-  char prefix[16];
+  char prefix[32];
   s.beam = beam_of;
   s.form = form;
   s.torque = torque;

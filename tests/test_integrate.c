@@ -584,8 +584,8 @@ TEST(steps_within_the_limit_are_stable)
     FBT_INT_EQ(fb_state_from_velocity(&body, &state, v, w, NULL), FB_OK);
     memset(&input, 0, sizeof input);
     input.w[2] = (fb_real)spin;
-    dt = 0.98 * (double)(which == EXPONENTIAL ? fb_exponential_limit(&body, (fb_real)spin, FB_R(10.0 * 4.0))
-                                              : fb_implicit_limit(&body, (fb_real)spin, FB_R(10.0 * 4.0)));
+    dt = 0.98 * (double)(which == EXPONENTIAL ? fb_exponential_limit(&body, (fb_real)spin, FB_R(40.0))
+                                              : fb_implicit_limit(&body, (fb_real)spin, FB_R(40.0)));
     prepare(which, dt);
     for (int i = 0; i < 200 && status == FB_OK; i++) {
       status = step(which, &state, &input, &input, &input, dt);
