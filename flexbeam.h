@@ -96,7 +96,7 @@
      FB_WITH_FORMS                    0        0, 1    1: the second-order and the printed first-order form, too
      FB_ASSERT(x)                     nothing  -       called with 0 on a programmer's error (NULL, index, capacity)
      FB_ALLOW_FAST_MATH               -        -       compile under -ffast-math (finite checks are then void)
-     FB_SQRT FB_SIN FB_COS FB_ATAN2 FB_FABS            replace libm
+     FB_SQRT FB_SIN FB_COS FB_ATAN2 FB_FABS FB_EXP     replace libm
 
    CONVENTIONS
      Compile: cc -std=c99 program.c -lm. Constants of type fb_real are written FB_R(1.0), with a decimal point.
@@ -315,7 +315,7 @@ static const char *const fbi_config_reference = FBI_CONFIG_SYMBOL;
 #define FBI_MAX_PAIRS (FB_MAX_MODES * (FB_MAX_MODES + 1) / 2)
 #define FBI_MAX_STRAINS ((FB_MAX_STRAINS + 3) / 4 * 4) /* whole groups of four */
 #define FBI_EXPONENTIAL_STRAINS (FB_WITH_NONLINEAR_STRAIN ? FBI_MAX_STRAINS : 1)
-#define FBI_MAX_DOF (6 * (FB_MAX_ELEMENTS + 1) + 8 * FB_MAX_ELEMENTS)
+#define FBI_MAX_DOF (6 * (FB_MAX_ELEMENTS + 1) + 16 * FB_MAX_ELEMENTS)
 
 /* ---------------------------------------------------------------------------------------------------------------
    2 >>status */
@@ -388,7 +388,7 @@ FB_API fb_status fb_eig_sym_solve(fb_real *d, fb_real *V, fb_real *A, int n);
 FB_API fb_status fb_eig_gen_solve(fb_real *d, fb_real *X, fb_real *K, fb_real *M, int n);
 
 /* ---------------------------------------------------------------------------------------------------------------
-   6 >>beam: straight beam along its own x axis, from the root (x = 0) to the tip (x = length) */
+   6 >>beam: along its own x axis, from the root (x = 0) to the tip (x = length) */
 
 typedef struct fb_section { /* properties at a station; between stations they vary linearly */
   fb_real x;                /* [m] from the root; ignored when there is one station (uniform beam) */
@@ -399,7 +399,30 @@ typedef struct fb_section { /* properties at a station; between stations they va
   fb_real EI_z;             /* [N m^2] bending about z (displacement along y); 0: rigid */
   fb_real i_y;              /* [kg m] rotary inertia about y per length, int z^2 dm/dx; 0: none */
   fb_real i_z;              /* [kg m] rotary inertia about z per length, int y^2 dm/dx; 0: none */
+  fb_real GA_y, GA_z;       /* [N] shear stiffness with shear factor; 0: rigid; both and everywhere, or not at all */
+  fb_real twist;            /* [rad] structural twist: turns the section axes y, z about x from the beam's */
+  fb_real mass_y, mass_z;   /* [m] mass center, to which i_y, i_z belong; offsets are in section axes */
+  fb_real tension_y, tension_z; /* [m] tension center, to which EA, EI_y, EI_z belong (without EA: no matter) */
+  fb_real shear_y, shear_z; /* [m] shear center, to which GJ, GA_y, GA_z belong; other than 0 only with GA */
 } fb_section;
+
+typedef struct fb_material {
+  fb_real E, G;    /* [Pa] Young's and shear modulus > 0 */
+  fb_real density; /* [kg/m^3] */
+} fb_material;
+
+typedef enum fb_profile_kind { FB_PROFILE_RECTANGLE = 0, FB_PROFILE_TUBE = 1 } fb_profile_kind;
+
+typedef struct fb_profile { /* outline of a section */
+  fb_profile_kind kind;
+  fb_real x;       /* [m] from the root */
+  fb_real size[2]; /* [m] rectangle: widths along y and z; tube: outer and inner radius, 0: a full circle */
+} fb_profile;
+
+/* A section of one material about its center: mass, stiffness, rotary inertia; Saint-Venant torsion constant, Cowper's
+   shear factor. Set GA_y = GA_z = 0 for a beam rigid in shear. FB_ERR_VALUE: a size or modulus is not positive (inner
+   radius: negative, or not below the outer one); FB_ERR_NOT_FINITE. */
+FB_API fb_status fb_section_init(fb_section *section, const fb_material *material, const fb_profile *profile);
 
 typedef struct fb_lump { /* rigid body fixed to an element node */
   int node;              /* 0 root .. n_element tip */
@@ -420,12 +443,29 @@ typedef struct fb_beam_desc {
   fb_lump lump[FB_MAX_LUMPS];
   fb_real position[3]; /* [m] root in the body frame */
   fb_real attitude[4]; /* quaternion, beam axes to body axes; all zero = identity */
+  /* A curved reference line, as a chain of straight elements: n_point = n_element + 1 element nodes [m] from the root
+     on, beam axes, the first at 0. Then length is theirs, x runs along the chain, and the section axes follow it
+     without twist of their own, from the first element, which takes the beam axes by the shortest way. Neighbors turn
+     by less than 90 degrees. The quadratic field (E8.2) takes the kinks as small. 0: straight. */
+  int n_point;
+  fb_real point[FB_MAX_ELEMENTS + 1][3];
 } fb_beam_desc;
+
+/* Appends n >= 2 stations of a stretch whose sizes vary linearly; between stations the chords hold, on average, what the
+   taper holds. Where the desc has a station at from->x, this one replaces it. FB_ERR_CAPACITY: more than
+   FB_MAX_STATIONS; FB_ERR_VALUE: also to->x <= from->x, different kinds; else as fb_section_init. desc is changed only
+   on FB_OK. */
+FB_API fb_status fb_beam_desc_add_taper(fb_beam_desc *desc, const fb_material *material, const fb_profile *from,
+                                        const fb_profile *to, int n);
 
 typedef struct fb_beam { /* a checked desc */
   fb_beam_desc desc;
-  fb_real axes[9]; /* beam axes to body axes */
-  fb_real mass;    /* [kg] with lumped bodies */
+  fb_real axes[9];                       /* beam axes to body axes */
+  fb_real mass;                          /* [kg] with lumped bodies */
+  int has_shear;                         /* flexible in shear */
+  fb_real start[FB_MAX_ELEMENTS + 1];    /* [m] place of the element nodes along the line */
+  fb_real node[3 * (FB_MAX_ELEMENTS + 1)]; /* [m] the same from the root, beam axes */
+  fb_real frame[9 * FB_MAX_ELEMENTS];    /* element axes to beam axes */
 } fb_beam;
 
 /* FB_ERR_VALUE, FB_ERR_NOT_FINITE, FB_ERR_CAPACITY, FB_ERR_NULL; the beam is written only on FB_OK. */
@@ -433,7 +473,7 @@ FB_API fb_status fb_beam_init(fb_beam *beam, const fb_beam_desc *desc);
 /* Section properties at x (linear between stations, the end values outside). */
 FB_API void fb_beam_section(fb_section *section, const fb_beam *beam, fb_real x);
 /* Finite-element stiffness and consistent mass of the beam without root condition, K and M (ndof x ndof),
-   ndof = 6 (n_element + 1), per node (u_x, u_y, u_z, theta_x, theta_y, theta_z). */
+   ndof = 6 (n_element + 1), per node (u_x, u_y, u_z, theta_x, theta_y, theta_z) in beam axes; shear condensed. */
 FB_API void fb_beam_matrices(fb_real *K, fb_real *M, const fb_beam *beam);
 
 /* ---------------------------------------------------------------------------------------------------------------
@@ -478,7 +518,7 @@ typedef struct fb_modes_desc {
 
 typedef struct fb_modes {
   int n;      /* retained, ascending in frequency (a tie: in the order of the kinds) */
-  int ndof;   /* length of a shape: 6 per node, then 8 internal ones per element */
+  int ndof;   /* length of a shape: 6 per node, then 8 internal ones per element, with shear 8 more */
   int degree; /* 0, or that of FB_BASIS_FUNCTIONS: then a shape is value and slope per node, then bubbles */
   fb_kind kind[FB_MAX_MODES];  /* by the largest share of kinetic energy */
   fb_real omega[FB_MAX_MODES]; /* [rad/s]; 0 for coordinates that are not modes */

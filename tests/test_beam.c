@@ -61,21 +61,26 @@ static void lumps_add(fb_beam_desc *out)
 }
 
 /* Adds one plane's bending matrices (12 x 12) at displacement u and rotation t of the first node: sign = 1 where the
-   rotation is +u', -1 where it is -u'. */
-static void textbook_bending(double *Kt, double *Mt, int u, int t, double sign, double EI, double m, double i, double l)
+   rotation is +u', -1 where it is -u'; p = 12 EI / (GA l^2), 0 without shear. */
+static void textbook_bending(double *Kt, double *Mt, int u, int t, double sign, double EI, double m, double i, double l,
+                             double p)
 {
   const int at[4] = {u, t, u + 6, t + 6};
-  const double k[16] = {12,  6 * l,  -12, 6 * l,  6 * l, 4 * l * l, -6 * l, 2 * l * l,
-                        -12, -6 * l, 12,  -6 * l, 6 * l, 2 * l * l, -6 * l, 4 * l * l};
-  const double c[16] = {156, 22 * l, 54,  -13 * l, 22 * l,  4 * l * l,  13 * l,  -3 * l * l,
-                        54,  13 * l, 156, -22 * l, -13 * l, -3 * l * l, -22 * l, 4 * l * l};
-  const double r[16] = {36,  3 * l,  -36, 3 * l,  3 * l, 4 * l * l, -3 * l, -l * l,
-                        -36, -3 * l, 36,  -3 * l, 3 * l, -l * l,    -3 * l, 4 * l * l};
+  const double d = 4.0 + p, o = 2.0 - p, q = (1.0 + p) * (1.0 + p);
+  const double k[16] = {12,  6 * l,  -12, 6 * l,  6 * l, d * l * l, -6 * l, o * l * l,
+                        -12, -6 * l, 12,  -6 * l, 6 * l, o * l * l, -6 * l, d * l * l};
+  const double c0 = 156 + 294 * p + 140 * p * p, c1 = 22 + 38.5 * p + 17.5 * p * p, c2 = 54 + 126 * p + 70 * p * p;
+  const double c3 = 13 + 31.5 * p + 17.5 * p * p, c4 = 4 + 7 * p + 3.5 * p * p, c5 = 3 + 7 * p + 3.5 * p * p;
+  const double c[16] = {c0, c1 * l, c2, -c3 * l, c1 * l,  c4 * l * l,  c3 * l,  -c5 * l * l,
+                        c2, c3 * l, c0, -c1 * l, -c3 * l, -c5 * l * l, -c1 * l, c4 * l * l};
+  const double r1 = 3 - 15 * p, r2 = 4 + 5 * p + 10 * p * p, r3 = -1 - 5 * p + 5 * p * p;
+  const double r[16] = {36,  r1 * l,  -36, r1 * l,  r1 * l, r2 * l * l, -r1 * l, r3 * l * l,
+                        -36, -r1 * l, 36,  -r1 * l, r1 * l, r3 * l * l, -r1 * l, r2 * l * l};
   for (int a = 0; a < 4; a++) {
     for (int b = 0; b < 4; b++) {
       const double s = (a + b) % 2 ? sign : 1.0;
-      Kt[12 * at[a] + at[b]] += s * EI / (l * l * l) * k[4 * a + b];
-      Mt[12 * at[a] + at[b]] += s * (m * l / 420.0 * c[4 * a + b] + i / (30.0 * l) * r[4 * a + b]);
+      Kt[12 * at[a] + at[b]] += s * EI / (l * l * l * (1.0 + p)) * k[4 * a + b];
+      Mt[12 * at[a] + at[b]] += s * (m * l / 420.0 * c[4 * a + b] + i / (30.0 * l) * r[4 * a + b]) / q;
     }
   }
 }
@@ -90,19 +95,25 @@ static void textbook_rod(double *Kt, double *Mt, int u, double stiffness, double
   }
 }
 
-/* E6.3, E6.1: Przemieniecki, Theory of Matrix Structural Analysis, 1968, 5.6 and 11.4, shear left out; both planes with
-   the signs of theta_z = u_y' and theta_y = -u_z'; three elements are three times one. */
+/* E6.3, E6.1, E6.13: Przemieniecki, Theory of Matrix Structural Analysis, 1968, 5.6 and 11.4, without and with shear; both
+   planes with the signs of theta_z = u_y' and theta_y = -u_z'; three elements are three times one. */
 TEST(element_matrices_match_the_textbook_ones)
 {
-  for (int n = 1; n <= 3; n += 2) {
-    const int ndof = 6 * (n + 1);
+  for (int mesh = 0; mesh < 4; mesh++) {
+    const int n = mesh % 2 ? 3 : 1, ndof = 6 * (n + 1);
     double Kt[144] = {0}, Mt[144] = {0};
     const fb_section *s = desc.station;
-    double l;
+    double l, p_y = 0.0, p_z = 0.0;
     uniform_desc(&desc, n);
     l = (double)desc.length / n;
-    textbook_bending(Kt, Mt, 1, 5, 1.0, (double)s->EI_z, (double)s->mass, (double)s->i_z, l);
-    textbook_bending(Kt, Mt, 2, 4, -1.0, (double)s->EI_y, (double)s->mass, (double)s->i_y, l);
+    if (mesh >= 2) {
+      desc.station[0].GA_y = FB_R(17.0);
+      desc.station[0].GA_z = FB_R(60.0);
+      p_y = 12.0 * (double)s->EI_z / (17.0 * l * l);
+      p_z = 12.0 * (double)s->EI_y / (60.0 * l * l);
+    }
+    textbook_bending(Kt, Mt, 1, 5, 1.0, (double)s->EI_z, (double)s->mass, (double)s->i_z, l, p_y);
+    textbook_bending(Kt, Mt, 2, 4, -1.0, (double)s->EI_y, (double)s->mass, (double)s->i_y, l, p_z);
     textbook_rod(Kt, Mt, 0, (double)s->EA, (double)s->mass, l);
     textbook_rod(Kt, Mt, 3, (double)s->GJ, (double)s->i_y + (double)s->i_z, l);
     FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
@@ -117,8 +128,9 @@ TEST(element_matrices_match_the_textbook_ones)
           k += a >= 0 && a < 12 && b >= 0 && b < 12 ? Kt[12 * a + b] : 0.0;
           m += a >= 0 && a < 12 && b >= 0 && b < 12 ? Mt[12 * a + b] : 0.0;
         }
-        FBT_NEAR_ABS(K[i * ndof + j], k, 4.0 * n * EPS * sqrt(Kt[13 * (i % 6)] * Kt[13 * (j % 6)]));
-        FBT_NEAR_ABS(M[i * ndof + j], m, 4.0 * n * EPS * sqrt(Mt[13 * (i % 6)] * Mt[13 * (j % 6)]));
+        const double rounding = (mesh >= 2 ? 64.0 : 4.0) * n * EPS;
+        FBT_NEAR_ABS(K[i * ndof + j], k, rounding * sqrt(Kt[13 * (i % 6)] * Kt[13 * (j % 6)]));
+        FBT_NEAR_ABS(M[i * ndof + j], m, rounding * sqrt(Mt[13 * (i % 6)] * Mt[13 * (j % 6)]));
       }
     }
   }
@@ -527,6 +539,47 @@ static fb_status spoil(int fault)
     desc.lump[1].node = -1;
     return FB_ERR_CAPACITY;
   case 27:
+    desc.station[1].GA_y = FB_R(1.0); /* shear at one station, along one axis */
+    return FB_ERR_VALUE;
+  case 28:
+    middle->GA_y = middle->GA_z = FB_R(1.0); /* at one station */
+    return FB_ERR_VALUE;
+  case 29:
+    middle->GA_z = -FB_R(1e-6);
+    return FB_ERR_VALUE;
+  case 30:
+    middle->shear_z = FB_R(0.1); /* rigid in shear about another axis */
+    return FB_ERR_VALUE;
+  case 31:
+    middle->twist = FB_R(0.1); /* rigid about an axis that turns */
+    middle->EI_y = FB_R(0.0);
+    return FB_ERR_VALUE;
+  case 32:
+    desc.n_point = desc.n_element; /* one too few */
+    return FB_ERR_VALUE;
+  case 33:
+    desc.n_point = FB_MAX_ELEMENTS + 2;
+    return FB_ERR_CAPACITY;
+  case 34:
+    desc.n_point = -1;
+    return FB_ERR_VALUE;
+  case 35:
+  case 36:
+  case 37:
+    desc.n_point = 4;
+    memset(desc.point, 0, sizeof desc.point);
+    for (int k = 1; k < 4; k++) {
+      desc.point[k][0] = desc.length * (fb_real)k / FB_R(3.0);
+    }
+    if (fault == 35) {
+      desc.point[2][0] = desc.point[1][0]; /* no length */
+    } else if (fault == 36) {
+      desc.point[0][1] = FB_R(1e-9); /* not from the root */
+    } else {
+      desc.point[3][0] = desc.point[1][0]; /* turns back */
+    }
+    return FB_ERR_VALUE;
+  case 38:
     for (int k = 0; k < desc.n_station; k++) {
       desc.station[k].mass = FB_R(0.0);
     }
@@ -538,7 +591,7 @@ static fb_status spoil(int fault)
 }
 
 /* Every number of the desc that can be not finite. */
-static int numbers_of_desc(fb_real *list[64])
+static int numbers_of_desc(fb_real *list[128])
 {
   int n = 0;
   list[n++] = &desc.length;
@@ -550,8 +603,9 @@ static int numbers_of_desc(fb_real *list[64])
   }
   for (int k = 0; k < desc.n_station; k += 2) {
     fb_section *s = &desc.station[k];
-    fb_real *all[8] = {&s->x, &s->mass, &s->EA, &s->GJ, &s->EI_y, &s->EI_z, &s->i_y, &s->i_z};
-    for (int i = 0; i < 8; i++) {
+    fb_real *all[17] = {&s->x,    &s->mass,  &s->EA,     &s->GJ,     &s->EI_y,      &s->EI_z,      &s->i_y,     &s->i_z,    &s->GA_y,
+                        &s->GA_z, &s->twist, &s->mass_y, &s->mass_z, &s->tension_y, &s->tension_z, &s->shear_y, &s->shear_z};
+    for (int i = 0; i < 17; i++) {
       list[n++] = all[i];
     }
   }
@@ -568,7 +622,7 @@ static int numbers_of_desc(fb_real *list[64])
 TEST(bad_beams_are_refused_and_leave_the_output_alone)
 {
   const fb_real bad[4] = {(fb_real)NAN, (fb_real)INFINITY, -(fb_real)INFINITY, (fb_real)(4.0 * (double)FB_HUGE)};
-  fb_real *list[64];
+  fb_real *list[128];
   int n, faults = 0;
   for (int fault = 0;; fault++) {
     fb_status expected;
@@ -582,7 +636,7 @@ TEST(bad_beams_are_refused_and_leave_the_output_alone)
     refused(expected);
     faults++;
   }
-  FBT_INT_EQ(faults, 28);
+  FBT_INT_EQ(faults, 39);
   n = numbers_of_desc(list);
   for (int i = 0; i < n; i++) {
     for (int k = 0; k < 4; k++) {
@@ -644,7 +698,195 @@ TEST(good_beams_keep_their_desc)
   FBT_NEAR_REL(beam.mass, 1e-15, 4.0 * EPS);
 }
 
-SUITE(beam, RUN(element_matrices_match_the_textbook_ones), RUN(rigid_motion_of_an_element_gives_no_strain),
+/* E6.10: Timoshenko and Goodier 109 (torsion constant of the rectangle by the ratio of its sides), Cowper 1966 (shear
+   factors 0.850, 0.886 and, thin tube, 0.531 at nu = 0.3), circle and tube in closed form. */
+TEST(sections_from_dimensions_match_the_handbook)
+{
+  static const double ratio[][2] = {{1, 0.1406}, {1.5, 0.1958}, {2, 0.2287}, {3, 0.2633}, {4, 0.2808}, {10, 0.3123}};
+  const fb_material steel = {FB_R(2.6e9), FB_R(1e9), FB_R(3.0)};
+  fb_profile outline = {FB_PROFILE_RECTANGLE, FB_R(0.5), {FB_R(0.0), FB_R(0.0)}};
+  fb_section s;
+  const double pi = 3.14159265358979324;
+  for (int k = 0; k < 2 * FBT_COUNT(ratio); k++) {
+    const double a = 0.2 * ratio[k / 2][0], y = k % 2 ? a : 0.2, z = k % 2 ? 0.2 : a;
+    outline.size[0] = (fb_real)y;
+    outline.size[1] = (fb_real)z;
+    FBT_INT_EQ(fb_section_init(&s, &steel, &outline), FB_OK);
+    FBT_NEAR_REL(s.GJ, 1e9 * ratio[k / 2][1] * a * 0.008, 5e-4);
+    FBT_NEAR_REL(s.EA, 2.6e9 * y * z, 8.0 * EPS);
+    FBT_NEAR_REL(s.EI_y, 2.6e9 * y * z * z * z / 12.0, 8.0 * EPS);
+    FBT_NEAR_REL(s.EI_z, 2.6e9 * z * y * y * y / 12.0, 8.0 * EPS);
+    FBT_NEAR_REL(s.mass, 3.0 * y * z, 8.0 * EPS);
+    FBT_NEAR_REL(s.i_y, 3.0 * y * z * z * z / 12.0, 8.0 * EPS);
+    FBT_NEAR_REL(s.i_z, 3.0 * z * y * y * y / 12.0, 8.0 * EPS);
+    FBT_NEAR_REL(s.GA_y, 0.8497 * 1e9 * y * z, 1e-4);
+    FBT_NEAR_ABS(s.x, 0.5, 0.0);
+  }
+  outline.size[0] = FB_R(6.0); /* errata, Leigh item 8: J = 1.790 of the 6 x 1 section */
+  outline.size[1] = FB_R(1.0);
+  FBT_INT_EQ(fb_section_init(&s, &steel, &outline), FB_OK);
+  FBT_NEAR_REL(s.GJ, 1.790e9, 3e-4);
+  outline.kind = FB_PROFILE_TUBE;
+  for (int k = 0; k < 2; k++) {
+    const double inner = k ? 0.0 : 5.999, area = pi * (36.0 - inner * inner), I = area * (36.0 + inner * inner) / 4.0;
+    outline.size[1] = (fb_real)inner;
+    FBT_INT_EQ(fb_section_init(&s, &steel, &outline), FB_OK);
+    FBT_NEAR_REL(s.EA, 2.6e9 * area, FBT_TOL(1e-12, 1e-3));
+    FBT_NEAR_REL(s.EI_y, 2.6e9 * I, FBT_TOL(1e-12, 1e-3));
+    FBT_NEAR_REL(s.GJ, 2e9 * I, FBT_TOL(1e-12, 1e-3));
+    FBT_NEAR_REL(s.i_z, 3.0 * I, FBT_TOL(1e-12, 1e-3));
+    FBT_NEAR_REL(s.GA_z, (k ? 0.8864 : 0.5306) * 1e9 * area, 1e-3);
+  }
+}
+
+/* Section 6: what is wrong with a material or a profile is refused, the output kept. */
+TEST(bad_profiles_are_refused)
+{
+  const fb_material good = {FB_R(2.0), FB_R(1.0), FB_R(1.0)};
+  const fb_profile root = {FB_PROFILE_RECTANGLE, FB_R(0.0), {FB_R(1.0), FB_R(2.0)}};
+  const fb_profile tip = {FB_PROFILE_RECTANGLE, FB_R(1.0), {FB_R(0.5), FB_R(1.0)}};
+  fb_section s, kept;
+  memset(&kept, 0xA5, sizeof kept);
+  s = kept;
+  for (int fault = 0; fault < 10; fault++) {
+    fb_material m = good;
+    fb_profile p = root;
+    fb_status expected = FB_ERR_VALUE;
+    m.E *= (fb_real)(fault == 0 ? 0 : 1);
+    m.G *= (fb_real)(fault == 1 ? -1 : 1);
+    m.density *= (fb_real)(fault == 2 ? -1 : 1);
+    p.size[0] *= (fb_real)(fault == 3 ? 0 : 1);
+    p.size[1] *= (fb_real)(fault == 4 ? -1 : 1);
+    p.kind = fault == 5 || fault == 6 ? FB_PROFILE_TUBE : fault == 7 ? (fb_profile_kind)2 : p.kind; /* inner > outer */
+    p.size[1] = fault == 6 ? p.size[0] : p.size[1];
+    if (fault >= 8) {
+      *(fault == 8 ? &m.E : &p.size[1]) = (fb_real)NAN;
+      expected = FB_ERR_NOT_FINITE;
+    }
+    FBT_INT_EQ(fb_section_init(&s, &m, &p), expected);
+    FBT_TRUE(memcmp(&s, &kept, sizeof s) == 0);
+    uniform_desc(&desc, 3);
+    beam.desc = desc;
+    FBT_INT_EQ(fb_beam_desc_add_taper(&desc, &m, &p, &tip, 5), expected);
+    FBT_TRUE(memcmp(&beam.desc, &desc, sizeof desc) == 0);
+  }
+  FBT_INT_EQ(fb_section_init(NULL, &good, &root), FB_ERR_NULL);
+  FBT_INT_EQ(fb_beam_desc_add_taper(&desc, &good, &root, &tip, 1), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_beam_desc_add_taper(&desc, &good, &tip, &root, 3), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_beam_desc_add_taper(&desc, &good, &root, &tip, FB_MAX_STATIONS + 1), FB_ERR_CAPACITY);
+  FBT_TRUE(memcmp(&beam.desc, &desc, sizeof desc) == 0);
+}
+
+/* Displacement (0..2) or rotation (3..5) of the tip of the clamped beam under a unit force at its tip: K u = f by LU. */
+static double tip_flexibility(int response, int force)
+{
+  static fb_real A[MAX_DOF * MAX_DOF], f[MAX_DOF], u[MAX_DOF], scale[MAX_DOF];
+  static int perm[MAX_DOF];
+  const int ndof = 6 * (desc.n_element + 1), n = ndof - 6;
+  FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+  fb_beam_matrices(K, M, &beam);
+  for (int i = 0; i < n * n; i++) {
+    A[i] = K[(6 + i / n) * ndof + 6 + i % n];
+  }
+  memset(f, 0, sizeof f);
+  f[n - 6 + force] = FB_R(1.0);
+  FBT_INT_EQ(fb_lu_factor(A, perm, scale, n), FB_OK);
+  fb_lu_solve(u, A, perm, f, n);
+  return (double)u[n - 6 + response];
+}
+
+/* E6.11, E6.3: a quarter circle of radius R as a chain from the root along x to the tip (R, R, 0): tip deflection by
+   Castigliano, in its plane (3 pi/4 - 2) F R^3/EI along y and pi/4 F R^3/EI along x, across it F R^3 (pi/4/EI + (3
+   pi/4 - 2)/GJ); the error of an inscribed chain falls with the square of the element length. */
+TEST(a_chain_follows_its_points)
+{
+  const double pi = 3.14159265358979324, bend_y = 5.3, bend_z = 1.9, twist = 3.7;
+  const double exact[3] = {pi / 4.0 / bend_z, (0.75 * pi - 2.0) / bend_z,
+                           pi / 4.0 / bend_y + (0.75 * pi - 2.0) / twist};
+  double error[2][3];
+  for (int fine = 0; fine < 2; fine++) {
+    const int n = 8 << fine;
+    uniform_desc(&desc, n);
+    desc.station[0].EA = FB_R(1e6); /* Castigliano's formulas leave stretch out */
+    desc.n_point = n + 1;
+    for (int k = 0; k <= n; k++) {
+      desc.point[k][0] = (fb_real)sin(0.5 * pi * k / n);
+      desc.point[k][1] = (fb_real)(1.0 - cos(0.5 * pi * k / n));
+    }
+    for (int axis = 0; axis < 3; axis++) {
+      error[fine][axis] = tip_flexibility(axis, axis) / exact[axis] - 1.0;
+      FBT_BELOW(fabs(error[fine][axis]), 0.05 / (1 << 2 * fine) + FBT_TOL(0.0, 2e-3));
+    }
+    FBT_NEAR_REL(beam.start[n], 2.0 * n * sin(pi / (4.0 * n)), 8.0 * EPS);
+  }
+  for (int axis = 0; axis < 3 && !FB_SINGLE; axis++) {
+    FBT_NEAR_ABS(log2(error[0][axis] / error[1][axis]), 2.0, 0.1);
+  }
+  uniform_desc(&desc, 4); /* points in a row across x: the straight beam turned */
+  desc.n_point = 5;
+  for (int k = 0; k <= 4; k++) {
+    desc.point[k][2] = desc.length * (fb_real)k / FB_R(4.0);
+  }
+  desc.length = FB_R(0.0); /* that of the points counts */
+  FBT_NEAR_REL(tip_flexibility(2, 2), 1.7 / 7.1, 64.0 * EPS);
+  FBT_NEAR_REL(tip_flexibility(1, 1), pow(1.7, 3.0) / (3.0 * 1.9), FBT_TOL(1e-12, 1e-4));
+  FBT_NEAR_REL(tip_flexibility(0, 0), pow(1.7, 3.0) / (3.0 * 5.3), FBT_TOL(1e-12, 1e-4));
+}
+
+/* E6.12: a pretwisted cantilever, twist b x: tip flexibility int (L - x)^2 (cos^2/EI_z + sin^2/EI_y) dx along y, and
+   across it int (L - x)^2 sin cos (1/EI_z - 1/EI_y) dx, by Simpson's rule. */
+TEST(a_pretwisted_beam_bends_as_its_sections_turn)
+{
+  const double L = 1.7, bend_y = 5.3, bend_z = 1.9, angle = 1.3;
+  double along = 0.0, across = 0.0;
+  for (int k = 0; k <= 200; k++) {
+    const double x = k / 200.0, w = (k == 0 || k == 200 ? 1.0 : k % 2 ? 4.0 : 2.0) / 600.0 * L;
+    const double c = cos(angle * x), s = sin(angle * x), arm = L * (1.0 - x);
+    along += w * arm * arm * (c * c / bend_z + s * s / bend_y);
+    across += w * arm * arm * c * s * (1.0 / bend_z - 1.0 / bend_y);
+  }
+  uniform_desc(&desc, (int)FBT_TOL(20, 8));
+  desc.n_station = 2;
+  desc.station[1] = desc.station[0];
+  desc.station[1].x = desc.length;
+  desc.station[1].twist = (fb_real)angle;
+  FBT_NEAR_REL(tip_flexibility(1, 1), along, FBT_TOL(1e-6, 1e-4));
+  FBT_NEAR_REL(tip_flexibility(2, 1), across, FBT_TOL(1e-6, 1e-3));
+  FBT_NEAR_REL(tip_flexibility(1, 2), across, FBT_TOL(1e-6, 1e-3));
+}
+
+/* E6.12, E6.13: statics of a uniform cantilever with its centers off the line: a pull at the line bends about the tension
+   center, u_y = y_t L^2/2EI_z, u_z = z_t L^2/2EI_y, u_x = L/EA + y_t^2 L/EI_z + z_t^2 L/EI_y; a side force twists about
+   the shear center, theta_x = z_s L/GJ, u_y = L^3/3EI_z + L/GA_y + z_s^2 L/GJ. Turned sections (twist) turn it all. */
+TEST(offset_centers_bend_and_twist_as_in_statics)
+{
+  const double L = 1.7, y_t = 0.11, z_t = -0.07, y_s = 0.05, z_s = 0.13;
+  for (int turned = 0; turned < 2; turned++) {
+    const double t = turned ? 0.6 : 0.0, c = cos(t), s = sin(t);
+    const double pull_y = y_t * L * L / 2.0 / 1.9, pull_z = z_t * L * L / 2.0 / 5.3; /* section axes */
+    const double side_y = L * L * L / 3.0 / 1.9 + L / 17.0 + z_s * z_s * L / 3.7;
+    const double side_z = L * L * L / 3.0 / 5.3 + L / 60.0 + y_s * y_s * L / 3.7, cross = -y_s * z_s * L / 3.7;
+    fb_section *section = desc.station;
+    uniform_desc(&desc, 3);
+    section->GA_y = FB_R(17.0);
+    section->GA_z = FB_R(60.0);
+    section->twist = (fb_real)t;
+    section->tension_y = (fb_real)y_t;
+    section->tension_z = (fb_real)z_t;
+    section->shear_y = (fb_real)y_s;
+    section->shear_z = (fb_real)z_s;
+    FBT_NEAR_REL(tip_flexibility(0, 0), L / 7.1 + y_t * y_t * L / 1.9 + z_t * z_t * L / 5.3, FBT_TOL(1e-13, 1e-5));
+    FBT_NEAR_REL(tip_flexibility(1, 0), c * pull_y - s * pull_z, FBT_TOL(1e-13, 1e-5));
+    FBT_NEAR_REL(tip_flexibility(2, 0), s * pull_y + c * pull_z, FBT_TOL(1e-13, 1e-5));
+    FBT_NEAR_REL(tip_flexibility(1, 1), c * c * side_y - 2.0 * c * s * cross + s * s * side_z, FBT_TOL(1e-13, 1e-5));
+    FBT_NEAR_REL(tip_flexibility(2, 2), s * s * side_y + 2.0 * c * s * cross + c * c * side_z, FBT_TOL(1e-13, 1e-5));
+    FBT_NEAR_REL(tip_flexibility(3, 1), (c * z_s + s * y_s) * L / 3.7, FBT_TOL(1e-13, 1e-5));
+  }
+}
+
+SUITE(beam, RUN(a_pretwisted_beam_bends_as_its_sections_turn), RUN(offset_centers_bend_and_twist_as_in_statics),
+      RUN(sections_from_dimensions_match_the_handbook), RUN(bad_profiles_are_refused),
+      RUN(a_chain_follows_its_points), RUN(element_matrices_match_the_textbook_ones), RUN(rigid_motion_of_an_element_gives_no_strain),
       RUN(tapered_stations_integrate_exactly), RUN(sections_are_interpolated_between_stations),
       RUN(lumped_bodies_must_have_a_physical_inertia), RUN(bad_beams_are_refused_and_leave_the_output_alone),
       RUN(good_beams_keep_their_desc))

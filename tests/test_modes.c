@@ -315,6 +315,49 @@ TEST(tapered_beam_has_the_published_frequencies)
   FBT_INT_EQ(rows, 4);
 }
 
+/* Section of the Timoshenko beams: rectangle 1 x h, E = 1, density 1, in a plane; the other plane is another beam. */
+static void timoshenko_desc(int n_element, fb_root root, int plane, double h, double GA)
+{
+  fb_section *s = desc.station;
+  uniform_desc(n_element, root);
+  s->EA = s->GJ = FB_R(0.0);
+  s->mass = (fb_real)h;
+  s->EI_y = s->EI_z = s->i_y = s->i_z = (fb_real)(h * h * h / 12.0);
+  *(plane ? &s->EI_z : &s->EI_y) *= FB_R(7.0);
+  s->GA_y = s->GA_z = (fb_real)GA;
+  *(plane ? &s->GA_y : &s->GA_z) *= FB_R(5.0);
+}
+
+/* E6.9, E6.3: Timoshenko beams with rotary inertia, p01_timoshenko.csv: slender and stocky, clamped and free, six modes
+   each, in both planes; on a coarse mesh the error falls with the eighth power of the element length. */
+TEST(timoshenko_beams_have_the_published_frequencies)
+{
+  const fbt_table *table = fbt_reference("p01_timoshenko.csv");
+  double largest = 0.0, coarse[2] = {0.0, 0.0};
+  for (int row = 0; row < table->rows; row++) {
+    const double ratio = fbt_value(table, row, "L_over_h"), h = 2.0 / ratio;
+    const double GA = fbt_value(table, row, "kappa") * h / (2.0 * (1.0 + fbt_value(table, row, "nu")));
+    const double omega = fbt_value(table, row, "freq") * h / sqrt(12.0) / 4.0;
+    const int mode = (int)fbt_value(table, row, "mode");
+    const fb_root root = strcmp(fbt_word(table, row, "bc"), "cf") == 0 ? FB_ROOT_CLAMPED : FB_ROOT_FREE;
+    for (int plane = 0; plane < 2; plane++) {
+      const fb_kind kind = plane ? FB_KIND_BEND_Z : FB_KIND_BEND_Y;
+      timoshenko_desc((int)ELEMENTS, root, plane, h, GA);
+      FBT_INT_EQ(solve(&modes, plane ? 0 : 6, plane ? 6 : 0, 0, 0), FB_OK);
+      largest = fmax(largest, fabs(omega_of(&modes, kind, mode) / omega - 1.0));
+      for (int mesh = 0; mesh < 2 && mode == 4 && ratio < 10.0; mesh++) {
+        timoshenko_desc(4 << mesh, root, plane, h, GA);
+        FBT_INT_EQ(solve(&modes, plane ? 0 : 6, plane ? 6 : 0, 0, 0), FB_OK);
+        coarse[mesh] += omega_of(&modes, kind, mode) / omega - 1.0;
+      }
+    }
+  }
+  FBT_INT_EQ(table->rows, 24);
+  FBT_BELOW(largest, FBT_TOL(1e-5, 2e-3));
+  fbt_figure("Timoshenko beams, six frequencies", "transfer matrix (p01)", largest);
+  FBT_NEAR_ABS(log2(coarse[0] / coarse[1]), 8.0, FBT_TOL(0.5, 2.0));
+}
+
 /* The shapes of an element as polynomials in s = 0..1 (E6.1, E6.5): what moves (0 u_x, 1 u_y, 2 u_z, 3 theta_x),
    with which power of the element length and sign (u_z has the slope -theta_y), and the coefficients. */
 typedef struct shape_polynomial {
@@ -1149,7 +1192,8 @@ TEST(functions_are_orthonormal_and_as_smooth_as_they_claim)
   }
 }
 
-SUITE(modes, RUN(functions_are_orthonormal_and_as_smooth_as_they_claim), RUN(beam_frequencies_match_the_closed_form),
+SUITE(modes, RUN(timoshenko_beams_have_the_published_frequencies),
+      RUN(functions_are_orthonormal_and_as_smooth_as_they_claim), RUN(beam_frequencies_match_the_closed_form),
       RUN(frequencies_converge_with_order_eight_and_six), RUN(element_coordinates_converge_with_order_four_and_two),
       RUN(tip_mass_lowers_the_frequencies_as_published), RUN(rotary_inertia_lowers_the_frequencies_as_rayleigh_found),
       RUN(tapered_beam_has_the_published_frequencies), RUN(modes_are_orthonormal_with_a_fixed_sign),
