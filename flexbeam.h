@@ -496,8 +496,23 @@ typedef enum fb_basis {
      closed under rotation: a turned deflection is a deflection again, the inertia that follows the shape (residual
      inertia) vanishes and spin couples each function with itself alone. Smooth element functions (value and slope
      continuous), clamped root. */
-  FB_BASIS_FUNCTIONS = 2
+  FB_BASIS_FUNCTIONS = 2,
+  /* Hurty, Craig-Bampton: the displacements of boundary coordinates, each with the static shape of a unit displacement
+     (constraint modes), then natural modes with the boundary held. What loads the boundary deflects it exactly. */
+  FB_BASIS_COMPONENT = 3
 } fb_basis;
+
+typedef struct fb_coordinate { /* of an element node, beam axes */
+  int node;                    /* 0 root .. n_element tip */
+  int axis;                    /* 0..2 displacement along, 3..5 rotation about x, y, z */
+} fb_coordinate;
+#define FB_MAX_COORDINATES 24 /* boundary coordinates or load positions of a beam */
+
+typedef struct fb_preload { /* what pulls a straight beam before it moves; all zero: nothing */
+  fb_real force;             /* [N] at the tip, along x: a pull is positive */
+  fb_real acceleration;      /* [m/s^2] of a uniform field along x, acting on all mass: -9.81 for an upright column */
+  fb_real spin, spin_radius; /* [rad/s], [m] steady spin about an axis across the beam, that far before the root */
+} fb_preload;
 
 typedef struct fb_modes_desc {
   fb_basis basis;
@@ -514,6 +529,23 @@ typedef struct fb_modes_desc {
      along y, z and x, and so on. root_strain = 1: u_x gets one more function, with a slope at the root, where strain
      is largest; without it the axial strain at the root is zero, with it the basis is not quite closed. */
   int degree, root_strain;
+  int lowest; /* natural modes: that many lowest ones of any kind that exists; count is ignored. For coupled beams */
+  /* Natural modes, 0..1: as many as bring the effective mass to this part of the beam's in each direction in which the
+     kinds asked for move; count is an upper bound. 0: no such choice. Wants a clamped root. */
+  fb_real mass_fraction;
+  fb_preload preload; /* the modes are those under it, and K holds its geometric stiffness ([H] C.1): leave the load
+                         itself out of the body's effects. FB_BASIS_FUNCTIONS does without */
+  /* Natural modes: positions of loads to whose forces the deflection is right also at rest. Each adds a static
+     correction mode: the part of the deflection under a unit load that the kept modes miss (residual flexibility; of a
+     free beam in its accelerated frame). They come out as further modes, orthogonal to the others. */
+  int n_load;
+  fb_coordinate load[FB_MAX_COORDINATES];
+  int n_boundary; /* FB_BASIS_COMPONENT */
+  fb_coordinate boundary[FB_MAX_COORDINATES];
+  int boundary_inertia; /* 1: FB_BASIS_COMPONENT also holds the shapes into which the inertia of a moving boundary bends
+                           it, as further modes. They are worth more than as many natural ones */
+  int rigid; /* 1: the rigid-body modes of a pinned or free root come first: for components to be joined */
+  int cubic; /* 1: natural modes and components of the nodal coordinates alone (cubic Hermite), without internal shapes */
 } fb_modes_desc;
 
 typedef struct fb_modes {
@@ -526,20 +558,34 @@ typedef struct fb_modes {
       shape[FB_MAX_MODES * FBI_MAX_DOF];  /* n x ndof nodal values; a mode's main displacement at the tip is positive */
   fb_real M[FB_MAX_MODES * FB_MAX_MODES]; /* n x n */
   fb_real K[FB_MAX_MODES * FB_MAX_MODES]; /* n x n */
+  /* Momentum and angular momentum about the root that a unit rate of a coordinate has, beam axes (n x 6), the beam's
+     mass and moments of inertia about the root, and the part of them that the coordinates together move (effective
+     mass). Not for FB_BASIS_FUNCTIONS. */
+  fb_real momentum[6 * FB_MAX_MODES], rigid_mass[6], effective[6];
 } fb_modes;
 
 typedef struct fb_modes_work { /* scratch; large: make it static */
+  int held[FBI_MAX_DOF];
+  fb_real rigid[6 * FBI_MAX_DOF]; /* six rigid motions about the root, rows */
   fb_real K[FBI_MAX_DOF * FBI_MAX_DOF], M[FBI_MAX_DOF * FBI_MAX_DOF];
   fb_real Kc[FBI_MAX_DOF * FBI_MAX_DOF], Mc[FBI_MAX_DOF * FBI_MAX_DOF], X[FBI_MAX_DOF * FBI_MAX_DOF];
   fb_real omega2[FBI_MAX_DOF];
   fb_modes found;
 } fb_modes_work;
 
-/* FB_ERR_KIND: a kind asked for has no stiffness or inertia, or fewer modes than asked; FB_ERR_CAPACITY: more than
-   FB_MAX_MODES; FB_ERR_VALUE (also: functions or spin without a clamped root), FB_ERR_CONVERGENCE, FB_ERR_SINGULAR.
+/* FB_ERR_KIND: a kind asked for has no stiffness or inertia, or fewer modes than asked (or than mass_fraction wants);
+   FB_ERR_CAPACITY: more than FB_MAX_MODES; FB_ERR_VALUE: also functions, spin or mass_fraction without a clamped root, a
+   preload on a chain, a coordinate that the root holds or that is named twice; FB_ERR_SINGULAR: the preload is beyond
+   buckling, or the boundary leaves rigid motion; FB_ERR_CONVERGENCE.
    modes is written only on FB_OK. Rigid-body modes of pinned and free roots are not modes here: the body frame
    carries that motion. */
 FB_API fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_beam *beam, const fb_modes_desc *desc);
+
+/* Buckling: shapes and, in place of omega, the factors by which desc->preload buckles the beam, ascending (desc->lowest
+   of them; 0: one). The coordinates of desc->boundary are held: give u_y and u_z of the tip for a pinned one. The root
+   must leave no rigid motion. FB_ERR_KIND: no positive factor, or fewer; else as fb_modes_solve. */
+FB_API fb_status fb_buckling_solve(fb_modes *modes, fb_modes_work *work, const fb_beam *beam,
+                                   const fb_modes_desc *desc);
 
 /* ---------------------------------------------------------------------------------------------------------------
    8 >>body */
