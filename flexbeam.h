@@ -70,7 +70,7 @@
      >>system     (planned) joints, trees, loops
      >>mixed      (planned) geometrically exact mixed beam
      >>integrate  rk4, implicit midpoint, SDIRK2, exponential scheme; their limits
-     >>analyse    (planned) trim, linearization, effect advisor
+     >>analyse    steady states, linearization, complex modes; (planned) effect advisor
      >>build      version and configuration string
 
    OPTIONS (define before the include, the same in every file: a mismatch does not link. Best in one file that every
@@ -386,6 +386,10 @@ FB_API fb_status fb_eig_sym_solve(fb_real *d, fb_real *V, fb_real *A, int n);
 /* K x = d M x, K symmetric, M positive definite (both n x n, overwritten): d ascending, rows of X with X M X^T = 1.
    FB_ERR_SINGULAR: M is not positive definite; else as fb_eig_sym_solve. */
 FB_API fb_status fb_eig_gen_solve(fb_real *d, fb_real *X, fb_real *K, fb_real *M, int n);
+/* Eigenvalues re + i im (n each) and eigenvectors of the real A (n x n, overwritten), symmetric or not. Row k of X (n x
+   2n) is the vector of eigenvalue k, n real then n imaginary parts, of unit length. work: 4 n^2 reals. A defective A
+   gives (nearly) parallel vectors. FB_ERR_NOT_FINITE; FB_ERR_CONVERGENCE after 60 n steps. */
+FB_API fb_status fb_eig_general_solve(fb_real *re, fb_real *im, fb_real *X, fb_real *A, fb_real *work, int n);
 
 /* ---------------------------------------------------------------------------------------------------------------
    6 >>beam: along its own x axis, from the root (x = 0) to the tip (x = length) */
@@ -1011,6 +1015,39 @@ FB_API fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
    frame in which it is slow, or an implicit scheme. The limit holds for any motion; a smooth one may be stepped
    further (allow_long_step). Order 4 is seen where omega dt is below about 5 for the modes that move. */
 FB_API fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real acceleration);
+
+/* ---------------------------------------------------------------------------------------------------------------
+   12 >>analyse: offline work, on bodies whose base is prescribed */
+
+typedef struct fb_analyse_work { /* scratch; large: make it static */
+  fb_real A[4 * FB_MAX_MODES * FB_MAX_MODES], X[8 * FB_MAX_MODES * FB_MAX_MODES], eig[16 * FB_MAX_MODES * FB_MAX_MODES];
+  fb_real re[2 * FB_MAX_MODES], im[2 * FB_MAX_MODES], scale[FB_MAX_MODES];
+  int perm[FB_MAX_MODES];
+  fb_state state, rate;
+} fb_analyse_work;
+
+/* Sets q (and pi to match) so that the body rests in its frame, which moves with the v, w of the input: the deflection
+   under a steady spin, gravity along the axis, follower and body-fixed loads. state gives attitude and first guess; at
+   most 40 Newton iterations. FB_ERR_CONVERGENCE; FB_ERR_RANGE: beyond the deflection limit (buckled, or the load is
+   large); FB_ERR_SINGULAR: the stiffness vanishes there; FB_ERR_VALUE: the base is not prescribed. On failure state is
+   as before. */
+FB_API fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_work *work, const fb_input *input);
+/* The elastic motion about a state, d/dt (dq, dpi) = A (dq, dpi): A 2n x 2n. Exact where the rates are polynomials of
+   degree four in the elastic state (all but loads on nodes, which are then right to about 1e-10). */
+FB_API fb_status fb_body_linearize(fb_real *A, fb_analyse_work *work, const fb_body *body, const fb_state *state,
+                                   const fb_input *input);
+
+typedef struct fb_spectrum { /* ascending by |re + i im|; of a conjugate pair the one with im > 0 */
+  int n;
+  fb_real re[2 * FB_MAX_MODES], im[2 * FB_MAX_MODES]; /* [1/s], [rad/s]; unstable where re > 0 */
+  fb_real shape_re[2 * FB_MAX_MODES * FB_MAX_MODES];  /* n x body.n: the elastic coordinates of each */
+  fb_real shape_im[2 * FB_MAX_MODES * FB_MAX_MODES];
+} fb_spectrum;
+/* Complex modes about a state (of fb_body_trim): spin, gyroscopic terms, preload and damping are in them ([H] A.15). */
+FB_API fb_status fb_body_spectrum(fb_spectrum *spectrum, fb_analyse_work *work, const fb_body *body,
+                                  const fb_state *state, const fb_input *input);
+/* -re/|re + i im| of mode k: 1 aperiodic, 0 undamped, negative unstable. */
+FB_API fb_real fb_spectrum_damping(const fb_spectrum *spectrum, int k);
 
 /* ---------------------------------------------------------------------------------------------------------------
    13 >>build */

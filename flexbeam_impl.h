@@ -690,6 +690,320 @@ FB_DEF fb_status fb_eig_gen_solve(fb_real *d, fb_real *X, fb_real *K, fb_real *M
   return FB_OK;
 }
 
+/* Complex numbers of the general eigenproblem. */
+typedef struct fbi_complex {
+  fb_real re, im;
+} fbi_complex;
+
+static fbi_complex fbi_complex_mul(fbi_complex a, fbi_complex b)
+{
+  const fbi_complex c = {a.re * b.re - a.im * b.im, a.re * b.im + a.im * b.re};
+  return c;
+}
+
+static fb_real fbi_complex_abs(fbi_complex a)
+{
+  const fb_real x = FB_FABS(a.re), y = FB_FABS(a.im), large = fbi_larger(x, y);
+  const fb_real ratio = large > FB_R(0.0) ? (x + y - large) / large : FB_R(0.0);
+  return large * FB_SQRT(FB_R(1.0) + ratio * ratio);
+}
+
+/* a / b by Smith's way, which does not overflow */
+static fbi_complex fbi_complex_div(fbi_complex a, fbi_complex b)
+{
+  fbi_complex c;
+  if (FB_FABS(b.re) >= FB_FABS(b.im)) {
+    const fb_real r = b.im / b.re, d = b.re + r * b.im;
+    c.re = (a.re + r * a.im) / d;
+    c.im = (a.im - r * a.re) / d;
+  } else {
+    const fb_real r = b.re / b.im, d = b.im + r * b.re;
+    c.re = (r * a.re + a.im) / d;
+    c.im = (r * a.im - a.re) / d;
+  }
+  return c;
+}
+
+static fbi_complex fbi_complex_sqrt(fbi_complex a)
+{
+  const fb_real size = fbi_complex_abs(a);
+  fbi_complex c = {FB_SQRT(FB_R(0.5) * (size + FB_FABS(a.re))), FB_R(0.0)};
+  c.im = c.re > FB_R(0.0) ? FB_R(0.5) * FB_FABS(a.im) / c.re : FB_R(0.0);
+  if (a.re < FB_R(0.0)) {
+    const fb_real t = c.re;
+    c.re = c.im;
+    c.im = t;
+  }
+  c.im = a.im < FB_R(0.0) ? -c.im : c.im;
+  return c;
+}
+
+/* Scales A to D^-1 A D with powers of two so that rows and columns are of like size: a state matrix mixes units. */
+static void fbi_balance(fb_real *A, fb_real *D, int n)
+{
+  int changed = 1;
+  for (int i = 0; i < n; i++) {
+    D[i] = FB_R(1.0);
+  }
+  for (int sweep = 0; sweep < 100 && changed; sweep++) {
+    changed = 0;
+    for (int i = 0; i < n; i++) {
+      fb_real row = FB_R(0.0), column = FB_R(0.0), f = FB_R(1.0), s;
+      for (int j = 0; j < n; j++) {
+        row += j != i ? FB_FABS(A[i * n + j]) : FB_R(0.0);
+        column += j != i ? FB_FABS(A[j * n + i]) : FB_R(0.0);
+      }
+      if (!(row > FB_R(0.0) && column > FB_R(0.0))) {
+        continue;
+      }
+      s = row + column;
+      for (int k = 0; k < 200 && column * f < FB_R(0.5) * row / f; k++) {
+        f *= FB_R(2.0);
+      }
+      for (int k = 0; k < 200 && column * f > FB_R(2.0) * row / f; k++) {
+        f *= FB_R(0.5);
+      }
+      if (column * f + row / f < FB_R(0.95) * s) {
+        changed = 1;
+        D[i] *= f;
+        for (int j = 0; j < n; j++) {
+          A[i * n + j] /= f;
+        }
+        for (int j = 0; j < n; j++) {
+          A[j * n + i] *= f;
+        }
+      }
+    }
+  }
+}
+
+/* A = Q H Q^T with H zero below the first subdiagonal, by Householder reflections; A is overwritten by H, Q built. */
+static void fbi_hessenberg(fb_real *A, fb_real *Q, int n)
+{
+  for (int i = 0; i < n * n; i++) {
+    Q[i] = i / n == i % n ? FB_R(1.0) : FB_R(0.0);
+  }
+  for (int k = 0; k + 2 < n; k++) {
+    fb_real scale = FB_R(0.0), norm2 = FB_R(0.0), alpha;
+    for (int i = k + 1; i < n; i++) {
+      scale = fbi_larger(scale, FB_FABS(A[i * n + k]));
+    }
+    if (!(scale > FB_R(0.0))) {
+      continue;
+    }
+    for (int i = k + 1; i < n; i++) { /* the reflection's vector stays in the column, scaled */
+      A[i * n + k] /= scale;
+      norm2 += A[i * n + k] * A[i * n + k];
+    }
+    alpha = FB_SQRT(norm2) * (A[(k + 1) * n + k] > FB_R(0.0) ? -FB_R(1.0) : FB_R(1.0));
+    norm2 -= alpha * A[(k + 1) * n + k]; /* v^T v / 2 */
+    A[(k + 1) * n + k] -= alpha;
+    for (int j = k + 1; j < n; j++) { /* from the left */
+      fb_real sum = FB_R(0.0);
+      for (int i = k + 1; i < n; i++) {
+        sum += A[i * n + k] * A[i * n + j];
+      }
+      for (int i = k + 1; i < n; i++) {
+        A[i * n + j] -= sum / norm2 * A[i * n + k];
+      }
+    }
+    for (int i = 0; i < 2 * n; i++) { /* from the right, A and Q */
+      fb_real *row = i < n ? A + i * n : Q + (i - n) * n, sum = FB_R(0.0);
+      for (int j = k + 1; j < n; j++) {
+        sum += A[j * n + k] * row[j];
+      }
+      for (int j = k + 1; j < n; j++) {
+        row[j] -= sum / norm2 * A[j * n + k];
+      }
+    }
+    A[(k + 1) * n + k] = alpha * scale;
+    for (int i = k + 2; i < n; i++) {
+      A[i * n + k] = FB_R(0.0);
+    }
+  }
+}
+
+/* (x, y) becomes (c x + s y, c y - s* x): a rotation in two rows; with s* for s, in two columns. */
+static void fbi_complex_turn(fbi_complex *x, fbi_complex *y, fb_real c, fbi_complex s)
+{
+  const fbi_complex conjugate = {s.re, -s.im};
+  const fbi_complex sy = fbi_complex_mul(s, *y), sx = fbi_complex_mul(conjugate, *x);
+  x->re = c * x->re + sy.re;
+  x->im = c * x->im + sy.im;
+  y->re = c * y->re - sx.re;
+  y->im = c * y->im - sx.im;
+}
+
+/* One step of the QR iteration with a shift on rows and columns low..high of H, the bulge chased down; Q follows. */
+static void fbi_qr_step(fbi_complex *H, fbi_complex *Q, int low, int high, fbi_complex shift, int n)
+{
+  fbi_complex x = H[low * n + low], y = H[(low + 1) * n + low];
+  x.re -= shift.re;
+  x.im -= shift.im;
+  for (int k = low; k < high; k++) {
+    const fb_real ax = fbi_complex_abs(x), ay = fbi_complex_abs(y);
+    const fb_real norm = FB_SQRT(ax * ax + ay * ay), c = norm > FB_R(0.0) ? ax / norm : FB_R(1.0);
+    fbi_complex s = {y.re, -y.im}, conjugate;
+    if (ax > FB_R(0.0)) {
+      const fbi_complex phase = {x.re / ax, x.im / ax};
+      s = fbi_complex_mul(phase, s);
+    }
+    s.re = norm > FB_R(0.0) ? s.re / norm : FB_R(0.0);
+    s.im = norm > FB_R(0.0) ? s.im / norm : FB_R(0.0);
+    conjugate.re = s.re;
+    conjugate.im = -s.im;
+    for (int j = k > low ? k - 1 : low; j < n; j++) {
+      fbi_complex_turn(&H[k * n + j], &H[(k + 1) * n + j], c, s);
+    }
+    for (int i = 0; i <= (k + 2 < high ? k + 2 : high); i++) {
+      fbi_complex_turn(&H[i * n + k], &H[i * n + k + 1], c, conjugate);
+    }
+    for (int i = 0; i < n; i++) {
+      fbi_complex_turn(&Q[i * n + k], &Q[i * n + k + 1], c, conjugate);
+    }
+    if (k + 1 < high) {
+      x = H[(k + 1) * n + k];
+      y = H[(k + 2) * n + k];
+    }
+  }
+}
+
+/* Wilkinson's shift: the eigenvalue of the last 2x2 that is nearer to its last element. */
+static fbi_complex fbi_qr_shift(const fbi_complex *H, int high, int n)
+{
+  const fbi_complex a = H[(high - 1) * n + high - 1], d = H[high * n + high];
+  const fbi_complex bc = fbi_complex_mul(H[(high - 1) * n + high], H[high * n + high - 1]);
+  fbi_complex t = {FB_R(0.5) * (a.re - d.re), FB_R(0.5) * (a.im - d.im)}, root, shift = d;
+  root = fbi_complex_mul(t, t);
+  root.re += bc.re;
+  root.im += bc.im;
+  root = fbi_complex_sqrt(root);
+  if (t.re * root.re + t.im * root.im < FB_R(0.0)) {
+    root.re = -root.re;
+    root.im = -root.im;
+  }
+  t.re += root.re;
+  t.im += root.im;
+  if (fbi_complex_abs(t) > FB_R(0.0)) {
+    root = fbi_complex_div(bc, t);
+    shift.re -= root.re;
+    shift.im -= root.im;
+  }
+  return shift;
+}
+
+/* Triangularizes the complex Hessenberg H; 0 if it does not converge. */
+static int fbi_qr_iterate(fbi_complex *H, fbi_complex *Q, int n)
+{
+  int high = n - 1, since = 0;
+  for (int step = 0; step < 60 * n && high > 0; step++) {
+    int low = high;
+    for (; low > 0; low--) {
+      const fb_real near = fbi_complex_abs(H[low * n + low]) + fbi_complex_abs(H[(low - 1) * n + low - 1]);
+      if (fbi_complex_abs(H[low * n + low - 1]) <= FB_EPSILON * near) {
+        H[low * n + low - 1].re = H[low * n + low - 1].im = FB_R(0.0);
+        break;
+      }
+    }
+    if (low == high) {
+      high--;
+      since = 0;
+    } else {
+      fbi_complex shift = fbi_qr_shift(H, high, n);
+      if (++since % 12 == 0) { /* out of a cycle */
+        shift.re += fbi_complex_abs(H[high * n + high - 1]);
+      }
+      fbi_qr_step(H, Q, low, high, shift, n);
+    }
+  }
+  return high == 0 || n == 0;
+}
+
+/* Eigenvector k of the triangular H in x, elements 0..k. */
+static void fbi_triangular_vector(fbi_complex *x, const fbi_complex *H, fb_real norm, int k, int n)
+{
+  const fbi_complex lambda = H[k * n + k];
+  x[k].re = FB_R(1.0);
+  x[k].im = FB_R(0.0);
+  for (int j = k - 1; j >= 0; j--) {
+    fbi_complex sum = {FB_R(0.0), FB_R(0.0)}, d = {lambda.re - H[j * n + j].re, lambda.im - H[j * n + j].im};
+    fb_real size;
+    for (int i = j + 1; i <= k; i++) {
+      const fbi_complex p = fbi_complex_mul(H[j * n + i], x[i]);
+      sum.re += p.re;
+      sum.im += p.im;
+    }
+    if (!(fbi_complex_abs(d) > FB_EPSILON * norm)) { /* a multiple eigenvalue */
+      d.re = FB_EPSILON * norm;
+      d.im = FB_R(0.0);
+    }
+    x[j] = fbi_complex_div(sum, d);
+    size = fbi_complex_abs(x[j]);
+    for (int i = j; i <= k && size > FB_R(1e6); i++) {
+      x[i].re /= size;
+      x[i].im /= size;
+    }
+  }
+}
+
+/* [E5.6] Eigenvalues and vectors of a general real matrix: balanced, Hessenberg form, shifted QR iteration in complex
+   numbers, back substitution.
+   Source: [GV] 7.4-7.6.  Shapes: see the header.  Cost: about 25 n^3 complex multiplications.
+   Fails: not finite; 60 n steps.  Test: general_eigenvectors_satisfy_their_equation. */
+FB_DEF fb_status fb_eig_general_solve(fb_real *re, fb_real *im, fb_real *X, fb_real *A, fb_real *work, int n)
+{
+  fb_real norm = FB_R(0.0);
+  FBI_REQUIRE(re && im && X && A && work, FB_ERR_NULL);
+  FBI_REQUIRE(n >= 0, FB_ERR_VALUE);
+  {
+    fbi_complex *const H = (fbi_complex *)(void *)work, *const Q = H + n * n, *const x = (fbi_complex *)(void *)A;
+    for (int i = 0; i < n; i++) {
+      if (!fbi_is_finite(A + i * n, n)) {
+        return FB_ERR_NOT_FINITE;
+      }
+    }
+    if (n == 1) {
+      re[0] = A[0];
+      im[0] = X[1] = FB_R(0.0);
+      X[0] = FB_R(1.0);
+      return FB_OK;
+    }
+    fbi_balance(A, re, n);
+    fbi_hessenberg(A, X, n);
+    for (int i = 0; i < n * n; i++) {
+      H[i].re = A[i];
+      H[i].im = Q[i].im = FB_R(0.0);
+      Q[i].re = re[i / n] * X[i];
+      norm = fbi_larger(norm, FB_FABS(A[i]));
+    }
+    if (!fbi_qr_iterate(H, Q, n)) {
+      return FB_ERR_CONVERGENCE;
+    }
+    for (int k = 0; k < n; k++) {
+      fb_real *row = X + 2 * n * k, length = FB_R(0.0);
+      fbi_triangular_vector(x, H, norm, k, n);
+      for (int i = 0; i < n; i++) {
+        fbi_complex sum = {FB_R(0.0), FB_R(0.0)};
+        for (int j = 0; j <= k; j++) {
+          const fbi_complex p = fbi_complex_mul(Q[i * n + j], x[j]);
+          sum.re += p.re;
+          sum.im += p.im;
+        }
+        row[i] = sum.re;
+        row[n + i] = sum.im;
+        length += sum.re * sum.re + sum.im * sum.im;
+      }
+      length = FB_SQRT(length);
+      for (int i = 0; i < 2 * n; i++) {
+        row[i] /= length;
+      }
+      re[k] = H[k * n + k].re;
+      im[k] = FB_FABS(H[k * n + k].im) > (fb_real)n * FB_EPSILON * norm ? H[k * n + k].im : FB_R(0.0);
+    }
+  }
+  return FB_OK;
+}
+
 /* ---------------------------------------------------------------------------------------------------------------
    6 >>beam (uses 1-5) */
 
@@ -6392,6 +6706,164 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   fbi_phi_add(&work->full, h, scheme->full, 3, scheme, h, sum, n);
   fbi_modal_to(&work->at, scheme, body, &work->full);
   return fbi_step_end(state, &work->at, body);
+}
+
+/* ---------------------------------------------------------------------------------------------------------------
+   12 >>analyse (uses 1-8) */
+
+/* Rates at a state whose frame moves as the input says, with q (and q_dot = 0) or pi of one coordinate changed. */
+static fb_status fbi_rates_at_rest(fb_analyse_work *work, const fb_body *body, const fb_input *input)
+{
+  const fb_status status = fb_state_from_velocity(body, &work->state, input->v, input->w, NULL);
+  return status != FB_OK ? status : fb_body_rates(body, &work->rate, &work->state, input);
+}
+
+/* Step of a coordinate for a difference: a thousandth of the deflection limit. */
+static fb_real fbi_difference_step(const fb_body *body, int a)
+{
+  return body->reach[a] > FB_R(0.0) ? FB_R(1e-3) * body->deflection_limit / body->reach[a] : FB_R(1.0);
+}
+
+/* Weights of the derivative by values at -2, -1, 1, 2 steps: exact for polynomials of degree 4. */
+static const fb_real fbi_difference_weight[4] = {FB_R(1.0) / FB_R(12.0), -FB_R(2.0) / FB_R(3.0),
+                                                 FB_R(2.0) / FB_R(3.0), -FB_R(1.0) / FB_R(12.0)};
+static const int fbi_difference_at[4] = {-2, -1, 1, 2};
+
+static fb_status fbi_analyse_check(const fb_body *body, const fb_state *state, const fb_input *input)
+{
+  FBI_REQUIRE(body && state && input, FB_ERR_NULL);
+  return body->base == FB_BASE_PRESCRIBED ? fb_state_check(body, state) : FB_ERR_VALUE;
+}
+
+/* [E12.1] Steady state by Newton's method: pi_dot(q) = 0 at q_dot = 0, the tangent by differences.
+   Source: definition.  Cost: 4 n evaluations and a LU an iteration.  Fails: see the header.
+   Test: spectrum_of_a_spinning_oscillator_is_closed_form. */
+FB_DEF fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_work *work, const fb_input *input)
+{
+  fb_real change = FB_R(1.0);
+  fb_status status = fbi_analyse_check(body, state, input);
+  FBI_REQUIRE(work, FB_ERR_NULL);
+  if (status != FB_OK) {
+    return status;
+  }
+  work->state = *state;
+  for (int step = 0; step < 40 && change > FB_R(64.0) * FB_EPSILON && status == FB_OK; step++) {
+    const int n = body->n;
+    fb_real *const residual = work->re, *const dq = work->im;
+    for (int a = 0; a < n && status == FB_OK; a++) {
+      const fb_real q = work->state.q[a], h = fbi_difference_step(body, a);
+      fbi_zero(dq, n);
+      for (int k = 0; k < 4 && status == FB_OK; k++) {
+        work->state.q[a] = q + (fb_real)fbi_difference_at[k] * h;
+        status = fbi_rates_at_rest(work, body, input);
+        for (int i = 0; i < n && status == FB_OK; i++) {
+          dq[i] += fbi_difference_weight[k] / h * work->rate.pi[i];
+        }
+      }
+      work->state.q[a] = q;
+      for (int i = 0; i < n; i++) {
+        work->A[i * n + a] = dq[i];
+      }
+    }
+    status = status ? status : fbi_rates_at_rest(work, body, input);
+    fbi_copy(residual, work->rate.pi, n);
+    status = status || n == 0 ? status : fb_lu_factor(work->A, work->perm, work->scale, n);
+    if (status == FB_OK) {
+      fb_lu_solve(dq, work->A, work->perm, residual, n);
+    }
+    change = FB_R(0.0);
+    for (int a = 0; a < n && status == FB_OK; a++) { /* in units of the deflection limit */
+      change = fbi_larger(change, FB_FABS(dq[a]) * FB_R(1e-3) / fbi_difference_step(body, a));
+      work->state.q[a] -= dq[a];
+    }
+  }
+  status = status ? status : fb_state_from_velocity(body, &work->state, input->v, input->w, NULL);
+  status = status ? status : fb_state_check(body, &work->state);
+  if (status == FB_OK && change > FBI_ROUNDING) {
+    status = FB_ERR_CONVERGENCE;
+  }
+  if (status == FB_OK) {
+    *state = work->state;
+  }
+  return status;
+}
+
+/* [E12.2] State matrix of the elastic motion by differences of the rates.
+   Source: definition.  Shapes: A 2n x 2n.  Cost: 8 n evaluations.  Fails: see the header.
+   Test: spectrum_of_a_spinning_oscillator_is_closed_form. */
+FB_DEF fb_status fb_body_linearize(fb_real *A, fb_analyse_work *work, const fb_body *body, const fb_state *state,
+                                   const fb_input *input)
+{
+  fb_status status = fbi_analyse_check(body, state, input);
+  const int n = body ? body->n : 0;
+  FBI_REQUIRE(A && work, FB_ERR_NULL);
+  work->state = status == FB_OK ? *state : work->state;
+  for (int j = 0; j < 2 * n && status == FB_OK; j++) {
+    fb_real *const x = j < n ? &work->state.q[j] : &work->state.pi[j - n];
+    const fb_real h = fbi_difference_step(body, j % n), before = *x;
+    for (int i = 0; i < 2 * n; i++) {
+      A[i * 2 * n + j] = FB_R(0.0);
+    }
+    for (int k = 0; k < 4 && status == FB_OK; k++) {
+      *x = before + (fb_real)fbi_difference_at[k] * h;
+      status = fb_body_rates(body, &work->rate, &work->state, input);
+      for (int i = 0; i < 2 * n && status == FB_OK; i++) {
+        A[i * 2 * n + j] += fbi_difference_weight[k] / h * (i < n ? work->rate.q[i] : work->rate.pi[i - n]);
+      }
+    }
+    *x = before;
+  }
+  return status;
+}
+
+/* [E12.3] Complex modes, x = X exp(lambda t): of each conjugate pair the one with im > 0, ascending by |lambda|.
+   Source: [H] A.15-3 in the coordinates (q, pi).  Cost: E12.2 and E5.6 with 2n.  Fails: as those.
+   Test: spectrum_of_a_spinning_oscillator_is_closed_form, damped_modes_have_their_ratios. */
+FB_DEF fb_status fb_body_spectrum(fb_spectrum *spectrum, fb_analyse_work *work, const fb_body *body,
+                                  const fb_state *state, const fb_input *input)
+{
+  int n, order[2 * FB_MAX_MODES], found = 0;
+  fb_status status;
+  FBI_REQUIRE(spectrum && work && body, FB_ERR_NULL);
+  n = body->n;
+  status = fb_body_linearize(work->A, work, body, state, input);
+  status = status ? status : fb_eig_general_solve(work->re, work->im, work->X, work->A, work->eig, 2 * n);
+  if (status != FB_OK) {
+    return status;
+  }
+  for (int k = 0; k < 2 * n; k++) {
+    const fbi_complex value = {work->re[k], work->im[k]};
+    int at = found;
+    if (work->im[k] < FB_R(0.0)) {
+      continue;
+    }
+    for (; at > 0; at--) {
+      const fbi_complex other = {work->re[order[at - 1]], work->im[order[at - 1]]};
+      if (fbi_complex_abs(other) <= fbi_complex_abs(value)) {
+        break;
+      }
+      order[at] = order[at - 1];
+    }
+    order[at] = k;
+    found++;
+  }
+  memset(spectrum, 0, sizeof *spectrum);
+  spectrum->n = found;
+  for (int k = 0; k < found; k++) {
+    const fb_real *row = work->X + 4 * n * order[k];
+    spectrum->re[k] = work->re[order[k]];
+    spectrum->im[k] = work->im[order[k]];
+    fbi_copy(spectrum->shape_re + k * n, row, n);
+    fbi_copy(spectrum->shape_im + k * n, row + 2 * n, n);
+  }
+  return FB_OK;
+}
+
+FB_DEF fb_real fb_spectrum_damping(const fb_spectrum *spectrum, int k)
+{
+  const fbi_complex value = {spectrum->re[k], spectrum->im[k]};
+  const fb_real size = fbi_complex_abs(value);
+  return size > FB_R(0.0) ? -value.re / size : FB_R(0.0);
 }
 
 /* ---------------------------------------------------------------------------------------------------------------

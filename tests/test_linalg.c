@@ -462,7 +462,99 @@ TEST(generalized_eigenvectors_diagonalize_both_matrices)
   FBT_INT_EQ(fb_eig_gen_solve(d, V, K, M, 0), FB_OK);
 }
 
-SUITE(linalg, RUN(lu_solves_random_graded_and_refuses_singular_matrices),
+/* Largest |A x - lambda x| over the eigenvectors that are in V2, re and im, in units of epsilon and of n |A|. */
+static fb_real V2[2 * MAX_SIZE * MAX_SIZE], general_work[4 * MAX_SIZE * MAX_SIZE], re[MAX_SIZE], im[MAX_SIZE];
+static double general_residual(const fb_real *G, int n)
+{
+  double largest = 0.0, norm = 0.0;
+  for (int i = 0; i < n * n; i++) {
+    norm = fmax(norm, fabs((double)G[i]));
+  }
+  for (int k = 0; k < n; k++) {
+    const fb_real *v = V2 + 2 * n * k;
+    for (int i = 0; i < n; i++) {
+      long double u = 0.0L, w = 0.0L;
+      for (int j = 0; j < n; j++) {
+        u += (long double)G[i * n + j] * (long double)v[j];
+        w += (long double)G[i * n + j] * (long double)v[n + j];
+      }
+      u -= (long double)re[k] * (long double)v[i] - (long double)im[k] * (long double)v[n + i];
+      w -= (long double)re[k] * (long double)v[n + i] + (long double)im[k] * (long double)v[i];
+      largest = fmax(largest, (double)hypotl(u, w));
+    }
+  }
+  return largest / (EPS * n * norm);
+}
+
+/* E5.6: random matrices; rotations, whose eigenvalues are exp(+-i phi), in any basis; the Jordan block, all eigenvalues one to
+   the n-th root of rounding; a state matrix whose two halves differ by 2^20 in units; sums are the trace. */
+TEST(general_eigenvectors_satisfy_their_equation)
+{
+  for (int s = 0; s < FBT_COUNT(size); s++) {
+    const int n = size[s];
+    for (int trial = 0; trial < 6; trial++) {
+      double trace = 0.0, sum = 0.0, conjugates = 0.0, scale = 0.0;
+      fbt_fill(A, n * n, 1.0);
+      if (trial == 4) { /* rotations by 0.1 (k + 1) */
+        memset(A, 0, sizeof A);
+        for (int k = 0; k < n; k++) {
+          const double phi = k + 1 == n && n % 2 ? 0.0 : 0.1 * (k / 2 + 1);
+          A[k * n + k] = (fb_real)cos(phi);
+          if (phi > 0.0) {
+            A[k * n + (k % 2 ? k - 1 : k + 1)] = (fb_real)(k % 2 ? sin(phi) : -sin(phi));
+          }
+        }
+      }
+      if (trial == 5) {
+        grading_random(D1, n, 20);
+        for (int i = 0; i < n * n; i++) {
+          A[i] *= D1[i / n] / D1[i % n];
+        }
+      }
+      memcpy(B, A, sizeof A);
+      for (int i = 0; i < n; i++) {
+        trace += (double)A[i * (n + 1)];
+      }
+      FBT_INT_EQ(fb_eig_general_solve(re, im, V2, A, general_work, n), FB_OK);
+      for (int k = 0; k < n; k++) {
+        double length = 0.0;
+        sum += (double)re[k];
+        conjugates += (double)im[k];
+        scale = fmax(scale, hypot((double)re[k], (double)im[k]));
+        for (int i = 0; i < 2 * n; i++) {
+          length += pow((double)V2[2 * n * k + i], 2.0);
+        }
+        FBT_NEAR_ABS(length, 1.0, 8.0 * n * EPS);
+        if (trial == 4) {
+          const double phi = atan2((double)im[k], (double)re[k]) * 10.0;
+          FBT_NEAR_ABS(hypot((double)re[k], (double)im[k]), 1.0, 16.0 * EPS);
+          FBT_NEAR_ABS(phi, floor(phi + 0.5), 400.0 * EPS);
+        }
+      }
+      FBT_BELOW(general_residual(B, n), 20.0);
+      FBT_NEAR_ABS(sum, trace, 8.0 * n * EPS * (1.0 + scale));
+      FBT_NEAR_ABS(conjugates, 0.0, 8.0 * n * EPS * (1.0 + scale));
+    }
+  }
+  memset(A, 0, sizeof A); /* Jordan */
+  for (int i = 0; i < 5; i++) {
+    A[6 * i] = FB_R(1.0);
+    A[6 * i + (i < 4)] += i < 4 ? FB_R(1.0) : FB_R(0.0);
+  }
+  FBT_INT_EQ(fb_eig_general_solve(re, im, V2, A, general_work, 5), FB_OK);
+  for (int k = 0; k < 5; k++) {
+    FBT_NEAR_ABS(hypot((double)re[k] - 1.0, (double)im[k]), 0.0, 4.0 * pow(EPS, 0.2));
+  }
+  A[3] = (fb_real)NAN;
+  FBT_INT_EQ(fb_eig_general_solve(re, im, V2, A, general_work, 2), FB_ERR_NOT_FINITE);
+  FBT_INT_EQ(fb_eig_general_solve(re, im, V2, A, general_work, -1), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_eig_general_solve(re, im, V2, A, general_work, 0), FB_OK);
+  FBT_INT_EQ(fb_eig_general_solve(re, im, V2, NULL, general_work, 2), FB_ERR_NULL);
+  FBT_INT_EQ(fb_eig_general_solve(re, im, V2, A, NULL, 2), FB_ERR_NULL);
+}
+
+SUITE(linalg, RUN(general_eigenvectors_satisfy_their_equation),
+      RUN(lu_solves_random_graded_and_refuses_singular_matrices),
       RUN(cholesky_factors_graded_and_refuses_indefinite_matrices),
       RUN(jacobi_diagonalizes_random_graded_and_degenerate_matrices),
       RUN(generalized_eigenvectors_diagonalize_both_matrices))

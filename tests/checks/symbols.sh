@@ -4,7 +4,7 @@
 . tests/checks/common.sh
 need gcc gcc
 need clang clang
-allowed='sqrtf?|sinf?|cosf?|sincosf?|atan2f?|fabsf?|memcpy|memset|memmove|memcmp|strcmp'
+allowed='sqrtf?|sinf?|cosf?|sincosf?|atan2f?|fabsf?|expf?|memcpy|memset|memmove|memcmp|strcmp'
 for cc in gcc clang; do
   for opt in -O0 -O2 -Os; do
     for single in 0 1; do
