@@ -18,17 +18,17 @@ static void put_quoted(FILE *gnuplot, const char *name)
   fputs("'", gnuplot);
 }
 
-/* Draws n curves into the file svg; settings: commands of gnuplot, each with its line end. Says what it did. */
-static void plot(const char *svg, const char *settings, const curve *curves, int n)
+/* Draws n curves into the file svg; settings: commands of gnuplot, each with its line end. Tells talk what it did. */
+static void plot(const char *svg, const char *settings, const curve *curves, int n, FILE *talk)
 {
   FILE *gnuplot;
   if (system("gnuplot --version >/dev/null 2>&1") != 0) {
-    printf("no picture: gnuplot is not installed (Debian: apt-get install gnuplot-nox); the CSV has the curves\n");
+    fprintf(talk, "no picture: gnuplot is not installed (Debian: apt-get install gnuplot-nox); the CSV has the curves\n");
     return;
   }
   gnuplot = popen("gnuplot", "w");
   if (!gnuplot) {
-    printf("no picture: gnuplot did not start\n");
+    fprintf(talk, "no picture: gnuplot did not start\n");
     return;
   }
   fprintf(gnuplot, "set terminal svg size 900,520 font 'Helvetica,14' background '#ffffff'\nset output ");
@@ -42,6 +42,6 @@ static void plot(const char *svg, const char *settings, const curve *curves, int
     fprintf(gnuplot, " using %s %s title '%s'%s\n", curves[k].columns, curves[k].style, curves[k].title,
             k + 1 < n ? ",\\" : "");
   }
-  printf(pclose(gnuplot) == 0 ? "picture: %s\n" : "no picture: gnuplot refused (%s)\n", svg);
+  fprintf(talk, pclose(gnuplot) == 0 ? "picture: %s\n" : "no picture: gnuplot refused (%s)\n", svg);
 }
 #endif

@@ -334,7 +334,7 @@ static void draw(const options *o, const char *full, const char *linear, const c
            "set ylabel 'tip deflection [m]'\nset yrange [%g:%g]\n"
            "set title 'Spin-up of a flexible beam: what each effect does to the tip'\n",
            -0.1 * o->scene.length, 0.03 * o->scene.length);
-  plot(svg, settings, curves, o->reference ? 4 : 3);
+  plot(svg, settings, curves, o->reference ? 4 : 3, stdout);
 }
 
 /* ---- the two ways to run */

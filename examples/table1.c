@@ -229,7 +229,7 @@ static int write_figure(const options *o, const figure *f)
   curves[3] =
       (curve){reference, f->direction ? "(column(\"t\")):(column(\"GE_u2\"))" : "(column(\"t\")):(column(\"GE_u1\"))",
               "with points pt 6 ps 0.6 lc rgb '#000000'", "geometrically exact reference"};
-  plot(svg, settings, curves, 4);
+  plot(svg, settings, curves, 4, stdout);
   return 0;
 }
 

@@ -1,0 +1,148 @@
+/* text.h - reads text files word by word; every complaint names file and line. Comments run from # to the end of a line,
+   commas count as blanks. */
+#ifndef TEXT_H
+#define TEXT_H
+#include <errno.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct text_file {
+  FILE *file;
+  const char *program, *name;
+  int line, failed;
+  char buffer[2048], *at; /* what is left of the line */
+} text_file;
+
+/* Says what is wrong, once; the reader then finds no more words. */
+static inline void text_fail(text_file *t, const char *format, ...)
+{
+  va_list list;
+  if (!t->failed) {
+    fprintf(stderr, "%s: %s", t->program, t->name);
+    if (t->line > 0) {
+      fprintf(stderr, ":%d", t->line);
+    }
+    fputs(": ", stderr);
+    va_start(list, format);
+    vfprintf(stderr, format, list);
+    va_end(list);
+    fputs("\n", stderr);
+  }
+  t->failed = 1;
+}
+
+/* 0 when the file cannot be read. */
+static inline int text_open(text_file *t, const char *program, const char *name)
+{
+  memset(t, 0, sizeof *t);
+  t->program = program;
+  t->name = name;
+  t->at = t->buffer;
+  t->file = fopen(name, "r");
+  if (!t->file) {
+    text_fail(t, "%s", strerror(errno));
+  }
+  return t->file != NULL;
+}
+
+static inline void text_close(text_file *t)
+{
+  if (t->file) {
+    fclose(t->file);
+  }
+  t->file = NULL;
+}
+
+/* The next line as it stands; 0 at the end. */
+static inline int text_raw_line(text_file *t)
+{
+  t->at = t->buffer;
+  t->buffer[0] = 0;
+  if (t->failed || !fgets(t->buffer, (int)sizeof t->buffer, t->file)) {
+    if (!t->failed && ferror(t->file)) {
+      text_fail(t, "cannot be read");
+    }
+    return 0;
+  }
+  t->line++;
+  if (strlen(t->buffer) + 1 == sizeof t->buffer && !feof(t->file)) {
+    text_fail(t, "the line is longer than %d characters", (int)sizeof t->buffer - 2);
+    return 0;
+  }
+  return 1;
+}
+
+/* The next line that holds a word; 0 at the end. */
+static inline int text_line(text_file *t)
+{
+  while (text_raw_line(t)) {
+    char *comment = strchr(t->buffer, '#');
+    if (comment) {
+      *comment = 0;
+    }
+    for (char *c = t->buffer; *c; c++) {
+      *c = *c == ',' || *c == '\t' || *c == '\r' || *c == '\n' ? ' ' : *c;
+    }
+    if (t->buffer[strspn(t->buffer, " ")]) {
+      return 1;
+    }
+  }
+  return 0;
+}
+
+/* The next word of the line, NULL if there is none. */
+static inline const char *text_word(text_file *t)
+{
+  char *word;
+  t->at += strspn(t->at, " ");
+  word = t->at;
+  if (t->failed || !*word) {
+    return NULL;
+  }
+  t->at += strcspn(t->at, " ");
+  if (*t->at) {
+    *t->at++ = 0;
+  }
+  return word;
+}
+
+/* The next word as a finite number. */
+static inline double text_number(text_file *t, const char *what)
+{
+  const char *word = text_word(t);
+  char *end;
+  double x;
+  if (!word) {
+    text_fail(t, "%s is missing", what);
+    return 0;
+  }
+  errno = 0;
+  x = strtod(word, &end);
+  if (*end || end == word || !isfinite(x)) {
+    text_fail(t, "%s is not a number: %s", what, word);
+    return 0;
+  }
+  return x;
+}
+
+/* A whole number from least to most. */
+static inline int text_whole(text_file *t, const char *what, int least, int most)
+{
+  const double x = text_number(t, what);
+  if (!t->failed && (x != floor(x) || x < least || x > most)) {
+    text_fail(t, "%s must be a whole number from %d to %d", what, least, most);
+  }
+  return t->failed ? least : (int)x;
+}
+
+static inline void text_end_of_line(text_file *t)
+{
+  const char *word = text_word(t);
+  if (word) {
+    text_fail(t, "too much on the line: %s", word);
+  }
+}
+#endif
