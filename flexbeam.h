@@ -591,6 +591,37 @@ FB_API fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_b
 FB_API fb_status fb_buckling_solve(fb_modes *modes, fb_modes_work *work, const fb_beam *beam,
                                    const fb_modes_desc *desc);
 
+/* Synthesis: components joined rigidly, node to node, their common modes the coordinates of one body. */
+#define FB_MAX_COMPONENTS 8
+
+typedef struct fb_weld { /* element nodes of two components at the same place of the body frame */
+  int component[2], node[2];
+} fb_weld;
+
+typedef struct fb_join_work { /* scratch; large: make it static */
+  fb_real K[FB_MAX_COMPONENTS * FB_MAX_COMPONENTS * FB_MAX_MODES * FB_MAX_MODES];
+  fb_real M[FB_MAX_COMPONENTS * FB_MAX_COMPONENTS * FB_MAX_MODES * FB_MAX_MODES];
+  fb_real Z[FB_MAX_COMPONENTS * FB_MAX_COMPONENTS * FB_MAX_MODES * FB_MAX_MODES];
+  fb_real X[FB_MAX_COMPONENTS * FB_MAX_COMPONENTS * FB_MAX_MODES * FB_MAX_MODES];
+  fb_real A[FB_MAX_COMPONENTS * FB_MAX_COMPONENTS * FB_MAX_MODES * FB_MAX_MODES];
+  fb_real B[FB_MAX_COMPONENTS * FB_MAX_COMPONENTS * FB_MAX_MODES * FB_MAX_MODES];
+  fb_real T[6 * (FB_MAX_COMPONENTS + 4) * FB_MAX_COMPONENTS * FB_MAX_MODES];
+  fb_real d[FB_MAX_COMPONENTS * FB_MAX_MODES], scale[FB_MAX_COMPONENTS * FB_MAX_MODES];
+  int pivot[FB_MAX_COMPONENTS * FB_MAX_MODES];
+  fb_modes joined[FB_MAX_COMPONENTS];
+} fb_join_work;
+
+/* joined, beam and component are arrays of n_component. A component that hangs on another one has a free root and rigid
+   modes (fb_modes_desc.rigid), all coordinates of FB_BASIS_ELEMENTS, or its root among the boundary; what both sides of a
+   weld cannot move in is stiff. Keeps the `lowest` common modes (0: all) up to omega_limit [rad/s] (0: no limit);
+   rigid-body modes of the whole are left out. Then build the shape as for one beam, all with first = 0 and n =
+   joined->n: add beam 0, a node at each weld of it, then the beams that hang there (their quadratic field goes on from
+   that node), and so on. joined[k].M and K are the share of component k. Redundant welds do no harm.
+   FB_ERR_CAPACITY: counts, a node, more than FB_MAX_MODES; FB_ERR_VALUE: nodes of a weld more than 1e-4 of the beams'
+   length apart, FB_BASIS_FUNCTIONS; FB_ERR_KIND: fewer modes than asked for; FB_ERR_SINGULAR: no mass somewhere. */
+FB_API fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_beam *beam, const fb_modes *component,
+                               int n_component, const fb_weld *weld, int n_weld, int lowest, fb_real omega_limit);
+
 /* ---------------------------------------------------------------------------------------------------------------
    8 >>body */
 
@@ -677,7 +708,8 @@ FB_API fb_status fb_shape_add_particle(fb_shape *shape, fb_real mass, const fb_r
 /* A rigid body fixed to the body frame: mass [kg], mass center [m], inertia about it [kg m^2] (xx, yy, zz, xy, xz,
    yz). */
 FB_API fb_status fb_shape_add_rigid(fb_shape *shape, fb_real mass, const fb_real center[3], const fb_real inertia[6]);
-/* A beam with its modes as coordinates first .. first + modes->n - 1: all integrals, M and K. */
+/* A beam with its modes as coordinates first .. first + modes->n - 1: all integrals, M and K. Where its root moves with
+   the modes and a node of the shape is there and moves alike (fb_modes_join), the quadratic field goes on from it. */
 FB_API fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes);
 /* A node on that beam at x [m] from the root; its number goes to *node. */
 FB_API fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, const fb_beam *beam,

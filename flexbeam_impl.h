@@ -111,6 +111,11 @@ static void fbi_copy(fb_real *y, const fb_real *x, int n)
   }
 }
 
+static int fbi_more(int a, int b)
+{
+  return a > b ? a : b;
+}
+
 static fb_real fbi_larger(fb_real a, fb_real b)
 {
   return a > b ? a : b;
@@ -3039,6 +3044,323 @@ FB_DEF fb_status fb_buckling_solve(fb_modes *modes, fb_modes_work *work, const f
   return FB_OK;
 }
 
+/* Displacement and rotation of node, body axes, that coordinate a of a component has. */
+static void fbi_weld_motion(fb_real motion[6], const fb_beam *beam, const fb_modes *modes, int a, int node)
+{
+  const fb_real *value = modes->shape + a * modes->ndof + 6 * node;
+  fb_mat33_mul_vec3(motion, beam->axes, value);
+  fb_mat33_mul_vec3(motion + 3, beam->axes, value + 3);
+}
+
+static void fbi_weld_place(fb_real place[3], const fb_beam *beam, int node)
+{
+  fb_mat33_mul_vec3(place, beam->axes, beam->node + 3 * node);
+  fbi_vec3_add(place, FB_R(1.0), beam->desc.position);
+}
+
+static fb_status fbi_join_check(const fb_beam *beam, const fb_modes *component, int n_component, const fb_weld *weld,
+                                int n_weld)
+{
+  if (n_component < 1 || n_weld < 0) {
+    return FB_ERR_VALUE;
+  }
+  if (n_component > FB_MAX_COMPONENTS || n_weld > FB_MAX_COMPONENTS + 4) {
+    return FB_ERR_CAPACITY;
+  }
+  for (int c = 0; c < n_component; c++) {
+    if (component[c].degree > 0 || component[c].ndof != fbi_beam_ndof(&beam[c])) {
+      return FB_ERR_VALUE;
+    }
+  }
+  for (int k = 0; k < n_weld; k++) {
+    fb_real place[2][3], size = FB_R(0.0);
+    for (int side = 0; side < 2; side++) {
+      const int c = weld[k].component[side];
+      if (c < 0 || c >= n_component || weld[k].node[side] < 0 || weld[k].node[side] > beam[c].desc.n_element) {
+        return FB_ERR_CAPACITY;
+      }
+      fbi_weld_place(place[side], &beam[c], weld[k].node[side]);
+      size = fbi_larger(size, beam[c].desc.length);
+    }
+    fbi_vec3_add(place[0], -FB_R(1.0), place[1]);
+    if (weld[k].component[0] == weld[k].component[1] || fbi_vec3_norm(place[0]) > FB_R(1e-4) * size) {
+      return FB_ERR_VALUE;
+    }
+  }
+  return FB_OK;
+}
+
+/* Block-diagonal K and M of the components and the constraints T q = 0 of the welds; columns scaled by modal mass, rotations
+   by length. Returns the number of coordinates. */
+static int fbi_join_assemble(fb_join_work *work, const fb_beam *beam, const fb_modes *component, int n_component,
+                             const fb_weld *weld, int n_weld)
+{
+  int N = 0, at = 0;
+  for (int c = 0; c < n_component; c++) {
+    N += component[c].n;
+  }
+  fbi_zero(work->K, N * N);
+  fbi_zero(work->M, N * N);
+  fbi_zero(work->T, 6 * n_weld * N);
+  for (int c = 0; c < n_component; c++) {
+    const int n = component[c].n;
+    for (int a = 0; a < n; a++) {
+      const fb_real m = component[c].M[a * n + a], k = component[c].K[a * n + a];
+      work->scale[at + a] = m > FB_R(0.0) ? FB_R(1.0) / FB_SQRT(m) : k > FB_R(0.0) ? FB_R(1.0) / FB_SQRT(k) : FB_R(1.0);
+    }
+    for (int ab = 0; ab < n * n; ab++) {
+      const int i = at + ab / n, j = at + ab % n;
+      work->K[i * N + j] = component[c].K[ab] * work->scale[i] * work->scale[j];
+      work->M[i * N + j] = component[c].M[ab] * work->scale[i] * work->scale[j];
+    }
+    for (int w = 0; w < 2 * n_weld; w++) {
+      const fb_weld *joint = &weld[w / 2];
+      for (int a = 0; a < n && joint->component[w % 2] == c; a++) {
+        fb_real motion[6];
+        fbi_weld_motion(motion, &beam[c], &component[c], a, joint->node[w % 2]);
+        for (int i = 0; i < 6; i++) {
+          const fb_real unit = (i < 3 ? FB_R(1.0) : beam[0].desc.length) * (w % 2 ? -FB_R(1.0) : FB_R(1.0));
+          work->T[(6 * (w / 2) + i) * N + at + a] += unit * motion[i] * work->scale[at + a];
+        }
+      }
+    }
+    at += n;
+  }
+  return N;
+}
+
+/* [E7.11] Null space of T (rows x N) by Gauss-Jordan elimination with complete pivoting: T [B N] = [1 0] up to the order of
+   columns, so that Z = [-B; 1] spans it. Rows that are combinations of others fall out. Z is N x (N - rank), the rank is
+   returned.
+   Source: [H] 3.6-10; [GV] 3.4.  Fails: never.  Test: joined_halves_are_the_whole. */
+static int fbi_null_space(fb_real *Z, fb_real *T, int *pivot, int rows, int N)
+{
+  fb_real first = FB_R(0.0);
+  int rank = 0, column = 0;
+  for (int j = 0; j < N; j++) {
+    pivot[j] = -1; /* the row that column j was eliminated with */
+  }
+  for (; rank < rows; rank++) {
+    fb_real best = FB_R(0.0), swap;
+    int r = rank, p = 0;
+    for (int ij = rank * N; ij < rows * N; ij++) {
+      if (pivot[ij % N] < 0 && FB_FABS(T[ij]) > best) {
+        best = FB_FABS(T[ij]);
+        r = ij / N;
+        p = ij % N;
+      }
+    }
+    first = rank == 0 ? best : first;
+    if (!(best > FBI_ROUNDING * first)) {
+      break;
+    }
+    for (int j = 0; j < N; j++) {
+      swap = T[r * N + j];
+      T[r * N + j] = T[rank * N + j];
+      T[rank * N + j] = swap;
+    }
+    pivot[p] = rank;
+    swap = FB_R(1.0) / T[rank * N + p];
+    for (int j = 0; j < N; j++) {
+      T[rank * N + j] *= swap;
+    }
+    for (int i = 0; i < rows; i++) {
+      if (i != rank) {
+        fbi_row_sub(T + i * N, T[i * N + p], T + rank * N, N);
+      }
+    }
+  }
+  for (int j = 0; j < N; j++) {
+    if (pivot[j] >= 0) {
+      continue;
+    }
+    for (int i = 0; i < N; i++) {
+      Z[i * (N - rank) + column] = pivot[i] >= 0 ? -T[pivot[i] * N + j] : i == j ? FB_R(1.0) : FB_R(0.0);
+    }
+    column++;
+  }
+  return rank;
+}
+
+/* A = Z^T A Z: A is N x N before and m x m after. */
+static void fbi_congruence(fb_real *A, const fb_real *Z, fb_real *scratch, int N, int m)
+{
+  for (int i = 0; i < N; i++) {
+    for (int j = 0; j < m; j++) {
+      fb_real sum = FB_R(0.0);
+      for (int k = 0; k < N; k++) {
+        sum += A[i * N + k] * Z[k * m + j];
+      }
+      scratch[i * m + j] = sum;
+    }
+  }
+  for (int i = 0; i < m; i++) {
+    for (int j = 0; j < m; j++) {
+      A[i * m + j] = FB_R(0.0);
+      for (int k = 0; k < N; k++) {
+        A[i * m + j] += Z[k * m + i] * scratch[k * m + j];
+      }
+    }
+  }
+}
+
+/* Elastic modes of the m common coordinates, rows of X with unit modal mass, d = omega^2 ascending: a first solution
+   tells rigid modes (no stiffness against the stiffest) from the lowest elastic one, the second one takes it for a
+   shift, if need be, and keeps the digits of the low modes as in E7.2. */
+static fb_status fbi_join_solve(fb_join_work *work, int m, int *found)
+{
+  fb_real *const K = work->K, *const M = work->M, *const A = work->A, *const B = work->B;
+  fb_real shift = FB_R(0.0);
+  int rigid = 0;
+  fb_status status;
+  fbi_copy(A, K, m * m);
+  fbi_copy(B, M, m * m);
+  status = fb_eig_gen_solve(work->d, work->X, A, B, m);
+  if (status != FB_OK) {
+    return status;
+  }
+  while (rigid < m && work->d[rigid] < (fb_real)m * FBI_ROUNDING * work->d[m - 1]) {
+    rigid++;
+  }
+  shift = rigid > 0 && rigid < m ? work->d[rigid] : FB_R(0.0);
+  for (int i = 0; i < m * m; i++) {
+    A[i] = M[i];
+    B[i] = K[i] + shift * M[i];
+  }
+  status = rigid == m ? FB_OK : fb_eig_gen_solve(work->d, work->X, A, B, m);
+  *found = m - rigid;
+  for (int k = 0; k < m / 2; k++) { /* largest mu first */
+    const fb_real mu = work->d[k];
+    work->d[k] = work->d[m - 1 - k];
+    work->d[m - 1 - k] = mu;
+    for (int i = 0; i < m; i++) {
+      const fb_real x = work->X[k * m + i];
+      work->X[k * m + i] = work->X[(m - 1 - k) * m + i];
+      work->X[(m - 1 - k) * m + i] = x;
+    }
+  }
+  for (int k = 0; k < *found; k++) {
+    const fb_real mu = work->d[rigid + k], scale = FB_R(1.0) / FB_SQRT(mu);
+    work->d[k] = FB_R(1.0) / mu - shift;
+    for (int i = 0; i < m; i++) {
+      work->X[k * m + i] = scale * work->X[(rigid + k) * m + i];
+    }
+  }
+  return status;
+}
+
+/* Shapes of component c in the first n common modes: those of its coordinates, at in the row of all, combined by scale Z
+   x; its share of M and K. */
+static void fbi_join_expand(fb_modes *out, fb_join_work *work, const fb_modes *component, int at, int n, int m)
+{
+  fb_real *const q = work->A, *const half = work->B; /* component->n x n each */
+  const int nc = component->n;
+  memset(out, 0, sizeof *out);
+  out->n = n;
+  out->ndof = component->ndof;
+  for (int a = 0; a < nc; a++) {
+    for (int k = 0; k < n; k++) {
+      fb_real sum = FB_R(0.0);
+      for (int j = 0; j < m; j++) {
+        sum += work->Z[(at + a) * m + j] * work->X[k * m + j];
+      }
+      q[a * n + k] = work->scale[at + a] * sum;
+      for (int i = 0; i < out->ndof; i++) {
+        out->shape[k * out->ndof + i] += q[a * n + k] * component->shape[a * out->ndof + i];
+      }
+    }
+  }
+  for (int matrix = 0; matrix < 2; matrix++) {
+    const fb_real *const A = matrix ? component->K : component->M;
+    fb_real *const to = matrix ? out->K : out->M;
+    for (int ak = 0; ak < nc * n; ak++) {
+      half[ak] = FB_R(0.0);
+      for (int b = 0; b < nc; b++) {
+        half[ak] += A[(ak / n) * nc + b] * q[b * n + ak % n];
+      }
+    }
+    for (int kl = 0; kl < n * n; kl++) {
+      for (int a = 0; a < nc; a++) {
+        to[kl] += q[a * n + kl / n] * half[a * n + kl % n];
+      }
+    }
+  }
+}
+
+/* The kind of the component coordinate with the largest share in common mode k, and a sign: that coordinate positive. */
+static fb_kind fbi_join_kind(fb_join_work *work, const fb_modes *component, int n_component, int k, int m)
+{
+  fb_real best = FB_R(0.0), sign = FB_R(1.0);
+  fb_kind kind = FB_KIND_BEND_Y;
+  int at = 0;
+  for (int c = 0; c < n_component; c++) {
+    for (int a = 0; a < component[c].n; a++, at++) {
+      fb_real sum = FB_R(0.0); /* in units of modal mass */
+      for (int j = 0; j < m; j++) {
+        sum += work->Z[at * m + j] * work->X[k * m + j];
+      }
+      if (FB_FABS(sum) > best * (FB_R(1.0) + FBI_ROUNDING)) {
+        best = FB_FABS(sum);
+        sign = sum < FB_R(0.0) ? -FB_R(1.0) : FB_R(1.0);
+        kind = component[c].kind[a];
+      }
+    }
+  }
+  for (int j = 0; j < m; j++) {
+    work->X[k * m + j] *= sign;
+  }
+  return kind;
+}
+
+/* [E7.12] Synthesis: the welds T q = 0 are solved by q = Z y, the common modes are those of Z^T K Z, Z^T M Z.
+   Source: [H] 3.6-14.  Cost: E5.4 twice with the number of free coordinates.  Fails: see the header.
+   Test: joined_halves_are_the_whole, joined_components_converge_and_refuse. */
+FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_beam *beam, const fb_modes *component,
+                               int n_component, const fb_weld *weld, int n_weld, int lowest, fb_real omega_limit)
+{
+  int N, m, at = 0, found = 0, n = 0;
+  fb_status status;
+  FBI_REQUIRE(joined && work && beam && component && (weld || n_weld == 0), FB_ERR_NULL);
+  if (!fbi_is_finite(&omega_limit, 1)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  status = lowest < 0 || omega_limit < FB_R(0.0) ? FB_ERR_VALUE
+                                                 : fbi_join_check(beam, component, n_component, weld, n_weld);
+  if (status != FB_OK) {
+    return status;
+  }
+  N = fbi_join_assemble(work, beam, component, n_component, weld, n_weld);
+  m = N - fbi_null_space(work->Z, work->T, work->pivot, 6 * n_weld, N);
+  fbi_congruence(work->K, work->Z, work->A, N, m);
+  fbi_congruence(work->M, work->Z, work->A, N, m);
+  status = fbi_join_solve(work, m, &found);
+  if (status != FB_OK) {
+    return status;
+  }
+  while (n < found && (lowest == 0 || n < lowest) &&
+         (!(omega_limit > FB_R(0.0)) || work->d[n] <= omega_limit * omega_limit)) {
+    n++;
+  }
+  if (n > FB_MAX_MODES || (n < lowest && !(omega_limit > FB_R(0.0)))) {
+    return n > FB_MAX_MODES ? FB_ERR_CAPACITY : FB_ERR_KIND;
+  }
+  for (int k = 0; k < n; k++) {
+    work->joined[0].kind[k] = fbi_join_kind(work, component, n_component, k, m);
+  }
+  for (int c = 0; c < n_component; c++) {
+    fb_kind kind[FB_MAX_MODES];
+    memcpy(kind, work->joined[0].kind, sizeof kind);
+    fbi_join_expand(&work->joined[c], work, &component[c], at, n, m);
+    memcpy(work->joined[c].kind, kind, sizeof kind);
+    for (int k = 0; k < n; k++) {
+      work->joined[c].omega[k] = FB_SQRT(work->d[k]);
+    }
+    at += component[c].n;
+  }
+  memcpy(joined, work->joined, (size_t)n_component * sizeof *joined);
+  return FB_OK;
+}
+
 /* ---------------------------------------------------------------------------------------------------------------
    8 >>body (uses 1-7)
    8a shape integrals - 8b effects to terms - 8c kernels of the step - 8d nodes and loads - 8e the other forms -
@@ -3364,6 +3686,45 @@ static fb_status fbi_beam_fits(const fb_shape *shape, int first, const fb_beam *
   return FB_OK;
 }
 
+/* Where the quadratic field of a beam begins: zero, or, for a root that moves with the modes, at the node of the shape
+   that is there and moves with it (E7.12). */
+static void fbi_station_start(fbi_station *st, const fb_shape *shape, int first, const fb_beam *beam,
+                              const fb_modes *modes)
+{
+  fb_real u[3 * FB_MAX_MODES], theta[3 * FB_MAX_MODES], size = FB_R(0.0);
+  memset(st, 0, sizeof *st);
+  for (int a = 0; a < modes->n; a++) {
+    fb_real motion[6] = {FB_R(0.0)};
+    if (modes->degree == 0) {
+      fbi_weld_motion(motion, beam, modes, a, 0);
+    }
+    fbi_copy(u + 3 * a, motion, 3);
+    fbi_copy(theta + 3 * a, motion + 3, 3);
+  }
+  for (int i = 0; i < 3 * modes->n; i++) {
+    size = fbi_larger(size, fbi_larger(FB_FABS(u[i]), beam->desc.length * FB_FABS(theta[i])));
+  }
+#if FBI_WITH_QUADRATIC
+  for (int k = 1; k < shape->n_node && size > FB_R(0.0); k++) {
+    const fb_node *node = &shape->node[k];
+    fb_real apart[3], miss;
+    fbi_copy(apart, node->r, 3);
+    fbi_vec3_add(apart, -FB_R(1.0), beam->desc.position);
+    miss = size * fbi_vec3_norm(apart) / beam->desc.length;
+    for (int i = 0; i < 3 * modes->n; i++) {
+      miss = fbi_larger(miss, FB_FABS(node->psi[3 * first + i] - u[i]));
+      miss = fbi_larger(miss, beam->desc.length * FB_FABS(node->theta[3 * first + i] - theta[i]));
+    }
+    for (int ab = 0; ab < modes->n * modes->n && miss < FB_R(1e-3) * size; ab++) {
+      const int a = first + fbi_more(ab / modes->n, ab % modes->n), b = 2 * first + ab / modes->n + ab % modes->n - a;
+      fbi_copy(st->chi + 3 * ab, node->chi + 3 * (a * (a + 1) / 2 + b), 3);
+      fbi_copy(st->chi_theta + 3 * ab, node->chi_theta + 3 * (a * (a + 1) / 2 + b), 3);
+    }
+  }
+#endif
+  (void)shape, (void)first, (void)size;
+}
+
 FB_DEF fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes)
 {
   const fb_status status = fbi_beam_fits(shape, first, beam, modes);
@@ -3374,7 +3735,7 @@ FB_DEF fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *be
   if (status != FB_OK) {
     return status;
   }
-  memset(&start, 0, sizeof start);
+  fbi_station_start(&start, shape, first, beam, modes);
   while (fbi_cell_next(&cell, beam)) {
     fbi_cell_fields_init(&fields, beam, modes, &cell);
     if (cell.element == node) {
@@ -3422,7 +3783,7 @@ FB_DEF fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, c
   if (shape->n_node >= FB_MAX_NODES) {
     return FB_ERR_CAPACITY;
   }
-  memset(&st, 0, sizeof st);
+  fbi_station_start(&st, shape, first, beam, modes);
   while (fbi_cell_next(&cell, beam)) {
     fbi_cell_fields_init(&fields, beam, modes, &cell);
     if (x <= cell.x1 || fbi_cell_is_last(&cell, beam)) {
