@@ -93,6 +93,8 @@
      FB_WITH_GRAVITY                  1        0, 1    "
      FB_WITH_NONLINEAR_STRAIN         1        0, 1    "
      FB_MAX_STRAINS                   24       1..999  strain stations of a body (nonlinear strain only)
+     FB_MAX_LAMBDA, FB_MAX_S          0       0..     terms of Lambda(q) and S(q) that a body holds; 0: as many as there
+                                                      can be. For models in ROM: examples/reduce tells what one takes
      FB_WITH_FORMS                    0        0, 1    1: the second-order and the printed first-order form, too
      FB_ASSERT(x)                     nothing  -       called with 0 on a programmer's error (NULL, index, capacity)
      FB_ALLOW_FAST_MATH               -        -       compile under -ffast-math (finite checks are then void)
@@ -211,6 +213,12 @@
 #ifndef FB_MAX_STRAINS
 #define FB_MAX_STRAINS 24
 #endif
+#ifndef FB_MAX_LAMBDA
+#define FB_MAX_LAMBDA 0
+#endif
+#ifndef FB_MAX_S
+#define FB_MAX_S 0
+#endif
 #ifndef FB_WITH_FORMS
 #define FB_WITH_FORMS 0
 #endif
@@ -237,6 +245,9 @@
 #endif
 #if FB_MAX_STRAINS < 1 || FB_MAX_STRAINS > 999
 #error "flexbeam: FB_MAX_STRAINS is 1..999"
+#endif
+#if FB_MAX_LAMBDA < 0 || FB_MAX_LAMBDA > 60000 || FB_MAX_S < 0 || FB_MAX_S > 60000
+#error "flexbeam: FB_MAX_LAMBDA and FB_MAX_S are 0..60000"
 #endif
 #if FB_WITH_FORMS && !(FB_WITH_SPIN_COUPLING && FB_WITH_RESIDUAL_INERTIA)
 #error "flexbeam: FB_WITH_FORMS needs FB_WITH_SPIN_COUPLING and FB_WITH_RESIDUAL_INERTIA"
@@ -281,12 +292,13 @@ typedef double fb_real;
 #else
 #define FBI_PRECISION double
 #endif
-#define FBI_CAT(p, m, n, l, e, s, u, t, a, b, c, d, f, g, h, o) \
-  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_with##a##b##c##d##f##g##h##_forms##o
-#define FBI_CAT_(p, m, n, l, e, s, u, t, a, b, c, d, f, g, h, o) FBI_CAT(p, m, n, l, e, s, u, t, a, b, c, d, f, g, h, o)
+#define FBI_CAT(p, m, n, l, e, s, u, t, v, w, a, b, c, d, f, g, h, o) \
+  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_lambda##v##_s##w##_with##a##b##c##d##f##g##h##_forms##o
+#define FBI_CAT_(p, m, n, l, e, s, u, t, v, w, a, b, c, d, f, g, h, o) \
+  FBI_CAT(p, m, n, l, e, s, u, t, v, w, a, b, c, d, f, g, h, o)
 #define FBI_CONFIG_SYMBOL                                                                                           \
   FBI_CAT_(FBI_PRECISION, FB_MAX_MODES, FB_MAX_NODES, FB_MAX_LOADS, FB_MAX_ELEMENTS, FB_MAX_STATIONS, FB_MAX_LUMPS, \
-           FB_MAX_STRAINS, FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA, FB_WITH_SPIN_STIFFENING,                \
+           FB_MAX_STRAINS, FB_MAX_LAMBDA, FB_MAX_S, FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA, FB_WITH_SPIN_STIFFENING,                \
            FB_WITH_ACCELERATION_STIFFENING, FB_WITH_DAMPING, FB_WITH_GRAVITY, FB_WITH_NONLINEAR_STRAIN, FB_WITH_FORMS)
 #define FBI_STRING(x) #x
 #define FBI_STRING_(x) FBI_STRING(x)
@@ -708,6 +720,17 @@ FB_API fb_status fb_shape_add_particle(fb_shape *shape, fb_real mass, const fb_r
 /* A rigid body fixed to the body frame: mass [kg], mass center [m], inertia about it [kg m^2] (xx, yy, zz, xy, xz,
    yz). */
 FB_API fb_status fb_shape_add_rigid(fb_shape *shape, fb_real mass, const fb_real center[3], const fb_real inertia[6]);
+/* Of a finite-element model: a node with its lumped mass [kg] and inertia [kg m^2] about the node (xx, yy, zz, xy, xz, yz;
+   NULL: none), displacement and rotation shapes psi, theta (n x 3); a node to carry loads and sensors; and the integrals
+   of the quadratic displacement of a pair of coordinates (p^chi [kg/m], h^chi, Gamma^chi 3 x 3 [kg]; NULL: none), which
+   also set those of b, a. Set shape->K yourself: omega^2 times shape->M on the diagonal for modes. Errors as for a
+   particle; FB_ERR_CAPACITY: nodes, coordinates. */
+FB_API fb_status fb_shape_add_lump(fb_shape *shape, fb_real mass, const fb_real r[3], const fb_real *inertia,
+                                   const fb_real *psi, const fb_real *theta);
+FB_API fb_status fb_shape_add_node(fb_shape *shape, int *node, const fb_real r[3], const fb_real *psi,
+                                   const fb_real *theta);
+FB_API fb_status fb_shape_add_pair(fb_shape *shape, int a, int b, const fb_real *pchi, const fb_real *hchi,
+                                   const fb_real *Gamchi);
 /* A beam with its modes as coordinates first .. first + modes->n - 1: all integrals, M and K. Where its root moves with
    the modes and a node of the shape is there and moves alike (fb_modes_join), the quadratic field goes on from it. */
 FB_API fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes);
@@ -812,12 +835,20 @@ typedef struct fb_S_pair {
   unsigned short a, b;
 } fb_S_pair;
 
+#if FB_MAX_LAMBDA > 0
+#define FBI_MAX_LAMBDA FB_MAX_LAMBDA
+#else
 #define FBI_MAX_LAMBDA                                                                                 \
   (FB_MAX_MODES * (6 + 3 * FB_MAX_MODES * (FB_WITH_SPIN_COUPLING || FB_WITH_ACCELERATION_STIFFENING) + \
                    3 * FB_MAX_MODES * FB_WITH_ACCELERATION_STIFFENING))
+#endif
 /* pairs a >= b of (1, q) but 00 */
 #define FBI_MAX_PAIRS_S (FBI_WITH_SHAPE_INERTIA ? (FB_MAX_MODES + 1) * (FB_MAX_MODES + 2) / 2 - 1 : 1)
+#if FB_MAX_S > 0
+#define FBI_MAX_S FB_MAX_S
+#else
 #define FBI_MAX_S (FBI_WITH_SHAPE_INERTIA ? 21 * FBI_MAX_PAIRS_S : 1)
+#endif
 
 #if FB_WITH_NONLINEAR_STRAIN
 typedef struct fb_strain_row { /* what a coordinate adds to u_x', u_y' or u_z' (axis 0, 1, 2) at the strain stations */
@@ -881,7 +912,7 @@ typedef struct fb_body {
   fb_node node[FB_MAX_NODES];
 } fb_body;
 
-/* FB_ERR_EFFECTS (see fb_effects_check), FB_ERR_SINGULAR (M, or S_0 of a free body), FB_ERR_VALUE (no mass, negative
+/* FB_ERR_CAPACITY (FB_MAX_LAMBDA, FB_MAX_S), FB_ERR_EFFECTS (see fb_effects_check), FB_ERR_SINGULAR (M, or S_0 of a free body), FB_ERR_VALUE (no mass, negative
    damping), FB_ERR_NOT_FINITE, FB_ERR_NULL. body is written only on FB_OK.  */
 typedef struct fb_body_work {
   fb_real L[FB_MAX_MODES * FB_MAX_MODES], A[FB_MAX_MODES * FB_MAX_MODES], B[FB_MAX_MODES * FB_MAX_MODES];

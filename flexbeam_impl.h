@@ -3676,6 +3676,86 @@ static void fbi_section_to_shape(fb_shape *shape, const fbi_station *st, const f
   fbi_slice_add(shape, st, first, n, dx * section->mass, d, spread, w);
 }
 
+static fb_status fbi_shapes_check(const fb_shape *shape, const fb_real r[3], const fb_real *psi, const fb_real *theta)
+{
+  FBI_REQUIRE(shape && r && ((psi && theta) || shape->n == 0), FB_ERR_NULL);
+  return fbi_is_finite(r, 3) && fbi_is_finite(psi, 3 * shape->n) && fbi_is_finite(theta, 3 * shape->n)
+             ? FB_OK
+             : FB_ERR_NOT_FINITE;
+}
+
+FB_DEF fb_status fb_shape_add_lump(fb_shape *shape, fb_real mass, const fb_real r[3], const fb_real *inertia,
+                                   const fb_real *psi, const fb_real *theta)
+{
+  const fb_real none[6] = {FB_R(0.0)}, unit[3] = {FB_R(1.0), FB_R(1.0), FB_R(1.0)};
+  fb_real spread[3][3];
+  fbi_station st;
+  fb_status status = fbi_shapes_check(shape, r, psi, theta);
+  if (status != FB_OK) {
+    return status;
+  }
+  if (!fbi_is_finite(&mass, 1) || !fbi_is_finite(inertia ? inertia : none, 6)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  if (mass < FB_R(0.0) || fbi_spread(spread, inertia ? inertia : none) != FB_OK) {
+    return FB_ERR_VALUE;
+  }
+  memset(&st, 0, sizeof st);
+  fbi_copy(st.r, r, 3);
+  fbi_copy(st.u, psi, 3 * shape->n);
+  fbi_copy(st.theta, theta, 3 * shape->n);
+  fbi_slice_add(shape, &st, 0, shape->n, mass, none, spread, unit);
+  return FB_OK;
+}
+
+FB_DEF fb_status fb_shape_add_node(fb_shape *shape, int *node, const fb_real r[3], const fb_real *psi,
+                                   const fb_real *theta)
+{
+  const fb_status status = fbi_shapes_check(shape, r, psi, theta);
+  fb_node *out;
+  if (status != FB_OK) {
+    return status;
+  }
+  FBI_REQUIRE(node, FB_ERR_NULL);
+  if (shape->n_node >= FB_MAX_NODES) {
+    return FB_ERR_CAPACITY;
+  }
+  out = &shape->node[shape->n_node];
+  memset(out, 0, sizeof *out);
+  fbi_copy(out->r, r, 3);
+  fbi_copy(out->psi, psi, 3 * shape->n);
+  fbi_copy(out->theta, theta, 3 * shape->n);
+  *node = shape->n_node++;
+  return FB_OK;
+}
+
+FB_DEF fb_status fb_shape_add_pair(fb_shape *shape, int a, int b, const fb_real *pchi, const fb_real *hchi,
+                                   const fb_real *Gamchi)
+{
+  FBI_REQUIRE(shape, FB_ERR_NULL);
+  FBI_REQUIRE(a >= 0 && a < shape->n && b >= 0 && b < shape->n, FB_ERR_CAPACITY);
+  if (!fbi_is_finite(pchi, pchi ? 3 : 0) || !fbi_is_finite(hchi, hchi ? 3 : 0) ||
+      !fbi_is_finite(Gamchi, Gamchi ? 9 : 0)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  for (int side = 0; side < (a == b ? 1 : 2); side++) {
+    const int ab = side ? b * shape->n + a : a * shape->n + b;
+    for (int i = 0; i < 9; i++) {
+#if FB_WITH_ACCELERATION_STIFFENING
+      if (i < 3) {
+        shape->pchi[3 * ab + i] += pchi ? pchi[i] : FB_R(0.0);
+        shape->hchi[3 * ab + i] += hchi ? hchi[i] : FB_R(0.0);
+      }
+#endif
+#if FB_WITH_SPIN_STIFFENING
+      shape->Gamchi[9 * ab + i] += Gamchi ? Gamchi[i] : FB_R(0.0);
+#endif
+      (void)ab, (void)i;
+    }
+  }
+  return FB_OK;
+}
+
 static fb_status fbi_beam_fits(const fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes)
 {
   FBI_REQUIRE(shape && beam && modes, FB_ERR_NULL);
@@ -4023,11 +4103,14 @@ static void fbi_lambda_list_term(fb_body *body, const fb_shape *shape, const fb_
 {
   const fb_real value = Lambda[(a * 6 + i) * body->n + b];
   if (FB_FABS(value) > FBI_ROUNDING * fbi_lambda_size(shape, i, a, b)) {
-    fb_lambda_term *term = &body->lambda[body->n_lambda++];
-    term->c = -value;
-    term->i = (unsigned short)i;
-    term->a = (unsigned short)a;
-    term->b = (unsigned short)b;
+    if (body->n_lambda < FBI_MAX_LAMBDA) {
+      fb_lambda_term *term = &body->lambda[body->n_lambda];
+      term->c = -value;
+      term->i = (unsigned short)i;
+      term->a = (unsigned short)a;
+      term->b = (unsigned short)b;
+    }
+    body->n_lambda++; /* the caller looks whether all found room */
   }
 }
 
@@ -4168,9 +4251,12 @@ static void fbi_S_list_pair(fb_body *body, const fb_shape *shape, const fb_real 
       if (a == 0) {
         body->S0[at] = S[at];
       } else if (FB_FABS(S[at]) > FBI_ROUNDING * fbi_S_size(shape, Z, a, b, i, j)) {
-        body->S[body->n_S].c = S[at];
-        body->S[body->n_S].pair = (unsigned short)body->n_pair;
-        body->S[body->n_S++].i = (unsigned short)at;
+        if (body->n_S < FBI_MAX_S) {
+          body->S[body->n_S].c = S[at];
+          body->S[body->n_S].pair = (unsigned short)body->n_pair;
+          body->S[body->n_S].i = (unsigned short)at;
+        }
+        body->n_S++;
       }
     }
   }
@@ -4730,6 +4816,9 @@ static fb_status fbi_terms_fill(fb_body *body, fb_body_work *work, const fb_shap
   fb_status status = FB_OK;
   fbi_lambda_fill(work->Lambda, shape, n, ups, chi);
   fbi_lambda_list(body, shape, work->Lambda);
+  if (body->n_lambda > FBI_MAX_LAMBDA) {
+    return FB_ERR_CAPACITY;
+  }
   fbi_lambda_fill(work->Lambda, shape, n, ups && fbi_has(body->effects, FB_EFFECT_RESIDUAL_INERTIA), chi);
   fbi_copy(work->L, shape->M, n * n);
   if (n > 0) {
@@ -4746,7 +4835,7 @@ static fb_status fbi_terms_fill(fb_body *body, fb_body_work *work, const fb_shap
 #else
   (void)fbi_S_list(body, shape, work->Lambda);
 #endif
-  return FB_OK;
+  return body->n_S > FBI_MAX_S ? FB_ERR_CAPACITY : FB_OK;
 }
 
 FB_DEF fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc)

@@ -2013,7 +2013,89 @@ TEST(joined_components_converge_and_refuse)
   FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, 4, FB_R(0.0)), FB_ERR_VALUE);
 }
 
-SUITE(body, RUN(joined_halves_are_the_whole), RUN(joined_components_converge_and_refuse),
+/* E8.1, E6.2: the boom's beam rebuilt as a finite-element model: lumped masses at nodes with displacements, rotations and
+   rotary inertia, the quadratic integrals by pairs. With many nodes the integrals are those of the beam (midpoints:
+   error 1/nodes^2); the node's loads and motions are those of the beam's node. */
+TEST(finite_element_models_are_the_beams_they_came_from)
+{
+  static fb_shape model;
+  const int nodes = 400;
+  int node[2], at;
+  boom(&shape, node); /* its hub and tip body stay out */
+  FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
+  beam.desc.n_lump = 0;
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node[0], 0, &beam, &modes, FB_R(3.0)), FB_OK);
+  FBT_INT_EQ(fb_shape_init(&model, modes.n), FB_OK);
+  for (int k = 0; k < nodes; k++) {
+    const fb_real x = FB_R(4.0) * ((fb_real)k + FB_R(0.5)) / (fb_real)nodes, dx = FB_R(4.0) / (fb_real)nodes;
+    fb_section s;
+    fb_real local[9] = {0}, half[9], J[9], inertia[6];
+    const fb_node *n = &shape.node[2];
+    shape.n_node = 2;
+    FBT_INT_EQ(fb_shape_add_beam_node(&shape, &at, 0, &beam, &modes, x), FB_OK);
+    fb_beam_section(&s, &beam, x);
+    local[0] = dx * (s.i_y + s.i_z);
+    local[4] = dx * s.i_y;
+    local[8] = dx * s.i_z;
+    fb_mat33_mul(half, beam.axes, local);
+    for (int i = 0; i < 9; i++) { /* A J A^T */
+      J[i] = half[3 * (i / 3)] * beam.axes[3 * (i % 3)] + half[3 * (i / 3) + 1] * beam.axes[3 * (i % 3) + 1] +
+             half[3 * (i / 3) + 2] * beam.axes[3 * (i % 3) + 2];
+    }
+    inertia[0] = J[0];
+    inertia[1] = J[4];
+    inertia[2] = J[8];
+    inertia[3] = J[1];
+    inertia[4] = J[2];
+    inertia[5] = J[5];
+    FBT_INT_EQ(fb_shape_add_lump(&model, dx * s.mass, n->r, inertia, n->psi, n->theta), FB_OK);
+  }
+  FBT_NEAR_REL(model.mass, shape.mass, FBT_TOL(1e-6, 1e-4));
+  for (int a = 0; a < modes.n; a++) {
+    for (int i = 0; i < 3; i++) {
+      FBT_NEAR_ABS(model.P[3 * a + i], shape.P[3 * a + i], 2e-4);
+      FBT_NEAR_ABS(model.H[3 * a + i], shape.H[3 * a + i], 1e-3);
+    }
+    for (int b = 0; b < modes.n; b++) {
+      const int ab = a * modes.n + b;
+      FBT_NEAR_ABS(model.M[ab], shape.M[ab], 1e-3);
+      for (int i = 0; i < 9; i++) {
+        FBT_NEAR_ABS(model.Pi[9 * ab + i], shape.Pi[9 * ab + i], 1e-3);
+      }
+      if (b <= a) {
+        const fb_real *G = shape.Gamchi + 9 * ab;
+        fb_real rest[9];
+        for (int i = 0; i < 9; i++) {
+          rest[i] = G[i] - model.Gamchi[9 * ab + i];
+        }
+        FBT_INT_EQ(fb_shape_add_pair(&model, a, b, shape.pchi + 3 * ab, NULL, rest), FB_OK);
+        for (int i = 0; i < 9; i++) {
+          FBT_NEAR_ABS(model.Gamchi[9 * (b * modes.n + a) + i], G[i], FBT_TOL(1e-12, 1e-4));
+        }
+      }
+    }
+  }
+  FBT_INT_EQ(fb_shape_add_node(&model, &at, shape.node[1].r, shape.node[1].psi, shape.node[1].theta), FB_OK);
+  FBT_INT_EQ(at, 1);
+  FBT_TRUE(memcmp(model.node[1].psi, shape.node[1].psi, sizeof shape.node[1].psi) == 0);
+  { /* bad input leaves the model as it is */
+    static fb_shape kept;
+    const fb_real bad[3] = {0, (fb_real)NAN, 0}, odd[6] = {FB_R(1.0), FB_R(1.0), FB_R(3.0), 0, 0, 0};
+    memcpy(&kept, &model, sizeof model);
+    FBT_INT_EQ(fb_shape_add_lump(&model, -FB_R(1.0), shape.node[1].r, NULL, shape.node[1].psi, shape.node[1].theta), FB_ERR_VALUE);
+    FBT_INT_EQ(fb_shape_add_lump(&model, FB_R(1.0), shape.node[1].r, odd, shape.node[1].psi, shape.node[1].theta), FB_ERR_VALUE);
+    FBT_INT_EQ(fb_shape_add_lump(&model, FB_R(1.0), bad, NULL, shape.node[1].psi, shape.node[1].theta), FB_ERR_NOT_FINITE);
+    FBT_INT_EQ(fb_shape_add_lump(&model, FB_R(1.0), shape.node[1].r, NULL, NULL, shape.node[1].theta), FB_ERR_NULL);
+    FBT_INT_EQ(fb_shape_add_node(&model, NULL, shape.node[1].r, shape.node[1].psi, shape.node[1].theta), FB_ERR_NULL);
+    FBT_INT_EQ(fb_shape_add_pair(&model, 0, modes.n, NULL, NULL, NULL), FB_ERR_CAPACITY);
+    FBT_INT_EQ(fb_shape_add_pair(&model, 0, 1, bad, NULL, NULL), FB_ERR_NOT_FINITE);
+    FBT_TRUE(memcmp(&kept, &model, sizeof model) == 0);
+  }
+}
+
+SUITE(body, RUN(finite_element_models_are_the_beams_they_came_from),
+     RUN(joined_halves_are_the_whole), RUN(joined_components_converge_and_refuse),
      RUN(shape_integrals_obey_the_vector_identities), RUN(inertial_identities_hold_as_published),
       RUN(accelerations_agree_with_a_particle_model), RUN(momenta_agree_with_a_particle_model),
       RUN(elastic_forces_agree_with_a_particle_model), RUN(each_set_of_effects_follows_its_own_lagrangian),
