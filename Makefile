@@ -10,14 +10,15 @@ export WARNINGS WARNINGS_C
 
 LIBRARY  = flexbeam.h flexbeam_impl.h
 SECTIONS = main status vec3 rotation linalg beam modes body forms integrate analyse build
-EXAMPLES = quickstart spinup campbell table1
-CHECKS   = sanitize suite compile instructions mismatch removed style tidy two_precisions stack symbols ids quickstart
+EXAMPLES = quickstart spinup campbell table1 reduce elastodyn firmware
+CHECKS   = sanitize suite compile rom instructions mismatch removed style tidy two_precisions stack symbols ids quickstart
 
 .DELETE_ON_ERROR:
-.PHONY: help run table1 test examples bench sizes readme format clean ci FORCE $(CHECKS:%=check-%)
+.PHONY: help run table1 blade test examples bench sizes readme format clean ci FORCE $(CHECKS:%=check-%)
 
 help:
 	@echo "make run       spin-up of a flexible beam against its reference, time per step, picture if gnuplot is there"
+	@echo "make blade     Campbell diagram of the NREL 5-MW blade, 0 to 20 rpm: build/campbell.csv, build/campbell.svg"
 	@echo "make table1    the forms of the equations of motion, figures and accuracy of D'Eleuterio and Barfoot: build/table1/"
 	@echo "make test      build and run the tests, build the examples"
 	@echo "make examples  $(EXAMPLES:%=build/examples/%)"
@@ -37,6 +38,9 @@ run: build/examples/spinup
 table1: build/examples/table1
 	@mkdir -p build/table1
 	@$< --out build/table1 > build/table1/tables.txt; status=$$?; cat build/table1/tables.txt; exit $$status
+
+blade: build/examples/campbell
+	$< --blade tests/reference/nrel5mw_blade.csv --mass-factor 1.04536 --modes 3 --picture build/campbell.svg > build/campbell.csv
 
 test: examples check-quickstart build/test_runner
 	build/test_runner
@@ -74,6 +78,14 @@ clean:
 
 build/examples/%: examples/%.c $(wildcard examples/*.h) $(LIBRARY) build/flags | build/examples
 	$(CC) $(FLAGS) $(CFLAGS) -o $@ $< -lm
+
+# The model in ROM says itself which configuration it takes.
+build/examples/blade_rom.h: examples/blade.txt build/examples/reduce
+	build/examples/reduce $< --single --out $@
+
+build/examples/firmware: examples/firmware.c build/examples/blade_rom.h $(LIBRARY) build/flags
+	$(CC) $(FLAGS) $(CFLAGS) -Ibuild/examples -ffunction-sections -fdata-sections -Wl,--gc-sections \
+	  $$(grep -o -e '-DFB_[A-Z_]*=[0-9]*' build/examples/blade_rom.h) -o $@ $< -lm
 
 build/bench/%_double: bench/%.c $(wildcard bench/*.h) $(LIBRARY) build/flags | build/bench
 	$(CC) $(FLAGS) $(CFLAGS) -DFBB_FLAGS='"$(CFLAGS)"' -o $@ $< -lm

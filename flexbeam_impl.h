@@ -111,11 +111,6 @@ static void fbi_copy(fb_real *y, const fb_real *x, int n)
   }
 }
 
-static int fbi_more(int a, int b)
-{
-  return a > b ? a : b;
-}
-
 static fb_real fbi_larger(fb_real a, fb_real b)
 {
   return a > b ? a : b;
@@ -2598,8 +2593,8 @@ static fb_status fbi_component_take(const fb_modes_desc *desc, fb_modes_work *wo
 {
   fb_modes *out = &work->found;
   const int m = desc->n_boundary;
+  fb_real *constraint;
   int taken[FB_KIND_COUNT] = {0}, dof[FBI_MAX_DOF], n;
-  fb_real constraint[FB_MAX_COORDINATES * FBI_MAX_DOF];
   fb_status status = fbi_modes_take(desc, work, beam, group, taken, desc->count);
   status = status ? status : fbi_count_check(desc, taken, out->n);
   if (status != FB_OK) {
@@ -2608,6 +2603,7 @@ static fb_status fbi_component_take(const fb_modes_desc *desc, fb_modes_work *wo
   if (out->n > FB_MAX_MODES - (desc->boundary_inertia ? 2 : 1) * m) {
     return FB_ERR_CAPACITY;
   }
+  constraint = out->shape + (FB_MAX_MODES - m) * out->ndof; /* behind all others */
   n = fbi_static_factor(&status, dof, work, beam, group);
   for (int k = 0; k < m && status == FB_OK; k++) {
     const int at = fbi_coordinate_dof(&desc->boundary[k]);
@@ -2631,12 +2627,13 @@ static fb_status fbi_component_take(const fb_modes_desc *desc, fb_modes_work *wo
     return status;
   }
   fbi_modes_sort(out);
+  fbi_copy(work->X, constraint, m * out->ndof); /* and in front of them */
   for (int k = out->n - 1; k >= 0; k--) {
     fbi_shape_move(out, k + m, k);
   }
   out->n += m;
   for (int k = 0; k < m; k++) {
-    fbi_copy(out->shape + k * out->ndof, constraint + k * out->ndof, out->ndof);
+    fbi_copy(out->shape + k * out->ndof, work->X + k * out->ndof, out->ndof);
     out->kind[k] = fbi_dof_kind(beam, fbi_coordinate_dof(&desc->boundary[k]));
     out->omega[k] = FB_R(0.0);
   }
@@ -3796,7 +3793,7 @@ static void fbi_station_start(fbi_station *st, const fb_shape *shape, int first,
       miss = fbi_larger(miss, beam->desc.length * FB_FABS(node->theta[3 * first + i] - theta[i]));
     }
     for (int ab = 0; ab < modes->n * modes->n && miss < FB_R(1e-3) * size; ab++) {
-      const int a = first + fbi_more(ab / modes->n, ab % modes->n), b = 2 * first + ab / modes->n + ab % modes->n - a;
+      const int i = ab / modes->n, j = ab % modes->n, a = first + (i > j ? i : j), b = 2 * first + i + j - a;
       fbi_copy(st->chi + 3 * ab, node->chi + 3 * (a * (a + 1) / 2 + b), 3);
       fbi_copy(st->chi_theta + 3 * ab, node->chi_theta + 3 * (a * (a + 1) / 2 + b), 3);
     }

@@ -2,6 +2,7 @@
    commas count as blanks. */
 #ifndef TEXT_H
 #define TEXT_H
+#include <ctype.h>
 #include <errno.h>
 #include <math.h>
 #include <stdarg.h>

@@ -1,0 +1,527 @@
+/* model.h - text descriptions of a body, read into a fb_body. README.md, "Bodies from files", lists the words.
+   Include flexbeam.h first. Everything is static: one model at a time. */
+#ifndef MODEL_H
+#define MODEL_H
+#include "text.h"
+
+#define MODEL_NODES 4096 /* of a finite-element component */
+
+typedef struct model_node {
+  int id, marked;
+  double x[3], mass, inertia[6];
+  double shape[6 * FB_MAX_MODES]; /* displacement and rotation by mode */
+  int have[FB_MAX_MODES];
+} model_node;
+
+static struct model {
+  char name[64];
+  int component; /* nodes and shapes of a finite-element program, or a beam */
+  double hub_mass, hub_center[3], hub_inertia[6];
+  fb_beam_desc beam;
+  fb_modes_desc modes;
+  fb_body_desc level;
+  double fraction_to_length; /* 1: stations are given as fractions */
+  int n_mark;
+  double mark[FB_MAX_NODES];
+  int n_mode, n_node, n_pair;
+  double frequency[FB_MAX_MODES];
+  model_node node[MODEL_NODES];
+  struct {
+    int a, b;
+    double p[3], h[3], gamma[9];
+  } pair[FB_MAX_MODES * (FB_MAX_MODES + 1) / 2];
+} model;
+
+static fb_beam model_beam;
+static fb_modes model_modes;
+static fb_modes_work model_modes_work;
+static fb_shape model_shape;
+static fb_body model_body;
+static fb_body_work model_body_work;
+
+static const double model_pi = 3.14159265358979324;
+
+static void model_vector(text_file *t, const char *what, double *x, int n)
+{
+  for (int i = 0; i < n; i++) {
+    x[i] = text_number(t, what);
+  }
+}
+
+static void model_reals(text_file *t, const char *what, fb_real *x, int n)
+{
+  for (int i = 0; i < n; i++) {
+    x[i] = (fb_real)text_number(t, what);
+  }
+}
+
+/* Inertia: xx yy zz, and xy xz yz if the line goes on. */
+static void model_inertia(text_file *t, double inertia[6])
+{
+  model_vector(t, "inertia xx yy zz", inertia, 3);
+  memset(inertia + 3, 0, 3 * sizeof *inertia);
+  if (!t->failed && t->at[strspn(t->at, " ")]) {
+    model_vector(t, "inertia xy xz yz", inertia + 3, 3);
+  }
+}
+
+/* Index of the next word in a list that ends with NULL; complains with the list. */
+static int model_choice(text_file *t, const char *what, const char *const *list)
+{
+  const char *word = text_word(t);
+  char all[256] = "";
+  for (int k = 0; list[k]; k++) {
+    if (word && strcmp(word, list[k]) == 0) {
+      return k;
+    }
+    if (strlen(all) + strlen(list[k]) + 2 < sizeof all) {
+      strcat(strcat(all, " "), list[k]);
+    }
+  }
+  text_fail(t, "%s must be one of%s, is %s", what, all, word ? word : "missing");
+  return 0;
+}
+
+static void model_effects(text_file *t)
+{
+  static const char *const name[] = {"rigid",
+                                     "linear",
+                                     "spin",
+                                     "full",
+                                     "spin_coupling",
+                                     "residual_inertia",
+                                     "spin_stiffening",
+                                     "acceleration_stiffening",
+                                     "damping",
+                                     "gravity",
+                                     NULL};
+  static const unsigned mask[] = {FB_EFFECTS_RIGID,
+                                  FB_EFFECTS_LINEAR,
+                                  FB_EFFECTS_SPIN,
+                                  FB_EFFECTS_FULL,
+                                  FB_EFFECT_ELASTIC | FB_EFFECT_SPIN_COUPLING,
+                                  FB_EFFECT_ELASTIC | FB_EFFECT_RESIDUAL_INERTIA,
+                                  FB_EFFECT_ELASTIC | FB_EFFECT_SPIN_STIFFENING,
+                                  FB_EFFECT_ELASTIC | FB_EFFECT_ACCELERATION_STIFFENING,
+                                  FB_EFFECT_DAMPING,
+                                  FB_EFFECT_GRAVITY};
+  model.level.effects = 0;
+  do {
+    model.level.effects |= mask[model_choice(t, "an effect", name)];
+  } while (!t->failed && t->at[strspn(t->at, " ")]);
+}
+
+/* Words that every model may have; 0 if word is none of them. */
+static int model_common(text_file *t, const char *word)
+{
+  static const char *const bases[] = {"free", "prescribed", "pinned", "hinged", NULL};
+  if (strcmp(word, "name") == 0) {
+    const char *name = text_word(t);
+    if (!name || strlen(name) >= sizeof model.name || !(isalpha((unsigned char)name[0]) || name[0] == '_') ||
+        name[strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_")]) {
+      text_fail(t, "name wants a C identifier of at most %d characters", (int)sizeof model.name - 1);
+    } else {
+      strcpy(model.name, name);
+    }
+  } else if (strcmp(word, "hub") == 0) {
+    model.hub_mass = text_number(t, "hub mass");
+    model_vector(t, "hub mass center", model.hub_center, 3);
+    model_inertia(t, model.hub_inertia);
+  } else if (strcmp(word, "base") == 0) {
+    model.level.base = (fb_base)model_choice(t, "base", bases);
+  } else if (strcmp(word, "effects") == 0) {
+    model_effects(t);
+  } else if (strcmp(word, "gravity") == 0) {
+    model_reals(t, "gravity", model.level.gravity, 3);
+  } else if (strcmp(word, "deflection_limit") == 0) {
+    model.level.deflection_limit = (fb_real)text_number(t, "deflection_limit");
+  } else if (strcmp(word, "damping") == 0) {
+    int n = 0;
+    do {
+      if (n == FB_MAX_MODES) {
+        text_fail(t, "more than %d damping ratios", FB_MAX_MODES);
+        break;
+      }
+      model.level.zeta[n++] = (fb_real)text_number(t, "damping ratio");
+    } while (!t->failed && t->at[strspn(t->at, " ")]);
+    for (int k = 1; k < FB_MAX_MODES && n == 1; k++) { /* one for all */
+      model.level.zeta[k] = model.level.zeta[0];
+    }
+  } else {
+    return 0;
+  }
+  text_end_of_line(t);
+  return 1;
+}
+
+/* Rows of stations up to `end`; the columns are named on the line that opens the table. */
+static void model_stations(text_file *t)
+{
+  static const char *const name[] = {"x",    "fraction",  "mass",   "EA",     "GJ",        "EI_y",      "EI_z",    "i_y",     "i_z",
+                                     "GA_y", "GA_z",      "twist",  "mass_y", "mass_z",    "tension_y", "tension_z",
+                                     "shear_y", "shear_z", "twist_deg", NULL};
+  int column[20], n = 0;
+  fb_beam_desc *beam = &model.beam;
+  do {
+    if (n == 20) {
+      text_fail(t, "more than 20 columns");
+      return;
+    }
+    column[n++] = model_choice(t, "a column", name);
+  } while (!t->failed && t->at[strspn(t->at, " ")]);
+  while (text_line(t) && strncmp(t->buffer + strspn(t->buffer, " "), "end", 3) != 0) {
+    fb_section s;
+    fb_real *const place[] = {&s.x,      &s.x,         &s.mass,      &s.EA,      &s.GJ,      &s.EI_y,
+                              &s.EI_z,   &s.i_y,       &s.i_z,       &s.GA_y,    &s.GA_z,    &s.twist,
+                              &s.mass_y, &s.mass_z,    &s.tension_y, &s.tension_z, &s.shear_y, &s.shear_z, &s.twist};
+    memset(&s, 0, sizeof s);
+    for (int k = 0; k < n; k++) {
+      const double x = text_number(t, name[column[k]]);
+      *place[column[k]] = (fb_real)(column[k] == 18 ? x * model_pi / 180.0 : x);
+      model.fraction_to_length = column[k] == 1 ? 1 : model.fraction_to_length;
+    }
+    text_end_of_line(t);
+    if (beam->n_station == FB_MAX_STATIONS) {
+      text_fail(t, "more than %d stations", FB_MAX_STATIONS);
+    }
+    if (!t->failed && beam->n_station > 0 && !(s.x > beam->station[beam->n_station - 1].x)) {
+      text_fail(t, "stations must ascend");
+    }
+    if (t->failed) {
+      return;
+    }
+    beam->station[beam->n_station++] = s;
+  }
+  if (!t->failed && strstr(t->buffer, "end") == NULL) {
+    text_fail(t, "the table of stations wants a line `end`");
+  }
+}
+
+/* taper rectangle|tube X0 A0 B0 X1 A1 B1 N E G DENSITY */
+static void model_taper(text_file *t)
+{
+  static const char *const kinds[] = {"rectangle", "tube", NULL};
+  fb_profile end[2];
+  fb_material material;
+  int n;
+  fb_status status;
+  end[0].kind = end[1].kind = (fb_profile_kind)model_choice(t, "taper", kinds);
+  for (int k = 0; k < 2; k++) {
+    end[k].x = (fb_real)text_number(t, "x");
+    model_reals(t, "size", end[k].size, 2);
+  }
+  n = text_whole(t, "number of stations", 2, FB_MAX_STATIONS);
+  material.E = (fb_real)text_number(t, "E");
+  material.G = (fb_real)text_number(t, "G");
+  material.density = (fb_real)text_number(t, "density");
+  text_end_of_line(t);
+  status = t->failed ? FB_OK : fb_beam_desc_add_taper(&model.beam, &material, &end[0], &end[1], n);
+  if (status != FB_OK) {
+    text_fail(t, "%s", fb_status_string(status));
+  }
+}
+
+/* modes WORD NUMBER ... */
+static void model_modes_line(text_file *t)
+{
+  static const char *const name[] = {"bend_y", "bend_z", "axial", "torsion", "lowest", "limit_hz", "mass_fraction", NULL};
+  do {
+    const int k = model_choice(t, "modes", name);
+    if (k < 4) {
+      model.modes.count[k] = text_whole(t, name[k], 0, FB_ALL_MODES);
+    } else if (k == 4) {
+      model.modes.lowest = text_whole(t, name[k], 1, FB_MAX_MODES);
+    } else if (k == 5) {
+      model.modes.omega_limit = (fb_real)(text_number(t, name[k]) * 2.0 * model_pi);
+    } else {
+      model.modes.mass_fraction = (fb_real)text_number(t, name[k]);
+    }
+  } while (!t->failed && t->at[strspn(t->at, " ")]);
+}
+
+static void model_beam_line(text_file *t, const char *word)
+{
+  static const char *const roots[] = {"clamped", "pinned", "free", NULL};
+  static const char *const axes[] = {"x", "y", "z", "rx", "ry", "rz", NULL};
+  fb_beam_desc *beam = &model.beam;
+  if (strcmp(word, "stations") == 0) {
+    model_stations(t);
+    return;
+  }
+  if (strcmp(word, "taper") == 0) {
+    model_taper(t);
+    return;
+  }
+  if (strcmp(word, "length") == 0) {
+    beam->length = (fb_real)text_number(t, word);
+  } else if (strcmp(word, "elements") == 0) {
+    beam->n_element = text_whole(t, word, 1, FB_MAX_ELEMENTS);
+  } else if (strcmp(word, "root") == 0) {
+    beam->root = (fb_root)model_choice(t, word, roots);
+  } else if (strcmp(word, "position") == 0) {
+    model_reals(t, word, beam->position, 3);
+  } else if (strcmp(word, "attitude") == 0) {
+    model_reals(t, word, beam->attitude, 4);
+  } else if (strcmp(word, "point") == 0) {
+    if (beam->n_point == FB_MAX_ELEMENTS + 1) {
+      text_fail(t, "more than %d points", FB_MAX_ELEMENTS + 1);
+      return;
+    }
+    model_reals(t, word, beam->point[beam->n_point++], 3);
+  } else if (strcmp(word, "lump") == 0) {
+    fb_lump *lump = &beam->lump[beam->n_lump];
+    double inertia[6];
+    if (beam->n_lump == FB_MAX_LUMPS) {
+      text_fail(t, "more than %d lumps", FB_MAX_LUMPS);
+      return;
+    }
+    lump->node = text_whole(t, "element node", 0, FB_MAX_ELEMENTS);
+    lump->mass = (fb_real)text_number(t, "mass");
+    model_reals(t, "mass center", lump->center, 3);
+    model_inertia(t, inertia);
+    for (int i = 0; i < 6; i++) {
+      lump->inertia[i] = (fb_real)inertia[i];
+    }
+    beam->n_lump++;
+  } else if (strcmp(word, "modes") == 0) {
+    model_modes_line(t);
+  } else if (strcmp(word, "spin") == 0) {
+    model.modes.spin = (fb_real)text_number(t, "spin");
+    model.modes.spin_radius = (fb_real)text_number(t, "radius");
+  } else if (strcmp(word, "preload") == 0) {
+    model.modes.preload.force = (fb_real)text_number(t, "force");
+    model.modes.preload.acceleration = (fb_real)text_number(t, "acceleration");
+    model.modes.preload.spin = (fb_real)text_number(t, "spin");
+    model.modes.preload.spin_radius = (fb_real)text_number(t, "radius");
+  } else if (strcmp(word, "load") == 0) {
+    if (model.modes.n_load == FB_MAX_COORDINATES) {
+      text_fail(t, "more than %d loads", FB_MAX_COORDINATES);
+      return;
+    }
+    model.modes.load[model.modes.n_load].node = text_whole(t, "element node", 0, FB_MAX_ELEMENTS);
+    model.modes.load[model.modes.n_load++].axis = model_choice(t, "axis", axes);
+  } else if (strcmp(word, "node") == 0) {
+    if (model.n_mark == FB_MAX_NODES - 1) {
+      text_fail(t, "more than %d nodes", FB_MAX_NODES - 1);
+      return;
+    }
+    model.mark[model.n_mark++] = text_number(t, "place");
+  } else {
+    text_fail(t, "no such word for a beam: %s", word);
+    return;
+  }
+  text_end_of_line(t);
+}
+
+static model_node *model_find(text_file *t)
+{
+  const int id = text_whole(t, "node number", 0, 2000000000);
+  for (int k = 0; k < model.n_node; k++) {
+    if (model.node[k].id == id) {
+      return &model.node[k];
+    }
+  }
+  text_fail(t, "no node has the number %d", id);
+  return &model.node[0];
+}
+
+static void model_component_line(text_file *t, const char *word)
+{
+  if (strcmp(word, "modes") == 0) {
+    model.n_mode = text_whole(t, "number of modes", 1, FB_MAX_MODES);
+  } else if (strcmp(word, "frequency_hz") == 0) {
+    if (model.n_mode == 0) {
+      text_fail(t, "modes must come before");
+    }
+    model_vector(t, "frequency", model.frequency, model.n_mode);
+    for (int k = 0; k < model.n_mode && !t->failed; k++) {
+      if (model.frequency[k] <= 0) {
+        text_fail(t, "frequency %d must be greater than 0 (rigid modes are the frame's)", k + 1);
+      }
+    }
+  } else if (strcmp(word, "node") == 0) {
+    model_node *node = &model.node[model.n_node];
+    if (model.n_node == MODEL_NODES) {
+      text_fail(t, "more than %d nodes", MODEL_NODES);
+      return;
+    }
+    memset(node, 0, sizeof *node);
+    node->id = text_whole(t, "node number", 0, 2000000000);
+    for (int k = 0; k < model.n_node && !t->failed; k++) {
+      if (model.node[k].id == node->id) {
+        text_fail(t, "node %d is there twice", node->id);
+      }
+    }
+    model_vector(t, "place", node->x, 3);
+    node->mass = text_number(t, "mass");
+    if (!t->failed && t->at[strspn(t->at, " ")]) {
+      model_inertia(t, node->inertia);
+    }
+    model.n_node++;
+  } else if (strcmp(word, "shape") == 0) {
+    const int mode = model.n_mode > 0 ? text_whole(t, "mode", 1, model.n_mode) - 1 : 0;
+    model_node *node = model_find(t);
+    if (model.n_mode == 0) {
+      text_fail(t, "modes must come before");
+    } else if (node->have[mode]++) {
+      text_fail(t, "mode %d of node %d is there twice", mode + 1, node->id);
+    }
+    model_vector(t, "displacement, rotation", node->shape + 6 * mode, 6);
+  } else if (strcmp(word, "mark") == 0) {
+    model_find(t)->marked = 1;
+  } else if (strcmp(word, "quadratic") == 0) {
+    if (model.n_mode == 0 || model.n_pair == FB_MAX_MODES * (FB_MAX_MODES + 1) / 2) {
+      text_fail(t, model.n_mode ? "more pairs than there are" : "modes must come before");
+      return;
+    }
+    model.pair[model.n_pair].a = text_whole(t, "mode", 1, model.n_mode) - 1;
+    model.pair[model.n_pair].b = text_whole(t, "mode", 1, model.n_mode) - 1;
+    model_vector(t, "p^chi", model.pair[model.n_pair].p, 3);
+    model_vector(t, "h^chi", model.pair[model.n_pair].h, 3);
+    model_vector(t, "Gamma^chi", model.pair[model.n_pair].gamma, 9);
+    model.n_pair++;
+  } else {
+    text_fail(t, "no such word for a component: %s", word);
+    return;
+  }
+  text_end_of_line(t);
+}
+
+/* Reads a description; 0 when something is wrong, which has then been said. */
+static int model_read(const char *program, const char *file)
+{
+  static const char *const kinds[] = {"beam", "component", NULL};
+  text_file t;
+  memset(&model, 0, sizeof model);
+  strcpy(model.name, "flexible_body");
+  model.level.effects = FB_EFFECTS_FULL;
+  model.beam.n_element = FB_MAX_ELEMENTS / 2;
+  if (!text_open(&t, program, file)) {
+    return 0;
+  }
+  if (!text_line(&t)) {
+    text_fail(&t, "is empty");
+  }
+  model.component = model_choice(&t, "the first word", kinds);
+  text_end_of_line(&t);
+  while (text_line(&t)) {
+    const char *word = text_word(&t);
+    if (!model_common(&t, word)) {
+      if (model.component) {
+        model_component_line(&t, word);
+      } else {
+        model_beam_line(&t, word);
+      }
+    }
+  }
+  t.line = 0; /* what is missing has no line */
+  for (int k = 0; k < model.n_node && !t.failed; k++) {
+    for (int a = 0; a < model.n_mode; a++) {
+      if (!model.node[k].have[a]) {
+        text_fail(&t, "node %d has no shape of mode %d", model.node[k].id, a + 1);
+      }
+    }
+  }
+  if (model.component && !t.failed && (model.n_node == 0 || model.n_mode == 0 || model.frequency[0] <= 0)) {
+    text_fail(&t, "a component wants modes, frequency_hz, node and shape lines");
+  }
+  if (model.component && !t.failed && model.n_pair == 0 &&
+      (model.level.effects & (FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING))) {
+    text_fail(&t, "stiffening wants quadratic lines; without them choose effects spin or linear");
+  }
+  if (!model.component && !t.failed && model.beam.n_station == 0) {
+    text_fail(&t, "a beam wants stations or taper");
+  }
+  text_close(&t);
+  return !t.failed;
+}
+
+/* The shape of a component: modes scaled to unit modal mass, so that K is omega^2. */
+static fb_status model_component_shape(const char **what)
+{
+  static char at_node[32];
+  fb_real psi[3 * FB_MAX_MODES], theta[3 * FB_MAX_MODES], r[3], inertia[6], scale[FB_MAX_MODES];
+  fb_status status = FB_OK;
+  for (int pass = 0; pass < 2 && status == FB_OK; pass++) {
+    status = fb_shape_init(&model_shape, model.n_mode);
+    for (int k = 0; k < model.n_node && status == FB_OK; k++) {
+      const model_node *node = &model.node[k];
+      for (int i = 0; i < 3 * model.n_mode; i++) {
+        const fb_real s = pass ? scale[i / 3] : FB_R(1.0);
+        psi[i] = s * (fb_real)node->shape[6 * (i / 3) + i % 3];
+        theta[i] = s * (fb_real)node->shape[6 * (i / 3) + 3 + i % 3];
+      }
+      for (int i = 0; i < 6; i++) {
+        inertia[i] = (fb_real)node->inertia[i];
+        r[i % 3] = (fb_real)node->x[i % 3];
+      }
+      status = fb_shape_add_lump(&model_shape, (fb_real)node->mass, r, inertia, psi, theta);
+      snprintf(at_node, sizeof at_node, "node %d", node->id);
+      *what = status == FB_OK ? "the component" : at_node;
+      if (status == FB_OK && pass && node->marked) {
+        int at;
+        status = fb_shape_add_node(&model_shape, &at, r, psi, theta);
+      }
+    }
+    for (int a = 0; a < model.n_mode && status == FB_OK; a++) {
+      const fb_real m = model_shape.M[a * (model.n_mode + 1)], w = (fb_real)(2.0 * model_pi * model.frequency[a]);
+      status = m > FB_R(0.0) ? FB_OK : FB_ERR_SINGULAR;
+      scale[a] = FB_R(1.0) / FB_SQRT(m);
+      model_shape.K[a * (model.n_mode + 1)] = w * w;
+    }
+  }
+  for (int k = 0; k < model.n_pair && status == FB_OK; k++) {
+    const fb_real s = scale[model.pair[k].a] * scale[model.pair[k].b];
+    fb_real p[3], h[3], gamma[9];
+    for (int i = 0; i < 9; i++) {
+      p[i % 3] = s * (fb_real)model.pair[k].p[i % 3];
+      h[i % 3] = s * (fb_real)model.pair[k].h[i % 3];
+      gamma[i] = s * (fb_real)model.pair[k].gamma[i];
+    }
+    status = fb_shape_add_pair(&model_shape, model.pair[k].a, model.pair[k].b, p, h, gamma);
+  }
+  return status;
+}
+
+static fb_status model_beam_shape(const char **what)
+{
+  fb_status status;
+  int at;
+  for (int k = 0; k < model.beam.n_station && model.fraction_to_length > 0; k++) {
+    model.beam.station[k].x *= model.beam.length;
+  }
+  *what = "the beam";
+  status = fb_beam_init(&model_beam, &model.beam);
+  if (status == FB_OK) {
+    *what = "its modes";
+    status = fb_modes_solve(&model_modes, &model_modes_work, &model_beam, &model.modes);
+  }
+  *what = status == FB_OK ? "its integrals" : *what;
+  status = status ? status : fb_shape_init(&model_shape, model_modes.n);
+  status = status ? status : fb_shape_add_beam(&model_shape, 0, &model_beam, &model_modes);
+  for (int k = 0; k < model.n_mark && status == FB_OK; k++) {
+    *what = "a node";
+    status = fb_shape_add_beam_node(&model_shape, &at, 0, &model_beam, &model_modes, (fb_real)model.mark[k]);
+  }
+  return status;
+}
+
+/* Builds the body of what was read; on failure *what says at which part. */
+static fb_status model_build(const char **what)
+{
+  fb_status status;
+  fb_real center[3], inertia[6];
+  *what = "the component";
+  status = model.component ? model_component_shape(what) : model_beam_shape(what);
+  for (int i = 0; i < 6; i++) {
+    center[i % 3] = (fb_real)model.hub_center[i % 3];
+    inertia[i] = (fb_real)model.hub_inertia[i];
+  }
+  if (status == FB_OK && model.hub_mass > 0) {
+    *what = "the hub";
+    status = fb_shape_add_rigid(&model_shape, (fb_real)model.hub_mass, center, inertia);
+  }
+  *what = status == FB_OK ? "the body" : *what;
+  return status ? status : fb_body_init(&model_body, &model_body_work, &model_shape, &model.level);
+}
+#endif

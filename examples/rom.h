@@ -1,0 +1,238 @@
+/* rom.h - writes a fb_body as C: one static const initializer, every number exact (%.17g, single precision %.9g).
+   Include flexbeam.h first. */
+#ifndef ROM_H
+#define ROM_H
+#include <stdio.h>
+#include <string.h>
+
+typedef struct rom {
+  FILE *out;
+  int single, column;
+} rom;
+
+static void rom_text(rom *r, const char *text)
+{
+  const int n = (int)strlen(text);
+  if (r->column + n > 116) {
+    fputs("\n   ", r->out);
+    r->column = 3;
+  }
+  fprintf(r->out, " %s", text);
+  r->column += n + 1;
+}
+
+static void rom_whole(rom *r, int x)
+{
+  char text[32];
+  snprintf(text, sizeof text, "%d,", x);
+  rom_text(r, text);
+}
+
+/* A number in the precision of the target, with what makes it one of that type. */
+static void rom_real(rom *r, fb_real x)
+{
+  char text[64];
+  snprintf(text, sizeof text - 4, r->single ? "%.9g" : "%.17g", r->single ? (double)(float)x : (double)x);
+  if (!strpbrk(text, ".e")) {
+    strcat(text, ".0");
+  }
+  strcat(text, r->single ? "f," : ",");
+  rom_text(r, text);
+}
+
+static void rom_open(rom *r, const char *member)
+{
+  fprintf(r->out, "\n  .%s = {", member);
+  r->column = 6 + (int)strlen(member);
+}
+
+static void rom_close(rom *r)
+{
+  rom_text(r, "},");
+}
+
+static void rom_reals(rom *r, const char *member, const fb_real *x, int n)
+{
+  rom_open(r, member);
+  for (int i = 0; i < n; i++) {
+    rom_real(r, x[i]);
+  }
+  if (n == 0) {
+    rom_text(r, "0");
+  }
+  rom_close(r);
+}
+
+static void rom_sparse(rom *r, const char *member, const fb_sparse *m, int n)
+{
+  rom_open(r, member);
+  rom_whole(r, m->n_term);
+  rom_text(r, "{");
+  for (int i = 0; i < n; i++) {
+    rom_real(r, m->diagonal[i]);
+  }
+  rom_text(r, n ? "}," : "0},");
+  rom_text(r, "{");
+  for (int i = 0; i < m->n_term; i++) {
+    rom_text(r, "{");
+    rom_real(r, m->term[i].c);
+    rom_whole(r, m->term[i].a);
+    rom_whole(r, m->term[i].b);
+    rom_text(r, "},");
+  }
+  rom_text(r, m->n_term ? "}" : "{0}}");
+  rom_close(r);
+}
+
+static void rom_terms(rom *r, const fb_body *body)
+{
+  rom_open(r, "lambda_row");
+  for (int i = 0; i < 6; i++) {
+    rom_text(r, "{");
+    rom_whole(r, body->lambda_row[i].i);
+    rom_whole(r, body->lambda_row[i].end);
+    rom_text(r, "},");
+  }
+  rom_close(r);
+  rom_open(r, "lambda");
+  for (int i = 0; i < body->n_lambda; i++) {
+    rom_text(r, "{");
+    rom_real(r, body->lambda[i].c);
+    rom_whole(r, body->lambda[i].i);
+    rom_whole(r, body->lambda[i].a);
+    rom_whole(r, body->lambda[i].b);
+    rom_text(r, "},");
+  }
+  rom_text(r, body->n_lambda ? "" : "{0}");
+  rom_close(r);
+  rom_open(r, "S");
+  for (int i = 0; i < body->n_S; i++) {
+    rom_text(r, "{");
+    rom_real(r, body->S[i].c);
+    rom_whole(r, body->S[i].i);
+    rom_whole(r, body->S[i].pair);
+    rom_text(r, "},");
+  }
+  rom_text(r, body->n_S ? "" : "{0}");
+  rom_close(r);
+  rom_open(r, "pair");
+  for (int i = 0; i < body->n_pair; i++) {
+    rom_text(r, "{");
+    rom_whole(r, body->pair[i].a);
+    rom_whole(r, body->pair[i].b);
+    rom_text(r, "},");
+  }
+  rom_text(r, body->n_pair ? "" : "{0}");
+  rom_close(r);
+}
+
+static void rom_list(rom *r, const fb_real *x, int n)
+{
+  rom_text(r, "{");
+  for (int i = 0; i < n; i++) {
+    rom_real(r, x[i]);
+  }
+  rom_text(r, n ? "}," : "0},");
+}
+
+static void rom_nodes(rom *r, const fb_body *body)
+{
+  rom_open(r, "node");
+  for (int k = 0; k < body->n_node; k++) {
+    const fb_node *node = &body->node[k];
+    rom_text(r, "{");
+    rom_list(r, node->r, 3);
+    rom_list(r, node->psi, 3 * body->n);
+    rom_list(r, node->theta, 3 * body->n);
+#if FBI_WITH_QUADRATIC
+    if (body->effects & (FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING)) { /* else they are zero */
+      rom_list(r, node->chi, 3 * body->n * (body->n + 1) / 2);
+      rom_list(r, node->chi_theta, 3 * body->n * (body->n + 1) / 2);
+    }
+#endif
+    rom_text(r, "},");
+  }
+  rom_close(r);
+}
+
+/* What the target's configuration must hold. */
+static void rom_capacities(rom *r, const fb_body *body)
+{
+  static const struct {
+    unsigned effect;
+    const char *name;
+  } effect[] = {{FB_EFFECT_SPIN_COUPLING, "SPIN_COUPLING"},
+                {FB_EFFECT_RESIDUAL_INERTIA, "RESIDUAL_INERTIA"},
+                {FB_EFFECT_SPIN_STIFFENING, "SPIN_STIFFENING"},
+                {FB_EFFECT_ACCELERATION_STIFFENING, "ACCELERATION_STIFFENING"},
+                {FB_EFFECT_DAMPING, "DAMPING"},
+                {FB_EFFECT_GRAVITY, "GRAVITY"}};
+  fprintf(r->out,
+          "   Smallest configuration: -DFB_SINGLE=%d -DFB_MAX_MODES=%d -DFB_MAX_NODES=%d -DFB_MAX_LAMBDA=%d "
+          "-DFB_MAX_S=%d\n  ",
+          r->single, body->n > 0 ? body->n : 1, body->n_node, body->n_lambda > 0 ? body->n_lambda : 1,
+          body->n_S > 0 ? body->n_S : 1);
+  for (int k = 0; k < 6; k++) {
+    if (!(body->effects & effect[k].effect)) {
+      fprintf(r->out, " -DFB_WITH_%s=0", effect[k].name);
+    }
+  }
+  fprintf(r->out,
+          " -DFB_WITH_NONLINEAR_STRAIN=0 */\n#if FB_SINGLE != %d || FB_MAX_MODES < %d || FB_MAX_NODES < %d || "
+          "(FB_MAX_LAMBDA && FB_MAX_LAMBDA < %d) || \\\n    (FB_MAX_S && FB_MAX_S < %d)\n"
+          "#error \"this model wants another flexbeam configuration: see above\"\n#endif\n",
+          r->single, body->n, body->n_node, body->n_lambda, body->n_S);
+  for (int k = 0; k < 6; k++) {
+    if (body->effects & effect[k].effect) {
+      fprintf(r->out, "#if !FB_WITH_%s\n#error \"this model wants FB_WITH_%s\"\n#endif\n", effect[k].name, effect[k].name);
+    }
+  }
+}
+
+/* The body as `static const fb_body NAME`, in double or single precision; source: what it was made from. Bodies with
+   nonlinear strain are not written. */
+static void rom_write(FILE *out, const fb_body *body, const char *name, const char *source, int single)
+{
+  rom r = {out, single, 0};
+  fprintf(out, "/* %s - made by reduce from %s for flexbeam %s; include flexbeam.h first.\n", name, source, FB_VERSION);
+  rom_capacities(&r, body);
+  fprintf(out,
+          "static const fb_body %s = {\n  .n = %d, .n_node = %d, .effects = %uu, .base = (fb_base)%d,\n"
+          "  .unit_mass = %d, .constant_S = %d, .allow_long_step = %d,\n"
+          "  .n_lambda = %d, .n_lambda_constant = %d, .n_linear_constant = %d, .n_linear = %d, .n_row = %d,\n"
+          "  .n_S = %d, .n_pair = %d,",
+          name, body->n, body->n_node, body->effects, (int)body->base, body->unit_mass, body->constant_S,
+          body->allow_long_step, body->n_lambda, body->n_lambda_constant, body->n_linear_constant, body->n_linear,
+          body->n_row, body->n_S, body->n_pair);
+  {
+    const char *const member[] = {"mass",       "deflection_limit", "recoil",     "gyration", "limit_elastic",
+                                  "limit_damping", "limit_spin",    "limit_acceleration"};
+    const fb_real value[] = {body->mass,          body->deflection_limit, body->recoil,     body->gyration,
+                             body->limit_elastic, body->limit_damping,    body->limit_spin, body->limit_acceleration};
+    for (int k = 0; k < 8; k++) {
+      fprintf(out, "\n  .%s =", member[k]);
+      rom_real(&r, value[k]);
+    }
+  }
+  rom_reals(&r, "c", body->c, 3);
+  rom_reals(&r, "reach", body->reach, body->n);
+  rom_reals(&r, "S0", body->S0, 21);
+  rom_reals(&r, "S0_inverse", body->S0_inverse, 36);
+  rom_sparse(&r, "M", &body->M, body->n);
+  rom_sparse(&r, "Minv", &body->Minv, body->n);
+  rom_sparse(&r, "K", &body->K, body->n);
+#if FB_WITH_DAMPING
+  if (body->effects & FB_EFFECT_DAMPING) {
+    rom_sparse(&r, "C", &body->C, body->n);
+  }
+#endif
+#if FB_WITH_GRAVITY
+  if (body->effects & FB_EFFECT_GRAVITY) {
+    rom_reals(&r, "gravity", body->gravity, 3);
+  }
+#endif
+  rom_terms(&r, body);
+  rom_nodes(&r, body);
+  fputs("\n};\n", out);
+}
+#endif

@@ -1,0 +1,11 @@
+/* Writes the body of a ROM header again; check-rom compares the two. */
+#define FLEXBEAM_IMPLEMENTATION
+#include "flexbeam.h"
+#include "rom.h"
+#include "../../examples/rom.h"
+
+int main(void)
+{
+  rom_write(stdout, &rom_body, "rom_body", SOURCE, FB_SINGLE);
+  return 0;
+}
