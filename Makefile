@@ -56,13 +56,15 @@ bench: build/bench/bench_step_double build/bench/bench_step_single build/bench/b
 	@build/bench/bench_forms_double > build/bench_forms.csv && \
 	awk -F, '/^#/ { print; next } { printf "%-9s %8s %3s %9s %8s %8s %16s %15s\n", $$1, $$2, $$3, $$4, $$5, $$6, $$7, $$8 }' build/bench_forms.csv
 
-sizes: bench/sizes.c flexbeam.h flexbeam_impl.h | build/bench
+sizes: bench/sizes.c flexbeam.h flexbeam_impl.h build/examples/firmware | build/bench
 	@for single in 0 1; do for modes in 1 2 4 6 12; do \
 	  $(CC) -std=c99 -I. -DFB_SINGLE=$$single -DFB_MAX_MODES=$$modes -o build/bench/sizes $< -lm && \
 	  build/bench/sizes || exit 1; \
 	done; done | awk 'NR == 1 || !/^precision/'
+	@echo 'blade of six modes, single precision, no more than it takes (examples/firmware):'
+	@build/examples/firmware | tail -n 1
 
-readme: examples build/bench/bench_forms_double build/readme/figures_double build/readme/figures_single
+readme: examples build/bench/bench_forms_double build/bench/identities_double build/readme/figures_double build/readme/figures_single
 	sh bench/readme.sh
 
 build/readme/figures_double build/readme/figures_single: $(wildcard tests/*.[ch]) $(LIBRARY) | build/readme

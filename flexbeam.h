@@ -63,9 +63,9 @@
      >>status     status codes and their texts
      >>vec3       3-vectors, 3x3 and symmetric 6x6 matrices
      >>rotation   unit quaternions, exponential and logarithm
-     >>linalg     LU, Cholesky, symmetric and generalized eigenvalues
-     >>beam       sections, stations, lumped bodies, element matrices
-     >>modes      cantilever, pinned and free modes; finite-element coordinates
+     >>linalg     LU, Cholesky, symmetric, generalized and general eigenvalues
+     >>beam       sections, tapers, stations, bent lines, lumped bodies, element matrices
+     >>modes      natural modes, components, buckling, synthesis; finite-element coordinates
      >>body       shape integrals, effects, momentum form, loads, nodes, energy
      >>system     (planned) joints, trees, loops
      >>mixed      (planned) geometrically exact mixed beam
@@ -124,8 +124,21 @@
      Lambda, S      body terms               6 x n, 6 x 6             rigid-elastic coupling, Schur complement
      Units of q: with mass-normalized modes (M = 1) q carries sqrt(kg) m and psi 1/sqrt(kg); only products have units.
 
-   NOT INCLUDED (yet): plasticity, contact, fluids, fracture, gravity gradients, joints, shear flexibility, twist and
-   curvature. Strain is linear, or with FB_EFFECT_NONLINEAR_STRAIN has the axial part of second degree.
+   NOT INCLUDED (yet): plasticity, contact, fluids, fracture, gravity gradients, joints, warping. Strain is linear, or
+   with FB_EFFECT_NONLINEAR_STRAIN has the axial part of second degree.
+
+   FROM WHAT YOU HOLD TO A BODY
+     a beam by dimensions          fb_section_init, fb_beam_desc_add_taper, fb_beam_init
+     a blade table                 fb_beam_desc.station: stiffness, mass, twist, centers; count its modes by `lowest`
+     a bent boom                   fb_beam_desc.point
+     how many modes?               fb_modes_desc: count, lowest, omega_limit or mass_fraction; see fb_modes.effective
+     loads at known places         fb_modes_desc.load: static corrections
+     an interface                  FB_BASIS_COMPONENT: constraint modes and modes with the boundary held
+     several parts                 fb_modes_join, then one fb_shape_add_beam per part
+     a finite-element model        fb_shape_add_lump, fb_shape_add_node, fb_shape_add_pair; shape.K
+     preload, buckling             fb_modes_desc.preload, fb_buckling_solve
+     a spinning, damped beam       fb_body_trim, fb_body_spectrum: complex modes
+     a model in ROM                examples/reduce: text file to C header with a static const fb_body
 
    WHICH SCHEME? (all fixed work; a step beyond its limit is refused)
      scheme                order  limit               a step costs            takes
@@ -298,8 +311,9 @@ typedef double fb_real;
   FBI_CAT(p, m, n, l, e, s, u, t, v, w, a, b, c, d, f, g, h, o)
 #define FBI_CONFIG_SYMBOL                                                                                           \
   FBI_CAT_(FBI_PRECISION, FB_MAX_MODES, FB_MAX_NODES, FB_MAX_LOADS, FB_MAX_ELEMENTS, FB_MAX_STATIONS, FB_MAX_LUMPS, \
-           FB_MAX_STRAINS, FB_MAX_LAMBDA, FB_MAX_S, FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA, FB_WITH_SPIN_STIFFENING,                \
-           FB_WITH_ACCELERATION_STIFFENING, FB_WITH_DAMPING, FB_WITH_GRAVITY, FB_WITH_NONLINEAR_STRAIN, FB_WITH_FORMS)
+           FB_MAX_STRAINS, FB_MAX_LAMBDA, FB_MAX_S, FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA,                \
+           FB_WITH_SPIN_STIFFENING, FB_WITH_ACCELERATION_STIFFENING, FB_WITH_DAMPING, FB_WITH_GRAVITY,              \
+           FB_WITH_NONLINEAR_STRAIN, FB_WITH_FORMS)
 #define FBI_STRING(x) #x
 #define FBI_STRING_(x) FBI_STRING(x)
 
@@ -419,7 +433,7 @@ typedef struct fb_section { /* properties at a station; between stations they va
   fb_real twist;            /* [rad] structural twist: turns the section axes y, z about x from the beam's */
   fb_real mass_y, mass_z;   /* [m] mass center, to which i_y, i_z belong; offsets are in section axes */
   fb_real tension_y, tension_z; /* [m] tension center, to which EA, EI_y, EI_z belong (without EA: no matter) */
-  fb_real shear_y, shear_z; /* [m] shear center, to which GJ, GA_y, GA_z belong; other than 0 only with GA */
+  fb_real shear_y, shear_z;     /* [m] shear center, to which GJ, GA_y, GA_z belong; other than 0 only with GA */
 } fb_section;
 
 typedef struct fb_material {
@@ -476,12 +490,12 @@ FB_API fb_status fb_beam_desc_add_taper(fb_beam_desc *desc, const fb_material *m
 
 typedef struct fb_beam { /* a checked desc */
   fb_beam_desc desc;
-  fb_real axes[9];                       /* beam axes to body axes */
-  fb_real mass;                          /* [kg] with lumped bodies */
-  int has_shear;                         /* flexible in shear */
-  fb_real start[FB_MAX_ELEMENTS + 1];    /* [m] place of the element nodes along the line */
+  fb_real axes[9];                         /* beam axes to body axes */
+  fb_real mass;                            /* [kg] with lumped bodies */
+  int has_shear;                           /* flexible in shear */
+  fb_real start[FB_MAX_ELEMENTS + 1];      /* [m] place of the element nodes along the line */
   fb_real node[3 * (FB_MAX_ELEMENTS + 1)]; /* [m] the same from the root, beam axes */
-  fb_real frame[9 * FB_MAX_ELEMENTS];    /* element axes to beam axes */
+  fb_real frame[9 * FB_MAX_ELEMENTS];      /* element axes to beam axes */
 } fb_beam;
 
 /* FB_ERR_VALUE, FB_ERR_NOT_FINITE, FB_ERR_CAPACITY, FB_ERR_NULL; the beam is written only on FB_OK. */
@@ -524,7 +538,7 @@ typedef struct fb_coordinate { /* of an element node, beam axes */
 } fb_coordinate;
 #define FB_MAX_COORDINATES 24 /* boundary coordinates or load positions of a beam */
 
-typedef struct fb_preload { /* what pulls a straight beam before it moves; all zero: nothing */
+typedef struct fb_preload {  /* what pulls a straight beam before it moves; all zero: nothing */
   fb_real force;             /* [N] at the tip, along x: a pull is positive */
   fb_real acceleration;      /* [m/s^2] of a uniform field along x, acting on all mass: -9.81 for an upright column */
   fb_real spin, spin_radius; /* [rad/s], [m] steady spin about an axis across the beam, that far before the root */
@@ -560,7 +574,7 @@ typedef struct fb_modes_desc {
   fb_coordinate boundary[FB_MAX_COORDINATES];
   int boundary_inertia; /* 1: FB_BASIS_COMPONENT also holds the shapes into which the inertia of a moving boundary bends
                            it, as further modes. They are worth more than as many natural ones */
-  int rigid; /* 1: the rigid-body modes of a pinned or free root come first: for components to be joined */
+  int rigid;            /* 1: the rigid-body modes of a pinned or free root come first: for components to be joined */
   int cubic; /* 1: natural modes and components of the nodal coordinates alone (cubic Hermite), without internal shapes */
 } fb_modes_desc;
 
@@ -1131,4 +1145,5 @@ FB_API fb_status fb_config_check(const char *config);
 
 /* HISTORY
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,
-          pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme */
+          pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme; sections with shear, twist and
+          centers off the line, bent lines, component modes, buckling, synthesis, finite-element models, complex modes */

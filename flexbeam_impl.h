@@ -1584,8 +1584,8 @@ static fb_status fbi_beam_desc_check(const fb_beam_desc *desc)
                          : desc->n_point != desc->n_element + 1 || fbi_vec3_norm(desc->point[0]) > FB_R(0.0)) {
     return FB_ERR_VALUE;
   }
-  return desc->n_element >= 1 && desc->n_station >= 1 && desc->n_lump >= 0 &&
-                 (int)desc->root >= (int)FB_ROOT_CLAMPED && (int)desc->root <= (int)FB_ROOT_FREE
+  return desc->n_element >= 1 && desc->n_station >= 1 && desc->n_lump >= 0 && (int)desc->root >= (int)FB_ROOT_CLAMPED &&
+                 (int)desc->root <= (int)FB_ROOT_FREE
              ? FB_OK
              : FB_ERR_VALUE;
 }
@@ -1660,8 +1660,7 @@ static int fbi_beam_ndof(const fb_beam *beam)
 static int fbi_element_dof(const fb_beam *beam, int element, int k)
 {
   const int n = beam->desc.n_element;
-  return k < 12 ? 6 * element + k
-                : 6 * (n + 1) + (k < 20 ? 8 * element + k - 12 : 8 * n + 8 * element + k - 20);
+  return k < 12 ? 6 * element + k : 6 * (n + 1) + (k < 20 ? 8 * element + k - 12 : 8 * n + 8 * element + k - 20);
 }
 
 /* Field of an element at s from its coordinates. */
@@ -1950,8 +1949,7 @@ static int fbi_kind_exists(const fb_beam *beam, fb_kind kind, const fb_real *M, 
 
 /* Kinds that the matrices couple (twist, centers and lumped bodies off the axis, kinks) share a group number; -1: the
    kind does not exist. */
-static void fbi_kind_groups(int group[FB_KIND_COUNT], const fb_beam *beam, const fb_real *K, const fb_real *M,
-                            int ndof)
+static void fbi_kind_groups(int group[FB_KIND_COUNT], const fb_beam *beam, const fb_real *K, const fb_real *M, int ndof)
 {
   for (int k = 0; k < FB_KIND_COUNT; k++) {
     group[k] = fbi_kind_exists(beam, (fb_kind)k, M, ndof) ? k : -1;
@@ -2953,8 +2951,7 @@ static void fbi_effective_fill(fb_modes_work *work)
       out->momentum[6 * a + i] = momentum[a];
     }
     fb_chol_solve(x, work->Kc, momentum, n);
-    out->effective[i] =
-        out->rigid_mass[i] > FB_R(0.0) ? fbi_dot(x, momentum, n) / out->rigid_mass[i] : FB_R(0.0);
+    out->effective[i] = out->rigid_mass[i] > FB_R(0.0) ? fbi_dot(x, momentum, n) / out->rigid_mass[i] : FB_R(0.0);
   }
 }
 
@@ -2994,8 +2991,7 @@ FB_DEF fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_b
    stiffness of the preload.
    Source: [H] C.1-26.  Shapes: rows of ndof.  Fails: rigid motion; no positive factor.
    Test: columns_buckle_under_the_published_loads. */
-FB_DEF fb_status fb_buckling_solve(fb_modes *modes, fb_modes_work *work, const fb_beam *beam,
-                                   const fb_modes_desc *desc)
+FB_DEF fb_status fb_buckling_solve(fb_modes *modes, fb_modes_work *work, const fb_beam *beam, const fb_modes_desc *desc)
 {
   const fb_preload none = {FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   int group[FB_KIND_COUNT], dof[FBI_MAX_DOF], n, wanted;
@@ -3321,8 +3317,8 @@ FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
   if (!fbi_is_finite(&omega_limit, 1)) {
     return FB_ERR_NOT_FINITE;
   }
-  status = lowest < 0 || omega_limit < FB_R(0.0) ? FB_ERR_VALUE
-                                                 : fbi_join_check(beam, component, n_component, weld, n_weld);
+  status =
+      lowest < 0 || omega_limit < FB_R(0.0) ? FB_ERR_VALUE : fbi_join_check(beam, component, n_component, weld, n_weld);
   if (status != FB_OK) {
     return status;
   }
@@ -3757,8 +3753,8 @@ static fb_status fbi_beam_fits(const fb_shape *shape, int first, const fb_beam *
 {
   FBI_REQUIRE(shape && beam && modes, FB_ERR_NULL);
   FBI_REQUIRE(first >= 0 && modes->n >= 0 && modes->n <= shape->n && first <= shape->n - modes->n, FB_ERR_CAPACITY);
-  FBI_REQUIRE(modes->ndof == (modes->degree > 0 ? fbi_function_ndof(beam->desc.n_element, modes->degree)
-                                                : fbi_beam_ndof(beam)),
+  FBI_REQUIRE(modes->ndof ==
+                  (modes->degree > 0 ? fbi_function_ndof(beam->desc.n_element, modes->degree) : fbi_beam_ndof(beam)),
               FB_ERR_VALUE);
   return FB_OK;
 }
@@ -7172,8 +7168,8 @@ static fb_real fbi_difference_step(const fb_body *body, int a)
 }
 
 /* Weights of the derivative by values at -2, -1, 1, 2 steps: exact for polynomials of degree 4. */
-static const fb_real fbi_difference_weight[4] = {FB_R(1.0) / FB_R(12.0), -FB_R(2.0) / FB_R(3.0),
-                                                 FB_R(2.0) / FB_R(3.0), -FB_R(1.0) / FB_R(12.0)};
+static const fb_real fbi_difference_weight[4] = {FB_R(1.0) / FB_R(12.0), -FB_R(2.0) / FB_R(3.0), FB_R(2.0) / FB_R(3.0),
+                                                 -FB_R(1.0) / FB_R(12.0)};
 static const int fbi_difference_at[4] = {-2, -1, 1, 2};
 
 static fb_status fbi_analyse_check(const fb_body *body, const fb_state *state, const fb_input *input)

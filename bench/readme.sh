@@ -44,6 +44,9 @@ make -s table1 > "$out/table1"
 { echo '```'; sed -n -e 's/ *$//' -e '/^Accuracy/,/^torque.*converged/p' "$out/table1"; echo '```'; } | block accuracy
 { echo '```'; sed -n -e 's/ *$//' -e '/^Table 1/,$p' "$out/table1"; echo '```'; } | block table1
 
+build/bench/identities_double > "$out/identities"
+{ echo '```'; cat "$out/identities"; echo '```'; } | block identities
+
 make -s check-instructions > "$out/instructions" || true # the table is printed before the verdict
 { echo '```'; sed -e '/^ok/d' -e '/^FAIL/d' -e 's/ *$//' "$out/instructions"; echo '```'; } | block instructions
 

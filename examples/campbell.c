@@ -290,7 +290,8 @@ static fb_status solve(const options *o)
     for (int k = 0; k < spectrum.n && status == FB_OK; k++) {
       const int flap = is_flap(k);
       if (count[flap] < o->modes) { /* an unstable one is printed as a negative frequency */
-        table[s][flap][count[flap]++] = spectrum.im[k] > FB_R(0.0) ? (double)spectrum.im[k] : -fabs((double)spectrum.re[k]);
+        table[s][flap][count[flap]++] =
+            spectrum.im[k] > FB_R(0.0) ? (double)spectrum.im[k] : -fabs((double)spectrum.re[k]);
       }
     }
   }

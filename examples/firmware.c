@@ -79,6 +79,7 @@ int main(void)
     return 1;
   }
   printf("at 12.1 rpm: peak %.4f m, stiffened by the spin\n", (double)peak);
-  printf("model %d bytes in ROM, state %d bytes, work %d bytes\n", (int)sizeof blade, (int)sizeof state, (int)sizeof work);
+  printf("model %d bytes in ROM, state %d bytes, work %d bytes\n", (int)sizeof blade, (int)sizeof state,
+         (int)sizeof work);
   return worst < FB_R(2e-3) * peak ? 0 : 1;
 }

@@ -157,9 +157,9 @@ static int model_common(text_file *t, const char *word)
 /* Rows of stations up to `end`; the columns are named on the line that opens the table. */
 static void model_stations(text_file *t)
 {
-  static const char *const name[] = {"x",    "fraction",  "mass",   "EA",     "GJ",        "EI_y",      "EI_z",    "i_y",     "i_z",
-                                     "GA_y", "GA_z",      "twist",  "mass_y", "mass_z",    "tension_y", "tension_z",
-                                     "shear_y", "shear_z", "twist_deg", NULL};
+  static const char *const name[] = {"x",         "fraction",  "mass",    "EA",      "GJ",        "EI_y",   "EI_z",
+                                     "i_y",       "i_z",       "GA_y",    "GA_z",    "twist",     "mass_y", "mass_z",
+                                     "tension_y", "tension_z", "shear_y", "shear_z", "twist_deg", NULL};
   int column[20], n = 0;
   fb_beam_desc *beam = &model.beam;
   do {
@@ -171,9 +171,9 @@ static void model_stations(text_file *t)
   } while (!t->failed && t->at[strspn(t->at, " ")]);
   while (text_line(t) && strncmp(t->buffer + strspn(t->buffer, " "), "end", 3) != 0) {
     fb_section s;
-    fb_real *const place[] = {&s.x,      &s.x,         &s.mass,      &s.EA,      &s.GJ,      &s.EI_y,
-                              &s.EI_z,   &s.i_y,       &s.i_z,       &s.GA_y,    &s.GA_z,    &s.twist,
-                              &s.mass_y, &s.mass_z,    &s.tension_y, &s.tension_z, &s.shear_y, &s.shear_z, &s.twist};
+    fb_real *const place[] = {&s.x,         &s.x,         &s.mass,    &s.EA,      &s.GJ,    &s.EI_y,   &s.EI_z,
+                              &s.i_y,       &s.i_z,       &s.GA_y,    &s.GA_z,    &s.twist, &s.mass_y, &s.mass_z,
+                              &s.tension_y, &s.tension_z, &s.shear_y, &s.shear_z, &s.twist};
     memset(&s, 0, sizeof s);
     for (int k = 0; k < n; k++) {
       const double x = text_number(t, name[column[k]]);
@@ -224,7 +224,8 @@ static void model_taper(text_file *t)
 /* modes WORD NUMBER ... */
 static void model_modes_line(text_file *t)
 {
-  static const char *const name[] = {"bend_y", "bend_z", "axial", "torsion", "lowest", "limit_hz", "mass_fraction", NULL};
+  static const char *const name[] = {"bend_y", "bend_z",   "axial",         "torsion",
+                                     "lowest", "limit_hz", "mass_fraction", NULL};
   do {
     const int k = model_choice(t, "modes", name);
     if (k < 4) {

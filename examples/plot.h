@@ -23,7 +23,8 @@ static void plot(const char *svg, const char *settings, const curve *curves, int
 {
   FILE *gnuplot;
   if (system("gnuplot --version >/dev/null 2>&1") != 0) {
-    fprintf(talk, "no picture: gnuplot is not installed (Debian: apt-get install gnuplot-nox); the CSV has the curves\n");
+    fprintf(talk,
+            "no picture: gnuplot is not installed (Debian: apt-get install gnuplot-nox); the CSV has the curves\n");
     return;
   }
   gnuplot = popen("gnuplot", "w");

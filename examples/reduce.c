@@ -18,7 +18,8 @@ static const char help[] =
     "  --name NAME  of the body (that in the file, or flexible_body)\n"
     "  --help       this text\n"
     "A summary goes to the standard error: mass, frequencies, effective mass, what the model takes.\n"
-    "The descriptions are explained in README.md, \"Bodies from files\"; examples/blade.txt and examples/panel.txt are two.\n";
+    "The descriptions are explained in README.md, \"Bodies from files\"; examples/blade.txt and examples/panel.txt are "
+    "two.\n";
 
 static int fail(const char *what, const char *value)
 {
@@ -32,7 +33,8 @@ static void summarize(const char *file)
           (double)model_body.mass);
   for (int k = 0; k < model_body.n; k++) {
     const double omega = sqrt((double)(model_shape.K[k * (model_body.n + 1)] / model_shape.M[k * (model_body.n + 1)]));
-    fprintf(stderr, "  mode %2d  %10.5g Hz  damping %.3g\n", k + 1, omega / (2.0 * model_pi), (double)model.level.zeta[k]);
+    fprintf(stderr, "  mode %2d  %10.5g Hz  damping %.3g\n", k + 1, omega / (2.0 * model_pi),
+            (double)model.level.zeta[k]);
   }
   if (model.component) {
     double largest = 0;

@@ -145,7 +145,7 @@ static void rom_nodes(rom *r, const fb_body *body)
     rom_list(r, node->psi, 3 * body->n);
     rom_list(r, node->theta, 3 * body->n);
 #if FBI_WITH_QUADRATIC
-    if (body->effects & (FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING)) { /* else they are zero */
+    if (body->effects & (FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING)) { /* else nobody looks */
       rom_list(r, node->chi, 3 * body->n * (body->n + 1) / 2);
       rom_list(r, node->chi_theta, 3 * body->n * (body->n + 1) / 2);
     }
@@ -184,7 +184,8 @@ static void rom_capacities(rom *r, const fb_body *body)
           r->single, body->n, body->n_node, body->n_lambda, body->n_S);
   for (int k = 0; k < 6; k++) {
     if (body->effects & effect[k].effect) {
-      fprintf(r->out, "#if !FB_WITH_%s\n#error \"this model wants FB_WITH_%s\"\n#endif\n", effect[k].name, effect[k].name);
+      fprintf(r->out, "#if !FB_WITH_%s\n#error \"this model wants FB_WITH_%s\"\n#endif\n", effect[k].name,
+              effect[k].name);
     }
   }
 }
@@ -205,8 +206,8 @@ static void rom_write(FILE *out, const fb_body *body, const char *name, const ch
           body->allow_long_step, body->n_lambda, body->n_lambda_constant, body->n_linear_constant, body->n_linear,
           body->n_row, body->n_S, body->n_pair);
   {
-    const char *const member[] = {"mass",       "deflection_limit", "recoil",     "gyration", "limit_elastic",
-                                  "limit_damping", "limit_spin",    "limit_acceleration"};
+    const char *const member[] = {"mass",          "deflection_limit", "recoil",     "gyration",
+                                  "limit_elastic", "limit_damping",    "limit_spin", "limit_acceleration"};
     const fb_real value[] = {body->mass,          body->deflection_limit, body->recoil,     body->gyration,
                              body->limit_elastic, body->limit_damping,    body->limit_spin, body->limit_acceleration};
     for (int k = 0; k < 8; k++) {

@@ -112,7 +112,8 @@ TEST(damped_modes_have_their_ratios)
     }
     FBT_BELOW(other / own, FBT_TOL(1e-9, 1e-2));
   }
-  FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_OK); /* sag m g L^3/8EI, of which three modes hold nearly all */
+  FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input),
+             FB_OK); /* sag m g L^3/8EI, of which three modes hold nearly all */
   {
     double tip = 0.0;
     for (int a = 0; a < 6; a++) {
@@ -127,8 +128,9 @@ TEST(damped_modes_have_their_ratios)
    polynomials of one direction each and so lie somewhat higher. */
 TEST(nrel_blade_has_the_published_figures)
 {
-  static const double figure[2][3] = {{0.682966, 1.096501, 1.986600}, {0.734079, 1.122939, 2.043999}}; /* flap edge flap */
-  static const double factor = 1.04536, length = 61.5; /* AdjBlMs */
+  static const double figure[2][3] = {{0.682966, 1.096501, 1.986600},
+                                      {0.734079, 1.122939, 2.043999}}; /* flap edge flap */
+  static const double factor = 1.04536, length = 61.5;                 /* AdjBlMs */
   static fb_beam_desc desc;
   static fb_beam beam;
   static fb_modes modes;

@@ -835,7 +835,8 @@ TEST(beam_integrals_hold_for_any_section_and_line)
       for (int b = 0; b < modes.n; b++) {
         const double size = sqrt((double)(modes.M[a * (modes.n + 1)] * modes.M[b * (modes.n + 1)]));
         FBT_NEAR_ABS(shape.M[a * modes.n + b], modes.M[a * modes.n + b], FBT_TOL(1e-12, 1e-4) * size);
-        FBT_NEAR_ABS(modes.M[a * modes.n + b] * (fb_real)!element_basis, a == b && !element_basis, FBT_TOL(1e-12, 1e-4));
+        FBT_NEAR_ABS(modes.M[a * modes.n + b] * (fb_real)!element_basis, a == b && !element_basis,
+                     FBT_TOL(1e-12, 1e-4));
       }
     }
   }
@@ -1733,7 +1734,8 @@ TEST(a_rigid_body_is_the_case_of_no_modes)
 }
 
 /* x M^-1 y^T of two sets of n rows of three (x: element of row a at x + step a). */
-static void inertial_product(double out[9], const fb_real *x, int x_step, const fb_real *y, int y_step, const fb_shape *in)
+static void inertial_product(double out[9], const fb_real *x, int x_step, const fb_real *y, int y_step,
+                             const fb_shape *in)
 {
   static fb_real L[FB_MAX_MODES * FB_MAX_MODES], column[FB_MAX_MODES], solved[FB_MAX_MODES];
   memcpy(L, in->M, sizeof(fb_real) * (size_t)(in->n * in->n));
@@ -1858,9 +1860,16 @@ TEST(inertial_identities_hold_as_published)
       FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
       for (int k = 0; k < 3; k++) {
         double now;
-        inertial_product(d, k == 2 ? shape.ups : k ? shape.H : shape.P, 3, k == 2 ? shape.ups : k ? shape.H : shape.P, 3,
-                         &shape);
-        now = k == 0 ? (d[0] + d[4] + d[8]) / 36.0
+        inertial_product(d,
+                         k == 2 ? shape.ups
+                         : k    ? shape.H
+                                : shape.P,
+                         3,
+                         k == 2 ? shape.ups
+                         : k    ? shape.H
+                                : shape.P,
+                         3, &shape);
+        now = k == 0   ? (d[0] + d[4] + d[8]) / 36.0
               : k == 1 ? (d[0] + d[4] + d[8]) / (double)(shape.J[0] + shape.J[4] + shape.J[8])
                        : (d[0] + d[4] + d[8]) / (double)(shape.Pi[0] + shape.Pi[4] + shape.Pi[8]);
         FBT_TRUE(now > before[k] && now < 1.0);
@@ -1949,7 +1958,8 @@ TEST(joined_halves_are_the_whole)
     for (int b = 0; b < 7; b++) {
       const int ab = a * 7 + b;
       FBT_NEAR_ABS(shape.M[ab], a == b, FBT_TOL(1e-9, 1e-3));
-      FBT_NEAR_ABS(shape.K[ab], a == b ? pow((double)modes.omega[a], 2.0) : 0.0, FBT_TOL(1e-6, 1e-2) * pow((double)modes.omega[6], 2.0));
+      FBT_NEAR_ABS(shape.K[ab], a == b ? pow((double)modes.omega[a], 2.0) : 0.0,
+                   FBT_TOL(1e-6, 1e-2) * pow((double)modes.omega[6], 2.0));
       for (int i = 0; i < 9; i++) {
         FBT_NEAR_ABS(shape.Gamchi[9 * ab + i], sign[a] * sign[b] * (double)whole.Gamchi[9 * ab + i],
                      FBT_TOL(1e-5, 5e-2) * (1.0 + fabs((double)whole.Gamchi[9 * ab + i])));
@@ -2000,7 +2010,8 @@ TEST(joined_components_converge_and_refuse)
   }
   FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, 23, FB_R(0.0)), FB_ERR_KIND);
   FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, -1, FB_R(0.0)), FB_ERR_VALUE);
-  FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, FB_MAX_COMPONENTS + 1, &weld, 1, 0, FB_R(0.0)), FB_ERR_CAPACITY);
+  FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, FB_MAX_COMPONENTS + 1, &weld, 1, 0, FB_R(0.0)),
+             FB_ERR_CAPACITY);
   FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, NULL, 1, 0, FB_R(0.0)), FB_ERR_NULL);
   FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, 0, (fb_real)NAN), FB_ERR_NOT_FINITE);
   weld.node[0] = 1; /* not at the same place */
@@ -2083,9 +2094,12 @@ TEST(finite_element_models_are_the_beams_they_came_from)
     static fb_shape kept;
     const fb_real bad[3] = {0, (fb_real)NAN, 0}, odd[6] = {FB_R(1.0), FB_R(1.0), FB_R(3.0), 0, 0, 0};
     memcpy(&kept, &model, sizeof model);
-    FBT_INT_EQ(fb_shape_add_lump(&model, -FB_R(1.0), shape.node[1].r, NULL, shape.node[1].psi, shape.node[1].theta), FB_ERR_VALUE);
-    FBT_INT_EQ(fb_shape_add_lump(&model, FB_R(1.0), shape.node[1].r, odd, shape.node[1].psi, shape.node[1].theta), FB_ERR_VALUE);
-    FBT_INT_EQ(fb_shape_add_lump(&model, FB_R(1.0), bad, NULL, shape.node[1].psi, shape.node[1].theta), FB_ERR_NOT_FINITE);
+    FBT_INT_EQ(fb_shape_add_lump(&model, -FB_R(1.0), shape.node[1].r, NULL, shape.node[1].psi, shape.node[1].theta),
+               FB_ERR_VALUE);
+    FBT_INT_EQ(fb_shape_add_lump(&model, FB_R(1.0), shape.node[1].r, odd, shape.node[1].psi, shape.node[1].theta),
+               FB_ERR_VALUE);
+    FBT_INT_EQ(fb_shape_add_lump(&model, FB_R(1.0), bad, NULL, shape.node[1].psi, shape.node[1].theta),
+               FB_ERR_NOT_FINITE);
     FBT_INT_EQ(fb_shape_add_lump(&model, FB_R(1.0), shape.node[1].r, NULL, NULL, shape.node[1].theta), FB_ERR_NULL);
     FBT_INT_EQ(fb_shape_add_node(&model, NULL, shape.node[1].r, shape.node[1].psi, shape.node[1].theta), FB_ERR_NULL);
     FBT_INT_EQ(fb_shape_add_pair(&model, 0, modes.n, NULL, NULL, NULL), FB_ERR_CAPACITY);
@@ -2094,13 +2108,13 @@ TEST(finite_element_models_are_the_beams_they_came_from)
   }
 }
 
-SUITE(body, RUN(finite_element_models_are_the_beams_they_came_from),
-     RUN(joined_halves_are_the_whole), RUN(joined_components_converge_and_refuse),
-     RUN(shape_integrals_obey_the_vector_identities), RUN(inertial_identities_hold_as_published),
-      RUN(accelerations_agree_with_a_particle_model), RUN(momenta_agree_with_a_particle_model),
-      RUN(elastic_forces_agree_with_a_particle_model), RUN(each_set_of_effects_follows_its_own_lagrangian),
-      RUN(residual_inertia_vanishes_on_a_rotation_closed_basis), RUN(functions_close_the_basis),
-      RUN(beam_integrals_reproduce_mass_and_modal_mass), RUN(beam_integrals_hold_for_any_section_and_line), RUN(quadratic_field_is_inextensible_and_twist_free),
+SUITE(body, RUN(finite_element_models_are_the_beams_they_came_from), RUN(joined_halves_are_the_whole),
+      RUN(joined_components_converge_and_refuse), RUN(shape_integrals_obey_the_vector_identities),
+      RUN(inertial_identities_hold_as_published), RUN(accelerations_agree_with_a_particle_model),
+      RUN(momenta_agree_with_a_particle_model), RUN(elastic_forces_agree_with_a_particle_model),
+      RUN(each_set_of_effects_follows_its_own_lagrangian), RUN(residual_inertia_vanishes_on_a_rotation_closed_basis),
+      RUN(functions_close_the_basis), RUN(beam_integrals_reproduce_mass_and_modal_mass),
+      RUN(beam_integrals_hold_for_any_section_and_line), RUN(quadratic_field_is_inextensible_and_twist_free),
       RUN(offset_masses_move_with_their_section), RUN(lumped_bodies_are_the_particles_they_stand_for),
       RUN(a_beam_may_take_later_coordinates), RUN(power_of_loads_is_the_rate_of_energy),
       RUN(node_kinematics_match_finite_differences), RUN(reactions_balance_the_momentum),
