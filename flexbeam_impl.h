@@ -2061,6 +2061,22 @@ static fb_real fbi_shift(const fb_beam *beam, const fb_real *Kc, const fb_real *
   return k / m;
 }
 
+/* Turns the order of n eigenvalues and rows of eigenvectors: largest first. */
+static void fbi_eig_turn(fb_real *d, fb_real *X, int n)
+{
+  for (int k = 0; k < n / 2; k++) {
+    const int other = n - 1 - k;
+    const fb_real value = d[k];
+    d[k] = d[other];
+    d[other] = value;
+    for (int i = 0; i < n; i++) {
+      const fb_real x = X[k * n + i];
+      X[k * n + i] = X[other * n + i];
+      X[other * n + i] = x;
+    }
+  }
+}
+
 /* [E7.2] Natural modes of a group as the LARGEST eigenvalues of M x = mu (K + shift M) x, omega^2 = 1/mu - shift:
    the low modes, the wanted ones, keep all digits (also in single precision) and massless coordinates are harmless.
    Source: [GV] 8.7.  Shapes: work.X rows of n, work.omega2 ascending.  Fails: as E5.4.
@@ -2088,17 +2104,7 @@ static fb_status fbi_group_solve(const fb_beam *beam, fb_modes_work *work, const
   for (int k = n - 1; k >= 0 && work->omega2[k] > (fb_real)n * FB_EPSILON * work->omega2[n - 1]; k--) {
     (*found)++;
   }
-  for (int k = 0; k < n / 2; k++) { /* largest mu first */
-    const int other = n - 1 - k;
-    const fb_real mu = work->omega2[k];
-    work->omega2[k] = work->omega2[other];
-    work->omega2[other] = mu;
-    for (int i = 0; i < n; i++) {
-      const fb_real x = work->X[k * n + i];
-      work->X[k * n + i] = work->X[other * n + i];
-      work->X[other * n + i] = x;
-    }
-  }
+  fbi_eig_turn(work->omega2, work->X, n);
   for (int k = 0; k < *found; k++) {
     work->omega2[k] = FB_R(1.0) / work->omega2[k] - shift;
   }
@@ -3197,49 +3203,52 @@ static void fbi_congruence(fb_real *A, const fb_real *Z, fb_real *scratch, int N
   }
 }
 
-/* Elastic modes of the m common coordinates, rows of X with unit modal mass, d = omega^2 ascending: a first solution
-   tells rigid modes (no stiffness against the stiffest) from the lowest elastic one, the second one takes it for a
-   shift, if need be, and keeps the digits of the low modes as in E7.2. */
+/* Elastic modes of the m common coordinates, rows of X with unit modal mass, d = omega^2 ascending, as in E7.2. Where the
+   stiffness alone is not definite, a first solution tells rigid modes (nothing against the stiffest) from the lowest
+   elastic one, which is the shift of the second. */
 static fb_status fbi_join_solve(fb_join_work *work, int m, int *found)
 {
-  fb_real *const K = work->K, *const M = work->M, *const A = work->A, *const B = work->B;
   fb_real shift = FB_R(0.0);
   int rigid = 0;
   fb_status status;
-  fbi_copy(A, K, m * m);
-  fbi_copy(B, M, m * m);
-  status = fb_eig_gen_solve(work->d, work->X, A, B, m);
+  fbi_copy(work->A, work->K, m * m);
+  if (fb_chol_factor(work->A, m) != FB_OK) {
+    fbi_copy(work->A, work->K, m * m);
+    fbi_copy(work->B, work->M, m * m);
+    status = fb_eig_gen_solve(work->d, work->X, work->A, work->B, m);
+    if (status != FB_OK) {
+      return status;
+    }
+    while (rigid < m && work->d[rigid] < FB_R(8.0) * (fb_real)m * FB_EPSILON * work->d[m - 1]) {
+      rigid++;
+    }
+    shift = rigid < m ? work->d[rigid] : FB_R(0.0);
+  }
+  *found = m - rigid;
+  if (rigid == m) {
+    return FB_OK;
+  }
+  for (int i = 0; i < m * m; i++) {
+    work->A[i] = work->M[i];
+    work->B[i] = work->K[i] + shift * work->M[i];
+  }
+  status = fb_eig_gen_solve(work->d, work->X, work->A, work->B, m);
   if (status != FB_OK) {
     return status;
   }
-  while (rigid < m && work->d[rigid] < (fb_real)m * FBI_ROUNDING * work->d[m - 1]) {
-    rigid++;
-  }
-  shift = rigid > 0 && rigid < m ? work->d[rigid] : FB_R(0.0);
-  for (int i = 0; i < m * m; i++) {
-    A[i] = M[i];
-    B[i] = K[i] + shift * M[i];
-  }
-  status = rigid == m ? FB_OK : fb_eig_gen_solve(work->d, work->X, A, B, m);
-  *found = m - rigid;
-  for (int k = 0; k < m / 2; k++) { /* largest mu first */
-    const fb_real mu = work->d[k];
-    work->d[k] = work->d[m - 1 - k];
-    work->d[m - 1 - k] = mu;
-    for (int i = 0; i < m; i++) {
-      const fb_real x = work->X[k * m + i];
-      work->X[k * m + i] = work->X[(m - 1 - k) * m + i];
-      work->X[(m - 1 - k) * m + i] = x;
-    }
-  }
+  fbi_eig_turn(work->d, work->X, m);
   for (int k = 0; k < *found; k++) {
-    const fb_real mu = work->d[rigid + k], scale = FB_R(1.0) / FB_SQRT(mu);
+    const fb_real mu = work->d[rigid + k], scale = mu > FB_R(0.0) ? FB_R(1.0) / FB_SQRT(mu) : FB_R(0.0);
+    if (!(mu > (fb_real)m * FB_EPSILON * work->d[0])) { /* massless from here on */
+      *found = k;
+      break;
+    }
     work->d[k] = FB_R(1.0) / mu - shift;
     for (int i = 0; i < m; i++) {
       work->X[k * m + i] = scale * work->X[(rigid + k) * m + i];
     }
   }
-  return status;
+  return FB_OK;
 }
 
 /* Shapes of component c in the first n common modes: those of its coordinates, at in the row of all, combined by scale Z

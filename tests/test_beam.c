@@ -806,9 +806,9 @@ TEST(a_chain_follows_its_points)
                            pi / 4.0 / bend_y + (0.75 * pi - 2.0) / twist};
   double error[2][3];
   for (int fine = 0; fine < 2; fine++) {
-    const int n = 8 << fine;
+    const int n = (int)FBT_TOL(8, 4) << fine;
     uniform_desc(&desc, n);
-    desc.station[0].EA = FB_R(1e6); /* Castigliano's formulas leave stretch out */
+    desc.station[0].EA = (fb_real)FBT_TOL(1e6, 1e3); /* Castigliano's formulas leave stretch out */
     desc.n_point = n + 1;
     for (int k = 0; k <= n; k++) {
       desc.point[k][0] = (fb_real)sin(0.5 * pi * k / n);
@@ -816,7 +816,7 @@ TEST(a_chain_follows_its_points)
     }
     for (int axis = 0; axis < 3; axis++) {
       error[fine][axis] = tip_flexibility(axis, axis) / exact[axis] - 1.0;
-      FBT_BELOW(fabs(error[fine][axis]), 0.05 / (1 << 2 * fine) + FBT_TOL(0.0, 2e-3));
+      FBT_BELOW(fabs(error[fine][axis]), FBT_TOL(0.05, 0.2) / (1 << 2 * fine) + FBT_TOL(0.0, 1e-2));
     }
     FBT_NEAR_REL(beam.start[n], 2.0 * n * sin(pi / (4.0 * n)), 8.0 * EPS);
   }
@@ -851,9 +851,9 @@ TEST(a_pretwisted_beam_bends_as_its_sections_turn)
   desc.station[1] = desc.station[0];
   desc.station[1].x = desc.length;
   desc.station[1].twist = (fb_real)angle;
-  FBT_NEAR_REL(tip_flexibility(1, 1), along, FBT_TOL(1e-6, 1e-4));
-  FBT_NEAR_REL(tip_flexibility(2, 1), across, FBT_TOL(1e-6, 1e-3));
-  FBT_NEAR_REL(tip_flexibility(1, 2), across, FBT_TOL(1e-6, 1e-3));
+  FBT_NEAR_REL(tip_flexibility(1, 1), along, FBT_TOL(1e-6, 3e-3));
+  FBT_NEAR_REL(tip_flexibility(2, 1), across, FBT_TOL(1e-6, 5e-3));
+  FBT_NEAR_REL(tip_flexibility(1, 2), across, FBT_TOL(1e-6, 5e-3));
 }
 
 /* E6.12, E6.13: statics of a uniform cantilever with its centers off the line: a pull at the line bends about the tension
