@@ -3734,26 +3734,25 @@ FB_DEF fb_status fb_shape_add_node(fb_shape *shape, int *node, const fb_real r[3
 FB_DEF fb_status fb_shape_add_pair(fb_shape *shape, int a, int b, const fb_real *pchi, const fb_real *hchi,
                                    const fb_real *Gamchi)
 {
+  const fb_real none[9] = {FB_R(0.0)};
+  const fb_real *const p = pchi ? pchi : none, *const h = hchi ? hchi : none, *const G = Gamchi ? Gamchi : none;
   FBI_REQUIRE(shape, FB_ERR_NULL);
   FBI_REQUIRE(a >= 0 && a < shape->n && b >= 0 && b < shape->n, FB_ERR_CAPACITY);
-  if (!fbi_is_finite(pchi, pchi ? 3 : 0) || !fbi_is_finite(hchi, hchi ? 3 : 0) ||
-      !fbi_is_finite(Gamchi, Gamchi ? 9 : 0)) {
+  if (!fbi_is_finite(p, 3) || !fbi_is_finite(h, 3) || !fbi_is_finite(G, 9)) {
     return FB_ERR_NOT_FINITE;
   }
   for (int side = 0; side < (a == b ? 1 : 2); side++) {
     const int ab = side ? b * shape->n + a : a * shape->n + b;
-    for (int i = 0; i < 9; i++) {
 #if FB_WITH_ACCELERATION_STIFFENING
-      if (i < 3) {
-        shape->pchi[3 * ab + i] += pchi ? pchi[i] : FB_R(0.0);
-        shape->hchi[3 * ab + i] += hchi ? hchi[i] : FB_R(0.0);
-      }
+    fbi_vec3_add(shape->pchi + 3 * ab, FB_R(1.0), p);
+    fbi_vec3_add(shape->hchi + 3 * ab, FB_R(1.0), h);
 #endif
 #if FB_WITH_SPIN_STIFFENING
-      shape->Gamchi[9 * ab + i] += Gamchi ? Gamchi[i] : FB_R(0.0);
-#endif
-      (void)ab, (void)i;
+    for (int i = 0; i < 9; i++) {
+      shape->Gamchi[9 * ab + i] += G[i];
     }
+#endif
+    (void)ab;
   }
   return FB_OK;
 }

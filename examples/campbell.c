@@ -302,7 +302,7 @@ static fb_status solve(const options *o)
 static int draw(const options *o)
 {
   static const char *const kind[2] = {"lag", "flap"};
-  static char name[1024], column[3 * MAX_MODES][16], title[3 * MAX_MODES][32];
+  static char name[1024], column[3 * MAX_MODES][32], title[3 * MAX_MODES][32];
   curve curves[3 * MAX_MODES];
   int n = 0;
   FILE *out;

@@ -758,7 +758,11 @@ TEST(bad_profiles_are_refused)
     m.density *= (fb_real)(fault == 2 ? -1 : 1);
     p.size[0] *= (fb_real)(fault == 3 ? 0 : 1);
     p.size[1] *= (fb_real)(fault == 4 ? -1 : 1);
-    p.kind = fault == 5 || fault == 6 ? FB_PROFILE_TUBE : fault == 7 ? (fb_profile_kind)2 : p.kind; /* inner > outer */
+    p.kind = fault == 5 || fault == 6 ? FB_PROFILE_TUBE : p.kind; /* inner > outer */
+    if (fault == 7) {
+      const int unknown = 2;
+      memcpy(&p.kind, &unknown, sizeof p.kind);
+    }
     p.size[1] = fault == 6 ? p.size[0] : p.size[1];
     if (fault >= 8) {
       *(fault == 8 ? &m.E : &p.size[1]) = (fb_real)NAN;
