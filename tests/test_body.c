@@ -2108,7 +2108,74 @@ TEST(finite_element_models_are_the_beams_they_came_from)
   }
 }
 
-SUITE(body, RUN(finite_element_models_are_the_beams_they_came_from), RUN(joined_halves_are_the_whole),
+/* E6.3, E6.6, E8.1: Hopkins' beam element (C.1, C.2 with the errata; p09_beam_element.csv): stiffness, geometric stiffness,
+   consistent mass with rotary inertia, and the first- and second-order integrals of its six coordinates (q1, q2 axial, q3, q4
+   transverse, q5, q6 rotation): mass center P, inertia I1 = int (r.P) 1 - r P and I2 = int (P_i.P_j) 1 - P_i P_j, moments O1
+   = int r x P and O2 = int P_i x P_j. */
+TEST(hopkins_element_has_the_exact_integrals)
+{
+  static const int place[7] = {0, 0, 3, 1, 4, 2, 5}; /* of q1 .. q6 among u_x, u_y, theta_z of both ends */
+  const fbt_table *table = fbt_reference("p09_beam_element.csv");
+  static fb_modes_desc keep;
+  static fb_modes pulled;
+  const double l = 2.0, h = 0.2, EA = 3.0, EI = 7.0;
+  double largest = 0.0;
+  int rows = 0;
+  memset(&beam_desc, 0, sizeof beam_desc);
+  memset(&keep, 0, sizeof keep);
+  beam_desc.length = (fb_real)l;
+  beam_desc.n_element = 1;
+  beam_desc.root = FB_ROOT_FREE;
+  beam_desc.n_station = 1;
+  beam_desc.station[0].mass = (fb_real)(1.0 / l);
+  beam_desc.station[0].i_z = (fb_real)(h * h / 12.0 / l);
+  beam_desc.station[0].EA = (fb_real)EA;
+  beam_desc.station[0].EI_z = (fb_real)EI;
+  keep.basis = FB_BASIS_ELEMENTS;
+  keep.count[FB_KIND_AXIAL] = keep.count[FB_KIND_BEND_Y] = 1;
+  FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
+  keep.preload.force = FB_R(1.0);
+  FBT_INT_EQ(fb_modes_solve(&pulled, &modes_work, &beam, &keep), FB_OK);
+  keep.preload.force = FB_R(0.0);
+  FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_OK);
+  FBT_INT_EQ(modes.n, 6);
+  FBT_INT_EQ(fb_shape_init(&shape, 6), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
+  for (int row = 0; row < table->rows; row++) {
+    const char *kind = fbt_word(table, row, "kind"), *comp = fbt_word(table, row, "comp");
+    const int index = (int)fbt_value(table, row, "index");
+    const int a = place[index > 10 ? index / 10 : index], b2 = place[index > 10 ? index % 10 : 0];
+    const int ab = a * 6 + b2, ba = b2 * 6 + a, i = comp[0] - 'x', j = comp[1] ? comp[1] - 'x' : i;
+    const double value = fbt_value(table, row, "value_l2_h02");
+    double got;
+    if (strcmp(kind, "K") == 0) {
+      got = (double)modes.K[ab] / (comp[1] == 'A' ? EA : EI);
+    } else if (strcmp(kind, "KG") == 0) {
+      got = (double)(pulled.K[ab] - modes.K[ab]);
+    } else if (strcmp(kind, "M") == 0) {
+      got = (double)modes.M[ab];
+    } else if (strcmp(kind, "P") == 0) {
+      got = (double)shape.P[3 * a + i];
+    } else if (strcmp(kind, "I1") == 0) {
+      got = (double)shape.Gam[9 * a + 3 * i + j];
+    } else if (strcmp(kind, "O1") == 0) {
+      got = (double)shape.H[3 * a + i];
+    } else if (strcmp(kind, "I2") == 0) {
+      got = (double)shape.Pi[9 * ba + 3 * i + j];
+    } else {
+      got = -(double)shape.ups[3 * ab + i];
+    }
+    FBT_NEAR_ABS(got, value, FBT_TOL(2e-12, 2e-6) * (1.0 + fabs(value))); /* the file has 12 digits */
+    largest = fmax(largest, fabs(got - value));
+    rows++;
+  }
+  FBT_INT_EQ(rows, table->rows);
+  FBT_TRUE(rows > 200);
+  fbt_figure("beam element: K, KG, M, inertia and moments", "[H] C.1, C.2 (p09)", largest);
+}
+
+SUITE(body, RUN(hopkins_element_has_the_exact_integrals),
+     RUN(finite_element_models_are_the_beams_they_came_from), RUN(joined_halves_are_the_whole),
       RUN(joined_components_converge_and_refuse), RUN(shape_integrals_obey_the_vector_identities),
       RUN(inertial_identities_hold_as_published), RUN(accelerations_agree_with_a_particle_model),
       RUN(momenta_agree_with_a_particle_model), RUN(elastic_forces_agree_with_a_particle_model),
