@@ -481,8 +481,8 @@ typedef struct fb_beam_desc {
   fb_real point[FB_MAX_ELEMENTS + 1][3];
 } fb_beam_desc;
 
-/* Appends n >= 2 stations of a stretch whose sizes vary linearly; between stations the chords hold, on average, what the
-   taper holds. Where the desc has a station at from->x, this one replaces it. FB_ERR_CAPACITY: more than
+/* Appends n >= 2 stations of a stretch whose sizes vary linearly; between stations the chords hold, on average, what
+   the taper holds. Where the desc has a station at from->x, this one replaces it. FB_ERR_CAPACITY: more than
    FB_MAX_STATIONS; FB_ERR_VALUE: also to->x <= from->x, different kinds; else as fb_section_init. desc is changed only
    on FB_OK. */
 FB_API fb_status fb_beam_desc_add_taper(fb_beam_desc *desc, const fb_material *material, const fb_profile *from,
@@ -575,7 +575,7 @@ typedef struct fb_modes_desc {
   int boundary_inertia; /* 1: FB_BASIS_COMPONENT also holds the shapes into which the inertia of a moving boundary bends
                            it, as further modes. They are worth more than as many natural ones */
   int rigid;            /* 1: the rigid-body modes of a pinned or free root come first: for components to be joined */
-  int cubic; /* 1: natural modes and components of the nodal coordinates alone (cubic Hermite), without internal shapes */
+  int cubic; /* 1: natural modes and components of the nodal (cubic Hermite) coordinates alone, no internal shapes */
 } fb_modes_desc;
 
 typedef struct fb_modes {
@@ -604,8 +604,8 @@ typedef struct fb_modes_work { /* scratch; large: make it static */
 } fb_modes_work;
 
 /* FB_ERR_KIND: a kind asked for has no stiffness or inertia, or fewer modes than asked (or than mass_fraction wants);
-   FB_ERR_CAPACITY: more than FB_MAX_MODES; FB_ERR_VALUE: also functions, spin or mass_fraction without a clamped root, a
-   preload on a chain, a coordinate that the root holds or that is named twice; FB_ERR_SINGULAR: the preload is beyond
+   FB_ERR_CAPACITY: more than FB_MAX_MODES; FB_ERR_VALUE: also functions, spin or mass_fraction without a clamped root,
+   a preload on a chain, a coordinate that the root holds or that is named twice; FB_ERR_SINGULAR: the preload is beyond
    buckling, or the boundary leaves rigid motion; FB_ERR_CONVERGENCE.
    modes is written only on FB_OK. Rigid-body modes of pinned and free roots are not modes here: the body frame
    carries that motion. */
@@ -638,8 +638,8 @@ typedef struct fb_join_work { /* scratch; large: make it static */
 } fb_join_work;
 
 /* joined, beam and component are arrays of n_component. A component that hangs on another one has a free root and rigid
-   modes (fb_modes_desc.rigid), all coordinates of FB_BASIS_ELEMENTS, or its root among the boundary; what both sides of a
-   weld cannot move in is stiff. Keeps the `lowest` common modes (0: all) up to omega_limit [rad/s] (0: no limit);
+   modes (fb_modes_desc.rigid), all coordinates of FB_BASIS_ELEMENTS, or its root among the boundary; what both sides of
+   a weld cannot move in is stiff. Keeps the `lowest` common modes (0: all) up to omega_limit [rad/s] (0: no limit);
    rigid-body modes of the whole are left out. Then build the shape as for one beam, all with first = 0 and n =
    joined->n: add beam 0, a node at each weld of it, then the beams that hang there (their quadratic field goes on from
    that node), and so on. joined[k].M and K are the share of component k. Redundant welds do no harm.
@@ -734,11 +734,11 @@ FB_API fb_status fb_shape_add_particle(fb_shape *shape, fb_real mass, const fb_r
 /* A rigid body fixed to the body frame: mass [kg], mass center [m], inertia about it [kg m^2] (xx, yy, zz, xy, xz,
    yz). */
 FB_API fb_status fb_shape_add_rigid(fb_shape *shape, fb_real mass, const fb_real center[3], const fb_real inertia[6]);
-/* Of a finite-element model: a node with its lumped mass [kg] and inertia [kg m^2] about the node (xx, yy, zz, xy, xz, yz;
-   NULL: none), displacement and rotation shapes psi, theta (n x 3); a node to carry loads and sensors; and the integrals
-   of the quadratic displacement of a pair of coordinates (p^chi [kg/m], h^chi, Gamma^chi 3 x 3 [kg]; NULL: none), which
-   also set those of b, a. Set shape->K yourself: omega^2 times shape->M on the diagonal for modes. Errors as for a
-   particle; FB_ERR_CAPACITY: nodes, coordinates. */
+/* Of a finite-element model: a node with its lumped mass [kg] and inertia [kg m^2] about the node (xx, yy, zz, xy, xz,
+   yz; NULL: none), displacement and rotation shapes psi, theta (n x 3); a node to carry loads and sensors; and the
+   integrals of the quadratic displacement of a pair of coordinates (p^chi [kg/m], h^chi, Gamma^chi 3 x 3 [kg]; NULL:
+   none), which also set those of b, a. Set shape->K yourself: omega^2 times shape->M on the diagonal for modes. Errors
+   as for a particle; FB_ERR_CAPACITY: nodes, coordinates. */
 FB_API fb_status fb_shape_add_lump(fb_shape *shape, fb_real mass, const fb_real r[3], const fb_real *inertia,
                                    const fb_real *psi, const fb_real *theta);
 FB_API fb_status fb_shape_add_node(fb_shape *shape, int *node, const fb_real r[3], const fb_real *psi,
@@ -926,8 +926,9 @@ typedef struct fb_body {
   fb_node node[FB_MAX_NODES];
 } fb_body;
 
-/* FB_ERR_CAPACITY (FB_MAX_LAMBDA, FB_MAX_S), FB_ERR_EFFECTS (see fb_effects_check), FB_ERR_SINGULAR (M, or S_0 of a free body), FB_ERR_VALUE (no mass, negative
-   damping), FB_ERR_NOT_FINITE, FB_ERR_NULL. body is written only on FB_OK.  */
+/* FB_ERR_CAPACITY (FB_MAX_LAMBDA, FB_MAX_S), FB_ERR_EFFECTS (see fb_effects_check), FB_ERR_SINGULAR (M, or S_0 of a
+   free body), FB_ERR_VALUE (no mass, negative damping), FB_ERR_NOT_FINITE, FB_ERR_NULL. body is written only on FB_OK.
+   */
 typedef struct fb_body_work {
   fb_real L[FB_MAX_MODES * FB_MAX_MODES], A[FB_MAX_MODES * FB_MAX_MODES], B[FB_MAX_MODES * FB_MAX_MODES];
   fb_real X[FB_MAX_MODES * FB_MAX_MODES], d[FB_MAX_MODES];
@@ -1146,4 +1147,5 @@ FB_API fb_status fb_config_check(const char *config);
 /* HISTORY
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,
           pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme; sections with shear, twist and
-          centers off the line, bent lines, component modes, buckling, synthesis, finite-element models, complex modes */
+          centers off the line, bent lines, component modes, buckling, synthesis, finite-element models, complex modes
+          */

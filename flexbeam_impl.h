@@ -1680,7 +1680,8 @@ static void fbi_element_field(fbi_field *f, const fb_beam *beam, int element, co
 
 /* [E6.12] What a section does, section axes (turned by the twist): strain at the tension center, shear at the shear
    center, displacement of the mass center,
-   eps_t = eps + z_t k_y - y_t k_z,  g_y = gamma_y - z_s k_x,  g_z = gamma_z + y_s k_x,  u_m = u + theta x (0, y_m, z_m).
+   eps_t = eps + z_t k_y - y_t k_z,  g_y = gamma_y - z_s k_x,  g_z = gamma_z + y_s k_x,  u_m = u + theta x (0, y_m,
+   z_m).
    Source: u(x, y, z) = u + theta x (0, y, z).  Cost: 50 flops, sin, cos.  Fails: never.
    Test: offset_centers_bend_and_twist_as_in_statics, a_pretwisted_beam_bends_as_its_sections_turn. */
 typedef struct fbi_section_field {
@@ -2209,9 +2210,9 @@ static int fbi_mode_place(const fb_modes *modes, int lowest, fb_real omega)
   return omega < modes->omega[highest] ? highest : -1;
 }
 
-/* [E7.7] Effective mass of a mode along a rigid motion r of the root, (x^T M r)^2 / (r^T M r): all modes of a clamped beam
-   together have the beam's mass but for that at the root ([DB] (43)). Does the group's part of the modes found reach
-   the fraction along each motion that its free coordinates take part in and whose kind is asked for?
+/* [E7.7] Effective mass of a mode along a rigid motion r of the root, (x^T M r)^2 / (r^T M r): all modes of a clamped
+   beam together have the beam's mass but for that at the root ([DB] (43)). Does the group's part of the modes found
+   reach the fraction along each motion that its free coordinates take part in and whose kind is asked for?
    Source: Hughes, by [DB] 5.1.  Cost: 2 ndof^2 flops a mode and motion.  Fails: never.
    Test: effective_masses_add_up_to_the_beam. */
 static int fbi_mass_is_reached(const fb_modes_desc *desc, const fb_modes_work *work, const int *dof, int n)
@@ -2586,9 +2587,10 @@ static void fbi_shapes_matrices(fb_modes_work *work)
   }
 }
 
-/* [E7.9] Hurty (Craig-Bampton) component: constraint modes, x_i = 1 at one boundary coordinate, 0 at the others, and K x =
-   0 elsewhere; then natural modes with the boundary held. K has no terms between the two kinds. The inertia of a moving
-   boundary adds K^-1 M x: the error of the k-th frequency falls by a factor of about 30.
+/* [E7.9] Hurty (Craig-Bampton) component: constraint modes, x_i = 1 at one boundary coordinate, 0 at the others, and K
+   x = 0 elsewhere; then natural modes with the boundary held. K has no terms between the two kinds. The inertia of a
+   moving boundary adds K^-1 M x: k modes of a cantilever held at its tip miss the k-th frequency by 1.6e-3 without,
+   2e-7 with.
    Source: [H] 2.5, C.3 with errata item 3.15.  Shapes: n_boundary constraint modes first.
    Fails: capacity; the boundary leaves rigid motion.
    Test: hurty_example_has_the_printed_numbers, components_deflect_exactly_at_their_boundary. */
@@ -3089,8 +3091,8 @@ static fb_status fbi_join_check(const fb_beam *beam, const fb_modes *component, 
   return FB_OK;
 }
 
-/* Block-diagonal K and M of the components and the constraints T q = 0 of the welds; columns scaled by modal mass, rotations
-   by length. Returns the number of coordinates. */
+/* Block-diagonal K and M of the components and the constraints T q = 0 of the welds; columns scaled by modal mass,
+   rotations by length. Returns the number of coordinates. */
 static int fbi_join_assemble(fb_join_work *work, const fb_beam *beam, const fb_modes *component, int n_component,
                              const fb_weld *weld, int n_weld)
 {
@@ -3128,9 +3130,9 @@ static int fbi_join_assemble(fb_join_work *work, const fb_beam *beam, const fb_m
   return N;
 }
 
-/* [E7.11] Null space of T (rows x N) by Gauss-Jordan elimination with complete pivoting: T [B N] = [1 0] up to the order of
-   columns, so that Z = [-B; 1] spans it. Rows that are combinations of others fall out. Z is N x (N - rank), the rank is
-   returned.
+/* [E7.11] Null space of T (rows x N) by Gauss-Jordan elimination with complete pivoting: T [B N] = [1 0] up to the
+   order of columns, so that Z = [-B; 1] spans it. Rows that are combinations of others fall out. Z is N x (N - rank),
+   the rank is returned.
    Source: [H] 3.6-10; [GV] 3.4.  Fails: never.  Test: joined_halves_are_the_whole. */
 static int fbi_null_space(fb_real *Z, fb_real *T, int *pivot, int rows, int N)
 {
@@ -3203,9 +3205,9 @@ static void fbi_congruence(fb_real *A, const fb_real *Z, fb_real *scratch, int N
   }
 }
 
-/* Elastic modes of the m common coordinates, rows of X with unit modal mass, d = omega^2 ascending, as in E7.2. Where the
-   stiffness alone is not definite, a first solution tells rigid modes (nothing against the stiffest) from the lowest
-   elastic one, which is the shift of the second. */
+/* Elastic modes of the m common coordinates, rows of X with unit modal mass, d = omega^2 ascending, as in E7.2. Where
+   the stiffness alone is not definite, a first solution tells rigid modes (nothing against the stiffest) from the
+   lowest elastic one, which is the shift of the second. */
 static fb_status fbi_join_solve(fb_join_work *work, int m, int *found)
 {
   fb_real shift = FB_R(0.0);
@@ -3251,8 +3253,8 @@ static fb_status fbi_join_solve(fb_join_work *work, int m, int *found)
   return FB_OK;
 }
 
-/* Shapes of component c in the first n common modes: those of its coordinates, at in the row of all, combined by scale Z
-   x; its share of M and K. */
+/* Shapes of component c in the first n common modes: those of its coordinates, at in the row of all, combined by scale
+   Z x; its share of M and K. */
 static void fbi_join_expand(fb_modes *out, fb_join_work *work, const fb_modes *component, int at, int n, int m)
 {
   fb_real *const q = work->A, *const half = work->B; /* component->n x n each */
@@ -3289,7 +3291,8 @@ static void fbi_join_expand(fb_modes *out, fb_join_work *work, const fb_modes *c
   }
 }
 
-/* The kind of the component coordinate with the largest share in common mode k, and a sign: that coordinate positive. */
+/* The kind of the component coordinate with the largest share in common mode k, and a sign: that coordinate positive.
+   */
 static fb_kind fbi_join_kind(fb_join_work *work, const fb_modes *component, int n_component, int k, int m)
 {
   fb_real best = FB_R(0.0), sign = FB_R(1.0);

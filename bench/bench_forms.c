@@ -1,7 +1,8 @@
-/* bench_forms - time of one step of each form of the equations of motion, by scheme and number of elements, CSV on stdout.
-   The beam of [DB] 4.3 turned by a constant torque on its hinged root: 1, 2, 3 cubic elements, bending in both planes, axial
-   coordinates with nonlinear strain, u_x' free at the root. The forms take turns, so that they share what disturbs the machine; the
-   quietest of several runs counts. Equal steps: 0.1 ms with rk4, 0.5 ms with the implicit schemes. */
+/* bench_forms - time of one step of each form of the equations of motion, by scheme and number of elements, CSV on
+   stdout. The beam of [DB] 4.3 turned by a constant torque on its hinged root: 1, 2, 3 cubic elements, bending in both
+   planes, axial coordinates with nonlinear strain, u_x' free at the root. The forms take turns, so that they share what
+   disturbs the machine; the quietest of several runs counts. Equal steps: 0.1 ms with rk4, 0.5 ms with the implicit
+   schemes. */
 #define _POSIX_C_SOURCE 199309L /* clock_gettime */
 #define FB_WITH_FORMS 1
 #define FB_MAX_MODES 24

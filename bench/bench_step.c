@@ -1,6 +1,6 @@
 /* bench_step - time of one rk4 step by number of modes and set of effects, CSV on stdout.
-   64 bodies in different states take turns, so that neither branches nor data are learned. Each step is timed by itself; the
-   time of an empty measurement is taken off. Fading and decayed bodies show what small numbers cost. */
+   64 bodies in different states take turns, so that neither branches nor data are learned. Each step is timed by
+   itself; the time of an empty measurement is taken off. Fading and decayed bodies show what small numbers cost. */
 #define _POSIX_C_SOURCE 199309L /* clock_gettime */
 #define FLEXBEAM_IMPLEMENTATION
 #include "scene.h"

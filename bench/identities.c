@@ -1,5 +1,6 @@
-/* identities - how much of a beam's inertia its modes hold: the inertial identities [DB] (43), (46) summed over the modes kept,
-   as parts of what they add up to with all of them (`make readme`). Uniform cantilever, 10 m, 12 kg, with torsion. */
+/* identities - how much of a beam's inertia its modes hold: the inertial identities [DB] (43), (46) summed over the
+   modes kept, as parts of what they add up to with all of them (`make readme`). Uniform cantilever, 10 m, 12 kg, with
+   torsion. */
 #define FB_MAX_MODES 48
 #define FB_MAX_ELEMENTS 20
 #define FB_WITH_NONLINEAR_STRAIN 0

@@ -70,8 +70,8 @@ static fb_real fbb_random(int k)
   return (fb_real)(x >> 8 & 0xffffffu) / FB_R(8388608.0) - FB_R(1.0);
 }
 
-/* State number k, each different: deflected up to amplitude [sqrt(kg) m], spinning up to spin [rad/s]; without spin at rest,
-   its momenta exactly zero. */
+/* State number k, each different: deflected up to amplitude [sqrt(kg) m], spinning up to spin [rad/s]; without spin at
+   rest, its momenta exactly zero. */
 static void fbb_state(fb_state *state, const fb_body *body, int k, fb_real spin, fb_real amplitude)
 {
   const fb_real v[3] = {0};

@@ -1,7 +1,7 @@
 /* step_count - steps one body, for a counter of instructions (tests/checks/instructions.sh).
    usage: step_count Y Z AXIAL EFFECTS STEPS [SCHEME [decayed]]
-   Y, Z, AXIAL: modes of each kind; EFFECTS: mask of FB_EFFECT_...; SCHEME: fb_rk4_step (default), fb_midpoint_step, fb_sdirk_step,
-   fb_exponential_step; decayed: the elastic motion is about to vanish. */
+   Y, Z, AXIAL: modes of each kind; EFFECTS: mask of FB_EFFECT_...; SCHEME: fb_rk4_step (default), fb_midpoint_step,
+   fb_sdirk_step, fb_exponential_step; decayed: the elastic motion is about to vanish. */
 #include "scene.h"
 
 static fb_body body;

@@ -1,6 +1,6 @@
 /* campbell - frequencies of a rotating cantilever or blade over a range of spins, as CSV and picture.
-   The beam turns steadily about z with its root at the hub radius; the modal model with the quadratic displacement field is
-   brought to rest in the turning frame and linearized there: complex modes, with the gyroscopic terms.
+   The beam turns steadily about z with its root at the hub radius; the modal model with the quadratic displacement
+   field is brought to rest in the turning frame and linearized there: complex modes, with the gyroscopic terms.
    Exit: 0 well, 1 the model failed, 2 bad options or input. */
 #define _POSIX_C_SOURCE 200809L
 #define FB_MAX_MODES 24

@@ -1,5 +1,5 @@
-/* elastodyn - a blade of OpenFAST (ElastoDyn's blade file: span fraction, twist, mass and stiffness per length) becomes a beam
-   description for `reduce`. Columns are found by their names; adjustment factors and damping are applied.
+/* elastodyn - a blade of OpenFAST (ElastoDyn's blade file: span fraction, twist, mass and stiffness per length) becomes
+   a beam description for `reduce`. Columns are found by their names; adjustment factors and damping are applied.
    Exit: 0 well, 2 bad options or input. */
 #include "text.h"
 

@@ -1,5 +1,5 @@
-/* firmware - a rotor blade in flight code: the model comes from ROM (a header that `reduce` made), the code holds what a step
-   needs and nothing that builds models. A tip load at rest, then at 12.1 rpm.
+/* firmware - a rotor blade in flight code: the model comes from ROM (a header that `reduce` made), the code holds what
+   a step needs and nothing that builds models. A tip load at rest, then at 12.1 rpm.
    Its check: at rest the tip moves as the closed form of its damped modes says, within 2e-3 of the peak.
    Exit: 0 well, 1 a step failed or the check did. */
 #define FLEXBEAM_IMPLEMENTATION

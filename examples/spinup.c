@@ -1,8 +1,8 @@
 /* spinup - spin-up of a flexible beam by its hub, the classical test of geometric stiffening.
-   The hub turns with Omega(t) = spin/ramp (t - ramp/(2 pi) sin(2 pi t/ramp)) up to t = ramp, then with spin, and the beam is
-   clamped to it at the axis; or a torque G (1 - cos(2 pi t/ramp)) turns the hinged beam. Without options that choose a model
-   the program compares numbers of modes and sets of effects with a geometrically exact reference (--reference) or with its
-   own richest model; with one of them it runs that model alone.
+   The hub turns with Omega(t) = spin/ramp (t - ramp/(2 pi) sin(2 pi t/ramp)) up to t = ramp, then with spin, and the
+   beam is clamped to it at the axis; or a torque G (1 - cos(2 pi t/ramp)) turns the hinged beam. Without options that
+   choose a model the program compares numbers of modes and sets of effects with a geometrically exact reference
+   (--reference) or with its own richest model; with one of them it runs that model alone.
    Exit: 0 well, 1 a check failed or the motion left the model, 2 bad options. */
 #define _POSIX_C_SOURCE 200809L /* popen, for gnuplot */
 #define PROGRAM "spinup"

@@ -1,6 +1,7 @@
 /* spinup_model.h - the scene of spinup.c and table1.c: a flexible beam about z, by the rate of its hub or by a torque.
-   Models: bending modes with the quadratic displacement, or axial coordinates with nonlinear strain ([DB] section 4), in
-   any form of the equations of motion and any scheme. Define PROGRAM, the name in messages, and include it in one file. */
+   Models: bending modes with the quadratic displacement, or axial coordinates with nonlinear strain ([DB] section 4),
+   in any form of the equations of motion and any scheme. Define PROGRAM, the name in messages, and include it in one
+   file. */
 #ifndef SPINUP_MODEL_H
 #define SPINUP_MODEL_H
 #define FB_WITH_FORMS 1
@@ -214,8 +215,8 @@ static double step_limit(const scene *s)
   return (double)schemes[s->scheme].limit(&model.body, (fb_real)final_spin(s), 0);
 }
 
-/* A step [s] with some room below the limit (slopes of the beam lower it where strain is nonlinear); a whole number of them
-   makes a hundredth of a second, so that rows of all runs are at the same times. */
+/* A step [s] with some room below the limit (slopes of the beam lower it where strain is nonlinear); a whole number of
+   them makes a hundredth of a second, so that rows of all runs are at the same times. */
 static double default_step(const scene *s)
 {
   const double dt = fmin(schemes[s->scheme].dt, (s->elements ? 0.7 : 0.8) * step_limit(s));
@@ -251,8 +252,8 @@ typedef struct history { /* one run */
   double ns;        /* [ns] per step, drive included */
 } history;
 
-/* The input at t of the step around middle, returns the rate of the torque. A held torque jumps at the end of the ramp: the jump
-   lies between two steps, not in one. */
+/* The input at t of the step around middle, returns the rate of the torque. A held torque jumps at the end of the ramp:
+   the jump lies between two steps, not in one. */
 static double drive(fb_input *input, const scene *s, double t, double middle)
 {
   const double turn = 2 * PI / s->ramp;

@@ -1,5 +1,5 @@
-/* text.h - reads text files word by word; every complaint names file and line. Comments run from # to the end of a line,
-   commas count as blanks. */
+/* text.h - reads text files word by word; every complaint names file and line. Comments run from # to the end of a
+   line, commas count as blanks. */
 #ifndef TEXT_H
 #define TEXT_H
 #include <ctype.h>

@@ -1,12 +1,12 @@
 /* fbt.h - the test harness: nothing but a C compiler.
-   Each tests/test_<section>.c defines static tests with TEST(name) and lists them in SUITE(section, ...); a test that is
-   not listed fails the build (-Wunused-function). Every test file is a translation unit of its own and sees only
+   Each tests/test_<section>.c defines static tests with TEST(name) and lists them in SUITE(section, ...); a test that
+   is not listed fails the build (-Wunused-function). Every test file is a translation unit of its own and sees only
    flexbeam.h; the code itself is in test_main.c. */
 #ifndef FBT_H
 #define FBT_H
 
-/* Three elements with cubic functions in three directions have nineteen coordinates, two of degree 6 in a plane twenty-one and
-   twenty-two strain stations. */
+/* Three elements with cubic functions in three directions have nineteen coordinates, two of degree 6 in a plane
+   twenty-one and twenty-two strain stations. */
 #ifndef FB_MAX_MODES
 #define FB_MAX_MODES 24
 #endif

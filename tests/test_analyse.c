@@ -1,5 +1,5 @@
-/* Section 12: steady states, linearization, complex modes: against characteristic polynomials in closed form, statics, the
-   modes they are made of, and published frequencies of a rotor blade. */
+/* Section 12: steady states, linearization, complex modes: against characteristic polynomials in closed form, statics,
+   the modes they are made of, and published frequencies of a rotor blade. */
 #include "fbt.h"
 
 #define EPS FBT_TOL(2.2204460492503131e-16, 1.19209290e-7)
@@ -29,10 +29,10 @@ static void particle_on_springs(double R, double kx, double ky, double zeta)
   FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
 }
 
-/* E12.1 to E12.3: u_x'' + c_x u_x' - 2 w u_y' + (k_x - w^2) u_x = w^2 R, u_y'' + c_y u_y' + 2 w u_x' + (k_y - w^2) u_y = 0
-   (the dashpots turn with the frame): the particle rests at w^2 R/(k_x - w^2), and the eigenvalues are the roots of
-   (l^2 + c_x l + k_x - w^2)(l^2 + c_y l + k_y - w^2) + 4 w^2 l^2, which also gives their number; beyond w^2 = k_x one root
-   is positive. */
+/* E12.1 to E12.3: u_x'' + c_x u_x' - 2 w u_y' + (k_x - w^2) u_x = w^2 R, u_y'' + c_y u_y' + 2 w u_x' + (k_y - w^2) u_y
+   = 0 (the dashpots turn with the frame): the particle rests at w^2 R/(k_x - w^2), and the eigenvalues are the roots of
+   (l^2 + c_x l + k_x - w^2)(l^2 + c_y l + k_y - w^2) + 4 w^2 l^2, which also gives their number; beyond w^2 = k_x one
+   root is positive. */
 TEST(spectrum_of_a_spinning_oscillator_is_closed_form)
 {
   for (int run = 0; run < 8; run++) {
@@ -124,8 +124,8 @@ TEST(damped_modes_have_their_ratios)
 }
 
 /* E6.12, E7.2, E12.3: the blade of the NREL 5-MW turbine (nrel5mw_blade.csv, NREL/TP-500-38060; 49 stations, twisted):
-   mass, first and second moment, and the clamped frequencies at rest and at 12.1 rpm against ElastoDyn's, which come from
-   polynomials of one direction each and so lie somewhat higher. */
+   mass, first and second moment, and the clamped frequencies at rest and at 12.1 rpm against ElastoDyn's, which come
+   from polynomials of one direction each and so lie somewhat higher. */
 TEST(nrel_blade_has_the_published_figures)
 {
   static const double figure[2][3] = {{0.682966, 1.096501, 1.986600},

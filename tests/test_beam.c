@@ -95,8 +95,8 @@ static void textbook_rod(double *Kt, double *Mt, int u, double stiffness, double
   }
 }
 
-/* E6.3, E6.1, E6.13: Przemieniecki, Theory of Matrix Structural Analysis, 1968, 5.6 and 11.4, without and with shear; both
-   planes with the signs of theta_z = u_y' and theta_y = -u_z'; three elements are three times one. */
+/* E6.3, E6.1, E6.13: Przemieniecki, Theory of Matrix Structural Analysis, 1968, 5.6 and 11.4, without and with shear;
+   both planes with the signs of theta_z = u_y' and theta_y = -u_z'; three elements are three times one. */
 TEST(element_matrices_match_the_textbook_ones)
 {
   for (int mesh = 0; mesh < 4; mesh++) {
@@ -782,7 +782,8 @@ TEST(bad_profiles_are_refused)
   FBT_TRUE(memcmp(&beam.desc, &desc, sizeof desc) == 0);
 }
 
-/* Displacement (0..2) or rotation (3..5) of the tip of the clamped beam under a unit force at its tip: K u = f by LU. */
+/* Displacement (0..2) or rotation (3..5) of the tip of the clamped beam under a unit force at its tip: K u = f by LU.
+   */
 static double tip_flexibility(int response, int force)
 {
   static fb_real A[MAX_DOF * MAX_DOF], f[MAX_DOF], u[MAX_DOF], scale[MAX_DOF];
@@ -860,9 +861,10 @@ TEST(a_pretwisted_beam_bends_as_its_sections_turn)
   FBT_NEAR_REL(tip_flexibility(1, 2), across, FBT_TOL(1e-6, 5e-3));
 }
 
-/* E6.12, E6.13: statics of a uniform cantilever with its centers off the line: a pull at the line bends about the tension
-   center, u_y = y_t L^2/2EI_z, u_z = z_t L^2/2EI_y, u_x = L/EA + y_t^2 L/EI_z + z_t^2 L/EI_y; a side force twists about
-   the shear center, theta_x = z_s L/GJ, u_y = L^3/3EI_z + L/GA_y + z_s^2 L/GJ. Turned sections (twist) turn it all. */
+/* E6.12, E6.13: statics of a uniform cantilever with its centers off the line: a pull at the line bends about the
+   tension center, u_y = y_t L^2/2EI_z, u_z = z_t L^2/2EI_y, u_x = L/EA + y_t^2 L/EI_z + z_t^2 L/EI_y; a side force
+   twists about the shear center, theta_x = z_s L/GJ, u_y = L^3/3EI_z + L/GA_y + z_s^2 L/GJ. Turned sections (twist)
+   turn it all. */
 TEST(offset_centers_bend_and_twist_as_in_statics)
 {
   const double L = 1.7, y_t = 0.11, z_t = -0.07, y_s = 0.05, z_s = 0.13;

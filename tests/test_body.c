@@ -1,5 +1,6 @@
-/* Section 8: shape integrals, momentum form, effects, loads, nodes, energy. The judge is a brute-force model of particles
-   that knows nothing of momenta or shape integrals: positions r + psi q + 1/2 chi q q, Newton's law per particle. */
+/* Section 8: shape integrals, momentum form, effects, loads, nodes, energy. The judge is a brute-force model of
+   particles that knows nothing of momenta or shape integrals: positions r + psi q + 1/2 chi q q, Newton's law per
+   particle. */
 #include "fbt.h"
 
 #define PARTICLES 30
@@ -143,8 +144,8 @@ static double particles_energy(const particles *p, const velocity *s)
   return T;
 }
 
-/* The part of the kinetic energy that is kept: elastic degree (q and qd together) at most 2, exact by interpolation of the
-   quartic in a scale factor. */
+/* The part of the kinetic energy that is kept: elastic degree (q and qd together) at most 2, exact by interpolation of
+   the quartic in a scale factor. */
 static double particles_energy_2(const particles *p, const velocity *s)
 {
   double T[5], c1, c2;
@@ -647,8 +648,8 @@ static fb_beam beam;
 static fb_modes modes;
 static fb_modes_work modes_work;
 
-/* E7.5, E8.4, E8.6: the same functions in each direction make a closed basis: S is constant and spin couples a function with
-   itself alone. The function with strain at the root opens it. */
+/* E7.5, E8.4, E8.6: the same functions in each direction make a closed basis: S is constant and spin couples a function
+   with itself alone. The function with strain at the root opens it. */
 TEST(functions_close_the_basis)
 {
   for (int root = 0; root < 2; root++) {
@@ -688,7 +689,8 @@ TEST(functions_close_the_basis)
 
 #define BOOM_MODES 7
 
-/* Rigid hub, boom off its axis in a skew direction with an offset tip body, bending, stretch and torsion modes, two nodes. */
+/* Rigid hub, boom off its axis in a skew direction with an offset tip body, bending, stretch and torsion modes, two
+   nodes. */
 static void boom(fb_shape *out, int node[2])
 {
   static const fb_real center[3] = {FB_R(0.1), -FB_R(0.2), FB_R(0.05)};
@@ -784,8 +786,8 @@ TEST(beam_integrals_reproduce_mass_and_modal_mass)
   }
 }
 
-/* E6.12, E6.11, E8.1: with twist, shear, every center off the line and a bent line the quadrature over the slices, each a
-   rigid body placed by psi, still finds M = 1 of the eigenproblem, which integrates the fields of the section; mass,
+/* E6.12, E6.11, E8.1: with twist, shear, every center off the line and a bent line the quadrature over the slices, each
+   a rigid body placed by psi, still finds M = 1 of the eigenproblem, which integrates the fields of the section; mass,
    first moment and inertia are those of slices summed here. */
 TEST(beam_integrals_hold_for_any_section_and_line)
 {
@@ -910,9 +912,9 @@ static void bent_at(double u[3], fb_real R[9], double x, const double *q)
   fb_quat_to_mat33(R, quat);
 }
 
-/* E8.2: a beam bent in both planes and twisted. The section's normal is the tangent of the deformed line, whose length is
-   unchanged, and the twist rate about it is that of the torsion coordinates: defects of third degree, 8 times less at half
-   the amplitude. */
+/* E8.2: a beam bent in both planes and twisted. The section's normal is the tangent of the deformed line, whose length
+   is unchanged, and the twist rate about it is that of the torsion coordinates: defects of third degree, 8 times less
+   at half the amplitude. */
 TEST(quadratic_field_is_inextensible_and_twist_free)
 {
   double tangent[2], stretch[2], twist[2];
@@ -997,7 +999,8 @@ TEST(offset_masses_move_with_their_section)
   }
 }
 
-/* Largest difference of the integrals of two shapes, those of a from coordinate first on, relative to the largest of each. */
+/* Largest difference of the integrals of two shapes, those of a from coordinate first on, relative to the largest of
+   each. */
 static double shape_difference(const fb_shape *a, const fb_shape *b, int first)
 {
   double worst = fmax(fbt_difference(a->c, b->c, 3), fbt_difference(a->J, b->J, 9)) / fbt_largest(b->J, 9);
@@ -1022,8 +1025,8 @@ static double shape_difference(const fb_shape *a, const fb_shape *b, int first)
 
 static fb_shape other;
 
-/* E6.2, E8.1, E8.3: a lumped body with offset and full inertia is the handful of particles it is made of, each moving as
-   u + (exp(phi) - 1) d with the node's displacement and rotation to second degree. */
+/* E6.2, E8.1, E8.3: a lumped body with offset and full inertia is the handful of particles it is made of, each moving
+   as u + (exp(phi) - 1) d with the node's displacement and rotation to second degree. */
 TEST(lumped_bodies_are_the_particles_they_stand_for)
 {
   double m[5], d[5][3], total = 0.0, center[3] = {0}, S[3][3] = {{0}};
@@ -1217,7 +1220,8 @@ TEST(a_held_body_is_a_free_one_with_its_reactions)
   }
 }
 
-/* E8.22: a rigid pendulum from 1 rad is at the bottom after a quarter of 2 pi / (omega_0 agm(1, cos 1/2)); pinned and hinged. */
+/* E8.22: a rigid pendulum from 1 rad is at the bottom after a quarter of 2 pi / (omega_0 agm(1, cos 1/2)); pinned and
+   hinged. */
 TEST(pinned_and_hinged_bodies_swing_as_rigid_pendulums)
 {
   static const fb_real center[3] = {FB_R(0.5), 0, 0}, inertia[6] = {FB_R(0.1), FB_R(0.2), FB_R(0.25)};
@@ -1260,8 +1264,8 @@ TEST(pinned_and_hinged_bodies_swing_as_rigid_pendulums)
   }
 }
 
-/* Defects of velocity, acceleration, angular rate and angular acceleration of a node at the middle of two rk4 steps of h
-   against central differences of its pose (and rate). */
+/* Defects of velocity, acceleration, angular rate and angular acceleration of a node at the middle of two rk4 steps of
+   h against central differences of its pose (and rate). */
 static void node_defects(double defect[4], double h, int node)
 {
   fb_state state;
@@ -1317,7 +1321,8 @@ TEST(node_kinematics_match_finite_differences)
   }
 }
 
-/* E8.19: force and torque of a prescribed base are the rates of momentum about the moving origin, less gravity and loads. */
+/* E8.19: force and torque of a prescribed base are the rates of momentum about the moving origin, less gravity and
+   loads. */
 TEST(reactions_balance_the_momentum)
 {
   int node[2];
@@ -1464,8 +1469,8 @@ static double frame_difference(double speed, double dt)
   return fbt_difference(state[0].q, state[1].q, BOOM_MODES);
 }
 
-/* E8.13 to E8.18: in a turned and displaced frame the elastic response is the same to rounding with any step; in one that
-   moves, to the truncation error of the scheme, which at a small step is rounding, too. */
+/* E8.13 to E8.18: in a turned and displaced frame the elastic response is the same to rounding with any step; in one
+   that moves, to the truncation error of the scheme, which at a small step is rounding, too. */
 TEST(elastic_response_is_frame_indifferent)
 {
   int node[2];
@@ -1482,8 +1487,8 @@ TEST(elastic_response_is_frame_indifferent)
   FBT_BELOW(coarse, FBT_TOL(1e-9, 1e-3));
 }
 
-/* E8.7: free decay of one mode of a held body: the peaks fall by exp(-2 pi zeta / sqrt(1 - zeta^2)); with finite-element
-   coordinates (full M) the same. */
+/* E8.7: free decay of one mode of a held body: the peaks fall by exp(-2 pi zeta / sqrt(1 - zeta^2)); with
+   finite-element coordinates (full M) the same. */
 TEST(damped_free_decay_has_the_given_ratio)
 {
   static fb_modes_desc keep;
@@ -1540,8 +1545,8 @@ TEST(damped_free_decay_has_the_given_ratio)
   }
 }
 
-/* Unit cantilever, uniform or of half the height at the tip: mass h, EI h^3; the cubic lies above its chords by 1/8 of its
-   curvature, which the station values give back on average. */
+/* Unit cantilever, uniform or of half the height at the tip: mass h, EI h^3; the cubic lies above its chords by 1/8 of
+   its curvature, which the station values give back on average. */
 static void rotor_blade(int tapered)
 {
   const double chord = 1.0 / (FB_MAX_STATIONS - 1);
@@ -1558,8 +1563,8 @@ static void rotor_blade(int tapered)
   }
 }
 
-/* Worst relative error of the first flap and lag frequencies for eta = 0..12 and three hub radii: eight bending modes, one
-   body for all spins; stiffness about the steady spin by exact differences. */
+/* Worst relative error of the first flap and lag frequencies for eta = 0..12 and three hub radii: eight bending modes,
+   one body for all spins; stiffness about the steady spin by exact differences. */
 static double spinning_error(const char *file, int tapered)
 {
   const fbt_table *table = fbt_reference(file);
@@ -1617,7 +1622,8 @@ static double spinning_error(const char *file, int tapered)
   return worst;
 }
 
-/* E8.2, E8.12, E7.4, E6.6: rotating cantilevers (Wright et al. 1982; Hodges and Rutkowski 1981; tests/reference/p02). */
+/* E8.2, E8.12, E7.4, E6.6: rotating cantilevers (Wright et al. 1982; Hodges and Rutkowski 1981; tests/reference/p02).
+   */
 TEST(spinning_beams_stiffen_as_published)
 {
   const double uniform = spinning_error("p02_rotating_uniform.csv", 0);
@@ -1701,7 +1707,8 @@ TEST(bodies_refuse_bad_input)
   FBT_INT_EQ(fb_state_check(&body, &state), FB_ERR_NOT_FINITE);
 }
 
-/* E8.13 with n = 0: a rigid body is a case of the same code; a free asymmetric top against Jacobi elliptic functions. */
+/* E8.13 with n = 0: a rigid body is a case of the same code; a free asymmetric top against Jacobi elliptic functions.
+   */
 TEST(a_rigid_body_is_the_case_of_no_modes)
 {
   const fbt_table *table = fbt_reference("p10_asymmetric_top.csv");
@@ -1796,9 +1803,9 @@ TEST(shape_integrals_obey_the_vector_identities)
   }
 }
 
-/* E8.1, E6.7: the inertial identities [DB] (46) with N cubic elements, p07_identities.csv: defects of P M^-1 P^T = m, H M^-1
-   P^T = c^, H M^-1 H^T = J, and, closed basis (C), of the three with Upsilon, which hold for every N. With natural modes the
-   sums (43) rise with every mode, from the first bending mode on, and stay below. */
+/* E8.1, E6.7: the inertial identities [DB] (46) with N cubic elements, p07_identities.csv: defects of P M^-1 P^T = m, H
+   M^-1 P^T = c^, H M^-1 H^T = J, and, closed basis (C), of the three with Upsilon, which hold for every N. With natural
+   modes the sums (43) rise with every mode, from the first bending mode on, and stay below. */
 TEST(inertial_identities_hold_as_published)
 {
   const fbt_table *table = fbt_reference("p07_identities.csv");
@@ -1912,8 +1919,9 @@ static void half_beam(fb_beam *out, fb_modes *basis, int half, int elements, fb_
 }
 
 /* E7.11, E7.12, E8.2: a beam cut at a third, with all finite-element coordinates of both parts, welded again: the
-   frequencies of the uncut beam, and the body of the parts has its integrals, the quadratic field, which goes on from the
-   weld, among them. Modes agree but for their sign, which the tip tells. A second, redundant weld changes nothing. */
+   frequencies of the uncut beam, and the body of the parts has its integrals, the quadratic field, which goes on from
+   the weld, among them. Modes agree but for their sign, which the tip tells. A second, redundant weld changes nothing.
+   */
 TEST(joined_halves_are_the_whole)
 {
   static fb_beam part[2];
@@ -1975,8 +1983,8 @@ TEST(joined_halves_are_the_whole)
   }
 }
 
-/* E7.11, E7.12: Craig-Bampton halves: the error falls as modes are kept; a free-flying pair has no rigid modes left and the
-   frequencies of the free beam; what cannot be joined is refused. */
+/* E7.11, E7.12: Craig-Bampton halves: the error falls as modes are kept; a free-flying pair has no rigid modes left and
+   the frequencies of the free beam; what cannot be joined is refused. */
 TEST(joined_components_converge_and_refuse)
 {
   static fb_beam part[2];
@@ -2024,8 +2032,8 @@ TEST(joined_components_converge_and_refuse)
   FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, 4, FB_R(0.0)), FB_ERR_VALUE);
 }
 
-/* E8.1, E6.2: the boom's beam rebuilt as a finite-element model: lumped masses at nodes with displacements, rotations and
-   rotary inertia, the quadratic integrals by pairs. With many nodes the integrals are those of the beam (midpoints:
+/* E8.1, E6.2: the boom's beam rebuilt as a finite-element model: lumped masses at nodes with displacements, rotations
+   and rotary inertia, the quadratic integrals by pairs. With many nodes the integrals are those of the beam (midpoints:
    error 1/nodes^2); the node's loads and motions are those of the beam's node. */
 TEST(finite_element_models_are_the_beams_they_came_from)
 {
@@ -2108,10 +2116,10 @@ TEST(finite_element_models_are_the_beams_they_came_from)
   }
 }
 
-/* E6.3, E6.6, E8.1: Hopkins' beam element (C.1, C.2 with the errata; p09_beam_element.csv): stiffness, geometric stiffness,
-   consistent mass with rotary inertia, and the first- and second-order integrals of its six coordinates (q1, q2 axial, q3, q4
-   transverse, q5, q6 rotation): mass center P, inertia I1 = int (r.P) 1 - r P and I2 = int (P_i.P_j) 1 - P_i P_j, moments O1
-   = int r x P and O2 = int P_i x P_j. */
+/* E6.3, E6.6, E8.1: Hopkins' beam element (C.1, C.2 with the errata; p09_beam_element.csv): stiffness, geometric
+   stiffness, consistent mass with rotary inertia, and the first- and second-order integrals of its six coordinates (q1,
+   q2 axial, q3, q4 transverse, q5, q6 rotation): mass center P, inertia I1 = int (r.P) 1 - r P and I2 = int (P_i.P_j) 1
+   - P_i P_j, moments O1 = int r x P and O2 = int P_i x P_j. */
 TEST(hopkins_element_has_the_exact_integrals)
 {
   static const int place[7] = {0, 0, 3, 1, 4, 2, 5}; /* of q1 .. q6 among u_x, u_y, theta_z of both ends */
@@ -2174,18 +2182,17 @@ TEST(hopkins_element_has_the_exact_integrals)
   fbt_figure("beam element: K, KG, M, inertia and moments", "[H] C.1, C.2 (p09)", largest);
 }
 
-SUITE(body, RUN(hopkins_element_has_the_exact_integrals),
-     RUN(finite_element_models_are_the_beams_they_came_from), RUN(joined_halves_are_the_whole),
-      RUN(joined_components_converge_and_refuse), RUN(shape_integrals_obey_the_vector_identities),
-      RUN(inertial_identities_hold_as_published), RUN(accelerations_agree_with_a_particle_model),
-      RUN(momenta_agree_with_a_particle_model), RUN(elastic_forces_agree_with_a_particle_model),
-      RUN(each_set_of_effects_follows_its_own_lagrangian), RUN(residual_inertia_vanishes_on_a_rotation_closed_basis),
-      RUN(functions_close_the_basis), RUN(beam_integrals_reproduce_mass_and_modal_mass),
-      RUN(beam_integrals_hold_for_any_section_and_line), RUN(quadratic_field_is_inextensible_and_twist_free),
-      RUN(offset_masses_move_with_their_section), RUN(lumped_bodies_are_the_particles_they_stand_for),
-      RUN(a_beam_may_take_later_coordinates), RUN(power_of_loads_is_the_rate_of_energy),
-      RUN(node_kinematics_match_finite_differences), RUN(reactions_balance_the_momentum),
-      RUN(a_held_body_is_a_free_one_with_its_reactions), RUN(pinned_and_hinged_bodies_swing_as_rigid_pendulums),
-      RUN(a_falling_body_does_not_deform), RUN(elastic_response_is_frame_indifferent),
-      RUN(damped_free_decay_has_the_given_ratio), RUN(spinning_beams_stiffen_as_published),
-      RUN(a_rigid_body_is_the_case_of_no_modes), RUN(bodies_refuse_bad_input))
+SUITE(body, RUN(hopkins_element_has_the_exact_integrals), RUN(finite_element_models_are_the_beams_they_came_from),
+      RUN(joined_halves_are_the_whole), RUN(joined_components_converge_and_refuse),
+      RUN(shape_integrals_obey_the_vector_identities), RUN(inertial_identities_hold_as_published),
+      RUN(accelerations_agree_with_a_particle_model), RUN(momenta_agree_with_a_particle_model),
+      RUN(elastic_forces_agree_with_a_particle_model), RUN(each_set_of_effects_follows_its_own_lagrangian),
+      RUN(residual_inertia_vanishes_on_a_rotation_closed_basis), RUN(functions_close_the_basis),
+      RUN(beam_integrals_reproduce_mass_and_modal_mass), RUN(beam_integrals_hold_for_any_section_and_line),
+      RUN(quadratic_field_is_inextensible_and_twist_free), RUN(offset_masses_move_with_their_section),
+      RUN(lumped_bodies_are_the_particles_they_stand_for), RUN(a_beam_may_take_later_coordinates),
+      RUN(power_of_loads_is_the_rate_of_energy), RUN(node_kinematics_match_finite_differences),
+      RUN(reactions_balance_the_momentum), RUN(a_held_body_is_a_free_one_with_its_reactions),
+      RUN(pinned_and_hinged_bodies_swing_as_rigid_pendulums), RUN(a_falling_body_does_not_deform),
+      RUN(elastic_response_is_frame_indifferent), RUN(damped_free_decay_has_the_given_ratio),
+      RUN(spinning_beams_stiffen_as_published), RUN(a_rigid_body_is_the_case_of_no_modes), RUN(bodies_refuse_bad_input))

@@ -486,8 +486,8 @@ static double general_residual(const fb_real *G, int n)
   return largest / (EPS * n * norm);
 }
 
-/* E5.6: random matrices; rotations, whose eigenvalues are exp(+-i phi), in any basis; the Jordan block, all eigenvalues one to
-   the n-th root of rounding; a state matrix whose two halves differ by 2^20 in units; sums are the trace. */
+/* E5.6: random matrices; rotations, whose eigenvalues are exp(+-i phi), in any basis; the Jordan block, all eigenvalues
+   one to the n-th root of rounding; a state matrix whose two halves differ by 2^20 in units; sums are the trace. */
 TEST(general_eigenvectors_satisfy_their_equation)
 {
   for (int s = 0; s < FBT_COUNT(size); s++) {

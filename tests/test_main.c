@@ -1,5 +1,5 @@
-/* Runs every suite and closes with "N passed, N failed". Optional argument: only the suites and tests whose name contains
-   it, or --figures: print the measured figures, fields separated by |. */
+/* Runs every suite and closes with "N passed, N failed". Optional argument: only the suites and tests whose name
+   contains it, or --figures: print the measured figures, fields separated by |. */
 #ifndef FBT_SEPARATE /* set where another file holds the implementation */
 #define FLEXBEAM_IMPLEMENTATION
 #endif

@@ -391,9 +391,9 @@ static fb_modes_desc *choice(void)
   return &keep;
 }
 
-/* E7.9: Hopkins' example of Hurty's method (C.3, p09_hurty.csv, errata): one cubic element l, M, EI, the boundary q1 = u_x and
-   q3 = u_y, q5 = theta_z at one end, q2 = u_x at the other, one fixed-interface mode eta kept, scaled to phi4^2 + (l
-   phi6)^2 = 1. */
+/* E7.9: Hopkins' example of Hurty's method (C.3, p09_hurty.csv, errata): one cubic element l, M, EI, the boundary q1 =
+   u_x and q3 = u_y, q5 = theta_z at one end, q2 = u_x at the other, one fixed-interface mode eta kept, scaled to phi4^2
+   + (l phi6)^2 = 1. */
 TEST(hurty_example_has_the_printed_numbers)
 {
   static const char *const name[5] = {"q1", "q2", "q3", "lq5", "eta"};
@@ -450,9 +450,9 @@ TEST(hurty_example_has_the_printed_numbers)
   FBT_NEAR_REL(modes.K[1], -11.0 / 2.0, FBT_TOL(1e-13, 1e-5));
 }
 
-/* E7.9: a cantilever of 20 elements with its tip as boundary and k modes with the tip held: under a force and a moment at the
-   tip the reduced model deflects as the beam, F L^3/3EI, F L^2/2EI, M L/EI; it has its first k frequencies to 2e-3, and to
-   1e-4 with the shapes of boundary inertia. */
+/* E7.9: a cantilever of 20 elements with its tip as boundary and k modes with the tip held: under a force and a moment
+   at the tip the reduced model deflects as the beam, F L^3/3EI, F L^2/2EI, M L/EI; it has its first k frequencies to
+   2e-3, and to 1e-6 (asked: 1e-4) with the shapes of boundary inertia. */
 TEST(components_deflect_exactly_at_their_boundary)
 {
   enum { MOST = 12 };
@@ -495,13 +495,13 @@ TEST(components_deflect_exactly_at_their_boundary)
     }
   }
   FBT_BELOW(largest[0], FBT_TOL(2e-3, 3e-3));
-  FBT_BELOW(largest[1], FBT_TOL(1e-4, 3e-3));
+  FBT_BELOW(largest[1], FBT_TOL(1e-6, 3e-3));
   fbt_figure("Craig-Bampton, k modes: first k frequencies", "whole beam", largest[0]);
   fbt_figure("the same with boundary inertia", "whole beam", largest[1]);
 }
 
-/* E7.8: two modes and the static correction of a tip force: the sum of psi^2/omega^2 is the tip flexibility, L^3/3EI of the
-   cantilever; of the free beam in its accelerated frame L^3/105EI (sum 4/(beta L)^4 over cos cosh = 1). Without the
+/* E7.8: two modes and the static correction of a tip force: the sum of psi^2/omega^2 is the tip flexibility, L^3/3EI of
+   the cantilever; of the free beam in its accelerated frame L^3/105EI (sum 4/(beta L)^4 over cos cosh = 1). Without the
    correction some percent are missing. A second load at the same place changes nothing. */
 TEST(static_corrections_make_loads_exact)
 {
@@ -533,8 +533,9 @@ TEST(static_corrections_make_loads_exact)
   }
 }
 
-/* E7.7: bending of a uniform cantilever: effective masses 0.6131, 0.1883, 0.0647, 0.0331, 0.0200 of its modes (textbook), so
-   that 0.9 of it takes five; sums rise with every mode and end below one, axially at 8/pi^2 (1 + 1/9 + ..). */
+/* E7.7: bending of a uniform cantilever: effective masses 0.6131, 0.1883, 0.0647, 0.0331, 0.0200 of its modes
+   (textbook), so that 0.9 of it takes five; sums rise with every mode and end below one, axially at 8/pi^2 (1 + 1/9 +
+   ..). */
 TEST(effective_masses_add_up_to_the_beam)
 {
   static const double part[5] = {0.6131, 0.1883, 0.0647, 0.0331, 0.0200};
@@ -578,8 +579,8 @@ static double modal_mass(int a, int b)
   return sum;
 }
 
-/* E7.6: a free beam as a component: its rigid motions first, with all of its mass and inertia, none of it in the elastic
-   modes; a pinned root leaves two rotations. */
+/* E7.6: a free beam as a component: its rigid motions first, with all of its mass and inertia, none of it in the
+   elastic modes; a pinned root leaves two rotations. */
 TEST(components_keep_their_rigid_motions)
 {
   static const int rigid[3] = {0, 2, 6};
@@ -609,8 +610,8 @@ TEST(components_keep_their_rigid_motions)
   }
 }
 
-/* E7.10, E6.6: Euler's loads (p06_euler.csv) of four end conditions, in both planes; the column under its own weight, w L^3 =
-   7.83735 EI; two and three times the lowest load's roots for the higher ones of the cantilever, (2k-1)^2. */
+/* E7.10, E6.6: Euler's loads (p06_euler.csv) of four end conditions, in both planes; the column under its own weight, w
+   L^3 = 7.83735 EI; two and three times the lowest load's roots for the higher ones of the cantilever, (2k-1)^2. */
 TEST(columns_buckle_under_the_published_loads)
 {
   static const char *const ends[4] = {"clamped-free", "pinned-pinned", "clamped-pinned", "clamped-clamped"};
@@ -1441,7 +1442,8 @@ TEST(modes_that_do_not_exist_are_refused)
   FBT_TRUE(memcmp(&modes, &pattern, sizeof modes) == 0);
 }
 
-/* Value of an axial function at x by its coefficients: cubic Hermite part and bubbles, of beams of one or two elements. */
+/* Value of an axial function at x by its coefficients: cubic Hermite part and bubbles, of beams of one or two elements.
+   */
 static double function_value(const fb_modes *in, int k, double x)
 {
   const int n_element = in->degree == 3 ? 2 : 1;
@@ -1460,9 +1462,9 @@ static double function_value(const fb_modes *in, int k, double x)
   return value;
 }
 
-/* E6.7, E7.5: M = 1; in the plane whose stiffness orders them the functions are its bending modes (beta L of the clamped-free
-   beam); at the ends of elements value and slope agree from both sides; only the root function has strain at the root, and
-   with it u_x = x, the stretch of a pulled rod, is a combination of them. */
+/* E6.7, E7.5: M = 1; in the plane whose stiffness orders them the functions are its bending modes (beta L of the
+   clamped-free beam); at the ends of elements value and slope agree from both sides; only the root function has strain
+   at the root, and with it u_x = x, the stretch of a pulled rod, is a combination of them. */
 TEST(functions_are_orthonormal_and_as_smooth_as_they_claim)
 {
   static const double beta_L[3] = {1.8751040687119611, 4.694091132974175, 7.854757438237613};
