@@ -169,8 +169,7 @@
      [AL] R. Alexander, "Diagonally implicit Runge-Kutta methods for stiff O.D.E.'s", SIAM J. Numer. Anal. 14, 1977.
      [KR] S. Krogstad, "Generalized integrating factor methods for stiff PDEs", J. Comput. Phys. 203, 2005.
      [HW] E. Hairer and G. Wanner, "Solving Ordinary Differential Equations II", Springer, IV.2 (stability region).
-     [GV] G.H. Golub and C.F. Van Loan, "Matrix Computations".
-*/
+     [GV] G.H. Golub and C.F. Van Loan, "Matrix Computations". */
 #ifndef FLEXBEAM_H
 #define FLEXBEAM_H
 
@@ -927,8 +926,8 @@ typedef struct fb_body {
 } fb_body;
 
 /* FB_ERR_CAPACITY (FB_MAX_LAMBDA, FB_MAX_S), FB_ERR_EFFECTS (see fb_effects_check), FB_ERR_SINGULAR (M, or S_0 of a
-   free body), FB_ERR_VALUE (no mass, negative damping), FB_ERR_NOT_FINITE, FB_ERR_NULL. body is written only on FB_OK.
-   */
+   free body), FB_ERR_VALUE (no mass, negative damping), FB_ERR_NOT_FINITE, FB_ERR_NULL. body is written only on
+   FB_OK. */
 typedef struct fb_body_work {
   fb_real L[FB_MAX_MODES * FB_MAX_MODES], A[FB_MAX_MODES * FB_MAX_MODES], B[FB_MAX_MODES * FB_MAX_MODES];
   fb_real X[FB_MAX_MODES * FB_MAX_MODES], d[FB_MAX_MODES];
@@ -1055,8 +1054,8 @@ FB_API fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_impli
                                   fb_real dt, int iterations);
 
 /* Two-stage SDIRK scheme, order 2, L-stable: modes too fast for the step die out at once, slow ones hardly. 1 + 2
-   iterations evaluations (0: 2 iterations). The inputs at t and t + dt list loads at the same nodes in the same axes.
-   */
+   iterations evaluations (0: 2 iterations). The inputs at t and t + dt list loads at the same nodes in the same
+   axes. */
 FB_API fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *start,
                                const fb_input *end, fb_real dt, int iterations);
 
@@ -1147,5 +1146,5 @@ FB_API fb_status fb_config_check(const char *config);
 /* HISTORY
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,
           pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme; sections with shear, twist and
-          centers off the line, bent lines, component modes, buckling, synthesis, finite-element models, complex modes
-          */
+          centers off the line, bent lines, component modes, buckling, synthesis, finite-element models, complex
+          modes */

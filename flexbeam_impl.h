@@ -1398,8 +1398,8 @@ static fb_real fbi_cell_s(const fbi_cell *cell, const fb_beam *beam, fb_real t)
   return (cell->x0 + t * (cell->x1 - cell->x0) - beam->start[cell->element]) / fbi_element_length(beam, cell->element);
 }
 
-/* Matrix entries (xx, yy, zz, xy, xz, yz) of an inertia to the second moments of mass int r r^T dm = 1/2 tr(J) 1 - J.
-   */
+/* Matrix entries (xx, yy, zz, xy, xz, yz) of an inertia to the second moments of mass int r r^T dm = 1/2 tr(J) 1 -
+   J. */
 static void fbi_second_moments(fb_real S[9], const fb_real inertia[6])
 {
   const fb_real half = FB_R(0.5) * (inertia[0] + inertia[1] + inertia[2]);
@@ -3291,8 +3291,8 @@ static void fbi_join_expand(fb_modes *out, fb_join_work *work, const fb_modes *c
   }
 }
 
-/* The kind of the component coordinate with the largest share in common mode k, and a sign: that coordinate positive.
-   */
+/* The kind of the component coordinate with the largest share in common mode k, and a sign: that coordinate
+   positive. */
 static fb_kind fbi_join_kind(fb_join_work *work, const fb_modes *component, int n_component, int k, int m)
 {
   fb_real best = FB_R(0.0), sign = FB_R(1.0);

@@ -1,5 +1,5 @@
-/* plot.h - curves from CSV files drawn by gnuplot, where it is installed. Wants popen: define _POSIX_C_SOURCE 200809L.
-   */
+/* plot.h - curves from CSV files drawn by gnuplot, where it is installed. Wants popen: define _POSIX_C_SOURCE
+   200809L. */
 #ifndef PLOT_H
 #define PLOT_H
 #include <stdio.h>

@@ -782,8 +782,8 @@ TEST(bad_profiles_are_refused)
   FBT_TRUE(memcmp(&beam.desc, &desc, sizeof desc) == 0);
 }
 
-/* Displacement (0..2) or rotation (3..5) of the tip of the clamped beam under a unit force at its tip: K u = f by LU.
-   */
+/* Displacement (0..2) or rotation (3..5) of the tip of the clamped beam under a unit force at its tip: K u = f by
+   LU. */
 static double tip_flexibility(int response, int force)
 {
   static fb_real A[MAX_DOF * MAX_DOF], f[MAX_DOF], u[MAX_DOF], scale[MAX_DOF];

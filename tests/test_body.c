@@ -1622,8 +1622,8 @@ static double spinning_error(const char *file, int tapered)
   return worst;
 }
 
-/* E8.2, E8.12, E7.4, E6.6: rotating cantilevers (Wright et al. 1982; Hodges and Rutkowski 1981; tests/reference/p02).
-   */
+/* E8.2, E8.12, E7.4, E6.6: rotating cantilevers (Wright et al. 1982; Hodges and Rutkowski 1981;
+   tests/reference/p02). */
 TEST(spinning_beams_stiffen_as_published)
 {
   const double uniform = spinning_error("p02_rotating_uniform.csv", 0);
@@ -1707,8 +1707,8 @@ TEST(bodies_refuse_bad_input)
   FBT_INT_EQ(fb_state_check(&body, &state), FB_ERR_NOT_FINITE);
 }
 
-/* E8.13 with n = 0: a rigid body is a case of the same code; a free asymmetric top against Jacobi elliptic functions.
-   */
+/* E8.13 with n = 0: a rigid body is a case of the same code; a free asymmetric top against Jacobi elliptic
+   functions. */
 TEST(a_rigid_body_is_the_case_of_no_modes)
 {
   const fbt_table *table = fbt_reference("p10_asymmetric_top.csv");
@@ -1920,8 +1920,8 @@ static void half_beam(fb_beam *out, fb_modes *basis, int half, int elements, fb_
 
 /* E7.11, E7.12, E8.2: a beam cut at a third, with all finite-element coordinates of both parts, welded again: the
    frequencies of the uncut beam, and the body of the parts has its integrals, the quadratic field, which goes on from
-   the weld, among them. Modes agree but for their sign, which the tip tells. A second, redundant weld changes nothing.
-   */
+   the weld, among them. Modes agree but for their sign, which the tip tells. A second, redundant weld changes
+   nothing. */
 TEST(joined_halves_are_the_whole)
 {
   static fb_beam part[2];

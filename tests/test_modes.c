@@ -1442,8 +1442,8 @@ TEST(modes_that_do_not_exist_are_refused)
   FBT_TRUE(memcmp(&modes, &pattern, sizeof modes) == 0);
 }
 
-/* Value of an axial function at x by its coefficients: cubic Hermite part and bubbles, of beams of one or two elements.
-   */
+/* Value of an axial function at x by its coefficients: cubic Hermite part and bubbles, of beams of one or two
+   elements. */
 static double function_value(const fb_modes *in, int k, double x)
 {
   const int n_element = in->degree == 3 ? 2 : 1;
