@@ -345,17 +345,17 @@ static const char *const fbi_config_reference = FBI_CONFIG_SYMBOL;
 /* ---------------------------------------------------------------------------------------------------------------
    2 >>status */
 
-#define FB_STATUS_LIST(X)                                                                                              \
-  X(FB_OK, 0, "ok")                                                                                                    \
-  X(FB_ERR_NULL, -1, "a required pointer is NULL")                                                                     \
-  X(FB_ERR_VALUE, -2, "a value is out of its range")                                                                   \
-  X(FB_ERR_NOT_FINITE, -3, "a value is not finite, or so large that its square is not")                                \
-  X(FB_ERR_CAPACITY, -4, "more than the compile-time capacity, or an index beyond what exists")                        \
-  X(FB_ERR_SINGULAR, -5, "a matrix is singular or not positive definite (a free body needs inertia about every axis)") \
-  X(FB_ERR_CONVERGENCE, -6, "the iteration did not converge")                                                          \
-  X(FB_ERR_KIND, -7, "modes of that kind do not exist: no stiffness, no inertia, or too few elements")                 \
-  X(FB_ERR_EFFECTS, -8, "effects are split or excluded by others, lack their data, or were removed at compile time")   \
-  X(FB_ERR_STEP, -9, "the step is longer than the stability limit of the scheme")                                      \
+#define FB_STATUS_LIST(X)                                                                                            \
+  X(FB_OK, 0, "ok")                                                                                                  \
+  X(FB_ERR_NULL, -1, "a required pointer is NULL")                                                                   \
+  X(FB_ERR_VALUE, -2, "a value is out of its range")                                                                 \
+  X(FB_ERR_NOT_FINITE, -3, "a value is not finite, or so large that its square is not")                              \
+  X(FB_ERR_CAPACITY, -4, "more than the compile-time capacity, or an index beyond what exists")                      \
+  X(FB_ERR_SINGULAR, -5, "a matrix is singular or not positive definite: mass or stiffness is missing, or buckled")  \
+  X(FB_ERR_CONVERGENCE, -6, "the iteration did not converge")                                                        \
+  X(FB_ERR_KIND, -7, "not so many modes, or none of that kind: no stiffness, no inertia, or too few elements")       \
+  X(FB_ERR_EFFECTS, -8, "effects are split or excluded by others, lack their data, or were removed at compile time") \
+  X(FB_ERR_STEP, -9, "the step is longer than the stability limit of the scheme")                                    \
   X(FB_ERR_RANGE, -10, "the deflection has left the range of the model")
 
 #define FBI_STATUS_ENUM(name, value, text) name = (value),
@@ -427,10 +427,11 @@ typedef struct fb_section { /* properties at a station; between stations they va
   fb_real EI_y;             /* [N m^2] bending about y (displacement along z); 0: rigid */
   fb_real EI_z;             /* [N m^2] bending about z (displacement along y); 0: rigid */
   fb_real i_y;              /* [kg m] rotary inertia about y per length, int z^2 dm/dx; 0: none */
-  fb_real i_z;              /* [kg m] rotary inertia about z per length, int y^2 dm/dx; 0: none */
-  fb_real GA_y, GA_z;       /* [N] shear stiffness with shear factor; 0: rigid; both and everywhere, or not at all */
-  fb_real twist;            /* [rad] structural twist: turns the section axes y, z about x from the beam's */
-  fb_real mass_y, mass_z;   /* [m] mass center, to which i_y, i_z belong; offsets are in section axes */
+  fb_real i_z;            /* [kg m] rotary inertia about z per length, int y^2 dm/dx; 0: none. Without both there is no
+                               polar inertia: torsion has no modes */
+  fb_real GA_y, GA_z;     /* [N] shear stiffness with shear factor; 0: rigid; both and everywhere, or not at all */
+  fb_real twist;          /* [rad] structural twist: turns the section axes y, z about x from the beam's */
+  fb_real mass_y, mass_z; /* [m] mass center, to which i_y, i_z belong; offsets are in section axes */
   fb_real tension_y, tension_z; /* [m] tension center, to which EA, EI_y, EI_z belong (without EA: no matter) */
   fb_real shear_y, shear_z;     /* [m] shear center, to which GJ, GA_y, GA_z belong; other than 0 only with GA */
 } fb_section;
@@ -558,7 +559,7 @@ typedef struct fb_modes_desc {
      along y, z and x, and so on. root_strain = 1: u_x gets one more function, with a slope at the root, where strain
      is largest; without it the axial strain at the root is zero, with it the basis is not quite closed. */
   int degree, root_strain;
-  int lowest; /* natural modes: that many lowest ones of any kind that exists; count is ignored. For coupled beams */
+  int lowest; /* natural modes: that many lowest ones of any kind that exists; count is ignored. Not with spin */
   /* Natural modes, 0..1: as many as bring the effective mass to this part of the beam's in each direction in which the
      kinds asked for move; count is an upper bound. 0: no such choice. Wants a clamped root. */
   fb_real mass_fraction;
@@ -925,15 +926,15 @@ typedef struct fb_body {
   fb_node node[FB_MAX_NODES];
 } fb_body;
 
-/* FB_ERR_CAPACITY (FB_MAX_LAMBDA, FB_MAX_S), FB_ERR_EFFECTS (see fb_effects_check), FB_ERR_SINGULAR (M, or S_0 of a
-   free body), FB_ERR_VALUE (no mass, negative damping), FB_ERR_NOT_FINITE, FB_ERR_NULL. body is written only on
-   FB_OK. */
 typedef struct fb_body_work {
   fb_real L[FB_MAX_MODES * FB_MAX_MODES], A[FB_MAX_MODES * FB_MAX_MODES], B[FB_MAX_MODES * FB_MAX_MODES];
   fb_real X[FB_MAX_MODES * FB_MAX_MODES], d[FB_MAX_MODES];
   fb_real Lambda[(FB_MAX_MODES + 1) * 6 * FB_MAX_MODES];
   fb_body body;
 } fb_body_work;
+/* FB_ERR_CAPACITY (FB_MAX_LAMBDA, FB_MAX_S), FB_ERR_EFFECTS (see fb_effects_check), FB_ERR_SINGULAR (M, or S_0 of a
+   free body, which needs inertia about every axis), FB_ERR_VALUE (no mass, negative damping), FB_ERR_NOT_FINITE, FB_ERR_NULL. body is written only on
+   FB_OK. */
 FB_API fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc);
 
 typedef struct fb_state { /* all that changes; assignment is a snapshot */

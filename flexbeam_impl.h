@@ -1478,8 +1478,8 @@ static fb_status fbi_stations_check(const fb_beam_desc *desc)
       return FB_ERR_VALUE;
     }
   }
-  if (desc->n_station > 1) {
-    const fb_real slack = FBI_ROUNDING * desc->length;
+  if (desc->n_station > 1) { /* the length of a bent line is a sum of roots: nobody gives it to the last digit */
+    const fb_real slack = (desc->n_point > 0 ? FB_R(1e-5) : FBI_ROUNDING) * desc->length;
     if (FB_FABS(desc->station[0].x) > slack || FB_FABS(desc->station[desc->n_station - 1].x - desc->length) > slack) {
       return FB_ERR_VALUE;
     }
@@ -2197,19 +2197,6 @@ static void fbi_group_shape(fb_real *shape, const fb_modes_work *work, const int
   }
 }
 
-/* Where to put a mode: after the others, or with a bound on their number in place of the highest; -1: nowhere. */
-static int fbi_mode_place(const fb_modes *modes, int lowest, fb_real omega)
-{
-  int highest = 0;
-  if (lowest == 0 || modes->n < lowest) {
-    return modes->n;
-  }
-  for (int k = 1; k < modes->n; k++) {
-    highest = modes->omega[k] > modes->omega[highest] ? k : highest;
-  }
-  return omega < modes->omega[highest] ? highest : -1;
-}
-
 /* [E7.7] Effective mass of a mode along a rigid motion r of the root, (x^T M r)^2 / (r^T M r): all modes of a clamped
    beam together have the beam's mass but for that at the root ([DB] (43)). Does the group's part of the modes found
    reach the fraction along each motion that its free coordinates take part in and whose kind is asked for?
@@ -2238,37 +2225,40 @@ static int fbi_mass_is_reached(const fb_modes_desc *desc, const fb_modes_work *w
   return 1;
 }
 
-/* Takes the modes of a solved group, n coordinates dof, behind its rigid ones into work.found: up to count[kind] per
-   kind, the lowest of all, the frequency limit or the fraction of the mass. A shape that the earlier ones already span
-   (modes at a spin) is passed over. */
+typedef struct fbi_choice { /* which modes to take */
+  const int *count;         /* per kind */
+  int most;                 /* and no more than these in all */
+  fb_real limit;            /* [rad/s] 0: none */
+} fbi_choice;
+
+/* Takes the modes of a solved group, n coordinates dof, behind its rigid ones into work.found, up to what the choice and
+   the fraction of the mass allow. A shape that the earlier ones already span (modes at a spin) is passed over. */
 static fb_status fbi_group_take(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam, const int *dof,
-                                int n, int first, int last, int taken[FB_KIND_COUNT], const int count[FB_KIND_COUNT])
+                                int n, int first, int last, int taken[FB_KIND_COUNT], const fbi_choice *choice)
 {
   fb_modes *out = &work->found;
   const int by_mass = desc->mass_fraction > FB_R(0.0);
   fb_real spare[FBI_MAX_DOF];
-  for (int k = first; k < last; k++) {
+  for (int k = first; k < last && out->n < choice->most; k++) {
     const fb_real omega = FB_SQRT(fbi_larger(work->omega2[k], FB_R(0.0)));
-    const int at = fbi_mode_place(out, desc->lowest, omega);
     fb_kind kind;
-    if (at < 0 || (desc->omega_limit > FB_R(0.0) && omega > desc->omega_limit) ||
-        (by_mass && fbi_mass_is_reached(desc, work, dof, n))) {
+    if ((choice->limit > FB_R(0.0) && omega > choice->limit) || (by_mass && fbi_mass_is_reached(desc, work, dof, n))) {
       return FB_OK;
     }
     fbi_group_shape(spare, work, dof, k, n, out->ndof);
     kind = fbi_shape_kind(beam, spare, work->M, out->ndof);
-    if (desc->lowest == 0 && taken[kind] >= count[kind]) {
+    if (taken[kind] >= choice->count[kind]) {
       continue;
     }
-    if (at == FB_MAX_MODES) {
+    if (out->n == FB_MAX_MODES) {
       return FB_ERR_CAPACITY;
     }
-    fbi_copy(out->shape + at * out->ndof, spare, out->ndof);
-    out->kind[at] = kind;
-    out->omega[at] = omega;
-    if (fbi_shape_normalize(out, at, work->M, beam->desc.n_element, FB_R(100.0) * FB_SQRT(FB_EPSILON))) {
+    fbi_copy(out->shape + out->n * out->ndof, spare, out->ndof);
+    out->kind[out->n] = kind;
+    out->omega[out->n] = omega;
+    if (fbi_shape_normalize(out, out->n, work->M, beam->desc.n_element, FB_R(100.0) * FB_SQRT(FB_EPSILON))) {
       taken[kind]++;
-      out->n += at == out->n;
+      out->n++;
     }
   }
   return by_mass && !fbi_mass_is_reached(desc, work, dof, n) ? FB_ERR_KIND : FB_OK;
@@ -2338,24 +2328,77 @@ static fb_status fbi_elements_take(const fb_modes_desc *desc, fb_modes_work *wor
   return FB_OK;
 }
 
-/* Solves every group with work.K and work.M as they are and takes modes up to count per kind. */
+/* Solves group id, n coordinates dof, of whose modes the first are rigid. */
+static fb_status fbi_group_open(int *dof, int *n, int *rigid, int *found, fb_modes_work *work, const fb_beam *beam,
+                                const int group[FB_KIND_COUNT], int id)
+{
+  fb_real motion[36];
+  *n = group[id] == id ? fbi_group_dofs(dof, beam, work->held, group, id) : 0;
+  *rigid = *found = 0;
+  if (*n == 0) {
+    return FB_OK;
+  }
+  *rigid = fbi_rigid_motions(motion, work, beam, group, id);
+  return fbi_group_solve(beam, work, dof, *n, *rigid, found);
+}
+
+/* Frequency of the n-th lowest mode of all groups; limit stays where there are fewer. */
+static fb_status fbi_lowest_limit(fb_real *limit, fb_modes_work *work, const fb_beam *beam,
+                                  const int group[FB_KIND_COUNT], int lowest)
+{
+  fb_real list[FB_MAX_MODES];
+  int dof[FBI_MAX_DOF], filled = 0;
+  for (int id = 0; id < FB_KIND_COUNT; id++) {
+    int n, rigid, found;
+    const fb_status status = fbi_group_open(dof, &n, &rigid, &found, work, beam, group, id);
+    if (status != FB_OK) {
+      return status;
+    }
+    for (int k = rigid; k < found; k++) {
+      const fb_real omega = FB_SQRT(fbi_larger(work->omega2[k], FB_R(0.0)));
+      int at = filled < lowest ? filled : lowest;
+      for (; at > 0 && omega < list[at - 1]; at--) {
+        if (at < lowest) {
+          list[at] = list[at - 1];
+        }
+      }
+      if (at < lowest) {
+        list[at] = omega;
+        filled += filled < lowest;
+      }
+    }
+  }
+  if (filled == lowest && (!(*limit > FB_R(0.0)) || list[lowest - 1] < *limit)) {
+    *limit = list[lowest - 1];
+  }
+  return FB_OK;
+}
+
+/* Solves every group with work.K and work.M as they are and takes modes up to count per kind, or the lowest of all. */
 static fb_status fbi_modes_take(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam,
                                 const int group[FB_KIND_COUNT], int taken[FB_KIND_COUNT],
                                 const int count[FB_KIND_COUNT])
 {
+  static const int all[FB_KIND_COUNT] = {FB_ALL_MODES, FB_ALL_MODES, FB_ALL_MODES, FB_ALL_MODES};
+  fbi_choice choice = {count, FB_MAX_MODES + 1, desc->omega_limit};
   int dof[FBI_MAX_DOF];
-  for (int id = 0; id < FB_KIND_COUNT; id++) {
-    const int n = group[id] == id ? fbi_group_dofs(dof, beam, work->held, group, id) : 0;
-    fb_real motion[36];
-    int found = 0, rigid;
+  if (desc->lowest > 0) {
     fb_status status;
-    if (n == 0) {
-      continue;
+    if (desc->lowest > FB_MAX_MODES - work->found.n) {
+      return FB_ERR_CAPACITY;
     }
-    rigid = fbi_rigid_motions(motion, work, beam, group, id);
-    status = fbi_group_solve(beam, work, dof, n, rigid, &found);
-    if (status == FB_OK) {
-      status = fbi_group_take(desc, work, beam, dof, n, rigid, found, taken, count);
+    status = fbi_lowest_limit(&choice.limit, work, beam, group, desc->lowest);
+    if (status != FB_OK) {
+      return status;
+    }
+    choice.count = all;
+    choice.most = work->found.n + desc->lowest;
+  }
+  for (int id = 0; id < FB_KIND_COUNT; id++) {
+    int n, rigid, found;
+    fb_status status = fbi_group_open(dof, &n, &rigid, &found, work, beam, group, id);
+    if (status == FB_OK && n > 0) {
+      status = fbi_group_take(desc, work, beam, dof, n, rigid, found, taken, &choice);
     }
     if (status != FB_OK) {
       return status;
@@ -2896,8 +2939,9 @@ static fb_status fbi_modes_desc_check(const fb_modes_desc *desc, const fb_beam *
   if ((spinning || by_mass) && (beam->desc.root != FB_ROOT_CLAMPED || desc->basis != FB_BASIS_MODES)) {
     return FB_ERR_VALUE;
   }
-  if (((spinning || fbi_is_loaded(load)) && beam->desc.n_point > 0) || (spinning && fbi_is_loaded(load)) ||
-      (fbi_is_loaded(load) && desc->basis == FB_BASIS_FUNCTIONS) || (by_mass && desc->lowest > 0)) {
+  if ((spinning && desc->lowest > 0) || ((spinning || fbi_is_loaded(load)) && beam->desc.n_point > 0) ||
+      (spinning && fbi_is_loaded(load)) || (fbi_is_loaded(load) && desc->basis == FB_BASIS_FUNCTIONS) ||
+      (by_mass && desc->lowest > 0)) {
     return FB_ERR_VALUE;
   }
   return FB_OK;
@@ -3861,9 +3905,10 @@ FB_DEF fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, c
   if (!fbi_is_finite(&x, 1)) {
     return FB_ERR_NOT_FINITE;
   }
-  if (x < FB_R(0.0) || x > beam->desc.length * (FB_R(1.0) + FB_R(4.0) * FB_EPSILON)) {
+  if (x < FB_R(0.0) || x > beam->desc.length * (FB_R(1.0) + FB_R(1e-5))) {
     return FB_ERR_VALUE;
   }
+  x = x < beam->desc.length ? x : beam->desc.length; /* the tip of a bent line, nearly */
   if (shape->n_node >= FB_MAX_NODES) {
     return FB_ERR_CAPACITY;
   }

@@ -70,7 +70,10 @@ static void read_table(text_file *t)
       return;
     }
     for (int c = 0; c < columns; c++) {
-      const double x = text_number(t, "a column of the table");
+      char what[64];
+      double x;
+      snprintf(what, sizeof what, "row %d of %d, column %d", row + 1, blade.stations, c + 1);
+      x = text_number(t, what);
       for (int k = 0; k < 5; k++) {
         *to[k] = column[k] == c ? x : *to[k];
       }
@@ -84,7 +87,7 @@ static void read_table(text_file *t)
     }
   }
   if (!t->failed && fabs(blade.x[blade.stations - 1] - 1) > 1e-9) {
-    text_fail(t, "BlFract must end at 1");
+    text_fail(t, "BlFract must end at 1; %d rows were read, as NBlInpSt says", blade.stations);
   }
 }
 
@@ -111,7 +114,13 @@ static int read_blade(const char *file)
     for (int k = 0; k < 3; k++) {
       if (take(&t, damping[k], &value)) {
         blade.damping[k] = 0.01 * value; /* percent */
+        if (value < 0) {
+          text_fail(&t, "%s is negative", damping[k]);
+        }
       }
+    }
+    if (blade.mass_factor <= 0 || blade.flap_factor <= 0 || blade.edge_factor <= 0) {
+      text_fail(&t, "an adjustment factor must be greater than 0");
     }
     table = strstr(t.buffer, "BlFract") != NULL;
     if (table && blade.stations == 0) {

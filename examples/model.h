@@ -20,8 +20,8 @@ static struct model {
   fb_beam_desc beam;
   fb_modes_desc modes;
   fb_body_desc level;
-  double fraction_to_length; /* 1: stations are given as fractions */
-  int n_mark;
+  int is_fraction[FB_MAX_STATIONS]; /* x of a station is to be multiplied by the length */
+  int hub, has_elements, has_modes, n_damping, n_mark;
   double mark[FB_MAX_NODES];
   int n_mode, n_node, n_pair;
   double frequency[FB_MAX_MODES];
@@ -41,27 +41,22 @@ static fb_body_work model_body_work;
 
 static const double model_pi = 3.14159265358979324;
 
-static void model_vector(text_file *t, const char *what, double *x, int n)
-{
-  for (int i = 0; i < n; i++) {
-    x[i] = text_number(t, what);
-  }
-}
-
 static void model_reals(text_file *t, const char *what, fb_real *x, int n)
 {
+  double value[16] = {0};
+  text_vector(t, what, value, n);
   for (int i = 0; i < n; i++) {
-    x[i] = (fb_real)text_number(t, what);
+    x[i] = (fb_real)value[i];
   }
 }
 
 /* Inertia: xx yy zz, and xy xz yz if the line goes on. */
 static void model_inertia(text_file *t, double inertia[6])
 {
-  model_vector(t, "inertia xx yy zz", inertia, 3);
+  text_vector(t, "inertia xx yy zz", inertia, 3);
   memset(inertia + 3, 0, 3 * sizeof *inertia);
-  if (!t->failed && t->at[strspn(t->at, " ")]) {
-    model_vector(t, "inertia xy xz yz", inertia + 3, 3);
+  if (text_more(t)) {
+    text_vector(t, "inertia xy xz yz", inertia + 3, 3);
   }
 }
 
@@ -108,7 +103,24 @@ static void model_effects(text_file *t)
   model.level.effects = 0;
   do {
     model.level.effects |= mask[model_choice(t, "an effect", name)];
-  } while (!t->failed && t->at[strspn(t->at, " ")]);
+  } while (text_more(t));
+}
+
+/* Can a body have this name? */
+static int model_is_name(const char *name)
+{
+  static const char *const keyword[] = {
+      "auto",     "break",  "case",     "char",   "const",  "continue", "default", "do",     "double",   "else",
+      "enum",     "extern", "float",    "for",    "goto",   "if",       "inline",  "int",    "long",     "register",
+      "restrict", "return", "short",    "signed", "sizeof", "static",   "struct",  "switch", "typedef",  "union",
+      "unsigned", "void",   "volatile", "while",  "class",  "new",      "delete",  "this",   "template", "namespace"};
+  for (int k = 0; k < (int)(sizeof keyword / sizeof *keyword); k++) {
+    if (strcmp(name, keyword[k]) == 0) {
+      return 0;
+    }
+  }
+  return strlen(name) < sizeof model.name && (isalpha((unsigned char)name[0]) || name[0] == '_') &&
+         !name[strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_")];
 }
 
 /* Words that every model may have; 0 if word is none of them. */
@@ -117,15 +129,18 @@ static int model_common(text_file *t, const char *word)
   static const char *const bases[] = {"free", "prescribed", "pinned", "hinged", NULL};
   if (strcmp(word, "name") == 0) {
     const char *name = text_word(t);
-    if (!name || strlen(name) >= sizeof model.name || !(isalpha((unsigned char)name[0]) || name[0] == '_') ||
-        name[strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_")]) {
+    if (!name || !model_is_name(name)) {
       text_fail(t, "name wants a C identifier of at most %d characters", (int)sizeof model.name - 1);
     } else {
       strcpy(model.name, name);
     }
   } else if (strcmp(word, "hub") == 0) {
+    model.hub = 1;
     model.hub_mass = text_number(t, "hub mass");
-    model_vector(t, "hub mass center", model.hub_center, 3);
+    if (model.hub_mass < 0) {
+      text_fail(t, "the mass of the hub is negative");
+    }
+    text_vector(t, "hub mass center", model.hub_center, 3);
     model_inertia(t, model.hub_inertia);
   } else if (strcmp(word, "base") == 0) {
     model.level.base = (fb_base)model_choice(t, "base", bases);
@@ -143,7 +158,11 @@ static int model_common(text_file *t, const char *word)
         break;
       }
       model.level.zeta[n++] = (fb_real)text_number(t, "damping ratio");
-    } while (!t->failed && t->at[strspn(t->at, " ")]);
+      if (model.level.zeta[n - 1] < FB_R(0.0)) {
+        text_fail(t, "a damping ratio is negative");
+      }
+    } while (text_more(t));
+    model.n_damping = n;
     for (int k = 1; k < FB_MAX_MODES && n == 1; k++) { /* one for all */
       model.level.zeta[k] = model.level.zeta[0];
     }
@@ -154,47 +173,81 @@ static int model_common(text_file *t, const char *word)
   return 1;
 }
 
+/* What a section must obey, with the line it stands on. */
+static void model_section_check(text_file *t, const fb_section *s)
+{
+  const fb_section *first = &model.beam.station[0];
+  const fb_real positive[] = {s->mass, s->EA, s->GJ, s->EI_y, s->EI_z, s->i_y, s->i_z, s->GA_y, s->GA_z};
+  static const char *const name[] = {"mass", "EA", "GJ", "EI_y", "EI_z", "i_y", "i_z", "GA_y", "GA_z"};
+  for (int k = 0; k < 9; k++) {
+    if (positive[k] < FB_R(0.0)) {
+      text_fail(t, "%s is negative", name[k]);
+    }
+  }
+  if ((s->GA_y > FB_R(0.0)) != (s->GA_z > FB_R(0.0)) ||
+      (model.beam.n_station > 0 && (s->GA_y > FB_R(0.0)) != (first->GA_y > FB_R(0.0)))) {
+    text_fail(t, "GA_y and GA_z are both positive at every station, or nowhere");
+  }
+  if (!(s->GA_y > FB_R(0.0)) && fabs((double)s->shear_y) + fabs((double)s->shear_z) > 0) {
+    text_fail(t, "a shear center off the line wants GA_y and GA_z");
+  }
+  if (fabs((double)s->twist) > 0 && (s->EI_y > FB_R(0.0)) != (s->EI_z > FB_R(0.0))) {
+    text_fail(t, "a twisted section wants both EI_y and EI_z");
+  }
+}
+
 /* Rows of stations up to `end`; the columns are named on the line that opens the table. */
 static void model_stations(text_file *t)
 {
   static const char *const name[] = {"x",         "fraction",  "mass",    "EA",      "GJ",        "EI_y",   "EI_z",
                                      "i_y",       "i_z",       "GA_y",    "GA_z",    "twist",     "mass_y", "mass_z",
                                      "tension_y", "tension_z", "shear_y", "shear_z", "twist_deg", NULL};
-  int column[20], n = 0;
+  enum { X, FRACTION, TWIST = 11, TWIST_DEG = 18, COLUMNS };
+  int column[COLUMNS], there[COLUMNS] = {0}, n = 0, ended = 0;
   fb_beam_desc *beam = &model.beam;
   do {
-    if (n == 20) {
-      text_fail(t, "more than 20 columns");
+    const int k = model_choice(t, "a column", name);
+    if (there[k]++) {
+      text_fail(t, "the column %s is there twice", name[k]);
       return;
     }
-    column[n++] = model_choice(t, "a column", name);
-  } while (!t->failed && t->at[strspn(t->at, " ")]);
-  while (text_line(t) && strncmp(t->buffer + strspn(t->buffer, " "), "end", 3) != 0) {
+    column[n++] = k;
+  } while (text_more(t));
+  if (there[X] + there[FRACTION] != 1 || there[TWIST] + there[TWIST_DEG] > 1) {
+    text_fail(t, "the table wants one of x and fraction, and no more than one of twist and twist_deg");
+  }
+  while (!ended && text_line(t)) {
     fb_section s;
     fb_real *const place[] = {&s.x,         &s.x,         &s.mass,    &s.EA,      &s.GJ,    &s.EI_y,   &s.EI_z,
                               &s.i_y,       &s.i_z,       &s.GA_y,    &s.GA_z,    &s.twist, &s.mass_y, &s.mass_z,
                               &s.tension_y, &s.tension_z, &s.shear_y, &s.shear_z, &s.twist};
+    char *const row = t->at;
+    ended = strcmp(row + strspn(row, " "), "end") == 0 || strncmp(row + strspn(row, " "), "end ", 4) == 0;
+    if (ended) {
+      return;
+    }
     memset(&s, 0, sizeof s);
     for (int k = 0; k < n; k++) {
       const double x = text_number(t, name[column[k]]);
-      *place[column[k]] = (fb_real)(column[k] == 18 ? x * model_pi / 180.0 : x);
-      model.fraction_to_length = column[k] == 1 ? 1 : model.fraction_to_length;
+      *place[column[k]] = (fb_real)(column[k] == TWIST_DEG ? x * model_pi / 180.0 : x);
     }
     text_end_of_line(t);
     if (beam->n_station == FB_MAX_STATIONS) {
       text_fail(t, "more than %d stations", FB_MAX_STATIONS);
     }
-    if (!t->failed && beam->n_station > 0 && !(s.x > beam->station[beam->n_station - 1].x)) {
-      text_fail(t, "stations must ascend");
+    if (!t->failed && (beam->n_station == 0 ? fabs((double)s.x) > 0 : !(s.x > beam->station[beam->n_station - 1].x))) {
+      text_fail(t, beam->n_station == 0 ? "the first station is at 0" : "stations must ascend");
+    }
+    if (!t->failed) {
+      model_section_check(t, &s);
     }
     if (t->failed) {
       return;
     }
+    model.is_fraction[beam->n_station] = there[FRACTION];
     beam->station[beam->n_station++] = s;
   }
-  if (!t->failed && strstr(t->buffer, "end") == NULL) {
-    text_fail(t, "the table of stations wants a line `end`");
-  }
+  text_fail(t, "the table of stations wants a line `end`");
 }
 
 /* taper rectangle|tube X0 A0 B0 X1 A1 B1 N E G DENSITY */
@@ -226,6 +279,7 @@ static void model_modes_line(text_file *t)
 {
   static const char *const name[] = {"bend_y", "bend_z",   "axial",         "torsion",
                                      "lowest", "limit_hz", "mass_fraction", NULL};
+  model.has_modes = 1;
   do {
     const int k = model_choice(t, "modes", name);
     if (k < 4) {
@@ -237,7 +291,7 @@ static void model_modes_line(text_file *t)
     } else {
       model.modes.mass_fraction = (fb_real)text_number(t, name[k]);
     }
-  } while (!t->failed && t->at[strspn(t->at, " ")]);
+  } while (text_more(t));
 }
 
 static void model_beam_line(text_file *t, const char *word)
@@ -255,8 +309,12 @@ static void model_beam_line(text_file *t, const char *word)
   }
   if (strcmp(word, "length") == 0) {
     beam->length = (fb_real)text_number(t, word);
+    if (!t->failed && !(beam->length > FB_R(0.0))) {
+      text_fail(t, "length must be greater than 0");
+    }
   } else if (strcmp(word, "elements") == 0) {
     beam->n_element = text_whole(t, word, 1, FB_MAX_ELEMENTS);
+    model.has_elements = 1;
   } else if (strcmp(word, "root") == 0) {
     beam->root = (fb_root)model_choice(t, word, roots);
   } else if (strcmp(word, "position") == 0) {
@@ -306,7 +364,15 @@ static void model_beam_line(text_file *t, const char *word)
       text_fail(t, "more than %d nodes", FB_MAX_NODES - 1);
       return;
     }
-    model.mark[model.n_mark++] = text_number(t, "place");
+    if (strncmp(t->at + strspn(t->at, " "), "tip", 3) == 0) {
+      (void)text_word(t);
+      model.mark[model.n_mark++] = -1;
+    } else {
+      model.mark[model.n_mark++] = text_number(t, "the node's place");
+      if (!t->failed && model.mark[model.n_mark - 1] < 0) {
+        text_fail(t, "the node's place is negative");
+      }
+    }
   } else {
     text_fail(t, "no such word for a beam: %s", word);
     return;
@@ -329,12 +395,15 @@ static model_node *model_find(text_file *t)
 static void model_component_line(text_file *t, const char *word)
 {
   if (strcmp(word, "modes") == 0) {
+    if (model.n_mode > 0) {
+      text_fail(t, "modes is there twice");
+    }
     model.n_mode = text_whole(t, "number of modes", 1, FB_MAX_MODES);
   } else if (strcmp(word, "frequency_hz") == 0) {
     if (model.n_mode == 0) {
       text_fail(t, "modes must come before");
     }
-    model_vector(t, "frequency", model.frequency, model.n_mode);
+    text_vector(t, "frequency", model.frequency, model.n_mode);
     for (int k = 0; k < model.n_mode && !t->failed; k++) {
       if (model.frequency[k] <= 0) {
         text_fail(t, "frequency %d must be greater than 0 (rigid modes are the frame's)", k + 1);
@@ -353,9 +422,12 @@ static void model_component_line(text_file *t, const char *word)
         text_fail(t, "node %d is there twice", node->id);
       }
     }
-    model_vector(t, "place", node->x, 3);
+    text_vector(t, "place", node->x, 3);
     node->mass = text_number(t, "mass");
-    if (!t->failed && t->at[strspn(t->at, " ")]) {
+    if (node->mass < 0) {
+      text_fail(t, "the mass is negative");
+    }
+    if (text_more(t)) {
       model_inertia(t, node->inertia);
     }
     model.n_node++;
@@ -367,7 +439,7 @@ static void model_component_line(text_file *t, const char *word)
     } else if (node->have[mode]++) {
       text_fail(t, "mode %d of node %d is there twice", mode + 1, node->id);
     }
-    model_vector(t, "displacement, rotation", node->shape + 6 * mode, 6);
+    text_vector(t, "displacement, rotation", node->shape + 6 * mode, 6);
   } else if (strcmp(word, "mark") == 0) {
     model_find(t)->marked = 1;
   } else if (strcmp(word, "quadratic") == 0) {
@@ -377,15 +449,116 @@ static void model_component_line(text_file *t, const char *word)
     }
     model.pair[model.n_pair].a = text_whole(t, "mode", 1, model.n_mode) - 1;
     model.pair[model.n_pair].b = text_whole(t, "mode", 1, model.n_mode) - 1;
-    model_vector(t, "p^chi", model.pair[model.n_pair].p, 3);
-    model_vector(t, "h^chi", model.pair[model.n_pair].h, 3);
-    model_vector(t, "Gamma^chi", model.pair[model.n_pair].gamma, 9);
+    for (int k = 0; k < model.n_pair && !t->failed; k++) {
+      const int a = model.pair[model.n_pair].a, b = model.pair[model.n_pair].b;
+      if ((model.pair[k].a == a && model.pair[k].b == b) || (model.pair[k].a == b && model.pair[k].b == a)) {
+        text_fail(t, "the pair %d %d is there twice", a + 1, b + 1);
+      }
+    }
+    text_vector(t, "p^chi", model.pair[model.n_pair].p, 3);
+    text_vector(t, "h^chi", model.pair[model.n_pair].h, 3);
+    text_vector(t, "Gamma^chi", model.pair[model.n_pair].gamma, 9);
     model.n_pair++;
   } else {
     text_fail(t, "no such word for a component: %s", word);
     return;
   }
   text_end_of_line(t);
+}
+
+/* Effects and the data that they need. */
+static void model_effects_check(text_file *t)
+{
+  const unsigned effects = model.level.effects;
+  const fb_real *g = model.level.gravity;
+  const int pulled = fabs((double)g[0]) + fabs((double)g[1]) + fabs((double)g[2]) > 0;
+  if (!(effects & FB_EFFECT_ELASTIC) && (effects & FB_EFFECT_DAMPING)) {
+    text_fail(t, "effects names damping but no modes: add linear, spin or full");
+  }
+  if (pulled != ((effects & FB_EFFECT_GRAVITY) != 0)) {
+    text_fail(t,
+              pulled ? "gravity is given, but not among the effects" : "the effect gravity wants a line gravity x y z");
+  }
+  if ((model.n_damping > 0) != ((effects & FB_EFFECT_DAMPING) != 0)) {
+    text_fail(t, model.n_damping ? "damping is given, but not among the effects"
+                                 : "the effect damping wants a line damping");
+  }
+}
+
+static void model_component_check(text_file *t)
+{
+  const unsigned stiffening = FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING;
+  for (int k = 0; k < model.n_node; k++) {
+    for (int a = 0; a < model.n_mode; a++) {
+      if (!model.node[k].have[a]) {
+        text_fail(t, "node %d has no shape of mode %d", model.node[k].id, a + 1);
+      }
+    }
+  }
+  if (model.n_node == 0 || model.n_mode == 0 || model.frequency[0] <= 0) {
+    text_fail(t, "a component wants modes, frequency_hz, node and shape lines");
+  }
+  if (model.n_pair == 0 ? (model.level.effects & stiffening) != 0
+                        : model.n_pair != model.n_mode * (model.n_mode + 1) / 2) {
+    text_fail(t, model.n_pair ? "a quadratic line is missing: every pair of modes wants one"
+                              : "stiffening wants quadratic lines; without them choose effects spin or linear");
+  }
+}
+
+/* The line of a beam: its length, the places on it, its bends. */
+static void model_beam_check(text_file *t)
+{
+  fb_beam_desc *beam = &model.beam;
+  double length = (double)beam->length, before[3] = {0, 0, 0};
+  if (beam->n_point > 0) {
+    if (!model.has_elements) {
+      beam->n_element = beam->n_point - 1;
+    }
+    if (beam->n_element != beam->n_point - 1 ||
+        fabs((double)beam->point[0][0]) + fabs((double)beam->point[0][1]) + fabs((double)beam->point[0][2]) > 0) {
+      text_fail(t, "a bent line of n elements wants n + 1 points, the first 0 0 0");
+      return;
+    }
+    length = 0;
+    for (int k = 1; k < beam->n_point; k++) {
+      double d[3], size = 0, turn = 0;
+      for (int i = 0; i < 3; i++) {
+        d[i] = (double)beam->point[k][i] - (double)beam->point[k - 1][i];
+        size += d[i] * d[i];
+        turn += d[i] * before[i];
+      }
+      if (!(size > 0) || (k > 1 && !(turn > 0))) {
+        text_fail(t, "point %d: neighbors are apart, and the line turns by less than 90 degrees", k + 1);
+        return;
+      }
+      memcpy(before, d, sizeof d);
+      length += sqrt(size);
+    }
+  }
+  if (!(length > 0)) {
+    text_fail(t, "a beam wants a length, or points");
+  }
+  if (beam->n_station == 0) {
+    text_fail(t, "a beam wants stations or taper");
+  }
+  if (!model.has_modes) {
+    text_fail(t, "a beam wants a line modes");
+  }
+  for (int k = 0; k < beam->n_station; k++) {
+    beam->station[k].x *= model.is_fraction[k] ? (fb_real)length : FB_R(1.0);
+  }
+  if (beam->n_station > 1 && fabs((double)beam->station[beam->n_station - 1].x - length) > 1e-5 * length) {
+    text_fail(t, "the last station is at %.10g, the tip at %.10g", (double)beam->station[beam->n_station - 1].x,
+              length);
+  } else if (beam->n_station > 1 && beam->n_point == 0) {
+    beam->station[beam->n_station - 1].x = beam->length;
+  }
+  for (int k = 0; k < model.n_mark; k++) {
+    model.mark[k] = model.mark[k] < 0 ? length : model.mark[k];
+    if (model.mark[k] > length * (1 + 1e-5)) {
+      text_fail(t, "a node at %.10g is beyond the tip at %.10g", model.mark[k], length);
+    }
+  }
 }
 
 /* Reads a description; 0 when something is wrong, which has then been said. */
@@ -416,22 +589,15 @@ static int model_read(const char *program, const char *file)
     }
   }
   t.line = 0; /* what is missing has no line */
-  for (int k = 0; k < model.n_node && !t.failed; k++) {
-    for (int a = 0; a < model.n_mode; a++) {
-      if (!model.node[k].have[a]) {
-        text_fail(&t, "node %d has no shape of mode %d", model.node[k].id, a + 1);
-      }
+  if (!t.failed) {
+    model_effects_check(&t);
+  }
+  if (!t.failed) {
+    if (model.component) {
+      model_component_check(&t);
+    } else {
+      model_beam_check(&t);
     }
-  }
-  if (model.component && !t.failed && (model.n_node == 0 || model.n_mode == 0 || model.frequency[0] <= 0)) {
-    text_fail(&t, "a component wants modes, frequency_hz, node and shape lines");
-  }
-  if (model.component && !t.failed && model.n_pair == 0 &&
-      (model.level.effects & (FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING))) {
-    text_fail(&t, "stiffening wants quadratic lines; without them choose effects spin or linear");
-  }
-  if (!model.component && !t.failed && model.beam.n_station == 0) {
-    text_fail(&t, "a beam wants stations or taper");
   }
   text_close(&t);
   return !t.failed;
@@ -488,9 +654,6 @@ static fb_status model_beam_shape(const char **what)
 {
   fb_status status;
   int at;
-  for (int k = 0; k < model.beam.n_station && model.fraction_to_length > 0; k++) {
-    model.beam.station[k].x *= model.beam.length;
-  }
   *what = "the beam";
   status = fb_beam_init(&model_beam, &model.beam);
   if (status == FB_OK) {
@@ -518,9 +681,17 @@ static fb_status model_build(const char **what)
     center[i % 3] = (fb_real)model.hub_center[i % 3];
     inertia[i] = (fb_real)model.hub_inertia[i];
   }
-  if (status == FB_OK && model.hub_mass > 0) {
+  if (status == FB_OK && model.hub) {
     *what = "the hub";
     status = fb_shape_add_rigid(&model_shape, (fb_real)model.hub_mass, center, inertia);
+  }
+  if (status == FB_OK && model.n_damping > 1 && model.n_damping != model_shape.n) {
+    *what = "damping wants one ratio, or as many as there are modes";
+    return FB_ERR_VALUE;
+  }
+  if (status == FB_OK && model_shape.n == 0 && (model.level.effects & FB_EFFECT_ELASTIC)) {
+    *what = "no mode is left";
+    return FB_ERR_KIND;
   }
   *what = status == FB_OK ? "the body" : *what;
   return status ? status : fb_body_init(&model_body, &model_body_work, &model_shape, &model.level);

@@ -36,6 +36,10 @@ static void summarize(const char *file)
     fprintf(stderr, "  mode %2d  %10.5g Hz  damping %.3g\n", k + 1, omega / (2.0 * model_pi),
             (double)model.level.zeta[k]);
   }
+  if (fabs((double)model.modes.spin) > 0) {
+    fprintf(stderr,
+            "  (Ritz modes shaped for the spin: frequencies at rest, the higher ones not those of modes at rest)\n");
+  }
   if (model.component) {
     double largest = 0;
     for (int a = 0; a < model_body.n; a++) {
@@ -80,8 +84,7 @@ int main(int argc, char **argv)
   if (!file) {
     return fail("a description is missing", "");
   }
-  if (name && (strlen(name) >= sizeof model.name || !(isalpha((unsigned char)name[0]) || name[0] == '_') ||
-               name[strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_")])) {
+  if (name && !model_is_name(name)) {
     return fail("not a C identifier", name);
   }
   if (!model_read("reduce", file)) {

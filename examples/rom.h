@@ -195,7 +195,11 @@ static void rom_capacities(rom *r, const fb_body *body)
 static void rom_write(FILE *out, const fb_body *body, const char *name, const char *source, int single)
 {
   rom r = {out, single, 0};
-  fprintf(out, "/* %s - made by reduce from %s for flexbeam %s; include flexbeam.h first.\n", name, source, FB_VERSION);
+  fprintf(out, "/* %s - made by reduce from ", name);
+  for (const char *c = source; *c; c++) { /* not to end the comment */
+    fputc(*c == '*' ? '?' : *c, out);
+  }
+  fprintf(out, " for flexbeam %s; include flexbeam.h first. C99, or C++20.\n", FB_VERSION);
   rom_capacities(&r, body);
   fprintf(out,
           "static const fb_body %s = {\n  .n = %d, .n_node = %d, .effects = %uu, .base = (fb_base)%d,\n"

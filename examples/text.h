@@ -69,6 +69,9 @@ static inline int text_raw_line(text_file *t)
     return 0;
   }
   t->line++;
+  if (t->line == 1 && strncmp(t->buffer, "\xEF\xBB\xBF", 3) == 0) { /* byte order mark */
+    memmove(t->buffer, t->buffer + 3, strlen(t->buffer) - 2);
+  }
   if (strlen(t->buffer) + 1 == sizeof t->buffer && !feof(t->file)) {
     text_fail(t, "the line is longer than %d characters", (int)sizeof t->buffer - 2);
     return 0;
@@ -137,6 +140,22 @@ static inline int text_whole(text_file *t, const char *what, int least, int most
     text_fail(t, "%s must be a whole number from %d to %d", what, least, most);
   }
   return t->failed ? least : (int)x;
+}
+
+/* 1 if the line has another word. */
+static inline int text_more(text_file *t)
+{
+  return !t->failed && t->at[strspn(t->at, " ")];
+}
+
+/* n numbers. */
+static inline void text_vector(text_file *t, const char *what, double *x, int n)
+{
+  char which[96];
+  for (int i = 0; i < n; i++) {
+    snprintf(which, sizeof which, n > 1 ? "%s, number %d of %d" : "%s", what, i + 1, n);
+    x[i] = text_number(t, which);
+  }
 }
 
 static inline void text_end_of_line(text_file *t)

@@ -533,6 +533,34 @@ TEST(static_corrections_make_loads_exact)
   }
 }
 
+/* E7.2: the lowest modes of all kinds are those that counts find, of a clamped and, behind its rigid ones, of a free beam. */
+TEST(the_lowest_modes_are_the_lowest_of_all_kinds)
+{
+  for (int root = 0; root < 3; root += 2) {
+    const int rigid = root == FB_ROOT_FREE ? 6 : 0;
+    fb_modes_desc *keep;
+    uniform_desc(5, (fb_root)root);
+    desc.station[0].i_y = desc.station[0].i_z = FB_R(0.05);
+    FBT_INT_EQ(solve(&other, 5, 5, 6, 6), FB_OK);
+    for (int n = 1; n <= 7; n++) {
+      keep = choice();
+      keep->lowest = n;
+      keep->rigid = 1;
+      FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), FB_OK);
+      FBT_INT_EQ(modes.n, n + rigid);
+      for (int k = 0; k < n; k++) {
+        FBT_NEAR_REL(modes.omega[rigid + k], other.omega[k], FBT_TOL(1e-12, 1e-5));
+        FBT_INT_EQ(modes.kind[rigid + k], other.kind[k]);
+      }
+    }
+    keep->spin = FB_R(1.0);
+    FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), FB_ERR_VALUE);
+    keep->spin = FB_R(0.0);
+    keep->lowest = FB_MAX_MODES + 1;
+    FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), FB_ERR_CAPACITY);
+  }
+}
+
 /* E7.7: bending of a uniform cantilever: effective masses 0.6131, 0.1883, 0.0647, 0.0331, 0.0200 of its modes
    (textbook), so that 0.9 of it takes five; sums rise with every mode and end below one, axially at 8/pi^2 (1 + 1/9 +
    ..). */
@@ -1520,15 +1548,15 @@ TEST(functions_are_orthonormal_and_as_smooth_as_they_claim)
 }
 
 SUITE(modes, RUN(hurty_example_has_the_printed_numbers), RUN(components_deflect_exactly_at_their_boundary),
-      RUN(static_corrections_make_loads_exact), RUN(effective_masses_add_up_to_the_beam),
-      RUN(components_keep_their_rigid_motions), RUN(columns_buckle_under_the_published_loads),
-      RUN(preload_changes_the_frequencies_as_in_a_stiff_string), RUN(timoshenko_beams_have_the_published_frequencies),
-      RUN(functions_are_orthonormal_and_as_smooth_as_they_claim), RUN(beam_frequencies_match_the_closed_form),
-      RUN(frequencies_converge_with_order_eight_and_six), RUN(element_coordinates_converge_with_order_four_and_two),
-      RUN(tip_mass_lowers_the_frequencies_as_published), RUN(rotary_inertia_lowers_the_frequencies_as_rayleigh_found),
-      RUN(tapered_beam_has_the_published_frequencies), RUN(modes_are_orthonormal_with_a_fixed_sign),
-      RUN(a_held_tip_does_not_choose_the_sign), RUN(a_round_beam_has_pairs_of_unmixed_modes),
-      RUN(a_body_beside_the_axis_couples_bending_and_torsion), RUN(a_beam_without_mass_has_the_modes_of_its_tip_body),
-      RUN(frequencies_do_not_depend_on_the_units), RUN(modes_are_selected_by_count_and_frequency),
-      RUN(element_coordinates_keep_the_element_matrices), RUN(modes_for_a_spin_hold_the_modes_under_tension),
-      RUN(modes_that_do_not_exist_are_refused))
+      RUN(static_corrections_make_loads_exact), RUN(the_lowest_modes_are_the_lowest_of_all_kinds),
+      RUN(effective_masses_add_up_to_the_beam), RUN(components_keep_their_rigid_motions),
+      RUN(columns_buckle_under_the_published_loads), RUN(preload_changes_the_frequencies_as_in_a_stiff_string),
+      RUN(timoshenko_beams_have_the_published_frequencies), RUN(functions_are_orthonormal_and_as_smooth_as_they_claim),
+      RUN(beam_frequencies_match_the_closed_form), RUN(frequencies_converge_with_order_eight_and_six),
+      RUN(element_coordinates_converge_with_order_four_and_two), RUN(tip_mass_lowers_the_frequencies_as_published),
+      RUN(rotary_inertia_lowers_the_frequencies_as_rayleigh_found), RUN(tapered_beam_has_the_published_frequencies),
+      RUN(modes_are_orthonormal_with_a_fixed_sign), RUN(a_held_tip_does_not_choose_the_sign),
+      RUN(a_round_beam_has_pairs_of_unmixed_modes), RUN(a_body_beside_the_axis_couples_bending_and_torsion),
+      RUN(a_beam_without_mass_has_the_modes_of_its_tip_body), RUN(frequencies_do_not_depend_on_the_units),
+      RUN(modes_are_selected_by_count_and_frequency), RUN(element_coordinates_keep_the_element_matrices),
+      RUN(modes_for_a_spin_hold_the_modes_under_tension), RUN(modes_that_do_not_exist_are_refused))
