@@ -422,7 +422,7 @@ FB_API fb_status fb_eig_general_solve(fb_real *re, fb_real *im, fb_real *X, fb_r
 typedef struct fb_section { /* properties at a station; between stations they vary linearly */
   fb_real x;                /* [m] from the root; ignored when there is one station (uniform beam) */
   fb_real mass;             /* [kg/m]; the beam with its lumped bodies must have some */
-  fb_real EA;               /* [N] axial stiffness; 0: rigid, no axial modes */
+  fb_real EA;               /* [N] axial stiffness; 0 everywhere: rigid, no axial modes */
   fb_real GJ;               /* [N m^2] torsional stiffness; 0: rigid */
   fb_real EI_y;             /* [N m^2] bending about y (displacement along z); 0: rigid */
   fb_real EI_z;             /* [N m^2] bending about z (displacement along y); 0: rigid */
@@ -639,7 +639,8 @@ typedef struct fb_join_work { /* scratch; large: make it static */
 
 /* joined, beam and component are arrays of n_component. A component that hangs on another one has a free root and rigid
    modes (fb_modes_desc.rigid), all coordinates of FB_BASIS_ELEMENTS, or its root among the boundary; what both sides of
-   a weld cannot move in is stiff. Keeps the `lowest` common modes (0: all) up to omega_limit [rad/s] (0: no limit);
+   a weld cannot move in is stiff; a clamped root stays with the frame. Natural modes alone converge slowly at a weld:
+   add static corrections there (load), or take its node for a boundary. Keeps the `lowest` common modes (0: all) up to omega_limit [rad/s] (0: no limit);
    rigid-body modes of the whole are left out. Then build the shape as for one beam, all with first = 0 and n =
    joined->n: add beam 0, a node at each weld of it, then the beams that hang there (their quadratic field goes on from
    that node), and so on. joined[k].M and K are the share of component k. Redundant welds do no harm.

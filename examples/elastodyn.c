@@ -3,16 +3,18 @@
    Exit: 0 well, 2 bad options or input. */
 #include "text.h"
 
-static const char help[] = "elastodyn - from ElastoDyn's blade file to a beam description\n"
-                           "usage: elastodyn FILE --length L [options] > blade.txt\n"
-                           "  --length L      [m] of the blade, root to tip (the turbine's TipRad - HubRad)\n"
-                           "  --hub-radius R  [m] of the root (0)\n"
-                           "  --rpm N         the modes are shaped for this speed (0: for rest)\n"
-                           "  --modes F E     flap and edge modes to keep (3 3)\n"
-                           "  --help          this text\n"
-                           "z is out of the rotor plane (flap), x along the span. The file has no GJ, EA and no "
-                           "offsets: the blade is rigid in twist\n"
-                           "and stretch. Then: reduce blade.txt --out blade.h\n";
+static const char help[] =
+    "elastodyn - from ElastoDyn's blade file to a beam description\n"
+    "usage: elastodyn FILE --length L [options] > blade.txt\n"
+    "  --length L      [m] of the blade, root to tip (the turbine's TipRad - HubRad)\n"
+    "  --hub-radius R  [m] of the root (0)\n"
+    "  --rpm N         the modes are shaped for this speed (0: for rest)\n"
+    "  --modes F E     flap and edge modes to keep (3 3)\n"
+    "  --help          this text\n"
+    "z is out of the rotor plane (flap), x along the span. The file has no GJ, EA and no "
+    "offsets: the blade is rigid in twist\n"
+    "and stretch. Damping is the mean of the file's three ratios; its tuners and mode shapes are not used.\n"
+    "Then: reduce blade.txt --out blade.h\n";
 
 #define MAX_STATIONS 200
 static struct blade {
