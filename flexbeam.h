@@ -413,7 +413,7 @@ FB_API fb_status fb_eig_sym_solve(fb_real *d, fb_real *V, fb_real *A, int n);
 FB_API fb_status fb_eig_gen_solve(fb_real *d, fb_real *X, fb_real *K, fb_real *M, int n);
 /* Eigenvalues re + i im (n each) and eigenvectors of the real A (n x n, overwritten), symmetric or not. Row k of X (n x
    2n) is the vector of eigenvalue k, n real then n imaginary parts, of unit length. work: 4 n^2 reals. A defective A
-   gives (nearly) parallel vectors. FB_ERR_NOT_FINITE; FB_ERR_CONVERGENCE after 60 n steps. */
+   gives (nearly) parallel vectors. FB_ERR_NOT_FINITE; FB_ERR_CONVERGENCE after 60 n steps, re and X are spoiled. */
 FB_API fb_status fb_eig_general_solve(fb_real *re, fb_real *im, fb_real *X, fb_real *A, fb_real *work, int n);
 
 /* ---------------------------------------------------------------------------------------------------------------
@@ -475,8 +475,8 @@ typedef struct fb_beam_desc {
   fb_real attitude[4]; /* quaternion, beam axes to body axes; all zero = identity */
   /* A curved reference line, as a chain of straight elements: n_point = n_element + 1 element nodes [m] from the root
      on, beam axes, the first at 0. Then length is theirs, x runs along the chain, and the section axes follow it
-     without twist of their own, from the first element, which takes the beam axes by the shortest way. Neighbors turn
-     by less than 90 degrees. The quadratic field (E8.2) takes the kinks as small. 0: straight. */
+     without twist of their own, from the first element, which takes the beam axes by the shortest way (less than 170
+     degrees). Neighbors turn by less than 90 degrees. EA, GJ and EI are positive; with a free root i_y, i_z, too. The quadratic field (E8.2) takes the kinks as small. 0: straight. */
   int n_point;
   fb_real point[FB_MAX_ELEMENTS + 1][3];
 } fb_beam_desc;
@@ -560,8 +560,9 @@ typedef struct fb_modes_desc {
      is largest; without it the axial strain at the root is zero, with it the basis is not quite closed. */
   int degree, root_strain;
   int lowest; /* natural modes: that many lowest ones of any kind that exists; count is ignored. Not with spin */
-  /* Natural modes, 0..1: as many as bring the effective mass to this part of the beam's in each direction in which the
-     kinds asked for move; count is an upper bound. 0: no such choice. Wants a clamped root. */
+  /* Natural modes, 0..1: as many as bring the effective mass to this part of the beam's (less bodies on its root) in
+     each direction in which the kinds asked for move; count is an upper bound. 0: no such choice. Wants a clamped
+     root. */
   fb_real mass_fraction;
   fb_preload preload; /* the modes are those under it, and K holds its geometric stiffness ([H] C.1): leave the load
                          itself out of the body's effects. FB_BASIS_FUNCTIONS does without */
@@ -582,6 +583,7 @@ typedef struct fb_modes {
   int n;      /* retained, ascending in frequency (a tie: in the order of the kinds) */
   int ndof;   /* length of a shape: 6 per node, then 8 internal ones per element, with shear 8 more */
   int degree; /* 0, or that of FB_BASIS_FUNCTIONS: then a shape is value and slope per node, then bubbles */
+  int joined; /* 1: from fb_modes_join */
   fb_kind kind[FB_MAX_MODES];  /* by the largest share of kinetic energy */
   fb_real omega[FB_MAX_MODES]; /* [rad/s]; 0 for coordinates that are not modes */
   fb_real
@@ -590,13 +592,14 @@ typedef struct fb_modes {
   fb_real K[FB_MAX_MODES * FB_MAX_MODES]; /* n x n */
   /* Momentum and angular momentum about the root that a unit rate of a coordinate has, beam axes (n x 6), the beam's
      mass and moments of inertia about the root, and the part of them that the coordinates together move (effective
-     mass). Not for FB_BASIS_FUNCTIONS. */
+     mass). Not for FB_BASIS_FUNCTIONS and joined modes. */
   fb_real momentum[6 * FB_MAX_MODES], rigid_mass[6], effective[6];
 } fb_modes;
 
 typedef struct fb_modes_work { /* scratch; large: make it static */
   int held[FBI_MAX_DOF];
   fb_real rigid[6 * FBI_MAX_DOF]; /* six rigid motions about the root, rows */
+  fb_real free[6 * FBI_MAX_DOF];  /* those that the root leaves, orthonormal */
   fb_real K[FBI_MAX_DOF * FBI_MAX_DOF], M[FBI_MAX_DOF * FBI_MAX_DOF];
   fb_real Kc[FBI_MAX_DOF * FBI_MAX_DOF], Mc[FBI_MAX_DOF * FBI_MAX_DOF], X[FBI_MAX_DOF * FBI_MAX_DOF];
   fb_real omega2[FBI_MAX_DOF];
@@ -605,7 +608,8 @@ typedef struct fb_modes_work { /* scratch; large: make it static */
 
 /* FB_ERR_KIND: a kind asked for has no stiffness or inertia, or fewer modes than asked (or than mass_fraction wants);
    FB_ERR_CAPACITY: more than FB_MAX_MODES; FB_ERR_VALUE: also functions, spin or mass_fraction without a clamped root,
-   a preload on a chain, a coordinate that the root holds or that is named twice; FB_ERR_SINGULAR: the preload is beyond
+   a preload on a chain or on natural modes of a
+   root that is not clamped, a coordinate that the root holds or that is named twice; FB_ERR_SINGULAR: the preload is beyond
    buckling, or the boundary leaves rigid motion; FB_ERR_CONVERGENCE.
    modes is written only on FB_OK. Rigid-body modes of pinned and free roots are not modes here: the body frame
    carries that motion. */
@@ -643,7 +647,8 @@ typedef struct fb_join_work { /* scratch; large: make it static */
    add static corrections there (load), or take its node for a boundary. Keeps the `lowest` common modes (0: all) up to omega_limit [rad/s] (0: no limit);
    rigid-body modes of the whole are left out. Then build the shape as for one beam, all with first = 0 and n =
    joined->n: add beam 0, a node at each weld of it, then the beams that hang there (their quadratic field goes on from
-   that node), and so on. joined[k].M and K are the share of component k. Redundant welds do no harm.
+   that node: a part hangs by its root), and so on. joined[k].M and K are the share of component k. Redundant welds do no harm.
+   FB_ERR_CONVERGENCE: slow elastic modes cannot be told from rigid ones in this precision (keep fewer, or use double);
    FB_ERR_CAPACITY: counts, a node, more than FB_MAX_MODES; FB_ERR_VALUE: nodes of a weld more than 1e-4 of the beams'
    length apart, FB_BASIS_FUNCTIONS; FB_ERR_KIND: fewer modes than asked for; FB_ERR_SINGULAR: no mass somewhere. */
 FB_API fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_beam *beam, const fb_modes *component,
@@ -747,7 +752,8 @@ FB_API fb_status fb_shape_add_node(fb_shape *shape, int *node, const fb_real r[3
 FB_API fb_status fb_shape_add_pair(fb_shape *shape, int a, int b, const fb_real *pchi, const fb_real *hchi,
                                    const fb_real *Gamchi);
 /* A beam with its modes as coordinates first .. first + modes->n - 1: all integrals, M and K. Where its root moves with
-   the modes and a node of the shape is there and moves alike (fb_modes_join), the quadratic field goes on from it. */
+   the modes and a node of the shape is there and moves alike (fb_modes_join), the quadratic field goes on from it; without that node
+   joined modes are refused (FB_ERR_VALUE). */
 FB_API fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes);
 /* A node on that beam at x [m] from the root; its number goes to *node. */
 FB_API fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, const fb_beam *beam,

@@ -981,7 +981,7 @@ FB_DEF fb_status fb_eig_general_solve(fb_real *re, fb_real *im, fb_real *X, fb_r
     }
     for (int k = 0; k < n; k++) {
       fb_real *row = X + 2 * n * k, length = FB_R(0.0);
-      fbi_triangular_vector(x, H, norm, k, n);
+      fbi_triangular_vector(x, H, norm > FB_R(0.0) ? norm : FB_R(1.0), k, n);
       for (int i = 0; i < n; i++) {
         fbi_complex sum = {FB_R(0.0), FB_R(0.0)};
         for (int j = 0; j <= k; j++) {
@@ -1336,7 +1336,8 @@ FB_DEF fb_status fb_beam_desc_add_taper(fb_beam_desc *desc, const fb_material *m
       memcpy(p[i], &section, sizeof section);
     }
     for (int j = 0; j < FBI_SECTION; j++) {
-      p[3][j] -= (p[0][j] - FB_R(2.0) * p[1][j] + p[2][j]) / FB_R(12.0);
+      const fb_real less = (p[0][j] - FB_R(2.0) * p[1][j] + p[2][j]) / FB_R(12.0);
+      p[3][j] -= less < FB_R(0.5) * p[3][j] ? less : FB_R(0.5) * p[3][j]; /* a thin end keeps half */
     }
     memcpy(&desc->station[at + k], p[3], sizeof p[3]);
     desc->station[at + k].x = from->x + (fb_real)k / (fb_real)(n - 1) * (to->x - from->x);
@@ -1442,7 +1443,7 @@ static fb_status fbi_spread(fb_real s[3][3], const fb_real inertia[6])
   return FB_OK;
 }
 
-static fb_status fbi_section_check(const fb_section *s)
+static fb_status fbi_section_check(const fb_section *s, int bent)
 {
   const fb_real *const zero_or_more[] = {&s->mass, &s->EA,  &s->GJ,   &s->EI_y, &s->EI_z,
                                          &s->i_y,  &s->i_z, &s->GA_y, &s->GA_z};
@@ -1460,6 +1461,9 @@ static fb_status fbi_section_check(const fb_section *s)
   if (turned && (s->EI_y > FB_R(0.0)) != (s->EI_z > FB_R(0.0))) { /* rigid about an axis that turns */
     return FB_ERR_VALUE;
   }
+  if (bent && !(s->EA > FB_R(0.0) && s->GJ > FB_R(0.0) && s->EI_y > FB_R(0.0) && s->EI_z > FB_R(0.0))) {
+    return FB_ERR_VALUE;
+  }
   if (sheared != (s->GA_z > FB_R(0.0)) || (!sheared && FB_FABS(s->shear_y) + FB_FABS(s->shear_z) > FB_R(0.0))) {
     return FB_ERR_VALUE;
   }
@@ -1469,7 +1473,7 @@ static fb_status fbi_section_check(const fb_section *s)
 static fb_status fbi_stations_check(const fb_beam_desc *desc)
 {
   for (int k = 0; k < desc->n_station; k++) {
-    const fb_status status = fbi_section_check(&desc->station[k]);
+    const fb_status status = fbi_section_check(&desc->station[k], desc->n_point > 0);
     if (status != FB_OK) {
       return status;
     }
@@ -2202,23 +2206,29 @@ static void fbi_group_shape(fb_real *shape, const fb_modes_work *work, const int
    reach the fraction along each motion that its free coordinates take part in and whose kind is asked for?
    Source: Hughes, by [DB] 5.1.  Cost: 2 ndof^2 flops a mode and motion.  Fails: never.
    Test: effective_masses_add_up_to_the_beam. */
-static int fbi_mass_is_reached(const fb_modes_desc *desc, const fb_modes_work *work, const int *dof, int n)
+static int fbi_mass_is_reached(const fb_modes_desc *desc, const fb_modes_work *work, const fb_beam *beam,
+                               const int *dof, int n)
 {
   static const fb_kind kind[6] = {FB_KIND_AXIAL,   FB_KIND_BEND_Y, FB_KIND_BEND_Z,
                                   FB_KIND_TORSION, FB_KIND_BEND_Z, FB_KIND_BEND_Y};
   const fb_modes *found = &work->found;
   for (int i = 0; i < 6; i++) {
     const fb_real *r = work->rigid + i * found->ndof;
-    fb_real sum = FB_R(0.0);
+    fb_real sum = FB_R(0.0), root[36] = {FB_R(0.0)};
     int moves = 0;
     for (int j = 0; j < n; j++) {
       moves = moves || FB_FABS(r[dof[j]]) > FB_R(0.0);
+    }
+    for (int k = 0; k < beam->desc.n_lump; k++) { /* bodies on the clamped root do not move */
+      if (beam->desc.lump[k].node == 0) {
+        fbi_lump_add(root, &beam->desc.lump[k], 6);
+      }
     }
     for (int k = 0; k < found->n && moves && desc->count[kind[i]] > 0; k++) {
       const fb_real share = fbi_modal_product(found->shape + k * found->ndof, work->M, r, found->ndof);
       sum += share * share;
     }
-    if (moves && desc->count[kind[i]] > 0 && sum < desc->mass_fraction * found->rigid_mass[i]) {
+    if (moves && desc->count[kind[i]] > 0 && sum < desc->mass_fraction * (found->rigid_mass[i] - root[7 * i])) {
       return 0;
     }
   }
@@ -2242,7 +2252,8 @@ static fb_status fbi_group_take(const fb_modes_desc *desc, fb_modes_work *work, 
   for (int k = first; k < last && out->n < choice->most; k++) {
     const fb_real omega = FB_SQRT(fbi_larger(work->omega2[k], FB_R(0.0)));
     fb_kind kind;
-    if ((choice->limit > FB_R(0.0) && omega > choice->limit) || (by_mass && fbi_mass_is_reached(desc, work, dof, n))) {
+    if ((choice->limit > FB_R(0.0) && omega > choice->limit) ||
+        (by_mass && fbi_mass_is_reached(desc, work, beam, dof, n))) {
       return FB_OK;
     }
     fbi_group_shape(spare, work, dof, k, n, out->ndof);
@@ -2261,7 +2272,7 @@ static fb_status fbi_group_take(const fb_modes_desc *desc, fb_modes_work *work, 
       out->n++;
     }
   }
-  return by_mass && !fbi_mass_is_reached(desc, work, dof, n) ? FB_ERR_KIND : FB_OK;
+  return by_mass && !fbi_mass_is_reached(desc, work, beam, dof, n) ? FB_ERR_KIND : FB_OK;
 }
 
 /* Ascending frequency; a tie in the order of the kinds. */
@@ -2473,6 +2484,14 @@ static void fbi_static_solve(fb_real *x, const fb_modes_work *work, const int *d
   }
 }
 
+static void fbi_shape_move(fb_modes *modes, int to, int from)
+{
+  memmove(modes->shape + to * modes->ndof, modes->shape + from * modes->ndof,
+          (size_t)modes->ndof * sizeof *modes->shape);
+  modes->kind[to] = modes->kind[from];
+  modes->omega[to] = modes->omega[from];
+}
+
 /* Takes a shape of full length behind those found; 0 if it is a combination of them. */
 static int fbi_shape_take(fb_modes_work *work, const fb_beam *beam, const fb_real *shape, fb_real omega)
 {
@@ -2487,26 +2506,64 @@ static int fbi_shape_take(fb_modes_work *work, const fb_beam *beam, const fb_rea
   return 1;
 }
 
-/* The rigid motions that the root leaves to all coordinates together, rows of six. */
-static int fbi_root_motions(fb_real motion[36], fb_modes_work *work, const fb_beam *beam)
+/* Makes x orthogonal to the m rows of f and normalizes it. */
+static void fbi_orthonormalize(fb_real *x, const fb_real *f, const fb_real *M, int m, int ndof)
 {
-  static const int all[FB_KIND_COUNT] = {0, 0, 0, 0};
-  return fbi_rigid_motions(motion, work, beam, all, 0);
+  fb_real norm;
+  for (int twice = 0; twice < 2; twice++) { /* once more takes off what rounding left */
+    for (int k = 0; k < m; k++) {
+      const fb_real share = fbi_modal_product(f + k * ndof, M, x, ndof);
+      for (int i = 0; i < ndof; i++) {
+        x[i] -= share * f[k * ndof + i];
+      }
+    }
+  }
+  norm = FB_SQRT(fbi_modal_product(x, M, x, ndof));
+  for (int i = 0; i < ndof; i++) {
+    x[i] /= norm;
+  }
 }
 
-static fb_status fbi_rigid_take(fb_modes_work *work, const fb_beam *beam)
+/* Orthonormal shapes of the rigid motions that the root leaves, to work.free; a motion without inertia is none. */
+static int fbi_free_fill(fb_modes_work *work, const fb_beam *beam)
 {
+  static const int all[FB_KIND_COUNT] = {0, 0, 0, 0};
+  const int ndof = work->found.ndof;
   fb_real motion[36];
-  const int m = fbi_root_motions(motion, work, beam), ndof = work->found.ndof;
-  if (m > FB_MAX_MODES) {
+  const int m = fbi_rigid_motions(motion, work, beam, all, 0);
+  int n = 0;
+  for (int k = 0; k < m; k++) {
+    fb_real *x = work->free + n * ndof, before;
+    fbi_zero(x, ndof);
+    for (int ai = 0; ai < 6 * ndof; ai++) {
+      x[ai % ndof] += motion[6 * k + ai / ndof] * work->rigid[ai];
+    }
+    before = fbi_modal_product(x, work->M, x, ndof);
+    if (!(before > FB_R(0.0))) {
+      continue;
+    }
+    fbi_orthonormalize(x, work->free, work->M, n, ndof);
+    n += fbi_is_finite(x, ndof);
+  }
+  return n;
+}
+
+/* Puts the n shapes of work.free before those found. */
+static fb_status fbi_free_take(fb_modes_work *work, const fb_beam *beam, int n)
+{
+  fb_modes *out = &work->found;
+  if (out->n > FB_MAX_MODES - n) {
     return FB_ERR_CAPACITY;
   }
-  for (int k = 0; k < m; k++) {
-    fb_real shape[FBI_MAX_DOF] = {FB_R(0.0)};
-    for (int ai = 0; ai < 6 * ndof; ai++) {
-      shape[ai % ndof] += motion[6 * k + ai / ndof] * work->rigid[ai];
-    }
-    (void)fbi_shape_take(work, beam, shape, FB_R(0.0)); /* a motion without inertia is none */
+  for (int k = out->n - 1; k >= 0; k--) {
+    fbi_shape_move(out, k + n, k);
+  }
+  out->n += n;
+  for (int k = 0; k < n; k++) {
+    fbi_copy(out->shape + k * out->ndof, work->free + k * out->ndof, out->ndof);
+    out->omega[k] = FB_R(0.0);
+    out->kind[k] = fbi_shape_kind(beam, out->shape + k * out->ndof, work->M, out->ndof);
+    fbi_shape_scale(out, k, FB_R(1.0), beam->desc.n_element);
   }
   return FB_OK;
 }
@@ -2517,7 +2574,7 @@ static fb_status fbi_rigid_take(fb_modes_work *work, const fb_beam *beam)
    Source: [H] 2.5; Craig, Structural Dynamics, 1981, 19 (inertia relief).  Fails: capacity; no stiffness there.
    Test: static_corrections_make_loads_exact. */
 static fb_status fbi_static_take(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam,
-                                 const int group[FB_KIND_COUNT], int n_rigid)
+                                 const int group[FB_KIND_COUNT], int n_free)
 {
   fb_modes *out = &work->found;
   int dof[FBI_MAX_DOF], held[6], n;
@@ -2531,15 +2588,20 @@ static fb_status fbi_static_take(const fb_modes_desc *desc, fb_modes_work *work,
     const int at = fbi_coordinate_dof(&desc->load[k]);
     fb_real x[FBI_MAX_DOF] = {FB_R(0.0)};
     x[at] = FB_R(1.0);
-    for (int r = 0; r < n_rigid; r++) {
-      const fb_real *shape = out->shape + r * out->ndof;
+    for (int r = 0; r < n_free; r++) {
+      const fb_real *shape = work->free + r * out->ndof;
       for (int i = 0; i < out->ndof; i++) {
-        for (int j = 0; j < out->ndof; j++) {
-          x[i] -= shape[at] * work->M[i * out->ndof + j] * shape[j];
-        }
+        x[i] -= shape[at] * fbi_dot(work->M + i * out->ndof, shape, out->ndof);
       }
     }
     fbi_static_solve(x, work, dof, n, out->ndof);
+    for (int r = 0; r < n_free; r++) { /* orthogonal to the rigid motions, as the modes are */
+      const fb_real *shape = work->free + r * out->ndof;
+      const fb_real share = fbi_modal_product(shape, work->M, x, out->ndof);
+      for (int i = 0; i < out->ndof; i++) {
+        x[i] -= share * shape[i];
+      }
+    }
     if (out->n == FB_MAX_MODES) {
       status = FB_ERR_CAPACITY;
     } else {
@@ -2550,14 +2612,6 @@ static fb_status fbi_static_take(const fb_modes_desc *desc, fb_modes_work *work,
     work->held[i] = held[i];
   }
   return status;
-}
-
-static void fbi_shape_move(fb_modes *modes, int to, int from)
-{
-  memmove(modes->shape + to * modes->ndof, modes->shape + from * modes->ndof,
-          (size_t)modes->ndof * sizeof *modes->shape);
-  modes->kind[to] = modes->kind[from];
-  modes->omega[to] = modes->omega[from];
 }
 
 /* Were as many modes found as the desc asks for? */
@@ -2581,33 +2635,31 @@ static fb_status fbi_natural_modes(const fb_modes_desc *desc, fb_modes_work *wor
 {
   fb_modes *out = &work->found;
   const int spinning = FB_FABS(desc->spin) > FB_R(0.0);
-  int taken[FB_KIND_COUNT] = {0}, count[FB_KIND_COUNT], rigid;
-  fb_status status = desc->rigid || desc->n_load > 0 ? fbi_rigid_take(work, beam) : FB_OK;
-  rigid = out->n;
+  const int n_free = fbi_free_fill(work, beam);
+  int taken[FB_KIND_COUNT] = {0}, count[FB_KIND_COUNT];
+  fb_status status;
   for (int k = 0; k < FB_KIND_COUNT; k++) {
     const int bending = k == FB_KIND_BEND_Y || k == FB_KIND_BEND_Z;
     count[k] = spinning && bending ? (desc->count[k] + 1) / 2 : desc->count[k];
   }
-  status = status ? status : fbi_modes_take(desc, work, beam, group, taken, count);
+  status = fbi_modes_take(desc, work, beam, group, taken, count);
   if (status == FB_OK && spinning) {
     const fb_preload under = {FB_R(0.0), FB_R(0.0), desc->spin, desc->spin_radius};
     fbi_matrices(work->K, work->M, beam, 0, &under);
     status = fbi_modes_take(desc, work, beam, group, taken, desc->count);
     fbi_matrices(work->K, work->M, beam, 0, &desc->preload);
   }
-  status = status ? status : fbi_count_check(desc, taken, out->n - rigid);
-  status = status || desc->n_load == 0 ? status : fbi_static_take(desc, work, beam, group, rigid);
-  if (!desc->rigid) {
-    for (int k = rigid; k < out->n; k++) {
-      fbi_shape_move(out, k - rigid, k);
-    }
-    out->n -= rigid;
-  }
+  status = status ? status : fbi_count_check(desc, taken, out->n);
+  status = status || desc->n_load == 0 ? status : fbi_static_take(desc, work, beam, group, n_free);
   status = status || (!spinning && desc->n_load == 0) ? status : fbi_modes_ritz(work, beam);
   if (status != FB_OK) {
     return status;
   }
   fbi_modes_sort(out);
+  status = desc->rigid ? fbi_free_take(work, beam, n_free) : FB_OK;
+  if (status != FB_OK) {
+    return status;
+  }
   fbi_zero(out->M, out->n * out->n);
   fbi_zero(out->K, out->n * out->n);
   for (int k = 0; k < out->n; k++) {
@@ -2801,24 +2853,6 @@ static void fbi_functions_matrices(fb_modes_work *work, const fb_beam *beam, con
   }
 }
 
-/* Makes x orthogonal to the m rows of f and normalizes it. */
-static void fbi_orthonormalize(fb_real *x, const fb_real *f, const fb_real *M, int m, int ndof)
-{
-  fb_real norm;
-  for (int twice = 0; twice < 2; twice++) { /* once more takes off what rounding left */
-    for (int k = 0; k < m; k++) {
-      const fb_real share = fbi_modal_product(f + k * ndof, M, x, ndof);
-      for (int i = 0; i < ndof; i++) {
-        x[i] -= share * f[k * ndof + i];
-      }
-    }
-  }
-  norm = FB_SQRT(fbi_modal_product(x, M, x, ndof));
-  for (int i = 0; i < ndof; i++) {
-    x[i] /= norm;
-  }
-}
-
 /* [E7.5] Functions of x that serve u_x, u_y and u_z alike: the bending modes of the smooth element functions,
    orthonormal against the mass. ups_ab of a function with another one vanishes then, and S(q) is constant for equal
    counts.
@@ -2918,7 +2952,7 @@ static fb_status fbi_coordinates_check(const fb_coordinate *list, int n, const f
   return FB_OK;
 }
 
-static fb_status fbi_modes_desc_check(const fb_modes_desc *desc, const fb_beam *beam)
+static fb_status fbi_modes_desc_check(const fb_modes_desc *desc, const fb_beam *beam, int hold_boundary)
 {
   const fb_preload *load = &desc->preload;
   const fb_real all[8] = {desc->omega_limit, desc->spin,         desc->spin_radius, desc->mass_fraction,
@@ -2939,6 +2973,9 @@ static fb_status fbi_modes_desc_check(const fb_modes_desc *desc, const fb_beam *
   if ((spinning || by_mass) && (beam->desc.root != FB_ROOT_CLAMPED || desc->basis != FB_BASIS_MODES)) {
     return FB_ERR_VALUE;
   }
+  if (fbi_is_loaded(load) && desc->basis == FB_BASIS_MODES && beam->desc.root != FB_ROOT_CLAMPED && !hold_boundary) {
+    return FB_ERR_VALUE; /* it pulls at rigid motion, too */
+  }
   if ((spinning && desc->lowest > 0) || ((spinning || fbi_is_loaded(load)) && beam->desc.n_point > 0) ||
       (spinning && fbi_is_loaded(load)) || (fbi_is_loaded(load) && desc->basis == FB_BASIS_FUNCTIONS) ||
       (by_mass && desc->lowest > 0)) {
@@ -2952,12 +2989,12 @@ static fb_status fbi_modes_prepare(int group[FB_KIND_COUNT], fb_modes_work *work
                                    const fb_modes_desc *desc, int hold_boundary)
 {
   fb_modes *out = &work->found;
-  fb_status status = fbi_modes_desc_check(desc, beam);
+  fb_status status = fbi_modes_desc_check(desc, beam, hold_boundary);
   if (status != FB_OK) {
     return status;
   }
   out->n = 0;
-  out->degree = 0;
+  out->degree = out->joined = 0;
   out->ndof = fbi_beam_ndof(beam);
   fbi_matrices(work->K, work->M, beam, 0, &desc->preload);
   fbi_kind_groups(group, beam, work->K, work->M, out->ndof);
@@ -3071,7 +3108,7 @@ FB_DEF fb_status fb_buckling_solve(fb_modes *modes, fb_modes_work *work, const f
   status = status ? status : fb_eig_gen_solve(work->omega2, work->X, work->Mc, work->Kc, n);
   for (int k = n - 1; k >= 0 && out->n < wanted && status == FB_OK; k--) {
     fb_real *shape = out->shape + out->n * out->ndof;
-    if (!(work->omega2[k] > (fb_real)n * FB_EPSILON * work->omega2[n - 1])) {
+    if (!(work->omega2[k] > (fb_real)n * FB_EPSILON * fbi_larger(work->omega2[n - 1], -work->omega2[0]))) {
       break;
     }
     fbi_group_shape(shape, work, dof, k, n, out->ndof);
@@ -3113,6 +3150,9 @@ static fb_status fbi_join_check(const fb_beam *beam, const fb_modes *component, 
     return FB_ERR_CAPACITY;
   }
   for (int c = 0; c < n_component; c++) {
+    if (component[c].n < 0 || component[c].n > FB_MAX_MODES) {
+      return FB_ERR_CAPACITY;
+    }
     if (component[c].degree > 0 || component[c].ndof != fbi_beam_ndof(&beam[c])) {
       return FB_ERR_VALUE;
     }
@@ -3254,19 +3294,27 @@ static void fbi_congruence(fb_real *A, const fb_real *Z, fb_real *scratch, int N
    lowest elastic one, which is the shift of the second. */
 static fb_status fbi_join_solve(fb_join_work *work, int m, int *found)
 {
-  fb_real shift = FB_R(0.0);
-  int rigid = 0;
+  fb_real shift = FB_R(0.0), largest;
+  int rigid = 0, definite;
   fb_status status;
   fbi_copy(work->A, work->K, m * m);
-  if (fb_chol_factor(work->A, m) != FB_OK) {
+  definite = fb_chol_factor(work->A, m) == FB_OK;
+  for (int i = 0; i < m * (m + 1) && definite; i += m + 1) { /* pivots well above what rounding leaves of zero */
+    definite = work->A[i] * work->A[i] > FB_R(16.0) * FBI_ROUNDING * work->K[i];
+  }
+  if (!definite) {
+    const fb_real noise = FB_R(8.0) * (fb_real)m * FB_EPSILON;
     fbi_copy(work->A, work->K, m * m);
     fbi_copy(work->B, work->M, m * m);
     status = fb_eig_gen_solve(work->d, work->X, work->A, work->B, m);
     if (status != FB_OK) {
       return status;
     }
-    while (rigid < m && work->d[rigid] < FB_R(8.0) * (fb_real)m * FB_EPSILON * work->d[m - 1]) {
+    while (rigid < m && work->d[rigid] < noise * work->d[m - 1]) {
       rigid++;
+    }
+    if (rigid > 6 || (rigid < m && work->d[rigid] < FB_R(16.0) * noise * work->d[m - 1])) {
+      return FB_ERR_CONVERGENCE;
     }
     shift = rigid < m ? work->d[rigid] : FB_R(0.0);
   }
@@ -3283,9 +3331,10 @@ static fb_status fbi_join_solve(fb_join_work *work, int m, int *found)
     return status;
   }
   fbi_eig_turn(work->d, work->X, m);
+  largest = work->d[0];
   for (int k = 0; k < *found; k++) {
     const fb_real mu = work->d[rigid + k], scale = mu > FB_R(0.0) ? FB_R(1.0) / FB_SQRT(mu) : FB_R(0.0);
-    if (!(mu > (fb_real)m * FB_EPSILON * work->d[0])) { /* massless from here on */
+    if (!(mu > (fb_real)m * FB_EPSILON * largest)) { /* massless from here on */
       *found = k;
       break;
     }
@@ -3306,6 +3355,7 @@ static void fbi_join_expand(fb_modes *out, fb_join_work *work, const fb_modes *c
   memset(out, 0, sizeof *out);
   out->n = n;
   out->ndof = component->ndof;
+  out->joined = 1;
   for (int a = 0; a < nc; a++) {
     for (int k = 0; k < n; k++) {
       fb_real sum = FB_R(0.0);
@@ -3816,9 +3866,10 @@ static fb_status fbi_beam_fits(const fb_shape *shape, int first, const fb_beam *
 
 /* Where the quadratic field of a beam begins: zero, or, for a root that moves with the modes, at the node of the shape
    that is there and moves with it (E7.12). */
-static void fbi_station_start(fbi_station *st, const fb_shape *shape, int first, const fb_beam *beam,
-                              const fb_modes *modes)
+static fb_status fbi_station_start(fbi_station *st, const fb_shape *shape, int first, const fb_beam *beam,
+                                   const fb_modes *modes)
 {
+  int hangs = 0;
   fb_real u[3 * FB_MAX_MODES], theta[3 * FB_MAX_MODES], size = FB_R(0.0);
   memset(st, 0, sizeof *st);
   for (int a = 0; a < modes->n; a++) {
@@ -3843,14 +3894,19 @@ static void fbi_station_start(fbi_station *st, const fb_shape *shape, int first,
       miss = fbi_larger(miss, FB_FABS(node->psi[3 * first + i] - u[i]));
       miss = fbi_larger(miss, beam->desc.length * FB_FABS(node->theta[3 * first + i] - theta[i]));
     }
+    hangs = hangs || miss < FB_R(1e-3) * size;
     for (int ab = 0; ab < modes->n * modes->n && miss < FB_R(1e-3) * size; ab++) {
       const int i = ab / modes->n, j = ab % modes->n, a = first + (i > j ? i : j), b = 2 * first + i + j - a;
       fbi_copy(st->chi + 3 * ab, node->chi + 3 * (a * (a + 1) / 2 + b), 3);
       fbi_copy(st->chi_theta + 3 * ab, node->chi_theta + 3 * (a * (a + 1) / 2 + b), 3);
     }
   }
+  if (modes->joined && size > FB_R(0.0) && !hangs) {
+    return FB_ERR_VALUE;
+  }
 #endif
-  (void)shape, (void)first, (void)size;
+  (void)shape, (void)first, (void)size, (void)hangs;
+  return FB_OK;
 }
 
 FB_DEF fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes)
@@ -3863,7 +3919,9 @@ FB_DEF fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *be
   if (status != FB_OK) {
     return status;
   }
-  fbi_station_start(&start, shape, first, beam, modes);
+  if (fbi_station_start(&start, shape, first, beam, modes) != FB_OK) {
+    return FB_ERR_VALUE;
+  }
   while (fbi_cell_next(&cell, beam)) {
     fbi_cell_fields_init(&fields, beam, modes, &cell);
     if (cell.element == node) {
@@ -3912,7 +3970,9 @@ FB_DEF fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, c
   if (shape->n_node >= FB_MAX_NODES) {
     return FB_ERR_CAPACITY;
   }
-  fbi_station_start(&st, shape, first, beam, modes);
+  if (fbi_station_start(&st, shape, first, beam, modes) != FB_OK) {
+    return FB_ERR_VALUE;
+  }
   while (fbi_cell_next(&cell, beam)) {
     fbi_cell_fields_init(&fields, beam, modes, &cell);
     if (x <= cell.x1 || fbi_cell_is_last(&cell, beam)) {
@@ -7217,10 +7277,12 @@ static fb_status fbi_rates_at_rest(fb_analyse_work *work, const fb_body *body, c
   return status != FB_OK ? status : fb_body_rates(body, &work->rate, &work->state, input);
 }
 
-/* Step of a coordinate for a difference: a thousandth of the deflection limit. */
+/* Step of a coordinate for a difference: a deflection of a thousandth of the body, less where the limit is tighter. */
 static fb_real fbi_difference_step(const fb_body *body, int a)
 {
-  return body->reach[a] > FB_R(0.0) ? FB_R(1e-3) * body->deflection_limit / body->reach[a] : FB_R(1.0);
+  const fb_real large =
+      body->gyration > FB_R(0.0) && body->gyration < body->deflection_limit ? body->gyration : body->deflection_limit;
+  return body->reach[a] > FB_R(0.0) ? FB_R(1e-3) * large / body->reach[a] : FB_R(1.0);
 }
 
 /* Weights of the derivative by values at -2, -1, 1, 2 steps: exact for polynomials of degree 4. */
@@ -7271,7 +7333,7 @@ FB_DEF fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_w
       fb_lu_solve(dq, work->A, work->perm, residual, n);
     }
     change = FB_R(0.0);
-    for (int a = 0; a < n && status == FB_OK; a++) { /* in units of the deflection limit */
+    for (int a = 0; a < n && status == FB_OK; a++) { /* in units of the body */
       change = fbi_larger(change, FB_FABS(dq[a]) * FB_R(1e-3) / fbi_difference_step(body, a));
       work->state.q[a] -= dq[a];
     }
@@ -7297,20 +7359,23 @@ FB_DEF fb_status fb_body_linearize(fb_real *A, fb_analyse_work *work, const fb_b
   const int n = body ? body->n : 0;
   FBI_REQUIRE(A && work, FB_ERR_NULL);
   work->state = status == FB_OK ? *state : work->state;
-  for (int j = 0; j < 2 * n && status == FB_OK; j++) {
+  for (int j = 0; j < 2 * n && status == FB_OK; j++) { /* into scratch first: a failing call changes nothing */
     fb_real *const x = j < n ? &work->state.q[j] : &work->state.pi[j - n];
     const fb_real h = fbi_difference_step(body, j % n), before = *x;
     for (int i = 0; i < 2 * n; i++) {
-      A[i * 2 * n + j] = FB_R(0.0);
+      work->eig[i * 2 * n + j] = FB_R(0.0);
     }
     for (int k = 0; k < 4 && status == FB_OK; k++) {
       *x = before + (fb_real)fbi_difference_at[k] * h;
       status = fb_body_rates(body, &work->rate, &work->state, input);
       for (int i = 0; i < 2 * n && status == FB_OK; i++) {
-        A[i * 2 * n + j] += fbi_difference_weight[k] / h * (i < n ? work->rate.q[i] : work->rate.pi[i - n]);
+        work->eig[i * 2 * n + j] += fbi_difference_weight[k] / h * (i < n ? work->rate.q[i] : work->rate.pi[i - n]);
       }
     }
     *x = before;
+  }
+  if (status == FB_OK) {
+    fbi_copy(A, work->eig, 4 * n * n);
   }
   return status;
 }

@@ -152,8 +152,8 @@ static void write_blade(const char *file, double length, double hub_radius, doub
          "stations fraction twist_deg mass EI_y EI_z\n",
          mean, blade.damping[0], blade.damping[1], blade.damping[2], length);
   for (int k = 0; k < blade.stations; k++) {
-    printf("%.17g %.17g %.17g %.17g %.17g\n", blade.x[k], blade.twist[k], blade.mass[k] * blade.mass_factor,
-           blade.flap[k] * blade.flap_factor, blade.edge[k] * blade.edge_factor);
+    printf("%.17g %.17g %.17g %.17g %.17g\n", k + 1 < blade.stations ? blade.x[k] : 1.0, blade.twist[k],
+           blade.mass[k] * blade.mass_factor, blade.flap[k] * blade.flap_factor, blade.edge[k] * blade.edge_factor);
   }
   printf("end\n");
 }

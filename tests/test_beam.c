@@ -775,6 +775,19 @@ TEST(bad_profiles_are_refused)
     FBT_INT_EQ(fb_beam_desc_add_taper(&desc, &m, &p, &tip, 5), expected);
     FBT_TRUE(memcmp(&beam.desc, &desc, sizeof desc) == 0);
   }
+  for (int n = 2; n <= 6; n++) { /* a thin end stays a beam */
+    fb_profile point = tip;
+    point.size[0] = FB_R(0.02);
+    point.size[1] = FB_R(0.01);
+    uniform_desc(&desc, 3);
+    desc.length = FB_R(1.0);
+    desc.n_station = 0;
+    FBT_INT_EQ(fb_beam_desc_add_taper(&desc, &good, &root, &point, n), FB_OK);
+    FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+    FBT_TRUE(desc.station[n - 1].EI_y > FB_R(0.0));
+  }
+  uniform_desc(&desc, 3);
+  beam.desc = desc;
   FBT_INT_EQ(fb_section_init(NULL, &good, &root), FB_ERR_NULL);
   FBT_INT_EQ(fb_beam_desc_add_taper(&desc, &good, &root, &tip, 1), FB_ERR_VALUE);
   FBT_INT_EQ(fb_beam_desc_add_taper(&desc, &good, &tip, &root, 3), FB_ERR_VALUE);

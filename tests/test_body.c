@@ -1948,6 +1948,7 @@ TEST(joined_halves_are_the_whole)
   fbt_figure("beam cut and joined, nothing truncated", "uncut beam", largest);
   FBT_INT_EQ(fb_shape_init(&shape, 7), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &part[0], &joined[0]), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &part[1], &joined[1]), FB_ERR_VALUE); /* nothing to hang from yet */
   FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &part[0], &joined[0], FB_R(2.0)), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &part[1], &joined[1]), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &part[1], &joined[1], FB_R(4.0)), FB_OK);
@@ -1992,6 +1993,7 @@ TEST(joined_components_converge_and_refuse)
   static fb_modes_desc keep;
   static fb_join_work join_work;
   fb_weld weld = {{0, 1}, {2, 0}};
+  fb_status status;
   double before = 1.0;
   half_beam(&beam, &modes, -1, 6, FB_ROOT_FREE, FB_BASIS_MODES);
   for (int count = 1; count <= 3; count++) {
@@ -2009,14 +2011,34 @@ TEST(joined_components_converge_and_refuse)
       }
       FBT_INT_EQ(fb_modes_solve(&basis[c], &modes_work, &part[c], &keep), FB_OK);
     }
-    FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, 4, FB_R(0.0)), FB_OK);
-    for (int k = 0; k < 4; k++) {
+    status = fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, 4, FB_R(0.0));
+    FBT_TRUE(status == FB_OK || (FB_SINGLE && status == FB_ERR_CONVERGENCE)); /* or it says that it cannot tell */
+    for (int k = 0; k < 4 && status == FB_OK; k++) {
       largest = fmax(largest, fabs((double)(joined[0].omega[k] / modes.omega[k]) - 1.0));
     }
     FBT_BELOW(largest, count == 1 ? 2e-2 : before);
     before = fmax(largest, FBT_TOL(1e-9, 3e-2));
   }
-  FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, 23, FB_R(0.0)), FB_ERR_KIND);
+  FBT_TRUE(fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, 23, FB_R(0.0)) ==
+           (FB_SINGLE ? FB_ERR_CONVERGENCE : FB_ERR_KIND));
+  if (!FB_SINGLE) { /* all of them, whatever the unit of time; single precision has no room for the fast ones */
+    const int all = basis[0].n + basis[1].n - 6 - 6; /* less the weld and rigid motion */
+    for (int fast = 0; fast < 2; fast++) {
+      for (int c = 0; c < 2; c++) {
+        for (int i = 0; i < basis[c].n * basis[c].n; i++) {
+          basis[c].K[i] *= FB_R(1e6);
+        }
+      }
+      FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, 0, FB_R(0.0)), FB_OK);
+      FBT_INT_EQ(joined[0].n, all);
+      FBT_NEAR_REL(joined[0].omega[0], pow(1e3, fast + 1) * (double)modes.omega[0], 1e-6);
+    }
+  }
+  basis[1].n = FB_MAX_MODES + 1;
+  FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, 4, FB_R(0.0)), FB_ERR_CAPACITY);
+  basis[1].n = -3;
+  FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, 4, FB_R(0.0)), FB_ERR_CAPACITY);
+  FBT_INT_EQ(fb_modes_solve(&basis[1], &modes_work, &part[1], &keep), FB_OK);
   FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, -1, FB_R(0.0)), FB_ERR_VALUE);
   FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, FB_MAX_COMPONENTS + 1, &weld, 1, 0, FB_R(0.0)),
              FB_ERR_CAPACITY);
@@ -2152,7 +2174,8 @@ TEST(hopkins_element_has_the_exact_integrals)
   for (int row = 0; row < table->rows; row++) {
     const char *kind = fbt_word(table, row, "kind"), *comp = fbt_word(table, row, "comp");
     const int index = (int)fbt_value(table, row, "index");
-    const int a = place[index > 10 ? index / 10 : index], b2 = place[index > 10 ? index % 10 : 0];
+    const int i1 = index > 10 ? index / 10 : index, i2 = index > 10 ? index % 10 : 0;
+    const int a = place[i1 % 7], b2 = place[i2 % 7];
     const int ab = a * 6 + b2, ba = b2 * 6 + a, i = comp[0] - 'x', j = comp[1] ? comp[1] - 'x' : i;
     const double value = fbt_value(table, row, "value_l2_h02");
     double got;

@@ -545,6 +545,11 @@ TEST(general_eigenvectors_satisfy_their_equation)
   for (int k = 0; k < 5; k++) {
     FBT_NEAR_ABS(hypot((double)re[k] - 1.0, (double)im[k]), 0.0, 4.0 * pow(EPS, 0.2));
   }
+  memset(A, 0, sizeof A);
+  FBT_INT_EQ(fb_eig_general_solve(re, im, V2, A, general_work, 3), FB_OK);
+  for (int i = 0; i < 18; i++) { /* unit vectors of nothing */
+    FBT_NEAR_ABS(V2[i], i % 7 == 0 && i < 15, 0.0);
+  }
   A[3] = (fb_real)NAN;
   FBT_INT_EQ(fb_eig_general_solve(re, im, V2, A, general_work, 2), FB_ERR_NOT_FINITE);
   FBT_INT_EQ(fb_eig_general_solve(re, im, V2, A, general_work, -1), FB_ERR_VALUE);

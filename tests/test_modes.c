@@ -590,6 +590,11 @@ TEST(effective_masses_add_up_to_the_beam)
     FBT_TRUE(modes.effective[i] >= FB_R(0.9) && modes.effective[i] < FB_R(1.0));
   }
   FBT_NEAR_REL(modes.effective[0], 8.0 / (pi * pi) * (1.0 + 1.0 / 9.0), 1e-4);
+  desc.n_lump = 1; /* a body on the clamped root changes nothing */
+  desc.lump[0].mass = FB_R(100.0);
+  FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+  FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), FB_OK);
+  FBT_INT_EQ(modes.n, 5 + 5 + 2 + 2);
   keep->count[FB_KIND_BEND_Y] = 3; /* no more than asked for, and that is not enough */
   FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), FB_ERR_KIND);
 }
@@ -671,6 +676,12 @@ TEST(columns_buckle_under_the_published_loads)
       FBT_NEAR_REL(modes.omega[2] / modes.omega[0], 9.0, FBT_TOL(1e-7, 1e-3));
       keep->preload.force = FB_R(3.0); /* a pull never buckles */
       FBT_INT_EQ(fb_buckling_solve(&modes, &work, &beam, keep), FB_ERR_KIND);
+      desc.station[0].tension_y = FB_R(0.02);
+      desc.station[0].twist = FB_R(0.3);
+      FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+      FBT_INT_EQ(fb_buckling_solve(&modes, &work, &beam, keep), FB_ERR_KIND);
+      uniform_desc((int)ELEMENTS, FB_ROOT_CLAMPED);
+      FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
       memset(&keep->preload, 0, sizeof keep->preload);
       FBT_INT_EQ(fb_buckling_solve(&modes, &work, &beam, keep), FB_ERR_VALUE);
       keep->preload.acceleration = -FB_R(1.0);
