@@ -595,6 +595,18 @@ static void fbi_jacobi_rotate(fb_real *A, fb_real *V, int n, int p, int q)
   }
 }
 
+static void fbi_eig_swap(fb_real *d, fb_real *V, int n, int i, int j)
+{
+  const fb_real value = d[i];
+  d[i] = d[j];
+  d[j] = value;
+  for (int k = 0; k < n; k++) {
+    const fb_real v = V[i * n + k];
+    V[i * n + k] = V[j * n + k];
+    V[j * n + k] = v;
+  }
+}
+
 /* Sorts d and the rows of V ascending (selection: n exchanges at most). */
 static void fbi_eig_sort(fb_real *d, fb_real *V, int n)
 {
@@ -604,14 +616,7 @@ static void fbi_eig_sort(fb_real *d, fb_real *V, int n)
       least = d[j] < d[least] ? j : least;
     }
     if (least != i) {
-      const fb_real t = d[i];
-      d[i] = d[least];
-      d[least] = t;
-      for (int k = 0; k < n; k++) {
-        const fb_real v = V[i * n + k];
-        V[i * n + k] = V[least * n + k];
-        V[least * n + k] = v;
-      }
+      fbi_eig_swap(d, V, n, i, least);
     }
   }
 }
@@ -2070,15 +2075,7 @@ static fb_real fbi_shift(const fb_beam *beam, const fb_real *Kc, const fb_real *
 static void fbi_eig_turn(fb_real *d, fb_real *X, int n)
 {
   for (int k = 0; k < n / 2; k++) {
-    const int other = n - 1 - k;
-    const fb_real value = d[k];
-    d[k] = d[other];
-    d[other] = value;
-    for (int i = 0; i < n; i++) {
-      const fb_real x = X[k * n + i];
-      X[k * n + i] = X[other * n + i];
-      X[other * n + i] = x;
-    }
+    fbi_eig_swap(d, X, n, k, n - 1 - k);
   }
 }
 

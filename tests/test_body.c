@@ -968,6 +968,81 @@ TEST(quadratic_field_is_inextensible_and_twist_free)
   FBT_BELOW(twist[1] / twist[0], FBT_TOL(1.0 / 6.0, 1.0 / 3.0));
 }
 
+/* E8.2, E6.11: along a bent line, too, the deformed line has the length that the linear strain gives it, but for third
+   degree; and the field turns with the beam: in an attitude R it is R times that in the body axes. */
+TEST(quadratic_field_follows_a_bent_line_in_any_attitude)
+{
+  static fb_modes_desc keep;
+  double stretch[2] = {0.0, 0.0};
+  fb_real before[3 * 15], quat[4] = {FB_R(0.5), -FB_R(0.7), FB_R(0.1), FB_R(0.5)}, R[9];
+  int node[2];
+  boom(&shape, node);
+  beam_desc.n_lump = 0;
+  memset(beam_desc.position, 0, sizeof beam_desc.position);
+  memset(beam_desc.attitude, 0, sizeof beam_desc.attitude);
+  beam_desc.n_point = 6;
+  for (int k = 0; k < 6; k++) {
+    beam_desc.point[k][0] = FB_R(0.7) * (fb_real)k;
+    beam_desc.point[k][1] = FB_R(0.07) * (fb_real)(k * k);
+    beam_desc.point[k][2] = -FB_R(0.04) * (fb_real)(k * k);
+  }
+  beam_desc.n_station = 1;
+  beam_desc.station[0].GA_y = FB_R(200.0); /* the line's slope is not the section's turn */
+  beam_desc.station[0].GA_z = FB_R(300.0);
+  keep.lowest = 5;
+  FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
+  FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_OK);
+  FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
+  for (int scale = 0; scale < 2; scale++) {
+    const double size = 0.15 / (1 + scale), h = FBT_TOL(1e-3, 0.05);
+    const double q[5] = {size, -0.7 * size, 0.2 * size, 0.3 * size, 0.1 * size};
+    for (int e = 0; e < 5; e++) {
+      const double x = (double)beam.start[e] + 0.4 * ((double)beam.start[e + 1] - (double)beam.start[e]);
+      double line[3] = {0.0, 0.0, 0.0}, tangent[3] = {0.0, 0.0, 0.0}, linear[3] = {0.0, 0.0, 0.0};
+      double strain = 0.0, length = 0.0;
+      for (int side = -1; side < 2; side += 2) {
+        const fb_node *n = &shape.node[1];
+        shape.n_node = 1;
+        FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node[0], 0, &beam, &modes, (fb_real)(x + side * h)), FB_OK);
+        for (int i = 0; i < 3; i++) {
+          double u = 0.0, second = 0.0;
+          for (int a = 0; a < 5; a++) {
+            u += (double)n->psi[3 * a + i] * q[a];
+            for (int b = 0; b < 5; b++) {
+              second += 0.5 * q[a] * q[b] * (double)n->chi[3 * (a > b ? a * (a + 1) / 2 + b : b * (b + 1) / 2 + a) + i];
+            }
+          }
+          line[i] += side * (double)n->r[i] / (2.0 * h);
+          linear[i] += side * u / (2.0 * h);
+          tangent[i] += side * ((double)n->r[i] + u + second) / (2.0 * h);
+        }
+      }
+      for (int i = 0; i < 3; i++) {
+        strain += line[i] * linear[i];
+        length += tangent[i] * tangent[i];
+      }
+      stretch[scale] = fmax(stretch[scale], fabs(sqrt(length) - 1.0 - strain));
+    }
+  }
+  FBT_BELOW(stretch[1] / stretch[0], FBT_TOL(1.0 / 5.0, 1.0 / 3.0)); /* eighth or sixteenth */
+  FBT_BELOW(stretch[0], 2e-3);
+  shape.n_node = 1;
+  FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node[0], 0, &beam, &modes, beam.desc.length), FB_OK);
+  memcpy(before, shape.node[1].chi, sizeof before);
+  memcpy(beam_desc.attitude, quat, sizeof quat);
+  FBT_INT_EQ(fb_quat_normalize(quat), FB_OK);
+  fb_quat_to_mat33(R, quat);
+  FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
+  shape.n_node = 1;
+  FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node[0], 0, &beam, &modes, beam.desc.length), FB_OK);
+  for (int pair = 0; pair < 15; pair++) {
+    fb_real turned[3];
+    fb_mat33_mul_vec3(turned, R, before + 3 * pair);
+    FBT_BELOW(fbt_difference(turned, shape.node[1].chi + 3 * pair, 3),
+              FBT_TOL(1e-13, 1e-5) * (1.0 + fbt_largest(turned, 3)));
+  }
+}
+
 /* E8.3, E8.14: a mass off the axis sits where the section carries it: the integrals of the tip body equal those of a
    particle placed by the node's own displacement and rotation. */
 TEST(offset_masses_move_with_their_section)
@@ -2212,10 +2287,11 @@ SUITE(body, RUN(hopkins_element_has_the_exact_integrals), RUN(finite_element_mod
       RUN(elastic_forces_agree_with_a_particle_model), RUN(each_set_of_effects_follows_its_own_lagrangian),
       RUN(residual_inertia_vanishes_on_a_rotation_closed_basis), RUN(functions_close_the_basis),
       RUN(beam_integrals_reproduce_mass_and_modal_mass), RUN(beam_integrals_hold_for_any_section_and_line),
-      RUN(quadratic_field_is_inextensible_and_twist_free), RUN(offset_masses_move_with_their_section),
-      RUN(lumped_bodies_are_the_particles_they_stand_for), RUN(a_beam_may_take_later_coordinates),
-      RUN(power_of_loads_is_the_rate_of_energy), RUN(node_kinematics_match_finite_differences),
-      RUN(reactions_balance_the_momentum), RUN(a_held_body_is_a_free_one_with_its_reactions),
-      RUN(pinned_and_hinged_bodies_swing_as_rigid_pendulums), RUN(a_falling_body_does_not_deform),
-      RUN(elastic_response_is_frame_indifferent), RUN(damped_free_decay_has_the_given_ratio),
-      RUN(spinning_beams_stiffen_as_published), RUN(a_rigid_body_is_the_case_of_no_modes), RUN(bodies_refuse_bad_input))
+      RUN(quadratic_field_is_inextensible_and_twist_free), RUN(quadratic_field_follows_a_bent_line_in_any_attitude),
+      RUN(offset_masses_move_with_their_section), RUN(lumped_bodies_are_the_particles_they_stand_for),
+      RUN(a_beam_may_take_later_coordinates), RUN(power_of_loads_is_the_rate_of_energy),
+      RUN(node_kinematics_match_finite_differences), RUN(reactions_balance_the_momentum),
+      RUN(a_held_body_is_a_free_one_with_its_reactions), RUN(pinned_and_hinged_bodies_swing_as_rigid_pendulums),
+      RUN(a_falling_body_does_not_deform), RUN(elastic_response_is_frame_indifferent),
+      RUN(damped_free_decay_has_the_given_ratio), RUN(spinning_beams_stiffen_as_published),
+      RUN(a_rigid_body_is_the_case_of_no_modes), RUN(bodies_refuse_bad_input))
