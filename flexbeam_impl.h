@@ -3417,7 +3417,7 @@ FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
   int N, m, at = 0, found = 0, n = 0;
   fb_status status;
   FBI_REQUIRE(joined && work && beam && component && (weld || n_weld == 0), FB_ERR_NULL);
-  if (!fbi_is_finite(&omega_limit, 1)) {
+  if (!(FB_FABS(omega_limit) <= FB_HUGE)) {
     return FB_ERR_NOT_FINITE;
   }
   status =
