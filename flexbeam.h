@@ -1050,9 +1050,7 @@ typedef struct fb_implicit_work {
 } fb_implicit_work;
 
 /* Largest step [s] of the implicit schemes at a spin |w| [rad/s] and an acceleration of O [m/s^2]: |w| dt <= 1/10,
-   less where the
-   quadratic field stiffens much. FB_HUGE at rest, 0 for input that
-   is not a number. */
+   less where the quadratic field stiffens much. FB_HUGE at rest, 0 for input that is not a number. */
 FB_API fb_real fb_implicit_limit(const fb_body *body, fb_real spin, fb_real acceleration);
 
 /* Implicit midpoint rule, order 2, symmetric, without dissipation: fast modes keep ringing, at a frequency that is

@@ -2147,6 +2147,19 @@ static fb_kind fbi_shape_kind(const fb_beam *beam, const fb_real *shape, const f
   return (fb_kind)best;
 }
 
+/* Makes x orthogonal to the m orthonormal rows of f. */
+static void fbi_orthogonalize(fb_real *x, const fb_real *f, const fb_real *M, int m, int ndof)
+{
+  for (int twice = 0; twice < 2; twice++) { /* once more takes off what rounding left */
+    for (int k = 0; k < m; k++) {
+      const fb_real share = fbi_modal_product(f + k * ndof, M, x, ndof);
+      for (int i = 0; i < ndof; i++) {
+        x[i] -= share * f[k * ndof + i];
+      }
+    }
+  }
+}
+
 /* Scales shape k to unit modal mass, the tip displacement of its kind positive. */
 static void fbi_shape_scale(fb_modes *modes, int k, fb_real mass, int n_element)
 {
@@ -2174,14 +2187,7 @@ static int fbi_shape_normalize(fb_modes *modes, int k, const fb_real *M, int n_e
   fb_real *x = modes->shape + k * ndof;
   const fb_real before = fbi_modal_product(x, M, x, ndof);
   fb_real mass;
-  for (int pass = 0; pass < 2; pass++) { /* twice is enough */
-    for (int j = 0; j < k; j++) {
-      const fb_real overlap = fbi_modal_product(modes->shape + j * ndof, M, x, ndof);
-      for (int i = 0; i < ndof; i++) {
-        x[i] -= overlap * modes->shape[j * ndof + i];
-      }
-    }
-  }
+  fbi_orthogonalize(x, modes->shape, M, k, ndof);
   mass = fbi_modal_product(x, M, x, ndof);
   if (!(mass > share * before)) {
     return 0;
@@ -2507,14 +2513,7 @@ static int fbi_shape_take(fb_modes_work *work, const fb_beam *beam, const fb_rea
 static void fbi_orthonormalize(fb_real *x, const fb_real *f, const fb_real *M, int m, int ndof)
 {
   fb_real norm;
-  for (int twice = 0; twice < 2; twice++) { /* once more takes off what rounding left */
-    for (int k = 0; k < m; k++) {
-      const fb_real share = fbi_modal_product(f + k * ndof, M, x, ndof);
-      for (int i = 0; i < ndof; i++) {
-        x[i] -= share * f[k * ndof + i];
-      }
-    }
-  }
+  fbi_orthogonalize(x, f, M, m, ndof);
   norm = FB_SQRT(fbi_modal_product(x, M, x, ndof));
   for (int i = 0; i < ndof; i++) {
     x[i] /= norm;
@@ -2592,13 +2591,7 @@ static fb_status fbi_static_take(const fb_modes_desc *desc, fb_modes_work *work,
       }
     }
     fbi_static_solve(x, work, dof, n, out->ndof);
-    for (int r = 0; r < n_free; r++) { /* orthogonal to the rigid motions, as the modes are */
-      const fb_real *shape = work->free + r * out->ndof;
-      const fb_real share = fbi_modal_product(shape, work->M, x, out->ndof);
-      for (int i = 0; i < out->ndof; i++) {
-        x[i] -= share * shape[i];
-      }
-    }
+    fbi_orthogonalize(x, work->free, work->M, n_free, out->ndof); /* to the rigid motions, as the modes are */
     if (out->n == FB_MAX_MODES) {
       status = FB_ERR_CAPACITY;
     } else {

@@ -44,6 +44,24 @@ make -s table1 > "$out/table1"
 { echo '```'; sed -n -e 's/ *$//' -e '/^Accuracy/,/^torque.*converged/p' "$out/table1"; echo '```'; } | block accuracy
 { echo '```'; sed -n -e 's/ *$//' -e '/^Table 1/,$p' "$out/table1"; echo '```'; } | block table1
 
+# the blade: its frequencies, and ElastoDyn's from the head of the table
+blade=tests/reference/nrel5mw_blade.csv
+build/examples/campbell --blade $blade --mass-factor 1.04536 --rpm 0,12.1 --modes 2 > "$out/blade"
+{
+  echo '```'
+  awk -F, '
+    BEGIN { pi = atan2(0, -1); print "mode       rpm      here  ElastoDyn  difference  without softening" }
+    FNR == NR { if (/flap 1 [0-9.]+ [0-9.]+ ;/) { gsub(/[#;(,]/, " "); n = split($0, w, " ")
+                  for (i = 1; i + 3 <= n; i++) if (w[i] == "flap" || w[i] == "edge") {
+                    kind = w[i] == "edge" ? "lag" : "flap"; figure[kind, w[i + 1], 0] = w[i + 2]; figure[kind, w[i + 1], 1] = w[i + 3] } }
+                next }
+    ($2, $3, 0) in figure { turning = $1 > 0; f = figure[$2, $3, turning]; hz = $4 / (2 * pi); spin = $1 / (2 * pi)
+      printf "%-4s %d  %7.1f  %8.4f   %8.4f   %8.2f %%", $2 == "lag" ? "edge" : "flap", $3, 60 * spin, hz, f, 100 * (hz / f - 1)
+      if (turning && $2 == "lag") printf "  %8.2f %%", 100 * (hz / sqrt(f * f - spin * spin) - 1)
+      print "" }' $blade "$out/blade"
+  echo '```'
+} | block blade
+
 build/bench/identities_double > "$out/identities"
 { echo '```'; cat "$out/identities"; echo '```'; } | block identities
 

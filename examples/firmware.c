@@ -1,6 +1,6 @@
 /* firmware - a rotor blade in flight code: the model comes from ROM (a header that `reduce` made), the code holds what
    a step needs and nothing that builds models. A tip load at rest, then at 12.1 rpm.
-   Its check: at rest the tip moves as the closed form of its damped modes says, within 2e-3 of the peak.
+   Its check: at rest the tip moves as the closed form of its damped modes says, within 1e-4 of the peak.
    Exit: 0 well, 1 a step failed or the check did. */
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
@@ -53,23 +53,22 @@ static fb_real closed_form(fb_real force, fb_real t)
 int main(void)
 {
   const fb_real dt = FB_R(0.001), force = FB_R(1000.0), rotor = FB_R(1.2671);
-  fb_real worst = FB_R(0.0), peak = FB_R(0.0), tip = FB_R(0.0);
+  fb_real worst = FB_R(0.0), at_rest = FB_R(0.0), peak = FB_R(0.0), tip = FB_R(0.0);
   fb_status status = fb_state_init(&blade, &state);
   for (int k = 1; k <= 3000 && status == FB_OK; k++) {
     fb_real miss;
     status = period(&tip, force, FB_R(0.0), dt);
     miss = tip - closed_form(force, (fb_real)k * dt);
     worst = FB_FABS(miss) > worst ? FB_FABS(miss) : worst;
-    peak = FB_FABS(tip) > peak ? FB_FABS(tip) : peak;
+    at_rest = FB_FABS(tip) > at_rest ? FB_FABS(tip) : at_rest;
   }
-  printf("at rest, 1 kN at the tip: peak %.4f m, off the closed form by %.2e of it\n", (double)peak,
-         (double)(worst / peak));
+  printf("at rest, 1 kN at the tip: peak %.4f m, off the closed form by %.2e of it\n", (double)at_rest,
+         (double)(worst / at_rest));
   status = status ? status : fb_state_init(&blade, &state);
   if (status == FB_OK) {
     const fb_real v[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, w[3] = {FB_R(0.0), FB_R(0.0), rotor};
     status = fb_state_from_velocity(&blade, &state, v, w, NULL);
   }
-  peak = FB_R(0.0);
   for (int k = 1; k <= 3000 && status == FB_OK; k++) {
     status = period(&tip, force, rotor, dt);
     peak = FB_FABS(tip) > peak ? FB_FABS(tip) : peak;
@@ -81,5 +80,5 @@ int main(void)
   printf("at 12.1 rpm: peak %.4f m, stiffened by the spin\n", (double)peak);
   printf("model %d bytes in ROM, state %d bytes, work %d bytes\n", (int)sizeof blade, (int)sizeof state,
          (int)sizeof work);
-  return worst < FB_R(2e-3) * peak ? 0 : 1;
+  return worst < FB_R(1e-4) * at_rest ? 0 : 1;
 }

@@ -203,7 +203,7 @@ static void model_stations(text_file *t)
                                      "i_y",       "i_z",       "GA_y",    "GA_z",    "twist",     "mass_y", "mass_z",
                                      "tension_y", "tension_z", "shear_y", "shear_z", "twist_deg", NULL};
   enum { X, FRACTION, TWIST = 11, TWIST_DEG = 18, COLUMNS };
-  int column[COLUMNS], there[COLUMNS] = {0}, n = 0, ended = 0;
+  int column[COLUMNS], there[COLUMNS] = {0}, n = 0;
   fb_beam_desc *beam = &model.beam;
   do {
     const int k = model_choice(t, "a column", name);
@@ -216,14 +216,13 @@ static void model_stations(text_file *t)
   if (there[X] + there[FRACTION] != 1 || there[TWIST] + there[TWIST_DEG] > 1) {
     text_fail(t, "the table wants one of x and fraction, and no more than one of twist and twist_deg");
   }
-  while (!ended && text_line(t)) {
+  while (text_line(t)) {
     fb_section s;
     fb_real *const place[] = {&s.x,         &s.x,         &s.mass,    &s.EA,      &s.GJ,    &s.EI_y,   &s.EI_z,
                               &s.i_y,       &s.i_z,       &s.GA_y,    &s.GA_z,    &s.twist, &s.mass_y, &s.mass_z,
                               &s.tension_y, &s.tension_z, &s.shear_y, &s.shear_z, &s.twist};
-    char *const row = t->at;
-    ended = strcmp(row + strspn(row, " "), "end") == 0 || strncmp(row + strspn(row, " "), "end ", 4) == 0;
-    if (ended) {
+    const char *const row = t->at + strspn(t->at, " ");
+    if (strncmp(row, "end", 3) == 0 && strspn(row + 3, " ") == strlen(row + 3)) {
       return;
     }
     memset(&s, 0, sizeof s);
