@@ -67,7 +67,7 @@
      >>beam       sections, tapers, stations, bent lines, lumped bodies, element matrices
      >>modes      natural modes, components, buckling, synthesis; finite-element coordinates
      >>body       shape integrals, effects, momentum form, loads, nodes, energy
-     >>system     (planned) joints, trees, loops
+     >>system     joints, trees, loops, constraints
      >>mixed      (planned) geometrically exact mixed beam
      >>integrate  rk4, implicit midpoint, SDIRK2, exponential scheme; their limits
      >>analyse    steady states, linearization, complex modes; (planned) effect advisor
@@ -85,6 +85,10 @@
      FB_MAX_ELEMENTS                  20       1..200  finite elements of a beam (model building only)
      FB_MAX_STATIONS                  64       1..999  stations of a beam (model building only)
      FB_MAX_LUMPS                     8        1..255  lumped bodies on a beam (model building only)
+     FB_MAX_BODIES                    8        1..99   bodies of a system
+     FB_MAX_LOOPS                     2        1..99   joints that close its loops
+     FB_MAX_ROWS                      24       1..999  its constraints: loops, the caller's, FB_METHOD_MULTIPLIERS
+     FB_MAX_SPEEDS                    64       6..999  its speeds, FB_METHOD_DENSE only
      FB_WITH_SPIN_COUPLING            1        0, 1    0 removes the effect's code and tables at compile time
      FB_WITH_RESIDUAL_INERTIA         1        0, 1    "
      FB_WITH_SPIN_STIFFENING          1        0, 1    "
@@ -201,6 +205,18 @@
 #ifndef FB_MAX_LUMPS
 #define FB_MAX_LUMPS 8
 #endif
+#ifndef FB_MAX_BODIES
+#define FB_MAX_BODIES 8
+#endif
+#ifndef FB_MAX_LOOPS
+#define FB_MAX_LOOPS 2
+#endif
+#ifndef FB_MAX_ROWS
+#define FB_MAX_ROWS 24
+#endif
+#ifndef FB_MAX_SPEEDS
+#define FB_MAX_SPEEDS 64
+#endif
 #ifndef FB_WITH_SPIN_COUPLING
 #define FB_WITH_SPIN_COUPLING 1
 #endif
@@ -250,6 +266,10 @@
 #if FB_MAX_ELEMENTS < 1 || FB_MAX_ELEMENTS > 200 || FB_MAX_STATIONS < 1 || FB_MAX_STATIONS > 999 || \
     FB_MAX_LUMPS < 1 || FB_MAX_LUMPS > 255
 #error "flexbeam: FB_MAX_ELEMENTS is 1..200, FB_MAX_STATIONS 1..999, FB_MAX_LUMPS 1..255"
+#endif
+#if FB_MAX_BODIES < 1 || FB_MAX_BODIES > 99 || FB_MAX_LOOPS < 1 || FB_MAX_LOOPS > 99 || FB_MAX_ROWS < 1 || \
+    FB_MAX_ROWS > 999 || FB_MAX_SPEEDS < 6 || FB_MAX_SPEEDS > 999
+#error "flexbeam: FB_MAX_BODIES and FB_MAX_LOOPS are 1..99, FB_MAX_ROWS 1..999, FB_MAX_SPEEDS 6..999"
 #endif
 #if (FB_WITH_SPIN_COUPLING | FB_WITH_RESIDUAL_INERTIA | FB_WITH_SPIN_STIFFENING | FB_WITH_ACCELERATION_STIFFENING | \
      FB_WITH_DAMPING | FB_WITH_GRAVITY | FB_WITH_NONLINEAR_STRAIN | FB_WITH_FORMS) > 1
@@ -304,15 +324,15 @@ typedef double fb_real;
 #else
 #define FBI_PRECISION double
 #endif
-#define FBI_CAT(p, m, n, l, e, s, u, t, v, w, a, b, c, d, f, g, h, o) \
-  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_lambda##v##_s##w##_with##a##b##c##d##f##g##h##_forms##o
-#define FBI_CAT_(p, m, n, l, e, s, u, t, v, w, a, b, c, d, f, g, h, o) \
-  FBI_CAT(p, m, n, l, e, s, u, t, v, w, a, b, c, d, f, g, h, o)
-#define FBI_CONFIG_SYMBOL                                                                                           \
-  FBI_CAT_(FBI_PRECISION, FB_MAX_MODES, FB_MAX_NODES, FB_MAX_LOADS, FB_MAX_ELEMENTS, FB_MAX_STATIONS, FB_MAX_LUMPS, \
-           FB_MAX_STRAINS, FB_MAX_LAMBDA, FB_MAX_S, FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA,                \
-           FB_WITH_SPIN_STIFFENING, FB_WITH_ACCELERATION_STIFFENING, FB_WITH_DAMPING, FB_WITH_GRAVITY,              \
-           FB_WITH_NONLINEAR_STRAIN, FB_WITH_FORMS)
+#define FBI_CAT(p, m, n, l, e, s, u, t, v, w, i, j, k, r, a, b, c, d, f, g, h, o) \
+  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_lambda##v##_s##w##_bodies##i##_loops##j##_rows##k##_speeds##r##_with##a##b##c##d##f##g##h##_forms##o
+#define FBI_CAT_(p, m, n, l, e, s, u, t, v, w, i, j, k, r, a, b, c, d, f, g, h, o) \
+  FBI_CAT(p, m, n, l, e, s, u, t, v, w, i, j, k, r, a, b, c, d, f, g, h, o)
+#define FBI_CONFIG_SYMBOL                                                                                             \
+  FBI_CAT_(FBI_PRECISION, FB_MAX_MODES, FB_MAX_NODES, FB_MAX_LOADS, FB_MAX_ELEMENTS, FB_MAX_STATIONS, FB_MAX_LUMPS,   \
+           FB_MAX_STRAINS, FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_BODIES, FB_MAX_LOOPS, FB_MAX_ROWS, FB_MAX_SPEEDS,          \
+           FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA, FB_WITH_SPIN_STIFFENING, FB_WITH_ACCELERATION_STIFFENING, \
+           FB_WITH_DAMPING, FB_WITH_GRAVITY, FB_WITH_NONLINEAR_STRAIN, FB_WITH_FORMS)
 #define FBI_STRING(x) #x
 #define FBI_STRING_(x) FBI_STRING(x)
 
@@ -356,7 +376,9 @@ static const char *const fbi_config_reference = FBI_CONFIG_SYMBOL;
   X(FB_ERR_KIND, -7, "not so many modes, or none of that kind: no stiffness, no inertia, or too few elements")       \
   X(FB_ERR_EFFECTS, -8, "effects are split or excluded by others, lack their data, or were removed at compile time") \
   X(FB_ERR_STEP, -9, "the step is longer than the stability limit of the scheme")                                    \
-  X(FB_ERR_RANGE, -10, "the deflection has left the range of the model")
+  X(FB_ERR_RANGE, -10, "the deflection has left the range of the model")                                             \
+  X(FB_ERR_UNDETERMINED, -11, "a joint or a mode moves no inertia: the acceleration is not determined")              \
+  X(FB_ERR_CONTRADICTION, -12, "constraints contradict each other, or a loop cannot be closed")
 
 #define FBI_STATUS_ENUM(name, value, text) name = (value),
 typedef enum fb_status { FB_STATUS_LIST(FBI_STATUS_ENUM) } fb_status;
@@ -1016,6 +1038,288 @@ FB_API fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, co
                                   const fb_input *input);
 
 /* ---------------------------------------------------------------------------------------------------------------
+   9 >>system: bodies connected by joints. Each body hangs by one joint on an earlier body or on the ground (a tree);
+   further joints close loops. The state is the joint coordinates with the momenta conjugate to them, so that velocities come from one
+   solve M(q) u = p and no accelerations are needed:
+     p_dot = joint torque + A^T ( F - turning of G ) + A_dot^T G         G momentum, F load of all that hangs on the joint
+   Constraints add impulses: M u = p + A^T mu with A u + b = 0, p_dot less A_dot^T mu; mu starts at zero in every step. */
+
+#define FB_GROUND (-1)
+
+typedef enum fb_joint_kind {                           /* z, x: axes of the joint frame */
+                             FB_JOINT_FREE = 0,        /* of the ground alone: no joint, six speeds (v, w) */
+                             FB_JOINT_RIGID = 1,       /* none */
+                             FB_JOINT_REVOLUTE = 2,    /* angle about z */
+                             FB_JOINT_PRISMATIC = 3,   /* slide along z */
+                             FB_JOINT_CYLINDRICAL = 4, /* angle about z, slide along z */
+                             FB_JOINT_SCREW = 5,       /* angle about z, slides by pitch times it */
+                             FB_JOINT_UNIVERSAL = 6,   /* angle about z, then about the turned x */
+                             FB_JOINT_SPHERICAL = 7    /* any rotation; speeds about the child's joint axes */
+} fb_joint_kind;
+
+typedef enum fb_axis_mode {
+  FB_AXIS_FREE = 0,      /* moves by its spring, damper and motor */
+  FB_AXIS_LOCKED = 1,    /* stays as it is */
+  FB_AXIS_PRESCRIBED = 2 /* moves as the input says */
+} fb_axis_mode;
+
+typedef struct fb_joint_desc {
+  fb_joint_kind kind;
+  int parent, parent_node; /* body or FB_GROUND; one of its nodes (of the ground: 0) */
+  int child, child_node;   /* loops only: a joint of the tree hangs its own body by its origin */
+  fb_real position[3];     /* [m] joint frame on the parent, from the node in the axes of its section */
+  fb_real attitude[4];     /* joint axes to those; all zero: identity */
+  fb_real child_position[3],
+      child_attitude[4]; /* the joint frame on the child, in its axes: both frames coincide at zero coordinates */
+  fb_real pitch;         /* [m/rad] screw */
+  fb_axis_mode mode[3];  /* of each axis to begin with; spherical and free: mode[0] is that of all */
+  fb_real stiffness[3], rest[3],
+      damping[3]; /* [N m/rad, N/m], [rad, m], [N m s/rad, N s/m]; spherical: the first holds for all, rest is zero */
+} fb_joint_desc;
+
+typedef enum fb_method {
+  FB_METHOD_RECURSIVE = 0,  /* tree in joint coordinates, work linear in the number of bodies */
+  FB_METHOD_DENSE = 1,      /* the same by one dense LU of all speeds (FB_MAX_SPEEDS) */
+  FB_METHOD_MULTIPLIERS = 2 /* every body free, every joint a set of constraints (FB_MAX_ROWS) */
+} fb_method;
+
+typedef struct fb_system_desc {
+  int n_body;
+  int model[FB_MAX_BODIES];           /* of each: its place in the array of models; several may share one */
+  fb_joint_desc joint[FB_MAX_BODIES]; /* by which it hangs; parent below its own number */
+  int n_loop;
+  fb_joint_desc loop[FB_MAX_LOOPS]; /* between bodies of the tree, or one of them and the ground */
+  fb_method method;
+  int allow_long_step; /* 1: do not refuse steps beyond the stability limit */
+} fb_system_desc;
+
+#define FBI_MAX_JOINTS (FB_MAX_BODIES + FB_MAX_LOOPS) /* joints of the tree, then loops */
+#define FBI_MAX_ENDS (2 * FBI_MAX_JOINTS)
+
+typedef struct fb_joint { /* a checked desc */
+  fb_joint_kind kind;
+  int parent, parent_node, child, child_node;
+  int n_axis;                   /* speeds */
+  int moves;                    /* the parent's node moves in its body */
+  int turned;                   /* the joint axes on the child are not the body's */
+  fb_real position[3], axes[9]; /* joint frame in the parent's node axes; where the node does not move: in the body's */
+  fb_real child_position[3], child_axes[9]; /* in the child's body or, of a loop, node axes */
+  fb_real A[18];                            /* twists of the axes, child's axes about its origin, 6 each */
+  fb_real pitch, stiffness[3], rest[3], damping[3];
+  fb_axis_mode mode[3];
+} fb_joint;
+
+typedef struct fb_system { /* constant after init, may live in ROM; the models stay with the caller */
+  int n_body, n_loop;
+  fb_method method;
+  int allow_long_step;
+  int model[FB_MAX_BODIES];
+  int coupled[FB_MAX_BODIES]; /* something hangs on a node that its modes move */
+  fb_real limit_elastic; /* [1/s^2] largest eigenvalue of springs and modes against the system's mass, undeformed */
+  fb_real limit_damping; /* [1/s] the same of the dampers */
+  fb_joint joint[FBI_MAX_JOINTS];
+  fb_joint free;
+} fb_system;
+
+typedef struct fb_link_state {
+  fb_real x[3];    /* joint coordinates [rad], [m]; free: position of O, inertial axes */
+  fb_real quat[4]; /* spherical: child's joint axes to parent's; free: attitude of the body */
+  fb_real p
+      [6]; /* conjugate momenta; spherical: angular momentum about the joint, free: P, L about O, of all that hangs on it, inertial axes */
+  fb_real q[FB_MAX_MODES], pi[FB_MAX_MODES]; /* elastic coordinates and conjugate momenta */
+} fb_link_state;
+
+typedef struct fb_system_state { /* all that changes; assignment is a snapshot */
+  fb_link_state link[FB_MAX_BODIES];
+  fb_real motor_work;                                            /* [J] done by the motor torques */
+  fb_axis_mode mode[FBI_MAX_JOINTS][3];                          /* change it by fb_system_axis_set */
+  fb_real hold[FBI_MAX_JOINTS][3], hold_quat[FBI_MAX_JOINTS][4]; /* where a kept joint was locked */
+} fb_system_state;
+
+/* A joint in coordinates: value[i] of axis i, quat and position as in fb_link_state; speed of each axis; spherical: w of
+   the child relative to the parent, about its joint axes; free: v, w in body axes. */
+typedef struct fb_link_motion {
+  fb_real value[3], quat[4]; /* all zero: identity */
+  fb_real speed[6];
+  fb_real q[FB_MAX_MODES], q_dot[FB_MAX_MODES];
+} fb_link_motion;
+
+typedef struct fb_drive { /* of a joint, by axis */
+  fb_real torque[3];      /* [N m], [N] of the motor, on the child (and back on the parent), of free axes */
+  fb_real value[3];       /* [rad], [m] of prescribed axes; free and spherical joints integrate the rate instead */
+  fb_real rate[6];
+  fb_real acceleration[6]; /* for accelerations and reactions only */
+} fb_drive;
+
+typedef struct fb_system_load {
+  int body;
+  fb_load load;
+} fb_system_load;
+
+/* A constraint between velocities: sum of force[s] . v + torque[s] . w over its one or two nodes, plus b, is zero; force
+   and torque are the directions in which it acts, inertial axes; body FB_GROUND: that side is not there. */
+typedef struct fb_row {
+  int body[2], node[2];
+  fb_real force[2][3], torque[2][3];
+  fb_real b;
+  int holonomic; /* 1: it is the rate of value, which is brought back to zero after every step */
+  fb_real value;
+} fb_row;
+
+typedef struct fb_pose {     /* of a body */
+  fb_real position[3], R[9]; /* [m] of O, inertial axes; body to inertial axes */
+} fb_pose;
+
+/* The caller's own constraints, at time t and the poses of all bodies: writes at most `capacity` rows and returns their
+   number; always the same rows in the same order. A negative number is a status and ends the call. */
+typedef int (*fb_rows)(fb_row *row, int capacity, const fb_pose *pose, fb_real t, void *user);
+
+typedef struct fb_system_input { /* all zero: nothing acts */
+  int n_load;
+  fb_system_load load[FB_MAX_LOADS];
+  fb_drive drive[FBI_MAX_JOINTS]; /* by joint: that of the body of the same number, then the loops */
+  fb_rows rows;                   /* NULL: none */
+  void *user;
+  fb_real t; /* [s] for rows */
+} fb_system_input;
+
+/* ---- parts of the work: not to be looked at */
+
+typedef struct fbi_kinetics {   /* what an evaluation knows about a state */
+  fb_real R[9];                 /* body to inertial axes */
+  fb_real qx[FB_MAX_MODES + 1]; /* (1, q) */
+  fb_real Minv_pi[FB_MAX_MODES];
+  const fb_real *pb;           /* M^-1 pi: the above, or pi itself where M = 1 */
+  fb_real V[6];                /* (v, w), body axes */
+  fb_real ph[6];               /* (p, h), body axes */
+  fb_real S[21], dS[21];       /* S(q) and its rate, when they were needed */
+  int loaded;                  /* loads or gravity act: fg is not zero */
+  fb_real fg[6];               /* resultant force and torque about O of loads and gravity, body axes */
+  fb_real x[FB_MAX_MODES + 1]; /* elastic forces by (1, q): loads and gravity, then inertia; x[0] is not used */
+  fb_real e[FB_MAX_MODES];     /* scratch */
+#if FB_WITH_FORMS
+  fb_real y[6];     /* right-hand side of the rigid equations */
+  fb_real V_dot[6]; /* accelerations, body axes */
+#endif
+#if FB_WITH_NONLINEAR_STRAIN
+  fb_real slope[3][FBI_MAX_STRAINS]; /* u_x', u_y', u_z' at the strain stations */
+#endif
+} fbi_kinetics;
+
+typedef struct fbi_node_field {   /* a node on the deformed body, body axes */
+  fb_real u[3], phi[3];           /* displacement, rotation parameters */
+  fb_real Ju[3 * FB_MAX_MODES];   /* n x 3: velocity per q_dot */
+  fb_real Jphi[3 * FB_MAX_MODES]; /* n x 3: angular rate per q_dot */
+  fb_real turn[3 * FB_MAX_MODES]; /* n x 3: rate of phi per q_dot */
+} fbi_node_field;
+
+typedef struct fbi_link_work {
+  fbi_kinetics k;
+  int coupled, open; /* its modes carry something; they are in E, X, Z below */
+  fb_axis_mode mode[3];
+  fb_real rho[3], C[9], s[3], arm[3]; /* O; axes to the parent's; O from the parent's O; O from the node it hangs on */
+  fb_real n[3];                       /* that node, parent's axes */
+  fbi_node_field node;
+  fb_real A[18], A_dot[6]; /* twists of the axes; rate of the first one's */
+  fb_real S[21];           /* articulated inertia */
+  fb_real U[18], D[3];     /* S A, 1/(A S A) */
+  fb_real E[FB_MAX_MODES * FB_MAX_MODES], X[6 * FB_MAX_MODES], Z[6 * FB_MAX_MODES];
+  fb_real y[6], p[6], pi[FB_MAX_MODES];                                  /* right-hand side */
+  fb_real b[6], r[3], e[FB_MAX_MODES];                                   /* eliminated */
+  fb_real V[6], u[6], q_dot[FB_MAX_MODES];                               /* solution */
+  fb_real y0[6], p0[6], pi0[FB_MAX_MODES];                               /* right-hand side without impulses */
+  fb_real V_dot[6], twist[6], speed[6], given[6], q_speed[FB_MAX_MODES]; /* of accelerations */
+  fb_real G[6], F[6];                                                    /* momentum and load of all that hangs here */
+  fb_real spin, acceleration;
+} fbi_link_work;
+
+typedef struct fbi_end { /* one side of a constraint */
+  int link, node, moves;
+  fbi_node_field f;
+  fb_real n[3];                                   /* the node, body axes */
+  fb_real x[3], R[9], v[3], w[3], a[3], alpha[3]; /* node, section axes, motion; inertial axes */
+} fbi_end;
+
+typedef struct fbi_row {
+  fb_row r;
+  int end[2], joint, axis;
+  fb_real force_dot[2][3], torque_dot[2][3], b_dot;
+} fbi_row;
+
+typedef struct fb_system_work { /* scratch; large: make it static */
+  int joint; /* after a failure: the joint at fault (loops after the bodies), -1: none, -2 - k: row k of the caller's */
+  int kept;  /* bodies are free, all joints are constraints */
+  int n_row, n_joint_row, n_end;
+  fbi_link_work link[FB_MAX_BODIES];
+  fbi_end end[FBI_MAX_ENDS];
+  fbi_row row[FB_MAX_ROWS];
+  fb_row ahead[FB_MAX_ROWS], behind[FB_MAX_ROWS];
+  fb_pose pose[FB_MAX_BODIES];
+  fb_real Q[FB_MAX_ROWS * FB_MAX_ROWS], L[FB_MAX_ROWS * FB_MAX_ROWS];
+  fb_real mu[FB_MAX_ROWS], c[FB_MAX_ROWS], column[FB_MAX_ROWS], diagonal[FB_MAX_ROWS];
+  int order[FB_MAX_ROWS], rank;
+  fb_real M[FB_MAX_SPEEDS * FB_MAX_SPEEDS], T[6 * FB_MAX_BODIES * FB_MAX_SPEEDS];
+  fb_real z[FB_MAX_SPEEDS], speed[FB_MAX_SPEEDS];
+  int perm[FB_MAX_SPEEDS];
+  fb_system system;
+  fb_system_state stage, rate, sum, first, base;
+} fb_system_work;
+
+/* ---- functions; body is the caller's array of models, the same in every call. Bodies of a system are of the momentum form; their
+   base does not matter: FB_BASE_PRESCRIBED takes bodies without mass, or without inertia about some axis. */
+
+/* FB_ERR_VALUE: a parent that is no earlier body, a free joint on a body, a free joint as loop, negative stiffness or damping, a mode
+   that is none, form or base of a body; FB_ERR_CAPACITY: numbers of bodies, loops, models, nodes; FB_ERR_SINGULAR: a mass
+   matrix that is singular undeformed at zero coordinates. work->joint names the joint. */
+FB_API fb_status fb_system_init(fb_system *system, fb_system_work *work, const fb_body *body, int n_model,
+                                const fb_system_desc *desc);
+/* State from joint coordinates and speeds (motion: one for each body, NULL: all zero, at rest). Loops are closed from
+   there, positions and velocities changed as little as the kinetic energy goes. FB_ERR_CONTRADICTION: a loop cannot be
+   closed, work->joint; FB_ERR_NOT_FINITE; FB_ERR_RANGE. */
+FB_API fb_status fb_system_state_init(const fb_system *system, const fb_body *body, fb_system_work *work,
+                                      fb_system_state *state, const fb_link_motion *motion,
+                                      const fb_system_input *input);
+/* Locks, frees or hands over to the input an axis of a joint (of a loop: n_body + its number; spherical and free: all
+   axes). Momenta are what is kept: locking a moving axis is a plastic impact within the system. */
+FB_API fb_status fb_system_axis_set(const fb_system *system, const fb_body *body, fb_system_work *work,
+                                    fb_system_state *state, int joint, int axis, fb_axis_mode mode,
+                                    const fb_system_input *input);
+/* Time derivative of a state; mode and hold of rate are not set. FB_ERR_UNDETERMINED: an axis that moves no inertia, FB_ERR_CONTRADICTION:
+   constraints against each other, work->joint says which; FB_ERR_RANGE, FB_ERR_CAPACITY, FB_ERR_NOT_FINITE. */
+FB_API fb_status fb_system_rates(const fb_system *system, const fb_body *body, fb_system_work *work,
+                                 fb_system_state *rate, const fb_system_state *state, const fb_system_input *input);
+
+typedef struct fb_joint_motion {
+  fb_real value[3], speed[6], acceleration[6]; /* of the axes; spherical: value is the rotation vector */
+  fb_real force[3],
+      torque[3];    /* [N], [N m] of the joint on the child about the joint frame on the child, inertial axes */
+  fb_real drive[3]; /* of them the part along each axis: motor, spring and damper, or what holds or drives it */
+} fb_joint_motion;
+
+typedef struct fb_system_motion {
+  fb_state pose[FB_MAX_BODIES];    /* rho, quat, q of every body, for fb_body_node_motion with.. */
+  fb_motion motion[FB_MAX_BODIES]; /* ..this; reactions: resultant of all joints on the body about O, body axes */
+  fb_joint_motion joint[FBI_MAX_JOINTS];
+  fb_real power; /* [W] of motors and of drives that prescribe axes of the tree */
+} fb_system_motion;
+
+/* Motion of all bodies and joints at a state: velocities, accelerations, joint forces. Errors as fb_system_rates. */
+FB_API fb_status fb_system_motion_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
+                                       fb_system_motion *motion, const fb_system_state *state,
+                                       const fb_system_input *input);
+/* strain holds the joint springs, too. */
+FB_API fb_status fb_system_energy(const fb_system *system, const fb_body *body, fb_system_work *work, fb_energy *energy,
+                                  const fb_system_state *state, const fb_system_input *input);
+FB_API fb_status fb_system_momentum(const fb_system *system, const fb_body *body, fb_system_work *work,
+                                    fb_momentum *momentum, const fb_system_state *state, const fb_system_input *input);
+
+typedef struct fb_imu {                       /* section axes of the node */
+  fb_real specific_force[3], angular_rate[3]; /* [m/s^2] acceleration less gravity, [rad/s] */
+} fb_imu;
+/* What an inertial measurement unit at a node reads; gravity in inertial axes (NULL: none). */
+FB_API void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *gravity);
+
+/* ---------------------------------------------------------------------------------------------------------------
    11 >>integrate */
 
 /* Classical Runge-Kutta, order 4, four evaluations, fixed work. The inputs are those at t, t + dt/2 and t + dt; pass
@@ -1098,6 +1402,16 @@ FB_API fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
    frame in which it is slow, or an implicit scheme. The limit holds for any motion; a smooth one may be stepped
    further (allow_long_step). Order 4 is seen where omega dt is below about 5 for the modes that move. */
 FB_API fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real acceleration);
+
+/* ---- systems: body is the array of models; the inputs as those of a body */
+
+/* rk4; with constraints (loops, rows, FB_METHOD_MULTIPLIERS) positions and velocities are brought onto them after every
+   step. FB_ERR_STEP: beyond 2.785 / (bound of the highest frequency: springs and modes of the whole as it is undeformed
+   at zero joint coordinates, spin, stiffening); FB_ERR_UNDETERMINED, FB_ERR_CONTRADICTION: work->joint; else as fb_rk4_step. On failure state is
+   as before the call. */
+FB_API fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body, fb_system_state *state,
+                                    fb_system_work *work, const fb_system_input *start, const fb_system_input *middle,
+                                    const fb_system_input *end, fb_real dt);
 
 /* ---------------------------------------------------------------------------------------------------------------
    12 >>analyse: offline work, on bodies whose base is prescribed */

@@ -359,6 +359,33 @@ FB_DEF void fb_quat_to_rotvec(fb_real phi[3], const fb_real q[4])
   phi[2] = s * q[3];
 }
 
+/* [E4.5] Quaternion of a rotation matrix, from its largest component, so that nothing small is divided by; w >= 0.
+   Source: S.W. Shepperd, Quaternion from rotation matrix, J. Guidance 1(3), 1978.  Cost: 25 flops, a square root.
+   Fails: never.  Test: quaternion_and_matrix_rotate_alike. */
+static void fbi_quat_from_mat33(fb_real q[4], const fb_real R[9])
+{
+  const fb_real four[4] = {FB_R(1.0) + R[0] + R[4] + R[8], FB_R(1.0) + R[0] - R[4] - R[8],
+                           FB_R(1.0) - R[0] + R[4] - R[8], FB_R(1.0) - R[0] - R[4] + R[8]};
+  const fb_real d[3] = {R[7] - R[5], R[2] - R[6], R[3] - R[1]};
+  const fb_real o[3] = {R[5] + R[7], R[2] + R[6], R[1] + R[3]}; /* yz, xz, xy */
+  int k = 0;
+  fb_real s;
+  for (int i = 1; i < 4; i++) {
+    k = four[i] > four[k] ? i : k;
+  }
+  s = FB_R(0.5) / FB_SQRT(four[k]);
+  s = k > 0 && d[k - 1] < FB_R(0.0) ? -s : s;
+  for (int i = 0; i < 4; i++) {
+    if (i == k) {
+      q[i] = s * four[k];
+    } else if (i == 0 || k == 0) {
+      q[i] = s * d[i + k - 1];
+    } else {
+      q[i] = s * o[5 - i - k];
+    }
+  }
+}
+
 FB_DEF fb_status fb_quat_normalize(fb_real q[4])
 {
   const fb_real norm2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
@@ -4403,16 +4430,22 @@ static void fbi_sparse_fill(fb_sparse *out, const fb_real *A, int n)
   }
 }
 
-static void fbi_sparse_to_dense(fb_real *A, const fb_sparse *sparse, int n)
+static void fbi_sparse_add(fb_real *A, fb_real s, const fb_sparse *sparse, int n)
 {
-  fbi_zero(A, n * n);
   for (int a = 0; a < n; a++) {
-    A[a * n + a] = sparse->diagonal[a];
+    A[a * (n + 1)] += s * sparse->diagonal[a];
   }
   for (int k = 0; k < sparse->n_term; k++) {
     const fb_pair_term *t = &sparse->term[k];
-    A[t->a * n + t->b] = A[t->b * n + t->a] = t->c;
+    A[t->a * n + t->b] += s * t->c;
+    A[t->b * n + t->a] += s * t->c;
   }
+}
+
+static void fbi_sparse_to_dense(fb_real *A, const fb_sparse *sparse, int n)
+{
+  fbi_zero(A, n * n);
+  fbi_sparse_add(A, FB_R(1.0), sparse, n);
 }
 
 /* [E8.7] Damping force C q_dot with the modal ratios zeta_k: C = sum_k 2 zeta_k omega_k (M x_k)(M x_k)^T.
@@ -4783,7 +4816,8 @@ static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *
       return FB_ERR_VALUE;
     }
   }
-  if (!(shape->mass > FB_R(0.0)) || desc->deflection_limit < FB_R(0.0) || (int)desc->base < (int)FB_BASE_FREE ||
+  if (!(shape->mass > FB_R(0.0) || (shape->mass == FB_R(0.0) && desc->base == FB_BASE_PRESCRIBED)) ||
+      desc->deflection_limit < FB_R(0.0) || (int)desc->base < (int)FB_BASE_FREE ||
       (int)desc->base > (int)FB_BASE_HINGED) {
     return FB_ERR_VALUE;
   }
@@ -4963,27 +4997,6 @@ FB_DEF fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape 
 
 /* ---- 8c kernels of the step */
 
-typedef struct fbi_kinetics {   /* what an evaluation knows about a state */
-  fb_real R[9];                 /* body to inertial axes */
-  fb_real qx[FB_MAX_MODES + 1]; /* (1, q) */
-  fb_real Minv_pi[FB_MAX_MODES];
-  const fb_real *pb;           /* M^-1 pi: the above, or pi itself where M = 1 */
-  fb_real V[6];                /* (v, w), body axes */
-  fb_real ph[6];               /* (p, h), body axes */
-  fb_real S[21], dS[21];       /* S(q) and its rate, when they were needed */
-  int loaded;                  /* loads or gravity act: fg is not zero */
-  fb_real fg[6];               /* resultant force and torque about O of loads and gravity, body axes */
-  fb_real x[FB_MAX_MODES + 1]; /* elastic forces by (1, q): loads and gravity, then inertia; x[0] is not used */
-  fb_real e[FB_MAX_MODES];     /* scratch */
-#if FB_WITH_FORMS
-  fb_real y[6];     /* right-hand side of the rigid equations */
-  fb_real V_dot[6]; /* accelerations, body axes */
-#endif
-#if FB_WITH_NONLINEAR_STRAIN
-  fb_real slope[3][FBI_MAX_STRAINS]; /* u_x', u_y', u_z' at the strain stations */
-#endif
-} fbi_kinetics;
-
 /* y = f + s A x for a symmetric sparse A; f NULL: zero; y may be f, not x */
 static void fbi_sparse_eval(fb_real *y, const fb_real *f, fb_real s, const fb_sparse *A, const fb_real *x, int n)
 {
@@ -5145,6 +5158,18 @@ static void fbi_S_gradient(fb_real *x, const fb_body *body, const fb_real V[6], 
   }
 }
 #endif
+
+/* Lambda(q) of the free rigid rows, rows x n; n_terms of its list. */
+static void fbi_lambda_rows(fb_real *X, const fb_body *body, const fb_real *qx, int first, int n_terms)
+{
+  fbi_zero(X, (6 - first) * body->n);
+  for (int t = 0; t < n_terms; t++) {
+    const fb_lambda_term *term = &body->lambda[t];
+    if (term->i >= first) {
+      X[(term->i - first) * body->n + term->b] -= term->c * qx[term->a];
+    }
+  }
+}
 
 #if FB_WITH_NONLINEAR_STRAIN
 /* u_x', u_y', u_z' at the strain stations. */
@@ -5316,45 +5341,107 @@ static int fbi_pair(int a, int b)
 }
 #endif
 
-typedef struct fbi_node_field {                         /* a node on the deformed body, body axes */
-  fb_real u[3], phi[3];                                 /* displacement, rotation vector */
-  fb_real Ju[3 * FB_MAX_MODES], Jphi[3 * FB_MAX_MODES]; /* n x 3: velocity and angular rate per q_dot */
-} fbi_node_field;
-
 /* [E8.14] Position and rotation of a node, u = psi q + 1/2 chi q q, phi = theta q + 1/2 chi_theta q q, and their
-   variations J_u,a = psi_a + chi_ab q_b,  J_phi,a = theta_a + chi_theta_ab q_b + 1/2 phi x theta_a.
-   Source: DESIGN 3; left Jacobian of the exponential map to first degree.  Cost: 12 n (n+1) flops.  Fails: never.
+   variations J_u,a = psi_a + chi_ab q_b,  J_phi,a = (t_a + 1/2 phi x t_a) / (1 + phi.phi/4),  t_a = d phi/dq_a =
+   theta_a + chi_theta_ab q_b. phi are the parameters 2 tan(angle/2) axis of the rotation (1, phi/2)/|(1, phi/2)|: to second
+   degree they are the rotation vector, and J_phi is the exact rate of that rotation, without sine and cosine.
+   Source: DESIGN 3; Rodrigues parameters.  Cost: 12 n (n+1) flops.  Fails: never.
    Test: node_kinematics_match_finite_differences. */
 static void fbi_node_eval(fbi_node_field *f, const fb_body *body, const fb_node *node, const fb_real *q)
 {
   const int n = body->n;
+  fb_real scale;
   fbi_zero(f->u, 3);
   fbi_zero(f->phi, 3);
   for (int i = 0; i < 3 * n; i++) {
     f->Ju[i] = node->psi[i];
-    f->Jphi[i] = node->theta[i];
+    f->turn[i] = node->theta[i];
   }
 #if FBI_WITH_QUADRATIC
   if (fbi_has(body->effects, FBI_QUADRATIC_EFFECTS)) {
-    fb_real half[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
     for (int a = 0; a < n; a++) {
-      fbi_vec3_add(half, FB_R(0.5) * q[a], node->theta + 3 * a);
       for (int b = 0; b < n; b++) {
         const int pair = fbi_pair(a, b);
         fbi_vec3_add(f->Ju + 3 * a, q[b], node->chi + pair);
-        fbi_vec3_add(f->Jphi + 3 * a, q[b], node->chi_theta + pair);
+        fbi_vec3_add(f->turn + 3 * a, q[b], node->chi_theta + pair);
       }
-    }
-    for (int a = 0; a < n; a++) { /* the terms phi x theta_a cancel in the sum for phi */
-      fbi_vec3_add_cross(f->Jphi + 3 * a, half, node->theta + 3 * a);
     }
   }
 #endif
   for (int a = 0; a < n; a++) {
     for (int i = 0; i < 3; i++) {
       f->u[i] += FB_R(0.5) * q[a] * (node->psi[3 * a + i] + f->Ju[3 * a + i]);
-      f->phi[i] += FB_R(0.5) * q[a] * (node->theta[3 * a + i] + f->Jphi[3 * a + i]);
+      f->phi[i] += FB_R(0.5) * q[a] * (node->theta[3 * a + i] + f->turn[3 * a + i]);
     }
+  }
+  scale = FB_R(1.0) / (FB_R(1.0) + FB_R(0.25) * fb_vec3_dot(f->phi, f->phi));
+  for (int a = 0; a < n; a++) {
+    const fb_real *t = f->turn + 3 * a;
+    fb_vec3_cross(f->Jphi + 3 * a, f->phi, t);
+    for (int i = 0; i < 3; i++) {
+      f->Jphi[3 * a + i] = scale * (t[i] + FB_R(0.5) * f->Jphi[3 * a + i]);
+    }
+  }
+}
+
+/* The quaternion of a node's rotation in its body. */
+static void fbi_node_quat(fb_real quat[4], const fbi_node_field *f)
+{
+  quat[0] = FB_R(1.0);
+  for (int i = 0; i < 3; i++) {
+    quat[1 + i] = FB_R(0.5) * f->phi[i];
+  }
+  (void)fb_quat_normalize(quat); /* is 1 at least */
+}
+
+/* Rates of J_u,a and t_a along q_dot: sum_b chi_ab q_dot_b. */
+static void fbi_node_rates(fb_real *Ju_dot, fb_real *turn_dot, const fb_body *body, const fb_node *node,
+                           const fb_real *q_dot)
+{
+  const int n = body->n;
+  fbi_zero(Ju_dot, 3 * n);
+  fbi_zero(turn_dot, 3 * n);
+#if FBI_WITH_QUADRATIC
+  if (fbi_has(body->effects, FBI_QUADRATIC_EFFECTS)) {
+    for (int a = 0; a < n; a++) {
+      for (int b = 0; b < n; b++) {
+        const int pair = fbi_pair(a, b);
+        fbi_vec3_add(Ju_dot + 3 * a, q_dot[b], node->chi + pair);
+        fbi_vec3_add(turn_dot + 3 * a, q_dot[b], node->chi_theta + pair);
+      }
+    }
+  }
+#endif
+  (void)node, (void)q_dot;
+}
+
+/* y = sum_a q_dot_a x_a of n vectors */
+static void fbi_vec3_sum(fb_real y[3], const fb_real *x, const fb_real *q_dot, int n)
+{
+  fbi_zero(y, 3);
+  for (int a = 0; a < n; a++) {
+    fbi_vec3_add(y, q_dot[a], x + 3 * a);
+  }
+}
+
+/* [E8.30] What accelerates a node in its body beside J q_ddot: Ju_dot q_dot and the rate of J_phi q_dot,
+   (phi_dd + 1/2 phi x phi_dd - 1/2 (phi.phi_dot) J_phi q_dot) / (1 + phi.phi/4),  phi_dd = turn_dot q_dot.
+   Source: derivative of E8.14.  Shapes: u_dd, turn_dd 3.  Fails: never.
+   Test: node_kinematics_match_finite_differences. */
+static void fbi_node_convection(fb_real u_dd[3], fb_real turn_dd[3], const fbi_node_field *f, const fb_body *body,
+                                const fb_node *node, const fb_real *q_dot)
+{
+  const int n = body->n;
+  fb_real Ju_dot[3 * FB_MAX_MODES], turn_dot[3 * FB_MAX_MODES], phi_dot[3], phi_dd[3], rate[3];
+  const fb_real scale = FB_R(1.0) / (FB_R(1.0) + FB_R(0.25) * fb_vec3_dot(f->phi, f->phi));
+  fbi_node_rates(Ju_dot, turn_dot, body, node, q_dot);
+  fbi_vec3_sum(u_dd, Ju_dot, q_dot, n);
+  fbi_vec3_sum(phi_dd, turn_dot, q_dot, n);
+  fbi_vec3_sum(phi_dot, f->turn, q_dot, n);
+  fbi_vec3_sum(rate, f->Jphi, q_dot, n);
+  fb_vec3_cross(turn_dd, f->phi, phi_dd);
+  for (int i = 0; i < 3; i++) {
+    turn_dd[i] = scale * (phi_dd[i] + FB_R(0.5) * turn_dd[i] - FB_R(0.5) * fb_vec3_dot(f->phi, phi_dot) * rate[i]);
   }
 }
 
@@ -5382,7 +5469,7 @@ static FBI_NOINLINE void fbi_load_add(fbi_kinetics *k, const fb_body *body, cons
   fbi_node_eval(&f, body, node, q);
   if (load->axes == FB_AXES_NODE) {
     fb_real turn[4], section[9];
-    fb_quat_from_rotvec(turn, f.phi);
+    fbi_node_quat(turn, &f);
     fb_quat_to_mat33(section, turn);
     fb_mat33_mul_vec3(F, section, load->force);
     fb_mat33_mul_vec3(T, section, load->torque);
@@ -6121,14 +6208,14 @@ FB_DEF fb_status fb_body_motion(const fb_body *body, fb_motion *motion, const fb
 
 /* [E8.20] Motion of a node, s = r + u:
    velocity v + w x s + u_dot,  u_dot = J_u q_dot,
-   acceleration v_dot + w x v + w_dot x s + w x (w x s) + 2 w x u_dot + J_u q_ddot + chi q_dot q_dot,
-   angular rate w + J_phi q_dot,  its rate w_dot + J_phi q_ddot + w x J_phi q_dot + chi_theta q_dot q_dot.
+   acceleration v_dot + w x v + w_dot x s + w x (w x s) + 2 w x u_dot + J_u q_ddot + Ju_dot q_dot,
+   angular rate w + J_phi q_dot,  its rate w_dot + J_phi q_ddot + w x J_phi q_dot + Jphi_dot q_dot (E8.30).
    Source: kinematics of a moving frame.  Fails: no such node.  Test: node_kinematics_match_finite_differences. */
 FB_DEF fb_status fb_body_node_motion(const fb_body *body, fb_node_motion *out, const fb_state *state,
                                      const fb_motion *motion, int node)
 {
   fbi_node_field f;
-  fb_real R[9], turn[4], s[3], ud[3] = {0}, pd[3] = {0}, ws[3], a[3], alpha[3], vel[3], rate[3];
+  fb_real R[9], turn[4], s[3], ud[3] = {0}, pd[3] = {0}, ws[3], a[3], alpha[3], vel[3], rate[3], u_dd[3], turn_dd[3];
   FBI_REQUIRE(body && out && state && motion, FB_ERR_NULL);
   FBI_REQUIRE(node >= 0 && node < body->n_node, FB_ERR_CAPACITY);
   fbi_node_eval(&f, body, &body->node[node], state->q);
@@ -6141,17 +6228,9 @@ FB_DEF fb_status fb_body_node_motion(const fb_body *body, fb_node_motion *out, c
     fbi_vec3_add(a, motion->q_ddot[k], f.Ju + 3 * k);
     fbi_vec3_add(alpha, motion->q_ddot[k], f.Jphi + 3 * k);
   }
-#if FBI_WITH_QUADRATIC
-  if (fbi_has(body->effects, FBI_QUADRATIC_EFFECTS)) {
-    for (int i = 0; i < body->n; i++) {
-      for (int j = 0; j < body->n; j++) {
-        const int pair = fbi_pair(i, j);
-        fbi_vec3_add(a, motion->q_dot[i] * motion->q_dot[j], body->node[node].chi + pair);
-        fbi_vec3_add(alpha, motion->q_dot[i] * motion->q_dot[j], body->node[node].chi_theta + pair);
-      }
-    }
-  }
-#endif
+  fbi_node_convection(u_dd, turn_dd, &f, body, &body->node[node], motion->q_dot);
+  fbi_vec3_add(a, FB_R(1.0), u_dd);
+  fbi_vec3_add(alpha, FB_R(1.0), turn_dd);
   fbi_copy(s, body->node[node].r, 3);
   fbi_vec3_add(s, FB_R(1.0), f.u);
   fb_vec3_cross(ws, motion->w, s);
@@ -6165,14 +6244,14 @@ FB_DEF fb_status fb_body_node_motion(const fb_body *body, fb_node_motion *out, c
   fbi_vec3_add_cross(alpha, motion->w, pd);
   fb_mat33_mul_vec3(out->position, R, s);
   fbi_vec3_add(out->position, FB_R(1.0), state->rho);
-  fb_quat_from_rotvec(turn, f.phi);
+  fbi_node_quat(turn, &f);
   fb_quat_mul(out->quat, state->quat, turn);
   fb_mat33_mul_vec3(out->velocity, R, vel);
   fb_mat33_mul_vec3(out->angular_rate, R, rate);
   fb_mat33_mul_vec3(out->acceleration, R, a);
   fb_mat33_mul_vec3(out->angular_acceleration, R, alpha);
   fbi_copy(out->displacement, f.u, 3);
-  fbi_copy(out->rotation, f.phi, 3);
+  fb_quat_to_rotvec(out->rotation, turn);
   return FB_OK;
 }
 
@@ -6198,6 +6277,31 @@ static fb_real fbi_kinetic_energy(fbi_kinetics *k, const fb_body *body, const fb
   return T + FB_R(0.5) * fbi_vec6_dot(SV, k->V);
 }
 
+/* Strain energy and gravity's; spoils k.e and k.x. */
+static void fbi_potential_add(fb_energy *energy, fbi_kinetics *k, const fb_body *body, const fb_real *q,
+                              const fb_real rho[3])
+{
+  fbi_sparse_eval(k->e, NULL, FB_R(0.5), &body->K, q, body->n);
+  for (int a = 0; a < body->n; a++) {
+    energy->strain += q[a] * k->e[a];
+  }
+#if FB_WITH_NONLINEAR_STRAIN
+  if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
+    energy->strain += fbi_strain_energy(body, q);
+  }
+#endif
+#if FB_WITH_GRAVITY
+  {
+    fb_real c[3], moment[3];
+    fbi_gravity_eval(c, k->x, body, k->qx, body->gravity);
+    fb_mat33_mul_vec3(moment, k->R, c);
+    fbi_vec3_add(moment, body->mass, rho);
+    energy->gravity -= fb_vec3_dot(moment, body->gravity);
+  }
+#endif
+  (void)rho;
+}
+
 /* [E8.21] T = 1/2 V^T S V + 1/2 pi^T M^-1 pi (the square completed), U = 1/2 q^T K q, gravity -m g.rho - g.R c(q).
    Source: DESIGN 2, T = 1/2 (p.v + h.w + pi_e.q_dot).  Fails: as the rates.
    Test: momenta_agree_with_a_particle_model, tumbling_conserves_momentum_and_energy. */
@@ -6214,24 +6318,7 @@ FB_DEF fb_status fb_body_energy(const fb_body *body, fb_energy *energy, const fb
   out.kinetic = fbi_kinetic_energy(&k, body, state);
   out.strain = FB_R(0.0);
   out.gravity = FB_R(0.0);
-  fbi_sparse_eval(k.e, NULL, FB_R(0.5), &body->K, state->q, body->n); /* k.e is spent */
-  for (int a = 0; a < body->n; a++) {
-    out.strain += state->q[a] * k.e[a];
-  }
-#if FB_WITH_NONLINEAR_STRAIN
-  if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
-    out.strain += fbi_strain_energy(body, state->q);
-  }
-#endif
-#if FB_WITH_GRAVITY
-  {
-    fb_real c[3], moment[3];
-    fbi_gravity_eval(c, k.x, body, k.qx, body->gravity); /* k.x is spent */
-    fb_mat33_mul_vec3(moment, k.R, c);
-    fbi_vec3_add(moment, body->mass, state->rho);
-    out.gravity = -fb_vec3_dot(moment, body->gravity);
-  }
-#endif
+  fbi_potential_add(&out, &k, body, state->q, state->rho);
   if (!fbi_is_finite(&out.kinetic, 1) || !fbi_is_finite(&out.strain, 1) || !fbi_is_finite(&out.gravity, 1)) {
     return FB_ERR_NOT_FINITE;
   }
@@ -6270,7 +6357,2760 @@ FB_DEF fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, co
 }
 
 /* ---------------------------------------------------------------------------------------------------------------
-   11 >>integrate (uses 1-8) */
+   9 >>system (uses 1-8)
+   9a joints - 9b positions - 9c trees: M u = p - 9d constraints - 9e rates - 9f states, motion, energy, momentum */
+
+/* ---- 9a joints */
+
+static int fbi_joint_axes(fb_joint_kind kind)
+{
+  static const int count[] = {6, 0, 1, 1, 2, 1, 2, 3};
+  return count[(int)kind];
+}
+
+/* The joint by which a body hangs; with all joints kept as constraints it is free. */
+static const fb_joint *fbi_link_joint(const fb_system *system, const fb_system_work *w, int k)
+{
+  return w->kept ? &system->free : &system->joint[k];
+}
+
+/* Is joint j a set of constraints? */
+static int fbi_is_kept(const fb_system *system, const fb_system_work *w, int j)
+{
+  return j >= system->n_body || (w->kept && system->joint[j].kind != FB_JOINT_FREE);
+}
+
+/* [E9.1] Twist of an axis a of the joint, child's axes about its origin: a turn about a through d moves the origin by
+   d x a. Source: kinematics.  Shapes: A 6.  Test: every_joint_moves_as_it_should. */
+static void fbi_axis_twist(fb_real A[6], const fb_joint *joint, const fb_real axis[3], fb_real turns, fb_real slides)
+{
+  fb_real a[3];
+  fb_mat33_mul_vec3(a, joint->child_axes, axis);
+  fb_vec3_cross(A, joint->child_position, a);
+  for (int i = 0; i < 3; i++) {
+    A[i] = turns * A[i] + slides * a[i];
+    A[3 + i] = turns * a[i];
+  }
+}
+
+static void fbi_joint_twists(fb_joint *joint)
+{
+  static const fb_real x[3] = {FB_R(1.0), FB_R(0.0), FB_R(0.0)}, y[3] = {FB_R(0.0), FB_R(1.0), FB_R(0.0)};
+  static const fb_real z[3] = {FB_R(0.0), FB_R(0.0), FB_R(1.0)};
+  const fb_real one = FB_R(1.0), none = FB_R(0.0);
+  const fb_joint_kind kind = joint->kind;
+  if (kind == FB_JOINT_PRISMATIC) {
+    fbi_axis_twist(joint->A, joint, z, none, one);
+  } else if (kind == FB_JOINT_SPHERICAL) {
+    fbi_axis_twist(joint->A, joint, x, one, none);
+    fbi_axis_twist(joint->A + 6, joint, y, one, none);
+    fbi_axis_twist(joint->A + 12, joint, z, one, none);
+  } else {
+    fbi_axis_twist(joint->A, joint, z, one, kind == FB_JOINT_SCREW ? joint->pitch : none);
+    if (kind == FB_JOINT_CYLINDRICAL) {
+      fbi_axis_twist(joint->A + 6, joint, z, none, one);
+    } else {
+      fbi_axis_twist(joint->A + 6, joint, x, one, none); /* universal */
+    }
+  }
+}
+
+static int fbi_is_attitude(const fb_real quat[4])
+{
+  fb_real copy[4];
+  fbi_copy(copy, quat, 4);
+  return quat[0] == FB_R(0.0) && fbi_vec3_norm(quat + 1) == FB_R(0.0) ? 1 : fb_quat_normalize(copy) == FB_OK;
+}
+
+/* Rotation matrix of a quaternion of a desc, all zero: identity. */
+static void fbi_attitude_axes(fb_real R[9], const fb_real quat[4])
+{
+  const fb_real identity[4] = {FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_quat_to_mat33(R, quat[0] == FB_R(0.0) && fbi_vec3_norm(quat + 1) == FB_R(0.0) ? identity : quat);
+}
+
+/* Do the modes of a body move one of its nodes? */
+static int fbi_node_moves(const fb_body *body, int node)
+{
+  fb_real size = FB_R(0.0);
+  for (int i = 0; i < 3 * body->n; i++) {
+    size += FB_FABS(body->node[node].psi[i]) + FB_FABS(body->node[node].theta[i]);
+  }
+  return size > FB_R(0.0);
+}
+
+static fb_status fbi_joint_check(const fb_system_desc *desc, const fb_body *body, int j)
+{
+  const int loop = j >= desc->n_body, last = loop ? desc->n_body : j;
+  const fb_joint_desc *d = loop ? &desc->loop[j - desc->n_body] : &desc->joint[j];
+  if (!fbi_is_finite(d->position, 3) || !fbi_is_finite(d->child_position, 3) || !fbi_is_finite(&d->pitch, 1) ||
+      !fbi_is_finite(d->stiffness, 3) || !fbi_is_finite(d->rest, 3) || !fbi_is_finite(d->damping, 3) ||
+      !fbi_is_finite(d->attitude, 4) || !fbi_is_finite(d->child_attitude, 4)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  if ((int)d->kind < (int)FB_JOINT_FREE || (int)d->kind > (int)FB_JOINT_SPHERICAL || !fbi_is_attitude(d->attitude) ||
+      !fbi_is_attitude(d->child_attitude) || (d->kind == FB_JOINT_FREE && loop)) {
+    return FB_ERR_VALUE;
+  }
+  for (int i = 0; i < 3; i++) {
+    if (d->stiffness[i] < FB_R(0.0) || d->damping[i] < FB_R(0.0) || (int)d->mode[i] < (int)FB_AXIS_FREE ||
+        (int)d->mode[i] > (int)FB_AXIS_PRESCRIBED) {
+      return FB_ERR_VALUE;
+    }
+  }
+  if (d->kind == FB_JOINT_FREE) {
+    return FB_OK;
+  }
+  if (d->parent < FB_GROUND || d->parent >= last ||
+      (loop && (d->child < 0 || d->child >= desc->n_body || d->child == d->parent))) {
+    return FB_ERR_VALUE;
+  }
+  if (d->parent_node < 0 || d->parent_node >= (d->parent < 0 ? 1 : body[desc->model[d->parent]].n_node) ||
+      (loop && (d->child_node < 0 || d->child_node >= body[desc->model[d->child]].n_node))) {
+    return FB_ERR_CAPACITY;
+  }
+  return FB_OK;
+}
+
+static void fbi_joint_fill(fb_joint *joint, const fb_system_desc *desc, const fb_body *body, int j)
+{
+  const int loop = j >= desc->n_body;
+  const fb_joint_desc *d = loop ? &desc->loop[j - desc->n_body] : &desc->joint[j];
+  memset(joint, 0, sizeof *joint);
+  joint->kind = d->kind;
+  joint->parent = d->kind == FB_JOINT_FREE ? FB_GROUND : d->parent;
+  joint->parent_node = d->parent_node;
+  joint->child = loop ? d->child : j;
+  joint->child_node = loop ? d->child_node : 0;
+  joint->n_axis = fbi_joint_axes(d->kind);
+  joint->moves = joint->parent >= 0 && fbi_node_moves(&body[desc->model[joint->parent]], joint->parent_node);
+  fbi_copy(joint->position, d->position, 3);
+  if (joint->parent >= 0 && !joint->moves) {
+    fbi_vec3_add(joint->position, FB_R(1.0), body[desc->model[joint->parent]].node[joint->parent_node].r);
+  }
+  fbi_attitude_axes(joint->axes, d->attitude);
+  fbi_copy(joint->child_position, d->child_position, 3);
+  fbi_attitude_axes(joint->child_axes, d->child_attitude);
+  joint->turned = FB_FABS(joint->child_axes[0] - FB_R(1.0)) + FB_FABS(joint->child_axes[4] - FB_R(1.0)) +
+                      FB_FABS(joint->child_axes[8] - FB_R(1.0)) >
+                  FB_R(0.0);
+  joint->pitch = d->pitch;
+  fbi_joint_twists(joint);
+  for (int i = 0; i < 3; i++) {
+    joint->mode[i] = d->mode[i];
+    joint->stiffness[i] = d->stiffness[i];
+    joint->rest[i] = d->kind == FB_JOINT_SPHERICAL ? FB_R(0.0) : d->rest[i];
+    joint->damping[i] = d->damping[i];
+  }
+  if (d->kind == FB_JOINT_SPHERICAL || d->kind == FB_JOINT_FREE) { /* one for all */
+    for (int i = 1; i < 3; i++) {
+      joint->mode[i] = d->mode[0];
+      joint->stiffness[i] = d->stiffness[0];
+      joint->damping[i] = d->damping[0];
+    }
+  }
+}
+
+/* ---- 9b positions */
+
+/* C = axes, turned by the joint's coordinates; slide [m] along z of the axes; universal: twist of its first axis. */
+static void fbi_joint_turn(fb_real C[9], fb_real *slide, fbi_link_work *L, const fb_joint *joint, const fb_real axes[9],
+                           const fb_link_state *x)
+{
+  const fb_joint_kind kind = joint->kind;
+  *slide = kind == FB_JOINT_PRISMATIC     ? x->x[0]
+           : kind == FB_JOINT_CYLINDRICAL ? x->x[1]
+           : kind == FB_JOINT_SCREW       ? joint->pitch * x->x[0]
+                                          : FB_R(0.0);
+  if (kind == FB_JOINT_SPHERICAL) {
+    fb_real turn[9];
+    fb_quat_to_mat33(turn, x->quat);
+    fb_mat33_mul(C, axes, turn);
+  } else if (kind == FB_JOINT_RIGID || kind == FB_JOINT_PRISMATIC) {
+    fbi_copy(C, axes, 9);
+  } else {
+    const fb_real c = FB_COS(x->x[0]), s = FB_SIN(x->x[0]);
+    for (int i = 0; i < 9; i += 3) {
+      C[i] = c * axes[i] + s * axes[i + 1];
+      C[i + 1] = c * axes[i + 1] - s * axes[i];
+      C[i + 2] = axes[i + 2];
+    }
+  }
+  if (kind == FB_JOINT_UNIVERSAL) {
+    const fb_real c = FB_COS(x->x[1]), s = FB_SIN(x->x[1]);
+    const fb_real first[3] = {FB_R(0.0), s, c}, rate[3] = {FB_R(0.0), c, -s};
+    for (int i = 0; i < 9; i += 3) {
+      const fb_real y = C[i + 1], z = C[i + 2];
+      C[i + 1] = c * y + s * z;
+      C[i + 2] = c * z - s * y;
+    }
+    fbi_axis_twist(L->A, joint, first, FB_R(1.0), FB_R(0.0));
+    fbi_axis_twist(L->A_dot, joint, rate, FB_R(1.0), FB_R(0.0));
+  }
+}
+
+/* [E9.2] Pose of a body from that of its parent: the node (E8.14), the joint frame on it, the joint's coordinates, the
+   child's frame: R = R_p C,  rho = rho_p + R_p s.
+   Source: kinematics of a chain; [H] 3.1.  Cost: 150 flops, a sine and a cosine an angle.  Fails: never.
+   Test: every_joint_moves_as_it_should. */
+static void fbi_link_place(fbi_link_work *L, const fb_joint *joint, const fbi_link_work *parent, const fb_body *on,
+                           const fb_link_state *x)
+{
+  const fb_real *axes = joint->axes;
+  fb_real turned[9], origin[3], C[9], slide;
+  if (joint->kind == FB_JOINT_FREE) {
+    fb_quat_to_mat33(L->k.R, x->quat);
+    fbi_copy(L->rho, x->x, 3);
+    return;
+  }
+  fbi_copy(origin, joint->position, 3);
+  if (joint->moves) {
+    fb_real quat[4], R[9];
+    const fb_node *node = &on->node[joint->parent_node];
+    fbi_node_eval(&L->node, on, node, parent->k.qx + 1);
+    fbi_node_quat(quat, &L->node);
+    fb_quat_to_mat33(R, quat);
+    fb_mat33_mul(turned, R, axes);
+    axes = turned;
+    fb_mat33_mul_vec3(origin, R, joint->position);
+    for (int i = 0; i < 3; i++) {
+      L->n[i] = node->r[i] + L->node.u[i];
+      origin[i] += L->n[i];
+    }
+  }
+  fbi_joint_turn(C, &slide, L, joint, axes, x);
+  for (int i = 0; i < 3; i++) {
+    origin[i] += slide * axes[3 * i + 2];
+  }
+  if (joint->turned) {
+    for (int i = 0; i < 9; i++) { /* C child_axes^T */
+      L->C[i] = fb_vec3_dot(C + i / 3 * 3, joint->child_axes + i % 3 * 3);
+    }
+  } else {
+    fbi_copy(L->C, C, 9);
+  }
+  fb_mat33_mul_vec3(L->s, L->C, joint->child_position);
+  for (int i = 0; i < 3; i++) {
+    L->s[i] = origin[i] - L->s[i];
+    L->arm[i] = joint->moves ? L->s[i] - L->n[i] : L->s[i];
+  }
+  if (!parent) {
+    fbi_copy(L->k.R, L->C, 9);
+    fbi_copy(L->rho, L->s, 3);
+    return;
+  }
+  fb_mat33_mul(L->k.R, parent->k.R, L->C);
+  fb_mat33_mul_vec3(L->rho, parent->k.R, L->s);
+  fbi_vec3_add(L->rho, FB_R(1.0), parent->rho);
+}
+
+static fbi_link_work *fbi_parent(fb_system_work *w, const fb_joint *joint)
+{
+  return joint->parent >= 0 ? &w->link[joint->parent] : NULL;
+}
+
+static const fb_body *fbi_model(const fb_system *system, const fb_body *body, int k)
+{
+  return &body[system->model[k]];
+}
+
+/* Poses of all bodies, S(q) of each. modes: whose axes are locked. */
+static void fbi_links_place(fb_system_work *w, const fb_system *system, const fb_body *body,
+                            const fb_system_state *state, const fb_system_state *modes)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_body *model = fbi_model(system, body, k);
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    fbi_link_work *L = &w->link[k];
+    L->k.qx[0] = FB_R(1.0);
+    for (int a = 0; a < model->n; a++) {
+      L->k.qx[a + 1] = state->link[k].q[a];
+    }
+    for (int i = 0; i < 3; i++) {
+      L->mode[i] = fbi_is_kept(system, w, k) ? FB_AXIS_FREE : modes->mode[k][i];
+    }
+    L->coupled = !w->kept && system->coupled[k];
+    fbi_copy(L->A, joint->A, 6 * (joint->n_axis < 3 ? joint->n_axis : 3));
+    fbi_link_place(L, joint, fbi_parent(w, joint), joint->parent >= 0 ? fbi_model(system, body, joint->parent) : NULL,
+                   &state->link[k]);
+  }
+}
+
+/* ---- 9c trees: M u = p */
+
+/* Y = C X C^T */
+static void fbi_mat33_turn(fb_real Y[9], const fb_real C[9], const fb_real X[9])
+{
+  fb_real T[9];
+  fb_mat33_mul(T, C, X);
+  for (int i = 0; i < 3; i++) {
+    for (int j = 0; j < 3; j++) {
+      Y[3 * i + j] = fb_vec3_dot(T + 3 * i, C + 3 * j);
+    }
+  }
+}
+
+/* T += X^T S X for the velocities X V = (v + w x arm, w): a 6x6 inertia about another point. */
+static void fbi_sym6_shift_add(fb_real T[21], const fb_real A[9], const fb_real B[9], const fb_real D[9],
+                               const fb_real arm[3])
+{
+  fb_real BA[9], sB[9], sBA[9]; /* B - A arm^, arm^ B, arm^ (B - A arm^) */
+  for (int i = 0; i < 3; i++) {
+    fb_real row[3];
+    fb_vec3_cross(row, A + 3 * i, arm); /* row of A arm^ is a x arm */
+    for (int j = 0; j < 3; j++) {
+      BA[3 * i + j] = B[3 * i + j] - row[j];
+    }
+  }
+  for (int j = 0; j < 3; j++) {
+    const fb_real x[3] = {B[j], B[3 + j], B[6 + j]}, y[3] = {BA[j], BA[3 + j], BA[6 + j]};
+    fb_real p[3], q[3];
+    fb_vec3_cross(p, arm, x);
+    fb_vec3_cross(q, arm, y);
+    for (int i = 0; i < 3; i++) {
+      sB[3 * i + j] = p[i];
+      sBA[3 * i + j] = q[i];
+    }
+  }
+  T[0] += A[0];
+  T[1] += A[1];
+  T[2] += A[2];
+  T[6] += A[4];
+  T[7] += A[5];
+  T[11] += A[8];
+  for (int j = 0; j < 3; j++) {
+    T[3 + j] += BA[j];
+    T[8 + j] += BA[3 + j];
+    T[12 + j] += BA[6 + j];
+  }
+  T[15] += D[0] + sB[0] + sBA[0];
+  T[16] += D[1] + sB[1] + sBA[3];
+  T[17] += D[2] + sB[2] + sBA[6];
+  T[18] += D[4] + sB[4] + sBA[4];
+  T[19] += D[5] + sB[5] + sBA[7];
+  T[20] += D[8] + sB[8] + sBA[8];
+}
+
+/* [E9.3] The inertia of a child as the parent feels it: turned by C, moved by arm, added to T.
+   Source: congruence.  Cost: 350 flops.  Test: the_three_methods_agree. */
+static void fbi_sym6_to_parent_add(fb_real T[21], const fb_real S[21], const fb_real C[9], const fb_real arm[3])
+{
+  const fb_real a[9] = {S[0], S[1], S[2], S[1], S[6], S[7], S[2], S[7], S[11]};
+  const fb_real b[9] = {S[3], S[4], S[5], S[8], S[9], S[10], S[12], S[13], S[14]};
+  const fb_real d[9] = {S[15], S[16], S[17], S[16], S[18], S[19], S[17], S[19], S[20]};
+  fb_real A[9], B[9], D[9];
+  fbi_mat33_turn(A, C, a);
+  fbi_mat33_turn(B, C, b);
+  fbi_mat33_turn(D, C, d);
+  fbi_sym6_shift_add(T, A, B, D, arm);
+}
+
+/* y += the momentum or load x of a child, parent's axes, about the node it hangs on or the parent's origin */
+static void fbi_to_parent_add(fb_real y[6], const fbi_link_work *L, const fb_real x[6])
+{
+  fb_real p[3], h[3];
+  fb_mat33_mul_vec3(p, L->C, x);
+  fb_mat33_mul_vec3(h, L->C, x + 3);
+  fbi_vec3_add(y, FB_R(1.0), p);
+  fbi_vec3_add(y + 3, FB_R(1.0), h);
+  fbi_vec3_add_cross(y + 3, L->arm, p);
+}
+
+/* Velocity of the node that a child hangs on (parent's origin where it does not move), parent's axes. */
+static void fbi_node_velocity(fb_real V[6], const fbi_link_work *L, const fb_joint *joint, const fb_body *on,
+                              const fb_real parent[6], const fb_real *q_dot)
+{
+  fbi_copy(V, parent, 6);
+  if (joint->moves) {
+    fbi_vec3_add_cross(V, parent + 3, L->n);
+    for (int a = 0; a < on->n; a++) {
+      fbi_vec3_add(V, q_dot[a], L->node.Ju + 3 * a);
+      fbi_vec3_add(V + 3, q_dot[a], L->node.Jphi + 3 * a);
+    }
+  }
+}
+
+/* V of the child from that of the node: (C^T (v + w x arm), C^T w). */
+static void fbi_from_node(fb_real V[6], const fbi_link_work *L, const fb_real node[6])
+{
+  fb_real v[3];
+  fbi_copy(v, node, 3);
+  fbi_vec3_add_cross(v, node + 3, L->arm);
+  fb_mat33_mulT_vec3(V, L->C, v);
+  fb_mat33_mulT_vec3(V + 3, L->C, node + 3);
+}
+
+/* What joints feel of a body whose modes carry others, or are stiff for the step: E = M + g C + g^2 K_t, X = Lambda,
+   S = M_rr = S + Lambda M^-1 Lambda^T. */
+static void fbi_link_open(fbi_link_work *L, const fb_body *body, fb_real g)
+{
+  const int n = body->n;
+  fbi_zero(L->E, n * n);
+  if (g > FB_R(0.0)) {
+    fbi_sparse_add(L->E, FB_R(1.0), &body->K, n);
+#if FB_WITH_NONLINEAR_STRAIN
+    if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
+      fbi_slopes_eval(L->k.slope, body, L->k.qx + 1);
+      fbi_strain_tangent_add(L->E, body, L->k.slope);
+    }
+#endif
+    for (int i = 0; i < n * n; i++) {
+      L->E[i] *= g * g;
+    }
+#if FB_WITH_DAMPING
+    if (fbi_has(body->effects, FB_EFFECT_DAMPING)) {
+      fbi_sparse_add(L->E, g, &body->C, n);
+    }
+#endif
+  }
+  fbi_sparse_add(L->E, FB_R(1.0), &body->M, n);
+  fbi_lambda_rows(L->X, body, L->k.qx, 0, body->n_lambda);
+  for (int i = 0; i < 6; i++) {
+    fb_real a[FB_MAX_MODES];
+    fbi_mass_solve(a, body, L->X + i * n);
+    for (int j = i; j < 6; j++) {
+      L->S[fb_sym6_index(i, j)] += fbi_dot(a, L->X + j * n, n);
+    }
+  }
+}
+
+/* A child with the inertia S on a node that moves: E += J^T I J, X += V^T I J, S += V^T I V with I its inertia about the
+   node and V = (v + w x n, w) the node's velocity by the parent's. */
+static void fbi_link_carry(fbi_link_work *P, const fbi_link_work *L, const fb_real S[21], int n)
+{
+  const fb_real none[9] = {FB_R(1.0), 0, 0, 0, FB_R(1.0), 0, 0, 0, FB_R(1.0)};
+  fb_real I[21], K[6 * FB_MAX_MODES];
+  fbi_zero(I, 21);
+  fbi_sym6_to_parent_add(I, S, L->C, L->arm);
+  for (int a = 0; a < n; a++) {
+    const fb_real *u = L->node.Ju + 3 * a, *t = L->node.Jphi + 3 * a;
+    const fb_real J[6] = {u[0], u[1], u[2], t[0], t[1], t[2]};
+    fb_real *column = K + 6 * a;
+    fb_sym6_mul_vec6(column, I, J);
+    for (int b = 0; b <= a; b++) {
+      const fb_real sum = fb_vec3_dot(column, L->node.Ju + 3 * b) + fb_vec3_dot(column + 3, L->node.Jphi + 3 * b);
+      P->E[a * n + b] += sum;
+      P->E[b * n + a] += a == b ? FB_R(0.0) : sum;
+    }
+    fbi_vec3_add_cross(column + 3, L->n, column);
+    for (int i = 0; i < 6; i++) {
+      P->X[i * n + a] += column[i];
+    }
+  }
+  fbi_sym6_to_parent_add(P->S, I, none, L->n);
+}
+
+/* E = L L^T and Z = E^-1 X^T by rows; S -= X Z^T: the modes follow. */
+static fb_status fbi_link_close(fbi_link_work *L, int n)
+{
+  if (fb_chol_factor(L->E, n) != FB_OK) {
+    return FB_ERR_UNDETERMINED;
+  }
+  for (int i = 0; i < 6; i++) {
+    fb_chol_solve(L->Z + i * n, L->E, L->X + i * n, n);
+    for (int j = 0; j <= i; j++) {
+      L->S[fb_sym6_index(i, j)] -= fbi_dot(L->X + j * n, L->Z + i * n, n);
+    }
+  }
+  return FB_OK;
+}
+
+/* [E9.4] Articulated inertia: each free axis takes its direction out, S -= U U^T / D, U = S A, D = A.U + g c + g^2 k.
+   Axes of one joint go one after the other, as if massless bodies were between them. D is small against what it is made
+   of: the axis moves no inertia.
+   Source: block elimination of M u = p from the tips; R. Featherstone, Rigid Body Dynamics Algorithms, 2008, 7.
+   Cost: 80 flops an axis.  Fails: no inertia.  Test: the_three_methods_agree. */
+static fb_status fbi_link_release(fbi_link_work *L, const fb_joint *joint, fb_real g)
+{
+  const fb_real *S = L->S;
+  const fb_real size[6] = {S[0], S[6], S[11], S[15], S[18], S[20]};
+  if (joint->kind == FB_JOINT_FREE) {
+    return FB_OK;
+  }
+  for (int i = 0; i < joint->n_axis; i++) {
+    if (L->mode[i] == FB_AXIS_PRESCRIBED) {
+      fb_sym6_mul_vec6(L->U + 6 * i, L->S, L->A + 6 * i);
+    }
+  }
+  for (int i = 0; i < joint->n_axis; i++) {
+    const fb_real *A = L->A + 6 * i;
+    fb_real *U = L->U + 6 * i, D = g * joint->damping[i] + g * g * joint->stiffness[i], reference = D;
+    if (L->mode[i] != FB_AXIS_FREE) {
+      continue;
+    }
+    fb_sym6_mul_vec6(U, L->S, A);
+    D += fbi_vec6_dot(A, U);
+    for (int j = 0; j < 6; j++) {
+      reference += A[j] * A[j] * size[j];
+    }
+    if (!(D > FB_R(16.0) * FB_EPSILON * reference)) {
+      return FB_ERR_UNDETERMINED;
+    }
+    L->D[i] = FB_R(1.0) / D;
+    for (int r = 0, at = 0; r < 6; r++) {
+      const fb_real scaled = L->D[i] * U[r];
+      for (int c = r; c < 6; c++) {
+        L->S[at++] -= scaled * U[c];
+      }
+    }
+  }
+  return FB_OK;
+}
+
+/* Factors M + g C + g^2 K of a tree from the tips to the ground; w->joint names the joint on failure. */
+static fb_status fbi_tree_factor(fb_system_work *w, const fb_system *system, const fb_body *body, fb_real g)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    const fb_body *model = fbi_model(system, body, k);
+    if (model->constant_S) {
+      fbi_copy(L->S, model->S0, 21);
+    } else {
+      fbi_S_eval(L->S, model, L->k.qx, model->n_S);
+    }
+    L->open = model->n > 0 && (L->coupled || g > FB_R(0.0));
+    if (L->open) {
+      fbi_link_open(L, model, g);
+    }
+  }
+  for (int k = system->n_body - 1; k >= 0; k--) {
+    fbi_link_work *L = &w->link[k], *parent;
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    fb_status status = L->open ? fbi_link_close(L, fbi_model(system, body, k)->n) : FB_OK;
+    status = status == FB_OK ? fbi_link_release(L, joint, g) : status;
+    if (status != FB_OK) {
+      w->joint = k;
+      return status;
+    }
+    parent = fbi_parent(w, joint);
+    if (parent && joint->moves) {
+      fbi_link_carry(parent, L, L->S, fbi_model(system, body, joint->parent)->n);
+    } else if (parent) {
+      fbi_sym6_to_parent_add(parent->S, L->S, L->C, L->arm);
+    }
+  }
+  return FB_OK;
+}
+
+/* The right-hand side's way in: what the body and all that hangs on it hand to the joint, b; e of the modes. */
+static void fbi_link_in(fbi_link_work *L, const fb_joint *joint, const fb_body *body)
+{
+  const int n = body->n;
+  if (L->open) {
+    fb_real e[FB_MAX_MODES];
+    fbi_copy(e, L->e, n);
+    fb_chol_solve(L->e, L->E, e, n);
+    for (int i = 0; i < 6; i++) {
+      L->b[i] += fbi_dot(L->X + i * n, L->e, n);
+    }
+  } else if (n > 0) {
+    fb_real own[6] = {0}, e[FB_MAX_MODES];
+    fbi_copy(e, L->e, n);
+    fbi_mass_solve(L->e, body, e);
+    fbi_lambda_sub(own, body, L->k.qx, L->e);
+    for (int i = 0; i < 6; i++) {
+      L->b[i] -= own[i];
+    }
+  }
+  if (joint->kind == FB_JOINT_FREE) {
+    return;
+  }
+  for (int i = 0; i < joint->n_axis; i++) {
+    if (L->mode[i] == FB_AXIS_PRESCRIBED) {
+      for (int j = 0; j < 6; j++) {
+        L->b[j] += L->p[i] * L->U[6 * i + j];
+      }
+    }
+  }
+  for (int i = 0; i < joint->n_axis; i++) {
+    if (L->mode[i] == FB_AXIS_FREE) {
+      L->r[i] = L->D[i] * (L->p[i] - fbi_vec6_dot(L->A + 6 * i, L->b));
+      for (int j = 0; j < 6; j++) {
+        L->b[j] += L->r[i] * L->U[6 * i + j];
+      }
+    }
+  }
+}
+
+/* Velocities outward: V of the body from that of the node it hangs on, the speeds of its joint and modes; momentum G of
+   the subtree. */
+static fb_status fbi_link_out(fbi_link_work *L, const fb_joint *joint, const fb_body *body, const fb_real node[6])
+{
+  const int n = body->n;
+  fb_real V[6] = {0};
+  if (joint->kind == FB_JOINT_FREE) {
+    fb_real y[6];
+    for (int i = 0; i < 6; i++) {
+      y[i] = L->p[i] - L->b[i];
+      V[i] = L->mode[0] == FB_AXIS_PRESCRIBED ? L->p[i] : FB_R(0.0);
+    }
+    if (L->mode[0] == FB_AXIS_FREE && fb_sym6_solve(V, L->S, y) != FB_OK) {
+      return fbi_is_finite(L->S, 21) ? FB_ERR_UNDETERMINED : FB_ERR_NOT_FINITE;
+    }
+    fbi_copy(L->u, V, 6);
+    fb_sym6_mul_vec6(L->G, L->S, V);
+  } else {
+    if (node) {
+      fbi_from_node(V, L, node);
+    }
+    fb_sym6_mul_vec6(L->G, L->S, V);
+    for (int i = joint->n_axis - 1; i >= 0; i--) {
+      if (L->mode[i] == FB_AXIS_FREE) {
+        L->u[i] = L->r[i] - L->D[i] * fbi_vec6_dot(L->U + 6 * i, V);
+        for (int j = 0; j < 6; j++) {
+          V[j] += L->u[i] * L->A[6 * i + j];
+        }
+      } else {
+        L->u[i] = L->mode[i] == FB_AXIS_PRESCRIBED ? L->p[i] : FB_R(0.0);
+      }
+    }
+    for (int i = 0; i < joint->n_axis; i++) {
+      if (L->mode[i] == FB_AXIS_PRESCRIBED) {
+        for (int j = 0; j < 6; j++) {
+          V[j] += L->u[i] * L->A[6 * i + j];
+        }
+      }
+    }
+  }
+  for (int i = 0; i < 6; i++) {
+    L->V[i] = V[i];
+    L->G[i] += L->b[i];
+  }
+  if (L->open) {
+    fbi_copy(L->q_dot, L->e, n);
+    for (int i = 0; i < 6; i++) {
+      fbi_row_sub(L->q_dot, V[i], L->Z + i * n, n);
+    }
+  } else if (n > 0) {
+    fb_real e[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0};
+    fbi_zero(e, n);
+    fbi_lambda_gradients(e, unused, body, V, L->k.qx, L->e);
+    fbi_mass_solve(L->q_dot, body, e);
+    for (int a = 0; a < n; a++) {
+      L->q_dot[a] += L->e[a];
+    }
+  }
+  return FB_OK;
+}
+
+/* b of a body goes to the parent, and what it does to the parent's modes is taken off their e. */
+static void fbi_hand_in(fb_system_work *w, const fb_system *system, const fb_body *body, int k)
+{
+  const fbi_link_work *L = &w->link[k];
+  const fb_joint *joint = fbi_link_joint(system, w, k);
+  fbi_link_work *parent = fbi_parent(w, joint);
+  if (parent && joint->moves) {
+    fb_real b[6] = {0};
+    fbi_to_parent_add(b, L, L->b);
+    for (int a = 0; a < fbi_model(system, body, joint->parent)->n; a++) {
+      parent->e[a] -= fb_vec3_dot(L->node.Ju + 3 * a, b) + fb_vec3_dot(L->node.Jphi + 3 * a, b + 3);
+    }
+    fbi_vec3_add_cross(b + 3, L->n, b);
+    for (int i = 0; i < 6; i++) {
+      parent->b[i] += b[i];
+    }
+  } else if (parent) {
+    fbi_to_parent_add(parent->b, L, L->b);
+  }
+}
+
+/* [E9.5] Solution of M u = p with the factors of E9.4: in from the tips, b = momentum of the subtree at V = 0, out from the
+   ground. p of a prescribed axis is its speed; y is a momentum (or load) on the body itself, about O, that p and pi do
+   not hold. b and G become what the subtree's momentum is, less y.
+   Source: back-substitution.  Cost: 200 flops a body.  Test: the_three_methods_agree, momenta_give_back_the_speeds. */
+static fb_status fbi_tree_solve(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    for (int i = 0; i < 6; i++) {
+      L->b[i] = -L->y[i];
+    }
+    fbi_copy(L->e, L->pi, fbi_model(system, body, k)->n);
+  }
+  for (int k = system->n_body - 1; k >= 0; k--) {
+    fbi_link_in(&w->link[k], fbi_link_joint(system, w, k), fbi_model(system, body, k));
+    fbi_hand_in(w, system, body, k);
+  }
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    const fbi_link_work *parent = fbi_parent(w, joint);
+    fb_real node[6];
+    fb_status status;
+    if (parent) {
+      fbi_node_velocity(node, L, joint, fbi_model(system, body, joint->parent), parent->V, parent->q_dot);
+    }
+    status = fbi_link_out(L, joint, fbi_model(system, body, k), parent ? node : NULL);
+    if (status != FB_OK) {
+      w->joint = k;
+      return status;
+    }
+  }
+  return FB_OK;
+}
+
+/* ---- the same by one dense matrix */
+
+/* Place of a body's speeds among all of them: those of its joint, then of its modes. */
+static int fbi_speed_offset(const fb_system *system, const fb_system_work *w, const fb_body *body, int k)
+{
+  int at = 0;
+  for (int i = 0; i < k; i++) {
+    at += fbi_link_joint(system, w, i)->n_axis + fbi_model(system, body, i)->n;
+  }
+  return at;
+}
+
+/* Is the speed of this axis given? */
+static int fbi_axis_given(const fbi_link_work *L, const fb_joint *joint, int i)
+{
+  return L->mode[joint->kind == FB_JOINT_FREE ? 0 : i] != FB_AXIS_FREE;
+}
+
+/* Row c of T: the velocity V of body k per unit of speed c. */
+static void fbi_velocity_map(fb_system_work *w, const fb_system *system, const fb_body *body, int k, int N)
+{
+  const fbi_link_work *L = &w->link[k];
+  const fb_joint *joint = fbi_link_joint(system, w, k);
+  const int at = fbi_speed_offset(system, w, body, k);
+  fb_real *T = w->T + 6 * k * N;
+  fbi_zero(T, 6 * N);
+  if (joint->parent >= 0) {
+    const fb_body *on = fbi_model(system, body, joint->parent);
+    const fb_real *parent = w->T + 6 * joint->parent * N;
+    const int first = fbi_speed_offset(system, w, body, joint->parent + 1) - on->n;
+    for (int c = 0; c < at; c++) {
+      fb_real q_dot[FB_MAX_MODES] = {0}, node[6];
+      if (c >= first && c < first + on->n) {
+        q_dot[c - first] = FB_R(1.0);
+      }
+      fbi_node_velocity(node, L, joint, on, parent + 6 * c, q_dot);
+      fbi_from_node(T + 6 * c, L, node);
+    }
+  }
+  for (int i = 0; i < joint->n_axis; i++) {
+    if (joint->kind == FB_JOINT_FREE) {
+      T[6 * (at + i) + i] = FB_R(1.0);
+    } else {
+      fbi_copy(T + 6 * (at + i), L->A + 6 * i, 6);
+    }
+  }
+}
+
+/* [E9.6] Mass matrix of a tree, M = sum of (T, 1)^T [M_rr Lambda; Lambda^T E] (T, 1) over the bodies, V = T u, with the
+   given speeds as they are; LU.
+   Source: DESIGN 6; [H] 3.3.  Cost: bodies N^2 and 2/3 N^3 flops.  Fails: singular.  Test: the_three_methods_agree. */
+static fb_status fbi_dense_factor(fb_system_work *w, const fb_system *system, const fb_body *body, fb_real g)
+{
+  const int N = fbi_speed_offset(system, w, body, system->n_body);
+  fbi_zero(w->M, N * N);
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    const fb_body *model = fbi_model(system, body, k);
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    const int axes = fbi_speed_offset(system, w, body, k), at = axes + joint->n_axis, end = at + model->n;
+    const fb_real *T = w->T + 6 * k * N;
+    fbi_S_eval(L->S, model, L->k.qx, model->n_S);
+    fbi_link_open(L, model, g);
+    fbi_velocity_map(w, system, body, k, N);
+    for (int c = 0; c < end; c++) {
+      fb_real h[6];
+      fb_sym6_mul_vec6(h, L->S, T + 6 * c);
+      for (int i = 0; i < 6 && c >= at; i++) {
+        h[i] += L->X[i * model->n + c - at];
+      }
+      for (int d = 0; d < end; d++) {
+        w->M[d * N + c] += fbi_vec6_dot(T + 6 * d, h);
+      }
+      for (int a = 0; a < model->n; a++) {
+        for (int i = 0; i < 6; i++) {
+          w->M[(at + a) * N + c] += L->X[i * model->n + a] * T[6 * c + i];
+        }
+        w->M[(at + a) * N + c] += c >= at ? L->E[a * model->n + c - at] : FB_R(0.0);
+      }
+    }
+    for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
+      w->M[(axes + i) * (N + 1)] += g * joint->damping[i] + g * g * joint->stiffness[i];
+    }
+  }
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    for (int i = 0; i < joint->n_axis; i++) {
+      const int c = fbi_speed_offset(system, w, body, k) + i;
+      if (fbi_axis_given(&w->link[k], joint, i)) {
+        fbi_zero(w->M + c * N, N);
+        w->M[c * (N + 1)] = FB_R(1.0);
+      }
+    }
+  }
+  {
+    const fb_status status = fb_lu_factor(w->M, w->perm, w->z, N);
+    w->joint = status == FB_OK ? w->joint : -1;
+    return status == FB_ERR_SINGULAR ? FB_ERR_UNDETERMINED : status;
+  }
+}
+
+/* E9.5 with the factors of E9.6. */
+static void fbi_dense_solve(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  const int N = fbi_speed_offset(system, w, body, system->n_body);
+  for (int k = 0; k < system->n_body; k++) {
+    for (int i = 0; i < 6; i++) {
+      w->link[k].b[i] = -w->link[k].y[i];
+    }
+    fbi_copy(w->link[k].e, w->link[k].pi, fbi_model(system, body, k)->n);
+  }
+  for (int k = system->n_body - 1; k >= 0; k--) {
+    fbi_link_work *L = &w->link[k];
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    const int at = fbi_speed_offset(system, w, body, k);
+    for (int i = 0; i < joint->n_axis; i++) {
+      const fb_real along = joint->kind == FB_JOINT_FREE ? L->b[i] : fbi_vec6_dot(L->A + 6 * i, L->b);
+      const fb_real given = L->mode[joint->kind == FB_JOINT_FREE ? 0 : i] == FB_AXIS_PRESCRIBED ? L->p[i] : FB_R(0.0);
+      w->z[at + i] = fbi_axis_given(L, joint, i) ? given : L->p[i] - along;
+    }
+    fbi_copy(w->z + at + joint->n_axis, L->e, fbi_model(system, body, k)->n);
+    fbi_hand_in(w, system, body, k);
+  }
+  fb_lu_solve(w->speed, w->M, w->perm, w->z, N);
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    const fb_body *model = fbi_model(system, body, k);
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    const int at = fbi_speed_offset(system, w, body, k);
+    fbi_copy(L->u, w->speed + at, joint->n_axis);
+    fbi_copy(L->q_dot, w->speed + at + joint->n_axis, model->n);
+    fbi_zero(L->V, 6);
+    for (int c = 0; c < N; c++) {
+      fbi_row_sub(L->V, -w->speed[c], w->T + 6 * (k * N + c), 6);
+    }
+    fb_sym6_mul_vec6(L->b, L->S, L->V);
+    for (int i = 0; i < 6; i++) {
+      L->b[i] += fbi_dot(L->X + i * model->n, L->q_dot, model->n) - L->y[i];
+    }
+  }
+  for (int k = system->n_body - 1; k >= 0; k--) {
+    fbi_copy(w->link[k].G, w->link[k].b, 6);
+    fbi_hand_in(w, system, body, k);
+  }
+}
+
+static fb_status fbi_mass_factor(fb_system_work *w, const fb_system *system, const fb_body *body, fb_real g)
+{
+  w->joint = -1;
+  return system->method == FB_METHOD_DENSE ? fbi_dense_factor(w, system, body, g) : fbi_tree_factor(w, system, body, g);
+}
+
+static fb_status fbi_speeds_solve(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  if (system->method == FB_METHOD_DENSE) {
+    fbi_dense_solve(w, system, body);
+    return FB_OK;
+  }
+  return fbi_tree_solve(w, system, body);
+}
+
+/* ---- 9d constraints */
+
+/* The end of a constraint at a node of a body: found among those there are, or a new one. */
+static fb_status fbi_end_find(int *at, fb_system_work *w, const fb_system *system, const fb_body *body, int link,
+                              int node)
+{
+  fbi_end *end = w->end;
+  FBI_REQUIRE(link >= FB_GROUND && link < system->n_body, FB_ERR_CAPACITY);
+  FBI_REQUIRE(node >= 0 && node < (link < 0 ? 1 : fbi_model(system, body, link)->n_node), FB_ERR_CAPACITY);
+  for (*at = 0; *at < w->n_end; ++*at, end++) {
+    if (end->link == link && end->node == node) {
+      return FB_OK;
+    }
+  }
+  FBI_REQUIRE(w->n_end < FBI_MAX_ENDS, FB_ERR_CAPACITY);
+  w->n_end++;
+  memset(end, 0, sizeof *end);
+  end->link = link;
+  end->node = node;
+  end->R[0] = end->R[4] = end->R[8] = FB_R(1.0);
+  if (link >= 0) {
+    const fb_body *model = fbi_model(system, body, link);
+    const fbi_link_work *L = &w->link[link];
+    fb_real quat[4], turn[9];
+    end->moves = fbi_node_moves(model, node);
+    fbi_node_eval(&end->f, model, &model->node[node], L->k.qx + 1);
+    fbi_copy(end->n, model->node[node].r, 3);
+    fbi_vec3_add(end->n, FB_R(1.0), end->f.u);
+    fbi_node_quat(quat, &end->f);
+    fb_quat_to_mat33(turn, quat);
+    fb_mat33_mul(end->R, L->k.R, turn);
+    fb_mat33_mul_vec3(end->x, L->k.R, end->n);
+    fbi_vec3_add(end->x, FB_R(1.0), L->rho);
+  }
+  return FB_OK;
+}
+
+/* v, w of an end, inertial axes, from the solution V, q_dot. */
+static void fbi_end_velocity(fb_real v[3], fb_real w_I[3], const fb_system_work *w, const fb_system *system,
+                             const fb_body *body, const fbi_end *end)
+{
+  fbi_zero(v, 3);
+  fbi_zero(w_I, 3);
+  if (end->link >= 0) {
+    const fbi_link_work *L = &w->link[end->link];
+    fb_real velocity[3], rate[3];
+    fbi_copy(velocity, L->V, 3);
+    fbi_copy(rate, L->V + 3, 3);
+    fbi_vec3_add_cross(velocity, L->V + 3, end->n);
+    for (int a = 0; a < fbi_model(system, body, end->link)->n && end->moves; a++) {
+      fbi_vec3_add(velocity, L->q_dot[a], end->f.Ju + 3 * a);
+      fbi_vec3_add(rate, L->q_dot[a], end->f.Jphi + 3 * a);
+    }
+    fb_mat33_mul_vec3(v, L->k.R, velocity);
+    fb_mat33_mul_vec3(w_I, L->k.R, rate);
+  }
+}
+
+/* The right-hand side takes s times an impulse (force, torque; inertial axes) on the node of an end. */
+static void fbi_end_impulse(fb_system_work *w, const fb_system *system, const fb_body *body, const fbi_end *end,
+                            fb_real s, const fb_real force[3], const fb_real torque[3])
+{
+  if (end->link >= 0) {
+    fbi_link_work *L = &w->link[end->link];
+    fb_real f[3], t[3];
+    fb_mat33_mulT_vec3(f, L->k.R, force);
+    fb_mat33_mulT_vec3(t, L->k.R, torque);
+    for (int a = 0; a < fbi_model(system, body, end->link)->n && end->moves; a++) {
+      L->pi[a] += s * (fb_vec3_dot(end->f.Ju + 3 * a, f) + fb_vec3_dot(end->f.Jphi + 3 * a, t));
+    }
+    fbi_vec3_add_cross(t, end->n, f);
+    fbi_vec3_add(L->y, s, f);
+    fbi_vec3_add(L->y + 3, s, t);
+  }
+}
+
+typedef struct fbi_frames { /* of a kept joint on its parent a and child b, inertial axes */
+  fbi_end *end[2];
+  int at[2];
+  fb_real a[3][3], b[3][3]; /* axes x, y, z */
+  fb_real x[2][3];          /* origins */
+  fb_real arm[2][3];        /* from the ends: to the child's origin */
+  fb_real step[3];          /* from the parent's origin to the child's */
+} fbi_frames;
+
+static fb_status fbi_frames_eval(fbi_frames *f, fb_system_work *w, const fb_system *system, const fb_body *body, int j)
+{
+  const fb_joint *joint = &system->joint[j];
+  const fb_real *local[2], *axes[2];
+  int parent_node = joint->parent_node;
+  fb_status status;
+  local[0] = joint->position;
+  local[1] = joint->child_position;
+  axes[0] = joint->axes;
+  axes[1] = joint->child_axes;
+  if (!joint->moves) {
+    parent_node = 0; /* the position is from the origin */
+  }
+  status = fbi_end_find(&f->at[0], w, system, body, joint->parent, parent_node);
+  status = status == FB_OK ? fbi_end_find(&f->at[1], w, system, body, joint->child, joint->child_node) : status;
+  if (status != FB_OK) {
+    return status;
+  }
+  for (int s = 0; s < 2; s++) {
+    f->end[s] = &w->end[f->at[s]];
+    fb_mat33_mul_vec3(f->x[s], f->end[s]->R, local[s]);
+    fbi_vec3_add(f->x[s], FB_R(1.0), f->end[s]->x);
+    for (int i = 0; i < 3; i++) {
+      const fb_real column[3] = {axes[s][i], axes[s][3 + i], axes[s][6 + i]};
+      fb_mat33_mul_vec3(s == 0 ? f->a[i] : f->b[i], f->end[s]->R, column);
+    }
+  }
+  for (int i = 0; i < 3; i++) {
+    f->step[i] = f->x[1][i] - f->x[0][i];
+    f->arm[0][i] = f->x[1][i] - f->end[0]->x[i];
+    f->arm[1][i] = f->x[1][i] - f->end[1]->x[i];
+  }
+  return FB_OK;
+}
+
+/* [E9.7] Coordinates of a joint from its frames; angles within half a turn. rotation: those of a rotation vector.
+   Source: [H] 3.1.  Test: the_three_methods_agree. */
+static void fbi_frames_value(fb_real value[3], const fbi_frames *f, const fb_joint *joint)
+{
+  const fb_real slide = fb_vec3_dot(f->step, f->a[2]);
+  const fb_joint_kind kind = joint->kind;
+  fbi_zero(value, 3);
+  if (kind == FB_JOINT_PRISMATIC) {
+    value[0] = slide;
+  } else if (kind == FB_JOINT_SPHERICAL) {
+    fb_real R[9], quat[4];
+    for (int i = 0; i < 9; i++) {
+      R[i] = fb_vec3_dot(f->a[i / 3], f->b[i % 3]);
+    }
+    fbi_quat_from_mat33(quat, R);
+    fb_quat_to_rotvec(value, quat);
+  } else {
+    value[0] = FB_ATAN2(fb_vec3_dot(f->a[1], f->b[0]), fb_vec3_dot(f->a[0], f->b[0]));
+    value[1] = kind == FB_JOINT_CYLINDRICAL ? slide : FB_R(0.0);
+    if (kind == FB_JOINT_UNIVERSAL) {
+      value[1] = FB_ATAN2(fb_vec3_dot(f->a[2], f->b[1]), fb_vec3_dot(f->a[2], f->b[2]));
+    }
+  }
+}
+
+/* The direction (force, torque) in which axis i of a joint pushes its child at the child's origin, and its rate. */
+static void fbi_frames_axis(fb_real force[3], fb_real torque[3], const fbi_frames *f, const fb_joint *joint, int i)
+{
+  const fb_joint_kind kind = joint->kind;
+  fbi_zero(force, 3);
+  fbi_zero(torque, 3);
+  if (kind == FB_JOINT_PRISMATIC || (kind == FB_JOINT_CYLINDRICAL && i == 1)) {
+    fbi_copy(force, f->a[2], 3);
+  } else if (kind == FB_JOINT_SPHERICAL) {
+    fbi_copy(torque, f->b[i], 3);
+  } else {
+    fbi_copy(torque, kind == FB_JOINT_UNIVERSAL && i == 1 ? f->b[0] : f->a[2], 3);
+  }
+}
+
+/* A new row of joint j that pushes along (force, torque) at the child's origin, and back on the parent. */
+static fbi_row *fbi_row_new(fb_system_work *w, const fbi_frames *f, int j, const fb_real force[3],
+                            const fb_real torque[3], fb_real value)
+{
+  fbi_row *row;
+  if (w->n_row >= FB_MAX_ROWS) {
+    return NULL;
+  }
+  row = &w->row[w->n_row++];
+  memset(row, 0, sizeof *row);
+  row->joint = j;
+  row->r.holonomic = 1;
+  row->r.value = value;
+  for (int s = 0; s < 2; s++) {
+    const fb_real sign = s == 0 ? -FB_R(1.0) : FB_R(1.0);
+    row->end[s] = f->at[s];
+    fbi_vec3_add(row->r.force[s], sign, force);
+    fbi_vec3_add(row->r.torque[s], sign, torque);
+    {
+      fb_real moment[3];
+      fb_vec3_cross(moment, f->arm[s], force);
+      fbi_vec3_add(row->r.torque[s], sign, moment);
+    }
+  }
+  return row;
+}
+
+/* Which of its frame's directions a joint holds: translations 0..2, then the angles between axis i of the parent and j of
+   the child at 90 degrees, as 3 + 3 i + j; -1 ends the list. */
+static const signed char *fbi_joint_holds(fb_joint_kind kind)
+{
+  static const signed char list[8][7] = {{-1},
+                                         {0, 1, 2, 3 + 1, 3 + 5, 3 + 6, -1},
+                                         {0, 1, 2, 3 + 2, 3 + 5, -1},
+                                         {0, 1, 3 + 1, 3 + 5, 3 + 6, -1},
+                                         {0, 1, 3 + 2, 3 + 5, -1},
+                                         {0, 1, 3 + 2, 3 + 5, -1},
+                                         {0, 1, 2, 3 + 6, -1},
+                                         {0, 1, 2, -1}};
+  return list[(int)kind];
+}
+
+static fb_real fbi_angle_wrap(fb_real angle)
+{
+  return FB_R(2.0) * FB_ATAN2(FB_SIN(FB_R(0.5) * angle), FB_COS(FB_R(0.5) * angle));
+}
+
+/* Does axis i of the joint slide? */
+static int fbi_axis_slides(const fb_joint *joint, int i)
+{
+  return joint->kind == FB_JOINT_PRISMATIC || (joint->kind == FB_JOINT_CYLINDRICAL && i == 1);
+}
+
+/* Rows of the axes that are locked or prescribed. */
+static int fbi_given_rows(fb_system_work *w, const fb_system *system, const fbi_frames *f, int j,
+                          const fb_system_state *modes, const fb_system_input *input)
+{
+  const fb_joint *joint = &system->joint[j];
+  fb_real value[3], force[3], torque[3];
+  fbi_frames_value(value, f, joint);
+  for (int i = 0; i < joint->n_axis; i++) {
+    const int prescribed = modes->mode[j][i] == FB_AXIS_PRESCRIBED;
+    const fb_real target = !prescribed ? modes->hold[j][i] : input ? input->drive[j].value[i] : FB_R(0.0);
+    fb_real miss = value[i] - target;
+    fbi_row *row;
+    if (modes->mode[j][i] == FB_AXIS_FREE) {
+      continue;
+    }
+    fbi_frames_axis(force, torque, f, joint, i);
+    if (joint->kind == FB_JOINT_SPHERICAL && !prescribed) { /* against the axes as they were when it was locked */
+      fb_real hold[9], b[3] = {0};
+      const int next = (i + 1) % 3;
+      fb_quat_to_mat33(hold, modes->hold_quat[j]);
+      for (int k = 0; k < 3; k++) {
+        fbi_vec3_add(b, hold[3 * next + k], f->b[k]);
+      }
+      fb_vec3_cross(torque, b, f->a[i]);
+      miss = fb_vec3_dot(f->a[i], b);
+    } else if (!fbi_axis_slides(joint, i)) {
+      miss = fbi_angle_wrap(miss);
+    }
+    row = fbi_row_new(w, f, j, force, torque, miss);
+    if (!row) {
+      return 0;
+    }
+    row->axis = i;
+    if (prescribed) {
+      row->r.b = input ? -input->drive[j].rate[i] : FB_R(0.0);
+      row->b_dot = input ? -input->drive[j].acceleration[i] : FB_R(0.0);
+      row->r.holonomic = joint->kind != FB_JOINT_SPHERICAL;
+    }
+  }
+  return 1;
+}
+
+/* [E9.8] Rows of a joint that is kept: force and torque on the child at its joint frame, the opposite on the parent.
+   Translation along a_i: force a_i, value a_i.(x_b - x_a). Right angle of a_i and b_j: torque b_j x a_i, value a_i.b_j.
+   Screw: force a_z, torque -pitch a_z, value slide - pitch angle. Each is the exact gradient of its value.
+   Source: [H] 3.4; direction cosines.  Fails: more than FB_MAX_ROWS.  Test: the_three_methods_agree. */
+static fb_status fbi_joint_rows(fb_system_work *w, const fb_system *system, const fb_body *body, int j,
+                                const fb_system_state *modes, const fb_system_input *input)
+{
+  const fb_joint *joint = &system->joint[j];
+  static const fb_real none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fbi_frames f;
+  const fb_status status = fbi_frames_eval(&f, w, system, body, j);
+  int room = 1;
+  if (status != FB_OK) {
+    return status;
+  }
+  for (const signed char *hold = fbi_joint_holds(joint->kind); *hold >= 0 && room; hold++) {
+    const fb_real *a = f.a[*hold < 3 ? *hold : (*hold - 3) / 3];
+    fbi_row *row;
+    if (*hold < 3) {
+      row = fbi_row_new(w, &f, j, a, none, fb_vec3_dot(a, f.step));
+    } else {
+      const fb_real *b = f.b[(*hold - 3) % 3];
+      fb_real torque[3];
+      fb_vec3_cross(torque, b, a);
+      row = fbi_row_new(w, &f, j, none, torque, fb_vec3_dot(a, b));
+    }
+    room = row != NULL;
+    if (row) {
+      row->axis = -1 - *hold;
+    }
+  }
+  if (joint->kind == FB_JOINT_SCREW && room) {
+    const fb_real slide = fb_vec3_dot(f.a[2], f.step);
+    fb_real value[3], torque[3] = {0};
+    fbi_row *row;
+    fbi_frames_value(value, &f, joint);
+    fbi_vec3_add(torque, -joint->pitch, f.a[2]);
+    value[0] = joint->pitch == FB_R(0.0) ? slide : joint->pitch * fbi_angle_wrap(slide / joint->pitch - value[0]);
+    row = fbi_row_new(w, &f, j, f.a[2], torque, value[0]);
+    room = row != NULL;
+    if (row) {
+      row->axis = 0;
+    }
+  }
+  return room && fbi_given_rows(w, system, &f, j, modes, input) ? FB_OK : FB_ERR_CAPACITY;
+}
+
+/* Rates of a joint's rows along the motion of its ends: axes of the parent turn with it, those of the child with the
+   child. Same order as fbi_joint_rows; the frames are where they were. */
+static void fbi_joint_row_rates(fbi_row *row, fb_system_work *w, const fb_system *system, const fb_body *body,
+                                const fb_system_state *modes)
+{
+  const fb_joint *joint = &system->joint[row->joint];
+  const int hold = -1 - row->axis;
+  fbi_frames f;
+  fb_real force[3] = {0}, force_dot[3] = {0}, torque_dot[3] = {0}, at_child[3];
+  (void)fbi_frames_eval(&f, w, system, body, row->joint);
+  fbi_copy(force, row->r.force[1], 3);
+  if (row->axis >= 0 && !(joint->kind == FB_JOINT_SPHERICAL && modes->mode[row->joint][0] == FB_AXIS_LOCKED)) {
+    const int on_child = joint->kind == FB_JOINT_SPHERICAL || (joint->kind == FB_JOINT_UNIVERSAL && row->axis == 1);
+    fb_real torque[3], moment[3];
+    const fb_real *turn = f.end[on_child]->w;
+    fb_vec3_cross(moment, f.arm[1], force);
+    for (int i = 0; i < 3; i++) {
+      torque[i] = row->r.torque[1][i] - moment[i];
+    }
+    fb_vec3_cross(force_dot, turn, force);
+    fb_vec3_cross(torque_dot, turn, torque);
+  } else if (hold >= 0 && hold < 3) {
+    fb_vec3_cross(force_dot, f.end[0]->w, force);
+  } else {
+    const fb_real *a = f.a[hold >= 3 ? (hold - 3) / 3 : row->axis];
+    fb_real b[3] = {0}, a_dot[3], b_dot[3];
+    if (hold >= 3) {
+      fbi_copy(b, f.b[(hold - 3) % 3], 3);
+    } else {
+      fb_real R[9];
+      fb_quat_to_mat33(R, modes->hold_quat[row->joint]);
+      for (int k = 0; k < 3; k++) {
+        fbi_vec3_add(b, R[3 * ((row->axis + 1) % 3) + k], f.b[k]);
+      }
+    }
+    fb_vec3_cross(a_dot, f.end[0]->w, a);
+    fb_vec3_cross(b_dot, f.end[1]->w, b);
+    fb_vec3_cross(torque_dot, b_dot, a);
+    fbi_vec3_add_cross(torque_dot, b, a_dot);
+  }
+  fbi_copy(at_child, f.end[1]->v, 3);
+  fbi_vec3_add_cross(at_child, f.end[1]->w, f.arm[1]);
+  for (int s = 0; s < 2; s++) { /* arm_dot x force + arm x force_dot */
+    const fb_real sign = s == 0 ? -FB_R(1.0) : FB_R(1.0);
+    fb_real arm_dot[3], moment[3];
+    for (int i = 0; i < 3; i++) {
+      arm_dot[i] = at_child[i] - f.end[s]->v[i];
+    }
+    fb_vec3_cross(moment, arm_dot, force);
+    fbi_vec3_add_cross(moment, f.arm[s], force_dot);
+    for (int i = 0; i < 3; i++) {
+      row->force_dot[s][i] = sign * force_dot[i];
+      row->torque_dot[s][i] = sign * (torque_dot[i] + moment[i]);
+    }
+  }
+}
+
+/* The caller's rows, at time t and the poses of the bodies moved on by h [s]; rows go to `row`. */
+static int fbi_user_rows(fb_row *row, fb_system_work *w, const fb_system *system, const fb_system_input *input,
+                         fb_real h)
+{
+  memset(row, 0, FB_MAX_ROWS * sizeof *row);
+  for (int k = 0; k < system->n_body; k++) {
+    const fbi_link_work *L = &w->link[k];
+    fb_real v[3], turn[4], phi[3], R[9];
+    fb_mat33_mul_vec3(v, L->k.R, L->V);
+    for (int i = 0; i < 3; i++) {
+      w->pose[k].position[i] = L->rho[i] + (h == FB_R(0.0) ? h : h * v[i]);
+      phi[i] = h == FB_R(0.0) ? h : h * L->V[3 + i];
+    }
+    fb_quat_from_rotvec(turn, phi);
+    fb_quat_to_mat33(R, turn);
+    fb_mat33_mul(w->pose[k].R, L->k.R, R);
+  }
+  return input->rows(row, FB_MAX_ROWS - w->n_row, w->pose, input->t + h, input->user);
+}
+
+/* All rows at the present positions. */
+static fb_status fbi_rows_fill(fb_system_work *w, const fb_system *system, const fb_body *body,
+                               const fb_system_state *modes, const fb_system_input *input)
+{
+  fb_status status = FB_OK;
+  w->n_row = w->n_end = 0;
+  for (int j = 0; j < system->n_body + system->n_loop && status == FB_OK; j++) {
+    if (fbi_is_kept(system, w, j)) {
+      status = fbi_joint_rows(w, system, body, j, modes, input);
+      w->joint = status == FB_OK ? w->joint : j;
+    }
+  }
+  w->n_joint_row = w->n_row;
+  if (status == FB_OK && input && input->rows) {
+    const int count = fbi_user_rows(w->ahead, w, system, input, FB_R(0.0));
+    if (count < 0 || count > FB_MAX_ROWS - w->n_row) {
+      return count < 0 ? (fb_status)count : FB_ERR_CAPACITY;
+    }
+    for (int k = 0; k < count && status == FB_OK; k++) {
+      fbi_row *row = &w->row[w->n_row++];
+      memset(row, 0, sizeof *row);
+      row->r = w->ahead[k];
+      row->joint = -2 - k;
+      for (int s = 0; s < 2 && status == FB_OK; s++) {
+        status = fbi_end_find(&row->end[s], w, system, body, row->r.body[s], row->r.node[s]);
+      }
+      if (status == FB_OK && (!fbi_is_finite(row->r.force[0], 6) || !fbi_is_finite(row->r.torque[0], 6) ||
+                              !fbi_is_finite(&row->r.b, 1) || !fbi_is_finite(&row->r.value, 1))) {
+        status = FB_ERR_NOT_FINITE;
+      }
+      w->joint = status == FB_OK ? w->joint : row->joint;
+    }
+  }
+  return status;
+}
+
+/* Motion of the ends from the solution, then how the rows change with it: those of the caller by differences over a
+   small part of a turn. */
+static fb_status fbi_rows_rate(fb_system_work *w, const fb_system *system, const fb_body *body,
+                               const fb_system_state *modes, const fb_system_input *input)
+{
+  const int count = w->n_row - w->n_joint_row;
+  for (int e = 0; e < w->n_end; e++) {
+    fbi_end_velocity(w->end[e].v, w->end[e].w, w, system, body, &w->end[e]);
+  }
+  for (int r = 0; r < w->n_joint_row; r++) {
+    fbi_joint_row_rates(&w->row[r], w, system, body, modes);
+  }
+  if (count > 0) {
+    fb_real spin = FB_R(1.0), h;
+    for (int k = 0; k < system->n_body; k++) {
+      spin = fbi_larger(spin, fbi_vec3_norm(w->link[k].V + 3));
+    }
+    h = (FB_SINGLE ? FB_R(5e-3) : FB_R(1e-5)) / spin;
+    if (fbi_user_rows(w->ahead, w, system, input, h) != count ||
+        fbi_user_rows(w->behind, w, system, input, -h) != count) {
+      return FB_ERR_VALUE;
+    }
+    for (int r = 0; r < count; r++) {
+      fbi_row *row = &w->row[w->n_joint_row + r];
+      const fb_row *a = &w->ahead[r], *b = &w->behind[r];
+      const fb_real scale = FB_R(0.5) / h;
+      row->b_dot = scale * (a->b - b->b);
+      for (int i = 0; i < 6; i++) {
+        row->force_dot[i / 3][i % 3] = scale * (a->force[i / 3][i % 3] - b->force[i / 3][i % 3]);
+        row->torque_dot[i / 3][i % 3] = scale * (a->torque[i / 3][i % 3] - b->torque[i / 3][i % 3]);
+      }
+    }
+  }
+  return FB_OK;
+}
+
+/* The sum force.v + torque.w of a row over the velocities of its ends; size: the sum of magnitudes. */
+static fb_real fbi_row_eval(fb_real *size, const fbi_row *row, const fb_system_work *w, const fb_system *system,
+                            const fb_body *body)
+{
+  fb_real sum = FB_R(0.0);
+  *size = FB_R(0.0);
+  for (int s = 0; s < 2; s++) {
+    fb_real v[3], turn[3];
+    fbi_end_velocity(v, turn, w, system, body, &w->end[row->end[s]]);
+    {
+      const fb_real along = fb_vec3_dot(row->r.force[s], v), about = fb_vec3_dot(row->r.torque[s], turn);
+      sum += along + about;
+      *size += FB_FABS(along) + FB_FABS(about);
+    }
+  }
+  return sum;
+}
+
+/* The right-hand side to zero: no momenta, no given speeds. */
+static void fbi_rhs_clear(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_zero(w->link[k].y, 6);
+    fbi_zero(w->link[k].p, 6);
+    fbi_zero(w->link[k].pi, fbi_model(system, body, k)->n);
+  }
+}
+
+static void fbi_row_impulse(fb_system_work *w, const fb_system *system, const fb_body *body, int r, fb_real s)
+{
+  const fbi_row *row = &w->row[r];
+  for (int side = 0; side < 2; side++) {
+    fbi_end_impulse(w, system, body, &w->end[row->end[side]], s, row->r.force[side], row->r.torque[side]);
+  }
+}
+
+/* [E9.9] Q = A M^-1 A^T of the rows and its pivoted Cholesky factors: rows that depend on others are left out, w->rank of
+   them stay. Pivots count relative to their own diagonal.
+   Source: [GV] 4.2.8.  Shapes: Q n_row x n_row.  Cost: n_row solutions E9.5, n_row^3/3 flops.
+   Fails: never.  Test: redundant_loops_are_accepted. */
+static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  const int m = w->n_row;
+  const fb_real tol = FB_SINGLE ? FB_R(1e-4) : FB_R(1e-11);
+  fb_real *Q = w->Q, size;
+  for (int r = 0; r < m; r++) {
+    fb_status status;
+    fbi_rhs_clear(w, system, body);
+    fbi_row_impulse(w, system, body, r, FB_R(1.0));
+    status = fbi_speeds_solve(w, system, body);
+    if (status != FB_OK) {
+      return status;
+    }
+    for (int i = 0; i < m; i++) {
+      Q[i * m + r] = fbi_row_eval(&size, &w->row[i], w, system, body);
+    }
+    w->order[r] = r;
+    w->column[r] = Q[r * m + r];
+  }
+  for (int i = 0; i < m; i++) {
+    w->diagonal[i] = w->column[i];
+  }
+  for (w->rank = 0; w->rank < m;
+       w->rank++) { /* rows in the order of w->order; L in the lower triangle of their indices */
+    const int k = w->rank;
+    int best = k;
+    fb_real pivot;
+    for (int i = k + 1; i < m; i++) {
+      const int a = w->order[i], b = w->order[best];
+      if (w->diagonal[a] * w->column[b] > w->diagonal[b] * w->column[a]) {
+        best = i;
+      }
+    }
+    {
+      const int p = w->order[best];
+      if (!(w->diagonal[p] > tol * w->column[p])) {
+        break;
+      }
+      w->order[best] = w->order[k];
+      w->order[k] = p;
+      pivot = FB_R(1.0) / FB_SQRT(w->diagonal[p]);
+      w->diagonal[p] = pivot; /* of L, the reciprocal */
+      for (int i = k + 1; i < m; i++) {
+        const int r = w->order[i];
+        fb_real sum = Q[r * m + p];
+        for (int j = 0; j < k; j++) {
+          sum -= w->L[r * m + j] * w->L[p * m + j];
+        }
+        w->L[r * m + k] = sum * pivot;
+        w->diagonal[r] -= w->L[r * m + k] * w->L[r * m + k];
+      }
+    }
+  }
+  return FB_OK;
+}
+
+/* mu with Q mu = -c on the independent rows, zero on the others. */
+static void fbi_rows_multipliers(fb_system_work *w)
+{
+  const int m = w->n_row, n = w->rank;
+  fb_real *y = w->column;
+  fbi_zero(w->mu, m);
+  for (int k = 0; k < n; k++) {
+    const int r = w->order[k];
+    y[k] = (-w->c[r] - fbi_dot(w->L + r * m, y, k)) * w->diagonal[r];
+  }
+  for (int k = n - 1; k >= 0; k--) {
+    const int r = w->order[k];
+    fb_real sum = y[k];
+    for (int i = k + 1; i < n; i++) {
+      sum -= w->L[w->order[i] * m + k] * w->mu[w->order[i]];
+    }
+    w->mu[r] = sum * w->diagonal[r];
+  }
+}
+
+/* [E9.10] Speeds under constraints, M u = p + A^T mu with A u + c = 0: solves for the right-hand side there is, then
+   with the impulses mu on it. c: what the rows have besides A u. given: a c other than zero may contradict itself.
+   Source: Lagrange multipliers of the momenta; [H] 3.5.  Fails: FB_ERR_CONTRADICTION, the joint of a row left out
+   whose velocity does not come out.  Test: the_three_methods_agree, contradictions_name_their_joint. */
+static fb_status fbi_constrained_solve(fb_system_work *w, const fb_system *system, const fb_body *body, int given)
+{
+  fb_real size, largest = FB_R(0.0);
+  fb_status status = FB_OK;
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    fbi_copy(L->y0, L->y, 6);
+    fbi_copy(L->p0, L->p, 6);
+    fbi_copy(L->pi0, L->pi, fbi_model(system, body, k)->n);
+  }
+  status = fbi_speeds_solve(w, system, body);
+  for (int r = 0; r < w->n_row; r++) {
+    largest = fbi_larger(largest, FB_FABS(w->c[r]));
+    w->c[r] += fbi_row_eval(&size, &w->row[r], w, system, body);
+  }
+  status = status == FB_OK ? fbi_rows_factor(w, system, body) : status;
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_rows_multipliers(w);
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    fbi_copy(L->y, L->y0, 6);
+    fbi_copy(L->p, L->p0, 6);
+    fbi_copy(L->pi, L->pi0, fbi_model(system, body, k)->n);
+  }
+  for (int r = 0; r < w->n_row; r++) {
+    fbi_row_impulse(w, system, body, r, w->mu[r]);
+  }
+  status = fbi_speeds_solve(w, system, body);
+  for (int k = w->rank; k < w->n_row && given && largest > FB_R(0.0) && status == FB_OK; k++) {
+    const int r = w->order[k];
+    fb_real miss = w->c[r];
+    for (int i = 0; i < w->n_row; i++) {
+      miss += w->Q[r * w->n_row + i] * w->mu[i];
+    }
+    (void)fbi_row_eval(&size, &w->row[r], w, system, body);
+    if (FB_FABS(miss) > (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-6)) * (size + largest)) {
+      w->joint = w->row[r].joint;
+      status = FB_ERR_CONTRADICTION;
+    }
+  }
+  return status;
+}
+
+/* ---- 9e rates */
+
+/* Momenta of the state as the right-hand side: free and spherical joints keep theirs in inertial axes. */
+static void fbi_rhs_momenta(fb_system_work *w, const fb_system *system, const fb_body *body,
+                            const fb_system_state *state, const fb_system_input *input)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    const fb_link_state *x = &state->link[k];
+    fbi_zero(L->y, 6);
+    fbi_copy(L->pi, x->pi, fbi_model(system, body, k)->n);
+    if (joint->kind == FB_JOINT_FREE) {
+      fb_mat33_mulT_vec3(L->p, L->k.R, x->p);
+      fb_mat33_mulT_vec3(L->p + 3, L->k.R, x->p + 3);
+    } else if (joint->kind == FB_JOINT_SPHERICAL) {
+      fb_real h[3];
+      fb_mat33_mulT_vec3(h, L->k.R, x->p);
+      fb_mat33_mulT_vec3(L->p, joint->child_axes, h);
+    } else {
+      fbi_copy(L->p, x->p, joint->n_axis);
+    }
+    for (int i = 0; i < joint->n_axis; i++) {
+      if (L->mode[joint->kind == FB_JOINT_FREE ? 0 : i] == FB_AXIS_PRESCRIBED) {
+        L->p[i] = input ? input->drive[k].rate[i] : FB_R(0.0);
+      }
+    }
+  }
+}
+
+/* Prescribed values go into the coordinates before they are used. */
+static void fbi_prescribe(fb_system_state *state, const fb_system *system, const fb_system_work *w,
+                          const fb_system_state *modes, const fb_system_input *input)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE && joint->kind != FB_JOINT_SPHERICAL; i++) {
+      if (modes->mode[k][i] == FB_AXIS_PRESCRIBED) {
+        state->link[k].x[i] = input ? input->drive[k].value[i] : FB_R(0.0);
+      }
+    }
+  }
+}
+
+static fb_status fbi_system_input_check(const fb_system *system, const fb_body *body, const fb_system_input *input)
+{
+  if (!input) {
+    return FB_OK;
+  }
+  FBI_REQUIRE(input->n_load >= 0 && input->n_load <= FB_MAX_LOADS, FB_ERR_CAPACITY);
+  for (int i = 0; i < input->n_load; i++) {
+    const fb_system_load *load = &input->load[i];
+    FBI_REQUIRE(load->body >= 0 && load->body < system->n_body, FB_ERR_CAPACITY);
+    FBI_REQUIRE(load->load.node >= 0 && load->load.node < fbi_model(system, body, load->body)->n_node, FB_ERR_CAPACITY);
+    FBI_REQUIRE((int)load->load.axes >= 0 && (int)load->load.axes <= (int)FB_AXES_BODY, FB_ERR_VALUE);
+  }
+  return FB_OK;
+}
+
+/* Positions, velocities and impulses at a state: E9.2, E9.5, E9.10. */
+static fb_status fbi_system_velocity(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                     const fb_system_state *state, const fb_system_state *modes,
+                                     const fb_system_input *input)
+{
+  fb_status status;
+  fbi_links_place(w, system, body, state, modes);
+  status = fbi_mass_factor(w, system, body, FB_R(0.0));
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_rhs_momenta(w, system, body, state, input);
+  w->n_row = w->n_end = 0;
+  if (system->n_loop > 0 || w->kept || (input && input->rows)) {
+    for (int k = 0; k < system->n_body; k++) {
+      fbi_zero(w->link[k].V, 6); /* poses of the caller's rows */
+    }
+    status = fbi_rows_fill(w, system, body, modes, input);
+    for (int r = 0; r < w->n_row; r++) {
+      w->c[r] = w->row[r].r.b;
+    }
+    status = status == FB_OK ? fbi_constrained_solve(w, system, body, 1) : status;
+    return status == FB_OK ? fbi_rows_rate(w, system, body, modes, input) : status;
+  }
+  return fbi_speeds_solve(w, system, body);
+}
+
+/* What a body's own kernels want to know: V, and pb = M^-1 pi of the body alone, q_dot + M^-1 Lambda^T V. */
+static void fbi_link_kinetics(fbi_link_work *L, const fb_body *body)
+{
+  fbi_copy(L->k.V, L->V, 6);
+  L->k.pb = L->k.Minv_pi;
+  fbi_zero(L->k.x, body->n + 1);
+  if (body->n > 0) {
+    fb_real e[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0};
+    fbi_zero(e, body->n);
+    fbi_lambda_gradients(e, unused, body, L->V, L->k.qx, L->q_dot);
+    fbi_mass_solve(L->k.Minv_pi, body, e);
+    for (int a = 0; a < body->n; a++) {
+      L->k.Minv_pi[a] = L->q_dot[a] - L->k.Minv_pi[a];
+    }
+  }
+}
+
+/* Gravity and loads on all bodies: k.fg and k.x. */
+static void fbi_system_loads(fb_system_work *w, const fb_system *system, const fb_body *body,
+                             const fb_system_input *input)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    fbi_zero(L->k.fg, 6);
+#if FB_WITH_GRAVITY
+    if (fbi_has(fbi_model(system, body, k)->effects, FB_EFFECT_GRAVITY)) {
+      fbi_gravity_add(&L->k, fbi_model(system, body, k));
+    }
+#endif
+  }
+  for (int i = 0; input && i < input->n_load; i++) {
+    fbi_link_work *L = &w->link[input->load[i].body];
+    fbi_load_add(&L->k, fbi_model(system, body, input->load[i].body), &input->load[i].load, L->k.qx + 1);
+  }
+}
+
+/* [E9.11] Motor, spring and damper of axis i: tau = motor - k (x - rest) - c u; on a spherical joint -k times the
+   rotation vector, the gradient of k phi.phi/2.
+   Source: definition.  Test: springs_and_dampers_balance_energy. */
+static fb_real fbi_axis_torque(const fb_joint *joint, const fb_system_input *input, int j, int i, fb_real value,
+                               fb_real speed)
+{
+  const fb_real motor = input ? input->drive[j].torque[i] : FB_R(0.0);
+  return motor - joint->stiffness[i] * (value - joint->rest[i]) - joint->damping[i] * speed;
+}
+
+static int fbi_is_sprung(const fb_joint *joint, const fb_system_input *input, int j)
+{
+  fb_real sum = FB_R(0.0);
+  for (int i = 0; i < joint->n_axis && i < 3; i++) {
+    sum += joint->stiffness[i] + joint->damping[i] + (input ? FB_FABS(input->drive[j].torque[i]) : FB_R(0.0));
+  }
+  return sum > FB_R(0.0);
+}
+
+/* A load (force, torque; inertial axes) on the node of an end: k.fg and k.x of its body. */
+static void fbi_end_load(fb_system_work *w, const fb_system *system, const fb_body *body, const fbi_end *end, fb_real s,
+                         const fb_real force[3], const fb_real torque[3])
+{
+  if (end->link >= 0) {
+    fbi_link_work *L = &w->link[end->link];
+    fb_real f[3], t[3];
+    fb_mat33_mulT_vec3(f, L->k.R, force);
+    fb_mat33_mulT_vec3(t, L->k.R, torque);
+    for (int a = 0; a < fbi_model(system, body, end->link)->n && end->moves; a++) {
+      L->k.x[a + 1] += s * (fb_vec3_dot(end->f.Ju + 3 * a, f) + fb_vec3_dot(end->f.Jphi + 3 * a, t));
+    }
+    fbi_vec3_add_cross(t, end->n, f);
+    fbi_vec3_add(L->k.fg, s, f);
+    fbi_vec3_add(L->k.fg + 3, s, t);
+  }
+}
+
+/* Speed of axis i of a kept joint: relative motion along its direction. */
+static fb_real fbi_frames_speed(const fbi_frames *f, const fb_real force[3], const fb_real torque[3])
+{
+  fb_real v[3], turn[3];
+  fbi_copy(v, f->end[1]->v, 3);
+  fbi_vec3_add_cross(v, f->end[1]->w, f->arm[1]);
+  fbi_vec3_add(v, -FB_R(1.0), f->end[0]->v);
+  fbi_vec3_add_cross(v, f->arm[0], f->end[0]->w); /* - w x arm */
+  for (int i = 0; i < 3; i++) {
+    turn[i] = f->end[1]->w[i] - f->end[0]->w[i];
+  }
+  return fb_vec3_dot(force, v) + fb_vec3_dot(torque, turn);
+}
+
+/* Loads of the springs, dampers and motors of the joints that are kept; returns the power of the motors. */
+static fb_real fbi_kept_springs(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                const fb_system_state *modes, const fb_system_input *input)
+{
+  fb_real power = FB_R(0.0);
+  for (int j = 0; j < system->n_body + system->n_loop; j++) {
+    const fb_joint *joint = &system->joint[j];
+    fbi_frames f;
+    fb_real value[3];
+    if (!fbi_is_kept(system, w, j) || !fbi_is_sprung(joint, input, j)) {
+      continue;
+    }
+    (void)fbi_frames_eval(&f, w, system, body, j);
+    fbi_frames_value(value, &f, joint);
+    for (int i = 0; i < joint->n_axis; i++) {
+      fb_real force[3], torque[3], speed, tau;
+      if (modes->mode[j][i] != FB_AXIS_FREE) {
+        continue;
+      }
+      fbi_frames_axis(force, torque, &f, joint, i);
+      speed = fbi_frames_speed(&f, force, torque);
+      tau = fbi_axis_torque(joint, input, j, i, value[i], speed);
+      power += (input ? input->drive[j].torque[i] : FB_R(0.0)) * speed;
+      for (int s = 0; s < 2; s++) {
+        fb_real moment[3];
+        fb_vec3_cross(moment, f.arm[s], force);
+        fbi_vec3_add(moment, FB_R(1.0), torque);
+        fbi_end_load(w, system, body, f.end[s], s == 0 ? -tau : tau, force, moment);
+      }
+    }
+  }
+  return power;
+}
+
+/* [E9.12] What a body hands its modes where something hangs on a node that they move: of its momentum G and load F
+   about the node, body axes,
+   pi_dot_a += J_a.(F - turning of G) + J_dot_a.G,  turning (w x p, w x h + v_n x p) with v_n of the node, w of the body.
+   Source: d/dt of pi_a = pi_own,a + J_a.G.  Cost: 40 n flops, with a quadratic field 24 n^2.  Fails: never.
+   Test: systems_keep_energy_and_momentum. */
+static void fbi_node_take(fb_real *x, const fbi_node_field *f, const fb_body *body, const fb_node *node,
+                          const fb_real *q_dot, const fb_real V[6], const fb_real n[3], const fb_real G[6],
+                          const fb_real F[6])
+{
+  const fb_real scale = FB_R(1.0) / (FB_R(1.0) + FB_R(0.25) * fb_vec3_dot(f->phi, f->phi));
+  fb_real Ju_dot[3 * FB_MAX_MODES], turn_dot[3 * FB_MAX_MODES], at[6], turn[6], load[6], phi_dot[3], shrink;
+  fbi_copy(at, V, 6);
+  fbi_vec3_add_cross(at, V + 3, n);
+  fbi_node_rates(Ju_dot, turn_dot, body, node, q_dot);
+  fbi_zero(phi_dot, 3);
+  for (int a = 0; a < body->n; a++) {
+    fbi_vec3_add(at, q_dot[a], f->Ju + 3 * a);
+    fbi_vec3_add(phi_dot, q_dot[a], f->turn + 3 * a);
+  }
+  shrink = FB_R(0.5) * fb_vec3_dot(f->phi, phi_dot);
+  fbi_turning(turn, at, G);
+  for (int i = 0; i < 6; i++) {
+    load[i] = F[i] - turn[i];
+  }
+  for (int a = 0; a < body->n; a++) {
+    fb_real rate[3];
+    fb_vec3_cross(rate, phi_dot, f->turn + 3 * a);
+    fbi_vec3_add_cross(rate, f->phi, turn_dot + 3 * a);
+    for (int i = 0; i < 3; i++) {
+      rate[i] = scale * (turn_dot[3 * a + i] + FB_R(0.5) * rate[i] - shrink * f->Jphi[3 * a + i]);
+    }
+    x[a] += fb_vec3_dot(f->Ju + 3 * a, load) + fb_vec3_dot(f->Jphi + 3 * a, load + 3) + fb_vec3_dot(Ju_dot + 3 * a, G) +
+            fb_vec3_dot(rate, G + 3);
+  }
+}
+
+/* [E9.13] The rows' impulses are momentum that the tree does not see, -(f, t) at the ends; with mu constant it changes by
+   the directions alone: loads -(f_dot, t_dot + v x f), p_dot loses A_dot^T mu.
+   Source: d/dt of p + A^T mu.  Fails: never.  Test: the_three_methods_agree. */
+static void fbi_rows_loads(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  for (int r = 0; r < w->n_row; r++) {
+    const fbi_row *row = &w->row[r];
+    const fb_real mu = w->mu[r];
+    for (int s = 0; s < 2; s++) {
+      const fbi_end *end = &w->end[row->end[s]];
+      fbi_link_work *L = end->link >= 0 ? &w->link[end->link] : NULL;
+      fb_real G[6], F[6], twist[3];
+      if (!L) {
+        continue;
+      }
+      fbi_copy(twist, row->torque_dot[s], 3);
+      fbi_vec3_add_cross(twist, end->v, row->r.force[s]);
+      fb_mat33_mulT_vec3(G, L->k.R, row->r.force[s]);
+      fb_mat33_mulT_vec3(G + 3, L->k.R, row->r.torque[s]);
+      fb_mat33_mulT_vec3(F, L->k.R, row->force_dot[s]);
+      fb_mat33_mulT_vec3(F + 3, L->k.R, twist);
+      for (int i = 0; i < 6; i++) {
+        G[i] *= -mu;
+        F[i] *= -mu;
+      }
+      if (end->moves) {
+        const fb_body *model = fbi_model(system, body, end->link);
+        fbi_node_take(L->k.x + 1, &end->f, model, &model->node[end->node], L->q_dot, L->V, end->n, G, F);
+      }
+      fbi_vec3_add_cross(F + 3, end->n, F);
+      for (int i = 0; i < 6; i++) {
+        L->F[i] += F[i];
+      }
+    }
+  }
+}
+
+/* Rates of a joint's coordinates. */
+static void fbi_coordinate_rates(fb_link_state *rate, const fbi_link_work *L, const fb_joint *joint,
+                                 const fb_link_state *x)
+{
+  if (joint->kind == FB_JOINT_FREE) {
+    fb_mat33_mul_vec3(rate->x, L->k.R, L->V);
+    fbi_quat_rate(rate->quat, x->quat, L->V + 3);
+  } else if (joint->kind == FB_JOINT_SPHERICAL) {
+    fbi_quat_rate(rate->quat, x->quat, L->u);
+  } else {
+    for (int i = 0; i < joint->n_axis; i++) {
+      rate->x[i] = L->u[i];
+    }
+  }
+}
+
+/* [E9.14] Rates of a joint's momenta, p_i = A_i.G: p_i_dot = tau_i + A_i.(F - turning of G) + A_dot_i.G in body axes; those
+   kept in inertial axes lose the turning: P_dot = R F, L_dot = R T - v x P. Returns the power of the motors.
+   Source: d/dt of A_i.G, G_dot = F - turning + what the joint bears.  Cost: 60 flops.  Fails: never.
+   Test: systems_keep_energy_and_momentum, every_joint_moves_as_it_should. */
+static fb_real fbi_momentum_rate(fb_link_state *rate, const fbi_link_work *L, const fb_joint *joint,
+                                 const fb_link_state *x, const fb_system_input *input, int k)
+{
+  fb_real turn[6], load[6], tau[3] = {0}, power = FB_R(0.0);
+  if (joint->kind == FB_JOINT_FREE) {
+    fbi_zero(rate->p, 6);
+    if (L->mode[0] == FB_AXIS_FREE) {
+      fb_mat33_mul_vec3(rate->p, L->k.R, L->F);
+      fb_mat33_mul_vec3(rate->p + 3, L->k.R, L->F + 3);
+      fbi_vec3_add_cross(rate->p + 3, x->p, rate->x);
+    }
+    return power;
+  }
+  fbi_turning(turn, L->V, L->G);
+  for (int i = 0; i < 6; i++) {
+    load[i] = L->F[i] - turn[i];
+  }
+  for (int i = 0; i < joint->n_axis; i++) {
+    const fb_real *A = L->A + 6 * i;
+    rate->p[i] = FB_R(0.0);
+    if (L->mode[i] == FB_AXIS_FREE) {
+      fb_real phi[3], value = x->x[i];
+      if (joint->kind == FB_JOINT_SPHERICAL) {
+        fb_quat_to_rotvec(phi, x->quat);
+        value = phi[i];
+      }
+      tau[i] = fbi_axis_torque(joint, input, k, i, value, L->u[i]) + fbi_vec6_dot(A, load);
+      power += (input ? input->drive[k].torque[i] : FB_R(0.0)) * L->u[i];
+      rate->p[i] = tau[i];
+    }
+  }
+  if (joint->kind == FB_JOINT_UNIVERSAL && L->mode[0] == FB_AXIS_FREE) {
+    rate->p[0] += L->u[1] * fbi_vec6_dot(L->A_dot, L->G);
+  }
+  if (joint->kind == FB_JOINT_SPHERICAL && L->mode[0] == FB_AXIS_FREE) {
+    fb_real body[3], h[3];
+    fb_mat33_mul_vec3(body, joint->child_axes, tau);
+    fb_mat33_mulT_vec3(h, L->k.R, x->p);
+    fbi_vec3_add_cross(body, L->V + 3, h);
+    fb_mat33_mul_vec3(rate->p, L->k.R, body);
+  }
+  return power;
+}
+
+/* F and G of a body go to its parent: all of F to its load, and both to the modes that move the node. */
+static void fbi_load_hand_in(fb_system_work *w, const fb_system *system, const fb_body *body, int k)
+{
+  fbi_link_work *L = &w->link[k];
+  const fb_joint *joint = fbi_link_joint(system, w, k);
+  fbi_link_work *parent = fbi_parent(w, joint);
+  if (!parent) {
+    return;
+  }
+  if (joint->moves) {
+    const fb_body *on = fbi_model(system, body, joint->parent);
+    fb_real F[6] = {0}, G[6] = {0};
+    fbi_to_parent_add(F, L, L->F);
+    fbi_to_parent_add(G, L, L->G);
+    fbi_node_take(parent->k.x + 1, &L->node, on, &on->node[joint->parent_node], parent->q_dot, parent->V, L->n, G, F);
+    fbi_vec3_add_cross(F + 3, L->n, F);
+    for (int i = 0; i < 6; i++) {
+      parent->F[i] += F[i];
+    }
+  } else {
+    fbi_to_parent_add(parent->F, L, L->F);
+  }
+}
+
+/* [E9.15] Rates of a system: velocities (E9.5, E9.10), loads summed from the tips, momenta (E9.14), modes (E8.17).
+   Source: DESIGN 2 and 6 carried to trees.  Fails: see the header.  Test: systems_keep_energy_and_momentum,
+   the_three_methods_agree. */
+static fb_status fbi_system_rates(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                  fb_system_state *rate, const fb_system_state *state, const fb_system_state *modes,
+                                  const fb_system_input *input)
+{
+  const fb_status status = fbi_system_velocity(w, system, body, state, modes, input);
+  if (status != FB_OK) {
+    return status;
+  }
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_kinetics(&w->link[k], fbi_model(system, body, k));
+  }
+  fbi_system_loads(w, system, body, input);
+  rate->motor_work = w->kept || system->n_loop > 0 ? fbi_kept_springs(w, system, body, modes, input) : FB_R(0.0);
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_copy(w->link[k].F, w->link[k].k.fg, 6);
+  }
+  fbi_rows_loads(w, system, body);
+  for (int k = system->n_body - 1; k >= 0; k--) {
+    fbi_link_work *L = &w->link[k];
+    const fb_body *model = fbi_model(system, body, k);
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    fb_link_state *out = &rate->link[k];
+    fbi_coordinate_rates(out, L, joint, &state->link[k]);
+    rate->motor_work += fbi_momentum_rate(out, L, joint, &state->link[k], input, k);
+    fbi_load_hand_in(w, system, body, k);
+    if (model->n > 0) {
+      fbi_zero(L->k.e, model->n); /* spent: q_dot is known */
+      fbi_lambda_gradients(L->k.e, L->k.x, model, L->V, L->k.qx, L->k.pb);
+#if FBI_WITH_SHAPE_INERTIA
+      if (!model->constant_S) {
+        fbi_S_gradient(L->k.x, model, L->V, L->k.qx);
+      }
+#endif
+      fbi_copy(out->q, L->q_dot, model->n);
+      fbi_elastic_forces(out->pi, &L->k, model, state->link[k].q, L->q_dot);
+    }
+  }
+  return FB_OK;
+}
+
+/* ---- 9f states, motion, energy, momentum */
+
+static void fbi_system_enter(fb_system_work *w, const fb_system *system)
+{
+  w->kept = system->method == FB_METHOD_MULTIPLIERS;
+  w->joint = -1;
+  w->n_row = w->n_end = 0;
+}
+
+/* [E9.16] Momenta of the velocities there are: each body's own (p, h) and pi, those of the subtrees G by summation, p_i =
+   A_i.G, pi_a + J_a.G.
+   Source: definition of the conjugate momenta.  Fails: never.  Test: momenta_give_back_the_speeds. */
+static void fbi_momenta_fill(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    const fb_body *model = fbi_model(system, body, k);
+    fbi_link_kinetics(L, model);
+    fbi_momenta(&L->k, model);
+    fbi_copy(L->b, L->k.ph, 6);
+    fbi_mass_mul(L->e, model, L->k.pb);
+    for (int a = 0; a < model->n; a++) {
+      L->e[a] = -L->e[a]; /* what is handed in is taken off */
+    }
+  }
+  for (int k = system->n_body - 1; k >= 0; k--) {
+    fbi_link_work *L = &w->link[k];
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    fb_link_state *x = &state->link[k];
+    fbi_hand_in(w, system, body, k);
+    fbi_zero(x->p, 6);
+    for (int a = 0; a < fbi_model(system, body, k)->n; a++) {
+      x->pi[a] = -L->e[a];
+    }
+    if (joint->kind == FB_JOINT_FREE) {
+      fb_mat33_mul_vec3(x->p, L->k.R, L->b);
+      fb_mat33_mul_vec3(x->p + 3, L->k.R, L->b + 3);
+    } else {
+      fb_real p[3] = {0}, h[3];
+      for (int i = 0; i < joint->n_axis; i++) {
+        p[i] = fbi_vec6_dot(L->A + 6 * i, L->b);
+      }
+      fbi_copy(x->p, p, 3);
+      if (joint->kind == FB_JOINT_SPHERICAL) {
+        fb_mat33_mul_vec3(h, joint->child_axes, p);
+        fb_mat33_mul_vec3(x->p, L->k.R, h);
+      }
+    }
+  }
+}
+
+/* V of all bodies from the speeds u and q_dot. */
+static void fbi_speeds_out(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    const fbi_link_work *parent = fbi_parent(w, joint);
+    fbi_zero(L->V, 6);
+    if (parent) {
+      fb_real node[6];
+      fbi_node_velocity(node, L, joint, fbi_model(system, body, joint->parent), parent->V, parent->q_dot);
+      fbi_from_node(L->V, L, node);
+    }
+    for (int i = 0; i < joint->n_axis; i++) {
+      if (joint->kind == FB_JOINT_FREE) {
+        L->V[i] = L->u[i];
+      } else {
+        fbi_row_sub(L->V, -L->u[i], L->A + 6 * i, 6);
+      }
+    }
+  }
+}
+
+/* Moves a state along the solution, once: what closes a loop. */
+static void fbi_state_displace(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    const fbi_link_work *L = &w->link[k];
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    fb_link_state *x = &state->link[k], move;
+    fbi_coordinate_rates(&move, L, joint, x);
+    if (joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL) {
+      for (int i = 0; i < 4; i++) {
+        x->quat[i] += move.quat[i];
+      }
+      (void)fb_quat_normalize(x->quat);
+    }
+    if (joint->kind == FB_JOINT_FREE) {
+      fbi_vec3_add(x->x, FB_R(1.0), move.x);
+      fbi_vec3_add_cross(x->p + 3, x->p, move.x); /* L about O that moved */
+    } else if (joint->kind != FB_JOINT_SPHERICAL) {
+      for (int i = 0; i < joint->n_axis; i++) {
+        x->x[i] += move.x[i];
+      }
+    }
+    fbi_row_sub(x->q, -FB_R(1.0), L->q_dot, fbi_model(system, body, k)->n);
+  }
+}
+
+static int fbi_has_rows(const fb_system *system, const fb_system_work *w, const fb_system_input *input)
+{
+  return w->kept || system->n_loop > 0 || (input && input->rows);
+}
+
+/* [E9.17] One Newton step of the positions onto the constraints, along M^-1 A^T: the shortest way by the kinetic energy.
+   miss: the largest value that there was, relative to the size of the system; its row to *worst.
+   Source: projection, DESIGN 6.  Cost: E9.9.  Fails: as E9.4.  Test: loops_stay_closed. */
+static fb_status fbi_positions_close(fb_real *miss, int *worst, fb_system_work *w, const fb_system *system,
+                                     const fb_body *body, fb_system_state *state, const fb_system_state *modes,
+                                     const fb_system_input *input)
+{
+  fb_real size = FB_R(0.0);
+  fb_status status;
+  fbi_links_place(w, system, body, state, modes);
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_zero(w->link[k].V, 6);
+    size = fbi_larger(size, fbi_vec3_norm(w->link[k].rho));
+  }
+  status = fbi_mass_factor(w, system, body, FB_R(0.0));
+  status = status == FB_OK ? fbi_rows_fill(w, system, body, modes, input) : status;
+  *miss = FB_R(0.0);
+  *worst = -1;
+  for (int r = 0; r < w->n_row && status == FB_OK; r++) {
+    w->c[r] = w->row[r].r.holonomic ? w->row[r].r.value : FB_R(0.0);
+    if (FB_FABS(w->c[r]) > *miss * (FB_R(1.0) + size)) {
+      *miss = FB_FABS(w->c[r]) / (FB_R(1.0) + size);
+      *worst = w->row[r].joint;
+    }
+  }
+  fbi_rhs_clear(w, system, body);
+  status = status == FB_OK ? fbi_constrained_solve(w, system, body, 0) : status;
+  if (status == FB_OK) {
+    fbi_state_displace(state, w, system, body);
+  }
+  return status;
+}
+
+/* Velocities onto the constraints: the impulses go into the momenta, the motor and given axes into theirs. */
+static fb_status fbi_momenta_close(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                   fb_system_state *state, const fb_system_state *modes, const fb_system_input *input)
+{
+  const fb_status status = fbi_system_velocity(w, system, body, state, modes, input);
+  if (status == FB_OK) {
+    fbi_momenta_fill(state, w, system, body);
+  }
+  return status;
+}
+
+static int fbi_link_state_is_finite(const fb_link_state *x, int n)
+{
+  return fbi_is_finite(x->x, 3) && fbi_is_finite(x->quat, 4) && fbi_is_finite(x->p, 6) && fbi_is_finite(x->q, n) &&
+         fbi_is_finite(x->pi, n);
+}
+
+/* Finite, and every body within its deflection limit. */
+static fb_status fbi_system_range(const fb_system *system, const fb_body *body, const fb_system_state *state)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_body *model = fbi_model(system, body, k);
+    fb_real deflection = FB_R(0.0);
+    if (!fbi_link_state_is_finite(&state->link[k], model->n)) {
+      return FB_ERR_NOT_FINITE;
+    }
+    for (int a = 0; a < model->n; a++) {
+      deflection += model->reach[a] * FB_FABS(state->link[k].q[a]);
+    }
+    if (!(deflection <= model->deflection_limit)) {
+      return FB_ERR_RANGE;
+    }
+  }
+  return FB_OK;
+}
+
+/* Coordinates and speeds of the tree as it is built: poses and velocities of all bodies. */
+static fb_status fbi_motion_place(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                  fb_system_state *state, const fb_link_motion *motion)
+{
+  w->kept = 0;
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_link_motion *m = motion ? &motion[k] : NULL;
+    const fb_body *model = fbi_model(system, body, k);
+    fb_link_state *x = &state->link[k];
+    x->quat[0] = FB_R(1.0);
+    if (!m) {
+      continue;
+    }
+    if (!fbi_is_finite(m->value, 3) || !fbi_is_finite(m->quat, 4) || !fbi_is_finite(m->speed, 6) ||
+        !fbi_is_finite(m->q, model->n) || !fbi_is_finite(m->q_dot, model->n)) {
+      return FB_ERR_NOT_FINITE;
+    }
+    if (!fbi_is_attitude(m->quat)) {
+      return FB_ERR_VALUE;
+    }
+    fbi_copy(x->x, m->value, 3);
+    fbi_copy(x->q, m->q, model->n);
+    if (m->quat[0] != FB_R(0.0) || fbi_vec3_norm(m->quat + 1) > FB_R(0.0)) {
+      fbi_copy(x->quat, m->quat, 4);
+      (void)fb_quat_normalize(x->quat);
+    }
+  }
+  fbi_links_place(w, system, body, state, state);
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    for (int i = 0; i < 6; i++) {
+      L->u[i] = motion ? motion[k].speed[i] : FB_R(0.0);
+    }
+    for (int a = 0; a < fbi_model(system, body, k)->n; a++) {
+      L->q_dot[a] = motion ? motion[k].q_dot[a] : FB_R(0.0);
+    }
+  }
+  fbi_speeds_out(w, system, body);
+  return FB_OK;
+}
+
+/* With all joints kept the coordinates are the poses. */
+static void fbi_poses_to_state(fb_system_state *state, const fb_system_work *w, const fb_system *system)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_copy(state->link[k].x, w->link[k].rho, 3);
+    fbi_quat_from_mat33(state->link[k].quat, w->link[k].k.R);
+  }
+}
+
+/* Where the locked axes of joint j are, if it is kept. */
+static fb_status fbi_hold_set(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body,
+                              int j, int axis)
+{
+  fbi_frames f;
+  fb_real value[3];
+  const fb_status status = fbi_frames_eval(&f, w, system, body, j);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_frames_value(value, &f, &system->joint[j]);
+  state->hold[j][axis] = value[axis];
+  if (system->joint[j].kind == FB_JOINT_SPHERICAL) {
+    fb_quat_from_rotvec(state->hold_quat[j], value);
+  }
+  return FB_OK;
+}
+
+FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *body, fb_system_work *work,
+                                      fb_system_state *state, const fb_link_motion *motion,
+                                      const fb_system_input *input)
+{
+  fb_system_state *out;
+  fb_status status;
+  int worst = -1;
+  fb_real miss = FB_R(1.0);
+  FBI_REQUIRE(system && body && work && state, FB_ERR_NULL);
+  status = fbi_system_input_check(system, body, input);
+  fbi_system_enter(work, system);
+  out = &work->stage;
+  memset(out, 0, sizeof *out);
+  for (int j = 0; j < system->n_body + system->n_loop; j++) {
+    for (int i = 0; i < 3; i++) {
+      out->mode[j][i] = system->joint[j].mode[i];
+    }
+    out->hold_quat[j][0] = FB_R(1.0);
+  }
+  status = status == FB_OK ? fbi_motion_place(work, system, body, out, motion) : status;
+  if (status != FB_OK) {
+    return status;
+  }
+  work->kept = system->method == FB_METHOD_MULTIPLIERS;
+  if (work->kept) {
+    fbi_poses_to_state(out, work, system);
+  }
+  for (int j = 0; j < system->n_body + system->n_loop && status == FB_OK; j++) {
+    for (int i = 0; i < system->joint[j].n_axis && i < 3 && fbi_is_kept(system, work, j); i++) {
+      status = status == FB_OK ? fbi_hold_set(out, work, system, body, j, i) : status;
+    }
+  }
+  fbi_momenta_fill(out, work, system, body);
+  fbi_prescribe(out, system, work, out, input);
+  for (int step = 0; step < 50 && status == FB_OK && fbi_has_rows(system, work, input); step++) {
+    status = fbi_positions_close(&miss, &worst, work, system, body, out, out, input);
+    if (miss <= FB_R(8.0) * FB_EPSILON) {
+      break;
+    }
+  }
+  if (status == FB_OK && fbi_has_rows(system, work, input)) {
+    if (!(miss <= (FB_SINGLE ? FB_R(1e-4) : FB_R(1e-10)))) {
+      work->joint = worst;
+      return FB_ERR_CONTRADICTION;
+    }
+    status = fbi_momenta_close(work, system, body, out, out, input);
+  }
+  status = status == FB_OK ? fbi_system_range(system, body, out) : status;
+  if (status == FB_OK) {
+    *state = *out;
+  }
+  return status;
+}
+
+FB_DEF fb_status fb_system_axis_set(const fb_system *system, const fb_body *body, fb_system_work *work,
+                                    fb_system_state *state, int joint, int axis, fb_axis_mode mode,
+                                    const fb_system_input *input)
+{
+  fb_system_state *out;
+  fb_status status;
+  FBI_REQUIRE(system && body && work && state, FB_ERR_NULL);
+  FBI_REQUIRE(joint >= 0 && joint < system->n_body + system->n_loop && axis >= 0, FB_ERR_CAPACITY);
+  FBI_REQUIRE(axis < system->joint[joint].n_axis && axis < 3, FB_ERR_CAPACITY);
+  FBI_REQUIRE((int)mode >= (int)FB_AXIS_FREE && (int)mode <= (int)FB_AXIS_PRESCRIBED, FB_ERR_VALUE);
+  status = fbi_system_input_check(system, body, input);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_system_enter(work, system);
+  out = &work->stage;
+  *out = *state;
+  status = fbi_momenta_close(work, system, body, out, out, input); /* momenta of what is given now */
+  if (status == FB_OK && fbi_is_kept(system, work, joint)) {
+    status = fbi_hold_set(out, work, system, body, joint, axis);
+  }
+  for (int i = 0; i < 3; i++) {
+    const int all = system->joint[joint].kind == FB_JOINT_SPHERICAL || system->joint[joint].kind == FB_JOINT_FREE;
+    if (all || i == axis) {
+      out->mode[joint][i] = mode;
+    }
+  }
+  status = status == FB_OK ? fbi_momenta_close(work, system, body, out, out, input) : status;
+  if (status == FB_OK) {
+    *state = *out;
+  }
+  return status;
+}
+
+FB_DEF fb_status fb_system_rates(const fb_system *system, const fb_body *body, fb_system_work *work,
+                                 fb_system_state *rate, const fb_system_state *state, const fb_system_input *input)
+{
+  fb_status status;
+  FBI_REQUIRE(system && body && work && rate && state, FB_ERR_NULL);
+  status = fbi_system_input_check(system, body, input);
+  fbi_system_enter(work, system);
+  status = status == FB_OK ? fbi_system_rates(work, system, body, rate, state, state, input) : status;
+  for (int k = 0; k < system->n_body && status == FB_OK; k++) {
+    status = fbi_link_state_is_finite(&rate->link[k], fbi_model(system, body, k)->n) ? FB_OK : FB_ERR_NOT_FINITE;
+  }
+  return status;
+}
+
+/* ---- accelerations */
+
+/* Rates of a body's own momenta: G_dot to L->b, pi_dot to L->e, for V_dot and q_ddot. */
+static void fbi_own_momentum_rates(fbi_link_work *L, const fb_body *body, const fb_real V_dot[6], const fb_real *q_ddot)
+{
+  const int n = body->n;
+  fb_real xd[FB_MAX_MODES + 1], e[FB_MAX_MODES], pb_dot[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0};
+  fb_real SV[6], elastic[6] = {0};
+  xd[0] = FB_R(0.0);
+  fbi_copy(xd + 1, L->q_dot, n);
+  fbi_zero(e, n);
+  fbi_lambda_gradients(e, unused, body, V_dot, L->k.qx, L->k.pb);
+  fbi_lambda_linear_gradients(e, unused, body, L->V, xd, L->k.pb);
+  fbi_mass_mul(L->e, body, q_ddot);
+  fbi_row_sub(L->e, FB_R(1.0), e, n);
+  fbi_mass_solve(pb_dot, body, L->e);
+  fbi_S_rate(L->k.dS, body, L->k.qx, xd);
+  fb_sym6_mul_vec6(L->b, L->k.S, V_dot);
+  fb_sym6_mul_vec6(SV, L->k.dS, L->V);
+  fbi_lambda_sub(elastic, body, L->k.qx, pb_dot);
+  fbi_lambda_linear_sub(elastic, body, xd, L->k.pb);
+  for (int i = 0; i < 6; i++) {
+    L->b[i] += SV[i] - elastic[i];
+  }
+}
+
+/* y = V x T, the rate of a twist T carried along by V */
+static void fbi_twist_cross_add(fb_real y[6], const fb_real V[6], const fb_real T[6])
+{
+  fbi_vec3_add_cross(y, V + 3, T);
+  fbi_vec3_add_cross(y, V, T + 3);
+  fbi_vec3_add_cross(y + 3, V + 3, T + 3);
+}
+
+/* [E9.18] V_dot of a body with its joint's and its parent's modes' accelerations zero (but for given ones): with the
+   node's twist T = (u_dot + n x phi_rate, phi_rate) about the parent's origin, V_dot = X (V_p_dot + T_dot + V_p x T) +
+   A u_dot + A_dot u + V x A u.
+   Source: rates of twists; Featherstone 2008, 5.  Test: accelerations_are_the_rates_of_velocities. */
+static void fbi_bias_acceleration(fbi_link_work *L, const fb_joint *joint, const fbi_link_work *parent,
+                                  const fb_body *on, const fb_real *given)
+{
+  fb_real turn[6] = {0}, own[6] = {0};
+  fbi_zero(L->V_dot, 6);
+  if (joint->kind == FB_JOINT_FREE) {
+    fbi_copy(L->V_dot, given, 6);
+    return;
+  }
+  if (parent) {
+    fb_real a[6], v[3];
+    fbi_copy(a, parent->V_dot, 6);
+    if (joint->moves) {
+      fb_real T[6], u_dd[3], turn_dd[3];
+      fbi_vec3_sum(T, L->node.Ju, parent->q_dot, on->n);
+      fbi_vec3_sum(T + 3, L->node.Jphi, parent->q_dot, on->n);
+      fbi_node_convection(u_dd, turn_dd, &L->node, on, &on->node[joint->parent_node], parent->q_dot);
+      fbi_vec3_add(a, FB_R(1.0), u_dd);
+      fbi_vec3_add(a + 3, FB_R(1.0), turn_dd);
+      fbi_vec3_add_cross(a, T, T + 3);
+      fbi_vec3_add_cross(a, L->n, turn_dd);
+      fbi_vec3_add_cross(T, L->n, T + 3);
+      fbi_twist_cross_add(a, parent->V, T);
+    }
+    fbi_copy(v, a, 3);
+    fbi_vec3_add_cross(v, a + 3, L->s);
+    fb_mat33_mulT_vec3(L->V_dot, L->C, v);
+    fb_mat33_mulT_vec3(L->V_dot + 3, L->C, a + 3);
+  }
+  for (int i = 0; i < joint->n_axis; i++) {
+    fbi_row_sub(own, -L->u[i], L->A + 6 * i, 6);
+    fbi_row_sub(L->V_dot, -given[i], L->A + 6 * i, 6);
+  }
+  if (joint->kind == FB_JOINT_UNIVERSAL) {
+    fbi_row_sub(L->V_dot, -L->u[0] * L->u[1], L->A_dot, 6);
+  }
+  fbi_twist_cross_add(turn, L->V, own);
+  fbi_row_sub(L->V_dot, -FB_R(1.0), turn, 6);
+}
+
+/* Acceleration of an end for V_dot of its body and q_ddot = 0, as E8.20. */
+static void fbi_end_acceleration(fbi_end *end, const fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  fbi_zero(end->a, 3);
+  fbi_zero(end->alpha, 3);
+  if (end->link >= 0) {
+    const fbi_link_work *L = &w->link[end->link];
+    const fb_body *model = fbi_model(system, body, end->link);
+    fb_real a[3], alpha[3], ud[3], pd[3], u_dd[3], turn_dd[3], inner[3];
+    fbi_vec3_sum(ud, end->f.Ju, L->q_dot, model->n);
+    fbi_vec3_sum(pd, end->f.Jphi, L->q_dot, model->n);
+    fbi_node_convection(u_dd, turn_dd, &end->f, model, &model->node[end->node], L->q_dot);
+    fb_vec3_cross(inner, L->V + 3, end->n);
+    for (int i = 0; i < 3; i++) {
+      a[i] = L->V_dot[i] + u_dd[i];
+      alpha[i] = L->V_dot[3 + i] + turn_dd[i];
+      inner[i] += FB_R(2.0) * ud[i] + L->V[i];
+    }
+    fbi_vec3_add_cross(a, L->V_dot + 3, end->n);
+    fbi_vec3_add_cross(a, L->V + 3, inner);
+    fbi_vec3_add_cross(alpha, L->V + 3, pd);
+    fb_mat33_mul_vec3(end->a, L->k.R, a);
+    fb_mat33_mul_vec3(end->alpha, L->k.R, alpha);
+  }
+}
+
+/* What a body lacks to move as it does: y = F - turning of G - G_dot, e of its modes; the whole must come from joints. */
+static void fbi_own_residual(fbi_link_work *L, const fb_body *body, const fb_real V_dot[6], const fb_real *q_ddot)
+{
+  fb_real turn[6];
+  fbi_own_momentum_rates(L, body, V_dot, q_ddot);
+  fbi_turning(turn, L->V, L->k.ph);
+  for (int i = 0; i < 6; i++) {
+    L->y[i] = L->k.fg[i] - turn[i] - L->b[i];
+  }
+}
+
+/* [E9.19] Accelerations: what each body lacks of force with joints and modes at constant speed, solved with the factors of
+   the momenta, M u_dot = tau + sum of X^T (F - turning - G_dot); joint forces come out as the solution's G.
+   Source: Newton-Euler; DESIGN 2, acceleration form.  Fails: as the rates.
+   Test: accelerations_are_the_rates_of_velocities, joint_forces_carry_what_hangs_on_them. */
+static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                          const fb_system_state *state, const fb_system_input *input)
+{
+  const fb_real none[6] = {0}, still[FB_MAX_MODES] = {0};
+  fbi_system_loads(w, system, body, input);
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    fbi_copy(L->F, L->k.fg, 6); /* without the joints */
+  }
+  (void)fbi_kept_springs(w, system, body, state, input);
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    const fb_body *model = fbi_model(system, body, k);
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    fb_real given[6] = {0};
+    for (int i = 0; i < joint->n_axis; i++) {
+      const fb_axis_mode mode = L->mode[joint->kind == FB_JOINT_FREE ? 0 : i];
+      given[i] = mode == FB_AXIS_PRESCRIBED && input ? input->drive[k].acceleration[i] : FB_R(0.0);
+    }
+    fbi_copy(L->given, given, 6);
+    fbi_bias_acceleration(L, joint, fbi_parent(w, joint),
+                          joint->parent >= 0 ? fbi_model(system, body, joint->parent) : NULL, given);
+    fbi_zero(L->k.e, model->n);
+    fbi_lambda_gradients(L->k.e, L->k.x, model, L->V, L->k.qx, L->k.pb);
+#if FBI_WITH_SHAPE_INERTIA
+    if (!model->constant_S) {
+      fbi_S_gradient(L->k.x, model, L->V, L->k.qx);
+    }
+#endif
+    fbi_elastic_forces(L->pi, &L->k, model, state->link[k].q, L->q_dot);
+    fbi_own_residual(L, model, L->V_dot, still);
+    fbi_row_sub(L->pi, FB_R(1.0), L->e, model->n);
+    fbi_copy(L->p, none, 6);
+    for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
+      if (L->mode[i] == FB_AXIS_FREE) {
+        fb_real value[3];
+        fbi_copy(value, state->link[k].x, 3);
+        if (joint->kind == FB_JOINT_SPHERICAL) {
+          fb_quat_to_rotvec(value, state->link[k].quat);
+        }
+        L->p[i] = fbi_axis_torque(joint, input, k, i, value[i], L->u[i]);
+      }
+    }
+    fbi_copy(L->speed, L->u, 6);
+    fbi_copy(L->q_speed, L->q_dot, model->n);
+  }
+  for (int e = 0; e < w->n_end; e++) {
+    fbi_end_acceleration(&w->end[e], w, system, body);
+  }
+  for (int r = 0; r < w->n_row; r++) {
+    const fbi_row *row = &w->row[r];
+    w->c[r] = row->b_dot;
+    for (int s = 0; s < 2; s++) {
+      const fbi_end *end = &w->end[row->end[s]];
+      w->c[r] += fb_vec3_dot(row->r.force[s], end->a) + fb_vec3_dot(row->r.torque[s], end->alpha) +
+                 fb_vec3_dot(row->force_dot[s], end->v) + fb_vec3_dot(row->torque_dot[s], end->w);
+    }
+  }
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_copy(w->link[k].twist, w->link[k].V, 6); /* the velocities; the solution takes their place */
+  }
+  return w->n_row > 0 ? fbi_constrained_solve(w, system, body, 0) : fbi_speeds_solve(w, system, body);
+}
+
+/* Force, torque and coordinates of a joint of the tree. */
+static void fbi_tree_joint_motion(fb_joint_motion *out, const fbi_link_work *L, const fb_joint *joint,
+                                  const fb_link_state *x)
+{
+  fb_real torque[3], moment[3];
+  fb_vec3_cross(moment, joint->child_position, L->G);
+  for (int i = 0; i < 3; i++) {
+    torque[i] = L->G[3 + i] - moment[i];
+  }
+  fb_mat33_mul_vec3(out->force, L->k.R, L->G);
+  fb_mat33_mul_vec3(out->torque, L->k.R, torque);
+  fbi_copy(out->value, x->x, 3);
+  if (joint->kind == FB_JOINT_SPHERICAL) {
+    fb_quat_to_rotvec(out->value, x->quat);
+  }
+  for (int i = 0; i < joint->n_axis; i++) {
+    out->speed[i] = L->speed[i];
+    out->acceleration[i] = L->given[i] + L->u[i];
+    if (joint->kind != FB_JOINT_FREE) {
+      out->drive[i] = fbi_vec6_dot(L->A + 6 * i, L->G);
+    }
+  }
+}
+
+/* The same of a joint that is kept: the multipliers of its rows, its springs and motors; accelerations are not formed. */
+static void fbi_kept_joint_motion(fb_joint_motion *out, fb_system_work *w, const fb_system *system, const fb_body *body,
+                                  const fb_system_state *state, const fb_system_input *input, int j)
+{
+  const fb_joint *joint = &system->joint[j];
+  fbi_frames f;
+  (void)fbi_frames_eval(&f, w, system, body, j);
+  fbi_frames_value(out->value, &f, joint);
+  for (int r = 0; r < w->n_joint_row; r++) {
+    const fbi_row *row = &w->row[r];
+    if (row->joint == j) {
+      fb_real moment[3];
+      fb_vec3_cross(moment, f.arm[1], row->r.force[1]);
+      fbi_vec3_add(out->force, w->mu[r], row->r.force[1]);
+      fbi_vec3_add(out->torque, w->mu[r], row->r.torque[1]);
+      fbi_vec3_add(out->torque, -w->mu[r], moment);
+    }
+  }
+  for (int i = 0; i < joint->n_axis; i++) {
+    fb_real force[3], torque[3];
+    fbi_frames_axis(force, torque, &f, joint, i);
+    out->speed[i] = fbi_frames_speed(&f, force, torque);
+    if (state->mode[j][i] == FB_AXIS_FREE) {
+      const fb_real tau = fbi_axis_torque(joint, input, j, i, out->value[i], out->speed[i]);
+      fbi_vec3_add(out->force, tau, force);
+      fbi_vec3_add(out->torque, tau, torque);
+    }
+    out->drive[i] = fb_vec3_dot(force, out->force) + fb_vec3_dot(torque, out->torque);
+    if (joint->kind == FB_JOINT_SCREW) {
+      out->drive[i] += joint->pitch * fb_vec3_dot(f.a[2], out->force);
+    }
+  }
+}
+
+FB_DEF fb_status fb_system_motion_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
+                                       fb_system_motion *motion, const fb_system_state *state,
+                                       const fb_system_input *input)
+{
+  fb_status status;
+  FBI_REQUIRE(system && body && work && motion && state, FB_ERR_NULL);
+  status = fbi_system_input_check(system, body, input);
+  fbi_system_enter(work, system);
+  status = status == FB_OK ? fbi_system_velocity(work, system, body, state, state, input) : status;
+  for (int k = 0; k < system->n_body && status == FB_OK; k++) {
+    fbi_link_kinetics(&work->link[k], fbi_model(system, body, k));
+    fbi_momenta(&work->link[k].k, fbi_model(system, body, k));
+  }
+  status = status == FB_OK ? fbi_system_accelerations(work, system, body, state, input) : status;
+  for (int k = 0; k < system->n_body && status == FB_OK; k++) {
+    const fbi_link_work *L = &work->link[k];
+    const int n = fbi_model(system, body, k)->n;
+    status = fbi_is_finite(L->V, 6) && fbi_is_finite(L->u, 6) && fbi_is_finite(L->q_dot, n) ? FB_OK : FB_ERR_NOT_FINITE;
+  }
+  if (status != FB_OK) {
+    return status;
+  }
+  memset(motion, 0, sizeof *motion);
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_body *model = fbi_model(system, body, k);
+    const fb_joint *joint = fbi_link_joint(system, work, k);
+    fbi_link_work *L = &work->link[k];
+    fb_state *pose = &motion->pose[k];
+    fb_motion *out = &motion->motion[k];
+    fb_joint_motion *at = &motion->joint[k];
+    fbi_copy(pose->rho, L->rho, 3);
+    fbi_quat_from_mat33(pose->quat, L->k.R);
+    fbi_copy(pose->q, L->k.qx + 1, model->n);
+    if (!fbi_is_kept(system, work, k)) {
+      fbi_tree_joint_motion(at, L, joint, &state->link[k]);
+    }
+    fbi_row_sub(L->V_dot, -FB_R(1.0), L->V, 6);
+    fbi_copy(L->V, L->twist, 6);
+    fbi_copy(out->v, L->V, 3);
+    fbi_copy(out->w, L->V + 3, 3);
+    fbi_copy(out->v_dot, L->V_dot, 3);
+    fbi_copy(out->w_dot, L->V_dot + 3, 3);
+    fbi_copy(out->q_ddot, L->q_dot, model->n);
+    fbi_copy(L->q_dot, L->q_speed, model->n);
+    fbi_copy(out->q_dot, L->q_dot, model->n);
+    fbi_copy(L->k.fg, L->F, 6);
+    fbi_own_residual(L, model, L->V_dot, out->q_ddot);
+    for (int i = 0; i < 3; i++) {
+      out->reaction_force[i] = -L->y[i];
+      out->reaction_torque[i] = -L->y[3 + i];
+    }
+  }
+  for (int j = 0; j < system->n_body + system->n_loop; j++) {
+    fb_joint_motion *at = &motion->joint[j];
+    const fb_joint *joint = &system->joint[j];
+    if (fbi_is_kept(system, work, j)) {
+      fbi_kept_joint_motion(at, work, system, body, state, input, j);
+    }
+    for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
+      const fb_axis_mode mode = state->mode[j][i];
+      const fb_real motor = input ? input->drive[j].torque[i] : FB_R(0.0);
+      motion->power += at->speed[i] * (mode == FB_AXIS_FREE ? motor : at->drive[i]);
+    }
+  }
+  return FB_OK;
+}
+
+FB_DEF fb_status fb_system_energy(const fb_system *system, const fb_body *body, fb_system_work *work, fb_energy *energy,
+                                  const fb_system_state *state, const fb_system_input *input)
+{
+  fb_energy out = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_status status;
+  FBI_REQUIRE(system && body && work && energy && state, FB_ERR_NULL);
+  status = fbi_system_input_check(system, body, input);
+  fbi_system_enter(work, system);
+  status = status == FB_OK ? fbi_system_velocity(work, system, body, state, state, input) : status;
+  if (status != FB_OK) {
+    return status;
+  }
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_body *model = fbi_model(system, body, k);
+    fbi_link_work *L = &work->link[k];
+    fbi_link_kinetics(L, model);
+    fbi_momenta(&L->k, model);
+    fbi_mass_mul(L->e, model, L->k.pb);
+    out.kinetic += FB_R(0.5) * (fbi_vec6_dot(L->k.ph, L->V) + fbi_dot(L->e, L->q_dot, model->n));
+    fbi_potential_add(&out, &L->k, model, state->link[k].q, L->rho);
+  }
+  for (int j = 0; j < system->n_body + system->n_loop; j++) {
+    const fb_joint *joint = &system->joint[j];
+    fb_real value[3];
+    if (!fbi_is_sprung(joint, NULL, j)) {
+      continue;
+    }
+    if (fbi_is_kept(system, work, j)) {
+      fbi_frames f;
+      (void)fbi_frames_eval(&f, work, system, body, j);
+      fbi_frames_value(value, &f, joint);
+    } else if (joint->kind == FB_JOINT_SPHERICAL) {
+      fb_quat_to_rotvec(value, state->link[j].quat);
+    } else {
+      fbi_copy(value, state->link[j].x, 3);
+    }
+    for (int i = 0; i < joint->n_axis && i < 3; i++) {
+      const fb_real stretch = value[i] - joint->rest[i];
+      out.strain += FB_R(0.5) * joint->stiffness[i] * stretch * stretch;
+    }
+  }
+  if (!fbi_is_finite(&out.kinetic, 1) || !fbi_is_finite(&out.strain, 1) || !fbi_is_finite(&out.gravity, 1)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *energy = out;
+  return FB_OK;
+}
+
+/* Sums over the bodies. */
+FB_DEF fb_status fb_system_momentum(const fb_system *system, const fb_body *body, fb_system_work *work,
+                                    fb_momentum *momentum, const fb_system_state *state, const fb_system_input *input)
+{
+  fb_status status;
+  FBI_REQUIRE(system && body && work && momentum && state, FB_ERR_NULL);
+  status = fbi_system_input_check(system, body, input);
+  fbi_system_enter(work, system);
+  status = status == FB_OK ? fbi_system_velocity(work, system, body, state, state, input) : status;
+  if (status != FB_OK) {
+    return status;
+  }
+  memset(momentum, 0, sizeof *momentum);
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &work->link[k];
+    fb_real P[3], h[3];
+    fbi_link_kinetics(L, fbi_model(system, body, k));
+    fbi_momenta(&L->k, fbi_model(system, body, k));
+    fb_mat33_mul_vec3(P, L->k.R, L->k.ph);
+    fb_mat33_mul_vec3(h, L->k.R, L->k.ph + 3);
+    fbi_vec3_add(momentum->linear, FB_R(1.0), P);
+    fbi_vec3_add(momentum->angular, FB_R(1.0), h);
+    fbi_vec3_add_cross(momentum->angular, L->rho, P);
+  }
+  return FB_OK;
+}
+
+FB_DEF void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *gravity)
+{
+  fb_real R[9], a[3];
+  fb_quat_to_mat33(R, node->quat);
+  for (int i = 0; i < 3; i++) {
+    a[i] = node->acceleration[i] - (gravity ? gravity[i] : FB_R(0.0));
+  }
+  fb_mat33_mulT_vec3(imu->specific_force, R, a);
+  fb_mat33_mulT_vec3(imu->angular_rate, R, node->angular_rate);
+}
+
+/* ---- init */
+
+/* Largest eigenvalue of springs and modes (which = 0) or dampers (1) against the mass, undeformed, at zero coordinates: 60
+   steps of the power method, which comes from below; 5 % are added. */
+static fb_status fbi_system_limit(fb_real *limit, fb_system_work *w, const fb_system *system, const fb_body *body,
+                                  int which)
+{
+  fb_real size = FB_R(1.0);
+  fb_status status = FB_OK;
+  *limit = FB_R(0.0);
+  fbi_rhs_clear(w, system, body);
+  for (int step = 0; step < 60 && size > FB_R(0.0) && status == FB_OK; step++) {
+    size = FB_R(0.0);
+    for (int k = 0; k < system->n_body; k++) {
+      const fb_body *model = fbi_model(system, body, k);
+      const fb_joint *joint = fbi_link_joint(system, w, k);
+      fbi_link_work *L = &w->link[k];
+      for (int a = 0; step == 0 && a < model->n; a++) {
+        L->q_dot[a] = FB_R(1.0) / (fb_real)(1 + (7 * k + 3 * a) % 5);
+      }
+      for (int i = 0; step == 0 && i < 6; i++) {
+        L->u[i] = FB_R(1.0) / (fb_real)(1 + (5 * k + 2 * i) % 3);
+      }
+      fbi_zero(L->pi, model->n);
+      if (which == 0) {
+        fbi_sparse_eval(L->pi, NULL, FB_R(1.0), &model->K, L->q_dot, model->n);
+      } else {
+        fbi_damping_add(L->pi, FB_R(1.0), model, L->q_dot);
+      }
+      size += fbi_dot(L->pi, L->q_dot, model->n);
+      for (int i = 0; i < joint->n_axis && i < 3 && joint->kind != FB_JOINT_FREE; i++) {
+        L->p[i] =
+            L->mode[i] == FB_AXIS_FREE ? (which == 0 ? joint->stiffness[i] : joint->damping[i]) * L->u[i] : FB_R(0.0);
+        size += L->p[i] * L->u[i];
+      }
+    }
+    size = size > FB_R(0.0) ? FB_R(1.0) / FB_SQRT(size) : size; /* to unit energy */
+    for (int k = 0; k < system->n_body; k++) {
+      for (int a = 0; a < fbi_model(system, body, k)->n; a++) {
+        w->link[k].pi[a] *= size;
+      }
+      for (int i = 0; i < 3; i++) {
+        w->link[k].p[i] *= size;
+      }
+    }
+    status = size > FB_R(0.0) ? fbi_speeds_solve(w, system, body) : status;
+    *limit = FB_R(0.0);
+    for (int k = 0; k < system->n_body && size > FB_R(0.0); k++) { /* p^T M^-1 p of p = K x, x^T K x = 1 */
+      const fbi_link_work *L = &w->link[k];
+      *limit += fbi_dot(L->pi, L->q_dot, fbi_model(system, body, k)->n);
+      for (int i = 0; i < fbi_link_joint(system, w, k)->n_axis && i < 3; i++) {
+        *limit += L->mode[i] == FB_AXIS_FREE ? L->p[i] * L->u[i] : FB_R(0.0);
+      }
+    }
+  }
+  *limit *= FB_R(1.05);
+  return status;
+}
+
+static fb_status fbi_system_desc_check(const fb_body *body, int n_model, const fb_system_desc *desc)
+{
+  FBI_REQUIRE(desc->n_body >= 1 && desc->n_body <= FB_MAX_BODIES, FB_ERR_CAPACITY);
+  FBI_REQUIRE(desc->n_loop >= 0 && desc->n_loop <= FB_MAX_LOOPS, FB_ERR_CAPACITY);
+  if ((int)desc->method < (int)FB_METHOD_RECURSIVE || (int)desc->method > (int)FB_METHOD_MULTIPLIERS) {
+    return FB_ERR_VALUE;
+  }
+  for (int k = 0; k < desc->n_body; k++) {
+    FBI_REQUIRE(desc->model[k] >= 0 && desc->model[k] < n_model, FB_ERR_CAPACITY);
+    if (fbi_form(&body[desc->model[k]]) != 0 || fbi_holds_origin(body[desc->model[k]].base)) {
+      return FB_ERR_VALUE;
+    }
+  }
+  return FB_OK;
+}
+
+/* Bodies on nodes that modes move, and all that a step asks of the tree as it is built. */
+static void fbi_system_fill(fb_system *out, const fb_body *body, const fb_system_desc *desc)
+{
+  memset(out, 0, sizeof *out);
+  out->n_body = desc->n_body;
+  out->n_loop = desc->n_loop;
+  out->method = desc->method;
+  out->allow_long_step = desc->allow_long_step;
+  for (int k = 0; k < desc->n_body; k++) {
+    out->model[k] = desc->model[k];
+  }
+  for (int j = 0; j < desc->n_body + desc->n_loop; j++) {
+    fbi_joint_fill(&out->joint[j], desc, body, j);
+    if (j < desc->n_body && out->joint[j].moves) {
+      out->coupled[out->joint[j].parent] = 1;
+    }
+  }
+  out->free.kind = FB_JOINT_FREE;
+  out->free.parent = FB_GROUND;
+  out->free.n_axis = fbi_joint_axes(FB_JOINT_FREE);
+}
+
+FB_DEF fb_status fb_system_init(fb_system *system, fb_system_work *work, const fb_body *body, int n_model,
+                                const fb_system_desc *desc)
+{
+  fb_system *out;
+  fb_system_state *zero;
+  fb_status status;
+  FBI_REQUIRE(system && work && body && desc, FB_ERR_NULL);
+  status = fbi_system_desc_check(body, n_model, desc);
+  work->joint = -1;
+  for (int j = 0; status == FB_OK && j < desc->n_body + desc->n_loop; j++) {
+    status = fbi_joint_check(desc, body, j);
+    work->joint = status == FB_OK ? -1 : j;
+  }
+  if (status != FB_OK) {
+    return status;
+  }
+  out = &work->system;
+  fbi_system_fill(out, body, desc);
+  FBI_REQUIRE(desc->method != FB_METHOD_DENSE ||
+                  fbi_speed_offset(out, (work->kept = 0, work), body, out->n_body) <= FB_MAX_SPEEDS,
+              FB_ERR_CAPACITY);
+  fbi_system_enter(work, out);
+  zero = &work->stage;
+  memset(zero, 0, sizeof *zero);
+  for (int k = 0; k < out->n_body; k++) {
+    zero->link[k].quat[0] = FB_R(1.0);
+  }
+  fbi_links_place(work, out, body, zero, zero);
+  status = fbi_mass_factor(work, out, body, FB_R(0.0));
+  status = status == FB_OK ? fbi_system_limit(&out->limit_elastic, work, out, body, 0) : status;
+  status = status == FB_OK ? fbi_system_limit(&out->limit_damping, work, out, body, 1) : status;
+  if (status == FB_OK) {
+    *system = *out;
+  }
+  return status == FB_ERR_UNDETERMINED ? FB_ERR_SINGULAR : status;
+}
+
+/* ---------------------------------------------------------------------------------------------------------------
+   11 >>integrate (uses 1-9) */
 
 /* Bound of the highest frequency (E8.8) with deflected, stretched beams: of a slope s and a strain e
    k <= (sqrt(limit_elastic) + s sqrt(limit_slope))^2 + e limit_slope, the triangle inequality for u_x' + s u_y'. */
@@ -6464,18 +9304,6 @@ static void fbi_tangent(fb_implicit_work *w, const fb_body *body, const fb_real 
   (void)q;
 }
 
-/* Lambda(q) of the free rigid rows, rows x n; n_terms of its list. */
-static void fbi_lambda_rows(fb_real *X, const fb_body *body, const fb_real *qx, int first, int n_terms)
-{
-  fbi_zero(X, (6 - first) * body->n);
-  for (int t = 0; t < n_terms; t++) {
-    const fb_lambda_term *term = &body->lambda[t];
-    if (term->i >= first) {
-      X[(term->i - first) * body->n + term->b] -= term->c * qx[term->a];
-    }
-  }
-}
-
 /* y += s N x with N_ab = -(Lambda_a^T V)_b, M times the transpose of the gyroscopic matrix. */
 static void fbi_gyro_add(fb_real *y, fb_real s, const fb_real V[6], const fb_body *body, const fb_real *x)
 {
@@ -6623,14 +9451,7 @@ static fb_status fbi_implicit_factor(fb_implicit_work *w, const fbi_kinetics *k,
   }
 #if FB_WITH_DAMPING
   if (fbi_has(body->effects, FB_EFFECT_DAMPING)) {
-    for (int a = 0; a < n; a++) {
-      w->E[a * n + a] += g * body->C.diagonal[a];
-    }
-    for (int t = 0; t < body->C.n_term; t++) {
-      const fb_pair_term *term = &body->C.term[t];
-      w->E[term->a * n + term->b] += g * term->c;
-      w->E[term->b * n + term->a] += g * term->c;
-    }
+    fbi_sparse_add(w->E, g, &body->C, n);
   }
 #endif
   status = fbi_lu_plain_factor(w->E, n);
@@ -7255,6 +10076,141 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   fbi_phi_add(&work->full, h, scheme->full, 3, scheme, h, sum, n);
   fbi_modal_to(&work->at, scheme, body, &work->full);
   return fbi_step_end(state, &work->at, body);
+}
+
+/* ---- systems */
+
+/* out = state + s rate; out may be state */
+static void fbi_system_advance(fb_system_state *out, const fb_system_state *state, fb_real s,
+                               const fb_system_state *rate, const fb_system *system, const fb_system_work *w,
+                               const fb_body *body)
+{
+  out->motor_work = state->motor_work + s * rate->motor_work;
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    const int n = fbi_model(system, body, k)->n;
+    const fb_link_state *a = &state->link[k], *b = &rate->link[k];
+    fb_link_state *y = &out->link[k];
+    if (joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL) {
+      for (int i = 0; i < 4; i++) {
+        y->quat[i] = a->quat[i] + s * b->quat[i];
+      }
+    }
+    for (int i = 0; i < (joint->n_axis < 3 ? joint->n_axis : 3) && joint->kind != FB_JOINT_SPHERICAL; i++) {
+      y->x[i] = a->x[i] + s * b->x[i];
+    }
+    for (int i = 0; i < joint->n_axis; i++) {
+      y->p[i] = a->p[i] + s * b->p[i];
+    }
+    for (int i = 0; i < n; i++) {
+      y->q[i] = a->q[i] + s * b->q[i];
+      y->pi[i] = a->pi[i] + s * b->pi[i];
+    }
+  }
+}
+
+/* [E11.15] Largest step of rk4 for a system: the frequency bound of E8.8 with the springs and modes of the whole,
+   undeformed, at zero joint coordinates, the fastest spin and the stiffening of each body: |a| by the spin of the bodies
+   on the way and by what acts on the whole.
+   Source: E8.8, E11.1.  Fails: never.  Test: system_steps_beyond_the_limit_are_refused. */
+static fb_real fbi_system_bound(fb_system_work *w, const fb_system *system, const fb_body *body, fb_real *fastest)
+{
+  fb_real spin = FB_R(0.0), stiff = FB_R(0.0), g;
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    const fb_body *model = fbi_model(system, body, k);
+    const fbi_link_work *parent = fbi_parent(w, fbi_link_joint(system, w, k));
+    L->spin = fbi_vec3_norm(L->V + 3);
+    if (parent) {
+      L->acceleration = parent->acceleration + parent->spin * parent->spin * fbi_vec3_norm(L->s);
+    } else {
+      L->acceleration = model->mass > FB_R(0.0) ? fbi_vec3_norm(L->F) / model->mass : FB_R(0.0);
+    }
+    spin = fbi_larger(spin, L->spin);
+    stiff = fbi_larger(stiff, model->limit_spin * L->spin * L->spin + model->limit_acceleration * L->acceleration);
+  }
+  *fastest = fbi_larger(spin, FB_SQRT(stiff));
+  g = spin + FB_R(0.5) * system->limit_damping;
+  return g + FB_SQRT(g * g + system->limit_elastic + stiff);
+}
+
+/* Small values to zero, unit quaternions, given coordinates, loops closed, all within range. */
+static fb_status fbi_system_end(fb_system_state *state, fb_system_state *next, fb_system_work *w,
+                                const fb_system *system, const fb_body *body, const fb_system_input *input)
+{
+  fb_status status = FB_OK;
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    fb_link_state *x = &next->link[k];
+    fbi_flush(x->p, joint->n_axis);
+    fbi_flush(x->q, fbi_model(system, body, k)->n);
+    fbi_flush(x->pi, fbi_model(system, body, k)->n);
+    if ((joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL) && fb_quat_normalize(x->quat) != FB_OK) {
+      return FB_ERR_NOT_FINITE;
+    }
+  }
+  fbi_prescribe(next, system, w, state, input);
+  if (fbi_has_rows(system, w, input)) {
+    fb_real miss;
+    int worst;
+    status = fbi_positions_close(&miss, &worst, w, system, body, next, state, input);
+    status = status == FB_OK ? fbi_momenta_close(w, system, body, next, state, input) : status;
+  }
+  status = status == FB_OK ? fbi_system_range(system, body, next) : status;
+  if (status == FB_OK) {
+    for (int k = 0; k < system->n_body; k++) {
+      state->link[k] = next->link[k];
+    }
+    state->motor_work = next->motor_work;
+  }
+  return status;
+}
+
+static fb_status fbi_system_step_check(const fb_system *system, const fb_body *body, const fb_system_input *input,
+                                       fb_real dt)
+{
+  return dt > FB_R(0.0) && dt < FB_HUGE ? fbi_system_input_check(system, body, input) : FB_ERR_VALUE;
+}
+
+/* [E11.12] Classical Runge-Kutta on a system. Impulses of constraints start at zero in each step, so that what is
+   integrated is an ordinary differential equation; after the step positions and velocities go onto the constraints.
+   Source: textbook, E9.15, E9.17.  Cost: 4 evaluations, with constraints 2 solutions more.
+   Test: systems_converge_with_the_order_of_the_scheme, loops_stay_closed. */
+FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body, fb_system_state *state,
+                                    fb_system_work *work, const fb_system_input *start, const fb_system_input *middle,
+                                    const fb_system_input *end, fb_real dt)
+{
+  static const fb_real node[3] = {FB_R(0.5), FB_R(0.5), FB_R(1.0)};
+  static const fb_real weight[4] = {FB_R(1.0) / FB_R(6.0), FB_R(1.0) / FB_R(3.0), FB_R(1.0) / FB_R(3.0),
+                                    FB_R(1.0) / FB_R(6.0)};
+  const fb_system_input *input[4];
+  fb_status status = FB_OK;
+  FBI_REQUIRE(system && body && state && work, FB_ERR_NULL);
+  fbi_system_enter(work, system);
+  input[0] = start;
+  input[1] = input[2] = middle;
+  input[3] = end;
+  for (int stage = 0; stage < 4 && status == FB_OK; stage++) {
+    const fb_system_state *at = stage == 0 ? state : &work->stage;
+    status = fbi_system_step_check(system, body, input[stage], dt);
+    if (status == FB_OK && stage > 0) {
+      fbi_prescribe(&work->stage, system, work, state, input[stage]);
+    }
+    status = status == FB_OK ? fbi_system_rates(work, system, body, &work->rate, at, state, input[stage]) : status;
+    if (status == FB_OK && stage == 0 && !system->allow_long_step) {
+      fb_real fastest;
+      const fb_real bound = fbi_system_bound(work, system, body, &fastest);
+      status = dt <= fbi_step_limit(FBI_RK4_RADIUS, bound) ? FB_OK : FB_ERR_STEP;
+    }
+    if (status == FB_OK) {
+      fbi_system_advance(&work->sum, stage == 0 ? state : &work->sum, dt * weight[stage], &work->rate, system, work,
+                         body);
+      if (stage < 3) {
+        fbi_system_advance(&work->stage, state, dt * node[stage], &work->rate, system, work, body);
+      }
+    }
+  }
+  return status == FB_OK ? fbi_system_end(state, &work->sum, work, system, body, end) : status;
 }
 
 /* ---------------------------------------------------------------------------------------------------------------

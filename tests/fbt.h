@@ -16,6 +16,9 @@
 #ifndef FB_WITH_FORMS
 #define FB_WITH_FORMS 1
 #endif
+#ifndef FB_MAX_ROWS
+#define FB_MAX_ROWS 48
+#endif
 #include "../flexbeam.h"
 #include <math.h>
 #include <stdio.h>

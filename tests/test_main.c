@@ -15,6 +15,7 @@ void fbt_suite_body(void);
 void fbt_suite_forms(void);
 void fbt_suite_integrate(void);
 void fbt_suite_analyse(void);
+void fbt_suite_system(void);
 void fbt_suite_build(void);
 
 static int passed, failed, claims_failed;
@@ -193,6 +194,7 @@ int main(int argc, char **argv)
   fbt_suite_body();
   fbt_suite_forms();
   fbt_suite_integrate();
+  fbt_suite_system();
   fbt_suite_analyse();
   fbt_suite_build();
   if (!figures || failed) {
