@@ -1262,6 +1262,7 @@ typedef struct fb_system_work { /* scratch; large: make it static */
   fb_real z[FB_MAX_SPEEDS], speed[FB_MAX_SPEEDS];
   int perm[FB_MAX_SPEEDS];
   fb_system system;
+  fb_system_input between;
   fb_system_state stage, rate, sum, first, base;
 } fb_system_work;
 
@@ -1412,6 +1413,15 @@ FB_API fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real a
 FB_API fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body, fb_system_state *state,
                                     fb_system_work *work, const fb_system_input *start, const fb_system_input *middle,
                                     const fb_system_input *end, fb_real dt);
+
+/* Two-stage SDIRK of order 2, L-stable, for stiff joints and modes: 2 + 2 iterations evaluations, each but one with
+   a factorization (0: 2 iterations). Springs and dampers of joints that are kept as constraints are explicit in it. Steps up to 1/10
+   of a turn by the fastest spin [rad]; the inputs at t and t + dt list the same loads. Else as fb_system_rk4_step. */
+FB_API fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *body, fb_system_state *state,
+                                      fb_system_work *work, const fb_system_input *start, const fb_system_input *end,
+                                      fb_real dt, int iterations);
+/* Largest step [s] of rk4 for the system at rest, and at a spin [rad/s] and acceleration [m/s^2] of all of it. */
+FB_API fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body, fb_real spin, fb_real acceleration);
 
 /* ---------------------------------------------------------------------------------------------------------------
    12 >>analyse: offline work, on bodies whose base is prescribed */

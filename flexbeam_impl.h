@@ -7661,7 +7661,8 @@ static fb_status fbi_rows_rate(fb_system_work *w, const fb_system *system, const
   return FB_OK;
 }
 
-/* The sum force.v + torque.w of a row over the velocities of its ends; size: the sum of magnitudes. */
+/* The sum force.v + torque.w of a row over the velocities of its ends; size: what it would be if all were
+   along. */
 static fb_real fbi_row_eval(fb_real *size, const fbi_row *row, const fb_system_work *w, const fb_system *system,
                             const fb_body *body)
 {
@@ -7671,9 +7672,9 @@ static fb_real fbi_row_eval(fb_real *size, const fbi_row *row, const fb_system_w
     fb_real v[3], turn[3];
     fbi_end_velocity(v, turn, w, system, body, &w->end[row->end[s]]);
     {
-      const fb_real along = fb_vec3_dot(row->r.force[s], v), about = fb_vec3_dot(row->r.torque[s], turn);
-      sum += along + about;
-      *size += FB_FABS(along) + FB_FABS(about);
+      sum += fb_vec3_dot(row->r.force[s], v) + fb_vec3_dot(row->r.torque[s], turn);
+      *size += fbi_vec3_norm(row->r.force[s]) * fbi_vec3_norm(v);
+      *size += fbi_vec3_norm(row->r.torque[s]) * fbi_vec3_norm(turn);
     }
   }
   return sum;
@@ -7698,13 +7699,14 @@ static void fbi_row_impulse(fb_system_work *w, const fb_system *system, const fb
 }
 
 /* [E9.9] Q = A M^-1 A^T of the rows and its pivoted Cholesky factors: rows that depend on others are left out, w->rank of
-   them stay. Pivots count relative to their own diagonal.
+   them stay. A pivot is a square of how far a row stands out of the others: 1e-11 of its diagonal, a few millionths of
+   a turn before a singular position, is where its impulses would be rounding.
    Source: [GV] 4.2.8.  Shapes: Q n_row x n_row.  Cost: n_row solutions E9.5, n_row^3/3 flops.
    Fails: never.  Test: redundant_loops_are_accepted. */
 static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
   const int m = w->n_row;
-  const fb_real tol = FB_SINGLE ? FB_R(1e-4) : FB_R(1e-11);
+  const fb_real tol = FB_SINGLE ? FB_R(1e-4) : FB_R(1e-11), across = FB_SINGLE ? FB_R(1e-3) : FB_R(1e-6);
   fb_real *Q = w->Q, size;
   for (int r = 0; r < m; r++) {
     fb_status status;
@@ -7716,12 +7718,14 @@ static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, con
     }
     for (int i = 0; i < m; i++) {
       Q[i * m + r] = fbi_row_eval(&size, &w->row[i], w, system, body);
+      if (i == r) { /* moves across its own direction, if at all: not to be counted on */
+        w->column[r] = Q[r * m + r] > across * size ? Q[r * m + r] : FB_HUGE;
+      }
     }
     w->order[r] = r;
-    w->column[r] = Q[r * m + r];
   }
   for (int i = 0; i < m; i++) {
-    w->diagonal[i] = w->column[i];
+    w->diagonal[i] = Q[i * (m + 1)];
   }
   for (w->rank = 0; w->rank < m;
        w->rank++) { /* rows in the order of w->order; L in the lower triangle of their indices */
@@ -7778,22 +7782,28 @@ static void fbi_rows_multipliers(fb_system_work *w)
 }
 
 /* [E9.10] Speeds under constraints, M u = p + A^T mu with A u + c = 0: solves for the right-hand side there is, then
-   with the impulses mu on it. c: what the rows have besides A u. given: a c other than zero may contradict itself.
+   with the impulses mu on it. c: what the rows have besides A u. check: speeds that
+   are given, or a c other than zero, may contradict the rows.
    Source: Lagrange multipliers of the momenta; [H] 3.5.  Fails: FB_ERR_CONTRADICTION, the joint of a row left out
    whose velocity does not come out.  Test: the_three_methods_agree, contradictions_name_their_joint. */
-static fb_status fbi_constrained_solve(fb_system_work *w, const fb_system *system, const fb_body *body, int given)
+static fb_status fbi_constrained_solve(fb_system_work *w, const fb_system *system, const fb_body *body, int check)
 {
-  fb_real size, largest = FB_R(0.0);
+  fb_real size;
+  int given = 0;
   fb_status status = FB_OK;
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     fbi_copy(L->y0, L->y, 6);
     fbi_copy(L->p0, L->p, 6);
     fbi_copy(L->pi0, L->pi, fbi_model(system, body, k)->n);
+    for (int i = 0; i < fbi_link_joint(system, w, k)->n_axis; i++) {
+      const int drives = L->mode[fbi_link_joint(system, w, k)->kind == FB_JOINT_FREE ? 0 : i] == FB_AXIS_PRESCRIBED;
+      given = given || (drives && FB_FABS(L->p[i]) > FB_R(0.0));
+    }
   }
   status = fbi_speeds_solve(w, system, body);
   for (int r = 0; r < w->n_row; r++) {
-    largest = fbi_larger(largest, FB_FABS(w->c[r]));
+    given = given || FB_FABS(w->c[r]) > FB_R(0.0);
     w->c[r] += fbi_row_eval(&size, &w->row[r], w, system, body);
   }
   status = status == FB_OK ? fbi_rows_factor(w, system, body) : status;
@@ -7811,14 +7821,14 @@ static fb_status fbi_constrained_solve(fb_system_work *w, const fb_system *syste
     fbi_row_impulse(w, system, body, r, w->mu[r]);
   }
   status = fbi_speeds_solve(w, system, body);
-  for (int k = w->rank; k < w->n_row && given && largest > FB_R(0.0) && status == FB_OK; k++) {
+  for (int k = w->rank; k < w->n_row && given && check && status == FB_OK; k++) {
     const int r = w->order[k];
     fb_real miss = w->c[r];
     for (int i = 0; i < w->n_row; i++) {
       miss += w->Q[r * w->n_row + i] * w->mu[i];
     }
     (void)fbi_row_eval(&size, &w->row[r], w, system, body);
-    if (FB_FABS(miss) > (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-6)) * (size + largest)) {
+    if (FB_FABS(miss) > (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-6)) * size) {
       w->joint = w->row[r].joint;
       status = FB_ERR_CONTRADICTION;
     }
@@ -9098,6 +9108,9 @@ FB_DEF fb_status fb_system_init(fb_system *system, fb_system_work *work, const f
   memset(zero, 0, sizeof *zero);
   for (int k = 0; k < out->n_body; k++) {
     zero->link[k].quat[0] = FB_R(1.0);
+    for (int i = 0; i < 3; i++) {
+      zero->mode[k][i] = out->joint[k].mode[i];
+    }
   }
   fbi_links_place(work, out, body, zero, zero);
   status = fbi_mass_factor(work, out, body, FB_R(0.0));
@@ -10109,13 +10122,46 @@ static void fbi_system_advance(fb_system_state *out, const fb_system_state *stat
   }
 }
 
-/* [E11.15] Largest step of rk4 for a system: the frequency bound of E8.8 with the springs and modes of the whole,
-   undeformed, at zero joint coordinates, the fastest spin and the stiffening of each body: |a| by the spin of the bodies
-   on the way and by what acts on the whole.
-   Source: E8.8, E11.1.  Fails: never.  Test: system_steps_beyond_the_limit_are_refused. */
-static fb_real fbi_system_bound(fb_system_work *w, const fb_system *system, const fb_body *body, fb_real *fastest)
+/* A rate of zero. */
+static void fbi_system_clear(fb_system_state *rate, const fb_system *system, const fb_body *body)
 {
-  fb_real spin = FB_R(0.0), stiff = FB_R(0.0), g;
+  rate->motor_work = FB_R(0.0);
+  for (int k = 0; k < system->n_body; k++) {
+    fb_link_state *x = &rate->link[k];
+    fbi_zero(x->x, 3);
+    fbi_zero(x->quat, 4);
+    fbi_zero(x->p, 6);
+    fbi_zero(x->q, fbi_model(system, body, k)->n);
+    fbi_zero(x->pi, fbi_model(system, body, k)->n);
+  }
+}
+
+/* Bound of the highest frequency of a system: E8.8 with springs and modes of the whole. */
+static fb_real fbi_system_frequency(const fb_system *system, fb_real spin, fb_real stiffening)
+{
+  const fb_real g = spin + FB_R(0.5) * system->limit_damping;
+  return g + FB_SQRT(g * g + system->limit_elastic + stiffening);
+}
+
+/* [E11.15] Largest step of rk4 for a system: the frequency bound of E8.8 with the springs and modes of the whole,
+   undeformed, at zero joint coordinates, the fastest spin and the stiffening of the bodies.
+   Source: E8.8, E11.1.  Fails: never.  Test: system_steps_beyond_the_limit_are_refused. */
+FB_DEF fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body, fb_real spin, fb_real acceleration)
+{
+  fb_real stiff = FB_R(0.0);
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_body *model = fbi_model(system, body, k);
+    stiff = fbi_larger(stiff, model->limit_spin * spin * spin + model->limit_acceleration * FB_FABS(acceleration));
+  }
+  return fbi_step_limit(FBI_RK4_RADIUS, fbi_system_frequency(system, FB_FABS(spin), stiff));
+}
+
+/* The fastest spin there is and the largest stiffening k [1/s^2]; O accelerates by the spin of the bodies on the way
+   and by what acts on the whole. */
+static void fbi_system_conditions(fb_real *spin, fb_real *stiffening, fb_system_work *w, const fb_system *system,
+                                  const fb_body *body)
+{
+  *spin = *stiffening = FB_R(0.0);
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     const fb_body *model = fbi_model(system, body, k);
@@ -10126,12 +10172,10 @@ static fb_real fbi_system_bound(fb_system_work *w, const fb_system *system, cons
     } else {
       L->acceleration = model->mass > FB_R(0.0) ? fbi_vec3_norm(L->F) / model->mass : FB_R(0.0);
     }
-    spin = fbi_larger(spin, L->spin);
-    stiff = fbi_larger(stiff, model->limit_spin * L->spin * L->spin + model->limit_acceleration * L->acceleration);
+    *spin = fbi_larger(*spin, L->spin);
+    *stiffening =
+        fbi_larger(*stiffening, model->limit_spin * L->spin * L->spin + model->limit_acceleration * L->acceleration);
   }
-  *fastest = fbi_larger(spin, FB_SQRT(stiff));
-  g = spin + FB_R(0.5) * system->limit_damping;
-  return g + FB_SQRT(g * g + system->limit_elastic + stiff);
 }
 
 /* Small values to zero, unit quaternions, given coordinates, loops closed, all within range. */
@@ -10198,9 +10242,9 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
     }
     status = status == FB_OK ? fbi_system_rates(work, system, body, &work->rate, at, state, input[stage]) : status;
     if (status == FB_OK && stage == 0 && !system->allow_long_step) {
-      fb_real fastest;
-      const fb_real bound = fbi_system_bound(work, system, body, &fastest);
-      status = dt <= fbi_step_limit(FBI_RK4_RADIUS, bound) ? FB_OK : FB_ERR_STEP;
+      fb_real spin, stiff;
+      fbi_system_conditions(&spin, &stiff, work, system, body);
+      status = dt <= fbi_step_limit(FBI_RK4_RADIUS, fbi_system_frequency(system, spin, stiff)) ? FB_OK : FB_ERR_STEP;
     }
     if (status == FB_OK) {
       fbi_system_advance(&work->sum, stage == 0 ? state : &work->sum, dt * weight[stage], &work->rate, system, work,
@@ -10211,6 +10255,198 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
     }
   }
   return status == FB_OK ? fbi_system_end(state, &work->sum, work, system, body, end) : status;
+}
+
+/* Turning rate [rad/s] of a quaternion's rate, in the axes that turn. */
+static void fbi_turn_of_rate(fb_real w[3], const fb_real quat[4], const fb_real rate[4])
+{
+  const fb_real back[4] = {FB_R(2.0) * quat[0], -FB_R(2.0) * quat[1], -FB_R(2.0) * quat[2], -FB_R(2.0) * quat[3]};
+  fb_real turn[4];
+  fb_quat_mul(turn, back, rate);
+  fbi_copy(w, turn + 1, 3);
+}
+
+/* Right-hand side g r_p - g^2 K r_v of E11.13. */
+static void fbi_newton_fill(fb_system_work *w, const fb_system *system, const fb_body *body, const fb_system_state *r,
+                            const fb_system_state *at, fb_real g)
+{
+  fbi_rhs_clear(w, system, body);
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    const fb_body *model = fbi_model(system, body, k);
+    const fb_link_state *x = &r->link[k];
+    fbi_link_work *L = &w->link[k];
+    fbi_sparse_eval(L->pi, NULL, -g * g, &model->K, x->q, model->n);
+    fbi_row_sub(L->pi, -g, x->pi, model->n);
+    if (joint->kind == FB_JOINT_FREE) {
+      if (L->mode[0] == FB_AXIS_FREE) {
+        fb_mat33_mulT_vec3(L->p, L->k.R, x->p);
+        fb_mat33_mulT_vec3(L->p + 3, L->k.R, x->p + 3);
+      }
+    } else if (joint->kind == FB_JOINT_SPHERICAL) {
+      fb_real h[3];
+      fb_mat33_mulT_vec3(h, L->k.R, x->p);
+      fb_mat33_mulT_vec3(L->p, joint->child_axes, h);
+    } else {
+      fbi_copy(L->p, x->p, joint->n_axis);
+    }
+    for (int i = 0; i < joint->n_axis; i++) {
+      L->p[i] *= g;
+    }
+    if (joint->kind == FB_JOINT_SPHERICAL) {
+      fb_real turn[3];
+      fbi_turn_of_rate(turn, at->link[k].quat, x->quat);
+      fbi_row_sub(L->p, g * g * joint->stiffness[0], turn, 3);
+    }
+    for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
+      const int moves = joint->kind != FB_JOINT_SPHERICAL;
+      L->p[i] -= moves ? g * g * joint->stiffness[i] * x->x[i] : FB_R(0.0);
+      L->p[i] = L->mode[i] == FB_AXIS_FREE ? L->p[i] : FB_R(0.0);
+    }
+  }
+}
+
+/* r becomes k: k_v = r_v + z, k_p = r_p - g K k_v - C z with the solution z of E11.13. */
+static void fbi_newton_take(fb_system_state *r, fb_system_work *w, const fb_system *system, const fb_body *body,
+                            const fb_system_state *at, fb_real g)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    const fb_body *model = fbi_model(system, body, k);
+    const fbi_link_work *L = &w->link[k];
+    fb_link_state *x = &r->link[k], move;
+    fbi_coordinate_rates(&move, L, joint, &at->link[k]);
+    fbi_row_sub(x->q, -FB_R(1.0), L->q_dot, model->n);
+    fbi_sparse_eval(x->pi, x->pi, -g, &model->K, x->q, model->n);
+    fbi_damping_add(x->pi, -FB_R(1.0), model, L->q_dot);
+    if (joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL) {
+      fbi_row_sub(x->quat, -FB_R(1.0), move.quat, 4);
+    }
+    if (joint->kind == FB_JOINT_FREE) {
+      fbi_vec3_add(x->x, FB_R(1.0), move.x);
+      fbi_vec3_add_cross(x->p + 3, at->link[k].p, move.x);
+    } else if (joint->kind == FB_JOINT_SPHERICAL) {
+      fb_real turn[3], torque[3], inertial[3];
+      fbi_turn_of_rate(turn, at->link[k].quat, x->quat);
+      for (int i = 0; i < 3; i++) {
+        turn[i] = -g * joint->stiffness[0] * turn[i] - joint->damping[0] * L->u[i];
+      }
+      fb_mat33_mul_vec3(torque, joint->child_axes, turn);
+      fb_mat33_mul_vec3(inertial, L->k.R, torque);
+      fbi_vec3_add(x->p, L->mode[0] == FB_AXIS_FREE ? FB_R(1.0) : FB_R(0.0), inertial);
+    } else {
+      for (int i = 0; i < joint->n_axis; i++) {
+        x->x[i] += move.x[i];
+        if (L->mode[i] == FB_AXIS_FREE) {
+          x->p[i] -= g * joint->stiffness[i] * x->x[i] + joint->damping[i] * L->u[i];
+        }
+      }
+    }
+  }
+}
+
+/* [E11.13] Newton iterations for k = f(base + g k): with the residual r = f - k in speeds r_v and momenta r_p,
+   (M + g C + g^2 K) z = g r_p - g^2 K r_v,  dk_v = r_v + z,  dk_p = r_p - g K dk_v - C z; under constraints A z = 0.
+   K, C: modes, springs and dampers of the tree's joints; M at the present positions.
+   Source: block elimination of q' = M^-1 p, p' = -K q - C q'.  Cost: an evaluation and a solution each.
+   Fails: as E9.15.  Test: systems_converge_with_the_order_of_the_scheme, stiff_joints_take_long_steps. */
+static fb_status fbi_system_stage(fb_system_work *w, fb_system_state *k, const fb_system *system, const fb_body *body,
+                                  const fb_system_state *base, const fb_system_state *modes,
+                                  const fb_system_input *input, fb_real g, int iterations)
+{
+  fb_status status = FB_OK;
+  for (int i = 0; i < iterations && status == FB_OK; i++) {
+    fbi_system_advance(&w->stage, base, g, k, system, w, body);
+    fbi_prescribe(&w->stage, system, w, modes, input);
+    status = fbi_system_rates(w, system, body, &w->rate, &w->stage, modes, input);
+    if (status == FB_OK) {
+      fbi_system_advance(&w->rate, &w->rate, -FB_R(1.0), k, system, w, body);
+      status = fbi_mass_factor(w, system, body, g);
+    }
+    if (status == FB_OK) {
+      fbi_newton_fill(w, system, body, &w->rate, &w->stage, g);
+      fbi_zero(w->c, w->n_row);
+      status = w->n_row > 0 ? fbi_constrained_solve(w, system, body, 0) : fbi_speeds_solve(w, system, body);
+    }
+    if (status == FB_OK) {
+      fbi_newton_take(&w->rate, w, system, body, &w->stage, g);
+      fbi_system_advance(k, k, FB_R(1.0), &w->rate, system, w, body);
+    }
+  }
+  return status;
+}
+
+/* The input at the fraction s between two; loads on the same nodes in the same axes. */
+static fb_status fbi_system_between(fb_system_input *out, const fb_system_input *a, const fb_system_input *b, fb_real s)
+{
+  *out = *a;
+  if (a->n_load != b->n_load || a->rows != b->rows) {
+    return FB_ERR_VALUE;
+  }
+  out->t += s * (b->t - a->t);
+  for (int k = 0; k < a->n_load; k++) {
+    const fb_load *x = &a->load[k].load, *y = &b->load[k].load;
+    if (a->load[k].body != b->load[k].body || x->node != y->node || x->axes != y->axes) {
+      return FB_ERR_VALUE;
+    }
+    for (int i = 0; i < 3; i++) {
+      out->load[k].load.force[i] += s * (y->force[i] - x->force[i]);
+      out->load[k].load.torque[i] += s * (y->torque[i] - x->torque[i]);
+    }
+  }
+  for (int j = 0; j < FBI_MAX_JOINTS; j++) {
+    for (int i = 0; i < 6; i++) {
+      out->drive[j].rate[i] += s * (b->drive[j].rate[i] - a->drive[j].rate[i]);
+      if (i < 3) {
+        out->drive[j].torque[i] += s * (b->drive[j].torque[i] - a->drive[j].torque[i]);
+        out->drive[j].value[i] += s * (b->drive[j].value[i] - a->drive[j].value[i]);
+      }
+    }
+  }
+  return FB_OK;
+}
+
+/* [E11.14] Two-stage SDIRK scheme of order 2 (E11.8) on a system, L-stable: stiff joints and modes die out.
+   Source: [AL].  Cost: 1 + 2 iterations evaluations and solutions.
+   Test: systems_converge_with_the_order_of_the_scheme, stiff_joints_take_long_steps. */
+FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *body, fb_system_state *state,
+                                      fb_system_work *work, const fb_system_input *start, const fb_system_input *end,
+                                      fb_real dt, int iterations)
+{
+  const fb_real c = FB_R(0.29289321881345248);
+  const int count = iterations > 0 ? iterations : 2;
+  const fb_system_input *first = start;
+  fb_status status;
+  FBI_REQUIRE(system && body && state && work, FB_ERR_NULL);
+  FBI_REQUIRE((start != NULL) == (end != NULL), FB_ERR_NULL);
+  FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
+  fbi_system_enter(work, system);
+  status = fbi_system_step_check(system, body, start, dt);
+  status = status == FB_OK ? fbi_system_step_check(system, body, end, dt) : status;
+  if (status == FB_OK && start != end) {
+    status = fbi_system_between(&work->between, start, end, c);
+    first = &work->between;
+  }
+  status = status == FB_OK ? fbi_system_rates(work, system, body, &work->first, state, state, start) : status;
+  if (status == FB_OK && !system->allow_long_step) {
+    fb_real spin, stiff;
+    fbi_system_conditions(&spin, &stiff, work, system, body);
+    status = dt <= fbi_step_limit(FB_R(1.0), fbi_larger(FB_R(10.0) * spin, FB_SQRT(stiff))) ? FB_OK : FB_ERR_STEP;
+  }
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_system_clear(&work->first, system, body);
+  status = fbi_system_stage(work, &work->first, system, body, state, state, first, c * dt, count + 1);
+  if (status == FB_OK) {
+    fbi_system_advance(&work->base, state, (FB_R(1.0) - c) * dt, &work->first, system, work, body);
+    status = fbi_system_stage(work, &work->first, system, body, &work->base, state, end, c * dt, count);
+  }
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_system_advance(&work->sum, &work->base, c * dt, &work->first, system, work, body);
+  return fbi_system_end(state, &work->sum, work, system, body, end);
 }
 
 /* ---------------------------------------------------------------------------------------------------------------
