@@ -1215,6 +1215,7 @@ typedef struct fbi_node_field {   /* a node on the deformed body, body axes */
 
 typedef struct fbi_link_work {
   fbi_kinetics k;
+  int has_speeds;    /* q_dot is known */
   int coupled, open; /* its modes carry something; they are in E, X, Z below */
   fb_axis_mode mode[3];
   fb_real rho[3], C[9], s[3], arm[3]; /* O; axes to the parent's; O from the parent's O; O from the node it hangs on */

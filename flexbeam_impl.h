@@ -147,10 +147,12 @@ FB_DEF void fb_mat33_mulT_vec3(fb_real y[3], const fb_real A[9], const fb_real x
 
 FB_DEF void fb_mat33_mul(fb_real C[9], const fb_real A[9], const fb_real B[9])
 {
-  for (int i = 0; i < 3; i++) {
-    for (int j = 0; j < 3; j++) {
-      C[3 * i + j] = A[3 * i] * B[j] + A[3 * i + 1] * B[3 + j] + A[3 * i + 2] * B[6 + j];
-    }
+  const fb_real *a = A;
+  FBI_UNROLL
+  for (fb_real *c = C; c < C + 9; c += 3, a += 3) {
+    c[0] = a[0] * B[0] + a[1] * B[3] + a[2] * B[6];
+    c[1] = a[0] * B[1] + a[1] * B[4] + a[2] * B[7];
+    c[2] = a[0] * B[2] + a[1] * B[5] + a[2] * B[8];
   }
 }
 
@@ -175,6 +177,32 @@ static fb_real fbi_vec3_norm(const fb_real a[3])
   return FB_SQRT(fb_vec3_dot(a, a));
 }
 
+static void fbi_vec6_zero(fb_real y[6])
+{
+  y[0] = y[1] = y[2] = y[3] = y[4] = y[5] = FB_R(0.0);
+}
+
+/* y = x, y += s x: straight, because -O2 leaves short loops as they are */
+static void fbi_vec6_copy(fb_real y[6], const fb_real x[6])
+{
+  y[0] = x[0];
+  y[1] = x[1];
+  y[2] = x[2];
+  y[3] = x[3];
+  y[4] = x[4];
+  y[5] = x[5];
+}
+
+static void fbi_vec6_add(fb_real y[6], fb_real s, const fb_real x[6])
+{
+  y[0] += s * x[0];
+  y[1] += s * x[1];
+  y[2] += s * x[2];
+  y[3] += s * x[3];
+  y[4] += s * x[4];
+  y[5] += s * x[5];
+}
+
 FB_DEF int fb_sym6_index(int i, int j)
 {
   const int row = i < j ? i : j;
@@ -184,12 +212,39 @@ FB_DEF int fb_sym6_index(int i, int j)
 
 FB_DEF void fb_sym6_mul_vec6(fb_real y[6], const fb_real S[21], const fb_real x[6])
 {
-  for (int i = 0; i < 6; i++) {
-    y[i] = FB_R(0.0);
-    for (int j = 0; j < 6; j++) {
-      y[i] += S[fb_sym6_index(i, j)] * x[j];
-    }
-  }
+  y[0] = S[0] * x[0] + S[1] * x[1] + S[2] * x[2] + S[3] * x[3] + S[4] * x[4] + S[5] * x[5];
+  y[1] = S[1] * x[0] + S[6] * x[1] + S[7] * x[2] + S[8] * x[3] + S[9] * x[4] + S[10] * x[5];
+  y[2] = S[2] * x[0] + S[7] * x[1] + S[11] * x[2] + S[12] * x[3] + S[13] * x[4] + S[14] * x[5];
+  y[3] = S[3] * x[0] + S[8] * x[1] + S[12] * x[2] + S[15] * x[3] + S[16] * x[4] + S[17] * x[5];
+  y[4] = S[4] * x[0] + S[9] * x[1] + S[13] * x[2] + S[16] * x[3] + S[18] * x[4] + S[19] * x[5];
+  y[5] = S[5] * x[0] + S[10] * x[1] + S[14] * x[2] + S[17] * x[3] + S[19] * x[4] + S[20] * x[5];
+}
+
+/* S -= s u u^T */
+static void fbi_sym6_rank1_sub(fb_real S[21], fb_real s, const fb_real u[6])
+{
+  const fb_real a = s * u[0], b = s * u[1], c = s * u[2], d = s * u[3], e = s * u[4];
+  S[0] -= a * u[0];
+  S[1] -= a * u[1];
+  S[2] -= a * u[2];
+  S[3] -= a * u[3];
+  S[4] -= a * u[4];
+  S[5] -= a * u[5];
+  S[6] -= b * u[1];
+  S[7] -= b * u[2];
+  S[8] -= b * u[3];
+  S[9] -= b * u[4];
+  S[10] -= b * u[5];
+  S[11] -= c * u[2];
+  S[12] -= c * u[3];
+  S[13] -= c * u[4];
+  S[14] -= c * u[5];
+  S[15] -= d * u[3];
+  S[16] -= d * u[4];
+  S[17] -= d * u[5];
+  S[18] -= e * u[4];
+  S[19] -= e * u[5];
+  S[20] -= s * u[5] * u[5];
 }
 
 /* Row and column of the packed elements. */
@@ -5347,7 +5402,7 @@ static int fbi_pair(int a, int b)
    degree they are the rotation vector, and J_phi is the exact rate of that rotation, without sine and cosine.
    Source: DESIGN 3; Rodrigues parameters.  Cost: 12 n (n+1) flops.  Fails: never.
    Test: node_kinematics_match_finite_differences. */
-static void fbi_node_eval(fbi_node_field *f, const fb_body *body, const fb_node *node, const fb_real *q)
+static FBI_NOINLINE void fbi_node_eval(fbi_node_field *f, const fb_body *body, const fb_node *node, const fb_real *q)
 {
   const int n = body->n;
   fb_real scale;
@@ -6630,6 +6685,7 @@ static void fbi_links_place(fb_system_work *w, const fb_system *system, const fb
       L->mode[i] = fbi_is_kept(system, w, k) ? FB_AXIS_FREE : modes->mode[k][i];
     }
     L->coupled = !w->kept && system->coupled[k];
+    L->has_speeds = 1;
     fbi_copy(L->A, joint->A, 6 * (joint->n_axis < 3 ? joint->n_axis : 3));
     fbi_link_place(L, joint, fbi_parent(w, joint), joint->parent >= 0 ? fbi_model(system, body, joint->parent) : NULL,
                    &state->link[k]);
@@ -6643,10 +6699,11 @@ static void fbi_mat33_turn(fb_real Y[9], const fb_real C[9], const fb_real X[9])
 {
   fb_real T[9];
   fb_mat33_mul(T, C, X);
-  for (int i = 0; i < 3; i++) {
-    for (int j = 0; j < 3; j++) {
-      Y[3 * i + j] = fb_vec3_dot(T + 3 * i, C + 3 * j);
-    }
+  FBI_UNROLL
+  for (int i = 0; i < 9; i += 3) {
+    Y[i] = fb_vec3_dot(T + i, C);
+    Y[i + 1] = fb_vec3_dot(T + i, C + 3);
+    Y[i + 2] = fb_vec3_dot(T + i, C + 6);
   }
 }
 
@@ -6655,18 +6712,22 @@ static void fbi_sym6_shift_add(fb_real T[21], const fb_real A[9], const fb_real 
                                const fb_real arm[3])
 {
   fb_real BA[9], sB[9], sBA[9]; /* B - A arm^, arm^ B, arm^ (B - A arm^) */
+  FBI_UNROLL
   for (int i = 0; i < 3; i++) {
     fb_real row[3];
     fb_vec3_cross(row, A + 3 * i, arm); /* row of A arm^ is a x arm */
+    FBI_UNROLL
     for (int j = 0; j < 3; j++) {
       BA[3 * i + j] = B[3 * i + j] - row[j];
     }
   }
+  FBI_UNROLL
   for (int j = 0; j < 3; j++) {
     const fb_real x[3] = {B[j], B[3 + j], B[6 + j]}, y[3] = {BA[j], BA[3 + j], BA[6 + j]};
     fb_real p[3], q[3];
     fb_vec3_cross(p, arm, x);
     fb_vec3_cross(q, arm, y);
+    FBI_UNROLL
     for (int i = 0; i < 3; i++) {
       sB[3 * i + j] = p[i];
       sBA[3 * i + j] = q[i];
@@ -6678,6 +6739,7 @@ static void fbi_sym6_shift_add(fb_real T[21], const fb_real A[9], const fb_real 
   T[6] += A[4];
   T[7] += A[5];
   T[11] += A[8];
+  FBI_UNROLL
   for (int j = 0; j < 3; j++) {
     T[3 + j] += BA[j];
     T[8 + j] += BA[3 + j];
@@ -6720,7 +6782,7 @@ static void fbi_to_parent_add(fb_real y[6], const fbi_link_work *L, const fb_rea
 static void fbi_node_velocity(fb_real V[6], const fbi_link_work *L, const fb_joint *joint, const fb_body *on,
                               const fb_real parent[6], const fb_real *q_dot)
 {
-  fbi_copy(V, parent, 6);
+  fbi_vec6_copy(V, parent);
   if (joint->moves) {
     fbi_vec3_add_cross(V, parent + 3, L->n);
     for (int a = 0; a < on->n; a++) {
@@ -6742,7 +6804,7 @@ static void fbi_from_node(fb_real V[6], const fbi_link_work *L, const fb_real no
 
 /* What joints feel of a body whose modes carry others, or are stiff for the step: E = M + g C + g^2 K_t, X = Lambda,
    S = M_rr = S + Lambda M^-1 Lambda^T. */
-static void fbi_link_open(fbi_link_work *L, const fb_body *body, fb_real g)
+static FBI_NOINLINE void fbi_link_open(fbi_link_work *L, const fb_body *body, fb_real g)
 {
   const int n = body->n;
   fbi_zero(L->E, n * n);
@@ -6776,7 +6838,7 @@ static void fbi_link_open(fbi_link_work *L, const fb_body *body, fb_real g)
 
 /* A child with the inertia S on a node that moves: E += J^T I J, X += V^T I J, S += V^T I V with I its inertia about the
    node and V = (v + w x n, w) the node's velocity by the parent's. */
-static void fbi_link_carry(fbi_link_work *P, const fbi_link_work *L, const fb_real S[21], int n)
+static FBI_NOINLINE void fbi_link_carry(fbi_link_work *P, const fbi_link_work *L, const fb_real S[21], int n)
 {
   const fb_real none[9] = {FB_R(1.0), 0, 0, 0, FB_R(1.0), 0, 0, 0, FB_R(1.0)};
   fb_real I[21], K[6 * FB_MAX_MODES];
@@ -6801,7 +6863,7 @@ static void fbi_link_carry(fbi_link_work *P, const fbi_link_work *L, const fb_re
 }
 
 /* E = L L^T and Z = E^-1 X^T by rows; S -= X Z^T: the modes follow. */
-static fb_status fbi_link_close(fbi_link_work *L, int n)
+static FBI_NOINLINE fb_status fbi_link_close(fbi_link_work *L, int n)
 {
   if (fb_chol_factor(L->E, n) != FB_OK) {
     return FB_ERR_UNDETERMINED;
@@ -6847,18 +6909,13 @@ static fb_status fbi_link_release(fbi_link_work *L, const fb_joint *joint, fb_re
       return FB_ERR_UNDETERMINED;
     }
     L->D[i] = FB_R(1.0) / D;
-    for (int r = 0, at = 0; r < 6; r++) {
-      const fb_real scaled = L->D[i] * U[r];
-      for (int c = r; c < 6; c++) {
-        L->S[at++] -= scaled * U[c];
-      }
-    }
+    fbi_sym6_rank1_sub(L->S, L->D[i], U);
   }
   return FB_OK;
 }
 
 /* Factors M + g C + g^2 K of a tree from the tips to the ground; w->joint names the joint on failure. */
-static fb_status fbi_tree_factor(fb_system_work *w, const fb_system *system, const fb_body *body, fb_real g)
+static FBI_FLATTEN fb_status fbi_tree_factor(fb_system_work *w, const fb_system *system, const fb_body *body, fb_real g)
 {
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
@@ -6908,26 +6965,20 @@ static void fbi_link_in(fbi_link_work *L, const fb_joint *joint, const fb_body *
     fbi_copy(e, L->e, n);
     fbi_mass_solve(L->e, body, e);
     fbi_lambda_sub(own, body, L->k.qx, L->e);
-    for (int i = 0; i < 6; i++) {
-      L->b[i] -= own[i];
-    }
+    fbi_vec6_add(L->b, -FB_R(1.0), own);
   }
   if (joint->kind == FB_JOINT_FREE) {
     return;
   }
   for (int i = 0; i < joint->n_axis; i++) {
     if (L->mode[i] == FB_AXIS_PRESCRIBED) {
-      for (int j = 0; j < 6; j++) {
-        L->b[j] += L->p[i] * L->U[6 * i + j];
-      }
+      fbi_vec6_add(L->b, L->p[i], L->U + 6 * i);
     }
   }
   for (int i = 0; i < joint->n_axis; i++) {
     if (L->mode[i] == FB_AXIS_FREE) {
       L->r[i] = L->D[i] * (L->p[i] - fbi_vec6_dot(L->A + 6 * i, L->b));
-      for (int j = 0; j < 6; j++) {
-        L->b[j] += L->r[i] * L->U[6 * i + j];
-      }
+      fbi_vec6_add(L->b, L->r[i], L->U + 6 * i);
     }
   }
 }
@@ -6947,8 +6998,12 @@ static fb_status fbi_link_out(fbi_link_work *L, const fb_joint *joint, const fb_
     if (L->mode[0] == FB_AXIS_FREE && fb_sym6_solve(V, L->S, y) != FB_OK) {
       return fbi_is_finite(L->S, 21) ? FB_ERR_UNDETERMINED : FB_ERR_NOT_FINITE;
     }
-    fbi_copy(L->u, V, 6);
-    fb_sym6_mul_vec6(L->G, L->S, V);
+    fbi_vec6_copy(L->u, V);
+    if (L->mode[0] == FB_AXIS_FREE) {
+      fbi_vec6_copy(L->G, y); /* S V */
+    } else {
+      fb_sym6_mul_vec6(L->G, L->S, V);
+    }
   } else {
     if (node) {
       fbi_from_node(V, L, node);
@@ -6957,18 +7012,14 @@ static fb_status fbi_link_out(fbi_link_work *L, const fb_joint *joint, const fb_
     for (int i = joint->n_axis - 1; i >= 0; i--) {
       if (L->mode[i] == FB_AXIS_FREE) {
         L->u[i] = L->r[i] - L->D[i] * fbi_vec6_dot(L->U + 6 * i, V);
-        for (int j = 0; j < 6; j++) {
-          V[j] += L->u[i] * L->A[6 * i + j];
-        }
+        fbi_vec6_add(V, L->u[i], L->A + 6 * i);
       } else {
         L->u[i] = L->mode[i] == FB_AXIS_PRESCRIBED ? L->p[i] : FB_R(0.0);
       }
     }
     for (int i = 0; i < joint->n_axis; i++) {
       if (L->mode[i] == FB_AXIS_PRESCRIBED) {
-        for (int j = 0; j < 6; j++) {
-          V[j] += L->u[i] * L->A[6 * i + j];
-        }
+        fbi_vec6_add(V, L->u[i], L->A + 6 * i);
       }
     }
   }
@@ -6981,7 +7032,7 @@ static fb_status fbi_link_out(fbi_link_work *L, const fb_joint *joint, const fb_
     for (int i = 0; i < 6; i++) {
       fbi_row_sub(L->q_dot, V[i], L->Z + i * n, n);
     }
-  } else if (n > 0) {
+  } else if (n > 0 && L->has_speeds) {
     fb_real e[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0};
     fbi_zero(e, n);
     fbi_lambda_gradients(e, unused, body, V, L->k.qx, L->e);
@@ -7006,9 +7057,7 @@ static void fbi_hand_in(fb_system_work *w, const fb_system *system, const fb_bod
       parent->e[a] -= fb_vec3_dot(L->node.Ju + 3 * a, b) + fb_vec3_dot(L->node.Jphi + 3 * a, b + 3);
     }
     fbi_vec3_add_cross(b + 3, L->n, b);
-    for (int i = 0; i < 6; i++) {
-      parent->b[i] += b[i];
-    }
+    fbi_vec6_add(parent->b, FB_R(1.0), b);
   } else if (parent) {
     fbi_to_parent_add(parent->b, L, L->b);
   }
@@ -7018,7 +7067,7 @@ static void fbi_hand_in(fb_system_work *w, const fb_system *system, const fb_bod
    ground. p of a prescribed axis is its speed; y is a momentum (or load) on the body itself, about O, that p and pi do
    not hold. b and G become what the subtree's momentum is, less y.
    Source: back-substitution.  Cost: 200 flops a body.  Test: the_three_methods_agree, momenta_give_back_the_speeds. */
-static fb_status fbi_tree_solve(fb_system_work *w, const fb_system *system, const fb_body *body)
+static FBI_FLATTEN fb_status fbi_tree_solve(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
@@ -7092,7 +7141,7 @@ static void fbi_velocity_map(fb_system_work *w, const fb_system *system, const f
     if (joint->kind == FB_JOINT_FREE) {
       T[6 * (at + i) + i] = FB_R(1.0);
     } else {
-      fbi_copy(T + 6 * (at + i), L->A + 6 * i, 6);
+      fbi_vec6_copy(T + 6 * (at + i), L->A + 6 * i);
     }
   }
 }
@@ -7100,7 +7149,8 @@ static void fbi_velocity_map(fb_system_work *w, const fb_system *system, const f
 /* [E9.6] Mass matrix of a tree, M = sum of (T, 1)^T [M_rr Lambda; Lambda^T E] (T, 1) over the bodies, V = T u, with the
    given speeds as they are; LU.
    Source: DESIGN 6; [H] 3.3.  Cost: bodies N^2 and 2/3 N^3 flops.  Fails: singular.  Test: the_three_methods_agree. */
-static fb_status fbi_dense_factor(fb_system_work *w, const fb_system *system, const fb_body *body, fb_real g)
+static FBI_NOINLINE fb_status fbi_dense_factor(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                               fb_real g)
 {
   const int N = fbi_speed_offset(system, w, body, system->n_body);
   fbi_zero(w->M, N * N);
@@ -7151,7 +7201,7 @@ static fb_status fbi_dense_factor(fb_system_work *w, const fb_system *system, co
 }
 
 /* E9.5 with the factors of E9.6. */
-static void fbi_dense_solve(fb_system_work *w, const fb_system *system, const fb_body *body)
+static FBI_NOINLINE void fbi_dense_solve(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
   const int N = fbi_speed_offset(system, w, body, system->n_body);
   for (int k = 0; k < system->n_body; k++) {
@@ -7180,7 +7230,7 @@ static void fbi_dense_solve(fb_system_work *w, const fb_system *system, const fb
     const int at = fbi_speed_offset(system, w, body, k);
     fbi_copy(L->u, w->speed + at, joint->n_axis);
     fbi_copy(L->q_dot, w->speed + at + joint->n_axis, model->n);
-    fbi_zero(L->V, 6);
+    fbi_vec6_zero(L->V);
     for (int c = 0; c < N; c++) {
       fbi_row_sub(L->V, -w->speed[c], w->T + 6 * (k * N + c), 6);
     }
@@ -7190,7 +7240,7 @@ static void fbi_dense_solve(fb_system_work *w, const fb_system *system, const fb
     }
   }
   for (int k = system->n_body - 1; k >= 0; k--) {
-    fbi_copy(w->link[k].G, w->link[k].b, 6);
+    fbi_vec6_copy(w->link[k].G, w->link[k].b);
     fbi_hand_in(w, system, body, k);
   }
 }
@@ -7590,8 +7640,8 @@ static int fbi_user_rows(fb_row *row, fb_system_work *w, const fb_system *system
 }
 
 /* All rows at the present positions. */
-static fb_status fbi_rows_fill(fb_system_work *w, const fb_system *system, const fb_body *body,
-                               const fb_system_state *modes, const fb_system_input *input)
+static FBI_NOINLINE fb_status fbi_rows_fill(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                            const fb_system_state *modes, const fb_system_input *input)
 {
   fb_status status = FB_OK;
   w->n_row = w->n_end = 0;
@@ -7627,8 +7677,8 @@ static fb_status fbi_rows_fill(fb_system_work *w, const fb_system *system, const
 
 /* Motion of the ends from the solution, then how the rows change with it: those of the caller by differences over a
    small part of a turn. */
-static fb_status fbi_rows_rate(fb_system_work *w, const fb_system *system, const fb_body *body,
-                               const fb_system_state *modes, const fb_system_input *input)
+static FBI_NOINLINE fb_status fbi_rows_rate(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                            const fb_system_state *modes, const fb_system_input *input)
 {
   const int count = w->n_row - w->n_joint_row;
   for (int e = 0; e < w->n_end; e++) {
@@ -7684,8 +7734,8 @@ static fb_real fbi_row_eval(fb_real *size, const fbi_row *row, const fb_system_w
 static void fbi_rhs_clear(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
   for (int k = 0; k < system->n_body; k++) {
-    fbi_zero(w->link[k].y, 6);
-    fbi_zero(w->link[k].p, 6);
+    fbi_vec6_zero(w->link[k].y);
+    fbi_vec6_zero(w->link[k].p);
     fbi_zero(w->link[k].pi, fbi_model(system, body, k)->n);
   }
 }
@@ -7786,15 +7836,16 @@ static void fbi_rows_multipliers(fb_system_work *w)
    are given, or a c other than zero, may contradict the rows.
    Source: Lagrange multipliers of the momenta; [H] 3.5.  Fails: FB_ERR_CONTRADICTION, the joint of a row left out
    whose velocity does not come out.  Test: the_three_methods_agree, contradictions_name_their_joint. */
-static fb_status fbi_constrained_solve(fb_system_work *w, const fb_system *system, const fb_body *body, int check)
+static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                                    int check)
 {
   fb_real size;
   int given = 0;
   fb_status status = FB_OK;
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
-    fbi_copy(L->y0, L->y, 6);
-    fbi_copy(L->p0, L->p, 6);
+    fbi_vec6_copy(L->y0, L->y);
+    fbi_vec6_copy(L->p0, L->p);
     fbi_copy(L->pi0, L->pi, fbi_model(system, body, k)->n);
     for (int i = 0; i < fbi_link_joint(system, w, k)->n_axis; i++) {
       const int drives = L->mode[fbi_link_joint(system, w, k)->kind == FB_JOINT_FREE ? 0 : i] == FB_AXIS_PRESCRIBED;
@@ -7813,8 +7864,8 @@ static fb_status fbi_constrained_solve(fb_system_work *w, const fb_system *syste
   fbi_rows_multipliers(w);
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
-    fbi_copy(L->y, L->y0, 6);
-    fbi_copy(L->p, L->p0, 6);
+    fbi_vec6_copy(L->y, L->y0);
+    fbi_vec6_copy(L->p, L->p0);
     fbi_copy(L->pi, L->pi0, fbi_model(system, body, k)->n);
   }
   for (int r = 0; r < w->n_row; r++) {
@@ -7846,7 +7897,7 @@ static void fbi_rhs_momenta(fb_system_work *w, const fb_system *system, const fb
     fbi_link_work *L = &w->link[k];
     const fb_joint *joint = fbi_link_joint(system, w, k);
     const fb_link_state *x = &state->link[k];
-    fbi_zero(L->y, 6);
+    fbi_vec6_zero(L->y);
     fbi_copy(L->pi, x->pi, fbi_model(system, body, k)->n);
     if (joint->kind == FB_JOINT_FREE) {
       fb_mat33_mulT_vec3(L->p, L->k.R, x->p);
@@ -7895,10 +7946,11 @@ static fb_status fbi_system_input_check(const fb_system *system, const fb_body *
   return FB_OK;
 }
 
-/* Positions, velocities and impulses at a state: E9.2, E9.5, E9.10. */
+/* Positions, velocities and impulses at a state: E9.2, E9.5, E9.10. lazy: the speeds of modes that carry nothing are left
+   to fbi_link_inertia. */
 static fb_status fbi_system_velocity(fb_system_work *w, const fb_system *system, const fb_body *body,
                                      const fb_system_state *state, const fb_system_state *modes,
-                                     const fb_system_input *input)
+                                     const fb_system_input *input, int lazy)
 {
   fb_status status;
   fbi_links_place(w, system, body, state, modes);
@@ -7910,7 +7962,7 @@ static fb_status fbi_system_velocity(fb_system_work *w, const fb_system *system,
   w->n_row = w->n_end = 0;
   if (system->n_loop > 0 || w->kept || (input && input->rows)) {
     for (int k = 0; k < system->n_body; k++) {
-      fbi_zero(w->link[k].V, 6); /* poses of the caller's rows */
+      fbi_vec6_zero(w->link[k].V); /* poses of the caller's rows */
     }
     status = fbi_rows_fill(w, system, body, modes, input);
     for (int r = 0; r < w->n_row; r++) {
@@ -7919,15 +7971,17 @@ static fb_status fbi_system_velocity(fb_system_work *w, const fb_system *system,
     status = status == FB_OK ? fbi_constrained_solve(w, system, body, 1) : status;
     return status == FB_OK ? fbi_rows_rate(w, system, body, modes, input) : status;
   }
+  for (int k = 0; k < system->n_body; k++) {
+    w->link[k].has_speeds = w->link[k].open || !lazy || system->method == FB_METHOD_DENSE;
+  }
   return fbi_speeds_solve(w, system, body);
 }
 
 /* What a body's own kernels want to know: V, and pb = M^-1 pi of the body alone, q_dot + M^-1 Lambda^T V. */
 static void fbi_link_kinetics(fbi_link_work *L, const fb_body *body)
 {
-  fbi_copy(L->k.V, L->V, 6);
+  fbi_vec6_copy(L->k.V, L->V);
   L->k.pb = L->k.Minv_pi;
-  fbi_zero(L->k.x, body->n + 1);
   if (body->n > 0) {
     fb_real e[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0};
     fbi_zero(e, body->n);
@@ -7939,13 +7993,41 @@ static void fbi_link_kinetics(fbi_link_work *L, const fb_body *body)
   }
 }
 
+/* k.x, the forces of the body's own inertia on its modes (E8.17); kinetics as above. A body whose modes carry nothing has its pb
+   from the solution already, and q_dot comes along. */
+static void fbi_link_inertia(fbi_link_work *L, const fb_body *body)
+{
+  if (body->n > 0) {
+    if (L->has_speeds) {
+      fbi_link_kinetics(L, body);
+    } else {
+      fbi_vec6_copy(L->k.V, L->V);
+      L->k.pb = L->e;
+    }
+    fbi_zero(L->k.x, body->n + 1);
+    fbi_zero(L->k.e, body->n);
+    fbi_lambda_gradients(L->k.e, L->k.x, body, L->V, L->k.qx, L->k.pb);
+    if (!L->has_speeds) {
+      fbi_mass_solve(L->q_dot, body, L->k.e);
+      for (int a = 0; a < body->n; a++) {
+        L->q_dot[a] += L->e[a];
+      }
+    }
+#if FBI_WITH_SHAPE_INERTIA
+    if (!body->constant_S) {
+      fbi_S_gradient(L->k.x, body, L->V, L->k.qx);
+    }
+#endif
+  }
+}
+
 /* Gravity and loads on all bodies: k.fg and k.x. */
 static void fbi_system_loads(fb_system_work *w, const fb_system *system, const fb_body *body,
                              const fb_system_input *input)
 {
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
-    fbi_zero(L->k.fg, 6);
+    fbi_vec6_zero(L->k.fg);
 #if FB_WITH_GRAVITY
     if (fbi_has(fbi_model(system, body, k)->effects, FB_EFFECT_GRAVITY)) {
       fbi_gravity_add(&L->k, fbi_model(system, body, k));
@@ -8010,8 +8092,8 @@ static fb_real fbi_frames_speed(const fbi_frames *f, const fb_real force[3], con
 }
 
 /* Loads of the springs, dampers and motors of the joints that are kept; returns the power of the motors. */
-static fb_real fbi_kept_springs(fb_system_work *w, const fb_system *system, const fb_body *body,
-                                const fb_system_state *modes, const fb_system_input *input)
+static FBI_NOINLINE fb_real fbi_kept_springs(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                             const fb_system_state *modes, const fb_system_input *input)
 {
   fb_real power = FB_R(0.0);
   for (int j = 0; j < system->n_body + system->n_loop; j++) {
@@ -8048,13 +8130,13 @@ static fb_real fbi_kept_springs(fb_system_work *w, const fb_system *system, cons
    pi_dot_a += J_a.(F - turning of G) + J_dot_a.G,  turning (w x p, w x h + v_n x p) with v_n of the node, w of the body.
    Source: d/dt of pi_a = pi_own,a + J_a.G.  Cost: 40 n flops, with a quadratic field 24 n^2.  Fails: never.
    Test: systems_keep_energy_and_momentum. */
-static void fbi_node_take(fb_real *x, const fbi_node_field *f, const fb_body *body, const fb_node *node,
-                          const fb_real *q_dot, const fb_real V[6], const fb_real n[3], const fb_real G[6],
-                          const fb_real F[6])
+static FBI_NOINLINE void fbi_node_take(fb_real *x, const fbi_node_field *f, const fb_body *body, const fb_node *node,
+                                       const fb_real *q_dot, const fb_real V[6], const fb_real n[3], const fb_real G[6],
+                                       const fb_real F[6])
 {
   const fb_real scale = FB_R(1.0) / (FB_R(1.0) + FB_R(0.25) * fb_vec3_dot(f->phi, f->phi));
   fb_real Ju_dot[3 * FB_MAX_MODES], turn_dot[3 * FB_MAX_MODES], at[6], turn[6], load[6], phi_dot[3], shrink;
-  fbi_copy(at, V, 6);
+  fbi_vec6_copy(at, V);
   fbi_vec3_add_cross(at, V + 3, n);
   fbi_node_rates(Ju_dot, turn_dot, body, node, q_dot);
   fbi_zero(phi_dot, 3);
@@ -8082,7 +8164,7 @@ static void fbi_node_take(fb_real *x, const fbi_node_field *f, const fb_body *bo
 /* [E9.13] The rows' impulses are momentum that the tree does not see, -(f, t) at the ends; with mu constant it changes by
    the directions alone: loads -(f_dot, t_dot + v x f), p_dot loses A_dot^T mu.
    Source: d/dt of p + A^T mu.  Fails: never.  Test: the_three_methods_agree. */
-static void fbi_rows_loads(fb_system_work *w, const fb_system *system, const fb_body *body)
+static FBI_NOINLINE void fbi_rows_loads(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
   for (int r = 0; r < w->n_row; r++) {
     const fbi_row *row = &w->row[r];
@@ -8109,9 +8191,7 @@ static void fbi_rows_loads(fb_system_work *w, const fb_system *system, const fb_
         fbi_node_take(L->k.x + 1, &end->f, model, &model->node[end->node], L->q_dot, L->V, end->n, G, F);
       }
       fbi_vec3_add_cross(F + 3, end->n, F);
-      for (int i = 0; i < 6; i++) {
-        L->F[i] += F[i];
-      }
+      fbi_vec6_add(L->F, FB_R(1.0), F);
     }
   }
 }
@@ -8141,7 +8221,7 @@ static fb_real fbi_momentum_rate(fb_link_state *rate, const fbi_link_work *L, co
 {
   fb_real turn[6], load[6], tau[3] = {0}, power = FB_R(0.0);
   if (joint->kind == FB_JOINT_FREE) {
-    fbi_zero(rate->p, 6);
+    fbi_vec6_zero(rate->p);
     if (L->mode[0] == FB_AXIS_FREE) {
       fb_mat33_mul_vec3(rate->p, L->k.R, L->F);
       fb_mat33_mul_vec3(rate->p + 3, L->k.R, L->F + 3);
@@ -8196,9 +8276,7 @@ static void fbi_load_hand_in(fb_system_work *w, const fb_system *system, const f
     fbi_to_parent_add(G, L, L->G);
     fbi_node_take(parent->k.x + 1, &L->node, on, &on->node[joint->parent_node], parent->q_dot, parent->V, L->n, G, F);
     fbi_vec3_add_cross(F + 3, L->n, F);
-    for (int i = 0; i < 6; i++) {
-      parent->F[i] += F[i];
-    }
+    fbi_vec6_add(parent->F, FB_R(1.0), F);
   } else {
     fbi_to_parent_add(parent->F, L, L->F);
   }
@@ -8207,21 +8285,21 @@ static void fbi_load_hand_in(fb_system_work *w, const fb_system *system, const f
 /* [E9.15] Rates of a system: velocities (E9.5, E9.10), loads summed from the tips, momenta (E9.14), modes (E8.17).
    Source: DESIGN 2 and 6 carried to trees.  Fails: see the header.  Test: systems_keep_energy_and_momentum,
    the_three_methods_agree. */
-static fb_status fbi_system_rates(fb_system_work *w, const fb_system *system, const fb_body *body,
-                                  fb_system_state *rate, const fb_system_state *state, const fb_system_state *modes,
-                                  const fb_system_input *input)
+static FBI_FLATTEN fb_status fbi_system_rates(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                              fb_system_state *rate, const fb_system_state *state,
+                                              const fb_system_state *modes, const fb_system_input *input)
 {
-  const fb_status status = fbi_system_velocity(w, system, body, state, modes, input);
+  const fb_status status = fbi_system_velocity(w, system, body, state, modes, input, 1);
   if (status != FB_OK) {
     return status;
   }
   for (int k = 0; k < system->n_body; k++) {
-    fbi_link_kinetics(&w->link[k], fbi_model(system, body, k));
+    fbi_link_inertia(&w->link[k], fbi_model(system, body, k));
   }
   fbi_system_loads(w, system, body, input);
   rate->motor_work = w->kept || system->n_loop > 0 ? fbi_kept_springs(w, system, body, modes, input) : FB_R(0.0);
   for (int k = 0; k < system->n_body; k++) {
-    fbi_copy(w->link[k].F, w->link[k].k.fg, 6);
+    fbi_vec6_copy(w->link[k].F, w->link[k].k.fg);
   }
   fbi_rows_loads(w, system, body);
   for (int k = system->n_body - 1; k >= 0; k--) {
@@ -8233,13 +8311,6 @@ static fb_status fbi_system_rates(fb_system_work *w, const fb_system *system, co
     rate->motor_work += fbi_momentum_rate(out, L, joint, &state->link[k], input, k);
     fbi_load_hand_in(w, system, body, k);
     if (model->n > 0) {
-      fbi_zero(L->k.e, model->n); /* spent: q_dot is known */
-      fbi_lambda_gradients(L->k.e, L->k.x, model, L->V, L->k.qx, L->k.pb);
-#if FBI_WITH_SHAPE_INERTIA
-      if (!model->constant_S) {
-        fbi_S_gradient(L->k.x, model, L->V, L->k.qx);
-      }
-#endif
       fbi_copy(out->q, L->q_dot, model->n);
       fbi_elastic_forces(out->pi, &L->k, model, state->link[k].q, L->q_dot);
     }
@@ -8266,7 +8337,7 @@ static void fbi_momenta_fill(fb_system_state *state, fb_system_work *w, const fb
     const fb_body *model = fbi_model(system, body, k);
     fbi_link_kinetics(L, model);
     fbi_momenta(&L->k, model);
-    fbi_copy(L->b, L->k.ph, 6);
+    fbi_vec6_copy(L->b, L->k.ph);
     fbi_mass_mul(L->e, model, L->k.pb);
     for (int a = 0; a < model->n; a++) {
       L->e[a] = -L->e[a]; /* what is handed in is taken off */
@@ -8277,7 +8348,7 @@ static void fbi_momenta_fill(fb_system_state *state, fb_system_work *w, const fb
     const fb_joint *joint = fbi_link_joint(system, w, k);
     fb_link_state *x = &state->link[k];
     fbi_hand_in(w, system, body, k);
-    fbi_zero(x->p, 6);
+    fbi_vec6_zero(x->p);
     for (int a = 0; a < fbi_model(system, body, k)->n; a++) {
       x->pi[a] = -L->e[a];
     }
@@ -8305,7 +8376,7 @@ static void fbi_speeds_out(fb_system_work *w, const fb_system *system, const fb_
     fbi_link_work *L = &w->link[k];
     const fb_joint *joint = fbi_link_joint(system, w, k);
     const fbi_link_work *parent = fbi_parent(w, joint);
-    fbi_zero(L->V, 6);
+    fbi_vec6_zero(L->V);
     if (parent) {
       fb_real node[6];
       fbi_node_velocity(node, L, joint, fbi_model(system, body, joint->parent), parent->V, parent->q_dot);
@@ -8315,7 +8386,7 @@ static void fbi_speeds_out(fb_system_work *w, const fb_system *system, const fb_
       if (joint->kind == FB_JOINT_FREE) {
         L->V[i] = L->u[i];
       } else {
-        fbi_row_sub(L->V, -L->u[i], L->A + 6 * i, 6);
+        fbi_vec6_add(L->V, L->u[i], L->A + 6 * i);
       }
     }
   }
@@ -8363,7 +8434,7 @@ static fb_status fbi_positions_close(fb_real *miss, int *worst, fb_system_work *
   fb_status status;
   fbi_links_place(w, system, body, state, modes);
   for (int k = 0; k < system->n_body; k++) {
-    fbi_zero(w->link[k].V, 6);
+    fbi_vec6_zero(w->link[k].V);
     size = fbi_larger(size, fbi_vec3_norm(w->link[k].rho));
   }
   status = fbi_mass_factor(w, system, body, FB_R(0.0));
@@ -8389,7 +8460,7 @@ static fb_status fbi_positions_close(fb_real *miss, int *worst, fb_system_work *
 static fb_status fbi_momenta_close(fb_system_work *w, const fb_system *system, const fb_body *body,
                                    fb_system_state *state, const fb_system_state *modes, const fb_system_input *input)
 {
-  const fb_status status = fbi_system_velocity(w, system, body, state, modes, input);
+  const fb_status status = fbi_system_velocity(w, system, body, state, modes, input, 0);
   if (status == FB_OK) {
     fbi_momenta_fill(state, w, system, body);
   }
@@ -8633,14 +8704,14 @@ static void fbi_bias_acceleration(fbi_link_work *L, const fb_joint *joint, const
                                   const fb_body *on, const fb_real *given)
 {
   fb_real turn[6] = {0}, own[6] = {0};
-  fbi_zero(L->V_dot, 6);
+  fbi_vec6_zero(L->V_dot);
   if (joint->kind == FB_JOINT_FREE) {
-    fbi_copy(L->V_dot, given, 6);
+    fbi_vec6_copy(L->V_dot, given);
     return;
   }
   if (parent) {
     fb_real a[6], v[3];
-    fbi_copy(a, parent->V_dot, 6);
+    fbi_vec6_copy(a, parent->V_dot);
     if (joint->moves) {
       fb_real T[6], u_dd[3], turn_dd[3];
       fbi_vec3_sum(T, L->node.Ju, parent->q_dot, on->n);
@@ -8659,14 +8730,14 @@ static void fbi_bias_acceleration(fbi_link_work *L, const fb_joint *joint, const
     fb_mat33_mulT_vec3(L->V_dot + 3, L->C, a + 3);
   }
   for (int i = 0; i < joint->n_axis; i++) {
-    fbi_row_sub(own, -L->u[i], L->A + 6 * i, 6);
-    fbi_row_sub(L->V_dot, -given[i], L->A + 6 * i, 6);
+    fbi_vec6_add(own, L->u[i], L->A + 6 * i);
+    fbi_vec6_add(L->V_dot, given[i], L->A + 6 * i);
   }
   if (joint->kind == FB_JOINT_UNIVERSAL) {
-    fbi_row_sub(L->V_dot, -L->u[0] * L->u[1], L->A_dot, 6);
+    fbi_vec6_add(L->V_dot, L->u[0] * L->u[1], L->A_dot);
   }
   fbi_twist_cross_add(turn, L->V, own);
-  fbi_row_sub(L->V_dot, -FB_R(1.0), turn, 6);
+  fbi_vec6_add(L->V_dot, FB_R(1.0), turn);
 }
 
 /* Acceleration of an end for V_dot of its body and q_ddot = 0, as E8.20. */
@@ -8714,10 +8785,13 @@ static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *sy
                                           const fb_system_state *state, const fb_system_input *input)
 {
   const fb_real none[6] = {0}, still[FB_MAX_MODES] = {0};
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_inertia(&w->link[k], fbi_model(system, body, k));
+  }
   fbi_system_loads(w, system, body, input);
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
-    fbi_copy(L->F, L->k.fg, 6); /* without the joints */
+    fbi_vec6_copy(L->F, L->k.fg); /* without the joints */
   }
   (void)fbi_kept_springs(w, system, body, state, input);
   for (int k = 0; k < system->n_body; k++) {
@@ -8729,20 +8803,13 @@ static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *sy
       const fb_axis_mode mode = L->mode[joint->kind == FB_JOINT_FREE ? 0 : i];
       given[i] = mode == FB_AXIS_PRESCRIBED && input ? input->drive[k].acceleration[i] : FB_R(0.0);
     }
-    fbi_copy(L->given, given, 6);
+    fbi_vec6_copy(L->given, given);
     fbi_bias_acceleration(L, joint, fbi_parent(w, joint),
                           joint->parent >= 0 ? fbi_model(system, body, joint->parent) : NULL, given);
-    fbi_zero(L->k.e, model->n);
-    fbi_lambda_gradients(L->k.e, L->k.x, model, L->V, L->k.qx, L->k.pb);
-#if FBI_WITH_SHAPE_INERTIA
-    if (!model->constant_S) {
-      fbi_S_gradient(L->k.x, model, L->V, L->k.qx);
-    }
-#endif
     fbi_elastic_forces(L->pi, &L->k, model, state->link[k].q, L->q_dot);
     fbi_own_residual(L, model, L->V_dot, still);
     fbi_row_sub(L->pi, FB_R(1.0), L->e, model->n);
-    fbi_copy(L->p, none, 6);
+    fbi_vec6_copy(L->p, none);
     for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
       if (L->mode[i] == FB_AXIS_FREE) {
         fb_real value[3];
@@ -8753,7 +8820,7 @@ static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *sy
         L->p[i] = fbi_axis_torque(joint, input, k, i, value[i], L->u[i]);
       }
     }
-    fbi_copy(L->speed, L->u, 6);
+    fbi_vec6_copy(L->speed, L->u);
     fbi_copy(L->q_speed, L->q_dot, model->n);
   }
   for (int e = 0; e < w->n_end; e++) {
@@ -8769,7 +8836,7 @@ static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *sy
     }
   }
   for (int k = 0; k < system->n_body; k++) {
-    fbi_copy(w->link[k].twist, w->link[k].V, 6); /* the velocities; the solution takes their place */
+    fbi_vec6_copy(w->link[k].twist, w->link[k].V); /* the velocities; the solution takes their place */
   }
   return w->n_row > 0 ? fbi_constrained_solve(w, system, body, 0) : fbi_speeds_solve(w, system, body);
 }
@@ -8840,7 +8907,7 @@ FB_DEF fb_status fb_system_motion_eval(const fb_system *system, const fb_body *b
   FBI_REQUIRE(system && body && work && motion && state, FB_ERR_NULL);
   status = fbi_system_input_check(system, body, input);
   fbi_system_enter(work, system);
-  status = status == FB_OK ? fbi_system_velocity(work, system, body, state, state, input) : status;
+  status = status == FB_OK ? fbi_system_velocity(work, system, body, state, state, input, 0) : status;
   for (int k = 0; k < system->n_body && status == FB_OK; k++) {
     fbi_link_kinetics(&work->link[k], fbi_model(system, body, k));
     fbi_momenta(&work->link[k].k, fbi_model(system, body, k));
@@ -8868,8 +8935,8 @@ FB_DEF fb_status fb_system_motion_eval(const fb_system *system, const fb_body *b
     if (!fbi_is_kept(system, work, k)) {
       fbi_tree_joint_motion(at, L, joint, &state->link[k]);
     }
-    fbi_row_sub(L->V_dot, -FB_R(1.0), L->V, 6);
-    fbi_copy(L->V, L->twist, 6);
+    fbi_vec6_add(L->V_dot, FB_R(1.0), L->V);
+    fbi_vec6_copy(L->V, L->twist);
     fbi_copy(out->v, L->V, 3);
     fbi_copy(out->w, L->V + 3, 3);
     fbi_copy(out->v_dot, L->V_dot, 3);
@@ -8877,7 +8944,7 @@ FB_DEF fb_status fb_system_motion_eval(const fb_system *system, const fb_body *b
     fbi_copy(out->q_ddot, L->q_dot, model->n);
     fbi_copy(L->q_dot, L->q_speed, model->n);
     fbi_copy(out->q_dot, L->q_dot, model->n);
-    fbi_copy(L->k.fg, L->F, 6);
+    fbi_vec6_copy(L->k.fg, L->F);
     fbi_own_residual(L, model, L->V_dot, out->q_ddot);
     for (int i = 0; i < 3; i++) {
       out->reaction_force[i] = -L->y[i];
@@ -8907,7 +8974,7 @@ FB_DEF fb_status fb_system_energy(const fb_system *system, const fb_body *body, 
   FBI_REQUIRE(system && body && work && energy && state, FB_ERR_NULL);
   status = fbi_system_input_check(system, body, input);
   fbi_system_enter(work, system);
-  status = status == FB_OK ? fbi_system_velocity(work, system, body, state, state, input) : status;
+  status = status == FB_OK ? fbi_system_velocity(work, system, body, state, state, input, 0) : status;
   if (status != FB_OK) {
     return status;
   }
@@ -8955,7 +9022,7 @@ FB_DEF fb_status fb_system_momentum(const fb_system *system, const fb_body *body
   FBI_REQUIRE(system && body && work && momentum && state, FB_ERR_NULL);
   status = fbi_system_input_check(system, body, input);
   fbi_system_enter(work, system);
-  status = status == FB_OK ? fbi_system_velocity(work, system, body, state, state, input) : status;
+  status = status == FB_OK ? fbi_system_velocity(work, system, body, state, state, input, 0) : status;
   if (status != FB_OK) {
     return status;
   }
