@@ -1221,9 +1221,10 @@ typedef struct fbi_link_work {
   fb_real rho[3], C[9], s[3], arm[3]; /* O; axes to the parent's; O from the parent's O; O from the node it hangs on */
   fb_real n[3];                       /* that node, parent's axes */
   fbi_node_field node;
-  fb_real A[18], A_dot[6]; /* twists of the axes; rate of the first one's */
-  fb_real S[21];           /* articulated inertia */
-  fb_real U[18], D[3];     /* S A, 1/(A S A) */
+  const fb_real *A;             /* twists of the axes: the joint's own, or where the first one turns.. */
+  fb_real turned[12], A_dot[6]; /* ..these; rate of the first one */
+  fb_real S[21];                /* articulated inertia */
+  fb_real U[18], D[3];          /* S A, 1/(A S A) */
   fb_real E[FB_MAX_MODES * FB_MAX_MODES], X[6 * FB_MAX_MODES], Z[6 * FB_MAX_MODES];
   fb_real y[6], p[6], pi[FB_MAX_MODES];                                  /* right-hand side */
   fb_real b[6], r[3], e[FB_MAX_MODES];                                   /* eliminated */

@@ -256,51 +256,60 @@ static fb_real fbi_vec6_dot(const fb_real a[6], const fb_real b[6])
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5];
 }
 
-/* A = L L^T of the symmetric 3x3 (xx, xy, xz, yy, yz, zz); L keeps the reciprocals of its diagonal. Positive definite
-   means that each pivot stands out of the rounding of its diagonal element reference[k]. */
+/* A = L D L^T of the symmetric 3x3 (xx, xy, xz, yy, yz, zz), no square roots; L keeps the reciprocals of D on its unit
+   diagonal. Positive definite means that each pivot stands out of the rounding of its diagonal element reference[k]. */
 static int fbi_chol3_factor(fb_real L[6], const fb_real A[6], const fb_real reference[3])
 {
   const fb_real tol = 8 * FB_EPSILON;
-  fb_real d;
+  fb_real d, c;
   if (!(A[0] > tol * reference[0])) {
     return 0;
   }
-  L[0] = FB_R(1.0) / FB_SQRT(A[0]);
+  L[0] = FB_R(1.0) / A[0];
   L[1] = A[1] * L[0];
   L[2] = A[2] * L[0];
-  d = A[3] - L[1] * L[1];
+  d = A[3] - L[1] * A[1];
   if (!(d > tol * reference[1])) {
     return 0;
   }
-  L[3] = FB_R(1.0) / FB_SQRT(d);
-  L[4] = (A[4] - L[1] * L[2]) * L[3];
-  d = A[5] - L[2] * L[2] - L[4] * L[4];
+  L[3] = FB_R(1.0) / d;
+  c = A[4] - L[1] * A[2];
+  L[4] = c * L[3];
+  d = A[5] - L[2] * A[2] - L[4] * c;
   if (!(d > tol * reference[2])) {
     return 0;
   }
-  L[5] = FB_R(1.0) / FB_SQRT(d);
+  L[5] = FB_R(1.0) / d;
   return 1;
 }
 
 /* x = L^-1 y */
 static void fbi_chol3_forward(fb_real x[3], const fb_real L[6], const fb_real y[3])
 {
-  x[0] = y[0] * L[0];
-  x[1] = (y[1] - L[1] * x[0]) * L[3];
-  x[2] = (y[2] - L[2] * x[0] - L[4] * x[1]) * L[5];
+  x[0] = y[0];
+  x[1] = y[1] - L[1] * x[0];
+  x[2] = y[2] - L[2] * x[0] - L[4] * x[1];
 }
 
-/* x = L^-T y */
+/* x = L^-T D^-1 y */
 static void fbi_chol3_back(fb_real x[3], const fb_real L[6], const fb_real y[3])
 {
   x[2] = y[2] * L[5];
-  x[1] = (y[1] - L[4] * x[2]) * L[3];
-  x[0] = (y[0] - L[1] * x[1] - L[2] * x[2]) * L[0];
+  x[1] = y[1] * L[3] - L[4] * x[2];
+  x[0] = y[0] * L[0] - L[1] * x[1] - L[2] * x[2];
+}
+
+/* y = D^-1 x */
+static void fbi_chol3_scale(fb_real y[3], const fb_real L[6], const fb_real x[3])
+{
+  y[0] = x[0] * L[0];
+  y[1] = x[1] * L[3];
+  y[2] = x[2] * L[5];
 }
 
 /* [E3.1] Solution with a symmetric positive definite 6x6 by blocks of 3.
-   S = [A B; B^T D], A = L L^T, Z = L^-1 B, D - Z^T Z = G G^T: straight code without index arithmetic.
-   Source: [GV] 4.2.  Shapes: S packed 21.  Cost: about 150 flops, 6 square roots, 6 divisions.
+   S = [A B; B^T D], A = L E L^T, Z = L^-1 B, D - Z^T E^-1 Z = G H G^T: straight code without index arithmetic.
+   Source: [GV] 4.1, 4.2.  Shapes: S packed 21.  Cost: about 160 flops, 6 divisions.
    Fails: not positive definite.  Test: sym6_solve_inverts_random_and_graded_matrices. */
 FB_DEF fb_status fb_sym6_solve(fb_real x[6], const fb_real S[21], const fb_real y[6])
 {
@@ -308,26 +317,29 @@ FB_DEF fb_status fb_sym6_solve(fb_real x[6], const fb_real S[21], const fb_real 
   const fb_real ref_a[3] = {S[0], S[6], S[11]};
   const fb_real ref_d[3] = {S[15], S[18], S[20]};
   const fb_real b0[3] = {S[3], S[8], S[12]}, b1[3] = {S[4], S[9], S[13]}, b2[3] = {S[5], S[10], S[14]};
-  fb_real L[6], G[6], D[6], z0[3], z1[3], z2[3], s[3], t[3];
+  fb_real L[6], G[6], D[6], z0[3], z1[3], z2[3], w0[3], w1[3], w2[3], s[3], t[3];
   if (!fbi_chol3_factor(L, A, ref_a)) {
     return FB_ERR_SINGULAR;
   }
   fbi_chol3_forward(z0, L, b0);
   fbi_chol3_forward(z1, L, b1);
   fbi_chol3_forward(z2, L, b2);
-  D[0] = S[15] - fb_vec3_dot(z0, z0);
-  D[1] = S[16] - fb_vec3_dot(z0, z1);
-  D[2] = S[17] - fb_vec3_dot(z0, z2);
-  D[3] = S[18] - fb_vec3_dot(z1, z1);
-  D[4] = S[19] - fb_vec3_dot(z1, z2);
-  D[5] = S[20] - fb_vec3_dot(z2, z2);
+  fbi_chol3_scale(w0, L, z0);
+  fbi_chol3_scale(w1, L, z1);
+  fbi_chol3_scale(w2, L, z2);
+  D[0] = S[15] - fb_vec3_dot(z0, w0);
+  D[1] = S[16] - fb_vec3_dot(z0, w1);
+  D[2] = S[17] - fb_vec3_dot(z0, w2);
+  D[3] = S[18] - fb_vec3_dot(z1, w1);
+  D[4] = S[19] - fb_vec3_dot(z1, w2);
+  D[5] = S[20] - fb_vec3_dot(z2, w2);
   if (!fbi_chol3_factor(G, D, ref_d)) {
     return FB_ERR_SINGULAR;
   }
   fbi_chol3_forward(s, L, y);
-  t[0] = y[3] - fb_vec3_dot(z0, s);
-  t[1] = y[4] - fb_vec3_dot(z1, s);
-  t[2] = y[5] - fb_vec3_dot(z2, s);
+  t[0] = y[3] - fb_vec3_dot(w0, s);
+  t[1] = y[4] - fb_vec3_dot(w1, s);
+  t[2] = y[5] - fb_vec3_dot(w2, s);
   fbi_chol3_forward(t, G, t);
   fbi_chol3_back(x + 3, G, t);
   fbi_vec3_add(s, -x[3], z0);
@@ -6599,7 +6611,9 @@ static void fbi_joint_turn(fb_real C[9], fb_real *slide, fbi_link_work *L, const
       C[i + 1] = c * y + s * z;
       C[i + 2] = c * z - s * y;
     }
-    fbi_axis_twist(L->A, joint, first, FB_R(1.0), FB_R(0.0));
+    fbi_axis_twist(L->turned, joint, first, FB_R(1.0), FB_R(0.0));
+    fbi_vec6_copy(L->turned + 6, joint->A + 6);
+    L->A = L->turned;
     fbi_axis_twist(L->A_dot, joint, rate, FB_R(1.0), FB_R(0.0));
   }
 }
@@ -6686,7 +6700,7 @@ static void fbi_links_place(fb_system_work *w, const fb_system *system, const fb
     }
     L->coupled = !w->kept && system->coupled[k];
     L->has_speeds = 1;
-    fbi_copy(L->A, joint->A, 6 * (joint->n_axis < 3 ? joint->n_axis : 3));
+    L->A = joint->A;
     fbi_link_place(L, joint, fbi_parent(w, joint), joint->parent >= 0 ? fbi_model(system, body, joint->parent) : NULL,
                    &state->link[k]);
   }
@@ -10160,6 +10174,26 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
 
 /* ---- systems */
 
+/* y = a + s b, straight */
+static void fbi_link_advance(fb_link_state *y, const fb_link_state *a, fb_real s, const fb_link_state *b,
+                             const fb_joint *joint)
+{
+  if (joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL) {
+    fbi_vec3_advance(y->quat, a->quat, s, b->quat);
+    y->quat[3] = a->quat[3] + s * b->quat[3];
+    fbi_vec3_advance(y->p, a->p, s, b->p);
+  }
+  if (joint->kind == FB_JOINT_FREE) {
+    fbi_vec3_advance(y->x, a->x, s, b->x);
+    fbi_vec3_advance(y->p + 3, a->p + 3, s, b->p + 3);
+  } else if (joint->kind != FB_JOINT_SPHERICAL) {
+    for (int i = 0; i < joint->n_axis; i++) {
+      y->x[i] = a->x[i] + s * b->x[i];
+      y->p[i] = a->p[i] + s * b->p[i];
+    }
+  }
+}
+
 /* out = state + s rate; out may be state */
 static void fbi_system_advance(fb_system_state *out, const fb_system_state *state, fb_real s,
                                const fb_system_state *rate, const fb_system *system, const fb_system_work *w,
@@ -10167,21 +10201,10 @@ static void fbi_system_advance(fb_system_state *out, const fb_system_state *stat
 {
   out->motor_work = state->motor_work + s * rate->motor_work;
   for (int k = 0; k < system->n_body; k++) {
-    const fb_joint *joint = fbi_link_joint(system, w, k);
     const int n = fbi_model(system, body, k)->n;
     const fb_link_state *a = &state->link[k], *b = &rate->link[k];
     fb_link_state *y = &out->link[k];
-    if (joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL) {
-      for (int i = 0; i < 4; i++) {
-        y->quat[i] = a->quat[i] + s * b->quat[i];
-      }
-    }
-    for (int i = 0; i < (joint->n_axis < 3 ? joint->n_axis : 3) && joint->kind != FB_JOINT_SPHERICAL; i++) {
-      y->x[i] = a->x[i] + s * b->x[i];
-    }
-    for (int i = 0; i < joint->n_axis; i++) {
-      y->p[i] = a->p[i] + s * b->p[i];
-    }
+    fbi_link_advance(y, a, s, b, fbi_link_joint(system, w, k));
     for (int i = 0; i < n; i++) {
       y->q[i] = a->q[i] + s * b->q[i];
       y->pi[i] = a->pi[i] + s * b->pi[i];
