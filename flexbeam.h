@@ -781,6 +781,17 @@ FB_API fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *be
 FB_API fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, const fb_beam *beam,
                                         const fb_modes *modes, fb_real x);
 
+typedef struct fb_gauge { /* a strain gauge: what each coordinate of a body adds to its reading */
+  int n;
+  fb_real gain[FB_MAX_MODES];
+} fb_gauge;
+/* A gauge along that beam (coordinates from first on) at x [m] from the root and y, z [m] off the line, beam axes: linear strain. Errors as for a
+   node. Natural modes give strains that converge more slowly than displacements: keep more modes, or add static
+   corrections for the loads. */
+FB_API fb_status fb_gauge_init(fb_gauge *gauge, int first, const fb_beam *beam, const fb_modes *modes, fb_real x,
+                               fb_real y, fb_real z);
+FB_API fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q); /* [-] */
+
 /* The strain stations of that beam, for FB_EFFECT_NONLINEAR_STRAIN; once per beam. As many Gauss points per element as
    integrate the strain energy exactly, 2 degree - 1 (cubic functions: 5; natural modes: 9), rounded up to a multiple of
    four per beam. The axial coordinates must be able to follow the foreshortening, or the beam is too stiff (membrane

@@ -4085,6 +4085,38 @@ FB_DEF fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, c
   return FB_OK;
 }
 
+/* [E8.31] Strain along the beam at a point y, z of its section, linear in the coordinates: u_x' + z theta_y' - y theta_z'.
+   Source: plane sections.  Shapes: gain n.  Fails: see the header.  Test: a_strain_gauge_reads_the_bending_moment. */
+FB_DEF fb_status fb_gauge_init(fb_gauge *gauge, int first, const fb_beam *beam, const fb_modes *modes, fb_real x,
+                               fb_real y, fb_real z)
+{
+  fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
+  FBI_REQUIRE(gauge && beam && modes, FB_ERR_NULL);
+  FBI_REQUIRE(first >= 0 && modes->n >= 0 && first + modes->n <= FB_MAX_MODES, FB_ERR_CAPACITY);
+  if (!fbi_is_finite(&x, 1) || !fbi_is_finite(&y, 1) || !fbi_is_finite(&z, 1)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  if (x < FB_R(0.0) || x > beam->desc.length * (FB_R(1.0) + FB_R(1e-5))) {
+    return FB_ERR_VALUE;
+  }
+  while (fbi_cell_next(&cell, beam) && x > cell.x1 && !fbi_cell_is_last(&cell, beam)) {
+  }
+  memset(gauge, 0, sizeof *gauge);
+  gauge->n = first + modes->n;
+  for (int a = 0; a < modes->n; a++) {
+    const fb_real s = (fbi_larger(cell.x0, x < cell.x1 ? x : cell.x1) - cell.x0) / (cell.x1 - cell.x0);
+    fbi_field f;
+    fbi_mode_field(&f, beam, modes, a, cell.element, fbi_cell_s(&cell, beam, s));
+    gauge->gain[first + a] = f.strain + z * f.curvature[1] - y * f.curvature[2];
+  }
+  return FB_OK;
+}
+
+FB_DEF fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q)
+{
+  return fbi_dot(gauge->gain, q, gauge->n);
+}
+
 #if FB_WITH_FORMS && FB_WITH_NONLINEAR_STRAIN
 /* [E8.24] The part of degree 1 of the stiffness torque as printed: g_s,3 = int (EA u_x' u_y' - EI_z u_x'' u_y'') dx,
    g_s,2 = -int (EA u_x' u_z' - EI_y u_x'' u_z'') dx; different EI add g_s,1 = (EI_z - EI_y) int u_y'' u_z'' dx.

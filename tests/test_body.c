@@ -2280,18 +2280,56 @@ TEST(hopkins_element_has_the_exact_integrals)
   fbt_figure("beam element: K, KG, M, inertia and moments", "[H] C.1, C.2 (p09)", largest);
 }
 
-SUITE(body, RUN(hopkins_element_has_the_exact_integrals), RUN(finite_element_models_are_the_beams_they_came_from),
-      RUN(joined_halves_are_the_whole), RUN(joined_components_converge_and_refuse),
-      RUN(shape_integrals_obey_the_vector_identities), RUN(inertial_identities_hold_as_published),
-      RUN(accelerations_agree_with_a_particle_model), RUN(momenta_agree_with_a_particle_model),
-      RUN(elastic_forces_agree_with_a_particle_model), RUN(each_set_of_effects_follows_its_own_lagrangian),
-      RUN(residual_inertia_vanishes_on_a_rotation_closed_basis), RUN(functions_close_the_basis),
-      RUN(beam_integrals_reproduce_mass_and_modal_mass), RUN(beam_integrals_hold_for_any_section_and_line),
-      RUN(quadratic_field_is_inextensible_and_twist_free), RUN(quadratic_field_follows_a_bent_line_in_any_attitude),
-      RUN(offset_masses_move_with_their_section), RUN(lumped_bodies_are_the_particles_they_stand_for),
-      RUN(a_beam_may_take_later_coordinates), RUN(power_of_loads_is_the_rate_of_energy),
-      RUN(node_kinematics_match_finite_differences), RUN(reactions_balance_the_momentum),
-      RUN(a_held_body_is_a_free_one_with_its_reactions), RUN(pinned_and_hinged_bodies_swing_as_rigid_pendulums),
-      RUN(a_falling_body_does_not_deform), RUN(elastic_response_is_frame_indifferent),
-      RUN(damped_free_decay_has_the_given_ratio), RUN(spinning_beams_stiffen_as_published),
-      RUN(a_rigid_body_is_the_case_of_no_modes), RUN(bodies_refuse_bad_input))
+/* E8.31: a cantilever with a force F at the tip: strain F (L - x) y/EI in element coordinates, exactly. */
+TEST(a_strain_gauge_reads_the_bending_moment)
+{
+  static fb_modes_desc keep;
+  static fb_real K[FB_MAX_MODES * FB_MAX_MODES];
+  static const double x[] = {0.0, 0.7, 1.3, 2.0};
+  fb_real q[FB_MAX_MODES], f[FB_MAX_MODES];
+  fb_gauge gauge;
+  int node;
+  memset(&beam_desc, 0, sizeof beam_desc);
+  beam_desc.length = FB_R(2.0);
+  beam_desc.n_element = 3;
+  beam_desc.n_station = 1;
+  beam_desc.station[0].mass = FB_R(1.0);
+  beam_desc.station[0].EI_y = FB_R(5.0);
+  beam_desc.station[0].EI_z = FB_R(4.0);
+  memset(&keep, 0, sizeof keep);
+  keep.basis = FB_BASIS_ELEMENTS;
+  keep.count[FB_KIND_BEND_Y] = keep.count[FB_KIND_BEND_Z] = 1;
+  FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
+  FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_OK);
+  FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, FB_R(2.0)), FB_OK);
+  for (int a = 0; a < modes.n; a++) {
+    f[a] = FB_R(0.3) * shape.node[node].psi[3 * a + 1] + FB_R(0.2) * shape.node[node].psi[3 * a + 2];
+  }
+  memcpy(K, modes.K, sizeof K);
+  FBT_INT_EQ(fb_chol_factor(K, modes.n), FB_OK);
+  fb_chol_solve(q, K, f, modes.n);
+  for (int k = 0; k < 4; k++) {
+    const double strain = -(0.05 * 0.3 / 4.0 + 0.03 * 0.2 / 5.0) * (2.0 - x[k]);
+    FBT_INT_EQ(fb_gauge_init(&gauge, 0, &beam, &modes, (fb_real)x[k], FB_R(0.05), FB_R(0.03)), FB_OK);
+    FBT_NEAR_ABS(fb_gauge_eval(&gauge, q), strain, FBT_TOL(1e-14, 1e-6));
+  }
+  FBT_INT_EQ(fb_gauge_init(&gauge, 0, &beam, &modes, FB_R(2.1), 0, 0), FB_ERR_VALUE);
+}
+
+SUITE(body, RUN(a_strain_gauge_reads_the_bending_moment), RUN(hopkins_element_has_the_exact_integrals),
+      RUN(finite_element_models_are_the_beams_they_came_from), RUN(joined_halves_are_the_whole),
+      RUN(joined_components_converge_and_refuse), RUN(shape_integrals_obey_the_vector_identities),
+      RUN(inertial_identities_hold_as_published), RUN(accelerations_agree_with_a_particle_model),
+      RUN(momenta_agree_with_a_particle_model), RUN(elastic_forces_agree_with_a_particle_model),
+      RUN(each_set_of_effects_follows_its_own_lagrangian), RUN(residual_inertia_vanishes_on_a_rotation_closed_basis),
+      RUN(functions_close_the_basis), RUN(beam_integrals_reproduce_mass_and_modal_mass),
+      RUN(beam_integrals_hold_for_any_section_and_line), RUN(quadratic_field_is_inextensible_and_twist_free),
+      RUN(quadratic_field_follows_a_bent_line_in_any_attitude), RUN(offset_masses_move_with_their_section),
+      RUN(lumped_bodies_are_the_particles_they_stand_for), RUN(a_beam_may_take_later_coordinates),
+      RUN(power_of_loads_is_the_rate_of_energy), RUN(node_kinematics_match_finite_differences),
+      RUN(reactions_balance_the_momentum), RUN(a_held_body_is_a_free_one_with_its_reactions),
+      RUN(pinned_and_hinged_bodies_swing_as_rigid_pendulums), RUN(a_falling_body_does_not_deform),
+      RUN(elastic_response_is_frame_indifferent), RUN(damped_free_decay_has_the_given_ratio),
+      RUN(spinning_beams_stiffen_as_published), RUN(a_rigid_body_is_the_case_of_no_modes), RUN(bodies_refuse_bad_input))
