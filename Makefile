@@ -10,8 +10,8 @@ export WARNINGS WARNINGS_C
 
 LIBRARY  = flexbeam.h flexbeam_impl.h
 SECTIONS = main status vec3 rotation linalg beam modes body system forms integrate analyse build
-EXAMPLES = quickstart spinup campbell table1 assembly reduce elastodyn firmware
-CHECKS   = sanitize suite compile rom instructions mismatch removed style tidy two_precisions stack symbols ids quickstart
+EXAMPLES = quickstart spinup campbell table1 assembly reduce elastodyn firmware spacecraft rotor arm fourbar
+CHECKS   = sanitize suite long compile rom instructions mismatch removed style tidy two_precisions stack symbols ids quickstart
 
 .DELETE_ON_ERROR:
 .PHONY: help run table1 blade test examples bench sizes readme format clean ci FORCE $(CHECKS:%=check-%)

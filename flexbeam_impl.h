@@ -6553,7 +6553,8 @@ static fb_status fbi_joint_check(const fb_system_desc *desc, const fb_body *body
   }
   for (int i = 0; i < 3; i++) {
     if (d->stiffness[i] < FB_R(0.0) || d->damping[i] < FB_R(0.0) || (int)d->mode[i] < (int)FB_AXIS_FREE ||
-        (int)d->mode[i] > (int)FB_AXIS_PRESCRIBED) {
+        (int)d->mode[i] > (int)FB_AXIS_PRESCRIBED ||
+        (d->kind == FB_JOINT_FREE && (d->stiffness[i] > FB_R(0.0) || d->damping[i] > FB_R(0.0)))) {
       return FB_ERR_VALUE;
     }
   }

@@ -1124,6 +1124,298 @@ TEST(joint_forces_carry_what_hangs_on_them)
   (void)T;
 }
 
+/* A quaternion's turn of a vector. */
+static void turned(double y[3], const fb_real quat[4], const double x[3])
+{
+  fb_real R[9], a[3], b[3];
+  for (int i = 0; i < 3; i++) {
+    a[i] = (fb_real)x[i];
+  }
+  fb_quat_to_mat33(R, quat);
+  fb_mat33_mul_vec3(b, R, a);
+  for (int i = 0; i < 3; i++) {
+    y[i] = (double)b[i];
+  }
+}
+
+/* E9.1, E9.2, E9.7, E9.14: for every kind of joint the frame on the child sits on that of the parent, moved and turned by the
+   coordinates as the header says, by quaternions. */
+TEST(every_joint_moves_as_it_should)
+{
+  for (int kind = (int)FB_JOINT_RIGID; kind <= (int)FB_JOINT_SPHERICAL; kind++) {
+    fb_real frame[4], child[4], rel[4], two[4], all[4], back[4];
+    double origin[3], out[3], shift[3] = {0}, axis[3] = {0, 0, 1}, miss = 0.0, angle = 0.4, slide = 0.0;
+    fb_joint_desc *j;
+    fresh();
+    fbt_seed((unsigned)kind);
+    rigid(&model[0], 1.0, 0.3, 0, 0, 1, 1, 1);
+    hang(0, 0, FB_JOINT_FREE, FB_GROUND, 0);
+    hang(1, 0, (fb_joint_kind)kind, 0, 1);
+    j = &desc.joint[1];
+    turn(j->attitude, 0.3, -0.5, 0.7);
+    turn(j->child_attitude, -0.2, 0.4, 0.1);
+    for (int i = 0; i < 3; i++) {
+      j->position[i] = (fb_real)(0.2 + 0.1 * i);
+      j->child_position[i] = (fb_real)(0.1 - 0.2 * i);
+    }
+    j->pitch = FB_R(0.25);
+    start[1].value[0] = FB_R(0.4);
+    start[1].value[1] = -FB_R(0.3);
+    turn(start[1].quat, 0.2, 0.5, -0.4);
+    turn(start[0].quat, 0.1, 0.2, 0.3);
+    start[0].value[0] = FB_R(1.0);
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, NULL), FB_OK);
+    slide = kind == FB_JOINT_PRISMATIC ? 0.4 : kind == FB_JOINT_CYLINDRICAL ? -0.3 : kind == FB_JOINT_SCREW ? 0.1 : 0.0;
+    angle = kind == FB_JOINT_PRISMATIC || kind == FB_JOINT_RIGID ? 0.0 : angle;
+    turn(rel, 0, 0, angle);
+    turn(two, kind == FB_JOINT_UNIVERSAL ? -0.3 : 0.0, 0, 0);
+    fb_quat_mul(all, rel, two);
+    memcpy(rel, kind == FB_JOINT_SPHERICAL ? start[1].quat : all, sizeof rel);
+    fb_quat_mul(frame, motion.pose[0].quat, j->attitude); /* joint frame of the parent */
+    fb_quat_mul(child, frame, rel);
+    back[0] = j->child_attitude[0];
+    for (int i = 1; i < 4; i++) {
+      back[i] = -j->child_attitude[i];
+    }
+    fb_quat_mul(all, child, back); /* attitude of the child */
+    for (int i = 0; i < 3; i++) {
+      shift[i] = (double)(model[0].node[1].r[i] + j->position[i]);
+    }
+    turned(origin, motion.pose[0].quat, shift);
+    turned(out, frame, axis);
+    for (int i = 0; i < 3; i++) {
+      origin[i] += (double)motion.pose[0].rho[i] + slide * out[i];
+      shift[i] = (double)j->child_position[i];
+    }
+    turned(out, motion.pose[1].quat, shift);
+    for (int i = 0; i < 3; i++) {
+      miss = fmax(miss, fabs(origin[i] - out[i] - (double)motion.pose[1].rho[i]));
+    }
+    FBT_BELOW(miss, FBT_TOL(1e-14, 1e-6));
+    FBT_NEAR_ABS(fabs((double)(all[0] * motion.pose[1].quat[0] + fb_vec3_dot(all + 1, motion.pose[1].quat + 1))), 1.0,
+                 FBT_TOL(1e-14, 1e-6));
+  }
+}
+
+/* Lowest frequencies [rad/s] of a system at rest: the mass matrix from the momenta of unit speeds, K of the modes. */
+static void system_frequencies(double *omega, int count)
+{
+  static fb_real M[FB_MAX_SPEEDS * FB_MAX_SPEEDS], K[FB_MAX_SPEEDS * FB_MAX_SPEEDS], X[FB_MAX_SPEEDS * FB_MAX_SPEEDS];
+  static fb_real d[FB_MAX_SPEEDS];
+  int N = 0;
+  for (int k = 0; k < desc.n_body; k++) {
+    N += model[desc.model[k]].n;
+  }
+  memset(K, 0, sizeof K);
+  for (int k = 0, c = 0; k < desc.n_body; k++) {
+    for (int a = 0; a < model[desc.model[k]].n; a++, c++) {
+      memset(start, 0, sizeof start);
+      start[k].q_dot[a] = FB_R(1.0);
+      for (int b = 0; b < modes.n; b++) {
+        K[c * N + c - a + b] = modes.K[a * modes.n + b];
+      }
+      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+      for (int j = 0, r = 0; j < desc.n_body; j++) {
+        for (int b = 0; b < model[desc.model[j]].n; b++, r++) {
+          M[r * N + c] = state.link[j].pi[b];
+        }
+      }
+    }
+  }
+  FBT_INT_EQ(fb_eig_gen_solve(d, X, K, M, N), FB_OK);
+  for (int i = 0; i < count; i++) {
+    omega[i] = sqrt((double)d[i]);
+  }
+  memset(start, 0, sizeof start);
+}
+
+/* A cantilever of length 1 cut into `parts`, two constraint modes and `bending` modes each. */
+static void cut_beam(int parts, int bending)
+{
+  fresh();
+  memset(&beam_desc, 0, sizeof beam_desc);
+  body_desc.effects = FB_EFFECTS_SPIN;
+  {
+    static fb_modes_desc keep;
+    int node;
+    memset(&keep, 0, sizeof keep);
+    beam_desc.length = (fb_real)(1.0 / parts);
+    beam_desc.n_element = 6;
+    beam_desc.n_station = 1;
+    beam_desc.station[0].mass = FB_R(1.0);
+    beam_desc.station[0].EI_z = FB_R(1.0);
+    keep.basis = FB_BASIS_COMPONENT; /* what the next part does to the tip bends it exactly */
+    keep.n_boundary = 2;
+    keep.boundary[0].node = keep.boundary[1].node = 6;
+    keep.boundary[0].axis = 1;
+    keep.boundary[1].axis = 5;
+    keep.count[FB_KIND_BEND_Y] = bending;
+    body_desc.base = FB_BASE_PRESCRIBED;
+    FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
+    FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_OK);
+    FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
+    FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
+    FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, (fb_real)(1.0 / parts)), FB_OK);
+    FBT_INT_EQ(fb_body_init(&model[0], &body_work, &shape, &body_desc), FB_OK);
+  }
+  for (int k = 0; k < parts; k++) {
+    hang(k, 0, FB_JOINT_RIGID, k - 1, k > 0);
+  }
+  init(FB_METHOD_RECURSIVE);
+}
+
+/* Largest difference of the tip's motion from that of the clamped beam's exact modes, after a small force on the tip is let
+   go: y = sum of a_k cos(omega_k t), over the static deflection. */
+static double cut_transient(int parts)
+{
+  static const double beta[] = {1.8751040687119611, 4.6940911329741746, 7.8547574382376126, 10.995540734875467,
+                                14.13716839104647};
+  const double dt = 2e-4, F = 1e-3;
+  double worst = 0.0;
+  fb_system_input pull;
+  memset(&pull, 0, sizeof pull);
+  pull.n_load = 1;
+  pull.load[0].body = parts - 1;
+  pull.load[0].load.node = 1;
+  pull.load[0].load.force[1] = (fb_real)F;
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, NULL, NULL), FB_OK);
+  for (int step = 1; step <= 4000; step++) { /* the force comes on at t = 0: y = sum a_k (1 - cos) */
+    FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &pull, &pull, &pull, (fb_real)dt), FB_OK);
+    if (step % 20 == 0) {
+      double x[3], y = 0.0;
+      for (int k = 0; k < 5; k++) {
+        const double w = beta[k] * beta[k];
+        y += F * 4.0 / (w * w) * (1.0 - cos(w * dt * step)); /* psi(1) = 2 of the normalized mode */
+      }
+      node_at(x, &state, parts - 1, 1);
+      worst = fmax(worst, fabs(x[1] - y) / (F / 3.0));
+    }
+  }
+  return worst;
+}
+
+/* E9.12: one beam cut into two, three and four bodies joined rigidly is the uncut one within the truncation error, which falls as
+   modes are added: frequencies and the response to a force. */
+TEST(a_cut_beam_behaves_as_the_whole)
+{
+  static const double exact[] = {3.5160152685, 22.034491530, 61.697214402};
+  for (int parts = 2; parts <= 4; parts++) {
+    double before[3] = {1, 1, 1}, transient = 1.0;
+    for (int bending = 0; bending <= 2; bending++) {
+      double omega[3], response;
+      cut_beam(parts, bending);
+      system_frequencies(omega, 3);
+      response = cut_transient(parts);
+      for (int k = 0; k < 3; k++) {
+        const double error = omega[k] / exact[k] - 1.0;
+        FBT_TRUE(error > -FBT_TOL(1e-6, 1e-3)); /* Ritz: from above */
+        FBT_BELOW(error, before[k]);
+        before[k] = fmax(error, FBT_TOL(1e-6, 1e-3));
+      }
+      FBT_BELOW(response, transient);
+      transient = FB_SINGLE ? 1.0 : response;
+      if (bending == 2 && parts == 4) {
+        fbt_figure("cantilever cut into four bodies, third frequency", "closed form", fabs(omega[2] / exact[2] - 1.0));
+        fbt_figure("the same, response to a force on the tip [static deflections]", "closed form", response);
+      }
+    }
+  }
+}
+
+/* E11.15: at the limit a rod on a spring is stable, beyond it the step is refused and the state stays. */
+TEST(system_steps_beyond_the_limit_are_refused)
+{
+  const double k = 400.0, J = 1.0 / 3.0, omega = sqrt(k / J);
+  fb_real limit;
+  fresh();
+  rigid(&model[0], 1.0, 0.5, 0, 0, 0, 1.0 / 12.0, 1.0 / 12.0);
+  hang(0, 0, FB_JOINT_REVOLUTE, FB_GROUND, 0);
+  desc.joint[0].stiffness[0] = (fb_real)k;
+  start[0].value[0] = FB_R(0.001);
+  init(FB_METHOD_RECURSIVE);
+  limit = fb_system_rk4_limit(&mechanism, model, 0, 0);
+  FBT_NEAR_REL(limit, 2.785 / omega, 0.05);
+  FBT_BELOW(limit, 2.785 / omega);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+  kept = state;
+  FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, NULL, NULL, NULL, FB_R(1.05) * limit), FB_ERR_STEP);
+  FBT_TRUE(memcmp(&kept, &state, sizeof state) == 0);
+  for (int step = 0; step < 1000; step++) {
+    FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, NULL, NULL, NULL, FB_R(0.9) * limit), FB_OK);
+  }
+  FBT_BELOW(fabs((double)state.link[0].x[0]), 0.001);
+  FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, NULL, NULL, NULL, -limit), FB_ERR_VALUE);
+}
+
+/* E11.13, E11.14: a double pendulum whose elbow is a spring of a thousand periods a step swings as the rigid one, with rk4
+   refused; a damped stiff joint, too. */
+TEST(stiff_joints_take_long_steps)
+{
+  for (int run = 0; run < 2; run++) {
+    const double dt = 0.005;
+    fb_system_state whole;
+    fresh();
+    body_desc.effects = FB_EFFECT_GRAVITY;
+    body_desc.gravity[1] = -FB_R(9.81);
+    rigid(&model[0], 1.0, 0, -0.5, 0, 1.0 / 12.0, 0, 1.0 / 12.0);
+    hang(0, 0, FB_JOINT_REVOLUTE, FB_GROUND, 0);
+    hang(1, 0, FB_JOINT_REVOLUTE, 0, 1);
+    desc.joint[1].mode[0] = FB_AXIS_LOCKED;
+    start[0].value[0] = FB_R(0.8);
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &whole, start, NULL), FB_OK);
+    for (int step = 0; step < 4000; step++) {
+      FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &whole, &work, NULL, NULL, NULL, FB_R(0.0005)), FB_OK);
+    }
+    desc.joint[1].mode[0] = FB_AXIS_FREE;
+    desc.joint[1].stiffness[0] = (fb_real)FBT_TOL(1e10, 1e6);
+    desc.joint[1].damping[0] = run ? FB_R(1e4) : 0;
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, NULL, NULL, NULL, (fb_real)dt), FB_ERR_STEP);
+    for (int step = 0; step < 400; step++) {
+      FBT_INT_EQ(fb_system_sdirk_step(&mechanism, model, &state, &work, NULL, NULL, (fb_real)dt, 0), FB_OK);
+    }
+    FBT_NEAR_ABS(state.link[0].x[0], whole.link[0].x[0], FBT_TOL(1e-3, 2e-3));
+    FBT_BELOW(fabs((double)state.link[1].x[0]), FBT_TOL(1e-6, 1e-4));
+  }
+}
+
+/* E9.13, E9.15, E11.12: a chain of six flexible bodies in free flight, driven by its motors: total momenta stay, energy changes by
+   the motors' work. The same over 1e6 steps is make check-long. */
+TEST(a_chain_in_free_flight_keeps_its_momenta)
+{
+  fb_momentum before, after;
+  double energy;
+  const int steps = 2000;
+  fresh();
+  flexible(&model[0], 2, 1, 1, FB_EFFECTS_FULL);
+  hang(0, 0, FB_JOINT_FREE, FB_GROUND, 0);
+  for (int k = 1; k < 6; k++) {
+    hang(k, 0, k % 2 ? FB_JOINT_REVOLUTE : FB_JOINT_UNIVERSAL, k - 1, 1);
+    desc.joint[k].stiffness[0] = desc.joint[k].stiffness[1] = FB_R(2.0);
+    start[k].value[0] = FB_R(0.3);
+    start[k].speed[0] = FB_R(0.1);
+  }
+  start[0].speed[4] = FB_R(0.2);
+  init(FB_METHOD_RECURSIVE);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+  FBT_INT_EQ(fb_system_momentum(&mechanism, model, &work, &before, &state, &input), FB_OK);
+  energy = energy_of(&state);
+  for (int step = 0; step < steps; step++) {
+    for (int k = 1; k < 6; k++) {
+      input.drive[k].torque[0] = (fb_real)(0.02 * sin(0.004 * step * k));
+    }
+    FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, FB_R(5e-4)), FB_OK);
+  }
+  FBT_INT_EQ(fb_system_momentum(&mechanism, model, &work, &after, &state, &input), FB_OK);
+  FBT_BELOW(fbt_difference(after.linear, before.linear, 3), FBT_TOL(1e-12, 1e-4));
+  FBT_BELOW(fbt_difference(after.angular, before.angular, 3), FBT_TOL(1e-12, 1e-3));
+  FBT_NEAR_ABS(energy_of(&state) - energy, state.motor_work, FBT_TOL(1e-8, 1e-3));
+}
+
 SUITE(system, RUN(systems_keep_energy_and_momentum), RUN(the_three_methods_agree),
       RUN(accelerations_are_the_rates_of_velocities), RUN(systems_converge_with_the_order_of_the_scheme),
       RUN(tops_follow_the_references), RUN(pendulums_of_rods_follow_their_equations),
@@ -1131,4 +1423,7 @@ SUITE(system, RUN(systems_keep_energy_and_momentum), RUN(the_three_methods_agree
       RUN(flexible_double_pendulum_follows_the_reference), RUN(slider_crank_follows_the_reference),
       RUN(a_parallelogram_passes_its_flat_positions), RUN(a_disc_rolls_steadily), RUN(a_knife_edge_draws_a_cycloid),
       RUN(contradictions_name_their_joint), RUN(momenta_give_back_the_speeds), RUN(a_latch_conserves_momentum),
-      RUN(springs_and_dampers_balance_energy), RUN(joint_forces_carry_what_hangs_on_them))
+      RUN(springs_and_dampers_balance_energy), RUN(joint_forces_carry_what_hangs_on_them),
+      RUN(every_joint_moves_as_it_should), RUN(a_cut_beam_behaves_as_the_whole),
+      RUN(system_steps_beyond_the_limit_are_refused), RUN(stiff_joints_take_long_steps),
+      RUN(a_chain_in_free_flight_keeps_its_momenta))
