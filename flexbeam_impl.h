@@ -6913,7 +6913,7 @@ static FBI_NOINLINE void fbi_link_carry(fbi_link_work *P, const fbi_link_work *L
 static FBI_NOINLINE fb_status fbi_link_close(fbi_link_work *L, int n)
 {
   if (fb_chol_factor(L->E, n) != FB_OK) {
-    return FB_ERR_UNDETERMINED;
+    return FB_ERR_RANGE;
   }
   for (int i = 0; i < 6; i++) {
     fb_chol_solve(L->Z + i * n, L->E, L->X + i * n, n);
@@ -6952,8 +6952,8 @@ static fb_status fbi_link_release(fbi_link_work *L, const fb_joint *joint, fb_re
     for (int j = 0; j < 6; j++) {
       reference += A[j] * A[j] * size[j];
     }
-    if (!(D > FB_R(16.0) * FB_EPSILON * reference)) {
-      return FB_ERR_UNDETERMINED;
+    if (!(D > FB_R(16.0) * FB_EPSILON * reference)) { /* well below zero: deflected beyond the model */
+      return D < -FB_R(1e-3) * reference ? FB_ERR_RANGE : FB_ERR_UNDETERMINED;
     }
     L->D[i] = FB_R(1.0) / D;
     fbi_sym6_rank1_sub(L->S, L->D[i], U);
@@ -6972,9 +6972,9 @@ static FBI_FLATTEN fb_status fbi_tree_factor(fb_system_work *w, const fb_system 
     } else {
       fbi_S_eval(L->S, model, L->k.qx, model->n_S);
     }
-    L->open = model->n > 0 && (L->coupled || g > FB_R(0.0));
+    L->open = model->n > 0 && (L->coupled || g + w->stiff > FB_R(0.0));
     if (L->open) {
-      fbi_link_open(L, model, g);
+      fbi_link_open(L, model, g + w->stiff);
     }
   }
   for (int k = system->n_body - 1; k >= 0; k--) {
@@ -7043,7 +7043,7 @@ static fb_status fbi_link_out(fbi_link_work *L, const fb_joint *joint, const fb_
       V[i] = L->mode[0] == FB_AXIS_PRESCRIBED ? L->p[i] : FB_R(0.0);
     }
     if (L->mode[0] == FB_AXIS_FREE && fb_sym6_solve(V, L->S, y) != FB_OK) {
-      return fbi_is_finite(L->S, 21) ? FB_ERR_UNDETERMINED : FB_ERR_NOT_FINITE;
+      return !fbi_is_finite(L->S, 21) ? FB_ERR_NOT_FINITE : n > 0 ? FB_ERR_RANGE : FB_ERR_UNDETERMINED;
     }
     fbi_vec6_copy(L->u, V);
     if (L->mode[0] == FB_AXIS_FREE) {
@@ -7208,7 +7208,7 @@ static FBI_NOINLINE fb_status fbi_dense_factor(fb_system_work *w, const fb_syste
     const int axes = fbi_speed_offset(system, w, body, k), at = axes + joint->n_axis, end = at + model->n;
     const fb_real *T = w->T + 6 * k * N;
     fbi_S_eval(L->S, model, L->k.qx, model->n_S);
-    fbi_link_open(L, model, g);
+    fbi_link_open(L, model, g + w->stiff);
     fbi_velocity_map(w, system, body, k, N);
     for (int c = 0; c < end; c++) {
       fb_real h[6];
@@ -8370,6 +8370,7 @@ static FBI_FLATTEN fb_status fbi_system_rates(fb_system_work *w, const fb_system
 static void fbi_system_enter(fb_system_work *w, const fb_system *system)
 {
   w->kept = system->method == FB_METHOD_MULTIPLIERS;
+  w->stiff = FB_R(0.0);
   w->joint = -1;
   w->n_row = w->n_end = 0;
 }
@@ -8642,11 +8643,14 @@ FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *bo
   fbi_momenta_fill(out, work, system, body);
   fbi_prescribe(out, system, work, out, input);
   for (int step = 0; step < 50 && status == FB_OK && fbi_has_rows(system, work, input); step++) {
+    work->stiff =
+        miss > FB_R(1e-3) || step == 0 ? FB_R(1e3) : FB_R(0.0); /* [s] joints move, modes do not; but at last */
     status = fbi_positions_close(&miss, &worst, work, system, body, out, out, input);
     if (miss <= FB_R(8.0) * FB_EPSILON) {
       break;
     }
   }
+  work->stiff = FB_R(0.0);
   if (status == FB_OK && fbi_has_rows(system, work, input)) {
     if (!(miss <= (FB_SINGLE ? FB_R(1e-4) : FB_R(1e-10)))) {
       work->joint = worst;

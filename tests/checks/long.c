@@ -13,7 +13,7 @@ static fb_beam beam;
 static fb_modes modes;
 static fb_modes_work modes_work;
 static fb_shape shape;
-static fb_body body[2];
+static fb_body body[3];
 static fb_body_work body_work;
 static fb_system chain, fourbar;
 static fb_system_work work;
@@ -76,9 +76,9 @@ static int chain_run(int steps)
   before = energy.kinetic + energy.strain;
   for (int step = 1; step <= steps; step++) {
     for (int k = 1; k < 6; k++) {
-      input.drive[k].torque[0] = 0.02 * sin(0.004 * step * k);
+      input.drive[k].torque[0] = 0.02 * sin(0.002 * step * k);
     }
-    must(fb_system_rk4_step(&chain, body, &state, &work, &input, &input, &input, 5e-4), "step");
+    must(fb_system_rk4_step(&chain, body, &state, &work, &input, &input, &input, 2.5e-4), "step");
     if (step % 1000 == 0) {
       must(fb_system_momentum(&chain, body, &work, &now, &state, NULL), "momentum");
       must(fb_system_energy(&chain, body, &work, &energy, &state, NULL), "energy");
@@ -106,27 +106,28 @@ static int fourbar_run(int steps)
   double closure = 0.0, late = 0.0;
   memset(start, 0, sizeof start);
   memset(&input, 0, sizeof input);
-  link_init(&body[1], 1.0, 0.02); /* coupler; crank and rocker are of the same kind, shorter */
-  link_init(&body[0], 0.5, 0.02);
+  link_init(&body[0], 0.4, 0.02); /* crank, coupler, rocker */
+  link_init(&body[1], 1.0, 0.02);
+  link_init(&body[2], 0.8, 0.02);
   desc.n_body = 3;
-  desc.model[1] = 1;
   for (int k = 0; k < 3; k++) {
+    desc.model[k] = k;
     desc.joint[k].kind = FB_JOINT_REVOLUTE;
     desc.joint[k].parent = k == 1 ? 0 : FB_GROUND;
     desc.joint[k].parent_node = k == 1;
   }
-  desc.joint[2].position[0] = 1.05;
+  desc.joint[2].position[0] = 1.1;
   desc.n_loop = 1;
   desc.loop[0].kind = FB_JOINT_REVOLUTE;
   desc.loop[0].parent = 1;
   desc.loop[0].parent_node = 1;
   desc.loop[0].child = 2;
   desc.loop[0].child_node = 1;
-  start[0].value[0] = 1.2;
-  start[1].value[0] = -1.2;
-  start[2].value[0] = 1.2;
-  start[0].speed[0] = 3.0;
-  must(fb_system_init(&fourbar, &work, body, 2, &desc), "four-bar");
+  start[0].value[0] = 0.7;
+  start[1].value[0] = 0.2;
+  start[2].value[0] = 1.6;
+  start[0].speed[0] = 2.0;
+  must(fb_system_init(&fourbar, &work, body, 3, &desc), "four-bar");
   must(fb_system_state_init(&fourbar, body, &work, &state, start, NULL), "four-bar");
   for (int step = 1; step <= steps; step++) {
     must(fb_system_rk4_step(&fourbar, body, &state, &work, NULL, NULL, NULL, 2e-4), "step");
@@ -135,7 +136,7 @@ static int fourbar_run(int steps)
       double gap = 0.0;
       must(fb_system_motion_eval(&fourbar, body, &work, &motion, &state, NULL), "motion");
       must(fb_body_node_motion(&body[1], &a, &motion.pose[1], &motion.motion[1], 1), "node");
-      must(fb_body_node_motion(&body[0], &b, &motion.pose[2], &motion.motion[2], 1), "node");
+      must(fb_body_node_motion(&body[2], &b, &motion.pose[2], &motion.motion[2], 1), "node");
       for (int i = 0; i < 3; i++) {
         gap = larger(gap, fabs(a.position[i] - b.position[i]));
       }
