@@ -58,6 +58,18 @@
        return 0;
      }
 
+   A SYSTEM of bodies (examples/arm.c, spacecraft.c, rotor.c, fourbar.c): two links like the one above, node 1 at the tip
+
+     static const fb_system_desc arm = {
+         .n_body = 2, // both of model 0; z of a joint is its axis
+         .joint = {{.kind = FB_JOINT_REVOLUTE, .parent = FB_GROUND},
+                   {.kind = FB_JOINT_REVOLUTE, .parent = 0, .parent_node = 1, .damping = {FB_R(0.1)}}}};
+     status = fb_system_init(&system, &work, &body, 1, &arm);
+     status = status ? status : fb_system_state_init(&system, &body, &work, &state, NULL, NULL); // or from angles, speeds
+     input.drive[1].torque[0] = FB_R(2.0);                                                       // [N m] at the elbow
+     status = status ? status : fb_system_rk4_step(&system, &body, &state, &work, &input, &input, &input, FB_R(0.001));
+     status = status ? status : fb_system_motion_eval(&system, &body, &work, &motion, &state, &input); // joint forces, too
+
    CONTENTS (search for the anchor; the same anchors divide flexbeam_impl.h, the tests and the README)
      >>config     options, real type, libm hooks, mismatch guard
      >>status     status codes and their texts
@@ -128,7 +140,7 @@
      Lambda, S      body terms               6 x n, 6 x 6             rigid-elastic coupling, Schur complement
      Units of q: with mass-normalized modes (M = 1) q carries sqrt(kg) m and psi 1/sqrt(kg); only products have units.
 
-   NOT INCLUDED (yet): plasticity, contact, fluids, fracture, gravity gradients, joints, warping. Strain is linear, or
+   NOT INCLUDED (yet): plasticity, contact, fluids, fracture, gravity gradients, friction, stops, warping. Strain is linear, or
    with FB_EFFECT_NONLINEAR_STRAIN has the axial part of second degree.
 
    FROM WHAT YOU HOLD TO A BODY
@@ -142,6 +154,10 @@
      a finite-element model        fb_shape_add_lump, fb_shape_add_node, fb_shape_add_pair; shape.K
      preload, buckling             fb_modes_desc.preload, fb_buckling_solve
      a spinning, damped beam       fb_body_trim, fb_body_spectrum: complex modes
+     bodies on joints              fb_system_desc: a tree of joints, loops; the caller's own constraints by fb_rows
+     a beam on a free hinge        root FB_ROOT_PINNED: its modes leave the frame's turning to the hinge, well conditioned
+     what is locked or latched     fb_system_axis_set
+     an IMU, a strain gauge        fb_imu_eval, fb_gauge_init
      a model in ROM                examples/reduce: text file to C header with a static const fb_body
 
    WHICH SCHEME? (all fixed work; a step beyond its limit is refused)
@@ -149,6 +165,8 @@
      fb_rk4_step           4      stiffest mode       4 evaluations           any body, any form
      fb_midpoint_step      2      spin                3 evaluations, one LU   stiff bodies; keeps energy
      fb_sdirk_step         2      spin                5 evaluations, one LU   stiff bodies; L-stable: fast modes die out
+     fb_system_rk4_step    4      stiffest mode       4 evaluations           systems; loops are closed after each step
+     fb_system_sdirk_step  2      spin                6 evaluations           systems with stiff joints; L-stable
      fb_exponential_step   4      spin, light bases   4 evaluations           stiff elasticity, exactly; momentum form
 
    HALF AN EFFECT IS WORSE THAN NONE (the papers' equations taken apart; refused unless allow_split_effects)
@@ -173,6 +191,7 @@
      [AL] R. Alexander, "Diagonally implicit Runge-Kutta methods for stiff O.D.E.'s", SIAM J. Numer. Anal. 14, 1977.
      [KR] S. Krogstad, "Generalized integrating factor methods for stiff PDEs", J. Comput. Phys. 203, 2005.
      [HW] E. Hairer and G. Wanner, "Solving Ordinary Differential Equations II", Springer, IV.2 (stability region).
+     [FE] R. Featherstone, "Rigid Body Dynamics Algorithms", Springer, 2008.
      [GV] G.H. Golub and C.F. Van Loan, "Matrix Computations". */
 #ifndef FLEXBEAM_H
 #define FLEXBEAM_H
@@ -1491,4 +1510,4 @@ FB_API fb_status fb_config_check(const char *config);
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,
           pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme; sections with shear, twist and
           centers off the line, bent lines, component modes, buckling, synthesis, finite-element models, complex
-          modes */
+          modes; systems of bodies: joints, trees, loops, constraints, strain gauges */

@@ -6927,7 +6927,7 @@ static FBI_NOINLINE fb_status fbi_link_close(fbi_link_work *L, int n)
 /* [E9.4] Articulated inertia: each free axis takes its direction out, S -= U U^T / D, U = S A, D = A.U + g c + g^2 k.
    Axes of one joint go one after the other, as if massless bodies were between them. D is small against what it is made
    of: the axis moves no inertia.
-   Source: block elimination of M u = p from the tips; R. Featherstone, Rigid Body Dynamics Algorithms, 2008, 7.
+   Source: block elimination of M u = p from the tips; [FE] 7.
    Cost: 80 flops an axis.  Fails: no inertia.  Test: the_three_methods_agree. */
 static fb_status fbi_link_release(fbi_link_work *L, const fb_joint *joint, fb_real g)
 {
@@ -8473,7 +8473,7 @@ static int fbi_has_rows(const fb_system *system, const fb_system_work *w, const 
 
 /* [E9.17] One Newton step of the positions onto the constraints, along M^-1 A^T: the shortest way by the kinetic energy.
    miss: the largest value that there was, relative to the size of the system; its row to *worst.
-   Source: projection, DESIGN 6.  Cost: E9.9.  Fails: as E9.4.  Test: loops_stay_closed. */
+   Source: projection, DESIGN 6.  Cost: E9.9.  Fails: as E9.4.  Test: redundant_loops_are_accepted. */
 static fb_status fbi_positions_close(fb_real *miss, int *worst, fb_system_work *w, const fb_system *system,
                                      const fb_body *body, fb_system_state *state, const fb_system_state *modes,
                                      const fb_system_input *input)
@@ -8750,7 +8750,7 @@ static void fbi_twist_cross_add(fb_real y[6], const fb_real V[6], const fb_real 
 /* [E9.18] V_dot of a body with its joint's and its parent's modes' accelerations zero (but for given ones): with the
    node's twist T = (u_dot + n x phi_rate, phi_rate) about the parent's origin, V_dot = X (V_p_dot + T_dot + V_p x T) +
    A u_dot + A_dot u + V x A u.
-   Source: rates of twists; Featherstone 2008, 5.  Test: accelerations_are_the_rates_of_velocities. */
+   Source: rates of twists; [FE] 5.  Test: accelerations_are_the_rates_of_velocities. */
 static void fbi_bias_acceleration(fbi_link_work *L, const fb_joint *joint, const fbi_link_work *parent,
                                   const fb_body *on, const fb_real *given)
 {
@@ -10346,7 +10346,7 @@ static fb_status fbi_system_step_check(const fb_system *system, const fb_body *b
 /* [E11.12] Classical Runge-Kutta on a system. Impulses of constraints start at zero in each step, so that what is
    integrated is an ordinary differential equation; after the step positions and velocities go onto the constraints.
    Source: textbook, E9.15, E9.17.  Cost: 4 evaluations, with constraints 2 solutions more.
-   Test: systems_converge_with_the_order_of_the_scheme, loops_stay_closed. */
+   Test: systems_converge_with_the_order_of_the_scheme, redundant_loops_are_accepted. */
 FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body, fb_system_state *state,
                                     fb_system_work *work, const fb_system_input *start, const fb_system_input *middle,
                                     const fb_system_input *end, fb_real dt)

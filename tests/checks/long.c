@@ -83,13 +83,13 @@ static int chain_run(int steps)
       must(fb_system_momentum(&chain, body, &work, &now, &state, NULL), "momentum");
       must(fb_system_energy(&chain, body, &work, &energy, &state, NULL), "energy");
       for (int i = 0; i < 3; i++) {
-        linear = larger(linear, fabs(now.linear[i] - first.linear[i]));
-        angular = larger(angular, fabs(now.angular[i] - first.angular[i]));
-        most_p = larger(most_p, fabs(now.linear[i]));
-        most_h = larger(most_h, fabs(now.angular[i]));
+        linear = larger(linear, fabs((double)(now.linear[i] - first.linear[i])));
+        angular = larger(angular, fabs((double)(now.angular[i] - first.angular[i])));
+        most_p = larger(most_p, fabs((double)now.linear[i]));
+        most_h = larger(most_h, fabs((double)now.angular[i]));
       }
       kinetic = larger(kinetic, energy.kinetic);
-      lost = larger(lost, fabs(energy.kinetic + energy.strain - before - state.motor_work));
+      lost = larger(lost, fabs((double)(energy.kinetic + energy.strain - before - state.motor_work)));
     }
   }
   printf("chain of six, %d steps: momentum %.1e of %.2g N s, angular momentum %.1e of %.2g N m s, energy less work "
@@ -138,7 +138,7 @@ static int fourbar_run(int steps)
       must(fb_body_node_motion(&body[1], &a, &motion.pose[1], &motion.motion[1], 1), "node");
       must(fb_body_node_motion(&body[2], &b, &motion.pose[2], &motion.motion[2], 1), "node");
       for (int i = 0; i < 3; i++) {
-        gap = larger(gap, fabs(a.position[i] - b.position[i]));
+        gap = larger(gap, fabs((double)(a.position[i] - b.position[i])));
       }
       closure = larger(closure, gap);
       late = step > steps / 2 ? larger(late, gap) : late;
