@@ -44,6 +44,12 @@ make -s table1 > "$out/table1"
 { echo '```'; sed -n -e 's/ *$//' -e '/^Accuracy/,/^torque.*converged/p' "$out/table1"; echo '```'; } | block accuracy
 { echo '```'; sed -n -e 's/ *$//' -e '/^Table 1/,$p' "$out/table1"; echo '```'; } | block table1
 
+# systems: time per step, and the slew of a spacecraft
+build/bench/bench_system_double > "$out/system"
+{ echo '```'; awk -F, -f bench/system.awk "$out/system" | sed 's/ *$//'; echo '```'; } | block system
+build/examples/spacecraft --out build/spacecraft.csv > "$out/spacecraft"
+[ ! -f build/spacecraft_error.svg ] || sed "s/ *$//" build/spacecraft_error.svg > examples/spacecraft_error.svg
+
 # the blade: its frequencies, and ElastoDyn's from the head of the table
 blade=tests/reference/nrel5mw_blade.csv
 build/examples/campbell --blade $blade --mass-factor 1.04536 --rpm 0,12.1 --modes 2 > "$out/blade"
