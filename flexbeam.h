@@ -1147,6 +1147,7 @@ typedef struct fb_system { /* constant after init, may live in ROM; the models s
   int coupled[FB_MAX_BODIES]; /* something hangs on a node that its modes move */
   fb_real limit_elastic; /* [1/s^2] largest eigenvalue of springs and modes against the system's mass, undeformed */
   fb_real limit_damping; /* [1/s] the same of the dampers */
+  fb_real limit_kept_elastic, limit_kept_damping; /* what springs and dampers of kept joints add at most */
   fb_joint joint[FBI_MAX_JOINTS];
   fb_joint free;
 } fb_system;
@@ -1302,7 +1303,7 @@ typedef struct fb_system_work { /* scratch; large: make it static */
 /* ---- functions; body is the caller's array of models, the same in every call. Bodies of a system are of the momentum form; their
    base does not matter: FB_BASE_PRESCRIBED takes bodies without mass, or without inertia about some axis. */
 
-/* FB_ERR_VALUE: a parent that is no earlier body, a free joint on a body, a free joint as loop or with springs, negative stiffness or damping, a mode
+/* FB_ERR_VALUE: a parent that is no earlier body, a free joint as loop or with springs, negative stiffness or damping, a mode
    that is none, form or base of a body; FB_ERR_CAPACITY: numbers of bodies, loops, models, nodes; FB_ERR_SINGULAR: a mass
    matrix that is singular undeformed at zero coordinates. work->joint names the joint. */
 FB_API fb_status fb_system_init(fb_system *system, fb_system_work *work, const fb_body *body, int n_model,

@@ -6591,9 +6591,10 @@ static void fbi_joint_fill(fb_joint *joint, const fb_system_desc *desc, const fb
   fbi_attitude_axes(joint->axes, d->attitude);
   fbi_copy(joint->child_position, d->child_position, 3);
   fbi_attitude_axes(joint->child_axes, d->child_attitude);
-  joint->turned = FB_FABS(joint->child_axes[0] - FB_R(1.0)) + FB_FABS(joint->child_axes[4] - FB_R(1.0)) +
-                      FB_FABS(joint->child_axes[8] - FB_R(1.0)) >
-                  FB_R(0.0);
+  joint->turned = 0;
+  for (int i = 1; i < 8; i++) {
+    joint->turned = joint->turned || (i != 4 && joint->child_axes[i] != FB_R(0.0));
+  }
   joint->pitch = d->pitch;
   fbi_joint_twists(joint);
   for (int i = 0; i < 3; i++) {
@@ -7266,7 +7267,6 @@ static FBI_NOINLINE fb_status fbi_dense_factor(fb_system_work *w, const fb_syste
   }
   {
     const fb_status status = fb_lu_factor(w->M, w->perm, w->z, N);
-    w->joint = status == FB_OK ? w->joint : -1;
     return status == FB_ERR_SINGULAR ? FB_ERR_UNDETERMINED : status;
   }
 }
@@ -7319,7 +7319,14 @@ static FBI_NOINLINE void fbi_dense_solve(fb_system_work *w, const fb_system *sys
 static fb_status fbi_mass_factor(fb_system_work *w, const fb_system *system, const fb_body *body, fb_real g)
 {
   w->joint = -1;
-  return system->method == FB_METHOD_DENSE ? fbi_dense_factor(w, system, body, g) : fbi_tree_factor(w, system, body, g);
+  if (system->method == FB_METHOD_DENSE) {
+    const fb_status status = fbi_dense_factor(w, system, body, g);
+    if (status == FB_ERR_UNDETERMINED) {
+      (void)fbi_tree_factor(w, system, body, g); /* knows the joint */
+    }
+    return status;
+  }
+  return fbi_tree_factor(w, system, body, g);
 }
 
 static fb_status fbi_speeds_solve(fb_system_work *w, const fb_system *system, const fb_body *body)
@@ -7389,22 +7396,19 @@ static void fbi_end_velocity(fb_real v[3], fb_real w_I[3], const fb_system_work 
   }
 }
 
-/* The right-hand side takes s times an impulse (force, torque; inertial axes) on the node of an end. */
-static void fbi_end_impulse(fb_system_work *w, const fb_system *system, const fb_body *body, const fbi_end *end,
-                            fb_real s, const fb_real force[3], const fb_real torque[3])
+/* s times a force and torque (inertial axes) on the node of an end: y about its body's origin, e of the modes. */
+static void fbi_end_push(fb_real y[6], fb_real *e, const fbi_link_work *L, const fbi_end *end, int n, fb_real s,
+                         const fb_real force[3], const fb_real torque[3])
 {
-  if (end->link >= 0) {
-    fbi_link_work *L = &w->link[end->link];
-    fb_real f[3], t[3];
-    fb_mat33_mulT_vec3(f, L->k.R, force);
-    fb_mat33_mulT_vec3(t, L->k.R, torque);
-    for (int a = 0; a < fbi_model(system, body, end->link)->n && end->moves; a++) {
-      L->pi[a] += s * (fb_vec3_dot(end->f.Ju + 3 * a, f) + fb_vec3_dot(end->f.Jphi + 3 * a, t));
-    }
-    fbi_vec3_add_cross(t, end->n, f);
-    fbi_vec3_add(L->y, s, f);
-    fbi_vec3_add(L->y + 3, s, t);
+  fb_real f[3], t[3];
+  fb_mat33_mulT_vec3(f, L->k.R, force);
+  fb_mat33_mulT_vec3(t, L->k.R, torque);
+  for (int a = 0; a < n && end->moves; a++) {
+    e[a] += s * (fb_vec3_dot(end->f.Ju + 3 * a, f) + fb_vec3_dot(end->f.Jphi + 3 * a, t));
   }
+  fbi_vec3_add_cross(t, end->n, f);
+  fbi_vec3_add(y, s, f);
+  fbi_vec3_add(y + 3, s, t);
 }
 
 typedef struct fbi_frames { /* of a kept joint on its parent a and child b, inertial axes */
@@ -7476,7 +7480,7 @@ static void fbi_frames_value(fb_real value[3], const fbi_frames *f, const fb_joi
   }
 }
 
-/* The direction (force, torque) in which axis i of a joint pushes its child at the child's origin, and its rate. */
+/* The direction (force, torque) in which axis i of a joint pushes its child at the child's frame. */
 static void fbi_frames_axis(fb_real force[3], fb_real torque[3], const fbi_frames *f, const fb_joint *joint, int i)
 {
   const fb_joint_kind kind = joint->kind;
@@ -7535,7 +7539,7 @@ static const signed char *fbi_joint_holds(fb_joint_kind kind)
 
 static fb_real fbi_angle_wrap(fb_real angle)
 {
-  return FB_R(2.0) * FB_ATAN2(FB_SIN(FB_R(0.5) * angle), FB_COS(FB_R(0.5) * angle));
+  return FB_ATAN2(FB_SIN(angle), FB_COS(angle));
 }
 
 /* Does axis i of the joint slide? */
@@ -7707,7 +7711,7 @@ static int fbi_user_rows(fb_row *row, fb_system_work *w, const fb_system *system
     fb_quat_to_mat33(R, turn);
     fb_mat33_mul(w->pose[k].R, L->k.R, R);
   }
-  return input->rows(row, FB_MAX_ROWS - w->n_row, w->pose, input->t + h, input->user);
+  return input->rows(row, FB_MAX_ROWS - w->n_joint_row, w->pose, input->t + h, input->user);
 }
 
 /* All rows at the present positions. */
@@ -7736,7 +7740,8 @@ static FBI_NOINLINE fb_status fbi_rows_fill(fb_system_work *w, const fb_system *
       for (int s = 0; s < 2 && status == FB_OK; s++) {
         status = fbi_end_find(&row->end[s], w, system, body, row->r.body[s], row->r.node[s]);
       }
-      if (status == FB_OK && (!fbi_is_finite(row->r.force[0], 6) || !fbi_is_finite(row->r.torque[0], 6) ||
+      if (status == FB_OK && (!fbi_is_finite(row->r.force[0], 3) || !fbi_is_finite(row->r.force[1], 3) ||
+                              !fbi_is_finite(row->r.torque[0], 3) || !fbi_is_finite(row->r.torque[1], 3) ||
                               !fbi_is_finite(&row->r.b, 1) || !fbi_is_finite(&row->r.value, 1))) {
         status = FB_ERR_NOT_FINITE;
       }
@@ -7764,9 +7769,11 @@ static FBI_NOINLINE fb_status fbi_rows_rate(fb_system_work *w, const fb_system *
       spin = fbi_larger(spin, fbi_vec3_norm(w->link[k].V + 3));
     }
     h = (FB_SINGLE ? FB_R(5e-3) : FB_R(1e-5)) / spin;
-    if (fbi_user_rows(w->ahead, w, system, input, h) != count ||
-        fbi_user_rows(w->behind, w, system, input, -h) != count) {
-      return FB_ERR_VALUE;
+    for (int side = 0; side < 2; side++) {
+      const int found = fbi_user_rows(side ? w->behind : w->ahead, w, system, input, side ? -h : h);
+      if (found != count) {
+        return found < 0 ? (fb_status)found : FB_ERR_VALUE;
+      }
     }
     for (int r = 0; r < count; r++) {
       fbi_row *row = &w->row[w->n_joint_row + r];
@@ -7815,8 +7822,21 @@ static void fbi_row_impulse(fb_system_work *w, const fb_system *system, const fb
 {
   const fbi_row *row = &w->row[r];
   for (int side = 0; side < 2; side++) {
-    fbi_end_impulse(w, system, body, &w->end[row->end[side]], s, row->r.force[side], row->r.torque[side]);
+    const fbi_end *end = &w->end[row->end[side]];
+    if (end->link >= 0) {
+      fbi_link_work *L = &w->link[end->link];
+      fbi_end_push(L->y, L->pi, L, end, fbi_model(system, body, end->link)->n, s, row->r.force[side],
+                   row->r.torque[side]);
+    }
   }
+}
+
+/* Of the same joint (or the caller), and both with a force or both without? */
+static int fbi_rows_alike(const fbi_row *a, const fbi_row *b)
+{
+  const int force_a = fbi_vec3_norm(a->r.force[0]) + fbi_vec3_norm(a->r.force[1]) > FB_R(0.0);
+  const int force_b = fbi_vec3_norm(b->r.force[0]) + fbi_vec3_norm(b->r.force[1]) > FB_R(0.0);
+  return force_a == force_b && (a->joint == b->joint || (a->joint < -1 && b->joint < -1));
 }
 
 /* [E9.9] Q = A M^-1 A^T of the rows and its pivoted Cholesky factors: rows that depend on others are left out, w->rank of
@@ -7828,7 +7848,7 @@ static void fbi_row_impulse(fb_system_work *w, const fb_system *system, const fb
 static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
   const int m = w->n_row;
-  const fb_real tol = FB_SINGLE ? FB_R(1e-4) : FB_R(1e-8), across = FB_SINGLE ? FB_R(1e-2) : FB_R(1e-4);
+  const fb_real tol = FB_SINGLE ? FB_R(1e-4) : FB_R(1e-8), across = FB_SINGLE ? FB_R(1e-5) : FB_R(1e-10);
   fb_real *Q = w->Q, size;
   for (int r = 0; r < m; r++) {
     fb_status status;
@@ -7840,14 +7860,20 @@ static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, con
     }
     for (int i = 0; i < m; i++) {
       Q[i * m + r] = fbi_row_eval(&size, &w->row[i], w, system, body);
-      if (i == r) { /* moves across its own direction, if at all: not to be counted on */
-        w->column[r] = Q[r * m + r] > across * size ? Q[r * m + r] : FB_HUGE;
+      if (i == r) {
+        w->column[r] = size;
       }
     }
     w->order[r] = r;
   }
-  for (int i = 0; i < m; i++) {
+  for (int i = 0; i < m; i++) { /* a row is weighed with those of its kind at the same joint; one that moves across its
+                                   own direction, if at all, is not counted on */
+    fb_real largest = FB_R(0.0);
+    for (int r = 0; r < m; r++) {
+      largest = fbi_rows_alike(&w->row[i], &w->row[r]) ? fbi_larger(largest, Q[r * (m + 1)]) : largest;
+    }
     w->diagonal[i] = Q[i * (m + 1)];
+    w->column[i] = w->diagonal[i] > across * w->column[i] ? largest : FB_HUGE;
   }
   for (w->rank = 0; w->rank < m;
        w->rank++) { /* rows in the order of w->order; L in the lower triangle of their indices */
@@ -8131,24 +8157,6 @@ static int fbi_is_sprung(const fb_joint *joint, const fb_system_input *input, in
   return sum > FB_R(0.0);
 }
 
-/* A load (force, torque; inertial axes) on the node of an end: k.fg and k.x of its body. */
-static void fbi_end_load(fb_system_work *w, const fb_system *system, const fb_body *body, const fbi_end *end, fb_real s,
-                         const fb_real force[3], const fb_real torque[3])
-{
-  if (end->link >= 0) {
-    fbi_link_work *L = &w->link[end->link];
-    fb_real f[3], t[3];
-    fb_mat33_mulT_vec3(f, L->k.R, force);
-    fb_mat33_mulT_vec3(t, L->k.R, torque);
-    for (int a = 0; a < fbi_model(system, body, end->link)->n && end->moves; a++) {
-      L->k.x[a + 1] += s * (fb_vec3_dot(end->f.Ju + 3 * a, f) + fb_vec3_dot(end->f.Jphi + 3 * a, t));
-    }
-    fbi_vec3_add_cross(t, end->n, f);
-    fbi_vec3_add(L->k.fg, s, f);
-    fbi_vec3_add(L->k.fg + 3, s, t);
-  }
-}
-
 /* Speed of axis i of a kept joint: relative motion along its direction. */
 static fb_real fbi_frames_speed(const fbi_frames *f, const fb_real force[3], const fb_real torque[3])
 {
@@ -8190,7 +8198,11 @@ static FBI_NOINLINE fb_real fbi_kept_springs(fb_system_work *w, const fb_system 
         fb_real moment[3];
         fb_vec3_cross(moment, f.arm[s], force);
         fbi_vec3_add(moment, FB_R(1.0), torque);
-        fbi_end_load(w, system, body, f.end[s], s == 0 ? -tau : tau, force, moment);
+        if (f.end[s]->link >= 0) {
+          fbi_link_work *L = &w->link[f.end[s]->link];
+          fbi_end_push(L->k.fg, L->k.x + 1, L, f.end[s], fbi_model(system, body, f.end[s]->link)->n,
+                       s == 0 ? -tau : tau, force, moment);
+        }
       }
     }
   }
@@ -8560,6 +8572,9 @@ static int fbi_link_state_is_finite(const fb_link_state *x, int n)
 /* Finite, and every body within its deflection limit. */
 static fb_status fbi_system_range(const fb_system *system, const fb_body *body, const fb_system_state *state)
 {
+  if (!fbi_is_finite(&state->motor_work, 1)) {
+    return FB_ERR_NOT_FINITE;
+  }
   for (int k = 0; k < system->n_body; k++) {
     const fb_body *model = fbi_model(system, body, k);
     fb_real deflection = FB_R(0.0);
@@ -8578,7 +8593,7 @@ static fb_status fbi_system_range(const fb_system *system, const fb_body *body, 
 
 /* Coordinates and speeds of the tree as it is built: poses and velocities of all bodies. */
 static fb_status fbi_motion_place(fb_system_work *w, const fb_system *system, const fb_body *body,
-                                  fb_system_state *state, const fb_link_motion *motion)
+                                  fb_system_state *state, const fb_link_motion *motion, const fb_system_input *input)
 {
   w->kept = 0;
   for (int k = 0; k < system->n_body; k++) {
@@ -8603,11 +8618,15 @@ static fb_status fbi_motion_place(fb_system_work *w, const fb_system *system, co
       (void)fb_quat_normalize(x->quat);
     }
   }
+  fbi_prescribe(state, system, w, state, input);
   fbi_links_place(w, system, body, state, state);
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
-    for (int i = 0; i < 6; i++) {
-      L->u[i] = motion ? motion[k].speed[i] : FB_R(0.0);
+    const fb_joint *joint = &system->joint[k];
+    for (int i = 0; i < joint->n_axis; i++) {
+      const fb_axis_mode mode = state->mode[k][joint->kind == FB_JOINT_FREE ? 0 : i];
+      L->u[i] = mode == FB_AXIS_FREE && motion ? motion[k].speed[i] : FB_R(0.0);
+      L->u[i] = mode == FB_AXIS_PRESCRIBED && input ? input->drive[k].rate[i] : L->u[i];
     }
     for (int a = 0; a < fbi_model(system, body, k)->n; a++) {
       L->q_dot[a] = motion ? motion[k].q_dot[a] : FB_R(0.0);
@@ -8644,14 +8663,74 @@ static fb_status fbi_hold_set(fb_system_state *state, fb_system_work *w, const f
   return FB_OK;
 }
 
+/* Where locked axes are: of all kept joints from the first one on. */
+static fb_status fbi_holds_set(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body,
+                               int first)
+{
+  fb_status status = FB_OK;
+  for (int j = first; j < system->n_body + system->n_loop && status == FB_OK; j++) {
+    for (int i = 0; i < system->joint[j].n_axis && i < 3 && fbi_is_kept(system, w, j) && status == FB_OK; i++) {
+      status = fbi_hold_set(state, w, system, body, j, i);
+    }
+  }
+  return status;
+}
+
+/* Is a joint closed the right way round? The right angles of its rows are there half a turn off, too. */
+static int fbi_is_upright(fb_system_work *w, const fb_system *system, const fb_body *body, int j)
+{
+  const fb_joint_kind kind = system->joint[j].kind;
+  const int all = kind == FB_JOINT_RIGID || kind == FB_JOINT_PRISMATIC;
+  fbi_frames f;
+  if (kind == FB_JOINT_SPHERICAL || kind == FB_JOINT_UNIVERSAL || fbi_frames_eval(&f, w, system, body, j) != FB_OK) {
+    return 1;
+  }
+  return fb_vec3_dot(f.a[2], f.b[2]) > FB_R(0.0) && (!all || fb_vec3_dot(f.a[0], f.b[0]) > FB_R(0.0));
+}
+
+/* Newton steps of E9.17 from a rough guess; locked axes of loops take the place they come to. */
+static fb_status fbi_loops_close(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                 fb_system_state *state, const fb_system_input *input)
+{
+  fb_real miss = FB_R(1.0);
+  fb_status status = FB_OK;
+  int worst = -1;
+  fb_system_state *modes = &w->base;
+  *modes = *state;
+  for (int j = system->n_body; j < system->n_body + system->n_loop; j++) {
+    for (int i = 0; i < 3; i++) {
+      modes->mode[j][i] = state->mode[j][i] == FB_AXIS_LOCKED ? FB_AXIS_FREE : state->mode[j][i];
+    }
+  }
+  for (int step = 0; step < 50 && status == FB_OK && !(miss <= FB_R(8.0) * FB_EPSILON); step++) {
+    const int before = worst;
+    w->stiff = miss > FB_R(1e-3) && step < 20 ? FB_R(1e3) : FB_R(0.0); /* [s] joints move, modes do not; but at last */
+    status = fbi_positions_close(&miss, &worst, w, system, body, state, modes, input);
+    if (step > 0 && (status == FB_ERR_UNDETERMINED || status == FB_ERR_RANGE)) { /* lost on the way */
+      w->joint = before;
+      status = FB_ERR_CONTRADICTION;
+    }
+  }
+  w->stiff = FB_R(0.0);
+  if (status == FB_OK && !(miss <= (FB_SINGLE ? FB_R(1e-4) : FB_R(1e-10)))) {
+    w->joint = worst;
+    status = FB_ERR_CONTRADICTION;
+  }
+  for (int j = 0; j < system->n_body + system->n_loop && status == FB_OK; j++) {
+    if (fbi_is_kept(system, w, j) && !fbi_is_upright(w, system, body, j)) {
+      w->joint = j;
+      status = FB_ERR_CONTRADICTION;
+    }
+  }
+  return status == FB_OK ? fbi_holds_set(state, w, system, body, system->n_body) : status;
+}
+
 FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *body, fb_system_work *work,
                                       fb_system_state *state, const fb_link_motion *motion,
                                       const fb_system_input *input)
 {
   fb_system_state *out;
   fb_status status;
-  int worst = -1;
-  fb_real miss = FB_R(1.0);
   FBI_REQUIRE(system && body && work && state, FB_ERR_NULL);
   status = fbi_system_input_check(system, body, input);
   fbi_system_enter(work, system);
@@ -8663,7 +8742,7 @@ FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *bo
     }
     out->hold_quat[j][0] = FB_R(1.0);
   }
-  status = status == FB_OK ? fbi_motion_place(work, system, body, out, motion) : status;
+  status = status == FB_OK ? fbi_motion_place(work, system, body, out, motion, input) : status;
   if (status != FB_OK) {
     return status;
   }
@@ -8671,28 +8750,11 @@ FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *bo
   if (work->kept) {
     fbi_poses_to_state(out, work, system);
   }
-  for (int j = 0; j < system->n_body + system->n_loop && status == FB_OK; j++) {
-    for (int i = 0; i < system->joint[j].n_axis && i < 3 && fbi_is_kept(system, work, j); i++) {
-      status = status == FB_OK ? fbi_hold_set(out, work, system, body, j, i) : status;
-    }
-  }
+  status = fbi_holds_set(out, work, system, body, 0);
   fbi_momenta_fill(out, work, system, body);
-  fbi_prescribe(out, system, work, out, input);
-  for (int step = 0; step < 50 && status == FB_OK && fbi_has_rows(system, work, input); step++) {
-    work->stiff =
-        miss > FB_R(1e-3) || step == 0 ? FB_R(1e3) : FB_R(0.0); /* [s] joints move, modes do not; but at last */
-    status = fbi_positions_close(&miss, &worst, work, system, body, out, out, input);
-    if (miss <= FB_R(8.0) * FB_EPSILON) {
-      break;
-    }
-  }
-  work->stiff = FB_R(0.0);
   if (status == FB_OK && fbi_has_rows(system, work, input)) {
-    if (!(miss <= (FB_SINGLE ? FB_R(1e-4) : FB_R(1e-10)))) {
-      work->joint = worst;
-      return FB_ERR_CONTRADICTION;
-    }
-    status = fbi_momenta_close(work, system, body, out, out, input);
+    status = fbi_loops_close(work, system, body, out, input);
+    status = status == FB_OK ? fbi_momenta_close(work, system, body, out, out, input) : status;
   }
   status = status == FB_OK ? fbi_system_range(system, body, out) : status;
   if (status == FB_OK) {
@@ -8738,13 +8800,19 @@ FB_DEF fb_status fb_system_axis_set(const fb_system *system, const fb_body *body
 FB_DEF fb_status fb_system_rates(const fb_system *system, const fb_body *body, fb_system_work *work,
                                  fb_system_state *rate, const fb_system_state *state, const fb_system_input *input)
 {
+  fb_system_state *out;
   fb_status status;
   FBI_REQUIRE(system && body && work && rate && state, FB_ERR_NULL);
+  out = &work->rate;
+  memset(out, 0, sizeof *out);
   status = fbi_system_input_check(system, body, input);
   fbi_system_enter(work, system);
-  status = status == FB_OK ? fbi_system_rates(work, system, body, rate, state, state, input) : status;
+  status = status == FB_OK ? fbi_system_rates(work, system, body, out, state, state, input) : status;
   for (int k = 0; k < system->n_body && status == FB_OK; k++) {
-    status = fbi_link_state_is_finite(&rate->link[k], fbi_model(system, body, k)->n) ? FB_OK : FB_ERR_NOT_FINITE;
+    status = fbi_link_state_is_finite(&out->link[k], fbi_model(system, body, k)->n) ? FB_OK : FB_ERR_NOT_FINITE;
+  }
+  if (status == FB_OK) {
+    *rate = *out;
   }
   return status;
 }
@@ -8986,6 +9054,53 @@ static void fbi_kept_joint_motion(fb_joint_motion *out, fb_system_work *w, const
   }
 }
 
+/* Power of the motors of a joint and of what prescribes its axes; springs and dampers keep theirs. */
+static fb_real fbi_joint_power(const fb_system_work *w, const fb_joint_motion *at, const fb_joint *joint,
+                               const fb_system_state *state, const fb_system_input *input, int j)
+{
+  fb_real power = FB_R(0.0);
+  if (joint->kind == FB_JOINT_FREE) {
+    return state->mode[j][0] == FB_AXIS_PRESCRIBED ? fbi_vec6_dot(w->link[j].G, w->link[j].twist) : power;
+  }
+  for (int i = 0; i < joint->n_axis; i++) {
+    const fb_real motor = input ? input->drive[j].torque[i] : FB_R(0.0);
+    const fb_real drive = at->drive[i] - fbi_axis_torque(joint, NULL, j, i, at->value[i], at->speed[i]);
+    power += at->speed[i] * (state->mode[j][i] == FB_AXIS_FREE ? motor : drive);
+  }
+  return power;
+}
+
+/* Pose and motion of a body, and what its joint bears if it is of the tree; the velocities take the solution's place again. */
+static void fbi_link_motion(fb_system_motion *motion, fb_system_work *w, const fb_system *system, const fb_body *body,
+                            const fb_system_state *state, int k)
+{
+  const fb_body *model = fbi_model(system, body, k);
+  fbi_link_work *L = &w->link[k];
+  fb_state *pose = &motion->pose[k];
+  fb_motion *out = &motion->motion[k];
+  fbi_copy(pose->rho, L->rho, 3);
+  fbi_quat_from_mat33(pose->quat, L->k.R);
+  fbi_copy(pose->q, L->k.qx + 1, model->n);
+  if (!fbi_is_kept(system, w, k)) {
+    fbi_tree_joint_motion(&motion->joint[k], L, fbi_link_joint(system, w, k), &state->link[k]);
+  }
+  fbi_vec6_add(L->V_dot, FB_R(1.0), L->V);
+  fbi_vec6_copy(L->V, L->twist);
+  fbi_copy(out->v, L->V, 3);
+  fbi_copy(out->w, L->V + 3, 3);
+  fbi_copy(out->v_dot, L->V_dot, 3);
+  fbi_copy(out->w_dot, L->V_dot + 3, 3);
+  fbi_copy(out->q_ddot, L->q_dot, model->n);
+  fbi_copy(L->q_dot, L->q_speed, model->n);
+  fbi_copy(out->q_dot, L->q_dot, model->n);
+  fbi_vec6_copy(L->k.fg, L->F);
+  fbi_own_residual(L, model, L->V_dot, out->q_ddot);
+  for (int i = 0; i < 3; i++) {
+    out->reaction_force[i] = -L->y[i];
+    out->reaction_torque[i] = -L->y[3 + i];
+  }
+}
+
 FB_DEF fb_status fb_system_motion_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
                                        fb_system_motion *motion, const fb_system_state *state,
                                        const fb_system_input *input)
@@ -9003,40 +9118,14 @@ FB_DEF fb_status fb_system_motion_eval(const fb_system *system, const fb_body *b
   for (int k = 0; k < system->n_body && status == FB_OK; k++) {
     const fbi_link_work *L = &work->link[k];
     const int n = fbi_model(system, body, k)->n;
-    status = fbi_is_finite(L->V, 6) && fbi_is_finite(L->u, 6) && fbi_is_finite(L->q_dot, n) ? FB_OK : FB_ERR_NOT_FINITE;
+    status = fbi_is_finite(L->V, 6) && fbi_is_finite(L->G, 6) && fbi_is_finite(L->q_dot, n) ? FB_OK : FB_ERR_NOT_FINITE;
   }
   if (status != FB_OK) {
     return status;
   }
   memset(motion, 0, sizeof *motion);
   for (int k = 0; k < system->n_body; k++) {
-    const fb_body *model = fbi_model(system, body, k);
-    const fb_joint *joint = fbi_link_joint(system, work, k);
-    fbi_link_work *L = &work->link[k];
-    fb_state *pose = &motion->pose[k];
-    fb_motion *out = &motion->motion[k];
-    fb_joint_motion *at = &motion->joint[k];
-    fbi_copy(pose->rho, L->rho, 3);
-    fbi_quat_from_mat33(pose->quat, L->k.R);
-    fbi_copy(pose->q, L->k.qx + 1, model->n);
-    if (!fbi_is_kept(system, work, k)) {
-      fbi_tree_joint_motion(at, L, joint, &state->link[k]);
-    }
-    fbi_vec6_add(L->V_dot, FB_R(1.0), L->V);
-    fbi_vec6_copy(L->V, L->twist);
-    fbi_copy(out->v, L->V, 3);
-    fbi_copy(out->w, L->V + 3, 3);
-    fbi_copy(out->v_dot, L->V_dot, 3);
-    fbi_copy(out->w_dot, L->V_dot + 3, 3);
-    fbi_copy(out->q_ddot, L->q_dot, model->n);
-    fbi_copy(L->q_dot, L->q_speed, model->n);
-    fbi_copy(out->q_dot, L->q_dot, model->n);
-    fbi_vec6_copy(L->k.fg, L->F);
-    fbi_own_residual(L, model, L->V_dot, out->q_ddot);
-    for (int i = 0; i < 3; i++) {
-      out->reaction_force[i] = -L->y[i];
-      out->reaction_torque[i] = -L->y[3 + i];
-    }
+    fbi_link_motion(motion, work, system, body, state, k);
   }
   for (int j = 0; j < system->n_body + system->n_loop; j++) {
     fb_joint_motion *at = &motion->joint[j];
@@ -9044,11 +9133,7 @@ FB_DEF fb_status fb_system_motion_eval(const fb_system *system, const fb_body *b
     if (fbi_is_kept(system, work, j)) {
       fbi_kept_joint_motion(at, work, system, body, state, input, j);
     }
-    for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
-      const fb_axis_mode mode = state->mode[j][i];
-      const fb_real motor = input ? input->drive[j].torque[i] : FB_R(0.0);
-      motion->power += at->speed[i] * (mode == FB_AXIS_FREE ? motor : at->drive[i]);
-    }
+    motion->power += fbi_joint_power(work, at, joint, state, input, j);
   }
   return FB_OK;
 }
@@ -9105,6 +9190,7 @@ FB_DEF fb_status fb_system_energy(const fb_system *system, const fb_body *body, 
 FB_DEF fb_status fb_system_momentum(const fb_system *system, const fb_body *body, fb_system_work *work,
                                     fb_momentum *momentum, const fb_system_state *state, const fb_system_input *input)
 {
+  fb_momentum out;
   fb_status status;
   FBI_REQUIRE(system && body && work && momentum && state, FB_ERR_NULL);
   status = fbi_system_input_check(system, body, input);
@@ -9113,7 +9199,7 @@ FB_DEF fb_status fb_system_momentum(const fb_system *system, const fb_body *body
   if (status != FB_OK) {
     return status;
   }
-  memset(momentum, 0, sizeof *momentum);
+  memset(&out, 0, sizeof out);
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &work->link[k];
     fb_real P[3], h[3];
@@ -9121,10 +9207,14 @@ FB_DEF fb_status fb_system_momentum(const fb_system *system, const fb_body *body
     fbi_momenta(&L->k, fbi_model(system, body, k));
     fb_mat33_mul_vec3(P, L->k.R, L->k.ph);
     fb_mat33_mul_vec3(h, L->k.R, L->k.ph + 3);
-    fbi_vec3_add(momentum->linear, FB_R(1.0), P);
-    fbi_vec3_add(momentum->angular, FB_R(1.0), h);
-    fbi_vec3_add_cross(momentum->angular, L->rho, P);
+    fbi_vec3_add(out.linear, FB_R(1.0), P);
+    fbi_vec3_add(out.angular, FB_R(1.0), h);
+    fbi_vec3_add_cross(out.angular, L->rho, P);
   }
+  if (!fbi_is_finite(out.linear, 3) || !fbi_is_finite(out.angular, 3)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *momentum = out;
   return FB_OK;
 }
 
@@ -9198,6 +9288,32 @@ static fb_status fbi_system_limit(fb_real *limit, fb_system_work *w, const fb_sy
   return status;
 }
 
+/* Springs and dampers of kept joints: each adds its stiffness against the motion that it causes, an upper bound. */
+static fb_status fbi_kept_limits(fb_system *system, fb_system_work *w, const fb_body *body)
+{
+  fb_status status = FB_OK;
+  for (int j = 0; j < system->n_body + system->n_loop && status == FB_OK; j++) {
+    const fb_joint *joint = &system->joint[j];
+    for (int i = 0; i < joint->n_axis && i < 3 && fbi_is_kept(system, w, j) && status == FB_OK; i++) {
+      fb_real force[3], torque[3], size, mobility;
+      fbi_frames f;
+      w->n_row = w->n_end = 0;
+      status = fbi_frames_eval(&f, w, system, body, j);
+      if (status == FB_OK) {
+        fbi_frames_axis(force, torque, &f, joint, i);
+        (void)fbi_row_new(w, &f, j, force, torque, FB_R(0.0)); /* the first of FB_MAX_ROWS */
+        fbi_rhs_clear(w, system, body);
+        fbi_row_impulse(w, system, body, 0, FB_R(1.0));
+        status = fbi_speeds_solve(w, system, body);
+        mobility = fbi_row_eval(&size, &w->row[0], w, system, body);
+        system->limit_kept_elastic += joint->stiffness[i] * mobility;
+        system->limit_kept_damping += joint->damping[i] * mobility;
+      }
+    }
+  }
+  return status;
+}
+
 static fb_status fbi_system_desc_check(const fb_body *body, int n_model, const fb_system_desc *desc)
 {
   FBI_REQUIRE(desc->n_body >= 1 && desc->n_body <= FB_MAX_BODIES, FB_ERR_CAPACITY);
@@ -9262,14 +9378,26 @@ FB_DEF fb_status fb_system_init(fb_system *system, fb_system_work *work, const f
   memset(zero, 0, sizeof *zero);
   for (int k = 0; k < out->n_body; k++) {
     zero->link[k].quat[0] = FB_R(1.0);
-    for (int i = 0; i < 3; i++) {
-      zero->mode[k][i] = out->joint[k].mode[i];
+    for (int i = 0; i < 3; i++) { /* what is locked may be freed: limits of the free one, if it has inertia */
+      zero->mode[k][i] = out->joint[k].mode[i] == FB_AXIS_LOCKED ? FB_AXIS_FREE : out->joint[k].mode[i];
     }
   }
   fbi_links_place(work, out, body, zero, zero);
   status = fbi_mass_factor(work, out, body, FB_R(0.0));
+  if (status != FB_OK) {
+    for (int k = 0; k < out->n_body; k++) {
+      for (int i = 0; i < 3; i++) {
+        zero->mode[k][i] = out->joint[k].mode[i];
+      }
+    }
+    fbi_links_place(work, out, body, zero, zero);
+    status = fbi_mass_factor(work, out, body, FB_R(0.0));
+  }
+  fbi_rhs_clear(work, out, body);
+  status = status == FB_OK ? fbi_speeds_solve(work, out, body) : status; /* free bodies, too */
   status = status == FB_OK ? fbi_system_limit(&out->limit_elastic, work, out, body, 0) : status;
   status = status == FB_OK ? fbi_system_limit(&out->limit_damping, work, out, body, 1) : status;
+  status = status == FB_OK ? fbi_kept_limits(out, work, body) : status;
   if (status == FB_OK) {
     *system = *out;
   }
@@ -10285,6 +10413,15 @@ static void fbi_system_advance(fb_system_state *out, const fb_system_state *stat
   }
 }
 
+/* All of a state but modes and holds. */
+static void fbi_links_copy(fb_system_state *out, const fb_system_state *state, const fb_system *system)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    out->link[k] = state->link[k];
+  }
+  out->motor_work = state->motor_work;
+}
+
 /* A rate of zero. */
 static void fbi_system_clear(fb_system_state *rate, const fb_system *system, const fb_body *body)
 {
@@ -10302,8 +10439,8 @@ static void fbi_system_clear(fb_system_state *rate, const fb_system *system, con
 /* Bound of the highest frequency of a system: E8.8 with springs and modes of the whole. */
 static fb_real fbi_system_frequency(const fb_system *system, fb_real spin, fb_real stiffening)
 {
-  const fb_real g = spin + FB_R(0.5) * system->limit_damping;
-  return g + FB_SQRT(g * g + system->limit_elastic + stiffening);
+  const fb_real g = spin + FB_R(0.5) * (system->limit_damping + system->limit_kept_damping);
+  return g + FB_SQRT(g * g + system->limit_elastic + system->limit_kept_elastic + stiffening);
 }
 
 /* [E11.15] Largest step of rk4 for a system: the frequency bound of E8.8 with the springs and modes of the whole,
@@ -10363,17 +10500,15 @@ static fb_status fbi_system_end(fb_system_state *state, fb_system_state *next, f
     status = fbi_positions_close(&miss, &worst, w, system, body, next, state, input);
     status = status == FB_OK ? fbi_momenta_close(w, system, body, next, state, input) : status;
     miss = status == FB_OK ? fbi_rows_miss(&worst, w, system) : FB_R(0.0);
-    if (miss > (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-5))) { /* it cannot be closed, or the step is far too long */
+    if (status == FB_OK &&
+        !(miss <= (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-5)))) { /* cannot be closed, or far too long a step */
       w->joint = worst;
       return FB_ERR_CONTRADICTION;
     }
   }
   status = status == FB_OK ? fbi_system_range(system, body, next) : status;
   if (status == FB_OK) {
-    for (int k = 0; k < system->n_body; k++) {
-      state->link[k] = next->link[k];
-    }
-    state->motor_work = next->motor_work;
+    fbi_links_copy(state, next, system);
   }
   return status;
 }
@@ -10402,6 +10537,8 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
   input[0] = start;
   input[1] = input[2] = middle;
   input[3] = end;
+  fbi_links_copy(&work->sum, state, system);
+  fbi_links_copy(&work->stage, state, system);
   for (int stage = 0; stage < 4 && status == FB_OK; stage++) {
     const fb_system_state *at = stage == 0 ? state : &work->stage;
     status = fbi_system_step_check(system, body, input[stage], dt);
@@ -10595,15 +10732,21 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
     status = fbi_system_between(&work->between, start, end, c);
     first = &work->between;
   }
-  status = status == FB_OK ? fbi_system_rates(work, system, body, &work->first, state, state, start) : status;
   if (status == FB_OK && !system->allow_long_step) {
-    fb_real spin, stiff;
-    fbi_system_conditions(&spin, &stiff, work, system, body);
-    status = dt <= fbi_step_limit(FB_R(1.0), fbi_larger(FB_R(10.0) * spin, FB_SQRT(stiff))) ? FB_OK : FB_ERR_STEP;
+    fb_real spin = FB_R(0.0), stiff = FB_R(0.0);
+    status = fbi_system_rates(work, system, body, &work->first, state, state, start);
+    if (status == FB_OK) {
+      fbi_system_conditions(&spin, &stiff, work, system, body);
+      spin = fbi_larger(FB_R(10.0) * spin, FB_SQRT(stiff + system->limit_kept_elastic));
+      status = dt <= fbi_step_limit(FB_R(1.0), fbi_larger(spin, system->limit_kept_damping)) ? FB_OK : FB_ERR_STEP;
+    }
   }
   if (status != FB_OK) {
     return status;
   }
+  fbi_links_copy(&work->sum, state, system);
+  fbi_links_copy(&work->stage, state, system);
+  fbi_links_copy(&work->base, state, system);
   fbi_system_clear(&work->first, system, body);
   status = fbi_system_stage(work, &work->first, system, body, state, state, first, c * dt, count + 1);
   if (status == FB_OK) {
