@@ -1076,9 +1076,9 @@ FB_API fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, co
 
 #define FB_GROUND (-1)
 
-typedef enum fb_joint_kind {                           /* z, x: axes of the joint frame */
-                             FB_JOINT_FREE = 0,        /* of the ground alone: no joint, six speeds (v, w) */
-                             FB_JOINT_RIGID = 1,       /* none */
+typedef enum fb_joint_kind {                     /* z, x: axes of the joint frame */
+                             FB_JOINT_FREE = 0,  /* no joint, six speeds (v, w) against the ground; parent is ignored */
+                             FB_JOINT_RIGID = 1, /* none */
                              FB_JOINT_REVOLUTE = 2,    /* angle about z */
                              FB_JOINT_PRISMATIC = 3,   /* slide along z */
                              FB_JOINT_CYLINDRICAL = 4, /* angle about z, slide along z */
@@ -1110,7 +1110,8 @@ typedef struct fb_joint_desc {
 typedef enum fb_method {
   FB_METHOD_RECURSIVE = 0,  /* tree in joint coordinates, work linear in the number of bodies */
   FB_METHOD_DENSE = 1,      /* the same by one dense LU of all speeds (FB_MAX_SPEEDS) */
-  FB_METHOD_MULTIPLIERS = 2 /* every body free, every joint a set of constraints (FB_MAX_ROWS) */
+  FB_METHOD_MULTIPLIERS = 2 /* every body free, every joint a set of constraints (FB_MAX_ROWS): the state has poses,
+                               angles are within half a turn, also for springs */
 } fb_method;
 
 typedef struct fb_system_desc {
@@ -1308,9 +1309,11 @@ typedef struct fb_system_work { /* scratch; large: make it static */
    matrix that is singular undeformed at zero coordinates. work->joint names the joint. */
 FB_API fb_status fb_system_init(fb_system *system, fb_system_work *work, const fb_body *body, int n_model,
                                 const fb_system_desc *desc);
-/* State from joint coordinates and speeds (motion: one for each body, NULL: all zero, at rest). Loops are closed from
-   there, positions and velocities changed as little as the kinetic energy goes. FB_ERR_CONTRADICTION: a loop cannot be
-   closed, work->joint; FB_ERR_NOT_FINITE; FB_ERR_RANGE. */
+/* State from joint coordinates and speeds (motion: one for each body, NULL: all zero, at rest). Prescribed axes take value
+   and speed from the input, locked ones are at rest. Loops are closed from there, joints first, positions and
+   velocities changed as little as the kinetic energy goes; locked axes of loops stay where that leaves them.
+   FB_ERR_CONTRADICTION: a loop cannot be closed, or closes half a turn off, work->joint; FB_ERR_NOT_FINITE;
+   FB_ERR_RANGE. */
 FB_API fb_status fb_system_state_init(const fb_system *system, const fb_body *body, fb_system_work *work,
                                       fb_system_state *state, const fb_link_motion *motion,
                                       const fb_system_input *input);
@@ -1319,13 +1322,16 @@ FB_API fb_status fb_system_state_init(const fb_system *system, const fb_body *bo
 FB_API fb_status fb_system_axis_set(const fb_system *system, const fb_body *body, fb_system_work *work,
                                     fb_system_state *state, int joint, int axis, fb_axis_mode mode,
                                     const fb_system_input *input);
-/* Time derivative of a state; mode and hold of rate are not set. FB_ERR_UNDETERMINED: an axis that moves no inertia, FB_ERR_CONTRADICTION:
-   constraints against each other, work->joint says which; FB_ERR_RANGE, FB_ERR_CAPACITY, FB_ERR_NOT_FINITE. */
+/* Time derivative of a state; mode and hold of rate are zero. FB_ERR_UNDETERMINED: an axis that moves no inertia,
+   FB_ERR_CONTRADICTION: constraints against each other, work->joint says which; FB_ERR_RANGE, FB_ERR_CAPACITY (also
+   more than 2 (FB_MAX_BODIES + FB_MAX_LOOPS) nodes in constraints), FB_ERR_NOT_FINITE. On failure rate is as before. */
 FB_API fb_status fb_system_rates(const fb_system *system, const fb_body *body, fb_system_work *work,
                                  fb_system_state *rate, const fb_system_state *state, const fb_system_input *input);
 
 typedef struct fb_joint_motion {
-  fb_real value[3], speed[6], acceleration[6]; /* of the axes; spherical: value is the rotation vector */
+  /* of the axes; spherical: value is the rotation vector. Of joints that are kept angles are within half a turn, and
+     accelerations are zero */
+  fb_real value[3], speed[6], acceleration[6];
   fb_real force[3],
       torque[3];    /* [N], [N m] of the joint on the child about the joint frame on the child, inertial axes */
   fb_real drive[3]; /* of them the part along each axis: motor, spring and damper, or what holds or drives it */
@@ -1335,7 +1341,7 @@ typedef struct fb_system_motion {
   fb_state pose[FB_MAX_BODIES];    /* rho, quat, q of every body, for fb_body_node_motion with.. */
   fb_motion motion[FB_MAX_BODIES]; /* ..this; reactions: resultant of all joints on the body about O, body axes */
   fb_joint_motion joint[FBI_MAX_JOINTS];
-  fb_real power; /* [W] of motors and of drives that prescribe axes of the tree */
+  fb_real power; /* [W] of motors and of what prescribes axes */
 } fb_system_motion;
 
 /* Motion of all bodies and joints at a state: velocities, accelerations, joint forces. Errors as fb_system_rates. */
@@ -1448,9 +1454,10 @@ FB_API fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
                                     fb_system_work *work, const fb_system_input *start, const fb_system_input *middle,
                                     const fb_system_input *end, fb_real dt);
 
-/* Two-stage SDIRK of order 2, L-stable, for stiff joints and modes: 2 + 2 iterations evaluations, each but one with
-   a factorization (0: 2 iterations). Springs and dampers of joints that are kept as constraints are explicit in it. Steps up to 1/10
-   of a turn by the fastest spin [rad]; the inputs at t and t + dt list the same loads. Else as fb_system_rk4_step. */
+/* Two-stage SDIRK of order 2, L-stable, for stiff joints and modes: 2 + 2 iterations evaluations (0: 2 iterations), all
+   but the first with one more factorization. Springs and dampers of joints that are kept as constraints are explicit
+   in it and bound the step, as does the fastest spin: |w| dt <= 1/10. The inputs at t and t + dt list the same loads.
+   Else as fb_system_rk4_step. */
 FB_API fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *body, fb_system_state *state,
                                       fb_system_work *work, const fb_system_input *start, const fb_system_input *end,
                                       fb_real dt, int iterations);
