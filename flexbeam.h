@@ -58,17 +58,17 @@
        return 0;
      }
 
-   A SYSTEM of bodies (examples/arm.c, spacecraft.c, rotor.c, fourbar.c): two links like the one above, node 1 at the tip
+   A SYSTEM of bodies (examples/arm.c, spacecraft.c, rotor.c, fourbar.c): two links like the one above, node 1 the tip
 
      static const fb_system_desc arm = {
          .n_body = 2, // both of model 0; z of a joint is its axis
          .joint = {{.kind = FB_JOINT_REVOLUTE, .parent = FB_GROUND},
                    {.kind = FB_JOINT_REVOLUTE, .parent = 0, .parent_node = 1, .damping = {FB_R(0.1)}}}};
      status = fb_system_init(&system, &work, &body, 1, &arm);
-     status = status ? status : fb_system_state_init(&system, &body, &work, &state, NULL, NULL); // or from angles, speeds
-     input.drive[1].torque[0] = FB_R(2.0);                                                       // [N m] at the elbow
-     status = status ? status : fb_system_rk4_step(&system, &body, &state, &work, &input, &input, &input, FB_R(0.001));
-     status = status ? status : fb_system_motion_eval(&system, &body, &work, &motion, &state, &input); // joint forces, too
+     status = status ? status : fb_system_state_init(&system, &body, &work, &state, NULL, NULL); // or angles, speeds
+     input.drive[1].torque[0] = FB_R(2.0); // [N m] at the elbow
+     status = status ? status : fb_system_rk4_step(&system, &body, &state, &work, &input, &input, &input, dt);
+     status = status ? status : fb_system_motion_eval(&system, &body, &work, &motion, &state, &input); // joint forces
 
    CONTENTS (search for the anchor; the same anchors divide flexbeam_impl.h, the tests and the README)
      >>config     options, real type, libm hooks, mismatch guard
@@ -140,8 +140,8 @@
      Lambda, S      body terms               6 x n, 6 x 6             rigid-elastic coupling, Schur complement
      Units of q: with mass-normalized modes (M = 1) q carries sqrt(kg) m and psi 1/sqrt(kg); only products have units.
 
-   NOT INCLUDED (yet): plasticity, contact, fluids, fracture, gravity gradients, friction, stops, warping. Strain is linear, or
-   with FB_EFFECT_NONLINEAR_STRAIN has the axial part of second degree.
+   NOT INCLUDED (yet): plasticity, contact, fluids, fracture, gravity gradients, friction, stops, warping. Strain is
+   linear, or with FB_EFFECT_NONLINEAR_STRAIN has the axial part of second degree.
 
    FROM WHAT YOU HOLD TO A BODY
      a beam by dimensions          fb_section_init, fb_beam_desc_add_taper, fb_beam_init
@@ -155,7 +155,7 @@
      preload, buckling             fb_modes_desc.preload, fb_buckling_solve
      a spinning, damped beam       fb_body_trim, fb_body_spectrum: complex modes
      bodies on joints              fb_system_desc: a tree of joints, loops; the caller's own constraints by fb_rows
-     a beam on a free hinge        root FB_ROOT_PINNED: its modes leave the frame's turning to the hinge, well conditioned
+     a beam on a free hinge        root FB_ROOT_PINNED: its modes leave all turning to the hinge, well conditioned
      what is locked or latched     fb_system_axis_set
      an IMU, a strain gauge        fb_imu_eval, fb_gauge_init
      a model in ROM                examples/reduce: text file to C header with a static const fb_body
@@ -517,7 +517,8 @@ typedef struct fb_beam_desc {
   /* A curved reference line, as a chain of straight elements: n_point = n_element + 1 element nodes [m] from the root
      on, beam axes, the first at 0. Then length is theirs, x runs along the chain, and the section axes follow it
      without twist of their own, from the first element, which takes the beam axes by the shortest way (less than 170
-     degrees). Neighbors turn by less than 90 degrees. EA, GJ and EI are positive; with a free root i_y, i_z, too. The quadratic field (E8.2) takes the kinks as small. 0: straight. */
+     degrees). Neighbors turn by less than 90 degrees. EA, GJ and EI are positive; with a free root i_y, i_z, too. The
+     quadratic field (E8.2) takes the kinks as small. 0: straight. */
   int n_point;
   fb_real point[FB_MAX_ELEMENTS + 1][3];
 } fb_beam_desc;
@@ -650,8 +651,8 @@ typedef struct fb_modes_work { /* scratch; large: make it static */
 /* FB_ERR_KIND: a kind asked for has no stiffness or inertia, or fewer modes than asked (or than mass_fraction wants);
    FB_ERR_CAPACITY: more than FB_MAX_MODES; FB_ERR_VALUE: also functions, spin or mass_fraction without a clamped root,
    a preload on a chain or on natural modes of a
-   root that is not clamped, a coordinate that the root holds or that is named twice; FB_ERR_SINGULAR: the preload is beyond
-   buckling, or the boundary leaves rigid motion; FB_ERR_CONVERGENCE.
+   root that is not clamped, a coordinate that the root holds or that is named twice; FB_ERR_SINGULAR: the preload is
+   beyond buckling, or the boundary leaves rigid motion; FB_ERR_CONVERGENCE.
    modes is written only on FB_OK. Rigid-body modes of pinned and free roots are not modes here: the body frame
    carries that motion. */
 FB_API fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_beam *beam, const fb_modes_desc *desc);
@@ -685,13 +686,14 @@ typedef struct fb_join_work { /* scratch; large: make it static */
 /* joined, beam and component are arrays of n_component. A component that hangs on another one has a free root and rigid
    modes (fb_modes_desc.rigid), all coordinates of FB_BASIS_ELEMENTS, or its root among the boundary; what both sides of
    a weld cannot move in is stiff; a clamped root stays with the frame. Natural modes alone converge slowly at a weld:
-   add static corrections there (load), or take its node for a boundary. Keeps the `lowest` common modes (0: all) up to omega_limit [rad/s] (0: no limit);
-   rigid-body modes of the whole are left out. Then build the shape as for one beam, all with first = 0 and n =
-   joined->n: add beam 0, a node at each weld of it, then the beams that hang there (their quadratic field goes on from
-   that node: a part hangs by its root), and so on. joined[k].M and K are the share of component k. Redundant welds do no harm.
-   FB_ERR_CONVERGENCE: slow elastic modes cannot be told from rigid ones in this precision (keep fewer, or use double);
-   FB_ERR_CAPACITY: counts, a node, more than FB_MAX_MODES; FB_ERR_VALUE: nodes of a weld more than 1e-4 of the beams'
-   length apart, FB_BASIS_FUNCTIONS; FB_ERR_KIND: fewer modes than asked for; FB_ERR_SINGULAR: no mass somewhere. */
+   add static corrections there (load), or take its node for a boundary. Keeps the `lowest` common modes (0: all) up to
+   omega_limit [rad/s] (0: no limit); rigid-body modes of the whole are left out. Then build the shape as for one beam,
+   all with first = 0 and n = joined->n: add beam 0, a node at each weld of it, then the beams that hang there (their
+   quadratic field goes on from that node: a part hangs by its root), and so on. joined[k].M and K are the share of
+   component k. Redundant welds do no harm. FB_ERR_CONVERGENCE: slow elastic modes cannot be told from rigid ones in
+   this precision (keep fewer, or use double); FB_ERR_CAPACITY: counts, a node, more than FB_MAX_MODES; FB_ERR_VALUE:
+   nodes of a weld more than 1e-4 of the beams' length apart, FB_BASIS_FUNCTIONS; FB_ERR_KIND: fewer modes than asked
+   for; FB_ERR_SINGULAR: no mass somewhere. */
 FB_API fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_beam *beam, const fb_modes *component,
                                int n_component, const fb_weld *weld, int n_weld, int lowest, fb_real omega_limit);
 
@@ -793,8 +795,8 @@ FB_API fb_status fb_shape_add_node(fb_shape *shape, int *node, const fb_real r[3
 FB_API fb_status fb_shape_add_pair(fb_shape *shape, int a, int b, const fb_real *pchi, const fb_real *hchi,
                                    const fb_real *Gamchi);
 /* A beam with its modes as coordinates first .. first + modes->n - 1: all integrals, M and K. Where its root moves with
-   the modes and a node of the shape is there and moves alike (fb_modes_join), the quadratic field goes on from it; without that node
-   joined modes are refused (FB_ERR_VALUE). */
+   the modes and a node of the shape is there and moves alike (fb_modes_join), the quadratic field goes on from it;
+   without that node joined modes are refused (FB_ERR_VALUE). */
 FB_API fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes);
 /* A node on that beam at x [m] from the root; its number goes to *node. */
 FB_API fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, const fb_beam *beam,
@@ -804,9 +806,9 @@ typedef struct fb_gauge { /* a strain gauge: what each coordinate of a body adds
   int n;
   fb_real gain[FB_MAX_MODES];
 } fb_gauge;
-/* A gauge along that beam (coordinates from first on) at x [m] from the root and y, z [m] off the line, beam axes: linear strain. Errors as for a
-   node. Natural modes give strains that converge more slowly than displacements: keep more modes, or add static
-   corrections for the loads. */
+/* A gauge along that beam (coordinates from first on) at x [m] from the root and y, z [m] off the line, beam axes:
+   linear strain. Errors as for a node. Natural modes give strains that converge more slowly than displacements: keep
+   more modes, or add static corrections for the loads. */
 FB_API fb_status fb_gauge_init(fb_gauge *gauge, int first, const fb_beam *beam, const fb_modes *modes, fb_real x,
                                fb_real y, fb_real z);
 FB_API fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q); /* [-] */
@@ -992,8 +994,8 @@ typedef struct fb_body_work {
   fb_body body;
 } fb_body_work;
 /* FB_ERR_CAPACITY (FB_MAX_LAMBDA, FB_MAX_S), FB_ERR_EFFECTS (see fb_effects_check), FB_ERR_SINGULAR (M, or S_0 of a
-   free body, which needs inertia about every axis), FB_ERR_VALUE (no mass, negative damping), FB_ERR_NOT_FINITE, FB_ERR_NULL. body is written only on
-   FB_OK. */
+   free body, which needs inertia about every axis), FB_ERR_VALUE (no mass, negative damping), FB_ERR_NOT_FINITE,
+   FB_ERR_NULL. body is written only on FB_OK. */
 FB_API fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc);
 
 typedef struct fb_state { /* all that changes; assignment is a snapshot */
@@ -1069,10 +1071,11 @@ FB_API fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, co
 
 /* ---------------------------------------------------------------------------------------------------------------
    9 >>system: bodies connected by joints. Each body hangs by one joint on an earlier body or on the ground (a tree);
-   further joints close loops. The state is the joint coordinates with the momenta conjugate to them, so that velocities come from one
-   solve M(q) u = p and no accelerations are needed:
-     p_dot = joint torque + A^T ( F - turning of G ) + A_dot^T G         G momentum, F load of all that hangs on the joint
-   Constraints add impulses: M u = p + A^T mu with A u + b = 0, p_dot less A_dot^T mu; mu starts at zero in every step. */
+   further joints close loops. The state is the joint coordinates with the momenta conjugate to them, so that velocities
+   come from one solve M(q) u = p and no accelerations are needed:
+     p_dot = joint torque + A^T ( F - turning of G ) + A_dot^T G     G momentum, F load of all that hangs on the joint
+   Constraints add impulses: M u = p + A^T mu with A u + b = 0, p_dot less A_dot^T mu; mu starts at zero in every
+   step. */
 
 #define FB_GROUND (-1)
 
@@ -1156,8 +1159,9 @@ typedef struct fb_system { /* constant after init, may live in ROM; the models s
 typedef struct fb_link_state {
   fb_real x[3];    /* joint coordinates [rad], [m]; free: position of O, inertial axes */
   fb_real quat[4]; /* spherical: child's joint axes to parent's; free: attitude of the body */
-  fb_real p
-      [6]; /* conjugate momenta; spherical: angular momentum about the joint, free: P, L about O, of all that hangs on it, inertial axes */
+  /* conjugate momenta, of all that hangs on the joint; spherical: angular momentum about the joint, free: P, L about O,
+     inertial axes */
+  fb_real p[6];
   fb_real q[FB_MAX_MODES], pi[FB_MAX_MODES]; /* elastic coordinates and conjugate momenta */
 } fb_link_state;
 
@@ -1168,8 +1172,8 @@ typedef struct fb_system_state { /* all that changes; assignment is a snapshot *
   fb_real hold[FBI_MAX_JOINTS][3], hold_quat[FBI_MAX_JOINTS][4]; /* where a kept joint was locked */
 } fb_system_state;
 
-/* A joint in coordinates: value[i] of axis i, quat and position as in fb_link_state; speed of each axis; spherical: w of
-   the child relative to the parent, about its joint axes; free: v, w in body axes. */
+/* A joint in coordinates: value[i] of axis i, quat and position as in fb_link_state; speed of each axis; spherical: w
+   of the child relative to the parent, about its joint axes; free: v, w in body axes. */
 typedef struct fb_link_motion {
   fb_real value[3], quat[4]; /* all zero: identity */
   fb_real speed[6];
@@ -1188,8 +1192,8 @@ typedef struct fb_system_load {
   fb_load load;
 } fb_system_load;
 
-/* A constraint between velocities: sum of force[s] . v + torque[s] . w over its one or two nodes, plus b, is zero; force
-   and torque are the directions in which it acts, inertial axes; body FB_GROUND: that side is not there. */
+/* A constraint between velocities: sum of force[s] . v + torque[s] . w over its one or two nodes, plus b, is zero;
+   force and torque are the directions in which it acts, inertial axes; body FB_GROUND: that side is not there. */
 typedef struct fb_row {
   int body[2], node[2];
   fb_real force[2][3], torque[2][3];
@@ -1301,16 +1305,17 @@ typedef struct fb_system_work { /* scratch; large: make it static */
   fb_system_state stage, rate, sum, first, base;
 } fb_system_work;
 
-/* ---- functions; body is the caller's array of models, the same in every call. Bodies of a system are of the momentum form; their
-   base does not matter: FB_BASE_PRESCRIBED takes bodies without mass, or without inertia about some axis. */
+/* ---- functions; body is the caller's array of models, the same in every call. Bodies of a system are of the momentum
+   form; their base does not matter: FB_BASE_PRESCRIBED takes bodies without mass, or without inertia about some axis.
+   */
 
-/* FB_ERR_VALUE: a parent that is no earlier body, a free joint as loop or with springs, negative stiffness or damping, a mode
-   that is none, form or base of a body; FB_ERR_CAPACITY: numbers of bodies, loops, models, nodes; FB_ERR_SINGULAR: a mass
-   matrix that is singular undeformed at zero coordinates. work->joint names the joint. */
+/* FB_ERR_VALUE: a parent that is no earlier body, a free joint as loop or with springs, negative stiffness or damping,
+   a mode that is none, form or base of a body; FB_ERR_CAPACITY: numbers of bodies, loops, models, nodes;
+   FB_ERR_SINGULAR: a mass matrix that is singular undeformed at zero coordinates. work->joint names the joint. */
 FB_API fb_status fb_system_init(fb_system *system, fb_system_work *work, const fb_body *body, int n_model,
                                 const fb_system_desc *desc);
-/* State from joint coordinates and speeds (motion: one for each body, NULL: all zero, at rest). Prescribed axes take value
-   and speed from the input, locked ones are at rest. Loops are closed from there, joints first, positions and
+/* State from joint coordinates and speeds (motion: one for each body, NULL: all zero, at rest). Prescribed axes take
+   value and speed from the input, locked ones are at rest. Loops are closed from there, joints first, positions and
    velocities changed as little as the kinetic energy goes; locked axes of loops stay where that leaves them.
    FB_ERR_CONTRADICTION: a loop cannot be closed, or closes half a turn off, work->joint; FB_ERR_NOT_FINITE;
    FB_ERR_RANGE. */
@@ -1448,8 +1453,8 @@ FB_API fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real a
 
 /* rk4; with constraints (loops, rows, FB_METHOD_MULTIPLIERS) positions and velocities are brought onto them after every
    step. FB_ERR_STEP: beyond 2.785 / (bound of the highest frequency: springs and modes of the whole as it is undeformed
-   at zero joint coordinates, spin, stiffening); FB_ERR_UNDETERMINED, FB_ERR_CONTRADICTION: work->joint; else as fb_rk4_step. On failure state is
-   as before the call. */
+   at zero joint coordinates, spin, stiffening); FB_ERR_UNDETERMINED, FB_ERR_CONTRADICTION: work->joint; else as
+   fb_rk4_step. On failure state is as before the call. */
 FB_API fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body, fb_system_state *state,
                                     fb_system_work *work, const fb_system_input *start, const fb_system_input *middle,
                                     const fb_system_input *end, fb_real dt);

@@ -2338,8 +2338,8 @@ typedef struct fbi_choice { /* which modes to take */
   fb_real limit;            /* [rad/s] 0: none */
 } fbi_choice;
 
-/* Takes the modes of a solved group, n coordinates dof, behind its rigid ones into work.found, up to what the choice and
-   the fraction of the mass allow. A shape that the earlier ones already span (modes at a spin) is passed over. */
+/* Takes the modes of a solved group, n coordinates dof, behind its rigid ones into work.found, up to what the choice
+   and the fraction of the mass allow. A shape that the earlier ones already span (modes at a spin) is passed over. */
 static fb_status fbi_group_take(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam, const int *dof,
                                 int n, int first, int last, int taken[FB_KIND_COUNT], const fbi_choice *choice)
 {
@@ -4085,7 +4085,8 @@ FB_DEF fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, c
   return FB_OK;
 }
 
-/* [E8.31] Strain along the beam at a point y, z of its section, linear in the coordinates: u_x' + z theta_y' - y theta_z'.
+/* [E8.31] Strain along the beam at a point y, z of its section, linear in the coordinates: u_x' + z theta_y' - y
+   theta_z'.
    Source: plane sections.  Shapes: gain n.  Fails: see the header.  Test: a_strain_gauge_reads_the_bending_moment. */
 FB_DEF fb_status fb_gauge_init(fb_gauge *gauge, int first, const fb_beam *beam, const fb_modes *modes, fb_real x,
                                fb_real y, fb_real z)
@@ -5442,8 +5443,8 @@ static int fbi_pair(int a, int b)
 
 /* [E8.14] Position and rotation of a node, u = psi q + 1/2 chi q q, phi = theta q + 1/2 chi_theta q q, and their
    variations J_u,a = psi_a + chi_ab q_b,  J_phi,a = (t_a + 1/2 phi x t_a) / (1 + phi.phi/4),  t_a = d phi/dq_a =
-   theta_a + chi_theta_ab q_b. phi are the parameters 2 tan(angle/2) axis of the rotation (1, phi/2)/|(1, phi/2)|: to second
-   degree they are the rotation vector, and J_phi is the exact rate of that rotation, without sine and cosine.
+   theta_a + chi_theta_ab q_b. phi are the parameters 2 tan(angle/2) axis of the rotation (1, phi/2)/|(1, phi/2)|: to
+   second degree they are the rotation vector, and J_phi is the exact rate of that rotation, without sine and cosine.
    Source: DESIGN 3; Rodrigues parameters.  Cost: 12 n (n+1) flops.  Fails: never.
    Test: node_kinematics_match_finite_differences. */
 static FBI_NOINLINE void fbi_node_eval(fbi_node_field *f, const fb_body *body, const fb_node *node, const fb_real *q)
@@ -6667,7 +6668,7 @@ static void fbi_link_place(fbi_link_work *L, const fb_joint *joint, const fbi_li
     return;
   }
   fbi_copy(origin, joint->position, 3);
-  if (joint->moves) {
+  if (joint->moves && parent) {
     fb_real quat[4], R[9];
     const fb_node *node = &on->node[joint->parent_node];
     fbi_node_eval(&L->node, on, node, parent->k.qx + 1);
@@ -6908,8 +6909,8 @@ static FBI_NOINLINE void fbi_link_open(fbi_link_work *L, const fb_body *body, fb
   }
 }
 
-/* A child with the inertia S on a node that moves: E += J^T I J, X += V^T I J, S += V^T I V with I its inertia about the
-   node and V = (v + w x n, w) the node's velocity by the parent's. */
+/* A child with the inertia S on a node that moves: E += J^T I J, X += V^T I J, S += V^T I V with I its inertia about
+   the node and V = (v + w x n, w) the node's velocity by the parent's. */
 static FBI_NOINLINE void fbi_link_carry(fbi_link_work *P, const fbi_link_work *L, const fb_real S[21], int n)
 {
   fb_real I[21], A[9], B[9], D[9], K[6 * FB_MAX_MODES];
@@ -7135,9 +7136,9 @@ static void fbi_hand_in(fb_system_work *w, const fb_system *system, const fb_bod
   }
 }
 
-/* [E9.5] Solution of M u = p with the factors of E9.4: in from the tips, b = momentum of the subtree at V = 0, out from the
-   ground. p of a prescribed axis is its speed; y is a momentum (or load) on the body itself, about O, that p and pi do
-   not hold. b and G become what the subtree's momentum is, less y.
+/* [E9.5] Solution of M u = p with the factors of E9.4: in from the tips, b = momentum of the subtree at V = 0, out from
+   the ground. p of a prescribed axis is its speed; y is a momentum (or load) on the body itself, about O, that p and pi
+   do not hold. b and G become what the subtree's momentum is, less y.
    Source: back-substitution.  Cost: 200 flops a body.  Test: the_three_methods_agree, momenta_give_back_the_speeds. */
 static FBI_FLATTEN fb_status fbi_tree_solve(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
@@ -7522,8 +7523,8 @@ static fbi_row *fbi_row_new(fb_system_work *w, const fbi_frames *f, int j, const
   return row;
 }
 
-/* Which of its frame's directions a joint holds: translations 0..2, then the angles between axis i of the parent and j of
-   the child at 90 degrees, as 3 + 3 i + j; -1 ends the list. */
+/* Which of its frame's directions a joint holds: translations 0..2, then the angles between axis i of the parent and j
+   of the child at 90 degrees, as 3 + 3 i + j; -1 ends the list. */
 static const signed char *fbi_joint_holds(fb_joint_kind kind)
 {
   static const signed char list[8][7] = {{-1},
@@ -7763,7 +7764,7 @@ static FBI_NOINLINE fb_status fbi_rows_rate(fb_system_work *w, const fb_system *
   for (int r = 0; r < w->n_joint_row; r++) {
     fbi_joint_row_rates(&w->row[r], w, system, body, modes);
   }
-  if (count > 0) {
+  if (count > 0 && input) {
     fb_real spin = FB_R(1.0), h;
     for (int k = 0; k < system->n_body; k++) {
       spin = fbi_larger(spin, fbi_vec3_norm(w->link[k].V + 3));
@@ -7839,8 +7840,8 @@ static int fbi_rows_alike(const fbi_row *a, const fbi_row *b)
   return force_a == force_b && (a->joint == b->joint || (a->joint < -1 && b->joint < -1));
 }
 
-/* [E9.9] Q = A M^-1 A^T of the rows and its pivoted Cholesky factors: rows that depend on others are left out, w->rank of
-   them stay. A pivot is the square of how far a row stands out of the others: below
+/* [E9.9] Q = A M^-1 A^T of the rows and its pivoted Cholesky factors: rows that depend on others are left out, w->rank
+   of them stay. A pivot is the square of how far a row stands out of the others: below
    1e-8 of its diagonal, a ten-thousandth of a turn before a singular position, the impulses would be made of the errors
    of a stage's position.
    Source: [GV] 4.2.8.  Shapes: Q n_row x n_row.  Cost: n_row solutions E9.5, n_row^3/3 flops.
@@ -8044,8 +8045,8 @@ static fb_status fbi_system_input_check(const fb_system *system, const fb_body *
   return FB_OK;
 }
 
-/* Positions, velocities and impulses at a state: E9.2, E9.5, E9.10. lazy: the speeds of modes that carry nothing are left
-   to fbi_link_inertia. */
+/* Positions, velocities and impulses at a state: E9.2, E9.5, E9.10. lazy: the speeds of modes that carry nothing are
+   left to fbi_link_inertia. */
 static fb_status fbi_system_velocity(fb_system_work *w, const fb_system *system, const fb_body *body,
                                      const fb_system_state *state, const fb_system_state *modes,
                                      const fb_system_input *input, int lazy)
@@ -8091,8 +8092,8 @@ static void fbi_link_kinetics(fbi_link_work *L, const fb_body *body)
   }
 }
 
-/* k.x, the forces of the body's own inertia on its modes (E8.17); kinetics as above. A body whose modes carry nothing has its pb
-   from the solution already, and q_dot comes along. */
+/* k.x, the forces of the body's own inertia on its modes (E8.17); kinetics as above. A body whose modes carry nothing
+   has its pb from the solution already, and q_dot comes along. */
 static void fbi_link_inertia(fbi_link_work *L, const fb_body *body)
 {
   if (body->n > 0) {
@@ -8211,7 +8212,8 @@ static FBI_NOINLINE fb_real fbi_kept_springs(fb_system_work *w, const fb_system 
 
 /* [E9.12] What a body hands its modes where something hangs on a node that they move: of its momentum G and load F
    about the node, body axes,
-   pi_dot_a += J_a.(F - turning of G) + J_dot_a.G,  turning (w x p, w x h + v_n x p) with v_n of the node, w of the body.
+   pi_dot_a += J_a.(F - turning of G) + J_dot_a.G,  turning (w x p, w x h + v_n x p) with v_n of the node, w of the
+   body.
    Source: d/dt of pi_a = pi_own,a + J_a.G.  Cost: 40 n flops, with a quadratic field 24 n^2.  Fails: never.
    Test: systems_keep_energy_and_momentum. */
 static FBI_NOINLINE void fbi_node_take(fb_real *x, const fbi_node_field *f, const fb_body *body, const fb_node *node,
@@ -8245,8 +8247,8 @@ static FBI_NOINLINE void fbi_node_take(fb_real *x, const fbi_node_field *f, cons
   }
 }
 
-/* [E9.13] The rows' impulses are momentum that the tree does not see, -(f, t) at the ends; with mu constant it changes by
-   the directions alone: loads -(f_dot, t_dot + v x f), p_dot loses A_dot^T mu.
+/* [E9.13] The rows' impulses are momentum that the tree does not see, -(f, t) at the ends; with mu constant it changes
+   by the directions alone: loads -(f_dot, t_dot + v x f), p_dot loses A_dot^T mu.
    Source: d/dt of p + A^T mu.  Fails: never.  Test: the_three_methods_agree. */
 static FBI_NOINLINE void fbi_rows_loads(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
@@ -8296,8 +8298,8 @@ static void fbi_coordinate_rates(fb_link_state *rate, const fbi_link_work *L, co
   }
 }
 
-/* [E9.14] Rates of a joint's momenta, p_i = A_i.G: p_i_dot = tau_i + A_i.(F - turning of G) + A_dot_i.G in body axes; those
-   kept in inertial axes lose the turning: P_dot = R F, L_dot = R T - v x P. Returns the power of the motors.
+/* [E9.14] Rates of a joint's momenta, p_i = A_i.G: p_i_dot = tau_i + A_i.(F - turning of G) + A_dot_i.G in body axes;
+   those kept in inertial axes lose the turning: P_dot = R F, L_dot = R T - v x P. Returns the power of the motors.
    Source: d/dt of A_i.G, G_dot = F - turning + what the joint bears.  Cost: 60 flops.  Fails: never.
    Test: systems_keep_energy_and_momentum, every_joint_moves_as_it_should. */
 static fb_real fbi_momentum_rate(fb_link_state *rate, const fbi_link_work *L, const fb_joint *joint,
@@ -8412,8 +8414,8 @@ static void fbi_system_enter(fb_system_work *w, const fb_system *system)
   w->n_row = w->n_end = 0;
 }
 
-/* [E9.16] Momenta of the velocities there are: each body's own (p, h) and pi, those of the subtrees G by summation, p_i =
-   A_i.G, pi_a + J_a.G.
+/* [E9.16] Momenta of the velocities there are: each body's own (p, h) and pi, those of the subtrees G by summation, p_i
+   = A_i.G, pi_a + J_a.G.
    Source: definition of the conjugate momenta.  Fails: never.  Test: momenta_give_back_the_speeds. */
 static void fbi_momenta_fill(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body)
 {
@@ -8526,8 +8528,8 @@ static fb_real fbi_rows_miss(int *worst, const fb_system_work *w, const fb_syste
   return miss;
 }
 
-/* [E9.17] One Newton step of the positions onto the constraints, along M^-1 A^T: the shortest way by the kinetic energy.
-   miss: the largest value that there was, relative to the size of the system; its row to *worst.
+/* [E9.17] One Newton step of the positions onto the constraints, along M^-1 A^T: the shortest way by the kinetic
+   energy. miss: the largest value that there was, relative to the size of the system; its row to *worst.
    Source: projection, DESIGN 6.  Cost: E9.9.  Fails: as E9.4.  Test: redundant_loops_are_accepted. */
 static fb_status fbi_positions_close(fb_real *miss, int *worst, fb_system_work *w, const fb_system *system,
                                      const fb_body *body, fb_system_state *state, const fb_system_state *modes,
@@ -8921,7 +8923,8 @@ static void fbi_end_acceleration(fbi_end *end, const fb_system_work *w, const fb
   }
 }
 
-/* What a body lacks to move as it does: y = F - turning of G - G_dot, e of its modes; the whole must come from joints. */
+/* What a body lacks to move as it does: y = F - turning of G - G_dot, e of its modes; the whole must come from joints.
+   */
 static void fbi_own_residual(fbi_link_work *L, const fb_body *body, const fb_real V_dot[6], const fb_real *q_ddot)
 {
   fb_real turn[6];
@@ -8932,8 +8935,8 @@ static void fbi_own_residual(fbi_link_work *L, const fb_body *body, const fb_rea
   }
 }
 
-/* [E9.19] Accelerations: what each body lacks of force with joints and modes at constant speed, solved with the factors of
-   the momenta, M u_dot = tau + sum of X^T (F - turning - G_dot); joint forces come out as the solution's G.
+/* [E9.19] Accelerations: what each body lacks of force with joints and modes at constant speed, solved with the factors
+   of the momenta, M u_dot = tau + sum of X^T (F - turning - G_dot); joint forces come out as the solution's G.
    Source: Newton-Euler; DESIGN 2, acceleration form.  Fails: as the rates.
    Test: accelerations_are_the_rates_of_velocities, joint_forces_carry_what_hangs_on_them. */
 static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *system, const fb_body *body,
@@ -9020,7 +9023,8 @@ static void fbi_tree_joint_motion(fb_joint_motion *out, const fbi_link_work *L, 
   }
 }
 
-/* The same of a joint that is kept: the multipliers of its rows, its springs and motors; accelerations are not formed. */
+/* The same of a joint that is kept: the multipliers of its rows, its springs and motors; accelerations are not formed.
+   */
 static void fbi_kept_joint_motion(fb_joint_motion *out, fb_system_work *w, const fb_system *system, const fb_body *body,
                                   const fb_system_state *state, const fb_system_input *input, int j)
 {
@@ -9070,7 +9074,8 @@ static fb_real fbi_joint_power(const fb_system_work *w, const fb_joint_motion *a
   return power;
 }
 
-/* Pose and motion of a body, and what its joint bears if it is of the tree; the velocities take the solution's place again. */
+/* Pose and motion of a body, and what its joint bears if it is of the tree; the velocities take the solution's place
+   again. */
 static void fbi_link_motion(fb_system_motion *motion, fb_system_work *w, const fb_system *system, const fb_body *body,
                             const fb_system_state *state, int k)
 {
@@ -9231,8 +9236,8 @@ FB_DEF void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *
 
 /* ---- init */
 
-/* Largest eigenvalue of springs and modes (which = 0) or dampers (1) against the mass, undeformed, at zero coordinates: 60
-   steps of the power method, which comes from below; 5 % are added. */
+/* Largest eigenvalue of springs and modes (which = 0) or dampers (1) against the mass, undeformed, at zero coordinates:
+   60 steps of the power method, which comes from below; 5 % are added. */
 static fb_status fbi_system_limit(fb_real *limit, fb_system_work *w, const fb_system *system, const fb_body *body,
                                   int which)
 {

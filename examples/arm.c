@@ -1,7 +1,7 @@
 /* arm - a robot arm with two flexible links, moved from point to point by its joint controllers.
-   The arm hangs in a vertical plane: a shoulder and an elbow with motors, both links bending, a payload at the tip. Every
-   millisecond the controller reads the joint encoders and, if asked to, strain gauges at the roots of the links. It
-   knows the arm as if it were rigid:
+   The arm hangs in a vertical plane: a shoulder and an elbow with motors, both links bending, a payload at the tip.
+   Every millisecond the controller reads the joint encoders and, if asked to, strain gauges at the roots of the links.
+   It knows the arm as if it were rigid:
 
      tau = M(th_d) th_d'' + h(th_d, th_d') + G(th_d) + friction + Kp (th_d + r - th) + Kd (th_d' + r' - th')
 
@@ -221,7 +221,8 @@ static void rigid_tip(double tip[2], const double angle[LINKS])
 }
 
 /* Where the tip hangs at rest: each link a cantilever under its own weight q, the force F and moment T at its tip,
-     u = (F/3 + M/(2 L) + q L/8) L^3/EI,  phi = (F/2 + M/L + q L/6) L^2/EI;  across the bent link, which turns the next. */
+     u = (F/3 + M/(2 L) + q L/8) L^3/EI,  phi = (F/2 + M/L + q L/6) L^2/EI;  across the bent link, which turns the next.
+     */
 static void sagging_tip(double tip[2], const double angle[LINKS])
 {
   double direction = 0;
@@ -255,7 +256,8 @@ static double encoder(double angle)
   return count * floor(angle / count + 0.5);
 }
 
-/* r' = g (M - slow M) - w r: the moment's band around w and above, integrated; at rest r is zero and the demand holds. */
+/* r' = g (M - slow M) - w r: the moment's band around w and above, integrated; at rest r is zero and the demand holds.
+   */
 static double give_way(controller *c, int i, double moment, double gain)
 {
   const double w = 2 * pi * 0.5; /* [rad/s] well below the vibration */

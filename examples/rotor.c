@@ -203,8 +203,8 @@ static double hover_inflow(const options *o)
 }
 
 /* Coning by the tip of a flexible blade. Under its tension T = m W^2 (R^2 - r^2)/2 and the force F of the strips
-   further out its slope w obeys  EI w'' - T w + F = 0,  EI w' = k w at the hinge, w' = 0 at the tip: by finite differences,
-   eliminated from the tip to the hinge. */
+   further out its slope w obeys  EI w'' - T w + F = 0,  EI w' = k w at the hinge, w' = 0 at the tip: by finite
+   differences, eliminated from the tip to the hinge. */
 static double flexible_coning(const options *o)
 {
   enum { N = 2000 };

@@ -1,5 +1,5 @@
-/* Section 9: joints, trees, loops: the same motion by eliminated and by kept constraints, conservation, closed forms and
-   references of rigid and flexible mechanisms. */
+/* Section 9: joints, trees, loops: the same motion by eliminated and by kept constraints, conservation, closed forms
+   and references of rigid and flexible mechanisms. */
 #include "fbt.h"
 
 static const double pi = 3.14159265358979323846;
@@ -101,8 +101,8 @@ static void init(fb_method method)
   FBT_INT_EQ(fb_system_init(&mechanism, &work, model, FB_MAX_BODIES, &desc), FB_OK);
 }
 
-/* A tree with every kind of joint: free hub, flexible links, offsets and turned axes on both sides, springs and dampers;
-   in motion. */
+/* A tree with every kind of joint: free hub, flexible links, offsets and turned axes on both sides, springs and
+   dampers; in motion. */
 static void tree(unsigned effects, int damped)
 {
   fresh();
@@ -286,9 +286,9 @@ static void stepped(fb_system_state *s, int n, double dt)
   input = end;
 }
 
-/* E9.3 to E9.10, E9.13, E9.15, E9.19: joint coordinates by recursion and by one dense matrix, and every body free with all
-   joints kept, give the same positions, velocities, accelerations and joint forces: at one instant to rounding, after a
-   while to 1e-9 (kept constraints integrate other coordinates, with an error of the same order). */
+/* E9.3 to E9.10, E9.13, E9.15, E9.19: joint coordinates by recursion and by one dense matrix, and every body free with
+   all joints kept, give the same positions, velocities, accelerations and joint forces: at one instant to rounding,
+   after a while to 1e-9 (kept constraints integrate other coordinates, with an error of the same order). */
 TEST(the_three_methods_agree)
 {
   static fb_system_motion recursive, first;
@@ -430,7 +430,8 @@ TEST(tops_follow_the_references)
   }
 }
 
-/* Rates of the planar pendulum of n equal uniform rods, from its mass matrix by elimination: angles from the vertical. */
+/* Rates of the planar pendulum of n equal uniform rods, from its mass matrix by elimination: angles from the vertical.
+   */
 static void pendulum_rates(double *dx, const double *x, int n)
 {
   double A[8][9];
@@ -857,9 +858,9 @@ static int disc_rows(fb_row *row, int capacity, const fb_pose *pose, fb_real t, 
   return 3;
 }
 
-/* E9.10, E9.13, the caller's rows: a disc rolls round in a circle at constant tilt when W w3 sin(a) (C + m r^2) - A W^2 sin(a)
-   cos(a) + m g r cos(a) = 0, W its rate about the vertical, w3 about its axis, at a from the vertical (Newton-Euler about
-   the contact point). */
+/* E9.10, E9.13, the caller's rows: a disc rolls round in a circle at constant tilt when W w3 sin(a) (C + m r^2) - A W^2
+   sin(a) cos(a) + m g r cos(a) = 0, W its rate about the vertical, w3 about its axis, at a from the vertical
+   (Newton-Euler about the contact point). */
 TEST(a_disc_rolls_steadily)
 {
   double r = 0.5;
@@ -912,8 +913,8 @@ static int knife_rows(fb_row *row, int capacity, const fb_pose *pose, fb_real t,
   return 1;
 }
 
-/* E9.10, E9.4: a knife edge on a slope, on two massless slides and a hinge: heading w t, x = g/(2 w^2) sin^2 w t, y = g/(2
-   w^2) (w t - sin(2 w t)/2), it does not slide down. */
+/* E9.10, E9.4: a knife edge on a slope, on two massless slides and a hinge: heading w t, x = g/(2 w^2) sin^2 w t, y =
+   g/(2 w^2) (w t - sin(2 w t)/2), it does not slide down. */
 TEST(a_knife_edge_draws_a_cycloid)
 {
   const double g = 3.0, w = 2.0;
@@ -1034,8 +1035,8 @@ TEST(a_latch_conserves_momentum)
   }
 }
 
-/* E9.11, E9.14: the energy of a tree changes by the power of motors and loads less what dampers take, and motor_work by the motors'
-   alone. */
+/* E9.11, E9.14: the energy of a tree changes by the power of motors and loads less what dampers take, and motor_work by
+   the motors' alone. */
 TEST(springs_and_dampers_balance_energy)
 {
   const double h = FBT_TOL(1e-4, 1e-2);
@@ -1138,8 +1139,8 @@ static void turned(double y[3], const fb_real quat[4], const double x[3])
   }
 }
 
-/* E9.1, E9.2, E9.7, E9.14: for every kind of joint the frame on the child sits on that of the parent, moved and turned by the
-   coordinates as the header says, by quaternions. */
+/* E9.1, E9.2, E9.7, E9.14: for every kind of joint the frame on the child sits on that of the parent, moved and turned
+   by the coordinates as the header says, by quaternions. */
 TEST(every_joint_moves_as_it_should)
 {
   for (int kind = (int)FB_JOINT_RIGID; kind <= (int)FB_JOINT_SPHERICAL; kind++) {
@@ -1266,8 +1267,8 @@ static void cut_beam(int parts, int bending)
   init(FB_METHOD_RECURSIVE);
 }
 
-/* Largest difference of the tip's motion from that of the clamped beam's exact modes, after a small force on the tip is let
-   go: y = sum of a_k cos(omega_k t), over the static deflection. */
+/* Largest difference of the tip's motion from that of the clamped beam's exact modes, after a small force on the tip is
+   let go: y = sum of a_k cos(omega_k t), over the static deflection. */
 static double cut_transient(int parts)
 {
   static const double beta[] = {1.8751040687119611, 4.6940911329741746, 7.8547574382376126, 10.995540734875467,
@@ -1296,8 +1297,8 @@ static double cut_transient(int parts)
   return worst;
 }
 
-/* E9.12: one beam cut into two, three and four bodies joined rigidly is the uncut one within the truncation error, which falls as
-   modes are added: frequencies and the response to a force. */
+/* E9.12: one beam cut into two, three and four bodies joined rigidly is the uncut one within the truncation error,
+   which falls as modes are added: frequencies and the response to a force. */
 TEST(a_cut_beam_behaves_as_the_whole)
 {
   static const double exact[] = {3.5160152685, 22.034491530, 61.697214402};
@@ -1349,8 +1350,8 @@ TEST(system_steps_beyond_the_limit_are_refused)
   FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, NULL, NULL, NULL, -limit), FB_ERR_VALUE);
 }
 
-/* E11.13, E11.14: a double pendulum whose elbow is a spring of a thousand periods a step swings as the rigid one, with rk4
-   refused; a damped stiff joint, too. */
+/* E11.13, E11.14: a double pendulum whose elbow is a spring of a thousand periods a step swings as the rigid one, with
+   rk4 refused; a damped stiff joint, too. */
 TEST(stiff_joints_take_long_steps)
 {
   for (int run = 0; run < 2; run++) {
@@ -1383,8 +1384,8 @@ TEST(stiff_joints_take_long_steps)
   }
 }
 
-/* E9.13, E9.15, E11.12: a chain of six flexible bodies in free flight, driven by its motors: total momenta stay, energy changes by
-   the motors' work. The same over 1e6 steps is make check-long. */
+/* E9.13, E9.15, E11.12: a chain of six flexible bodies in free flight, driven by its motors: total momenta stay, energy
+   changes by the motors' work. The same over 1e6 steps is make check-long. */
 TEST(a_chain_in_free_flight_keeps_its_momenta)
 {
   fb_momentum before, after;
@@ -1416,8 +1417,8 @@ TEST(a_chain_in_free_flight_keeps_its_momenta)
   FBT_NEAR_ABS(energy_of(&state) - energy, state.motor_work, FBT_TOL(1e-8, 1e-3));
 }
 
-/* E9.7, E9.8: kept angles go round: a hinge driven through half a turn and a screw started far out, kept as constraints, are where the tree
-   has them. */
+/* E9.7, E9.8: kept angles go round: a hinge driven through half a turn and a screw started far out, kept as
+   constraints, are where the tree has them. */
 TEST(kept_joints_turn_all_the_way_round)
 {
   fb_system_input middle;
