@@ -6377,6 +6377,12 @@ static fb_real fbi_kinetic_energy(fbi_kinetics *k, const fb_body *body, const fb
   return T + FB_R(0.5) * fbi_vec6_dot(SV, k->V);
 }
 
+static int fbi_energy_is_finite(const fb_energy *energy)
+{
+  const fb_real part[3] = {energy->kinetic, energy->strain, energy->gravity};
+  return fbi_is_finite(part, 3);
+}
+
 /* Strain energy and gravity's; spoils k.e and k.x. */
 static void fbi_potential_add(fb_energy *energy, fbi_kinetics *k, const fb_body *body, const fb_real *q,
                               const fb_real rho[3])
@@ -6419,7 +6425,7 @@ FB_DEF fb_status fb_body_energy(const fb_body *body, fb_energy *energy, const fb
   out.strain = FB_R(0.0);
   out.gravity = FB_R(0.0);
   fbi_potential_add(&out, &k, body, state->q, state->rho);
-  if (!fbi_is_finite(&out.kinetic, 1) || !fbi_is_finite(&out.strain, 1) || !fbi_is_finite(&out.gravity, 1)) {
+  if (!fbi_energy_is_finite(&out)) {
     return FB_ERR_NOT_FINITE;
   }
   *energy = out;
@@ -9184,7 +9190,7 @@ FB_DEF fb_status fb_system_energy(const fb_system *system, const fb_body *body, 
       out.strain += FB_R(0.5) * joint->stiffness[i] * stretch * stretch;
     }
   }
-  if (!fbi_is_finite(&out.kinetic, 1) || !fbi_is_finite(&out.strain, 1) || !fbi_is_finite(&out.gravity, 1)) {
+  if (!fbi_energy_is_finite(&out)) {
     return FB_ERR_NOT_FINITE;
   }
   *energy = out;
