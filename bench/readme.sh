@@ -19,7 +19,7 @@ sed -n '/^#/,$p' examples/quickstart.c > "$out/program"
 awk -v file="$out/program" '
   /^```$/ { if (skip) { while ((getline line < file) > 0) print line } skip = 0 }
   !skip { print }
-  /^```c$/ { skip = 1 }' README.md > "$out/new"
+  /^```c$/ && !found { skip = found = 1 } # the first one' README.md > "$out/new"
 cp "$out/new" README.md
 
 # figures of the tests, double and single side by side
