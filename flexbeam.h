@@ -155,7 +155,10 @@
      preload, buckling             fb_modes_desc.preload, fb_buckling_solve
      a spinning, damped beam       fb_body_trim, fb_body_spectrum: complex modes
      bodies on joints              fb_system_desc: a tree of joints, loops; the caller's own constraints by fb_rows
-     a beam on a free hinge        root FB_ROOT_PINNED: its modes leave all turning to the hinge, well conditioned
+     a beam on a hinge             a clamped root with a rigid body on it (the fitting): a bare one leaves the hinge next
+                                   to no inertia. FB_ROOT_PINNED frees the slopes of both planes: for a spherical joint,
+                                   or a beam that bends in the plane of its free hinge alone
+     a beam that carries bodies    fb_modes_desc.load at that node, axes 1, 2, 4, 5: joints load it with force and moment
      what is locked or latched     fb_system_axis_set
      an IMU, a strain gauge        fb_imu_eval, fb_gauge_init
      a model in ROM                examples/reduce: text file to C header with a static const fb_body
@@ -1093,15 +1096,15 @@ typedef enum fb_joint_kind {                     /* z, x: axes of the joint fram
 typedef enum fb_axis_mode {
   FB_AXIS_FREE = 0,      /* moves by its spring, damper and motor */
   FB_AXIS_LOCKED = 1,    /* stays as it is */
-  FB_AXIS_PRESCRIBED = 2 /* moves as the input says */
+  FB_AXIS_PRESCRIBED = 2 /* moves as the input says; a jump of its value is one */
 } fb_axis_mode;
 
 typedef struct fb_joint_desc {
   fb_joint_kind kind;
-  int parent, parent_node; /* body or FB_GROUND; one of its nodes (of the ground: 0) */
-  int child, child_node;   /* loops only: a joint of the tree hangs its own body by its origin */
+  int parent, parent_node; /* body (0 if left out) or FB_GROUND; one of its nodes (of the ground: 0) */
+  int child, child_node;   /* loops only: a joint of the tree hangs its own body by node 0 and child_position */
   fb_real position[3];     /* [m] joint frame on the parent, from the node in the axes of its section */
-  fb_real attitude[4];     /* joint axes to those; all zero: identity */
+  fb_real attitude[4];     /* joint axes to those, normalized; all zero: identity */
   fb_real child_position[3],
       child_attitude[4]; /* the joint frame on the child, in its axes: both frames coincide at zero coordinates */
   fb_real pitch;         /* [m/rad] screw */
@@ -1114,7 +1117,8 @@ typedef enum fb_method {
   FB_METHOD_RECURSIVE = 0,  /* tree in joint coordinates, work linear in the number of bodies */
   FB_METHOD_DENSE = 1,      /* the same by one dense LU of all speeds (FB_MAX_SPEEDS) */
   FB_METHOD_MULTIPLIERS = 2 /* every body free, every joint a set of constraints (FB_MAX_ROWS): the state has poses,
-                               angles are within half a turn, also for springs */
+                               angles are within half a turn, also for springs; each body must keep a positive definite
+                               S(q) by itself: a clamped beam without a body at its root soon does not */
 } fb_method;
 
 typedef struct fb_system_desc {
@@ -1167,8 +1171,8 @@ typedef struct fb_link_state {
 
 typedef struct fb_system_state { /* all that changes; assignment is a snapshot */
   fb_link_state link[FB_MAX_BODIES];
-  fb_real motor_work;                                            /* [J] done by the motor torques */
-  fb_axis_mode mode[FBI_MAX_JOINTS][3];                          /* change it by fb_system_axis_set */
+  fb_real motor_work;                   /* [J] done by the motor torques; what prescribed axes do is not in it */
+  fb_axis_mode mode[FBI_MAX_JOINTS][3]; /* change it by fb_system_axis_set */
   fb_real hold[FBI_MAX_JOINTS][3], hold_quat[FBI_MAX_JOINTS][4]; /* where a kept joint was locked */
 } fb_system_state;
 
@@ -1316,7 +1320,8 @@ FB_API fb_status fb_system_init(fb_system *system, fb_system_work *work, const f
                                 const fb_system_desc *desc);
 /* State from joint coordinates and speeds (motion: one for each body, NULL: all zero, at rest). Prescribed axes take
    value and speed from the input, locked ones are at rest. Loops are closed from there, joints first, positions and
-   velocities changed as little as the kinetic energy goes; locked axes of loops stay where that leaves them.
+   velocities changed as little as the kinetic energy goes, given ones among them: prescribe what must not change, or
+   give values that fit. Locked axes of loops stay where that leaves them.
    FB_ERR_CONTRADICTION: a loop cannot be closed, or closes half a turn off, work->joint; FB_ERR_NOT_FINITE;
    FB_ERR_RANGE. */
 FB_API fb_status fb_system_state_init(const fb_system *system, const fb_body *body, fb_system_work *work,
@@ -1466,7 +1471,8 @@ FB_API fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
 FB_API fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *body, fb_system_state *state,
                                       fb_system_work *work, const fb_system_input *start, const fb_system_input *end,
                                       fb_real dt, int iterations);
-/* Largest step [s] of rk4 for the system at rest, and at a spin [rad/s] and acceleration [m/s^2] of all of it. */
+/* Largest stable step [s] of rk4 for the system at a spin [rad/s] and acceleration [m/s^2] of all of it; 0, 0: at rest.
+   For accuracy of the fastest mode take a fifth of it. */
 FB_API fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body, fb_real spin, fb_real acceleration);
 
 /* ---------------------------------------------------------------------------------------------------------------

@@ -43,7 +43,10 @@ static const char help[] =
     "  --help        this text\n"
     "CSV: t [s], angles of crank and rocker [rad], middle of the coupler x, y [m], its deflection [m], gap of the loop "
     "[m],\n"
-    "energy and work of the drive [J].\n";
+    "energy and work of the drive [J].\n"
+    "The bounds of the checks are those of the defaults: faster cranks, longer steps and softer couplers may miss "
+    "them\n"
+    "and say so (exit 1); a coupler that bends too far, or a step beyond its limit, stops the run.\n";
 
 static int fail(const char *what, const char *value)
 {
