@@ -6749,6 +6749,12 @@ static void fbi_links_place(fb_system_work *w, const fb_system *system, const fb
 
 /* ---- 9c trees: M u = p */
 
+/* Mode of speed i of a joint; the six of a free one share theirs. */
+static fb_axis_mode fbi_axis_mode(const fbi_link_work *L, const fb_joint *joint, int i)
+{
+  return L->mode[joint->kind == FB_JOINT_FREE ? 0 : i];
+}
+
 /* Y = C X C^T */
 static void fbi_mat33_turn(fb_real Y[9], const fb_real C[9], const fb_real X[9])
 {
@@ -7189,12 +7195,6 @@ static int fbi_speed_offset(const fb_system *system, const fb_system_work *w, co
   return at;
 }
 
-/* Is the speed of this axis given? */
-static int fbi_axis_given(const fbi_link_work *L, const fb_joint *joint, int i)
-{
-  return L->mode[joint->kind == FB_JOINT_FREE ? 0 : i] != FB_AXIS_FREE;
-}
-
 /* Row c of T: the velocity V of body k per unit of speed c. */
 static void fbi_velocity_map(fb_system_work *w, const fb_system *system, const fb_body *body, int k, int N)
 {
@@ -7266,7 +7266,7 @@ static FBI_NOINLINE fb_status fbi_dense_factor(fb_system_work *w, const fb_syste
     const fb_joint *joint = fbi_link_joint(system, w, k);
     for (int i = 0; i < joint->n_axis; i++) {
       const int c = fbi_speed_offset(system, w, body, k) + i;
-      if (fbi_axis_given(&w->link[k], joint, i)) {
+      if (fbi_axis_mode(&w->link[k], joint, i) != FB_AXIS_FREE) {
         fbi_zero(w->M + c * N, N);
         w->M[c * (N + 1)] = FB_R(1.0);
       }
@@ -7294,8 +7294,8 @@ static FBI_NOINLINE void fbi_dense_solve(fb_system_work *w, const fb_system *sys
     const int at = fbi_speed_offset(system, w, body, k);
     for (int i = 0; i < joint->n_axis; i++) {
       const fb_real along = joint->kind == FB_JOINT_FREE ? L->b[i] : fbi_vec6_dot(L->A + 6 * i, L->b);
-      const fb_real given = L->mode[joint->kind == FB_JOINT_FREE ? 0 : i] == FB_AXIS_PRESCRIBED ? L->p[i] : FB_R(0.0);
-      w->z[at + i] = fbi_axis_given(L, joint, i) ? given : L->p[i] - along;
+      const fb_real given = fbi_axis_mode(L, joint, i) == FB_AXIS_PRESCRIBED ? L->p[i] : FB_R(0.0);
+      w->z[at + i] = fbi_axis_mode(L, joint, i) != FB_AXIS_FREE ? given : L->p[i] - along;
     }
     fbi_copy(w->z + at + joint->n_axis, L->e, fbi_model(system, body, k)->n);
     fbi_hand_in(w, system, body, k);
@@ -7953,7 +7953,7 @@ static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_
     fbi_vec6_copy(L->p0, L->p);
     fbi_copy(L->pi0, L->pi, fbi_model(system, body, k)->n);
     for (int i = 0; i < fbi_link_joint(system, w, k)->n_axis; i++) {
-      const int drives = L->mode[fbi_link_joint(system, w, k)->kind == FB_JOINT_FREE ? 0 : i] == FB_AXIS_PRESCRIBED;
+      const int drives = fbi_axis_mode(L, fbi_link_joint(system, w, k), i) == FB_AXIS_PRESCRIBED;
       given = given || (drives && FB_FABS(L->p[i]) > FB_R(0.0));
     }
   }
@@ -7994,7 +7994,22 @@ static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_
 
 /* ---- 9e rates */
 
-/* Momenta of the state as the right-hand side: free and spherical joints keep theirs in inertial axes. */
+/* Momenta of a joint along its axes: free and spherical joints keep theirs in inertial axes. */
+static void fbi_joint_momenta(fb_real p[6], const fbi_link_work *L, const fb_joint *joint, const fb_link_state *x)
+{
+  if (joint->kind == FB_JOINT_FREE) {
+    fb_mat33_mulT_vec3(p, L->k.R, x->p);
+    fb_mat33_mulT_vec3(p + 3, L->k.R, x->p + 3);
+  } else if (joint->kind == FB_JOINT_SPHERICAL) {
+    fb_real h[3];
+    fb_mat33_mulT_vec3(h, L->k.R, x->p);
+    fb_mat33_mulT_vec3(p, joint->child_axes, h);
+  } else {
+    fbi_copy(p, x->p, joint->n_axis);
+  }
+}
+
+/* Momenta of the state as the right-hand side, given speeds in their place. */
 static void fbi_rhs_momenta(fb_system_work *w, const fb_system *system, const fb_body *body,
                             const fb_system_state *state, const fb_system_input *input)
 {
@@ -8004,18 +8019,9 @@ static void fbi_rhs_momenta(fb_system_work *w, const fb_system *system, const fb
     const fb_link_state *x = &state->link[k];
     fbi_vec6_zero(L->y);
     fbi_copy(L->pi, x->pi, fbi_model(system, body, k)->n);
-    if (joint->kind == FB_JOINT_FREE) {
-      fb_mat33_mulT_vec3(L->p, L->k.R, x->p);
-      fb_mat33_mulT_vec3(L->p + 3, L->k.R, x->p + 3);
-    } else if (joint->kind == FB_JOINT_SPHERICAL) {
-      fb_real h[3];
-      fb_mat33_mulT_vec3(h, L->k.R, x->p);
-      fb_mat33_mulT_vec3(L->p, joint->child_axes, h);
-    } else {
-      fbi_copy(L->p, x->p, joint->n_axis);
-    }
+    fbi_joint_momenta(L->p, L, joint, x);
     for (int i = 0; i < joint->n_axis; i++) {
-      if (L->mode[joint->kind == FB_JOINT_FREE ? 0 : i] == FB_AXIS_PRESCRIBED) {
+      if (fbi_axis_mode(L, joint, i) == FB_AXIS_PRESCRIBED) {
         L->p[i] = input ? input->drive[k].rate[i] : FB_R(0.0);
       }
     }
@@ -8560,7 +8566,7 @@ static fb_status fbi_positions_close(fb_real *miss, int *worst, fb_system_work *
   return status;
 }
 
-/* Velocities onto the constraints: the impulses go into the momenta, the motor and given axes into theirs. */
+/* Velocities onto the constraints: the impulses go into the momenta, and those of given axes become what they are. */
 static fb_status fbi_momenta_close(fb_system_work *w, const fb_system *system, const fb_body *body,
                                    fb_system_state *state, const fb_system_state *modes, const fb_system_input *input)
 {
@@ -8964,7 +8970,7 @@ static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *sy
     const fb_joint *joint = fbi_link_joint(system, w, k);
     fb_real given[6] = {0};
     for (int i = 0; i < joint->n_axis; i++) {
-      const fb_axis_mode mode = L->mode[joint->kind == FB_JOINT_FREE ? 0 : i];
+      const fb_axis_mode mode = fbi_axis_mode(L, joint, i);
       given[i] = mode == FB_AXIS_PRESCRIBED && input ? input->drive[k].acceleration[i] : FB_R(0.0);
     }
     fbi_vec6_copy(L->given, given);
@@ -9229,6 +9235,8 @@ FB_DEF fb_status fb_system_momentum(const fb_system *system, const fb_body *body
   return FB_OK;
 }
 
+/* [E9.20] Specific force R^T (a - g) and angular rate R^T w in the section's axes.
+   Source: definition of an accelerometer.  Test: joint_forces_carry_what_hangs_on_them. */
 FB_DEF void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *gravity)
 {
   fb_real R[9], a[3];
@@ -9381,10 +9389,9 @@ FB_DEF fb_status fb_system_init(fb_system *system, fb_system_work *work, const f
   }
   out = &work->system;
   fbi_system_fill(out, body, desc);
-  FBI_REQUIRE(desc->method != FB_METHOD_DENSE ||
-                  fbi_speed_offset(out, (work->kept = 0, work), body, out->n_body) <= FB_MAX_SPEEDS,
-              FB_ERR_CAPACITY);
   fbi_system_enter(work, out);
+  FBI_REQUIRE(out->method != FB_METHOD_DENSE || fbi_speed_offset(out, work, body, out->n_body) <= FB_MAX_SPEEDS,
+              FB_ERR_CAPACITY);
   zero = &work->stage;
   memset(zero, 0, sizeof *zero);
   for (int k = 0; k < out->n_body; k++) {
@@ -10594,20 +10601,9 @@ static void fbi_newton_fill(fb_system_work *w, const fb_system *system, const fb
     fbi_link_work *L = &w->link[k];
     fbi_sparse_eval(L->pi, NULL, -g * g, &model->K, x->q, model->n);
     fbi_row_sub(L->pi, -g, x->pi, model->n);
-    if (joint->kind == FB_JOINT_FREE) {
-      if (L->mode[0] == FB_AXIS_FREE) {
-        fb_mat33_mulT_vec3(L->p, L->k.R, x->p);
-        fb_mat33_mulT_vec3(L->p + 3, L->k.R, x->p + 3);
-      }
-    } else if (joint->kind == FB_JOINT_SPHERICAL) {
-      fb_real h[3];
-      fb_mat33_mulT_vec3(h, L->k.R, x->p);
-      fb_mat33_mulT_vec3(L->p, joint->child_axes, h);
-    } else {
-      fbi_copy(L->p, x->p, joint->n_axis);
-    }
+    fbi_joint_momenta(L->p, L, joint, x);
     for (int i = 0; i < joint->n_axis; i++) {
-      L->p[i] *= g;
+      L->p[i] = fbi_axis_mode(L, joint, i) == FB_AXIS_FREE ? g * L->p[i] : FB_R(0.0);
     }
     if (joint->kind == FB_JOINT_SPHERICAL) {
       fb_real turn[3];
