@@ -3,47 +3,26 @@
    itself; the time of an empty measurement is taken off. Fading and decayed bodies show what small numbers cost. */
 #define _POSIX_C_SOURCE 199309L /* clock_gettime */
 #define FLEXBEAM_IMPLEMENTATION
+#include "clock.h"
 #include "scene.h"
-#include <time.h>
 
 #define STATES 64
 #define SAMPLES 20000
-#ifndef FBB_FLAGS
-#define FBB_FLAGS "unknown"
-#endif
-#ifdef __VERSION__
-#define FBB_COMPILER __VERSION__
-#else
-#define FBB_COMPILER "unknown"
-#endif
 
 static fb_body body;
 static fb_state state[STATES];
 static double sample[SAMPLES];
 static double overhead, rigid; /* [ns] of an empty measurement, median of the rigid body */
 
-static double now_ns(void)
-{
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
-}
-
-static int compare(const void *a, const void *b)
-{
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
-
 static void measure(fb_real dt)
 {
   fb_rk4_work work;
   for (int k = 0; k < SAMPLES; k++) {
-    const double start = now_ns();
+    const double start = fbb_now_ns();
     fbb_check(fb_rk4_step(&body, &state[k % STATES], &work, NULL, NULL, NULL, dt), "step");
-    sample[k] = now_ns() - start - overhead;
+    sample[k] = fbb_now_ns() - start - overhead;
   }
-  qsort(sample, SAMPLES, sizeof sample[0], compare);
+  fbb_sort(sample, SAMPLES);
 }
 
 static void print(const char *name, int modes, const char *effects)
@@ -90,10 +69,10 @@ int main(void)
   printf("# flexbeam %s, %s, compiler %s, flags %s\n", fb_version_string(), FB_SINGLE ? "single" : "double",
          FBB_COMPILER, FBB_FLAGS);
   for (int k = 0; k < SAMPLES; k++) {
-    const double start = now_ns();
-    sample[k] = now_ns() - start;
+    const double start = fbb_now_ns();
+    sample[k] = fbb_now_ns() - start;
   }
-  qsort(sample, SAMPLES, sizeof sample[0], compare);
+  fbb_sort(sample, SAMPLES);
   overhead = sample[SAMPLES / 2];
   printf("# ns per step of rk4 (%.0f ns of the clock taken off), %d samples, %d states; ratio: median to that of the "
          "rigid body\n",

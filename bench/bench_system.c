@@ -15,20 +15,12 @@
 #define FB_MAX_SPEEDS 96
 #define FLEXBEAM_IMPLEMENTATION
 #include "check.h"
+#include "clock.h"
 #include <math.h>
-#include <time.h>
 
 #define STATES 16
 #define SAMPLES 10000
 #define BUDGET 0.4 /* [s] a case takes at most */
-#ifndef FBB_FLAGS
-#define FBB_FLAGS "unknown"
-#endif
-#ifdef __VERSION__
-#define FBB_COMPILER __VERSION__
-#else
-#define FBB_COMPILER "unknown"
-#endif
 
 enum { METHODS = 2 }; /* recursive, dense */
 
@@ -51,19 +43,6 @@ static fb_system_work work;
 static fb_system_state start[METHODS][STATES], state;
 static double sample[METHODS][SAMPLES];
 static double overhead; /* [us] of an empty measurement */
-
-static double now_us(void)
-{
-  struct timespec t;
-  clock_gettime(CLOCK_MONOTONIC, &t);
-  return 1e6 * (double)t.tv_sec + 1e-3 * (double)t.tv_nsec;
-}
-
-static int compare(const void *a, const void *b)
-{
-  const double x = *(const double *)a, y = *(const double *)b;
-  return (x > y) - (x < y);
-}
 
 /* Number k of the repeatable random numbers in (-1, 1). */
 static fb_real random_number(int k)
@@ -246,18 +225,18 @@ static double step_time(int method, int k)
 {
   double begin, end;
   state = start[method][k % STATES];
-  begin = now_us();
+  begin = 1e-3 * fbb_now_ns();
   fbb_check(
       fb_system_rk4_step(&mechanism[method], model, &state, &work, NULL, NULL, NULL, step_length(&mechanism[method])),
       "step");
-  end = now_us();
+  end = 1e-3 * fbb_now_ns();
   return end - begin - overhead;
 }
 
 /* The methods take turns by 64 steps, so that each finds its own data in the cache. */
 static void measure(timing *out, int methods)
 {
-  const double begin = now_us();
+  const double begin = 1e-3 * fbb_now_ns();
   int n = 0;
   for (int method = 0; method < methods; method++) {
     desc.method = (fb_method)method;
@@ -266,7 +245,7 @@ static void measure(timing *out, int methods)
       moving(&start[method][s], &mechanism[method], s);
     }
   }
-  while (n + 64 <= SAMPLES && (n < 256 || now_us() - begin < 1e6 * BUDGET * methods)) {
+  while (n + 64 <= SAMPLES && (n < 256 || 1e-3 * fbb_now_ns() - begin < 1e6 * BUDGET * methods)) {
     for (int method = 0; method < methods; method++) {
       for (int k = -8; k < 64; k++) { /* the first ones bring the data in */
         const double us = step_time(method, n + k + STATES);
@@ -278,7 +257,7 @@ static void measure(timing *out, int methods)
     n += 64;
   }
   for (int method = 0; method < methods; method++) {
-    qsort(sample[method], (size_t)n, sizeof sample[0][0], compare);
+    fbb_sort(sample[method], n);
     out[method].lowest = sample[method][0];
     out[method].median = sample[method][n / 2];
     out[method].p99 = sample[method][n / 100 * 99];
@@ -366,10 +345,10 @@ int main(int argc, char **argv)
   printf("# flexbeam %s, %s, compiler %s, flags %s\n", fb_version_string(), FB_SINGLE ? "single" : "double",
          FBB_COMPILER, FBB_FLAGS);
   for (int k = 0; k < SAMPLES; k++) {
-    const double begin = now_us();
-    sample[0][k] = now_us() - begin;
+    const double begin = 1e-3 * fbb_now_ns();
+    sample[0][k] = 1e-3 * fbb_now_ns() - begin;
   }
-  qsort(sample[0], SAMPLES, sizeof sample[0][0], compare);
+  fbb_sort(sample[0], SAMPLES);
   overhead = sample[0][SAMPLES / 2];
   printf("# us per step of rk4 (%.3f us of the clock taken off), up to %d samples, %d states in turn\n", overhead,
          SAMPLES, STATES);

@@ -13,10 +13,9 @@
 #define FB_MAX_BODIES 2
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
+#define PROGRAM "arm"
+#include "options.h"
 #include "plot.h"
-#include <errno.h>
-#include <math.h>
-#include <string.h>
 
 enum { LINKS = 2, GAUGE = 1, TIP = 2 }; /* nodes of a link: end of the strain gauge, tip */
 static const double pi = 3.14159265358979324, gravity = 9.81;
@@ -55,53 +54,21 @@ static const char help[] =
     "[m],\n"
     "energy, work of the motors, friction loss [J].\n";
 
-static int fail(const char *what, const char *value)
+static int read_option(void *target, const char *name, const char *text)
 {
-  fprintf(stderr, "arm: %s%s%s (see --help)\n", what, value[0] ? ": " : "", value);
-  return 2;
+  options *const o = target;
+  const number_option numbers[] = {{"--payload", &o->payload, 0, 3},
+                                   {"--move", &o->move, 0.5, 100},
+                                   {"--t-end", &o->end, 3.5, 1000},
+                                   {"--gain", &o->gain, 0.25, 1}};
+  return strcmp(name, "--out") == 0 ? read_out(&o->out, text) : read_number(numbers, 4, name, text);
 }
 
 static int read_options(options *o, int argc, char **argv)
 {
-  const struct {
-    const char *name;
-    double *value, least, most;
-  } numbers[] = {{"--payload", &o->payload, 0, 3},
-                 {"--move", &o->move, 0.5, 100},
-                 {"--t-end", &o->end, 3.5, 1000},
-                 {"--gain", &o->gain, 0.25, 1}};
-  for (int i = 1; i < argc; i += 2) {
-    const char *const name = argv[i], *const text = argv[i + 1];
-    int known = 0;
-    if (strcmp(name, "--help") == 0) {
-      fputs(help, stdout);
-      exit(0);
-    }
-    if (i + 1 == argc) {
-      return fail("no such option, or its value is missing", name);
-    }
-    if (strcmp(name, "--out") == 0) {
-      o->out = text;
-      known = 1;
-    }
-    for (int k = 0; k < 4; k++) {
-      if (strcmp(name, numbers[k].name) == 0) {
-        char *end;
-        errno = 0;
-        *numbers[k].value = strtod(text, &end);
-        if (end == text || *end || errno || !(*numbers[k].value >= numbers[k].least) ||
-            !(*numbers[k].value <= numbers[k].most)) {
-          return fail("not a number, or out of its range", text);
-        }
-        known = 1;
-      }
-    }
-    if (!known) {
-      return fail("unknown option", name);
-    }
-  }
-  if (!o->out[0] || strlen(o->out) > 400) {
-    return fail("--out wants a file name of at most 400 characters", "");
+  const int status = read_all(argc, argv, help, read_option, o);
+  if (status != 0) {
+    return status;
   }
   return o->end >= o->move + 3 ? 0 : fail("--t-end must be at least 3 s after the move", "");
 }

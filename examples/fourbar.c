@@ -9,10 +9,9 @@
 #define FB_MAX_LOOPS 1
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
+#define PROGRAM "fourbar"
+#include "options.h"
 #include "plot.h"
-#include <errno.h>
-#include <math.h>
-#include <string.h>
 
 enum { CRANK, COUPLER, ROCKER, BARS };
 enum { TIP = 1, MIDDLE = 2 }; /* nodes of a bar */
@@ -48,62 +47,22 @@ static const char help[] =
     "them\n"
     "and say so (exit 1); a coupler that bends too far, or a step beyond its limit, stops the run.\n";
 
-static int fail(const char *what, const char *value)
+static int read_option(void *target, const char *name, const char *text)
 {
-  fprintf(stderr, "fourbar: %s%s%s (see --help)\n", what, value[0] ? ": " : "", value);
-  return 2;
-}
-
-/* One option; -1: there is none of this name. */
-static int read_option(options *o, const char *name, const char *text)
-{
-  const struct {
-    const char *name;
-    double *value, least, most;
-  } numbers[] = {{"--rate", &o->rate, 1, 40},
-                 {"--turns", &o->turns, 2, 100},
-                 {"--ei", &o->EI, 1, 1e6},
-                 {"--dt", &o->dt, 1e-6, 1e-3}};
+  options *const o = target;
+  const number_option numbers[] = {{"--rate", &o->rate, 1, 40},
+                                   {"--turns", &o->turns, 2, 100},
+                                   {"--ei", &o->EI, 1, 1e6},
+                                   {"--dt", &o->dt, 1e-6, 1e-3}};
   if (strcmp(name, "--out") == 0) {
-    o->out = text;
-    return text[0] && strlen(text) < 400 ? 0 : fail("--out wants a file name of less than 400 characters", "");
+    return read_out(&o->out, text);
   }
   if (strcmp(name, "--coupler") == 0) {
     const int known = !strcmp(text, "rigid") || !strcmp(text, "flexible") || !strcmp(text, "both");
     o->coupler = text;
     return known ? 0 : fail("--coupler wants rigid, flexible or both", text);
   }
-  for (int k = 0; k < 4; k++) {
-    if (strcmp(name, numbers[k].name) == 0) {
-      char *end;
-      errno = 0;
-      *numbers[k].value = strtod(text, &end);
-      return end != text && !*end && !errno && *numbers[k].value >= numbers[k].least &&
-                     *numbers[k].value <= numbers[k].most
-                 ? 0
-                 : fail("not a number, or out of its range", text);
-    }
-  }
-  return -1;
-}
-
-static int read_options(options *o, int argc, char **argv)
-{
-  for (int i = 1; i < argc; i += 2) {
-    int status;
-    if (strcmp(argv[i], "--help") == 0) {
-      fputs(help, stdout);
-      exit(0);
-    }
-    if (i + 1 == argc) {
-      return fail("no such option, or its value is missing", argv[i]);
-    }
-    status = read_option(o, argv[i], argv[i + 1]);
-    if (status != 0) {
-      return status > 0 ? status : fail("unknown option", argv[i]);
-    }
-  }
-  return 0;
+  return read_number(numbers, 4, name, text);
 }
 
 /* ---- model: bars along x, 1 kg/m; all joints turn about z */
@@ -415,7 +374,7 @@ int main(int argc, char **argv)
                                      {"rigid parallelogram", {0.4, 1.0, 0.4}, 1.0, 0}};
   static char name[512], svg[512];
   options o = {30, 6, 100, 1e-4, "both", "fourbar.csv"};
-  int status = read_options(&o, argc, argv), ok = 1;
+  int status = read_all(argc, argv, help, read_option, &o), ok = 1;
   if (status != 0) {
     return status;
   }

@@ -14,10 +14,9 @@
 #define FB_MAX_MODES 4
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
+#define PROGRAM "rotor"
+#include "options.h"
 #include "plot.h"
-#include <errno.h>
-#include <math.h>
-#include <string.h>
 
 #define MAX_ROWS 8192
 static const double pi = 3.14159265358979324, degree = 3.14159265358979324 / 180.0;
@@ -68,78 +67,39 @@ static const char help[] =
     "collective\n"
     "or a loaded slow rotor are not near them, and their checks fail.\n";
 
-static int fail(const char *what, const char *value)
+static int read_option(void *target, const char *name, const char *text)
 {
-  fprintf(stderr, "rotor: %s%s%s (see --help)\n", what, value[0] ? ": " : "", value);
-  return 2;
-}
-
-static int read_number(double *x, const char *name, const char *text, double least, double most)
-{
-  char *end;
-  char message[96];
-  errno = 0;
-  *x = strtod(text, &end);
-  if (end == text || *end || errno || !isfinite(*x)) {
-    snprintf(message, sizeof message, "%s wants a number", name);
-    return fail(message, text);
-  }
-  if (*x < least || *x > most) {
-    snprintf(message, sizeof message, "%s is %g to %g", name, least, most);
-    return fail(message, text);
-  }
-  return 0;
-}
-
-static int read_option(options *o, const char *name, const char *text)
-{
-  const struct {
-    const char *name;
-    double *value, least, most;
-  } numbers[] = {{"--spin", &o->spin, 0.1, 1000},
-                 {"--radius", &o->radius, 0.1, 100},
-                 {"--offset", &o->offset, 0, 50},
-                 {"--mass", &o->mass, 1e-3, 1e4},
-                 {"--ei-flap", &o->ei_flap, 1e-3, 1e12},
-                 {"--ei-lag", &o->ei_lag, 1e-3, 1e12},
-                 {"--flap-spring", &o->flap_spring, 0, 1e9},
-                 {"--lag-damper", &o->lag_damper, 0, 1e9},
-                 {"--chord", &o->chord, 1e-3, 10},
-                 {"--lift-slope", &o->lift_slope, 0.1, 10},
-                 {"--drag", &o->drag, 0, 1},
-                 {"--density", &o->density, 1e-6, 1e3},
-                 {"--inflow", &o->inflow, -100, 100},
-                 {"--advance", &o->advance, 0, 0.4},
-                 {"--collective", &o->collective, -30, 30},
-                 {"--cyclic-cos", &o->cyclic_cos, -20, 20},
-                 {"--cyclic-sin", &o->cyclic_sin, -20, 20},
-                 {"--revolutions", &o->revolutions, 10, 1000},
-                 {"--steps", &o->steps, 100, 10000}};
-  for (int k = 0; k < (int)(sizeof numbers / sizeof numbers[0]); k++) {
-    if (strcmp(name, numbers[k].name) == 0) {
-      return read_number(numbers[k].value, name, text, numbers[k].least, numbers[k].most);
-    }
-  }
+  options *const o = target;
+  const number_option numbers[] = {{"--spin", &o->spin, 0.1, 1000},
+                                   {"--radius", &o->radius, 0.1, 100},
+                                   {"--offset", &o->offset, 0, 50},
+                                   {"--mass", &o->mass, 1e-3, 1e4},
+                                   {"--ei-flap", &o->ei_flap, 1e-3, 1e12},
+                                   {"--ei-lag", &o->ei_lag, 1e-3, 1e12},
+                                   {"--flap-spring", &o->flap_spring, 0, 1e9},
+                                   {"--lag-damper", &o->lag_damper, 0, 1e9},
+                                   {"--chord", &o->chord, 1e-3, 10},
+                                   {"--lift-slope", &o->lift_slope, 0.1, 10},
+                                   {"--drag", &o->drag, 0, 1},
+                                   {"--density", &o->density, 1e-6, 1e3},
+                                   {"--inflow", &o->inflow, -100, 100},
+                                   {"--advance", &o->advance, 0, 0.4},
+                                   {"--collective", &o->collective, -30, 30},
+                                   {"--cyclic-cos", &o->cyclic_cos, -20, 20},
+                                   {"--cyclic-sin", &o->cyclic_sin, -20, 20},
+                                   {"--revolutions", &o->revolutions, 10, 1000},
+                                   {"--steps", &o->steps, 100, 10000}};
   if (strcmp(name, "--out") == 0) {
-    o->out = text;
-    return text[0] && strlen(text) < 400 ? 0 : fail("--out wants a file name of at most 400 characters", text);
+    return read_out(&o->out, text);
   }
-  return fail("unknown option", name);
+  return read_number(numbers, (int)(sizeof numbers / sizeof numbers[0]), name, text);
 }
 
 static int read_options(options *o, int argc, char **argv)
 {
-  for (int i = 1; i < argc; i += 2) {
-    int status;
-    if (strcmp(argv[i], "--help") == 0) {
-      fputs(help, stdout);
-      exit(0);
-    }
-    status =
-        i + 1 < argc ? read_option(o, argv[i], argv[i + 1]) : fail("no such option, or its value is missing", argv[i]);
-    if (status != 0) {
-      return status;
-    }
+  const int status = read_all(argc, argv, help, read_option, o);
+  if (status != 0) {
+    return status;
   }
   if (o->offset < 0.01 * o->radius || o->offset > 0.5 * o->radius) {
     return fail("--offset is 0.01 to 0.5 of the radius: without it nothing holds the lag hinge", "");

@@ -1,0 +1,74 @@
+/* options.h - options `--name value` of an example. Define PROGRAM, its name, before. */
+#ifndef OPTIONS_H
+#define OPTIONS_H
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct number_option {
+  const char *name;
+  double *value, least, most;
+} number_option;
+
+#define NO_SUCH_OPTION (-1)
+
+static int fail(const char *what, const char *value)
+{
+  fprintf(stderr, PROGRAM ": %s%s%s (see --help)\n", what, value[0] ? ": " : "", value);
+  return 2;
+}
+
+/* A number of the list; NO_SUCH_OPTION if it is none of them, 2 after a message. */
+static int read_number(const number_option *list, int n, const char *name, const char *text)
+{
+  for (int k = 0; k < n; k++) {
+    if (strcmp(name, list[k].name) == 0) {
+      char *end, message[96];
+      double x;
+      errno = 0;
+      x = strtod(text, &end);
+      if (end == text || *end || errno || !isfinite(x)) {
+        snprintf(message, sizeof message, "%s wants a number", name);
+        return fail(message, text);
+      }
+      if (x < list[k].least || x > list[k].most) {
+        snprintf(message, sizeof message, "%s is %g to %g", name, list[k].least, list[k].most);
+        return fail(message, text);
+      }
+      *list[k].value = x;
+      return 0;
+    }
+  }
+  return NO_SUCH_OPTION;
+}
+
+/* --out FILE, with room for what is put behind the name. */
+static int read_out(const char **out, const char *text)
+{
+  *out = text;
+  return text[0] && strlen(text) < 400 ? 0 : fail("--out wants a file name of less than 400 characters", "");
+}
+
+/* All options: each goes to `read`, which returns 0, NO_SUCH_OPTION, or 2 after a message. */
+static int read_all(int argc, char **argv, const char *help,
+                    int (*read)(void *options, const char *name, const char *text), void *options)
+{
+  for (int i = 1; i < argc; i += 2) {
+    int status;
+    if (strcmp(argv[i], "--help") == 0) {
+      fputs(help, stdout);
+      exit(0);
+    }
+    if (i + 1 == argc) {
+      return fail("no such option, or its value is missing", argv[i]);
+    }
+    status = read(options, argv[i], argv[i + 1]);
+    if (status != 0) {
+      return status == NO_SUCH_OPTION ? fail("unknown option", argv[i]) : status;
+    }
+  }
+  return 0;
+}
+#endif
