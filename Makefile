@@ -9,7 +9,7 @@ FLAGS      = -std=c99 -I. -ffp-contract=off $(WARNINGS) $(WARNINGS_C)
 export WARNINGS WARNINGS_C
 
 LIBRARY  = flexbeam.h flexbeam_impl.h
-SECTIONS = main status vec3 rotation linalg beam modes body system forms integrate analyse build
+SECTIONS = main status vec3 rotation linalg beam modes body system forms mixed integrate analyse build
 EXAMPLES = quickstart spinup campbell table1 assembly reduce elastodyn firmware spacecraft rotor arm fourbar
 CHECKS   = sanitize suite long compile rom instructions mismatch removed style tidy two_precisions stack symbols ids quickstart
 

@@ -80,7 +80,7 @@
      >>modes      natural modes, components, buckling, synthesis; finite-element coordinates
      >>body       shape integrals, effects, momentum form, loads, nodes, energy
      >>system     joints, trees, loops, constraints
-     >>mixed      (planned) geometrically exact mixed beam
+     >>mixed      geometrically exact beam: steady states, motion, energy, momentum
      >>integrate  rk4, implicit midpoint, SDIRK2, exponential scheme; their limits
      >>analyse    steady states, linearization, complex modes; (planned) effect advisor
      >>build      version and configuration string
@@ -101,6 +101,7 @@
      FB_MAX_LOOPS                     2        1..99   joints that close its loops
      FB_MAX_ROWS                      24       1..999  its constraints: loops, the caller's, FB_METHOD_MULTIPLIERS
      FB_MAX_SPEEDS                    64       6..999  its speeds, FB_METHOD_DENSE only
+     FB_MAX_MIXED                     40       1..999  elements of a mixed beam
      FB_WITH_SPIN_COUPLING            1        0, 1    0 removes the effect's code and tables at compile time
      FB_WITH_RESIDUAL_INERTIA         1        0, 1    "
      FB_WITH_SPIN_STIFFENING          1        0, 1    "
@@ -239,6 +240,9 @@
 #ifndef FB_MAX_SPEEDS
 #define FB_MAX_SPEEDS 64
 #endif
+#ifndef FB_MAX_MIXED
+#define FB_MAX_MIXED 40
+#endif
 #ifndef FB_WITH_SPIN_COUPLING
 #define FB_WITH_SPIN_COUPLING 1
 #endif
@@ -293,6 +297,9 @@
     FB_MAX_ROWS > 999 || FB_MAX_SPEEDS < 6 || FB_MAX_SPEEDS > 999
 #error "flexbeam: FB_MAX_BODIES and FB_MAX_LOOPS are 1..99, FB_MAX_ROWS 1..999, FB_MAX_SPEEDS 6..999"
 #endif
+#if FB_MAX_MIXED < 1 || FB_MAX_MIXED > 999
+#error "flexbeam: FB_MAX_MIXED is 1..999"
+#endif
 #if (FB_WITH_SPIN_COUPLING | FB_WITH_RESIDUAL_INERTIA | FB_WITH_SPIN_STIFFENING | FB_WITH_ACCELERATION_STIFFENING | \
      FB_WITH_DAMPING | FB_WITH_GRAVITY | FB_WITH_NONLINEAR_STRAIN | FB_WITH_FORMS) > 1
 #error "flexbeam: FB_WITH_... are 0 or 1"
@@ -346,15 +353,15 @@ typedef double fb_real;
 #else
 #define FBI_PRECISION double
 #endif
-#define FBI_CAT(p, m, n, l, e, s, u, t, v, w, i, j, k, r, a, b, c, d, f, g, h, o) \
-  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_lambda##v##_s##w##_bodies##i##_loops##j##_rows##k##_speeds##r##_with##a##b##c##d##f##g##h##_forms##o
-#define FBI_CAT_(p, m, n, l, e, s, u, t, v, w, i, j, k, r, a, b, c, d, f, g, h, o) \
-  FBI_CAT(p, m, n, l, e, s, u, t, v, w, i, j, k, r, a, b, c, d, f, g, h, o)
-#define FBI_CONFIG_SYMBOL                                                                                             \
-  FBI_CAT_(FBI_PRECISION, FB_MAX_MODES, FB_MAX_NODES, FB_MAX_LOADS, FB_MAX_ELEMENTS, FB_MAX_STATIONS, FB_MAX_LUMPS,   \
-           FB_MAX_STRAINS, FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_BODIES, FB_MAX_LOOPS, FB_MAX_ROWS, FB_MAX_SPEEDS,          \
-           FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA, FB_WITH_SPIN_STIFFENING, FB_WITH_ACCELERATION_STIFFENING, \
-           FB_WITH_DAMPING, FB_WITH_GRAVITY, FB_WITH_NONLINEAR_STRAIN, FB_WITH_FORMS)
+#define FBI_CAT(p, m, n, l, e, s, u, t, v, w, i, j, k, r, x, a, b, c, d, f, g, h, o) \
+  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_lambda##v##_s##w##_bodies##i##_loops##j##_rows##k##_speeds##r##_mixed##x##_with##a##b##c##d##f##g##h##_forms##o
+#define FBI_CAT_(p, m, n, l, e, s, u, t, v, w, i, j, k, r, x, a, b, c, d, f, g, h, o) \
+  FBI_CAT(p, m, n, l, e, s, u, t, v, w, i, j, k, r, x, a, b, c, d, f, g, h, o)
+#define FBI_CONFIG_SYMBOL                                                                                           \
+  FBI_CAT_(FBI_PRECISION, FB_MAX_MODES, FB_MAX_NODES, FB_MAX_LOADS, FB_MAX_ELEMENTS, FB_MAX_STATIONS, FB_MAX_LUMPS, \
+           FB_MAX_STRAINS, FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_BODIES, FB_MAX_LOOPS, FB_MAX_ROWS, FB_MAX_SPEEDS,        \
+           FB_MAX_MIXED, FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA, FB_WITH_SPIN_STIFFENING,                  \
+           FB_WITH_ACCELERATION_STIFFENING, FB_WITH_DAMPING, FB_WITH_GRAVITY, FB_WITH_NONLINEAR_STRAIN, FB_WITH_FORMS)
 #define FBI_STRING(x) #x
 #define FBI_STRING_(x) FBI_STRING(x)
 
@@ -431,6 +438,12 @@ FB_API void fb_quat_mul(fb_real r[4], const fb_real p[4], const fb_real q[4]); /
 FB_API void fb_quat_to_mat33(fb_real R[9], const fb_real q[4]);                /* x_I = R x_B */
 FB_API void fb_quat_from_rotvec(fb_real q[4], const fb_real phi[3]);           /* exponential */
 FB_API void fb_quat_to_rotvec(fb_real phi[3], const fb_real q[4]);             /* logarithm, |phi| <= pi */
+/* Wiener-Milenkovic parameters 4 tan(phi/4) along the axis, phi within half a turn: |c| <= 4. */
+FB_API void fb_quat_to_wiener_milenkovic(fb_real c[3], const fb_real q[4]);
+FB_API void fb_quat_from_wiener_milenkovic(fb_real q[4], const fb_real c[3]);
+/* Pose r, q reached by the constant twist x = (displacement, rotation) in its own axes, and back (rotation <= pi). */
+FB_API void fb_pose_from_twist(fb_real r[3], fb_real q[4], const fb_real x[6]);
+FB_API void fb_pose_to_twist(fb_real x[6], const fb_real r[3], const fb_real q[4]);
 /* Scales q to unit length in place. FB_ERR_VALUE: zero or not finite; q unchanged. */
 FB_API fb_status fb_quat_normalize(fb_real q[4]);
 
@@ -1371,6 +1384,199 @@ typedef struct fb_imu {                       /* section axes of the node */
 FB_API void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *gravity);
 
 /* ---------------------------------------------------------------------------------------------------------------
+   10 >>mixed: the geometrically exact beam with displacements, rotations, velocities, momenta, strains and internal
+   loads as fields of their own ([L] 3.92-3.105): any deflection, any rotation, full 6x6 sections. For each element
+
+     h strain_t = D1 V1 + D2 V2        V = (velocity, angular velocity) of the nodes, section axes
+     momentum   = M (A1 V1 + A2 V2)    X = h ad(1 + force strain, curvature), A = 1/2 -+ X/12, D = -+1 + X A
+     F2 = D2^T s - h A2^T f            s = stiffness strain, F = (force, moment) at the nodes, f = load less momentum_t
+
+   piecewise constant in space and time as in [L], with two corrections of the means: the ends of an element that no
+   load acts on are then exact for the linear beam, and of order 4 for the bent one. A is to D as velocity is to strain,
+   so that energy passes from element to element without loss, whatever the size of mesh and step.
+   Cost and memory are linear in the elements: 12 unknowns for each, eliminated from the tip to the root. */
+
+/* What an end, or a node, is held in: directions x, y, z of the base, rotations about its section axes x, y, z. */
+#define FB_HOLD_X 1
+#define FB_HOLD_Y 2
+#define FB_HOLD_Z 4
+#define FB_HOLD_RX 8
+#define FB_HOLD_RY 16
+#define FB_HOLD_RZ 32
+#define FB_END_DEFAULT 0  /* clamped root, free tip */
+#define FB_END_FREE 64    /* nothing */
+#define FB_END_PINNED 7   /* its place */
+#define FB_END_CLAMPED 63 /* place and rotation */
+#define FB_END_GUIDED 56  /* rotation */
+#define FB_END_SLIDING 62 /* all but its place along x */
+
+typedef struct fb_mixed_station { /* section of the undeformed beam; linear between stations */
+  fb_real x;                      /* [m] along the reference line, from 0; ignored for one station (uniform) */
+  /* 6x6, symmetric, of (force; moment) by (force strain; curvature), section axes, x along the line: [N], [N m],
+     [N m^2]. A zero on the diagonal: rigid in that strain, its row and column are ignored */
+  fb_real stiffness[36];
+  fb_real inertia[36];  /* 6x6 of (momentum; angular momentum) by (velocity; rate): [kg/m], [kg], [kg m]; may be 0 */
+  fb_real twist;        /* [rad] section axes turn with it about x; relative to.. */
+  fb_real curvature[3]; /* [rad/m] ..those that turn with this initial curvature; in section axes */
+} fb_mixed_station;
+
+/* Stiffness and inertia of a section by its engineering properties (its x and twist go along): centers off the line,
+   shear, rotary inertia. Zero stiffness: rigid. FB_ERR_VALUE, FB_ERR_NOT_FINITE. */
+FB_API fb_status fb_mixed_station_init(fb_mixed_station *station, const fb_section *section);
+
+typedef struct fb_support {
+  int node, held; /* FB_HOLD_... or-ed, or FB_END_... */
+} fb_support;
+
+typedef struct fb_mixed_desc {
+  fb_real length; /* [m] along the line > 0 */
+  int n_element;  /* 1..FB_MAX_MIXED; nodes are 0 root .. n_element tip */
+  int n_station;  /* 1 or 2..FB_MAX_STATIONS, the first at 0, the last at length, ascending */
+  int root, tip;  /* FB_END_... */
+  int n_support;  /* further nodes */
+  int n_lump;     /* rigid bodies on nodes, in section axes there */
+  int iterations; /* of a time step, 1..20, with one factorization; 0: 6 */
+  fb_real
+      place[FB_MAX_MIXED + 1]; /* [m] of the nodes along the line, ascending from 0 to length; all 0: equal elements */
+  fb_mixed_station station[FB_MAX_STATIONS];
+  fb_support support[FB_MAX_LUMPS];
+  fb_lump lump[FB_MAX_LUMPS];
+  fb_real position[3], attitude[4]; /* root in the base frame [m], section axes to base axes; all zero: identity */
+  fb_real gravity[3];               /* [m/s^2] inertial axes */
+  /* Part by which a step shrinks what oscillates too fast for it, 0 (energy is kept) to 2/3: 1 - rho_infinity. What
+     has omega dt well below 1 loses a part of order dissipation (omega dt)^3 / 8 in a period's radian. */
+  fb_real dissipation;
+} fb_mixed_desc;
+
+typedef struct fb_mixed { /* a checked desc, in units of the beam's own; constant after init, may live in ROM */
+  int n, n_lump, iterations, floating;
+  fb_real length, force, time; /* [m], [N], [s] its units: length, EI/length^2, and what makes its mass 1 */
+  fb_real beta;                /* of dissipation */
+  fb_real gravity[3];
+  int held[FB_MAX_MIXED + 1];
+  fb_real h[FB_MAX_MIXED];
+  fb_real xi[6 * FB_MAX_MIXED];       /* (1, 0, 0, initial curvature) */
+  fb_real C[36 * FB_MAX_MIXED];       /* compliance with that by the strain's variation in the element */
+  fb_real S[36 * FB_MAX_MIXED];       /* its inverse, zero where rigid */
+  fb_real section[36 * FB_MAX_MIXED]; /* the section's own compliance */
+  fb_real M[36 * FB_MAX_MIXED], M_inverse[36 * FB_MAX_MIXED];
+  fb_real r[3 * (FB_MAX_MIXED + 1)], quat[4 * (FB_MAX_MIXED + 1)]; /* undeformed nodes in the base frame */
+  int lump_node[FB_MAX_LUMPS];
+  fb_real lump[36 * FB_MAX_LUMPS], lump_inverse[36 * FB_MAX_LUMPS];
+} fb_mixed;
+
+/* FB_ERR_VALUE: also a stiffness that is not positive definite where it is not rigid, rigid at some stations only, an
+   inertia that is not positive semidefinite; FB_ERR_CAPACITY; FB_ERR_NOT_FINITE; FB_ERR_NULL. */
+FB_API fb_status fb_mixed_init(fb_mixed *mixed, const fb_mixed_desc *desc);
+
+typedef struct fb_line_load {  /* per length of the undeformed line */
+  fb_axes axes;                /* inertial: dead; node: follower, section axes; body: base axes */
+  fb_real force[3], torque[3]; /* [N/m], [N m/m] */
+} fb_line_load;
+
+typedef struct fb_mixed_input { /* all zero: nothing acts, the base rests */
+  int n_load;
+  fb_load load[FB_MAX_LOADS];      /* at nodes */
+  fb_line_load line[FB_MAX_MIXED]; /* on elements */
+  fb_real v[3], w[3];              /* [m/s], [rad/s] of the base frame, base axes */
+} fb_mixed_input;
+
+typedef struct fb_mixed_state {           /* all that changes, in the beam's own units; assignment is a snapshot */
+  fb_real base_position[3], base_quat[4]; /* base frame, inertial; [m]. Nothing held: the frame of the root section */
+  fb_real r[3 * (FB_MAX_MIXED + 1)], quat[4 * (FB_MAX_MIXED + 1)]; /* nodes in the base frame */
+  fb_real strain[6 * FB_MAX_MIXED], momentum[6 * FB_MAX_MIXED], lump[6 * FB_MAX_LUMPS];
+  fb_real strain_rate[6 * FB_MAX_MIXED], momentum_rate[6 * FB_MAX_MIXED], lump_rate[6 * FB_MAX_LUMPS];
+  /* of the middle of the last step, or steady: node velocities and stress of the elements, with those of the two steps
+     before it; loads between elements */
+  fb_real V[3][6 * (FB_MAX_MIXED + 1)], stress[3][6 * FB_MAX_MIXED], force[6 * (FB_MAX_MIXED + 1)];
+  int known;    /* of them */
+  fb_real step; /* length of the last step */
+} fb_mixed_state;
+
+/* ---- parts of the work: not to be looked at */
+
+typedef struct fbi_mixed_motion { /* how pose, velocity and momentum hang on the unknowns d of the nodes */
+  int march;                      /* d is the velocity; else a change of pose */
+  int inertia, gravity, dead;     /* velocities, gravity, dead loads on elements are there */
+  fb_real pose;                   /* change of pose by d */
+  fb_real shift;                  /* rate of a strain, momentum or pose by itself */
+} fbi_mixed_motion;
+
+/* What an element knows about itself, and the derivatives of it. */
+typedef struct fbi_mixed_cell {
+  fb_real h;
+  fb_real strain[6], theta[6]; /* strain, twist from end to end */
+  fb_real V[6], dV[6], dG[6];  /* mean velocity; differences between the ends of velocity and gravity */
+  fb_real P[6];                /* momentum per length */
+  fb_real dF[6], F1[6], F2[6]; /* internal load: difference, at the ends */
+} fbi_mixed_cell;
+
+typedef struct fbi_mixed_jacobian {
+  fb_real D1[36], D2[36], E[36]; /* of the compatibility by the nodes, by the stress */
+  fb_real F1d1[36], F1d2[36], F1s[36], F2d1[36], F2d2[36], F2s[36];
+} fbi_mixed_jacobian;
+
+typedef struct fb_mixed_work { /* scratch; large: make it static */
+  int iterations, increments;  /* of fb_mixed_steady_solve: Newton iterations, load increments tried */
+  fbi_mixed_motion motion;
+  fb_real gravity[3], twist[6], half[9]; /* in base axes; motion of the base, its turn in half a step */
+  fb_real line[6 * FB_MAX_MIXED], line_dead[6 * FB_MAX_MIXED];
+  fb_real follower[6 * (FB_MAX_MIXED + 1)], dead[6 * (FB_MAX_MIXED + 1)];
+  fb_real r[3 * (FB_MAX_MIXED + 1)], quat[4 * (FB_MAX_MIXED + 1)], R[9 * (FB_MAX_MIXED + 1)];
+  fb_real V[6 * (FB_MAX_MIXED + 1)], G[6 * (FB_MAX_MIXED + 1)], s[6 * FB_MAX_MIXED];
+  fb_real strain[6 * FB_MAX_MIXED], momentum[6 * FB_MAX_MIXED], lump[6 * FB_MAX_LUMPS]; /* where rates start from */
+  fb_real B[6 * (FB_MAX_MIXED + 1)], c[6 * FB_MAX_MIXED], want[6 * (FB_MAX_MIXED + 1)]; /* residuals */
+  fb_real F[6 * (FB_MAX_MIXED + 1)], P[6 * FB_MAX_MIXED];
+  fb_real dd[6 * (FB_MAX_MIXED + 1)], ds[6 * FB_MAX_MIXED]; /* corrections */
+  fb_real LU[144 * FB_MAX_MIXED], W[72 * FB_MAX_MIXED], L[72 * FB_MAX_MIXED], root[36], column[72];
+  fb_real y[12 * (FB_MAX_MIXED + 1)];
+  int perm[12 * FB_MAX_MIXED + 6];
+  fbi_mixed_cell cell;
+  fbi_mixed_jacobian jacobian;
+  fb_mixed_input input;
+  fb_mixed_state state;
+} fb_mixed_work;
+
+/* Undeformed, at the inertial origin, in rigid motion with the v, w of the input (NULL: at rest). FB_ERR_NOT_FINITE. */
+FB_API fb_status fb_mixed_state_init(const fb_mixed *mixed, fb_mixed_state *state, fb_mixed_work *work,
+                                     const fb_mixed_input *input);
+
+/* Steady state under constant loads, gravity and motion of the base (static, or steady rotation), from state as first
+   guess; where that is too far, from the undeformed beam by load increments that it chooses itself. At most 500
+   increments of 25 iterations. FB_ERR_CONVERGENCE; FB_ERR_SINGULAR: not held, or at a limit point; FB_ERR_CAPACITY: a
+   node that does not exist; FB_ERR_VALUE; FB_ERR_NOT_FINITE. On failure state is as before. */
+FB_API fb_status fb_mixed_steady_solve(const fb_mixed *mixed, fb_mixed_state *state, fb_mixed_work *work,
+                                       const fb_mixed_input *input);
+
+typedef struct fb_mixed_node {          /* of the middle of the last step where it moves */
+  fb_real position[3], quat[4];         /* [m], section to inertial axes */
+  fb_real displacement[3];              /* [m] base axes */
+  fb_real rotation[3];                  /* [rad] rotation vector from the undeformed section; whole turns count */
+  fb_real wiener_milenkovic[3];         /* the same as 4 tan(phi/4), phi within half a turn */
+  fb_real velocity[3], angular_rate[3]; /* [m/s], [rad/s] section axes */
+  fb_real force[3], moment[3];          /* [N], [N m] of what is outboard on what is inboard, section axes; at the root
+                                           of the beam on the root */
+} fb_mixed_node;
+/* All n + 1 nodes. */
+FB_API fb_status fb_mixed_nodes_eval(const fb_mixed *mixed, fb_mixed_node *node, const fb_mixed_state *state);
+
+typedef struct fb_mixed_element {            /* means over element k, section axes */
+  fb_real force[3], moment[3];               /* [N], [N m] */
+  fb_real force_strain[3], moment_strain[3]; /* -, [1/m] */
+  fb_real velocity[3], angular_rate[3];
+  fb_real momentum[3], angular_momentum[3]; /* [kg/s], [N s] per length */
+} fb_mixed_element;
+FB_API fb_status fb_mixed_element_eval(const fb_mixed *mixed, fb_mixed_element *element, const fb_mixed_state *state,
+                                       int k);
+/* Point of the deformed line that was x [m] along it, and its section: inertial axes. FB_ERR_VALUE: not on the beam. */
+FB_API fb_status fb_mixed_point_eval(const fb_mixed *mixed, fb_real position[3], fb_real quat[4],
+                                     const fb_mixed_state *state, fb_real x);
+/* With dissipation kinetic and strain energy hold beta/4 of that of the last step's change, too: their sum then falls in
+   every step of a conservative beam. */
+FB_API fb_status fb_mixed_energy(const fb_mixed *mixed, fb_energy *energy, const fb_mixed_state *state);
+FB_API fb_status fb_mixed_momentum(const fb_mixed *mixed, fb_momentum *momentum, const fb_mixed_state *state);
+
+/* ---------------------------------------------------------------------------------------------------------------
    11 >>integrate */
 
 /* Classical Runge-Kutta, order 4, four evaluations, fixed work. The inputs are those at t, t + dt/2 and t + dt; pass
@@ -1475,8 +1681,19 @@ FB_API fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
    For accuracy of the fastest mode take a fifth of it. */
 FB_API fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body, fb_real spin, fb_real acceleration);
 
+/* ---- mixed beam */
+
+/* One step under loads and motion of the base of its middle. Order 2; without dissipation the energy of a conservative
+   beam is constant but for the last correction of the iteration, whatever the step: a limit of stability does not
+   exist, accuracy wants omega dt below about 1 for the modes that matter. Fixed work: one factorization, 1 +
+   desc.iterations evaluations. FB_ERR_CONVERGENCE: the last correction is not small, take a shorter step;
+   FB_ERR_SINGULAR: a node without inertia and stiffness; else as fb_mixed_steady_solve. On failure state is as before.
+ */
+FB_API fb_status fb_mixed_step(const fb_mixed *mixed, fb_mixed_state *state, fb_mixed_work *work,
+                               const fb_mixed_input *middle, fb_real dt);
+
 /* ---------------------------------------------------------------------------------------------------------------
-   12 >>analyse: offline work, on bodies whose base is prescribed */
+   12 >>analyse: offline work, on bodies whose base is prescribed, and on the mixed beam */
 
 typedef struct fb_analyse_work { /* scratch; large: make it static */
   fb_real A[4 * FB_MAX_MODES * FB_MAX_MODES], X[8 * FB_MAX_MODES * FB_MAX_MODES], eig[16 * FB_MAX_MODES * FB_MAX_MODES];
@@ -1507,6 +1724,37 @@ FB_API fb_status fb_body_spectrum(fb_spectrum *spectrum, fb_analyse_work *work, 
                                   const fb_state *state, const fb_input *input);
 /* -re/|re + i im| of mode k: 1 aperiodic, 0 undamped, negative unstable. */
 FB_API fb_real fb_spectrum_damping(const fb_spectrum *spectrum, int k);
+
+/* ---- mixed beam */
+
+#define FB_MIXED_MODES 24 /* most that a call gives */
+#define FBI_MIXED_BASIS 120
+#define FBI_MIXED_DIM (12 * FB_MAX_MIXED + 6 + 6 * FB_MAX_LUMPS)
+
+typedef struct fb_mixed_spectrum { /* ascending by |re + i im|; of a conjugate pair the one with im > 0 */
+  int n;
+  fb_real re[FB_MIXED_MODES], im[FB_MIXED_MODES]; /* [1/s], [rad/s]; unstable where re > 0 */
+  fb_real error[FB_MIXED_MODES];                  /* estimated relative error of the iteration (not of the mesh) */
+  /* Motion of the nodes against the steady state, section axes, per mode 6 (n_element + 1): displacement [m] and
+     rotation [rad], the largest of displacement and rotation * length 1 m. */
+  fb_real shape_re[FB_MIXED_MODES * 6 * (FB_MAX_MIXED + 1)], shape_im[FB_MIXED_MODES * 6 * (FB_MAX_MIXED + 1)];
+} fb_mixed_spectrum;
+
+typedef struct fb_mixed_spectrum_work { /* scratch; large: make it static */
+  fb_mixed_work mixed;
+  fb_real Q[(FBI_MIXED_BASIS + 2) * FBI_MIXED_DIM], x[FBI_MIXED_DIM];
+  fb_real H[(FBI_MIXED_BASIS + 2) * FBI_MIXED_BASIS], A[FBI_MIXED_BASIS * FBI_MIXED_BASIS];
+  fb_real X[2 * FBI_MIXED_BASIS * FBI_MIXED_BASIS], eig[4 * FBI_MIXED_BASIS * FBI_MIXED_BASIS];
+  fb_real re[FBI_MIXED_BASIS], im[FBI_MIXED_BASIS];
+} fb_mixed_spectrum_work;
+
+/* The `count` (1..FB_MIXED_MODES) slowest motions exp(lambda t) about a steady state of fb_mixed_steady_solve with the
+   same input: vibration, whirl, flutter, buckling (lambda = 0); as the base that moves with the input sees them. A beam
+   that nothing holds has its rigid motions among them, zero to rounding's root. FB_ERR_CONVERGENCE: fewer than asked
+   for have converged; FB_ERR_KIND: it has not so many; FB_ERR_SINGULAR: no inertia. */
+FB_API fb_status fb_mixed_spectrum_solve(const fb_mixed *mixed, fb_mixed_spectrum *spectrum,
+                                         fb_mixed_spectrum_work *work, const fb_mixed_state *state,
+                                         const fb_mixed_input *input, int count);
 
 /* ---------------------------------------------------------------------------------------------------------------
    13 >>build */

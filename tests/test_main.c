@@ -14,6 +14,7 @@ void fbt_suite_modes(void);
 void fbt_suite_body(void);
 void fbt_suite_forms(void);
 void fbt_suite_integrate(void);
+void fbt_suite_mixed(void);
 void fbt_suite_analyse(void);
 void fbt_suite_system(void);
 void fbt_suite_build(void);
@@ -195,6 +196,7 @@ int main(int argc, char **argv)
   fbt_suite_forms();
   fbt_suite_integrate();
   fbt_suite_system();
+  fbt_suite_mixed();
   fbt_suite_analyse();
   fbt_suite_build();
   if (!figures || failed) {

@@ -229,6 +229,61 @@ TEST(normalize_refuses_what_has_no_direction)
   }
 }
 
-SUITE(rotation, RUN(quaternion_product_is_matrix_product), RUN(quaternion_and_matrix_rotate_alike),
+/* E4.6, E4.7: a pose by a twist, and back; a line of constant twist is the product of its parts; a circle's arc. */
+TEST(twist_and_pose_are_inverse)
+{
+  fbt_seed(5);
+  for (int k = 0; k < 60; k++) {
+    const double size = k < 20 ? 1e-3 : k < 40 ? 0.1 : 3.0;
+    fb_real x[6], y[6], r[3], q[4], half[6], h[3], p[4], R[9], end[3], turn[4];
+    fbt_fill(x, 6, size / sqrt(3.0));
+    fb_pose_from_twist(r, q, x);
+    fb_pose_to_twist(y, r, q);
+    FBT_BELOW(fbt_difference(x, y, 6), FBT_TOL(1e-14, 3e-6) * (1.0 + size));
+    for (int i = 0; i < 6; i++) {
+      half[i] = FB_R(0.5) * x[i];
+    }
+    fb_pose_from_twist(h, p, half);
+    fb_quat_to_mat33(R, p);
+    fb_mat33_mul_vec3(end, R, h);
+    fb_quat_mul(turn, p, p);
+    for (int i = 0; i < 3; i++) {
+      end[i] += h[i];
+    }
+    FBT_BELOW(fbt_difference(end, r, 3), FBT_TOL(1e-15, 1e-6) * (1.0 + size));
+    FBT_BELOW(fbt_difference(turn, q, 4), FBT_TOL(1e-15, 1e-6));
+  }
+  {
+    const fb_real arc[6] = {FB_R(2.0), 0, 0, 0, 0, FB_R(1.5)};
+    fb_real r[3], q[4];
+    fb_pose_from_twist(r, q, arc);
+    FBT_NEAR_REL(r[0], 2.0 / 1.5 * sin(1.5), FBT_TOL(1e-15, 1e-6));
+    FBT_NEAR_REL(r[1], 2.0 / 1.5 * (1.0 - cos(1.5)), FBT_TOL(1e-15, 1e-6));
+  }
+}
+
+/* E4.8: 4 tan(phi/4) along the axis, and beyond half a turn that of the rotation the other way round. */
+TEST(wiener_milenkovic_parameters_rescale)
+{
+  for (int k = -30; k <= 30; k++) {
+    const double phi = 0.21 * k, turn = 2.0 * acos(-1.0), within = phi - turn * floor(phi / turn + 0.5);
+    const fb_real axis[3] = {FB_R(0.6), FB_R(0.0), FB_R(-0.8)};
+    fb_real v[3], q[4], c[3], back[4], R[9], S[9];
+    for (int i = 0; i < 3; i++) {
+      v[i] = (fb_real)phi * axis[i];
+    }
+    fb_quat_from_rotvec(q, v);
+    fb_quat_to_wiener_milenkovic(c, q);
+    FBT_NEAR_ABS(c[0], 0.6 * 4.0 * tan(within / 4.0), FBT_TOL(1e-14, 1e-5));
+    FBT_NEAR_ABS(c[2], -0.8 * 4.0 * tan(within / 4.0), FBT_TOL(1e-14, 1e-5));
+    fb_quat_from_wiener_milenkovic(back, c);
+    fb_quat_to_mat33(R, q);
+    fb_quat_to_mat33(S, back);
+    FBT_BELOW(fbt_difference(R, S, 9), FBT_TOL(1e-14, 1e-5));
+  }
+}
+
+SUITE(rotation, RUN(twist_and_pose_are_inverse), RUN(wiener_milenkovic_parameters_rescale),
+      RUN(quaternion_product_is_matrix_product), RUN(quaternion_and_matrix_rotate_alike),
       RUN(exponential_and_logarithm_are_inverse), RUN(exponential_is_smooth_where_its_series_ends),
       RUN(normalize_refuses_what_has_no_direction))

@@ -1,0 +1,992 @@
+/* Section 10: the geometrically exact mixed beam against closed forms, the elastica, published cases, other solvers, the
+   dispersion relation of its own scheme, and what must be constant. */
+#include "fbt.h"
+
+static const double pi = 3.14159265358979323846;
+
+static fb_mixed_desc desc;
+static fb_mixed mixed;
+static fb_mixed_state state;
+static fb_mixed_work work;
+static fb_mixed_input input;
+static fb_mixed_node node[FB_MAX_MIXED + 1];
+static fb_mixed_spectrum spectrum;
+static fb_mixed_spectrum_work spectrum_work;
+
+/* A uniform beam clamped at its root: stiffness and inertia by their diagonals; nothing acts. */
+static void beam(double length, int n, const double stiffness[6], const double inertia[6])
+{
+  memset(&desc, 0, sizeof desc);
+  memset(&input, 0, sizeof input);
+  desc.length = (fb_real)length;
+  desc.n_element = n;
+  desc.n_station = 1;
+  for (int i = 0; i < 6; i++) {
+    desc.station[0].stiffness[7 * i] = (fb_real)stiffness[i];
+    desc.station[0].inertia[7 * i] = inertia ? (fb_real)inertia[i] : FB_R(0.0);
+  }
+}
+
+/* Bends and twists, rigid otherwise: unit length and stiffness. */
+static void elastica(int n)
+{
+  const double stiffness[6] = {0.0, 0.0, 0.0, 1.0, 1.0, 1.0}, inertia[6] = {1.0, 1.0, 1.0, 0.0, 0.0, 0.0};
+  beam(1.0, n, stiffness, inertia);
+}
+
+static void start(void)
+{
+  FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_OK);
+  FBT_INT_EQ(fb_mixed_state_init(&mixed, &state, &work, &input), FB_OK);
+}
+
+static void settle(void)
+{
+  start();
+  FBT_INT_EQ(fb_mixed_steady_solve(&mixed, &state, &work, &input), FB_OK);
+  FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+}
+
+static void load_tip(fb_axes axes, double fx, double fy, double fz)
+{
+  fb_load *load = &input.load[input.n_load++];
+  load->node = desc.n_element;
+  load->axes = axes;
+  load->force[0] = (fb_real)fx;
+  load->force[1] = (fb_real)fy;
+  load->force[2] = (fb_real)fz;
+}
+
+static double distance(const fb_real *p, double x, double y, double z)
+{
+  const double a = (double)p[0] - x, b = (double)p[1] - y, c = (double)p[2] - z;
+  return sqrt(a * a + b * b + c * c);
+}
+
+static void spectrum_of(int count)
+{
+  FBT_INT_EQ(fb_mixed_spectrum_solve(&mixed, &spectrum, &spectrum_work, &state, &input, count), FB_OK);
+}
+
+/* ---- statics */
+
+/* E10.7: dead and follower tip forces against elliptic functions, by elements. */
+static double elastica_error(const fbt_table *t, int row, fb_axes axes, int n)
+{
+  elastica(n);
+  load_tip(axes, 0.0, fbt_value(t, row, "alpha"), 0.0);
+  settle();
+  return distance(node[n].position, fbt_value(t, row, "x_tip"), fbt_value(t, row, "y_tip"), 0.0);
+}
+
+TEST(elastica_is_of_order_four)
+{
+  double worst = 0.0;
+  for (int follower = 0; follower < 2; follower++) {
+    const fbt_table *t = fbt_reference(follower ? "p04_follower.csv" : "p04_dead_load.csv");
+    const fb_axes axes = follower ? FB_AXES_NODE : FB_AXES_INERTIAL;
+    for (int row = 0; row < t->rows; row++) {
+      const double fine = elastica_error(t, row, axes, 40);
+      FBT_BELOW(fine, FBT_TOL(2e-6, 2e-5));
+      FBT_NEAR_ABS(node[40].rotation[2], fbt_value(t, row, "theta_tip"), FBT_TOL(5e-6, 2e-4));
+      worst = fine > worst ? fine : worst;
+      if (!FB_SINGLE) {
+        FBT_NEAR_ABS(log2(elastica_error(t, row, axes, 20) / fine), 4.0, 0.1);
+      }
+    }
+  }
+  fbt_figure("elastica, dead and follower tip loads to 20 EI/L^2, 40 elements, of the length", "elliptic functions",
+             worst);
+}
+
+/* E10.5, E10.6: what bends by a constant or linear moment is exact at the nodes with any number of elements; the linear
+   limit of a cantilever under tip force, tip moment and with shear. */
+TEST(linear_cantilevers_are_exact_at_the_nodes)
+{
+  for (int n = 1; n <= 3; n++) {
+    const double stiffness[6] = {1e3, 50.0, 60.0, 2.0, 5.0, 7.0}, f = FBT_TOL(1e-8, 1e-3);
+    beam(2.0, n, stiffness, NULL);
+    load_tip(FB_AXES_INERTIAL, 3.0 * f, f, -f);
+    input.load[0].torque[0] = (fb_real)(2.0 * f);
+    input.load[0].torque[1] = (fb_real)f;
+    settle();
+    FBT_NEAR_REL(node[n].displacement[1], f * (8.0 / 21.0 + 2.0 / 50.0), FBT_TOL(1e-6, 2e-3));
+    FBT_NEAR_REL(node[n].displacement[2], -f * (8.0 / 15.0 + 2.0 / 60.0 + 4.0 / 10.0), FBT_TOL(1e-6, 2e-3));
+    FBT_NEAR_REL(node[n].rotation[0], 2.0 * f, FBT_TOL(1e-6, 2e-3));
+    FBT_NEAR_REL(node[n].rotation[1], f * (4.0 / 10.0 + 2.0 / 5.0), FBT_TOL(1e-6, 2e-3));
+  }
+}
+
+/* E10.5: a taper is a mean of compliance: stretch and twist of L = 2, A(x) linear between stations 2 and 1. */
+TEST(tapered_rods_are_exact_at_the_nodes)
+{
+  const double stiffness[6] = {2e6, 1e6, 1e6, 2e4, 1e4, 1e4};
+  beam(2.0, 3, stiffness, NULL);
+  desc.n_station = 2;
+  desc.station[1] = desc.station[0];
+  desc.station[1].x = FB_R(2.0);
+  for (int i = 0; i < 36; i++) {
+    desc.station[1].stiffness[i] *= FB_R(0.5);
+  }
+  load_tip(FB_AXES_NODE, FBT_TOL(100.0, 1e5), 0.0, 0.0);
+  input.load[0].torque[0] = FB_R(10.0);
+  settle();
+  FBT_NEAR_REL(node[3].displacement[0], FBT_TOL(100.0, 1e5) * 2.0 / 1e6 * log(2.0), FBT_TOL(1e-9, 1e-4));
+  FBT_NEAR_REL(node[3].rotation[0], 10.0 * 2.0 / 1e4 * log(2.0), FBT_TOL(1e-9, 1e-4));
+  desc.place[1] = FB_R(0.1); /* any elements */
+  desc.place[2] = FB_R(1.7);
+  desc.place[3] = FB_R(2.0);
+  settle();
+  FBT_NEAR_REL(node[3].displacement[0], FBT_TOL(100.0, 1e5) * 2.0 / 1e6 * log(2.0), FBT_TOL(1e-9, 1e-4));
+}
+
+/* E10.12, E4.6: a tip moment makes an arc of which nodes and points in between are exact; three turns and more. */
+TEST(points_between_nodes_lie_on_the_curve)
+{
+  for (int turns = 1; turns <= 3; turns++) {
+    const double M = 2.0 * pi * turns + 0.1;
+    elastica(12);
+    load_tip(FB_AXES_NODE, 0.0, 0.0, 0.0);
+    input.load[0].torque[2] = (fb_real)M;
+    settle();
+    FBT_NEAR_ABS(node[12].rotation[2], M, FBT_TOL(1e-9, 2e-4));
+    for (int k = 0; k <= 50; k++) {
+      const double x = k / 50.0;
+      fb_real p[3], q[4];
+      FBT_INT_EQ(fb_mixed_point_eval(&mixed, p, q, &state, (fb_real)x), FB_OK);
+      FBT_BELOW(distance(p, sin(M * x) / M, (1.0 - cos(M * x)) / M, 0.0), FBT_TOL(1e-10, 1e-5));
+    }
+  }
+  elastica(8); /* bent by a force: the middle of an element against a mesh twice as fine */
+  load_tip(FB_AXES_NODE, 0.0, 4.0, 0.0);
+  settle();
+  {
+    fb_real p[3], q[4];
+    FBT_INT_EQ(fb_mixed_point_eval(&mixed, p, q, &state, FB_R(0.5625)), FB_OK);
+    desc.n_element = 16;
+    input.load[0].node = 16;
+    settle();
+    FBT_BELOW(distance(p, (double)node[9].position[0], (double)node[9].position[1], 0.0), FBT_TOL(5e-5, 1e-4));
+  }
+}
+
+/* E10.11: the 45-degree bend against a shooting solution and the published tip. */
+TEST(steady_bend_of_an_arc_matches_the_published_tip)
+{
+  const fbt_table *t = fbt_reference("p05_bend45.csv");
+  const double published[3][4] = {
+      {300.0, 22.33, 58.84, 40.08}, {450.0, 18.62, 52.32, 48.39}, {600.0, 15.79, 47.23, 53.37}};
+  const double EI = 1e7 / 12.0, saint_venant = 5e6 * 0.14057701;
+  double worst = 0.0;
+  for (int row = 0; row < t->rows; row++) {
+    const int other = strcmp(fbt_word(t, row, "variant"), "literature") != 0;
+    const double P = fbt_value(t, row, "P"), GJ = other ? saint_venant : EI;
+    const double shear = strcmp(fbt_word(t, row, "variant"), "sv_shear56") == 0 ? 5e6 * 5.0 / 6.0 : 5e6;
+    const double stiffness[6] = {1e7, shear, shear, GJ, EI, EI};
+    double error;
+    if (strcmp(fbt_word(t, row, "variant"), "rigid_shear_axial") == 0) {
+      continue;
+    }
+    beam(25.0 * pi, 40, stiffness, NULL);
+    desc.station[0].curvature[2] = FB_R(-0.01);
+    desc.attitude[0] = desc.attitude[3] = FB_R(0.7071067811865476);
+    load_tip(FB_AXES_INERTIAL, 0.0, 0.0, P);
+    settle();
+    error = distance(node[40].position, fbt_value(t, row, "x"), fbt_value(t, row, "y"), fbt_value(t, row, "z"));
+    FBT_BELOW(error / 78.54, FBT_TOL(1e-6, 1e-5));
+    worst = error / 78.54 > worst ? error / 78.54 : worst;
+    for (int i = 0; i < 3 && !other; i++) { /* eight straight elements then: within a hundredth of the length */
+      if ((int)published[i][0] == (int)P) {
+        FBT_BELOW(distance(node[40].position, published[i][1], published[i][2], published[i][3]) / 78.54, 3e-3);
+      }
+    }
+  }
+  fbt_figure("45-degree bend, tip under 300 to 600, 40 elements, of the length", "shooting", worst);
+}
+
+/* E10.11: [L] 4.4 and 4.6 against shooting: follower force and loads, at rest and at 3 Hz, root loads. */
+TEST(steady_rotation_with_load_matches_shooting)
+{
+  const fbt_table *t = fbt_reference("p03_rotating_loaded.csv");
+  const double rho = 0.098 / 386.4;
+  for (int row = 0; row < t->rows; row++) {
+    const char *model = fbt_word(t, row, "model");
+    const int rigid = strcmp(model, "elastica") == 0, shear = strcmp(model, "reissner") == 0;
+    const double stiffness[6] = {rigid ? 0.0 : 6e7, shear ? 6e7 / 2.7 : 0.0, shear ? 6e7 / 2.7 : 0.0, 1e7, 5e6, 1.8e8};
+    const double inertia[6] = {6.0 * rho, 6.0 * rho, 6.0 * rho, 0.0, 0.0, 0.0};
+    beam(72.0, 40, stiffness, inertia);
+    input.w[2] = (fb_real)(2.0 * pi * fbt_value(t, row, "f_Hz"));
+    for (int k = 0; k < 40; k++) {
+      input.line[k].axes = FB_AXES_NODE;
+      input.line[k].force[2] = FB_R(50.0);
+    }
+    settle();
+    FBT_NEAR_ABS(node[40].displacement[0], fbt_value(t, row, "ux_tip"), FBT_TOL(7e-4, 2e-3)); /* of 72 in */
+    FBT_NEAR_ABS(node[40].displacement[2], fbt_value(t, row, "uz_tip"), FBT_TOL(7e-4, 2e-3));
+    FBT_NEAR_ABS(node[40].rotation[1], -fbt_value(t, row, "theta_tip"), FBT_TOL(1e-5, 1e-4));
+    FBT_NEAR_REL(node[0].force[0], fbt_value(t, row, "H_root"), FBT_TOL(2e-2, 2e-2));
+    FBT_NEAR_REL(node[0].force[2], fbt_value(t, row, "V_root"), FBT_TOL(1e-4, 1e-3));
+    FBT_NEAR_REL(-node[0].moment[1], fbt_value(t, row, "M_root"), FBT_TOL(1e-4, 1e-3));
+  }
+}
+
+/* E10.8: a spinning rod stretches as in closed form: all places, six cases and one with a hub. */
+TEST(steady_stretch_of_a_spinning_rod_is_the_closed_form)
+{
+  const fbt_table *t = fbt_reference("p03_rotating_rod.csv");
+  const double rho = 0.098 / 386.4;
+  for (int row = 0; row < t->rows; row++) {
+    const char *name = fbt_word(t, row, "case");
+    const double E = strcmp(name, "leigh12_elastic") == 0 ? 1000.0 : 1e7,
+                 L = strcmp(name, "leigh72") == 0 ? 72.0 : 12.0;
+    const double stiffness[6] = {2.0 * E, 0.0, 0.0, E, E / 6.0, E / 6.0};
+    const double inertia[6] = {2.0 * rho, 2.0 * rho, 2.0 * rho, 0.0, 0.0, 0.0};
+    const double x = fbt_value(t, row, "x"), u = fbt_value(t, row, "u");
+    const double w = 2.0 * pi * fbt_value(t, row, "f_Hz");
+    fb_real p[3], q[4];
+    if (row == 0 || x <= 0.0) {
+      beam(L, 40, stiffness, inertia);
+      desc.position[0] = (fb_real)fbt_value(t, row, "hub");
+      input.w[2] = (fb_real)w;
+      settle();
+    }
+    FBT_INT_EQ(fb_mixed_point_eval(&mixed, p, q, &state, (fb_real)x), FB_OK);
+    FBT_NEAR_ABS((double)p[0] - (double)desc.position[0] - x, u, FBT_TOL(5e-4 * u + 1e-14, 1e-2 * u + 3e-6 * L));
+  }
+}
+
+/* E10.11: Princeton beam experiment (as an ANSYS beam model) at all angles. */
+TEST(steady_princeton_beam_at_all_angles)
+{
+  const fbt_table *t = fbt_reference("princeton_beam.csv");
+  const double E = 71.7e9, G = E / 2.62, h = 12.3777e-3, b = 3.2024e-3, strong = b * h * h * h / 12.0,
+               weak = h * b * b * b / 12.0;
+  const double stiffness[6] = {
+      E * b * h, G * b * h * 5.0 / 6.0, G * b * h * 5.0 / 6.0, 0.198 * (strong + weak) * G, E * weak, E * strong};
+  double worst = 0.0;
+  for (int row = 0; row < t->rows; row++) {
+    const double a = fbt_value(t, row, "beta") * pi / 180.0, y = fbt_value(t, row, "tip_y"),
+                 z = fbt_value(t, row, "tip_z"), size = sqrt(y * y + z * z);
+    double error;
+    beam(0.508, 10, stiffness, NULL);
+    load_tip(FB_AXES_INERTIAL, 0.0, 8.896 * cos(a), 8.896 * sin(a));
+    settle();
+    error = hypot((double)node[10].displacement[1] - y, (double)node[10].displacement[2] - z) / size;
+    FBT_BELOW(error, 0.01);
+    worst = error > worst ? error : worst;
+  }
+  fbt_figure("Princeton beam, all angles, tip displacement", "ANSYS beam model", worst);
+}
+
+/* Shooting for a hanging cantilever: (rotation, moment, x, z) from the root on by a moment there, Runge-Kutta. The load
+   of what hangs below is known, so that one number is sought. */
+static void hang(double y[4], double root, double EA, double EI, double q, double L)
+{
+  const int n = 4000;
+  const double h = L / n;
+  y[0] = y[2] = y[3] = 0.0;
+  y[1] = root;
+  for (int i = 0; i < n && fabs(y[0]) < 20.0; i++) {
+    double k[5][4] = {{0.0}}, sum[4] = {0.0};
+    for (int s = 1; s <= 4; s++) {
+      const double c = s == 1 ? 0.0 : s == 4 ? 1.0 : 0.5, weight = s == 1 || s == 4 ? 1.0 : 2.0;
+      const double a = y[0] + c * h * k[s - 1][0], M = y[1] + c * h * k[s - 1][1];
+      const double F = q * (L - (i + c) * h), e = 1.0 + F * sin(a) / EA, g = F * cos(a) / EA; /* GA = EA */
+      k[s][0] = M / EI;
+      k[s][2] = e * cos(a) - g * sin(a);
+      k[s][3] = -(e * sin(a) + g * cos(a));
+      k[s][1] = -F * k[s][2];
+      for (int j = 0; j < 4; j++) {
+        sum[j] += weight * k[s][j];
+      }
+    }
+    for (int j = 0; j < 4; j++) {
+      y[j] += h / 6.0 * sum[j];
+    }
+  }
+}
+
+/* E10.7: OpenFAST's cantilever under its weight (r-test bd_static_cantilever_beam) against shooting. The published
+   figures are those of one element of order 5 with six Gauss points, which the boundary layer at the root (a tenth of
+   the length) is too short for: 9.060 m for 9.418 m. The check against them says so. */
+TEST(steady_openfast_cantilever_hangs_as_shooting_says)
+{
+  const fbt_table *t = fbt_reference("beamdyn_static_cantilever.csv");
+  const double soft[6] = {1e4, 1e4, 1e4, 200.0, 100.0, 100.0}, mass[6] = {1.0, 1.0, 1.0, 0.0, 0.0, 0.0};
+  double low = 135.0, high = 136.0, y[4];
+  for (int k = 0; k < 40; k++) {
+    hang(y, 0.5 * (low + high), 1e4, 100.0, 9.806, 10.0);
+    low = y[1] < 0.0 ? 0.5 * (low + high) : low;
+    high = y[1] < 0.0 ? high : 0.5 * (low + high);
+  }
+  beam(10.0, 20, soft, mass); /* x here is z there, z here is -x */
+  desc.gravity[2] = FB_R(-9.806);
+  settle();
+  FBT_NEAR_REL(node[20].displacement[2], y[3], 1e-4);
+  FBT_NEAR_REL(node[20].displacement[0], y[2] - 10.0, 1e-4);
+  FBT_NEAR_REL(node[20].wiener_milenkovic[1], 4.0 * tan(y[0] / 4.0), 1e-4);
+  FBT_NEAR_REL(-node[0].force[2], 98.06, 1e-3);
+  fbt_figure("OpenFAST's cantilever under its weight, 20 elements, tip, relative", "shooting",
+             fabs((double)node[20].displacement[2] / y[3] - 1.0));
+  fbt_figure("the same tip, one fifth-order element as published", "shooting",
+             fabs(fbt_value(t, 0, "value") / -y[3] - 1.0));
+}
+
+/* ---- sections, ends, units */
+
+/* E10.4: strain of a section with centers off the line, twisted: force through the tension center stretches without
+   bending, force through the shear center bends without twisting, inertia about the line is by Steiner. */
+TEST(offsets_of_a_section_are_those_of_the_forces)
+{
+  fb_section section;
+  const double f = FBT_TOL(1e-3, 10.0);
+  memset(&section, 0, sizeof section);
+  section.mass = FB_R(2.0);
+  section.EA = FB_R(1e4);
+  section.GJ = FB_R(100.0);
+  section.EI_y = FB_R(50.0);
+  section.EI_z = FB_R(70.0);
+  section.GA_y = section.GA_z = FB_R(1e4);
+  section.i_y = FB_R(0.2);
+  section.i_z = FB_R(0.3);
+  section.tension_y = FB_R(0.1);
+  section.tension_z = FB_R(-0.2);
+  section.shear_y = FB_R(0.05);
+  section.shear_z = FB_R(0.07);
+  section.mass_y = FB_R(0.3);
+  section.mass_z = FB_R(-0.4);
+  elastica(4);
+  FBT_INT_EQ(fb_mixed_station_init(&desc.station[0], &section), FB_OK);
+  FBT_NEAR_REL(desc.station[0].inertia[21], 0.5 + 2.0 * 0.25, FBT_TOL(1e-14, 1e-6)); /* polar */
+  FBT_NEAR_REL(desc.station[0].inertia[28], 0.2 + 2.0 * 0.16, FBT_TOL(1e-14, 1e-6));
+  FBT_NEAR_REL(desc.station[0].inertia[35], 0.3 + 2.0 * 0.09, FBT_TOL(1e-14, 1e-6));
+  FBT_NEAR_REL(desc.station[0].inertia[29], 2.0 * 0.12, FBT_TOL(1e-14, 1e-6)); /* - int y z dm */
+  load_tip(FB_AXES_NODE, f, 0.0, 0.0);
+  input.load[0].torque[1] = (fb_real)(-0.2 * f); /* r x F of (0.1, -0.2) */
+  input.load[0].torque[2] = (fb_real)(-0.1 * f);
+  settle();
+  FBT_NEAR_REL(node[4].displacement[0], f / 1e4, FBT_TOL(1e-9, 1e-3));
+  FBT_NEAR_ABS(node[4].rotation[1], 0.0, FBT_TOL(1e-12, 1e-8));
+  FBT_NEAR_ABS(node[4].rotation[2], 0.0, FBT_TOL(1e-12, 1e-8));
+  memset(&input, 0, sizeof input);
+  load_tip(FB_AXES_INERTIAL, 0.0, 0.01 * f, 0.02 * f);
+  input.load[0].torque[0] = (fb_real)(0.01 * f * (0.05 * 2.0 - 0.07));
+  settle();
+  FBT_NEAR_ABS(node[4].rotation[0], 0.0, FBT_TOL(1e-9, 1e-5));
+  FBT_NEAR_REL(node[4].rotation[2], 0.01 * f * 0.5 / 70.0, FBT_TOL(1e-3, 1e-2));
+  section.GJ = FB_R(-1.0);
+  FBT_INT_EQ(fb_mixed_station_init(&desc.station[0], &section), FB_ERR_VALUE);
+}
+
+/* E10.4 to E10.9 and section 6: a twisted, tapered blade with every center off the line has the frequencies that the
+   beam's natural modes have, which are made another way. */
+TEST(spectrum_is_that_of_the_natural_modes)
+{
+  static fb_beam_desc b;
+  static fb_beam model;
+  static fb_modes_desc m;
+  static fb_modes modes;
+  static fb_modes_work modes_work;
+  memset(&b, 0, sizeof b);
+  memset(&m, 0, sizeof m);
+  elastica(FB_MAX_MIXED);
+  b.length = FB_R(1.0);
+  b.n_element = FB_SINGLE ? 6 : 20;
+  b.n_station = desc.n_station = 2;
+  for (int k = 0; k < 2; k++) {
+    const fb_section section = {k ? FB_R(1.0) : FB_R(0.0),
+                                k ? FB_R(0.6) : FB_R(1.0),
+                                FB_R(3e3),
+                                FB_R(1.4),
+                                FB_R(1.0),
+                                FB_R(3.0),
+                                FB_R(0.002),
+                                FB_R(0.004),
+                                FB_R(900.0),
+                                FB_R(800.0),
+                                FB_R(0.0),
+                                FB_R(0.01),
+                                FB_R(-0.015),
+                                FB_R(0.02),
+                                FB_R(0.01),
+                                FB_R(0.012),
+                                FB_R(0.008)};
+    b.station[k] = section;
+    b.station[k].twist = k ? FB_R(0.5) : FB_R(0.0);
+    FBT_INT_EQ(fb_mixed_station_init(&desc.station[k], &b.station[k]), FB_OK);
+  }
+  settle();
+  spectrum_of(6);
+  FBT_INT_EQ(fb_beam_init(&model, &b), FB_OK);
+  m.lowest = 6;
+  FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &model, &m), FB_OK);
+  for (int k = 0; k < 6; k++) {
+    FBT_NEAR_REL(spectrum.im[k], modes.omega[k], FBT_TOL(2e-3, 1e-2));
+    FBT_NEAR_ABS(spectrum.re[k], 0.0, FBT_TOL(1e-8, 1e-2) * (double)modes.omega[k]);
+  }
+}
+
+/* Section 10: the same beam in other units of length, force and time gives the same motion. */
+TEST(any_units_give_the_same_solution)
+{
+  const double units[4][3] = {
+      {1.0, 1.0, 1.0}, {1e-3, 1e3, FBT_TOL(1e3, 10.0)}, {39.37, 0.2248, FBT_TOL(1e-3, 0.1)}, {1e3, 1e-4, 1.0}};
+  double reference[3] = {0.0, 0.0, 0.0}, tip = 0.0;
+  for (int u = 0; u < 4; u++) {
+    const double l = units[u][0], f = units[u][1], t = units[u][2], mass = f * t * t / l; /* one old in new ones */
+    const double stiffness[6] = {1e6 * f, 4e5 * f, 4e5 * f, 80.0 * f * l * l, 100.0 * f * l * l, 300.0 * f * l * l};
+    const double inertia[6] = {mass / l, mass / l, mass / l, 2e-3 * mass * l, 1e-3 * mass * l, 1e-3 * mass * l};
+    beam(10.0 * l, 10, stiffness, inertia);
+    load_tip(FB_AXES_NODE, 0.0, 2.0 * f, 8.0 * f);
+    input.w[2] = (fb_real)(1.0 / t);
+    settle();
+    if (u == 0) {
+      for (int i = 0; i < 3; i++) {
+        reference[i] = (double)node[10].displacement[i];
+      }
+    }
+    for (int i = 0; i < 3; i++) {
+      FBT_NEAR_ABS(node[10].displacement[i] / (fb_real)l, reference[i], FBT_TOL(1e-10, 1e-3));
+    }
+    input.n_load = 0;
+    for (int k = 0; k < 50; k++) {
+      FBT_INT_EQ(fb_mixed_step(&mixed, &state, &work, &input, (fb_real)(0.01 * t)), FB_OK);
+    }
+    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+    tip = u == 0 ? (double)node[10].displacement[2] : tip;
+    FBT_NEAR_ABS(node[10].displacement[2] / (fb_real)l, tip, FBT_TOL(1e-9, 1e-2));
+  }
+}
+
+/* Deflection of the middle under a line load q, for the supports of a beam. */
+static double sag(int root, int tip, double q)
+{
+  elastica(20);
+  desc.root = root;
+  desc.tip = tip;
+  for (int k = 0; k < 20; k++) {
+    input.line[k].force[2] = (fb_real)q;
+  }
+  settle();
+  return (double)node[10].displacement[2] / q;
+}
+
+/* E10.10: ends and supports against the textbook's beams; a support amid the beam, and its reaction. */
+TEST(supports_are_those_of_the_textbook)
+{
+  const double q = FBT_TOL(1e-4, 1e-3);
+  FBT_NEAR_REL(sag(FB_END_PINNED | FB_HOLD_RX, FB_HOLD_Y | FB_HOLD_Z, q), 5.0 / 384.0, FBT_TOL(1e-5, 1e-3));
+  FBT_NEAR_REL(sag(FB_END_CLAMPED, FB_END_SLIDING & ~FB_HOLD_RX, q), 1.0 / 384.0, FBT_TOL(1e-5, 1e-2));
+  FBT_NEAR_REL(sag(FB_END_CLAMPED, FB_HOLD_Z, q), 1.0 / 192.0, FBT_TOL(1e-5, 1e-2));
+  FBT_NEAR_REL(sag(FB_END_CLAMPED, FB_END_GUIDED, q), 9.0 / 384.0, FBT_TOL(1e-5, 1e-2));
+  elastica(20); /* three supports: the middle one takes 5/8 of the load */
+  desc.root = FB_END_PINNED | FB_HOLD_RX;
+  desc.tip = FB_HOLD_Y | FB_HOLD_Z;
+  desc.n_support = 1;
+  desc.support[0].node = 10;
+  desc.support[0].held = FB_HOLD_Z;
+  for (int k = 0; k < 20; k++) {
+    input.line[k].force[2] = (fb_real)q;
+  }
+  settle();
+  FBT_NEAR_REL(node[0].force[2], q * 3.0 / 16.0, FBT_TOL(1e-4, 1e-2));
+}
+
+/* E10.10: pinned, and guided ends of a bent beam: large deflection of a beam that slides over its support. */
+TEST(a_beam_slides_over_its_support)
+{
+  elastica(30);
+  desc.root = FB_END_PINNED | FB_HOLD_RX;
+  desc.tip = FB_HOLD_Y | FB_HOLD_Z;
+  input.n_load = 1;
+  input.load[0].node = 15;
+  input.load[0].force[2] = FB_R(-40.0);
+  settle();
+  FBT_NEAR_ABS(node[30].displacement[2], 0.0, FBT_TOL(1e-12, 1e-5));
+  FBT_NEAR_ABS(node[30].rotation[1], -(double)node[0].rotation[1], FBT_TOL(1e-9, 1e-3));
+  { /* half of it is a cantilever whose tip is pushed across its final direction at the support */
+    const double sink = -(double)node[15].displacement[2], half = (double)node[15].position[0];
+    const double slope = -(double)node[0].rotation[1];
+    elastica(15);
+    desc.length = FB_R(0.5);
+    load_tip(FB_AXES_INERTIAL, 0.0, 0.0, 20.0);
+    settle();
+    FBT_NEAR_ABS(node[15].displacement[2], sink, FBT_TOL(1e-6, 1e-3));
+    FBT_NEAR_ABS(node[15].position[0], half, FBT_TOL(1e-6, 1e-3));
+    FBT_NEAR_ABS(-node[15].rotation[1], fabs(slope), FBT_TOL(1e-6, 1e-3));
+  }
+}
+
+/* ---- motion */
+
+static double total_energy(void)
+{
+  fb_energy e;
+  FBT_INT_EQ(fb_mixed_energy(&mixed, &e, &state), FB_OK);
+  return (double)e.kinetic + (double)e.strain + (double)e.gravity;
+}
+
+static fb_status steps(int count, double dt)
+{
+  fb_status status = FB_OK;
+  for (int k = 0; k < count && status == FB_OK; k++) {
+    status = fb_mixed_step(&mixed, &state, &work, &input, (fb_real)dt);
+  }
+  FBT_INT_EQ(status, FB_OK);
+  return status;
+}
+
+/* A cantilever bent by half its length in space, twisted too, and let go. */
+static void pluck(double dissipation)
+{
+  const double stiffness[6] = {1e5, 4e4, 4e4, 80.0, 100.0, 150.0}, inertia[6] = {1.0, 1.0, 1.0, 1e-3, 5e-4, 5e-4};
+  beam(10.0, 10, stiffness, inertia);
+  desc.iterations = 12;
+  desc.dissipation = (fb_real)dissipation;
+  load_tip(FB_AXES_INERTIAL, 0.0, 3.0, 1.0);
+  input.load[0].torque[0] = FB_R(3.0);
+  settle();
+  input.n_load = 0;
+}
+
+/* E10.8, E10.13, E11.20: 10000 steps of free vibration, the fast part of it unresolved. */
+TEST(energy_is_kept_whatever_the_step)
+{
+  for (int fast = 0; fast < (FB_SINGLE ? 1 : 2); fast++) {
+    double before, worst = 0.0;
+    pluck(0.0);
+    before = total_energy();
+    for (int k = 0; k < (FB_SINGLE ? 10 : 100); k++) {
+      if (steps(100, fast ? 0.002 : 0.01) != FB_OK) {
+        return;
+      }
+      worst = fmax(worst, fabs(total_energy() / before - 1.0));
+    }
+    FBT_BELOW(worst, FBT_TOL(1e-11, 1e-4));
+    if (fast) {
+      fbt_figure("energy over 10000 steps of free vibration, amplitude half the length, relative", "constant", worst);
+    }
+  }
+}
+
+/* E11.20: with dissipation the energy never rises, what is resolved keeps most of it; the algorithm's own energy, with
+   beta/4 of the last increment's, falls in every step. */
+TEST(dissipation_takes_energy_in_every_step)
+{
+  for (int run = 1; run <= 3; run++) {
+    double before, first, least = FBT_TOL(0.0, 1e-5);
+    pluck(0.2 * run);
+    first = before = total_energy();
+    for (int k = 0; k < 2000; k++) {
+      double now;
+      if (steps(1, 0.02) != FB_OK) {
+        return;
+      }
+      now = total_energy();
+      FBT_TRUE(now <= before * (1.0 + least));
+      before = now;
+    }
+    FBT_TRUE(before < 0.999 * first && before > 0.9 * first);
+  }
+}
+
+/* E10.14: a free beam, bent and tumbling: linear and angular momentum; the error is that of the midpoint rule. */
+TEST(free_flight_keeps_momentum)
+{
+  double error[2];
+  for (int fine = 0; fine < 2; fine++) {
+    const double stiffness[6] = {1e4, 4e3, 4e3, 80.0, 100.0, 100.0}, inertia[6] = {1.0, 1.0, 1.0, 2e-2, 1e-2, 1e-2};
+    fb_momentum a, b;
+    double worst = 0.0, scale;
+    beam(5.0, 8, stiffness, inertia);
+    desc.root = FB_END_FREE;
+    desc.iterations = 10;
+    input.v[1] = FB_R(-2.0);
+    input.w[0] = FB_R(0.3);
+    input.w[1] = FB_R(0.4);
+    input.w[2] = FB_R(1.0);
+    start();
+    FBT_INT_EQ(fb_mixed_momentum(&mixed, &a, &state), FB_OK);
+    FBT_NEAR_ABS(a.linear[1], 5.0 * (-2.0 + 2.5), FBT_TOL(1e-12, 1e-4));
+    FBT_NEAR_REL(a.angular[2], 125.0 / 3.0 * 1.0 + 5e-2 - 2.0 * 12.5, FBT_TOL(1e-12, 1e-4));
+    scale = sqrt((double)fb_vec3_dot(a.angular, a.angular));
+    for (int k = 0; k < 200; k++) {
+      if (steps(fine ? 10 : 5, fine ? 0.005 : 0.01) != FB_OK) {
+        return;
+      }
+      FBT_INT_EQ(fb_mixed_momentum(&mixed, &b, &state), FB_OK);
+      worst = fmax(worst, fbt_difference(a.angular, b.angular, 3) / scale);
+      worst = fmax(worst, fbt_difference(a.linear, b.linear, 3) / 5.0);
+    }
+    error[fine] = worst;
+  }
+  FBT_BELOW(error[0], 2e-4);
+  if (!FB_SINGLE) {
+    FBT_NEAR_REL(error[0] / error[1], 4.0, 0.1);
+  }
+}
+
+/* E10.6: a beam that hardly bends turns like a rigid rod of its inertia: pinned, under a torque. */
+TEST(a_rigid_beam_has_its_inertia)
+{
+  const double stiffness[6] = {0.0, 0.0, 0.0, 1e9, 1e9, 1e9}, inertia[6] = {1.5, 1.5, 1.5, 0.02, 0.01, 0.01};
+  for (int n = 1; n <= 4; n += 3) {
+    beam(2.0, n, stiffness, inertia);
+    desc.root = FB_END_CLAMPED & ~FB_HOLD_RZ;
+    start();
+    input.n_load = 1;
+    input.load[0].torque[2] = FB_R(0.5);
+    if (steps(100, 0.01) == FB_OK) {
+      FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+      FBT_NEAR_REL(node[0].rotation[2], 0.5 * 0.5 * 1.0 / (4.0 + 0.02), FBT_TOL(1e-6, 1e-3));
+    }
+  }
+}
+
+/* E10.8: the base carries the beam: uniform motion, in any direction and attitude, changes nothing; a state that spins
+   steadily goes on so. */
+TEST(steady_and_marching_agree)
+{
+  const double stiffness[6] = {1e5, 4e4, 4e4, 80.0, 100.0, 150.0}, inertia[6] = {1.0, 1.0, 1.0, 1e-3, 5e-4, 5e-4};
+  fb_real before[3], turn;
+  beam(10.0, 10, stiffness, inertia);
+  desc.position[0] = FB_R(0.5);
+  desc.attitude[0] = FB_R(0.9);
+  desc.attitude[1] = FB_R(0.2);
+  desc.attitude[3] = FB_R(-0.1);
+  input.v[2] = FB_R(3.0);
+  input.w[2] = FB_R(1.2);
+  load_tip(FB_AXES_NODE, 0.0, 0.0, 1.5);
+  settle();
+  memcpy(before, node[10].displacement, sizeof before);
+  FBT_TRUE(fb_vec3_dot(before, before) > FB_R(0.5));
+  if (steps(400, 0.01) != FB_OK) {
+    return;
+  }
+  FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+  FBT_BELOW(fbt_difference(before, node[10].displacement, 3), FBT_TOL(1e-7, 2e-2));
+  turn = FB_R(2.0) * (fb_real)atan2((double)state.base_quat[3], (double)state.base_quat[0]);
+  FBT_NEAR_ABS(turn, 1.2 * 4.0, FBT_TOL(1e-9, 1e-3));
+  FBT_NEAR_ABS(state.base_position[2], 12.0, FBT_TOL(1e-9, 1e-3));
+}
+
+/* E11.20: [D'Eleuterio and Barfoot]'s spin-up against the geometrically exact beam of reference p07, driven by rate and by
+   torque. */
+TEST(spin_up_matches_the_exact_beam)
+{
+  double worst = 0.0;
+  for (int torque = 0; torque < 2; torque++) {
+    const fbt_table *t = fbt_reference(torque ? "p07A_second_order.csv" : "p07C_second_order.csv");
+    const double stiffness[6] = {3.1724e7, 0.0, 0.0, 0.0, 0.0, 14004.0}, inertia[6] = {1.2, 1.2, 1.2, 0.0, 0.0, 0.0};
+    const double dt = 0.01, T = 15.0;
+    double now = 0.0;
+    beam(10.0, 20, stiffness, inertia);
+    desc.root = torque ? FB_END_CLAMPED & ~FB_HOLD_RZ : FB_END_CLAMPED;
+    desc.dissipation = FB_R(0.1);
+    start();
+    for (int row = 1; row < t->rows; row++) {
+      const double until = fbt_value(t, row, "t");
+      fb_real R[9], x[3], y[3];
+      while (now < until - 0.5 * dt) {
+        const double middle = now + 0.5 * dt;
+        if (torque) {
+          input.n_load = 1;
+          input.load[0].axes = FB_AXES_NODE;
+          input.load[0].torque[2] = (fb_real)(middle < T ? 160.0 * (1.0 - cos(2.0 * pi * middle / T)) : 0.0);
+        } else {
+          input.w[2] = (fb_real)(middle < T ? 6.0 / T * (middle - T / (2.0 * pi) * sin(2.0 * pi * middle / T)) : 6.0);
+        }
+        if (steps(1, dt) != FB_OK) {
+          return;
+        }
+        now += dt;
+      }
+      fb_quat_to_mat33(R, state.quat);
+      for (int i = 0; i < 3; i++) {
+        x[i] = (state.r[60 + i] - state.r[i]) * mixed.length;
+      }
+      fb_mat33_mulT_vec3(y, R, x);
+      worst = fmax(worst, fabs((double)y[1] - fbt_value(t, row, "GE_u2")));
+      worst = fmax(worst, fabs((double)y[0] - 10.0 - fbt_value(t, row, "GE_u1")));
+    }
+  }
+  FBT_BELOW(worst / 0.568, FBT_TOL(1e-3, 5e-3));
+  fbt_figure("spin-up, 20 elements, 10 ms, tip over 30 s, of the peak", "geometrically exact, p07A, p07C",
+             worst / 0.568);
+}
+
+/* Frequency of a rod by its own free vibration, one element: rotation of the phase per step. */
+static double ring(int axis, double dt)
+{
+  double x[3] = {0.0, 0.0, 0.0}, c = 0.0, weight = 0.0;
+  for (int k = 0; k < 400; k++) {
+    if (steps(1, dt) != FB_OK) {
+      return 0.0;
+    }
+    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+    x[0] = x[1];
+    x[1] = x[2];
+    x[2] = axis ? (double)node[1].rotation[0] : (double)node[1].displacement[0];
+    if (k > 2) { /* x_(k+1) + x_(k-1) = 2 cos(omega dt) x_k, least squares */
+      c += (x[0] + x[2]) * x[1];
+      weight += 2.0 * x[1] * x[1];
+    }
+  }
+  return acos(c / weight) / (2.0 * pi * dt);
+}
+
+/* Section 10: [L] 4.7's shift of one element's frequency is the dispersion of the scheme, 2/dt atan(c dt/L). */
+TEST(one_element_rings_at_the_predicted_frequency)
+{
+  const fbt_table *t = fbt_reference("p08_box_scheme.csv");
+  const double rho = 0.098 / 386.4, E = 1e7, G = E / 2.7;
+  double worst = 0.0;
+  for (int row = 0; row < t->rows; row++) {
+    const int torsion = strcmp(fbt_word(t, row, "kind"), "torsion") == 0;
+    const double stiffness[6] = {E, 0.0, 0.0, G, E, E}, inertia[6] = {rho, rho, rho, rho, rho, rho};
+    const double dt = fbt_value(t, row, "dt");
+    double f;
+    if ((int)fbt_value(t, row, "N") != 1) {
+      continue;
+    }
+    beam(12.0, 1, stiffness, inertia);
+    load_tip(FB_AXES_NODE, torsion ? 0.0 : 100.0, 0.0, 0.0);
+    input.load[0].torque[0] = torsion ? FB_R(100.0) : FB_R(0.0);
+    settle();
+    input.n_load = 0;
+    f = ring(torsion, dt);
+    FBT_NEAR_REL(f, fbt_value(t, row, "f_pred"), FBT_TOL(1e-6, 2e-3));
+    worst = fmax(worst, fabs(f / fbt_value(t, row, "f_pred") - 1.0));
+  }
+  fbt_figure("one element's axial and torsional frequency, all steps", "dispersion 2/dt atan(c dt/L)", worst);
+}
+
+/* ---- spectrum */
+
+/* E12.4, E12.5: clamped-free, free-free, pinned-pinned beams, equal frequencies in both planes; order 4 in the mesh. */
+TEST(spectrum_of_a_straight_beam_is_the_textbooks)
+{
+  const double bl[3][3] = {{1.8751040687119612, 4.694091132974175, 7.854757438237613},
+                           {4.730040744862704, 7.853204624095838, 10.995607838001671},
+                           {3.141592653589793, 6.283185307179586, 9.42477796076938}};
+  for (int kind = 0; kind < 3; kind++) {
+    elastica(40);
+    desc.station[0].inertia[21] = FB_R(1e-5); /* torsion is faster */
+    if (kind == 1) {
+      desc.root = FB_END_FREE;
+      start();
+    } else {
+      desc.root = kind == 2 ? FB_END_PINNED | FB_HOLD_RX : FB_END_CLAMPED;
+      desc.tip = kind == 2 ? FB_HOLD_Y | FB_HOLD_Z : FB_END_FREE;
+      settle();
+    }
+    spectrum_of(kind == 1 ? 18 : 6);
+    for (int k = 0, at = 0; k < 6; k++, at++) {
+      while (at < 17 && (double)spectrum.im[at] < FBT_TOL(1e-3, 2.0)) { /* rigid motions of the free beam */
+        at++;
+      }
+      FBT_NEAR_REL(spectrum.im[at], bl[kind][k / 2] * bl[kind][k / 2], FBT_TOL(1e-4, 2e-2));
+      FBT_NEAR_ABS(spectrum.re[at], 0.0, FBT_TOL(1e-7, 1.0));
+    }
+  }
+}
+
+/* E10.9, E12.4: Beck's column under a tangential tip load flutters where its first two frequencies meet; below it, the
+   frequencies. */
+TEST(becks_column_flutters_at_its_load)
+{
+  const fbt_table *t = fbt_reference("p06_beck.csv");
+  double low = 15.0, high = 25.0;
+  for (int row = 0; row < t->rows; row++) {
+    const double mu = fbt_value(t, row, "mu"), p = fbt_value(t, row, "p");
+    const int mode = (int)fbt_value(t, row, "mode");
+    if (fbt_value(t, row, "gam") < 1.0 || p > 20.0) {
+      continue;
+    }
+    if (mode == 1) {
+      elastica(20);
+      desc.tip = FB_HOLD_Z;
+      desc.n_lump = mu > 0.0;
+      desc.lump[0].node = 20;
+      desc.lump[0].mass = (fb_real)mu;
+      load_tip(FB_AXES_NODE, -p, 0.0, 0.0);
+      settle();
+    }
+    spectrum_of(10);
+    {
+      double best = 1e9; /* the other plane's, held at the tip, are among them */
+      for (int k = 0; k < 10; k++) {
+        best = fmin(best, hypot((double)spectrum.im[k] - fbt_value(t, row, "om_re"),
+                                fabs((double)spectrum.re[k]) - fbt_value(t, row, "om_im")));
+      }
+      FBT_BELOW(best / fbt_value(t, row, "om_re"), mode < 3 ? FBT_TOL(1e-2, 3e-2) : FBT_TOL(1e-2, 3e-2));
+    }
+  }
+  while (high - low > 1e-3) {
+    const double p = 0.5 * (low + high);
+    double growth = -1.0;
+    elastica(20);
+    desc.tip = FB_HOLD_Z;
+    load_tip(FB_AXES_NODE, -p, 0.0, 0.0);
+    settle();
+    spectrum_of(4);
+    for (int k = 0; k < 4; k++) {
+      growth = fmax(growth, fabs((double)spectrum.re[k]));
+    }
+    low = growth < FBT_TOL(1e-3, 0.1) ? p : low;
+    high = growth < FBT_TOL(1e-3, 0.1) ? high : p;
+  }
+  FBT_NEAR_REL(low, 20.0509536, FBT_TOL(1e-3, 5e-3));
+  fbt_figure("Beck's flutter load, 20 elements, relative", "20.0509536", fabs(low / 20.0509536 - 1.0));
+}
+
+/* E12.4: gyroscopic whirl of a shaft with rotary inertia, seen from the turning base: each frequency less the spin. */
+TEST(shaft_whirls_as_in_closed_form)
+{
+  const fbt_table *t = fbt_reference("p06_shaft_whirl.csv");
+  for (int row = 0; row < t->rows; row++) {
+    const double r = fbt_value(t, row, "r_over_L"), spin = fbt_value(t, row, "Om"), r2 = r * r;
+    const double way[2] = {fbt_value(t, row, "forward") - spin, fbt_value(t, row, "backward") + spin};
+    const double inertia[6] = {1.0, 1.0, 1.0, 2.0 * r2, r2, r2}, stiffness[6] = {0.0, 0.0, 0.0, 0.0, 1.0, 1.0};
+    beam(1.0, 40, stiffness, inertia);
+    desc.root = FB_END_PINNED | FB_HOLD_RX;
+    desc.tip = FB_HOLD_Y | FB_HOLD_Z;
+    input.w[0] = (fb_real)spin;
+    settle();
+    spectrum_of(8);
+    for (int i = 0; i < 2; i++) {
+      double best = 1e9;
+      for (int k = 0; k < 8; k++) {
+        best = fmin(best, fabs((double)spectrum.im[k] - fabs(way[i])));
+      }
+      FBT_BELOW(best / fbt_value(t, row, "forward"), FBT_TOL(2e-3, 1e-2));
+    }
+  }
+}
+
+/* E12.4 about a steady rotation: flap and lag of the spinning cantilever. */
+TEST(spinning_cantilever_has_the_published_frequencies)
+{
+  const fbt_table *t = fbt_reference("p02_rotating_uniform.csv");
+  for (int row = 0; row < t->rows; row++) {
+    const double eta = fbt_value(t, row, "eta"), hub = fbt_value(t, row, "alpha");
+    const double stiffness[6] = {1e8, 0.0, 0.0, 0.0, 1.0, 1.0}, inertia[6] = {1.0, 1.0, 1.0, 0.0, 0.0, 0.0};
+    double flap = 1e9, lag = 1e9;
+    if (eta > 12.5 || (int)fbt_value(t, row, "mode") > 2) {
+      continue;
+    }
+    if ((int)fbt_value(t, row, "mode") == 1) {
+      beam(1.0, 40, stiffness, inertia);
+      desc.position[0] = (fb_real)hub;
+      input.w[2] = (fb_real)eta;
+      settle();
+      spectrum_of(5);
+    }
+    for (int k = 0; k < 5; k++) {
+      flap = fmin(flap, fabs((double)spectrum.im[k] - fbt_value(t, row, "mu_flap")));
+      lag = fmin(lag, fabs((double)spectrum.im[k] - fbt_value(t, row, "mu_lag")));
+    }
+    FBT_BELOW(flap / fbt_value(t, row, "mu_flap"), FBT_TOL(5e-4, 5e-2));
+    FBT_BELOW(lag / fbt_value(t, row, "mu_lag"), FBT_TOL(5e-4, 5e-2));
+  }
+}
+
+/* E10.11: a column under a dead load: unstable beyond Euler's, and the bent states beyond it. */
+TEST(columns_buckle_at_eulers_load)
+{
+  const fbt_table *t = fbt_reference("p06_euler.csv");
+  for (int row = 4; row < t->rows; row++) { /* extensible, shearable */
+    const double EA = row == 4 ? 1000.0 : 200.0, GA = 0.4 * EA, critical = fbt_value(t, row, "p_cr");
+    const double stiffness[6] = {EA, GA, GA, 1.0, 1.0, 1.0}, inertia[6] = {1.0, 1.0, 1.0, 1e-3, 0.0, 0.0};
+    for (int beyond = 0; beyond < 2; beyond++) {
+      beam(1.0, 20, stiffness, inertia);
+      load_tip(FB_AXES_INERTIAL, -critical * (beyond ? 1.0 + FBT_TOL(5e-5, 1e-2) : 1.0 - FBT_TOL(5e-5, 1e-2)), 0.0,
+               0.0);
+      settle();
+      spectrum_of(2);
+      FBT_TRUE(beyond ? fmax((double)spectrum.re[0], (double)spectrum.re[1]) > 1e-3 : (double)spectrum.im[0] > 1e-3);
+    }
+  }
+  t = fbt_reference("p06_postbuckling.csv");
+  for (int row = 1; row < t->rows; row++) {
+    const double P = fbt_value(t, row, "PL2_EI");
+    elastica(40);
+    load_tip(FB_AXES_INERTIAL, 0.0, 0.05, 0.0);
+    settle();
+    for (int k = 1; k <= 21; k++) { /* pressed, pushed aside a little, and at last let go */
+      input.load[0].force[0] = (fb_real)(-P * (k < 20 ? k / 20.0 : 1.0));
+      input.load[0].force[1] = k < 21 ? FB_R(0.05) : FB_R(0.0);
+      FBT_INT_EQ(fb_mixed_steady_solve(&mixed, &state, &work, &input), FB_OK);
+    }
+    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+    FBT_NEAR_ABS(node[40].position[0], fbt_value(t, row, "x_tip"), FBT_TOL(1e-5, 2e-3));
+    FBT_NEAR_ABS(fabs((double)node[40].position[1]), fbt_value(t, row, "y_tip"), FBT_TOL(1e-5, 2e-3)); /* either side */
+  }
+}
+
+/* ---- refusal */
+
+/* Section 10: bad input is refused and changes nothing. */
+TEST(mixed_beam_refuses_bad_input)
+{
+  static fb_mixed_state before;
+  static fb_mixed other;
+  elastica(4);
+  FBT_INT_EQ(fb_mixed_init(&mixed, NULL), FB_ERR_NULL);
+  desc.n_element = FB_MAX_MIXED + 1;
+  FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_ERR_CAPACITY);
+  desc.n_element = 4;
+  desc.length = FB_R(0.0);
+  FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_ERR_VALUE);
+  desc.length = (fb_real)NAN;
+  FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_ERR_NOT_FINITE);
+  desc.length = FB_R(1.0);
+  desc.station[0].stiffness[28] = FB_R(-1.0);
+  FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_ERR_VALUE);
+  desc.station[0].stiffness[28] = FB_R(1.0);
+  desc.station[0].stiffness[29] = desc.station[0].stiffness[34] = FB_R(2.0); /* not positive definite */
+  FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_ERR_VALUE);
+  desc.station[0].stiffness[29] = FB_R(0.5);
+  FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_ERR_VALUE); /* not symmetric */
+  desc.station[0].stiffness[29] = desc.station[0].stiffness[34] = FB_R(0.0);
+  desc.dissipation = FB_R(0.9);
+  FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_ERR_VALUE);
+  desc.dissipation = FB_R(0.0);
+  desc.tip = 99;
+  FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_ERR_VALUE);
+  desc.tip = FB_END_DEFAULT;
+  start();
+  other = mixed;
+  desc.root = -1;
+  FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_ERR_VALUE);
+  FBT_TRUE(memcmp(&other, &mixed, sizeof mixed) == 0);
+  before = state;
+  input.n_load = 1;
+  input.load[0].node = 5;
+  FBT_INT_EQ(fb_mixed_steady_solve(&mixed, &state, &work, &input), FB_ERR_CAPACITY);
+  FBT_INT_EQ(fb_mixed_step(&mixed, &state, &work, &input, FB_R(0.01)), FB_ERR_CAPACITY);
+  input.load[0].node = 4;
+  input.load[0].force[1] = (fb_real)INFINITY;
+  FBT_INT_EQ(fb_mixed_steady_solve(&mixed, &state, &work, &input), FB_ERR_NOT_FINITE);
+  input.load[0].force[1] = FB_R(1e6);
+  FBT_INT_EQ(fb_mixed_steady_solve(&mixed, &state, &work, &input), FB_ERR_CONVERGENCE);
+  FBT_INT_EQ(fb_mixed_step(&mixed, &state, &work, &input, FB_R(10.0)), FB_ERR_CONVERGENCE);
+  FBT_INT_EQ(fb_mixed_step(&mixed, &state, &work, &input, FB_R(0.0)), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_mixed_step(&mixed, &state, &work, &input, (fb_real)NAN), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_mixed_spectrum_solve(&mixed, &spectrum, &spectrum_work, &state, NULL, 0), FB_ERR_VALUE);
+  FBT_TRUE(memcmp(&before, &state, sizeof state) == 0);
+}
+
+SUITE(mixed, RUN(elastica_is_of_order_four), RUN(linear_cantilevers_are_exact_at_the_nodes),
+      RUN(tapered_rods_are_exact_at_the_nodes), RUN(points_between_nodes_lie_on_the_curve),
+      RUN(steady_bend_of_an_arc_matches_the_published_tip), RUN(steady_rotation_with_load_matches_shooting),
+      RUN(steady_stretch_of_a_spinning_rod_is_the_closed_form), RUN(steady_princeton_beam_at_all_angles),
+      RUN(steady_openfast_cantilever_hangs_as_shooting_says), RUN(offsets_of_a_section_are_those_of_the_forces),
+      RUN(spectrum_is_that_of_the_natural_modes), RUN(any_units_give_the_same_solution),
+      RUN(supports_are_those_of_the_textbook), RUN(a_beam_slides_over_its_support),
+      RUN(energy_is_kept_whatever_the_step), RUN(dissipation_takes_energy_in_every_step),
+      RUN(free_flight_keeps_momentum), RUN(a_rigid_beam_has_its_inertia), RUN(steady_and_marching_agree),
+      RUN(spin_up_matches_the_exact_beam), RUN(one_element_rings_at_the_predicted_frequency),
+      RUN(spectrum_of_a_straight_beam_is_the_textbooks), RUN(becks_column_flutters_at_its_load),
+      RUN(shaft_whirls_as_in_closed_form), RUN(spinning_cantilever_has_the_published_frequencies),
+      RUN(columns_buckle_at_eulers_load), RUN(mixed_beam_refuses_bad_input))
