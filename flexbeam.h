@@ -1745,7 +1745,7 @@ typedef struct fb_mixed_spectrum_work { /* scratch; large: make it static */
   fb_real Q[(FBI_MIXED_BASIS + 2) * FBI_MIXED_DIM], x[FBI_MIXED_DIM];
   fb_real H[(FBI_MIXED_BASIS + 2) * FBI_MIXED_BASIS], A[FBI_MIXED_BASIS * FBI_MIXED_BASIS];
   fb_real X[2 * FBI_MIXED_BASIS * FBI_MIXED_BASIS], eig[4 * FBI_MIXED_BASIS * FBI_MIXED_BASIS];
-  fb_real re[FBI_MIXED_BASIS], im[FBI_MIXED_BASIS];
+  fb_real re[FBI_MIXED_BASIS], im[FBI_MIXED_BASIS], missing[FBI_MIXED_BASIS];
 } fb_mixed_spectrum_work;
 
 /* The `count` (1..FB_MIXED_MODES) slowest motions exp(lambda t) about a steady state of fb_mixed_steady_solve with the

@@ -9979,17 +9979,71 @@ static void fbi_mixed_lump_fill(fb_real M[36], const fb_lump *lump)
   }
 }
 
+/* Poses of the nodes from that of the root and the strains (NULL: none). */
+static void fbi_mixed_poses(fb_real *r, fb_real *quat, const fb_mixed *m, const fb_real *strain)
+{
+  for (int k = 0; k < m->n; k++) {
+    fb_real x[6];
+    for (int i = 0; i < 6; i++) {
+      x[i] = m->h[k] * (m->xi[6 * k + i] + (strain ? strain[6 * k + i] : FB_R(0.0)));
+    }
+    fbi_copy(r + 3 * k + 3, r + 3 * k, 3);
+    fbi_copy(quat + 4 * k + 4, quat + 4 * k, 4);
+    fbi_pose_add(r + 3 * k + 3, quat + 4 * k + 4, x);
+  }
+}
+
+/* From the desc's units to the beam's own. */
+static void fbi_mixed_rescale(fb_mixed *m, const fb_mixed_desc *desc)
+{
+  const fb_real L = m->length, mass = m->force * m->time * m->time / L;
+  for (int k = 0; k < m->n; k++) {
+    m->h[k] /= L;
+    for (int i = 3; i < 6; i++) {
+      m->xi[6 * k + i] *= L;
+    }
+    fbi_mixed_scale(m->section + 36 * k, m->force, L);
+    fbi_mixed_scale(m->M + 36 * k, L / mass, FB_R(1.0) / L);
+  }
+  for (int k = 0; k < m->n_lump; k++) {
+    m->lump_node[k] = desc->lump[k].node;
+    fbi_mixed_lump_fill(m->lump + 36 * k, &desc->lump[k]);
+    fbi_mixed_scale(m->lump + 36 * k, FB_R(1.0) / mass, FB_R(1.0) / L);
+    fbi_pseudo_inverse(m->lump_inverse + 36 * k, m->lump + 36 * k);
+  }
+  for (int i = 0; i < 3; i++) {
+    m->gravity[i] = desc->gravity[i] * m->time * m->time / L;
+    m->r[i] = desc->position[i] / L;
+  }
+}
+
+/* What holds the nodes, and where they are before anything acts: the root's attitude with its twist, then the line. */
+static void fbi_mixed_nodes_fill(fb_mixed *m, const fb_mixed_desc *desc, const fb_real attitude[4])
+{
+  fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, quat[4];
+  turn[0] = desc->station[0].twist;
+  fb_quat_from_rotvec(quat, turn);
+  fb_quat_mul(m->quat, attitude, quat);
+  fbi_mixed_poses(m->r, m->quat, m, NULL);
+  m->held[0] = desc->root == FB_END_DEFAULT ? FB_END_CLAMPED : desc->root % FB_END_FREE;
+  m->held[m->n] = desc->tip % FB_END_FREE;
+  for (int k = 0; k < desc->n_support; k++) {
+    m->held[desc->support[k].node] |= desc->support[k].held % FB_END_FREE;
+  }
+  m->floating = 1;
+  for (int k = 0; k <= m->n; k++) {
+    m->floating = m->floating && m->held[k] == 0;
+  }
+}
+
 FB_DEF fb_status fb_mixed_init(fb_mixed *m, const fb_mixed_desc *desc)
 {
   fb_status status;
-  fb_mixed_station at;
-  fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, quat[4], attitude[4];
+  fb_real attitude[4], rho;
   FBI_REQUIRE(m && desc, FB_ERR_NULL);
   status = fbi_mixed_check(desc);
   fbi_copy(attitude, desc->attitude, 4);
-  if (fbi_is_zero(attitude, 4)) {
-    attitude[0] = FB_R(1.0);
-  }
+  attitude[0] = fbi_is_zero(attitude, 4) ? FB_R(1.0) : attitude[0];
   status = status ? status : fb_quat_normalize(attitude);
   if (status != FB_OK) {
     return status;
@@ -9998,53 +10052,17 @@ FB_DEF fb_status fb_mixed_init(fb_mixed *m, const fb_mixed_desc *desc)
   m->n = desc->n_element;
   m->n_lump = desc->n_lump;
   m->iterations = desc->iterations > 0 ? desc->iterations : 6;
+  rho = FB_R(1.0) - desc->dissipation;
+  m->beta = rho * (FB_R(1.0) - rho) / ((FB_R(1.0) + rho) * (FB_R(1.0) + rho));
   for (int k = 0; k < m->n; k++) {
     fbi_mixed_element_fill(m, desc, k);
   }
   fbi_mixed_units(m, desc);
-  {
-    const fb_real L = m->length, mass = m->force * m->time * m->time / L, rho = FB_R(1.0) - desc->dissipation;
-    m->beta = rho * (FB_R(1.0) - rho) / ((FB_R(1.0) + rho) * (FB_R(1.0) + rho));
-    for (int k = 0; k < m->n; k++) {
-      m->h[k] /= L;
-      for (int i = 3; i < 6; i++) {
-        m->xi[6 * k + i] *= L;
-      }
-      fbi_mixed_scale(m->section + 36 * k, m->force, L);
-      fbi_mixed_scale(m->M + 36 * k, L / mass, FB_R(1.0) / L);
-      fbi_mixed_refine(m, k);
-    }
-    for (int k = 0; k < m->n_lump; k++) {
-      m->lump_node[k] = desc->lump[k].node;
-      fbi_mixed_lump_fill(m->lump + 36 * k, &desc->lump[k]);
-      fbi_mixed_scale(m->lump + 36 * k, FB_R(1.0) / mass, FB_R(1.0) / L);
-      fbi_pseudo_inverse(m->lump_inverse + 36 * k, m->lump + 36 * k);
-    }
-    for (int i = 0; i < 3; i++) {
-      m->gravity[i] = desc->gravity[i] * m->time * m->time / L;
-      m->r[i] = desc->position[i] / L;
-    }
-  }
-  m->held[0] = desc->root == FB_END_DEFAULT ? FB_END_CLAMPED : desc->root % FB_END_FREE;
-  m->held[m->n] = desc->tip % FB_END_FREE;
-  for (int k = 0; k < desc->n_support; k++) {
-    m->held[desc->support[k].node] |= desc->support[k].held % FB_END_FREE;
-  }
-  fbi_mixed_station_eval(&at, desc, FB_R(0.0));
-  turn[0] = at.twist;
-  fb_quat_from_rotvec(quat, turn);
-  fb_quat_mul(m->quat, attitude, quat);
-  m->floating = m->held[0] == 0;
+  fbi_mixed_rescale(m, desc);
   for (int k = 0; k < m->n; k++) {
-    fb_real x[6];
-    for (int i = 0; i < 6; i++) {
-      x[i] = m->h[k] * m->xi[6 * k + i];
-    }
-    fbi_copy(m->r + 3 * k + 3, m->r + 3 * k, 3);
-    fbi_copy(m->quat + 4 * k + 4, m->quat + 4 * k, 4);
-    fbi_pose_add(m->r + 3 * k + 3, m->quat + 4 * k + 4, x);
-    m->floating = m->floating && m->held[k + 1] == 0;
+    fbi_mixed_refine(m, k);
   }
+  fbi_mixed_nodes_fill(m, desc, attitude);
   return FB_OK;
 }
 
@@ -10076,7 +10094,7 @@ static void fbi_mixed_mean3(fb_real y[3], const fb_real theta[6], const fb_real 
    ends, F = s + (ad(theta)^T dF - h df)/12 -+ dF/2, so that the stress s is the mean of F over the element; df: by which
    loads with directions of their own differ between its ends.
    Source: [L] 3.92-3.95, 3.89 with Euler and Maclaurin's correction of the mean.  Cost: about 300 flops.  Fails: never.
-   Test: node_loads_are_the_gradient_of_the_energy, elastica_is_of_order_four. */
+   Test: elastica_is_of_order_four, steady_openfast_cantilever_hangs_as_shooting_says. */
 static void fbi_mixed_cell_eval(fbi_mixed_cell *c, const fb_mixed_work *work, const fb_mixed *m, int k)
 {
   const fbi_mixed_motion *motion = &work->motion;
@@ -10131,8 +10149,7 @@ static void fbi_mixed_cell_eval(fbi_mixed_cell *c, const fb_mixed_work *work, co
    the twist between the poses of its ends. c: what is missing.
    Source: [L] 3.96-3.105 differentiated in time, with E10.7's mean (its adjoint).  Cost: 60 flops.  Fails: never.
    Test: energy_is_kept_whatever_the_step, steady_and_marching_agree. */
-static void fbi_mixed_compatibility(fb_real r[6], const fbi_mixed_cell *c, const fb_mixed_work *work, const fb_mixed *m,
-                                    int k)
+static void fbi_mixed_compatibility(fb_real r[6], const fbi_mixed_cell *c, const fb_mixed_work *work, int k)
 {
   fb_real y[6];
   if (!work->motion.march) {
@@ -10234,24 +10251,17 @@ static void fbi_mixed_end_loads(fb_real F1d[36], fb_real F2d[36], const fb_real 
   }
 }
 
-/* [E10.9] Jacobian of E10.7 and E10.8, with N = d f/dV = ad(V)^T M + (ad^T P by V) - shift M, G = (ad^T s by theta) +
-   h/12 N ad(dV): dF = X^T ds + G dtheta - h N V', E = (rate + ad(V) + X ad(dV)/12) h C.
-   Source: derivation.  Cost: 5 kflops marching, 3 at rest.  Fails: never.
-   Test: jacobian_is_the_derivative_of_the_residual. */
-static void fbi_mixed_cell_jacobian(fbi_mixed_jacobian *j, const fbi_mixed_cell *c, const fb_mixed_work *work,
+/* N = df/dV of the mean load, ad(V)^T M + (ad^T P by V) - shift M, and G = d(dF)/dtheta = (ad^T s by theta) + h/12 (N
+   ad(dV) + M ad(dG)). */
+static void fbi_mixed_load_matrices(fb_real N[36], fb_real G[36], const fbi_mixed_cell *c, const fb_mixed_work *work,
                                     const fb_mixed *m, int k)
 {
   const fbi_mixed_motion *motion = &work->motion;
   const fb_real *const M = m->M + 36 * k;
-  const int loaded = motion->inertia || motion->gravity || motion->dead;
-  fb_real N[36], Q[36], D[36], G[36], Y[36], hC[36];
-  for (int i = 0; i < 36; i++) {
-    hC[i] = c->h * m->C[36 * k + i];
-  }
-  fbi_mixed_strain_matrices(j, c->theta);
+  fb_real Y[36];
+  fbi_zero(N, 36);
   fbi_zero(G, 36);
   fbi_adT_turn(G, work->s + 6 * k, FB_R(1.0));
-  fbi_zero(N, 36);
   if (motion->inertia) {
     fbi_adT_mul(N, c->V, M);
     fbi_adT_turn(N, c->P, FB_R(1.0));
@@ -10269,7 +10279,45 @@ static void fbi_mixed_cell_jacobian(fbi_mixed_jacobian *j, const fbi_mixed_cell 
       G[i] += c->h / FB_R(12.0) * Y[i];
     }
   }
-  if (loaded) {
+}
+
+/* E = (rate + ad(V) + ad(theta) ad(dV)/12) h C: compatibility by the stress. */
+static void fbi_mixed_compliance_rate(fb_real E[36], const fbi_mixed_cell *c, const fb_mixed_work *work,
+                                      const fb_real hC[36])
+{
+  fb_real X[36], Y[36], one[36];
+  fbi_copy(E, hC, 36);
+  if (!work->motion.march) {
+    return;
+  }
+  for (int i = 0; i < 36; i++) {
+    E[i] *= work->motion.shift;
+    one[i] = i % 7 == 0 ? FB_R(1.0) : FB_R(0.0);
+  }
+  fbi_ad_mul(X, c->dV, one);
+  fbi_ad_mul(Y, c->theta, X);
+  fbi_ad_mul(X, c->V, one);
+  for (int i = 0; i < 36; i++) {
+    X[i] += Y[i] / FB_R(12.0);
+  }
+  fbi_mat66_add_mul(E, X, hC);
+}
+
+/* [E10.9] Jacobian of E10.7 and E10.8: with N, G as above and the theta of the stress, h C ds,
+     dF = ad(theta)^T ds + G dtheta - h (N A dV + ...),  F = s + ad(theta)^T dF/12 -+ dF/2.
+   Source: derivation.  Cost: 5 kflops marching, 3 at rest.  Fails: never.
+   Test: newton_converges_quadratically, shaft_whirls_as_in_closed_form, becks_column_flutters_at_its_load. */
+static void fbi_mixed_cell_jacobian(fbi_mixed_jacobian *j, const fbi_mixed_cell *c, const fb_mixed_work *work,
+                                    const fb_mixed *m, int k)
+{
+  const fbi_mixed_motion *motion = &work->motion;
+  fb_real N[36], Q[36], D[36], G[36], Y[36], hC[36];
+  for (int i = 0; i < 36; i++) {
+    hC[i] = c->h * m->C[36 * k + i];
+  }
+  fbi_mixed_strain_matrices(j, c->theta);
+  fbi_mixed_load_matrices(N, G, c, work, m, k);
+  if (motion->inertia || motion->gravity || motion->dead) {
     fbi_mul_ad(Y, N, c->theta);
     fbi_mixed_load_by_node(Q, D, N, Y, -FB_R(1.0), c, work, m, k, k);
     fbi_mixed_end_loads(j->F1d1, j->F2d1, Q, D, c->theta);
@@ -10291,21 +10339,7 @@ static void fbi_mixed_cell_jacobian(fbi_mixed_jacobian *j, const fbi_mixed_cell 
   }
   fbi_mat66_add_mul(j->F1s, N, hC);
   fbi_mat66_add_mul(j->F2s, G, hC);
-  fbi_copy(j->E, hC, 36);
-  if (motion->march) { /* - d(ad(theta) V)/dtheta = ad(V) + ad(theta) ad(dV)/12 */
-    fbi_zero(Y, 36);
-    for (int i = 0; i < 36; i += 7) {
-      Y[i] = FB_R(1.0);
-    }
-    fbi_ad_mul(Q, c->dV, Y);
-    fbi_ad_mul(N, c->theta, Q);
-    fbi_ad_mul(Q, c->V, Y);
-    for (int i = 0; i < 36; i++) {
-      Q[i] += N[i] / FB_R(12.0);
-      j->E[i] *= motion->shift;
-    }
-    fbi_mat66_add_mul(j->E, Q, hC);
-  }
+  fbi_mixed_compliance_rate(j->E, c, work, hC);
 }
 
 /* ---- the chain */
@@ -10442,7 +10476,7 @@ static void fbi_mixed_hold_rhs(fb_real b[6], const fb_mixed_work *work, const fb
    balance of its outer node make one 12x12, in which rows are exchanged; what is outboard enters by
    K = -(F1d1 - (F1s, F1d2) W).
    Source: own; block elimination ([GV] 4.5).  Cost: E10.9 and 7 kflops an element.  Fails: singular (free of load, or
-   at a limit point).  Test: chain_solution_is_the_dense_one. */
+   at a limit point).  Test: supports_are_those_of_the_textbook, newton_converges_quadratically. */
 static fb_status fbi_mixed_factor(fb_mixed_work *work, const fb_mixed *m)
 {
   fbi_mixed_cell *const c = &work->cell;
@@ -10540,7 +10574,7 @@ static void fbi_mixed_residual(fb_mixed_work *work, const fb_mixed *m)
   }
   for (int k = 0; k < m->n; k++) {
     fbi_mixed_cell_eval(c, work, m, k);
-    fbi_mixed_compatibility(work->c + 6 * k, c, work, m, k);
+    fbi_mixed_compatibility(work->c + 6 * k, c, work, k);
     fbi_vec6_copy(work->P + 6 * k, c->P);
     fbi_vec6_add(work->B + 6 * k, -FB_R(1.0), c->F1);
     fbi_vec6_add(work->B + 6 * k + 6, FB_R(1.0), c->F2);
@@ -10695,20 +10729,6 @@ static void fbi_mixed_want(fb_mixed_work *work, const fb_mixed *m, fb_real dt)
   }
 }
 
-/* Poses of the nodes from that of the root and the strains. */
-static void fbi_mixed_poses(fb_real *r, fb_real *quat, const fb_mixed *m, const fb_real *strain)
-{
-  for (int k = 0; k < m->n; k++) {
-    fb_real x[6];
-    for (int i = 0; i < 6; i++) {
-      x[i] = m->h[k] * (m->xi[6 * k + i] + strain[6 * k + i]);
-    }
-    fbi_copy(r + 3 * k + 3, r + 3 * k, 3);
-    fbi_copy(quat + 4 * k + 4, quat + 4 * k, 4);
-    fbi_pose_add(r + 3 * k + 3, quat + 4 * k + 4, x);
-  }
-}
-
 /* ---- steady states */
 
 /* Size of the last correction: lengths by the beam's, radians, loads by the largest. */
@@ -10732,7 +10752,7 @@ static fb_real fbi_mixed_change(const fb_mixed_work *work, const fb_mixed *m, fb
 
 /* [E10.11] Newton's method for a steady state: the base moves by its twist, and everything with it.
    Source: [L] 3.106.  Cost: E10.10 an iteration.  Fails: 25 iterations; neighbors turned by more than a radian against
-   each other at once.  Test: steady_* */
+   each other at once.  Test: newton_converges_quadratically, steady_bend_of_an_arc_matches_the_published_tip. */
 static fb_status fbi_mixed_newton(fb_mixed_work *work, const fb_mixed *m, const fb_mixed_input *input, fb_real part)
 {
   fb_status status = FB_OK;
@@ -10817,6 +10837,12 @@ static fb_status fbi_mixed_increments(fb_mixed_work *work, const fb_mixed *m, co
     }
   }
   return FB_OK;
+}
+
+static const fb_mixed_input *fbi_mixed_no_input(fb_mixed_work *work)
+{
+  memset(&work->input, 0, sizeof work->input);
+  return &work->input;
 }
 
 static fb_status fbi_mixed_input_check(const fb_mixed *m, const fb_mixed_input *input)
@@ -10904,10 +10930,7 @@ FB_DEF fb_status fb_mixed_steady_solve(const fb_mixed *m, fb_mixed_state *state,
 {
   fb_status status;
   FBI_REQUIRE(m && state && work, FB_ERR_NULL);
-  if (!input) {
-    memset(&work->input, 0, sizeof work->input);
-    input = &work->input;
-  }
+  input = input ? input : fbi_mixed_no_input(work);
   status = fbi_mixed_input_check(m, input);
   if (status != FB_OK) {
     return status;
@@ -12587,7 +12610,11 @@ static void fbi_mixed_commit(fb_mixed_state *next, fb_mixed_work *work, const fb
 }
 
 /* [E11.20] A step of the mixed beam: E10.7 and E10.8 at the middle of the step, one factorization and a fixed number of
-   corrections by it. */
+   corrections by it. With z of strains and momenta, z_alpha = z + dz/2 + beta/2 (dz - dz_old) in place of the middle:
+   the energy with beta/4 dz.dz then falls by beta/4 of the energy of dz - dz_old, and what oscillates much faster than
+   the step shrinks by 1 - dissipation in it; beta = rho (1 - rho)/(1 + rho)^2, rho = 1 - dissipation.
+   Source: [L] 3.15, 3.107, 3.108; dissipation: own.  Cost: E10.10 and 1.5 kflops an element for each correction.
+   Fails: see the header.  Test: energy_is_kept_whatever_the_step, dissipation_takes_energy_in_every_step. */
 FB_DEF fb_status fb_mixed_step(const fb_mixed *m, fb_mixed_state *state, fb_mixed_work *work,
                                const fb_mixed_input *middle, fb_real dt)
 {
@@ -12595,10 +12622,7 @@ FB_DEF fb_status fb_mixed_step(const fb_mixed *m, fb_mixed_state *state, fb_mixe
   fb_real step, change = FB_R(0.0);
   fb_status status;
   FBI_REQUIRE(m && state && work, FB_ERR_NULL);
-  if (!middle) {
-    memset(&work->input, 0, sizeof work->input);
-    middle = &work->input;
-  }
+  middle = middle ? middle : fbi_mixed_no_input(work);
   status = fbi_mixed_input_check(m, middle);
   if (status != FB_OK) {
     return status;
@@ -12765,29 +12789,18 @@ FB_DEF fb_status fb_body_linearize(fb_real *A, fb_analyse_work *work, const fb_b
   return status;
 }
 
-/* [E12.3] Complex modes, x = X exp(lambda t): of each conjugate pair the one with im > 0, ascending by |lambda|.
-   Source: [H] A.15-3 in the coordinates (q, pi).  Cost: E12.2 and E5.6 with 2n.  Fails: as those.
-   Test: spectrum_of_a_spinning_oscillator_is_closed_form, damped_modes_have_their_ratios. */
-FB_DEF fb_status fb_body_spectrum(fb_spectrum *spectrum, fb_analyse_work *work, const fb_body *body,
-                                  const fb_state *state, const fb_input *input)
+/* Indices of eigenvalues with im >= 0, ascending by size; returns their number. */
+static int fbi_spectrum_order(int *order, const fb_real *re, const fb_real *im, int n)
 {
-  int n, order[2 * FB_MAX_MODES], found = 0;
-  fb_status status;
-  FBI_REQUIRE(spectrum && work && body, FB_ERR_NULL);
-  n = body->n;
-  status = fb_body_linearize(work->A, work, body, state, input);
-  status = status ? status : fb_eig_general_solve(work->re, work->im, work->X, work->A, work->eig, 2 * n);
-  if (status != FB_OK) {
-    return status;
-  }
-  for (int k = 0; k < 2 * n; k++) {
-    const fbi_complex value = {work->re[k], work->im[k]};
+  int found = 0;
+  for (int k = 0; k < n; k++) {
+    const fbi_complex value = {re[k], im[k]};
     int at = found;
-    if (work->im[k] < FB_R(0.0)) {
+    if (im[k] < FB_R(0.0)) {
       continue;
     }
     for (; at > 0; at--) {
-      const fbi_complex other = {work->re[order[at - 1]], work->im[order[at - 1]]};
+      const fbi_complex other = {re[order[at - 1]], im[order[at - 1]]};
       if (fbi_complex_abs(other) <= fbi_complex_abs(value)) {
         break;
       }
@@ -12796,6 +12809,25 @@ FB_DEF fb_status fb_body_spectrum(fb_spectrum *spectrum, fb_analyse_work *work, 
     order[at] = k;
     found++;
   }
+  return found;
+}
+
+/* [E12.3] Complex modes, x = X exp(lambda t): of each conjugate pair the one with im > 0, ascending by |lambda|.
+   Source: [H] A.15-3 in the coordinates (q, pi).  Cost: E12.2 and E5.6 with 2n.  Fails: as those.
+   Test: spectrum_of_a_spinning_oscillator_is_closed_form, damped_modes_have_their_ratios. */
+FB_DEF fb_status fb_body_spectrum(fb_spectrum *spectrum, fb_analyse_work *work, const fb_body *body,
+                                  const fb_state *state, const fb_input *input)
+{
+  int n, order[2 * FB_MAX_MODES], found;
+  fb_status status;
+  FBI_REQUIRE(spectrum && work && body, FB_ERR_NULL);
+  n = body->n;
+  status = fb_body_linearize(work->A, work, body, state, input);
+  status = status ? status : fb_eig_general_solve(work->re, work->im, work->X, work->A, work->eig, 2 * n);
+  if (status != FB_OK) {
+    return status;
+  }
+  found = fbi_spectrum_order(order, work->re, work->im, 2 * n);
   memset(spectrum, 0, sizeof *spectrum);
   spectrum->n = found;
   for (int k = 0; k < found; k++) {
@@ -12972,20 +13004,7 @@ static void fbi_mixed_arnoldi(fb_mixed_spectrum_work *work, const fb_mixed *m, i
   }
 }
 
-/* lambda = shift - 1/mu of eigenvalue k of the operator; 0: none. */
-static int fbi_mixed_lambda(fbi_complex *lambda, const fb_mixed_spectrum_work *work, int k)
-{
-  const fbi_complex one = {FB_R(1.0), FB_R(0.0)}, mu = {work->re[k], work->im[k]};
-  if (!(fbi_complex_abs(mu) > FBI_ROUNDING)) {
-    return 0;
-  }
-  *lambda = fbi_complex_div(one, mu);
-  lambda->re = work->mixed.motion.shift - lambda->re;
-  lambda->im = -lambda->im;
-  return 1;
-}
-
-/* What the basis misses of eigenvector k, relative to its eigenvalue. */
+/* What the basis misses of eigenvector k, relative to its eigenvalue mu. */
 static fb_real fbi_mixed_missing(const fb_mixed_spectrum_work *work, int k, int size)
 {
   const fb_real *const y = work->X + 2 * size * k;
@@ -13000,6 +13019,25 @@ static fb_real fbi_mixed_missing(const fb_mixed_spectrum_work *work, int k, int 
     sum += fbi_complex_abs(r);
   }
   return sum / fbi_complex_abs(mu);
+}
+
+/* Eigenvalues mu of the operator to those of the beam, lambda = shift - 1/mu; what is rounding gets im = -1, so that it
+   is left out. */
+static void fbi_mixed_lambda(fb_mixed_spectrum_work *work, int size)
+{
+  const fbi_complex one = {FB_R(1.0), FB_R(0.0)};
+  for (int k = 0; k < size; k++) {
+    const fbi_complex mu = {work->re[k], work->im[k]};
+    work->missing[k] = FB_HUGE;
+    work->im[k] = -FB_R(1.0);
+    if (fbi_complex_abs(mu) > FBI_ROUNDING) {
+      const fbi_complex inverse = fbi_complex_div(one, mu);
+      work->im[k] = mu.im;
+      work->missing[k] = fbi_mixed_missing(work, k, size);
+      work->re[k] = work->mixed.motion.shift - inverse.re;
+      work->im[k] = -inverse.im;
+    }
+  }
 }
 
 /* Its shape at the nodes, the largest displacement or rotation * length scaled to 1. */
@@ -13031,29 +13069,14 @@ static void fbi_mixed_shape(fb_real *re, fb_real *im, const fb_mixed_spectrum_wo
   }
 }
 
-FB_DEF fb_status fb_mixed_spectrum_solve(const fb_mixed *m, fb_mixed_spectrum *spectrum, fb_mixed_spectrum_work *work,
-                                         const fb_mixed_state *state, const fb_mixed_input *input, int count)
+/* Eigenvalues of the linearized beam, with their vectors on the basis. */
+static fb_status fbi_mixed_eigen(fb_mixed_spectrum_work *work, const fb_mixed *m, const fb_mixed_state *state,
+                                 const fb_mixed_input *input, int size)
 {
-  int size, found = 0, order[FBI_MIXED_BASIS], nodes;
-  fb_status status;
-  FBI_REQUIRE(m && spectrum && work && state, FB_ERR_NULL);
-  if (count < 1 || count > FB_MIXED_MODES) {
-    return FB_ERR_VALUE;
-  }
-  if (!input) {
-    memset(&work->mixed.input, 0, sizeof work->mixed.input);
-    input = &work->mixed.input;
-  }
-  status = fbi_mixed_input_check(m, input);
-  for (int k = 0; k < 3 && status == FB_OK; k++) { /* another shift where the first is an eigenvalue */
+  fb_status status = FB_ERR_SINGULAR;
+  for (int k = 0; k < 3 && status == FB_ERR_SINGULAR; k++) { /* another shift where the first is an eigenvalue */
     status = fbi_mixed_linearize(&work->mixed, m, state, input, FB_R(1.0) + FB_R(0.37) * (fb_real)k);
-    if (status != FB_ERR_SINGULAR) {
-      break;
-    }
-    status = k < 2 ? FB_OK : status;
   }
-  size = 8 * count + 24 < FBI_MIXED_BASIS ? 8 * count + 24 : FBI_MIXED_BASIS;
-  size = size < fbi_mixed_dim(m) ? size : fbi_mixed_dim(m);
   if (status == FB_OK) {
     fbi_mixed_arnoldi(work, m, size);
     for (int i = 0; i < size; i++) {
@@ -13061,42 +13084,44 @@ FB_DEF fb_status fb_mixed_spectrum_solve(const fb_mixed *m, fb_mixed_spectrum *s
     }
     status = fb_eig_general_solve(work->re, work->im, work->X, work->A, work->eig, size);
   }
+  if (status == FB_OK) {
+    fbi_mixed_lambda(work, size);
+  }
+  return status;
+}
+
+FB_DEF fb_status fb_mixed_spectrum_solve(const fb_mixed *m, fb_mixed_spectrum *spectrum, fb_mixed_spectrum_work *work,
+                                         const fb_mixed_state *state, const fb_mixed_input *input, int count)
+{
+  int size, order[FBI_MIXED_BASIS], nodes;
+  fb_status status;
+  FBI_REQUIRE(m && spectrum && work && state, FB_ERR_NULL);
+  if (count < 1 || count > FB_MIXED_MODES) {
+    return FB_ERR_VALUE;
+  }
+  input = input ? input : fbi_mixed_no_input(&work->mixed);
+  status = fbi_mixed_input_check(m, input);
+  size = 8 * count + 24 < FBI_MIXED_BASIS ? 8 * count + 24 : FBI_MIXED_BASIS;
+  size = size < fbi_mixed_dim(m) ? size : fbi_mixed_dim(m);
+  status = status ? status : fbi_mixed_eigen(work, m, state, input, size);
   if (status != FB_OK) {
     return status;
   }
-  for (int k = 0; k < size; k++) { /* by size, one of each pair */
-    fbi_complex value, other;
-    int at = found;
-    if (!fbi_mixed_lambda(&value, work, k) || value.im < FB_R(0.0)) {
-      continue;
-    }
-    for (; at > 0; at--) {
-      (void)fbi_mixed_lambda(&other, work, order[at - 1]);
-      if (fbi_complex_abs(other) <= fbi_complex_abs(value)) {
-        break;
-      }
-      order[at] = order[at - 1];
-    }
-    order[at] = k;
-    found++;
-  }
-  if (found < count) {
+  if (fbi_spectrum_order(order, work->re, work->im, size) < count) {
     return FB_ERR_KIND;
   }
   nodes = 6 * (m->n + 1);
   for (int k = 0; k < count; k++) {
-    if (!(fbi_mixed_missing(work, order[k], size) < (FB_SINGLE ? FB_R(1e-2) : FB_R(1e-5)))) {
+    if (!(work->missing[order[k]] < (FB_SINGLE ? FB_R(1e-2) : FB_R(1e-5)))) {
       return FB_ERR_CONVERGENCE;
     }
   }
   memset(spectrum, 0, sizeof *spectrum);
   spectrum->n = count;
   for (int k = 0; k < count; k++) {
-    fbi_complex value;
-    (void)fbi_mixed_lambda(&value, work, order[k]);
-    spectrum->re[k] = value.re / m->time;
-    spectrum->im[k] = value.im / m->time;
-    spectrum->error[k] = fbi_mixed_missing(work, order[k], size);
+    spectrum->re[k] = work->re[order[k]] / m->time;
+    spectrum->im[k] = work->im[order[k]] / m->time;
+    spectrum->error[k] = work->missing[order[k]];
     fbi_mixed_shape(spectrum->shape_re + nodes * k, spectrum->shape_im + nodes * k, work, m, order[k], size);
   }
   return FB_OK;
