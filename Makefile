@@ -10,7 +10,8 @@ export WARNINGS WARNINGS_C
 
 LIBRARY  = flexbeam.h flexbeam_impl.h
 SECTIONS = main status vec3 rotation linalg beam modes body system forms mixed integrate analyse build
-EXAMPLES = quickstart spinup campbell table1 assembly reduce elastodyn firmware spacecraft rotor arm fourbar
+EXAMPLES = quickstart spinup campbell table1 assembly reduce elastodyn firmware spacecraft rotor arm fourbar \
+           elastica follower flap whirl beam3d
 CHECKS   = sanitize suite long compile rom instructions mismatch removed style tidy two_precisions stack symbols ids quickstart
 
 .DELETE_ON_ERROR:
@@ -22,7 +23,7 @@ help:
 	@echo "make table1    the forms of the equations of motion, figures and accuracy of D'Eleuterio and Barfoot: build/table1/"
 	@echo "make test      build and run the tests, build the examples"
 	@echo "make examples  $(EXAMPLES:%=build/examples/%)"
-	@echo "make bench     time per step by modes and effects, by form and scheme, of systems: build/bench_*.csv"
+	@echo "make bench     time per step by modes and effects, by form and scheme, of systems, of the exact beam: build/bench_*.csv"
 	@echo "make sizes     bytes of the structs by precision and FB_MAX_MODES"
 	@echo "make readme    regenerate the tables, the program and the picture of README.md (wants gnuplot, valgrind)"
 	@echo "make ci        every check: compilers, standards, sanitizers, configuration, symbols, stack, instructions, style"
@@ -47,7 +48,7 @@ test: examples check-quickstart build/test_runner
 
 examples: $(EXAMPLES:%=build/examples/%)
 
-bench: build/bench/bench_step_double build/bench/bench_step_single build/bench/bench_forms_double build/bench/bench_system_double
+bench: build/bench/bench_step_double build/bench/bench_step_single build/bench/bench_forms_double build/bench/bench_system_double build/bench/bench_mixed_double
 	@for p in double single; do \
 	  echo "$$p:" && build/bench/bench_step_$$p > build/bench_step_$$p.csv && \
 	  awk -F, '/^#/ { print; next } { printf "%-9s %5s  %-13s %9s %9s %9s %9s %7s\n", $$1, $$2, $$3, $$4, $$5, $$6, $$7, $$8 }' \
@@ -56,6 +57,7 @@ bench: build/bench/bench_step_double build/bench/bench_step_single build/bench/b
 	@build/bench/bench_forms_double > build/bench_forms.csv && \
 	awk -F, '/^#/ { print; next } { printf "%-9s %8s %3s %9s %8s %8s %16s %15s\n", $$1, $$2, $$3, $$4, $$5, $$6, $$7, $$8 }' build/bench_forms.csv
 	@build/bench/bench_system_double > build/bench_system.csv && awk -F, -f bench/system.awk build/bench_system.csv
+	@build/bench/bench_mixed_double > build/bench_mixed.csv && awk -F, -f bench/mixed.awk build/bench_mixed.csv
 
 sizes: bench/sizes.c flexbeam.h flexbeam_impl.h build/examples/firmware | build/bench
 	@for single in 0 1; do for modes in 1 2 4 6 12; do \

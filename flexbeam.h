@@ -1534,7 +1534,7 @@ typedef struct fb_mixed_work { /* scratch; large: make it static */
   fbi_mixed_cell cell;
   fbi_mixed_jacobian jacobian;
   fb_mixed_input input;
-  fb_mixed_state state;
+  fb_mixed_state state; /* of the last increment that converged */
 } fb_mixed_work;
 
 /* Undeformed, at the inertial origin, in rigid motion with the v, w of the input (NULL: at rest). FB_ERR_NOT_FINITE. */

@@ -10603,8 +10603,8 @@ static void fbi_mixed_load_add(fb_real *dead, fb_real *follower, fb_axes axes, c
 }
 
 /* A part of the loads, gravity and motion of the base, in the beam's units and the axes of the base half a step on. */
-static void fbi_mixed_input_take(fb_mixed_work *work, const fb_mixed *m, const fb_mixed_input *input, fb_real part,
-                                 fb_real dt)
+static void fbi_mixed_input_take(fb_mixed_work *work, const fb_mixed *m, const fb_real base_quat[4],
+                                 const fb_mixed_input *input, fb_real part, fb_real dt)
 {
   fb_real base[9], turn[3], half[4], quat[4];
   fbi_mixed_motion *const motion = &work->motion;
@@ -10615,7 +10615,7 @@ static void fbi_mixed_input_take(fb_mixed_work *work, const fb_mixed *m, const f
   }
   fb_quat_from_rotvec(half, turn);
   fb_quat_to_mat33(work->half, half);
-  fb_quat_mul(quat, work->state.base_quat, half);
+  fb_quat_mul(quat, base_quat, half);
   fb_quat_to_mat33(base, quat);
   fb_mat33_mulT_vec3(work->gravity, base, m->gravity);
   fbi_zero(work->dead, 6 * (m->n + 1));
@@ -10753,13 +10753,14 @@ static fb_real fbi_mixed_change(const fb_mixed_work *work, const fb_mixed *m, fb
 /* [E10.11] Newton's method for a steady state: the base moves by its twist, and everything with it.
    Source: [L] 3.106.  Cost: E10.10 an iteration.  Fails: 25 iterations; neighbors turned by more than a radian against
    each other at once.  Test: newton_converges_quadratically, steady_bend_of_an_arc_matches_the_published_tip. */
-static fb_status fbi_mixed_newton(fb_mixed_work *work, const fb_mixed *m, const fb_mixed_input *input, fb_real part)
+static fb_status fbi_mixed_newton(fb_mixed_work *work, const fb_mixed *m, const fb_real base_quat[4],
+                                  const fb_mixed_input *input, fb_real part)
 {
   fb_status status = FB_OK;
   fb_real change = FB_R(1.0), before = FB_HUGE;
   const fbi_mixed_motion steady = {0, 0, 0, 0, FB_R(1.0), FB_R(0.0)};
   work->motion = steady;
-  fbi_mixed_input_take(work, m, input, part, FB_R(0.0));
+  fbi_mixed_input_take(work, m, base_quat, input, part, FB_R(0.0));
   work->motion.inertia = !fbi_is_zero(work->twist, 6);
   for (int it = 0; it < 25 && change > FBI_MIXED_TOLERANCE && status == FB_OK; it++) {
     fbi_mixed_nodes_eval(work, m);
@@ -10812,7 +10813,8 @@ static void fbi_mixed_pose_take(fb_mixed_work *work, const fb_mixed_state *from,
 }
 
 /* Load increments from the undeformed beam on, each as large as converges. */
-static fb_status fbi_mixed_increments(fb_mixed_work *work, const fb_mixed *m, const fb_mixed_input *input)
+static fb_status fbi_mixed_increments(fb_mixed_work *work, const fb_mixed *m, const fb_real base_quat[4],
+                                      const fb_mixed_input *input)
 {
   fb_real part = FB_R(0.0), step = FB_R(0.5);
   fb_status status = FB_OK;
@@ -10823,7 +10825,7 @@ static fb_status fbi_mixed_increments(fb_mixed_work *work, const fb_mixed *m, co
     const fb_real next = part + step < FB_R(0.999) ? part + step : FB_R(1.0);
     const int before = work->iterations;
     fbi_mixed_pose_take(work, &work->state, m);
-    status = fbi_mixed_newton(work, m, input, next);
+    status = fbi_mixed_newton(work, m, base_quat, input, next);
     work->increments++;
     if (status == FB_OK) {
       part = next;
@@ -10935,13 +10937,12 @@ FB_DEF fb_status fb_mixed_steady_solve(const fb_mixed *m, fb_mixed_state *state,
   if (status != FB_OK) {
     return status;
   }
-  work->state = *state;
   work->iterations = 0;
   work->increments = 1;
   fbi_mixed_pose_take(work, state, m);
-  status = fbi_mixed_newton(work, m, input, FB_R(1.0));
+  status = fbi_mixed_newton(work, m, state->base_quat, input, FB_R(1.0));
   if (status != FB_OK) {
-    status = fbi_mixed_increments(work, m, input);
+    status = fbi_mixed_increments(work, m, state->base_quat, input);
   }
   if (status == FB_OK) {
     fbi_mixed_nodes_eval(work, m);
@@ -12516,15 +12517,21 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
 
 /* ---- mixed beam */
 
-/* x_(n+1) = 3 x_n - 3 x_(n-1) + x_(n-2), or what fewer steps allow ([L] 3.107, 3.108); the older ones move up. */
-static void fbi_mixed_extrapolate(fb_real *next, fb_real *a, fb_real *b, fb_real *c, int known, int n)
+/* x_(n+1) = 3 x_n - 3 x_(n-1) + x_(n-2), or what fewer steps allow ([L] 3.107, 3.108). */
+static void fbi_mixed_extrapolate(fb_real *next, const fb_real *a, const fb_real *b, const fb_real *c, int known, int n)
 {
   for (int i = 0; i < n; i++) {
     const fb_real line = FB_R(2.0) * a[i] - b[i];
     next[i] = known > 2 ? line + (a[i] - FB_R(2.0) * b[i] + c[i]) : known > 1 ? line : a[i];
-    c[i] = b[i];
-    b[i] = a[i];
   }
+}
+
+/* The present x comes first, the older ones move up. */
+static void fbi_mixed_remember(fb_real *a, fb_real *b, fb_real *c, const fb_real *x, int n)
+{
+  fbi_copy(c, b, n);
+  fbi_copy(b, a, n);
+  fbi_copy(a, x, n);
 }
 
 /* Where a rate starts from: x - beta/2 dt rate_old; with the dissipative rule x_alpha = x + dx/2 + beta/2 (dx - dx_old)
@@ -12604,9 +12611,52 @@ static void fbi_mixed_commit(fb_mixed_state *next, fb_mixed_work *work, const fb
     fbi_mat66_mul_vec6(P, m->lump + 36 * l, work->V + 6 * m->lump_node[l]);
     fbi_mixed_rate_take(next->lump + 6 * l, next->lump_rate + 6 * l, P, work->lump + 6 * l, shift, dt, 6);
   }
-  fbi_copy(next->V[0], work->V, 6 * (m->n + 1));
-  fbi_copy(next->stress[0], work->s, 6 * m->n);
+  fbi_mixed_remember(next->V[0], next->V[1], next->V[2], work->V, 6 * (m->n + 1));
+  fbi_mixed_remember(next->stress[0], next->stress[1], next->stress[2], work->s, 6 * m->n);
   fbi_copy(next->force, work->F, 6 * (m->n + 1));
+}
+
+/* What the step starts from: base values of the rates, a first guess of the middle. */
+static void fbi_mixed_begin(fb_mixed_work *work, const fb_mixed *m, const fb_mixed_state *state,
+                            const fb_mixed_input *middle, fb_real step)
+{
+  const fbi_mixed_motion march = {1, 1, 0, 0, FB_R(0.5) * step, FB_R(2.0) / ((FB_R(1.0) + m->beta) * step)};
+  work->motion = march;
+  fbi_mixed_input_take(work, m, state->base_quat, middle, FB_R(1.0), step);
+  fbi_copy(work->r, state->r, 3 * (m->n + 1));
+  fbi_copy(work->quat, state->quat, 4 * (m->n + 1));
+  fbi_mixed_rate_base(work->strain, state->strain, state->strain_rate, m->beta * step, 6 * m->n);
+  fbi_mixed_rate_base(work->momentum, state->momentum, state->momentum_rate, m->beta * step, 6 * m->n);
+  fbi_mixed_rate_base(work->lump, state->lump, state->lump_rate, m->beta * step, 6 * m->n_lump);
+  fbi_mixed_extrapolate(work->V, state->V[0], state->V[1], state->V[2], state->known, 6 * (m->n + 1));
+  fbi_mixed_extrapolate(work->s, state->stress[0], state->stress[1], state->stress[2], state->known, 6 * m->n);
+}
+
+/* Residuals at the present guess of the middle. */
+static void fbi_mixed_middle(fb_mixed_work *work, const fb_mixed *m, fb_real step)
+{
+  fbi_mixed_nodes_eval(work, m);
+  fbi_mixed_residual(work, m);
+  fbi_mixed_want(work, m, step);
+}
+
+static void fbi_mixed_correct(fb_mixed_work *work, const fb_mixed *m)
+{
+  for (int i = 0; i < 6 * (m->n + 1); i++) {
+    work->V[i] += work->dd[i];
+  }
+  for (int i = 0; i < 6 * m->n; i++) {
+    work->s[i] += work->ds[i];
+  }
+}
+
+/* The state after the step, from the middle. */
+static void fbi_mixed_end(fb_mixed_state *state, fb_mixed_work *work, const fb_mixed *m, fb_real step)
+{
+  fbi_mixed_commit(state, work, m, step);
+  fbi_mixed_move(state, work, m, step);
+  state->known = state->known < 3 ? state->known + 1 : 3;
+  state->step = step;
 }
 
 /* [E11.20] A step of the mixed beam: E10.7 and E10.8 at the middle of the step, one factorization and a fixed number of
@@ -12618,8 +12668,7 @@ static void fbi_mixed_commit(fb_mixed_state *next, fb_mixed_work *work, const fb
 FB_DEF fb_status fb_mixed_step(const fb_mixed *m, fb_mixed_state *state, fb_mixed_work *work,
                                const fb_mixed_input *middle, fb_real dt)
 {
-  fb_mixed_state *const next = work ? &work->state : NULL;
-  fb_real step, change = FB_R(0.0);
+  fb_real step, change = FB_HUGE;
   fb_status status;
   FBI_REQUIRE(m && state && work, FB_ERR_NULL);
   middle = middle ? middle : fbi_mixed_no_input(work);
@@ -12631,49 +12680,22 @@ FB_DEF fb_status fb_mixed_step(const fb_mixed *m, fb_mixed_state *state, fb_mixe
     return FB_ERR_VALUE;
   }
   step = dt / m->time;
-  *next = *state;
-  {
-    const fbi_mixed_motion march = {1, 1, 0, 0, FB_R(0.5) * step, FB_R(2.0) / ((FB_R(1.0) + m->beta) * step)};
-    work->motion = march;
-  }
-  fbi_mixed_input_take(work, m, middle, FB_R(1.0), step);
-  fbi_copy(work->r, next->r, 3 * (m->n + 1));
-  fbi_copy(work->quat, next->quat, 4 * (m->n + 1));
-  fbi_mixed_rate_base(work->strain, next->strain, next->strain_rate, m->beta * step, 6 * m->n);
-  fbi_mixed_rate_base(work->momentum, next->momentum, next->momentum_rate, m->beta * step, 6 * m->n);
-  fbi_mixed_rate_base(work->lump, next->lump, next->lump_rate, m->beta * step, 6 * m->n_lump);
-  fbi_mixed_extrapolate(work->V, next->V[0], next->V[1], next->V[2], next->known, 6 * (m->n + 1));
-  fbi_mixed_extrapolate(work->s, next->stress[0], next->stress[1], next->stress[2], next->known, 6 * m->n);
+  fbi_mixed_begin(work, m, state, middle, step);
+  fbi_mixed_middle(work, m, step);
+  status = fbi_mixed_factor(work, m);
   for (int it = 0; it < m->iterations && status == FB_OK; it++) {
-    fbi_mixed_nodes_eval(work, m);
-    fbi_mixed_residual(work, m);
-    fbi_mixed_want(work, m, step);
-    status = it == 0 ? fbi_mixed_factor(work, m) : FB_OK;
-    if (status == FB_OK) {
-      fbi_mixed_solve(work, m);
-      for (int i = 0; i < 6 * (m->n + 1); i++) {
-        work->V[i] += work->dd[i];
-      }
-      for (int i = 0; i < 6 * m->n; i++) {
-        work->s[i] += work->ds[i];
-      }
-      change = fbi_mixed_change(work, m, step);
-    }
+    fbi_mixed_solve(work, m);
+    fbi_mixed_correct(work, m);
+    change = fbi_mixed_change(work, m, step);
+    fbi_mixed_middle(work, m, step);
   }
   if (status == FB_OK && !(change < FBI_MIXED_STEP_TOLERANCE)) {
     status = FB_ERR_CONVERGENCE;
   }
-  if (status != FB_OK) {
-    return status;
+  if (status == FB_OK) {
+    fbi_mixed_end(state, work, m, step);
   }
-  fbi_mixed_nodes_eval(work, m);
-  fbi_mixed_residual(work, m);
-  fbi_mixed_commit(next, work, m, step);
-  fbi_mixed_move(next, work, m, step);
-  next->known = next->known < 3 ? next->known + 1 : 3;
-  next->step = step;
-  *state = *next;
-  return FB_OK;
+  return status;
 }
 
 /* ---------------------------------------------------------------------------------------------------------------
@@ -12932,10 +12954,9 @@ static fb_status fbi_mixed_linearize(fb_mixed_work *work, const fb_mixed *m, con
 {
   const fbi_mixed_motion motion = {0, 1, 0, 0, FB_R(1.0), shift};
   fbi_mixed_cell *const c = &work->cell;
-  work->state = *state;
   work->motion = motion;
   fbi_mixed_pose_take(work, state, m);
-  fbi_mixed_input_take(work, m, input, FB_R(1.0), FB_R(0.0));
+  fbi_mixed_input_take(work, m, state->base_quat, input, FB_R(1.0), FB_R(0.0));
   fbi_mixed_nodes_eval(work, m);
   for (int k = 0; k < m->n; k++) {
     fbi_mixed_cell_eval(c, work, m, k);

@@ -1,0 +1,87 @@
+/* mixed_beam.h - one geometrically exact beam, for the examples that bend one. Any consistent units. Include flexbeam.h
+   and options.h first. */
+#ifndef MIXED_BEAM_H
+#define MIXED_BEAM_H
+
+static const double pi = 3.14159265358979324;
+
+static fb_mixed_desc beam_desc;
+static fb_mixed beam;
+static fb_mixed_work beam_work;
+static fb_mixed_state beam_state;
+static fb_mixed_input beam_input;
+static fb_mixed_node beam_node[FB_MAX_MIXED + 1];
+
+/* Uniform, straight, clamped, nothing acts: stiffness and inertia by their diagonals (axial, shear, shear, twist, bending
+   about y, about z). Zero stiffness: rigid. */
+static inline void beam_uniform(double length, int elements, const double stiffness[6], const double inertia[6])
+{
+  memset(&beam_desc, 0, sizeof beam_desc);
+  memset(&beam_input, 0, sizeof beam_input);
+  beam_desc.length = (fb_real)length;
+  beam_desc.n_element = elements;
+  beam_desc.n_station = 1;
+  for (int i = 0; i < 6; i++) {
+    beam_desc.station[0].stiffness[7 * i] = (fb_real)stiffness[i];
+    beam_desc.station[0].inertia[7 * i] = (fb_real)inertia[i];
+  }
+}
+
+static inline fb_status beam_start(void)
+{
+  const fb_status status = fb_mixed_init(&beam, &beam_desc);
+  return status ? status : fb_mixed_state_init(&beam, &beam_state, &beam_work, &beam_input);
+}
+
+/* The steady state under beam_input, from the present one. */
+static inline fb_status beam_settle(void)
+{
+  const fb_status status = fb_mixed_steady_solve(&beam, &beam_state, &beam_work, &beam_input);
+  return status ? status : fb_mixed_nodes_eval(&beam, beam_node, &beam_state);
+}
+
+static inline fb_status beam_advance(double dt)
+{
+  const fb_status status = fb_mixed_step(&beam, &beam_state, &beam_work, &beam_input, (fb_real)dt);
+  return status ? status : fb_mixed_nodes_eval(&beam, beam_node, &beam_state);
+}
+
+/* A load at the tip; returns it. */
+static inline fb_load *beam_tip_load(fb_axes axes)
+{
+  fb_load *const load = &beam_input.load[beam_input.n_load++];
+  load->node = beam_desc.n_element;
+  load->axes = axes;
+  return load;
+}
+
+/* The deformed line as rows "x,y,z" of a CSV, a blank line behind it. */
+static inline void beam_write_shape(FILE *csv, int points)
+{
+  for (int k = 0; k <= points; k++) {
+    fb_real p[3], q[4];
+    if (fb_mixed_point_eval(&beam, p, q, &beam_state, beam_desc.length * (fb_real)k / (fb_real)points) == FB_OK) {
+      fprintf(csv, "%.9g,%.9g,%.9g\n", (double)p[0], (double)p[1], (double)p[2]);
+    }
+  }
+  fputs("\n", csv);
+}
+
+/* A file for writing, or a message. */
+static inline FILE *beam_open(const char *name)
+{
+  FILE *const file = fopen(name, "w");
+  if (!file) {
+    fail("cannot write", name);
+  }
+  return file;
+}
+
+/* name without .csv, with another ending */
+static inline void beam_file_name(char *out, size_t size, const char *name, const char *ending)
+{
+  const size_t n = strlen(name);
+  const int has = n > 4 && strcmp(name + n - 4, ".csv") == 0;
+  snprintf(out, size, "%.*s%s", (int)(has ? n - 4 : n), name, ending);
+}
+#endif
