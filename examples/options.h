@@ -21,7 +21,7 @@ static int fail(const char *what, const char *value)
 }
 
 /* A number of the list; NO_SUCH_OPTION if it is none of them, 2 after a message. */
-static int read_number(const number_option *list, int n, const char *name, const char *text)
+static inline int read_number(const number_option *list, int n, const char *name, const char *text)
 {
   for (int k = 0; k < n; k++) {
     if (strcmp(name, list[k].name) == 0) {
@@ -45,14 +45,14 @@ static int read_number(const number_option *list, int n, const char *name, const
 }
 
 /* --out FILE, with room for what is put behind the name. */
-static int read_out(const char **out, const char *text)
+static inline int read_out(const char **out, const char *text)
 {
   *out = text;
   return text[0] && strlen(text) < 400 ? 0 : fail("--out wants a file name of less than 400 characters", "");
 }
 
 /* All options: each goes to `read`, which returns 0, NO_SUCH_OPTION, or 2 after a message. */
-static int read_all(int argc, char **argv, const char *help,
+static inline int read_all(int argc, char **argv, const char *help,
                     int (*read)(void *options, const char *name, const char *text), void *options)
 {
   for (int i = 1; i < argc; i += 2) {
