@@ -70,6 +70,18 @@
      status = status ? status : fb_system_rk4_step(&system, &body, &state, &work, &input, &input, &input, dt);
      status = status ? status : fb_system_motion_eval(&system, &body, &work, &motion, &state, &input); // joint forces
 
+   A GEOMETRICALLY EXACT BEAM, for any deflection (examples/elastica.c, follower.c, flap.c, whirl.c, beam3d.c)
+
+     desc = (fb_mixed_desc){.length = 10, .n_element = 20, .n_station = 1};   // clamped root, free tip
+     status = fb_mixed_station_init(&desc.station[0], &uniform);               // or 6x6 stiffness and inertia
+     status = status ? status : fb_mixed_init(&mixed, &desc);
+     status = status ? status : fb_mixed_state_init(&mixed, &state, &work, &input);
+     input.w[2] = FB_R(6.0);                                                   // the base spins: steady state, ..
+     status = status ? status : fb_mixed_steady_solve(&mixed, &state, &work, &input);
+     status = status ? status : fb_mixed_step(&mixed, &state, &work, &input, dt);         // ..or motion, ..
+     status = status ? status : fb_mixed_nodes_eval(&mixed, node, &state);                // ..what is where, ..
+     status = status ? status : fb_mixed_spectrum_solve(&mixed, &spectrum, &modes_work, &state, &input, 6); // ..modes
+
    CONTENTS (search for the anchor; the same anchors divide flexbeam_impl.h, the tests and the README)
      >>config     options, real type, libm hooks, mismatch guard
      >>status     status codes and their texts
@@ -139,6 +151,11 @@
      p, h           R^T state.P, R^T state.L 3          N s, N m s    momenta; L about O, both kept in inertial axes
      v, w           motion.v, .w             3          m/s, rad/s    velocity of O and angular velocity, body axes
      Lambda, S      body terms               6 x n, 6 x 6             rigid-elastic coupling, Schur complement
+     u, rho         node.displacement, .wiener_milenkovic    m, -      [L], base axes; c = 4 tan(phi/4) along the axis
+     V, Omega       node.velocity, .angular_rate             m/s, rad/s  [L], of a section, its axes
+     F, M           node.force, .moment                      N, N m    [L], internal loads
+     gamma, kappa   element.force_strain, .moment_strain     -, 1/m    [L]
+     P, H           element.momentum, .angular_momentum      kg/s, N s [L], per length
      Units of q: with mass-normalized modes (M = 1) q carries sqrt(kg) m and psi 1/sqrt(kg); only products have units.
 
    NOT INCLUDED (yet): plasticity, contact, fluids, fracture, gravity gradients, friction, stops, warping. Strain is
@@ -162,6 +179,8 @@
      a beam that carries bodies    fb_modes_desc.load at that node, axes 1, 2, 4, 5: joints load it with force and moment
      what is locked or latched     fb_system_axis_set
      an IMU, a strain gauge        fb_imu_eval, fb_gauge_init
+     a beam that bends far         fb_mixed_desc: any deflection, curved, twisted, full 6x6 sections; steady and moving
+     flutter, whirl, buckling      fb_mixed_spectrum_solve about a steady state; fb_buckling_solve
      a model in ROM                examples/reduce: text file to C header with a static const fb_body
 
    WHICH SCHEME? (all fixed work; a step beyond its limit is refused)
@@ -172,6 +191,8 @@
      fb_system_rk4_step    4      stiffest mode       4 evaluations           systems; loops are closed after each step
      fb_system_sdirk_step  2      spin                6 evaluations           systems with stiff joints; L-stable
      fb_exponential_step   4      spin, light bases   4 evaluations           stiff elasticity, exactly; momentum form
+     fb_mixed_step         2      -                   one factorization       the exact beam; keeps energy, or damps
+                                                                              what is too fast for the step
 
    HALF AN EFFECT IS WORSE THAN NONE (the papers' equations taken apart; refused unless allow_split_effects)
      Inertia that follows the shape softens a spinning beam; without the stiffening that outweighs it a slender one
@@ -192,6 +213,7 @@
           formulation for structural dynamics".
      [H]  A.S. Hopkins, "The motion of interconnected flexible bodies", 1975.
      [L]  Leigh, "The application of Hamilton's weak principle", thesis, 2006.
+     [MN] R. MacNeal, "A simple quadrilateral shell element", Computers and Structures 8, 1978.
      [AL] R. Alexander, "Diagonally implicit Runge-Kutta methods for stiff O.D.E.'s", SIAM J. Numer. Anal. 14, 1977.
      [KR] S. Krogstad, "Generalized integrating factor methods for stiff PDEs", J. Comput. Phys. 203, 2005.
      [HW] E. Hairer and G. Wanner, "Solving Ordinary Differential Equations II", Springer, IV.2 (stability region).
@@ -1571,8 +1593,8 @@ FB_API fb_status fb_mixed_element_eval(const fb_mixed *mixed, fb_mixed_element *
 /* Point of the deformed line that was x [m] along it, and its section: inertial axes. FB_ERR_VALUE: not on the beam. */
 FB_API fb_status fb_mixed_point_eval(const fb_mixed *mixed, fb_real position[3], fb_real quat[4],
                                      const fb_mixed_state *state, fb_real x);
-/* With dissipation kinetic and strain energy hold beta/4 of that of the last step's change, too: their sum then falls in
-   every step of a conservative beam. */
+/* With dissipation kinetic and strain energy hold beta/4 of that of the last step's change, too: their sum then falls
+   in every step of a conservative beam. */
 FB_API fb_status fb_mixed_energy(const fb_mixed *mixed, fb_energy *energy, const fb_mixed_state *state);
 FB_API fb_status fb_mixed_momentum(const fb_mixed *mixed, fb_momentum *momentum, const fb_mixed_state *state);
 
@@ -1777,4 +1799,4 @@ FB_API fb_status fb_config_check(const char *config);
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,
           pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme; sections with shear, twist and
           centers off the line, bent lines, component modes, buckling, synthesis, finite-element models, complex
-          modes; systems of bodies: joints, trees, loops, constraints, strain gauges */
+          modes; systems of bodies: joints, trees, loops, constraints, strain gauges; the geometrically exact beam */

@@ -9936,8 +9936,8 @@ static void fbi_mixed_scale(fb_real A[36], fb_real unit, fb_real length)
    of one end against the other (for a straight beam h^2/(12 EI) of shear); the second what the element's turning adds
    to the energy of its mean velocity (h^2 m/12 of rotary inertia). Stretch and twist of a straight beam have neither:
    their waves are those of the box scheme.
-   Source: own, Magnus expansion and variance; R. MacNeal, A simple quadrilateral shell element, Comput. Struct. 8, 1978
-   has the straight beam's flexibility.  Cost: init only.  Fails: never.
+   Source: own, Magnus expansion and variance; [MN] has the straight beam's flexibility.  Cost: init only.
+   Fails: never.
    Test: linear_cantilevers_are_exact_at_the_nodes, a_rigid_beam_has_its_inertia. */
 static void fbi_mixed_refine(fb_mixed *m, int k)
 {
@@ -10090,9 +10090,9 @@ static void fbi_mixed_mean3(fb_real y[3], const fb_real theta[6], const fb_real 
   }
 }
 
-/* [E10.7] Balance of an element: dF = ad(theta)^T s - h f, f = load + M g - momentum_t + ad(V)^T P, and the loads at its
-   ends, F = s + (ad(theta)^T dF - h df)/12 -+ dF/2, so that the stress s is the mean of F over the element; df: by which
-   loads with directions of their own differ between its ends.
+/* [E10.7] Balance of an element: dF = ad(theta)^T s - h f, f = load + M g - momentum_t + ad(V)^T P, and the loads at
+   its ends, F = s + (ad(theta)^T dF - h df)/12 -+ dF/2, so that the stress s is the mean of F over the element; df: by
+   which loads with directions of their own differ between its ends.
    Source: [L] 3.92-3.95, 3.89 with Euler and Maclaurin's correction of the mean.  Cost: about 300 flops.  Fails: never.
    Test: elastica_is_of_order_four, steady_openfast_cantilever_hangs_as_shooting_says. */
 static void fbi_mixed_cell_eval(fbi_mixed_cell *c, const fb_mixed_work *work, const fb_mixed *m, int k)
@@ -10437,7 +10437,7 @@ static void fbi_mixed_rows_turn(fb_real *A, const fb_real R[9], int n)
   }
 }
 
-/* The rows of a node (6 x n, its own unknowns from column `own` on) where it is held: those directions say d = wanted. */
+/* The rows of a node (6 x n, its own unknowns from column `own` on): directions in which it is held say d = wanted. */
 static void fbi_mixed_hold(fb_real *A, const fb_mixed_work *work, const fb_mixed *m, int node, int n, int own)
 {
   const int held = m->held[node], turned = fbi_mixed_turned(held);
@@ -10649,8 +10649,8 @@ static void fbi_mixed_carried(fb_real V[6], const fb_mixed_work *work, const fb_
   fb_mat33_mulT_vec3(V + 3, R, work->twist + 3);
 }
 
-/* Rotation against the base, velocity and gravity at the nodes. Steady: everything moves with the base. Marching: half a
-   step on, by the velocity sought and the base's. */
+/* Rotation against the base, velocity and gravity at the nodes. Steady: everything moves with the base. Marching: half
+   a step on, by the velocity sought and the base's. */
 static void fbi_mixed_nodes_eval(fb_mixed_work *work, const fb_mixed *m)
 {
   const fbi_mixed_motion *motion = &work->motion;
@@ -12889,8 +12889,8 @@ static void fbi_mixed_load_rate(fb_real y[6], const fb_real M[36], const fb_real
   }
 }
 
-/* [E12.4] x = (shift - A)^-1 b of the linearized beam: d_t = shift d - b_d, v = d_t + ad(V) d, P_t = shift P - b_P; what
-   b gives enters the balance of the nodes, the rest is the Jacobian of a steady state with inertia.
+/* [E12.4] x = (shift - A)^-1 b of the linearized beam: d_t = shift d - b_d, v = d_t + ad(V) d, P_t = shift P - b_P;
+   what b gives enters the balance of the nodes, the rest is the Jacobian of a steady state with inertia.
    Source: E10.7 to E10.10, linearized.  Cost: 1 kflop an element.  Fails: never, once factored.
    Test: spectrum_of_a_straight_beam_is_the_textbooks. */
 static void fbi_mixed_invert(fb_real *x, fb_mixed_work *work, const fb_mixed *m, const fb_real *b)

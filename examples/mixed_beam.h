@@ -12,8 +12,8 @@ static fb_mixed_state beam_state;
 static fb_mixed_input beam_input;
 static fb_mixed_node beam_node[FB_MAX_MIXED + 1];
 
-/* Uniform, straight, clamped, nothing acts: stiffness and inertia by their diagonals (axial, shear, shear, twist, bending
-   about y, about z). Zero stiffness: rigid. */
+/* Uniform, straight, clamped, nothing acts: stiffness and inertia by their diagonals (axial, shear, shear, twist,
+   bending about y, about z). Zero stiffness: rigid. */
 static inline void beam_uniform(double length, int elements, const double stiffness[6], const double inertia[6])
 {
   memset(&beam_desc, 0, sizeof beam_desc);

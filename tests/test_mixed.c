@@ -1,5 +1,5 @@
-/* Section 10: the geometrically exact mixed beam against closed forms, the elastica, published cases, other solvers, the
-   dispersion relation of its own scheme, and what must be constant. */
+/* Section 10: the geometrically exact mixed beam against closed forms, the elastica, published cases, other solvers,
+   the dispersion relation of its own scheme, and what must be constant. */
 #include "fbt.h"
 
 static const double pi = 3.14159265358979323846;
@@ -517,9 +517,9 @@ TEST(a_beam_slides_over_its_support)
   }
 }
 
-/* E10.9, E10.10: everything at once (centers off the line, twist, curvature, lumped body, spin, gravity, dead and follower
-   loads on nodes and elements, a support that slides): from a solution nearby four corrections reach rounding, which
-   they would not if a term of the Jacobian were missing. */
+/* E10.9, E10.10: everything at once (centers off the line, twist, curvature, lumped body, spin, gravity, dead and
+   follower loads on nodes and elements, a support that slides): from a solution nearby four corrections reach rounding,
+   which they would not if a term of the Jacobian were missing. */
 TEST(newton_converges_quadratically)
 {
   const fb_section section = {FB_R(0.0),   FB_R(1.0),  FB_R(900.0), FB_R(1.4),   FB_R(1.0),  FB_R(3.0),
@@ -715,8 +715,7 @@ TEST(steady_and_marching_agree)
   FBT_NEAR_ABS(state.base_position[2], 12.0, FBT_TOL(1e-9, 1e-3));
 }
 
-/* E11.20: [D'Eleuterio and Barfoot]'s spin-up against the geometrically exact beam of reference p07, driven by rate and by
-   torque. */
+/* E11.20: the spin-up of [DB] against the geometrically exact beam of reference p07, driven by rate and by torque. */
 TEST(spin_up_matches_the_exact_beam)
 {
   double worst = 0.0;
