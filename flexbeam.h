@@ -1465,8 +1465,9 @@ typedef struct fb_mixed_desc {
   fb_lump lump[FB_MAX_LUMPS];
   fb_real position[3], attitude[4]; /* root in the base frame [m], section axes to base axes; all zero: identity */
   fb_real gravity[3];               /* [m/s^2] inertial axes */
-  /* Part by which a step shrinks what oscillates too fast for it, 0 (energy is kept) to 2/3: 1 - rho_infinity. What
-     has omega dt well below 1 loses a part of order dissipation (omega dt)^3 / 8 in a period's radian. */
+  /* Part by which a step shrinks what oscillates much too fast for it, 0 (energy is kept) to 2/3: 1 - rho_infinity.
+     Order 2 stays: a resolved oscillation gets the damping ratio beta (omega dt)^3/4, beta = rho (1 - rho)/(1 + rho)^2,
+     at most 1/8. */
   fb_real dissipation;
 } fb_mixed_desc;
 

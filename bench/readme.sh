@@ -50,6 +50,14 @@ build/bench/bench_system_double > "$out/system"
 build/examples/spacecraft --out build/spacecraft.csv > "$out/spacecraft"
 [ ! -f build/spacecraft_error.svg ] || sed "s/ *$//" build/spacecraft_error.svg > examples/spacecraft_error.svg
 
+# the exact beam: time, [L]'s tables, a picture
+build/bench/bench_mixed_double > "$out/mixed"
+{ echo '```'; awk -F, -f bench/mixed.awk "$out/mixed" | sed 's/ *$//'; echo '```'; } | block mixed
+make -s leigh > "$out/leigh"
+{ echo '```'; sed -n -e 's/ *$//' -e '/^Table 4.4/,/^4.7, 4.8/p' "$out/leigh" | sed '$d'; tail -n 1 "$out/leigh"; echo '```'; } | block leigh
+build/examples/elastica --out build/elastica.csv > "$out/elastica"
+[ ! -f build/elastica.svg ] || sed "s/ *$//" build/elastica.svg > examples/elastica.svg
+
 # the blade: its frequencies, and ElastoDyn's from the head of the table
 blade=tests/reference/nrel5mw_blade.csv
 build/examples/campbell --blade $blade --mass-factor 1.04536 --rpm 0,12.1 --modes 2 > "$out/blade"

@@ -635,6 +635,40 @@ TEST(dissipation_takes_energy_in_every_step)
   }
 }
 
+/* E11.20: the damping ratio of a resolved oscillation is beta (omega dt)^3/4, and the part that is left of an unresolved
+   one is rho: a rod of one element, omega dt (of the midpoint rule, 2 c dt/L) small and large. */
+TEST(dissipation_is_that_of_its_formula)
+{
+  for (int k = 1; k <= 3; k++) {
+    const double rho = 1.0 - 0.2 * k, beta = rho * (1.0 - rho) / ((1.0 + rho) * (1.0 + rho));
+    const double stiffness[6] = {1.0, 0.0, 0.0, 1.0, 1.0, 1.0}, inertia[6] = {1.0, 1.0, 1.0, 0.0, 0.0, 0.0};
+    for (int fast = 0; fast < 2; fast++) {
+      const double dt = fast ? 1e4 : 0.1, omega = 2.0;
+      const int count = fast ? 20 : 400;
+      double before, now;
+      beam(1.0, 1, stiffness, inertia);
+      desc.dissipation = (fb_real)(1.0 - rho);
+      load_tip(FB_AXES_NODE, FBT_TOL(1e-3, 0.1), 0.0, 0.0);
+      settle();
+      input.n_load = 0;
+      if (steps(20, dt) != FB_OK) {
+        return;
+      }
+      before = total_energy();
+      if (steps(count, dt) != FB_OK) {
+        return;
+      }
+      now = total_energy();
+      if (fast) {
+        FBT_NEAR_ABS(pow(now / before, 0.5 / count), rho, FBT_TOL(0.03, 0.03));
+      } else {
+        const double ratio = -log(now / before) / (2.0 * omega * dt * count);
+        FBT_NEAR_REL(ratio, beta * pow(omega * dt, 3.0) / 4.0, FBT_TOL(0.1, 0.15));
+      }
+    }
+  }
+}
+
 /* E10.14: a free beam, bent and tumbling: linear and angular momentum; the error is that of the midpoint rule. */
 TEST(free_flight_keeps_momentum)
 {
@@ -1029,8 +1063,9 @@ SUITE(mixed, RUN(elastica_is_of_order_four), RUN(linear_cantilevers_are_exact_at
       RUN(spectrum_is_that_of_the_natural_modes), RUN(any_units_give_the_same_solution),
       RUN(supports_are_those_of_the_textbook), RUN(a_beam_slides_over_its_support), RUN(newton_converges_quadratically),
       RUN(energy_is_kept_whatever_the_step), RUN(dissipation_takes_energy_in_every_step),
-      RUN(free_flight_keeps_momentum), RUN(a_rigid_beam_has_its_inertia), RUN(steady_and_marching_agree),
-      RUN(spin_up_matches_the_exact_beam), RUN(one_element_rings_at_the_predicted_frequency),
-      RUN(spectrum_of_a_straight_beam_is_the_textbooks), RUN(becks_column_flutters_at_its_load),
-      RUN(shaft_whirls_as_in_closed_form), RUN(spinning_cantilever_has_the_published_frequencies),
-      RUN(columns_buckle_at_eulers_load), RUN(mixed_beam_refuses_bad_input))
+      RUN(dissipation_is_that_of_its_formula), RUN(free_flight_keeps_momentum), RUN(a_rigid_beam_has_its_inertia),
+      RUN(steady_and_marching_agree), RUN(spin_up_matches_the_exact_beam),
+      RUN(one_element_rings_at_the_predicted_frequency), RUN(spectrum_of_a_straight_beam_is_the_textbooks),
+      RUN(becks_column_flutters_at_its_load), RUN(shaft_whirls_as_in_closed_form),
+      RUN(spinning_cantilever_has_the_published_frequencies), RUN(columns_buckle_at_eulers_load),
+      RUN(mixed_beam_refuses_bad_input))
