@@ -1478,10 +1478,11 @@ typedef struct fb_mixed { /* a checked desc, in units of the beam's own; constan
   fb_real gravity[3];
   int held[FB_MAX_MIXED + 1];
   fb_real h[FB_MAX_MIXED];
-  fb_real xi[6 * FB_MAX_MIXED];       /* (1, 0, 0, initial curvature) */
-  fb_real C[36 * FB_MAX_MIXED];       /* compliance with that by the strain's variation in the element */
-  fb_real S[36 * FB_MAX_MIXED];       /* its inverse, zero where rigid */
-  fb_real section[36 * FB_MAX_MIXED]; /* the section's own compliance */
+  fb_real xi[6 * FB_MAX_MIXED]; /* (1, 0, 0, initial curvature) */
+  fb_real C[36 * FB_MAX_MIXED]; /* compliance with that by the strain's variation in the element */
+  fb_real S[36 * FB_MAX_MIXED]; /* its inverse, zero where rigid */
+  fb_real section[36 * FB_MAX_MIXED],
+      taper[36 * FB_MAX_MIXED]; /* the section's own compliance, its change over the element */
   fb_real M[36 * FB_MAX_MIXED], M_inverse[36 * FB_MAX_MIXED];
   fb_real r[3 * (FB_MAX_MIXED + 1)], quat[4 * (FB_MAX_MIXED + 1)]; /* undeformed nodes in the base frame */
   int lump_node[FB_MAX_LUMPS];
@@ -1512,8 +1513,9 @@ typedef struct fb_mixed_state {           /* all that changes, in the beam's own
   /* of the middle of the last step, or steady: node velocities and stress of the elements, with those of the two steps
      before it; loads between elements */
   fb_real V[3][6 * (FB_MAX_MIXED + 1)], stress[3][6 * FB_MAX_MIXED], force[6 * (FB_MAX_MIXED + 1)];
-  int known;    /* of them */
-  fb_real step; /* length of the last step */
+  fb_real offset[6 * FB_MAX_MIXED]; /* of the strain, by loads on the elements */
+  int known;                        /* of them */
+  fb_real step;                     /* length of the last step */
 } fb_mixed_state;
 
 /* ---- parts of the work: not to be looked at */
@@ -1543,7 +1545,7 @@ typedef struct fb_mixed_work { /* scratch; large: make it static */
   int iterations, increments;  /* of fb_mixed_steady_solve: Newton iterations, load increments tried */
   fbi_mixed_motion motion;
   fb_real gravity[3], twist[6], half[9]; /* in base axes; motion of the base, its turn in half a step */
-  fb_real line[6 * FB_MAX_MIXED], line_dead[6 * FB_MAX_MIXED];
+  fb_real line[6 * FB_MAX_MIXED], line_dead[6 * FB_MAX_MIXED], offset[6 * FB_MAX_MIXED];
   fb_real follower[6 * (FB_MAX_MIXED + 1)], dead[6 * (FB_MAX_MIXED + 1)];
   fb_real r[3 * (FB_MAX_MIXED + 1)], quat[4 * (FB_MAX_MIXED + 1)], R[9 * (FB_MAX_MIXED + 1)];
   fb_real V[6 * (FB_MAX_MIXED + 1)], G[6 * (FB_MAX_MIXED + 1)], s[6 * FB_MAX_MIXED];

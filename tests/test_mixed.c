@@ -140,6 +140,54 @@ TEST(tapered_rods_are_exact_at_the_nodes)
   FBT_NEAR_REL(node[3].displacement[0], FBT_TOL(100.0, 1e5) * 2.0 / 1e6 * log(2.0), FBT_TOL(1e-9, 1e-4));
 }
 
+/* E10.6: loads and couples along the line: the ends of a linear beam are exact with one element. */
+TEST(line_loads_are_exact_at_the_nodes)
+{
+  for (int n = 1; n <= 3; n++) {
+    const double stiffness[6] = {1e3, 50.0, 50.0, 2.0, 5.0, 7.0}, f = FBT_TOL(1e-8, 1e-3);
+    beam(2.0, n, stiffness, NULL);
+    for (int k = 0; k < n; k++) {
+      input.line[k].axes = FB_AXES_NODE;
+      input.line[k].force[1] = (fb_real)f;
+      input.line[k].torque[0] = (fb_real)(2.0 * f);
+      input.line[k].torque[1] = (fb_real)(3.0 * f);
+    }
+    settle();
+    FBT_NEAR_REL(node[n].displacement[1], f * (16.0 / 56.0 + 4.0 / 100.0), FBT_TOL(1e-6, 5e-3)); /* L^4/8EI, L^2/2GA */
+    FBT_NEAR_REL(node[n].displacement[2], -3.0 * f * 8.0 / 15.0, FBT_TOL(1e-6, 5e-3));           /* m L^3/3EI */
+    FBT_NEAR_REL(node[n].rotation[0], 2.0 * f * 4.0 / 4.0, FBT_TOL(1e-6, 5e-3));
+    FBT_NEAR_REL(node[n].rotation[1], 3.0 * f * 4.0 / 10.0, FBT_TOL(1e-6, 5e-3));
+    FBT_NEAR_REL(node[n].rotation[2], f * 8.0 / 42.0, FBT_TOL(1e-6, 5e-3));
+  }
+}
+
+/* E10.5, E10.6: a cantilever whose stiffness and mass fall linearly to half: deflection under a tip force, from
+   int s^2/EI ds, and a rigid turn's energy, of few elements. */
+TEST(tapered_beams_converge_fast)
+{
+  const double f = FBT_TOL(1e-8, 1e-3), exact = f * 2.0 * (log(2.0) - 0.5);
+  for (int n = 1; n <= 4; n *= 2) {
+    const double stiffness[6] = {0.0, 0.0, 0.0, 1.0, 1.0, 1.0}, inertia[6] = {1.0, 1.0, 1.0, 0.0, 0.0, 0.0};
+    fb_energy energy;
+    beam(1.0, n, stiffness, inertia);
+    desc.n_station = 2;
+    desc.station[1] = desc.station[0];
+    desc.station[1].x = FB_R(1.0);
+    for (int i = 0; i < 36; i++) {
+      desc.station[1].stiffness[i] *= FB_R(0.5);
+      desc.station[1].inertia[i] *= FB_R(0.5);
+    }
+    load_tip(FB_AXES_INERTIAL, 0.0, f, 0.0);
+    settle();
+    FBT_NEAR_REL(node[n].displacement[1], exact, FBT_TOL(n == 1 ? 2e-2 : n == 2 ? 2e-3 : 2e-4, 2e-2));
+    memset(&input, 0, sizeof input);
+    input.w[2] = FB_R(1.0);
+    start();
+    FBT_INT_EQ(fb_mixed_energy(&mixed, &energy, &state), FB_OK);
+    FBT_NEAR_REL(energy.kinetic, 0.5 * (1.0 / 3.0 - 0.5 / 4.0), FBT_TOL(1e-12, 1e-5)); /* 1/2 int (1 - x/2) x^2 */
+  }
+}
+
 /* E10.12, E4.6: a tip moment makes an arc of which nodes and points in between are exact; three turns and more. */
 TEST(points_between_nodes_lie_on_the_curve)
 {
@@ -869,6 +917,23 @@ TEST(spectrum_of_a_straight_beam_is_the_textbooks)
   }
 }
 
+/* E12.5: whatever their number, the slowest motions are the same (artefacts of the basis are not among them). */
+TEST(spectrum_does_not_depend_on_the_count)
+{
+  double omega[12];
+  for (int count = 12; count >= 1; count--) {
+    const double stiffness[6] = {20.0, 7.4, 7.4, 1.7, 1.0 / 6.0, 2.0 / 3.0};
+    const double inertia[6] = {2.0, 2.0, 2.0, 5.0 / 6.0, 1.0 / 6.0, 2.0 / 3.0};
+    beam(12.0, 10, stiffness, inertia);
+    settle();
+    spectrum_of(count);
+    for (int k = 0; k < count; k++) {
+      omega[k] = count == 12 ? (double)spectrum.im[k] : omega[k];
+      FBT_NEAR_REL(spectrum.im[k], omega[k], FBT_TOL(1e-6, 1e-2));
+    }
+  }
+}
+
 /* E10.9, E12.4: Beck's column under a tangential tip load flutters where its first two frequencies meet; below it, the
    frequencies. */
 TEST(becks_column_flutters_at_its_load)
@@ -1056,7 +1121,8 @@ TEST(mixed_beam_refuses_bad_input)
 }
 
 SUITE(mixed, RUN(elastica_is_of_order_four), RUN(linear_cantilevers_are_exact_at_the_nodes),
-      RUN(tapered_rods_are_exact_at_the_nodes), RUN(points_between_nodes_lie_on_the_curve),
+      RUN(tapered_rods_are_exact_at_the_nodes), RUN(tapered_beams_converge_fast),
+      RUN(line_loads_are_exact_at_the_nodes), RUN(points_between_nodes_lie_on_the_curve),
       RUN(steady_bend_of_an_arc_matches_the_published_tip), RUN(steady_rotation_with_load_matches_shooting),
       RUN(steady_stretch_of_a_spinning_rod_is_the_closed_form), RUN(steady_princeton_beam_at_all_angles),
       RUN(steady_openfast_cantilever_hangs_as_shooting_says), RUN(offsets_of_a_section_are_those_of_the_forces),
@@ -1066,6 +1132,6 @@ SUITE(mixed, RUN(elastica_is_of_order_four), RUN(linear_cantilevers_are_exact_at
       RUN(dissipation_is_that_of_its_formula), RUN(free_flight_keeps_momentum), RUN(a_rigid_beam_has_its_inertia),
       RUN(steady_and_marching_agree), RUN(spin_up_matches_the_exact_beam),
       RUN(one_element_rings_at_the_predicted_frequency), RUN(spectrum_of_a_straight_beam_is_the_textbooks),
-      RUN(becks_column_flutters_at_its_load), RUN(shaft_whirls_as_in_closed_form),
-      RUN(spinning_cantilever_has_the_published_frequencies), RUN(columns_buckle_at_eulers_load),
-      RUN(mixed_beam_refuses_bad_input))
+      RUN(spectrum_does_not_depend_on_the_count), RUN(becks_column_flutters_at_its_load),
+      RUN(shaft_whirls_as_in_closed_form), RUN(spinning_cantilever_has_the_published_frequencies),
+      RUN(columns_buckle_at_eulers_load), RUN(mixed_beam_refuses_bad_input))
