@@ -1413,12 +1413,13 @@ FB_API void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *
      momentum   = M (A1 V1 + A2 V2)    X = h ad(1 + force strain, curvature), A = 1/2 -+ X/12, D = -+1 + X A
      F2 = D2^T s - h A2^T f            s = stiffness strain, F = (force, moment) at the nodes, f = load less momentum_t
 
-   piecewise constant in space and time as in [L], with two corrections of the means: the ends of an element that no
-   load acts on are then exact for the linear beam, and of order 4 for the bent one. A is to D as velocity is to strain,
-   so that energy passes from element to element without loss, whatever the size of mesh and step.
+   piecewise constant in space and time as in [L], with two corrections of the means: at the nodes a linear beam is then
+   exact, a bent one and the frequencies of a straight one are of order 4, motion and all else of order 2. A is to D as
+   velocity is to strain, so that energy passes from element to element without loss, whatever the mesh and the step.
    Cost and memory are linear in the elements: 12 unknowns for each, eliminated from the tip to the root. */
 
-/* What an end, or a node, is held in: directions x, y, z of the base, rotations about its section axes x, y, z. */
+/* What an end, or a node, is held in: directions x, y, z of the base, rotations about its section axes x, y, z: all of
+   them, two (a hinge), or none; one alone has a meaning for small rotations only. */
 #define FB_HOLD_X 1
 #define FB_HOLD_Y 2
 #define FB_HOLD_Z 4
@@ -1435,7 +1436,8 @@ FB_API void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *
 typedef struct fb_mixed_station { /* section of the undeformed beam; linear between stations */
   fb_real x;                      /* [m] along the reference line, from 0; ignored for one station (uniform) */
   /* 6x6, symmetric, of (force; moment) by (force strain; curvature), section axes, x along the line: [N], [N m],
-     [N m^2]. A zero on the diagonal: rigid in that strain, its row and column are ignored */
+     [N m^2]. A zero on the diagonal: rigid in that strain, its row and column are ignored; then hold the root, not the
+     tip, against it */
   fb_real stiffness[36];
   fb_real inertia[36];  /* 6x6 of (momentum; angular momentum) by (velocity; rate): [kg/m], [kg], [kg m]; may be 0 */
   fb_real twist;        /* [rad] section axes turn with it about x; relative to.. */
@@ -1502,7 +1504,7 @@ typedef struct fb_mixed_input { /* all zero: nothing acts, the base rests */
   int n_load;
   fb_load load[FB_MAX_LOADS];      /* at nodes */
   fb_line_load line[FB_MAX_MIXED]; /* on elements */
-  fb_real v[3], w[3];              /* [m/s], [rad/s] of the base frame, base axes */
+  fb_real v[3], w[3];              /* [m/s], [rad/s] of the base frame, base axes; nothing held: of the start alone */
 } fb_mixed_input;
 
 typedef struct fb_mixed_state {           /* all that changes, in the beam's own units; assignment is a snapshot */
@@ -1573,19 +1575,22 @@ FB_API fb_status fb_mixed_state_init(const fb_mixed *mixed, fb_mixed_state *stat
 FB_API fb_status fb_mixed_steady_solve(const fb_mixed *mixed, fb_mixed_state *state, fb_mixed_work *work,
                                        const fb_mixed_input *input);
 
-typedef struct fb_mixed_node {          /* of the middle of the last step where it moves */
-  fb_real position[3], quat[4];         /* [m], section to inertial axes */
+typedef struct fb_mixed_node {
+  fb_real position[3], quat[4];         /* [m], section to inertial axes, after the last step */
   fb_real displacement[3];              /* [m] base axes */
-  fb_real rotation[3];                  /* [rad] rotation vector from the undeformed section; whole turns count */
+  fb_real rotation[3];                  /* [rad] rotation vector from the undeformed section; whole turns along the beam
+                                           count, the root's own is within half a turn */
   fb_real wiener_milenkovic[3];         /* the same as 4 tan(phi/4), phi within half a turn */
-  fb_real velocity[3], angular_rate[3]; /* [m/s], [rad/s] section axes */
-  fb_real force[3], moment[3];          /* [N], [N m] of what is outboard on what is inboard, section axes; at the root
-                                           of the beam on the root */
+  fb_real velocity[3], angular_rate[3]; /* [m/s], [rad/s] section axes, in the middle of the last step */
+  fb_real force[3], moment[3];          /* [N], [N m] of what is outboard on what is inboard, section axes, there; at
+                                           the root of the beam on the root */
 } fb_mixed_node;
 /* All n + 1 nodes. */
 FB_API fb_status fb_mixed_nodes_eval(const fb_mixed *mixed, fb_mixed_node *node, const fb_mixed_state *state);
 
-typedef struct fb_mixed_element {            /* means over element k, section axes */
+/* Means over element k, section axes; loads and strains in the middle of the last step, velocities and momenta after
+   it. */
+typedef struct fb_mixed_element {
   fb_real force[3], moment[3];               /* [N], [N m] */
   fb_real force_strain[3], moment_strain[3]; /* -, [1/m] */
   fb_real velocity[3], angular_rate[3];
@@ -1710,10 +1715,11 @@ FB_API fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body,
 
 /* One step under loads and motion of the base of its middle. Order 2; without dissipation the energy of a conservative
    beam is constant but for the last correction of the iteration, whatever the step: a limit of stability does not
-   exist, accuracy wants omega dt below about 1 for the modes that matter. Fixed work: one factorization, 1 +
-   desc.iterations evaluations. FB_ERR_CONVERGENCE: the last correction is not small, take a shorter step;
-   FB_ERR_SINGULAR: a node without inertia and stiffness; else as fb_mixed_steady_solve. On failure state is as before.
- */
+   exist, accuracy wants omega dt below about 1 for the modes that matter. Supports beyond the root are brought back to
+   their place within the next step, across the reaction, so that they do no work. Steps may differ; one that is longer
+   than the one before damps with order 1. Fixed work: one factorization, 1 + desc.iterations evaluations.
+   FB_ERR_CONVERGENCE: the last correction is not small, take a shorter step or more iterations; FB_ERR_SINGULAR: a node
+   without inertia and stiffness; else as fb_mixed_steady_solve. On failure state is as before. */
 FB_API fb_status fb_mixed_step(const fb_mixed *mixed, fb_mixed_state *state, fb_mixed_work *work,
                                const fb_mixed_input *middle, fb_real dt);
 
@@ -1776,7 +1782,7 @@ typedef struct fb_mixed_spectrum_work { /* scratch; large: make it static */
 /* The `count` (1..FB_MIXED_MODES) slowest motions exp(lambda t) about a steady state of fb_mixed_steady_solve with the
    same input: vibration, whirl, flutter, buckling (lambda = 0); as the base that moves with the input sees them. A beam
    that nothing holds has its rigid motions among them, zero to rounding's root. FB_ERR_CONVERGENCE: fewer than asked
-   for have converged; FB_ERR_KIND: it has not so many; FB_ERR_SINGULAR: no inertia. */
+   for have converged (without inertia there are none); FB_ERR_KIND: it has not so many. */
 FB_API fb_status fb_mixed_spectrum_solve(const fb_mixed *mixed, fb_mixed_spectrum *spectrum,
                                          fb_mixed_spectrum_work *work, const fb_mixed_state *state,
                                          const fb_mixed_input *input, int count);

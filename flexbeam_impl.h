@@ -1748,15 +1748,15 @@ static fb_status fbi_line_fill(fb_beam *beam)
   return FB_OK;
 }
 
-static fb_status fbi_lumps_check(const fb_beam_desc *desc)
+static fb_status fbi_lumps_check(const fb_lump *lumps, int n, int last_node)
 {
-  for (int k = 0; k < desc->n_lump; k++) {
-    const fb_lump *lump = &desc->lump[k];
+  for (int k = 0; k < n; k++) {
+    const fb_lump *lump = &lumps[k];
     fb_real spread[3][3];
     if (!fbi_is_finite(&lump->mass, 1) || !fbi_is_finite(lump->center, 3) || !fbi_is_finite(lump->inertia, 6)) {
       return FB_ERR_NOT_FINITE;
     }
-    if (lump->node < 0 || lump->node > desc->n_element) {
+    if (lump->node < 0 || lump->node > last_node) {
       return FB_ERR_CAPACITY;
     }
     if (!(lump->mass >= FB_R(0.0)) || fbi_spread(spread, lump->inertia) != FB_OK) {
@@ -1835,7 +1835,7 @@ FB_DEF fb_status fb_beam_init(fb_beam *beam, const fb_beam_desc *desc)
     checked.desc.station[0].x = FB_R(0.0);
   }
   status = fbi_stations_check(&checked.desc);
-  status = status ? status : fbi_lumps_check(desc);
+  status = status ? status : fbi_lumps_check(desc->lump, desc->n_lump, desc->n_element);
   if (status != FB_OK) {
     return status;
   }
@@ -9578,19 +9578,22 @@ static void fbi_mul_ad(fb_real Y[36], const fb_real M[36], const fb_real x[6])
   }
 }
 
+/* A += s v^ where the rows of A are n apart */
+static void fbi_add_skew(fb_real *A, int n, fb_real s, const fb_real v[3])
+{
+  for (int k = 0; k < 3; k++) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    A[n * i + j] -= s * v[k];
+    A[n * j + i] += s * v[k];
+  }
+}
+
 /* Y += ad(x)^T F by x: [0 f^; f^ m^] */
 static void fbi_adT_turn(fb_real Y[36], const fb_real F[6], fb_real scale)
 {
-  for (int k = 0; k < 3; k++) { /* f^ at (0, 3) and (3, 0), m^ at (3, 3) */
-    const int i = (k + 1) % 3, j = (k + 2) % 3;
-    const fb_real f = scale * F[k], m = scale * F[3 + k];
-    Y[6 * i + j + 3] -= f;
-    Y[6 * j + i + 3] += f;
-    Y[6 * (i + 3) + j] -= f;
-    Y[6 * (j + 3) + i] += f;
-    Y[6 * (i + 3) + j + 3] -= m;
-    Y[6 * (j + 3) + i + 3] += m;
-  }
+  fbi_add_skew(Y + 3, 6, scale, F);
+  fbi_add_skew(Y + 18, 6, scale, F);
+  fbi_add_skew(Y + 21, 6, scale, F + 3);
 }
 
 static void fbi_mat66_mul_vec6(fb_real y[6], const fb_real A[36], const fb_real x[6])
@@ -9633,9 +9636,9 @@ static void fbi_pose_add(fb_real r[3], fb_real quat[4], const fb_real x[6])
   fbi_pose_mul(r, quat, r, quat, step, turn);
 }
 
-/* Twist from pose a to pose b, axes of a. */
-static void fbi_pose_difference(fb_real x[6], const fb_real r_a[3], const fb_real quat_a[4], const fb_real r_b[3],
-                                const fb_real quat_b[4])
+/* r_c, quat_c: pose b as seen from pose a */
+static void fbi_pose_relative(fb_real r_c[3], fb_real quat_c[4], const fb_real r_a[3], const fb_real quat_a[4],
+                              const fb_real r_b[3], const fb_real quat_b[4])
 {
   const fb_real back[4] = {quat_a[0], -quat_a[1], -quat_a[2], -quat_a[3]};
   const fb_real d[3] = {r_b[0] - r_a[0], r_b[1] - r_a[1], r_b[2] - r_a[2]};
@@ -9643,7 +9646,17 @@ static void fbi_pose_difference(fb_real x[6], const fb_real r_a[3], const fb_rea
   fb_quat_to_mat33(R, quat_a);
   fb_mat33_mulT_vec3(y, R, d);
   fb_quat_mul(q, back, quat_b);
-  fb_pose_to_twist(x, y, q);
+  fbi_copy(r_c, y, 3);
+  fbi_copy(quat_c, q, 4);
+}
+
+/* Twist from pose a to pose b, axes of a. */
+static void fbi_pose_difference(fb_real x[6], const fb_real r_a[3], const fb_real quat_a[4], const fb_real r_b[3],
+                                const fb_real quat_b[4])
+{
+  fb_real r[3], quat[4];
+  fbi_pose_relative(r, quat, r_a, quat_a, r_b, quat_b);
+  fb_pose_to_twist(x, r, quat);
 }
 
 /* ---- model */
@@ -9741,8 +9754,8 @@ static int fbi_is_symmetric6(const fb_real A[36])
 {
   for (int i = 0; i < 6; i++) {
     for (int j = 0; j < i; j++) {
-      const fb_real a = A[6 * i + j], b = A[6 * j + i], scale = FB_FABS(a) + FB_FABS(b);
-      if (FB_FABS(a - b) > FB_R(1e-5) * scale) {
+      const fb_real d = A[6 * i + j] - A[6 * j + i];
+      if (d * d > FB_R(1e-10) * A[7 * i] * A[7 * j]) {
         return 0;
       }
     }
@@ -9771,7 +9784,9 @@ static fb_status fbi_mixed_station_check(const fb_mixed_desc *desc, int k)
     return FB_ERR_NOT_FINITE;
   }
   for (int i = 0; i < 6; i++) {
-    if (s->stiffness[7 * i] < FB_R(0.0) || s->inertia[7 * i] < FB_R(0.0) ||
+    if (s->stiffness[7 * i] < FB_R(0.0) ||
+        (s->stiffness[7 * i] > FB_R(0.0) && s->stiffness[7 * i] < FB_R(1.0) / FB_HUGE) ||
+        s->inertia[7 * i] < FB_R(0.0) ||
         (s->stiffness[7 * i] == FB_R(0.0)) != (desc->station[0].stiffness[7 * i] == FB_R(0.0))) {
       return FB_ERR_VALUE;
     }
@@ -9783,6 +9798,53 @@ static fb_status fbi_mixed_station_check(const fb_mixed_desc *desc, int k)
     return FB_ERR_VALUE;
   }
   return fbi_compliance(C, s->stiffness);
+}
+
+/* a + (b - a) s of stations around x */
+static void fbi_mixed_station_eval(fb_mixed_station *out, const fb_mixed_desc *desc, fb_real x)
+{
+  const fb_mixed_station *a = desc->station, *b = a;
+  fb_real s = FB_R(0.0);
+  if (desc->n_station > 1) {
+    while (a + 2 < desc->station + desc->n_station && a[1].x < x) {
+      a++;
+    }
+    b = a + 1;
+    s = x < b->x ? (x - a->x) / (b->x - a->x) : FB_R(1.0);
+  }
+  out->x = x;
+  out->twist = a->twist + (b->twist - a->twist) * s;
+  for (int i = 0; i < 36; i++) { /* what is not symmetric is rounding of the file it came from */
+    const int t = i % 6 * 6 + i / 6;
+    const fb_real Ka = a->stiffness[i] + a->stiffness[t], Kb = b->stiffness[i] + b->stiffness[t];
+    const fb_real Ma = a->inertia[i] + a->inertia[t], Mb = b->inertia[i] + b->inertia[t];
+    out->stiffness[i] = FB_R(0.5) * (Ka + (Kb - Ka) * s);
+    out->inertia[i] = FB_R(0.5) * (Ma + (Mb - Ma) * s);
+  }
+  for (int i = 0; i < 3; i++) {
+    out->curvature[i] = a->curvature[i] + (b->curvature[i] - a->curvature[i]) * s;
+  }
+}
+
+static fb_real fbi_mixed_place(const fb_mixed_desc *desc, int node)
+{
+  const int n = desc->n_element;
+  return desc->place[n] != FB_R(0.0) ? desc->place[node] : desc->length * (fb_real)node / (fb_real)n;
+}
+
+/* Neighbors are turned against each other by less than pi. */
+static fb_status fbi_mixed_turn_check(const fb_mixed_desc *desc, int k)
+{
+  const fb_real start = fbi_mixed_place(desc, k), end = fbi_mixed_place(desc, k + 1);
+  fb_mixed_station a, b;
+  fb_real turn[3];
+  fbi_mixed_station_eval(&a, desc, start);
+  fbi_mixed_station_eval(&b, desc, end);
+  for (int i = 0; i < 3; i++) {
+    turn[i] = FB_R(0.5) * (a.curvature[i] + b.curvature[i]) * (end - start);
+  }
+  turn[0] += b.twist - a.twist;
+  return fb_vec3_dot(turn, turn) < FB_R(9.0) ? FB_OK : FB_ERR_VALUE;
 }
 
 static int fbi_is_end(int held)
@@ -9802,11 +9864,12 @@ static fb_status fbi_mixed_check(const fb_mixed_desc *desc)
       !fbi_is_finite(desc->attitude, 4) || !fbi_is_finite(desc->gravity, 3) || !fbi_is_finite(&desc->dissipation, 1)) {
     return FB_ERR_NOT_FINITE;
   }
-  if (!(desc->length > FB_R(0.0)) || desc->dissipation < FB_R(0.0) || desc->dissipation > FB_R(2.0) / FB_R(3.0) ||
-      desc->iterations < 0 || desc->iterations > 20 || !fbi_is_end(desc->root) || !fbi_is_end(desc->tip)) {
+  if (!(desc->length > FB_R(1.0) / FB_HUGE) || desc->dissipation < FB_R(0.0) ||
+      desc->dissipation > FB_R(2.0) / FB_R(3.0) || desc->iterations < 0 || desc->iterations > 20 ||
+      !fbi_is_end(desc->root) || !fbi_is_end(desc->tip)) {
     return FB_ERR_VALUE;
   }
-  for (int k = 0; k <= n && desc->place[n] != FB_R(0.0); k++) {
+  for (int k = 0; k <= n && !fbi_is_zero(desc->place, n + 1); k++) {
     if (k == 0 ? desc->place[0] != FB_R(0.0) : !(desc->place[k] > desc->place[k - 1])) {
       return FB_ERR_VALUE;
     }
@@ -9825,46 +9888,11 @@ static fb_status fbi_mixed_check(const fb_mixed_desc *desc)
     const fb_support *s = &desc->support[k];
     status = s->node < 0 || s->node > n ? FB_ERR_CAPACITY : fbi_is_end(s->held) ? FB_OK : FB_ERR_VALUE;
   }
-  for (int k = 0; k < desc->n_lump && status == FB_OK; k++) {
-    const fb_lump *lump = &desc->lump[k];
-    if (lump->node < 0 || lump->node > n) {
-      return FB_ERR_CAPACITY;
-    }
-    if (!fbi_is_finite(&lump->mass, 1) || !fbi_is_finite(lump->center, 3) || !fbi_is_finite(lump->inertia, 6)) {
-      return FB_ERR_NOT_FINITE;
-    }
-    status = lump->mass >= FB_R(0.0) ? FB_OK : FB_ERR_VALUE;
+  status = status ? status : fbi_lumps_check(desc->lump, desc->n_lump, n);
+  for (int k = 0; k < n && status == FB_OK; k++) {
+    status = fbi_mixed_turn_check(desc, k);
   }
   return status;
-}
-
-/* a + (b - a) s of stations around x */
-static void fbi_mixed_station_eval(fb_mixed_station *out, const fb_mixed_desc *desc, fb_real x)
-{
-  const fb_mixed_station *a = desc->station, *b = a;
-  fb_real s = FB_R(0.0);
-  if (desc->n_station > 1) {
-    while (a + 2 < desc->station + desc->n_station && a[1].x < x) {
-      a++;
-    }
-    b = a + 1;
-    s = (x - a->x) / (b->x - a->x);
-  }
-  out->x = x;
-  out->twist = a->twist + (b->twist - a->twist) * s;
-  for (int i = 0; i < 36; i++) {
-    out->stiffness[i] = a->stiffness[i] + (b->stiffness[i] - a->stiffness[i]) * s;
-    out->inertia[i] = a->inertia[i] + (b->inertia[i] - a->inertia[i]) * s;
-  }
-  for (int i = 0; i < 3; i++) {
-    out->curvature[i] = a->curvature[i] + (b->curvature[i] - a->curvature[i]) * s;
-  }
-}
-
-static fb_real fbi_mixed_place(const fb_mixed_desc *desc, int node)
-{
-  const int n = desc->n_element;
-  return desc->place[n] != FB_R(0.0) ? desc->place[node] : desc->length * (fb_real)node / (fb_real)n;
 }
 
 /* [E10.6] Compliance and inertia of an element, X = h ad(1, 0, 0, curvature):
@@ -10017,7 +10045,9 @@ static void fbi_mixed_rescale(fb_mixed *m, const fb_mixed_desc *desc)
     fbi_mixed_scale(m->taper + 36 * k, m->force, L);
     fbi_mixed_scale(m->C + 36 * k, m->force, L);
     fbi_mixed_scale(m->M + 36 * k, L / mass, FB_R(1.0) / L);
-    (void)fbi_compliance(m->S + 36 * k, m->C + 36 * k);
+    if (fbi_compliance(m->S + 36 * k, m->C + 36 * k) != FB_OK) { /* rigid in a direction across the axes */
+      fbi_pseudo_inverse(m->S + 36 * k, m->C + 36 * k);
+    }
     fbi_pseudo_inverse(m->M_inverse + 36 * k, m->M + 36 * k);
   }
   for (int k = 0; k < m->n_lump; k++) {
@@ -10291,6 +10321,17 @@ static void fbi_mixed_load_matrices(fb_real N[36], fb_real G[36], const fbi_mixe
       G[i] += c->h / FB_R(12.0) * Y[i];
     }
   }
+  if (motion->dead) { /* -h (turn x d)/12 of the loads' difference d between the ends */
+    for (int i = 0; i < 6; i += 3) {
+      fb_real p[3], q[3], d[3];
+      fb_mat33_mulT_vec3(p, work->R + 9 * k, work->line_dead + 6 * k + i);
+      fb_mat33_mulT_vec3(q, work->R + 9 * k + 9, work->line_dead + 6 * k + i);
+      for (int a = 0; a < 3; a++) {
+        d[a] = c->h / FB_R(12.0) * (q[a] - p[a]);
+      }
+      fbi_add_skew(G + 6 * i + 3, 6, FB_R(1.0), d);
+    }
+  }
 }
 
 /* E = (rate + ad(V) + ad(theta) ad(dV)/12) h C: compatibility by the stress. */
@@ -10396,13 +10437,8 @@ static void fbi_mixed_node_jacobian(fb_real K[36], const fb_mixed_work *work, co
   for (int i = 0; i < 6; i += 3) {
     fb_mat33_mulT_vec3(f + i, work->R + 9 * node, work->dead + 6 * node + i);
   }
-  for (int k = 0; k < 3; k++) { /* f x turn */
-    const int i = (k + 1) % 3, j = (k + 2) % 3;
-    K[6 * i + j + 3] += motion->pose * f[k];
-    K[6 * j + i + 3] -= motion->pose * f[k];
-    K[6 * (i + 3) + j + 3] += motion->pose * f[3 + k];
-    K[6 * (j + 3) + i + 3] -= motion->pose * f[3 + k];
-  }
+  fbi_add_skew(K + 3, 6, -motion->pose, f); /* - f x turn */
+  fbi_add_skew(K + 21, 6, -motion->pose, f + 3);
   for (int l = 0; l < m->n_lump; l++) {
     const fb_real *const M = m->lump + 36 * l;
     if (m->lump_node[l] != node) {
@@ -10455,11 +10491,7 @@ static void fbi_mixed_hold(fb_real *A, const fb_mixed_work *work, const fb_mixed
   const int held = m->held[node], turned = fbi_mixed_turned(held);
   const fb_real *const R = work->R + 9 * node, *const B = work->B + 6 * node;
   if (turned) { /* R (F + turn x F) */
-    for (int k = 0; k < 3; k++) {
-      const int i = (k + 1) % 3, j = (k + 2) % 3;
-      A[n * i + own + j + 3] += work->motion.pose * B[k];
-      A[n * j + own + i + 3] -= work->motion.pose * B[k];
-    }
+    fbi_add_skew(A + own + 3, n, -work->motion.pose, B);
     fbi_mixed_rows_turn(A, R, n);
   }
   for (int i = 0; i < 6; i++) {
@@ -10710,7 +10742,8 @@ static void fbi_mixed_nodes_eval(fb_mixed_work *work, const fb_mixed *m)
   }
 }
 
-/* Pose error of a held node: place in base axes, rotation in section axes. */
+/* Pose error of a held node: place in base axes, rotation in section axes. With one axis free (a hinge) the rotation is
+   that which turns this axis into its place: the rotation vector would mix the hinge's own angle in. */
 static void fbi_mixed_pose_error(fb_real e[6], const fb_mixed *m, const fb_real *r, const fb_real *quat, int node)
 {
   const fb_real *const q = quat + 4 * node;
@@ -10721,43 +10754,80 @@ static void fbi_mixed_pose_error(fb_real e[6], const fb_mixed *m, const fb_real 
   }
   fb_quat_mul(turn, back, m->quat + 4 * node);
   fb_quat_to_rotvec(e + 3, turn);
+  for (int i = 0; i < 3; i++) {
+    if ((m->held[node] & FB_END_GUIDED) == (FB_END_GUIDED & ~(FB_HOLD_RX << i))) {
+      fb_real R[9], place[3], own[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+      own[i] = FB_R(1.0);
+      fb_quat_to_mat33(R, turn);
+      fb_mat33_mul_vec3(place, R, own);
+      fb_vec3_cross(e + 3, own, place);
+    }
+  }
 }
 
-/* What held directions want. Steady: back to their place. Marching: the base's velocity, and back within the step. */
+/* The way back of a held node, in the axes of its rows, less what it has along the reaction: it must do no work. */
+static void fbi_mixed_close(fb_real e[6], const fb_mixed_work *work, const fb_mixed *m, int node)
+{
+  const int held = m->held[node];
+  fb_real F[6], size;
+  fbi_vec6_copy(F, work->B + 6 * node);
+  if (fbi_mixed_turned(held)) {
+    fbi_mixed_rows_turn(F, work->R + 9 * node, 1);
+  }
+  for (int i = 0; i < 6; i++) {
+    F[i] = held >> i & 1 ? F[i] : FB_R(0.0);
+    e[i] = held >> i & 1 ? e[i] : FB_R(0.0);
+  }
+  size = fbi_vec6_dot(F, F);
+  if (size > FB_R(0.0)) {
+    fbi_vec6_add(e, -fbi_vec6_dot(F, e) / size, F);
+  }
+}
+
+/* Velocity of the base where the node is, less its own, in the axes of its rows. Where it is: held directions in their
+   place, free ones half a step on. */
+static void fbi_mixed_slip(fb_real y[6], const fb_mixed_work *work, const fb_mixed *m, int node)
+{
+  const fb_real *const R = work->R + 9 * node, *const V = work->V + 6 * node, *const w = work->twist + 3;
+  fb_real own[3], carried[3], r[3];
+  fb_mat33_mul_vec3(own, R, V);
+  fbi_copy(carried, work->twist, 3);
+  fbi_vec3_add_cross(carried, w, work->r + 3 * node);
+  for (int i = 0; i < 3; i++) {
+    r[i] =
+        m->held[node] >> i & 1 ? m->r[3 * node + i] : work->r[3 * node + i] + work->motion.pose * (own[i] - carried[i]);
+  }
+  fbi_copy(carried, work->twist, 3);
+  fbi_vec3_add_cross(carried, w, r);
+  fbi_vec3_add(carried, -FB_R(1.0), own);
+  fb_mat33_mulT_vec3(y, R, carried);
+  if (fbi_mixed_turned(m->held[node])) {
+    fbi_copy(y, carried, 3);
+  }
+  fb_mat33_mulT_vec3(y + 3, R, w);
+  fbi_vec3_add(y + 3, -FB_R(1.0), V + 3);
+}
+
+/* What held directions want. Steady: back to their place. Marching: the base's velocity, and back within the step (but
+   for the root, which is put where it belongs after the step). */
 static void fbi_mixed_want(fb_mixed_work *work, const fb_mixed *m, fb_real dt)
 {
-  const int march = work->motion.march;
   for (int j = 0; j <= m->n; j++) {
-    const fb_real *const R = work->R + 9 * j;
-    fb_real e[6], v[3], *const want = work->want + 6 * j;
+    fb_real e[6], slip[6], *const want = work->want + 6 * j;
     if (m->held[j] == 0) {
       continue;
     }
     fbi_mixed_pose_error(e, m, work->r, work->quat, j);
-    fbi_copy(v, e, 3);
-    if (march) {
-      fbi_copy(v, work->twist, 3);
-      fbi_vec3_add_cross(v, work->twist + 3, m->r + 3 * j);
-      fbi_vec3_add(v, j > 0 ? FB_R(1.0) / dt : FB_R(0.0), e);
-      fb_mat33_mulT_vec3(want + 3, R, work->twist + 3);
-      fbi_vec3_add(want + 3, j > 0 ? FB_R(1.0) / dt : FB_R(0.0), e + 3);
-    } else {
-      fbi_copy(want + 3, e + 3, 3);
+    fbi_vec6_copy(want, e);
+    if (!fbi_mixed_turned(m->held[j])) {
+      fb_mat33_mulT_vec3(want, work->R + 9 * j, e);
     }
-    if (fbi_mixed_turned(m->held[j])) {
-      fbi_copy(want, v, 3);
-      if (march) {
-        fb_mat33_mul_vec3(e, R, work->V + 6 * j);
-        fbi_vec3_add(want, -FB_R(1.0), e);
+    if (work->motion.march) {
+      fbi_mixed_slip(slip, work, m, j);
+      fbi_mixed_close(want, work, m, j);
+      for (int i = 0; i < 6; i++) {
+        want[i] = slip[i] + (j > 0 ? want[i] / dt : FB_R(0.0));
       }
-    } else {
-      fb_mat33_mulT_vec3(want, R, v);
-      if (march) {
-        fbi_vec3_add(want, -FB_R(1.0), work->V + 6 * j);
-      }
-    }
-    if (march) {
-      fbi_vec3_add(want + 3, -FB_R(1.0), work->V + 6 * j + 3);
     }
   }
 }
@@ -10795,6 +10865,8 @@ static fb_status fbi_mixed_newton(fb_mixed_work *work, const fb_mixed *m, const 
   work->motion = steady;
   fbi_mixed_input_take(work, m, base_quat, input, part, FB_R(0.0));
   work->motion.inertia = !fbi_is_zero(work->twist, 6);
+  fbi_zero(work->momentum, 6 * m->n);
+  fbi_zero(work->lump, 6 * m->n_lump);
   for (int it = 0; it < 25 && change > FBI_MIXED_TOLERANCE && status == FB_OK; it++) {
     fbi_mixed_nodes_eval(work, m);
     fbi_mixed_residual(work, m);
@@ -10872,6 +10944,18 @@ static fb_status fbi_mixed_increments(fb_mixed_work *work, const fb_mixed *m, co
     }
   }
   return FB_OK;
+}
+
+static fb_status fbi_mixed_state_check(const fb_mixed *m, const fb_mixed_state *state)
+{
+  fb_real quat[4];
+  fbi_copy(quat, state->base_quat, 4);
+  if (!fbi_is_finite(state->base_position, 3) || !fbi_is_finite(quat, 4) || !fbi_is_finite(state->r, 3 * (m->n + 1)) ||
+      !fbi_is_finite(state->quat, 4 * (m->n + 1)) || !fbi_is_finite(state->strain, 6 * m->n) ||
+      !fbi_is_finite(state->momentum, 6 * m->n) || !fbi_is_finite(state->stress[0], 6 * m->n)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  return fb_quat_normalize(quat);
 }
 
 static const fb_mixed_input *fbi_mixed_no_input(fb_mixed_work *work)
@@ -10968,7 +11052,8 @@ FB_DEF fb_status fb_mixed_steady_solve(const fb_mixed *m, fb_mixed_state *state,
   fb_status status;
   FBI_REQUIRE(m && state && work, FB_ERR_NULL);
   input = input ? input : fbi_mixed_no_input(work);
-  status = fbi_mixed_input_check(m, input);
+  status = fbi_mixed_state_check(m, state);
+  status = status ? status : fbi_mixed_input_check(m, input);
   if (status != FB_OK) {
     return status;
   }
@@ -11117,92 +11202,107 @@ FB_DEF fb_status fb_mixed_point_eval(const fb_mixed *m, fb_real position[3], fb_
   return FB_OK;
 }
 
-/* Element k, or beyond them lumped body k - n: its length, inertia, momentum, place in the base frame. */
-static fb_real fbi_mixed_part(const fb_real **M, const fb_real **M_inverse, const fb_real **P, fb_real r[3],
-                              fb_real R[9], const fb_mixed *m, const fb_mixed_state *state, int k)
+/* 1/2 x A x + part x_rate A x_rate */
+static fb_real fbi_mixed_quadratic(const fb_real A[36], const fb_real x[6], const fb_real rate[6], fb_real part)
 {
-  fb_real quat[4];
-  if (k < m->n) {
-    *M = m->M + 36 * k;
-    *M_inverse = m->M_inverse + 36 * k;
-    *P = state->momentum + 6 * k;
-    fbi_mixed_point(r, quat, m, state, k, FB_R(0.5));
-    fb_quat_to_mat33(R, quat);
-    return m->h[k];
-  }
-  k -= m->n;
-  *M = m->lump + 36 * k;
-  *M_inverse = m->lump_inverse + 36 * k;
-  *P = state->lump + 6 * k;
-  fbi_copy(r, state->r + 3 * m->lump_node[k], 3);
-  fb_quat_to_mat33(R, state->quat + 4 * m->lump_node[k]);
-  return FB_R(1.0);
+  fb_real y[6], z[6];
+  fbi_mat66_mul_vec6(y, A, x);
+  fbi_mat66_mul_vec6(z, A, rate);
+  return FB_R(0.5) * fbi_vec6_dot(x, y) + part * fbi_vec6_dot(rate, z);
 }
 
-/* [E10.13] Energy: 1/2 h strain S strain + 1/2 h P M^-1 P, and -m g.r with the mass center's r.
-   Source: [L] 3.57-3.61.  Cost: 200 flops an element.  Fails: never.  Test: energy_is_kept_whatever_the_step. */
+/* g . (mass r + R moment) of an inertia matrix at a place in the base frame */
+static fb_real fbi_mixed_weight(const fb_real M[36], const fb_real g[3], const fb_real r[3], const fb_real quat[4])
+{
+  fb_real R[9], y[3];
+  fb_quat_to_mat33(R, quat);
+  fb_mat33_mulT_vec3(y, R, g);
+  return M[0] * fb_vec3_dot(g, r) + M[11] * y[0] + M[15] * y[1] + M[4] * y[2];
+}
+
+/* [E10.13] Energy: 1/2 h strain S strain + 1/2 h P M^-1 P, and -m g.r with the mass center's r, by Simpson's rule along
+   each element.
+   Source: [L] 3.57-3.61.  Cost: 400 flops an element.  Fails: never.
+   Test: energy_is_kept_whatever_the_step, a_pendulum_keeps_its_energy. */
 FB_DEF fb_status fb_mixed_energy(const fb_mixed *m, fb_energy *energy, const fb_mixed_state *state)
 {
-  const fb_real last = m && state ? FB_R(0.25) * m->beta * state->step * state->step : FB_R(0.0);
-  fb_real base[9], g[3], origin;
+  fb_real base[9], g[3], origin, last, unit;
   FBI_REQUIRE(m && energy && state, FB_ERR_NULL);
   memset(energy, 0, sizeof *energy);
+  last = FB_R(0.25) * m->beta * state->step * state->step;
+  unit = m->force * m->length;
   fb_quat_to_mat33(base, state->base_quat);
   fb_mat33_mulT_vec3(g, base, m->gravity);
   origin = fb_vec3_dot(m->gravity, state->base_position) / m->length;
-  for (int k = 0; k < m->n + m->n_lump; k++) {
-    const fb_real *M, *M_inverse, *P;
-    fb_real y[6], r[3], R[9], section[3];
-    const fb_real h = fbi_mixed_part(&M, &M_inverse, &P, r, R, m, state, k);
-    fbi_mat66_mul_vec6(y, M_inverse, P);
-    energy->kinetic += FB_R(0.5) * h * fbi_vec6_dot(y, P);
-    fbi_mat66_mul_vec6(y, M_inverse, k < m->n ? state->momentum_rate + 6 * k : state->lump_rate + 6 * (k - m->n));
+  for (int k = 0; k < m->n; k++) {
+    const fb_real h = m->h[k], *const M = m->M + 36 * k, *const r = state->r + 3 * k, *const quat = state->quat + 4 * k;
+    fb_real middle[3], turn[4];
+    fbi_mixed_point(middle, turn, m, state, k, FB_R(0.5));
+    energy->strain +=
+        h * fbi_mixed_quadratic(m->S + 36 * k, state->strain + 6 * k, state->strain_rate + 6 * k, last) * unit;
     energy->kinetic +=
-        last * h * fbi_vec6_dot(y, k < m->n ? state->momentum_rate + 6 * k : state->lump_rate + 6 * (k - m->n));
-    fb_mat33_mulT_vec3(section, R, g);
-    energy->gravity -=
-        h * (M[0] * (fb_vec3_dot(g, r) + origin) + M[11] * section[0] + M[15] * section[1] + M[4] * section[2]);
-    if (k < m->n) {
-      fbi_mat66_mul_vec6(y, m->S + 36 * k, state->strain + 6 * k);
-      energy->strain += FB_R(0.5) * h * fbi_vec6_dot(y, state->strain + 6 * k);
-      fbi_mat66_mul_vec6(y, m->S + 36 * k, state->strain_rate + 6 * k);
-      energy->strain += last * h * fbi_vec6_dot(y, state->strain_rate + 6 * k);
-    }
+        h * unit *
+        fbi_mixed_quadratic(m->M_inverse + 36 * k, state->momentum + 6 * k, state->momentum_rate + 6 * k, last);
+    energy->gravity -= h * unit *
+                       (M[0] * origin + (fbi_mixed_weight(M, g, r, quat) + fbi_mixed_weight(M, g, r + 3, quat + 4) +
+                                         FB_R(4.0) * fbi_mixed_weight(M, g, middle, turn)) /
+                                            FB_R(6.0));
   }
-  energy->kinetic *= m->force * m->length;
-  energy->strain *= m->force * m->length;
-  energy->gravity *= m->force * m->length;
+  for (int l = 0; l < m->n_lump; l++) {
+    const fb_real *const M = m->lump + 36 * l;
+    const int j = m->lump_node[l];
+    energy->kinetic +=
+        unit * fbi_mixed_quadratic(m->lump_inverse + 36 * l, state->lump + 6 * l, state->lump_rate + 6 * l, last);
+    energy->gravity -= unit * (M[0] * origin + fbi_mixed_weight(M, g, state->r + 3 * j, state->quat + 4 * j));
+  }
   return FB_OK;
 }
 
-/* [E10.14] Momentum and angular momentum about the inertial origin: sum of h R P, h (r x R P + R H).
-   Source: [L] 3.62.  Cost: 200 flops an element.  Fails: never.  Test: free_flight_keeps_momentum. */
+/* A wrench in section axes of a node adds to force and moment about the origin of the base. */
+static void fbi_mixed_wrench_add(fb_real p[3], fb_real h[3], const fb_mixed_state *state, int node, const fb_real F[6])
+{
+  fb_real R[9], y[3];
+  fb_quat_to_mat33(R, state->quat + 4 * node);
+  fb_mat33_mul_vec3(y, R, F);
+  fbi_vec3_add(p, FB_R(1.0), y);
+  fbi_vec3_add_cross(h, state->r + 3 * node, y);
+  fb_mat33_mul_vec3(y, R, F + 3);
+  fbi_vec3_add(h, FB_R(1.0), y);
+}
+
+/* [E10.14] Momentum and angular momentum about the inertial origin: h A^T P of each element at its two nodes, which is
+   what their velocities see of it.
+   Source: [L] 3.62, E10.7.  Cost: 200 flops an element.  Fails: never.  Test: free_flight_keeps_momentum. */
 FB_DEF fb_status fb_mixed_momentum(const fb_mixed *m, fb_momentum *momentum, const fb_mixed_state *state)
 {
-  fb_real base[9], p[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, h[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_real base[9], unit, p[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, h[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   FBI_REQUIRE(m && momentum && state, FB_ERR_NULL);
-  for (int k = 0; k < m->n + m->n_lump; k++) {
-    const fb_real *M, *M_inverse, *P;
-    fb_real r[3], R[9], y[3];
-    const fb_real weight = fbi_mixed_part(&M, &M_inverse, &P, r, R, m, state, k);
-    fb_mat33_mul_vec3(y, R, P + 3);
-    fbi_vec3_add(h, weight, y);
-    fb_mat33_mul_vec3(y, R, P);
-    fbi_vec3_add(p, weight, y);
-    fb_vec3_cross(R, r, y);
-    fbi_vec3_add(h, weight, R);
-  }
-  {
-    const fb_real unit = m->force * m->time; /* of momentum */
-    fb_quat_to_mat33(base, state->base_quat);
-    fb_mat33_mul_vec3(momentum->linear, base, p);
-    fb_mat33_mul_vec3(momentum->angular, base, h);
-    for (int i = 0; i < 3; i++) {
-      momentum->linear[i] *= unit;
-      momentum->angular[i] *= unit * m->length;
+  for (int k = 0; k < m->n; k++) {
+    const fb_real *const P = state->momentum + 6 * k;
+    fb_real theta[6], y[6], first[6], second[6];
+    for (int i = 0; i < 6; i++) {
+      theta[i] = m->h[k] * (m->xi[6 * k + i] + state->strain[6 * k + i] + state->offset[6 * k + i]);
     }
-    fbi_vec3_add_cross(momentum->angular, state->base_position, momentum->linear);
+    fbi_adT(y, theta, P);
+    for (int i = 0; i < 6; i++) {
+      first[i] = m->h[k] * (FB_R(0.5) * P[i] - y[i] / FB_R(12.0));
+      second[i] = m->h[k] * (FB_R(0.5) * P[i] + y[i] / FB_R(12.0));
+    }
+    fbi_mixed_wrench_add(p, h, state, k, first);
+    fbi_mixed_wrench_add(p, h, state, k + 1, second);
   }
+  for (int l = 0; l < m->n_lump; l++) {
+    fbi_mixed_wrench_add(p, h, state, m->lump_node[l], state->lump + 6 * l);
+  }
+  unit = m->force * m->time; /* of momentum */
+  fb_quat_to_mat33(base, state->base_quat);
+  fb_mat33_mul_vec3(momentum->linear, base, p);
+  fb_mat33_mul_vec3(momentum->angular, base, h);
+  for (int i = 0; i < 3; i++) {
+    momentum->linear[i] *= unit;
+    momentum->angular[i] *= unit * m->length;
+  }
+  fbi_vec3_add_cross(momentum->angular, state->base_position, momentum->linear);
   return FB_OK;
 }
 
@@ -12570,8 +12670,9 @@ static void fbi_mixed_remember(fb_real *a, fb_real *b, fb_real *c, const fb_real
   fbi_copy(a, x, n);
 }
 
-/* Where a rate starts from: x - beta/2 dt rate_old; with the dissipative rule x_alpha = x + dx/2 + beta/2 (dx - dx_old)
-   the rate is 2/((1 + beta) dt) (x_alpha - that). */
+/* Where a rate starts from: x - beta/2 dt rate_old, dt the shorter of the old step and the new (no more than was
+   there); with the dissipative rule x_alpha = x + dx/2 + beta/2 (dx - dx_old) the rate is 2/((1 + beta) dt) (x_alpha -
+   that). */
 static void fbi_mixed_rate_base(fb_real *base, const fb_real *x, const fb_real *rate, fb_real beta_dt, int n)
 {
   for (int i = 0; i < n; i++) {
@@ -12589,45 +12690,53 @@ static void fbi_mixed_rate_take(fb_real *x, fb_real *rate, const fb_real *middle
   }
 }
 
-/* The base moves on; so does the root against it, and all nodes by their strains. */
+/* The pose goes on by a twist as the momenta do that the midpoint rule turns: (1 - x^/2)^-1 (1 + x^/2). A free beam's
+   momenta then stay where they are in space. */
+static void fbi_pose_add_midpoint(fb_real r[3], fb_real quat[4], const fb_real x[6])
+{
+  const fb_real half[3] = {FB_R(0.5) * x[3], FB_R(0.5) * x[4], FB_R(0.5) * x[5]};
+  const fb_real size = FB_R(1.0) + fb_vec3_dot(half, half), along = fb_vec3_dot(half, x);
+  fb_real turn[4] = {FB_R(1.0), half[0], half[1], half[2]}, step[3];
+  fb_vec3_cross(step, half, x);
+  for (int i = 0; i < 3; i++) {
+    step[i] = (x[i] + step[i] + along * half[i]) / size;
+  }
+  fbi_pose_mul(r, quat, r, quat, step, turn);
+}
+
+/* The base moves on; so does the root against it, and all nodes by their strains. A base that nothing holds is that of
+   the root. */
 static void fbi_mixed_move(fb_mixed_state *state, fb_mixed_work *work, const fb_mixed *m, fb_real dt)
 {
-  fb_real x[6], r[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, quat[4] = {FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-  fb_real back[4], R[9], y[3];
+  const fb_real origin[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, one[4] = {FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_real x[6], base[6], r[3], quat[4], R[9], y[3], turned[4];
   for (int i = 0; i < 6; i++) {
     x[i] = dt * work->V[i];
+    base[i] = dt * work->twist[i];
   }
-  if (m->floating) { /* base: root, moved, and back from the root */
-    fbi_pose_mul(r, quat, m->r, m->quat, r, quat);
-    fbi_pose_add(r, quat, x);
-    back[0] = m->quat[0];
-    fb_quat_to_mat33(R, m->quat);
-    fb_mat33_mulT_vec3(y, R, m->r);
-    for (int i = 0; i < 3; i++) {
-      back[i + 1] = -m->quat[i + 1];
-      y[i] = -y[i];
-    }
-    fbi_pose_mul(r, quat, r, quat, y, back);
+  fbi_copy(r, m->floating ? m->r : origin, 3);
+  fbi_copy(quat, m->floating ? m->quat : one, 4);
+  if (m->floating) { /* the root, moved, and from it back to the base */
+    fb_real back[3], back_quat[4];
+    fbi_pose_add_midpoint(r, quat, x);
+    fbi_pose_relative(back, back_quat, m->r, m->quat, origin, one);
+    fbi_pose_mul(r, quat, r, quat, back, back_quat);
   } else {
-    fb_real base[6];
-    for (int i = 0; i < 6; i++) {
-      base[i] = dt * work->twist[i];
-    }
     fbi_pose_add(r, quat, base);
-    if (m->held[0] != FB_END_CLAMPED) { /* root: moved, against the base moved */
-      fbi_pose_add(state->r, state->quat, x);
-      fbi_pose_difference(x, r, quat, state->r, state->quat);
-      fb_pose_from_twist(state->r, state->quat, x);
+  }
+  if (!m->floating && m->held[0] != FB_END_CLAMPED) {
+    fbi_pose_add(state->r, state->quat, x);
+    fbi_pose_relative(state->r, state->quat, r, quat, state->r, state->quat);
+    for (int i = 0; i < 3; i++) {
+      state->r[i] = m->held[0] >> i & 1 ? m->r[i] : state->r[i];
     }
   }
   fb_quat_to_mat33(R, state->base_quat);
   fb_mat33_mul_vec3(y, R, r);
-  for (int i = 0; i < 3; i++) {
-    state->base_position[i] += m->length * y[i];
-  }
-  fb_quat_mul(back, state->base_quat, quat);
-  (void)fb_quat_normalize(back);
-  fbi_copy(state->base_quat, back, 4);
+  fbi_vec3_add(state->base_position, m->length, y);
+  fb_quat_mul(turned, state->base_quat, quat);
+  (void)fb_quat_normalize(turned);
+  fbi_copy(state->base_quat, turned, 4);
   fbi_mixed_poses(state->r, state->quat, m, state->strain, state->offset);
 }
 
@@ -12658,13 +12767,14 @@ static void fbi_mixed_begin(fb_mixed_work *work, const fb_mixed *m, const fb_mix
                             const fb_mixed_input *middle, fb_real step)
 {
   const fbi_mixed_motion march = {1, 1, 0, 0, FB_R(0.5) * step, FB_R(2.0) / ((FB_R(1.0) + m->beta) * step)};
+  const fb_real last = m->beta * (state->step > FB_R(0.0) && state->step < step ? state->step : step);
   work->motion = march;
   fbi_mixed_input_take(work, m, state->base_quat, middle, FB_R(1.0), step);
   fbi_copy(work->r, state->r, 3 * (m->n + 1));
   fbi_copy(work->quat, state->quat, 4 * (m->n + 1));
-  fbi_mixed_rate_base(work->strain, state->strain, state->strain_rate, m->beta * step, 6 * m->n);
-  fbi_mixed_rate_base(work->momentum, state->momentum, state->momentum_rate, m->beta * step, 6 * m->n);
-  fbi_mixed_rate_base(work->lump, state->lump, state->lump_rate, m->beta * step, 6 * m->n_lump);
+  fbi_mixed_rate_base(work->strain, state->strain, state->strain_rate, last, 6 * m->n);
+  fbi_mixed_rate_base(work->momentum, state->momentum, state->momentum_rate, last, 6 * m->n);
+  fbi_mixed_rate_base(work->lump, state->lump, state->lump_rate, last, 6 * m->n_lump);
   fbi_mixed_extrapolate(work->V, state->V[0], state->V[1], state->V[2], state->known, 6 * (m->n + 1));
   fbi_mixed_extrapolate(work->s, state->stress[0], state->stress[1], state->stress[2], state->known, 6 * m->n);
 }
@@ -12709,7 +12819,8 @@ FB_DEF fb_status fb_mixed_step(const fb_mixed *m, fb_mixed_state *state, fb_mixe
   fb_status status;
   FBI_REQUIRE(m && state && work, FB_ERR_NULL);
   middle = middle ? middle : fbi_mixed_no_input(work);
-  status = fbi_mixed_input_check(m, middle);
+  status = fbi_mixed_state_check(m, state);
+  status = status ? status : fbi_mixed_input_check(m, middle);
   if (status != FB_OK) {
     return status;
   }
@@ -13020,9 +13131,8 @@ static fb_real fbi_krylov_add(fb_real *x, fb_real *h, const fb_real *Q, int rows
     }
   }
   size = FB_SQRT(fbi_dot(x, x, n));
-  size = size > FB_R(16.0) * FB_EPSILON * before ? size : FB_R(0.0);
   for (int i = 0; i < n; i++) {
-    x[i] = size > FB_R(0.0) ? x[i] / size : FB_R(0.0);
+    x[i] = size > FB_R(16.0) * FB_EPSILON * before ? x[i] / size : FB_R(0.0);
   }
   return size;
 }
@@ -13156,7 +13266,8 @@ FB_DEF fb_status fb_mixed_spectrum_solve(const fb_mixed *m, fb_mixed_spectrum *s
     return FB_ERR_VALUE;
   }
   input = input ? input : fbi_mixed_no_input(&work->mixed);
-  status = fbi_mixed_input_check(m, input);
+  status = fbi_mixed_state_check(m, state);
+  status = status ? status : fbi_mixed_input_check(m, input);
   size = 6 * count + 24 < FBI_MIXED_BASIS ? 6 * count + 24 : FBI_MIXED_BASIS;
   size = size < fbi_mixed_dim(m) ? size : fbi_mixed_dim(m);
   status = status ? status : fbi_mixed_eigen(work, m, state, input, size);

@@ -132,13 +132,45 @@ static double largest(const double *x, long n)
   return most;
 }
 
+/* Runs both wings and the fine one, writes and tells; failures, or -1 where a run stopped. */
+static int compare(const options *o, long steps, double *stiff, double *soft, double *fine, FILE *csv, FILE *shapes)
+{
+  double hz[2], ratio[2], difference = 0;
+  int failures = 0;
+  fprintf(stderr, "flap: three runs of %ld, %ld and %ld steps\n", steps, steps, 2 * steps);
+  if (run(o, o->E, (int)o->elements, o->dt, stiff, steps, NULL) != FB_OK ||
+      run(o, o->soft, (int)o->elements, o->dt, soft, steps, shapes) != FB_OK ||
+      run(o, o->soft, 2 * (int)o->elements, o->dt / 2, fine, 2 * steps, NULL) != FB_OK) {
+    return -1;
+  }
+  fputs("t,base,stiff,soft\n", csv);
+  for (long k = 0; k < steps; k++) {
+    const double t = ((double)k + 1) * o->dt;
+    fprintf(csv, "%.7g,%.9g,%.9g,%.9g\n", t, o->length * sin(angle_of(o, t)), stiff[k], soft[k]);
+    difference = fmax(difference, fabs(soft[k] - fine[2 * k + 1]));
+  }
+  ratio[0] = frequency_ratio(o, o->E, &hz[0]);
+  ratio[1] = frequency_ratio(o, o->soft, &hz[1]);
+  printf("first frequencies      %.4g Hz, %.4g Hz (%.4f, %.4f of a slender beam's)\n", hz[0], hz[1], ratio[0],
+         ratio[1]);
+  printf("largest tip height     base %.5g, stiff wing %.5g, soft wing %.5g\n",
+         o->length * sin(o->amplitude * pi / 180), largest(stiff, steps), largest(soft, steps));
+  printf("soft wing against half the step, twice the elements: %.1e of the length\n", difference / o->length);
+  failures += !(difference < 0.02 * o->length);
+  for (int k = 0; k < 2; k++) { /* shear and rotary inertia lower it */
+    const double slender = 3 * (1 + o->nu) * o->height * o->height / (o->length * o->length) + 0.005;
+    failures += !(ratio[k] < 1.005 && ratio[k] > 1 - slender);
+  }
+  return failures;
+}
+
 int main(int argc, char **argv)
 {
   options o = {12, 2, 1, 1e7, 1e4, 0.098 / 386.4, 0.35, 30, 1, 2, 2e-4, 10, 0.05, "flap.csv"};
   char shapes_name[512];
-  double *stiff, *soft, *fine, hz[2], ratio[2], difference = 0;
+  double *heights;
   long steps;
-  int failures = 0;
+  int failures;
   FILE *csv, *shapes;
   if (read_all(argc, argv, help, read_option, &o) != 0) {
     return 2;
@@ -150,44 +182,22 @@ int main(int argc, char **argv)
   beam_file_name(shapes_name, sizeof shapes_name, o.out, "_shapes.csv");
   csv = beam_open(o.out);
   shapes = csv ? beam_open(shapes_name) : NULL;
-  stiff = malloc(sizeof *stiff * (size_t)steps);
-  soft = malloc(sizeof *soft * (size_t)steps);
-  fine = malloc(sizeof *fine * 2 * (size_t)steps);
-  if (!shapes || !stiff || !soft || !fine) {
-    return shapes ? fail("no memory for so many steps", "") : 2;
+  if (!shapes) {
+    return 2;
+  }
+  heights = malloc(sizeof *heights * 4 * (size_t)steps);
+  if (!heights) {
+    return fail("no memory for so many steps", "");
   }
   fputs("x,y,z\n", shapes);
-  fprintf(stderr, "flap: three runs of %ld, %ld and %ld steps\n", steps, steps, 2 * steps);
-  if (run(&o, o.E, (int)o.elements, o.dt, stiff, steps, NULL) != FB_OK ||
-      run(&o, o.soft, (int)o.elements, o.dt, soft, steps, shapes) != FB_OK ||
-      run(&o, o.soft, 2 * (int)o.elements, o.dt / 2, fine, 2 * steps, NULL) != FB_OK) {
-    return 1;
-  }
-  fputs("t,base,stiff,soft\n", csv);
-  for (long k = 0; k < steps; k++) {
-    const double t = ((double)k + 1) * o.dt;
-    fprintf(csv, "%.7g,%.9g,%.9g,%.9g\n", t, o.length * sin(angle_of(&o, t)), stiff[k], soft[k]);
-    difference = fmax(difference, fabs(soft[k] - fine[2 * k + 1]));
-  }
+  failures = compare(&o, steps, heights, heights + steps, heights + 2 * steps, csv, shapes);
+  free(heights);
   fclose(csv);
   fclose(shapes);
-  ratio[0] = frequency_ratio(&o, o.E, &hz[0]);
-  ratio[1] = frequency_ratio(&o, o.soft, &hz[1]);
-  printf("first frequencies      %.4g Hz, %.4g Hz (%.4f, %.4f of a slender beam's)\n", hz[0], hz[1], ratio[0],
-         ratio[1]);
-  printf("largest tip height     base %.5g, stiff wing %.5g, soft wing %.5g\n", o.length * sin(o.amplitude * pi / 180),
-         largest(stiff, steps), largest(soft, steps));
-  printf("soft wing against half the step, twice the elements: %.1e of the length\n", difference / o.length);
-  failures += !(difference < 0.02 * o.length);
-  for (int k = 0; k < 2; k++) { /* shear and rotary inertia lower it */
-    const double slender = 3 * (1 + o.nu) * o.height * o.height / (o.length * o.length) + 0.005;
-    failures += !(ratio[k] < 1.005 && ratio[k] > 1 - slender);
+  if (failures >= 0) {
+    draw(&o, shapes_name);
   }
-  draw(&o, shapes_name);
-  free(stiff);
-  free(soft);
-  free(fine);
-  if (failures) {
+  if (failures > 0) {
     fprintf(stderr, "flap: %d checks failed (more elements, shorter steps?)\n", failures);
   }
   return failures != 0;

@@ -53,7 +53,7 @@ static inline int read_out(const char **out, const char *text)
 
 /* All options: each goes to `read`, which returns 0, NO_SUCH_OPTION, or 2 after a message. */
 static inline int read_all(int argc, char **argv, const char *help,
-                    int (*read)(void *options, const char *name, const char *text), void *options)
+                           int (*read)(void *options, const char *name, const char *text), void *options)
 {
   for (int i = 1; i < argc; i += 2) {
     int status;
