@@ -1465,7 +1465,8 @@ typedef struct fb_mixed_desc {
   fb_mixed_station station[FB_MAX_STATIONS];
   fb_support support[FB_MAX_LUMPS];
   fb_lump lump[FB_MAX_LUMPS];
-  fb_real position[3], attitude[4]; /* root in the base frame [m], section axes to base axes; all zero: identity */
+  fb_real position[3], attitude[4]; /* root in the base frame [m], section axes before
+                                       their twist to base axes; all zero: identity */
   fb_real gravity[3];               /* [m/s^2] inertial axes */
   /* Part by which a step shrinks what oscillates much too fast for it, 0 (energy is kept) to 2/3: 1 - rho_infinity.
      Order 2 stays: a resolved oscillation gets the damping ratio beta (omega dt)^3/4, beta = rho (1 - rho)/(1 + rho)^2,
@@ -1515,9 +1516,10 @@ typedef struct fb_mixed_state {           /* all that changes, in the beam's own
   /* of the middle of the last step, or steady: node velocities and stress of the elements, with those of the two steps
      before it; loads between elements */
   fb_real V[3][6 * (FB_MAX_MIXED + 1)], stress[3][6 * FB_MAX_MIXED], force[6 * (FB_MAX_MIXED + 1)];
-  fb_real offset[6 * FB_MAX_MIXED]; /* of the strain, by loads on the elements */
-  int known;                        /* of them */
-  fb_real step;                     /* length of the last step */
+  fb_real reaction[6 * (FB_MAX_MIXED + 1)]; /* of what holds the nodes */
+  fb_real offset[6 * FB_MAX_MIXED];         /* of the strain, by loads on the elements */
+  int known;                                /* of them */
+  fb_real step;                             /* length of the last step */
 } fb_mixed_state;
 
 /* ---- parts of the work: not to be looked at */
@@ -1568,10 +1570,11 @@ typedef struct fb_mixed_work { /* scratch; large: make it static */
 FB_API fb_status fb_mixed_state_init(const fb_mixed *mixed, fb_mixed_state *state, fb_mixed_work *work,
                                      const fb_mixed_input *input);
 
-/* Steady state under constant loads, gravity and motion of the base (static, or steady rotation), from state as first
-   guess; where that is too far, from the undeformed beam by load increments that it chooses itself. At most 500
-   increments of 25 iterations. FB_ERR_CONVERGENCE; FB_ERR_SINGULAR: not held, or at a limit point; FB_ERR_CAPACITY: a
-   node that does not exist; FB_ERR_VALUE; FB_ERR_NOT_FINITE. On failure state is as before. */
+/* Steady state under constant loads, gravity and motion of the base (static, or steady rotation; what does not turn
+   with a spinning base is taken as it stands at this instant), from state as first guess; where that is too far, from
+   the undeformed beam by load increments that it chooses itself. At most 500 increments of 25 iterations.
+   FB_ERR_CONVERGENCE; FB_ERR_SINGULAR: not held, or at a limit point; FB_ERR_CAPACITY: a node that does not exist;
+   FB_ERR_VALUE; FB_ERR_NOT_FINITE. On failure state is as before. */
 FB_API fb_status fb_mixed_steady_solve(const fb_mixed *mixed, fb_mixed_state *state, fb_mixed_work *work,
                                        const fb_mixed_input *input);
 
@@ -1582,8 +1585,9 @@ typedef struct fb_mixed_node {
                                            count, the root's own is within half a turn */
   fb_real wiener_milenkovic[3];         /* the same as 4 tan(phi/4), phi within half a turn */
   fb_real velocity[3], angular_rate[3]; /* [m/s], [rad/s] section axes, in the middle of the last step */
-  fb_real force[3], moment[3];          /* [N], [N m] of what is outboard on what is inboard, section axes, there; at
-                                           the root of the beam on the root */
+  /* [N], [N m] section axes, in the middle of the last step: of what is outboard on what is inboard, on the inboard
+     side of the node (at the root: of the beam on the root); of what holds the node on the beam. */
+  fb_real force[3], moment[3], reaction_force[3], reaction_moment[3];
 } fb_mixed_node;
 /* All n + 1 nodes. */
 FB_API fb_status fb_mixed_nodes_eval(const fb_mixed *mixed, fb_mixed_node *node, const fb_mixed_state *state);
@@ -1764,8 +1768,9 @@ FB_API fb_real fb_spectrum_damping(const fb_spectrum *spectrum, int k);
 
 typedef struct fb_mixed_spectrum { /* ascending by |re + i im|; of a conjugate pair the one with im > 0 */
   int n;
-  fb_real re[FB_MIXED_MODES], im[FB_MIXED_MODES]; /* [1/s], [rad/s]; unstable where re > 0 */
-  fb_real error[FB_MIXED_MODES];                  /* estimated relative error of the iteration (not of the mesh) */
+  /* [1/s], [rad/s]; unstable where re > 0, by more than the mesh's error: with spin some 1e-5 of im at 10 elements */
+  fb_real re[FB_MIXED_MODES], im[FB_MIXED_MODES];
+  fb_real error[FB_MIXED_MODES]; /* estimated relative error of the iteration (not of the mesh) */
   /* Motion of the nodes against the steady state, section axes, per mode 6 (n_element + 1): displacement [m] and
      rotation [rad], the largest of displacement and rotation * length 1 m. */
   fb_real shape_re[FB_MIXED_MODES * 6 * (FB_MAX_MIXED + 1)], shape_im[FB_MIXED_MODES * 6 * (FB_MAX_MIXED + 1)];

@@ -10996,6 +10996,16 @@ static fb_status fbi_mixed_input_check(const fb_mixed *m, const fb_mixed_input *
   return FB_OK;
 }
 
+/* What the balance of the held nodes lacks. */
+static void fbi_mixed_reactions(fb_real *reaction, const fb_mixed_work *work, const fb_mixed *m)
+{
+  for (int j = 0; j <= m->n; j++) {
+    for (int i = 0; i < 6; i++) {
+      reaction[6 * j + i] = m->held[j] ? work->B[6 * j + i] : FB_R(0.0);
+    }
+  }
+}
+
 /* The state whose velocity, stress and loads between elements are those in work, in motion without change. */
 static void fbi_mixed_state_take(fb_mixed_state *state, fb_mixed_work *work, const fb_mixed *m)
 {
@@ -11014,6 +11024,7 @@ static void fbi_mixed_state_take(fb_mixed_state *state, fb_mixed_work *work, con
     fbi_mat66_mul_vec6(state->lump + 6 * l, m->lump + 36 * l, work->V + 6 * m->lump_node[l]);
   }
   fbi_copy(state->offset, work->offset, 6 * m->n);
+  fbi_mixed_reactions(state->reaction, work, m);
   fbi_copy(state->V[0], work->V, 6 * (m->n + 1));
   fbi_copy(state->force, work->F, 6 * (m->n + 1));
   state->known = 1;
@@ -11037,6 +11048,7 @@ FB_DEF fb_status fb_mixed_state_init(const fb_mixed *m, fb_mixed_state *state, f
   fbi_zero(work->line, 6 * m->n);
   fbi_zero(work->offset, 6 * m->n);
   fbi_zero(work->F, 6 * (m->n + 1));
+  fbi_zero(work->B, 6 * (m->n + 1));
   for (int i = 0; i < 3; i++) {
     work->twist[i] = input ? input->v[i] * m->time / m->length : FB_R(0.0);
     work->twist[i + 3] = input ? input->w[i] * m->time : FB_R(0.0);
@@ -11111,6 +11123,7 @@ FB_DEF fb_status fb_mixed_nodes_eval(const fb_mixed *m, fb_mixed_node *node, con
   for (int j = 0; j <= m->n; j++) {
     fb_mixed_node *const out = &node[j];
     const fb_real *const q0 = m->quat + 4 * j, *const V = state->V[0] + 6 * j, *const F = state->force + 6 * j;
+    const fb_real *const B = state->reaction + 6 * j;
     const fb_real back[4] = {q0[0], -q0[1], -q0[2], -q0[3]};
     fb_real turn[4], r[3];
     fb_mat33_mul_vec3(r, base, state->r + 3 * j);
@@ -11126,6 +11139,8 @@ FB_DEF fb_status fb_mixed_nodes_eval(const fb_mixed *m, fb_mixed_node *node, con
       out->angular_rate[i] = V[i + 3] / m->time;
       out->force[i] = F[i] * m->force;
       out->moment[i] = F[i + 3] * m->force * m->length;
+      out->reaction_force[i] = B[i] * m->force;
+      out->reaction_moment[i] = B[i + 3] * m->force * m->length;
     }
   }
   return FB_OK;
@@ -12757,6 +12772,7 @@ static void fbi_mixed_commit(fb_mixed_state *next, fb_mixed_work *work, const fb
     fbi_mixed_rate_take(next->lump + 6 * l, next->lump_rate + 6 * l, P, work->lump + 6 * l, shift, dt, 6);
   }
   fbi_copy(next->offset, work->offset, 6 * m->n);
+  fbi_mixed_reactions(next->reaction, work, m);
   fbi_mixed_remember(next->V[0], next->V[1], next->V[2], work->V, 6 * (m->n + 1));
   fbi_mixed_remember(next->stress[0], next->stress[1], next->stress[2], work->s, 6 * m->n);
   fbi_copy(next->force, work->F, 6 * (m->n + 1));

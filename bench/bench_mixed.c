@@ -297,8 +297,8 @@ static void decayed(void)
   build(10);
   for (int k = 0; k < STATES; k++) {
     for (int i = 0; i < 6 * beam.n; i++) {
-      start[k].momentum[i] *= FB_SINGLE ? FB_R(1e-38) : FB_R(1e-300);
-      start[k].strain[i] *= FB_SINGLE ? FB_R(1e-38) : FB_R(1e-300);
+      start[k].momentum[i] *= (fb_real)(FB_SINGLE ? 1e-38 : 1e-300);
+      start[k].strain[i] *= (fb_real)(FB_SINGLE ? 1e-38 : 1e-300);
     }
     start[k].known = 0;
     memset(start[k].V, 0, sizeof start[k].V);

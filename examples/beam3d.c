@@ -35,7 +35,7 @@ static const char help[] =
     "    gravity GX GY GZ\n"
     "    velocity VX VY VZ, spin WX WY WZ       steady motion of the base\n"
     "    load X AXES FX FY FZ [MX MY MZ]        at the node nearest to X; AXES: dead, follower or base\n"
-    "    line A B AXES FX FY FZ [MX MY MZ]      per length, from A to B\n"
+    "    line A B AXES FX FY FZ [MX MY MZ]      per length, from the node nearest to A to that nearest to B\n"
     "    modes N                       slowest motions to print, 0 to 24 (6)\n"
     "  --out FILE  x, y, z of 201 points along the deformed line; three views beside it as .svg\n"
     "  --help      this text\n";
@@ -309,6 +309,9 @@ static void place(text_file *t, const deck *d)
   }
   for (int l = 0; l < d->n_line; l++) {
     const int a = nearest(t, d->line[l].a, "a line load"), b = nearest(t, d->line[l].b, "a line load");
+    if (a >= b) {
+      text_fail(t, "a line load from %g to %g covers no element", d->line[l].a, d->line[l].b);
+    }
     for (int k = a; k < b && k < n; k++) {
       fb_line_load *const line = &beam_input.line[k];
       const fb_real *const f = line->force, *const m = line->torque;
@@ -369,6 +372,14 @@ static void tell_state(void)
   row("  Wiener-Milenkovic", tip->wiener_milenkovic, 1);
   row("force on the root, section", root->force, 1);
   row("moment on the root, section", root->moment, 1);
+  for (int k = 1; k <= beam_desc.n_element; k++) {
+    if (beam.held[k]) {
+      printf("support at node %d, on the beam, its section axes\n", k);
+      row("  force", beam_node[k].reaction_force, 1);
+      row("  moment", beam_node[k].reaction_moment, 1);
+      row("  inner moment, inboard", beam_node[k].moment, 1);
+    }
+  }
   (void)fb_mixed_energy(&beam, &energy, &beam_state);
   printf("%-28s %14.7g\n", "strain energy", (double)energy.strain);
 }
@@ -440,8 +451,11 @@ int main(int argc, char **argv)
       return 1;
     }
   } else {
-    fprintf(stderr, "beam3d: no steady state found: %s (%d load increments tried)\n", fb_status_string(status),
-            beam_work.increments);
+    fprintf(stderr, "beam3d: no steady state found: %s (%d load increments tried)%s\n", fb_status_string(status),
+            beam_work.increments,
+            status == FB_ERR_SINGULAR
+                ? "; is it held against every motion, and the root, not the tip, where it is rigid?"
+                : "");
     return 1;
   }
   return out ? draw(out) : 0;

@@ -82,7 +82,7 @@ static void draw(const options *o)
 
 int main(int argc, char **argv)
 {
-  options o = {1, 1, 0, 0, NAN, 0, 0, 40, "elastica.csv"};
+  options o = {1, 1, 0, 0, (double)NAN, 0, 0, 40, "elastica.csv"};
   int n, failures = 0;
   fb_status status = FB_OK;
   FILE *csv;

@@ -115,7 +115,7 @@ static fb_status steady(const options *o, double *stretch, double *omega)
   static fb_mixed_spectrum_work spectrum_work;
   fb_status status;
   build(o);
-  beam_desc.tip = FB_HOLD_Z;
+  beam_desc.tip = o->GA > 0 ? FB_HOLD_Z : FB_END_FREE; /* rigid out of the plane without it */
   status = beam_start();
   beam_input.w[2] = (fb_real)(2 * pi * o->hz);
   status = status ? status : beam_settle();
@@ -155,7 +155,7 @@ static int check(const options *o, const ringing *r, double peak)
   }
   printf("\n");
   failures += !(fabs(stretch / exact - 1) < 2.0 / (o->elements * o->elements));
-  failures += !(fabs(mean / exact - 1) < 0.05);
+  failures += !(fabs(mean - exact) < 0.05 * exact + peak * peak / o->length); /* what bends is shorter */
   return failures;
 }
 

@@ -538,6 +538,8 @@ TEST(supports_are_those_of_the_textbook)
   }
   settle();
   FBT_NEAR_REL(node[0].force[2], q * 3.0 / 16.0, FBT_TOL(1e-4, 1e-2));
+  FBT_NEAR_REL(node[0].reaction_force[2], -q * 3.0 / 16.0, FBT_TOL(1e-4, 1e-2));
+  FBT_NEAR_REL(node[10].reaction_force[2], -q * 5.0 / 8.0, FBT_TOL(1e-4, 1e-2));
 }
 
 /* E10.10: pinned, and guided ends of a bent beam: large deflection of a beam that slides over its support. */
