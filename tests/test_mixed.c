@@ -354,14 +354,85 @@ static void hang(double y[4], double root, double EA, double EI, double q, doubl
   }
 }
 
+/* Virtual work of one planar element of order 5 (displacements and angle at the Gauss-Lobatto nodes, the first held)
+   with six Gauss points, hanging by a part of its weight: r of the nodes' (u, w, angle). */
+static void one_element(double *r, const double *x, double part, double EA, double EI, double weight, double length)
+{
+  static const double node_at[6] = {-1.0, -0.765055323929465, -0.285231516480645, 0.285231516480645, 0.765055323929465,
+                                    1.0};
+  static const double at[6] = {-0.932469514203152, -0.661209386466265, -0.238619186083197,
+                               0.238619186083197,  0.661209386466265,  0.932469514203152};
+  static const double share[6] = {0.171324492379170, 0.360761573048139, 0.467913934572691,
+                                  0.467913934572691, 0.360761573048139, 0.171324492379170};
+  memset(r, 0, 15 * sizeof *r);
+  for (int g = 0; g < 6; g++) {
+    const double half = 0.5 * length;
+    double N[6], dN[6], y[3] = {0.0, 0.0, 0.0}, dy[3] = {0.0, 0.0, 0.0};
+    for (int a = 0; a < 6; a++) {
+      N[a] = 1.0;
+      dN[a] = 0.0;
+      for (int b = 0; b < 6; b++) {
+        if (b != a) {
+          dN[a] = (dN[a] * (at[g] - node_at[b]) + N[a]) / (node_at[a] - node_at[b]);
+          N[a] *= (at[g] - node_at[b]) / (node_at[a] - node_at[b]);
+        }
+      }
+      for (int i = 0; i < 3 && a > 0; i++) {
+        y[i] += N[a] * x[3 * (a - 1) + i];
+        dy[i] += dN[a] / half * x[3 * (a - 1) + i];
+      }
+    }
+    {
+      const double c = cos(y[2]), s = sin(y[2]), stretch = c * (1.0 + dy[0]) + s * dy[1];
+      const double shear = c * dy[1] - s * (1.0 + dy[0]), pull = EA * (stretch - 1.0), across = EA * shear;
+      for (int a = 1; a < 6; a++) {
+        double *const row = r + 3 * (a - 1);
+        row[0] += share[g] * dN[a] * (pull * c - across * s);
+        row[1] += share[g] * (dN[a] * (pull * s + across * c) - half * N[a] * part * weight);
+        row[2] += share[g] * (dN[a] * EI * dy[2] + half * N[a] * (pull * shear - across * stretch));
+      }
+    }
+  }
+}
+
+/* Tip displacement (u, w) of that element in equilibrium, by Newton's method in a hundred load steps. */
+static void one_element_hang(double tip[2], double EA, double EI, double weight, double length)
+{
+  fb_real A[225], row_scale[15], b[15], correction[15];
+  int order[15];
+  double x[15] = {0}, r[15], moved[15];
+  for (int load = 1; load <= 100; load++) {
+    for (int k = 0; k < 8; k++) {
+      one_element(r, x, load / 100.0, EA, EI, weight, length);
+      for (int j = 0; j < 15; j++) {
+        const double was = x[j];
+        x[j] += 1e-6;
+        one_element(moved, x, load / 100.0, EA, EI, weight, length);
+        x[j] = was;
+        for (int i = 0; i < 15; i++) {
+          A[15 * i + j] = (fb_real)((moved[i] - r[i]) / 1e-6);
+        }
+        b[j] = (fb_real)-r[j];
+      }
+      FBT_INT_EQ(fb_lu_factor(A, order, row_scale, 15), FB_OK);
+      fb_lu_solve(correction, A, order, b, 15);
+      for (int i = 0; i < 15; i++) {
+        x[i] += (double)correction[i];
+      }
+    }
+  }
+  tip[0] = x[12];
+  tip[1] = x[13];
+}
+
 /* E10.7: OpenFAST's cantilever under its weight (r-test bd_static_cantilever_beam) against shooting. The published
    figures are those of one element of order 5 with six Gauss points, which the boundary layer at the root (a tenth of
-   the length) is too short for: 9.060 m for 9.418 m. The check against them says so. */
+   the length) is too short for: 9.060 m for 9.418 m. The check against them says so, and has them from such an element. */
 TEST(steady_openfast_cantilever_hangs_as_shooting_says)
 {
   const fbt_table *t = fbt_reference("beamdyn_static_cantilever.csv");
   const double soft[6] = {1e4, 1e4, 1e4, 200.0, 100.0, 100.0}, mass[6] = {1.0, 1.0, 1.0, 0.0, 0.0, 0.0};
-  double low = 135.0, high = 136.0, y[4];
+  double low = 135.0, high = 136.0, y[4], coarse[2];
   for (int k = 0; k < 40; k++) {
     hang(y, 0.5 * (low + high), 1e4, 100.0, 9.806, 10.0);
     low = y[1] < 0.0 ? 0.5 * (low + high) : low;
@@ -376,6 +447,9 @@ TEST(steady_openfast_cantilever_hangs_as_shooting_says)
   FBT_NEAR_REL(-node[0].force[2], 98.06, 1e-3);
   fbt_figure("OpenFAST's cantilever under its weight, 20 elements, tip, relative", "shooting",
              fabs((double)node[20].displacement[2] / y[3] - 1.0));
+  one_element_hang(coarse, 1e4, 100.0, 9.806, 10.0);
+  FBT_NEAR_REL(coarse[1], fbt_value(t, 0, "value"), 1e-3);
+  FBT_NEAR_REL(coarse[0], fbt_value(t, 1, "value"), 1e-3);
   fbt_figure("the same tip, one fifth-order element as published", "shooting",
              fabs(fbt_value(t, 0, "value") / -y[3] - 1.0));
 }
@@ -568,8 +642,8 @@ TEST(a_beam_slides_over_its_support)
 }
 
 /* E10.9, E10.10: everything at once (centers off the line, twist, curvature, lumped body, spin, gravity, dead and
-   follower loads on nodes and elements, a support that slides): from a solution nearby four corrections reach rounding,
-   which they would not if a term of the Jacobian were missing. */
+   follower loads on nodes and elements, a support that slides): from a solution nearby four corrections reach rounding.
+   Terms too small for that to show are compared one by one by tests/checks/jacobian.c. */
 TEST(newton_converges_quadratically)
 {
   const fb_section section = {FB_R(0.0),   FB_R(1.0),  FB_R(900.0), FB_R(1.4),   FB_R(1.0),  FB_R(3.0),
@@ -1092,7 +1166,7 @@ TEST(strain_energy_is_the_work_of_the_load)
 
 /* ---- spectrum */
 
-/* E12.4, E12.5: clamped-free, free-free, pinned-pinned beams, equal frequencies in both planes; order 4 in the mesh. */
+/* E12.4, E12.5: clamped-free, free-free, pinned-pinned beams, equal frequencies in both planes. */
 TEST(spectrum_of_a_straight_beam_is_the_textbooks)
 {
   const double bl[3][3] = {{1.8751040687119612, 4.694091132974175, 7.854757438237613},
@@ -1118,6 +1192,21 @@ TEST(spectrum_of_a_straight_beam_is_the_textbooks)
       FBT_NEAR_ABS(spectrum.re[at], 0.0, FBT_TOL(1e-7, 5.0));
     }
   }
+}
+
+/* E10.6, E12.4: frequencies of a straight beam are of order 4 in the mesh. */
+TEST(frequencies_of_a_straight_beam_are_of_order_four)
+{
+  double error[2];
+  for (int run = 0; run < 2; run++) {
+    elastica(10 << run);
+    desc.station[0].inertia[21] = FB_R(1e-5);
+    settle();
+    spectrum_of(4);
+    error[run] = (double)spectrum.im[2] / (4.694091132974175 * 4.694091132974175) - 1.0;
+  }
+  FBT_BELOW(fabs(error[1]), FBT_TOL(1e-4, 2e-2));
+  FBT_NEAR_REL(error[0] / error[1], 16.0, FBT_TOL(0.1, 1e9)); /* in single precision rounding is larger */
 }
 
 /* E12.5: whatever their number, the slowest motions are the same (artefacts of the basis are not among them). */
@@ -1165,7 +1254,7 @@ TEST(becks_column_flutters_at_its_load)
         best = fmin(best, hypot((double)spectrum.im[k] - fbt_value(t, row, "om_re"),
                                 fabs((double)spectrum.re[k]) - fbt_value(t, row, "om_im")));
       }
-      FBT_BELOW(best / fbt_value(t, row, "om_re"), mode < 3 ? FBT_TOL(1e-2, 3e-2) : FBT_TOL(1e-2, 3e-2));
+      FBT_BELOW(best / fbt_value(t, row, "om_re"), FBT_TOL(p < 19.9 ? 2e-3 : 1e-2, 3e-2)); /* steep at flutter */
     }
   }
   while (high - low > 1e-3) {
@@ -1339,6 +1428,6 @@ SUITE(mixed, RUN(elastica_is_of_order_four), RUN(linear_cantilevers_are_exact_at
       RUN(dissipation_bears_steps_of_any_length), RUN(a_pendulum_keeps_its_energy), RUN(a_lump_is_a_rigid_body),
       RUN(element_fields_have_their_units), RUN(strain_energy_is_the_work_of_the_load),
       RUN(spectrum_of_a_straight_beam_is_the_textbooks), RUN(spectrum_does_not_depend_on_the_count),
-      RUN(becks_column_flutters_at_its_load), RUN(shaft_whirls_as_in_closed_form),
-      RUN(spinning_cantilever_has_the_published_frequencies), RUN(columns_buckle_at_eulers_load),
-      RUN(mixed_beam_refuses_bad_input))
+      RUN(frequencies_of_a_straight_beam_are_of_order_four), RUN(becks_column_flutters_at_its_load),
+      RUN(shaft_whirls_as_in_closed_form), RUN(spinning_cantilever_has_the_published_frequencies),
+      RUN(columns_buckle_at_eulers_load), RUN(mixed_beam_refuses_bad_input))

@@ -1,0 +1,301 @@
+/* E10.9, E10.10: the Jacobian of the mixed beam against central differences of its residual, and the elimination along
+   the chain against one dense LU: random sections (full 6x6), curvature, poses, stresses and velocities, in every
+   combination of what can act. Compatibility by the poses is a series, cut at theta^4/720: left out here, Newton's
+   convergence shows it. Double precision. */
+#undef FB_SINGLE
+#define FB_SINGLE 0
+#define FB_MAX_MIXED 4
+#define FLEXBEAM_STATIC
+#include "flexbeam.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { GRAVITY = 1, DEAD_LINE = 2, FOLLOWER_LINE = 4, LUMPS = 8, SUPPORTS = 16, LOADS = 32, COMBINATIONS = 64 };
+enum { REST, SPIN, MARCH, LINEARIZED, WAYS };
+#define UNKNOWNS (12 * FB_MAX_MIXED + 6)
+
+static fb_mixed_desc desc;
+static fb_mixed beam;
+static fb_mixed_state state;
+static fb_mixed_work work, moved;
+static fb_mixed_input input;
+static double numeric[UNKNOWNS * UNKNOWNS], analytic[UNKNOWNS * UNKNOWNS], right[UNKNOWNS], solution[UNKNOWNS];
+static double row_scale[UNKNOWNS];
+static int order[UNKNOWNS];
+static const double step = 0.37;
+
+/* Repeatable, in (-1, 1). */
+static double random_number(void)
+{
+  static unsigned seed = 1u;
+  seed = seed * 1664525u + 1013904223u;
+  return (double)(seed >> 8) / 8388608.0 - 1.0;
+}
+
+static void fill(double *x, int n, double size)
+{
+  for (int i = 0; i < n; i++) {
+    x[i] = size * random_number();
+  }
+}
+
+static void require(fb_status status, const char *what)
+{
+  if (status != FB_OK) {
+    printf("%s: %s\n", what, fb_status_string(status));
+    exit(1);
+  }
+}
+
+static void build(int what, int n)
+{
+  const fb_section mass = {
+      .mass = 1.1, .EA = 1, .GJ = 1, .EI_y = 1, .EI_z = 1, .i_y = 0.02, .i_z = 0.05, .mass_y = 0.1, .mass_z = -0.13};
+  double A[36];
+  memset(&desc, 0, sizeof desc);
+  desc.length = 1.3;
+  desc.n_element = n;
+  desc.n_station = 1;
+  require(fb_mixed_station_init(&desc.station[0], &mass), "section");
+  fill(A, 36, 1);
+  for (int i = 0; i < 36; i++) { /* positive definite */
+    desc.station[0].stiffness[i] = (i % 7 ? 0 : 2) + fbi_vec6_dot(A + i / 6 * 6, A + i % 6 * 6);
+  }
+  fill(desc.station[0].curvature, 3, 1);
+  fill(desc.attitude, 4, 1);
+  fill(desc.position, 3, 1);
+  if (what & GRAVITY) {
+    fill(desc.gravity, 3, 1);
+  }
+  for (int l = 0; l < 2 && what & LUMPS; l++) {
+    desc.n_lump = 2;
+    desc.lump[l].node = l * n;
+    desc.lump[l].mass = 0.5;
+    fill(desc.lump[l].center, 3, 1);
+    desc.lump[l].inertia[0] = desc.lump[l].inertia[1] = desc.lump[l].inertia[2] = 0.3;
+    desc.lump[l].inertia[4] = 0.05;
+  }
+  if (what & SUPPORTS) {
+    desc.root = FB_HOLD_X | FB_HOLD_Z | FB_HOLD_RY;
+    desc.tip = FB_HOLD_Y | FB_HOLD_RX;
+    desc.n_support = 1;
+    desc.support[0].node = 1;
+    desc.support[0].held = FB_HOLD_X | FB_HOLD_Z | FB_HOLD_RZ;
+  }
+  desc.dissipation = 0.3;
+  require(fb_mixed_init(&beam, &desc), "beam");
+}
+
+static void load(int what, int way)
+{
+  memset(&input, 0, sizeof input);
+  for (int k = 0; k < beam.n && what & (DEAD_LINE | FOLLOWER_LINE); k++) {
+    input.line[k].axes = what & DEAD_LINE ? (k % 2 ? FB_AXES_INERTIAL : FB_AXES_BODY) : FB_AXES_NODE;
+    fill(input.line[k].force, 3, 1);
+    fill(input.line[k].torque, 3, 1);
+  }
+  for (int l = 0; l < 3 && what & LOADS; l++) {
+    input.n_load = 3;
+    input.load[l].node = l % (beam.n + 1);
+    input.load[l].axes = (fb_axes)l;
+    fill(input.load[l].force, 3, 1);
+    fill(input.load[l].torque, 3, 1);
+  }
+  if (way != REST) {
+    fill(input.v, 3, 1);
+    fill(input.w, 3, 1);
+  }
+}
+
+/* A state in which the strains fit the poses, so that the residual of the compatibility vanishes. */
+static void scatter(int way)
+{
+  const double rate = 2 / ((1 + beam.beta) * step);
+  const fbi_mixed_motion motion = {
+      way == MARCH, way != REST, 0, 0, way == MARCH ? step / 2 : 1, way == MARCH ? rate : way == LINEARIZED ? 1.37 : 0};
+  double strain[6 * FB_MAX_MIXED];
+  memset(&work, 0, sizeof work);
+  require(fb_mixed_state_init(&beam, &state, &work, &input), "state");
+  fill(state.base_quat, 4, 1);
+  require(fb_quat_normalize(state.base_quat), "attitude");
+  work.motion = motion;
+  fbi_mixed_input_take(&work, &beam, state.base_quat, &input, 1, way == MARCH ? step : 0);
+  fill(work.s, 6 * beam.n, 0.7);
+  fill(work.strain, 6 * beam.n, 0.1);
+  fill(work.momentum, 6 * beam.n, 1);
+  fill(work.lump, 6 * beam.n_lump, 1);
+  for (int k = 0; k < beam.n; k++) {
+    fbi_mat66_mul_vec6(strain + 6 * k, beam.C + 36 * k, work.s + 6 * k);
+  }
+  fbi_mixed_poses(work.r, work.quat, &beam, strain, work.offset);
+  for (int i = 0; i < 6 * (beam.n + 1) && way == MARCH; i++) { /* the turn of half a step is taken to first order */
+    work.V[i] = random_number() * (i % 6 < 3 ? 1 : 1e-6);
+  }
+  fbi_mixed_nodes_eval(&work, &beam);
+  for (int k = 0; k < beam.n && way == LINEARIZED; k++) {
+    fbi_mixed_cell_eval(&work.cell, &work, &beam, k);
+    fbi_vec6_copy(work.momentum + 6 * k, work.cell.P);
+  }
+  for (int l = 0; l < beam.n_lump && way == LINEARIZED; l++) {
+    fbi_mat66_mul_vec6(work.lump + 6 * l, beam.lump + 36 * l, work.V + 6 * beam.lump_node[l]);
+  }
+}
+
+/* Residual with one unknown changed: stresses of the elements first, then the nodes. */
+static void residual(double *out, int unknown, double change)
+{
+  const int stress = 6 * beam.n, node = (unknown - stress) / 6;
+  moved = work;
+  if (unknown < stress) {
+    moved.s[unknown] += change;
+  } else if (moved.motion.march) {
+    moved.V[unknown - stress] += change;
+    fbi_mixed_nodes_eval(&moved, &beam);
+  } else {
+    double x[6] = {0};
+    x[(unknown - stress) % 6] = change;
+    fbi_pose_add(moved.r + 3 * node, moved.quat + 4 * node, x);
+    fbi_mixed_nodes_eval(&moved, &beam);
+    moved.V[unknown - stress] += moved.motion.shift * change;
+  }
+  fbi_mixed_residual(&moved, &beam);
+  memcpy(out, moved.c, sizeof *out * (size_t)stress);
+  for (int j = 0; j <= beam.n; j++) {
+    if (fbi_mixed_turned(beam.held[j])) {
+      fbi_mixed_rows_turn(moved.B + 6 * j, moved.R + 9 * j, 1);
+    }
+  }
+  memcpy(out + stress, moved.B, sizeof *out * (size_t)(stress + 6));
+}
+
+static void put(int row, int column, const double block[36], double sign)
+{
+  const int n = 12 * beam.n + 6;
+  for (int i = 0; i < 36; i++) {
+    analytic[(row + i / 6) * n + column + i % 6] += sign * block[i];
+  }
+}
+
+/* The Jacobian from its blocks; rows of nodes that are held in part are turned. */
+static void assemble(void)
+{
+  const int n = 12 * beam.n + 6, nodes = 6 * beam.n;
+  const fbi_mixed_jacobian *const j = &work.jacobian;
+  memset(analytic, 0, sizeof analytic);
+  fbi_mixed_residual(&work, &beam);
+  for (int k = 0; k < beam.n; k++) {
+    const int s = 6 * k, a = nodes + 6 * k, b = a + 6;
+    fbi_mixed_cell_eval(&work.cell, &work, &beam, k);
+    fbi_mixed_cell_jacobian(&work.jacobian, &work.cell, &work, &beam, k);
+    put(s, s, j->E, 1);
+    put(s, a, j->D1, -1);
+    put(s, b, j->D2, -1);
+    put(a, s, j->F1s, -1);
+    put(a, a, j->F1d1, -1);
+    put(a, b, j->F1d2, -1);
+    put(b, s, j->F2s, 1);
+    put(b, a, j->F2d1, 1);
+    put(b, b, j->F2d2, 1);
+  }
+  for (int k = 0; k <= beam.n; k++) {
+    double K[36] = {0};
+    const int row = nodes + 6 * k;
+    fbi_mixed_node_jacobian(K, &work, &beam, k);
+    put(row, row, K, 1);
+    if (fbi_mixed_turned(beam.held[k])) {
+      fbi_add_skew(analytic + row * n + row + 3, n, -work.motion.pose, work.B + 6 * k);
+      fbi_mixed_rows_turn(analytic + row * n, work.R + 9 * k, n);
+    }
+  }
+}
+
+/* Largest difference from central differences, of the largest element. */
+static double compare_differences(void)
+{
+  const int n = 12 * beam.n + 6, stress = 6 * beam.n;
+  const double h = 1e-6;
+  double forward[UNKNOWNS], back[UNKNOWNS], most = 0, size = 1;
+  for (int c = 0; c < n; c++) {
+    residual(forward, c, h);
+    residual(back, c, -h);
+    for (int r = 0; r < n; r++) {
+      numeric[r * n + c] = (forward[r] - back[r]) / (2 * h);
+    }
+  }
+  for (int r = 0; r < n; r++) {
+    for (int c = 0; c < n; c++) {
+      const int series = r < stress && c >= stress && !work.motion.march;
+      size = fmax(size, fabs(numeric[r * n + c]));
+      most = fmax(most, series ? 0 : fabs(numeric[r * n + c] - analytic[r * n + c]));
+    }
+  }
+  return most / size;
+}
+
+/* Largest difference of the corrections by the chain from those of a dense LU, of the largest. */
+static double compare_dense(void)
+{
+  const int n = 12 * beam.n + 6, stress = 6 * beam.n;
+  double most = 0, size = 1;
+  fbi_mixed_want(&work, &beam, step);
+  require(fbi_mixed_factor(&work, &beam), "chain");
+  fbi_mixed_solve(&work, &beam);
+  for (int i = 0; i < stress; i++) {
+    right[i] = -work.c[i];
+  }
+  for (int k = 0; k <= beam.n; k++) {
+    double b[6];
+    for (int i = 0; i < 6; i++) {
+      b[i] = -work.B[6 * k + i];
+    }
+    fbi_mixed_hold_rhs(b, &work, &beam, k);
+    for (int i = 0; i < 6; i++) {
+      const int row = stress + 6 * k + i, turned = i < 3 && fbi_mixed_turned(beam.held[k]);
+      right[row] = b[i];
+      if (beam.held[k] >> i & 1) {
+        memset(analytic + row * n, 0, sizeof *analytic * (size_t)n);
+        for (int j = 0; j < 3; j++) {
+          analytic[row * n + row - i + i / 3 * 3 + j] = turned ? work.R[9 * k + 3 * i + j] : i % 3 == j;
+        }
+      }
+    }
+  }
+  require(fb_lu_factor(analytic, order, row_scale, n), "dense");
+  fb_lu_solve(solution, analytic, order, right, n);
+  for (int i = 0; i < n; i++) {
+    size = fmax(size, fabs(solution[i]));
+    most = fmax(most, fabs(solution[i] - (i < stress ? work.ds[i] : work.dd[i - stress])));
+  }
+  return most / size;
+}
+
+int main(void)
+{
+  double differences = 0, dense = 0;
+  for (int way = 0; way < WAYS; way++) {
+    for (int what = 0; what < COMBINATIONS; what++) {
+      double e;
+      build(what, 2 + what % 3);
+      load(what, way);
+      scatter(way);
+      assemble();
+      e = compare_differences();
+      if (!(e < 1e-6)) {
+        printf("way %d, combination %d: the Jacobian is %.1e off\n", way, what, e);
+        return 1;
+      }
+      differences = fmax(differences, e);
+      e = compare_dense();
+      if (!(e < 1e-9)) {
+        printf("way %d, combination %d: chain and dense LU differ by %.1e\n", way, what, e);
+        return 1;
+      }
+      dense = fmax(dense, e);
+    }
+  }
+  printf("Jacobian of the mixed beam in %d combinations within %.1e of differences, chain within %.1e of a dense LU\n",
+         WAYS * COMBINATIONS, differences, dense);
+  return 0;
+}
