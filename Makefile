@@ -12,16 +12,17 @@ LIBRARY  = flexbeam.h flexbeam_impl.h
 SECTIONS = main status vec3 rotation linalg beam modes body system forms mixed integrate analyse build
 EXAMPLES = quickstart spinup campbell table1 assembly reduce elastodyn firmware spacecraft rotor arm fourbar \
            elastica follower flap whirl beam3d leigh
-CHECKS   = sanitize suite long jacobian compile rom instructions mismatch removed style tidy two_precisions stack symbols ids quickstart
+CHECKS   = sanitize suite long jacobian compile rom firmware bits instructions mismatch removed style tidy two_precisions stack symbols ids quickstart
 
 .DELETE_ON_ERROR:
-.PHONY: help run table1 leigh blade test examples bench sizes readme format clean ci FORCE $(CHECKS:%=check-%)
+.PHONY: help run table1 leigh blade firmware test examples bench sizes readme format clean ci FORCE $(CHECKS:%=check-%)
 
 help:
 	@echo "make run       spin-up of a flexible beam against its reference, time per step, picture if gnuplot is there"
 	@echo "make blade     Campbell diagram of the NREL 5-MW blade, 0 to 20 rpm: build/campbell.csv, build/campbell.svg"
 	@echo "make table1    the forms of the equations of motion, figures and accuracy of D'Eleuterio and Barfoot: build/table1/"
 	@echo "make leigh     every case of chapter 4 of Leigh's thesis by the exact beam, beside its figures: build/leigh/"
+	@echo "make firmware  the attitude loop of examples/firmware.c on an emulated Cortex-M4F and -M7, against the desktop"
 	@echo "make test      build and run the tests, build the examples"
 	@echo "make examples  $(EXAMPLES:%=build/examples/%)"
 	@echo "make bench     time per step by modes and effects, by form and scheme, of systems, of the exact beam: build/bench_*.csv"
@@ -47,6 +48,9 @@ leigh: build/examples/leigh
 
 blade: build/examples/campbell
 	$< --blade tests/reference/nrel5mw_blade.csv --mass-factor 1.04536 --modes 3 --picture build/campbell.svg > build/campbell.csv
+
+firmware: check-firmware
+	@cat build/checks/firmware/board_single.txt
 
 test: examples check-quickstart build/test_runner
 	build/test_runner
@@ -90,12 +94,12 @@ build/examples/%: examples/%.c $(wildcard examples/*.h) $(LIBRARY) build/flags |
 	$(CC) $(FLAGS) $(CFLAGS) -o $@ $< -lm
 
 # The model in ROM says itself which configuration it takes.
-build/examples/blade_rom.h: examples/blade.txt build/examples/reduce
+build/examples/satellite_rom.h: examples/satellite.txt build/examples/reduce
 	build/examples/reduce $< --single --out $@
 
-build/examples/firmware: examples/firmware.c build/examples/blade_rom.h $(LIBRARY) build/flags
+build/examples/firmware: examples/firmware.c build/examples/satellite_rom.h examples/board/desktop.c examples/board/board.h $(LIBRARY) build/flags
 	$(CC) $(FLAGS) $(CFLAGS) -Ibuild/examples -ffunction-sections -fdata-sections -Wl,--gc-sections \
-	  $$(grep -o -e '-DFB_[A-Z_]*=[0-9]*' build/examples/blade_rom.h) -o $@ $< -lm
+	  $$(grep -o -e '-DFB_[A-Z_]*=[0-9]*' build/examples/satellite_rom.h) -o $@ $< examples/board/desktop.c -lm
 
 build/bench/%_double: bench/%.c $(wildcard bench/*.h) $(LIBRARY) build/flags | build/bench
 	$(CC) $(FLAGS) $(CFLAGS) -DFBB_FLAGS='"$(CFLAGS)"' -o $@ $< -lm

@@ -395,14 +395,17 @@ extern const char FBI_CONFIG_SYMBOL[];
 #ifdef __cplusplus
 }
 #endif
-#if defined(__has_attribute)
-#if __has_attribute(retain)
-__attribute__((used, retain))
-#elif __has_attribute(used)
-__attribute__((used))
+#if defined(__ELF__) && defined(__GNUC__) /* from a note: it is not loaded, and --gc-sections keeps what it names */
+#if __SIZEOF_POINTER__ == 8
+#define FBI_NOTE(symbol) "8, 1\n.asciz \"flexbeam\"\n.balign 4\n.8byte " symbol
+#else
+#define FBI_NOTE(symbol) "4, 1\n.asciz \"flexbeam\"\n.balign 4\n.4byte " symbol
 #endif
-#endif
+__asm__(".pushsection .note.flexbeam,\"\",%note\n.balign 4\n.4byte 9, " FBI_NOTE(
+    FBI_STRING_(FBI_CONFIG_SYMBOL)) "\n.popsection");
+#else
 static const char *const fbi_config_reference = FBI_CONFIG_SYMBOL;
+#endif
 #endif
 
 /* Capacities that follow from the options. */
@@ -1042,6 +1045,9 @@ typedef struct fb_state { /* all that changes; assignment is a snapshot */
   fb_real P[3], L[3];     /* [N s], [N m s] momentum and angular momentum about O, inertial axes; those of held axes are
                              zero (prescribed: all, pinned: P, hinged: all but L along the hinge) */
   fb_real q[FB_MAX_MODES], pi[FB_MAX_MODES]; /* elastic coordinates and momenta */
+#if FB_SINGLE
+  fb_real lost_rho[3], lost_quat[4], lost_P[3], lost_L[3]; /* by rounding of the last step: the next one adds it */
+#endif
 } fb_state; /* in the other forms P, L are v, w (body axes) and pi is q_dot (second-order) or v_e (first-order) */
 
 typedef enum fb_axes {
@@ -1635,7 +1641,7 @@ FB_API fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real accelerat
    without gyroscopic terms and, first order, without the stiffness torque. Newton iterations with that matrix, a
    fixed number (50 at most). Status and failure as fb_rk4_step, FB_ERR_STEP beyond fb_implicit_limit. */
 typedef struct fb_implicit_work {
-  fb_state rate, first, base, stage;
+  fb_state rate, first, base, stage, sum;
   fb_input between;
   fb_real g;                              /* [s] gamma dt of the factored matrix */
   fb_real E[FB_MAX_MODES * FB_MAX_MODES]; /* its factors */

@@ -4,23 +4,32 @@
 /* ---------------------------------------------------------------------------------------------------------------
    1 >>config */
 
-#ifndef FB_SQRT
+#if !(defined(FB_SQRT) && defined(FB_SIN) && defined(FB_COS) && defined(FB_ATAN2) && defined(FB_FABS) && \
+      defined(FB_EXP))
 #include <math.h>
-#if FB_SINGLE
-#define FB_SQRT(x) sqrtf(x)
-#define FB_SIN(x) sinf(x)
-#define FB_COS(x) cosf(x)
-#define FB_ATAN2(y, x) atan2f(y, x)
-#define FB_FABS(x) fabsf(x)
-#define FB_EXP(x) expf(x)
-#else
-#define FB_SQRT(x) sqrt(x)
-#define FB_SIN(x) sin(x)
-#define FB_COS(x) cos(x)
-#define FB_ATAN2(y, x) atan2(y, x)
-#define FB_FABS(x) fabs(x)
-#define FB_EXP(x) exp(x)
 #endif
+#if FB_SINGLE
+#define FBI_LIBM(name) name##f
+#else
+#define FBI_LIBM(name) name
+#endif
+#ifndef FB_SQRT
+#define FB_SQRT(x) FBI_LIBM(sqrt)(x)
+#endif
+#ifndef FB_SIN
+#define FB_SIN(x) FBI_LIBM(sin)(x)
+#endif
+#ifndef FB_COS
+#define FB_COS(x) FBI_LIBM(cos)(x)
+#endif
+#ifndef FB_ATAN2
+#define FB_ATAN2(y, x) FBI_LIBM(atan2)(y, x)
+#endif
+#ifndef FB_FABS
+#define FB_FABS(x) FBI_LIBM(fabs)(x)
+#endif
+#ifndef FB_EXP
+#define FB_EXP(x) FBI_LIBM(exp)(x)
 #endif
 #include <string.h>
 
@@ -29,6 +38,11 @@
 extern "C" {
 #endif
 extern const char FBI_CONFIG_SYMBOL[]; /* a const object of C++ has internal linkage without this */
+#if defined(__GNUC__) && !defined(__clang__)
+__attribute__((used, externally_visible)) /* the notes name it where -flto does not look */
+#elif defined(__clang__)
+__attribute__((used))
+#endif
 const char FBI_CONFIG_SYMBOL[] = FBI_STRING_(FBI_CONFIG_SYMBOL);
 #ifdef __cplusplus
 }
@@ -403,37 +417,42 @@ static void fbi_quat_rate(fb_real rate[4], const fb_real q[4], const fb_real w[3
   rate[3] = q[0] * z + q[1] * y - q[2] * x;
 }
 
-/* [E4.2] Exponential: q = (cos(phi/2), sin(phi/2)/phi * phi_vector); near zero by its series, so that it is smooth.
-   Source: textbook.  Cost: 20 flops, sin, cos, sqrt.  Fails: never.  Test: exponential_and_logarithm_are_inverse. */
-FB_DEF void fb_quat_from_rotvec(fb_real q[4], const fb_real phi[3])
+/* [E4.2] Exponential: q = (cos(phi/2), s phi_vector), s = sin(phi/2)/phi; returns s. An angle of zero is taken as tiny.
+   Source: textbook.  Cost: 15 flops, sin, cos, sqrt, whatever phi.  Fails: never.
+   Test: exponential_and_logarithm_are_inverse. */
+static fb_real fbi_quat_exp(fb_real q[4], const fb_real phi[3])
 {
-  const fb_real half2 = FB_R(0.25) * fb_vec3_dot(phi, phi);
-  fb_real s;
-  if (half2 < FB_R(1e-3)) { /* remainder half2^4 / 9! is below rounding */
-    s = FB_R(0.5) *
-        (FB_R(1.0) - half2 / FB_R(6.0) * (FB_R(1.0) - half2 / FB_R(20.0) * (FB_R(1.0) - half2 / FB_R(42.0))));
-    q[0] = FB_COS(FB_SQRT(half2));
-  } else {
-    const fb_real half = FB_SQRT(half2);
-    s = FB_R(0.5) * FB_SIN(half) / half;
-    q[0] = FB_COS(half);
-  }
+  const fb_real half = fbi_larger(FB_R(0.5) * fbi_vec3_norm(phi), FB_TINY);
+  const fb_real s = FB_R(0.5) * FB_SIN(half) / half;
+  q[0] = FB_COS(half);
   q[1] = s * phi[0];
   q[2] = s * phi[1];
   q[3] = s * phi[2];
+  return s;
 }
 
-/* [E4.3] Logarithm, the shorter way round: phi = 2 atan2(|u|, w) u/|u|, |phi| <= pi.
-   Source: textbook.  Cost: 20 flops, sqrt, atan2.  Fails: never.  Test: exponential_and_logarithm_are_inverse. */
-FB_DEF void fb_quat_to_rotvec(fb_real phi[3], const fb_real q[4])
+FB_DEF void fb_quat_from_rotvec(fb_real q[4], const fb_real phi[3])
+{
+  (void)fbi_quat_exp(q, phi);
+}
+
+/* [E4.3] Logarithm of q = (w, u), the shorter way round: phi = 2 atan2(|u|, w) u/|u|, |phi| <= pi; returns |phi|/|u|.
+   Source: textbook.  Cost: 20 flops, sqrt, atan2, whatever q.  Fails: never.
+   Test: exponential_and_logarithm_are_inverse. */
+static fb_real fbi_quat_log(fb_real phi[3], const fb_real q[4])
 {
   const fb_real sign = q[0] < FB_R(0.0) ? -FB_R(1.0) : FB_R(1.0);
-  const fb_real u = fbi_vec3_norm(q + 1);
-  const fb_real s =
-      u > FB_R(0.0) ? FB_R(2.0) * sign * FB_ATAN2(u, sign * q[0]) / u : FB_R(2.0) * sign; /* |q| = 1: limit is 2 */
-  phi[0] = s * q[1];
-  phi[1] = s * q[2];
-  phi[2] = s * q[3];
+  const fb_real u = fbi_larger(fbi_vec3_norm(q + 1), FB_TINY);
+  const fb_real s = FB_R(2.0) * FB_ATAN2(u, sign * q[0]) / u;
+  phi[0] = sign * s * q[1];
+  phi[1] = sign * s * q[2];
+  phi[2] = sign * s * q[3];
+  return s;
+}
+
+FB_DEF void fb_quat_to_rotvec(fb_real phi[3], const fb_real q[4])
+{
+  (void)fbi_quat_log(phi, q);
 }
 
 /* [E4.5] Quaternion of a rotation matrix, from its largest component, so that nothing small is divided by; w >= 0.
@@ -441,66 +460,61 @@ FB_DEF void fb_quat_to_rotvec(fb_real phi[3], const fb_real q[4])
    Fails: never.  Test: quaternion_and_matrix_rotate_alike. */
 static void fbi_quat_from_mat33(fb_real q[4], const fb_real R[9])
 {
-  const fb_real four[4] = {FB_R(1.0) + R[0] + R[4] + R[8], FB_R(1.0) + R[0] - R[4] - R[8],
-                           FB_R(1.0) - R[0] + R[4] - R[8], FB_R(1.0) - R[0] - R[4] + R[8]};
-  const fb_real d[3] = {R[7] - R[5], R[2] - R[6], R[3] - R[1]};
-  const fb_real o[3] = {R[5] + R[7], R[2] + R[6], R[1] + R[3]}; /* yz, xz, xy */
+  const fb_real x = R[7] - R[5], y = R[2] - R[6], z = R[3] - R[1]; /* 4 wx, .. */
+  const fb_real yz = R[5] + R[7], xz = R[2] + R[6], xy = R[1] + R[3];
+  const fb_real four[4][4] = {{FB_R(1.0) + R[0] + R[4] + R[8], x, y, z}, /* 4 q q^T */
+                              {x, FB_R(1.0) + R[0] - R[4] - R[8], xy, xz},
+                              {y, xy, FB_R(1.0) - R[0] + R[4] - R[8], yz},
+                              {z, xz, yz, FB_R(1.0) - R[0] - R[4] + R[8]}};
   int k = 0;
   fb_real s;
   for (int i = 1; i < 4; i++) {
-    k = four[i] > four[k] ? i : k;
+    k = four[i][i] > four[k][k] ? i : k;
   }
-  s = FB_R(0.5) / FB_SQRT(four[k]);
-  s = k > 0 && d[k - 1] < FB_R(0.0) ? -s : s;
+  s = (four[k][0] < FB_R(0.0) ? -FB_R(0.5) : FB_R(0.5)) / FB_SQRT(four[k][k]);
   for (int i = 0; i < 4; i++) {
-    if (i == k) {
-      q[i] = s * four[k];
-    } else if (i == 0 || k == 0) {
-      q[i] = s * d[i + k - 1];
-    } else {
-      q[i] = s * o[5 - i - k];
-    }
+    q[i] = s * four[k][i];
   }
 }
 
+/* x/t^2, or where t is small and x cancels, its series. Both are known, and a sum with one of the two weights zero takes
+   the same time whatever t: a step's work does not depend on its angles. */
+static fb_real fbi_quotient(fb_real x, fb_real t2, fb_real series)
+{
+  const fb_real small = (fb_real)(t2 < FB_R(1e-2));
+  return small * series + (FB_R(1.0) - small) * x / fbi_larger(t2, FB_R(1e-2));
+}
+
 /* [E4.6] Pose of the end of a line with constant twist per length: r = V(k) e, rotation exp(k), of x = (e, k).
-   V(k) = 1 + b k^ + c k^2, b = (1 - cos t)/t^2, c = (t - sin t)/t^3, t = |k|; a helix. By series where t is small.
-   Source: textbook (screw motion).  Cost: 60 flops, sin, cos.  Fails: never.
+   V(k) = 1 + b k^ + c k^2, b = (1 - cos t)/t^2 = 2 s^2, c = (t - sin t)/t^3 = (1 - 2 s w)/t^2, t = |k|; a helix.
+   Source: textbook (screw motion).  Cost: 80 flops, sin, cos, sqrt, whatever k.  Fails: never.
    Test: twist_and_pose_are_inverse. */
 FB_DEF void fb_pose_from_twist(fb_real r[3], fb_real quat[4], const fb_real x[6])
 {
   const fb_real *const e = x, *const k = x + 3;
-  const fb_real t2 = fb_vec3_dot(k, k);
-  fb_real b, c, ke[3], kke[3];
-  if (t2 < FB_R(1e-2)) { /* remainders t^6/20160 and t^6/181440 */
-    b = FB_R(0.5) - t2 / FB_R(24.0) * (FB_R(1.0) - t2 / FB_R(30.0) * (FB_R(1.0) - t2 / FB_R(56.0)));
-    c = FB_R(1.0) / FB_R(6.0) - t2 / FB_R(120.0) * (FB_R(1.0) - t2 / FB_R(42.0) * (FB_R(1.0) - t2 / FB_R(72.0)));
-  } else {
-    const fb_real t = FB_SQRT(t2), s = FB_SIN(FB_R(0.5) * t);
-    b = FB_R(2.0) * s * s / t2;
-    c = (t - FB_SIN(t)) / (t * t2);
-  }
+  const fb_real s = fbi_quat_exp(quat, k), t2 = fb_vec3_dot(k, k), b = FB_R(2.0) * s * s;
+  const fb_real series = /* remainder t^8/39916800 */
+      FB_R(1.0) / FB_R(6.0) - t2 / FB_R(120.0) * (FB_R(1.0) - t2 / FB_R(42.0) * (FB_R(1.0) - t2 / FB_R(72.0)));
+  const fb_real c = fbi_quotient(FB_R(1.0) - FB_R(2.0) * s * quat[0], t2, series);
+  fb_real ke[3], kke[3];
   fb_vec3_cross(ke, k, e);
   fb_vec3_cross(kke, k, ke);
   for (int i = 0; i < 3; i++) {
     r[i] = e[i] + b * ke[i] + c * kke[i];
   }
-  fb_quat_from_rotvec(quat, k);
 }
 
-/* [E4.7] Its inverse: k = log quat, e = V(k)^-1 r = r - k x r / 2 + g k x (k x r), g = (1 - t/2 cot(t/2))/t^2.
-   Source: textbook.  Cost: 60 flops, atan2, sin, cos.  Fails: never; |k| <= pi.  Test: twist_and_pose_are_inverse. */
+/* [E4.7] Its inverse: k = log quat, e = V(k)^-1 r = r - k x r / 2 + g k x (k x r), g = (1 - t/2 cot(t/2))/t^2, where
+   t/2 cot(t/2) = t w/(2 |u|) of the quaternion (w, u).
+   Source: textbook.  Cost: 60 flops, sqrt, atan2, whatever quat.  Fails: never; |k| <= pi.
+   Test: twist_and_pose_are_inverse. */
 FB_DEF void fb_pose_to_twist(fb_real x[6], const fb_real r[3], const fb_real quat[4])
 {
-  fb_real kr[3], kkr[3], g, t2;
-  fb_quat_to_rotvec(x + 3, quat);
-  t2 = fb_vec3_dot(x + 3, x + 3);
-  if (t2 < FB_R(1e-2)) {
-    g = FB_R(1.0) / FB_R(12.0) + t2 / FB_R(720.0) * (FB_R(1.0) + t2 / FB_R(42.0) * (FB_R(1.0) + t2 / FB_R(40.0)));
-  } else {
-    const fb_real half = FB_R(0.5) * FB_SQRT(t2);
-    g = (FB_R(1.0) - half * FB_COS(half) / FB_SIN(half)) / t2;
-  }
+  const fb_real s = fbi_quat_log(x + 3, quat), t2 = fb_vec3_dot(x + 3, x + 3);
+  const fb_real series =
+      FB_R(1.0) / FB_R(12.0) + t2 / FB_R(720.0) * (FB_R(1.0) + t2 / FB_R(42.0) * (FB_R(1.0) + t2 / FB_R(40.0)));
+  const fb_real g = fbi_quotient(FB_R(1.0) - FB_R(0.5) * s * FB_FABS(quat[0]), t2, series);
+  fb_real kr[3], kkr[3];
   fb_vec3_cross(kr, x + 3, r);
   fb_vec3_cross(kkr, x + 3, kr);
   for (int i = 0; i < 3; i++) {
@@ -594,6 +608,22 @@ static fb_real fbi_dot(const fb_real *x, const fb_real *y, int n)
   return (a + b) + (c + d);
 }
 
+/* Exchanges rows k and row, be they the same one: the work does not depend on the matrix. */
+static void fbi_rows_exchange(fb_real *A, int *perm, fb_real *scale, int k, int row, int n)
+{
+  const int p = perm[k];
+  const fb_real s = scale[k];
+  perm[k] = perm[row];
+  perm[row] = p;
+  scale[k] = scale[row];
+  scale[row] = s;
+  for (int j = 0; j < n; j++) {
+    const fb_real a = A[k * n + j];
+    A[k * n + j] = A[row * n + j];
+    A[row * n + j] = a;
+  }
+}
+
 /* [E5.1] LU with scaled partial pivoting, P A = L U.
    A pivot counts as zero when it is below n epsilon of its column's largest element, both taken relative to their rows'
    largest elements: neither row nor column scaling changes the verdict.
@@ -623,27 +653,13 @@ FB_DEF fb_status fb_lu_factor(fb_real *A, int *perm, fb_real *scale, int n)
     for (int i = 0; i < n; i++) { /* rows above k hold U: the column as it was, up to pivot growth */
       const fb_real size = FB_FABS(A[i * n + k]) * scale[i];
       column = fbi_larger(column, size);
-      if (i >= k && size > best) {
-        best = size;
-        row = i;
-      }
+      row = i >= k && size > best ? i : row;
+      best = i >= k ? fbi_larger(best, size) : best;
     }
     if (!(best > (fb_real)n * FB_EPSILON * column)) {
       return FB_ERR_SINGULAR;
     }
-    if (row != k) {
-      const int p = perm[k];
-      const fb_real s = scale[k];
-      perm[k] = perm[row];
-      perm[row] = p;
-      scale[k] = scale[row];
-      scale[row] = s;
-      for (int j = 0; j < n; j++) {
-        const fb_real a = A[k * n + j];
-        A[k * n + j] = A[row * n + j];
-        A[row * n + j] = a;
-      }
-    }
+    fbi_rows_exchange(A, perm, scale, k, row, n);
     pivot = FB_R(1.0) / A[k * n + k];
     for (int i = k + 1; i < n; i++) {
       const fb_real factor = A[i * n + k] * pivot;
@@ -7992,9 +8008,7 @@ static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, con
     fb_real pivot;
     for (int i = k + 1; i < m; i++) {
       const int a = w->order[i], b = w->order[best];
-      if (w->diagonal[a] * w->column[b] > w->diagonal[b] * w->column[a]) {
-        best = i;
-      }
+      best = w->diagonal[a] * w->column[b] > w->diagonal[b] * w->column[a] ? i : best;
     }
     {
       const int p = w->order[best];
@@ -8057,12 +8071,12 @@ static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_
     fbi_copy(L->pi0, L->pi, fbi_model(system, body, k)->n);
     for (int i = 0; i < fbi_link_joint(system, w, k)->n_axis; i++) {
       const int drives = fbi_axis_mode(L, fbi_link_joint(system, w, k), i) == FB_AXIS_PRESCRIBED;
-      given = given || (drives && FB_FABS(L->p[i]) > FB_R(0.0));
+      given |= drives && FB_FABS(L->p[i]) > FB_R(0.0);
     }
   }
   status = fbi_speeds_solve(w, system, body);
   for (int r = 0; r < w->n_row; r++) {
-    given = given || FB_FABS(w->c[r]) > FB_R(0.0);
+    given |= FB_FABS(w->c[r]) > FB_R(0.0); /* no shortcut: work does not depend on values */
     w->c[r] += fbi_row_eval(&size, &w->row[r], w, system, body);
   }
   status = status == FB_OK ? fbi_rows_factor(w, system, body) : status;
@@ -8629,17 +8643,16 @@ static int fbi_has_rows(const fb_system *system, const fb_system_work *w, const 
 static fb_real fbi_rows_miss(int *worst, const fb_system_work *w, const fb_system *system)
 {
   fb_real size = FB_R(1.0), miss = FB_R(0.0);
-  *worst = -1;
+  int joint = -1;
   for (int k = 0; k < system->n_body; k++) {
     size = fbi_larger(size, FB_R(1.0) + fbi_vec3_norm(w->link[k].rho));
   }
   for (int r = 0; r < w->n_row; r++) {
     const fb_real value = w->row[r].r.holonomic ? FB_FABS(w->row[r].r.value) / size : FB_R(0.0);
-    if (value > miss) {
-      miss = value;
-      *worst = w->row[r].joint;
-    }
+    joint = value > miss ? w->row[r].joint : joint;
+    miss = fbi_larger(miss, value);
   }
+  *worst = joint;
   return miss;
 }
 
@@ -10572,7 +10585,7 @@ static fb_status fbi_mixed_factor(fb_mixed_work *work, const fb_mixed *m)
 /* Corrections dd, ds that answer -c of the elements and -B of the nodes. */
 static void fbi_mixed_solve(fb_mixed_work *work, const fb_mixed *m)
 {
-  fb_real z[6], b[12], x[6];
+  fb_real z[6], b[12], x[6] = {FB_R(0.0)}; /* gcc -O3 takes an empty read for one */
   fbi_vec6_zero(z);
   for (int k = m->n; k >= 0; k--) {
     fb_real *const y = work->y + 12 * k;
@@ -11369,14 +11382,28 @@ static void fbi_vec3_advance(fb_real y[3], const fb_real x[3], fb_real s, const 
   y[2] = x[2] + s * rate[2];
 }
 
-/* out = state + s rate; out may be state */
-static void fbi_state_advance(fb_state *out, const fb_state *state, fb_real s, const fb_state *rate, int n)
+/* Position, attitude and momenta of the frame: out = state + s rate; out may be state */
+static void fbi_frame_advance(fb_state *out, const fb_state *state, fb_real s, const fb_state *rate)
 {
   fbi_vec3_advance(out->rho, state->rho, s, rate->rho);
   fbi_vec3_advance(out->quat, state->quat, s, rate->quat);
   out->quat[3] = state->quat[3] + s * rate->quat[3];
   fbi_vec3_advance(out->P, state->P, s, rate->P);
   fbi_vec3_advance(out->L, state->L, s, rate->L);
+}
+
+static void fbi_frame_clear(fb_state *state)
+{
+  fbi_zero(state->rho, 3);
+  fbi_zero(state->quat, 4);
+  fbi_zero(state->P, 3);
+  fbi_zero(state->L, 3);
+}
+
+/* out = state + s rate; out may be state */
+static void fbi_state_advance(fb_state *out, const fb_state *state, fb_real s, const fb_state *rate, int n)
+{
+  fbi_frame_advance(out, state, s, rate);
   for (int a = 0; a < n; a++) {
     out->q[a] = state->q[a] + s * rate->q[a];
     out->pi[a] = state->pi[a] + s * rate->pi[a];
@@ -11442,21 +11469,70 @@ static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const
   return dt <= fbi_step_limit(FBI_RK4_RADIUS, bound) ? FB_OK : FB_ERR_STEP;
 }
 
-/* What ends every step: small values become zero, the quaternion is normalized, and the motion is still within the
-   model. */
-static fb_status fbi_step_end(fb_state *state, fb_state *next, const fb_body *body)
+/* [E11.22] x += d, and what the sum loses by rounding is kept for the next: in single precision a step's increment is
+   often below that. In double precision nothing is kept.
+   Source: W. Kahan, Comm. ACM 8, 1965.  Shapes: n.  Cost: 4 n flops.  Fails: never.
+   Test: short_steps_lose_nothing. */
+static void fbi_sum(fb_real *x, fb_real *lost, const fb_real *d, int n)
 {
-  fb_status status;
-  fbi_flush(next->P, 3);
-  fbi_flush(next->L, 3);
-  fbi_flush(next->q, body->n);
-  fbi_flush(next->pi, body->n);
-  if (fb_quat_normalize(next->quat) != FB_OK) {
+  for (int i = 0; i < n; i++) {
+#if FB_SINGLE
+    const fb_real more = d[i] + lost[i], sum = x[i] + more;
+    lost[i] = more - (sum - x[i]);
+    x[i] = sum;
+#else
+    x[i] += d[i];
+#endif
+  }
+  (void)lost;
+}
+
+#if FB_SINGLE
+#define FBI_LOST(state, what) ((state)->lost_##what)
+#else
+#define FBI_LOST(state, what) NULL
+#endif
+
+/* d so that quat + d has unit length: (1/|quat + d| - 1) (quat + d) more. */
+static fb_status fbi_quat_increment(fb_real d[4], const fb_real quat[4])
+{
+  fb_real sum[4], norm2 = FB_R(0.0), norm, s;
+  for (int i = 0; i < 4; i++) {
+    sum[i] = quat[i] + d[i];
+    norm2 += sum[i] * sum[i];
+  }
+  if (!(norm2 > FB_R(1e-20) && norm2 < FB_HUGE)) {
     return FB_ERR_NOT_FINITE;
   }
-  status = fbi_state_range(body, next);
+  norm = FB_SQRT(norm2);
+  s = (FB_R(1.0) - norm2) / (norm * (FB_R(1.0) + norm));
+  for (int i = 0; i < 4; i++) {
+    d[i] += s * sum[i];
+  }
+  return FB_OK;
+}
+
+/* What ends every step. next holds the new elastic coordinates, and of the frame the increments: they are summed up, small
+   values become zero, the quaternion is of unit length, and the motion is still within the model. */
+static fb_status fbi_step_end(fb_state *state, fb_state *next, const fb_body *body)
+{
+  fb_state sum = *state;
+  fb_status status = fbi_quat_increment(next->quat, state->quat);
+  fbi_sum(sum.rho, FBI_LOST(&sum, rho), next->rho, 3);
+  fbi_sum(sum.quat, FBI_LOST(&sum, quat), next->quat, 4);
+  fbi_sum(sum.P, FBI_LOST(&sum, P), next->P, 3);
+  fbi_sum(sum.L, FBI_LOST(&sum, L), next->L, 3);
+  fbi_flush(sum.P, 3);
+  fbi_flush(sum.L, 3);
+  for (int a = 0; a < body->n; a++) {
+    sum.q[a] = next->q[a];
+    sum.pi[a] = next->pi[a];
+  }
+  fbi_flush(sum.q, body->n);
+  fbi_flush(sum.pi, body->n);
+  status = status ? status : fbi_state_range(body, &sum);
   if (status == FB_OK) {
-    *state = *next;
+    *state = sum;
   }
   return status;
 }
@@ -11479,6 +11555,7 @@ FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, f
   input[1] = input[2] = middle;
   input[3] = end;
   work->sum = *state;
+  fbi_frame_clear(&work->sum);
   for (int stage = 0; stage < 4; stage++) {
     fbi_kinetics k;
     status = fbi_input_check(body, input[stage]);
@@ -11839,7 +11916,9 @@ FB_DEF fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_impli
   if (status != FB_OK) {
     return status;
   }
-  fbi_state_advance(&work->stage, state, dt, &work->first, body->n);
+  work->stage = *state;
+  fbi_frame_clear(&work->stage);
+  fbi_state_advance(&work->stage, &work->stage, dt, &work->first, body->n);
   return fbi_step_end(state, &work->stage, body);
 }
 
@@ -11894,14 +11973,17 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
     status = fbi_stage_solve(work, &work->first, body, &at, state, state, first, count);
   }
   if (status == FB_OK) {
+    work->sum = *state;
+    fbi_frame_clear(&work->sum);
+    fbi_state_advance(&work->sum, &work->sum, (FB_R(1.0) - c) * dt, &work->first, body->n);
     fbi_state_advance(&work->base, state, (FB_R(1.0) - c) * dt, &work->first, body->n);
     status = fbi_stage_solve(work, &work->first, body, &at, &work->base, state, end, count);
   }
   if (status != FB_OK) {
     return status;
   }
-  fbi_state_advance(&work->stage, &work->base, c * dt, &work->first, body->n);
-  return fbi_step_end(state, &work->stage, body);
+  fbi_state_advance(&work->sum, &work->sum, c * dt, &work->first, body->n);
+  return fbi_step_end(state, &work->sum, body);
 }
 
 /* ---- exponential scheme */
@@ -12275,9 +12357,11 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   if (status == FB_OK) {
     memset(&work->full, 0, sizeof work->full);
     fbi_phi_add(&work->full, FB_R(1.0), scheme->full, 0, scheme, h, z, n);
+    fbi_frame_clear(&work->full); /* increments */
     fbi_phi_add(&work->full, h, scheme->full, 1, scheme, h, &N[0], n);
     fbi_modal_sum(sum, N, fourth, 3, n);
     work->half = work->full;
+    fbi_frame_advance(&work->half, z, FB_R(1.0), &work->full);
     fbi_phi_add(&work->half, h, scheme->full, 2, scheme, h, sum, n);
     status = fbi_modal_rates(&N[3], &k, work, scheme, body, &work->half, end);
   }

@@ -4,7 +4,7 @@
 . tests/checks/common.sh
 need gcc gcc
 try gcc $c99 -O2 -o "$out/reduce" examples/reduce.c -lm
-for model in blade panel; do
+for model in blade panel satellite; do
   for single in 0 1; do
     precision=$([ $single = 1 ] && echo --single || true)
     try "$out/reduce" examples/$model.txt $precision --name rom_body --out "$out/rom.h"
@@ -14,14 +14,15 @@ for model in blade panel; do
     cmp -s "$out/rom.h" "$out/again.h" || fail "$model, $([ $single = 1 ] && echo single || echo double): not every number comes back"
   done
 done
-try "$out/reduce" examples/blade.txt --single --out "$out/blade_rom.h"
-flags=$(grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$out/blade_rom.h")
-try gcc $c99 -Os -I"$out" $flags -ffunction-sections -fdata-sections -Wl,--gc-sections -o "$out/firmware" examples/firmware.c -lm
+try "$out/reduce" examples/satellite.txt --single --out "$out/satellite_rom.h"
+flags=$(grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$out/satellite_rom.h")
+try gcc $c99 -Os -I"$out" $flags -ffunction-sections -fdata-sections -Wl,--gc-sections -o "$out/firmware" examples/firmware.c \
+  examples/board/desktop.c -lm
 try "$out/firmware"
 nm "$out/firmware" | sed -n 's/.* [TtRr] \(fbi*_[a-z0-9_]*\)$/\1/p' | grep -v "^fb_config_is" | sort > "$out/linked"
 grep -E 'beam|modes|shape|matri|body_init|eig|chol_factor|element|section' "$out/linked" && fail "model building is linked into the firmware"
-body=$(sed -n 's/^model \([0-9]*\) bytes.*/\1/p' "$out/log")
-state=$(sed -n 's/.*state \([0-9]*\) bytes.*/\1/p' "$out/log")
+body=$(sed -n 's/^model \[bytes of ROM\] //p' "$out/log")
+state=$(sed -n 's/^state \[bytes\] //p' "$out/log")
 [ "$body" -lt 8192 ] || fail "the model takes $body bytes"
 [ "$state" -lt 300 ] || fail "the state takes $state bytes"
 code=$(nm -S -t d "$out/firmware" | awk '$4 ~ /^fb/ && $3 ~ /[Tt]/ { sum += $2 } END { print sum }')
