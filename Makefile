@@ -12,7 +12,7 @@ LIBRARY  = flexbeam.h flexbeam_impl.h
 SECTIONS = main status vec3 rotation linalg beam modes body system forms mixed integrate analyse build
 EXAMPLES = quickstart spinup campbell table1 assembly reduce elastodyn firmware spacecraft rotor arm fourbar \
            elastica follower flap whirl beam3d leigh
-CHECKS   = sanitize suite long jacobian compile rom firmware bits instructions mismatch removed style tidy two_precisions stack symbols ids quickstart
+CHECKS   = sanitize suite long jacobian compile rom firmware bits instructions mismatch removed style tidy two_precisions threads stack symbols ids quickstart
 
 .DELETE_ON_ERROR:
 .PHONY: help run table1 leigh blade firmware test examples bench sizes readme format clean ci FORCE $(CHECKS:%=check-%)
@@ -73,8 +73,8 @@ sizes: bench/sizes.c flexbeam.h flexbeam_impl.h build/examples/firmware | build/
 	  $(CC) -std=c99 -I. -DFB_SINGLE=$$single -DFB_MAX_MODES=$$modes -o build/bench/sizes $< -lm && \
 	  build/bench/sizes || exit 1; \
 	done; done | awk 'NR == 1 || !/^precision/'
-	@echo 'blade of six modes, single precision, no more than it takes (examples/firmware):'
-	@build/examples/firmware | tail -n 1
+	@echo 'satellite of six modes, single precision, no more than it takes (examples/firmware):'
+	@build/examples/firmware | grep bytes
 
 readme: examples build/bench/bench_mixed_double build/bench/bench_system_double build/bench/bench_forms_double build/bench/identities_double build/readme/figures_double build/readme/figures_single
 	sh bench/readme.sh
@@ -83,7 +83,7 @@ build/readme/figures_double build/readme/figures_single: $(wildcard tests/*.[ch]
 	$(CC) $(FLAGS) $(CFLAGS) -DFB_SINGLE=$(if $(findstring single,$@),1,0) -o $@ $(SECTIONS:%=tests/test_%.c) -lm
 
 format:
-	clang-format -i *.h tests/*.[ch] tests/checks/*.c examples/*.[ch] bench/*.[ch]
+	clang-format -i *.h tests/*.[ch] tests/checks/*.c examples/*.[ch] examples/board/*.[ch] bench/*.[ch]
 
 clean:
 	rm -rf build

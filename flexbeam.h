@@ -1046,7 +1046,8 @@ typedef struct fb_state { /* all that changes; assignment is a snapshot */
                              zero (prescribed: all, pinned: P, hinged: all but L along the hinge) */
   fb_real q[FB_MAX_MODES], pi[FB_MAX_MODES]; /* elastic coordinates and momenta */
 #if FB_SINGLE
-  fb_real lost_rho[3], lost_quat[4], lost_P[3], lost_L[3]; /* by rounding of the last step: the next one adds it */
+  /* by rounding of the last step's sums; the next one adds it. Zero when you set a state */
+  fb_real lost_rho[3], lost_quat[4], lost_P[3], lost_L[3], lost_q[FB_MAX_MODES], lost_pi[FB_MAX_MODES];
 #endif
 } fb_state; /* in the other forms P, L are v, w (body axes) and pi is q_dot (second-order) or v_e (first-order) */
 
@@ -1208,6 +1209,9 @@ typedef struct fb_link_state {
      inertial axes */
   fb_real p[6];
   fb_real q[FB_MAX_MODES], pi[FB_MAX_MODES]; /* elastic coordinates and conjugate momenta */
+#if FB_SINGLE
+  fb_real lost_x[3], lost_quat[4], lost_p[6], lost_q[FB_MAX_MODES], lost_pi[FB_MAX_MODES]; /* as in fb_state */
+#endif
 } fb_link_state;
 
 typedef struct fb_system_state { /* all that changes; assignment is a snapshot */

@@ -477,8 +477,8 @@ static void fbi_quat_from_mat33(fb_real q[4], const fb_real R[9])
   }
 }
 
-/* x/t^2, or where t is small and x cancels, its series. Both are known, and a sum with one of the two weights zero takes
-   the same time whatever t: a step's work does not depend on its angles. */
+/* x/t^2, or where t is small and x cancels, its series. Both are known, and a sum with one of the two weights zero
+   takes the same time whatever t: a step's work does not depend on its angles. */
 static fb_real fbi_quotient(fb_real x, fb_real t2, fb_real series)
 {
   const fb_real small = (fb_real)(t2 < FB_R(1e-2));
@@ -10403,8 +10403,8 @@ static void fbi_mixed_cell_jacobian(fbi_mixed_jacobian *j, const fbi_mixed_cell 
 
 /* ---- the chain */
 
-/* [E10.18] What acts on a node itself, section axes: loads, and of its lumped bodies M g - momentum_t + ad(V)^T P, as of
-   an element.
+/* [E10.18] What acts on a node itself, section axes: loads, and of its lumped bodies M g - momentum_t + ad(V)^T P, as
+   of an element.
    Source: [L] 3.92, 3.93.  Cost: 200 flops a body.  Fails: never.
    Test: becks_column_flutters_at_its_load, newton_converges_quadratically. */
 static void fbi_mixed_node_eval(fb_real F[6], const fb_mixed_work *work, const fb_mixed *m, int node)
@@ -11392,14 +11392,6 @@ static void fbi_frame_advance(fb_state *out, const fb_state *state, fb_real s, c
   fbi_vec3_advance(out->L, state->L, s, rate->L);
 }
 
-static void fbi_frame_clear(fb_state *state)
-{
-  fbi_zero(state->rho, 3);
-  fbi_zero(state->quat, 4);
-  fbi_zero(state->P, 3);
-  fbi_zero(state->L, 3);
-}
-
 /* out = state + s rate; out may be state */
 static void fbi_state_advance(fb_state *out, const fb_state *state, fb_real s, const fb_state *rate, int n)
 {
@@ -11408,6 +11400,14 @@ static void fbi_state_advance(fb_state *out, const fb_state *state, fb_real s, c
     out->q[a] = state->q[a] + s * rate->q[a];
     out->pi[a] = state->pi[a] + s * rate->pi[a];
   }
+}
+
+static void fbi_frame_clear(fb_state *state)
+{
+  fbi_zero(state->rho, 3);
+  fbi_zero(state->quat, 4);
+  fbi_zero(state->P, 3);
+  fbi_zero(state->L, 3);
 }
 
 /* [E11.2] Flush: values whose cubes would underflow become zero; NaN stays NaN. Compilers make a selection of it, not a
@@ -11469,28 +11469,30 @@ static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const
   return dt <= fbi_step_limit(FBI_RK4_RADIUS, bound) ? FB_OK : FB_ERR_STEP;
 }
 
-/* [E11.22] x += d, and what the sum loses by rounding is kept for the next: in single precision a step's increment is
-   often below that. In double precision nothing is kept.
+/* [E11.22] The increment d becomes the sum x + d, and what that loses by rounding is kept for the next: in single
+   precision a step's increment is often below it. In double precision nothing is kept.
    Source: W. Kahan, Comm. ACM 8, 1965.  Shapes: n.  Cost: 4 n flops.  Fails: never.
-   Test: short_steps_lose_nothing. */
-static void fbi_sum(fb_real *x, fb_real *lost, const fb_real *d, int n)
+   Test: short_steps_lose_nothing, systems_lose_nothing_by_short_steps. */
+static void fbi_sum(fb_real *d, fb_real *lost, const fb_real *x, const fb_real *lost_before, int n)
 {
   for (int i = 0; i < n; i++) {
 #if FB_SINGLE
-    const fb_real more = d[i] + lost[i], sum = x[i] + more;
-    lost[i] = more - (sum - x[i]);
-    x[i] = sum;
+    const fb_real more = d[i] + lost_before[i];
+    d[i] = x[i] + more;
+    lost[i] = more - (d[i] - x[i]);
 #else
-    x[i] += d[i];
+    d[i] += x[i];
 #endif
   }
-  (void)lost;
+  (void)lost, (void)lost_before;
 }
 
 #if FB_SINGLE
-#define FBI_LOST(state, what) ((state)->lost_##what)
+#define FBI_SUM(d, x, what, n) fbi_sum((d)->what, (d)->lost_##what, (x)->what, (x)->lost_##what, n)
+#define FBI_TAKE(x, y, what, n) fbi_copy((x)->what, (y)->what, n), fbi_copy((x)->lost_##what, (y)->lost_##what, n)
 #else
-#define FBI_LOST(state, what) NULL
+#define FBI_SUM(d, x, what, n) fbi_sum((d)->what, NULL, (x)->what, NULL, n)
+#define FBI_TAKE(x, y, what, n) fbi_copy((x)->what, (y)->what, n)
 #endif
 
 /* d so that quat + d has unit length: (1/|quat + d| - 1) (quat + d) more. */
@@ -11512,27 +11514,35 @@ static fb_status fbi_quat_increment(fb_real d[4], const fb_real quat[4])
   return FB_OK;
 }
 
-/* What ends every step. next holds the new elastic coordinates, and of the frame the increments: they are summed up, small
-   values become zero, the quaternion is of unit length, and the motion is still within the model. */
+/* The increment next becomes state + next. */
+static void fbi_state_sum(fb_state *next, const fb_state *state, int n)
+{
+#if FB_SINGLE
+  FBI_SUM(next, state, rho, 3);
+  FBI_SUM(next, state, quat, 4);
+  FBI_SUM(next, state, P, 3);
+  FBI_SUM(next, state, L, 3);
+  FBI_SUM(next, state, q, n);
+  FBI_SUM(next, state, pi, n);
+#else
+  fbi_state_advance(next, state, FB_R(1.0), next, n);
+#endif
+}
+
+/* What ends every step: its increments are summed up, small values become zero, the quaternion is of unit length, and
+   the motion is still within the model. What lies beyond n becomes zero. */
 static fb_status fbi_step_end(fb_state *state, fb_state *next, const fb_body *body)
 {
-  fb_state sum = *state;
+  const int n = body->n;
   fb_status status = fbi_quat_increment(next->quat, state->quat);
-  fbi_sum(sum.rho, FBI_LOST(&sum, rho), next->rho, 3);
-  fbi_sum(sum.quat, FBI_LOST(&sum, quat), next->quat, 4);
-  fbi_sum(sum.P, FBI_LOST(&sum, P), next->P, 3);
-  fbi_sum(sum.L, FBI_LOST(&sum, L), next->L, 3);
-  fbi_flush(sum.P, 3);
-  fbi_flush(sum.L, 3);
-  for (int a = 0; a < body->n; a++) {
-    sum.q[a] = next->q[a];
-    sum.pi[a] = next->pi[a];
-  }
-  fbi_flush(sum.q, body->n);
-  fbi_flush(sum.pi, body->n);
-  status = status ? status : fbi_state_range(body, &sum);
+  fbi_state_sum(next, state, n);
+  fbi_flush(next->P, 3);
+  fbi_flush(next->L, 3);
+  fbi_flush(next->q, n);
+  fbi_flush(next->pi, n);
+  status = status ? status : fbi_state_range(body, next);
   if (status == FB_OK) {
-    *state = sum;
+    *state = *next;
   }
   return status;
 }
@@ -11554,8 +11564,7 @@ FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, f
   input[0] = start;
   input[1] = input[2] = middle;
   input[3] = end;
-  work->sum = *state;
-  fbi_frame_clear(&work->sum);
+  memset(&work->sum, 0, sizeof work->sum);
   for (int stage = 0; stage < 4; stage++) {
     fbi_kinetics k;
     status = fbi_input_check(body, input[stage]);
@@ -11916,10 +11925,9 @@ FB_DEF fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_impli
   if (status != FB_OK) {
     return status;
   }
-  work->stage = *state;
-  fbi_frame_clear(&work->stage);
-  fbi_state_advance(&work->stage, &work->stage, dt, &work->first, body->n);
-  return fbi_step_end(state, &work->stage, body);
+  memset(&work->sum, 0, sizeof work->sum);
+  fbi_state_advance(&work->sum, &work->sum, dt, &work->first, body->n);
+  return fbi_step_end(state, &work->sum, body);
 }
 
 /* The input at the fraction s between two; loads must be at the same nodes in the same axes. */
@@ -11973,8 +11981,7 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
     status = fbi_stage_solve(work, &work->first, body, &at, state, state, first, count);
   }
   if (status == FB_OK) {
-    work->sum = *state;
-    fbi_frame_clear(&work->sum);
+    memset(&work->sum, 0, sizeof work->sum);
     fbi_state_advance(&work->sum, &work->sum, (FB_R(1.0) - c) * dt, &work->first, body->n);
     fbi_state_advance(&work->base, state, (FB_R(1.0) - c) * dt, &work->first, body->n);
     status = fbi_stage_solve(work, &work->first, body, &at, &work->base, state, end, count);
@@ -12357,7 +12364,7 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   if (status == FB_OK) {
     memset(&work->full, 0, sizeof work->full);
     fbi_phi_add(&work->full, FB_R(1.0), scheme->full, 0, scheme, h, z, n);
-    fbi_frame_clear(&work->full); /* increments */
+    fbi_frame_clear(&work->full); /* of the frame: increments */
     fbi_phi_add(&work->full, h, scheme->full, 1, scheme, h, &N[0], n);
     fbi_modal_sum(sum, N, fourth, 3, n);
     work->half = work->full;
@@ -12373,6 +12380,10 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   fbi_modal_sum(sum, N, last, 4, n);
   fbi_phi_add(&work->full, h, scheme->full, 3, scheme, h, sum, n);
   fbi_modal_to(&work->at, scheme, body, &work->full);
+  for (int a = 0; a < n; a++) {
+    work->at.q[a] -= state->q[a];
+    work->at.pi[a] -= state->pi[a];
+  }
   return fbi_step_end(state, &work->at, body);
 }
 
@@ -12481,20 +12492,42 @@ static void fbi_system_conditions(fb_real *spin, fb_real *stiffening, fb_system_
   }
 }
 
-/* Small values to zero, unit quaternions, given coordinates, loops closed, all within range. */
-static fb_status fbi_system_end(fb_system_state *state, fb_system_state *next, fb_system_work *w,
-                                const fb_system *system, const fb_body *body, const fb_system_input *input)
+#define FBI_ADD(x, d, what, n) FBI_SUM(d, x, what, n), FBI_TAKE(x, d, what, n)
+
+/* x += increment by E11.22, a quaternion stays of unit length, small values become zero. */
+static fb_status fbi_link_sum(fb_link_state *x, fb_link_state *increment, const fb_joint *joint, int n)
 {
+  const int turns = joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL;
   fb_status status = FB_OK;
-  for (int k = 0; k < system->n_body; k++) {
-    const fb_joint *joint = fbi_link_joint(system, w, k);
-    fb_link_state *x = &next->link[k];
-    fbi_flush(x->p, joint->n_axis);
-    fbi_flush(x->q, fbi_model(system, body, k)->n);
-    fbi_flush(x->pi, fbi_model(system, body, k)->n);
-    if ((joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL) && fb_quat_normalize(x->quat) != FB_OK) {
-      return FB_ERR_NOT_FINITE;
-    }
+  if (turns) {
+    status = fbi_quat_increment(increment->quat, x->quat);
+    FBI_ADD(x, increment, quat, 4);
+  }
+  if (joint->kind != FB_JOINT_SPHERICAL) {
+    FBI_ADD(x, increment, x, turns ? 3 : joint->n_axis);
+  }
+  FBI_ADD(x, increment, p, joint->n_axis);
+  FBI_ADD(x, increment, q, n);
+  FBI_ADD(x, increment, pi, n);
+  fbi_flush(x->p, joint->n_axis);
+  fbi_flush(x->q, n);
+  fbi_flush(x->pi, n);
+  return status;
+}
+
+/* What ends every step: increments (work.sum) summed up, given coordinates, loops closed, all within range. */
+static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body,
+                                const fb_system_input *input)
+{
+  fb_system_state *const next = &w->stage;
+  fb_status status = FB_OK;
+  fbi_links_copy(next, state, system);
+  next->motor_work += w->sum.motor_work;
+  for (int k = 0; k < system->n_body && status == FB_OK; k++) {
+    status = fbi_link_sum(&next->link[k], &w->sum.link[k], fbi_link_joint(system, w, k), fbi_model(system, body, k)->n);
+  }
+  if (status != FB_OK) {
+    return status;
   }
   fbi_prescribe(next, system, w, state, input);
   if (fbi_has_rows(system, w, input)) {
@@ -12540,7 +12573,7 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
   input[0] = start;
   input[1] = input[2] = middle;
   input[3] = end;
-  fbi_links_copy(&work->sum, state, system);
+  fbi_system_clear(&work->sum, system, body);
   fbi_links_copy(&work->stage, state, system);
   for (int stage = 0; stage < 4 && status == FB_OK; stage++) {
     const fb_system_state *at = stage == 0 ? state : &work->stage;
@@ -12555,14 +12588,13 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
       status = dt <= fbi_step_limit(FBI_RK4_RADIUS, fbi_system_frequency(system, spin, stiff)) ? FB_OK : FB_ERR_STEP;
     }
     if (status == FB_OK) {
-      fbi_system_advance(&work->sum, stage == 0 ? state : &work->sum, dt * weight[stage], &work->rate, system, work,
-                         body);
+      fbi_system_advance(&work->sum, &work->sum, dt * weight[stage], &work->rate, system, work, body);
       if (stage < 3) {
         fbi_system_advance(&work->stage, state, dt * node[stage], &work->rate, system, work, body);
       }
     }
   }
-  return status == FB_OK ? fbi_system_end(state, &work->sum, work, system, body, end) : status;
+  return status == FB_OK ? fbi_system_end(state, work, system, body, end) : status;
 }
 
 /* Turning rate [rad/s] of a quaternion's rate, in the axes that turn. */
@@ -12736,20 +12768,21 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
   if (status != FB_OK) {
     return status;
   }
-  fbi_links_copy(&work->sum, state, system);
+  fbi_system_clear(&work->sum, system, body);
   fbi_links_copy(&work->stage, state, system);
   fbi_links_copy(&work->base, state, system);
   fbi_system_clear(&work->first, system, body);
   status = fbi_system_stage(work, &work->first, system, body, state, state, first, c * dt, count + 1);
   if (status == FB_OK) {
+    fbi_system_advance(&work->sum, &work->sum, (FB_R(1.0) - c) * dt, &work->first, system, work, body);
     fbi_system_advance(&work->base, state, (FB_R(1.0) - c) * dt, &work->first, system, work, body);
     status = fbi_system_stage(work, &work->first, system, body, &work->base, state, end, c * dt, count);
   }
   if (status != FB_OK) {
     return status;
   }
-  fbi_system_advance(&work->sum, &work->base, c * dt, &work->first, system, work, body);
-  return fbi_system_end(state, &work->sum, work, system, body, end);
+  fbi_system_advance(&work->sum, &work->sum, c * dt, &work->first, system, work, body);
+  return fbi_system_end(state, work, system, body, end);
 }
 
 /* ---- mixed beam */

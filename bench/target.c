@@ -1,8 +1,8 @@
 /* target - every stepper under random loads, on the desktop or on a board: the digest of all states, which must be the
    same wherever it runs, and the fewest and most instructions of a step, which must be the same number.
-   Compile with -DBODY_HEADER, a header that reduce made, and -DBODY, the name in it; -DSTEPS (1000) of 1 ms, -DSCHEMES, a
-   mask of the lines below (all). sin, cos and atan2 are its own: those of C libraries differ in the last bit, and in the
-   work they do. Exit: 0, 1 when a step fails or the counts differ. */
+   Compile with -DBODY_HEADER, a header that reduce made, and -DBODY, the name in it; -DSTEPS (1000) of 1 ms,
+   -DSCHEMES, a mask of the lines below (all). sin, cos and atan2 are its own: those of C libraries differ in the last
+   bit, and in the work they do. Exit: 0, 1 when a step fails or the counts differ. */
 #include "../examples/board/board.h"
 #define FB_SIN(x) target_sin(x)
 #define FB_COS(x) target_cos(x)
@@ -165,9 +165,12 @@ static fb_body_work body_work;
 static fb_status body_step(int scheme)
 {
   switch (scheme) {
-  case 0: return fb_rk4_step(&BODY, &state, &rk4, &input[0], &input[1], &input[2], dt);
-  case 1: return fb_midpoint_step(&BODY, &state, &implicit, &input[1], dt, 0);
-  case 2: return fb_sdirk_step(&BODY, &state, &implicit, &input[0], &input[2], dt, 0);
+  case 0:
+    return fb_rk4_step(&BODY, &state, &rk4, &input[0], &input[1], &input[2], dt);
+  case 1:
+    return fb_midpoint_step(&BODY, &state, &implicit, &input[1], dt, 0);
+  case 2:
+    return fb_sdirk_step(&BODY, &state, &implicit, &input[0], &input[2], dt, 0);
   default:
     return fb_exponential_step(&BODY, &exponential, &state, &exponential_work, &input[0], &input[1], &input[2]);
   }

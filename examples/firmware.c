@@ -13,10 +13,10 @@
 
 #define PERIODS 40000 /* of 1 ms */
 #define REPORT 4000
-static const fb_real period = FB_R(0.001);                                        /* [s] */
-static const fb_real slew = FB_R(0.17453), slew_time = FB_R(5.0);                 /* [rad] about y, [s] */
-static const fb_real inertia[3] = {FB_R(300.0), FB_R(530.0), FB_R(550.0)};        /* [kg m^2] about, of the whole */
-static const fb_real bandwidth = FB_R(0.3), damping_ratio = FB_R(0.9);            /* [rad/s], of the attitude loop */
+static const fb_real period = FB_R(0.001);                                 /* [s] */
+static const fb_real slew = FB_R(0.17453), slew_time = FB_R(5.0);          /* [rad] about y, [s] */
+static const fb_real inertia[3] = {FB_R(300.0), FB_R(530.0), FB_R(550.0)}; /* [kg m^2] about, of the whole */
+static const fb_real bandwidth = FB_R(0.3), damping_ratio = FB_R(0.9);     /* [rad/s], of the attitude loop */
 static const fb_real follow = FB_R(3.0), wing_damping = FB_R(0.4), turn_limit = FB_R(20.0); /* [rad/s], -, [N m] */
 
 static fb_state plant, estimate; /* all that changes: RAM */
@@ -153,7 +153,7 @@ static uint32_t digest_state(uint32_t digest, const fb_state *state)
 }
 
 typedef struct result {
-  fb_real swing, miss, error; /* [m] of the tip, [m] of its estimate, [rad] in the last 10 s */
+  fb_real swing, miss, error;  /* [m] of the tip, [m] of its estimate, [rad] in the last 10 s */
   uint32_t fewest, most, loop; /* instructions of a plant's step, of a whole period at most */
   uint32_t digest;
 } result;
@@ -229,7 +229,8 @@ int main(void)
     board_print("\n");
     return 1;
   }
-  well = with.swing < FB_R(0.25) * without.swing && with.error < FB_R(1.7e-4) && without.miss < FB_R(0.1) * without.swing;
+  well =
+      with.swing < FB_R(0.25) * without.swing && with.error < FB_R(1.7e-4) && without.miss < FB_R(0.1) * without.swing;
   board_print("\nswing of the tip in the last 10 s [mm]: ");
   board_print_fixed((int32_t)(without.swing * FB_R(1e6)), 0);
   board_print(" without, ");

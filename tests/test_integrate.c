@@ -123,19 +123,19 @@ TEST(tumbling_conserves_momentum_and_energy)
   boom(FB_EFFECTS_FULL, FB_BASE_FREE, 1, 1, 0, 0.0);
   start(&state, 0.3, 0.5);
   FBT_INT_EQ(fb_body_momentum(&body, &before, &state, NULL), FB_OK);
-  for (int k = 0; k < FBT_TOL(1000000, 20000); k++) { /* single: O drifts away, rho x P rounds */
+  for (int k = 0; k < 1000000; k++) {
     if (fb_rk4_step(&body, &state, &work, NULL, NULL, NULL, FB_R(0.01)) != FB_OK) {
       FBT_FAIL("every step is ok");
       break;
     }
   }
   FBT_INT_EQ(fb_body_momentum(&body, &after, &state, NULL), FB_OK);
-  fbt_figure(FBT_TOL(1, 0) ? "tumbling, 1e6 steps, linear momentum" : "tumbling, 2e4 steps, linear momentum",
-             "conservation", fbt_difference(before.linear, after.linear, 3) / fbt_largest(before.linear, 3));
-  fbt_figure(FBT_TOL(1, 0) ? "tumbling, 1e6 steps, angular momentum" : "tumbling, 2e4 steps, angular momentum",
-             "conservation", fbt_difference(before.angular, after.angular, 3) / fbt_largest(before.angular, 3));
-  FBT_BELOW(fbt_difference(before.linear, after.linear, 3), FBT_TOL(1e-9, 1e-3) * fbt_largest(before.linear, 3));
-  FBT_BELOW(fbt_difference(before.angular, after.angular, 3), FBT_TOL(1e-9, 1e-3) * fbt_largest(before.angular, 3));
+  fbt_figure("tumbling, 1e6 steps, linear momentum", "conservation",
+             fbt_difference(before.linear, after.linear, 3) / fbt_largest(before.linear, 3));
+  fbt_figure("tumbling, 1e6 steps, angular momentum", "conservation",
+             fbt_difference(before.angular, after.angular, 3) / fbt_largest(before.angular, 3));
+  FBT_BELOW(fbt_difference(before.linear, after.linear, 3), FBT_TOL(1e-9, 1e-4) * fbt_largest(before.linear, 3));
+  FBT_BELOW(fbt_difference(before.angular, after.angular, 3), FBT_TOL(1e-9, 1e-4) * fbt_largest(before.angular, 3));
   for (int k = 0; k < 2; k++) {
     fbt_seed(1);
     start(&state, 0.3, 0.5);
@@ -490,6 +490,75 @@ TEST(each_scheme_converges_at_its_order)
     body.allow_long_step = 1; /* the motion is smooth, the limit for any motion on this light hub is 2 ms */
     order_of(EXPONENTIAL, &fine, 4.0, k < 2 ? 50 : 800, what);
   }
+}
+
+/* E11.22: increments far below the rounding of what they are added to: a position 7000 km away that moves by 0.3 mm a
+   step, an angular momentum that a torque changes by 1e-9 of it a step, an attitude that turns by 1e-9 rad a step. */
+TEST(short_steps_lose_nothing)
+{
+  const double dt = 1e-4;
+  const int steps = 100000;
+  for (int which = RK4; which < SCHEMES; which++) {
+    const fb_real v[3] = {FB_R(3.0), FB_R(0.0), FB_R(0.0)}, w[3] = {FB_R(0.0), FB_R(0.0), FB_R(2.0)};
+    const fb_real rest[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, slow[3] = {FB_R(0.0), FB_R(0.0), FB_R(1e-5)};
+    fb_state state;
+    fb_input input;
+    fb_momentum before, after;
+    boom(FB_EFFECTS_LINEAR, FB_BASE_FREE, 1, 1, 0, 0.0);
+    prepare((scheme)which, dt);
+    FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+    FBT_INT_EQ(fb_state_from_velocity(&body, &state, v, rest, NULL), FB_OK);
+    state.rho[0] = FB_R(7e6);
+    for (int k = 0; k < steps; k++) {
+      FBT_INT_EQ(step((scheme)which, &state, NULL, NULL, NULL, dt), FB_OK);
+    }
+    FBT_NEAR_ABS(state.rho[0] - FB_R(7e6), 3.0 * dt * steps, FBT_TOL(1e-4, 0.51)); /* floats are 0.5 m apart there */
+    FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+    FBT_INT_EQ(fb_state_from_velocity(&body, &state, rest, w, NULL), FB_OK);
+    memset(&input, 0, sizeof input);
+    input.n_load = 1;
+    input.load[0].torque[2] = FB_R(1e-3);
+    FBT_INT_EQ(fb_body_momentum(&body, &before, &state, NULL), FB_OK);
+    for (int k = 0; k < steps; k++) {
+      FBT_INT_EQ(step((scheme)which, &state, &input, &input, &input, dt), FB_OK);
+    }
+    FBT_INT_EQ(fb_body_momentum(&body, &after, &state, NULL), FB_OK);
+    FBT_NEAR_ABS(after.angular[2] - before.angular[2], 1e-3 * dt * steps, FBT_TOL(1e-8, 3e-4));
+    FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+    FBT_INT_EQ(fb_state_from_velocity(&body, &state, rest, slow, NULL), FB_OK);
+    for (int k = 0; k < steps; k++) {
+      FBT_INT_EQ(step((scheme)which, &state, NULL, NULL, NULL, dt), FB_OK);
+    }
+    FBT_NEAR_ABS(2.0 * (double)state.quat[3], 1e-5 * dt * steps, FBT_TOL(1e-9, 1e-7));
+  }
+}
+
+/* Two bodies stepped in turn give the bits of each alone: nothing is shared. */
+TEST(bodies_stepped_in_turn_do_not_meet)
+{
+  static fb_body other;
+  static const fb_body *const each[2] = {&body, &other};
+  fb_rk4_work work;
+  fb_state alone[2], turn[2];
+  fb_input input;
+  boom(FB_EFFECTS_FULL, FB_BASE_FREE, 1, 2, 0, 0.01);
+  other = body;
+  boom(FB_EFFECTS_SPIN, FB_BASE_PRESCRIBED, 2, 1, 0, 0.0);
+  for (int k = 0; k < 2; k++) {
+    FBT_INT_EQ(fb_state_init(each[k], &alone[k]), FB_OK);
+    turn[k] = alone[k];
+    for (int i = 0; i < 1000; i++) {
+      drive(&input, 0.002 * i);
+      FBT_INT_EQ(fb_rk4_step(each[k], &alone[k], &work, &input, &input, &input, FB_R(0.002)), FB_OK);
+    }
+  }
+  for (int i = 0; i < 1000; i++) {
+    drive(&input, 0.002 * i);
+    for (int k = 0; k < 2; k++) {
+      FBT_INT_EQ(fb_rk4_step(each[k], &turn[k], &work, &input, &input, &input, FB_R(0.002)), FB_OK);
+    }
+  }
+  FBT_TRUE(memcmp(alone, turn, sizeof alone) == 0);
 }
 
 /* E11.7: unloaded and undamped: the implicit midpoint rule keeps the momenta to rounding and the energy within 1e-8
@@ -854,6 +923,7 @@ SUITE(integrate, RUN(each_scheme_converges_at_its_order), RUN(midpoint_keeps_ene
       RUN(the_tangent_is_the_derivative_of_the_forces), RUN(the_exponential_scheme_is_exact_for_linear_bodies),
       RUN(stiff_axial_modes_do_not_set_the_step), RUN(implicit_schemes_advance_every_form),
       RUN(every_scheme_refuses_bad_input), RUN(rk4_converges_with_order_four),
-      RUN(tumbling_conserves_momentum_and_energy), RUN(the_step_limit_is_the_stability_boundary),
+      RUN(tumbling_conserves_momentum_and_energy), RUN(short_steps_lose_nothing),
+      RUN(bodies_stepped_in_turn_do_not_meet), RUN(the_step_limit_is_the_stability_boundary),
       RUN(the_step_limit_knows_the_acceleration_of_a_far_origin), RUN(decay_reaches_zero_without_subnormals),
       RUN(spin_up_follows_the_geometrically_exact_beam), RUN(rk4_refuses_bad_input_and_repeats_itself))

@@ -427,7 +427,8 @@ static void one_element_hang(double tip[2], double EA, double EI, double weight,
 
 /* E10.7: OpenFAST's cantilever under its weight (r-test bd_static_cantilever_beam) against shooting. The published
    figures are those of one element of order 5 with six Gauss points, which the boundary layer at the root (a tenth of
-   the length) is too short for: 9.060 m for 9.418 m. The check against them says so, and has them from such an element. */
+   the length) is too short for: 9.060 m for 9.418 m. The check against them says so, and has them from such an
+   element. */
 TEST(steady_openfast_cantilever_hangs_as_shooting_says)
 {
   const fbt_table *t = fbt_reference("beamdyn_static_cantilever.csv");

@@ -7,7 +7,9 @@ void board_print(const char *text)
   fputs(text, stdout);
 }
 
-void board_count_start(void) {}
+void board_count_start(void)
+{
+}
 
 uint32_t board_count(void)
 {

@@ -95,7 +95,7 @@ typedef union vector {
 } vector;
 
 __attribute__((section(".vectors"), used)) static const vector vectors[16] = {
-    {stack_top},         {.handler = board_reset}, {.handler = fault}, {.handler = fault}, {.handler = fault},
-    {.handler = fault},  {.handler = fault},       {.handler = fault}, {.handler = fault}, {.handler = fault},
-    {.handler = fault},  {.handler = fault},       {.handler = fault}, {.handler = fault}, {.handler = fault},
-    {.handler = fault}};
+    {stack_top},        {.handler = board_reset}, {.handler = fault}, {.handler = fault},
+    {.handler = fault}, {.handler = fault},       {.handler = fault}, {.handler = fault},
+    {.handler = fault}, {.handler = fault},       {.handler = fault}, {.handler = fault},
+    {.handler = fault}, {.handler = fault},       {.handler = fault}, {.handler = fault}};
