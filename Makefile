@@ -26,7 +26,7 @@ help:
 	@echo "make test      build and run the tests, build the examples"
 	@echo "make examples  $(EXAMPLES:%=build/examples/%)"
 	@echo "make bench     time per step by modes and effects, by form and scheme, of systems, of the exact beam: build/bench_*.csv"
-	@echo "make sizes     bytes of the structs by precision and FB_MAX_MODES"
+	@echo "make sizes     instructions, code, RAM and time of a step by modes and effects on two boards; bytes of all structs"
 	@echo "make readme    regenerate the tables, the program and the picture of README.md (wants gnuplot, valgrind)"
 	@echo "make ci        every check: compilers, standards, sanitizers, configuration, symbols, stack, instructions, style"
 	@echo "make check-X   one of them: $(sort $(CHECKS))"
@@ -68,13 +68,8 @@ bench: build/bench/bench_step_double build/bench/bench_step_single build/bench/b
 	@build/bench/bench_system_double > build/bench_system.csv && awk -F, -f bench/system.awk build/bench_system.csv
 	@build/bench/bench_mixed_double > build/bench_mixed.csv && awk -F, -f bench/mixed.awk build/bench_mixed.csv
 
-sizes: bench/sizes.c flexbeam.h flexbeam_impl.h build/examples/firmware | build/bench
-	@for single in 0 1; do for modes in 1 2 4 6 12; do \
-	  $(CC) -std=c99 -I. -DFB_SINGLE=$$single -DFB_MAX_MODES=$$modes -o build/bench/sizes $< -lm && \
-	  build/bench/sizes || exit 1; \
-	done; done | awk 'NR == 1 || !/^precision/'
-	@echo 'satellite of six modes, single precision, no more than it takes (examples/firmware):'
-	@build/examples/firmware | grep bytes
+sizes: build/examples/reduce
+	@CC='$(CC)' sh bench/sizes.sh
 
 readme: examples build/bench/bench_mixed_double build/bench/bench_system_double build/bench/bench_forms_double build/bench/identities_double build/readme/figures_double build/readme/figures_single
 	sh bench/readme.sh

@@ -37,10 +37,11 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
-extern const char FBI_CONFIG_SYMBOL[]; /* a const object of C++ has internal linkage without this */
 #if defined(__GNUC__) && !defined(__clang__)
-__attribute__((used, externally_visible)) /* the notes name it where -flto does not look */
-#elif defined(__clang__)
+__attribute__((externally_visible)) /* the notes name it where -flto does not look */
+#endif
+extern const char FBI_CONFIG_SYMBOL[]; /* a const object of C++ has internal linkage without this */
+#if defined(__GNUC__)
 __attribute__((used))
 #endif
 const char FBI_CONFIG_SYMBOL[] = FBI_STRING_(FBI_CONFIG_SYMBOL);

@@ -9,18 +9,19 @@ need clang clang
 count=0
 try gcc -std=c99 -I. -o "$out/reduce" examples/reduce.c -lm
 try "$out/reduce" examples/satellite.txt --single --out "$out/satellite_rom.h"
+body='-DBODY=satellite -DBODY_HEADER="satellite_rom.h"'
 rom="-I$out $(grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$out/satellite_rom.h")"
 for cc in gcc clang; do
   cxx=$([ $cc = gcc ] && echo g++ || echo clang++)
   for single in 0 1; do
-    for file in tests/test_*.c $(ls examples/*.c bench/*.c | grep -v -e firmware.c -e target.c); do
+    for file in tests/test_*.c $(ls examples/*.c bench/*.c | grep -v -e firmware.c -e target.c -e step_cost.c); do
       c99_level=$(case $file in tests/*) echo -O2 ;; *) echo -O1 ;; esac)
       for std in "c99 $c99_level" "c11 -fsyntax-only" "c17 -fsyntax-only"; do
         try $cc -std=$std $base $WARNINGS_C -DFB_SINGLE=$single -c -o "$out/object.o" "$file"
         count=$((count + 1))
       done
     done
-    for file in "examples/firmware.c" "bench/target.c -DBODY=satellite -DBODY_HEADER=\"satellite_rom.h\"" examples/board/desktop.c; do
+    for file in "examples/firmware.c" "bench/target.c $body" "bench/step_cost.c -DDESKTOP $body" examples/board/desktop.c; do
       try $cc -std=c99 -O2 $base $WARNINGS_C $rom -c -o "$out/object.o" $file
       count=$((count + 1))
     done
