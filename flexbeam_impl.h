@@ -7860,6 +7860,7 @@ static FBI_NOINLINE fb_status fbi_rows_fill(fb_system_work *w, const fb_system *
       return count < 0 ? (fb_status)count : FB_ERR_CAPACITY;
     }
     for (int k = 0; k < count && status == FB_OK; k++) {
+      const fb_real rest[2] = {w->ahead[k].b, w->ahead[k].value};
       fbi_row *row = &w->row[w->n_row++];
       memset(row, 0, sizeof *row);
       row->r = w->ahead[k];
@@ -7867,9 +7868,9 @@ static FBI_NOINLINE fb_status fbi_rows_fill(fb_system_work *w, const fb_system *
       for (int s = 0; s < 2 && status == FB_OK; s++) {
         status = fbi_end_find(&row->end[s], w, system, body, row->r.body[s], row->r.node[s]);
       }
-      if (status == FB_OK && (!fbi_is_finite(row->r.force[0], 3) || !fbi_is_finite(row->r.force[1], 3) ||
-                              !fbi_is_finite(row->r.torque[0], 3) || !fbi_is_finite(row->r.torque[1], 3) ||
-                              !fbi_is_finite(&row->r.b, 1) || !fbi_is_finite(&row->r.value, 1))) {
+      if (status == FB_OK &&
+          (!fbi_is_finite(row->r.force[0], 3) || !fbi_is_finite(row->r.force[1], 3) ||
+           !fbi_is_finite(row->r.torque[0], 3) || !fbi_is_finite(row->r.torque[1], 3) || !fbi_is_finite(rest, 2))) {
         status = FB_ERR_NOT_FINITE;
       }
       w->joint = status == FB_OK ? w->joint : row->joint;

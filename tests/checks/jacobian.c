@@ -2,8 +2,6 @@
    the chain against one dense LU: random sections (full 6x6), curvature, poses, stresses and velocities, in every
    combination of what can act. Compatibility by the poses is a series, cut at theta^4/720: left out here, Newton's
    convergence shows it. Double precision. */
-#undef FB_SINGLE
-#define FB_SINGLE 0
 #define FB_MAX_MIXED 4
 #define FLEXBEAM_STATIC
 #include "flexbeam.h"
