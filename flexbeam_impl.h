@@ -609,19 +609,13 @@ static fb_real fbi_dot(const fb_real *x, const fb_real *y, int n)
   return (a + b) + (c + d);
 }
 
-/* Exchanges rows k and row, be they the same one: the work does not depend on the matrix. */
-static void fbi_rows_exchange(fb_real *A, int *perm, fb_real *scale, int k, int row, int n)
+/* Exchanges x and y, which may be the same. */
+static void fbi_swap(fb_real *x, fb_real *y, int n)
 {
-  const int p = perm[k];
-  const fb_real s = scale[k];
-  perm[k] = perm[row];
-  perm[row] = p;
-  scale[k] = scale[row];
-  scale[row] = s;
-  for (int j = 0; j < n; j++) {
-    const fb_real a = A[k * n + j];
-    A[k * n + j] = A[row * n + j];
-    A[row * n + j] = a;
+  for (int i = 0; i < n; i++) {
+    const fb_real was = x[i];
+    x[i] = y[i];
+    y[i] = was;
   }
 }
 
@@ -650,7 +644,7 @@ FB_DEF fb_status fb_lu_factor(fb_real *A, int *perm, fb_real *scale, int n)
   }
   for (int k = 0; k < n; k++) {
     fb_real best = FB_R(0.0), column = FB_R(0.0), pivot;
-    int row = k;
+    int row = k, p;
     for (int i = 0; i < n; i++) { /* rows above k hold U: the column as it was, up to pivot growth */
       const fb_real size = FB_FABS(A[i * n + k]) * scale[i];
       column = fbi_larger(column, size);
@@ -660,7 +654,11 @@ FB_DEF fb_status fb_lu_factor(fb_real *A, int *perm, fb_real *scale, int n)
     if (!(best > (fb_real)n * FB_EPSILON * column)) {
       return FB_ERR_SINGULAR;
     }
-    fbi_rows_exchange(A, perm, scale, k, row, n);
+    p = perm[k]; /* be it the same row: the work does not depend on the matrix */
+    perm[k] = perm[row];
+    perm[row] = p;
+    fbi_swap(scale + k, scale + row, 1);
+    fbi_swap(A + k * n, A + row * n, n);
     pivot = FB_R(1.0) / A[k * n + k];
     for (int i = k + 1; i < n; i++) {
       const fb_real factor = A[i * n + k] * pivot;
@@ -813,18 +811,6 @@ static void fbi_jacobi_rotate(fb_real *A, fb_real *V, int n, int p, int q)
   }
 }
 
-static void fbi_eig_swap(fb_real *d, fb_real *V, int n, int i, int j)
-{
-  const fb_real value = d[i];
-  d[i] = d[j];
-  d[j] = value;
-  for (int k = 0; k < n; k++) {
-    const fb_real v = V[i * n + k];
-    V[i * n + k] = V[j * n + k];
-    V[j * n + k] = v;
-  }
-}
-
 /* Sorts d and the rows of V ascending (selection: n exchanges at most). */
 static void fbi_eig_sort(fb_real *d, fb_real *V, int n)
 {
@@ -834,7 +820,8 @@ static void fbi_eig_sort(fb_real *d, fb_real *V, int n)
       least = d[j] < d[least] ? j : least;
     }
     if (least != i) {
-      fbi_eig_swap(d, V, n, i, least);
+      fbi_swap(d + i, d + least, 1);
+      fbi_swap(V + i * n, V + least * n, n);
     }
   }
 }
@@ -2289,7 +2276,8 @@ static fb_real fbi_shift(const fb_beam *beam, const fb_real *Kc, const fb_real *
 static void fbi_eig_turn(fb_real *d, fb_real *X, int n)
 {
   for (int k = 0; k < n / 2; k++) {
-    fbi_eig_swap(d, X, n, k, n - 1 - k);
+    fbi_swap(d + k, d + n - 1 - k, 1);
+    fbi_swap(X + k * n, X + (n - 1 - k) * n, n);
   }
 }
 
@@ -11532,7 +11520,7 @@ static void fbi_state_sum(fb_state *next, const fb_state *state, int n)
 }
 
 /* What ends every step: its increments are summed up, small values become zero, the quaternion is of unit length, and
-   the motion is still within the model. What lies beyond n becomes zero. */
+   the motion is still within the model. */
 static fb_status fbi_step_end(fb_state *state, fb_state *next, const fb_body *body)
 {
   const int n = body->n;
@@ -12135,6 +12123,15 @@ static void fbi_stumpff(fb_real c[5], fb_real t)
   c[4] = (FB_R(0.5) - c[2]) / x;
 }
 
+static void fbi_stumpff_fill(fb_real table[5][FB_MAX_MODES], int k, fb_real t)
+{
+  fb_real c[5];
+  fbi_stumpff(c, t);
+  for (int j = 0; j < 5; j++) {
+    table[j][k] = c[j];
+  }
+}
+
 /* Modes of the linear part: K x = omega^2 M_free x with the mass that a base which may recoil leaves to the modes. */
 static fb_status fbi_exponential_modes(fb_exponential *scheme, fb_body_work *work, const fb_body *body)
 {
@@ -12201,15 +12198,8 @@ FB_DEF fb_status fb_exponential_init(fb_exponential *scheme, fb_body_work *work,
   }
 #endif
   for (int k = 0; k < body->n && status == FB_OK; k++) {
-    fb_real c[5];
-    fbi_stumpff(c, FB_R(0.5) * dt * FB_SQRT(out.omega2[k]));
-    for (int j = 0; j < 5; j++) {
-      out.half[j][k] = c[j];
-    }
-    fbi_stumpff(c, dt * FB_SQRT(out.omega2[k]));
-    for (int j = 0; j < 5; j++) {
-      out.full[j][k] = c[j];
-    }
+    fbi_stumpff_fill(out.half, k, FB_R(0.5) * dt * FB_SQRT(out.omega2[k]));
+    fbi_stumpff_fill(out.full, k, dt * FB_SQRT(out.omega2[k]));
   }
   if (status == FB_OK) {
     *scheme = out;
@@ -12218,7 +12208,7 @@ FB_DEF fb_status fb_exponential_init(fb_exponential *scheme, fb_body_work *work,
 }
 
 /* The pose and the momenta of the frame, which have no stiff part. */
-static void fbi_rigid_copy(fb_state *out, const fb_state *in)
+static void fbi_frame_copy(fb_state *out, const fb_state *in)
 {
   fbi_copy(out->rho, in->rho, 3);
   fbi_copy(out->quat, in->quat, 4);
@@ -12238,7 +12228,7 @@ static void fbi_modal_from(fb_state *z, const fb_exponential *scheme, const fb_b
     fbi_membrane_sub(state->pi, body, h, slope, none, slope);
   }
 #endif
-  fbi_rigid_copy(z, state);
+  fbi_frame_copy(z, state);
   for (int k = 0; k < n; k++) {
     z->q[k] = fbi_dot(scheme->MX + k * n, state->q, n);
     z->pi[k] = fbi_dot(scheme->X + k * n, state->pi, n);
@@ -12248,7 +12238,7 @@ static void fbi_modal_from(fb_state *z, const fb_exponential *scheme, const fb_b
 static void fbi_modal_to(fb_state *state, const fb_exponential *scheme, const fb_body *body, const fb_state *z)
 {
   const int n = body->n;
-  fbi_rigid_copy(state, z);
+  fbi_frame_copy(state, z);
   fbi_zero(state->q, n);
   fbi_zero(state->pi, n);
   for (int k = 0; k < n; k++) {
@@ -12294,7 +12284,7 @@ static fb_status fbi_modal_rates(fb_state *N, fbi_kinetics *k, fb_exponential_wo
     fbi_membrane_sub(w->rate.pi, body, h_dot, k->slope, h, rate);
   }
 #endif
-  fbi_rigid_copy(N, &w->rate);
+  fbi_frame_copy(N, &w->rate);
   for (int i = 0; i < n; i++) {
     N->q[i] = fbi_dot(scheme->MX + i * n, w->rate.q, n) - z->pi[i];
     N->pi[i] = fbi_dot(scheme->X + i * n, w->rate.pi, n) + scheme->omega2[i] * z->q[i];
@@ -12307,7 +12297,7 @@ static void fbi_phi_add(fb_state *y, fb_real s, const fb_real c[5][FB_MAX_MODES]
                         fb_real h, const fb_state *v, int n)
 {
   const fb_real rest = s * (j < 2 ? FB_R(1.0) : j == 2 ? FB_R(0.5) : FB_R(1.0) / FB_R(6.0));
-  fbi_state_advance(y, y, rest, v, 0);
+  fbi_frame_advance(y, y, rest, v);
   for (int k = 0; k < n; k++) {
     y->q[k] += s * (c[j][k] * v->q[k] + h * c[j + 1][k] * v->pi[k]);
     y->pi[k] += s * (c[j][k] * v->pi[k] - h * scheme->omega2[k] * c[j + 1][k] * v->q[k]);
