@@ -122,8 +122,9 @@
      FB_WITH_GRAVITY                  1        0, 1    "
      FB_WITH_NONLINEAR_STRAIN         1        0, 1    "
      FB_MAX_STRAINS                   24       1..999  strain stations of a body (nonlinear strain only)
-     FB_MAX_LAMBDA, FB_MAX_S          0       0..     terms of Lambda(q) and S(q) that a body holds; 0: as many as there
-                                                      can be. For models in ROM: examples/reduce tells what one takes
+     FB_MAX_LAMBDA, FB_MAX_S,         0       0..     terms of Lambda(q) and S(q) that a body holds, runs of the latter;
+     FB_MAX_RUNS                                      0: as many as there can be. For models in ROM: examples/reduce
+                                                      tells what one takes
      FB_WITH_FORMS                    0        0, 1    1: the second-order and the printed first-order form, too
      FB_ASSERT(x)                     nothing  -       called with 0 on a programmer's error (NULL, index, capacity)
      FB_ALLOW_FAST_MATH               -        -       compile under -ffast-math (finite checks are then void)
@@ -295,6 +296,9 @@
 #ifndef FB_MAX_S
 #define FB_MAX_S 0
 #endif
+#ifndef FB_MAX_RUNS
+#define FB_MAX_RUNS 0
+#endif
 #ifndef FB_WITH_FORMS
 #define FB_WITH_FORMS 0
 #endif
@@ -329,8 +333,9 @@
 #if FB_MAX_STRAINS < 1 || FB_MAX_STRAINS > 999
 #error "flexbeam: FB_MAX_STRAINS is 1..999"
 #endif
-#if FB_MAX_LAMBDA < 0 || FB_MAX_LAMBDA > 60000 || FB_MAX_S < 0 || FB_MAX_S > 60000
-#error "flexbeam: FB_MAX_LAMBDA and FB_MAX_S are 0..60000"
+#if FB_MAX_LAMBDA < 0 || FB_MAX_LAMBDA > 60000 || FB_MAX_S < 0 || FB_MAX_S > 60000 || FB_MAX_RUNS < 0 || \
+    FB_MAX_RUNS > 60000
+#error "flexbeam: FB_MAX_LAMBDA, FB_MAX_S and FB_MAX_RUNS are 0..60000"
 #endif
 #if FB_WITH_FORMS && !(FB_WITH_SPIN_COUPLING && FB_WITH_RESIDUAL_INERTIA)
 #error "flexbeam: FB_WITH_FORMS needs FB_WITH_SPIN_COUPLING and FB_WITH_RESIDUAL_INERTIA"
@@ -375,14 +380,14 @@ typedef double fb_real;
 #else
 #define FBI_PRECISION double
 #endif
-#define FBI_CAT(p, m, n, l, e, s, u, t, v, w, i, j, k, r, x, a, b, c, d, f, g, h, o) \
-  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_lambda##v##_s##w##_bodies##i##_loops##j##_rows##k##_speeds##r##_mixed##x##_with##a##b##c##d##f##g##h##_forms##o
-#define FBI_CAT_(p, m, n, l, e, s, u, t, v, w, i, j, k, r, x, a, b, c, d, f, g, h, o) \
-  FBI_CAT(p, m, n, l, e, s, u, t, v, w, i, j, k, r, x, a, b, c, d, f, g, h, o)
+#define FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o) \
+  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_lambda##v##_s##w##_runs##y##_bodies##i##_loops##j##_rows##k##_speeds##r##_mixed##x##_with##a##b##c##d##f##g##h##_forms##o
+#define FBI_CAT_(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o) \
+  FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o)
 #define FBI_CONFIG_SYMBOL                                                                                           \
   FBI_CAT_(FBI_PRECISION, FB_MAX_MODES, FB_MAX_NODES, FB_MAX_LOADS, FB_MAX_ELEMENTS, FB_MAX_STATIONS, FB_MAX_LUMPS, \
-           FB_MAX_STRAINS, FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_BODIES, FB_MAX_LOOPS, FB_MAX_ROWS, FB_MAX_SPEEDS,        \
-           FB_MAX_MIXED, FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA, FB_WITH_SPIN_STIFFENING,                  \
+           FB_MAX_STRAINS, FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_RUNS, FB_MAX_BODIES, FB_MAX_LOOPS, FB_MAX_ROWS,          \
+           FB_MAX_SPEEDS, FB_MAX_MIXED, FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA, FB_WITH_SPIN_STIFFENING,   \
            FB_WITH_ACCELERATION_STIFFENING, FB_WITH_DAMPING, FB_WITH_GRAVITY, FB_WITH_NONLINEAR_STRAIN, FB_WITH_FORMS)
 #define FBI_STRING(x) #x
 #define FBI_STRING_(x) FBI_STRING(x)
@@ -942,14 +947,13 @@ typedef struct fb_lambda_row { /* row i of Lambda, and where its terms linear in
   unsigned short i, end;
 } fb_lambda_row;
 
-typedef struct fb_S_term {
-  fb_real c;
-  unsigned short i, pair;
-} fb_S_term;
-
-typedef struct fb_S_pair {
+typedef struct fb_S_pair { /* of (1, q), a >= b */
   unsigned short a, b;
 } fb_S_pair;
+
+typedef struct fb_S_run { /* element i of S has coefficients for n pairs that follow each other, the first is `pair` */
+  unsigned short i, pair, n;
+} fb_S_run;
 
 #if FB_MAX_LAMBDA > 0
 #define FBI_MAX_LAMBDA FB_MAX_LAMBDA
@@ -964,6 +968,11 @@ typedef struct fb_S_pair {
 #define FBI_MAX_S FB_MAX_S
 #else
 #define FBI_MAX_S (FBI_WITH_SHAPE_INERTIA ? 21 * FBI_MAX_PAIRS_S : 1)
+#endif
+#if FB_MAX_RUNS > 0
+#define FBI_MAX_RUNS FB_MAX_RUNS
+#else
+#define FBI_MAX_RUNS FBI_MAX_S
 #endif
 
 #if FB_WITH_NONLINEAR_STRAIN
@@ -988,7 +997,7 @@ typedef struct fb_body {
   int n_lambda, n_lambda_constant; /* terms of Lambda; those of a = 0 come first */
   int n_linear_constant, n_linear; /* of either kind those of the linear momentum, first among them */
   int n_row;                       /* rows of Lambda that have terms linear in q */
-  int n_S, n_pair;                 /* terms of S, and the pairs of (1, q) they belong to */
+  int n_S, n_run, n_pair;          /* terms of S, their runs, and the pairs of (1, q) they belong to */
   fb_real mass, c[3];
   fb_real deflection_limit, reach[FB_MAX_MODES];
   fb_real
@@ -999,7 +1008,7 @@ typedef struct fb_body {
   fb_form form;
   fb_stiffness_torque stiffness_torque;
   int torque_degree;                    /* 3, or what truncation leaves */
-  int n_S_value, n_lambda_value;        /* second-order form: terms in the mass matrix, the others in its rates alone */
+  int n_run_value, n_lambda_value;      /* second-order form: those in the mass matrix, the others in its rates alone */
   int n_gam, n_torque;                  /* first-order form */
   fb_real M_rr[21];                     /* rigid mass matrix of the undeformed body */
   fb_lambda_term gam[9 * FB_MAX_MODES]; /* Gamma_a, element i of 9 */
@@ -1023,7 +1032,8 @@ typedef struct fb_body {
 #endif
   fb_lambda_row lambda_row[6];
   fb_lambda_term lambda[FBI_MAX_LAMBDA]; /* -Lambda_ib(q) = sum of c (1, q)_a */
-  fb_S_term S[FBI_MAX_S];                /* S_i(q) = S0_i + sum of c (1, q)_a (1, q)_b over its pairs */
+  fb_real S[FBI_MAX_S];                  /* S_i(q) = S0_i + sum of S (1, q)_a (1, q)_b over the pairs of its runs */
+  fb_S_run run[FBI_MAX_RUNS];
   fb_S_pair pair[FBI_MAX_PAIRS_S];
   fb_node node[FB_MAX_NODES];
 } fb_body;
@@ -1031,10 +1041,10 @@ typedef struct fb_body {
 typedef struct fb_body_work {
   fb_real L[FB_MAX_MODES * FB_MAX_MODES], A[FB_MAX_MODES * FB_MAX_MODES], B[FB_MAX_MODES * FB_MAX_MODES];
   fb_real X[FB_MAX_MODES * FB_MAX_MODES], d[FB_MAX_MODES];
-  fb_real Lambda[(FB_MAX_MODES + 1) * 6 * FB_MAX_MODES];
+  fb_real Lambda[(FB_MAX_MODES + 1) * 6 * FB_MAX_MODES], S[FBI_MAX_PAIRS_S][21];
   fb_body body;
 } fb_body_work;
-/* FB_ERR_CAPACITY (FB_MAX_LAMBDA, FB_MAX_S), FB_ERR_EFFECTS (see fb_effects_check), FB_ERR_SINGULAR (M, or S_0 of a
+/* FB_ERR_CAPACITY (FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_RUNS), FB_ERR_EFFECTS (see fb_effects_check), FB_ERR_SINGULAR (M, or S_0 of a
    free body, which needs inertia about every axis), FB_ERR_VALUE (no mass, negative damping), FB_ERR_NOT_FINITE,
    FB_ERR_NULL. body is written only on FB_OK. */
 FB_API fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc);

@@ -4565,15 +4565,16 @@ static fb_real fbi_S_size(const fb_shape *shape, const fb_real *Z, int a, int b,
   return size + FB_SQRT(zi) * FB_SQRT(zj);
 }
 
-/* [E8.6] Terms of the Schur complement S(q) = M_rr(q) - Lambda(q) M^-1 Lambda(q)^T. With M = L L^T and Z_a = Lambda_a
-   L^-T the coefficient of a pair is its part of M_rr less Z_a Z_b^T + Z_b Z_a^T (once for a = b).
-   This is DESIGN's S_0 + [0 D1; D1^T D2] in one polynomial. Without residual inertia the caller leaves ups out of Z.
-   Source: DESIGN 2 and 3.  Shapes: Z (n+1) x 6 x n.  Cost: 21 n^3.  Fails: never.
+/* [E8.6] Coefficient of a pair in the Schur complement S(q) = M_rr(q) - Lambda(q) M^-1 Lambda(q)^T. With M = L L^T and
+   Z_a = Lambda_a L^-T it is the pair's part of M_rr less Z_a Z_b^T + Z_b Z_a^T (once for a = b); what is zero to rounding
+   is zero. This is DESIGN's S_0 + [0 D1; D1^T D2] in one polynomial. Without residual inertia the caller leaves ups out
+   of Z. Returns 1 where anything is left.
+   Source: DESIGN 2 and 3.  Shapes: S packed 21, Z (n+1) x 6 x n.  Cost: 42 n.  Fails: never.
    Test: residual_inertia_vanishes_on_a_rotation_closed_basis, accelerations_agree_with_a_particle_model. */
-static void fbi_S_list_pair(fb_body *body, const fb_shape *shape, const fb_real *Z, int a, int b)
+static int fbi_S_coefficient(fb_real S[21], const fb_body *body, const fb_shape *shape, const fb_real *Z, int a, int b)
 {
-  const int n = body->n, before = body->n_S;
-  fb_real S[21];
+  const int n = body->n;
+  int any = 0;
   fbi_rigid_term(S, shape, body->effects, a, b);
   for (int i = 0; i < 6; i++) {
     for (int j = i; j < 6; j++) {
@@ -4582,41 +4583,89 @@ static void fbi_S_list_pair(fb_body *body, const fb_shape *shape, const fb_real 
         S[at] -= Z[(a * 6 + i) * n + k] * Z[(b * 6 + j) * n + k];
         S[at] -= a == b ? FB_R(0.0) : Z[(b * 6 + i) * n + k] * Z[(a * 6 + j) * n + k];
       }
-      if (a == 0) {
-        body->S0[at] = S[at];
-      } else if (FB_FABS(S[at]) > FBI_ROUNDING * fbi_S_size(shape, Z, a, b, i, j)) {
-        if (body->n_S < FBI_MAX_S) {
-          body->S[body->n_S].c = S[at];
-          body->S[body->n_S].pair = (unsigned short)body->n_pair;
-          body->S[body->n_S].i = (unsigned short)at;
-        }
-        body->n_S++;
+      if (a > 0 && FB_FABS(S[at]) <= FBI_ROUNDING * fbi_S_size(shape, Z, a, b, i, j)) {
+        S[at] = FB_R(0.0);
       }
+      any |= S[at] != FB_R(0.0);
     }
   }
-  if (body->n_S > before) {
-    body->pair[body->n_pair].a = (unsigned short)a;
-    body->pair[body->n_pair++].b = (unsigned short)b;
+  return any;
+}
+
+#if FBI_WITH_SHAPE_INERTIA
+/* Which elements a coefficient has, as a number. */
+static unsigned long fbi_S_pattern(const fb_real S[21])
+{
+  unsigned long pattern = 0;
+  for (int i = 0; i < 21; i++) {
+    pattern = 2 * pattern + (S[i] != FB_R(0.0));
+  }
+  return pattern;
+}
+
+/* Takes a pair in behind those from `first` on whose pattern is not larger: elements then run through many pairs. */
+static void fbi_S_insert(fb_body *body, fb_real S[][21], int first, const fb_real coefficient[21], int a, int b)
+{
+  int at = body->n_pair++;
+  for (; at > first && fbi_S_pattern(S[at - 1]) > fbi_S_pattern(coefficient); at--) {
+    fbi_copy(S[at], S[at - 1], 21);
+    body->pair[at] = body->pair[at - 1];
+  }
+  fbi_copy(S[at], coefficient, 21);
+  body->pair[at].a = (unsigned short)a;
+  body->pair[at].b = (unsigned short)b;
+}
+
+/* Lists the coefficients of the pairs from `first` on, element by element. */
+static void fbi_S_list_runs(fb_body *body, fb_real S[][21], int first)
+{
+  for (int i = 0; i < 21; i++) {
+    int inside = 0;
+    for (int k = first; k < body->n_pair; k++) {
+      const int begins = S[k][i] != FB_R(0.0) && !inside;
+      inside = S[k][i] != FB_R(0.0);
+      body->n_run += begins;
+      body->n_S += inside;
+      if (inside && body->n_S <= FBI_MAX_S && body->n_run <= FBI_MAX_RUNS) {
+        fb_S_run *run = &body->run[body->n_run - 1];
+        run->i = (unsigned short)i;
+        run->pair = begins ? (unsigned short)k : run->pair;
+        run->n = (unsigned short)(begins ? 1 : run->n + 1);
+        body->S[body->n_S - 1] = S[k][i];
+      } /* the caller looks whether all found room */
+    }
   }
 }
 
-/* Ascending in degree: the constant part, the pairs a0, the pairs ab. Returns how many terms have degree 1. */
-static int fbi_S_list(fb_body *body, const fb_shape *shape, const fb_real *Z)
+/* The pairs a b with b from b_first to b_last(a) and their runs: of one degree. */
+static void fbi_S_list_degree(fb_body *body, fb_body_work *work, const fb_shape *shape, int degree)
 {
-  const int last = body->constant_S ? 0 : body->n;
-  int linear;
-  body->n_S = 0;
-  body->n_pair = 0;
-  fbi_S_list_pair(body, shape, Z, 0, 0);
-  for (int a = 1; a <= last; a++) {
-    fbi_S_list_pair(body, shape, Z, a, 0);
-  }
-  linear = body->n_S;
-  for (int a = 1; a <= last; a++) {
-    for (int b = 1; b <= a; b++) {
-      fbi_S_list_pair(body, shape, Z, a, b);
+  const int first = body->n_pair;
+  for (int a = 1; a <= body->n; a++) {
+    for (int b = degree == 1 ? 0 : 1; b <= (degree == 1 ? 0 : a); b++) {
+      fb_real S[21];
+      if (fbi_S_coefficient(S, body, shape, work->Lambda, a, b)) {
+        fbi_S_insert(body, work->S, first, S, a, b);
+      }
     }
   }
+  fbi_S_list_runs(body, work->S, first);
+}
+#endif
+
+/* Ascending in degree: the constant part, the pairs a0, the pairs ab. Returns how many runs have degree 1. */
+static int fbi_S_list(fb_body *body, fb_body_work *work, const fb_shape *shape)
+{
+  int linear = 0;
+  body->n_S = body->n_run = body->n_pair = 0;
+  (void)fbi_S_coefficient(body->S0, body, shape, work->Lambda, 0, 0);
+#if FBI_WITH_SHAPE_INERTIA
+  if (!body->constant_S) {
+    fbi_S_list_degree(body, work, shape, 1);
+    linear = body->n_run;
+    fbi_S_list_degree(body, work, shape, 2);
+  }
+#endif
   return linear;
 }
 
@@ -5122,12 +5171,12 @@ static void fbi_form_fill(fb_body *body, fb_body_work *work, const fb_shape *sha
   if (body->form == FB_FORM_SECOND) {
     fbi_zero(work->Lambda, (n + 1) * 6 * n);
   }
-  linear = fbi_S_list(body, shape, work->Lambda);
-  body->n_S_value = body->n_S;
+  linear = fbi_S_list(body, work, shape);
+  body->n_run_value = body->n_run;
   body->n_lambda_value = body->form == FB_FORM_FIRST ? body->n_lambda_constant : body->n_lambda;
   if (body->form == FB_FORM_SECOND && body->torque_degree < 2) {
-    body->n_S_value = body->torque_degree == 0 ? 0 : linear;
-    body->n_S = body->torque_degree == 0 ? linear : body->n_S;
+    body->n_run_value = body->torque_degree == 0 ? 0 : linear;
+    body->n_run = body->torque_degree == 0 ? linear : body->n_run;
     body->n_lambda_value = body->torque_degree == 0 ? body->n_lambda_constant : body->n_lambda;
   }
   body->n_gam = body->n_torque = 0;
@@ -5174,9 +5223,9 @@ static fb_status fbi_terms_fill(fb_body *body, fb_body_work *work, const fb_shap
 #if FB_WITH_FORMS
   fbi_form_fill(body, work, shape);
 #else
-  (void)fbi_S_list(body, shape, work->Lambda);
+  (void)fbi_S_list(body, work, shape);
 #endif
-  return body->n_S > FBI_MAX_S ? FB_ERR_CAPACITY : FB_OK;
+  return body->n_S > FBI_MAX_S || body->n_run > FBI_MAX_RUNS ? FB_ERR_CAPACITY : FB_OK;
 }
 
 FB_DEF fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc)
@@ -5300,18 +5349,18 @@ static void fbi_lambda_gradients(fb_real *e, fb_real *x, const fb_body *body, co
   fbi_lambda_linear_gradients(e, x, body, V, qx, pb);
 }
 
-/* S += its first n terms with the monomials m of the pairs a >= b.
-   Cost: 2 n flops. */
+/* S += its first n runs with the monomials m of the pairs.
+   Cost: 2 n_S flops. */
 static void fbi_S_add(fb_real S[21], const fb_body *body, const fb_real *m, int n)
 {
-  const fb_S_term *t = body->S;
-  FBI_UNROLL
-  for (int k = n; k > 0; k--, t++) {
-    S[t->i] += t->c * m[t->pair];
+  const fb_real *c = body->S;
+  for (const fb_S_run *r = body->run; r < body->run + n; r++) {
+    S[r->i] += fbi_dot(c, m + r->pair, r->n);
+    c += r->n;
   }
 }
 
-/* [E8.11] S(q) from the monomials (1,q)_a (1,q)_b and the first n of its terms: all, but in a truncated second-order
+/* [E8.11] S(q) from the monomials (1,q)_a (1,q)_b and the first n of its runs: all, but in a truncated second-order
    form.
    Source: E8.6.  Cost: 2 n_S + n_pair flops.  Test: momenta_agree_with_a_particle_model. */
 static void fbi_S_eval(fb_real S[21], const fb_body *body, const fb_real *qx, int n)
@@ -5335,7 +5384,7 @@ static void fbi_S_rate(fb_real dS[21], const fb_body *body, const fb_real *qx, c
     m[k] = qx[a] * xd[b] + xd[a] * qx[b];
   }
   fbi_zero(dS, 21);
-  fbi_S_add(dS, body, m, body->n_S);
+  fbi_S_add(dS, body, m, body->n_run);
 }
 
 #if FBI_WITH_SHAPE_INERTIA
@@ -5344,20 +5393,15 @@ static void fbi_S_rate(fb_real dS[21], const fb_body *body, const fb_real *qx, c
    Test: accelerations_agree_with_a_particle_model. */
 static void fbi_S_gradient(fb_real *x, const fb_body *body, const fb_real V[6], const fb_real *qx)
 {
-  const fb_S_term *t = body->S;
-  fb_real VV[21], g[FBI_MAX_PAIRS_S];
-  for (int i = 0, k = 0; i < 6; i++) {
-    VV[k++] = FB_R(0.5) * V[i] * V[i];
-    for (int j = i + 1; j < 6; j++) {
-      VV[k++] = V[i] * V[j];
-    }
-  }
+  const fb_real *c = body->S;
+  fb_real g[FBI_MAX_PAIRS_S];
   for (int k = 0; k < body->n_pair; k++) {
     g[k] = FB_R(0.0);
   }
-  FBI_UNROLL
-  for (int k = body->n_S; k > 0; k--, t++) {
-    g[t->pair] += t->c * VV[t->i];
+  for (const fb_S_run *r = body->run; r < body->run + body->n_run; r++) {
+    const int i = fbi_sym6_row[r->i], j = fbi_sym6_column[r->i];
+    fbi_row_sub(g + r->pair, (i == j ? FB_R(-0.5) : FB_R(-1.0)) * V[i] * V[j], c, r->n);
+    c += r->n;
   }
   for (int k = 0; k < body->n_pair; k++) {
     const int a = body->pair[k].a, b = body->pair[k].b;
@@ -5523,7 +5567,7 @@ static fb_status fbi_velocity(fbi_kinetics *k, const fb_body *body, const fb_sta
   fbi_lambda_sub(y, body, k->qx, k->pb);
 #if FBI_WITH_SHAPE_INERTIA
   if (!body->constant_S) {
-    fbi_S_eval(k->S, body, k->qx, body->n_S);
+    fbi_S_eval(k->S, body, k->qx, body->n_run);
     if (fbi_base_solve(k->V, body->base, k->S, y) != FB_OK) {
       return fbi_is_finite(k->S, 21) ? FB_ERR_RANGE : FB_ERR_NOT_FINITE;
     }
@@ -5848,7 +5892,7 @@ static fb_status fbi_momentum_rates(fb_state *rate, fbi_kinetics *k, const fb_bo
 static void fbi_form_momenta(fbi_kinetics *k, const fb_body *body)
 {
   if (body->form == FB_FORM_SECOND) {
-    fbi_S_eval(k->S, body, k->qx, body->n_S_value);
+    fbi_S_eval(k->S, body, k->qx, body->n_run_value);
   } else {
     fbi_copy(k->S, body->M_rr, 21);
   }
@@ -6191,7 +6235,7 @@ FB_DEF fb_status fb_state_check(const fb_body *body, const fb_state *state)
 static void fbi_momenta(fbi_kinetics *k, const fb_body *body)
 {
   fb_real elastic[6] = {0};
-  fbi_S_eval(k->S, body, k->qx, body->n_S);
+  fbi_S_eval(k->S, body, k->qx, body->n_run);
   fb_sym6_mul_vec6(k->ph, k->S, k->V);
   fbi_lambda_sub(elastic, body, k->qx, k->pb);
   for (int i = 0; i < 6; i++) {
@@ -6477,7 +6521,7 @@ static fb_real fbi_kinetic_energy(fbi_kinetics *k, const fb_body *body, const fb
     return T + FB_R(0.5) * fbi_vec6_dot(k->ph, k->V);
   }
 #endif
-  fbi_S_eval(k->S, body, k->qx, body->n_S);
+  fbi_S_eval(k->S, body, k->qx, body->n_run);
   fb_sym6_mul_vec6(SV, k->S, k->V);
   for (int a = 0; a < body->n; a++) {
     T += FB_R(0.5) * state->pi[a] * k->pb[a];
@@ -7116,7 +7160,7 @@ static FBI_FLATTEN fb_status fbi_tree_factor(fb_system_work *w, const fb_system 
     if (model->constant_S) {
       fbi_copy(L->S, model->S0, 21);
     } else {
-      fbi_S_eval(L->S, model, L->k.qx, model->n_S);
+      fbi_S_eval(L->S, model, L->k.qx, model->n_run);
     }
     L->open = model->n > 0 && (L->coupled || g + w->stiff > FB_R(0.0));
     if (L->open) {
@@ -7347,7 +7391,7 @@ static FBI_NOINLINE fb_status fbi_dense_factor(fb_system_work *w, const fb_syste
     const fb_joint *joint = fbi_link_joint(system, w, k);
     const int axes = fbi_speed_offset(system, w, body, k), at = axes + joint->n_axis, end = at + model->n;
     const fb_real *T = w->T + 6 * k * N;
-    fbi_S_eval(L->S, model, L->k.qx, model->n_S);
+    fbi_S_eval(L->S, model, L->k.qx, model->n_run);
     fbi_link_open(L, model, g + w->stiff);
     fbi_velocity_map(w, system, body, k, N);
     for (int c = 0; c < end; c++) {
@@ -11607,6 +11651,7 @@ static void fbi_gyro_add(fb_real *y, fb_real s, const fb_real V[6], const fb_bod
 static void fbi_shape_rates(fb_real *D, const fbi_kinetics *k, const fb_body *body, int first)
 {
   const int n = body->n;
+  const fb_real *c = body->S;
   fbi_zero(D, (6 - first) * n);
   for (int t = body->n_lambda_constant; t < body->n_lambda; t++) {
     const fb_lambda_term *term = &body->lambda[t];
@@ -11614,17 +11659,17 @@ static void fbi_shape_rates(fb_real *D, const fbi_kinetics *k, const fb_body *bo
       D[(term->i - first) * n + term->a - 1] -= term->c * k->pb[term->b];
     }
   }
-  for (int t = 0; t < body->n_S; t++) {
-    const fb_S_pair *pair = &body->pair[body->S[t].pair];
-    const int i = fbi_sym6_row[body->S[t].i], j = fbi_sym6_column[body->S[t].i];
-    for (int side = 0; side < 2; side++) {
-      const int a = side ? pair->b : pair->a;
-      const fb_real c = body->S[t].c * k->qx[side ? pair->a : pair->b];
+  for (const fb_S_run *r = body->run; r < body->run + body->n_run; r++) {
+    const int i = fbi_sym6_row[r->i], j = fbi_sym6_column[r->i];
+    for (int side = 0; side < 2 * r->n; side++, c += side % 2 == 0) {
+      const fb_S_pair *pair = &body->pair[r->pair + side / 2];
+      const int a = side % 2 ? pair->b : pair->a;
+      const fb_real s = *c * k->qx[side % 2 ? pair->a : pair->b];
       if (a > 0 && i >= first) {
-        D[(i - first) * n + a - 1] += c * k->V[j];
+        D[(i - first) * n + a - 1] += s * k->V[j];
       }
       if (a > 0 && j >= first && i != j) {
-        D[(j - first) * n + a - 1] += c * k->V[i];
+        D[(j - first) * n + a - 1] += s * k->V[i];
       }
     }
   }

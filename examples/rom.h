@@ -105,15 +105,16 @@ static void rom_terms(rom *r, const fb_body *body)
   }
   rom_text(r, body->n_lambda ? "" : "{0}");
   rom_close(r);
-  rom_open(r, "S");
-  for (int i = 0; i < body->n_S; i++) {
+  rom_reals(r, "S", body->S, body->n_S);
+  rom_open(r, "run");
+  for (int i = 0; i < body->n_run; i++) {
     rom_text(r, "{");
-    rom_real(r, body->S[i].c);
-    rom_whole(r, body->S[i].i);
-    rom_whole(r, body->S[i].pair);
+    rom_whole(r, body->run[i].i);
+    rom_whole(r, body->run[i].pair);
+    rom_whole(r, body->run[i].n);
     rom_text(r, "},");
   }
-  rom_text(r, body->n_S ? "" : "{0}");
+  rom_text(r, body->n_run ? "" : "{0}");
   rom_close(r);
   rom_open(r, "pair");
   for (int i = 0; i < body->n_pair; i++) {
@@ -169,9 +170,9 @@ static void rom_capacities(rom *r, const fb_body *body)
                 {FB_EFFECT_GRAVITY, "GRAVITY"}};
   fprintf(r->out,
           "   Smallest configuration: -DFB_SINGLE=%d -DFB_MAX_MODES=%d -DFB_MAX_NODES=%d -DFB_MAX_LAMBDA=%d "
-          "-DFB_MAX_S=%d\n  ",
+          "-DFB_MAX_S=%d -DFB_MAX_RUNS=%d\n  ",
           r->single, body->n > 0 ? body->n : 1, body->n_node, body->n_lambda > 0 ? body->n_lambda : 1,
-          body->n_S > 0 ? body->n_S : 1);
+          body->n_S > 0 ? body->n_S : 1, body->n_run > 0 ? body->n_run : 1);
   for (int k = 0; k < 6; k++) {
     if (!(body->effects & effect[k].effect)) {
       fprintf(r->out, " -DFB_WITH_%s=0", effect[k].name);
@@ -179,9 +180,10 @@ static void rom_capacities(rom *r, const fb_body *body)
   }
   fprintf(r->out,
           " -DFB_WITH_NONLINEAR_STRAIN=0 */\n#if FB_SINGLE != %d || FB_MAX_MODES < %d || FB_MAX_NODES < %d || "
-          "(FB_MAX_LAMBDA && FB_MAX_LAMBDA < %d) || \\\n    (FB_MAX_S && FB_MAX_S < %d)\n"
+          "(FB_MAX_LAMBDA && FB_MAX_LAMBDA < %d) || \\\n    (FB_MAX_S && FB_MAX_S < %d) || (FB_MAX_RUNS && FB_MAX_RUNS < %d)\n"
           "#error \"this model wants another flexbeam configuration: see above\"\n#endif\n",
-          r->single, body->n, body->n_node, body->n_lambda, body->n_S);
+          r->single, body->n, body->n_node, body->n_lambda, body->n_S,
+          body->n_run);
   for (int k = 0; k < 6; k++) {
     if (body->effects & effect[k].effect) {
       fprintf(r->out, "#if !FB_WITH_%s\n#error \"this model wants FB_WITH_%s\"\n#endif\n", effect[k].name,
@@ -205,10 +207,10 @@ static void rom_write(FILE *out, const fb_body *body, const char *name, const ch
           "static const fb_body %s = {\n  .n = %d, .n_node = %d, .effects = %uu, .base = (fb_base)%d,\n"
           "  .unit_mass = %d, .constant_S = %d, .allow_long_step = %d,\n"
           "  .n_lambda = %d, .n_lambda_constant = %d, .n_linear_constant = %d, .n_linear = %d, .n_row = %d,\n"
-          "  .n_S = %d, .n_pair = %d,",
+          "  .n_S = %d, .n_run = %d, .n_pair = %d,",
           name, body->n, body->n_node, body->effects, (int)body->base, body->unit_mass, body->constant_S,
           body->allow_long_step, body->n_lambda, body->n_lambda_constant, body->n_linear_constant, body->n_linear,
-          body->n_row, body->n_S, body->n_pair);
+          body->n_row, body->n_S, body->n_run, body->n_pair);
   {
     const char *const member[] = {"mass",          "deflection_limit", "recoil",     "gyration",
                                   "limit_elastic", "limit_damping",    "limit_spin", "limit_acceleration"};

@@ -8,7 +8,7 @@ need gcc gcc
 need riscv64-unknown-elf-gcc "gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf"
 bound_code=24576
 bound_ram=12288
-bound_step=31000 # 12000 were asked for, see README: this keeps what was reached
+bound_step=29000 # 12000 were asked for, see README: this keeps what was reached
 report=
 for precision in single double; do
   rom $precision
