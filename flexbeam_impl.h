@@ -126,6 +126,13 @@ static void fbi_copy(fb_real *y, const fb_real *x, int n)
   }
 }
 
+/* Whether an enumerator is one of 0 .. last: a function, because compilers for ARM take small enums as unsigned and
+   warn of the comparison. */
+static int fbi_is_choice(int value, int last)
+{
+  return value >= 0 && value <= last;
+}
+
 static int fbi_is_zero(const fb_real *x, int n)
 {
   for (int i = 0; i < n; i++) {
@@ -1798,8 +1805,8 @@ static fb_status fbi_beam_desc_check(const fb_beam_desc *desc)
                          : desc->n_point != desc->n_element + 1 || fbi_vec3_norm(desc->point[0]) > FB_R(0.0)) {
     return FB_ERR_VALUE;
   }
-  return desc->n_element >= 1 && desc->n_station >= 1 && desc->n_lump >= 0 && (int)desc->root >= (int)FB_ROOT_CLAMPED &&
-                 (int)desc->root <= (int)FB_ROOT_FREE
+  return desc->n_element >= 1 && desc->n_station >= 1 && desc->n_lump >= 0 &&
+                 fbi_is_choice((int)desc->root, (int)FB_ROOT_FREE)
              ? FB_OK
              : FB_ERR_VALUE;
 }
@@ -2483,7 +2490,7 @@ static fb_status fbi_group_take(const fb_modes_desc *desc, fb_modes_work *work, 
 /* Ascending frequency; a tie in the order of the kinds. */
 static void fbi_modes_sort(fb_modes *modes)
 {
-  for (int i = 1; i < modes->n; i++) {
+  for (int i = 1; i < modes->n && i < FB_MAX_MODES; i++) {
     for (int k = i; k > 0 && (modes->omega[k] < modes->omega[k - 1] ||
                               (modes->omega[k] <= modes->omega[k - 1] && modes->kind[k] < modes->kind[k - 1]));
          k--) {
@@ -2562,7 +2569,7 @@ static fb_status fbi_group_open(int *dof, int *n, int *rigid, int *found, fb_mod
 static fb_status fbi_lowest_limit(fb_real *limit, fb_modes_work *work, const fb_beam *beam,
                                   const int group[FB_KIND_COUNT], int lowest)
 {
-  fb_real list[FB_MAX_MODES];
+  fb_real list[FB_MAX_MODES] = {0};
   int dof[FBI_MAX_DOF], filled = 0;
   for (int id = 0; id < FB_KIND_COUNT; id++) {
     int n, rigid, found;
@@ -3159,7 +3166,7 @@ static fb_status fbi_modes_desc_check(const fb_modes_desc *desc, const fb_beam *
     }
   }
   if (desc->omega_limit < FB_R(0.0) || desc->lowest < 0 || desc->mass_fraction < FB_R(0.0) ||
-      desc->mass_fraction > FB_R(1.0) || (int)desc->basis < 0 || (int)desc->basis > (int)FB_BASIS_COMPONENT) {
+      desc->mass_fraction > FB_R(1.0) || !fbi_is_choice((int)desc->basis, (int)FB_BASIS_COMPONENT)) {
     return FB_ERR_VALUE;
   }
   if ((spinning || by_mass) && (beam->desc.root != FB_ROOT_CLAMPED || desc->basis != FB_BASIS_MODES)) {
@@ -5031,8 +5038,8 @@ static int fbi_depends_on_origin(unsigned effects, fb_base base)
 static fb_status fbi_form_check(const fb_shape *shape, const fb_body_desc *desc)
 {
   const int spin = fbi_has(desc->effects, FB_EFFECT_SPIN_COUPLING);
-  if ((int)desc->form < (int)FB_FORM_MOMENTUM || (int)desc->form > (int)FB_FORM_FIRST ||
-      (int)desc->stiffness_torque < (int)FB_TORQUE_IDENTITY || (int)desc->stiffness_torque > (int)FB_TORQUE_BOUNDARY) {
+  if (!fbi_is_choice((int)desc->form, (int)FB_FORM_FIRST) ||
+      !fbi_is_choice((int)desc->stiffness_torque, (int)FB_TORQUE_BOUNDARY)) {
     return FB_ERR_VALUE;
   }
   if (desc->form == FB_FORM_SECOND && !desc->allow_split_effects &&
@@ -5074,11 +5081,10 @@ static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *
     }
   }
   if (!(shape->mass > FB_R(0.0) || (shape->mass == FB_R(0.0) && desc->base == FB_BASE_PRESCRIBED)) ||
-      desc->deflection_limit < FB_R(0.0) || (int)desc->base < (int)FB_BASE_FREE ||
-      (int)desc->base > (int)FB_BASE_HINGED) {
+      desc->deflection_limit < FB_R(0.0) || !fbi_is_choice((int)desc->base, (int)FB_BASE_HINGED)) {
     return FB_ERR_VALUE;
   }
-  if ((int)desc->truncation < (int)FB_TRUNCATE_NONE || (int)desc->truncation > (int)FB_TRUNCATE_ABOVE_2) {
+  if (!fbi_is_choice((int)desc->truncation, (int)FB_TRUNCATE_ABOVE_2)) {
     return FB_ERR_VALUE;
   }
   if (fbi_is_excluded(desc->effects) ||
@@ -5365,7 +5371,7 @@ static void fbi_S_add(fb_real S[21], const fb_body *body, const fb_real *m, int 
    Source: E8.6.  Cost: 2 n_S + n_pair flops.  Test: momenta_agree_with_a_particle_model. */
 static void fbi_S_eval(fb_real S[21], const fb_body *body, const fb_real *qx, int n)
 {
-  fb_real m[FBI_MAX_PAIRS_S];
+  fb_real m[FBI_MAX_PAIRS_S + 3]; /* groups of four, as fbi_dot takes them */
   for (int k = 0; k < body->n_pair; k++) {
     m[k] = qx[body->pair[k].a] * qx[body->pair[k].b];
   }
@@ -5378,7 +5384,7 @@ static void fbi_S_eval(fb_real S[21], const fb_body *body, const fb_real *qx, in
 /* Rate of S(q) along the rate xd of (1, q). */
 static void fbi_S_rate(fb_real dS[21], const fb_body *body, const fb_real *qx, const fb_real *xd)
 {
-  fb_real m[FBI_MAX_PAIRS_S];
+  fb_real m[FBI_MAX_PAIRS_S + 3]; /* groups of four, as fbi_dot takes them */
   for (int k = 0; k < body->n_pair; k++) {
     const int a = body->pair[k].a, b = body->pair[k].b;
     m[k] = qx[a] * xd[b] + xd[a] * qx[b];
@@ -5394,7 +5400,7 @@ static void fbi_S_rate(fb_real dS[21], const fb_body *body, const fb_real *qx, c
 static void fbi_S_gradient(fb_real *x, const fb_body *body, const fb_real V[6], const fb_real *qx)
 {
   const fb_real *c = body->S;
-  fb_real g[FBI_MAX_PAIRS_S];
+  fb_real g[FBI_MAX_PAIRS_S + 3];
   for (int k = 0; k < body->n_pair; k++) {
     g[k] = FB_R(0.0);
   }
@@ -6112,7 +6118,7 @@ static void fbi_elastic_rotation(fb_real *q_dot, fbi_kinetics *k, const fb_body 
 static void fbi_first_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state)
 {
   const int n = body->n;
-  fb_real f[FB_MAX_MODES], loads[FB_MAX_MODES], elastic[FB_MAX_MODES], a[FB_MAX_MODES], y[6];
+  fb_real f[FB_MAX_MODES] = {0}, loads[FB_MAX_MODES] = {0}, elastic[FB_MAX_MODES], a[FB_MAX_MODES], y[6];
   fbi_copy(loads, k->x + 1, n);
   fbi_zero(k->x + 1, n);
   fbi_elastic_rotation(rate->q, k, body);
@@ -6706,13 +6712,13 @@ static fb_status fbi_joint_check(const fb_system_desc *desc, const fb_body *body
       !fbi_is_finite(d->attitude, 4) || !fbi_is_finite(d->child_attitude, 4)) {
     return FB_ERR_NOT_FINITE;
   }
-  if ((int)d->kind < (int)FB_JOINT_FREE || (int)d->kind > (int)FB_JOINT_SPHERICAL || !fbi_is_attitude(d->attitude) ||
+  if (!fbi_is_choice((int)d->kind, (int)FB_JOINT_SPHERICAL) || !fbi_is_attitude(d->attitude) ||
       !fbi_is_attitude(d->child_attitude) || (d->kind == FB_JOINT_FREE && loop)) {
     return FB_ERR_VALUE;
   }
   for (int i = 0; i < 3; i++) {
-    if (d->stiffness[i] < FB_R(0.0) || d->damping[i] < FB_R(0.0) || (int)d->mode[i] < (int)FB_AXIS_FREE ||
-        (int)d->mode[i] > (int)FB_AXIS_PRESCRIBED ||
+    if (d->stiffness[i] < FB_R(0.0) || d->damping[i] < FB_R(0.0) ||
+        !fbi_is_choice((int)d->mode[i], (int)FB_AXIS_PRESCRIBED) ||
         (d->kind == FB_JOINT_FREE && (d->stiffness[i] > FB_R(0.0) || d->damping[i] > FB_R(0.0)))) {
       return FB_ERR_VALUE;
     }
@@ -8936,7 +8942,7 @@ FB_DEF fb_status fb_system_axis_set(const fb_system *system, const fb_body *body
   FBI_REQUIRE(system && body && work && state, FB_ERR_NULL);
   FBI_REQUIRE(joint >= 0 && joint < system->n_body + system->n_loop && axis >= 0, FB_ERR_CAPACITY);
   FBI_REQUIRE(axis < system->joint[joint].n_axis && axis < 3, FB_ERR_CAPACITY);
-  FBI_REQUIRE((int)mode >= (int)FB_AXIS_FREE && (int)mode <= (int)FB_AXIS_PRESCRIBED, FB_ERR_VALUE);
+  FBI_REQUIRE(fbi_is_choice((int)mode, (int)FB_AXIS_PRESCRIBED), FB_ERR_VALUE);
   status = fbi_system_input_check(system, body, input);
   if (status != FB_OK) {
     return status;
@@ -9487,7 +9493,7 @@ static fb_status fbi_system_desc_check(const fb_body *body, int n_model, const f
 {
   FBI_REQUIRE(desc->n_body >= 1 && desc->n_body <= FB_MAX_BODIES, FB_ERR_CAPACITY);
   FBI_REQUIRE(desc->n_loop >= 0 && desc->n_loop <= FB_MAX_LOOPS, FB_ERR_CAPACITY);
-  if ((int)desc->method < (int)FB_METHOD_RECURSIVE || (int)desc->method > (int)FB_METHOD_MULTIPLIERS) {
+  if (!fbi_is_choice((int)desc->method, (int)FB_METHOD_MULTIPLIERS)) {
     return FB_ERR_VALUE;
   }
   for (int k = 0; k < desc->n_body; k++) {
@@ -11026,7 +11032,7 @@ static fb_status fbi_mixed_input_check(const fb_mixed *m, const fb_mixed_input *
     if (load->node < 0 || load->node > m->n) {
       return FB_ERR_CAPACITY;
     }
-    if ((int)load->axes < 0 || (int)load->axes > (int)FB_AXES_BODY) {
+    if (!fbi_is_choice((int)load->axes, (int)FB_AXES_BODY)) {
       return FB_ERR_VALUE;
     }
     if (!fbi_is_finite(load->force, 3) || !fbi_is_finite(load->torque, 3)) {
@@ -11035,7 +11041,7 @@ static fb_status fbi_mixed_input_check(const fb_mixed *m, const fb_mixed_input *
   }
   for (int k = 0; k < m->n; k++) {
     const fb_line_load *line = &input->line[k];
-    if ((int)line->axes < 0 || (int)line->axes > (int)FB_AXES_BODY) {
+    if (!fbi_is_choice((int)line->axes, (int)FB_AXES_BODY)) {
       return FB_ERR_VALUE;
     }
     if (!fbi_is_finite(line->force, 3) || !fbi_is_finite(line->torque, 3)) {
@@ -12316,7 +12322,7 @@ static fb_status fbi_modal_rates(fb_state *N, fbi_kinetics *k, fb_exponential_wo
   }
 #if FB_WITH_NONLINEAR_STRAIN
   if (scheme->n_axial > 0) {
-    fb_real rate[3][FBI_MAX_STRAINS], h[FBI_MAX_STRAINS], h_dot[FBI_MAX_STRAINS], r[FBI_MAX_STRAINS];
+    fb_real rate[3][FBI_MAX_STRAINS], h[FBI_MAX_STRAINS], h_dot[FBI_MAX_STRAINS], r[FBI_MAX_STRAINS] = {0};
     fbi_slopes_eval(rate, body, w->rate.q);
     fbi_membrane_loads(h, scheme, body, w->at.pi);
     fbi_membrane_loads(h_dot, scheme, body, w->rate.pi);

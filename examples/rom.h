@@ -180,10 +180,10 @@ static void rom_capacities(rom *r, const fb_body *body)
   }
   fprintf(r->out,
           " -DFB_WITH_NONLINEAR_STRAIN=0 */\n#if FB_SINGLE != %d || FB_MAX_MODES < %d || FB_MAX_NODES < %d || "
-          "(FB_MAX_LAMBDA && FB_MAX_LAMBDA < %d) || \\\n    (FB_MAX_S && FB_MAX_S < %d) || (FB_MAX_RUNS && FB_MAX_RUNS < %d)\n"
+          "(FB_MAX_LAMBDA && FB_MAX_LAMBDA < %d) || \\\n    (FB_MAX_S && FB_MAX_S < %d) || (FB_MAX_RUNS && FB_MAX_RUNS "
+          "< %d)\n"
           "#error \"this model wants another flexbeam configuration: see above\"\n#endif\n",
-          r->single, body->n, body->n_node, body->n_lambda, body->n_S,
-          body->n_run);
+          r->single, body->n, body->n_node, body->n_lambda, body->n_S, body->n_run);
   for (int k = 0; k < 6; k++) {
     if (body->effects & effect[k].effect) {
       fprintf(r->out, "#if !FB_WITH_%s\n#error \"this model wants FB_WITH_%s\"\n#endif\n", effect[k].name,

@@ -28,7 +28,7 @@ image() {
   source=$2
   shift 2
   try arm-none-eabi-gcc -std=c99 $base $WARNINGS_C $processor -mthumb -mfloat-abi=hard -fno-math-errno -ffunction-sections \
-    -fdata-sections -Wno-type-limits -nostartfiles -Wl,--gc-sections -T examples/board/mps2.ld $configuration "$@" \
+    -fdata-sections -nostartfiles -Wl,--gc-sections -T examples/board/mps2.ld $configuration "$@" \
     -o "$image" "$source" examples/board/mps2.c -lm
 }
 

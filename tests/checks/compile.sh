@@ -1,7 +1,7 @@
 #!/bin/sh
 # Every program and test compiles without a warning: gcc and clang, both precisions, C99, C11 and C17; the library and its
 # tests as C++11, too. C99 is optimized, so that the warnings that need flow analysis are on: the library in the tests by
-# -O2, again in each program by -O1.
+# -O2, again in each program by -O1; and the library for a single mode, where arrays are shortest.
 . tests/checks/common.sh
 need gcc gcc
 need g++ g++
@@ -11,6 +11,12 @@ try gcc -std=c99 -I. -o "$out/reduce" examples/reduce.c -lm
 try "$out/reduce" examples/satellite.txt --single --out "$out/satellite_rom.h"
 body='-DBODY=satellite -DBODY_HEADER="satellite_rom.h"'
 rom="-I$out $(grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$out/satellite_rom.h")"
+for single in 0 1; do
+  for forms in 0 1; do
+    try gcc -std=c99 -O3 $base $WARNINGS_C -DFB_SINGLE=$single -DFB_WITH_FORMS=$forms -DFB_MAX_MODES=1 -c -o "$out/object.o" "$out/impl.c"
+    count=$((count + 1))
+  done
+done
 for cc in gcc clang; do
   cxx=$([ $cc = gcc ] && echo g++ || echo clang++)
   for single in 0 1; do

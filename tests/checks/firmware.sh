@@ -19,6 +19,8 @@ for precision in single double; do
     emulate "$out/firmware.elf" "$out/board_$precision.txt" || fail "$precision $opt: $(tail -n 1 "$out/board_$precision.txt")"
     grep -v '^instructions\|^stack' "$out/board_$precision.txt" | cmp -s - "$out/desktop.txt" ||
       fail "$precision $opt: the board's numbers are not the desktop's"
+    arm-none-eabi-nm "$out/firmware.elf" | grep -E ' _*(sqrt|sin|cos|atan2?|exp|pow|malloc)f?(_r)?$' &&
+      fail "$precision $opt: the image calls that of libc or libm"
     fewest=$(sed -n 's/^instructions of a step, fewest //p' "$out/board_$precision.txt")
     most=$(sed -n 's/^instructions of a step, most //p' "$out/board_$precision.txt")
     stack=$(sed -n 's/^stack \[bytes\] //p' "$out/board_$precision.txt")
@@ -26,14 +28,13 @@ for precision in single double; do
     ram=$(($(bytes "$out/firmware.elf" ".data .bss") + stack))
     [ "$fewest" = "$most" ] || fail "$precision $opt: a step takes $fewest to $most instructions"
     [ "$code" -le $bound_code ] || fail "$precision $opt: $code bytes of code, bound $bound_code"
-
     [ $ram -le $bound_ram ] || fail "$precision $opt: $ram bytes of RAM, bound $bound_ram"
     [ $opt != -O2 ] || [ "$most" -le $bound_step ] || fail "$precision: $most instructions a step, bound $bound_step"
     report="$report; $precision $opt code $code, constants $constants, RAM $ram, step $most"
   done
 done
 rom single
-try riscv64-unknown-elf-gcc --specs=picolibc.specs -march=rv32imafc -mabi=ilp32f -std=c99 $base -Wno-type-limits \
+try riscv64-unknown-elf-gcc --specs=picolibc.specs -march=rv32imafc -mabi=ilp32f -std=c99 $base \
   -fno-math-errno -Os $configuration -DFLEXBEAM_STATIC -c -o "$out/riscv.o" examples/firmware.c
 riscv=$(riscv64-unknown-elf-size "$out/riscv.o" | awk 'NR == 2 { print $1 }')
 printf '#include "flexbeam.h"\nint main(void)\n{\n  return fb_version_string()[0];\n}\n' > "$out/user.c"

@@ -1,14 +1,29 @@
 #!/bin/sh
-# Stack of the steps and of model building, summed along the call graph that gcc writes (12 modes, 20 elements, -O2 and -Os).
-# libc and libm count as nothing. Bounds: what was measured and about a quarter more.
+# Stack of the steps and of model building, summed along the call graph that gcc writes (12 modes, 20 elements, -O2 and -Os,
+# both precisions, all forms of the equations, both boards). libc and libm count as nothing. Bounds: what was measured and
+# about a quarter more.
 . tests/checks/common.sh
+. tests/checks/board.sh
 need gcc gcc
 step_bound=5632
+forms_bound=10240 # with FB_WITH_FORMS=1
 build_bound=36864
+# usage NAME COMPILER...: writes the call graph of one build, to a file of that name and a number
+builds=0
+usage() {
+  builds=$((builds + 1))
+  object=$1$builds.o
+  shift
+  (cd "$out" && "$@" -std=c99 -I../../.. -ffp-contract=off -fstack-usage -fcallgraph-info=su -c -o "$object" impl.c)
+}
+
 for opt in -O2 -Os; do
   for single in 0 1; do
-    (cd "$out" && gcc -std=c99 -I../../.. -ffp-contract=off $opt -DFB_SINGLE=$single -fstack-usage \
-      -fcallgraph-info=su -c -o "impl$opt$single.o" impl.c)
+    for forms in 0 1; do
+      usage forms$forms gcc $opt -DFB_SINGLE=$single -DFB_WITH_FORMS=$forms
+    done
+    precision $([ $single = 1 ] && echo single || echo double)
+    usage board arm-none-eabi-gcc $processor -mthumb -mfloat-abi=hard $opt -DFB_SINGLE=$single
   done
 done
 # node: { title: "impl.c:f" label: "f\nfile:line:col\nBYTES bytes (static)" }, edge: { sourcename: "f" targetname: "g" }
@@ -26,13 +41,20 @@ awk -F '"' '
     return total[file, f] = own[file, f] + most
   }
   END { for (key in name) { split(key, part, SUBSEP); f = part[2]; sub(/.*:/, "", f)
-                            print "total", f, depth(part[1], part[2]); print "own", f, own[key] } }
+                            forms = part[1] ~ /forms1/ ? "forms" : ""
+                            print "total" forms, f, depth(part[1], part[2]); print "own", f, own[key] } }
 ' "$out"/*.ci | sort -k 3,3nr > "$out/stack"
 grep -E '^(unbounded|recursion)' "$out/stack" && fail "stack without a bound"
-step=$(awk '$1 == "total" && $2 ~ /^fb_[a-z0-9]*_step$/ { print $3 " in " $2; exit }' "$out/stack")
-build=$(awk '$1 == "total" { print $3 " in " $2; exit }' "$out/stack")
+# deepest KIND PATTERN: bytes, of which function
+deepest() {
+  awk -v kind="$1" -v pattern="$2" '$1 == kind && $2 ~ pattern { print $3 " in " $2; exit }' "$out/stack"
+}
+
+stepper='^fb_[a-z0-9_]*_step$'
+step=$(deepest total $stepper) forms=$(deepest totalforms $stepper) build=$(deepest total .)
 worst=$(awk '$1 == "own" { print $3 " in " $2; exit }' "$out/stack")
-step=${step:-99999}
+step=${step:-99999} forms=${forms:-99999}
 [ "${step%% *}" -le $step_bound ] || fail "a step takes $step bytes with what it calls, bound $step_bound"
+[ "${forms%% *}" -le $forms_bound ] || fail "a step takes $forms bytes with FB_WITH_FORMS, bound $forms_bound"
 [ "${build%% *}" -le $build_bound ] || fail "model building takes $build bytes, bound $build_bound"
-ok "steps with all below them $step bytes, deepest $build, single function $worst"
+ok "$builds builds, steps with all below them $step bytes, with all forms $forms, deepest $build, single function $worst"
