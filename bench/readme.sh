@@ -82,5 +82,8 @@ build/bench/identities_double > "$out/identities"
 make -s check-instructions > "$out/instructions" || true # the table is printed before the verdict
 { echo '```'; sed -e '/^ok/d' -e '/^FAIL/d' -e 's/ *$//' "$out/instructions"; echo '```'; } | block instructions
 
+make -s check-single > "$out/single_precision" || true
+{ echo '```'; sed -e '/^ok/d' -e '/^FAIL/d' "$out/single_precision"; echo '```'; } | block single
+
 { echo '```'; make -s sizes; echo '```'; } | block sizes
 echo "README.md: program and tables regenerated"
