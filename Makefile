@@ -49,8 +49,11 @@ leigh: build/examples/leigh
 blade: build/examples/campbell
 	$< --blade tests/reference/nrel5mw_blade.csv --mass-factor 1.04536 --modes 3 --picture build/campbell.svg > build/campbell.csv
 
-firmware: check-firmware
-	@cat build/checks/firmware/board_single.txt
+firmware:
+	@echo "two boards, two levels of optimization, 80 s of flight each: some minutes"
+	@$(MAKE) -s --no-print-directory check-firmware
+	@echo && echo "Cortex-M4F, single precision, -O2:" && cat build/checks/firmware/board_single-O2.txt
+	@echo && echo "Cortex-M7, double precision, -O2:" && cat build/checks/firmware/board_double-O2.txt
 
 test: examples check-quickstart build/test_runner
 	build/test_runner

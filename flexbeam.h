@@ -128,7 +128,7 @@
      FB_WITH_FORMS                    0        0, 1    1: the second-order and the printed first-order form, too
      FB_ASSERT(x)                     nothing  -       called with 0 on a programmer's error (NULL, index, capacity)
      FB_ALLOW_FAST_MATH               -        -       compile under -ffast-math (finite checks are then void)
-     FB_SQRT FB_SIN FB_COS FB_ATAN2 FB_FABS FB_EXP     replace libm
+     FB_SQRT FB_SIN FB_COS FB_ATAN2 FB_FABS FB_EXP     replace libm; declare what they call before, in FLEXBEAM_CONFIG
 
    CONVENTIONS
      Compile: cc -std=c99 program.c -lm. Constants of type fb_real are written FB_R(1.0), with a decimal point.

@@ -33,6 +33,8 @@ row() {
 }
 
 if command -v arm-none-eabi-gcc > /dev/null && command -v qemu-system-arm > /dev/null; then
+  echo "A step of rk4, unloaded: instructions and stack on a Cortex-M4F (single precision) or -M7 (double), gcc -O2, newlib;"
+  echo "code of flexbeam, model, state, work and stack in bytes; ns on this machine, for ratios alone."
   echo "precision modes  effects        instructions   code  model  state   work  stack      ns"
   for precision in single double; do
     row $precision 0 rigid rigid
@@ -48,6 +50,7 @@ if command -v arm-none-eabi-gcc > /dev/null && command -v qemu-system-arm > /dev
 else
   echo "instructions, code and stack on a Cortex-M want: apt-get install gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm"
 fi
+echo "Bytes of the structs, all effects:"
 for single in 0 1; do
   for modes in 1 2 4 6 12; do
     ${CC:-cc} -std=c99 -I. -DFB_SINGLE=$single -DFB_MAX_MODES=$modes -o "$out/sizes" bench/sizes.c -lm

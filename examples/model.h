@@ -4,6 +4,7 @@
 #define MODEL_H
 #include "text.h"
 
+#define MODEL_WORDS 24
 #define MODEL_NODES 4096 /* of a finite-element component */
 
 typedef struct model_node {
@@ -22,6 +23,8 @@ static struct model {
   fb_body_desc level;
   int is_fraction[FB_MAX_STATIONS]; /* x of a station is to be multiplied by the length */
   int hub, has_elements, has_modes, n_damping, n_mark;
+  char seen[MODEL_WORDS][24]; /* words that may be there once */
+  int n_seen;
   double mark[FB_MAX_NODES];
   int n_mode, n_node, n_pair;
   double frequency[FB_MAX_MODES];
@@ -278,11 +281,13 @@ static void model_modes_line(text_file *t)
 {
   static const char *const name[] = {"bend_y", "bend_z",   "axial",         "torsion",
                                      "lowest", "limit_hz", "mass_fraction", NULL};
+  int total = 0;
   model.has_modes = 1;
   do {
     const int k = model_choice(t, "modes", name);
     if (k < 4) {
-      model.modes.count[k] = text_whole(t, name[k], 0, FB_ALL_MODES);
+      model.modes.count[k] = text_whole(t, name[k], 0, FB_MAX_MODES);
+      total += model.modes.count[k];
     } else if (k == 4) {
       model.modes.lowest = text_whole(t, name[k], 1, FB_MAX_MODES);
     } else if (k == 5) {
@@ -291,6 +296,9 @@ static void model_modes_line(text_file *t)
       model.modes.mass_fraction = (fb_real)text_number(t, name[k]);
     }
   } while (text_more(t));
+  if (total > FB_MAX_MODES) {
+    text_fail(t, "%d modes, of %d at most", total, FB_MAX_MODES);
+  }
 }
 
 static void model_beam_line(text_file *t, const char *word)
@@ -394,9 +402,6 @@ static model_node *model_find(text_file *t)
 static void model_component_line(text_file *t, const char *word)
 {
   if (strcmp(word, "modes") == 0) {
-    if (model.n_mode > 0) {
-      text_fail(t, "modes is there twice");
-    }
     model.n_mode = text_whole(t, "number of modes", 1, FB_MAX_MODES);
   } else if (strcmp(word, "frequency_hz") == 0) {
     if (model.n_mode == 0) {
@@ -537,6 +542,11 @@ static void model_beam_check(text_file *t)
   if (!(length > 0)) {
     text_fail(t, "a beam wants a length, or points");
   }
+  for (int k = 0; k < beam->n_lump; k++) {
+    if (beam->lump[k].node > beam->n_element) {
+      text_fail(t, "lump %d is at element node %d of %d elements", k + 1, beam->lump[k].node, beam->n_element);
+    }
+  }
   if (beam->n_station == 0) {
     text_fail(t, "a beam wants stations or taper");
   }
@@ -560,6 +570,25 @@ static void model_beam_check(text_file *t)
   }
 }
 
+/* Refuses a word that was there before, but for those of which there may be many. */
+static void model_once(text_file *t, const char *word)
+{
+  static const char *const many[] = {"point", "lump", "load", "node", "taper", "shape", "mark", "quadratic"};
+  for (int k = 0; k < (int)(sizeof many / sizeof many[0]); k++) {
+    if (strcmp(word, many[k]) == 0) {
+      return;
+    }
+  }
+  for (int k = 0; k < model.n_seen; k++) {
+    if (strcmp(word, model.seen[k]) == 0) {
+      text_fail(t, "%s is there twice", word);
+    }
+  }
+  if (model.n_seen < MODEL_WORDS && strlen(word) < sizeof model.seen[0]) { /* no other word is known */
+    strcpy(model.seen[model.n_seen++], word);
+  }
+}
+
 /* Reads a description; 0 when something is wrong, which has then been said. */
 static int model_read(const char *program, const char *file)
 {
@@ -579,6 +608,7 @@ static int model_read(const char *program, const char *file)
   text_end_of_line(&t);
   while (text_line(&t)) {
     const char *word = text_word(&t);
+    model_once(&t, word);
     if (!model_common(&t, word)) {
       if (model.component) {
         model_component_line(&t, word);

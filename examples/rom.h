@@ -63,6 +63,13 @@ static void rom_reals(rom *r, const char *member, const fb_real *x, int n)
   rom_close(r);
 }
 
+static void rom_number(rom *r, const char *member, fb_real x)
+{
+  fprintf(r->out, "\n  .%s =", member);
+  r->column = 4 + (int)strlen(member);
+  rom_real(r, x);
+}
+
 static void rom_sparse(rom *r, const char *member, const fb_sparse *m, int n)
 {
   rom_open(r, member);
@@ -156,6 +163,16 @@ static void rom_nodes(rom *r, const fb_body *body)
   rom_close(r);
 }
 
+/* An option that must be least at least; or 0, as large as can be, where that is a choice. */
+static void rom_capacity(const rom *r, const char *option, int least, int or_zero)
+{
+  fprintf(r->out, "#if %s < %d", option, least);
+  if (or_zero) {
+    fprintf(r->out, " && %s > 0", option);
+  }
+  fprintf(r->out, "\n#error \"this model wants %s of %d at least\"\n#endif\n", option, least);
+}
+
 /* What the target's configuration must hold. */
 static void rom_capacities(rom *r, const fb_body *body)
 {
@@ -179,17 +196,21 @@ static void rom_capacities(rom *r, const fb_body *body)
     }
   }
   fprintf(r->out,
-          " -DFB_WITH_NONLINEAR_STRAIN=0 */\n#if FB_SINGLE != %d || FB_MAX_MODES < %d || FB_MAX_NODES < %d || "
-          "(FB_MAX_LAMBDA && FB_MAX_LAMBDA < %d) || \\\n    (FB_MAX_S && FB_MAX_S < %d) || (FB_MAX_RUNS && FB_MAX_RUNS "
-          "< %d)\n"
-          "#error \"this model wants another flexbeam configuration: see above\"\n#endif\n",
-          r->single, body->n, body->n_node, body->n_lambda, body->n_S, body->n_run);
+          " -DFB_WITH_NONLINEAR_STRAIN=0 */\n#ifndef FLEXBEAM_H\n#error \"include flexbeam.h before this model\"\n"
+          "#elif FB_SINGLE != %d\n#error \"this model is in %s precision: it wants -DFB_SINGLE=%d\"\n#else\n",
+          r->single, r->single ? "single" : "double", r->single);
+  rom_capacity(r, "FB_MAX_MODES", body->n, 0);
+  rom_capacity(r, "FB_MAX_NODES", body->n_node, 0);
+  rom_capacity(r, "FB_MAX_LAMBDA", body->n_lambda, 1);
+  rom_capacity(r, "FB_MAX_S", body->n_S, 1);
+  rom_capacity(r, "FB_MAX_RUNS", body->n_run, 1);
   for (int k = 0; k < 6; k++) {
     if (body->effects & effect[k].effect) {
       fprintf(r->out, "#if !FB_WITH_%s\n#error \"this model wants FB_WITH_%s\"\n#endif\n", effect[k].name,
               effect[k].name);
     }
   }
+  fputs("#endif\n", r->out);
 }
 
 /* The body as `static const fb_body NAME`, in double or single precision; source: what it was made from. Bodies with
@@ -211,18 +232,16 @@ static void rom_write(FILE *out, const fb_body *body, const char *name, const ch
           name, body->n, body->n_node, body->effects, (int)body->base, body->unit_mass, body->constant_S,
           body->allow_long_step, body->n_lambda, body->n_lambda_constant, body->n_linear_constant, body->n_linear,
           body->n_row, body->n_S, body->n_run, body->n_pair);
-  {
-    const char *const member[] = {"mass",          "deflection_limit", "recoil",     "gyration",
-                                  "limit_elastic", "limit_damping",    "limit_spin", "limit_acceleration"};
-    const fb_real value[] = {body->mass,          body->deflection_limit, body->recoil,     body->gyration,
-                             body->limit_elastic, body->limit_damping,    body->limit_spin, body->limit_acceleration};
-    for (int k = 0; k < 8; k++) {
-      fprintf(out, "\n  .%s =", member[k]);
-      rom_real(&r, value[k]);
-    }
-  }
+  rom_number(&r, "mass", body->mass);
   rom_reals(&r, "c", body->c, 3);
+  rom_number(&r, "deflection_limit", body->deflection_limit);
   rom_reals(&r, "reach", body->reach, body->n);
+  rom_number(&r, "recoil", body->recoil);
+  rom_number(&r, "gyration", body->gyration);
+  rom_number(&r, "limit_elastic", body->limit_elastic);
+  rom_number(&r, "limit_damping", body->limit_damping);
+  rom_number(&r, "limit_spin", body->limit_spin);
+  rom_number(&r, "limit_acceleration", body->limit_acceleration);
   rom_reals(&r, "S0", body->S0, 21);
   rom_reals(&r, "S0_inverse", body->S0_inverse, 36);
   rom_sparse(&r, "M", &body->M, body->n);

@@ -5,6 +5,10 @@
 
 #include <stdint.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 void board_print(const char *text);
 
 /* Instructions from the last call of board_count_start to that of board_count, the same few for the calls themselves.
@@ -14,6 +18,10 @@ uint32_t board_count(void);
 
 /* [bytes] of stack ever used; 0 where nobody knows. */
 uint32_t board_stack(void);
+
+#ifdef __cplusplus
+}
+#endif
 
 static inline void board_print_unsigned(uint32_t value, int width)
 {

@@ -16,14 +16,14 @@ for precision in single double; do
   "$out/desktop" > "$out/desktop.txt" || fail "the desktop's run, $precision: $(tail -n 1 "$out/desktop.txt")"
   for opt in -O2 -Os; do
     image "$out/firmware.elf" examples/firmware.c $opt
-    emulate "$out/firmware.elf" "$out/board_$precision.txt" || fail "$precision $opt: $(tail -n 1 "$out/board_$precision.txt")"
-    grep -v '^instructions\|^stack' "$out/board_$precision.txt" | cmp -s - "$out/desktop.txt" ||
+    emulate "$out/firmware.elf" "$out/board_$precision$opt.txt" || fail "$precision $opt: $(tail -n 1 "$out/board_$precision$opt.txt")"
+    grep -v '^instructions\|^stack' "$out/board_$precision$opt.txt" | cmp -s - "$out/desktop.txt" ||
       fail "$precision $opt: the board's numbers are not the desktop's"
     arm-none-eabi-nm "$out/firmware.elf" | grep -E ' _*(sqrt|sin|cos|atan2?|exp|pow|malloc)f?(_r)?$' &&
       fail "$precision $opt: the image calls that of libc or libm"
-    fewest=$(sed -n 's/^instructions of a step, fewest //p' "$out/board_$precision.txt")
-    most=$(sed -n 's/^instructions of a step, most //p' "$out/board_$precision.txt")
-    stack=$(sed -n 's/^stack \[bytes\] //p' "$out/board_$precision.txt")
+    fewest=$(sed -n 's/^instructions of a step, fewest //p' "$out/board_$precision$opt.txt")
+    most=$(sed -n 's/^instructions of a step, most //p' "$out/board_$precision$opt.txt")
+    stack=$(sed -n 's/^stack \[bytes\] //p' "$out/board_$precision$opt.txt")
     code=$(bytes "$out/firmware.elf" ".text .ARM.exidx") constants=$(bytes "$out/firmware.elf" .rodata)
     ram=$(($(bytes "$out/firmware.elf" ".data .bss") + stack))
     [ "$fewest" = "$most" ] || fail "$precision $opt: a step takes $fewest to $most instructions"

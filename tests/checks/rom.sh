@@ -1,8 +1,9 @@
 #!/bin/sh
 # Models in ROM: the headers of both precisions give back every number (they are included, written again and compared); the
-# firmware runs its own check; what is linked into it has no model building; the sizes keep their bounds.
+# firmware runs its own check, and C++20 takes them too; what is linked into it has no model building; the sizes keep their bounds.
 . tests/checks/common.sh
 need gcc gcc
+need g++ g++
 try gcc $c99 -O2 -o "$out/reduce" examples/reduce.c -lm
 for model in blade panel satellite; do
   for single in 0 1; do
@@ -11,6 +12,7 @@ for model in blade panel satellite; do
     flags=$(grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$out/rom.h")
     try gcc $c99 -I"$out" $flags -DSOURCE="\"examples/$model.txt\"" -o "$out/again" tests/checks/rom.c -lm
     "$out/again" > "$out/again.h"
+    try g++ -x c++ -std=c++20 $base -Wno-missing-field-initializers -I"$out" $flags -DSOURCE='""' -fsyntax-only tests/checks/rom.c
     cmp -s "$out/rom.h" "$out/again.h" || fail "$model, $([ $single = 1 ] && echo single || echo double): not every number comes back"
   done
 done
