@@ -127,7 +127,8 @@
                                                       tells what one takes
      FB_WITH_FORMS                    0        0, 1    1: the second-order and the printed first-order form, too
      FB_ASSERT(x)                     nothing  -       called with 0 on a programmer's error (NULL, index, capacity)
-     FB_ALLOW_FAST_MATH               -        -       compile under -ffast-math (finite checks are then void)
+     FB_ALLOW_FAST_MATH               -        -       compile under -ffast-math (finite checks are then void, and single
+                                                       precision loses small increments)
      FB_SQRT FB_SIN FB_COS FB_ATAN2 FB_FABS FB_EXP     replace libm; declare what they call before, in FLEXBEAM_CONFIG
 
    CONVENTIONS

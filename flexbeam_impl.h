@@ -501,8 +501,9 @@ FB_DEF void fb_pose_from_twist(fb_real r[3], fb_real quat[4], const fb_real x[6]
 {
   const fb_real *const e = x, *const k = x + 3;
   const fb_real s = fbi_quat_exp(quat, k), t2 = fb_vec3_dot(k, k), b = FB_R(2.0) * s * s;
-  const fb_real series = /* remainder t^8/39916800 */
-      FB_R(1.0) / FB_R(6.0) - t2 / FB_R(120.0) * (FB_R(1.0) - t2 / FB_R(42.0) * (FB_R(1.0) - t2 / FB_R(72.0)));
+  const fb_real near2 = t2 < FB_R(1.0) ? t2 : FB_R(1.0); /* beyond, any finite value does */
+  const fb_real series =                                 /* remainder t^8/39916800 */
+      FB_R(1.0) / FB_R(6.0) - near2 / FB_R(120.0) * (FB_R(1.0) - near2 / FB_R(42.0) * (FB_R(1.0) - near2 / FB_R(72.0)));
   const fb_real c = fbi_quotient(FB_R(1.0) - FB_R(2.0) * s * quat[0], t2, series);
   fb_real ke[3], kke[3];
   fb_vec3_cross(ke, k, e);
@@ -4644,7 +4645,7 @@ static void fbi_S_list_runs(fb_body *body, fb_real S[][21], int first)
   }
 }
 
-/* The pairs a b with b from b_first to b_last(a) and their runs: of one degree. */
+/* The pairs a0 (degree 1) or ab (degree 2), and their runs. */
 static void fbi_S_list_degree(fb_body *body, fb_body_work *work, const fb_shape *shape, int degree)
 {
   const int first = body->n_pair;
@@ -5371,7 +5372,7 @@ static void fbi_S_add(fb_real S[21], const fb_body *body, const fb_real *m, int 
    Source: E8.6.  Cost: 2 n_S + n_pair flops.  Test: momenta_agree_with_a_particle_model. */
 static void fbi_S_eval(fb_real S[21], const fb_body *body, const fb_real *qx, int n)
 {
-  fb_real m[FBI_MAX_PAIRS_S + 3]; /* groups of four, as fbi_dot takes them */
+  fb_real m[FBI_MAX_PAIRS_S + 3]; /* room for a group of four: gcc warns of those that a single mode has not */
   for (int k = 0; k < body->n_pair; k++) {
     m[k] = qx[body->pair[k].a] * qx[body->pair[k].b];
   }
@@ -5384,7 +5385,7 @@ static void fbi_S_eval(fb_real S[21], const fb_body *body, const fb_real *qx, in
 /* Rate of S(q) along the rate xd of (1, q). */
 static void fbi_S_rate(fb_real dS[21], const fb_body *body, const fb_real *qx, const fb_real *xd)
 {
-  fb_real m[FBI_MAX_PAIRS_S + 3]; /* groups of four, as fbi_dot takes them */
+  fb_real m[FBI_MAX_PAIRS_S + 3]; /* room for a group of four: gcc warns of those that a single mode has not */
   for (int k = 0; k < body->n_pair; k++) {
     const int a = body->pair[k].a, b = body->pair[k].b;
     m[k] = qx[a] * xd[b] + xd[a] * qx[b];
@@ -5401,9 +5402,7 @@ static void fbi_S_gradient(fb_real *x, const fb_body *body, const fb_real V[6], 
 {
   const fb_real *c = body->S;
   fb_real g[FBI_MAX_PAIRS_S + 3];
-  for (int k = 0; k < body->n_pair; k++) {
-    g[k] = FB_R(0.0);
-  }
+  fbi_zero(g, body->n_pair);
   for (const fb_S_run *r = body->run; r < body->run + body->n_run; r++) {
     const int i = fbi_sym6_row[r->i], j = fbi_sym6_column[r->i];
     fbi_row_sub(g + r->pair, (i == j ? FB_R(-0.5) : FB_R(-1.0)) * V[i] * V[j], c, r->n);
@@ -6227,12 +6226,29 @@ static fb_status fbi_state_range(const fb_body *body, const fb_state *state)
   return FB_OK;
 }
 
+#if FB_SINGLE
+/* What E11.22 keeps is finite, and of the attitude no more than rounding: else it was never set. */
+static fb_status fbi_lost_check(const fb_body *body, const fb_state *state)
+{
+  const fb_real *const turn = state->lost_quat;
+  if (!fbi_is_finite(state->lost_rho, 3) || !fbi_is_finite(turn, 4) || !fbi_is_finite(state->lost_P, 3) ||
+      !fbi_is_finite(state->lost_L, 3) || !fbi_is_finite(state->lost_q, body->n) ||
+      !fbi_is_finite(state->lost_pi, body->n)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  return turn[0] * turn[0] + fb_vec3_dot(turn + 1, turn + 1) < FB_R(1e-10) ? FB_OK : FB_ERR_VALUE;
+}
+#endif
+
 FB_DEF fb_status fb_state_check(const fb_body *body, const fb_state *state)
 {
   fb_real norm2;
   fb_status status;
   FBI_REQUIRE(body && state, FB_ERR_NULL);
   status = fbi_state_range(body, state);
+#if FB_SINGLE
+  status = status ? status : fbi_lost_check(body, state);
+#endif
   norm2 = state->quat[0] * state->quat[0] + fb_vec3_dot(state->quat + 1, state->quat + 1);
   return status == FB_OK && !(FB_FABS(norm2 - FB_R(1.0)) < FB_R(1e-3)) ? FB_ERR_VALUE : status;
 }
@@ -11442,14 +11458,6 @@ static void fbi_state_advance(fb_state *out, const fb_state *state, fb_real s, c
   }
 }
 
-static void fbi_frame_clear(fb_state *state)
-{
-  fbi_zero(state->rho, 3);
-  fbi_zero(state->quat, 4);
-  fbi_zero(state->P, 3);
-  fbi_zero(state->L, 3);
-}
-
 /* [E11.2] Flush: values whose cubes would underflow become zero; NaN stays NaN. Compilers make a selection of it, not a
    branch (the instruction count of a step is checked to be the same for every step).
    Source: IEEE 754.  Cost: 2 n flops.  Fails: never.  Test: decay_reaches_zero_without_subnormals. */
@@ -12355,6 +12363,17 @@ static void fbi_phi_add(fb_state *y, fb_real s, const fb_real c[5][FB_MAX_MODES]
   }
 }
 
+/* y += (e^(h L) - 1) v on modes, by c_0 - 1 = -(omega h)^2 c_2: what a short step adds is not lost in 1. */
+static void fbi_phi_increment(fb_state *y, const fb_exponential *scheme, const fb_state *v, int n)
+{
+  const fb_real h = scheme->dt;
+  for (int k = 0; k < n; k++) {
+    const fb_real c1 = h * scheme->full[1][k], turn = -scheme->omega2[k] * h * h * scheme->full[2][k];
+    y->q[k] += turn * v->q[k] + c1 * v->pi[k];
+    y->pi[k] += turn * v->pi[k] - scheme->omega2[k] * c1 * v->q[k];
+  }
+}
+
 /* out = sum of weight_i N_i over the first count of them: the others are not known yet */
 static void fbi_modal_sum(fb_state *out, const fb_state N[4], const fb_real *weight, int count, int n)
 {
@@ -12362,6 +12381,22 @@ static void fbi_modal_sum(fb_state *out, const fb_state N[4], const fb_real *wei
   for (int i = 0; i < count; i++) {
     fbi_state_advance(out, out, weight[i], &N[i], n);
   }
+}
+
+/* The increments of a step in work->full, from modal coordinates to work->at; membrane coordinates are not linear in
+   them. */
+static void fbi_modal_increments(fb_exponential_work *w, const fb_exponential *scheme, const fb_body *body,
+                                 const fb_state *state)
+{
+  if (scheme->n_axial == 0) {
+    fbi_modal_to(&w->at, scheme, body, &w->full);
+    return;
+  }
+  fbi_state_advance(&w->half, &w->z, FB_R(1.0), &w->full, body->n);
+  fbi_modal_to(&w->at, scheme, body, &w->half);
+  fbi_frame_copy(&w->at, &w->full);
+  fbi_row_sub(w->at.q, FB_R(1.0), state->q, body->n);
+  fbi_row_sub(w->at.pi, FB_R(1.0), state->pi, body->n);
 }
 
 /* [E11.10] Exponential Runge-Kutta scheme of order 4 for z' = L z + N(t, z), stages at 0, 1/2, 1/2, 1:
@@ -12406,12 +12441,10 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   }
   if (status == FB_OK) {
     memset(&work->full, 0, sizeof work->full);
-    fbi_phi_add(&work->full, FB_R(1.0), scheme->full, 0, scheme, h, z, n);
-    fbi_frame_clear(&work->full); /* of the frame: increments */
+    fbi_phi_increment(&work->full, scheme, z, n);
     fbi_phi_add(&work->full, h, scheme->full, 1, scheme, h, &N[0], n);
     fbi_modal_sum(sum, N, fourth, 3, n);
-    work->half = work->full;
-    fbi_frame_advance(&work->half, z, FB_R(1.0), &work->full);
+    fbi_state_advance(&work->half, z, FB_R(1.0), &work->full, n);
     fbi_phi_add(&work->half, h, scheme->full, 2, scheme, h, sum, n);
     status = fbi_modal_rates(&N[3], &k, work, scheme, body, &work->half, end);
   }
@@ -12422,11 +12455,7 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   fbi_phi_add(&work->full, h, scheme->full, 2, scheme, h, sum, n);
   fbi_modal_sum(sum, N, last, 4, n);
   fbi_phi_add(&work->full, h, scheme->full, 3, scheme, h, sum, n);
-  fbi_modal_to(&work->at, scheme, body, &work->full);
-  for (int a = 0; a < n; a++) {
-    work->at.q[a] -= state->q[a];
-    work->at.pi[a] -= state->pi[a];
-  }
+  fbi_modal_increments(work, scheme, body, state);
   return fbi_step_end(state, &work->at, body);
 }
 

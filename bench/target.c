@@ -98,13 +98,9 @@ static void begin(const char *scheme)
   most = 0;
 }
 
-/* The mixed beam's first two steps have less to extrapolate from. */
-static void counted(int step)
+static void counted(void)
 {
   const uint32_t count = board_count();
-  if (step < 2) {
-    return;
-  }
   fewest = count < fewest ? count : fewest;
   most = count > most ? count : most;
 }
@@ -188,8 +184,10 @@ static int run_body(const char *name, int scheme)
     body_inputs();
     board_count_start();
     status = body_step(scheme);
-    counted(step);
+    counted();
+    digest_reals(state.rho, 3);
     digest_reals(state.quat, 4);
+    digest_reals(state.P, 3);
     digest_reals(state.L, 3);
     digest_reals(state.q, BODY.n);
     digest_reals(state.pi, BODY.n);
@@ -240,9 +238,10 @@ static int run_system(const char *name, fb_method method, int sdirk)
     board_count_start();
     status = sdirk ? fb_system_sdirk_step(&pair, &BODY, &system_state, &system_work, &in[0], &in[2], dt, 0)
                    : fb_system_rk4_step(&pair, &BODY, &system_state, &system_work, &in[0], &in[1], &in[2], dt);
-    counted(step);
+    counted();
     for (int l = 0; l < 2; l++) {
       digest_reals(system_state.link[l].x, 3);
+      digest_reals(system_state.link[l].quat, 4);
       digest_reals(system_state.link[l].p, 6);
       digest_reals(system_state.link[l].q, BODY.n);
       digest_reals(system_state.link[l].pi, BODY.n);
@@ -284,9 +283,13 @@ static int run_mixed(const char *name)
     random_load(&mixed_input.load[0], FB_MAX_MIXED, FB_AXES_INERTIAL, FB_R(10.0));
     board_count_start();
     status = fb_mixed_step(&mixed, &mixed_state, &mixed_work, &mixed_input, dt);
-    counted(step);
+    if (step >= 2) { /* the first two have less to extrapolate from */
+      counted();
+    }
     digest_reals(mixed_state.r, 3 * (FB_MAX_MIXED + 1));
     digest_reals(mixed_state.quat, 4 * (FB_MAX_MIXED + 1));
+    digest_reals(mixed_state.strain, 6 * FB_MAX_MIXED);
+    digest_reals(mixed_state.momentum, 6 * FB_MAX_MIXED);
     step++;
   }
   return end(status, step);

@@ -134,9 +134,9 @@ static fb_real larger(fb_real a, fb_real b)
 
 static uint32_t digest_state(uint32_t digest, const fb_state *state)
 {
-  const fb_real *const part[4] = {state->quat, state->L, state->q, state->pi};
-  const int size[4] = {4, 3, satellite.n, satellite.n};
-  for (int k = 0; k < 4; k++) {
+  const fb_real *const part[6] = {state->rho, state->quat, state->P, state->L, state->q, state->pi};
+  const int size[6] = {3, 4, 3, 3, satellite.n, satellite.n};
+  for (int k = 0; k < 6; k++) {
     for (int i = 0; i < size[k]; i++) {
       uint64_t bits = 0;
 #if FB_SINGLE

@@ -134,6 +134,7 @@ TEST(tumbling_conserves_momentum_and_energy)
              fbt_difference(before.linear, after.linear, 3) / fbt_largest(before.linear, 3));
   fbt_figure("tumbling, 1e6 steps, angular momentum", "conservation",
              fbt_difference(before.angular, after.angular, 3) / fbt_largest(before.angular, 3));
+  FBT_NEAR_ABS(state.quat[0] * state.quat[0] + fb_vec3_dot(state.quat + 1, state.quat + 1), 1.0, FBT_TOL(2e-15, 1e-6));
   FBT_BELOW(fbt_difference(before.linear, after.linear, 3), FBT_TOL(1e-9, 1e-4) * fbt_largest(before.linear, 3));
   FBT_BELOW(fbt_difference(before.angular, after.angular, 3), FBT_TOL(1e-9, 1e-4) * fbt_largest(before.angular, 3));
   for (int k = 0; k < 2; k++) {
@@ -530,6 +531,40 @@ TEST(short_steps_lose_nothing)
       FBT_INT_EQ(step((scheme)which, &state, NULL, NULL, NULL, dt), FB_OK);
     }
     FBT_NEAR_ABS(2.0 * (double)state.quat[3], 1e-5 * dt * steps, FBT_TOL(1e-9, 1e-7));
+    FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+    FBT_INT_EQ(fb_state_from_velocity(&body, &state, v, rest, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_momentum(&body, &before, &state, NULL), FB_OK);
+    input.load[0].force[0] = FB_R(1e-2);
+    input.load[0].torque[2] = FB_R(0.0);
+    for (int k = 0; k < steps; k++) {
+      FBT_INT_EQ(step((scheme)which, &state, &input, &input, &input, dt), FB_OK);
+    }
+    FBT_INT_EQ(fb_body_momentum(&body, &after, &state, NULL), FB_OK);
+    FBT_NEAR_ABS(after.linear[0] - before.linear[0], 1e-2 * dt * steps, FBT_TOL(1e-8, 5e-4));
+  }
+}
+
+/* E11.22: a mode that swings with a step of 1/15000 of its period, for 10 s: its cosine. */
+TEST(slow_modes_keep_their_phase)
+{
+  const double dt = 1e-4;
+  const int steps = 100000;
+  for (int which = RK4; which < SCHEMES; which++) {
+    fb_state state;
+    fb_input input;
+    double omega, phase;
+    boom(FB_EFFECTS_LINEAR, FB_BASE_PRESCRIBED, 1, 0, 0, 0.0);
+    omega = sqrt((double)body.K.diagonal[0]);
+    prepare((scheme)which, dt);
+    memset(&input, 0, sizeof input);
+    FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+    state.q[0] = FB_R(0.1);
+    for (int k = 0; k < steps; k++) {
+      FBT_INT_EQ(step((scheme)which, &state, &input, &input, &input, dt), FB_OK);
+    }
+    phase = omega * dt * steps;
+    FBT_NEAR_ABS(state.q[0], 0.1 * cos(phase), FBT_TOL(2e-7, 2e-7));
+    FBT_NEAR_ABS((double)state.pi[0] / omega, -0.1 * sin(phase), FBT_TOL(2e-7, 2e-7));
   }
 }
 
@@ -923,7 +958,7 @@ SUITE(integrate, RUN(each_scheme_converges_at_its_order), RUN(midpoint_keeps_ene
       RUN(the_tangent_is_the_derivative_of_the_forces), RUN(the_exponential_scheme_is_exact_for_linear_bodies),
       RUN(stiff_axial_modes_do_not_set_the_step), RUN(implicit_schemes_advance_every_form),
       RUN(every_scheme_refuses_bad_input), RUN(rk4_converges_with_order_four),
-      RUN(tumbling_conserves_momentum_and_energy), RUN(short_steps_lose_nothing),
+      RUN(tumbling_conserves_momentum_and_energy), RUN(short_steps_lose_nothing), RUN(slow_modes_keep_their_phase),
       RUN(bodies_stepped_in_turn_do_not_meet), RUN(the_step_limit_is_the_stability_boundary),
       RUN(the_step_limit_knows_the_acceleration_of_a_far_origin), RUN(decay_reaches_zero_without_subnormals),
       RUN(spin_up_follows_the_geometrically_exact_beam), RUN(rk4_refuses_bad_input_and_repeats_itself))

@@ -19,13 +19,14 @@ for precision in single double; do
     emulate "$out/firmware.elf" "$out/board_$precision$opt.txt" || fail "$precision $opt: $(tail -n 1 "$out/board_$precision$opt.txt")"
     grep -v '^instructions\|^stack' "$out/board_$precision$opt.txt" | cmp -s - "$out/desktop.txt" ||
       fail "$precision $opt: the board's numbers are not the desktop's"
-    arm-none-eabi-nm "$out/firmware.elf" | grep -E ' _*(sqrt|sin|cos|atan2?|exp|pow|malloc)f?(_r)?$' &&
+    arm-none-eabi-nm "$out/firmware.elf" | grep -E ' (_*(sqrt|sin|cos|atan2?|exp|pow|malloc)f?(_r)?|__ieee754.*|__aeabi_d.*)$' &&
       fail "$precision $opt: the image calls that of libc or libm"
     fewest=$(sed -n 's/^instructions of a step, fewest //p' "$out/board_$precision$opt.txt")
     most=$(sed -n 's/^instructions of a step, most //p' "$out/board_$precision$opt.txt")
     stack=$(sed -n 's/^stack \[bytes\] //p' "$out/board_$precision$opt.txt")
     code=$(bytes "$out/firmware.elf" ".text .ARM.exidx") constants=$(bytes "$out/firmware.elf" .rodata)
     ram=$(($(bytes "$out/firmware.elf" ".data .bss") + stack))
+    [ -n "$most" ] && [ -n "$stack" ] || fail "$precision $opt: the board counted nothing"
     [ "$fewest" = "$most" ] || fail "$precision $opt: a step takes $fewest to $most instructions"
     [ "$code" -le $bound_code ] || fail "$precision $opt: $code bytes of code, bound $bound_code"
     [ $ram -le $bound_ram ] || fail "$precision $opt: $ram bytes of RAM, bound $bound_ram"

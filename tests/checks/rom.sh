@@ -16,6 +16,11 @@ for model in blade panel satellite; do
     cmp -s "$out/rom.h" "$out/again.h" || fail "$model, $([ $single = 1 ] && echo single || echo double): not every number comes back"
   done
 done
+for capacity in FB_MAX_LAMBDA=20 FB_MAX_S=40 FB_MAX_RUNS=5; do # 48, 111 and 16 are wanted
+  try gcc $c99 -O1 -g -fsanitize=address,undefined -D$capacity -o "$out/small" examples/reduce.c -lm
+  ! "$out/small" examples/satellite.txt --out "$out/small.h" 2> "$out/log" || fail "$capacity takes the satellite"
+  grep -q "the body: more than the compile-time capacity" "$out/log" || fail "$capacity: $(cat "$out/log")"
+done
 try "$out/reduce" examples/satellite.txt --single --out "$out/satellite_rom.h"
 flags=$(grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$out/satellite_rom.h")
 try gcc $c99 -Os -I"$out" $flags -ffunction-sections -fdata-sections -Wl,--gc-sections -o "$out/firmware" examples/firmware.c \
