@@ -999,6 +999,13 @@ typedef struct fb_body {
   int n_linear_constant, n_linear; /* of either kind those of the linear momentum, first among them */
   int n_row;                       /* rows of Lambda that have terms linear in q */
   int n_S, n_run, n_pair;          /* terms of S, their runs, and the pairs of (1, q) they belong to */
+#if FB_WITH_FORMS
+  fb_form form;
+  fb_stiffness_torque stiffness_torque;
+  int torque_degree;               /* 3, or what truncation leaves */
+  int n_run_value, n_lambda_value; /* second-order form: those in the mass matrix, the others in its rates alone */
+  int n_gam, n_torque;             /* first-order form */
+#endif
   fb_real mass, c[3];
   fb_real deflection_limit, reach[FB_MAX_MODES];
   fb_real
@@ -1006,13 +1013,8 @@ typedef struct fb_body {
   fb_real gyration;                                                     /* [m] radius of gyration about O */
   fb_real limit_elastic, limit_damping, limit_spin, limit_acceleration; /* bounds for fb_rk4_limit */
 #if FB_WITH_FORMS
-  fb_form form;
-  fb_stiffness_torque stiffness_torque;
-  int torque_degree;                    /* 3, or what truncation leaves */
-  int n_run_value, n_lambda_value;      /* second-order form: those in the mass matrix, the others in its rates alone */
-  int n_gam, n_torque;                  /* first-order form */
-  fb_real M_rr[21];                     /* rigid mass matrix of the undeformed body */
-  fb_lambda_term gam[9 * FB_MAX_MODES]; /* Gamma_a, element i of 9 */
+  fb_real M_rr[21];                      /* rigid mass matrix of the undeformed body */
+  fb_lambda_term gam[9 * FB_MAX_MODES];  /* Gamma_a, element i of 9 */
   fb_lambda_term torque[FBI_MAX_TORQUE]; /* stiffness torque, element i of 3, bilinear in q_a q_b */
 #endif
 #if FB_WITH_NONLINEAR_STRAIN
