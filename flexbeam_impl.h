@@ -6046,7 +6046,7 @@ static void fbi_printed_torque_sub(fb_real g[3], const fbi_kinetics *k, const fb
 static void fbi_identity_torque_add(fb_real y[6], const fbi_kinetics *k, const fb_body *body, const fb_real *q,
                                     const fb_real *q_dot, const fb_real *loads, const fb_real *elastic)
 {
-  fb_real f[FB_MAX_MODES], acceleration[FB_MAX_MODES];
+  fb_real f[FB_MAX_MODES] = {FB_R(0.0)}, acceleration[FB_MAX_MODES];
   fbi_copy(f, loads, body->n);
   if (body->stiffness_torque == FB_TORQUE_IDENTITY && body->torque_degree == 3) {
     for (int a = 0; a < body->n; a++) {
