@@ -1751,37 +1751,91 @@ FB_API fb_status fb_mixed_step(const fb_mixed *mixed, fb_mixed_state *state, fb_
                                const fb_mixed_input *middle, fb_real dt);
 
 /* ---------------------------------------------------------------------------------------------------------------
-   12 >>analyse: offline work, on bodies whose base is prescribed, and on the mixed beam */
+   12 >>analyse: offline work on bodies and on the mixed beam: steady states, linear models, complex modes */
+
+#define FB_MAX_LINEAR (2 * FB_MAX_MODES + 12) /* states of a linear model */
+#define FB_MAX_PORTS 12                       /* its inputs, and its outputs */
+
+typedef enum fb_port_kind {
+  FB_PORT_FORCE = 0,         /* input [N], at a node, body axes */
+  FB_PORT_TORQUE = 1,        /* input [N m] */
+  FB_PORT_BASE_VELOCITY = 2, /* input [m/s] of a prescribed base, body axes; node is left out */
+  FB_PORT_BASE_RATE = 3,     /* input [rad/s] */
+  FB_PORT_DISPLACEMENT = 4,  /* output [m] of a node against the undeformed body, body axes */
+  FB_PORT_ROTATION = 5,      /* output [rad] */
+  FB_PORT_RATE = 6,          /* output [rad/s], a gyro at the node, axes of its section */
+  FB_PORT_ACCELERATION = 7   /* output [m/s^2], an accelerometer there: less gravity */
+} fb_port_kind;
+
+typedef struct fb_port {
+  fb_port_kind kind;
+  int node, axis; /* axis 0..2 */
+} fb_port;
+
+typedef struct fb_linear_desc {
+  int n_in, n_out;
+  fb_port in[FB_MAX_PORTS], out[FB_MAX_PORTS];
+} fb_linear_desc;
+
+/* d/dt x = A x + B u, y = C x + D u: x changes of q, of pi, of the momenta p, h (body axes), of position and attitude
+   against a frame that goes on with the steady v, w (body axes); of both the free components: 6 of a free base, 3 of a
+   pinned one (angular), 1 of a hinged one (about the hinge), none of a prescribed one. */
+typedef struct fb_linear {
+  int n, n_in, n_out;
+  int n_free;                               /* of momenta, and of position and attitude: n = 2 (modes + n_free) */
+  fb_real A[FB_MAX_LINEAR * FB_MAX_LINEAR]; /* n x n */
+  fb_real B[FB_MAX_LINEAR * FB_MAX_PORTS];  /* n x n_in */
+  fb_real C[FB_MAX_PORTS * FB_MAX_LINEAR];  /* n_out x n */
+  fb_real D[FB_MAX_PORTS * FB_MAX_PORTS];   /* n_out x n_in */
+} fb_linear;
 
 typedef struct fb_analyse_work { /* scratch; large: make it static */
-  fb_real A[4 * FB_MAX_MODES * FB_MAX_MODES], X[8 * FB_MAX_MODES * FB_MAX_MODES], eig[16 * FB_MAX_MODES * FB_MAX_MODES];
-  fb_real re[2 * FB_MAX_MODES], im[2 * FB_MAX_MODES], scale[FB_MAX_MODES];
+  fb_real A[FB_MAX_LINEAR * FB_MAX_LINEAR], X[2 * FB_MAX_LINEAR * FB_MAX_LINEAR];
+  fb_real eig[4 * FB_MAX_LINEAR * FB_MAX_LINEAR];
+  fb_real re[FB_MAX_LINEAR], im[FB_MAX_LINEAR], scale[FB_MAX_MODES];
   int perm[FB_MAX_MODES];
-  fb_state state, rate;
+  fb_state state, moved, rate;
+  fb_motion steady, motion;
+  fb_input input;
+  fb_linear linear;
+  fb_real change[FB_MAX_LINEAR + FB_MAX_PORTS];
 } fb_analyse_work;
 
-/* Sets q (and pi to match) so that the body rests in its frame, which moves with the v, w of the input: the deflection
-   under a steady spin, gravity along the axis, follower and body-fixed loads. state gives attitude and first guess; at
-   most 40 Newton iterations. FB_ERR_CONVERGENCE; FB_ERR_RANGE: beyond the deflection limit (buckled, or the load is
-   large); FB_ERR_SINGULAR: the stiffness vanishes there; FB_ERR_VALUE: the base is not prescribed. On failure state is
-   as before. */
+/* Sets q (and momenta to match) so that the body rests in its frame. Prescribed base: the frame moves with the v, w of
+   the input. Else it spins freely, at |input.w| about that principal axis of the deformed body (of a hinged base: the
+   hinge) which is nearest to input.w, the mass center (or the pin) at rest. Gravity along the axis of a prescribed base,
+   follower and body-fixed loads count. state gives attitude and first guess; at most 40 Newton iterations.
+   FB_ERR_CONVERGENCE; FB_ERR_RANGE: beyond the deflection limit (buckled, or the load is large); FB_ERR_SINGULAR: the
+   stiffness vanishes there; FB_ERR_VALUE: a spin without direction. On failure state is as before. */
 FB_API fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_work *work, const fb_input *input);
-/* The elastic motion about a state, d/dt (dq, dpi) = A (dq, dpi): A 2n x 2n. Exact where the rates are polynomials of
-   degree four in the elastic state (all but loads on nodes, which are then right to about 1e-10). */
-FB_API fb_status fb_body_linearize(fb_real *A, fb_analyse_work *work, const fb_body *body, const fb_state *state,
-                                   const fb_input *input);
+/* The motion about a state (of fb_body_trim), with the inputs and outputs of desc (NULL: none). By differences, exact
+   where rates are polynomials of degree four (a prescribed base without loads on nodes), else right to about 1e-10.
+   FB_ERR_VALUE, FB_ERR_CAPACITY: a port that does not exist. On failure linear is as before. */
+FB_API fb_status fb_body_linearize(const fb_body *body, fb_linear *linear, fb_analyse_work *work, const fb_state *state,
+                                   const fb_input *input, const fb_linear_desc *desc);
 
 typedef struct fb_spectrum { /* ascending by |re + i im|; of a conjugate pair the one with im > 0 */
   int n;
-  fb_real re[2 * FB_MAX_MODES], im[2 * FB_MAX_MODES]; /* [1/s], [rad/s]; unstable where re > 0 */
-  fb_real shape_re[2 * FB_MAX_MODES * FB_MAX_MODES];  /* n x body.n: the elastic coordinates of each */
-  fb_real shape_im[2 * FB_MAX_MODES * FB_MAX_MODES];
+  fb_real re[FB_MAX_LINEAR], im[FB_MAX_LINEAR];   /* [1/s], [rad/s]; unstable where re > 0 */
+  fb_real shape_re[FB_MAX_LINEAR * FB_MAX_MODES]; /* n x body.n: the elastic coordinates of each */
+  fb_real shape_im[FB_MAX_LINEAR * FB_MAX_MODES];
 } fb_spectrum;
-/* Complex modes about a state (of fb_body_trim): spin, gyroscopic terms, preload and damping are in them ([H] A.15). */
+/* Complex modes about a state (of fb_body_trim): spin, gyroscopic terms, preload and damping are in them ([H] A.15). Of
+   a base that is not prescribed the momenta are among them (nutation), the pose only where it acts on the motion
+   (gravity on a pinned base, loads in inertial axes). */
 FB_API fb_status fb_body_spectrum(fb_spectrum *spectrum, fb_analyse_work *work, const fb_body *body,
                                   const fb_state *state, const fb_input *input);
 /* -re/|re + i im| of mode k: 1 aperiodic, 0 undamped, negative unstable. */
 FB_API fb_real fb_spectrum_damping(const fb_spectrum *spectrum, int k);
+
+typedef enum fb_scheme { FB_SCHEME_RK4 = 0, FB_SCHEME_MIDPOINT = 1, FB_SCHEME_SDIRK = 2 } fb_scheme;
+/* Largest step [s] at which no mode grows that should not; FB_HUGE where there is none (the implicit schemes). */
+FB_API fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_scheme scheme);
+/* Step [s] at which, after `duration` [s], the errors of the modes add up to `tolerance`, mode k with amplitude[k] (NULL:
+   1 each), in the same unit; at most 0.9 of the limit. 0 where scheme, duration, tolerance or amplitudes make no sense.
+   The modes are of the motion about a state: the wider the motion, the rougher the estimate. */
+FB_API fb_real fb_spectrum_step(const fb_spectrum *spectrum, fb_scheme scheme, const fb_real *amplitude,
+                                fb_real duration, fb_real tolerance);
 
 /* ---- mixed beam */
 
