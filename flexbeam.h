@@ -112,7 +112,7 @@
      FB_MAX_BODIES                    8        1..99   bodies of a system
      FB_MAX_LOOPS                     2        1..99   joints that close its loops
      FB_MAX_ROWS                      24       1..999  its constraints: loops, the caller's, FB_METHOD_MULTIPLIERS
-     FB_MAX_SPEEDS                    64       6..999  its speeds, FB_METHOD_DENSE only
+     FB_MAX_SPEEDS                    64       6..999  its speeds, FB_METHOD_DENSE and linear models only
      FB_MAX_MIXED                     40       1..999  elements of a mixed beam
      FB_WITH_SPIN_COUPLING            1        0, 1    0 removes the effect's code and tables at compile time
      FB_WITH_RESIDUAL_INERTIA         1        0, 1    "
@@ -174,6 +174,8 @@
      a finite-element model        fb_shape_add_lump, fb_shape_add_node, fb_shape_add_pair; shape.K
      preload, buckling             fb_modes_desc.preload, fb_buckling_solve
      a spinning, damped beam       fb_body_trim, fb_body_spectrum: complex modes
+     bodies on joints at rest or   fb_system_trim, fb_system_linearize (to design a controller by),
+     turning steadily              fb_system_spectrum: a rotor with hinged blades, an arm, a satellite with its wheels
      bodies on joints              fb_system_desc: a tree of joints, loops; the caller's own constraints by fb_rows
      a beam on a hinge             a clamped root with a rigid body on it (the fitting): a bare one leaves the hinge next
                                    to no inertia. FB_ROOT_PINNED frees the slopes of both planes: for a spherical joint,
@@ -1751,24 +1753,30 @@ FB_API fb_status fb_mixed_step(const fb_mixed *mixed, fb_mixed_state *state, fb_
                                const fb_mixed_input *middle, fb_real dt);
 
 /* ---------------------------------------------------------------------------------------------------------------
-   12 >>analyse: offline work on bodies and on the mixed beam: steady states, linear models, complex modes */
+   12 >>analyse: offline work on bodies, systems and the mixed beam: steady states, linear models, complex modes */
 
-#define FB_MAX_LINEAR (2 * FB_MAX_MODES + 12) /* states of a linear model */
-#define FB_MAX_PORTS 12                       /* its inputs, and its outputs */
+/* states of a linear model: of one body, or of a system with as many speeds as FB_METHOD_DENSE takes */
+#define FB_MAX_LINEAR (2 * (FB_MAX_MODES + 6 > FB_MAX_SPEEDS ? FB_MAX_MODES + 6 : FB_MAX_SPEEDS))
+#define FB_MAX_PORTS 12 /* its inputs, and its outputs */
 
 typedef enum fb_port_kind {
   FB_PORT_FORCE = 0,         /* input [N], at a node, body axes */
   FB_PORT_TORQUE = 1,        /* input [N m] */
-  FB_PORT_BASE_VELOCITY = 2, /* input [m/s] of a prescribed base, body axes; node is left out */
+  FB_PORT_BASE_VELOCITY = 2, /* input [m/s] of a prescribed base (system: free joint), body axes; node is left out */
   FB_PORT_BASE_RATE = 3,     /* input [rad/s] */
   FB_PORT_DISPLACEMENT = 4,  /* output [m] of a node against the undeformed body, body axes */
   FB_PORT_ROTATION = 5,      /* output [rad] */
   FB_PORT_RATE = 6,          /* output [rad/s], a gyro at the node, axes of its section */
-  FB_PORT_ACCELERATION = 7   /* output [m/s^2], an accelerometer there: less gravity */
+  FB_PORT_ACCELERATION = 7,  /* output [m/s^2], an accelerometer there: less gravity */
+  /* systems only; body: which hangs by the joint, axis: of the joint; node is left out */
+  FB_PORT_DRIVE = 8,      /* input [N m], [N] of the motor of a free axis */
+  FB_PORT_COORDINATE = 9, /* output [rad], [m] as fb_joint_motion.value; */
+  FB_PORT_SPEED = 10      /* output [rad/s], [m/s], its speed */
 } fb_port_kind;
 
 typedef struct fb_port {
   fb_port_kind kind;
+  int body;       /* of a system; else 0 */
   int node, axis; /* axis 0..2 */
 } fb_port;
 
@@ -1777,28 +1785,37 @@ typedef struct fb_linear_desc {
   fb_port in[FB_MAX_PORTS], out[FB_MAX_PORTS];
 } fb_linear_desc;
 
-/* d/dt x = A x + B u, y = C x + D u: x changes of q, of pi, of the momenta p, h (body axes), of position and attitude
-   against a frame that goes on with the steady v, w (body axes); of both the free components: 6 of a free base, 3 of a
-   pinned one (angular), 1 of a hinged one (about the hinge), none of a prescribed one. */
+/* d/dt x = A x + B u, y = C x + D u. One body: x changes of q, of pi, of the momenta p, h (body axes), of position and
+   attitude against a frame that goes on with the steady v, w (body axes); of both the free components: 6 of a free
+   base, 3 of a pinned one (angular), 1 of a hinged one (about the hinge), none of a prescribed one.
+   System: x changes of the free axes of all joints, of q of all bodies (both in the order of the bodies), then of the
+   momenta conjugate to them in the same order. Free and spherical joints: position and attitude in axes of the child's
+   side, against a frame that goes on with the steady speeds; momenta along the same axes. */
 typedef struct fb_linear {
   int n, n_in, n_out;
-  int n_free;                               /* of momenta, and of position and attitude: n = 2 (modes + n_free) */
+  int n_free;                               /* of position and attitude, of free axes: n = 2 (modes + n_free) */
   fb_real A[FB_MAX_LINEAR * FB_MAX_LINEAR]; /* n x n */
   fb_real B[FB_MAX_LINEAR * FB_MAX_PORTS];  /* n x n_in */
   fb_real C[FB_MAX_PORTS * FB_MAX_LINEAR];  /* n_out x n */
   fb_real D[FB_MAX_PORTS * FB_MAX_PORTS];   /* n_out x n_in */
 } fb_linear;
 
-typedef struct fb_analyse_work { /* scratch; large: make it static */
+/* part of the work of both: not to be looked at */
+typedef struct fbi_analysis {
   fb_real A[FB_MAX_LINEAR * FB_MAX_LINEAR], X[2 * FB_MAX_LINEAR * FB_MAX_LINEAR];
   fb_real eig[4 * FB_MAX_LINEAR * FB_MAX_LINEAR];
-  fb_real re[FB_MAX_LINEAR], im[FB_MAX_LINEAR], scale[FB_MAX_MODES];
-  int perm[FB_MAX_MODES];
+  fb_real re[FB_MAX_LINEAR], im[FB_MAX_LINEAR], step[FB_MAX_LINEAR], scale[FB_MAX_LINEAR / 2];
+  fb_real f[FB_MAX_LINEAR + FB_MAX_PORTS], column[FB_MAX_LINEAR + FB_MAX_PORTS];
+  int perm[FB_MAX_LINEAR / 2], keep[FB_MAX_LINEAR];
+  fb_linear_desc none;
+  fb_linear linear;
+} fbi_analysis;
+
+typedef struct fb_analyse_work { /* scratch; large: make it static */
+  fbi_analysis common;
   fb_state state, moved, rate;
   fb_motion steady, motion;
   fb_input input;
-  fb_linear linear;
-  fb_real change[FB_MAX_LINEAR + FB_MAX_PORTS];
 } fb_analyse_work;
 
 /* Sets q (and momenta to match) so that the body rests in its frame. Prescribed base: the frame moves with the v, w of
@@ -1816,15 +1833,52 @@ FB_API fb_status fb_body_linearize(const fb_body *body, fb_linear *linear, fb_an
 
 typedef struct fb_spectrum { /* ascending by |re + i im|; of a conjugate pair the one with im > 0 */
   int n;
-  fb_real re[FB_MAX_LINEAR], im[FB_MAX_LINEAR];   /* [1/s], [rad/s]; unstable where re > 0 */
-  fb_real shape_re[FB_MAX_LINEAR * FB_MAX_MODES]; /* n x body.n: the elastic coordinates of each */
-  fb_real shape_im[FB_MAX_LINEAR * FB_MAX_MODES];
+  fb_real re[FB_MAX_LINEAR], im[FB_MAX_LINEAR]; /* [1/s], [rad/s]; unstable where re > 0 */
+  /* of each the elastic coordinates, n x body.n; of a system its free axes and elastic coordinates, n x half of
+     fb_linear.n, in that order */
+  fb_real shape_re[FB_MAX_LINEAR * FB_MAX_LINEAR / 2];
+  fb_real shape_im[FB_MAX_LINEAR * FB_MAX_LINEAR / 2];
 } fb_spectrum;
 /* Complex modes about a state (of fb_body_trim): spin, gyroscopic terms, preload and damping are in them ([H] A.15). Of
    a base that is not prescribed the momenta are among them (nutation), the pose only where it acts on the motion
    (gravity on a pinned base, loads in inertial axes). */
 FB_API fb_status fb_body_spectrum(fb_spectrum *spectrum, fb_analyse_work *work, const fb_body *body,
                                   const fb_state *state, const fb_input *input);
+
+typedef struct fbi_coordinate { /* of a system's linear model */
+  int body, mode, i;            /* mode: elastic coordinate i of the body, else axis i of its joint */
+} fbi_coordinate;
+
+typedef struct fb_system_analyse_work { /* scratch; large: make it static */
+  fb_system_work system;                /* .joint: after a failure the joint at fault */
+  fbi_analysis common;
+  int n; /* coordinates */
+  int n_free;
+  fbi_coordinate coordinate[FB_MAX_LINEAR / 2];
+  fb_real steady[FB_MAX_BODIES][6], momenta[FB_MAX_BODIES][6]; /* speeds and momenta along the joint axes */
+  fb_system_state state, moved, rate;
+  fb_system_motion motion;
+  fb_system_input input;
+} fb_system_analyse_work;
+
+/* The same of systems: trees by FB_METHOD_RECURSIVE or FB_METHOD_DENSE; loops, constraints and FB_METHOD_MULTIPLIERS
+   give FB_ERR_KIND. body is the caller's array of models; input may be NULL.
+   Trim: prescribed axes have the value and rate of the input, locked ones stay, and free ones and modes come to rest
+   relative to them: the rates must allow it (one axis that turns, or a prescribed free joint with constant v, w in body
+   axes). A free joint must be locked or prescribed, else FB_ERR_KIND; free it afterwards by fb_system_axis_set. It finds
+   unstable positions as well as stable ones: the one near the state. FB_ERR_SINGULAR: an axis that nothing holds; lock
+   it. Errors else as fb_body_trim and fb_system_rates. */
+FB_API fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb_system_state *state,
+                                fb_system_analyse_work *work, const fb_system_input *input);
+/* Prescribed and locked axes are no states; what moves at a constant rate stays where it is in the state (a prescribed
+   axis with gravity across has no constant A). FB_ERR_CAPACITY: also more than FB_MAX_LINEAR states. */
+FB_API fb_status fb_system_linearize(const fb_system *system, const fb_body *body, fb_linear *linear,
+                                     fb_system_analyse_work *work, const fb_system_state *state,
+                                     const fb_system_input *input, const fb_linear_desc *desc);
+/* Position and attitude of free joints are left out (zero in the shapes) where they do not act on the motion. */
+FB_API fb_status fb_system_spectrum(fb_spectrum *spectrum, fb_system_analyse_work *work, const fb_system *system,
+                                    const fb_body *body, const fb_system_state *state, const fb_system_input *input);
+
 /* -re/|re + i im| of mode k: 1 aperiodic, 0 undamped, negative unstable. */
 FB_API fb_real fb_spectrum_damping(const fb_spectrum *spectrum, int k);
 

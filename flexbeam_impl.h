@@ -8187,6 +8187,21 @@ static void fbi_joint_momenta(fb_real p[6], const fbi_link_work *L, const fb_joi
   }
 }
 
+/* The same back into the state. */
+static void fbi_joint_momenta_set(fb_link_state *x, const fbi_link_work *L, const fb_joint *joint, const fb_real p[6])
+{
+  if (joint->kind == FB_JOINT_FREE) {
+    fb_mat33_mul_vec3(x->p, L->k.R, p);
+    fb_mat33_mul_vec3(x->p + 3, L->k.R, p + 3);
+  } else if (joint->kind == FB_JOINT_SPHERICAL) {
+    fb_real h[3];
+    fb_mat33_mul_vec3(h, joint->child_axes, p);
+    fb_mat33_mul_vec3(x->p, L->k.R, h);
+  } else {
+    fbi_copy(x->p, p, joint->n_axis);
+  }
+}
+
 /* Momenta of the state as the right-hand side, given speeds in their place. */
 static void fbi_rhs_momenta(fb_system_work *w, const fb_system *system, const fb_body *body,
                             const fb_system_state *state, const fb_system_input *input)
@@ -8624,25 +8639,17 @@ static void fbi_momenta_fill(fb_system_state *state, fb_system_work *w, const fb
     fbi_link_work *L = &w->link[k];
     const fb_joint *joint = fbi_link_joint(system, w, k);
     fb_link_state *x = &state->link[k];
+    fb_real p[6];
     fbi_hand_in(w, system, body, k);
     fbi_vec6_zero(x->p);
     for (int a = 0; a < fbi_model(system, body, k)->n; a++) {
       x->pi[a] = -L->e[a];
     }
-    if (joint->kind == FB_JOINT_FREE) {
-      fb_mat33_mul_vec3(x->p, L->k.R, L->b);
-      fb_mat33_mul_vec3(x->p + 3, L->k.R, L->b + 3);
-    } else {
-      fb_real p[3] = {0}, h[3];
-      for (int i = 0; i < joint->n_axis; i++) {
-        p[i] = fbi_vec6_dot(L->A + 6 * i, L->b);
-      }
-      fbi_copy(x->p, p, 3);
-      if (joint->kind == FB_JOINT_SPHERICAL) {
-        fb_mat33_mul_vec3(h, joint->child_axes, p);
-        fb_mat33_mul_vec3(x->p, L->k.R, h);
-      }
+    fbi_vec6_copy(p, L->b);
+    for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
+      p[i] = fbi_vec6_dot(L->A + 6 * i, L->b);
     }
+    fbi_joint_momenta_set(x, L, joint, p);
   }
 }
 
@@ -8782,6 +8789,25 @@ static fb_status fbi_system_range(const fb_system *system, const fb_body *body, 
   return FB_OK;
 }
 
+/* Speeds of a placed tree: those of motion (NULL: none) where axes are free, the input's where they are prescribed. */
+static void fbi_speeds_take(fb_system_work *w, const fb_system *system, const fb_body *body,
+                            const fb_system_state *state, const fb_link_motion *motion, const fb_system_input *input)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    const fb_joint *joint = &system->joint[k];
+    for (int i = 0; i < joint->n_axis; i++) {
+      const fb_axis_mode mode = state->mode[k][joint->kind == FB_JOINT_FREE ? 0 : i];
+      L->u[i] = mode == FB_AXIS_FREE && motion ? motion[k].speed[i] : FB_R(0.0);
+      L->u[i] = mode == FB_AXIS_PRESCRIBED && input ? input->drive[k].rate[i] : L->u[i];
+    }
+    for (int a = 0; a < fbi_model(system, body, k)->n; a++) {
+      L->q_dot[a] = motion ? motion[k].q_dot[a] : FB_R(0.0);
+    }
+  }
+  fbi_speeds_out(w, system, body);
+}
+
 /* Coordinates and speeds of the tree as it is built: poses and velocities of all bodies. */
 static fb_status fbi_motion_place(fb_system_work *w, const fb_system *system, const fb_body *body,
                                   fb_system_state *state, const fb_link_motion *motion, const fb_system_input *input)
@@ -8811,19 +8837,7 @@ static fb_status fbi_motion_place(fb_system_work *w, const fb_system *system, co
   }
   fbi_prescribe(state, system, w, state, input);
   fbi_links_place(w, system, body, state, state);
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    const fb_joint *joint = &system->joint[k];
-    for (int i = 0; i < joint->n_axis; i++) {
-      const fb_axis_mode mode = state->mode[k][joint->kind == FB_JOINT_FREE ? 0 : i];
-      L->u[i] = mode == FB_AXIS_FREE && motion ? motion[k].speed[i] : FB_R(0.0);
-      L->u[i] = mode == FB_AXIS_PRESCRIBED && input ? input->drive[k].rate[i] : L->u[i];
-    }
-    for (int a = 0; a < fbi_model(system, body, k)->n; a++) {
-      L->q_dot[a] = motion ? motion[k].q_dot[a] : FB_R(0.0);
-    }
-  }
-  fbi_speeds_out(w, system, body);
+  fbi_speeds_take(w, system, body, state, motion, input);
   return FB_OK;
 }
 
@@ -13109,159 +13123,125 @@ static fb_status fbi_free_spin(fb_real v[3], fb_real w[3], fb_state *state, cons
   return status;
 }
 
-/* Rates at rest in the frame, which moves as the input says, or spins freely. */
-static fb_status fbi_rates_at_rest(fb_analyse_work *work, const fb_body *body, const fb_input *input)
-{
-  const fb_real *v = input->v, *w = input->w;
-  fb_real own_v[3], own_w[3];
-  fb_status status = FB_OK;
-  if (body->base != FB_BASE_PRESCRIBED) {
-    status = fbi_free_spin(own_v, own_w, &work->state, body, input->w);
-    v = own_v;
-    w = own_w;
-  }
-  status = status ? status : fb_state_from_velocity(body, &work->state, v, w, NULL);
-  return status != FB_OK ? status : fb_body_rates(body, &work->rate, &work->state, input);
-}
+/* How far a coordinate is moved for a difference, in parts of a body or of a radian. */
+#define FBI_DIFFERENCE (FB_SINGLE ? FB_R(1e-2) : FB_R(1e-3))
 
-/* Step of a coordinate for a difference: a deflection of a thousandth of the body, less where the limit is tighter. */
+/* Step of a coordinate for a difference: a small part of the body, less where the limit is tighter. */
 static fb_real fbi_difference_step(const fb_body *body, int a)
 {
   const fb_real large =
       body->gyration > FB_R(0.0) && body->gyration < body->deflection_limit ? body->gyration : body->deflection_limit;
-  return body->reach[a] > FB_R(0.0) ? FB_R(1e-3) * large / body->reach[a] : FB_R(1.0);
+  return body->reach[a] > FB_R(0.0) ? FBI_DIFFERENCE * large / body->reach[a] : FB_R(1.0);
 }
 
-/* Weights of the derivative by values at -2, -1, 1, 2 steps: exact for polynomials of degree 4. */
-static const fb_real fbi_difference_weight[4] = {FB_R(1.0) / FB_R(12.0), -FB_R(2.0) / FB_R(3.0), FB_R(2.0) / FB_R(3.0),
-                                                 -FB_R(1.0) / FB_R(12.0)};
-static const int fbi_difference_at[4] = {-2, -1, 1, 2};
+/* ---- what is differentiated: a body or, with system, bodies on joints */
 
-static fb_status fbi_analyse_check(const fb_body *body, const fb_state *state, const fb_input *input)
+typedef struct fbi_subject {
+  const fb_body *body; /* or the array of models */
+  const fb_linear_desc *desc;
+  int rests; /* 1: f is what keeps it from rest (trim), 0: rates and outputs of the linear model */
+  fb_analyse_work *work;
+  const fb_state *state;
+  const fb_input *input;
+  const fb_system *system; /* NULL: one body */
+  fb_system_analyse_work *system_work;
+  const fb_system_state *system_state;
+  const fb_system_input *system_input;
+} fbi_subject;
+
+/* Moves a frame along (i < 3) or turns it about (i >= 3) an axis of its own. */
+static void fbi_frame_move(fb_real rho[3], fb_real quat[4], int i, fb_real h)
 {
-  FBI_REQUIRE(body && state && input, FB_ERR_NULL);
-  if (fbi_form(body) != 0 && body->base != FB_BASE_PRESCRIBED) { /* its P, L are velocities */
+  fb_real x[6] = {FB_R(0.0)}, R[9], shift[3], turn[4], before[4];
+  x[i] = h;
+  fb_quat_to_mat33(R, quat);
+  fb_mat33_mul_vec3(shift, R, x);
+  fbi_vec3_add(rho, FB_R(1.0), shift);
+  fb_quat_from_rotvec(turn, x + 3);
+  fbi_copy(before, quat, 4);
+  fb_quat_mul(quat, before, turn);
+}
+
+/* Rate of a frame's position against one at rho_0, quat_0 that moves with v_0, w_0, that one's axes: R_0^T rho' - v_0 -
+   w_0 x R_0^T (rho - rho_0). */
+static void fbi_shift_rate(fb_real rate[3], const fb_real quat0[4], const fb_real rho0[3], const fb_real V0[6],
+                           const fb_real rho[3], const fb_real velocity[3])
+{
+  fb_real R0[9], step[3], away[3], turn[3];
+  fb_quat_to_mat33(R0, quat0);
+  for (int i = 0; i < 3; i++) {
+    step[i] = rho[i] - rho0[i];
+  }
+  fb_mat33_mulT_vec3(rate, R0, velocity);
+  fb_mat33_mulT_vec3(away, R0, step);
+  fb_vec3_cross(turn, V0 + 3, away);
+  for (int i = 0; i < 3; i++) {
+    rate[i] -= V0[i] + turn[i];
+  }
+}
+
+/* Rate of its attitude, small angles: w - (R_0^T R)^T w_0. */
+static void fbi_turn_rate(fb_real rate[3], const fb_real quat0[4], const fb_real w0[3], const fb_real quat[4],
+                          const fb_real w[3])
+{
+  fb_real R[9], R0[9], carried[3];
+  fb_quat_to_mat33(R, quat);
+  fb_quat_to_mat33(R0, quat0);
+  fb_mat33_mul_vec3(carried, R0, w0);
+  fb_mat33_mulT_vec3(rate, R, carried);
+  for (int i = 0; i < 3; i++) {
+    rate[i] = w[i] - rate[i];
+  }
+}
+
+/* Rate in body axes of what is kept in inertial ones: R^T P' - w x R^T P. */
+static void fbi_turned_rate(fb_real rate[3], const fb_real R[9], const fb_real w[3], const fb_real P[3],
+                            const fb_real P_dot[3])
+{
+  fb_real p[3], turn[3];
+  fb_mat33_mulT_vec3(p, R, P);
+  fb_mat33_mulT_vec3(rate, R, P_dot);
+  fb_vec3_cross(turn, w, p);
+  fbi_vec3_add(rate, -FB_R(1.0), turn);
+}
+
+/* ---- ports */
+
+static int fbi_port_is_input(fb_port_kind kind)
+{
+  return kind <= FB_PORT_BASE_RATE || kind == FB_PORT_DRIVE;
+}
+
+/* One port: of those up to kind `last`; base: what moves it is prescribed; room: for one load more. */
+static fb_status fbi_port_check(const fb_port *port, int is_input, fb_port_kind last, int base, int n_node, int room)
+{
+  const int moves_base = port->kind == FB_PORT_BASE_VELOCITY || port->kind == FB_PORT_BASE_RATE;
+  if (!fbi_is_choice(port->axis, 2) || !fbi_is_choice((int)port->kind, (int)last) ||
+      fbi_port_is_input(port->kind) != is_input || (moves_base && !base)) {
     return FB_ERR_VALUE;
   }
-  return fb_state_check(body, state);
+  if (!moves_base && port->kind < FB_PORT_DRIVE && (!fbi_is_choice(port->node, n_node - 1) || (is_input && !room))) {
+    return FB_ERR_CAPACITY;
+  }
+  return FB_OK;
 }
 
-/* [E12.1] Steady state by Newton's method: pi_dot(q) = 0 at q_dot = 0, the tangent by differences.
-   Source: definition.  Cost: 4 n evaluations and a LU an iteration.  Fails: see the header.
-   Test: spectrum_of_a_spinning_oscillator_is_closed_form. */
-FB_DEF fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_work *work, const fb_input *input)
+static void fbi_port_load(fb_load *load, const fb_port *port, fb_real h)
 {
-  fb_real change = FB_R(1.0);
-  fb_status status = fbi_analyse_check(body, state, input);
-  FBI_REQUIRE(work, FB_ERR_NULL);
-  if (status != FB_OK) {
-    return status;
-  }
-  work->state = *state;
-  for (int step = 0; step < 40 && change > FB_R(64.0) * FB_EPSILON && status == FB_OK; step++) {
-    const int n = body->n;
-    fb_real *const residual = work->re, *const dq = work->im;
-    for (int a = 0; a < n && status == FB_OK; a++) {
-      const fb_real q = work->state.q[a], h = fbi_difference_step(body, a);
-      fbi_zero(dq, n);
-      for (int k = 0; k < 4 && status == FB_OK; k++) {
-        work->state.q[a] = q + (fb_real)fbi_difference_at[k] * h;
-        status = fbi_rates_at_rest(work, body, input);
-        for (int i = 0; i < n && status == FB_OK; i++) {
-          dq[i] += fbi_difference_weight[k] / h * work->rate.pi[i];
-        }
-      }
-      work->state.q[a] = q;
-      for (int i = 0; i < n; i++) {
-        work->A[i * n + a] = dq[i];
-      }
-    }
-    status = status ? status : fbi_rates_at_rest(work, body, input);
-    fbi_copy(residual, work->rate.pi, n);
-    status = status || n == 0 ? status : fb_lu_factor(work->A, work->perm, work->scale, n);
-    if (status == FB_OK) {
-      fb_lu_solve(dq, work->A, work->perm, residual, n);
-    }
-    change = FB_R(0.0);
-    for (int a = 0; a < n && status == FB_OK; a++) { /* in units of the body */
-      change = fbi_larger(change, FB_FABS(dq[a]) * FB_R(1e-3) / fbi_difference_step(body, a));
-      work->state.q[a] -= dq[a];
-    }
-  }
-  status = status ? status : fbi_rates_at_rest(work, body, input);
-  status = status ? status : fb_state_check(body, &work->state);
-  if (status == FB_OK && change > FBI_ROUNDING) {
-    status = FB_ERR_CONVERGENCE;
-  }
-  if (status == FB_OK) {
-    *state = work->state;
-  }
-  return status;
+  memset(load, 0, sizeof *load);
+  load->node = port->node;
+  load->axes = FB_AXES_BODY;
+  (port->kind == FB_PORT_FORCE ? load->force : load->torque)[port->axis] = h;
 }
 
-/* The state with the element j of x moved by h; momenta keep their components in body axes when the attitude changes. */
-static void fbi_linear_move(fb_state *out, const fb_state *state, const fb_body *body, int j, fb_real h)
-{
-  const int n = body->n, first = fbi_first_free(body->base), momentum = j - 2 * n + first,
-            pose = momentum - (6 - first);
-  fb_real R[9], ph[6], x[6] = {FB_R(0.0)}, turn[4], shift[3];
-  *out = *state;
-  if (j < n) {
-    out->q[j] += h;
-  } else if (j < 2 * n) {
-    out->pi[j - n] += h;
-  } else {
-    fb_quat_to_mat33(R, state->quat);
-    fb_mat33_mulT_vec3(ph, R, state->P);
-    fb_mat33_mulT_vec3(ph + 3, R, state->L);
-    (momentum < 6 ? ph + momentum : x + pose)[0] += h;
-    fb_mat33_mul_vec3(shift, R, x);
-    fbi_vec3_add(out->rho, FB_R(1.0), shift);
-    fb_quat_from_rotvec(turn, x + 3);
-    fb_quat_mul(out->quat, state->quat, turn);
-    fb_quat_to_mat33(R, out->quat);
-    fb_mat33_mul_vec3(out->P, R, ph);
-    fb_mat33_mul_vec3(out->L, R, ph + 3);
-  }
-}
-
-/* Rates of the momenta and of the pose against a frame at `state` that moves with the steady velocities, body axes:
-   p' = R^T P' - w x p, h' alike; r' = R_0^T rho' - v_0 - w_0 x r, theta' = w - (R_0^T R)^T w_0. */
-static void fbi_linear_frame(fb_real rate[12], const fb_analyse_work *work, const fb_state *state)
-{
-  const fb_state *const at = &work->moved;
-  const fb_real *const w = work->motion.w, *const w0 = work->steady.w;
-  fb_real R[9], R0[9], y[3], away[3];
-  fb_quat_to_mat33(R, at->quat);
-  fb_quat_to_mat33(R0, state->quat);
-  for (int half = 0; half < 2; half++) {
-    fb_mat33_mulT_vec3(y, R, half ? at->L : at->P);
-    fb_mat33_mulT_vec3(rate + 3 * half, R, half ? work->rate.L : work->rate.P);
-    fb_vec3_cross(away, w, y);
-    fbi_vec3_add(rate + 3 * half, -FB_R(1.0), away);
-  }
-  fb_mat33_mul_vec3(y, R, work->motion.v);
-  fb_mat33_mulT_vec3(rate + 6, R0, y);
-  for (int i = 0; i < 3; i++) {
-    y[i] = at->rho[i] - state->rho[i];
-  }
-  fb_mat33_mulT_vec3(away, R0, y);
-  fb_vec3_cross(y, w0, away);
-  fb_mat33_mul_vec3(away, R0, w0);
-  fb_mat33_mulT_vec3(rate + 9, R, away);
-  for (int i = 0; i < 3; i++) {
-    rate[6 + i] -= work->steady.v[i] + y[i];
-    rate[9 + i] = w[i] - rate[9 + i];
-  }
-}
-
-/* What the output reads at the moved state. */
-static fb_status fbi_port_read(fb_real *y, const fb_analyse_work *work, const fb_body *body, const fb_port *port)
+/* What the output reads at a node of a body in motion. */
+static fb_status fbi_port_read(fb_real *y, const fb_body *body, const fb_state *state, const fb_motion *motion,
+                               const fb_port *port)
 {
   const fb_real *gravity = NULL;
   fb_node_motion node;
   fb_imu imu;
-  const fb_status status = fb_body_node_motion(body, &node, &work->moved, &work->motion, port->node);
+  const fb_status status = fb_body_node_motion(body, &node, state, motion, port->node);
 #if FB_WITH_GRAVITY
   gravity = fbi_has(body->effects, FB_EFFECT_GRAVITY) ? body->gravity : NULL;
 #endif
@@ -13275,44 +13255,124 @@ static fb_status fbi_port_read(fb_real *y, const fb_analyse_work *work, const fb
   return status;
 }
 
-/* f: rates of x, then the outputs, at the moved state. */
-static fb_status fbi_linear_eval(fb_real *f, fb_analyse_work *work, const fb_body *body, const fb_state *state,
-                                 const fb_linear_desc *desc)
+/* ---- of one body */
+
+static fb_status fbi_analyse_check(const fb_body *body, const fb_state *state, const fb_input *input)
 {
-  const int n = body->n, first = fbi_first_free(body->base), n_free = 6 - first;
+  FBI_REQUIRE(body && state && input, FB_ERR_NULL);
+  if (fbi_form(body) != 0 && body->base != FB_BASE_PRESCRIBED) { /* its P, L are velocities */
+    return FB_ERR_VALUE;
+  }
+  return fb_state_check(body, state);
+}
+
+/* pi_dot at rest in the frame, which moves as the input says or spins freely, with q_j moved by h. */
+static fb_status fbi_body_residual(fb_real *f, const fbi_subject *s, int j, fb_real h)
+{
+  fb_analyse_work *const work = s->work;
+  const fb_real *v = s->input->v, *w = s->input->w;
+  fb_real own_v[3], own_w[3];
+  fb_status status = FB_OK;
+  work->moved = *s->state;
+  work->moved.q[j] += h;
+  if (s->body->base != FB_BASE_PRESCRIBED) {
+    status = fbi_free_spin(own_v, own_w, &work->moved, s->body, s->input->w);
+    v = own_v;
+    w = own_w;
+  }
+  status = status ? status : fb_state_from_velocity(s->body, &work->moved, v, w, NULL);
+  status = status ? status : fb_body_rates(s->body, &work->rate, &work->moved, s->input);
+  if (status == FB_OK) {
+    fbi_copy(f, work->rate.pi, s->body->n);
+  }
+  return status;
+}
+
+/* The state with the element j of x moved by h; momenta keep their components in body axes when the attitude changes. */
+static void fbi_linear_move(fb_state *out, const fb_state *state, const fb_body *body, int j, fb_real h)
+{
+  const int n = body->n, first = fbi_first_free(body->base), momentum = j - 2 * n + first,
+            pose = momentum - (6 - first);
+  fb_real R[9], ph[6];
+  *out = *state;
+  if (j < n) {
+    out->q[j] += h;
+  } else if (j < 2 * n) {
+    out->pi[j - n] += h;
+  } else {
+    fb_quat_to_mat33(R, state->quat);
+    fb_mat33_mulT_vec3(ph, R, state->P);
+    fb_mat33_mulT_vec3(ph + 3, R, state->L);
+    if (momentum < 6) {
+      ph[momentum] += h;
+    } else {
+      fbi_frame_move(out->rho, out->quat, pose, h);
+      fb_quat_to_mat33(R, out->quat);
+    }
+    fb_mat33_mul_vec3(out->P, R, ph);
+    fb_mat33_mul_vec3(out->L, R, ph + 3);
+  }
+}
+
+/* Rates of the momenta and of the pose, body axes. */
+static void fbi_linear_frame(fb_real rate[12], const fb_analyse_work *work, const fb_state *state)
+{
+  const fb_state *const at = &work->moved;
+  const fb_real *const w = work->motion.w;
+  fb_real R[9], V0[6], velocity[3];
+  fbi_copy(V0, work->steady.v, 3);
+  fbi_copy(V0 + 3, work->steady.w, 3);
+  fb_quat_to_mat33(R, at->quat);
+  fb_mat33_mul_vec3(velocity, R, work->motion.v);
+  fbi_turned_rate(rate, R, w, at->P, work->rate.P);
+  fbi_turned_rate(rate + 3, R, w, at->L, work->rate.L);
+  fbi_shift_rate(rate + 6, state->quat, state->rho, V0, at->rho, velocity);
+  fbi_turn_rate(rate + 9, state->quat, V0 + 3, at->quat, w);
+}
+
+/* Moves an input by h. */
+static void fbi_port_drive(fb_input *input, const fb_port *port, fb_real h)
+{
+  if (port->kind == FB_PORT_BASE_VELOCITY || port->kind == FB_PORT_BASE_RATE) {
+    (port->kind == FB_PORT_BASE_VELOCITY ? input->v : input->w)[port->axis] += h;
+  } else {
+    fbi_port_load(&input->load[input->n_load], port, h);
+    input->n_load++;
+  }
+}
+
+/* f: rates of x, then the outputs, with x_j or an input moved by h. */
+static fb_status fbi_body_response(fb_real *f, const fbi_subject *s, int j, fb_real h)
+{
+  fb_analyse_work *const work = s->work;
+  const fb_body *const body = s->body;
+  const int n = body->n, first = fbi_first_free(body->base), n_free = 6 - first, states = 2 * (n + n_free);
   fb_real frame[12];
-  fb_status status = fb_body_rates(body, &work->rate, &work->moved, &work->input);
+  fb_status status;
+  work->moved = *s->state;
+  work->input = *s->input;
+  if (j < states) {
+    fbi_linear_move(&work->moved, s->state, body, j, h);
+  } else {
+    fbi_port_drive(&work->input, &s->desc->in[j - states], h);
+  }
+  status = fb_body_rates(body, &work->rate, &work->moved, &work->input);
   status = status ? status : fb_body_motion(body, &work->motion, &work->moved, &work->input);
   if (status != FB_OK) {
     return status;
   }
   fbi_copy(f, work->rate.q, n);
   fbi_copy(f + n, work->rate.pi, n);
-  fbi_linear_frame(frame, work, state);
+  fbi_linear_frame(frame, work, s->state);
   fbi_copy(f + 2 * n, frame + first, n_free);
   fbi_copy(f + 2 * n + n_free, frame + 6 + first, n_free);
-  for (int k = 0; k < desc->n_out && status == FB_OK; k++) {
-    status = fbi_port_read(f + 2 * (n + n_free) + k, work, body, &desc->out[k]);
+  for (int k = 0; k < s->desc->n_out && status == FB_OK; k++) {
+    status = fbi_port_read(f + states + k, body, &work->moved, &work->motion, &s->desc->out[k]);
   }
   return status;
 }
 
-/* Moves input k by h. */
-static void fbi_port_drive(fb_input *input, const fb_port *port, fb_real h)
-{
-  fb_load *const load = &input->load[input->n_load];
-  if (port->kind == FB_PORT_BASE_VELOCITY || port->kind == FB_PORT_BASE_RATE) {
-    (port->kind == FB_PORT_BASE_VELOCITY ? input->v : input->w)[port->axis] += h;
-    return;
-  }
-  memset(load, 0, sizeof *load);
-  load->node = port->node;
-  load->axes = FB_AXES_BODY;
-  (port->kind == FB_PORT_FORCE ? load->force : load->torque)[port->axis] = h;
-  input->n_load++;
-}
-
-/* How far x_j is moved for a difference: a thousandth of the body; of momenta, what moves it so in a second. */
+/* How far x_j is moved for a difference: a small part of the body; of momenta, what moves it so in a second. */
 static fb_real fbi_linear_step(const fb_body *body, int j)
 {
   const int n = body->n, first = fbi_first_free(body->base), free = 6 - first;
@@ -13322,87 +13382,406 @@ static fb_real fbi_linear_step(const fb_body *body, int j)
     return fbi_difference_step(body, j % n);
   }
   if (j < 2 * n + free) {
-    return FB_R(1e-3) * body->mass * size * (i < 3 ? FB_R(1.0) : size);
+    return FBI_DIFFERENCE * body->mass * size * (i < 3 ? FB_R(1.0) : size);
   }
-  return FB_R(1e-3) * (i < 3 ? size : FB_R(1.0));
+  return FBI_DIFFERENCE * (i < 3 ? size : FB_R(1.0));
+}
+
+static int fbi_ports_fit(const fb_linear_desc *desc)
+{
+  return desc->n_in >= 0 && desc->n_in <= FB_MAX_PORTS && desc->n_out >= 0 && desc->n_out <= FB_MAX_PORTS;
 }
 
 static fb_status fbi_linear_desc_check(const fb_body *body, const fb_input *input, const fb_linear_desc *desc)
 {
-  FBI_REQUIRE(desc->n_in >= 0 && desc->n_in <= FB_MAX_PORTS && desc->n_out >= 0 && desc->n_out <= FB_MAX_PORTS,
-              FB_ERR_CAPACITY);
+  FBI_REQUIRE(fbi_ports_fit(desc), FB_ERR_CAPACITY);
   for (int k = 0; k < desc->n_in + desc->n_out; k++) {
-    const fb_port *const port = k < desc->n_in ? &desc->in[k] : &desc->out[k - desc->n_in];
-    const int kind = (int)port->kind, input_kind = k < desc->n_in, base = kind == 2 || kind == 3;
-    if (!fbi_is_choice(port->axis, 2) || !fbi_is_choice(kind, (int)FB_PORT_ACCELERATION) ||
-        (kind <= (int)FB_PORT_BASE_RATE) != input_kind || (base && body->base != FB_BASE_PRESCRIBED)) {
-      return FB_ERR_VALUE;
-    }
-    if (!base && (!fbi_is_choice(port->node, body->n_node - 1) || (input_kind && input->n_load >= FB_MAX_LOADS))) {
-      return FB_ERR_CAPACITY;
+    const int is_input = k < desc->n_in;
+    const fb_port *const port = is_input ? &desc->in[k] : &desc->out[k - desc->n_in];
+    const fb_status status = fbi_port_check(port, is_input, FB_PORT_ACCELERATION, body->base == FB_BASE_PRESCRIBED,
+                                            body->n_node, input->n_load < FB_MAX_LOADS);
+    if (status != FB_OK || port->body != 0) {
+      return status ? status : FB_ERR_CAPACITY;
     }
   }
   return FB_OK;
 }
 
-/* [E12.2] Linear model by differences of the rates and outputs.
-   Source: definition.  Shapes: see fb_linear.  Cost: 4 (n + n_in) evaluations.  Fails: see the header.
-   Test: spectrum_of_a_spinning_oscillator_is_closed_form, free_tops_nutate_as_euler_says,
-   linear_models_answer_as_the_body_does. */
-FB_DEF fb_status fb_body_linearize(const fb_body *body, fb_linear *linear, fb_analyse_work *work, const fb_state *state,
-                                   const fb_input *input, const fb_linear_desc *desc)
+/* ---- of a system */
+
+static fb_status fbi_system_analyse_check(const fb_system *system, const fb_body *body, const fb_system_state *state,
+                                          const fb_system_input *input)
 {
-  static const fb_linear_desc none;
-  fb_status status = fbi_analyse_check(body, state, input);
-  fb_linear *out;
-  int n, columns;
-  FBI_REQUIRE(linear && work, FB_ERR_NULL);
-  desc = desc ? desc : &none;
-  status = status ? status : fbi_linear_desc_check(body, input, desc);
-  status = status ? status : fb_body_motion(body, &work->steady, state, input);
-  if (status != FB_OK) {
-    return status;
+  fb_status status;
+  FBI_REQUIRE(system && body && state, FB_ERR_NULL);
+  if (system->n_loop > 0 || system->method == FB_METHOD_MULTIPLIERS || (input && input->rows)) {
+    return FB_ERR_KIND;
   }
-  out = &work->linear;
-  memset(out, 0, sizeof *out);
-  out->n_free = 6 - fbi_first_free(body->base);
-  out->n = n = 2 * (body->n + out->n_free);
-  out->n_in = desc->n_in;
-  out->n_out = desc->n_out;
-  columns = n + out->n_in;
-  for (int j = 0; j < columns && status == FB_OK; j++) {
-    const fb_real h = j < n ? fbi_linear_step(body, j) : FB_R(1.0);
-    for (int k = 0; k < 4 && status == FB_OK; k++) {
-      const fb_real step = (fb_real)fbi_difference_at[k] * h, weight = fbi_difference_weight[k] / h;
-      work->moved = *state;
-      work->input = *input;
-      if (j < n) {
-        fbi_linear_move(&work->moved, state, body, j, step);
-      } else {
-        fbi_port_drive(&work->input, &desc->in[j - n], step);
-      }
-      status = fbi_linear_eval(work->change, work, body, state, desc);
-      for (int i = 0; i < n + out->n_out && status == FB_OK; i++) {
-        fb_real *const row = i < n ? (j < n ? out->A + i * n : out->B + i * out->n_in)
-                                   : (j < n ? out->C + (i - n) * n : out->D + (i - n) * out->n_in);
-        row[j < n ? j : j - n] += weight * work->change[i];
+  status = fbi_system_input_check(system, body, input);
+  return status ? status : fbi_system_range(system, body, state);
+}
+
+static int fbi_is_ball(fb_joint_kind kind) /* its coordinates are an attitude */
+{
+  return kind == FB_JOINT_FREE || kind == FB_JOINT_SPHERICAL;
+}
+
+/* Length [m] by which slides are judged: the largest body or offset of a joint. */
+static fb_real fbi_system_size(const fb_system *system, const fb_body *body)
+{
+  fb_real size = FB_R(0.0);
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_body *const model = fbi_model(system, body, k);
+    size = fbi_larger(size, model->mass > FB_R(0.0) ? model->gyration : FB_R(0.0));
+    size = fbi_larger(size, fbi_vec3_norm(system->joint[k].position));
+    size = fbi_larger(size, fbi_vec3_norm(system->joint[k].child_position));
+  }
+  return size > FB_R(0.0) ? size : FB_R(1.0);
+}
+
+/* The coordinates of the linear model, free axes of the joints and then modes, and how far to move them. */
+static fb_status fbi_coordinates_find(fb_system_analyse_work *work, const fb_system *system, const fb_body *body,
+                                      const fb_system_state *state)
+{
+  const fb_real size = fbi_system_size(system, body);
+  work->n = work->n_free = 0;
+  for (int mode = 0; mode < 2; mode++) {
+    for (int k = 0; k < system->n_body; k++) {
+      const fb_joint *const joint = &system->joint[k];
+      const fb_body *const model = fbi_model(system, body, k);
+      for (int i = 0; i < (mode ? model->n : joint->n_axis); i++) {
+        const fbi_coordinate c = {k, mode, i};
+        const int slides = fbi_axis_slides(joint, i) || (joint->kind == FB_JOINT_FREE && i < 3);
+        if (!mode && state->mode[k][joint->kind == FB_JOINT_FREE ? 0 : i] != FB_AXIS_FREE) {
+          continue;
+        }
+        FBI_REQUIRE(work->n < FB_MAX_LINEAR / 2, FB_ERR_CAPACITY);
+        work->coordinate[work->n] = c;
+        work->common.step[work->n] =
+            mode ? fbi_difference_step(model, i) : FBI_DIFFERENCE * (slides ? size : FB_R(1.0));
+        work->n++;
+        work->n_free += !mode;
       }
     }
   }
-  if (status == FB_OK) { /* a failing call changes nothing */
-    *linear = *out;
+  return FB_OK;
+}
+
+static void fbi_coordinate_move(fb_system_state *state, const fb_system *system, const fbi_coordinate *c, fb_real h)
+{
+  const fb_joint_kind kind = system->joint[c->body].kind;
+  fb_link_state *const x = &state->link[c->body];
+  if (c->mode) {
+    x->q[c->i] += h;
+  } else if (fbi_is_ball(kind)) {
+    fbi_frame_move(x->x, x->quat, kind == FB_JOINT_FREE ? c->i : 3 + c->i, h);
+  } else {
+    x->x[c->i] += h;
+  }
+}
+
+/* Rates of a joint's coordinates z and momenta p along its axes, as fb_linear has them. */
+static void fbi_joint_rates(fb_real z[6], fb_real p[6], const fbi_subject *s, int k)
+{
+  const fb_system_analyse_work *const work = s->system_work;
+  const fbi_link_work *const L = &work->system.link[k];
+  const fb_joint *const joint = &s->system->joint[k];
+  const fb_link_state *const x = &work->moved.link[k], *const x0 = &s->system_state->link[k];
+  const fb_link_state *const rate = &work->rate.link[k];
+  if (joint->kind == FB_JOINT_FREE) {
+    fbi_shift_rate(z, x0->quat, x0->x, work->steady[k], x->x, rate->x);
+    fbi_turn_rate(z + 3, x0->quat, work->steady[k] + 3, x->quat, L->V + 3);
+    fbi_turned_rate(p, L->k.R, L->V + 3, x->p, rate->p);
+    fbi_turned_rate(p + 3, L->k.R, L->V + 3, x->p + 3, rate->p + 3);
+  } else if (joint->kind == FB_JOINT_SPHERICAL) {
+    fb_real h[3];
+    fbi_turn_rate(z, x0->quat, work->steady[k], x->quat, L->u);
+    fbi_turned_rate(h, L->k.R, L->V + 3, x->p, rate->p);
+    fb_mat33_mulT_vec3(p, joint->child_axes, h);
+  } else {
+    fbi_copy(z, rate->x, joint->n_axis);
+    fbi_copy(p, rate->p, joint->n_axis);
+  }
+}
+
+/* Rates of all coordinates, then of their momenta, from those of the moved state. */
+static void fbi_system_linear_rates(fb_real *f, const fbi_subject *s)
+{
+  const fb_system_analyse_work *const work = s->system_work;
+  fb_real z[6], p[6];
+  for (int j = 0, at = -1; j < work->n; j++) {
+    const fbi_coordinate *const c = &work->coordinate[j];
+    if (!c->mode && c->body != at) {
+      at = c->body;
+      fbi_joint_rates(z, p, s, at);
+    }
+    f[j] = c->mode ? work->rate.link[c->body].q[c->i] : z[c->i];
+    f[work->n + j] = c->mode ? work->rate.link[c->body].pi[c->i] : p[c->i];
+  }
+}
+
+/* Rates of the momenta at rest, given axes apart, with coordinate j moved by h. */
+static fb_status fbi_system_residual(fb_real *f, const fbi_subject *s, int j, fb_real h)
+{
+  fb_system_analyse_work *const work = s->system_work;
+  fb_system_work *const w = &work->system;
+  fb_status status;
+  work->moved = *s->system_state;
+  if (work->n > 0) {
+    fbi_coordinate_move(&work->moved, s->system, &work->coordinate[j], h);
+  }
+  fbi_system_enter(w, s->system);
+  fbi_links_place(w, s->system, s->body, &work->moved, &work->moved);
+  fbi_speeds_take(w, s->system, s->body, &work->moved, NULL, s->system_input);
+  fbi_momenta_fill(&work->moved, w, s->system, s->body);
+  status = fb_system_rates(s->system, s->body, w, &work->rate, &work->moved, s->system_input);
+  if (status == FB_OK) {
+    fbi_system_linear_rates(f, s);
+    fbi_copy(f, f + work->n, work->n);
   }
   return status;
 }
 
-/* Whether where a body is and how it is turned acts on its motion. */
-static int fbi_pose_acts(const fb_body *body, const fb_input *input)
+/* The state with element j of x moved by h: momenta keep their components along the axes of the joints. */
+static void fbi_system_linear_move(const fbi_subject *s, int j, fb_real h)
 {
-  int acts = fbi_has(body->effects, FB_EFFECT_GRAVITY);
-  for (int k = 0; k < input->n_load; k++) {
-    acts |= input->load[k].axes == FB_AXES_INERTIAL;
+  fb_system_analyse_work *const work = s->system_work;
+  fb_system_work *const w = &work->system;
+  const fbi_coordinate *const c = &work->coordinate[j % work->n];
+  if (j < work->n) {
+    fbi_coordinate_move(&work->moved, s->system, c, h);
+  } else if (c->mode) {
+    work->moved.link[c->body].pi[c->i] += h;
   }
-  return acts;
+  fbi_system_enter(w, s->system);
+  fbi_links_place(w, s->system, s->body, &work->moved, &work->moved);
+  for (int k = 0; k < s->system->n_body; k++) {
+    fb_real p[6];
+    fbi_vec6_copy(p, work->momenta[k]);
+    if (j >= work->n && !c->mode && c->body == k) {
+      p[c->i] += h;
+    }
+    fbi_joint_momenta_set(&work->moved.link[k], &w->link[k], &s->system->joint[k], p);
+  }
+}
+
+static void fbi_system_port_drive(fb_system_input *input, const fb_port *port, fb_real h)
+{
+  fb_drive *const drive = &input->drive[port->body];
+  if (port->kind == FB_PORT_BASE_VELOCITY || port->kind == FB_PORT_BASE_RATE) {
+    drive->rate[(port->kind == FB_PORT_BASE_VELOCITY ? 0 : 3) + port->axis] += h;
+  } else if (port->kind == FB_PORT_DRIVE) {
+    drive->torque[port->axis] += h;
+  } else {
+    input->load[input->n_load].body = port->body;
+    fbi_port_load(&input->load[input->n_load].load, port, h);
+    input->n_load++;
+  }
+}
+
+static fb_status fbi_system_port_read(fb_real *y, const fbi_subject *s, const fb_port *port)
+{
+  const fb_system_motion *const motion = &s->system_work->motion;
+  const int k = port->body;
+  if (port->kind == FB_PORT_COORDINATE || port->kind == FB_PORT_SPEED) {
+    *y = (port->kind == FB_PORT_SPEED ? motion->joint[k].speed : motion->joint[k].value)[port->axis];
+    return FB_OK;
+  }
+  return fbi_port_read(y, fbi_model(s->system, s->body, k), &motion->pose[k], &motion->motion[k], port);
+}
+
+/* f: rates of x, then the outputs, with x_j or an input moved by h. */
+static fb_status fbi_system_response(fb_real *f, const fbi_subject *s, int j, fb_real h)
+{
+  fb_system_analyse_work *const work = s->system_work;
+  const int states = 2 * work->n;
+  fb_status status;
+  work->moved = *s->system_state;
+  memset(&work->input, 0, sizeof work->input);
+  if (s->system_input) {
+    work->input = *s->system_input;
+  }
+  if (j < states) {
+    fbi_system_linear_move(s, j, h);
+  } else {
+    fbi_system_port_drive(&work->input, &s->desc->in[j - states], h);
+  }
+  status = fb_system_rates(s->system, s->body, &work->system, &work->rate, &work->moved, &work->input);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_system_linear_rates(f, s);
+  if (s->desc->n_out > 0) {
+    status = fb_system_motion_eval(s->system, s->body, &work->system, &work->motion, &work->moved, &work->input);
+  }
+  for (int k = 0; k < s->desc->n_out && status == FB_OK; k++) {
+    status = fbi_system_port_read(f + states + k, s, &s->desc->out[k]);
+  }
+  return status;
+}
+
+static fb_status fbi_system_port_check(const fbi_subject *s, const fb_port *port, int is_input)
+{
+  const fb_joint *joint;
+  const fb_axis_mode *mode;
+  fb_status status;
+  FBI_REQUIRE(port->body >= 0 && port->body < s->system->n_body, FB_ERR_CAPACITY);
+  joint = &s->system->joint[port->body];
+  mode = s->system_state->mode[port->body];
+  status = fbi_port_check(port, is_input, FB_PORT_SPEED, joint->kind == FB_JOINT_FREE && mode[0] == FB_AXIS_PRESCRIBED,
+                          fbi_model(s->system, s->body, port->body)->n_node,
+                          !s->system_input || s->system_input->n_load < FB_MAX_LOADS);
+  if (status != FB_OK || port->kind < FB_PORT_DRIVE) {
+    return status;
+  }
+  if (port->axis >= joint->n_axis) {
+    return FB_ERR_CAPACITY;
+  }
+  return is_input && (joint->kind == FB_JOINT_FREE || mode[port->axis] != FB_AXIS_FREE) ? FB_ERR_VALUE : FB_OK;
+}
+
+static fb_status fbi_system_ports_check(const fbi_subject *s)
+{
+  fb_status status = FB_OK;
+  FBI_REQUIRE(fbi_ports_fit(s->desc), FB_ERR_CAPACITY);
+  for (int k = 0; k < s->desc->n_in && status == FB_OK; k++) {
+    status = fbi_system_port_check(s, &s->desc->in[k], 1);
+  }
+  for (int k = 0; k < s->desc->n_out && status == FB_OK; k++) {
+    status = fbi_system_port_check(s, &s->desc->out[k], 0);
+  }
+  return status;
+}
+
+/* Steady speeds and momenta along the axes of the joints; largest rate of turn [rad/s]. */
+static fb_status fbi_system_steady(fb_real *spin, const fbi_subject *s)
+{
+  fb_system_analyse_work *const work = s->system_work;
+  const fb_status status =
+      fb_system_rates(s->system, s->body, &work->system, &work->rate, s->system_state, s->system_input);
+  *spin = FB_R(0.0);
+  for (int k = 0; k < s->system->n_body && status == FB_OK; k++) {
+    const fbi_link_work *const L = &work->system.link[k];
+    const fb_joint *const joint = &s->system->joint[k];
+    fbi_vec6_copy(work->steady[k], joint->kind == FB_JOINT_FREE ? L->V : L->u);
+    fbi_joint_momenta(work->momenta[k], L, joint, &s->system_state->link[k]);
+    *spin = fbi_larger(*spin, fbi_vec3_norm(L->V + 3));
+  }
+  return status;
+}
+
+/* How far momenta are moved: what a coordinate has at a hundred of its steps a second, more where the system spins (rates
+   are of second degree in momenta: wide steps do not err, short ones round). The system is placed. */
+static void fbi_momenta_steps(const fbi_subject *s, fb_real spin)
+{
+  fb_system_analyse_work *const work = s->system_work;
+  fb_system_work *const w = &work->system;
+  for (int j = 0; j < work->n; j++) {
+    const fbi_coordinate *const c = &work->coordinate[j];
+    fb_link_state *const x = &work->moved.link[c->body];
+    fb_real p[6], inertia;
+    for (int k = 0; k < s->system->n_body; k++) {
+      fbi_vec6_zero(w->link[k].u);
+      fbi_zero(w->link[k].q_dot, fbi_model(s->system, s->body, k)->n);
+    }
+    (c->mode ? w->link[c->body].q_dot : w->link[c->body].u)[c->i] = FB_R(1.0);
+    fbi_speeds_out(w, s->system, s->body);
+    fbi_momenta_fill(&work->moved, w, s->system, s->body);
+    fbi_joint_momenta(p, &w->link[c->body], &s->system->joint[c->body], x);
+    inertia = c->mode ? x->pi[c->i] : p[c->i];
+    work->common.step[work->n + j] = FB_R(100.0) * work->common.step[j] * inertia * (FB_R(1.0) + spin);
+  }
+}
+
+/* ---- of both */
+
+static fb_status fbi_subject_eval(fb_real *f, const fbi_subject *s, int j, fb_real h)
+{
+  if (s->system) {
+    return s->rests ? fbi_system_residual(f, s, j, h) : fbi_system_response(f, s, j, h);
+  }
+  return s->rests ? fbi_body_residual(f, s, j, h) : fbi_body_response(f, s, j, h);
+}
+
+/* Moves an unknown of the trim for good. */
+static void fbi_subject_move(const fbi_subject *s, int j, fb_real h)
+{
+  if (s->system) {
+    fbi_coordinate_move(&s->system_work->state, s->system, &s->system_work->coordinate[j], h);
+  } else {
+    s->work->state.q[j] += h;
+  }
+}
+
+/* Column j of the derivative of f: values at -2, -1, 1, 2 steps, exact for polynomials of degree 4. */
+static fb_status fbi_difference(fbi_analysis *work, const fbi_subject *s, int j, int count)
+{
+  static const fb_real weight[4] = {FB_R(1.0) / FB_R(12.0), -FB_R(2.0) / FB_R(3.0), FB_R(2.0) / FB_R(3.0),
+                                    -FB_R(1.0) / FB_R(12.0)};
+  static const int at[4] = {-2, -1, 1, 2};
+  const fb_real h = work->step[j];
+  fb_status status = FB_OK;
+  fbi_zero(work->column, count);
+  for (int k = 0; k < 4 && status == FB_OK; k++) {
+    status = fbi_subject_eval(work->f, s, j, (fb_real)at[k] * h);
+    for (int i = 0; i < count && status == FB_OK; i++) {
+      work->column[i] += weight[k] / h * work->f[i];
+    }
+  }
+  return status;
+}
+
+/* Newton's method for f = 0 in n unknowns. change: the last step, in bodies or radians; below 1e-9 it leaves rounding. */
+static fb_status fbi_trim_newton(fb_real *change, fbi_analysis *work, const fbi_subject *s, int n)
+{
+  fb_status status = FB_OK;
+  *change = FB_R(1.0);
+  for (int step = 0; step < 40 && *change > FB_R(64.0) * FB_EPSILON && status == FB_OK; step++) {
+    for (int j = 0; j < n && status == FB_OK; j++) {
+      status = fbi_difference(work, s, j, n);
+      for (int i = 0; i < n; i++) {
+        work->A[i * n + j] = work->column[i];
+      }
+    }
+    status = status ? status : fbi_subject_eval(work->f, s, 0, FB_R(0.0));
+    status = status || n == 0 ? status : fb_lu_factor(work->A, work->perm, work->scale, n);
+    *change = FB_R(0.0);
+    if (status == FB_OK) {
+      fb_lu_solve(work->column, work->A, work->perm, work->f, n);
+    }
+    for (int j = 0; j < n && status == FB_OK; j++) {
+      *change = fbi_larger(*change, FB_FABS(work->column[j]) * FBI_DIFFERENCE / work->step[j]);
+      fbi_subject_move(s, j, -work->column[j]);
+    }
+  }
+  return status ? status : fbi_subject_eval(work->f, s, 0, FB_R(0.0));
+}
+
+static int fbi_is_settled(fb_real change)
+{
+  return !(change > (FB_SINGLE ? FB_R(1e-4) : FB_R(1e-9)));
+}
+
+/* The matrices of work->linear, whose sizes are set, by differences. */
+static fb_status fbi_linear_fill(fbi_analysis *work, const fbi_subject *s, int n, int n_free)
+{
+  fb_linear *const out = &work->linear;
+  fb_status status = FB_OK;
+  memset(out, 0, sizeof *out);
+  out->n = n;
+  out->n_free = n_free;
+  out->n_in = s->desc->n_in;
+  out->n_out = s->desc->n_out;
+  for (int j = 0; j < n + out->n_in && status == FB_OK; j++) {
+    work->step[j] = j < n ? work->step[j] : FB_R(1.0);
+    status = fbi_difference(work, s, j, n + out->n_out);
+    for (int i = 0; i < n + out->n_out && status == FB_OK; i++) {
+      fb_real *const row = i < n ? (j < n ? out->A + i * n : out->B + i * out->n_in)
+                                 : (j < n ? out->C + (i - n) * n : out->D + (i - n) * out->n_in);
+      row[j < n ? j : j - n] = work->column[i];
+    }
+  }
+  return status;
 }
 
 /* Indices of eigenvalues with im >= 0, ascending by size; returns their number. */
@@ -13428,39 +13807,257 @@ static int fbi_spectrum_order(int *order, const fb_real *re, const fb_real *im, 
   return found;
 }
 
-/* [E12.3] Complex modes, x = X exp(lambda t): of each conjugate pair the one with im > 0, ascending by |lambda|.
-   Source: [H] A.15-3 in the coordinates (q, pi).  Cost: E12.2 and E5.6 with 2n.  Fails: as those.
+/* [E12.3] Complex modes, x = X exp(lambda t): of each conjugate pair the one with im > 0, ascending by |lambda|. Of the
+   states keep[0..size-1]; shapes of those among the first `coordinates`.
+   Source: [H] A.15-3 in the coordinates (q, pi).  Cost: E5.6 with size.  Fails: as that.
    Test: spectrum_of_a_spinning_oscillator_is_closed_form, damped_modes_have_their_ratios. */
-FB_DEF fb_status fb_body_spectrum(fb_spectrum *spectrum, fb_analyse_work *work, const fb_body *body,
-                                  const fb_state *state, const fb_input *input)
+static fb_status fbi_spectrum_fill(fb_spectrum *spectrum, fbi_analysis *work, int size, int coordinates)
 {
-  int n, size, order[FB_MAX_LINEAR], found;
+  const int n = work->linear.n, *const keep = work->keep;
+  int order[FB_MAX_LINEAR];
   fb_status status;
-  FBI_REQUIRE(spectrum && work && body, FB_ERR_NULL);
-  status = fb_body_linearize(body, &work->linear, work, state, input, NULL);
-  if (status != FB_OK) {
-    return status;
-  }
-  n = body->n;
-  size = work->linear.n - (fbi_pose_acts(body, input) ? 0 : work->linear.n_free);
-  for (int i = 0; i < size; i++) {
-    fbi_copy(work->A + i * size, work->linear.A + i * work->linear.n, size);
+  for (int i = 0; i < size * size; i++) {
+    work->A[i] = work->linear.A[keep[i / size] * n + keep[i % size]];
   }
   status = fb_eig_general_solve(work->re, work->im, work->X, work->A, work->eig, size);
   if (status != FB_OK) {
     return status;
   }
-  found = fbi_spectrum_order(order, work->re, work->im, size);
   memset(spectrum, 0, sizeof *spectrum);
-  spectrum->n = found;
-  for (int k = 0; k < found; k++) {
-    const fb_real *row = work->X + 2 * size * order[k];
+  spectrum->n = fbi_spectrum_order(order, work->re, work->im, size);
+  for (int k = 0; k < spectrum->n; k++) {
+    const fb_real *const x = work->X + 2 * size * order[k];
     spectrum->re[k] = work->re[order[k]];
     spectrum->im[k] = work->im[order[k]];
-    fbi_copy(spectrum->shape_re + k * n, row, n);
-    fbi_copy(spectrum->shape_im + k * n, row + size, n);
+    for (int i = 0; i < size && keep[i] < coordinates; i++) {
+      spectrum->shape_re[k * coordinates + keep[i]] = x[i];
+      spectrum->shape_im[k * coordinates + keep[i]] = x[size + i];
+    }
   }
   return FB_OK;
+}
+
+/* [E12.1] Steady state by Newton's method: pi_dot(q) = 0 at q_dot = 0, the tangent by differences.
+   Source: definition.  Cost: 4 n evaluations and a LU an iteration.  Fails: see the header.
+   Test: spectrum_of_a_spinning_oscillator_is_closed_form. */
+FB_DEF fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_work *work, const fb_input *input)
+{
+  fbi_subject s;
+  fb_real change;
+  fb_status status = fbi_analyse_check(body, state, input);
+  FBI_REQUIRE(work, FB_ERR_NULL);
+  if (status != FB_OK) {
+    return status;
+  }
+  memset(&s, 0, sizeof s);
+  s.body = body;
+  s.rests = 1;
+  s.work = work;
+  s.state = &work->state;
+  s.input = input;
+  work->state = *state;
+  for (int a = 0; a < body->n; a++) {
+    work->common.step[a] = fbi_difference_step(body, a);
+  }
+  status = fbi_trim_newton(&change, &work->common, &s, body->n);
+  status = status ? status : fb_state_check(body, &work->moved);
+  if (status == FB_OK && !fbi_is_settled(change)) {
+    status = FB_ERR_CONVERGENCE;
+  }
+  if (status == FB_OK) {
+    *state = work->moved;
+  }
+  return status;
+}
+
+static const fb_linear_desc *fbi_no_ports(fbi_analysis *work)
+{
+  memset(&work->none, 0, sizeof work->none);
+  return &work->none;
+}
+
+/* The linear model, in work. */
+static fb_status fbi_body_linearize(const fb_body *body, fb_analyse_work *work, const fb_state *state,
+                                    const fb_input *input, const fb_linear_desc *desc)
+{
+  fbi_subject s;
+  fb_status status = fbi_analyse_check(body, state, input);
+  const int n_free = body ? 6 - fbi_first_free(body->base) : 0, n = body ? 2 * (body->n + n_free) : 0;
+  FBI_REQUIRE(work, FB_ERR_NULL);
+  memset(&s, 0, sizeof s);
+  s.body = body;
+  s.desc = desc ? desc : fbi_no_ports(&work->common);
+  s.work = work;
+  s.state = state;
+  s.input = input;
+  status = status ? status : fbi_linear_desc_check(body, input, s.desc);
+  status = status ? status : fb_body_motion(body, &work->steady, state, input);
+  for (int j = 0; j < n && status == FB_OK; j++) {
+    work->common.step[j] = fbi_linear_step(body, j);
+  }
+  return status ? status : fbi_linear_fill(&work->common, &s, n, n_free);
+}
+
+/* [E12.2] Linear model by differences of the rates and outputs.
+   Source: definition.  Shapes: see fb_linear.  Cost: 4 (n + n_in) evaluations.  Fails: see the header.
+   Test: spectrum_of_a_spinning_oscillator_is_closed_form, free_tops_nutate_as_euler_says,
+   linear_models_answer_as_the_body_does. */
+FB_DEF fb_status fb_body_linearize(const fb_body *body, fb_linear *linear, fb_analyse_work *work, const fb_state *state,
+                                   const fb_input *input, const fb_linear_desc *desc)
+{
+  fb_status status;
+  FBI_REQUIRE(linear, FB_ERR_NULL);
+  status = fbi_body_linearize(body, work, state, input, desc);
+  if (status == FB_OK) { /* a failing call changes nothing */
+    *linear = work->common.linear;
+  }
+  return status;
+}
+
+/* Whether where a body is and how it is turned acts on its motion. */
+static int fbi_pose_acts(const fb_body *body, const fb_input *input)
+{
+  int acts = fbi_has(body->effects, FB_EFFECT_GRAVITY);
+  for (int k = 0; k < input->n_load; k++) {
+    acts |= input->load[k].axes == FB_AXES_INERTIAL;
+  }
+  return acts;
+}
+
+FB_DEF fb_status fb_body_spectrum(fb_spectrum *spectrum, fb_analyse_work *work, const fb_body *body,
+                                  const fb_state *state, const fb_input *input)
+{
+  fb_status status;
+  int size;
+  FBI_REQUIRE(spectrum && work && body, FB_ERR_NULL);
+  status = fbi_body_linearize(body, work, state, input, NULL);
+  if (status != FB_OK) {
+    return status;
+  }
+  size = work->common.linear.n - (fbi_pose_acts(body, input) ? 0 : work->common.linear.n_free);
+  for (int i = 0; i < size; i++) {
+    work->common.keep[i] = i;
+  }
+  return fbi_spectrum_fill(spectrum, &work->common, size, body->n);
+}
+
+/* [E12.8] Relative equilibrium of a system by Newton's method: the rates of all free momenta, in the axes that they are
+   kept along, vanish with the given axes at their rates and the rest still.
+   Source: definition.  Cost: 8 n evaluations and a LU an iteration.  Fails: see the header.
+   Test: hinged_blades_flap_and_lag_in_closed_form, blades_cone_under_a_moment. */
+FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb_system_state *state,
+                                fb_system_analyse_work *work, const fb_system_input *input)
+{
+  fbi_subject s;
+  fb_real change;
+  fb_status status = fbi_system_analyse_check(system, body, state, input);
+  FBI_REQUIRE(work, FB_ERR_NULL);
+  for (int k = 0; status == FB_OK && k < system->n_body; k++) {
+    const int floats = system->joint[k].kind == FB_JOINT_FREE && state->mode[k][0] == FB_AXIS_FREE;
+    status = floats ? FB_ERR_KIND : FB_OK;
+  }
+  status = status ? status : fbi_coordinates_find(work, system, body, state);
+  if (status != FB_OK) {
+    return status;
+  }
+  memset(&s, 0, sizeof s);
+  s.body = body;
+  s.rests = 1;
+  s.system = system;
+  s.system_work = work;
+  s.system_state = &work->state;
+  s.system_input = input;
+  work->state = *state;
+  memset(work->steady, 0, sizeof work->steady);
+  fbi_system_enter(&work->system, system);
+  fbi_prescribe(&work->state, system, &work->system, &work->state, input);
+  status = fbi_trim_newton(&change, &work->common, &s, work->n);
+  status = status ? status : fbi_system_range(system, body, &work->moved);
+  if (status == FB_OK && !fbi_is_settled(change)) {
+    status = FB_ERR_CONVERGENCE;
+  }
+  if (status == FB_OK) {
+    *state = work->moved;
+  }
+  return status;
+}
+
+/* The linear model, in work. */
+static fb_status fbi_system_linearize(const fb_system *system, const fb_body *body, fb_system_analyse_work *work,
+                                      const fb_system_state *state, const fb_system_input *input,
+                                      const fb_linear_desc *desc)
+{
+  fbi_subject s;
+  fb_real spin;
+  fb_status status = fbi_system_analyse_check(system, body, state, input);
+  FBI_REQUIRE(work, FB_ERR_NULL);
+  memset(&s, 0, sizeof s);
+  s.body = body;
+  s.desc = desc ? desc : fbi_no_ports(&work->common);
+  s.system = system;
+  s.system_work = work;
+  s.system_state = state;
+  s.system_input = input;
+  status = status ? status : fbi_system_ports_check(&s);
+  status = status ? status : fbi_coordinates_find(work, system, body, state);
+  status = status ? status : fbi_system_steady(&spin, &s);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_momenta_steps(&s, spin);
+  return fbi_linear_fill(&work->common, &s, 2 * work->n, work->n_free);
+}
+
+/* [E12.9] Linear model of a system by differences of the rates and outputs.
+   Source: definition.  Shapes: see fb_linear.  Cost: 4 (n + n_in) evaluations, with outputs twice.
+   Fails: see the header.  Test: linear_models_answer_as_the_system_does, gimbal_has_the_published_eigenvalues. */
+FB_DEF fb_status fb_system_linearize(const fb_system *system, const fb_body *body, fb_linear *linear,
+                                     fb_system_analyse_work *work, const fb_system_state *state,
+                                     const fb_system_input *input, const fb_linear_desc *desc)
+{
+  fb_status status;
+  FBI_REQUIRE(linear, FB_ERR_NULL);
+  status = fbi_system_linearize(system, body, work, state, input, desc);
+  if (status == FB_OK) {
+    *linear = work->common.linear;
+  }
+  return status;
+}
+
+/* Whether where free bodies are acts on the motion of a system. */
+static int fbi_system_pose_acts(const fb_system *system, const fb_body *body, const fb_system_input *input)
+{
+  int acts = 0;
+  for (int k = 0; k < system->n_body; k++) {
+    acts |= fbi_has(fbi_model(system, body, k)->effects, FB_EFFECT_GRAVITY);
+  }
+  for (int i = 0; input && i < input->n_load; i++) {
+    acts |= input->load[i].load.axes == FB_AXES_INERTIAL;
+  }
+  return acts;
+}
+
+/* [E12.10] E12.3 of a system, without the poses that nothing depends on.
+   Source: as E12.3.  Cost: E12.9 and E5.6.  Fails: as those.
+   Test: a_free_body_is_a_system_of_one, gimbal_has_the_published_eigenvalues. */
+FB_DEF fb_status fb_system_spectrum(fb_spectrum *spectrum, fb_system_analyse_work *work, const fb_system *system,
+                                    const fb_body *body, const fb_system_state *state, const fb_system_input *input)
+{
+  fb_status status;
+  int size = 0, acts;
+  FBI_REQUIRE(spectrum && work, FB_ERR_NULL);
+  status = fbi_system_linearize(system, body, work, state, input, NULL);
+  if (status != FB_OK) {
+    return status;
+  }
+  acts = fbi_system_pose_acts(system, body, input);
+  for (int j = 0; j < 2 * work->n; j++) {
+    const int floats = j < work->n_free && system->joint[work->coordinate[j].body].kind == FB_JOINT_FREE;
+    if (acts || !floats) {
+      work->common.keep[size++] = j;
+    }
+  }
+  return fbi_spectrum_fill(spectrum, &work->common, size, work->n);
 }
 
 FB_DEF fb_real fb_spectrum_damping(const fb_spectrum *spectrum, int k)

@@ -229,6 +229,44 @@ TEST(damped_spinning_satellite_has_its_closed_form)
   }
 }
 
+/* x on by dt along x' = A x + B u, by rk4. */
+static void linear_step(double *x, const fb_linear *linear, const double *u, double dt)
+{
+  static const double at[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0};
+  double k[FB_MAX_LINEAR] = {0}, half[FB_MAX_LINEAR], sum[FB_MAX_LINEAR] = {0};
+  for (int stage = 0; stage < 4; stage++) {
+    for (int i = 0; i < linear->n; i++) {
+      half[i] = x[i] + at[stage] * dt * k[i];
+    }
+    for (int i = 0; i < linear->n; i++) {
+      k[i] = 0.0;
+      for (int j = 0; j < linear->n_in; j++) {
+        k[i] += (double)linear->B[i * linear->n_in + j] * u[j];
+      }
+      for (int j = 0; j < linear->n; j++) {
+        k[i] += (double)linear->A[i * linear->n + j] * half[j];
+      }
+      sum[i] += weight[stage] * k[i];
+    }
+  }
+  for (int i = 0; i < linear->n; i++) {
+    x[i] += dt * sum[i];
+  }
+}
+
+/* y_k = C x + D u */
+static double linear_output(const fb_linear *linear, const double *x, const double *u, int k)
+{
+  double y = 0.0;
+  for (int j = 0; j < linear->n; j++) {
+    y += (double)linear->C[k * linear->n + j] * x[j];
+  }
+  for (int j = 0; j < linear->n_in; j++) {
+    y += (double)linear->D[k * linear->n_in + j] * u[j];
+  }
+  return y;
+}
+
 /* E12.2: the linear model, integrated, answers to small forces and torques as the body does, about a free spin: rates,
    deflections and accelerations of hub and tip. */
 TEST(linear_models_answer_as_the_body_does)
@@ -293,7 +331,6 @@ TEST(linear_models_answer_as_the_body_does)
   state = steady;
   for (int step = -1; step < 2000; step++) {
     const double u[2] = {size * cos(0.003 * step), step < 500 ? size : 0.0};
-    double k1[FB_MAX_LINEAR], half[FB_MAX_LINEAR], f[FB_MAX_LINEAR];
     fb_motion motion;
     memset(&loads, 0, sizeof loads);
     if (step >= 0) {
@@ -303,29 +340,13 @@ TEST(linear_models_answer_as_the_body_does)
       loads.load[1].force[1] = (fb_real)u[1];
       loads.load[1].node = node;
       FBT_INT_EQ(fb_rk4_step(&body, &state, &rk4, &loads, &loads, &loads, (fb_real)dt), FB_OK);
-      for (int stage = 0; stage < 4; stage++) { /* rk4 of the linear model */
-        const double at[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0};
-        for (int i = 0; i < linear.n; i++) {
-          half[i] = x[i] + (stage ? at[stage] * dt * k1[i] : 0.0);
-          f[i] = stage ? f[i] : 0.0;
-        }
-        for (int i = 0; i < linear.n; i++) {
-          k1[i] = (double)linear.B[2 * i] * u[0] + (double)linear.B[2 * i + 1] * u[1];
-          for (int j = 0; j < linear.n; j++) {
-            k1[i] += (double)linear.A[i * linear.n + j] * half[j];
-          }
-          f[i] += weight[stage] * k1[i];
-        }
-      }
-      for (int i = 0; i < linear.n; i++) {
-        x[i] += dt * f[i];
-      }
+      linear_step(x, &linear, u, dt);
     }
     FBT_INT_EQ(fb_body_motion(&body, &motion, &state, &loads), FB_OK);
     for (int k = 0; k < 8; k++) {
       fb_node_motion at;
       fb_imu imu;
-      double y, want = step < 0 ? 0.0 : (double)linear.D[2 * k] * u[0] + (double)linear.D[2 * k + 1] * u[1];
+      double y;
       FBT_INT_EQ(fb_body_node_motion(&body, &at, &state, &motion, ports.out[k].node), FB_OK);
       fb_imu_eval(&imu, &at, NULL);
       y = (double)(k < 3   ? imu.angular_rate
@@ -333,10 +354,7 @@ TEST(linear_models_answer_as_the_body_does)
                    : k < 7 ? imu.specific_force
                            : at.rotation)[ports.out[k].axis];
       base[k] = step < 0 ? y : base[k];
-      for (int j = 0; j < linear.n; j++) {
-        want += (double)linear.C[k * linear.n + j] * x[j];
-      }
-      worst[k] = fmax(worst[k], fabs(y - base[k] - want));
+      worst[k] = fmax(worst[k], fabs(y - base[k] - (step < 0 ? 0.0 : linear_output(&linear, x, u, k))));
       most[k] = fmax(most[k], fabs(y - base[k]));
     }
   }
@@ -498,6 +516,418 @@ TEST(advised_steps_err_as_wanted)
   FBT_NEAR_ABS(fb_spectrum_step(&spectrum, FB_SCHEME_RK4, NULL, FB_R(1.0), (fb_real)NAN), 0.0, 0.0);
 }
 
+/* ---- systems */
+
+static fb_body part[FB_MAX_BODIES];
+static fb_system_desc tree;
+static fb_system mechanism;
+static fb_system_analyse_work tree_work;
+static fb_system_state tree_state;
+static fb_system_input drive;
+static fb_link_motion start[FB_MAX_BODIES];
+
+static void fresh(void)
+{
+  memset(&tree, 0, sizeof tree);
+  memset(&drive, 0, sizeof drive);
+  memset(start, 0, sizeof start);
+}
+
+/* Model k: a rigid body with its mass center on x, inertia about the origin. */
+static void rigid_part(int k, double mass, double c, double jx, double jy, double jz, double gravity)
+{
+  static fb_body_desc desc;
+  const double off = mass * c * c;
+  const fb_real center[3] = {(fb_real)c, 0, 0}, J[6] = {(fb_real)jx, (fb_real)(jy - off), (fb_real)(jz - off), 0, 0, 0};
+  const fb_real tip[3] = {(fb_real)(2.0 * c), 0, 0};
+  int node;
+  memset(&desc, 0, sizeof desc);
+  desc.base = FB_BASE_PRESCRIBED;
+  desc.effects = gravity != 0.0 ? (unsigned)FB_EFFECT_GRAVITY : 0u;
+  desc.gravity[0] = (fb_real)gravity;
+  FBT_INT_EQ(fb_shape_init(&shape, 0), FB_OK);
+  FBT_INT_EQ(fb_shape_add_rigid(&shape, (fb_real)mass, center, J), FB_OK);
+  FBT_INT_EQ(fb_shape_add_node(&shape, &node, tip, NULL, NULL), FB_OK);
+  FBT_INT_EQ(fb_body_init(&part[k], &body_work, &shape, &desc), FB_OK);
+}
+
+/* Model k: a hub and a beam along x, node 1 its tip, n bending modes each way. */
+static void flexible_part(int k, double length, int n, fb_base base, unsigned effects)
+{
+  static fb_beam_desc desc;
+  static fb_beam beam;
+  static fb_modes modes;
+  static fb_modes_work modes_work;
+  static fb_modes_desc keep;
+  static fb_body_desc level;
+  const fb_real center[3] = {FB_R(0.1), 0, 0}, J[6] = {FB_R(0.8), FB_R(0.5), FB_R(0.9), 0, 0, 0};
+  int node;
+  memset(&desc, 0, sizeof desc);
+  memset(&keep, 0, sizeof keep);
+  memset(&level, 0, sizeof level);
+  desc.length = (fb_real)length;
+  desc.n_element = 6;
+  desc.n_station = 1;
+  desc.station[0].mass = FB_R(0.5);
+  desc.station[0].EI_y = FB_R(40.0);
+  desc.station[0].EI_z = FB_R(60.0);
+  keep.count[FB_KIND_BEND_Y] = keep.count[FB_KIND_BEND_Z] = n;
+  level.effects = effects;
+  level.base = base;
+  for (int a = 0; a < 2 * n; a++) {
+    level.zeta[a] = FB_R(0.02);
+  }
+  FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+  FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_OK);
+  FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
+  FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(2.0), center, J), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, (fb_real)length), FB_OK);
+  FBT_INT_EQ(fb_body_init(&part[k], &body_work, &shape, &level), FB_OK);
+}
+
+static fb_joint_desc *hang(int k, int model, fb_joint_kind kind, int parent)
+{
+  fb_joint_desc *const j = &tree.joint[k];
+  tree.n_body = k + 1;
+  tree.model[k] = model;
+  j->kind = kind;
+  j->parent = parent;
+  return j;
+}
+
+static void build(void)
+{
+  FBT_INT_EQ(fb_system_init(&mechanism, &tree_work.system, part, FB_MAX_BODIES, &tree), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, part, &tree_work.system, &tree_state, start, &drive), FB_OK);
+}
+
+static void trim_and_modes(void)
+{
+  FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), FB_OK);
+  FBT_INT_EQ(fb_system_spectrum(&spectrum, &tree_work, &mechanism, part, &tree_state, &drive), FB_OK);
+}
+
+/* A hub that a motor turns about z at Omega, its hinge e out along x. */
+static void rotor(double Omega)
+{
+  fresh();
+  rigid_part(0, 1.0, 0.0, 1.0, 1.0, 1.0, 0.0);
+  hang(0, 0, FB_JOINT_REVOLUTE, FB_GROUND)->mode[0] = FB_AXIS_PRESCRIBED;
+  drive.drive[0].rate[0] = (fb_real)Omega;
+}
+
+static void frame_turn(fb_real quat[4], double x, double y, double z)
+{
+  const fb_real phi[3] = {(fb_real)x, (fb_real)y, (fb_real)z};
+  fb_quat_from_rotvec(quat, phi);
+}
+
+/* E12.8 to E12.10: a rigid blade, a lamina in the rotor's plane (J_z = J_x + J_y), on a ball joint with springs k: its
+   potential -Omega^2 I_spin/2 gives, uncoupled, lag^2 = Omega^2 e m c/J_z + k/J_z, flap^2 = Omega^2 (1 + e m c/J_y) +
+   k/J_y, pitch^2 = Omega^2 + k/J_x. On a universal joint there is no pitch, on a hinge no lag. From a guess off it the
+   trim finds the blade straight. */
+TEST(hinged_blades_flap_and_lag_in_closed_form)
+{
+  static const fb_joint_kind kinds[3] = {FB_JOINT_REVOLUTE, FB_JOINT_UNIVERSAL, FB_JOINT_SPHERICAL};
+  double largest = 0.0;
+  for (int run = 0; run < 12; run++) {
+    const fb_joint_kind kind = kinds[run % 3];
+    const double Omega = 3.0 + run, e = 0.1 + 0.05 * run, m = 2.0, c = 0.7, k = run / 3 % 2 ? 20.0 : 0.0;
+    const double jx = 0.05, jy = 1.3, jz = jx + jy, emc = e * m * c, square = Omega * Omega;
+    const double lag = sqrt((square * emc + k) / jz), flap = sqrt(square + (square * emc + k) / jy);
+    const double pitch = sqrt(square + k / jx);
+    double want[3] = {lag, flap, pitch};
+    int n = 3;
+    fb_joint_desc *hinge;
+    rotor(Omega);
+    rigid_part(1, m, c, jx, jy, jz, 0.0);
+    hinge = hang(1, 1, kind, 0);
+    hinge->position[0] = (fb_real)e;
+    hinge->stiffness[0] = hinge->stiffness[1] = (fb_real)k;
+    if (kind == FB_JOINT_REVOLUTE) { /* z of the joint along -y */
+      frame_turn(hinge->attitude, pi / 2, 0.0, 0.0);
+      frame_turn(hinge->child_attitude, pi / 2, 0.0, 0.0);
+      want[0] = flap;
+      n = 1;
+    } else if (kind == FB_JOINT_UNIVERSAL) { /* z up, x along -y */
+      frame_turn(hinge->attitude, 0.0, 0.0, -pi / 2);
+      frame_turn(hinge->child_attitude, 0.0, 0.0, -pi / 2);
+      n = 2;
+    }
+    start[1].value[0] = FB_R(0.2);
+    start[1].value[1] = kind == FB_JOINT_UNIVERSAL ? -FB_R(0.1) : FB_R(0.0);
+    frame_turn(start[1].quat, 0.1, -0.2, 0.05);
+    build();
+    trim_and_modes();
+    if (kind == FB_JOINT_SPHERICAL) {
+      FBT_NEAR_ABS(tree_state.link[1].quat[0], 1.0, 8.0 * EPS);
+    } else {
+      FBT_NEAR_ABS(tree_state.link[1].x[0], 0.0, 64.0 * EPS);
+    }
+    FBT_INT_EQ(spectrum.n, n);
+    if (want[1] > want[2] && n == 3) { /* ascending */
+      want[1] = pitch;
+      want[2] = flap;
+    }
+    for (int i = 0; i < n && i < spectrum.n; i++) {
+      FBT_NEAR_REL(spectrum.im[i], want[i], FBT_TOL(1e-10, 1e-3));
+      FBT_NEAR_ABS(spectrum.re[i], 0.0, FBT_TOL(1e-10, 1e-3) * Omega);
+      largest = fmax(largest, fabs((double)spectrum.im[i] / want[i] - 1.0));
+    }
+  }
+  fbt_figure("rigid blade on hinges, flap, lag and pitch", "closed form", largest);
+}
+
+/* E12.8, E12.9: a constant moment M about a flap hinge on the axis cones the blade by sin 2 beta = 2 M/(Omega^2 (J_z -
+   J_x)); about that it swings with Omega^2 (J_z - J_x) cos 2 beta/J_y. Beyond 45 degrees there is no equilibrium. */
+TEST(blades_cone_under_a_moment)
+{
+  for (int run = 1; run < 7; run++) {
+    const double Omega = 4.0, jx = 0.1, jy = 1.25, jz = 1.2, hold = Omega * Omega * (jz - jx),
+                 M = 0.16 * run * hold / 2.0;
+    const double beta = 0.5 * asin(0.16 * run), omega = sqrt(hold * cos(2.0 * beta) / jy);
+    fb_joint_desc *hinge;
+    rotor(Omega);
+    rigid_part(1, 2.0, 0.7, jx, jy, jz, 0.0);
+    hinge = hang(1, 1, FB_JOINT_REVOLUTE, 0);
+    frame_turn(hinge->attitude, pi / 2, 0.0, 0.0);
+    frame_turn(hinge->child_attitude, pi / 2, 0.0, 0.0);
+    drive.drive[1].torque[0] = (fb_real)M;
+    build();
+    trim_and_modes();
+    FBT_NEAR_ABS(tree_state.link[1].x[0], beta, FBT_TOL(1e-13, 1e-5));
+    FBT_NEAR_REL(spectrum.im[0], omega, FBT_TOL(1e-11, 1e-4));
+  }
+  {
+    const fb_system_state before = tree_state;
+    fb_status status;
+    drive.drive[1].torque[0] = FB_R(10.0);
+    status = fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive);
+    FBT_TRUE(status == FB_ERR_CONVERGENCE || status == FB_ERR_SINGULAR || status == FB_ERR_NOT_FINITE);
+    FBT_TRUE(memcmp(&before, &tree_state, sizeof before) == 0);
+  }
+}
+
+/* E12.8 to E12.10: a double pendulum of equal particles swings about its hanging position, found from one aside, with
+   omega^2 = (2 -+ sqrt 2) g/l, the lower particle by +-sqrt 2 of the upper; by the dense method, too. */
+TEST(double_pendulum_swings_in_closed_form)
+{
+  for (int run = 0; run < 2; run++) {
+    const double g = 9.81, l = 0.6, m = 1.5, I = m * l * l;
+    fresh();
+    rigid_part(0, m, l, 0.0, I, I, g);
+    hang(0, 0, FB_JOINT_REVOLUTE, FB_GROUND);
+    hang(1, 0, FB_JOINT_REVOLUTE, 0)->position[0] = (fb_real)l;
+    tree.method = run ? FB_METHOD_DENSE : FB_METHOD_RECURSIVE;
+    start[0].value[0] = FB_R(0.5);
+    start[1].value[0] = -FB_R(0.4);
+    start[0].speed[0] = FB_R(0.3);
+    build();
+    trim_and_modes();
+    FBT_NEAR_ABS(tree_state.link[0].x[0], 0.0, 64.0 * EPS);
+    FBT_NEAR_ABS(tree_state.link[1].x[0], 0.0, 64.0 * EPS);
+    FBT_NEAR_ABS(tree_state.link[0].p[0], 0.0, EPS);
+    FBT_INT_EQ(spectrum.n, 2);
+    for (int k = 0; k < 2; k++) {
+      const double sign = k ? -1.0 : 1.0;
+      const number upper = {(double)spectrum.shape_re[2 * k], (double)spectrum.shape_im[2 * k]};
+      const number joint = {(double)spectrum.shape_re[2 * k + 1], (double)spectrum.shape_im[2 * k + 1]};
+      const number miss = plus(joint, 1.0 - sign * sqrt(2.0), upper); /* lower = upper + joint = +-sqrt 2 upper */
+      FBT_NEAR_REL(spectrum.im[k], sqrt((2.0 - sign * sqrt(2.0)) * g / l), FBT_TOL(1e-11, 1e-4));
+      FBT_BELOW(hypot(miss.re, miss.im) / hypot(upper.re, upper.im), FBT_TOL(1e-10, 1e-3));
+    }
+  }
+}
+
+/* E12.8, E12.10: a flexible body that floats is a system of one: at rest and spinning the same steady shape and the same
+   complex modes as by E12.1 and E12.3, number and shapes included. */
+TEST(a_free_body_is_a_system_of_one)
+{
+  for (int run = 0; run < 4; run++) {
+    static fb_spectrum own;
+    fb_state state;
+    fb_motion motion;
+    fb_input input;
+    int common = 0;
+    memset(&input, 0, sizeof input);
+    input.w[2] = (fb_real)(1.5 * run);
+    fresh();
+    flexible_part(0, 2.0, 2, FB_BASE_FREE, FB_EFFECTS_FULL | FB_EFFECT_DAMPING);
+    FBT_INT_EQ(fb_state_init(&part[0], &state), FB_OK);
+    FBT_INT_EQ(fb_body_trim(&part[0], &state, &work, &input), FB_OK);
+    FBT_INT_EQ(fb_body_spectrum(&own, &work, &part[0], &state, &input), FB_OK);
+    FBT_INT_EQ(fb_body_motion(&part[0], &motion, &state, &input), FB_OK);
+    hang(0, 0, FB_JOINT_FREE, FB_GROUND)->mode[0] = FB_AXIS_PRESCRIBED;
+    frame_turn(start[0].quat, 0.3, -0.5, 0.2);
+    for (int i = 0; i < 3; i++) {
+      drive.drive[0].rate[i] = motion.v[i];
+      drive.drive[0].rate[3 + i] = motion.w[i];
+    }
+    build();
+    FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), FB_OK);
+    FBT_BELOW(fbt_difference(tree_state.link[0].q, state.q, 4), FBT_TOL(1e-12, 1e-5));
+    FBT_INT_EQ(fb_system_axis_set(&mechanism, part, &tree_work.system, &tree_state, 0, 0, FB_AXIS_FREE, &drive), FB_OK);
+    FBT_INT_EQ(fb_system_spectrum(&spectrum, &tree_work, &mechanism, part, &tree_state, &drive), FB_OK);
+    for (int i = 0; i < own.n; i++) {
+      const double re = (double)own.re[i], im = (double)own.im[i];
+      double miss = 1.0;
+      int at = 0;
+      if (hypot(re, im) < 0.05) { /* what drifts is zero to a root of rounding */
+        continue;
+      }
+      for (int k = 0; k < spectrum.n; k++) {
+        const double d = hypot((double)spectrum.re[k] - re, (double)spectrum.im[k] - im) / hypot(re, im);
+        at = d < miss ? k : at;
+        miss = fmin(d, miss);
+      }
+      FBT_BELOW(miss, FBT_TOL(1e-9, 3e-3));
+      common++;
+      if (im > 5.0) { /* a mode of vibration: q_a of both in the same ratio */
+        int most = 0;
+        for (int a = 1; a < 4; a++) {
+          most = hypot((double)own.shape_re[4 * i + a], (double)own.shape_im[4 * i + a]) >
+                         hypot((double)own.shape_re[4 * i + most], (double)own.shape_im[4 * i + most])
+                     ? a
+                     : most;
+        }
+        for (int a = 0; a < 4; a++) { /* x_a y_most = y_a x_most */
+          const int A = 4 * i + a, A0 = 4 * i + most, B = 10 * at + 6 + a, B0 = 10 * at + 6 + most;
+          const number x = {(double)own.shape_re[A], (double)own.shape_im[A]};
+          const number x0 = {(double)own.shape_re[A0], (double)own.shape_im[A0]};
+          const number y = {(double)spectrum.shape_re[B], (double)spectrum.shape_im[B]};
+          const number y0 = {(double)spectrum.shape_re[B0], (double)spectrum.shape_im[B0]};
+          const number d = plus(times(x, y0), -1.0, times(y, x0));
+          FBT_BELOW(hypot(d.re, d.im) / (hypot(x0.re, x0.im) * hypot(y0.re, y0.im)), FBT_TOL(1e-8, 1e-2));
+        }
+      }
+      for (int a = 0; a < 6; a++) { /* the pose is left out */
+        FBT_NEAR_ABS(spectrum.shape_re[10 * at + a], 0.0, 0.0);
+      }
+    }
+    FBT_TRUE(common >= 4);
+    if (run > 0) { /* at rest pairs of zeros may split either way */
+      FBT_INT_EQ(spectrum.n, own.n);
+    }
+  }
+}
+
+/* A spacecraft that spins about z: hub, two flexible blades opposite each other on sprung hinges, an antenna on a sprung
+   ball joint on the axis; base: of the hub. */
+static void spinner(fb_axis_mode base, double Omega)
+{
+  fb_joint_desc *j;
+  fresh();
+  rigid_part(0, 8.0, 0.0, 3.0, 4.0, 6.0, 0.0);
+  flexible_part(1, 2.0, 1, FB_BASE_PRESCRIBED, FB_EFFECTS_FULL | FB_EFFECT_DAMPING);
+  rigid_part(2, 1.0, 0.4, 0.1, 0.35, 0.3, 0.0);
+  hang(0, 0, FB_JOINT_FREE, FB_GROUND)->mode[0] = base;
+  for (int k = 1; k < 3; k++) { /* along x and -x: half a turn about z */
+    j = hang(k, 1, FB_JOINT_REVOLUTE, 0);
+    frame_turn(j->attitude, 0.0, 0.0, k == 1 ? 0.0 : pi);
+    j->position[0] = k == 1 ? FB_R(0.5) : -FB_R(0.5);
+    j->stiffness[0] = FB_R(30.0);
+    j->damping[0] = FB_R(0.5);
+  }
+  j = hang(3, 2, FB_JOINT_SPHERICAL, 0); /* its x upwards */
+  frame_turn(j->attitude, 0.0, -pi / 2, 0.0);
+  j->position[2] = FB_R(0.3);
+  j->stiffness[0] = FB_R(12.0);
+  j->damping[0] = FB_R(0.2);
+  drive.drive[0].rate[5] = (fb_real)Omega;
+}
+
+/* Input k of the next test, u of it. */
+static void spinner_drive(fb_system_input *input, int base, const double u[5])
+{
+  *input = drive;
+  if (base) {
+    input->drive[0].rate[3] += (fb_real)u[0];
+    input->drive[0].rate[1] += (fb_real)u[4];
+  } else {
+    input->load[0].load.axes = FB_AXES_BODY;
+    input->load[0].load.torque[0] = (fb_real)u[0];
+    input->load[0].load.force[1] = (fb_real)u[4];
+  }
+  input->drive[1].torque[0] = (fb_real)u[1];
+  input->drive[3].torque[1] = (fb_real)u[2];
+  input->n_load = 2;
+  input->load[1].body = 2;
+  input->load[1].load.node = 1;
+  input->load[1].load.axes = FB_AXES_BODY;
+  input->load[1].load.force[2] = (fb_real)u[3];
+}
+
+/* E12.9: the linear model of a spinning spacecraft, integrated, answers to small torques, forces and turns of a given
+   base as the system does: joint coordinates and speeds, gyros, deflections and an accelerometer. */
+TEST(linear_models_answer_as_the_system_does)
+{
+  static const fb_port out[8] = {{FB_PORT_COORDINATE, 1, 0, 0},   {FB_PORT_SPEED, 2, 0, 0},
+                                 {FB_PORT_COORDINATE, 3, 0, 1},   {FB_PORT_SPEED, 3, 0, 2},
+                                 {FB_PORT_RATE, 3, 1, 1},         {FB_PORT_DISPLACEMENT, 2, 1, 2},
+                                 {FB_PORT_ACCELERATION, 2, 1, 2}, {FB_PORT_ROTATION, 1, 1, 2}};
+  const double size = FBT_TOL(1e-3, 3e-2), dt = 2e-3;
+  for (int base = 0; base < 2; base++) {
+    static fb_linear linear;
+    static fb_linear_desc ports;
+    static fb_system_motion motion;
+    const fb_port in[5] = {{base ? FB_PORT_BASE_RATE : FB_PORT_TORQUE, 0, 0, 0},
+                           {FB_PORT_DRIVE, 1, 0, 0},
+                           {FB_PORT_DRIVE, 3, 0, 1},
+                           {FB_PORT_FORCE, 2, 1, 2},
+                           {base ? FB_PORT_BASE_VELOCITY : FB_PORT_FORCE, 0, 0, 1}};
+    double x[FB_MAX_LINEAR] = {0}, first[8] = {0}, worst[8] = {0}, most[8] = {0}, none[5] = {0};
+    spinner(FB_AXIS_PRESCRIBED, 0.8);
+    build();
+    FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), FB_OK);
+    if (!base) {
+      FBT_INT_EQ(fb_system_axis_set(&mechanism, part, &tree_work.system, &tree_state, 0, 0, FB_AXIS_FREE, &drive),
+                 FB_OK);
+    }
+    ports.n_in = 5;
+    ports.n_out = 8;
+    memcpy(ports.in, in, sizeof in);
+    memcpy(ports.out, out, sizeof out);
+    FBT_INT_EQ(fb_system_linearize(&mechanism, part, &linear, &tree_work, &tree_state, &drive, &ports), FB_OK);
+    FBT_INT_EQ(linear.n_free, 5 + (base ? 0 : 6));
+    FBT_INT_EQ(linear.n, 2 * (4 + linear.n_free));
+    for (int step = -1; step < 1500; step++) {
+      const double u[5] = {(base ? 0.02 : 1.0) * size * cos(0.003 * step), step < 300 ? size : 0.0, -0.5 * size,
+                           0.2 * size * sin(0.01 * step), (base ? 0.1 : 0.5) * size * sin(0.004 * step)};
+      fb_system_input loads;
+      spinner_drive(&loads, base, step < 0 ? none : u);
+      if (step >= 0) {
+        FBT_INT_EQ(
+            fb_system_rk4_step(&mechanism, part, &tree_state, &tree_work.system, &loads, &loads, &loads, (fb_real)dt),
+            FB_OK);
+        linear_step(x, &linear, u, dt);
+      }
+      FBT_INT_EQ(fb_system_motion_eval(&mechanism, part, &tree_work.system, &motion, &tree_state, &loads), FB_OK);
+      for (int k = 0; k < 8; k++) {
+        const int b = out[k].body, axis = out[k].axis;
+        fb_node_motion at;
+        fb_imu imu;
+        double y;
+        FBT_INT_EQ(fb_body_node_motion(&part[tree.model[b]], &at, &motion.pose[b], &motion.motion[b], out[k].node),
+                   FB_OK);
+        fb_imu_eval(&imu, &at, NULL);
+        y = (double)(out[k].kind == FB_PORT_COORDINATE     ? motion.joint[b].value
+                     : out[k].kind == FB_PORT_SPEED        ? motion.joint[b].speed
+                     : out[k].kind == FB_PORT_RATE         ? imu.angular_rate
+                     : out[k].kind == FB_PORT_DISPLACEMENT ? at.displacement
+                     : out[k].kind == FB_PORT_ACCELERATION ? imu.specific_force
+                                                           : at.rotation)[axis];
+        first[k] = step < 0 ? y : first[k];
+        worst[k] = fmax(worst[k], fabs(y - first[k] - (step < 0 ? 0.0 : linear_output(&linear, x, u, k))));
+        most[k] = fmax(most[k], fabs(y - first[k]));
+      }
+    }
+    for (int k = 0; k < 8; k++) {
+      FBT_BELOW(worst[k] / most[k], FBT_TOL(5e-4, 1.5e-2));
+    }
+  }
+}
+
 /* Section 12: what cannot be linearized is refused, the state kept. */
 TEST(analysis_refuses_bad_input)
 {
@@ -536,6 +966,11 @@ TEST(analysis_refuses_bad_input)
   ports.n_out = 1;
   ports.out[0].kind = FB_PORT_BASE_RATE;
   FBT_INT_EQ(fb_body_linearize(&body, &linear, &work, &state, &input, &ports), FB_ERR_VALUE);
+  ports.out[0].kind = FB_PORT_COORDINATE; /* of joints */
+  FBT_INT_EQ(fb_body_linearize(&body, &linear, &work, &state, &input, &ports), FB_ERR_VALUE);
+  ports.out[0].kind = FB_PORT_RATE;
+  ports.out[0].body = 1;
+  FBT_INT_EQ(fb_body_linearize(&body, &linear, &work, &state, &input, &ports), FB_ERR_CAPACITY);
   FBT_INT_EQ(fb_body_spectrum(NULL, &work, &body, &state, &input), FB_ERR_NULL);
   FBT_INT_EQ(fb_body_spectrum(&spectrum, &work, &body, NULL, &input), FB_ERR_NULL);
   input.w[2] = (fb_real)NAN;
@@ -547,7 +982,121 @@ TEST(analysis_refuses_bad_input)
   FBT_INT_EQ(fb_body_spectrum(&spectrum, &work, &body, &state, &input), FB_ERR_NOT_FINITE);
 }
 
+static fb_status linearized(fb_linear *linear, const fb_linear_desc *ports)
+{
+  return fb_system_linearize(&mechanism, part, linear, &tree_work, &tree_state, &drive, ports);
+}
+
+/* Section 12: the same of systems: what is missing, ports that are not there, what has no linear model of this kind, what
+   cannot rest; nothing given is changed. */
+TEST(analysis_of_systems_refuses_bad_input)
+{
+  static const struct {
+    fb_port port;
+    int input;
+    fb_status status;
+  } wrong[] = {{{FB_PORT_DRIVE, 0, 0, 0}, 1, FB_ERR_VALUE},         /* a free joint has no motor */
+               {{FB_PORT_DRIVE, 4, 0, 0}, 1, FB_ERR_CAPACITY},      /* no such body */
+               {{FB_PORT_DRIVE, -1, 0, 0}, 1, FB_ERR_CAPACITY},     /* the ground */
+               {{FB_PORT_DRIVE, 1, 0, 1}, 1, FB_ERR_CAPACITY},      /* no such axis */
+               {{FB_PORT_DRIVE, 1, 0, 0}, 0, FB_ERR_VALUE},         /* no output */
+               {{FB_PORT_SPEED, 1, 0, 0}, 1, FB_ERR_VALUE},         /* no input */
+               {{FB_PORT_SPEED, 1, 0, 3}, 0, FB_ERR_VALUE},         /* no axis at all */
+               {{FB_PORT_COORDINATE, 1, 0, 1}, 0, FB_ERR_CAPACITY}, /* no such axis */
+               {{FB_PORT_BASE_RATE, 1, 0, 0}, 1, FB_ERR_VALUE},     /* not prescribed */
+               {{FB_PORT_FORCE, 0, 7, 0}, 1, FB_ERR_CAPACITY},      /* no such node */
+               {{FB_PORT_RATE, 3, 9, 0}, 0, FB_ERR_CAPACITY},       /* no such node */
+               {{(fb_port_kind)11, 1, 0, 0}, 0, FB_ERR_VALUE}};     /* no such kind */
+  static fb_linear linear, linear_before;
+  static fb_spectrum before_spectrum;
+  static fb_system_state before;
+  static fb_linear_desc ports;
+  spinner(FB_AXIS_PRESCRIBED, 0.8);
+  tree.joint[2].mode[0] = FB_AXIS_LOCKED;
+  build();
+  memset(&linear, 0x5a, sizeof linear);
+  linear_before = linear;
+  before_spectrum = spectrum;
+  before = tree_state;
+  FBT_INT_EQ(fb_system_trim(NULL, part, &tree_state, &tree_work, &drive), FB_ERR_NULL);
+  FBT_INT_EQ(fb_system_trim(&mechanism, NULL, &tree_state, &tree_work, &drive), FB_ERR_NULL);
+  FBT_INT_EQ(fb_system_trim(&mechanism, part, NULL, &tree_work, &drive), FB_ERR_NULL);
+  FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, NULL, &drive), FB_ERR_NULL);
+  FBT_INT_EQ(fb_system_linearize(&mechanism, part, NULL, &tree_work, &tree_state, &drive, NULL), FB_ERR_NULL);
+  FBT_INT_EQ(fb_system_linearize(&mechanism, part, &linear, NULL, &tree_state, &drive, NULL), FB_ERR_NULL);
+  FBT_INT_EQ(fb_system_linearize(&mechanism, part, &linear, &tree_work, NULL, &drive, NULL), FB_ERR_NULL);
+  FBT_INT_EQ(fb_system_spectrum(NULL, &tree_work, &mechanism, part, &tree_state, &drive), FB_ERR_NULL);
+  FBT_INT_EQ(fb_system_spectrum(&spectrum, NULL, &mechanism, part, &tree_state, &drive), FB_ERR_NULL);
+  FBT_INT_EQ(fb_system_spectrum(&spectrum, &tree_work, NULL, part, &tree_state, &drive), FB_ERR_NULL);
+  for (int k = 0; k < FBT_COUNT(wrong); k++) {
+    memset(&ports, 0, sizeof ports);
+    ports.n_in = wrong[k].input;
+    ports.n_out = !wrong[k].input;
+    ports.in[0] = ports.out[0] = wrong[k].port;
+    FBT_INT_EQ(linearized(&linear, &ports), wrong[k].status);
+  }
+  ports.n_in = 1;
+  ports.n_out = 0;
+  ports.in[0].kind = FB_PORT_DRIVE;
+  ports.in[0].body = 2; /* its axis is locked */
+  FBT_INT_EQ(linearized(&linear, &ports), FB_ERR_VALUE);
+  ports.in[0].kind = FB_PORT_FORCE;
+  drive.n_load = FB_MAX_LOADS; /* no room for one more */
+  FBT_INT_EQ(linearized(&linear, &ports), FB_ERR_CAPACITY);
+  drive.n_load = 0;
+  ports.n_out = FB_MAX_PORTS + 1;
+  FBT_INT_EQ(linearized(&linear, &ports), FB_ERR_CAPACITY);
+  drive.drive[1].torque[0] = (fb_real)NAN;
+  FBT_INT_EQ(linearized(&linear, NULL), FB_ERR_NOT_FINITE);
+  FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), FB_ERR_NOT_FINITE);
+  drive.drive[1].torque[0] = FB_R(0.0);
+  drive.drive[0].rate[5] = FB_R(300.0); /* the blades bend beyond what they may */
+  drive.n_load = 1;
+  drive.load[0].body = drive.load[0].load.node = 1;
+  drive.load[0].load.axes = FB_AXES_BODY;
+  drive.load[0].load.force[2] = FB_R(1e5);
+  FBT_TRUE(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive) != FB_OK);
+  drive.n_load = 0;
+  FBT_TRUE(memcmp(&before, &tree_state, sizeof before) == 0);
+  tree_state.link[1].q[0] = (fb_real)NAN;
+  FBT_INT_EQ(linearized(&linear, NULL), FB_ERR_NOT_FINITE);
+  FBT_INT_EQ(fb_system_spectrum(&spectrum, &tree_work, &mechanism, part, &tree_state, &drive), FB_ERR_NOT_FINITE);
+  spinner(FB_AXIS_FREE, 0.0); /* floats: it may be linearized, but not trimmed */
+  build();
+  before = tree_state;
+  FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), FB_ERR_KIND);
+  tree.joint[1].stiffness[0] = FB_R(0.0); /* the blade swings freely in its plane */
+  tree.joint[0].mode[0] = FB_AXIS_LOCKED;
+  build();
+  before = tree_state;
+  FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), FB_ERR_SINGULAR);
+  FBT_TRUE(memcmp(&before, &tree_state, sizeof before) == 0);
+  tree.n_loop = 1;
+  tree.loop[0].kind = FB_JOINT_SPHERICAL;
+  tree.loop[0].parent = FB_GROUND;
+  tree.loop[0].position[0] = FB_R(0.5);
+  tree.loop[0].child = 1;
+  build();
+  FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), FB_ERR_KIND);
+  FBT_INT_EQ(linearized(&linear, NULL), FB_ERR_KIND);
+  FBT_INT_EQ(fb_system_spectrum(&spectrum, &tree_work, &mechanism, part, &tree_state, &drive), FB_ERR_KIND);
+  fresh();
+  flexible_part(0, 2.0, 5, FB_BASE_PRESCRIBED, FB_EFFECTS_LINEAR);
+  for (int k = 0; k < FB_MAX_BODIES; k++) {
+    hang(k, 0, FB_JOINT_REVOLUTE, FB_GROUND);
+  }
+  build();
+  FBT_TRUE(FB_MAX_BODIES * 11 > FB_MAX_LINEAR / 2);
+  FBT_INT_EQ(linearized(&linear, NULL), FB_ERR_CAPACITY);
+  FBT_TRUE(memcmp(&linear, &linear_before, sizeof linear) == 0);
+  FBT_TRUE(memcmp(&spectrum, &before_spectrum, sizeof spectrum) == 0);
+}
+
 SUITE(analyse, RUN(spectrum_of_a_spinning_oscillator_is_closed_form), RUN(damped_modes_have_their_ratios),
       RUN(free_tops_nutate_as_euler_says), RUN(damped_spinning_satellite_has_its_closed_form),
       RUN(linear_models_answer_as_the_body_does), RUN(step_limits_are_those_of_the_spectrum),
-      RUN(advised_steps_err_as_wanted), RUN(nrel_blade_has_the_published_figures), RUN(analysis_refuses_bad_input))
+      RUN(advised_steps_err_as_wanted), RUN(nrel_blade_has_the_published_figures),
+      RUN(hinged_blades_flap_and_lag_in_closed_form), RUN(blades_cone_under_a_moment),
+      RUN(double_pendulum_swings_in_closed_form), RUN(a_free_body_is_a_system_of_one),
+      RUN(linear_models_answer_as_the_system_does), RUN(analysis_refuses_bad_input),
+      RUN(analysis_of_systems_refuses_bad_input))
