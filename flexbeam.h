@@ -1856,6 +1856,7 @@ typedef struct fb_system_analyse_work { /* scratch; large: make it static */
   int n_free;
   fbi_coordinate coordinate[FB_MAX_LINEAR / 2];
   fb_real steady[FB_MAX_BODIES][6], momenta[FB_MAX_BODIES][6]; /* speeds and momenta along the joint axes */
+  fb_link_motion rest[FB_MAX_BODIES];
   fb_system_state state, moved, rate;
   fb_system_motion motion;
   fb_system_input input;
@@ -1863,11 +1864,12 @@ typedef struct fb_system_analyse_work { /* scratch; large: make it static */
 
 /* The same of systems: trees by FB_METHOD_RECURSIVE or FB_METHOD_DENSE; loops, constraints and FB_METHOD_MULTIPLIERS
    give FB_ERR_KIND. body is the caller's array of models; input may be NULL.
-   Trim: prescribed axes have the value and rate of the input, locked ones stay, and free ones and modes come to rest
-   relative to them: the rates must allow it (one axis that turns, or a prescribed free joint with constant v, w in body
-   axes). A free joint must be locked or prescribed, else FB_ERR_KIND; free it afterwards by fb_system_axis_set. It finds
-   unstable positions as well as stable ones: the one near the state. FB_ERR_SINGULAR: an axis that nothing holds; lock
-   it. Errors else as fb_body_trim and fb_system_rates. */
+   Trim: prescribed axes have the value and rate of the input, locked ones stay, free ones and modes come to rest against
+   them: the rates must allow it (one axis that turns, or a prescribed free joint with constant v, w in body axes). What
+   hangs on a free joint that is free, too, spins about the principal axis nearest to the w of its drive's rate, as with
+   fb_body_trim (wheels with momentum across that axis it does not know). It finds unstable positions as well as stable
+   ones: the one near the state. FB_ERR_SINGULAR: also an axis that nothing holds; lock it. Errors else as fb_body_trim
+   and fb_system_rates. */
 FB_API fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb_system_state *state,
                                 fb_system_analyse_work *work, const fb_system_input *input);
 /* Prescribed and locked axes are no states; what moves at a constant rate stays where it is in the state (a prescribed
@@ -1944,4 +1946,5 @@ FB_API fb_status fb_config_check(const char *config);
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,
           pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme; sections with shear, twist and
           centers off the line, bent lines, component modes, buckling, synthesis, finite-element models, complex
-          modes; systems of bodies: joints, trees, loops, constraints, strain gauges; the geometrically exact beam */
+          modes; systems of bodies: joints, trees, loops, constraints, strain gauges; the geometrically exact beam;
+          steady states, linear models and complex modes of bodies and of systems */

@@ -13076,48 +13076,38 @@ FB_DEF fb_status fb_mixed_step(const fb_mixed *m, fb_mixed_state *state, fb_mixe
 /* ---------------------------------------------------------------------------------------------------------------
    12 >>analyse (uses 1-11) */
 
-/* Velocities of the free spin at |wanted| about the principal axis nearest to it, from the inertia at the shape of state:
-   the mass center at rest, or the pin. */
-static fb_status fbi_free_spin(fb_real v[3], fb_real w[3], fb_state *state, const fb_body *body,
-                               const fb_real wanted[3])
+/* Velocities (v, w) of the free spin at |wanted| about the principal axis nearest to it, from the momenta (p, h) about O
+   at w = e_i: p = e_i x c, h = J e_i. mass > 0: its center at rest, 0: O is held. */
+static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], fb_real mass, const fb_real wanted[3])
 {
   const fb_real spin = FB_SQRT(fb_vec3_dot(wanted, wanted));
-  fb_real J[9], axes[9], value[3], c[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, R[9], best = FB_R(0.0);
-  fb_status status = FB_OK;
-  fbi_zero(v, 3);
-  if (body->base == FB_BASE_HINGED || !(spin > FB_R(0.0))) {
-    fbi_copy(w, wanted, 3);
-    return FB_OK;
-  }
-  fb_quat_to_mat33(R, state->quat);
-  for (int i = 0; i < 3 && status == FB_OK; i++) { /* momenta of w = e_i: e_i x c and J e_i */
-    fb_real p[3];
-    fbi_zero(w, 3);
-    w[i] = FB_R(1.0);
-    status = fb_state_from_velocity(body, state, v, w, NULL);
-    fb_mat33_mulT_vec3(J + 3 * i, R, state->L);
-    fb_mat33_mulT_vec3(p, R, state->P);
+  fb_real J[9], axes[9], value[3], c[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, best = FB_R(0.0);
+  fb_status status;
+  fbi_vec6_zero(V);
+  for (int i = 0; i < 3; i++) {
+    const fb_real *const p = momenta + 6 * i;
+    fbi_copy(J + 3 * i, p + 3, 3);
     c[(i + 1) % 3] += FB_R(0.5) * p[(i + 2) % 3]; /* e_i x c has c_(i+1) in i + 2 and -c_(i+2) in i + 1 */
     c[(i + 2) % 3] -= FB_R(0.5) * p[(i + 1) % 3];
   }
-  for (int i = 0; i < 9 && body->base == FB_BASE_FREE; i++) {
+  for (int i = 0; i < 9 && mass > FB_R(0.0); i++) {
     const fb_real square = i % 4 == 0 ? fb_vec3_dot(c, c) : FB_R(0.0);
-    J[i] -= (square - c[i / 3] * c[i % 3]) / body->mass;
+    J[i] -= (square - c[i / 3] * c[i % 3]) / mass;
   }
-  status = status ? status : fb_eig_sym_solve(value, axes, J, 3);
+  status = fb_eig_sym_solve(value, axes, J, 3);
   for (int k = 0; k < 3 && status == FB_OK; k++) {
     const fb_real along = fb_vec3_dot(axes + 3 * k, wanted);
     if (FB_FABS(along) > FB_FABS(best)) {
       best = along;
       for (int i = 0; i < 3; i++) {
-        w[i] = (along < FB_R(0.0) ? -spin : spin) * axes[3 * k + i];
+        V[3 + i] = (along < FB_R(0.0) ? -spin : spin) * axes[3 * k + i];
       }
     }
   }
-  if (body->base == FB_BASE_FREE) {
-    fb_vec3_cross(v, c, w); /* m v + w x c = 0 */
+  if (mass > FB_R(0.0)) { /* m v + w x c = 0 */
+    fb_vec3_cross(V, c, V + 3);
     for (int i = 0; i < 3; i++) {
-      v[i] /= body->mass;
+      V[i] /= mass;
     }
   }
   return status;
@@ -13266,21 +13256,42 @@ static fb_status fbi_analyse_check(const fb_body *body, const fb_state *state, c
   return fb_state_check(body, state);
 }
 
+/* Velocities of a base that spins freely, at the shape of state; its momenta are spoiled. */
+static fb_status fbi_body_spin(fb_real V[6], fb_state *state, const fb_body *body, const fb_real wanted[3])
+{
+  const fb_real still[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_real R[9], momenta[18];
+  fb_status status = FB_OK;
+  fbi_zero(V, 3);
+  fbi_copy(V + 3, wanted, 3);
+  if (body->base == FB_BASE_HINGED || !(fb_vec3_dot(wanted, wanted) > FB_R(0.0))) {
+    return FB_OK;
+  }
+  fb_quat_to_mat33(R, state->quat);
+  for (int i = 0; i < 3 && status == FB_OK; i++) {
+    fb_real w[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+    w[i] = FB_R(1.0);
+    status = fb_state_from_velocity(body, state, still, w, NULL);
+    fb_mat33_mulT_vec3(momenta + 6 * i, R, state->P);
+    fb_mat33_mulT_vec3(momenta + 6 * i + 3, R, state->L);
+  }
+  return status ? status : fbi_free_spin(V, momenta, body->base == FB_BASE_FREE ? body->mass : FB_R(0.0), wanted);
+}
+
 /* pi_dot at rest in the frame, which moves as the input says or spins freely, with q_j moved by h. */
 static fb_status fbi_body_residual(fb_real *f, const fbi_subject *s, int j, fb_real h)
 {
   fb_analyse_work *const work = s->work;
-  const fb_real *v = s->input->v, *w = s->input->w;
-  fb_real own_v[3], own_w[3];
+  fb_real V[6];
   fb_status status = FB_OK;
   work->moved = *s->state;
   work->moved.q[j] += h;
+  fbi_copy(V, s->input->v, 3);
+  fbi_copy(V + 3, s->input->w, 3);
   if (s->body->base != FB_BASE_PRESCRIBED) {
-    status = fbi_free_spin(own_v, own_w, &work->moved, s->body, s->input->w);
-    v = own_v;
-    w = own_w;
+    status = fbi_body_spin(V, &work->moved, s->body, s->input->w);
   }
-  status = status ? status : fb_state_from_velocity(s->body, &work->moved, v, w, NULL);
+  status = status ? status : fb_state_from_velocity(s->body, &work->moved, V, V + 3, NULL);
   status = status ? status : fb_body_rates(s->body, &work->rate, &work->moved, s->input);
   if (status == FB_OK) {
     fbi_copy(f, work->rate.pi, s->body->n);
@@ -13439,9 +13450,10 @@ static fb_real fbi_system_size(const fb_system *system, const fb_body *body)
   return size > FB_R(0.0) ? size : FB_R(1.0);
 }
 
-/* The coordinates of the linear model, free axes of the joints and then modes, and how far to move them. */
+/* The coordinates of the linear model, free axes of the joints and then modes, and how far to move them; of the trim:
+   without free joints. */
 static fb_status fbi_coordinates_find(fb_system_analyse_work *work, const fb_system *system, const fb_body *body,
-                                      const fb_system_state *state)
+                                      const fb_system_state *state, int trim)
 {
   const fb_real size = fbi_system_size(system, body);
   work->n = work->n_free = 0;
@@ -13451,8 +13463,8 @@ static fb_status fbi_coordinates_find(fb_system_analyse_work *work, const fb_sys
       const fb_body *const model = fbi_model(system, body, k);
       for (int i = 0; i < (mode ? model->n : joint->n_axis); i++) {
         const fbi_coordinate c = {k, mode, i};
-        const int slides = fbi_axis_slides(joint, i) || (joint->kind == FB_JOINT_FREE && i < 3);
-        if (!mode && state->mode[k][joint->kind == FB_JOINT_FREE ? 0 : i] != FB_AXIS_FREE) {
+        const int free = joint->kind == FB_JOINT_FREE, slides = fbi_axis_slides(joint, i) || (free && i < 3);
+        if (!mode && (state->mode[k][free ? 0 : i] != FB_AXIS_FREE || (free && trim))) {
           continue;
         }
         FBI_REQUIRE(work->n < FB_MAX_LINEAR / 2, FB_ERR_CAPACITY);
@@ -13520,6 +13532,46 @@ static void fbi_system_linear_rates(fb_real *f, const fbi_subject *s)
   }
 }
 
+/* Momenta along the axes of the joint of a body, and in `moved` those of all, when that one speed is 1. */
+static void fbi_unit_momenta(fb_real p[6], const fbi_subject *s, const fbi_coordinate *c)
+{
+  fb_system_work *const w = &s->system_work->system;
+  for (int k = 0; k < s->system->n_body; k++) {
+    fbi_vec6_zero(w->link[k].u);
+    fbi_zero(w->link[k].q_dot, fbi_model(s->system, s->body, k)->n);
+  }
+  (c->mode ? w->link[c->body].q_dot : w->link[c->body].u)[c->i] = FB_R(1.0);
+  fbi_speeds_out(w, s->system, s->body);
+  fbi_momenta_fill(&s->system_work->moved, w, s->system, s->body);
+  fbi_joint_momenta(p, &w->link[c->body], &s->system->joint[c->body], &s->system_work->moved.link[c->body]);
+}
+
+/* Is it a free joint that nothing moves? */
+static int fbi_is_afloat(const fb_system *system, const fb_system_state *state, int k)
+{
+  return system->joint[k].kind == FB_JOINT_FREE && state->mode[k][0] == FB_AXIS_FREE;
+}
+
+/* Speeds at rest of the free joints: all that hangs on one in a free spin about the input's rate. The system is placed. */
+static fb_status fbi_roots_spin(const fbi_subject *s)
+{
+  fb_system_analyse_work *const work = s->system_work;
+  fb_status status = FB_OK;
+  for (int k = 0; k < s->system->n_body && status == FB_OK && s->system_input; k++) {
+    const fb_real *const wanted = s->system_input->drive[k].rate + 3;
+    fb_real momenta[24];
+    if (!fbi_is_afloat(s->system, &work->moved, k) || fb_vec3_dot(wanted, wanted) == FB_R(0.0)) {
+      continue;
+    }
+    for (int i = 0; i < 4; i++) { /* w = e_1, e_2, e_3; v = e_1 for the mass */
+      const fbi_coordinate c = {k, 0, (3 + i) % 6};
+      fbi_unit_momenta(momenta + 6 * i, s, &c);
+    }
+    status = fbi_free_spin(work->rest[k].speed, momenta, momenta[18], wanted);
+  }
+  return status;
+}
+
 /* Rates of the momenta at rest, given axes apart, with coordinate j moved by h. */
 static fb_status fbi_system_residual(fb_real *f, const fbi_subject *s, int j, fb_real h)
 {
@@ -13532,9 +13584,10 @@ static fb_status fbi_system_residual(fb_real *f, const fbi_subject *s, int j, fb
   }
   fbi_system_enter(w, s->system);
   fbi_links_place(w, s->system, s->body, &work->moved, &work->moved);
-  fbi_speeds_take(w, s->system, s->body, &work->moved, NULL, s->system_input);
+  status = fbi_roots_spin(s);
+  fbi_speeds_take(w, s->system, s->body, &work->moved, work->rest, s->system_input);
   fbi_momenta_fill(&work->moved, w, s->system, s->body);
-  status = fb_system_rates(s->system, s->body, w, &work->rate, &work->moved, s->system_input);
+  status = status ? status : fb_system_rates(s->system, s->body, w, &work->rate, &work->moved, s->system_input);
   if (status == FB_OK) {
     fbi_system_linear_rates(f, s);
     fbi_copy(f, f + work->n, work->n);
@@ -13675,20 +13728,11 @@ static fb_status fbi_system_steady(fb_real *spin, const fbi_subject *s)
 static void fbi_momenta_steps(const fbi_subject *s, fb_real spin)
 {
   fb_system_analyse_work *const work = s->system_work;
-  fb_system_work *const w = &work->system;
   for (int j = 0; j < work->n; j++) {
     const fbi_coordinate *const c = &work->coordinate[j];
-    fb_link_state *const x = &work->moved.link[c->body];
     fb_real p[6], inertia;
-    for (int k = 0; k < s->system->n_body; k++) {
-      fbi_vec6_zero(w->link[k].u);
-      fbi_zero(w->link[k].q_dot, fbi_model(s->system, s->body, k)->n);
-    }
-    (c->mode ? w->link[c->body].q_dot : w->link[c->body].u)[c->i] = FB_R(1.0);
-    fbi_speeds_out(w, s->system, s->body);
-    fbi_momenta_fill(&work->moved, w, s->system, s->body);
-    fbi_joint_momenta(p, &w->link[c->body], &s->system->joint[c->body], x);
-    inertia = c->mode ? x->pi[c->i] : p[c->i];
+    fbi_unit_momenta(p, s, c);
+    inertia = c->mode ? work->moved.link[c->body].pi[c->i] : p[c->i];
     work->common.step[work->n + j] = FB_R(100.0) * work->common.step[j] * inertia * (FB_R(1.0) + spin);
   }
 }
@@ -13941,8 +13985,8 @@ FB_DEF fb_status fb_body_spectrum(fb_spectrum *spectrum, fb_analyse_work *work, 
   return fbi_spectrum_fill(spectrum, &work->common, size, body->n);
 }
 
-/* [E12.8] Relative equilibrium of a system by Newton's method: the rates of all free momenta, in the axes that they are
-   kept along, vanish with the given axes at their rates and the rest still.
+/* [E12.8] Relative equilibrium of a system by Newton's method: the rates of the momenta of joints and modes, along the
+   axes of the joints, vanish with given axes at their rates, free joints in a free spin and the rest still.
    Source: definition.  Cost: 8 n evaluations and a LU an iteration.  Fails: see the header.
    Test: hinged_blades_flap_and_lag_in_closed_form, blades_cone_under_a_moment. */
 FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb_system_state *state,
@@ -13952,11 +13996,7 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
   fb_real change;
   fb_status status = fbi_system_analyse_check(system, body, state, input);
   FBI_REQUIRE(work, FB_ERR_NULL);
-  for (int k = 0; status == FB_OK && k < system->n_body; k++) {
-    const int floats = system->joint[k].kind == FB_JOINT_FREE && state->mode[k][0] == FB_AXIS_FREE;
-    status = floats ? FB_ERR_KIND : FB_OK;
-  }
-  status = status ? status : fbi_coordinates_find(work, system, body, state);
+  status = status ? status : fbi_coordinates_find(work, system, body, state, 1);
   if (status != FB_OK) {
     return status;
   }
@@ -13969,6 +14009,7 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
   s.system_input = input;
   work->state = *state;
   memset(work->steady, 0, sizeof work->steady);
+  memset(work->rest, 0, sizeof work->rest);
   fbi_system_enter(&work->system, system);
   fbi_prescribe(&work->state, system, &work->system, &work->state, input);
   status = fbi_trim_newton(&change, &work->common, &s, work->n);
@@ -13999,7 +14040,7 @@ static fb_status fbi_system_linearize(const fb_system *system, const fb_body *bo
   s.system_state = state;
   s.system_input = input;
   status = status ? status : fbi_system_ports_check(&s);
-  status = status ? status : fbi_coordinates_find(work, system, body, state);
+  status = status ? status : fbi_coordinates_find(work, system, body, state, 0);
   status = status ? status : fbi_system_steady(&spin, &s);
   if (status != FB_OK) {
     return status;
