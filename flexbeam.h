@@ -1790,10 +1790,13 @@ typedef struct fb_linear_desc {
    base, 3 of a pinned one (angular), 1 of a hinged one (about the hinge), none of a prescribed one.
    System: x changes of the free axes of all joints, of q of all bodies (both in the order of the bodies), then of the
    momenta conjugate to them in the same order. Free and spherical joints: position and attitude in axes of the child's
-   side, against a frame that goes on with the steady speeds; momenta along the same axes. */
+   side, against a frame that goes on with the steady speeds; momenta along the same axes. With loops only of as many
+   of these coordinates as are independent, the others follow; momenta conjugate to the independent ones. */
 typedef struct fb_linear {
   int n, n_in, n_out;
-  int n_free;                               /* of position and attitude, of free axes: n = 2 (modes + n_free) */
+  int n_free; /* of position and attitude, of free axes: n = 2 (modes + n_free) */
+  int coordinate[FB_MAX_LINEAR /
+                 2]; /* place of x_i, i < n/2 (one body: q alone) among all free axes and q: i but for loops */
   fb_real A[FB_MAX_LINEAR * FB_MAX_LINEAR]; /* n x n */
   fb_real B[FB_MAX_LINEAR * FB_MAX_PORTS];  /* n x n_in */
   fb_real C[FB_MAX_PORTS * FB_MAX_LINEAR];  /* n_out x n */
@@ -1834,8 +1837,7 @@ FB_API fb_status fb_body_linearize(const fb_body *body, fb_linear *linear, fb_an
 typedef struct fb_spectrum { /* ascending by |re + i im|; of a conjugate pair the one with im > 0 */
   int n;
   fb_real re[FB_MAX_LINEAR], im[FB_MAX_LINEAR]; /* [1/s], [rad/s]; unstable where re > 0 */
-  /* of each the elastic coordinates, n x body.n; of a system its free axes and elastic coordinates, n x half of
-     fb_linear.n, in that order */
+  /* of each the elastic coordinates, n x body.n; of a system all free axes, then all elastic coordinates */
   fb_real shape_re[FB_MAX_LINEAR * FB_MAX_LINEAR / 2];
   fb_real shape_im[FB_MAX_LINEAR * FB_MAX_LINEAR / 2];
 } fb_spectrum;
@@ -1852,18 +1854,20 @@ typedef struct fbi_coordinate { /* of a system's linear model */
 typedef struct fb_system_analyse_work { /* scratch; large: make it static */
   fb_system_work system;                /* .joint: after a failure the joint at fault */
   fbi_analysis common;
-  int n; /* coordinates */
-  int n_free;
+  int n; /* coordinates; of loops some follow from others: */
+  int n_dependent, n_independent, dependent[FB_MAX_ROWS], independent[FB_MAX_LINEAR / 2];
   fbi_coordinate coordinate[FB_MAX_LINEAR / 2];
-  fb_real steady[FB_MAX_BODIES][6], momenta[FB_MAX_BODIES][6]; /* speeds and momenta along the joint axes */
+  fb_real size[FB_MAX_LINEAR / 2], z_dot[FB_MAX_LINEAR / 2], p_dot[FB_MAX_LINEAR / 2];
+  fb_real Z[FB_MAX_ROWS * (FB_MAX_LINEAR / 2 + 1)], row_size[FB_MAX_ROWS];
+  fb_real steady[FB_MAX_BODIES][6], momenta[FB_MAX_LINEAR / 2]; /* speeds of joints, momenta of what is independent */
   fb_link_motion rest[FB_MAX_BODIES];
   fb_system_state state, moved, rate;
   fb_system_motion motion;
   fb_system_input input;
 } fb_system_analyse_work;
 
-/* The same of systems: trees by FB_METHOD_RECURSIVE or FB_METHOD_DENSE; loops, constraints and FB_METHOD_MULTIPLIERS
-   give FB_ERR_KIND. body is the caller's array of models; input may be NULL.
+/* The same of systems, loops included, by FB_METHOD_RECURSIVE or FB_METHOD_DENSE; FB_METHOD_MULTIPLIERS and the caller's
+   own constraints give FB_ERR_KIND. body is the caller's array of models; input may be NULL.
    Trim: prescribed axes have the value and rate of the input, locked ones stay, free ones and modes come to rest against
    them: the rates must allow it (one axis that turns, or a prescribed free joint with constant v, w in body axes). What
    hangs on a free joint that is free, too, spins about the principal axis nearest to the w of its drive's rate, as with

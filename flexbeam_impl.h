@@ -13425,7 +13425,7 @@ static fb_status fbi_system_analyse_check(const fb_system *system, const fb_body
 {
   fb_status status;
   FBI_REQUIRE(system && body && state, FB_ERR_NULL);
-  if (system->n_loop > 0 || system->method == FB_METHOD_MULTIPLIERS || (input && input->rows)) {
+  if (system->method == FB_METHOD_MULTIPLIERS || (input && input->rows)) {
     return FB_ERR_KIND;
   }
   status = fbi_system_input_check(system, body, input);
@@ -13456,7 +13456,7 @@ static fb_status fbi_coordinates_find(fb_system_analyse_work *work, const fb_sys
                                       const fb_system_state *state, int trim)
 {
   const fb_real size = fbi_system_size(system, body);
-  work->n = work->n_free = 0;
+  work->n = 0;
   for (int mode = 0; mode < 2; mode++) {
     for (int k = 0; k < system->n_body; k++) {
       const fb_joint *const joint = &system->joint[k];
@@ -13469,10 +13469,8 @@ static fb_status fbi_coordinates_find(fb_system_analyse_work *work, const fb_sys
         }
         FBI_REQUIRE(work->n < FB_MAX_LINEAR / 2, FB_ERR_CAPACITY);
         work->coordinate[work->n] = c;
-        work->common.step[work->n] =
-            mode ? fbi_difference_step(model, i) : FBI_DIFFERENCE * (slides ? size : FB_R(1.0));
+        work->size[work->n] = mode ? fbi_difference_step(model, i) : FBI_DIFFERENCE * (slides ? size : FB_R(1.0));
         work->n++;
-        work->n_free += !mode;
       }
     }
   }
@@ -13490,6 +13488,161 @@ static void fbi_coordinate_move(fb_system_state *state, const fb_system *system,
   } else {
     x->x[c->i] += h;
   }
+}
+
+/* Velocities of all bodies when one coordinate has speed 1. The system is placed. */
+static void fbi_unit_speeds(const fbi_subject *s, const fbi_coordinate *c)
+{
+  fb_system_work *const w = &s->system_work->system;
+  for (int k = 0; k < s->system->n_body; k++) {
+    fbi_vec6_zero(w->link[k].u);
+    fbi_zero(w->link[k].q_dot, fbi_model(s->system, s->body, k)->n);
+  }
+  (c->mode ? w->link[c->body].q_dot : w->link[c->body].u)[c->i] = FB_R(1.0);
+  fbi_speeds_out(w, s->system, s->body);
+}
+
+/* Momenta along the axes of the joint of a body, and in `moved` those of all, when that one speed is 1. */
+static void fbi_unit_momenta(fb_real p[6], const fbi_subject *s, const fbi_coordinate *c)
+{
+  fb_system_work *const w = &s->system_work->system;
+  fbi_unit_speeds(s, c);
+  fbi_momenta_fill(&s->system_work->moved, w, s->system, s->body);
+  fbi_joint_momenta(p, &w->link[c->body], &s->system->joint[c->body], &s->system_work->moved.link[c->body]);
+}
+
+/* ---- loops: coordinates that the others give */
+
+/* Places the system and fills Z: what the rows of the loops have by coordinate, and by how much they are not met. */
+static fb_status fbi_loops_rows(const fbi_subject *s, const fb_system_state *state)
+{
+  fb_system_analyse_work *const work = s->system_work;
+  fb_system_work *const w = &work->system;
+  const int n = work->n;
+  fb_status status = FB_OK;
+  fbi_system_enter(w, s->system);
+  fbi_links_place(w, s->system, s->body, state, state);
+  if (s->system->n_loop > 0) {
+    status = fbi_rows_fill(w, s->system, s->body, state, s->system_input);
+  }
+  for (int r = 0; r < w->n_row && status == FB_OK; r++) {
+    work->Z[r * (n + 1) + n] = w->row[r].r.holonomic ? w->row[r].r.value : FB_R(0.0);
+    work->row_size[r] = FB_R(0.0);
+  }
+  for (int j = 0; j < n && w->n_row > 0 && status == FB_OK; j++) {
+    fbi_unit_speeds(s, &work->coordinate[j]);
+    for (int r = 0; r < w->n_row; r++) {
+      fb_real size;
+      work->Z[r * (n + 1) + j] = fbi_row_eval(&size, &w->row[r], w, s->system, s->body);
+      work->row_size[r] = fbi_larger(work->row_size[r], size * work->size[j]);
+    }
+  }
+  return status;
+}
+
+/* The largest element that row k or a later one has in a column that may be its dependent coordinate. */
+static fb_real fbi_loops_pivot(int *row, int *column, const fb_system_analyse_work *work, int k, int choose)
+{
+  const int n = work->n;
+  fb_real best = FB_R(0.0);
+  for (int r = k; r < work->system.n_row; r++) {
+    for (int j = choose ? 0 : work->dependent[k]; j < (choose ? n : work->dependent[k] + 1); j++) {
+      const fb_real size = FB_FABS(work->Z[r * (n + 1) + j]) * work->size[j];
+      if (size > best * work->row_size[r]) {
+        best = size / work->row_size[r];
+        *row = r;
+        *column = j;
+      }
+    }
+  }
+  return best;
+}
+
+/* [E12.11] Z by Gauss and Jordan: coordinate dependent[k] moves by -Z_kj of each independent one, and is off by Z_kn.
+   choose: which depend is found first, with full pivoting; rows that say nothing new are left out.
+   Source: [GV] 3.4.  Cost: rows^2 n.  Fails: FB_ERR_SINGULAR, one that does not follow from the others any more.
+   Test: rods_in_a_loop_swing_as_one_pendulum. */
+static fb_status fbi_loops_reduce(fb_system_analyse_work *work, int choose)
+{
+  const int n = work->n, rows = work->system.n_row, width = n + 1;
+  const int count = !choose ? work->n_dependent : rows < n ? rows : n;
+  for (int k = 0; k < count; k++) {
+    int row = k, column = 0;
+    fb_real scale;
+    if (!(fbi_loops_pivot(&row, &column, work, k, choose) > (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-8)))) {
+      work->n_dependent = choose ? k : work->n_dependent;
+      return choose ? FB_OK : FB_ERR_SINGULAR;
+    }
+    work->dependent[k] = column;
+    work->n_dependent = choose ? k + 1 : work->n_dependent;
+    scale = FB_R(1.0) / work->Z[row * width + column];
+    for (int j = 0; j < width; j++) {
+      const fb_real element = work->Z[row * width + j];
+      work->Z[row * width + j] = work->Z[k * width + j];
+      work->Z[k * width + j] = scale * element;
+    }
+    work->row_size[row] = work->row_size[k];
+    for (int r = 0; r < rows; r++) {
+      if (r != k) {
+        fbi_row_sub(work->Z + r * width, work->Z[r * width + column], work->Z + k * width, width);
+      }
+    }
+  }
+  return FB_OK;
+}
+
+/* Which coordinates are independent, in their order. */
+static fb_status fbi_loops_open(const fbi_subject *s, const fb_system_state *state)
+{
+  fb_system_analyse_work *const work = s->system_work;
+  fb_status status = fbi_loops_rows(s, state);
+  work->n_dependent = work->n_independent = 0;
+  status = status ? status : fbi_loops_reduce(work, 1);
+  for (int j = 0; j < work->n; j++) {
+    int depends = 0;
+    for (int k = 0; k < work->n_dependent; k++) {
+      depends |= work->dependent[k] == j;
+    }
+    if (!depends) {
+      work->common.step[work->n_independent] = work->size[j];
+      work->independent[work->n_independent++] = j;
+    }
+  }
+  return status;
+}
+
+/* Moves the dependent coordinates of a state to where the loops are closed, by Newton's method; leaves the system placed
+   and Z as it is there. FB_ERR_CONTRADICTION: they stay open. */
+static fb_status fbi_loops_shut(const fbi_subject *s, fb_system_state *state)
+{
+  fb_system_analyse_work *const work = s->system_work;
+  const int passes = work->n_dependent > 0 ? 8 : 0;
+  fb_status status = FB_OK;
+  for (int pass = 0; pass <= passes && status == FB_OK; pass++) {
+    status = fbi_loops_rows(s, state);
+    status = status ? status : fbi_loops_reduce(work, 0);
+    for (int k = 0; k < work->n_dependent && status == FB_OK; k++) {
+      const int j = work->dependent[k];
+      const fb_real miss = work->Z[k * (work->n + 1) + work->n];
+      if (pass < passes) {
+        fbi_coordinate_move(state, s->system, &work->coordinate[j], -miss);
+      } else if (!(FB_FABS(miss) <= (FB_SINGLE ? FB_R(1e-2) : FB_R(1e-6)) * work->size[j])) {
+        status = FB_ERR_CONTRADICTION;
+      }
+    }
+  }
+  return status;
+}
+
+/* What forces or momenta x of all coordinates are along independent one j: those of the dependent ones come with it. */
+static fb_real fbi_loops_reduced(const fb_system_analyse_work *work, const fb_real *x, int j)
+{
+  const int at = work->independent[j];
+  fb_real sum = x[at];
+  for (int k = 0; k < work->n_dependent; k++) {
+    sum -= work->Z[k * (work->n + 1) + at] * x[work->dependent[k]];
+  }
+  return sum;
 }
 
 /* Rates of a joint's coordinates z and momenta p along its axes, as fb_linear has them. */
@@ -13516,10 +13669,10 @@ static void fbi_joint_rates(fb_real z[6], fb_real p[6], const fbi_subject *s, in
   }
 }
 
-/* Rates of all coordinates, then of their momenta, from those of the moved state. */
+/* Rates of the independent coordinates, then of their momenta, from those of the moved state. */
 static void fbi_system_linear_rates(fb_real *f, const fbi_subject *s)
 {
-  const fb_system_analyse_work *const work = s->system_work;
+  fb_system_analyse_work *const work = s->system_work;
   fb_real z[6], p[6];
   for (int j = 0, at = -1; j < work->n; j++) {
     const fbi_coordinate *const c = &work->coordinate[j];
@@ -13527,23 +13680,13 @@ static void fbi_system_linear_rates(fb_real *f, const fbi_subject *s)
       at = c->body;
       fbi_joint_rates(z, p, s, at);
     }
-    f[j] = c->mode ? work->rate.link[c->body].q[c->i] : z[c->i];
-    f[work->n + j] = c->mode ? work->rate.link[c->body].pi[c->i] : p[c->i];
+    work->z_dot[j] = c->mode ? work->rate.link[c->body].q[c->i] : z[c->i];
+    work->p_dot[j] = c->mode ? work->rate.link[c->body].pi[c->i] : p[c->i];
   }
-}
-
-/* Momenta along the axes of the joint of a body, and in `moved` those of all, when that one speed is 1. */
-static void fbi_unit_momenta(fb_real p[6], const fbi_subject *s, const fbi_coordinate *c)
-{
-  fb_system_work *const w = &s->system_work->system;
-  for (int k = 0; k < s->system->n_body; k++) {
-    fbi_vec6_zero(w->link[k].u);
-    fbi_zero(w->link[k].q_dot, fbi_model(s->system, s->body, k)->n);
+  for (int j = 0; j < work->n_independent; j++) {
+    f[j] = work->z_dot[work->independent[j]];
+    f[work->n_independent + j] = fbi_loops_reduced(work, work->p_dot, j);
   }
-  (c->mode ? w->link[c->body].q_dot : w->link[c->body].u)[c->i] = FB_R(1.0);
-  fbi_speeds_out(w, s->system, s->body);
-  fbi_momenta_fill(&s->system_work->moved, w, s->system, s->body);
-  fbi_joint_momenta(p, &w->link[c->body], &s->system->joint[c->body], &s->system_work->moved.link[c->body]);
 }
 
 /* Is it a free joint that nothing moves? */
@@ -13579,43 +13722,45 @@ static fb_status fbi_system_residual(fb_real *f, const fbi_subject *s, int j, fb
   fb_system_work *const w = &work->system;
   fb_status status;
   work->moved = *s->system_state;
-  if (work->n > 0) {
-    fbi_coordinate_move(&work->moved, s->system, &work->coordinate[j], h);
+  if (work->n_independent > 0) {
+    fbi_coordinate_move(&work->moved, s->system, &work->coordinate[work->independent[j]], h);
   }
-  fbi_system_enter(w, s->system);
-  fbi_links_place(w, s->system, s->body, &work->moved, &work->moved);
-  status = fbi_roots_spin(s);
+  status = fbi_loops_shut(s, &work->moved);
+  status = status ? status : fbi_roots_spin(s);
   fbi_speeds_take(w, s->system, s->body, &work->moved, work->rest, s->system_input);
   fbi_momenta_fill(&work->moved, w, s->system, s->body);
   status = status ? status : fb_system_rates(s->system, s->body, w, &work->rate, &work->moved, s->system_input);
   if (status == FB_OK) {
     fbi_system_linear_rates(f, s);
-    fbi_copy(f, f + work->n, work->n);
+    fbi_copy(f, f + work->n_independent, work->n_independent);
   }
   return status;
 }
 
-/* The state with element j of x moved by h: momenta keep their components along the axes of the joints. */
-static void fbi_system_linear_move(const fbi_subject *s, int j, fb_real h)
+/* The state with element j of x moved by h: momenta keep their components along the axes of the joints. In loops those of
+   the dependent coordinates are zero: the others' have theirs in them, and d/dt of what has is fbi_loops_reduced. */
+static fb_status fbi_system_linear_move(const fbi_subject *s, int j, fb_real h)
 {
   fb_system_analyse_work *const work = s->system_work;
-  fb_system_work *const w = &work->system;
-  const fbi_coordinate *const c = &work->coordinate[j % work->n];
-  if (j < work->n) {
-    fbi_coordinate_move(&work->moved, s->system, c, h);
-  } else if (c->mode) {
-    work->moved.link[c->body].pi[c->i] += h;
+  const int n = work->n_independent;
+  fb_status status;
+  fb_real p[FB_MAX_BODIES][6];
+  if (j < n) {
+    fbi_coordinate_move(&work->moved, s->system, &work->coordinate[work->independent[j]], h);
   }
-  fbi_system_enter(w, s->system);
-  fbi_links_place(w, s->system, s->body, &work->moved, &work->moved);
+  status = fbi_loops_shut(s, &work->moved);
   for (int k = 0; k < s->system->n_body; k++) {
-    fb_real p[6];
-    fbi_vec6_copy(p, work->momenta[k]);
-    if (j >= work->n && !c->mode && c->body == k) {
-      p[c->i] += h;
-    }
-    fbi_joint_momenta_set(&work->moved.link[k], &w->link[k], &s->system->joint[k], p);
+    fbi_vec6_zero(p[k]);
+    fbi_zero(work->moved.link[k].pi, fbi_model(s->system, s->body, k)->n);
   }
+  for (int i = 0; i < n; i++) {
+    const fbi_coordinate *const c = &work->coordinate[work->independent[i]];
+    (c->mode ? work->moved.link[c->body].pi : p[c->body])[c->i] = work->momenta[i] + (j == n + i ? h : FB_R(0.0));
+  }
+  for (int k = 0; k < s->system->n_body; k++) {
+    fbi_joint_momenta_set(&work->moved.link[k], &work->system.link[k], &s->system->joint[k], p[k]);
+  }
+  return status;
 }
 
 static void fbi_system_port_drive(fb_system_input *input, const fb_port *port, fb_real h)
@@ -13647,19 +13792,20 @@ static fb_status fbi_system_port_read(fb_real *y, const fbi_subject *s, const fb
 static fb_status fbi_system_response(fb_real *f, const fbi_subject *s, int j, fb_real h)
 {
   fb_system_analyse_work *const work = s->system_work;
-  const int states = 2 * work->n;
-  fb_status status;
+  const int states = 2 * work->n_independent;
+  fb_status status = FB_OK;
   work->moved = *s->system_state;
   memset(&work->input, 0, sizeof work->input);
   if (s->system_input) {
     work->input = *s->system_input;
   }
   if (j < states) {
-    fbi_system_linear_move(s, j, h);
+    status = fbi_system_linear_move(s, j, h);
   } else {
     fbi_system_port_drive(&work->input, &s->desc->in[j - states], h);
   }
-  status = fb_system_rates(s->system, s->body, &work->system, &work->rate, &work->moved, &work->input);
+  status =
+      status ? status : fb_system_rates(s->system, s->body, &work->system, &work->rate, &work->moved, &work->input);
   if (status != FB_OK) {
     return status;
   }
@@ -13715,10 +13861,18 @@ static fb_status fbi_system_steady(fb_real *spin, const fbi_subject *s)
   *spin = FB_R(0.0);
   for (int k = 0; k < s->system->n_body && status == FB_OK; k++) {
     const fbi_link_work *const L = &work->system.link[k];
-    const fb_joint *const joint = &s->system->joint[k];
-    fbi_vec6_copy(work->steady[k], joint->kind == FB_JOINT_FREE ? L->V : L->u);
-    fbi_joint_momenta(work->momenta[k], L, joint, &s->system_state->link[k]);
+    fbi_vec6_copy(work->steady[k], s->system->joint[k].kind == FB_JOINT_FREE ? L->V : L->u);
     *spin = fbi_larger(*spin, fbi_vec3_norm(L->V + 3));
+  }
+  for (int j = 0; j < work->n && status == FB_OK; j++) {
+    const fbi_coordinate *const c = &work->coordinate[j];
+    const fb_link_state *const x = &s->system_state->link[c->body];
+    fb_real p[6];
+    fbi_joint_momenta(p, &work->system.link[c->body], &s->system->joint[c->body], x);
+    work->p_dot[j] = c->mode ? x->pi[c->i] : p[c->i];
+  }
+  for (int j = 0; j < work->n_independent && status == FB_OK; j++) {
+    work->momenta[j] = fbi_loops_reduced(work, work->p_dot, j);
   }
   return status;
 }
@@ -13728,12 +13882,14 @@ static fb_status fbi_system_steady(fb_real *spin, const fbi_subject *s)
 static void fbi_momenta_steps(const fbi_subject *s, fb_real spin)
 {
   fb_system_analyse_work *const work = s->system_work;
-  for (int j = 0; j < work->n; j++) {
-    const fbi_coordinate *const c = &work->coordinate[j];
+  fb_real *const step = work->common.step;
+  const int n = work->n_independent;
+  for (int j = 0; j < n; j++) {
+    const fbi_coordinate *const c = &work->coordinate[work->independent[j]];
     fb_real p[6], inertia;
     fbi_unit_momenta(p, s, c);
     inertia = c->mode ? work->moved.link[c->body].pi[c->i] : p[c->i];
-    work->common.step[work->n + j] = FB_R(100.0) * work->common.step[j] * inertia * (FB_R(1.0) + spin);
+    step[n + j] = FB_R(100.0) * step[j] * inertia * (FB_R(1.0) + spin);
   }
 }
 
@@ -13748,13 +13904,15 @@ static fb_status fbi_subject_eval(fb_real *f, const fbi_subject *s, int j, fb_re
 }
 
 /* Moves an unknown of the trim for good. */
-static void fbi_subject_move(const fbi_subject *s, int j, fb_real h)
+static fb_status fbi_subject_move(const fbi_subject *s, int j, fb_real h)
 {
   if (s->system) {
-    fbi_coordinate_move(&s->system_work->state, s->system, &s->system_work->coordinate[j], h);
-  } else {
-    s->work->state.q[j] += h;
+    fb_system_analyse_work *const work = s->system_work;
+    fbi_coordinate_move(&work->state, s->system, &work->coordinate[work->independent[j]], h);
+    return fbi_loops_shut(s, &work->state);
   }
+  s->work->state.q[j] += h;
+  return FB_OK;
 }
 
 /* Column j of the derivative of f: values at -2, -1, 1, 2 steps, exact for polynomials of degree 4. */
@@ -13795,7 +13953,7 @@ static fb_status fbi_trim_newton(fb_real *change, fbi_analysis *work, const fbi_
     }
     for (int j = 0; j < n && status == FB_OK; j++) {
       *change = fbi_larger(*change, FB_FABS(work->column[j]) * FBI_DIFFERENCE / work->step[j]);
-      fbi_subject_move(s, j, -work->column[j]);
+      status = fbi_subject_move(s, j, -work->column[j]);
     }
   }
   return status ? status : fbi_subject_eval(work->f, s, 0, FB_R(0.0));
@@ -13852,10 +14010,10 @@ static int fbi_spectrum_order(int *order, const fb_real *re, const fb_real *im, 
 }
 
 /* [E12.3] Complex modes, x = X exp(lambda t): of each conjugate pair the one with im > 0, ascending by |lambda|. Of the
-   states keep[0..size-1]; shapes of those among the first `coordinates`.
+   states keep[0..size-1]; shapes of those among the first `shaped`, at their coordinates, of n_shape.
    Source: [H] A.15-3 in the coordinates (q, pi).  Cost: E5.6 with size.  Fails: as that.
    Test: spectrum_of_a_spinning_oscillator_is_closed_form, damped_modes_have_their_ratios. */
-static fb_status fbi_spectrum_fill(fb_spectrum *spectrum, fbi_analysis *work, int size, int coordinates)
+static fb_status fbi_spectrum_fill(fb_spectrum *spectrum, fbi_analysis *work, int size, int shaped, int n_shape)
 {
   const int n = work->linear.n, *const keep = work->keep;
   int order[FB_MAX_LINEAR];
@@ -13873,9 +14031,9 @@ static fb_status fbi_spectrum_fill(fb_spectrum *spectrum, fbi_analysis *work, in
     const fb_real *const x = work->X + 2 * size * order[k];
     spectrum->re[k] = work->re[order[k]];
     spectrum->im[k] = work->im[order[k]];
-    for (int i = 0; i < size && keep[i] < coordinates; i++) {
-      spectrum->shape_re[k * coordinates + keep[i]] = x[i];
-      spectrum->shape_im[k * coordinates + keep[i]] = x[size + i];
+    for (int i = 0; i < size && keep[i] < shaped; i++) {
+      spectrum->shape_re[k * n_shape + work->linear.coordinate[keep[i]]] = x[i];
+      spectrum->shape_im[k * n_shape + work->linear.coordinate[keep[i]]] = x[size + i];
     }
   }
   return FB_OK;
@@ -13939,7 +14097,11 @@ static fb_status fbi_body_linearize(const fb_body *body, fb_analyse_work *work, 
   for (int j = 0; j < n && status == FB_OK; j++) {
     work->common.step[j] = fbi_linear_step(body, j);
   }
-  return status ? status : fbi_linear_fill(&work->common, &s, n, n_free);
+  status = status ? status : fbi_linear_fill(&work->common, &s, n, n_free);
+  for (int a = 0; a < n / 2 - n_free && status == FB_OK; a++) {
+    work->common.linear.coordinate[a] = a;
+  }
+  return status;
 }
 
 /* [E12.2] Linear model by differences of the rates and outputs.
@@ -13982,7 +14144,7 @@ FB_DEF fb_status fb_body_spectrum(fb_spectrum *spectrum, fb_analyse_work *work, 
   for (int i = 0; i < size; i++) {
     work->common.keep[i] = i;
   }
-  return fbi_spectrum_fill(spectrum, &work->common, size, body->n);
+  return fbi_spectrum_fill(spectrum, &work->common, size, body->n, body->n);
 }
 
 /* [E12.8] Relative equilibrium of a system by Newton's method: the rates of the momenta of joints and modes, along the
@@ -14012,7 +14174,9 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
   memset(work->rest, 0, sizeof work->rest);
   fbi_system_enter(&work->system, system);
   fbi_prescribe(&work->state, system, &work->system, &work->state, input);
-  status = fbi_trim_newton(&change, &work->common, &s, work->n);
+  status = fbi_loops_open(&s, &work->state);
+  status = status ? status : fbi_loops_shut(&s, &work->state);
+  status = status ? status : fbi_trim_newton(&change, &work->common, &s, work->n_independent);
   status = status ? status : fbi_system_range(system, body, &work->moved);
   if (status == FB_OK && !fbi_is_settled(change)) {
     status = FB_ERR_CONVERGENCE;
@@ -14030,6 +14194,7 @@ static fb_status fbi_system_linearize(const fb_system *system, const fb_body *bo
 {
   fbi_subject s;
   fb_real spin;
+  int n_free = 0;
   fb_status status = fbi_system_analyse_check(system, body, state, input);
   FBI_REQUIRE(work, FB_ERR_NULL);
   memset(&s, 0, sizeof s);
@@ -14041,12 +14206,20 @@ static fb_status fbi_system_linearize(const fb_system *system, const fb_body *bo
   s.system_input = input;
   status = status ? status : fbi_system_ports_check(&s);
   status = status ? status : fbi_coordinates_find(work, system, body, state, 0);
+  status = status ? status : fbi_loops_open(&s, state);
   status = status ? status : fbi_system_steady(&spin, &s);
   if (status != FB_OK) {
     return status;
   }
   fbi_momenta_steps(&s, spin);
-  return fbi_linear_fill(&work->common, &s, 2 * work->n, work->n_free);
+  for (int j = 0; j < work->n_independent; j++) {
+    n_free += !work->coordinate[work->independent[j]].mode;
+  }
+  status = fbi_linear_fill(&work->common, &s, 2 * work->n_independent, n_free);
+  for (int j = 0; j < work->n_independent; j++) {
+    work->common.linear.coordinate[j] = work->independent[j];
+  }
+  return status ? status : fbi_loops_open(&s, state); /* Z for the shapes, again */
 }
 
 /* [E12.9] Linear model of a system by differences of the rates and outputs.
@@ -14063,6 +14236,19 @@ FB_DEF fb_status fb_system_linearize(const fb_system *system, const fb_body *bod
     *linear = work->common.linear;
   }
   return status;
+}
+
+/* Motion of the dependent coordinates, by that of the others. */
+static void fbi_loops_shape(fb_real *z, const fb_system_analyse_work *work)
+{
+  for (int k = 0; k < work->n_dependent; k++) {
+    const fb_real *const row = work->Z + k * (work->n + 1);
+    fb_real sum = FB_R(0.0);
+    for (int j = 0; j < work->n_independent; j++) {
+      sum -= row[work->independent[j]] * z[work->independent[j]];
+    }
+    z[work->dependent[k]] = sum;
+  }
 }
 
 /* Whether where free bodies are acts on the motion of a system. */
@@ -14085,20 +14271,26 @@ FB_DEF fb_status fb_system_spectrum(fb_spectrum *spectrum, fb_system_analyse_wor
                                     const fb_body *body, const fb_system_state *state, const fb_system_input *input)
 {
   fb_status status;
-  int size = 0, acts;
+  int size = 0, acts, n;
   FBI_REQUIRE(spectrum && work, FB_ERR_NULL);
   status = fbi_system_linearize(system, body, work, state, input, NULL);
   if (status != FB_OK) {
     return status;
   }
   acts = fbi_system_pose_acts(system, body, input);
-  for (int j = 0; j < 2 * work->n; j++) {
-    const int floats = j < work->n_free && system->joint[work->coordinate[j].body].kind == FB_JOINT_FREE;
-    if (acts || !floats) {
+  n = work->n_independent;
+  for (int j = 0; j < 2 * n; j++) {
+    const fbi_coordinate *const c = &work->coordinate[work->independent[j % n]];
+    if (acts || j >= n || c->mode || system->joint[c->body].kind != FB_JOINT_FREE) {
       work->common.keep[size++] = j;
     }
   }
-  return fbi_spectrum_fill(spectrum, &work->common, size, work->n);
+  status = fbi_spectrum_fill(spectrum, &work->common, size, n, work->n);
+  for (int k = 0; k < spectrum->n && status == FB_OK; k++) {
+    fbi_loops_shape(spectrum->shape_re + k * work->n, work);
+    fbi_loops_shape(spectrum->shape_im + k * work->n, work);
+  }
+  return status;
 }
 
 FB_DEF fb_real fb_spectrum_damping(const fb_spectrum *spectrum, int k)
