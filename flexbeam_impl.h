@@ -13561,7 +13561,7 @@ static fb_real fbi_loops_pivot(int *row, int *column, const fb_system_analyse_wo
 /* [E12.11] Z by Gauss and Jordan: coordinate dependent[k] moves by -Z_kj of each independent one, and is off by Z_kn.
    choose: which depend is found first, with full pivoting; rows that say nothing new are left out.
    Source: [GV] 3.4.  Cost: rows^2 n.  Fails: FB_ERR_SINGULAR, one that does not follow from the others any more.
-   Test: rods_in_a_loop_swing_as_one_pendulum. */
+   Test: rods_in_a_loop_swing_as_one_pendulum, held_tips_take_a_mode_away. */
 static fb_status fbi_loops_reduce(fb_system_analyse_work *work, int choose)
 {
   const int n = work->n, rows = work->system.n_row, width = n + 1;
