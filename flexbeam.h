@@ -1866,14 +1866,14 @@ typedef struct fb_system_analyse_work { /* scratch; large: make it static */
   fb_system_input input;
 } fb_system_analyse_work;
 
-/* The same of systems, loops included, by FB_METHOD_RECURSIVE or FB_METHOD_DENSE; FB_METHOD_MULTIPLIERS and the caller's
-   own constraints give FB_ERR_KIND. body is the caller's array of models; input may be NULL.
-   Trim: prescribed axes have the value and rate of the input, locked ones stay, free ones and modes come to rest against
-   them: the rates must allow it (one axis that turns, or a prescribed free joint with constant v, w in body axes). What
-   hangs on a free joint that is free, too, spins about the principal axis nearest to the w of its drive's rate, as with
-   fb_body_trim (wheels with momentum across that axis it does not know). It finds unstable positions as well as stable
-   ones: the one near the state. FB_ERR_SINGULAR: also an axis that nothing holds; lock it. Errors else as fb_body_trim
-   and fb_system_rates. */
+/* The same of systems, loops included, by FB_METHOD_RECURSIVE or FB_METHOD_DENSE; FB_METHOD_MULTIPLIERS and the
+   caller's own constraints give FB_ERR_KIND. body is the caller's array of models; input may be NULL.
+   Trim: prescribed axes have the value and rate of the input, locked ones stay, free ones and modes come to rest
+   against them: the rates must allow it (one axis that turns, or a prescribed free joint with constant v, w in body
+   axes). What hangs on a free joint that is free, too, spins about the principal axis nearest to the w of its drive's
+   rate, as with fb_body_trim (wheels with momentum across that axis it does not know). It finds unstable positions as
+   well as stable ones: the one near the state. FB_ERR_SINGULAR: also an axis that nothing holds; lock it. Errors else
+   as fb_body_trim and fb_system_rates. */
 FB_API fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb_system_state *state,
                                 fb_system_analyse_work *work, const fb_system_input *input);
 /* Prescribed and locked axes are no states; what moves at a constant rate stays where it is in the state (a prescribed
@@ -1891,9 +1891,9 @@ FB_API fb_real fb_spectrum_damping(const fb_spectrum *spectrum, int k);
 typedef enum fb_scheme { FB_SCHEME_RK4 = 0, FB_SCHEME_MIDPOINT = 1, FB_SCHEME_SDIRK = 2 } fb_scheme;
 /* Largest step [s] at which no mode grows that should not; FB_HUGE where there is none (the implicit schemes). */
 FB_API fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_scheme scheme);
-/* Step [s] at which, after `duration` [s], the errors of the modes add up to `tolerance`, mode k with amplitude[k] (NULL:
-   1 each), in the same unit; at most 0.9 of the limit. 0 where scheme, duration, tolerance or amplitudes make no sense.
-   The modes are of the motion about a state: the wider the motion, the rougher the estimate. */
+/* Step [s] at which, after `duration` [s], the errors of the modes add up to `tolerance`, mode k with amplitude[k]
+   (NULL: 1 each), in the same unit; at most 0.9 of the limit. 0 where scheme, duration, tolerance or amplitudes make
+   no sense. The modes are of the motion about a state: the wider the motion, the rougher the estimate. */
 FB_API fb_real fb_spectrum_step(const fb_spectrum *spectrum, fb_scheme scheme, const fb_real *amplitude,
                                 fb_real duration, fb_real tolerance);
 

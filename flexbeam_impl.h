@@ -13076,8 +13076,8 @@ FB_DEF fb_status fb_mixed_step(const fb_mixed *m, fb_mixed_state *state, fb_mixe
 /* ---------------------------------------------------------------------------------------------------------------
    12 >>analyse (uses 1-11) */
 
-/* Velocities (v, w) of the free spin at |wanted| about the principal axis nearest to it, from the momenta (p, h) about O
-   at w = e_i: p = e_i x c, h = J e_i. mass > 0: its center at rest, 0: O is held. */
+/* Velocities (v, w) of the free spin at |wanted| about the principal axis nearest to it, from the momenta (p, h) about
+   O at w = e_i: p = e_i x c, h = J e_i. mass > 0: its center at rest, 0: O is held. */
 static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], fb_real mass, const fb_real wanted[3])
 {
   const fb_real spin = FB_SQRT(fb_vec3_dot(wanted, wanted));
@@ -13299,7 +13299,8 @@ static fb_status fbi_body_residual(fb_real *f, const fbi_subject *s, int j, fb_r
   return status;
 }
 
-/* The state with the element j of x moved by h; momenta keep their components in body axes when the attitude changes. */
+/* The state with the element j of x moved by h; momenta keep their components in body axes when the attitude
+   changes. */
 static void fbi_linear_move(fb_state *out, const fb_state *state, const fb_body *body, int j, fb_real h)
 {
   const int n = body->n, first = fbi_first_free(body->base), momentum = j - 2 * n + first,
@@ -13611,8 +13612,8 @@ static fb_status fbi_loops_open(const fbi_subject *s, const fb_system_state *sta
   return status;
 }
 
-/* Moves the dependent coordinates of a state to where the loops are closed, by Newton's method; leaves the system placed
-   and Z as it is there. FB_ERR_CONTRADICTION: they stay open. */
+/* Moves the dependent coordinates of a state to where the loops are closed, by Newton's method; leaves the system
+   placed and Z as it is there. FB_ERR_CONTRADICTION: they stay open. */
 static fb_status fbi_loops_shut(const fbi_subject *s, fb_system_state *state)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -13695,7 +13696,8 @@ static int fbi_is_afloat(const fb_system *system, const fb_system_state *state, 
   return system->joint[k].kind == FB_JOINT_FREE && state->mode[k][0] == FB_AXIS_FREE;
 }
 
-/* Speeds at rest of the free joints: all that hangs on one in a free spin about the input's rate. The system is placed. */
+/* Speeds at rest of the free joints: all that hangs on one in a free spin about the input's rate. The system is
+   placed. */
 static fb_status fbi_roots_spin(const fbi_subject *s)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -13737,8 +13739,8 @@ static fb_status fbi_system_residual(fb_real *f, const fbi_subject *s, int j, fb
   return status;
 }
 
-/* The state with element j of x moved by h: momenta keep their components along the axes of the joints. In loops those of
-   the dependent coordinates are zero: the others' have theirs in them, and d/dt of what has is fbi_loops_reduced. */
+/* The state with element j of x moved by h: momenta keep their components along the axes of the joints. In loops those
+   of the dependent coordinates are zero: the others' have theirs in them, and d/dt of what has is fbi_loops_reduced. */
 static fb_status fbi_system_linear_move(const fbi_subject *s, int j, fb_real h)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -13877,8 +13879,8 @@ static fb_status fbi_system_steady(fb_real *spin, const fbi_subject *s)
   return status;
 }
 
-/* How far momenta are moved: what a coordinate has at a hundred of its steps a second, more where the system spins (rates
-   are of second degree in momenta: wide steps do not err, short ones round). The system is placed. */
+/* How far momenta are moved: what a coordinate has at a hundred of its steps a second, more where the system spins
+   (rates are of second degree in momenta: wide steps do not err, short ones round). The system is placed. */
 static void fbi_momenta_steps(const fbi_subject *s, fb_real spin)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -13933,7 +13935,8 @@ static fb_status fbi_difference(fbi_analysis *work, const fbi_subject *s, int j,
   return status;
 }
 
-/* Newton's method for f = 0 in n unknowns. change: the last step, in bodies or radians; below 1e-9 it leaves rounding. */
+/* Newton's method for f = 0 in n unknowns. change: the last step, in bodies or radians; below 1e-9 it leaves
+   rounding. */
 static fb_status fbi_trim_newton(fb_real *change, fbi_analysis *work, const fbi_subject *s, int n)
 {
   fb_status status = FB_OK;

@@ -742,8 +742,8 @@ TEST(double_pendulum_swings_in_closed_form)
   }
 }
 
-/* E12.8, E12.10: a flexible body that floats is a system of one: at rest and spinning the same steady shape and the same
-   complex modes as by E12.1 and E12.3, number and shapes included. */
+/* E12.8, E12.10: a flexible body that floats is a system of one: at rest and spinning the same steady shape and the
+   same complex modes as by E12.1 and E12.3, number and shapes included. */
 TEST(a_free_body_is_a_system_of_one)
 {
   for (int run = 0; run < 8; run++) { /* the joint is prescribed and then freed, or free at once */
@@ -815,9 +815,9 @@ TEST(a_free_body_is_a_system_of_one)
   }
 }
 
-/* E12.2, E12.9: a top that sleeps upright: in axes that do not spin its tilt goes as exp(i n t) with A n^2 - C s n + m g l =
-   0, in its own as exp(i (n - s) t); below the spin s at which n is real it falls. As a body on a pin and as a system
-   with a ball joint, axes and attitude turned anyhow. */
+/* E12.2, E12.9: a top that sleeps upright: in axes that do not spin its tilt goes as exp(i n t) with A n^2 - C s n + m
+   g l = 0, in its own as exp(i (n - s) t); below the spin s at which n is real it falls. As a body on a pin and as a
+   system with a ball joint, axes and attitude turned anyhow. */
 TEST(sleeping_tops_tilt_in_closed_form)
 {
   for (int run = 0; run < 10; run++) {
@@ -922,8 +922,8 @@ TEST(poses_drift_as_the_frame_goes_on)
   }
 }
 
-/* A spacecraft that spins about z: hub, two flexible blades opposite each other on sprung hinges, an antenna on a sprung
-   ball joint on the axis; base: of the hub. */
+/* A spacecraft that spins about z: hub, two flexible blades opposite each other on sprung hinges, an antenna on a
+   sprung ball joint on the axis; base: of the hub. */
 static void spinner(fb_axis_mode base, double Omega)
 {
   fb_real up[4];
@@ -1165,9 +1165,9 @@ static double linkage_inertia(linkage *at, double phi)
 }
 
 /* E12.11, with E12.8 to E12.10: rods that close a loop, in a plane that spins: where they hang, by Newton's method from
-   aside, and how they swing there, omega^2 = V''/M of the one angle there is; V, M from the rods' ends. The loop's rows say
-   three things twice, its forces are not zero, and its potential is bent: D != b. With D = b it is a parallelogram with
-   omega^2 = g (m_L + m_b) L/(2 m_L L^2/3 + m_b L^2) at rest. */
+   aside, and how they swing there, omega^2 = V''/M of the one angle there is; V, M from the rods' ends. The loop's
+   rows say three things twice, its forces are not zero, and its potential is bent: D != b. With D = b it is a
+   parallelogram with omega^2 = g (m_L + m_b) L/(2 m_L L^2/3 + m_b L^2) at rest. */
 TEST(rods_in_a_loop_swing_as_one_pendulum)
 {
   double largest = 0.0;
@@ -1260,8 +1260,8 @@ TEST(rods_in_a_loop_swing_as_one_pendulum)
   fbt_figure("rods in a loop that spins, frequency", "potential of one angle", largest);
 }
 
-/* E12.11: a cantilever whose tip a ball joint holds in place has no joint that could follow, only modes: the frequencies
-   are the roots of sum psi_a(tip)^2/(omega_a^2 - omega^2) = 0 in either plane, one less than modes each. */
+/* E12.11: a cantilever whose tip a ball joint holds in place has no joint that could follow, only modes: the
+   frequencies are the roots of sum psi_a(tip)^2/(omega_a^2 - omega^2) = 0 in either plane, one less than modes each. */
 TEST(held_tips_take_a_mode_away)
 {
   fb_joint_desc *const hold = &tree.loop[0];
@@ -1307,8 +1307,8 @@ static int no_rows(fb_row *row, int capacity, const fb_pose *pose, fb_real t, vo
   return 0;
 }
 
-/* Section 12: the same of systems: what is missing, ports that are not there, what has no linear model of this kind, what
-   cannot rest; nothing given is changed. */
+/* Section 12: the same of systems: what is missing, ports that are not there, what has no linear model of this kind,
+   what cannot rest; nothing given is changed. */
 TEST(analysis_of_systems_refuses_bad_input)
 {
   static const struct {
