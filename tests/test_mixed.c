@@ -1649,6 +1649,38 @@ TEST(linear_beams_answer_at_every_frequency)
 
 /* ---- refusal */
 
+/* E12.15: what the linear model says of stability is what the beam does: Beck's column either side of its flutter load,
+   and a shaft with unequal stiffness, that whirls off between its two critical speeds pi^2 sqrt(EI) and only there. */
+TEST(linear_beams_flutter_and_whirl)
+{
+  for (int beyond = 0; beyond < 2; beyond++) {
+    double margin;
+    elastica(20);
+    desc.tip = FB_HOLD_Z;
+    load_tip(FB_AXES_NODE, beyond ? -20.2 : -19.9, 0.0, 0.0);
+    settle();
+    memset(&ports, 0, sizeof ports);
+    port(ports.in, &ports.n_in, FB_MIXED_PORT_FORCE, 12, 1, FB_AXES_NODE);
+    port(ports.out, &ports.n_out, FB_MIXED_PORT_RATE, 20, 2, FB_AXES_INERTIAL);
+    FBT_INT_EQ(fb_mixed_linearize(&mixed, &linear, &linear_work, &state, &input, &ports, 4), FB_OK);
+    margin = (double)fb_spectrum_margin(linear.re, NULL, linear.n_mode);
+    FBT_TRUE(beyond ? margin < -0.3 : margin > -FBT_TOL(1e-3, 0.1));
+  }
+  for (int run = 0; run < 3; run++) {
+    const double stiffness[6] = {0.0, 0.0, 0.0, 0.0, 1.0, 1.5}, inertia[6] = {1.0, 1.0, 1.0, 0.0, 0.0, 0.0};
+    static const double spin[3] = {9.7, 11.0, 12.3}; /* critical: 9.87, 12.09 */
+    double margin;
+    beam(1.0, 20, stiffness, inertia);
+    desc.root = FB_END_PINNED | FB_HOLD_RX;
+    desc.tip = FB_HOLD_Y | FB_HOLD_Z;
+    input.w[0] = (fb_real)spin[run];
+    settle();
+    FBT_INT_EQ(fb_mixed_linearize(&mixed, &linear, &linear_work, &state, &input, NULL, 4), FB_OK);
+    margin = (double)fb_spectrum_margin(linear.re, NULL, linear.n_mode);
+    FBT_TRUE(run == 1 ? margin < -1.0 : margin > -FBT_TOL(1e-4, 0.3));
+  }
+}
+
 /* E12.15: what has no linear model is refused, and the model kept. */
 TEST(linear_beams_refuse_bad_input)
 {
@@ -1784,4 +1816,5 @@ SUITE(mixed, RUN(elastica_is_of_order_four), RUN(linear_cantilevers_are_exact_at
       RUN(shaft_whirls_as_in_closed_form), RUN(spinning_cantilever_has_the_published_frequencies),
       RUN(columns_buckle_at_eulers_load), RUN(linear_beams_rest_where_the_beam_does),
       RUN(linear_beams_move_as_the_beam_does), RUN(linear_beams_answer_at_every_frequency),
-      RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode), RUN(mixed_beam_refuses_bad_input))
+      RUN(linear_beams_flutter_and_whirl), RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode),
+      RUN(mixed_beam_refuses_bad_input))
