@@ -13352,7 +13352,7 @@ static fb_status fbi_linear_desc_check(const fb_body *body, const fb_input *inpu
 FB_DEF fb_status fb_body_linearize(const fb_body *body, fb_linear *linear, fb_analyse_work *work, const fb_state *state,
                                    const fb_input *input, const fb_linear_desc *desc)
 {
-  static const fb_linear_desc none;
+  static const fb_linear_desc none = {0, 0, {{FB_PORT_FORCE, 0, 0}}, {{FB_PORT_FORCE, 0, 0}}}; /* C++ wants it said */
   fb_status status = fbi_analyse_check(body, state, input);
   fb_linear *out;
   int n, columns;
@@ -14181,7 +14181,8 @@ FB_DEF fb_status fb_mixed_linearize(const fb_mixed *m, fb_mixed_linear *linear, 
                                     const fb_mixed_state *state, const fb_mixed_input *input,
                                     const fb_mixed_linear_desc *desc, int count)
 {
-  static const fb_mixed_linear_desc none;
+  static const fb_mixed_linear_desc none = {
+      0, 0, {{FB_MIXED_PORT_FORCE, 0, 0, FB_AXES_INERTIAL}}, {{FB_MIXED_PORT_FORCE, 0, 0, FB_AXES_INERTIAL}}};
   fb_mixed_linear *out;
   fb_status status;
   int found = 0;
