@@ -10,7 +10,7 @@ export WARNINGS WARNINGS_C
 
 LIBRARY  = flexbeam.h flexbeam_impl.h
 SECTIONS = main status vec3 rotation linalg beam modes body system forms mixed integrate analyse build
-EXAMPLES = quickstart spinup campbell table1 assembly reduce elastodyn firmware spacecraft rotor arm fourbar \
+EXAMPLES = quickstart spinup campbell analyse table1 assembly reduce elastodyn firmware spacecraft rotor arm fourbar \
            elastica follower flap whirl beam3d leigh
 CHECKS   = sanitize suite long jacobian compile rom firmware bits instructions mismatch removed style tidy two_precisions single threads stack symbols ids quickstart
 

@@ -184,7 +184,8 @@
      what is locked or latched     fb_system_axis_set
      an IMU, a strain gauge        fb_imu_eval, fb_gauge_init
      a beam that bends far         fb_mixed_desc: any deflection, curved, twisted, full 6x6 sections; steady and moving
-     flutter, whirl, buckling      fb_mixed_spectrum_solve about a steady state; fb_buckling_solve
+     flutter, whirl, buckling      fb_mixed_spectrum_solve about a steady state, fb_spectrum_margin; fb_buckling_solve
+     control of a bent beam        fb_mixed_linearize: its slow modes as A, B, C, D with inputs and outputs
      a model in ROM                examples/reduce: text file to C header with a static const fb_body
 
    WHICH SCHEME? (all fixed work; a step beyond its limit is refused)
@@ -1887,6 +1888,9 @@ FB_API fb_status fb_system_spectrum(fb_spectrum *spectrum, fb_system_analyse_wor
 
 /* -re/|re + i im| of mode k: 1 aperiodic, 0 undamped, negative unstable. */
 FB_API fb_real fb_spectrum_damping(const fb_spectrum *spectrum, int k);
+/* Stability margin [1/s] of n modes: the least -re, negative where one grows; and which mode has it (NULL: not asked
+   for). n = 0: FB_HUGE, mode -1. For fb_spectrum, fb_mixed_spectrum and fb_mixed_linear alike. */
+FB_API fb_real fb_spectrum_margin(const fb_real *re, int *mode, int n);
 
 typedef enum fb_scheme { FB_SCHEME_RK4 = 0, FB_SCHEME_MIDPOINT = 1, FB_SCHEME_SDIRK = 2 } fb_scheme;
 /* Largest step [s] at which no mode grows that should not; FB_HUGE where there is none (the implicit schemes). */
@@ -1928,6 +1932,67 @@ typedef struct fb_mixed_spectrum_work { /* scratch; large: make it static */
 FB_API fb_status fb_mixed_spectrum_solve(const fb_mixed *mixed, fb_mixed_spectrum *spectrum,
                                          fb_mixed_spectrum_work *work, const fb_mixed_state *state,
                                          const fb_mixed_input *input, int count);
+
+typedef enum fb_mixed_port_kind {
+  FB_MIXED_PORT_FORCE = 0,           /* input [N] at a node */
+  FB_MIXED_PORT_TORQUE = 1,          /* input [N m] */
+  FB_MIXED_PORT_BASE_VELOCITY = 2,   /* input [m/s], base axes */
+  FB_MIXED_PORT_BASE_RATE = 3,       /* input [rad/s] */
+  FB_MIXED_PORT_DISPLACEMENT = 4,    /* output [m] of a node, base axes */
+  FB_MIXED_PORT_ROTATION = 5,        /* output [rad], section axes in the steady state */
+  FB_MIXED_PORT_VELOCITY = 6,        /* output [m/s], section axes, as fb_mixed_node.velocity */
+  FB_MIXED_PORT_RATE = 7,            /* output [rad/s], a gyro there */
+  FB_MIXED_PORT_INTERNAL_FORCE = 8,  /* output [N], mean over an element, section axes */
+  FB_MIXED_PORT_INTERNAL_MOMENT = 9, /* output [N m] */
+  FB_MIXED_PORT_FORCE_STRAIN = 10,   /* output [-], of the section */
+  FB_MIXED_PORT_MOMENT_STRAIN = 11   /* output [1/m] */
+} fb_mixed_port_kind;
+
+typedef struct fb_mixed_port {
+  fb_mixed_port_kind kind;
+  int at, axis; /* node or element; axis 0..2 */
+  fb_axes axes; /* of a force or torque: as fb_load; inertial axes as they stand in the steady state */
+} fb_mixed_port;
+
+typedef struct fb_mixed_linear_desc {
+  int n_in, n_out;
+  fb_mixed_port in[FB_MAX_PORTS], out[FB_MAX_PORTS];
+} fb_mixed_linear_desc;
+
+#define FB_MIXED_STATES (2 * FB_MIXED_MODES)
+
+/* d/dt x = A x + B u, y = C x + D u of changes against the steady state. Mode k has one state where it is aperiodic, else
+   two, a and b, with the block [re -im; im re] in A and the motion Re(shape (a + i b)), shape as in fb_mixed_spectrum.
+   D: what all faster modes answer at once; at rest y = (D - C A^-1 B) u is that of the whole beam. */
+typedef struct fb_mixed_linear {
+  int n, n_in, n_out, n_mode;
+  fb_real re[FB_MIXED_MODES], im[FB_MIXED_MODES]; /* as fb_mixed_spectrum */
+  fb_real A[FB_MIXED_STATES * FB_MIXED_STATES];   /* n x n */
+  fb_real B[FB_MIXED_STATES * FB_MAX_PORTS];      /* n x n_in */
+  fb_real C[FB_MAX_PORTS * FB_MIXED_STATES];      /* n_out x n */
+  fb_real D[FB_MAX_PORTS * FB_MAX_PORTS];         /* n_out x n_in */
+} fb_mixed_linear;
+
+typedef struct fb_mixed_linear_work { /* scratch; large: make it static */
+  fb_mixed_spectrum_work spectrum;
+  fb_real base_quat[4], answer[FBI_MIXED_DIM], other[FBI_MIXED_DIM];
+  fb_real basis[FB_MIXED_STATES * FBI_MIXED_DIM], R[FB_MIXED_STATES * FB_MIXED_STATES];
+  fb_real right[FB_MIXED_STATES * FBI_MIXED_BASIS], left[FB_MIXED_STATES * FBI_MIXED_BASIS];
+  fb_real G[FB_MIXED_STATES * FB_MIXED_STATES], scale[FB_MIXED_STATES], part[FB_MIXED_STATES], sum[FB_MIXED_STATES];
+  int perm[FB_MIXED_STATES], order[FBI_MIXED_BASIS];
+  fb_mixed_linear linear;
+} fb_mixed_linear_work;
+
+/* Linear model of the `count` slowest modes (of equal ones none is left out: one or two more then) about a steady state
+   of fb_mixed_steady_solve with the same input, for the inputs and outputs of desc (NULL: none). Its eigenvalues are
+   those of fb_mixed_spectrum_solve, its answer at rest is exact. Base velocity and rate move the frame the beam is seen from;
+   what does not turn with it (gravity, dead loads) is taken as it stands.
+   FB_ERR_SINGULAR: no answer at rest (free to move, at a limit point), or two modes are one (the onset of flutter);
+   FB_ERR_VALUE, FB_ERR_CAPACITY: count, or a port that does not exist; else as fb_mixed_spectrum_solve. On failure
+   linear is as before. */
+FB_API fb_status fb_mixed_linearize(const fb_mixed *mixed, fb_mixed_linear *linear, fb_mixed_linear_work *work,
+                                    const fb_mixed_state *state, const fb_mixed_input *input,
+                                    const fb_mixed_linear_desc *desc, int count);
 
 /* ---------------------------------------------------------------------------------------------------------------
    13 >>build */

@@ -14303,6 +14303,22 @@ FB_DEF fb_real fb_spectrum_damping(const fb_spectrum *spectrum, int k)
   return size > FB_R(0.0) ? -value.re / size : FB_R(0.0);
 }
 
+FB_DEF fb_real fb_spectrum_margin(const fb_real *re, int *mode, int n)
+{
+  fb_real margin = FB_HUGE;
+  int worst = -1;
+  for (int k = 0; k < n && re; k++) {
+    if (worst < 0 || -re[k] < margin) {
+      margin = -re[k];
+      worst = k;
+    }
+  }
+  if (mode) {
+    *mode = worst;
+  }
+  return margin;
+}
+
 /* What a step of |lambda| dt = r multiplies a motion along exp(lambda t) by, lambda = |lambda| d.
    Source: [HW] IV.3.  Fails: never.  Test: step_limits_are_those_of_the_spectrum. */
 static fbi_complex fbi_amplification(fb_scheme scheme, fbi_complex d, fb_real r)
@@ -14451,10 +14467,11 @@ static void fbi_mixed_load_rate(fb_real y[6], const fb_real M[36], const fb_real
 }
 
 /* [E12.4] x = (shift - A)^-1 b of the linearized beam: d_t = shift d - b_d, v = d_t + ad(V) d, P_t = shift P - b_P;
-   what b gives enters the balance of the nodes, the rest is the Jacobian of a steady state with inertia.
+   what b gives enters the balance of the nodes beside what B of the work says already (less the loads there), the rest
+   is the Jacobian of a steady state with inertia. Velocities of the nodes remain in dd, stresses in ds.
    Source: E10.7 to E10.10, linearized.  Cost: 1 kflop an element.  Fails: never, once factored.
    Test: spectrum_of_a_straight_beam_is_the_textbooks. */
-static void fbi_mixed_invert(fb_real *x, fb_mixed_work *work, const fb_mixed *m, const fb_real *b)
+static void fbi_mixed_respond(fb_real *x, fb_mixed_work *work, const fb_mixed *m, const fb_real *b)
 {
   fbi_mixed_cell *const c = &work->cell;
   const fb_real shift = work->motion.shift;
@@ -14462,7 +14479,6 @@ static void fbi_mixed_invert(fb_real *x, fb_mixed_work *work, const fb_mixed *m,
   const fb_real *const b_P = b + 6 * (n + 1), *const b_L = b_P + 6 * n;
   fb_real *const P = x + 6 * (n + 1), *const L = P + 6 * n;
   fb_real v[6], d[6], f[6], y[6];
-  fbi_zero(work->B, 6 * (n + 1));
   fbi_zero(work->c, 6 * n);
   fbi_zero(work->want, 6 * (n + 1));
   for (int k = 0; k < n; k++) {
@@ -14509,6 +14525,12 @@ static void fbi_mixed_invert(fb_real *x, fb_mixed_work *work, const fb_mixed *m,
   }
 }
 
+static void fbi_mixed_invert(fb_real *x, fb_mixed_work *work, const fb_mixed *m, const fb_real *b)
+{
+  fbi_zero(work->B, 6 * (m->n + 1));
+  fbi_mixed_respond(x, work, m, b);
+}
+
 /* The linearized beam about a steady state, factored at a shift of its own unit of time. */
 static fb_status fbi_mixed_linearize(fb_mixed_work *work, const fb_mixed *m, const fb_mixed_state *state,
                                      const fb_mixed_input *input, fb_real shift)
@@ -14551,9 +14573,10 @@ static fb_real fbi_krylov_add(fb_real *x, fb_real *h, const fb_real *Q, int rows
 }
 
 /* [E12.5] Krylov basis of (shift - A)^-1 from two starts, so that pairs of equal frequencies are found: Q, and in H the
-   operator on it (block Arnoldi).    Source: [GV] 10.5.  Cost: size * (E12.4 + 4 size dim).  Fails: never.
+   operator on it (block Arnoldi). The first start is given, or any (NULL).
+   Source: [GV] 10.5.  Cost: size * (E12.4 + 4 size dim).  Fails: never.
    Test: spectrum_of_a_straight_beam_is_the_textbooks. */
-static void fbi_mixed_arnoldi(fb_mixed_spectrum_work *work, const fb_mixed *m, int size)
+static void fbi_mixed_arnoldi(fb_mixed_spectrum_work *work, const fb_mixed *m, int size, const fb_real *first)
 {
   const int n = fbi_mixed_dim(m), s = FBI_MIXED_BASIS;
   unsigned seed = 12345u;
@@ -14572,6 +14595,9 @@ static void fbi_mixed_arnoldi(fb_mixed_spectrum_work *work, const fb_mixed *m, i
       fbi_mat66_mul_vec6(P, i < m->n ? m->M + 36 * i : m->lump + 36 * (i - m->n), v);
     }
     fbi_mixed_invert(work->Q + rows * n, &work->mixed, m, start);
+    if (k == 0 && first) {
+      fbi_copy(work->Q, first, n);
+    }
     (void)fbi_krylov_add(work->Q + rows * n, none, work->Q, rows, n, 1);
     rows++;
   }
@@ -14619,19 +14645,19 @@ static void fbi_mixed_lambda(fb_mixed_spectrum_work *work, int size)
   }
 }
 
-/* Its shape at the nodes, the largest displacement or rotation * length scaled to 1. */
-static void fbi_mixed_shape(fb_real *re, fb_real *im, const fb_mixed_spectrum_work *work, const fb_mixed *m, int k,
-                            int size)
+/* Eigenvector k, its first `rows`, the largest displacement or rotation of a node scaled to 1, own units. */
+static void fbi_mixed_vector(fb_real *re, fb_real *im, const fb_mixed_spectrum_work *work, const fb_mixed *m, int k,
+                             int size, int rows)
 {
   const int n = fbi_mixed_dim(m), nodes = 6 * (m->n + 1);
   const fb_real *const y = work->X + 2 * size * k;
   fb_real largest = FB_R(0.0);
   fbi_complex top = {FB_R(1.0), FB_R(0.0)};
-  fbi_zero(re, nodes);
-  fbi_zero(im, nodes);
+  fbi_zero(re, rows);
+  fbi_zero(im, rows);
   for (int i = 0; i < size; i++) {
-    fbi_row_sub(re, -y[i], work->Q + i * n, nodes);
-    fbi_row_sub(im, -y[size + i], work->Q + i * n, nodes);
+    fbi_row_sub(re, -y[i], work->Q + i * n, rows);
+    fbi_row_sub(im, -y[size + i], work->Q + i * n, rows);
   }
   for (int i = 0; i < nodes; i++) {
     const fbi_complex z = {re[i], im[i]};
@@ -14640,39 +14666,76 @@ static void fbi_mixed_shape(fb_real *re, fb_real *im, const fb_mixed_spectrum_wo
       top = z;
     }
   }
-  for (int i = 0; i < nodes; i++) {
+  for (int i = 0; i < rows; i++) {
     const fbi_complex z = {re[i], im[i]}, scaled = fbi_complex_div(z, top);
-    const fb_real unit = i % 6 < 3 ? FB_R(1.0) : FB_R(1.0) / m->length;
-    re[i] = scaled.re * unit;
-    im[i] = scaled.im * unit;
+    re[i] = scaled.re;
+    im[i] = scaled.im;
   }
 }
 
-/* Eigenvalues of the linearized beam, with their vectors on the basis. */
-static fb_status fbi_mixed_eigen(fb_mixed_spectrum_work *work, const fb_mixed *m, const fb_mixed_state *state,
-                                 const fb_mixed_input *input, int size)
+/* Its shape at the nodes, the largest displacement or rotation * length 1 m. */
+static void fbi_mixed_shape(fb_real *re, fb_real *im, const fb_mixed_spectrum_work *work, const fb_mixed *m, int k,
+                            int size)
+{
+  const int nodes = 6 * (m->n + 1);
+  fbi_mixed_vector(re, im, work, m, k, size, nodes);
+  for (int i = 0; i < nodes; i++) {
+    re[i] /= i % 6 < 3 ? FB_R(1.0) : m->length;
+    im[i] /= i % 6 < 3 ? FB_R(1.0) : m->length;
+  }
+}
+
+/* The beam factored at a shift that is none of its eigenvalues. */
+static fb_status fbi_mixed_shifted(fb_mixed_work *work, const fb_mixed *m, const fb_mixed_state *state,
+                                   const fb_mixed_input *input)
 {
   fb_status status = FB_ERR_SINGULAR;
-  for (int k = 0; k < 3 && status == FB_ERR_SINGULAR; k++) { /* another shift where the first is an eigenvalue */
-    status = fbi_mixed_linearize(&work->mixed, m, state, input, FB_R(1.0) + FB_R(0.37) * (fb_real)k);
-  }
-  if (status == FB_OK) {
-    fbi_mixed_arnoldi(work, m, size);
-    for (int i = 0; i < size; i++) {
-      fbi_copy(work->A + i * size, work->H + i * FBI_MIXED_BASIS, size);
-    }
-    status = fb_eig_general_solve(work->re, work->im, work->X, work->A, work->eig, size);
-  }
-  if (status == FB_OK) {
-    fbi_mixed_lambda(work, size);
+  for (int k = 0; k < 3 && status == FB_ERR_SINGULAR; k++) {
+    status = fbi_mixed_linearize(work, m, state, input, FB_R(1.0) + FB_R(0.37) * (fb_real)k);
   }
   return status;
+}
+
+/* Eigenvalues mu of the operator on its basis, with their vectors: of its transpose, the left ones. */
+static fb_status fbi_mixed_eigen(fb_mixed_spectrum_work *work, int size, int transpose)
+{
+  for (int i = 0; i < size; i++) {
+    for (int j = 0; j < size; j++) {
+      work->A[i * size + j] = transpose ? work->H[j * FBI_MIXED_BASIS + i] : work->H[i * FBI_MIXED_BASIS + j];
+    }
+  }
+  return fb_eig_general_solve(work->re, work->im, work->X, work->A, work->eig, size);
+}
+
+/* Dimension of the basis for so many modes. */
+static int fbi_mixed_basis(const fb_mixed *m, int count)
+{
+  const int size = 6 * count + 24 < FBI_MIXED_BASIS ? 6 * count + 24 : FBI_MIXED_BASIS;
+  return size < fbi_mixed_dim(m) ? size : fbi_mixed_dim(m);
+}
+
+/* All that has converged of the linearized beam, lambda and vectors on the basis; returns how many, ascending in order. */
+static fb_status fbi_mixed_modes(int *found, int order[FBI_MIXED_BASIS], fb_mixed_spectrum_work *work,
+                                 const fb_mixed *m, const fb_mixed_state *state, const fb_mixed_input *input, int count)
+{
+  const int size = fbi_mixed_basis(m, count);
+  fb_status status = fbi_mixed_shifted(&work->mixed, m, state, input);
+  if (status == FB_OK) {
+    fbi_mixed_arnoldi(work, m, size, NULL);
+    status = fbi_mixed_eigen(work, size, 0);
+  }
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_mixed_lambda(work, size);
+  *found = fbi_spectrum_order(order, work->re, work->im, size);
+  return *found >= count ? FB_OK : size < fbi_mixed_dim(m) ? FB_ERR_CONVERGENCE : FB_ERR_KIND;
 }
 
 FB_DEF fb_status fb_mixed_spectrum_solve(const fb_mixed *m, fb_mixed_spectrum *spectrum, fb_mixed_spectrum_work *work,
                                          const fb_mixed_state *state, const fb_mixed_input *input, int count)
 {
-  int size, order[FBI_MIXED_BASIS], nodes;
+  int found, order[FBI_MIXED_BASIS], nodes;
   fb_status status;
   FBI_REQUIRE(m && spectrum && work && state, FB_ERR_NULL);
   if (count < 1 || count > FB_MIXED_MODES) {
@@ -14681,14 +14744,9 @@ FB_DEF fb_status fb_mixed_spectrum_solve(const fb_mixed *m, fb_mixed_spectrum *s
   input = input ? input : fbi_mixed_no_input(&work->mixed);
   status = fbi_mixed_state_check(m, state);
   status = status ? status : fbi_mixed_input_check(m, input);
-  size = 6 * count + 24 < FBI_MIXED_BASIS ? 6 * count + 24 : FBI_MIXED_BASIS;
-  size = size < fbi_mixed_dim(m) ? size : fbi_mixed_dim(m);
-  status = status ? status : fbi_mixed_eigen(work, m, state, input, size);
+  status = status ? status : fbi_mixed_modes(&found, order, work, m, state, input, count);
   if (status != FB_OK) {
     return status;
-  }
-  if (fbi_spectrum_order(order, work->re, work->im, size) < count) {
-    return size < fbi_mixed_dim(m) ? FB_ERR_CONVERGENCE : FB_ERR_KIND;
   }
   nodes = 6 * (m->n + 1);
   memset(spectrum, 0, sizeof *spectrum);
@@ -14697,9 +14755,313 @@ FB_DEF fb_status fb_mixed_spectrum_solve(const fb_mixed *m, fb_mixed_spectrum *s
     spectrum->re[k] = work->re[order[k]] / m->time;
     spectrum->im[k] = work->im[order[k]] / m->time;
     spectrum->error[k] = work->missing[order[k]];
-    fbi_mixed_shape(spectrum->shape_re + nodes * k, spectrum->shape_im + nodes * k, work, m, order[k], size);
+    fbi_mixed_shape(spectrum->shape_re + nodes * k, spectrum->shape_im + nodes * k, work, m, order[k],
+                    fbi_mixed_basis(m, count));
   }
   return FB_OK;
+}
+
+static fb_status fbi_mixed_ports_check(const fb_mixed *m, const fb_mixed_linear_desc *desc)
+{
+  if (!fbi_is_choice(desc->n_in, FB_MAX_PORTS) || !fbi_is_choice(desc->n_out, FB_MAX_PORTS)) {
+    return FB_ERR_CAPACITY;
+  }
+  for (int k = 0; k < desc->n_in + desc->n_out; k++) {
+    const int is_in = k < desc->n_in;
+    const fb_mixed_port *const port = is_in ? &desc->in[k] : &desc->out[k - desc->n_in];
+    const int kind = (int)port->kind, base = kind == 2 || kind == 3;
+    if (!fbi_is_choice(port->axis, 2) || !fbi_is_choice(kind, (int)FB_MIXED_PORT_MOMENT_STRAIN) ||
+        !fbi_is_choice((int)port->axes, (int)FB_AXES_BODY) || (kind <= (int)FB_MIXED_PORT_BASE_RATE) != is_in) {
+      return FB_ERR_VALUE;
+    }
+    if (!base && !fbi_is_choice(port->at, kind >= (int)FB_MIXED_PORT_INTERNAL_FORCE ? m->n - 1 : m->n)) {
+      return FB_ERR_CAPACITY;
+    }
+  }
+  return FB_OK;
+}
+
+/* [E12.13] Answer of the linearized beam to an input of 1 that grows like exp(shift t): a load is less in the balance of
+   its node; a base that moves carries the nodes along, v = d_t + ad(V) d + carried. Poses and momenta in x.
+   Source: E12.4.  Cost: as that.  Fails: never, once factored.
+   Test: linear_beams_rest_where_the_beam_does, linear_beams_move_as_the_beam_does. */
+static void fbi_mixed_port_answer(fb_real *x, fb_mixed_linear_work *w, const fb_mixed *m, const fb_mixed_port *port)
+{
+  fb_mixed_work *const work = &w->spectrum.mixed;
+  const fb_real none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_real unit[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, *const b = w->other;
+  fbi_zero(b, fbi_mixed_dim(m));
+  fbi_zero(work->B, 6 * (m->n + 1));
+  unit[port->axis] = FB_R(1.0);
+  if (port->kind == FB_MIXED_PORT_FORCE || port->kind == FB_MIXED_PORT_TORQUE) {
+    fb_real dead[6], follower[6], base[9], f[3], *const B = work->B + 6 * port->at;
+    fbi_vec6_zero(dead);
+    fbi_vec6_zero(follower);
+    fb_quat_to_mat33(base, w->base_quat);
+    fbi_mixed_load_add(dead, follower, port->axes, port->kind == FB_MIXED_PORT_FORCE ? unit : none,
+                       port->kind == FB_MIXED_PORT_FORCE ? none : unit, FB_R(1.0) / m->force, m->length, base);
+    for (int i = 0; i < 6; i += 3) {
+      fb_mat33_mulT_vec3(f, work->R + 9 * port->at, dead + i);
+      fbi_vec3_add(B + i, -FB_R(1.0), f);
+      fbi_vec3_add(B + i, -FB_R(1.0), follower + i);
+    }
+  } else {
+    fbi_zero(work->twist, 6);
+    fbi_vec3_add(work->twist + (port->kind == FB_MIXED_PORT_BASE_VELOCITY ? 0 : 3),
+                 port->kind == FB_MIXED_PORT_BASE_VELOCITY ? m->time / m->length : m->time, unit);
+    for (int j = 0; j <= m->n; j++) {
+      fb_real carried[6];
+      fbi_mixed_carried(carried, work, work->r + 3 * j, work->R + 9 * j);
+      fbi_vec6_add(b + 6 * j, -FB_R(1.0), carried);
+    }
+  }
+  fbi_mixed_respond(x, work, m, b);
+}
+
+/* What an output reads of poses x, velocities and stresses that E12.4 gave. */
+static fb_real fbi_mixed_port_read(const fb_mixed_work *work, const fb_mixed *m, const fb_real *x,
+                                   const fb_mixed_port *port)
+{
+  const int i = port->axis, at = 6 * port->at;
+  switch (port->kind) {
+  case FB_MIXED_PORT_DISPLACEMENT:
+    return fb_vec3_dot(work->R + 9 * port->at + 3 * i, x + at) * m->length;
+  case FB_MIXED_PORT_ROTATION:
+    return x[at + 3 + i];
+  case FB_MIXED_PORT_VELOCITY:
+    return work->dd[at + i] * m->length / m->time;
+  case FB_MIXED_PORT_RATE:
+    return work->dd[at + 3 + i] / m->time;
+  case FB_MIXED_PORT_INTERNAL_FORCE:
+    return work->ds[at + i] * m->force;
+  case FB_MIXED_PORT_INTERNAL_MOMENT:
+    return work->ds[at + 3 + i] * m->force * m->length;
+  case FB_MIXED_PORT_FORCE_STRAIN:
+    return fbi_vec6_dot(m->section + 36 * port->at + 6 * i, work->ds + at);
+  default:
+    return fbi_vec6_dot(m->section + 36 * port->at + 18 + 6 * i, work->ds + at) / m->length;
+  }
+}
+
+/* shift - lambda of mode k, own units */
+static fbi_complex fbi_mixed_distance(const fb_mixed_linear_work *w, const fb_mixed *m, int k)
+{
+  const fbi_complex d = {w->spectrum.mixed.motion.shift - w->linear.re[k] * m->time, -w->linear.im[k] * m->time};
+  return d;
+}
+
+/* How many modes to keep: those of equal eigenvalues together. */
+static int fbi_mixed_keep(const fb_mixed_spectrum_work *work, const int *order, int found, int count)
+{
+  while (count < found) {
+    const int a = order[count - 1], b = order[count];
+    const fbi_complex apart = {work->re[b] - work->re[a], work->im[b] - work->im[a]}, one = {work->re[a], work->im[a]};
+    if (fbi_complex_abs(apart) > (FB_SINGLE ? FB_R(1e-2) : FB_R(1e-5)) * fbi_complex_abs(one)) {
+      break;
+    }
+    count++;
+  }
+  return count;
+}
+
+/* A and C of the modes, and their vectors as an orthonormal basis and the triangle R that they are on it. What an output
+   reads of a vector: (shift - A)^-1 gives it back times mu = 1/(shift - lambda), with its velocities and stresses. */
+static fb_status fbi_mixed_linear_modes(fb_mixed_linear_work *w, const fb_mixed *m, const fb_mixed_linear_desc *desc,
+                                        int size)
+{
+  fb_mixed_linear *const out = &w->linear;
+  const int dim = fbi_mixed_dim(m), n = out->n, stride = FB_MIXED_STATES;
+  fbi_zero(w->R, FB_MIXED_STATES * FB_MIXED_STATES);
+  for (int k = 0, at = 0; k < out->n_mode; k++) {
+    const int pair = out->im[k] > FB_R(0.0);
+    const fbi_complex distance = fbi_mixed_distance(w, m, k);
+    fb_real *const re = w->basis + at * dim, *const im = pair ? re + dim : w->other;
+    fb_real read[2][FB_MAX_PORTS];
+    fbi_mixed_vector(re, im, &w->spectrum, m, w->order[k], size, dim);
+    for (int i = 0; i < dim; i++) { /* of 1 m; Re(x (a + i b)) = Re x a - Im x b */
+      re[i] /= m->length;
+      im[i] /= -m->length;
+    }
+    for (int part = 0; part <= pair; part++) {
+      fbi_mixed_invert(w->answer, &w->spectrum.mixed, m, part ? im : re);
+      for (int o = 0; o < desc->n_out; o++) {
+        read[part][o] = fbi_mixed_port_read(&w->spectrum.mixed, m, w->answer, &desc->out[o]);
+      }
+      out->A[(at + part) * n + at + part] = out->re[k];
+    }
+    for (int o = 0; o < desc->n_out; o++) {
+      const fbi_complex y = {read[0][o], pair ? -read[1][o] : FB_R(0.0)}, c = fbi_complex_mul(y, distance);
+      out->C[o * n + at] = c.re;
+      if (pair) {
+        out->C[o * n + at + 1] = -c.im;
+      }
+    }
+    if (pair) {
+      out->A[at * n + at + 1] = -out->im[k];
+      out->A[(at + 1) * n + at] = out->im[k];
+    }
+    for (int part = 0; part <= pair; part++, at++) {
+      fb_real *const R = w->R + at;
+      R[at * stride] = fbi_krylov_add(w->basis + at * dim, R, w->basis, at, dim, stride);
+      for (int i = 0; i < at; i++) { /* two vectors are one */
+        if (!(R[at * stride] > (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-7)) * FB_FABS(R[i * stride]))) {
+          return FB_ERR_SINGULAR;
+        }
+      }
+    }
+  }
+  return FB_OK;
+}
+
+/* Vectors, right or left, on the basis of those eigenvalues that are the modes' own: the nearest to each. */
+static fb_status fbi_mixed_pick(fb_real *out, fb_mixed_linear_work *w, const fb_mixed *m, int size)
+{
+  fb_mixed_spectrum_work *const work = &w->spectrum;
+  for (int k = 0; k < w->linear.n_mode; k++) {
+    const fbi_complex distance = fbi_mixed_distance(w, m, k);
+    const int pair = w->linear.im[k] > FB_R(0.0);
+    fb_real nearest = FB_SINGLE ? FB_R(3e-2) : FB_R(1e-4);
+    int best = -1;
+    for (int j = 0; j < size; j++) {
+      const fbi_complex mu = {work->re[j], work->im[j]}, one = fbi_complex_mul(mu, distance);
+      const fbi_complex off = {one.re - FB_R(1.0), one.im};
+      if (work->im[j] >= FB_R(0.0) && (work->im[j] > FB_R(0.0)) == pair && fbi_complex_abs(off) < nearest) {
+        nearest = fbi_complex_abs(off);
+        best = j;
+      }
+    }
+    if (best < 0) {
+      return FB_ERR_CONVERGENCE;
+    }
+    fbi_copy(out, work->X + 2 * size * best, (1 + pair) * size);
+    work->im[best] = -FB_R(1.0); /* taken */
+    out += (1 + pair) * size;
+  }
+  return FB_OK;
+}
+
+/* [E12.14] What an answer f to an input (E12.13) has of the modes. f = sum x_k b_k/(shift - lambda_k) + faster ones:
+   a Krylov basis Q that starts from f holds it, Q e1 |f|, and what the operator H on it makes of it; with its right and
+   left vectors Y, W of the modes' eigenvalues the part is P f = Q Y (W^T Y)^-1 W^T e1 |f|, and on the modes' own vectors
+   R^-1 basis^T P f.
+   Source: own; spectral projector.  Cost: E12.5 and two general eigenproblems of its size.  Fails: not all modes found.
+   Test: linear_beams_move_as_the_beam_does, linear_beams_answer_at_every_frequency. */
+static fb_status fbi_mixed_project(fb_mixed_linear_work *w, const fb_mixed *m, int size)
+{
+  fb_mixed_spectrum_work *const work = &w->spectrum;
+  const int n = w->linear.n, dim = fbi_mixed_dim(m);
+  const fb_real length = FB_SQRT(fbi_dot(w->answer, w->answer, dim));
+  fb_status status;
+  fbi_zero(w->part, n);
+  if (!(length > FB_R(0.0))) {
+    return FB_OK;
+  }
+  fbi_mixed_arnoldi(work, m, size, w->answer);
+  status = fbi_mixed_eigen(work, size, 0);
+  status = status ? status : fbi_mixed_pick(w->right, w, m, size);
+  status = status ? status : fbi_mixed_eigen(work, size, 1);
+  status = status ? status : fbi_mixed_pick(w->left, w, m, size);
+  for (int i = 0; i < n && status == FB_OK; i++) {
+    w->sum[i] = w->left[i * size] * length;
+    for (int j = 0; j < n; j++) {
+      w->G[i * n + j] = fbi_dot(w->left + i * size, w->right + j * size, size);
+    }
+  }
+  status = status ? status : fb_lu_factor(w->G, w->perm, w->scale, n);
+  if (status != FB_OK) {
+    return status;
+  }
+  fb_lu_solve(w->part, w->G, w->perm, w->sum, n);
+  fbi_zero(w->other, dim);
+  for (int j = 0; j < n; j++) {
+    for (int i = 0; i < size; i++) {
+      fbi_row_sub(w->other, -w->part[j] * w->right[j * size + i], work->Q + i * dim, dim);
+    }
+  }
+  for (int i = n - 1; i >= 0; i--) {
+    w->part[i] = fbi_dot(w->basis + i * dim, w->other, dim);
+    for (int j = i + 1; j < n; j++) {
+      w->part[i] -= w->R[i * FB_MIXED_STATES + j] * w->part[j];
+    }
+    w->part[i] /= w->R[i * FB_MIXED_STATES + i];
+  }
+  return FB_OK;
+}
+
+/* Column of B, (shift - lambda) times the part of the answer; the modes' answer at rest, -b/lambda, is taken off D. */
+static void fbi_mixed_linear_input(fb_mixed_linear_work *w, const fb_mixed *m, int input)
+{
+  fb_mixed_linear *const out = &w->linear;
+  for (int k = 0, at = 0; k < out->n_mode; k++) {
+    const int pair = out->im[k] > FB_R(0.0);
+    const fbi_complex part = {w->part[at], pair ? w->part[at + 1] : FB_R(0.0)}, lambda = {out->re[k], out->im[k]};
+    const fbi_complex b = fbi_complex_mul(fbi_mixed_distance(w, m, k), part), rest = fbi_complex_div(b, lambda);
+    const fb_real both[2][2] = {{b.re, rest.re}, {b.im, rest.im}};
+    for (int i = 0; i <= pair; i++, at++) {
+      out->B[at * out->n_in + input] = both[i][0] / m->time;
+      for (int o = 0; o < out->n_out; o++) {
+        out->D[o * out->n_in + input] += out->C[o * out->n + at] * both[i][1] / m->time;
+      }
+    }
+  }
+}
+
+/* [E12.15] Modal model of the beam: blocks of lambda, residues of E12.14, and in D what the answer at rest (E12.13
+   without shift) has beyond that of the modes.
+   Source: modal truncation with its static correction.  Cost: E12.14 for each input.  Fails: see the header.
+   Test: linear_beams_rest_where_the_beam_does, linear_beams_move_as_the_beam_does. */
+FB_DEF fb_status fb_mixed_linearize(const fb_mixed *m, fb_mixed_linear *linear, fb_mixed_linear_work *w,
+                                    const fb_mixed_state *state, const fb_mixed_input *input,
+                                    const fb_mixed_linear_desc *desc, int count)
+{
+  static const fb_mixed_linear_desc none = {
+      0, 0, {{FB_MIXED_PORT_FORCE, 0, 0, FB_AXES_INERTIAL}}, {{FB_MIXED_PORT_FORCE, 0, 0, FB_AXES_INERTIAL}}};
+  fb_mixed_linear *out;
+  fb_status status;
+  int found = 0;
+  FBI_REQUIRE(m && linear && w && state, FB_ERR_NULL);
+  desc = desc ? desc : &none;
+  out = &w->linear;
+  input = input ? input : fbi_mixed_no_input(&w->spectrum.mixed);
+  status = count < 1 || count > FB_MIXED_MODES ? FB_ERR_VALUE : fbi_mixed_ports_check(m, desc);
+  status = status ? status : fbi_mixed_state_check(m, state);
+  status = status ? status : fbi_mixed_input_check(m, input);
+  status = status ? status : fbi_mixed_linearize(&w->spectrum.mixed, m, state, input, FB_R(0.0));
+  if (status != FB_OK) {
+    return status;
+  }
+  memset(out, 0, sizeof *out);
+  out->n_in = desc->n_in;
+  out->n_out = desc->n_out;
+  fbi_copy(w->base_quat, state->base_quat, 4);
+  for (int k = 0; k < desc->n_in; k++) {
+    fbi_mixed_port_answer(w->answer, w, m, &desc->in[k]);
+    for (int o = 0; o < desc->n_out; o++) {
+      out->D[o * desc->n_in + k] = fbi_mixed_port_read(&w->spectrum.mixed, m, w->answer, &desc->out[o]);
+    }
+  }
+  status = fbi_mixed_modes(&found, w->order, &w->spectrum, m, state, input, count);
+  out->n_mode = status ? 0 : fbi_mixed_keep(&w->spectrum, w->order, found, count);
+  if (status != FB_OK || out->n_mode > FB_MIXED_MODES) {
+    return status ? status : FB_ERR_VALUE;
+  }
+  for (int k = 0; k < out->n_mode; k++) {
+    out->re[k] = w->spectrum.re[w->order[k]] / m->time;
+    out->im[k] = w->spectrum.im[w->order[k]] / m->time;
+    out->n += out->im[k] > FB_R(0.0) ? 2 : 1;
+  }
+  status = fbi_mixed_linear_modes(w, m, desc, fbi_mixed_basis(m, count));
+  for (int k = 0; k < desc->n_in && status == FB_OK; k++) {
+    fbi_mixed_port_answer(w->answer, w, m, &desc->in[k]);
+    status = fbi_mixed_project(w, m, fbi_mixed_basis(m, count));
+    if (status == FB_OK) {
+      fbi_mixed_linear_input(w, m, k);
+    }
+  }
+  if (status == FB_OK) {
+    *linear = *out;
+  }
+  return status;
 }
 
 /* ---------------------------------------------------------------------------------------------------------------
