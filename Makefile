@@ -15,7 +15,7 @@ EXAMPLES = quickstart spinup campbell analyse table1 assembly reduce elastodyn f
 CHECKS   = sanitize suite long jacobian compile rom firmware bits instructions mismatch removed style tidy two_precisions single threads stack symbols ids quickstart
 
 .DELETE_ON_ERROR:
-.PHONY: help run table1 leigh blade firmware test examples bench sizes readme format clean ci FORCE $(CHECKS:%=check-%)
+.PHONY: help run table1 leigh blade firmware test examples bench bench-peers sizes readme format clean ci FORCE $(CHECKS:%=check-%)
 
 help:
 	@echo "make run       spin-up of a flexible beam against its reference, time per step, picture if gnuplot is there"
@@ -26,6 +26,7 @@ help:
 	@echo "make test      build and run the tests, build the examples"
 	@echo "make examples  $(EXAMPLES:%=build/examples/%)"
 	@echo "make bench     time per step by modes and effects, by form and scheme, of systems, of the exact beam: build/bench_*.csv"
+	@echo "make bench-peers  the LU beside LAPACK's, the schemes beside SUNDIALS': needs both; build/bench_peers_*.csv"
 	@echo "make sizes     instructions, code, RAM and time of a step by modes and effects on two boards; bytes of all structs"
 	@echo "make readme    regenerate the tables, the program and the picture of README.md (wants gnuplot, valgrind)"
 	@echo "make ci        every check: compilers, standards, sanitizers, configuration, symbols, stack, instructions, style"
@@ -63,13 +64,16 @@ examples: $(EXAMPLES:%=build/examples/%)
 bench: build/bench/bench_step_double build/bench/bench_step_single build/bench/bench_forms_double build/bench/bench_system_double build/bench/bench_mixed_double
 	@for p in double single; do \
 	  echo "$$p:" && build/bench/bench_step_$$p > build/bench_step_$$p.csv && \
-	  awk -F, '/^#/ { print; next } { printf "%-9s %5s  %-13s %9s %9s %9s %9s %7s\n", $$1, $$2, $$3, $$4, $$5, $$6, $$7, $$8 }' \
+	  awk -F, '/^#/ { print; next } { printf "%-9s %5s  %-13s %9s %9s %9s %9s %7s %15s\n", $$1, $$2, $$3, $$4, $$5, $$6, $$7, $$8, $$9 }' \
 	    build/bench_step_$$p.csv || exit 1; \
 	done
 	@build/bench/bench_forms_double > build/bench_forms.csv && \
 	awk -F, '/^#/ { print; next } { printf "%-9s %8s %3s %9s %8s %8s %16s %15s\n", $$1, $$2, $$3, $$4, $$5, $$6, $$7, $$8 }' build/bench_forms.csv
 	@build/bench/bench_system_double > build/bench_system.csv && awk -F, -f bench/system.awk build/bench_system.csv
 	@build/bench/bench_mixed_double > build/bench_mixed.csv && awk -F, -f bench/mixed.awk build/bench_mixed.csv
+
+bench-peers:
+	@CC='$(CC)' MAKE='$(MAKE)' sh bench/peers.sh
 
 sizes: build/examples/reduce
 	@CC='$(CC)' sh bench/sizes.sh
@@ -99,11 +103,17 @@ build/examples/firmware: examples/firmware.c build/examples/satellite_rom.h exam
 	$(CC) $(FLAGS) $(CFLAGS) -Ibuild/examples -ffunction-sections -fdata-sections -Wl,--gc-sections \
 	  $$(grep -o -e '-DFB_[A-Z_]*=[0-9]*' build/examples/satellite_rom.h) -o $@ $< examples/board/desktop.c -lm
 
-build/bench/%_double: bench/%.c $(wildcard bench/*.h) $(LIBRARY) build/flags | build/bench
-	$(CC) $(FLAGS) $(CFLAGS) -DFBB_FLAGS='"$(CFLAGS)"' -o $@ $< -lm
+# What a benchmark says of itself: its flags, its commit.
+BUILD_OF_BENCH = -DFBB_FLAGS='"-std=c99 -ffp-contract=off $(CFLAGS)"' -DFBB_COMMIT="\"$$(cat build/commit)\""
 
-build/bench/%_single: bench/%.c $(wildcard bench/*.h) $(LIBRARY) build/flags | build/bench
-	$(CC) $(FLAGS) $(CFLAGS) -DFBB_FLAGS='"$(CFLAGS)"' -DFB_SINGLE=1 -o $@ $< -lm
+build/bench/%_double: bench/%.c $(wildcard bench/*.h) $(LIBRARY) build/flags build/commit | build/bench
+	$(CC) $(FLAGS) $(CFLAGS) $(BUILD_OF_BENCH) -o $@ $< $(LIBS) -lm
+
+build/bench/bench_peers_lu_double: LIBS = -llapack -lblas -ldl
+build/bench/bench_peers_step_double: LIBS = -lsundials_cvode -lsundials_arkode
+
+build/bench/%_single: bench/%.c $(wildcard bench/*.h) $(LIBRARY) build/flags build/commit | build/bench
+	$(CC) $(FLAGS) $(CFLAGS) $(BUILD_OF_BENCH) -DFB_SINGLE=1 -o $@ $< -lm
 
 build/test_runner: $(SECTIONS:%=build/tests/test_%.o)
 	$(CC) $(CFLAGS) -o $@ $^ -lm
@@ -119,6 +129,10 @@ build build/tests build/examples build/bench build/readme:
 # Changes only when the compiler or its flags do.
 build/flags: FORCE | build
 	@echo '$(CC) $(FLAGS) $(CFLAGS)' | cmp -s - $@ || echo '$(CC) $(FLAGS) $(CFLAGS)' > $@
+
+# Changes only when another commit is checked out, or the first file is changed.
+build/commit: FORCE | build
+	@commit=$$(git describe --always --dirty 2> /dev/null || echo unknown); echo "$$commit" | cmp -s - $@ || echo "$$commit" > $@
 
 # ---- checks: each is a script that prints one line of ok or FAIL, and why
 

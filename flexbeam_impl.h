@@ -622,6 +622,17 @@ static fb_real fbi_dot(const fb_real *x, const fb_real *y, int n)
   return (a + b) + (c + d);
 }
 
+/* The same where an end of x is an unknown just found: it enters last, the other products do not wait for it. */
+static fb_real fbi_dot_new_last(const fb_real *x, const fb_real *y, int n)
+{
+  return n > 0 ? fbi_dot(x, y, n - 1) + x[n - 1] * y[n - 1] : FB_R(0.0);
+}
+
+static fb_real fbi_dot_new_first(const fb_real *x, const fb_real *y, int n)
+{
+  return n > 0 ? fbi_dot(x + 1, y + 1, n - 1) + x[0] * y[0] : FB_R(0.0);
+}
+
 /* Exchanges x and y, which may be the same. */
 static void fbi_swap(fb_real *x, fb_real *y, int n)
 {
@@ -685,10 +696,11 @@ FB_DEF fb_status fb_lu_factor(fb_real *A, int *perm, fb_real *scale, int n)
 FB_DEF void fb_lu_solve(fb_real *x, const fb_real *LU, const int *perm, const fb_real *b, int n)
 {
   for (int i = 0; i < n; i++) {
-    x[i] = b[perm[i]] - fbi_dot(LU + i * n, x, i);
+    x[i] = b[perm[i]] - fbi_dot_new_last(x, LU + i * n, i);
   }
   for (int i = n - 1; i >= 0; i--) {
-    x[i] = (x[i] - fbi_dot(LU + i * n + i + 1, x + i + 1, n - i - 1)) / LU[i * n + i];
+    const fb_real pivot = FB_R(1.0) / LU[i * n + i]; /* nothing waits for the division */
+    x[i] = (x[i] - fbi_dot_new_first(x + i + 1, LU + i * n + i + 1, n - i - 1)) * pivot;
   }
 }
 
@@ -736,10 +748,10 @@ static fb_status fbi_lu_plain_factor(fb_real *A, int n)
 static void fbi_lu_plain_solve(fb_real *x, const fb_real *A, int n)
 {
   for (int i = 1; i < n; i++) {
-    x[i] -= fbi_dot(A + i * n, x, i);
+    x[i] -= fbi_dot_new_last(x, A + i * n, i);
   }
   for (int i = n - 1; i >= 0; i--) {
-    x[i] = (x[i] - fbi_dot(A + i * n + i + 1, x + i + 1, n - i - 1)) * A[i * n + i];
+    x[i] = (x[i] - fbi_dot_new_first(x + i + 1, A + i * n + i + 1, n - i - 1)) * A[i * n + i];
   }
 }
 

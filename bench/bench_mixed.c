@@ -6,11 +6,10 @@
    The mark is OpenFAST's BeamDyn on another machine (Xeon core of 2.1 GHz): one element of order 5 (36 unknowns) and
    the NREL blade. Each step starts from one of 16 states in turn; it is timed by itself, and the time of an empty
    measurement is taken off. */
-#define _POSIX_C_SOURCE 199309L /* clock_gettime */
+#define _POSIX_C_SOURCE 200112L /* clock_gettime, uname */
 #define FB_MAX_MIXED 80
 #define FLEXBEAM_STATIC
-#include "check.h"
-#include "clock.h"
+#include "report.h"
 #include <math.h>
 
 #define STATES 16
@@ -22,10 +21,6 @@
 
 enum { CHAIN, DENSE, FIELDS, WAYS };
 static const char *const way_name[WAYS] = {"chain", "dense 12", "dense 42"};
-
-typedef struct timing { /* [us] */
-  double lowest, median, p99, highest;
-} timing;
 
 static fb_mixed_desc desc;
 static fb_mixed beam;
@@ -245,7 +240,7 @@ static void compare(void)
   }
 }
 
-static void measure(timing out[WAYS], void (*run)(int way, int at), int ways)
+static void measure(fbb_timing out[WAYS], void (*run)(int way, int at), int ways)
 {
   const double until = fbb_now_ns() + 1e9 * BUDGET;
   int n = 0;
@@ -260,11 +255,7 @@ static void measure(timing out[WAYS], void (*run)(int way, int at), int ways)
     n++;
   }
   for (int way = 0; way < ways; way++) {
-    fbb_sort(sample[way], n);
-    out[way].lowest = sample[way][0];
-    out[way].median = sample[way][n / 2];
-    out[way].p99 = sample[way][(n - 1) * 99 / 100];
-    out[way].highest = sample[way][n - 1];
+    out[way] = fbb_timing_of(sample[way], n);
   }
 }
 
@@ -274,7 +265,7 @@ static void rows(const char *what, void (*run)(int way, int at))
   double first = 0;
   for (int k = 0; k < 4; k++) {
     const int ways = size[k] <= FIELDS_MAX ? 3 : size[k] <= DENSE_MAX ? 2 : 1;
-    timing t[WAYS];
+    fbb_timing t[WAYS]; /* [us] */
     build(size[k]);
     measure(t, run, ways);
     first = k == 0 ? t[0].lowest : first;
@@ -293,7 +284,7 @@ static void rows(const char *what, void (*run)(int way, int at))
 /* A beam that has come to rest, all values on their way through the subnormals. */
 static void decayed(void)
 {
-  timing t[WAYS];
+  fbb_timing t[WAYS];
   build(10);
   for (int k = 0; k < STATES; k++) {
     for (int i = 0; i < 6 * beam.n; i++) {
@@ -312,14 +303,7 @@ static void decayed(void)
 
 int main(void)
 {
-  printf("# flexbeam %s, %s, compiler %s, flags %s\n", fb_version_string(), FB_SINGLE ? "single" : "double",
-         FBB_COMPILER, FBB_FLAGS);
-  for (int k = 0; k < SAMPLES; k++) {
-    const double begin = fbb_now_ns();
-    sample[0][k] = 1e-3 * (fbb_now_ns() - begin);
-  }
-  fbb_sort(sample[0], SAMPLES);
-  overhead = sample[0][SAMPLES / 2];
+  overhead = 1e-3 * fbb_begin();
   printf("# us (%.3f us of the clock taken off), up to %d samples, %d states in turn\n", overhead, SAMPLES, STATES);
   printf("# work of fb_mixed_work %.1f kB, model %.1f kB, state %.1f kB for 80 elements: linear in them\n",
          (double)sizeof work / 1024, (double)sizeof beam / 1024, (double)sizeof state / 1024);

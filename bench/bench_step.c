@@ -1,20 +1,22 @@
 /* bench_step - time of one rk4 step by number of modes and set of effects, CSV on stdout.
    64 bodies in different states take turns, so that neither branches nor data are learned. Each step is timed by
    itself; the time of an empty measurement is taken off. Fading and decayed bodies show what small numbers cost. */
-#define _POSIX_C_SOURCE 199309L /* clock_gettime */
+#define _POSIX_C_SOURCE 200112L /* clock_gettime, uname */
 #define FLEXBEAM_IMPLEMENTATION
-#include "clock.h"
+#include "report.h"
 #include "scene.h"
 
 #define STATES 64
 #define SAMPLES 20000
+#define DECAYING 6 /* modes of the bodies that decay */
+#define DECAYING_EFFECTS (FB_EFFECTS_FULL | FB_EFFECT_DAMPING)
 
 static fb_body body;
 static fb_state state[STATES];
 static double sample[SAMPLES];
-static double overhead, rigid; /* [ns] of an empty measurement, median of the rigid body */
+static double overhead, rigid, full; /* [ns] of an empty measurement, medians of the rigid and the full moving body */
 
-static void measure(fb_real dt)
+static fbb_timing measure(fb_real dt)
 {
   fb_rk4_work work;
   for (int k = 0; k < SAMPLES; k++) {
@@ -22,18 +24,19 @@ static void measure(fb_real dt)
     fbb_check(fb_rk4_step(&body, &state[k % STATES], &work, NULL, NULL, NULL, dt), "step");
     sample[k] = fbb_now_ns() - start - overhead;
   }
-  fbb_sort(sample, SAMPLES);
+  return fbb_timing_of(sample, SAMPLES);
 }
 
-static void print(const char *name, int modes, const char *effects)
+static void print(const char *name, int modes, const char *effects, const fbb_timing *t)
 {
-  printf("%s,%d,%s,%.0f,%.0f,%.0f,%.0f,%.2f\n", name, modes, effects, sample[0], sample[SAMPLES / 2],
-         sample[SAMPLES / 100 * 99], sample[SAMPLES - 1], sample[SAMPLES / 2] / rigid);
+  printf("%s,%d,%s,%.0f,%.0f,%.0f,%.0f,%.2f", name, modes, effects, t->lowest, t->median, t->p99, t->highest,
+         t->median / rigid);
 }
 
 /* A body in motion: y and z bending modes, spin up to 1 rad/s. */
 static void moving(const fbb_set *set, int y, int z)
 {
+  fbb_timing t;
   fb_real dt;
   fbb_body(&body, y, z, 0, set->effects, FB_R(0.01));
   dt = FB_R(0.1) * fb_rk4_limit(&body, FB_R(2.0), FB_R(10.0));
@@ -41,17 +44,20 @@ static void moving(const fbb_set *set, int y, int z)
   for (int k = 0; k < STATES; k++) {
     fbb_state(&state[k], &body, k, FB_R(1.0), FB_R(0.01));
   }
-  measure(dt);
-  rigid = rigid > 0.0 ? rigid : sample[SAMPLES / 2];
-  print("moving", y + z, set->name);
+  t = measure(dt);
+  rigid = rigid > 0.0 ? rigid : t.median;
+  full = y + z == DECAYING && set->effects == DECAYING_EFFECTS ? t.median : full;
+  print("moving", y + z, set->name, &t);
+  printf(",\n");
 }
 
 /* Heavily damped bodies at rest: fading, caught at all stages of their decay; decayed, long after it. */
 static void decaying(const char *name, int first, int next)
 {
   fb_rk4_work work;
+  fbb_timing t;
   fb_real dt;
-  fbb_body(&body, 3, 3, 0, FB_EFFECTS_FULL | FB_EFFECT_DAMPING, FB_R(0.5));
+  fbb_body(&body, DECAYING / 2, DECAYING / 2, 0, DECAYING_EFFECTS, FB_R(0.5));
   dt = FB_R(0.8) * fb_rk4_limit(&body, FB_R(0.0), FB_R(0.0));
   for (int k = 0; k < STATES; k++) {
     fbb_state(&state[k], &body, k, FB_R(0.0), FB_R(0.001));
@@ -59,25 +65,19 @@ static void decaying(const char *name, int first, int next)
       fbb_check(fb_rk4_step(&body, &state[k], &work, NULL, NULL, NULL, dt), "step");
     }
   }
-  measure(dt);
-  print(name, 6, "full+damping");
+  t = measure(dt);
+  print(name, DECAYING, "full+damping", &t);
+  printf(",%.2f\n", t.median / full);
 }
 
 int main(void)
 {
   static const int modes[] = {1, 2, 3, 6, 12};
-  printf("# flexbeam %s, %s, compiler %s, flags %s\n", fb_version_string(), FB_SINGLE ? "single" : "double",
-         FBB_COMPILER, FBB_FLAGS);
-  for (int k = 0; k < SAMPLES; k++) {
-    const double start = fbb_now_ns();
-    sample[k] = fbb_now_ns() - start;
-  }
-  fbb_sort(sample, SAMPLES);
-  overhead = sample[SAMPLES / 2];
+  overhead = fbb_begin();
   printf("# ns per step of rk4 (%.0f ns of the clock taken off), %d samples, %d states; ratio: median to that of the "
-         "rigid body\n",
+         "rigid body, and of what decays to the same body moving\n",
          overhead, SAMPLES, STATES);
-  printf("case,modes,effects,min,median,p99,max,ratio\n");
+  printf("case,modes,effects,min,median,p99,max,ratio,decayed/moving\n");
   moving(&fbb_sets[0], 0, 0);
   for (int k = 0; k < FBB_COUNT(modes); k++) {
     for (int set = 1; set < FBB_COUNT(fbb_sets); set++) {

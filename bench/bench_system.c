@@ -9,13 +9,13 @@
    starts from one of 16 states in turn, so that neither branches nor data are learned; it is timed by itself, and the
    time of an empty measurement is taken off.
    Usage: bench_system [blade table (tests/reference/nrel5mw_blade.csv)] */
-#define _POSIX_C_SOURCE 199309L /* clock_gettime */
+#define _POSIX_C_SOURCE 200112L /* clock_gettime, uname */
 #define FB_MAX_BODIES 16
 #define FB_MAX_MODES 12
 #define FB_MAX_SPEEDS 96
 #define FLEXBEAM_IMPLEMENTATION
-#include "check.h"
-#include "clock.h"
+#include "random.h"
+#include "report.h"
 #include <math.h>
 
 #define STATES 16
@@ -23,10 +23,6 @@
 #define BUDGET 0.4 /* [s] a case takes at most */
 
 enum { METHODS = 2 }; /* recursive, dense */
-
-typedef struct timing { /* [us] */
-  double lowest, median, p99, highest;
-} timing;
 
 static const struct {
   const char *name;
@@ -43,15 +39,6 @@ static fb_system_work work;
 static fb_system_state start[METHODS][STATES], state;
 static double sample[METHODS][SAMPLES];
 static double overhead; /* [us] of an empty measurement */
-
-/* Number k of the repeatable random numbers in (-1, 1). */
-static fb_real random_number(int k)
-{
-  unsigned x = 2654435761u * (unsigned)(k + 1);
-  x = ((x ^ (x >> 15)) * 2246822519u) & 0xffffffffu;
-  x ^= x >> 13;
-  return (fb_real)(x >> 8 & 0xffffffu) / FB_R(8388608.0) - FB_R(1.0);
-}
 
 /* ---- models */
 
@@ -201,13 +188,13 @@ static void moving(fb_system_state *out, const fb_system *system, int s)
     fb_link_motion *m = &motion[k];
     int next = 1000 * s + 50 * k;
     for (int i = 0; i < 6; i++) {
-      m->speed[i] = FB_R(0.3) * random_number(next++);
+      m->speed[i] = FB_R(0.3) * fbb_random(next++);
     }
     for (int i = 0; i < 3; i++) {
-      m->value[i] = FB_R(0.5) * random_number(next++);
+      m->value[i] = FB_R(0.5) * fbb_random(next++);
     }
     for (int a = 0; a < body->n; a++) {
-      m->q[a] = FB_R(0.05) * body->deflection_limit / body->reach[a] / (fb_real)body->n * random_number(next++);
+      m->q[a] = FB_R(0.05) * body->deflection_limit / body->reach[a] / (fb_real)body->n * fbb_random(next++);
     }
   }
   fbb_check(fb_system_state_init(system, model, &work, out, motion, NULL), "state");
@@ -234,7 +221,7 @@ static double step_time(int method, int k)
 }
 
 /* The methods take turns by 64 steps, so that each finds its own data in the cache. */
-static void measure(timing *out, int methods)
+static void measure(fbb_timing *out, int methods)
 {
   const double begin = 1e-3 * fbb_now_ns();
   int n = 0;
@@ -257,15 +244,11 @@ static void measure(timing *out, int methods)
     n += 64;
   }
   for (int method = 0; method < methods; method++) {
-    fbb_sort(sample[method], n);
-    out[method].lowest = sample[method][0];
-    out[method].median = sample[method][n / 2];
-    out[method].p99 = sample[method][n / 100 * 99];
-    out[method].highest = sample[method][n - 1];
+    out[method] = fbb_timing_of(sample[method], n);
   }
 }
 
-static void print(const char *scene, int level, const char *method, const timing *t)
+static void print(const char *scene, int level, const char *method, const fbb_timing *t)
 {
   int n = 0;
   for (int k = 0; k < desc.n_body; k++) {
@@ -286,7 +269,7 @@ static void chains(void)
     model[1] = model[0];
     for (int k = 0; k < 6; k++) {
       const int n = size[k];
-      timing t[METHODS];
+      fbb_timing t[METHODS];
       chain(n);
       measure(t, METHODS);
       for (int method = 0; method < METHODS; method++) {
@@ -301,7 +284,7 @@ static void chains(void)
 
 static void marked(const char *scene, int level, double mark)
 {
-  timing t;
+  fbb_timing t;
   measure(&t, 1);
   print(scene, level, "recursive", &t);
   printf(",,,%.1f,%.2f\n", mark, mark / t.median);
@@ -342,14 +325,7 @@ static void turbine(const char *table)
 
 int main(int argc, char **argv)
 {
-  printf("# flexbeam %s, %s, compiler %s, flags %s\n", fb_version_string(), FB_SINGLE ? "single" : "double",
-         FBB_COMPILER, FBB_FLAGS);
-  for (int k = 0; k < SAMPLES; k++) {
-    const double begin = 1e-3 * fbb_now_ns();
-    sample[0][k] = 1e-3 * fbb_now_ns() - begin;
-  }
-  fbb_sort(sample[0], SAMPLES);
-  overhead = sample[0][SAMPLES / 2];
+  overhead = 1e-3 * fbb_begin();
   printf("# us per step of rk4 (%.3f us of the clock taken off), up to %d samples, %d states in turn\n", overhead,
          SAMPLES, STATES);
   printf("# doubled: median to that of half as many bodies; dense/recursive: of the medians\n");

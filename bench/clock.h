@@ -1,19 +1,13 @@
-/* clock.h - the clock of the benchmarks, the order of samples, and what they were built with. Define _POSIX_C_SOURCE
-   199309L before. */
+/* clock.h - the clock of the benchmarks and what samples of it tell. Define _POSIX_C_SOURCE 199309L before. */
 #ifndef FBB_CLOCK_H
 #define FBB_CLOCK_H
 
 #include <stdlib.h>
 #include <time.h>
 
-#ifndef FBB_FLAGS
-#define FBB_FLAGS "unknown"
-#endif
-#ifdef __VERSION__
-#define FBB_COMPILER __VERSION__
-#else
-#define FBB_COMPILER "unknown"
-#endif
+typedef struct fbb_timing { /* in the unit of the samples */
+  double lowest, median, p99, highest;
+} fbb_timing;
 
 static double fbb_now_ns(void)
 {
@@ -28,10 +22,16 @@ static int fbb_ascending(const void *a, const void *b)
   return (x > y) - (x < y);
 }
 
-/* Sorts n samples. */
-static void fbb_sort(double *sample, int n)
+/* Of n samples, which are sorted. */
+static fbb_timing fbb_timing_of(double *sample, int n)
 {
+  fbb_timing t;
   qsort(sample, (size_t)n, sizeof sample[0], fbb_ascending);
+  t.lowest = sample[0];
+  t.median = sample[n / 2];
+  t.p99 = sample[(int)(99L * (n - 1) / 100)];
+  t.highest = sample[n - 1];
+  return t;
 }
 
 #endif

@@ -1,5 +1,6 @@
 #!/bin/sh
 # Regenerates the tables, the program and the picture of README.md from what the programs print: make readme.
+# `sh bench/readme.sh peers` does it for the table of make bench-peers alone; it stays as it is where the libraries are missing.
 set -eu
 out=build/readme
 mkdir -p "$out"
@@ -13,6 +14,18 @@ block() {
     $0 == "<!-- " name " -->" { skip = 1 }' README.md > "$out/new"
   cp "$out/new" README.md
 }
+
+peers() {
+  if make -s bench-peers > "$out/peers"; then
+    { echo '```'; sed 's/ *$//' "$out/peers"; echo '```'; } | block peers
+  else
+    cat "$out/peers"
+  fi
+}
+if [ "${1:-all}" = peers ]; then
+  peers
+  exit
+fi
 
 # the program, between ```c and ```
 sed -n '/^#/,$p' examples/quickstart.c > "$out/program"
@@ -78,6 +91,8 @@ build/examples/campbell --blade $blade --mass-factor 1.04536 --rpm 0,12.1 --mode
 
 build/bench/identities_double > "$out/identities"
 { echo '```'; cat "$out/identities"; echo '```'; } | block identities
+
+peers
 
 make -s check-instructions > "$out/instructions" || true # the table is printed before the verdict
 { echo '```'; sed -e '/^ok/d' -e '/^FAIL/d' -e 's/ *$//' "$out/instructions"; echo '```'; } | block instructions

@@ -3,6 +3,7 @@
 #define FBB_SCENE_H
 
 #include "check.h"
+#include "random.h"
 
 #define FBB_COUNT(array) ((int)(sizeof(array) / sizeof((array)[0])))
 
@@ -59,15 +60,6 @@ static void fbb_body(fb_body *body, int y, int z, int axial, unsigned effects, f
   fbb_check(fb_shape_add_rigid(&shape, 500, center, inertia), "hub");
   fbb_check(fb_shape_add_beam(&shape, 0, &beam, &modes), "boom");
   fbb_check(fb_body_init(body, &body_work, &shape, &desc), "body");
-}
-
-/* Number k of the repeatable random numbers in (-1, 1). */
-static fb_real fbb_random(int k)
-{
-  unsigned x = 2654435761u * (unsigned)(k + 1);
-  x = ((x ^ (x >> 15)) * 2246822519u) & 0xffffffffu;
-  x ^= x >> 13;
-  return (fb_real)(x >> 8 & 0xffffffu) / FB_R(8388608.0) - FB_R(1.0);
 }
 
 /* State number k, each different: deflected up to amplitude [sqrt(kg) m], spinning up to spin [rad/s]; without spin at

@@ -2,7 +2,7 @@
    on a board instructions and stack, on the desktop nanoseconds. bench/sizes.sh makes a table of it.
    Compile with -DBODY_HEADER, a header that reduce made, and -DBODY, the name in it; on the desktop -DDESKTOP. */
 #ifdef DESKTOP
-#define _POSIX_C_SOURCE 199309L
+#define _POSIX_C_SOURCE 199309L /* clock_gettime */
 #include "clock.h"
 #include <stdio.h>
 #endif
@@ -32,8 +32,7 @@ static double nanoseconds(void)
     }
     sample[run] = (fbb_now_ns() - start) / 200;
   }
-  fbb_sort(sample, 101);
-  return sample[50];
+  return fbb_timing_of(sample, 101).median;
 }
 #endif
 

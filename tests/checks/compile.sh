@@ -20,7 +20,7 @@ done
 for cc in gcc clang; do
   cxx=$([ $cc = gcc ] && echo g++ || echo clang++)
   for single in 0 1; do
-    for file in tests/test_*.c $(ls examples/*.c bench/*.c | grep -v -e firmware.c -e target.c -e step_cost.c); do
+    for file in tests/test_*.c $(ls examples/*.c bench/*.c | grep -v -e firmware.c -e target.c -e step_cost.c -e bench_peers); do
       c99_level=$(case $file in tests/*) echo -O2 ;; *) echo -O1 ;; esac)
       for std in "c99 $c99_level" "c11 -fsyntax-only" "c17 -fsyntax-only"; do
         try $cc -std=$std $base $WARNINGS_C -DFB_SINGLE=$single -c -o "$out/object.o" "$file"
