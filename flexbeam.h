@@ -94,7 +94,7 @@
      >>system     joints, trees, loops, constraints
      >>mixed      geometrically exact beam: steady states, motion, energy, momentum
      >>integrate  rk4, implicit midpoint, SDIRK2, exponential scheme; their limits
-     >>analyse    steady states, linearization, complex modes; (planned) effect advisor
+     >>analyse    steady states, linear models, complex modes, step advice; (planned) effect advisor
      >>build      version and configuration string
 
    OPTIONS (define before the include, the same in every file: a mismatch does not link. Best in one file that every
@@ -173,7 +173,9 @@
      several parts                 fb_modes_join, then one fb_shape_add_beam per part
      a finite-element model        fb_shape_add_lump, fb_shape_add_node, fb_shape_add_pair; shape.K
      preload, buckling             fb_modes_desc.preload, fb_buckling_solve
-     a spinning, damped beam       fb_body_trim, fb_body_spectrum: complex modes
+     a spinning, damped beam       fb_body_trim, fb_body_spectrum: complex modes; fb_system_trim, fb_system_spectrum
+     A, B, C, D for a controller   fb_body_linearize, fb_system_linearize, fb_mixed_linearize
+     which time step?              fb_spectrum_limit, fb_spectrum_step
      bodies on joints at rest or   fb_system_trim, fb_system_linearize (to design a controller by),
      turning steadily              fb_system_spectrum: a rotor with hinged blades, an arm, a satellite with its wheels
      bodies on joints              fb_system_desc: a tree of joints, loops; the caller's own constraints by fb_rows
