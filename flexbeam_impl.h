@@ -4082,61 +4082,44 @@ static fb_status fbi_beam_fits(const fb_shape *shape, int first, const fb_beam *
 }
 
 #if FBI_WITH_QUADRATIC
-/* Sum of the mass and of mass chi, mass chi_theta about the beam's line, from a field that begins as st does. */
-static fb_real fbi_beam_gather(fbi_station *sum, const fbi_station *st, const fb_beam *beam, fb_real mass, int n)
-{
-  const fb_real e[3] = {beam->axes[0], beam->axes[3], beam->axes[6]};
-  for (int ab = 0; ab < n * n; ab++) {
-    fbi_vec3_add(sum->chi + 3 * ab, mass, st->chi + 3 * ab);
-    fbi_vec3_add(sum->chi_theta + 3 * ab, mass * fb_vec3_dot(e, st->chi_theta + 3 * ab), e);
-  }
-  return mass;
-}
-
 /* [E8.32] Where the quadratic field of a beam that nothing holds begins: such that it moves neither the mass center nor,
    on average, the sections about the line. The terms of degree 4 that the kinetic energy leaves out are then as small
    as they can be; a field that begins with zero at the root takes the mass center along, whose recoil is of that degree
    and much larger. Source: int chi dm = 0, the second degree of a mean axis.  Fails: never.
    Test: a_free_beam_swings_as_the_exact_one. */
-static void fbi_station_center(fbi_station *st, const fb_beam *beam, const fb_modes *modes)
+static void fbi_station_center(fbi_station *st, fbi_cell_fields *fields, const fb_beam *beam, const fb_modes *modes)
 {
   const int n = modes->n;
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
-  fbi_cell_fields fields;
-  fbi_station zero, at, sum;
-  fb_real mass = FB_R(0.0);
-  memset(&zero, 0, sizeof zero);
-  memset(&sum, 0, sizeof sum);
+  fb_real outboard = beam->mass; /* int chi dm = int chi' (mass outboard) dx */
   while (fbi_cell_next(&cell, beam)) {
-    fbi_cell_fields_init(&fields, beam, modes, &cell);
+    fbi_cell_fields_init(fields, beam, modes, &cell);
+    for (int k = 0; k < beam->desc.n_lump; k++) {
+      const int passed = beam->desc.lump[k].node == cell.element && !(cell.x0 > beam->start[cell.element]);
+      outboard -= passed ? beam->desc.lump[k].mass : FB_R(0.0);
+    }
     for (int g = 0; g < FBI_GAUSS; g++) {
       fb_section section;
-      const fb_real dx = fbi_gauss_w[g] * (cell.x1 - cell.x0);
+      const fb_real e[3] = {fields->axes[0], fields->axes[3], fields->axes[6]},
+                    dx = fbi_gauss_w[g] * (cell.x1 - cell.x0);
       fb_beam_section(&section, beam, cell.x0 + fbi_gauss_x[g] * (cell.x1 - cell.x0));
-      fbi_station_eval(&at, beam, modes, &fields, fbi_gauss_x[g], &zero);
-      mass += fbi_beam_gather(&sum, &at, beam, dx * section.mass, n);
-    }
-    fbi_station_eval(&zero, beam, modes, &fields, FB_R(1.0), &zero);
-    for (int k = 0; k < beam->desc.n_lump; k++) {
-      if (beam->desc.lump[k].node == cell.element + 1 && cell.x1 >= beam->start[cell.element + 1]) {
-        mass += fbi_beam_gather(&sum, &zero, beam, beam->desc.lump[k].mass, n);
+      outboard -= FB_R(0.5) * dx * section.mass;
+      for (int ab = 0; ab < n * n; ab++) {
+        fb_real slope, twist;
+        fbi_quadratic_slope(&slope, &twist, &fields->at[ab / n][g], &fields->at[ab % n][g]);
+        fbi_vec3_add(st->chi + 3 * ab, -dx * slope * outboard / beam->mass, e);
+        fbi_vec3_add(st->chi_theta + 3 * ab, -dx * twist * outboard / beam->mass, e);
       }
-      mass += beam->desc.lump[k].node == 0 && cell.x0 <= FB_R(0.0) ? beam->desc.lump[k].mass : FB_R(0.0);
+      outboard -= FB_R(0.5) * dx * section.mass;
     }
-  }
-  memset(st->chi, 0, sizeof st->chi);
-  memset(st->chi_theta, 0, sizeof st->chi_theta);
-  for (int i = 0; i < 3 * n * n; i++) {
-    st->chi[i] = -sum.chi[i] / mass;
-    st->chi_theta[i] = -sum.chi_theta[i] / mass;
   }
 }
 #endif
 
 /* Where the quadratic field of a beam begins: zero; for a root that moves with the modes, at the node of the shape that
    is there and moves with it (E7.12); for a free beam by itself, about its mass center (E8.32). */
-static fb_status fbi_station_start(fbi_station *st, const fb_shape *shape, int first, const fb_beam *beam,
-                                   const fb_modes *modes)
+static fb_status fbi_station_start(fbi_station *st, fbi_cell_fields *scratch, const fb_shape *shape, int first,
+                                   const fb_beam *beam, const fb_modes *modes)
 {
   int hangs = 0;
   fb_real u[3 * FB_MAX_MODES], theta[3 * FB_MAX_MODES], size = FB_R(0.0);
@@ -4174,10 +4157,10 @@ static fb_status fbi_station_start(fbi_station *st, const fb_shape *shape, int f
     return FB_ERR_VALUE;
   }
   if (beam->desc.root == FB_ROOT_FREE && !hangs) {
-    fbi_station_center(st, beam, modes);
+    fbi_station_center(st, scratch, beam, modes);
   }
 #endif
-  (void)shape, (void)first, (void)size, (void)hangs;
+  (void)shape, (void)first, (void)size, (void)hangs, (void)scratch;
   return FB_OK;
 }
 
@@ -4191,7 +4174,7 @@ FB_DEF fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *be
   if (status != FB_OK) {
     return status;
   }
-  if (fbi_station_start(&start, shape, first, beam, modes) != FB_OK) {
+  if (fbi_station_start(&start, &fields, shape, first, beam, modes) != FB_OK) {
     return FB_ERR_VALUE;
   }
   while (fbi_cell_next(&cell, beam)) {
@@ -4242,7 +4225,7 @@ FB_DEF fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, c
   if (shape->n_node >= FB_MAX_NODES) {
     return FB_ERR_CAPACITY;
   }
-  if (fbi_station_start(&st, shape, first, beam, modes) != FB_OK) {
+  if (fbi_station_start(&st, &fields, shape, first, beam, modes) != FB_OK) {
     return FB_ERR_VALUE;
   }
   while (fbi_cell_next(&cell, beam)) {
