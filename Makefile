@@ -15,7 +15,7 @@ EXAMPLES = quickstart spinup campbell analyse table1 assembly reduce elastodyn f
 CHECKS   = sanitize suite long jacobian compile rom firmware bits instructions mismatch removed style tidy two_precisions single threads stack symbols ids quickstart
 
 .DELETE_ON_ERROR:
-.PHONY: help run table1 leigh blade firmware test examples bench bench-peers sizes readme format clean ci FORCE $(CHECKS:%=check-%)
+.PHONY: help run table1 leigh blade firmware test examples bench bench-accuracy bench-peers sizes readme format clean ci FORCE $(CHECKS:%=check-%)
 
 help:
 	@echo "make run       spin-up of a flexible beam against its reference, time per step, picture if gnuplot is there"
@@ -26,6 +26,7 @@ help:
 	@echo "make test      build and run the tests, build the examples"
 	@echo "make examples  $(EXAMPLES:%=build/examples/%)"
 	@echo "make bench     time per step by modes and effects, by form and scheme, of systems, of the exact beam: build/bench_*.csv"
+	@echo "make bench-accuracy  error and time of eight scenes by effects, modes, scheme and step (2 minutes): build/accuracy/"
 	@echo "make bench-peers  the LU beside LAPACK's, the schemes beside SUNDIALS': needs both; build/bench_peers_*.csv"
 	@echo "make sizes     instructions, code, RAM and time of a step by modes and effects on two boards; bytes of all structs"
 	@echo "make readme    regenerate the tables, the program and the picture of README.md (wants gnuplot, valgrind)"
@@ -71,6 +72,12 @@ bench: build/bench/bench_step_double build/bench/bench_step_single build/bench/b
 	awk -F, '/^#/ { print; next } { printf "%-9s %8s %3s %9s %8s %8s %16s %15s\n", $$1, $$2, $$3, $$4, $$5, $$6, $$7, $$8 }' build/bench_forms.csv
 	@build/bench/bench_system_double > build/bench_system.csv && awk -F, -f bench/system.awk build/bench_system.csv
 	@build/bench/bench_mixed_double > build/bench_mixed.csv && awk -F, -f bench/mixed.awk build/bench_mixed.csv
+
+bench-accuracy: build/bench/bench_accuracy_double
+	@mkdir -p build/accuracy
+	@$< build/accuracy > build/accuracy/tables.txt && cat build/accuracy/tables.txt
+	@if gnuplot --version > /dev/null 2>&1; then gnuplot -e "folder='build/accuracy'" bench/accuracy.gp; else \
+	  echo "no pictures: gnuplot is not installed (Debian: apt-get install gnuplot-nox); build/accuracy/accuracy.csv has the points"; fi
 
 bench-peers:
 	@CC='$(CC)' MAKE='$(MAKE)' sh bench/peers.sh

@@ -1,6 +1,7 @@
 #!/bin/sh
 # Regenerates the tables, the program and the picture of README.md from what the programs print: make readme.
-# `sh bench/readme.sh peers` does it for the table of make bench-peers alone; it stays as it is where the libraries are missing.
+# `sh bench/readme.sh accuracy` does it for the eight scenes alone, `sh bench/readme.sh peers` for the table of make bench-peers, which stays
+# as it is where the libraries are missing.
 set -eu
 out=build/readme
 mkdir -p "$out"
@@ -26,6 +27,17 @@ if [ "${1:-all}" = peers ]; then
   peers
   exit
 fi
+
+accuracy() {
+  make -s bench-accuracy > "$out/scenes"
+  { echo '```'; sed -e 's/^# //' -e 's/ *$//' build/accuracy/tables.txt; echo '```'; } | block scenes
+  [ ! -f build/accuracy/accuracy.svg ] || sed 's/ *$//' build/accuracy/accuracy.svg > examples/accuracy.svg
+}
+if [ "${1:-all}" = accuracy ]; then
+  accuracy
+  exit
+fi
+accuracy
 
 # the program, between ```c and ```
 sed -n '/^#/,$p' examples/quickstart.c > "$out/program"

@@ -1,0 +1,40 @@
+# Pictures of accuracy.csv: error over time for each scene, and one of all. gnuplot -e "folder='...'" bench/accuracy.gp
+scenes = "spin-up rotor slew arm pendulum shaken tumbling sag"
+rungs = "linear some full strain exact"
+colors = "#999999 #e69f00 #0072b2 #009e73 #d55e00"
+set datafile separator ','
+set logscale xy
+set format '10^{%L}'
+set yrange [3e-6:2]
+set grid
+# column 10 is the error, 11 the time; 12 and 13 say what is on the front of all and of its rung
+rows(s, rung, column) = sprintf("< awk -F, '$1 == \"%s\" && (\"%s\" == \"\" || $2 == \"%s\") && $%d == 1' %s/accuracy.csv", \
+                                s, rung, rung, column, folder)
+all(s, rung) = sprintf("< awk -F, '$1 == \"%s\" && $2 == \"%s\"' %s/accuracy.csv", s, rung, folder)
+
+set terminal svg size 900,560 font 'Helvetica,14' background '#ffffff'
+set xlabel 'stepping [us per simulated second]'
+set ylabel 'largest error / largest output'
+set key outside right
+do for [s in scenes] {
+  set output folder . '/' . s . '.svg'
+  set title s
+  plot for [k = 1:5] all(s, word(rungs, k)) using 11:10 with points pt 7 ps 0.3 lc rgb word(colors, k) title word(rungs, k), \
+       rows(s, '', 12) using 11:10 with steps lw 1.5 lc rgb '#000000' title 'best'
+}
+
+set terminal svg size 1000,560 font 'Helvetica,11' background '#ffffff'
+set output folder . '/accuracy.svg'
+set multiplot layout 2,4
+unset key
+set xlabel 'us per simulated second' offset 0,0.7
+set xrange [1:1e6]
+set xtics 100
+do for [n = 1:8] {
+  s = word(scenes, n)
+  set title s offset 0,-0.7
+  set ylabel n % 4 == 1 ? 'error' : ''
+  if (n == 1) { set key inside bottom left samplen 1 spacing 0.9 } else { unset key }
+  plot for [k = 1:5] rows(s, word(rungs, k), 13) using 11:10 with linespoints pt 7 ps 0.3 lw 1.5 lc rgb word(colors, k) title word(rungs, k)
+}
+unset multiplot
