@@ -13789,8 +13789,9 @@ static fb_status fbi_system_residual(fb_real *f, const fbi_subject *s, int j, fb
   return status;
 }
 
-/* The state with element j of x moved by h: momenta keep their components along the axes of the joints. In loops those
-   of the dependent coordinates are zero: the others' have theirs in them, and d/dt of what has is fbi_loops_reduced. */
+/* The state with element j of x (if it is one, not an input) moved by h: momenta keep their components along the axes of
+   the joints. In loops those of the dependent coordinates are zero: the others' have theirs in them, and d/dt of what
+   has is fbi_loops_reduced. */
 static fb_status fbi_system_linear_move(const fbi_subject *s, int j, fb_real h)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -13845,17 +13846,16 @@ static fb_status fbi_system_response(fb_real *f, const fbi_subject *s, int j, fb
 {
   fb_system_analyse_work *const work = s->system_work;
   const int states = 2 * work->n_independent;
-  fb_status status = FB_OK;
+  fb_status status;
   work->moved = *s->system_state;
   memset(&work->input, 0, sizeof work->input);
   if (s->system_input) {
     work->input = *s->system_input;
   }
-  if (j < states) {
-    status = fbi_system_linear_move(s, j, h);
-  } else {
+  if (j >= states) {
     fbi_system_port_drive(&work->input, &s->desc->in[j - states], h);
   }
+  status = fbi_system_linear_move(s, j, h);
   status =
       status ? status : fb_system_rates(s->system, s->body, &work->system, &work->rate, &work->moved, &work->input);
   if (status != FB_OK) {
