@@ -1888,18 +1888,21 @@ FB_API fb_status fb_system_linearize(const fb_system *system, const fb_body *bod
 FB_API fb_status fb_system_spectrum(fb_spectrum *spectrum, fb_system_analyse_work *work, const fb_system *system,
                                     const fb_body *body, const fb_system_state *state, const fb_system_input *input);
 
-/* -re/|re + i im| of mode k: 1 aperiodic, 0 undamped, negative unstable. */
+/* -re/|re + i im| of mode k: 1 aperiodic, 0 undamped (or no such mode), negative unstable. */
 FB_API fb_real fb_spectrum_damping(const fb_spectrum *spectrum, int k);
 /* Stability margin [1/s] of n modes: the least -re, negative where one grows; and which mode has it (NULL: not asked
-   for). n = 0: FB_HUGE, mode -1. For fb_spectrum, fb_mixed_spectrum and fb_mixed_linear alike. */
+   for). n = 0: FB_HUGE, mode -1; where an re is not finite, that one. For fb_spectrum, fb_mixed_spectrum and
+   fb_mixed_linear alike. Without damping it is rounding, and a root of it where two modes are one (free to move: 0). */
 FB_API fb_real fb_spectrum_margin(const fb_real *re, int *mode, int n);
 
 typedef enum fb_scheme { FB_SCHEME_RK4 = 0, FB_SCHEME_MIDPOINT = 1, FB_SCHEME_SDIRK = 2 } fb_scheme;
-/* Largest step [s] at which no mode grows that should not; FB_HUGE where there is none (the implicit schemes). */
+/* Largest step [s] at which no mode grows that should not, and none that grows does so by its frequency, too; FB_HUGE
+   where there is none (the implicit schemes); 0 where scheme or spectrum make no sense. */
 FB_API fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_scheme scheme);
 /* Step [s] at which, after `duration` [s], the errors of the modes add up to `tolerance`, mode k with amplitude[k]
    (NULL: 1 each), in the same unit; at most 0.9 of the limit. 0 where scheme, duration, tolerance or amplitudes make
-   no sense. The modes are of the motion about a state: the wider the motion, the rougher the estimate. */
+   no sense, or no step is short enough (a mode that grows too far). The modes are of the motion about a state: the
+   wider the motion, the rougher the estimate. */
 FB_API fb_real fb_spectrum_step(const fb_spectrum *spectrum, fb_scheme scheme, const fb_real *amplitude,
                                 fb_real duration, fb_real tolerance);
 
