@@ -13131,9 +13131,12 @@ FB_DEF fb_status fb_mixed_step(const fb_mixed *m, fb_mixed_state *state, fb_mixe
 static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], fb_real mass, const fb_real wanted[3])
 {
   const fb_real spin = FB_SQRT(fb_vec3_dot(wanted, wanted));
-  fb_real J[9], axes[9], value[3], c[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, best = FB_R(0.0);
+  fb_real J[9], axes[9], value[3], c[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, most = FB_R(0.0);
   fb_status status;
   fbi_vec6_zero(V);
+  if (!fbi_is_finite(&spin, 1)) {
+    return FB_ERR_NOT_FINITE;
+  }
   for (int i = 0; i < 3; i++) {
     const fb_real *const p = momenta + 6 * i;
     fbi_copy(J + 3 * i, p + 3, 3);
@@ -13145,13 +13148,18 @@ static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], fb_real 
     J[i] -= (square - c[i / 3] * c[i % 3]) / mass;
   }
   status = fb_eig_sym_solve(value, axes, J, 3);
-  for (int k = 0; k < 3 && status == FB_OK; k++) {
-    const fb_real along = fb_vec3_dot(axes + 3 * k, wanted);
-    if (FB_FABS(along) > FB_FABS(best)) {
-      best = along;
-      for (int i = 0; i < 3; i++) {
-        V[3 + i] = (along < FB_R(0.0) ? -spin : spin) * axes[3 * k + i];
+  for (int k = 0; k < 3 && status == FB_OK; k++) { /* its part along the axis, or along all of the same inertia */
+    fb_real along[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, size;
+    for (int i = 0; i < 3; i++) {
+      if (FB_FABS(value[i] - value[k]) <= FBI_ROUNDING * value[2]) {
+        fbi_vec3_add(along, fb_vec3_dot(axes + 3 * i, wanted), axes + 3 * i);
       }
+    }
+    size = fbi_vec3_norm(along);
+    if (size > most) {
+      most = size;
+      fbi_zero(V + 3, 3);
+      fbi_vec3_add(V + 3, spin / size, along);
     }
   }
   if (mass > FB_R(0.0)) { /* m v + w x c = 0 */
@@ -13161,6 +13169,18 @@ static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], fb_real 
     }
   }
   return status;
+}
+
+/* Whether momenta P, L of a base that nothing prescribes, inertial axes, turn with its spin w and do nothing else: nothing
+   pushes or turns it, by more than rounding of the torque [N m] that acts at all. */
+static int fbi_is_balanced(const fb_real P_dot[3], const fb_real L_dot[3], const fb_real L[3], const fb_real w[3],
+                           fb_real length, fb_real torque)
+{
+  fb_real miss[3];
+  fb_vec3_cross(miss, L, w);
+  fbi_vec3_add(miss, FB_R(1.0), L_dot);
+  return fbi_vec3_norm(miss) + length * fbi_vec3_norm(P_dot) <=
+         (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-6)) * (torque + fbi_vec3_norm(w) * fbi_vec3_norm(L));
 }
 
 /* How far a coordinate is moved for a difference, in parts of a body or of a radian. */
@@ -13177,9 +13197,8 @@ static fb_real fbi_difference_step(const fb_body *body, int a)
 /* ---- what is differentiated: a body or, with system, bodies on joints */
 
 typedef struct fbi_subject {
-  const fb_body *body; /* or the array of models */
-  const fb_linear_desc *desc;
-  int rests; /* 1: f is what keeps it from rest (trim), 0: rates and outputs of the linear model */
+  const fb_body *body;        /* or the array of models */
+  const fb_linear_desc *desc; /* f is rates and outputs of this; NULL: what keeps it from rest (trim) */
   fb_analyse_work *work;
   const fb_state *state;
   const fb_input *input;
@@ -13347,6 +13366,27 @@ static fb_status fbi_body_residual(fb_real *f, const fbi_subject *s, int j, fb_r
     fbi_copy(f, work->rate.pi, s->body->n);
   }
   return status;
+}
+
+/* Whether the base rests in the trimmed state of the work, too: FB_ERR_KIND where it is pushed or turned. */
+static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const fb_input *input)
+{
+  fb_real w[3], R[9], torque = FB_R(0.0);
+  const fb_status status = fb_body_motion(body, &work->motion, &work->moved, input);
+  if (status != FB_OK || body->base == FB_BASE_PRESCRIBED) {
+    return status;
+  }
+  for (int i = 0; i < input->n_load; i++) {
+    torque += fbi_vec3_norm(input->load[i].torque) + body->gyration * fbi_vec3_norm(input->load[i].force);
+  }
+#if FB_WITH_GRAVITY
+  if (fbi_has(body->effects, FB_EFFECT_GRAVITY)) {
+    torque += body->mass * body->gyration * fbi_vec3_norm(body->gravity);
+  }
+#endif
+  fb_quat_to_mat33(R, work->moved.quat);
+  fb_mat33_mul_vec3(w, R, work->motion.w);
+  return fbi_is_balanced(work->rate.P, work->rate.L, work->moved.L, w, body->gyration, torque) ? FB_OK : FB_ERR_KIND;
 }
 
 /* The state with the element j of x moved by h; momenta keep their components in body axes when the attitude
@@ -13579,6 +13619,7 @@ static fb_status fbi_loops_rows(const fbi_subject *s, const fb_system_state *sta
   for (int r = 0; r < w->n_row && status == FB_OK; r++) {
     work->Z[r * (n + 1) + n] = w->row[r].r.holonomic ? w->row[r].r.value : FB_R(0.0);
     work->row_size[r] = FB_R(0.0);
+    w->order[r] = r;
   }
   for (int j = 0; j < n && w->n_row > 0 && status == FB_OK; j++) {
     fbi_unit_speeds(s, &work->coordinate[j]);
@@ -13611,7 +13652,8 @@ static fb_real fbi_loops_pivot(int *row, int *column, const fb_system_analyse_wo
 
 /* [E12.11] Z by Gauss and Jordan: coordinate dependent[k] moves by -Z_kj of each independent one, and is off by Z_kn.
    choose: which depend is found first, with full pivoting; rows that say nothing new are left out.
-   Source: [GV] 3.4.  Cost: rows^2 n.  Fails: FB_ERR_SINGULAR, one that does not follow from the others any more.
+   Source: [GV] 3.4.  Cost: rows^2 n.  Fails: FB_ERR_SINGULAR, one that does not follow from the others any more, and a
+   joint whose row is left.
    Test: rods_in_a_loop_swing_as_one_pendulum, held_tips_take_a_mode_away. */
 static fb_status fbi_loops_reduce(fb_system_analyse_work *work, int choose)
 {
@@ -13622,6 +13664,7 @@ static fb_status fbi_loops_reduce(fb_system_analyse_work *work, int choose)
     fb_real scale;
     if (!(fbi_loops_pivot(&row, &column, work, k, choose) > (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-8)))) {
       work->n_dependent = choose ? k : work->n_dependent;
+      work->system.joint = choose ? work->system.joint : work->system.row[work->system.order[k]].joint;
       return choose ? FB_OK : FB_ERR_SINGULAR;
     }
     work->dependent[k] = column;
@@ -13633,6 +13676,7 @@ static fb_status fbi_loops_reduce(fb_system_analyse_work *work, int choose)
       work->Z[k * width + j] = scale * element;
     }
     work->row_size[row] = work->row_size[k];
+    work->system.order[row] = work->system.order[k];
     for (int r = 0; r < rows; r++) {
       if (r != k) {
         fbi_row_sub(work->Z + r * width, work->Z[r * width + column], work->Z + k * width, width);
@@ -13662,8 +13706,21 @@ static fb_status fbi_loops_open(const fbi_subject *s, const fb_system_state *sta
   return status;
 }
 
+/* FB_ERR_CONTRADICTION: a loop of the placed system is open, also by what its rows leave out as said twice. */
+static fb_status fbi_loops_check(fb_system_analyse_work *work)
+{
+  for (int r = 0; r < work->system.n_row; r++) {
+    const fb_real miss = FB_FABS(work->Z[r * (work->n + 1) + work->n]);
+    if (work->row_size[r] > FB_R(0.0) && !(miss <= (FB_SINGLE ? FB_R(1e-2) : FB_R(1e-6)) * work->row_size[r])) {
+      work->system.joint = work->system.row[r].joint;
+      return FB_ERR_CONTRADICTION;
+    }
+  }
+  return FB_OK;
+}
+
 /* Moves the dependent coordinates of a state to where the loops are closed, by Newton's method; leaves the system
-   placed and Z as it is there. FB_ERR_CONTRADICTION: they stay open. */
+   placed and Z as it is there. */
 static fb_status fbi_loops_shut(const fbi_subject *s, fb_system_state *state)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -13671,15 +13728,11 @@ static fb_status fbi_loops_shut(const fbi_subject *s, fb_system_state *state)
   fb_status status = FB_OK;
   for (int pass = 0; pass <= passes && status == FB_OK; pass++) {
     status = fbi_loops_rows(s, state);
+    status = status || pass < passes ? status : fbi_loops_check(work);
     status = status ? status : fbi_loops_reduce(work, 0);
-    for (int k = 0; k < work->n_dependent && status == FB_OK; k++) {
-      const int j = work->dependent[k];
-      const fb_real miss = work->Z[k * (work->n + 1) + work->n];
-      if (pass < passes) {
-        fbi_coordinate_move(state, s->system, &work->coordinate[j], -miss);
-      } else if (!(FB_FABS(miss) <= (FB_SINGLE ? FB_R(1e-2) : FB_R(1e-6)) * work->size[j])) {
-        status = FB_ERR_CONTRADICTION;
-      }
+    for (int k = 0; k < work->n_dependent && pass < passes && status == FB_OK; k++) {
+      fbi_coordinate_move(state, s->system, &work->coordinate[work->dependent[k]],
+                          -work->Z[k * (work->n + 1) + work->n]);
     }
   }
   return status;
@@ -13765,6 +13818,29 @@ static fb_status fbi_roots_spin(const fbi_subject *s)
     status = fbi_free_spin(work->rest[k].speed, momenta, momenta[18], wanted);
   }
   return status;
+}
+
+/* Whether the free joints of the trimmed state rest, too: FB_ERR_KIND where one is pushed or turned. */
+static fb_status fbi_roots_rest(const fbi_subject *s)
+{
+  fb_system_analyse_work *const work = s->system_work;
+  const fb_real length = fbi_system_size(s->system, s->body);
+  fb_real torque = FB_R(0.0), w[3];
+  for (int k = 0; k < s->system->n_body; k++) {
+    const fb_real *const fg = work->system.link[k].k.fg;
+    torque += fbi_vec3_norm(fg + 3) + length * fbi_vec3_norm(fg);
+  }
+  for (int k = 0; k < s->system->n_body; k++) {
+    const fbi_link_work *const L = &work->system.link[k];
+    const fb_real *const rate = work->rate.link[k].p;
+    fb_mat33_mul_vec3(w, L->k.R, L->V + 3);
+    if (fbi_is_afloat(s->system, &work->moved, k) &&
+        !fbi_is_balanced(rate, rate + 3, work->moved.link[k].p + 3, w, length, torque)) {
+      work->system.joint = k;
+      return FB_ERR_KIND;
+    }
+  }
+  return FB_OK;
 }
 
 /* Rates of the momenta at rest, given axes apart, with coordinate j moved by h. */
@@ -13950,9 +14026,9 @@ static void fbi_momenta_steps(const fbi_subject *s, fb_real spin)
 static fb_status fbi_subject_eval(fb_real *f, const fbi_subject *s, int j, fb_real h)
 {
   if (s->system) {
-    return s->rests ? fbi_system_residual(f, s, j, h) : fbi_system_response(f, s, j, h);
+    return s->desc ? fbi_system_response(f, s, j, h) : fbi_system_residual(f, s, j, h);
   }
-  return s->rests ? fbi_body_residual(f, s, j, h) : fbi_body_response(f, s, j, h);
+  return s->desc ? fbi_body_response(f, s, j, h) : fbi_body_residual(f, s, j, h);
 }
 
 /* Moves an unknown of the trim for good. */
@@ -14092,9 +14168,21 @@ static fb_status fbi_spectrum_fill(fb_spectrum *spectrum, fbi_analysis *work, in
   return FB_OK;
 }
 
+/* desc: NULL for a trim */
+static void fbi_subject_body(fbi_subject *s, const fb_body *body, fb_analyse_work *work, const fb_state *state,
+                             const fb_input *input, const fb_linear_desc *desc)
+{
+  memset(s, 0, sizeof *s);
+  s->body = body;
+  s->desc = desc;
+  s->work = work;
+  s->state = state;
+  s->input = input;
+}
+
 /* [E12.1] Steady state by Newton's method: pi_dot(q) = 0 at q_dot = 0, the tangent by differences.
    Source: definition.  Cost: 4 n evaluations and a LU an iteration.  Fails: see the header.
-   Test: spectrum_of_a_spinning_oscillator_is_closed_form. */
+   Test: spectrum_of_a_spinning_oscillator_is_closed_form, bases_that_are_pushed_have_no_state_of_rest. */
 FB_DEF fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_work *work, const fb_input *input)
 {
   fbi_subject s;
@@ -14104,12 +14192,7 @@ FB_DEF fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_w
   if (status != FB_OK) {
     return status;
   }
-  memset(&s, 0, sizeof s);
-  s.body = body;
-  s.rests = 1;
-  s.work = work;
-  s.state = &work->state;
-  s.input = input;
+  fbi_subject_body(&s, body, work, &work->state, input, NULL);
   work->state = *state;
   for (int a = 0; a < body->n; a++) {
     work->common.step[a] = fbi_difference_step(body, a);
@@ -14119,6 +14202,7 @@ FB_DEF fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_w
   if (status == FB_OK && !fbi_is_settled(change)) {
     status = FB_ERR_CONVERGENCE;
   }
+  status = status ? status : fbi_body_rest(work, body, input);
   if (status == FB_OK) {
     *state = work->moved;
   }
@@ -14139,12 +14223,7 @@ static fb_status fbi_body_linearize(const fb_body *body, fb_analyse_work *work, 
   fb_status status = fbi_analyse_check(body, state, input);
   const int n_free = body ? 6 - fbi_first_free(body->base) : 0, n = body ? 2 * (body->n + n_free) : 0;
   FBI_REQUIRE(work, FB_ERR_NULL);
-  memset(&s, 0, sizeof s);
-  s.body = body;
-  s.desc = desc ? desc : fbi_no_ports(&work->common);
-  s.work = work;
-  s.state = state;
-  s.input = input;
+  fbi_subject_body(&s, body, work, state, input, desc ? desc : fbi_no_ports(&work->common));
   status = status ? status : fbi_linear_desc_check(body, input, s.desc);
   status = status ? status : fb_body_motion(body, &work->steady, state, input);
   for (int j = 0; j < n && status == FB_OK; j++) {
@@ -14200,10 +14279,24 @@ FB_DEF fb_status fb_body_spectrum(fb_spectrum *spectrum, fb_analyse_work *work, 
   return fbi_spectrum_fill(spectrum, &work->common, size, body->n, body->n);
 }
 
+static void fbi_subject_system(fbi_subject *s, const fb_system *system, const fb_body *body,
+                               fb_system_analyse_work *work, const fb_system_state *state, const fb_system_input *input,
+                               const fb_linear_desc *desc)
+{
+  memset(s, 0, sizeof *s);
+  s->body = body;
+  s->desc = desc;
+  s->system = system;
+  s->system_work = work;
+  s->system_state = state;
+  s->system_input = input;
+}
+
 /* [E12.8] Relative equilibrium of a system by Newton's method: the rates of the momenta of joints and modes, along the
    axes of the joints, vanish with given axes at their rates, free joints in a free spin and the rest still.
    Source: definition.  Cost: 8 n evaluations and a LU an iteration.  Fails: see the header.
-   Test: hinged_blades_flap_and_lag_in_closed_form, blades_cone_under_a_moment. */
+   Test: hinged_blades_flap_and_lag_in_closed_form, blades_cone_under_a_moment,
+   bases_that_are_pushed_have_no_state_of_rest. */
 FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb_system_state *state,
                                 fb_system_analyse_work *work, const fb_system_input *input)
 {
@@ -14215,13 +14308,7 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
   if (status != FB_OK) {
     return status;
   }
-  memset(&s, 0, sizeof s);
-  s.body = body;
-  s.rests = 1;
-  s.system = system;
-  s.system_work = work;
-  s.system_state = &work->state;
-  s.system_input = input;
+  fbi_subject_system(&s, system, body, work, &work->state, input, NULL);
   work->state = *state;
   memset(work->steady, 0, sizeof work->steady);
   memset(work->rest, 0, sizeof work->rest);
@@ -14234,6 +14321,7 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
   if (status == FB_OK && !fbi_is_settled(change)) {
     status = FB_ERR_CONVERGENCE;
   }
+  status = status ? status : fbi_roots_rest(&s);
   if (status == FB_OK) {
     *state = work->moved;
   }
@@ -14250,13 +14338,7 @@ static fb_status fbi_system_linearize(const fb_system *system, const fb_body *bo
   int n_free = 0;
   fb_status status = fbi_system_analyse_check(system, body, state, input);
   FBI_REQUIRE(work, FB_ERR_NULL);
-  memset(&s, 0, sizeof s);
-  s.body = body;
-  s.desc = desc ? desc : fbi_no_ports(&work->common);
-  s.system = system;
-  s.system_work = work;
-  s.system_state = state;
-  s.system_input = input;
+  fbi_subject_system(&s, system, body, work, state, input, desc ? desc : fbi_no_ports(&work->common));
   status = status ? status : fbi_system_ports_check(&s);
   status = status ? status : fbi_coordinates_find(work, system, body, state, 0);
   status = status ? status : fbi_loops_open(&s, state);

@@ -185,6 +185,37 @@ TEST(free_tops_nutate_as_euler_says)
   }
 }
 
+/* E12.1: about any axis in the span of equal inertias a body spins freely, so it does about the one that is wanted: a
+   sphere about all, a disc about all in its plane; from other directions about the nearest of them. */
+TEST(equal_inertias_spin_about_any_of_their_axes)
+{
+  static const double wanted[4][3] = {{0.3, -0.8, 0.5}, {1.1, 0.7, 0.0}, {-0.4, 0.9, 0.0}, {0.9, 1.2, 0.8}};
+  for (int run = 0; run < 4; run++) {
+    static fb_body_desc desc;
+    const fb_real center[3] = {FB_R(0.2), -FB_R(0.1), FB_R(0.3)};
+    const fb_real J[6] = {FB_R(2.0), FB_R(2.0), run ? FB_R(3.0) : FB_R(2.0), 0, 0, 0};
+    const double *const w = wanted[run], far = run == 3 ? 0.0 : 1.0;
+    const double stretch =
+        sqrt((w[0] * w[0] + w[1] * w[1] + w[2] * w[2]) / (w[0] * w[0] + w[1] * w[1] + far * w[2] * w[2]));
+    fb_state state;
+    fb_input input;
+    fb_motion motion;
+    FBT_INT_EQ(fb_shape_init(&shape, 0), FB_OK);
+    FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(5.0), center, J), FB_OK);
+    FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
+    memset(&input, 0, sizeof input);
+    for (int i = 0; i < 3; i++) {
+      input.w[i] = (fb_real)w[i];
+    }
+    FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+    FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_OK);
+    FBT_INT_EQ(fb_body_motion(&body, &motion, &state, &input), FB_OK);
+    for (int i = 0; i < 3; i++) {
+      FBT_NEAR_ABS(motion.w[i], (i == 2 ? far : 1.0) * stretch * w[i], FBT_TOL(1e-13, 1e-5));
+    }
+  }
+}
+
 typedef struct number { /* complex */
   double re, im;
 } number;
@@ -744,6 +775,74 @@ TEST(blades_cone_under_a_moment)
   }
 }
 
+/* E12.1, E12.8: a free, pinned or hinged body rests where what acts on it is in balance: a beam that hangs from its hinge,
+   straight, or hovers by a force and a torque on its hub, bent as one whose hub is held. Gravity or thrust alone leaves
+   no state of rest, nor do wheels with momentum across the spin; as a body and as what hangs on a free joint. */
+TEST(bases_that_are_pushed_have_no_state_of_rest)
+{
+  const fb_real center[3] = {0}, J[6] = {FB_R(0.8), FB_R(0.5), FB_R(0.9), 0, 0, 0};
+  fb_real sag[4] = {0};
+  fb_motion held;
+  for (int base = 0; base < 4; base++) {
+    fb_state state, before;
+    fb_input input;
+    memset(&input, 0, sizeof input);
+    uniform_line(2.0, 6, 0.5, 40.0, 60.0, 2);
+    level.effects = FB_EFFECTS_FULL | FB_EFFECT_GRAVITY;
+    level.gravity[1] = -FB_R(9.81);
+    level.base = base == 0   ? FB_BASE_PRESCRIBED
+                 : base == 1 ? FB_BASE_PINNED
+                 : base == 2 ? FB_BASE_HINGED
+                             : FB_BASE_FREE;
+    beam_body(&body, 2.0, center, J);
+    FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+    before = state;
+    FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), base ? FB_ERR_KIND : FB_OK);
+    if (base == 0) {
+      memcpy(sag, state.q, sizeof sag);
+      FBT_INT_EQ(fb_body_motion(&body, &held, &state, &input), FB_OK);
+      FBT_TRUE(fbt_largest(sag, 4) > 0.01);
+      continue;
+    }
+    FBT_TRUE(memcmp(&state, &before, sizeof state) == 0);
+    frame_turn(state.quat, 0.0, 0.0, -pi / 2); /* downwards */
+    FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), base == 3 ? FB_ERR_KIND : FB_OK);
+    FBT_BELOW(fbt_largest(state.q, 4), FBT_TOL(1e-12, 1e-6));
+    state = before;
+    input.n_load = 1;
+    input.load[0].axes = FB_AXES_BODY;
+    memcpy(input.load[0].force, held.reaction_force, sizeof held.reaction_force);
+    memcpy(input.load[0].torque, held.reaction_torque, sizeof held.reaction_torque);
+    FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_OK);
+    FBT_BELOW(fbt_difference(state.q, sag, 4), FBT_TOL(1e-9, 1e-5));
+    input.load[0].torque[2] = FB_R(0.0);
+    FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_ERR_KIND);
+  }
+  for (int run = 0; run < 4; run++) { /* a wheel along or across; a push */
+    fb_joint_desc *wheel;
+    fb_system_state before;
+    fresh();
+    rigid_part(0, 8.0, 0.0, 3.0, 4.0, 6.0, 0.0);
+    rigid_part(1, 1.0, 0.0, 0.1, 0.1, 0.2, 0.0);
+    hang(0, 0, FB_JOINT_FREE, FB_GROUND);
+    wheel = hang(1, 1, FB_JOINT_REVOLUTE, 0);
+    wheel->mode[0] = FB_AXIS_PRESCRIBED;
+    frame_turn(wheel->attitude, run == 1 ? pi / 2 : 0.0, 0.0, 0.0);
+    drive.drive[0].rate[5] = run == 3 ? FB_R(0.0) : FB_R(0.7);
+    drive.drive[1].rate[0] = FB_R(20.0);
+    drive.n_load = run >= 2;
+    drive.load[0].load.axes = FB_AXES_BODY;
+    (run == 2 ? drive.load[0].load.torque : drive.load[0].load.force)[0] = FB_R(0.01);
+    build();
+    before = tree_state;
+    FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), run ? FB_ERR_KIND : FB_OK);
+    if (run) {
+      FBT_INT_EQ(tree_work.system.joint, 0);
+      FBT_TRUE(memcmp(&before, &tree_state, sizeof before) == 0);
+    }
+  }
+}
+
 /* E12.8 to E12.10: a double pendulum of equal particles swings about its hanging position, found from one aside, with
    omega^2 = (2 -+ sqrt 2) g/l, the lower particle by +-sqrt 2 of the upper; by the dense method, too. */
 TEST(double_pendulum_swings_in_closed_form)
@@ -1136,6 +1235,10 @@ TEST(analysis_refuses_bad_input)
   FBT_INT_EQ(fb_body_spectrum(&spectrum, &work, &body, NULL, &input), FB_ERR_NULL);
   input.w[2] = (fb_real)NAN;
   FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_ERR_NOT_FINITE);
+  body.base = FB_BASE_PINNED;
+  input.w[2] = (fb_real)INFINITY;
+  FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_ERR_NOT_FINITE);
+  body.base = FB_BASE_PRESCRIBED;
   input.w[2] = FB_R(1.99); /* rests 49.6 m out: beyond the limit of 10 m */
   FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_ERR_RANGE);
   FBT_TRUE(memcmp(&state, &kept, sizeof state) == 0);
@@ -1307,6 +1410,7 @@ TEST(rods_in_a_loop_swing_as_one_pendulum)
     drive.drive[1].value[0] = -FB_R(1.5); /* the others do not reach it there */
     status = fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive);
     FBT_TRUE(status == FB_ERR_CONTRADICTION || status == FB_ERR_SINGULAR);
+    FBT_INT_EQ(tree_work.system.joint, mechanism.n_body);
     FBT_TRUE(memcmp(&before, &tree_state, sizeof before) == 0);
   }
   fbt_figure("rods in a loop that spins, frequency", "potential of one angle", largest);
@@ -1526,11 +1630,12 @@ TEST(analysis_of_systems_refuses_bad_input)
 }
 
 SUITE(analyse, RUN(spectrum_of_a_spinning_oscillator_is_closed_form), RUN(damped_modes_have_their_ratios),
-      RUN(free_tops_nutate_as_euler_says), RUN(damped_spinning_satellite_has_its_closed_form),
-      RUN(linear_models_answer_as_the_body_does), RUN(step_limits_are_those_of_the_spectrum),
-      RUN(step_limits_hold_for_modes_that_grow), RUN(advised_steps_err_as_wanted),
-      RUN(advised_steps_bear_stiff_damping), RUN(nrel_blade_has_the_published_figures),
-      RUN(hinged_blades_flap_and_lag_in_closed_form), RUN(blades_cone_under_a_moment),
+      RUN(free_tops_nutate_as_euler_says), RUN(equal_inertias_spin_about_any_of_their_axes),
+      RUN(damped_spinning_satellite_has_its_closed_form), RUN(linear_models_answer_as_the_body_does),
+      RUN(step_limits_are_those_of_the_spectrum), RUN(step_limits_hold_for_modes_that_grow),
+      RUN(advised_steps_err_as_wanted), RUN(advised_steps_bear_stiff_damping),
+      RUN(nrel_blade_has_the_published_figures), RUN(hinged_blades_flap_and_lag_in_closed_form),
+      RUN(blades_cone_under_a_moment), RUN(bases_that_are_pushed_have_no_state_of_rest),
       RUN(double_pendulum_swings_in_closed_form), RUN(a_free_body_is_a_system_of_one),
       RUN(sleeping_tops_tilt_in_closed_form), RUN(poses_drift_as_the_frame_goes_on),
       RUN(linear_models_answer_as_the_system_does), RUN(analysis_refuses_bad_input),
