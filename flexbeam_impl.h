@@ -13171,8 +13171,11 @@ static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], fb_real 
   return status;
 }
 
+/* Torque that counts for rounding, in parts of what acts at all. */
+#define FBI_UNREST (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-6))
+
 /* Whether momenta P, L of a base that nothing prescribes, inertial axes, turn with its spin w and do nothing else: nothing
-   pushes or turns it, by more than rounding of the torque [N m] that acts at all. */
+   pushes or turns it, against the torque [N m] that acts at all. */
 static int fbi_is_balanced(const fb_real P_dot[3], const fb_real L_dot[3], const fb_real L[3], const fb_real w[3],
                            fb_real length, fb_real torque)
 {
@@ -13180,7 +13183,7 @@ static int fbi_is_balanced(const fb_real P_dot[3], const fb_real L_dot[3], const
   fb_vec3_cross(miss, L, w);
   fbi_vec3_add(miss, FB_R(1.0), L_dot);
   return fbi_vec3_norm(miss) + length * fbi_vec3_norm(P_dot) <=
-         (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-6)) * (torque + fbi_vec3_norm(w) * fbi_vec3_norm(L));
+         FBI_UNREST * (torque + fbi_vec3_norm(w) * fbi_vec3_norm(L));
 }
 
 /* How far a coordinate is moved for a difference, in parts of a body or of a radian. */
@@ -13368,25 +13371,42 @@ static fb_status fbi_body_residual(fb_real *f, const fbi_subject *s, int j, fb_r
   return status;
 }
 
-/* Whether the base rests in the trimmed state of the work, too: FB_ERR_KIND where it is pushed or turned. */
+/* The part of an inertial vector that a body which spins at w sees turn. */
+static fb_real fbi_across(const fb_real w[3], const fb_real x[3])
+{
+  const fb_real spin = fbi_vec3_norm(w);
+  fb_real turn[3];
+  fb_vec3_cross(turn, w, x);
+  return spin > FB_R(0.0) ? fbi_vec3_norm(turn) / spin : FB_R(0.0);
+}
+
+/* Whether the base rests in the trimmed state of the work, too: FB_ERR_KIND where it is pushed or turned, now or when it
+   has turned on. */
 static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const fb_input *input)
 {
-  fb_real w[3], R[9], torque = FB_R(0.0);
+  const fb_real length = body->gyration, none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_real w[3], R[9], torque = FB_R(0.0), across = FB_R(0.0);
   const fb_status status = fb_body_motion(body, &work->motion, &work->moved, input);
   if (status != FB_OK || body->base == FB_BASE_PRESCRIBED) {
     return status;
   }
+  fb_quat_to_mat33(R, work->moved.quat);
+  fb_mat33_mul_vec3(w, R, work->motion.w);
   for (int i = 0; i < input->n_load; i++) {
-    torque += fbi_vec3_norm(input->load[i].torque) + body->gyration * fbi_vec3_norm(input->load[i].force);
+    const fb_load *const load = &input->load[i];
+    const fb_real *const seen = load->axes == FB_AXES_INERTIAL ? w : none;
+    torque += fbi_vec3_norm(load->torque) + length * fbi_vec3_norm(load->force);
+    across += fbi_across(seen, load->torque) + length * fbi_across(seen, load->force);
   }
 #if FB_WITH_GRAVITY
   if (fbi_has(body->effects, FB_EFFECT_GRAVITY)) {
-    torque += body->mass * body->gyration * fbi_vec3_norm(body->gravity);
+    torque += body->mass * length * fbi_vec3_norm(body->gravity);
+    across += body->mass * length * fbi_across(w, body->gravity);
   }
 #endif
-  fb_quat_to_mat33(R, work->moved.quat);
-  fb_mat33_mul_vec3(w, R, work->motion.w);
-  return fbi_is_balanced(work->rate.P, work->rate.L, work->moved.L, w, body->gyration, torque) ? FB_OK : FB_ERR_KIND;
+  return fbi_is_balanced(work->rate.P, work->rate.L, work->moved.L, w, length, torque) && across <= FBI_UNREST * torque
+             ? FB_OK
+             : FB_ERR_KIND;
 }
 
 /* The state with the element j of x moved by h; momenta keep their components in body axes when the attitude

@@ -808,6 +808,9 @@ TEST(bases_that_are_pushed_have_no_state_of_rest)
     frame_turn(state.quat, 0.0, 0.0, -pi / 2); /* downwards */
     FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), base == 3 ? FB_ERR_KIND : FB_OK);
     FBT_BELOW(fbt_largest(state.q, 4), FBT_TOL(1e-12, 1e-6));
+    input.w[2] = FB_R(0.1); /* not for long */
+    FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_ERR_KIND);
+    input.w[2] = FB_R(0.0);
     state = before;
     input.n_load = 1;
     input.load[0].axes = FB_AXES_BODY;
