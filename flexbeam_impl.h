@@ -4082,10 +4082,11 @@ static fb_status fbi_beam_fits(const fb_shape *shape, int first, const fb_beam *
 }
 
 #if FBI_WITH_QUADRATIC
-/* [E8.32] Where the quadratic field of a beam that nothing holds begins: such that it moves neither the mass center nor,
-   on average, the sections about the line. The terms of degree 4 that the kinetic energy leaves out are then as small
-   as they can be; a field that begins with zero at the root takes the mass center along, whose recoil is of that degree
-   and much larger. Source: int chi dm = 0, the second degree of a mean axis.  Fails: never.
+/* [E8.32] Where the quadratic field of a beam that nothing holds begins: such that it moves neither the mass of the line
+   nor, on average, the sections about it (mass centers off the line add what is small). The terms of degree 4 that the
+   kinetic energy leaves out are then as small as they can be; a field that begins with zero at the root takes the mass
+   center along, whose recoil is of that degree and much larger. Source: int chi dm = 0, the second degree of a mean
+   axis; to some 1e-4 of chi by the cells' points.  Fails: never.
    Test: a_free_beam_swings_as_the_exact_one. */
 static void fbi_station_center(fbi_station *st, fbi_cell_fields *fields, const fb_beam *beam, const fb_modes *modes)
 {

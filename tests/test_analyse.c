@@ -1136,7 +1136,8 @@ static double answers_apart(const fb_linear_desc *ports, const double *size, int
   FBT_INT_EQ(linear.n_free, n_free);
   FBT_INT_EQ(linear.n, n);
   for (int step = -1; step < 1500; step++) {
-    const double way[5] = {cos(0.003 * step), step < 300, -0.5, 0.2 * sin(0.01 * step), 0.5 * sin(0.004 * step)};
+    const double way[5] = {cos(0.003 * step), step < 300 ? 1.0 : 0.0, -0.5, 0.2 * sin(0.01 * step),
+                           0.5 * sin(0.004 * step)};
     double u[5] = {0};
     fb_system_input loads;
     for (int k = 0; k < ports->n_in && step >= 0; k++) {
