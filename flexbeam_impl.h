@@ -14190,15 +14190,11 @@ static fb_status fbi_spectrum_fill(fb_spectrum *spectrum, fbi_analysis *work, in
 }
 
 /* desc: NULL for a trim */
-static void fbi_subject_body(fbi_subject *s, const fb_body *body, fb_analyse_work *work, const fb_state *state,
-                             const fb_input *input, const fb_linear_desc *desc)
+static fbi_subject fbi_subject_body(const fb_body *body, fb_analyse_work *work, const fb_state *state,
+                                    const fb_input *input, const fb_linear_desc *desc)
 {
-  memset(s, 0, sizeof *s);
-  s->body = body;
-  s->desc = desc;
-  s->work = work;
-  s->state = state;
-  s->input = input;
+  const fbi_subject s = {body, desc, work, state, input, NULL, NULL, NULL, NULL};
+  return s;
 }
 
 /* [E12.1] Steady state by Newton's method: pi_dot(q) = 0 at q_dot = 0, the tangent by differences.
@@ -14213,7 +14209,7 @@ FB_DEF fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_w
   if (status != FB_OK) {
     return status;
   }
-  fbi_subject_body(&s, body, work, &work->state, input, NULL);
+  s = fbi_subject_body(body, work, &work->state, input, NULL);
   work->state = *state;
   for (int a = 0; a < body->n; a++) {
     work->common.step[a] = fbi_difference_step(body, a);
@@ -14244,7 +14240,7 @@ static fb_status fbi_body_linearize(const fb_body *body, fb_analyse_work *work, 
   fb_status status = fbi_analyse_check(body, state, input);
   const int n_free = body ? 6 - fbi_first_free(body->base) : 0, n = body ? 2 * (body->n + n_free) : 0;
   FBI_REQUIRE(work, FB_ERR_NULL);
-  fbi_subject_body(&s, body, work, state, input, desc ? desc : fbi_no_ports(&work->common));
+  s = fbi_subject_body(body, work, state, input, desc ? desc : fbi_no_ports(&work->common));
   status = status ? status : fbi_linear_desc_check(body, input, s.desc);
   status = status ? status : fb_body_motion(body, &work->steady, state, input);
   for (int j = 0; j < n && status == FB_OK; j++) {
@@ -14300,17 +14296,12 @@ FB_DEF fb_status fb_body_spectrum(fb_spectrum *spectrum, fb_analyse_work *work, 
   return fbi_spectrum_fill(spectrum, &work->common, size, body->n, body->n);
 }
 
-static void fbi_subject_system(fbi_subject *s, const fb_system *system, const fb_body *body,
-                               fb_system_analyse_work *work, const fb_system_state *state, const fb_system_input *input,
-                               const fb_linear_desc *desc)
+static fbi_subject fbi_subject_system(const fb_system *system, const fb_body *body, fb_system_analyse_work *work,
+                                      const fb_system_state *state, const fb_system_input *input,
+                                      const fb_linear_desc *desc)
 {
-  memset(s, 0, sizeof *s);
-  s->body = body;
-  s->desc = desc;
-  s->system = system;
-  s->system_work = work;
-  s->system_state = state;
-  s->system_input = input;
+  const fbi_subject s = {body, desc, NULL, NULL, NULL, system, work, state, input};
+  return s;
 }
 
 /* [E12.8] Relative equilibrium of a system by Newton's method: the rates of the momenta of joints and modes, along the
@@ -14329,7 +14320,7 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
   if (status != FB_OK) {
     return status;
   }
-  fbi_subject_system(&s, system, body, work, &work->state, input, NULL);
+  s = fbi_subject_system(system, body, work, &work->state, input, NULL);
   work->state = *state;
   memset(work->steady, 0, sizeof work->steady);
   memset(work->rest, 0, sizeof work->rest);
@@ -14359,7 +14350,7 @@ static fb_status fbi_system_linearize(const fb_system *system, const fb_body *bo
   int n_free = 0;
   fb_status status = fbi_system_analyse_check(system, body, state, input);
   FBI_REQUIRE(work, FB_ERR_NULL);
-  fbi_subject_system(&s, system, body, work, state, input, desc ? desc : fbi_no_ports(&work->common));
+  s = fbi_subject_system(system, body, work, state, input, desc ? desc : fbi_no_ports(&work->common));
   status = status ? status : fbi_system_ports_check(&s);
   status = status ? status : fbi_coordinates_find(work, system, body, state, 0);
   status = status ? status : fbi_loops_open(&s, state);

@@ -1358,8 +1358,8 @@ static void free_body(fb_body *body, fb_state *at_rest, double length, int modes
   static fb_modes_work modes_work;
   static fb_shape shape;
   static fb_body_work body_work;
-  const fb_real askew[3] = {FB_R(0.4), -FB_R(0.7), FB_R(1.1)};
-  fb_real R[9], root[3];
+  const double askew[3] = {0.4, -0.7, 1.1}, off[3] = {0.3, -0.4, 0.2};
+  fb_real R[9], root[3], turn[3];
   fb_modes_desc keep;
   fb_body_desc level;
   int at;
@@ -1375,14 +1375,13 @@ static void free_body(fb_body *body, fb_state *at_rest, double length, int modes
   line.station[0].i_y = line.station[0].i_z = FB_R(0.01);
   keep.count[FB_KIND_BEND_Y] = modes_y;
   level.effects = FB_EFFECTS_FULL;
-  fb_quat_from_rotvec(line.attitude, elsewhere ? askew : line.position);
-  if (elsewhere) {
-    line.n_lump = 3;
-    three_lumps(line.lump, line.n_element);
-    line.position[0] = FB_R(0.3);
-    line.position[1] = -FB_R(0.4);
-    line.position[2] = FB_R(0.2);
+  line.n_lump = 3 * elsewhere;
+  three_lumps(line.lump, line.n_element);
+  for (int i = 0; i < 3; i++) {
+    turn[i] = (fb_real)(elsewhere * askew[i]);
+    line.position[i] = (fb_real)(elsewhere * off[i]);
   }
+  fb_quat_from_rotvec(line.attitude, turn);
   FBT_INT_EQ(fb_beam_init(&built, &line), FB_OK);
   FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &built, &keep), FB_OK);
   FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
@@ -1415,7 +1414,7 @@ static double free_beam_apart(int elsewhere)
   free_body(&body, &at, L, 3, elsewhere);
   beam(L, 20, stiffness, inertia);
   desc.root = FB_END_FREE;
-  desc.n_lump = elsewhere ? 3 : 0;
+  desc.n_lump = 3 * elsewhere;
   three_lumps(desc.lump, desc.n_element);
   load_tip(FB_AXES_INERTIAL, 0.0, 3.0, 0.0);
   start();
