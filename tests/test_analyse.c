@@ -775,6 +775,37 @@ TEST(blades_cone_under_a_moment)
   }
 }
 
+/* A hub that spins about z with two flexible booms side by side on sprung hinges, and a rod between their tips. */
+static void boom_loop(fb_axis_mode base)
+{
+  fb_joint_desc *j;
+  fresh();
+  rigid_part(0, 5.0, 0.0, 4.0, 4.0, 4.2, 0.0);
+  flexible_part(1, 0.7, 1, FB_BASE_PRESCRIBED, FB_EFFECTS_FULL | FB_EFFECT_DAMPING);
+  rigid_part(2, 0.8, 0.35, 0.02, 0.14, 0.14, 0.0);
+  hang(0, 0, FB_JOINT_FREE, FB_GROUND)->mode[0] = base;
+  for (int k = 1; k <= 3; k += 2) {
+    j = hang(k, 1, FB_JOINT_REVOLUTE, 0);
+    j->position[0] = FB_R(0.4);
+    j->position[1] = k == 1 ? -FB_R(0.45) : FB_R(0.45);
+    if (k == 1) { /* bodies come in their order */
+      j->stiffness[0] = FB_R(30.0);
+      j->damping[0] = FB_R(0.3);
+      hang(2, 2, FB_JOINT_REVOLUTE, 1)->parent_node = 1;
+    }
+  }
+  tree.n_loop = 1;
+  j = &tree.loop[0];
+  j->kind = FB_JOINT_SPHERICAL;
+  j->parent = 2;
+  j->child = 3;
+  j->parent_node = j->child_node = 1;
+  start[1].value[0] = FB_R(0.1);
+  start[2].value[0] = FB_R(1.45);
+  start[3].value[0] = -FB_R(0.1);
+  drive.drive[0].rate[5] = FB_R(2.0);
+}
+
 /* E12.1, E12.8: a free, pinned or hinged body rests where what acts on it is in balance: a beam that hangs from its hinge,
    straight, or hovers by a force and a torque on its hub, bent as one whose hub is held. Gravity or thrust alone leaves
    no state of rest, nor do wheels with momentum across the spin; as a body and as what hangs on a free joint. */
@@ -821,6 +852,10 @@ TEST(bases_that_are_pushed_have_no_state_of_rest)
     input.load[0].torque[2] = FB_R(0.0);
     FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_ERR_KIND);
   }
+  boom_loop(FB_AXIS_FREE); /* at rest it is so to rounding: springs press on the loop */
+  drive.drive[0].rate[5] = FB_R(0.0);
+  build();
+  FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), FB_OK);
   for (int run = 0; run < 4; run++) { /* a wheel along or across; a push */
     fb_joint_desc *wheel;
     fb_system_state before;
@@ -1419,37 +1454,6 @@ TEST(rods_in_a_loop_swing_as_one_pendulum)
     FBT_TRUE(memcmp(&before, &tree_state, sizeof before) == 0);
   }
   fbt_figure("rods in a loop that spins, frequency", "potential of one angle", largest);
-}
-
-/* A hub that spins about z with two flexible booms side by side on sprung hinges, and a rod between their tips. */
-static void boom_loop(fb_axis_mode base)
-{
-  fb_joint_desc *j;
-  fresh();
-  rigid_part(0, 5.0, 0.0, 4.0, 4.0, 4.2, 0.0);
-  flexible_part(1, 0.7, 1, FB_BASE_PRESCRIBED, FB_EFFECTS_FULL | FB_EFFECT_DAMPING);
-  rigid_part(2, 0.8, 0.35, 0.02, 0.14, 0.14, 0.0);
-  hang(0, 0, FB_JOINT_FREE, FB_GROUND)->mode[0] = base;
-  for (int k = 1; k <= 3; k += 2) {
-    j = hang(k, 1, FB_JOINT_REVOLUTE, 0);
-    j->position[0] = FB_R(0.4);
-    j->position[1] = k == 1 ? -FB_R(0.45) : FB_R(0.45);
-    if (k == 1) { /* bodies come in their order */
-      j->stiffness[0] = FB_R(30.0);
-      j->damping[0] = FB_R(0.3);
-      hang(2, 2, FB_JOINT_REVOLUTE, 1)->parent_node = 1;
-    }
-  }
-  tree.n_loop = 1;
-  j = &tree.loop[0];
-  j->kind = FB_JOINT_SPHERICAL;
-  j->parent = 2;
-  j->child = 3;
-  j->parent_node = j->child_node = 1;
-  start[1].value[0] = FB_R(0.1);
-  start[2].value[0] = FB_R(1.45);
-  start[3].value[0] = -FB_R(0.1);
-  drive.drive[0].rate[5] = FB_R(2.0);
 }
 
 /* E12.9, E12.11: the linear model of a loop that spins, integrated, answers as the system does: dependent coordinates,
