@@ -13532,11 +13532,12 @@ static fb_status fbi_linear_desc_check(const fb_body *body, const fb_input *inpu
 
 /* ---- of a system */
 
-static fb_status fbi_system_analyse_check(const fb_system *system, const fb_body *body, const fb_system_state *state,
-                                          const fb_system_input *input)
+static fb_status fbi_system_analyse_check(fb_system_analyse_work *work, const fb_system *system, const fb_body *body,
+                                          const fb_system_state *state, const fb_system_input *input)
 {
   fb_status status;
-  FBI_REQUIRE(system && body && state, FB_ERR_NULL);
+  FBI_REQUIRE(system && body && work && state, FB_ERR_NULL);
+  work->system.joint = -1; /* none is at fault yet */
   if (system->method == FB_METHOD_MULTIPLIERS || (input && input->rows)) {
     return FB_ERR_KIND;
   }
@@ -14314,8 +14315,7 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
 {
   fbi_subject s;
   fb_real change;
-  fb_status status = fbi_system_analyse_check(system, body, state, input);
-  FBI_REQUIRE(work, FB_ERR_NULL);
+  fb_status status = fbi_system_analyse_check(work, system, body, state, input);
   status = status ? status : fbi_coordinates_find(work, system, body, state, 1);
   if (status != FB_OK) {
     return status;
@@ -14348,7 +14348,7 @@ static fb_status fbi_system_linearize(const fb_system *system, const fb_body *bo
   fbi_subject s;
   fb_real spin;
   int n_free = 0;
-  fb_status status = fbi_system_analyse_check(system, body, state, input);
+  fb_status status = fbi_system_analyse_check(work, system, body, state, input);
   FBI_REQUIRE(work, FB_ERR_NULL);
   s = fbi_subject_system(system, body, work, state, input, desc ? desc : fbi_no_ports(&work->common));
   status = status ? status : fbi_system_ports_check(&s);

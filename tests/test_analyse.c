@@ -1614,7 +1614,9 @@ TEST(analysis_of_systems_refuses_bad_input)
   tree.joint[1].stiffness[0] = FB_R(30.0);
   tree.method = FB_METHOD_MULTIPLIERS;
   build();
+  tree_work.system.joint = 2; /* from another failure */
   FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), FB_ERR_KIND);
+  FBT_INT_EQ(tree_work.system.joint, -1);
   FBT_INT_EQ(linearized(&linear, NULL), FB_ERR_KIND);
   FBT_INT_EQ(fb_system_spectrum(&spectrum, &tree_work, &mechanism, part, &tree_state, &drive), FB_ERR_KIND);
   tree.method = FB_METHOD_RECURSIVE;
