@@ -438,7 +438,7 @@ static const char *const fbi_config_reference = FBI_CONFIG_SYMBOL;
   X(FB_ERR_CAPACITY, -4, "more than the compile-time capacity, or an index beyond what exists")                      \
   X(FB_ERR_SINGULAR, -5, "a matrix is singular or not positive definite: mass or stiffness is missing, or buckled")  \
   X(FB_ERR_CONVERGENCE, -6, "the iteration did not converge")                                                        \
-  X(FB_ERR_KIND, -7, "not so many modes, or none of that kind: no stiffness, no inertia, or too few elements")       \
+  X(FB_ERR_KIND, -7, "none of that kind: too few modes, no stiffness or inertia; no state of rest; not analyzed")    \
   X(FB_ERR_EFFECTS, -8, "effects are split or excluded by others, lack their data, or were removed at compile time") \
   X(FB_ERR_STEP, -9, "the step is longer than the stability limit of the scheme")                                    \
   X(FB_ERR_RANGE, -10, "the deflection has left the range of the model")                                             \
@@ -1825,14 +1825,18 @@ typedef struct fb_analyse_work { /* scratch; large: make it static */
 } fb_analyse_work;
 
 /* Sets q (and momenta to match) so that the body rests in its frame. Prescribed base: the frame moves with the v, w of
-   the input. Else it spins freely, at |input.w| about that principal axis of the deformed body (of a hinged base: the
-   hinge) which is nearest to input.w, the mass center (or the pin) at rest. Gravity along the axis of a prescribed base,
-   follower and body-fixed loads count. state gives attitude and first guess; at most 40 Newton iterations.
-   FB_ERR_CONVERGENCE; FB_ERR_RANGE: beyond the deflection limit (buckled, or the load is large); FB_ERR_SINGULAR: the
-   stiffness vanishes there; FB_ERR_VALUE: a spin without direction. On failure state is as before. */
+   the input; what does not turn with it (gravity across the spin, loads in inertial axes) is taken as it stands. Else
+   it spins freely, at |input.w| about that principal axis of the deformed body which is nearest to input.w, the mass
+   center (or the pin) at rest; a hinged base at input.w, along the hinge. Gravity and loads count. state gives attitude
+   and first guess; at most 40 Newton iterations.
+   FB_ERR_KIND: loads or gravity push or turn a base that is not prescribed: it falls or swings; FB_ERR_CONVERGENCE;
+   FB_ERR_RANGE: beyond the deflection limit (buckled, or the load is large); FB_ERR_SINGULAR: the stiffness vanishes
+   there; FB_ERR_VALUE: a w that the hinge does not allow; a body of another form than the momentum form whose base is
+   not prescribed. On failure state is as before. */
 FB_API fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_work *work, const fb_input *input);
-/* The motion about a state (of fb_body_trim), with the inputs and outputs of desc (NULL: none). By differences, exact
-   where rates are polynomials of degree four (a prescribed base without loads on nodes), else right to about 1e-10.
+/* The motion about a state (of fb_body_trim, or steady anyhow), with the inputs and outputs of desc (NULL: none). By
+   differences, exact where rates are polynomials of degree four (a prescribed base without loads on nodes), else right
+   to about 1e-10.
    FB_ERR_VALUE, FB_ERR_CAPACITY: a port that does not exist. On failure linear is as before. */
 FB_API fb_status fb_body_linearize(const fb_body *body, fb_linear *linear, fb_analyse_work *work, const fb_state *state,
                                    const fb_input *input, const fb_linear_desc *desc);
@@ -1874,9 +1878,9 @@ typedef struct fb_system_analyse_work { /* scratch; large: make it static */
    Trim: prescribed axes have the value and rate of the input, locked ones stay, free ones and modes come to rest
    against them: the rates must allow it (one axis that turns, or a prescribed free joint with constant v, w in body
    axes). What hangs on a free joint that is free, too, spins about the principal axis nearest to the w of its drive's
-   rate, as with fb_body_trim (wheels with momentum across that axis it does not know). It finds unstable positions as
-   well as stable ones: the one near the state. FB_ERR_SINGULAR: also an axis that nothing holds; lock it. Errors else
-   as fb_body_trim and fb_system_rates. */
+   rate, as with fb_body_trim. It finds unstable positions as well as stable ones: the one near the state.
+   FB_ERR_KIND: also where wheels have momentum across that axis, which turns it; FB_ERR_SINGULAR: also an axis that
+   nothing holds; lock it; FB_ERR_CONTRADICTION: a loop stays open. Errors else as fb_body_trim and fb_system_rates. */
 FB_API fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb_system_state *state,
                                 fb_system_analyse_work *work, const fb_system_input *input);
 /* Prescribed and locked axes are no states; what moves at a constant rate stays where it is in the state (a prescribed
@@ -1888,18 +1892,21 @@ FB_API fb_status fb_system_linearize(const fb_system *system, const fb_body *bod
 FB_API fb_status fb_system_spectrum(fb_spectrum *spectrum, fb_system_analyse_work *work, const fb_system *system,
                                     const fb_body *body, const fb_system_state *state, const fb_system_input *input);
 
-/* -re/|re + i im| of mode k: 1 aperiodic, 0 undamped, negative unstable. */
+/* -re/|re + i im| of mode k: 1 aperiodic, 0 undamped (or no such mode), negative unstable. */
 FB_API fb_real fb_spectrum_damping(const fb_spectrum *spectrum, int k);
 /* Stability margin [1/s] of n modes: the least -re, negative where one grows; and which mode has it (NULL: not asked
-   for). n = 0: FB_HUGE, mode -1. For fb_spectrum, fb_mixed_spectrum and fb_mixed_linear alike. */
+   for). n = 0: FB_HUGE, mode -1; where an re is not finite, that one. For fb_spectrum, fb_mixed_spectrum and
+   fb_mixed_linear alike. Without damping it is rounding, and a root of it where two modes are one (free to move: 0). */
 FB_API fb_real fb_spectrum_margin(const fb_real *re, int *mode, int n);
 
 typedef enum fb_scheme { FB_SCHEME_RK4 = 0, FB_SCHEME_MIDPOINT = 1, FB_SCHEME_SDIRK = 2 } fb_scheme;
-/* Largest step [s] at which no mode grows that should not; FB_HUGE where there is none (the implicit schemes). */
+/* Largest step [s] at which no mode grows that should not, and none that grows does so by its frequency, too; FB_HUGE
+   where there is none (the implicit schemes); 0 where scheme or spectrum make no sense. */
 FB_API fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_scheme scheme);
 /* Step [s] at which, after `duration` [s], the errors of the modes add up to `tolerance`, mode k with amplitude[k]
    (NULL: 1 each), in the same unit; at most 0.9 of the limit. 0 where scheme, duration, tolerance or amplitudes make
-   no sense. The modes are of the motion about a state: the wider the motion, the rougher the estimate. */
+   no sense, or no step is short enough (a mode that grows too far). The modes are of the motion about a state: the
+   wider the motion, the rougher the estimate. */
 FB_API fb_real fb_spectrum_step(const fb_spectrum *spectrum, fb_scheme scheme, const fb_real *amplitude,
                                 fb_real duration, fb_real tolerance);
 

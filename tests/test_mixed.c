@@ -1327,20 +1327,30 @@ TEST(spinning_cantilever_has_the_published_frequencies)
   }
 }
 
-/* Middle against the line between the ends, section axes of the middle, at right angles to the beam. */
-static double bow(const fb_real *root, const fb_real *middle, const fb_real *tip, const fb_real *quat)
+/* Middle against the line between the ends, across it, in the plane of inertial x and y. */
+static double bow(const fb_real *root, const fb_real *middle, const fb_real *tip)
 {
-  fb_real R[9], d[3], y[3];
-  fb_quat_to_mat33(R, quat);
-  for (int i = 0; i < 3; i++) {
-    d[i] = middle[i] - FB_R(0.5) * (root[i] + tip[i]);
-  }
-  fb_mat33_mulT_vec3(y, R, d);
-  return (double)y[1];
+  const double x = (double)tip[0] - (double)root[0], y = (double)tip[1] - (double)root[1];
+  const double along = (double)middle[0] - (double)root[0], up = (double)middle[1] - (double)root[1];
+  return (x * up - y * along) / hypot(x, y);
 }
 
-/* A free beam's body of natural modes with the nodes root, middle, tip. */
-static void free_body(fb_body *body, double length, int modes_y)
+/* Bodies on root, middle and tip of a beam of n elements. */
+static void three_lumps(fb_lump *lump, int n)
+{
+  static const double mass[3] = {0.6, 0.9, 0.2}, aside[3] = {0.0, 0.1, -0.05};
+  for (int k = 0; k < 3; k++) {
+    memset(&lump[k], 0, sizeof lump[k]);
+    lump[k].node = k * n / 2;
+    lump[k].mass = (fb_real)mass[k];
+    lump[k].center[1] = (fb_real)aside[k];
+    lump[k].inertia[0] = lump[k].inertia[1] = lump[k].inertia[2] = FB_R(0.01);
+  }
+}
+
+/* A free beam's body of natural modes with the nodes root, middle, tip; and its state at rest where the beam lies along
+   the inertial x. elsewhere: with lumps, in a frame off it and askew. */
+static void free_body(fb_body *body, fb_state *at_rest, double length, int modes_y, int elsewhere)
 {
   static fb_beam_desc line;
   static fb_beam built;
@@ -1348,6 +1358,8 @@ static void free_body(fb_body *body, double length, int modes_y)
   static fb_modes_work modes_work;
   static fb_shape shape;
   static fb_body_work body_work;
+  const double askew[3] = {0.4, -0.7, 1.1}, off[3] = {0.3, -0.4, 0.2};
+  fb_real R[9], root[3], turn[3];
   fb_modes_desc keep;
   fb_body_desc level;
   int at;
@@ -1363,6 +1375,13 @@ static void free_body(fb_body *body, double length, int modes_y)
   line.station[0].i_y = line.station[0].i_z = FB_R(0.01);
   keep.count[FB_KIND_BEND_Y] = modes_y;
   level.effects = FB_EFFECTS_FULL;
+  line.n_lump = 3 * elsewhere;
+  three_lumps(line.lump, line.n_element);
+  for (int i = 0; i < 3; i++) {
+    turn[i] = (fb_real)(elsewhere * askew[i]);
+    line.position[i] = (fb_real)(elsewhere * off[i]);
+  }
+  fb_quat_from_rotvec(line.attitude, turn);
   FBT_INT_EQ(fb_beam_init(&built, &line), FB_OK);
   FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &built, &keep), FB_OK);
   FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
@@ -1371,11 +1390,18 @@ static void free_body(fb_body *body, double length, int modes_y)
     FBT_INT_EQ(fb_shape_add_beam_node(&shape, &at, 0, &built, &modes, (fb_real)(0.5 * k * length)), FB_OK);
   }
   FBT_INT_EQ(fb_body_init(body, &body_work, &shape, &level), FB_OK);
+  FBT_INT_EQ(fb_state_init(body, at_rest), FB_OK);
+  fb_quat_to_mat33(R, line.attitude);
+  fb_mat33_mulT_vec3(root, R, line.position);
+  for (int i = 0; i < 4; i++) {
+    at_rest->quat[i] = i ? -line.attitude[i] : line.attitude[0];
+    at_rest->rho[i % 3] = -root[i % 3];
+  }
 }
 
 /* E8.32: a free beam that is pushed aside at its tip for half a second: its modes with the quadratic field about the mass
    center bend as the exact beam does (with a field from the root on they are off by half of it). */
-TEST(a_free_beam_swings_as_the_exact_one)
+static double free_beam_apart(int elsewhere)
 {
   static fb_body body;
   static fb_state at;
@@ -1385,16 +1411,17 @@ TEST(a_free_beam_swings_as_the_exact_one)
   const double dt = 2.5e-3, L = 3.0;
   fb_input push;
   double worst = 0.0, most = 0.0;
-  free_body(&body, L, 3);
+  free_body(&body, &at, L, 3, elsewhere);
   beam(L, 20, stiffness, inertia);
   desc.root = FB_END_FREE;
+  desc.n_lump = 3 * elsewhere;
+  three_lumps(desc.lump, desc.n_element);
   load_tip(FB_AXES_INERTIAL, 0.0, 3.0, 0.0);
   start();
   memset(&push, 0, sizeof push);
   push.n_load = 1;
   push.load[0].node = 3;
   push.load[0].force[1] = FB_R(3.0);
-  FBT_INT_EQ(fb_state_init(&body, &at), FB_OK);
   for (int k = 1; k <= 800; k++) {
     fb_node_motion seen[3];
     double exact, modal;
@@ -1407,14 +1434,21 @@ TEST(a_free_beam_swings_as_the_exact_one)
     for (int i = 0; i < 3; i++) {
       FBT_INT_EQ(fb_body_node_motion(&body, &seen[i], &at, &rest, i + 1), FB_OK);
     }
-    exact = bow(node[0].position, node[10].position, node[20].position, node[10].quat);
-    modal = bow(seen[0].position, seen[1].position, seen[2].position, seen[1].quat);
+    exact = bow(node[0].position, node[10].position, node[20].position);
+    modal = bow(seen[0].position, seen[1].position, seen[2].position);
     worst = fmax(worst, fabs(modal - exact));
     most = fmax(most, fabs(exact));
   }
   FBT_BELOW(0.01 * L, most);
-  FBT_BELOW(worst, 0.03 * most);
-  fbt_figure("free beam pushed at its tip, bow of 3 modes / its largest", "geometrically exact beam", worst / most);
+  return worst / most;
+}
+
+TEST(a_free_beam_swings_as_the_exact_one)
+{
+  const double apart = free_beam_apart(0);
+  FBT_BELOW(apart, 0.03);
+  fbt_figure("free beam pushed at its tip, bow of 3 modes / its largest", "geometrically exact beam", apart);
+  FBT_BELOW(free_beam_apart(1), 0.03);
 }
 
 /* E10.11: a column under a dead load: unstable beyond Euler's, and the bent states beyond it. */
@@ -1833,7 +1867,8 @@ TEST(margins_are_those_of_the_worst_mode)
   FBT_NEAR_ABS(fb_spectrum_margin(re, &mode, 4), 0.0, 0.0);
   FBT_INT_EQ(mode, 2);
   FBT_NEAR_ABS(fb_spectrum_margin(bad, &mode, 1), 1.0, 0.0);
-  FBT_NEAR_ABS(fb_spectrum_margin(bad, &mode, 3), -1.0, 0.0);
+  FBT_TRUE(!(fb_spectrum_margin(bad, &mode, 3) <= FB_HUGE)); /* not hidden by those after it */
+  FBT_INT_EQ(mode, 1);
   FBT_TRUE(fb_spectrum_margin(re, &mode, 0) >= FB_HUGE);
   FBT_INT_EQ(mode, -1);
   FBT_TRUE(fb_spectrum_margin(NULL, NULL, 3) >= FB_HUGE);
