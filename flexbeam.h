@@ -436,7 +436,7 @@ static const char *const fbi_config_reference = FBI_CONFIG_SYMBOL;
   X(FB_ERR_VALUE, -2, "a value is out of its range")                                                                 \
   X(FB_ERR_NOT_FINITE, -3, "a value is not finite, or so large that its square is not")                              \
   X(FB_ERR_CAPACITY, -4, "more than the compile-time capacity, or an index beyond what exists")                      \
-  X(FB_ERR_SINGULAR, -5, "a matrix is singular or not positive definite: mass or stiffness is missing, or buckled")  \
+  X(FB_ERR_SINGULAR, -5, "a matrix is singular or not positive definite: no mass, inertia or stiffness, or buckled") \
   X(FB_ERR_CONVERGENCE, -6, "the iteration did not converge")                                                        \
   X(FB_ERR_KIND, -7, "not so many modes, or none of that kind: no stiffness, no inertia, or too few elements")       \
   X(FB_ERR_EFFECTS, -8, "effects are split or excluded by others, lack their data, or were removed at compile time") \
@@ -1768,7 +1768,7 @@ typedef enum fb_port_kind {
   FB_PORT_BASE_VELOCITY = 2, /* input [m/s] of a prescribed base (system: free joint), body axes; node is left out */
   FB_PORT_BASE_RATE = 3,     /* input [rad/s] */
   FB_PORT_DISPLACEMENT = 4,  /* output [m] of a node against the undeformed body, body axes */
-  FB_PORT_ROTATION = 5,      /* output [rad] */
+  FB_PORT_ROTATION = 5,      /* output [rad] of its section, likewise: the turn of the body is a state, see fb_linear */
   FB_PORT_RATE = 6,          /* output [rad/s], a gyro at the node, axes of its section */
   FB_PORT_ACCELERATION = 7,  /* output [m/s^2], an accelerometer there: less gravity */
   /* systems only; body: which hangs by the joint, axis: of the joint; node is left out */
@@ -1790,11 +1790,13 @@ typedef struct fb_linear_desc {
 
 /* d/dt x = A x + B u, y = C x + D u. One body: x changes of q, of pi, of the momenta p, h (body axes), of position and
    attitude against a frame that goes on with the steady v, w (body axes); of both the free components: 6 of a free
-   base, 3 of a pinned one (angular), 1 of a hinged one (about the hinge), none of a prescribed one.
+   base, 3 of a pinned one (angular), 1 of a hinged one (about the hinge), none of a prescribed one. So the attitude is
+   the last three states (hinged: the last), for a star tracker a row of C with a 1 there.
    System: x changes of the free axes of all joints, of q of all bodies (both in the order of the bodies), then of the
    momenta conjugate to them in the same order. Free and spherical joints: position and attitude in axes of the child's
    side, against a frame that goes on with the steady speeds; momenta along the same axes. With loops only of as many
-   of these coordinates as are independent, the others follow; momenta conjugate to the independent ones. */
+   of these coordinates as are independent, the others follow; momenta conjugate to the independent ones. A free joint's
+   attitude is x_3 to x_5 from its first axis on. */
 typedef struct fb_linear {
   int n, n_in, n_out;
   int n_free; /* of position and attitude, of free axes: n = 2 (modes + n_free) */
@@ -1833,7 +1835,9 @@ typedef struct fb_analyse_work { /* scratch; large: make it static */
 FB_API fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_work *work, const fb_input *input);
 /* The motion about a state (of fb_body_trim), with the inputs and outputs of desc (NULL: none). By differences, exact
    where rates are polynomials of degree four (a prescribed base without loads on nodes), else right to about 1e-10.
-   FB_ERR_VALUE, FB_ERR_CAPACITY: a port that does not exist. On failure linear is as before. */
+   FB_ERR_CAPACITY: a port of a node, or of a body, that does not exist, no room in input for one more load;
+   FB_ERR_VALUE: an axis, an input among the outputs, base motion of a base that is not prescribed, a port of systems.
+   On failure linear is as before. */
 FB_API fb_status fb_body_linearize(const fb_body *body, fb_linear *linear, fb_analyse_work *work, const fb_state *state,
                                    const fb_input *input, const fb_linear_desc *desc);
 
@@ -1875,12 +1879,17 @@ typedef struct fb_system_analyse_work { /* scratch; large: make it static */
    against them: the rates must allow it (one axis that turns, or a prescribed free joint with constant v, w in body
    axes). What hangs on a free joint that is free, too, spins about the principal axis nearest to the w of its drive's
    rate, as with fb_body_trim (wheels with momentum across that axis it does not know). It finds unstable positions as
-   well as stable ones: the one near the state. FB_ERR_SINGULAR: also an axis that nothing holds; lock it. Errors else
-   as fb_body_trim and fb_system_rates. */
+   well as stable ones, not always the nearest. FB_ERR_SINGULAR: also an axis that nothing holds, a hinge at standstill
+   or a wheel. FB_ERR_CONVERGENCE: also from too far away, such as a pendulum held out level. Errors else as
+   fb_body_trim and fb_system_rates.
+   An arm's posture: lock its joints, trim, give what held them (fb_joint_motion.drive) as torque of their motors, free
+   them. Wheels: prescribe their rates, trim, free them. fb_system_axis_set does it and keeps the momenta; the state is
+   then ready for fb_system_linearize. */
 FB_API fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb_system_state *state,
                                 fb_system_analyse_work *work, const fb_system_input *input);
 /* Prescribed and locked axes are no states; what moves at a constant rate stays where it is in the state (a prescribed
-   axis with gravity across has no constant A). FB_ERR_CAPACITY: also more than FB_MAX_LINEAR states. */
+   axis with gravity across has no constant A). FB_ERR_CAPACITY: also an axis that the joint does not
+   have, more than FB_MAX_LINEAR states; FB_ERR_VALUE: also FB_PORT_DRIVE of an axis that is not free. */
 FB_API fb_status fb_system_linearize(const fb_system *system, const fb_body *body, fb_linear *linear,
                                      fb_system_analyse_work *work, const fb_system_state *state,
                                      const fb_system_input *input, const fb_linear_desc *desc);
