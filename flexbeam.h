@@ -1770,7 +1770,9 @@ typedef enum fb_port_kind {
   FB_PORT_DISPLACEMENT = 4,  /* output [m] of a node against the undeformed body, body axes */
   FB_PORT_ROTATION = 5,      /* output [rad] of its section, likewise: the turn of the body is a state, see fb_linear */
   FB_PORT_RATE = 6,          /* output [rad/s], a gyro at the node, axes of its section */
-  FB_PORT_ACCELERATION = 7,  /* output [m/s^2], an accelerometer there: less gravity */
+  /* output [m/s^2], an accelerometer there: less gravity; of base motion as input without what the rate of the input
+     adds (u_dot is not in y = C x + D u) */
+  FB_PORT_ACCELERATION = 7,
   /* systems only; body: which hangs by the joint, axis: of the joint; node is left out */
   FB_PORT_DRIVE = 8,      /* input [N m], [N] of the motor of a free axis */
   FB_PORT_COORDINATE = 9, /* output [rad], [m] as fb_joint_motion.value; */

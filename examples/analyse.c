@@ -40,6 +40,7 @@ static fb_analyse_work work;
 static fb_spectrum spectrum;
 static fb_state state;
 static fb_input input;
+static double least_growth; /* [1/s] that is not rounding */
 
 static int read_spin(double spin[3], const char *name, const char *text, double unit)
 {
@@ -85,6 +86,26 @@ static int read_option(void *to, const char *name, const char *text)
                                     : read_number(list, (int)(sizeof list / sizeof *list), name, text);
 }
 
+/* What of the spectrum is rounding becomes zero: growth of modes that are undamped; and motions at the root of rounding,
+   as which double eigenvalues at zero (rigid motion, a body with two equal moments of inertia) come out. */
+static void drop_rounding(void)
+{
+  double fastest = 0;
+  for (int k = 0; k < spectrum.n; k++) {
+    fastest = fmax(fastest, hypot((double)spectrum.re[k], (double)spectrum.im[k]));
+  }
+  least_growth = 4096 * (double)FB_EPSILON * fastest;
+  for (int k = 0; k < spectrum.n; k++) {
+    const int still = hypot((double)spectrum.re[k], (double)spectrum.im[k]) < 16 * sqrt((double)FB_EPSILON) * fastest;
+    if (still || fabs((double)spectrum.re[k]) < least_growth) {
+      spectrum.re[k] = FB_R(0.0);
+    }
+    if (still) {
+      spectrum.im[k] = FB_R(0.0);
+    }
+  }
+}
+
 /* Steady state and spectrum at a spin along an axis; state goes on from the last one. */
 static fb_status solve(const double axis[3], double spin)
 {
@@ -93,27 +114,16 @@ static fb_status solve(const double axis[3], double spin)
     input.w[i] = (fb_real)(spin * axis[i]);
   }
   status = fb_body_trim(&model_body, &state, &work, &input);
-  return status ? status : fb_body_spectrum(&spectrum, &work, &model_body, &state, &input);
-}
-
-/* Below it [1/s] an eigenvalue is rounding: the re of a conservative body's modes, rigid motion. */
-static double rounding(void)
-{
-  double fastest = 0;
-  for (int k = 0; k < spectrum.n; k++) {
-    fastest = fmax(fastest, hypot((double)spectrum.re[k], (double)spectrum.im[k]));
+  status = status ? status : fb_body_spectrum(&spectrum, &work, &model_body, &state, &input);
+  if (status == FB_OK) {
+    drop_rounding();
   }
-  return 4096 * (double)FB_EPSILON * fastest;
-}
-
-static double rounded(fb_real x)
-{
-  return fabs((double)x) > rounding() ? (double)x : 0.0;
+  return status;
 }
 
 static int is_unstable(int *mode)
 {
-  return rounded(fb_spectrum_margin(spectrum.re, mode, spectrum.n)) < 0;
+  return fb_spectrum_margin(spectrum.re, mode, spectrum.n) < FB_R(0.0);
 }
 
 static int fail_at(double spin, fb_status status)
@@ -138,12 +148,23 @@ static void print_spin(const fb_motion *motion)
   }
 }
 
+/* Seen from a base that spins, gravity across its axis turns: there is no steady state. */
+static void print_gravity(void)
+{
+  fb_real across[3];
+  fb_vec3_cross(across, model_body.gravity, input.w);
+  if ((model_body.effects & FB_EFFECT_GRAVITY) && fb_vec3_dot(across, across) > FB_R(0.0)) {
+    printf("gravity is not along the axis: what follows is for it standing still in the turning frame\n");
+  }
+}
+
 static void print_trim(void)
 {
   fb_motion motion;
   fb_status status = fb_body_motion(&model_body, &motion, &state, &input);
   if (status == FB_OK) {
     print_spin(&motion);
+    print_gravity();
   }
   printf("steady deflection: elastic coordinates");
   for (int a = 0; a < model_body.n; a++) {
@@ -163,12 +184,11 @@ static void print_trim(void)
 static void print_modes(int count)
 {
   int worst;
-  const double margin = rounded(fb_spectrum_margin(spectrum.re, &worst, spectrum.n));
+  const double margin = (double)fb_spectrum_margin(spectrum.re, &worst, spectrum.n) + 0.0; /* no -0 */
   printf("mode     re [1/s]   im [rad/s]          Hz     damping\n");
   for (int k = 0; k < spectrum.n && k < count; k++) {
-    const double re = rounded(spectrum.re[k]), im = rounded(spectrum.im[k]);
-    printf("%4d %12.5g %12.6g %11.6g %11.4g\n", k + 1, re, im, im / (2 * model_pi),
-           re < 0 || re > 0 ? (double)fb_spectrum_damping(&spectrum, k) : 0.0);
+    printf("%4d %12.5g %12.6g %11.6g %11.4g\n", k + 1, (double)spectrum.re[k], (double)spectrum.im[k],
+           (double)spectrum.im[k] / (2 * model_pi), (double)fb_spectrum_damping(&spectrum, k) + 0.0);
   }
   printf("stability margin: %.4g 1/s, of mode %d of %d%s\n", margin, worst + 1, spectrum.n,
          is_unstable(NULL) ? ": UNSTABLE" : "");
@@ -262,7 +282,7 @@ static int campbell(const options *o, const double axis[3])
         printf("the onset of instability lies between %.6g and %.6g rad/s\n", before, spin);
       } else {
         printf("first unstable at %.8g rad/s (%.6g rpm), mode %d, growing faster than %.2g 1/s\n", critical,
-               critical * 30 / model_pi, mode + 1, rounding());
+               critical * 30 / model_pi, mode + 1, least_growth);
       }
       state = here;
     }
