@@ -86,8 +86,8 @@ static int read_option(void *to, const char *name, const char *text)
                                     : read_number(list, (int)(sizeof list / sizeof *list), name, text);
 }
 
-/* What of the spectrum is rounding becomes zero: growth of modes that are undamped; and motions at the root of rounding,
-   as which double eigenvalues at zero (rigid motion, a body with two equal moments of inertia) come out. */
+/* What of the spectrum is rounding becomes zero: growth of modes that are undamped; and motions at the root of
+   rounding, as which double eigenvalues at zero (rigid motion, two equal moments of inertia) come out. */
 static void drop_rounding(void)
 {
   double fastest = 0;
