@@ -436,7 +436,7 @@ static const char *const fbi_config_reference = FBI_CONFIG_SYMBOL;
   X(FB_ERR_VALUE, -2, "a value is out of its range")                                                                 \
   X(FB_ERR_NOT_FINITE, -3, "a value is not finite, or so large that its square is not")                              \
   X(FB_ERR_CAPACITY, -4, "more than the compile-time capacity, or an index beyond what exists")                      \
-  X(FB_ERR_SINGULAR, -5, "a matrix is singular or not positive definite: mass or stiffness is missing, or buckled")  \
+  X(FB_ERR_SINGULAR, -5, "a matrix is singular or not positive definite: no mass, inertia or stiffness, or buckled") \
   X(FB_ERR_CONVERGENCE, -6, "the iteration did not converge")                                                        \
   X(FB_ERR_KIND, -7, "none of that kind: too few modes, no stiffness or inertia; no state of rest; not analyzed")    \
   X(FB_ERR_EFFECTS, -8, "effects are split or excluded by others, lack their data, or were removed at compile time") \
@@ -1768,9 +1768,11 @@ typedef enum fb_port_kind {
   FB_PORT_BASE_VELOCITY = 2, /* input [m/s] of a prescribed base (system: free joint), body axes; node is left out */
   FB_PORT_BASE_RATE = 3,     /* input [rad/s] */
   FB_PORT_DISPLACEMENT = 4,  /* output [m] of a node against the undeformed body, body axes */
-  FB_PORT_ROTATION = 5,      /* output [rad] */
+  FB_PORT_ROTATION = 5,      /* output [rad] of its section, likewise: the turn of the body is a state, see fb_linear */
   FB_PORT_RATE = 6,          /* output [rad/s], a gyro at the node, axes of its section */
-  FB_PORT_ACCELERATION = 7,  /* output [m/s^2], an accelerometer there: less gravity */
+  /* output [m/s^2], an accelerometer there: less gravity; of base motion as input without what the rate of the input
+     adds (u_dot is not in y = C x + D u) */
+  FB_PORT_ACCELERATION = 7,
   /* systems only; body: which hangs by the joint, axis: of the joint; node is left out */
   FB_PORT_DRIVE = 8,      /* input [N m], [N] of the motor of a free axis */
   FB_PORT_COORDINATE = 9, /* output [rad], [m] as fb_joint_motion.value; */
@@ -1790,11 +1792,13 @@ typedef struct fb_linear_desc {
 
 /* d/dt x = A x + B u, y = C x + D u. One body: x changes of q, of pi, of the momenta p, h (body axes), of position and
    attitude against a frame that goes on with the steady v, w (body axes); of both the free components: 6 of a free
-   base, 3 of a pinned one (angular), 1 of a hinged one (about the hinge), none of a prescribed one.
+   base, 3 of a pinned one (angular), 1 of a hinged one (about the hinge), none of a prescribed one. So the attitude is
+   the last three states (hinged: the last), for a star tracker a row of C with a 1 there.
    System: x changes of the free axes of all joints, of q of all bodies (both in the order of the bodies), then of the
    momenta conjugate to them in the same order. Free and spherical joints: position and attitude in axes of the child's
    side, against a frame that goes on with the steady speeds; momenta along the same axes. With loops only of as many
-   of these coordinates as are independent, the others follow; momenta conjugate to the independent ones. */
+   of these coordinates as are independent, the others follow; momenta conjugate to the independent ones. A free joint's
+   attitude is x_3 to x_5 from its first axis on. */
 typedef struct fb_linear {
   int n, n_in, n_out;
   int n_free; /* of position and attitude, of free axes: n = 2 (modes + n_free) */
@@ -1837,7 +1841,9 @@ FB_API fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_w
 /* The motion about a state (of fb_body_trim, or steady anyhow), with the inputs and outputs of desc (NULL: none). By
    differences, exact where rates are polynomials of degree four (a prescribed base without loads on nodes), else right
    to about 1e-10.
-   FB_ERR_VALUE, FB_ERR_CAPACITY: a port that does not exist. On failure linear is as before. */
+   FB_ERR_CAPACITY: a port of a node, or of a body, that does not exist, no room in input for one more load;
+   FB_ERR_VALUE: an axis, an input among the outputs, base motion of a base that is not prescribed, a port of systems.
+   On failure linear is as before. */
 FB_API fb_status fb_body_linearize(const fb_body *body, fb_linear *linear, fb_analyse_work *work, const fb_state *state,
                                    const fb_input *input, const fb_linear_desc *desc);
 
@@ -1878,13 +1884,18 @@ typedef struct fb_system_analyse_work { /* scratch; large: make it static */
    Trim: prescribed axes have the value and rate of the input, locked ones stay, free ones and modes come to rest
    against them: the rates must allow it (one axis that turns, or a prescribed free joint with constant v, w in body
    axes). What hangs on a free joint that is free, too, spins about the principal axis nearest to the w of its drive's
-   rate, as with fb_body_trim. It finds unstable positions as well as stable ones: the one near the state.
+   rate, as with fb_body_trim. It finds unstable positions as well as stable ones, not always the nearest.
    FB_ERR_KIND: also where wheels have momentum across that axis, which turns it; FB_ERR_SINGULAR: also an axis that
-   nothing holds; lock it; FB_ERR_CONTRADICTION: a loop stays open. Errors else as fb_body_trim and fb_system_rates. */
+   nothing holds, a hinge at standstill or a wheel: lock it; FB_ERR_CONVERGENCE: also from too far away, such as a
+   pendulum held out level; FB_ERR_CONTRADICTION: a loop stays open. Errors else as fb_body_trim and fb_system_rates.
+   An arm's posture: lock its joints, trim, give what held them (fb_joint_motion.drive) as torque of their motors, free
+   them. Wheels: prescribe their rates, trim, free them. fb_system_axis_set does it and keeps the momenta; the state is
+   then ready for fb_system_linearize. */
 FB_API fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb_system_state *state,
                                 fb_system_analyse_work *work, const fb_system_input *input);
 /* Prescribed and locked axes are no states; what moves at a constant rate stays where it is in the state (a prescribed
-   axis with gravity across has no constant A). FB_ERR_CAPACITY: also more than FB_MAX_LINEAR states. */
+   axis with gravity across has no constant A). FB_ERR_CAPACITY: also an axis that the joint does not
+   have, more than FB_MAX_LINEAR states; FB_ERR_VALUE: also FB_PORT_DRIVE of an axis that is not free. */
 FB_API fb_status fb_system_linearize(const fb_system *system, const fb_body *body, fb_linear *linear,
                                      fb_system_analyse_work *work, const fb_system_state *state,
                                      const fb_system_input *input, const fb_linear_desc *desc);
@@ -1901,12 +1912,16 @@ FB_API fb_real fb_spectrum_margin(const fb_real *re, int *mode, int n);
 
 typedef enum fb_scheme { FB_SCHEME_RK4 = 0, FB_SCHEME_MIDPOINT = 1, FB_SCHEME_SDIRK = 2 } fb_scheme;
 /* Largest step [s] at which no mode grows that should not, and none that grows does so by its frequency, too; FB_HUGE
-   where there is none (the implicit schemes); 0 where scheme or spectrum make no sense. */
+   where there is none (the implicit schemes); 0 where scheme or spectrum make no sense. Where the base spins freely it
+   is rough: some 3 % too long at |w| dt = 0.3, up to 25 % at 0.7. The steppers refuse what is beyond their own, quicker
+   bounds, most of them shorter (fb_rk4_limit and fb_implicit_limit at that spin, fb_system_rk4_limit): take the smaller
+   step, or set allow_long_step. */
 FB_API fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_scheme scheme);
-/* Step [s] at which, after `duration` [s], the errors of the modes add up to `tolerance`, mode k with amplitude[k]
-   (NULL: 1 each), in the same unit; at most 0.9 of the limit. 0 where scheme, duration, tolerance or amplitudes make
-   no sense, or no step is short enough (a mode that grows too far). The modes are of the motion about a state: the
-   wider the motion, the rougher the estimate. */
+/* Step [s] at which the errors of the modes, each at its worst within `duration` [s], add up to `tolerance`, mode k
+   with amplitude[k] (NULL: 1 each, so that the fastest mode decides), in the same unit; at most 0.9 of the limit, and
+   the duration. 0 where scheme, duration, tolerance or amplitudes make no sense, or no step is short enough (a mode that
+   grows too far). The modes are of the motion about a state: the wider the motion, the rougher the estimate; what a step
+   errs in the steady motion itself (the turn of a body that spins freely) is not in it. */
 FB_API fb_real fb_spectrum_step(const fb_spectrum *spectrum, fb_scheme scheme, const fb_real *amplitude,
                                 fb_real duration, fb_real tolerance);
 

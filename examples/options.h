@@ -61,6 +61,9 @@ static inline int read_all(int argc, char **argv, const char *help,
       fputs(help, stdout);
       exit(0);
     }
+    if (argv[i][0] != '-') {
+      return fail("no option (a FILE goes first)", argv[i]);
+    }
     if (i + 1 == argc) {
       return fail("no such option, or its value is missing", argv[i]);
     }
