@@ -311,15 +311,6 @@ static int write_csv(const history *h, const char *path, int with_work)
   return ok ? 0 : fail("cannot write", path);
 }
 
-/* path with its ending replaced */
-static void other_name(char *name, size_t size, const char *path, const char *ending)
-{
-  const char *dot = strrchr(path, '.');
-  const char *slash = strrchr(path, '/');
-  const int length = (int)(dot && (!slash || dot > slash) ? (size_t)(dot - path) : strlen(path));
-  snprintf(name, size, "%.*s%s", length, path, ending);
-}
-
 static void draw(const options *o, const char *full, const char *linear, const char *split)
 {
   char svg[512], settings[256];
