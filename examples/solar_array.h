@@ -68,9 +68,9 @@ static inline void solar_array_add_inertia(double J[3], const solar_array *a)
 {
   const double L = a->length, m = a->mass;
   const double across = m * (a->root * a->root + a->root * L + L * L / 3), along = m * a->width * a->width / 12;
-  J[0] += 2 * across;
-  J[1] += 2 * along;
-  J[2] += 2 * across + 2 * along;
+  J[0] += 2 * across + 2 * a->fitting;
+  J[1] += 2 * along + 2 * a->fitting;
+  J[2] += 2 * across + 2 * along + 2 * a->fitting;
 }
 
 /* The frequency [rad/s] at which hub and arrays swing against each other about x, J the whole's moment of inertia: the
