@@ -76,6 +76,8 @@ static hil_verdict take_command(line *l, const hil_packet *p, const struct socka
   if (!hil_after(p->sequence, l->partner_sequence)) {
     return HIL_BAD_SEQUENCE;
   }
+  l->traffic.lost += (long)(uint32_t)(p->sequence - l->partner_sequence - 1);
+  l->partner_sequence = p->sequence;
   if ((uint32_t)(l->sequence - p->answers) >= (uint32_t)l->most_silent) {
     return HIL_BAD_ANSWER;
   }
@@ -84,8 +86,6 @@ static hil_verdict take_command(line *l, const hil_packet *p, const struct socka
       return HIL_BAD_RANGE;
     }
   }
-  l->traffic.lost += (long)(uint32_t)(p->sequence - l->partner_sequence - 1);
-  l->partner_sequence = p->sequence;
   l->answered = p->answers;
   l->fresh = 1;
   l->gone = 0;

@@ -56,18 +56,11 @@ static const char help[] =
 static int read_option(void *target, const char *name, const char *text)
 {
   options *const o = target;
-  static const char *const paces[] = {"no", "lock-step", "direct"};
   const number_option numbers[] = {{"--seconds", &o->seconds, 0.01, 36000}, {"--rate", &o->rate, 100, 10000},
                                    {"--port", &o->port, 0, 65535},          {"--watchdog-ms", &o->watchdog, 1, 1e5},
                                    {"--patience", &o->patience, 0.01, 1e4}, {"--priority", &o->priority, 0, 99}};
-  for (int k = 0; k < 3 && strcmp(name, "--simulated-time") == 0; k++) {
-    if (strcmp(text, paces[k]) == 0) {
-      o->pace = k;
-      return 0;
-    }
-  }
   if (strcmp(name, "--simulated-time") == 0) {
-    return fail("--simulated-time wants one of no|lock-step|direct", text);
+    return read_choice(&o->pace, name, text, "no|lock-step|direct");
   }
   if (strcmp(name, "--out") == 0) {
     return read_out(&o->out, text);

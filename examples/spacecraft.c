@@ -53,7 +53,6 @@ static const char help[] =
 static int read_option(void *target, const char *name, const char *text)
 {
   options *const o = target;
-  static const char *const drives[] = {"rate", "locked", "spring"};
   const number_option numbers[] = {
       {"--angle", &o->angle, -180, 180},           {"--slew", &o->slew, 1e-3, 1e4},
       {"--t-end", &o->t_end, 1e-3, 1e4},           {"--bandwidth", &o->bandwidth, 1e-6, 1e3},
@@ -61,14 +60,8 @@ static int read_option(void *target, const char *name, const char *text)
       {"--limit", &o->limit, 1e-9, 1e9},           {"--frequency", &o->frequency, 1e-3, 1e3},
       {"--array-mass", &o->array_mass, 1e-6, 1e4}, {"--damping", &o->damping, 0, 0.999},
       {"--drive-rate", &o->drive_rate, -360, 360}, {"--dt", &o->dt, 1e-6, 1}};
-  for (int k = 0; k < 3 && strcmp(name, "--drive") == 0; k++) {
-    if (strcmp(text, drives[k]) == 0) {
-      o->drive = k;
-      return 0;
-    }
-  }
   if (strcmp(name, "--drive") == 0) {
-    return fail("--drive wants one of rate|locked|spring", text);
+    return read_choice(&o->drive, name, text, "rate|locked|spring");
   }
   if (strcmp(name, "--out") == 0) {
     return read_out(&o->out, text);

@@ -183,11 +183,14 @@ static void spoil_sense(talk *t)
   p = good;
   p.answers += 1 + (uint32_t)chance(1000); /* not sent yet */
   spoil_packet(t, t->link, HIL_BAD_ANSWER, &p);
+  p.sequence++;
   p.answers = t->sensors.sequence - 100 - (uint32_t)chance(1000); /* the watchdog's time ago */
   spoil_packet(t, t->link, HIL_BAD_ANSWER, &p);
   p = good;
+  p.sequence += 2;
   p.value[i] = nextafter(good.value[i], 2 * good.value[i]);
   spoil_packet(t, t->link, HIL_BAD_RANGE, &p);
+  t->sequence = p.sequence; /* the last three came in their turn: their numbers are used */
 }
 
 /* The next sensors; a packet that the plant repeats is passed over. */

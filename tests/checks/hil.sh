@@ -15,6 +15,7 @@ trap 'kill $running 2> /dev/null || true' EXIT
 begin() {
   run=$1
   shift
+  : > "$out/$run.txt"
   "$plant" --port 0 --priority 0 --out "$out/$run.csv" "$@" > "$out/$run.txt" 2>&1 &
   plant_id=$!
   running=$plant_id
