@@ -105,6 +105,15 @@ static inline void ask_for_real_time(const char *program, int priority)
   }
 }
 
+/* Back to where other programs are, and those that it starts. */
+static inline void leave_real_time(void)
+{
+  struct sched_param none;
+  memset(&none, 0, sizeof none);
+  (void)sched_setscheduler(0, SCHED_OTHER, &none);
+  (void)munlockall();
+}
+
 static inline void print_refusals(const hil_traffic *t)
 {
   for (int k = HIL_ACCEPTED + 1; k < HIL_VERDICTS; k++) {

@@ -56,9 +56,9 @@ try "$out/hil"
 try mips-linux-gnu-gcc $c99 -O2 -static -o "$out/hil_mips" tests/checks/hil.c -lm
 try qemu-mips "$out/hil_mips"
 
-try "$plant" --simulated-time direct --out "$out/direct.csv"
+try "$plant" --simulated-time direct --seconds 30 --out "$out/direct.csv"
 mv "$out/log" "$out/direct.txt"
-begin lock_step --simulated-time lock-step
+begin lock_step --simulated-time lock-step --seconds 30
 try $controller --port "$port"
 end 0
 cmp -s "$out/direct.csv" "$out/lock_step.csv" || fail "lock-step and direct: other curves"
@@ -85,7 +85,6 @@ for run in malformed crash; do
   [ "$(figure $run trips)" -ge 1 ] || fail "$run: the watchdog did not trip"
   [ "$(figure $run trips)" = "$(figure $run recoveries)" ] || fail "$run: trips and recoveries differ"
 done
-[ "$(digest crash)" != "$(digest direct)" ] || fail "a crash changes nothing"
 
 begin real_time --seconds 2
 try $controller --port "$port"
