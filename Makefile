@@ -11,11 +11,11 @@ export WARNINGS WARNINGS_C
 LIBRARY  = flexbeam.h flexbeam_impl.h
 SECTIONS = main status vec3 rotation linalg beam modes body system forms mixed integrate analyse build
 EXAMPLES = quickstart spinup campbell analyse table1 assembly reduce elastodyn firmware spacecraft rotor arm fourbar \
-           elastica follower flap whirl beam3d leigh
-CHECKS   = sanitize suite long jacobian compile rom firmware bits instructions mismatch removed style tidy two_precisions single threads stack symbols ids quickstart
+           elastica follower flap whirl beam3d leigh hil_plant hil_controller
+CHECKS   = sanitize suite long jacobian compile rom firmware bits instructions mismatch removed style tidy two_precisions single threads stack symbols ids quickstart hil
 
 .DELETE_ON_ERROR:
-.PHONY: help run table1 leigh blade firmware test examples bench bench-accuracy bench-peers sizes readme format clean ci FORCE $(CHECKS:%=check-%)
+.PHONY: help run table1 leigh blade firmware hil test examples bench bench-accuracy bench-peers sizes readme format clean ci FORCE $(CHECKS:%=check-%)
 
 help:
 	@echo "make run       spin-up of a flexible beam against its reference, time per step, picture if gnuplot is there"
@@ -23,6 +23,7 @@ help:
 	@echo "make table1    the forms of the equations of motion, figures and accuracy of D'Eleuterio and Barfoot: build/table1/"
 	@echo "make leigh     every case of chapter 4 of Leigh's thesis by the exact beam, beside its figures: build/leigh/"
 	@echo "make firmware  the attitude loop of examples/firmware.c on an emulated Cortex-M4F and -M7, against the desktop"
+	@echo "make hil       a spacecraft at 1 kHz in real time and its controller, two processes over UDP, 60 s: build/hil.csv"
 	@echo "make test      build and run the tests, build the examples"
 	@echo "make examples  $(EXAMPLES:%=build/examples/%)"
 	@echo "make bench     time per step by modes and effects, by form and scheme, of systems, of the exact beam: build/bench_*.csv"
@@ -56,6 +57,10 @@ firmware:
 	@$(MAKE) -s --no-print-directory check-firmware
 	@echo && echo "Cortex-M4F, single precision, -O2:" && cat build/checks/firmware/board_single-O2.txt
 	@echo && echo "Cortex-M7, double precision, -O2:" && cat build/checks/firmware/board_double-O2.txt
+
+hil: build/examples/hil_plant build/examples/hil_controller
+	@build/examples/hil_controller > build/hil_controller.txt & build/examples/hil_plant --out build/hil.csv; status=$$?; \
+	wait $$! || status=1; cat build/hil_controller.txt; exit $$status
 
 test: examples check-quickstart build/test_runner
 	build/test_runner
@@ -146,6 +151,10 @@ build/commit: FORCE | build
 ci:
 	@$(MAKE) -s -k -j2 --output-sync=target --no-print-directory $(CHECKS:%=check-%)
 	@echo "ci: all $(words $(CHECKS)) checks passed"
+
+build/examples/hil_plant build/examples/hil_controller: bench/clock.h
+
+check-hil: build/examples/hil_plant build/examples/hil_controller
 
 $(CHECKS:%=check-%): check-%: tests/checks/%.sh
 	@sh $<

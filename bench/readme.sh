@@ -1,7 +1,7 @@
 #!/bin/sh
 # Regenerates the tables, the program and the picture of README.md from what the programs print: make readme.
-# `sh bench/readme.sh accuracy` does it for the eight scenes alone, `sh bench/readme.sh peers` for the table of make bench-peers, which stays
-# as it is where the libraries are missing.
+# `sh bench/readme.sh accuracy` does it for the eight scenes alone, `sh bench/readme.sh hil` for hardware in the loop, `sh bench/readme.sh
+# peers` for the table of make bench-peers, which stays as it is where the libraries are missing.
 set -eu
 out=build/readme
 mkdir -p "$out"
@@ -28,6 +28,15 @@ if [ "${1:-all}" = peers ]; then
   exit
 fi
 
+hil() { # a minute of it; how late it woke is in the report
+  make -s hil > "$out/hil" || true
+  { echo '```'; sed -e '/^curves/d' -e '/^picture/d' -e '/refused, .* 0$/d' -e 's/ *$//' "$out/hil"; echo '```'; } | block hil
+}
+if [ "${1:-all}" = hil ]; then
+  hil
+  exit
+fi
+
 accuracy() {
   make -s bench-accuracy > "$out/scenes"
   { echo '```'; sed -e 's/^# //' -e 's/ *$//' build/accuracy/tables.txt; echo '```'; } | block scenes
@@ -37,6 +46,7 @@ if [ "${1:-all}" = accuracy ]; then
   accuracy
   exit
 fi
+hil
 accuracy
 
 # the program, between ```c and ```

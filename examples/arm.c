@@ -402,15 +402,6 @@ static fb_status run(result *r, const options *o, int damped, FILE *file)
 
 /* ---- both runs */
 
-/* path with its ending replaced */
-static void other_name(char *name, size_t size, const char *path, const char *ending)
-{
-  const char *dot = strrchr(path, '.');
-  const char *slash = strrchr(path, '/');
-  const int length = (int)(dot && (!slash || dot > slash) ? (size_t)(dot - path) : strlen(path));
-  snprintf(name, size, "%.*s%s", length, path, ending);
-}
-
 static int run_to_file(result *r, const options *o, int damped, const char *name)
 {
   FILE *file = fopen(name, "w");

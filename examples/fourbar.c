@@ -306,15 +306,6 @@ static void run(result *r, const linkage *l, const options *o, FILE *file)
 
 /* ---- the runs and what they must show */
 
-/* path with its ending replaced */
-static void other_name(char *name, size_t size, const char *path, const char *ending)
-{
-  const char *dot = strrchr(path, '.');
-  const char *slash = strrchr(path, '/');
-  const int length = (int)(dot && (!slash || dot > slash) ? (size_t)(dot - path) : strlen(path));
-  snprintf(name, size, "%.*s%s", length, path, ending);
-}
-
 static int run_to_file(result *r, const linkage *l, const options *o, const char *name)
 {
   FILE *file = name ? fopen(name, "w") : NULL;

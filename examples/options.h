@@ -44,6 +44,23 @@ static inline int read_number(const number_option *list, int n, const char *name
   return NO_SUCH_OPTION;
 }
 
+/* The place of text among names, which stand between bars. */
+static inline int read_choice(int *value, const char *name, const char *text, const char *names)
+{
+  char message[128];
+  int k = 0;
+  for (const char *p = names; *p; k++) {
+    const size_t length = strcspn(p, "|");
+    if (strlen(text) == length && strncmp(p, text, length) == 0) {
+      *value = k;
+      return 0;
+    }
+    p += length + (p[length] == '|');
+  }
+  snprintf(message, sizeof message, "%s wants one of %s", name, names);
+  return fail(message, text);
+}
+
 /* --out FILE, with room for what is put behind the name. */
 static inline int read_out(const char **out, const char *text)
 {

@@ -4,10 +4,20 @@
 #define PLOT_H
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 typedef struct curve {
   const char *file, *columns, *style, *title;
 } curve;
+
+/* path with its ending replaced: what is put beside a file */
+static inline void other_name(char *name, size_t size, const char *path, const char *ending)
+{
+  const char *dot = strrchr(path, '.');
+  const char *slash = strrchr(path, '/');
+  const int n = (int)(dot && (!slash || dot > slash) ? (size_t)(dot - path) : strlen(path));
+  snprintf(name, size, "%.*s%s", n, path, ending);
+}
 
 /* A name in gnuplot's quotes. */
 static void put_quoted(FILE *gnuplot, const char *name)

@@ -608,15 +608,6 @@ static void print_answer(const char *name, const answer *a, int measured)
   puts("");
 }
 
-/* path with its ending replaced */
-static void other_name(char *name, size_t size, const char *path, const char *ending)
-{
-  const char *dot = strrchr(path, '.');
-  const char *slash = strrchr(path, '/');
-  const int n = (int)(dot && (!slash || dot > slash) ? (size_t)(dot - path) : strlen(path));
-  snprintf(name, size, "%.*s%s", n, path, ending);
-}
-
 static void draw(const char *csv)
 {
   char svg[512];

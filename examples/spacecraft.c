@@ -11,8 +11,10 @@
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
 #define PROGRAM "spacecraft"
+#include "filter.h"
 #include "options.h"
 #include "plot.h"
+#include "solar_array.h"
 
 #define MAX_ROWS 4096
 #define PERIOD 0.01 /* [s] of the controller */
@@ -51,7 +53,6 @@ static const char help[] =
 static int read_option(void *target, const char *name, const char *text)
 {
   options *const o = target;
-  static const char *const drives[] = {"rate", "locked", "spring"};
   const number_option numbers[] = {
       {"--angle", &o->angle, -180, 180},           {"--slew", &o->slew, 1e-3, 1e4},
       {"--t-end", &o->t_end, 1e-3, 1e4},           {"--bandwidth", &o->bandwidth, 1e-6, 1e3},
@@ -59,14 +60,8 @@ static int read_option(void *target, const char *name, const char *text)
       {"--limit", &o->limit, 1e-9, 1e9},           {"--frequency", &o->frequency, 1e-3, 1e3},
       {"--array-mass", &o->array_mass, 1e-6, 1e4}, {"--damping", &o->damping, 0, 0.999},
       {"--drive-rate", &o->drive_rate, -360, 360}, {"--dt", &o->dt, 1e-6, 1}};
-  for (int k = 0; k < 3 && strcmp(name, "--drive") == 0; k++) {
-    if (strcmp(text, drives[k]) == 0) {
-      o->drive = k;
-      return 0;
-    }
-  }
   if (strcmp(name, "--drive") == 0) {
-    return fail("--drive wants one of rate|locked|spring", text);
+    return read_choice(&o->drive, name, text, "rate|locked|spring");
   }
   if (strcmp(name, "--out") == 0) {
     return read_out(&o->out, text);
@@ -95,9 +90,9 @@ static int read_options(options *o, int argc, char **argv)
 /* ---- the model */
 
 static const double hub_mass = 1200, hub_inertia[3] = {1000, 800, 1100}; /* [kg], [kg m^2] */
-static const double length = 8, width = 2, root = 1;                     /* [m]; the drives are at y = +-root */
 static const double drive_stiffness = 500, drive_damping = 5;            /* [N m/rad], [N m s/rad] of --drive spring */
 
+static fb_beam beam;
 static fb_modes modes;
 static fb_body model[MODELS];
 static fb_system craft;
@@ -112,6 +107,12 @@ static void need(fb_status status, const char *what)
   }
 }
 
+static solar_array array_of(const options *o)
+{
+  const solar_array a = {8, 2, 1, o->array_mass, o->frequency, o->damping, 0};
+  return a;
+}
+
 static void make_hub(fb_shape *shape, fb_body_work *scratch)
 {
   const fb_real center[3] = {0};
@@ -122,49 +123,10 @@ static void make_hub(fb_shape *shape, fb_body_work *scratch)
   need(fb_body_init(&model[HUB_MODEL], scratch, shape, &rigid), "hub");
 }
 
-/* A plate as a beam along x, soft in bending along its normal z. Two modes out of plane, one in plane, one of
-   torsion. */
-static void make_array(const options *o, fb_shape *shape, fb_body_work *scratch)
-{
-  static fb_modes_work modes_work;
-  static fb_beam beam;
-  static fb_beam_desc desc;
-  const fb_modes_desc keep = {.count = {1, 2, 0, 1}};
-  fb_body_desc level = {.base = FB_BASE_PRESCRIBED, .effects = FB_EFFECTS_FULL | FB_EFFECT_DAMPING};
-  const double m = o->array_mass / length;                                       /* [kg/m] */
-  const double EI = m * pow(2 * pi * o->frequency * length * length / 3.516, 2); /* of the clamped first mode */
-  const double i = m * width * width / 12;
-  desc.length = (fb_real)length;
-  desc.n_element = 8;
-  desc.n_station = 1;
-  desc.station[0].mass = (fb_real)m;
-  desc.station[0].EI_y = (fb_real)EI;
-  desc.station[0].EI_z = (fb_real)(16 * EI);                                 /* in plane four times the frequency */
-  desc.station[0].GJ = (fb_real)(i * pow(4 * length * 5 * o->frequency, 2)); /* torsion five times */
-  desc.station[0].i_z = (fb_real)i;
-  need(fb_beam_init(&beam, &desc), "array");
-  need(fb_modes_solve(&modes, &modes_work, &beam, &keep), "modes of an array");
-  for (int a = 0; a < modes.n; a++) {
-    level.zeta[a] = (fb_real)o->damping;
-  }
-  need(fb_shape_init(shape, modes.n), "array");
-  need(fb_shape_add_beam(shape, 0, &beam, &modes), "array");
-  need(fb_shape_add_beam_node(shape, &tip, 0, &beam, &modes, (fb_real)length), "tip of the array");
-  need(fb_body_init(&model[ARRAY_MODEL], scratch, shape, &level), "array");
-}
-
-/* Joint axes of a drive: z out of the hub, along the array's x; at zero both arrays lie in the hub's xy plane. */
 static void make_drive(const options *o, fb_joint_desc *joint, int body)
 {
-  const double side = body == RIGHT ? 1 : -1, s = sqrt(0.5);
-  const fb_real right[4] = {(fb_real)s, (fb_real)-s, 0, 0}; /* -90 degrees about x: z to y of the hub */
-  const fb_real left[4] = {0, 0, (fb_real)-s, (fb_real)s};  /* that, then half a turn about z */
-  const fb_real on_array[4] = {FB_R(0.5), FB_R(-0.5), FB_R(0.5), FB_R(-0.5)};
-  joint->kind = FB_JOINT_REVOLUTE;
-  joint->parent = HUB;
-  joint->position[1] = (fb_real)(side * root);
-  memcpy(joint->attitude, body == RIGHT ? right : left, sizeof right);
-  memcpy(joint->child_attitude, on_array, sizeof on_array);
+  const solar_array a = array_of(o);
+  solar_array_hang(joint, &a, body == RIGHT ? 1 : -1);
   joint->mode[0] = o->drive == DRIVE_RATE     ? FB_AXIS_PRESCRIBED
                    : o->drive == DRIVE_LOCKED ? FB_AXIS_LOCKED
                                               : FB_AXIS_FREE;
@@ -177,8 +139,9 @@ static void make_craft(const options *o)
   static fb_shape shape;
   static fb_body_work scratch;
   static fb_system_desc desc;
+  const solar_array a = array_of(o);
   make_hub(&shape, &scratch);
-  make_array(o, &shape, &scratch);
+  need(solar_array_init(&model[ARRAY_MODEL], &tip, &beam, &modes, &a), "array");
   desc.n_body = BODIES;
   desc.model[HUB] = HUB_MODEL;
   desc.joint[HUB].kind = FB_JOINT_FREE;
@@ -193,64 +156,20 @@ static void make_craft(const options *o)
 /* Moments of inertia of the whole about the hub's axes, undeformed. */
 static void inertia_of_whole(const options *o, double J[3])
 {
-  const double m = o->array_mass, far = m * (root * root + root * length + length * length / 3);
-  J[0] = hub_inertia[0] + 2 * far;
-  J[1] = hub_inertia[1] + 2 * m * width * width / 12;
-  J[2] = hub_inertia[2] + 2 * far + 2 * m * width * width / 12;
+  const solar_array a = array_of(o);
+  memcpy(J, hub_inertia, 3 * sizeof J[0]);
+  solar_array_add_inertia(J, &a);
 }
 
-/* What a hub that turns about x sees: the lowest root w of J - 2 sum_a h_a^2 w^2/(w^2 - w_a^2) = 0, with the angular
-   momentum h_a about the hub's center of the modes out of plane. It lies between the first two of the clamped array. */
 static double swing_frequency(const options *o)
 {
-  double J[3], h[2] = {0}, w[2] = {0}, low, high;
-  int found = 0;
-  for (int a = 0; a < modes.n && found < 2; a++) {
-    if (modes.kind[a] == FB_KIND_BEND_Z) {
-      w[found] = (double)modes.omega[a];
-      h[found++] = (double)modes.momentum[6 * a + 2] * root - (double)modes.momentum[6 * a + 4];
-    }
-  }
+  const solar_array a = array_of(o);
+  double J[3];
   inertia_of_whole(o, J);
-  low = w[0];
-  high = w[1];
-  for (int k = 0; k < 60; k++) {
-    const double x = 0.5 * (low + high);
-    double sum = J[0];
-    for (int a = 0; a < 2; a++) {
-      sum -= 2 * h[a] * h[a] * x * x / (x * x - w[a] * w[a]);
-    }
-    *(sum < 0 ? &low : &high) = x;
-  }
-  return 0.5 * (low + high);
+  return solar_array_swing(&modes, &a, J[0]);
 }
 
 /* ---- the controller */
-
-typedef struct filter { /* y = b0 x + b1 x' + b2 x'' - a1 y' - a2 y'', primes: one and two periods ago */
-  double b[3], a[2], state[2];
-} filter;
-
-/* (n2 s^2 + n1 s + n0) / (s^2 + d1 s + d0) by the bilinear transform, exact at the frequency w [rad/s]. */
-static void filter_init(filter *f, double n2, double n1, double n0, double d1, double d0, double w)
-{
-  const double k = w / tan(0.5 * w * PERIOD); /* s = k (z - 1)/(z + 1) */
-  const double d = k * k + d1 * k + d0;
-  memset(f, 0, sizeof *f);
-  f->b[0] = (n2 * k * k + n1 * k + n0) / d;
-  f->b[1] = 2 * (n0 - n2 * k * k) / d;
-  f->b[2] = (n2 * k * k - n1 * k + n0) / d;
-  f->a[0] = 2 * (d0 - k * k) / d;
-  f->a[1] = (k * k - d1 * k + d0) / d;
-}
-
-static double filter_step(filter *f, double x)
-{
-  const double y = f->b[0] * x + f->state[0];
-  f->state[0] = f->b[1] * x - f->a[0] * y + f->state[1];
-  f->state[1] = f->b[2] * x - f->a[1] * y;
-  return y;
-}
 
 typedef struct controller {
   double J[3], kp[3], kd[3], limit; /* [kg m^2], [N m/rad], [N m s/rad], [N m] */
@@ -268,8 +187,8 @@ static void controller_init(controller *c, const options *o, int with_notch)
   for (int i = 0; i < 3; i++) {
     c->kp[i] = c->J[i] * o->bandwidth * o->bandwidth;
     c->kd[i] = 2 * 0.8 * c->J[i] * o->bandwidth;
-    filter_init(&c->roll_off[i], 0, 0, r * r, 2 * 0.7 * r, r * r, r);
-    filter_init(&c->notch[i], 1, 2 * 0.02 * w, w * w, 2 * 0.5 * w, w * w, w);
+    filter_init(&c->roll_off[i], 0, 0, r * r, 2 * 0.7 * r, r * r, r, PERIOD);
+    filter_init(&c->notch[i], 1, 2 * 0.02 * w, w * w, 2 * 0.5 * w, w * w, w, PERIOD);
   }
 }
 
@@ -574,15 +493,6 @@ static int write_csv(const history h[2], const char *path)
     ok = fclose(file) == 0 && ok;
   }
   return ok ? 0 : fail("cannot write", path);
-}
-
-/* path with its ending replaced */
-static void other_name(char *name, size_t size, const char *path, const char *ending)
-{
-  const char *dot = strrchr(path, '.');
-  const char *slash = strrchr(path, '/');
-  const int n = (int)(dot && (!slash || dot > slash) ? (size_t)(dot - path) : strlen(path));
-  snprintf(name, size, "%.*s%s", n, path, ending);
 }
 
 static void draw(const char *csv)

@@ -83,7 +83,7 @@ static const char help[] =
     "that model alone. Deflections above about 15 %% of the length are beyond the model's accuracy.\n"
     "[DB] D'Eleuterio and Barfoot, Just a second, we'd like to go first.\n";
 
-static int read_number(double *x, const char *name, const char *text, double least, int open)
+static int read_bounded(double *x, const char *name, const char *text, double least, int open)
 {
   char *end;
   char message[96];
@@ -124,23 +124,6 @@ static int read_effects(int *mask, const char *text)
   return 0;
 }
 
-/* The place of text among names, which stand between bars. */
-static int read_choice(int *value, const char *name, const char *text, const char *names)
-{
-  char message[128];
-  int k = 0;
-  for (const char *p = names; *p; k++) {
-    const size_t length = strcspn(p, "|");
-    if (strlen(text) == length && strncmp(p, text, length) == 0) {
-      *value = k;
-      return 0;
-    }
-    p += length + (p[length] == '|');
-  }
-  snprintf(message, sizeof message, "%s wants one of %s", name, names);
-  return fail(message, text);
-}
-
 static const char *scheme_names(void)
 {
   static char names[128];
@@ -177,7 +160,7 @@ static int read_option(options *o, const char *name, const char *text)
                  {"--scheme", scheme_names(), &o->scheme}};
   for (int k = 0; k < (int)(sizeof numbers / sizeof numbers[0]); k++) {
     if (strcmp(name, numbers[k].name) == 0) {
-      return read_number(numbers[k].value, name, text, numbers[k].least, numbers[k].open);
+      return read_bounded(numbers[k].value, name, text, numbers[k].least, numbers[k].open);
     }
   }
   for (int k = 0; k < (int)(sizeof choices / sizeof choices[0]); k++) {
@@ -309,15 +292,6 @@ static int write_csv(const history *h, const char *path, int with_work)
     ok = fclose(file) == 0 && ok;
   }
   return ok ? 0 : fail("cannot write", path);
-}
-
-/* path with its ending replaced */
-static void other_name(char *name, size_t size, const char *path, const char *ending)
-{
-  const char *dot = strrchr(path, '.');
-  const char *slash = strrchr(path, '/');
-  const int length = (int)(dot && (!slash || dot > slash) ? (size_t)(dot - path) : strlen(path));
-  snprintf(name, size, "%.*s%s", length, path, ending);
 }
 
 static void draw(const options *o, const char *full, const char *linear, const char *split)

@@ -9,6 +9,7 @@
 #define FB_MAX_STRAINS 60
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
+#include "options.h"
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -53,12 +54,6 @@ static const scene default_scene = {.length = 10,
                                     .planes = 1};
 
 /* ---- messages and numbers */
-
-static int fail(const char *what, const char *value)
-{
-  fprintf(stderr, "%s: %s%s%s (see --help)\n", PROGRAM, what, value[0] ? ": " : "", value);
-  return 2;
-}
 
 static int read_whole(int *n, const char *name, const char *text, int least, int most)
 {
