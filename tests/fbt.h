@@ -51,6 +51,13 @@ typedef struct fbt_case {
 /* A tolerance for double and one for single precision. */
 #define FBT_TOL(in_double, in_single) (FB_SINGLE ? (in_single) : (in_double))
 
+/* Steps or seconds of a long run. Sanitizers (tests/checks/sanitize.sh) set FBT_SHORT: the code that a step runs through is
+   the same in every step, a short run shows them all of it, under the same bounds. */
+#ifndef FBT_SHORT
+#define FBT_SHORT 0
+#endif
+#define FBT_LONG(whole, brief) (FBT_SHORT ? (brief) : (whole))
+
 /* The running test fails, with place and text, when a claim does not hold. All are printed up to a few per test. */
 #define FBT_TRUE(claim) fbt_check((claim) != 0, __FILE__, __LINE__, #claim, 0.0, 0.0, 0.0)
 #define FBT_FAIL(text) fbt_check(0, __FILE__, __LINE__, text, 0.0, 0.0, 0.0)

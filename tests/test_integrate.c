@@ -123,7 +123,7 @@ TEST(tumbling_conserves_momentum_and_energy)
   boom(FB_EFFECTS_FULL, FB_BASE_FREE, 1, 1, 0, 0.0);
   start(&state, 0.3, 0.5);
   FBT_INT_EQ(fb_body_momentum(&body, &before, &state, NULL), FB_OK);
-  for (int k = 0; k < 1000000; k++) {
+  for (int k = 0; k < FBT_LONG(1000000, 10000); k++) {
     if (fb_rk4_step(&body, &state, &work, NULL, NULL, NULL, FB_R(0.01)) != FB_OK) {
       FBT_FAIL("every step is ok");
       break;
@@ -498,7 +498,7 @@ TEST(each_scheme_converges_at_its_order)
 TEST(short_steps_lose_nothing)
 {
   const double dt = 1e-4;
-  const int steps = 100000;
+  const int steps = FBT_LONG(100000, 10000);
   for (int which = RK4; which < SCHEMES; which++) {
     const fb_real v[3] = {FB_R(3.0), FB_R(0.0), FB_R(0.0)}, w[3] = {FB_R(0.0), FB_R(0.0), FB_R(2.0)};
     const fb_real rest[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, slow[3] = {FB_R(0.0), FB_R(0.0), FB_R(1e-5)};
@@ -548,7 +548,7 @@ TEST(short_steps_lose_nothing)
 TEST(slow_modes_keep_their_phase)
 {
   const double dt = 1e-4;
-  const int steps = 100000;
+  const int steps = FBT_LONG(100000, 10000);
   for (int which = RK4; which < SCHEMES; which++) {
     fb_state state;
     fb_input input;
@@ -600,7 +600,7 @@ TEST(bodies_stepped_in_turn_do_not_meet)
    over 1e6 steps. */
 TEST(midpoint_keeps_energy_and_momentum)
 {
-  const int steps = FBT_TOL(1000000, 10000);
+  const int steps = FBT_LONG(FBT_TOL(1000000, 10000), 10000);
   fb_state state;
   fb_momentum before, after;
   double energy, worst = 0.0, momentum = 0.0;

@@ -514,7 +514,7 @@ TEST(spectrum_is_that_of_the_natural_modes)
   memset(&m, 0, sizeof m);
   elastica(FB_MAX_MIXED);
   b.length = FB_R(1.0);
-  b.n_element = FB_SINGLE ? 6 : 20;
+  b.n_element = FB_SINGLE ? 6 : 10;
   b.n_station = desc.n_station = 2;
   for (int k = 0; k < 2; k++) {
     const fb_section section = {k ? FB_R(1.0) : FB_R(0.0),

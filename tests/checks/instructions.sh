@@ -16,7 +16,7 @@ switch=100           # 4 evaluations x 25: the tests of a switch and the registe
 build() {
   program=$out/$1
   shift
-  try gcc -std=c99 -I. -ffp-contract=off -O2 -g "$@" -c -o "$program.o" "$out/impl.c"
+  try gcc -std=c99 -I. -ffp-contract=off -O2 "$@" -c -o "$program.o" "$out/impl.c"
   try gcc -std=c99 -I. -O2 "$@" -o "$program" bench/step_count.c "$program.o" -lm -Wl,-z,now
 }
 

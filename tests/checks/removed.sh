@@ -11,7 +11,7 @@ all=$(for e in $effects; do printf -- '-DFB_WITH_%s=0 ' $e; done)
 measure() {
   single=$1
   shift
-  try clang $c99 -O1 -DFB_SINGLE=$single "$@" -c -o "$out/object.o" "$out/impl.c"
+  try clang $c99 -fsyntax-only -DFB_SINGLE=$single "$@" "$out/impl.c"
   try gcc $c99 -Os -DFB_SINGLE=$single "$@" -c -o "$out/object.o" "$out/impl.c"
   text=$(size "$out/object.o" | awk 'NR == 2 { print $1 }')
   try gcc $c99 -O0 -DFB_SINGLE=$single "$@" -o "$out/program" tests/checks/removed.c -lm

@@ -1,15 +1,25 @@
 #!/bin/sh
 # clang-tidy (.clang-tidy) and cppcheck find nothing in the library, the tests, the examples and the benchmarks.
+# clang-tidy follows the programs into the library in double precision; in single it sees the library once, with the tests:
+# FLEXBEAM_IMPL_INCLUDED leaves it out of the programs, unless they use its inside. cppcheck takes the library as a file of its
+# own and finds what one file does wrong to another's functions by its analysis of the whole program.
 # cppcheck: uninitvar is off, it takes an array that is handed to the function that fills it for one that is read; gcc, clang
 # and the analyzer of clang-tidy look for the same.
 . tests/checks/common.sh
 need clang-tidy clang-tidy
 need cppcheck cppcheck
 files="$(ls tests/test_*.c examples/*.c bench/*.c tests/checks/*.c | grep -v -e firmware.c -e target.c -e step_cost.c -e bench_peers -e rom.c -e checks/single.c)" # they want a generated header, or other libraries
+in_double="jacobian.c|shape_rates.c"
+inside="test_main.c|bench_mixed.c|bench_system.c|sizes.c|analyse.c|reduce.c|two_precisions.c"
+printf '#define FB_WITH_FORMS 1\n#include "flexbeam.h"\n#include "flexbeam_impl.h"\n' > "$out/library.c"
+try clang-tidy --quiet $files -- -std=c99 -I. -DFB_SINGLE=0
+in_single=$(echo "$files" | grep -v -E "$in_double")
+try clang-tidy --quiet $(echo "$in_single" | grep -E "$inside") -- -std=c99 -I. -DFB_SINGLE=1
+try clang-tidy --quiet $(echo "$in_single" | grep -v -E "$inside") -- -std=c99 -I. -DFB_SINGLE=1 -DFLEXBEAM_IMPL_INCLUDED
 for single in 0 1; do
-  [ $single = 0 ] || files=$(echo "$files" | grep -v -e jacobian.c -e shape_rates.c) # are in double precision
-  try clang-tidy --quiet $files -- -std=c99 -I. -DFB_SINGLE=$single
+  [ $single = 0 ] || files=$in_single
   try cppcheck --quiet --error-exitcode=1 --enable=warning,performance,portability --std=c99 -I. --suppress=uninitvar \
-    --suppress=missingIncludeSystem --inline-suppr -UFLEXBEAM_CONFIG -DFB_SINGLE=$single $files
+    --suppress=missingIncludeSystem --inline-suppr -UFLEXBEAM_CONFIG -DFB_SINGLE=$single -DFLEXBEAM_IMPL_INCLUDED \
+    "$out/library.c" $files
 done
 ok "clang-tidy $(clang-tidy --version | sed -n 's/.*version \([0-9.]*\).*/\1/p'), $(cppcheck --version): nothing found"
