@@ -9,7 +9,7 @@ FLAGS      = -std=c99 -I. -ffp-contract=off $(WARNINGS) $(WARNINGS_C)
 export WARNINGS WARNINGS_C
 
 LIBRARY  = flexbeam.h flexbeam_impl.h
-SECTIONS = main status vec3 rotation linalg beam modes body system forms mixed integrate analyse build
+SECTIONS = main status vec3 rotation linalg beam modes body system forms mixed integrate analyse advise build
 EXAMPLES = quickstart spinup campbell analyse table1 assembly reduce elastodyn firmware spacecraft rotor arm fourbar \
            elastica follower flap whirl beam3d leigh hil_plant hil_controller
 # long ones first, so that the two jobs of `make ci` end together

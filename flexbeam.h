@@ -94,7 +94,8 @@
      >>system     joints, trees, loops, constraints
      >>mixed      geometrically exact beam: steady states, motion, energy, momentum
      >>integrate  rk4, implicit midpoint, SDIRK2, exponential scheme; their limits
-     >>analyse    steady states, linear models, complex modes, step advice; (planned) effect advisor
+     >>analyse    steady states, linear models, complex modes, step advice
+     >>advise     which effects, modes, scheme and step a scene calls for
      >>build      version and configuration string
 
    OPTIONS (define before the include, the same in every file: a mismatch does not link. Best in one file that every
@@ -176,6 +177,7 @@
      a spinning, damped beam       fb_body_trim, fb_body_spectrum: complex modes; fb_system_trim, fb_system_spectrum
      A, B, C, D for a controller   fb_body_linearize, fb_system_linearize, fb_mixed_linearize
      which time step?              fb_spectrum_limit, fb_spectrum_step
+     which effects, how many modes? fb_body_advise from what a scene does at most, fb_advice_search by simulations
      bodies on joints at rest or   fb_system_trim, fb_system_linearize (to design a controller by),
      turning steadily              fb_system_spectrum: a rotor with hinged blades, an arm, a satellite with its wheels
      bodies on joints              fb_system_desc: a tree of joints, loops; the caller's own constraints by fb_rows
@@ -1910,7 +1912,12 @@ FB_API fb_real fb_spectrum_damping(const fb_spectrum *spectrum, int k);
    fb_mixed_linear alike. Without damping it is rounding, and a root of it where two modes are one (free to move: 0). */
 FB_API fb_real fb_spectrum_margin(const fb_real *re, int *mode, int n);
 
-typedef enum fb_scheme { FB_SCHEME_RK4 = 0, FB_SCHEME_MIDPOINT = 1, FB_SCHEME_SDIRK = 2 } fb_scheme;
+typedef enum fb_scheme {
+  FB_SCHEME_RK4 = 0,
+  FB_SCHEME_MIDPOINT = 1,
+  FB_SCHEME_SDIRK = 2,
+  FB_SCHEME_EXPONENTIAL = 3 /* of fb_advice alone: a spectrum does not say what it errs by */
+} fb_scheme;
 /* Largest step [s] at which no mode grows that should not, and none that grows does so by its frequency, too; FB_HUGE
    where there is none (the implicit schemes); 0 where scheme or spectrum make no sense. Where the base spins freely it
    is rough: some 3 % too long at |w| dt = 0.3, up to 25 % at 0.7. The steppers refuse what is beyond their own, quicker
@@ -2019,7 +2026,112 @@ FB_API fb_status fb_mixed_linearize(const fb_mixed *mixed, fb_mixed_linear *line
                                     const fb_mixed_linear_desc *desc, int count);
 
 /* ---------------------------------------------------------------------------------------------------------------
-   13 >>build */
+   13 >>advise: which effects, modes, scheme and step a scene calls for; offline. For bodies in the momentum form with
+   every effect compiled in. Of a system ask for each body, with the motion of its root as a prescribed base. */
+
+typedef struct fb_envelope {     /* the most that happens in a scene; what has a sign goes together */
+  fb_real velocity[3];           /* [m/s] of O of a prescribed base, body axes */
+  fb_real spin[3], spin_rate[3]; /* [rad/s], [rad/s^2] of the body frame, its axes; the rate: prescribed bases only */
+  fb_real acceleration[3];       /* [m/s^2] of O less gravity, body axes: what an accelerometer reads there; of a base
+                                     that is not prescribed: gravity alone, reversed; each axis at its most */
+  int n_load;                    /* at their most; axes of the body, or of the node */
+  fb_load load[FB_MAX_LOADS];
+  fb_real frequency; /* [rad/s] of what drives the modes: 0 steady, FB_HUGE a jump, else the fastest that matters */
+  fb_real duration;  /* [s] that the answer is wanted for */
+  fb_real frame;     /* [s] a step is a whole part of it (or below a millionth): a controller's period; 0: any step */
+  int node;          /* whose elastic displacement is wanted */
+} fb_envelope;
+
+#define FB_ADVICE_EFFECTS 5 /* the inertial ones: bits 0..4 of fb_effect */
+
+typedef struct fb_advice {
+  unsigned effects;             /* for fb_body_desc: damping and gravity where the desc has them */
+  int n;                        /* modes, and */
+  int coordinate[FB_MAX_MODES]; /* which, ascending: for fb_shape_select */
+  fb_scheme scheme;
+  int long_step;      /* 1: dt is longer than its own limit (found by simulation): set fb_body_desc.allow_long_step */
+  fb_real dt;         /* [s] */
+  fb_real cost;       /* of a simulated second: about so many floating-point operations */
+  fb_real deflection; /* [m] of the output, at most */
+  /* estimates, parts of that: what the output is off by for want of effects, of modes, by the step (at most; not of
+     fb_advice_search), and by what no modal body has (beyond the tolerance: take the exact beam) */
+  fb_real error_effects, error_modes, error_step, error_model;
+  fb_real without[FB_ADVICE_EFFECTS]; /* by leaving out effect 1 << i, in the best set without it */
+  fb_real error;                      /* found by simulation (fb_advice_search); else the sum of the four */
+  int n_trial;                        /* simulations that took */
+} fb_advice;
+
+/* The body of the modes coordinate[0..n-1] (ascending) of shape, which stays as it is. For natural modes: of other
+   coordinates the rest would be held. FB_ERR_CAPACITY: more than shape has; FB_ERR_VALUE: not ascending. selected is
+   written only on FB_OK and may not be shape. */
+FB_API fb_status fb_shape_select(fb_shape *selected, const fb_shape *shape, const int *coordinate, int n);
+
+#define FBI_ADVICE_SETS 10
+#define FBI_ADVICE_INSTANTS 5
+#define FBI_ADVICE_PHASES 3
+#define FBI_ADVICE_PARTS 16 /* steps tried per scheme */
+
+typedef struct fb_advise_work { /* scratch; large: make it static */
+  fb_body_work body_work;
+  fb_body body, full;
+  fb_shape shape;
+  fb_body_desc desc;
+  fb_state state;
+  fb_input input;
+  fb_motion motion;
+  fb_node_motion node;
+  fb_spectrum spectrum;
+  fb_real K[FB_MAX_MODES * FB_MAX_MODES], scale[FB_MAX_MODES];
+  int perm[FB_MAX_MODES];
+  /* K q = f at instants, K also at rest; what the full set does in phases of them */
+  fb_real tangent[FBI_ADVICE_INSTANTS + 1][FB_MAX_MODES * FB_MAX_MODES];
+  fb_real f[FBI_ADVICE_INSTANTS][FB_MAX_MODES], q[FBI_ADVICE_INSTANTS][FB_MAX_MODES];
+  fb_real q_ddot[FBI_ADVICE_INSTANTS][FBI_ADVICE_PHASES][FB_MAX_MODES];
+  fb_real displacement[FBI_ADVICE_INSTANTS][FBI_ADVICE_PHASES][3];
+  fb_real omega[FB_MAX_MODES], most[FB_MAX_MODES]; /* of modes: highest frequency, most they give */
+  int order[FB_MAX_MODES];                         /* by that */
+  fb_real zeta[FB_MAX_MODES], deflection, drawn, ringing;
+  fb_real bend; /* the deflection as if it had no limit */
+  int buckled;  /* at some instant */
+  fb_real error[FBI_ADVICE_SETS], error_modes[FB_MAX_MODES];
+  fb_real step_cost[FBI_ADVICE_SETS][FB_MAX_MODES][4], longest[FBI_ADVICE_SETS][FB_MAX_MODES][4];
+  fb_real last[FBI_ADVICE_SETS][FB_MAX_MODES][4];
+  int part[FBI_ADVICE_SETS][FB_MAX_MODES][4];
+} fb_advise_work;
+
+/* The cheapest set of effects, modes, scheme and step whose estimated errors add up to the tolerance (a part of the
+   largest output) or less; error_model takes at most half of it, and what is more stays on top. From the accelerations
+   that each set gives where the scene is at its most: bounded work, no simulation. Estimates: a factor of three is common.
+   shape: natural modes, more than will be needed. FB_ERR_EFFECTS: an effect was removed at compile time; FB_ERR_VALUE:
+   negative frequency or frame, duration or tolerance not positive, no modes, no output; FB_ERR_CAPACITY: a node;
+   FB_ERR_KIND: the coordinates are not natural modes; FB_ERR_STEP: no scheme has a step for this; else as fb_body_init
+   and fb_body_motion. advice is written only on FB_OK. */
+FB_API fb_status fb_body_advise(fb_advice *advice, fb_advise_work *work, const fb_shape *shape,
+                                const fb_body_desc *desc, const fb_envelope *envelope, fb_real tolerance);
+
+typedef struct fb_trial { /* how a scene is simulated */
+  /* output[0..n-1] of the scene by a body of the candidate's effects, modes (fb_shape_select), scheme and step; any
+     status but FB_OK: it cannot be, the next is tried */
+  fb_status (*run)(void *user, fb_real *output, const fb_advice *candidate);
+  void *user;
+  int n;                       /* numbers of an output: */
+  int width;                   /* samples of so many: differences are their distances */
+  fb_real *output, *reference; /* n each */
+  int has_reference; /* 0: the reference is run first, by all modes and effects in short steps; 1: it is there (of the exact
+                        beam, or measured) */
+} fb_trial;
+
+/* The cheapest set found to meet the tolerance: candidates are simulated in the order of their estimated cost, up to that
+   of the reference's run; so what is cheaper was seen to miss it, or its body to miss it alike by two steps. error:
+   largest distance from the reference, of its largest sample. FB_ERR_CONVERGENCE: none does, or all modes and effects in
+   short steps miss twice the tolerance; FB_ERR_VALUE, FB_ERR_NOT_FINITE: also of a reference; what run returns for all
+   modes and effects; else as fb_body_advise. Desktop: tens to thousands of simulations, at most 1 + 640 n of n modes. */
+FB_API fb_status fb_advice_search(fb_advice *advice, fb_advise_work *work, const fb_shape *shape,
+                                  const fb_body_desc *desc, const fb_envelope *envelope, fb_real tolerance,
+                                  const fb_trial *trial);
+
+/* ---------------------------------------------------------------------------------------------------------------
+   14 >>build */
 
 #define FB_VERSION "0.1.0"
 FB_API const char *fb_version_string(void); /* "0.1.0" */
@@ -2040,4 +2152,5 @@ FB_API fb_status fb_config_check(const char *config);
           pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme; sections with shear, twist and
           centers off the line, bent lines, component modes, buckling, synthesis, finite-element models, complex
           modes; systems of bodies: joints, trees, loops, constraints, strain gauges; the geometrically exact beam;
-          steady states, linear models and complex modes of bodies and of systems */
+          steady states, linear models and complex modes of bodies and of systems; advice on effects, modes,
+          scheme and step */

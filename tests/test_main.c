@@ -16,6 +16,7 @@ void fbt_suite_forms(void);
 void fbt_suite_integrate(void);
 void fbt_suite_mixed(void);
 void fbt_suite_analyse(void);
+void fbt_suite_advise(void);
 void fbt_suite_system(void);
 void fbt_suite_build(void);
 
@@ -198,6 +199,7 @@ int main(int argc, char **argv)
   fbt_suite_system();
   fbt_suite_mixed();
   fbt_suite_analyse();
+  fbt_suite_advise();
   fbt_suite_build();
   if (!figures || failed) {
     printf("%d passed, %d failed\n", passed, failed);

@@ -1,0 +1,820 @@
+/* Section 13: what a scene calls for: against statics, complex modes, the exact beam, a search that is looked at, and a
+   scene that is simulated. */
+#include "fbt.h"
+
+static fb_shape shape, other;
+static fb_body body, twin;
+static fb_body_work body_work;
+static fb_advise_work work;
+static fb_envelope envelope;
+static fb_body_desc level;
+static fb_advice advice;
+
+/* A uniform cantilever of 3 m with bending modes along y and z and a node at the tip; its modes go to `modes`. */
+static void make_boom(fb_shape *out, fb_modes *modes, int along_y, int along_z)
+{
+  static fb_beam_desc desc;
+  static fb_beam beam;
+  static fb_modes_work modes_work;
+  static fb_modes_desc keep;
+  int node = 0;
+  memset(&keep, 0, sizeof keep);
+  desc.length = FB_R(3.0);
+  desc.n_element = 6;
+  desc.n_station = 1;
+  desc.station[0].mass = FB_R(2.0);
+  desc.station[0].EI_y = FB_R(500.0);
+  desc.station[0].EI_z = FB_R(900.0);
+  keep.count[FB_KIND_BEND_Y] = along_y;
+  keep.count[FB_KIND_BEND_Z] = along_z;
+  FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+  FBT_INT_EQ(fb_modes_solve(modes, &modes_work, &beam, &keep), FB_OK);
+  FBT_INT_EQ(fb_shape_init(out, modes->n), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(out, 0, &beam, modes), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam_node(out, &node, 0, &beam, modes, FB_R(3.0)), FB_OK);
+  FBT_INT_EQ(node, 1);
+}
+
+/* Every test begins with a held boom on which a force [N] along z acts at the tip. */
+static void boom_under_a_force(double force, int along_y, int along_z)
+{
+  static fb_modes modes;
+  make_boom(&shape, &modes, along_y, along_z);
+  memset(&level, 0, sizeof level);
+  level.effects = FB_EFFECTS_FULL;
+  level.base = FB_BASE_PRESCRIBED;
+  memset(&envelope, 0, sizeof envelope);
+  envelope.node = 1;
+  envelope.duration = FB_R(10.0);
+  envelope.n_load = 1;
+  envelope.load[0].node = 1;
+  envelope.load[0].axes = FB_AXES_BODY;
+  envelope.load[0].force[2] = (fb_real)force;
+}
+
+/* Whether out[k, l] = in[coordinate[k], coordinate[l]], each `width` reals, of 7 x 7. */
+static int pairs_follow(const fb_real *out, const fb_real *in, int width, const int coordinate[3])
+{
+  int follow = 1;
+  for (int i = 0; i < 9 * width; i++) {
+    const int k = i / (3 * width), l = i / width % 3;
+    follow &= !(fabs((double)(out[i] - in[(7 * coordinate[k] + coordinate[l]) * width + i % width])) > 0.0);
+  }
+  return follow;
+}
+
+/* Also what a straight beam leaves zero goes with its coordinates. */
+TEST(selection_takes_rows_and_pairs)
+{
+  static fb_modes modes;
+  const int coordinate[3] = {1, 4, 6};
+  make_boom(&shape, &modes, 4, 3);
+  fbt_seed(5);
+  fbt_fill(shape.reach, 7, 1.0);
+#if FB_WITH_ACCELERATION_STIFFENING
+  fbt_fill(shape.hchi, 3 * 49, 1.0);
+#endif
+#if FB_WITH_NONLINEAR_STRAIN
+  fbt_fill(shape.slope, FBT_COUNT(shape.slope), 1.0);
+#if FB_WITH_FORMS
+  fbt_fill(shape.torque, 3 * 49, 1.0);
+  fbt_fill(shape.torque_boundary, 3 * 49, 1.0);
+#endif
+#endif
+  FBT_INT_EQ(fb_shape_select(&other, &shape, coordinate, 3), FB_OK);
+  for (int k = 0; k < 3; k++) {
+    FBT_NEAR_ABS(other.reach[k], shape.reach[coordinate[k]], 0.0);
+  }
+#if FB_WITH_ACCELERATION_STIFFENING
+  FBT_TRUE(pairs_follow(other.hchi, shape.hchi, 3, coordinate));
+#endif
+#if FB_WITH_NONLINEAR_STRAIN
+  for (int k = 0; k < 3; k++) {
+    const int width = FBT_COUNT(shape.slope) / FB_MAX_MODES;
+    FBT_NEAR_ABS(fbt_difference(other.slope + width * k, shape.slope + width * coordinate[k], width), 0.0, 0.0);
+  }
+#if FB_WITH_FORMS
+  FBT_TRUE(pairs_follow(other.torque, shape.torque, 3, coordinate));
+  FBT_TRUE(pairs_follow(other.torque_boundary, shape.torque_boundary, 3, coordinate));
+#endif
+#endif
+  FBT_TRUE(pairs_follow(other.K, shape.K, 1, coordinate));
+}
+
+/* Modes chosen from many make the body that those modes alone make. */
+TEST(selected_modes_move_as_a_body_of_their_own)
+{
+  static fb_modes many, few;
+  static fb_shape chosen;
+  fb_state state;
+  fb_motion a, b;
+  fb_node_motion at, bt;
+  fb_input input;
+  const fb_real v[3] = {FB_R(0.3), -FB_R(0.2), FB_R(0.1)}, w[3] = {FB_R(1.0), FB_R(0.5), -FB_R(2.0)};
+  int coordinate[3], n = 0;
+  make_boom(&shape, &many, 4, 3);
+  make_boom(&other, &few, 2, 1);
+  for (int k = 0; k < many.n; k++) {
+    for (int j = 0; j < few.n; j++) {
+      if (fabs((double)(many.omega[k] / few.omega[j]) - 1.0) < 1e-3) {
+        coordinate[n++] = k;
+      }
+    }
+  }
+  FBT_INT_EQ(n, 3);
+  FBT_INT_EQ(fb_shape_select(&chosen, &shape, coordinate, 3), FB_OK);
+  FBT_INT_EQ(chosen.n, 3);
+  memset(&level, 0, sizeof level);
+  level.effects = FB_EFFECTS_FULL;
+  level.base = FB_BASE_PRESCRIBED;
+  FBT_INT_EQ(fb_body_init(&body, &body_work, &chosen, &level), FB_OK);
+  FBT_INT_EQ(fb_body_init(&twin, &body_work, &other, &level), FB_OK);
+  memset(&input, 0, sizeof input);
+  input.n_load = 1;
+  input.load[0].node = 1;
+  input.load[0].force[1] = FB_R(3.0);
+  memcpy(input.v, v, sizeof v);
+  memcpy(input.w, w, sizeof w);
+  FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+  for (int k = 0; k < 3; k++) {
+    state.q[k] = FB_R(0.02) * (fb_real)(k + 1);
+  }
+  FBT_INT_EQ(fb_body_motion(&body, &a, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_body_motion(&twin, &b, &state, &input), FB_OK);
+  FBT_BELOW(fbt_difference(a.q_ddot, b.q_ddot, 3), FBT_TOL(1e-9, 2e-2));
+  FBT_BELOW(fbt_difference(a.reaction_torque, b.reaction_torque, 3), FBT_TOL(1e-9, 1e-2));
+  FBT_INT_EQ(fb_body_node_motion(&body, &at, &state, &a, 1), FB_OK);
+  FBT_INT_EQ(fb_body_node_motion(&twin, &bt, &state, &b, 1), FB_OK);
+  FBT_BELOW(fbt_difference(at.displacement, bt.displacement, 3), FBT_TOL(1e-12, 1e-5));
+  FBT_BELOW(fbt_difference(at.rotation, bt.rotation, 3), FBT_TOL(1e-12, 1e-5));
+}
+
+TEST(selection_refuses_nonsense)
+{
+  static fb_modes modes;
+  const int twice[2] = {1, 1}, beyond[1] = {3}, good[2] = {0, 2};
+  make_boom(&shape, &modes, 3, 0);
+  other.n = -5;
+  FBT_INT_EQ(fb_shape_select(&other, &shape, twice, 2), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_shape_select(&other, &shape, beyond, 1), FB_ERR_CAPACITY);
+  FBT_INT_EQ(fb_shape_select(&other, &shape, good, 4), FB_ERR_CAPACITY);
+  FBT_INT_EQ(fb_shape_select(&other, &shape, good, -1), FB_ERR_CAPACITY);
+  FBT_INT_EQ(fb_shape_select(NULL, &shape, good, 2), FB_ERR_NULL);
+  FBT_INT_EQ(fb_shape_select(&shape, &shape, good, 2), FB_ERR_NULL);
+  FBT_INT_EQ(other.n, -5);
+  FBT_INT_EQ(fb_shape_select(&other, &shape, NULL, 0), FB_OK); /* rigid */
+  FBT_INT_EQ(other.n, 0);
+}
+
+/* E13.1: F L^3/(3 EI) at rest, twice that after a jump, 1/(1 - r^2) of it near a frequency; about a spin the steady
+   state of fb_body_trim. */
+TEST(advice_estimates_the_deflection)
+{
+  static fb_analyse_work analyse;
+  const double rest = 0.5 * 27.0 / (3.0 * 500.0);
+  fb_state state;
+  fb_input input;
+  fb_motion motion;
+  fb_node_motion tip;
+  boom_under_a_force(0.5, 0, 6);
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
+  FBT_NEAR_REL(advice.deflection, rest, 3e-4); /* what six modes have of it */
+  envelope.frequency = FB_HUGE;
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
+  FBT_NEAR_REL(advice.deflection, 2.0 * rest, 1e-3);
+  envelope.frequency = FB_R(0.5) * (fb_real)sqrt((double)shape.K[0]);
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
+  FBT_NEAR_REL(advice.deflection, rest / 0.75, 1e-2);
+  envelope.frequency = FB_R(0.0);
+  envelope.spin[1] = FB_R(6.0); /* about y: bends in the plane of rotation */
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
+  memset(&input, 0, sizeof input);
+  input.n_load = 1;
+  input.load[0] = envelope.load[0];
+  input.w[1] = FB_R(6.0);
+  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
+  FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+  FBT_INT_EQ(fb_body_trim(&body, &state, &analyse, &input), FB_OK);
+  FBT_INT_EQ(fb_body_motion(&body, &motion, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_body_node_motion(&body, &tip, &state, &motion, 1), FB_OK);
+  FBT_NEAR_REL(advice.deflection, fabs((double)tip.displacement[2]), FBT_TOL(1e-4, 1e-3));
+  FBT_BELOW(advice.deflection, 0.95 * rest);
+}
+
+/* Advice for the envelope must succeed; returns its deflection. */
+static double deflection(void)
+{
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
+  return (double)advice.deflection;
+}
+
+/* E13.1: a tip force, an angular acceleration a of the root and an acceleration b bend the boom by F L^3/(3 EI),
+   11 m a L^5/(120 EI) and m b L^4/(8 EI); b of either sign; not while it spins, which would stiffen it; the force alone
+   where the others oppose it. At resonance the first mode's part, 0.9707, grows by omega t/2, with damping to 1/(2
+   zeta). */
+TEST(what_acts_adds_up_at_its_worst)
+{
+  const double rest = 0.5 * 27.0 / 1500.0, turned = 11.0 * 2.0 * 0.05 * 243.0 / (120.0 * 500.0);
+  const double moved = 2.0 * 0.05 * 81.0 / (8.0 * 500.0);
+  boom_under_a_force(0.5, 0, 6);
+  envelope.spin[1] = FB_R(6.0);
+  envelope.spin_rate[1] = FB_R(0.05);
+  FBT_NEAR_REL(deflection(), rest + turned, 1e-3);
+  envelope.spin_rate[1] = -FB_R(0.05);
+  FBT_NEAR_REL(deflection(), rest, 1e-3);
+  envelope.spin[1] = envelope.spin_rate[1] = FB_R(0.0);
+  envelope.acceleration[2] = FB_R(0.05);
+  FBT_NEAR_REL(deflection(), rest + moved, 1e-3);
+  envelope.acceleration[2] = -FB_R(0.05);
+  FBT_NEAR_REL(deflection(), rest + moved, 1e-3);
+  envelope.acceleration[2] = FB_R(0.0);
+  envelope.frequency = (fb_real)sqrt((double)shape.K[0]);
+  envelope.duration = FB_R(8.0) / envelope.frequency;
+  FBT_NEAR_REL(deflection(), (1.0 + 3.0 * 0.9707) * rest, 1e-2);
+  level.effects |= (unsigned)FB_EFFECT_DAMPING;
+  level.zeta[0] = FB_R(1.0) / FB_R(6.0);
+  FBT_NEAR_REL(deflection(), (1.0 + 2.0 * 0.9707) * rest, 1e-2);
+  FBT_NEAR_REL(work.error_modes[0], 3.0 * (1.0 - 0.9707) / (1.0 + 2.0 * 0.9707), 1e-2);
+}
+
+/* E13.1: compression P along the boom makes F (tan kL - kL)/(P k) of it, k^2 = P/EI (beam-column); next to buckling and
+   beyond the boom answers as at rest. */
+TEST(compressed_booms_bend_until_they_buckle)
+{
+  const double buckles = 9.8696044 * 500.0 / 36.0, rest = 5.0 * 27.0 / 1500.0;
+  const double part[3] = {0.5, 0.99, 2.5};
+  for (int k = 0; k < 3; k++) {
+    const double P = part[k] * buckles, root = sqrt(P / 500.0);
+    boom_under_a_force(5.0, 0, 6);
+    envelope.load[0].force[0] = (fb_real)-P;
+    FBT_NEAR_REL(deflection(), k == 0 ? 5.0 * (tan(3.0 * root) - 3.0 * root) / (P * root) : rest, 0.03);
+  }
+}
+
+/* Square of the frequency that a set of effects gives the only mode, spinning about an axis. */
+static double squared_frequency(unsigned effects, const fb_real w[3])
+{
+  static fb_analyse_work analyse;
+  static fb_spectrum spectrum;
+  fb_state state;
+  fb_input input;
+  fb_body_desc desc = level;
+  desc.effects = effects;
+  memset(&input, 0, sizeof input);
+  memcpy(input.w, w, 3 * sizeof w[0]);
+  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
+  FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+  FBT_INT_EQ(fb_body_trim(&body, &state, &analyse, &input), FB_OK);
+  FBT_INT_EQ(fb_body_spectrum(&spectrum, &analyse, &body, &state, &input), FB_OK);
+  return (double)(spectrum.im[0] * spectrum.im[0]);
+}
+
+/* E13.2, E13.3: under a steady load a set is off by the change of the squared frequency, as E12.3 has it, against the
+   frequency at rest: leaving out the centrifugal stiffening by (omega^2 - omega_0^2)/omega_0^2, out of the plane of
+   rotation and in it; residual inertia matters in it alone. Where modes swing, the error grows with the phase. */
+TEST(sets_err_by_the_change_of_frequency)
+{
+  const unsigned with_spin = FB_EFFECTS_SPIN | FB_EFFECT_SPIN_STIFFENING;
+  for (int axis = 1; axis <= 2; axis++) {
+    double full, linear, split, rest, steady;
+    boom_under_a_force(1e-3, 0, 1);
+    envelope.spin[axis] = FB_R(4.0);
+    rest = (double)shape.K[0];
+    full = squared_frequency(FB_EFFECTS_FULL, envelope.spin);
+    linear = squared_frequency(FB_EFFECTS_LINEAR, envelope.spin);
+    split = squared_frequency(with_spin, envelope.spin);
+    FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.001)), FB_OK);
+    FBT_NEAR_ABS(linear, rest, FBT_TOL(1e-8, 0.1));
+    FBT_NEAR_REL(advice.without[3], (full - linear) / rest, FBT_TOL(1e-3, 1e-2));
+    FBT_NEAR_ABS(work.error[4], fabs(full - split) / rest, FBT_TOL(1e-3, 1e-2)); /* the fifth set */
+    FBT_TRUE((double)advice.without[2] > 0.05 || axis == 2);
+    FBT_TRUE((advice.effects & FB_EFFECT_SPIN_STIFFENING) != 0);
+    FBT_TRUE(((advice.effects & FB_EFFECT_RESIDUAL_INERTIA) != 0) == (axis == 1));
+    FBT_NEAR_ABS(advice.without[4], 0.0, 1e-4); /* nothing accelerates */
+    steady = (double)advice.without[3];
+    envelope.frequency = FB_R(0.1);
+    FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.001)), FB_OK);
+    FBT_TRUE((double)advice.without[3] > 1.2 * steady);
+  }
+}
+
+/* E13.4: the estimate of what every modal body is off by, of the order of what the exact beam says, under a dead force
+   that bends the boom by a tenth and a fifth of its length. */
+TEST(advice_knows_where_modes_end)
+{
+  static fb_mixed mixed;
+  static fb_mixed_desc desc;
+  static fb_mixed_state exact;
+  static fb_mixed_work mixed_work;
+  static fb_mixed_input load;
+  static fb_mixed_node node[21];
+  static fb_analyse_work analyse;
+  static fb_section section;
+  desc.length = FB_R(3.0);
+  desc.n_element = 20;
+  desc.n_station = 1;
+  section.mass = FB_R(2.0);
+  section.EI_y = FB_R(500.0);
+  section.EI_z = FB_R(900.0);
+  FBT_INT_EQ(fb_mixed_station_init(&desc.station[0], &section), FB_OK);
+  FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_OK);
+  for (int run = 1; run <= 2; run++) {
+    const double force = 0.1 * run * 3.0 * 500.0 / 9.0;
+    fb_state state;
+    fb_input input;
+    fb_motion motion;
+    fb_node_motion tip;
+    double off = 0.0;
+    boom_under_a_force(force, 0, 6);
+    FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.1)), FB_OK);
+    FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
+    FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+    memset(&input, 0, sizeof input);
+    input.n_load = 1;
+    input.load[0] = envelope.load[0];
+    FBT_INT_EQ(fb_body_trim(&body, &state, &analyse, &input), FB_OK);
+    FBT_INT_EQ(fb_body_motion(&body, &motion, &state, &input), FB_OK);
+    FBT_INT_EQ(fb_body_node_motion(&body, &tip, &state, &motion, 1), FB_OK);
+    memset(&load, 0, sizeof load);
+    load.n_load = 1;
+    load.load[0].node = 20;
+    load.load[0].force[2] = (fb_real)force;
+    FBT_INT_EQ(fb_mixed_state_init(&mixed, &exact, &mixed_work, &load), FB_OK);
+    FBT_INT_EQ(fb_mixed_steady_solve(&mixed, &exact, &mixed_work, &load), FB_OK);
+    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &exact), FB_OK);
+    for (int i = 0; i < 3; i++) {
+      const double d = (double)(tip.displacement[i] - node[20].position[i]) + (i == 0 ? 3.0 : 0.0);
+      off += d * d;
+    }
+    off = sqrt(off) / (0.1 * run * 3.0);
+    FBT_BELOW(off, 4.0 * (double)advice.error_model);
+    FBT_BELOW(0.25 * (double)advice.error_model, off);
+  }
+}
+
+/* E13.3, E13.2: bending in one plane at a rate f makes Coriolis forces 2 s f in the other while the boom turns about
+   itself by s: without spin coupling off by r = 2 s f/omega^2 and by the phase r f T/2, at most twice the output;
+   the tip of a straight field does not come in by 3/5 delta/L. */
+TEST(sets_err_by_what_they_lack)
+{
+  const double s = 0.02, f = 2.0, T = 10.0;
+  double r;
+  boom_under_a_force(0.5, 1, 1);
+  r = 2.0 * s * f / (double)shape.K[3]; /* the stiffer plane, which the force does not bend */
+  envelope.spin[0] = (fb_real)s;
+  envelope.frequency = (fb_real)f;
+  (void)deflection();
+  FBT_NEAR_REL(advice.without[1], r * (1.0 + 0.5 * f * T), 0.05);
+  FBT_NEAR_ABS(advice.without[0], 1.0, 0.0);
+  envelope.duration = FB_R(1e6);
+  (void)deflection();
+  FBT_BELOW(advice.without[1], 2.01);
+  FBT_BELOW(1.99, advice.without[1]);
+  boom_under_a_force(0.05 * 3.0 * 500.0 / 9.0, 0, 6);
+  (void)deflection();
+  FBT_NEAR_REL(work.error[0], 0.6 * 0.05, 0.05);
+}
+
+/* E13.4 as it is written, about a slow spin of the boom about itself. */
+TEST(model_error_is_its_formula)
+{
+  const double s = 0.1, f = 1.0, T = 10.0;
+  double bend;
+  boom_under_a_force(5.0, 0, 1);
+  envelope.spin[0] = (fb_real)s;
+  envelope.frequency = (fb_real)f;
+  bend = deflection() / 3.0;
+  FBT_NEAR_REL(advice.error_model, 1.2 * bend * s * f / (double)shape.K[0] + 0.3 * bend * bend * (1.0 + 0.125 * f * T),
+               0.01);
+}
+
+/* A uniform gravity, however strong, does nothing to a body that flies, but to one that lacks an effect. */
+TEST(gravity_is_nothing_to_a_free_body)
+{
+  fb_advice weak;
+  fb_real drift[3];
+  boom_under_a_force(0.5, 1, 3);
+  envelope.spin[0] = FB_R(1.0);
+  FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(20.0), envelope.spin_rate, (const fb_real[6]){1, 1, 1, 0, 0, 0}), FB_OK);
+  level.base = FB_BASE_FREE;
+  envelope.spin[2] = FB_R(0.5);
+  (void)deflection();
+  fb_vec3_cross(drift, work.motion.w, shape.c);
+  for (int i = 0; i < 3; i++) { /* it turns about its mass center */
+    FBT_NEAR_ABS(work.motion.v[i] + drift[i] / shape.mass, 0.0, 1e-5);
+  }
+  FBT_BELOW(0.01, fabs((double)work.motion.v[1]));
+  envelope.frequency = FB_R(2.0);
+  (void)deflection();
+  weak = advice;
+  for (int k = 1; k <= 4; k += 3) {
+    const int same = k > 1;
+    envelope.acceleration[0] = envelope.acceleration[2] = FB_R(1000.0) * (fb_real)k;
+    FBT_NEAR_REL(deflection(), weak.deflection, FBT_TOL(1e-6, 1e-2));
+    FBT_INT_EQ(advice.effects, FB_EFFECTS_FULL);
+    FBT_TRUE(!same ||
+             (advice.scheme == weak.scheme && fabs((double)(advice.dt / weak.dt) - 1.0) < FBT_TOL(1e-6, 1e-2)));
+    weak = advice;
+  }
+}
+
+/* Largest step of the scheme that is advised, of the body that is advised. */
+static double limit_of_advice(void)
+{
+  const fb_real spin = (fb_real)sqrt((double)fb_vec3_dot(envelope.spin, envelope.spin));
+  fb_body_desc desc = level;
+  desc.effects = advice.effects;
+  for (int k = 0; k < advice.n; k++) {
+    desc.zeta[k] = level.zeta[advice.coordinate[k]];
+  }
+  FBT_INT_EQ(fb_shape_select(&other, &shape, advice.coordinate, advice.n), FB_OK);
+  FBT_INT_EQ(fb_body_init(&body, &body_work, &other, &desc), FB_OK);
+  return (double)(advice.scheme == FB_SCHEME_RK4           ? fb_rk4_limit(&body, spin, 0)
+                  : advice.scheme == FB_SCHEME_EXPONENTIAL ? fb_exponential_limit(&body, spin, 0)
+                                                           : fb_implicit_limit(&body, spin, 0));
+}
+
+/* However much may be missed, a step is within the limit of its scheme. */
+TEST(advised_steps_are_within_the_limit)
+{
+  for (int k = 0; k < 6; k++) {
+    boom_under_a_force(0.5, 2, 2);
+    envelope.spin[k % 2] = k < 4 ? FB_R(2.0) : FB_R(0.0);
+    envelope.duration = k % 3 == 0 ? FB_R(2.0) : FB_R(50.0);
+    level.effects |= (unsigned)FB_EFFECT_DAMPING;
+    level.zeta[0] = k == 1 || k == 5 ? FB_R(3.0) : FB_R(0.01); /* heavy, along the force */
+    FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(3.0)), FB_OK);
+    FBT_TRUE((advice.effects & FB_EFFECT_DAMPING) != 0);
+    FBT_BELOW(advice.dt, 1.00001 * limit_of_advice());
+  }
+}
+
+/* E12.7 of the mode, with the share f/omega of it that swings (all above it), and of the drive f gives the step, up to the scheme's
+   limit and an eighth of the duration; of the exponential scheme as rk4, of what the linear set is off by. */
+TEST(advised_steps_are_those_of_the_spectrum)
+{
+  static fb_spectrum spectrum;
+  const double tolerance[3] = {2.0, 1e-3, 1e-5};
+  int exponential = 0;
+  for (int k = 0; k < 9; k++) {
+    const fb_real f = k < 6 ? FB_R(1.0) : FB_R(20.0), s = k < 3 ? FB_R(0.05) : FB_R(0.5);
+    fb_real amplitude[2];
+    double dt;
+    boom_under_a_force(0.5, 0, 1);
+    envelope.frequency = f;
+    envelope.spin[0] = s;
+    FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, (fb_real)tolerance[k % 3]), FB_OK);
+    exponential += advice.scheme == FB_SCHEME_EXPONENTIAL;
+    spectrum.n = 2;
+    spectrum.im[0] = work.omega[0] + s;
+    spectrum.im[1] = f;
+    amplitude[1] = advice.scheme == FB_SCHEME_EXPONENTIAL ? work.error[0] : FB_R(1.0);
+    amplitude[0] = amplitude[1] * (f < work.omega[0] ? f / work.omega[0] : FB_R(1.0));
+    dt = (double)fb_spectrum_step(&spectrum, advice.scheme == FB_SCHEME_EXPONENTIAL ? FB_SCHEME_RK4 : advice.scheme,
+                                  amplitude, envelope.duration, advice.error_step);
+    dt = fmin(dt, fmin(limit_of_advice(), 10.0 / 8.0));
+    FBT_NEAR_REL(advice.dt, dt, 0.03);
+    FBT_NEAR_REL(work.omega[0] * work.omega[0], shape.K[0], 0.05);
+  }
+  FBT_TRUE(exponential > 0);
+}
+
+/* The damping of a mode that is not chosen matters to no step. */
+TEST(damping_goes_with_its_mode)
+{
+  fb_real dt, cost;
+  boom_under_a_force(0.0, 1, 1);
+  envelope.load[0].force[1] = FB_R(0.5);
+  envelope.spin[2] = FB_R(3.0); /* keeps the implicit schemes, which bear any damping, from long steps */
+  envelope.duration = FB_R(50.0);
+  level.effects |= (unsigned)FB_EFFECT_DAMPING;
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.1)), FB_OK);
+  FBT_INT_EQ(advice.n, 1);
+  FBT_INT_EQ(advice.coordinate[0], 1);
+  dt = advice.dt;
+  cost = advice.cost;
+  level.zeta[0] = FB_R(1e4);
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.1)), FB_OK);
+  FBT_NEAR_REL(advice.dt, dt, 1e-6);
+  FBT_NEAR_REL(advice.cost, cost, 1e-6);
+  FBT_INT_EQ(advice.n, 1);
+  level.zeta[1] = FB_R(1e4); /* but of the one that is */
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.1)), FB_OK);
+  FBT_TRUE(advice.cost > FB_R(1.01) * cost || advice.dt < FB_R(0.99) * dt);
+  FBT_TRUE(advice.dt > FB_R(0.01) && advice.scheme != FB_SCHEME_RK4); /* what bears it is cheapest */
+}
+
+/* E13.4: a load a hundred times what the limit of the deflection lets through bends the boom as far, but what no modal
+   body has grows with its square and what modes leave out stays the same part of a linear answer. */
+TEST(advice_does_not_hide_what_is_out_of_range)
+{
+  fb_real modes[3], model;
+  boom_under_a_force(0.5 * 0.5 * 3.0 * 500.0 / 9.0, 0, 3);
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.1)), FB_OK);
+  memcpy(modes, work.error_modes, sizeof modes);
+  model = advice.error_model;
+  envelope.load[0].force[2] *= FB_R(100.0);
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.1)), FB_OK);
+  FBT_BELOW(advice.deflection, 1.1 * 0.5 * 3.0);
+  FBT_NEAR_REL(advice.error_model, 1e4 * (double)model, 0.1); /* the tip comes in, too */
+  FBT_NEAR_REL(work.error_modes[0], modes[0], 0.1);
+  FBT_NEAR_REL(work.error_modes[1], modes[1], 0.1);
+  FBT_TRUE(modes[0] > modes[1] && modes[1] > FB_R(0.0));
+  FBT_TRUE(advice.error > FB_R(1.0));
+}
+
+/* What is advised adds up to the tolerance, and its step to the frame, also of one longer than the scene. */
+TEST(errors_and_steps_add_up)
+{
+  const fb_real frame[4] = {FB_R(0.0), FB_R(1e-4), FB_R(0.25), FB_R(25.0)};
+  for (int k = 0; k < 4; k++) {
+    const double tolerance[2] = {0.03, 0.003};
+    for (int j = 0; j < 2; j++) {
+      double parts;
+      boom_under_a_force(0.2, 1, 3);
+      envelope.frequency = FB_R(20.0);
+      envelope.spin[1] = FB_R(0.5);
+      envelope.frame = frame[k];
+      FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, (fb_real)tolerance[j]), FB_OK);
+      FBT_BELOW(advice.error, tolerance[j] * (1.0 + 1e-5));
+      FBT_NEAR_REL(advice.error, advice.error_effects + advice.error_modes + advice.error_step + advice.error_model,
+                   1e-5);
+      FBT_TRUE(advice.dt > FB_R(0.0) && advice.dt <= FB_R(1.00001) * envelope.duration);
+      parts = (double)(frame[k] / advice.dt);
+      FBT_NEAR_ABS(parts, floor(parts + 0.5), FBT_TOL(1e-9, 1e-2));
+      FBT_TRUE(k == 0 || parts > 0.5);
+      FBT_INT_EQ(advice.long_step, 0);
+    }
+  }
+}
+
+/* ---- search */
+
+typedef struct looked_at { /* a scene of which everything is known */
+  int n_run, diverges;
+  fb_real last_cost, floor, most, shortest; /* the first run's cost and step */
+  int in_order;
+} looked_at;
+
+/* Off by 0.2 without spin stiffening, by 0.05 without the second mode, by the square of the step; `floor` or twice that at least. */
+static fb_status look_at(void *user, fb_real *out, const fb_advice *candidate)
+{
+  looked_at *const seen = (looked_at *)user;
+  const int reference = seen->n_run++ == 0;
+  const fb_real dt = candidate->dt;
+  FBT_TRUE(candidate->n >= 1 && candidate->n <= shape.n && dt > FB_R(0.0));
+  if (reference) {
+    FBT_TRUE((candidate->effects & FB_EFFECTS_FULL) == FB_EFFECTS_FULL && candidate->n == shape.n);
+    seen->most = candidate->cost;
+    seen->shortest = dt;
+  } else {
+    seen->in_order &= candidate->cost >= seen->last_cost && candidate->cost <= seen->most;
+    seen->last_cost = candidate->cost;
+  }
+  out[0] = FB_R(1.0);
+  out[1] = reference ? FB_R(0.0) : (fb_real)(1 + seen->n_run % 2) * seen->floor + FB_R(20.0) * dt * dt;
+  out[1] += candidate->effects & FB_EFFECT_SPIN_STIFFENING ? FB_R(0.0) : FB_R(0.2);
+  out[1] += candidate->n >= 2 ? FB_R(0.0) : FB_R(0.05);
+  return seen->diverges && !reference && candidate->scheme == FB_SCHEME_RK4 ? FB_ERR_RANGE : FB_OK;
+}
+
+/* The search goes through candidates by their cost, and stops at the first that will do. */
+TEST(search_stops_at_the_cheapest_that_will_do)
+{
+  for (int diverges = 0; diverges < 2; diverges++) {
+    fb_real output[2], reference[2];
+    looked_at seen;
+    fb_trial trial;
+    memset(&seen, 0, sizeof seen);
+    memset(&trial, 0, sizeof trial);
+    seen.in_order = 1;
+    seen.diverges = diverges;
+    trial.run = look_at;
+    trial.user = &seen;
+    trial.n = trial.width = 2;
+    trial.output = output;
+    trial.reference = reference;
+    boom_under_a_force(0.5, 1, 3);
+    envelope.spin[2] = FB_R(3.0);
+    FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.01), &trial), FB_OK);
+    FBT_TRUE(seen.in_order);
+    FBT_INT_EQ(advice.n_trial, seen.n_run);
+    FBT_INT_EQ(advice.n, 2);
+    FBT_INT_EQ(advice.effects, FB_EFFECTS_LINEAR | FB_EFFECT_SPIN_STIFFENING);
+    FBT_NEAR_REL(advice.error, 20.0 * (double)(advice.dt * advice.dt), FBT_TOL(1e-9, 1e-3));
+    FBT_BELOW(advice.error, 0.01);
+    FBT_TRUE(!diverges || advice.scheme != FB_SCHEME_RK4);
+    FBT_INT_EQ(advice.long_step, (double)advice.dt > limit_of_advice());
+    FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
+    FBT_NEAR_REL(seen.shortest, 0.25 * (double)fb_rk4_limit(&body, FB_R(3.0), 0), 1e-3);
+    memset(&seen, 0, sizeof seen); /* what no candidate can: */
+    seen.in_order = 1;
+    seen.floor = FB_R(0.02);
+    advice.n = -7;
+    FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.01), &trial), FB_ERR_CONVERGENCE);
+    FBT_INT_EQ(advice.n, -7);
+    FBT_TRUE(seen.in_order);
+    FBT_BELOW(seen.n_run, 2000);
+    seen.n_run = 1; /* a reference that even the fullest misses */
+    trial.has_reference = 1;
+    FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.01), &trial), FB_ERR_CONVERGENCE);
+    FBT_INT_EQ(seen.n_run, 2);
+  }
+}
+
+typedef struct spoiled { /* what is wrong with the outputs */
+  fb_real reference, sample;
+  fb_status status;
+  int n_run;
+  fb_real longest; /* step */
+} spoiled;
+
+/* Two samples of the reference, the first of all others. */
+static fb_status spoil(void *user, fb_real *out, const fb_advice *candidate)
+{
+  spoiled *const s = (spoiled *)user;
+  const fb_real dt = candidate->dt;
+  out[0] = s->n_run == 0 ? s->reference : s->sample;
+  out[1] = s->n_run == 0 ? s->reference : FB_R(1.0);
+  s->longest = dt > s->longest ? dt : s->longest;
+  return s->n_run++ == 0 ? s->status : FB_OK;
+}
+
+/* What is not a number anywhere in an output does not meet a tolerance; a reference that is no measure is refused after
+   the first run, one that cannot be simulated with what it says. */
+TEST(search_takes_no_nonsense_for_an_answer)
+{
+  const struct {
+    spoiled s;
+    fb_status expected;
+  } run[] = {{{FB_R(1.0), FB_R(1.0), FB_OK, 0, FB_R(0.0)}, FB_OK},
+             {{FB_R(1.0), FB_R(1.2), FB_OK, 0, FB_R(0.0)}, FB_ERR_CONVERGENCE},
+             {{FB_R(1.0), (fb_real)NAN, FB_OK, 0, FB_R(0.0)}, FB_ERR_CONVERGENCE},
+             {{FB_R(1.0), (fb_real)INFINITY, FB_OK, 0, FB_R(0.0)}, FB_ERR_CONVERGENCE},
+             {{FB_R(0.0), FB_R(1.0), FB_OK, 0, FB_R(0.0)}, FB_ERR_VALUE},
+             {{(fb_real)NAN, FB_R(1.0), FB_OK, 0, FB_R(0.0)}, FB_ERR_NOT_FINITE},
+             {{FB_R(1.0), FB_R(1.0), FB_ERR_RANGE, 0, FB_R(0.0)}, FB_ERR_RANGE}};
+  for (int k = 0; k < FBT_COUNT(run); k++) {
+    fb_real output[2], reference[2];
+    spoiled s = run[k].s;
+    fb_trial trial;
+    memset(&trial, 0, sizeof trial);
+    trial.run = spoil;
+    trial.user = &s;
+    trial.n = 2;
+    trial.width = 1;
+    trial.output = output;
+    trial.reference = reference;
+    boom_under_a_force(0.5, 1, 2);
+    envelope.frame = FB_R(25.0); /* longer than the scene */
+    advice.n = -7;
+    FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.1), &trial), run[k].expected);
+    FBT_TRUE((advice.n == -7) == (run[k].expected != FB_OK));
+    FBT_TRUE(s.longest <= envelope.duration);
+    FBT_TRUE(k < 4 ? s.n_run > 1 && s.n_run <= 1 + 640 * shape.n : s.n_run == 1);
+    trial.width = 3;
+    FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.1), &trial), FB_ERR_VALUE);
+  }
+}
+
+/* The tip of the boom as its base spins up to 8 rad/s in 6 s, above the first frequency of 5.2 rad/s in its plane. */
+static fb_status spin_up(void *user, fb_real *out, const fb_advice *candidate)
+{
+  static fb_rk4_work rk4;
+  static fb_implicit_work implicit;
+  static fb_exponential exponential;
+  static fb_exponential_work scratch;
+  fb_input input[3];
+  fb_state state;
+  const int steps = (int)lround(0.1 / (double)candidate->dt);
+  fb_status status = fb_shape_select(&other, &shape, candidate->coordinate, candidate->n);
+  fb_body_desc desc = level;
+  desc.effects = candidate->effects;
+  desc.allow_long_step = 1;
+  (void)user;
+  memset(input, 0, sizeof input);
+  status = status ? status : fb_body_init(&twin, &body_work, &other, &desc);
+  status = status ? status : fb_state_init(&twin, &state);
+  if (status == FB_OK && candidate->scheme == FB_SCHEME_EXPONENTIAL) {
+    status = fb_exponential_init(&exponential, &body_work, &twin, candidate->dt);
+  }
+  for (int k = 0; k < 80 * steps && status == FB_OK; k++) {
+    for (int j = 0; j < 3; j++) {
+      const double t = ((double)k + 0.5 * j) * (double)candidate->dt, pi = 3.14159265358979323846;
+      input[j].w[2] = (fb_real)(t < 6.0 ? 8.0 * (t / 6.0 - sin(2 * pi * t / 6.0) / (2 * pi)) : 8.0);
+      input[j].w_dot[2] = (fb_real)(t < 6.0 ? 8.0 / 6.0 * (1.0 - cos(2 * pi * t / 6.0)) : 0.0);
+    }
+    status = candidate->scheme == FB_SCHEME_RK4
+                 ? fb_rk4_step(&twin, &state, &rk4, input, input + 1, input + 2, candidate->dt)
+             : candidate->scheme == FB_SCHEME_MIDPOINT
+                 ? fb_midpoint_step(&twin, &state, &implicit, input + 1, candidate->dt, 0)
+             : candidate->scheme == FB_SCHEME_SDIRK
+                 ? fb_sdirk_step(&twin, &state, &implicit, input, input + 2, candidate->dt, 0)
+                 : fb_exponential_step(&twin, &exponential, &state, &scratch, input, input + 1, input + 2);
+    if ((k + 1) % steps == 0) {
+      fb_motion motion;
+      fb_node_motion tip;
+      memset(&motion, 0, sizeof motion);
+      status = status ? status : fb_body_node_motion(&twin, &tip, &state, &motion, 1);
+      out[(k + 1) / steps - 1] = status == FB_OK ? tip.displacement[1] : FB_R(0.0);
+    }
+  }
+  return status;
+}
+
+/* A boom that spins up to above its first frequency: the advice without simulation has the stiffening and the inertia
+   that follows the shape, and meets its tolerance; so does the search; without one of its effects it is missed. */
+TEST(advice_meets_its_tolerance)
+{
+  static fb_real output[80], reference[80];
+  const double tolerance[2] = {0.02, 0.002};
+  fb_trial trial;
+  boom_under_a_force(0.0, 4, 2);
+  envelope.spin[2] = FB_R(8.0);
+  envelope.spin_rate[2] = FB_R(16.0) / FB_R(6.0);
+  envelope.frequency = FB_R(1.0472);
+  envelope.duration = FB_R(8.0);
+  envelope.frame = FB_R(0.1);
+  memset(&trial, 0, sizeof trial);
+  trial.run = spin_up;
+  trial.n = 80;
+  trial.width = 1;
+  trial.output = output;
+  trial.reference = reference;
+  for (int k = 0; k < 2; k++) {
+    const unsigned needed = FB_EFFECTS_SPIN | FB_EFFECT_RESIDUAL_INERTIA | FB_EFFECT_SPIN_STIFFENING;
+    double size = 0.0;
+    FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, (fb_real)tolerance[k], &trial), FB_OK);
+    FBT_BELOW(advice.error, tolerance[k]);
+    FBT_INT_EQ(advice.effects & needed, needed);
+    advice.effects &= ~(unsigned)(FB_EFFECT_RESIDUAL_INERTIA | FB_EFFECT_SPIN_STIFFENING);
+    for (int i = 0; i < 80; i++) {
+      size = fmax(size, fabs((double)reference[i]));
+    }
+    FBT_INT_EQ(spin_up(NULL, output, &advice), FB_OK);
+    FBT_TRUE(fbt_difference(output, reference, 80) > tolerance[k] * size);
+    FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, (fb_real)tolerance[k]), FB_OK);
+    FBT_INT_EQ(advice.effects & needed, needed);
+    FBT_INT_EQ(spin_up(NULL, output, &advice), FB_OK);
+    FBT_BELOW(fbt_difference(output, reference, 80), tolerance[k] * size);
+  }
+}
+
+TEST(advice_refuses_nonsense)
+{
+  static fb_modes modes;
+  fb_trial trial;
+  boom_under_a_force(0.5, 2, 2);
+  advice.n = -7;
+  FBT_INT_EQ(fb_body_advise(NULL, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_NULL);
+  FBT_INT_EQ(fb_body_advise(&advice, NULL, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_NULL);
+  FBT_INT_EQ(fb_body_advise(&advice, &work, NULL, &level, &envelope, FB_R(0.01)), FB_ERR_NULL);
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.0)), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, (fb_real)NAN), FB_ERR_NOT_FINITE);
+  envelope.spin[1] = (fb_real)INFINITY;
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_NOT_FINITE);
+  envelope.spin[1] = FB_R(0.0);
+  envelope.frequency = -FB_R(1.0);
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_VALUE);
+  envelope.frequency = FB_R(0.0);
+  envelope.duration = FB_R(0.0);
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_VALUE);
+  envelope.duration = FB_R(10.0);
+  envelope.frame = -FB_R(1.0);
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_VALUE);
+  envelope.frame = FB_R(1.0) / FB_HUGE; /* no step so short is worth its cost */
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_STEP);
+  memset(&trial, 0, sizeof trial);
+  trial.run = look_at;
+  trial.n = trial.width = 1;
+  trial.output = trial.reference = &envelope.frame;
+  FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.01), &trial), FB_ERR_STEP);
+  envelope.frame = FB_R(0.0);
+  envelope.node = 2;
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_CAPACITY);
+  envelope.node = 1;
+  envelope.load[0].node = 5;
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_CAPACITY);
+  envelope.load[0].node = 1;
+  envelope.load[0].force[2] = (fb_real)NAN;
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_NOT_FINITE);
+  envelope.load[0].force[2] = FB_R(0.0); /* nothing drives the output */
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_VALUE);
+  envelope.load[0].force[2] = FB_R(0.5);
+  memset(&trial, 0, sizeof trial);
+  FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.01), NULL), FB_ERR_NULL);
+  FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.01), &trial), FB_ERR_NULL);
+  make_boom(&shape, &modes, 2, 2);
+  shape.M[1] = shape.M[shape.n] = FB_R(0.5);
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_KIND);
+  FBT_INT_EQ(advice.n, -7);
+}
+
+SUITE(advise, RUN(selection_takes_rows_and_pairs), RUN(selected_modes_move_as_a_body_of_their_own),
+      RUN(selection_refuses_nonsense), RUN(advice_estimates_the_deflection), RUN(sets_err_by_the_change_of_frequency),
+      RUN(advice_knows_where_modes_end), RUN(what_acts_adds_up_at_its_worst),
+      RUN(compressed_booms_bend_until_they_buckle), RUN(sets_err_by_what_they_lack), RUN(model_error_is_its_formula),
+      RUN(gravity_is_nothing_to_a_free_body), RUN(advised_steps_are_within_the_limit), RUN(damping_goes_with_its_mode),
+      RUN(advised_steps_are_those_of_the_spectrum), RUN(advice_does_not_hide_what_is_out_of_range),
+      RUN(errors_and_steps_add_up), RUN(search_stops_at_the_cheapest_that_will_do),
+      RUN(search_takes_no_nonsense_for_an_answer), RUN(advice_meets_its_tolerance), RUN(advice_refuses_nonsense))
