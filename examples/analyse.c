@@ -42,35 +42,6 @@ static fb_state state;
 static fb_input input;
 static double least_growth; /* [1/s] that is not rounding */
 
-static int read_spin(double spin[3], const char *name, const char *text, double unit)
-{
-  double x[3] = {0, 0, 0};
-  int n = 0;
-  const char *at = text;
-  char message[96];
-  for (; n < 3; n++) {
-    char *end;
-    x[n] = strtod(at, &end);
-    if (end == at || !isfinite(x[n]) || fabs(x[n]) > 1e6) {
-      break;
-    }
-    at = end;
-    if (*at != ',') {
-      n++;
-      break;
-    }
-    at++;
-  }
-  if ((n != 1 && n != 3) || *at) {
-    snprintf(message, sizeof message, "%s wants one number, or three with commas between", name);
-    return fail(message, text);
-  }
-  for (int i = 0; i < 3; i++) {
-    spin[i] = unit * (n == 3 ? x[i] : i == 2 ? x[0] : 0);
-  }
-  return 0;
-}
-
 static int read_option(void *to, const char *name, const char *text)
 {
   options *o = (options *)to;
@@ -80,7 +51,11 @@ static int read_option(void *to, const char *name, const char *text)
                                 {"--tolerance", &o->tolerance, 1e-15, 10},
                                 {"--duration", &o->duration, 1e-9, 1e12}};
   if (strcmp(name, "--spin") == 0 || strcmp(name, "--rpm") == 0) {
-    return read_spin(o->spin, name, text, name[2] == 's' ? 1 : 2 * model_pi / 60);
+    const int status = read_vector(o->spin, name, text);
+    for (int i = 0; i < 3; i++) {
+      o->spin[i] *= name[2] == 's' ? 1 : 2 * model_pi / 60;
+    }
+    return status;
   }
   return strcmp(name, "--out") == 0 ? read_out(&o->out, text)
                                     : read_number(list, (int)(sizeof list / sizeof *list), name, text);

@@ -44,6 +44,56 @@ static inline int read_number(const number_option *list, int n, const char *name
   return NO_SUCH_OPTION;
 }
 
+/* Numbers with commas between, at most `most`, each of at most 1e12: how many there were, 0 if it is no such list. */
+static inline int read_list(double *x, int most, const char *text)
+{
+  const char *at = text;
+  for (int n = 0; n < most; n++) {
+    char *end;
+    x[n] = strtod(at, &end);
+    if (end == at || !(fabs(x[n]) <= 1e12) || (*end && *end != ',')) {
+      return 0;
+    }
+    if (!*end) {
+      return n + 1;
+    }
+    at = end + 1;
+  }
+  return 0;
+}
+
+/* A vector: three numbers, or one along z. */
+static inline int read_vector(double x[3], const char *name, const char *text)
+{
+  double list[3];
+  char message[96];
+  const int n = read_list(list, 3, text);
+  if (n != 1 && n != 3) {
+    snprintf(message, sizeof message, "%s wants one number, or three with commas between", name);
+    return fail(message, text);
+  }
+  for (int i = 0; i < 3; i++) {
+    x[i] = n == 3 ? list[i] : i == 2 ? list[0] : 0;
+  }
+  return 0;
+}
+
+/* Takes an option without a value out of the arguments: 1 if it was there. */
+static inline int take_flag(int *argc, char **argv, const char *name)
+{
+  int n = 0;
+  for (int k = 0; k < *argc; k++) {
+    if (k == 0 || strcmp(argv[k], name) != 0) {
+      argv[n++] = argv[k];
+    }
+  }
+  if (n == *argc) {
+    return 0;
+  }
+  *argc = n;
+  return 1;
+}
+
 /* The place of text among names, which stand between bars. */
 static inline int read_choice(int *value, const char *name, const char *text, const char *names)
 {

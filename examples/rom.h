@@ -2,6 +2,7 @@
    Include flexbeam.h first. */
 #ifndef ROM_H
 #define ROM_H
+#include "config.h"
 #include <stdio.h>
 #include <string.h>
 
@@ -176,27 +177,10 @@ static void rom_capacity(const rom *r, const char *option, int least, int or_zer
 /* What the target's configuration must hold. */
 static void rom_capacities(rom *r, const fb_body *body)
 {
-  static const struct {
-    unsigned effect;
-    const char *name;
-  } effect[] = {{FB_EFFECT_SPIN_COUPLING, "SPIN_COUPLING"},
-                {FB_EFFECT_RESIDUAL_INERTIA, "RESIDUAL_INERTIA"},
-                {FB_EFFECT_SPIN_STIFFENING, "SPIN_STIFFENING"},
-                {FB_EFFECT_ACCELERATION_STIFFENING, "ACCELERATION_STIFFENING"},
-                {FB_EFFECT_DAMPING, "DAMPING"},
-                {FB_EFFECT_GRAVITY, "GRAVITY"}};
+  fputs("   Smallest configuration: ", r->out);
+  config_flags(r->out, body, r->single, "\n  ");
   fprintf(r->out,
-          "   Smallest configuration: -DFB_SINGLE=%d -DFB_MAX_MODES=%d -DFB_MAX_NODES=%d -DFB_MAX_LAMBDA=%d "
-          "-DFB_MAX_S=%d -DFB_MAX_RUNS=%d\n  ",
-          r->single, body->n > 0 ? body->n : 1, body->n_node, body->n_lambda > 0 ? body->n_lambda : 1,
-          body->n_S > 0 ? body->n_S : 1, body->n_run > 0 ? body->n_run : 1);
-  for (int k = 0; k < 6; k++) {
-    if (!(body->effects & effect[k].effect)) {
-      fprintf(r->out, " -DFB_WITH_%s=0", effect[k].name);
-    }
-  }
-  fprintf(r->out,
-          " -DFB_WITH_NONLINEAR_STRAIN=0 */\n#ifndef FLEXBEAM_H\n#error \"include flexbeam.h before this model\"\n"
+          " */\n#ifndef FLEXBEAM_H\n#error \"include flexbeam.h before this model\"\n"
           "#elif FB_SINGLE != %d\n#error \"this model is in %s precision: it wants -DFB_SINGLE=%d\"\n#else\n",
           r->single, r->single ? "single" : "double", r->single);
   rom_capacity(r, "FB_MAX_MODES", body->n, 0);
@@ -204,10 +188,10 @@ static void rom_capacities(rom *r, const fb_body *body)
   rom_capacity(r, "FB_MAX_LAMBDA", body->n_lambda, 1);
   rom_capacity(r, "FB_MAX_S", body->n_S, 1);
   rom_capacity(r, "FB_MAX_RUNS", body->n_run, 1);
-  for (int k = 0; k < 6; k++) {
-    if (body->effects & effect[k].effect) {
-      fprintf(r->out, "#if !FB_WITH_%s\n#error \"this model wants FB_WITH_%s\"\n#endif\n", effect[k].name,
-              effect[k].name);
+  for (int k = 0; k < CONFIG_EFFECTS; k++) {
+    if (body->effects & config_effects[k].effect) {
+      fprintf(r->out, "#if !FB_WITH_%s\n#error \"this model wants FB_WITH_%s\"\n#endif\n", config_effects[k].name,
+              config_effects[k].name);
     }
   }
   fputs("#endif\n", r->out);

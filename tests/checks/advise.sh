@@ -1,0 +1,65 @@
+#!/bin/sh
+# examples/advise: on bases of every kind what it finds by simulation meets the tolerance when it is run again (its
+# exit status); its lines of a description give a model that takes the configuration it prints, its lines of C compile
+# and run; what makes no sense is refused.
+. tests/checks/common.sh
+for program in advise reduce; do
+  try ${CC:-cc} $c99 -O1 -o "$out/$program" examples/$program.c -lm
+done
+
+scenes=0
+met=0
+scene() {
+  try "$out/advise" "$@" --simulate
+  scenes=$((scenes + 1))
+  met=$((met + $(grep -c '^ found ' "$out/log")))
+}
+scene
+mv "$out/log" "$out/boom"
+scene examples/boom.txt --base hinged --torque 0,0,0,100 --frequency 0.1 --tolerance 10,1
+scene examples/satellite.txt --base pinned --gravity 0,-1,0 --duration 3 --tolerance 10,1
+scene examples/satellite.txt --torque 0,0,0,8 --frequency 0.05 --duration 40
+scene examples/blade.txt --spin 1.267 --gravity 0,-9.81,0 --force 1,0,2000,5000 --frequency 0.2 --frame 0.1 \
+  --tolerance 5
+
+# for 1 %
+sed -n '/^1 %: [A-Z]/,/^$/p' "$out/boom" > "$out/advice"
+word() {
+  sed -n "s/^  $1 /$1 /p" "$out/advice"
+}
+sed -e "s/^modes .*/$(word modes)/" -e "s/^effects .*/$(word effects)/" examples/boom.txt > "$out/body.txt"
+try "$out/reduce" "$out/body.txt" --out "$out/body.h"
+grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$out/advice" > "$out/flags"
+sed '/^#/,$d' "$out/body.h" | grep -o -e '-DFB_[A-Z_]*=[0-9]*' | cmp - "$out/flags" ||
+  fail "the flags are not those of examples/reduce"
+sed '1,/^lines of C/d' "$out/advice" > "$out/lines.h"
+case $(cat "$out/lines.h") in
+*fb_rk4*) work=fb_rk4_work ;;
+*fb_exponential*) work=fb_exponential_work ;;
+*) work=fb_implicit_work ;;
+esac
+try ${CC:-cc} $c99 -O1 -DLINES="\"$out/lines.h\"" -DWORK=$work -o "$out/lines" tests/checks/advise.c -lm
+try "$out/lines"
+
+refused=0
+while read -r options; do
+  status=0
+  "$out/advise" $options > "$out/log" 2>&1 || status=$?
+  [ $status = 2 ] && [ "$(wc -l < "$out/log")" = 1 ] || { cat "$out/log"; fail "status $status of advise $options"; }
+  refused=$((refused + 1))
+done << 'END'
+nothing.txt
+--spin 1,2
+--spin-rate -1
+--frequency often
+--force 1,0,0
+--force 2,1,0,0
+--node 2
+--tolerance 0
+--modes 1.5,2
+--duration nan
+--pulse --frequency jump
+examples/satellite.txt --acceleration 1
+examples/panel.txt --base prescribed --acceleration 0,0,1
+END
+ok "$scenes scenes, $met tolerances met again; flags as of reduce; lines of C: $("$out/lines"); $refused inputs refused"
