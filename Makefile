@@ -10,14 +10,14 @@ export WARNINGS WARNINGS_C
 
 LIBRARY  = flexbeam.h flexbeam_impl.h
 SECTIONS = main status vec3 rotation linalg beam modes body system forms mixed integrate analyse advise build
-EXAMPLES = quickstart spinup campbell analyse table1 assembly reduce elastodyn firmware spacecraft rotor arm fourbar \
+EXAMPLES = quickstart spinup campbell analyse advise table1 assembly reduce elastodyn firmware spacecraft rotor arm fourbar \
            elastica follower flap whirl beam3d leigh hil_plant hil_controller
 # long ones first, so that the two jobs of `make ci` end together
-CHECKS   = sanitize suite long tidy bits instructions firmware compile removed single rom mismatch stack symbols threads \
+CHECKS   = sanitize suite long tidy bits instructions firmware compile removed single advise rom mismatch stack symbols threads \
            two_precisions jacobian style ids quickstart hil
 
 .DELETE_ON_ERROR:
-.PHONY: help run table1 leigh blade firmware hil test examples bench bench-accuracy bench-peers sizes readme format clean ci FORCE $(CHECKS:%=check-%)
+.PHONY: help run table1 leigh blade firmware hil test examples bench bench-accuracy bench-advice bench-peers sizes readme format clean ci FORCE $(CHECKS:%=check-%)
 
 help:
 	@echo "make run       spin-up of a flexible beam against its reference, time per step, picture if gnuplot is there"
@@ -30,6 +30,7 @@ help:
 	@echo "make examples  $(EXAMPLES:%=build/examples/%)"
 	@echo "make bench     time per step by modes and effects, by form and scheme, of systems, of the exact beam: build/bench_*.csv"
 	@echo "make bench-accuracy  error and time of eight scenes by effects, modes, scheme and step (2 minutes): build/accuracy/"
+	@echo "make bench-advice  what the library advises for those scenes and variations of them, against all runs (2 minutes)"
 	@echo "make bench-peers  the LU beside LAPACK's, the schemes beside SUNDIALS': needs both; build/bench_peers_*.csv"
 	@echo "make sizes     instructions, code, RAM and time of a step by modes and effects on two boards; bytes of all structs"
 	@echo "make readme    regenerate the tables, the program and the picture of README.md (wants gnuplot, valgrind)"
@@ -85,6 +86,9 @@ bench-accuracy: build/bench/bench_accuracy_double
 	@$< build/accuracy > build/accuracy/tables.txt && cat build/accuracy/tables.txt
 	@if gnuplot --version > /dev/null 2>&1; then gnuplot -e "folder='build/accuracy'" bench/accuracy.gp; else \
 	  echo "no pictures: gnuplot is not installed (Debian: apt-get install gnuplot-nox); build/accuracy/accuracy.csv has the points"; fi
+
+bench-advice: build/bench/bench_advice_double
+	@$< > build/bench_advice.txt && cat build/bench_advice.txt
 
 bench-peers:
 	@CC='$(CC)' MAKE='$(MAKE)' sh bench/peers.sh

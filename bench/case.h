@@ -281,7 +281,10 @@ static double fbb_difference(const fbb_history *a, const fbb_history *b)
       d += (a->out[k][i] - b->out[k][i]) * (a->out[k][i] - b->out[k][i]);
       s += b->out[k][i] * b->out[k][i];
     }
-    most = d <= most ? most : d; /* not a number: stays */
+    if (!(d < HUGE_VAL)) {
+      return HUGE_VAL;
+    }
+    most = d > most ? d : most;
     size = s > size ? s : size;
   }
   return sqrt(most / size);
@@ -369,13 +372,7 @@ static void fbb_exact_run(fbb_history *history, const fbb_case *c, int n_element
 
 /* ---- modal bodies */
 
-typedef enum fbb_scheme {
-  FBB_RK4 = 0,
-  FBB_MIDPOINT = 1,
-  FBB_SDIRK = 2,
-  FBB_EXPONENTIAL = 3,
-  FBB_SCHEMES = 4
-} fbb_scheme;
+#define FBB_SCHEMES 4 /* those of fb_scheme */
 static const char *const fbb_scheme_name[] = {"rk4", "midpoint", "sdirk", "exponential"};
 
 /* What deforms: bending modes along y and z, or with `elements` > 0 their cubic functions in both directions and along
@@ -470,18 +467,18 @@ static void fbb_input_at(fb_input *input, const fbb_case *c, double t)
   }
 }
 
-static fb_status fbb_step(const fb_body *body, const fb_exponential *exponential, fb_state *state, fbb_scheme scheme,
+static fb_status fbb_step(const fb_body *body, const fb_exponential *exponential, fb_state *state, fb_scheme scheme,
                           const fb_input *input, fb_real dt)
 {
   static fb_rk4_work rk4;
   static fb_implicit_work implicit;
   static fb_exponential_work scratch;
   switch (scheme) {
-  case FBB_RK4:
+  case FB_SCHEME_RK4:
     return fb_rk4_step(body, state, &rk4, input, input + 1, input + 2, dt);
-  case FBB_MIDPOINT:
+  case FB_SCHEME_MIDPOINT:
     return fb_midpoint_step(body, state, &implicit, input + 1, dt, 0);
-  case FBB_SDIRK:
+  case FB_SCHEME_SDIRK:
     return fb_sdirk_step(body, state, &implicit, input, input + 2, dt, 0);
   default:
     return fb_exponential_step(body, exponential, state, &scratch, input, input + 1, input + 2);
@@ -502,7 +499,7 @@ static void fbb_body_output(double out[3], const fbb_case *c, const fb_body *bod
 }
 
 /* Runs the body with `steps` steps between samples; its status says whether it came to the end. */
-static void fbb_body_run(fbb_history *history, const fbb_case *c, const fb_body *body, fbb_scheme scheme, int steps)
+static void fbb_body_run(fbb_history *history, const fbb_case *c, const fb_body *body, fb_scheme scheme, int steps)
 {
   static fb_exponential exponential;
   static fb_body_work body_work;
@@ -517,7 +514,7 @@ static void fbb_body_run(fbb_history *history, const fbb_case *c, const fb_body 
   fbb_check(fb_state_init(body, &state), "state");
   history->status =
       c->steady ? fb_body_trim(body, &state, &work, &input[2]) : fb_state_from_velocity(body, &state, zero, spin, NULL);
-  if (history->status == FB_OK && scheme == FBB_EXPONENTIAL) {
+  if (history->status == FB_OK && scheme == FB_SCHEME_EXPONENTIAL) {
     history->status = fb_exponential_init(&exponential, &body_work, body, (fb_real)dt);
   }
   start = fbb_now_ns();

@@ -1,7 +1,8 @@
 #!/bin/sh
 # Regenerates the tables, the program and the picture of README.md from what the programs print: make readme.
-# `sh bench/readme.sh accuracy` does it for the eight scenes alone, `sh bench/readme.sh hil` for hardware in the loop, `sh bench/readme.sh
-# peers` for the table of make bench-peers, which stays as it is where the libraries are missing.
+# One part alone: `sh bench/readme.sh accuracy` (the eight scenes), `advice` (what is advised for them), `advise` (the
+# example of that name), `hil` (hardware in the loop), `peers` (make bench-peers, whose table stays as it is where the
+# libraries are missing).
 set -eu
 out=build/readme
 mkdir -p "$out"
@@ -23,31 +24,39 @@ peers() {
     cat "$out/peers"
   fi
 }
-if [ "${1:-all}" = peers ]; then
-  peers
-  exit
-fi
 
 hil() { # a minute of it; how late it woke is in the report
   make -s hil > "$out/hil" || true
   { echo '```'; sed -e '/^curves/d' -e '/^picture/d' -e '/refused, .* 0$/d' -e 's/ *$//' "$out/hil"; echo '```'; } | block hil
 }
-if [ "${1:-all}" = hil ]; then
-  hil
-  exit
-fi
 
+# The command line's answers for a boom, without those for 10 %.
+advise() {
+  make -s build/examples/advise
+  build/examples/advise --simulate > "$out/advise"
+  { echo '```'; sed -e '/^10 %: [A-Z]/,/^$/d' -e 's/ *$//' "$out/advise"; echo '```'; } | block advise
+}
 accuracy() {
   make -s bench-accuracy > "$out/scenes"
   { echo '```'; sed -e 's/^# //' -e 's/ *$//' build/accuracy/tables.txt; echo '```'; } | block scenes
   [ ! -f build/accuracy/accuracy.svg ] || sed 's/ *$//' build/accuracy/accuracy.svg > examples/accuracy.svg
 }
-if [ "${1:-all}" = accuracy ]; then
-  accuracy
+
+# The eight scenes as they are, and the count of all.
+advice() {
+  make -s bench-advice > "$out/advice"
+  awk '/, varied$/ { skip = 1 } /^[a-z]/ && !/, varied$/ { skip = 0 } !skip' "$out/advice" > "$out/advised"
+  { echo '```'; sed -e 's/^# //' -e 's/ *$//' "$out/advised"; echo '```'; } | block advice
+}
+
+if [ $# -gt 0 ]; then # one part alone
+  "$1"
   exit
 fi
 hil
 accuracy
+advice
+advise
 
 # the program, between ```c and ```
 sed -n '/^#/,$p' examples/quickstart.c > "$out/program"

@@ -1,0 +1,236 @@
+/* bench_advice.c - whether what the library advises is right: the eight scenes of case.h, as they are and with sizes
+   drawn at random, each with three tolerances. Judged against all runs of ladder.h: is the tolerance met, how does the
+   time compare with the cheapest run that meets it, and does leaving out an effect, or a mode, miss it. Advised: by
+   fb_body_advise, without simulation; found: by fb_advice_search against the same reference. */
+#define _POSIX_C_SOURCE 200112L
+#define FB_MAX_MIXED 64
+#define FB_MAX_MODES 20
+#define FLEXBEAM_IMPLEMENTATION
+#include "flexbeam.h"
+
+#include "advice.h"
+#include "ladder.h"
+#include "random.h"
+#include "report.h"
+
+#define FBB_RATIOS 500
+
+typedef struct fbb_tally { /* of one kind of advice */
+  int asked, met, careful; /* that a modal body can meet: met, or the exact beam called for */
+  int hopeless, beyond;    /* that none can, and said so */
+  int left_out, missed;    /* effects and modes left out, and how many of them miss the tolerance */
+  int n_ratio, unstable;
+  double step;              /* error of the step by what was estimated, at most */
+  double ratio[FBB_RATIOS]; /* of time to the cheapest run */
+} fbb_tally;
+
+static fb_advise_work work;
+static fb_real output[3 * FBB_SAMPLES], target[3 * FBB_SAMPLES];
+static fbb_history history;
+
+/* ---- scenes nobody tuned for */
+
+/* Sizes times up to 2 either way; those that deflections are powers of, or follow, by less. */
+static void vary(fbb_case *c, int k)
+{
+  const double stiff = pow(2.0, (double)fbb_random(7 * k)), scale = pow(2.0, 0.5 * (double)fbb_random(7 * k + 1));
+  c->EI_y *= stiff;
+  c->EI_z *= stiff;
+  c->mass *= pow(2.0, (double)fbb_random(7 * k + 2));
+  c->length *= pow(1.3, (double)fbb_random(7 * k + 3));
+  c->payload_mass *= pow(2.0, (double)fbb_random(7 * k + 4));
+  c->hub_mass *= scale;
+  c->hub_inertia *= scale;
+  c->size *= c->drive == fbb_drive_joint ? 1.0 : pow(2.0, 0.5 * (double)fbb_random(7 * k + 5));
+  c->period *= pow(1.5, (double)fbb_random(7 * k + 6));
+}
+
+/* ---- what a candidate does */
+
+static double off(const fb_real *out)
+{
+  for (int k = 0; k < 3 * FBB_SAMPLES; k++) {
+    history.out[k / 3][k % 3] = (double)out[k];
+  }
+  return fbb_difference(&history, &fbb_reference);
+}
+
+/* Its error, HUGE_VAL where it fails, and nanoseconds for a second. */
+static double simulate(double *ns_per_s, fbb_trial *trial, const fb_advice *a)
+{
+  const fb_status status = fbb_trial_run(trial, output, a);
+  *ns_per_s = trial->ns_per_s;
+  return status == FB_OK ? off(output) : HUGE_VAL;
+}
+
+static void leave_out(fbb_tally *tally, fbb_trial *trial, const fb_advice *a, double tolerance)
+{
+  fb_advice less = *a;
+  double ns;
+  for (unsigned bit = FB_EFFECT_SPIN_COUPLING; bit <= FB_EFFECT_ACCELERATION_STIFFENING; bit *= 2) {
+    if (a->effects & bit) {
+      less.effects = a->effects & ~bit;
+      if (fb_effects_check(less.effects) != FB_OK) { /* residual inertia goes with what it needs */
+        less.effects &= ~(unsigned)FB_EFFECT_RESIDUAL_INERTIA;
+      }
+      tally->left_out++;
+      tally->missed += simulate(&ns, trial, &less) > tolerance;
+    }
+  }
+  less = *a;
+  less.n--; /* the fastest of them */
+  tally->left_out++;
+  tally->missed += simulate(&ns, trial, &less) > tolerance;
+}
+
+/* What the step alone errs by: against an eighth of it. */
+static void judge_step(fbb_tally *tally, fbb_trial *trial, const fb_advice *a)
+{
+  static fb_real fine[3 * FBB_SAMPLES];
+  fb_advice finer = *a;
+  double difference = 0.0, size = 0.0;
+  finer.dt = a->dt / 8;
+  if (fbb_trial_run(trial, fine, &finer) != FB_OK || fbb_trial_run(trial, output, a) != FB_OK) {
+    tally->unstable++;
+    return;
+  }
+  for (int k = 0; k < 3 * FBB_SAMPLES; k++) {
+    difference = fmax(difference, fabs((double)(fine[k] - output[k])));
+    size = fmax(size, fabs((double)fine[k]));
+  }
+  tally->step = fmax(tally->step, difference / size / (double)a->error_step);
+}
+
+static void judge(fbb_tally *tally, fbb_trial *trial, const fb_advice *a, double tolerance, const char *name)
+{
+  const fbb_entry *const best = fbb_cheapest(tolerance);
+  double ns, fastest, error = simulate(&fastest, trial, a);
+  for (int k = 0; k < 4; k++) { /* the least of five */
+    error = simulate(&ns, trial, a);
+    fastest = fmin(fastest, ns);
+  }
+  tally->asked++;
+  tally->met += error <= tolerance;
+  if (error <= tolerance && best) {
+    tally->ratio[tally->n_ratio++] = fastest / best->ns_per_s;
+    leave_out(tally, trial, a, tolerance);
+  }
+  printf("    %-8s %s%s%s%s%s %d modes, %s, %.3g ms: error %.2g %%, time %.2f\n", name,
+         a->effects & FB_EFFECT_SPIN_COUPLING ? "C" : "", a->effects & FB_EFFECT_RESIDUAL_INERTIA ? "R" : "",
+         a->effects & FB_EFFECT_SPIN_STIFFENING ? "S" : "", a->effects & FB_EFFECT_ACCELERATION_STIFFENING ? "A" : "",
+         a->effects & FB_EFFECTS_FULL & ~FB_EFFECTS_LINEAR ? "," : "linear,", a->n, fbb_scheme_name[a->scheme],
+         1e3 * (double)a->dt, 100 * error, best ? fastest / best->ns_per_s : 0.0);
+}
+
+/* The cheapest run is a modal one: what is asked for exists. */
+static int modes_do(const fbb_entry *e)
+{
+  return e && e->rung != FBB_EXACT;
+}
+
+static void ask(fbb_tally tally[2], const fbb_case *c, const fb_shape *shape, double tolerance)
+{
+  fbb_trial trial = {c, shape, 0.0};
+  const fb_trial trials = {fbb_trial_run, &trial, 3 * FBB_SAMPLES, 3, output, target, 1};
+  const fbb_entry *const best = fbb_cheapest(tolerance);
+  fb_body_desc desc;
+  fb_envelope envelope;
+  fb_advice advice;
+  fb_status status;
+  fbb_envelope(&envelope, c);
+  fbb_body_desc_make(&desc, c, FB_EFFECTS_FULL | (fbb_has_gravity(c) ? (unsigned)FB_EFFECT_GRAVITY : 0u));
+  if (modes_do(best)) {
+    printf("  %5g %%  cheapest: %s, %d + %d modes, %s, %.3g ms: error %.2g %%\n", 100 * tolerance, best->level,
+           best->basis.y, best->basis.z, best->scheme, 1e3 * best->dt, 100 * best->error);
+  } else {
+    printf("  %5g %%  cheapest: %s\n", 100 * tolerance, best ? "exact beam" : "none");
+  }
+  fbb_check(fb_body_advise(&advice, &work, shape, &desc, &envelope, (fb_real)tolerance), c->name);
+  if ((double)advice.error_model > tolerance) {
+    printf("    advised  exact beam: modal bodies err by %.2g %%\n", 100 * (double)advice.error_model);
+    tally[0].beyond += !modes_do(best);
+    tally[0].asked += modes_do(best);
+    tally[0].careful += modes_do(best);
+  } else if (modes_do(best)) {
+    judge(&tally[0], &trial, &advice, tolerance, "advised");
+    judge_step(&tally[0], &trial, &advice);
+  }
+  status = fb_advice_search(&advice, &work, shape, &desc, &envelope, (fb_real)tolerance, &trials);
+  if (status == FB_OK) {
+    judge(&tally[1], &trial, &advice, tolerance, "found");
+  } else {
+    fbb_check(status == FB_ERR_CONVERGENCE ? FB_OK : status, c->name);
+    printf("    found    nothing\n");
+    tally[1].beyond += !modes_do(best);
+    tally[1].asked += modes_do(best);
+    tally[1].careful += modes_do(best);
+  }
+  tally[0].hopeless += !modes_do(best);
+  tally[1].hopeless += !modes_do(best);
+}
+
+static void scene(fbb_tally tally[2], const fbb_case *c)
+{
+  static const double tolerance[] = {0.1, 0.01, 0.001};
+  static fb_shape shape;
+  const fbb_basis basis = {c->y * FBB_ADVICE_MODES, c->z * FBB_ADVICE_MODES, 0};
+  fbb_shape_make(&shape, c, &basis);
+  (void)fbb_climb(c);
+  for (int k = 0; k < 3 * FBB_SAMPLES; k++) {
+    target[k] = (fb_real)fbb_reference.out[k / 3][k % 3];
+  }
+  for (int k = 0; k < FBB_COUNT(tolerance); k++) {
+    ask(tally, c, &shape, tolerance[k]);
+  }
+  fflush(stdout);
+}
+
+static int ascending(const void *a, const void *b)
+{
+  const double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+static void summary(fbb_tally *t, const char *name)
+{
+  int within = 0;
+  qsort(t->ratio, (size_t)t->n_ratio, sizeof t->ratio[0], ascending);
+  for (int k = 0; k < t->n_ratio; k++) {
+    within += t->ratio[k] <= 1.5;
+  }
+  printf("%s: of %d cases that a modal body can meet %d met, %d called too much for one, %d missed; of %d others %d "
+         "called "
+         "so; time of the cheapest: median %.2f, most %.2f, within 1.5 in %d of %d; leaving out an effect or a mode "
+         "misses "
+         "in %d of %d\n",
+         name, t->asked, t->met, t->careful, t->asked - t->met - t->careful, t->hopeless, t->beyond,
+         t->n_ratio ? t->ratio[t->n_ratio / 2] : 0.0, t->n_ratio ? t->ratio[t->n_ratio - 1] : 0.0, within, t->n_ratio,
+         t->missed, t->left_out);
+}
+
+int main(int argc, char **argv)
+{
+  static fbb_tally tally[2];
+  const int variations = argc > 1 ? atoi(argv[1]) : 2;
+  if (variations < 0 || 3 * FBB_COUNT(fbb_cases) * (variations + 1) > FBB_RATIOS) {
+    fprintf(stderr, "usage: bench_advice [variations of each scene, 0 to %d]\n",
+            FBB_RATIOS / (3 * FBB_COUNT(fbb_cases)) - 1);
+    return 1;
+  }
+  fbb_begin();
+  for (int s = 0; s < FBB_COUNT(fbb_cases); s++) {
+    for (int k = 0; k <= variations; k++) {
+      fbb_case c = fbb_cases[s];
+      fprintf(stderr, "%s, variation %d of %d\n", c.name, k, variations);
+      if (k > 0) {
+        vary(&c, FBB_COUNT(fbb_cases) * k + s);
+      }
+      printf("%s%s\n", c.name, k > 0 ? ", varied" : "");
+      scene(tally, &c);
+    }
+  }
+  summary(&tally[0], "advised");
+  printf("advised steps: %d unstable, error at most %.2g of the estimate\n", tally[0].unstable, tally[0].step);
+  summary(&tally[1], "found");
+  return 0;
+}

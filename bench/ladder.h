@@ -1,0 +1,207 @@
+/* ladder.h - a scene by the exact beam and by modal bodies of every set of effects, number of modes, scheme and step:
+   error and time of each. */
+#ifndef FBB_LADDER_H
+#define FBB_LADDER_H
+
+#include "case.h"
+
+#define FBB_MAX_ENTRIES 6000
+
+/* Rungs of the ladder: what a picture shows as one curve. */
+enum { FBB_RIGID = 0, FBB_LINEAR = 1, FBB_SOME = 2, FBB_FULL = 3, FBB_STRAIN = 4, FBB_EXACT = 5, FBB_RUNGS = 6 };
+static const char *const fbb_rung_name[] = {"rigid", "linear", "some", "full", "strain", "exact"};
+
+typedef struct fbb_entry {
+  const char *level, *scheme;
+  int rung, effects; /* of the exact beam: no mask */
+  fbb_basis basis;
+  double dt, error, ns_per_s;
+} fbb_entry;
+
+typedef struct fbb_level {
+  const char *name;
+  int rung;
+  unsigned effects;
+} fbb_level;
+
+/* C spin coupling, R residual inertia, S spin stiffening, A acceleration stiffening. */
+static const fbb_level fbb_levels[] = {
+    {"rigid", FBB_RIGID, FB_EFFECTS_RIGID},
+    {"linear", FBB_LINEAR, FB_EFFECTS_LINEAR},
+    {"C", FBB_SOME, FB_EFFECTS_SPIN},
+    {"S", FBB_SOME, FB_EFFECTS_LINEAR | FB_EFFECT_SPIN_STIFFENING},
+    {"A", FBB_SOME, FB_EFFECTS_LINEAR | FB_EFFECT_ACCELERATION_STIFFENING},
+    {"CS", FBB_SOME, FB_EFFECTS_SPIN | FB_EFFECT_SPIN_STIFFENING},
+    {"CA", FBB_SOME, FB_EFFECTS_SPIN | FB_EFFECT_ACCELERATION_STIFFENING},
+    {"SA", FBB_SOME, FB_EFFECTS_LINEAR | FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING},
+    {"CSA", FBB_SOME, FB_EFFECTS_SPIN | FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING},
+    {"CRS", FBB_SOME, FB_EFFECTS_SPIN | FB_EFFECT_RESIDUAL_INERTIA | FB_EFFECT_SPIN_STIFFENING},
+    {"full", FBB_FULL, FB_EFFECTS_FULL},
+};
+
+static fbb_entry fbb_entries[FBB_MAX_ENTRIES];
+static int fbb_n_entry;
+static fbb_history fbb_reference;
+
+static void fbb_record(const fbb_entry *e, const fbb_history *h)
+{
+  if (fbb_n_entry == FBB_MAX_ENTRIES) {
+    fprintf(stderr, "more than %d runs of a scene\n", FBB_MAX_ENTRIES);
+    exit(1);
+  }
+  fbb_entries[fbb_n_entry] = *e;
+  fbb_entries[fbb_n_entry].error = h->status == FB_OK ? fbb_difference(h, &fbb_reference) : HUGE_VAL;
+  fbb_entries[fbb_n_entry].ns_per_s = h->ns_per_s;
+  fbb_n_entry++;
+}
+
+/* ---- reference */
+
+/* The exact beam's solution that meshes and steps lead to, both halved: of order 2 in both. */
+static void fbb_extrapolate(fbb_history *out, const fbb_history *coarse, const fbb_history *fine)
+{
+  *out = *fine;
+  for (int k = 0; k < FBB_SAMPLES; k++) {
+    for (int i = 0; i < 3; i++) {
+      out->out[k][i] += (fine->out[k][i] - coarse->out[k][i]) / 3;
+    }
+  }
+}
+
+/* Sets the reference and records the three solutions it is made of; returns how far it is estimated to be off. */
+static double fbb_reference_make(const fbb_case *c)
+{
+  static fbb_history run[3], rough;
+  fbb_entry e = {"exact", "mixed", FBB_EXACT, 0, {0, 0, 0}, 0, 0, 0};
+  for (int k = 0; k < 3; k++) {
+    fbb_exact_run(&run[k], c, 16 << k, 8 << k);
+    fbb_check(run[k].status, c->name);
+  }
+  fbb_extrapolate(&rough, &run[0], &run[1]);
+  fbb_extrapolate(&fbb_reference, &run[1], &run[2]);
+  for (int k = 0; k < 3; k++) {
+    e.basis.elements = 16 << k;
+    e.dt = c->duration / FBB_SAMPLES / (8 << k);
+    fbb_record(&e, &run[k]);
+  }
+  return fbb_difference(&rough, &fbb_reference) / 4;
+}
+
+static void fbb_climb_exact(const fbb_case *c)
+{
+  static fbb_history h;
+  fbb_entry e = {"exact", "mixed", FBB_EXACT, 0, {0, 0, 0}, 0, 0, 0};
+  for (int n = 4; n <= 16; n *= 2) {
+    for (int steps = 1; steps <= 4; steps *= 2) {
+      fbb_exact_run(&h, c, n, steps);
+      e.basis.elements = n;
+      e.dt = c->duration / FBB_SAMPLES / steps;
+      fbb_record(&e, &h);
+    }
+  }
+}
+
+/* ---- modal bodies */
+
+/* The largest spin [rad/s] of a scene, for the limit of the step. */
+static double fbb_largest_spin(const fbb_case *c)
+{
+  const double *w = c->spin;
+  const double driven = c->drive == fbb_drive_spinup  ? c->size
+                        : c->drive == fbb_drive_joint ? 2 * c->size / c->period
+                                                      : 0;
+  return sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2]) + driven;
+}
+
+static void fbb_climb_steps(const fbb_case *c, const fb_body *body, fbb_entry *e)
+{
+  static fbb_history h;
+  const double sample = c->duration / FBB_SAMPLES, limit = (double)fb_rk4_limit(body, (fb_real)fbb_largest_spin(c), 0);
+  const int fewest = limit < sample ? (int)ceil(sample / limit) : 1;
+  for (int scheme = 0; scheme < FBB_SCHEMES; scheme++) {
+    for (int k = 0, steps = scheme == FB_SCHEME_RK4 ? fewest : 1; k < 4 && steps <= 4 * fewest; k++, steps *= 2) {
+      if (scheme == FB_SCHEME_RK4 && e->basis.elements && k > 0) {
+        break; /* its steps are short enough */
+      }
+      fbb_body_run(&h, c, body, (fb_scheme)scheme, steps);
+      e->scheme = fbb_scheme_name[scheme];
+      e->dt = sample / steps;
+      fbb_record(e, &h);
+    }
+  }
+}
+
+static void fbb_climb_body(const fbb_case *c, const fbb_level *level, const fbb_basis *basis)
+{
+  static fb_shape shape;
+  static fb_body body;
+  static fb_body_work work;
+  fb_body_desc desc;
+  fb_status status;
+  fbb_entry e = {level->name, "", level->rung, (int)level->effects, *basis, 0, 0, 0};
+  fbb_shape_make(&shape, c, basis);
+  fbb_body_desc_make(&desc, c, level->effects | (fbb_has_gravity(c) ? (unsigned)FB_EFFECT_GRAVITY : 0u));
+  status = fb_body_init(&body, &work, &shape, &desc);
+  if (status != FB_ERR_EFFECTS) { /* half of something */
+    fbb_check(status, c->name);
+    fbb_climb_steps(c, &body, &e);
+  }
+}
+
+static void fbb_climb_modal(const fbb_case *c)
+{
+  static const int count[] = {1, 2, 3, 4, 6};
+  for (int level = 0; level < FBB_COUNT(fbb_levels); level++) {
+    const fbb_level *const l = &fbb_levels[level];
+    for (int i = 0; i < FBB_COUNT(count); i++) {
+      for (int planes = 1; planes < 4; planes++) { /* y, z, both */
+        const fbb_basis basis = {planes & 1 ? count[i] : 0, planes & 2 ? count[i] : 0, 0};
+        const int rigid = l->effects == FB_EFFECTS_RIGID;
+        if ((planes & 1) <= c->y && planes / 2 <= c->z && !(rigid && (i > 0 || planes < (c->y | 2 * c->z)))) {
+          fbb_climb_body(c, l, &basis);
+        }
+      }
+    }
+  }
+}
+
+static void fbb_climb_strain(const fbb_case *c)
+{
+  static const fbb_level strain = {"strain", FBB_STRAIN, FB_EFFECTS_STRAIN};
+  for (int elements = 1; elements <= 3 && c->root == FB_ROOT_CLAMPED; elements++) {
+    const fbb_basis basis = {2 * elements * c->y, 2 * elements * c->z, elements};
+    fbb_climb_body(c, &strain, &basis);
+  }
+}
+
+static int fbb_by_cost(const void *a, const void *b)
+{
+  const double x = ((const fbb_entry *)a)->ns_per_s, y = ((const fbb_entry *)b)->ns_per_s;
+  return (x > y) - (x < y);
+}
+
+/* All of it, by cost. Returns how far the reference is estimated to be off. */
+static double fbb_climb(const fbb_case *c)
+{
+  double off;
+  fbb_n_entry = 0;
+  off = fbb_reference_make(c);
+  fbb_climb_exact(c);
+  fbb_climb_modal(c);
+  fbb_climb_strain(c);
+  qsort(fbb_entries, (size_t)fbb_n_entry, sizeof fbb_entries[0], fbb_by_cost);
+  return off;
+}
+
+/* The cheapest that errs less than the tolerance; NULL: none does. */
+static const fbb_entry *fbb_cheapest(double tolerance)
+{
+  for (int k = 0; k < fbb_n_entry; k++) {
+    if (fbb_entries[k].error <= tolerance) {
+      return &fbb_entries[k];
+    }
+  }
+  return NULL;
+}
+
+#endif
