@@ -549,12 +549,61 @@ TEST(errors_and_steps_add_up)
   }
 }
 
+/* E13.1, E13.3: a base that moves at v and spins feels w x v. The full set knows it from v; as an acceleration it is the
+   same load, which every set knows; sets without residual inertia lack the former. */
+TEST(velocities_of_a_spinning_base_are_loads)
+{
+  double felt, linear;
+  boom_under_a_force(0.0, 0, 3);
+  envelope.spin[1] = FB_R(2.0);
+  envelope.acceleration[2] = -FB_R(0.2); /* w x v of v = 0.1 m/s along the boom */
+  felt = deflection();
+  linear = (double)work.error[0];
+  envelope.velocity[0] = FB_R(0.1);
+  FBT_NEAR_REL(deflection(), felt, FBT_TOL(1e-9, 1e-3));
+  FBT_BELOW(linear, 0.5);
+  FBT_TRUE((double)work.error[0] > 0.9);
+}
+
+/* E13.3: a spin askew bends the boom by a product of its components, which reaches some sets through modes that are not
+   driven: what is advised has the steady state that all modes and effects have. */
+TEST(advice_counts_loads_through_other_modes)
+{
+  static fb_analyse_work analyse;
+  double z[2];
+  boom_under_a_force(0.0, 3, 3);
+  envelope.spin[0] = FB_R(0.2);
+  envelope.spin[2] = -FB_R(4.0);
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
+  FBT_INT_EQ(fb_shape_select(&other, &shape, advice.coordinate, advice.n), FB_OK);
+  for (int run = 0; run < 2; run++) {
+    fb_body_desc desc = level;
+    fb_state state;
+    fb_input input;
+    fb_motion motion;
+    fb_node_motion tip;
+    memset(&input, 0, sizeof input);
+    memcpy(input.w, envelope.spin, sizeof input.w);
+    desc.effects = run ? level.effects : advice.effects;
+    FBT_INT_EQ(fb_body_init(&body, &body_work, run ? &shape : &other, &desc), FB_OK);
+    FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+    FBT_INT_EQ(fb_body_trim(&body, &state, &analyse, &input), FB_OK);
+    FBT_INT_EQ(fb_body_motion(&body, &motion, &state, &input), FB_OK);
+    FBT_INT_EQ(fb_body_node_motion(&body, &tip, &state, &motion, 1), FB_OK);
+    z[run] = (double)tip.displacement[2];
+  }
+  FBT_TRUE(fabs(z[1]) > 1e-3);
+  FBT_NEAR_REL(z[0], z[1], 0.02);
+}
+
 /* ---- search */
 
 typedef struct looked_at { /* a scene of which everything is known */
   int n_run, diverges;
   fb_real last_cost, floor, most, shortest; /* the first run's cost and step */
   int in_order;
+  fb_real dt[FB_EFFECTS_FULL + 1][FB_MAX_MODES + 1]
+            [FB_SCHEME_EXPONENTIAL + 1]; /* last tried, by set, modes and scheme */
 } looked_at;
 
 /* Off by 0.2 without spin stiffening, by 0.05 without the second mode, by the square of the step; `floor` or twice that at least. */
@@ -571,6 +620,9 @@ static fb_status look_at(void *user, fb_real *out, const fb_advice *candidate)
   } else {
     seen->in_order &= candidate->cost >= seen->last_cost && candidate->cost <= seen->most;
     seen->last_cost = candidate->cost;
+    fb_real *const last = &seen->dt[candidate->effects & FB_EFFECTS_FULL][candidate->n][candidate->scheme];
+    FBT_TRUE(!(*last > FB_R(0.0)) || dt < FB_R(0.99) * *last); /* no step twice */
+    *last = dt;
   }
   out[0] = FB_R(1.0);
   out[1] = reference ? FB_R(0.0) : (fb_real)(1 + seen->n_run % 2) * seen->floor + FB_R(20.0) * dt * dt;
@@ -815,6 +867,7 @@ SUITE(advise, RUN(selection_takes_rows_and_pairs), RUN(selected_modes_move_as_a_
       RUN(selection_refuses_nonsense), RUN(advice_estimates_the_deflection), RUN(sets_err_by_the_change_of_frequency),
       RUN(advice_knows_where_modes_end), RUN(what_acts_adds_up_at_its_worst),
       RUN(compressed_booms_bend_until_they_buckle), RUN(sets_err_by_what_they_lack), RUN(model_error_is_its_formula),
+      RUN(velocities_of_a_spinning_base_are_loads), RUN(advice_counts_loads_through_other_modes),
       RUN(gravity_is_nothing_to_a_free_body), RUN(advised_steps_are_within_the_limit), RUN(damping_goes_with_its_mode),
       RUN(advised_steps_are_those_of_the_spectrum), RUN(advice_does_not_hide_what_is_out_of_range),
       RUN(errors_and_steps_add_up), RUN(search_stops_at_the_cheapest_that_will_do),
