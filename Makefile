@@ -14,10 +14,10 @@ EXAMPLES = quickstart spinup campbell analyse advise table1 assembly reduce elas
            elastica follower flap whirl beam3d leigh hil_plant hil_controller
 # long ones first, so that the two jobs of `make ci` end together
 CHECKS   = sanitize suite long tidy bits instructions firmware compile removed single advise rom mismatch stack symbols threads \
-           two_precisions jacobian style ids quickstart hil
+           two_precisions jacobian style ids quickstart first_build hil
 
 .DELETE_ON_ERROR:
-.PHONY: help run table1 leigh blade firmware hil test examples bench bench-accuracy bench-advice bench-peers sizes readme format clean ci FORCE $(CHECKS:%=check-%)
+.PHONY: help run table1 leigh blade firmware hil test examples bench bench-accuracy bench-advice bench-flags bench-peers sizes readme format clean ci FORCE $(CHECKS:%=check-%)
 
 help:
 	@echo "make run       spin-up of a flexible beam against its reference, time per step, picture if gnuplot is there"
@@ -31,6 +31,7 @@ help:
 	@echo "make bench     time per step by modes and effects, by form and scheme, of systems, of the exact beam: build/bench_*.csv"
 	@echo "make bench-accuracy  error and time of eight scenes by effects, modes, scheme and step (2 minutes): build/accuracy/"
 	@echo "make bench-advice  what the library advises for those scenes and variations of them, against all runs (2 minutes)"
+	@echo "make bench-flags  time of a step and code of the library by compiler flags (2 minutes)"
 	@echo "make bench-peers  the LU beside LAPACK's, the schemes beside SUNDIALS': needs both; build/bench_peers_*.csv"
 	@echo "make sizes     instructions, code, RAM and time of a step by modes and effects on two boards; bytes of all structs"
 	@echo "make readme    regenerate the tables, the program and the picture of README.md (wants gnuplot, valgrind)"
@@ -89,6 +90,9 @@ bench-accuracy: build/bench/bench_accuracy_double
 
 bench-advice: build/bench/bench_advice_double
 	@$< > build/bench_advice.txt && cat build/bench_advice.txt
+
+bench-flags:
+	@sh bench/flags.sh
 
 bench-peers:
 	@CC='$(CC)' MAKE='$(MAKE)' sh bench/peers.sh

@@ -1,7 +1,7 @@
 #!/bin/sh
 # Regenerates the tables, the program and the picture of README.md from what the programs print: make readme.
 # One part alone: `sh bench/readme.sh accuracy` (the eight scenes), `advice` (what is advised for them), `advise` (the
-# example of that name), `hil` (hardware in the loop), `peers` (make bench-peers, whose table stays as it is where the
+# example of that name), `flags` (compilers' options), `hil` (hardware in the loop), `peers` (make bench-peers, whose table stays as it is where the
 # libraries are missing).
 set -eu
 out=build/readme
@@ -36,6 +36,12 @@ advise() {
   build/examples/advise --simulate > "$out/advise"
   { echo '```'; sed -e '/^10 %: [A-Z]/,/^$/d' -e 's/ *$//' "$out/advise"; echo '```'; } | block advise
 }
+
+flags() {
+  make -s bench-flags > "$out/flags"
+  { echo '```'; sed 's/ *$//' "$out/flags"; echo '```'; } | block flags
+}
+
 accuracy() {
   make -s bench-accuracy > "$out/scenes"
   { echo '```'; sed -e 's/^# //' -e 's/ *$//' build/accuracy/tables.txt; echo '```'; } | block scenes
@@ -57,6 +63,7 @@ hil
 accuracy
 advice
 advise
+flags
 
 # the program, between ```c and ```
 sed -n '/^#/,$p' examples/quickstart.c > "$out/program"

@@ -1,5 +1,6 @@
 #!/bin/sh
-# Every equation id is defined once, names a test that exists, and every id that is cited anywhere is defined.
+# Every equation id is defined once, names a test that exists, and every id that is cited anywhere is defined. Every name of
+# the library that README.md uses exists.
 . tests/checks/common.sh
 sed -n 's/^\/\* \[\(E[0-9]*\.[0-9]*\)\].*/\1/p' flexbeam_impl.h | sort > "$out/defined"
 twice=$(uniq -d "$out/defined" | tr '\n' ' ')
@@ -21,4 +22,8 @@ missing=$(awk 'NR == FNR { known[$1] = 1; next } !($2 in known) { print $1 " " $
 grep -ohE '\bE[0-9]+\.[0-9]+\b' flexbeam.h flexbeam_impl.h tests/*.[ch] examples/*.c bench/*.[ch] | sort -u > "$out/cited"
 unknown=$(comm -23 "$out/cited" "$out/defined" | tr '\n' ' ')
 [ -z "$unknown" ] || fail "cited but not defined: $unknown"
+tr '`' '\n' < README.md | grep -xE '(fb|fbi|FB|FBI)_[A-Za-z0-9_]*[A-Za-z0-9]' | sort -u > "$out/names"
+grep -ohE '\b(fb|fbi|FB|FBI)_[A-Za-z0-9_]+' flexbeam.h flexbeam_impl.h | sort -u > "$out/code"
+unknown=$(comm -23 "$out/names" "$out/code" | tr '\n' ' ')
+[ -z "$unknown" ] || fail "README.md names what is not there: $unknown"
 ok "$(wc -l < "$out/defined") equations, each defined once and tested; $(wc -l < "$out/tests") tests"
