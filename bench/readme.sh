@@ -17,6 +17,11 @@ block() {
   cp "$out/new" README.md
 }
 
+# picture FILE NAME: gnuplot's, beside the examples; the old one stays where gnuplot is missing
+picture() {
+  [ ! -f "$1" ] || sed 's/ *$//' "$1" > "examples/$2"
+}
+
 peers() {
   if make -s bench-peers > "$out/peers"; then
     { echo '```'; sed 's/ *$//' "$out/peers"; echo '```'; } | block peers
@@ -45,7 +50,7 @@ flags() {
 accuracy() {
   make -s bench-accuracy > "$out/scenes"
   { echo '```'; sed -e 's/^# //' -e 's/ *$//' build/accuracy/tables.txt; echo '```'; } | block scenes
-  [ ! -f build/accuracy/accuracy.svg ] || sed 's/ *$//' build/accuracy/accuracy.svg > examples/accuracy.svg
+  picture build/accuracy/accuracy.svg accuracy.svg
 }
 
 # The eight scenes as they are, and the count of all.
@@ -85,7 +90,7 @@ awk -F'|' '
 # the spin-up: its table, and the picture beside the example
 build/examples/spinup --reference tests/reference/p07C_second_order.csv --out build/spinup.csv > "$out/spinup"
 { echo '```'; sed -n -e 's/ *$//' -e '/^Spin-up/,/^ *6 .*full/p' "$out/spinup"; echo '```'; } | block spinup
-[ ! -f build/spinup.svg ] || sed "s/ *$//" build/spinup.svg > examples/spinup.svg
+picture build/spinup.svg spinup.svg
 
 # the forms of the equations of motion, and what accuracy costs in time
 build/bench/bench_forms_double > "$out/forms"
@@ -99,7 +104,7 @@ make -s table1 > "$out/table1"
 build/bench/bench_system_double > "$out/system"
 { echo '```'; awk -F, -f bench/system.awk "$out/system" | sed 's/ *$//'; echo '```'; } | block system
 build/examples/spacecraft --out build/spacecraft.csv > "$out/spacecraft"
-[ ! -f build/spacecraft_error.svg ] || sed "s/ *$//" build/spacecraft_error.svg > examples/spacecraft_error.svg
+picture build/spacecraft_error.svg spacecraft_error.svg
 
 # the exact beam: time, [L]'s tables, a picture
 build/bench/bench_mixed_double > "$out/mixed"
@@ -107,7 +112,10 @@ build/bench/bench_mixed_double > "$out/mixed"
 make -s leigh > "$out/leigh"
 { echo '```'; sed -n -e 's/ *$//' -e '/^Table 4.4/,/^4.7, 4.8/p' "$out/leigh" | sed '$d'; tail -n 1 "$out/leigh"; echo '```'; } | block leigh
 build/examples/elastica --out build/elastica.csv > "$out/elastica"
-[ ! -f build/elastica.svg ] || sed "s/ *$//" build/elastica.svg > examples/elastica.svg
+picture build/elastica.svg elastica.svg
+
+build/examples/follower --out build/follower.csv > "$out/follower"
+picture build/follower_flutter.svg follower_flutter.svg
 
 # the blade: its frequencies, and ElastoDyn's from the head of the table
 blade=tests/reference/nrel5mw_blade.csv
@@ -126,6 +134,9 @@ build/examples/campbell --blade $blade --mass-factor 1.04536 --rpm 0,12.1 --mode
       print "" }' $blade "$out/blade"
   echo '```'
 } | block blade
+
+make -s blade 2> "$out/campbell"
+picture build/campbell.svg campbell.svg
 
 build/bench/identities_double > "$out/identities"
 { echo '```'; cat "$out/identities"; echo '```'; } | block identities
