@@ -26,7 +26,7 @@ help:
 	@echo "make leigh     every case of chapter 4 of Leigh's thesis by the exact beam, beside its figures: build/leigh/"
 	@echo "make firmware  the attitude loop of examples/firmware.c on an emulated Cortex-M4F and -M7, against the desktop"
 	@echo "make hil       a spacecraft at 1 kHz in real time and its controller, two processes over UDP, 60 s: build/hil.csv"
-	@echo "make test      build and run the tests, build the examples"
+	@echo "make test      build and run the tests"
 	@echo "make examples  $(EXAMPLES:%=build/examples/%)"
 	@echo "make bench     time per step by modes and effects, by form and scheme, of systems, of the exact beam: build/bench_*.csv"
 	@echo "make bench-accuracy  error and time of eight scenes by effects, modes, scheme and step (2 minutes): build/accuracy/"
@@ -66,7 +66,7 @@ hil: build/examples/hil_plant build/examples/hil_controller
 	@build/examples/hil_controller > build/hil_controller.txt & build/examples/hil_plant --out build/hil.csv; status=$$?; \
 	wait $$! || status=1; cat build/hil_controller.txt; exit $$status
 
-test: examples check-quickstart build/test_runner
+test: check-quickstart build/test_runner
 	build/test_runner
 
 examples: $(EXAMPLES:%=build/examples/%)
