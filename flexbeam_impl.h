@@ -13175,7 +13175,7 @@ FB_DEF fb_status fb_mixed_step(const fb_mixed *m, fb_mixed_state *state, fb_mixe
   if (status != FB_OK) {
     return status;
   }
-  if (!(dt > FB_R(0.0))) {
+  if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
     return FB_ERR_VALUE;
   }
   step = dt / m->time;
