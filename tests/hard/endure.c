@@ -65,7 +65,7 @@ static drift conserve(fb_form form, int how, double dt, double steps)
   energy = hard_energy(&body, &state);
   hard_must(fb_body_momentum(&body, &first, &state, NULL), "momentum");
   for (double k = 1; k <= steps && well; k++) {
-    well = how == 0   ? fb_midpoint_step(&body, &state, &implicit, NULL, (fb_real)dt, 3) == FB_OK
+    well = how == 0   ? fb_midpoint_step(&body, &state, &implicit, NULL, (fb_real)dt, 4) == FB_OK
            : how == 1 ? fb_rk4_step(&body, &state, &rk4, NULL, NULL, NULL, (fb_real)dt) == FB_OK
                       : hard_euler(&body, &state, NULL, dt);
     if (fmod(k, 1000.0) < 0.5) {

@@ -6,7 +6,6 @@
 #define HARD_H
 
 #define FB_MAX_MODES 40
-#define FB_MAX_MIXED 80
 #define FB_MAX_STRAINS 64
 #define FB_WITH_FORMS 1
 #include "../../flexbeam.h"
@@ -29,7 +28,7 @@ typedef struct hard_row {
   double figure, bound;        /* FB_HUGE and more, or not a number: diverged or refused */
   const char *naive;           /* the naive treatment */
   double naive_figure;         /* its figure by the same measure */
-  int excused;                 /* 1: on this machine the naive treatment cannot fail, the measure says why */
+  int excused;                 /* 1: this machine hides what the naive treatment costs: it need not fail */
 } hard_row;
 
 void hard_report(const hard_row *row);

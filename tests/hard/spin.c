@@ -16,12 +16,12 @@ typedef struct satellite {
 } satellite;
 
 /* theta_dot by the energy it costs; hard_shape has the modes, two alike, one for each plane. */
-static double sink(const satellite *s, double theta, double zeta)
+static double sink(const satellite *s, double theta)
 {
   const double n = s->h * cos(theta) / s->C, nu = n * s->C / s->A, beat = nu - n;
   double power = 0.0;
   for (int k = 0; k < hard_shape.n; k += 2) {
-    const double omega = sqrt((double)hard_shape.K[k * (hard_shape.n + 1)]), c = 2.0 * zeta * omega;
+    const double omega = sqrt((double)hard_shape.K[k * (hard_shape.n + 1)]), c = 2.0 * ZETA * omega;
     const double re = omega * omega - nu * nu, im = c * beat;
     const double force = nu * hard_length(hard_shape.H + 3 * k) * s->h * sin(theta) / s->A;
     power += c * beat * beat * force * force / (re * re + im * im);
@@ -41,7 +41,7 @@ static double nutation(const fb_state *state)
   return acos(fmax(-1.0, fmin(1.0, along / hard_length(state->L))));
 }
 
-static void satellite_build(satellite *s, double A, double C, unsigned effects, double zeta)
+static void satellite_build(satellite *s, double A, double C, unsigned effects)
 {
   static hard_craft craft;
   const double length = 3.0, line = 0.02;
@@ -51,14 +51,14 @@ static void satellite_build(satellite *s, double A, double C, unsigned effects, 
   craft.hub_inertia[0] = C;
   craft.hub_inertia[1] = craft.hub_inertia[2] = A - line * length * length * length / 3.0;
   craft.level.effects = effects | FB_EFFECT_DAMPING;
-  craft.level.zeta[0] = craft.level.zeta[1] = (fb_real)zeta;
+  craft.level.zeta[0] = craft.level.zeta[1] = (fb_real)ZETA;
   hard_craft_build(&s->body, &craft);
   s->A = A;
   s->C = C;
 }
 
 /* Runs from theta by rk4, or by explicit Euler, beside the energy sink: largest difference of the angle [rad]. */
-static double nutation_apart(satellite *s, double theta, double zeta, double dt, double steps, int euler, double *end)
+static double nutation_apart(satellite *s, double theta, double dt, double steps, int euler, double *end)
 {
   const double rest[3] = {0};
   const double w[3] = {s->h * cos(theta) / s->C, s->h * sin(theta) / s->A, 0};
@@ -68,8 +68,7 @@ static double nutation_apart(satellite *s, double theta, double zeta, double dt,
   int well = 1;
   hard_start(&s->body, &state, rest, w, NULL);
   for (double k = 0; k < steps && well; k++) {
-    const double half = theta + 0.5 * dt * sink(s, theta, zeta);
-    theta += dt * sink(s, half, zeta);
+    theta += dt * sink(s, theta + 0.5 * dt * sink(s, theta));
     well = euler ? hard_euler(&s->body, &state, NULL, dt)
                  : fb_rk4_step(&s->body, &state, &work, NULL, NULL, NULL, (fb_real)dt) == FB_OK;
     apart = fmax(apart, fabs(nutation(&state) - theta));
@@ -79,38 +78,42 @@ static double nutation_apart(satellite *s, double theta, double zeta, double dt,
   return well ? apart : HUGE_VAL;
 }
 
-void hard_flat_spin(int brief)
+/* The row of a satellite (A, C) that spins at n; naive: fewer effects, or explicit Euler. */
+static void satellite_report(hard_row *row, double A, double C, double n, double from, double steps, int euler)
 {
   static satellite s;
-  const double zeta = ZETA, dt = 0.05, steps = brief ? 2e5 : 2e6;
-  double end;
+  const double dt = 0.05; /* [s] */
+  static char measure[96];
+  double end, naive_end;
+  s.h = C * n;
+  satellite_build(&s, A, C, FB_EFFECTS_FULL);
+  row->hard = C / A;
+  row->steps = steps;
+  row->time = steps * dt;
+  row->periods = row->time * fabs(1.0 - C / A) * n / (2.0 * HARD_PI);
+  row->bound = 0.05;
+  row->figure = nutation_apart(&s, from, dt, steps, 0, &end);
+  if (!euler) {
+    satellite_build(&s, A, C, FB_EFFECTS_LINEAR);
+  }
+  row->naive_figure = nutation_apart(&s, from, dt, steps, euler, &naive_end);
+  snprintf(measure, sizeof measure, "angle of the axis, from %.2g to %.2g rad, against the energy sink [rad]", from,
+           end);
+  row->measure = measure;
+  hard_report(row);
+}
+
+void hard_flat_spin(int brief)
+{
+  const double steps = brief ? 2e5 : 2e6;
   hard_row minor = {.name = "flat-spin minor",
                     .what = "flexible satellite about its minor axis, damping in the antenna: it must go to flat spin",
                     .degree = "moments of inertia C/A",
-                    .measure = "angle of the axis against the energy sink [rad]",
-                    .bound = 0.05,
                     .naive = "linear modes without gyroscopic coupling (FB_EFFECTS_LINEAR)"};
   hard_row major = {.name = "flat-spin major",
                     .what = "the same about its major axis: it must stay, the nutation die out",
                     .degree = "moments of inertia C/A",
-                    .measure = "angle of the axis against the energy sink [rad]",
-                    .bound = 0.05,
                     .naive = "explicit Euler at the same step"};
-  minor.hard = 4.8 / 8.0;
-  minor.steps = major.steps = steps;
-  minor.time = major.time = steps * dt;
-  s.h = 4.8 * 1.5;
-  minor.periods = steps * dt * (1.0 - minor.hard) * s.h / 4.8 / (2.0 * HARD_PI);
-  satellite_build(&s, 8.0, 4.8, FB_EFFECTS_FULL, zeta);
-  minor.figure = nutation_apart(&s, brief ? 0.6 : 0.1, zeta, dt, steps, 0, &end);
-  satellite_build(&s, 8.0, 4.8, FB_EFFECTS_LINEAR, zeta);
-  minor.naive_figure = nutation_apart(&s, brief ? 0.6 : 0.1, zeta, dt, steps, 0, &end);
-  hard_report(&minor);
-  s.h = 8.0 * 0.7;
-  major.hard = 8.0 / 5.0;
-  major.periods = steps * dt * (major.hard - 1.0) * s.h / 8.0 / (2.0 * HARD_PI);
-  satellite_build(&s, 5.0, 8.0, FB_EFFECTS_FULL, zeta);
-  major.figure = nutation_apart(&s, 0.4, zeta, dt, steps, 0, &end);
-  major.naive_figure = nutation_apart(&s, 0.4, zeta, dt, steps, 1, &end);
-  hard_report(&major);
+  satellite_report(&minor, 8.0, 4.8, 1.5, brief ? 0.6 : 0.1, steps, 0);
+  satellite_report(&major, 5.0, 8.0, 0.7, 0.4, steps, 1);
 }
