@@ -81,6 +81,7 @@ enum { LINKS = 4, STEPS_PER_LATCH = 20 };
 /* A free body with three flexible links one after the other; model 1 the hub, model 0 the link. */
 static void chain(void)
 {
+  static const fb_joint_kind kind[LINKS] = {FB_JOINT_FREE, FB_JOINT_UNIVERSAL, FB_JOINT_REVOLUTE, FB_JOINT_REVOLUTE};
   static hard_craft craft;
   fb_momentum momentum;
   fb_real mass = FB_R(0.0);
@@ -93,11 +94,7 @@ static void chain(void)
   hard_craft_build(&model[0], &craft);
   bar(&model[1], 5.0, 0.5, 0.0);
   for (int k = 0; k < LINKS; k++) {
-    hang(k, k == 0,
-         k == 0   ? FB_JOINT_FREE
-         : k == 1 ? FB_JOINT_UNIVERSAL
-                  : FB_JOINT_REVOLUTE,
-         k == 0 ? FB_GROUND : k - 1, 1);
+    hang(k, k == 0, kind[k], k - 1, 1); /* FB_GROUND is -1 */
     start[k].value[0] = k > 0 ? FB_R(0.5) : 0;
     start[k].speed[0] = k > 0 ? FB_R(0.4) : 0;
     mass += model[k == 0].mass;
@@ -129,7 +126,7 @@ static void stop(int joint)
     memcpy(start[k].q, state.link[k].q, sizeof start[k].q);
     memcpy(start[k].q_dot, motion.motion[k].q_dot, sizeof start[k].q_dot);
   }
-  memset(start[joint].speed, 0, sizeof start[joint].speed);
+  start[joint].speed[0] = 0;
   hard_must(fb_system_state_init(&mechanism, model, &work, &state, start, &input), "system's state");
 }
 

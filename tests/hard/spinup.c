@@ -191,7 +191,7 @@ void hard_axial(int brief)
   (void)brief;
   row.steps = exact.steps = s.duration / dt;
   row.time = exact.time = s.duration;
-  row.periods = exact.periods = s.duration * 3.798 / (2.0 * HARD_PI);
+  row.periods = exact.periods = s.duration * HARD_FIRST / (2.0 * HARD_PI);
   exact_run(&s, 0.0, 20, dt);
   memcpy(rigid, s.tip, sizeof rigid);
   for (int k = 0; k < HARD_COUNT(ratio); k++) {
