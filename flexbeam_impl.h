@@ -8874,13 +8874,34 @@ static fb_status fbi_positions_close(fb_real *miss, int *worst, fb_system_work *
   return status;
 }
 
-/* Velocities onto the constraints: the impulses go into the momenta, and those of given axes become what they are. */
+/* Momenta of free axes and of modes as they were before. */
+static void fbi_free_momenta_keep(fb_system_state *state, const fb_system_state *before, const fb_system *system,
+                                  const fb_system_state *modes)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_joint *joint = &system->joint[k];
+    const int all = joint->kind == FB_JOINT_SPHERICAL || joint->kind == FB_JOINT_FREE;
+    for (int i = 0; i < joint->n_axis; i++) {
+      if (modes->mode[k][all ? 0 : i] == FB_AXIS_FREE) {
+        state->link[k].p[i] = before->link[k].p[i];
+      }
+    }
+    memcpy(state->link[k].pi, before->link[k].pi, sizeof state->link[k].pi);
+  }
+}
+
+/* Velocities onto the constraints: the impulses go into the momenta, and those of given axes become what they are. Without
+   constraints the others stay, to the last bit: latches that close and open again and again do not wear them out. */
 static fb_status fbi_momenta_close(fb_system_work *w, const fb_system *system, const fb_body *body,
                                    fb_system_state *state, const fb_system_state *modes, const fb_system_input *input)
 {
   const fb_status status = fbi_system_velocity(w, system, body, state, modes, input, 0);
-  if (status == FB_OK) {
+  if (status == FB_OK && fbi_has_rows(system, w, input)) {
     fbi_momenta_fill(state, w, system, body);
+  } else if (status == FB_OK) {
+    w->sum = *state;
+    fbi_momenta_fill(state, w, system, body);
+    fbi_free_momenta_keep(state, &w->sum, system, modes);
   }
   return status;
 }
@@ -13175,7 +13196,7 @@ FB_DEF fb_status fb_mixed_step(const fb_mixed *m, fb_mixed_state *state, fb_mixe
   if (status != FB_OK) {
     return status;
   }
-  if (!(dt > FB_R(0.0))) {
+  if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
     return FB_ERR_VALUE;
   }
   step = dt / m->time;

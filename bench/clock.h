@@ -9,21 +9,21 @@ typedef struct fbb_timing { /* in the unit of the samples */
   double lowest, median, p99, highest;
 } fbb_timing;
 
-static double fbb_now_ns(void)
+static inline double fbb_now_ns(void)
 {
   struct timespec t;
   clock_gettime(CLOCK_MONOTONIC, &t);
   return 1e9 * (double)t.tv_sec + (double)t.tv_nsec;
 }
 
-static int fbb_ascending(const void *a, const void *b)
+static inline int fbb_ascending(const void *a, const void *b)
 {
   const double x = *(const double *)a, y = *(const double *)b;
   return (x > y) - (x < y);
 }
 
 /* Of n samples, which are sorted. */
-static fbb_timing fbb_timing_of(double *sample, int n)
+static inline fbb_timing fbb_timing_of(double *sample, int n)
 {
   fbb_timing t;
   qsort(sample, (size_t)n, sizeof sample[0], fbb_ascending);

@@ -1,8 +1,7 @@
 #!/bin/sh
 # Regenerates the tables, the program and the picture of README.md from what the programs print: make readme.
-# One part alone: `sh bench/readme.sh accuracy` (the eight scenes), `advice` (what is advised for them), `advise` (the
-# example of that name), `flags` (compilers' options), `hil` (hardware in the loop), `peers` (make bench-peers, whose table stays as it is where the
-# libraries are missing).
+# One part alone: `sh bench/readme.sh PART`, the name of a function below; the table of `peers` stays as it is where the
+# libraries that it compares with are missing.
 set -eu
 out=build/readme
 mkdir -p "$out"
@@ -60,6 +59,21 @@ advice() {
   { echo '```'; sed -e 's/^# //' -e 's/ *$//' "$out/advised"; echo '```'; } | block advice
 }
 
+# The hard cases: one row each, figures of both precisions. Texts are the even fields between quotes.
+hard() {
+  make -s hard > "$out/hard"
+  awk -F'"' '
+    function gives(x) { return x + 0 < 1e18 && x !~ /[in]/ ? sprintf("%.2g", x) : "diverges" }
+    BEGIN { print "| case | how hard | steps, time, periods | what holds | figure | bound | margin | naive treatment | gives |"
+            print "|---|---|---|---|---|---|---|---|---|" }
+    NR > 1 {
+      split($7, run, ","); split($9, held, ","); split($11, naive, ",")
+      for (i = 3; i <= 5; i++) run[i] = run[i] > 0 ? sprintf("%.3g", run[i]) : "-"
+      printf "| %s, %s: %s | %s %.3g | %s, %s s, %s | %s | %.2g | %.0e | %.2g | %s | %s |\n", $2, $1 ~ /single/ ? "single" : "double", $4,
+        $6, run[2], run[3], run[4], run[5], $8, held[2], held[3], held[4], $10, gives(naive[2])
+    }' build/hard.csv | block hard
+}
+
 if [ $# -gt 0 ]; then # one part alone
   "$1"
   exit
@@ -69,6 +83,7 @@ accuracy
 advice
 advise
 flags
+hard
 
 # the program, between ```c and ```
 sed -n '/^#/,$p' examples/quickstart.c > "$out/program"

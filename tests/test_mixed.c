@@ -1921,6 +1921,7 @@ TEST(mixed_beam_refuses_bad_input)
   FBT_INT_EQ(fb_mixed_step(&mixed, &state, &work, &input, FB_R(10.0)), FB_ERR_CONVERGENCE);
   FBT_INT_EQ(fb_mixed_step(&mixed, &state, &work, &input, FB_R(0.0)), FB_ERR_VALUE);
   FBT_INT_EQ(fb_mixed_step(&mixed, &state, &work, &input, (fb_real)NAN), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_mixed_step(&mixed, &state, &work, &input, FB_R(2.0) * FB_HUGE), FB_ERR_VALUE);
   FBT_INT_EQ(fb_mixed_spectrum_solve(&mixed, &spectrum, &spectrum_work, &state, NULL, 0), FB_ERR_VALUE);
   FBT_TRUE(memcmp(&before, &state, sizeof state) == 0);
 }

@@ -1,0 +1,354 @@
+/* joints.c - systems: latches that close and open in motion, joints by way of massless bodies, a loop through positions
+   where its constraints depend on each other. */
+#include "hard.h"
+
+static fb_system mechanism;
+static fb_system_desc desc;
+static fb_system_work work;
+static fb_system_motion motion;
+static fb_system_state state;
+static fb_system_input input;
+static fb_link_motion start[FB_MAX_BODIES];
+static fb_body model[3];
+
+static void fresh(void)
+{
+  memset(&desc, 0, sizeof desc);
+  memset(&input, 0, sizeof input);
+  memset(start, 0, sizeof start);
+}
+
+/* A rigid bar along x, node 1 at its end; without mass: nothing but that node. */
+static void bar(fb_body *body, double mass, double length, double gravity)
+{
+  static fb_body_work body_work;
+  const double J = mass * length * length / 12.0;
+  const fb_real center[3] = {(fb_real)(0.5 * length), 0, 0}, end[3] = {(fb_real)length, 0, 0};
+  const fb_real inertia[6] = {(fb_real)(0.01 * J), (fb_real)J, (fb_real)J, 0, 0, 0};
+  fb_body_desc level;
+  int node;
+  memset(&level, 0, sizeof level);
+  level.base = FB_BASE_PRESCRIBED;
+  level.effects = FB_EFFECT_GRAVITY;
+  level.gravity[0] = (fb_real)gravity;
+  hard_must(fb_shape_init(&hard_shape, 0), "shape");
+  if (mass > 0.0) {
+    hard_must(fb_shape_add_rigid(&hard_shape, (fb_real)mass, center, inertia), "bar");
+  }
+  hard_must(fb_shape_add_node(&hard_shape, &node, end, NULL, NULL), "node");
+  hard_must(fb_body_init(body, &body_work, &hard_shape, &level), "bar");
+}
+
+static void hang(int k, int which, fb_joint_kind kind, int parent, int node)
+{
+  desc.n_body = k + 1;
+  desc.model[k] = which;
+  desc.joint[k].kind = kind;
+  desc.joint[k].parent = parent;
+  desc.joint[k].parent_node = node;
+}
+
+static void launch(void)
+{
+  hard_must(fb_system_init(&mechanism, &work, model, 3, &desc), "system");
+  hard_must(fb_system_state_init(&mechanism, model, &work, &state, start, &input), "system's state");
+}
+
+static void evaluate(void)
+{
+  hard_must(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), "motion");
+}
+
+static void end_of(double x[3], int body)
+{
+  fb_node_motion node;
+  hard_must(fb_body_node_motion(&model[mechanism.model[body]], &node, &motion.pose[body], &motion.motion[body], 1),
+            "node");
+  for (int i = 0; i < 3; i++) {
+    x[i] = (double)node.position[i];
+  }
+}
+
+static fb_status step(double dt)
+{
+  return fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, (fb_real)dt);
+}
+
+/* ---- latches */
+
+enum { LINKS = 4, STEPS_PER_LATCH = 20 };
+
+/* A free body with three flexible links one after the other; model 1 the hub, model 0 the link. */
+static void chain(void)
+{
+  static const fb_joint_kind kind[LINKS] = {FB_JOINT_FREE, FB_JOINT_UNIVERSAL, FB_JOINT_REVOLUTE, FB_JOINT_REVOLUTE};
+  static hard_craft craft;
+  fb_momentum momentum;
+  fb_real mass = FB_R(0.0);
+  fresh();
+  hard_craft_init(&craft, 1.0, 0.8, 30.0);
+  craft.keep.count[FB_KIND_BEND_Y] = craft.keep.count[FB_KIND_BEND_Z] = 1;
+  craft.hub_mass = 0.5;
+  craft.hub_inertia[0] = craft.hub_inertia[1] = craft.hub_inertia[2] = 0.02;
+  craft.level.base = FB_BASE_PRESCRIBED;
+  hard_craft_build(&model[0], &craft);
+  bar(&model[1], 5.0, 0.5, 0.0);
+  for (int k = 0; k < LINKS; k++) {
+    hang(k, k == 0, kind[k], k - 1, 1); /* FB_GROUND is -1 */
+    start[k].value[0] = k > 0 ? FB_R(0.5) : 0;
+    start[k].speed[0] = k > 0 ? FB_R(0.4) : 0;
+    mass += model[k == 0].mass;
+  }
+  start[0].speed[4] = FB_R(0.3);
+  launch();
+  hard_must(fb_system_momentum(&mechanism, model, &work, &momentum, &state, &input), "momentum");
+  for (int i = 0; i < 3; i++) { /* the mass center rests, positions stay small */
+    start[0].speed[i] = -momentum.linear[i] / mass;
+  }
+  launch();
+}
+
+static double energy_of(void)
+{
+  fb_energy energy;
+  hard_must(fb_system_energy(&mechanism, model, &work, &energy, &state, &input), "energy");
+  return (double)energy.kinetic + (double)energy.strain;
+}
+
+/* What one would write: the rate of the joint becomes zero, all else stays. */
+static void stop(int joint)
+{
+  evaluate();
+  for (int k = 0; k < LINKS; k++) {
+    memcpy(start[k].value, k == 0 ? state.link[k].x : motion.joint[k].value, sizeof start[k].value);
+    memcpy(start[k].quat, state.link[k].quat, sizeof start[k].quat);
+    memcpy(start[k].speed, motion.joint[k].speed, sizeof start[k].speed);
+    memcpy(start[k].q, state.link[k].q, sizeof start[k].q);
+    memcpy(start[k].q_dot, motion.motion[k].q_dot, sizeof start[k].q_dot);
+  }
+  start[joint].speed[0] = 0;
+  hard_must(fb_system_state_init(&mechanism, model, &work, &state, start, &input), "system's state");
+}
+
+/* Momentum lost and energy won by latches, the largest of either, of what there was. */
+static double latch(int latches, int naive)
+{
+  fb_momentum first, now;
+  double worst = 0.0;
+  chain();
+  hard_must(fb_system_momentum(&mechanism, model, &work, &first, &state, &input), "momentum");
+  for (int k = 0; k < latches; k++) {
+    const int joint = 1 + k % (LINKS - 1);
+    const double before = energy_of();
+    if (naive) {
+      stop(joint);
+    } else {
+      hard_must(fb_system_axis_set(&mechanism, model, &work, &state, joint, 0, FB_AXIS_LOCKED, &input), "latch");
+    }
+    worst = fmax(worst, energy_of() / before - 1.0);
+    hard_must(fb_system_momentum(&mechanism, model, &work, &now, &state, &input), "momentum");
+    worst = fmax(worst, hard_difference(now.angular, first.angular, 3) / hard_length(first.angular));
+    for (int i = 0; i < STEPS_PER_LATCH; i++) {
+      for (int j = 1; j < LINKS; j++) { /* motors within keep it moving */
+        input.drive[j].torque[0] = (fb_real)(0.3 * sin(0.001 * (k * STEPS_PER_LATCH + i) * j));
+      }
+      hard_must(step(0.001), "step");
+    }
+    hard_must(fb_system_axis_set(&mechanism, model, &work, &state, joint, 0, FB_AXIS_FREE, &input), "latch");
+    hard_progress(k, latches);
+  }
+  return worst;
+}
+
+void hard_latches(int brief)
+{
+  const int latches = brief ? 1000 : 30000;
+  hard_row row = {.name = "latches",
+                  .what = "joints of a flexible chain in free flight latch in motion and open again",
+                  .degree = "latchings",
+                  .measure = "momentum lost or energy won by a latch, of what there was",
+                  .bound = HARD_TOL(1e-11, 1e-5),
+                  .naive = "the joint's rate set to zero, a hundred times"};
+  row.hard = latches;
+  row.steps = latches * STEPS_PER_LATCH;
+  row.time = row.steps * 0.001;
+  row.figure = latch(latches, 0);
+  row.naive_figure = latch(100, 1);
+  hard_report(&row);
+}
+
+/* ---- joints by way of massless bodies */
+
+/* A pendulum of 1 m that hangs along x, on a spherical joint or on three hinges z, y, x with bodies without mass between. */
+static void pendulum(int hinges, fb_method method)
+{
+  static const fb_real speed[3] = {FB_R(0.5), FB_R(0.7), FB_R(1.5)}; /* [rad/s] about x, y, z */
+  static const double turn[3][3] = {
+      {0, 0, 0}, {-HARD_PI / 2, 0, 0}, {0, HARD_PI / 2, 0}}; /* z of the joint along z, y, x */
+  fresh();
+  desc.method = method;
+  bar(&model[0], 1.0, 1.0, 9.81);
+  bar(&model[1], 0.0, 0.0, 0.0);
+  bar(&model[2], 0.0, 0.0, 0.0);
+  for (int k = 0; k < 3; k++) {
+    const fb_real phi[3] = {(fb_real)turn[k][0], (fb_real)turn[k][1], (fb_real)turn[k][2]};
+    if (hinges) {
+      hang(k, k == 2 ? 0 : k + 1, FB_JOINT_REVOLUTE, k - 1, k > 0);
+      fb_quat_from_rotvec(desc.joint[k].attitude, phi);
+      fb_quat_from_rotvec(desc.joint[k].child_attitude, phi);
+      start[k].speed[0] = speed[2 - k];
+    } else {
+      start[0].speed[k] = speed[k];
+    }
+  }
+  if (!hinges) {
+    hang(0, 0, FB_JOINT_SPHERICAL, FB_GROUND, 0);
+  }
+}
+
+void hard_massless(int brief)
+{
+  enum { SAMPLES = 50 };
+  static double x[SAMPLES][3];
+  const double dt = 0.001;
+  const int steps = brief ? 200 : 4000; /* between samples */
+  hard_row row = {.name = "massless",
+                  .what = "a swinging, spinning pendulum on three hinges with massless bodies between them",
+                  .degree = "bodies without mass",
+                  .measure = "its end against that on one spherical joint [m]",
+                  .bound = HARD_TOL(1e-8, 1e-2),
+                  .naive = "each body by its own mass matrix, joints as constraints (FB_METHOD_MULTIPLIERS)"};
+  row.hard = 2.0;
+  row.steps = SAMPLES * steps;
+  row.time = row.steps * dt;
+  row.periods = row.time * sqrt(1.5 * 9.81) / (2.0 * HARD_PI);
+  for (int hinges = 0; hinges < 2; hinges++) {
+    pendulum(hinges, FB_METHOD_RECURSIVE);
+    launch();
+    for (int k = 0; k < SAMPLES; k++) {
+      double now[3];
+      for (int i = 0; i < steps; i++) {
+        hard_must(step(dt), "step");
+        hard_progress(hinges * SAMPLES + k, 2 * SAMPLES);
+      }
+      evaluate();
+      end_of(now, hinges ? 2 : 0);
+      for (int i = 0; i < 3 && hinges; i++) {
+        row.figure = fmax(row.figure, fabs(now[i] - x[k][i]));
+      }
+      memcpy(x[k], now, sizeof now);
+    }
+  }
+  pendulum(1, FB_METHOD_MULTIPLIERS);
+  row.naive_figure = fb_system_init(&mechanism, &work, model, 3, &desc) == FB_OK ? 0.0 : HUGE_VAL;
+  hard_report(&row);
+}
+
+/* ---- a parallelogram through its flat positions */
+
+static const double side[3] = {0.5, 1.0, 0.5}; /* [m] crank, coupler, rocker; 1 kg/m */
+static const double ground = 0.3,
+                    gravity = 0.3; /* [rad] direction of the fourth side, as long as the coupler; [m/s^2] along x */
+enum { CRANK, COUPLER, ROCKER, ANGLES };
+
+/* What one would write: absolute angles x[0..2] and rates x[3..5], the loop's two constraints as accelerations, one LU of
+   mass and constraints. 0: it is singular. */
+static int loop_rates(double rate[6], const double x[6])
+{
+  const double *l = side, *w = x + ANGLES, couple = 0.5 * l[COUPLER] * l[CRANK] * l[COUPLER];
+  const double sign[3] = {1.0, 1.0, -1.0}, s = sin(x[CRANK] - x[COUPLER]);
+  fb_real A[25] = {0}, b[5] = {0}, y[5], scale[5];
+  int perm[5];
+  for (int k = 0; k < ANGLES; k++) {
+    A[6 * k] = (fb_real)(l[k] * l[k] * l[k] / 3.0 + (k == CRANK ? l[COUPLER] * l[CRANK] * l[CRANK] : 0.0));
+    A[5 * k + 3] = A[15 + k] = (fb_real)(-sign[k] * l[k] * sin(x[k]));
+    A[5 * k + 4] = A[20 + k] = (fb_real)(sign[k] * l[k] * cos(x[k]));
+    b[3] += (fb_real)(sign[k] * l[k] * cos(x[k]) * w[k] * w[k]);
+    b[4] += (fb_real)(sign[k] * l[k] * sin(x[k]) * w[k] * w[k]);
+  }
+  for (int k = 0; k < ANGLES; k++) {
+    b[k] = (fb_real)(-gravity * sin(x[k]) * (0.5 * l[k] * l[k] + (k == CRANK ? l[COUPLER] * l[CRANK] : 0.0)));
+  }
+  A[1] = A[5] = (fb_real)(couple * cos(x[CRANK] - x[COUPLER]));
+  b[CRANK] += (fb_real)(-couple * s * w[COUPLER] * w[COUPLER]);
+  b[COUPLER] += (fb_real)(couple * s * w[CRANK] * w[CRANK]);
+  if (fb_lu_factor(A, perm, scale, 5) != FB_OK) {
+    return 0;
+  }
+  fb_lu_solve(y, A, perm, b, 5);
+  for (int k = 0; k < ANGLES; k++) {
+    rate[k] = w[k];
+    rate[ANGLES + k] = (double)y[k];
+  }
+  return 1;
+}
+
+/* Its largest gap [m]. */
+static double naive_loop(double begin, double spin, double dt, int steps)
+{
+  static const double part[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0};
+  double x[6] = {begin + ground, ground, begin + ground, spin, 0.0, spin}, gap = 0.0;
+  for (int step_number = 0; step_number < steps; step_number++) {
+    double rate[6] = {0}, sum[6] = {0}, at[6];
+    for (int stage = 0; stage < 4; stage++) {
+      for (int i = 0; i < 6; i++) {
+        at[i] = x[i] + part[stage] * dt * rate[i];
+      }
+      if (!loop_rates(rate, at)) {
+        return HUGE_VAL;
+      }
+      for (int i = 0; i < 6; i++) {
+        sum[i] += weight[stage] * rate[i];
+      }
+    }
+    for (int i = 0; i < 6; i++) {
+      x[i] += dt * sum[i];
+    }
+    gap = fmax(gap, hypot(side[0] * cos(x[0]) + side[1] * cos(x[1]) - side[2] * cos(x[2]) - side[1] * cos(ground),
+                          side[0] * sin(x[0]) + side[1] * sin(x[1]) - side[2] * sin(x[2]) - side[1] * sin(ground)));
+  }
+  return gap;
+}
+
+void hard_loop(int brief)
+{
+  const double spin = 2.0, dt = HARD_PI / HARD_TOL(2048, 512), begin = -100.37 * dt;
+  const int steps = (brief ? 10 : 100) * (int)HARD_TOL(2048, 512);
+  double a[3], b[3];
+  hard_row row = {
+      .name = "loop",
+      .what = "a free parallelogram turns through its flat positions, where its constraints depend on each other",
+      .degree = "flat positions passed",
+      .measure = "gap of the loop [m]",
+      .bound = HARD_TOL(1e-10, 1e-4), /* an angle of a hundred turns rounds by that in float */
+      .naive = "constraints as accelerations, one LU with the mass matrix"};
+  fresh();
+  for (int k = 0; k < ANGLES; k++) {
+    bar(&model[k], side[k], side[k], gravity);
+    hang(k, k, FB_JOINT_REVOLUTE, k == COUPLER ? CRANK : FB_GROUND, k == COUPLER);
+    start[k].value[0] = (fb_real)(k == COUPLER ? -begin : begin + ground);
+    start[k].speed[0] = (fb_real)(k == COUPLER ? -spin : spin);
+  }
+  desc.joint[ROCKER].position[0] = (fb_real)(side[COUPLER] * cos(ground));
+  desc.joint[ROCKER].position[1] = (fb_real)(side[COUPLER] * sin(ground));
+  desc.n_loop = 1;
+  desc.loop[0].kind = FB_JOINT_REVOLUTE;
+  desc.loop[0].parent = COUPLER;
+  desc.loop[0].child = ROCKER;
+  desc.loop[0].parent_node = desc.loop[0].child_node = 1;
+  launch();
+  for (int k = 0; k < steps; k++) {
+    hard_must(step(dt), "step");
+    evaluate();
+    end_of(a, COUPLER);
+    end_of(b, ROCKER);
+    row.figure = fmax(row.figure, hypot(a[0] - b[0], a[1] - b[1]));
+    hard_progress(k, steps);
+  }
+  row.hard = floor((spin * dt * steps + begin) / HARD_PI) + 1.0;
+  row.steps = steps;
+  row.time = steps * dt;
+  row.periods = row.time * spin / (2.0 * HARD_PI);
+  row.naive_figure = naive_loop(begin, spin, dt, steps);
+  hard_report(&row);
+}
