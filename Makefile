@@ -13,11 +13,11 @@ SECTIONS = main status vec3 rotation linalg beam modes body system forms mixed i
 EXAMPLES = quickstart spinup campbell analyse advise table1 assembly reduce elastodyn firmware spacecraft rotor arm fourbar \
            elastica follower flap whirl beam3d leigh hil_plant hil_controller
 # long ones first, so that the two jobs of `make ci` end together
-CHECKS   = sanitize suite long tidy bits instructions firmware compile removed single advise rom mismatch stack symbols threads \
+CHECKS   = sanitize suite long tidy coverage bits instructions firmware compile removed single advise rom mismatch stack symbols threads \
            two_precisions jacobian style ids quickstart hil
 
 .DELETE_ON_ERROR:
-.PHONY: help run table1 leigh blade firmware hil test examples bench bench-accuracy bench-advice bench-peers sizes readme format clean ci FORCE $(CHECKS:%=check-%)
+.PHONY: help run table1 leigh blade firmware hil test coverage mutants examples bench bench-accuracy bench-advice bench-peers sizes readme format clean ci FORCE $(CHECKS:%=check-%)
 
 help:
 	@echo "make run       spin-up of a flexible beam against its reference, time per step, picture if gnuplot is there"
@@ -27,6 +27,8 @@ help:
 	@echo "make firmware  the attitude loop of examples/firmware.c on an emulated Cortex-M4F and -M7, against the desktop"
 	@echo "make hil       a spacecraft at 1 kHz in real time and its controller, two processes over UDP, 60 s: build/hil.csv"
 	@echo "make test      build and run the tests, build the examples"
+	@echo "make coverage  lines and branches of the library that the tests run, by section; what they leave: build/coverage/"
+	@echo "make mutants   200 equations changed one at a time, the tests must notice (SEED=1, COUNT=200; half an hour)"
 	@echo "make examples  $(EXAMPLES:%=build/examples/%)"
 	@echo "make bench     time per step by modes and effects, by form and scheme, of systems, of the exact beam: build/bench_*.csv"
 	@echo "make bench-accuracy  error and time of eight scenes by effects, modes, scheme and step (2 minutes): build/accuracy/"
@@ -67,6 +69,12 @@ hil: build/examples/hil_plant build/examples/hil_controller
 
 test: examples check-quickstart build/test_runner
 	build/test_runner
+
+coverage:
+	@$(MAKE) -s --no-print-directory check-coverage && cat build/coverage/table.txt
+
+mutants:
+	@CC='$(CC)' sh tests/mutants/mutants.sh $(or $(SEED),1) $(or $(COUNT),200)
 
 examples: $(EXAMPLES:%=build/examples/%)
 
