@@ -1,0 +1,94 @@
+#!/bin/sh
+# Mutation check: the equations of flexbeam_impl.h are changed one at a time (mutants.awk tells how), the tests must notice.
+# sh tests/mutants/mutants.sh [SEED [COUNT]]: caught is a mutant that a test, or a check that compares the inside with outside
+# figures (tests/checks/jacobian.c, shape_rates.c), fails by a claim, a crash or a time-out. Those that change nothing to be seen
+# stand in equivalent.txt with the reason and count neither way; those that do not compile, or to the same code, are passed over.
+# Restartable: build/mutants/caught is kept, survivors are tried again. Ends with a table by section; fails below 95 %.
+set -eu
+seed=${1:-1} count=${2:-200}
+here=tests/mutants out=build/mutants
+CC=${CC:-cc}
+flags="-std=c99 -ffp-contract=off -Og -w"
+tests="-DFBT_SHORT=1 -DFBT_STOP=1"
+tab=$(printf '\t')
+# cheap ones first
+sections="vec3 rotation linalg build status advise analyse integrate forms body system modes mixed beam"
+
+mkdir -p "$out/tree/tests"
+cp flexbeam.h flexbeam_impl.h "$out/tree"
+cp tests/fbt.h tests/test_main.c "$out/tree/tests"
+touch "$out/caught"
+
+build_main() { $CC $flags $tests -c -o "$1" "$out/tree/tests/test_main.c" 2> "$out/errors"; }
+
+# run LIMIT COMMAND...: a crash, a time-out and a failed claim are all the same
+run() {
+  limit=$1
+  shift
+  (timeout "$limit" "$@" > "$out/log" 2>&1) 2> "$out/crash"
+}
+
+# seen_by SECTION: prints which suite or check notices the mutant that is in the tree; nothing if none does
+seen_by() {
+  $CC -o "$out/runner" "$out/main.o" "$out"/test_*.o -lm
+  for suite in $1 $(echo $sections | tr ' ' '\n' | grep -v "^$1\$"); do
+    run "$(sed -n "s/^$suite //p" "$out/limits")" "$out/runner" "$suite/" || { echo "$suite"; return; }
+  done
+  for check in jacobian shape_rates; do
+    $CC $flags -I"$out/tree" -o "$out/check" "tests/checks/$check.c" -lm 2> "$out/errors" && run 60 "$out/check" || { echo "check-$check"; return; }
+  done
+}
+
+for file in tests/test_*.c; do
+  [ $file = tests/test_main.c ] || $CC $flags $tests -c -o "$out/$(basename "$file" .c).o" "$file"
+done
+build_main "$out/original.o"
+cp "$out/original.o" "$out/main.o"
+$CC -o "$out/runner" "$out/main.o" "$out"/test_*.o -lm
+for suite in $sections; do # five times as long as without a mutant, and ten seconds
+  start=$(date +%s)
+  "$out/runner" "$suite/" > "$out/log" || { cat "$out/log"; exit 1; }
+  echo "$suite $((10 + 5 * ($(date +%s) - start)))"
+done > "$out/limits"
+
+# in the order drawn, one kind after the other, so that all are there equally
+awk -v seed="$seed" -f $here/mutants.awk flexbeam_impl.h | sort |
+  awk -F'\t' '{ print ++of_kind[$2] FS $0 }' | sort -s -t "$tab" -k 1,1n | cut -f 2- > "$out/drawn"
+
+: > "$out/results"
+n=0
+while [ "$n" -lt "$count" ] && IFS="$tab" read -r hash kind section name line times text; do
+  original=$(sed -n "${line}s/^ *//p" flexbeam_impl.h)
+  text=$(printf '%s\n' "$text" | sed 's/^ *//')
+  key="$name | $original | $text"
+  by=
+  if grep -q -F -e "$key | " $here/equivalent.txt; then
+    verdict=equivalent
+  elif by=$(key="$key" awk -F'\t' -v n="$times" 'BEGIN { key = ENVIRON["key"] } $3 == key && $2 == n { print $1; found = 1 } END { exit !found }' "$out/caught"); then
+    verdict=caught
+  else
+    text="$text" line="$line" awk 'NR == ENVIRON["line"] { match($0, /^ */); $0 = substr($0, 1, RLENGTH) ENVIRON["text"] } { print }' \
+      flexbeam_impl.h > "$out/tree/flexbeam_impl.h"
+    build_main "$out/main.o" || continue
+    ! cmp -s "$out/main.o" "$out/original.o" || continue
+    by=$(seen_by "$section")
+    verdict=$([ -n "$by" ] && echo caught || echo survived)
+    [ -z "$by" ] || printf '%s\t%s\t%s\n' "$by" "$times" "$key" >> "$out/caught"
+  fi
+  n=$((n + 1))
+  printf '%s %s\n' "$section" "$verdict" >> "$out/results"
+  printf '%3d/%d %-10s %-8s %s:%d %s: %s -> %s  (%s)\n' "$n" "$count" "$verdict" "$kind" "$section" "$line" "$name" "$original" "$text" "$by"
+done < "$out/drawn"
+
+awk '
+  { total[$2]++; of[$1, $2]++; if (!($1 in seen)) { seen[$1]; order[++n] = $1 } }
+  function row(name, c, e, s) { printf "%-10s %7d %11d %9d\n", name, c, e, s }
+  BEGIN { printf "%-10s %7s %11s %9s\n", "section", "caught", "equivalent", "survived" }
+  END {
+    k = split("vec3 rotation linalg beam modes body system mixed integrate analyse advise", order, " ")
+    for (i = 1; i <= k; i++) row(order[i], of[order[i], "caught"], of[order[i], "equivalent"], of[order[i], "survived"])
+    row("all", total["caught"], total["equivalent"], total["survived"])
+    part = 100 * total["caught"] / (total["caught"] + total["survived"])
+    printf "%.1f %% of %d caught\n", part, total["caught"] + total["survived"]
+    exit !(part >= 95)
+  }' "$out/results"
