@@ -138,6 +138,13 @@ TEST(tapered_rods_are_exact_at_the_nodes)
   desc.place[3] = FB_R(2.0);
   settle();
   FBT_NEAR_REL(node[3].displacement[0], FBT_TOL(100.0, 1e5) * 2.0 / 1e6 * log(2.0), FBT_TOL(1e-9, 1e-4));
+  desc.n_station = 3; /* uniform up to the middle, then down to half */
+  desc.station[2] = desc.station[1];
+  desc.station[1] = desc.station[0];
+  desc.station[1].x = desc.place[1] = FB_R(1.0);
+  settle();
+  FBT_NEAR_REL(node[3].displacement[0], FBT_TOL(100.0, 1e5) / 1e6 * (0.5 + log(2.0)), FBT_TOL(1e-9, 1e-4));
+  FBT_NEAR_REL(node[3].rotation[0], 10.0 / 1e4 * (0.5 + log(2.0)), FBT_TOL(1e-9, 1e-4));
 }
 
 /* E10.6: loads and couples along the line: the ends of a linear beam are exact with one element. */
@@ -188,18 +195,19 @@ TEST(tapered_beams_converge_fast)
   }
 }
 
-/* E10.12, E4.6: a tip moment makes an arc of which nodes and points in between are exact; three turns and more. */
+/* E10.12, E4.6: a tip moment makes an arc of which nodes and points in between are exact; three turns and more, and
+   whole ones, where the attitude alone tells neither their number nor the axis. */
 TEST(points_between_nodes_lie_on_the_curve)
 {
-  for (int turns = 1; turns <= 3; turns++) {
-    const double M = 2.0 * pi * turns + 0.1;
+  for (int k = 0; k < 6; k++) {
+    const double M = 2.0 * pi * (1 + k / 2) + 0.1 * (k % 2);
     elastica(12);
     load_tip(FB_AXES_NODE, 0.0, 0.0, 0.0);
     input.load[0].torque[2] = (fb_real)M;
     settle();
     FBT_NEAR_ABS(node[12].rotation[2], M, FBT_TOL(1e-9, 2e-4));
-    for (int k = 0; k <= 50; k++) {
-      const double x = k / 50.0;
+    for (int j = 0; j <= 50; j++) {
+      const double x = j / 50.0;
       fb_real p[3], q[4];
       FBT_INT_EQ(fb_mixed_point_eval(&mixed, p, q, &state, (fb_real)x), FB_OK);
       FBT_BELOW(distance(p, sin(M * x) / M, (1.0 - cos(M * x)) / M, 0.0), FBT_TOL(1e-10, 1e-5));
@@ -1670,6 +1678,31 @@ TEST(linear_beams_rest_where_the_beam_does)
   fbt_figure("linear model of the exact beam, answers at rest", "differences of steady states", largest);
 }
 
+/* E12.15: modes of equal frequency are kept together: a beam that bends alike in both planes answers alike in both, and
+   across not at all, though one mode is asked for. */
+TEST(equal_frequencies_are_kept_together)
+{
+  const double stiffness[6] = {1e4, 3e3, 3e3, 20.0, 5.0, 5.0}, inertia[6] = {2.0, 2.0, 2.0, 0.02, 0.01, 0.01};
+  beam(2.0, 8, stiffness, inertia);
+  settle();
+  memset(&ports, 0, sizeof ports);
+  for (int axis = 1; axis <= 2; axis++) {
+    port(ports.in, &ports.n_in, FB_MIXED_PORT_FORCE, 8, axis, FB_AXES_INERTIAL);
+    port(ports.out, &ports.n_out, FB_MIXED_PORT_DISPLACEMENT, 8, axis, FB_AXES_INERTIAL);
+  }
+  FBT_INT_EQ(fb_mixed_linearize(&mixed, &linear, &linear_work, &state, &input, &ports, 1), FB_OK);
+  FBT_INT_EQ(linear.n_mode, 2);
+  for (int k = 0; k < 4; k++) { /* up to close below their frequency */
+    double y[2], z[2], across[2];
+    const double omega = 0.3 * k * (double)linear.im[0];
+    linear_response(y, 0, 0, omega);
+    linear_response(z, 1, 1, omega);
+    linear_response(across, 0, 1, omega);
+    FBT_NEAR_REL(y[0], z[0], FBT_TOL(1e-7, 1e-2));
+    FBT_NEAR_ABS(across[0] / z[0], 0.0, FBT_TOL(1e-7, 1e-2));
+  }
+}
+
 /* Middle of a step of x' = A x + B u by the midpoint rule, (1 - dt/2 A) middle = x + dt/2 B u; x goes on. */
 static void linear_step(double *middle, double *x, int in, double u, double dt)
 {
@@ -1944,6 +1977,7 @@ SUITE(mixed, RUN(elastica_is_of_order_four), RUN(linear_cantilevers_are_exact_at
       RUN(frequencies_of_a_straight_beam_are_of_order_four), RUN(becks_column_flutters_at_its_load),
       RUN(shaft_whirls_as_in_closed_form), RUN(spinning_cantilever_has_the_published_frequencies),
       RUN(a_free_beam_swings_as_the_exact_one), RUN(columns_buckle_at_eulers_load),
-      RUN(linear_beams_rest_where_the_beam_does), RUN(linear_beams_move_as_the_beam_does),
-      RUN(linear_beams_answer_at_every_frequency), RUN(linear_beams_flutter_and_whirl),
-      RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode), RUN(mixed_beam_refuses_bad_input))
+      RUN(linear_beams_rest_where_the_beam_does), RUN(equal_frequencies_are_kept_together),
+      RUN(linear_beams_move_as_the_beam_does), RUN(linear_beams_answer_at_every_frequency),
+      RUN(linear_beams_flutter_and_whirl), RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode),
+      RUN(mixed_beam_refuses_bad_input))

@@ -299,12 +299,13 @@ static void stepped(fb_system_state *s, int n, double dt)
 }
 
 /* E9.3 to E9.10, E9.13, E9.15, E9.19: joint coordinates by recursion and by one dense matrix, and every body free with
-   all joints kept, give the same positions, velocities, accelerations and joint forces: at one instant to rounding,
+   all joints kept, give the same positions, velocities, accelerations, joint forces and energy: at one instant to rounding,
    after a while to 1e-9 (kept constraints integrate other coordinates, with an error of the same order). */
 TEST(the_three_methods_agree)
 {
   static fb_system_motion recursive, first;
   for (int run = 0; run < 2; run++) {
+    double energy = 0.0;
     for (int method = 0; method < 3; method++) {
       tree(run ? FB_EFFECTS_SPIN : FB_EFFECTS_FULL, 1);
       drives();
@@ -313,8 +314,10 @@ TEST(the_three_methods_agree)
       FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
       if (method == 0) {
         first = motion;
+        energy = energy_of(&state);
       }
       FBT_BELOW(motion_difference(&motion, &first), FBT_TOL(1e-11, 1e-3));
+      FBT_NEAR_REL(energy_of(&state), energy, FBT_TOL(1e-12, 1e-5));
       stepped(&state, FB_SINGLE ? 20 : 200, FB_SINGLE ? 2e-3 : 2e-4);
       FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
       if (method == 0) {

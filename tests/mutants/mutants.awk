@@ -122,7 +122,7 @@ function mutate(n, text, i, c, brackets, rest, end, words, is_for, value) {
       change(n, "bound", i, " = 0;", " = 1;")
     }
   }
-  if (text ~ /^ +fbi?_[a-z0-9_]+\(.*\);$/ || text ~ /^ +[^ ]+ [-+*]= .*;$/) {
+  if (text ~ /^ +fbi?_[A-Za-z0-9_]+\(.*\);$/ || text ~ /^ +[^ ]+ [-+*]= .*;$/) {
     if (code[n - 1] ~ /[;{}]$/ || code[n - 1] == "") {
       match(text, /^ +/)
       change(n, "term", RLENGTH + 1, substr(text, RLENGTH + 1), ";")
@@ -155,7 +155,7 @@ END {
       section = substr(raw[n], RSTART + 2, RLENGTH - 2)
       number = raw[n] + 0
     }
-    if (code[n] ~ /^[A-Za-z].*[a-z0-9_]\(/ && match(code[n], /fbi?_[a-z0-9_]+\(/)) {
+    if (code[n] ~ /^[A-Za-z].*[A-Za-z0-9_]\(/ && match(code[n], /fbi?_[A-Za-z0-9_]+\(/)) {
       name = substr(code[n], RSTART, RLENGTH - 1)
     }
     inside = code[n] ~ /^\{/ ? 1 : code[n] ~ /^\}/ ? 0 : inside
