@@ -1218,6 +1218,41 @@ TEST(frequencies_of_a_straight_beam_are_of_order_four)
   FBT_NEAR_REL(error[0] / error[1], 16.0, FBT_TOL(0.1, 1e9)); /* in single precision rounding is larger */
 }
 
+/* E12.4, E10.14: a body with products of mass and place at the tip of a beam without mass has the six frequencies of its
+   6x6 stiffness and inertia: det(K - omega^2 M) = 0 by 2x2 blocks, K of the tip of a cantilever. */
+TEST(a_body_on_a_light_beam_rings_in_closed_form)
+{
+  const double L = 1.5, EA = 300.0, GJ = 4.0, EI[2] = {7.0, 5.0}, m = 0.8, J[3] = {0.05, 0.04, 0.06};
+  const double stiffness[6] = {EA, 0.0, 0.0, GJ, EI[0], EI[1]};
+  double want[6], last = 0.0;
+  beam(L, 4, stiffness, NULL);
+  desc.n_lump = 1;
+  desc.lump[0].node = 4;
+  desc.lump[0].mass = (fb_real)m;
+  for (int i = 0; i < 3; i++) {
+    desc.lump[0].inertia[i] = (fb_real)J[i];
+  }
+  settle();
+  want[0] = sqrt(EA / (L * m));
+  want[1] = sqrt(GJ / (L * J[0]));
+  for (int i = 0; i < 2; i++) { /* in y: EI_z, J_z */
+    const double k = EI[1 - i] / (L * L * L), c = k * L * 6.0, r = k * L * L * 4.0, inertia = J[2 - i];
+    const double p = 12.0 * k / m + r / inertia, q = (12.0 * k * r - c * c) / (m * inertia);
+    want[2 + 2 * i] = sqrt(0.5 * p - sqrt(0.25 * p * p - q));
+    want[3 + 2 * i] = sqrt(0.5 * p + sqrt(0.25 * p * p - q));
+  }
+  spectrum_of(6);
+  for (int k = 0; k < 6; k++) { /* in ascending order */
+    double next = HUGE_VAL;
+    for (int i = 0; i < 6; i++) {
+      next = want[i] > last && want[i] < next ? want[i] : next;
+    }
+    FBT_NEAR_REL(spectrum.im[k], next, FBT_TOL(1e-8, 1e-3));
+    FBT_NEAR_ABS(spectrum.re[k], 0.0, FBT_TOL(1e-8, 1e-2));
+    last = next;
+  }
+}
+
 /* E12.5: whatever their number, the slowest motions are the same (artefacts of the basis are not among them). */
 TEST(spectrum_does_not_depend_on_the_count)
 {
@@ -1974,10 +2009,10 @@ SUITE(mixed, RUN(elastica_is_of_order_four), RUN(linear_cantilevers_are_exact_at
       RUN(dissipation_bears_steps_of_any_length), RUN(a_pendulum_keeps_its_energy), RUN(a_lump_is_a_rigid_body),
       RUN(element_fields_have_their_units), RUN(strain_energy_is_the_work_of_the_load),
       RUN(spectrum_of_a_straight_beam_is_the_textbooks), RUN(spectrum_does_not_depend_on_the_count),
-      RUN(frequencies_of_a_straight_beam_are_of_order_four), RUN(becks_column_flutters_at_its_load),
-      RUN(shaft_whirls_as_in_closed_form), RUN(spinning_cantilever_has_the_published_frequencies),
-      RUN(a_free_beam_swings_as_the_exact_one), RUN(columns_buckle_at_eulers_load),
-      RUN(linear_beams_rest_where_the_beam_does), RUN(equal_frequencies_are_kept_together),
-      RUN(linear_beams_move_as_the_beam_does), RUN(linear_beams_answer_at_every_frequency),
-      RUN(linear_beams_flutter_and_whirl), RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode),
-      RUN(mixed_beam_refuses_bad_input))
+      RUN(a_body_on_a_light_beam_rings_in_closed_form), RUN(frequencies_of_a_straight_beam_are_of_order_four),
+      RUN(becks_column_flutters_at_its_load), RUN(shaft_whirls_as_in_closed_form),
+      RUN(spinning_cantilever_has_the_published_frequencies), RUN(a_free_beam_swings_as_the_exact_one),
+      RUN(columns_buckle_at_eulers_load), RUN(linear_beams_rest_where_the_beam_does),
+      RUN(equal_frequencies_are_kept_together), RUN(linear_beams_move_as_the_beam_does),
+      RUN(linear_beams_answer_at_every_frequency), RUN(linear_beams_flutter_and_whirl),
+      RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode), RUN(mixed_beam_refuses_bad_input))

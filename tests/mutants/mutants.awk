@@ -2,8 +2,9 @@
 # is: by a hash of function, line and change. awk -v seed=1 -f mutants.awk flexbeam_impl.h; fields separated by tabs: hash, kind,
 # section, function, line, occurrence of that change in its function, the line changed.
 # Sections 3 to 13; code alone: no comments, no checks of arguments, no refusals, no declarations of types.
-# Kinds: sign, operator (* / && || sin cos), factor (a constant), index (a constant or a letter), bound (of a comparison or a
-# loop), term (of a sum, or a statement that adds or calls).
+# Kinds: sign, operator (* / && || sin cos), factor (a constant), index (a constant or a letter), bound (of a loop or a comparison:
+# with or without equality, of real numbers, which are never equal, the other way round), term (of a sum, or a statement that
+# adds or calls).
 
 function hash(text, i, h) {
   h = 12345
@@ -110,7 +111,8 @@ function mutate(n, text, i, c, brackets, rest, end, words, is_for, value) {
       change(n, "index", i, c, c == "i" ? "j" : "i")
     }
     if (rest ~ /^ [<>]=? / && !is_for) {
-      change(n, "bound", i, substr(rest, 1, index(substr(rest, 2), " ") + 1), " " c2(rest) (substr(rest, 3, 1) == "=" ? " " : "= "))
+      words = substr(rest, 1, index(substr(rest, 2), " ") + 1)
+      change(n, "bound", i, words, text ~ /FB_/ ? (c2(rest) == "<" ? " > " : " < ") : " " c2(rest) (words ~ /=/ ? " " : "= "))
     } else if (rest ~ /^ [<>]=? [^;]*;/ && is_for) {
       end = index(rest, ";")
       if (substr(rest, 1, end - 1) !~ / && /) {
@@ -159,7 +161,7 @@ END {
       name = substr(code[n], RSTART, RLENGTH - 1)
     }
     inside = code[n] ~ /^\{/ ? 1 : code[n] ~ /^\}/ ? 0 : inside
-    if (inside && number >= 3 && number <= 13 && !left[n] && name !~ /_check$|_is_finite$|_is_choice$/) {
+    if (inside && number >= 3 && number <= 13 && !left[n] && name !~ /_check$|_is_(finite|choice|attitude|end|symmetric6|inertia|excluded)$/) {
       mutate(n)
     }
   }
