@@ -9283,14 +9283,14 @@ static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *sy
     fbi_link_work *L = &w->link[k];
     const fb_body *model = fbi_model(system, body, k);
     const fb_joint *joint = fbi_link_joint(system, w, k);
+    const fbi_link_work *parent = fbi_parent(w, joint);
     fb_real given[6] = {0};
     for (int i = 0; i < joint->n_axis; i++) {
       const fb_axis_mode mode = fbi_axis_mode(L, joint, i);
       given[i] = mode == FB_AXIS_PRESCRIBED && input ? input->drive[k].acceleration[i] : FB_R(0.0);
     }
     fbi_vec6_copy(L->given, given);
-    fbi_bias_acceleration(L, joint, fbi_parent(w, joint),
-                          joint->parent >= 0 ? fbi_model(system, body, joint->parent) : NULL, given);
+    fbi_bias_acceleration(L, joint, parent, parent ? fbi_model(system, body, joint->parent) : NULL, given);
     fbi_elastic_forces(L->pi, &L->k, model, state->link[k].q, L->q_dot);
     fbi_own_residual(L, model, L->V_dot, still);
     fbi_row_sub(L->pi, FB_R(1.0), L->e, model->n);
