@@ -702,6 +702,18 @@ TEST(steps_within_the_limit_are_stable)
   }
 }
 
+/* E11.11: without a quadratic field and without strain stations the exponential scheme's limit is the same part of a turn
+   at every spin. */
+TEST(the_exponential_limit_is_a_part_of_a_turn)
+{
+  static const fb_base base[] = {FB_BASE_FREE, FB_BASE_PRESCRIBED, FB_BASE_PINNED};
+  for (int k = 0; k < 3; k++) {
+    boom(FB_EFFECTS_SPIN, base[k], 2, 2, 0, 0.0);
+    FBT_NEAR_REL(100.0 * (double)fb_exponential_limit(&body, FB_R(100.0), 0), fb_exponential_limit(&body, FB_R(1.0), 0),
+                 8.0 * (double)FB_EPSILON);
+  }
+}
+
 /* E11.4, E11.5: a free body on a light hub that drifts at 20 m/s, three iterations of the midpoint rule at 2 ms:
    energy as at rest; the same motion however it is turned. */
 TEST(implicit_schemes_do_not_mind_drift)
@@ -970,10 +982,10 @@ TEST(every_scheme_refuses_bad_input)
 
 SUITE(integrate, RUN(each_scheme_converges_at_its_order), RUN(midpoint_keeps_energy_and_momentum),
       RUN(steps_may_be_a_thousand_periods_long), RUN(steps_within_the_limit_are_stable),
-      RUN(implicit_schemes_do_not_mind_drift), RUN(membrane_coordinates_make_the_strain_linear),
-      RUN(the_tangent_is_the_derivative_of_the_forces), RUN(the_exponential_scheme_is_exact_for_linear_bodies),
-      RUN(stiff_axial_modes_do_not_set_the_step), RUN(implicit_schemes_advance_every_form),
-      RUN(every_scheme_refuses_bad_input), RUN(rk4_converges_with_order_four),
+      RUN(implicit_schemes_do_not_mind_drift), RUN(the_exponential_limit_is_a_part_of_a_turn),
+      RUN(membrane_coordinates_make_the_strain_linear), RUN(the_tangent_is_the_derivative_of_the_forces),
+      RUN(the_exponential_scheme_is_exact_for_linear_bodies), RUN(stiff_axial_modes_do_not_set_the_step),
+      RUN(implicit_schemes_advance_every_form), RUN(every_scheme_refuses_bad_input), RUN(rk4_converges_with_order_four),
       RUN(tumbling_conserves_momentum_and_energy), RUN(short_steps_lose_nothing), RUN(slow_modes_keep_their_phase),
       RUN(bodies_stepped_in_turn_do_not_meet), RUN(the_step_limit_is_the_stability_boundary),
       RUN(the_step_limit_knows_the_acceleration_of_a_far_origin), RUN(decay_reaches_zero_without_subnormals),

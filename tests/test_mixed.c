@@ -1082,7 +1082,8 @@ TEST(a_pendulum_keeps_its_energy)
   }
 }
 
-/* E10.13, E10.14: a lumped body off its node, with products of inertia, has the energy and momenta of its particles. */
+/* E10.13, E10.14: a lumped body off its node, with products of inertia, and a particle have the energy and momenta of
+   their particles. */
 TEST(a_lump_is_a_rigid_body)
 {
   const double m = 0.7, c[3] = {0.2, -0.3, 0.5}, w[3] = {0.3, -0.8, 0.5}, x0 = 2.0;
@@ -1092,10 +1093,14 @@ TEST(a_lump_is_a_rigid_body)
   const double v[3] = {w[1] * r[2] - w[2] * r[1], w[2] * r[0] - w[0] * r[2], w[0] * r[1] - w[1] * r[0]};
   const double Jw[3] = {J[0] * w[0] + J[3] * w[1] + J[4] * w[2], J[3] * w[0] + J[1] * w[1] + J[5] * w[2],
                         J[4] * w[0] + J[5] * w[1] + J[2] * w[2]};
+  const double x1 = x0 / 3.0, m1 = 0.4, v1[3] = {0.0, w[2] * x1, -w[1] * x1}; /* a particle on the first node */
+  const double spin1[3] = {0.0, -m1 * x1 * v1[2], m1 * x1 * v1[1]};
   fb_energy energy;
   fb_momentum momentum;
   beam(x0, 3, stiffness, NULL);
-  desc.n_lump = 1;
+  desc.n_lump = 2;
+  desc.lump[1].node = 1;
+  desc.lump[1].mass = (fb_real)m1;
   desc.lump[0].node = 3;
   desc.lump[0].mass = (fb_real)m;
   for (int i = 0; i < 3; i++) {
@@ -1108,12 +1113,13 @@ TEST(a_lump_is_a_rigid_body)
   FBT_INT_EQ(fb_mixed_energy(&mixed, &energy, &state), FB_OK);
   FBT_INT_EQ(fb_mixed_momentum(&mixed, &momentum, &state), FB_OK);
   FBT_NEAR_REL(energy.kinetic,
-               0.5 * m * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) + 0.5 * (w[0] * Jw[0] + w[1] * Jw[1] + w[2] * Jw[2]),
+               0.5 * m * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) + 0.5 * m1 * (v1[1] * v1[1] + v1[2] * v1[2]) +
+                   0.5 * (w[0] * Jw[0] + w[1] * Jw[1] + w[2] * Jw[2]),
                FBT_TOL(1e-12, 1e-5));
   for (int i = 0; i < 3; i++) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;
-    FBT_NEAR_ABS(momentum.linear[i], m * v[i], FBT_TOL(1e-12, 1e-5));
-    FBT_NEAR_ABS(momentum.angular[i], m * (r[j] * v[k] - r[k] * v[j]) + Jw[i], FBT_TOL(1e-12, 1e-5));
+    FBT_NEAR_ABS(momentum.linear[i], m * v[i] + m1 * v1[i], FBT_TOL(1e-12, 1e-5));
+    FBT_NEAR_ABS(momentum.angular[i], m * (r[j] * v[k] - r[k] * v[j]) + Jw[i] + spin1[i], FBT_TOL(1e-12, 1e-5));
   }
 }
 

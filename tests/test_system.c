@@ -1350,6 +1350,30 @@ TEST(a_cut_beam_behaves_as_the_whole)
   }
 }
 
+/* E11.12: the limit is that of the undeformed linkage at zero coordinates: a body on a sprung ball joint, its center c further
+   out, on one that turns freely about z, det(K - omega^2 M) = 0 with M of the two angles about z. */
+TEST(the_limit_of_a_linkage_is_in_closed_form)
+{
+  const double k = 300.0, L = 0.4, h = 0.5, c = 0.3, m = 2.0, J = 0.02, J0 = 0.1;
+  const double M[3] = {J0 + m * (L * L + (h + c) * (h + c)) + J, m * c * (h + c) + J, m * c * c + J};
+  const double omega = sqrt(k * M[0] / (M[0] * M[2] - M[1] * M[1]));
+  double limit;
+  fresh();
+  rigid(&model[0], 1.0, 0, 0, 0, 1.0, 1.0, J0);
+  rigid(&model[1], m, 0, c, 0, 5.0, 5.0, J);
+  hang(0, 0, FB_JOINT_REVOLUTE, FB_GROUND, 0);
+  hang(1, 1, FB_JOINT_SPHERICAL, 0, 0);
+  desc.joint[1].position[0] = (fb_real)L;
+  desc.joint[1].position[1] = (fb_real)h;
+  for (int i = 0; i < 3; i++) {
+    desc.joint[1].stiffness[i] = (fb_real)k;
+  }
+  init(FB_METHOD_RECURSIVE);
+  limit = (double)fb_system_rk4_limit(&mechanism, model, 0, 0);
+  FBT_NEAR_REL(limit, 2.785 / omega, 0.05);
+  FBT_BELOW(limit, 2.785 / omega);
+}
+
 /* E11.15: at the limit a rod on a spring is stable, beyond it the step is refused and the state stays. */
 TEST(system_steps_beyond_the_limit_are_refused)
 {
@@ -1584,5 +1608,5 @@ SUITE(system, RUN(systems_keep_energy_and_momentum), RUN(the_three_methods_agree
       RUN(momenta_give_back_the_speeds), RUN(a_latch_conserves_momentum), RUN(springs_and_dampers_balance_energy),
       RUN(joint_forces_carry_what_hangs_on_them), RUN(kept_joints_turn_all_the_way_round),
       RUN(systems_refuse_what_is_not_right), RUN(every_joint_moves_as_it_should), RUN(a_cut_beam_behaves_as_the_whole),
-      RUN(system_steps_beyond_the_limit_are_refused), RUN(stiff_joints_take_long_steps),
-      RUN(a_chain_in_free_flight_keeps_its_momenta))
+      RUN(system_steps_beyond_the_limit_are_refused), RUN(the_limit_of_a_linkage_is_in_closed_form),
+      RUN(stiff_joints_take_long_steps), RUN(a_chain_in_free_flight_keeps_its_momenta))
