@@ -147,6 +147,24 @@ TEST(tapered_rods_are_exact_at_the_nodes)
   FBT_NEAR_REL(node[3].rotation[0], 10.0 / 1e4 * (0.5 + log(2.0)), FBT_TOL(1e-9, 1e-4));
 }
 
+/* E10.5: a rod that stretches, rigid otherwise, carries any load across without a deflection; a rigid bar every one. */
+TEST(rigid_beams_do_not_deflect)
+{
+  for (int rigid = 0; rigid < 2; rigid++) {
+    const double stiffness[6] = {rigid ? 0.0 : 500.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+    beam(2.0, 3, stiffness, NULL);
+    load_tip(FB_AXES_INERTIAL, 10.0, 20.0, -30.0);
+    input.load[0].torque[0] = FB_R(5.0);
+    settle();
+    FBT_NEAR_REL(node[3].displacement[0], rigid ? 0.0 : 10.0 * 2.0 / 500.0, FBT_TOL(1e-12, 1e-5));
+    FBT_BELOW(fabs((double)node[3].displacement[0]), 0.05);
+    FBT_BELOW(fbt_largest(node[3].displacement + 1, 2), FBT_TOL(1e-12, 1e-5));
+    FBT_BELOW(fbt_largest(node[3].rotation, 3), FBT_TOL(1e-12, 1e-5));
+    FBT_NEAR_REL(node[0].reaction_force[1], -20.0, FBT_TOL(1e-12, 1e-5));
+    FBT_NEAR_REL(node[0].reaction_moment[2], -40.0 * (rigid ? 1.0 : 1.02), FBT_TOL(1e-12, 1e-5));
+  }
+}
+
 /* E10.6: loads and couples along the line: the ends of a linear beam are exact with one element. */
 TEST(line_loads_are_exact_at_the_nodes)
 {
@@ -2000,7 +2018,7 @@ TEST(mixed_beam_refuses_bad_input)
 }
 
 SUITE(mixed, RUN(elastica_is_of_order_four), RUN(linear_cantilevers_are_exact_at_the_nodes),
-      RUN(tapered_rods_are_exact_at_the_nodes), RUN(tapered_beams_converge_fast),
+      RUN(tapered_rods_are_exact_at_the_nodes), RUN(rigid_beams_do_not_deflect), RUN(tapered_beams_converge_fast),
       RUN(line_loads_are_exact_at_the_nodes), RUN(points_between_nodes_lie_on_the_curve),
       RUN(steady_bend_of_an_arc_matches_the_published_tip), RUN(steady_rotation_with_load_matches_shooting),
       RUN(steady_stretch_of_a_spinning_rod_is_the_closed_form), RUN(steady_princeton_beam_at_all_angles),
