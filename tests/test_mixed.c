@@ -1182,6 +1182,12 @@ TEST(strain_energy_is_the_work_of_the_load)
   fb_energy energy;
   beam(1.0, 6, stiffness, inertia);
   desc.station[0].curvature[1] = FB_R(0.8);
+  desc.n_station = 2; /* half as stiff at the tip */
+  desc.station[1] = desc.station[0];
+  desc.station[1].x = FB_R(1.0);
+  for (int i = 0; i < 36; i++) {
+    desc.station[1].stiffness[i] *= FB_R(0.5);
+  }
   load_tip(FB_AXES_INERTIAL, 0.0, f, -2.0 * f);
   start();
   memset(&work, 0xff, sizeof work);
