@@ -2,7 +2,7 @@
 # Regenerates the tables, the program and the picture of README.md from what the programs print: make readme.
 # One part alone: `sh bench/readme.sh accuracy` (the eight scenes), `advice` (what is advised for them), `advise` (the
 # example of that name), `hil` (hardware in the loop), `peers` (make bench-peers, whose table stays as it is where the
-# libraries are missing).
+# libraries are missing). Alone only, it takes an hour: `tests` (make coverage, make mutants).
 set -eu
 out=build/readme
 mkdir -p "$out"
@@ -47,6 +47,14 @@ advice() {
   make -s bench-advice > "$out/advice"
   awk '/, varied$/ { skip = 1 } /^[a-z]/ && !/, varied$/ { skip = 0 } !skip' "$out/advice" > "$out/advised"
   { echo '```'; sed -e 's/^# //' -e 's/ *$//' "$out/advised"; echo '```'; } | block advice
+}
+
+tests() {
+  make -s coverage | sed -n '/^section/,$p' > "$out/tests"
+  echo >> "$out/tests"
+  make -s mutants > "$out/mutants" || true # below its bound: the table says so
+  cat build/mutants/table-1.txt >> "$out/tests"
+  { echo '```'; cat "$out/tests"; echo '```'; } | block tests
 }
 
 if [ $# -gt 0 ]; then # one part alone

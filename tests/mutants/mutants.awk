@@ -65,7 +65,7 @@ function term_end(text, at, depth, c) {
     if (c ~ /[(\[]/) {
       depth++
     }
-    if (c ~ /[)\]]/ && --depth < 0 || depth == 0 && (c ~ /[,;]/ || substr(text, at) ~ /^ ([-+?:<>&|=!]|<=|>=|==|!=|&&|\|\|) /)) {
+    if (c ~ /[)\]]/ && --depth < 0 || depth == 0 && (c ~ /[,;]/ || substr(text, at) ~ /^ ([-+?:<>]|[<>=!]=|&&|\|\|) /)) {
       return at
     }
   }
@@ -107,7 +107,8 @@ function mutate(n, text, i, c, brackets, rest, end, words, is_for, value) {
       match(rest, /^[0-9]+/)
       words = substr(rest, 1, RLENGTH)
       change(n, "index", i, words, words == "0" ? "1" : words - 1 "")
-    } else if (brackets && rest ~ /^[ij][^A-Za-z0-9_]/ && substr(text, i - 1, 1) ~ /[ (\[]/ && text ~ (c == "i" ? "[^a-z_]j[^a-z_]" : "[^a-z_]i[^a-z_]")) {
+    } else if (brackets && rest ~ /^[ij][^A-Za-z0-9_]/ && substr(text, i - 1, 1) ~ /[ (\[]/ &&
+               text ~ (c == "i" ? "[^a-z_]j[^a-z_]" : "[^a-z_]i[^a-z_]")) {
       change(n, "index", i, c, c == "i" ? "j" : "i")
     }
     if (rest ~ /^ [<>]=? / && !is_for) {
@@ -137,6 +138,7 @@ function c2(text) {
 }
 
 BEGIN {
+  checks = "_check$|_is_(finite|choice|attitude|end|symmetric6|inertia|excluded)$" # of arguments
   letters = " !\"#$%&'()*+,-./0123456789:;<=>?@ABCDEFGHIJKLMNOPQRSTUVWXYZ[\\]^_`abcdefghijklmnopqrstuvwxyz{|}~"
 }
 
@@ -161,7 +163,7 @@ END {
       name = substr(code[n], RSTART, RLENGTH - 1)
     }
     inside = code[n] ~ /^\{/ ? 1 : code[n] ~ /^\}/ ? 0 : inside
-    if (inside && number >= 3 && number <= 13 && !left[n] && name !~ /_check$|_is_(finite|choice|attitude|end|symmetric6|inertia|excluded)$/) {
+    if (inside && number >= 3 && number <= 13 && !left[n] && name !~ checks) {
       mutate(n)
     }
   }

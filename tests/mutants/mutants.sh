@@ -1,10 +1,12 @@
 #!/bin/sh
 # Mutation check: the equations of flexbeam_impl.h are changed one at a time (mutants.awk tells how), the tests must notice.
-# sh tests/mutants/mutants.sh [SEED [COUNT]]: caught is a mutant that a test, or a check that compares the inside with outside
-# figures (tests/checks/jacobian.c, shape_rates.c), fails by a claim, a crash or a time-out. Those that change nothing to be seen
-# stand in equivalent.txt with the reason and count neither way; those that do not compile, or to the same code, are passed over.
-# Restartable: build/mutants/caught is kept, survivors are tried again. Ends with a table by section; fails below 95 %.
+# sh tests/mutants/mutants.sh [SEED [COUNT]]: caught is a mutant that a test, or a check of the inside against outside figures
+# (tests/checks/jacobian.c, shape_rates.c), answers by a false claim, a crash or too much time. Those that change nothing to be
+# seen stand in equivalent.txt with the reason and count neither way; those that do not compile, or to the same code, are
+# passed over. Restartable: build/mutants/caught is kept, survivors are tried again. Ends with a table by section, which is
+# in build/mutants/table-SEED.txt, too; fails below 95 %.
 set -eu
+export LC_ALL=C
 seed=${1:-1} count=${2:-200}
 here=tests/mutants out=build/mutants
 CC=${CC:-cc}
@@ -32,7 +34,7 @@ seen_by() {
     run "$out/runner" "$suite/" || { echo "$suite"; return; }
   done
   for check in jacobian shape_rates; do
-    $CC $flags -I"$out/tree" -o "$out/check" "tests/checks/$check.c" -lm 2> "$out/errors" && run "$out/check" || { echo "check-$check"; return; }
+    $CC $flags -I"$out/tree" -o "$out/check" "tests/checks/$check.c" -lm && run "$out/check" || { echo "check-$check"; return; }
   done
 }
 
@@ -56,10 +58,11 @@ while [ "$n" -lt "$count" ] && IFS="$tab" read -r hash kind section name line ti
   by=
   if grep -q -F -e "$key | " $here/equivalent.txt; then
     verdict=equivalent
-  elif by=$(key="$key" awk -F'\t' -v n="$times" 'BEGIN { key = ENVIRON["key"] } $3 == key && $2 == n { print $1; found = 1 } END { exit !found }' "$out/caught"); then
+  elif by=$(key="$key" awk -F'\t' -v n="$times" '$3 == ENVIRON["key"] && $2 == n { print $1; found = 1 } END { exit !found }' \
+    "$out/caught"); then
     verdict=caught
   else
-    text="$text" line="$line" awk 'NR == ENVIRON["line"] { match($0, /^ */); $0 = substr($0, 1, RLENGTH) ENVIRON["text"] } { print }' \
+    text="$text" awk -v line="$line" 'NR == line { match($0, /^ */); $0 = substr($0, 1, RLENGTH) ENVIRON["text"] } { print }' \
       "$out/original.h" > "$out/tree/flexbeam_impl.h"
     build_main "$out/main.o" || continue
     ! cmp -s "$out/main.o" "$out/original.o" || continue
@@ -69,11 +72,12 @@ while [ "$n" -lt "$count" ] && IFS="$tab" read -r hash kind section name line ti
   fi
   n=$((n + 1))
   printf '%s %s\n' "$section" "$verdict" >> "$out/results"
-  printf '%3d/%d %-10s %-8s %s:%d %s: %s -> %s  (%s)\n' "$n" "$count" "$verdict" "$kind" "$section" "$line" "$name" "$original" "$text" "$by"
+  printf '%3d/%d %-10s %-8s %s:%d %s: %s -> %s  (%s)\n' \
+    "$n" "$count" "$verdict" "$kind" "$section" "$line" "$name" "$original" "$text" "$by"
 done < "$out/drawn"
 
 awk -v seed="$seed" '
-  function row(name) { printf "%-10s %7d %11d %9d\n", name, of[name, "caught"], of[name, "equivalent"], of[name, "survived"] }
+  function row(s) { printf "%-10s %7d %11d %9d\n", s, of[s, "caught"], of[s, "equivalent"], of[s, "survived"] }
   { of[$1, $2]++; of["all", $2]++ }
   END {
     printf "%-10s %7s %11s %9s\n", "section", "caught", "equivalent", "survived"
