@@ -1399,6 +1399,21 @@ TEST(system_steps_beyond_the_limit_are_refused)
   FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, NULL, NULL, NULL, -limit), FB_ERR_VALUE);
 }
 
+/* E9.6: a rod whose only mode is its first of stretch, psi = sqrt(2/m) at the tip, carries a body there: omega^2 =
+   omega_1^2/(1 + 2 m_tip/m), which the limit shows. */
+TEST(a_stretching_rod_carries_its_neighbor)
+{
+  const double EA = 2e4, m = 0.5, m_tip = 3.0;
+  const double omega = 0.5 * pi * sqrt(EA / m) / sqrt(1.0 + 2.0 * m_tip / m);
+  fresh();
+  link_beam(&model[0], 1.0, m, 2.0, EA, 0, 1, 1.0);
+  rigid(&model[1], m_tip, 0, 0, 0, 1.0, 1.0, 1.0);
+  hang(0, 0, FB_JOINT_RIGID, FB_GROUND, 0);
+  hang(1, 1, FB_JOINT_RIGID, 0, 1);
+  init(FB_METHOD_RECURSIVE);
+  FBT_NEAR_REL(fb_system_rk4_limit(&mechanism, model, 0, 0), 2.785 / omega, 0.05);
+}
+
 /* A stiff cubic element with nonlinear strain on a hub, free: 1 m, bending in a plane and stretch. */
 static void strained(fb_body *body)
 {
@@ -1665,4 +1680,4 @@ SUITE(system, RUN(systems_keep_energy_and_momentum), RUN(the_three_methods_agree
       RUN(systems_refuse_what_is_not_right), RUN(every_joint_moves_as_it_should), RUN(a_cut_beam_behaves_as_the_whole),
       RUN(system_steps_beyond_the_limit_are_refused), RUN(the_limit_of_a_linkage_is_in_closed_form),
       RUN(stiff_joints_take_long_steps), RUN(strained_bodies_converge_in_a_system),
-      RUN(a_chain_in_free_flight_keeps_its_momenta))
+      RUN(a_stretching_rod_carries_its_neighbor), RUN(a_chain_in_free_flight_keeps_its_momenta))
