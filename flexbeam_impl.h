@@ -470,7 +470,7 @@ FB_DEF void fb_quat_to_rotvec(fb_real phi[3], const fb_real q[4])
 
 /* [E4.5] Quaternion of a rotation matrix, from its largest component, so that nothing small is divided by; w >= 0.
    Source: S.W. Shepperd, Quaternion from rotation matrix, J. Guidance 1(3), 1978.  Cost: 25 flops, a square root.
-   Fails: never.  Test: quaternion_and_matrix_rotate_alike. */
+   Fails: never.  Test: attitudes_come_back_as_they_were. */
 static void fbi_quat_from_mat33(fb_real q[4], const fb_real R[9])
 {
   const fb_real x = R[7] - R[5], y = R[2] - R[6], z = R[3] - R[1]; /* 4 wx, .. */

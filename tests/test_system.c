@@ -1399,6 +1399,30 @@ TEST(system_steps_beyond_the_limit_are_refused)
   FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, NULL, NULL, NULL, -limit), FB_ERR_VALUE);
 }
 
+/* E4.5: a body's attitude comes back from its matrix as the unit quaternion with w >= 0, whichever component is largest;
+   from the tree and from the poses of a system that keeps all joints. */
+TEST(attitudes_come_back_as_they_were)
+{
+  for (int method = 0; method < 3; method += 2) {
+    fresh();
+    rigid(&model[0], 1.0, 0.1, 0, 0, 1.0, 1.0, 1.0);
+    hang(0, 0, FB_JOINT_FREE, FB_GROUND, 0);
+    init((fb_method)method);
+    fbt_seed(11);
+    for (int trial = 0; trial < 50; trial++) {
+      fb_real q[4];
+      fbt_fill(q, 4, 1.0);
+      FBT_INT_EQ(fb_quat_normalize(q), FB_OK);
+      memcpy(start[0].quat, q, sizeof q);
+      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+      FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, NULL), FB_OK);
+      for (int i = 0; i < 4; i++) {
+        FBT_NEAR_ABS(motion.pose[0].quat[i], q[0] < FB_R(0.0) ? -q[i] : q[i], 8.0 * (double)FB_EPSILON);
+      }
+    }
+  }
+}
+
 /* E9.6: a rod whose only mode is its first of stretch, psi = sqrt(2/m) at the tip, carries a body there: omega^2 =
    omega_1^2/(1 + 2 m_tip/m), which the limit shows. */
 TEST(a_stretching_rod_carries_its_neighbor)
@@ -1680,4 +1704,5 @@ SUITE(system, RUN(systems_keep_energy_and_momentum), RUN(the_three_methods_agree
       RUN(systems_refuse_what_is_not_right), RUN(every_joint_moves_as_it_should), RUN(a_cut_beam_behaves_as_the_whole),
       RUN(system_steps_beyond_the_limit_are_refused), RUN(the_limit_of_a_linkage_is_in_closed_form),
       RUN(stiff_joints_take_long_steps), RUN(strained_bodies_converge_in_a_system),
-      RUN(a_stretching_rod_carries_its_neighbor), RUN(a_chain_in_free_flight_keeps_its_momenta))
+      RUN(a_stretching_rod_carries_its_neighbor), RUN(attitudes_come_back_as_they_were),
+      RUN(a_chain_in_free_flight_keeps_its_momenta))
