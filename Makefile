@@ -13,11 +13,11 @@ SECTIONS = main status vec3 rotation linalg beam modes body system forms mixed i
 EXAMPLES = quickstart spinup campbell analyse advise table1 assembly reduce elastodyn firmware spacecraft rotor arm fourbar \
            elastica follower flap whirl beam3d leigh hil_plant hil_controller
 # long ones first, so that the two jobs of `make ci` end together
-CHECKS   = sanitize suite long tidy bits instructions firmware compile removed single advise rom mismatch stack symbols threads \
+CHECKS   = sanitize suite long tidy coverage bits instructions firmware compile removed single advise rom mismatch stack symbols threads \
            two_precisions jacobian style ids quickstart first_build hil hard
 
 .DELETE_ON_ERROR:
-.PHONY: help run table1 leigh blade firmware hil test hard examples bench bench-accuracy bench-advice bench-flags bench-peers sizes readme format clean ci FORCE $(CHECKS:%=check-%)
+.PHONY: help run table1 leigh blade firmware hil test coverage mutants hard examples bench bench-accuracy bench-advice bench-flags bench-peers sizes readme format clean ci FORCE $(CHECKS:%=check-%)
 
 help:
 	@echo "make run       spin-up of a flexible beam against its reference, time per step, picture if gnuplot is there"
@@ -28,6 +28,8 @@ help:
 	@echo "make hil       a spacecraft at 1 kHz in real time and its controller, two processes over UDP, 60 s: build/hil.csv"
 	@echo "make test      build and run the tests"
 	@echo "make hard      the hard cases in both precisions, beside what a naive treatment gives (4 minutes): build/hard.csv"
+	@echo "make coverage  lines and branches of the library that the tests run, by section; what they leave: build/coverage/"
+	@echo "make mutants   200 equations changed one at a time, the tests must notice (SEED=1, COUNT=200; half an hour)"
 	@echo "make examples  $(EXAMPLES:%=build/examples/%)"
 	@echo "make bench     time per step by modes and effects, by form and scheme, of systems, of the exact beam: build/bench_*.csv"
 	@echo "make bench-accuracy  error and time of eight scenes by effects, modes, scheme and step (2 minutes): build/accuracy/"
@@ -74,6 +76,12 @@ hard: build/hard_double build/hard_single
 	@status=0; for p in double single; do \
 	  build/hard_$$p --out build/hard_$$p.csv > build/hard_$$p.txt || status=1; cat build/hard_$$p.txt; \
 	done; (cat build/hard_double.csv; tail -n +2 build/hard_single.csv) > build/hard.csv; exit $$status
+
+coverage:
+	@$(MAKE) -s --no-print-directory check-coverage && cat build/coverage/table.txt
+
+mutants:
+	@CC='$(CC)' sh tests/mutants/mutants.sh $(or $(SEED),1) $(or $(COUNT),200)
 
 examples: $(EXAMPLES:%=build/examples/%)
 

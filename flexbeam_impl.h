@@ -470,7 +470,7 @@ FB_DEF void fb_quat_to_rotvec(fb_real phi[3], const fb_real q[4])
 
 /* [E4.5] Quaternion of a rotation matrix, from its largest component, so that nothing small is divided by; w >= 0.
    Source: S.W. Shepperd, Quaternion from rotation matrix, J. Guidance 1(3), 1978.  Cost: 25 flops, a square root.
-   Fails: never.  Test: quaternion_and_matrix_rotate_alike. */
+   Fails: never.  Test: attitudes_come_back_as_they_were. */
 static void fbi_quat_from_mat33(fb_real q[4], const fb_real R[9])
 {
   const fb_real x = R[7] - R[5], y = R[2] - R[6], z = R[3] - R[1]; /* 4 wx, .. */
@@ -5652,6 +5652,23 @@ static void fbi_strain_tangent_add(fb_real *A, const fb_body *body, fb_real slop
   }
 }
 
+/* y -= s A x with that A. */
+static void fbi_strain_tangent_sub(fb_real *y, fb_real s, const fb_body *body, fb_real slope[3][FBI_MAX_STRAINS],
+                                   const fb_real *x)
+{
+  fb_real f[3][FBI_MAX_STRAINS];
+  fbi_slopes_eval(f, body, x);
+  for (int g = 0; g < body->n_strain; g++) {
+    const fb_real EA = s * body->strain_weight[g], u_y = slope[1][g], u_z = slope[2][g];
+    const fb_real tension = EA * fbi_larger(slope[0][g] + FB_R(0.5) * (u_y * u_y + u_z * u_z), FB_R(0.0));
+    const fb_real bent = u_y * f[1][g] + u_z * f[2][g], strain = f[0][g] + bent;
+    f[0][g] = EA * bent;
+    f[1][g] = EA * u_y * strain + tension * f[1][g];
+    f[2][g] = EA * u_z * strain + tension * f[2][g];
+  }
+  fbi_slopes_sub(y, body, f);
+}
+
 /* What the strain energy has beyond 1/2 q^T K q: 1/2 int EA (u_x' r + r^2/4), r = u_y'^2 + u_z'^2. */
 static fb_real fbi_strain_energy(const fb_body *body, const fb_real *q)
 {
@@ -9304,14 +9321,14 @@ static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *sy
     fbi_link_work *L = &w->link[k];
     const fb_body *model = fbi_model(system, body, k);
     const fb_joint *joint = fbi_link_joint(system, w, k);
+    const fbi_link_work *parent = fbi_parent(w, joint);
     fb_real given[6] = {0};
     for (int i = 0; i < joint->n_axis; i++) {
       const fb_axis_mode mode = fbi_axis_mode(L, joint, i);
       given[i] = mode == FB_AXIS_PRESCRIBED && input ? input->drive[k].acceleration[i] : FB_R(0.0);
     }
     fbi_vec6_copy(L->given, given);
-    fbi_bias_acceleration(L, joint, fbi_parent(w, joint),
-                          joint->parent >= 0 ? fbi_model(system, body, joint->parent) : NULL, given);
+    fbi_bias_acceleration(L, joint, parent, parent ? fbi_model(system, body, joint->parent) : NULL, given);
     fbi_elastic_forces(L->pi, &L->k, model, state->link[k].q, L->q_dot);
     fbi_own_residual(L, model, L->V_dot, still);
     fbi_row_sub(L->pi, FB_R(1.0), L->e, model->n);
@@ -12842,6 +12859,18 @@ static void fbi_turn_of_rate(fb_real w[3], const fb_real quat[4], const fb_real 
   fbi_copy(w, turn + 1, 3);
 }
 
+/* y -= s K_t x of the modes, about where the link is. */
+static void fbi_stiffness_sub(fb_real *y, fb_real s, fbi_link_work *L, const fb_body *body, const fb_real *x)
+{
+  fbi_sparse_eval(y, y, -s, &body->K, x, body->n);
+#if FB_WITH_NONLINEAR_STRAIN
+  if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
+    fbi_strain_tangent_sub(y, s, body, L->k.slope, x);
+  }
+#endif
+  (void)L;
+}
+
 /* Right-hand side g r_p - g^2 K r_v of E11.13. */
 static void fbi_newton_fill(fb_system_work *w, const fb_system *system, const fb_body *body, const fb_system_state *r,
                             const fb_system_state *at, fb_real g)
@@ -12852,7 +12881,7 @@ static void fbi_newton_fill(fb_system_work *w, const fb_system *system, const fb
     const fb_body *model = fbi_model(system, body, k);
     const fb_link_state *x = &r->link[k];
     fbi_link_work *L = &w->link[k];
-    fbi_sparse_eval(L->pi, NULL, -g * g, &model->K, x->q, model->n);
+    fbi_stiffness_sub(L->pi, g * g, L, model, x->q);
     fbi_row_sub(L->pi, -g, x->pi, model->n);
     fbi_joint_momenta(L->p, L, joint, x);
     for (int i = 0; i < joint->n_axis; i++) {
@@ -12878,11 +12907,11 @@ static void fbi_newton_take(fb_system_state *r, fb_system_work *w, const fb_syst
   for (int k = 0; k < system->n_body; k++) {
     const fb_joint *joint = fbi_link_joint(system, w, k);
     const fb_body *model = fbi_model(system, body, k);
-    const fbi_link_work *L = &w->link[k];
+    fbi_link_work *L = &w->link[k];
     fb_link_state *x = &r->link[k], move;
     fbi_coordinate_rates(&move, L, joint, &at->link[k]);
     fbi_row_sub(x->q, -FB_R(1.0), L->q_dot, model->n);
-    fbi_sparse_eval(x->pi, x->pi, -g, &model->K, x->q, model->n);
+    fbi_stiffness_sub(x->pi, g, L, model, x->q);
     fbi_damping_add(x->pi, -FB_R(1.0), model, L->q_dot);
     if (joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL) {
       fbi_row_sub(x->quat, -FB_R(1.0), move.quat, 4);

@@ -74,6 +74,14 @@ hard() {
     }' build/hard.csv | block hard
 }
 
+tests() {
+  make -s coverage | sed -n '/^section/,$p' > "$out/tests"
+  echo >> "$out/tests"
+  make -s mutants > "$out/mutants" || true # below its bound: the table says so
+  cat build/mutants/table-1.txt >> "$out/tests"
+  { echo '```'; cat "$out/tests"; echo '```'; } | block tests
+}
+
 if [ $# -gt 0 ]; then # one part alone
   "$1"
   exit

@@ -58,6 +58,11 @@ typedef struct fbt_case {
 #endif
 #define FBT_LONG(whole, brief) (FBT_SHORT ? (brief) : (whole))
 
+/* 1: the first claim that does not hold ends the run (tests/mutants/mutants.sh asks no more than that). */
+#ifndef FBT_STOP
+#define FBT_STOP 0
+#endif
+
 /* The running test fails, with place and text, when a claim does not hold. All are printed up to a few per test. */
 #define FBT_TRUE(claim) fbt_check((claim) != 0, __FILE__, __LINE__, #claim, 0.0, 0.0, 0.0)
 #define FBT_FAIL(text) fbt_check(0, __FILE__, __LINE__, text, 0.0, 0.0, 0.0)

@@ -105,6 +105,54 @@ TEST(spectrum_of_a_spinning_oscillator_is_closed_form)
   }
 }
 
+/* E12.2: what moves the base as an input: the state of rest q = w^2 R/(k_x - w^2) + w v_y/(k_x - w^2) of that particle, of
+   which pi = (v_x, w (R + q) + v_y), follows v and w; A dx + B du = 0. The force on it as an input does so, too. */
+TEST(bases_that_move_move_the_state_of_rest)
+{
+  const double w = 1.2, R = 0.5, kx = 4.0, a = kx - w * w, q = w * w * R / a;
+  const double dx[3][4] = {{w / a, 0.0, 0.0, 1.0 + w * w / a},                                   /* by v_y */
+                           {2.0 * w * (R + q) / a, 0.0, 0.0, R + q + 2.0 * w * w * (R + q) / a}, /* by w_z */
+                           {1.0 / a, 0.0, 0.0, w / a}}; /* by a force along x */
+  static fb_linear linear;
+  const fb_real r[3] = {(fb_real)R, 0, 0}, psi[6] = {FB_R(1.0), 0, 0, 0, FB_R(1.0), 0}, none[6] = {0};
+  fb_linear_desc ports;
+  fb_state state;
+  fb_input input;
+  fb_body_desc desc;
+  int node;
+  particle_on_springs(R, kx, 9.0, 0.0);
+  FBT_INT_EQ(fb_shape_add_node(&shape, &node, r, psi, none), FB_OK);
+  memset(&desc, 0, sizeof desc);
+  desc.effects = FB_EFFECTS_SPIN | FB_EFFECT_RESIDUAL_INERTIA;
+  desc.base = FB_BASE_PRESCRIBED;
+  desc.deflection_limit = FB_R(10.0);
+  desc.allow_split_effects = 1;
+  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
+  memset(&input, 0, sizeof input);
+  input.w[2] = (fb_real)w;
+  FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+  FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_OK);
+  memset(&ports, 0, sizeof ports);
+  ports.n_in = 3;
+  ports.in[0].kind = FB_PORT_BASE_VELOCITY;
+  ports.in[0].axis = 1;
+  ports.in[1].kind = FB_PORT_BASE_RATE;
+  ports.in[1].axis = 2;
+  ports.in[2].kind = FB_PORT_FORCE;
+  ports.in[2].node = node;
+  FBT_INT_EQ(fb_body_linearize(&body, &linear, &work, &state, &input, &ports), FB_OK);
+  FBT_INT_EQ(linear.n, 4);
+  for (int k = 0; k < 3; k++) {
+    for (int i = 0; i < 4; i++) {
+      double rate = (double)linear.B[3 * i + k];
+      for (int j = 0; j < 4; j++) {
+        rate += (double)linear.A[4 * i + j] * dx[k][j];
+      }
+      FBT_NEAR_ABS(rate, 0.0, FBT_TOL(1e-9, 1e-3));
+    }
+  }
+}
+
 /* E12.3, E8.7: at rest the complex modes are the modes, with their damping ratios, frequencies and shapes. */
 TEST(damped_modes_have_their_ratios)
 {
@@ -944,6 +992,49 @@ TEST(double_pendulum_swings_in_closed_form)
   }
 }
 
+/* E12.3, E12.10: two forces F that pull a free body apart at its ends, a distance l from its center, and stay along x of
+   inertial axes turn it back with 2 F l: omega^2 = 2 F l/J about y and about z. As a body and as a system of one. */
+TEST(opposite_pulls_hold_a_free_body)
+{
+  const double F = 3.0, l = 0.8, J_y = 0.5, J_z = 0.9;
+  const fb_real center[3] = {0}, J[6] = {FB_R(0.7), (fb_real)J_y, (fb_real)J_z, 0, 0, 0};
+  fb_state state;
+  fb_input input;
+  fresh();
+  memset(&level, 0, sizeof level);
+  memset(&input, 0, sizeof input);
+  FBT_INT_EQ(fb_shape_init(&shape, 0), FB_OK);
+  FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(2.0), center, J), FB_OK);
+  for (int k = 0; k < 2; k++) {
+    const fb_real end[3] = {(fb_real)(k ? -l : l), 0, 0};
+    int node;
+    FBT_INT_EQ(fb_shape_add_node(&shape, &node, end, NULL, NULL), FB_OK);
+    input.load[k].node = node;
+    input.load[k].force[0] = (fb_real)(k ? -F : F);
+    drive.load[k].load = input.load[k];
+  }
+  input.n_load = drive.n_load = 2;
+  FBT_INT_EQ(fb_body_init(&part[0], &body_work, &shape, &level), FB_OK);
+  FBT_INT_EQ(fb_state_init(&part[0], &state), FB_OK);
+  hang(0, 0, FB_JOINT_FREE, FB_GROUND);
+  build();
+  for (int system = 0; system < 2; system++) {
+    int swings = 0;
+    if (system) {
+      FBT_INT_EQ(fb_system_spectrum(&spectrum, &tree_work, &mechanism, part, &tree_state, &drive), FB_OK);
+    } else {
+      FBT_INT_EQ(fb_body_spectrum(&spectrum, &work, &part[0], &state, &input), FB_OK);
+    }
+    for (int k = 0; k < spectrum.n; k++) {
+      if (spectrum.im[k] > FB_R(0.1)) { /* the others drift */
+        FBT_NEAR_REL(spectrum.im[k], sqrt(2.0 * F * l / (swings ? J_y : J_z)), FBT_TOL(1e-9, 1e-3));
+        swings++;
+      }
+    }
+    FBT_INT_EQ(swings, 2);
+  }
+}
+
 /* E12.8, E12.10: a flexible body that floats is a system of one: at rest and spinning the same steady shape and the
    same complex modes as by E12.1 and E12.3, number and shapes included. */
 TEST(a_free_body_is_a_system_of_one)
@@ -1667,15 +1758,17 @@ TEST(analysis_of_systems_refuses_bad_input)
   FBT_TRUE(memcmp(&spectrum, &before_spectrum, sizeof spectrum) == 0);
 }
 
-SUITE(analyse, RUN(spectrum_of_a_spinning_oscillator_is_closed_form), RUN(damped_modes_have_their_ratios),
-      RUN(free_tops_nutate_as_euler_says), RUN(equal_inertias_spin_about_any_of_their_axes),
-      RUN(damped_spinning_satellite_has_its_closed_form), RUN(linear_models_answer_as_the_body_does),
-      RUN(step_limits_are_those_of_the_spectrum), RUN(step_limits_hold_for_modes_that_grow),
-      RUN(advised_steps_err_as_wanted), RUN(advised_steps_bear_stiff_damping), RUN(advice_resolves_modes_that_die_out),
+SUITE(analyse, RUN(spectrum_of_a_spinning_oscillator_is_closed_form), RUN(bases_that_move_move_the_state_of_rest),
+      RUN(damped_modes_have_their_ratios), RUN(free_tops_nutate_as_euler_says),
+      RUN(equal_inertias_spin_about_any_of_their_axes), RUN(damped_spinning_satellite_has_its_closed_form),
+      RUN(linear_models_answer_as_the_body_does), RUN(step_limits_are_those_of_the_spectrum),
+      RUN(step_limits_hold_for_modes_that_grow), RUN(advised_steps_err_as_wanted),
+      RUN(advised_steps_bear_stiff_damping), RUN(advice_resolves_modes_that_die_out),
       RUN(nrel_blade_has_the_published_figures), RUN(hinged_blades_flap_and_lag_in_closed_form),
       RUN(blades_cone_under_a_moment), RUN(bases_that_are_pushed_have_no_state_of_rest),
       RUN(double_pendulum_swings_in_closed_form), RUN(a_free_body_is_a_system_of_one),
-      RUN(sleeping_tops_tilt_in_closed_form), RUN(poses_drift_as_the_frame_goes_on),
-      RUN(linear_models_answer_as_the_system_does), RUN(analysis_refuses_bad_input),
-      RUN(rods_in_a_loop_swing_as_one_pendulum), RUN(linear_models_answer_as_the_loop_does),
-      RUN(held_tips_take_a_mode_away), RUN(analysis_of_systems_refuses_bad_input))
+      RUN(opposite_pulls_hold_a_free_body), RUN(sleeping_tops_tilt_in_closed_form),
+      RUN(poses_drift_as_the_frame_goes_on), RUN(linear_models_answer_as_the_system_does),
+      RUN(analysis_refuses_bad_input), RUN(rods_in_a_loop_swing_as_one_pendulum),
+      RUN(linear_models_answer_as_the_loop_does), RUN(held_tips_take_a_mode_away),
+      RUN(analysis_of_systems_refuses_bad_input))

@@ -1,5 +1,5 @@
-/* Runs every suite and closes with "N passed, N failed". Optional argument: only the suites and tests whose name
-   contains it, or --figures: print the measured figures, fields separated by |. */
+/* Runs every suite and closes with "N passed, N failed". Optional argument: only the tests whose section/name contains it
+   (`body/` is the whole suite of that section), or --figures: print the measured figures, fields separated by |. */
 #ifndef FBT_SEPARATE /* set where another file holds the implementation */
 #define FLEXBEAM_IMPLEMENTATION
 #endif
@@ -32,6 +32,9 @@ void fbt_check(int ok, const char *file, int line, const char *claim, double got
     if (claims_failed <= 5) {
       printf("  %s:%d: %s: got %.17g, expected %.17g, tolerance %g\n", file, line, claim, got, expected, tol);
     }
+#if FBT_STOP
+    exit(1);
+#endif
   }
 }
 
@@ -55,7 +58,9 @@ void fbt_below(double got, double limit, const char *file, int line, const char 
 void fbt_run(const char *section, const fbt_case *cases, int n)
 {
   for (int i = 0; i < n; i++) {
-    if (strstr(section, only) == NULL && strstr(cases[i].name, only) == NULL) {
+    char path[128];
+    snprintf(path, sizeof path, "%s/%s", section, cases[i].name);
+    if (strstr(path, only) == NULL) {
       continue;
     }
     claims_failed = 0;

@@ -138,6 +138,31 @@ TEST(tapered_rods_are_exact_at_the_nodes)
   desc.place[3] = FB_R(2.0);
   settle();
   FBT_NEAR_REL(node[3].displacement[0], FBT_TOL(100.0, 1e5) * 2.0 / 1e6 * log(2.0), FBT_TOL(1e-9, 1e-4));
+  desc.n_station = 3; /* uniform up to the middle, then down to half */
+  desc.station[2] = desc.station[1];
+  desc.station[1] = desc.station[0];
+  desc.station[1].x = desc.place[1] = FB_R(1.0);
+  settle();
+  FBT_NEAR_REL(node[3].displacement[0], FBT_TOL(100.0, 1e5) / 1e6 * (0.5 + log(2.0)), FBT_TOL(1e-9, 1e-4));
+  FBT_NEAR_REL(node[3].rotation[0], 10.0 / 1e4 * (0.5 + log(2.0)), FBT_TOL(1e-9, 1e-4));
+}
+
+/* E10.5: a rod that stretches, rigid otherwise, carries any load across without a deflection; a rigid bar every one. */
+TEST(rigid_beams_do_not_deflect)
+{
+  for (int rigid = 0; rigid < 2; rigid++) {
+    const double stiffness[6] = {rigid ? 0.0 : 500.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+    beam(2.0, 3, stiffness, NULL);
+    load_tip(FB_AXES_INERTIAL, 10.0, 20.0, -30.0);
+    input.load[0].torque[0] = FB_R(5.0);
+    settle();
+    FBT_NEAR_REL(node[3].displacement[0], rigid ? 0.0 : 10.0 * 2.0 / 500.0, FBT_TOL(1e-12, 1e-5));
+    FBT_BELOW(fabs((double)node[3].displacement[0]), 0.05);
+    FBT_BELOW(fbt_largest(node[3].displacement + 1, 2), FBT_TOL(1e-12, 1e-5));
+    FBT_BELOW(fbt_largest(node[3].rotation, 3), FBT_TOL(1e-12, 1e-5));
+    FBT_NEAR_REL(node[0].reaction_force[1], -20.0, FBT_TOL(1e-12, 1e-5));
+    FBT_NEAR_REL(node[0].reaction_moment[2], -40.0 * (rigid ? 1.0 : 1.02), FBT_TOL(1e-12, 1e-5));
+  }
 }
 
 /* E10.6: loads and couples along the line: the ends of a linear beam are exact with one element. */
@@ -188,18 +213,19 @@ TEST(tapered_beams_converge_fast)
   }
 }
 
-/* E10.12, E4.6: a tip moment makes an arc of which nodes and points in between are exact; three turns and more. */
+/* E10.12, E4.6: a tip moment makes an arc of which nodes and points in between are exact; three turns and more, and
+   whole ones, where the attitude alone tells neither their number nor the axis. */
 TEST(points_between_nodes_lie_on_the_curve)
 {
-  for (int turns = 1; turns <= 3; turns++) {
-    const double M = 2.0 * pi * turns + 0.1;
+  for (int k = 0; k < 6; k++) {
+    const double M = 2.0 * pi * (1 + k / 2) + 0.1 * (k % 2);
     elastica(12);
     load_tip(FB_AXES_NODE, 0.0, 0.0, 0.0);
     input.load[0].torque[2] = (fb_real)M;
     settle();
     FBT_NEAR_ABS(node[12].rotation[2], M, FBT_TOL(1e-9, 2e-4));
-    for (int k = 0; k <= 50; k++) {
-      const double x = k / 50.0;
+    for (int j = 0; j <= 50; j++) {
+      const double x = j / 50.0;
       fb_real p[3], q[4];
       FBT_INT_EQ(fb_mixed_point_eval(&mixed, p, q, &state, (fb_real)x), FB_OK);
       FBT_BELOW(distance(p, sin(M * x) / M, (1.0 - cos(M * x)) / M, 0.0), FBT_TOL(1e-10, 1e-5));
@@ -1074,7 +1100,8 @@ TEST(a_pendulum_keeps_its_energy)
   }
 }
 
-/* E10.13, E10.14: a lumped body off its node, with products of inertia, has the energy and momenta of its particles. */
+/* E10.13, E10.14: a lumped body off its node, with products of inertia, and a particle have the energy and momenta of
+   their particles. */
 TEST(a_lump_is_a_rigid_body)
 {
   const double m = 0.7, c[3] = {0.2, -0.3, 0.5}, w[3] = {0.3, -0.8, 0.5}, x0 = 2.0;
@@ -1084,10 +1111,14 @@ TEST(a_lump_is_a_rigid_body)
   const double v[3] = {w[1] * r[2] - w[2] * r[1], w[2] * r[0] - w[0] * r[2], w[0] * r[1] - w[1] * r[0]};
   const double Jw[3] = {J[0] * w[0] + J[3] * w[1] + J[4] * w[2], J[3] * w[0] + J[1] * w[1] + J[5] * w[2],
                         J[4] * w[0] + J[5] * w[1] + J[2] * w[2]};
+  const double x1 = x0 / 3.0, m1 = 0.4, v1[3] = {0.0, w[2] * x1, -w[1] * x1}; /* a particle on the first node */
+  const double spin1[3] = {0.0, -m1 * x1 * v1[2], m1 * x1 * v1[1]};
   fb_energy energy;
   fb_momentum momentum;
   beam(x0, 3, stiffness, NULL);
-  desc.n_lump = 1;
+  desc.n_lump = 2;
+  desc.lump[1].node = 1;
+  desc.lump[1].mass = (fb_real)m1;
   desc.lump[0].node = 3;
   desc.lump[0].mass = (fb_real)m;
   for (int i = 0; i < 3; i++) {
@@ -1100,12 +1131,13 @@ TEST(a_lump_is_a_rigid_body)
   FBT_INT_EQ(fb_mixed_energy(&mixed, &energy, &state), FB_OK);
   FBT_INT_EQ(fb_mixed_momentum(&mixed, &momentum, &state), FB_OK);
   FBT_NEAR_REL(energy.kinetic,
-               0.5 * m * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) + 0.5 * (w[0] * Jw[0] + w[1] * Jw[1] + w[2] * Jw[2]),
+               0.5 * m * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) + 0.5 * m1 * (v1[1] * v1[1] + v1[2] * v1[2]) +
+                   0.5 * (w[0] * Jw[0] + w[1] * Jw[1] + w[2] * Jw[2]),
                FBT_TOL(1e-12, 1e-5));
   for (int i = 0; i < 3; i++) {
     const int j = (i + 1) % 3, k = (i + 2) % 3;
-    FBT_NEAR_ABS(momentum.linear[i], m * v[i], FBT_TOL(1e-12, 1e-5));
-    FBT_NEAR_ABS(momentum.angular[i], m * (r[j] * v[k] - r[k] * v[j]) + Jw[i], FBT_TOL(1e-12, 1e-5));
+    FBT_NEAR_ABS(momentum.linear[i], m * v[i] + m1 * v1[i], FBT_TOL(1e-12, 1e-5));
+    FBT_NEAR_ABS(momentum.angular[i], m * (r[j] * v[k] - r[k] * v[j]) + Jw[i] + spin1[i], FBT_TOL(1e-12, 1e-5));
   }
 }
 
@@ -1150,6 +1182,12 @@ TEST(strain_energy_is_the_work_of_the_load)
   fb_energy energy;
   beam(1.0, 6, stiffness, inertia);
   desc.station[0].curvature[1] = FB_R(0.8);
+  desc.n_station = 2; /* half as stiff at the tip */
+  desc.station[1] = desc.station[0];
+  desc.station[1].x = FB_R(1.0);
+  for (int i = 0; i < 36; i++) {
+    desc.station[1].stiffness[i] *= FB_R(0.5);
+  }
   load_tip(FB_AXES_INERTIAL, 0.0, f, -2.0 * f);
   start();
   memset(&work, 0xff, sizeof work);
@@ -1208,6 +1246,41 @@ TEST(frequencies_of_a_straight_beam_are_of_order_four)
   }
   FBT_BELOW(fabs(error[1]), FBT_TOL(1e-4, 2e-2));
   FBT_NEAR_REL(error[0] / error[1], 16.0, FBT_TOL(0.1, 1e9)); /* in single precision rounding is larger */
+}
+
+/* E12.4, E10.14: a body with products of mass and place at the tip of a beam without mass has the six frequencies of its
+   6x6 stiffness and inertia: det(K - omega^2 M) = 0 by 2x2 blocks, K of the tip of a cantilever. */
+TEST(a_body_on_a_light_beam_rings_in_closed_form)
+{
+  const double L = 1.5, EA = 300.0, GJ = 4.0, EI[2] = {7.0, 5.0}, m = 0.8, J[3] = {0.05, 0.04, 0.06};
+  const double stiffness[6] = {EA, 0.0, 0.0, GJ, EI[0], EI[1]};
+  double want[6], last = 0.0;
+  beam(L, 4, stiffness, NULL);
+  desc.n_lump = 1;
+  desc.lump[0].node = 4;
+  desc.lump[0].mass = (fb_real)m;
+  for (int i = 0; i < 3; i++) {
+    desc.lump[0].inertia[i] = (fb_real)J[i];
+  }
+  settle();
+  want[0] = sqrt(EA / (L * m));
+  want[1] = sqrt(GJ / (L * J[0]));
+  for (int i = 0; i < 2; i++) { /* in y: EI_z, J_z */
+    const double k = EI[1 - i] / (L * L * L), c = k * L * 6.0, r = k * L * L * 4.0, inertia = J[2 - i];
+    const double p = 12.0 * k / m + r / inertia, q = (12.0 * k * r - c * c) / (m * inertia);
+    want[2 + 2 * i] = sqrt(0.5 * p - sqrt(0.25 * p * p - q));
+    want[3 + 2 * i] = sqrt(0.5 * p + sqrt(0.25 * p * p - q));
+  }
+  spectrum_of(6);
+  for (int k = 0; k < 6; k++) { /* in ascending order */
+    double next = HUGE_VAL;
+    for (int i = 0; i < 6; i++) {
+      next = want[i] > last && want[i] < next ? want[i] : next;
+    }
+    FBT_NEAR_REL(spectrum.im[k], next, FBT_TOL(1e-8, 1e-3));
+    FBT_NEAR_ABS(spectrum.re[k], 0.0, FBT_TOL(1e-8, 1e-2));
+    last = next;
+  }
 }
 
 /* E12.5: whatever their number, the slowest motions are the same (artefacts of the basis are not among them). */
@@ -1670,6 +1743,31 @@ TEST(linear_beams_rest_where_the_beam_does)
   fbt_figure("linear model of the exact beam, answers at rest", "differences of steady states", largest);
 }
 
+/* E12.15: modes of equal frequency are kept together: a beam that bends alike in both planes answers alike in both, and
+   across not at all, though one mode is asked for. */
+TEST(equal_frequencies_are_kept_together)
+{
+  const double stiffness[6] = {1e4, 3e3, 3e3, 20.0, 5.0, 5.0}, inertia[6] = {2.0, 2.0, 2.0, 0.02, 0.01, 0.01};
+  beam(2.0, 8, stiffness, inertia);
+  settle();
+  memset(&ports, 0, sizeof ports);
+  for (int axis = 1; axis <= 2; axis++) {
+    port(ports.in, &ports.n_in, FB_MIXED_PORT_FORCE, 8, axis, FB_AXES_INERTIAL);
+    port(ports.out, &ports.n_out, FB_MIXED_PORT_DISPLACEMENT, 8, axis, FB_AXES_INERTIAL);
+  }
+  FBT_INT_EQ(fb_mixed_linearize(&mixed, &linear, &linear_work, &state, &input, &ports, 1), FB_OK);
+  FBT_INT_EQ(linear.n_mode, 2);
+  for (int k = 0; k < 4; k++) { /* up to close below their frequency */
+    double y[2], z[2], across[2];
+    const double omega = 0.3 * k * (double)linear.im[0];
+    linear_response(y, 0, 0, omega);
+    linear_response(z, 1, 1, omega);
+    linear_response(across, 0, 1, omega);
+    FBT_NEAR_REL(y[0], z[0], FBT_TOL(1e-7, 1e-2));
+    FBT_NEAR_ABS(across[0] / z[0], 0.0, FBT_TOL(1e-7, 1e-2));
+  }
+}
+
 /* Middle of a step of x' = A x + B u by the midpoint rule, (1 - dt/2 A) middle = x + dt/2 B u; x goes on. */
 static void linear_step(double *middle, double *x, int in, double u, double dt)
 {
@@ -1927,7 +2025,7 @@ TEST(mixed_beam_refuses_bad_input)
 }
 
 SUITE(mixed, RUN(elastica_is_of_order_four), RUN(linear_cantilevers_are_exact_at_the_nodes),
-      RUN(tapered_rods_are_exact_at_the_nodes), RUN(tapered_beams_converge_fast),
+      RUN(tapered_rods_are_exact_at_the_nodes), RUN(rigid_beams_do_not_deflect), RUN(tapered_beams_converge_fast),
       RUN(line_loads_are_exact_at_the_nodes), RUN(points_between_nodes_lie_on_the_curve),
       RUN(steady_bend_of_an_arc_matches_the_published_tip), RUN(steady_rotation_with_load_matches_shooting),
       RUN(steady_stretch_of_a_spinning_rod_is_the_closed_form), RUN(steady_princeton_beam_at_all_angles),
@@ -1942,9 +2040,10 @@ SUITE(mixed, RUN(elastica_is_of_order_four), RUN(linear_cantilevers_are_exact_at
       RUN(dissipation_bears_steps_of_any_length), RUN(a_pendulum_keeps_its_energy), RUN(a_lump_is_a_rigid_body),
       RUN(element_fields_have_their_units), RUN(strain_energy_is_the_work_of_the_load),
       RUN(spectrum_of_a_straight_beam_is_the_textbooks), RUN(spectrum_does_not_depend_on_the_count),
-      RUN(frequencies_of_a_straight_beam_are_of_order_four), RUN(becks_column_flutters_at_its_load),
-      RUN(shaft_whirls_as_in_closed_form), RUN(spinning_cantilever_has_the_published_frequencies),
-      RUN(a_free_beam_swings_as_the_exact_one), RUN(columns_buckle_at_eulers_load),
-      RUN(linear_beams_rest_where_the_beam_does), RUN(linear_beams_move_as_the_beam_does),
+      RUN(a_body_on_a_light_beam_rings_in_closed_form), RUN(frequencies_of_a_straight_beam_are_of_order_four),
+      RUN(becks_column_flutters_at_its_load), RUN(shaft_whirls_as_in_closed_form),
+      RUN(spinning_cantilever_has_the_published_frequencies), RUN(a_free_beam_swings_as_the_exact_one),
+      RUN(columns_buckle_at_eulers_load), RUN(linear_beams_rest_where_the_beam_does),
+      RUN(equal_frequencies_are_kept_together), RUN(linear_beams_move_as_the_beam_does),
       RUN(linear_beams_answer_at_every_frequency), RUN(linear_beams_flutter_and_whirl),
       RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode), RUN(mixed_beam_refuses_bad_input))

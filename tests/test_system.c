@@ -299,12 +299,13 @@ static void stepped(fb_system_state *s, int n, double dt)
 }
 
 /* E9.3 to E9.10, E9.13, E9.15, E9.19: joint coordinates by recursion and by one dense matrix, and every body free with
-   all joints kept, give the same positions, velocities, accelerations and joint forces: at one instant to rounding,
+   all joints kept, give the same positions, velocities, accelerations, joint forces and energy: at one instant to rounding,
    after a while to 1e-9 (kept constraints integrate other coordinates, with an error of the same order). */
 TEST(the_three_methods_agree)
 {
   static fb_system_motion recursive, first;
   for (int run = 0; run < 2; run++) {
+    double energy = 0.0;
     for (int method = 0; method < 3; method++) {
       tree(run ? FB_EFFECTS_SPIN : FB_EFFECTS_FULL, 1);
       drives();
@@ -313,8 +314,10 @@ TEST(the_three_methods_agree)
       FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
       if (method == 0) {
         first = motion;
+        energy = energy_of(&state);
       }
       FBT_BELOW(motion_difference(&motion, &first), FBT_TOL(1e-11, 1e-3));
+      FBT_NEAR_REL(energy_of(&state), energy, FBT_TOL(1e-12, 1e-5));
       stepped(&state, FB_SINGLE ? 20 : 200, FB_SINGLE ? 2e-3 : 2e-4);
       FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
       if (method == 0) {
@@ -1349,6 +1352,30 @@ TEST(a_cut_beam_behaves_as_the_whole)
   }
 }
 
+/* E11.12: the limit is that of the undeformed linkage at zero coordinates: a body on a sprung ball joint, its center c further
+   out, on one that turns freely about z, det(K - omega^2 M) = 0 with M of the two angles about z. */
+TEST(the_limit_of_a_linkage_is_in_closed_form)
+{
+  const double k = 300.0, L = 0.4, h = 0.5, c = 0.3, m = 2.0, J = 0.02, J0 = 0.1;
+  const double M[3] = {J0 + m * (L * L + (h + c) * (h + c)) + J, m * c * (h + c) + J, m * c * c + J};
+  const double omega = sqrt(k * M[0] / (M[0] * M[2] - M[1] * M[1]));
+  double limit;
+  fresh();
+  rigid(&model[0], 1.0, 0, 0, 0, 1.0, 1.0, J0);
+  rigid(&model[1], m, 0, c, 0, 5.0, 5.0, J);
+  hang(0, 0, FB_JOINT_REVOLUTE, FB_GROUND, 0);
+  hang(1, 1, FB_JOINT_SPHERICAL, 0, 0);
+  desc.joint[1].position[0] = (fb_real)L;
+  desc.joint[1].position[1] = (fb_real)h;
+  for (int i = 0; i < 3; i++) {
+    desc.joint[1].stiffness[i] = (fb_real)k;
+  }
+  init(FB_METHOD_RECURSIVE);
+  limit = (double)fb_system_rk4_limit(&mechanism, model, 0, 0);
+  FBT_NEAR_REL(limit, 2.785 / omega, 0.05);
+  FBT_BELOW(limit, 2.785 / omega);
+}
+
 /* E11.15: at the limit a rod on a spring is stable, beyond it the step is refused and the state stays. */
 TEST(system_steps_beyond_the_limit_are_refused)
 {
@@ -1372,6 +1399,100 @@ TEST(system_steps_beyond_the_limit_are_refused)
   }
   FBT_BELOW(fabs((double)state.link[0].x[0]), 0.001);
   FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, NULL, NULL, NULL, -limit), FB_ERR_VALUE);
+}
+
+/* E4.5: a body's attitude comes back from its matrix as the unit quaternion with w >= 0, whichever component is largest;
+   from the tree and from the poses of a system that keeps all joints. */
+TEST(attitudes_come_back_as_they_were)
+{
+  for (int method = 0; method < 3; method += 2) {
+    fresh();
+    rigid(&model[0], 1.0, 0.1, 0, 0, 1.0, 1.0, 1.0);
+    hang(0, 0, FB_JOINT_FREE, FB_GROUND, 0);
+    init((fb_method)method);
+    fbt_seed(11);
+    for (int trial = 0; trial < 50; trial++) {
+      fb_real q[4];
+      fbt_fill(q, 4, 1.0);
+      FBT_INT_EQ(fb_quat_normalize(q), FB_OK);
+      memcpy(start[0].quat, q, sizeof q);
+      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+      FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, NULL), FB_OK);
+      for (int i = 0; i < 4; i++) {
+        FBT_NEAR_ABS(motion.pose[0].quat[i], q[0] < FB_R(0.0) ? -q[i] : q[i], 8.0 * (double)FB_EPSILON);
+      }
+    }
+  }
+}
+
+/* E9.6: a rod whose only mode is its first of stretch, psi = sqrt(2/m) at the tip, carries a body there: omega^2 =
+   omega_1^2/(1 + 2 m_tip/m), which the limit shows. */
+TEST(a_stretching_rod_carries_its_neighbor)
+{
+  const double EA = 2e4, m = 0.5, m_tip = 3.0;
+  const double omega = 0.5 * pi * sqrt(EA / m) / sqrt(1.0 + 2.0 * m_tip / m);
+  fresh();
+  link_beam(&model[0], 1.0, m, 2.0, EA, 0, 1, 1.0);
+  rigid(&model[1], m_tip, 0, 0, 0, 1.0, 1.0, 1.0);
+  hang(0, 0, FB_JOINT_RIGID, FB_GROUND, 0);
+  hang(1, 1, FB_JOINT_RIGID, 0, 1);
+  init(FB_METHOD_RECURSIVE);
+  FBT_NEAR_REL(fb_system_rk4_limit(&mechanism, model, 0, 0), 2.785 / omega, 0.05);
+}
+
+/* A stiff cubic element with nonlinear strain on a hub, free: 1 m, bending in a plane and stretch. */
+static void strained(fb_body *body)
+{
+  const fb_real root[3] = {0}, inertia[6] = {FB_R(0.2), FB_R(0.2), FB_R(0.2), 0, 0, 0};
+  fb_modes_desc keep;
+  fb_body_desc d = body_desc;
+  memset(&keep, 0, sizeof keep);
+  beam_desc.length = FB_R(1.0);
+  beam_desc.n_element = 1;
+  beam_desc.n_station = 1;
+  beam_desc.station[0].mass = FB_R(0.8);
+  beam_desc.station[0].EA = FB_R(2e4);
+  beam_desc.station[0].EI_z = FB_R(2.0);
+  keep.basis = FB_BASIS_FUNCTIONS;
+  keep.count[FB_KIND_BEND_Y] = keep.count[FB_KIND_AXIAL] = FB_ALL_MODES;
+  keep.root_strain = 1;
+  d.effects = FB_EFFECTS_STRAIN;
+  FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
+  FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_OK);
+  FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
+  FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(2.0), root, inertia), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam_strain(&shape, 0, &beam, &modes), FB_OK);
+  FBT_INT_EQ(fb_body_init(body, &body_work, &shape, &d), FB_OK);
+}
+
+/* E11.13, E8.29: Newton's iterations of a step with the tangent of the nonlinear strain: the second leaves less than a
+   fiftieth of what the first leaves; where that tangent is in the matrix alone it was a sixth. */
+TEST(strained_bodies_converge_in_a_system)
+{
+  static fb_system_state end[3];
+  const int iterations[3] = {1, 2, 20};
+  double left[2];
+  fresh();
+  strained(&model[0]);
+  hang(0, 0, FB_JOINT_FREE, FB_GROUND, 0);
+  init(FB_METHOD_RECURSIVE);
+  for (int a = 0; a < model[0].n; a++) {
+    start[0].q[a] = modes.kind[a] == FB_KIND_AXIAL ? FB_R(0.0) : FB_R(0.02);
+  }
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+  for (int step = 0; step < 100; step++) { /* until the stretch that does not fit the slopes has died out */
+    FBT_INT_EQ(fb_system_sdirk_step(&mechanism, model, &state, &work, NULL, NULL, FB_R(0.002), 20), FB_OK);
+  }
+  for (int k = 0; k < 3; k++) {
+    end[k] = state;
+    FBT_INT_EQ(fb_system_sdirk_step(&mechanism, model, &end[k], &work, NULL, NULL, FB_R(0.002), iterations[k]), FB_OK);
+  }
+  for (int k = 0; k < 2; k++) {
+    left[k] = fbt_difference(end[k].link[0].q, end[2].link[0].q, model[0].n);
+  }
+  FBT_TRUE(left[0] > 1e-8);
+  FBT_BELOW(left[1], 0.02 * left[0]);
 }
 
 /* E11.13, E11.14: a double pendulum whose elbow is a spring of a thousand periods a step swings as the rigid one, with
@@ -1583,5 +1704,7 @@ SUITE(system, RUN(systems_keep_energy_and_momentum), RUN(the_three_methods_agree
       RUN(momenta_give_back_the_speeds), RUN(a_latch_conserves_momentum), RUN(springs_and_dampers_balance_energy),
       RUN(joint_forces_carry_what_hangs_on_them), RUN(kept_joints_turn_all_the_way_round),
       RUN(systems_refuse_what_is_not_right), RUN(every_joint_moves_as_it_should), RUN(a_cut_beam_behaves_as_the_whole),
-      RUN(system_steps_beyond_the_limit_are_refused), RUN(stiff_joints_take_long_steps),
+      RUN(system_steps_beyond_the_limit_are_refused), RUN(the_limit_of_a_linkage_is_in_closed_form),
+      RUN(stiff_joints_take_long_steps), RUN(strained_bodies_converge_in_a_system),
+      RUN(a_stretching_rod_carries_its_neighbor), RUN(attitudes_come_back_as_they_were),
       RUN(a_chain_in_free_flight_keeps_its_momenta))
