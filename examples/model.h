@@ -7,8 +7,12 @@
 #define MODEL_WORDS 24
 #define MODEL_NODES 4096 /* of a finite-element component */
 
+typedef enum model_kind { MODEL_BEAM, MODEL_COMPONENT, MODEL_RIGID } model_kind;
+static const char *const model_kinds[] = {"beam", "component", "rigid", NULL};
+
 typedef struct model_node {
   int id, marked;
+  char name[TEXT_NAME];
   double x[3], mass, inertia[6];
   double shape[6 * FB_MAX_MODES]; /* displacement and rotation by mode */
   int have[FB_MAX_MODES];
@@ -16,7 +20,7 @@ typedef struct model_node {
 
 static struct model {
   char name[64];
-  int component; /* nodes and shapes of a finite-element program, or a beam */
+  model_kind kind; /* a beam, nodes and shapes of a finite-element program, or a rigid body: its hub */
   double hub_mass, hub_center[3], hub_inertia[6];
   fb_beam_desc beam;
   fb_modes_desc modes;
@@ -25,7 +29,8 @@ static struct model {
   int hub, has_elements, has_modes, n_damping, n_mark;
   char seen[MODEL_WORDS][24]; /* words that may be there once */
   int n_seen;
-  double mark[FB_MAX_NODES];
+  double mark[FB_MAX_NODES], place[FB_MAX_NODES][3]; /* nodes of a beam, of a rigid body */
+  char node_name[FB_MAX_NODES][TEXT_NAME];           /* of all nodes, once built; empty: none */
   int n_mode, n_node, n_pair;
   double frequency[FB_MAX_MODES];
   model_node node[MODEL_NODES];
@@ -123,7 +128,7 @@ static int model_is_name(const char *name)
     }
   }
   return strlen(name) < sizeof model.name && (isalpha((unsigned char)name[0]) || name[0] == '_') &&
-         !name[strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_")];
+         !name[strspn(name, TEXT_NAME_CHARACTERS)];
 }
 
 /* Words that every model may have; 0 if word is none of them. */
@@ -301,6 +306,29 @@ static void model_modes_line(text_file *t)
   }
 }
 
+/* The next word as a name, if there is one. */
+static void model_name(text_file *t, char name[TEXT_NAME])
+{
+  const char *const word = text_word(t);
+  if (word && (strlen(word) >= TEXT_NAME || !(isalpha((unsigned char)word[0]) || word[0] == '_') ||
+               word[strspn(word, TEXT_NAME_CHARACTERS)])) {
+    text_fail(t, "a name has letters, digits and _, at most %d and a letter first: %s", TEXT_NAME - 1, word);
+  } else if (word) {
+    strcpy(name, word);
+  }
+}
+
+/* The node that was read is one more, and may have a name. */
+static void model_node_name(text_file *t)
+{
+  model_name(t, model.node_name[++model.n_mark]);
+  for (int k = 1; k < model.n_mark && model.node_name[model.n_mark][0]; k++) {
+    if (strcmp(model.node_name[k], model.node_name[model.n_mark]) == 0) {
+      text_fail(t, "two nodes have the name %s", model.node_name[k]);
+    }
+  }
+}
+
 static void model_beam_line(text_file *t, const char *word)
 {
   static const char *const roots[] = {"clamped", "pinned", "free", NULL};
@@ -373,13 +401,14 @@ static void model_beam_line(text_file *t, const char *word)
     }
     if (strncmp(t->at + strspn(t->at, " "), "tip", 3) == 0) {
       (void)text_word(t);
-      model.mark[model.n_mark++] = -1;
+      model.mark[model.n_mark] = -1;
     } else {
-      model.mark[model.n_mark++] = text_number(t, "the node's place");
-      if (!t->failed && model.mark[model.n_mark - 1] < 0) {
+      model.mark[model.n_mark] = text_number(t, "the node's place");
+      if (!t->failed && model.mark[model.n_mark] < 0) {
         text_fail(t, "the node's place is negative");
       }
     }
+    model_node_name(t);
   } else {
     text_fail(t, "no such word for a beam: %s", word);
     return;
@@ -445,7 +474,9 @@ static void model_component_line(text_file *t, const char *word)
     }
     text_vector(t, "displacement, rotation", node->shape + 6 * mode, 6);
   } else if (strcmp(word, "mark") == 0) {
-    model_find(t)->marked = 1;
+    model_node *node = model_find(t);
+    node->marked = 1;
+    model_name(t, node->name);
   } else if (strcmp(word, "quadratic") == 0) {
     if (model.n_mode == 0 || model.n_pair == FB_MAX_MODES * (FB_MAX_MODES + 1) / 2) {
       text_fail(t, model.n_mode ? "more pairs than there are" : "modes must come before");
@@ -466,6 +497,19 @@ static void model_component_line(text_file *t, const char *word)
   } else {
     text_fail(t, "no such word for a component: %s", word);
     return;
+  }
+  text_end_of_line(t);
+}
+
+static void model_rigid_line(text_file *t, const char *word)
+{
+  if (strcmp(word, "node") != 0) {
+    text_fail(t, "no such word for a rigid body: %s", word);
+  } else if (model.n_mark == FB_MAX_NODES - 1) {
+    text_fail(t, "more than %d nodes", FB_MAX_NODES - 1);
+  } else {
+    text_vector(t, "the node's place", model.place[model.n_mark], 3);
+    model_node_name(t);
   }
   text_end_of_line(t);
 }
@@ -589,45 +633,61 @@ static void model_once(text_file *t, const char *word)
   }
 }
 
+/* Of a body of that kind nothing is known yet. */
+static void model_begin(model_kind kind)
+{
+  memset(&model, 0, sizeof model);
+  strcpy(model.name, "flexible_body");
+  model.kind = kind;
+  model.level.effects = kind == MODEL_RIGID ? FB_EFFECTS_RIGID : FB_EFFECTS_FULL;
+  model.beam.n_element = FB_MAX_ELEMENTS / 2;
+}
+
+/* A line that begins with that word. */
+static void model_line(text_file *t, const char *word)
+{
+  static void (*const line[])(text_file * t, const char *word) = {model_beam_line, model_component_line,
+                                                                  model_rigid_line};
+  model_once(t, word);
+  if (!model_common(t, word)) {
+    line[model.kind](t, word);
+  }
+}
+
+/* What only the whole description tells. */
+static void model_check(text_file *t)
+{
+  model_effects_check(t);
+  if (!t->failed && model.kind == MODEL_BEAM) {
+    model_beam_check(t);
+  } else if (!t->failed && model.kind == MODEL_COMPONENT) {
+    model_component_check(t);
+  }
+}
+
+/* The lines of a file. */
+static void model_lines(text_file *t)
+{
+  if (!text_line(t)) {
+    text_fail(t, "is empty");
+  }
+  model_begin((model_kind)model_choice(t, "the first word", model_kinds));
+  text_end_of_line(t);
+  while (text_line(t)) {
+    model_line(t, text_word(t));
+  }
+}
+
 /* Reads a description; 0 when something is wrong, which has then been said. */
 static int model_read(const char *program, const char *file)
 {
-  static const char *const kinds[] = {"beam", "component", NULL};
   text_file t;
-  memset(&model, 0, sizeof model);
-  strcpy(model.name, "flexible_body");
-  model.level.effects = FB_EFFECTS_FULL;
-  model.beam.n_element = FB_MAX_ELEMENTS / 2;
   if (!text_open(&t, program, file)) {
     return 0;
   }
-  if (!text_line(&t)) {
-    text_fail(&t, "is empty");
-  }
-  model.component = model_choice(&t, "the first word", kinds);
-  text_end_of_line(&t);
-  while (text_line(&t)) {
-    const char *word = text_word(&t);
-    model_once(&t, word);
-    if (!model_common(&t, word)) {
-      if (model.component) {
-        model_component_line(&t, word);
-      } else {
-        model_beam_line(&t, word);
-      }
-    }
-  }
+  model_lines(&t);
   t.line = 0; /* what is missing has no line */
-  if (!t.failed) {
-    model_effects_check(&t);
-  }
-  if (!t.failed) {
-    if (model.component) {
-      model_component_check(&t);
-    } else {
-      model_beam_check(&t);
-    }
-  }
+  model_check(&t);
   text_close(&t);
   return !t.failed;
 }
@@ -657,6 +717,9 @@ static fb_status model_component_shape(const char **what)
       if (status == FB_OK && pass && node->marked) {
         int at;
         status = fb_shape_add_node(&model_shape, &at, r, psi, theta);
+        if (status == FB_OK) {
+          strcpy(model.node_name[at], node->name);
+        }
       }
     }
     for (int a = 0; a < model.n_mode && status == FB_OK; a++) {
@@ -699,13 +762,28 @@ static fb_status model_beam_shape(const char **what)
   return status;
 }
 
-/* Builds the body of what was read; on failure *what says at which part. */
-static fb_status model_build(const char **what)
+/* A body without modes; its nodes are held to its frame. */
+static fb_status model_rigid_shape(const char **what)
 {
+  fb_status status = fb_shape_init(&model_shape, 0);
+  *what = "a node";
+  for (int k = 0; k < model.n_mark && status == FB_OK; k++) {
+    const fb_real none[3] = {0},
+                  r[3] = {(fb_real)model.place[k][0], (fb_real)model.place[k][1], (fb_real)model.place[k][2]};
+    int at;
+    status = fb_shape_add_node(&model_shape, &at, r, none, none);
+  }
+  return status;
+}
+
+/* Builds the shape of what was read; on failure *what says at which part. */
+static fb_status model_build_shape(const char **what)
+{
+  static fb_status (*const shape[])(const char **what) = {model_beam_shape, model_component_shape, model_rigid_shape};
   fb_status status;
   fb_real center[3], inertia[6];
   *what = "the component";
-  status = model.component ? model_component_shape(what) : model_beam_shape(what);
+  status = shape[model.kind](what);
   for (int i = 0; i < 6; i++) {
     center[i % 3] = (fb_real)model.hub_center[i % 3];
     inertia[i] = (fb_real)model.hub_inertia[i];
@@ -722,6 +800,13 @@ static fb_status model_build(const char **what)
     *what = "no mode is left";
     return FB_ERR_KIND;
   }
+  return status;
+}
+
+/* Builds the body of it. */
+static fb_status model_build(const char **what)
+{
+  const fb_status status = model_build_shape(what);
   *what = status == FB_OK ? "the body" : *what;
   return status ? status : fb_body_init(&model_body, &model_body_work, &model_shape, &model.level);
 }

@@ -1,5 +1,5 @@
 /* text.h - reads text files word by word; every complaint names file and line. Comments run from # to the end of a
-   line, commas count as blanks. */
+   line, commas count as blanks. Where names are given, $NAME stands for a number, also in products such as -2*$NAME. */
 #ifndef TEXT_H
 #define TEXT_H
 #include <ctype.h>
@@ -10,27 +10,41 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define TEXT_MESSAGE 768 /* characters of a complaint */
+#define TEXT_NAME 32     /* of a name, which holds: */
+#define TEXT_NAME_CHARACTERS "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_"
+
+typedef struct text_named { /* a number with a name */
+  char name[TEXT_NAME];
+  double value;
+} text_named;
+
 typedef struct text_file {
   FILE *file;
   const char *program, *name;
   int line, failed;
   char buffer[2048], *at; /* what is left of the line */
+  char *message;          /* TEXT_MESSAGE characters for a complaint; NULL: it goes to stderr */
+  const text_named *named;
+  int n_named;
 } text_file;
 
 /* Says what is wrong, once; the reader then finds no more words. */
 static inline void text_fail(text_file *t, const char *format, ...)
 {
+  char message[TEXT_MESSAGE];
+  int n;
   va_list list;
   if (!t->failed) {
-    fprintf(stderr, "%s: %s", t->program, t->name);
-    if (t->line > 0) {
-      fprintf(stderr, ":%d", t->line);
-    }
-    fputs(": ", stderr);
+    n = snprintf(message, sizeof message, t->line > 0 ? "%.400s:%d: " : "%.400s: ", t->name, t->line);
     va_start(list, format);
-    vfprintf(stderr, format, list);
+    vsnprintf(message + n, sizeof message - (size_t)n, format, list);
     va_end(list);
-    fputs("\n", stderr);
+    if (t->message) {
+      memcpy(t->message, message, sizeof message);
+    } else {
+      fprintf(stderr, "%s: %s\n", t->program, message);
+    }
   }
   t->failed = 1;
 }
@@ -113,19 +127,48 @@ static inline const char *text_word(text_file *t)
   return word;
 }
 
-/* The next word as a finite number. */
+/* A factor at *at, which moves behind it: a number, $NAME or -$NAME. 0 where there is none. */
+static inline int text_factor(text_file *t, const char **at, double *x)
+{
+  const char *const start = *at, *name = start + (*start == '-');
+  char *end;
+  if (t->n_named == 0 || *name != '$') {
+    *x = strtod(start, &end);
+    *at = end;
+    return end != start;
+  }
+  name++;
+  *at = name + strspn(name, TEXT_NAME_CHARACTERS);
+  for (int k = 0; k < t->n_named; k++) {
+    if (strlen(t->named[k].name) == (size_t)(*at - name) &&
+        strncmp(t->named[k].name, name, strlen(t->named[k].name)) == 0) {
+      *x = *start == '-' ? -t->named[k].value : t->named[k].value;
+      return 1;
+    }
+  }
+  text_fail(t, "no parameter has the name %.*s", (int)(*at - name), name);
+  return 0;
+}
+
+/* The next word as a finite number, or a product of numbers and names. */
 static inline double text_number(text_file *t, const char *what)
 {
-  const char *word = text_word(t);
-  char *end;
-  double x;
+  const char *const word = text_word(t), *at = word;
+  double x = 0, factor;
   if (!word) {
     text_fail(t, "%s is missing", what);
     return 0;
   }
-  errno = 0;
-  x = strtod(word, &end);
-  if (*end || end == word || !isfinite(x)) {
+  if (text_factor(t, &at, &x)) {
+    while (t->n_named > 0 && (*at == '*' || *at == '/')) {
+      const int over = *at++ == '/';
+      if (!text_factor(t, &at, &factor)) {
+        break;
+      }
+      x = over ? x / factor : x * factor;
+    }
+  }
+  if (*at || at == word || !isfinite(x)) {
     text_fail(t, "%s is not a number: %s", what, word);
     return 0;
   }
