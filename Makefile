@@ -11,7 +11,7 @@ export WARNINGS WARNINGS_C
 LIBRARY  = flexbeam.h flexbeam_impl.h
 SECTIONS = main status vec3 rotation linalg beam modes body system forms mixed integrate analyse advise build
 EXAMPLES = quickstart spinup campbell analyse advise table1 assembly reduce elastodyn firmware spacecraft rotor arm fourbar \
-           elastica follower flap whirl beam3d leigh hil_plant hil_controller
+           elastica follower flap whirl beam3d scene leigh hil_plant hil_controller
 # long ones first, so that the two jobs of `make ci` end together
 CHECKS   = sanitize suite long tidy bits instructions firmware compile removed single advise rom mismatch stack symbols threads \
            two_precisions jacobian style ids quickstart hil

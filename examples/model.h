@@ -68,23 +68,6 @@ static void model_inertia(text_file *t, double inertia[6])
   }
 }
 
-/* Index of the next word in a list that ends with NULL; complains with the list. */
-static int model_choice(text_file *t, const char *what, const char *const *list)
-{
-  const char *word = text_word(t);
-  char all[256] = "";
-  for (int k = 0; list[k]; k++) {
-    if (word && strcmp(word, list[k]) == 0) {
-      return k;
-    }
-    if (strlen(all) + strlen(list[k]) + 2 < sizeof all) {
-      strcat(strcat(all, " "), list[k]);
-    }
-  }
-  text_fail(t, "%s must be one of%s, is %s", what, all, word ? word : "missing");
-  return 0;
-}
-
 static void model_effects(text_file *t)
 {
   static const char *const name[] = {"rigid",
@@ -110,7 +93,7 @@ static void model_effects(text_file *t)
                                   FB_EFFECT_GRAVITY};
   model.level.effects = 0;
   do {
-    model.level.effects |= mask[model_choice(t, "an effect", name)];
+    model.level.effects |= mask[text_choice(t, "an effect", name)];
   } while (text_more(t));
 }
 
@@ -151,7 +134,7 @@ static int model_common(text_file *t, const char *word)
     text_vector(t, "hub mass center", model.hub_center, 3);
     model_inertia(t, model.hub_inertia);
   } else if (strcmp(word, "base") == 0) {
-    model.level.base = (fb_base)model_choice(t, "base", bases);
+    model.level.base = (fb_base)text_choice(t, "base", bases);
   } else if (strcmp(word, "effects") == 0) {
     model_effects(t);
   } else if (strcmp(word, "gravity") == 0) {
@@ -214,7 +197,7 @@ static void model_stations(text_file *t)
   int column[COLUMNS], there[COLUMNS] = {0}, n = 0;
   fb_beam_desc *beam = &model.beam;
   do {
-    const int k = model_choice(t, "a column", name);
+    const int k = text_choice(t, "a column", name);
     if (there[k]++) {
       text_fail(t, "the column %s is there twice", name[k]);
       return;
@@ -265,7 +248,7 @@ static void model_taper(text_file *t)
   fb_material material;
   int n;
   fb_status status;
-  end[0].kind = end[1].kind = (fb_profile_kind)model_choice(t, "taper", kinds);
+  end[0].kind = end[1].kind = (fb_profile_kind)text_choice(t, "taper", kinds);
   for (int k = 0; k < 2; k++) {
     end[k].x = (fb_real)text_number(t, "x");
     model_reals(t, "size", end[k].size, 2);
@@ -289,7 +272,7 @@ static void model_modes_line(text_file *t)
   int total = 0;
   model.has_modes = 1;
   do {
-    const int k = model_choice(t, "modes", name);
+    const int k = text_choice(t, "modes", name);
     if (k < 4) {
       model.modes.count[k] = text_whole(t, name[k], 0, FB_MAX_MODES);
       total += model.modes.count[k];
@@ -306,22 +289,13 @@ static void model_modes_line(text_file *t)
   }
 }
 
-/* The next word as a name, if there is one. */
-static void model_name(text_file *t, char name[TEXT_NAME])
-{
-  const char *const word = text_word(t);
-  if (word && (strlen(word) >= TEXT_NAME || !(isalpha((unsigned char)word[0]) || word[0] == '_') ||
-               word[strspn(word, TEXT_NAME_CHARACTERS)])) {
-    text_fail(t, "a name has letters, digits and _, at most %d and a letter first: %s", TEXT_NAME - 1, word);
-  } else if (word) {
-    strcpy(name, word);
-  }
-}
-
 /* The node that was read is one more, and may have a name. */
 static void model_node_name(text_file *t)
 {
-  model_name(t, model.node_name[++model.n_mark]);
+  model.n_mark++;
+  if (text_more(t)) {
+    text_name(t, "a node", model.node_name[model.n_mark]);
+  }
   for (int k = 1; k < model.n_mark && model.node_name[model.n_mark][0]; k++) {
     if (strcmp(model.node_name[k], model.node_name[model.n_mark]) == 0) {
       text_fail(t, "two nodes have the name %s", model.node_name[k]);
@@ -351,7 +325,7 @@ static void model_beam_line(text_file *t, const char *word)
     beam->n_element = text_whole(t, word, 1, FB_MAX_ELEMENTS);
     model.has_elements = 1;
   } else if (strcmp(word, "root") == 0) {
-    beam->root = (fb_root)model_choice(t, word, roots);
+    beam->root = (fb_root)text_choice(t, word, roots);
   } else if (strcmp(word, "position") == 0) {
     model_reals(t, word, beam->position, 3);
   } else if (strcmp(word, "attitude") == 0) {
@@ -393,7 +367,7 @@ static void model_beam_line(text_file *t, const char *word)
       return;
     }
     model.modes.load[model.modes.n_load].node = text_whole(t, "element node", 0, FB_MAX_ELEMENTS);
-    model.modes.load[model.modes.n_load++].axis = model_choice(t, "axis", axes);
+    model.modes.load[model.modes.n_load++].axis = text_choice(t, "axis", axes);
   } else if (strcmp(word, "node") == 0) {
     if (model.n_mark == FB_MAX_NODES - 1) {
       text_fail(t, "more than %d nodes", FB_MAX_NODES - 1);
@@ -476,7 +450,9 @@ static void model_component_line(text_file *t, const char *word)
   } else if (strcmp(word, "mark") == 0) {
     model_node *node = model_find(t);
     node->marked = 1;
-    model_name(t, node->name);
+    if (text_more(t)) {
+      text_name(t, "a node", node->name);
+    }
   } else if (strcmp(word, "quadratic") == 0) {
     if (model.n_mode == 0 || model.n_pair == FB_MAX_MODES * (FB_MAX_MODES + 1) / 2) {
       text_fail(t, model.n_mode ? "more pairs than there are" : "modes must come before");
@@ -671,7 +647,7 @@ static void model_lines(text_file *t)
   if (!text_line(t)) {
     text_fail(t, "is empty");
   }
-  model_begin((model_kind)model_choice(t, "the first word", model_kinds));
+  model_begin((model_kind)text_choice(t, "the first word", model_kinds));
   text_end_of_line(t);
   while (text_line(t)) {
     model_line(t, text_word(t));
@@ -679,7 +655,7 @@ static void model_lines(text_file *t)
 }
 
 /* Reads a description; 0 when something is wrong, which has then been said. */
-static int model_read(const char *program, const char *file)
+static inline int model_read(const char *program, const char *file)
 {
   text_file t;
   if (!text_open(&t, program, file)) {
@@ -804,7 +780,7 @@ static fb_status model_build_shape(const char **what)
 }
 
 /* Builds the body of it. */
-static fb_status model_build(const char **what)
+static inline fb_status model_build(const char **what)
 {
   const fb_status status = model_build_shape(what);
   *what = status == FB_OK ? "the body" : *what;

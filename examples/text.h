@@ -201,6 +201,38 @@ static inline void text_vector(text_file *t, const char *what, double *x, int n)
   }
 }
 
+/* Index of the next word in a list that ends with NULL; complains with the list. */
+static inline int text_choice(text_file *t, const char *what, const char *const *list)
+{
+  const char *word = text_word(t);
+  char all[512] = "";
+  for (int k = 0; list[k]; k++) {
+    if (word && strcmp(word, list[k]) == 0) {
+      return k;
+    }
+    if (strlen(all) + strlen(list[k]) + 2 < sizeof all) {
+      strcat(strcat(all, " "), list[k]);
+    }
+  }
+  text_fail(t, "%s must be one of%s, is %s", what, all, word ? word : "missing");
+  return 0;
+}
+
+/* The next word as a name. */
+static inline void text_name(text_file *t, const char *what, char name[TEXT_NAME])
+{
+  const char *const word = text_word(t);
+  if (!word) {
+    text_fail(t, "the name of %s is missing", what);
+  } else if (strlen(word) >= TEXT_NAME || !(isalpha((unsigned char)word[0]) || word[0] == '_') ||
+             word[strspn(word, TEXT_NAME_CHARACTERS)]) {
+    text_fail(t, "the name of %s has letters, digits and _, %d at most and no digit first: %s", what, TEXT_NAME - 1,
+              word);
+  } else {
+    strcpy(name, word);
+  }
+}
+
 static inline void text_end_of_line(text_file *t)
 {
   const char *word = text_word(t);
