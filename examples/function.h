@@ -1,6 +1,6 @@
 /* function.h - functions of time from a line of text: a word and its numbers, with two derivatives and the integral.
    Where a function jumps or bends, `side` says which piece counts: the middle of a step lies in one. Include text.h
-   first. README.md, "Scenes", lists the words. */
+   and csv.h first. README.md, "Scenes", lists the words. */
 #ifndef FUNCTION_H
 #define FUNCTION_H
 
@@ -167,12 +167,48 @@ static void function_add_row(text_file *t, function *f, function_tables *tables,
   tables->n++;
 }
 
-/* Reads the rest of the line. */
-static function function_read(text_file *t, function_tables *tables, const char *path)
+/* A table of two columns of a CSV file. */
+static void function_read_file(text_file *t, function *f, function_tables *tables, const char *path,
+                               const char *const column[2])
 {
-  static const char *const kinds[] = {"constant", "step", "ramp", "smooth", "versine", "sine", "pulse", "table", NULL};
+  static csv_file csv;
+  int at[2];
+  double x[2];
+  if (csv_open(&csv, t, path, column, at, 2)) {
+    while (csv_row(&csv, t, path, x, at, 2)) {
+      function_add_row(t, f, tables, x[0], x[1]);
+    }
+    if (f->n == 0) {
+      text_fail(t, "%s has no rows", path);
+    }
+  }
+  if (csv.file) {
+    fclose(csv.file);
+  }
+}
+
+/* FILE TIME_COLUMN VALUE_COLUMN */
+static void function_read_columns(text_file *t, function *f, function_tables *tables, const char *from)
+{
+  const char *const name = text_word(t);
+  const char *const time = text_word(t), *const value = text_word(t);
+  const char *const column[2] = {time, value};
+  char path[512];
+  if (!column[1]) {
+    text_fail(t, "a file wants its name and two columns, time and value");
+    return;
+  }
+  text_beside(path, from, name);
+  f->kind = FUNCTION_TABLE;
+  function_read_file(t, f, tables, path, column);
+}
+
+/* Reads the rest of the line; files are looked for beside `from`. */
+static function function_read(text_file *t, function_tables *tables, const char *from)
+{
+  static const char *const kinds[] = {"constant", "step",  "ramp",  "smooth", "versine",
+                                      "sine",     "pulse", "table", "file",   NULL};
   function f;
-  (void)path;
   memset(&f, 0, sizeof f);
   f.kind = (function_kind)text_choice(t, "a function", kinds);
   f.first = tables->n;
@@ -181,6 +217,10 @@ static function function_read(text_file *t, function_tables *tables, const char 
       const double time = text_number(t, "time");
       function_add_row(t, &f, tables, time, text_number(t, "value"));
     } while (text_more(t));
+    return f;
+  }
+  if (f.kind == FUNCTION_FILE) {
+    function_read_columns(t, &f, tables, from);
     return f;
   }
   f.a = text_number(t, "size");

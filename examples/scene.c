@@ -48,9 +48,31 @@ static int read_option(void *to, const char *name, const char *text)
   return strcmp(name, "--out") == 0 ? read_out(&c->options.csv, text) : NO_SUCH_OPTION;
 }
 
+/* What was measured, and how far it is from what is known. */
+static void tell(const scene *s)
+{
+  for (int k = 0; k < s->n_measure; k++) {
+    printf("%s = %.9g\n", s->measure[k].label, s->measured[k]);
+  }
+  for (int k = 0; k < s->n_expectation; k++) {
+    const scene_expectation *const e = &s->expectation[k];
+    const double allowed = scene_allowed(e->tolerance, e->relative, fabs(e->value));
+    printf("%s: %.3g from %.9g, allowed %.3g%s\n", s->measure[e->measure].label, e->difference, e->value, allowed,
+           e->difference <= allowed ? "" : "  MISSED");
+  }
+  for (int k = 0; k < s->n_reference; k++) {
+    const scene_reference *const r = &s->reference[k];
+    const double allowed = scene_allowed(r->tolerance, r->relative, r->largest);
+    printf("%s: %.3g at most from %d rows of the reference, of which the largest is %.6g; allowed %.3g%s\n",
+           s->output[r->output].label, r->difference, r->compared, r->largest, allowed,
+           r->compared > 0 && r->difference <= allowed ? "" : "  MISSED");
+  }
+}
+
 int main(int argc, char **argv)
 {
   static command c;
+  scene *const s = &the_scene;
   int failed;
   if (argc < 2 || strcmp(argv[1], "--help") == 0) {
     fputs(help, argc < 2 ? stderr : stdout);
@@ -59,14 +81,13 @@ int main(int argc, char **argv)
   if (read_all(argc - 1, argv + 1, help, read_option, &c) != 0) {
     return 2;
   }
-  c.options.talk = stderr;
-  failed = scene_read(&the_scene, argv[1], c.set, c.n_set) ? 2 : scene_run(&the_scene, &c.options);
+  c.options.talk = stdout;
+  c.options.progress = stderr;
+  failed = scene_read(s, argv[1], c.set, c.n_set) ? 2 : scene_run(s, &c.options);
   if (failed) {
-    fprintf(stderr, "scene: %s\n", the_scene.message);
+    fprintf(stderr, "scene: %s\n", s->message);
     return failed;
   }
-  for (int k = 0; k < the_scene.n_measure; k++) {
-    printf("%s = %.9g\n", the_scene.measure[k].label, the_scene.measured[k]);
-  }
-  return 0;
+  tell(s);
+  return s->missed > 0 ? 1 : 0;
 }

@@ -63,6 +63,13 @@ static inline int text_open(text_file *t, const char *program, const char *name)
   return t->file != NULL;
 }
 
+/* The name of a file that another one names, from that one's folder. */
+static inline void text_beside(char path[512], const char *from, const char *name)
+{
+  const char *const slash = strrchr(from, '/');
+  snprintf(path, 512, "%.*s%s", name[0] == '/' || !slash ? 0 : (int)(slash - from + 1), from, name);
+}
+
 static inline void text_close(text_file *t)
 {
   if (t->file) {
