@@ -80,6 +80,7 @@ static void model_effects(text_file *t)
                                      "acceleration_stiffening",
                                      "damping",
                                      "gravity",
+                                     "strain",
                                      NULL};
   static const unsigned mask[] = {FB_EFFECTS_RIGID,
                                   FB_EFFECTS_LINEAR,
@@ -90,7 +91,8 @@ static void model_effects(text_file *t)
                                   FB_EFFECT_ELASTIC | FB_EFFECT_SPIN_STIFFENING,
                                   FB_EFFECT_ELASTIC | FB_EFFECT_ACCELERATION_STIFFENING,
                                   FB_EFFECT_DAMPING,
-                                  FB_EFFECT_GRAVITY};
+                                  FB_EFFECT_GRAVITY,
+                                  FB_EFFECTS_STRAIN};
   model.level.effects = 0;
   do {
     model.level.effects |= mask[text_choice(t, "an effect", name)];
@@ -307,6 +309,7 @@ static void model_beam_line(text_file *t, const char *word)
 {
   static const char *const roots[] = {"clamped", "pinned", "free", NULL};
   static const char *const axes[] = {"x", "y", "z", "rx", "ry", "rz", NULL};
+  static const char *const free_root[] = {"root_strain", NULL};
   fb_beam_desc *beam = &model.beam;
   if (strcmp(word, "stations") == 0) {
     model_stations(t);
@@ -353,6 +356,18 @@ static void model_beam_line(text_file *t, const char *word)
     beam->n_lump++;
   } else if (strcmp(word, "modes") == 0) {
     model_modes_line(t);
+  } else if (strcmp(word, "functions") == 0) {
+    model.modes.basis = FB_BASIS_FUNCTIONS;
+    model.modes.degree = text_whole(t, "degree", 3, 8);
+    model.modes.root_strain = text_more(t) ? 1 + text_choice(t, "after the degree", free_root) : 0;
+  } else if (strcmp(word, "boundary") == 0) {
+    if (model.modes.n_boundary == FB_MAX_COORDINATES) {
+      text_fail(t, "more than %d boundary coordinates", FB_MAX_COORDINATES);
+      return;
+    }
+    model.modes.basis = FB_BASIS_COMPONENT;
+    model.modes.boundary[model.modes.n_boundary].node = text_whole(t, "element node", 0, FB_MAX_ELEMENTS);
+    model.modes.boundary[model.modes.n_boundary++].axis = text_choice(t, "axis", axes);
   } else if (strcmp(word, "spin") == 0) {
     model.modes.spin = (fb_real)text_number(t, "spin");
     model.modes.spin_radius = (fb_real)text_number(t, "radius");
@@ -593,7 +608,8 @@ static void model_beam_check(text_file *t)
 /* Refuses a word that was there before, but for those of which there may be many. */
 static void model_once(text_file *t, const char *word)
 {
-  static const char *const many[] = {"point", "lump", "load", "node", "taper", "shape", "mark", "quadratic"};
+  static const char *const many[] = {"point", "lump", "load",      "node",    "taper",
+                                     "shape", "mark", "quadratic", "boundary"};
   for (int k = 0; k < (int)(sizeof many / sizeof many[0]); k++) {
     if (strcmp(word, many[k]) == 0) {
       return;
@@ -731,6 +747,12 @@ static fb_status model_beam_shape(const char **what)
   *what = status == FB_OK ? "its integrals" : *what;
   status = status ? status : fb_shape_init(&model_shape, model_modes.n);
   status = status ? status : fb_shape_add_beam(&model_shape, 0, &model_beam, &model_modes);
+#if FB_WITH_NONLINEAR_STRAIN
+  if (status == FB_OK && (model.level.effects & FB_EFFECT_NONLINEAR_STRAIN)) {
+    *what = "its strain stations (they want EA, and `functions` with as many axial modes as bending ones)";
+    status = fb_shape_add_beam_strain(&model_shape, 0, &model_beam, &model_modes);
+  }
+#endif
   for (int k = 0; k < model.n_mark && status == FB_OK; k++) {
     *what = "a node";
     status = fb_shape_add_beam_node(&model_shape, &at, 0, &model_beam, &model_modes, (fb_real)model.mark[k]);

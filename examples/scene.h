@@ -250,7 +250,7 @@ static void scene_read_reference(text_file *t, scene *s)
 
 /* ---- the file */
 
-static const char *const scene_schemes[] = {"rk4", "midpoint", "sdirk", "exponential", NULL};
+static const char *const scene_schemes[] = {"rk4", "midpoint", "sdirk", "exponential", "auto", NULL};
 
 static void scene_read_step(text_file *t, scene *s)
 {
@@ -281,6 +281,28 @@ static void scene_read_gravity(text_file *t, scene *s)
   text_vector(t, "gravity", s->gravity, 3);
 }
 
+/* view top|front|side|aslant|any [BODY] */
+static void scene_read_view(text_file *t, scene *s)
+{
+  static const char *const views[] = {"any", "top", "front", "side", "aslant", NULL};
+  char part[TEXT_NAME];
+  s->view = (scene_view_from)text_choice(t, "a view", views);
+  s->view_of = text_more(t) ? scene_read_body_name(t, s, part) : -1;
+}
+
+/* The rest of the line. */
+static void scene_read_title(text_file *t, scene *s)
+{
+  const char *word;
+  size_t n = 0;
+  while ((word = text_word(t)) != NULL && n < sizeof s->title) {
+    n += (size_t)snprintf(s->title + n, sizeof s->title - n, "%s%s", n ? " " : "", word);
+  }
+  if (s->title[strcspn(s->title, "<>&")]) {
+    text_fail(t, "a title has none of < > &");
+  }
+}
+
 /* Refuses a word that was there before. */
 static void scene_once(text_file *t, scene *s, const char *word)
 {
@@ -296,7 +318,8 @@ static void scene_once(text_file *t, scene *s, const char *word)
 /* Words that stand once; 0 if it is none of them. */
 static int scene_read_setting(text_file *t, scene *s, const char *word)
 {
-  static const char *const words[] = {"duration", "interval", "step", "scheme", "gravity", "trim", "method", NULL};
+  static const char *const words[] = {"duration", "interval", "step", "scheme", "gravity",
+                                      "trim",     "method",   "view", "title",  NULL};
   static const char *const methods[] = {"recursive", "dense", "multipliers", NULL};
   int k = 0;
   while (words[k] && strcmp(words[k], word) != 0) {
@@ -317,7 +340,9 @@ static int scene_read_setting(text_file *t, scene *s, const char *word)
     scene_read_step(t, s);
     break;
   case 3:
-    s->scheme = (fb_scheme)text_choice(t, word, scene_schemes);
+    k = text_choice(t, word, scene_schemes);
+    s->scheme_auto = k == 4;
+    s->scheme = s->scheme_auto ? FB_SCHEME_RK4 : (fb_scheme)k;
     break;
   case 4:
     scene_read_gravity(t, s);
@@ -325,8 +350,14 @@ static int scene_read_setting(text_file *t, scene *s, const char *word)
   case 5:
     s->trim = 1;
     break;
-  default:
+  case 6:
     s->method = (fb_method)text_choice(t, word, methods);
+    break;
+  case 7:
+    scene_read_view(t, s);
+    break;
+  default:
+    scene_read_title(t, s);
     break;
   }
   return 1;
@@ -400,6 +431,8 @@ static int scene_read(scene *s, const char *path, const scene_setting *set, int 
   snprintf(s->path, sizeof s->path, "%s", path);
   s->set = set;
   s->n_set = n_set;
+  s->scheme_auto = 1;
+  s->view_of = -1;
   if (!text_open(&t, "scene", path)) {
     return scene_fail(s, "%s", strerror(errno));
   }

@@ -3,17 +3,6 @@
 #define SCENE_BODY_H
 #include "scene_parts.h"
 
-/* A reason in the scene's message; returns 1. */
-static int scene_fail(scene *s, const char *format, ...)
-{
-  va_list list;
-  const int n = snprintf(s->message, sizeof s->message, "%.400s: ", s->path);
-  va_start(list, format);
-  vsnprintf(s->message + n, sizeof s->message - (size_t)n, format, list);
-  va_end(list);
-  return 1;
-}
-
 /* ---- names */
 
 /* parameter NAME VALUE [what it is] */

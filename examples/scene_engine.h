@@ -13,6 +13,9 @@ typedef struct scene_view { /* what outputs are taken from; of one body: pose[0]
 static struct scene_engine { /* one scene at a time */
   fb_body body[FB_MAX_BODIES];
   fb_body_work body_work;
+  int place[FB_MAX_BODIES][FB_MAX_MODES]; /* in it, of the modes that the file has; -1: left out */
+  fb_scheme scheme;
+  int long_step;  /* steps beyond the limit are not refused */
   fb_state state; /* one body alone */
   fb_input at[3]; /* start, middle, end of the step */
   fb_rk4_work rk4;
@@ -33,6 +36,18 @@ static void scene_reals(fb_real *x, const double *value, int n)
 {
   for (int i = 0; i < n; i++) {
     x[i] = (fb_real)value[i];
+  }
+}
+
+/* Modal coordinates at the start, of the modes that are kept. */
+static void scene_start_modes(int k, fb_real *q, fb_real *q_dot, const scene_body *b)
+{
+  for (int a = 0; a < FB_MAX_MODES; a++) {
+    const int at = engine.place[k][a];
+    if (at >= 0 && at < engine.body[k].n) {
+      q[at] = (fb_real)b->q[a];
+      q_dot[at] = (fb_real)b->q_dot[a];
+    }
   }
 }
 
@@ -81,10 +96,9 @@ static fb_status single_start(const scene *s)
   single_input(s, input, 0, 0);
   scene_reals(x->rho, b->position, 3);
   scene_reals(x->quat, b->attitude, 4);
-  scene_reals(x->q, b->q, engine.body[0].n);
   scene_reals(v, b->velocity, 3);
   scene_reals(w, b->spin, 3);
-  scene_reals(q_dot, b->q_dot, engine.body[0].n);
+  scene_start_modes(0, x->q, q_dot, b);
   status = status ? status : fb_quat_normalize(x->quat);
   if (s->trim) {
     memcpy(input->w, held ? input->w : w, sizeof w);
@@ -101,7 +115,7 @@ static fb_status single_step(const scene *s, double t, double dt)
   single_input(s, &at[0], t, t + 0.5 * dt);
   single_input(s, &at[1], t + 0.5 * dt, t + 0.5 * dt);
   single_input(s, &at[2], t + dt, t + 0.5 * dt);
-  switch (s->scheme) {
+  switch (engine.scheme) {
   case FB_SCHEME_MIDPOINT:
     return fb_midpoint_step(body, x, &engine.implicit, &at[1], (fb_real)dt, 0);
   case FB_SCHEME_SDIRK:
@@ -173,6 +187,7 @@ static fb_status system_init(const scene *s)
   desc.n_body = s->n_body;
   desc.n_loop = s->n_loop;
   desc.method = s->method;
+  desc.allow_long_step = engine.long_step;
   for (int k = 0; k < s->n_body; k++) {
     desc.model[k] = k;
     desc.joint[k].parent = FB_GROUND;
@@ -193,8 +208,7 @@ static fb_status system_start(const scene *s)
   for (int k = 0; k < s->n_body; k++) {
     const scene_body *const b = &s->body[k];
     scene_reals(start[k].quat, b->attitude, 4);
-    scene_reals(start[k].q, b->q, engine.body[k].n);
-    scene_reals(start[k].q_dot, b->q_dot, engine.body[k].n);
+    scene_start_modes(k, start[k].q, start[k].q_dot, b);
     if (engine.system.joint[k].kind == FB_JOINT_FREE) {
       scene_reals(start[k].value, b->position, 3);
       scene_reals(start[k].speed, b->velocity, 3);
@@ -227,10 +241,11 @@ static fb_status system_step(const scene *s, double t, double dt)
   system_input(s, &at[0], t, t + 0.5 * dt);
   system_input(s, &at[1], t + 0.5 * dt, t + 0.5 * dt);
   system_input(s, &at[2], t + dt, t + 0.5 * dt);
-  return s->scheme == FB_SCHEME_SDIRK ? fb_system_sdirk_step(&engine.system, engine.body, &engine.system_state,
-                                                             &engine.system_work, &at[0], &at[2], (fb_real)dt, 0)
-                                      : fb_system_rk4_step(&engine.system, engine.body, &engine.system_state,
-                                                           &engine.system_work, &at[0], &at[1], &at[2], (fb_real)dt);
+  return engine.scheme == FB_SCHEME_SDIRK
+             ? fb_system_sdirk_step(&engine.system, engine.body, &engine.system_state, &engine.system_work, &at[0],
+                                    &at[2], (fb_real)dt, 0)
+             : fb_system_rk4_step(&engine.system, engine.body, &engine.system_state, &engine.system_work, &at[0],
+                                  &at[1], &at[2], (fb_real)dt);
 }
 
 /* Events up to t. */
@@ -289,15 +304,6 @@ static fb_status scene_spectrum(const scene *s)
   }
   single_input(s, &engine.at[0], 0, 0);
   return fb_body_spectrum(&engine.spectrum, &engine.analyse, &engine.body[0], &engine.state, &engine.at[0]);
-}
-
-/* A step where none is asked for. */
-static double scene_choose_step(const scene *s)
-{
-  const double limit = scene_is_system(s)
-                           ? (double)fb_system_rk4_limit(&engine.system, engine.body, FB_R(0.0), FB_R(0.0))
-                           : (double)fb_rk4_limit(&engine.body[0], FB_R(0.0), FB_R(0.0));
-  return fmin(s->interval, 0.2 * limit);
 }
 
 /* Which joint a failure is about, for a message. */

@@ -190,14 +190,25 @@ typedef struct scene_reference { /* of an output, rows of a table */
   int next, compared; /* difference, largest of the table: by scene_run */
 } scene_reference;
 
+typedef enum scene_view_from { /* which axes are right and up on a page */
+                               SCENE_VIEW_ANY,
+                               SCENE_VIEW_TOP,   /* x, y */
+                               SCENE_VIEW_FRONT, /* x, z */
+                               SCENE_VIEW_SIDE,  /* y, z */
+                               SCENE_VIEW_ASLANT
+} scene_view_from;
+
 typedef struct scene {
-  char message[TEXT_MESSAGE], path[512];
+  char message[TEXT_MESSAGE], path[512], title[128];
   int n_parameter;
   text_named parameter[SCENE_PARAMETERS];
   double duration, interval, step, dt; /* [s]; step 0: chosen; dt: by scene_run */
   fb_scheme scheme;
+  int scheme_auto;
   double gravity[3];
   int trim; /* starts in its steady state */
+  scene_view_from view;
+  int view_of; /* body in whose frame it is seen; -1: at rest */
   fb_method method;
   int n_body, n_load, n_motion, n_output, n_measure, n_joint, n_loop, n_drive, n_event, n_expectation, n_reference;
   scene_body body[FB_MAX_BODIES];
@@ -219,4 +230,14 @@ typedef struct scene {
   int n_set;
 } scene;
 
+/* A reason in the scene's message; returns 1. */
+static int scene_fail(scene *s, const char *format, ...)
+{
+  va_list list;
+  const int n = snprintf(s->message, sizeof s->message, "%.400s: ", s->path);
+  va_start(list, format);
+  vsnprintf(s->message + n, sizeof s->message - (size_t)n, format, list);
+  va_end(list);
+  return 1;
+}
 #endif

@@ -1,11 +1,16 @@
 /* scene_run.h - runs a scene that scene.h has read. */
 #ifndef SCENE_RUN_H
 #define SCENE_RUN_H
-#include "scene_engine.h"
+#include "scene_auto.h"
+#include "scene_draw.h"
 #include <time.h>
 
 typedef struct scene_options { /* all zero: no files, no talk */
   const char *csv;             /* name of the file that the outputs go to */
+  const char *picture;         /* a few frames over each other, SVG */
+  const char *animation;       /* SVG that moves */
+  const char *frames;          /* folder for numbered frames, SVG */
+  int n_frame;                 /* of them and of the animation, 0: 120 */
   FILE *talk;                  /* what was chosen */
   FILE *progress;              /* a line on long runs */
 } scene_options;
@@ -34,10 +39,23 @@ static double node_output(const scene *s, const scene_output *o)
   return (double)value[o->quantity - SCENE_DISPLACEMENT][o->axis];
 }
 
+/* A strain, of the modes that are kept. */
+static double gauge_output(const scene *s, const scene_output *o)
+{
+  const fb_gauge *const all = &s->body[o->body].gauge[o->at];
+  double strain = 0;
+  for (int a = 0; a < all->n; a++) {
+    const int at = engine.place[o->body][a];
+    strain += at < 0 ? 0 : (double)(all->gain[a] * engine.view.motion.pose[o->body].q[at]);
+  }
+  return strain;
+}
+
 static double body_output(const scene *s, const scene_output *o)
 {
   const fb_motion *const m = &engine.view.motion.motion[o->body];
   const fb_state *const pose = &engine.view.motion.pose[o->body];
+  const int place = o->quantity == SCENE_STRAIN ? 0 : engine.place[o->body][o->at];
   switch (o->quantity) {
   case SCENE_SPIN:
     return (double)m->w[o->axis];
@@ -48,11 +66,11 @@ static double body_output(const scene *s, const scene_output *o)
   case SCENE_REACTION_TORQUE:
     return (double)m->reaction_torque[o->axis];
   case SCENE_MODE:
-    return (double)pose->q[o->at];
+    return place < 0 ? 0 : (double)pose->q[place];
   case SCENE_MODE_RATE:
-    return (double)m->q_dot[o->at];
+    return place < 0 ? 0 : (double)m->q_dot[place];
   default:
-    return (double)fb_gauge_eval(&s->body[o->body].gauge[o->at], pose->q);
+    return gauge_output(s, o);
   }
 }
 
@@ -185,6 +203,82 @@ static void scene_judge(scene *s)
   }
 }
 
+/* ---- pictures */
+
+/* A point as it is seen: inertial, or in the frame of a body. */
+static void scene_seen(const scene *s, double out[3], const fb_real position[3])
+{
+  const fb_state *const pose = &engine.view.motion.pose[s->view_of < 0 ? 0 : s->view_of];
+  fb_real R[9];
+  if (s->view_of < 0) {
+    for (int i = 0; i < 3; i++) {
+      out[i] = (double)position[i];
+    }
+    return;
+  }
+  fb_quat_to_mat33(R, pose->quat);
+  for (int i = 0; i < 3; i++) {
+    out[i] = 0;
+    for (int j = 0; j < 3; j++) {
+      out[i] += (double)(R[3 * j + i] * (position[j] - pose->rho[j]));
+    }
+  }
+}
+
+static void scene_add_point(const scene *s, scene_line *line, int body, int node)
+{
+  fb_node_motion at;
+  if (line->n < SCENE_POINTS && fb_body_node_motion(&engine.body[body], &at, &engine.view.motion.pose[body],
+                                                    &engine.view.motion.motion[body], node) == FB_OK) {
+    scene_seen(s, line->x[line->n++], at.position);
+  }
+}
+
+/* A beam as its line, other bodies as lines from the origin to their nodes; joints from node to origin. */
+static void scene_film_frame(const scene *s, double t)
+{
+  scene_frame *const frame = &film.frame[film.n];
+  memset(frame, 0, sizeof *frame);
+  frame->t = t;
+  film.n_body = s->n_body;
+  for (int b = 0; b < s->n_body; b++) {
+    const int drawn = s->body[b].kind == MODEL_BEAM;
+    scene_add_point(s, &frame->line[b], b, drawn ? s->body[b].n_node : 0);
+    for (int k = drawn ? s->body[b].n_node + 1 : 1; k < engine.body[b].n_node; k++) {
+      scene_add_point(s, &frame->line[b], b, k);
+      if (!drawn && k + 1 < engine.body[b].n_node) {
+        scene_add_point(s, &frame->line[b], b, 0);
+      }
+    }
+  }
+  for (int j = 0; j < s->n_joint; j++) {
+    const fb_joint_desc *const d = &s->joint[j].desc;
+    scene_line *const line = &frame->line[s->n_body + d->child];
+    if (!s->joint[j].loop && d->parent != FB_GROUND) {
+      scene_add_point(s, line, d->parent, 0);
+      scene_add_point(s, line, d->parent, d->parent_node);
+      scene_add_point(s, line, d->child, 0);
+    }
+  }
+  film.n++;
+}
+
+static int scene_write_pictures(scene *s, const scene_options *o)
+{
+  int failed = 0;
+  if (film.n == 0) {
+    return 0;
+  }
+  scene_project(s->view);
+  for (int k = 0; k < film.n && o->frames && !failed; k++) {
+    failed = scene_write_frame(s, o->frames, k);
+  }
+  if (o->animation && !failed) {
+    failed = scene_write_animation(s, o->animation);
+  }
+  return failed || !o->picture ? failed : scene_write_picture(s, o->picture);
+}
+
 /* ---- a run */
 
 typedef struct scene_run_state {
@@ -192,6 +286,7 @@ typedef struct scene_run_state {
   scene_tally tally[SCENE_MEASURES];
   time_t begin, told;
   int event;
+  long rows, row, frames; /* frames: wanted; 0: no pictures */
 } scene_run_state;
 
 static void scene_header(const scene *s, FILE *csv)
@@ -230,6 +325,10 @@ static fb_status scene_row(scene *s, scene_run_state *run, double t)
   for (int k = 0; k < s->n_reference; k++) {
     scene_compare(s, &s->reference[k], t, value[s->reference[k].output]);
   }
+  if (film.n < run->frames && run->row * (run->frames - 1) >= film.n * run->rows) {
+    scene_film_frame(s, t);
+  }
+  run->row++;
   return FB_OK;
 }
 
@@ -251,13 +350,13 @@ static int scene_failed(scene *s, const char *when, fb_status status)
 /* Steps from row to row. */
 static int scene_loop(scene *s, const scene_options *o, scene_run_state *run)
 {
-  const long rows = (long)ceil(s->duration / s->interval * (1 - 1e-9));
+  const long rows = run->rows;
   const double interval = s->duration / (double)rows;
   const long steps = (long)ceil(interval / s->dt * (1 - 1e-9));
   char when[96];
   fb_status status = FB_OK;
   s->dt = interval / (double)steps;
-  if (s->scheme == FB_SCHEME_EXPONENTIAL) {
+  if (engine.scheme == FB_SCHEME_EXPONENTIAL) {
     status = fb_exponential_init(&engine.exponential, &engine.body_work, &engine.body[0], (fb_real)s->dt);
   }
   for (long k = 0; k < rows * steps && status == FB_OK; k++) {
@@ -276,16 +375,24 @@ static int scene_loop(scene *s, const scene_options *o, scene_run_state *run)
   return status == FB_OK ? 0 : scene_failed(s, when, status);
 }
 
-/* Bodies of the chosen effects. */
-static int scene_build(scene *s)
+/* Bodies of the effects and modes that are given or advised; what happens at most, where that is asked for. */
+static int scene_build(scene *s, const scene_options *o)
 {
+  int asked = s->duration > 0 && !(s->step > 0);
+  fb_status status = FB_OK;
   for (int k = 0; k < s->n_body; k++) {
-    fb_body_desc level = s->body[k].level;
-    fb_status status;
-    if (scene_is_system(s)) {
-      level.base = FB_BASE_PRESCRIBED;
+    asked |= s->body[k].tolerance > 0;
+  }
+  status = asked ? scene_run_rigid(s) : FB_OK;
+  if (status != FB_OK) {
+    return scene_failed(s, "run with rigid bodies", status);
+  }
+  for (int k = 0; k < s->n_body; k++) {
+    const int advised = s->body[k].tolerance > 0;
+    if (advised && scene_advise(s, k, o->talk)) {
+      return 1;
     }
-    status = fb_body_init(&engine.body[k], &engine.body_work, &s->body[k].shape, &level);
+    status = scene_init_body(s, k, advised ? &automatic.advice[k] : NULL);
     if (status != FB_OK) {
       return scene_fail(s, "body %s of line %d: %s", s->body[k].name, s->body[k].line, fb_status_string(status));
     }
@@ -347,9 +454,12 @@ static int scene_run(scene *s, const scene_options *o)
   int failed;
   memset(&run, 0, sizeof run);
   memset(&engine, 0, sizeof engine);
+  film.n = 0;
+  run.rows = (long)ceil(s->duration / s->interval * (1 - 1e-9));
+  run.frames = o->picture || o->animation || o->frames ? (o->n_frame > 0 ? o->n_frame : 120) : 0;
   run.begin = time(NULL);
   scene_reset(s);
-  if (scene_build(s)) {
+  if (scene_build(s, o)) {
     return 1;
   }
   status = scene_start(s);
@@ -359,7 +469,9 @@ static int scene_run(scene *s, const scene_options *o)
   if (scene_measure_spectrum(s)) {
     return 1;
   }
-  s->dt = s->step > 0 ? s->step : scene_choose_step(s);
+  if (s->duration > 0) {
+    scene_choose(s, o->talk);
+  }
   if (o->csv) {
     run.csv = fopen(o->csv, "w");
     if (!run.csv) {
@@ -368,6 +480,7 @@ static int scene_run(scene *s, const scene_options *o)
     scene_header(s, run.csv);
   }
   failed = scene_run_rows(s, o, &run);
+  failed = failed ? failed : scene_write_pictures(s, o);
   if (run.csv && fclose(run.csv) != 0 && !failed) {
     failed = scene_fail(s, "cannot write %s", o->csv);
   }
