@@ -226,7 +226,7 @@ static function function_read(text_file *t, function_tables *tables, const char 
   f.a = text_number(t, "size");
   if (f.kind == FUNCTION_SINE) {
     f.omega = 2 * function_pi * text_number(t, "frequency in Hz");
-    f.phase = text_more(t) ? text_number(t, "phase in degrees") * function_pi / 180 : 0;
+    f.phase = text_more(t) ? text_degrees(t, "phase in degrees") : 0;
     if (!t->failed && !(f.omega > 0)) {
       text_fail(t, "the frequency of a sine must be greater than 0");
     }

@@ -49,15 +49,6 @@ static fb_body_work model_body_work;
 
 static const double model_pi = 3.14159265358979324;
 
-static void model_reals(text_file *t, const char *what, fb_real *x, int n)
-{
-  double value[16] = {0};
-  text_vector(t, what, value, n);
-  for (int i = 0; i < n; i++) {
-    x[i] = (fb_real)value[i];
-  }
-}
-
 /* Inertia: xx yy zz, and xy xz yz if the line goes on. */
 static void model_inertia(text_file *t, double inertia[6])
 {
@@ -140,7 +131,7 @@ static int model_common(text_file *t, const char *word)
   } else if (strcmp(word, "effects") == 0) {
     model_effects(t);
   } else if (strcmp(word, "gravity") == 0) {
-    model_reals(t, "gravity", model.level.gravity, 3);
+    text_reals(t, "gravity", model.level.gravity, 3);
   } else if (strcmp(word, "deflection_limit") == 0) {
     model.level.deflection_limit = (fb_real)text_number(t, "deflection_limit");
   } else if (strcmp(word, "damping") == 0) {
@@ -253,7 +244,7 @@ static void model_taper(text_file *t)
   end[0].kind = end[1].kind = (fb_profile_kind)text_choice(t, "taper", kinds);
   for (int k = 0; k < 2; k++) {
     end[k].x = (fb_real)text_number(t, "x");
-    model_reals(t, "size", end[k].size, 2);
+    text_reals(t, "size", end[k].size, 2);
   }
   n = text_whole(t, "number of stations", 2, FB_MAX_STATIONS);
   material.E = (fb_real)text_number(t, "E");
@@ -330,15 +321,15 @@ static void model_beam_line(text_file *t, const char *word)
   } else if (strcmp(word, "root") == 0) {
     beam->root = (fb_root)text_choice(t, word, roots);
   } else if (strcmp(word, "position") == 0) {
-    model_reals(t, word, beam->position, 3);
+    text_reals(t, word, beam->position, 3);
   } else if (strcmp(word, "attitude") == 0) {
-    model_reals(t, word, beam->attitude, 4);
+    text_reals(t, word, beam->attitude, 4);
   } else if (strcmp(word, "point") == 0) {
     if (beam->n_point == FB_MAX_ELEMENTS + 1) {
       text_fail(t, "more than %d points", FB_MAX_ELEMENTS + 1);
       return;
     }
-    model_reals(t, word, beam->point[beam->n_point++], 3);
+    text_reals(t, word, beam->point[beam->n_point++], 3);
   } else if (strcmp(word, "lump") == 0) {
     fb_lump *lump = &beam->lump[beam->n_lump];
     double inertia[6];
@@ -348,7 +339,7 @@ static void model_beam_line(text_file *t, const char *word)
     }
     lump->node = text_whole(t, "element node", 0, FB_MAX_ELEMENTS);
     lump->mass = (fb_real)text_number(t, "mass");
-    model_reals(t, "mass center", lump->center, 3);
+    text_reals(t, "mass center", lump->center, 3);
     model_inertia(t, inertia);
     for (int i = 0; i < 6; i++) {
       lump->inertia[i] = (fb_real)inertia[i];

@@ -96,7 +96,7 @@ static void scene_read_attitude(text_file *t, double quat[4])
   do {
     fb_real turn[3] = {0, 0, 0}, by[4], before[4];
     const int axis = text_choice(t, "axis of a turn", axes);
-    turn[axis] = (fb_real)(text_number(t, "degrees") * function_pi / 180);
+    turn[axis] = (fb_real)(text_degrees(t, "degrees"));
     fb_quat_from_rotvec(by, turn);
     memcpy(before, q, sizeof before);
     fb_quat_mul(q, before, by);

@@ -133,9 +133,9 @@ static void scene_read_joint_line(text_file *t, scene *s, const char *word)
   scene_joint *const joint = &s->joint[s->n_joint];
   fb_joint_desc *const d = &joint->desc;
   if (strcmp(word, "position") == 0) {
-    model_reals(t, word, d->position, 3);
+    text_reals(t, word, d->position, 3);
   } else if (strcmp(word, "child_position") == 0) {
-    model_reals(t, word, d->child_position, 3);
+    text_reals(t, word, d->child_position, 3);
   } else if (strcmp(word, "attitude") == 0) {
     scene_read_attitude(t, joint->orientation);
   } else if (strcmp(word, "axis") == 0) {

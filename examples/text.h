@@ -182,6 +182,12 @@ static inline double text_number(text_file *t, const char *what)
   return x;
 }
 
+/* Degrees, to radians. */
+static inline double text_degrees(text_file *t, const char *what)
+{
+  return text_number(t, what) * 3.14159265358979324 / 180;
+}
+
 /* A whole number from least to most. */
 static inline int text_whole(text_file *t, const char *what, int least, int most)
 {
@@ -239,6 +245,17 @@ static inline void text_name(text_file *t, const char *what, char name[TEXT_NAME
     strcpy(name, word);
   }
 }
+
+#ifdef FLEXBEAM_H
+static inline void text_reals(text_file *t, const char *what, fb_real *x, int n)
+{
+  double value[16] = {0};
+  text_vector(t, what, value, n);
+  for (int i = 0; i < n; i++) {
+    x[i] = (fb_real)value[i];
+  }
+}
+#endif
 
 static inline void text_end_of_line(text_file *t)
 {
