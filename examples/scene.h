@@ -12,9 +12,148 @@
    scene_read is here, scene_run in scene_run.h, which includes this file. */
 #ifndef SCENE_H
 #define SCENE_H
-#include "scene_body.h"
+#include "scene_exact.h"
 #include "scene_joint.h"
 
+/* ---- bodies */
+
+/* The shape of the description that was read. */
+static void scene_build_body(text_file *t, scene *s, scene_body *body, const scene_gauge_line *gauges)
+{
+  const char *what;
+  fb_status status = model_build_shape(&what);
+  body->kind = model.kind;
+  body->level = model.level;
+  body->n_node = model_shape.n_node;
+  body->n_gauge = gauges->n;
+  memcpy(body->node_name, model.node_name, sizeof body->node_name);
+  if (status == FB_OK && body->n_node > SCENE_NODES + 1) {
+    text_fail(t, "more than %d nodes", SCENE_NODES);
+  }
+  if (gauges->n > 0 && body->kind != MODEL_BEAM) {
+    text_fail(t, "gauges are on beams");
+    return;
+  }
+  for (int k = 0; k < gauges->n && status == FB_OK; k++) {
+    what = "a gauge";
+    status = fb_gauge_init(&body->gauge[k], 0, &model_beam, &model_modes, (fb_real)gauges->x[k][0],
+                           (fb_real)gauges->x[k][1], (fb_real)gauges->x[k][2]);
+  }
+  if (status == FB_OK) {
+    status = scene_add_drawn(body);
+  }
+  if (status != FB_OK) {
+    text_fail(t, "%s: %s", what, fb_status_string(status));
+  }
+  if (fabs(s->gravity[0]) + fabs(s->gravity[1]) + fabs(s->gravity[2]) > 0) {
+    body->level.effects |= FB_EFFECT_GRAVITY;
+    for (int i = 0; i < 3; i++) {
+      body->level.gravity[i] = (fb_real)s->gravity[i];
+    }
+  }
+  body->shape = model_shape;
+  if (s->exact > 0 && !t->failed) {
+    s->is_exact = 1;
+    scene_convert_exact(t, s, body);
+  }
+}
+
+/* The lines of another file. */
+static void scene_read_model(text_file *t, const scene *s)
+{
+  char path[512];
+  text_file other;
+  const char *const name = text_word(t);
+  if (!name) {
+    text_fail(t, "the name of a file is missing");
+    return;
+  }
+  text_beside(path, s->path, name);
+  if (text_open(&other, t->program, path)) {
+    other.message = t->message;
+    other.named = t->named;
+    other.n_named = t->n_named;
+    model_lines(&other);
+  } else {
+    text_fail(t, "%s: %s", path, strerror(errno));
+  }
+  t->failed |= other.failed;
+  text_close(&other);
+}
+
+static void scene_read_model_line(text_file *t, scene *s, scene_body *body, const char *word)
+{
+  (void)s;
+  (void)body;
+  model_line(t, word);
+}
+
+static void scene_begin_exact(text_file *t, scene *s, scene_body *body)
+{
+  if (s->n_body > 0) {
+    text_fail(t, "an exact beam stands alone");
+  }
+  s->is_exact = 1;
+  body->kind = MODEL_BEAM;
+  body->n_node = 1;
+  mixed_begin(&s->mixed);
+}
+
+/* body NAME beam|component|rigid, its lines, end; or body NAME file FILE, further lines, end */
+static void scene_read_body(text_file *t, scene *s)
+{
+  static const char *const kinds[] = {"beam", "component", "rigid", "file", "exact", NULL};
+  scene_body *const body = &s->body[s->n_body];
+  scene_gauge_line gauges = {0};
+  const int begin = t->line;
+  int kind, ended = 0;
+  if (s->n_body == FB_MAX_BODIES) {
+    text_fail(t, "more than %d bodies", FB_MAX_BODIES);
+    return;
+  }
+  memset(body, 0, sizeof *body);
+  body->attitude[0] = 1;
+  body->line = begin;
+  text_name(t, "a body", body->name);
+  for (int k = 0; k < s->n_body; k++) {
+    if (strcmp(s->body[k].name, body->name) == 0) {
+      text_fail(t, "two bodies have the name %s", body->name);
+    }
+  }
+  kind = text_choice(t, "a body", kinds);
+  if (kind == 4) {
+    scene_begin_exact(t, s, body);
+  } else if (kind < 3) {
+    model_begin((model_kind)kind);
+  } else {
+    scene_read_model(t, s);
+    model.n_seen = 0; /* lines here may change what it says */
+  }
+  text_end_of_line(t);
+  while (!ended && text_line(t)) {
+    const char *const word = text_word(t);
+    ended = strcmp(word, "end") == 0;
+    if (strcmp(word, "gauge") == 0) {
+      scene_read_gauge(t, body, &gauges);
+    } else if (!ended && !scene_read_start(t, body, word)) {
+      (kind == 4 ? scene_read_exact_line : scene_read_model_line)(t, s, body, word);
+    }
+  }
+  if (!ended) {
+    text_fail(t, "body %s of line %d wants a line `end`", body->name, begin);
+  }
+  t->line = begin; /* what is missing has no line of its own */
+  if (kind == 4) {
+    scene_place_exact(t, s, body);
+  } else {
+    model_check(t);
+    if (!t->failed) {
+      scene_build_body(t, s, body, &gauges);
+    }
+  }
+  s->n_body += !t->failed;
+  t->line = ended ? t->line : begin;
+}
 /* ---- loads and the motion of the base */
 
 /* Forces or torques with that many numbers. */
@@ -111,6 +250,11 @@ static void scene_read_output(text_file *t, scene *s)
     }
   }
   output->quantity = (scene_quantity)text_choice(t, "an output", names);
+  if (s->is_exact ? !exact_has(output->quantity)
+                  : output->quantity == SCENE_INTERNAL_FORCE || output->quantity == SCENE_INTERNAL_MOMENT) {
+    text_fail(t, s->is_exact ? "an exact beam has no output %s" : "%s is an output of exact beams",
+              names[output->quantity]);
+  }
   output->unit = scene_quantities[output->quantity].unit;
   switch (scene_quantities[output->quantity].place) {
   case SCENE_AT_NODE:
@@ -315,52 +459,41 @@ static void scene_once(text_file *t, scene *s, const char *word)
   strcpy(s->seen[s->n_seen++], word);
 }
 
-/* Words that stand once; 0 if it is none of them. */
-static int scene_read_setting(text_file *t, scene *s, const char *word)
+static void scene_read_duration(text_file *t, scene *s)
 {
-  static const char *const words[] = {"duration", "interval", "step", "scheme", "gravity",
-                                      "trim",     "method",   "view", "title",  NULL};
+  s->duration = scene_read_positive(t, "duration");
+}
+
+static void scene_read_interval(text_file *t, scene *s)
+{
+  s->interval = scene_read_positive(t, "interval");
+}
+
+static void scene_read_scheme(text_file *t, scene *s)
+{
+  const int k = text_choice(t, "scheme", scene_schemes);
+  s->scheme_auto = strcmp(scene_schemes[k], "auto") == 0;
+  s->scheme = s->scheme_auto ? FB_SCHEME_RK4 : (fb_scheme)k;
+}
+
+static void scene_read_trim(text_file *t, scene *s)
+{
+  (void)t;
+  s->trim = 1;
+}
+
+static void scene_read_method(text_file *t, scene *s)
+{
   static const char *const methods[] = {"recursive", "dense", "multipliers", NULL};
-  int k = 0;
-  while (words[k] && strcmp(words[k], word) != 0) {
-    k++;
+  s->method = (fb_method)text_choice(t, "method", methods);
+}
+
+static void scene_read_exact(text_file *t, scene *s)
+{
+  if (s->n_body > 0) {
+    text_fail(t, "exact must stand before the body");
   }
-  if (!words[k]) {
-    return 0;
-  }
-  scene_once(t, s, word);
-  switch (k) {
-  case 0:
-    s->duration = scene_read_positive(t, word);
-    break;
-  case 1:
-    s->interval = scene_read_positive(t, word);
-    break;
-  case 2:
-    scene_read_step(t, s);
-    break;
-  case 3:
-    k = text_choice(t, word, scene_schemes);
-    s->scheme_auto = k == 4;
-    s->scheme = s->scheme_auto ? FB_SCHEME_RK4 : (fb_scheme)k;
-    break;
-  case 4:
-    scene_read_gravity(t, s);
-    break;
-  case 5:
-    s->trim = 1;
-    break;
-  case 6:
-    s->method = (fb_method)text_choice(t, word, methods);
-    break;
-  case 7:
-    scene_read_view(t, s);
-    break;
-  default:
-    scene_read_title(t, s);
-    break;
-  }
-  return 1;
+  s->exact = text_whole(t, "elements of the exact beam", 0, FB_MAX_MIXED);
 }
 
 static void scene_read_line(text_file *t, scene *s, const char *word)
@@ -368,21 +501,30 @@ static void scene_read_line(text_file *t, scene *s, const char *word)
   static const struct {
     const char *word;
     void (*read)(text_file *t, scene *s);
-  } lines[] = {{"parameter", scene_read_parameter}, {"body", scene_read_body},          {"load", scene_read_load},
-               {"motion", scene_read_motion},       {"output", scene_read_output},      {"measure", scene_read_measure},
-               {"joint", scene_read_joint},         {"loop", scene_read_loop},          {"event", scene_read_event},
-               {"expect", scene_read_expectation},  {"reference", scene_read_reference}};
-  if (!scene_read_setting(t, s, word)) {
-    int k = 0, n = (int)(sizeof lines / sizeof lines[0]);
-    while (k < n && strcmp(lines[k].word, word) != 0) {
-      k++;
-    }
-    if (k == n) {
-      text_fail(t, "no such word: %s", word);
-      return;
-    }
-    lines[k].read(t, s);
+    int once;
+  } lines[] = {{"title", scene_read_title, 1},         {"duration", scene_read_duration, 1},
+               {"interval", scene_read_interval, 1},   {"step", scene_read_step, 1},
+               {"scheme", scene_read_scheme, 1},       {"method", scene_read_method, 1},
+               {"gravity", scene_read_gravity, 1},     {"trim", scene_read_trim, 1},
+               {"exact", scene_read_exact, 1},         {"view", scene_read_view, 1},
+               {"parameter", scene_read_parameter, 0}, {"body", scene_read_body, 0},
+               {"joint", scene_read_joint, 0},         {"loop", scene_read_loop, 0},
+               {"event", scene_read_event, 0},         {"load", scene_read_load, 0},
+               {"motion", scene_read_motion, 0},       {"output", scene_read_output, 0},
+               {"measure", scene_read_measure, 0},     {"expect", scene_read_expectation, 0},
+               {"reference", scene_read_reference, 0}};
+  int k = 0, n = (int)(sizeof lines / sizeof lines[0]);
+  while (k < n && strcmp(lines[k].word, word) != 0) {
+    k++;
   }
+  if (k == n) {
+    text_fail(t, "no such word: %s", word);
+    return;
+  }
+  if (lines[k].once) {
+    scene_once(t, s, word);
+  }
+  lines[k].read(t, s);
   text_end_of_line(t);
 }
 
@@ -413,6 +555,9 @@ static void scene_check(text_file *t, scene *s)
   }
   for (int k = 0; k < s->n_joint; k++) {
     s->joint[k].at += s->joint[k].loop ? s->n_body : 0;
+  }
+  if (s->is_exact && scene_is_system(s)) {
+    text_fail(t, "an exact beam stands alone");
   }
   if (scene_is_system(s) && s->n_motion > 0) {
     text_fail(t, "motion is that of a single body's base; prescribe a joint instead");

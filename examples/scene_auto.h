@@ -4,7 +4,8 @@
 #define SCENE_AUTO_H
 #include "scene_engine.h"
 
-static const double scene_accuracy = 1e-3; /* of the slowest mode at the end, where a step is chosen */
+static const double scene_accuracy =
+    1e-3; /* of the slowest mode at the end, where a step is chosen; exact beams: ten times */
 
 /* ---- bodies of the chosen effects and modes */
 
@@ -283,6 +284,10 @@ static void scene_choose(scene *s, FILE *talk)
   s->dt = s->step;
   engine.scheme = s->scheme_auto ? FB_SCHEME_RK4 : s->scheme;
   if (s->step > 0) {
+    return;
+  }
+  if (s->is_exact) {
+    s->dt = exact_choose(s, 10 * scene_accuracy);
     return;
   }
   if (!scene_is_system(s) && s->body[0].tolerance > 0 && (s->scheme_auto || s->scheme == advice->scheme)) {

@@ -1,14 +1,8 @@
-/* scene_engine.h - what moves a scene: one body alone, or bodies on joints. Each way has the same calls: start, step,
+/* scene_engine.h - what moves a scene: one body alone, bodies on joints, an exact beam. Each way has the same calls: start, step,
    look. See scene.h. */
 #ifndef SCENE_ENGINE_H
 #define SCENE_ENGINE_H
 #include "scene.h"
-
-typedef struct scene_view { /* what outputs are taken from; of one body: pose[0], motion[0] */
-  fb_system_motion motion;
-  fb_energy energy;
-  fb_momentum momentum;
-} scene_view;
 
 static struct scene_engine { /* one scene at a time */
   fb_body body[FB_MAX_BODIES];
@@ -32,13 +26,6 @@ static struct scene_engine { /* one scene at a time */
   scene_view view;
 } engine;
 
-static void scene_reals(fb_real *x, const double *value, int n)
-{
-  for (int i = 0; i < n; i++) {
-    x[i] = (fb_real)value[i];
-  }
-}
-
 /* Modal coordinates at the start, of the modes that are kept. */
 static void scene_start_modes(int k, fb_real *q, fb_real *q_dot, const scene_body *b)
 {
@@ -49,20 +36,6 @@ static void scene_start_modes(int k, fb_real *q, fb_real *q_dot, const scene_bod
       q_dot[at] = (fb_real)b->q_dot[a];
     }
   }
-}
-
-/* A load at t, of the piece that holds `side`. */
-static fb_load scene_load_at(const scene *s, const scene_load *l, double t, double side)
-{
-  const double f = function_eval(&l->f, &s->tables, t, side).value;
-  fb_load load;
-  memset(&load, 0, sizeof load);
-  load.node = l->node;
-  load.axes = l->axes;
-  for (int i = 0; i < 3; i++) {
-    (l->torque ? load.torque : load.force)[i] = (fb_real)(f * l->vector[i]);
-  }
-  return load;
 }
 
 /* ---- one body alone */
@@ -277,21 +250,21 @@ static fb_status system_look(const scene *s, double t)
                                      &engine.system_state, input);
 }
 
-/* ---- either */
+/* ---- any of the three */
 
 static fb_status scene_start(const scene *s)
 {
-  return scene_is_system(s) ? system_start(s) : single_start(s);
+  return s->is_exact ? exact_start(s) : scene_is_system(s) ? system_start(s) : single_start(s);
 }
 
 static fb_status scene_step(const scene *s, double t, double dt)
 {
-  return scene_is_system(s) ? system_step(s, t, dt) : single_step(s, t, dt);
+  return s->is_exact ? exact_step(s, t, dt) : scene_is_system(s) ? system_step(s, t, dt) : single_step(s, t, dt);
 }
 
 static fb_status scene_look(const scene *s, double t)
 {
-  return scene_is_system(s) ? system_look(s, t) : single_look(s, t);
+  return s->is_exact ? exact_look(&engine.view) : scene_is_system(s) ? system_look(s, t) : single_look(s, t);
 }
 
 /* Modes about the present state. */

@@ -9,11 +9,13 @@
 #define FB_MAX_STRAINS 60
 #define FB_MAX_BODIES 12
 #define FB_MAX_LOOPS 4
+#define FB_MAX_MIXED 100
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
 #include "model.h"
 #include "csv.h"
 #include "function.h"
+#include "mixed_text.h"
 
 #define SCENE_NODES 11 /* of a body, with names; the rest is for drawing */
 #define SCENE_PARAMETERS 64
@@ -39,7 +41,9 @@ typedef struct scene_body {
   fb_body_desc level;
   int n_node; /* with node 0; further ones of the shape are drawn */
   char node_name[FB_MAX_NODES][TEXT_NAME];
-  double tolerance; /* of `auto`; 0: effects as given */
+  double node_x[FB_MAX_NODES];    /* of an exact beam, and.. */
+  int element_node[FB_MAX_NODES]; /* ..which of its nodes */
+  double tolerance;               /* of `auto`; 0: effects as given */
   double position[3], attitude[4], velocity[3], spin[3], q[FB_MAX_MODES], q_dot[FB_MAX_MODES]; /* at the start */
   int n_gauge;
   char gauge_name[SCENE_GAUGES][TEXT_NAME];
@@ -102,6 +106,8 @@ typedef enum scene_quantity {
   SCENE_RATE_DOT,
   SCENE_SPECIFIC_FORCE,
   SCENE_GYRO,
+  SCENE_INTERNAL_FORCE, /* of exact beams: */
+  SCENE_INTERNAL_MOMENT,
   SCENE_SPIN,
   SCENE_ATTITUDE,
   SCENE_REACTION_FORCE,
@@ -134,6 +140,8 @@ static const struct scene_quantity_row {
                         {"rate_dot", "rad/s^2", SCENE_AT_NODE, {"x", "y", "z"}},
                         {"specific_force", "m/s^2", SCENE_AT_NODE, {"x", "y", "z"}},
                         {"gyro", "rad/s", SCENE_AT_NODE, {"x", "y", "z"}},
+                        {"internal_force", "N", SCENE_AT_NODE, {"x", "y", "z"}},
+                        {"internal_moment", "N m", SCENE_AT_NODE, {"x", "y", "z"}},
                         {"spin", "rad/s", SCENE_AT_BODY, {"x", "y", "z"}},
                         {"attitude", "-", SCENE_AT_BODY, {"w", "x", "y", "z"}},
                         {"reaction_force", "N", SCENE_AT_BODY, {"x", "y", "z"}},
@@ -222,7 +230,9 @@ typedef struct scene {
   scene_event event[SCENE_EVENTS];
   scene_expectation expectation[SCENE_MEASURES];
   scene_reference reference[SCENE_OUTPUTS];
-  int missed; /* expectations and references beyond their tolerance, by scene_run */
+  int missed;          /* expectations and references beyond their tolerance, by scene_run */
+  int exact, is_exact; /* elements of `exact` for a beam of modes, 0: none; the body is an exact beam */
+  mixed_text mixed;
   function_tables tables;
   int n_seen; /* words that may be there once */
   char seen[16][TEXT_NAME];
@@ -239,5 +249,32 @@ static int scene_fail(scene *s, const char *format, ...)
   vsnprintf(s->message + n, sizeof s->message - (size_t)n, format, list);
   va_end(list);
   return 1;
+}
+
+typedef struct scene_view { /* what outputs are taken from; of one body: pose[0], motion[0] */
+  fb_system_motion motion;
+  fb_energy energy;
+  fb_momentum momentum;
+} scene_view;
+
+static void scene_reals(fb_real *x, const double *value, int n)
+{
+  for (int i = 0; i < n; i++) {
+    x[i] = (fb_real)value[i];
+  }
+}
+
+/* A load at t, of the piece that holds `side`. */
+static fb_load scene_load_at(const scene *s, const scene_load *l, double t, double side)
+{
+  const double f = function_eval(&l->f, &s->tables, t, side).value;
+  fb_load load;
+  memset(&load, 0, sizeof load);
+  load.node = l->node;
+  load.axes = l->axes;
+  for (int i = 0; i < 3; i++) {
+    (l->torque ? load.torque : load.force)[i] = (fb_real)(f * l->vector[i]);
+  }
+  return load;
 }
 #endif

@@ -116,6 +116,9 @@ static double whole_output(const scene_output *o)
 
 static double scene_value(const scene *s, const scene_output *o)
 {
+  if (s->is_exact && scene_quantities[o->quantity].place != SCENE_AT_ALL) {
+    return exact_value(s, &engine.view, o);
+  }
   switch (scene_quantities[o->quantity].place) {
   case SCENE_AT_NODE:
     return node_output(s, o);
@@ -241,7 +244,11 @@ static void scene_film_frame(const scene *s, double t)
   memset(frame, 0, sizeof *frame);
   frame->t = t;
   film.n_body = s->n_body;
-  for (int b = 0; b < s->n_body; b++) {
+  for (int k = 0; k < SCENE_POINTS && s->is_exact; k++) {
+    const int node = k * exact.beam.n / (SCENE_POINTS - 1);
+    scene_seen(s, frame->line[0].x[frame->line[0].n++], exact.node[node].position);
+  }
+  for (int b = 0; b < s->n_body && !s->is_exact; b++) {
     const int drawn = s->body[b].kind == MODEL_BEAM;
     scene_add_point(s, &frame->line[b], b, drawn ? s->body[b].n_node : 0);
     for (int k = drawn ? s->body[b].n_node + 1 : 1; k < engine.body[b].n_node; k++) {
@@ -380,6 +387,9 @@ static int scene_build(scene *s, const scene_options *o)
 {
   int asked = s->duration > 0 && !(s->step > 0);
   fb_status status = FB_OK;
+  if (s->is_exact) {
+    return 0;
+  }
   for (int k = 0; k < s->n_body; k++) {
     asked |= s->body[k].tolerance > 0;
   }
@@ -403,24 +413,30 @@ static int scene_build(scene *s, const scene_options *o)
 /* Frequencies and growth about the start, where they are to be measured. */
 static int scene_measure_spectrum(scene *s)
 {
-  int wanted = 0;
-  fb_status status = FB_OK;
+  const fb_real *const re = s->is_exact ? exact.spectrum.re : engine.spectrum.re;
+  const fb_real *const im = s->is_exact ? exact.spectrum.im : engine.spectrum.im;
+  int wanted = 0, n;
+  fb_status status;
   for (int k = 0; k < s->n_measure; k++) {
-    wanted |= s->measure[k].kind >= SCENE_FREQUENCY;
+    wanted =
+        s->measure[k].kind >= SCENE_FREQUENCY && s->measure[k].output >= wanted ? s->measure[k].output + 1 : wanted;
   }
-  if (wanted) {
-    status = scene_spectrum(s);
+  if (wanted == 0) {
+    return 0;
   }
-  for (int k = 0; k < s->n_measure && status == FB_OK; k++) {
+  status = s->is_exact ? exact_spectrum(s, wanted) : scene_spectrum(s);
+  n = s->is_exact ? exact.spectrum.n : engine.spectrum.n;
+  if (status != FB_OK || n < wanted) {
+    return status ? scene_failed(s, "spectrum at the start", status)
+                  : scene_fail(s, "the spectrum has %d modes, mode %d is to be measured", n, wanted);
+  }
+  for (int k = 0; k < s->n_measure; k++) {
     const scene_measure *const m = &s->measure[k];
     if (m->kind >= SCENE_FREQUENCY) {
-      const int there = m->output < engine.spectrum.n;
-      s->measured[k] = !there                       ? (double)NAN
-                       : m->kind == SCENE_FREQUENCY ? (double)engine.spectrum.im[m->output]
-                                                    : (double)engine.spectrum.re[m->output];
+      s->measured[k] = (double)(m->kind == SCENE_FREQUENCY ? im : re)[m->output];
     }
   }
-  return status == FB_OK ? 0 : scene_failed(s, "spectrum at the start", status);
+  return 0;
 }
 
 static int scene_run_rows(scene *s, const scene_options *o, scene_run_state *run)
