@@ -146,6 +146,7 @@ static void scene_read_body(text_file *t, scene *s)
   if (kind == 4) {
     scene_place_exact(t, s, body);
   } else {
+    model.level.effects |= body->tolerance > 0 && model.n_damping > 0 ? (unsigned)FB_EFFECT_DAMPING : 0u;
     model_check(t);
     if (!t->failed) {
       scene_build_body(t, s, body, &gauges);
@@ -218,15 +219,49 @@ static void scene_read_gauge_name(text_file *t, const scene *s, scene_output *ou
   text_fail(t, "body %s has no gauge %s", s->body[output->body].name, part);
 }
 
+/* The unit in SI, m and N replaced by those of the scene. */
+static void scene_unit(const scene *s, scene_output *output, const char *unit)
+{
+  size_t n = 0;
+  output->unit[0] = 0;
+  for (const char *p = unit; *p && n + 16 < sizeof output->unit; p++) {
+    const int alone = (p == unit || !isalpha((unsigned char)p[-1])) && !isalpha((unsigned char)p[1]);
+    const char one[2] = {*p, 0}, *const length = s->length_unit, *const force = s->force_unit;
+    n += (size_t)(alone && *p == 'J'   ? sprintf(output->unit + n, "%s %s", force, length)
+                  : alone && *p == 'W' ? sprintf(output->unit + n, "%s %s/s", force, length)
+                                       : sprintf(output->unit + n, "%s",
+                                                 !alone      ? one
+                                                 : *p == 'm' ? length
+                                                 : *p == 'N' ? force
+                                                             : one));
+  }
+}
+
+/* units LENGTH FORCE: names, for headers */
+static void scene_read_units(text_file *t, scene *s)
+{
+  const char *const length = text_word(t), *const force = text_word(t);
+  if (!force || strlen(length) >= sizeof s->length_unit || strlen(force) >= sizeof s->force_unit) {
+    text_fail(t, "units wants a name for the unit of length and one for that of force, %d characters at most",
+              (int)sizeof s->length_unit - 1);
+    return;
+  }
+  if (s->n_output > 0) {
+    text_fail(t, "units must stand before the outputs");
+  }
+  strcpy(s->length_unit, length);
+  strcpy(s->force_unit, force);
+}
+
 /* Of an axis that slides. */
 static void scene_axis_unit(const scene *s, scene_output *output)
 {
   static const char *const units[] = {"m", "m/s", "m/s^2", "N"};
   if (scene_axis_slides(&s->joint[output->at], output->axis)) {
-    output->unit = units[output->quantity - SCENE_COORDINATE];
+    scene_unit(s, output, units[output->quantity - SCENE_COORDINATE]);
   }
   if (scene_axes(&s->joint[output->at]) == 6 && output->axis > 2 && output->quantity == SCENE_COORDINATE) {
-    output->unit = "-";
+    scene_unit(s, output, "-");
   }
 }
 
@@ -255,7 +290,7 @@ static void scene_read_output(text_file *t, scene *s)
     text_fail(t, s->is_exact ? "an exact beam has no output %s" : "%s is an output of exact beams",
               names[output->quantity]);
   }
-  output->unit = scene_quantities[output->quantity].unit;
+  scene_unit(s, output, scene_quantities[output->quantity].unit);
   switch (scene_quantities[output->quantity].place) {
   case SCENE_AT_NODE:
     scene_read_node(t, s, &output->body, &output->at);
@@ -502,17 +537,17 @@ static void scene_read_line(text_file *t, scene *s, const char *word)
     const char *word;
     void (*read)(text_file *t, scene *s);
     int once;
-  } lines[] = {{"title", scene_read_title, 1},         {"duration", scene_read_duration, 1},
-               {"interval", scene_read_interval, 1},   {"step", scene_read_step, 1},
-               {"scheme", scene_read_scheme, 1},       {"method", scene_read_method, 1},
-               {"gravity", scene_read_gravity, 1},     {"trim", scene_read_trim, 1},
-               {"exact", scene_read_exact, 1},         {"view", scene_read_view, 1},
-               {"parameter", scene_read_parameter, 0}, {"body", scene_read_body, 0},
-               {"joint", scene_read_joint, 0},         {"loop", scene_read_loop, 0},
-               {"event", scene_read_event, 0},         {"load", scene_read_load, 0},
-               {"motion", scene_read_motion, 0},       {"output", scene_read_output, 0},
-               {"measure", scene_read_measure, 0},     {"expect", scene_read_expectation, 0},
-               {"reference", scene_read_reference, 0}};
+  } lines[] = {{"title", scene_read_title, 1},        {"duration", scene_read_duration, 1},
+               {"interval", scene_read_interval, 1},  {"step", scene_read_step, 1},
+               {"scheme", scene_read_scheme, 1},      {"method", scene_read_method, 1},
+               {"gravity", scene_read_gravity, 1},    {"trim", scene_read_trim, 1},
+               {"exact", scene_read_exact, 1},        {"view", scene_read_view, 1},
+               {"units", scene_read_units, 1},        {"parameter", scene_read_parameter, 0},
+               {"body", scene_read_body, 0},          {"joint", scene_read_joint, 0},
+               {"loop", scene_read_loop, 0},          {"event", scene_read_event, 0},
+               {"load", scene_read_load, 0},          {"motion", scene_read_motion, 0},
+               {"output", scene_read_output, 0},      {"measure", scene_read_measure, 0},
+               {"expect", scene_read_expectation, 0}, {"reference", scene_read_reference, 0}};
   int k = 0, n = (int)(sizeof lines / sizeof lines[0]);
   while (k < n && strcmp(lines[k].word, word) != 0) {
     k++;
@@ -578,6 +613,8 @@ static int scene_read(scene *s, const char *path, const scene_setting *set, int 
   s->n_set = n_set;
   s->scheme_auto = 1;
   s->view_of = -1;
+  strcpy(s->length_unit, "m");
+  strcpy(s->force_unit, "N");
   if (!text_open(&t, "scene", path)) {
     return scene_fail(s, "%s", strerror(errno));
   }

@@ -165,7 +165,7 @@ typedef struct scene_output {
   char label[TEXT_NAME];
   scene_quantity quantity;
   int body, at, axis; /* at: node, mode, gauge or joint */
-  const char *unit;
+  char unit[32];
 } scene_output;
 
 typedef enum scene_kind {
@@ -175,7 +175,7 @@ typedef enum scene_kind {
   SCENE_RMS,
   SCENE_FINAL,
   SCENE_FREQUENCY, /* of the spectrum about the start: */
-  SCENE_GROWTH
+  SCENE_GROWTH     /* the fastest of so many */
 } scene_kind;
 static const char *const scene_kinds[] = {"max", "min", "mean", "rms", "final", "frequency", "growth", NULL};
 
@@ -207,7 +207,7 @@ typedef enum scene_view_from { /* which axes are right and up on a page */
 } scene_view_from;
 
 typedef struct scene {
-  char message[TEXT_MESSAGE], path[512], title[128];
+  char message[TEXT_MESSAGE], path[512], title[128], length_unit[8], force_unit[8];
   int n_parameter;
   text_named parameter[SCENE_PARAMETERS];
   double duration, interval, step, dt; /* [s]; step 0: chosen; dt: by scene_run */

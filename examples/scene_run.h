@@ -432,8 +432,10 @@ static int scene_measure_spectrum(scene *s)
   }
   for (int k = 0; k < s->n_measure; k++) {
     const scene_measure *const m = &s->measure[k];
-    if (m->kind >= SCENE_FREQUENCY) {
-      s->measured[k] = (double)(m->kind == SCENE_FREQUENCY ? im : re)[m->output];
+    if (m->kind == SCENE_FREQUENCY) {
+      s->measured[k] = (double)im[m->output];
+    } else if (m->kind == SCENE_GROWTH) {
+      s->measured[k] = -(double)fb_spectrum_margin(re, NULL, m->output + 1);
     }
   }
   return 0;
