@@ -12,12 +12,13 @@ LIBRARY  = flexbeam.h flexbeam_impl.h
 SECTIONS = main status vec3 rotation linalg beam modes body system forms mixed integrate analyse advise build
 EXAMPLES = quickstart spinup campbell analyse advise table1 assembly reduce elastodyn firmware spacecraft rotor arm fourbar \
            elastica follower flap whirl beam3d scene leigh hil_plant hil_controller
+EXAMPLES += campaign $(if $(shell command -v mpicc),campaign_mpi)
 # long ones first, so that the two jobs of `make ci` end together
 CHECKS   = sanitize suite long tidy bits instructions firmware compile removed single advise rom mismatch stack symbols threads \
-           two_precisions jacobian style ids quickstart hil
+           two_precisions jacobian style ids quickstart hil campaign
 
 .DELETE_ON_ERROR:
-.PHONY: help run table1 leigh blade firmware hil test examples bench bench-accuracy bench-advice bench-peers sizes readme format clean ci FORCE $(CHECKS:%=check-%)
+.PHONY: help run table1 leigh blade firmware hil campaign campaign-mpi test examples bench bench-accuracy bench-advice bench-peers sizes readme format clean ci FORCE $(CHECKS:%=check-%)
 
 help:
 	@echo "make run       spin-up of a flexible beam against its reference, time per step, picture if gnuplot is there"
@@ -26,6 +27,8 @@ help:
 	@echo "make leigh     every case of chapter 4 of Leigh's thesis by the exact beam, beside its figures: build/leigh/"
 	@echo "make firmware  the attitude loop of examples/firmware.c on an emulated Cortex-M4F and -M7, against the desktop"
 	@echo "make hil       a spacecraft at 1 kHz in real time and its controller, two processes over UDP, 60 s: build/hil.csv"
+	@echo "make campaign  a spacecraft with scattered stiffness, mass and damping, 200 runs on all cores: build/campaign/"
+	@echo "make campaign-mpi  the same program for clusters: build/examples/campaign_mpi"
 	@echo "make test      build and run the tests, build the examples"
 	@echo "make examples  $(EXAMPLES:%=build/examples/%)"
 	@echo "make bench     time per step by modes and effects, by form and scheme, of systems, of the exact beam: build/bench_*.csv"
@@ -64,6 +67,14 @@ firmware:
 hil: build/examples/hil_plant build/examples/hil_controller
 	@build/examples/hil_controller > build/hil_controller.txt & build/examples/hil_plant --out build/hil.csv; status=$$?; \
 	wait $$! || status=1; cat build/hil_controller.txt; exit $$status
+
+campaign: build/examples/campaign
+	@mkdir -p build/campaign
+	$< examples/campaigns/boom.txt --out build/campaign/boom.csv
+
+campaign-mpi:
+	@command -v mpicc > /dev/null || { echo "campaign-mpi: no mpicc (Debian: apt-get install openmpi-bin libopenmpi-dev)"; exit 1; }
+	@$(MAKE) -s --no-print-directory build/examples/campaign_mpi && echo "mpirun -n N build/examples/campaign_mpi FILE"
 
 test: examples check-quickstart build/test_runner
 	build/test_runner
@@ -133,6 +144,9 @@ build/bench/bench_peers_step_double: LIBS = -lsundials_cvode -lsundials_arkode
 build/bench/%_single: bench/%.c $(wildcard bench/*.h) $(LIBRARY) build/flags build/commit | build/bench
 	$(CC) $(FLAGS) $(CFLAGS) $(BUILD_OF_BENCH) -DFB_SINGLE=1 -o $@ $< -lm
 
+build/examples/campaign_mpi: examples/campaign_mpi.c $(wildcard examples/*.h) $(LIBRARY) build/flags | build/examples
+	mpicc $(FLAGS) $(CFLAGS) -o $@ $< -lm
+
 build/test_runner: $(SECTIONS:%=build/tests/test_%.o)
 	$(CC) $(CFLAGS) -o $@ $^ -lm
 
@@ -159,9 +173,11 @@ ci:
 	  $(CHECKS:%=check-%) examples build/test_runner
 	@echo "ci: all $(words $(CHECKS)) checks passed"
 
-build/examples/hil_plant build/examples/hil_controller: bench/clock.h
+build/examples/hil_plant build/examples/hil_controller build/examples/campaign build/examples/campaign_mpi: bench/clock.h
 
 check-hil: build/examples/hil_plant build/examples/hil_controller
+
+check-campaign: build/examples/campaign $(filter %_mpi,$(EXAMPLES:%=build/examples/%))
 
 $(CHECKS:%=check-%): check-%: tests/checks/%.sh
 	@sh $<

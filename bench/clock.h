@@ -23,7 +23,7 @@ static int fbb_ascending(const void *a, const void *b)
 }
 
 /* Of n samples, which are sorted. */
-static fbb_timing fbb_timing_of(double *sample, int n)
+static inline fbb_timing fbb_timing_of(double *sample, int n)
 {
   fbb_timing t;
   qsort(sample, (size_t)n, sizeof sample[0], fbb_ascending);

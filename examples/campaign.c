@@ -1,0 +1,136 @@
+/* campaign - one scene over many sets of parameters on all cores of this machine.
+
+     build/examples/campaign examples/campaigns/NAME.txt --runs 1000
+
+   Each run is a process of its own, so that one that crashes is a row like any other; as many run at a time as there are
+   processors, and the next begins when one ends. README.md, "Campaigns". */
+#define _POSIX_C_SOURCE 200809L
+#define _DEFAULT_SOURCE /* setitimer, number of processors */
+#define PROGRAM "campaign"
+#define CAMPAIGN_HELP                                                \
+  "  --jobs N              runs at a time (as many as processors)\n" \
+  "  --run K               just run K, in this process, nothing written\n"
+#include "campaign_program.h"
+#include <poll.h>
+
+#define JOBS 1024
+
+static program prog;
+static campaign_case job[JOBS];
+static volatile sig_atomic_t interrupts;
+
+static void interrupt(int signal_number)
+{
+  (void)signal_number;
+  interrupts++;
+}
+
+/* A first interrupt lets the runs in hand end, a second one does not. */
+static void watch_signals(void)
+{
+  struct sigaction action;
+  memset(&action, 0, sizeof action);
+  action.sa_handler = interrupt;
+  sigaction(SIGINT, &action, NULL);
+  sigaction(SIGTERM, &action, NULL);
+}
+
+/* Runs begin while there are free places; how many there are now, -1 when none can be started. */
+static int begin_runs(int jobs, int busy)
+{
+  for (int i = 0; i < jobs && !interrupts; i++) {
+    if (job[i].child == 0) {
+      const int run = ledger_next(&prog.l);
+      if (run < 0) {
+        break;
+      }
+      if (!case_begin(&prog.c, &job[i], run)) {
+        job[i].child = 0;
+        ledger_return(&prog.l, run);
+        return busy > 0 ? busy : -1; /* later, when one has ended */
+      }
+      busy++;
+    }
+  }
+  return busy;
+}
+
+/* Waits until a run has ended; takes all that have. */
+static int take_rows(int jobs, int *busy)
+{
+  static struct pollfd at[JOBS];
+  static campaign_row row;
+  int status = 0;
+  for (int i = 0; i < jobs; i++) {
+    at[i].fd = job[i].child ? job[i].pipe : -1;
+    at[i].events = POLLIN;
+    at[i].revents = 0;
+  }
+  if (poll(at, (nfds_t)jobs, 500) <= 0) {
+    return 0;
+  }
+  for (int i = 0; i < jobs && !status; i++) {
+    if (at[i].revents) {
+      case_end(&prog.c, &job[i], &row);
+      status = ledger_add(&prog.l, &row);
+      (*busy)--;
+    }
+  }
+  return status;
+}
+
+static int work(int jobs)
+{
+  int status = 0, busy = 0, told = 0;
+  do {
+    busy = begin_runs(jobs, busy);
+    if (busy < 0) {
+      return fail("no process can be started", strerror(errno));
+    }
+    if (interrupts && busy && !told++) {
+      fprintf(stderr, "\n" PROGRAM ": interrupted; %d runs in hand end first (once more: at once)\n", busy);
+    }
+    status = busy ? take_rows(jobs, &busy) : 0;
+  } while (busy && !status && interrupts < 2);
+  for (int i = 0; i < jobs; i++) { /* what is left is not wanted */
+    if (job[i].child) {
+      kill(job[i].child, SIGKILL);
+    }
+  }
+  return status;
+}
+
+/* One run for a closer look, with a debugger if need be. */
+static int run_one(int run)
+{
+  static campaign_row row;
+  scene_setting setting[2 * CAMPAIGN_VARY];
+  const int n = case_settings(&prog.c, setting, run);
+  for (int i = 0; i < n; i++) {
+    printf("%-20s %.17g\n", setting[i].name, setting[i].value);
+  }
+  fflush(stdout);
+  case_run(&prog.c, &row, run);
+  for (int i = 0; i < prog.l.n_measure && row.status == ROW_OK; i++) {
+    printf("%-20s %.17g\n", prog.l.label[i], row.measured[i]);
+  }
+  printf("%s %s\n", row_words[row.status], row.message);
+  return row.status != ROW_OK;
+}
+
+int main(int argc, char **argv)
+{
+  const long processors = sysconf(_SC_NPROCESSORS_ONLN);
+  int status = program_read(&prog, argc, argv);
+  if (!status && prog.run > 0) {
+    status = prog.run > prog.c.runs ? fail("--run: there are not that many", "") : program_scene(&prog);
+    return status ? status : run_one((int)prog.run - 1);
+  }
+  status = status ? status : program_open(&prog);
+  if (status) {
+    return status;
+  }
+  watch_signals();
+  status = work(prog.jobs > 0 ? (int)prog.jobs : processors > 0 && processors < JOBS ? (int)processors : 1);
+  return status ? status : program_close(&prog);
+}
