@@ -2,8 +2,8 @@
 
      build/examples/campaign examples/campaigns/NAME.txt --runs 1000
 
-   Each run is a process of its own, so that one that crashes is a row like any other; as many run at a time as there are
-   processors, and the next begins when one ends. README.md, "Campaigns". */
+   As many runs at a time as there are processors, each in a worker process, so that one that crashes is a row like any other;
+   a worker that is free gets the next run. README.md, "Campaigns". */
 #define _POSIX_C_SOURCE 200809L
 #define _DEFAULT_SOURCE /* setitimer, number of processors */
 #define PROGRAM "campaign"
@@ -16,7 +16,7 @@
 #define JOBS 1024
 
 static program prog;
-static campaign_case job[JOBS];
+static campaign_worker worker[JOBS];
 static volatile sig_atomic_t interrupts;
 
 static void interrupt(int signal_number)
@@ -33,21 +33,21 @@ static void watch_signals(void)
   action.sa_handler = interrupt;
   sigaction(SIGINT, &action, NULL);
   sigaction(SIGTERM, &action, NULL);
+  signal(SIGPIPE, SIG_IGN); /* a worker that has died is noticed without it */
 }
 
-/* Runs begin while there are free places; how many there are now, -1 when none can be started. */
-static int begin_runs(int jobs, int busy)
+/* Workers that are free get runs, while there are any; how many are busy now, -1 when none can be started. */
+static int give_runs(int jobs, int busy)
 {
   for (int i = 0; i < jobs && !interrupts; i++) {
-    if (job[i].child == 0) {
+    if (!worker[i].busy) {
       const int run = ledger_next(&prog.l);
       if (run < 0) {
         break;
       }
-      if (!case_begin(&prog.c, &job[i], run)) {
-        job[i].child = 0;
+      if (!worker_give(&prog.c, &worker[i], run)) {
         ledger_return(&prog.l, run);
-        return busy > 0 ? busy : -1; /* later, when one has ended */
+        return busy > 0 ? busy : -1; /* those that are there go on */
       }
       busy++;
     }
@@ -62,7 +62,7 @@ static int take_rows(int jobs, int *busy)
   static campaign_row row;
   int status = 0;
   for (int i = 0; i < jobs; i++) {
-    at[i].fd = job[i].child ? job[i].pipe : -1;
+    at[i].fd = worker[i].busy ? worker[i].from : -1;
     at[i].events = POLLIN;
     at[i].revents = 0;
   }
@@ -71,7 +71,7 @@ static int take_rows(int jobs, int *busy)
   }
   for (int i = 0; i < jobs && !status; i++) {
     if (at[i].revents) {
-      case_end(&prog.c, &job[i], &row);
+      worker_take(&prog.c, &worker[i], &row);
       status = ledger_add(&prog.l, &row);
       (*busy)--;
     }
@@ -82,19 +82,19 @@ static int take_rows(int jobs, int *busy)
 static int work(int jobs)
 {
   int status = 0, busy = 0, told = 0;
-  do {
-    busy = begin_runs(jobs, busy);
+  while (!status && interrupts < 2 && (busy = give_runs(jobs, busy)) != 0) {
     if (busy < 0) {
       return fail("no process can be started", strerror(errno));
     }
-    if (interrupts && busy && !told++) {
+    if (interrupts && !told++) {
       fprintf(stderr, "\n" PROGRAM ": interrupted; %d runs in hand end first (once more: at once)\n", busy);
     }
-    status = busy ? take_rows(jobs, &busy) : 0;
-  } while (busy && !status && interrupts < 2);
-  for (int i = 0; i < jobs; i++) { /* what is left is not wanted */
-    if (job[i].child) {
-      kill(job[i].child, SIGKILL);
+    status = take_rows(jobs, &busy);
+  }
+  for (int i = 0; i < jobs; i++) {
+    if (worker[i].child) { /* no row of it is wanted any more */
+      kill(worker[i].child, SIGKILL);
+      worker_end(&worker[i]);
     }
   }
   return status;

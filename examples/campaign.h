@@ -5,6 +5,7 @@
 #define CAMPAIGN_H
 #include "philox.h"
 #include "text.h"
+#include <float.h>
 
 #define CAMPAIGN_VARY 32        /* parameters that vary, parameters that are set */
 #define CAMPAIGN_VALUES 256     /* of a list */
@@ -33,7 +34,7 @@ typedef struct campaign_vary {
 
 typedef struct campaign {
   char scene[CAMPAIGN_PATH]; /* its file */
-  int runs, latin, n_vary, n_set, n_pair;
+  int runs, latin, n_vary, n_set, n_pair, n_require;
   unsigned given; /* words so far */
   uint64_t seed;
   double cpu_limit; /* [s] of a run */
@@ -43,6 +44,11 @@ typedef struct campaign {
     int a, b, line; /* of the parameters that vary; where it stands */
     double rho;
   } pair[CAMPAIGN_VARY];
+  struct {
+    char measure[TEXT_NAME];
+    int above; /* or below */
+    double limit;
+  } require[CAMPAIGN_VARY];
   double root[CAMPAIGN_VARY][CAMPAIGN_VARY]; /* L of the Cholesky factors L L^T of the correlations */
 } campaign;
 
@@ -97,7 +103,7 @@ static inline uint64_t campaign_name_digest(const char *name)
 static inline double campaign_uniform(const campaign *c, const campaign_vary *v, int run)
 {
   const double u = philox_uniform(c->seed, (uint32_t)run, CAMPAIGN_DRAW, campaign_name_digest(v->name));
-  return c->latin ? (v->stratum[run] + u) / c->runs : u;
+  return c->latin ? fmin((v->stratum[run] + u) / c->runs, 1 - 0.5 * DBL_EPSILON) : u; /* not rounded to 1 */
 }
 
 /* Strata in random order (Fisher and Yates). */
@@ -304,6 +310,20 @@ static inline void campaign_correlate(campaign *c, text_file *t)
   c->n_pair++;
 }
 
+/* require MEASURE above|below LIMIT */
+static inline void campaign_require(campaign *c, text_file *t)
+{
+  static const char *const sides[] = {"below", "above", NULL};
+  if (c->n_require == CAMPAIGN_VARY) {
+    text_fail(t, "more than %d requirements", CAMPAIGN_VARY);
+    return;
+  }
+  text_name(t, "a measure", c->require[c->n_require].measure);
+  c->require[c->n_require].above = text_choice(t, "a requirement", sides);
+  c->require[c->n_require].limit = text_number(t, "limit");
+  c->n_require++;
+}
+
 /* The path of a file as seen from another; 0: it is too long. */
 static inline int campaign_beside(char path[CAMPAIGN_PATH], const char *from, const char *name)
 {
@@ -331,12 +351,13 @@ static inline void campaign_seed(campaign *c, text_file *t)
   c->seed = t->failed ? 0 : (uint64_t)seed;
 }
 
-enum { CAMPAIGN_WORDS = 8 };
+enum { CAMPAIGN_WORDS = 9 };
 
 /* The place of a word of the description; CAMPAIGN_WORDS: it is none. */
 static inline int campaign_word(const char *word)
 {
-  static const char *const words[] = {"scene", "runs", "seed", "latin", "cpu_limit", "vary", "set", "correlate", NULL};
+  static const char *const words[] = {"scene", "runs", "seed",      "latin",   "cpu_limit",
+                                      "vary",  "set",  "correlate", "require", NULL};
   int k = 0;
   while (words[k] && strcmp(word, words[k]) != 0) {
     k++;
@@ -347,7 +368,7 @@ static inline int campaign_word(const char *word)
 /* A line of the file, or an option of the command line with the same words, which overrides what the file says. */
 static inline void campaign_line(campaign *c, text_file *t, const char *word)
 {
-  enum { SCENE, RUNS, SEED, LATIN, CPU_LIMIT, VARY, SET, CORRELATE };
+  enum { SCENE, RUNS, SEED, LATIN, CPU_LIMIT, VARY, SET, CORRELATE, REQUIRE };
   const int k = campaign_word(word);
   if (k < VARY && t->line > 0 && (c->given & 1u << k)) {
     text_fail(t, "%s is there twice", word);
@@ -372,6 +393,8 @@ static inline void campaign_line(campaign *c, text_file *t, const char *word)
     campaign_set(c, t);
   } else if (k == CORRELATE) {
     campaign_correlate(c, t);
+  } else if (k == REQUIRE) {
+    campaign_require(c, t);
   } else {
     text_fail(t, "no such word for a campaign: %s", word);
   }
@@ -469,5 +492,52 @@ static inline void campaign_check(campaign *c, text_file *t)
   campaign_factor(c, t);
   campaign_count(c, t);
   campaign_stratify(c, t);
+}
+/* ---- from where it comes */
+
+static inline void campaign_default(campaign *c)
+{
+  memset(c, 0, sizeof *c);
+  c->seed = 1;
+  c->cpu_limit = 3600;
+}
+
+/* A line given as an option --WORD TEXT; 0, or 2 after a complaint. */
+static inline int campaign_option(campaign *c, const char *program, const char *option, const char *text)
+{
+  text_file t;
+  memset(&t, 0, sizeof t);
+  t.program = program;
+  t.name = option;
+  t.at = t.buffer;
+  if (snprintf(t.buffer, sizeof t.buffer, "%s", text) >= (int)sizeof t.buffer) {
+    text_fail(&t, "more than %d characters", (int)sizeof t.buffer - 1);
+  } else {
+    campaign_line(c, &t, option + 2);
+  }
+  return t.failed ? 2 : 0;
+}
+
+static inline int campaign_file(campaign *c, const char *program, const char *path)
+{
+  text_file t;
+  if (text_open(&t, program, path)) {
+    while (text_line(&t)) {
+      campaign_line(c, &t, text_word(&t));
+    }
+    text_close(&t);
+  }
+  return t.failed ? 2 : 0;
+}
+
+/* When all lines are there. */
+static inline int campaign_complete(campaign *c, const char *program, const char *name)
+{
+  text_file t;
+  memset(&t, 0, sizeof t);
+  t.program = program;
+  t.name = name;
+  campaign_check(c, &t);
+  return t.failed ? 2 : 0;
 }
 #endif

@@ -1,5 +1,6 @@
-/* campaign_case.h - one run of a campaign, in a process of its own: a run that crashes or does not end is a row like any other,
-   and no run can leave anything behind for the next. POSIX (fork, pipe, waitpid, setitimer). */
+/* campaign_case.h - the runs of a campaign, in worker processes: a worker that dies by a run that crashes or does not end makes
+   a row like any other, and gets a successor. POSIX (fork, pipe, waitpid, setitimer). Not a process for each run: that would
+   cost 16 ms more of each, most of it for the pages of the scene. */
 #ifndef CAMPAIGN_CASE_H
 #define CAMPAIGN_CASE_H
 #include "campaign.h"
@@ -24,10 +25,13 @@ typedef struct campaign_row { /* sent through pipes and by MPI as it is */
   char message[CAMPAIGN_MESSAGE];
 } campaign_row;
 
-typedef struct campaign_case { /* one that runs */
-  int run, pipe;
-  pid_t child;
-} campaign_case;
+typedef struct campaign_worker {
+  pid_t child; /* 0: none yet, or no more */
+  int to, from, busy, run;
+} campaign_worker;
+
+/* The one scene of a process. */
+static scene case_scene;
 
 /* The digest, continued by a file; as it was, if there is none. */
 static uint64_t case_add_file(uint64_t digest, const char *path)
@@ -90,66 +94,26 @@ static int case_settings(const campaign *c, scene_setting *setting, int run)
 /* The run itself, in the process that calls. */
 static void case_run(const campaign *c, campaign_row *row, int run)
 {
-  static scene s;
   static const scene_options quiet = {0};
+  scene *const s = &case_scene;
   scene_setting setting[2 * CAMPAIGN_VARY];
   const int n = case_settings(c, setting, run);
   memset(row, 0, sizeof *row);
   row->run = run;
   row->inputs = case_inputs(c, case_digest(c), run);
-  row->status = scene_read(&s, c->scene, setting, n) ? ROW_REFUSED : scene_run(&s, &quiet) ? ROW_FAILED : ROW_OK;
-  snprintf(row->message, sizeof row->message, "%.*s", CAMPAIGN_MESSAGE - 1, row->status == ROW_OK ? "" : s.message);
-  for (int i = 0; i < s.n_measure && row->status == ROW_OK; i++) {
-    row->measured[i] = s.measured[i];
-    if (!isfinite(s.measured[i])) {
+  row->status = scene_read(s, c->scene, setting, n) ? ROW_REFUSED : scene_run(s, &quiet) ? ROW_FAILED : ROW_OK;
+  snprintf(row->message, sizeof row->message, "%.*s", CAMPAIGN_MESSAGE - 1, row->status == ROW_OK ? "" : s->message);
+  for (int i = 0; i < s->n_measure && row->status == ROW_OK; i++) {
+    row->measured[i] = s->measured[i];
+    if (!isfinite(s->measured[i])) {
       row->status = ROW_FAILED;
-      snprintf(row->message, sizeof row->message, "%s is not finite", s.measure[i].label);
+      snprintf(row->message, sizeof row->message, "%s is not finite", s->measure[i].label);
     }
   }
 }
 
-/* What the child does: the run, its row into the pipe. An interrupt from the keyboard leaves it alone, so that rows in hand
-   are finished; no core files. */
-static void case_child(const campaign *c, int run, int to)
-{
-  static campaign_row row;
-  const struct rlimit no_core = {0, 0};
-  struct itimerval limit;
-  memset(&limit, 0, sizeof limit);
-  limit.it_value.tv_sec = (time_t)c->cpu_limit;
-  limit.it_value.tv_usec = (suseconds_t)(1e6 * fmod(c->cpu_limit, 1));
-  signal(SIGINT, SIG_IGN);
-  signal(SIGTERM, SIG_IGN);
-  setrlimit(RLIMIT_CORE, &no_core);
-  setitimer(ITIMER_PROF, &limit, NULL); /* ends it by SIGPROF */
-  case_run(c, &row, run);
-  _exit(write(to, &row, sizeof row) == (ssize_t)sizeof row ? 0 : 1);
-}
-
-/* Starts a run; 0 when the system has no more processes or pipes. */
-static int case_begin(const campaign *c, campaign_case *k, int run)
-{
-  int end[2];
-  if (pipe(end) != 0) {
-    return 0;
-  }
-  fflush(NULL); /* what is in buffers is not the child's */
-  k->run = run;
-  k->pipe = end[0];
-  k->child = fork();
-  if (k->child == 0) {
-    close(end[0]);
-    case_child(c, run, end[1]);
-  }
-  close(end[1]);
-  if (k->child < 0) {
-    close(end[0]);
-  }
-  return k->child > 0;
-}
-
 /* Exactly n bytes; 0 when there are less. */
-static int read_all_bytes(int from, void *bytes, size_t n)
+static int case_read(int from, void *bytes, size_t n)
 {
   char *at = bytes;
   while (n > 0) {
@@ -164,20 +128,116 @@ static int read_all_bytes(int from, void *bytes, size_t n)
   return 1;
 }
 
-/* Waits for its end, whichever it is. */
-static void case_end(const campaign *c, campaign_case *k, campaign_row *row)
+/* Less than a pipe takes at once. */
+static int case_write(int to, const void *bytes, size_t n)
 {
-  const int whole = read_all_bytes(k->pipe, row, sizeof *row);
-  int status = 0;
-  close(k->pipe);
-  while (waitpid(k->child, &status, 0) < 0 && errno == EINTR) {
+  return write(to, bytes, n) == (ssize_t)n;
+}
+
+/* ---- workers */
+
+/* SIGPROF ends the process when it has worked that long; 0: never. */
+static void worker_limit(double seconds)
+{
+  struct itimerval limit;
+  memset(&limit, 0, sizeof limit);
+  limit.it_value.tv_sec = (time_t)seconds;
+  limit.it_value.tv_usec = (suseconds_t)(1e6 * fmod(seconds, 1));
+  setitimer(ITIMER_PROF, &limit, NULL);
+}
+
+/* What a worker does, as long as it is told the numbers of runs. It does not heed interrupts from the keyboard, so that rows
+   in hand are finished, and leaves no core file. */
+static void worker_loop(const campaign *c, int from, int to)
+{
+  static campaign_row row;
+  const struct rlimit no_core = {0, 0};
+  int run;
+  signal(SIGINT, SIG_IGN);
+  signal(SIGTERM, SIG_IGN);
+  signal(SIGPIPE, SIG_IGN);
+  setrlimit(RLIMIT_CORE, &no_core);
+  while (case_read(from, &run, sizeof run)) {
+    worker_limit(c->cpu_limit);
+    case_run(c, &row, run);
+    worker_limit(0);
+    if (!case_write(to, &row, sizeof row)) {
+      break;
+    }
   }
-  k->child = 0;
-  if (whole && WIFEXITED(status) && WEXITSTATUS(status) == 0) {
+  _exit(0);
+}
+
+/* Waits for the end of one that has died or been killed. Returns how, as waitpid does. Workers forked later hold copies of the
+   pipes of those before them: when the program dies, they end one after the other, the youngest first. */
+static int worker_end(campaign_worker *w)
+{
+  int status = 0;
+  close(w->to);
+  close(w->from);
+  while (w->child > 0 && waitpid(w->child, &status, 0) < 0 && errno == EINTR) {
+  }
+  w->child = 0;
+  w->busy = 0;
+  return status;
+}
+
+/* 0 when the system has no more processes or pipes. */
+static int worker_begin(const campaign *c, campaign_worker *w)
+{
+  int to[2], from[2];
+  if (pipe(to) != 0) {
+    return 0;
+  }
+  if (pipe(from) != 0) {
+    close(to[0]);
+    close(to[1]);
+    return 0;
+  }
+  fflush(NULL); /* what is in buffers is not the worker's */
+  w->child = fork();
+  if (w->child == 0) {
+    close(to[1]);
+    close(from[0]);
+    worker_loop(c, to[0], from[1]);
+  }
+  close(to[0]);
+  close(from[1]);
+  w->to = to[1];
+  w->from = from[0];
+  if (w->child < 0) {
+    worker_end(w);
+    return 0;
+  }
+  return 1;
+}
+
+/* Hands out a run, to a new worker if there is none or it died when it had nothing to do; 0 when none can be started. */
+static int worker_give(const campaign *c, campaign_worker *w, int run)
+{
+  w->run = run;
+  w->busy = w->child > 0 && case_write(w->to, &run, sizeof run);
+  if (w->busy) {
+    return 1;
+  }
+  if (w->child > 0) {
+    worker_end(w);
+  }
+  w->busy = worker_begin(c, w) && case_write(w->to, &run, sizeof run);
+  return w->busy;
+}
+
+/* Waits for the row; if the worker dies, the row says how. */
+static void worker_take(const campaign *c, campaign_worker *w, campaign_row *row)
+{
+  int status;
+  w->busy = 0;
+  if (case_read(w->from, row, sizeof *row)) {
     return;
   }
+  status = worker_end(w);
   memset(row, 0, sizeof *row);
-  row->run = k->run;
+  row->run = w->run;
   row->status = ROW_CRASHED;
   if (WIFSIGNALED(status) && WTERMSIG(status) == SIGPROF) {
     row->status = ROW_TIMED_OUT;

@@ -127,6 +127,16 @@ static int ledger_get(FILE *from, char line[LEDGER_LINE])
   return 1;
 }
 
+/* The column of a measure, -1 if it is none. */
+static int ledger_measure(const ledger *l, const char *label)
+{
+  int k = l->n_measure - 1;
+  while (k >= 0 && strcmp(l->label[k], label) != 0) {
+    k--;
+  }
+  return k;
+}
+
 /* ---- rows */
 
 static double *ledger_measured(const ledger *l, int run)

@@ -2,10 +2,9 @@
 
      mpirun -n 64 build/examples/campaign_mpi examples/campaigns/NAME.txt --runs 10000
 
-   Every rank runs, rank 0 besides gives out the runs one by one and writes the journal. What runs is not the rank but a
-   process that it has forked before MPI began, and that forks one more for each run (campaign_case.h): a run that crashes is a
-   row, where a rank that crashed would end the whole job, and no process is forked that knows of MPI. README.md,
-   "Campaigns". */
+   Every rank runs, rank 0 besides gives out the runs one by one and writes the journal. What runs is not the rank but a worker
+   process (campaign_case.h) of a runner, which the rank has forked before MPI began: a run that crashes is a row, where a rank
+   that crashed would end the whole job, and no process is forked that knows of MPI. README.md, "Campaigns". */
 #define _POSIX_C_SOURCE 200809L
 #define _DEFAULT_SOURCE /* setitimer */
 #define PROGRAM "campaign_mpi"
@@ -34,17 +33,17 @@ static void interrupt(int signal_number)
 static void runner_loop(int argc, char **argv, int from, int to)
 {
   static campaign_row row;
-  campaign_case k;
+  campaign_worker worker = {0};
   int run, ready = 0;
-  while (read_all_bytes(from, &run, sizeof run)) {
+  while (case_read(from, &run, sizeof run)) {
     if (!ready++ && program_read(&prog, argc, argv)) {
       break;
     }
-    if (!case_begin(&prog.c, &k, run)) {
+    if (!worker_give(&prog.c, &worker, run)) {
       break;
     }
-    case_end(&prog.c, &k, &row);
-    if (write(to, &row, sizeof row) != (ssize_t)sizeof row) {
+    worker_take(&prog.c, &worker, &row);
+    if (!case_write(to, &row, sizeof row)) {
       break;
     }
   }
@@ -77,13 +76,13 @@ static int runner_begin(runner *r, int argc, char **argv)
 static int runner_give(runner *r, int run)
 {
   r->run = run;
-  return write(r->to, &run, sizeof run) == (ssize_t)sizeof run;
+  return case_write(r->to, &run, sizeof run);
 }
 
 /* Waits for its row; without a runner the row says that the run is with nobody. */
 static void runner_take(runner *r, campaign_row *row)
 {
-  if (!read_all_bytes(r->from, row, sizeof *row)) {
+  if (!case_read(r->from, row, sizeof *row)) {
     memset(row, 0, sizeof *row);
     row->run = r->run;
     row->status = ROW_NONE;

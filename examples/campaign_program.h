@@ -23,6 +23,7 @@ static const char campaign_help[] =
     "  vary NAME list V1 V2 ..  |  grid A B N                        every combination of them\n"
     "  set NAME VALUE        another value for all runs\n"
     "  correlate NAME NAME R draws of normal (the logarithms of lognormal) parameters, -1 < R < 1\n"
+    "  require MEASURE above|below LIMIT  how many runs meet it is told\n"
     "  latin                 each of N equally likely intervals of a drawn parameter is met by one of N runs\n"
     "  seed S                of the draws, 0 to 2^53 (1)\n"
     "  cpu_limit S           processor time of a run [s] (3600)\n"
@@ -40,7 +41,6 @@ static int program_option(void *options, const char *name, const char *text)
   program *p = options;
   const number_option numbers[] = {
       {"--jobs", &p->jobs, 1, 1024}, {"--run", &p->run, 1, CAMPAIGN_RUNS}, {"--pictures", &p->pictures, 0, 1}};
-  text_file t;
   if (strcmp(name, "--out") == 0) {
     return snprintf(p->csv, sizeof p->csv, "%.*s", CAMPAIGN_PATH, text) < CAMPAIGN_PATH && text[0]
                ? 0
@@ -49,37 +49,15 @@ static int program_option(void *options, const char *name, const char *text)
   if (strncmp(name, "--", 2) != 0 || campaign_word(name + 2) == CAMPAIGN_WORDS) {
     return read_number(numbers, 3, name, text);
   }
-  memset(&t, 0, sizeof t);
-  t.program = PROGRAM;
-  t.name = name;
-  t.at = t.buffer;
-  if (snprintf(t.buffer, sizeof t.buffer, "%s", text) >= (int)sizeof t.buffer) {
-    return fail("too long", name);
-  }
-  campaign_line(&p->c, &t, name + 2);
-  return t.failed ? 2 : 0;
-}
-
-static int program_read_file(program *p)
-{
-  text_file t;
-  if (text_open(&t, PROGRAM, p->file)) {
-    while (text_line(&t)) {
-      campaign_line(&p->c, &t, text_word(&t));
-    }
-    text_close(&t);
-  }
-  return t.failed ? 2 : 0;
+  return campaign_option(&p->c, PROGRAM, name, text);
 }
 
 /* The command line and the file that it names; a status of main. */
 static int program_read(program *p, int argc, char **argv)
 {
-  text_file t = {0};
   int status = 0;
   memset(p, 0, sizeof *p);
-  p->c.seed = 1;
-  p->c.cpu_limit = 3600;
+  campaign_default(&p->c);
   p->pictures = 1;
   p->fresh = take_flag(&argc, argv, "--fresh");
   p->retry = take_flag(&argc, argv, "--retry");
@@ -88,48 +66,53 @@ static int program_read(program *p, int argc, char **argv)
     const char *slash = strrchr(argv[1], '/');
     p->file = argv[1];
     other_name(p->csv, sizeof p->csv, slash ? slash + 1 : argv[1], ".csv");
-    status = program_read_file(p);
+    status = campaign_file(&p->c, PROGRAM, p->file);
     argc--;
     argv++;
   } else {
     strcpy(p->csv, "campaign.csv");
   }
   status = status ? status : read_all(argc, argv, campaign_help, program_option, p);
-  t.program = PROGRAM;
-  t.name = p->file ? p->file : "command line";
-  if (!status) {
-    campaign_check(&p->c, &t);
-  }
   other_name(p->journal, sizeof p->journal, p->csv, ".journal");
-  return status ? status : t.failed ? 2 : 0;
+  return status ? status : campaign_complete(&p->c, PROGRAM, p->file ? p->file : "command line");
+}
+
+static int fail_scene(const campaign *c, const char *what, const char *name)
+{
+  char why[CAMPAIGN_PATH + 64];
+  snprintf(why, sizeof why, "%s has no %s", c->scene, what);
+  return fail(why, name);
 }
 
 /* The scene as it is must be good, and have the parameters; what it measures becomes the columns. */
 static int program_scene(program *p)
 {
-  static scene s;
+  scene *const s = &case_scene;
   const campaign *c = &p->c;
-  if (scene_read(&s, c->scene, NULL, 0)) {
-    return fail(s.message, "");
+  if (scene_read(s, c->scene, NULL, 0)) {
+    return fail(s->message, "");
   }
   for (int i = 0; i < c->n_vary + c->n_set; i++) {
     const char *name = i < c->n_vary ? c->vary[i].name : c->set[i - c->n_vary].name;
     int k = 0;
-    while (k < s.n_parameter && strcmp(name, s.parameter[k].name) != 0) {
+    while (k < s->n_parameter && strcmp(name, s->parameter[k].name) != 0) {
       k++;
     }
-    if (k == s.n_parameter) {
-      char why[CAMPAIGN_PATH + 64];
-      snprintf(why, sizeof why, "%s has no parameter", c->scene);
-      return fail(why, name);
+    if (k == s->n_parameter) {
+      return fail_scene(c, "parameter", name);
     }
   }
-  if (s.n_measure == 0) {
+  if (s->n_measure == 0) {
     return fail("the scene measures nothing (`measure LABEL KIND OUTPUT`)", c->scene);
   }
-  p->l.n_measure = s.n_measure;
-  for (int k = 0; k < s.n_measure; k++) {
-    strcpy(p->l.label[k], s.measure[k].label);
+  p->l.n_measure = s->n_measure;
+  for (int k = 0; k < s->n_measure; k++) {
+    strcpy(p->l.label[k], s->measure[k].label);
+  }
+  for (int k = 0; k < c->n_require; k++) {
+    if (ledger_measure(&p->l, c->require[k].measure) < 0) {
+      return fail_scene(c, "measure", c->require[k].measure);
+    }
   }
   return 0;
 }

@@ -211,6 +211,23 @@ static void report_moments(const report *r)
   }
 }
 
+/* The part of all runs that meets a requirement, with the limits between which it is in 19 of 20 cases (Wilson, 1927). */
+static void report_requirement(const report *r, int k)
+{
+  const campaign *c = r->l->c;
+  const double *x = r->column[c->n_vary + ledger_measure(r->l, c->require[k].measure)];
+  const double z = 1.96, n = r->n, limit = c->require[k].limit;
+  double met = 0, middle, half;
+  for (int i = 0; i < r->n; i++) {
+    met += c->require[k].above ? x[i] > limit : x[i] < limit;
+  }
+  middle = (met + 0.5 * z * z) / (n + z * z);
+  half = z / (n + z * z) * sqrt(met * (n - met) / n + 0.25 * z * z);
+  printf("\n%s %s %g: %.0f of %d runs, %.1f %% (%.1f to %.1f %%)", c->require[k].measure,
+         c->require[k].above ? "above" : "below", limit, met, r->n, 100 * met / n, 100 * (middle - half),
+         100 * (middle + half));
+}
+
 static void report_correlations(const report *r)
 {
   const ledger *l = r->l;
@@ -300,7 +317,11 @@ static int report_write(const ledger *l, const char *csv, int pictures)
     if (r.n > 3) {
       report_correlations(&r);
     }
-    printf("\nrows: %s; journal: %s\n", csv, l->path);
+    for (int k = 0; k < l->c->n_require && r.n > 0; k++) {
+      report_requirement(&r, k);
+    }
+    printf(l->c->n_require ? "\n\n" : "\n");
+    printf("rows: %s; journal: %s\n", csv, l->path);
     if (r.n > 3 && pictures) {
       report_pictures(&r, csv);
     }
