@@ -376,7 +376,7 @@ static int scene_loop(scene *s, const scene_options *o, scene_run_state *run)
       scene_progress(s, o, run, t);
     }
   }
-  if (run->told) {
+  if (run->told && o->progress) {
     fputs("\r                                        \r", o->progress);
   }
   return status == FB_OK ? 0 : scene_failed(s, when, status);
