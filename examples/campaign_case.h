@@ -3,8 +3,8 @@
    cost 16 ms more of each, most of it for the pages of the scene. */
 #ifndef CAMPAIGN_CASE_H
 #define CAMPAIGN_CASE_H
-#include "campaign.h"
 #include "scene_run.h"
+#include "campaign.h"
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/time.h>
