@@ -5,7 +5,6 @@
    As many runs at a time as there are processors, each in a worker process, so that one that crashes is a row like any other;
    a worker that is free gets the next run. README.md, "Campaigns". */
 #define _POSIX_C_SOURCE 200809L
-#define _DEFAULT_SOURCE /* setitimer, number of processors */
 #define PROGRAM "campaign"
 #define CAMPAIGN_HELP                                                \
   "  --jobs N              runs at a time (as many as processors)\n" \

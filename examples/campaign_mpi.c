@@ -6,7 +6,6 @@
    process (campaign_case.h) of a runner, which the rank has forked before MPI began: a run that crashes is a row, where a rank
    that crashed would end the whole job, and no process is forked that knows of MPI. README.md, "Campaigns". */
 #define _POSIX_C_SOURCE 200809L
-#define _DEFAULT_SOURCE /* setitimer */
 #define PROGRAM "campaign_mpi"
 #define CAMPAIGN_HELP "  (mpirun -n N: N runs at a time)\n"
 #include "campaign_program.h"

@@ -187,7 +187,9 @@ static void report_counts(const ledger *l)
   }
   printf("%d runs: %d ok", l->c->runs, of[ROW_OK]);
   for (int k = ROW_REFUSED; k < ROW_GIVEN; k++) {
-    printf(of[k] ? ", %d %s" : "", of[k], row_words[k]);
+    if (of[k]) {
+      printf(", %d %s", of[k], row_words[k]);
+    }
   }
   printf(l->done < l->c->runs ? ", %d not done\n" : "\n", l->c->runs - l->done);
 }
