@@ -8,7 +8,7 @@
 #define PROGRAM "campaign"
 #define CAMPAIGN_HELP                                                \
   "  --jobs N              runs at a time (as many as processors)\n" \
-  "  --run K               just run K, in this process, nothing written\n"
+  "  --run K               just run K, in this process; the command for the same scene\n"
 #include "campaign_program.h"
 #include <poll.h>
 
@@ -99,15 +99,17 @@ static int work(int jobs)
   return status;
 }
 
-/* One run for a closer look, with a debugger if need be. */
+/* One run for a closer look, with a debugger if need be, and how examples/scene.c runs it, to a CSV file and pictures. */
 static int run_one(int run)
 {
   static campaign_row row;
   scene_setting setting[2 * CAMPAIGN_VARY];
   const int n = case_settings(&prog.c, setting, run);
+  printf("scene %s", prog.c.scene);
   for (int i = 0; i < n; i++) {
-    printf("%-20s %.17g\n", setting[i].name, setting[i].value);
+    printf(" --set %s=%.17g", setting[i].name, setting[i].value);
   }
+  printf("\n");
   fflush(stdout);
   case_run(&prog.c, &row, run);
   for (int i = 0; i < prog.l.n_measure && row.status == ROW_OK; i++) {
