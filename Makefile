@@ -18,7 +18,7 @@ CHECKS   = sanitize suite long tidy bits instructions firmware compile removed s
            two_precisions jacobian style ids quickstart hil campaign
 
 .DELETE_ON_ERROR:
-.PHONY: help run table1 leigh blade firmware hil campaign campaign-mpi test examples bench bench-accuracy bench-advice bench-peers sizes readme format clean ci FORCE $(CHECKS:%=check-%)
+.PHONY: help run table1 leigh blade firmware hil campaign campaign-mpi test examples bench bench-accuracy bench-advice bench-campaign bench-peers sizes readme format clean ci FORCE $(CHECKS:%=check-%)
 
 help:
 	@echo "make run       spin-up of a flexible beam against its reference, time per step, picture if gnuplot is there"
@@ -34,6 +34,7 @@ help:
 	@echo "make bench     time per step by modes and effects, by form and scheme, of systems, of the exact beam: build/bench_*.csv"
 	@echo "make bench-accuracy  error and time of eight scenes by effects, modes, scheme and step (2 minutes): build/accuracy/"
 	@echo "make bench-advice  what the library advises for those scenes and variations of them, against all runs (2 minutes)"
+	@echo "make bench-campaign  runs per second of a campaign by number of processes and of MPI ranks"
 	@echo "make bench-peers  the LU beside LAPACK's, the schemes beside SUNDIALS': needs both; build/bench_peers_*.csv"
 	@echo "make sizes     instructions, code, RAM and time of a step by modes and effects on two boards; bytes of all structs"
 	@echo "make readme    regenerate the tables, the program and the picture of README.md (wants gnuplot, valgrind)"
@@ -70,7 +71,7 @@ hil: build/examples/hil_plant build/examples/hil_controller
 
 campaign: build/examples/campaign
 	@mkdir -p build/campaign
-	$< examples/campaigns/boom.txt --out build/campaign/boom.csv
+	$< examples/campaigns/slew.txt --out build/campaign/slew.csv
 
 campaign-mpi:
 	@command -v mpicc > /dev/null || { echo "campaign-mpi: no mpicc (Debian: apt-get install openmpi-bin libopenmpi-dev)"; exit 1; }
@@ -100,6 +101,9 @@ bench-accuracy: build/bench/bench_accuracy_double
 
 bench-advice: build/bench/bench_advice_double
 	@$< > build/bench_advice.txt && cat build/bench_advice.txt
+
+bench-campaign: build/examples/campaign $(filter %_mpi,$(EXAMPLES:%=build/examples/%))
+	@sh bench/campaign.sh
 
 bench-peers:
 	@CC='$(CC)' MAKE='$(MAKE)' sh bench/peers.sh

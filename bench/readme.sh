@@ -1,7 +1,7 @@
 #!/bin/sh
 # Regenerates the tables, the program and the picture of README.md from what the programs print: make readme.
 # One part alone: `sh bench/readme.sh accuracy` (the eight scenes), `advice` (what is advised for them), `advise` (the
-# example of that name), `hil` (hardware in the loop), `peers` (make bench-peers, whose table stays as it is where the
+# example of that name), `campaign` and `speedup` (of the satellite's slew, with a quiet machine), `hil` (hardware in the loop), `peers` (make bench-peers, whose table stays as it is where the
 # libraries are missing).
 set -eu
 out=build/readme
@@ -28,6 +28,16 @@ peers() {
 hil() { # a minute of it; how late it woke is in the report
   make -s hil > "$out/hil" || true
   { echo '```'; sed -e '/^curves/d' -e '/^picture/d' -e '/refused, .* 0$/d' -e 's/ *$//' "$out/hil"; echo '```'; } | block hil
+}
+
+campaign() { # its pictures' names are those of the folder
+  make -s campaign > "$out/campaign" 2> /dev/null
+  { echo '```'; sed -e '/^picture/d' -e 's/ *$//' "$out/campaign"; echo '```'; } | block campaign
+}
+
+speedup() {
+  make -s bench-campaign > "$out/speedup"
+  { echo '```'; cat "$out/speedup"; echo '```'; } | block speedup
 }
 
 # The command line's answers for a boom, without those for 10 %.
@@ -57,6 +67,8 @@ hil
 accuracy
 advice
 advise
+campaign
+speedup
 
 # the program, between ```c and ```
 sed -n '/^#/,$p' examples/quickstart.c > "$out/program"
