@@ -1,6 +1,6 @@
 #!/bin/sh
 # Regenerates the tables, the program and the picture of README.md from what the programs print: make readme.
-# One part alone: `sh bench/readme.sh accuracy` (the eight scenes), `advice` (what is advised for them), `advise` (the
+# One part alone: `sh bench/readme.sh scene` (scenes from files), `accuracy` (the eight scenes), `advice` (what is advised for them), `advise` (the
 # example of that name), `hil` (hardware in the loop), `peers` (make bench-peers, whose table stays as it is where the
 # libraries are missing).
 set -eu
@@ -49,6 +49,16 @@ advice() {
   { echo '```'; sed -e 's/^# //' -e 's/ *$//' "$out/advised"; echo '```'; } | block advice
 }
 
+# Of each scene its title and the largest relative difference from what it is compared with.
+scene() {
+  make -s build/examples/scene
+  for file in examples/scenes/*.txt; do
+    build/examples/scene "$file" | awk -v name="$(basename "$file" .txt)" -v title="$(sed -n 's/^title //p' "$file")" -f bench/scene.awk
+  done > "$out/scenes"
+  { echo '```'; cat "$out/scenes"; echo '```'; } | block scene
+  build/examples/scene examples/scenes/double_pendulum.txt --quiet --picture examples/scene_pendulum.svg
+}
+
 if [ $# -gt 0 ]; then # one part alone
   "$1"
   exit
@@ -57,6 +67,7 @@ hil
 accuracy
 advice
 advise
+scene
 
 # the program, between ```c and ```
 sed -n '/^#/,$p' examples/quickstart.c > "$out/program"
