@@ -368,8 +368,8 @@ static int scene_loop(scene *s, const scene_options *o, scene_run_state *run)
   char when[96];
   fb_status status = FB_OK;
   s->dt = interval / (double)steps;
-  if (engine.scheme == FB_SCHEME_EXPONENTIAL) {
-    status = fb_exponential_init(&engine.exponential, &engine.body_work, &engine.body[0], (fb_real)s->dt);
+  if (!s->is_exact && !scene_is_system(s)) {
+    status = stepper_init(&engine.by, &engine.body_work, &engine.body[0], engine.scheme, s->dt);
   }
   for (long k = 0; k < rows * steps && status == FB_OK; k++) {
     const double t = (double)k * s->dt;
