@@ -15,16 +15,17 @@ EXAMPLES = quickstart spinup campbell analyse advise table1 assembly reduce elas
 EXAMPLES += campaign $(if $(shell command -v mpicc),campaign_mpi)
 # long ones first, so that the two jobs of `make ci` end together
 CHECKS   = sanitize suite long tidy bits instructions firmware compile removed single advise rom mismatch stack symbols threads \
-           two_precisions jacobian style ids quickstart hil campaign
+           two_precisions jacobian style ids quickstart hil scene campaign
 
 .DELETE_ON_ERROR:
-.PHONY: help run table1 leigh blade firmware hil campaign campaign-mpi test examples bench bench-accuracy bench-advice bench-campaign bench-peers sizes readme format clean ci FORCE $(CHECKS:%=check-%)
+.PHONY: help run table1 leigh scenes blade firmware hil campaign campaign-mpi test examples bench bench-accuracy bench-advice bench-campaign bench-peers sizes readme format clean ci FORCE $(CHECKS:%=check-%)
 
 help:
 	@echo "make run       spin-up of a flexible beam against its reference, time per step, picture if gnuplot is there"
 	@echo "make blade     Campbell diagram of the NREL 5-MW blade, 0 to 20 rpm: build/campbell.csv, build/campbell.svg"
 	@echo "make table1    the forms of the equations of motion, figures and accuracy of D'Eleuterio and Barfoot: build/table1/"
 	@echo "make leigh     every case of chapter 4 of Leigh's thesis by the exact beam, beside its figures: build/leigh/"
+	@echo "make scenes    every scene of examples/scenes: build/scenes/NAME.csv, curves, pictures and animations as SVG, frames"
 	@echo "make firmware  the attitude loop of examples/firmware.c on an emulated Cortex-M4F and -M7, against the desktop"
 	@echo "make hil       a spacecraft at 1 kHz in real time and its controller, two processes over UDP, 60 s: build/hil.csv"
 	@echo "make campaign  a spacecraft with scattered stiffness, mass and damping, 200 runs on all cores: build/campaign/"
@@ -55,6 +56,13 @@ table1: build/examples/table1
 leigh: build/examples/leigh
 	@mkdir -p build/leigh
 	@$< --out build/leigh > build/leigh/tables.txt; status=$$?; cat build/leigh/tables.txt; exit $$status
+
+scenes: build/examples/scene
+	@mkdir -p build/scenes
+	@status=0; for file in examples/scenes/*.txt; do \
+	  name=build/scenes/$$(basename $$file .txt); echo "$$file"; \
+	  $< $$file --out $$name.csv --picture $${name}_picture.svg --animation $${name}_moves.svg --frames $$name || status=1; \
+	done; exit $$status
 
 blade: build/examples/campbell
 	$< --blade tests/reference/nrel5mw_blade.csv --mass-factor 1.04536 --modes 3 --picture build/campbell.svg > build/campbell.csv

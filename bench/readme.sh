@@ -1,7 +1,7 @@
 #!/bin/sh
 # Regenerates the tables, the program and the picture of README.md from what the programs print: make readme.
-# One part alone: `sh bench/readme.sh accuracy` (the eight scenes), `advice` (what is advised for them), `advise` (the
-# example of that name), `campaign` and `speedup` (of the satellite's slew, with a quiet machine), `hil` (hardware in the loop), `peers` (make bench-peers, whose table stays as it is where the
+# One part alone: `sh bench/readme.sh scene` (scenes from files), `accuracy` (the eight scenes), `advice` (what is advised for them), `advise` (the
+# example of that name), `campaign` and `speedup` (of a satellite's slew), `hil` (hardware in the loop), `peers` (make bench-peers, whose table stays as it is where the
 # libraries are missing).
 set -eu
 out=build/readme
@@ -59,6 +59,16 @@ advice() {
   { echo '```'; sed -e 's/^# //' -e 's/ *$//' "$out/advised"; echo '```'; } | block advice
 }
 
+# Of each scene its title and the largest relative difference from what it is compared with.
+scene() {
+  make -s build/examples/scene
+  for file in examples/scenes/*.txt; do
+    build/examples/scene "$file" | awk -v name="$(basename "$file" .txt)" -v title="$(sed -n 's/^title //p' "$file")" -f bench/scene.awk
+  done > "$out/scenes"
+  { echo '```'; cat "$out/scenes"; echo '```'; } | block scene
+  build/examples/scene examples/scenes/double_pendulum.txt --quiet --picture examples/scene_pendulum.svg
+}
+
 if [ $# -gt 0 ]; then # one part alone
   "$1"
   exit
@@ -69,6 +79,7 @@ advice
 advise
 campaign
 speedup
+scene
 
 # the program, between ```c and ```
 sed -n '/^#/,$p' examples/quickstart.c > "$out/program"

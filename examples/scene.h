@@ -69,7 +69,7 @@ static void scene_read_model(text_file *t, const scene *s)
     return;
   }
   text_beside(path, s->path, name);
-  if (text_open(&other, t->program, path)) {
+  if (text_try(&other, t->program, path)) {
     other.message = t->message;
     other.named = t->named;
     other.n_named = t->n_named;
@@ -106,7 +106,7 @@ static void scene_read_body(text_file *t, scene *s)
   scene_body *const body = &s->body[s->n_body];
   scene_gauge_line gauges = {0};
   const int begin = t->line;
-  int kind, ended = 0;
+  int kind, last, ended = 0;
   if (s->n_body == FB_MAX_BODIES) {
     text_fail(t, "more than %d bodies", FB_MAX_BODIES);
     return;
@@ -142,8 +142,11 @@ static void scene_read_body(text_file *t, scene *s)
   if (!ended) {
     text_fail(t, "body %s of line %d wants a line `end`", body->name, begin);
   }
+  last = t->line;
   t->line = begin; /* what is missing has no line of its own */
-  if (kind == 4) {
+  if (kind == 4 && gauges.n > 0) {
+    text_fail(t, "gauges are on beams of modes");
+  } else if (kind == 4) {
     scene_place_exact(t, s, body);
   } else {
     model.level.effects |= body->tolerance > 0 && model.n_damping > 0 ? (unsigned)FB_EFFECT_DAMPING : 0u;
@@ -153,8 +156,9 @@ static void scene_read_body(text_file *t, scene *s)
     }
   }
   s->n_body += !t->failed;
-  t->line = ended ? t->line : begin;
+  t->line = last;
 }
+
 /* ---- loads and the motion of the base */
 
 /* Forces or torques with that many numbers. */
@@ -615,7 +619,7 @@ static int scene_read(scene *s, const char *path, const scene_setting *set, int 
   s->view_of = -1;
   strcpy(s->length_unit, "m");
   strcpy(s->force_unit, "N");
-  if (!text_open(&t, "scene", path)) {
+  if (!text_try(&t, "scene", path)) {
     return scene_fail(s, "%s", strerror(errno));
   }
   t.message = s->message;

@@ -169,7 +169,7 @@ static fb_status scene_run_rigid(const scene *s)
   fb_status status = scene_build_rigid(s);
   memset(automatic.envelope, 0, sizeof automatic.envelope);
   automatic.spin = automatic.acceleration = 0;
-  engine.scheme = FB_SCHEME_RK4;
+  engine.scheme = engine.by.scheme = FB_SCHEME_RK4;
   engine.long_step = 1;
   status = status ? status : scene_start(s);
   for (int k = 0; k <= rows * steps && status == FB_OK; k++) {

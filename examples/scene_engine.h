@@ -1,8 +1,9 @@
-/* scene_engine.h - what moves a scene: one body alone, bodies on joints, an exact beam. Each way has the same calls: start, step,
-   look. See scene.h. */
+/* scene_engine.h - what moves a scene: one body alone, bodies on joints, an exact beam. Each way has the same calls:
+   start, step, look. See scene.h. */
 #ifndef SCENE_ENGINE_H
 #define SCENE_ENGINE_H
 #include "scene.h"
+#include "stepper.h"
 
 static struct scene_engine { /* one scene at a time */
   fb_body body[FB_MAX_BODIES];
@@ -12,10 +13,7 @@ static struct scene_engine { /* one scene at a time */
   int long_step;  /* steps beyond the limit are not refused */
   fb_state state; /* one body alone */
   fb_input at[3]; /* start, middle, end of the step */
-  fb_rk4_work rk4;
-  fb_implicit_work implicit;
-  fb_exponential exponential;
-  fb_exponential_work exponential_work;
+  stepper by;
   fb_analyse_work analyse;
   fb_system system; /* bodies on joints */
   fb_system_work system_work;
@@ -82,22 +80,11 @@ static fb_status single_start(const scene *s)
 
 static fb_status single_step(const scene *s, double t, double dt)
 {
-  const fb_body *const body = &engine.body[0];
-  fb_state *const x = &engine.state;
   fb_input *const at = engine.at;
   single_input(s, &at[0], t, t + 0.5 * dt);
   single_input(s, &at[1], t + 0.5 * dt, t + 0.5 * dt);
   single_input(s, &at[2], t + dt, t + 0.5 * dt);
-  switch (engine.scheme) {
-  case FB_SCHEME_MIDPOINT:
-    return fb_midpoint_step(body, x, &engine.implicit, &at[1], (fb_real)dt, 0);
-  case FB_SCHEME_SDIRK:
-    return fb_sdirk_step(body, x, &engine.implicit, &at[0], &at[2], (fb_real)dt, 0);
-  case FB_SCHEME_EXPONENTIAL:
-    return fb_exponential_step(body, &engine.exponential, x, &engine.exponential_work, &at[0], &at[1], &at[2]);
-  default:
-    return fb_rk4_step(body, x, &engine.rk4, &at[0], &at[1], &at[2], (fb_real)dt);
-  }
+  return stepper_step(&engine.by, &engine.body[0], &engine.state, at, (fb_real)dt);
 }
 
 static fb_status single_look(const scene *s, double t)

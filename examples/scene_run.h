@@ -257,12 +257,17 @@ static void scene_film_frame(const scene *s, double t)
         scene_add_point(s, &frame->line[b], b, 0);
       }
     }
+    if (frame->line[b].n == 1) {
+      scene_add_point(s, &frame->line[b], b, 0); /* a dot */
+    }
   }
   for (int j = 0; j < s->n_joint; j++) {
     const fb_joint_desc *const d = &s->joint[j].desc;
     scene_line *const line = &frame->line[s->n_body + d->child];
     if (!s->joint[j].loop && d->parent != FB_GROUND) {
-      scene_add_point(s, line, d->parent, 0);
+      if (s->body[d->parent].kind != MODEL_BEAM) {
+        scene_add_point(s, line, d->parent, 0);
+      }
       scene_add_point(s, line, d->parent, d->parent_node);
       scene_add_point(s, line, d->child, 0);
     }
@@ -363,8 +368,8 @@ static int scene_loop(scene *s, const scene_options *o, scene_run_state *run)
   char when[96];
   fb_status status = FB_OK;
   s->dt = interval / (double)steps;
-  if (engine.scheme == FB_SCHEME_EXPONENTIAL) {
-    status = fb_exponential_init(&engine.exponential, &engine.body_work, &engine.body[0], (fb_real)s->dt);
+  if (!s->is_exact && !scene_is_system(s)) {
+    status = stepper_init(&engine.by, &engine.body_work, &engine.body[0], engine.scheme, s->dt);
   }
   for (long k = 0; k < rows * steps && status == FB_OK; k++) {
     const double t = (double)k * s->dt;

@@ -49,15 +49,21 @@ static inline void text_fail(text_file *t, const char *format, ...)
   t->failed = 1;
 }
 
-/* 0 when the file cannot be read. */
-static inline int text_open(text_file *t, const char *program, const char *name)
+/* 0 when the file cannot be read, of which nothing is said. */
+static inline int text_try(text_file *t, const char *program, const char *name)
 {
   memset(t, 0, sizeof *t);
   t->program = program;
   t->name = name;
   t->at = t->buffer;
   t->file = fopen(name, "r");
-  if (!t->file) {
+  return t->file != NULL;
+}
+
+/* 0 when the file cannot be read. */
+static inline int text_open(text_file *t, const char *program, const char *name)
+{
+  if (!text_try(t, program, name)) {
     text_fail(t, "%s", strerror(errno));
   }
   return t->file != NULL;
@@ -139,7 +145,7 @@ static inline int text_factor(text_file *t, const char **at, double *x)
 {
   const char *const start = *at, *name = start + (*start == '-');
   char *end;
-  if (t->n_named == 0 || *name != '$') {
+  if (*name != '$') {
     *x = strtod(start, &end);
     *at = end;
     return end != start;
@@ -167,12 +173,9 @@ static inline double text_number(text_file *t, const char *what)
     return 0;
   }
   if (text_factor(t, &at, &x)) {
-    while (t->n_named > 0 && (*at == '*' || *at == '/')) {
+    while (*at == '*' || *at == '/') {
       const int over = *at++ == '/';
-      if (!text_factor(t, &at, &factor)) {
-        break;
-      }
-      x = over ? x / factor : x * factor;
+      x = !text_factor(t, &at, &factor) ? (double)NAN : over ? x / factor : x * factor;
     }
   }
   if (*at || at == word || !isfinite(x)) {
