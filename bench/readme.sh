@@ -1,8 +1,8 @@
 #!/bin/sh
 # Regenerates the tables, the program and the picture of README.md from what the programs print: make readme.
-# One part alone: `sh bench/readme.sh scene` (scenes from files), `accuracy` (the eight scenes), `advice` (what is advised for them), `advise` (the
-# example of that name), `campaign` and `speedup` (of a satellite's slew), `hil` (hardware in the loop), `peers` (make bench-peers, whose table stays as it is where the
-# libraries are missing).
+# One part alone: `sh bench/readme.sh scene` (scenes from files), `accuracy` (the eight scenes), `advice` (what is advised for
+# them), `advise` (the example of that name), `campaign` and `speedup` (of a satellite's slew), `hil` (hardware in the loop),
+# `peers` (make bench-peers, whose table stays as it is where the libraries are missing).
 set -eu
 out=build/readme
 mkdir -p "$out"

@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #define CAMPAIGN_MESSAGE 256
+#define CASE_FILES 256
 
 typedef enum row_status { ROW_NONE, ROW_OK, ROW_REFUSED, ROW_FAILED, ROW_CRASHED, ROW_TIMED_OUT, ROW_GIVEN } row_status;
 
@@ -30,8 +31,12 @@ typedef struct campaign_worker {
   int to, from, busy, run;
 } campaign_worker;
 
-/* The one scene of a process. */
+/* The one scene of a process, and its files. */
 static scene case_scene;
+static struct {
+  int n;
+  char path[CASE_FILES][CAMPAIGN_PATH];
+} case_files;
 
 /* The digest, continued by a file; as it was, if there is none. */
 static uint64_t case_add_file(uint64_t digest, const char *path)
@@ -49,21 +54,34 @@ static uint64_t case_add_file(uint64_t digest, const char *path)
   return digest;
 }
 
-/* A digest of the scene's file and of all files beside it that its words name. */
-static uint64_t case_digest(const campaign *c)
+/* The scene's file, and all beside it that its words name. */
+static void case_find_files(const campaign *c)
 {
-  uint64_t digest = case_add_file(CAMPAIGN_DIGEST, c->scene);
-  char path[CAMPAIGN_PATH], no_message[TEXT_MESSAGE];
+  char path[CAMPAIGN_PATH];
   const char *word;
   text_file t;
-  if (text_open(&t, "", c->scene)) {
-    t.message = no_message;
+  strcpy(case_files.path[case_files.n++], c->scene);
+  if (text_try(&t, "", c->scene)) {
     while (text_line(&t)) {
       while ((word = text_word(&t)) != NULL) {
-        digest = campaign_beside(path, c->scene, word) ? case_add_file(digest, path) : digest;
+        if (case_files.n < CASE_FILES && campaign_beside(path, c->scene, word) && access(path, R_OK) == 0) {
+          strcpy(case_files.path[case_files.n++], path);
+        }
       }
     }
     text_close(&t);
+  }
+}
+
+/* A digest of these files as they are now. */
+static uint64_t case_digest(const campaign *c)
+{
+  uint64_t digest = CAMPAIGN_DIGEST;
+  if (case_files.n == 0) {
+    case_find_files(c);
+  }
+  for (int k = 0; k < case_files.n; k++) {
+    digest = case_add_file(digest, case_files.path[k]);
   }
   return digest;
 }

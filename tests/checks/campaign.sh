@@ -61,7 +61,7 @@ begin() {
 # end STATUS
 end() {
   status=0
-  wait $running || status=$?
+  { wait $running || status=$?; } 2> /dev/null
   running=
   [ "$status" = "$1" ] || fail "$run: exit status $status instead of $1: $(cat "$out/$run.log")"
 }
