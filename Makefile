@@ -11,30 +11,35 @@ export WARNINGS WARNINGS_C
 LIBRARY  = flexbeam.h flexbeam_impl.h
 SECTIONS = main status vec3 rotation linalg beam modes body system forms mixed integrate analyse advise build
 EXAMPLES = quickstart spinup campbell analyse advise table1 assembly reduce elastodyn firmware spacecraft rotor arm fourbar \
-           elastica follower flap whirl beam3d leigh hil_plant hil_controller
+           elastica follower flap whirl beam3d scene leigh hil_plant hil_controller
+EXAMPLES += campaign $(if $(shell command -v mpicc),campaign_mpi)
 # long ones first, so that the two jobs of `make ci` end together
 CHECKS   = sanitize suite long tidy coverage bits instructions firmware compile removed single advise rom mismatch stack symbols threads \
-           two_precisions jacobian style ids quickstart first_build hil hard
+           two_precisions jacobian style ids quickstart first_build hil scene campaign hard
 
 .DELETE_ON_ERROR:
-.PHONY: help run table1 leigh blade firmware hil test coverage mutants hard examples bench bench-accuracy bench-advice bench-flags bench-peers sizes readme format clean ci FORCE $(CHECKS:%=check-%)
+.PHONY: help run table1 leigh scenes blade firmware hil campaign campaign-mpi test coverage mutants hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes readme format clean ci FORCE $(CHECKS:%=check-%)
 
 help:
 	@echo "make run       spin-up of a flexible beam against its reference, time per step, picture if gnuplot is there"
 	@echo "make blade     Campbell diagram of the NREL 5-MW blade, 0 to 20 rpm: build/campbell.csv, build/campbell.svg"
 	@echo "make table1    the forms of the equations of motion, figures and accuracy of D'Eleuterio and Barfoot: build/table1/"
 	@echo "make leigh     every case of chapter 4 of Leigh's thesis by the exact beam, beside its figures: build/leigh/"
+	@echo "make scenes    every scene of examples/scenes: build/scenes/NAME.csv, curves, pictures and animations as SVG, frames"
 	@echo "make firmware  the attitude loop of examples/firmware.c on an emulated Cortex-M4F and -M7, against the desktop"
 	@echo "make hil       a spacecraft at 1 kHz in real time and its controller, two processes over UDP, 60 s: build/hil.csv"
 	@echo "make test      build and run the tests"
 	@echo "make hard      the hard cases in both precisions, beside what a naive treatment gives (4 minutes): build/hard.csv"
 	@echo "make coverage  lines and branches of the library that the tests run, by section; what they leave: build/coverage/"
 	@echo "make mutants   200 equations changed one at a time, the tests must notice (SEED=1, COUNT=200; half an hour)"
+	@echo "make campaign  a spacecraft with scattered stiffness, mass and damping, 200 runs on all cores: build/campaign/"
+	@echo "make campaign-mpi  the same program for clusters: build/examples/campaign_mpi"
 	@echo "make examples  $(EXAMPLES:%=build/examples/%)"
 	@echo "make bench     time per step by modes and effects, by form and scheme, of systems, of the exact beam: build/bench_*.csv"
 	@echo "make bench-accuracy  error and time of eight scenes by effects, modes, scheme and step (2 minutes): build/accuracy/"
 	@echo "make bench-advice  what the library advises for those scenes and variations of them, against all runs (2 minutes)"
 	@echo "make bench-flags  time of a step and code of the library by compiler flags (2 minutes)"
+	@echo "make bench-campaign  runs per second of a campaign by number of processes and of MPI ranks"
 	@echo "make bench-peers  the LU beside LAPACK's, the schemes beside SUNDIALS': needs both; build/bench_peers_*.csv"
 	@echo "make sizes     instructions, code, RAM and time of a step by modes and effects on two boards; bytes of all structs"
 	@echo "make readme    regenerate the tables, the program and the picture of README.md (wants gnuplot, valgrind)"
@@ -56,6 +61,13 @@ leigh: build/examples/leigh
 	@mkdir -p build/leigh
 	@$< --out build/leigh > build/leigh/tables.txt; status=$$?; cat build/leigh/tables.txt; exit $$status
 
+scenes: build/examples/scene
+	@mkdir -p build/scenes
+	@status=0; for file in examples/scenes/*.txt; do \
+	  name=build/scenes/$$(basename $$file .txt); echo "$$file"; \
+	  $< $$file --out $$name.csv --picture $${name}_picture.svg --animation $${name}_moves.svg --frames $$name || status=1; \
+	done; exit $$status
+
 blade: build/examples/campbell
 	$< --blade tests/reference/nrel5mw_blade.csv --mass-factor 1.04536 --modes 3 --picture build/campbell.svg > build/campbell.csv
 
@@ -68,6 +80,14 @@ firmware:
 hil: build/examples/hil_plant build/examples/hil_controller
 	@build/examples/hil_controller > build/hil_controller.txt & build/examples/hil_plant --out build/hil.csv; status=$$?; \
 	wait $$! || status=1; cat build/hil_controller.txt; exit $$status
+
+campaign: build/examples/campaign
+	@mkdir -p build/campaign
+	$< examples/campaigns/slew.txt --out build/campaign/slew.csv
+
+campaign-mpi:
+	@command -v mpicc > /dev/null || { echo "campaign-mpi: no mpicc (Debian: apt-get install openmpi-bin libopenmpi-dev)"; exit 1; }
+	@$(MAKE) -s --no-print-directory build/examples/campaign_mpi && echo "mpirun -n N build/examples/campaign_mpi FILE"
 
 test: check-quickstart build/test_runner
 	build/test_runner
@@ -107,6 +127,9 @@ bench-advice: build/bench/bench_advice_double
 
 bench-flags:
 	@sh bench/flags.sh
+
+bench-campaign: build/examples/campaign $(filter %_mpi,$(EXAMPLES:%=build/examples/%))
+	@sh bench/campaign.sh
 
 bench-peers:
 	@CC='$(CC)' MAKE='$(MAKE)' sh bench/peers.sh
@@ -154,6 +177,9 @@ build/bench/%_single: bench/%.c $(wildcard bench/*.h) $(LIBRARY) build/flags bui
 build/hard_double build/hard_single: $(wildcard tests/hard/*.[ch]) bench/clock.h bench/scheme.h examples/options.h $(LIBRARY) build/flags
 	$(CC) $(FLAGS) $(CFLAGS) -DFB_SINGLE=$(if $(findstring single,$@),1,0) -o $@ $(filter tests/hard/%.c,$^) -lm
 
+build/examples/campaign_mpi: examples/campaign_mpi.c $(wildcard examples/*.h) $(LIBRARY) build/flags | build/examples
+	mpicc $(FLAGS) $(CFLAGS) -o $@ $< -lm
+
 build/test_runner: $(SECTIONS:%=build/tests/test_%.o)
 	$(CC) $(CFLAGS) -o $@ $^ -lm
 
@@ -180,9 +206,11 @@ ci:
 	  $(CHECKS:%=check-%) examples build/test_runner
 	@echo "ci: all $(words $(CHECKS)) checks passed"
 
-build/examples/hil_plant build/examples/hil_controller: bench/clock.h
+build/examples/hil_plant build/examples/hil_controller build/examples/campaign build/examples/campaign_mpi: bench/clock.h
 
 check-hil: build/examples/hil_plant build/examples/hil_controller
+
+check-campaign: build/examples/campaign $(filter %_mpi,$(EXAMPLES:%=build/examples/%))
 
 $(CHECKS:%=check-%): check-%: tests/checks/%.sh
 	@sh $<

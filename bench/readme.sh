@@ -34,6 +34,16 @@ hil() { # a minute of it; how late it woke is in the report
   { echo '```'; sed -e '/^curves/d' -e '/^picture/d' -e '/refused, .* 0$/d' -e 's/ *$//' "$out/hil"; echo '```'; } | block hil
 }
 
+campaign() { # its pictures' names are those of the folder
+  make -s campaign > "$out/campaign" 2> /dev/null
+  { echo '```'; sed -e '/^picture/d' -e 's/ *$//' "$out/campaign"; echo '```'; } | block campaign
+}
+
+speedup() {
+  make -s bench-campaign > "$out/speedup"
+  { echo '```'; cat "$out/speedup"; echo '```'; } | block speedup
+}
+
 # The command line's answers for a boom, without those for 10 %.
 advise() {
   make -s build/examples/advise
@@ -82,6 +92,16 @@ tests() {
   { echo '```'; cat "$out/tests"; echo '```'; } | block tests
 }
 
+# Of each scene its title and the largest relative difference from what it is compared with.
+scene() {
+  make -s build/examples/scene
+  for file in examples/scenes/*.txt; do
+    build/examples/scene "$file" | awk -v name="$(basename "$file" .txt)" -v title="$(sed -n 's/^title //p' "$file")" -f bench/scene.awk
+  done > "$out/scenes"
+  { echo '```'; cat "$out/scenes"; echo '```'; } | block scene
+  build/examples/scene examples/scenes/double_pendulum.txt --quiet --picture examples/scene_pendulum.svg
+}
+
 if [ $# -gt 0 ]; then # one part alone
   "$1"
   exit
@@ -92,6 +112,9 @@ advice
 advise
 flags
 hard
+campaign
+speedup
+scene
 
 # the program, between ```c and ```
 sed -n '/^#/,$p' examples/quickstart.c > "$out/program"

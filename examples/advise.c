@@ -170,7 +170,7 @@ static int check_options(options *o)
   if (model_shape.n_node < 2 || s->node >= model_shape.n_node) {
     return fail("the description has no such node (a line `node` makes one)", o->node > 0 ? "--node" : "");
   }
-  if (model.component && model.n_pair == 0) {
+  if (model.kind == MODEL_COMPONENT && model.n_pair == 0) {
     return fail("a component wants quadratic lines: without them nobody knows what stiffening would do", model.name);
   }
   for (int k = 0; k < s->n_load; k++) {
@@ -215,7 +215,7 @@ static int change_model(const options *o)
     }
   }
   if (o->n_mode > 0) {
-    if (model.component) {
+    if (model.kind == MODEL_COMPONENT) {
       return fail("a component has the modes it has", "--modes");
     }
     model.modes.lowest = 0;
@@ -241,7 +241,7 @@ static const char *kinds_text(const fb_advice *a)
   static char text[128];
   int used = 0;
   text[0] = 0;
-  for (int kind = 0; kind < FB_KIND_COUNT && !model.component; kind++) {
+  for (int kind = 0; kind < FB_KIND_COUNT && model.kind != MODEL_COMPONENT; kind++) {
     int n = 0;
     for (int k = 0; k < a->n; k++) {
       n += (int)model_modes.kind[a->coordinate[k]] == kind;
@@ -250,7 +250,7 @@ static const char *kinds_text(const fb_advice *a)
       used += snprintf(text + used, sizeof text - (size_t)used, "%s%d %s", used ? ", " : "", n, kind_name[kind]);
     }
   }
-  if (model.component) {
+  if (model.kind == MODEL_COMPONENT) {
     snprintf(text, sizeof text, "%d modes", a->n);
   }
   return text;
@@ -359,7 +359,7 @@ static void print_parts(const options *o, const fb_advice *advice)
   }
   printf("\nmode  kind     frequency [Hz]  used for\n");
   for (int a = 0; a < model_shape.n; a++) {
-    printf("%4d  %-7s  %14.5g", a, model.component ? "" : kind_name[model_modes.kind[a]], mode_hz(a));
+    printf("%4d  %-7s  %14.5g", a, model.kind == MODEL_COMPONENT ? "" : kind_name[model_modes.kind[a]], mode_hz(a));
     for (int k = 0; k < o->n_tolerance; k++) {
       for (int i = 0; i < advice[k].n; i++) {
         if (advice[k].coordinate[i] == a) {
@@ -385,14 +385,14 @@ static int is_kept(const fb_advice *a, int mode)
    other ones. */
 static int is_lowest(const fb_advice *a)
 {
-  for (int mode = 0; mode < model_shape.n && !model.component; mode++) {
+  for (int mode = 0; mode < model_shape.n && model.kind != MODEL_COMPONENT; mode++) {
     for (int lower = 0; lower < mode; lower++) {
       if (model_modes.kind[lower] == model_modes.kind[mode] && is_kept(a, mode) && !is_kept(a, lower)) {
         return 0;
       }
     }
   }
-  return !model.component && !(fabs((double)model.modes.spin) > 0);
+  return model.kind != MODEL_COMPONENT && !(fabs((double)model.modes.spin) > 0);
 }
 
 /* The lines of the description that give the advised body. */

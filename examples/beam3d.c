@@ -9,7 +9,7 @@
 #include "options.h"
 #include "mixed_beam.h"
 #include "plot.h"
-#include "text.h"
+#include "mixed_text.h"
 
 static const char help[] =
     "beam3d - a geometrically exact beam from a text file: deflection, root loads, frequencies; any consistent units\n"
@@ -32,7 +32,7 @@ static const char help[] =
     "                                  tip free)\n"
     "    support X END                 at the node nearest to X\n"
     "    lump X MASS [CX CY CZ [IXX IYY IZZ]]   rigid body on the node nearest to X\n"
-    "    gravity GX GY GZ\n"
+    "    gravity GX GY GZ, dissipation D\n"
     "    velocity VX VY VZ, spin WX WY WZ       steady motion of the base\n"
     "    load X AXES FX FY FZ [MX MY MZ]        at the node nearest to X; AXES: dead, follower or base\n"
     "    line A B AXES FX FY FZ [MX MY MZ]      per length, from the node nearest to A to that nearest to B\n"
@@ -40,315 +40,26 @@ static const char help[] =
     "  --out FILE  x, y, z of 201 points along the deformed line; three views beside it as .svg\n"
     "  --help      this text\n";
 
-/* ---- reading */
-
-typedef struct deck { /* what needs the whole file before it can be used */
-  int modes, station_open;
-  int n_load, n_line, n_support, n_lump;
-  double load_at[FB_MAX_LOADS], support_at[FB_MAX_LUMPS], lump_at[FB_MAX_LUMPS];
-  struct {
-    double a, b;
-    fb_line_load load;
-  } line[64];
-} deck;
-
-static void read_reals(text_file *t, const char *what, fb_real *x, int n)
+/* The description, to the beam of mixed_beam.h; 0, or 2 after a message. */
+static int read_file(const char *name, int *modes)
 {
-  double value[6] = {0};
-  text_vector(t, what, value, n);
-  for (int i = 0; i < n; i++) {
-    x[i] = (fb_real)value[i];
-  }
-}
-
-/* 6, 21 or 36 numbers to a full 6x6. */
-static void read_matrix(text_file *t, const char *what, fb_real A[36])
-{
-  double x[36];
-  int n = 0;
-  while (text_more(t) && n < 36) {
-    x[n++] = text_number(t, what);
-  }
-  if (n != 6 && n != 21 && n != 36) {
-    text_fail(t, "%s wants 6, 21 or 36 numbers, not %d", what, n);
-    return;
-  }
-  for (int i = 0, at = 0; i < 6; i++) {
-    for (int j = 0; j < 6; j++) {
-      if (n == 36) {
-        A[6 * i + j] = (fb_real)x[6 * i + j];
-      } else if (n == 6) {
-        A[6 * i + j] = i == j ? (fb_real)x[i] : 0;
-      } else if (j >= i) {
-        A[6 * i + j] = A[6 * j + i] = (fb_real)x[at++];
-      }
-    }
-  }
-}
-
-static int read_end(text_file *t)
-{
-  static const struct {
-    const char *name;
-    int held;
-  } ends[] = {
-      {"clamped", FB_END_CLAMPED}, {"pinned", FB_END_PINNED}, {"guided", FB_END_GUIDED}, {"sliding", FB_END_SLIDING},
-      {"free", FB_END_FREE},       {"x", FB_HOLD_X},          {"y", FB_HOLD_Y},          {"z", FB_HOLD_Z},
-      {"rx", FB_HOLD_RX},          {"ry", FB_HOLD_RY},        {"rz", FB_HOLD_RZ}};
-  int held = 0;
-  do {
-    const char *word = text_word(t);
-    size_t k = 0;
-    while (word && k < sizeof ends / sizeof ends[0] && strcmp(word, ends[k].name) != 0) {
-      k++;
-    }
-    if (!word || k == sizeof ends / sizeof ends[0]) {
-      text_fail(t, "an end is clamped, pinned, guided, sliding, free, or some of x y z rx ry rz");
-      return 0;
-    }
-    held |= ends[k].held;
-  } while (text_more(t));
-  return held;
-}
-
-static fb_axes read_axes(text_file *t)
-{
-  const char *word = text_word(t);
-  if (word && strcmp(word, "dead") == 0) {
-    return FB_AXES_INERTIAL;
-  }
-  if (word && strcmp(word, "follower") == 0) {
-    return FB_AXES_NODE;
-  }
-  if (!word || strcmp(word, "base") != 0) {
-    text_fail(t, "axes of a load are dead, follower or base");
-  }
-  return FB_AXES_BODY;
-}
-
-static void read_force(text_file *t, fb_real force[3], fb_real torque[3])
-{
-  read_reals(t, "force x y z", force, 3);
-  if (text_more(t)) {
-    read_reals(t, "moment x y z", torque, 3);
-  }
-}
-
-/* Words of a station; 0 if it is none of them. */
-static int read_section(text_file *t, const deck *d, const char *word)
-{
-  static const char *const words[] = {"stiffness", "inertia", "mass", "twist", "curvature"};
-  fb_mixed_station *const s = &beam_desc.station[beam_desc.n_station > 0 ? beam_desc.n_station - 1 : 0];
-  int k = 0;
-  while (k < 5 && strcmp(word, words[k]) != 0) {
-    k++;
-  }
-  if (k < 5 && !d->station_open) {
-    text_fail(t, "%s belongs to a station: begin it with \"station X\"", word);
-  } else if (k == 0) {
-    read_matrix(t, word, s->stiffness);
-  } else if (k == 1) {
-    read_matrix(t, word, s->inertia);
-  } else if (k == 2) {
-    fb_section section;
-    fb_mixed_station made;
-    memset(&section, 0, sizeof section);
-    section.mass = (fb_real)text_number(t, word);
-    if (text_more(t)) {
-      section.mass_y = (fb_real)text_number(t, "y of the mass center");
-      section.mass_z = (fb_real)text_number(t, "z of the mass center");
-    }
-    if (fb_mixed_station_init(&made, &section) != FB_OK) {
-      text_fail(t, "mass is zero or more");
-    }
-    memcpy(s->inertia, made.inertia, sizeof s->inertia);
-  } else if (k == 3) {
-    s->twist = (fb_real)(text_number(t, word) * pi / 180);
-  } else if (k == 4) {
-    read_reals(t, word, s->curvature, 3);
-  }
-  return k < 5;
-}
-
-static void read_station(text_file *t, deck *d)
-{
-  if (beam_desc.n_station == FB_MAX_STATIONS) {
-    text_fail(t, "more than %d stations", FB_MAX_STATIONS);
-    return;
-  }
-  if (beam_desc.n_station > 0) { /* what is not given is that of the station before */
-    beam_desc.station[beam_desc.n_station] = beam_desc.station[beam_desc.n_station - 1];
-  }
-  beam_desc.station[beam_desc.n_station++].x = (fb_real)text_number(t, "x of the station");
-  d->station_open = 1;
-}
-
-static void read_lump(text_file *t, deck *d)
-{
-  fb_lump *const lump = &beam_desc.lump[d->n_lump];
-  if (d->n_lump == FB_MAX_LUMPS) {
-    text_fail(t, "more than %d lumps", FB_MAX_LUMPS);
-    return;
-  }
-  d->lump_at[d->n_lump++] = text_number(t, "x of the lump");
-  lump->mass = (fb_real)text_number(t, "mass");
-  if (text_more(t)) {
-    read_reals(t, "center x y z", lump->center, 3);
-  }
-  if (text_more(t)) {
-    read_reals(t, "inertia xx yy zz", lump->inertia, 3);
-  }
-}
-
-/* Loads, supports and lumps, which name places; 0 if it is none of them. */
-static int read_place(text_file *t, deck *d, const char *word)
-{
-  if (strcmp(word, "load") == 0) {
-    fb_load *const load = &beam_input.load[d->n_load];
-    if (d->n_load == FB_MAX_LOADS) {
-      text_fail(t, "more than %d loads", FB_MAX_LOADS);
-      return 1;
-    }
-    d->load_at[d->n_load++] = text_number(t, "x of the load");
-    load->axes = read_axes(t);
-    read_force(t, load->force, load->torque);
-  } else if (strcmp(word, "line") == 0) {
-    if (d->n_line == 64) {
-      text_fail(t, "more than 64 line loads");
-      return 1;
-    }
-    d->line[d->n_line].a = text_number(t, "begin of the line load");
-    d->line[d->n_line].b = text_number(t, "end of the line load");
-    d->line[d->n_line].load.axes = read_axes(t);
-    read_force(t, d->line[d->n_line].load.force, d->line[d->n_line].load.torque);
-    d->n_line++;
-  } else if (strcmp(word, "support") == 0) {
-    if (d->n_support == FB_MAX_LUMPS) {
-      text_fail(t, "more than %d supports", FB_MAX_LUMPS);
-      return 1;
-    }
-    d->support_at[d->n_support] = text_number(t, "x of the support");
-    beam_desc.support[d->n_support++].held = read_end(t);
-  } else if (strcmp(word, "lump") == 0) {
-    read_lump(t, d);
-  } else {
-    return 0;
-  }
-  return 1;
-}
-
-static void read_line(text_file *t, deck *d, const char *word)
-{
-  if (strcmp(word, "length") == 0) {
-    beam_desc.length = (fb_real)text_number(t, word);
-  } else if (strcmp(word, "elements") == 0) {
-    beam_desc.n_element = text_whole(t, word, 1, FB_MAX_MIXED);
-  } else if (strcmp(word, "station") == 0) {
-    read_station(t, d);
-  } else if (strcmp(word, "position") == 0) {
-    read_reals(t, word, beam_desc.position, 3);
-  } else if (strcmp(word, "attitude") == 0) {
-    fb_real turn[3] = {0, 0, 0};
-    read_reals(t, word, turn, 3);
-    for (int i = 0; i < 3; i++) {
-      turn[i] *= (fb_real)(pi / 180);
-    }
-    fb_quat_from_rotvec(beam_desc.attitude, turn);
-  } else if (strcmp(word, "root") == 0) {
-    beam_desc.root = read_end(t);
-  } else if (strcmp(word, "tip") == 0) {
-    beam_desc.tip = read_end(t);
-  } else if (strcmp(word, "gravity") == 0) {
-    read_reals(t, word, beam_desc.gravity, 3);
-  } else if (strcmp(word, "velocity") == 0) {
-    read_reals(t, word, beam_input.v, 3);
-  } else if (strcmp(word, "spin") == 0) {
-    read_reals(t, word, beam_input.w, 3);
-  } else if (strcmp(word, "modes") == 0) {
-    d->modes = text_whole(t, word, 0, FB_MIXED_MODES);
-  } else if (!read_section(t, d, word) && !read_place(t, d, word)) {
-    text_fail(t, "unknown word: %s (see --help)", word);
-  }
-  text_end_of_line(t);
-}
-
-static int nearest(text_file *t, double x, const char *what)
-{
-  const double L = (double)beam_desc.length;
-  if (!(x >= -1e-9 * L && x <= L * (1 + 1e-9))) {
-    text_fail(t, "%s at %g is not on the beam", what, x);
-    return 0;
-  }
-  return (int)lround(x / L * beam_desc.n_element);
-}
-
-/* Places to nodes, now that length and elements are known. */
-static void place(text_file *t, const deck *d)
-{
-  const int n = beam_desc.n_element;
-  t->line = 0;
-  if (!(beam_desc.length > 0)) {
-    text_fail(t, "length is missing, or not positive");
-    return;
-  }
-  if (beam_desc.n_station == 0) {
-    text_fail(t, "no station");
-    return;
-  }
-  beam_input.n_load = d->n_load;
-  beam_desc.n_support = d->n_support;
-  beam_desc.n_lump = d->n_lump;
-  for (int k = 0; k < d->n_load; k++) {
-    beam_input.load[k].node = nearest(t, d->load_at[k], "a load");
-  }
-  for (int k = 0; k < d->n_support; k++) {
-    beam_desc.support[k].node = nearest(t, d->support_at[k], "a support");
-  }
-  for (int k = 0; k < d->n_lump; k++) {
-    beam_desc.lump[k].node = nearest(t, d->lump_at[k], "a lump");
-  }
-  for (int l = 0; l < d->n_line; l++) {
-    const int a = nearest(t, d->line[l].a, "a line load"), b = nearest(t, d->line[l].b, "a line load");
-    if (a >= b) {
-      text_fail(t, "a line load from %g to %g covers no element", d->line[l].a, d->line[l].b);
-    }
-    for (int k = a; k < b && k < n; k++) {
-      fb_line_load *const line = &beam_input.line[k];
-      const fb_real *const f = line->force, *const m = line->torque;
-      const int taken = f[0] * f[0] + f[1] * f[1] + f[2] * f[2] + m[0] * m[0] + m[1] * m[1] + m[2] * m[2] > 0;
-      if (taken && line->axes != d->line[l].load.axes) {
-        text_fail(t, "line loads of different axes overlap");
-      }
-      line->axes = d->line[l].load.axes;
-      for (int i = 0; i < 3; i++) {
-        line->force[i] += d->line[l].load.force[i];
-        line->torque[i] += d->line[l].load.torque[i];
-      }
-    }
-  }
-}
-
-static int read_file(const char *name, deck *d)
-{
+  static mixed_text m;
   text_file t;
-  memset(&beam_desc, 0, sizeof beam_desc);
-  memset(&beam_input, 0, sizeof beam_input);
-  memset(d, 0, sizeof *d);
-  beam_desc.n_element = 20;
-  d->modes = 6;
+  mixed_begin(&m);
   if (!text_open(&t, PROGRAM, name)) {
     return 2;
   }
   while (text_line(&t)) {
-    const char *word = text_word(&t);
-    if (word) {
-      read_line(&t, d, word);
-    }
+    mixed_line(&t, &m, text_word(&t));
   }
+  t.line = 0; /* what is missing has no line */
   if (!t.failed) {
-    place(&t, d);
+    mixed_places(&t, &m);
   }
   text_close(&t);
+  beam_desc = m.desc;
+  beam_input = m.input;
+  *modes = m.modes;
   return t.failed ? 2 : 0;
 }
 
@@ -427,14 +138,14 @@ static int read_option(void *target, const char *name, const char *text)
 
 int main(int argc, char **argv)
 {
-  static deck d;
+  int modes = 0;
   const char *out = NULL;
   fb_status status;
   if (argc < 2 || strcmp(argv[1], "--help") == 0) {
     fputs(help, argc < 2 ? stderr : stdout);
     return argc < 2 ? 2 : 0;
   }
-  if (read_all(argc - 1, argv + 1, help, read_option, &out) != 0 || read_file(argv[1], &d) != 0) {
+  if (read_all(argc - 1, argv + 1, help, read_option, &out) != 0 || read_file(argv[1], &modes) != 0) {
     return 2;
   }
   status = beam_start();
@@ -445,7 +156,7 @@ int main(int argc, char **argv)
   status = beam_settle();
   if (status == FB_OK) {
     tell_state();
-    status = d.modes > 0 ? tell_modes(d.modes) : FB_OK;
+    status = modes > 0 ? tell_modes(modes) : FB_OK;
     if (status != FB_OK) {
       fprintf(stderr, "beam3d: modes: %s\n", fb_status_string(status));
       return 1;

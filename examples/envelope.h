@@ -2,6 +2,7 @@
    can run. Include flexbeam.h and model.h first. */
 #ifndef ENVELOPE_H
 #define ENVELOPE_H
+#include "stepper.h"
 #include <math.h>
 #include <string.h>
 
@@ -131,34 +132,12 @@ static fb_status scene_start(fb_state *state, const fb_body *body, const scene *
   return status ? status : fb_state_from_velocity(body, state, still, held ? input->w : spin, NULL);
 }
 
-typedef struct scene_stepper {
-  fb_scheme scheme;
-  fb_exponential exponential;
-  fb_rk4_work rk4;
-  fb_implicit_work implicit;
-  fb_exponential_work scratch;
-} scene_stepper;
-
-static fb_status scene_step(scene_stepper *s, const fb_body *body, fb_state *state, const fb_input *at, fb_real dt)
-{
-  switch (s->scheme) {
-  case FB_SCHEME_MIDPOINT:
-    return fb_midpoint_step(body, state, &s->implicit, at + 1, dt, 0);
-  case FB_SCHEME_SDIRK:
-    return fb_sdirk_step(body, state, &s->implicit, at, at + 2, dt, 0);
-  case FB_SCHEME_EXPONENTIAL:
-    return fb_exponential_step(body, &s->exponential, state, &s->scratch, at, at + 1, at + 2);
-  default:
-    return fb_rk4_step(body, state, &s->rk4, at, at + 1, at + 2, dt);
-  }
-}
-
 /* Runs a body with `steps` steps between samples; each goes to `note`. */
 static fb_status
 scene_run(const scene *s, const fb_body *body, fb_scheme scheme, int steps,
           fb_status (*note)(void *user, const fb_body *body, const fb_state *state, const fb_input *input), void *user)
 {
-  static scene_stepper stepper;
+  static stepper by;
   static fb_body_work work;
   static fb_input at[3];
   fb_state state;
@@ -168,15 +147,12 @@ scene_run(const scene *s, const fb_body *body, fb_scheme scheme, int steps,
   memset(at, 0, sizeof at);
   scene_input(&at[2], &base, s, 0);
   status = scene_start(&state, body, s, &at[2]);
-  stepper.scheme = scheme;
-  if (status == FB_OK && scheme == FB_SCHEME_EXPONENTIAL) {
-    status = fb_exponential_init(&stepper.exponential, &work, body, (fb_real)dt);
-  }
+  status = status ? status : stepper_init(&by, &work, body, scheme, dt);
   for (int k = 0; k < s->n_sample * steps && status == FB_OK; k++) {
     at[0] = at[2];
     scene_input(&at[1], &base, s, (k + 0.5) * dt);
     scene_input(&at[2], &base, s, (k + 1) * dt);
-    status = scene_step(&stepper, body, &state, at, (fb_real)dt);
+    status = stepper_step(&by, body, &state, at, (fb_real)dt);
     if ((k + 1) % steps == 0) {
       status = status ? status : note(user, body, &state, &at[2]);
     }

@@ -7,8 +7,12 @@
 #define MODEL_WORDS 24
 #define MODEL_NODES 4096 /* of a finite-element component */
 
+typedef enum model_kind { MODEL_BEAM, MODEL_COMPONENT, MODEL_RIGID } model_kind;
+static const char *const model_kinds[] = {"beam", "component", "rigid", NULL};
+
 typedef struct model_node {
   int id, marked;
+  char name[TEXT_NAME];
   double x[3], mass, inertia[6];
   double shape[6 * FB_MAX_MODES]; /* displacement and rotation by mode */
   int have[FB_MAX_MODES];
@@ -16,7 +20,7 @@ typedef struct model_node {
 
 static struct model {
   char name[64];
-  int component; /* nodes and shapes of a finite-element program, or a beam */
+  model_kind kind; /* a beam, nodes and shapes of a finite-element program, or a rigid body: its hub */
   double hub_mass, hub_center[3], hub_inertia[6];
   fb_beam_desc beam;
   fb_modes_desc modes;
@@ -25,7 +29,8 @@ static struct model {
   int hub, has_elements, has_modes, n_damping, n_mark;
   char seen[MODEL_WORDS][24]; /* words that may be there once */
   int n_seen;
-  double mark[FB_MAX_NODES];
+  double mark[FB_MAX_NODES], place[FB_MAX_NODES][3]; /* nodes of a beam, of a rigid body */
+  char node_name[FB_MAX_NODES][TEXT_NAME];           /* of all nodes, once built; empty: none */
   int n_mode, n_node, n_pair;
   double frequency[FB_MAX_MODES];
   model_node node[MODEL_NODES];
@@ -44,15 +49,6 @@ static fb_body_work model_body_work;
 
 static const double model_pi = 3.14159265358979324;
 
-static void model_reals(text_file *t, const char *what, fb_real *x, int n)
-{
-  double value[16] = {0};
-  text_vector(t, what, value, n);
-  for (int i = 0; i < n; i++) {
-    x[i] = (fb_real)value[i];
-  }
-}
-
 /* Inertia: xx yy zz, and xy xz yz if the line goes on. */
 static void model_inertia(text_file *t, double inertia[6])
 {
@@ -61,23 +57,6 @@ static void model_inertia(text_file *t, double inertia[6])
   if (text_more(t)) {
     text_vector(t, "inertia xy xz yz", inertia + 3, 3);
   }
-}
-
-/* Index of the next word in a list that ends with NULL; complains with the list. */
-static int model_choice(text_file *t, const char *what, const char *const *list)
-{
-  const char *word = text_word(t);
-  char all[256] = "";
-  for (int k = 0; list[k]; k++) {
-    if (word && strcmp(word, list[k]) == 0) {
-      return k;
-    }
-    if (strlen(all) + strlen(list[k]) + 2 < sizeof all) {
-      strcat(strcat(all, " "), list[k]);
-    }
-  }
-  text_fail(t, "%s must be one of%s, is %s", what, all, word ? word : "missing");
-  return 0;
 }
 
 static void model_effects(text_file *t)
@@ -92,6 +71,7 @@ static void model_effects(text_file *t)
                                      "acceleration_stiffening",
                                      "damping",
                                      "gravity",
+                                     "strain",
                                      NULL};
   static const unsigned mask[] = {FB_EFFECTS_RIGID,
                                   FB_EFFECTS_LINEAR,
@@ -102,10 +82,11 @@ static void model_effects(text_file *t)
                                   FB_EFFECT_ELASTIC | FB_EFFECT_SPIN_STIFFENING,
                                   FB_EFFECT_ELASTIC | FB_EFFECT_ACCELERATION_STIFFENING,
                                   FB_EFFECT_DAMPING,
-                                  FB_EFFECT_GRAVITY};
+                                  FB_EFFECT_GRAVITY,
+                                  FB_EFFECTS_STRAIN};
   model.level.effects = 0;
   do {
-    model.level.effects |= mask[model_choice(t, "an effect", name)];
+    model.level.effects |= mask[text_choice(t, "an effect", name)];
   } while (text_more(t));
 }
 
@@ -123,7 +104,7 @@ static int model_is_name(const char *name)
     }
   }
   return strlen(name) < sizeof model.name && (isalpha((unsigned char)name[0]) || name[0] == '_') &&
-         !name[strspn(name, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_")];
+         !name[strspn(name, TEXT_NAME_CHARACTERS)];
 }
 
 /* Words that every model may have; 0 if word is none of them. */
@@ -146,11 +127,11 @@ static int model_common(text_file *t, const char *word)
     text_vector(t, "hub mass center", model.hub_center, 3);
     model_inertia(t, model.hub_inertia);
   } else if (strcmp(word, "base") == 0) {
-    model.level.base = (fb_base)model_choice(t, "base", bases);
+    model.level.base = (fb_base)text_choice(t, "base", bases);
   } else if (strcmp(word, "effects") == 0) {
     model_effects(t);
   } else if (strcmp(word, "gravity") == 0) {
-    model_reals(t, "gravity", model.level.gravity, 3);
+    text_reals(t, "gravity", model.level.gravity, 3);
   } else if (strcmp(word, "deflection_limit") == 0) {
     model.level.deflection_limit = (fb_real)text_number(t, "deflection_limit");
   } else if (strcmp(word, "damping") == 0) {
@@ -209,7 +190,7 @@ static void model_stations(text_file *t)
   int column[COLUMNS], there[COLUMNS] = {0}, n = 0;
   fb_beam_desc *beam = &model.beam;
   do {
-    const int k = model_choice(t, "a column", name);
+    const int k = text_choice(t, "a column", name);
     if (there[k]++) {
       text_fail(t, "the column %s is there twice", name[k]);
       return;
@@ -260,10 +241,10 @@ static void model_taper(text_file *t)
   fb_material material;
   int n;
   fb_status status;
-  end[0].kind = end[1].kind = (fb_profile_kind)model_choice(t, "taper", kinds);
+  end[0].kind = end[1].kind = (fb_profile_kind)text_choice(t, "taper", kinds);
   for (int k = 0; k < 2; k++) {
     end[k].x = (fb_real)text_number(t, "x");
-    model_reals(t, "size", end[k].size, 2);
+    text_reals(t, "size", end[k].size, 2);
   }
   n = text_whole(t, "number of stations", 2, FB_MAX_STATIONS);
   material.E = (fb_real)text_number(t, "E");
@@ -284,7 +265,7 @@ static void model_modes_line(text_file *t)
   int total = 0;
   model.has_modes = 1;
   do {
-    const int k = model_choice(t, "modes", name);
+    const int k = text_choice(t, "modes", name);
     if (k < 4) {
       model.modes.count[k] = text_whole(t, name[k], 0, FB_MAX_MODES);
       total += model.modes.count[k];
@@ -301,10 +282,25 @@ static void model_modes_line(text_file *t)
   }
 }
 
+/* The node that was read is one more, and may have a name. */
+static void model_node_name(text_file *t)
+{
+  model.n_mark++;
+  if (text_more(t)) {
+    text_name(t, "a node", model.node_name[model.n_mark]);
+  }
+  for (int k = 1; k < model.n_mark && model.node_name[model.n_mark][0]; k++) {
+    if (strcmp(model.node_name[k], model.node_name[model.n_mark]) == 0) {
+      text_fail(t, "two nodes have the name %s", model.node_name[k]);
+    }
+  }
+}
+
 static void model_beam_line(text_file *t, const char *word)
 {
   static const char *const roots[] = {"clamped", "pinned", "free", NULL};
   static const char *const axes[] = {"x", "y", "z", "rx", "ry", "rz", NULL};
+  static const char *const free_root[] = {"root_strain", NULL};
   fb_beam_desc *beam = &model.beam;
   if (strcmp(word, "stations") == 0) {
     model_stations(t);
@@ -323,17 +319,17 @@ static void model_beam_line(text_file *t, const char *word)
     beam->n_element = text_whole(t, word, 1, FB_MAX_ELEMENTS);
     model.has_elements = 1;
   } else if (strcmp(word, "root") == 0) {
-    beam->root = (fb_root)model_choice(t, word, roots);
+    beam->root = (fb_root)text_choice(t, word, roots);
   } else if (strcmp(word, "position") == 0) {
-    model_reals(t, word, beam->position, 3);
+    text_reals(t, word, beam->position, 3);
   } else if (strcmp(word, "attitude") == 0) {
-    model_reals(t, word, beam->attitude, 4);
+    text_reals(t, word, beam->attitude, 4);
   } else if (strcmp(word, "point") == 0) {
     if (beam->n_point == FB_MAX_ELEMENTS + 1) {
       text_fail(t, "more than %d points", FB_MAX_ELEMENTS + 1);
       return;
     }
-    model_reals(t, word, beam->point[beam->n_point++], 3);
+    text_reals(t, word, beam->point[beam->n_point++], 3);
   } else if (strcmp(word, "lump") == 0) {
     fb_lump *lump = &beam->lump[beam->n_lump];
     double inertia[6];
@@ -343,7 +339,7 @@ static void model_beam_line(text_file *t, const char *word)
     }
     lump->node = text_whole(t, "element node", 0, FB_MAX_ELEMENTS);
     lump->mass = (fb_real)text_number(t, "mass");
-    model_reals(t, "mass center", lump->center, 3);
+    text_reals(t, "mass center", lump->center, 3);
     model_inertia(t, inertia);
     for (int i = 0; i < 6; i++) {
       lump->inertia[i] = (fb_real)inertia[i];
@@ -351,6 +347,18 @@ static void model_beam_line(text_file *t, const char *word)
     beam->n_lump++;
   } else if (strcmp(word, "modes") == 0) {
     model_modes_line(t);
+  } else if (strcmp(word, "functions") == 0) {
+    model.modes.basis = FB_BASIS_FUNCTIONS;
+    model.modes.degree = text_whole(t, "degree", 3, 8);
+    model.modes.root_strain = text_more(t) ? 1 + text_choice(t, "after the degree", free_root) : 0;
+  } else if (strcmp(word, "boundary") == 0) {
+    if (model.modes.n_boundary == FB_MAX_COORDINATES) {
+      text_fail(t, "more than %d boundary coordinates", FB_MAX_COORDINATES);
+      return;
+    }
+    model.modes.basis = FB_BASIS_COMPONENT;
+    model.modes.boundary[model.modes.n_boundary].node = text_whole(t, "element node", 0, FB_MAX_ELEMENTS);
+    model.modes.boundary[model.modes.n_boundary++].axis = text_choice(t, "axis", axes);
   } else if (strcmp(word, "spin") == 0) {
     model.modes.spin = (fb_real)text_number(t, "spin");
     model.modes.spin_radius = (fb_real)text_number(t, "radius");
@@ -365,7 +373,7 @@ static void model_beam_line(text_file *t, const char *word)
       return;
     }
     model.modes.load[model.modes.n_load].node = text_whole(t, "element node", 0, FB_MAX_ELEMENTS);
-    model.modes.load[model.modes.n_load++].axis = model_choice(t, "axis", axes);
+    model.modes.load[model.modes.n_load++].axis = text_choice(t, "axis", axes);
   } else if (strcmp(word, "node") == 0) {
     if (model.n_mark == FB_MAX_NODES - 1) {
       text_fail(t, "more than %d nodes", FB_MAX_NODES - 1);
@@ -373,13 +381,14 @@ static void model_beam_line(text_file *t, const char *word)
     }
     if (strncmp(t->at + strspn(t->at, " "), "tip", 3) == 0) {
       (void)text_word(t);
-      model.mark[model.n_mark++] = -1;
+      model.mark[model.n_mark] = -1;
     } else {
-      model.mark[model.n_mark++] = text_number(t, "the node's place");
-      if (!t->failed && model.mark[model.n_mark - 1] < 0) {
+      model.mark[model.n_mark] = text_number(t, "the node's place");
+      if (!t->failed && model.mark[model.n_mark] < 0) {
         text_fail(t, "the node's place is negative");
       }
     }
+    model_node_name(t);
   } else {
     text_fail(t, "no such word for a beam: %s", word);
     return;
@@ -445,7 +454,11 @@ static void model_component_line(text_file *t, const char *word)
     }
     text_vector(t, "displacement, rotation", node->shape + 6 * mode, 6);
   } else if (strcmp(word, "mark") == 0) {
-    model_find(t)->marked = 1;
+    model_node *node = model_find(t);
+    node->marked = 1;
+    if (text_more(t)) {
+      text_name(t, "a node", node->name);
+    }
   } else if (strcmp(word, "quadratic") == 0) {
     if (model.n_mode == 0 || model.n_pair == FB_MAX_MODES * (FB_MAX_MODES + 1) / 2) {
       text_fail(t, model.n_mode ? "more pairs than there are" : "modes must come before");
@@ -466,6 +479,19 @@ static void model_component_line(text_file *t, const char *word)
   } else {
     text_fail(t, "no such word for a component: %s", word);
     return;
+  }
+  text_end_of_line(t);
+}
+
+static void model_rigid_line(text_file *t, const char *word)
+{
+  if (strcmp(word, "node") != 0) {
+    text_fail(t, "no such word for a rigid body: %s", word);
+  } else if (model.n_mark == FB_MAX_NODES - 1) {
+    text_fail(t, "more than %d nodes", FB_MAX_NODES - 1);
+  } else {
+    text_vector(t, "the node's place", model.place[model.n_mark], 3);
+    model_node_name(t);
   }
   text_end_of_line(t);
 }
@@ -573,7 +599,8 @@ static void model_beam_check(text_file *t)
 /* Refuses a word that was there before, but for those of which there may be many. */
 static void model_once(text_file *t, const char *word)
 {
-  static const char *const many[] = {"point", "lump", "load", "node", "taper", "shape", "mark", "quadratic"};
+  static const char *const many[] = {"point", "lump", "load",      "node",    "taper",
+                                     "shape", "mark", "quadratic", "boundary"};
   for (int k = 0; k < (int)(sizeof many / sizeof many[0]); k++) {
     if (strcmp(word, many[k]) == 0) {
       return;
@@ -589,45 +616,61 @@ static void model_once(text_file *t, const char *word)
   }
 }
 
-/* Reads a description; 0 when something is wrong, which has then been said. */
-static int model_read(const char *program, const char *file)
+/* Of a body of that kind nothing is known yet. */
+static void model_begin(model_kind kind)
 {
-  static const char *const kinds[] = {"beam", "component", NULL};
-  text_file t;
   memset(&model, 0, sizeof model);
   strcpy(model.name, "flexible_body");
-  model.level.effects = FB_EFFECTS_FULL;
+  model.kind = kind;
+  model.level.effects = kind == MODEL_RIGID ? FB_EFFECTS_RIGID : FB_EFFECTS_FULL;
   model.beam.n_element = FB_MAX_ELEMENTS / 2;
+}
+
+/* A line that begins with that word. */
+static void model_line(text_file *t, const char *word)
+{
+  static void (*const line[])(text_file * t, const char *word) = {model_beam_line, model_component_line,
+                                                                  model_rigid_line};
+  model_once(t, word);
+  if (!model_common(t, word)) {
+    line[model.kind](t, word);
+  }
+}
+
+/* What only the whole description tells. */
+static void model_check(text_file *t)
+{
+  model_effects_check(t);
+  if (!t->failed && model.kind == MODEL_BEAM) {
+    model_beam_check(t);
+  } else if (!t->failed && model.kind == MODEL_COMPONENT) {
+    model_component_check(t);
+  }
+}
+
+/* The lines of a file. */
+static void model_lines(text_file *t)
+{
+  if (!text_line(t)) {
+    text_fail(t, "is empty");
+  }
+  model_begin((model_kind)text_choice(t, "the first word", model_kinds));
+  text_end_of_line(t);
+  while (text_line(t)) {
+    model_line(t, text_word(t));
+  }
+}
+
+/* Reads a description; 0 when something is wrong, which has then been said. */
+static inline int model_read(const char *program, const char *file)
+{
+  text_file t;
   if (!text_open(&t, program, file)) {
     return 0;
   }
-  if (!text_line(&t)) {
-    text_fail(&t, "is empty");
-  }
-  model.component = model_choice(&t, "the first word", kinds);
-  text_end_of_line(&t);
-  while (text_line(&t)) {
-    const char *word = text_word(&t);
-    model_once(&t, word);
-    if (!model_common(&t, word)) {
-      if (model.component) {
-        model_component_line(&t, word);
-      } else {
-        model_beam_line(&t, word);
-      }
-    }
-  }
+  model_lines(&t);
   t.line = 0; /* what is missing has no line */
-  if (!t.failed) {
-    model_effects_check(&t);
-  }
-  if (!t.failed) {
-    if (model.component) {
-      model_component_check(&t);
-    } else {
-      model_beam_check(&t);
-    }
-  }
+  model_check(&t);
   text_close(&t);
   return !t.failed;
 }
@@ -657,6 +700,9 @@ static fb_status model_component_shape(const char **what)
       if (status == FB_OK && pass && node->marked) {
         int at;
         status = fb_shape_add_node(&model_shape, &at, r, psi, theta);
+        if (status == FB_OK) {
+          strcpy(model.node_name[at], node->name);
+        }
       }
     }
     for (int a = 0; a < model.n_mode && status == FB_OK; a++) {
@@ -692,6 +738,12 @@ static fb_status model_beam_shape(const char **what)
   *what = status == FB_OK ? "its integrals" : *what;
   status = status ? status : fb_shape_init(&model_shape, model_modes.n);
   status = status ? status : fb_shape_add_beam(&model_shape, 0, &model_beam, &model_modes);
+#if FB_WITH_NONLINEAR_STRAIN
+  if (status == FB_OK && (model.level.effects & FB_EFFECT_NONLINEAR_STRAIN)) {
+    *what = "its strain stations (they want EA, and `functions` with as many axial modes as bending ones)";
+    status = fb_shape_add_beam_strain(&model_shape, 0, &model_beam, &model_modes);
+  }
+#endif
   for (int k = 0; k < model.n_mark && status == FB_OK; k++) {
     *what = "a node";
     status = fb_shape_add_beam_node(&model_shape, &at, 0, &model_beam, &model_modes, (fb_real)model.mark[k]);
@@ -699,13 +751,28 @@ static fb_status model_beam_shape(const char **what)
   return status;
 }
 
-/* Builds the body of what was read; on failure *what says at which part. */
-static fb_status model_build(const char **what)
+/* A body without modes; its nodes are held to its frame. */
+static fb_status model_rigid_shape(const char **what)
 {
+  fb_status status = fb_shape_init(&model_shape, 0);
+  *what = "a node";
+  for (int k = 0; k < model.n_mark && status == FB_OK; k++) {
+    const fb_real none[3] = {0},
+                  r[3] = {(fb_real)model.place[k][0], (fb_real)model.place[k][1], (fb_real)model.place[k][2]};
+    int at;
+    status = fb_shape_add_node(&model_shape, &at, r, none, none);
+  }
+  return status;
+}
+
+/* Builds the shape of what was read; on failure *what says at which part. */
+static fb_status model_build_shape(const char **what)
+{
+  static fb_status (*const shape[])(const char **what) = {model_beam_shape, model_component_shape, model_rigid_shape};
   fb_status status;
   fb_real center[3], inertia[6];
   *what = "the component";
-  status = model.component ? model_component_shape(what) : model_beam_shape(what);
+  status = shape[model.kind](what);
   for (int i = 0; i < 6; i++) {
     center[i % 3] = (fb_real)model.hub_center[i % 3];
     inertia[i] = (fb_real)model.hub_inertia[i];
@@ -722,6 +789,13 @@ static fb_status model_build(const char **what)
     *what = "no mode is left";
     return FB_ERR_KIND;
   }
+  return status;
+}
+
+/* Builds the body of it. */
+static inline fb_status model_build(const char **what)
+{
+  const fb_status status = model_build_shape(what);
   *what = status == FB_OK ? "the body" : *what;
   return status ? status : fb_body_init(&model_body, &model_body_work, &model_shape, &model.level);
 }

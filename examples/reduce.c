@@ -40,7 +40,7 @@ static void summarize(const char *file)
     fprintf(stderr,
             "  (Ritz modes shaped for the spin: frequencies at rest, the higher ones not those of modes at rest)\n");
   }
-  if (model.component) {
+  if (model.kind == MODEL_COMPONENT) {
     double largest = 0;
     for (int a = 0; a < model_body.n; a++) {
       for (int b = 0; b < a; b++) {

@@ -205,7 +205,7 @@ static int check_options(const options *o)
        "--torque-form wants --form first and --elements"},
       {o->torque_form != NOT_GIVEN && !torque,
        "--torque-form turns a hinged beam, a prescribed hub does not feel it: add --drive torque"},
-      {o->scheme != NOT_GIVEN && schemes[o->scheme].step == step_exponential && o->form != NOT_GIVEN &&
+      {o->scheme != NOT_GIVEN && o->scheme == FB_SCHEME_EXPONENTIAL && o->form != NOT_GIVEN &&
            o->form != FB_FORM_MOMENTUM,
        "--scheme exponential is for --form momentum"},
       {!torque && !isnan(o->torque), "--torque wants --drive torque; the hub has --spin"},

@@ -10,6 +10,7 @@
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
 #include "options.h"
+#include "stepper.h"
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -68,54 +69,19 @@ static int read_whole(int *n, const char *name, const char *text, int least, int
   return 0;
 }
 
-/* ---- the schemes: one row each */
-
-typedef union scheme_work {
-  fb_rk4_work rk4;
-  fb_implicit_work implicit;
-  struct {
-    fb_exponential scheme;
-    fb_exponential_work work;
-  } exponential;
-} scheme_work;
-
-static fb_status step_rk4(const fb_body *body, fb_state *state, scheme_work *work, const fb_input input[3], fb_real dt)
-{
-  return fb_rk4_step(body, state, &work->rk4, &input[0], &input[1], &input[2], dt);
-}
-
-static fb_status step_midpoint(const fb_body *body, fb_state *state, scheme_work *work, const fb_input input[3],
-                               fb_real dt)
-{
-  return fb_midpoint_step(body, state, &work->implicit, &input[1], dt, 0);
-}
-
-static fb_status step_sdirk(const fb_body *body, fb_state *state, scheme_work *work, const fb_input input[3],
-                            fb_real dt)
-{
-  return fb_sdirk_step(body, state, &work->implicit, &input[0], &input[2], dt, 0);
-}
-
-static fb_status step_exponential(const fb_body *body, fb_state *state, scheme_work *work, const fb_input input[3],
-                                  fb_real dt)
-{
-  (void)dt; /* it is prepared for it */
-  return fb_exponential_step(body, &work->exponential.scheme, state, &work->exponential.work, &input[0], &input[1],
-                             &input[2]);
-}
+/* ---- the schemes: one row each, in the order of fb_scheme */
 
 typedef struct scheme {
   const char *name;
   double dt; /* [s] where none is asked for, unless the limit is shorter */
-  fb_status (*step)(const fb_body *body, fb_state *state, scheme_work *work, const fb_input input[3], fb_real dt);
   fb_real (*limit)(const fb_body *body, fb_real spin, fb_real acceleration);
 } scheme;
 
 static const scheme schemes[] = {
-    {"rk4", 0.001, step_rk4, fb_rk4_limit},
-    {"midpoint", 0.005, step_midpoint, fb_implicit_limit},
-    {"sdirk", 0.005, step_sdirk, fb_implicit_limit},
-    {"exponential", 0.005, step_exponential, fb_exponential_limit},
+    {"rk4", 0.001, fb_rk4_limit},
+    {"midpoint", 0.005, fb_implicit_limit},
+    {"sdirk", 0.005, fb_implicit_limit},
+    {"exponential", 0.005, fb_exponential_limit},
 };
 #define SCHEMES ((int)(sizeof schemes / sizeof schemes[0]))
 
@@ -308,20 +274,18 @@ static void run(history *h, const scene *s, long stride)
 {
   const long steps = steps_of(s);
   const double dt = s->t_end / (double)steps;
-  static scheme_work work;
+  static stepper by;
   double sum = 0, g_dot;
   long k;
   fb_state state;
   fb_input input[3];
   power start, end;
   clock_t begin;
-  if (schemes[s->scheme].step == step_exponential) {
-    h->status = fb_exponential_init(&work.exponential.scheme, &model.body_work, &model.body, (fb_real)dt);
-    if (h->status != FB_OK) {
-      h->rows = 0;
-      h->t_stop = 0;
-      return;
-    }
+  h->status = stepper_init(&by, &model.body_work, &model.body, (fb_scheme)s->scheme, dt);
+  if (h->status != FB_OK) {
+    h->rows = 0;
+    h->t_stop = 0;
+    return;
   }
   begin = clock();
   memset(input, 0, sizeof input);
@@ -343,7 +307,7 @@ static void run(history *h, const scene *s, long stride)
     }
     (void)drive(&input[1], s, middle, middle);
     g_dot = drive(&input[2], s, t + dt, middle);
-    h->status = schemes[s->scheme].step(&model.body, &state, &work, input, (fb_real)dt);
+    h->status = stepper_step(&by, &model.body, &state, input, (fb_real)dt);
     if (h->status != FB_OK) {
       h->t_stop = t;
       break;

@@ -1,5 +1,5 @@
 /* text.h - reads text files word by word; every complaint names file and line. Comments run from # to the end of a
-   line, commas count as blanks. */
+   line, commas count as blanks. Where names are given, $NAME stands for a number, also in products such as -2*$NAME. */
 #ifndef TEXT_H
 #define TEXT_H
 #include <ctype.h>
@@ -10,43 +10,70 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define TEXT_MESSAGE 768 /* characters of a complaint */
+#define TEXT_NAME 32     /* of a name, which holds: */
+#define TEXT_NAME_CHARACTERS "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_"
+
+typedef struct text_named { /* a number with a name */
+  char name[TEXT_NAME];
+  double value;
+} text_named;
+
 typedef struct text_file {
   FILE *file;
   const char *program, *name;
   int line, failed;
   char buffer[2048], *at; /* what is left of the line */
+  char *message;          /* TEXT_MESSAGE characters for a complaint; NULL: it goes to stderr */
+  const text_named *named;
+  int n_named;
 } text_file;
 
 /* Says what is wrong, once; the reader then finds no more words. */
 static inline void text_fail(text_file *t, const char *format, ...)
 {
+  char message[TEXT_MESSAGE];
+  int n;
   va_list list;
   if (!t->failed) {
-    fprintf(stderr, "%s: %s", t->program, t->name);
-    if (t->line > 0) {
-      fprintf(stderr, ":%d", t->line);
-    }
-    fputs(": ", stderr);
+    n = snprintf(message, sizeof message, t->line > 0 ? "%.400s:%d: " : "%.400s: ", t->name, t->line);
     va_start(list, format);
-    vfprintf(stderr, format, list);
+    vsnprintf(message + n, sizeof message - (size_t)n, format, list);
     va_end(list);
-    fputs("\n", stderr);
+    if (t->message) {
+      memcpy(t->message, message, sizeof message);
+    } else {
+      fprintf(stderr, "%s: %s\n", t->program, message);
+    }
   }
   t->failed = 1;
 }
 
-/* 0 when the file cannot be read. */
-static inline int text_open(text_file *t, const char *program, const char *name)
+/* 0 when the file cannot be read, of which nothing is said. */
+static inline int text_try(text_file *t, const char *program, const char *name)
 {
   memset(t, 0, sizeof *t);
   t->program = program;
   t->name = name;
   t->at = t->buffer;
   t->file = fopen(name, "r");
-  if (!t->file) {
+  return t->file != NULL;
+}
+
+/* 0 when the file cannot be read. */
+static inline int text_open(text_file *t, const char *program, const char *name)
+{
+  if (!text_try(t, program, name)) {
     text_fail(t, "%s", strerror(errno));
   }
   return t->file != NULL;
+}
+
+/* The name of a file that another one names, from that one's folder. */
+static inline void text_beside(char path[512], const char *from, const char *name)
+{
+  const char *const slash = strrchr(from, '/');
+  snprintf(path, 512, "%.*s%s", name[0] == '/' || !slash ? 0 : (int)(slash - from + 1), from, name);
 }
 
 static inline void text_close(text_file *t)
@@ -113,23 +140,55 @@ static inline const char *text_word(text_file *t)
   return word;
 }
 
-/* The next word as a finite number. */
+/* A factor at *at, which moves behind it: a number, $NAME or -$NAME. 0 where there is none. */
+static inline int text_factor(text_file *t, const char **at, double *x)
+{
+  const char *const start = *at, *name = start + (*start == '-');
+  char *end;
+  if (*name != '$') {
+    *x = strtod(start, &end);
+    *at = end;
+    return end != start;
+  }
+  name++;
+  *at = name + strspn(name, TEXT_NAME_CHARACTERS);
+  for (int k = 0; k < t->n_named; k++) {
+    if (strlen(t->named[k].name) == (size_t)(*at - name) &&
+        strncmp(t->named[k].name, name, strlen(t->named[k].name)) == 0) {
+      *x = *start == '-' ? -t->named[k].value : t->named[k].value;
+      return 1;
+    }
+  }
+  text_fail(t, "no parameter has the name %.*s", (int)(*at - name), name);
+  return 0;
+}
+
+/* The next word as a finite number, or a product of numbers and names. */
 static inline double text_number(text_file *t, const char *what)
 {
-  const char *word = text_word(t);
-  char *end;
-  double x;
+  const char *const word = text_word(t), *at = word;
+  double x = 0, factor;
   if (!word) {
     text_fail(t, "%s is missing", what);
     return 0;
   }
-  errno = 0;
-  x = strtod(word, &end);
-  if (*end || end == word || !isfinite(x)) {
+  if (text_factor(t, &at, &x)) {
+    while (*at == '*' || *at == '/') {
+      const int over = *at++ == '/';
+      x = !text_factor(t, &at, &factor) ? (double)NAN : over ? x / factor : x * factor;
+    }
+  }
+  if (*at || at == word || !isfinite(x)) {
     text_fail(t, "%s is not a number: %s", what, word);
     return 0;
   }
   return x;
+}
+
+/* Degrees, to radians. */
+static inline double text_degrees(text_file *t, const char *what)
+{
+  return text_number(t, what) * 3.14159265358979324 / 180;
 }
 
 /* A whole number from least to most. */
@@ -157,6 +216,49 @@ static inline void text_vector(text_file *t, const char *what, double *x, int n)
     x[i] = text_number(t, which);
   }
 }
+
+/* Index of the next word in a list that ends with NULL; complains with the list. */
+static inline int text_choice(text_file *t, const char *what, const char *const *list)
+{
+  const char *word = text_word(t);
+  char all[512] = "";
+  for (int k = 0; list[k]; k++) {
+    if (word && strcmp(word, list[k]) == 0) {
+      return k;
+    }
+    if (strlen(all) + strlen(list[k]) + 2 < sizeof all) {
+      strcat(strcat(all, " "), list[k]);
+    }
+  }
+  text_fail(t, "%s must be one of%s, is %s", what, all, word ? word : "missing");
+  return 0;
+}
+
+/* The next word as a name. */
+static inline void text_name(text_file *t, const char *what, char name[TEXT_NAME])
+{
+  const char *const word = text_word(t);
+  if (!word) {
+    text_fail(t, "the name of %s is missing", what);
+  } else if (strlen(word) >= TEXT_NAME || !(isalpha((unsigned char)word[0]) || word[0] == '_') ||
+             word[strspn(word, TEXT_NAME_CHARACTERS)]) {
+    text_fail(t, "the name of %s has letters, digits and _, %d at most and no digit first: %s", what, TEXT_NAME - 1,
+              word);
+  } else {
+    strcpy(name, word);
+  }
+}
+
+#ifdef FLEXBEAM_H
+static inline void text_reals(text_file *t, const char *what, fb_real *x, int n)
+{
+  double value[16] = {0};
+  text_vector(t, what, value, n);
+  for (int i = 0; i < n; i++) {
+    x[i] = (fb_real)value[i];
+  }
+}
+#endif
 
 static inline void text_end_of_line(text_file *t)
 {

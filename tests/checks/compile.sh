@@ -8,8 +8,8 @@ need gcc gcc
 need g++ g++
 need clang clang
 count=0
-programs=$(ls examples/*.c bench/*.c tests/hard/*.c | grep -v -e firmware.c -e target.c -e step_cost.c -e bench_peers)
-inside="bench/bench_mixed.c bench/bench_system.c bench/sizes.c examples/advise.c examples/analyse.c examples/reduce.c"
+programs=$(ls examples/*.c bench/*.c tests/hard/*.c | grep -v -e firmware.c -e target.c -e step_cost.c -e bench_peers -e campaign_mpi)
+inside="bench/bench_mixed.c bench/bench_system.c bench/sizes.c examples/advise.c examples/analyse.c examples/reduce.c examples/scene.c examples/campaign.c"
 try gcc -std=c99 -I. -o "$out/reduce" examples/reduce.c -lm
 try "$out/reduce" examples/satellite.txt --single --out "$out/satellite_rom.h"
 rom="-I$out $(grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$out/satellite_rom.h")"

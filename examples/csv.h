@@ -1,0 +1,100 @@
+/* csv.h - columns of a CSV file: # begins a line of comment, the first other line names the columns. Include text.h
+   first. */
+#ifndef CSV_H
+#define CSV_H
+
+#define CSV_LINE 16384
+
+typedef struct csv_file {
+  FILE *file;
+  int line;
+  char buffer[CSV_LINE];
+} csv_file;
+
+/* The next line that is no comment; 0 at the end. */
+static int csv_line(csv_file *f)
+{
+  while (fgets(f->buffer, (int)sizeof f->buffer, f->file)) {
+    f->line++;
+    if (f->buffer[0] != '#' && f->buffer[strspn(f->buffer, " \r\n")]) {
+      return 1;
+    }
+  }
+  return 0;
+}
+
+/* Entry k of the line, without blanks around it; NULL where there is none. */
+static const char *csv_entry(const csv_file *f, int k, char entry[64])
+{
+  const char *at = f->buffer;
+  size_t n;
+  for (int i = 0; i < k && at; i++) {
+    at = strchr(at, ',');
+    at = at ? at + 1 : NULL;
+  }
+  if (!at) {
+    return NULL;
+  }
+  at += strspn(at, " ");
+  n = strcspn(at, ",\r\n");
+  while (n > 0 && at[n - 1] == ' ') {
+    n--;
+  }
+  n = n < 63 ? n : 63;
+  memcpy(entry, at, n);
+  entry[n] = 0;
+  return entry;
+}
+
+/* Column of that name in the header line, which may have a unit behind it in brackets; -1: none. */
+static int csv_column(const csv_file *f, const char *name)
+{
+  char entry[64];
+  for (int k = 0; csv_entry(f, k, entry); k++) {
+    entry[strcspn(entry, " [")] = 0;
+    if (strcmp(entry, name) == 0) {
+      return k;
+    }
+  }
+  return -1;
+}
+
+/* Opens the file and finds its columns by name; complaints go to t. */
+static int csv_open(csv_file *f, text_file *t, const char *path, const char *const *name, int *column, int n)
+{
+  f->line = 0;
+  f->file = fopen(path, "r");
+  if (!f->file) {
+    text_fail(t, "%s: %s", path, strerror(errno));
+    return 0;
+  }
+  if (!csv_line(f)) {
+    text_fail(t, "%s is empty", path);
+  }
+  for (int k = 0; k < n; k++) {
+    column[k] = csv_column(f, name[k]);
+    if (column[k] < 0) {
+      text_fail(t, "%s has no column %s", path, name[k]);
+    }
+  }
+  return !t->failed;
+}
+
+/* The numbers of the next row; 0 at the end. */
+static int csv_row(csv_file *f, text_file *t, const char *path, double *x, const int *column, int n)
+{
+  char entry[64], *end;
+  if (!csv_line(f)) {
+    return 0;
+  }
+  for (int k = 0; k < n; k++) {
+    const char *const text = csv_entry(f, column[k], entry);
+    x[k] = text ? strtod(text, &end) : 0;
+    if (!text || end == text || *end || !isfinite(x[k])) {
+      text_fail(t, "%s:%d: column %d is not a number", path, f->line, column[k] + 1);
+      return 0;
+    }
+  }
+  return 1;
+}
+#endif

@@ -1,0 +1,146 @@
+/* scene - runs a scene from a text file: bodies, joints, loads; to CSV, pictures and an animation. README.md, "Scenes",
+   lists the words; examples/scenes/ holds scenes. Exit: 0 well, 1 the run failed, 2 bad options or file. */
+#define _POSIX_C_SOURCE 200809L /* popen, for gnuplot */
+#include "scene_run.h"
+#define PROGRAM "scene"
+#include "options.h"
+#include "plot.h"
+#include <sys/stat.h>
+
+static const char help[] =
+    "scene - runs a scene from a text file (words: README.md, \"Scenes\"; scenes: examples/scenes/)\n"
+    "usage: scene FILE [options]\n"
+    "  --set NAME=VALUE  another value of a parameter of the file; may be there many times\n"
+    "  --out FILE        outputs as CSV; curves beside it as SVG where gnuplot is there\n"
+    "  --picture FILE    SVG of a few positions over each other\n"
+    "  --animation FILE  SVG that moves, for a browser\n"
+    "  --frames FOLDER   numbered SVG files frame_0001.svg, ... (the folder is made where it is not there)\n"
+    "  --frame-count N   of frames and animation, 2 to 480 (120)\n"
+    "  --quiet           says nothing but what is missed or wrong\n"
+    "  --help            this text\n";
+
+typedef struct command {
+  scene_options options;
+  int n_set;
+  char name[SCENE_PARAMETERS][TEXT_NAME];
+  scene_setting set[SCENE_PARAMETERS];
+} command;
+
+static scene the_scene;
+
+/* NAME=VALUE */
+static int read_setting(command *c, const char *text)
+{
+  const size_t n = strcspn(text, "=");
+  char *end;
+  if (c->n_set == SCENE_PARAMETERS || n == 0 || n >= TEXT_NAME || text[n] != '=') {
+    return fail("--set wants NAME=VALUE", text);
+  }
+  memcpy(c->name[c->n_set], text, n);
+  c->set[c->n_set].name = c->name[c->n_set];
+  c->set[c->n_set].value = strtod(text + n + 1, &end);
+  if (*end || end == text + n + 1 || !isfinite(c->set[c->n_set].value)) {
+    return fail("--set wants NAME=NUMBER", text);
+  }
+  c->n_set++;
+  return 0;
+}
+
+static int read_option(void *to, const char *name, const char *text)
+{
+  command *const c = (command *)to;
+  if (strcmp(name, "--set") == 0) {
+    return read_setting(c, text);
+  }
+  if (strcmp(name, "--frame-count") == 0) {
+    double n = 0;
+    const number_option list[] = {{name, &n, 2, SCENE_FRAMES}};
+    const int status = read_number(list, 1, name, text);
+    c->options.n_frame = (int)n;
+    return status;
+  }
+  for (int k = 0; k < 4; k++) {
+    const struct {
+      const char *name, **file;
+    } files[] = {{"--out", &c->options.csv},
+                 {"--picture", &c->options.picture},
+                 {"--animation", &c->options.animation},
+                 {"--frames", &c->options.frames}};
+    if (strcmp(name, files[k].name) == 0) {
+      return read_out(files[k].file, text);
+    }
+  }
+  return NO_SUCH_OPTION;
+}
+
+/* What was measured, and how far it is from what is known. */
+static void tell(const scene *s, int quiet)
+{
+  for (int k = 0; k < s->n_measure && !quiet; k++) {
+    printf("%s = %.9g\n", s->measure[k].label, s->measured[k]);
+  }
+  for (int k = 0; k < s->n_expectation; k++) {
+    const scene_expectation *const e = &s->expectation[k];
+    const double allowed = scene_allowed(e->tolerance, e->relative, fabs(e->value));
+    if (quiet && e->difference <= allowed) {
+      continue;
+    }
+    printf("%s: %.3g from %.9g, allowed %.3g%s\n", s->measure[e->measure].label, e->difference, e->value, allowed,
+           e->difference <= allowed ? "" : "  MISSED");
+  }
+  for (int k = 0; k < s->n_reference; k++) {
+    const scene_reference *const r = &s->reference[k];
+    const double allowed = scene_allowed(r->tolerance, r->relative, r->largest);
+    if (quiet && r->compared > 0 && r->difference <= allowed) {
+      continue;
+    }
+    printf("%s: %.3g at most from %d rows of the reference, of which the largest is %.6g; allowed %.3g%s\n",
+           s->output[r->output].label, r->difference, r->compared, r->largest, allowed,
+           r->compared > 0 && r->difference <= allowed ? "" : "  MISSED");
+  }
+}
+
+/* Curves of the outputs, each against its unit's axis. */
+static void draw_curves(const scene *s, const char *csv)
+{
+  static curve curves[SCENE_OUTPUTS];
+  static char columns[SCENE_OUTPUTS][16], titles[SCENE_OUTPUTS][2 * TEXT_NAME + 8];
+  char svg[512];
+  for (int k = 0; k < s->n_output; k++) {
+    snprintf(columns[k], sizeof columns[k], "1:%d", k + 2);
+    snprintf(titles[k], sizeof titles[k], "%s [%s]", s->output[k].label, s->output[k].unit);
+    curves[k] = (curve){csv, columns[k], "with lines", titles[k]};
+  }
+  other_name(svg, sizeof svg, csv, ".svg");
+  plot(svg, "set key noenhanced\n", curves, s->n_output, stdout);
+}
+
+int main(int argc, char **argv)
+{
+  static command c;
+  scene *const s = &the_scene;
+  const int quiet = take_flag(&argc, argv, "--quiet");
+  int failed;
+  if (argc < 2 || strcmp(argv[1], "--help") == 0) {
+    fputs(help, argc < 2 ? stderr : stdout);
+    return argc < 2 ? 2 : 0;
+  }
+  if (read_all(argc - 1, argv + 1, help, read_option, &c) != 0) {
+    return 2;
+  }
+  c.options.talk = quiet ? NULL : stdout;
+  c.options.progress = quiet ? NULL : stderr;
+  if (c.options.frames && mkdir(c.options.frames, 0777) != 0 && errno != EEXIST) {
+    return fail("cannot make the folder", c.options.frames);
+  }
+  failed = scene_read(s, argv[1], c.set, c.n_set) ? 2 : scene_run(s, &c.options);
+  if (failed) {
+    fprintf(stderr, "scene: %s\n", s->message);
+    return failed;
+  }
+  tell(s, quiet);
+  if (c.options.csv && s->n_output > 0 && s->duration > 0 && !quiet) {
+    draw_curves(s, c.options.csv);
+  }
+  return s->missed > 0 ? 1 : 0;
+}

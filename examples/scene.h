@@ -1,0 +1,634 @@
+/* scene.h - a scene from a text file: bodies, joints, loads, what is to be written and measured. README.md, "Scenes",
+   lists the words. Everything is static, and may be called again and again; nothing exits or prints:
+
+     static scene s;
+     const scene_setting set[] = {{"spin", 6.0}};
+     const scene_options quiet = {0};
+     if (scene_read(&s, "scenes/spinup.txt", set, 1) != 0 || scene_run(&s, &quiet) != 0) {
+       puts(s.message); // file, line, reason
+     }
+     s.measured[k] // of s.measure[k].label, in the order of the file
+
+   scene_read is here, scene_run in scene_run.h, which includes this file. */
+#ifndef SCENE_H
+#define SCENE_H
+#include "scene_exact.h"
+#include "scene_joint.h"
+
+/* ---- bodies */
+
+/* The shape of the description that was read. */
+static void scene_build_body(text_file *t, scene *s, scene_body *body, const scene_gauge_line *gauges)
+{
+  const char *what;
+  fb_status status = model_build_shape(&what);
+  body->kind = model.kind;
+  body->level = model.level;
+  body->n_node = model_shape.n_node;
+  body->n_gauge = gauges->n;
+  memcpy(body->node_name, model.node_name, sizeof body->node_name);
+  if (status == FB_OK && body->n_node > SCENE_NODES + 1) {
+    text_fail(t, "more than %d nodes", SCENE_NODES);
+  }
+  if (gauges->n > 0 && body->kind != MODEL_BEAM) {
+    text_fail(t, "gauges are on beams");
+    return;
+  }
+  for (int k = 0; k < gauges->n && status == FB_OK; k++) {
+    what = "a gauge";
+    status = fb_gauge_init(&body->gauge[k], 0, &model_beam, &model_modes, (fb_real)gauges->x[k][0],
+                           (fb_real)gauges->x[k][1], (fb_real)gauges->x[k][2]);
+  }
+  if (status == FB_OK) {
+    status = scene_add_drawn(body);
+  }
+  if (status != FB_OK) {
+    text_fail(t, "%s: %s", what, fb_status_string(status));
+  }
+  if (fabs(s->gravity[0]) + fabs(s->gravity[1]) + fabs(s->gravity[2]) > 0) {
+    body->level.effects |= FB_EFFECT_GRAVITY;
+    for (int i = 0; i < 3; i++) {
+      body->level.gravity[i] = (fb_real)s->gravity[i];
+    }
+  }
+  body->shape = model_shape;
+  if (s->exact > 0 && !t->failed) {
+    s->is_exact = 1;
+    scene_convert_exact(t, s, body);
+  }
+}
+
+/* The lines of another file. */
+static void scene_read_model(text_file *t, const scene *s)
+{
+  char path[512];
+  text_file other;
+  const char *const name = text_word(t);
+  if (!name) {
+    text_fail(t, "the name of a file is missing");
+    return;
+  }
+  text_beside(path, s->path, name);
+  if (text_try(&other, t->program, path)) {
+    other.message = t->message;
+    other.named = t->named;
+    other.n_named = t->n_named;
+    model_lines(&other);
+  } else {
+    text_fail(t, "%s: %s", path, strerror(errno));
+  }
+  t->failed |= other.failed;
+  text_close(&other);
+}
+
+static void scene_read_model_line(text_file *t, scene *s, scene_body *body, const char *word)
+{
+  (void)s;
+  (void)body;
+  model_line(t, word);
+}
+
+static void scene_begin_exact(text_file *t, scene *s, scene_body *body)
+{
+  if (s->n_body > 0) {
+    text_fail(t, "an exact beam stands alone");
+  }
+  s->is_exact = 1;
+  body->kind = MODEL_BEAM;
+  body->n_node = 1;
+  mixed_begin(&s->mixed);
+}
+
+/* body NAME beam|component|rigid, its lines, end; or body NAME file FILE, further lines, end */
+static void scene_read_body(text_file *t, scene *s)
+{
+  static const char *const kinds[] = {"beam", "component", "rigid", "file", "exact", NULL};
+  scene_body *const body = &s->body[s->n_body];
+  scene_gauge_line gauges = {0};
+  const int begin = t->line;
+  int kind, last, ended = 0;
+  if (s->n_body == FB_MAX_BODIES) {
+    text_fail(t, "more than %d bodies", FB_MAX_BODIES);
+    return;
+  }
+  memset(body, 0, sizeof *body);
+  body->attitude[0] = 1;
+  body->line = begin;
+  text_name(t, "a body", body->name);
+  for (int k = 0; k < s->n_body; k++) {
+    if (strcmp(s->body[k].name, body->name) == 0) {
+      text_fail(t, "two bodies have the name %s", body->name);
+    }
+  }
+  kind = text_choice(t, "a body", kinds);
+  if (kind == 4) {
+    scene_begin_exact(t, s, body);
+  } else if (kind < 3) {
+    model_begin((model_kind)kind);
+  } else {
+    scene_read_model(t, s);
+    model.n_seen = 0; /* lines here may change what it says */
+  }
+  text_end_of_line(t);
+  while (!ended && text_line(t)) {
+    const char *const word = text_word(t);
+    ended = strcmp(word, "end") == 0;
+    if (strcmp(word, "gauge") == 0) {
+      scene_read_gauge(t, body, &gauges);
+    } else if (!ended && !scene_read_start(t, body, word)) {
+      (kind == 4 ? scene_read_exact_line : scene_read_model_line)(t, s, body, word);
+    }
+  }
+  if (!ended) {
+    text_fail(t, "body %s of line %d wants a line `end`", body->name, begin);
+  }
+  last = t->line;
+  t->line = begin; /* what is missing has no line of its own */
+  if (kind == 4 && gauges.n > 0) {
+    text_fail(t, "gauges are on beams of modes");
+  } else if (kind == 4) {
+    scene_place_exact(t, s, body);
+  } else {
+    model.level.effects |= body->tolerance > 0 && model.n_damping > 0 ? (unsigned)FB_EFFECT_DAMPING : 0u;
+    model_check(t);
+    if (!t->failed) {
+      scene_build_body(t, s, body, &gauges);
+    }
+  }
+  s->n_body += !t->failed;
+  t->line = last;
+}
+
+/* ---- loads and the motion of the base */
+
+/* Forces or torques with that many numbers. */
+static int scene_read_force_or_torque(text_file *t, double vector[3])
+{
+  static const char *const kinds[] = {"force", "torque", NULL};
+  const int torque = text_choice(t, "a load", kinds);
+  text_vector(t, kinds[torque], vector, 3);
+  return torque;
+}
+
+/* What follows a vector: a function, or nothing, for a constant. */
+static function scene_read_function(text_file *t, scene *s)
+{
+  function f = {FUNCTION_CONSTANT, 1, 0, 0, 0, 0, 0, 0};
+  return text_more(t) ? function_read(t, &s->tables, s->path) : f;
+}
+
+/* load BODY.NODE dead|follower|base force|torque X Y Z [FUNCTION] */
+static void scene_read_load(text_file *t, scene *s)
+{
+  static const char *const axes[] = {"dead", "follower", "base", NULL};
+  scene_load *const load = &s->load[s->n_load];
+  if (s->n_load == SCENE_LOADS) {
+    text_fail(t, "more than %d loads", SCENE_LOADS);
+    return;
+  }
+  scene_read_node(t, s, &load->body, &load->node);
+  load->axes = (fb_axes)text_choice(t, "axes of a load", axes);
+  load->torque = scene_read_force_or_torque(t, load->vector);
+  load->f = scene_read_function(t, s);
+  s->n_load++;
+}
+
+/* motion velocity|rate X Y Z [FUNCTION] */
+static void scene_read_motion(text_file *t, scene *s)
+{
+  static const char *const kinds[] = {"velocity", "rate", NULL};
+  scene_motion *const motion = &s->motion[s->n_motion];
+  if (s->n_motion == SCENE_MOTIONS) {
+    text_fail(t, "more than %d lines of motion", SCENE_MOTIONS);
+    return;
+  }
+  motion->rate = text_choice(t, "motion of the base", kinds);
+  text_vector(t, kinds[motion->rate], motion->vector, 3);
+  motion->f = scene_read_function(t, s);
+  s->n_motion++;
+}
+
+/* ---- what is wanted */
+
+static void scene_read_gauge_name(text_file *t, const scene *s, scene_output *output)
+{
+  char part[TEXT_NAME];
+  output->body = scene_read_body_name(t, s, part);
+  for (int k = 0; k < s->body[output->body].n_gauge; k++) {
+    if (strcmp(s->body[output->body].gauge_name[k], part) == 0) {
+      output->at = k;
+      return;
+    }
+  }
+  text_fail(t, "body %s has no gauge %s", s->body[output->body].name, part);
+}
+
+/* The unit in SI, m and N replaced by those of the scene. */
+static void scene_unit(const scene *s, scene_output *output, const char *unit)
+{
+  size_t n = 0;
+  output->unit[0] = 0;
+  for (const char *p = unit; *p && n + 16 < sizeof output->unit; p++) {
+    const int alone = (p == unit || !isalpha((unsigned char)p[-1])) && !isalpha((unsigned char)p[1]);
+    const char one[2] = {*p, 0}, *const length = s->length_unit, *const force = s->force_unit;
+    n += (size_t)(alone && *p == 'J'   ? sprintf(output->unit + n, "%s %s", force, length)
+                  : alone && *p == 'W' ? sprintf(output->unit + n, "%s %s/s", force, length)
+                                       : sprintf(output->unit + n, "%s",
+                                                 !alone      ? one
+                                                 : *p == 'm' ? length
+                                                 : *p == 'N' ? force
+                                                             : one));
+  }
+}
+
+/* units LENGTH FORCE: names, for headers */
+static void scene_read_units(text_file *t, scene *s)
+{
+  const char *const length = text_word(t), *const force = text_word(t);
+  if (!force || strlen(length) >= sizeof s->length_unit || strlen(force) >= sizeof s->force_unit) {
+    text_fail(t, "units wants a name for the unit of length and one for that of force, %d characters at most",
+              (int)sizeof s->length_unit - 1);
+    return;
+  }
+  if (s->n_output > 0) {
+    text_fail(t, "units must stand before the outputs");
+  }
+  strcpy(s->length_unit, length);
+  strcpy(s->force_unit, force);
+}
+
+/* Of an axis that slides. */
+static void scene_axis_unit(const scene *s, scene_output *output)
+{
+  static const char *const units[] = {"m", "m/s", "m/s^2", "N"};
+  if (scene_axis_slides(&s->joint[output->at], output->axis)) {
+    scene_unit(s, output, units[output->quantity - SCENE_COORDINATE]);
+  }
+  if (scene_axes(&s->joint[output->at]) == 6 && output->axis > 2 && output->quantity == SCENE_COORDINATE) {
+    scene_unit(s, output, "-");
+  }
+}
+
+/* output LABEL QUANTITY PLACE AXIS */
+static void scene_read_output(text_file *t, scene *s)
+{
+  const char *names[SCENE_QUANTITIES + 1] = {NULL};
+  scene_output *const output = &s->output[s->n_output];
+  char part[TEXT_NAME];
+  if (s->n_output == SCENE_OUTPUTS) {
+    text_fail(t, "more than %d outputs", SCENE_OUTPUTS);
+    return;
+  }
+  for (int k = 0; k < SCENE_QUANTITIES; k++) {
+    names[k] = scene_quantities[k].name;
+  }
+  text_name(t, "an output", output->label);
+  for (int k = 0; k < s->n_output; k++) {
+    if (strcmp(s->output[k].label, output->label) == 0) {
+      text_fail(t, "two outputs have the name %s", output->label);
+    }
+  }
+  output->quantity = (scene_quantity)text_choice(t, "an output", names);
+  if (s->is_exact ? !exact_has(output->quantity)
+                  : output->quantity == SCENE_INTERNAL_FORCE || output->quantity == SCENE_INTERNAL_MOMENT) {
+    text_fail(t, s->is_exact ? "an exact beam has no output %s" : "%s is an output of exact beams",
+              names[output->quantity]);
+  }
+  scene_unit(s, output, scene_quantities[output->quantity].unit);
+  switch (scene_quantities[output->quantity].place) {
+  case SCENE_AT_NODE:
+    scene_read_node(t, s, &output->body, &output->at);
+    break;
+  case SCENE_AT_BODY:
+    output->body = scene_read_body_name(t, s, part);
+    break;
+  case SCENE_AT_MODE:
+    output->body = scene_read_body_name(t, s, part);
+    output->at = text_whole(t, "mode", 1, s->body[output->body].shape.n) - 1;
+    break;
+  case SCENE_AT_GAUGE:
+    scene_read_gauge_name(t, s, output);
+    break;
+  case SCENE_AT_JOINT:
+    output->at = scene_joint_of(t, s);
+    break;
+  case SCENE_AT_AXIS:
+    output->at = scene_joint_of(t, s);
+    output->axis = t->failed ? 0 : scene_read_axis(t, &s->joint[output->at]);
+    scene_axis_unit(s, output);
+    break;
+  default:
+    break;
+  }
+  if (scene_quantities[output->quantity].axes[0]) {
+    output->axis = text_choice(t, "the axis", scene_quantities[output->quantity].axes);
+  }
+  s->n_output++;
+}
+
+static int scene_output_of(text_file *t, const scene *s)
+{
+  const char *const word = text_word(t);
+  for (int k = 0; k < s->n_output && word; k++) {
+    if (strcmp(s->output[k].label, word) == 0) {
+      return k;
+    }
+  }
+  text_fail(t, "no output has the name %s", word ? word : "(missing)");
+  return 0;
+}
+
+/* The next word must be this one. */
+static void scene_expect(text_file *t, const char *what)
+{
+  const char *const word = text_word(t);
+  if (!word || strcmp(word, what) != 0) {
+    text_fail(t, "expected %s, is %s", what, word ? word : "missing");
+  }
+}
+
+/* measure LABEL max|min|mean|rms|final OUTPUT [after T] */
+static void scene_read_measure(text_file *t, scene *s)
+{
+  scene_measure *const measure = &s->measure[s->n_measure];
+  if (s->n_measure == SCENE_MEASURES) {
+    text_fail(t, "more than %d measures", SCENE_MEASURES);
+    return;
+  }
+  text_name(t, "a measure", measure->label);
+  measure->kind = (scene_kind)text_choice(t, "a measure", scene_kinds);
+  if (measure->kind >= SCENE_FREQUENCY) {
+    measure->output = text_whole(t, "number of the mode", 1, FB_MAX_LINEAR) - 1;
+    s->n_measure++;
+    return;
+  }
+  measure->output = scene_output_of(t, s);
+  if (text_more(t)) {
+    scene_expect(t, "after");
+    measure->after = text_number(t, "time");
+  }
+  s->n_measure++;
+}
+
+/* X [relative], behind the word tolerance */
+static double scene_read_tolerance(text_file *t, int *relative)
+{
+  const double tolerance = text_number(t, "tolerance");
+  *relative = text_more(t);
+  if (*relative) {
+    scene_expect(t, "relative");
+  }
+  if (!t->failed && !(tolerance > 0)) {
+    text_fail(t, "a tolerance must be greater than 0");
+  }
+  return tolerance;
+}
+
+/* expect MEASURE VALUE tolerance X [relative] */
+static void scene_read_expectation(text_file *t, scene *s)
+{
+  scene_expectation *const e = &s->expectation[s->n_expectation];
+  const char *const word = text_word(t);
+  if (s->n_expectation == SCENE_MEASURES) {
+    text_fail(t, "more than %d expectations", SCENE_MEASURES);
+    return;
+  }
+  e->line = t->line;
+  while (e->measure < s->n_measure && word && strcmp(s->measure[e->measure].label, word) != 0) {
+    e->measure++;
+  }
+  if (!word || e->measure == s->n_measure) {
+    text_fail(t, "no measure has the name %s", word ? word : "(missing)");
+  }
+  e->value = text_number(t, "value");
+  scene_expect(t, "tolerance");
+  e->tolerance = scene_read_tolerance(t, &e->relative);
+  s->n_expectation++;
+}
+
+/* reference FILE TIME_COLUMN COLUMN output LABEL [factor X] [from T] [to T] tolerance X [relative] */
+static void scene_read_reference(text_file *t, scene *s)
+{
+  static const char *const words[] = {"factor", "from", "to", "tolerance", NULL};
+  scene_reference *const r = &s->reference[s->n_reference];
+  int k = 0;
+  if (s->n_reference == SCENE_OUTPUTS) {
+    text_fail(t, "more than %d references", SCENE_OUTPUTS);
+    return;
+  }
+  r->line = t->line;
+  r->factor = 1;
+  r->from = -HUGE_VAL;
+  r->to = HUGE_VAL;
+  r->table.first = s->tables.n;
+  function_read_columns(t, &r->table, &s->tables, s->path);
+  scene_expect(t, "output");
+  r->output = t->failed ? 0 : scene_output_of(t, s);
+  for (k = text_choice(t, "a reference", words); k < 3 && !t->failed; k = text_choice(t, "a reference", words)) {
+    *(k == 0 ? &r->factor : k == 1 ? &r->from : &r->to) = text_number(t, words[k]);
+  }
+  r->tolerance = scene_read_tolerance(t, &r->relative);
+  s->n_reference++;
+}
+
+/* ---- the file */
+
+static const char *const scene_schemes[] = {"rk4", "midpoint", "sdirk", "exponential", "auto", NULL};
+
+static void scene_read_step(text_file *t, scene *s)
+{
+  if (strncmp(t->at + strspn(t->at, " "), "auto", 4) == 0) {
+    (void)text_word(t);
+    return;
+  }
+  s->step = text_number(t, "step");
+  if (!t->failed && !(s->step > 0)) {
+    text_fail(t, "step must be greater than 0");
+  }
+}
+
+static double scene_read_positive(text_file *t, const char *what)
+{
+  const double x = text_number(t, what);
+  if (!t->failed && !(x > 0)) {
+    text_fail(t, "%s must be greater than 0", what);
+  }
+  return x;
+}
+
+static void scene_read_gravity(text_file *t, scene *s)
+{
+  if (s->n_body > 0) {
+    text_fail(t, "gravity must stand before the bodies");
+  }
+  text_vector(t, "gravity", s->gravity, 3);
+}
+
+/* view top|front|side|aslant|any [BODY] */
+static void scene_read_view(text_file *t, scene *s)
+{
+  static const char *const views[] = {"any", "top", "front", "side", "aslant", NULL};
+  char part[TEXT_NAME];
+  s->view = (scene_view_from)text_choice(t, "a view", views);
+  s->view_of = text_more(t) ? scene_read_body_name(t, s, part) : -1;
+}
+
+/* The rest of the line. */
+static void scene_read_title(text_file *t, scene *s)
+{
+  const char *word;
+  size_t n = 0;
+  while ((word = text_word(t)) != NULL && n < sizeof s->title) {
+    n += (size_t)snprintf(s->title + n, sizeof s->title - n, "%s%s", n ? " " : "", word);
+  }
+  if (s->title[strcspn(s->title, "<>&")]) {
+    text_fail(t, "a title has none of < > &");
+  }
+}
+
+/* Refuses a word that was there before. */
+static void scene_once(text_file *t, scene *s, const char *word)
+{
+  for (int k = 0; k < s->n_seen; k++) {
+    if (strcmp(word, s->seen[k]) == 0) {
+      text_fail(t, "%s is there twice", word);
+      return;
+    }
+  }
+  strcpy(s->seen[s->n_seen++], word);
+}
+
+static void scene_read_duration(text_file *t, scene *s)
+{
+  s->duration = scene_read_positive(t, "duration");
+}
+
+static void scene_read_interval(text_file *t, scene *s)
+{
+  s->interval = scene_read_positive(t, "interval");
+}
+
+static void scene_read_scheme(text_file *t, scene *s)
+{
+  const int k = text_choice(t, "scheme", scene_schemes);
+  s->scheme_auto = strcmp(scene_schemes[k], "auto") == 0;
+  s->scheme = s->scheme_auto ? FB_SCHEME_RK4 : (fb_scheme)k;
+}
+
+static void scene_read_trim(text_file *t, scene *s)
+{
+  (void)t;
+  s->trim = 1;
+}
+
+static void scene_read_method(text_file *t, scene *s)
+{
+  static const char *const methods[] = {"recursive", "dense", "multipliers", NULL};
+  s->method = (fb_method)text_choice(t, "method", methods);
+}
+
+static void scene_read_exact(text_file *t, scene *s)
+{
+  if (s->n_body > 0) {
+    text_fail(t, "exact must stand before the body");
+  }
+  s->exact = text_whole(t, "elements of the exact beam", 0, FB_MAX_MIXED);
+}
+
+static void scene_read_line(text_file *t, scene *s, const char *word)
+{
+  static const struct {
+    const char *word;
+    void (*read)(text_file *t, scene *s);
+    int once;
+  } lines[] = {{"title", scene_read_title, 1},        {"duration", scene_read_duration, 1},
+               {"interval", scene_read_interval, 1},  {"step", scene_read_step, 1},
+               {"scheme", scene_read_scheme, 1},      {"method", scene_read_method, 1},
+               {"gravity", scene_read_gravity, 1},    {"trim", scene_read_trim, 1},
+               {"exact", scene_read_exact, 1},        {"view", scene_read_view, 1},
+               {"units", scene_read_units, 1},        {"parameter", scene_read_parameter, 0},
+               {"body", scene_read_body, 0},          {"joint", scene_read_joint, 0},
+               {"loop", scene_read_loop, 0},          {"event", scene_read_event, 0},
+               {"load", scene_read_load, 0},          {"motion", scene_read_motion, 0},
+               {"output", scene_read_output, 0},      {"measure", scene_read_measure, 0},
+               {"expect", scene_read_expectation, 0}, {"reference", scene_read_reference, 0}};
+  int k = 0, n = (int)(sizeof lines / sizeof lines[0]);
+  while (k < n && strcmp(lines[k].word, word) != 0) {
+    k++;
+  }
+  if (k == n) {
+    text_fail(t, "no such word: %s", word);
+    return;
+  }
+  if (lines[k].once) {
+    scene_once(t, s, word);
+  }
+  lines[k].read(t, s);
+  text_end_of_line(t);
+}
+
+/* Bodies on joints; else one body alone. */
+static int scene_is_system(const scene *s)
+{
+  return s->n_body > 1 || s->n_joint > 0;
+}
+
+/* What only the whole file tells. */
+static void scene_check(text_file *t, scene *s)
+{
+  t->line = 0;
+  if (s->n_body == 0) {
+    text_fail(t, "a scene wants a body");
+  }
+  if (!(s->duration > 0) && !s->trim) {
+    text_fail(t, "a scene wants a duration, or to trim");
+  }
+  for (int k = 0; k < s->n_set; k++) {
+    int there = 0;
+    for (int i = 0; i < s->n_parameter; i++) {
+      there |= strcmp(s->set[k].name, s->parameter[i].name) == 0;
+    }
+    if (!there) {
+      text_fail(t, "no parameter has the name %s, which is to be set", s->set[k].name);
+    }
+  }
+  for (int k = 0; k < s->n_joint; k++) {
+    s->joint[k].at += s->joint[k].loop ? s->n_body : 0;
+  }
+  if (s->is_exact && scene_is_system(s)) {
+    text_fail(t, "an exact beam stands alone");
+  }
+  if (scene_is_system(s) && s->n_motion > 0) {
+    text_fail(t, "motion is that of a single body's base; prescribe a joint instead");
+  }
+  if (scene_is_system(s) && s->scheme != FB_SCHEME_RK4 && s->scheme != FB_SCHEME_SDIRK) {
+    text_fail(t, "bodies on joints take the schemes rk4 and sdirk");
+  }
+  s->interval = s->interval > 0 ? s->interval : s->duration / 1000;
+}
+
+/* 0, or 1 and the reason in s->message. */
+static int scene_read(scene *s, const char *path, const scene_setting *set, int n_set)
+{
+  text_file t;
+  memset(s, 0, sizeof *s);
+  snprintf(s->path, sizeof s->path, "%s", path);
+  s->set = set;
+  s->n_set = n_set;
+  s->scheme_auto = 1;
+  s->view_of = -1;
+  strcpy(s->length_unit, "m");
+  strcpy(s->force_unit, "N");
+  if (!text_try(&t, "scene", path)) {
+    return scene_fail(s, "%s", strerror(errno));
+  }
+  t.message = s->message;
+  while (text_line(&t)) {
+    scene_read_line(&t, s, text_word(&t));
+  }
+  scene_check(&t, s);
+  text_close(&t);
+  s->set = NULL;
+  return t.failed;
+}
+#endif

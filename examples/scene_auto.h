@@ -1,0 +1,313 @@
+/* scene_auto.h - what a scene leaves to the program: the effects and modes of its bodies by fb_body_advise, the scheme
+   and its step. What happens at most is taken from a run of rigid bodies. See scene.h. */
+#ifndef SCENE_AUTO_H
+#define SCENE_AUTO_H
+#include "scene_engine.h"
+
+static const double scene_accuracy =
+    1e-3; /* of the slowest mode at the end, where a step is chosen; exact beams: ten times */
+
+/* ---- bodies of the chosen effects and modes */
+
+static fb_status scene_init_body(const scene *s, int k, const fb_advice *advice)
+{
+  static fb_shape selected;
+  const scene_body *const b = &s->body[k];
+  fb_body_desc level = b->level;
+  fb_status status = FB_OK;
+  for (int a = 0; a < FB_MAX_MODES; a++) {
+    engine.place[k][a] = advice ? -1 : a;
+  }
+  if (advice) {
+    status = fb_shape_select(&selected, &b->shape, advice->coordinate, advice->n);
+    level.effects = advice->effects;
+    for (int a = 0; a < advice->n; a++) {
+      engine.place[k][advice->coordinate[a]] = a;
+      level.zeta[a] = b->level.zeta[advice->coordinate[a]];
+    }
+  }
+  level.allow_long_step = advice && advice->long_step;
+  if (scene_is_system(s)) {
+    level.base = FB_BASE_PRESCRIBED;
+  }
+  return status ? status : fb_body_init(&engine.body[k], &engine.body_work, advice ? &selected : &b->shape, &level);
+}
+
+/* ---- the most that happens, by rigid bodies */
+
+static struct scene_auto {
+  fb_envelope envelope[FB_MAX_BODIES];
+  fb_advice advice[FB_MAX_BODIES];
+  fb_advise_work work;
+  double spin, acceleration; /* largest of all bodies [rad/s], [m/s^2] */
+} automatic;
+
+/* x takes the value that is farther from zero. */
+static void scene_widen(fb_real *x, fb_real value)
+{
+  *x = FB_FABS(value) > FB_FABS(*x) ? value : *x;
+}
+
+static fb_status scene_build_rigid(const scene *s)
+{
+  fb_status status = FB_OK;
+  for (int k = 0; k < s->n_body && status == FB_OK; k++) {
+    fb_body_desc level = s->body[k].level;
+    level.effects &= FB_EFFECT_GRAVITY;
+    level.base = scene_is_system(s) ? FB_BASE_PRESCRIBED : level.base;
+    level.allow_long_step = 1;
+    for (int a = 0; a < FB_MAX_MODES; a++) {
+      engine.place[k][a] = -1;
+    }
+    status = fb_body_init(&engine.body[k], &engine.body_work, &s->body[k].shape, &level);
+  }
+  return status;
+}
+
+/* What a joint does to the body that carries it: minus its load on the child, in the body's axes. */
+static void scene_note_joint(const scene *s, const scene_joint *joint)
+{
+  const fb_joint_motion *const m = &engine.view.motion.joint[joint->at];
+  const int parent = joint->desc.parent;
+  fb_envelope *const e = parent == FB_GROUND ? NULL : &automatic.envelope[parent];
+  fb_real R[9];
+  int k = s->n_load; /* loads of the scene come first, then one place for each joint */
+  if (!e || s->body[parent].shape.n == 0) {
+    return;
+  }
+  while (k < e->n_load && e->load[k].node != joint->desc.parent_node) {
+    k++;
+  }
+  if (k >= FB_MAX_LOADS) {
+    return;
+  }
+  if (k == e->n_load) {
+    e->n_load++;
+    e->load[k].node = joint->desc.parent_node;
+    e->load[k].axes = FB_AXES_BODY;
+  }
+  fb_quat_to_mat33(R, engine.view.motion.pose[parent].quat);
+  for (int i = 0; i < 3; i++) {
+    fb_real force = 0, torque = 0;
+    for (int j = 0; j < 3; j++) {
+      force -= R[3 * j + i] * m->force[j];
+      torque -= R[3 * j + i] * m->torque[j];
+    }
+    scene_widen(&e->load[k].force[i], force);
+    scene_widen(&e->load[k].torque[i], torque);
+  }
+}
+
+static void scene_note_body(const scene *s, int k)
+{
+  const fb_motion *const m = &engine.view.motion.motion[k];
+  fb_envelope *const e = &automatic.envelope[k];
+  const int held = scene_is_system(s) || s->body[k].level.base == FB_BASE_PRESCRIBED;
+  fb_real R[9], across[3], size = 0, felt = 0;
+  fb_quat_to_mat33(R, engine.view.motion.pose[k].quat);
+  fb_vec3_cross(across, m->w, m->v);
+  for (int i = 0; i < 3; i++) {
+    fb_real a = held ? m->v_dot[i] + across[i] : 0;
+    for (int j = 0; j < 3; j++) {
+      a -= R[3 * j + i] * (fb_real)s->gravity[j];
+    }
+    scene_widen(&e->acceleration[i], a);
+    scene_widen(&e->spin[i], m->w[i]);
+    if (held) {
+      scene_widen(&e->velocity[i], m->v[i]);
+      scene_widen(&e->spin_rate[i], m->w_dot[i]);
+    }
+    size += m->w[i] * m->w[i];
+    felt += a * a;
+  }
+  automatic.spin = fmax(automatic.spin, sqrt((double)size));
+  automatic.acceleration = fmax(automatic.acceleration, sqrt((double)felt));
+}
+
+static void scene_note_loads(const scene *s, double t)
+{
+  for (int k = 0; k < s->n_load; k++) {
+    fb_envelope *const e = &automatic.envelope[s->load[k].body];
+    const fb_load load = scene_load_at(s, &s->load[k], t, t);
+    e->n_load = s->n_load;
+    e->load[k].node = load.node;
+    e->load[k].axes = load.axes == FB_AXES_INERTIAL ? FB_AXES_BODY : load.axes;
+    for (int i = 0; i < 3; i++) { /* a dead load may come from anywhere: it is taken as it stands at the start */
+      scene_widen(&e->load[k].force[i], load.force[i]);
+      scene_widen(&e->load[k].torque[i], load.torque[i]);
+    }
+  }
+}
+
+/* [rad/s] of what drives the scene; HUGE_VAL: a jump. */
+static double scene_frequency(const scene *s)
+{
+  double frequency = 0;
+  int starts = s->n_load > 0 || fabs(s->gravity[0]) + fabs(s->gravity[1]) + fabs(s->gravity[2]) > 0;
+  for (int k = 0; k < s->n_load; k++) {
+    frequency = fmax(frequency, function_frequency(&s->load[k].f, &s->tables));
+    starts &= s->load[k].f.kind == FUNCTION_CONSTANT;
+  }
+  for (int k = 0; k < s->n_motion; k++) {
+    frequency = fmax(frequency, function_frequency(&s->motion[k].f, &s->tables));
+  }
+  for (int k = 0; k < s->n_drive; k++) {
+    frequency = fmax(frequency, function_frequency(&s->drive[k].f, &s->tables));
+  }
+  if (starts && !s->trim) {
+    return HUGE_VAL; /* it falls onto an undeformed body */
+  }
+  return s->n_event > 0 ? HUGE_VAL : fmax(frequency, starts || scene_is_system(s) ? automatic.spin : 0);
+}
+
+/* Runs rigid bodies from row to row. */
+static fb_status scene_run_rigid(const scene *s)
+{
+  const int rows = (int)fmin(2000, ceil(s->duration / s->interval)), steps = 4;
+  const double dt = rows > 0 ? s->duration / rows / steps : 0;
+  int event = 0;
+  fb_status status = scene_build_rigid(s);
+  memset(automatic.envelope, 0, sizeof automatic.envelope);
+  automatic.spin = automatic.acceleration = 0;
+  engine.scheme = engine.by.scheme = FB_SCHEME_RK4;
+  engine.long_step = 1;
+  status = status ? status : scene_start(s);
+  for (int k = 0; k <= rows * steps && status == FB_OK; k++) {
+    if (k % steps == 0) {
+      status = scene_look(s, k * dt);
+      scene_note_loads(s, k * dt);
+      for (int b = 0; b < s->n_body && status == FB_OK; b++) {
+        scene_note_body(s, b);
+      }
+      for (int j = 0; j < s->n_joint && status == FB_OK; j++) {
+        scene_note_joint(s, &s->joint[j]);
+      }
+    }
+    status = status ? status : system_events(s, &event, k * dt);
+    if (k < rows * steps) {
+      status = status ? status : scene_step(s, k * dt, dt);
+    }
+  }
+  engine.long_step = 0;
+  return status;
+}
+
+/* ---- advice on the bodies that ask for it */
+
+static void scene_tell_advice(const scene *s, int k, FILE *talk)
+{
+  static const char *const name[FB_ADVICE_EFFECTS] = {"elastic", "spin_coupling", "residual_inertia", "spin_stiffening",
+                                                      "acceleration_stiffening"};
+  const fb_advice *const a = &automatic.advice[k];
+  fprintf(talk, "%s: %d of %d modes, effects:", s->body[k].name, a->n, s->body[k].shape.n);
+  for (int i = 0; i < FB_ADVICE_EFFECTS; i++) {
+    if (a->effects & (1u << i)) {
+      fprintf(talk, " %s", name[i]);
+    }
+  }
+  fprintf(talk, "%s%s\n  estimated error %.2g %% of %.3g m, allowed %.2g %%; by leaving out",
+          a->effects & FB_EFFECT_DAMPING ? " damping" : "", a->effects & FB_EFFECT_GRAVITY ? " gravity" : "",
+          100 * (double)a->error, (double)a->deflection, 100 * s->body[k].tolerance);
+  for (int i = 1; i < FB_ADVICE_EFFECTS; i++) {
+    fprintf(talk, "%s %s: %.2g %%", i > 1 ? "," : "", name[i], 100 * (double)a->without[i]);
+  }
+  fputs("\n", talk);
+}
+
+/* Effects and modes of body k. */
+static int scene_advise(scene *s, int k, FILE *talk)
+{
+  const scene_body *const b = &s->body[k];
+  fb_envelope *const e = &automatic.envelope[k];
+  fb_body_desc level = b->level;
+  const double frequency = scene_frequency(s);
+  fb_status status;
+  if (b->n_node < 2) {
+    return scene_fail(s, "body %s of line %d: auto wants a node, whose displacement is to be right", b->name, b->line);
+  }
+  level.effects |= FB_EFFECTS_FULL;
+  level.base = scene_is_system(s) ? FB_BASE_PRESCRIBED : level.base;
+  e->frequency = frequency < HUGE_VAL ? (fb_real)frequency : FB_HUGE;
+  e->duration = (fb_real)s->duration;
+  e->node = b->n_node - 1;
+  status = fb_body_advise(&automatic.advice[k], &automatic.work, &b->shape, &level, e, (fb_real)b->tolerance);
+  if (status != FB_OK) {
+    return scene_fail(s, "body %s of line %d: no advice: %s", b->name, b->line, fb_status_string(status));
+  }
+  if (talk) {
+    scene_tell_advice(s, k, talk);
+  }
+  return 0;
+}
+
+/* ---- scheme and step */
+
+/* Longest step [s] that the scheme takes. */
+static double scene_limit(const scene *s, fb_scheme scheme)
+{
+  const fb_real w = (fb_real)automatic.spin, a = (fb_real)automatic.acceleration;
+  if (scene_is_system(s)) {
+    return scheme == FB_SCHEME_SDIRK ? 0.1 / automatic.spin
+                                     : (double)fb_system_rk4_limit(&engine.system, engine.body, w, a);
+  }
+  return (double)(scheme == FB_SCHEME_RK4           ? fb_rk4_limit(&engine.body[0], w, a)
+                  : scheme == FB_SCHEME_EXPONENTIAL ? fb_exponential_limit(&engine.body[0], w, a)
+                                                    : fb_implicit_limit(&engine.body[0], w, a));
+}
+
+/* A step of a scheme: modes by their weight in a static deflection, (w_1/w_k)^2; a turn of the whole resolved. */
+static double scene_step_of(const scene *s, fb_scheme scheme, int has_spectrum)
+{
+  static fb_real amplitude[FB_MAX_LINEAR];
+  const double turn = (scheme == FB_SCHEME_RK4 || scheme == FB_SCHEME_EXPONENTIAL ? 0.03 : 0.01) / automatic.spin;
+  const double limit = scene_limit(s, scheme);
+  double lowest = 0, dt = fmin(fmin(s->interval, turn), 0.8 * limit);
+  for (int k = 0; k < engine.spectrum.n && has_spectrum; k++) {
+    const double w = (double)engine.spectrum.im[k];
+    lowest = lowest > 0 || !(w > 0) ? lowest : w;
+    amplitude[k] = (fb_real)(w > 0 ? lowest * lowest / (w * w) : 0);
+  }
+  if (lowest > 0 && scheme != FB_SCHEME_EXPONENTIAL) {
+    const double fits =
+        (double)fb_spectrum_step(&engine.spectrum, scheme, amplitude, (fb_real)s->duration, (fb_real)scene_accuracy);
+    return fits > 0 ? fmin(dt, fits) : dt;
+  }
+  return has_spectrum ? dt : fmin(dt, 0.2 * limit);
+}
+
+/* Scheme and step where they are not asked for. */
+static void scene_choose(scene *s, FILE *talk)
+{
+  static const double work[] = {4, 3.5, 5.5}; /* evaluations, with what a factorization takes */
+  const fb_advice *const advice = &automatic.advice[0];
+  double least = HUGE_VAL;
+  s->dt = s->step;
+  engine.scheme = s->scheme_auto ? FB_SCHEME_RK4 : s->scheme;
+  if (s->step > 0) {
+    return;
+  }
+  if (s->is_exact) {
+    s->dt = exact_choose(s, 10 * scene_accuracy);
+    return;
+  }
+  if (!scene_is_system(s) && s->body[0].tolerance > 0 && (s->scheme_auto || s->scheme == advice->scheme)) {
+    engine.scheme = advice->scheme;
+    s->dt = fmin(s->interval, (double)advice->dt);
+  } else {
+    const int has_spectrum = scene_spectrum(s) == FB_OK;
+    for (int scheme = 0; scheme < 4; scheme++) {
+      const int tried = s->scheme_auto ? scheme < 3 && (scheme != FB_SCHEME_MIDPOINT || !scene_is_system(s))
+                                       : scheme == (int)s->scheme;
+      const double dt = tried ? scene_step_of(s, (fb_scheme)scheme, has_spectrum) : 0;
+      if (tried && work[scheme % 3] / dt < least) {
+        least = work[scheme % 3] / dt;
+        engine.scheme = (fb_scheme)scheme;
+        s->dt = dt;
+      }
+    }
+  }
+  if (talk) {
+    fprintf(talk, "scheme %s, step at most %.3g s\n", scene_schemes[engine.scheme], s->dt);
+  }
+}
+#endif

@@ -1,0 +1,166 @@
+/* scene_body.h - reads names and bodies of a scene. See scene.h. */
+#ifndef SCENE_BODY_H
+#define SCENE_BODY_H
+#include "scene_parts.h"
+
+/* ---- names */
+
+/* parameter NAME VALUE [what it is] */
+static void scene_read_parameter(text_file *t, scene *s)
+{
+  text_named *const p = &s->parameter[s->n_parameter];
+  if (s->n_parameter == SCENE_PARAMETERS) {
+    text_fail(t, "more than %d parameters", SCENE_PARAMETERS);
+    return;
+  }
+  text_name(t, "a parameter", p->name);
+  for (int k = 0; k < s->n_parameter; k++) {
+    if (strcmp(s->parameter[k].name, p->name) == 0) {
+      text_fail(t, "two parameters have the name %s", p->name);
+    }
+  }
+  p->value = text_number(t, p->name);
+  for (int k = 0; k < s->n_set; k++) {
+    if (strcmp(s->set[k].name, p->name) == 0) {
+      p->value = s->set[k].value;
+    }
+  }
+  while (text_more(t)) {
+    (void)text_word(t); /* unit, meaning */
+  }
+  t->named = s->parameter;
+  t->n_named = ++s->n_parameter;
+}
+
+/* Node, or -1 after a complaint. */
+static int scene_node_of(text_file *t, const scene_body *body, const char *name)
+{
+  char *end;
+  const long number = strtol(name, &end, 10);
+  if (end != name && !*end && number >= 0 && number < body->n_node) {
+    return (int)number;
+  }
+  for (int k = 1; k < body->n_node; k++) {
+    if (strcmp(body->node_name[k], name) == 0) {
+      return k;
+    }
+  }
+  if (strcmp(name, "origin") == 0) {
+    return 0;
+  }
+  text_fail(t, "body %s has no node %s", body->name, name);
+  return -1;
+}
+
+/* BODY or BODY.PART; part: what is behind the point, empty if there is none. */
+static int scene_read_body_name(text_file *t, const scene *s, char part[TEXT_NAME])
+{
+  const char *const word = text_word(t);
+  const size_t n = word ? strcspn(word, ".") : 0;
+  part[0] = 0;
+  if (!word || strlen(word) >= TEXT_NAME) {
+    text_fail(t, word ? "a name is too long: %s" : "the name of a body is missing", word);
+    return 0;
+  }
+  strcpy(part, word[n] ? word + n + 1 : "");
+  for (int k = 0; k < s->n_body; k++) {
+    if (strlen(s->body[k].name) == n && strncmp(s->body[k].name, word, n) == 0) {
+      return k;
+    }
+  }
+  text_fail(t, "no body has the name %.*s", (int)n, word);
+  return 0;
+}
+
+/* BODY.NODE, or BODY for its origin. */
+static void scene_read_node(text_file *t, const scene *s, int *body, int *node)
+{
+  char part[TEXT_NAME];
+  *body = scene_read_body_name(t, s, part);
+  *node = t->failed || !part[0] ? 0 : scene_node_of(t, &s->body[*body], part);
+}
+
+/* W X Y Z of a quaternion, or turns about own axes one after the other, in degrees: x 90 z 30. */
+static void scene_read_attitude(text_file *t, double quat[4])
+{
+  static const char *const axes[] = {"x", "y", "z", NULL};
+  const char *const next = t->at + strspn(t->at, " ");
+  fb_real q[4] = {1, 0, 0, 0};
+  if (next[0] < 'x' || next[0] > 'z') {
+    text_vector(t, "attitude", quat, 4);
+    if (!t->failed && !(fabs(quat[0]) + fabs(quat[1]) + fabs(quat[2]) + fabs(quat[3]) > 0)) {
+      text_fail(t, "an attitude must not be zero");
+    }
+    return;
+  }
+  do {
+    fb_real turn[3] = {0, 0, 0}, by[4], before[4];
+    const int axis = text_choice(t, "axis of a turn", axes);
+    turn[axis] = (fb_real)(text_degrees(t, "degrees"));
+    fb_quat_from_rotvec(by, turn);
+    memcpy(before, q, sizeof before);
+    fb_quat_mul(q, before, by);
+  } while (text_more(t));
+  for (int i = 0; i < 4; i++) {
+    quat[i] = (double)q[i];
+  }
+}
+
+/* ---- bodies */
+
+/* gauge NAME X Y Z: kept until the body's modes are known */
+typedef struct scene_gauge_line {
+  int n;
+  double x[SCENE_GAUGES][3];
+} scene_gauge_line;
+
+static void scene_read_gauge(text_file *t, scene_body *body, scene_gauge_line *gauges)
+{
+  if (gauges->n == SCENE_GAUGES) {
+    text_fail(t, "more than %d gauges", SCENE_GAUGES);
+    return;
+  }
+  text_name(t, "a gauge", body->gauge_name[gauges->n]);
+  text_vector(t, "place along the beam, y and z off its line", gauges->x[gauges->n++], 3);
+}
+
+/* Words of a body that are the scene's; 0 if it is none of them. */
+static int scene_read_start(text_file *t, scene_body *body, const char *word)
+{
+  if (strcmp(word, "start_position") == 0) {
+    text_vector(t, word, body->position, 3);
+  } else if (strcmp(word, "start_attitude") == 0) {
+    scene_read_attitude(t, body->attitude);
+  } else if (strcmp(word, "start_velocity") == 0) {
+    text_vector(t, word, body->velocity, 3);
+  } else if (strcmp(word, "start_spin") == 0) {
+    text_vector(t, word, body->spin, 3);
+  } else if (strcmp(word, "start_mode") == 0) {
+    const int k = text_whole(t, "mode", 1, FB_MAX_MODES) - 1;
+    body->q[k] = text_number(t, "its coordinate");
+    body->q_dot[k] = text_more(t) ? text_number(t, "its rate") : 0;
+  } else if (strcmp(word, "auto") == 0) {
+    body->tolerance = text_number(t, "tolerance");
+    if (!t->failed && !(body->tolerance > 0)) {
+      text_fail(t, "a tolerance must be greater than 0");
+    }
+  } else {
+    return 0;
+  }
+  text_end_of_line(t);
+  return 1;
+}
+
+/* Nodes along a beam, to draw it by. */
+static fb_status scene_add_drawn(const scene_body *body)
+{
+  const int n = FB_MAX_NODES - body->n_node - 1;
+  fb_status status = FB_OK;
+  for (int k = 0; k <= n && body->kind == MODEL_BEAM && status == FB_OK; k++) {
+    int at;
+    status = fb_shape_add_beam_node(&model_shape, &at, 0, &model_beam, &model_modes,
+                                    model_beam.start[model_beam.desc.n_element] * (fb_real)k / (fb_real)n);
+  }
+  return status;
+}
+#endif

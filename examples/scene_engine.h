@@ -1,0 +1,282 @@
+/* scene_engine.h - what moves a scene: one body alone, bodies on joints, an exact beam. Each way has the same calls:
+   start, step, look. See scene.h. */
+#ifndef SCENE_ENGINE_H
+#define SCENE_ENGINE_H
+#include "scene.h"
+#include "stepper.h"
+
+static struct scene_engine { /* one scene at a time */
+  fb_body body[FB_MAX_BODIES];
+  fb_body_work body_work;
+  int place[FB_MAX_BODIES][FB_MAX_MODES]; /* in it, of the modes that the file has; -1: left out */
+  fb_scheme scheme;
+  int long_step;  /* steps beyond the limit are not refused */
+  fb_state state; /* one body alone */
+  fb_input at[3]; /* start, middle, end of the step */
+  stepper by;
+  fb_analyse_work analyse;
+  fb_system system; /* bodies on joints */
+  fb_system_work system_work;
+  fb_system_state system_state;
+  fb_system_input system_at[3];
+  fb_system_analyse_work system_analyse;
+  fb_spectrum spectrum;
+  scene_view view;
+} engine;
+
+/* Modal coordinates at the start, of the modes that are kept. */
+static void scene_start_modes(int k, fb_real *q, fb_real *q_dot, const scene_body *b)
+{
+  for (int a = 0; a < FB_MAX_MODES; a++) {
+    const int at = engine.place[k][a];
+    if (at >= 0 && at < engine.body[k].n) {
+      q[at] = (fb_real)b->q[a];
+      q_dot[at] = (fb_real)b->q_dot[a];
+    }
+  }
+}
+
+/* ---- one body alone */
+
+static void single_input(const scene *s, fb_input *input, double t, double side)
+{
+  memset(input, 0, sizeof *input);
+  input->n_load = s->n_load;
+  for (int k = 0; k < s->n_load; k++) {
+    input->load[k] = scene_load_at(s, &s->load[k], t, side);
+  }
+  for (int k = 0; k < s->n_motion; k++) {
+    const scene_motion *const m = &s->motion[k];
+    const function_value f = function_eval(&m->f, &s->tables, t, side);
+    for (int i = 0; i < 3; i++) {
+      (m->rate ? input->w : input->v)[i] += (fb_real)(f.value * m->vector[i]);
+      (m->rate ? input->w_dot : input->v_dot)[i] += (fb_real)(f.rate * m->vector[i]);
+    }
+  }
+}
+
+/* Pose, velocities and modal deflection at the start, or the steady state. */
+static fb_status single_start(const scene *s)
+{
+  const scene_body *const b = &s->body[0];
+  const int held = b->level.base == FB_BASE_PRESCRIBED;
+  fb_real v[3], w[3], q_dot[FB_MAX_MODES];
+  fb_state *const x = &engine.state;
+  fb_input *const input = &engine.at[0];
+  fb_status status = fb_state_init(&engine.body[0], x);
+  single_input(s, input, 0, 0);
+  scene_reals(x->rho, b->position, 3);
+  scene_reals(x->quat, b->attitude, 4);
+  scene_reals(v, b->velocity, 3);
+  scene_reals(w, b->spin, 3);
+  scene_start_modes(0, x->q, q_dot, b);
+  status = status ? status : fb_quat_normalize(x->quat);
+  if (s->trim) {
+    memcpy(input->w, held ? input->w : w, sizeof w);
+    return status ? status : fb_body_trim(&engine.body[0], x, &engine.analyse, input);
+  }
+  return status ? status : fb_state_from_velocity(&engine.body[0], x, held ? input->v : v, held ? input->w : w, q_dot);
+}
+
+static fb_status single_step(const scene *s, double t, double dt)
+{
+  fb_input *const at = engine.at;
+  single_input(s, &at[0], t, t + 0.5 * dt);
+  single_input(s, &at[1], t + 0.5 * dt, t + 0.5 * dt);
+  single_input(s, &at[2], t + dt, t + 0.5 * dt);
+  return stepper_step(&engine.by, &engine.body[0], &engine.state, at, (fb_real)dt);
+}
+
+static fb_status single_look(const scene *s, double t)
+{
+  scene_view *const view = &engine.view;
+  const fb_body *const body = &engine.body[0];
+  fb_status status;
+  single_input(s, &engine.at[0], t, t);
+  view->motion.pose[0] = engine.state;
+  status = fb_body_motion(body, &view->motion.motion[0], &engine.state, &engine.at[0]);
+  status = status ? status : fb_body_energy(body, &view->energy, &engine.state, &engine.at[0]);
+  return status ? status : fb_body_momentum(body, &view->momentum, &engine.state, &engine.at[0]);
+}
+
+/* ---- bodies on joints */
+
+static void system_drive(const scene *s, fb_system_input *input, const scene_drive *d, double t, double side)
+{
+  const scene_joint *const joint = &s->joint[d->joint];
+  fb_drive *const drive = &input->drive[joint->at];
+  const function_value f = function_eval(&d->f, &s->tables, t, side);
+  if (d->kind == SCENE_MOTOR) {
+    drive->torque[d->axis] += (fb_real)f.value;
+  } else if (d->kind == SCENE_VALUE) {
+    drive->value[d->axis] += (fb_real)f.value;
+    drive->rate[d->axis] += (fb_real)f.rate;
+    drive->acceleration[d->axis] += (fb_real)f.acceleration;
+  } else {
+    drive->rate[d->axis] += (fb_real)f.value;
+    drive->acceleration[d->axis] += (fb_real)f.rate;
+    if (scene_axes(joint) < 3) {
+      drive->value[d->axis] += (fb_real)f.sum;
+    }
+  }
+}
+
+static void system_input(const scene *s, fb_system_input *input, double t, double side)
+{
+  memset(input, 0, sizeof *input);
+  input->n_load = s->n_load;
+  for (int k = 0; k < s->n_load; k++) {
+    input->load[k].body = s->load[k].body;
+    input->load[k].load = scene_load_at(s, &s->load[k], t, side);
+  }
+  for (int k = 0; k < s->n_joint; k++) {
+    for (int i = 0; i < 3 && scene_axes(&s->joint[k]) < 3; i++) {
+      input->drive[s->joint[k].at].value[i] = (fb_real)s->joint[k].start[i];
+    }
+  }
+  for (int k = 0; k < s->n_drive; k++) {
+    system_drive(s, input, &s->drive[k], t, side);
+  }
+}
+
+/* A body without a joint is free. */
+static fb_status system_init(const scene *s)
+{
+  static fb_system_desc desc;
+  memset(&desc, 0, sizeof desc);
+  desc.n_body = s->n_body;
+  desc.n_loop = s->n_loop;
+  desc.method = s->method;
+  desc.allow_long_step = engine.long_step;
+  for (int k = 0; k < s->n_body; k++) {
+    desc.model[k] = k;
+    desc.joint[k].parent = FB_GROUND;
+  }
+  for (int k = 0; k < s->n_joint; k++) {
+    const scene_joint *const joint = &s->joint[k];
+    *(joint->loop ? &desc.loop[joint->at - s->n_body] : &desc.joint[joint->at]) = joint->desc;
+  }
+  return fb_system_init(&engine.system, &engine.system_work, engine.body, s->n_body, &desc);
+}
+
+static fb_status system_start(const scene *s)
+{
+  static fb_link_motion start[FB_MAX_BODIES];
+  fb_system_input *const input = &engine.system_at[0];
+  fb_status status = system_init(s);
+  memset(start, 0, sizeof start);
+  for (int k = 0; k < s->n_body; k++) {
+    const scene_body *const b = &s->body[k];
+    scene_reals(start[k].quat, b->attitude, 4);
+    scene_start_modes(k, start[k].q, start[k].q_dot, b);
+    if (engine.system.joint[k].kind == FB_JOINT_FREE) {
+      scene_reals(start[k].value, b->position, 3);
+      scene_reals(start[k].speed, b->velocity, 3);
+      scene_reals(start[k].speed + 3, b->spin, 3);
+    } else if (engine.system.joint[k].kind == FB_JOINT_SPHERICAL) {
+      scene_reals(start[k].speed, b->spin, 3);
+    }
+  }
+  for (int k = 0; k < s->n_joint; k++) {
+    const scene_joint *const joint = &s->joint[k];
+    if (!joint->loop && scene_axes(joint) < 3) {
+      scene_reals(start[joint->at].value, joint->start, 3);
+      scene_reals(start[joint->at].speed, joint->speed, 3);
+    }
+  }
+  system_input(s, input, 0, 0);
+  status = status ? status
+                  : fb_system_state_init(&engine.system, engine.body, &engine.system_work, &engine.system_state, start,
+                                         input);
+  if (s->trim) {
+    return status ? status
+                  : fb_system_trim(&engine.system, engine.body, &engine.system_state, &engine.system_analyse, input);
+  }
+  return status;
+}
+
+static fb_status system_step(const scene *s, double t, double dt)
+{
+  fb_system_input *const at = engine.system_at;
+  system_input(s, &at[0], t, t + 0.5 * dt);
+  system_input(s, &at[1], t + 0.5 * dt, t + 0.5 * dt);
+  system_input(s, &at[2], t + dt, t + 0.5 * dt);
+  return engine.scheme == FB_SCHEME_SDIRK
+             ? fb_system_sdirk_step(&engine.system, engine.body, &engine.system_state, &engine.system_work, &at[0],
+                                    &at[2], (fb_real)dt, 0)
+             : fb_system_rk4_step(&engine.system, engine.body, &engine.system_state, &engine.system_work, &at[0],
+                                  &at[1], &at[2], (fb_real)dt);
+}
+
+/* Events up to t. */
+static fb_status system_events(const scene *s, int *next, double t)
+{
+  fb_status status = FB_OK;
+  for (; *next < s->n_event && s->event[*next].t <= t && status == FB_OK; (*next)++) {
+    const scene_event *const e = &s->event[*next];
+    system_input(s, &engine.system_at[0], t, t);
+    status = fb_system_axis_set(&engine.system, engine.body, &engine.system_work, &engine.system_state,
+                                s->joint[e->joint].at, e->axis, e->mode, &engine.system_at[0]);
+  }
+  return status;
+}
+
+static fb_status system_look(const scene *s, double t)
+{
+  scene_view *const view = &engine.view;
+  fb_system_input *const input = &engine.system_at[0];
+  fb_status status;
+  system_input(s, input, t, t);
+  status = fb_system_motion_eval(&engine.system, engine.body, &engine.system_work, &view->motion, &engine.system_state,
+                                 input);
+  status = status ? status
+                  : fb_system_energy(&engine.system, engine.body, &engine.system_work, &view->energy,
+                                     &engine.system_state, input);
+  return status ? status
+                : fb_system_momentum(&engine.system, engine.body, &engine.system_work, &view->momentum,
+                                     &engine.system_state, input);
+}
+
+/* ---- any of the three */
+
+static fb_status scene_start(const scene *s)
+{
+  return s->is_exact ? exact_start(s) : scene_is_system(s) ? system_start(s) : single_start(s);
+}
+
+static fb_status scene_step(const scene *s, double t, double dt)
+{
+  return s->is_exact ? exact_step(s, t, dt) : scene_is_system(s) ? system_step(s, t, dt) : single_step(s, t, dt);
+}
+
+static fb_status scene_look(const scene *s, double t)
+{
+  return s->is_exact ? exact_look(&engine.view) : scene_is_system(s) ? system_look(s, t) : single_look(s, t);
+}
+
+/* Modes about the present state. */
+static fb_status scene_spectrum(const scene *s)
+{
+  if (scene_is_system(s)) {
+    system_input(s, &engine.system_at[0], 0, 0);
+    return fb_system_spectrum(&engine.spectrum, &engine.system_analyse, &engine.system, engine.body,
+                              &engine.system_state, &engine.system_at[0]);
+  }
+  single_input(s, &engine.at[0], 0, 0);
+  return fb_body_spectrum(&engine.spectrum, &engine.analyse, &engine.body[0], &engine.state, &engine.at[0]);
+}
+
+/* Which joint a failure is about, for a message. */
+static const char *scene_at_fault(const scene *s)
+{
+  static char text[64];
+  const int at = scene_is_system(s) ? engine.system_work.joint : -1;
+  text[0] = 0;
+  for (int k = 0; k < s->n_joint && at >= 0; k++) {
+    if (s->joint[k].at == at) {
+      snprintf(text, sizeof text, " (joint %s)", s->joint[k].name);
+    }
+  }
+  return text;
+}
+#endif

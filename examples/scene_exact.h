@@ -1,0 +1,268 @@
+/* scene_exact.h - a scene of one geometrically exact beam: described as such, or a beam of modes taken exactly. See
+   scene.h. */
+#ifndef SCENE_EXACT_H
+#define SCENE_EXACT_H
+#include "scene_body.h"
+
+/* ---- reading */
+
+/* node X|tip [NAME] */
+static void scene_read_exact_node(text_file *t, scene_body *body, const scene *s)
+{
+  const int k = body->n_node;
+  if (k == SCENE_NODES + 1) {
+    text_fail(t, "more than %d nodes", SCENE_NODES);
+    return;
+  }
+  if (strncmp(t->at + strspn(t->at, " "), "tip", 3) == 0) {
+    (void)text_word(t);
+    body->node_x[k] = HUGE_VAL;
+  } else {
+    body->node_x[k] = text_number(t, "the node's place");
+  }
+  if (text_more(t)) {
+    text_name(t, "a node", body->node_name[k]);
+  }
+  (void)s;
+  body->n_node++;
+  text_end_of_line(t);
+}
+
+/* A line of `body NAME exact`. */
+static void scene_read_exact_line(text_file *t, scene *s, scene_body *body, const char *word)
+{
+  if (strcmp(word, "node") == 0) {
+    scene_read_exact_node(t, body, s);
+  } else {
+    mixed_line(t, &s->mixed, word);
+  }
+}
+
+/* Nodes and what is missing, at the end of a body's lines. */
+static void scene_place_exact(text_file *t, scene *s, scene_body *body)
+{
+  mixed_places(t, &s->mixed);
+  for (int k = 0; k < body->n_node && !t->failed; k++) {
+    const double x = fmin(body->node_x[k], (double)s->mixed.desc.length);
+    body->element_node[k] = mixed_nearest(t, &s->mixed, x, "a node");
+  }
+}
+
+/* The beam of modes that was read, exactly. */
+static void scene_convert_exact(text_file *t, scene *s, scene_body *body)
+{
+  static const int held[] = {FB_END_FREE, FB_END_CLAMPED, FB_END_PINNED, FB_END_CLAMPED & ~FB_HOLD_RZ};
+  const fb_beam_desc *const beam = &model.beam;
+  fb_mixed_desc *const d = &s->mixed.desc;
+  fb_status status = FB_OK;
+  mixed_begin(&s->mixed);
+  if (model.kind != MODEL_BEAM || beam->n_point > 0) {
+    text_fail(t, "exact takes a straight beam; bent ones are described by body NAME exact");
+    return;
+  }
+  d->length = beam->length;
+  d->n_element = s->exact;
+  d->n_station = beam->n_station;
+  d->root = held[model.level.base];
+  memcpy(d->position, beam->position, sizeof d->position);
+  memcpy(d->attitude, beam->attitude, sizeof d->attitude);
+  for (int k = 0; k < beam->n_station && status == FB_OK; k++) {
+    status = fb_mixed_station_init(&d->station[k], &beam->station[k]);
+    d->station[k].x = beam->station[k].x;
+    d->station[k].twist = beam->station[k].twist;
+  }
+  for (int k = 0; k < beam->n_lump; k++) {
+    d->lump[k] = beam->lump[k];
+    s->mixed.lump_at[k] = (double)beam->length * beam->lump[k].node / beam->n_element;
+  }
+  s->mixed.n_lump = beam->n_lump;
+  if (model.hub && model.level.base != FB_BASE_PRESCRIBED && s->mixed.n_lump < FB_MAX_LUMPS) {
+    fb_lump *const hub = &d->lump[s->mixed.n_lump];
+    hub->mass = (fb_real)model.hub_mass;
+    for (int i = 0; i < 6; i++) {
+      hub->center[i % 3] = (fb_real)model.hub_center[i % 3];
+      hub->inertia[i] = (fb_real)model.hub_inertia[i];
+    }
+    s->mixed.lump_at[s->mixed.n_lump++] = 0;
+  }
+  if (status != FB_OK) {
+    text_fail(t, "the beam, exactly: %s", fb_status_string(status));
+    return;
+  }
+  body->n_node = model.n_mark + 1;
+  memcpy(body->node_x + 1, model.mark, (size_t)model.n_mark * sizeof *model.mark);
+  scene_place_exact(t, s, body);
+}
+
+/* ---- motion */
+
+static struct scene_exact { /* one at a time */
+  fb_mixed beam;
+  fb_mixed_state state;
+  fb_mixed_work work;
+  fb_mixed_input input;
+  fb_mixed_node node[FB_MAX_MIXED + 1];
+  fb_mixed_spectrum spectrum;
+  fb_mixed_spectrum_work spectrum_work;
+} exact;
+
+/* What acts at t, of the pieces that hold `side`. */
+static void exact_input(const scene *s, double t, double side)
+{
+  fb_mixed_input *const input = &exact.input;
+  *input = s->mixed.input;
+  for (int k = 0; k < s->n_load && input->n_load < FB_MAX_LOADS; k++) {
+    fb_load *const load = &input->load[input->n_load++];
+    *load = scene_load_at(s, &s->load[k], t, side);
+    load->node = s->body[0].element_node[s->load[k].node];
+  }
+  for (int k = 0; k < s->n_motion; k++) {
+    const scene_motion *const m = &s->motion[k];
+    const double f = function_eval(&m->f, &s->tables, t, side).value;
+    for (int i = 0; i < 3; i++) {
+      (m->rate ? input->w : input->v)[i] += (fb_real)(f * m->vector[i]);
+    }
+  }
+}
+
+static fb_status exact_start(const scene *s)
+{
+  const scene_body *const b = &s->body[0];
+  fb_mixed_desc desc = s->mixed.desc;
+  fb_status status;
+  for (int i = 0; i < 3; i++) {
+    desc.gravity[i] += (fb_real)s->gravity[i];
+  }
+  status = fb_mixed_init(&exact.beam, &desc);
+  exact_input(s, 0, 0);
+  for (int i = 0; i < 3; i++) {
+    exact.input.v[i] += (fb_real)b->velocity[i];
+    exact.input.w[i] += (fb_real)b->spin[i];
+  }
+  status = status ? status : fb_mixed_state_init(&exact.beam, &exact.state, &exact.work, &exact.input);
+  if (status == FB_OK) {
+    scene_reals(exact.state.base_position, b->position, 3);
+    scene_reals(exact.state.base_quat, b->attitude, 4);
+    status = fb_quat_normalize(exact.state.base_quat);
+  }
+  if (s->trim) {
+    return status ? status : fb_mixed_steady_solve(&exact.beam, &exact.state, &exact.work, &exact.input);
+  }
+  return status;
+}
+
+static fb_status exact_step(const scene *s, double t, double dt)
+{
+  exact_input(s, t + 0.5 * dt, t + 0.5 * dt);
+  return fb_mixed_step(&exact.beam, &exact.state, &exact.work, &exact.input, (fb_real)dt);
+}
+
+/* The frame that the root carries along; the base frame where the root is clamped. */
+static void exact_pose(fb_state *pose)
+{
+  const fb_real *const q = exact.beam.quat;
+  const fb_real back[4] = {q[0], -q[1], -q[2], -q[3]};
+  fb_real R[9];
+  fb_quat_mul(pose->quat, exact.node[0].quat, back);
+  fb_quat_to_mat33(R, pose->quat);
+  for (int i = 0; i < 3; i++) {
+    pose->rho[i] = exact.node[0].position[i];
+    for (int j = 0; j < 3; j++) {
+      pose->rho[i] -= R[3 * i + j] * exact.beam.r[j] * exact.beam.length;
+    }
+  }
+}
+
+static fb_status exact_look(scene_view *view)
+{
+  fb_status status = fb_mixed_nodes_eval(&exact.beam, exact.node, &exact.state);
+  status = status ? status : fb_mixed_energy(&exact.beam, &view->energy, &exact.state);
+  status = status ? status : fb_mixed_momentum(&exact.beam, &view->momentum, &exact.state);
+  exact_pose(&view->motion.pose[0]);
+  return status;
+}
+
+/* In the axes of the root's frame, less the undeformed place. */
+static double exact_displacement(const fb_state *pose, int node, int axis)
+{
+  fb_real R[9], d;
+  fb_quat_to_mat33(R, pose->quat);
+  d = -exact.beam.r[3 * node + axis] * exact.beam.length;
+  for (int j = 0; j < 3; j++) {
+    d += R[3 * j + axis] * (exact.node[node].position[j] - pose->rho[j]);
+  }
+  return (double)d;
+}
+
+/* From section axes of a node to those that quat maps to. */
+static double exact_turned(const fb_real quat[4], const fb_real x[3], int axis)
+{
+  fb_real R[9];
+  fb_quat_to_mat33(R, quat);
+  return (double)(R[3 * axis] * x[0] + R[3 * axis + 1] * x[1] + R[3 * axis + 2] * x[2]);
+}
+
+static double exact_value(const scene *s, const scene_view *view, const scene_output *o)
+{
+  const int at = scene_quantities[o->quantity].place == SCENE_AT_NODE ? s->body[0].element_node[o->at] : 0;
+  const fb_mixed_node *const node = &exact.node[at];
+  const fb_state *const pose = &view->motion.pose[0];
+  switch (o->quantity) {
+  case SCENE_DISPLACEMENT:
+    return exact_displacement(pose, at, o->axis);
+  case SCENE_ROTATION:
+    return (double)node->rotation[o->axis];
+  case SCENE_POSITION:
+    return (double)node->position[o->axis];
+  case SCENE_VELOCITY:
+    return exact_turned(node->quat, node->velocity, o->axis);
+  case SCENE_RATE:
+    return exact_turned(node->quat, node->angular_rate, o->axis);
+  case SCENE_GYRO:
+    return (double)node->angular_rate[o->axis];
+  case SCENE_INTERNAL_FORCE:
+    return (double)node->force[o->axis];
+  case SCENE_INTERNAL_MOMENT:
+    return (double)node->moment[o->axis];
+  case SCENE_SPIN:
+    return exact_turned(exact.beam.quat, node->angular_rate, o->axis);
+  case SCENE_ATTITUDE:
+    return (double)pose->quat[o->axis];
+  case SCENE_REACTION_FORCE:
+    return exact_turned(exact.beam.quat, node->reaction_force, o->axis);
+  default:
+    return exact_turned(exact.beam.quat, node->reaction_moment, o->axis);
+  }
+}
+
+/* Does an exact beam have this output? */
+static int exact_has(scene_quantity quantity)
+{
+  static const scene_quantity not_there[] = {SCENE_ACCELERATION, SCENE_RATE_DOT,  SCENE_SPECIFIC_FORCE,
+                                             SCENE_MODE,         SCENE_MODE_RATE, SCENE_STRAIN};
+  for (int k = 0; k < (int)(sizeof not_there / sizeof *not_there); k++) {
+    if (not_there[k] == quantity) {
+      return 0;
+    }
+  }
+  return 1;
+}
+
+/* The slowest modes about the present state. */
+static fb_status exact_spectrum(const scene *s, int count)
+{
+  exact_input(s, 0, 0);
+  return fb_mixed_spectrum_solve(&exact.beam, &exact.spectrum, &exact.spectrum_work, &exact.state, &exact.input, count);
+}
+
+/* A step whose error, of order 2, adds up to `accuracy` of the slowest mode at the end: w T (w dt)^2/12. */
+static double exact_choose(const scene *s, double accuracy)
+{
+  double dt = s->interval;
+  if (exact_spectrum(s, 2) == FB_OK) {
+    const double w = fmax((double)exact.spectrum.im[0], (double)exact.spectrum.im[1]);
+    dt = w > 0 ? fmin(dt, sqrt(12 * accuracy / (w * s->duration)) / w) : dt;
+  }
+  return dt;
+}
+#endif

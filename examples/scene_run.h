@@ -1,0 +1,518 @@
+/* scene_run.h - runs a scene that scene.h has read. */
+#ifndef SCENE_RUN_H
+#define SCENE_RUN_H
+#include "scene_auto.h"
+#include "scene_draw.h"
+#include <time.h>
+
+typedef struct scene_options { /* all zero: no files, no talk */
+  const char *csv;             /* name of the file that the outputs go to */
+  const char *picture;         /* a few frames over each other, SVG */
+  const char *animation;       /* SVG that moves */
+  const char *frames;          /* folder for numbered frames, SVG */
+  int n_frame;                 /* of them and of the animation, 0: 120 */
+  FILE *talk;                  /* what was chosen */
+  FILE *progress;              /* a line on long runs */
+} scene_options;
+
+/* ---- outputs */
+
+static double node_output(const scene *s, const scene_output *o)
+{
+  const fb_real gravity[3] = {(fb_real)s->gravity[0], (fb_real)s->gravity[1], (fb_real)s->gravity[2]};
+  fb_node_motion node;
+  fb_imu imu;
+  const fb_real *const value[] = {node.displacement,
+                                  node.rotation,
+                                  node.position,
+                                  node.velocity,
+                                  node.acceleration,
+                                  node.angular_rate,
+                                  node.angular_acceleration,
+                                  imu.specific_force,
+                                  imu.angular_rate};
+  if (fb_body_node_motion(&engine.body[o->body], &node, &engine.view.motion.pose[o->body],
+                          &engine.view.motion.motion[o->body], o->at) != FB_OK) {
+    return (double)NAN;
+  }
+  fb_imu_eval(&imu, &node, gravity);
+  return (double)value[o->quantity - SCENE_DISPLACEMENT][o->axis];
+}
+
+/* A strain, of the modes that are kept. */
+static double gauge_output(const scene *s, const scene_output *o)
+{
+  const fb_gauge *const all = &s->body[o->body].gauge[o->at];
+  double strain = 0;
+  for (int a = 0; a < all->n; a++) {
+    const int at = engine.place[o->body][a];
+    strain += at < 0 ? 0 : (double)(all->gain[a] * engine.view.motion.pose[o->body].q[at]);
+  }
+  return strain;
+}
+
+static double body_output(const scene *s, const scene_output *o)
+{
+  const fb_motion *const m = &engine.view.motion.motion[o->body];
+  const fb_state *const pose = &engine.view.motion.pose[o->body];
+  const int place = o->quantity == SCENE_STRAIN ? 0 : engine.place[o->body][o->at];
+  switch (o->quantity) {
+  case SCENE_SPIN:
+    return (double)m->w[o->axis];
+  case SCENE_ATTITUDE:
+    return (double)pose->quat[o->axis];
+  case SCENE_REACTION_FORCE:
+    return (double)m->reaction_force[o->axis];
+  case SCENE_REACTION_TORQUE:
+    return (double)m->reaction_torque[o->axis];
+  case SCENE_MODE:
+    return place < 0 ? 0 : (double)pose->q[place];
+  case SCENE_MODE_RATE:
+    return place < 0 ? 0 : (double)m->q_dot[place];
+  default:
+    return gauge_output(s, o);
+  }
+}
+
+static double joint_output(const scene *s, const scene_output *o)
+{
+  const int at = s->joint[o->at].at;
+  const fb_joint_motion *const m = &engine.view.motion.joint[at];
+  if (s->joint[o->at].desc.kind == FB_JOINT_FREE && o->quantity == SCENE_COORDINATE) {
+    return (double)(o->axis < 3 ? engine.view.motion.pose[at].rho[o->axis]
+                                : engine.view.motion.pose[at].quat[o->axis - 2]);
+  }
+  switch (o->quantity) {
+  case SCENE_JOINT_FORCE:
+    return (double)m->force[o->axis];
+  case SCENE_JOINT_TORQUE:
+    return (double)m->torque[o->axis];
+  case SCENE_COORDINATE:
+    return (double)m->value[o->axis];
+  case SCENE_COORDINATE_RATE:
+    return (double)m->speed[o->axis];
+  case SCENE_COORDINATE_ACCELERATION:
+    return (double)m->acceleration[o->axis];
+  default:
+    return (double)m->drive[o->axis < 3 ? o->axis : 2];
+  }
+}
+
+static double whole_output(const scene_output *o)
+{
+  const fb_energy *const e = &engine.view.energy;
+  const fb_real energy[] = {e->kinetic + e->strain + e->gravity, e->kinetic, e->strain, e->gravity};
+  switch (o->quantity) {
+  case SCENE_ENERGY:
+    return (double)energy[o->axis];
+  case SCENE_MOMENTUM:
+    return (double)engine.view.momentum.linear[o->axis];
+  case SCENE_ANGULAR_MOMENTUM:
+    return (double)engine.view.momentum.angular[o->axis];
+  default:
+    return (double)engine.view.motion.power;
+  }
+}
+
+static double scene_value(const scene *s, const scene_output *o)
+{
+  if (s->is_exact && scene_quantities[o->quantity].place != SCENE_AT_ALL) {
+    return exact_value(s, &engine.view, o);
+  }
+  switch (scene_quantities[o->quantity].place) {
+  case SCENE_AT_NODE:
+    return node_output(s, o);
+  case SCENE_AT_JOINT:
+  case SCENE_AT_AXIS:
+    return joint_output(s, o);
+  case SCENE_AT_ALL:
+    return whole_output(o);
+  default:
+    return body_output(s, o);
+  }
+}
+
+/* ---- measures: rows are at equal intervals */
+
+typedef struct scene_tally {
+  int n;
+  double sum, most, least, last;
+} scene_tally;
+
+static void scene_tally_add(scene_tally *tally, scene_kind kind, double x)
+{
+  tally->sum += kind == SCENE_RMS ? x * x : x;
+  tally->most = tally->n == 0 ? x : fmax(tally->most, x);
+  tally->least = tally->n == 0 ? x : fmin(tally->least, x);
+  tally->last = x;
+  tally->n++;
+}
+
+static double scene_tally_end(const scene_tally *tally, scene_kind kind)
+{
+  switch (kind) {
+  case SCENE_MAX:
+    return tally->most;
+  case SCENE_MIN:
+    return tally->least;
+  case SCENE_MEAN:
+    return tally->sum / tally->n;
+  case SCENE_RMS:
+    return sqrt(tally->sum / tally->n);
+  default:
+    return tally->last;
+  }
+}
+
+/* ---- comparison with what is known */
+
+/* The largest difference of the output from a table between its rows: those that lie on rows of the run. */
+static void scene_compare(const scene *s, scene_reference *r, double t, double value)
+{
+  const function *const table = &r->table;
+  const function_row *const row = s->tables.row + table->first;
+  const double first = fmax(row[0].t, r->from), last = fmin(row[table->n - 1].t, r->to), slack = 1e-6 * s->interval;
+  if (t < first - slack || t > last + slack) {
+    return;
+  }
+  while (r->next < table->n && row[r->next].t < t - slack) {
+    r->next++;
+  }
+  if (r->next < table->n && row[r->next].t <= t + slack) {
+    const double known = r->factor * row[r->next].value;
+    r->largest = fmax(r->largest, fabs(known));
+    r->difference = fabs(value - known) <= r->difference ? r->difference : fabs(value - known);
+    r->compared++;
+  }
+}
+
+static double scene_allowed(double tolerance, int relative, double size)
+{
+  return relative ? tolerance * size : tolerance;
+}
+
+/* Counts what is beyond its tolerance. */
+static void scene_judge(scene *s)
+{
+  s->missed = 0;
+  for (int k = 0; k < s->n_expectation; k++) {
+    scene_expectation *const e = &s->expectation[k];
+    e->difference = fabs(s->measured[e->measure] - e->value);
+    s->missed += !(e->difference <= scene_allowed(e->tolerance, e->relative, fabs(e->value)));
+  }
+  for (int k = 0; k < s->n_reference; k++) {
+    const scene_reference *const r = &s->reference[k];
+    s->missed += !(r->compared > 0 && r->difference <= scene_allowed(r->tolerance, r->relative, r->largest));
+  }
+}
+
+/* ---- pictures */
+
+/* A point as it is seen: inertial, or in the frame of a body. */
+static void scene_seen(const scene *s, double out[3], const fb_real position[3])
+{
+  const fb_state *const pose = &engine.view.motion.pose[s->view_of < 0 ? 0 : s->view_of];
+  fb_real R[9];
+  if (s->view_of < 0) {
+    for (int i = 0; i < 3; i++) {
+      out[i] = (double)position[i];
+    }
+    return;
+  }
+  fb_quat_to_mat33(R, pose->quat);
+  for (int i = 0; i < 3; i++) {
+    out[i] = 0;
+    for (int j = 0; j < 3; j++) {
+      out[i] += (double)(R[3 * j + i] * (position[j] - pose->rho[j]));
+    }
+  }
+}
+
+static void scene_add_point(const scene *s, scene_line *line, int body, int node)
+{
+  fb_node_motion at;
+  if (line->n < SCENE_POINTS && fb_body_node_motion(&engine.body[body], &at, &engine.view.motion.pose[body],
+                                                    &engine.view.motion.motion[body], node) == FB_OK) {
+    scene_seen(s, line->x[line->n++], at.position);
+  }
+}
+
+/* A beam as its line, other bodies as lines from the origin to their nodes; joints from node to origin. */
+static void scene_film_frame(const scene *s, double t)
+{
+  scene_frame *const frame = &film.frame[film.n];
+  memset(frame, 0, sizeof *frame);
+  frame->t = t;
+  film.n_body = s->n_body;
+  for (int k = 0; k < SCENE_POINTS && s->is_exact; k++) {
+    const int node = k * exact.beam.n / (SCENE_POINTS - 1);
+    scene_seen(s, frame->line[0].x[frame->line[0].n++], exact.node[node].position);
+  }
+  for (int b = 0; b < s->n_body && !s->is_exact; b++) {
+    const int drawn = s->body[b].kind == MODEL_BEAM;
+    scene_add_point(s, &frame->line[b], b, drawn ? s->body[b].n_node : 0);
+    for (int k = drawn ? s->body[b].n_node + 1 : 1; k < engine.body[b].n_node; k++) {
+      scene_add_point(s, &frame->line[b], b, k);
+      if (!drawn && k + 1 < engine.body[b].n_node) {
+        scene_add_point(s, &frame->line[b], b, 0);
+      }
+    }
+    if (frame->line[b].n == 1) {
+      scene_add_point(s, &frame->line[b], b, 0); /* a dot */
+    }
+  }
+  for (int j = 0; j < s->n_joint; j++) {
+    const fb_joint_desc *const d = &s->joint[j].desc;
+    scene_line *const line = &frame->line[s->n_body + d->child];
+    if (!s->joint[j].loop && d->parent != FB_GROUND) {
+      if (s->body[d->parent].kind != MODEL_BEAM) {
+        scene_add_point(s, line, d->parent, 0);
+      }
+      scene_add_point(s, line, d->parent, d->parent_node);
+      scene_add_point(s, line, d->child, 0);
+    }
+  }
+  film.n++;
+}
+
+static int scene_write_pictures(scene *s, const scene_options *o)
+{
+  int failed = 0;
+  if (film.n == 0) {
+    return 0;
+  }
+  scene_project(s->view);
+  for (int k = 0; k < film.n && o->frames && !failed; k++) {
+    failed = scene_write_frame(s, o->frames, k);
+  }
+  if (o->animation && !failed) {
+    failed = scene_write_animation(s, o->animation);
+  }
+  return failed || !o->picture ? failed : scene_write_picture(s, o->picture);
+}
+
+/* ---- a run */
+
+typedef struct scene_run_state {
+  FILE *csv;
+  scene_tally tally[SCENE_MEASURES];
+  time_t begin, told;
+  int event;
+  long rows, row, frames; /* frames: wanted; 0: no pictures */
+} scene_run_state;
+
+static void scene_header(const scene *s, FILE *csv)
+{
+  fputs("t [s]", csv);
+  for (int k = 0; k < s->n_output; k++) {
+    fprintf(csv, ",%s [%s]", s->output[k].label, s->output[k].unit);
+  }
+  fputs("\n", csv);
+}
+
+/* What a row says: to the file, the measures and the references. */
+static fb_status scene_row(scene *s, scene_run_state *run, double t)
+{
+  double value[SCENE_OUTPUTS];
+  const fb_status status = scene_look(s, t);
+  if (status != FB_OK) {
+    return status;
+  }
+  for (int k = 0; k < s->n_output; k++) {
+    value[k] = scene_value(s, &s->output[k]);
+  }
+  if (run->csv) {
+    fprintf(run->csv, "%.12g", t);
+    for (int k = 0; k < s->n_output; k++) {
+      fprintf(run->csv, ",%.12g", value[k]);
+    }
+    fputs("\n", run->csv);
+  }
+  for (int k = 0; k < s->n_measure; k++) {
+    const scene_measure *const m = &s->measure[k];
+    if (m->kind < SCENE_FREQUENCY && t >= m->after * (1 - 1e-12)) {
+      scene_tally_add(&run->tally[k], m->kind, value[m->output]);
+    }
+  }
+  for (int k = 0; k < s->n_reference; k++) {
+    scene_compare(s, &s->reference[k], t, value[s->reference[k].output]);
+  }
+  if (film.n < run->frames && run->row * (run->frames - 1) >= film.n * run->rows) {
+    scene_film_frame(s, t);
+  }
+  run->row++;
+  return FB_OK;
+}
+
+static void scene_progress(const scene *s, const scene_options *o, scene_run_state *run, double t)
+{
+  const time_t now = time(NULL);
+  if (o->progress && now > run->told && now > run->begin + 1) {
+    run->told = now;
+    fprintf(o->progress, "\r%3.0f %%, %.4g of %.4g s", 100 * t / s->duration, t, s->duration);
+    fflush(o->progress);
+  }
+}
+
+static int scene_failed(scene *s, const char *when, fb_status status)
+{
+  return scene_fail(s, "%s: %s%s", when, fb_status_string(status), scene_at_fault(s));
+}
+
+/* Steps from row to row. */
+static int scene_loop(scene *s, const scene_options *o, scene_run_state *run)
+{
+  const long rows = run->rows;
+  const double interval = s->duration / (double)rows;
+  const long steps = (long)ceil(interval / s->dt * (1 - 1e-9));
+  char when[96];
+  fb_status status = FB_OK;
+  s->dt = interval / (double)steps;
+  if (!s->is_exact && !scene_is_system(s)) {
+    status = stepper_init(&engine.by, &engine.body_work, &engine.body[0], engine.scheme, s->dt);
+  }
+  for (long k = 0; k < rows * steps && status == FB_OK; k++) {
+    const double t = (double)k * s->dt;
+    snprintf(when, sizeof when, "at %.6g s, step of %.4g s", t, s->dt);
+    status = system_events(s, &run->event, t + 1e-6 * s->dt);
+    status = status ? status : scene_step(s, t, s->dt);
+    if (status == FB_OK && (k + 1) % steps == 0) {
+      status = scene_row(s, run, (double)((k + 1) / steps) * interval);
+      scene_progress(s, o, run, t);
+    }
+  }
+  if (run->told && o->progress) {
+    fputs("\r                                        \r", o->progress);
+  }
+  return status == FB_OK ? 0 : scene_failed(s, when, status);
+}
+
+/* Bodies of the effects and modes that are given or advised; what happens at most, where that is asked for. */
+static int scene_build(scene *s, const scene_options *o)
+{
+  int asked = s->duration > 0 && !(s->step > 0);
+  fb_status status = FB_OK;
+  if (s->is_exact) {
+    return 0;
+  }
+  for (int k = 0; k < s->n_body; k++) {
+    asked |= s->body[k].tolerance > 0;
+  }
+  status = asked ? scene_run_rigid(s) : FB_OK;
+  if (status != FB_OK) {
+    return scene_failed(s, "run with rigid bodies", status);
+  }
+  for (int k = 0; k < s->n_body; k++) {
+    const int advised = s->body[k].tolerance > 0;
+    if (advised && scene_advise(s, k, o->talk)) {
+      return 1;
+    }
+    status = scene_init_body(s, k, advised ? &automatic.advice[k] : NULL);
+    if (status != FB_OK) {
+      return scene_fail(s, "body %s of line %d: %s", s->body[k].name, s->body[k].line, fb_status_string(status));
+    }
+  }
+  return 0;
+}
+
+/* Frequencies and growth about the start, where they are to be measured. */
+static int scene_measure_spectrum(scene *s)
+{
+  const fb_real *const re = s->is_exact ? exact.spectrum.re : engine.spectrum.re;
+  const fb_real *const im = s->is_exact ? exact.spectrum.im : engine.spectrum.im;
+  int wanted = 0, n;
+  fb_status status;
+  for (int k = 0; k < s->n_measure; k++) {
+    wanted =
+        s->measure[k].kind >= SCENE_FREQUENCY && s->measure[k].output >= wanted ? s->measure[k].output + 1 : wanted;
+  }
+  if (wanted == 0) {
+    return 0;
+  }
+  status = s->is_exact ? exact_spectrum(s, wanted) : scene_spectrum(s);
+  n = s->is_exact ? exact.spectrum.n : engine.spectrum.n;
+  if (status != FB_OK || n < wanted) {
+    return status ? scene_failed(s, "spectrum at the start", status)
+                  : scene_fail(s, "the spectrum has %d modes, mode %d is to be measured", n, wanted);
+  }
+  for (int k = 0; k < s->n_measure; k++) {
+    const scene_measure *const m = &s->measure[k];
+    if (m->kind == SCENE_FREQUENCY) {
+      s->measured[k] = (double)im[m->output];
+    } else if (m->kind == SCENE_GROWTH) {
+      s->measured[k] = -(double)fb_spectrum_margin(re, NULL, m->output + 1);
+    }
+  }
+  return 0;
+}
+
+static int scene_run_rows(scene *s, const scene_options *o, scene_run_state *run)
+{
+  fb_status status = scene_row(s, run, 0);
+  if (status != FB_OK) {
+    return scene_failed(s, "at the start", status);
+  }
+  return s->duration > 0 ? scene_loop(s, o, run) : 0;
+}
+
+/* Nothing measured or compared yet. */
+static void scene_reset(scene *s)
+{
+  s->missed = 0;
+  for (int k = 0; k < s->n_measure; k++) {
+    s->measured[k] = (double)NAN;
+  }
+  for (int k = 0; k < s->n_reference; k++) {
+    scene_reference *const r = &s->reference[k];
+    r->next = r->compared = 0;
+    r->difference = r->largest = 0;
+  }
+}
+
+/* 0: it ran, s->missed says how many references it missed; 1: the reason is in s->message. */
+static int scene_run(scene *s, const scene_options *o)
+{
+  static scene_run_state run;
+  fb_status status;
+  int failed;
+  memset(&run, 0, sizeof run);
+  memset(&engine, 0, sizeof engine);
+  film.n = 0;
+  run.rows = (long)ceil(s->duration / s->interval * (1 - 1e-9));
+  run.frames = o->picture || o->animation || o->frames ? (o->n_frame > 0 ? o->n_frame : 120) : 0;
+  run.begin = time(NULL);
+  scene_reset(s);
+  if (scene_build(s, o)) {
+    return 1;
+  }
+  status = scene_start(s);
+  if (status != FB_OK) {
+    return scene_failed(s, s->trim ? "no steady state" : "start", status);
+  }
+  if (scene_measure_spectrum(s)) {
+    return 1;
+  }
+  if (s->duration > 0) {
+    scene_choose(s, o->talk);
+  }
+  if (o->csv) {
+    run.csv = fopen(o->csv, "w");
+    if (!run.csv) {
+      return scene_fail(s, "cannot write %s: %s", o->csv, strerror(errno));
+    }
+    scene_header(s, run.csv);
+  }
+  failed = scene_run_rows(s, o, &run);
+  failed = failed ? failed : scene_write_pictures(s, o);
+  if (run.csv && fclose(run.csv) != 0 && !failed) {
+    failed = scene_fail(s, "cannot write %s", o->csv);
+  }
+  for (int k = 0; k < s->n_measure && !failed; k++) {
+    if (run.tally[k].n > 0) {
+      s->measured[k] = scene_tally_end(&run.tally[k], s->measure[k].kind);
+    }
+  }
+  scene_judge(s);
+  return failed;
+}
+#endif

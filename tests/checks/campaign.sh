@@ -1,0 +1,234 @@
+#!/bin/sh
+# A campaign's rows are the same bits for 1, 2, 3 processes and MPI ranks, after kill -9 in the middle, after an interrupt, from a
+# torn journal, and beside runs that are refused, fail, never end, or whose process is shot. The draws: campaign.c.
+. tests/checks/common.sh
+need gcc gcc
+need pgrep procps
+campaign="build/examples/campaign"
+quick="$out/quick.txt"
+running=
+trap '[ -z "$running" ] || kill -9 $running 2> /dev/null || true' EXIT
+
+# expect STATUS COMMAND...: its output goes to $out/log
+expect() {
+  expected=$1
+  shift
+  status=0
+  "$@" > "$out/log" 2>&1 || status=$?
+  [ "$status" = "$expected" ] || {
+    echo "$*"
+    cat "$out/log"
+    fail "exit status $status instead of $expected"
+  }
+}
+
+# says TEXT: the last command did
+says() {
+  grep -qF -- "$1" "$out/log" || {
+    cat "$out/log"
+    fail "it does not say: $1"
+  }
+}
+
+# same NAME: the rows of that run are those of the first
+same() {
+  cmp -s "$out/one.csv" "$out/$1.csv" || {
+    diff "$out/one.csv" "$out/$1.csv" | head -n 5
+    fail "$1: other rows"
+  }
+}
+
+# rows NAME: rows in that journal so far
+rows() {
+  sed '1,/^rows /d' "$out/$1.journal" 2> /dev/null | wc -l
+}
+
+# begin NAME ROWS OPTION...: in the background, until so many rows are there
+begin() {
+  run=$1
+  least=$2
+  shift 2
+  "$campaign" "$@" --out "$out/$run.csv" > "$out/$run.log" 2>&1 &
+  running=$!
+  waited=0
+  while [ "$(rows $run)" -lt "$least" ]; do
+    waited=$((waited + 1))
+    [ $waited -lt 1000 ] || fail "$run: $least rows do not come: $(cat "$out/$run.log")"
+    sleep 0.02
+  done
+}
+
+# end STATUS
+end() {
+  status=0
+  { wait $running || status=$?; } 2> /dev/null
+  running=
+  [ "$status" = "$1" ] || fail "$run: exit status $status instead of $1: $(cat "$out/$run.log")"
+}
+
+cat > "$out/beam.txt" << 'END'
+parameter factor 1   of the stiffness
+parameter force 1    N
+parameter work 0.1   s of motion
+duration $work
+interval 0.01
+step 0.001
+body beam beam
+  length 1
+  elements 8
+  stations x mass EI_y EI_z
+    0 0.5 20*$factor 20*$factor
+  end
+  modes bend_y 2
+  base prescribed
+  node tip tip
+end
+load beam.tip dead force 0 $force 0
+output tip displacement beam.tip y
+measure most max tip
+measure last final tip
+END
+cat > "$quick" << 'END'
+scene beam.txt
+runs 60
+seed 7
+vary factor list 1 2 -1 1e12 3 # the third is refused, the fourth too stiff for the step
+vary force normal 1 10%
+vary work uniform 0.02 2       # runs of other lengths
+END
+
+# the draws
+try gcc $c99 -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -o "$out/draws" tests/checks/campaign.c -lm
+try "$out/draws"
+
+# 1, 2, 3 processes
+expect 1 $campaign "$quick" --jobs 1 --out "$out/one.csv"
+says "60 runs: 36 ok, 12 refused, 12 failed"
+[ "$(grep -c ',refused,"[^"]*beam.txt:' "$out/one.csv")" = 12 ] || fail "refused rows do not tell the line: $(grep refused "$out/one.csv")"
+[ "$(grep -c ',failed,"' "$out/one.csv")" = 12 ] || fail "failed rows have no reason"
+for jobs in 2 3; do
+  expect 1 $campaign "$quick" --jobs $jobs --out "$out/jobs$jobs.csv" --pictures 0
+  same jobs$jobs
+done
+expect 0 $campaign "$quick" --run 2
+says "$(sed -n 's/^2,2,\([^,]*\),.*/\1/p' "$out/one.csv" | cut -c 1-15)"
+! command -v gnuplot > /dev/null || [ -s "$out/one_scatter.svg" ] || fail "no picture"
+
+# killed, interrupted, started while it runs
+begin killed 15 "$quick" --jobs 2
+expect 2 $campaign "$quick" --out "$out/killed.csv"
+says "another process is at work"
+kill -9 $running
+end 137
+killed=$(rows killed)
+[ "$killed" -lt 60 ] || fail "it was killed too late"
+expect 1 $campaign "$quick" --jobs 2 --out "$out/killed.csv"
+says " of 60 runs are in $out/killed.journal"
+same killed
+begin interrupted 15 "$quick" --jobs 2
+kill -INT $running
+end 3
+grep -q 'the same command goes on' "$out/interrupted.log" || fail "an interrupt does not say how to go on"
+[ "$(rows interrupted)" -lt 60 ] || fail "it was interrupted too late"
+expect 1 $campaign "$quick" --out "$out/interrupted.csv"
+same interrupted
+
+# a journal with a damaged row and a torn last line
+sed '20s/[0-9] \*/x */' "$out/one.journal" > "$out/torn.journal"
+truncate -s -7 "$out/torn.journal"
+expect 1 $campaign "$quick" --out "$out/torn.csv"
+says "2 lines are torn or damaged"
+same torn
+expect 1 $campaign "$quick" --out "$out/torn.csv"
+[ "$(rows torn)" = 62 ] || fail "a damaged row is not written once again"
+
+# a process that is shot: one row, the others as ever; --retry mends it
+long="--scene $out/beam.txt --runs 6 --jobs 2 --pictures 0"
+expect 0 $campaign $long --vary "work uniform 60 70" --out "$out/long.csv"
+begin shot 1 $long --vary "work uniform 60 70"
+kill -SEGV "$(pgrep -P $running | head -n 1)"
+end 1
+grep -q ',crashed,"ended by signal 11"' "$out/shot.csv" || fail "no row says what became of it: $(cat "$out/shot.csv")"
+[ "$(diff "$out/long.csv" "$out/shot.csv" | grep -c '^>')" = 1 ] || fail "a shot process changes other rows"
+expect 0 $campaign $long --vary "work uniform 60 70" --out "$out/shot.csv" --retry
+cmp -s "$out/long.csv" "$out/shot.csv" || fail "--retry does not mend a row"
+expect 1 $campaign --scene "$out/beam.txt" --vary "work list 0.1 1e6 0.2" --cpu_limit 0.5 --out "$out/limit.csv"
+says "3 runs: 2 ok, 1 timed_out"
+
+# what changes is refused or taken
+expect 2 $campaign "$quick" --seed 8 --out "$out/one.csv"
+says 'it says `seed 7`, this one `seed 8`'
+expect 1 $campaign "$quick" --runs 80 --out "$out/killed.csv"
+[ "$(head -n 61 "$out/killed.csv" | cmp - "$out/one.csv")" = "" ] || fail "more runs change the first"
+mkdir "$out/other"
+cp "$out/beam.txt" "$out/other"
+sed '/^vary work/d' "$quick" > "$out/other/quick.txt"
+begin changed 2 "$out/other/quick.txt" --set "work 20" --jobs 1
+echo "# later" >> "$out/other/beam.txt"
+end 2
+grep -q "is not what it was" "$out/changed.log" || fail "a scene that is changed under way is not noticed"
+expect 2 $campaign "$out/other/quick.txt" --set "work 20" --out "$out/changed.csv"
+says 'it says `scene '
+
+# malformed campaigns
+count=0
+while IFS='|' read -r lines where why; do
+  printf "scene beam.txt\n$lines\n" > "$out/bad.txt"
+  expect 2 $campaign "$out/bad.txt" --out "$out/bad.csv"
+  says "$where: $why"
+  count=$((count + 1))
+done << END
+vary force|bad.txt:2|how it varies must be one of normal lognormal uniform list grid, is missing
+vary force gauss 1 2|bad.txt:2|how it varies must be one of
+vary 1force normal 1 2|bad.txt:2|the name of a parameter
+vary force normal 1|bad.txt:2|standard deviation is missing
+vary force normal 1 0|bad.txt:2|the standard deviation must be greater than 0
+vary force normal 1 x%%|bad.txt:2|standard deviation is not a number: x
+vary force lognormal -1 1|bad.txt:2|the mean of a lognormal distribution must be greater than 0
+\nvary force uniform 2 1|bad.txt:3|the lower end must be below the upper one
+vary force uniform 1 2 3|bad.txt:2|too much on the line: 3
+vary force list|bad.txt:2|value is missing
+vary force grid 0 1 1|bad.txt:2|number of values must be a whole number from 2
+vary force list 1 2\nvary force list 1|bad.txt:3|force is there twice
+set force 1\nvary force list 1|bad.txt:3|force is there twice
+set force|bad.txt:2|value is missing
+runs 0|bad.txt:2|runs must be a whole number from 1
+runs 5\nruns 6|bad.txt:3|runs is there twice
+seed -1|bad.txt:2|seed must be a whole number from 0
+cpu_limit 0|bad.txt:2|cpu_limit must be 0.01 to 1e6 s
+spin 1|bad.txt:2|no such word for a campaign: spin
+correlate force work 0.5|bad.txt:2|no parameter that varies has the name force
+vary force normal 1 1\nvary work uniform 1 2\ncorrelate force work 0.5|bad.txt:4|force and work must both vary normal or lognormal
+vary force normal 1 1\nvary work normal 1 2\ncorrelate force work 1|bad.txt:4|a correlation is that of two parameters, between -1 and 1
+latin\nvary force normal 1 1\nvary work normal 1 2\ncorrelate force work 0.5|bad.txt:5|correlate would take the runs out of the strata
+require last beyond 1|bad.txt:2|a requirement must be one of below above, is beyond
+runs 5|bad.txt|no parameter varies
+vary force list 1 2 3\nruns 4|bad.txt|runs must be a multiple of 3
+vary mass list 1 2 3|campaign|$out/beam.txt has no parameter: mass
+vary force list 1 2\nrequire first above 1|campaign|$out/beam.txt has no measure: first
+END
+expect 2 $campaign --vary "force list 1 2"
+says "campaign: command line: no scene is named"
+expect 2 $campaign "$quick" --jobs 0
+expect 2 $campaign "$out/none.txt"
+says "none.txt: No such file"
+
+# MPI
+mpi="MPI not looked at: no mpicc (apt-get install openmpi-bin libopenmpi-dev)"
+if command -v mpicc > /dev/null && command -v mpirun > /dev/null; then
+  run_mpi="mpirun --allow-run-as-root --oversubscribe"
+  try mpicc $c99 -fsyntax-only examples/campaign_mpi.c
+  for ranks in 1 2 3; do
+    expect 1 $run_mpi -n $ranks build/examples/campaign_mpi "$quick" --out "$out/mpi$ranks.csv" --pictures 0
+    same mpi$ranks
+  done
+  sed '30,$d' "$out/one.journal" > "$out/passed_on.journal"
+  expect 1 $run_mpi -n 2 build/examples/campaign_mpi "$quick" --out "$out/passed_on.csv" --pictures 0
+  same passed_on
+  expect 1 $run_mpi -n 2 build/examples/campaign_mpi --scene "$out/beam.txt" --vary "work list 0.1 1e6 0.2" --cpu_limit 0.5 \
+    --out "$out/mpi_limit.csv" --pictures 0
+  cmp -s "$out/limit.csv" "$out/mpi_limit.csv" || fail "MPI: other rows with a run that does not end"
+  expect 2 $run_mpi -n 2 build/examples/campaign_mpi "$out/bad.txt" --out "$out/bad.csv"
+  mpi="1, 2, 3 MPI ranks the same"
+fi
+ok "1, 2, 3 processes the same bits, killed at row $killed, interrupted, torn, shot; $mpi; $count malformed files refused"

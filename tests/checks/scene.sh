@@ -1,0 +1,65 @@
+#!/bin/sh
+# examples/scene: every scene of examples/scenes meets its references; scenes run again and again in one process give the
+# same bits, and write nothing unless asked to; pictures are well-formed; malformed files are refused with the right line
+# and reason, by a program under the sanitizers.
+. tests/checks/common.sh
+try ${CC:-cc} $c99 -O1 -o "$out/scene" examples/scene.c -lm
+try ${CC:-cc} $c99 -O0 -o "$out/again" tests/checks/scene.c -lm
+
+scenes=0
+for file in examples/scenes/*.txt; do
+  scene=$(basename "$file" .txt)
+  try "$out/scene" "$file" --quiet --out "$out/$scene.csv" --animation "$out/$scene.svg"
+  [ ! -s "$out/log" ] || fail "$scene says: $(cat "$out/log")"
+  grep -q '</svg>' "$out/$scene.svg" || fail "$scene: the picture is not whole"
+  ! grep -q nan "$out/$scene.csv" "$out/$scene.svg" || fail "$scene: not a number"
+  scenes=$((scenes + 1))
+done
+try "$out/again" examples/scenes/slider_crank.txt examples/scenes/spinup_auto.txt examples/scenes/dead_load.txt
+[ ! -s "$out/log" ] || fail "scene_run says: $(cat "$out/log")"
+
+# the modal beam and the exact one from the same description, and parameters
+try "$out/scene" examples/scenes/spinup_rate.txt --quiet --set exact=10 --set spin=6
+! "$out/scene" examples/scenes/spinup_rate.txt --quiet --set modes=1 > "$out/log" || fail "one mode is as good as three"
+grep -q MISSED "$out/log" || fail "nothing is said of a reference that is missed"
+
+try ${CC:-cc} $c99 -O0 -g -fsanitize=address,undefined -fno-sanitize-recover -o "$out/careful" examples/scene.c -lm
+refused=0
+# refuse LINE REASON < FILE: line 0: the file as a whole
+refuse() {
+  { grep -v '^$' || true; } > "$out/bad.txt"
+  status=0
+  "$out/careful" "$out/bad.txt" --quiet > "$out/log" 2>&1 || status=$?
+  line=$([ "$1" = 0 ] || echo ":$1")
+  [ $status = 2 ] && [ "$(wc -l < "$out/log")" = 1 ] && grep -q -F "bad.txt$line: $2" "$out/log" || {
+    cat "$out/bad.txt" "$out/log"
+    fail "status $status, expected line $1: $2"
+  }
+  refused=$((refused + 1))
+}
+# fails REASON < FILE: it is read, but does not run
+fails() {
+  cat > "$out/bad.txt"
+  status=0
+  "$out/careful" "$out/bad.txt" --quiet > "$out/log" 2>&1 || status=$?
+  [ $status = 1 ] && grep -q -F "bad.txt: $1" "$out/log" || {
+    cat "$out/log"
+    fail "status $status, expected: $1"
+  }
+  refused=$((refused + 1))
+}
+top='body top rigid
+  hub 1  0 0 0  1 2 3
+  node 0 0 1 tip
+end'
+beam='body beam beam
+  length 10
+  stations x mass EI_z
+    0 1.2 14004
+  end
+  modes bend_y 2
+  base prescribed
+  node tip tip
+end'
+. tests/checks/scene_refused.sh
+ok "$scenes scenes meet their references; the same bits again; $refused malformed files refused"
