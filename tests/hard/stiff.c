@@ -21,14 +21,7 @@ static outcome struck(fb_scheme scheme, int allow, double factor, int steps)
   outcome out = {0.0, 0.0, 0.0};
   double energy;
   hard_craft_init(&craft, 10.0, 1.2, 14004.0);
-  craft.beam.station[0].EA = FB_R(3e7);
-  craft.beam.n_element = 3;
-  craft.keep.basis = FB_BASIS_FUNCTIONS;
-  craft.keep.count[FB_KIND_BEND_Y] = craft.keep.count[FB_KIND_AXIAL] = FB_ALL_MODES;
-  craft.keep.root_strain = 1;
-  craft.strain = 1;
-  craft.level.effects = FB_EFFECTS_STRAIN;
-  craft.level.base = FB_BASE_PRESCRIBED;
+  hard_craft_stretch(&craft, 3e7, 3);
   craft.level.allow_long_step = allow;
   hard_craft_build(&body, &craft);
   out.dt = factor * (double)fb_rk4_limit(&body, 0, 0);
