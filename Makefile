@@ -27,7 +27,7 @@ help:
 	@echo "make firmware  the attitude loop of examples/firmware.c on an emulated Cortex-M4F and -M7, against the desktop"
 	@echo "make hil       a spacecraft at 1 kHz in real time and its controller, two processes over UDP, 60 s: build/hil.csv"
 	@echo "make test      build and run the tests, build the examples"
-	@echo "make hard      the hard cases in both precisions, beside what a naive treatment gives (4 minutes): build/hard.csv"
+	@echo "make hard      the hard cases in both precisions, beside what a naive treatment gives (2 minutes): build/hard.csv"
 	@echo "make examples  $(EXAMPLES:%=build/examples/%)"
 	@echo "make bench     time per step by modes and effects, by form and scheme, of systems, of the exact beam: build/bench_*.csv"
 	@echo "make bench-accuracy  error and time of eight scenes by effects, modes, scheme and step (2 minutes): build/accuracy/"
