@@ -69,19 +69,27 @@ advice() {
   { echo '```'; sed -e 's/^# //' -e 's/ *$//' "$out/advised"; echo '```'; } | block advice
 }
 
-# The hard cases: one row each, figures of both precisions. Texts are the even fields between quotes.
+# The hard cases, the figures of both precisions in a row: which is the first field of the CSV, texts are the even ones
+# between quotes. A value that differs in single precision stands behind a bar.
 hard() {
   make -s hard > "$out/hard"
   awk -F'"' '
-    function gives(x) { return x + 0 < 1e18 && x !~ /[in]/ ? sprintf("%.2g", x) : "diverges" }
-    BEGIN { print "| case | how hard | steps, time, periods | what holds | figure | bound | margin | naive treatment | gives |"
-            print "|---|---|---|---|---|---|---|---|---|" }
+    function number(x) { return x ~ /[in]/ || x + 0 > 1e18 ? "diverges" : sprintf("%.2g", x) }
+    function both(k, what) { d = v[0, k, what]; s = v[1, k, what]; return d == "" ? s : s == "" || s == d ? d : d " / " s }
+    BEGIN { print "| case | how hard | steps, time [s], periods | what holds | double: figure, bound, margin | single | naive treatment | gives |"
+            print "|---|---|---|---|---|---|---|---|" }
     NR > 1 {
-      split($7, run, ","); split($9, held, ","); split($11, naive, ",")
+      p = $1 ~ /single/; k = $2 "/" ++count[p, $2]
+      if (!(k in name)) { name[k] = $2; row[++rows] = k; text[k] = $4; degree[k] = $6; measure[k] = $8; naive[k] = $10 }
+      split($7, run, ","); split($9, held, ","); split($11, gives, ",")
       for (i = 3; i <= 5; i++) run[i] = run[i] > 0 ? sprintf("%.3g", run[i]) : "-"
-      printf "| %s, %s: %s | %s %.3g | %s, %s s, %s | %s | %.2g | %.0e | %.2g | %s | %s |\n", $2, $1 ~ /single/ ? "single" : "double", $4,
-        $6, run[2], run[3], run[4], run[5], $8, held[2], held[3], held[4], $10, gives(naive[2])
-    }' build/hard.csv | block hard
+      v[p, k, "hard"] = sprintf("%.3g", run[2]); v[p, k, "run"] = run[3] ", " run[4] ", " run[5]
+      v[p, k, "held"] = number(held[2]) ", " number(held[3]) ", " (held[4] ~ /inf/ ? "-" : number(held[4]))
+      v[p, k, "gives"] = number(gives[2])
+    }
+    END { for (i = 1; i <= rows; i++) { k = row[i]
+      print "| " name[k] ": " text[k] " | " degree[k] " " both(k, "hard") " | " both(k, "run") " | " measure[k] " | " v[0, k, "held"] \
+        " | " v[1, k, "held"] " | " naive[k] " | " both(k, "gives") " |" } }' build/hard.csv | block hard
 }
 
 tests() {

@@ -127,6 +127,19 @@ void hard_craft_init(hard_craft *craft, double length, double mass_per_length, d
   craft->level.effects = FB_EFFECTS_FULL;
 }
 
+void hard_craft_stretch(hard_craft *craft, double EA, int degree)
+{
+  craft->beam.station[0].EA = (fb_real)EA;
+  craft->beam.n_element = 3;
+  craft->keep.basis = FB_BASIS_FUNCTIONS;
+  craft->keep.degree = degree;
+  craft->keep.count[FB_KIND_BEND_Y] = craft->keep.count[FB_KIND_AXIAL] = FB_ALL_MODES;
+  craft->keep.root_strain = 1;
+  craft->strain = 1;
+  craft->level.effects = FB_EFFECTS_STRAIN;
+  craft->level.base = FB_BASE_PRESCRIBED;
+}
+
 fb_shape hard_shape;
 
 void hard_craft_build(fb_body *body, const hard_craft *craft)

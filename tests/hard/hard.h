@@ -71,6 +71,8 @@ enum { HARD_TIP = 1 }; /* node */
 
 /* A uniform beam bending alike in both planes, cantilevered at O, full effects, free base, no hub, no modes yet. */
 void hard_craft_init(hard_craft *craft, double length, double mass_per_length, double EI);
+/* Axial coordinates beside those along y: three elements of functions of that degree, nonlinear strain, prescribed base. */
+void hard_craft_stretch(hard_craft *craft, double EA, int degree);
 void hard_craft_build(fb_body *body, const hard_craft *craft);
 extern fb_shape hard_shape; /* of the last body built */
 /* State with velocities of O and rate, body axes; q_dot NULL: none. */

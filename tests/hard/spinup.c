@@ -206,15 +206,7 @@ void hard_axial(int brief)
     exact.figure = apart / peak(&s);
     exact.naive_figure = chain_apart(&s, 20, dt);
     hard_craft_init(&craft, s.length, s.mass, s.EI);
-    craft.beam.station[0].EA = (fb_real)s.EA;
-    craft.beam.n_element = 3;
-    craft.keep.degree = 5;
-    craft.keep.basis = FB_BASIS_FUNCTIONS;
-    craft.keep.count[FB_KIND_BEND_Y] = craft.keep.count[FB_KIND_AXIAL] = FB_ALL_MODES;
-    craft.keep.root_strain = 1;
-    craft.strain = 1;
-    craft.level.effects = FB_EFFECTS_STRAIN;
-    craft.level.base = FB_BASE_PRESCRIBED;
+    hard_craft_stretch(&craft, s.EA, 5);
     craft.level.allow_long_step = 1;
     hard_craft_build(&body, &craft);
     row.figure = modal_apart(&s, &body, FB_SCHEME_SDIRK, dt);
