@@ -13,7 +13,7 @@ SECTIONS = main status vec3 rotation linalg beam modes body system forms mixed i
 EXAMPLES = quickstart spinup campbell analyse advise table1 assembly reduce elastodyn firmware spacecraft rotor arm fourbar \
            elastica follower flap whirl beam3d leigh hil_plant hil_controller
 # long ones first, so that the two jobs of `make ci` end together
-CHECKS   = sanitize suite long tidy bits instructions firmware compile removed single advise rom mismatch stack symbols threads \
+CHECKS   = sanitize hostile suite long tidy bits instructions firmware compile removed single advise rom mismatch stack symbols threads \
            two_precisions jacobian style ids quickstart hil
 
 .DELETE_ON_ERROR:

@@ -139,6 +139,20 @@
      inputs unless a function says so. Zero means default in a desc struct. A failing call changes nothing
      that it was given to change.
 
+     WHAT BAD ARGUMENTS GIVE (every function, tests/checks/hostile.c; below stands only what departs from it)
+     A programmer's error, FB_ASSERT(0) and then:
+       a NULL pointer                            FB_ERR_NULL; an input may be NULL where that is said
+       a node, axis, count that does not exist   FB_ERR_CAPACITY; below zero FB_ERR_CAPACITY or FB_ERR_VALUE
+     Bad data:
+       not a number, infinite, above FB_HUGE     FB_ERR_NOT_FINITE, or FB_ERR_VALUE where a range is asked for
+       out of its range, no such enumerator      FB_ERR_VALUE; FB_ERR_EFFECTS, FB_ERR_STEP, FB_ERR_RANGE: see there
+       what contradicts itself                   FB_ERR_SINGULAR, FB_ERR_KIND, FB_ERR_UNDETERMINED, FB_ERR_CONTRADICTION
+     Not FB_OK: what was to be changed is as before; work structs are scratch. FB_OK: all that was written is finite.
+     Functions without a status do nothing, or give 0, where a pointer is NULL or an index does not exist; numbers go
+     through them as arithmetic has it. Those of >>vec3 and >>rotation, fb_lu_solve and fb_chol_solve are the innermost
+     loops: pointers and sizes are taken as valid, as memcpy does. Nobody can test the sizes of the caller's arrays.
+     What the library has made (beams, modes, shapes, bodies, systems, schemes) is taken as it was made.
+
      paper          code                     shape      unit          meaning
      m, c, J        shape.mass, .c, .J       1, 3, 3x3  kg, kg m, kg m^2   moments of mass about O
      p_a, h_a       shape.P, .H              3 x n      kg, kg m      momenta of the modes (columns)
@@ -463,10 +477,11 @@ FB_API void fb_mat33_mul_vec3(fb_real y[3], const fb_real A[9], const fb_real x[
 FB_API void fb_mat33_mulT_vec3(fb_real y[3], const fb_real A[9], const fb_real x[3]); /* y = A^T x */
 FB_API void fb_mat33_mul(fb_real C[9], const fb_real A[9], const fb_real B[9]);       /* C = A B */
 
-/* Symmetric 6x6 matrices are packed by the upper triangle in 21 numbers, fb_sym6_index(i, j) with any order of i, j. */
+/* Symmetric 6x6 matrices are packed by the upper triangle in 21 numbers, fb_sym6_index(i, j) with any order of i, j (0
+   where one is not 0..5). */
 FB_API int fb_sym6_index(int i, int j);
 FB_API void fb_sym6_mul_vec6(fb_real y[6], const fb_real S[21], const fb_real x[6]); /* y = S x */
-/* x = S^-1 y for positive definite S; x may be y. FB_ERR_SINGULAR: S is not positive definite; x unchanged. */
+/* x = S^-1 y for positive definite S; x may be y. FB_ERR_SINGULAR: S is not positive definite; FB_ERR_NOT_FINITE. */
 FB_API fb_status fb_sym6_solve(fb_real x[6], const fb_real S[21], const fb_real y[6]);
 
 /* ---------------------------------------------------------------------------------------------------------------
@@ -1600,6 +1615,9 @@ typedef struct fb_mixed_work { /* scratch; large: make it static */
 FB_API fb_status fb_mixed_state_init(const fb_mixed *mixed, fb_mixed_state *state, fb_mixed_work *work,
                                      const fb_mixed_input *input);
 
+/* Finite, no quaternion zero. FB_ERR_NOT_FINITE, FB_ERR_VALUE; FB_ERR_CAPACITY: counts of the model. */
+FB_API fb_status fb_mixed_state_check(const fb_mixed *mixed, const fb_mixed_state *state);
+
 /* Steady state under constant loads, gravity and motion of the base (static, or steady rotation; what does not turn
    with a spinning base is taken as it stands at this instant), from state as first guess; where that is too far, from
    the undeformed beam by load increments that it chooses itself. At most 500 increments of 25 iterations.
@@ -1838,7 +1856,7 @@ typedef struct fb_analyse_work { /* scratch; large: make it static */
    FB_ERR_KIND: loads or gravity push or turn a base that is not prescribed: it falls or swings; FB_ERR_CONVERGENCE;
    FB_ERR_RANGE: beyond the deflection limit (buckled, or the load is large); FB_ERR_SINGULAR: the stiffness vanishes
    there; FB_ERR_VALUE: a w that the hinge does not allow; a body of another form than the momentum form whose base is
-   not prescribed. On failure state is as before. */
+   not prescribed. input is required, here and in what follows for one body. */
 FB_API fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_work *work, const fb_input *input);
 /* The motion about a state (of fb_body_trim, or steady anyhow), with the inputs and outputs of desc (NULL: none). By
    differences, exact where rates are polynomials of degree four (a prescribed base without loads on nodes), else right

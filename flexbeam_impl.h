@@ -244,6 +244,7 @@ FB_DEF int fb_sym6_index(int i, int j)
 {
   const int row = i < j ? i : j;
   const int col = i < j ? j : i;
+  FBI_REQUIRE(row >= 0 && col < 6, 0);
   return row * (11 - row) / 2 + col;
 }
 
@@ -348,7 +349,7 @@ static void fbi_chol3_scale(fb_real y[3], const fb_real L[6], const fb_real x[3]
    S = [A B; B^T D], A = L E L^T, Z = L^-1 B, D - Z^T E^-1 Z = G H G^T: straight code without index arithmetic.
    Source: [GV] 4.1, 4.2.  Shapes: S packed 21.  Cost: about 160 flops, 6 divisions.
    Fails: not positive definite.  Test: sym6_solve_inverts_random_and_graded_matrices. */
-FB_DEF fb_status fb_sym6_solve(fb_real x[6], const fb_real S[21], const fb_real y[6])
+static fb_status fbi_sym6_solve(fb_real x[6], const fb_real S[21], const fb_real y[6])
 {
   const fb_real A[6] = {S[0], S[1], S[2], S[6], S[7], S[11]};
   const fb_real ref_a[3] = {S[0], S[6], S[11]};
@@ -384,6 +385,21 @@ FB_DEF fb_status fb_sym6_solve(fb_real x[6], const fb_real S[21], const fb_real 
   fbi_vec3_add(s, -x[5], z2);
   fbi_chol3_back(x, L, s);
   return FB_OK;
+}
+
+FB_DEF fb_status fb_sym6_solve(fb_real x[6], const fb_real S[21], const fb_real y[6])
+{
+  fb_real out[6];
+  fb_status status;
+  FBI_REQUIRE(x && S && y, FB_ERR_NULL);
+  status = fbi_sym6_solve(out, S, y);
+  if (status == FB_OK && !fbi_is_finite(out, 6)) {
+    status = FB_ERR_NOT_FINITE;
+  }
+  if (status == FB_OK) {
+    fbi_copy(x, out, 6);
+  }
+  return status;
 }
 
 /* ---------------------------------------------------------------------------------------------------------------
@@ -559,6 +575,7 @@ FB_DEF void fb_quat_from_wiener_milenkovic(fb_real quat[4], const fb_real c[3])
 
 FB_DEF fb_status fb_quat_normalize(fb_real q[4])
 {
+  FBI_REQUIRE(q, FB_ERR_NULL);
   const fb_real norm2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
   if (!(norm2 > FB_R(1e-20) && norm2 < FB_HUGE)) {
     return FB_ERR_VALUE;
@@ -1433,6 +1450,7 @@ static int fbi_function_ndof(int n_element, int degree)
 
 FB_DEF void fb_beam_section(fb_section *section, const fb_beam *beam, fb_real x)
 {
+  FBI_REQUIRE(section && beam, );
   const fb_section *st = beam->desc.station;
   const int last = beam->desc.n_station - 1;
   int k = 0;
@@ -1512,11 +1530,13 @@ static void fbi_profile_fill(fb_section *s, const fb_material *m, const fb_profi
 
 FB_DEF fb_status fb_section_init(fb_section *section, const fb_material *material, const fb_profile *profile)
 {
+  fb_section out;
+  fb_real all[FBI_SECTION];
   FBI_REQUIRE(section && material && profile, FB_ERR_NULL);
   {
     const fb_real *size = profile->size;
-    const fb_real all[6] = {material->E, material->G, material->density, profile->x, size[0], size[1]};
-    if (!fbi_is_finite(all, 6)) {
+    const fb_real given[6] = {material->E, material->G, material->density, profile->x, size[0], size[1]};
+    if (!fbi_is_finite(given, 6)) {
       return FB_ERR_NOT_FINITE;
     }
     if (!(material->E > FB_R(0.0) && material->G > FB_R(0.0) && material->density >= FB_R(0.0)) ||
@@ -1526,7 +1546,12 @@ FB_DEF fb_status fb_section_init(fb_section *section, const fb_material *materia
       return FB_ERR_VALUE;
     }
   }
-  fbi_profile_fill(section, material, profile);
+  fbi_profile_fill(&out, material, profile);
+  memcpy(all, &out, sizeof all);
+  if (!fbi_is_finite(all, FBI_SECTION)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *section = out;
   return FB_OK;
 }
 
@@ -1846,6 +1871,14 @@ static fb_real fbi_beam_mass(const fb_beam *beam)
   return mass;
 }
 
+/* What lies beyond the counts goes nowhere. */
+static void fbi_desc_clear(fb_beam_desc *desc)
+{
+  memset(desc->station + desc->n_station, 0, sizeof desc->station[0] * (size_t)(FB_MAX_STATIONS - desc->n_station));
+  memset(desc->lump + desc->n_lump, 0, sizeof desc->lump[0] * (size_t)(FB_MAX_LUMPS - desc->n_lump));
+  memset(desc->point + desc->n_point, 0, sizeof desc->point[0] * (size_t)(FB_MAX_ELEMENTS + 1 - desc->n_point));
+}
+
 FB_DEF fb_status fb_beam_init(fb_beam *beam, const fb_beam_desc *desc)
 {
   fb_beam checked;
@@ -1858,6 +1891,7 @@ FB_DEF fb_status fb_beam_init(fb_beam *beam, const fb_beam_desc *desc)
   }
   memset(&checked, 0, sizeof checked);
   checked.desc = *desc;
+  fbi_desc_clear(&checked.desc);
   checked.has_shear = desc->station[0].GA_y > FB_R(0.0);
   status = fbi_quat_from_attitude(quat, desc->attitude);
   status = status ? status : fbi_line_fill(&checked);
@@ -2147,6 +2181,7 @@ static void fbi_matrices(fb_real *K, fb_real *M, const fb_beam *beam, int nodal,
 FB_DEF void fb_beam_matrices(fb_real *K, fb_real *M, const fb_beam *beam)
 {
   const fb_preload none = {FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  FBI_REQUIRE(K && M && beam, );
   fbi_matrices(K, M, beam, 1, &none);
 }
 
@@ -4338,7 +4373,8 @@ FB_DEF fb_status fb_gauge_init(fb_gauge *gauge, int first, const fb_beam *beam, 
 {
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
   FBI_REQUIRE(gauge && beam && modes, FB_ERR_NULL);
-  FBI_REQUIRE(first >= 0 && modes->n >= 0 && first + modes->n <= FB_MAX_MODES, FB_ERR_CAPACITY);
+  FBI_REQUIRE(modes->n >= 0 && modes->n <= FB_MAX_MODES && first >= 0 && first <= FB_MAX_MODES - modes->n,
+              FB_ERR_CAPACITY);
   if (!fbi_is_finite(&x, 1) || !fbi_is_finite(&y, 1) || !fbi_is_finite(&z, 1)) {
     return FB_ERR_NOT_FINITE;
   }
@@ -4360,6 +4396,7 @@ FB_DEF fb_status fb_gauge_init(fb_gauge *gauge, int first, const fb_beam *beam, 
 
 FB_DEF fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q)
 {
+  FBI_REQUIRE(gauge && q && gauge->n >= 0 && gauge->n <= FB_MAX_MODES, FB_R(0.0));
   return fbi_dot(gauge->gain, q, gauge->n);
 }
 
@@ -4953,7 +4990,7 @@ static int fbi_first_free(fb_base base)
 static fb_status fbi_base_solve(fb_real x[6], fb_base base, const fb_real S[21], const fb_real y[6])
 {
   if (base == FB_BASE_FREE) {
-    return fb_sym6_solve(x, S, y);
+    return fbi_sym6_solve(x, S, y);
   }
   for (int i = 0; i < 6; i++) {
     x[i] = i >= 3 ? y[i] : FB_R(0.0);
@@ -5194,15 +5231,62 @@ static fb_status fbi_form_check(const fb_shape *shape, const fb_body_desc *desc)
 }
 #endif
 
+static int fbi_node_is_finite(const fb_node *node, int n)
+{
+  const int own = fbi_is_finite(node->r, 3) && fbi_is_finite(node->psi, 3 * n) && fbi_is_finite(node->theta, 3 * n);
+#if FBI_WITH_QUADRATIC
+  return own && fbi_is_finite(node->chi, 3 * n * (n + 1) / 2) && fbi_is_finite(node->chi_theta, 3 * n * (n + 1) / 2);
+#else
+  return own;
+#endif
+}
+
+/* Counts within the tables, all that they count finite: the caller may write into a shape. */
+static fb_status fbi_shape_check(const fb_shape *shape)
+{
+  const int n = shape->n;
+  int nn, finite;
+  FBI_REQUIRE(n >= 0 && n <= FB_MAX_MODES && shape->n_node >= 1 && shape->n_node <= FB_MAX_NODES, FB_ERR_CAPACITY);
+  nn = n * n;
+  finite = fbi_is_finite(&shape->mass, 1) && fbi_is_finite(&shape->size, 1) && fbi_is_finite(shape->c, 3) &&
+           fbi_is_finite(shape->J, 9) && fbi_is_finite(shape->P, 3 * n) && fbi_is_finite(shape->H, 3 * n) &&
+           fbi_is_finite(shape->M, nn) && fbi_is_finite(shape->K, nn) && fbi_is_finite(shape->reach, n);
+#if FB_WITH_SPIN_COUPLING
+  finite = finite && fbi_is_finite(shape->ups, 3 * nn);
+#endif
+#if FB_WITH_RESIDUAL_INERTIA
+  finite = finite && fbi_is_finite(shape->Gam, 9 * n) && fbi_is_finite(shape->Pi, 9 * nn);
+#endif
+#if FB_WITH_SPIN_STIFFENING
+  finite = finite && fbi_is_finite(shape->Gamchi, 9 * nn);
+#endif
+#if FB_WITH_ACCELERATION_STIFFENING
+  finite = finite && fbi_is_finite(shape->pchi, 3 * nn) && fbi_is_finite(shape->hchi, 3 * nn);
+#endif
+#if FB_WITH_NONLINEAR_STRAIN
+  FBI_REQUIRE(shape->n_strain >= 0 && shape->n_strain <= FBI_MAX_STRAINS && shape->n_strain % 4 == 0, FB_ERR_CAPACITY);
+  finite = finite && fbi_is_finite(&shape->stretch, 1) && fbi_is_finite(shape->strain_weight, shape->n_strain);
+  for (int k = 0; k < 3 * n; k++) {
+    finite = finite && fbi_is_finite(shape->slope + k * FBI_MAX_STRAINS, shape->n_strain);
+  }
+#if FB_WITH_FORMS
+  finite = finite && fbi_is_finite(shape->torque, 3 * nn) && fbi_is_finite(shape->torque_boundary, 3 * nn);
+#endif
+#endif
+  for (int k = 0; k < shape->n_node; k++) {
+    finite = finite && fbi_node_is_finite(&shape->node[k], n);
+  }
+  return finite ? FB_OK : FB_ERR_NOT_FINITE;
+}
+
 static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *desc)
 {
+  const fb_status status = fbi_shape_check(shape);
+  if (status != FB_OK) {
+    return status;
+  }
   if (!fbi_is_finite(desc->zeta, shape->n) || !fbi_is_finite(desc->gravity, 3) ||
       !fbi_is_finite(&desc->deflection_limit, 1)) {
-    return FB_ERR_NOT_FINITE;
-  }
-  if (!fbi_is_finite(shape->M, shape->n * shape->n) || !fbi_is_finite(shape->K, shape->n * shape->n) ||
-      !fbi_is_finite(shape->P, 3 * shape->n) || !fbi_is_finite(shape->H, 3 * shape->n) || !fbi_is_finite(shape->c, 3) ||
-      !fbi_is_finite(shape->J, 9)) {
     return FB_ERR_NOT_FINITE;
   }
   for (int k = 0; k < shape->n; k++) {
@@ -5235,6 +5319,18 @@ static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *
 #endif
 }
 
+/* As far as there are coordinates. */
+static void fbi_node_copy(fb_node *to, const fb_node *from, int n)
+{
+  fbi_copy(to->r, from->r, 3);
+  fbi_copy(to->psi, from->psi, 3 * n);
+  fbi_copy(to->theta, from->theta, 3 * n);
+#if FBI_WITH_QUADRATIC
+  fbi_copy(to->chi, from->chi, 3 * n * (n + 1) / 2);
+  fbi_copy(to->chi_theta, from->chi_theta, 3 * n * (n + 1) / 2);
+#endif
+}
+
 /* Everything but matrices and terms. */
 static void fbi_body_fill(fb_body *body, const fb_shape *shape, const fb_body_desc *desc)
 {
@@ -5254,7 +5350,7 @@ static void fbi_body_fill(fb_body *body, const fb_shape *shape, const fb_body_de
   body->n = desc->effects & FB_EFFECT_ELASTIC ? shape->n : 0;
   body->n_node = shape->n_node;
   body->base = desc->base;
-  body->allow_long_step = desc->allow_long_step;
+  body->allow_long_step = desc->allow_long_step != 0;
   fbi_sparse_fill(&body->M, shape->M, body->n);
   fbi_sparse_fill(&body->K, shape->K, body->n);
   body->unit_mass = fbi_is_unit(&body->M, body->n);
@@ -5272,7 +5368,7 @@ static void fbi_body_fill(fb_body *body, const fb_shape *shape, const fb_body_de
   fbi_strain_fill(body, shape, desc->truncation);
 #endif
   for (int k = 0; k < shape->n_node; k++) {
-    body->node[k] = shape->node[k];
+    fbi_node_copy(&body->node[k], &shape->node[k], body->n);
   }
 }
 
@@ -6321,11 +6417,17 @@ static int fbi_state_is_finite(const fb_state *state, int n)
 FB_DEF fb_status fb_body_rates(const fb_body *body, fb_state *rate, const fb_state *state, const fb_input *input)
 {
   fbi_kinetics k;
+  fb_state out;
   fb_status status;
   FBI_REQUIRE(body && rate && state, FB_ERR_NULL);
   status = fbi_input_check(body, input);
-  status = status == FB_OK ? fbi_rates(rate, &k, body, state, input) : status;
-  return status == FB_OK && !fbi_state_is_finite(rate, body->n) ? FB_ERR_NOT_FINITE : status;
+  memset(&out, 0, sizeof out);
+  status = status == FB_OK ? fbi_rates(&out, &k, body, state, input) : status;
+  status = status == FB_OK && !fbi_state_is_finite(&out, body->n) ? FB_ERR_NOT_FINITE : status;
+  if (status == FB_OK) {
+    *rate = out;
+  }
+  return status;
 }
 
 /* ---- 8f state, motion, energy, momentum */
@@ -6614,13 +6716,13 @@ FB_DEF fb_status fb_body_motion(const fb_body *body, fb_motion *motion, const fb
    acceleration v_dot + w x v + w_dot x s + w x (w x s) + 2 w x u_dot + J_u q_ddot + Ju_dot q_dot,
    angular rate w + J_phi q_dot,  its rate w_dot + J_phi q_ddot + w x J_phi q_dot + Jphi_dot q_dot (E8.30).
    Source: kinematics of a moving frame.  Fails: no such node.  Test: node_kinematics_match_finite_differences. */
-FB_DEF fb_status fb_body_node_motion(const fb_body *body, fb_node_motion *out, const fb_state *state,
-                                     const fb_motion *motion, int node)
+#define FBI_NODE_MOTION ((int)(sizeof(fb_node_motion) / sizeof(fb_real))) /* all its members are reals */
+
+static void fbi_node_motion(fb_node_motion *out, const fb_body *body, const fb_state *state, const fb_motion *motion,
+                            int node)
 {
   fbi_node_field f;
   fb_real R[9], turn[4], s[3], ud[3] = {0}, pd[3] = {0}, ws[3], a[3], alpha[3], vel[3], rate[3], u_dd[3], turn_dd[3];
-  FBI_REQUIRE(body && out && state && motion, FB_ERR_NULL);
-  FBI_REQUIRE(node >= 0 && node < body->n_node, FB_ERR_CAPACITY);
   fbi_node_eval(&f, body, &body->node[node], state->q);
   fb_quat_to_mat33(R, state->quat);
   fbi_copy(a, motion->v_dot, 3);
@@ -6655,6 +6757,21 @@ FB_DEF fb_status fb_body_node_motion(const fb_body *body, fb_node_motion *out, c
   fb_mat33_mul_vec3(out->angular_acceleration, R, alpha);
   fbi_copy(out->displacement, f.u, 3);
   fb_quat_to_rotvec(out->rotation, turn);
+}
+
+FB_DEF fb_status fb_body_node_motion(const fb_body *body, fb_node_motion *out, const fb_state *state,
+                                     const fb_motion *motion, int node)
+{
+  fb_node_motion found;
+  fb_real all[FBI_NODE_MOTION];
+  FBI_REQUIRE(body && out && state && motion, FB_ERR_NULL);
+  FBI_REQUIRE(node >= 0 && node < body->n_node, FB_ERR_CAPACITY);
+  fbi_node_motion(&found, body, state, motion, node);
+  memcpy(all, &found, sizeof all);
+  if (!fbi_is_finite(all, FBI_NODE_MOTION)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *out = found;
   return FB_OK;
 }
 
@@ -6740,6 +6857,7 @@ FB_DEF fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, co
                                   const fb_input *input)
 {
   fbi_kinetics k;
+  fb_momentum out;
   fb_status status;
   FBI_REQUIRE(body && momentum && state, FB_ERR_NULL);
   status = fbi_velocity(&k, body, state, input);
@@ -6755,13 +6873,17 @@ FB_DEF fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, co
     if (fbi_form(body) == 0) {
       fbi_momenta(&k, body);
     }
-    fb_mat33_mul_vec3(momentum->linear, k.R, k.ph);
-    fb_mat33_mul_vec3(momentum->angular, k.R, k.ph + 3);
+    fb_mat33_mul_vec3(out.linear, k.R, k.ph);
+    fb_mat33_mul_vec3(out.angular, k.R, k.ph + 3);
   } else {
-    fbi_copy(momentum->linear, state->P, 3);
-    fbi_copy(momentum->angular, state->L, 3);
+    fbi_copy(out.linear, state->P, 3);
+    fbi_copy(out.angular, state->L, 3);
   }
-  fbi_vec3_add_cross(momentum->angular, state->rho, momentum->linear);
+  fbi_vec3_add_cross(out.angular, state->rho, out.linear);
+  if (!fbi_is_finite(out.linear, 3) || !fbi_is_finite(out.angular, 3)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *momentum = out;
   return FB_OK;
 }
 
@@ -7383,7 +7505,7 @@ static fb_status fbi_link_out(fbi_link_work *L, const fb_joint *joint, const fb_
       y[i] = L->p[i] - L->b[i];
       V[i] = L->mode[0] == FB_AXIS_PRESCRIBED ? L->p[i] : FB_R(0.0);
     }
-    if (L->mode[0] == FB_AXIS_FREE && fb_sym6_solve(V, L->S, y) != FB_OK) {
+    if (L->mode[0] == FB_AXIS_FREE && fbi_sym6_solve(V, L->S, y) != FB_OK) {
       return !fbi_is_finite(L->S, 21) ? FB_ERR_NOT_FINITE : n > 0 ? FB_ERR_RANGE : FB_ERR_UNDETERMINED;
     }
     fbi_vec6_copy(L->u, V);
@@ -9337,7 +9459,7 @@ static void fbi_tree_joint_motion(fb_joint_motion *out, const fbi_link_work *L, 
   }
   fb_mat33_mul_vec3(out->force, L->k.R, L->G);
   fb_mat33_mul_vec3(out->torque, L->k.R, torque);
-  fbi_copy(out->value, x->x, 3);
+  fbi_copy(out->value, x->x, joint->n_axis < 3 ? joint->n_axis : 3);
   if (joint->kind == FB_JOINT_SPHERICAL) {
     fb_quat_to_rotvec(out->value, x->quat);
   }
@@ -9554,6 +9676,7 @@ FB_DEF fb_status fb_system_momentum(const fb_system *system, const fb_body *body
    Source: definition of an accelerometer.  Test: joint_forces_carry_what_hangs_on_them. */
 FB_DEF void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *gravity)
 {
+  FBI_REQUIRE(imu && node, );
   fb_real R[9], a[3];
   fb_quat_to_mat33(R, node->quat);
   for (int i = 0; i < 3; i++) {
@@ -9671,7 +9794,7 @@ static void fbi_system_fill(fb_system *out, const fb_body *body, const fb_system
   out->n_body = desc->n_body;
   out->n_loop = desc->n_loop;
   out->method = desc->method;
-  out->allow_long_step = desc->allow_long_step;
+  out->allow_long_step = desc->allow_long_step != 0;
   for (int k = 0; k < desc->n_body; k++) {
     out->model[k] = desc->model[k];
   }
@@ -11160,16 +11283,42 @@ static fb_status fbi_mixed_increments(fb_mixed_work *work, const fb_mixed *m, co
   return FB_OK;
 }
 
-static fb_status fbi_mixed_state_check(const fb_mixed *m, const fb_mixed_state *state)
+/* Counts of the model that the loops over a state rest on. */
+static int fbi_mixed_is_sized(const fb_mixed *m)
+{
+  return m->n >= 1 && m->n <= FB_MAX_MIXED && m->n_lump >= 0 && m->n_lump <= FB_MAX_LUMPS;
+}
+
+static int fbi_mixed_rates_are_finite(const fb_mixed *m, const fb_mixed_state *state)
+{
+  int finite = fbi_is_finite(state->strain_rate, 6 * m->n) && fbi_is_finite(state->momentum_rate, 6 * m->n) &&
+               fbi_is_finite(state->lump_rate, 6 * m->n_lump) && fbi_is_finite(state->offset, 6 * m->n);
+  for (int k = 0; k < 3; k++) {
+    finite = finite && fbi_is_finite(state->V[k], 6 * (m->n + 1)) && fbi_is_finite(state->stress[k], 6 * m->n);
+  }
+  return finite && fbi_is_finite(state->force, 6 * (m->n + 1)) && fbi_is_finite(state->reaction, 6 * (m->n + 1)) &&
+         fbi_is_finite(&state->step, 1);
+}
+
+FB_DEF fb_status fb_mixed_state_check(const fb_mixed *m, const fb_mixed_state *state)
 {
   fb_real quat[4];
-  fbi_copy(quat, state->base_quat, 4);
-  if (!fbi_is_finite(state->base_position, 3) || !fbi_is_finite(quat, 4) || !fbi_is_finite(state->r, 3 * (m->n + 1)) ||
-      !fbi_is_finite(state->quat, 4 * (m->n + 1)) || !fbi_is_finite(state->strain, 6 * m->n) ||
-      !fbi_is_finite(state->momentum, 6 * m->n) || !fbi_is_finite(state->stress[0], 6 * m->n)) {
+  FBI_REQUIRE(m && state, FB_ERR_NULL);
+  FBI_REQUIRE(fbi_mixed_is_sized(m), FB_ERR_CAPACITY);
+  if (!fbi_is_finite(state->base_position, 3) || !fbi_is_finite(state->base_quat, 4) ||
+      !fbi_is_finite(state->r, 3 * (m->n + 1)) || !fbi_is_finite(state->quat, 4 * (m->n + 1)) ||
+      !fbi_is_finite(state->strain, 6 * m->n) || !fbi_is_finite(state->momentum, 6 * m->n) ||
+      !fbi_is_finite(state->lump, 6 * m->n_lump) || !fbi_mixed_rates_are_finite(m, state)) {
     return FB_ERR_NOT_FINITE;
   }
-  return fb_quat_normalize(quat);
+  for (int j = 0; j <= m->n; j++) {
+    fbi_copy(quat, state->quat + 4 * j, 4);
+    if (fb_quat_normalize(quat) != FB_OK) {
+      return FB_ERR_VALUE;
+    }
+  }
+  fbi_copy(quat, state->base_quat, 4);
+  return fb_quat_normalize(quat) == FB_OK && state->known >= 0 && state->known <= 3 ? FB_OK : FB_ERR_VALUE;
 }
 
 static const fb_mixed_input *fbi_mixed_no_input(fb_mixed_work *work)
@@ -11278,7 +11427,7 @@ FB_DEF fb_status fb_mixed_steady_solve(const fb_mixed *m, fb_mixed_state *state,
   fb_status status;
   FBI_REQUIRE(m && state && work, FB_ERR_NULL);
   input = input ? input : fbi_mixed_no_input(work);
-  status = fbi_mixed_state_check(m, state);
+  status = fb_mixed_state_check(m, state);
   status = status ? status : fbi_mixed_input_check(m, input);
   if (status != FB_OK) {
     return status;
@@ -11332,7 +11481,12 @@ static void fbi_rotvec_near(fb_real phi[3], const fb_real quat[4])
 FB_DEF fb_status fb_mixed_nodes_eval(const fb_mixed *m, fb_mixed_node *node, const fb_mixed_state *state)
 {
   fb_real base[9], phi[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_status status;
   FBI_REQUIRE(m && node && state, FB_ERR_NULL);
+  status = fb_mixed_state_check(m, state);
+  if (status != FB_OK) {
+    return status;
+  }
   fb_quat_to_mat33(base, state->base_quat);
   for (int j = 0; j <= m->n; j++) {
     fb_mixed_node *const out = &node[j];
@@ -11364,6 +11518,9 @@ FB_DEF fb_status fb_mixed_element_eval(const fb_mixed *m, fb_mixed_element *out,
 {
   FBI_REQUIRE(m && out && state, FB_ERR_NULL);
   FBI_REQUIRE(k >= 0 && k < m->n, FB_ERR_CAPACITY);
+  if (!fbi_is_finite(state->stress[0] + 6 * k, 6) || !fbi_is_finite(state->momentum + 6 * k, 6)) {
+    return FB_ERR_NOT_FINITE;
+  }
   {
     const fb_real *const s = state->stress[0] + 6 * k, *const P = state->momentum + 6 * k;
     const fb_real mass = m->force * m->time * m->time / m->length; /* of the beam */
@@ -11410,11 +11567,16 @@ static void fbi_mixed_point(fb_real r[3], fb_real quat[4], const fb_mixed *m, co
 FB_DEF fb_status fb_mixed_point_eval(const fb_mixed *m, fb_real position[3], fb_real quat[4],
                                      const fb_mixed_state *state, fb_real x)
 {
+  fb_status status;
   fb_real r[3], turn[4], R[9], place = FB_R(0.0);
   int k = 0;
   FBI_REQUIRE(m && position && quat && state, FB_ERR_NULL);
   if (!(x >= FB_R(0.0) && x <= m->length * (FB_R(1.0) + FB_R(1e-5)))) {
     return FB_ERR_VALUE;
+  }
+  status = fb_mixed_state_check(m, state);
+  if (status != FB_OK) {
+    return status;
   }
   x /= m->length;
   while (k + 1 < m->n && place + m->h[k] < x) {
@@ -11455,9 +11617,9 @@ static fb_real fbi_mixed_weight(const fb_real M[36], const fb_real g[3], const f
    Test: energy_is_kept_whatever_the_step, a_pendulum_keeps_its_energy. */
 FB_DEF fb_status fb_mixed_energy(const fb_mixed *m, fb_energy *energy, const fb_mixed_state *state)
 {
+  fb_energy out = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_real base[9], g[3], origin, last, unit;
   FBI_REQUIRE(m && energy && state, FB_ERR_NULL);
-  memset(energy, 0, sizeof *energy);
   last = FB_R(0.25) * m->beta * state->step * state->step;
   unit = m->force * m->length;
   fb_quat_to_mat33(base, state->base_quat);
@@ -11467,23 +11629,27 @@ FB_DEF fb_status fb_mixed_energy(const fb_mixed *m, fb_energy *energy, const fb_
     const fb_real h = m->h[k], *const M = m->M + 36 * k, *const r = state->r + 3 * k, *const quat = state->quat + 4 * k;
     fb_real middle[3], turn[4];
     fbi_mixed_point(middle, turn, m, state, k, FB_R(0.5));
-    energy->strain +=
+    out.strain +=
         h * fbi_mixed_quadratic(m->S + 36 * k, state->strain + 6 * k, state->strain_rate + 6 * k, last) * unit;
-    energy->kinetic +=
+    out.kinetic +=
         h * unit *
         fbi_mixed_quadratic(m->M_inverse + 36 * k, state->momentum + 6 * k, state->momentum_rate + 6 * k, last);
-    energy->gravity -= h * unit *
-                       (M[0] * origin + (fbi_mixed_weight(M, g, r, quat) + fbi_mixed_weight(M, g, r + 3, quat + 4) +
-                                         FB_R(4.0) * fbi_mixed_weight(M, g, middle, turn)) /
-                                            FB_R(6.0));
+    out.gravity -= h * unit *
+                   (M[0] * origin + (fbi_mixed_weight(M, g, r, quat) + fbi_mixed_weight(M, g, r + 3, quat + 4) +
+                                     FB_R(4.0) * fbi_mixed_weight(M, g, middle, turn)) /
+                                        FB_R(6.0));
   }
   for (int l = 0; l < m->n_lump; l++) {
     const fb_real *const M = m->lump + 36 * l;
     const int j = m->lump_node[l];
-    energy->kinetic +=
+    out.kinetic +=
         unit * fbi_mixed_quadratic(m->lump_inverse + 36 * l, state->lump + 6 * l, state->lump_rate + 6 * l, last);
-    energy->gravity -= unit * (M[0] * origin + fbi_mixed_weight(M, g, state->r + 3 * j, state->quat + 4 * j));
+    out.gravity -= unit * (M[0] * origin + fbi_mixed_weight(M, g, state->r + 3 * j, state->quat + 4 * j));
   }
+  if (!fbi_energy_is_finite(&out)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *energy = out;
   return FB_OK;
 }
 
@@ -11504,6 +11670,7 @@ static void fbi_mixed_wrench_add(fb_real p[3], fb_real h[3], const fb_mixed_stat
    Source: [L] 3.62, E10.7.  Cost: 200 flops an element.  Fails: never.  Test: free_flight_keeps_momentum. */
 FB_DEF fb_status fb_mixed_momentum(const fb_mixed *m, fb_momentum *momentum, const fb_mixed_state *state)
 {
+  fb_momentum out;
   fb_real base[9], unit, p[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, h[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   FBI_REQUIRE(m && momentum && state, FB_ERR_NULL);
   for (int k = 0; k < m->n; k++) {
@@ -11525,13 +11692,17 @@ FB_DEF fb_status fb_mixed_momentum(const fb_mixed *m, fb_momentum *momentum, con
   }
   unit = m->force * m->time; /* of momentum */
   fb_quat_to_mat33(base, state->base_quat);
-  fb_mat33_mul_vec3(momentum->linear, base, p);
-  fb_mat33_mul_vec3(momentum->angular, base, h);
+  fb_mat33_mul_vec3(out.linear, base, p);
+  fb_mat33_mul_vec3(out.angular, base, h);
   for (int i = 0; i < 3; i++) {
-    momentum->linear[i] *= unit;
-    momentum->angular[i] *= unit * m->length;
+    out.linear[i] *= unit;
+    out.angular[i] *= unit * m->length;
   }
-  fbi_vec3_add_cross(momentum->angular, state->base_position, momentum->linear);
+  fbi_vec3_add_cross(out.angular, state->base_position, out.linear);
+  if (!fbi_is_finite(out.linear, 3) || !fbi_is_finite(out.angular, 3)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *momentum = out;
   return FB_OK;
 }
 
@@ -11571,6 +11742,7 @@ static fb_real fbi_step_limit(fb_real radius, fb_real bound)
 #define FBI_RK4_RADIUS FB_R(2.785)
 FB_DEF fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real acceleration)
 {
+  FBI_REQUIRE(body, FB_R(0.0));
   return fbi_step_limit(FBI_RK4_RADIUS, fbi_frequency_bound(body, spin, acceleration, FB_R(0.0), FB_R(0.0)));
 }
 
@@ -12062,6 +12234,7 @@ static fb_real fbi_stiffening(const fb_body *body, fb_real spin, fb_real acceler
    Source: trials.  Fails: never.  Test: steps_within_the_limit_are_stable. */
 FB_DEF fb_real fb_implicit_limit(const fb_body *body, fb_real spin, fb_real acceleration)
 {
+  FBI_REQUIRE(body, FB_R(0.0));
   return fbi_step_limit(FB_R(1.0), fbi_larger(FB_R(10.0) * FB_FABS(spin), fbi_stiffening(body, spin, acceleration)));
 }
 
@@ -12193,6 +12366,7 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
    Source: trials.  Fails: never.  Test: steps_within_the_limit_are_stable. */
 FB_DEF fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real acceleration)
 {
+  FBI_REQUIRE(body, FB_R(0.0));
   const fb_real lightness = body->base == FB_BASE_FREE ? body->recoil * body->recoil - FB_R(1.0) : FB_R(0.0);
   const fb_real turning = (FB_R(2.0) * body->recoil + FB_R(15.0) * lightness) * FB_FABS(spin);
   const int heavy = body->limit_damping > FB_R(0.5) * FB_SQRT(body->limit_elastic);
@@ -12557,11 +12731,14 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   static const fb_real second[4] = {-FB_R(3.0), FB_R(2.0), FB_R(2.0), -FB_R(1.0)};
   static const fb_real last[4] = {FB_R(4.0), -FB_R(4.0), -FB_R(4.0), FB_R(4.0)};
   fbi_kinetics k;
-  fb_state *z = &work->z, *N = work->N, *sum = &work->sum;
+  fb_state *z, *N, *sum;
   fb_real h, spin, acceleration;
   fb_status status;
   int n;
   FBI_REQUIRE(body && scheme && state && work, FB_ERR_NULL);
+  z = &work->z;
+  N = work->N;
+  sum = &work->sum;
   n = body->n;
   h = scheme->dt;
   work->at = *state;
@@ -12677,6 +12854,7 @@ static fb_real fbi_system_frequency(const fb_system *system, fb_real spin, fb_re
    Source: E8.8, E11.1.  Fails: never.  Test: system_steps_beyond_the_limit_are_refused. */
 FB_DEF fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body, fb_real spin, fb_real acceleration)
 {
+  FBI_REQUIRE(system && body, FB_R(0.0));
   fb_real stiff = FB_R(0.0);
   for (int k = 0; k < system->n_body; k++) {
     const fb_body *model = fbi_model(system, body, k);
@@ -13170,7 +13348,7 @@ FB_DEF fb_status fb_mixed_step(const fb_mixed *m, fb_mixed_state *state, fb_mixe
   fb_status status;
   FBI_REQUIRE(m && state && work, FB_ERR_NULL);
   middle = middle ? middle : fbi_mixed_no_input(work);
-  status = fbi_mixed_state_check(m, state);
+  status = fb_mixed_state_check(m, state);
   status = status ? status : fbi_mixed_input_check(m, middle);
   if (status != FB_OK) {
     return status;
@@ -14517,7 +14695,7 @@ FB_DEF fb_real fb_spectrum_damping(const fb_spectrum *spectrum, int k)
 {
   fbi_complex value;
   fb_real size;
-  FBI_REQUIRE(spectrum && k >= 0 && k < spectrum->n, FB_R(0.0));
+  FBI_REQUIRE(spectrum && spectrum->n <= FB_MAX_LINEAR && k >= 0 && k < spectrum->n, FB_R(0.0));
   value.re = spectrum->re[k];
   value.im = spectrum->im[k];
   size = fbi_complex_abs(value);
@@ -14600,7 +14778,7 @@ static fb_real fbi_stable_radius(fb_scheme scheme, fbi_complex d)
 FB_DEF fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_scheme scheme)
 {
   fb_real limit = FB_HUGE;
-  FBI_REQUIRE(spectrum && fbi_is_choice((int)scheme, (int)FB_SCHEME_SDIRK), FB_R(0.0));
+  FBI_REQUIRE(spectrum && spectrum->n <= FB_MAX_LINEAR && fbi_is_choice((int)scheme, (int)FB_SCHEME_SDIRK), FB_R(0.0));
   for (int k = 0; k < spectrum->n && scheme == FB_SCHEME_RK4; k++) {
     const fbi_complex value = {fbi_smaller(spectrum->re[k], FB_R(0.0)), spectrum->im[k]};
     const fb_real size = fbi_complex_abs(value);
@@ -14665,8 +14843,8 @@ FB_DEF fb_real fb_spectrum_step(const fb_spectrum *spectrum, fb_scheme scheme, c
 {
   const fb_real most = fbi_smaller(FB_R(0.9) * fb_spectrum_limit(spectrum, scheme), duration);
   fb_real low = FB_R(0.0), high = FB_R(8.6736173798840355e-19) * most; /* 2^-60 */
-  if (!spectrum || !fbi_is_choice((int)scheme, (int)FB_SCHEME_SDIRK) || !(duration > FB_R(0.0)) ||
-      !(tolerance > FB_R(0.0)) || !(most > FB_R(0.0)) ||
+  if (!spectrum || spectrum->n > FB_MAX_LINEAR || !fbi_is_choice((int)scheme, (int)FB_SCHEME_SDIRK) ||
+      !(duration > FB_R(0.0)) || !(tolerance > FB_R(0.0)) || !(most > FB_R(0.0)) ||
       !(fbi_spectrum_error(spectrum, scheme, amplitude, high, duration) >= FB_R(0.0))) { /* not a number */
     return FB_R(0.0);
   }
@@ -14980,7 +15158,7 @@ FB_DEF fb_status fb_mixed_spectrum_solve(const fb_mixed *m, fb_mixed_spectrum *s
     return FB_ERR_VALUE;
   }
   input = input ? input : fbi_mixed_no_input(&work->mixed);
-  status = fbi_mixed_state_check(m, state);
+  status = fb_mixed_state_check(m, state);
   status = status ? status : fbi_mixed_input_check(m, input);
   status = status ? status : fbi_mixed_modes(&found, order, work, m, state, input, count);
   if (status != FB_OK) {
@@ -15262,7 +15440,7 @@ FB_DEF fb_status fb_mixed_linearize(const fb_mixed *m, fb_mixed_linear *linear, 
   out = &w->linear;
   input = input ? input : fbi_mixed_no_input(&w->spectrum.mixed);
   status = count < 1 || count > FB_MIXED_MODES ? FB_ERR_VALUE : fbi_mixed_ports_check(m, desc);
-  status = status ? status : fbi_mixed_state_check(m, state);
+  status = status ? status : fb_mixed_state_check(m, state);
   status = status ? status : fbi_mixed_input_check(m, input);
   status = status ? status : fbi_mixed_linearize(&w->spectrum.mixed, m, state, input, FB_R(0.0));
   if (status != FB_OK) {
@@ -15346,6 +15524,10 @@ static fb_status fbi_advise_modes_check(const fb_shape *shape)
 static fb_status fbi_advise_check(const fb_shape *shape, const fb_body_desc *desc, const fb_envelope *e,
                                   fb_real tolerance)
 {
+  const fb_status status = fbi_shape_check(shape);
+  if (status != FB_OK) {
+    return status;
+  }
   if (((FB_EFFECTS_FULL | FB_EFFECT_GRAVITY) & ~(unsigned)FBI_EFFECTS_BUILT) != 0) {
     return FB_ERR_EFFECTS;
   }
