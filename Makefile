@@ -13,11 +13,11 @@ SECTIONS = main status vec3 rotation linalg beam modes body system forms mixed i
 EXAMPLES = quickstart spinup campbell analyse advise table1 assembly reduce elastodyn firmware spacecraft rotor arm fourbar \
            elastica follower flap whirl beam3d leigh hil_plant hil_controller
 # long ones first, so that the two jobs of `make ci` end together
-CHECKS   = sanitize hostile suite long tidy bits instructions firmware compile removed single advise rom mismatch stack symbols threads \
+CHECKS   = sanitize hostile fuzz faults suite long tidy bits instructions firmware compile removed single advise rom mismatch stack symbols threads \
            two_precisions jacobian style ids quickstart hil
 
 .DELETE_ON_ERROR:
-.PHONY: help run table1 leigh blade firmware hil test examples bench bench-accuracy bench-advice bench-peers sizes readme format clean ci FORCE $(CHECKS:%=check-%)
+.PHONY: help run table1 leigh blade firmware hil test examples bench bench-accuracy bench-advice bench-peers sizes fuzz readme format clean ci FORCE $(CHECKS:%=check-%)
 
 help:
 	@echo "make run       spin-up of a flexible beam against its reference, time per step, picture if gnuplot is there"
@@ -33,6 +33,7 @@ help:
 	@echo "make bench-advice  what the library advises for those scenes and variations of them, against all runs (2 minutes)"
 	@echo "make bench-peers  the LU beside LAPACK's, the schemes beside SUNDIALS': needs both; build/bench_peers_*.csv"
 	@echo "make sizes     instructions, code, RAM and time of a step by modes and effects on two boards; bytes of all structs"
+	@echo "make fuzz      hostile input at random, by libFuzzer: FUZZ_SECONDS=60 for each of three harnesses (tests/fuzz)"
 	@echo "make readme    regenerate the tables, the program and the picture of README.md (wants gnuplot, valgrind)"
 	@echo "make ci        every check beside make test: compilers, standards, sanitizers, symbols, stack, instructions, style, ..."
 	@echo "make check-X   one of them: $(sort $(CHECKS))"
@@ -96,6 +97,9 @@ bench-peers:
 sizes: build/examples/reduce
 	@CC='$(CC)' sh bench/sizes.sh
 
+fuzz:
+	@sh tests/fuzz/fuzz.sh
+
 readme: examples build/bench/bench_mixed_double build/bench/bench_system_double build/bench/bench_forms_double build/bench/identities_double build/readme/figures_double build/readme/figures_single
 	sh bench/readme.sh
 
@@ -103,7 +107,7 @@ build/readme/figures_double build/readme/figures_single: $(wildcard tests/*.[ch]
 	$(CC) $(FLAGS) $(CFLAGS) -DFB_SINGLE=$(if $(findstring single,$@),1,0) -o $@ $(SECTIONS:%=tests/test_%.c) -lm
 
 format:
-	clang-format -i *.h tests/*.[ch] tests/checks/*.c examples/*.[ch] examples/board/*.[ch] bench/*.[ch]
+	clang-format -i *.h tests/*.[ch] tests/checks/*.[ch] tests/fuzz/*.[ch] examples/*.[ch] examples/board/*.[ch] bench/*.[ch]
 
 clean:
 	rm -rf build

@@ -151,7 +151,8 @@
      Functions without a status do nothing, or give 0, where a pointer is NULL or an index does not exist; numbers go
      through them as arithmetic has it. Those of >>vec3 and >>rotation, fb_lu_solve and fb_chol_solve are the innermost
      loops: pointers and sizes are taken as valid, as memcpy does. Nobody can test the sizes of the caller's arrays.
-     What the library has made (beams, modes, shapes, bodies, systems, schemes) is taken as it was made.
+     What the library has made (beams, modes, shapes, bodies, systems, schemes) is taken as it was made; where memory may
+     change by itself: fb_body_check, fb_system_check, fb_exponential_check, fb_mixed_check, or fb_body_crc.
 
      paper          code                     shape      unit          meaning
      m, c, J        shape.mass, .c, .J       1, 3, 3x3  kg, kg m, kg m^2   moments of mass about O
@@ -1074,6 +1075,11 @@ typedef struct fb_body_work {
    FB_ERR_NULL. body is written only on FB_OK. */
 FB_API fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc);
 
+/* Is a body what fb_body_init may have made? Counts and indexes within the tables, the terms in their order, all numbers
+   finite, S_0 positive definite: for memory that may have changed by itself. A body that passes takes no step, whatever
+   else is wrong with it, beyond its tables; fb_body_crc sees every bit. FB_ERR_CAPACITY, FB_ERR_VALUE. */
+FB_API fb_status fb_body_check(const fb_body *body);
+
 typedef struct fb_state { /* all that changes; assignment is a snapshot */
   fb_real rho[3];         /* [m] position of O, inertial axes */
   fb_real quat[4];        /* attitude of the body frame */
@@ -1398,6 +1404,11 @@ typedef struct fb_system_work { /* scratch; large: make it static */
    FB_ERR_SINGULAR: a mass matrix that is singular undeformed at zero coordinates. work->joint names the joint. */
 FB_API fb_status fb_system_init(fb_system *system, fb_system_work *work, const fb_body *body, int n_model,
                                 const fb_system_desc *desc);
+/* As fb_body_check, the models among it. */
+FB_API fb_status fb_system_check(const fb_system *system, const fb_body *body, int n_model);
+/* Finite, within the deflection limits, modes of axes that exist, no quaternion zero. FB_ERR_NOT_FINITE, FB_ERR_RANGE,
+   FB_ERR_VALUE. */
+FB_API fb_status fb_system_state_check(const fb_system *system, const fb_body *body, const fb_system_state *state);
 /* State from joint coordinates and speeds (motion: one for each body, NULL: all zero, at rest). Prescribed axes take
    value and speed from the input, locked ones are at rest. Loops are closed from there, joints first, positions and
    velocities changed as little as the kinetic energy goes, given ones among them: prescribe what must not change, or
@@ -1540,6 +1551,9 @@ typedef struct fb_mixed { /* a checked desc, in units of the beam's own; constan
 /* FB_ERR_VALUE: also a stiffness that is not positive definite where it is not rigid, rigid at some stations only, an
    inertia that is not positive semidefinite; FB_ERR_CAPACITY; FB_ERR_NOT_FINITE; FB_ERR_NULL. */
 FB_API fb_status fb_mixed_init(fb_mixed *mixed, const fb_mixed_desc *desc);
+
+/* As fb_body_check: counts and indexes within the tables, all numbers finite, units and lengths positive. */
+FB_API fb_status fb_mixed_check(const fb_mixed *mixed);
 
 typedef struct fb_line_load {  /* per length of the undeformed line */
   fb_axes axes;                /* inertial: dead; node: follower, section axes; body: base axes */
@@ -1730,6 +1744,8 @@ typedef struct fb_exponential_work {
 /* FB_ERR_VALUE: dt, or a body of another form; FB_ERR_SINGULAR: K or the mass is not positive definite;
    FB_ERR_EFFECTS: nonlinear strain whose axial coordinates bend, too. */
 FB_API fb_status fb_exponential_init(fb_exponential *scheme, fb_body_work *work, const fb_body *body, fb_real dt);
+/* As fb_body_check. */
+FB_API fb_status fb_exponential_check(const fb_exponential *scheme, const fb_body *body);
 /* Inputs at t, t + dt/2, t + dt; status and failure as fb_rk4_step, FB_ERR_STEP beyond fb_exponential_limit. */
 FB_API fb_status fb_exponential_step(const fb_body *body, const fb_exponential *scheme, fb_state *state,
                                      fb_exponential_work *work, const fb_input *start, const fb_input *middle,

@@ -5159,7 +5159,9 @@ static fb_status fbi_recoil_fill(fb_body *body, const fb_shape *shape)
   fb_real M_rr[21], A[36], B[36], X[36], d[6];
   fb_status status = FB_OK;
   body->recoil = FB_R(1.0);
-  body->gyration = FB_SQRT((shape->J[0] + shape->J[4] + shape->J[8]) / (FB_R(2.0) * shape->mass));
+  body->gyration = shape->mass > FB_R(0.0)
+                       ? FB_SQRT((shape->J[0] + shape->J[4] + shape->J[8]) / (FB_R(2.0) * shape->mass))
+                       : FB_R(0.0);
   fbi_rigid_matrix(M_rr, shape->mass, shape->c, shape->J);
   for (int i = 0; i < rows * rows; i++) {
     const int at = fb_sym6_index(first + i / rows, first + i % rows);
@@ -6885,6 +6887,150 @@ FB_DEF fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, co
   }
   *momentum = out;
   return FB_OK;
+}
+
+/* ---- 8g checks of a model in memory that may have changed by itself */
+
+static int fbi_is_flag(int value)
+{
+  return value == 0 || value == 1;
+}
+
+static int fbi_is_within(int n, int most)
+{
+  return n >= 0 && n <= most;
+}
+
+static int fbi_sparse_is_sound(const fb_sparse *m, int n)
+{
+  int sound = fbi_is_within(m->n_term, FBI_MAX_PAIRS) && fbi_is_finite(m->diagonal, n);
+  for (int k = 0; sound && k < m->n_term; k++) {
+    const fb_pair_term *t = &m->term[k];
+    sound = t->a < n && t->b < t->a && fbi_is_finite(&t->c, 1);
+  }
+  return sound;
+}
+
+/* Terms of Lambda: the constant ones, then row by row those linear in q (fbi_lambda_list). */
+static int fbi_lambda_is_sound(const fb_body *body)
+{
+  int row = 0,
+      sound = fbi_is_within(body->n_lambda, FBI_MAX_LAMBDA) && fbi_is_within(body->n_lambda_constant, body->n_lambda) &&
+              fbi_is_within(body->n_linear_constant, body->n_lambda_constant) &&
+              fbi_is_within(body->n_linear, body->n_lambda - body->n_lambda_constant) && fbi_is_within(body->n_row, 6);
+  for (int k = 0; sound && k < body->n_lambda; k++) {
+    const fb_lambda_term *t = &body->lambda[k];
+    const int constant = k < body->n_lambda_constant;
+    row += !constant && row < body->n_row && k >= body->lambda_row[row].end;
+    sound = fbi_is_finite(&t->c, 1) && t->b < body->n && (constant ? t->a == 0 : t->a >= 1 && t->a <= body->n) &&
+            (constant ? (k < body->n_linear_constant) == (t->i < 3) && t->i < 6
+                      : row < body->n_row && t->i == body->lambda_row[row].i &&
+                            (k < body->n_lambda_constant + body->n_linear) == (t->i < 3) && t->i < 6);
+  }
+  return sound && (body->n_row == 0 || (row == body->n_row - 1 && body->lambda_row[row].end == body->n_lambda));
+}
+
+/* Terms of S: runs of pairs that follow each other. */
+static int fbi_S_is_sound(const fb_body *body)
+{
+  int terms = 0, sound = fbi_is_within(body->n_S, FBI_MAX_S) && fbi_is_within(body->n_run, FBI_MAX_RUNS) &&
+                         fbi_is_within(body->n_pair, FBI_MAX_PAIRS_S) && fbi_is_finite(body->S, body->n_S);
+  for (int k = 0; sound && k < body->n_run; k++) {
+    const fb_S_run *r = &body->run[k];
+    terms += r->n;
+    sound = r->i < 21 && r->pair + r->n <= body->n_pair;
+  }
+  for (int k = 0; sound && k < body->n_pair; k++) {
+    sound = body->pair[k].a <= body->n && body->pair[k].b <= body->pair[k].a;
+  }
+  return sound && (fbi_form(body) == 0 ? terms == body->n_S : terms <= body->n_S); /* truncation leaves runs out */
+}
+
+#if FB_WITH_FORMS
+static int fbi_form_is_sound(const fb_body *body)
+{
+  int sound = fbi_is_choice((int)body->form, (int)FB_FORM_FIRST) &&
+              fbi_is_choice((int)body->stiffness_torque, (int)FB_TORQUE_BOUNDARY) &&
+              fbi_is_within(body->torque_degree, 3) && fbi_is_within(body->n_run_value, body->n_run) &&
+              fbi_is_within(body->n_lambda_value, body->n_lambda) && fbi_is_within(body->n_gam, 9 * body->n) &&
+              fbi_is_within(body->n_torque, FBI_MAX_TORQUE) && fbi_is_finite(body->M_rr, 21);
+  for (int k = 0; sound && k < body->n_gam + body->n_torque; k++) {
+    const int is_gam = k < body->n_gam;
+    const fb_lambda_term *t = is_gam ? &body->gam[k] : &body->torque[k - body->n_gam];
+    sound = fbi_is_finite(&t->c, 1) && t->i < (is_gam ? 9 : 3) && t->a >= 1 && t->a <= body->n && t->b < body->n;
+  }
+  return sound;
+}
+#endif
+
+#if FB_WITH_NONLINEAR_STRAIN
+static int fbi_strain_is_sound(const fb_body *body)
+{
+  const fb_real number[3] = {body->quartic, body->limit_slope, body->limit_tension};
+  int sound = fbi_is_within(body->n_strain, FBI_MAX_STRAINS) && body->n_strain % 4 == 0 && fbi_is_finite(number, 3) &&
+              fbi_is_within(body->n_strain_row, 3 * body->n) && fbi_is_finite(body->strain_weight, body->n_strain);
+  for (int k = 0; sound && k < body->n_strain_row; k++) {
+    const fb_strain_row *r = &body->strain_row[k];
+    sound = r->axis < 3 && r->a < body->n && fbi_is_finite(r->slope, body->n_strain);
+  }
+  return sound;
+}
+#endif
+
+static int fbi_matrices_are_sound(const fb_body *body)
+{
+  int sound = fbi_sparse_is_sound(&body->M, body->n) && fbi_sparse_is_sound(&body->Minv, body->n) &&
+              fbi_sparse_is_sound(&body->K, body->n);
+#if FB_WITH_DAMPING
+  sound = sound && fbi_sparse_is_sound(&body->C, body->n);
+#endif
+  for (int a = 0; sound && a < body->n; a++) {
+    sound = body->K.diagonal[a] >= FB_R(0.0) && body->reach[a] >= FB_R(0.0) &&
+            (!body->unit_mass || body->M.diagonal[a] > FB_R(0.0));
+  }
+  return sound;
+}
+
+/* Numbers that stand alone, and S_0: positive definite where all of it is free, with its inverse beside it. */
+static int fbi_rigid_is_sound(const fb_body *body)
+{
+  const fb_real number[8] = {body->mass,          body->deflection_limit, body->recoil,     body->gyration,
+                             body->limit_elastic, body->limit_damping,    body->limit_spin, body->limit_acceleration};
+  const fb_real unit[6] = {FB_R(1.0)};
+  fb_real x[6];
+  for (int k = 0; k < 8; k++) {
+    if (!(number[k] >= FB_R(0.0) && number[k] <= FB_HUGE)) {
+      return 0;
+    }
+  }
+  return fbi_is_finite(body->c, 3) && fbi_is_finite(body->reach, body->n) && fbi_is_finite(body->S0, 21) &&
+         fbi_is_finite(body->S0_inverse, 36) &&
+         (body->base != FB_BASE_FREE || fbi_sym6_solve(x, body->S0, unit) == FB_OK);
+}
+
+FB_DEF fb_status fb_body_check(const fb_body *body)
+{
+  int sound;
+  FBI_REQUIRE(body, FB_ERR_NULL);
+  if (!fbi_is_within(body->n, FB_MAX_MODES) || body->n_node < 1 || body->n_node > FB_MAX_NODES) {
+    return FB_ERR_CAPACITY;
+  }
+  sound = !fbi_is_excluded(body->effects) && fbi_is_choice((int)body->base, (int)FB_BASE_HINGED) &&
+          fbi_is_flag(body->unit_mass) && fbi_is_flag(body->constant_S) && fbi_is_flag(body->allow_long_step) &&
+          fbi_rigid_is_sound(body) && fbi_matrices_are_sound(body) && fbi_lambda_is_sound(body) && fbi_S_is_sound(body);
+#if FB_WITH_FORMS
+  sound = sound && fbi_form_is_sound(body);
+#endif
+#if FB_WITH_NONLINEAR_STRAIN
+  sound = sound && fbi_strain_is_sound(body);
+#endif
+#if FB_WITH_GRAVITY
+  sound = sound && fbi_is_finite(body->gravity, 3);
+#endif
+  for (int k = 0; sound && k < body->n_node; k++) {
+    sound = fbi_node_is_finite(&body->node[k], body->n);
+  }
+  return sound ? FB_OK : FB_ERR_VALUE;
 }
 
 /* ---------------------------------------------------------------------------------------------------------------
@@ -9860,6 +10006,78 @@ FB_DEF fb_status fb_system_init(fb_system *system, fb_system_work *work, const f
   return status == FB_ERR_UNDETERMINED ? FB_ERR_SINGULAR : status;
 }
 
+/* ---- checks of what is in memory */
+
+static int fbi_joint_is_sound(const fb_system *system, const fb_body *body, int j)
+{
+  const fb_joint *joint = &system->joint[j];
+  const int loop = j >= system->n_body, most = loop ? system->n_body : j;
+  int sound = fbi_is_choice((int)joint->kind, (int)FB_JOINT_SPHERICAL) && joint->parent >= FB_GROUND &&
+              joint->parent < most && fbi_is_within(joint->child, system->n_body - 1) && (loop || joint->child == j) &&
+              joint->parent_node >= 0 && joint->child_node >= 0 && fbi_is_flag(joint->moves) &&
+              fbi_is_flag(joint->turned);
+  sound = sound && joint->n_axis == fbi_joint_axes(joint->kind) &&
+          (joint->parent < 0 ? joint->parent_node == 0
+                             : joint->parent_node < fbi_model(system, body, joint->parent)->n_node) &&
+          joint->child_node < fbi_model(system, body, joint->child)->n_node;
+  sound = sound && fbi_is_finite(joint->position, 3) && fbi_is_finite(joint->axes, 9) &&
+          fbi_is_finite(joint->child_position, 3) && fbi_is_finite(joint->child_axes, 9) &&
+          fbi_is_finite(joint->A, 18) && fbi_is_finite(&joint->pitch, 1) && fbi_is_finite(joint->stiffness, 3) &&
+          fbi_is_finite(joint->rest, 3) && fbi_is_finite(joint->damping, 3);
+  for (int i = 0; sound && i < 3; i++) {
+    sound = fbi_is_choice((int)joint->mode[i], (int)FB_AXIS_PRESCRIBED) && joint->stiffness[i] >= FB_R(0.0) &&
+            joint->damping[i] >= FB_R(0.0);
+  }
+  return sound;
+}
+
+FB_DEF fb_status fb_system_check(const fb_system *system, const fb_body *body, int n_model)
+{
+  int sound;
+  FBI_REQUIRE(system && body, FB_ERR_NULL);
+  if (n_model < 1 || system->n_body < 1 || system->n_body > FB_MAX_BODIES ||
+      !fbi_is_within(system->n_loop, FB_MAX_LOOPS)) {
+    return FB_ERR_CAPACITY;
+  }
+  {
+    const fb_real limit[4] = {system->limit_elastic, system->limit_damping, system->limit_kept_elastic,
+                              system->limit_kept_damping};
+    sound = fbi_is_choice((int)system->method, (int)FB_METHOD_MULTIPLIERS) && fbi_is_flag(system->allow_long_step) &&
+            fbi_is_finite(limit, 4) && system->free.kind == FB_JOINT_FREE && system->free.n_axis == 6 &&
+            system->free.parent == FB_GROUND;
+  }
+  for (int k = 0; sound && k < system->n_body; k++) {
+    sound = fbi_is_within(system->model[k], n_model - 1) && fbi_is_flag(system->coupled[k]) &&
+            fb_body_check(fbi_model(system, body, k)) == FB_OK;
+  }
+  for (int j = 0; sound && j < system->n_body + system->n_loop; j++) {
+    sound = fbi_joint_is_sound(system, body, j);
+  }
+  return sound ? FB_OK : FB_ERR_VALUE;
+}
+
+FB_DEF fb_status fb_system_state_check(const fb_system *system, const fb_body *body, const fb_system_state *state)
+{
+  fb_status status;
+  FBI_REQUIRE(system && body && state, FB_ERR_NULL);
+  status = fbi_system_range(system, body, state);
+  for (int j = 0; status == FB_OK && j < system->n_body + system->n_loop; j++) {
+    fb_real quat[4] = {FB_R(1.0)};
+    for (int i = 0; i < 3; i++) {
+      status = fbi_is_choice((int)state->mode[j][i], (int)FB_AXIS_PRESCRIBED) ? status : FB_ERR_VALUE;
+    }
+    if (j < system->n_body && (system->joint[j].kind == FB_JOINT_SPHERICAL || system->joint[j].kind == FB_JOINT_FREE ||
+                               system->method == FB_METHOD_MULTIPLIERS)) {
+      fbi_copy(quat, state->link[j].quat, 4);
+    }
+    if (status == FB_OK && (!fbi_is_finite(state->hold[j], 3) || !fbi_is_finite(state->hold_quat[j], 4))) {
+      status = FB_ERR_NOT_FINITE;
+    }
+    status = status ? status : fb_quat_normalize(quat);
+  }
+  return status;
+}
+
 /* ---------------------------------------------------------------------------------------------------------------
    10 >>mixed (uses 1-6)
 
@@ -11289,6 +11507,30 @@ static int fbi_mixed_is_sized(const fb_mixed *m)
   return m->n >= 1 && m->n <= FB_MAX_MIXED && m->n_lump >= 0 && m->n_lump <= FB_MAX_LUMPS;
 }
 
+FB_DEF fb_status fb_mixed_check(const fb_mixed *m)
+{
+  int sound;
+  FBI_REQUIRE(m, FB_ERR_NULL);
+  if (!fbi_mixed_is_sized(m)) {
+    return FB_ERR_CAPACITY;
+  }
+  sound = m->iterations >= 1 && m->iterations <= 20 && m->length > FB_R(0.0) && m->length <= FB_HUGE &&
+          m->force > FB_R(0.0) && m->force <= FB_HUGE && m->time > FB_R(0.0) && m->time <= FB_HUGE &&
+          m->beta >= FB_R(0.0) && m->beta <= FB_R(0.125) && fbi_is_finite(m->gravity, 3);
+  sound = sound && fbi_is_finite(m->xi, 6 * m->n) && fbi_is_finite(m->C, 36 * m->n) && fbi_is_finite(m->S, 36 * m->n) &&
+          fbi_is_finite(m->section, 36 * m->n) && fbi_is_finite(m->taper, 36 * m->n) &&
+          fbi_is_finite(m->M, 36 * m->n) && fbi_is_finite(m->M_inverse, 36 * m->n) &&
+          fbi_is_finite(m->r, 3 * (m->n + 1)) && fbi_is_finite(m->quat, 4 * (m->n + 1)) &&
+          fbi_is_finite(m->lump, 36 * m->n_lump) && fbi_is_finite(m->lump_inverse, 36 * m->n_lump);
+  for (int k = 0; sound && k <= m->n; k++) {
+    sound = fbi_is_within(m->held[k], 127) && (k == m->n || (m->h[k] > FB_R(0.0) && m->h[k] <= FB_R(1.0)));
+  }
+  for (int k = 0; sound && k < m->n_lump; k++) {
+    sound = fbi_is_within(m->lump_node[k], m->n);
+  }
+  return sound ? FB_OK : FB_ERR_VALUE;
+}
+
 static int fbi_mixed_rates_are_finite(const fb_mixed *m, const fb_mixed_state *state)
 {
   int finite = fbi_is_finite(state->strain_rate, 6 * m->n) && fbi_is_finite(state->momentum_rate, 6 * m->n) &&
@@ -12714,6 +12956,28 @@ static void fbi_modal_increments(fb_exponential_work *w, const fb_exponential *s
   fbi_frame_copy(&w->at, &w->full);
   fbi_row_sub(w->at.q, FB_R(1.0), state->q, body->n);
   fbi_row_sub(w->at.pi, FB_R(1.0), state->pi, body->n);
+}
+
+FB_DEF fb_status fb_exponential_check(const fb_exponential *scheme, const fb_body *body)
+{
+  int n, sound;
+  FBI_REQUIRE(scheme && body, FB_ERR_NULL);
+  n = body->n;
+  if (!fbi_is_within(n, FB_MAX_MODES) || !fbi_is_within(scheme->n_axial, n)) {
+    return FB_ERR_CAPACITY;
+  }
+  sound = scheme->dt > FB_R(0.0) && scheme->dt < FB_HUGE && fbi_is_finite(scheme->X, n * n) &&
+          fbi_is_finite(scheme->MX, n * n) && fbi_is_finite(scheme->omega2, n);
+  for (int k = 0; sound && k < 5; k++) {
+    sound = fbi_is_finite(scheme->half[k], n) && fbi_is_finite(scheme->full[k], n);
+  }
+  for (int k = 0; sound && k < scheme->n_axial; k++) {
+    sound = fbi_is_within(scheme->axial[k], n - 1);
+  }
+#if FB_WITH_NONLINEAR_STRAIN
+  sound = sound && fbi_is_finite(scheme->G, scheme->n_axial * body->n_strain);
+#endif
+  return sound ? FB_OK : FB_ERR_VALUE;
 }
 
 /* [E11.10] Exponential Runge-Kutta scheme of order 4 for z' = L z + N(t, z), stages at 0, 1/2, 1/2, 1:
