@@ -14,11 +14,11 @@ EXAMPLES = quickstart spinup campbell analyse advise table1 assembly reduce elas
            elastica follower flap whirl beam3d scene leigh hil_plant hil_controller
 EXAMPLES += campaign $(if $(shell command -v mpicc),campaign_mpi)
 # long ones first, so that the two jobs of `make ci` end together
-CHECKS   = sanitize suite long tidy coverage bits instructions firmware compile removed single advise rom mismatch stack symbols threads \
+CHECKS   = sanitize hostile fuzz faults suite long tidy coverage bits instructions firmware compile removed single advise rom mismatch stack symbols threads \
            two_precisions jacobian style ids quickstart first_build hil scene campaign hard
 
 .DELETE_ON_ERROR:
-.PHONY: help run table1 leigh scenes blade firmware hil campaign campaign-mpi test coverage mutants hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes readme format clean ci FORCE $(CHECKS:%=check-%)
+.PHONY: help run table1 leigh scenes blade firmware hil campaign campaign-mpi test coverage mutants hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes fuzz readme format clean ci FORCE $(CHECKS:%=check-%)
 
 help:
 	@echo "make run       spin-up of a flexible beam against its reference, time per step, picture if gnuplot is there"
@@ -29,7 +29,6 @@ help:
 	@echo "make firmware  the attitude loop of examples/firmware.c on an emulated Cortex-M4F and -M7, against the desktop"
 	@echo "make hil       a spacecraft at 1 kHz in real time and its controller, two processes over UDP, 60 s: build/hil.csv"
 	@echo "make test      build and run the tests"
-	@echo "make hard      the hard cases in both precisions, beside what a naive treatment gives (4 minutes): build/hard.csv"
 	@echo "make coverage  lines and branches of the library that the tests run, by section; what they leave: build/coverage/"
 	@echo "make mutants   200 equations changed one at a time, the tests must notice (SEED=1, COUNT=200; half an hour)"
 	@echo "make campaign  a spacecraft with scattered stiffness, mass and damping, 200 runs on all cores: build/campaign/"
@@ -43,6 +42,7 @@ help:
 	@echo "make bench-campaign  runs per second of a campaign by number of processes and of MPI ranks"
 	@echo "make bench-peers  the LU beside LAPACK's, the schemes beside SUNDIALS': needs both; build/bench_peers_*.csv"
 	@echo "make sizes     instructions, code, RAM and time of a step by modes and effects on two boards; bytes of all structs"
+	@echo "make fuzz      hostile input at random, by libFuzzer: FUZZ_SECONDS=60 for each of three harnesses (tests/fuzz)"
 	@echo "make readme    regenerate the tables, the program and the picture of README.md (wants gnuplot, valgrind)"
 	@echo "make ci        every check beside make test: compilers, standards, sanitizers, symbols, stack, instructions, style, ..."
 	@echo "make check-X   one of them: $(sort $(CHECKS))"
@@ -138,6 +138,9 @@ bench-peers:
 sizes: build/examples/reduce
 	@CC='$(CC)' sh bench/sizes.sh
 
+fuzz:
+	@sh tests/fuzz/fuzz.sh
+
 readme: examples build/bench/bench_mixed_double build/bench/bench_system_double build/bench/bench_forms_double build/bench/identities_double build/readme/figures_double build/readme/figures_single
 	sh bench/readme.sh
 
@@ -145,7 +148,7 @@ build/readme/figures_double build/readme/figures_single: $(wildcard tests/*.[ch]
 	$(CC) $(FLAGS) $(CFLAGS) -DFB_SINGLE=$(if $(findstring single,$@),1,0) -o $@ $(SECTIONS:%=tests/test_%.c) -lm
 
 format:
-	clang-format -i *.h tests/*.[ch] tests/checks/*.c tests/hard/*.[ch] examples/*.[ch] examples/board/*.[ch] bench/*.[ch]
+	clang-format -i *.h tests/*.[ch] tests/checks/*.[ch] tests/fuzz/*.[ch] tests/hard/*.[ch] examples/*.[ch] examples/board/*.[ch] bench/*.[ch]
 
 clean:
 	rm -rf build

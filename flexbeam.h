@@ -139,6 +139,21 @@
      inputs unless a function says so. Zero means default in a desc struct. A failing call changes nothing
      that it was given to change.
 
+     WHAT BAD ARGUMENTS GIVE (every function, tests/checks/hostile.c; below stands only what departs from it)
+     A programmer's error, FB_ASSERT(0) and then:
+       a NULL pointer                            FB_ERR_NULL; an input may be NULL where that is said
+       a node, axis, count that does not exist   FB_ERR_CAPACITY; below zero FB_ERR_CAPACITY or FB_ERR_VALUE
+     Bad data:
+       not a number, infinite, above FB_HUGE     FB_ERR_NOT_FINITE, or FB_ERR_VALUE where a range is asked for
+       out of its range, no such enumerator      FB_ERR_VALUE; FB_ERR_EFFECTS, FB_ERR_STEP, FB_ERR_RANGE: see there
+       what contradicts itself                   FB_ERR_SINGULAR, FB_ERR_KIND, FB_ERR_UNDETERMINED, FB_ERR_CONTRADICTION
+     Not FB_OK: what was to be changed is as before; work structs are scratch. FB_OK: all that was written is finite.
+     Functions without a status do nothing, or give 0, where a pointer is NULL or an index does not exist; numbers go
+     through them as arithmetic has it. Those of >>vec3 and >>rotation, fb_lu_solve and fb_chol_solve are the innermost
+     loops: pointers and sizes are taken as valid, as memcpy does. Nobody can test the sizes of the caller's arrays.
+     What the library has made (beams, modes, shapes, bodies, systems, schemes) is taken as it was made; where memory may
+     change by itself: fb_body_check, fb_system_check, fb_exponential_check, fb_mixed_check, or fb_body_crc.
+
      paper          code                     shape      unit          meaning
      m, c, J        shape.mass, .c, .J       1, 3, 3x3  kg, kg m, kg m^2   moments of mass about O
      p_a, h_a       shape.P, .H              3 x n      kg, kg m      momenta of the modes (columns)
@@ -463,10 +478,11 @@ FB_API void fb_mat33_mul_vec3(fb_real y[3], const fb_real A[9], const fb_real x[
 FB_API void fb_mat33_mulT_vec3(fb_real y[3], const fb_real A[9], const fb_real x[3]); /* y = A^T x */
 FB_API void fb_mat33_mul(fb_real C[9], const fb_real A[9], const fb_real B[9]);       /* C = A B */
 
-/* Symmetric 6x6 matrices are packed by the upper triangle in 21 numbers, fb_sym6_index(i, j) with any order of i, j. */
+/* Symmetric 6x6 matrices are packed by the upper triangle in 21 numbers, fb_sym6_index(i, j) with any order of i, j (0
+   where one is not 0..5). */
 FB_API int fb_sym6_index(int i, int j);
 FB_API void fb_sym6_mul_vec6(fb_real y[6], const fb_real S[21], const fb_real x[6]); /* y = S x */
-/* x = S^-1 y for positive definite S; x may be y. FB_ERR_SINGULAR: S is not positive definite; x unchanged. */
+/* x = S^-1 y for positive definite S; x may be y. FB_ERR_SINGULAR: S is not positive definite; FB_ERR_NOT_FINITE. */
 FB_API fb_status fb_sym6_solve(fb_real x[6], const fb_real S[21], const fb_real y[6]);
 
 /* ---------------------------------------------------------------------------------------------------------------
@@ -1059,6 +1075,11 @@ typedef struct fb_body_work {
    FB_ERR_NULL. body is written only on FB_OK. */
 FB_API fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc);
 
+/* Is a body what fb_body_init may have made? Counts and indexes within the tables, the terms in their order, all numbers
+   finite, S_0 positive definite: for memory that may have changed by itself. A body that passes takes no step, whatever
+   else is wrong with it, beyond its tables; fb_body_crc sees every bit. FB_ERR_CAPACITY, FB_ERR_VALUE. */
+FB_API fb_status fb_body_check(const fb_body *body);
+
 typedef struct fb_state { /* all that changes; assignment is a snapshot */
   fb_real rho[3];         /* [m] position of O, inertial axes */
   fb_real quat[4];        /* attitude of the body frame */
@@ -1383,6 +1404,11 @@ typedef struct fb_system_work { /* scratch; large: make it static */
    FB_ERR_SINGULAR: a mass matrix that is singular undeformed at zero coordinates. work->joint names the joint. */
 FB_API fb_status fb_system_init(fb_system *system, fb_system_work *work, const fb_body *body, int n_model,
                                 const fb_system_desc *desc);
+/* As fb_body_check, the models among it. */
+FB_API fb_status fb_system_check(const fb_system *system, const fb_body *body, int n_model);
+/* Finite, within the deflection limits, modes of axes that exist, no quaternion zero. FB_ERR_NOT_FINITE, FB_ERR_RANGE,
+   FB_ERR_VALUE. */
+FB_API fb_status fb_system_state_check(const fb_system *system, const fb_body *body, const fb_system_state *state);
 /* State from joint coordinates and speeds (motion: one for each body, NULL: all zero, at rest). Prescribed axes take
    value and speed from the input, locked ones are at rest. Loops are closed from there, joints first, positions and
    velocities changed as little as the kinetic energy goes, given ones among them: prescribe what must not change, or
@@ -1526,6 +1552,9 @@ typedef struct fb_mixed { /* a checked desc, in units of the beam's own; constan
    inertia that is not positive semidefinite; FB_ERR_CAPACITY; FB_ERR_NOT_FINITE; FB_ERR_NULL. */
 FB_API fb_status fb_mixed_init(fb_mixed *mixed, const fb_mixed_desc *desc);
 
+/* As fb_body_check: counts and indexes within the tables, all numbers finite, units and lengths positive. */
+FB_API fb_status fb_mixed_check(const fb_mixed *mixed);
+
 typedef struct fb_line_load {  /* per length of the undeformed line */
   fb_axes axes;                /* inertial: dead; node: follower, section axes; body: base axes */
   fb_real force[3], torque[3]; /* [N/m], [N m/m] */
@@ -1599,6 +1628,9 @@ typedef struct fb_mixed_work { /* scratch; large: make it static */
 /* Undeformed, at the inertial origin, in rigid motion with the v, w of the input (NULL: at rest). FB_ERR_NOT_FINITE. */
 FB_API fb_status fb_mixed_state_init(const fb_mixed *mixed, fb_mixed_state *state, fb_mixed_work *work,
                                      const fb_mixed_input *input);
+
+/* Finite, no quaternion zero. FB_ERR_NOT_FINITE, FB_ERR_VALUE; FB_ERR_CAPACITY: counts of the model. */
+FB_API fb_status fb_mixed_state_check(const fb_mixed *mixed, const fb_mixed_state *state);
 
 /* Steady state under constant loads, gravity and motion of the base (static, or steady rotation; what does not turn
    with a spinning base is taken as it stands at this instant), from state as first guess; where that is too far, from
@@ -1712,6 +1744,8 @@ typedef struct fb_exponential_work {
 /* FB_ERR_VALUE: dt, or a body of another form; FB_ERR_SINGULAR: K or the mass is not positive definite;
    FB_ERR_EFFECTS: nonlinear strain whose axial coordinates bend, too. */
 FB_API fb_status fb_exponential_init(fb_exponential *scheme, fb_body_work *work, const fb_body *body, fb_real dt);
+/* As fb_body_check. */
+FB_API fb_status fb_exponential_check(const fb_exponential *scheme, const fb_body *body);
 /* Inputs at t, t + dt/2, t + dt; status and failure as fb_rk4_step, FB_ERR_STEP beyond fb_exponential_limit. */
 FB_API fb_status fb_exponential_step(const fb_body *body, const fb_exponential *scheme, fb_state *state,
                                      fb_exponential_work *work, const fb_input *start, const fb_input *middle,
@@ -1838,7 +1872,7 @@ typedef struct fb_analyse_work { /* scratch; large: make it static */
    FB_ERR_KIND: loads or gravity push or turn a base that is not prescribed: it falls or swings; FB_ERR_CONVERGENCE;
    FB_ERR_RANGE: beyond the deflection limit (buckled, or the load is large); FB_ERR_SINGULAR: the stiffness vanishes
    there; FB_ERR_VALUE: a w that the hinge does not allow; a body of another form than the momentum form whose base is
-   not prescribed. On failure state is as before. */
+   not prescribed. input is required, here and in what follows for one body. */
 FB_API fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_work *work, const fb_input *input);
 /* The motion about a state (of fb_body_trim, or steady anyhow), with the inputs and outputs of desc (NULL: none). By
    differences, exact where rates are polynomials of degree four (a prescribed base without loads on nodes), else right

@@ -244,6 +244,7 @@ FB_DEF int fb_sym6_index(int i, int j)
 {
   const int row = i < j ? i : j;
   const int col = i < j ? j : i;
+  FBI_REQUIRE(row >= 0 && col < 6, 0);
   return row * (11 - row) / 2 + col;
 }
 
@@ -348,7 +349,7 @@ static void fbi_chol3_scale(fb_real y[3], const fb_real L[6], const fb_real x[3]
    S = [A B; B^T D], A = L E L^T, Z = L^-1 B, D - Z^T E^-1 Z = G H G^T: straight code without index arithmetic.
    Source: [GV] 4.1, 4.2.  Shapes: S packed 21.  Cost: about 160 flops, 6 divisions.
    Fails: not positive definite.  Test: sym6_solve_inverts_random_and_graded_matrices. */
-FB_DEF fb_status fb_sym6_solve(fb_real x[6], const fb_real S[21], const fb_real y[6])
+static fb_status fbi_sym6_solve(fb_real x[6], const fb_real S[21], const fb_real y[6])
 {
   const fb_real A[6] = {S[0], S[1], S[2], S[6], S[7], S[11]};
   const fb_real ref_a[3] = {S[0], S[6], S[11]};
@@ -384,6 +385,21 @@ FB_DEF fb_status fb_sym6_solve(fb_real x[6], const fb_real S[21], const fb_real 
   fbi_vec3_add(s, -x[5], z2);
   fbi_chol3_back(x, L, s);
   return FB_OK;
+}
+
+FB_DEF fb_status fb_sym6_solve(fb_real x[6], const fb_real S[21], const fb_real y[6])
+{
+  fb_real out[6];
+  fb_status status;
+  FBI_REQUIRE(x && S && y, FB_ERR_NULL);
+  status = fbi_sym6_solve(out, S, y);
+  if (status == FB_OK && !fbi_is_finite(out, 6)) {
+    status = FB_ERR_NOT_FINITE;
+  }
+  if (status == FB_OK) {
+    fbi_copy(x, out, 6);
+  }
+  return status;
 }
 
 /* ---------------------------------------------------------------------------------------------------------------
@@ -559,6 +575,7 @@ FB_DEF void fb_quat_from_wiener_milenkovic(fb_real quat[4], const fb_real c[3])
 
 FB_DEF fb_status fb_quat_normalize(fb_real q[4])
 {
+  FBI_REQUIRE(q, FB_ERR_NULL);
   const fb_real norm2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
   if (!(norm2 > FB_R(1e-20) && norm2 < FB_HUGE)) {
     return FB_ERR_VALUE;
@@ -1433,6 +1450,7 @@ static int fbi_function_ndof(int n_element, int degree)
 
 FB_DEF void fb_beam_section(fb_section *section, const fb_beam *beam, fb_real x)
 {
+  FBI_REQUIRE(section && beam, );
   const fb_section *st = beam->desc.station;
   const int last = beam->desc.n_station - 1;
   int k = 0;
@@ -1512,11 +1530,13 @@ static void fbi_profile_fill(fb_section *s, const fb_material *m, const fb_profi
 
 FB_DEF fb_status fb_section_init(fb_section *section, const fb_material *material, const fb_profile *profile)
 {
+  fb_section out;
+  fb_real all[FBI_SECTION];
   FBI_REQUIRE(section && material && profile, FB_ERR_NULL);
   {
     const fb_real *size = profile->size;
-    const fb_real all[6] = {material->E, material->G, material->density, profile->x, size[0], size[1]};
-    if (!fbi_is_finite(all, 6)) {
+    const fb_real given[6] = {material->E, material->G, material->density, profile->x, size[0], size[1]};
+    if (!fbi_is_finite(given, 6)) {
       return FB_ERR_NOT_FINITE;
     }
     if (!(material->E > FB_R(0.0) && material->G > FB_R(0.0) && material->density >= FB_R(0.0)) ||
@@ -1526,7 +1546,12 @@ FB_DEF fb_status fb_section_init(fb_section *section, const fb_material *materia
       return FB_ERR_VALUE;
     }
   }
-  fbi_profile_fill(section, material, profile);
+  fbi_profile_fill(&out, material, profile);
+  memcpy(all, &out, sizeof all);
+  if (!fbi_is_finite(all, FBI_SECTION)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *section = out;
   return FB_OK;
 }
 
@@ -1846,6 +1871,14 @@ static fb_real fbi_beam_mass(const fb_beam *beam)
   return mass;
 }
 
+/* What lies beyond the counts goes nowhere. */
+static void fbi_desc_clear(fb_beam_desc *desc)
+{
+  memset(desc->station + desc->n_station, 0, sizeof desc->station[0] * (size_t)(FB_MAX_STATIONS - desc->n_station));
+  memset(desc->lump + desc->n_lump, 0, sizeof desc->lump[0] * (size_t)(FB_MAX_LUMPS - desc->n_lump));
+  memset(desc->point + desc->n_point, 0, sizeof desc->point[0] * (size_t)(FB_MAX_ELEMENTS + 1 - desc->n_point));
+}
+
 FB_DEF fb_status fb_beam_init(fb_beam *beam, const fb_beam_desc *desc)
 {
   fb_beam checked;
@@ -1858,6 +1891,7 @@ FB_DEF fb_status fb_beam_init(fb_beam *beam, const fb_beam_desc *desc)
   }
   memset(&checked, 0, sizeof checked);
   checked.desc = *desc;
+  fbi_desc_clear(&checked.desc);
   checked.has_shear = desc->station[0].GA_y > FB_R(0.0);
   status = fbi_quat_from_attitude(quat, desc->attitude);
   status = status ? status : fbi_line_fill(&checked);
@@ -2147,6 +2181,7 @@ static void fbi_matrices(fb_real *K, fb_real *M, const fb_beam *beam, int nodal,
 FB_DEF void fb_beam_matrices(fb_real *K, fb_real *M, const fb_beam *beam)
 {
   const fb_preload none = {FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  FBI_REQUIRE(K && M && beam, );
   fbi_matrices(K, M, beam, 1, &none);
 }
 
@@ -4338,7 +4373,8 @@ FB_DEF fb_status fb_gauge_init(fb_gauge *gauge, int first, const fb_beam *beam, 
 {
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
   FBI_REQUIRE(gauge && beam && modes, FB_ERR_NULL);
-  FBI_REQUIRE(first >= 0 && modes->n >= 0 && first + modes->n <= FB_MAX_MODES, FB_ERR_CAPACITY);
+  FBI_REQUIRE(modes->n >= 0 && modes->n <= FB_MAX_MODES && first >= 0 && first <= FB_MAX_MODES - modes->n,
+              FB_ERR_CAPACITY);
   if (!fbi_is_finite(&x, 1) || !fbi_is_finite(&y, 1) || !fbi_is_finite(&z, 1)) {
     return FB_ERR_NOT_FINITE;
   }
@@ -4360,6 +4396,7 @@ FB_DEF fb_status fb_gauge_init(fb_gauge *gauge, int first, const fb_beam *beam, 
 
 FB_DEF fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q)
 {
+  FBI_REQUIRE(gauge && q && gauge->n >= 0 && gauge->n <= FB_MAX_MODES, FB_R(0.0));
   return fbi_dot(gauge->gain, q, gauge->n);
 }
 
@@ -4953,7 +4990,7 @@ static int fbi_first_free(fb_base base)
 static fb_status fbi_base_solve(fb_real x[6], fb_base base, const fb_real S[21], const fb_real y[6])
 {
   if (base == FB_BASE_FREE) {
-    return fb_sym6_solve(x, S, y);
+    return fbi_sym6_solve(x, S, y);
   }
   for (int i = 0; i < 6; i++) {
     x[i] = i >= 3 ? y[i] : FB_R(0.0);
@@ -5122,7 +5159,9 @@ static fb_status fbi_recoil_fill(fb_body *body, const fb_shape *shape)
   fb_real M_rr[21], A[36], B[36], X[36], d[6];
   fb_status status = FB_OK;
   body->recoil = FB_R(1.0);
-  body->gyration = FB_SQRT((shape->J[0] + shape->J[4] + shape->J[8]) / (FB_R(2.0) * shape->mass));
+  body->gyration = shape->mass > FB_R(0.0)
+                       ? FB_SQRT((shape->J[0] + shape->J[4] + shape->J[8]) / (FB_R(2.0) * shape->mass))
+                       : FB_R(0.0);
   fbi_rigid_matrix(M_rr, shape->mass, shape->c, shape->J);
   for (int i = 0; i < rows * rows; i++) {
     const int at = fb_sym6_index(first + i / rows, first + i % rows);
@@ -5194,15 +5233,62 @@ static fb_status fbi_form_check(const fb_shape *shape, const fb_body_desc *desc)
 }
 #endif
 
+static int fbi_node_is_finite(const fb_node *node, int n)
+{
+  const int own = fbi_is_finite(node->r, 3) && fbi_is_finite(node->psi, 3 * n) && fbi_is_finite(node->theta, 3 * n);
+#if FBI_WITH_QUADRATIC
+  return own && fbi_is_finite(node->chi, 3 * n * (n + 1) / 2) && fbi_is_finite(node->chi_theta, 3 * n * (n + 1) / 2);
+#else
+  return own;
+#endif
+}
+
+/* Counts within the tables, all that they count finite: the caller may write into a shape. */
+static fb_status fbi_shape_check(const fb_shape *shape)
+{
+  const int n = shape->n;
+  int nn, finite;
+  FBI_REQUIRE(n >= 0 && n <= FB_MAX_MODES && shape->n_node >= 1 && shape->n_node <= FB_MAX_NODES, FB_ERR_CAPACITY);
+  nn = n * n;
+  finite = fbi_is_finite(&shape->mass, 1) && fbi_is_finite(&shape->size, 1) && fbi_is_finite(shape->c, 3) &&
+           fbi_is_finite(shape->J, 9) && fbi_is_finite(shape->P, 3 * n) && fbi_is_finite(shape->H, 3 * n) &&
+           fbi_is_finite(shape->M, nn) && fbi_is_finite(shape->K, nn) && fbi_is_finite(shape->reach, n);
+#if FB_WITH_SPIN_COUPLING
+  finite = finite && fbi_is_finite(shape->ups, 3 * nn);
+#endif
+#if FB_WITH_RESIDUAL_INERTIA
+  finite = finite && fbi_is_finite(shape->Gam, 9 * n) && fbi_is_finite(shape->Pi, 9 * nn);
+#endif
+#if FB_WITH_SPIN_STIFFENING
+  finite = finite && fbi_is_finite(shape->Gamchi, 9 * nn);
+#endif
+#if FB_WITH_ACCELERATION_STIFFENING
+  finite = finite && fbi_is_finite(shape->pchi, 3 * nn) && fbi_is_finite(shape->hchi, 3 * nn);
+#endif
+#if FB_WITH_NONLINEAR_STRAIN
+  FBI_REQUIRE(shape->n_strain >= 0 && shape->n_strain <= FBI_MAX_STRAINS && shape->n_strain % 4 == 0, FB_ERR_CAPACITY);
+  finite = finite && fbi_is_finite(&shape->stretch, 1) && fbi_is_finite(shape->strain_weight, shape->n_strain);
+  for (int k = 0; k < 3 * n; k++) {
+    finite = finite && fbi_is_finite(shape->slope + k * FBI_MAX_STRAINS, shape->n_strain);
+  }
+#if FB_WITH_FORMS
+  finite = finite && fbi_is_finite(shape->torque, 3 * nn) && fbi_is_finite(shape->torque_boundary, 3 * nn);
+#endif
+#endif
+  for (int k = 0; k < shape->n_node; k++) {
+    finite = finite && fbi_node_is_finite(&shape->node[k], n);
+  }
+  return finite ? FB_OK : FB_ERR_NOT_FINITE;
+}
+
 static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *desc)
 {
+  const fb_status status = fbi_shape_check(shape);
+  if (status != FB_OK) {
+    return status;
+  }
   if (!fbi_is_finite(desc->zeta, shape->n) || !fbi_is_finite(desc->gravity, 3) ||
       !fbi_is_finite(&desc->deflection_limit, 1)) {
-    return FB_ERR_NOT_FINITE;
-  }
-  if (!fbi_is_finite(shape->M, shape->n * shape->n) || !fbi_is_finite(shape->K, shape->n * shape->n) ||
-      !fbi_is_finite(shape->P, 3 * shape->n) || !fbi_is_finite(shape->H, 3 * shape->n) || !fbi_is_finite(shape->c, 3) ||
-      !fbi_is_finite(shape->J, 9)) {
     return FB_ERR_NOT_FINITE;
   }
   for (int k = 0; k < shape->n; k++) {
@@ -5235,6 +5321,18 @@ static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *
 #endif
 }
 
+/* As far as there are coordinates. */
+static void fbi_node_copy(fb_node *to, const fb_node *from, int n)
+{
+  fbi_copy(to->r, from->r, 3);
+  fbi_copy(to->psi, from->psi, 3 * n);
+  fbi_copy(to->theta, from->theta, 3 * n);
+#if FBI_WITH_QUADRATIC
+  fbi_copy(to->chi, from->chi, 3 * n * (n + 1) / 2);
+  fbi_copy(to->chi_theta, from->chi_theta, 3 * n * (n + 1) / 2);
+#endif
+}
+
 /* Everything but matrices and terms. */
 static void fbi_body_fill(fb_body *body, const fb_shape *shape, const fb_body_desc *desc)
 {
@@ -5254,7 +5352,7 @@ static void fbi_body_fill(fb_body *body, const fb_shape *shape, const fb_body_de
   body->n = desc->effects & FB_EFFECT_ELASTIC ? shape->n : 0;
   body->n_node = shape->n_node;
   body->base = desc->base;
-  body->allow_long_step = desc->allow_long_step;
+  body->allow_long_step = desc->allow_long_step != 0;
   fbi_sparse_fill(&body->M, shape->M, body->n);
   fbi_sparse_fill(&body->K, shape->K, body->n);
   body->unit_mass = fbi_is_unit(&body->M, body->n);
@@ -5272,7 +5370,7 @@ static void fbi_body_fill(fb_body *body, const fb_shape *shape, const fb_body_de
   fbi_strain_fill(body, shape, desc->truncation);
 #endif
   for (int k = 0; k < shape->n_node; k++) {
-    body->node[k] = shape->node[k];
+    fbi_node_copy(&body->node[k], &shape->node[k], body->n);
   }
 }
 
@@ -6338,11 +6436,17 @@ static int fbi_state_is_finite(const fb_state *state, int n)
 FB_DEF fb_status fb_body_rates(const fb_body *body, fb_state *rate, const fb_state *state, const fb_input *input)
 {
   fbi_kinetics k;
+  fb_state out;
   fb_status status;
   FBI_REQUIRE(body && rate && state, FB_ERR_NULL);
   status = fbi_input_check(body, input);
-  status = status == FB_OK ? fbi_rates(rate, &k, body, state, input) : status;
-  return status == FB_OK && !fbi_state_is_finite(rate, body->n) ? FB_ERR_NOT_FINITE : status;
+  memset(&out, 0, sizeof out);
+  status = status == FB_OK ? fbi_rates(&out, &k, body, state, input) : status;
+  status = status == FB_OK && !fbi_state_is_finite(&out, body->n) ? FB_ERR_NOT_FINITE : status;
+  if (status == FB_OK) {
+    *rate = out;
+  }
+  return status;
 }
 
 /* ---- 8f state, motion, energy, momentum */
@@ -6631,13 +6735,13 @@ FB_DEF fb_status fb_body_motion(const fb_body *body, fb_motion *motion, const fb
    acceleration v_dot + w x v + w_dot x s + w x (w x s) + 2 w x u_dot + J_u q_ddot + Ju_dot q_dot,
    angular rate w + J_phi q_dot,  its rate w_dot + J_phi q_ddot + w x J_phi q_dot + Jphi_dot q_dot (E8.30).
    Source: kinematics of a moving frame.  Fails: no such node.  Test: node_kinematics_match_finite_differences. */
-FB_DEF fb_status fb_body_node_motion(const fb_body *body, fb_node_motion *out, const fb_state *state,
-                                     const fb_motion *motion, int node)
+#define FBI_NODE_MOTION ((int)(sizeof(fb_node_motion) / sizeof(fb_real))) /* all its members are reals */
+
+static void fbi_node_motion(fb_node_motion *out, const fb_body *body, const fb_state *state, const fb_motion *motion,
+                            int node)
 {
   fbi_node_field f;
   fb_real R[9], turn[4], s[3], ud[3] = {0}, pd[3] = {0}, ws[3], a[3], alpha[3], vel[3], rate[3], u_dd[3], turn_dd[3];
-  FBI_REQUIRE(body && out && state && motion, FB_ERR_NULL);
-  FBI_REQUIRE(node >= 0 && node < body->n_node, FB_ERR_CAPACITY);
   fbi_node_eval(&f, body, &body->node[node], state->q);
   fb_quat_to_mat33(R, state->quat);
   fbi_copy(a, motion->v_dot, 3);
@@ -6672,6 +6776,21 @@ FB_DEF fb_status fb_body_node_motion(const fb_body *body, fb_node_motion *out, c
   fb_mat33_mul_vec3(out->angular_acceleration, R, alpha);
   fbi_copy(out->displacement, f.u, 3);
   fb_quat_to_rotvec(out->rotation, turn);
+}
+
+FB_DEF fb_status fb_body_node_motion(const fb_body *body, fb_node_motion *out, const fb_state *state,
+                                     const fb_motion *motion, int node)
+{
+  fb_node_motion found;
+  fb_real all[FBI_NODE_MOTION];
+  FBI_REQUIRE(body && out && state && motion, FB_ERR_NULL);
+  FBI_REQUIRE(node >= 0 && node < body->n_node, FB_ERR_CAPACITY);
+  fbi_node_motion(&found, body, state, motion, node);
+  memcpy(all, &found, sizeof all);
+  if (!fbi_is_finite(all, FBI_NODE_MOTION)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *out = found;
   return FB_OK;
 }
 
@@ -6757,6 +6876,7 @@ FB_DEF fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, co
                                   const fb_input *input)
 {
   fbi_kinetics k;
+  fb_momentum out;
   fb_status status;
   FBI_REQUIRE(body && momentum && state, FB_ERR_NULL);
   status = fbi_velocity(&k, body, state, input);
@@ -6772,14 +6892,162 @@ FB_DEF fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, co
     if (fbi_form(body) == 0) {
       fbi_momenta(&k, body);
     }
-    fb_mat33_mul_vec3(momentum->linear, k.R, k.ph);
-    fb_mat33_mul_vec3(momentum->angular, k.R, k.ph + 3);
+    fb_mat33_mul_vec3(out.linear, k.R, k.ph);
+    fb_mat33_mul_vec3(out.angular, k.R, k.ph + 3);
   } else {
-    fbi_copy(momentum->linear, state->P, 3);
-    fbi_copy(momentum->angular, state->L, 3);
+    fbi_copy(out.linear, state->P, 3);
+    fbi_copy(out.angular, state->L, 3);
   }
-  fbi_vec3_add_cross(momentum->angular, state->rho, momentum->linear);
+  fbi_vec3_add_cross(out.angular, state->rho, out.linear);
+  if (!fbi_is_finite(out.linear, 3) || !fbi_is_finite(out.angular, 3)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *momentum = out;
   return FB_OK;
+}
+
+/* ---- 8g checks of a model in memory that may have changed by itself */
+
+static int fbi_is_flag(int value)
+{
+  return value == 0 || value == 1;
+}
+
+static int fbi_is_within(int n, int most)
+{
+  return n >= 0 && n <= most;
+}
+
+static int fbi_sparse_is_sound(const fb_sparse *m, int n)
+{
+  int sound = fbi_is_within(m->n_term, FBI_MAX_PAIRS) && fbi_is_finite(m->diagonal, n);
+  for (int k = 0; sound && k < m->n_term; k++) {
+    const fb_pair_term *t = &m->term[k];
+    sound = t->a < n && t->b < t->a && fbi_is_finite(&t->c, 1);
+  }
+  return sound;
+}
+
+/* Terms of Lambda: the constant ones, then row by row those linear in q (fbi_lambda_list). */
+static int fbi_lambda_is_sound(const fb_body *body)
+{
+  int row = 0,
+      sound = fbi_is_within(body->n_lambda, FBI_MAX_LAMBDA) && fbi_is_within(body->n_lambda_constant, body->n_lambda) &&
+              fbi_is_within(body->n_linear_constant, body->n_lambda_constant) &&
+              fbi_is_within(body->n_linear, body->n_lambda - body->n_lambda_constant) && fbi_is_within(body->n_row, 6);
+  for (int k = 0; sound && k < body->n_lambda; k++) {
+    const fb_lambda_term *t = &body->lambda[k];
+    const int constant = k < body->n_lambda_constant;
+    row += !constant && row < body->n_row && k >= body->lambda_row[row].end;
+    sound = fbi_is_finite(&t->c, 1) && t->b < body->n && (constant ? t->a == 0 : t->a >= 1 && t->a <= body->n) &&
+            (constant ? (k < body->n_linear_constant) == (t->i < 3) && t->i < 6
+                      : row < body->n_row && t->i == body->lambda_row[row].i &&
+                            (k < body->n_lambda_constant + body->n_linear) == (t->i < 3) && t->i < 6);
+  }
+  return sound && (body->n_row == 0 || (row == body->n_row - 1 && body->lambda_row[row].end == body->n_lambda));
+}
+
+/* Terms of S: runs of pairs that follow each other. */
+static int fbi_S_is_sound(const fb_body *body)
+{
+  int terms = 0, sound = fbi_is_within(body->n_S, FBI_MAX_S) && fbi_is_within(body->n_run, FBI_MAX_RUNS) &&
+                         fbi_is_within(body->n_pair, FBI_MAX_PAIRS_S) && fbi_is_finite(body->S, body->n_S);
+  for (int k = 0; sound && k < body->n_run; k++) {
+    const fb_S_run *r = &body->run[k];
+    terms += r->n;
+    sound = r->i < 21 && r->pair + r->n <= body->n_pair;
+  }
+  for (int k = 0; sound && k < body->n_pair; k++) {
+    sound = body->pair[k].a <= body->n && body->pair[k].b <= body->pair[k].a;
+  }
+  return sound && (fbi_form(body) == 0 ? terms == body->n_S : terms <= body->n_S); /* truncation leaves runs out */
+}
+
+#if FB_WITH_FORMS
+static int fbi_form_is_sound(const fb_body *body)
+{
+  int sound = fbi_is_choice((int)body->form, (int)FB_FORM_FIRST) &&
+              fbi_is_choice((int)body->stiffness_torque, (int)FB_TORQUE_BOUNDARY) &&
+              fbi_is_within(body->torque_degree, 3) && fbi_is_within(body->n_run_value, body->n_run) &&
+              fbi_is_within(body->n_lambda_value, body->n_lambda) && fbi_is_within(body->n_gam, 9 * body->n) &&
+              fbi_is_within(body->n_torque, FBI_MAX_TORQUE) && fbi_is_finite(body->M_rr, 21);
+  for (int k = 0; sound && k < body->n_gam + body->n_torque; k++) {
+    const int is_gam = k < body->n_gam;
+    const fb_lambda_term *t = is_gam ? &body->gam[k] : &body->torque[k - body->n_gam];
+    sound = fbi_is_finite(&t->c, 1) && t->i < (is_gam ? 9 : 3) && t->a >= 1 && t->a <= body->n && t->b < body->n;
+  }
+  return sound;
+}
+#endif
+
+#if FB_WITH_NONLINEAR_STRAIN
+static int fbi_strain_is_sound(const fb_body *body)
+{
+  const fb_real number[3] = {body->quartic, body->limit_slope, body->limit_tension};
+  int sound = fbi_is_within(body->n_strain, FBI_MAX_STRAINS) && body->n_strain % 4 == 0 && fbi_is_finite(number, 3) &&
+              fbi_is_within(body->n_strain_row, 3 * body->n) && fbi_is_finite(body->strain_weight, body->n_strain);
+  for (int k = 0; sound && k < body->n_strain_row; k++) {
+    const fb_strain_row *r = &body->strain_row[k];
+    sound = r->axis < 3 && r->a < body->n && fbi_is_finite(r->slope, body->n_strain);
+  }
+  return sound;
+}
+#endif
+
+static int fbi_matrices_are_sound(const fb_body *body)
+{
+  int sound = fbi_sparse_is_sound(&body->M, body->n) && fbi_sparse_is_sound(&body->Minv, body->n) &&
+              fbi_sparse_is_sound(&body->K, body->n);
+#if FB_WITH_DAMPING
+  sound = sound && fbi_sparse_is_sound(&body->C, body->n);
+#endif
+  for (int a = 0; sound && a < body->n; a++) {
+    sound = body->K.diagonal[a] >= FB_R(0.0) && body->reach[a] >= FB_R(0.0) &&
+            (!body->unit_mass || body->M.diagonal[a] > FB_R(0.0));
+  }
+  return sound;
+}
+
+/* Numbers that stand alone, and S_0: positive definite where all of it is free, with its inverse beside it. */
+static int fbi_rigid_is_sound(const fb_body *body)
+{
+  const fb_real number[8] = {body->mass,          body->deflection_limit, body->recoil,     body->gyration,
+                             body->limit_elastic, body->limit_damping,    body->limit_spin, body->limit_acceleration};
+  const fb_real unit[6] = {FB_R(1.0)};
+  fb_real x[6];
+  for (int k = 0; k < 8; k++) {
+    if (!(number[k] >= FB_R(0.0) && number[k] <= FB_HUGE)) {
+      return 0;
+    }
+  }
+  return fbi_is_finite(body->c, 3) && fbi_is_finite(body->reach, body->n) && fbi_is_finite(body->S0, 21) &&
+         fbi_is_finite(body->S0_inverse, 36) &&
+         (body->base != FB_BASE_FREE || fbi_sym6_solve(x, body->S0, unit) == FB_OK);
+}
+
+FB_DEF fb_status fb_body_check(const fb_body *body)
+{
+  int sound;
+  FBI_REQUIRE(body, FB_ERR_NULL);
+  if (!fbi_is_within(body->n, FB_MAX_MODES) || body->n_node < 1 || body->n_node > FB_MAX_NODES) {
+    return FB_ERR_CAPACITY;
+  }
+  sound = !fbi_is_excluded(body->effects) && fbi_is_choice((int)body->base, (int)FB_BASE_HINGED) &&
+          fbi_is_flag(body->unit_mass) && fbi_is_flag(body->constant_S) && fbi_is_flag(body->allow_long_step) &&
+          fbi_rigid_is_sound(body) && fbi_matrices_are_sound(body) && fbi_lambda_is_sound(body) && fbi_S_is_sound(body);
+#if FB_WITH_FORMS
+  sound = sound && fbi_form_is_sound(body);
+#endif
+#if FB_WITH_NONLINEAR_STRAIN
+  sound = sound && fbi_strain_is_sound(body);
+#endif
+#if FB_WITH_GRAVITY
+  sound = sound && fbi_is_finite(body->gravity, 3);
+#endif
+  for (int k = 0; sound && k < body->n_node; k++) {
+    sound = fbi_node_is_finite(&body->node[k], body->n);
+  }
+  return sound ? FB_OK : FB_ERR_VALUE;
 }
 
 /* ---------------------------------------------------------------------------------------------------------------
@@ -7400,7 +7668,7 @@ static fb_status fbi_link_out(fbi_link_work *L, const fb_joint *joint, const fb_
       y[i] = L->p[i] - L->b[i];
       V[i] = L->mode[0] == FB_AXIS_PRESCRIBED ? L->p[i] : FB_R(0.0);
     }
-    if (L->mode[0] == FB_AXIS_FREE && fb_sym6_solve(V, L->S, y) != FB_OK) {
+    if (L->mode[0] == FB_AXIS_FREE && fbi_sym6_solve(V, L->S, y) != FB_OK) {
       return !fbi_is_finite(L->S, 21) ? FB_ERR_NOT_FINITE : n > 0 ? FB_ERR_RANGE : FB_ERR_UNDETERMINED;
     }
     fbi_vec6_copy(L->u, V);
@@ -9375,7 +9643,7 @@ static void fbi_tree_joint_motion(fb_joint_motion *out, const fbi_link_work *L, 
   }
   fb_mat33_mul_vec3(out->force, L->k.R, L->G);
   fb_mat33_mul_vec3(out->torque, L->k.R, torque);
-  fbi_copy(out->value, x->x, 3);
+  fbi_copy(out->value, x->x, joint->n_axis < 3 ? joint->n_axis : 3);
   if (joint->kind == FB_JOINT_SPHERICAL) {
     fb_quat_to_rotvec(out->value, x->quat);
   }
@@ -9592,6 +9860,7 @@ FB_DEF fb_status fb_system_momentum(const fb_system *system, const fb_body *body
    Source: definition of an accelerometer.  Test: joint_forces_carry_what_hangs_on_them. */
 FB_DEF void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *gravity)
 {
+  FBI_REQUIRE(imu && node, );
   fb_real R[9], a[3];
   fb_quat_to_mat33(R, node->quat);
   for (int i = 0; i < 3; i++) {
@@ -9709,7 +9978,7 @@ static void fbi_system_fill(fb_system *out, const fb_body *body, const fb_system
   out->n_body = desc->n_body;
   out->n_loop = desc->n_loop;
   out->method = desc->method;
-  out->allow_long_step = desc->allow_long_step;
+  out->allow_long_step = desc->allow_long_step != 0;
   for (int k = 0; k < desc->n_body; k++) {
     out->model[k] = desc->model[k];
   }
@@ -9773,6 +10042,78 @@ FB_DEF fb_status fb_system_init(fb_system *system, fb_system_work *work, const f
     *system = *out;
   }
   return status == FB_ERR_UNDETERMINED ? FB_ERR_SINGULAR : status;
+}
+
+/* ---- checks of what is in memory */
+
+static int fbi_joint_is_sound(const fb_system *system, const fb_body *body, int j)
+{
+  const fb_joint *joint = &system->joint[j];
+  const int loop = j >= system->n_body, most = loop ? system->n_body : j;
+  int sound = fbi_is_choice((int)joint->kind, (int)FB_JOINT_SPHERICAL) && joint->parent >= FB_GROUND &&
+              joint->parent < most && fbi_is_within(joint->child, system->n_body - 1) && (loop || joint->child == j) &&
+              joint->parent_node >= 0 && joint->child_node >= 0 && fbi_is_flag(joint->moves) &&
+              fbi_is_flag(joint->turned);
+  sound = sound && joint->n_axis == fbi_joint_axes(joint->kind) &&
+          (joint->parent < 0 ? joint->parent_node == 0
+                             : joint->parent_node < fbi_model(system, body, joint->parent)->n_node) &&
+          joint->child_node < fbi_model(system, body, joint->child)->n_node;
+  sound = sound && fbi_is_finite(joint->position, 3) && fbi_is_finite(joint->axes, 9) &&
+          fbi_is_finite(joint->child_position, 3) && fbi_is_finite(joint->child_axes, 9) &&
+          fbi_is_finite(joint->A, 18) && fbi_is_finite(&joint->pitch, 1) && fbi_is_finite(joint->stiffness, 3) &&
+          fbi_is_finite(joint->rest, 3) && fbi_is_finite(joint->damping, 3);
+  for (int i = 0; sound && i < 3; i++) {
+    sound = fbi_is_choice((int)joint->mode[i], (int)FB_AXIS_PRESCRIBED) && joint->stiffness[i] >= FB_R(0.0) &&
+            joint->damping[i] >= FB_R(0.0);
+  }
+  return sound;
+}
+
+FB_DEF fb_status fb_system_check(const fb_system *system, const fb_body *body, int n_model)
+{
+  int sound;
+  FBI_REQUIRE(system && body, FB_ERR_NULL);
+  if (n_model < 1 || system->n_body < 1 || system->n_body > FB_MAX_BODIES ||
+      !fbi_is_within(system->n_loop, FB_MAX_LOOPS)) {
+    return FB_ERR_CAPACITY;
+  }
+  {
+    const fb_real limit[4] = {system->limit_elastic, system->limit_damping, system->limit_kept_elastic,
+                              system->limit_kept_damping};
+    sound = fbi_is_choice((int)system->method, (int)FB_METHOD_MULTIPLIERS) && fbi_is_flag(system->allow_long_step) &&
+            fbi_is_finite(limit, 4) && system->free.kind == FB_JOINT_FREE && system->free.n_axis == 6 &&
+            system->free.parent == FB_GROUND;
+  }
+  for (int k = 0; sound && k < system->n_body; k++) {
+    sound = fbi_is_within(system->model[k], n_model - 1) && fbi_is_flag(system->coupled[k]) &&
+            fb_body_check(fbi_model(system, body, k)) == FB_OK;
+  }
+  for (int j = 0; sound && j < system->n_body + system->n_loop; j++) {
+    sound = fbi_joint_is_sound(system, body, j);
+  }
+  return sound ? FB_OK : FB_ERR_VALUE;
+}
+
+FB_DEF fb_status fb_system_state_check(const fb_system *system, const fb_body *body, const fb_system_state *state)
+{
+  fb_status status;
+  FBI_REQUIRE(system && body && state, FB_ERR_NULL);
+  status = fbi_system_range(system, body, state);
+  for (int j = 0; status == FB_OK && j < system->n_body + system->n_loop; j++) {
+    fb_real quat[4] = {FB_R(1.0)};
+    for (int i = 0; i < 3; i++) {
+      status = fbi_is_choice((int)state->mode[j][i], (int)FB_AXIS_PRESCRIBED) ? status : FB_ERR_VALUE;
+    }
+    if (j < system->n_body && (system->joint[j].kind == FB_JOINT_SPHERICAL || system->joint[j].kind == FB_JOINT_FREE ||
+                               system->method == FB_METHOD_MULTIPLIERS)) {
+      fbi_copy(quat, state->link[j].quat, 4);
+    }
+    if (status == FB_OK && (!fbi_is_finite(state->hold[j], 3) || !fbi_is_finite(state->hold_quat[j], 4))) {
+      status = FB_ERR_NOT_FINITE;
+    }
+    status = status ? status : fb_quat_normalize(quat);
+  }
+  return status;
 }
 
 /* ---------------------------------------------------------------------------------------------------------------
@@ -11198,16 +11539,66 @@ static fb_status fbi_mixed_increments(fb_mixed_work *work, const fb_mixed *m, co
   return FB_OK;
 }
 
-static fb_status fbi_mixed_state_check(const fb_mixed *m, const fb_mixed_state *state)
+/* Counts of the model that the loops over a state rest on. */
+static int fbi_mixed_is_sized(const fb_mixed *m)
+{
+  return m->n >= 1 && m->n <= FB_MAX_MIXED && m->n_lump >= 0 && m->n_lump <= FB_MAX_LUMPS;
+}
+
+FB_DEF fb_status fb_mixed_check(const fb_mixed *m)
+{
+  int sound;
+  FBI_REQUIRE(m, FB_ERR_NULL);
+  if (!fbi_mixed_is_sized(m)) {
+    return FB_ERR_CAPACITY;
+  }
+  sound = m->iterations >= 1 && m->iterations <= 20 && m->length > FB_R(0.0) && m->length <= FB_HUGE &&
+          m->force > FB_R(0.0) && m->force <= FB_HUGE && m->time > FB_R(0.0) && m->time <= FB_HUGE &&
+          m->beta >= FB_R(0.0) && m->beta <= FB_R(0.125) && fbi_is_finite(m->gravity, 3);
+  sound = sound && fbi_is_finite(m->xi, 6 * m->n) && fbi_is_finite(m->C, 36 * m->n) && fbi_is_finite(m->S, 36 * m->n) &&
+          fbi_is_finite(m->section, 36 * m->n) && fbi_is_finite(m->taper, 36 * m->n) &&
+          fbi_is_finite(m->M, 36 * m->n) && fbi_is_finite(m->M_inverse, 36 * m->n) &&
+          fbi_is_finite(m->r, 3 * (m->n + 1)) && fbi_is_finite(m->quat, 4 * (m->n + 1)) &&
+          fbi_is_finite(m->lump, 36 * m->n_lump) && fbi_is_finite(m->lump_inverse, 36 * m->n_lump);
+  for (int k = 0; sound && k <= m->n; k++) {
+    sound = fbi_is_within(m->held[k], 127) && (k == m->n || (m->h[k] > FB_R(0.0) && m->h[k] <= FB_R(1.0)));
+  }
+  for (int k = 0; sound && k < m->n_lump; k++) {
+    sound = fbi_is_within(m->lump_node[k], m->n);
+  }
+  return sound ? FB_OK : FB_ERR_VALUE;
+}
+
+static int fbi_mixed_rates_are_finite(const fb_mixed *m, const fb_mixed_state *state)
+{
+  int finite = fbi_is_finite(state->strain_rate, 6 * m->n) && fbi_is_finite(state->momentum_rate, 6 * m->n) &&
+               fbi_is_finite(state->lump_rate, 6 * m->n_lump) && fbi_is_finite(state->offset, 6 * m->n);
+  for (int k = 0; k < 3; k++) {
+    finite = finite && fbi_is_finite(state->V[k], 6 * (m->n + 1)) && fbi_is_finite(state->stress[k], 6 * m->n);
+  }
+  return finite && fbi_is_finite(state->force, 6 * (m->n + 1)) && fbi_is_finite(state->reaction, 6 * (m->n + 1)) &&
+         fbi_is_finite(&state->step, 1);
+}
+
+FB_DEF fb_status fb_mixed_state_check(const fb_mixed *m, const fb_mixed_state *state)
 {
   fb_real quat[4];
-  fbi_copy(quat, state->base_quat, 4);
-  if (!fbi_is_finite(state->base_position, 3) || !fbi_is_finite(quat, 4) || !fbi_is_finite(state->r, 3 * (m->n + 1)) ||
-      !fbi_is_finite(state->quat, 4 * (m->n + 1)) || !fbi_is_finite(state->strain, 6 * m->n) ||
-      !fbi_is_finite(state->momentum, 6 * m->n) || !fbi_is_finite(state->stress[0], 6 * m->n)) {
+  FBI_REQUIRE(m && state, FB_ERR_NULL);
+  FBI_REQUIRE(fbi_mixed_is_sized(m), FB_ERR_CAPACITY);
+  if (!fbi_is_finite(state->base_position, 3) || !fbi_is_finite(state->base_quat, 4) ||
+      !fbi_is_finite(state->r, 3 * (m->n + 1)) || !fbi_is_finite(state->quat, 4 * (m->n + 1)) ||
+      !fbi_is_finite(state->strain, 6 * m->n) || !fbi_is_finite(state->momentum, 6 * m->n) ||
+      !fbi_is_finite(state->lump, 6 * m->n_lump) || !fbi_mixed_rates_are_finite(m, state)) {
     return FB_ERR_NOT_FINITE;
   }
-  return fb_quat_normalize(quat);
+  for (int j = 0; j <= m->n; j++) {
+    fbi_copy(quat, state->quat + 4 * j, 4);
+    if (fb_quat_normalize(quat) != FB_OK) {
+      return FB_ERR_VALUE;
+    }
+  }
+  fbi_copy(quat, state->base_quat, 4);
+  return fb_quat_normalize(quat) == FB_OK && state->known >= 0 && state->known <= 3 ? FB_OK : FB_ERR_VALUE;
 }
 
 static const fb_mixed_input *fbi_mixed_no_input(fb_mixed_work *work)
@@ -11316,7 +11707,7 @@ FB_DEF fb_status fb_mixed_steady_solve(const fb_mixed *m, fb_mixed_state *state,
   fb_status status;
   FBI_REQUIRE(m && state && work, FB_ERR_NULL);
   input = input ? input : fbi_mixed_no_input(work);
-  status = fbi_mixed_state_check(m, state);
+  status = fb_mixed_state_check(m, state);
   status = status ? status : fbi_mixed_input_check(m, input);
   if (status != FB_OK) {
     return status;
@@ -11370,7 +11761,12 @@ static void fbi_rotvec_near(fb_real phi[3], const fb_real quat[4])
 FB_DEF fb_status fb_mixed_nodes_eval(const fb_mixed *m, fb_mixed_node *node, const fb_mixed_state *state)
 {
   fb_real base[9], phi[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_status status;
   FBI_REQUIRE(m && node && state, FB_ERR_NULL);
+  status = fb_mixed_state_check(m, state);
+  if (status != FB_OK) {
+    return status;
+  }
   fb_quat_to_mat33(base, state->base_quat);
   for (int j = 0; j <= m->n; j++) {
     fb_mixed_node *const out = &node[j];
@@ -11402,6 +11798,9 @@ FB_DEF fb_status fb_mixed_element_eval(const fb_mixed *m, fb_mixed_element *out,
 {
   FBI_REQUIRE(m && out && state, FB_ERR_NULL);
   FBI_REQUIRE(k >= 0 && k < m->n, FB_ERR_CAPACITY);
+  if (!fbi_is_finite(state->stress[0] + 6 * k, 6) || !fbi_is_finite(state->momentum + 6 * k, 6)) {
+    return FB_ERR_NOT_FINITE;
+  }
   {
     const fb_real *const s = state->stress[0] + 6 * k, *const P = state->momentum + 6 * k;
     const fb_real mass = m->force * m->time * m->time / m->length; /* of the beam */
@@ -11448,11 +11847,16 @@ static void fbi_mixed_point(fb_real r[3], fb_real quat[4], const fb_mixed *m, co
 FB_DEF fb_status fb_mixed_point_eval(const fb_mixed *m, fb_real position[3], fb_real quat[4],
                                      const fb_mixed_state *state, fb_real x)
 {
+  fb_status status;
   fb_real r[3], turn[4], R[9], place = FB_R(0.0);
   int k = 0;
   FBI_REQUIRE(m && position && quat && state, FB_ERR_NULL);
   if (!(x >= FB_R(0.0) && x <= m->length * (FB_R(1.0) + FB_R(1e-5)))) {
     return FB_ERR_VALUE;
+  }
+  status = fb_mixed_state_check(m, state);
+  if (status != FB_OK) {
+    return status;
   }
   x /= m->length;
   while (k + 1 < m->n && place + m->h[k] < x) {
@@ -11493,9 +11897,9 @@ static fb_real fbi_mixed_weight(const fb_real M[36], const fb_real g[3], const f
    Test: energy_is_kept_whatever_the_step, a_pendulum_keeps_its_energy. */
 FB_DEF fb_status fb_mixed_energy(const fb_mixed *m, fb_energy *energy, const fb_mixed_state *state)
 {
+  fb_energy out = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_real base[9], g[3], origin, last, unit;
   FBI_REQUIRE(m && energy && state, FB_ERR_NULL);
-  memset(energy, 0, sizeof *energy);
   last = FB_R(0.25) * m->beta * state->step * state->step;
   unit = m->force * m->length;
   fb_quat_to_mat33(base, state->base_quat);
@@ -11505,23 +11909,27 @@ FB_DEF fb_status fb_mixed_energy(const fb_mixed *m, fb_energy *energy, const fb_
     const fb_real h = m->h[k], *const M = m->M + 36 * k, *const r = state->r + 3 * k, *const quat = state->quat + 4 * k;
     fb_real middle[3], turn[4];
     fbi_mixed_point(middle, turn, m, state, k, FB_R(0.5));
-    energy->strain +=
+    out.strain +=
         h * fbi_mixed_quadratic(m->S + 36 * k, state->strain + 6 * k, state->strain_rate + 6 * k, last) * unit;
-    energy->kinetic +=
+    out.kinetic +=
         h * unit *
         fbi_mixed_quadratic(m->M_inverse + 36 * k, state->momentum + 6 * k, state->momentum_rate + 6 * k, last);
-    energy->gravity -= h * unit *
-                       (M[0] * origin + (fbi_mixed_weight(M, g, r, quat) + fbi_mixed_weight(M, g, r + 3, quat + 4) +
-                                         FB_R(4.0) * fbi_mixed_weight(M, g, middle, turn)) /
-                                            FB_R(6.0));
+    out.gravity -= h * unit *
+                   (M[0] * origin + (fbi_mixed_weight(M, g, r, quat) + fbi_mixed_weight(M, g, r + 3, quat + 4) +
+                                     FB_R(4.0) * fbi_mixed_weight(M, g, middle, turn)) /
+                                        FB_R(6.0));
   }
   for (int l = 0; l < m->n_lump; l++) {
     const fb_real *const M = m->lump + 36 * l;
     const int j = m->lump_node[l];
-    energy->kinetic +=
+    out.kinetic +=
         unit * fbi_mixed_quadratic(m->lump_inverse + 36 * l, state->lump + 6 * l, state->lump_rate + 6 * l, last);
-    energy->gravity -= unit * (M[0] * origin + fbi_mixed_weight(M, g, state->r + 3 * j, state->quat + 4 * j));
+    out.gravity -= unit * (M[0] * origin + fbi_mixed_weight(M, g, state->r + 3 * j, state->quat + 4 * j));
   }
+  if (!fbi_energy_is_finite(&out)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *energy = out;
   return FB_OK;
 }
 
@@ -11542,6 +11950,7 @@ static void fbi_mixed_wrench_add(fb_real p[3], fb_real h[3], const fb_mixed_stat
    Source: [L] 3.62, E10.7.  Cost: 200 flops an element.  Fails: never.  Test: free_flight_keeps_momentum. */
 FB_DEF fb_status fb_mixed_momentum(const fb_mixed *m, fb_momentum *momentum, const fb_mixed_state *state)
 {
+  fb_momentum out;
   fb_real base[9], unit, p[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, h[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   FBI_REQUIRE(m && momentum && state, FB_ERR_NULL);
   for (int k = 0; k < m->n; k++) {
@@ -11563,13 +11972,17 @@ FB_DEF fb_status fb_mixed_momentum(const fb_mixed *m, fb_momentum *momentum, con
   }
   unit = m->force * m->time; /* of momentum */
   fb_quat_to_mat33(base, state->base_quat);
-  fb_mat33_mul_vec3(momentum->linear, base, p);
-  fb_mat33_mul_vec3(momentum->angular, base, h);
+  fb_mat33_mul_vec3(out.linear, base, p);
+  fb_mat33_mul_vec3(out.angular, base, h);
   for (int i = 0; i < 3; i++) {
-    momentum->linear[i] *= unit;
-    momentum->angular[i] *= unit * m->length;
+    out.linear[i] *= unit;
+    out.angular[i] *= unit * m->length;
   }
-  fbi_vec3_add_cross(momentum->angular, state->base_position, momentum->linear);
+  fbi_vec3_add_cross(out.angular, state->base_position, out.linear);
+  if (!fbi_is_finite(out.linear, 3) || !fbi_is_finite(out.angular, 3)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *momentum = out;
   return FB_OK;
 }
 
@@ -11609,6 +12022,7 @@ static fb_real fbi_step_limit(fb_real radius, fb_real bound)
 #define FBI_RK4_RADIUS FB_R(2.785)
 FB_DEF fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real acceleration)
 {
+  FBI_REQUIRE(body, FB_R(0.0));
   return fbi_step_limit(FBI_RK4_RADIUS, fbi_frequency_bound(body, spin, acceleration, FB_R(0.0), FB_R(0.0)));
 }
 
@@ -12100,6 +12514,7 @@ static fb_real fbi_stiffening(const fb_body *body, fb_real spin, fb_real acceler
    Source: trials.  Fails: never.  Test: steps_within_the_limit_are_stable. */
 FB_DEF fb_real fb_implicit_limit(const fb_body *body, fb_real spin, fb_real acceleration)
 {
+  FBI_REQUIRE(body, FB_R(0.0));
   return fbi_step_limit(FB_R(1.0), fbi_larger(FB_R(10.0) * FB_FABS(spin), fbi_stiffening(body, spin, acceleration)));
 }
 
@@ -12231,6 +12646,7 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
    Source: trials.  Fails: never.  Test: steps_within_the_limit_are_stable. */
 FB_DEF fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real acceleration)
 {
+  FBI_REQUIRE(body, FB_R(0.0));
   const fb_real lightness = body->base == FB_BASE_FREE ? body->recoil * body->recoil - FB_R(1.0) : FB_R(0.0);
   const fb_real turning = (FB_R(2.0) * body->recoil + FB_R(15.0) * lightness) * FB_FABS(spin);
   const int heavy = body->limit_damping > FB_R(0.5) * FB_SQRT(body->limit_elastic);
@@ -12580,6 +12996,28 @@ static void fbi_modal_increments(fb_exponential_work *w, const fb_exponential *s
   fbi_row_sub(w->at.pi, FB_R(1.0), state->pi, body->n);
 }
 
+FB_DEF fb_status fb_exponential_check(const fb_exponential *scheme, const fb_body *body)
+{
+  int n, sound;
+  FBI_REQUIRE(scheme && body, FB_ERR_NULL);
+  n = body->n;
+  if (!fbi_is_within(n, FB_MAX_MODES) || !fbi_is_within(scheme->n_axial, n)) {
+    return FB_ERR_CAPACITY;
+  }
+  sound = scheme->dt > FB_R(0.0) && scheme->dt < FB_HUGE && fbi_is_finite(scheme->X, n * n) &&
+          fbi_is_finite(scheme->MX, n * n) && fbi_is_finite(scheme->omega2, n);
+  for (int k = 0; sound && k < 5; k++) {
+    sound = fbi_is_finite(scheme->half[k], n) && fbi_is_finite(scheme->full[k], n);
+  }
+  for (int k = 0; sound && k < scheme->n_axial; k++) {
+    sound = fbi_is_within(scheme->axial[k], n - 1);
+  }
+#if FB_WITH_NONLINEAR_STRAIN
+  sound = sound && fbi_is_finite(scheme->G, scheme->n_axial * body->n_strain);
+#endif
+  return sound ? FB_OK : FB_ERR_VALUE;
+}
+
 /* [E11.10] Exponential Runge-Kutta scheme of order 4 for z' = L z + N(t, z), stages at 0, 1/2, 1/2, 1:
    z_2 = e^(hL/2) z + h/2 phi_1(hL/2) N_1,  z_3 = z_2 + h phi_2(hL/2) (N_2 - N_1),
    z_4 = e^(hL) z + h phi_1(hL) N_1 + 2h phi_2(hL) (N_3 - N_1),
@@ -12595,11 +13033,14 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   static const fb_real second[4] = {-FB_R(3.0), FB_R(2.0), FB_R(2.0), -FB_R(1.0)};
   static const fb_real last[4] = {FB_R(4.0), -FB_R(4.0), -FB_R(4.0), FB_R(4.0)};
   fbi_kinetics k;
-  fb_state *z = &work->z, *N = work->N, *sum = &work->sum;
+  fb_state *z, *N, *sum;
   fb_real h, spin, acceleration;
   fb_status status;
   int n;
   FBI_REQUIRE(body && scheme && state && work, FB_ERR_NULL);
+  z = &work->z;
+  N = work->N;
+  sum = &work->sum;
   n = body->n;
   h = scheme->dt;
   work->at = *state;
@@ -12715,6 +13156,7 @@ static fb_real fbi_system_frequency(const fb_system *system, fb_real spin, fb_re
    Source: E8.8, E11.1.  Fails: never.  Test: system_steps_beyond_the_limit_are_refused. */
 FB_DEF fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body, fb_real spin, fb_real acceleration)
 {
+  FBI_REQUIRE(system && body, FB_R(0.0));
   fb_real stiff = FB_R(0.0);
   for (int k = 0; k < system->n_body; k++) {
     const fb_body *model = fbi_model(system, body, k);
@@ -13220,7 +13662,7 @@ FB_DEF fb_status fb_mixed_step(const fb_mixed *m, fb_mixed_state *state, fb_mixe
   fb_status status;
   FBI_REQUIRE(m && state && work, FB_ERR_NULL);
   middle = middle ? middle : fbi_mixed_no_input(work);
-  status = fbi_mixed_state_check(m, state);
+  status = fb_mixed_state_check(m, state);
   status = status ? status : fbi_mixed_input_check(m, middle);
   if (status != FB_OK) {
     return status;
@@ -14567,7 +15009,7 @@ FB_DEF fb_real fb_spectrum_damping(const fb_spectrum *spectrum, int k)
 {
   fbi_complex value;
   fb_real size;
-  FBI_REQUIRE(spectrum && k >= 0 && k < spectrum->n, FB_R(0.0));
+  FBI_REQUIRE(spectrum && spectrum->n <= FB_MAX_LINEAR && k >= 0 && k < spectrum->n, FB_R(0.0));
   value.re = spectrum->re[k];
   value.im = spectrum->im[k];
   size = fbi_complex_abs(value);
@@ -14650,7 +15092,7 @@ static fb_real fbi_stable_radius(fb_scheme scheme, fbi_complex d)
 FB_DEF fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_scheme scheme)
 {
   fb_real limit = FB_HUGE;
-  FBI_REQUIRE(spectrum && fbi_is_choice((int)scheme, (int)FB_SCHEME_SDIRK), FB_R(0.0));
+  FBI_REQUIRE(spectrum && spectrum->n <= FB_MAX_LINEAR && fbi_is_choice((int)scheme, (int)FB_SCHEME_SDIRK), FB_R(0.0));
   for (int k = 0; k < spectrum->n && scheme == FB_SCHEME_RK4; k++) {
     const fbi_complex value = {fbi_smaller(spectrum->re[k], FB_R(0.0)), spectrum->im[k]};
     const fb_real size = fbi_complex_abs(value);
@@ -14715,8 +15157,8 @@ FB_DEF fb_real fb_spectrum_step(const fb_spectrum *spectrum, fb_scheme scheme, c
 {
   const fb_real most = fbi_smaller(FB_R(0.9) * fb_spectrum_limit(spectrum, scheme), duration);
   fb_real low = FB_R(0.0), high = FB_R(8.6736173798840355e-19) * most; /* 2^-60 */
-  if (!spectrum || !fbi_is_choice((int)scheme, (int)FB_SCHEME_SDIRK) || !(duration > FB_R(0.0)) ||
-      !(tolerance > FB_R(0.0)) || !(most > FB_R(0.0)) ||
+  if (!spectrum || spectrum->n > FB_MAX_LINEAR || !fbi_is_choice((int)scheme, (int)FB_SCHEME_SDIRK) ||
+      !(duration > FB_R(0.0)) || !(tolerance > FB_R(0.0)) || !(most > FB_R(0.0)) ||
       !(fbi_spectrum_error(spectrum, scheme, amplitude, high, duration) >= FB_R(0.0))) { /* not a number */
     return FB_R(0.0);
   }
@@ -15030,7 +15472,7 @@ FB_DEF fb_status fb_mixed_spectrum_solve(const fb_mixed *m, fb_mixed_spectrum *s
     return FB_ERR_VALUE;
   }
   input = input ? input : fbi_mixed_no_input(&work->mixed);
-  status = fbi_mixed_state_check(m, state);
+  status = fb_mixed_state_check(m, state);
   status = status ? status : fbi_mixed_input_check(m, input);
   status = status ? status : fbi_mixed_modes(&found, order, work, m, state, input, count);
   if (status != FB_OK) {
@@ -15312,7 +15754,7 @@ FB_DEF fb_status fb_mixed_linearize(const fb_mixed *m, fb_mixed_linear *linear, 
   out = &w->linear;
   input = input ? input : fbi_mixed_no_input(&w->spectrum.mixed);
   status = count < 1 || count > FB_MIXED_MODES ? FB_ERR_VALUE : fbi_mixed_ports_check(m, desc);
-  status = status ? status : fbi_mixed_state_check(m, state);
+  status = status ? status : fb_mixed_state_check(m, state);
   status = status ? status : fbi_mixed_input_check(m, input);
   status = status ? status : fbi_mixed_linearize(&w->spectrum.mixed, m, state, input, FB_R(0.0));
   if (status != FB_OK) {
@@ -15396,6 +15838,10 @@ static fb_status fbi_advise_modes_check(const fb_shape *shape)
 static fb_status fbi_advise_check(const fb_shape *shape, const fb_body_desc *desc, const fb_envelope *e,
                                   fb_real tolerance)
 {
+  const fb_status status = fbi_shape_check(shape);
+  if (status != FB_OK) {
+    return status;
+  }
   if (((FB_EFFECTS_FULL | FB_EFFECT_GRAVITY) & ~(unsigned)FBI_EFFECTS_BUILT) != 0) {
     return FB_ERR_EFFECTS;
   }

@@ -1,0 +1,171 @@
+/* A single bit flipped: of models, schemes and states (all bits of small ones, a repeatable sample of large ones). Then the
+   struct's fb_..._check sees it, or what uses the struct (a step of every scheme, motion, energy) gives a status, or all
+   of it is finite: harmless here, for the check word (fb_body_crc) to see. Never a crash, nor FB_OK with what is not finite.
+   Prints a table; exit 1 when something is not finite. */
+#include "hostile.h"
+
+typedef struct subject {
+  const char *name;
+  void *at;
+  size_t size;
+  fb_status (*check)(void);
+  fb_status (*use)(void); /* FB_OK with what is not finite: 1 */
+} subject;
+
+static const fb_status not_finite = (fb_status)1;
+
+static fb_status finite_or(fb_status status, const void *x, size_t size)
+{
+  return status == FB_OK && !is_finite(x, size) ? not_finite : status;
+}
+
+static fb_status check_body(void)
+{
+  return fb_body_check(&w.body);
+}
+
+static fb_status check_state(void)
+{
+  return fb_state_check(&w.body, &w.state);
+}
+
+static fb_status check_exponential(void)
+{
+  return fb_exponential_check(&w.exponential, &w.body);
+}
+
+static fb_status check_system(void)
+{
+  return fb_system_check(&w.system, &w.body, 1);
+}
+
+static fb_status check_system_state(void)
+{
+  return fb_system_state_check(&w.system, &w.body, &w.system_state);
+}
+
+static fb_status check_mixed(void)
+{
+  return fb_mixed_check(&w.mixed);
+}
+
+static fb_status check_mixed_state(void)
+{
+  return fb_mixed_state_check(&w.mixed, &w.mixed_state);
+}
+
+/* The first status that is not FB_OK of a step by each scheme, motion, motion of a node, energy, momentum. */
+static fb_status use_body(void)
+{
+  const fb_real dt = FB_R(0.01);
+  fb_state state = w.state;
+  fb_motion motion;
+  fb_node_motion node;
+  fb_energy energy;
+  fb_momentum momentum;
+  fb_status status;
+  memset(&motion, 0, sizeof motion);
+  status = fb_rk4_step(&w.body, &state, &rk4_work, &w.input, &w.input, &w.input, dt);
+  status = finite_or(status, &state, sizeof state);
+  status = status ? status : fb_midpoint_step(&w.body, &state, &implicit_work, &w.input, dt, 0);
+  status = finite_or(status, &state, sizeof state);
+  status = status ? status : fb_sdirk_step(&w.body, &state, &implicit_work, &w.input, &w.input, dt, 0);
+  status = finite_or(status, &state, sizeof state);
+  status = status
+               ? status
+               : fb_exponential_step(&w.body, &w.exponential, &state, &exponential_work, &w.input, &w.input, &w.input);
+  status = finite_or(status, &state, sizeof state);
+  status = status ? status : fb_body_motion(&w.body, &motion, &state, &w.input);
+  status = finite_or(status, &motion, sizeof motion);
+  status = status ? status : fb_body_node_motion(&w.body, &node, &state, &motion, 1);
+  status = finite_or(status, &node, sizeof node);
+  status = status ? status : fb_body_energy(&w.body, &energy, &state, &w.input);
+  status = finite_or(status, &energy, sizeof energy);
+  status = status ? status : fb_body_momentum(&w.body, &momentum, &state, &w.input);
+  return finite_or(status, &momentum, sizeof momentum);
+}
+
+static fb_status use_system(void)
+{
+  static fb_system_state state;
+  static fb_system_motion motion;
+  fb_energy energy;
+  fb_status status;
+  state = w.system_state;
+  status = fb_system_rk4_step(&w.system, &w.body, &state, &system_work, &w.system_input, &w.system_input,
+                              &w.system_input, FB_R(0.001));
+  status = finite_or(status, &state, sizeof state);
+  status = status ? status
+                  : fb_system_sdirk_step(&w.system, &w.body, &state, &system_work, &w.system_input, &w.system_input,
+                                         FB_R(0.001), 0);
+  status = finite_or(status, &state, sizeof state);
+  status = status ? status : fb_system_motion_eval(&w.system, &w.body, &system_work, &motion, &state, &w.system_input);
+  status = finite_or(status, &motion, status == FB_OK ? sizeof motion : 0);
+  status = status ? status : fb_system_energy(&w.system, &w.body, &system_work, &energy, &state, &w.system_input);
+  return finite_or(status, &energy, sizeof energy);
+}
+
+static fb_status use_mixed(void)
+{
+  static fb_mixed_state state;
+  static fb_mixed_node node[FB_MAX_MIXED + 1];
+  fb_energy energy;
+  fb_status status;
+  state = w.mixed_state;
+  status = fb_mixed_step(&w.mixed, &state, &mixed_work, &w.mixed_input, FB_R(0.01));
+  status = finite_or(status, &state, sizeof state);
+  status = status ? status : fb_mixed_nodes_eval(&w.mixed, node, &state);
+  status = finite_or(status, node, sizeof node);
+  status = status ? status : fb_mixed_energy(&w.mixed, &energy, &state);
+  return finite_or(status, &energy, sizeof energy);
+}
+
+#define SAMPLE 40000 /* flips of a large struct */
+
+/* Every bit, or one in `stride` (odd, so that it comes by every bit of a word). */
+static int attack(const subject *s)
+{
+  const size_t bits = 8 * s->size, stride = bits > SAMPLE ? bits / SAMPLE | 1 : 1;
+  int flips = 0, detected = 0, status = 0, harmless = 0, silent = 0;
+  for (size_t bit = 0; bit < bits; bit += stride) {
+    unsigned char *const byte = (unsigned char *)s->at + bit / 8;
+    const unsigned char was = *byte;
+    *byte = (unsigned char)(was ^ (1u << bit % 8));
+    flips++;
+    if (s->check() != FB_OK) {
+      detected++;
+    } else {
+      const fb_status is = s->use();
+      status += is < FB_OK;
+      harmless += is == FB_OK;
+      silent += is > FB_OK;
+    }
+    *byte = was;
+  }
+  printf("%-16s %8d %7d %9d %7d %9d %11d\n", s->name, (int)bits, flips, detected, status, harmless, silent);
+  return silent;
+}
+
+int main(void)
+{
+  static const subject subjects[] = {
+      {"fb_body", &w.body, sizeof w.body, check_body, use_body},
+      {"fb_exponential", &w.exponential, sizeof w.exponential, check_exponential, use_body},
+      {"fb_state", &w.state, sizeof w.state, check_state, use_body},
+      {"fb_system", &w.system, sizeof w.system, check_system, use_system},
+      {"fb_system_state", &w.system_state, sizeof w.system_state, check_system_state, use_system},
+      {"fb_mixed", &w.mixed, sizeof w.mixed, check_mixed, use_mixed},
+      {"fb_mixed_state", &w.mixed_state, sizeof w.mixed_state, check_mixed_state, use_mixed}};
+  int silent = 0;
+  world_fill();
+  printf("%-16s %8s %7s %9s %7s %9s %11s\n", "struct", "bits", "flips", "detected", "status", "harmless", "not finite");
+  for (size_t k = 0; k < sizeof subjects / sizeof *subjects; k++) {
+    if (subjects[k].check() != FB_OK || subjects[k].use() != FB_OK) {
+      printf("%s: not well before any flip: %s, %s\n", subjects[k].name, fb_status_string(subjects[k].check()),
+             fb_status_string(subjects[k].use()));
+      return 1;
+    }
+    silent += attack(&subjects[k]);
+  }
+  return silent > 0;
+}

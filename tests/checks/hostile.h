@@ -1,0 +1,623 @@
+/* hostile.h - a valid world of every kind of object, and every public function of flexbeam.h with what a valid call takes:
+   for tests/checks/hostile.c, which spoils it by a list, and tests/fuzz/api.c, which spoils it at random. */
+#ifndef HOSTILE_H
+#define HOSTILE_H
+#define FB_WITH_FORMS 1
+#define FB_MAX_MODES 8
+#define FB_MAX_NODES 3
+#define FB_MAX_LOADS 2
+#define FB_MAX_ELEMENTS 3
+#define FB_MAX_STATIONS 4
+#define FB_MAX_LUMPS 2
+#define FB_MAX_BODIES 2
+#define FB_MAX_LOOPS 1
+#define FB_MAX_ROWS 6
+#define FB_MAX_SPEEDS 20
+#define FB_MAX_MIXED 3
+#define FLEXBEAM_IMPLEMENTATION
+#include "flexbeam.h"
+#include <limits.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+/* What a valid call takes; `kept` is how it was. */
+static struct world {
+  fb_real a[3], b[3], A[9], B[9], S[21], y[6], q[4], c[3], twist[6];
+  fb_real matrix[16], definite[16], LU[16], chol[16], scale[4];
+  int perm[4];
+  fb_material material;
+  fb_profile from, to;
+  fb_section section;
+  fb_beam_desc beam_desc, taper;
+  fb_beam beam[2];
+  fb_modes_desc modes_desc, buckling_desc, component_desc;
+  fb_modes modes, component[2];
+  fb_weld weld;
+  fb_shape shape, empty, natural;
+  fb_real r[3], psi[3 * FB_MAX_MODES], theta[3 * FB_MAX_MODES], chi[3 * FB_MAX_MODES * FB_MAX_MODES];
+  fb_real center[3], inertia[6], pchi[3], hchi[3], Gamchi[9];
+  int coordinate[2];
+  fb_gauge gauge;
+  fb_real coordinates[FB_MAX_MODES];
+  fb_body_desc body_desc, scene_desc;
+  fb_body body, held;
+  fb_state state;
+  fb_input input;
+  fb_motion motion;
+  fb_node_motion node_motion;
+  fb_real v[3], w[3], q_dot[FB_MAX_MODES], gravity[3];
+  fb_exponential exponential;
+  fb_system_desc system_desc;
+  fb_system system;
+  fb_link_motion link_motion[FB_MAX_BODIES];
+  fb_system_state system_state;
+  fb_system_input system_input;
+  fb_mixed_station mixed_station;
+  fb_mixed_desc mixed_desc;
+  fb_mixed mixed;
+  fb_mixed_state mixed_state;
+  fb_mixed_input mixed_input;
+  fb_linear_desc linear_desc, system_linear_desc;
+  fb_mixed_linear_desc mixed_linear_desc;
+  fb_spectrum spectrum;
+  fb_real amplitude[FB_MAX_LINEAR], re[4];
+  fb_envelope envelope;
+  fb_trial trial;
+  char config[sizeof FB_CONFIG];
+} w, kept;
+
+static fb_modes_work modes_work;
+static fb_join_work join_work;
+static fb_body_work body_work;
+static fb_rk4_work rk4_work;
+static fb_implicit_work implicit_work;
+static fb_exponential_work exponential_work;
+static fb_system_work system_work;
+static fb_mixed_work mixed_work;
+static fb_analyse_work analyse_work;
+static fb_system_analyse_work system_analyse_work;
+static fb_mixed_spectrum_work spectrum_work;
+static fb_mixed_linear_work linear_work;
+static fb_advise_work advise_work;
+static fb_real eig_work[64], trial_output[3], trial_reference[3];
+
+/* ---- calls: pointers p, numbers x, whole numbers i, in the order of the arguments */
+
+static fb_real number; /* what a function that gives a number has given */
+
+static int give(fb_real value)
+{
+  number = value;
+  return FB_OK;
+}
+
+#define CALL(function, expression)                                     \
+  static int call_##function(void **p, const fb_real *x, const int *i) \
+  {                                                                    \
+    (void)p;                                                           \
+    (void)x;                                                           \
+    (void)i;                                                           \
+    return (int)(expression);                                          \
+  }
+
+/* Pointers: IN is data that anybody may have spoiled, STATE likewise and changed by the call, MODEL was made by the
+   library (a check of its own looks for flipped bits: faults.sh), BUILT is such a thing that the call goes on with, OUT is
+   written, WORK is scratch. OPTIONAL may be NULL. */
+#define IN(field)                    \
+  {                                  \
+    &w.field, sizeof w.field, 'i', 0 \
+  }
+#define OPTIONAL(field)              \
+  {                                  \
+    &w.field, sizeof w.field, '?', 0 \
+  }
+#define STATE(field)                 \
+  {                                  \
+    &w.field, sizeof w.field, 's', 0 \
+  }
+#define MODEL(field)                 \
+  {                                  \
+    &w.field, sizeof w.field, 'm', 0 \
+  }
+#define BUILT(field)                 \
+  {                                  \
+    &w.field, sizeof w.field, 'b', 0 \
+  }
+#define SPOILED(field)               \
+  {                                  \
+    &w.field, sizeof w.field, 'x', 0 \
+  }
+#define OUT(type)              \
+  {                            \
+    NULL, sizeof(type), 'o', 0 \
+  }
+#define MAYBE(type)            \
+  {                            \
+    NULL, sizeof(type), 'O', 0 \
+  } /* an output that may be NULL */
+#define WORK(object)                  \
+  {                                   \
+    &(object), sizeof(object), 'w', 0 \
+  }
+#define REAL(value)     \
+  {                     \
+    NULL, 0, 'r', value \
+  }
+#define WHOLE(value)    \
+  {                     \
+    NULL, 0, 'n', value \
+  }
+#define SIZE(value)     \
+  {                     \
+    NULL, 0, 'z', value \
+  } /* of arrays: too large a one cannot be noticed */
+
+#define COUNT(value)    \
+  {                     \
+    NULL, 0, 'c', value \
+  } /* of arithmetic: is right */
+
+typedef fb_real vec3[3], vec4[4], vec6[6], mat33[9], mat44[16], mat48[32];
+typedef fb_real matrices[36 * (FB_MAX_ELEMENTS + 1) * (FB_MAX_ELEMENTS + 1)];
+typedef fb_mixed_node nodes[FB_MAX_MIXED + 1];
+
+/* F(function, call, has a status, arguments...) */
+#define SLOW 2       /* it has: few poisons */
+#define ARITHMETIC 3 /* none, and pointers are valid */
+#define FUNCTIONS(F)                                                                                                   \
+  F(fb_status_string, fb_status_string((fb_status)i[0]) ? 0 : -1, 0, WHOLE(0))                                         \
+  F(fb_vec3_dot, give(fb_vec3_dot(p[0], p[1])), ARITHMETIC, IN(a), IN(b))                                              \
+  F(fb_vec3_cross, (fb_vec3_cross(p[0], p[1], p[2]), 0), ARITHMETIC, OUT(vec3), IN(a), IN(b))                          \
+  F(fb_mat33_mul_vec3, (fb_mat33_mul_vec3(p[0], p[1], p[2]), 0), ARITHMETIC, OUT(vec3), IN(A), IN(a))                  \
+  F(fb_mat33_mulT_vec3, (fb_mat33_mulT_vec3(p[0], p[1], p[2]), 0), ARITHMETIC, OUT(vec3), IN(A), IN(a))                \
+  F(fb_mat33_mul, (fb_mat33_mul(p[0], p[1], p[2]), 0), ARITHMETIC, OUT(mat33), IN(A), IN(B))                           \
+  F(fb_sym6_index, give((fb_real)fb_sym6_index(i[0], i[1])), 0, WHOLE(2), WHOLE(1))                                    \
+  F(fb_sym6_mul_vec6, (fb_sym6_mul_vec6(p[0], p[1], p[2]), 0), ARITHMETIC, OUT(vec6), IN(S), IN(y))                    \
+  F(fb_sym6_solve, fb_sym6_solve(p[0], p[1], p[2]), 1, OUT(vec6), IN(S), IN(y))                                        \
+  F(fb_quat_mul, (fb_quat_mul(p[0], p[1], p[2]), 0), ARITHMETIC, OUT(vec4), IN(q), IN(q))                              \
+  F(fb_quat_to_mat33, (fb_quat_to_mat33(p[0], p[1]), 0), ARITHMETIC, OUT(mat33), IN(q))                                \
+  F(fb_quat_from_rotvec, (fb_quat_from_rotvec(p[0], p[1]), 0), ARITHMETIC, OUT(vec4), IN(a))                           \
+  F(fb_quat_to_rotvec, (fb_quat_to_rotvec(p[0], p[1]), 0), ARITHMETIC, OUT(vec3), IN(q))                               \
+  F(fb_quat_to_wiener_milenkovic, (fb_quat_to_wiener_milenkovic(p[0], p[1]), 0), ARITHMETIC, OUT(vec3), IN(q))         \
+  F(fb_quat_from_wiener_milenkovic, (fb_quat_from_wiener_milenkovic(p[0], p[1]), 0), ARITHMETIC, OUT(vec4), IN(c))     \
+  F(fb_pose_from_twist, (fb_pose_from_twist(p[0], p[1], p[2]), 0), ARITHMETIC, OUT(vec3), OUT(vec4), IN(twist))        \
+  F(fb_pose_to_twist, (fb_pose_to_twist(p[0], p[1], p[2]), 0), ARITHMETIC, OUT(vec6), IN(a), IN(q))                    \
+  F(fb_quat_normalize, fb_quat_normalize(p[0]), 1, STATE(q))                                                           \
+  F(fb_lu_factor, fb_lu_factor(p[0], p[1], p[2], i[0]), 1, SPOILED(matrix), WORK(w.perm), WORK(w.scale), SIZE(4))      \
+  F(fb_lu_solve, (fb_lu_solve(p[0], p[1], p[2], p[3], i[0]), 0), ARITHMETIC, OUT(vec4), IN(LU), MODEL(perm), IN(q),    \
+    COUNT(4))                                                                                                          \
+  F(fb_chol_factor, fb_chol_factor(p[0], i[0]), 1, SPOILED(definite), SIZE(4))                                         \
+  F(fb_chol_solve, (fb_chol_solve(p[0], p[1], p[2], i[0]), 0), ARITHMETIC, OUT(vec4), IN(chol), IN(q), COUNT(4))       \
+  F(fb_eig_sym_solve, fb_eig_sym_solve(p[0], p[1], p[2], i[0]), 1, WORK(eig_work), WORK(eig_work[4]),                  \
+    SPOILED(definite), SIZE(4))                                                                                        \
+  F(fb_eig_gen_solve, fb_eig_gen_solve(p[0], p[1], p[2], p[3], i[0]), 1, WORK(eig_work), WORK(eig_work[4]),            \
+    SPOILED(matrix), SPOILED(definite), SIZE(4))                                                                       \
+  F(fb_eig_general_solve, fb_eig_general_solve(p[0], p[1], p[2], p[3], p[4], i[0]), 1, WORK(spectrum_work.re),         \
+    WORK(spectrum_work.im), WORK(spectrum_work.X), SPOILED(matrix), WORK(eig_work), SIZE(4))                           \
+  F(fb_section_init, fb_section_init(p[0], p[1], p[2]), 1, OUT(fb_section), IN(material), IN(from))                    \
+  F(fb_beam_desc_add_taper, fb_beam_desc_add_taper(p[0], p[1], p[2], p[3], i[0]), 1, STATE(taper), IN(material),       \
+    IN(from), IN(to), WHOLE(2))                                                                                        \
+  F(fb_beam_init, fb_beam_init(p[0], p[1]), 1, OUT(fb_beam), IN(beam_desc))                                            \
+  F(fb_beam_section, (fb_beam_section(p[0], p[1], x[0]), 0), 0, OUT(fb_section), MODEL(beam[0]), REAL(FB_R(0.5)))      \
+  F(fb_beam_matrices, (fb_beam_matrices(p[0], p[1], p[2]), 0), 0, OUT(matrices), OUT(matrices), MODEL(beam[0]))        \
+  F(fb_modes_solve, fb_modes_solve(p[0], p[1], p[2], p[3]), 1, OUT(fb_modes), WORK(modes_work), MODEL(beam[0]),        \
+    IN(modes_desc))                                                                                                    \
+  F(fb_buckling_solve, fb_buckling_solve(p[0], p[1], p[2], p[3]), 1, OUT(fb_modes), WORK(modes_work), MODEL(beam[0]),  \
+    IN(buckling_desc))                                                                                                 \
+  F(fb_modes_join, fb_modes_join(p[0], p[1], p[2], p[3], i[0], p[4], i[1], i[2], x[0]), 1, OUT(fb_modes),              \
+    WORK(join_work), MODEL(beam), MODEL(component), WHOLE(2), IN(weld), WHOLE(1), WHOLE(2), REAL(0))                   \
+  F(fb_effects_check, fb_effects_check((unsigned)i[0]), 1, WHOLE(31))                                                  \
+  F(fb_shape_init, fb_shape_init(p[0], i[0]), 1, OUT(fb_shape), WHOLE(2))                                              \
+  F(fb_shape_add_particle, fb_shape_add_particle(p[0], x[0], p[1], p[2], p[3]), 1, BUILT(empty), REAL(FB_R(1.5)),      \
+    IN(r), IN(psi), OPTIONAL(chi))                                                                                     \
+  F(fb_shape_add_rigid, fb_shape_add_rigid(p[0], x[0], p[1], p[2]), 1, BUILT(empty), REAL(FB_R(1.5)), IN(center),      \
+    IN(inertia))                                                                                                       \
+  F(fb_shape_add_lump, fb_shape_add_lump(p[0], x[0], p[1], p[2], p[3], p[4]), 1, BUILT(empty), REAL(FB_R(1.5)), IN(r), \
+    OPTIONAL(inertia), IN(psi), IN(theta))                                                                             \
+  F(fb_shape_add_node, fb_shape_add_node(p[0], p[1], p[2], p[3], p[4]), 1, BUILT(empty), OUT(int), IN(r), IN(psi),     \
+    IN(theta))                                                                                                         \
+  F(fb_shape_add_pair, fb_shape_add_pair(p[0], i[0], i[1], p[1], p[2], p[3]), 1, BUILT(empty), WHOLE(0), WHOLE(1),     \
+    OPTIONAL(pchi), OPTIONAL(hchi), OPTIONAL(Gamchi))                                                                  \
+  F(fb_shape_add_beam, fb_shape_add_beam(p[0], i[0], p[1], p[2]), 1, BUILT(empty), WHOLE(0), MODEL(beam[0]),           \
+    MODEL(modes))                                                                                                      \
+  F(fb_shape_add_beam_node, fb_shape_add_beam_node(p[0], p[1], i[0], p[2], p[3], x[0]), 1, BUILT(shape), OUT(int),     \
+    WHOLE(0), MODEL(beam[0]), MODEL(modes), REAL(FB_R(0.5)))                                                           \
+  F(fb_gauge_init, fb_gauge_init(p[0], i[0], p[1], p[2], x[0], x[1], x[2]), 1, OUT(fb_gauge), WHOLE(0),                \
+    MODEL(beam[0]), MODEL(modes), REAL(FB_R(0.5)), REAL(FB_R(0.1)), REAL(FB_R(0.1)))                                   \
+  F(fb_gauge_eval, give(fb_gauge_eval(p[0], p[1])), 0, IN(gauge), IN(coordinates))                                     \
+  F(fb_shape_add_beam_strain, fb_shape_add_beam_strain(p[0], i[0], p[1], p[2]), 1, BUILT(shape), WHOLE(0),             \
+    MODEL(beam[0]), MODEL(modes))                                                                                      \
+  F(fb_shape_select, fb_shape_select(p[0], p[1], p[2], i[0]), 1, OUT(fb_shape), MODEL(natural), IN(coordinate),        \
+    WHOLE(2))                                                                                                          \
+  F(fb_body_init, fb_body_init(p[0], p[1], p[2], p[3]), 1, OUT(fb_body), WORK(body_work), IN(shape), IN(body_desc))    \
+  F(fb_body_check, fb_body_check(p[0]), 1, MODEL(body))                                                                \
+  F(fb_state_init, fb_state_init(p[0], p[1]), 1, MODEL(body), OUT(fb_state))                                           \
+  F(fb_state_from_velocity, fb_state_from_velocity(p[0], p[1], p[2], p[3], p[4]), 1, MODEL(body), STATE(state), IN(v), \
+    IN(w), OPTIONAL(q_dot))                                                                                            \
+  F(fb_state_check, fb_state_check(p[0], p[1]), 1, MODEL(body), IN(state))                                             \
+  F(fb_body_rates, fb_body_rates(p[0], p[1], p[2], p[3]), 1, MODEL(body), OUT(fb_state), IN(state), OPTIONAL(input))   \
+  F(fb_body_motion, fb_body_motion(p[0], p[1], p[2], p[3]), 1, MODEL(body), OUT(fb_motion), IN(state),                 \
+    OPTIONAL(input))                                                                                                   \
+  F(fb_body_node_motion, fb_body_node_motion(p[0], p[1], p[2], p[3], i[0]), 1, MODEL(body), OUT(fb_node_motion),       \
+    IN(state), IN(motion), WHOLE(1))                                                                                   \
+  F(fb_body_energy, fb_body_energy(p[0], p[1], p[2], p[3]), 1, MODEL(body), OUT(fb_energy), IN(state),                 \
+    OPTIONAL(input))                                                                                                   \
+  F(fb_body_momentum, fb_body_momentum(p[0], p[1], p[2], p[3]), 1, MODEL(body), OUT(fb_momentum), IN(state),           \
+    OPTIONAL(input))                                                                                                   \
+  F(fb_system_init, fb_system_init(p[0], p[1], p[2], i[0], p[3]), 1, OUT(fb_system), WORK(system_work), MODEL(body),   \
+    WHOLE(1), IN(system_desc))                                                                                         \
+  F(fb_system_check, fb_system_check(p[0], p[1], i[0]), 1, MODEL(system), MODEL(body), WHOLE(1))                       \
+  F(fb_system_state_check, fb_system_state_check(p[0], p[1], p[2]), 1, MODEL(system), MODEL(body), IN(system_state))   \
+  F(fb_system_state_init, fb_system_state_init(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(system), MODEL(body),     \
+    WORK(system_work), OUT(fb_system_state), OPTIONAL(link_motion), OPTIONAL(system_input))                            \
+  F(fb_system_axis_set, fb_system_axis_set(p[0], p[1], p[2], p[3], i[0], i[1], (fb_axis_mode)i[2], p[4]), 1,           \
+    MODEL(system), MODEL(body), WORK(system_work), STATE(system_state), WHOLE(0), WHOLE(0), WHOLE(1),                  \
+    OPTIONAL(system_input))                                                                                            \
+  F(fb_system_rates, fb_system_rates(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(system), MODEL(body),               \
+    WORK(system_work), OUT(fb_system_state), IN(system_state), OPTIONAL(system_input))                                 \
+  F(fb_system_motion_eval, fb_system_motion_eval(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(system), MODEL(body),   \
+    WORK(system_work), OUT(fb_system_motion), IN(system_state), OPTIONAL(system_input))                                \
+  F(fb_system_energy, fb_system_energy(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(system), MODEL(body),             \
+    WORK(system_work), OUT(fb_energy), IN(system_state), OPTIONAL(system_input))                                       \
+  F(fb_system_momentum, fb_system_momentum(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(system), MODEL(body),         \
+    WORK(system_work), OUT(fb_momentum), IN(system_state), OPTIONAL(system_input))                                     \
+  F(fb_imu_eval, (fb_imu_eval(p[0], p[1], p[2]), 0), 0, OUT(fb_imu), IN(node_motion), OPTIONAL(gravity))               \
+  F(fb_mixed_station_init, fb_mixed_station_init(p[0], p[1]), 1, OUT(fb_mixed_station), IN(section))                   \
+  F(fb_mixed_init, fb_mixed_init(p[0], p[1]), 1, OUT(fb_mixed), IN(mixed_desc))                                        \
+  F(fb_mixed_check, fb_mixed_check(p[0]), 1, MODEL(mixed))                                                             \
+  F(fb_mixed_state_init, fb_mixed_state_init(p[0], p[1], p[2], p[3]), 1, MODEL(mixed), OUT(fb_mixed_state),            \
+    WORK(mixed_work), OPTIONAL(mixed_input))                                                                           \
+  F(fb_mixed_state_check, fb_mixed_state_check(p[0], p[1]), 1, MODEL(mixed), IN(mixed_state))                          \
+  F(fb_mixed_steady_solve, fb_mixed_steady_solve(p[0], p[1], p[2], p[3]), 1, MODEL(mixed), STATE(mixed_state),         \
+    WORK(mixed_work), OPTIONAL(mixed_input))                                                                           \
+  F(fb_mixed_nodes_eval, fb_mixed_nodes_eval(p[0], p[1], p[2]), 1, MODEL(mixed), OUT(nodes), IN(mixed_state))          \
+  F(fb_mixed_element_eval, fb_mixed_element_eval(p[0], p[1], p[2], i[0]), 1, MODEL(mixed), OUT(fb_mixed_element),      \
+    IN(mixed_state), WHOLE(1))                                                                                         \
+  F(fb_mixed_point_eval, fb_mixed_point_eval(p[0], p[1], p[2], p[3], x[0]), 1, MODEL(mixed), OUT(vec3), OUT(vec4),     \
+    IN(mixed_state), REAL(FB_R(0.5)))                                                                                  \
+  F(fb_mixed_energy, fb_mixed_energy(p[0], p[1], p[2]), 1, MODEL(mixed), OUT(fb_energy), IN(mixed_state))              \
+  F(fb_mixed_momentum, fb_mixed_momentum(p[0], p[1], p[2]), 1, MODEL(mixed), OUT(fb_momentum), IN(mixed_state))        \
+  F(fb_rk4_step, fb_rk4_step(p[0], p[1], p[2], p[3], p[4], p[5], x[0]), 1, MODEL(body), STATE(state), WORK(rk4_work),  \
+    OPTIONAL(input), OPTIONAL(input), OPTIONAL(input), REAL(FB_R(0.01)))                                               \
+  F(fb_rk4_limit, give(fb_rk4_limit(p[0], x[0], x[1])), 0, MODEL(body), REAL(1), REAL(1))                              \
+  F(fb_implicit_limit, give(fb_implicit_limit(p[0], x[0], x[1])), 0, MODEL(body), REAL(1), REAL(1))                    \
+  F(fb_midpoint_step, fb_midpoint_step(p[0], p[1], p[2], p[3], x[0], i[0]), 1, MODEL(body), STATE(state),              \
+    WORK(implicit_work), OPTIONAL(input), REAL(FB_R(0.01)), WHOLE(2))                                                  \
+  F(fb_sdirk_step, fb_sdirk_step(p[0], p[1], p[2], p[3], p[4], x[0], i[0]), 1, MODEL(body), STATE(state),              \
+    WORK(implicit_work), IN(input), IN(input), REAL(FB_R(0.01)), WHOLE(2))                                             \
+  F(fb_exponential_init, fb_exponential_init(p[0], p[1], p[2], x[0]), 1, OUT(fb_exponential), WORK(body_work),         \
+    MODEL(body), REAL(FB_R(0.01)))                                                                                     \
+  F(fb_exponential_check, fb_exponential_check(p[0], p[1]), 1, MODEL(exponential), MODEL(body))                        \
+  F(fb_exponential_step, fb_exponential_step(p[0], p[1], p[2], p[3], p[4], p[5], p[6]), 1, MODEL(body),                \
+    MODEL(exponential), STATE(state), WORK(exponential_work), OPTIONAL(input), OPTIONAL(input), OPTIONAL(input))       \
+  F(fb_exponential_limit, give(fb_exponential_limit(p[0], x[0], x[1])), 0, MODEL(body), REAL(1), REAL(1))              \
+  F(fb_system_rk4_step, fb_system_rk4_step(p[0], p[1], p[2], p[3], p[4], p[5], p[6], x[0]), 1, MODEL(system),          \
+    MODEL(body), STATE(system_state), WORK(system_work), OPTIONAL(system_input), OPTIONAL(system_input),               \
+    OPTIONAL(system_input), REAL(FB_R(0.001)))                                                                         \
+  F(fb_system_sdirk_step, fb_system_sdirk_step(p[0], p[1], p[2], p[3], p[4], p[5], x[0], i[0]), 1, MODEL(system),      \
+    MODEL(body), STATE(system_state), WORK(system_work), IN(system_input), IN(system_input), REAL(FB_R(0.001)),        \
+    WHOLE(2))                                                                                                          \
+  F(fb_system_rk4_limit, give(fb_system_rk4_limit(p[0], p[1], x[0], x[1])), 0, MODEL(system), MODEL(body), REAL(1),    \
+    REAL(1))                                                                                                           \
+  F(fb_mixed_step, fb_mixed_step(p[0], p[1], p[2], p[3], x[0]), 1, MODEL(mixed), STATE(mixed_state), WORK(mixed_work), \
+    OPTIONAL(mixed_input), REAL(FB_R(0.01)))                                                                           \
+  F(fb_body_trim, fb_body_trim(p[0], p[1], p[2], p[3]), 1, MODEL(held), STATE(state), WORK(analyse_work), IN(input))   \
+  F(fb_body_linearize, fb_body_linearize(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(held), OUT(fb_linear),          \
+    WORK(analyse_work), IN(state), IN(input), OPTIONAL(linear_desc))                                                   \
+  F(fb_body_spectrum, fb_body_spectrum(p[0], p[1], p[2], p[3], p[4]), 1, OUT(fb_spectrum), WORK(analyse_work),         \
+    MODEL(held), IN(state), IN(input))                                                                                 \
+  F(fb_system_trim, fb_system_trim(p[0], p[1], p[2], p[3], p[4]), SLOW, MODEL(system), MODEL(body),                    \
+    STATE(system_state), WORK(system_analyse_work), OPTIONAL(system_input))                                            \
+  F(fb_system_linearize, fb_system_linearize(p[0], p[1], p[2], p[3], p[4], p[5], p[6]), SLOW, MODEL(system),           \
+    MODEL(body), OUT(fb_linear), WORK(system_analyse_work), IN(system_state), OPTIONAL(system_input),                  \
+    OPTIONAL(system_linear_desc))                                                                                      \
+  F(fb_system_spectrum, fb_system_spectrum(p[0], p[1], p[2], p[3], p[4], p[5]), SLOW, OUT(fb_spectrum),                \
+    WORK(system_analyse_work), MODEL(system), MODEL(body), IN(system_state), OPTIONAL(system_input))                   \
+  F(fb_spectrum_damping, give(fb_spectrum_damping(p[0], i[0])), 0, IN(spectrum), WHOLE(0))                             \
+  F(fb_spectrum_margin, give(fb_spectrum_margin(p[0], p[1], i[0])), 0, OPTIONAL(re), MAYBE(int), SIZE(4))              \
+  F(fb_spectrum_limit, give(fb_spectrum_limit(p[0], (fb_scheme)i[0])), 0, IN(spectrum), WHOLE(0))                      \
+  F(fb_spectrum_step, give(fb_spectrum_step(p[0], (fb_scheme)i[0], p[1], x[0], x[1])), 0, IN(spectrum), WHOLE(0),      \
+    OPTIONAL(amplitude), REAL(1), REAL(FB_R(0.01)))                                                                    \
+  F(fb_mixed_spectrum_solve, fb_mixed_spectrum_solve(p[0], p[1], p[2], p[3], p[4], i[0]), SLOW, MODEL(mixed),          \
+    OUT(fb_mixed_spectrum), WORK(spectrum_work), IN(mixed_state), OPTIONAL(mixed_input), WHOLE(2))                     \
+  F(fb_mixed_linearize, fb_mixed_linearize(p[0], p[1], p[2], p[3], p[4], p[5], i[0]), SLOW, MODEL(mixed),              \
+    OUT(fb_mixed_linear), WORK(linear_work), IN(mixed_state), OPTIONAL(mixed_input), OPTIONAL(mixed_linear_desc),      \
+    WHOLE(2))                                                                                                          \
+  F(fb_body_advise, fb_body_advise(p[0], p[1], p[2], p[3], p[4], x[0]), 1, OUT(fb_advice), WORK(advise_work),          \
+    MODEL(natural), IN(scene_desc), IN(envelope), REAL(FB_R(0.1)))                                                     \
+  F(fb_advice_search, fb_advice_search(p[0], p[1], p[2], p[3], p[4], x[0], p[5]), 1, OUT(fb_advice),                   \
+    WORK(advise_work), MODEL(natural), IN(scene_desc), IN(envelope), REAL(FB_R(0.1)), IN(trial))                       \
+  F(fb_version_string, fb_version_string() ? 0 : -1, 0, REAL(0))                                                       \
+  F(fb_config_string, fb_config_string() ? 0 : -1, 0, REAL(0))                                                         \
+  F(fb_config_check, fb_config_check(p[0]), 1, MODEL(config))
+
+#define AS_CALL(function, call, has_status, ...) CALL(function, call)
+FUNCTIONS(AS_CALL)
+
+#define MOST 9
+typedef struct argument {
+  void *at;
+  size_t size;
+  char role;
+  double value;
+} argument;
+
+typedef struct function {
+  const char *name;
+  int (*call)(void **p, const fb_real *x, const int *i);
+  int has_status;
+  argument argument[MOST];
+} function;
+
+#define AS_ROW(function, call, has_status, ...) {#function, call_##function, has_status, {__VA_ARGS__}},
+static const function functions[] = {FUNCTIONS(AS_ROW)};
+
+/* Pointers, and sizes of the caller's arrays, within structs: they stay. */
+static const struct {
+  const void *at;
+  size_t size;
+} untouched[] = {{&w.system_input.rows, sizeof w.system_input.rows},
+                 {&w.system_input.user, sizeof w.system_input.user},
+                 {&w.trial, sizeof w.trial},
+                 {&w.beam_desc.n_point + 1, sizeof(int)}}; /* no member */
+
+/* ---- the valid world */
+
+static fb_status trial_run(void *user, fb_real *output, const fb_advice *candidate)
+{
+  (void)user;
+  (void)candidate;
+  for (int k = 0; k < 3; k++) {
+    output[k] = FB_R(1.0);
+  }
+  return FB_OK;
+}
+
+static void need(fb_status status, const char *what)
+{
+  if (status != FB_OK) {
+    printf("the valid world: %s: %s\n", what, fb_status_string(status));
+    exit(1);
+  }
+}
+
+static void numbers_fill(void)
+{
+  static const fb_real S[21] = {4, 0, 0, 0, 1, 0, 4, 0, 1, 0, 0, 4, 0, 0, 0, 3, 0, 0, 3, 0, 3};
+  for (int k = 0; k < 9; k++) {
+    w.A[k] = (fb_real)(k + 1);
+    w.B[k] = (fb_real)(9 - k);
+  }
+  for (int k = 0; k < 3; k++) {
+    w.a[k] = w.twist[k] = w.twist[k + 3] = w.c[k] = FB_R(0.3);
+    w.b[k] = (fb_real)k;
+    w.r[k] = w.pchi[k] = w.hchi[k] = w.v[k] = w.w[k] = w.gravity[k] = FB_R(0.2);
+    w.inertia[k] = FB_R(2.0);
+  }
+  for (int k = 0; k < 6; k++) {
+    w.y[k] = FB_R(1.0);
+  }
+  memcpy(w.S, S, sizeof S);
+  w.q[0] = FB_R(1.0);
+  for (int k = 0; k < 4; k++) {
+    for (int j = 0; j < 4; j++) {
+      w.matrix[4 * k + j] = w.definite[4 * k + j] = FB_R(1.0) / (fb_real)(1 + k + j) + (k == j ? FB_R(1.0) : FB_R(0.0));
+    }
+    w.re[k] = -FB_R(1.0);
+  }
+  memcpy(w.LU, w.matrix, sizeof w.LU);
+  memcpy(w.chol, w.matrix, sizeof w.LU);
+  need(fb_lu_factor(w.LU, w.perm, w.scale, 4), "LU");
+  need(fb_chol_factor(w.chol, 4), "Cholesky");
+  for (int k = 0; k < 3 * FB_MAX_MODES; k++) {
+    w.psi[k] = w.theta[k] = FB_R(0.1) * (fb_real)(k + 1);
+  }
+}
+
+static void beam_fill(void)
+{
+  w.material.E = w.material.G = FB_R(7e7);
+  w.material.density = FB_R(2700.0);
+  w.from.size[0] = w.from.size[1] = w.to.size[0] = w.to.size[1] = FB_R(0.1);
+  w.to.x = FB_R(1.0);
+  w.section.mass = FB_R(1.0);
+  w.section.EA = FB_R(1e4);
+  w.section.GJ = w.section.EI_y = w.section.EI_z = FB_R(100.0);
+  w.section.i_y = w.section.i_z = FB_R(0.01);
+  w.beam_desc.length = FB_R(2.0);
+  w.beam_desc.n_element = 2;
+  w.beam_desc.n_station = 1;
+  w.beam_desc.station[0] = w.section;
+  need(fb_beam_init(&w.beam[0], &w.beam_desc), "beam");
+  w.modes_desc.count[FB_KIND_BEND_Y] = w.modes_desc.count[FB_KIND_BEND_Z] = 1;
+  need(fb_modes_solve(&w.modes, &modes_work, &w.beam[0], &w.modes_desc), "modes");
+  w.buckling_desc.count[FB_KIND_BEND_Y] = 1;
+  w.buckling_desc.preload.force = -FB_R(1.0);
+  w.component_desc = w.modes_desc;
+  w.component[0] = w.modes;
+  w.component_desc.rigid = 1;
+  w.beam_desc.root = FB_ROOT_FREE;
+  w.beam_desc.position[0] = FB_R(2.0);
+  need(fb_beam_init(&w.beam[1], &w.beam_desc), "second beam");
+  w.beam_desc.root = FB_ROOT_CLAMPED;
+  w.beam_desc.position[0] = FB_R(0.0);
+  w.component_desc.count[FB_KIND_BEND_Y] = 0;
+  w.component_desc.count[FB_KIND_BEND_Z] = 0;
+  w.component_desc.count[FB_KIND_AXIAL] = 1;
+  need(fb_modes_solve(&w.component[1], &modes_work, &w.beam[1], &w.component_desc), "component");
+  w.weld.component[1] = 1;
+  w.weld.node[0] = 2;
+}
+
+static void body_fill(void)
+{
+  int node;
+  need(fb_shape_init(&w.empty, 2), "empty shape");
+  need(fb_shape_init(&w.shape, w.modes.n), "shape");
+  need(fb_shape_add_rigid(&w.shape, FB_R(20.0), w.center, w.inertia), "hub");
+  need(fb_shape_add_beam(&w.shape, 0, &w.beam[0], &w.modes), "beam of the shape");
+  w.natural = w.shape;
+  need(fb_shape_add_beam_node(&w.natural, &node, 0, &w.beam[0], &w.modes, FB_R(2.0)), "tip");
+  w.body_desc.effects = FB_EFFECTS_FULL | FB_EFFECT_DAMPING | FB_EFFECT_GRAVITY;
+  w.body_desc.gravity[2] = -FB_R(1.0);
+  w.body_desc.zeta[0] = w.body_desc.zeta[1] = FB_R(0.01);
+  need(fb_body_init(&w.body, &body_work, &w.natural, &w.body_desc), "body");
+  w.scene_desc = w.body_desc;
+  w.scene_desc.base = FB_BASE_PRESCRIBED;
+  need(fb_body_init(&w.held, &body_work, &w.natural, &w.scene_desc), "held body");
+  w.coordinate[1] = 1;
+  need(fb_gauge_init(&w.gauge, 0, &w.beam[0], &w.modes, FB_R(0.5), FB_R(0.1), FB_R(0.1)), "gauge");
+  need(fb_state_init(&w.body, &w.state), "state");
+  w.input.n_load = 1;
+  w.input.load[0].node = 1;
+  w.input.load[0].force[1] = FB_R(0.1);
+  need(fb_body_motion(&w.body, &w.motion, &w.state, &w.input), "motion");
+  need(fb_body_node_motion(&w.body, &w.node_motion, &w.state, &w.motion, 1), "motion of a node");
+  need(fb_exponential_init(&w.exponential, &body_work, &w.body, FB_R(0.01)), "exponential scheme");
+  w.linear_desc.n_in = w.linear_desc.n_out = 1;
+  w.linear_desc.in[0].node = w.linear_desc.out[0].node = 1;
+  w.linear_desc.out[0].kind = FB_PORT_DISPLACEMENT;
+  need(fb_body_spectrum(&w.spectrum, &analyse_work, &w.held, &w.state, &w.input), "spectrum");
+  w.envelope.n_load = 1;
+  w.envelope.load[0] = w.input.load[0];
+  w.envelope.duration = FB_R(1.0);
+  w.envelope.node = 1;
+  w.trial.run = trial_run;
+  w.trial.n = w.trial.width = 3;
+  w.trial.output = trial_output;
+  w.trial.reference = trial_reference;
+}
+
+static void system_fill(void)
+{
+  w.system_desc.n_body = 2;
+  w.system_desc.joint[0].kind = w.system_desc.joint[1].kind = FB_JOINT_REVOLUTE;
+  w.system_desc.joint[0].parent = FB_GROUND;
+  w.system_desc.joint[1].parent_node = 1;
+  w.system_desc.joint[0].stiffness[0] = w.system_desc.joint[1].stiffness[0] = FB_R(1000.0);
+  need(fb_system_init(&w.system, &system_work, &w.body, 1, &w.system_desc), "system");
+  need(fb_system_state_init(&w.system, &w.body, &system_work, &w.system_state, NULL, NULL), "state of the system");
+  w.system_input.n_load = 1;
+  w.system_input.load[0].load = w.input.load[0];
+  w.system_linear_desc = w.linear_desc;
+  w.system_linear_desc.in[0].kind = FB_PORT_DRIVE;
+}
+
+static void mixed_fill(void)
+{
+  need(fb_mixed_station_init(&w.mixed_station, &w.section), "station");
+  w.mixed_desc.length = FB_R(2.0);
+  w.mixed_desc.n_element = 3;
+  w.mixed_desc.n_station = 1;
+  w.mixed_desc.station[0] = w.mixed_station;
+  w.mixed_desc.gravity[2] = -FB_R(1.0);
+  need(fb_mixed_init(&w.mixed, &w.mixed_desc), "exact beam");
+  need(fb_mixed_state_init(&w.mixed, &w.mixed_state, &mixed_work, NULL), "its state");
+  w.mixed_input.n_load = 1;
+  w.mixed_input.load[0].node = 3;
+  w.mixed_input.load[0].force[1] = FB_R(1.0);
+  need(fb_mixed_steady_solve(&w.mixed, &w.mixed_state, &mixed_work, &w.mixed_input), "its steady state");
+  w.mixed_linear_desc.n_in = w.mixed_linear_desc.n_out = 1;
+  w.mixed_linear_desc.in[0].at = w.mixed_linear_desc.out[0].at = 2;
+  w.mixed_linear_desc.out[0].kind = FB_MIXED_PORT_VELOCITY;
+}
+
+/* ---- calls and what they leave */
+
+#define ROOM (1 << 20)
+static union { /* outputs, with the pattern before each call */
+  unsigned char byte[ROOM];
+  fb_real align;
+} out;
+static const unsigned char pattern = 0x5A; /* as a number: finite */
+
+typedef struct call {
+  void *p[MOST];
+  fb_real x[MOST];
+  int i[MOST];
+  int role[MOST]; /* place of each argument in p, x or i */
+} call;
+
+static inline int is_pointer(const argument *a)
+{
+  return strchr("i?smbxoOw", a->role) != NULL;
+}
+
+static inline size_t rounded(size_t size)
+{
+  return (size + 63) / 64 * 64;
+}
+
+/* Arguments as they should be. */
+static inline void prepare(call *c, const function *f)
+{
+  int n[3] = {0, 0, 0};
+  size_t used = 0;
+  for (int k = 0; k < MOST && f->argument[k].role; k++) {
+    const argument *a = &f->argument[k];
+    if (a->role == 'r') {
+      c->role[k] = n[1];
+      c->x[n[1]++] = (fb_real)a->value;
+    } else if (!is_pointer(a)) {
+      c->role[k] = n[2];
+      c->i[n[2]++] = (int)a->value;
+    } else {
+      c->role[k] = n[0];
+      if (a->at == NULL) {
+        memset(out.byte + used, pattern, rounded(a->size));
+        c->p[n[0]++] = out.byte + used;
+        used += rounded(a->size);
+      } else {
+        if (a->role != 'w') {
+          memcpy(a->at, (char *)&kept + ((char *)a->at - (char *)&w), a->size);
+        }
+        c->p[n[0]++] = a->at;
+      }
+    }
+  }
+  if (used > ROOM) {
+    printf("%s: ROOM is too small\n", f->name);
+    exit(1);
+  }
+}
+
+/* Neither a NaN nor an infinity in whole words; -1 next to anything is a whole number. */
+static int is_finite(const void *at, size_t size)
+{
+  for (size_t k = 0; k + sizeof(fb_real) <= size; k += sizeof(fb_real)) {
+    uint32_t high;
+    fb_real value;
+    memcpy(&value, (const char *)at + k, sizeof value);
+    memcpy(&high, (const char *)at + k + sizeof value - sizeof high, sizeof high);
+    if (!isfinite(value) && high != 0xFFFFFFFFu && high != 0x7FFFFFFFu) {
+      return 0;
+    }
+  }
+  return 1;
+}
+
+static inline int is_touchable(const void *at)
+{
+  for (int k = 0; k < (int)(sizeof untouched / sizeof *untouched); k++) {
+    const char *from = (const char *)untouched[k].at;
+    if ((const char *)at >= from && (const char *)at < from + untouched[k].size) {
+      return 0;
+    }
+  }
+  return 1;
+}
+
+static void world_fill(void)
+{
+  numbers_fill();
+  beam_fill();
+  body_fill();
+  system_fill();
+  mixed_fill();
+  strcpy(w.config, FB_CONFIG);
+  memcpy(&kept, &w, sizeof w);
+}
+
+#endif

@@ -1,0 +1,34 @@
+#!/bin/sh
+# fuzz.sh - `make fuzz`: each harness of tests/fuzz for FUZZ_SECONDS (60) from its corpus on, in double and in single
+# precision half of the time each; executions, coverage (edges), findings. A finding stays in build/fuzz/HARNESS, as its
+# message says; minimized it belongs into tests/fuzz/corpus/HARNESS, with a mended library.
+set -eu
+: "${WARNINGS:?run it as: make fuzz}"
+seconds=$((${FUZZ_SECONDS:-60} / 2))
+command -v clang > /dev/null || {
+  echo "make fuzz wants clang with libFuzzer (Debian: apt-get install clang libclang-rt-14-dev, or the version of clang)"
+  exit 1
+}
+mkdir -p build/fuzz
+findings=0
+printf '%-8s %-9s %10s %8s %9s\n' harness precision executions edges findings
+for harness in api step import; do
+  for single in 0 1; do
+    to=build/fuzz/$harness-$([ $single = 1 ] && echo single || echo double)
+    mkdir -p "$to/corpus"
+    clang -std=c99 -I. -ffp-contract=off -O1 -g -DFB_SINGLE=$single -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all \
+      -o "$to/run" tests/fuzz/$harness.c -lm > "$to/log" 2>&1 || {
+      cat "$to/log"
+      echo "no harness: libFuzzer is missing? (Debian: apt-get install libclang-rt-14-dev, or the version of clang)"
+      exit 1
+    }
+    "$to/run" -close_fd_mask=1 -max_total_time=$seconds -timeout=60 -max_len=4096 -print_final_stats=1 -artifact_prefix="$to/" \
+      "$to/corpus" tests/fuzz/corpus/$harness > "$to/log" 2>&1 || {
+      findings=$((findings + 1))
+      grep -a -e BROKEN -e ERROR -e 'runtime error' -e '^    #[0-9] ' -e 'Test unit written' "$to/log" | head -n 12
+    }
+    printf '%-8s %-9s %10s %8s %9s\n' $harness ${to##*-} "$(sed -n 's/^stat::number_of_executed_units: //p' "$to/log")" \
+      "$(grep -a -o 'cov: [0-9]*' "$to/log" | tail -n 1 | cut -c 6-)" "$(find "$to" -maxdepth 1 -name 'crash-*' -o -maxdepth 1 -name 'timeout-*' | wc -l)"
+  done
+done
+exit $((findings > 0))

@@ -1,0 +1,392 @@
+/* Every scheme on a valid body, system or exact beam of the bytes' choice, with plausible and absurd states, inputs and
+   steps. A step that fails leaves the state as it was, one that does not leaves it finite; then the motion is finite, or
+   a status says why not. */
+#define FB_WITH_FORMS 1
+#define FB_MAX_MODES 7
+#define FB_MAX_NODES 3
+#define FB_MAX_LOADS 2
+#define FB_MAX_ELEMENTS 2
+#define FB_MAX_STATIONS 2
+#define FB_MAX_LUMPS 2
+#define FB_MAX_BODIES 3
+#define FB_MAX_LOOPS 1
+#define FB_MAX_ROWS 20
+#define FB_MAX_SPEEDS 39
+#define FB_MAX_MIXED 4
+#define FLEXBEAM_IMPLEMENTATION
+#include "flexbeam.h"
+#include "fuzz.h"
+
+static fb_beam beam;
+static fb_modes modes;
+static fb_modes_work modes_work;
+static fb_shape shape;
+static fb_body body;
+static fb_body_work body_work;
+static fb_state state;
+static fb_rk4_work rk4_work;
+static fb_implicit_work implicit_work;
+static fb_exponential exponential;
+static fb_exponential_work exponential_work;
+static fb_system links;
+static fb_system_work system_work;
+static fb_system_state system_state;
+static fb_mixed mixed;
+static fb_mixed_state mixed_state;
+static fb_mixed_work mixed_work;
+
+/* A beam on a hub, with the effects, base and form that the bytes say; 0: refused. */
+static int build_body(bytes *b, int plain)
+{
+  static const unsigned effects[] = {FB_EFFECTS_RIGID,
+                                     FB_EFFECTS_LINEAR,
+                                     FB_EFFECTS_SPIN,
+                                     FB_EFFECTS_FULL,
+                                     FB_EFFECTS_FULL | FB_EFFECT_DAMPING | FB_EFFECT_GRAVITY,
+                                     FB_EFFECTS_STRAIN,
+                                     FB_EFFECTS_STRAIN | FB_EFFECT_DAMPING};
+  static const fb_real center[3] = {0, 0, 0}, inertia[6] = {1, 2, 3, 0, 0, 0};
+  fb_beam_desc desc;
+  fb_modes_desc keep;
+  fb_body_desc level;
+  int node;
+  memset(&desc, 0, sizeof desc);
+  memset(&keep, 0, sizeof keep);
+  memset(&level, 0, sizeof level);
+  desc.length = FB_R(2.0);
+  desc.n_element = 1 + (take_byte(b) & 1);
+  desc.n_station = 1;
+  desc.station[0].mass = FB_R(1.0);
+  desc.station[0].EA = FB_R(1e5);
+  desc.station[0].GJ = FB_R(50.0);
+  desc.station[0].EI_y = FB_R(100.0);
+  desc.station[0].EI_z = take_byte(b) & 1 ? FB_R(100.0) : FB_R(3e4);
+  desc.station[0].i_y = desc.station[0].i_z = FB_R(0.01);
+  level.effects = effects[take_below(b, 7)];
+  level.base = (fb_base)take_below(b, 4);
+  level.form = plain ? FB_FORM_MOMENTUM : (fb_form)take_below(b, 3);
+  level.allow_long_step = take_byte(b) & 1;
+  level.zeta[0] = level.zeta[1] = take_byte(b) & 1 ? FB_R(0.02) : FB_R(1.5);
+  level.gravity[2] = take_real(b);
+  if (level.effects & FB_EFFECT_NONLINEAR_STRAIN) {
+    desc.n_element = 1;
+    keep.basis = FB_BASIS_FUNCTIONS;
+    keep.count[FB_KIND_BEND_Y] = keep.count[FB_KIND_BEND_Z] = keep.count[FB_KIND_AXIAL] = FB_ALL_MODES;
+    keep.root_strain = 1;
+  } else {
+    keep.count[FB_KIND_BEND_Y] = 1;
+    keep.count[FB_KIND_BEND_Z] = take_byte(b) & 1;
+    keep.count[FB_KIND_AXIAL] = take_byte(b) & 1;
+  }
+  return fb_beam_init(&beam, &desc) == FB_OK && fb_modes_solve(&modes, &modes_work, &beam, &keep) == FB_OK &&
+         fb_shape_init(&shape, modes.n) == FB_OK &&
+         fb_shape_add_rigid(&shape, take_byte(b) & 1 ? FB_R(20.0) : FB_R(0.01), center, inertia) == FB_OK &&
+         fb_shape_add_beam(&shape, 0, &beam, &modes) == FB_OK &&
+         fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, FB_R(2.0)) == FB_OK &&
+         (!(level.effects & FB_EFFECT_NONLINEAR_STRAIN) ||
+          fb_shape_add_beam_strain(&shape, 0, &beam, &modes) == FB_OK) &&
+         fb_body_init(&body, &body_work, &shape, &level) == FB_OK;
+}
+
+static void take_load(fb_load *load, bytes *b)
+{
+  load->node = take_byte(b) & 1;
+  load->axes = (fb_axes)take_below(b, 3);
+  for (int i = 0; i < 3; i++) {
+    load->force[i] = take_part(b, 5.0);
+    load->torque[i] = take_part(b, 5.0);
+  }
+}
+
+static fb_real take_step(bytes *b)
+{
+  const int k = take_byte(b);
+  return k < 200 ? (fb_real)(1e-4 * (k + 1)) : take_real(b);
+}
+
+static void take_input(fb_input *input, bytes *b)
+{
+  memset(input, 0, sizeof *input);
+  input->n_load = take_byte(b) & 1;
+  take_load(&input->load[0], b);
+  for (int i = 0; i < 3; i++) {
+    input->v[i] = take_part(b, 3.0);
+    input->w[i] = take_part(b, 3.0);
+    input->v_dot[i] = take_part(b, 3.0);
+    input->w_dot[i] = take_part(b, 3.0);
+  }
+  if (take_byte(b) > 220) {
+    spoil(input, sizeof *input, b);
+  }
+}
+
+static int state_is_finite(const fb_state *s, int n)
+{
+  return all_finite(s->rho, 3) && all_finite(s->quat, 4) && all_finite(s->P, 3) && all_finite(s->L, 3) &&
+         all_finite(s->q, n) && all_finite(s->pi, n);
+}
+
+/* One step of a scheme: its name goes to *name. */
+static fb_status step_body(const char **name, bytes *b, const fb_input *start, const fb_input *end)
+{
+  const fb_real dt = take_step(b);
+  const int iterations = take_byte(b) < 250 ? take_byte(b) % 4 : take_whole(b);
+  fb_status status;
+  switch (take_below(b, 4)) {
+  case 0:
+    *name = "fb_rk4_step";
+    return fb_rk4_step(&body, &state, &rk4_work, start, start, end, dt);
+  case 1:
+    *name = "fb_midpoint_step";
+    return fb_midpoint_step(&body, &state, &implicit_work, start, dt, iterations);
+  case 2:
+    *name = "fb_sdirk_step";
+    return fb_sdirk_step(&body, &state, &implicit_work, start, end, dt, iterations);
+  default:
+    *name = "fb_exponential_step";
+    status = fb_exponential_init(&exponential, &body_work, &body, dt);
+    return status ? status : fb_exponential_step(&body, &exponential, &state, &exponential_work, start, start, end);
+  }
+}
+
+static void run_body(bytes *b)
+{
+  if (!build_body(b, 0)) {
+    return;
+  }
+  promise(fb_state_init(&body, &state) == FB_OK, "refused", "fb_state_init");
+  for (int k = 0; k < 16 && b->left > 0; k++) {
+    fb_input start, end;
+    fb_state before;
+    fb_motion motion;
+    fb_energy energy;
+    fb_node_motion node;
+    const char *name;
+    fb_status status;
+    take_input(&start, b);
+    end = start;
+    for (int i = 0; i < body.n; i++) {
+      state.q[i] += take_part(b, 0.1);
+      state.pi[i] += take_part(b, 1.0);
+    }
+    state.L[take_below(b, 3)] += take_part(b, 30.0);
+    if (take_byte(b) > 230) {
+      spoil(&state, sizeof state, b);
+    }
+    before = state;
+    status = step_body(&name, b, &start, take_byte(b) & 1 ? &start : &end);
+    promise(status == FB_OK || memcmp(&before, &state, sizeof state) == 0, "a failure changed the state", name);
+    promise(status != FB_OK || state_is_finite(&state, body.n), "the state is not finite", name);
+    status = fb_body_motion(&body, &motion, &state, &start);
+    promise(status != FB_OK || (all_finite(motion.v, 3) && all_finite(motion.w, 3) && all_finite(motion.v_dot, 3) &&
+                                all_finite(motion.w_dot, 3) && all_finite(motion.q_ddot, body.n) &&
+                                all_finite(motion.reaction_force, 3) && all_finite(motion.reaction_torque, 3)),
+            "not finite", "fb_body_motion");
+    if (status == FB_OK && fb_body_node_motion(&body, &node, &state, &motion, 1) == FB_OK) {
+      promise(all_finite(node.acceleration, 3) && all_finite(node.quat, 4), "not finite", "fb_body_node_motion");
+    }
+    status = fb_body_energy(&body, &energy, &state, &start);
+    promise(status != FB_OK || (isfinite(energy.kinetic) && isfinite(energy.strain)), "not finite", "fb_body_energy");
+    if (fb_state_check(&body, &state) != FB_OK) {
+      promise(fb_state_init(&body, &state) == FB_OK, "refused", "fb_state_init");
+    }
+  }
+}
+
+static void take_joint(fb_joint_desc *joint, bytes *b, int below)
+{
+  joint->kind = (fb_joint_kind)take_below(b, 8);
+  joint->parent = take_below(b, below + 1) - 1;
+  joint->parent_node = joint->parent < 0 ? 0 : take_byte(b) & 1;
+  joint->position[0] = take_part(b, 1.0);
+  joint->attitude[0] = FB_R(1.0);
+  joint->attitude[1] = take_part(b, 1.0);
+  joint->attitude[2] = take_part(b, 1.0);
+  joint->pitch = take_part(b, 0.1);
+  for (int i = 0; i < 3 && joint->kind != FB_JOINT_FREE; i++) {
+    joint->stiffness[i] = take_byte(b) & 1 ? FB_R(100.0) : FB_R(0.0);
+    joint->damping[i] = take_byte(b) & 1 ? FB_R(1.0) : FB_R(0.0);
+    joint->mode[i] = (fb_axis_mode)(take_byte(b) < 200 ? 0 : take_below(b, 3));
+  }
+}
+
+static int build_system(bytes *b)
+{
+  static fb_system_desc desc;
+  memset(&desc, 0, sizeof desc);
+  desc.n_body = 1 + take_below(b, 3);
+  desc.method = (fb_method)take_below(b, 3);
+  desc.allow_long_step = take_byte(b) & 1;
+  for (int k = 0; k < desc.n_body; k++) {
+    take_joint(&desc.joint[k], b, k);
+  }
+  desc.n_loop = take_byte(b) > 200;
+  take_joint(&desc.loop[0], b, desc.n_body);
+  desc.loop[0].child = take_below(b, desc.n_body);
+  if (take_byte(b) > 240) {
+    spoil(&desc, sizeof desc, b);
+  }
+  return fb_system_init(&links, &system_work, &body, 1, &desc) == FB_OK &&
+         fb_system_state_init(&links, &body, &system_work, &system_state, NULL, NULL) == FB_OK;
+}
+
+static int system_is_finite(const fb_system_state *s)
+{
+  int finite = isfinite(s->motor_work) != 0;
+  for (int k = 0; k < links.n_body; k++) {
+    const fb_link_state *link = &s->link[k];
+    finite = finite && all_finite(link->x, 3) && all_finite(link->quat, 4) && all_finite(link->p, 6) &&
+             all_finite(link->q, body.n) && all_finite(link->pi, body.n);
+  }
+  return finite;
+}
+
+static void take_system_input(fb_system_input *input, bytes *b)
+{
+  memset(input, 0, sizeof *input);
+  input->n_load = take_byte(b) & 1;
+  input->load[0].body = take_below(b, links.n_body);
+  take_load(&input->load[0].load, b);
+  for (int j = 0; j < links.n_body; j++) {
+    input->drive[j].torque[0] = take_part(b, 5.0);
+    input->drive[j].rate[0] = take_part(b, 1.0);
+  }
+  if (take_byte(b) > 220) {
+    spoil(input, offsetof(fb_system_input, rows), b);
+  }
+}
+
+static void run_system(bytes *b)
+{
+  static fb_system_state before;
+  static fb_system_motion motion;
+  if (!build_body(b, 1) || !build_system(b)) {
+    return;
+  }
+  for (int k = 0; k < 10 && b->left > 0; k++) {
+    static fb_system_input input;
+    fb_status status;
+    const int way = take_below(b, 5), link = take_below(b, links.n_body);
+    const fb_real dt = take_step(b);
+    take_system_input(&input, b);
+    system_state.link[link].p[take_below(b, 6)] += take_part(b, 10.0);
+    system_state.link[link].q[0] += take_part(b, 0.1);
+    if (take_byte(b) > 230) {
+      spoil(&system_state, sizeof system_state, b);
+    }
+    before = system_state;
+    if (way == 4) {
+      status = fb_system_axis_set(&links, &body, &system_work, &system_state, take_below(b, 4), take_below(b, 3),
+                                  (fb_axis_mode)take_below(b, 3), &input);
+    } else if (way & 1) {
+      status = fb_system_rk4_step(&links, &body, &system_state, &system_work, &input, &input, &input, dt);
+    } else {
+      status = fb_system_sdirk_step(&links, &body, &system_state, &system_work, &input, &input, dt, take_byte(b) % 4);
+    }
+    promise(status == FB_OK || memcmp(&before, &system_state, sizeof before) == 0, "a failure changed the state",
+            way == 4 ? "fb_system_axis_set" : "a step of a system");
+    promise(status != FB_OK || system_is_finite(&system_state), "the state is not finite", "a system");
+    status = fb_system_motion_eval(&links, &body, &system_work, &motion, &system_state, &input);
+    for (int j = 0; j < links.n_body && status == FB_OK; j++) {
+      promise(all_finite(motion.motion[j].v_dot, 3) && all_finite(motion.motion[j].q_ddot, body.n) &&
+                  all_finite(motion.pose[j].rho, 3) && all_finite(motion.joint[j].force, 3) && isfinite(motion.power),
+              "not finite", "fb_system_motion_eval");
+    }
+    if (status != FB_OK && fb_system_state_init(&links, &body, &system_work, &system_state, NULL, NULL) != FB_OK) {
+      return;
+    }
+  }
+}
+
+static int build_mixed(bytes *b)
+{
+  static fb_mixed_desc desc;
+  fb_section section;
+  memset(&desc, 0, sizeof desc);
+  memset(&section, 0, sizeof section);
+  section.mass = FB_R(1.0);
+  section.EA = take_byte(b) & 1 ? FB_R(1e5) : FB_R(0.0);
+  section.GJ = FB_R(50.0);
+  section.EI_y = section.EI_z = FB_R(100.0);
+  section.i_y = section.i_z = FB_R(0.01);
+  desc.length = FB_R(2.0);
+  desc.n_element = 1 + take_below(b, 4);
+  desc.n_station = 1;
+  desc.root = take_byte(b) & 1 ? take_below(b, 65) : FB_END_DEFAULT;
+  desc.tip = take_byte(b) & 1 ? take_below(b, 65) : FB_END_DEFAULT;
+  desc.n_lump = take_byte(b) & 1;
+  desc.lump[0].node = 1;
+  desc.lump[0].mass = FB_R(2.0);
+  desc.lump[0].inertia[0] = desc.lump[0].inertia[1] = desc.lump[0].inertia[2] = FB_R(1.0);
+  desc.gravity[2] = take_real(b);
+  desc.dissipation = take_byte(b) & 1 ? FB_R(0.3) : FB_R(0.0);
+  if (fb_mixed_station_init(&desc.station[0], &section) != FB_OK) {
+    return 0;
+  }
+  if (take_byte(b) > 220) {
+    spoil(&desc, sizeof desc, b);
+  }
+  return fb_mixed_init(&mixed, &desc) == FB_OK && fb_mixed_state_init(&mixed, &mixed_state, &mixed_work, NULL) == FB_OK;
+}
+
+static void run_mixed(bytes *b)
+{
+  static fb_mixed_state before;
+  static fb_mixed_input input;
+  if (!build_mixed(b)) {
+    return;
+  }
+  for (int k = 0; k < 8 && b->left > 0; k++) {
+    fb_mixed_node node[FB_MAX_MIXED + 1];
+    fb_energy energy;
+    const int steady = take_byte(b) > 200 && k == 0; /* up to 12500 iterations, if it does not converge */
+    const fb_real dt = take_step(b);
+    fb_status status;
+    memset(&input, 0, sizeof input);
+    input.n_load = take_byte(b) & 1;
+    take_load(&input.load[0], b);
+    input.w[2] = take_part(b, 5.0);
+    if (take_byte(b) > 200) {
+      spoil(&input, sizeof input, b);
+    }
+    if (take_byte(b) > 220) {
+      spoil(&mixed_state, sizeof mixed_state, b);
+    }
+    before = mixed_state;
+    status = steady ? fb_mixed_steady_solve(&mixed, &mixed_state, &mixed_work, &input)
+                    : fb_mixed_step(&mixed, &mixed_state, &mixed_work, &input, dt);
+    promise(status == FB_OK || memcmp(&before, &mixed_state, sizeof before) == 0, "a failure changed the state",
+            "the exact beam");
+    promise(status != FB_OK ||
+                (all_finite(mixed_state.r, 3 * (mixed.n + 1)) && all_finite(mixed_state.quat, 4 * (mixed.n + 1)) &&
+                 all_finite(mixed_state.strain, 6 * mixed.n) && all_finite(mixed_state.momentum, 6 * mixed.n)),
+            "the state is not finite", "the exact beam");
+    if (fb_mixed_nodes_eval(&mixed, node, &mixed_state) == FB_OK) {
+      promise(all_finite(node[mixed.n].position, 3) && all_finite(node[0].force, 3), "not finite",
+              "fb_mixed_nodes_eval");
+    }
+    if (fb_mixed_energy(&mixed, &energy, &mixed_state) == FB_OK) {
+      promise(isfinite(energy.kinetic) && isfinite(energy.strain), "not finite", "fb_mixed_energy");
+    }
+    if (fb_mixed_state_check(&mixed, &mixed_state) != FB_OK &&
+        fb_mixed_state_init(&mixed, &mixed_state, &mixed_work, NULL) != FB_OK) {
+      return;
+    }
+  }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+  bytes b = {data, size};
+  switch (take_below(&b, 3)) {
+  case 0:
+    run_body(&b);
+    break;
+  case 1:
+    run_system(&b);
+    break;
+  default:
+    run_mixed(&b);
+  }
+  return 0;
+}
