@@ -278,7 +278,7 @@ static double scene_step_of(const scene *s, fb_scheme scheme, int has_spectrum)
 /* Scheme and step where they are not asked for. */
 static void scene_choose(scene *s, FILE *talk)
 {
-  static const double work[] = {4, 3.5, 5.5}; /* evaluations, with what a factorization takes */
+  static const double work[] = {4, 7, 11}; /* evaluations; twice as many where the order is 2 */
   const fb_advice *const advice = &automatic.advice[0];
   double least = HUGE_VAL;
   s->dt = s->step;
