@@ -234,15 +234,17 @@ static int worker_begin(const campaign *c, campaign_worker *w)
 static int worker_give(const campaign *c, campaign_worker *w, int run)
 {
   w->run = run;
-  w->busy = w->child > 0 && case_write(w->to, &run, sizeof run);
-  if (w->busy) {
-    return 1;
-  }
-  if (w->child > 0) {
+  for (int attempt = 0; attempt < 2; attempt++) {
+    if (w->child == 0 && !worker_begin(c, w)) {
+      return 0;
+    }
+    w->busy = case_write(w->to, &run, sizeof run);
+    if (w->busy) {
+      return 1;
+    }
     worker_end(w);
   }
-  w->busy = worker_begin(c, w) && case_write(w->to, &run, sizeof run);
-  return w->busy;
+  return 0;
 }
 
 /* Waits for the row; if the worker dies, the row says how. */

@@ -107,7 +107,12 @@ static int program_scene(program *p)
   }
   p->l.n_measure = s->n_measure;
   for (int k = 0; k < s->n_measure; k++) {
-    strcpy(p->l.label[k], s->measure[k].label);
+    const scene_measure *m = &s->measure[k];
+    const char *unit = m->kind == SCENE_FREQUENCY ? "rad/s"
+                       : m->kind == SCENE_GROWTH  ? "1/s"
+                                                  : s->output[m->output].unit;
+    strcpy(p->l.label[k], m->label);
+    snprintf(p->l.title[k], sizeof p->l.title[k], "%s [%s]", m->label, unit);
   }
   for (int k = 0; k < c->n_require; k++) {
     if (ledger_measure(&p->l, c->require[k].measure) < 0) {

@@ -198,12 +198,12 @@ static void report_moments(const report *r)
 {
   static const double p[] = {0, 0.01, 0.05, 0.5, 0.95, 0.99, 1};
   const ledger *l = r->l;
-  printf("\n%-20s %12s %10s %10s %10s %10s %10s %10s %10s %10s %10s\n", "measure", "mean", "+-error", "deviation",
+  printf("\n%-24s %12s %10s %10s %10s %10s %10s %10s %10s %10s %10s\n", "measure", "mean", "+-error", "deviation",
          "least", "1 %", "5 %", "50 %", "95 %", "99 %", "most");
   for (int i = 0; i < l->n_measure; i++) {
     const double *x = r->column[l->c->n_vary + i];
     const double deviation = r->n > 1 ? sqrt(report_moment(x, x, r->n) / (r->n - 1)) : 0;
-    printf("%-20s %12.6g %10.2g %10.4g", l->label[i], report_mean(x, r->n), deviation / sqrt(r->n), deviation);
+    printf("%-24s %12.6g %10.2g %10.4g", l->title[i], report_mean(x, r->n), deviation / sqrt(r->n), deviation);
     memcpy(r->sorted, x, (size_t)r->n * sizeof *x);
     qsort(r->sorted, (size_t)r->n, sizeof *x, fbb_ascending);
     for (int k = 0; k < 7; k++) {
@@ -292,14 +292,14 @@ static void report_pictures(const report *r, const char *csv)
   }
   snprintf(columns, sizeof columns, "%d:%d", 2 + p, 2 + l->c->n_vary + m);
   snprintf(settings, sizeof settings, "unset key\nset xlabel \"%s\" noenhanced\nset ylabel \"%s\" noenhanced\n",
-           l->c->vary[p].name, l->label[m]);
+           l->c->vary[p].name, l->title[m]);
   other_name(svg, sizeof svg, csv, "_scatter.svg");
   plot(svg, settings, &points, 1, stdout);
   snprintf(columns, sizeof columns, "(%.17g+%.17g*(0.5+floor(0.999999*($%d-%.17g)/%.17g))):(1)", least, width,
            2 + l->c->n_vary + m, least, width);
   snprintf(settings, sizeof settings,
            "unset key\nset xlabel \"%s\" noenhanced\nset ylabel 'runs'\nset boxwidth %.17g\nset yrange [0:*]\n",
-           l->label[m], width);
+           l->title[m], width);
   other_name(svg, sizeof svg, csv, "_histogram.svg");
   plot(svg, settings, &bars, 1, stdout);
 }
