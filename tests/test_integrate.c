@@ -702,6 +702,36 @@ TEST(steps_within_the_limit_are_stable)
   }
 }
 
+/* What one iteration of the midpoint rule leaves of q and pi, deflected, spinning and drifting. */
+static void left_by_one(double left[2], double dt)
+{
+  fb_state end[2];
+  for (int i = 0; i < 2; i++) {
+    fbt_seed(5);
+    start(&end[i], 0.3, 4.0);
+    FBT_INT_EQ(fb_midpoint_step(&body, &end[i], &implicit_work, NULL, (fb_real)dt, i ? 30 : 1), FB_OK);
+  }
+  left[0] = fbt_difference(end[0].q, end[1].q, body.n);
+  left[1] = fbt_difference(end[0].pi, end[1].pi, body.n);
+}
+
+/* E11.4, E11.5: of the equations without a quadratic field the matrix is the Jacobian, and what an iteration leaves is of
+   order 4 at least, as Newton's: by any other matrix it is of order 3. */
+TEST(iterations_are_newtons)
+{
+  double whole[2], half[2];
+  if (FB_SINGLE) {
+    return; /* rounding hides the order */
+  }
+  boom(FB_EFFECTS_SPIN, FB_BASE_FREE, 2, 2, 0, 0.02);
+  left_by_one(whole, 0.02);
+  left_by_one(half, 0.01);
+  for (int i = 0; i < 2; i++) {
+    FBT_TRUE(half[i] > 1e-9);
+    FBT_BELOW(4.0, log2(whole[i] / half[i]));
+  }
+}
+
 /* E11.11: without a quadratic field and without strain stations the exponential scheme's limit is the same part of a turn
    at every spin. */
 TEST(the_exponential_limit_is_a_part_of_a_turn)
@@ -982,10 +1012,11 @@ TEST(every_scheme_refuses_bad_input)
 
 SUITE(integrate, RUN(each_scheme_converges_at_its_order), RUN(midpoint_keeps_energy_and_momentum),
       RUN(steps_may_be_a_thousand_periods_long), RUN(steps_within_the_limit_are_stable),
-      RUN(implicit_schemes_do_not_mind_drift), RUN(the_exponential_limit_is_a_part_of_a_turn),
-      RUN(membrane_coordinates_make_the_strain_linear), RUN(the_tangent_is_the_derivative_of_the_forces),
-      RUN(the_exponential_scheme_is_exact_for_linear_bodies), RUN(stiff_axial_modes_do_not_set_the_step),
-      RUN(implicit_schemes_advance_every_form), RUN(every_scheme_refuses_bad_input), RUN(rk4_converges_with_order_four),
+      RUN(implicit_schemes_do_not_mind_drift), RUN(iterations_are_newtons),
+      RUN(the_exponential_limit_is_a_part_of_a_turn), RUN(membrane_coordinates_make_the_strain_linear),
+      RUN(the_tangent_is_the_derivative_of_the_forces), RUN(the_exponential_scheme_is_exact_for_linear_bodies),
+      RUN(stiff_axial_modes_do_not_set_the_step), RUN(implicit_schemes_advance_every_form),
+      RUN(every_scheme_refuses_bad_input), RUN(rk4_converges_with_order_four),
       RUN(tumbling_conserves_momentum_and_energy), RUN(short_steps_lose_nothing), RUN(slow_modes_keep_their_phase),
       RUN(bodies_stepped_in_turn_do_not_meet), RUN(the_step_limit_is_the_stability_boundary),
       RUN(the_step_limit_knows_the_acceleration_of_a_far_origin), RUN(decay_reaches_zero_without_subnormals),
