@@ -296,11 +296,88 @@ static void model_node_name(text_file *t)
   }
 }
 
+/* A degree of freedom of an element node, one more of a list. */
+static void model_coordinate(text_file *t, fb_coordinate *list, int *n)
+{
+  static const char *const axes[] = {"x", "y", "z", "rx", "ry", "rz", NULL};
+  if (*n == FB_MAX_COORDINATES) {
+    text_fail(t, "more than %d of them", FB_MAX_COORDINATES);
+    return;
+  }
+  list[*n].node = text_whole(t, "element node", 0, FB_MAX_ELEMENTS);
+  list[(*n)++].axis = text_choice(t, "axis", axes);
+}
+
+/* Words about modes; 0 if word is none of them. */
+static int model_modes_word(text_file *t, const char *word)
+{
+  static const char *const free_root[] = {"root_strain", NULL};
+  fb_modes_desc *const modes = &model.modes;
+  if (strcmp(word, "modes") == 0) {
+    model_modes_line(t);
+  } else if (strcmp(word, "functions") == 0) {
+    modes->basis = FB_BASIS_FUNCTIONS;
+    modes->degree = text_whole(t, "degree", 3, 8);
+    modes->root_strain = text_more(t) ? 1 + text_choice(t, "after the degree", free_root) : 0;
+  } else if (strcmp(word, "boundary") == 0) {
+    modes->basis = FB_BASIS_COMPONENT;
+    model_coordinate(t, modes->boundary, &modes->n_boundary);
+  } else if (strcmp(word, "load") == 0) {
+    model_coordinate(t, modes->load, &modes->n_load);
+  } else if (strcmp(word, "spin") == 0) {
+    modes->spin = (fb_real)text_number(t, "spin");
+    modes->spin_radius = (fb_real)text_number(t, "radius");
+  } else if (strcmp(word, "preload") == 0) {
+    modes->preload.force = (fb_real)text_number(t, "force");
+    modes->preload.acceleration = (fb_real)text_number(t, "acceleration");
+    modes->preload.spin = (fb_real)text_number(t, "spin");
+    modes->preload.spin_radius = (fb_real)text_number(t, "radius");
+  } else {
+    return 0;
+  }
+  return 1;
+}
+
+static void model_lump(text_file *t)
+{
+  fb_lump *lump = &model.beam.lump[model.beam.n_lump];
+  double inertia[6];
+  if (model.beam.n_lump == FB_MAX_LUMPS) {
+    text_fail(t, "more than %d lumps", FB_MAX_LUMPS);
+    return;
+  }
+  lump->node = text_whole(t, "element node", 0, FB_MAX_ELEMENTS);
+  lump->mass = (fb_real)text_number(t, "mass");
+  text_reals(t, "mass center", lump->center, 3);
+  model_inertia(t, inertia);
+  for (int i = 0; i < 6; i++) {
+    lump->inertia[i] = (fb_real)inertia[i];
+  }
+  model.beam.n_lump++;
+}
+
+/* node X|tip [NAME] */
+static void model_beam_node(text_file *t)
+{
+  if (model.n_mark == FB_MAX_NODES - 1) {
+    text_fail(t, "more than %d nodes", FB_MAX_NODES - 1);
+    return;
+  }
+  if (strncmp(t->at + strspn(t->at, " "), "tip", 3) == 0) {
+    (void)text_word(t);
+    model.mark[model.n_mark] = -1;
+  } else {
+    model.mark[model.n_mark] = text_number(t, "the node's place");
+    if (!t->failed && model.mark[model.n_mark] < 0) {
+      text_fail(t, "the node's place is negative");
+    }
+  }
+  model_node_name(t);
+}
+
 static void model_beam_line(text_file *t, const char *word)
 {
   static const char *const roots[] = {"clamped", "pinned", "free", NULL};
-  static const char *const axes[] = {"x", "y", "z", "rx", "ry", "rz", NULL};
-  static const char *const free_root[] = {"root_strain", NULL};
   fb_beam_desc *beam = &model.beam;
   if (strcmp(word, "stations") == 0) {
     model_stations(t);
@@ -331,65 +408,10 @@ static void model_beam_line(text_file *t, const char *word)
     }
     text_reals(t, word, beam->point[beam->n_point++], 3);
   } else if (strcmp(word, "lump") == 0) {
-    fb_lump *lump = &beam->lump[beam->n_lump];
-    double inertia[6];
-    if (beam->n_lump == FB_MAX_LUMPS) {
-      text_fail(t, "more than %d lumps", FB_MAX_LUMPS);
-      return;
-    }
-    lump->node = text_whole(t, "element node", 0, FB_MAX_ELEMENTS);
-    lump->mass = (fb_real)text_number(t, "mass");
-    text_reals(t, "mass center", lump->center, 3);
-    model_inertia(t, inertia);
-    for (int i = 0; i < 6; i++) {
-      lump->inertia[i] = (fb_real)inertia[i];
-    }
-    beam->n_lump++;
-  } else if (strcmp(word, "modes") == 0) {
-    model_modes_line(t);
-  } else if (strcmp(word, "functions") == 0) {
-    model.modes.basis = FB_BASIS_FUNCTIONS;
-    model.modes.degree = text_whole(t, "degree", 3, 8);
-    model.modes.root_strain = text_more(t) ? 1 + text_choice(t, "after the degree", free_root) : 0;
-  } else if (strcmp(word, "boundary") == 0) {
-    if (model.modes.n_boundary == FB_MAX_COORDINATES) {
-      text_fail(t, "more than %d boundary coordinates", FB_MAX_COORDINATES);
-      return;
-    }
-    model.modes.basis = FB_BASIS_COMPONENT;
-    model.modes.boundary[model.modes.n_boundary].node = text_whole(t, "element node", 0, FB_MAX_ELEMENTS);
-    model.modes.boundary[model.modes.n_boundary++].axis = text_choice(t, "axis", axes);
-  } else if (strcmp(word, "spin") == 0) {
-    model.modes.spin = (fb_real)text_number(t, "spin");
-    model.modes.spin_radius = (fb_real)text_number(t, "radius");
-  } else if (strcmp(word, "preload") == 0) {
-    model.modes.preload.force = (fb_real)text_number(t, "force");
-    model.modes.preload.acceleration = (fb_real)text_number(t, "acceleration");
-    model.modes.preload.spin = (fb_real)text_number(t, "spin");
-    model.modes.preload.spin_radius = (fb_real)text_number(t, "radius");
-  } else if (strcmp(word, "load") == 0) {
-    if (model.modes.n_load == FB_MAX_COORDINATES) {
-      text_fail(t, "more than %d loads", FB_MAX_COORDINATES);
-      return;
-    }
-    model.modes.load[model.modes.n_load].node = text_whole(t, "element node", 0, FB_MAX_ELEMENTS);
-    model.modes.load[model.modes.n_load++].axis = text_choice(t, "axis", axes);
+    model_lump(t);
   } else if (strcmp(word, "node") == 0) {
-    if (model.n_mark == FB_MAX_NODES - 1) {
-      text_fail(t, "more than %d nodes", FB_MAX_NODES - 1);
-      return;
-    }
-    if (strncmp(t->at + strspn(t->at, " "), "tip", 3) == 0) {
-      (void)text_word(t);
-      model.mark[model.n_mark] = -1;
-    } else {
-      model.mark[model.n_mark] = text_number(t, "the node's place");
-      if (!t->failed && model.mark[model.n_mark] < 0) {
-        text_fail(t, "the node's place is negative");
-      }
-    }
-    model_node_name(t);
-  } else {
+    model_beam_node(t);
+  } else if (!model_modes_word(t, word)) {
     text_fail(t, "no such word for a beam: %s", word);
     return;
   }

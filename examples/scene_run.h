@@ -483,7 +483,7 @@ static int scene_run(scene *s, const scene_options *o)
   memset(&run, 0, sizeof run);
   memset(&engine, 0, sizeof engine);
   film.n = 0;
-  run.rows = (long)ceil(s->duration / s->interval * (1 - 1e-9));
+  run.rows = s->duration > 0 ? (long)ceil(s->duration / s->interval * (1 - 1e-9)) : 0;
   run.frames = o->picture || o->animation || o->frames ? (o->n_frame > 0 ? o->n_frame : 120) : 0;
   run.begin = time(NULL);
   scene_reset(s);
