@@ -129,7 +129,6 @@ static void scene_note_loads(const scene *s, double t)
   for (int k = 0; k < s->n_load; k++) {
     fb_envelope *const e = &automatic.envelope[s->load[k].body];
     const fb_load load = scene_load_at(s, &s->load[k], t, t);
-    e->n_load = s->n_load;
     e->load[k].node = load.node;
     e->load[k].axes = load.axes == FB_AXES_INERTIAL ? FB_AXES_BODY : load.axes;
     for (int i = 0; i < 3; i++) { /* a dead load may come from anywhere: it is taken as it stands at the start */
@@ -168,6 +167,9 @@ static fb_status scene_run_rigid(const scene *s)
   int event = 0;
   fb_status status = scene_build_rigid(s);
   memset(automatic.envelope, 0, sizeof automatic.envelope);
+  for (int k = 0; k < s->n_body; k++) {
+    automatic.envelope[k].n_load = s->n_load; /* those of other bodies stay zero */
+  }
   automatic.spin = automatic.acceleration = 0;
   engine.scheme = engine.by.scheme = FB_SCHEME_RK4;
   engine.long_step = 1;
@@ -278,7 +280,7 @@ static double scene_step_of(const scene *s, fb_scheme scheme, int has_spectrum)
 /* Scheme and step where they are not asked for. */
 static void scene_choose(scene *s, FILE *talk)
 {
-  static const double work[] = {4, 3.5, 5.5}; /* evaluations, with what a factorization takes */
+  static const double work[] = {4, 7, 11}; /* evaluations; twice as many where the order is 2 */
   const fb_advice *const advice = &automatic.advice[0];
   double least = HUGE_VAL;
   s->dt = s->step;

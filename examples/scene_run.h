@@ -356,7 +356,8 @@ static void scene_progress(const scene *s, const scene_options *o, scene_run_sta
 
 static int scene_failed(scene *s, const char *when, fb_status status)
 {
-  return scene_fail(s, "%s: %s%s", when, fb_status_string(status), scene_at_fault(s));
+  return scene_fail(s, "%s: %s%s%s", when, fb_status_string(status), scene_at_fault(s),
+                    status == FB_ERR_STEP ? "; give a shorter step, or none" : "");
 }
 
 /* Steps from row to row. */
@@ -364,9 +365,13 @@ static int scene_loop(scene *s, const scene_options *o, scene_run_state *run)
 {
   const long rows = run->rows;
   const double interval = s->duration / (double)rows;
-  const long steps = (long)ceil(interval / s->dt * (1 - 1e-9));
-  char when[96];
+  const double wanted = ceil(interval / s->dt * (1 - 1e-9));
+  const long steps = (long)fmin(fmax(wanted, 1), 1e9);
+  char when[96] = "at the start";
   fb_status status = FB_OK;
+  if (wanted > 1e9) {
+    return scene_fail(s, "steps of %.4g s are more than 1e9 in an interval", s->dt);
+  }
   s->dt = interval / (double)steps;
   if (!s->is_exact && !scene_is_system(s)) {
     status = stepper_init(&engine.by, &engine.body_work, &engine.body[0], engine.scheme, s->dt);
@@ -478,7 +483,7 @@ static int scene_run(scene *s, const scene_options *o)
   memset(&run, 0, sizeof run);
   memset(&engine, 0, sizeof engine);
   film.n = 0;
-  run.rows = (long)ceil(s->duration / s->interval * (1 - 1e-9));
+  run.rows = s->duration > 0 ? (long)ceil(s->duration / s->interval * (1 - 1e-9)) : 0;
   run.frames = o->picture || o->animation || o->frames ? (o->n_frame > 0 ? o->n_frame : 120) : 0;
   run.begin = time(NULL);
   scene_reset(s);

@@ -8,10 +8,14 @@ int main(int argc, char **argv)
   static scene s;
   static double first[RUNS][SCENE_MEASURES + SCENE_OUTPUTS];
   const scene_options quiet = {0};
-  for (int run = 0; run < 2 * (argc - 1); run++) {
-    const int k = run % (argc - 1);
+  const int scenes = argc - 1;
+  if (scenes < 1 || scenes > RUNS) {
+    return 2;
+  }
+  for (int run = 0; run < 2 * scenes; run++) {
+    const int k = run % scenes;
     double now[SCENE_MEASURES + SCENE_OUTPUTS] = {0};
-    if (k >= RUNS || scene_read(&s, argv[1 + k], NULL, 0) != 0 || scene_run(&s, &quiet) != 0 || s.missed > 0) {
+    if (scene_read(&s, argv[1 + k], NULL, 0) != 0 || scene_run(&s, &quiet) != 0 || s.missed > 0) {
       printf("%s\n", s.message);
       return 1;
     }
@@ -19,7 +23,7 @@ int main(int argc, char **argv)
     for (int i = 0; i < s.n_reference; i++) {
       now[SCENE_MEASURES + i] = s.reference[i].difference;
     }
-    if (run < argc - 1) {
+    if (run < scenes) {
       memcpy(first[k], now, sizeof now);
     } else if (memcmp(first[k], now, sizeof now) != 0) {
       printf("%s differs when it is run again\n", argv[1 + k]);

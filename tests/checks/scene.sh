@@ -18,6 +18,9 @@ done
 try "$out/again" examples/scenes/slider_crank.txt examples/scenes/spinup_auto.txt examples/scenes/dead_load.txt
 [ ! -s "$out/log" ] || fail "scene_run says: $(cat "$out/log")"
 
+try "$out/scene" examples/scenes/double_pendulum.txt --quiet --frames "$out/frames" --frame-count 5 --picture "$out/picture.svg"
+[ "$(ls "$out/frames" | wc -l)" = 5 ] && grep -q '</svg>' "$out/frames/frame_0005.svg" "$out/picture.svg" || fail "frames are missing"
+
 # the modal beam and the exact one from the same description, and parameters
 try "$out/scene" examples/scenes/spinup_rate.txt --quiet --set exact=10 --set spin=6
 ! "$out/scene" examples/scenes/spinup_rate.txt --quiet --set modes=1 > "$out/log" || fail "one mode is as good as three"
