@@ -114,6 +114,10 @@ TEST(linear_cantilevers_are_exact_at_the_nodes)
     FBT_NEAR_REL(node[n].displacement[2], -f * (8.0 / 15.0 + 2.0 / 60.0 + 4.0 / 10.0), FBT_TOL(1e-6, 2e-3));
     FBT_NEAR_REL(node[n].rotation[0], 2.0 * f, FBT_TOL(1e-6, 2e-3));
     FBT_NEAR_REL(node[n].rotation[1], f * (4.0 / 10.0 + 2.0 / 5.0), FBT_TOL(1e-6, 2e-3));
+    for (int k = 1; k <= n; k++) { /* the internal loads at the nodes */
+      FBT_NEAR_REL(node[k].force[1], f, FBT_TOL(1e-6, 2e-2));
+      FBT_NEAR_ABS(node[k].moment[2], f * (2.0 - 2.0 * k / n), FBT_TOL(1e-6, 2e-2) * f);
+    }
   }
 }
 
