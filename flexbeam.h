@@ -152,7 +152,7 @@
      through them as arithmetic has it. Those of >>vec3 and >>rotation, fb_lu_solve and fb_chol_solve are the innermost
      loops: pointers and sizes are taken as valid, as memcpy does. Nobody can test the sizes of the caller's arrays.
      What the library has made (beams, modes, shapes, bodies, systems, schemes) is taken as it was made; where memory may
-     change by itself: fb_body_check, fb_system_check, fb_exponential_check, fb_mixed_check, or fb_body_crc.
+     change by itself: fb_body_check, fb_system_check, fb_exponential_check, fb_mixed_check.
 
      paper          code                     shape      unit          meaning
      m, c, J        shape.mass, .c, .J       1, 3, 3x3  kg, kg m, kg m^2   moments of mass about O
@@ -1077,8 +1077,12 @@ FB_API fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape 
 
 /* Is a body what fb_body_init may have made? Counts and indexes within the tables, the terms in their order, all numbers
    finite, S_0 positive definite: for memory that may have changed by itself. A body that passes takes no step, whatever
-   else is wrong with it, beyond its tables; fb_body_crc sees every bit. FB_ERR_CAPACITY, FB_ERR_VALUE. */
+   else is wrong with it, beyond its tables; a number that is finite but wrong passes, too. FB_ERR_CAPACITY, FB_ERR_VALUE. */
 FB_API fb_status fb_body_check(const fb_body *body);
+/* Check word of a body of the momentum form without nonlinear strain: CRC-32 (IEEE 802.3) over all that a step reads, in
+   the order of its meaning, without padding and unused room. Keep it beside the model, compare in flight: a single
+   flipped bit changes it. It depends on FB_SINGLE, not on the capacities. 0: a body that fb_body_check refuses. */
+FB_API unsigned fb_body_crc(const fb_body *body);
 
 typedef struct fb_state { /* all that changes; assignment is a snapshot */
   fb_real rho[3];         /* [m] position of O, inertial axes */

@@ -7050,6 +7050,140 @@ FB_DEF fb_status fb_body_check(const fb_body *body)
   return sound ? FB_OK : FB_ERR_VALUE;
 }
 
+/* ---- 8h check word */
+
+/* [E8.40] CRC-32 of whole numbers and reals, four bytes at a time, low byte first: polynomial x^32 + x^26 + x^23 + x^22 +
+   x^16 + x^12 + x^11 + x^10 + x^8 + x^7 + x^5 + x^4 + x^2 + x + 1, reflected (0xEDB88320).
+   Source: IEEE 802.3, 3.2.9.  Cost: 32 shifts a word.  Fails: never.
+   Test: the_check_word_sees_every_flipped_bit. */
+static unsigned fbi_crc_word(unsigned crc, unsigned word)
+{
+  crc ^= word;
+  for (int k = 0; k < 32; k++) {
+    crc = crc >> 1 ^ (0xEDB88320u & (0u - (crc & 1u)));
+  }
+  return crc;
+}
+
+/* In the precision of the target, whichever the program's. */
+static unsigned fbi_crc_reals(unsigned crc, const fb_real *x, int n, int single)
+{
+  for (int i = 0; i < n; i++) {
+    if (single) {
+      const float value = (float)x[i];
+      unsigned bits;
+      memcpy(&bits, &value, sizeof value);
+      crc = fbi_crc_word(crc, bits);
+    } else {
+      const double value = (double)x[i];
+      unsigned long long bits;
+      memcpy(&bits, &value, sizeof value);
+      crc = fbi_crc_word(fbi_crc_word(crc, (unsigned)(bits & 0xFFFFFFFFu)), (unsigned)(bits >> 32));
+    }
+  }
+  return crc;
+}
+
+static unsigned fbi_crc_sparse(unsigned crc, const fb_sparse *m, int n, int single)
+{
+  crc = fbi_crc_reals(fbi_crc_word(crc, (unsigned)m->n_term), m->diagonal, n, single);
+  for (int k = 0; k < m->n_term; k++) {
+    crc = fbi_crc_word(fbi_crc_reals(crc, &m->term[k].c, 1, single), m->term[k].a | (unsigned)m->term[k].b << 16);
+  }
+  return crc;
+}
+
+static unsigned fbi_crc_lambda(unsigned crc, const fb_lambda_term *list, int n, int single)
+{
+  for (int k = 0; k < n; k++) {
+    crc = fbi_crc_word(fbi_crc_reals(crc, &list[k].c, 1, single), list[k].i | (unsigned)list[k].a << 16);
+    crc = fbi_crc_word(crc, list[k].b);
+  }
+  return crc;
+}
+
+static unsigned fbi_crc_terms(unsigned crc, const fb_body *body, int single)
+{
+  for (int k = 0; k < 6; k++) {
+    crc = fbi_crc_word(crc, body->lambda_row[k].i | (unsigned)body->lambda_row[k].end << 16);
+  }
+  crc = fbi_crc_lambda(crc, body->lambda, body->n_lambda, single);
+  crc = fbi_crc_reals(crc, body->S, body->n_S, single);
+  for (int k = 0; k < body->n_run; k++) {
+    crc = fbi_crc_word(fbi_crc_word(crc, body->run[k].i | (unsigned)body->run[k].pair << 16), body->run[k].n);
+  }
+  for (int k = 0; k < body->n_pair; k++) {
+    crc = fbi_crc_word(crc, body->pair[k].a | (unsigned)body->pair[k].b << 16);
+  }
+  return crc;
+}
+
+static unsigned fbi_crc_nodes(unsigned crc, const fb_body *body, int single)
+{
+  const int n = body->n;
+  for (int k = 0; k < body->n_node; k++) {
+    const fb_node *node = &body->node[k];
+    crc = fbi_crc_reals(crc, node->r, 3, single);
+    crc = fbi_crc_reals(fbi_crc_reals(crc, node->psi, 3 * n, single), node->theta, 3 * n, single);
+#if FBI_WITH_QUADRATIC
+    if (fbi_has(body->effects, FBI_QUADRATIC_EFFECTS)) {
+      crc = fbi_crc_reals(crc, node->chi, 3 * n * (n + 1) / 2, single);
+      crc = fbi_crc_reals(crc, node->chi_theta, 3 * n * (n + 1) / 2, single);
+    }
+#endif
+  }
+  return crc;
+}
+
+/* Without the tables that ROM does not hold: nonlinear strain, the other forms. */
+static unsigned fbi_body_crc(const fb_body *body, int single)
+{
+  const int whole[] = {body->n,
+                       body->n_node,
+                       (int)body->effects,
+                       (int)body->base,
+                       body->n_lambda,
+                       body->n_lambda_constant,
+                       body->n_linear,
+                       body->n_linear_constant,
+                       body->n_row,
+                       body->n_S,
+                       body->n_run,
+                       body->n_pair,
+                       body->unit_mass,
+                       body->constant_S,
+                       body->allow_long_step};
+  const fb_real number[8] = {body->mass,          body->deflection_limit, body->recoil,     body->gyration,
+                             body->limit_elastic, body->limit_damping,    body->limit_spin, body->limit_acceleration};
+  unsigned crc = 0xFFFFFFFFu;
+  for (int k = 0; k < (int)(sizeof whole / sizeof *whole); k++) {
+    crc = fbi_crc_word(crc, (unsigned)whole[k]);
+  }
+  crc = fbi_crc_reals(fbi_crc_reals(crc, number, 8, single), body->c, 3, single);
+  crc = fbi_crc_reals(crc, body->reach, body->n, single);
+  crc = fbi_crc_reals(fbi_crc_reals(crc, body->S0, 21, single), body->S0_inverse, 36, single);
+  crc = fbi_crc_sparse(fbi_crc_sparse(crc, &body->M, body->n, single), &body->Minv, body->n, single);
+  crc = fbi_crc_sparse(crc, &body->K, body->n, single);
+#if FB_WITH_DAMPING
+  if (fbi_has(body->effects, FB_EFFECT_DAMPING)) {
+    crc = fbi_crc_sparse(crc, &body->C, body->n, single);
+  }
+#endif
+#if FB_WITH_GRAVITY
+  if (fbi_has(body->effects, FB_EFFECT_GRAVITY)) {
+    crc = fbi_crc_reals(crc, body->gravity, 3, single);
+  }
+#endif
+  return ~fbi_crc_nodes(fbi_crc_terms(crc, body, single), body, single);
+}
+
+FB_DEF unsigned fb_body_crc(const fb_body *body)
+{
+  FBI_REQUIRE(body && fb_body_check(body) == FB_OK, 0);
+  FBI_REQUIRE(fbi_form(body) == 0 && !fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN), 0);
+  return fbi_body_crc(body, FB_SINGLE);
+}
+
 /* ---------------------------------------------------------------------------------------------------------------
    9 >>system (uses 1-8)
    9a joints - 9b positions - 9c trees: M u = p - 9d constraints - 9e rates - 9f states, motion, energy, momentum */

@@ -243,6 +243,7 @@ static void rom_write(FILE *out, const fb_body *body, const char *name, const ch
 #endif
   rom_terms(&r, body);
   rom_nodes(&r, body);
-  fputs("\n};\n", out);
+  fprintf(out, "\n};\n#define %s_crc 0x%08Xu /* fb_body_crc(&%s): compare it before the model is used */\n", name,
+          fbi_body_crc(body, single), name);
 }
 #endif

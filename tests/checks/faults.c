@@ -1,6 +1,6 @@
 /* A single bit flipped: of models, schemes and states (all bits of small ones, a repeatable sample of large ones). Then the
    struct's fb_..._check sees it, or what uses the struct (a step of every scheme, motion, energy) gives a status, or all
-   of it is finite: harmless here, for the check word (fb_body_crc) to see. Never a crash, nor FB_OK with what is not finite.
+   of it is finite: harmless here, though the numbers may be wrong. Never a crash, nor FB_OK with what is not finite.
    Prints a table; exit 1 when something is not finite. */
 #include "hostile.h"
 

@@ -233,6 +233,7 @@ typedef fb_mixed_node nodes[FB_MAX_MIXED + 1];
     WHOLE(2))                                                                                                          \
   F(fb_body_init, fb_body_init(p[0], p[1], p[2], p[3]), 1, OUT(fb_body), WORK(body_work), IN(shape), IN(body_desc))    \
   F(fb_body_check, fb_body_check(p[0]), 1, MODEL(body))                                                                \
+  F(fb_body_crc, give((fb_real)fb_body_crc(p[0])), 0, MODEL(body))                                                     \
   F(fb_state_init, fb_state_init(p[0], p[1]), 1, MODEL(body), OUT(fb_state))                                           \
   F(fb_state_from_velocity, fb_state_from_velocity(p[0], p[1], p[2], p[3], p[4]), 1, MODEL(body), STATE(state), IN(v), \
     IN(w), OPTIONAL(q_dot))                                                                                            \
