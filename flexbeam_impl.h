@@ -3006,6 +3006,7 @@ static void fbi_mode_field(fbi_field *f, const fb_beam *beam, const fb_modes *mo
       v[i] = shape[fbi_element_dof(beam, element, i)];
     }
     fbi_element_field(f, beam, element, v, s);
+    f->strain_slope = FB_R(0.0); /* the torque that it is for is not known of such modes */
     return;
   }
   fbi_functions_eval(&local, s, fbi_element_length(beam, element), modes->degree);
