@@ -281,6 +281,19 @@ static void scene_tell_advice(const scene *s, int k, FILE *talk)
   fputs("\n", talk);
 }
 
+/* The chosen effects and modes are the best there are, and not good enough. */
+static void scene_tell_missed(const scene *s, int k, FILE *warn)
+{
+  const fb_advice *const a = &automatic.advice[k];
+  if (warn) {
+    fprintf(warn,
+            "%s: auto of body %s: estimated error %.2g %%, allowed %.2g %% (of effects %.2g, modes %.2g, step %.2g,",
+            s->path, s->body[k].name, 100 * (double)a->error, 100 * s->body[k].tolerance,
+            100 * (double)a->error_effects, 100 * (double)a->error_modes, 100 * (double)a->error_step);
+    fprintf(warn, " of what no modal body has %.2g)  MISSED\n", 100 * (double)a->error_model);
+  }
+}
+
 /* Effects and modes of body k. */
 static int scene_advise(scene *s, int k, FILE *talk)
 {

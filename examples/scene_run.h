@@ -195,7 +195,6 @@ static double scene_allowed(double tolerance, int relative, double size)
 /* Counts what is beyond its tolerance. */
 static void scene_judge(scene *s)
 {
-  s->missed = 0;
   for (int k = 0; k < s->n_expectation; k++) {
     scene_expectation *const e = &s->expectation[k];
     e->difference = fabs(s->measured[e->measure] - e->value);
@@ -427,12 +426,28 @@ static int scene_check_steps(scene *s, const scene_options *o)
   timing.part = s->step > 0 ? HUGE_VAL : scene_part[s->is_exact ? FB_SCHEME_MIDPOINT : engine.scheme];
   count = s->dt > 0 ? scene_count_steps(s) : HUGE_VAL;
   if (!(count <= SCENE_STEPS)) {
-    return scene_fail(s, "steps of %.3g s are %.3g or more in %g s; %g at most", s->dt, s->duration / s->dt, s->duration,
-                      SCENE_STEPS);
+    return scene_fail(s, "steps of %.3g s are %.3g or more in %g s; %g at most", s->dt, s->duration / s->dt,
+                      s->duration, SCENE_STEPS);
   }
   if (turn > 1 && o->warn) {
-    fprintf(o->warn, "%s: warning: the fastest that acts goes through %.2g rad in a step of %.3g s; it wants less than 1\n",
+    fprintf(o->warn,
+            "%s: warning: the fastest that acts goes through %.2g rad in a step of %.3g s; it wants less than 1\n",
             s->path, turn, s->step);
+  }
+  return 0;
+}
+
+/* An exact beam takes forces at its nodes, of which the origin of its body is one where it begins there. */
+static int scene_check_exact(scene *s)
+{
+  const fb_real *const at = s->mixed.desc.position;
+  const int elsewhere = FB_FABS(at[0]) + FB_FABS(at[1]) + FB_FABS(at[2]) > 0;
+  for (int k = 0; k < s->n_load && elsewhere; k++) {
+    if (s->load[k].node == 0 && !s->load[k].torque) {
+      return scene_fail(s,
+                        "body %s of line %d: a force on its origin, and the exact beam begins elsewhere: give a node",
+                        s->body[0].name, s->body[0].line);
+    }
   }
   return 0;
 }
@@ -444,7 +459,7 @@ static int scene_build(scene *s, const scene_options *o)
   fb_status status;
   automatic.doubted = 0;
   if (s->is_exact) {
-    return 0;
+    return scene_check_exact(s);
   }
   for (int k = 0; k < s->n_body; k++) {
     asked |= s->body[k].tolerance > 0;
@@ -457,12 +472,27 @@ static int scene_build(scene *s, const scene_options *o)
     if (advised && scene_advise(s, k, o->talk)) {
       return 1;
     }
+    if (advised && !((double)automatic.advice[k].error <= s->body[k].tolerance)) {
+      s->missed++;
+      scene_tell_missed(s, k, o->warn);
+    }
     status = scene_init_body(s, k, advised ? &automatic.advice[k] : NULL);
     if (status != FB_OK) {
       return scene_fail(s, "body %s of line %d: %s", s->body[k].name, s->body[k].line, fb_status_string(status));
     }
   }
   return 0;
+}
+
+/* The fastest growth [1/s] among the n slowest of `all` modes, and those that are as slow as the last: of a pair +-growth
+   neither comes before the other. */
+static double scene_growth(const fb_real *re, const fb_real *im, int n, int all)
+{
+  const double last = hypot((double)re[n - 1], (double)im[n - 1]);
+  while (n < all && hypot((double)re[n], (double)im[n]) <= 1.001 * last) {
+    n++;
+  }
+  return -(double)fb_spectrum_margin(re, NULL, n);
 }
 
 /* Frequencies and growth about the start, where they are to be measured. */
@@ -490,7 +520,7 @@ static int scene_measure_spectrum(scene *s)
     if (m->kind == SCENE_FREQUENCY) {
       s->measured[k] = (double)im[m->output];
     } else if (m->kind == SCENE_GROWTH) {
-      s->measured[k] = -(double)fb_spectrum_margin(re, NULL, m->output + 1);
+      s->measured[k] = scene_growth(re, im, m->output + 1, n);
     }
   }
   return 0;
@@ -541,7 +571,8 @@ static int scene_run(scene *s, const scene_options *o)
   if (automatic.doubted) {
     (void)scene_note(s, 0);
     if (o->warn) {
-      fprintf(o->warn, "%s: warning: no run with rigid bodies tells what happens at most; what is chosen fits the start\n",
+      fprintf(o->warn,
+              "%s: warning: no run with rigid bodies tells what happens at most; what is chosen fits the start\n",
               s->path);
     }
   }

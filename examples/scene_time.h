@@ -10,9 +10,9 @@
 
 static struct scene_clock { /* one at a time */
   long rows;
-  double interval, slack;       /* [s]; instants that are nearer than slack are one */
-  double longest, part;         /* steps: [s], and [rad] of the fastest that acts, HUGE_VAL: any */
-  int n;                        /* instants, ascending */
+  double interval, slack; /* [s]; instants that are nearer than slack are one */
+  double longest, part;   /* steps: [s], and [rad] of the fastest that acts, HUGE_VAL: any */
+  int n;                  /* instants, ascending */
   double instant[SCENE_INSTANTS];
 } timing;
 
@@ -25,10 +25,10 @@ typedef struct scene_piece {
 static const function *scene_function(const scene *s, int k)
 {
   const int motion = k - s->n_load, drive = motion - s->n_motion;
-  return k < s->n_load            ? &s->load[k].f
+  return k < s->n_load          ? &s->load[k].f
          : motion < s->n_motion ? &s->motion[motion].f
          : drive < s->n_drive   ? &s->drive[drive].f
-                                  : NULL;
+                                : NULL;
 }
 
 static int scene_earlier(const void *a, const void *b)
@@ -99,7 +99,8 @@ static scene_piece scene_piece_from(const scene *s, long row, double begin)
   double length;
   p.begin = begin;
   p.end = scene_instant_after(begin, last);
-  length = begin == start && p.end == last ? timing.interval : p.end - begin; /* the same in every row, to the last bit */
+  length =
+      begin == start && p.end == last ? timing.interval : p.end - begin; /* the same in every row, to the last bit */
   p.dt = fmin(timing.longest, timing.part / scene_pace(s, 0.5 * (begin + p.end)));
   p.steps = fmax(1, ceil(length / p.dt * (1 - 1e-9)));
   p.dt = length / p.steps;
