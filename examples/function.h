@@ -147,6 +147,31 @@ static inline double function_frequency(const function *f, const function_tables
   }
 }
 
+/* Where it jumps or bends, and where it, or its rate, is at its most: how many, and into t. */
+static int function_instants(const function *f, const function_tables *tables, double *t)
+{
+  static const int many[] = {[FUNCTION_STEP] = 1,    [FUNCTION_RAMP] = 2,   [FUNCTION_PULSE] = 2,
+                             [FUNCTION_VERSINE] = 3, [FUNCTION_SMOOTH] = 3, [FUNCTION_FILE] = 0};
+  const double shape[] = {f->t0, f->t1, 0.5 * (f->t0 + f->t1)};
+  if (f->kind != FUNCTION_TABLE) {
+    memcpy(t, shape, (size_t)many[f->kind] * sizeof *t);
+    return many[f->kind];
+  }
+  for (int k = 0; k < f->n; k++) {
+    t[k] = tables->row[f->first + k].t;
+  }
+  return f->n;
+}
+
+/* [rad/s] of the piece that holds `side`; 0: straight. */
+static double function_pace(const function *f, double side)
+{
+  const int curved = f->kind == FUNCTION_SMOOTH || f->kind == FUNCTION_VERSINE;
+  return f->kind == FUNCTION_SINE                  ? f->omega
+         : curved && side >= f->t0 && side < f->t1 ? 2 * function_pi / (f->t1 - f->t0)
+                                                   : 0;
+}
+
 static void function_add_row(text_file *t, function *f, function_tables *tables, double time, double value)
 {
   function_row *const row = &tables->row[tables->n];

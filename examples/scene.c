@@ -145,6 +145,7 @@ int main(int argc, char **argv)
     return 2;
   }
   c.options.talk = quiet ? NULL : stdout;
+  c.options.warn = stderr;
   c.options.progress = quiet ? NULL : stderr;
   if (c.options.frames && mkdir(c.options.frames, 0777) != 0 && errno != EEXIST) {
     return fail("cannot make the folder", c.options.frames);

@@ -6,6 +6,13 @@
 
 static const double scene_accuracy =
     1e-3; /* of the slowest mode at the end, where a step is chosen; exact beams: ten times */
+/* [rad] of the fastest that acts, by scheme: of order 4 and 2 its integral errs by less than that */
+static const double scene_part[] = {0.3, 0.1, 0.1, 0.3};
+
+static long scene_rows(const scene *s)
+{
+  return s->duration > 0 ? (long)ceil(s->duration / s->interval * (1 - 1e-9)) : 0;
+}
 
 /* ---- bodies of the chosen effects and modes */
 
@@ -40,6 +47,7 @@ static struct scene_auto {
   fb_advice advice[FB_MAX_BODIES];
   fb_advise_work work;
   double spin, acceleration; /* largest of all bodies [rad/s], [m/s^2] */
+  int doubted;               /* no such run is to be believed: all this is of the start */
 } automatic;
 
 /* x takes the value that is farther from zero. */
@@ -128,7 +136,7 @@ static void scene_note_loads(const scene *s, double t)
 {
   for (int k = 0; k < s->n_load; k++) {
     fb_envelope *const e = &automatic.envelope[s->load[k].body];
-    const fb_load load = scene_load_at(s, &s->load[k], t, t);
+    const fb_load load = scene_load_at(s, &s->load[k], t, t + timing.slack);
     e->load[k].node = load.node;
     e->load[k].axes = load.axes == FB_AXES_INERTIAL ? FB_AXES_BODY : load.axes;
     for (int i = 0; i < 3; i++) { /* a dead load may come from anywhere: it is taken as it stands at the start */
@@ -141,17 +149,12 @@ static void scene_note_loads(const scene *s, double t)
 /* [rad/s] of what drives the scene; HUGE_VAL: a jump. */
 static double scene_frequency(const scene *s)
 {
+  const function *f;
   double frequency = 0;
   int starts = s->n_load > 0 || fabs(s->gravity[0]) + fabs(s->gravity[1]) + fabs(s->gravity[2]) > 0;
-  for (int k = 0; k < s->n_load; k++) {
-    frequency = fmax(frequency, function_frequency(&s->load[k].f, &s->tables));
-    starts &= s->load[k].f.kind == FUNCTION_CONSTANT;
-  }
-  for (int k = 0; k < s->n_motion; k++) {
-    frequency = fmax(frequency, function_frequency(&s->motion[k].f, &s->tables));
-  }
-  for (int k = 0; k < s->n_drive; k++) {
-    frequency = fmax(frequency, function_frequency(&s->drive[k].f, &s->tables));
+  for (int k = 0; (f = scene_function(s, k)) != NULL; k++) {
+    frequency = fmax(frequency, function_frequency(f, &s->tables));
+    starts &= k >= s->n_load || f->kind == FUNCTION_CONSTANT;
   }
   if (starts && !s->trim) {
     return HUGE_VAL; /* it falls onto an undeformed body */
@@ -159,39 +162,101 @@ static double scene_frequency(const scene *s)
   return s->n_event > 0 ? HUGE_VAL : fmax(frequency, starts || scene_is_system(s) ? automatic.spin : 0);
 }
 
-/* Runs rigid bodies from row to row. */
-static fb_status scene_run_rigid(const scene *s)
+#define SCENE_RIGID_ROWS 2000 /* at most, and.. */
+#define SCENE_RIGID_STEPS 1e5 /* ..about so many steps, of the run of rigid bodies */
+
+/* Forgets what was noted. */
+static void scene_note_nothing(const scene *s)
 {
-  const int rows = (int)fmin(2000, ceil(s->duration / s->interval)), steps = 4;
-  const double dt = rows > 0 ? s->duration / rows / steps : 0;
-  int event = 0;
-  fb_status status = scene_build_rigid(s);
   memset(automatic.envelope, 0, sizeof automatic.envelope);
   for (int k = 0; k < s->n_body; k++) {
     automatic.envelope[k].n_load = s->n_load; /* those of other bodies stay zero */
   }
   automatic.spin = automatic.acceleration = 0;
-  engine.scheme = engine.by.scheme = FB_SCHEME_RK4;
-  engine.long_step = 1;
-  status = status ? status : scene_start(s);
-  for (int k = 0; k <= rows * steps && status == FB_OK; k++) {
-    if (k % steps == 0) {
-      status = scene_look(s, k * dt);
-      scene_note_loads(s, k * dt);
-      for (int b = 0; b < s->n_body && status == FB_OK; b++) {
-        scene_note_body(s, b);
-      }
-      for (int j = 0; j < s->n_joint && status == FB_OK; j++) {
-        scene_note_joint(s, &s->joint[j]);
-      }
-    }
-    status = status ? status : system_events(s, &event, k * dt);
-    if (k < rows * steps) {
-      status = status ? status : scene_step(s, k * dt, dt);
+}
+
+static fb_status scene_note(const scene *s, double t)
+{
+  const fb_status status = scene_look(s, t);
+  for (int b = 0; b < s->n_body && status == FB_OK; b++) {
+    scene_note_body(s, b);
+  }
+  for (int j = 0; j < s->n_joint && status == FB_OK; j++) {
+    scene_note_joint(s, &s->joint[j]);
+  }
+  scene_note_loads(s, t);
+  return status;
+}
+
+/* Steps of a piece, each noted. */
+static fb_status scene_take_rigid(const scene *s, const scene_piece *p, int *event)
+{
+  fb_status status = FB_OK;
+  for (long k = 0; (double)k < p->steps && status == FB_OK; k++) {
+    const double t = p->begin + (double)k * p->dt;
+    status = scene_note(s, t);
+    status = status ? status : system_events(s, event, t);
+    status = status ? status : scene_step(s, t, p->dt);
+  }
+  return status;
+}
+
+/* In steps of dt [s] at most, by SDIRK where joints are too stiff for rk4. What it notes needs another run to be
+   believed where a step is long for springs, dampers or the spin: *rough. */
+static fb_status scene_run_rigid_once(const scene *s, double dt, int *rough)
+{
+  int event = 0;
+  fb_status status;
+  scene_note_nothing(s);
+  engine.scheme = FB_SCHEME_RK4;
+  engine.by_step = 0;
+  timing.longest = dt;
+  status = scene_start(s);
+  if (status == FB_OK && scene_is_system(s) && !(dt < (double)fb_system_rk4_limit(&engine.system, engine.body, 0, 0))) {
+    engine.scheme = FB_SCHEME_SDIRK;
+  }
+  for (long row = 0; row < timing.rows && status == FB_OK; row++) {
+    double t = (double)row * timing.interval;
+    while (t < (double)(row + 1) * timing.interval && status == FB_OK) {
+      const scene_piece p = scene_piece_from(s, row, t);
+      status = scene_take_rigid(s, &p, &event);
+      t = p.end;
     }
   }
-  engine.long_step = 0;
+  status = status ? status : scene_note(s, s->duration);
+  *rough = engine.scheme == FB_SCHEME_SDIRK || automatic.spin * dt > 1;
   return status;
+}
+
+/* Roughly: what diverges differs by powers of ten, what is too fast for the step, and damped, does not. */
+static int scene_agree(double a, double b)
+{
+  return fmax(a, b) <= 4 * fmin(a, b);
+}
+
+/* Runs rigid bodies, again with shorter steps where two runs are to agree; else what is noted is the start. */
+static void scene_run_rigid(const scene *s)
+{
+  double spin = -1, acceleration = -1, dt;
+  int rough = 0, believed = 0;
+  fb_status status = scene_build_rigid(s);
+  scene_clock_init(s, (long)fmin(SCENE_RIGID_ROWS, (double)scene_rows(s)));
+  timing.part = fmax(0.5, scene_fastest(s) * s->duration / SCENE_RIGID_STEPS);
+  engine.long_step = 1;
+  dt = timing.interval / 4;
+  for (int k = 0; k < 3 && status == FB_OK && !believed; k++, dt /= 2) {
+    believed = scene_run_rigid_once(s, dt, &rough) == FB_OK &&
+               (!rough || (scene_agree(automatic.spin, spin) && scene_agree(automatic.acceleration, acceleration)));
+    spin = automatic.spin;
+    acceleration = automatic.acceleration;
+  }
+  automatic.doubted = !believed;
+  if (!believed) {
+    scene_note_nothing(s);
+    status = status ? status : scene_start(s);
+    status = status ? status : scene_note(s, 0);
+  }
+  engine.long_step = 0;
 }
 
 /* ---- advice on the bodies that ask for it */
@@ -214,6 +279,19 @@ static void scene_tell_advice(const scene *s, int k, FILE *talk)
     fprintf(talk, "%s %s: %.2g %%", i > 1 ? "," : "", name[i], 100 * (double)a->without[i]);
   }
   fputs("\n", talk);
+}
+
+/* The chosen effects and modes are the best there are, and not good enough. */
+static void scene_tell_missed(const scene *s, int k, FILE *warn)
+{
+  const fb_advice *const a = &automatic.advice[k];
+  if (warn) {
+    fprintf(warn,
+            "%s: auto of body %s: estimated error %.2g %%, allowed %.2g %% (of effects %.2g, modes %.2g, step %.2g,",
+            s->path, s->body[k].name, 100 * (double)a->error, 100 * s->body[k].tolerance,
+            100 * (double)a->error_effects, 100 * (double)a->error_modes, 100 * (double)a->error_step);
+    fprintf(warn, " of what no modal body has %.2g)  MISSED\n", 100 * (double)a->error_model);
+  }
 }
 
 /* Effects and modes of body k. */

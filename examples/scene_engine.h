@@ -2,7 +2,7 @@
    start, step, look. See scene.h. */
 #ifndef SCENE_ENGINE_H
 #define SCENE_ENGINE_H
-#include "scene.h"
+#include "scene_time.h"
 #include "stepper.h"
 
 static struct scene_engine { /* one scene at a time */
@@ -14,6 +14,7 @@ static struct scene_engine { /* one scene at a time */
   fb_state state; /* one body alone */
   fb_input at[3]; /* start, middle, end of the step */
   stepper by;
+  double by_step; /* [s] that it is made for; 0: none yet */
   fb_analyse_work analyse;
   fb_system system; /* bodies on joints */
   fb_system_work system_work;
@@ -81,6 +82,13 @@ static fb_status single_start(const scene *s)
 static fb_status single_step(const scene *s, double t, double dt)
 {
   fb_input *const at = engine.at;
+  if (dt != engine.by_step) {
+    const fb_status status = stepper_init(&engine.by, &engine.body_work, &engine.body[0], engine.scheme, dt);
+    if (status != FB_OK) {
+      return status;
+    }
+    engine.by_step = dt;
+  }
   single_input(s, &at[0], t, t + 0.5 * dt);
   single_input(s, &at[1], t + 0.5 * dt, t + 0.5 * dt);
   single_input(s, &at[2], t + dt, t + 0.5 * dt);
@@ -92,7 +100,7 @@ static fb_status single_look(const scene *s, double t)
   scene_view *const view = &engine.view;
   const fb_body *const body = &engine.body[0];
   fb_status status;
-  single_input(s, &engine.at[0], t, t);
+  single_input(s, &engine.at[0], t, t + timing.slack);
   view->motion.pose[0] = engine.state;
   status = fb_body_motion(body, &view->motion.motion[0], &engine.state, &engine.at[0]);
   status = status ? status : fb_body_energy(body, &view->energy, &engine.state, &engine.at[0]);
@@ -208,13 +216,13 @@ static fb_status system_step(const scene *s, double t, double dt)
                                   &at[1], &at[2], (fb_real)dt);
 }
 
-/* Events up to t. */
+/* Events up to t, a step ends at each. */
 static fb_status system_events(const scene *s, int *next, double t)
 {
   fb_status status = FB_OK;
-  for (; *next < s->n_event && s->event[*next].t <= t && status == FB_OK; (*next)++) {
+  for (; *next < s->n_event && s->event[*next].t <= t + timing.slack && status == FB_OK; (*next)++) {
     const scene_event *const e = &s->event[*next];
-    system_input(s, &engine.system_at[0], t, t);
+    system_input(s, &engine.system_at[0], t, t + timing.slack);
     status = fb_system_axis_set(&engine.system, engine.body, &engine.system_work, &engine.system_state,
                                 s->joint[e->joint].at, e->axis, e->mode, &engine.system_at[0]);
   }
@@ -226,7 +234,7 @@ static fb_status system_look(const scene *s, double t)
   scene_view *const view = &engine.view;
   fb_system_input *const input = &engine.system_at[0];
   fb_status status;
-  system_input(s, input, t, t);
+  system_input(s, input, t, t + timing.slack);
   status = fb_system_motion_eval(&engine.system, engine.body, &engine.system_work, &view->motion, &engine.system_state,
                                  input);
   status = status ? status

@@ -202,20 +202,47 @@ static double exact_turned(const fb_real quat[4], const fb_real x[3], int axis)
   return (double)(R[3 * axis] * x[0] + R[3 * axis + 1] * x[1] + R[3 * axis + 2] * x[2]);
 }
 
+/* [m/s] of the body's origin, inertial axes: the root carries it along. */
+static double exact_origin_velocity(const fb_state *pose, int axis)
+{
+  const fb_mixed_node *const root = &exact.node[0];
+  fb_real d[3], w[3], across[3];
+  for (int i = 0; i < 3; i++) {
+    d[i] = pose->rho[i] - root->position[i];
+    w[i] = (fb_real)exact_turned(root->quat, root->angular_rate, i);
+  }
+  fb_vec3_cross(across, w, d);
+  return exact_turned(root->quat, root->velocity, axis) + (double)across[axis];
+}
+
+/* [N m] of what holds the root, about the body's origin, body axes. */
+static double exact_origin_torque(int axis)
+{
+  const fb_mixed_node *const root = &exact.node[0];
+  fb_real r[3], F[3], across[3];
+  for (int i = 0; i < 3; i++) {
+    r[i] = exact.beam.r[i] * exact.beam.length;
+    F[i] = (fb_real)exact_turned(exact.beam.quat, root->reaction_force, i);
+  }
+  fb_vec3_cross(across, r, F);
+  return exact_turned(exact.beam.quat, root->reaction_moment, axis) + (double)across[axis];
+}
+
 static double exact_value(const scene *s, const scene_view *view, const scene_output *o)
 {
   const int at = scene_quantities[o->quantity].place == SCENE_AT_NODE ? s->body[0].element_node[o->at] : 0;
   const fb_mixed_node *const node = &exact.node[at];
   const fb_state *const pose = &view->motion.pose[0];
+  const int origin = o->at == 0; /* of the body: the beam may begin elsewhere */
   switch (o->quantity) {
   case SCENE_DISPLACEMENT:
     return exact_displacement(pose, at, o->axis);
   case SCENE_ROTATION:
     return (double)node->rotation[o->axis];
   case SCENE_POSITION:
-    return (double)node->position[o->axis];
+    return (double)(origin ? pose->rho : node->position)[o->axis];
   case SCENE_VELOCITY:
-    return exact_turned(node->quat, node->velocity, o->axis);
+    return origin ? exact_origin_velocity(pose, o->axis) : exact_turned(node->quat, node->velocity, o->axis);
   case SCENE_RATE:
     return exact_turned(node->quat, node->angular_rate, o->axis);
   case SCENE_GYRO:
@@ -231,7 +258,7 @@ static double exact_value(const scene *s, const scene_view *view, const scene_ou
   case SCENE_REACTION_FORCE:
     return exact_turned(exact.beam.quat, node->reaction_force, o->axis);
   default:
-    return exact_turned(exact.beam.quat, node->reaction_moment, o->axis);
+    return exact_origin_torque(o->axis);
   }
 }
 
@@ -248,11 +275,17 @@ static int exact_has(scene_quantity quantity)
   return 1;
 }
 
-/* The slowest modes about the present state. */
+/* The slowest modes about the present state, and one more where there is one: a pair +-growth is as slow. */
 static fb_status exact_spectrum(const scene *s, int count)
 {
+  const int more = count < FB_MIXED_MODES ? count + 1 : count;
+  fb_status status;
   exact_input(s, 0, 0);
-  return fb_mixed_spectrum_solve(&exact.beam, &exact.spectrum, &exact.spectrum_work, &exact.state, &exact.input, count);
+  status =
+      fb_mixed_spectrum_solve(&exact.beam, &exact.spectrum, &exact.spectrum_work, &exact.state, &exact.input, more);
+  return status == FB_OK || more == count ? status
+                                          : fb_mixed_spectrum_solve(&exact.beam, &exact.spectrum, &exact.spectrum_work,
+                                                                    &exact.state, &exact.input, count);
 }
 
 /* A step whose error, of order 2, adds up to `accuracy` of the slowest mode at the end: w T (w dt)^2/12. */

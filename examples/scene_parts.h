@@ -230,7 +230,7 @@ typedef struct scene {
   scene_event event[SCENE_EVENTS];
   scene_expectation expectation[SCENE_MEASURES];
   scene_reference reference[SCENE_OUTPUTS];
-  int missed;          /* expectations and references beyond their tolerance, by scene_run */
+  int missed;          /* expectations, references and estimates of auto beyond their tolerance, by scene_run */
   int exact, is_exact; /* elements of `exact` for a beam of modes, 0: none; the body is an exact beam */
   mixed_text mixed;
   function_tables tables;

@@ -12,6 +12,7 @@ typedef struct scene_options { /* all zero: no files, no talk */
   const char *frames;          /* folder for numbered frames, SVG */
   int n_frame;                 /* of them and of the animation, 0: 120 */
   FILE *talk;                  /* what was chosen */
+  FILE *warn;                  /* what may be wrong */
   FILE *progress;              /* a line on long runs */
 } scene_options;
 
@@ -194,7 +195,6 @@ static double scene_allowed(double tolerance, int relative, double size)
 /* Counts what is beyond its tolerance. */
 static void scene_judge(scene *s)
 {
-  s->missed = 0;
   for (int k = 0; k < s->n_expectation; k++) {
     scene_expectation *const e = &s->expectation[k];
     e->difference = fabs(s->measured[e->measure] - e->value);
@@ -293,12 +293,14 @@ static int scene_write_pictures(scene *s, const scene_options *o)
 
 /* ---- a run */
 
+#define SCENE_HALVINGS 30 /* at most, of a chosen step */
+
 typedef struct scene_run_state {
   FILE *csv;
   scene_tally tally[SCENE_MEASURES];
   time_t begin, told;
-  int event;
-  long rows, row, frames; /* frames: wanted; 0: no pictures */
+  int event, halved; /* halved: how often the step was */
+  long row, frames;  /* frames: wanted; 0: no pictures */
 } scene_run_state;
 
 static void scene_header(const scene *s, FILE *csv)
@@ -337,10 +339,9 @@ static fb_status scene_row(scene *s, scene_run_state *run, double t)
   for (int k = 0; k < s->n_reference; k++) {
     scene_compare(s, &s->reference[k], t, value[s->reference[k].output]);
   }
-  if (film.n < run->frames && run->row * (run->frames - 1) >= film.n * run->rows) {
+  if (film.n < run->frames && run->row * (run->frames - 1) >= film.n * timing.rows) {
     scene_film_frame(s, t);
   }
-  run->row++;
   return FB_OK;
 }
 
@@ -360,57 +361,120 @@ static int scene_failed(scene *s, const char *when, fb_status status)
                     status == FB_ERR_STEP ? "; give a shorter step, or none" : "");
 }
 
-/* Steps from row to row. */
+/* Steps of a piece; ends before the one that fails. */
+static fb_status scene_take(scene *s, scene_run_state *run, scene_piece *p)
+{
+  const double begin = p->begin;
+  fb_status status = system_events(s, &run->event, begin);
+  for (long long k = 0; (double)k < p->steps && status == FB_OK; k++) {
+    p->begin = begin + (double)k * p->dt;
+    status = scene_step(s, p->begin, p->dt);
+  }
+  p->begin = status == FB_OK ? p->end : p->begin;
+  return status;
+}
+
+/* From a row to the next. A chosen step that turns out to be too long is halved; one that is given is not. */
+static fb_status scene_interval(scene *s, scene_run_state *run, char when[96])
+{
+  double t = (double)run->row * timing.interval;
+  const long row = run->row;
+  fb_status status = FB_OK;
+  while (t < (double)(row + 1) * timing.interval && status == FB_OK) {
+    scene_piece p = scene_piece_from(s, row, t);
+    status = scene_take(s, run, &p);
+    snprintf(when, 96, "at %.6g s, step of %.4g s", p.begin, p.dt);
+    t = p.begin;
+    if (status == FB_ERR_STEP && !(s->step > 0) && run->halved < SCENE_HALVINGS) {
+      timing.longest = 0.5 * p.dt;
+      run->halved++;
+      status = FB_OK;
+    }
+  }
+  return status;
+}
+
+/* From row to row. */
 static int scene_loop(scene *s, const scene_options *o, scene_run_state *run)
 {
-  const long rows = run->rows;
-  const double interval = s->duration / (double)rows;
-  const double wanted = ceil(interval / s->dt * (1 - 1e-9));
-  const long steps = (long)fmin(fmax(wanted, 1), 1e9);
   char when[96] = "at the start";
   fb_status status = FB_OK;
-  if (wanted > 1e9) {
-    return scene_fail(s, "steps of %.4g s are more than 1e9 in an interval", s->dt);
-  }
-  s->dt = interval / (double)steps;
-  if (!s->is_exact && !scene_is_system(s)) {
-    status = stepper_init(&engine.by, &engine.body_work, &engine.body[0], engine.scheme, s->dt);
-  }
-  for (long k = 0; k < rows * steps && status == FB_OK; k++) {
-    const double t = (double)k * s->dt;
-    snprintf(when, sizeof when, "at %.6g s, step of %.4g s", t, s->dt);
-    status = system_events(s, &run->event, t + 1e-6 * s->dt);
-    status = status ? status : scene_step(s, t, s->dt);
-    if (status == FB_OK && (k + 1) % steps == 0) {
-      status = scene_row(s, run, (double)((k + 1) / steps) * interval);
-      scene_progress(s, o, run, t);
+  engine.by_step = 0;
+  while (run->row < timing.rows && status == FB_OK) {
+    status = scene_interval(s, run, when);
+    if (status == FB_OK) {
+      run->row++;
+      status = scene_row(s, run, (double)run->row * timing.interval);
+      scene_progress(s, o, run, (double)run->row * timing.interval);
     }
   }
   if (run->told && o->progress) {
     fputs("\r                                        \r", o->progress);
   }
+  if (run->halved > 0 && o->talk) {
+    fprintf(o->talk, "some steps had to be shorter: %.3g s at most\n", timing.longest);
+  }
   return status == FB_OK ? 0 : scene_failed(s, when, status);
+}
+
+/* Is the run short enough, and is what acts resolved by a step that is given? */
+static int scene_check_steps(scene *s, const scene_options *o)
+{
+  const double turn = s->step * scene_fastest(s);
+  double count;
+  timing.longest = s->dt;
+  timing.part = s->step > 0 ? HUGE_VAL : scene_part[s->is_exact ? FB_SCHEME_MIDPOINT : engine.scheme];
+  count = s->dt > 0 ? scene_count_steps(s) : HUGE_VAL;
+  if (!(count <= SCENE_STEPS)) {
+    return scene_fail(s, "steps of %.3g s are %.3g or more in %g s; %g at most", s->dt, s->duration / s->dt,
+                      s->duration, SCENE_STEPS);
+  }
+  if (turn > 1 && o->warn) {
+    fprintf(o->warn,
+            "%s: warning: the fastest that acts goes through %.2g rad in a step of %.3g s; it wants less than 1\n",
+            s->path, turn, s->step);
+  }
+  return 0;
+}
+
+/* An exact beam takes forces at its nodes, of which the origin of its body is one where it begins there. */
+static int scene_check_exact(scene *s)
+{
+  const fb_real *const at = s->mixed.desc.position;
+  const int elsewhere = FB_FABS(at[0]) + FB_FABS(at[1]) + FB_FABS(at[2]) > 0;
+  for (int k = 0; k < s->n_load && elsewhere; k++) {
+    if (s->load[k].node == 0 && !s->load[k].torque) {
+      return scene_fail(s,
+                        "body %s of line %d: a force on its origin, and the exact beam begins elsewhere: give a node",
+                        s->body[0].name, s->body[0].line);
+    }
+  }
+  return 0;
 }
 
 /* Bodies of the effects and modes that are given or advised; what happens at most, where that is asked for. */
 static int scene_build(scene *s, const scene_options *o)
 {
   int asked = s->duration > 0 && !(s->step > 0);
-  fb_status status = FB_OK;
+  fb_status status;
+  automatic.doubted = 0;
   if (s->is_exact) {
-    return 0;
+    return scene_check_exact(s);
   }
   for (int k = 0; k < s->n_body; k++) {
     asked |= s->body[k].tolerance > 0;
   }
-  status = asked ? scene_run_rigid(s) : FB_OK;
-  if (status != FB_OK) {
-    return scene_failed(s, "run with rigid bodies", status);
+  if (asked) {
+    scene_run_rigid(s);
   }
   for (int k = 0; k < s->n_body; k++) {
     const int advised = s->body[k].tolerance > 0;
     if (advised && scene_advise(s, k, o->talk)) {
       return 1;
+    }
+    if (advised && !((double)automatic.advice[k].error <= s->body[k].tolerance)) {
+      s->missed++;
+      scene_tell_missed(s, k, o->warn);
     }
     status = scene_init_body(s, k, advised ? &automatic.advice[k] : NULL);
     if (status != FB_OK) {
@@ -418,6 +482,17 @@ static int scene_build(scene *s, const scene_options *o)
     }
   }
   return 0;
+}
+
+/* The fastest growth [1/s] among the n slowest of `all` modes, and those that are as slow as the last: of a pair +-growth
+   neither comes before the other. */
+static double scene_growth(const fb_real *re, const fb_real *im, int n, int all)
+{
+  const double last = hypot((double)re[n - 1], (double)im[n - 1]);
+  while (n < all && hypot((double)re[n], (double)im[n]) <= 1.001 * last) {
+    n++;
+  }
+  return -(double)fb_spectrum_margin(re, NULL, n);
 }
 
 /* Frequencies and growth about the start, where they are to be measured. */
@@ -445,7 +520,7 @@ static int scene_measure_spectrum(scene *s)
     if (m->kind == SCENE_FREQUENCY) {
       s->measured[k] = (double)im[m->output];
     } else if (m->kind == SCENE_GROWTH) {
-      s->measured[k] = -(double)fb_spectrum_margin(re, NULL, m->output + 1);
+      s->measured[k] = scene_growth(re, im, m->output + 1, n);
     }
   }
   return 0;
@@ -483,7 +558,6 @@ static int scene_run(scene *s, const scene_options *o)
   memset(&run, 0, sizeof run);
   memset(&engine, 0, sizeof engine);
   film.n = 0;
-  run.rows = s->duration > 0 ? (long)ceil(s->duration / s->interval * (1 - 1e-9)) : 0;
   run.frames = o->picture || o->animation || o->frames ? (o->n_frame > 0 ? o->n_frame : 120) : 0;
   run.begin = time(NULL);
   scene_reset(s);
@@ -494,11 +568,23 @@ static int scene_run(scene *s, const scene_options *o)
   if (status != FB_OK) {
     return scene_failed(s, s->trim ? "no steady state" : "start", status);
   }
+  if (automatic.doubted) {
+    (void)scene_note(s, 0);
+    if (o->warn) {
+      fprintf(o->warn,
+              "%s: warning: no run with rigid bodies tells what happens at most; what is chosen fits the start\n",
+              s->path);
+    }
+  }
   if (scene_measure_spectrum(s)) {
     return 1;
   }
+  scene_clock_init(s, scene_rows(s));
   if (s->duration > 0) {
     scene_choose(s, o->talk);
+    if (scene_check_steps(s, o)) {
+      return 1;
+    }
   }
   if (o->csv) {
     run.csv = fopen(o->csv, "w");

@@ -27,6 +27,17 @@ try "$out/scene" examples/scenes/spinup_rate.txt --quiet --set exact=10 --set sp
 grep -q MISSED "$out/log" || fail "nothing is said of a reference that is missed"
 
 try ${CC:-cc} $c99 -O0 -g -fsanitize=address,undefined -fno-sanitize-recover -o "$out/careful" examples/scene.c -lm
+# meets < FILE: it runs, and its answers are those that it expects
+met=0
+meets() {
+  cat > "$out/good.txt"
+  "$out/careful" "$out/good.txt" --quiet > "$out/log" 2>&1 || {
+    cat "$out/good.txt" "$out/log"
+    fail "a closed form is missed"
+  }
+  met=$((met + 1))
+}
+. tests/checks/scene_meets.sh
 refused=0
 # refuse LINE REASON < FILE: line 0: the file as a whole
 refuse() {
@@ -51,6 +62,16 @@ fails() {
   }
   refused=$((refused + 1))
 }
+# warned REASON STATUS < FILE: it runs, with this said
+warned() {
+  cat > "$out/bad.txt"
+  status=0
+  "$out/careful" "$out/bad.txt" --quiet > "$out/log" 2>&1 || status=$?
+  [ $status = "$2" ] && grep -q "bad.txt: .*$1" "$out/log" || {
+    cat "$out/log"
+    fail "status $status, expected: $1"
+  }
+}
 top='body top rigid
   hub 1  0 0 0  1 2 3
   node 0 0 1 tip
@@ -65,4 +86,4 @@ beam='body beam beam
   node tip tip
 end'
 . tests/checks/scene_refused.sh
-ok "$scenes scenes meet their references; the same bits again; $refused malformed files refused"
+ok "$scenes scenes meet their references, $met small ones closed forms; the same bits again; $refused malformed files refused"

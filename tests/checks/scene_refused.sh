@@ -266,3 +266,35 @@ interval 0.5
 step 0.5
 load beam.tip dead force 0 1 0
 END
+fails "steps of 1e-19 s are 1e+19 or more in 1 s" << END
+$top
+duration 1
+interval 0.1
+step 1e-19
+END
+fails "body b of line 2: a force on its origin, and the exact beam begins elsewhere" << END
+exact 2
+body b beam
+  length 1
+  stations x mass EI_z
+    0 1 1
+  end
+  position 1 0 0
+  base prescribed
+  modes bend_y 1
+end
+load b dead force 0 1 0
+duration 1
+END
+# what is warned of, and counts as missed or not
+warned "goes through 6.3 rad in a step" 0 << END
+$top
+load top dead force 1 0 0 sine 1 10
+duration 1
+step 0.1
+END
+warned "auto of body beam: estimated error .* MISSED" 1 << END
+$(echo "$beam" | sed 's/^end/  auto 1e-9\nend/')
+motion rate 0 0 1 smooth 0.5 0 1
+duration 1
+END

@@ -1,0 +1,124 @@
+/* scene_time.h - how the time of a run is cut into steps: they end at rows, at events and where a function of time jumps or
+   bends, so that each sees one piece of it. See scene.h. */
+#ifndef SCENE_TIME_H
+#define SCENE_TIME_H
+#include "scene.h"
+
+#define SCENE_FUNCTIONS (SCENE_LOADS + SCENE_MOTIONS + SCENE_DRIVES)
+#define SCENE_INSTANTS (FUNCTION_ROWS + 3 * SCENE_FUNCTIONS + SCENE_EVENTS)
+#define SCENE_STEPS 1e10 /* at most, of a run: hours of the quickest */
+
+static struct scene_clock { /* one at a time */
+  long rows;
+  double interval, slack; /* [s]; instants that are nearer than slack are one */
+  double longest, part;   /* steps: [s], and [rad] of the fastest that acts, HUGE_VAL: any */
+  int n;                  /* instants, ascending */
+  double instant[SCENE_INSTANTS];
+} timing;
+
+/* A part of an interval in which nothing jumps or bends. */
+typedef struct scene_piece {
+  double begin, end, dt, steps; /* a whole number: it may be too large for an integer */
+} scene_piece;
+
+/* Function k of all that act; NULL: there are no more. */
+static const function *scene_function(const scene *s, int k)
+{
+  const int motion = k - s->n_load, drive = motion - s->n_motion;
+  return k < s->n_load          ? &s->load[k].f
+         : motion < s->n_motion ? &s->motion[motion].f
+         : drive < s->n_drive   ? &s->drive[drive].f
+                                : NULL;
+}
+
+static int scene_earlier(const void *a, const void *b)
+{
+  const double x = *(const double *)a, y = *(const double *)b;
+  return (x > y) - (x < y);
+}
+
+/* For rows at equal intervals. */
+static void scene_clock_init(const scene *s, long rows)
+{
+  const function *f;
+  timing.rows = rows;
+  timing.interval = rows > 0 ? s->duration / (double)rows : 0;
+  timing.slack = 1e-9 * timing.interval;
+  timing.n = 0;
+  for (int k = 0; (f = scene_function(s, k)) != NULL; k++) {
+    timing.n += function_instants(f, &s->tables, timing.instant + timing.n);
+  }
+  for (int k = 0; k < s->n_event; k++) {
+    timing.instant[timing.n++] = s->event[k].t;
+  }
+  qsort(timing.instant, (size_t)timing.n, sizeof *timing.instant, scene_earlier);
+}
+
+/* [rad/s] of the fastest that acts at t. */
+static double scene_pace(const scene *s, double t)
+{
+  const function *f;
+  double pace = 0;
+  for (int k = 0; (f = scene_function(s, k)) != NULL; k++) {
+    pace = fmax(pace, function_pace(f, t));
+  }
+  return pace;
+}
+
+/* [rad/s] of the fastest that acts at any time. */
+static double scene_fastest(const scene *s)
+{
+  const function *f;
+  double pace = 0;
+  for (int k = 0; (f = scene_function(s, k)) != NULL; k++) {
+    pace = fmax(pace, function_pace(f, f->t0));
+  }
+  return pace;
+}
+
+/* The first instant after t, or `end`. */
+static double scene_instant_after(double t, double end)
+{
+  int low = 0, high = timing.n;
+  while (low < high) {
+    const int middle = (low + high) / 2;
+    if (timing.instant[middle] <= t + timing.slack) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
+  }
+  return low < timing.n && timing.instant[low] < end - timing.slack ? timing.instant[low] : end;
+}
+
+/* What comes next of the interval after row `row`. */
+static scene_piece scene_piece_from(const scene *s, long row, double begin)
+{
+  const double start = (double)row * timing.interval, last = (double)(row + 1) * timing.interval;
+  scene_piece p;
+  double length;
+  p.begin = begin;
+  p.end = scene_instant_after(begin, last);
+  length =
+      begin == start && p.end == last ? timing.interval : p.end - begin; /* the same in every row, to the last bit */
+  p.dt = fmin(timing.longest, timing.part / scene_pace(s, 0.5 * (begin + p.end)));
+  p.steps = fmax(1, ceil(length / p.dt * (1 - 1e-9)));
+  p.dt = length / p.steps;
+  return p;
+}
+
+/* Of the whole run; not finite, or beyond SCENE_STEPS: too many to count. */
+static double scene_count_steps(const scene *s)
+{
+  double count = 0;
+  for (long row = 0; row < timing.rows && count <= SCENE_STEPS; row++) {
+    double t = (double)row * timing.interval;
+    while (t < (double)(row + 1) * timing.interval) {
+      const scene_piece p = scene_piece_from(s, row, t);
+      count += p.steps;
+      t = p.end;
+    }
+  }
+  return count;
+}
+#endif

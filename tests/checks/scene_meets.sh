@@ -1,0 +1,144 @@
+# meets < FILE: small scenes whose answers are closed forms, beyond what examples/scenes/ shows. scene.sh includes it.
+
+# a pulse and a sine between rows: impulse, and A/(m w) (t - sin(w t)/w)
+meets << END
+duration 2
+interval 0.1
+body b rigid
+  hub 2  0 0 0  1 1 1
+end
+load b dead force 10 0 0 pulse 1 0.51 0.54
+load b dead force 0 10 0 sine 1 10
+output vx velocity b x
+output y position b y
+measure vx final vx
+measure y final y
+expect vx 0.15 tolerance 1e-12
+expect y 0.1591549431 tolerance 1e-4 relative
+END
+# a step that is given, each scheme, and an exponential one, whose step is fixed: ends where the pulse, ramp and table bend
+for scheme in rk4 midpoint sdirk exponential; do
+  meets << END
+duration 1
+interval 0.5
+step 0.25
+scheme $scheme
+body b rigid
+  hub 1  0 0 0  1 1 1
+end
+load b dead force 1 0 0 pulse 10 0.11 0.12
+load b dead force 0 1 0 ramp 1 0.3 0.31
+load b dead force 0 0 1 table 0 0 0.613 0 0.617 5 0.621 0
+output v velocity b
+measure x final v_x
+measure y final v_y
+measure z final v_z
+expect x 0.1 tolerance 1e-12
+expect y 0.695 tolerance 1e-12
+expect z 0.02 tolerance 1e-12
+END
+done
+# events within a step
+meets << END
+duration 1
+interval 0.1
+step 0.05
+body a rigid
+  hub 1  0 0 0  1 1 1
+end
+joint j revolute ground a
+  start 1 0 1
+end
+event 0.555 lock j 1
+output q coordinate j 1
+measure q final q
+expect q 0.555 tolerance 1e-12
+END
+
+# joints that are stiff for the run of rigid bodies: the spring's deflection, or the damper's lag T/c (t - I/c)
+# joint STIFFNESS DAMPING DURATION ANGLE METHOD
+joint() {
+  meets << END
+duration $3
+interval 0.1
+method $5
+body a rigid
+  hub 5  0.5 0 0  0.01 0.5 0.5
+end
+joint j revolute ground a
+  stiffness $1
+  damping $2
+  motor 1 step 10 0.1
+end
+output q coordinate j 1
+measure q final q
+expect q $4 tolerance 1e-4 relative
+END
+}
+joint 1e5 200 1 1e-4 recursive
+joint 1e5 250 1 1e-4 dense
+joint 1e5 1000 1 1e-4 recursive
+joint 1e6 2000 1 1e-5 recursive
+joint 0 300 1 0.0298055556 recursive
+joint 1e5 200 100 1e-4 recursive
+[ ! -s "$out/log" ] || fail "a stiff joint is warned of: $(cat "$out/log")"
+joint 1e5 200 1 1e-4 multipliers
+grep -q "fits the start" "$out/log" || fail "nothing is said of a run of rigid bodies that diverges"
+
+# a saddle: a physical pendulum upright, sqrt(m g l/I); a column beyond its Euler load of (pi/2)^2 EI/L^2, roots of
+# w'''' + P w'' + growth^2 w = 0, clamped and free
+meets << END
+duration 0.01
+interval 0.01
+gravity 0 -9.81 0
+body a rigid
+  hub 5  0.5 0 0  0.01 0.5 0.5
+end
+joint j revolute ground a
+  start 1 1.5707963267948966
+end
+output q coordinate j 1
+measure one growth 1
+measure two growth 2
+expect one 3.743565908 tolerance 1e-6 relative
+expect two 3.743565908 tolerance 1e-6 relative
+END
+meets << END
+trim
+body column exact
+  length 1
+  elements 20
+  station 0
+    stiffness 0 0 0 0 0 1
+    mass 1
+  node tip tip
+end
+load column.tip dead force -2.5 0 0
+measure one growth 1
+expect one 0.4213976070 tolerance 2e-3 relative
+END
+
+# the origin of a body whose beam begins elsewhere: at rest under a force, the same torque by modes and exactly
+for exact in 0 20; do
+  meets << END
+trim
+exact $exact
+body b beam
+  length 2
+  stations x mass EA EI_y EI_z GJ i_z
+    0 1 1e7 2e4 2e4 1e4 1e-3
+  end
+  position 0.5 0.2 0
+  base prescribed
+  modes bend_y 3
+  node tip tip
+end
+load b.tip base force 0 10 0
+output torque reaction_torque b z
+output x position b x
+measure torque final torque
+measure x final x
+expect torque -25 tolerance 1e-6 relative
+expect x 0 tolerance 1e-9
+END
+done
