@@ -211,14 +211,14 @@ end
 event 2 lock j 1
 event 1 free j 1
 END
-refuse 0 "motion is that of a single body's base" << END
+refuse 7 "motion is that of a single body's base" << END
 $top
 joint j revolute ground top
 end
 motion rate 0 0 1
 duration 1
 END
-refuse 0 "bodies on joints take the schemes rk4 and sdirk" << END
+refuse 7 "scheme of bodies on joints is rk4 or sdirk" << END
 $top
 joint j revolute ground top
 end
@@ -265,4 +265,184 @@ duration 10
 interval 0.5
 step 0.5
 load beam.tip dead force 0 1 0
+END
+# what is written is used, and contradicts nothing else
+refuse 3 "the body has 0 modes" << END
+body b rigid
+  hub 1  0 0 0  1 1 1
+  start_mode 9 0.1
+end
+duration 1
+END
+for word in velocity spin; do
+  refuse 9 "start_$word of a prescribed base: it moves as \`motion\` says" << END
+${beam%end}
+  start_$word 0 0 1
+end
+duration 1
+END
+done
+for word in position velocity attitude spin; do
+  refuse 4 "start_$word of a body on a joint" << END
+${top%end}
+  start_$word 0 0 1 $([ $word != attitude ] || echo 0)
+end
+joint j revolute ground top
+end
+duration 1
+END
+done
+refuse 5 "start_spin is there twice" << END
+${top%end}
+  start_spin 1 0 0
+  start_spin 0 1 0
+end
+END
+refuse 4 "start_spin on a joint that is not free" << END
+${top%end}
+  start_spin 1 0 0
+end
+joint j free ground top
+  rate 6 constant 1
+end
+duration 1
+END
+refuse 4 "the body has a gravity of its own under that of the scene" << END
+gravity 0 0 -9.81
+body b rigid
+  hub 1  0 0 0  1 1 1
+  gravity 0 0 -1
+  effects rigid gravity
+end
+END
+refuse 2 "the effect gravity wants a line gravity x y z" << END
+body b rigid
+  effects rigid gravity
+  hub 1  0 0 0  1 1 1
+end
+END
+refuse 5 "motion wants a body with \`base prescribed\`" << END
+$top
+motion rate 0 0 1
+duration 1
+END
+refuse 5 "method is that of bodies on joints" << END
+$top
+method dense
+duration 1
+END
+# an axis LINE REASON < FILE: line 1 is the first of a joint
+axis() {
+  { echo "$top"; echo 'joint j revolute ground top'; cat; printf 'end\nduration 1\n'; } > "$out/axis.txt"
+  refuse $(($1 + 5)) "$2" < "$out/axis.txt"
+}
+axis 1 "value and rate of the same axis: one of them" << END
+  value 1 ramp 1 0 1
+  rate 1 constant 1
+END
+axis 2 "a value on an axis with a start: one of them, or rate" << END
+  start 1 0.3
+  value 1 ramp 1 0 1
+END
+axis 1 "a value must not jump: take ramp or smooth" << END
+  value 1 step 1 0.5
+END
+axis 2 "a motor on an axis that is not free" << END
+  mode locked
+  motor 1 constant 1
+END
+axis 1 "a motor on an axis that is not free" << END
+  motor 1 constant 1
+  rate 1 constant 1
+END
+axis 1 "a value or rate on an axis that is not prescribed" << END
+  rate 1 constant 1
+  mode free
+END
+axis 2 "a speed at the start of an axis that is not free" << END
+  mode locked
+  start 1 0.3 5
+END
+axis 2 "start 1 is there twice" << END
+  start 1 0.3
+  start 1 0.4
+END
+axis 2 "damping is there twice" << END
+  damping 1
+  damping 2
+END
+axis 1 "stiffness is negative" << END
+  stiffness -1
+END
+axis 1 "damping is negative" << END
+  damping -1
+END
+axis 1 "pitch is that of a screw" << END
+  pitch 1
+END
+axis 4 "a loop follows the joints of the tree: start those" << END
+  damping 1
+end
+loop k revolute ground top.tip
+  start 1 0.2
+END
+refuse 3 "bend_y is there twice" << END
+body a beam
+  length 1
+  modes bend_y 2 bend_y 2
+end
+END
+refuse 3 "an attitude must not be zero" << END
+body a beam
+  length 1
+  attitude 0 0 0 0
+end
+END
+refuse 1 "ground is what is at rest: no name of a body" << END
+body ground rigid
+end
+END
+refuse 7 "after 99 s: the duration is 1 s" << END
+$top
+output k energy total
+duration 1
+measure m max k after 99
+END
+refuse 7 "two measures have the name m" << END
+$top
+output k energy total
+measure m max k
+measure m min k
+END
+refuse 5 "t is the column of the time: no name of an output" << END
+$top
+output t energy total
+END
+refuse 7 "frequency and growth want joints by method recursive or dense" << END
+$top
+joint j revolute ground top
+end
+measure f frequency 1
+method multipliers
+duration 1
+END
+refuse 3 "no body has this inertia: each principal one is at most the sum of the other two" << END
+body b rigid
+  node 0 0 1 tip
+  hub 1  0 0 0  1 1 3
+end
+END
+refuse 3 "the table wants a column mass" << END
+body b beam
+  length 1
+  stations x EI_z
+    0 1
+  end
+end
+END
+refuse 3 "the mass of a lump is negative" << END
+body b beam
+  length 1
+  lump 3 -1  0 0 0  0 0 0
+end
 END
