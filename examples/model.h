@@ -67,8 +67,7 @@ static void model_inertia(text_file *t, double inertia[6])
   for (int i = 0; i < 6; i++) {
     own[i] = (fb_real)inertia[i];
   }
-  if (!t->failed &&
-      (fb_shape_init(&model_shape, 0) != FB_OK || fb_shape_add_rigid(&model_shape, FB_R(0.0), center, own) != FB_OK)) {
+  if (!t->failed && fb_shape_add_rigid(&model_shape, FB_R(0.0), center, own) != FB_OK) { /* built afresh later */
     text_fail(t, "no body has this inertia: each principal one is at most the sum of the other two");
   }
 }
@@ -669,6 +668,7 @@ static void model_once(text_file *t, const char *word)
 static void model_begin(model_kind kind)
 {
   memset(&model, 0, sizeof model);
+  fb_shape_init(&model_shape, 0);
   strcpy(model.name, "flexible_body");
   model.kind = kind;
   model.level.effects = kind == MODEL_RIGID ? FB_EFFECTS_RIGID : FB_EFFECTS_FULL;
