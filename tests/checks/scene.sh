@@ -45,7 +45,7 @@ collides() {
   cmp -s "$out/long.txt" "$out/kept.txt" && [ ! -e "$out/c.csv" ] && [ ! -e "$out/c.svg" ] || fail "$*: a file was touched"
 }
 collides "--out: that is the scene itself" --out "$out/long.txt"
-collides "--picture: that is the scene itself" --picture "$out/../scene/long.txt"
+collides "--picture: that is the scene itself" --picture "$out/../$name/long.txt"
 collides "curves of --out and --picture are the same file" --out "$out/c.csv" --picture "$out/c.svg"
 collides "--out and curves of --out are the same file" --out "$out/c.svg"
 collides "--picture and --animation are the same file" --picture "$out/c.svg" --animation "$out/./c.svg"
