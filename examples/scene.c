@@ -1,5 +1,6 @@
 /* scene - runs a scene from a text file: bodies, joints, loads; to CSV, pictures and an animation. README.md, "Scenes",
-   lists the words; examples/scenes/ holds scenes. Exit: 0 well, 1 the run failed, 2 bad options or file. */
+   lists the words; examples/scenes/ holds scenes. Exit: 0 well; 1 a reference is missed or the
+   motion left the model; 2 bad options, or a file that makes no sense. */
 #define _POSIX_C_SOURCE 200809L /* popen, for gnuplot */
 #include "scene_run.h"
 #define PROGRAM "scene"
@@ -190,7 +191,7 @@ int main(int argc, char **argv)
   if (!failed && scene_files_check(argv[1], &c.options) != 0) {
     return 2;
   }
-  failed = failed ? failed : scene_run(s, &c.options);
+  failed = failed ? failed : !scene_run(s, &c.options) ? 0 : s->began ? 1 : 2;
   if (failed) {
     fprintf(stderr, "scene: %s\n", s->message);
     return failed;

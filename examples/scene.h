@@ -16,6 +16,19 @@
 
 /* ---- bodies */
 
+/* The complaint that follows is about the line of what could not be built. */
+static void scene_at_part(text_file *t, const char *what)
+{
+  static const char *const parts[][2] = {
+      {"the beam", "stations"}, {"its modes", "modes"}, {"its integrals", "modes"}, {"no mode is left", "modes"},
+      {"damping", "damping"},   {"the hub", "hub"},     {"a node", "node"}};
+  for (int k = 0; k < (int)(sizeof parts / sizeof *parts); k++) {
+    if (strncmp(what, parts[k][0], strlen(parts[k][0])) == 0) {
+      model_at(t, parts[k][1]);
+    }
+  }
+}
+
 /* The shape of the description that was read. */
 static void scene_build_body(text_file *t, scene *s, scene_body *body, const scene_gauge_line *gauges)
 {
@@ -42,6 +55,7 @@ static void scene_build_body(text_file *t, scene *s, scene_body *body, const sce
     status = scene_add_drawn(body);
   }
   if (status != FB_OK) {
+    scene_at_part(t, what);
     text_fail(t, "%s: %s", what, fb_status_string(status));
   }
   body->shape = model_shape;
@@ -142,7 +156,7 @@ static void scene_read_body(text_file *t, scene *s)
   last = t->line;
   t->line = begin; /* what is missing has no line of its own */
   if (kind == 4) {
-    scene_check_exact(t, s, body);
+    scene_check_exact_body(t, s, body);
     scene_place_exact(t, s, body);
   } else {
     scene_pull_body(t, s);
@@ -152,6 +166,7 @@ static void scene_read_body(text_file *t, scene *s)
       scene_build_body(t, s, body, &gauges);
     }
     scene_check_modes(t, s, body);
+    scene_check_auto(t, body);
   }
   s->n_body += !t->failed;
   t->line = last;

@@ -46,7 +46,15 @@ static void scene_check_modes(text_file *t, const scene *s, const scene_body *bo
   }
 }
 
-static void scene_check_exact(text_file *t, const scene *s, const scene_body *body)
+/* What `auto` needs. */
+static void scene_check_auto(text_file *t, const scene_body *body)
+{
+  if (body->n_node < 2) {
+    scene_refuse(t, &body->seen, "auto", "wants a node, whose displacement is to be right");
+  }
+}
+
+static void scene_check_exact_body(text_file *t, const scene *s, const scene_body *body)
 {
   scene_refuse(t, &body->seen, "auto", "is that of bodies with modes");
   scene_refuse(t, &body->seen, "gauge", "is that of beams with modes");
@@ -65,6 +73,10 @@ static void scene_check_single(text_file *t, const scene *s)
   const fb_base base = body->level.base;
   const int modal = body->shape.n > 0 || !s->is_exact;
   scene_refuse(t, &s->seen, "method", "is that of bodies on joints");
+  if (modal && base == FB_BASE_FREE && !(body->shape.mass > FB_R(0.0))) {
+    t->line = body->line;
+    text_fail(t, "body %s is free and has no mass", body->name);
+  }
   if (modal && base != FB_BASE_PRESCRIBED) {
     scene_refuse(t, &s->seen, "motion", "wants a body with `base prescribed`");
   }

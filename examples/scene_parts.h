@@ -234,6 +234,7 @@ typedef struct scene {
   scene_event event[SCENE_EVENTS];
   scene_expectation expectation[SCENE_MEASURES];
   scene_reference reference[SCENE_OUTPUTS];
+  int began;           /* by scene_run: the start was found; what failed before is in the file */
   int missed;          /* expectations and references beyond their tolerance, by scene_run */
   int exact, is_exact; /* elements of `exact` for a beam of modes, 0: none; the body is an exact beam */
   mixed_text mixed;
@@ -243,13 +244,28 @@ typedef struct scene {
   int n_set;
 } scene;
 
-/* A reason in the scene's message; returns 1. */
+/* A reason in the scene's message, about a line of it; line 0: about the whole. Returns 1. */
+static int scene_fail_list(scene *s, int line, const char *format, va_list list)
+{
+  const int n = snprintf(s->message, sizeof s->message, line > 0 ? "%.400s:%d: " : "%.400s: ", s->path, line);
+  vsnprintf(s->message + n, sizeof s->message - (size_t)n, format, list);
+  return 1;
+}
+
+static int scene_fail_at(scene *s, int line, const char *format, ...)
+{
+  va_list list;
+  va_start(list, format);
+  scene_fail_list(s, line, format, list);
+  va_end(list);
+  return 1;
+}
+
 static int scene_fail(scene *s, const char *format, ...)
 {
   va_list list;
-  const int n = snprintf(s->message, sizeof s->message, "%.400s: ", s->path);
   va_start(list, format);
-  vsnprintf(s->message + n, sizeof s->message - (size_t)n, format, list);
+  scene_fail_list(s, 0, format, list);
   va_end(list);
   return 1;
 }

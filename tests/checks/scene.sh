@@ -26,6 +26,13 @@ try "$out/scene" examples/scenes/spinup_rate.txt --quiet --set exact=10 --set sp
 ! "$out/scene" examples/scenes/spinup_rate.txt --quiet --set modes=1 > "$out/log" || fail "one mode is as good as three"
 grep -q MISSED "$out/log" || fail "nothing is said of a reference that is missed"
 
+# a table of a spreadsheet: byte order mark, quotes, semicolons
+printf '\357\273\277"t [s]"; "x"\r\n0;3\r\n"1" ; 3\r\n' > "$out/table.csv"
+printf 'duration 1\nbody b rigid\n  hub 1  0 0 0  1 1 1\nend\nload b dead force 1 0 0 file table.csv t x\n' > "$out/table.txt"
+printf 'output v velocity b x\nmeasure v final v\nexpect v 3 tolerance 1e-9\n' >> "$out/table.txt"
+try "$out/scene" "$out/table.txt"
+grep -q 'v = 3' "$out/log" || fail "a table with quotes and semicolons is not read"
+
 # a frame that an earlier run left; files that are one another or the scene, or that cannot be written: told before the run
 touch "$out/frames/frame_0007.svg"
 try "$out/scene" examples/scenes/double_pendulum.txt --quiet --frames "$out/frames" --frame-count 4

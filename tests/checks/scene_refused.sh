@@ -252,19 +252,52 @@ END
 refuse 1 "units wants a name" << END
 units m
 END
-fails "body top of line 1: auto wants a node" << END
-body top rigid
-  hub 1  0 0 0  1 2 3
-  auto 0.1
-end
-duration 1
+# csv REASON CONTENT: a table that is refused
+csv() {
+  printf "$2" > "$out/table.csv"
+  refuse 5 "$out/table.csv$1" << END
+$top
+load top dead force 1 0 0 file table.csv t x
 END
-fails "at 0 s, step of 0.5 s: the step is longer" << END
-$beam
-duration 10
-interval 0.5
-step 0.5
-load beam.tip dead force 0 1 0
+}
+csv ":2: column 2 is not a number: a" 't,x\n0,a\n'
+csv ":2: column 2 is not a number: missing" 't,x\n0\n'
+csv ":2: column 1 is not a number: 0,5" 't;x\n0,5;1\n'
+csv " has no column x" 't,y\n0,1\n'
+csv " is empty" '# t,x\n'
+csv " has no rows" 't,x\n'
+csv ":1: is no text" '\000\001\002t,x\n0,1\n'
+csv ":2: is no text" 't,x\n0\000,1\n'
+csv ":2: the line is longer than 16382 characters" "t,x\\n$(printf '%020000d' 0),1\\n"
+refuse 7 "its modes: none of that kind: too few modes" << END
+body a beam
+  length 1
+  stations x mass EI_z
+    0 1 1
+  end
+  base prescribed
+  modes axial 2
+end
+END
+refuse 6 "no mode is left" << END
+body a beam
+  length 1
+  stations x mass EI_z
+    0 1 1
+  end
+  modes bend_y 0
+end
+END
+refuse 7 "damping wants one ratio, or as many as there are modes" << END
+body a beam
+  length 1
+  stations x mass EI_z
+    0 1 1
+  end
+  effects full damping
+  damping 0.1 0.2 0.3
+  modes bend_y 2
+end
 END
 # what is written is used, and contradicts nothing else
 refuse 3 "the body has 0 modes" << END
@@ -445,4 +478,37 @@ body b beam
   length 1
   lump 3 -1  0 0 0  0 0 0
 end
+END
+refuse 3 "auto wants a node" << END
+body top rigid
+  hub 1  0 0 0  1 2 3
+  auto 0.1
+end
+duration 1
+END
+refuse 1 "body b is free and has no mass" << END
+body b rigid
+  node 0 0 1 tip
+end
+duration 1
+END
+refuse 7 "start: constraints contradict each other, or a loop cannot be closed (joint k)" << END
+body a rigid
+  hub 1  0 0 0  1 1 1
+  node 1 0 0 tip
+end
+joint j revolute ground a
+end
+loop k revolute ground a.tip
+  position 5 0 0
+end
+duration 1
+step 0.01
+END
+fails "at 0 s, step of 0.5 s: the step is longer" << END
+$beam
+duration 10
+interval 0.5
+step 0.5
+load beam.tip dead force 0 1 0
 END
