@@ -172,6 +172,11 @@ static void draw_curves(const scene *s, const char *csv)
   }
 }
 
+static int has_curves(const scene *s, const scene_options *o)
+{
+  return o->csv && o->talk && s->n_output > 0 && s->duration > 0;
+}
+
 int main(int argc, char **argv)
 {
   static command c;
@@ -188,7 +193,7 @@ int main(int argc, char **argv)
   c.options.talk = quiet ? NULL : stdout;
   c.options.progress = quiet || !isatty(2) ? NULL : stderr;
   failed = scene_read(s, argv[1], c.set, c.n_set) ? 2 : 0;
-  if (!failed && scene_files_check(argv[1], &c.options) != 0) {
+  if (!failed && scene_files_check(argv[1], &c.options, has_curves(s, &c.options)) != 0) {
     return 2;
   }
   failed = failed ? failed : !scene_run(s, &c.options) ? 0 : s->began ? 1 : 2;
@@ -197,7 +202,7 @@ int main(int argc, char **argv)
     return failed;
   }
   tell(s, quiet);
-  if (c.options.csv && s->n_output > 0 && s->duration > 0 && !quiet) {
+  if (has_curves(s, &c.options)) {
     draw_curves(s, c.options.csv);
   }
   return s->missed > 0 ? 1 : 0;

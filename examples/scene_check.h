@@ -24,7 +24,7 @@ static void scene_pull_body(text_file *t, const scene *s)
   }
   if (text_seen(&model.seen, "gravity") || fabs((double)own[0]) + fabs((double)own[1]) + fabs((double)own[2]) > 0) {
     model_at(t, "gravity");
-    text_fail(t, "the body has a gravity of its own under that of the scene");
+    text_fail(t, "gravity of a body under that of the scene");
   }
   text_note(t, &model.seen, "gravity");
   scene_reals(model.level.gravity, s->gravity, 3);
@@ -58,8 +58,12 @@ static void scene_check_exact_body(text_file *t, const scene *s, const scene_bod
 {
   scene_refuse(t, &body->seen, "auto", "is that of bodies with modes");
   scene_refuse(t, &body->seen, "gauge", "is that of beams with modes");
+  scene_refuse(t, &body->seen, "modes", "of an exact beam are not printed here: measure them");
+  if (text_seen(&s->seen, "gravity")) {
+    scene_refuse(t, &body->seen, "gravity", "of a body under that of the scene");
+  }
   scene_check_modes(t, s, body);
-  if (s->mixed.desc.root == FB_END_CLAMPED) {
+  if (s->mixed.desc.root == FB_END_CLAMPED || s->mixed.desc.root == FB_END_DEFAULT) {
     scene_refuse(t, &body->seen, "start_velocity", "of a clamped root: it moves as `motion` says");
     scene_refuse(t, &body->seen, "start_spin", "of a clamped root: it moves as `motion` says");
   }

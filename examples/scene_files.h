@@ -57,12 +57,12 @@ static int scene_empty_folder(const char *folder)
   return 0;
 }
 
-/* 0, or 2 after a message. What was not there is not there afterwards. */
-static int scene_files_check(const char *scene_name, const scene_options *o)
+/* 0, or 2 after a message; curves: some are drawn beside --out. What was not there is not there afterwards. */
+static int scene_files_check(const char *scene_name, const scene_options *o, int curves)
 {
   char svg[512], frame[512];
   scene_out out[] = {{"--out", o->csv, 0},
-                     {"curves of --out", o->csv ? svg : NULL, 0},
+                     {"curves of --out", o->csv && curves ? svg : NULL, 0},
                      {"--picture", o->picture, 0},
                      {"--animation", o->animation, 0},
                      {"--frames", o->frames ? frame : NULL, 0}};

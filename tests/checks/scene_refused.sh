@@ -300,6 +300,35 @@ body a beam
 end
 END
 # what is written is used, and contradicts nothing else
+# exact LINE REASON < FILE: line 1 is the first behind the station of an exact beam
+exact() {
+  { printf 'gravity 0 0 -9.81\nbody a exact\n  length 1\n  station 0\n  stiffness 0 0 0 0 0 1\n  mass 1\n'; cat; } > "$out/exact.txt"
+  printf 'end\nduration 1\n' >> "$out/exact.txt"
+  refuse $(($1 + 6)) "$2" < "$out/exact.txt"
+}
+exact 1 "gravity of a body under that of the scene" << END
+  gravity 0 0 -1
+END
+exact 1 "modes of an exact beam are not printed here" << END
+  modes 3
+END
+exact 2 "root is there twice" << END
+  root free
+  root clamped
+END
+exact 2 "start_spin of a clamped root" << END
+  node tip
+  start_spin 0 0 1
+END
+exact 1 "an exact beam has no modes" << END
+  start_mode 2 1
+END
+exact 1 "auto is that of bodies with modes" << END
+  auto 0.1
+END
+exact 1 "gauge is that of beams with modes" << END
+  gauge g 0 0 0
+END
 refuse 3 "the body has 0 modes" << END
 body b rigid
   hub 1  0 0 0  1 1 1
@@ -340,7 +369,7 @@ joint j free ground top
 end
 duration 1
 END
-refuse 4 "the body has a gravity of its own under that of the scene" << END
+refuse 4 "gravity of a body under that of the scene" << END
 gravity 0 0 -9.81
 body b rigid
   hub 1  0 0 0  1 1 1
