@@ -234,7 +234,6 @@ typedef struct scene {
   scene_event event[SCENE_EVENTS];
   scene_expectation expectation[SCENE_MEASURES];
   scene_reference reference[SCENE_OUTPUTS];
-  int began;           /* by scene_run: the start was found; what failed before is in the file */
   int missed;          /* expectations and references beyond their tolerance, by scene_run */
   int exact, is_exact; /* elements of `exact` for a beam of modes, 0: none; the body is an exact beam */
   mixed_text mixed;
@@ -242,6 +241,7 @@ typedef struct scene {
   text_words seen;
   const scene_setting *set;
   int n_set;
+  int began; /* by scene_run: the start was found; what failed before is in the file */
 } scene;
 
 /* A reason in the scene's message, about a line of it; line 0: about the whole. Returns 1. */

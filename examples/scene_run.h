@@ -457,6 +457,20 @@ static int scene_measure_spectrum(scene *s)
   return 0;
 }
 
+/* A loop closes near the start that is asked for, or elsewhere. */
+static void scene_tell_moved(const scene *s, FILE *talk)
+{
+  for (int k = 0; k < s->n_joint && s->n_loop > 0 && !s->trim; k++) {
+    const scene_joint *const joint = &s->joint[k];
+    for (int axis = 0; axis < 2; axis++) {
+      const double value = (double)engine.view.motion.joint[joint->at].value[axis], asked = joint->start[axis];
+      if (scene_seen_numbered(&joint->seen, "start", axis + 1) && fabs(value - asked) > 1e-6 * (1 + fabs(asked))) {
+        fprintf(talk, "joint %s starts at %.6g instead of %.6g, where its loop is closed\n", joint->name, value, asked);
+      }
+    }
+  }
+}
+
 static int scene_run_rows(scene *s, const scene_options *o, scene_run_state *run)
 {
   fb_status status = scene_row(s, run, 0);
@@ -464,6 +478,9 @@ static int scene_run_rows(scene *s, const scene_options *o, scene_run_state *run
     return scene_failed(s, "at the start", status);
   }
   s->began = 1;
+  if (o->talk) {
+    scene_tell_moved(s, o->talk);
+  }
   return s->duration > 0 ? scene_loop(s, o, run) : 0;
 }
 

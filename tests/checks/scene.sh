@@ -26,6 +26,12 @@ try "$out/scene" examples/scenes/spinup_rate.txt --quiet --set exact=10 --set sp
 ! "$out/scene" examples/scenes/spinup_rate.txt --quiet --set modes=1 > "$out/log" || fail "one mode is as good as three"
 grep -q MISSED "$out/log" || fail "nothing is said of a reference that is missed"
 
+# a start that a loop moves is told
+sed 's/start 1 0.7$/start 1 0.6/' examples/scenes/four_bar.txt | grep -v '^duration\|^reference' > "$out/moved.txt"
+printf 'duration 0.01\n' >> "$out/moved.txt"
+"$out/scene" "$out/moved.txt" > "$out/log" 2>&1 || true
+grep -q 'joint [a-z]* starts at .* instead of .*, where its loop is closed' "$out/log" || fail "nothing is said of joints that a loop moves"
+
 # a table of a spreadsheet: byte order mark, quotes, semicolons
 printf '\357\273\277"t [s]"; "x"\r\n0;3\r\n"1" ; 3\r\n' > "$out/table.csv"
 printf 'duration 1\nbody b rigid\n  hub 1  0 0 0  1 1 1\nend\nload b dead force 1 0 0 file table.csv t x\n' > "$out/table.txt"
