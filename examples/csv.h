@@ -1,5 +1,5 @@
-/* csv.h - columns of a CSV file: # begins a line of comment, the first other line names the columns. Include text.h
-   first. */
+/* csv.h - columns of a CSV file: # begins a line of comment, the first other line names the columns. Commas or, where the
+   names have none, semicolons stand between entries, which may be quoted. Include text.h first. */
 #ifndef CSV_H
 #define CSV_H
 
@@ -8,14 +8,24 @@
 typedef struct csv_file {
   FILE *file;
   int line;
+  char between; /* , or ; */
   char buffer[CSV_LINE];
 } csv_file;
 
-/* The next line that is no comment; 0 at the end. */
-static int csv_line(csv_file *f)
+/* The next line that is no comment; 0 at the end, or after a complaint. */
+static int csv_line(csv_file *f, text_file *t, const char *path)
 {
   while (fgets(f->buffer, (int)sizeof f->buffer, f->file)) {
+    const size_t n = strlen(f->buffer);
     f->line++;
+    if (f->line == 1 && strncmp(f->buffer, "\xEF\xBB\xBF", 3) == 0) { /* byte order mark */
+      memmove(f->buffer, f->buffer + 3, n - 2);
+    }
+    if (!strchr(f->buffer, '\n') && !feof(f->file)) {
+      text_fail(t, n + 1 == sizeof f->buffer ? "%s:%d: the line is longer than %d characters" : "%s:%d: is no text",
+                path, f->line, CSV_LINE - 2);
+      return 0;
+    }
     if (f->buffer[0] != '#' && f->buffer[strspn(f->buffer, " \r\n")]) {
       return 1;
     }
@@ -23,21 +33,22 @@ static int csv_line(csv_file *f)
   return 0;
 }
 
-/* Entry k of the line, without blanks around it; NULL where there is none. */
+/* Entry k of the line, without quotes and blanks around it; NULL where there is none. */
 static const char *csv_entry(const csv_file *f, int k, char entry[64])
 {
+  const char ends[] = {f->between, '\r', '\n', 0};
   const char *at = f->buffer;
   size_t n;
   for (int i = 0; i < k && at; i++) {
-    at = strchr(at, ',');
+    at = strchr(at, f->between);
     at = at ? at + 1 : NULL;
   }
   if (!at) {
     return NULL;
   }
-  at += strspn(at, " ");
-  n = strcspn(at, ",\r\n");
-  while (n > 0 && at[n - 1] == ' ') {
+  at += strspn(at, " \"");
+  n = strcspn(at, ends);
+  while (n > 0 && (at[n - 1] == ' ' || at[n - 1] == '"')) {
     n--;
   }
   n = n < 63 ? n : 63;
@@ -68,9 +79,11 @@ static int csv_open(csv_file *f, text_file *t, const char *path, const char *con
     text_fail(t, "%s: %s", path, strerror(errno));
     return 0;
   }
-  if (!csv_line(f)) {
+  if (!csv_line(f, t, path)) {
     text_fail(t, "%s is empty", path);
+    return 0;
   }
+  f->between = strchr(f->buffer, ';') && !strchr(f->buffer, ',') ? ';' : ',';
   for (int k = 0; k < n; k++) {
     column[k] = csv_column(f, name[k]);
     if (column[k] < 0) {
@@ -84,14 +97,14 @@ static int csv_open(csv_file *f, text_file *t, const char *path, const char *con
 static int csv_row(csv_file *f, text_file *t, const char *path, double *x, const int *column, int n)
 {
   char entry[64], *end;
-  if (!csv_line(f)) {
+  if (!csv_line(f, t, path)) {
     return 0;
   }
   for (int k = 0; k < n; k++) {
     const char *const text = csv_entry(f, column[k], entry);
     x[k] = text ? strtod(text, &end) : 0;
     if (!text || end == text || *end || !isfinite(x[k])) {
-      text_fail(t, "%s:%d: column %d is not a number", path, f->line, column[k] + 1);
+      text_fail(t, "%s:%d: column %d is not a number: %s", path, f->line, column[k] + 1, text ? text : "missing");
       return 0;
     }
   }

@@ -4,7 +4,6 @@
 #define MODEL_H
 #include "text.h"
 
-#define MODEL_WORDS 24
 #define MODEL_NODES 4096 /* of a finite-element component */
 
 typedef enum model_kind { MODEL_BEAM, MODEL_COMPONENT, MODEL_RIGID } model_kind;
@@ -27,8 +26,7 @@ static struct model {
   fb_body_desc level;
   int is_fraction[FB_MAX_STATIONS]; /* x of a station is to be multiplied by the length */
   int hub, has_elements, has_modes, n_damping, n_mark;
-  char seen[MODEL_WORDS][24]; /* words that may be there once */
-  int n_seen;
+  text_words seen;
   double mark[FB_MAX_NODES], place[FB_MAX_NODES][3]; /* nodes of a beam, of a rigid body */
   char node_name[FB_MAX_NODES][TEXT_NAME];           /* of all nodes, once built; empty: none */
   int n_mode, n_node, n_pair;
@@ -49,13 +47,28 @@ static fb_body_work model_body_work;
 
 static const double model_pi = 3.14159265358979324;
 
-/* Inertia: xx yy zz, and xy xz yz if the line goes on. */
+/* The complaint that follows is about the line of that word, if it was there. */
+static void model_at(text_file *t, const char *word)
+{
+  const int line = text_seen(&model.seen, word);
+  t->line = line > 0 ? line : t->line;
+}
+
+/* Inertia: xx yy zz, and xy xz yz if the line goes on; about the mass center that is at hand. */
 static void model_inertia(text_file *t, double inertia[6])
 {
+  const fb_real center[3] = {0};
+  fb_real own[6];
   text_vector(t, "inertia xx yy zz", inertia, 3);
   memset(inertia + 3, 0, 3 * sizeof *inertia);
   if (text_more(t)) {
     text_vector(t, "inertia xy xz yz", inertia + 3, 3);
+  }
+  for (int i = 0; i < 6; i++) {
+    own[i] = (fb_real)inertia[i];
+  }
+  if (!t->failed && fb_shape_add_rigid(&model_shape, FB_R(0.0), center, own) != FB_OK) { /* built afresh later */
+    text_fail(t, "no body has this inertia: each principal one is at most the sum of the other two");
   }
 }
 
@@ -186,7 +199,7 @@ static void model_stations(text_file *t)
   static const char *const name[] = {"x",         "fraction",  "mass",    "EA",      "GJ",        "EI_y",   "EI_z",
                                      "i_y",       "i_z",       "GA_y",    "GA_z",    "twist",     "mass_y", "mass_z",
                                      "tension_y", "tension_z", "shear_y", "shear_z", "twist_deg", NULL};
-  enum { X, FRACTION, TWIST = 11, TWIST_DEG = 18, COLUMNS };
+  enum { X, FRACTION, MASS, TWIST = 11, TWIST_DEG = 18, COLUMNS };
   int column[COLUMNS], there[COLUMNS] = {0}, n = 0;
   fb_beam_desc *beam = &model.beam;
   do {
@@ -199,6 +212,9 @@ static void model_stations(text_file *t)
   } while (text_more(t));
   if (there[X] + there[FRACTION] != 1 || there[TWIST] + there[TWIST_DEG] > 1) {
     text_fail(t, "the table wants one of x and fraction, and no more than one of twist and twist_deg");
+  }
+  if (!there[MASS]) {
+    text_fail(t, "the table wants a column mass");
   }
   while (text_line(t)) {
     fb_section s;
@@ -262,10 +278,12 @@ static void model_modes_line(text_file *t)
 {
   static const char *const name[] = {"bend_y", "bend_z",   "axial",         "torsion",
                                      "lowest", "limit_hz", "mass_fraction", NULL};
+  text_words seen = {0};
   int total = 0;
   model.has_modes = 1;
   do {
     const int k = text_choice(t, "modes", name);
+    text_once(t, &seen, name[k]);
     if (k < 4) {
       model.modes.count[k] = text_whole(t, name[k], 0, FB_MAX_MODES);
       total += model.modes.count[k];
@@ -348,6 +366,9 @@ static void model_lump(text_file *t)
   }
   lump->node = text_whole(t, "element node", 0, FB_MAX_ELEMENTS);
   lump->mass = (fb_real)text_number(t, "mass");
+  if (lump->mass < FB_R(0.0)) {
+    text_fail(t, "the mass of a lump is negative");
+  }
   text_reals(t, "mass center", lump->center, 3);
   model_inertia(t, inertia);
   for (int i = 0; i < 6; i++) {
@@ -401,6 +422,11 @@ static void model_beam_line(text_file *t, const char *word)
     text_reals(t, word, beam->position, 3);
   } else if (strcmp(word, "attitude") == 0) {
     text_reals(t, word, beam->attitude, 4);
+    if (!t->failed && fabs((double)beam->attitude[0]) + fabs((double)beam->attitude[1]) +
+                              fabs((double)beam->attitude[2]) + fabs((double)beam->attitude[3]) ==
+                          0) {
+      text_fail(t, "an attitude must not be zero");
+    }
   } else if (strcmp(word, "point") == 0) {
     if (beam->n_point == FB_MAX_ELEMENTS + 1) {
       text_fail(t, "more than %d points", FB_MAX_ELEMENTS + 1);
@@ -525,13 +551,19 @@ static void model_effects_check(text_file *t)
   const fb_real *g = model.level.gravity;
   const int pulled = fabs((double)g[0]) + fabs((double)g[1]) + fabs((double)g[2]) > 0;
   if (!(effects & FB_EFFECT_ELASTIC) && (effects & FB_EFFECT_DAMPING)) {
+    model_at(t, "effects");
     text_fail(t, "effects names damping but no modes: add linear, spin or full");
   }
-  if (pulled != ((effects & FB_EFFECT_GRAVITY) != 0)) {
-    text_fail(t,
-              pulled ? "gravity is given, but not among the effects" : "the effect gravity wants a line gravity x y z");
+  if (pulled && !(effects & FB_EFFECT_GRAVITY)) {
+    model_at(t, "gravity");
+    text_fail(t, "gravity is given, but not among the effects");
+  }
+  if (!pulled && (effects & FB_EFFECT_GRAVITY) && !text_seen(&model.seen, "gravity")) {
+    model_at(t, "effects");
+    text_fail(t, "the effect gravity wants a line gravity x y z");
   }
   if ((model.n_damping > 0) != ((effects & FB_EFFECT_DAMPING) != 0)) {
+    model_at(t, model.n_damping ? "damping" : "effects");
     text_fail(t, model.n_damping ? "damping is given, but not among the effects"
                                  : "the effect damping wants a line damping");
   }
@@ -625,23 +657,18 @@ static void model_once(text_file *t, const char *word)
                                      "shape", "mark", "quadratic", "boundary"};
   for (int k = 0; k < (int)(sizeof many / sizeof many[0]); k++) {
     if (strcmp(word, many[k]) == 0) {
+      text_note(t, &model.seen, word);
       return;
     }
   }
-  for (int k = 0; k < model.n_seen; k++) {
-    if (strcmp(word, model.seen[k]) == 0) {
-      text_fail(t, "%s is there twice", word);
-    }
-  }
-  if (model.n_seen < MODEL_WORDS && strlen(word) < sizeof model.seen[0]) { /* no other word is known */
-    strcpy(model.seen[model.n_seen++], word);
-  }
+  text_once(t, &model.seen, word);
 }
 
 /* Of a body of that kind nothing is known yet. */
 static void model_begin(model_kind kind)
 {
   memset(&model, 0, sizeof model);
+  fb_shape_init(&model_shape, 0);
   strcpy(model.name, "flexible_body");
   model.kind = kind;
   model.level.effects = kind == MODEL_RIGID ? FB_EFFECTS_RIGID : FB_EFFECTS_FULL;

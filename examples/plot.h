@@ -29,31 +29,50 @@ static void put_quoted(FILE *gnuplot, const char *name)
   fputs("'", gnuplot);
 }
 
-/* Draws n curves into the file svg; settings: commands of gnuplot, each with its line end. Tells talk what it did. */
-static void plot(const char *svg, const char *settings, const curve *curves, int n, FILE *talk)
+/* gnuplot, told to draw into the file svg; NULL after a word to talk why not. */
+static FILE *plot_begin(const char *svg, int height, FILE *talk)
 {
   FILE *gnuplot;
   if (system("gnuplot --version >/dev/null 2>&1") != 0) {
     fprintf(talk,
             "no picture: gnuplot is not installed (Debian: apt-get install gnuplot-nox); the CSV has the curves\n");
-    return;
+    return NULL;
   }
-  gnuplot = popen("gnuplot", "w");
+  gnuplot = popen("gnuplot 2>/dev/null", "w"); /* it warns of curves that are flat */
   if (!gnuplot) {
     fprintf(talk, "no picture: gnuplot did not start\n");
-    return;
+    return NULL;
   }
-  fprintf(gnuplot, "set terminal svg size 900,520 font 'Helvetica,14' background '#ffffff'\nset output ");
+  fprintf(gnuplot, "set terminal svg size 900,%d font 'Helvetica,14' background '#ffffff'\nset output ", height);
   put_quoted(gnuplot, svg);
-  fprintf(gnuplot,
-          "\nset datafile separator ','\nset datafile commentschars '#'\nset key bottom right\nset grid\n"
-          "set xlabel 'time [s]'\n%splot \\\n",
-          settings);
+  fprintf(gnuplot, "\nset datafile separator ','\nset datafile commentschars '#'\nset key bottom right\nset grid\n"
+                   "set xlabel 'time [s]'\n");
+  return gnuplot;
+}
+
+static void plot_curves(FILE *gnuplot, const curve *curves, int n)
+{
+  fputs("plot \\\n", gnuplot);
   for (int k = 0; k < n; k++) {
     put_quoted(gnuplot, curves[k].file);
     fprintf(gnuplot, " using %s %s title '%s'%s\n", curves[k].columns, curves[k].style, curves[k].title,
             k + 1 < n ? ",\\" : "");
   }
+}
+
+static void plot_end(FILE *gnuplot, const char *svg, FILE *talk)
+{
   fprintf(talk, pclose(gnuplot) == 0 ? "picture: %s\n" : "no picture: gnuplot refused (%s)\n", svg);
+}
+
+/* Draws n curves into the file svg; settings: commands of gnuplot, each with its line end. Tells talk what it did. */
+static inline void plot(const char *svg, const char *settings, const curve *curves, int n, FILE *talk)
+{
+  FILE *const gnuplot = plot_begin(svg, 520, talk);
+  if (gnuplot) {
+    fputs(settings, gnuplot);
+    plot_curves(gnuplot, curves, n);
+    plot_end(gnuplot, svg, talk);
+  }
 }
 #endif

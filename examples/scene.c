@@ -1,11 +1,13 @@
 /* scene - runs a scene from a text file: bodies, joints, loads; to CSV, pictures and an animation. README.md, "Scenes",
-   lists the words; examples/scenes/ holds scenes. Exit: 0 well, 1 the run failed, 2 bad options or file. */
+   lists the words; examples/scenes/ holds scenes. Exit: 0 well; 1 a reference is missed or the
+   motion left the model; 2 bad options, or a file that makes no sense. */
 #define _POSIX_C_SOURCE 200809L /* popen, for gnuplot */
 #include "scene_run.h"
 #define PROGRAM "scene"
 #include "options.h"
 #include "plot.h"
-#include <sys/stat.h>
+#include "scene_files.h"
+#include <unistd.h>
 
 static const char help[] =
     "scene - runs a scene from a text file (words: README.md, \"Scenes\"; scenes: examples/scenes/)\n"
@@ -14,7 +16,8 @@ static const char help[] =
     "  --out FILE        outputs as CSV; curves beside it as SVG where gnuplot is there\n"
     "  --picture FILE    SVG of a few positions over each other\n"
     "  --animation FILE  SVG that moves, for a browser\n"
-    "  --frames FOLDER   numbered SVG files frame_0001.svg, ... (the folder is made where it is not there)\n"
+    "  --frames FOLDER   numbered SVG files frame_0001.svg, ... (the folder is made where it is not there; its old\n"
+    "                    frames go)\n"
     "  --frame-count N   of frames and animation, 2 to 480 (120)\n"
     "  --quiet           says nothing but what is missed or wrong\n"
     "  --help            this text\n"
@@ -110,25 +113,68 @@ static void tell(const scene *s, int quiet)
     if (quiet && r->compared > 0 && r->difference <= allowed) {
       continue;
     }
+    if (r->compared == 0) {
+      printf("%s: no row of the reference is at the time of a row of the run  MISSED\n", s->output[r->output].label);
+      continue;
+    }
     printf("%s: %.3g at most from %d rows of the reference, of which the largest is %.6g; allowed %.3g%s\n",
            s->output[r->output].label, r->difference, r->compared, r->largest, allowed,
-           r->compared > 0 && r->difference <= allowed ? "" : "  MISSED");
+           r->difference <= allowed ? "" : "  MISSED");
   }
 }
 
-/* Curves of the outputs, each against its unit's axis. */
-static void draw_curves(const scene *s, const char *csv)
+/* The outputs of that unit, below those of the units before. */
+static void draw_panel(FILE *gnuplot, const scene *s, const char *csv, const char *unit)
 {
   static curve curves[SCENE_OUTPUTS];
-  static char columns[SCENE_OUTPUTS][16], titles[SCENE_OUTPUTS][2 * TEXT_NAME + 8];
-  char svg[512];
+  static char columns[SCENE_OUTPUTS][16];
+  int n = 0;
   for (int k = 0; k < s->n_output; k++) {
-    snprintf(columns[k], sizeof columns[k], "1:%d", k + 2);
-    snprintf(titles[k], sizeof titles[k], "%s [%s]", s->output[k].label, s->output[k].unit);
-    curves[k] = (curve){csv, columns[k], "with lines", titles[k]};
+    if (strcmp(s->output[k].unit, unit) == 0) {
+      snprintf(columns[n], sizeof columns[n], "1:%d", k + 2);
+      curves[n] = (curve){csv, columns[n], "with lines", s->output[k].label};
+      n++;
+    }
+  }
+  fputs("set ylabel ", gnuplot);
+  put_quoted(gnuplot, unit);
+  fputs(" noenhanced\n", gnuplot);
+  plot_curves(gnuplot, curves, n);
+}
+
+/* Curves of the outputs, a panel for each unit. */
+static void draw_curves(const scene *s, const char *csv)
+{
+  const char *units[SCENE_OUTPUTS];
+  char svg[512];
+  size_t longest = 0;
+  int n = 0;
+  FILE *gnuplot;
+  for (int k = 0; k < s->n_output; k++) {
+    int at = 0;
+    while (at < n && strcmp(units[at], s->output[k].unit) != 0) {
+      at++;
+    }
+    units[at] = s->output[k].unit;
+    n += at == n;
+    longest = strlen(s->output[k].label) > longest ? strlen(s->output[k].label) : longest;
   }
   other_name(svg, sizeof svg, csv, ".svg");
-  plot(svg, "set key noenhanced\n", curves, s->n_output, stdout);
+  gnuplot = plot_begin(svg, n > 1 ? 80 + 240 * n : 520, stdout);
+  if (gnuplot) {
+    fprintf(gnuplot,
+            "set key outside right top noenhanced\nset lmargin 12\nset rmargin %d\nset multiplot layout %d,1\n",
+            (int)longest + 8, n);
+    for (int k = 0; k < n; k++) {
+      draw_panel(gnuplot, s, csv, units[k]);
+    }
+    plot_end(gnuplot, svg, stdout);
+  }
+}
+
+static int has_curves(const scene *s, const scene_options *o)
+{
+  return o->csv && o->talk && s->n_output > 0 && s->duration > 0;
 }
 
 int main(int argc, char **argv)
@@ -146,17 +192,18 @@ int main(int argc, char **argv)
   }
   c.options.talk = quiet ? NULL : stdout;
   c.options.warn = stderr;
-  c.options.progress = quiet ? NULL : stderr;
-  if (c.options.frames && mkdir(c.options.frames, 0777) != 0 && errno != EEXIST) {
-    return fail("cannot make the folder", c.options.frames);
+  c.options.progress = quiet || !isatty(2) ? NULL : stderr;
+  failed = scene_read(s, argv[1], c.set, c.n_set) ? 2 : 0;
+  if (!failed && scene_files_check(argv[1], &c.options, has_curves(s, &c.options)) != 0) {
+    return 2;
   }
-  failed = scene_read(s, argv[1], c.set, c.n_set) ? 2 : scene_run(s, &c.options);
+  failed = failed ? failed : !scene_run(s, &c.options) ? 0 : s->began ? 1 : 2;
   if (failed) {
     fprintf(stderr, "scene: %s\n", s->message);
     return failed;
   }
   tell(s, quiet);
-  if (c.options.csv && s->n_output > 0 && s->duration > 0 && !quiet) {
+  if (has_curves(s, &c.options)) {
     draw_curves(s, c.options.csv);
   }
   return s->missed > 0 ? 1 : 0;

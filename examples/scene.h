@@ -12,9 +12,22 @@
    scene_read is here, scene_run in scene_run.h, which includes this file. */
 #ifndef SCENE_H
 #define SCENE_H
-#include "scene_wanted.h"
+#include "scene_check.h"
 
 /* ---- bodies */
+
+/* The complaint that follows is about the line of what could not be built. */
+static void scene_at_part(text_file *t, const char *what)
+{
+  static const char *const parts[][2] = {
+      {"the beam", "stations"}, {"its modes", "modes"}, {"its integrals", "modes"}, {"no mode is left", "modes"},
+      {"damping", "damping"},   {"the hub", "hub"},     {"a node", "node"}};
+  for (int k = 0; k < (int)(sizeof parts / sizeof *parts); k++) {
+    if (strncmp(what, parts[k][0], strlen(parts[k][0])) == 0) {
+      model_at(t, parts[k][1]);
+    }
+  }
+}
 
 /* The shape of the description that was read. */
 static void scene_build_body(text_file *t, scene *s, scene_body *body, const scene_gauge_line *gauges)
@@ -42,13 +55,8 @@ static void scene_build_body(text_file *t, scene *s, scene_body *body, const sce
     status = scene_add_drawn(body);
   }
   if (status != FB_OK) {
+    scene_at_part(t, what);
     text_fail(t, "%s: %s", what, fb_status_string(status));
-  }
-  if (fabs(s->gravity[0]) + fabs(s->gravity[1]) + fabs(s->gravity[2]) > 0) {
-    body->level.effects |= FB_EFFECT_GRAVITY;
-    for (int i = 0; i < 3; i++) {
-      body->level.gravity[i] = (fb_real)s->gravity[i];
-    }
   }
   body->shape = model_shape;
   if (s->exact > 0 && !t->failed) {
@@ -119,6 +127,9 @@ static void scene_read_body(text_file *t, scene *s)
       text_fail(t, "two bodies have the name %s", body->name);
     }
   }
+  if (strcmp(body->name, "ground") == 0) {
+    text_fail(t, "ground is what is at rest: no name of a body");
+  }
   kind = text_choice(t, "a body", kinds);
   if (kind == 4) {
     scene_begin_exact(t, s, body);
@@ -126,13 +137,14 @@ static void scene_read_body(text_file *t, scene *s)
     model_begin((model_kind)kind);
   } else {
     scene_read_model(t, s);
-    model.n_seen = 0; /* lines here may change what it says */
+    model.seen.n = 0; /* lines here may change what it says */
   }
   text_end_of_line(t);
   while (!ended && text_line(t)) {
     const char *const word = text_word(t);
     ended = strcmp(word, "end") == 0;
     if (strcmp(word, "gauge") == 0) {
+      text_note(t, &body->seen, word);
       scene_read_gauge(t, body, &gauges);
     } else if (!ended && !scene_read_start(t, body, word)) {
       (kind == 4 ? scene_read_exact_line : scene_read_model_line)(t, s, body, word);
@@ -143,16 +155,18 @@ static void scene_read_body(text_file *t, scene *s)
   }
   last = t->line;
   t->line = begin; /* what is missing has no line of its own */
-  if (kind == 4 && gauges.n > 0) {
-    text_fail(t, "gauges are on beams of modes");
-  } else if (kind == 4) {
+  if (kind == 4) {
+    scene_check_exact_body(t, s, body);
     scene_place_exact(t, s, body);
   } else {
+    scene_pull_body(t, s);
     model.level.effects |= body->tolerance > 0 && model.n_damping > 0 ? (unsigned)FB_EFFECT_DAMPING : 0u;
     model_check(t);
     if (!t->failed) {
       scene_build_body(t, s, body, &gauges);
     }
+    scene_check_modes(t, s, body);
+    scene_check_auto(t, body);
   }
   s->n_body += !t->failed;
   t->line = last;
@@ -262,18 +276,6 @@ static void scene_read_title(text_file *t, scene *s)
   }
 }
 
-/* Refuses a word that was there before. */
-static void scene_once(text_file *t, scene *s, const char *word)
-{
-  for (int k = 0; k < s->n_seen; k++) {
-    if (strcmp(word, s->seen[k]) == 0) {
-      text_fail(t, "%s is there twice", word);
-      return;
-    }
-  }
-  strcpy(s->seen[s->n_seen++], word);
-}
-
 static void scene_read_duration(text_file *t, scene *s)
 {
   s->duration = scene_read_positive(t, "duration");
@@ -337,56 +339,11 @@ static void scene_read_line(text_file *t, scene *s, const char *word)
     return;
   }
   if (lines[k].once) {
-    scene_once(t, s, word);
+    text_once(t, &s->seen, word);
   }
+  text_note(t, &s->seen, word);
   lines[k].read(t, s);
   text_end_of_line(t);
-}
-
-/* Bodies on joints; else one body alone. */
-static int scene_is_system(const scene *s)
-{
-  return s->n_body > 1 || s->n_joint > 0;
-}
-
-/* What only the whole file tells. */
-static void scene_check(text_file *t, scene *s)
-{
-  t->line = 0;
-  if (s->n_body == 0) {
-    text_fail(t, "a scene wants a body");
-  }
-  if (!(s->duration > 0) && !s->trim) {
-    text_fail(t, "a scene wants a duration, or to trim");
-  }
-  for (int k = 0; k < s->n_set; k++) {
-    int there = 0;
-    for (int i = 0; i < s->n_parameter; i++) {
-      there |= strcmp(s->set[k].name, s->parameter[i].name) == 0;
-    }
-    if (!there) {
-      text_fail(t, "no parameter has the name %s, which is to be set", s->set[k].name);
-    }
-  }
-  for (int k = 0; k < s->n_joint; k++) {
-    s->joint[k].at += s->joint[k].loop ? s->n_body : 0;
-  }
-  if (s->is_exact && scene_is_system(s)) {
-    text_fail(t, "an exact beam stands alone");
-  }
-  if (scene_is_system(s) && s->n_motion > 0) {
-    text_fail(t, "motion is that of a single body's base; prescribe a joint instead");
-  }
-  if (scene_is_system(s) && s->scheme != FB_SCHEME_RK4 && s->scheme != FB_SCHEME_SDIRK) {
-    text_fail(t, "bodies on joints take the schemes rk4 and sdirk");
-  }
-  if (s->n_output == 0 && !t->failed) {
-    scene_default_outputs(t, s);
-  }
-  s->interval = s->interval > 0 ? s->interval : s->duration / 1000;
-  if (s->duration > 1e7 * s->interval) {
-    text_fail(t, "more than 1e7 intervals of %g s", s->interval);
-  }
 }
 
 /* 0, or 1 and the reason in s->message. */

@@ -302,9 +302,6 @@ static int scene_advise(scene *s, int k, FILE *talk)
   fb_body_desc level = b->level;
   const double frequency = scene_frequency(s);
   fb_status status;
-  if (b->n_node < 2) {
-    return scene_fail(s, "body %s of line %d: auto wants a node, whose displacement is to be right", b->name, b->line);
-  }
   level.effects |= FB_EFFECTS_FULL;
   level.base = scene_is_system(s) ? FB_BASE_PRESCRIBED : level.base;
   e->frequency = frequency < HUGE_VAL ? (fb_real)frequency : FB_HUGE;

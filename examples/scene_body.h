@@ -124,9 +124,31 @@ static void scene_read_gauge(text_file *t, scene_body *body, scene_gauge_line *g
   text_vector(t, "place along the beam, y and z off its line", gauges->x[gauges->n++], 3);
 }
 
+/* Refuses a word that was there before with that number. */
+static void scene_once_numbered(text_file *t, text_words *words, const char *word, int number)
+{
+  char all[TEXT_NAME];
+  snprintf(all, sizeof all, "%.16s %d", word, number);
+  text_once(t, words, all);
+}
+
+/* Line of a word with that number, 0 if it was not there. */
+static int scene_seen_numbered(const text_words *words, const char *word, int number)
+{
+  char all[TEXT_NAME];
+  snprintf(all, sizeof all, "%.16s %d", word, number);
+  return text_seen(words, all);
+}
+
 /* Words of a body that are the scene's; 0 if it is none of them. */
 static int scene_read_start(text_file *t, scene_body *body, const char *word)
 {
+  static const char *const once[] = {"start_position", "start_attitude", "start_velocity", "start_spin", "auto"};
+  for (int k = 0; k < 5; k++) {
+    if (strcmp(word, once[k]) == 0) {
+      text_once(t, &body->seen, word);
+    }
+  }
   if (strcmp(word, "start_position") == 0) {
     text_vector(t, word, body->position, 3);
   } else if (strcmp(word, "start_attitude") == 0) {
@@ -137,6 +159,7 @@ static int scene_read_start(text_file *t, scene_body *body, const char *word)
     text_vector(t, word, body->spin, 3);
   } else if (strcmp(word, "start_mode") == 0) {
     const int k = text_whole(t, "mode", 1, FB_MAX_MODES) - 1;
+    scene_once_numbered(t, &body->seen, word, k + 1);
     body->q[k] = text_number(t, "its coordinate");
     body->q_dot[k] = text_more(t) ? text_number(t, "its rate") : 0;
   } else if (strcmp(word, "auto") == 0) {

@@ -201,11 +201,16 @@ static int scene_svg_close(scene *s, FILE *svg, const char *name)
   return fclose(svg) == 0 ? 0 : scene_fail(s, "cannot write %s", name);
 }
 
+static void scene_frame_name(char *name, size_t size, const char *folder, int k)
+{
+  snprintf(name, size, "%.480s/frame_%04d.svg", folder, k + 1);
+}
+
 static int scene_write_frame(scene *s, const char *folder, int k)
 {
-  char name[600], title[64];
+  char name[512], title[64];
   FILE *svg;
-  snprintf(name, sizeof name, "%.500s/frame_%04d.svg", folder, k + 1);
+  scene_frame_name(name, sizeof name, folder, k);
   snprintf(title, sizeof title, "t = %.4g s", film.frame[k].t);
   svg = scene_svg_open(s, name, title);
   if (!svg) {

@@ -31,6 +31,13 @@ static void scene_read_exact_node(text_file *t, scene_body *body, const scene *s
 /* A line of `body NAME exact`. */
 static void scene_read_exact_line(text_file *t, scene *s, scene_body *body, const char *word)
 {
+  static const char *const once[] = {"length",  "elements", "position",    "attitude", "root", "tip",
+                                     "gravity", "velocity", "dissipation", "spin",     "modes"};
+  for (int k = 0; k < (int)(sizeof once / sizeof *once); k++) {
+    if (strcmp(word, once[k]) == 0) {
+      text_once(t, &body->seen, word);
+    }
+  }
   if (strcmp(word, "node") == 0) {
     scene_read_exact_node(t, body, s);
   } else {

@@ -99,6 +99,7 @@ static void scene_read_drive(text_file *t, scene *s, const char *word)
     text_fail(t, "more than %d drives", SCENE_DRIVES);
     return;
   }
+  drive->line = t->line;
   drive->kind = word[0] == 'm' ? SCENE_MOTOR : word[0] == 'v' ? SCENE_VALUE : SCENE_SPEED;
   drive->joint = s->n_joint;
   drive->axis = scene_read_axis(t, joint);
@@ -125,6 +126,9 @@ static void scene_read_axes(text_file *t, const scene_joint *joint, const char *
   text_vector(t, word, value, n);
   for (int i = 0; i < n; i++) {
     x[i] = (fb_real)value[i];
+    if (value[i] < 0 && strcmp(word, "rest") != 0) {
+      text_fail(t, "%s is negative", word);
+    }
   }
 }
 
@@ -132,6 +136,10 @@ static void scene_read_joint_line(text_file *t, scene *s, const char *word)
 {
   scene_joint *const joint = &s->joint[s->n_joint];
   fb_joint_desc *const d = &joint->desc;
+  const int many = strcmp(word, "motor") == 0 || strcmp(word, "value") == 0 || strcmp(word, "rate") == 0;
+  if (!many && strcmp(word, "start") != 0) {
+    text_once(t, &joint->seen, word);
+  }
   if (strcmp(word, "position") == 0) {
     text_reals(t, word, d->position, 3);
   } else if (strcmp(word, "child_position") == 0) {
@@ -141,6 +149,9 @@ static void scene_read_joint_line(text_file *t, scene *s, const char *word)
   } else if (strcmp(word, "axis") == 0) {
     scene_read_joint_axis(t, joint);
   } else if (strcmp(word, "pitch") == 0) {
+    if (d->kind != FB_JOINT_SCREW) {
+      text_fail(t, "pitch is that of a screw");
+    }
     d->pitch = (fb_real)text_number(t, word);
   } else if (strcmp(word, "stiffness") == 0) {
     scene_read_axes(t, joint, word, d->stiffness);
@@ -150,17 +161,24 @@ static void scene_read_joint_line(text_file *t, scene *s, const char *word)
     scene_read_axes(t, joint, word, d->damping);
   } else if (strcmp(word, "mode") == 0) {
     scene_read_modes(t, joint);
-  } else if (strcmp(word, "motor") == 0 || strcmp(word, "value") == 0 || strcmp(word, "rate") == 0) {
+  } else if (many) {
     scene_read_drive(t, s, word);
   } else if (strcmp(word, "start") == 0) {
     const int axis = scene_read_axis(t, joint);
     const double value = text_number(t, "value");
+    scene_once_numbered(t, &joint->seen, word, axis + 1);
+    if (joint->loop) {
+      text_fail(t, "a loop follows the joints of the tree: start those");
+    }
     if (axis > 2 || scene_axes(joint) > 2) {
       text_fail(t, "spherical and free joints start with the start_ words of their body");
       return;
     }
     joint->start[axis] = value;
-    joint->speed[axis] = text_more(t) ? text_number(t, "speed") : 0;
+    if (text_more(t)) {
+      scene_once_numbered(t, &joint->seen, "speed", axis + 1);
+      joint->speed[axis] = text_number(t, "speed");
+    }
   } else {
     text_fail(t, "no such word for a joint: %s", word);
     return;
@@ -208,6 +226,7 @@ static void scene_read_any_joint(text_file *t, scene *s, int loop)
   }
   memset(joint, 0, sizeof *joint);
   joint->loop = loop;
+  joint->line = begin;
   joint->orientation[0] = 1;
   joint->desc.child_attitude[0] = FB_R(1.0);
   text_name(t, "a joint", joint->name);

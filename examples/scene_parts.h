@@ -35,7 +35,8 @@ typedef struct scene_setting { /* a parameter that is not to have the file's val
 
 typedef struct scene_body {
   char name[TEXT_NAME];
-  int line; /* where it begins */
+  int line;        /* where it begins */
+  text_words seen; /* of its words, those that are the scene's */
   model_kind kind;
   fb_shape shape; /* of all its modes */
   fb_body_desc level;
@@ -65,6 +66,8 @@ typedef struct scene_motion { /* of a prescribed base, body axes */
 
 typedef struct scene_joint {
   char name[TEXT_NAME];
+  int line;
+  text_words seen;
   int loop; /* it closes one */
   int at;   /* its number in the system: that of the body it carries, of a loop the number of bodies and its own */
   fb_joint_desc desc;
@@ -76,7 +79,7 @@ typedef enum scene_drive_kind { SCENE_MOTOR, SCENE_VALUE, SCENE_SPEED } scene_dr
 
 typedef struct scene_drive { /* of an axis of a joint */
   scene_drive_kind kind;
-  int joint, axis;
+  int line, joint, axis;
   function f;
 } scene_drive;
 
@@ -181,6 +184,7 @@ static const char *const scene_kinds[] = {"max", "min", "mean", "rms", "final", 
 
 typedef struct scene_measure {
   char label[TEXT_NAME];
+  int line;
   scene_kind kind;
   int output;   /* or mode, of the spectrum */
   double after; /* [s] */
@@ -234,19 +238,34 @@ typedef struct scene {
   int exact, is_exact; /* elements of `exact` for a beam of modes, 0: none; the body is an exact beam */
   mixed_text mixed;
   function_tables tables;
-  int n_seen; /* words that may be there once */
-  char seen[16][TEXT_NAME];
+  text_words seen;
   const scene_setting *set;
   int n_set;
+  int began; /* by scene_run: the start was found; what failed before is in the file */
 } scene;
 
-/* A reason in the scene's message; returns 1. */
+/* A reason in the scene's message, about a line of it; line 0: about the whole. Returns 1. */
+static int scene_fail_list(scene *s, int line, const char *format, va_list list)
+{
+  const int n = snprintf(s->message, sizeof s->message, line > 0 ? "%.400s:%d: " : "%.400s: ", s->path, line);
+  vsnprintf(s->message + n, sizeof s->message - (size_t)n, format, list);
+  return 1;
+}
+
+static int scene_fail_at(scene *s, int line, const char *format, ...)
+{
+  va_list list;
+  va_start(list, format);
+  scene_fail_list(s, line, format, list);
+  va_end(list);
+  return 1;
+}
+
 static int scene_fail(scene *s, const char *format, ...)
 {
   va_list list;
-  const int n = snprintf(s->message, sizeof s->message, "%.400s: ", s->path);
   va_start(list, format);
-  vsnprintf(s->message + n, sizeof s->message - (size_t)n, format, list);
+  scene_fail_list(s, 0, format, list);
   va_end(list);
   return 1;
 }

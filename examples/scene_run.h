@@ -355,10 +355,16 @@ static void scene_progress(const scene *s, const scene_options *o, scene_run_sta
   }
 }
 
+/* At the line of the joint that it is about. */
 static int scene_failed(scene *s, const char *when, fb_status status)
 {
-  return scene_fail(s, "%s: %s%s%s", when, fb_status_string(status), scene_at_fault(s),
-                    status == FB_ERR_STEP ? "; give a shorter step, or none" : "");
+  const int at = scene_is_system(s) ? engine.system_work.joint : -1;
+  int line = 0;
+  for (int k = 0; k < s->n_joint && at >= 0; k++) {
+    line = s->joint[k].at == at ? s->joint[k].line : line;
+  }
+  return scene_fail_at(s, line, "%s: %s%s%s", when, fb_status_string(status), scene_at_fault(s),
+                       status == FB_ERR_STEP ? "; give a shorter step, or none" : "");
 }
 
 /* Steps of a piece; ends before the one that fails. */
@@ -478,7 +484,7 @@ static int scene_build(scene *s, const scene_options *o)
     }
     status = scene_init_body(s, k, advised ? &automatic.advice[k] : NULL);
     if (status != FB_OK) {
-      return scene_fail(s, "body %s of line %d: %s", s->body[k].name, s->body[k].line, fb_status_string(status));
+      return scene_fail_at(s, s->body[k].line, "body %s: %s", s->body[k].name, fb_status_string(status));
     }
   }
   return 0;
@@ -518,12 +524,26 @@ static int scene_measure_spectrum(scene *s)
   for (int k = 0; k < s->n_measure; k++) {
     const scene_measure *const m = &s->measure[k];
     if (m->kind == SCENE_FREQUENCY) {
-      s->measured[k] = (double)im[m->output];
+      s->measured[k] = fabs((double)im[m->output]);
     } else if (m->kind == SCENE_GROWTH) {
       s->measured[k] = scene_growth(re, im, m->output + 1, n);
     }
   }
   return 0;
+}
+
+/* A loop closes near the start that is asked for, or elsewhere. */
+static void scene_tell_moved(const scene *s, FILE *talk)
+{
+  for (int k = 0; k < s->n_joint && s->n_loop > 0 && !s->trim; k++) {
+    const scene_joint *const joint = &s->joint[k];
+    for (int axis = 0; axis < 2; axis++) {
+      const double value = (double)engine.view.motion.joint[joint->at].value[axis], asked = joint->start[axis];
+      if (scene_seen_numbered(&joint->seen, "start", axis + 1) && fabs(value - asked) > 1e-6 * (1 + fabs(asked))) {
+        fprintf(talk, "joint %s starts at %.6g instead of %.6g, where its loop is closed\n", joint->name, value, asked);
+      }
+    }
+  }
 }
 
 static int scene_run_rows(scene *s, const scene_options *o, scene_run_state *run)
@@ -532,13 +552,17 @@ static int scene_run_rows(scene *s, const scene_options *o, scene_run_state *run
   if (status != FB_OK) {
     return scene_failed(s, "at the start", status);
   }
+  s->began = 1;
+  if (o->talk) {
+    scene_tell_moved(s, o->talk);
+  }
   return s->duration > 0 ? scene_loop(s, o, run) : 0;
 }
 
 /* Nothing measured or compared yet. */
 static void scene_reset(scene *s)
 {
-  s->missed = 0;
+  s->began = s->missed = 0;
   for (int k = 0; k < s->n_measure; k++) {
     s->measured[k] = (double)NAN;
   }
@@ -549,7 +573,8 @@ static void scene_reset(scene *s)
   }
 }
 
-/* 0: it ran, s->missed says how many references it missed; 1: the reason is in s->message. */
+/* 0: it ran, s->missed says how many references it missed; 1: the reason is in s->message, and s->began says whether it
+   ran up to there or was refused. */
 static int scene_run(scene *s, const scene_options *o)
 {
   static scene_run_state run;

@@ -21,6 +21,10 @@ static void scene_read_gauge_name(text_file *t, const scene *s, scene_output *ou
 static void scene_unit(const scene *s, scene_output *output, const char *unit)
 {
   size_t n = 0;
+  if (strcmp(s->length_unit, "m") == 0 && strcmp(s->force_unit, "N") == 0) {
+    snprintf(output->unit, sizeof output->unit, "%s", unit); /* J and W as they are */
+    return;
+  }
   output->unit[0] = 0;
   for (const char *p = unit; *p && n + 16 < sizeof output->unit; p++) {
     const int alone = (p == unit || !isalpha((unsigned char)p[-1])) && !isalpha((unsigned char)p[1]);
@@ -66,6 +70,9 @@ static void scene_axis_unit(const scene *s, scene_output *output)
 /* Refuses a name that another output has. */
 static void scene_new_output(text_file *t, const scene *s, const char *label)
 {
+  if (strcmp(label, "t") == 0) {
+    text_fail(t, "t is the column of the time: no name of an output");
+  }
   for (int k = 0; k < s->n_output; k++) {
     if (strcmp(s->output[k].label, label) == 0) {
       text_fail(t, "two outputs have the name %s", label);
@@ -214,7 +221,13 @@ static void scene_read_measure(text_file *t, scene *s)
     text_fail(t, "more than %d measures", SCENE_MEASURES);
     return;
   }
+  measure->line = t->line;
   text_name(t, "a measure", measure->label);
+  for (int k = 0; k < s->n_measure; k++) {
+    if (strcmp(s->measure[k].label, measure->label) == 0) {
+      text_fail(t, "two measures have the name %s", measure->label);
+    }
+  }
   measure->kind = (scene_kind)text_choice(t, "a measure", scene_kinds);
   if (measure->kind >= SCENE_FREQUENCY) {
     measure->output = text_whole(t, "number of the mode", 1, FB_MAX_LINEAR) - 1;

@@ -19,6 +19,13 @@ typedef struct text_named { /* a number with a name */
   double value;
 } text_named;
 
+#define TEXT_WORDS 64
+
+typedef struct text_words { /* words that were there, and the line of the first of each */
+  int n, line[TEXT_WORDS];
+  char word[TEXT_WORDS][TEXT_NAME];
+} text_words;
+
 typedef struct text_file {
   FILE *file;
   const char *program, *name;
@@ -247,6 +254,35 @@ static inline void text_name(text_file *t, const char *what, char name[TEXT_NAME
   } else {
     strcpy(name, word);
   }
+}
+
+/* Line of a word that was there, 0 if it was not. */
+static inline int text_seen(const text_words *words, const char *word)
+{
+  for (int k = 0; k < words->n; k++) {
+    if (strcmp(words->word[k], word) == 0) {
+      return words->line[k];
+    }
+  }
+  return 0;
+}
+
+/* Notes that a word was there. */
+static inline void text_note(const text_file *t, text_words *words, const char *word)
+{
+  if (words->n < TEXT_WORDS && strlen(word) < TEXT_NAME && !text_seen(words, word)) { /* no other word is known */
+    strcpy(words->word[words->n], word);
+    words->line[words->n++] = t->line;
+  }
+}
+
+/* Refuses a word that was there before. */
+static inline void text_once(text_file *t, text_words *words, const char *word)
+{
+  if (text_seen(words, word)) {
+    text_fail(t, "%s is there twice", word);
+  }
+  text_note(t, words, word);
 }
 
 #ifdef FLEXBEAM_H

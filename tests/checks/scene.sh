@@ -26,6 +26,46 @@ try "$out/scene" examples/scenes/spinup_rate.txt --quiet --set exact=10 --set sp
 ! "$out/scene" examples/scenes/spinup_rate.txt --quiet --set modes=1 > "$out/log" || fail "one mode is as good as three"
 grep -q MISSED "$out/log" || fail "nothing is said of a reference that is missed"
 
+# a start that a loop moves is told
+sed 's/start 1 0.7$/start 1 0.6/' examples/scenes/four_bar.txt | grep -v '^duration\|^reference' > "$out/moved.txt"
+printf 'duration 0.01\n' >> "$out/moved.txt"
+"$out/scene" "$out/moved.txt" > "$out/log" 2>&1 || true
+grep -q 'joint [a-z]* starts at .* instead of .*, where its loop is closed' "$out/log" || fail "nothing is said of joints that a loop moves"
+
+# a table of a spreadsheet: byte order mark, quotes, semicolons
+printf '\357\273\277"t [s]"; "x"\r\n0;3\r\n"1" ; 3\r\n' > "$out/table.csv"
+printf 'duration 1\nbody b rigid\n  hub 1  0 0 0  1 1 1\nend\nload b dead force 1 0 0 file table.csv t x\n' > "$out/table.txt"
+printf 'output v velocity b x\nmeasure v final v\nexpect v 3 tolerance 1e-9\n' >> "$out/table.txt"
+try "$out/scene" "$out/table.txt"
+grep -q 'v = 3' "$out/log" || fail "a table with quotes and semicolons is not read"
+
+# a frame that an earlier run left; files that are one another or the scene, or that cannot be written: told before the run
+touch "$out/frames/frame_0007.svg"
+try "$out/scene" examples/scenes/double_pendulum.txt --quiet --frames "$out/frames" --frame-count 4
+[ "$(ls "$out/frames")" = "$(printf 'frame_000%d.svg\n' 1 2 3 4)" ] || fail "frames of an earlier run are left"
+printf 'duration 1e9\ninterval 1e3\nstep 1e-4\nbody b rigid\n  hub 1 0 0 0 1 1 1\nend\n' > "$out/long.txt"
+cp "$out/long.txt" "$out/kept.txt"
+# collides REASON OPTION...
+collides() {
+  reason=$1
+  shift
+  status=0
+  timeout 20 "$out/scene" "$out/long.txt" "$@" > "$out/log" 2>&1 || status=$?
+  [ $status = 2 ] && grep -q -F -e "$reason" "$out/log" || {
+    cat "$out/log"
+    fail "$*: status $status, expected: $reason"
+  }
+  cmp -s "$out/long.txt" "$out/kept.txt" && [ ! -e "$out/c.csv" ] && [ ! -e "$out/c.svg" ] || fail "$*: a file was touched"
+}
+collides "--out: that is the scene itself" --out "$out/long.txt"
+collides "--picture: that is the scene itself" --picture "$out/../$name/long.txt"
+collides "curves of --out and --picture are the same file" --out "$out/c.csv" --picture "$out/c.svg"
+collides "--out and curves of --out are the same file" --out "$out/c.svg"
+collides "--picture and --animation are the same file" --picture "$out/c.svg" --animation "$out/./c.svg"
+collides "--out: No such file or directory" --out "$out/nowhere/c.csv"
+collides "--animation: Is a directory" --animation "$out"
+collides "cannot make the folder" --frames "$out/long.txt/frames"
+
 try ${CC:-cc} $c99 -O0 -g -fsanitize=address,undefined -fno-sanitize-recover -o "$out/careful" examples/scene.c -lm
 # meets < FILE: it runs, and its answers are those that it expects
 met=0

@@ -211,14 +211,14 @@ end
 event 2 lock j 1
 event 1 free j 1
 END
-refuse 0 "motion is that of a single body's base" << END
+refuse 7 "motion is that of a single body's base" << END
 $top
 joint j revolute ground top
 end
 motion rate 0 0 1
 duration 1
 END
-refuse 0 "bodies on joints take the schemes rk4 and sdirk" << END
+refuse 7 "scheme of bodies on joints is rk4 or sdirk" << END
 $top
 joint j revolute ground top
 end
@@ -252,12 +252,287 @@ END
 refuse 1 "units wants a name" << END
 units m
 END
-fails "body top of line 1: auto wants a node" << END
+# csv REASON CONTENT: a table that is refused
+csv() {
+  printf "$2" > "$out/table.csv"
+  refuse 5 "$out/table.csv$1" << END
+$top
+load top dead force 1 0 0 file table.csv t x
+END
+}
+csv ":2: column 2 is not a number: a" 't,x\n0,a\n'
+csv ":2: column 2 is not a number: missing" 't,x\n0\n'
+csv ":2: column 1 is not a number: 0,5" 't;x\n0,5;1\n'
+csv " has no column x" 't,y\n0,1\n'
+csv " is empty" '# t,x\n'
+csv " has no rows" 't,x\n'
+csv ":1: is no text" '\000\001\002t,x\n0,1\n'
+csv ":2: is no text" 't,x\n0\000,1\n'
+csv ":2: the line is longer than 16382 characters" "t,x\\n$(printf '%020000d' 0),1\\n"
+refuse 7 "its modes: none of that kind: too few modes" << END
+body a beam
+  length 1
+  stations x mass EI_z
+    0 1 1
+  end
+  base prescribed
+  modes axial 2
+end
+END
+refuse 6 "no mode is left" << END
+body a beam
+  length 1
+  stations x mass EI_z
+    0 1 1
+  end
+  modes bend_y 0
+end
+END
+refuse 7 "damping wants one ratio, or as many as there are modes" << END
+body a beam
+  length 1
+  stations x mass EI_z
+    0 1 1
+  end
+  effects full damping
+  damping 0.1 0.2 0.3
+  modes bend_y 2
+end
+END
+# what is written is used, and contradicts nothing else
+# exact LINE REASON < FILE: line 1 is the first behind the station of an exact beam
+exact() {
+  { printf 'gravity 0 0 -9.81\nbody a exact\n  length 1\n  station 0\n  stiffness 0 0 0 0 0 1\n  mass 1\n'; cat; } > "$out/exact.txt"
+  printf 'end\nduration 1\n' >> "$out/exact.txt"
+  refuse $(($1 + 6)) "$2" < "$out/exact.txt"
+}
+exact 1 "gravity of a body under that of the scene" << END
+  gravity 0 0 -1
+END
+exact 1 "modes of an exact beam are not printed here" << END
+  modes 3
+END
+exact 2 "root is there twice" << END
+  root free
+  root clamped
+END
+exact 2 "start_spin of a clamped root" << END
+  node tip
+  start_spin 0 0 1
+END
+exact 1 "an exact beam has no modes" << END
+  start_mode 2 1
+END
+exact 1 "auto is that of bodies with modes" << END
+  auto 0.1
+END
+exact 1 "gauge is that of beams with modes" << END
+  gauge g 0 0 0
+END
+refuse 3 "the body has 0 modes" << END
+body b rigid
+  hub 1  0 0 0  1 1 1
+  start_mode 9 0.1
+end
+duration 1
+END
+for word in velocity spin; do
+  refuse 9 "start_$word of a prescribed base: it moves as \`motion\` says" << END
+${beam%end}
+  start_$word 0 0 1
+end
+duration 1
+END
+done
+for word in position velocity attitude spin; do
+  refuse 4 "start_$word of a body on a joint" << END
+${top%end}
+  start_$word 0 0 1 $([ $word != attitude ] || echo 0)
+end
+joint j revolute ground top
+end
+duration 1
+END
+done
+refuse 5 "start_spin is there twice" << END
+${top%end}
+  start_spin 1 0 0
+  start_spin 0 1 0
+end
+END
+refuse 4 "start_spin on a joint that is not free" << END
+${top%end}
+  start_spin 1 0 0
+end
+joint j free ground top
+  rate 6 constant 1
+end
+duration 1
+END
+refuse 4 "gravity of a body under that of the scene" << END
+gravity 0 0 -9.81
+body b rigid
+  hub 1  0 0 0  1 1 1
+  gravity 0 0 -1
+  effects rigid gravity
+end
+END
+refuse 2 "the effect gravity wants a line gravity x y z" << END
+body b rigid
+  effects rigid gravity
+  hub 1  0 0 0  1 1 1
+end
+END
+refuse 5 "motion wants a body with \`base prescribed\`" << END
+$top
+motion rate 0 0 1
+duration 1
+END
+refuse 5 "method is that of bodies on joints" << END
+$top
+method dense
+duration 1
+END
+# an axis LINE REASON < FILE: line 1 is the first of a joint
+axis() {
+  { echo "$top"; echo 'joint j revolute ground top'; cat; printf 'end\nduration 1\n'; } > "$out/axis.txt"
+  refuse $(($1 + 5)) "$2" < "$out/axis.txt"
+}
+axis 1 "value and rate of the same axis: one of them" << END
+  value 1 ramp 1 0 1
+  rate 1 constant 1
+END
+axis 2 "a value on an axis with a start: one of them, or rate" << END
+  start 1 0.3
+  value 1 ramp 1 0 1
+END
+axis 1 "a value must not jump: take ramp or smooth" << END
+  value 1 step 1 0.5
+END
+axis 2 "a motor on an axis that is not free" << END
+  mode locked
+  motor 1 constant 1
+END
+axis 1 "a motor on an axis that is not free" << END
+  motor 1 constant 1
+  rate 1 constant 1
+END
+axis 1 "a value or rate on an axis that is not prescribed" << END
+  rate 1 constant 1
+  mode free
+END
+axis 2 "a speed at the start of an axis that is not free" << END
+  mode locked
+  start 1 0.3 5
+END
+axis 2 "start 1 is there twice" << END
+  start 1 0.3
+  start 1 0.4
+END
+axis 2 "damping is there twice" << END
+  damping 1
+  damping 2
+END
+axis 1 "stiffness is negative" << END
+  stiffness -1
+END
+axis 1 "damping is negative" << END
+  damping -1
+END
+axis 1 "pitch is that of a screw" << END
+  pitch 1
+END
+axis 4 "a loop follows the joints of the tree: start those" << END
+  damping 1
+end
+loop k revolute ground top.tip
+  start 1 0.2
+END
+refuse 3 "bend_y is there twice" << END
+body a beam
+  length 1
+  modes bend_y 2 bend_y 2
+end
+END
+refuse 3 "an attitude must not be zero" << END
+body a beam
+  length 1
+  attitude 0 0 0 0
+end
+END
+refuse 1 "ground is what is at rest: no name of a body" << END
+body ground rigid
+end
+END
+refuse 7 "after 99 s: the duration is 1 s" << END
+$top
+output k energy total
+duration 1
+measure m max k after 99
+END
+refuse 7 "two measures have the name m" << END
+$top
+output k energy total
+measure m max k
+measure m min k
+END
+refuse 5 "t is the column of the time: no name of an output" << END
+$top
+output t energy total
+END
+refuse 7 "frequency and growth want joints by method recursive or dense" << END
+$top
+joint j revolute ground top
+end
+measure f frequency 1
+method multipliers
+duration 1
+END
+refuse 3 "no body has this inertia: each principal one is at most the sum of the other two" << END
+body b rigid
+  node 0 0 1 tip
+  hub 1  0 0 0  1 1 3
+end
+END
+refuse 3 "the table wants a column mass" << END
+body b beam
+  length 1
+  stations x EI_z
+    0 1
+  end
+end
+END
+refuse 3 "the mass of a lump is negative" << END
+body b beam
+  length 1
+  lump 3 -1  0 0 0  0 0 0
+end
+END
+refuse 3 "auto wants a node" << END
 body top rigid
   hub 1  0 0 0  1 2 3
   auto 0.1
 end
 duration 1
+END
+refuse 1 "body b is free and has no mass" << END
+body b rigid
+  node 0 0 1 tip
+end
+duration 1
+END
+refuse 7 "start: constraints contradict each other, or a loop cannot be closed (joint k)" << END
+body a rigid
+  hub 1  0 0 0  1 1 1
+  node 1 0 0 tip
+end
+joint j revolute ground a
+end
+loop k revolute ground a.tip
+  position 5 0 0
+end
+duration 1
+step 0.01
 END
 fails "at 0 s, step of 0.5 s: the step is longer" << END
 $beam

@@ -1,0 +1,257 @@
+/* scene_check.h - refuses what a scene says but would not use, and what contradicts something else. See scene.h. */
+#ifndef SCENE_CHECK_H
+#define SCENE_CHECK_H
+#include "scene_wanted.h"
+
+/* Complains about the line of a word that was there, if it was. */
+static void scene_refuse(text_file *t, const text_words *words, const char *word, const char *why)
+{
+  const int line = text_seen(words, word);
+  if (line > 0) {
+    t->line = line;
+    text_fail(t, "%s %s", word, why);
+  }
+}
+
+/* ---- at the end of a body's lines */
+
+/* The scene's gravity pulls the body that was read. */
+static void scene_pull_body(text_file *t, const scene *s)
+{
+  const fb_real *const own = model.level.gravity;
+  if (!text_seen(&s->seen, "gravity")) {
+    return;
+  }
+  if (text_seen(&model.seen, "gravity") || fabs((double)own[0]) + fabs((double)own[1]) + fabs((double)own[2]) > 0) {
+    model_at(t, "gravity");
+    text_fail(t, "gravity of a body under that of the scene");
+  }
+  text_note(t, &model.seen, "gravity");
+  scene_reals(model.level.gravity, s->gravity, 3);
+  if (fabs(s->gravity[0]) + fabs(s->gravity[1]) + fabs(s->gravity[2]) > 0) {
+    model.level.effects |= FB_EFFECT_GRAVITY;
+  }
+}
+
+/* Modes that the start names are there. */
+static void scene_check_modes(text_file *t, const scene *s, const scene_body *body)
+{
+  const int n = s->is_exact ? 0 : body->shape.n;
+  for (int k = n + 1; k <= FB_MAX_MODES && !t->failed; k++) {
+    const int line = scene_seen_numbered(&body->seen, "start_mode", k);
+    if (line > 0) {
+      t->line = line;
+      text_fail(t, s->is_exact ? "an exact beam has no modes" : "the body has %d modes", n);
+    }
+  }
+}
+
+/* What `auto` needs. */
+static void scene_check_auto(text_file *t, const scene_body *body)
+{
+  if (body->n_node < 2) {
+    scene_refuse(t, &body->seen, "auto", "wants a node, whose displacement is to be right");
+  }
+}
+
+static void scene_check_exact_body(text_file *t, const scene *s, const scene_body *body)
+{
+  scene_refuse(t, &body->seen, "auto", "is that of bodies with modes");
+  scene_refuse(t, &body->seen, "gauge", "is that of beams with modes");
+  scene_refuse(t, &body->seen, "modes", "of an exact beam are not printed here: measure them");
+  if (text_seen(&s->seen, "gravity")) {
+    scene_refuse(t, &body->seen, "gravity", "of a body under that of the scene");
+  }
+  scene_check_modes(t, s, body);
+  if (s->mixed.desc.root == FB_END_CLAMPED || s->mixed.desc.root == FB_END_DEFAULT) {
+    scene_refuse(t, &body->seen, "start_velocity", "of a clamped root: it moves as `motion` says");
+    scene_refuse(t, &body->seen, "start_spin", "of a clamped root: it moves as `motion` says");
+  }
+}
+
+/* ---- bodies alone, at the end of the file */
+
+static void scene_check_single(text_file *t, const scene *s)
+{
+  const scene_body *const body = &s->body[0];
+  const fb_base base = body->level.base;
+  const int modal = body->shape.n > 0 || !s->is_exact;
+  scene_refuse(t, &s->seen, "method", "is that of bodies on joints");
+  if (modal && base == FB_BASE_FREE && !(body->shape.mass > FB_R(0.0))) {
+    t->line = body->line;
+    text_fail(t, "body %s is free and has no mass", body->name);
+  }
+  if (modal && base != FB_BASE_PRESCRIBED) {
+    scene_refuse(t, &s->seen, "motion", "wants a body with `base prescribed`");
+  }
+  if (modal && base != FB_BASE_FREE) {
+    scene_refuse(t, &body->seen, "start_velocity",
+                 base == FB_BASE_PRESCRIBED ? "of a prescribed base: it moves as `motion` says"
+                                            : "of a base that stays where it is");
+  }
+  if (modal &&
+      (base == FB_BASE_PRESCRIBED || (base == FB_BASE_HINGED && fabs(body->spin[0]) + fabs(body->spin[1]) > 0))) {
+    scene_refuse(t, &body->seen, "start_spin",
+                 base == FB_BASE_PRESCRIBED ? "of a prescribed base: it moves as `motion` says"
+                                            : "of a hinged base is about z");
+  }
+}
+
+/* ---- bodies on joints */
+
+/* Words of the start that the joint a body hangs by has no use for. */
+static void scene_check_start(text_file *t, const scene *s, const scene_joint *joint)
+{
+  const scene_body *const body = &s->body[joint->desc.child];
+  const int moves = joint->desc.mode[0] == FB_AXIS_FREE;
+  const fb_joint_kind kind = joint->desc.kind;
+  if (kind != FB_JOINT_FREE) {
+    scene_refuse(t, &body->seen, "start_position", "of a body on a joint: its joints place it");
+    scene_refuse(t, &body->seen, "start_velocity", "of a body on a joint: its joints move it");
+  }
+  if (kind != FB_JOINT_FREE && kind != FB_JOINT_SPHERICAL) {
+    scene_refuse(t, &body->seen, "start_attitude", "of a body on a joint: its joints turn it");
+    scene_refuse(t, &body->seen, "start_spin", "of a body on a joint: its joints turn it");
+  }
+  if (!moves) {
+    scene_refuse(t, &body->seen, "start_velocity", "on a joint that is not free");
+    scene_refuse(t, &body->seen, "start_spin", "on a joint that is not free");
+  }
+}
+
+/* Does an event change the axis to that mode? */
+static int scene_event_makes(const scene *s, int joint, int axis, fb_axis_mode mode)
+{
+  const int all = scene_axes(&s->joint[joint]) > 2;
+  for (int k = 0; k < s->n_event; k++) {
+    if (s->event[k].joint == joint && (all || s->event[k].axis == axis) && s->event[k].mode == mode) {
+      return 1;
+    }
+  }
+  return 0;
+}
+
+/* A value has no jumps. */
+static int scene_jumps(const function *f)
+{
+  return f->kind == FUNCTION_STEP || f->kind == FUNCTION_PULSE;
+}
+
+/* A motor wants an axis that is free, a value or rate one that is prescribed: at the start, or by an event. */
+static void scene_check_drive(text_file *t, const scene *s, const scene_drive *drive)
+{
+  const scene_joint *const joint = &s->joint[drive->joint];
+  const int all = scene_axes(joint) > 2, axis = all ? 0 : drive->axis;
+  const fb_axis_mode wanted = drive->kind == SCENE_MOTOR ? FB_AXIS_FREE : FB_AXIS_PRESCRIBED;
+  t->line = drive->line;
+  if (joint->desc.mode[axis] != wanted && !scene_event_makes(s, drive->joint, axis, wanted)) {
+    text_fail(t, drive->kind == SCENE_MOTOR ? "a motor on an axis that is not free"
+                                            : "a value or rate on an axis that is not prescribed");
+  }
+  if (drive->kind == SCENE_VALUE && scene_jumps(&drive->f)) {
+    text_fail(t, "a value must not jump: take ramp or smooth");
+  }
+  if (drive->kind == SCENE_VALUE && scene_seen_numbered(&joint->seen, "start", axis + 1)) {
+    text_fail(t, "a value on an axis with a start: one of them, or rate");
+  }
+  for (int k = 0; k < s->n_drive && drive->kind == SCENE_VALUE; k++) {
+    if (s->drive[k].joint == drive->joint && s->drive[k].axis == axis && s->drive[k].kind == SCENE_SPEED) {
+      text_fail(t, "value and rate of the same axis: one of them");
+    }
+  }
+}
+
+/* Speeds at the start are those of axes that are free. */
+static void scene_check_speeds(text_file *t, const scene_joint *joint)
+{
+  for (int axis = 0; axis < 2; axis++) {
+    const int line = scene_seen_numbered(&joint->seen, "speed", axis + 1);
+    if (line > 0 && joint->desc.mode[axis] != FB_AXIS_FREE) {
+      t->line = line;
+      text_fail(t, "a speed at the start of an axis that is not free");
+    }
+  }
+}
+
+static void scene_check_system(text_file *t, const scene *s)
+{
+  scene_refuse(t, &s->seen, "motion", "is that of a single body's base; prescribe a joint instead");
+  if (s->scheme != FB_SCHEME_RK4 && s->scheme != FB_SCHEME_SDIRK) {
+    scene_refuse(t, &s->seen, "scheme", "of bodies on joints is rk4 or sdirk");
+  }
+  for (int k = 0; k < s->n_joint; k++) {
+    if (!s->joint[k].loop) {
+      scene_check_start(t, s, &s->joint[k]);
+    }
+    scene_check_speeds(t, &s->joint[k]);
+  }
+  for (int k = 0; k < s->n_drive; k++) {
+    scene_check_drive(t, s, &s->drive[k]);
+  }
+}
+
+/* ---- the whole */
+
+/* Bodies on joints; else one body alone. */
+static int scene_is_system(const scene *s)
+{
+  return s->n_body > 1 || s->n_joint > 0;
+}
+
+static void scene_check_measures(text_file *t, const scene *s)
+{
+  for (int k = 0; k < s->n_measure; k++) {
+    const scene_measure *const m = &s->measure[k];
+    t->line = m->line;
+    if (m->kind >= SCENE_FREQUENCY && s->method == FB_METHOD_MULTIPLIERS) {
+      text_fail(t, "frequency and growth want joints by method recursive or dense: multipliers has no spectrum");
+    }
+    if (m->kind < SCENE_FREQUENCY && m->after > s->duration) {
+      text_fail(t, "after %g s: the duration is %g s", m->after, s->duration);
+    }
+  }
+}
+
+static void scene_check_settings(text_file *t, const scene *s)
+{
+  for (int k = 0; k < s->n_set; k++) {
+    int there = 0;
+    for (int i = 0; i < s->n_parameter; i++) {
+      there |= strcmp(s->set[k].name, s->parameter[i].name) == 0;
+    }
+    if (!there) {
+      text_fail(t, "no parameter has the name %s, which is to be set", s->set[k].name);
+    }
+  }
+}
+
+/* What only the whole file tells: first what has no line of its own. */
+static void scene_check(text_file *t, scene *s)
+{
+  t->line = 0;
+  if (s->n_body == 0) {
+    text_fail(t, "a scene wants a body");
+  }
+  if (!(s->duration > 0) && !s->trim) {
+    text_fail(t, "a scene wants a duration, or to trim");
+  }
+  scene_check_settings(t, s);
+  for (int k = 0; k < s->n_joint; k++) {
+    s->joint[k].at += s->joint[k].loop ? s->n_body : 0;
+  }
+  if (s->is_exact && scene_is_system(s)) {
+    text_fail(t, "an exact beam stands alone");
+  }
+  if (s->n_output == 0 && !t->failed) {
+    scene_default_outputs(t, s);
+  }
+  s->interval = s->interval > 0 ? s->interval : s->duration / 1000;
+  if (s->duration > 1e7 * s->interval) {
+    text_fail(t, "more than 1e7 intervals of %g s", s->interval);
+  }
+  if (!t->failed) {
+    (scene_is_system(s) ? scene_check_system : scene_check_single)(t, s);
+    scene_check_measures(t, s);
+  }
+}
+#endif

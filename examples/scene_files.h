@@ -1,0 +1,87 @@
+/* scene_files.h - before a run: what it is to write can be written, and is neither the scene nor each other. Include
+   options.h, plot.h and scene_run.h first. Wants stat: define _POSIX_C_SOURCE 200809L. */
+#ifndef SCENE_FILES_H
+#define SCENE_FILES_H
+#include <sys/stat.h>
+
+typedef struct scene_out {
+  const char *option, *name; /* name NULL: not asked for */
+  int made;                  /* it was not there before */
+} scene_out;
+
+static int scene_is_file(const char *name, struct stat *at)
+{
+  return stat(name, at) == 0 && S_ISREG(at->st_mode);
+}
+
+static int scene_same_file(const char *a, const char *b)
+{
+  struct stat at_a, at_b;
+  return scene_is_file(a, &at_a) && scene_is_file(b, &at_b) && at_a.st_dev == at_b.st_dev && at_a.st_ino == at_b.st_ino;
+}
+
+/* Opens file k of the list to append nothing: 0, or 2 after a message. */
+static int scene_try_file(scene_out *out, int k, const char *scene_name)
+{
+  struct stat at;
+  char what[128];
+  const int there = stat(out[k].name, &at) == 0;
+  FILE *const file = scene_same_file(out[k].name, scene_name) ? NULL : fopen(out[k].name, "a");
+  if (!file) {
+    snprintf(what, sizeof what, "%s: %s", out[k].option,
+             scene_same_file(out[k].name, scene_name) ? "that is the scene itself" : strerror(errno));
+    return fail(what, out[k].name);
+  }
+  fclose(file);
+  out[k].made = !there;
+  for (int i = 0; i < k; i++) {
+    if (out[i].name && scene_same_file(out[i].name, out[k].name)) {
+      snprintf(what, sizeof what, "%s and %s are the same file", out[i].option, out[k].option);
+      return fail(what, out[k].name);
+    }
+  }
+  return 0;
+}
+
+/* The folder of frames, without those of an earlier run. */
+static int scene_empty_folder(const char *folder)
+{
+  char name[512];
+  if (mkdir(folder, 0777) != 0 && errno != EEXIST) {
+    return fail("cannot make the folder", folder);
+  }
+  for (int k = 0; k < SCENE_FRAMES; k++) {
+    scene_frame_name(name, sizeof name, folder, k);
+    remove(name);
+  }
+  return 0;
+}
+
+/* 0, or 2 after a message; curves: some are drawn beside --out. What was not there is not there afterwards. */
+static int scene_files_check(const char *scene_name, const scene_options *o, int curves)
+{
+  char svg[512], frame[512];
+  scene_out out[] = {{"--out", o->csv, 0},
+                     {"curves of --out", o->csv && curves ? svg : NULL, 0},
+                     {"--picture", o->picture, 0},
+                     {"--animation", o->animation, 0},
+                     {"--frames", o->frames ? frame : NULL, 0}};
+  const int n = (int)(sizeof out / sizeof *out);
+  int status = o->frames ? scene_empty_folder(o->frames) : 0;
+  if (o->csv) {
+    other_name(svg, sizeof svg, o->csv, ".svg");
+  }
+  if (o->frames) {
+    scene_frame_name(frame, sizeof frame, o->frames, 0);
+  }
+  for (int k = 0; k < n && status == 0; k++) {
+    status = out[k].name ? scene_try_file(out, k, scene_name) : 0;
+  }
+  for (int k = 0; k < n; k++) {
+    if (out[k].made) {
+      remove(out[k].name);
+    }
+  }
+  return status;
+}
+#endif
