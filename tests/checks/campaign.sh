@@ -170,6 +170,12 @@ grep -q "is not what it was" "$out/changed.log" || fail "a scene that is changed
 expect 2 $campaign "$out/other/quick.txt" --set "work 20" --out "$out/changed.csv"
 says 'it says `scene '
 
+# the longest list, of numbers that are far longer in the journal than on the line
+expect 0 $campaign --scene "$out/beam.txt" --vary "force list $(seq -s ' ' -f '%g/70' 256)" --out "$out/list.csv" --pictures 0
+says "256 runs: 256 ok"
+expect 0 $campaign --scene "$out/beam.txt" --vary "force list $(seq -s ' ' -f '%g/70' 256)" --out "$out/list.csv" --pictures 0
+says "256 of 256 runs are in"
+
 # malformed campaigns
 count=0
 while IFS='|' read -r lines where why; do
