@@ -102,8 +102,9 @@ try gcc $c99 -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -o "$
 try "$out/draws"
 
 # 1, 2, 3 processes
-expect 1 $campaign "$quick" --jobs 1 --out "$out/one.csv"
+expect 1 $campaign "$quick" --jobs 1 --out "$out/one.csv" --require "most above 0"
 says "60 runs: 36 ok, 12 refused, 12 failed"
+says "most above 0: 36 of 36 runs that are ok"
 [ "$(grep -c ',refused,"[^"]*beam.txt:' "$out/one.csv")" = 12 ] || fail "refused rows do not tell the line: $(grep refused "$out/one.csv")"
 [ "$(grep -c ',failed,"' "$out/one.csv")" = 12 ] || fail "failed rows have no reason"
 for jobs in 2 3; do
