@@ -2418,7 +2418,31 @@ TEST(the_check_word_sees_every_flipped_bit)
   FBT_INT_EQ(memcmp(&rate, &again, sizeof rate), 0);
 }
 
-SUITE(body, RUN(the_check_word_sees_every_flipped_bit), RUN(a_strain_gauge_reads_the_bending_moment),
+/* A row of Lambda without a term, which no flip of a single bit makes: its index is a place that a step writes to. */
+TEST(rows_without_terms_are_refused)
+{
+  static fb_body spoiled;
+  static const fb_real r[3] = {1, 2, 3}, inertia[6] = {3, 4, 5}, psi[6] = {0, 1, 0, 0, 0, 1};
+  fb_body_desc desc;
+  memset(&desc, 0, sizeof desc);
+  desc.effects = FB_EFFECTS_SPIN;
+  FBT_INT_EQ(fb_shape_init(&shape, 2), FB_OK);
+  FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(9.0), r, inertia), FB_OK);
+  FBT_INT_EQ(fb_shape_add_particle(&shape, FB_R(1.0), r, psi, NULL), FB_OK);
+  shape.K[0] = shape.K[3] = FB_R(4.0);
+  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
+  FBT_INT_EQ(fb_body_check(&body), FB_OK);
+  FBT_TRUE(body.n_row > 0 && body.n_row < 6);
+  spoiled = body;
+  for (int k = spoiled.n_row++; k > 0; k--) {
+    spoiled.lambda_row[k] = spoiled.lambda_row[k - 1];
+  }
+  spoiled.lambda_row[0].i = 60000;
+  spoiled.lambda_row[0].end = 0;
+  FBT_INT_EQ(fb_body_check(&spoiled), FB_ERR_VALUE);
+}
+
+SUITE(body, RUN(rows_without_terms_are_refused), RUN(the_check_word_sees_every_flipped_bit), RUN(a_strain_gauge_reads_the_bending_moment),
       RUN(hopkins_element_has_the_exact_integrals), RUN(finite_element_models_are_the_beams_they_came_from),
       RUN(joined_halves_are_the_whole), RUN(joined_components_converge_and_refuse),
       RUN(shape_integrals_obey_the_vector_identities), RUN(inertial_identities_hold_as_published),
