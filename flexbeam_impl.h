@@ -6936,6 +6936,10 @@ static int fbi_lambda_is_sound(const fb_body *body)
       sound = fbi_is_within(body->n_lambda, FBI_MAX_LAMBDA) && fbi_is_within(body->n_lambda_constant, body->n_lambda) &&
               fbi_is_within(body->n_linear_constant, body->n_lambda_constant) &&
               fbi_is_within(body->n_linear, body->n_lambda - body->n_lambda_constant) && fbi_is_within(body->n_row, 6);
+  for (int k = 0; sound && k < body->n_row; k++) { /* each has a term */
+    sound = body->lambda_row[k].i < 6 &&
+            body->lambda_row[k].end > (k > 0 ? body->lambda_row[k - 1].end : body->n_lambda_constant);
+  }
   for (int k = 0; sound && k < body->n_lambda; k++) {
     const fb_lambda_term *t = &body->lambda[k];
     const int constant = k < body->n_lambda_constant;
@@ -13139,6 +13143,11 @@ FB_DEF fb_status fb_exponential_check(const fb_exponential *scheme, const fb_bod
   if (!fbi_is_within(n, FB_MAX_MODES) || !fbi_is_within(scheme->n_axial, n)) {
     return FB_ERR_CAPACITY;
   }
+#if FB_WITH_NONLINEAR_STRAIN
+  if (!fbi_is_within(body->n_strain, FBI_MAX_STRAINS)) {
+    return FB_ERR_CAPACITY;
+  }
+#endif
   sound = scheme->dt > FB_R(0.0) && scheme->dt < FB_HUGE && fbi_is_finite(scheme->X, n * n) &&
           fbi_is_finite(scheme->MX, n * n) && fbi_is_finite(scheme->omega2, n);
   for (int k = 0; sound && k < 5; k++) {

@@ -8,7 +8,7 @@
 #include "campaign_case.h"
 #include <fcntl.h>
 
-#define LEDGER_LINE 4096
+#define LEDGER_LINE 8192 /* more than a list of CAMPAIGN_VALUES takes */
 #define LEDGER_HEAD 65536
 
 typedef struct ledger {

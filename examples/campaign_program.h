@@ -23,7 +23,7 @@ static const char campaign_help[] =
     "  vary NAME list V1 V2 ..  |  grid A B N                        every combination of them\n"
     "  set NAME VALUE        another value for all runs\n"
     "  correlate NAME NAME R draws of normal (the logarithms of lognormal) parameters, -1 < R < 1\n"
-    "  require MEASURE above|below LIMIT  how many runs meet it is told\n"
+    "  require MEASURE above|below LIMIT  how many of the runs that are ok meet it is told\n"
     "  latin                 each of N equally likely intervals of a drawn parameter is met by one of N runs\n"
     "  seed S                of the draws, 0 to 2^53 (1)\n"
     "  cpu_limit S           processor time of a run [s] (3600)\n"

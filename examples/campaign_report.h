@@ -213,7 +213,8 @@ static void report_moments(const report *r)
   }
 }
 
-/* The part of all runs that meets a requirement, with the limits between which it is in 19 of 20 cases (Wilson, 1927). */
+/* The part of the runs that are ok that meets a requirement, with the limits between which it is in 19 of 20 cases (Wilson,
+   1927). What the others would have measured nobody knows: they are counted apart. */
 static void report_requirement(const report *r, int k)
 {
   const campaign *c = r->l->c;
@@ -225,7 +226,7 @@ static void report_requirement(const report *r, int k)
   }
   middle = (met + 0.5 * z * z) / (n + z * z);
   half = z / (n + z * z) * sqrt(met * (n - met) / n + 0.25 * z * z);
-  printf("\n%s %s %g: %.0f of %d runs, %.1f %% (%.1f to %.1f %%)", c->require[k].measure,
+  printf("\n%s %s %g: %.0f of %d runs that are ok, %.1f %% (%.1f to %.1f %%)", c->require[k].measure,
          c->require[k].above ? "above" : "below", limit, met, r->n, 100 * met / n, 100 * (middle - half),
          100 * (middle + half));
 }

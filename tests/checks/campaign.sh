@@ -102,8 +102,9 @@ try gcc $c99 -O1 -g -fsanitize=address,undefined -fno-sanitize-recover=all -o "$
 try "$out/draws"
 
 # 1, 2, 3 processes
-expect 1 $campaign "$quick" --jobs 1 --out "$out/one.csv"
+expect 1 $campaign "$quick" --jobs 1 --out "$out/one.csv" --require "most above 0"
 says "60 runs: 36 ok, 12 refused, 12 failed"
+says "most above 0: 36 of 36 runs that are ok"
 [ "$(grep -c ',refused,"[^"]*beam.txt:' "$out/one.csv")" = 12 ] || fail "refused rows do not tell the line: $(grep refused "$out/one.csv")"
 [ "$(grep -c ',failed,"' "$out/one.csv")" = 12 ] || fail "failed rows have no reason"
 for jobs in 2 3; do
@@ -169,6 +170,12 @@ end 2
 grep -q "is not what it was" "$out/changed.log" || fail "a scene that is changed under way is not noticed"
 expect 2 $campaign "$out/other/quick.txt" --set "work 20" --out "$out/changed.csv"
 says 'it says `scene '
+
+# the longest list, of numbers that are far longer in the journal than on the line
+expect 0 $campaign --scene "$out/beam.txt" --vary "force list $(seq -s ' ' -f '%g/70' 256)" --out "$out/list.csv" --pictures 0
+says "256 runs: 256 ok"
+expect 0 $campaign --scene "$out/beam.txt" --vary "force list $(seq -s ' ' -f '%g/70' 256)" --out "$out/list.csv" --pictures 0
+says "256 of 256 runs are in"
 
 # malformed campaigns
 count=0

@@ -240,7 +240,7 @@ void hard_massless(int brief)
     }
   }
   pendulum(1, FB_METHOD_MULTIPLIERS);
-  row.naive_figure = fb_system_init(&mechanism, &work, model, 3, &desc) == FB_OK ? 0.0 : HUGE_VAL;
+  row.naive_figure = fb_system_init(&mechanism, &work, model, 3, &desc) == FB_ERR_SINGULAR ? HUGE_VAL : 0.0;
   hard_report(&row);
 }
 
