@@ -42,7 +42,7 @@ help:
 	@echo "make bench-campaign  runs per second of a campaign by number of processes and of MPI ranks"
 	@echo "make bench-peers  the LU beside LAPACK's, the schemes beside SUNDIALS': needs both; build/bench_peers_*.csv"
 	@echo "make sizes     instructions, code, RAM and time of a step by modes and effects on two boards; bytes of all structs"
-	@echo "make fuzz      hostile input at random, by libFuzzer: FUZZ_SECONDS=60 for each of three harnesses (tests/fuzz)"
+	@echo "make fuzz      hostile input at random, by libFuzzer: FUZZ_SECONDS=60 for each of four harnesses (tests/fuzz)"
 	@echo "make readme    regenerate the tables, the program and the picture of README.md (wants gnuplot, valgrind)"
 	@echo "make ci        every check beside make test: compilers, standards, sanitizers, symbols, stack, instructions, style, ..."
 	@echo "make check-X   one of them: $(sort $(CHECKS))"

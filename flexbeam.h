@@ -1079,9 +1079,9 @@ FB_API fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape 
    finite, S_0 positive definite: for memory that may have changed by itself. A body that passes takes no step, whatever
    else is wrong with it, beyond its tables; a number that is finite but wrong passes, too. FB_ERR_CAPACITY, FB_ERR_VALUE. */
 FB_API fb_status fb_body_check(const fb_body *body);
-/* Check word of a body of the momentum form without nonlinear strain: CRC-32 (IEEE 802.3) over all that a step reads, in
-   the order of its meaning, without padding and unused room. Keep it beside the model, compare in flight: a single
-   flipped bit changes it. It depends on FB_SINGLE, not on the capacities. 0: a body that fb_body_check refuses. */
+/* Check word of a body: CRC-32 (IEEE 802.3) over all that a step reads, in the order of its meaning, without padding and
+   unused room. Keep it beside the model, compare in flight: a single flipped bit changes it. It depends on FB_SINGLE, not
+   on the capacities. 0: counts beyond the tables (whether the numbers are sound, fb_body_check says). */
 FB_API unsigned fb_body_crc(const fb_body *body);
 
 typedef struct fb_state { /* all that changes; assignment is a snapshot */

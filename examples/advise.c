@@ -181,6 +181,9 @@ static int check_options(options *o)
   if (!held && (s->spin_rate > 0 || !is_zero(s->acceleration))) {
     return fail("--spin-rate and --acceleration are for a prescribed base", "");
   }
+  if (held && s->sample * scene_base_steps(s) > SCENE_STEPS) {
+    return fail("the base turns or the drive swings too often in this duration to be followed", "--duration");
+  }
   if (s->spin_rate > 0 && is_zero(s->spin)) {
     return fail("--spin-rate wants the spin that it leads to", "--spin");
   }

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #define SCENE_SAMPLES 512
+#define SCENE_STEPS 1e6 /* at most between samples, of the body and of its base */
 
 typedef struct scene {
   fb_body_desc level;     /* base, damping, gravity (along the body's axes as it starts) */
@@ -67,12 +68,18 @@ static void scene_base_rate(double v_dot[3], const scene *s, double t, const dou
   }
 }
 
-/* The base up to a later time, in steps that its turning and its drive call for. */
-static void scene_base_advance(scene_base *base, const scene *s, double to)
+/* Steps per second that the base's turning and its drive call for. */
+static double scene_base_steps(const scene *s)
 {
   const double fastest = fabs(s->spin[0]) + fabs(s->spin[1]) + fabs(s->spin[2]) +
                          (s->frequency < HUGE_VAL ? s->frequency : 0) + 10 / s->duration;
-  const int n = 1 + (int)((to - base->t) * fastest / 0.05);
+  return fastest / 0.05;
+}
+
+/* The base up to a later time. */
+static void scene_base_advance(scene_base *base, const scene *s, double to)
+{
+  const int n = 1 + (int)((to - base->t) * scene_base_steps(s));
   const double h = (to - base->t) / n;
   for (int step = 0; step < n; step++) {
     double rate[4][3], v[3];
@@ -132,9 +139,9 @@ static fb_status scene_start(fb_state *state, const fb_body *body, const scene *
   return status ? status : fb_state_from_velocity(body, state, still, held ? input->w : spin, NULL);
 }
 
-/* Runs a body with `steps` steps between samples; each goes to `note`. */
+/* Runs a body with `steps` steps between samples; each goes to `note`. FB_ERR_VALUE: more than SCENE_STEPS. */
 static fb_status
-scene_run(const scene *s, const fb_body *body, fb_scheme scheme, int steps,
+scene_run(const scene *s, const fb_body *body, fb_scheme scheme, double steps_wanted,
           fb_status (*note)(void *user, const fb_body *body, const fb_state *state, const fb_input *input), void *user)
 {
   static stepper by;
@@ -142,8 +149,13 @@ scene_run(const scene *s, const fb_body *body, fb_scheme scheme, int steps,
   static fb_input at[3];
   fb_state state;
   scene_base base = {0};
+  const int steps = (int)fmin(steps_wanted, SCENE_STEPS);
   const double dt = s->sample / steps;
   fb_status status;
+  if (!(steps_wanted <= SCENE_STEPS) ||
+      (s->level.base == FB_BASE_PRESCRIBED && !(s->sample * scene_base_steps(s) <= SCENE_STEPS))) {
+    return FB_ERR_VALUE;
+  }
   memset(at, 0, sizeof at);
   scene_input(&at[2], &base, s, 0);
   status = scene_start(&state, body, s, &at[2]);
@@ -236,7 +248,7 @@ static fb_status scene_simulate(const scene *s, fb_real *out, const fb_shape *sh
   static fb_shape selected;
   static fb_body body;
   static fb_body_work work;
-  const int steps = (int)ceil(s->sample / (double)advice->dt * (1 - 1e-6));
+  const double steps = ceil(s->sample / (double)advice->dt * (1 - 1e-6));
   scene_record record = {s, out, 0};
   fb_body_desc level = s->level;
   fb_status status = fb_shape_select(&selected, shape, advice->coordinate, advice->n);

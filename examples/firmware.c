@@ -221,8 +221,13 @@ static void tell(const char *what, uint32_t value)
 int main(void)
 {
   result without, with;
-  fb_status status = run(&without, 0);
+  fb_status status;
   int well;
+  if (fb_body_crc(&satellite) != satellite_crc) {
+    board_print("the model in memory is not the one that was made\n");
+    return 1;
+  }
+  status = run(&without, 0);
   status = status ? status : run(&with, 1);
   if (status != FB_OK) {
     board_print(fb_status_string(status));

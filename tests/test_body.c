@@ -2399,15 +2399,15 @@ TEST(the_check_word_sees_every_flipped_bit)
   shape.K[0] = shape.K[3] = FB_R(4.0);
   FBT_INT_EQ(fb_body_init(&body, scratch, &shape, &desc), FB_OK);
   word = fb_body_crc(&body);
-  unseen = body;
+  flipped = unseen = body;
   for (size_t k = 0; k < 8 * sizeof body; k++) {
-    flipped = body;
     bits[k / 8] = (unsigned char)(bits[k / 8] ^ (1u << k % 8));
     if (fb_body_crc(&flipped) == word) {
       rest[k / 8] = (unsigned char)(rest[k / 8] ^ (1u << k % 8));
     } else {
       seen++;
     }
+    bits[k / 8] = (unsigned char)(bits[k / 8] ^ (1u << k % 8));
   }
   FBT_TRUE(word != 0 && seen > 8 * 100 * (int)sizeof(fb_real));
   FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);

@@ -1021,6 +1021,48 @@ TEST(half_an_inertia_is_refused)
   refused(FB_ERR_EFFECTS); /* no stations */
 }
 
+/* Bits of the body that may flip without a change of its check word. */
+static int bits_unseen(void *at, size_t size)
+{
+  const unsigned word = fb_body_crc(&body);
+  unsigned char *const byte = (unsigned char *)at;
+  int unseen = 0;
+  for (size_t bit = 0; bit < 8 * size; bit++) {
+    byte[bit / 8] = (unsigned char)(byte[bit / 8] ^ (1u << bit % 8));
+    unseen += fb_body_crc(&body) == word;
+    byte[bit / 8] = (unsigned char)(byte[bit / 8] ^ (1u << bit % 8));
+  }
+  return word == 0 ? (int)size : unseen;
+}
+
+/* E8.40: the tables of nonlinear strain and of the other forms. */
+TEST(the_check_word_sees_every_form)
+{
+  static const scene short_one = {1, 3, 0, 1, 0};
+  static const fb_form form[] = {FB_FORM_MOMENTUM, FB_FORM_SECOND, FB_FORM_FIRST};
+  scene_shape(&short_one, BENDING, 1);
+  desc_clear();
+  for (int k = 0; k < FBT_COUNT(form); k++) {
+    scene_body(form[k], FB_TORQUE_IDENTITY, FB_BASE_FREE, FB_EFFECTS_STRAIN);
+    FBT_TRUE(body.n_strain > 0 && body.n_strain_row > 0 && (body.n_gam > 0) == (form[k] == FB_FORM_FIRST));
+    FBT_INT_EQ(bits_unseen(body.strain_weight, (size_t)body.n_strain * sizeof(fb_real)), 0);
+    FBT_INT_EQ(bits_unseen(body.strain_row[1].slope, (size_t)body.n_strain * sizeof(fb_real)), 0);
+    FBT_INT_EQ(bits_unseen(&body.strain_row[1].axis, 2 * sizeof body.strain_row[1].axis), 0);
+    FBT_INT_EQ(bits_unseen(&body.quartic, 3 * sizeof body.quartic), 0);
+    FBT_INT_EQ(bits_unseen(&body.form, sizeof body.form), 0);
+    if (form[k] != FB_FORM_MOMENTUM) {
+      FBT_INT_EQ(bits_unseen(&body.stiffness_torque, 6 * sizeof(int)), 0); /* up to n_torque */
+      FBT_INT_EQ(bits_unseen(body.M_rr, sizeof body.M_rr), 0);
+    }
+    for (int t = 0; t < body.n_gam; t++) {
+      FBT_INT_EQ(bits_unseen(&body.gam[t].c, sizeof body.gam[t].c), 0);
+    }
+    for (int t = 0; t < body.n_torque; t++) {
+      FBT_INT_EQ(bits_unseen(&body.torque[t].c, sizeof body.torque[t].c), 0);
+    }
+  }
+}
+
 /* Stations: more than fit, a beam without axial stiffness, missing things. */
 TEST(strain_stations_refuse_bad_input)
 {
@@ -1046,4 +1088,4 @@ SUITE(forms, RUN(strain_forces_are_the_gradient_of_the_energy), RUN(gauss_rules_
       RUN(truncated_torques_agree_on_a_closed_basis), RUN(second_order_form_is_the_printed_one),
       RUN(spin_up_follows_the_references_of_each_form), RUN(two_elements_of_degree_6_are_converged),
       RUN(work_of_the_torque_is_the_energy), RUN(truncation_does_what_the_paper_shows), RUN(half_an_inertia_is_refused),
-      RUN(strain_stations_refuse_bad_input))
+      RUN(strain_stations_refuse_bad_input), RUN(the_check_word_sees_every_form))

@@ -1,5 +1,5 @@
-/* fuzz.h - bytes become numbers, counts and spoiled words; broken promises abort. With clang -fsanitize=fuzzer the library
-   calls LLVMFuzzerTestOneInput; compiled with -DREPLAY the program runs the files it is given. */
+/* fuzz.h - bytes become numbers, counts and spoiled words; broken promises abort. clang's -fsanitize=fuzzer brings the main
+   that calls LLVMFuzzerTestOneInput; given files, the program runs those alone. */
 #ifndef FUZZ_H
 #define FUZZ_H
 #include <limits.h>
@@ -105,24 +105,4 @@ static inline void promise(int kept_it, const char *what, const char *where)
     abort();
   }
 }
-
-#ifdef REPLAY
-int main(int argc, char **argv)
-{
-  static uint8_t data[1 << 16];
-  for (int k = 1; k < argc; k++) {
-    FILE *file = fopen(argv[k], "rb");
-    size_t size;
-    if (!file) {
-      fprintf(stderr, "%s cannot be read\n", argv[k]);
-      return 2;
-    }
-    size = fread(data, 1, sizeof data, file);
-    fclose(file);
-    (void)LLVMFuzzerTestOneInput(data, size);
-  }
-  printf("%d inputs\n", argc - 1);
-  return 0;
-}
-#endif
 #endif

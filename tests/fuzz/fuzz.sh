@@ -5,6 +5,7 @@
 set -eu
 : "${WARNINGS:?run it as: make fuzz}"
 seconds=$((${FUZZ_SECONDS:-60} / 2))
+level=$([ $seconds -lt 30 ] && echo -O0 || echo -O1) # a short look would be spent on compiling
 command -v clang > /dev/null || {
   echo "make fuzz wants clang with libFuzzer (Debian: apt-get install clang libclang-rt-14-dev, or the version of clang)"
   exit 1
@@ -12,11 +13,11 @@ command -v clang > /dev/null || {
 mkdir -p build/fuzz
 findings=0
 printf '%-8s %-9s %10s %8s %9s\n' harness precision executions edges findings
-for harness in api step import; do
+for harness in api step import scene; do
   for single in 0 1; do
     to=build/fuzz/$harness-$([ $single = 1 ] && echo single || echo double)
     mkdir -p "$to/corpus"
-    clang -std=c99 -I. -ffp-contract=off -O1 -g -DFB_SINGLE=$single -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all \
+    clang -std=c99 -I. -ffp-contract=off $level -g -DFB_SINGLE=$single -fsanitize=fuzzer,address,undefined -fno-sanitize-recover=all \
       -o "$to/run" tests/fuzz/$harness.c -lm > "$to/log" 2>&1 || {
       cat "$to/log"
       echo "no harness: libFuzzer is missing? (Debian: apt-get install libclang-rt-14-dev, or the version of clang)"

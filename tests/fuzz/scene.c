@@ -1,0 +1,90 @@
+/* The readers of scenes (examples/scene.h, with the CSV files they name) and of campaigns (examples/campaign.h), and what
+   is done with a scene that was read: its first few steps, or the choice of a step, its pictures. The first byte says
+   which reader: s a scene that runs, r one that is read alone, c a campaign. What follows is the file; what stands behind
+   a zero byte is any other file that it names. */
+#define _POSIX_C_SOURCE 200809L /* fmemopen */
+#include <stdio.h>
+
+static FILE *fuzz_file(const char *name, const char *mode); /* in place of fopen */
+#define fopen fuzz_file
+#include "../../examples/scene_run.h"
+#include "../../examples/campaign.h"
+#undef fopen
+#include "fuzz.h"
+
+static const uint8_t *file_data, *other_data;
+static size_t file_size, other_size;
+
+static FILE *fuzz_file(const char *name, const char *mode)
+{
+  const int other = strcmp(name, "FILE") != 0;
+  const uint8_t *const data = other ? other_data : file_data;
+  const size_t size = other ? other_size : file_size;
+  if (strcmp(mode, "r") != 0) {
+    return fopen("/dev/null", mode);
+  }
+  return size > 0 ? fmemopen((void *)(uintptr_t)data, size, "r") : NULL;
+}
+
+/* Four intervals of eight steps at most; where the step is left to the program, its choice. */
+static void run_scene(scene *s)
+{
+  static const scene_options all = {"x", "x", "x", "x", 3, NULL, NULL};
+  s->duration = fmin(s->duration, 4 * s->interval);
+  if (s->step > 0 || s->duration == 0) {
+    s->step = fmax(s->step, s->interval / 8);
+    (void)scene_run(s, &all);
+    return;
+  }
+  memset(&engine, 0, sizeof engine);
+  if (scene_build(s, &all) == 0 && scene_start(s) == FB_OK && scene_measure_spectrum(s) == 0) {
+    scene_choose(s, NULL);
+  }
+}
+
+static void read_scene(int run)
+{
+  static scene s;
+  if (scene_read(&s, "FILE", NULL, 0) != 0) {
+    promise(s.message[0], "refused without a reason", "a scene");
+  } else if (run) {
+    run_scene(&s);
+  }
+}
+
+/* Latin hypercubes of few runs: others want time and memory. */
+static void read_campaign(void)
+{
+  static campaign c;
+  double value[CAMPAIGN_VARY];
+  campaign_default(&c);
+  if (campaign_file(&c, "fuzz", "FILE") == 0) {
+    c.latin = c.latin && c.runs > 0 && c.runs < 1000;
+    if (campaign_complete(&c, "fuzz", "FILE") == 0) {
+      campaign_draw(&c, value, 0);
+      campaign_draw(&c, value, c.runs - 1);
+    }
+  }
+  for (int k = 0; k < c.n_vary; k++) {
+    free(c.vary[k].stratum);
+  }
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
+{
+  const uint8_t *end;
+  if (size < 2) {
+    return 0;
+  }
+  end = memchr(data + 1, 0, size - 1);
+  file_data = data + 1;
+  file_size = end ? (size_t)(end - file_data) : size - 1;
+  other_data = end ? end + 1 : NULL;
+  other_size = end ? size - (size_t)(other_data - data) : 0;
+  if (data[0] == 'c') {
+    read_campaign();
+  } else {
+    read_scene(data[0] == 's');
+  }
+  return 0;
+}
