@@ -705,6 +705,56 @@ TEST(redundant_loops_are_accepted)
   }
 }
 
+/* E9.11: two bodies on one axis, each on springs, dampers and motors of two joints of the tree and of two that close
+   loops, forwards and backwards: their accelerations, the power and the energy as Newton and Hooke have it. */
+TEST(springs_of_loops_pull_like_those_of_the_tree)
+{
+  static const int child[4] = {0, 1, 1, 0}, parent[4] = {-1, 0, -1, 1}; /* joints, then loops */
+  static const double k[4] = {3.0, 5.0, 7.0, 11.0}, c[4] = {0.3, 0.2, 0.5, 0.7}, rest[4] = {0.2, -0.1, 0.3, 0.15};
+  static const double motor[4] = {1.0, -2.0, 1.5, 0.7}, angle[2] = {0.4, 0.9}, rate_of[2] = {1.3, -0.8}, mass = 2.0;
+  for (int method = FB_METHOD_RECURSIVE; method <= FB_METHOD_MULTIPLIERS; method++) {
+    const double inertia[2] = {0.6 + mass * 0.09, 0.9};
+    double torque[2] = {0.0, 0.0}, power = 0.0, strain = 0.0;
+    fb_energy energy;
+    fresh();
+    rigid(&model[0], mass, 0.3, 0, 0, 0.4, 0.5, 0.6);
+    rigid(&model[1], mass, 0, 0, 0.2, 0.7, 0.8, 0.9);
+    hang(0, 0, FB_JOINT_REVOLUTE, FB_GROUND, 0);
+    hang(1, 1, FB_JOINT_REVOLUTE, 0, 0);
+    close_loop(FB_JOINT_REVOLUTE, FB_GROUND, 0, 1, 0);
+    close_loop(FB_JOINT_REVOLUTE, 1, 0, 0, 0);
+    for (int j = 0; j < 4; j++) {
+      fb_joint_desc *joint = j < 2 ? &desc.joint[j] : &desc.loop[j - 2];
+      const double value = angle[child[j]] - (parent[j] < 0 ? 0.0 : angle[parent[j]]);
+      const double speed = rate_of[child[j]] - (parent[j] < 0 ? 0.0 : rate_of[parent[j]]);
+      const double tau = motor[j] - k[j] * (value - rest[j]) - c[j] * speed;
+      joint->stiffness[0] = (fb_real)k[j];
+      joint->damping[0] = (fb_real)c[j];
+      joint->rest[0] = (fb_real)rest[j];
+      input.drive[j].torque[0] = (fb_real)motor[j];
+      if (j < 2) {
+        start[j].value[0] = (fb_real)value;
+        start[j].speed[0] = (fb_real)speed;
+      }
+      torque[child[j]] += tau;
+      if (parent[j] >= 0) {
+        torque[parent[j]] -= tau;
+      }
+      power += motor[j] * speed;
+      strain += 0.5 * k[j] * (value - rest[j]) * (value - rest[j]);
+    }
+    init((fb_method)method);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+    FBT_INT_EQ(fb_system_energy(&mechanism, model, &work, &energy, &state, &input), FB_OK);
+    for (int i = 0; i < 2; i++) {
+      FBT_NEAR_REL(motion.motion[i].w_dot[2], torque[i] / inertia[i], FBT_TOL(1e-12, 1e-5));
+    }
+    FBT_NEAR_REL(motion.power, power, FBT_TOL(1e-12, 1e-5));
+    FBT_NEAR_REL(energy.strain, strain, FBT_TOL(1e-12, 1e-5));
+  }
+}
+
 /* A flexible beam of p11's kind: length, mass per length, EI in the plane; z is out of the plane. */
 static void link_beam(fb_body *body, double length, double mass, double EI, double EA, int bending, int axial,
                       double deflection)
@@ -1698,12 +1748,13 @@ SUITE(system, RUN(systems_keep_energy_and_momentum), RUN(the_three_methods_agree
       RUN(accelerations_are_the_rates_of_velocities), RUN(systems_converge_with_the_order_of_the_scheme),
       RUN(tops_follow_the_references), RUN(systems_lose_nothing_by_short_steps),
       RUN(pendulums_of_rods_follow_their_equations), RUN(gimbal_has_the_published_eigenvalues),
-      RUN(redundant_loops_are_accepted), RUN(flexible_double_pendulum_follows_the_reference),
-      RUN(slider_crank_follows_the_reference), RUN(a_parallelogram_passes_its_flat_positions),
-      RUN(a_disc_rolls_steadily), RUN(a_knife_edge_draws_a_cycloid), RUN(contradictions_name_their_joint),
-      RUN(momenta_give_back_the_speeds), RUN(a_latch_conserves_momentum), RUN(springs_and_dampers_balance_energy),
-      RUN(joint_forces_carry_what_hangs_on_them), RUN(kept_joints_turn_all_the_way_round),
-      RUN(systems_refuse_what_is_not_right), RUN(every_joint_moves_as_it_should), RUN(a_cut_beam_behaves_as_the_whole),
+      RUN(redundant_loops_are_accepted), RUN(springs_of_loops_pull_like_those_of_the_tree),
+      RUN(flexible_double_pendulum_follows_the_reference), RUN(slider_crank_follows_the_reference),
+      RUN(a_parallelogram_passes_its_flat_positions), RUN(a_disc_rolls_steadily), RUN(a_knife_edge_draws_a_cycloid),
+      RUN(contradictions_name_their_joint), RUN(momenta_give_back_the_speeds), RUN(a_latch_conserves_momentum),
+      RUN(springs_and_dampers_balance_energy), RUN(joint_forces_carry_what_hangs_on_them),
+      RUN(kept_joints_turn_all_the_way_round), RUN(systems_refuse_what_is_not_right),
+      RUN(every_joint_moves_as_it_should), RUN(a_cut_beam_behaves_as_the_whole),
       RUN(system_steps_beyond_the_limit_are_refused), RUN(the_limit_of_a_linkage_is_in_closed_form),
       RUN(stiff_joints_take_long_steps), RUN(strained_bodies_converge_in_a_system),
       RUN(a_stretching_rod_carries_its_neighbor), RUN(attitudes_come_back_as_they_were),
