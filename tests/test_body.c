@@ -1278,6 +1278,8 @@ TEST(a_held_body_is_a_free_one_with_its_reactions)
     FBT_INT_EQ(fb_body_motion(&body, &motion, &held, &input), FB_OK);
     FBT_TRUE(fbt_largest(motion.reaction_force, 3) > 0.1 && fbt_largest(motion.v_dot, 3) == 0.0);
     FBT_TRUE((fbt_largest(motion.reaction_torque, 3) > 0.1) == (base[k] == FB_BASE_HINGED));
+    FBT_TRUE(motion.reaction_torque[2] == FB_R(0.0)); /* what is free has none, not even rounding */
+    FBT_TRUE((fbt_largest(motion.reaction_torque, 2) == 0.0) == (base[k] == FB_BASE_PINNED));
     boom_body(FB_EFFECTS_FULL | FB_EFFECT_GRAVITY, FB_BASE_FREE, node);
     loose = held;
     memcpy(v, motion.v, sizeof v);
@@ -1289,6 +1291,7 @@ TEST(a_held_body_is_a_free_one_with_its_reactions)
     memcpy(input.load[1].force, motion.reaction_force, sizeof input.load[1].force);
     memcpy(input.load[1].torque, motion.reaction_torque, sizeof input.load[1].torque);
     FBT_INT_EQ(fb_body_motion(&body, &free_motion, &loose, &input), FB_OK);
+    FBT_TRUE(fbt_largest(free_motion.reaction_force, 3) == 0.0 && fbt_largest(free_motion.reaction_torque, 3) == 0.0);
     FBT_BELOW(fbt_difference(free_motion.v_dot, motion.v_dot, 3), FBT_TOL(1e-12, 1e-3));
     FBT_BELOW(fbt_difference(free_motion.w_dot, motion.w_dot, 3), FBT_TOL(1e-12, 1e-3));
     FBT_BELOW(fbt_difference(free_motion.q_ddot, motion.q_ddot, BOOM_MODES), FBT_TOL(1e-11, 1e-2));
