@@ -1,8 +1,8 @@
 #!/bin/sh
 # Mutation check: the equations of flexbeam_impl.h are changed one at a time (mutants.awk tells how), the tests must notice.
 # sh tests/mutants/mutants.sh [SEED [COUNT]]: caught is a mutant that a test, or a check of the inside against outside figures
-# (tests/checks/jacobian.c, shape_rates.c), answers by a false claim, a crash or too much time, or that the tests run into what
-# check-sanitize forbids. Those that change nothing to be seen stand in equivalent.txt with the reason and count neither way; those
+# (tests/checks/jacobian.c, shape_rates.c), answers by a false claim, a crash or too much time, or that makes the tests of its
+# section leave an array, which check-sanitize forbids. Those that change nothing to be seen stand in equivalent.txt with the reason and count neither way; those
 # that do not compile, or to the same code, are passed over. All are compiled into one program (switch.awk), the environment
 # chooses. Restartable: build/mutants/caught is kept, survivors are tried again. Ends with a table by section, which is in
 # build/mutants/table-SEED.txt, too; fails below 95 %.
@@ -12,11 +12,11 @@ seed=${1:-1} count=${2:-200}
 here=tests/mutants out=build/mutants
 CC=${CC:-cc}
 flags="-std=c99 -ffp-contract=off -Og -w"
-sanitize="-fsanitize=address,undefined -fno-sanitize-recover=all"
+sanitize="-fsanitize=address,bounds -fno-sanitize-recover=all"
 tests="-DFBT_SHORT=1 -DFBT_STOP=1"
 tab=$(printf '\t')
 # cheap ones first
-sections="vec3 rotation linalg build status advise analyse integrate forms body system modes mixed beam"
+suites="vec3 rotation linalg build status advise analyse integrate forms body system modes mixed beam check-jacobian check-shape_rates"
 
 mkdir -p "$out/tree/tests"
 cp flexbeam.h "$out/tree"
@@ -33,28 +33,27 @@ build_main() { $CC $flags $tests -c -o "$1" "$out/tree/tests/test_main.c" 2> "$o
 # run SECONDS COMMAND...: fails by a claim, a crash or too much time of the processor
 run() { (ulimit -t "$1" && shift && exec "$@" > "$out/log" 2>&1) 2> "$out/crash"; }
 
-# seen_by SECTION: prints which suite or check notices the mutant that the environment names; nothing if none does.
-# Five times what the longest suite takes is too much.
+# command_of SUITE: its tests, or a check
+command_of() { case $1 in check-*) echo "$out/${1#check-}" ;; *) echo "$out/runner $1/" ;; esac; }
+
+# seen_by SECTION FUNCTION: prints which of those that call the function notices the mutant that the environment names; nothing
+# if none does. Five times what the longest takes is too much.
 seen_by() {
-  for suite in $1 $(echo $sections | tr ' ' '\n' | grep -v "^$1\$"); do
-    run 40 "$out/runner" "$suite/" || { echo "$suite"; return; }
-  done
-  for check in jacobian shape_rates; do
-    run 40 "$out/$check" || { echo "check-$check"; return; }
+  for suite in $1 $(echo $suites | tr ' ' '\n' | grep -v "^$1\$"); do
+    ! grep -q -x "$2" "$out/reached-$suite" || run 40 $(command_of "$suite") || { echo "$suite"; return; }
   done
 }
 
 # same_code: the mutant in the tree compiles to what the original does
 same_code() { build_main "$out/main.o" && cmp -s "$out/main.o" "$out/original.o"; }
 
-# sanitized: the tests run clean under the sanitizers, as check-sanitize wants it (long, survivors alone)
+# sanitized SECTION: its tests stay within all arrays, as check-sanitize wants it (slow: survivors alone)
 sanitized() {
   if [ ! -f "$out/sanitized" ]; then
     tree "$out/switch.h"
     $CC $flags $sanitize $tests -o "$out/sanitized" "$out"/tree/tests/test_*.c -lm
-    MUTANT=0 run 400 "$out/sanitized" || { cat "$out/log" >&2; exit 1; }
   fi
-  run 400 "$out/sanitized"
+  run 200 "$out/sanitized" "$1/"
 }
 
 for file in "$out"/tree/tests/test_*.c; do
@@ -74,7 +73,7 @@ awk -v seed="$seed" -f $here/mutants.awk "$out/original.h" | sort |
 cp "$out/drawn" "$out/compiling"
 for round in 1 2 3 4 5 6 7 8 9; do
   cut -f 1,6,8 "$out/compiling" > "$out/list"
-  awk -f $here/switch.awk "$out/list" "$out/original.h" > "$out/switch.h"
+  awk -v prelude=$here/switch.h -f $here/switch.awk "$out/list" "$out/original.h" > "$out/switch.h"
   tree "$out/switch.h"
   ! build_main "$out/main.o" || break
   [ "$round" -lt 9 ] || { cat "$out/errors"; exit 1; }
@@ -88,9 +87,9 @@ for check in jacobian shape_rates; do
   $CC $flags -I"$out/tree" -o "$out/$check" "tests/checks/$check.c" -lm
 done
 export MUTANT=0
-run 200 "$out/runner" || { cat "$out/log"; exit 1; } # without a mutant they pass
-by=$(seen_by vec3)
-[ -z "$by" ] || { cat "$out/log"; exit 1; }
+for suite in $suites; do # without a mutant they pass
+  REACHED=$out/reached-$suite run 40 $(command_of "$suite") || { cat "$out/log"; exit 1; }
+done
 
 : > "$out/results"
 n=0
@@ -105,13 +104,13 @@ while [ "$n" -lt "$count" ] && IFS="$tab" read -r MUTANT hash kind section name 
     "$out/caught"); then
     verdict=caught
   else
-    by=$(seen_by "$section")
+    by=$(seen_by "$section" "$name")
     if [ -z "$by" ]; then
       text="$text" awk -v line="$line" 'NR == line { match($0, /^ */); $0 = substr($0, 1, RLENGTH) ENVIRON["text"] } { print }' \
         "$out/original.h" > "$out/alone.h"
       tree "$out/alone.h"
       ! same_code || continue
-      sanitized || by=sanitize
+      sanitized "$section" || by=sanitize
     fi
     verdict=$([ -n "$by" ] && echo caught || echo survived)
     [ -z "$by" ] || printf '%s\t%s\t%s\n' "$by" "$times" "$key" >> "$out/caught"
