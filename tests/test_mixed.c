@@ -37,6 +37,7 @@ static void elastica(int n)
 static void start(void)
 {
   FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_OK);
+  FBT_INT_EQ(fb_mixed_check(&mixed), FB_OK);
   FBT_INT_EQ(fb_mixed_state_init(&mixed, &state, &work, &input), FB_OK);
 }
 

@@ -111,6 +111,7 @@ static void init(fb_method method)
 {
   desc.method = method;
   FBT_INT_EQ(fb_system_init(&mechanism, &work, model, FB_MAX_BODIES, &desc), FB_OK);
+  FBT_INT_EQ(fb_system_check(&mechanism, model, FB_MAX_BODIES), FB_OK);
 }
 
 /* A tree with every kind of joint: free hub, flexible links, offsets and turned axes on both sides, springs and
