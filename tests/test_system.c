@@ -405,6 +405,53 @@ TEST(systems_converge_with_the_order_of_the_scheme)
   }
 }
 
+/* E11.14: between the ends of a step inputs are linear: what they give a round body at rest is the mean of both times dt,
+   forces momentum, torques and motors spin, prescribed rates path and turn, each in all its components. */
+TEST(inputs_are_linear_between_the_ends_of_a_step)
+{
+  static const fb_real ramp[6] = {FB_R(0.3), FB_R(-0.5), FB_R(0.7), FB_R(0.2), FB_R(0.4), FB_R(-0.6)};
+  static const double dt = 0.01;
+  for (int what = 0; what < 3; what++) { /* loads, motors, prescribed rates */
+    fb_system_input end;
+    fb_real turned[3];
+    fresh();
+    rigid(&model[0], 2.0, 0, 0, 0, 0.5, 0.5, 0.5);
+    hang(0, 0, what == 1 ? FB_JOINT_SPHERICAL : FB_JOINT_FREE, FB_GROUND, 0);
+    if (what == 2) {
+      desc.joint[0].mode[0] = FB_AXIS_PRESCRIBED;
+    }
+    input.n_load = what == 0;
+    end = input;
+    for (int i = 0; i < 3; i++) { /* three times as much at the end, along the same line: the mean is twice */
+      const fb_real a = ramp[i], b = ramp[3 + i];
+      input.load[0].load.force[i] = what == 0 ? a : FB_R(0.0);
+      input.load[0].load.torque[i] = what == 0 ? b : FB_R(0.0);
+      input.drive[0].torque[i] = what == 1 ? b : FB_R(0.0);
+      input.drive[0].rate[i] = what == 2 ? b : FB_R(0.0); /* along the axis that it turns about */
+      input.drive[0].rate[3 + i] = what == 2 ? b : FB_R(0.0);
+      end.load[0].load.force[i] = 3 * input.load[0].load.force[i];
+      end.load[0].load.torque[i] = 3 * input.load[0].load.torque[i];
+      end.drive[0].torque[i] = 3 * input.drive[0].torque[i];
+      end.drive[0].rate[i] = 3 * input.drive[0].rate[i];
+      end.drive[0].rate[3 + i] = 3 * input.drive[0].rate[3 + i];
+    }
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+    FBT_INT_EQ(fb_system_sdirk_step(&mechanism, model, &state, &work, &input, &end, (fb_real)dt, 4), FB_OK);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &end), FB_OK);
+    fb_quat_to_rotvec(turned, motion.pose[0].quat);
+    for (int i = 0; i < 3; i++) {
+      if (what == 2) {
+        FBT_NEAR_REL(motion.pose[0].rho[i], 2.0 * (double)ramp[3 + i] * dt, FBT_TOL(1e-5, 1e-4));
+        FBT_NEAR_REL(turned[i], 2.0 * (double)ramp[3 + i] * dt, FBT_TOL(1e-5, 1e-4)); /* turns are of order two */
+      } else {
+        FBT_NEAR_ABS(motion.motion[0].v[i], what == 0 ? 2.0 * (double)ramp[i] * dt / 2.0 : 0.0, FBT_TOL(1e-6, 1e-5));
+        FBT_NEAR_REL(motion.motion[0].w[i], 2.0 * (double)ramp[3 + i] * dt / 0.5, FBT_TOL(1e-9, 1e-4));
+      }
+    }
+  }
+}
+
 /* E9.15 on p10: free tops, rates and attitude. */
 TEST(tops_follow_the_references)
 {
@@ -1747,15 +1794,15 @@ TEST(systems_refuse_what_is_not_right)
 
 SUITE(system, RUN(systems_keep_energy_and_momentum), RUN(the_three_methods_agree),
       RUN(accelerations_are_the_rates_of_velocities), RUN(systems_converge_with_the_order_of_the_scheme),
-      RUN(tops_follow_the_references), RUN(systems_lose_nothing_by_short_steps),
-      RUN(pendulums_of_rods_follow_their_equations), RUN(gimbal_has_the_published_eigenvalues),
-      RUN(redundant_loops_are_accepted), RUN(springs_of_loops_pull_like_those_of_the_tree),
-      RUN(flexible_double_pendulum_follows_the_reference), RUN(slider_crank_follows_the_reference),
-      RUN(a_parallelogram_passes_its_flat_positions), RUN(a_disc_rolls_steadily), RUN(a_knife_edge_draws_a_cycloid),
-      RUN(contradictions_name_their_joint), RUN(momenta_give_back_the_speeds), RUN(a_latch_conserves_momentum),
-      RUN(springs_and_dampers_balance_energy), RUN(joint_forces_carry_what_hangs_on_them),
-      RUN(kept_joints_turn_all_the_way_round), RUN(systems_refuse_what_is_not_right),
-      RUN(every_joint_moves_as_it_should), RUN(a_cut_beam_behaves_as_the_whole),
+      RUN(inputs_are_linear_between_the_ends_of_a_step), RUN(tops_follow_the_references),
+      RUN(systems_lose_nothing_by_short_steps), RUN(pendulums_of_rods_follow_their_equations),
+      RUN(gimbal_has_the_published_eigenvalues), RUN(redundant_loops_are_accepted),
+      RUN(springs_of_loops_pull_like_those_of_the_tree), RUN(flexible_double_pendulum_follows_the_reference),
+      RUN(slider_crank_follows_the_reference), RUN(a_parallelogram_passes_its_flat_positions),
+      RUN(a_disc_rolls_steadily), RUN(a_knife_edge_draws_a_cycloid), RUN(contradictions_name_their_joint),
+      RUN(momenta_give_back_the_speeds), RUN(a_latch_conserves_momentum), RUN(springs_and_dampers_balance_energy),
+      RUN(joint_forces_carry_what_hangs_on_them), RUN(kept_joints_turn_all_the_way_round),
+      RUN(systems_refuse_what_is_not_right), RUN(every_joint_moves_as_it_should), RUN(a_cut_beam_behaves_as_the_whole),
       RUN(system_steps_beyond_the_limit_are_refused), RUN(the_limit_of_a_linkage_is_in_closed_form),
       RUN(stiff_joints_take_long_steps), RUN(strained_bodies_converge_in_a_system),
       RUN(a_stretching_rod_carries_its_neighbor), RUN(attitudes_come_back_as_they_were),
