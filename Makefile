@@ -148,7 +148,7 @@ build/readme/figures_double build/readme/figures_single: $(wildcard tests/*.[ch]
 	$(CC) $(FLAGS) $(CFLAGS) -DFB_SINGLE=$(if $(findstring single,$@),1,0) -o $@ $(SECTIONS:%=tests/test_%.c) -lm
 
 format:
-	clang-format -i *.h tests/*.[ch] tests/checks/*.[ch] tests/fuzz/*.[ch] tests/hard/*.[ch] examples/*.[ch] examples/board/*.[ch] bench/*.[ch]
+	clang-format -i *.h tests/*.[ch] tests/checks/*.[ch] tests/fuzz/*.[ch] tests/hard/*.[ch] tests/mutants/*.h examples/*.[ch] examples/board/*.[ch] bench/*.[ch]
 
 clean:
 	rm -rf build

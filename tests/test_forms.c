@@ -69,6 +69,7 @@ static void scene_body(fb_form form, fb_stiffness_torque torque, fb_base base, u
   desc.base = base;
   desc.effects = effects;
   FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
+  FBT_INT_EQ(fb_body_check(&body), FB_OK);
 }
 
 static void desc_clear(void)
@@ -975,6 +976,65 @@ static void stations_refused(fb_status expected)
   FBT_TRUE(memcmp(&before, &shape, sizeof shape) == 0);
 }
 
+/* With that index the body is refused; with the one it had, no more. */
+static void index_refused(unsigned short *index, int wrong)
+{
+  const unsigned short right = *index;
+  *index = (unsigned short)wrong;
+  FBT_INT_EQ(fb_body_check(&body), FB_ERR_VALUE);
+  *index = right;
+  FBT_INT_EQ(fb_body_check(&body), FB_OK);
+}
+
+/* A body's tables may change in memory: one index beyond what it may be, in the first and in the last entry. */
+TEST(indexes_beyond_the_tables_are_refused)
+{
+  static const scene natural = {2, 0, 0, 2, 1};
+  int n;
+  scene_shape(&closed_3d, BENDING, 1);
+  desc_clear();
+  scene_body(FB_FORM_FIRST, FB_TORQUE_PRINTED, FB_BASE_FREE, FB_EFFECTS_STRAIN);
+  n = body.n;
+  FBT_TRUE(body.n_gam > 1 && body.n_torque > 1 && body.n_lambda > body.n_lambda_constant && body.n_lambda_constant > 1);
+  for (int last = 0; last < 2; last++) {
+    fb_lambda_term *const gam = &body.gam[last * (body.n_gam - 1)], *const torque =
+                                                                        &body.torque[last * (body.n_torque - 1)];
+    fb_lambda_term *const constant = &body.lambda[last * (body.n_lambda_constant - 1)];
+    fb_lambda_term *const linear = &body.lambda[last ? body.n_lambda - 1 : body.n_lambda_constant];
+    index_refused(&gam->i, 9);
+    index_refused(&torque->i, 3);
+    index_refused(&constant->i, 6);
+    index_refused(&linear->i, 6);
+    index_refused(&constant->a, 1);
+    index_refused(&gam->a, 0);
+    index_refused(&torque->a, 0);
+    index_refused(&linear->a, 0);
+    index_refused(&gam->a, n + 1);
+    index_refused(&torque->a, n + 1);
+    index_refused(&linear->a, n + 1);
+    index_refused(&gam->b, n);
+    index_refused(&torque->b, n);
+    index_refused(&constant->b, n);
+    index_refused(&linear->b, n);
+  }
+  scene_shape(&natural, BENDING, 1);
+  desc_clear();
+  scene_body(FB_FORM_MOMENTUM, FB_TORQUE_IDENTITY, FB_BASE_FREE, FB_EFFECTS_STRAIN);
+  n = body.n;
+  FBT_TRUE(body.n_run > 1 && body.n_pair > 1 && body.n_strain_row > 1);
+  for (int last = 0; last < 2; last++) {
+    fb_S_run *const run = &body.run[last * (body.n_run - 1)];
+    fb_S_pair *const pair = &body.pair[last * (body.n_pair - 1)];
+    fb_strain_row *const row = &body.strain_row[last * (body.n_strain_row - 1)];
+    index_refused(&run->i, 21);
+    index_refused(&run->pair, body.n_pair - run->n + 1);
+    index_refused(&pair->a, n + 1);
+    index_refused(&pair->b, pair->a + 1);
+    index_refused(&row->axis, 3);
+    index_refused(&row->a, n);
+  }
+}
+
 /* Trap e: J, h follow the shape in degree 1 and 2 together or not at all; and every other set that is half of
    something. */
 TEST(half_an_inertia_is_refused)
@@ -1087,5 +1147,6 @@ SUITE(forms, RUN(strain_forces_are_the_gradient_of_the_energy), RUN(gauss_rules_
       RUN(forms_agree_on_a_closed_basis), RUN(stiffness_torques_agree_on_a_closed_basis),
       RUN(truncated_torques_agree_on_a_closed_basis), RUN(second_order_form_is_the_printed_one),
       RUN(spin_up_follows_the_references_of_each_form), RUN(two_elements_of_degree_6_are_converged),
-      RUN(work_of_the_torque_is_the_energy), RUN(truncation_does_what_the_paper_shows), RUN(half_an_inertia_is_refused),
+      RUN(work_of_the_torque_is_the_energy), RUN(truncation_does_what_the_paper_shows),
+      RUN(indexes_beyond_the_tables_are_refused), RUN(half_an_inertia_is_refused),
       RUN(strain_stations_refuse_bad_input), RUN(the_check_word_sees_every_form))

@@ -383,6 +383,7 @@ static void prepare(scheme which, double dt)
 {
   if (which == EXPONENTIAL) {
     FBT_INT_EQ(fb_exponential_init(&exponential, &body_work, &body, (fb_real)dt), FB_OK);
+    FBT_INT_EQ(fb_exponential_check(&exponential, &body), FB_OK);
   }
 }
 

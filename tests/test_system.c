@@ -111,6 +111,7 @@ static void init(fb_method method)
 {
   desc.method = method;
   FBT_INT_EQ(fb_system_init(&mechanism, &work, model, FB_MAX_BODIES, &desc), FB_OK);
+  FBT_INT_EQ(fb_system_check(&mechanism, model, FB_MAX_BODIES), FB_OK);
 }
 
 /* A tree with every kind of joint: free hub, flexible links, offsets and turned axes on both sides, springs and
@@ -400,6 +401,53 @@ TEST(systems_converge_with_the_order_of_the_scheme)
     }
     if (!FB_SINGLE) {
       FBT_NEAR_ABS(log2(error[0] / error[1]), run < 2 ? 4.0 : 2.0, 0.3);
+    }
+  }
+}
+
+/* E11.14: between the ends of a step inputs are linear: what they give a round body at rest is the mean of both times dt,
+   forces momentum, torques and motors spin, prescribed rates path and turn, each in all its components. */
+TEST(inputs_are_linear_between_the_ends_of_a_step)
+{
+  static const fb_real ramp[6] = {FB_R(0.3), FB_R(-0.5), FB_R(0.7), FB_R(0.2), FB_R(0.4), FB_R(-0.6)};
+  static const double dt = 0.01;
+  for (int what = 0; what < 3; what++) { /* loads, motors, prescribed rates */
+    fb_system_input end;
+    fb_real turned[3];
+    fresh();
+    rigid(&model[0], 2.0, 0, 0, 0, 0.5, 0.5, 0.5);
+    hang(0, 0, what == 1 ? FB_JOINT_SPHERICAL : FB_JOINT_FREE, FB_GROUND, 0);
+    if (what == 2) {
+      desc.joint[0].mode[0] = FB_AXIS_PRESCRIBED;
+    }
+    input.n_load = what == 0;
+    end = input;
+    for (int i = 0; i < 3; i++) { /* three times as much at the end, along the same line: the mean is twice */
+      const fb_real a = ramp[i], b = ramp[3 + i];
+      input.load[0].load.force[i] = what == 0 ? a : FB_R(0.0);
+      input.load[0].load.torque[i] = what == 0 ? b : FB_R(0.0);
+      input.drive[0].torque[i] = what == 1 ? b : FB_R(0.0);
+      input.drive[0].rate[i] = what == 2 ? b : FB_R(0.0); /* along the axis that it turns about */
+      input.drive[0].rate[3 + i] = what == 2 ? b : FB_R(0.0);
+      end.load[0].load.force[i] = 3 * input.load[0].load.force[i];
+      end.load[0].load.torque[i] = 3 * input.load[0].load.torque[i];
+      end.drive[0].torque[i] = 3 * input.drive[0].torque[i];
+      end.drive[0].rate[i] = 3 * input.drive[0].rate[i];
+      end.drive[0].rate[3 + i] = 3 * input.drive[0].rate[3 + i];
+    }
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+    FBT_INT_EQ(fb_system_sdirk_step(&mechanism, model, &state, &work, &input, &end, (fb_real)dt, 4), FB_OK);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &end), FB_OK);
+    fb_quat_to_rotvec(turned, motion.pose[0].quat);
+    for (int i = 0; i < 3; i++) {
+      if (what == 2) {
+        FBT_NEAR_REL(motion.pose[0].rho[i], 2.0 * (double)ramp[3 + i] * dt, FBT_TOL(1e-5, 1e-4));
+        FBT_NEAR_REL(turned[i], 2.0 * (double)ramp[3 + i] * dt, FBT_TOL(1e-5, 1e-4)); /* turns are of order two */
+      } else {
+        FBT_NEAR_ABS(motion.motion[0].v[i], what == 0 ? 2.0 * (double)ramp[i] * dt / 2.0 : 0.0, FBT_TOL(1e-6, 1e-5));
+        FBT_NEAR_REL(motion.motion[0].w[i], 2.0 * (double)ramp[3 + i] * dt / 0.5, FBT_TOL(1e-9, 1e-4));
+      }
     }
   }
 }
@@ -702,6 +750,56 @@ TEST(redundant_loops_are_accepted)
     } else {
       fbt_figure("driven four-bar, rocker angle [rad]", "closed form", worst);
     }
+  }
+}
+
+/* E9.11: two bodies on one axis, each on springs, dampers and motors of two joints of the tree and of two that close
+   loops, forwards and backwards: their accelerations, the power and the energy as Newton and Hooke have it. */
+TEST(springs_of_loops_pull_like_those_of_the_tree)
+{
+  static const int child[4] = {0, 1, 1, 0}, parent[4] = {-1, 0, -1, 1}; /* joints, then loops */
+  static const double k[4] = {3.0, 5.0, 7.0, 11.0}, c[4] = {0.3, 0.2, 0.5, 0.7}, rest[4] = {0.2, -0.1, 0.3, 0.15};
+  static const double motor[4] = {1.0, -2.0, 1.5, 0.7}, angle[2] = {0.4, 0.9}, rate_of[2] = {1.3, -0.8}, mass = 2.0;
+  for (int method = FB_METHOD_RECURSIVE; method <= FB_METHOD_MULTIPLIERS; method++) {
+    const double inertia[2] = {0.6 + mass * 0.09, 0.9};
+    double torque[2] = {0.0, 0.0}, power = 0.0, strain = 0.0;
+    fb_energy energy;
+    fresh();
+    rigid(&model[0], mass, 0.3, 0, 0, 0.4, 0.5, 0.6);
+    rigid(&model[1], mass, 0, 0, 0.2, 0.7, 0.8, 0.9);
+    hang(0, 0, FB_JOINT_REVOLUTE, FB_GROUND, 0);
+    hang(1, 1, FB_JOINT_REVOLUTE, 0, 0);
+    close_loop(FB_JOINT_REVOLUTE, FB_GROUND, 0, 1, 0);
+    close_loop(FB_JOINT_REVOLUTE, 1, 0, 0, 0);
+    for (int j = 0; j < 4; j++) {
+      fb_joint_desc *joint = j < 2 ? &desc.joint[j] : &desc.loop[j - 2];
+      const double value = angle[child[j]] - (parent[j] < 0 ? 0.0 : angle[parent[j]]);
+      const double speed = rate_of[child[j]] - (parent[j] < 0 ? 0.0 : rate_of[parent[j]]);
+      const double tau = motor[j] - k[j] * (value - rest[j]) - c[j] * speed;
+      joint->stiffness[0] = (fb_real)k[j];
+      joint->damping[0] = (fb_real)c[j];
+      joint->rest[0] = (fb_real)rest[j];
+      input.drive[j].torque[0] = (fb_real)motor[j];
+      if (j < 2) {
+        start[j].value[0] = (fb_real)value;
+        start[j].speed[0] = (fb_real)speed;
+      }
+      torque[child[j]] += tau;
+      if (parent[j] >= 0) {
+        torque[parent[j]] -= tau;
+      }
+      power += motor[j] * speed;
+      strain += 0.5 * k[j] * (value - rest[j]) * (value - rest[j]);
+    }
+    init((fb_method)method);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+    FBT_INT_EQ(fb_system_energy(&mechanism, model, &work, &energy, &state, &input), FB_OK);
+    for (int i = 0; i < 2; i++) {
+      FBT_NEAR_REL(motion.motion[i].w_dot[2], torque[i] / inertia[i], FBT_TOL(1e-12, 1e-5));
+    }
+    FBT_NEAR_REL(motion.power, power, FBT_TOL(1e-12, 1e-5));
+    FBT_NEAR_REL(energy.strain, strain, FBT_TOL(1e-12, 1e-5));
   }
 }
 
@@ -1696,9 +1794,10 @@ TEST(systems_refuse_what_is_not_right)
 
 SUITE(system, RUN(systems_keep_energy_and_momentum), RUN(the_three_methods_agree),
       RUN(accelerations_are_the_rates_of_velocities), RUN(systems_converge_with_the_order_of_the_scheme),
-      RUN(tops_follow_the_references), RUN(systems_lose_nothing_by_short_steps),
-      RUN(pendulums_of_rods_follow_their_equations), RUN(gimbal_has_the_published_eigenvalues),
-      RUN(redundant_loops_are_accepted), RUN(flexible_double_pendulum_follows_the_reference),
+      RUN(inputs_are_linear_between_the_ends_of_a_step), RUN(tops_follow_the_references),
+      RUN(systems_lose_nothing_by_short_steps), RUN(pendulums_of_rods_follow_their_equations),
+      RUN(gimbal_has_the_published_eigenvalues), RUN(redundant_loops_are_accepted),
+      RUN(springs_of_loops_pull_like_those_of_the_tree), RUN(flexible_double_pendulum_follows_the_reference),
       RUN(slider_crank_follows_the_reference), RUN(a_parallelogram_passes_its_flat_positions),
       RUN(a_disc_rolls_steadily), RUN(a_knife_edge_draws_a_cycloid), RUN(contradictions_name_their_joint),
       RUN(momenta_give_back_the_speeds), RUN(a_latch_conserves_momentum), RUN(springs_and_dampers_balance_energy),

@@ -1,57 +1,99 @@
 #!/bin/sh
 # Mutation check: the equations of flexbeam_impl.h are changed one at a time (mutants.awk tells how), the tests must notice.
 # sh tests/mutants/mutants.sh [SEED [COUNT]]: caught is a mutant that a test, or a check of the inside against outside figures
-# (tests/checks/jacobian.c, shape_rates.c), answers by a false claim, a crash or too much time. Those that change nothing to be
-# seen stand in equivalent.txt with the reason and count neither way; those that do not compile, or to the same code, are
-# passed over. Restartable: build/mutants/caught is kept, survivors are tried again. Ends with a table by section, which is
-# in build/mutants/table-SEED.txt, too; fails below 95 %.
+# (tests/checks/jacobian.c, shape_rates.c), answers by a false claim, a crash or too much time, or that makes the tests of its
+# section leave an array, which check-sanitize forbids. Those that change nothing to be seen stand in equivalent.txt with the reason and count neither way; those
+# that do not compile, or to the same code, are passed over. All are compiled into one program (switch.awk), the environment
+# chooses. Restartable: build/mutants/caught is kept, survivors are tried again. Ends with a table by section, which is in
+# build/mutants/table-SEED.txt, too; fails below 95 %.
 set -eu
 export LC_ALL=C
 seed=${1:-1} count=${2:-200}
 here=tests/mutants out=build/mutants
 CC=${CC:-cc}
 flags="-std=c99 -ffp-contract=off -Og -w"
+sanitize="-fsanitize=address,bounds -fno-sanitize-recover=all"
 tests="-DFBT_SHORT=1 -DFBT_STOP=1"
 tab=$(printf '\t')
 # cheap ones first
-sections="vec3 rotation linalg build status advise analyse integrate forms body system modes mixed beam"
+suites="vec3 rotation linalg build status advise analyse integrate forms body system modes mixed beam check-jacobian check-shape_rates"
 
 mkdir -p "$out/tree/tests"
-cp flexbeam.h flexbeam_impl.h "$out/tree"
+cp flexbeam.h "$out/tree"
 cp flexbeam_impl.h "$out/original.h" # what may be edited meanwhile
-cp tests/fbt.h tests/test_main.c "$out/tree/tests"
+cp tests/*.[ch] "$out/tree/tests"
+rm -f "$out/sanitized"
 touch "$out/caught"
+
+# tree FILE: what is compiled has this implementation
+tree() { cp "$1" "$out/tree/flexbeam_impl.h"; }
 
 build_main() { $CC $flags $tests -c -o "$1" "$out/tree/tests/test_main.c" 2> "$out/errors"; }
 
-# run COMMAND...: fails by a claim, a crash or too much time (of the processor: five times what the longest suite takes)
-run() { (ulimit -t 40 && exec "$@" > "$out/log" 2>&1) 2> "$out/crash"; }
+# run SECONDS COMMAND...: fails by a claim, a crash or too much time of the processor
+run() { (ulimit -t "$1" && shift && exec "$@" > "$out/log" 2>&1) 2> "$out/crash"; }
 
-# seen_by SECTION: prints which suite or check notices the mutant that is in the tree; nothing if none does
+# command_of SUITE: its tests, or a check
+command_of() { case $1 in check-*) echo "$out/${1#check-}" ;; *) echo "$out/runner $1/" ;; esac; }
+
+# seen_by SECTION FUNCTION: prints which of those that call the function notices the mutant that the environment names; nothing
+# if none does. Five times what the longest takes is too much.
 seen_by() {
-  $CC -o "$out/runner" "$out/main.o" "$out"/test_*.o -lm
-  for suite in $1 $(echo $sections | tr ' ' '\n' | grep -v "^$1\$"); do
-    run "$out/runner" "$suite/" || { echo "$suite"; return; }
-  done
-  for check in jacobian shape_rates; do
-    $CC $flags -I"$out/tree" -o "$out/check" "tests/checks/$check.c" -lm && run "$out/check" || { echo "check-$check"; return; }
+  for suite in $1 $(echo $suites | tr ' ' '\n' | grep -v "^$1\$"); do
+    ! grep -q -x "$2" "$out/reached-$suite" || run 40 $(command_of "$suite") || { echo "$suite"; return; }
   done
 }
 
-for file in tests/test_*.c; do
-  [ $file = tests/test_main.c ] || $CC $flags $tests -c -o "$out/$(basename "$file" .c).o" "$file"
-done
-build_main "$out/original.o"
-$CC -o "$out/runner" "$out/original.o" "$out"/test_*.o -lm
-run "$out/runner" || { cat "$out/log"; exit 1; } # without a mutant they pass
+# same_code: the mutant in the tree compiles to what the original does
+same_code() { build_main "$out/main.o" && cmp -s "$out/main.o" "$out/original.o"; }
 
-# in the order drawn, one kind after the other, so that all are there equally
+# sanitized SECTION: its tests stay within all arrays, as check-sanitize wants it (slow: survivors alone)
+sanitized() {
+  if [ ! -f "$out/sanitized" ]; then
+    tree "$out/switch.h"
+    $CC $flags $sanitize $tests -o "$out/sanitized" "$out"/tree/tests/test_*.c -lm
+  fi
+  run 200 "$out/sanitized" "$1/"
+}
+
+for file in "$out"/tree/tests/test_*.c; do
+  object=$out/$(basename "$file" .c).o
+  [ "$object" = "$out/test_main.o" ] || $CC $flags $tests -c -o "$object" "$file"
+done
+rm -f "$out/test_main.o"
+tree "$out/original.h"
+build_main "$out/original.o"
+
+# in the order drawn, one kind after the other, so that all are there equally; some more than COUNT, for those passed over
 awk -v seed="$seed" -f $here/mutants.awk "$out/original.h" | sort |
-  awk -F'\t' '{ print ++of_kind[$2] FS $0 }' | sort -s -t "$tab" -k 1,1n | cut -f 2- > "$out/drawn"
+  awk -F'\t' '{ print ++of_kind[$2] FS $0 }' | sort -s -t "$tab" -k 1,1n | cut -f 2- |
+  awk -v count="$count" 'NR <= 1.3 * count + 20 { print NR "\t" $0 }' > "$out/drawn"
+
+# all in one program, but what does not compile
+cp "$out/drawn" "$out/compiling"
+for round in 1 2 3 4 5 6 7 8 9; do
+  cut -f 1,6,8 "$out/compiling" > "$out/list"
+  awk -v prelude=$here/switch.h -f $here/switch.awk "$out/list" "$out/original.h" > "$out/switch.h"
+  tree "$out/switch.h"
+  ! build_main "$out/main.o" || break
+  [ "$round" -lt 9 ] || { cat "$out/errors"; exit 1; }
+  sed -n 's/^[^:]*flexbeam_impl.h:\([0-9]*\):.*error.*/\1/p' "$out/errors" |
+    awk 'FNR == NR { wrong[$1]; next } /^\/\* mutant / { k = $3 } FNR in wrong { print k }' - "$out/switch.h" > "$out/wrong"
+  awk -F'\t' 'FNR == NR { wrong[$1]; next } !($1 in wrong)' "$out/wrong" "$out/compiling" > "$out/rest"
+  mv "$out/rest" "$out/compiling"
+done
+$CC -o "$out/runner" "$out/main.o" "$out"/test_*.o -lm
+for check in jacobian shape_rates; do
+  $CC $flags -I"$out/tree" -o "$out/$check" "tests/checks/$check.c" -lm
+done
+export MUTANT=0
+for suite in $suites; do # without a mutant they pass
+  REACHED=$out/reached-$suite run 40 $(command_of "$suite") || { cat "$out/log"; exit 1; }
+done
 
 : > "$out/results"
 n=0
-while [ "$n" -lt "$count" ] && IFS="$tab" read -r hash kind section name line times text; do
+while [ "$n" -lt "$count" ] && IFS="$tab" read -r MUTANT hash kind section name line times text; do
   original=$(sed -n "${line}s/^ *//p" "$out/original.h")
   text=$(printf '%s\n' "$text" | sed 's/^ *//')
   key="$name | $original | $text"
@@ -62,11 +104,14 @@ while [ "$n" -lt "$count" ] && IFS="$tab" read -r hash kind section name line ti
     "$out/caught"); then
     verdict=caught
   else
-    text="$text" awk -v line="$line" 'NR == line { match($0, /^ */); $0 = substr($0, 1, RLENGTH) ENVIRON["text"] } { print }' \
-      "$out/original.h" > "$out/tree/flexbeam_impl.h"
-    build_main "$out/main.o" || continue
-    ! cmp -s "$out/main.o" "$out/original.o" || continue
-    by=$(seen_by "$section")
+    by=$(seen_by "$section" "$name")
+    if [ -z "$by" ]; then
+      text="$text" awk -v line="$line" 'NR == line { match($0, /^ */); $0 = substr($0, 1, RLENGTH) ENVIRON["text"] } { print }' \
+        "$out/original.h" > "$out/alone.h"
+      tree "$out/alone.h"
+      ! same_code || continue
+      sanitized "$section" || by=sanitize
+    fi
     verdict=$([ -n "$by" ] && echo caught || echo survived)
     [ -z "$by" ] || printf '%s\t%s\t%s\n' "$by" "$times" "$key" >> "$out/caught"
   fi
@@ -74,7 +119,8 @@ while [ "$n" -lt "$count" ] && IFS="$tab" read -r hash kind section name line ti
   printf '%s %s\n' "$section" "$verdict" >> "$out/results"
   printf '%3d/%d %-10s %-8s %s:%d %s: %s -> %s  (%s)\n' \
     "$n" "$count" "$verdict" "$kind" "$section" "$line" "$name" "$original" "$text" "$by"
-done < "$out/drawn"
+done < "$out/compiling"
+[ "$n" -eq "$count" ] || echo "only $n drawn"
 
 awk -v seed="$seed" '
   function row(s) { printf "%-10s %7d %11d %9d\n", s, of[s, "caught"], of[s, "equivalent"], of[s, "survived"] }
