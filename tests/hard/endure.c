@@ -10,7 +10,7 @@ static void tumbler(fb_body *body, fb_state *state, fb_form form)
   static hard_craft craft;
   static const double w[3] = {0.4, 0.8, -0.6};
   double v[3];
-  fb_real q_dot[FB_MAX_MODES] = {FB_R(0.2), -FB_R(0.1)};
+  fb_real q_dot[FB_MAX_MODES] = {FB_R(2.0), -FB_R(1.0)}; /* 1.5 % of the energy */
   hard_craft_init(&craft, 10.0, 1.2, 14004.0);
   craft.keep.count[FB_KIND_BEND_Y] = craft.keep.count[FB_KIND_BEND_Z] = 1;
   craft.hub_mass = 20.0;
@@ -23,9 +23,12 @@ static void tumbler(fb_body *body, fb_state *state, fb_form form)
     craft.level.allow_split_effects = 1;
   }
   hard_craft_build(body, &craft);
-  for (int i = 0; i < 3; i++) { /* the mass center moves slowly: positions stay small */
+  for (int i = 0; i < 3; i++) { /* the mass center rests: positions stay small */
     const int j = (i + 1) % 3, k = (i + 2) % 3;
     v[i] = -(w[j] * (double)hard_shape.c[k] - w[k] * (double)hard_shape.c[j]) / (double)hard_shape.mass;
+    for (int a = 0; a < body->n; a++) {
+      v[i] -= (double)hard_shape.P[3 * a + i] * (double)q_dot[a] / (double)hard_shape.mass;
+    }
   }
   hard_start(body, state, v, w, q_dot);
 }
@@ -50,7 +53,7 @@ static void drift_note(drift *d, const fb_body *body, const fb_state *state, dou
                     : HUGE_VAL;
 }
 
-typedef enum way { BY_MIDPOINT, BY_RK4, BY_FORGETFUL_RK4, BY_EULER } way;
+typedef enum way { BY_MIDPOINT, BY_RK4, BY_FORGETFUL_RK4, BY_PLAIN_RK4 } way;
 
 static int advance(const fb_body *body, fb_state *state, way how, double dt)
 {
@@ -66,8 +69,8 @@ static int advance(const fb_body *body, fb_state *state, way how, double dt)
     memset(state->lost_pi, 0, sizeof state->lost_pi);
   }
 #endif
-  if (how == BY_EULER) {
-    return hard_euler(body, state, NULL, dt);
+  if (how == BY_PLAIN_RK4) {
+    return hard_rk4(body, state, dt);
   }
   return (how == BY_MIDPOINT ? fb_midpoint_step(body, state, &implicit, NULL, (fb_real)dt, 4)
                              : fb_rk4_step(body, state, &rk4, NULL, NULL, NULL, (fb_real)dt)) == FB_OK;
@@ -112,20 +115,20 @@ static void report(hard_row *row, const char *name, const char *measure, double 
 void hard_long(int brief)
 {
   const double dt = 0.05, steps = brief ? 2e5 : 1e7;
-  drift ours, euler, velocities;
+  drift ours, plain, velocities;
   hard_row row = {.what = "a flexible body tumbles freely, implicit midpoint rule", .degree = "steps"};
   ours = conserve(FB_FORM_MOMENTUM, BY_MIDPOINT, dt, steps);
-  euler = conserve(FB_FORM_MOMENTUM, BY_EULER, dt, steps);
+  plain = conserve(FB_FORM_MOMENTUM, BY_PLAIN_RK4, dt, fmin(steps, 1e6));
   velocities = conserve(FB_FORM_SECOND, BY_RK4, dt, fmin(steps, 1e6));
   row.hard = row.steps = steps;
   row.time = steps * dt;
   row.periods = row.time * HARD_FIRST / (2.0 * HARD_PI);
-  report(&row, "long energy", "change of the energy", ours.energy, 1e-3, "explicit Euler at the same step",
-         euler.energy);
+  report(&row, "long energy", "change of the energy", ours.energy, 1e-3, "rk4 at the same step, 1e6 at most",
+         plain.energy);
   report(&row, "long momentum", "change of the angular momentum", ours.momentum, HARD_TOL(1e-11, 1e-5),
          "velocities as state (second-order form), rk4 at the same step, 1e6 at most", velocities.momentum);
   report(&row, "long quaternion", "length of the quaternion less 1", ours.length, HARD_TOL(1e-15, 1e-6),
-         "explicit Euler, the quaternion as it comes", euler.length);
+         "rk4 at the same step, the quaternion as it comes, 1e6 at most", plain.length);
 }
 
 /* ---- resonance */
@@ -185,13 +188,13 @@ void hard_resonance(int brief)
                   .degree = "amplification 1/(2 zeta)",
                   .measure = "amplitude and phase against F/(c omega), of it",
                   .bound = HARD_TOL(1e-3, 1e-1),
-                  .naive = "rk4 at the same step, a tenth of the cycles"};
+                  .naive = "rk4 at the same step"};
   row.hard = 0.5 / zeta;
   row.steps = cycles * PER_CYCLE;
   row.periods = cycles;
   row.time = cycles * 2.0 * HARD_PI / HARD_FIRST;
   row.figure = resonance(FB_SCHEME_EXPONENTIAL, zeta, cycles);
-  row.naive_figure = resonance(FB_SCHEME_RK4, zeta, 0.1 * cycles);
+  row.naive_figure = resonance(FB_SCHEME_RK4, zeta, cycles);
   hard_report(&row);
 }
 
@@ -206,7 +209,7 @@ void hard_rounding(int brief)
                   .what = "a flexible body tumbles in single precision, short steps of rk4",
                   .degree = "steps per period of the first mode",
                   .measure = "change of energy and momenta",
-                  .bound = 1e-4,
+                  .bound = 1e-5,
                   .naive = "float sums as they round, nothing kept"};
   row.hard = 2.0 * HARD_PI / HARD_FIRST / dt;
   row.steps = steps;

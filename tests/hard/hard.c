@@ -214,18 +214,39 @@ static void add_scaled(fb_real *y, double a, const fb_real *x, int n)
   }
 }
 
+static void advance(fb_state *state, double dt, const fb_state *rate, int n)
+{
+  add_scaled(state->rho, dt, rate->rho, 3);
+  add_scaled(state->quat, dt, rate->quat, 4);
+  add_scaled(state->P, dt, rate->P, 3);
+  add_scaled(state->L, dt, rate->L, 3);
+  add_scaled(state->q, dt, rate->q, n);
+  add_scaled(state->pi, dt, rate->pi, n);
+}
+
 int hard_euler(const fb_body *body, fb_state *state, const fb_input *input, double dt)
 {
   fb_state rate;
   if (fb_body_rates(body, &rate, state, input) != FB_OK) {
     return 0;
   }
-  add_scaled(state->rho, dt, rate.rho, 3);
-  add_scaled(state->quat, dt, rate.quat, 4);
-  add_scaled(state->P, dt, rate.P, 3);
-  add_scaled(state->L, dt, rate.L, 3);
-  add_scaled(state->q, dt, rate.q, body->n);
-  add_scaled(state->pi, dt, rate.pi, body->n);
+  advance(state, dt, &rate, body->n);
+  return 1;
+}
+
+int hard_rk4(const fb_body *body, fb_state *state, double dt)
+{
+  static const double part[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0};
+  const fb_state from = *state;
+  fb_state rate = from; /* of which the first stage takes nothing */
+  for (int stage = 0; stage < 4; stage++) {
+    fb_state at = from;
+    advance(&at, part[stage] * dt, &rate, body->n);
+    if (fb_body_rates(body, &rate, &at, NULL) != FB_OK) {
+      return 0;
+    }
+    advance(state, weight[stage] * dt, &rate, body->n);
+  }
   return 1;
 }
 

@@ -86,5 +86,7 @@ double hard_length(const fb_real *x);                              /* of a 3-vec
 /* The naive treatment of many cases: explicit Euler, state + dt rate, without a check, a limit or normalization. 0 where the
    rates are not to be had any more. */
 int hard_euler(const fb_body *body, fb_state *state, const fb_input *input, double dt);
+/* The better one: the classical scheme by the same sums, nothing normalized. */
+int hard_rk4(const fb_body *body, fb_state *state, double dt);
 
 #endif
