@@ -110,6 +110,24 @@ scene() {
   build/examples/scene examples/scenes/double_pendulum.txt --quiet --picture examples/scene_pendulum.svg
 }
 
+# Calls of check-hostile, flips of check-faults; single precision behind a bar.
+hostile() {
+  make -s check-hostile > "$out/calls"
+  make -s check-faults > "$out/faults"
+  { sed -e 's/^ok *hostile: /Calls of `check-hostile`: /' -e 's/: NULL is refused.*/./' "$out/calls"
+    echo "Bits of \`check-faults\`, double / single precision:"
+    echo
+    awk '
+    FNR == 1 { table++; next }
+    { for (i = 2; i <= 7; i++) cell[$1, i] = table == 1 ? $i : cell[$1, i] " / " $i }
+    table == 1 { row[++rows] = $1 }
+    END { print "| struct | bits | flips | detected | a status | finite | not finite |"
+          print "|---|---:|---:|---:|---:|---:|---:|"
+          for (k = 1; k <= rows; k++) { line = "| `" row[k] "`"
+            for (i = 2; i <= 7; i++) line = line " | " cell[row[k], i]
+            print line " |" } }' build/checks/faults/table0.txt build/checks/faults/table1.txt; } | block hostile
+}
+
 if [ $# -gt 0 ]; then # one part alone
   "$1"
   exit
@@ -123,6 +141,7 @@ hard
 campaign
 speedup
 scene
+hostile
 
 # the program, between ```c and ```
 sed -n '/^#/,$p' examples/quickstart.c > "$out/program"
