@@ -219,16 +219,6 @@ static inline int campaign_find(const campaign *c, const char *name)
   return -1;
 }
 
-static inline int campaign_is_set(const campaign *c, const char *name)
-{
-  for (int i = 0; i < c->n_set; i++) {
-    if (strcmp(c->set[i].name, name) == 0) {
-      return 1;
-    }
-  }
-  return 0;
-}
-
 /* The place of a parameter among those that are set; -1: it is not. */
 static inline int campaign_find_set(const campaign *c, const char *name)
 {
