@@ -4586,6 +4586,15 @@ static void fbi_lambda_fill(fb_real *Lambda, const fb_shape *shape, int n, int w
   }
 }
 
+#if FB_WITH_ACCELERATION_STIFFENING
+/* What an integral of the quadratic field is small against, n x n x 3 of them. */
+static fb_real fbi_chi_size(const fb_real *x, int n, int a, int b)
+{
+  return fbi_vec3_norm(x + 3 * (a * n + b)) +
+         FB_SQRT(fbi_vec3_norm(x + 3 * (a * n + a)) * fbi_vec3_norm(x + 3 * (b * n + b)));
+}
+#endif
+
 /* What the element i of Lambda_a for mode b is small against: bounds of the integrals that it is made of. */
 static fb_real fbi_lambda_size(const fb_shape *shape, int i, int a, int b)
 {
@@ -4598,11 +4607,7 @@ static fb_real fbi_lambda_size(const fb_shape *shape, int i, int a, int b)
   a--;
   size = i < 3 ? FB_R(0.0) : mb * FB_SQRT(shape->M[a * n + a]);
 #if FB_WITH_ACCELERATION_STIFFENING
-  {
-    const fb_real *x = i < 3 ? shape->pchi : shape->hchi;
-    size += fbi_vec3_norm(x + 3 * (a * n + b)) +
-            FB_SQRT(fbi_vec3_norm(x + 3 * (a * n + a)) * fbi_vec3_norm(x + 3 * (b * n + b)));
-  }
+  size += fbi_chi_size(i < 3 ? shape->pchi : shape->hchi, n, a, b);
 #endif
   return size;
 }
@@ -4727,17 +4732,20 @@ static fb_real fbi_S_size(const fb_shape *shape, const fb_real *Z, int a, int b,
   const int n = shape->n;
   const fb_real J = FB_SQRT(shape->J[0] + shape->J[4] + shape->J[8]);
   const fb_real m = FB_SQRT(shape->mass);
-  fb_real size = FB_R(0.0), zi = FB_R(0.0), zj = FB_R(0.0);
-  for (int k = 0; k < n; k++) {
-    zi += Z[(a * 6 + i) * n + k] * Z[(a * 6 + i) * n + k] + Z[(b * 6 + i) * n + k] * Z[(b * 6 + i) * n + k];
-    zj += Z[(a * 6 + j) * n + k] * Z[(a * 6 + j) * n + k] + Z[(b * 6 + j) * n + k] * Z[(b * 6 + j) * n + k];
-  }
-  if (j >= 3) {
+  const fb_real *const Za = Z + 6 * a * n, *const Zb = Z + 6 * b * n;
+  fb_real size = FB_R(0.0);
+  if (j >= 3 && (i >= 3 || b == 0)) {
     const fb_real sa = a > 0 ? FB_SQRT(shape->M[(a - 1) * n + a - 1]) : J;
     const fb_real sb = b > 0 ? FB_SQRT(shape->M[(b - 1) * n + b - 1]) : (i < 3 ? m : J);
     size = sa * sb;
   }
-  return size + FB_SQRT(zi) * FB_SQRT(zj);
+#if FB_WITH_ACCELERATION_STIFFENING
+  if (j >= 3 && i < 3 && b > 0) {
+    size = fbi_chi_size(shape->pchi, n, a - 1, b - 1);
+  }
+#endif
+  return size + FB_SQRT(fbi_dot(Za + i * n, Za + i * n, n)) * FB_SQRT(fbi_dot(Zb + j * n, Zb + j * n, n)) +
+         FB_SQRT(fbi_dot(Zb + i * n, Zb + i * n, n)) * FB_SQRT(fbi_dot(Za + j * n, Za + j * n, n));
 }
 
 /* [E8.6] Coefficient of a pair in the Schur complement S(q) = M_rr(q) - Lambda(q) M^-1 Lambda(q)^T. With M = L L^T and

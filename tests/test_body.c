@@ -575,6 +575,61 @@ static const unsigned effect_sets[] = {
     FB_EFFECTS_FULL,
 };
 
+/* The same body in units of mass and length that are so many times smaller moves the same: no threshold has a unit. For
+   every set of effects, with a stiffness. */
+TEST(bodies_do_not_depend_on_the_units)
+{
+  const double mass[] = {FBT_TOL(8.5e-22, 6e-8), FBT_TOL(1.1e15, 65536.0), 1.0, 1.0};
+  const double length[] = {1.0, 1.0, FBT_TOL(9.1e-13, 2.4e-4), FBT_TOL(1.1e12, 4096.0)};
+  static const int n = 3;
+  for (int set = 0; set < FBT_COUNT(effect_sets); set++) {
+    fb_motion motion[5];
+    particles in_meters;
+    velocity s;
+    particles_random(&in_meters, n, 1);
+    velocity_random(&s, n, 0.1);
+    for (int unit = 0; unit < 5; unit++) {
+      const double kg = unit ? mass[unit - 1] : 1.0, m = unit ? length[unit - 1] : 1.0;
+      velocity scaled = s;
+      fb_state state;
+      fb_body_desc desc;
+      cloud = in_meters;
+      for (int i = 0; i < PARTICLES; i++) {
+        cloud.m[i] *= kg;
+        for (int k = 0; k < 3; k++) {
+          cloud.r[i][k] *= m;
+          for (int ab = 0; ab < n * n; ab++) {
+            cloud.chi[i][ab / n][ab % n][k] /= m;
+          }
+        }
+      }
+      for (int k = 0; k < 3; k++) {
+        scaled.v[k] *= m;
+        scaled.q[k] *= m;
+        scaled.qd[k] *= m;
+      }
+      particles_to_shape(&shape, &cloud);
+      for (int a = 0; a < n; a++) {
+        shape.K[a * n + a] = (fb_real)(2.0 * kg);
+      }
+      memset(&desc, 0, sizeof desc);
+      desc.effects = effect_sets[set];
+      desc.allow_split_effects = 1;
+      desc.deflection_limit = (fb_real)(100.0 * m);
+      FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
+      state_from(&state, &body, &scaled);
+      FBT_INT_EQ(fb_body_motion(&body, &motion[unit], &state, NULL), FB_OK);
+      for (int k = 0; k < 3; k++) {
+        motion[unit].v_dot[k] /= (fb_real)m;
+        motion[unit].q_ddot[k] /= (fb_real)m;
+      }
+      FBT_BELOW(fbt_difference(motion[unit].v_dot, motion[0].v_dot, 3), FBT_TOL(1e-12, 1e-4));
+      FBT_BELOW(fbt_difference(motion[unit].w_dot, motion[0].w_dot, 3), FBT_TOL(1e-12, 1e-4));
+      FBT_BELOW(fbt_difference(motion[unit].q_ddot, motion[0].q_ddot, n), FBT_TOL(1e-12, 1e-4));
+    }
+  }
+}
+
 /* E8.4 to E8.6, E8.17, E8.19: each effect alone and together. */
 TEST(each_set_of_effects_follows_its_own_lagrangian)
 {
@@ -2453,14 +2508,15 @@ SUITE(body, RUN(rows_without_terms_are_refused), RUN(the_check_word_sees_every_f
       RUN(joined_components_converge_and_refuse), RUN(shape_integrals_obey_the_vector_identities),
       RUN(inertial_identities_hold_as_published), RUN(accelerations_agree_with_a_particle_model),
       RUN(momenta_agree_with_a_particle_model), RUN(elastic_forces_agree_with_a_particle_model),
-      RUN(each_set_of_effects_follows_its_own_lagrangian), RUN(residual_inertia_vanishes_on_a_rotation_closed_basis),
-      RUN(functions_close_the_basis), RUN(beam_integrals_reproduce_mass_and_modal_mass),
-      RUN(beam_integrals_hold_for_any_section_and_line), RUN(quadratic_field_is_inextensible_and_twist_free),
-      RUN(quadratic_field_follows_a_bent_line_in_any_attitude), RUN(offset_masses_move_with_their_section),
-      RUN(lumped_bodies_are_the_particles_they_stand_for), RUN(a_beam_may_take_later_coordinates),
-      RUN(power_of_loads_is_the_rate_of_energy), RUN(node_kinematics_match_finite_differences),
-      RUN(reactions_balance_the_momentum), RUN(a_held_body_is_a_free_one_with_its_reactions),
-      RUN(pinned_and_hinged_bodies_swing_as_rigid_pendulums), RUN(a_falling_body_does_not_deform),
-      RUN(elastic_response_is_frame_indifferent), RUN(damped_free_decay_has_the_given_ratio),
-      RUN(spinning_beams_stiffen_as_published), RUN(linear_models_of_spinning_beams_have_the_published_frequencies),
-      RUN(a_rigid_body_is_the_case_of_no_modes), RUN(bodies_refuse_bad_input))
+      RUN(each_set_of_effects_follows_its_own_lagrangian), RUN(bodies_do_not_depend_on_the_units),
+      RUN(residual_inertia_vanishes_on_a_rotation_closed_basis), RUN(functions_close_the_basis),
+      RUN(beam_integrals_reproduce_mass_and_modal_mass), RUN(beam_integrals_hold_for_any_section_and_line),
+      RUN(quadratic_field_is_inextensible_and_twist_free), RUN(quadratic_field_follows_a_bent_line_in_any_attitude),
+      RUN(offset_masses_move_with_their_section), RUN(lumped_bodies_are_the_particles_they_stand_for),
+      RUN(a_beam_may_take_later_coordinates), RUN(power_of_loads_is_the_rate_of_energy),
+      RUN(node_kinematics_match_finite_differences), RUN(reactions_balance_the_momentum),
+      RUN(a_held_body_is_a_free_one_with_its_reactions), RUN(pinned_and_hinged_bodies_swing_as_rigid_pendulums),
+      RUN(a_falling_body_does_not_deform), RUN(elastic_response_is_frame_indifferent),
+      RUN(damped_free_decay_has_the_given_ratio), RUN(spinning_beams_stiffen_as_published),
+      RUN(linear_models_of_spinning_beams_have_the_published_frequencies), RUN(a_rigid_body_is_the_case_of_no_modes),
+      RUN(bodies_refuse_bad_input))
