@@ -740,6 +740,27 @@ TEST(sections_from_dimensions_match_the_handbook)
   }
 }
 
+/* A taper that begins along the beam: its stations are where the interval is divided, their mass as linear
+   between them the integral of (1 - s/2) (2 - s) over 3 m. */
+TEST(a_taper_may_begin_anywhere)
+{
+  double mass = 0.0;
+  const fb_material unit = {FB_R(2.0), FB_R(1.0), FB_R(1.0)};
+  const fb_profile from = {FB_PROFILE_RECTANGLE, FB_R(2.0), {FB_R(1.0), FB_R(2.0)}};
+  const fb_profile to = {FB_PROFILE_RECTANGLE, FB_R(5.0), {FB_R(0.5), FB_R(1.0)}};
+  uniform_desc(&desc, 3);
+  desc.length = FB_R(5.0);
+  desc.n_station = 0;
+  FBT_INT_EQ(fb_beam_desc_add_taper(&desc, &unit, &from, &to, 7), FB_OK);
+  FBT_INT_EQ(desc.n_station, 7);
+  for (int k = 0; k < 7; k++) {
+    const double s = k / 6.0;
+    FBT_NEAR_REL(desc.station[k].x, 2.0 + 3.0 * s, FBT_TOL(1e-14, 1e-6));
+    mass += (k % 6 ? 0.5 : 0.25) * (double)desc.station[k].mass; /* trapezoids of 1/2 m */
+  }
+  FBT_NEAR_REL(mass, 3.5, FBT_TOL(1e-14, 1e-6));
+}
+
 /* Section 6: what is wrong with a material or a profile is refused, the output kept. */
 TEST(bad_profiles_are_refused)
 {
@@ -905,8 +926,8 @@ TEST(offset_centers_bend_and_twist_as_in_statics)
 }
 
 SUITE(beam, RUN(a_pretwisted_beam_bends_as_its_sections_turn), RUN(offset_centers_bend_and_twist_as_in_statics),
-      RUN(sections_from_dimensions_match_the_handbook), RUN(bad_profiles_are_refused), RUN(a_chain_follows_its_points),
-      RUN(element_matrices_match_the_textbook_ones), RUN(rigid_motion_of_an_element_gives_no_strain),
-      RUN(tapered_stations_integrate_exactly), RUN(sections_are_interpolated_between_stations),
-      RUN(lumped_bodies_must_have_a_physical_inertia), RUN(bad_beams_are_refused_and_leave_the_output_alone),
-      RUN(good_beams_keep_their_desc))
+      RUN(sections_from_dimensions_match_the_handbook), RUN(a_taper_may_begin_anywhere), RUN(bad_profiles_are_refused),
+      RUN(a_chain_follows_its_points), RUN(element_matrices_match_the_textbook_ones),
+      RUN(rigid_motion_of_an_element_gives_no_strain), RUN(tapered_stations_integrate_exactly),
+      RUN(sections_are_interpolated_between_stations), RUN(lumped_bodies_must_have_a_physical_inertia),
+      RUN(bad_beams_are_refused_and_leave_the_output_alone), RUN(good_beams_keep_their_desc))

@@ -452,6 +452,38 @@ TEST(inputs_are_linear_between_the_ends_of_a_step)
   }
 }
 
+/* Holds x of body 0; user: the earliest and the latest time asked for. */
+static int times_seen(fb_row *row, int capacity, const fb_pose *pose, fb_real t, void *user)
+{
+  double *const seen = (double *)user;
+  (void)pose, (void)capacity;
+  seen[0] = fmin(seen[0], (double)t);
+  seen[1] = fmax(seen[1], (double)t);
+  row[0].body[1] = FB_GROUND;
+  row[0].force[0][0] = FB_R(1.0);
+  return 1;
+}
+
+/* E11.14: the caller's constraints are asked for at times within the step. */
+TEST(constraints_are_asked_for_within_the_step)
+{
+  double seen[2] = {1e9, -1e9};
+  fb_system_input end;
+  fresh();
+  rigid(&model[0], 2.0, 0, 0, 0, 0.5, 0.5, 0.5);
+  hang(0, 0, FB_JOINT_FREE, FB_GROUND, 0);
+  input.rows = times_seen;
+  input.user = seen;
+  input.t = FB_R(8.0);
+  end = input;
+  end.t = FB_R(8.25);
+  init(FB_METHOD_RECURSIVE);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+  FBT_INT_EQ(fb_system_sdirk_step(&mechanism, model, &state, &work, &input, &end, FB_R(0.25), 0), FB_OK);
+  FBT_NEAR_ABS(seen[0], 8.0, FBT_TOL(1e-4, 1e-2)); /* rates by differences */
+  FBT_NEAR_ABS(seen[1], 8.25, FBT_TOL(1e-4, 1e-2));
+}
+
 /* E9.15 on p10: free tops, rates and attitude. */
 TEST(tops_follow_the_references)
 {
@@ -1794,15 +1826,16 @@ TEST(systems_refuse_what_is_not_right)
 
 SUITE(system, RUN(systems_keep_energy_and_momentum), RUN(the_three_methods_agree),
       RUN(accelerations_are_the_rates_of_velocities), RUN(systems_converge_with_the_order_of_the_scheme),
-      RUN(inputs_are_linear_between_the_ends_of_a_step), RUN(tops_follow_the_references),
-      RUN(systems_lose_nothing_by_short_steps), RUN(pendulums_of_rods_follow_their_equations),
-      RUN(gimbal_has_the_published_eigenvalues), RUN(redundant_loops_are_accepted),
-      RUN(springs_of_loops_pull_like_those_of_the_tree), RUN(flexible_double_pendulum_follows_the_reference),
-      RUN(slider_crank_follows_the_reference), RUN(a_parallelogram_passes_its_flat_positions),
-      RUN(a_disc_rolls_steadily), RUN(a_knife_edge_draws_a_cycloid), RUN(contradictions_name_their_joint),
-      RUN(momenta_give_back_the_speeds), RUN(a_latch_conserves_momentum), RUN(springs_and_dampers_balance_energy),
-      RUN(joint_forces_carry_what_hangs_on_them), RUN(kept_joints_turn_all_the_way_round),
-      RUN(systems_refuse_what_is_not_right), RUN(every_joint_moves_as_it_should), RUN(a_cut_beam_behaves_as_the_whole),
+      RUN(inputs_are_linear_between_the_ends_of_a_step), RUN(constraints_are_asked_for_within_the_step),
+      RUN(tops_follow_the_references), RUN(systems_lose_nothing_by_short_steps),
+      RUN(pendulums_of_rods_follow_their_equations), RUN(gimbal_has_the_published_eigenvalues),
+      RUN(redundant_loops_are_accepted), RUN(springs_of_loops_pull_like_those_of_the_tree),
+      RUN(flexible_double_pendulum_follows_the_reference), RUN(slider_crank_follows_the_reference),
+      RUN(a_parallelogram_passes_its_flat_positions), RUN(a_disc_rolls_steadily), RUN(a_knife_edge_draws_a_cycloid),
+      RUN(contradictions_name_their_joint), RUN(momenta_give_back_the_speeds), RUN(a_latch_conserves_momentum),
+      RUN(springs_and_dampers_balance_energy), RUN(joint_forces_carry_what_hangs_on_them),
+      RUN(kept_joints_turn_all_the_way_round), RUN(systems_refuse_what_is_not_right),
+      RUN(every_joint_moves_as_it_should), RUN(a_cut_beam_behaves_as_the_whole),
       RUN(system_steps_beyond_the_limit_are_refused), RUN(the_limit_of_a_linkage_is_in_closed_form),
       RUN(stiff_joints_take_long_steps), RUN(strained_bodies_converge_in_a_system),
       RUN(a_stretching_rod_carries_its_neighbor), RUN(attitudes_come_back_as_they_were),
