@@ -169,16 +169,16 @@ build/examples/firmware: examples/firmware.c build/examples/satellite_rom.h exam
 # What a benchmark says of itself: its flags, its commit.
 BUILD_OF_BENCH = -DFBB_FLAGS='"-std=c99 -ffp-contract=off $(CFLAGS)"' -DFBB_COMMIT="\"$$(cat build/commit)\""
 
-build/bench/%_double: bench/%.c $(wildcard bench/*.h) $(LIBRARY) build/flags build/commit | build/bench
+build/bench/%_double: bench/%.c $(wildcard bench/*.h) examples/stepper.h $(LIBRARY) build/flags build/commit | build/bench
 	$(CC) $(FLAGS) $(CFLAGS) $(BUILD_OF_BENCH) -o $@ $< $(LIBS) -lm
 
 build/bench/bench_peers_lu_double: LIBS = -llapack -lblas -ldl
 build/bench/bench_peers_step_double: LIBS = -lsundials_cvode -lsundials_arkode
 
-build/bench/%_single: bench/%.c $(wildcard bench/*.h) $(LIBRARY) build/flags build/commit | build/bench
+build/bench/%_single: bench/%.c $(wildcard bench/*.h) examples/stepper.h $(LIBRARY) build/flags build/commit | build/bench
 	$(CC) $(FLAGS) $(CFLAGS) $(BUILD_OF_BENCH) -DFB_SINGLE=1 -o $@ $< -lm
 
-build/hard_double build/hard_single: $(wildcard tests/hard/*.[ch]) bench/clock.h bench/scheme.h examples/options.h $(LIBRARY) build/flags
+build/hard_double build/hard_single: $(wildcard tests/hard/*.[ch]) bench/clock.h examples/options.h examples/stepper.h $(LIBRARY) build/flags
 	$(CC) $(FLAGS) $(CFLAGS) -DFB_SINGLE=$(if $(findstring single,$@),1,0) -o $@ $(filter tests/hard/%.c,$^) -lm
 
 build/examples/campaign_mpi: examples/campaign_mpi.c $(wildcard examples/*.h) $(LIBRARY) build/flags | build/examples

@@ -5,7 +5,7 @@
 
 #include "check.h"
 #include "clock.h"
-#include "scheme.h"
+#include "../examples/stepper.h"
 #include <math.h>
 
 #define FBB_COUNT(array) ((int)(sizeof(array) / sizeof((array)[0])))
@@ -484,8 +484,8 @@ static void fbb_body_output(double out[3], const fbb_case *c, const fb_body *bod
 /* Runs the body with `steps` steps between samples; its status says whether it came to the end. */
 static void fbb_body_run(fbb_history *history, const fbb_case *c, const fb_body *body, fb_scheme scheme, int steps)
 {
-  static fb_exponential exponential;
   static fb_body_work body_work;
+  static stepper by;
   static fb_analyse_work work;
   static fb_input input[3];
   static fb_state state, sample[FBB_SAMPLES];
@@ -497,15 +497,15 @@ static void fbb_body_run(fbb_history *history, const fbb_case *c, const fb_body 
   fbb_check(fb_state_init(body, &state), "state");
   history->status =
       c->steady ? fb_body_trim(body, &state, &work, &input[2]) : fb_state_from_velocity(body, &state, zero, spin, NULL);
-  if (history->status == FB_OK && scheme == FB_SCHEME_EXPONENTIAL) {
-    history->status = fb_exponential_init(&exponential, &body_work, body, (fb_real)dt);
+  if (history->status == FB_OK) {
+    history->status = stepper_init(&by, &body_work, body, scheme, dt);
   }
   start = fbb_now_ns();
   for (int k = 0; k < FBB_SAMPLES * steps && history->status == FB_OK; k++) {
     input[0] = input[2];
     fbb_input_at(&input[1], c, (k + 0.5) * dt);
     fbb_input_at(&input[2], c, (k + 1) * dt);
-    history->status = fbb_step(body, &exponential, &state, scheme, input, (fb_real)dt);
+    history->status = stepper_step(&by, body, &state, input, (fb_real)dt);
     if ((k + 1) % steps == 0) {
       sample[k / steps] = state;
     }

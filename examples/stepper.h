@@ -11,14 +11,14 @@ typedef struct stepper {
 } stepper;
 
 /* For steps of dt. */
-static fb_status stepper_init(stepper *s, fb_body_work *work, const fb_body *body, fb_scheme scheme, double dt)
+static inline fb_status stepper_init(stepper *s, fb_body_work *work, const fb_body *body, fb_scheme scheme, double dt)
 {
   s->scheme = scheme;
   return scheme == FB_SCHEME_EXPONENTIAL ? fb_exponential_init(&s->exponential, work, body, (fb_real)dt) : FB_OK;
 }
 
 /* at: the inputs at the start, the middle and the end. */
-static fb_status stepper_step(stepper *s, const fb_body *body, fb_state *state, const fb_input *at, fb_real dt)
+static inline fb_status stepper_step(stepper *s, const fb_body *body, fb_state *state, const fb_input *at, fb_real dt)
 {
   switch (s->scheme) {
   case FB_SCHEME_MIDPOINT:

@@ -2,7 +2,7 @@
 #define _POSIX_C_SOURCE 200112L /* clock_gettime */
 #include "hard.h"
 #include "../../bench/clock.h"
-#include "../../bench/scheme.h"
+#include "../../examples/stepper.h"
 
 /* A boom with bending modes of both planes on a hub that is not much heavier, tumbling. */
 static void tumbler(fb_body *body, fb_state *state, fb_form form)
@@ -141,8 +141,8 @@ static double resonance(fb_scheme scheme, double zeta, double cycles)
 {
   static hard_craft craft;
   static fb_body body;
-  static fb_exponential exponential;
   static fb_body_work work;
+  static stepper by;
   static fb_input input[2 * PER_CYCLE + 3];
   const double amplitude = 0.05; /* [m] of the tip */
   double omega, psi, force, re = 0.0, im = 0.0, dt;
@@ -164,12 +164,12 @@ static double resonance(fb_scheme scheme, double zeta, double cycles)
     input[i].load[0].force[1] = (fb_real)(force * sin(HARD_PI * (i % (2 * PER_CYCLE)) / PER_CYCLE));
   }
   hard_must(fb_state_init(&body, &state), "state");
-  hard_must(fb_exponential_init(&exponential, &work, &body, (fb_real)dt), "exponential scheme");
+  hard_must(stepper_init(&by, &work, &body, scheme, dt), "scheme");
   for (double cycle = 0; cycle < cycles; cycle++) {
     re = im = 0.0;
     for (int k = 0; k < PER_CYCLE; k++) {
       const double phase = 2.0 * HARD_PI * (k + 1) / PER_CYCLE;
-      if (fbb_step(&body, &exponential, &state, scheme, &input[2 * k], (fb_real)dt) != FB_OK) {
+      if (stepper_step(&by, &body, &state, &input[2 * k], (fb_real)dt) != FB_OK) {
         return HUGE_VAL;
       }
       re += 2.0 / PER_CYCLE * cos(phase) * psi * (double)state.q[0];

@@ -1,6 +1,6 @@
 /* spinup.c - booms whose base spins up: to ten times the first bending frequency; very stiff along their axis. */
 #include "hard.h"
-#include "../../bench/scheme.h"
+#include "../../examples/stepper.h"
 
 #define SAMPLES 100
 
@@ -62,24 +62,22 @@ static double peak(const spinup *s)
 /* A modal body beside s->tip: largest difference by the largest deflection. */
 static double modal_apart(const spinup *s, const fb_body *body, fb_scheme scheme, double dt)
 {
-  static fb_exponential exponential;
   static fb_body_work work;
+  static stepper by;
   fb_state state;
   fb_input input[3];
   const int steps = (int)(s->duration / (SAMPLES * dt) + 0.5);
   double apart = 0.0, u[3], angle, w, w_dot;
   memset(input, 0, sizeof input);
   hard_must(fb_state_init(body, &state), "state");
-  if (scheme == FB_SCHEME_EXPONENTIAL) {
-    hard_must(fb_exponential_init(&exponential, &work, body, (fb_real)dt), "exponential scheme");
-  }
+  hard_must(stepper_init(&by, &work, body, scheme, dt), "scheme");
   for (int k = 0; k < SAMPLES * steps; k++) {
     for (int i = 0; i < 3; i++) {
       base_at(s, (k + 0.5 * i) * dt, &angle, &w, &w_dot);
       input[i].w[2] = (fb_real)w;
       input[i].w_dot[2] = (fb_real)w_dot;
     }
-    if (fbb_step(body, &exponential, &state, scheme, input, (fb_real)dt) != FB_OK) {
+    if (stepper_step(&by, body, &state, input, (fb_real)dt) != FB_OK) {
       return HUGE_VAL;
     }
     if ((k + 1) % steps == 0) {

@@ -1,6 +1,6 @@
 /* stiff.c - steps of a thousand times the explicit limit; many modes on a hub that is next to nothing. */
 #include "hard.h"
-#include "../../bench/scheme.h"
+#include "../../examples/stepper.h"
 
 /* ---- long steps */
 
@@ -15,7 +15,9 @@ static outcome struck(fb_scheme scheme, int allow, double factor, int steps)
   static const double rest[3] = {0};
   static const fb_input nothing[3];
   static hard_craft craft;
+  static fb_body_work work;
   static fb_body body;
+  static stepper by;
   fb_real q_dot[FB_MAX_MODES];
   fb_state state;
   outcome out = {0.0, 0.0, 0.0};
@@ -29,9 +31,10 @@ static outcome struck(fb_scheme scheme, int allow, double factor, int steps)
     q_dot[a] = (fb_real)(1e-3 * cos(3.0 * a));
   }
   hard_start(&body, &state, rest, rest, q_dot);
+  hard_must(stepper_init(&by, &work, &body, scheme, out.dt), "scheme");
   energy = hard_energy(&body, &state);
   for (int k = 0; k < steps; k++) {
-    if (fbb_step(&body, NULL, &state, scheme, nothing, (fb_real)out.dt) != FB_OK) {
+    if (stepper_step(&by, &body, &state, nothing, (fb_real)out.dt) != FB_OK) {
       out.most = out.last = HUGE_VAL;
       return out;
     }
