@@ -1671,7 +1671,7 @@ static void port(fb_mixed_port *list, int *n, fb_mixed_port_kind kind, int at, i
   p->axes = axes;
 }
 
-/* Beams about whose steady states motion is small: clamped and straight; spinning, set at an angle, pulled; a shaft that
+/* Beams about whose steady states motion is small: clamped and straight; spinning, set at an angle, pulled, with bodies on it; a shaft that
    whirls; a column under a follower load below flutter. Inputs and outputs of every kind. */
 static void linear_case(int which, int n)
 {
@@ -1689,6 +1689,13 @@ static void linear_case(int which, int n)
     desc.attitude[1] = FB_R(0.3);
     desc.position[0] = FB_R(0.2);
     input.w[2] = FB_R(12.0);
+    desc.n_lump = 2;
+    for (int l = 0; l < 2; l++) {
+      desc.lump[l].node = l ? n : n / 2;
+      desc.lump[l].mass = FB_R(0.05);
+      desc.lump[l].center[1] = FB_R(0.02);
+      desc.lump[l].inertia[0] = desc.lump[l].inertia[1] = desc.lump[l].inertia[2] = FB_R(0.001);
+    }
     load_tip(FB_AXES_NODE, 5.0, 0.0, 1.0);
   } else if (which == 2) {
     desc.root = FB_END_PINNED | FB_HOLD_RX;
