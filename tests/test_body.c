@@ -2478,6 +2478,47 @@ TEST(the_check_word_sees_every_flipped_bit)
   FBT_INT_EQ(memcmp(&rate, &again, sizeof rate), 0);
 }
 
+/* Of n numbers of the body those that may change by one bit, another one in each, without a change of its check word. */
+static int numbers_unseen(fb_real *x, int n)
+{
+  const unsigned word = fb_body_crc(&body);
+  unsigned char *const byte = (unsigned char *)x;
+  int unseen = 0;
+  for (int k = 0; k < n; k++) {
+    unsigned char *const at = byte + (size_t)k * sizeof *x + (size_t)k % sizeof *x;
+    *at = (unsigned char)(*at ^ (1u << k % 7));
+    unseen += fb_body_crc(&body) == word;
+    *at = (unsigned char)(*at ^ (1u << k % 7));
+  }
+  return word == 0 ? n : unseen;
+}
+
+/* E8.40: every number of a body with a quadratic field, damping and gravity: those of its nodes, of S and of the matrices. */
+TEST(the_check_word_sees_every_number)
+{
+  const int n = BOOM_MODES;
+  int node[2];
+  boom_body(FB_EFFECTS_FULL | FB_EFFECT_DAMPING | FB_EFFECT_GRAVITY, FB_BASE_FREE, node);
+  for (int k = 0; k < body.n_node; k++) {
+    fb_node *const at = &body.node[k];
+    FBT_INT_EQ(numbers_unseen(at->r, 3) + numbers_unseen(at->psi, 3 * n) + numbers_unseen(at->theta, 3 * n), 0);
+    FBT_INT_EQ(numbers_unseen(at->chi, 3 * n * (n + 1) / 2), 0);
+    FBT_INT_EQ(numbers_unseen(at->chi_theta, 3 * n * (n + 1) / 2), 0);
+  }
+  FBT_INT_EQ(numbers_unseen(body.S + (body.n_S - 40), 40) + numbers_unseen(body.S, 40), 0);
+  FBT_INT_EQ(numbers_unseen(body.S0, 21) + numbers_unseen(body.S0_inverse, 36), 0);
+  FBT_INT_EQ(numbers_unseen(body.M.diagonal, n) + numbers_unseen(body.Minv.diagonal, n), 0);
+  FBT_INT_EQ(numbers_unseen(body.K.diagonal, n) + numbers_unseen(body.C.diagonal, n), 0);
+  FBT_INT_EQ(numbers_unseen(body.gravity, 3) + numbers_unseen(body.c, 3) + numbers_unseen(body.reach, n), 0);
+  FBT_INT_EQ(numbers_unseen(&body.mass, 1) + numbers_unseen(&body.gyration, 1), 0);
+  FBT_INT_EQ(numbers_unseen(&body.deflection_limit, 1) + numbers_unseen(&body.recoil, 1), 0);
+  FBT_INT_EQ(numbers_unseen(&body.limit_elastic, 1) + numbers_unseen(&body.limit_damping, 1), 0);
+  FBT_INT_EQ(numbers_unseen(&body.limit_spin, 1) + numbers_unseen(&body.limit_acceleration, 1), 0);
+  for (int k = 0; k < body.n_lambda; k++) {
+    FBT_INT_EQ(numbers_unseen(&body.lambda[k].c, 1), 0);
+  }
+}
+
 /* A row of Lambda without a term, which no flip of a single bit makes: its index is a place that a step writes to. */
 TEST(rows_without_terms_are_refused)
 {
@@ -2503,20 +2544,20 @@ TEST(rows_without_terms_are_refused)
 }
 
 SUITE(body, RUN(rows_without_terms_are_refused), RUN(the_check_word_sees_every_flipped_bit),
-      RUN(a_strain_gauge_reads_the_bending_moment), RUN(hopkins_element_has_the_exact_integrals),
-      RUN(finite_element_models_are_the_beams_they_came_from), RUN(joined_halves_are_the_whole),
-      RUN(joined_components_converge_and_refuse), RUN(shape_integrals_obey_the_vector_identities),
-      RUN(inertial_identities_hold_as_published), RUN(accelerations_agree_with_a_particle_model),
-      RUN(momenta_agree_with_a_particle_model), RUN(elastic_forces_agree_with_a_particle_model),
-      RUN(each_set_of_effects_follows_its_own_lagrangian), RUN(bodies_do_not_depend_on_the_units),
-      RUN(residual_inertia_vanishes_on_a_rotation_closed_basis), RUN(functions_close_the_basis),
-      RUN(beam_integrals_reproduce_mass_and_modal_mass), RUN(beam_integrals_hold_for_any_section_and_line),
-      RUN(quadratic_field_is_inextensible_and_twist_free), RUN(quadratic_field_follows_a_bent_line_in_any_attitude),
-      RUN(offset_masses_move_with_their_section), RUN(lumped_bodies_are_the_particles_they_stand_for),
-      RUN(a_beam_may_take_later_coordinates), RUN(power_of_loads_is_the_rate_of_energy),
-      RUN(node_kinematics_match_finite_differences), RUN(reactions_balance_the_momentum),
-      RUN(a_held_body_is_a_free_one_with_its_reactions), RUN(pinned_and_hinged_bodies_swing_as_rigid_pendulums),
-      RUN(a_falling_body_does_not_deform), RUN(elastic_response_is_frame_indifferent),
-      RUN(damped_free_decay_has_the_given_ratio), RUN(spinning_beams_stiffen_as_published),
-      RUN(linear_models_of_spinning_beams_have_the_published_frequencies), RUN(a_rigid_body_is_the_case_of_no_modes),
-      RUN(bodies_refuse_bad_input))
+      RUN(the_check_word_sees_every_number), RUN(a_strain_gauge_reads_the_bending_moment),
+      RUN(hopkins_element_has_the_exact_integrals), RUN(finite_element_models_are_the_beams_they_came_from),
+      RUN(joined_halves_are_the_whole), RUN(joined_components_converge_and_refuse),
+      RUN(shape_integrals_obey_the_vector_identities), RUN(inertial_identities_hold_as_published),
+      RUN(accelerations_agree_with_a_particle_model), RUN(momenta_agree_with_a_particle_model),
+      RUN(elastic_forces_agree_with_a_particle_model), RUN(each_set_of_effects_follows_its_own_lagrangian),
+      RUN(bodies_do_not_depend_on_the_units), RUN(residual_inertia_vanishes_on_a_rotation_closed_basis),
+      RUN(functions_close_the_basis), RUN(beam_integrals_reproduce_mass_and_modal_mass),
+      RUN(beam_integrals_hold_for_any_section_and_line), RUN(quadratic_field_is_inextensible_and_twist_free),
+      RUN(quadratic_field_follows_a_bent_line_in_any_attitude), RUN(offset_masses_move_with_their_section),
+      RUN(lumped_bodies_are_the_particles_they_stand_for), RUN(a_beam_may_take_later_coordinates),
+      RUN(power_of_loads_is_the_rate_of_energy), RUN(node_kinematics_match_finite_differences),
+      RUN(reactions_balance_the_momentum), RUN(a_held_body_is_a_free_one_with_its_reactions),
+      RUN(pinned_and_hinged_bodies_swing_as_rigid_pendulums), RUN(a_falling_body_does_not_deform),
+      RUN(elastic_response_is_frame_indifferent), RUN(damped_free_decay_has_the_given_ratio),
+      RUN(spinning_beams_stiffen_as_published), RUN(linear_models_of_spinning_beams_have_the_published_frequencies),
+      RUN(a_rigid_body_is_the_case_of_no_modes), RUN(bodies_refuse_bad_input))

@@ -244,8 +244,8 @@ static void monomial(fb_real *q, int power)
   fb_lu_solve(q, A, perm, b, modes.n);
 }
 
-/* E6.8: u_y = (x/L)^d has a strain energy with x^(4 d - 4), the highest degree that the 2 d - 1 points integrate
-   exactly, but one. */
+/* E6.8: u_y = (x/L)^d of a beam whose axial stiffness falls evenly to half of it has a strain energy with x^(4 d - 3), the
+   highest degree that the 2 d - 1 points integrate exactly. */
 TEST(gauss_rules_integrate_polynomials)
 {
   double worst = 0.0;
@@ -253,10 +253,16 @@ TEST(gauss_rules_integrate_polynomials)
     static fb_modes_desc keep;
     const scene one = {1, d, 0, 1, 0};
     const double slope = d / LENGTH, curvature = d * (d - 1) / (LENGTH * LENGTH);
-    const double membrane = STRETCH * slope * slope * slope * slope * LENGTH / (8.0 * (4 * d - 3));
+    const double EA = STRETCH * (1.0 / (4 * d - 3) - 0.5 / (4 * d - 2)); /* its mean, weighted by (x/L)^(4 d - 4) */
+    const double membrane = EA * slope * slope * slope * slope * LENGTH / 8.0;
     const double bending = 0.5 * BENDING * curvature * curvature * LENGTH / (2 * d - 3);
     fb_state state;
     scene_modes(&one, BENDING);
+    beam_desc.n_station = 2;
+    beam_desc.station[1] = beam_desc.station[0];
+    beam_desc.station[1].x = (fb_real)LENGTH;
+    beam_desc.station[1].EA *= FB_R(0.5);
+    FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
     memset(&keep, 0, sizeof keep);
     keep.basis = FB_BASIS_FUNCTIONS;
     keep.degree = d;
@@ -273,6 +279,38 @@ TEST(gauss_rules_integrate_polynomials)
   }
   fbt_figure("quadrature of strain, degrees 3 to 8", "integral of a monomial", worst);
   FBT_BELOW(worst, FBT_TOL(1e-12, 1e-5));
+}
+
+/* Section 8: the strain that a spinning beam's own mass causes at its root, per spin squared, int r dm/EA with r from O:
+   on the line through O whatever its attitude, mass that falls evenly, cells between elements and stations, a body that
+   counts as if at the tip. */
+TEST(own_mass_stretches_a_spinning_beam)
+{
+  const scene three = {3, 3, 0, 1, 0};
+  const double root = 2.0, carried = 0.7, middle = 4.0;
+  /* int (R + x) (1 - x/(2 L)) dx */
+  const double moment = MASS / LENGTH * (LENGTH * (root + LENGTH / 2.0) - LENGTH * (root / 4.0 + LENGTH / 6.0));
+  scene_modes(&three, BENDING);
+  beam_desc.n_station = 3;
+  for (int k = 1; k < 3; k++) {
+    const double x = k == 1 ? middle : LENGTH;
+    beam_desc.station[k] = beam_desc.station[0];
+    beam_desc.station[k].x = (fb_real)x;
+    beam_desc.station[k].mass *= (fb_real)(1.0 - 0.5 * x / LENGTH);
+  }
+  beam_desc.position[0] = (fb_real)(0.6 * root);
+  beam_desc.position[1] = (fb_real)(0.8 * root);
+  beam_desc.attitude[0] = (fb_real)sqrt(0.8); /* turns x to (0.6, 0.8, 0) */
+  beam_desc.attitude[3] = (fb_real)sqrt(0.2);
+  for (int lumps = 0; lumps < 2; lumps++) {
+    beam_desc.n_lump = lumps;
+    beam_desc.lump[0].node = 1;
+    beam_desc.lump[0].mass = (fb_real)carried;
+    FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
+    FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
+    FBT_INT_EQ(fb_shape_add_beam_strain(&shape, 0, &beam, &modes), FB_OK);
+    FBT_NEAR_REL(shape.stretch, (moment + lumps * carried * (root + LENGTH)) / STRETCH, FBT_TOL(1e-14, 1e-6));
+  }
 }
 
 /* ---- the forms, one evaluation */
@@ -956,6 +994,104 @@ TEST(truncation_does_what_the_paper_shows)
   FBT_BELOW(late, 0.01);
 }
 
+/* ---- as many coordinates as there can be */
+
+/* The beam on its hub, with pairs of particles at the same place: each pair that is a coordinate, of the first before the
+   beam's, moves apart against a spring, the others are fixed. */
+static void shape_with_pairs(int first)
+{
+  static const fb_real center[3] = {FB_R(0.3), -FB_R(0.2), FB_R(0.1)};
+  static const fb_real inertia[6] = {FB_R(40.0), FB_R(30.0), FB_R(50.0), FB_R(2.0), -FB_R(1.0), FB_R(3.0)};
+  int tip;
+  scene_modes(&closed_3d, BENDING);
+  FBT_INT_EQ(fb_shape_init(&shape, first + modes.n), FB_OK);
+  FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(20.0), center, inertia), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&shape, first, &beam, &modes), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam_strain(&shape, first, &beam, &modes), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam_node(&shape, &tip, first, &beam, &modes, (fb_real)LENGTH), FB_OK);
+  for (int k = 0; k < FB_MAX_MODES - modes.n; k++) {
+    const fb_real r[3] = {FB_R(0.1) * (fb_real)k, FB_R(0.5), -FB_R(0.3)};
+    for (int side = 0; side < 2; side++) {
+      fb_real psi[3 * FB_MAX_MODES] = {0};
+      psi[3 * k + k % 3] = k < first ? (side ? -FB_R(1.0) : FB_R(1.0)) : FB_R(0.0);
+      FBT_INT_EQ(fb_shape_add_particle(&shape, FB_R(0.05), r, psi, NULL), FB_OK);
+    }
+    if (k < first) {
+      shape.K[k * shape.n + k] = FB_R(30.0);
+    }
+  }
+}
+
+/* Accelerations under a load at the tip, and after ten steps of each scheme position, attitude and coordinates of the beam,
+   bent and in motion; what the pairs do of it. */
+static int moved_with_pairs(fb_real *moved, double *pairs, int first, fb_form form)
+{
+  static fb_implicit_work implicit;
+  static fb_exponential exponential;
+  static fb_exponential_work exponential_work;
+  const fb_real dt = FB_R(2e-5);
+  fb_real v[3], w[3], q_dot[FB_MAX_MODES] = {0};
+  fb_state start;
+  fb_motion motion;
+  fb_input input;
+  int count = 6;
+  scene_body(form, FB_TORQUE_IDENTITY, FB_BASE_FREE, FB_EFFECTS_STRAIN);
+  fbt_seed(11);
+  FBT_INT_EQ(fb_state_init(&body, &start), FB_OK);
+  bend(start.q + first);
+  bend(q_dot + first);
+  fbt_fill(v, 3, 1.0);
+  fbt_fill(w, 3, 1.0);
+  FBT_INT_EQ(fb_state_from_velocity(&body, &start, v, w, q_dot), FB_OK);
+  loads_at_O(&input);
+  input.load[0].node = 1;
+  FBT_INT_EQ(fb_body_motion(&body, &motion, &start, &input), FB_OK);
+  memcpy(moved, motion.v_dot, sizeof motion.v_dot);
+  memcpy(moved + 3, motion.w_dot, sizeof motion.w_dot);
+  memcpy(moved + count, motion.q_ddot + first, sizeof(fb_real) * (size_t)modes.n);
+  *pairs = fbt_largest(motion.q_ddot, first);
+  count += modes.n;
+  FBT_INT_EQ(form == FB_FORM_MOMENTUM ? fb_exponential_init(&exponential, &body_work, &body, dt) : FB_OK, FB_OK);
+  for (int scheme = 0; scheme < (form == FB_FORM_MOMENTUM ? 4 : 3); scheme++) {
+    fb_state state = start;
+    fb_rk4_work work;
+    for (int k = 0; k < 10; k++) {
+      FBT_INT_EQ(scheme == 0   ? fb_rk4_step(&body, &state, &work, &input, &input, &input, dt)
+                 : scheme == 1 ? fb_midpoint_step(&body, &state, &implicit, &input, dt, 0)
+                 : scheme == 2
+                     ? fb_sdirk_step(&body, &state, &implicit, &input, &input, dt, 0)
+                     : fb_exponential_step(&body, &exponential, &state, &exponential_work, &input, &input, &input),
+                 FB_OK);
+    }
+    *pairs = fmax(*pairs, fbt_largest(state.q, first));
+    memcpy(moved + count, state.rho, sizeof state.rho);
+    memcpy(moved + count + 3, state.quat, sizeof state.quat);
+    memcpy(moved + count + 7, state.q + first, sizeof(fb_real) * (size_t)modes.n);
+    count += 7 + modes.n;
+  }
+  return count;
+}
+
+/* E8.13, E8.25, E8.28: coordinates at rest which nothing pushes do not count: in every form and scheme a beam whose
+   coordinates are the last of as many as there can be moves as one that has no others. */
+TEST(coordinates_at_rest_do_not_count)
+{
+  for (int form = 0; form < 3; form++) {
+    fb_real alone[6 + 5 * (FB_MAX_MODES + 7)], among[6 + 5 * (FB_MAX_MODES + 7)];
+    double pairs;
+    int count;
+    shape_with_pairs(0);
+    desc_clear();
+    count = moved_with_pairs(alone, &pairs, 0, (fb_form)form);
+    shape_with_pairs(FB_MAX_MODES - modes.n);
+    FBT_INT_EQ(moved_with_pairs(among, &pairs, FB_MAX_MODES - modes.n, (fb_form)form), count);
+    FBT_INT_EQ(body.n, FB_MAX_MODES);
+    FBT_BELOW(fbt_difference(alone, among, 6 + modes.n), FBT_TOL(1e-9, 1e-3) * fbt_largest(alone, 6 + modes.n));
+    FBT_BELOW(fbt_difference(alone + 6 + modes.n, among + 6 + modes.n, count - 6 - modes.n), FBT_TOL(1e-12, 1e-5));
+    FBT_BELOW(pairs, FBT_TOL(1e-10, 1e-2));
+  }
+}
+
 /* ---- refusals */
 
 /* fb_body_init with desc fails with that status and leaves the body as it was. */
@@ -1144,9 +1280,10 @@ TEST(strain_stations_refuse_bad_input)
 }
 
 SUITE(forms, RUN(strain_forces_are_the_gradient_of_the_energy), RUN(gauss_rules_integrate_polynomials),
-      RUN(forms_agree_on_a_closed_basis), RUN(stiffness_torques_agree_on_a_closed_basis),
-      RUN(truncated_torques_agree_on_a_closed_basis), RUN(second_order_form_is_the_printed_one),
-      RUN(spin_up_follows_the_references_of_each_form), RUN(two_elements_of_degree_6_are_converged),
-      RUN(work_of_the_torque_is_the_energy), RUN(truncation_does_what_the_paper_shows),
-      RUN(indexes_beyond_the_tables_are_refused), RUN(half_an_inertia_is_refused),
-      RUN(strain_stations_refuse_bad_input), RUN(the_check_word_sees_every_form))
+      RUN(own_mass_stretches_a_spinning_beam), RUN(forms_agree_on_a_closed_basis),
+      RUN(stiffness_torques_agree_on_a_closed_basis), RUN(truncated_torques_agree_on_a_closed_basis),
+      RUN(second_order_form_is_the_printed_one), RUN(spin_up_follows_the_references_of_each_form),
+      RUN(two_elements_of_degree_6_are_converged), RUN(work_of_the_torque_is_the_energy),
+      RUN(truncation_does_what_the_paper_shows), RUN(indexes_beyond_the_tables_are_refused),
+      RUN(coordinates_at_rest_do_not_count), RUN(half_an_inertia_is_refused), RUN(strain_stations_refuse_bad_input),
+      RUN(the_check_word_sees_every_form))

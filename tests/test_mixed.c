@@ -861,6 +861,92 @@ TEST(free_flight_keeps_momentum)
   }
 }
 
+/* E10.6: reactions are in balance with what acts, forces and, of loads at nodes, moments about the origin, but for what
+   an element loses by its turn, of order 4 at least: a beam clamped at its root and propped at its tip, bent far. A node
+   that nothing holds has no reaction. */
+TEST(reactions_balance_what_acts)
+{
+  const double stiffness[6] = {1e4, 4e3, 4e3, 80.0, 100.0, 100.0};
+  double left[2][2] = {{0.0}}; /* forces, moments; 10 and 20 elements */
+  for (int k = 0; k < 4; k++) {
+    const int with_line = k / 2, n = k % 2 ? 20 : 10;
+    fb_real force[3] = {0}, moment[3] = {0}, arm[3];
+    beam(4.0, n, stiffness, NULL);
+    desc.tip = FB_HOLD_Y | FB_HOLD_RX;
+    load_tip(FB_AXES_INERTIAL, -4.0, 0.0, 12.0);
+    load_tip(FB_AXES_INERTIAL, 3.0, 30.0, -7.0);
+    input.load[1].node = n / 2;
+    input.load[1].torque[0] = FB_R(5.0);
+    input.load[1].torque[2] = FB_R(-20.0);
+    for (int e = 0; e < n / 2 && with_line; e++) {
+      input.line[e].force[1] = FB_R(2.5);
+      input.line[e].force[2] = FB_R(-4.0);
+    }
+    settle();
+    for (int l = 0; l < 2; l++) {
+      fb_vec3_cross(arm, node[input.load[l].node].position, input.load[l].force);
+      for (int i = 0; i < 3; i++) {
+        force[i] += input.load[l].force[i] + input.line[0].force[i]; /* N/m on 2 m, half of them each time */
+        moment[i] += arm[i] + input.load[l].torque[i];
+      }
+    }
+    for (int j = 0; j <= n; j++) {
+      fb_real R[9], F[3], M[3];
+      const double held = fbt_largest(node[j].reaction_force, 3) + fbt_largest(node[j].reaction_moment, 3);
+      FBT_INT_EQ(held > 0.0, j == 0 || j == n);
+      fb_quat_to_mat33(R, node[j].quat);
+      fb_mat33_mul_vec3(F, R, node[j].reaction_force);
+      fb_mat33_mul_vec3(M, R, node[j].reaction_moment);
+      fb_vec3_cross(arm, node[j].position, F);
+      for (int i = 0; i < 3; i++) {
+        force[i] += F[i];
+        moment[i] += arm[i] + M[i];
+      }
+    }
+    FBT_BELOW(1.0, fbt_largest(node[n].displacement, 3));
+    left[0][k % 2] = fmax(left[0][k % 2], fbt_largest(force, 3));
+    left[1][k % 2] = fmax(left[1][k % 2], with_line ? 0.0 : fbt_largest(moment, 3));
+  }
+  for (int i = 0; i < 2; i++) {
+    FBT_BELOW(left[i][1], FBT_TOL(1e-5, 5e-3));
+    if (!FB_SINGLE) {
+      FBT_BELOW(3.8, log2(left[i][0] / left[i][1]));
+    }
+  }
+}
+
+/* E10.13, E10.14: what moves as one has p v + L w = 2 T about the origin, in every shape: bent far, carried along by its
+   base, under a load that follows the line, with a body on it. */
+TEST(momenta_of_a_rigid_motion_are_those_of_its_energy)
+{
+  const double stiffness[6] = {300.0, 150.0, 200.0, 8.0, 5.0, 6.0}, inertia[6] = {1.3, 1.3, 1.3, 0.02, 0.03, 0.04};
+  for (int with_lump = 0; with_lump < 2; with_lump++) {
+    fb_momentum momentum;
+    fb_energy energy;
+    beam(1.0, 3, stiffness, inertia);
+    desc.n_lump = with_lump;
+    desc.lump[0].node = 2;
+    desc.lump[0].mass = FB_R(0.2);
+    desc.lump[0].center[1] = FB_R(0.1);
+    for (int i = 0; i < 3; i++) {
+      input.v[i] = (fb_real)(0.5 - 0.3 * i);
+      input.w[i] = (fb_real)(0.4 * i - 0.7);
+      input.line[1].force[i] = (fb_real)(6.0 - 2.0 * i);
+      input.line[1].torque[i] = (fb_real)(i + 1.0);
+    }
+    input.line[1].axes = FB_AXES_NODE;
+    load_tip(FB_AXES_NODE, 20.0, 5.0, -4.0);
+    input.load[0].torque[2] = FB_R(9.0);
+    settle();
+    FBT_BELOW(0.5, fbt_largest(node[3].displacement, 3));
+    FBT_BELOW(1e-3, fbt_largest(state.offset, 18));
+    FBT_INT_EQ(fb_mixed_momentum(&mixed, &momentum, &state), FB_OK);
+    FBT_INT_EQ(fb_mixed_energy(&mixed, &energy, &state), FB_OK);
+    FBT_NEAR_REL(fb_vec3_dot(momentum.linear, input.v) + fb_vec3_dot(momentum.angular, input.w),
+                 2.0 * (double)energy.kinetic, FBT_TOL(1e-10, 1e-4));
+  }
+}
+
 /* E10.6: a beam that hardly bends turns like a rigid rod of its inertia: pinned, under a torque. */
 TEST(a_rigid_beam_has_its_inertia)
 {
@@ -1117,7 +1203,7 @@ TEST(a_lump_is_a_rigid_body)
   const double Jw[3] = {J[0] * w[0] + J[3] * w[1] + J[4] * w[2], J[3] * w[0] + J[1] * w[1] + J[5] * w[2],
                         J[4] * w[0] + J[5] * w[1] + J[2] * w[2]};
   const double x1 = x0 / 3.0, m1 = 0.4, v1[3] = {0.0, w[2] * x1, -w[1] * x1}; /* a particle on the first node */
-  const double spin1[3] = {0.0, -m1 * x1 * v1[2], m1 * x1 * v1[1]};
+  const double spin1[3] = {0.0, -m1 * x1 * v1[2], m1 * x1 * v1[1]}, g[3] = {0.4, -1.1, 2.0};
   fb_energy energy;
   fb_momentum momentum;
   beam(x0, 3, stiffness, NULL);
@@ -1130,11 +1216,13 @@ TEST(a_lump_is_a_rigid_body)
     desc.lump[0].center[i] = (fb_real)c[i];
     desc.lump[0].inertia[i] = (fb_real)J[i];
     desc.lump[0].inertia[i + 3] = (fb_real)J[i + 3];
+    desc.gravity[i] = (fb_real)g[i];
     input.w[i] = (fb_real)w[i];
   }
   start();
   FBT_INT_EQ(fb_mixed_energy(&mixed, &energy, &state), FB_OK);
   FBT_INT_EQ(fb_mixed_momentum(&mixed, &momentum, &state), FB_OK);
+  FBT_NEAR_REL(energy.gravity, -m * (g[0] * r[0] + g[1] * r[1] + g[2] * r[2]) - m1 * g[0] * x1, FBT_TOL(1e-12, 1e-5));
   FBT_NEAR_REL(energy.kinetic,
                0.5 * m * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) + 0.5 * m1 * (v1[1] * v1[1] + v1[2] * v1[2]) +
                    0.5 * (w[0] * Jw[0] + w[1] * Jw[1] + w[2] * Jw[2]),
@@ -1583,7 +1671,7 @@ static void port(fb_mixed_port *list, int *n, fb_mixed_port_kind kind, int at, i
   p->axes = axes;
 }
 
-/* Beams about whose steady states motion is small: clamped and straight; spinning, set at an angle, pulled; a shaft that
+/* Beams about whose steady states motion is small: clamped and straight; spinning, set at an angle, pulled, with bodies on it; a shaft that
    whirls; a column under a follower load below flutter. Inputs and outputs of every kind. */
 static void linear_case(int which, int n)
 {
@@ -1601,6 +1689,13 @@ static void linear_case(int which, int n)
     desc.attitude[1] = FB_R(0.3);
     desc.position[0] = FB_R(0.2);
     input.w[2] = FB_R(12.0);
+    desc.n_lump = 2;
+    for (int l = 0; l < 2; l++) {
+      desc.lump[l].node = l ? n : n / 2;
+      desc.lump[l].mass = FB_R(0.05);
+      desc.lump[l].center[1] = FB_R(0.02);
+      desc.lump[l].inertia[0] = desc.lump[l].inertia[1] = desc.lump[l].inertia[2] = FB_R(0.001);
+    }
     load_tip(FB_AXES_NODE, 5.0, 0.0, 1.0);
   } else if (which == 2) {
     desc.root = FB_END_PINNED | FB_HOLD_RX;
@@ -2068,7 +2163,8 @@ SUITE(mixed, RUN(states_that_are_not_numbers_are_refused), RUN(elastica_is_of_or
       RUN(any_units_give_the_same_solution), RUN(supports_are_those_of_the_textbook),
       RUN(a_beam_slides_over_its_support), RUN(newton_converges_quadratically), RUN(energy_is_kept_whatever_the_step),
       RUN(dissipation_takes_energy_in_every_step), RUN(dissipation_is_that_of_its_formula),
-      RUN(free_flight_keeps_momentum), RUN(a_rigid_beam_has_its_inertia), RUN(steady_and_marching_agree),
+      RUN(free_flight_keeps_momentum), RUN(a_rigid_beam_has_its_inertia), RUN(reactions_balance_what_acts),
+      RUN(momenta_of_a_rigid_motion_are_those_of_its_energy), RUN(steady_and_marching_agree),
       RUN(spin_up_matches_the_exact_beam), RUN(one_element_rings_at_the_predicted_frequency),
       RUN(a_beam_slides_out_of_a_spinning_slot), RUN(a_beam_held_twice_keeps_energy_and_place),
       RUN(a_far_hinge_turns_as_one_at_the_root), RUN(dissipation_bears_steps_of_any_length),

@@ -262,6 +262,30 @@ TEST(twist_and_pose_are_inverse)
   }
 }
 
+/* E4.6, E4.7: a line of constant curvature is the arc L (sin t, 1 - cos t)/t, and the arc that line, on both sides of
+   where the series of c and g hand over, at t = 0.1: within some units in the last place. What stands beside the twist is
+   no number. */
+TEST(arcs_are_exact_where_the_series_end)
+{
+  for (int k = 1; k <= 60; k++) {
+    const fb_real t = (fb_real)(k <= 40 ? 0.005 * k : 0.15 * (k - 40)), nan = (fb_real)NAN;
+    const double half = 0.5 * (double)t, x = sin((double)t) / (double)t, y = sin(half) * sin(half) / half;
+    const fb_real arc[6] = {FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(0.0), t};
+    const fb_real end[3] = {(fb_real)x, (fb_real)y, FB_R(0.0)};
+    const fb_real turn[4] = {(fb_real)cos(half), FB_R(0.0), FB_R(0.0), (fb_real)sin(half)};
+    fb_real r[3] = {nan, nan, nan}, q[4] = {nan, nan, nan, nan}, twist[18];
+    for (int i = 0; i < 18; i++) {
+      twist[i] = nan;
+    }
+    fb_pose_from_twist(r, q, arc);
+    fb_pose_to_twist(twist + 6, end, turn);
+    FBT_BELOW(fbt_difference(r, end, 3), 4.0 * EPS);
+    FBT_BELOW(fbt_difference(q, turn, 4), 2.0 * EPS);
+    FBT_BELOW(fbt_difference(twist + 6, arc, 6), 8.0 * EPS);
+    FBT_TRUE(twist[5] != twist[5] && twist[12] != twist[12]);
+  }
+}
+
 /* E4.8: 4 tan(phi/4) along the axis, and beyond half a turn that of the rotation the other way round. */
 TEST(wiener_milenkovic_parameters_rescale)
 {
@@ -283,7 +307,7 @@ TEST(wiener_milenkovic_parameters_rescale)
   }
 }
 
-SUITE(rotation, RUN(twist_and_pose_are_inverse), RUN(wiener_milenkovic_parameters_rescale),
-      RUN(quaternion_product_is_matrix_product), RUN(quaternion_and_matrix_rotate_alike),
-      RUN(exponential_and_logarithm_are_inverse), RUN(exponential_is_smooth_where_its_series_ends),
-      RUN(normalize_refuses_what_has_no_direction))
+SUITE(rotation, RUN(twist_and_pose_are_inverse), RUN(arcs_are_exact_where_the_series_end),
+      RUN(wiener_milenkovic_parameters_rescale), RUN(quaternion_product_is_matrix_product),
+      RUN(quaternion_and_matrix_rotate_alike), RUN(exponential_and_logarithm_are_inverse),
+      RUN(exponential_is_smooth_where_its_series_ends), RUN(normalize_refuses_what_has_no_direction))

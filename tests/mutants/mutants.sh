@@ -47,13 +47,14 @@ seen_by() {
 # same_code: the mutant in the tree compiles to what the original does
 same_code() { build_main "$out/main.o" && cmp -s "$out/main.o" "$out/original.o"; }
 
-# sanitized SECTION: its tests stay within all arrays, as check-sanitize wants it (slow: survivors alone)
+# sanitized SECTION: its tests, for bodies those of the forms, too, stay within all arrays, as check-sanitize wants it (slow:
+# survivors alone)
 sanitized() {
   if [ ! -f "$out/sanitized" ]; then
     tree "$out/switch.h"
     $CC $flags $sanitize $tests -o "$out/sanitized" "$out"/tree/tests/test_*.c -lm
   fi
-  run 200 "$out/sanitized" "$1/"
+  run 200 "$out/sanitized" "$1/" && { [ "$1" != body ] || run 200 "$out/sanitized" forms/; }
 }
 
 for file in "$out"/tree/tests/test_*.c; do
