@@ -835,6 +835,235 @@ TEST(springs_of_loops_pull_like_those_of_the_tree)
   }
 }
 
+/* A body on a joint of that kind at the tip of another, both bend: turned frames, springs, dampers, motors, a load, in
+   motion; one axis may be given. */
+static void couple(fb_joint_kind kind, int axis, fb_axis_mode mode)
+{
+  fb_joint_desc *j = &desc.joint[1];
+  fresh();
+  flexible(&model[0], 1, 1, 1, FB_EFFECTS_FULL);
+  hang(0, 0, FB_JOINT_FREE, FB_GROUND, 0);
+  hang(1, 0, kind, 0, 1);
+  fbt_seed(5);
+  turn_anyhow(j->attitude, 1.0);
+  turn_anyhow(j->child_attitude, 1.0);
+  fbt_fill(j->position, 3, 0.2);
+  fbt_fill(j->child_position, 3, 0.2);
+  fbt_fill(j->rest, 3, 0.2);
+  j->pitch = FB_R(0.1);
+  j->mode[axis] = mode;
+  for (int i = 0; i < 3; i++) {
+    j->stiffness[i] = (fb_real)(2.0 + fbt_random());
+    j->damping[i] = (fb_real)(0.3 + 0.2 * fbt_random());
+  }
+  for (int k = 0; k < 2; k++) {
+    fbt_fill(start[k].value, 3, 0.4);
+    turn_anyhow(start[k].quat, 0.6);
+    fbt_fill(start[k].speed, 6, 1.0);
+    fbt_fill(start[k].q, model[0].n, 0.02);
+    fbt_fill(start[k].q_dot, model[0].n, 0.2);
+  }
+  for (int i = 0; i < 3; i++) {
+    input.drive[1].torque[i] = (fb_real)fbt_random();
+    input.drive[1].value[i] = start[1].value[i];
+    input.drive[1].rate[i] = start[1].speed[i];
+    input.drive[1].acceleration[i] = (fb_real)fbt_random();
+  }
+  input.n_load = 1;
+  input.load[0].body = 1;
+  input.load[0].load.node = 1;
+  fbt_fill(input.load[0].load.force, 3, 1.0);
+  fbt_fill(input.load[0].load.torque, 3, 0.2);
+}
+
+/* The same, both bodies free where `at` has them, the joint closes a loop; backwards: from the second body to the
+   first, all coordinates with the other sign. */
+static void couple_by_a_loop(const fb_system_motion *at, int backwards)
+{
+  const fb_joint_desc joint = desc.joint[1];
+  const fb_real sign = backwards ? FB_R(-1.0) : FB_R(1.0);
+  fb_joint_desc *loop = close_loop(joint.kind, backwards, !backwards, !backwards, backwards);
+  const int parent = loop->parent, node = loop->parent_node, child = loop->child, child_node = loop->child_node;
+  *loop = joint;
+  loop->parent = parent;
+  loop->parent_node = node;
+  loop->child = child;
+  loop->child_node = child_node;
+  if (backwards) {
+    memcpy(loop->position, joint.child_position, sizeof loop->position);
+    memcpy(loop->attitude, joint.child_attitude, sizeof loop->attitude);
+    memcpy(loop->child_position, joint.position, sizeof loop->position);
+    memcpy(loop->child_attitude, joint.attitude, sizeof loop->attitude);
+  }
+  for (int i = 0; i < 3; i++) {
+    const fb_drive *d = &input.drive[1];
+    loop->rest[i] *= sign;
+    input.drive[2].torque[i] = sign * d->torque[i];
+    input.drive[2].value[i] = sign * d->value[i];
+    input.drive[2].rate[i] = sign * d->rate[i];
+    input.drive[2].acceleration[i] = sign * d->acceleration[i];
+  }
+  memset(&input.drive[1], 0, sizeof input.drive[1]);
+  memset(&desc.joint[1], 0, sizeof desc.joint[1]);
+  memcpy(start[1].value, at->pose[1].rho, sizeof start[1].value);
+  memcpy(start[1].quat, at->pose[1].quat, sizeof start[1].quat);
+  memcpy(start[1].speed, at->motion[1].v, sizeof at->motion[1].v);
+  memcpy(start[1].speed + 3, at->motion[1].w, sizeof at->motion[1].w);
+}
+
+/* The input t after the instant of `input`: accelerations are constant. */
+static fb_system_input driven(double t)
+{
+  fb_system_input later = input;
+  for (int j = 0; j < 3; j++) {
+    for (int i = 0; i < 3; i++) {
+      fb_drive *d = &later.drive[j];
+      d->value[i] += (fb_real)t * d->rate[i] + (fb_real)(0.5 * t * t) * d->acceleration[i];
+      d->rate[i] += (fb_real)t * d->acceleration[i];
+    }
+  }
+  return later;
+}
+
+/* Motion of a couple, its joint j as number 1, backwards with the other sign, and of the whole the power, that of the
+   motors, the energy. */
+static void couple_eval(fb_system_motion *at, fb_real whole[3], int j, int backwards)
+{
+  fb_energy energy;
+  FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, at, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_system_rates(&mechanism, model, &work, &rate, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_system_energy(&mechanism, model, &work, &energy, &state, &input), FB_OK);
+  whole[0] = at->power;
+  whole[1] = rate.motor_work;
+  whole[2] = energy.kinetic + energy.strain;
+  at->joint[1] = at->joint[j];
+  for (int i = 0; i < 3 && backwards; i++) {
+    fb_joint_motion *joint = &at->joint[1];
+    joint->value[i] *= FB_R(-1.0);
+    joint->speed[i] *= FB_R(-1.0);
+    joint->drive[i] *= FB_R(-1.0);
+  }
+}
+
+static void couple_steps(int n, double dt)
+{
+  for (int step = 0; step < n; step++) {
+    const fb_system_input middle = driven(0.5 * dt), end = driven(dt);
+    FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &input, &middle, &end, (fb_real)dt), FB_OK);
+    input = end;
+  }
+}
+
+/* E9.7 to E9.15, E9.19: every kind of joint, free or with an axis locked or prescribed, moves two bodies in the same
+   way from joint coordinates, by the dense matrix, as constraints of free bodies and as a loop, forwards and backwards:
+   at the start, after a while, and after an axis is locked in motion. */
+TEST(every_joint_is_the_same_eliminated_kept_or_closing_a_loop)
+{
+  static fb_system_motion first[3];
+  for (int kind = (int)FB_JOINT_RIGID; kind <= (int)FB_JOINT_SPHERICAL; kind++) {
+    const int axes = kind == FB_JOINT_CYLINDRICAL || kind == FB_JOINT_UNIVERSAL ? 2 : kind == FB_JOINT_RIGID ? 0 : 1;
+    const int forms = kind == FB_JOINT_UNIVERSAL || kind == FB_JOINT_SPHERICAL ? 4 : 5; /* their axes have an order */
+    for (int given = 0; given <= 2 * axes; given++) {                                   /* each locked, prescribed */
+      const fb_axis_mode mode = given == 0 ? FB_AXIS_FREE : given % 2 ? FB_AXIS_LOCKED : FB_AXIS_PRESCRIBED;
+      fb_real whole[3][3], other[3];
+      for (int form = 0; form < forms; form++) {
+        const int joint = form < 3 ? 1 : 2;
+        couple((fb_joint_kind)kind, given > 0 ? (given - 1) / 2 : 0, mode);
+        if (form >= 3) {
+          couple_by_a_loop(&first[0], form == 4);
+        }
+        init(form < 3 ? (fb_method)form : FB_METHOD_RECURSIVE);
+        FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+        for (int instant = 0; instant < 3; instant++) {
+          fb_system_motion *tree_motion = &first[instant];
+          couple_steps(instant > 0 ? 10 : 0, FBT_TOL(2e-4, 1e-3));
+          if (instant == 2 && axes > 0) {
+            FBT_INT_EQ(fb_system_axis_set(&mechanism, model, &work, &state, joint, axes - 1, FB_AXIS_LOCKED, &input),
+                       FB_OK);
+            couple_steps(5, FBT_TOL(2e-4, 1e-3));
+          }
+          if (form == 0) {
+            couple_eval(tree_motion, whole[instant], joint, 0);
+            continue;
+          }
+          couple_eval(&motion, other, joint, form == 4);
+          if (form == 4) { /* they are about the other frame */
+            memcpy(motion.joint[1].force, tree_motion->joint[1].force, sizeof motion.joint[1].force);
+            memcpy(motion.joint[1].torque, tree_motion->joint[1].torque, sizeof motion.joint[1].torque);
+          }
+          FBT_BELOW(motion_difference(&motion, tree_motion), instant ? FBT_TOL(1e-9, 1e-2) : FBT_TOL(1e-11, 1e-3));
+          FBT_BELOW(fbt_difference(motion.joint[1].value, tree_motion->joint[1].value, 3), FBT_TOL(1e-10, 1e-3));
+          FBT_BELOW(fbt_difference(other, whole[instant], 3), instant ? FBT_TOL(1e-9, 1e-2) : FBT_TOL(1e-11, 1e-3));
+        }
+      }
+    }
+  }
+}
+
+/* E9.17: a loop whose axis is prescribed closes where it is told to be, from a start aside, whichever way it runs. */
+TEST(a_prescribed_loop_closes_where_it_is_told)
+{
+  for (int kind = (int)FB_JOINT_REVOLUTE; kind < (int)FB_JOINT_SPHERICAL; kind++) {
+    const int axis = kind == FB_JOINT_CYLINDRICAL || kind == FB_JOINT_UNIVERSAL;
+    for (int form = 0; form < (kind == FB_JOINT_UNIVERSAL ? 1 : 2); form++) {
+      couple((fb_joint_kind)kind, axis, FB_AXIS_PRESCRIBED);
+      init(FB_METHOD_RECURSIVE);
+      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+      FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+      couple_by_a_loop(&motion, form);
+      input.drive[2].value[axis] += FB_R(0.05);
+      init(FB_METHOD_RECURSIVE);
+      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+      FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+      FBT_NEAR_ABS(motion.joint[2].value[axis], input.drive[2].value[axis], FBT_TOL(1e-12, 1e-4));
+      FBT_NEAR_ABS(motion.joint[2].speed[axis], input.drive[2].rate[axis], FBT_TOL(1e-12, 1e-4));
+    }
+  }
+}
+
+/* No input is one of zeros, to the last bit: motors are off, prescribed axes and bodies stand at zero; in joint
+   coordinates, by the dense matrix, as constraints and as a loop. */
+TEST(no_input_is_an_input_of_zeros)
+{
+  static fb_system_motion at[2];
+  static fb_system_state begin[2], end[2], slope[2];
+  static const fb_joint_kind kinds[] = {FB_JOINT_CYLINDRICAL, FB_JOINT_UNIVERSAL, FB_JOINT_SPHERICAL};
+  for (int run = 0; run < 24; run++) {
+    const fb_axis_mode mode = run / 3 % 2 ? FB_AXIS_PRESCRIBED : FB_AXIS_FREE;
+    const int form = run / 6;
+    couple(kinds[run % 3], 0, mode);
+    desc.joint[0].mode[0] = mode;
+    memset(&input, 0, sizeof input);
+    if (form == 3) {
+      init(FB_METHOD_RECURSIVE);
+      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+      FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, NULL), FB_OK);
+      couple_by_a_loop(&motion, 0);
+    }
+    init(form < 3 ? (fb_method)form : FB_METHOD_RECURSIVE);
+    for (int zeros = 0; zeros < 2; zeros++) {
+      const fb_system_input *in = zeros ? &input : NULL;
+      fb_system_state *s = &end[zeros];
+      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &begin[zeros], start, in), FB_OK);
+      FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &at[zeros], &begin[zeros], in), FB_OK);
+      FBT_INT_EQ(fb_system_rates(&mechanism, model, &work, &slope[zeros], &begin[zeros], in), FB_OK);
+      *s = begin[zeros];
+      FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, s, &work, in, in, in, FB_R(2e-4)), FB_OK);
+      FBT_INT_EQ(fb_system_sdirk_step(&mechanism, model, s, &work, in, in, FB_R(2e-4), 2), FB_OK);
+      FBT_INT_EQ(fb_system_axis_set(&mechanism, model, &work, s, form < 3 ? 1 : 2, 0, FB_AXIS_LOCKED, in), FB_OK);
+    }
+    FBT_TRUE(memcmp(&begin[0], &begin[1], sizeof begin[0]) == 0);
+    FBT_TRUE(memcmp(&at[0], &at[1], sizeof at[0]) == 0);
+    FBT_TRUE(memcmp(&slope[0], &slope[1], sizeof slope[0]) == 0);
+    FBT_TRUE(memcmp(&end[0], &end[1], sizeof end[0]) == 0);
+    if (mode == FB_AXIS_PRESCRIBED && kinds[run % 3] != FB_JOINT_SPHERICAL) {
+      FBT_NEAR_ABS(at[0].joint[form < 3 ? 1 : 2].value[0], 0.0, FBT_TOL(1e-12, 1e-4));
+      FBT_NEAR_ABS(at[0].joint[form < 3 ? 1 : 2].speed[0], 0.0, FBT_TOL(1e-12, 1e-4));
+    }
+    FBT_NEAR_ABS(slope[0].motor_work, 0.0, 0.0);
+  }
+}
+
 /* A flexible beam of p11's kind: length, mass per length, EI in the plane; z is out of the plane. */
 static void link_beam(fb_body *body, double length, double mass, double EI, double EA, int bending, int axial,
                       double deflection)
@@ -1097,6 +1326,138 @@ TEST(a_knife_edge_draws_a_cycloid)
     FBT_NEAR_ABS(state.link[0].x[0], g / (2 * w * w) * sin(w * t) * sin(w * t), FBT_TOL(1e-9, 1e-4));
     FBT_NEAR_ABS(state.link[1].x[0], g / (2 * w * w) * (w * t - 0.5 * sin(2 * w * t)), FBT_TOL(1e-9, 1e-4));
   }
+}
+
+/* A wire through a point that moves away from body 1 at user's first two [m/s], turning at the third [rad/s]: body 0
+   slides on it. About z it turns relative to the other at 0.5 + 0.8 t. */
+static int wire_rows(fb_row *row, int capacity, const fb_pose *pose, fb_real t, void *user)
+{
+  const double *const to = (const double *)user;
+  const double time = (double)t, angle = to[2] * time, along[2] = {cos(angle), sin(angle)};
+  const double across[2] = {-along[1], along[0]};
+  FBT_TRUE(capacity >= 2);
+  row[0].body[1] = row[1].body[1] = 1;
+  row[0].holonomic = 1;
+  for (int i = 0; i < 2; i++) {
+    const double r = (double)pose[0].position[i] - (double)pose[1].position[i] - to[i] * time;
+    row[0].force[0][i] = (fb_real)across[i];
+    row[0].force[1][i] = -(fb_real)across[i];
+    row[0].value += (fb_real)(across[i] * r);
+    row[0].b -= (fb_real)(to[2] * along[i] * r + across[i] * to[i]);
+  }
+  row[1].torque[0][2] = FB_R(1.0);
+  row[1].torque[1][2] = -FB_R(1.0);
+  row[1].b = -(t * FB_R(0.8) + FB_R(0.5));
+  return 2;
+}
+
+/* E9.10, E9.13, the caller's rows that move with time and with both bodies: on the turning wire s'' = w^2 s, s = s0
+   cosh w t + s0'/w sinh w t; the center of mass goes straight on, and the spins share what is asked for. */
+TEST(a_bead_is_flung_along_a_turning_wire)
+{
+  double to[3] = {0.2, -0.3, 3.0};
+  const double w = to[2], m[2] = {2.0, 0.5}, J[2] = {0.3, 0.1}, s0 = 0.4, s0_dot = -0.5, T = 0.2;
+  const double cm_rate[3] = {0.1, 0.7, -0.2}, z_rate = 0.6;
+  const double first_rate[3] = {to[0] + s0_dot, to[1] + w * s0, z_rate}; /* body 0 relative to body 1 */
+  fresh();
+  for (int k = 0; k < 2; k++) {
+    const double part = k == 0 ? m[1] / (m[0] + m[1]) : -m[0] / (m[0] + m[1]);
+    rigid(&model[k], m[k], 0, 0, 0, J[k], J[k], J[k]);
+    hang(k, k, FB_JOINT_FREE, FB_GROUND, 0);
+    start[k].value[0] = (fb_real)(part * s0);
+    for (int i = 0; i < 3; i++) {
+      start[k].speed[i] = (fb_real)(cm_rate[i] + part * first_rate[i]);
+    }
+  }
+  start[0].speed[5] = FB_R(0.5);
+  input.rows = wire_rows;
+  input.user = to;
+  init(FB_METHOD_RECURSIVE);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+  for (int k = 0; k <= 1; k++) {
+    const double t = k * T, s = s0 * cosh(w * t) + s0_dot / w * sinh(w * t), c = cos(w * t), d = sin(w * t);
+    const double s_dot = w * s0 * sinh(w * t) + s0_dot * cosh(w * t), spin = 0.5 + 0.8 * t;
+    const double r[3] = {to[0] * t + s * c, to[1] * t + s * d, z_rate * t};
+    const double v[3] = {to[0] + s_dot * c - w * s * d, to[1] + s_dot * d + w * s * c, z_rate};
+    const double a[3] = {-2.0 * w * s_dot * d, 2.0 * w * s_dot * c, 0.0};
+    const int n = FBT_TOL(200, 50);
+    for (int step = 0; step < n && k == 1; step++) {
+      fb_system_input middle = input, end = input;
+      middle.t = (fb_real)((step + 0.5) * T / n);
+      end.t = (fb_real)((step + 1) * T / n);
+      FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &input, &middle, &end, (fb_real)(T / n)), FB_OK);
+      input = end;
+    }
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+    for (int body = 0; body < 2; body++) {
+      const double part = body == 0 ? m[1] / (m[0] + m[1]) : -m[0] / (m[0] + m[1]);
+      const double turns = body == 0 ? J[1] / (J[0] + J[1]) : -J[0] / (J[0] + J[1]);
+      const double carried = J[0] * 0.5 / (J[0] + J[1]); /* of the spin that there was */
+      fb_node_motion at;
+      FBT_INT_EQ(fb_body_node_motion(&model[body], &at, &motion.pose[body], &motion.motion[body], 0), FB_OK);
+      for (int i = 0; i < 3; i++) {
+        FBT_NEAR_ABS(at.position[i], cm_rate[i] * t + part * r[i], FBT_TOL(1e-9, 1e-4));
+        FBT_NEAR_ABS(at.velocity[i], cm_rate[i] + part * v[i], FBT_TOL(1e-8, 1e-3));
+        FBT_NEAR_ABS(at.acceleration[i], part * a[i], FBT_TOL(1e-7, 1e-2));
+      }
+      FBT_NEAR_ABS(motion.motion[body].w[2], carried + turns * spin, FBT_TOL(1e-9, 1e-4));
+      FBT_NEAR_ABS(motion.motion[body].w_dot[2], turns * 0.8, FBT_TOL(1e-9, 1e-3));
+    }
+  }
+}
+
+/* Holds node 1 of body 0 along the body's x axis. */
+static int radial_rows(fb_row *row, int capacity, const fb_pose *pose, fb_real t, void *user)
+{
+  (void)capacity, (void)t, (void)user;
+  row->body[1] = FB_GROUND;
+  row->node[0] = 1;
+  for (int i = 0; i < 3; i++) {
+    row->force[0][i] = pose->R[3 * i];
+  }
+  return 1;
+}
+
+/* E9.9: a row along which nothing can move, the tip of a pendulum along its rod, is left out: what is left of it is
+   rounding, and the pendulum swings as without it. */
+TEST(a_row_along_which_nothing_moves_is_left_out)
+{
+  fresh();
+  body_desc.effects = FB_EFFECT_GRAVITY;
+  body_desc.gravity[1] = -FB_R(9.81);
+  rigid(&model[0], 1.0, 0.5, 0, 0, 0.01, 1.0 / 12.0, 1.0 / 12.0);
+  hang(0, 0, FB_JOINT_REVOLUTE, FB_GROUND, 0);
+  turn(desc.joint[0].attitude, 0.3, -0.5, 0.7); /* no component is exact */
+  start[0].speed[0] = FB_R(1.0);
+  init(FB_METHOD_RECURSIVE);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &kept, start, NULL), FB_OK);
+  input.rows = radial_rows;
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+  for (int step = 0; step < 200; step++) {
+    FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &kept, &work, NULL, NULL, NULL, FB_R(0.005)), FB_OK);
+    FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, FB_R(0.005)), FB_OK);
+    FBT_INT_EQ(work.rank, 0);
+  }
+  FBT_NEAR_ABS(state.link[0].x[0], kept.link[0].x[0], FBT_TOL(1e-13, 1e-5));
+}
+
+/* E9.17: a four-bar closes a thousand kilometers out as it does at home (a kilometer in single precision): what it
+   misses counts against where it is. */
+TEST(a_linkage_closes_far_out)
+{
+  const double away = FBT_TOL(1e6, 1e3), first = rocker_angle(0.4, 1.0, 0.8, 1.1, 0.7);
+  fourbar(0.4, 1.0, 0.8, 1.1, FB_JOINT_REVOLUTE);
+  desc.joint[0].mode[0] = FB_AXIS_PRESCRIBED;
+  desc.joint[0].position[0] = (fb_real)away;
+  desc.joint[2].position[0] = (fb_real)(away + 1.1);
+  input.drive[0].value[0] = FB_R(0.7);
+  start[2].value[0] = (fb_real)(first + 0.02);
+  start[1].value[0] = -FB_R(0.3);
+  init(FB_METHOD_RECURSIVE);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+  FBT_NEAR_ABS(state.link[2].x[0], first, FBT_TOL(1e-8, 1e-3));
+  FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, FB_R(1e-3)), FB_OK);
+  FBT_NEAR_ABS(state.link[2].x[0], first, FBT_TOL(1e-8, 1e-3));
 }
 
 /* E9.4, E9.10, E9.17: what cannot move is said with the joint's number, and nothing is changed. */
@@ -1506,6 +1867,38 @@ TEST(the_limit_of_a_linkage_is_in_closed_form)
   FBT_BELOW(limit, 2.785 / omega);
 }
 
+/* E11.12: axes that are prescribed do not count with their springs and dampers: what swings on them does, (c, k)/J
+   about its hinge; with all joints kept it is (c, k) (1/J_0 + 1/J_1) of two that turn freely, and the spring to the
+   ground. */
+TEST(what_is_prescribed_has_no_limit)
+{
+  const double k[2] = {700.0, 300.0}, c[2] = {3.0, 2.0}, J[2] = {0.4, 0.1}, m = 2.0, out = 0.3;
+  for (int run = 0; run < 6; run++) {
+    const int given = run % 2; /* a hinge, or a free body */
+    const fb_method method = (fb_method)(run / 2);
+    double stiff = 1.05 * k[1] / (J[1] + m * out * out), damped = 1.05 * c[1] / (J[1] + m * out * out), g;
+    fresh();
+    rigid(&model[0], 3.0, 0, 0, 0, 0.2, 0.3, J[0]);
+    rigid(&model[1], m, out, 0, 0, 0.2, 0.3, J[1]);
+    hang(0, 0, given ? FB_JOINT_FREE : FB_JOINT_REVOLUTE, FB_GROUND, 0);
+    hang(1, 1, FB_JOINT_REVOLUTE, 0, 0);
+    desc.joint[1].position[1] = FB_R(0.5);
+    desc.joint[0].mode[0] = FB_AXIS_PRESCRIBED;
+    for (int j = given; j < 2; j++) {
+      desc.joint[j].stiffness[0] = (fb_real)k[j];
+      desc.joint[j].damping[0] = (fb_real)c[j];
+    }
+    if (method == FB_METHOD_MULTIPLIERS) {
+      const double apart = given ? 1.0 / J[1] : 1.0 / J[0] + 1.0 / J[1], ground = given ? 0.0 : 1.0 / J[0];
+      stiff = k[1] * apart + k[0] * ground;
+      damped = c[1] * apart + c[0] * ground;
+    }
+    g = 0.5 * damped;
+    init(method);
+    FBT_NEAR_REL(fb_system_rk4_limit(&mechanism, model, 0, 0), 2.785 / (g + sqrt(g * g + stiff)), FBT_TOL(1e-9, 1e-4));
+  }
+}
+
 /* E11.15: at the limit a rod on a spring is stable, beyond it the step is refused and the state stays. */
 TEST(system_steps_beyond_the_limit_are_refused)
 {
@@ -1830,12 +2223,15 @@ SUITE(system, RUN(systems_keep_energy_and_momentum), RUN(the_three_methods_agree
       RUN(tops_follow_the_references), RUN(systems_lose_nothing_by_short_steps),
       RUN(pendulums_of_rods_follow_their_equations), RUN(gimbal_has_the_published_eigenvalues),
       RUN(redundant_loops_are_accepted), RUN(springs_of_loops_pull_like_those_of_the_tree),
-      RUN(flexible_double_pendulum_follows_the_reference), RUN(slider_crank_follows_the_reference),
-      RUN(a_parallelogram_passes_its_flat_positions), RUN(a_disc_rolls_steadily), RUN(a_knife_edge_draws_a_cycloid),
-      RUN(contradictions_name_their_joint), RUN(momenta_give_back_the_speeds), RUN(a_latch_conserves_momentum),
-      RUN(springs_and_dampers_balance_energy), RUN(joint_forces_carry_what_hangs_on_them),
-      RUN(kept_joints_turn_all_the_way_round), RUN(systems_refuse_what_is_not_right),
-      RUN(every_joint_moves_as_it_should), RUN(a_cut_beam_behaves_as_the_whole),
+      RUN(every_joint_is_the_same_eliminated_kept_or_closing_a_loop), RUN(a_prescribed_loop_closes_where_it_is_told),
+      RUN(no_input_is_an_input_of_zeros), RUN(a_bead_is_flung_along_a_turning_wire),
+      RUN(a_row_along_which_nothing_moves_is_left_out), RUN(a_linkage_closes_far_out),
+      RUN(what_is_prescribed_has_no_limit), RUN(flexible_double_pendulum_follows_the_reference),
+      RUN(slider_crank_follows_the_reference), RUN(a_parallelogram_passes_its_flat_positions),
+      RUN(a_disc_rolls_steadily), RUN(a_knife_edge_draws_a_cycloid), RUN(contradictions_name_their_joint),
+      RUN(momenta_give_back_the_speeds), RUN(a_latch_conserves_momentum), RUN(springs_and_dampers_balance_energy),
+      RUN(joint_forces_carry_what_hangs_on_them), RUN(kept_joints_turn_all_the_way_round),
+      RUN(systems_refuse_what_is_not_right), RUN(every_joint_moves_as_it_should), RUN(a_cut_beam_behaves_as_the_whole),
       RUN(system_steps_beyond_the_limit_are_refused), RUN(the_limit_of_a_linkage_is_in_closed_form),
       RUN(stiff_joints_take_long_steps), RUN(strained_bodies_converge_in_a_system),
       RUN(a_stretching_rod_carries_its_neighbor), RUN(attitudes_come_back_as_they_were),
