@@ -166,6 +166,7 @@ static void scene_read_body(text_file *t, scene *s)
       scene_build_body(t, s, body, &gauges);
     }
     scene_check_modes(t, s, body);
+    scene_check_form(t, body);
     scene_check_auto(t, body);
   }
   s->n_body += !t->failed;

@@ -10,6 +10,7 @@
 #define FB_MAX_BODIES 12
 #define FB_MAX_LOOPS 4
 #define FB_MAX_MIXED 100
+#define FB_WITH_FORMS 1
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
 #include "model.h"

@@ -26,6 +26,10 @@ try "$out/scene" examples/scenes/spinup_rate.txt --quiet --set exact=10 --set sp
 ! "$out/scene" examples/scenes/spinup_rate.txt --quiet --set modes=1 > "$out/log" || fail "one mode is as good as three"
 grep -q MISSED "$out/log" || fail "nothing is said of a reference that is missed"
 
+# [DB] 4.3: with Q = 1 the response diverges; tests/reference/p07_Q.csv: at 1.11 s
+! "$out/scene" examples/scenes/spinup_first_q2.txt --quiet --set Q=1 > "$out/log" 2>&1 || fail "Q = 1 does not diverge"
+grep -q 'at 1\.1[01][0-9]* s, step of' "$out/log" || fail "Q = 1 diverges elsewhere: $(cat "$out/log")"
+
 # a start that a loop moves is told
 sed 's/start 1 0.7$/start 1 0.6/' examples/scenes/four_bar.txt | grep -v '^duration\|^reference' > "$out/moved.txt"
 printf 'duration 0.01\n' >> "$out/moved.txt"
