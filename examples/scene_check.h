@@ -269,6 +269,9 @@ static void scene_check(text_file *t, scene *s)
     text_fail(t, "a scene wants a duration, or to trim");
   }
   scene_check_settings(t, s);
+  if (!s->is_exact || !s->trim) {
+    scene_refuse(t, &s->seen, "nudge", s->is_exact ? "wants trim" : "is that of an exact beam");
+  }
   for (int k = 0; k < s->n_joint; k++) {
     s->joint[k].at += s->joint[k].loop ? s->n_body : 0;
   }

@@ -54,6 +54,7 @@ typedef struct scene_body {
 
 typedef struct scene_load { /* vector times function */
   int body, node, torque;
+  int nudge; /* it acts while the steady state is looked for */
   fb_axes axes;
   double vector[3];
   function f;

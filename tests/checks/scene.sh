@@ -30,6 +30,15 @@ grep -q MISSED "$out/log" || fail "nothing is said of a reference that is missed
 ! "$out/scene" examples/scenes/spinup_first_q2.txt --quiet --set Q=1 > "$out/log" 2>&1 || fail "Q = 1 does not diverge"
 grep -q 'at 1\.1[01][0-9]* s, step of' "$out/log" || fail "Q = 1 diverges elsewhere: $(cat "$out/log")"
 
+# the bent column of all other loads of the table, 1 to 160 degrees
+grep -v '^#\|^alpha' tests/reference/p06_postbuckling.csv > "$out/bent.csv"
+while IFS=, read -r degrees _ load x y; do
+  sed -e "s/^expect tip_x .*/expect tip_x $x tolerance 1e-5/" -e "s/^expect tip_y .*/expect tip_y $y tolerance 1e-5/" \
+    -e "s|^expect tip_turn .*|expect tip_turn $degrees*3.141592653589793/180 tolerance 1e-5|" examples/scenes/postbuckling.txt > "$out/bent.txt"
+  try "$out/scene" "$out/bent.txt" --quiet --set p="$load"
+  [ ! -s "$out/log" ] || fail "a column bent by $degrees degrees: $(cat "$out/log")"
+done < "$out/bent.csv"
+
 # a start that a loop moves is told
 sed 's/start 1 0.7$/start 1 0.6/' examples/scenes/four_bar.txt | grep -v '^duration\|^reference' > "$out/moved.txt"
 printf 'duration 0.01\n' >> "$out/moved.txt"

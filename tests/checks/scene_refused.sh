@@ -607,6 +607,37 @@ joint j revolute ground beam
 end
 duration 1
 END
+refuse 6 "nudge is that of an exact beam" << END
+$top
+trim
+nudge top dead force 0 1 0
+END
+column='body column exact
+  length 1
+  station 0
+    stiffness 0 0 0 0 0 1
+  node tip tip
+end'
+refuse 8 "nudge wants trim" << END
+$column
+duration 1
+nudge column.tip dead force 0 1 0
+END
+refuse 8 "too much on the line: ramp" << END
+$column
+trim
+nudge column.tip dead force 0 1 0 ramp 1 0 1
+END
+refuse 8 "force, number 3 of 3 is missing" << END
+$column
+trim
+nudge column.tip dead force 0 1
+END
+refuse 8 "no body has the name beam" << END
+$column
+trim
+nudge beam.tip dead force 0 1 0
+END
 # what is warned of, and counts as missed or not
 warned "goes through 6.3 rad in a step" 0 << END
 $top
