@@ -562,7 +562,7 @@ load b dead force 0 1 0
 duration 1
 END
 # forms: their words, and the effects and schemes that they go with
-# form LINE REASON LINES: of a beam, base prescribed, with those lines among its own
+# form LINE REASON LINES [OF THE SCENE]: of a beam, base prescribed, with those lines among its own
 form() {
   refuse "$1" "$2" << END
 $(echo "$beam" | sed '$d')
@@ -607,6 +607,11 @@ joint j revolute ground beam
 end
 duration 1
 END
+form 10 "cubic is there twice" "cubic
+cubic"
+form 9 "too much on the line: 3" "cubic 3"
+form 10 "cubic is of natural and component modes: functions have a degree" "functions 3
+cubic"
 refuse 6 "nudge is that of an exact beam" << END
 $top
 trim
