@@ -337,6 +337,8 @@ static int model_modes_word(text_file *t, const char *word)
     modes->basis = FB_BASIS_FUNCTIONS;
     modes->degree = text_whole(t, "degree", 3, 8);
     modes->root_strain = text_more(t) ? 1 + text_choice(t, "after the degree", free_root) : 0;
+  } else if (strcmp(word, "cubic") == 0) {
+    modes->cubic = 1;
   } else if (strcmp(word, "boundary") == 0) {
     modes->basis = FB_BASIS_COMPONENT;
     model_coordinate(t, modes->boundary, &modes->n_boundary);
@@ -632,6 +634,10 @@ static void model_beam_check(text_file *t)
   }
   if (!model.has_modes) {
     text_fail(t, "a beam wants a line modes");
+  }
+  if (model.modes.cubic && model.modes.basis == FB_BASIS_FUNCTIONS) {
+    model_at(t, "cubic");
+    text_fail(t, "cubic is of natural and component modes: functions have a degree");
   }
   for (int k = 0; k < beam->n_station; k++) {
     beam->station[k].x *= model.is_fraction[k] ? (fb_real)length : FB_R(1.0);

@@ -166,6 +166,7 @@ static void scene_read_body(text_file *t, scene *s)
       scene_build_body(t, s, body, &gauges);
     }
     scene_check_modes(t, s, body);
+    scene_check_form(t, body);
     scene_check_auto(t, body);
   }
   s->n_body += !t->failed;
@@ -183,15 +184,16 @@ static int scene_read_force_or_torque(text_file *t, double vector[3])
   return torque;
 }
 
+static const function function_of_one = {FUNCTION_CONSTANT, 1, 0, 0, 0, 0, 0, 0};
+
 /* What follows a vector: a function, or nothing, for a constant. */
 static function scene_read_function(text_file *t, scene *s)
 {
-  function f = {FUNCTION_CONSTANT, 1, 0, 0, 0, 0, 0, 0};
-  return text_more(t) ? function_read(t, &s->tables, s->path) : f;
+  return text_more(t) ? function_read(t, &s->tables, s->path) : function_of_one;
 }
 
-/* load BODY.NODE dead|follower|base force|torque X Y Z [FUNCTION] */
-static void scene_read_load(text_file *t, scene *s)
+/* load BODY.NODE dead|follower|base force|torque X Y Z [FUNCTION]; nudge: the same without a function */
+static void scene_read_any_load(text_file *t, scene *s, int nudge)
 {
   static const char *const axes[] = {"dead", "follower", "base", NULL};
   scene_load *const load = &s->load[s->n_load];
@@ -199,11 +201,22 @@ static void scene_read_load(text_file *t, scene *s)
     text_fail(t, "more than %d loads", SCENE_LOADS);
     return;
   }
+  load->nudge = nudge;
   scene_read_node(t, s, &load->body, &load->node);
   load->axes = (fb_axes)text_choice(t, "axes of a load", axes);
   load->torque = scene_read_force_or_torque(t, load->vector);
-  load->f = scene_read_function(t, s);
+  load->f = nudge ? function_of_one : scene_read_function(t, s);
   s->n_load++;
+}
+
+static void scene_read_load(text_file *t, scene *s)
+{
+  scene_read_any_load(t, s, 0);
+}
+
+static void scene_read_nudge(text_file *t, scene *s)
+{
+  scene_read_any_load(t, s, 1);
 }
 
 /* motion velocity|rate X Y Z [FUNCTION] */
@@ -327,9 +340,10 @@ static void scene_read_line(text_file *t, scene *s, const char *word)
                {"units", scene_read_units, 1},        {"parameter", scene_read_parameter, 0},
                {"body", scene_read_body, 0},          {"joint", scene_read_joint, 0},
                {"loop", scene_read_loop, 0},          {"event", scene_read_event, 0},
-               {"load", scene_read_load, 0},          {"motion", scene_read_motion, 0},
-               {"output", scene_read_output, 0},      {"measure", scene_read_measure, 0},
-               {"expect", scene_read_expectation, 0}, {"reference", scene_read_reference, 0}};
+               {"load", scene_read_load, 0},          {"nudge", scene_read_nudge, 0},
+               {"motion", scene_read_motion, 0},      {"output", scene_read_output, 0},
+               {"measure", scene_read_measure, 0},    {"expect", scene_read_expectation, 0},
+               {"reference", scene_read_reference, 0}};
   int k = 0, n = (int)(sizeof lines / sizeof lines[0]);
   while (k < n && strcmp(lines[k].word, word) != 0) {
     k++;

@@ -352,6 +352,17 @@ static double scene_step_of(const scene *s, fb_scheme scheme, int has_spectrum)
   return has_spectrum ? dt : fmin(dt, 0.2 * limit);
 }
 
+/* Is the scheme one to choose from? The stiffness torque of the first-order form is explicit in implicit schemes. */
+static int scene_may_choose(const scene *s, fb_scheme scheme)
+{
+  if (!s->scheme_auto) {
+    return scheme == s->scheme;
+  }
+  return scheme == FB_SCHEME_RK4 ||
+         (s->body[0].level.form != FB_FORM_FIRST &&
+          (scheme == FB_SCHEME_SDIRK || (scheme == FB_SCHEME_MIDPOINT && !scene_is_system(s))));
+}
+
 /* Scheme and step where they are not asked for. */
 static void scene_choose(scene *s, FILE *talk)
 {
@@ -373,8 +384,7 @@ static void scene_choose(scene *s, FILE *talk)
   } else {
     const int has_spectrum = scene_spectrum(s) == FB_OK;
     for (int scheme = 0; scheme < 4; scheme++) {
-      const int tried = s->scheme_auto ? scheme < 3 && (scheme != FB_SCHEME_MIDPOINT || !scene_is_system(s))
-                                       : scheme == (int)s->scheme;
+      const int tried = scene_may_choose(s, (fb_scheme)scheme);
       const double dt = tried ? scene_step_of(s, (fb_scheme)scheme, has_spectrum) : 0;
       if (tried && work[scheme % 3] / dt < least) {
         least = work[scheme % 3] / dt;

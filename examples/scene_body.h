@@ -140,11 +140,31 @@ static int scene_seen_numbered(const text_words *words, const char *word, int nu
   return text_seen(words, all);
 }
 
+/* form momentum, second or first [identity, printed or boundary]: of the stiffness torque */
+static void scene_read_form(text_file *t)
+{
+  static const char *const forms[] = {"momentum", "second", "first", NULL};
+  static const char *const torques[] = {"identity", "printed", "boundary", NULL};
+  model.level.form = (fb_form)text_choice(t, "form", forms);
+  if (model.level.form == FB_FORM_FIRST && text_more(t)) {
+    model.level.stiffness_torque = (fb_stiffness_torque)text_choice(t, "stiffness torque", torques);
+  }
+}
+
+/* truncate Q: terms of a higher degree are left out; 3: none */
+static void scene_read_truncation(text_file *t)
+{
+  const int degree = text_whole(t, "highest degree", 0, 3);
+  model.level.truncation = degree < 3 ? (fb_truncation)(FB_TRUNCATE_ABOVE_0 + degree) : FB_TRUNCATE_NONE;
+  model.level.allow_split_effects = degree < 3;
+}
+
 /* Words of a body that are the scene's; 0 if it is none of them. */
 static int scene_read_start(text_file *t, scene_body *body, const char *word)
 {
-  static const char *const once[] = {"start_position", "start_attitude", "start_velocity", "start_spin", "auto"};
-  for (int k = 0; k < 5; k++) {
+  static const char *const once[] = {"start_position", "start_attitude", "start_velocity", "start_spin",
+                                     "auto",           "form",           "truncate"};
+  for (int k = 0; k < (int)(sizeof once / sizeof *once); k++) {
     if (strcmp(word, once[k]) == 0) {
       text_once(t, &body->seen, word);
     }
@@ -167,6 +187,10 @@ static int scene_read_start(text_file *t, scene_body *body, const char *word)
     if (!t->failed && !(body->tolerance > 0)) {
       text_fail(t, "a tolerance must be greater than 0");
     }
+  } else if (strcmp(word, "form") == 0) {
+    scene_read_form(t);
+  } else if (strcmp(word, "truncate") == 0) {
+    scene_read_truncation(t);
   } else {
     return 0;
   }

@@ -46,9 +46,32 @@ static void scene_check_modes(text_file *t, const scene *s, const scene_body *bo
   }
 }
 
+/* Effects that a form or truncated terms go with. */
+static void scene_check_form(text_file *t, const scene_body *body)
+{
+  const fb_body_desc *const level = &body->level;
+  const unsigned effects = level->effects;
+  if (level->form == FB_FORM_FIRST && effects & (FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING)) {
+    scene_refuse(t, &body->seen, "form", "first has no quadratic displacement: effects strain, spin or linear");
+  }
+  if (level->stiffness_torque != FB_TORQUE_IDENTITY && !(effects & FB_EFFECT_NONLINEAR_STRAIN)) {
+    scene_refuse(t, &body->seen, "form", "first with a stiffness torque of that kind wants effects strain");
+  }
+  if (level->form == FB_FORM_SECOND &&
+      !(effects & FB_EFFECT_SPIN_COUPLING) != !(effects & FB_EFFECT_RESIDUAL_INERTIA)) {
+    scene_refuse(t, &body->seen, "form", "second wants both of spin_coupling and residual_inertia, or neither");
+  }
+  if (level->truncation != FB_TRUNCATE_NONE && fb_effects_check(effects) != FB_OK) {
+    scene_refuse(t, &body->seen, "truncate", "wants effects that are not half of something");
+  }
+}
+
 /* What `auto` needs. */
 static void scene_check_auto(text_file *t, const scene_body *body)
 {
+  if (body->level.form != FB_FORM_MOMENTUM || body->level.truncation != FB_TRUNCATE_NONE) {
+    scene_refuse(t, &body->seen, "auto", "chooses among effects of the momentum form, not truncated");
+  }
   if (body->n_node < 2) {
     scene_refuse(t, &body->seen, "auto", "wants a node, whose displacement is to be right");
   }
@@ -57,6 +80,8 @@ static void scene_check_auto(text_file *t, const scene_body *body)
 static void scene_check_exact_body(text_file *t, const scene *s, const scene_body *body)
 {
   scene_refuse(t, &body->seen, "auto", "is that of bodies with modes");
+  scene_refuse(t, &body->seen, "form", "is that of bodies with modes");
+  scene_refuse(t, &body->seen, "truncate", "is that of bodies with modes");
   scene_refuse(t, &body->seen, "gauge", "is that of beams with modes");
   scene_refuse(t, &body->seen, "modes", "of an exact beam are not printed here: measure them");
   if (text_seen(&s->seen, "gravity")) {
@@ -77,6 +102,9 @@ static void scene_check_single(text_file *t, const scene *s)
   const fb_base base = body->level.base;
   const int modal = body->shape.n > 0 || !s->is_exact;
   scene_refuse(t, &s->seen, "method", "is that of bodies on joints");
+  if (body->level.form != FB_FORM_MOMENTUM && s->scheme == FB_SCHEME_EXPONENTIAL) {
+    scene_refuse(t, &s->seen, "scheme", "exponential moves the momentum form alone");
+  }
   if (modal && base == FB_BASE_FREE && !(body->shape.mass > FB_R(0.0))) {
     t->line = body->line;
     text_fail(t, "body %s is free and has no mass", body->name);
@@ -179,6 +207,11 @@ static void scene_check_system(text_file *t, const scene *s)
   if (s->scheme != FB_SCHEME_RK4 && s->scheme != FB_SCHEME_SDIRK) {
     scene_refuse(t, &s->seen, "scheme", "of bodies on joints is rk4 or sdirk");
   }
+  for (int k = 0; k < s->n_body; k++) {
+    if (s->body[k].level.form != FB_FORM_MOMENTUM) {
+      scene_refuse(t, &s->body[k].seen, "form", "is that of a body alone: joints want momentum");
+    }
+  }
   for (int k = 0; k < s->n_joint; k++) {
     if (!s->joint[k].loop) {
       scene_check_start(t, s, &s->joint[k]);
@@ -236,6 +269,9 @@ static void scene_check(text_file *t, scene *s)
     text_fail(t, "a scene wants a duration, or to trim");
   }
   scene_check_settings(t, s);
+  if (!s->is_exact || !s->trim) {
+    scene_refuse(t, &s->seen, "nudge", s->is_exact ? "wants trim" : "is that of an exact beam");
+  }
   for (int k = 0; k < s->n_joint; k++) {
     s->joint[k].at += s->joint[k].loop ? s->n_body : 0;
   }

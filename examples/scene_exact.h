@@ -103,6 +103,9 @@ static void scene_convert_exact(text_file *t, scene *s, scene_body *body)
 
 /* ---- motion */
 
+#define EXACT_PARTS 64    /* in which the loads grow beside a nudge, and.. */
+#define EXACT_HALVINGS 24 /* ..of the nudge then */
+
 static struct scene_exact { /* one at a time */
   fb_mixed beam;
   fb_mixed_state state;
@@ -113,16 +116,25 @@ static struct scene_exact { /* one at a time */
   fb_mixed_spectrum_work spectrum_work;
 } exact;
 
-/* What acts at t, of the pieces that hold `side`. */
+/* Loads, or nudges, at t, of the pieces that hold `side`. */
+static void exact_add_loads(const scene *s, int nudges, double t, double side)
+{
+  fb_mixed_input *const input = &exact.input;
+  for (int k = 0; k < s->n_load && input->n_load < FB_MAX_LOADS; k++) {
+    if (s->load[k].nudge == nudges) {
+      fb_load *const load = &input->load[input->n_load++];
+      *load = scene_load_at(s, &s->load[k], t, side);
+      load->node = s->body[0].element_node[s->load[k].node];
+    }
+  }
+}
+
+/* What acts at t. */
 static void exact_input(const scene *s, double t, double side)
 {
   fb_mixed_input *const input = &exact.input;
   *input = s->mixed.input;
-  for (int k = 0; k < s->n_load && input->n_load < FB_MAX_LOADS; k++) {
-    fb_load *const load = &input->load[input->n_load++];
-    *load = scene_load_at(s, &s->load[k], t, side);
-    load->node = s->body[0].element_node[s->load[k].node];
-  }
+  exact_add_loads(s, 0, t, side);
   for (int k = 0; k < s->n_motion; k++) {
     const scene_motion *const m = &s->motion[k];
     const double f = function_eval(&m->f, &s->tables, t, side).value;
@@ -130,6 +142,58 @@ static void exact_input(const scene *s, double t, double side)
       (m->rate ? input->w : input->v)[i] += (fb_real)(f * m->vector[i]);
     }
   }
+}
+
+/* Loads and motion at the start. */
+static void exact_start_input(const scene *s)
+{
+  exact_input(s, 0, 0);
+  for (int i = 0; i < 3; i++) {
+    exact.input.v[i] += (fb_real)s->body[0].velocity[i];
+    exact.input.w[i] += (fb_real)s->body[0].spin[i];
+  }
+}
+
+static void exact_scale(fb_real force[3], fb_real torque[3], double part)
+{
+  for (int i = 0; i < 3; i++) {
+    force[i] *= (fb_real)part;
+    torque[i] *= (fb_real)part;
+  }
+}
+
+/* Parts of the loads and of the nudges at the start. */
+static void exact_nudged_input(const scene *s, double part, double nudge)
+{
+  fb_mixed_input *const input = &exact.input;
+  int n;
+  exact_start_input(s);
+  n = input->n_load;
+  exact_add_loads(s, 1, 0, 0);
+  for (int k = 0; k < input->n_load; k++) {
+    exact_scale(input->load[k].force, input->load[k].torque, k < n ? part : nudge);
+  }
+  for (int k = 0; k < s->mixed.desc.n_element; k++) {
+    exact_scale(input->line[k].force, input->line[k].torque, part);
+  }
+}
+
+/* The steady state. With nudges the loads grow beside them, then they are taken away half by half: of the states that a
+   buckled beam has, the one to that side is left. */
+static fb_status exact_trim(const scene *s)
+{
+  const int nudged = text_seen(&s->seen, "nudge") > 0;
+  fb_status status = FB_OK;
+  for (int k = 1; k <= EXACT_PARTS && nudged && status == FB_OK; k++) {
+    exact_nudged_input(s, (double)k / EXACT_PARTS, 1);
+    status = fb_mixed_steady_solve(&exact.beam, &exact.state, &exact.work, &exact.input);
+  }
+  for (int k = 1; k <= EXACT_HALVINGS && nudged && status == FB_OK; k++) {
+    exact_nudged_input(s, 1, ldexp(1, -k));
+    status = fb_mixed_steady_solve(&exact.beam, &exact.state, &exact.work, &exact.input);
+  }
+  exact_start_input(s);
+  return status ? status : fb_mixed_steady_solve(&exact.beam, &exact.state, &exact.work, &exact.input);
 }
 
 static fb_status exact_start(const scene *s)
@@ -141,11 +205,7 @@ static fb_status exact_start(const scene *s)
     desc.gravity[i] += (fb_real)s->gravity[i];
   }
   status = fb_mixed_init(&exact.beam, &desc);
-  exact_input(s, 0, 0);
-  for (int i = 0; i < 3; i++) {
-    exact.input.v[i] += (fb_real)b->velocity[i];
-    exact.input.w[i] += (fb_real)b->spin[i];
-  }
+  exact_start_input(s);
   status = status ? status : fb_mixed_state_init(&exact.beam, &exact.state, &exact.work, &exact.input);
   if (status == FB_OK) {
     scene_reals(exact.state.base_position, b->position, 3);
@@ -153,7 +213,7 @@ static fb_status exact_start(const scene *s)
     status = fb_quat_normalize(exact.state.base_quat);
   }
   if (s->trim) {
-    return status ? status : fb_mixed_steady_solve(&exact.beam, &exact.state, &exact.work, &exact.input);
+    return status ? status : exact_trim(s);
   }
   return status;
 }

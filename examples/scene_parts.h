@@ -10,6 +10,7 @@
 #define FB_MAX_BODIES 12
 #define FB_MAX_LOOPS 4
 #define FB_MAX_MIXED 100
+#define FB_WITH_FORMS 1
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
 #include "model.h"
@@ -53,6 +54,7 @@ typedef struct scene_body {
 
 typedef struct scene_load { /* vector times function */
   int body, node, torque;
+  int nudge; /* it acts while the steady state is looked for */
   fb_axes axes;
   double vector[3];
   function f;

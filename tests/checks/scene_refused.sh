@@ -561,6 +561,88 @@ end
 load b dead force 0 1 0
 duration 1
 END
+# forms: their words, and the effects and schemes that they go with
+# form LINE REASON LINES [OF THE SCENE]: of a beam, base prescribed, with those lines among its own
+form() {
+  refuse "$1" "$2" << END
+$(echo "$beam" | sed '$d')
+$3
+end
+${4-}
+duration 1
+END
+}
+form 9 "form must be one of momentum second first, is third" "form third"
+form 9 "form must be one of momentum second first, is missing" "form"
+form 9 "stiffness torque must be one of identity printed boundary, is exact" "form first exact"
+form 9 "too much on the line: printed" "form second printed"
+form 10 "form is there twice" "form second
+form second"
+form 9 "form first has no quadratic displacement: effects strain, spin or linear" "form first"
+form 9 "form first with a stiffness torque of that kind wants effects strain" "form first printed
+effects spin"
+form 9 "form second wants both of spin_coupling and residual_inertia, or neither" "form second
+effects spin"
+form 9 "highest degree must be a whole number from 0 to 3" "truncate 4"
+form 10 "truncate wants effects that are not half of something" "effects residual_inertia spin_coupling
+truncate 2"
+form 10 "auto chooses among effects of the momentum form, not truncated" "form second
+auto 0.01"
+form 11 "scheme exponential moves the momentum form alone" "form second" "
+scheme exponential"
+refuse 4 "form is that of bodies with modes" << END
+body b exact
+  length 1
+  station 0
+  form second
+    stiffness 0 0 0 0 0 1
+end
+trim
+END
+refuse 8 "form is that of a body alone: joints want momentum" << END
+$(echo "$beam" | sed -e '$d' -e '/base/d')
+  form second
+end
+joint j revolute ground beam
+end
+duration 1
+END
+form 10 "cubic is there twice" "cubic
+cubic"
+form 9 "too much on the line: 3" "cubic 3"
+form 10 "cubic is of natural and component modes: functions have a degree" "functions 3
+cubic"
+refuse 6 "nudge is that of an exact beam" << END
+$top
+trim
+nudge top dead force 0 1 0
+END
+column='body column exact
+  length 1
+  station 0
+    stiffness 0 0 0 0 0 1
+  node tip tip
+end'
+refuse 8 "nudge wants trim" << END
+$column
+duration 1
+nudge column.tip dead force 0 1 0
+END
+refuse 8 "too much on the line: ramp" << END
+$column
+trim
+nudge column.tip dead force 0 1 0 ramp 1 0 1
+END
+refuse 8 "force, number 3 of 3 is missing" << END
+$column
+trim
+nudge column.tip dead force 0 1
+END
+refuse 8 "no body has the name beam" << END
+$column
+trim
+nudge beam.tip dead force 0 1 0
+END
 # what is warned of, and counts as missed or not
 warned "goes through 6.3 rad in a step" 0 << END
 $top
