@@ -142,3 +142,58 @@ expect torque -25 tolerance 1e-6 relative
 expect x 0 tolerance 1e-9
 END
 done
+# the hub in axes of the body, a lump in those of the beam, which is twisted: J w of the parts, about the origin
+for exact in 0 20; do
+  meets << END
+duration 1e-3
+interval 1e-3
+exact $exact
+body b beam
+  length 2
+  stations x mass EA EI_y EI_z GJ i_y i_z twist_deg
+    0 1 1e7 2e5 2e5 1e5 1e-3 1e-3 30
+    2 1 1e7 2e5 2e5 1e5 1e-3 1e-3 30
+  end
+  elements 10
+  lump 5 2  0.1 0.2 0.3  1 2 2.5 0.1 0.2 0.3
+  position 0.5 0.2 0.1
+  attitude 0.7071067811865476 0 0.7071067811865476 0
+  hub 3  0.1 0.2 -0.1  3 2 1.5 0.3 0.1 0.2
+  modes bend_y 3 bend_z 3 torsion 2
+  start_spin 0.3 0.2 1
+end
+output h angular_momentum
+output p momentum
+measure x max h_x
+measure y max h_y
+measure z max h_z
+measure px max p_x
+expect x 5.4716 tolerance 1e-5 relative
+expect y 3.2557333333 tolerance 1e-5 relative
+expect z 5.827 tolerance 1e-5 relative
+expect px -2.62 tolerance 1e-5 relative
+END
+  # what holds the root holds the hub, too; gravity of the body, without one of the scene: (3 + 2 1) g, (3 0.1 + 2 1.5) g
+  meets << END
+trim
+exact $exact
+body b beam
+  length 2
+  stations x mass EA EI_y EI_z GJ i_z
+    0 1 1e7 2e4 2e4 1e4 1e-3
+  end
+  position 0.5 0.2 0
+  hub 3  0.1 0 0  1 1 1
+  base prescribed
+  modes bend_y 3
+  effects full gravity
+  gravity 0 -9.81 0
+end
+output force reaction_force b y
+output torque reaction_torque b z
+measure force final force
+measure torque final torque
+expect force 49.05 tolerance 1e-6 relative
+expect torque 32.373 tolerance 1e-6 relative
+END
+done

@@ -573,3 +573,28 @@ $(echo "$beam" | sed 's/^end/  auto 1e-9\nend/')
 motion rate 0 0 1 smooth 0.5 0 1
 duration 1
 END
+# exactly LINE REASON < FILE: a beam of modes that the exact one would not be
+exactly() {
+  { printf 'exact 5\nduration 1\nbody b beam\n  length 1\n  stations x mass EI_z\n    0 1 1\n  end\n  modes bend_y 1\n'; cat; echo end; } > "$out/exactly.txt"
+  refuse $(($1 + 8)) "$2" < "$out/exactly.txt"
+}
+exactly 1 "an exact beam is clamped to its body, which \`base\` holds" << END
+  root pinned
+  base prescribed
+END
+exactly 2 "an exact beam is clamped to its body, which \`base\` holds" << END
+  hub 1  0 0 0  1 1 1
+  root free
+END
+exactly 2 "an exact beam on a pin or hinge turns about its root: no position" << END
+  base hinged
+  position 0.1 0 0
+END
+exactly 1 "the hinge of an exact beam is along its own z" << END
+  attitude 1 0.1 0 0
+  base hinged
+END
+exactly 2 "preload is that of modes: give an exact beam the loads themselves" << END
+  base prescribed
+  preload 10 0 0 0
+END
