@@ -46,6 +46,18 @@ static void scene_check_modes(text_file *t, const scene *s, const scene_body *bo
   }
 }
 
+/* Nodes have names of their own. */
+static void scene_check_nodes(text_file *t, const scene_body *body)
+{
+  for (int k = 1; k < body->n_node && k < FB_MAX_NODES; k++) {
+    for (int i = 1; i < k && body->node_name[k][0]; i++) {
+      if (strcmp(body->node_name[i], body->node_name[k]) == 0) {
+        text_fail(t, "two nodes have the name %s", body->node_name[k]);
+      }
+    }
+  }
+}
+
 /* What `auto` needs. */
 static void scene_check_auto(text_file *t, const scene_body *body)
 {

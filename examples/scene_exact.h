@@ -7,15 +7,14 @@
 /* ---- reading */
 
 /* node X|tip [NAME] */
-static void scene_read_exact_node(text_file *t, scene_body *body, const scene *s)
+static void scene_read_exact_node(text_file *t, scene_body *body)
 {
   const int k = body->n_node;
   if (k == SCENE_NODES + 1) {
     text_fail(t, "more than %d nodes", SCENE_NODES);
     return;
   }
-  if (strncmp(t->at + strspn(t->at, " "), "tip", 3) == 0) {
-    (void)text_word(t);
+  if (text_take(t, "tip")) {
     body->node_x[k] = HUGE_VAL;
   } else {
     body->node_x[k] = text_number(t, "the node's place");
@@ -23,7 +22,6 @@ static void scene_read_exact_node(text_file *t, scene_body *body, const scene *s
   if (text_more(t)) {
     text_name(t, "a node", body->node_name[k]);
   }
-  (void)s;
   body->n_node++;
   text_end_of_line(t);
 }
@@ -39,7 +37,7 @@ static void scene_read_exact_line(text_file *t, scene *s, scene_body *body, cons
     }
   }
   if (strcmp(word, "node") == 0) {
-    scene_read_exact_node(t, body, s);
+    scene_read_exact_node(t, body);
   } else {
     mixed_line(t, &s->mixed, word);
   }

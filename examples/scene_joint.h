@@ -190,8 +190,7 @@ static void scene_read_joint_line(text_file *t, scene *s, const char *word)
 static void scene_read_ends(text_file *t, scene *s, scene_joint *joint, int loop)
 {
   fb_joint_desc *const d = &joint->desc;
-  if (strncmp(t->at + strspn(t->at, " "), "ground", 6) == 0) {
-    (void)text_word(t);
+  if (text_take(t, "ground")) {
     d->parent = FB_GROUND;
   } else {
     scene_read_node(t, s, &d->parent, &d->parent_node);

@@ -197,3 +197,23 @@ expect force 49.05 tolerance 1e-6 relative
 expect torque 32.373 tolerance 1e-6 relative
 END
 done
+# a body whose name begins with `ground`: two equal wheels drive each other apart by a motor
+meets << END
+duration 1
+interval 0.5
+body ground_wheel rigid
+  hub 1  0 0 0  1 1 1
+end
+body wheel rigid
+  hub 1  0 0 0  1 1 1
+end
+joint j revolute ground_wheel wheel
+  motor 1 constant 2
+end
+output one spin ground_wheel z
+output other spin wheel z
+measure one final one
+measure other final other
+expect one -2 tolerance 1e-12
+expect other 2 tolerance 1e-12
+END

@@ -598,3 +598,57 @@ exactly 2 "preload is that of modes: give an exact beam the loads themselves" <<
   base prescribed
   preload 10 0 0 0
 END
+refuse 5 "a body is wanted, not tip of it" << END
+$top
+output a spin top.tip z
+END
+refuse 5 "a body is wanted, not tip of it" << END
+$top
+view top top.tip
+END
+refuse 1 "step is not a number: automatic" << END
+step automatic
+END
+refuse 4 "the node's place is not a number: tips" << END
+body b beam
+  length 1
+  modes bend_y 1
+  node tips
+end
+END
+refuse 4 "the node's place is not a number: tips" << END
+body b exact
+  length 1
+  station 0
+  node tips
+end
+END
+refuse 1 "two nodes have the name a" << END
+body b exact
+  length 1
+  station 0
+    stiffness 0 0 0 0 0 1
+    mass 1
+  node 0.5 a
+  node tip a
+end
+END
+refuse 6 "node 3 is marked twice" << END
+body b component
+  modes 1
+  frequency_hz 1
+  node 3  0 0 0  1
+  mark 3 a
+  mark 3 b
+end
+END
+refuse 3 "two gauges have the name g" << END
+body b beam
+  gauge g 0 0 1
+  gauge g 0 1 0
+end
+END
+printf 'duration 1\nstep \000 0.1\n' > "$out/zero.txt"
+status=0
+"$out/careful" "$out/zero.txt" > "$out/log" 2>&1 || status=$?
+[ $status = 2 ] && grep -q 'zero.txt:2: is no text' "$out/log" || fail "zeros in a file: status $status, $(cat "$out/log")"
