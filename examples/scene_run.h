@@ -20,7 +20,6 @@ typedef struct scene_options { /* all zero: no files, no talk */
 
 static double node_output(const scene *s, const scene_output *o)
 {
-  const fb_real gravity[3] = {(fb_real)s->gravity[0], (fb_real)s->gravity[1], (fb_real)s->gravity[2]};
   fb_node_motion node;
   fb_imu imu;
   const fb_real *const value[] = {node.displacement,
@@ -36,7 +35,7 @@ static double node_output(const scene *s, const scene_output *o)
                           &engine.view.motion.motion[o->body], o->at) != FB_OK) {
     return (double)NAN;
   }
-  fb_imu_eval(&imu, &node, gravity);
+  fb_imu_eval(&imu, &node, s->body[o->body].level.gravity);
   return (double)value[o->quantity - SCENE_DISPLACEMENT][o->axis];
 }
 

@@ -197,6 +197,25 @@ expect force 49.05 tolerance 1e-6 relative
 expect torque 32.373 tolerance 1e-6 relative
 END
 done
+# an IMU feels the gravity of its body, where the scene has none: at rest on a spring, g upwards
+meets << END
+trim
+body b rigid
+  hub 2  0 0 0  1 1 1
+  effects rigid gravity
+  gravity 0 -9.81 0
+end
+joint j prismatic ground b
+  axis 0 1 0
+  stiffness 100
+end
+output f specific_force b y
+output q coordinate j 1
+measure f final f
+measure q final q
+expect f 9.81 tolerance 1e-9
+expect q -0.1962 tolerance 1e-9
+END
 # a body whose name begins with `ground`: two equal wheels drive each other apart by a motor
 meets << END
 duration 1
@@ -216,4 +235,24 @@ measure one final one
 measure other final other
 expect one -2 tolerance 1e-12
 expect other 2 tolerance 1e-12
+END
+# gravity of a body under `auto`: it falls to twice its static deflection, m g L^4/(8 EI)
+meets << END
+duration 1
+interval 0.005
+body b beam
+  length 2
+  stations x mass EA EI_z
+    0 1 1e7 2e4
+  end
+  base prescribed
+  modes bend_y 4
+  effects full gravity
+  gravity 0 -9.81 0
+  auto 0.01
+  node tip tip
+end
+output d displacement b.tip y
+measure least min d
+expect least -1.962e-3 tolerance 0.02 relative
 END
