@@ -164,6 +164,7 @@ static void scene_read_body(text_file *t, scene *s)
     scene_check_exact_body(t, s, body);
     scene_place_exact(t, s, body);
   } else {
+    body->base_line = text_seen(&model.seen, "base");
     scene_pull_body(t, s);
     model.level.effects |= body->tolerance > 0 && model.n_damping > 0 ? (unsigned)FB_EFFECT_DAMPING : 0u;
     model_check(t);

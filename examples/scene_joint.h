@@ -280,6 +280,7 @@ static void scene_read_event(text_file *t, scene *s)
     text_fail(t, "more than %d events", SCENE_EVENTS);
     return;
   }
+  event->line = t->line;
   event->t = text_number(t, "time");
   event->mode = (fb_axis_mode)text_choice(t, "an event", modes);
   event->joint = scene_joint_of(t, s);

@@ -256,3 +256,28 @@ output d displacement b.tip y
 measure least min d
 expect least -1.962e-3 tolerance 0.02 relative
 END
+# trim of bodies on joints that spin freely: about the mass center, a = 2/3 m before the root; stretch m w^2/EA (a L^2/2 + L^3/3)
+meets << END
+trim
+body hub rigid
+  hub 10  0 0 0  3 4 5
+  node 1 0 0 rim
+  start_spin 0 0 1
+end
+body arm beam
+  length 2
+  stations x mass EA EI_y EI_z
+    0 1 1e6 2e3 2e3
+  end
+  modes bend_y 1 axial 5
+  node tip tip
+end
+joint j rigid hub.rim arm
+end
+output w spin hub z
+output stretch displacement arm.tip x
+measure w final w
+measure stretch final stretch
+expect w 1 tolerance 1e-6
+expect stretch 4e-6 tolerance 0.002 relative
+END

@@ -652,3 +652,44 @@ printf 'duration 1\nstep \000 0.1\n' > "$out/zero.txt"
 status=0
 "$out/careful" "$out/zero.txt" > "$out/log" 2>&1 || status=$?
 [ $status = 2 ] && grep -q 'zero.txt:2: is no text' "$out/log" || fail "zeros in a file: status $status, $(cat "$out/log")"
+refuse 8 "base of body b among others or on a joint: give it a joint to ground" << END
+$top
+duration 1
+body b rigid
+  hub 1  0 0 0  1 1 1
+  base pinned
+end
+END
+refuse 5 "base of body b among others or on a joint: give it a joint to ground" << END
+$top
+body b file ../../../examples/boom.txt
+end
+duration 1
+END
+refuse 5 "start_velocity under trim: the steady state has its own" << END
+trim
+body b rigid
+  hub 1  0 0 0  1 1 1
+  node 0 0 1 tip
+  start_velocity 1 0 0
+end
+END
+refuse 9 "the rate of a mode under trim" << END
+$(echo "$beam" | sed 's/^end/  start_mode 2 0 1\nend/')
+trim
+END
+refuse 6 "a speed under trim" << END
+$top
+joint j revolute ground top
+  start 1 0 1
+end
+trim
+END
+refuse 8 "an event at 2 s: the duration is 1 s" << END
+$top
+joint j revolute ground top
+end
+event 1 lock j 1
+event 2 free j 1
+duration 1
+END
