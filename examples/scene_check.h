@@ -212,6 +212,11 @@ static void scene_check_system(text_file *t, const scene *s)
   if (s->scheme != FB_SCHEME_RK4 && s->scheme != FB_SCHEME_SDIRK) {
     scene_refuse(t, &s->seen, "scheme", "of bodies on joints is rk4 or sdirk");
   }
+  for (int k = 0; k < s->n_output && s->method == FB_METHOD_MULTIPLIERS; k++) {
+    if (s->output[k].quantity == SCENE_COORDINATE_ACCELERATION) {
+      scene_refuse(t, &s->seen, "method", "multipliers has no joint_acceleration");
+    }
+  }
   for (int k = 0; k < s->n_body; k++) {
     scene_check_base(t, s, k);
   }

@@ -107,6 +107,9 @@ static void scene_read_where(text_file *t, const scene *s, scene_output *output)
     output->at = scene_joint_of(t, s);
     output->axis = t->failed ? 0 : scene_read_axis(t, &s->joint[output->at]);
     scene_axis_unit(s, output);
+    if (output->quantity == SCENE_COORDINATE_ACCELERATION && s->joint[output->at].loop) {
+      text_fail(t, "a loop has no joint_acceleration");
+    }
     break;
   default:
     break;

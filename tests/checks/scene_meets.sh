@@ -281,3 +281,29 @@ measure stretch final stretch
 expect w 1 tolerance 1e-6
 expect stretch 4e-6 tolerance 0.002 relative
 END
+# what prescribes a free joint, along axes of the body: m w x v, and what holds a load and a moment
+meets << END
+duration 1
+interval 0.5
+body a rigid
+  hub 2  0 0 0  2 2 2
+end
+joint j free ground a
+  rate 1 constant 3
+  rate 6 constant 0.5
+end
+load a dead force 0 0 5
+load a base torque 0.7 0 0
+output x drive j 1
+output y drive j 2
+output z drive j 3
+output roll drive j 4
+measure x final x
+measure y final y
+measure z final z
+measure roll final roll
+expect x 0 tolerance 1e-9
+expect y 3 tolerance 1e-9
+expect z -5 tolerance 1e-9
+expect roll -0.7 tolerance 1e-9
+END

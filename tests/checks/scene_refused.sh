@@ -693,3 +693,46 @@ event 1 lock j 1
 event 2 free j 1
 duration 1
 END
+# other LINE REASON < FILE: a joint of bodies top and b, and what follows it
+other() {
+  { echo "$top"; printf 'body b rigid\n  hub 1  0 0 0  1 1 1\nend\n'; cat; printf 'duration 1\n'; } > "$out/other.txt"
+  refuse $(($1 + 7)) "$2" < "$out/other.txt"
+}
+other 1 "a free joint is one to ground" << END
+joint j free top b
+end
+END
+other 2 "position of a free joint: give its body start_position" << END
+joint j free ground b
+  position 1 0 0
+end
+END
+other 2 "a free joint has no motors: use load" << END
+joint j free ground b
+  motor 1 constant 1
+end
+END
+other 2 "the spring of a spherical joint rests at zero" << END
+joint j spherical top b
+  rest 1
+end
+END
+other 3 "a free joint closes no loop" << END
+joint j revolute top b
+end
+loop k free top b
+end
+END
+other 5 "a loop has no joint_acceleration" << END
+joint j revolute top b
+end
+loop k revolute top b
+end
+output a joint_acceleration k 1
+END
+other 4 "method multipliers has no joint_acceleration" << END
+joint j revolute top b
+end
+output a joint_acceleration j 1
+method multipliers
+END
