@@ -386,8 +386,7 @@ static void model_beam_node(text_file *t)
     text_fail(t, "more than %d nodes", FB_MAX_NODES - 1);
     return;
   }
-  if (strncmp(t->at + strspn(t->at, " "), "tip", 3) == 0) {
-    (void)text_word(t);
+  if (text_take(t, "tip")) {
     model.mark[model.n_mark] = -1;
   } else {
     model.mark[model.n_mark] = text_number(t, "the node's place");
@@ -505,7 +504,9 @@ static void model_component_line(text_file *t, const char *word)
     text_vector(t, "displacement, rotation", node->shape + 6 * mode, 6);
   } else if (strcmp(word, "mark") == 0) {
     model_node *node = model_find(t);
-    node->marked = 1;
+    if (node->marked++ && !t->failed) {
+      text_fail(t, "node %d is marked twice", node->id);
+    }
     if (text_more(t)) {
       text_name(t, "a node", node->name);
     }

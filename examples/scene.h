@@ -106,6 +106,19 @@ static void scene_begin_exact(text_file *t, scene *s, scene_body *body)
   mixed_begin(&s->mixed);
 }
 
+static void scene_name_body(text_file *t, const scene *s, scene_body *body)
+{
+  text_name(t, "a body", body->name);
+  for (int k = 0; k < s->n_body; k++) {
+    if (strcmp(s->body[k].name, body->name) == 0) {
+      text_fail(t, "two bodies have the name %s", body->name);
+    }
+  }
+  if (strcmp(body->name, "ground") == 0) {
+    text_fail(t, "ground is what is at rest: no name of a body");
+  }
+}
+
 /* body NAME beam|component|rigid, its lines, end; or body NAME file FILE, further lines, end */
 static void scene_read_body(text_file *t, scene *s)
 {
@@ -121,15 +134,7 @@ static void scene_read_body(text_file *t, scene *s)
   memset(body, 0, sizeof *body);
   body->attitude[0] = 1;
   body->line = begin;
-  text_name(t, "a body", body->name);
-  for (int k = 0; k < s->n_body; k++) {
-    if (strcmp(s->body[k].name, body->name) == 0) {
-      text_fail(t, "two bodies have the name %s", body->name);
-    }
-  }
-  if (strcmp(body->name, "ground") == 0) {
-    text_fail(t, "ground is what is at rest: no name of a body");
-  }
+  scene_name_body(t, s, body);
   kind = text_choice(t, "a body", kinds);
   if (kind == 4) {
     scene_begin_exact(t, s, body);
@@ -159,6 +164,7 @@ static void scene_read_body(text_file *t, scene *s)
     scene_check_exact_body(t, s, body);
     scene_place_exact(t, s, body);
   } else {
+    body->base_line = text_seen(&model.seen, "base");
     scene_pull_body(t, s);
     model.level.effects |= body->tolerance > 0 && model.n_damping > 0 ? (unsigned)FB_EFFECT_DAMPING : 0u;
     model_check(t);
@@ -169,6 +175,7 @@ static void scene_read_body(text_file *t, scene *s)
     scene_check_form(t, body);
     scene_check_auto(t, body);
   }
+  scene_check_nodes(t, body);
   s->n_body += !t->failed;
   t->line = last;
 }
@@ -240,8 +247,7 @@ static const char *const scene_schemes[] = {"rk4", "midpoint", "sdirk", "exponen
 
 static void scene_read_step(text_file *t, scene *s)
 {
-  if (strncmp(t->at + strspn(t->at, " "), "auto", 4) == 0) {
-    (void)text_word(t);
+  if (text_take(t, "auto")) {
     return;
   }
   s->step = text_number(t, "step");
@@ -271,9 +277,8 @@ static void scene_read_gravity(text_file *t, scene *s)
 static void scene_read_view(text_file *t, scene *s)
 {
   static const char *const views[] = {"any", "top", "front", "side", "aslant", NULL};
-  char part[TEXT_NAME];
   s->view = (scene_view_from)text_choice(t, "a view", views);
-  s->view_of = text_more(t) ? scene_read_body_name(t, s, part) : -1;
+  s->view_of = text_more(t) ? scene_read_whole_body(t, s) : -1;
 }
 
 /* The rest of the line. */

@@ -117,7 +117,7 @@ static void scene_note_body(const scene *s, int k)
   for (int i = 0; i < 3; i++) {
     fb_real a = held ? m->v_dot[i] + across[i] : 0;
     for (int j = 0; j < 3; j++) {
-      a -= R[3 * j + i] * (fb_real)s->gravity[j];
+      a -= R[3 * j + i] * s->body[k].level.gravity[j];
     }
     scene_widen(&e->acceleration[i], a);
     scene_widen(&e->spin[i], m->w[i]);
@@ -151,7 +151,10 @@ static double scene_frequency(const scene *s)
 {
   const function *f;
   double frequency = 0;
-  int starts = s->n_load > 0 || fabs(s->gravity[0]) + fabs(s->gravity[1]) + fabs(s->gravity[2]) > 0;
+  int starts = s->n_load > 0;
+  for (int k = 0; k < s->n_body; k++) {
+    starts |= (s->body[k].level.effects & FB_EFFECT_GRAVITY) != 0;
+  }
   for (int k = 0; (f = scene_function(s, k)) != NULL; k++) {
     frequency = fmax(frequency, function_frequency(f, &s->tables));
     starts &= k >= s->n_load || f->kind == FUNCTION_CONSTANT;

@@ -72,6 +72,17 @@ static int scene_read_body_name(text_file *t, const scene *s, char part[TEXT_NAM
   return 0;
 }
 
+/* BODY, and nothing behind it. */
+static int scene_read_whole_body(text_file *t, const scene *s)
+{
+  char part[TEXT_NAME];
+  const int body = scene_read_body_name(t, s, part);
+  if (part[0]) {
+    text_fail(t, "a body is wanted, not %s of it", part);
+  }
+  return body;
+}
+
 /* BODY.NODE, or BODY for its origin. */
 static void scene_read_node(text_file *t, const scene *s, int *body, int *node)
 {
@@ -121,6 +132,11 @@ static void scene_read_gauge(text_file *t, scene_body *body, scene_gauge_line *g
     return;
   }
   text_name(t, "a gauge", body->gauge_name[gauges->n]);
+  for (int k = 0; k < gauges->n; k++) {
+    if (strcmp(body->gauge_name[k], body->gauge_name[gauges->n]) == 0) {
+      text_fail(t, "two gauges have the name %s", body->gauge_name[k]);
+    }
+  }
   text_vector(t, "place along the beam, y and z off its line", gauges->x[gauges->n++], 3);
 }
 

@@ -66,6 +66,18 @@ static void scene_check_form(text_file *t, const scene_body *body)
   }
 }
 
+/* Nodes have names of their own. */
+static void scene_check_nodes(text_file *t, const scene_body *body)
+{
+  for (int k = 1; k < body->n_node && k < FB_MAX_NODES; k++) {
+    for (int i = 1; i < k && body->node_name[k][0]; i++) {
+      if (strcmp(body->node_name[i], body->node_name[k]) == 0) {
+        text_fail(t, "two nodes have the name %s", body->node_name[k]);
+      }
+    }
+  }
+}
+
 /* What `auto` needs. */
 static void scene_check_auto(text_file *t, const scene_body *body)
 {
@@ -147,6 +159,27 @@ static void scene_check_start(text_file *t, const scene *s, const scene_joint *j
   }
 }
 
+/* The joint that a body hangs by; NULL: it is free. */
+static const scene_joint *scene_joint_under(const scene *s, int body)
+{
+  for (int k = 0; k < s->n_joint; k++) {
+    if (!s->joint[k].loop && s->joint[k].desc.child == body) {
+      return &s->joint[k];
+    }
+  }
+  return NULL;
+}
+
+/* A base other than free: of a body from a file it is let be where a joint takes its place. */
+static void scene_check_base(text_file *t, const scene *s, int k)
+{
+  const scene_body *const body = &s->body[k];
+  if (body->level.base != FB_BASE_FREE && (body->base_line > 0 || !scene_joint_under(s, k))) {
+    t->line = body->base_line > 0 ? body->base_line : body->line;
+    text_fail(t, "base of body %s among others or on a joint: give it a joint to ground", body->name);
+  }
+}
+
 /* Does an event change the axis to that mode? */
 static int scene_event_makes(const scene *s, int joint, int axis, fb_axis_mode mode)
 {
@@ -212,6 +245,14 @@ static void scene_check_system(text_file *t, const scene *s)
       scene_refuse(t, &s->body[k].seen, "form", "is that of a body alone: joints want momentum");
     }
   }
+  for (int k = 0; k < s->n_output && s->method == FB_METHOD_MULTIPLIERS; k++) {
+    if (s->output[k].quantity == SCENE_COORDINATE_ACCELERATION) {
+      scene_refuse(t, &s->seen, "method", "multipliers has no joint_acceleration");
+    }
+  }
+  for (int k = 0; k < s->n_body; k++) {
+    scene_check_base(t, s, k);
+  }
   for (int k = 0; k < s->n_joint; k++) {
     if (!s->joint[k].loop) {
       scene_check_start(t, s, &s->joint[k]);
@@ -229,6 +270,45 @@ static void scene_check_system(text_file *t, const scene *s)
 static int scene_is_system(const scene *s)
 {
   return s->n_body > 1 || s->n_joint > 0;
+}
+
+/* Speeds that a steady state has no use for. */
+static void scene_check_trim(text_file *t, const scene *s)
+{
+  static const char why[] = "under trim: the steady state has its own";
+  for (int b = 0; b < s->n_body && s->trim; b++) {
+    const scene_body *const body = &s->body[b];
+    const scene_joint *const joint = scene_joint_under(s, b);
+    scene_refuse(t, &body->seen, "start_velocity", why);
+    if (joint && joint->desc.kind == FB_JOINT_SPHERICAL) {
+      scene_refuse(t, &body->seen, "start_spin", why);
+    }
+    for (int k = 0; k < FB_MAX_MODES; k++) {
+      if (fabs(body->q_dot[k]) > 0) {
+        t->line = scene_seen_numbered(&body->seen, "start_mode", k + 1);
+        text_fail(t, "the rate of a mode %s", why);
+      }
+    }
+  }
+  for (int k = 0; k < s->n_joint && s->trim; k++) {
+    for (int axis = 0; axis < 2; axis++) {
+      const int line = scene_seen_numbered(&s->joint[k].seen, "speed", axis + 1);
+      t->line = line > 0 ? line : t->line;
+      if (line > 0) {
+        text_fail(t, "a speed %s", why);
+      }
+    }
+  }
+}
+
+static void scene_check_events(text_file *t, const scene *s)
+{
+  for (int k = 0; k < s->n_event; k++) {
+    if (s->event[k].t > s->duration) {
+      t->line = s->event[k].line;
+      text_fail(t, "an event at %g s: the duration is %g s", s->event[k].t, s->duration);
+    }
+  }
 }
 
 static void scene_check_measures(text_file *t, const scene *s)
@@ -287,6 +367,8 @@ static void scene_check(text_file *t, scene *s)
   }
   if (!t->failed) {
     (scene_is_system(s) ? scene_check_system : scene_check_single)(t, s);
+    scene_check_trim(t, s);
+    scene_check_events(t, s);
     scene_check_measures(t, s);
   }
 }

@@ -73,7 +73,9 @@ static fb_status single_start(const scene *s)
   scene_start_modes(0, x->q, q_dot, b);
   status = status ? status : fb_quat_normalize(x->quat);
   if (s->trim) {
-    memcpy(input->w, held ? input->w : w, sizeof w);
+    if (!held) {
+      memcpy(input->w, w, sizeof w);
+    }
     return status ? status : fb_body_trim(&engine.body[0], x, &engine.analyse, input);
   }
   return status ? status : fb_state_from_velocity(&engine.body[0], x, held ? input->v : v, held ? input->w : w, q_dot);
@@ -193,6 +195,12 @@ static fb_status system_start(const scene *s)
     }
   }
   system_input(s, input, 0, 0);
+  for (int k = 0; k < s->n_body && s->trim; k++) { /* what the steady state spins about */
+    const fb_joint *const joint = &engine.system.joint[k];
+    if (joint->kind == FB_JOINT_FREE && joint->mode[0] == FB_AXIS_FREE) {
+      scene_reals(input->drive[k].rate + 3, s->body[k].spin, 3);
+    }
+  }
   status = status ? status
                   : fb_system_state_init(&engine.system, engine.body, &engine.system_work, &engine.system_state, start,
                                          input);

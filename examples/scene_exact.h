@@ -7,15 +7,14 @@
 /* ---- reading */
 
 /* node X|tip [NAME] */
-static void scene_read_exact_node(text_file *t, scene_body *body, const scene *s)
+static void scene_read_exact_node(text_file *t, scene_body *body)
 {
   const int k = body->n_node;
   if (k == SCENE_NODES + 1) {
     text_fail(t, "more than %d nodes", SCENE_NODES);
     return;
   }
-  if (strncmp(t->at + strspn(t->at, " "), "tip", 3) == 0) {
-    (void)text_word(t);
+  if (text_take(t, "tip")) {
     body->node_x[k] = HUGE_VAL;
   } else {
     body->node_x[k] = text_number(t, "the node's place");
@@ -23,7 +22,6 @@ static void scene_read_exact_node(text_file *t, scene_body *body, const scene *s
   if (text_more(t)) {
     text_name(t, "a node", body->node_name[k]);
   }
-  (void)s;
   body->n_node++;
   text_end_of_line(t);
 }
@@ -39,7 +37,7 @@ static void scene_read_exact_line(text_file *t, scene *s, scene_body *body, cons
     }
   }
   if (strcmp(word, "node") == 0) {
-    scene_read_exact_node(t, body, s);
+    scene_read_exact_node(t, body);
   } else {
     mixed_line(t, &s->mixed, word);
   }
@@ -55,7 +53,89 @@ static void scene_place_exact(text_file *t, scene *s, scene_body *body)
   }
 }
 
-/* The beam of modes that was read, exactly. */
+/* What a beam of modes has and an exact one has not. */
+static void scene_check_conversion(text_file *t)
+{
+  const fb_beam_desc *const beam = &model.beam;
+  const fb_base base = model.level.base;
+  const fb_preload *const p = &model.modes.preload;
+  const fb_real *const at = beam->position, *const turn = beam->attitude;
+  if (model.kind != MODEL_BEAM || beam->n_point > 0) {
+    text_fail(t, "exact takes a straight beam; bent ones are described by body NAME exact");
+  } else if (beam->root != FB_ROOT_CLAMPED && (beam->root != FB_ROOT_FREE || base != FB_BASE_FREE || model.hub)) {
+    model_at(t, "root");
+    text_fail(t, "an exact beam is clamped to its body, which `base` holds");
+  } else if ((base == FB_BASE_PINNED || base == FB_BASE_HINGED) &&
+             FB_FABS(at[0]) + FB_FABS(at[1]) + FB_FABS(at[2]) > 0) {
+    model_at(t, "position");
+    text_fail(t, "an exact beam on a pin or hinge turns about its root: no position");
+  } else if (base == FB_BASE_HINGED && FB_FABS(turn[1]) + FB_FABS(turn[2]) > 0) {
+    model_at(t, "attitude");
+    text_fail(t, "the hinge of an exact beam is along its own z");
+  } else if (FB_FABS(p->force) + FB_FABS(p->acceleration) + FB_FABS(p->spin) > 0) {
+    model_at(t, "preload");
+    text_fail(t, "preload is that of modes: give an exact beam the loads themselves");
+  }
+}
+
+/* A rigid body in other axes, which R maps to those that it is in. */
+static void scene_turn_lump(fb_lump *lump, const fb_real R[9])
+{
+  const fb_real *const J = lump->inertia, *const c = lump->center;
+  const fb_real inertia[9] = {J[0], J[3], J[4], J[3], J[1], J[5], J[4], J[5], J[2]}, center[3] = {c[0], c[1], c[2]};
+  fb_real back[9], half[9], turned[9];
+  for (int i = 0; i < 9; i++) {
+    back[i] = R[3 * (i % 3) + i / 3];
+  }
+  fb_mat33_mul(half, inertia, R);
+  fb_mat33_mul(turned, back, half);
+  fb_mat33_mul_vec3(lump->center, back, center);
+  for (int i = 0; i < 3; i++) {
+    lump->inertia[i] = turned[4 * i];
+    lump->inertia[3 + i] = turned[i < 2 ? 1 + i : 5];
+  }
+}
+
+/* Section axes at x to those of the beam. */
+static void scene_section_axes(fb_real R[9], fb_real x)
+{
+  fb_section section;
+  fb_real turn[3] = {0, 0, 0}, quat[4];
+  fb_beam_section(&section, &model_beam, x);
+  turn[0] = section.twist;
+  fb_quat_from_rotvec(quat, turn);
+  fb_quat_to_mat33(R, quat);
+}
+
+/* Lumps, and the hub as one on the root: from axes of the beam or of its body to those of the section there. */
+static void scene_convert_lumps(text_file *t, mixed_text *m)
+{
+  const fb_beam_desc *const beam = &model.beam;
+  fb_real R[9], section[9];
+  for (int k = 0; k < beam->n_lump; k++) {
+    m->desc.lump[k] = beam->lump[k];
+    m->lump_at[k] = (double)beam->length * beam->lump[k].node / beam->n_element;
+    scene_section_axes(R, (fb_real)m->lump_at[k]);
+    scene_turn_lump(&m->desc.lump[k], R);
+  }
+  m->n_lump = beam->n_lump;
+  if (model.hub && m->n_lump == FB_MAX_LUMPS) {
+    text_fail(t, "more than %d lumps, of which the hub of an exact beam is one", FB_MAX_LUMPS);
+  } else if (model.hub) {
+    fb_lump *const hub = &m->desc.lump[m->n_lump];
+    hub->mass = (fb_real)model.hub_mass;
+    for (int i = 0; i < 6; i++) {
+      hub->center[i % 3] = (fb_real)model.hub_center[i % 3] - beam->position[i % 3];
+      hub->inertia[i] = (fb_real)model.hub_inertia[i];
+    }
+    scene_section_axes(section, 0);
+    fb_mat33_mul(R, model_beam.axes, section);
+    scene_turn_lump(hub, R);
+    m->lump_at[m->n_lump++] = 0;
+  }
+}
+
+/* The beam of modes that was read, exactly. Gravity of the scene comes at the start. */
 static void scene_convert_exact(text_file *t, scene *s, scene_body *body)
 {
   static const int held[] = {FB_END_FREE, FB_END_CLAMPED, FB_END_PINNED, FB_END_CLAMPED & ~FB_HOLD_RZ};
@@ -63,8 +143,8 @@ static void scene_convert_exact(text_file *t, scene *s, scene_body *body)
   fb_mixed_desc *const d = &s->mixed.desc;
   fb_status status = FB_OK;
   mixed_begin(&s->mixed);
-  if (model.kind != MODEL_BEAM || beam->n_point > 0) {
-    text_fail(t, "exact takes a straight beam; bent ones are described by body NAME exact");
+  scene_check_conversion(t);
+  if (t->failed) {
     return;
   }
   d->length = beam->length;
@@ -73,25 +153,15 @@ static void scene_convert_exact(text_file *t, scene *s, scene_body *body)
   d->root = held[model.level.base];
   memcpy(d->position, beam->position, sizeof d->position);
   memcpy(d->attitude, beam->attitude, sizeof d->attitude);
+  if (!text_seen(&s->seen, "gravity")) {
+    memcpy(d->gravity, model.level.gravity, sizeof d->gravity);
+  }
   for (int k = 0; k < beam->n_station && status == FB_OK; k++) {
     status = fb_mixed_station_init(&d->station[k], &beam->station[k]);
     d->station[k].x = beam->station[k].x;
     d->station[k].twist = beam->station[k].twist;
   }
-  for (int k = 0; k < beam->n_lump; k++) {
-    d->lump[k] = beam->lump[k];
-    s->mixed.lump_at[k] = (double)beam->length * beam->lump[k].node / beam->n_element;
-  }
-  s->mixed.n_lump = beam->n_lump;
-  if (model.hub && model.level.base != FB_BASE_PRESCRIBED && s->mixed.n_lump < FB_MAX_LUMPS) {
-    fb_lump *const hub = &d->lump[s->mixed.n_lump];
-    hub->mass = (fb_real)model.hub_mass;
-    for (int i = 0; i < 6; i++) {
-      hub->center[i % 3] = (fb_real)model.hub_center[i % 3];
-      hub->inertia[i] = (fb_real)model.hub_inertia[i];
-    }
-    s->mixed.lump_at[s->mixed.n_lump++] = 0;
-  }
+  scene_convert_lumps(t, &s->mixed);
   if (status != FB_OK) {
     text_fail(t, "the beam, exactly: %s", fb_status_string(status));
     return;

@@ -104,7 +104,7 @@ static void scene_read_drive(text_file *t, scene *s, const char *word)
   drive->joint = s->n_joint;
   drive->axis = scene_read_axis(t, joint);
   drive->f = function_read(t, &s->tables, s->path);
-  if (drive->kind == SCENE_MOTOR ? drive->axis > 2 : drive->kind == SCENE_VALUE && scene_axes(joint) > 2) {
+  if (drive->kind == SCENE_MOTOR ? scene_axes(joint) > 3 : drive->kind == SCENE_VALUE && scene_axes(joint) > 2) {
     text_fail(t, drive->kind == SCENE_MOTOR ? "a free joint has no motors: use load"
                                             : "spherical and free joints are prescribed by their rate");
   }
@@ -112,6 +112,27 @@ static void scene_read_drive(text_file *t, scene *s, const char *word)
     joint->desc.mode[scene_axes(joint) > 2 ? 0 : drive->axis] = FB_AXIS_PRESCRIBED;
   }
   s->n_drive++;
+}
+
+/* Words that place and turn a joint's frame; a free one has none. */
+static int scene_read_frame(text_file *t, scene_joint *joint, const char *word)
+{
+  fb_joint_desc *const d = &joint->desc;
+  if (strcmp(word, "position") == 0) {
+    text_reals(t, word, d->position, 3);
+  } else if (strcmp(word, "child_position") == 0) {
+    text_reals(t, word, d->child_position, 3);
+  } else if (strcmp(word, "attitude") == 0) {
+    scene_read_attitude(t, joint->orientation);
+  } else if (strcmp(word, "axis") == 0) {
+    scene_read_joint_axis(t, joint);
+  } else {
+    return 0;
+  }
+  if (d->kind == FB_JOINT_FREE) {
+    text_fail(t, "%s of a free joint: give its body start_position or start_attitude", word);
+  }
+  return 1;
 }
 
 /* Numbers of the axes. */
@@ -140,15 +161,11 @@ static void scene_read_joint_line(text_file *t, scene *s, const char *word)
   if (!many && strcmp(word, "start") != 0) {
     text_once(t, &joint->seen, word);
   }
-  if (strcmp(word, "position") == 0) {
-    text_reals(t, word, d->position, 3);
-  } else if (strcmp(word, "child_position") == 0) {
-    text_reals(t, word, d->child_position, 3);
-  } else if (strcmp(word, "attitude") == 0) {
-    scene_read_attitude(t, joint->orientation);
-  } else if (strcmp(word, "axis") == 0) {
-    scene_read_joint_axis(t, joint);
-  } else if (strcmp(word, "pitch") == 0) {
+  if (scene_read_frame(t, joint, word)) {
+    text_end_of_line(t);
+    return;
+  }
+  if (strcmp(word, "pitch") == 0) {
     if (d->kind != FB_JOINT_SCREW) {
       text_fail(t, "pitch is that of a screw");
     }
@@ -156,6 +173,9 @@ static void scene_read_joint_line(text_file *t, scene *s, const char *word)
   } else if (strcmp(word, "stiffness") == 0) {
     scene_read_axes(t, joint, word, d->stiffness);
   } else if (strcmp(word, "rest") == 0) {
+    if (d->kind == FB_JOINT_SPHERICAL) {
+      text_fail(t, "the spring of a spherical joint rests at zero: turn the joint by attitude");
+    }
     scene_read_axes(t, joint, word, d->rest);
   } else if (strcmp(word, "damping") == 0) {
     scene_read_axes(t, joint, word, d->damping);
@@ -190,8 +210,7 @@ static void scene_read_joint_line(text_file *t, scene *s, const char *word)
 static void scene_read_ends(text_file *t, scene *s, scene_joint *joint, int loop)
 {
   fb_joint_desc *const d = &joint->desc;
-  if (strncmp(t->at + strspn(t->at, " "), "ground", 6) == 0) {
-    (void)text_word(t);
+  if (text_take(t, "ground")) {
     d->parent = FB_GROUND;
   } else {
     scene_read_node(t, s, &d->parent, &d->parent_node);
@@ -201,6 +220,9 @@ static void scene_read_ends(text_file *t, scene *s, scene_joint *joint, int loop
     return;
   }
   joint->at = loop ? s->n_loop : d->child; /* loops: see scene_check */
+  if (d->kind == FB_JOINT_FREE && (loop || d->parent != FB_GROUND)) {
+    text_fail(t, loop ? "a free joint closes no loop" : "a free joint is one to ground");
+  }
   if (!loop && d->child_node != 0) {
     text_fail(t, "a body hangs by its origin: give child_position, or a loop to a node");
   } else if (!loop && d->parent >= d->child) {
@@ -281,6 +303,7 @@ static void scene_read_event(text_file *t, scene *s)
     text_fail(t, "more than %d events", SCENE_EVENTS);
     return;
   }
+  event->line = t->line;
   event->t = text_number(t, "time");
   event->mode = (fb_axis_mode)text_choice(t, "an event", modes);
   event->joint = scene_joint_of(t, s);

@@ -36,8 +36,8 @@ typedef struct scene_setting { /* a parameter that is not to have the file's val
 
 typedef struct scene_body {
   char name[TEXT_NAME];
-  int line;        /* where it begins */
-  text_words seen; /* of its words, those that are the scene's */
+  int line, base_line; /* where it begins; `base`, 0: not here */
+  text_words seen;     /* of its words, those that are the scene's */
   model_kind kind;
   fb_shape shape; /* of all its modes */
   fb_body_desc level;
@@ -87,7 +87,7 @@ typedef struct scene_drive { /* of an axis of a joint */
 
 typedef struct scene_event { /* an axis is locked, freed or prescribed */
   double t;
-  int joint, axis;
+  int line, joint, axis;
   fb_axis_mode mode;
 } scene_event;
 

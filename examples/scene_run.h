@@ -20,7 +20,6 @@ typedef struct scene_options { /* all zero: no files, no talk */
 
 static double node_output(const scene *s, const scene_output *o)
 {
-  const fb_real gravity[3] = {(fb_real)s->gravity[0], (fb_real)s->gravity[1], (fb_real)s->gravity[2]};
   fb_node_motion node;
   fb_imu imu;
   const fb_real *const value[] = {node.displacement,
@@ -36,7 +35,7 @@ static double node_output(const scene *s, const scene_output *o)
                           &engine.view.motion.motion[o->body], o->at) != FB_OK) {
     return (double)NAN;
   }
-  fb_imu_eval(&imu, &node, gravity);
+  fb_imu_eval(&imu, &node, s->body[o->body].level.gravity);
   return (double)value[o->quantity - SCENE_DISPLACEMENT][o->axis];
 }
 
@@ -75,13 +74,26 @@ static double body_output(const scene *s, const scene_output *o)
   }
 }
 
+/* Position and quaternion; what prescribes a velocity or a spin is along axes of the body. */
+static double free_joint_output(const scene_output *o, int body)
+{
+  const fb_state *const pose = &engine.view.motion.pose[body];
+  const fb_joint_motion *const m = &engine.view.motion.joint[body];
+  fb_real R[9], along[3];
+  if (o->quantity == SCENE_COORDINATE) {
+    return (double)(o->axis < 3 ? pose->rho[o->axis] : pose->quat[o->axis - 2]);
+  }
+  fb_quat_to_mat33(R, pose->quat);
+  fb_mat33_mulT_vec3(along, R, o->axis < 3 ? m->force : m->torque);
+  return (double)along[o->axis % 3];
+}
+
 static double joint_output(const scene *s, const scene_output *o)
 {
   const int at = s->joint[o->at].at;
   const fb_joint_motion *const m = &engine.view.motion.joint[at];
-  if (s->joint[o->at].desc.kind == FB_JOINT_FREE && o->quantity == SCENE_COORDINATE) {
-    return (double)(o->axis < 3 ? engine.view.motion.pose[at].rho[o->axis]
-                                : engine.view.motion.pose[at].quat[o->axis - 2]);
+  if (s->joint[o->at].desc.kind == FB_JOINT_FREE && (o->quantity == SCENE_COORDINATE || o->quantity == SCENE_DRIVE)) {
+    return free_joint_output(o, at);
   }
   switch (o->quantity) {
   case SCENE_JOINT_FORCE:
@@ -95,7 +107,7 @@ static double joint_output(const scene *s, const scene_output *o)
   case SCENE_COORDINATE_ACCELERATION:
     return (double)m->acceleration[o->axis];
   default:
-    return (double)m->drive[o->axis < 3 ? o->axis : 2];
+    return (double)m->drive[o->axis];
   }
 }
 

@@ -86,16 +86,15 @@ static void scene_new_output(text_file *t, const scene *s, const char *label)
 /* Node, body, mode, gauge, or joint with its axis. */
 static void scene_read_where(text_file *t, const scene *s, scene_output *output)
 {
-  char part[TEXT_NAME];
   switch (scene_quantities[output->quantity].place) {
   case SCENE_AT_NODE:
     scene_read_node(t, s, &output->body, &output->at);
     break;
   case SCENE_AT_BODY:
-    output->body = scene_read_body_name(t, s, part);
+    output->body = scene_read_whole_body(t, s);
     break;
   case SCENE_AT_MODE:
-    output->body = scene_read_body_name(t, s, part);
+    output->body = scene_read_whole_body(t, s);
     output->at = text_whole(t, "mode", 1, s->body[output->body].shape.n) - 1;
     break;
   case SCENE_AT_GAUGE:
@@ -108,6 +107,9 @@ static void scene_read_where(text_file *t, const scene *s, scene_output *output)
     output->at = scene_joint_of(t, s);
     output->axis = t->failed ? 0 : scene_read_axis(t, &s->joint[output->at]);
     scene_axis_unit(s, output);
+    if (output->quantity == SCENE_COORDINATE_ACCELERATION && s->joint[output->at].loop) {
+      text_fail(t, "a loop has no joint_acceleration");
+    }
     break;
   default:
     break;

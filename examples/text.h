@@ -106,8 +106,9 @@ static inline int text_raw_line(text_file *t)
   if (t->line == 1 && strncmp(t->buffer, "\xEF\xBB\xBF", 3) == 0) { /* byte order mark */
     memmove(t->buffer, t->buffer + 3, strlen(t->buffer) - 2);
   }
-  if (strlen(t->buffer) + 1 == sizeof t->buffer && !feof(t->file)) {
-    text_fail(t, "the line is longer than %d characters", (int)sizeof t->buffer - 2);
+  if (!strchr(t->buffer, '\n') && !feof(t->file)) {
+    text_fail(t, strlen(t->buffer) + 1 == sizeof t->buffer ? "the line is longer than %d characters" : "is no text",
+              (int)sizeof t->buffer - 2);
     return 0;
   }
   return 1;
@@ -212,6 +213,18 @@ static inline int text_whole(text_file *t, const char *what, int least, int most
 static inline int text_more(text_file *t)
 {
   return !t->failed && t->at[strspn(t->at, " ")];
+}
+
+/* Takes the next word if it is this one: 1. */
+static inline int text_take(text_file *t, const char *word)
+{
+  const char *const at = t->at + strspn(t->at, " ");
+  const size_t n = strlen(word);
+  const int is = !t->failed && strncmp(at, word, n) == 0 && (at[n] == ' ' || !at[n]);
+  if (is) {
+    (void)text_word(t);
+  }
+  return is;
 }
 
 /* n numbers. */

@@ -142,3 +142,168 @@ expect torque -25 tolerance 1e-6 relative
 expect x 0 tolerance 1e-9
 END
 done
+# the hub in axes of the body, a lump in those of the beam, which is twisted: J w of the parts, about the origin
+for exact in 0 20; do
+  meets << END
+duration 1e-3
+interval 1e-3
+exact $exact
+body b beam
+  length 2
+  stations x mass EA EI_y EI_z GJ i_y i_z twist_deg
+    0 1 1e7 2e5 2e5 1e5 1e-3 1e-3 30
+    2 1 1e7 2e5 2e5 1e5 1e-3 1e-3 30
+  end
+  elements 10
+  lump 5 2  0.1 0.2 0.3  1 2 2.5 0.1 0.2 0.3
+  position 0.5 0.2 0.1
+  attitude 0.7071067811865476 0 0.7071067811865476 0
+  hub 3  0.1 0.2 -0.1  3 2 1.5 0.3 0.1 0.2
+  modes bend_y 3 bend_z 3 torsion 2
+  start_spin 0.3 0.2 1
+end
+output h angular_momentum
+output p momentum
+measure x max h_x
+measure y max h_y
+measure z max h_z
+measure px max p_x
+expect x 5.4716 tolerance 1e-5 relative
+expect y 3.2557333333 tolerance 1e-5 relative
+expect z 5.827 tolerance 1e-5 relative
+expect px -2.62 tolerance 1e-5 relative
+END
+  # what holds the root holds the hub, too; gravity of the body, without one of the scene: (3 + 2 1) g, (3 0.1 + 2 1.5) g
+  meets << END
+trim
+exact $exact
+body b beam
+  length 2
+  stations x mass EA EI_y EI_z GJ i_z
+    0 1 1e7 2e4 2e4 1e4 1e-3
+  end
+  position 0.5 0.2 0
+  hub 3  0.1 0 0  1 1 1
+  base prescribed
+  modes bend_y 3
+  effects full gravity
+  gravity 0 -9.81 0
+end
+output force reaction_force b y
+output torque reaction_torque b z
+measure force final force
+measure torque final torque
+expect force 49.05 tolerance 1e-6 relative
+expect torque 32.373 tolerance 1e-6 relative
+END
+done
+# an IMU feels the gravity of its body, where the scene has none: at rest on a spring, g upwards
+meets << END
+trim
+body b rigid
+  hub 2  0 0 0  1 1 1
+  effects rigid gravity
+  gravity 0 -9.81 0
+end
+joint j prismatic ground b
+  axis 0 1 0
+  stiffness 100
+end
+output f specific_force b y
+output q coordinate j 1
+measure f final f
+measure q final q
+expect f 9.81 tolerance 1e-9
+expect q -0.1962 tolerance 1e-9
+END
+# a body whose name begins with `ground`: two equal wheels drive each other apart by a motor
+meets << END
+duration 1
+interval 0.5
+body ground_wheel rigid
+  hub 1  0 0 0  1 1 1
+end
+body wheel rigid
+  hub 1  0 0 0  1 1 1
+end
+joint j revolute ground_wheel wheel
+  motor 1 constant 2
+end
+output one spin ground_wheel z
+output other spin wheel z
+measure one final one
+measure other final other
+expect one -2 tolerance 1e-12
+expect other 2 tolerance 1e-12
+END
+# gravity of a body under `auto`: it falls to twice its static deflection, m g L^4/(8 EI)
+meets << END
+duration 1
+interval 0.005
+body b beam
+  length 2
+  stations x mass EA EI_z
+    0 1 1e7 2e4
+  end
+  base prescribed
+  modes bend_y 4
+  effects full gravity
+  gravity 0 -9.81 0
+  auto 0.01
+  node tip tip
+end
+output d displacement b.tip y
+measure least min d
+expect least -1.962e-3 tolerance 0.02 relative
+END
+# trim of bodies on joints that spin freely: about the mass center, a = 2/3 m before the root; stretch m w^2/EA (a L^2/2 + L^3/3)
+meets << END
+trim
+body hub rigid
+  hub 10  0 0 0  3 4 5
+  node 1 0 0 rim
+  start_spin 0 0 1
+end
+body arm beam
+  length 2
+  stations x mass EA EI_y EI_z
+    0 1 1e6 2e3 2e3
+  end
+  modes bend_y 1 axial 5
+  node tip tip
+end
+joint j rigid hub.rim arm
+end
+output w spin hub z
+output stretch displacement arm.tip x
+measure w final w
+measure stretch final stretch
+expect w 1 tolerance 1e-6
+expect stretch 4e-6 tolerance 0.002 relative
+END
+# what prescribes a free joint, along axes of the body: m w x v, and what holds a load and a moment
+meets << END
+duration 1
+interval 0.5
+body a rigid
+  hub 2  0 0 0  2 2 2
+end
+joint j free ground a
+  rate 1 constant 3
+  rate 6 constant 0.5
+end
+load a dead force 0 0 5
+load a base torque 0.7 0 0
+output x drive j 1
+output y drive j 2
+output z drive j 3
+output roll drive j 4
+measure x final x
+measure y final y
+measure z final z
+measure roll final roll
+expect x 0 tolerance 1e-9
+expect y 3 tolerance 1e-9
+expect z -5 tolerance 1e-9
+expect roll -0.7 tolerance 1e-9
+END

@@ -655,3 +655,166 @@ $(echo "$beam" | sed 's/^end/  auto 1e-9\nend/')
 motion rate 0 0 1 smooth 0.5 0 1
 duration 1
 END
+# exactly LINE REASON < FILE: a beam of modes that the exact one would not be
+exactly() {
+  { printf 'exact 5\nduration 1\nbody b beam\n  length 1\n  stations x mass EI_z\n    0 1 1\n  end\n  modes bend_y 1\n'; cat; echo end; } > "$out/exactly.txt"
+  refuse $(($1 + 8)) "$2" < "$out/exactly.txt"
+}
+exactly 1 "an exact beam is clamped to its body, which \`base\` holds" << END
+  root pinned
+  base prescribed
+END
+exactly 2 "an exact beam is clamped to its body, which \`base\` holds" << END
+  hub 1  0 0 0  1 1 1
+  root free
+END
+exactly 2 "an exact beam on a pin or hinge turns about its root: no position" << END
+  base hinged
+  position 0.1 0 0
+END
+exactly 1 "the hinge of an exact beam is along its own z" << END
+  attitude 1 0.1 0 0
+  base hinged
+END
+exactly 2 "preload is that of modes: give an exact beam the loads themselves" << END
+  base prescribed
+  preload 10 0 0 0
+END
+refuse 5 "a body is wanted, not tip of it" << END
+$top
+output a spin top.tip z
+END
+refuse 5 "a body is wanted, not tip of it" << END
+$top
+view top top.tip
+END
+refuse 1 "step is not a number: automatic" << END
+step automatic
+END
+refuse 4 "the node's place is not a number: tips" << END
+body b beam
+  length 1
+  modes bend_y 1
+  node tips
+end
+END
+refuse 4 "the node's place is not a number: tips" << END
+body b exact
+  length 1
+  station 0
+  node tips
+end
+END
+refuse 1 "two nodes have the name a" << END
+body b exact
+  length 1
+  station 0
+    stiffness 0 0 0 0 0 1
+    mass 1
+  node 0.5 a
+  node tip a
+end
+END
+refuse 6 "node 3 is marked twice" << END
+body b component
+  modes 1
+  frequency_hz 1
+  node 3  0 0 0  1
+  mark 3 a
+  mark 3 b
+end
+END
+refuse 3 "two gauges have the name g" << END
+body b beam
+  gauge g 0 0 1
+  gauge g 0 1 0
+end
+END
+printf 'duration 1\nstep \000 0.1\n' > "$out/zero.txt"
+status=0
+"$out/careful" "$out/zero.txt" > "$out/log" 2>&1 || status=$?
+[ $status = 2 ] && grep -q 'zero.txt:2: is no text' "$out/log" || fail "zeros in a file: status $status, $(cat "$out/log")"
+refuse 8 "base of body b among others or on a joint: give it a joint to ground" << END
+$top
+duration 1
+body b rigid
+  hub 1  0 0 0  1 1 1
+  base pinned
+end
+END
+refuse 5 "base of body b among others or on a joint: give it a joint to ground" << END
+$top
+body b file ../../../examples/boom.txt
+end
+duration 1
+END
+refuse 5 "start_velocity under trim: the steady state has its own" << END
+trim
+body b rigid
+  hub 1  0 0 0  1 1 1
+  node 0 0 1 tip
+  start_velocity 1 0 0
+end
+END
+refuse 9 "the rate of a mode under trim" << END
+$(echo "$beam" | sed 's/^end/  start_mode 2 0 1\nend/')
+trim
+END
+refuse 6 "a speed under trim" << END
+$top
+joint j revolute ground top
+  start 1 0 1
+end
+trim
+END
+refuse 8 "an event at 2 s: the duration is 1 s" << END
+$top
+joint j revolute ground top
+end
+event 1 lock j 1
+event 2 free j 1
+duration 1
+END
+# other LINE REASON < FILE: a joint of bodies top and b, and what follows it
+other() {
+  { echo "$top"; printf 'body b rigid\n  hub 1  0 0 0  1 1 1\nend\n'; cat; printf 'duration 1\n'; } > "$out/other.txt"
+  refuse $(($1 + 7)) "$2" < "$out/other.txt"
+}
+other 1 "a free joint is one to ground" << END
+joint j free top b
+end
+END
+other 2 "position of a free joint: give its body start_position" << END
+joint j free ground b
+  position 1 0 0
+end
+END
+other 2 "a free joint has no motors: use load" << END
+joint j free ground b
+  motor 1 constant 1
+end
+END
+other 2 "the spring of a spherical joint rests at zero" << END
+joint j spherical top b
+  rest 1
+end
+END
+other 3 "a free joint closes no loop" << END
+joint j revolute top b
+end
+loop k free top b
+end
+END
+other 5 "a loop has no joint_acceleration" << END
+joint j revolute top b
+end
+loop k revolute top b
+end
+output a joint_acceleration k 1
+END
+other 4 "method multipliers has no joint_acceleration" << END
+joint j revolute top b
+end
+output a joint_acceleration j 1
+method multipliers
+END
