@@ -1588,7 +1588,6 @@ FB_DEF fb_status fb_beam_desc_add_taper(fb_beam_desc *desc, const fb_material *m
       const fb_real s = (fb_real)there / (fb_real)(n - 1);
       fb_profile profile = *from;
       fb_section section;
-      profile.x += s * (to->x - from->x);
       for (int j = 0; j < 2; j++) {
         profile.size[j] += s * (to->size[j] - from->size[j]);
       }
@@ -3586,12 +3585,14 @@ static fb_status fbi_join_solve(fb_join_work *work, int m, int *found)
   fbi_eig_turn(work->d, work->X, m);
   largest = work->d[0];
   for (int k = 0; k < *found; k++) {
-    const fb_real mu = work->d[rigid + k], scale = mu > FB_R(0.0) ? FB_R(1.0) / FB_SQRT(mu) : FB_R(0.0);
+    const fb_real mu = work->d[rigid + k];
+    fb_real scale;
     if (!(mu > (fb_real)m * FB_EPSILON * largest)) { /* massless from here on */
       *found = k;
       break;
     }
     work->d[k] = FB_R(1.0) / mu - shift;
+    scale = FB_R(1.0) / FB_SQRT(mu);
     for (int i = 0; i < m; i++) {
       work->X[k * m + i] = scale * work->X[(rigid + k) * m + i];
     }
@@ -12296,7 +12297,7 @@ static void fbi_largest_slopes(fb_real *slope, fb_real *strain, const fbi_kineti
 static void fbi_step_conditions(fb_real *spin, fb_real *acceleration, const fb_body *body, const fbi_kinetics *k,
                                 const fb_input *input)
 {
-  fb_real a[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_real a[3];
   *spin = fbi_vec3_norm(k->V + 3);
   if (body->base == FB_BASE_FREE) {
     *acceleration = (*spin * *spin * fbi_vec3_norm(body->c) + fbi_vec3_norm(k->fg)) / body->mass;
@@ -16094,7 +16095,7 @@ static fb_status fbi_advise_motion(fb_advise_work *work, fb_body *body, const fb
                                    const fb_real *q, const fb_real *q_dot)
 {
   const signed char *const on = fbi_advice_instant[instant];
-  fb_real v[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, w[3], turning[3];
+  fb_real v[3], w[3], turning[3];
   const int spins = on[0] || (instant != FBI_ADVICE_REST && fbi_is_zero(e->spin_rate, 3)); /* always, if steadily */
   fb_status status;
   memset(&work->state, 0, sizeof work->state);
