@@ -7400,8 +7400,8 @@ static void fbi_joint_fill(fb_joint *joint, const fb_system_desc *desc, const fb
   fbi_copy(joint->child_position, d->child_position, 3);
   fbi_attitude_axes(joint->child_axes, d->child_attitude);
   joint->turned = 0;
-  for (int i = 1; i < 8; i++) {
-    joint->turned = joint->turned || (i != 4 && joint->child_axes[i] != FB_R(0.0));
+  for (int i = 0; i < 9; i++) {
+    joint->turned = joint->turned || joint->child_axes[i] != (i % 4 == 0 ? FB_R(1.0) : FB_R(0.0));
   }
   joint->pitch = d->pitch;
   fbi_joint_twists(joint);

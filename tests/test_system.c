@@ -2017,6 +2017,24 @@ TEST(every_joint_moves_as_it_should)
   }
 }
 
+/* E9.2: joint frames half a turn from the child's, whose matrices have no element off the diagonal: the child stands half
+   a turn from the parent. */
+TEST(joint_frames_may_be_half_a_turn_off)
+{
+  for (int axis = 0; axis < 3; axis++) {
+    fresh();
+    rigid(&model[0], 1.0, 0.3, 0, 0, 1, 1, 1);
+    hang(0, 0, FB_JOINT_REVOLUTE, FB_GROUND, 0);
+    desc.joint[0].child_attitude[1 + axis] = FB_R(1.0);
+    for (int method = 0; method < 3; method++) {
+      init((fb_method)method);
+      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, NULL, NULL), FB_OK);
+      FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, NULL), FB_OK);
+      FBT_NEAR_ABS(fabs((double)motion.pose[0].quat[1 + axis]), 1.0, FBT_TOL(1e-15, 1e-6));
+    }
+  }
+}
+
 /* Lowest frequencies [rad/s] of a system at rest: the mass matrix from the momenta of unit speeds, K of the modes. */
 static void system_frequencies(double *omega, int count)
 {
@@ -2566,8 +2584,8 @@ SUITE(system, RUN(every_joint_is_the_same_eliminated_kept_or_closing_a_loop),
       RUN(contradictions_name_their_joint), RUN(momenta_give_back_the_speeds), RUN(a_latch_conserves_momentum),
       RUN(springs_and_dampers_balance_energy), RUN(joint_forces_carry_what_hangs_on_them),
       RUN(kept_joints_turn_all_the_way_round), RUN(systems_refuse_what_is_not_right),
-      RUN(every_joint_moves_as_it_should), RUN(a_cut_beam_behaves_as_the_whole),
-      RUN(system_steps_beyond_the_limit_are_refused), RUN(the_limit_of_a_linkage_is_in_closed_form),
-      RUN(stiff_joints_take_long_steps), RUN(strained_bodies_converge_in_a_system),
-      RUN(a_stretching_rod_carries_its_neighbor), RUN(attitudes_come_back_as_they_were),
-      RUN(a_chain_in_free_flight_keeps_its_momenta))
+      RUN(every_joint_moves_as_it_should), RUN(joint_frames_may_be_half_a_turn_off),
+      RUN(a_cut_beam_behaves_as_the_whole), RUN(system_steps_beyond_the_limit_are_refused),
+      RUN(the_limit_of_a_linkage_is_in_closed_form), RUN(stiff_joints_take_long_steps),
+      RUN(strained_bodies_converge_in_a_system), RUN(a_stretching_rod_carries_its_neighbor),
+      RUN(attitudes_come_back_as_they_were), RUN(a_chain_in_free_flight_keeps_its_momenta))
