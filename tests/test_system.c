@@ -1796,6 +1796,62 @@ TEST(contradictions_name_their_joint)
   }
 }
 
+typedef struct wrong_row {
+  int count, row, what; /* rows, the one that is wrong, how */
+} wrong_row;
+
+/* Holds a body's position, then along x again. */
+static int wrong_rows(fb_row *row, int capacity, const fb_pose *pose, fb_real t, void *user)
+{
+  wrong_row *const wrong = (wrong_row *)user;
+  fb_row *const at = &row[wrong->row];
+  fb_real *const field[6] = {at->force[0], at->force[1], at->torque[0], at->torque[1], &at->b, &at->value};
+  (void)capacity, (void)pose, (void)t;
+  for (int k = 0; k < 4; k++) {
+    row[k].body[1] = FB_GROUND;
+    row[k].force[0][k % 3] = FB_R(1.0);
+  }
+  if (wrong->what < 6) {
+    *field[wrong->what] = (fb_real)NAN;
+  } else if (wrong->what < 8) {
+    at->body[wrong->what - 6] = 1;
+  } else if (wrong->what < 10) {
+    at->node[wrong->what - 8] = 2;
+  } else if (wrong->what == 10) {
+    at->b = FB_R(1.0);
+  } else if (wrong->what == 11) {
+    wrong->count = 7 - wrong->count; /* 4 and 3 by turns */
+  }
+  return wrong->count;
+}
+
+/* E9.10, the caller's rows: what is wrong with one is said with its number, -2 - k, whichever it is: not a number, a
+   body or node that there is not, against another one; and another number of rows than before. */
+TEST(wrong_rows_are_named)
+{
+  for (int what = 0; what < 13; what++) {
+    for (int k = 0; k < 3; k += 2) {
+      const fb_status expected = what < 6     ? FB_ERR_NOT_FINITE
+                                 : what < 10  ? FB_ERR_CAPACITY
+                                 : what == 10 ? FB_ERR_CONTRADICTION
+                                 : what == 11 ? FB_ERR_VALUE
+                                              : FB_OK;
+      wrong_row wrong;
+      wrong.count = 4;
+      wrong.row = what == 10 ? 3 : k;
+      wrong.what = what;
+      fresh();
+      rigid(&model[0], 1.0, 0, 0, 0, 1, 1, 1);
+      hang(0, 0, FB_JOINT_FREE, FB_GROUND, 0);
+      input.rows = wrong_rows;
+      input.user = &wrong;
+      init(FB_METHOD_RECURSIVE);
+      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, NULL, &input), expected);
+      FBT_INT_EQ(work.joint, what < 11 ? -2 - wrong.row : -1);
+    }
+  }
+}
+
 /* E9.16: speeds in, momenta out, the same speeds again; freed axes too. */
 TEST(momenta_give_back_the_speeds)
 {
@@ -2017,8 +2073,8 @@ TEST(every_joint_moves_as_it_should)
   }
 }
 
-/* E9.2: joint frames half a turn from the child's, whose matrices have no element off the diagonal: the child stands half
-   a turn from the parent. */
+/* E9.2: joint frames half a turn from the child's, whose matrices have no element off the diagonal: the child stands
+   half a turn from the parent. */
 TEST(joint_frames_may_be_half_a_turn_off)
 {
   for (int axis = 0; axis < 3; axis++) {
@@ -2581,11 +2637,12 @@ SUITE(system, RUN(every_joint_is_the_same_eliminated_kept_or_closing_a_loop),
       RUN(what_a_loop_misses_is_relative), RUN(the_limit_finds_the_fastest_body), RUN(what_is_prescribed_has_no_limit),
       RUN(flexible_double_pendulum_follows_the_reference), RUN(slider_crank_follows_the_reference),
       RUN(a_parallelogram_passes_its_flat_positions), RUN(a_disc_rolls_steadily), RUN(a_knife_edge_draws_a_cycloid),
-      RUN(contradictions_name_their_joint), RUN(momenta_give_back_the_speeds), RUN(a_latch_conserves_momentum),
-      RUN(springs_and_dampers_balance_energy), RUN(joint_forces_carry_what_hangs_on_them),
-      RUN(kept_joints_turn_all_the_way_round), RUN(systems_refuse_what_is_not_right),
-      RUN(every_joint_moves_as_it_should), RUN(joint_frames_may_be_half_a_turn_off),
-      RUN(a_cut_beam_behaves_as_the_whole), RUN(system_steps_beyond_the_limit_are_refused),
-      RUN(the_limit_of_a_linkage_is_in_closed_form), RUN(stiff_joints_take_long_steps),
-      RUN(strained_bodies_converge_in_a_system), RUN(a_stretching_rod_carries_its_neighbor),
-      RUN(attitudes_come_back_as_they_were), RUN(a_chain_in_free_flight_keeps_its_momenta))
+      RUN(contradictions_name_their_joint), RUN(wrong_rows_are_named), RUN(momenta_give_back_the_speeds),
+      RUN(a_latch_conserves_momentum), RUN(springs_and_dampers_balance_energy),
+      RUN(joint_forces_carry_what_hangs_on_them), RUN(kept_joints_turn_all_the_way_round),
+      RUN(systems_refuse_what_is_not_right), RUN(every_joint_moves_as_it_should),
+      RUN(joint_frames_may_be_half_a_turn_off), RUN(a_cut_beam_behaves_as_the_whole),
+      RUN(system_steps_beyond_the_limit_are_refused), RUN(the_limit_of_a_linkage_is_in_closed_form),
+      RUN(stiff_joints_take_long_steps), RUN(strained_bodies_converge_in_a_system),
+      RUN(a_stretching_rod_carries_its_neighbor), RUN(attitudes_come_back_as_they_were),
+      RUN(a_chain_in_free_flight_keeps_its_momenta))
