@@ -7399,10 +7399,7 @@ static void fbi_joint_fill(fb_joint *joint, const fb_system_desc *desc, const fb
   fbi_attitude_axes(joint->axes, d->attitude);
   fbi_copy(joint->child_position, d->child_position, 3);
   fbi_attitude_axes(joint->child_axes, d->child_attitude);
-  joint->turned = 0;
-  for (int i = 0; i < 9; i++) {
-    joint->turned = joint->turned || joint->child_axes[i] != (i % 4 == 0 ? FB_R(1.0) : FB_R(0.0));
-  }
+  joint->turned = fbi_vec3_norm(d->child_attitude + 1) > FB_R(0.0);
   joint->pitch = d->pitch;
   fbi_joint_twists(joint);
   for (int i = 0; i < 3; i++) {
@@ -10086,14 +10083,14 @@ FB_DEF void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *
 /* ---- init */
 
 /* Largest eigenvalue of springs and modes (which = 0) or dampers (1) against the mass, undeformed, at zero coordinates:
-   60 steps of the power method, which comes from below; 5 % are added. */
+   60 steps of the power method, which comes from below; 5 % are added. The right-hand side is clear but for what is set
+   here. */
 static fb_status fbi_system_limit(fb_real *limit, fb_system_work *w, const fb_system *system, const fb_body *body,
                                   int which)
 {
   fb_real size = FB_R(1.0);
   fb_status status = FB_OK;
   *limit = FB_R(0.0);
-  fbi_rhs_clear(w, system, body);
   for (int step = 0; step < 60 && size > FB_R(0.0) && status == FB_OK; step++) {
     size = FB_R(0.0);
     for (int k = 0; k < system->n_body; k++) {
@@ -10103,7 +10100,7 @@ static fb_status fbi_system_limit(fb_real *limit, fb_system_work *w, const fb_sy
       for (int a = 0; step == 0 && a < model->n; a++) {
         L->q_dot[a] = FB_R(1.0) / (fb_real)(1 + (7 * k + 3 * a) % 5);
       }
-      for (int i = 0; step == 0 && i < 6; i++) {
+      for (int i = 0; step == 0 && i < 3; i++) {
         L->u[i] = FB_R(1.0) / (fb_real)(1 + (5 * k + 2 * i) % 3);
       }
       fbi_zero(L->pi, model->n);
