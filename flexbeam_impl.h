@@ -10090,7 +10090,6 @@ static fb_status fbi_system_limit(fb_real *limit, fb_system_work *w, const fb_sy
 {
   fb_real size = FB_R(1.0);
   fb_status status = FB_OK;
-  *limit = FB_R(0.0);
   for (int step = 0; step < 60 && size > FB_R(0.0) && status == FB_OK; step++) {
     size = FB_R(0.0);
     for (int k = 0; k < system->n_body; k++) {
