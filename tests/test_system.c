@@ -2586,8 +2586,8 @@ TEST(locked_axes_need_no_inertia)
   }
 }
 
-/* E11.12: springs and dampers of kept joints, each against what its axis moves: a ball joint at the mass center k
-   (1/J_1 + 1/J_2 + 1/J_3), a cylindrical one k_0/J_3 + k_1 (1/m + r^2/J), its axis r beside the center, J across both. */
+/* E11.12: springs and dampers of kept joints, each against what its axis moves: a ball joint at the mass center
+   k (1/J_1 + 1/J_2 + 1/J_3), a cylindrical one k_0/J_3 + k_1 (1/m + r^2/J), its axis r beside the center. */
 TEST(limits_of_kept_joints_are_in_closed_form)
 {
   const double m = 2.0, r = 0.4, J[3] = {0.3, 0.5, 0.7}, k[2] = {90.0, 50.0}, c[2] = {2.0, 3.0};
@@ -2608,8 +2608,8 @@ TEST(limits_of_kept_joints_are_in_closed_form)
   }
 }
 
-/* E9.19: the reactions on a body are what its joints bear, about its origin in its axes: the own one's, and the opposite
-   of those that hang on it; gravity lifts the energy of all by m g h. */
+/* E9.19: the reactions on a body are what its joints bear, about its origin in its axes: the own one's, and the
+   opposite of those that hang on it; gravity lifts the energy of all by m g h. */
 TEST(reactions_are_the_sum_of_joint_forces)
 {
   const double g = 9.81;
