@@ -8443,9 +8443,8 @@ static fb_status fbi_joint_rows(fb_system_work *w, const fb_system *system, cons
 }
 
 /* Rates of a joint's rows along the motion of its ends: axes of the parent turn with it, those of the child with the
-   child. Same order as fbi_joint_rows; the frames are where they were. */
-static void fbi_joint_row_rates(fbi_row *row, fb_system_work *w, const fb_system *system, const fb_body *body,
-                                const fb_system_state *modes)
+   child, those of a locked ball joint with either. Same order as fbi_joint_rows; the frames are where they were. */
+static void fbi_joint_row_rates(fbi_row *row, fb_system_work *w, const fb_system *system, const fb_body *body)
 {
   const fb_joint *joint = &system->joint[row->joint];
   const int hold = -1 - row->axis;
@@ -8453,7 +8452,7 @@ static void fbi_joint_row_rates(fbi_row *row, fb_system_work *w, const fb_system
   fb_real force[3] = {0}, force_dot[3] = {0}, torque_dot[3] = {0}, at_child[3];
   (void)fbi_frames_eval(&f, w, system, body, row->joint);
   fbi_copy(force, row->r.force[1], 3);
-  if (row->axis >= 0 && !(joint->kind == FB_JOINT_SPHERICAL && modes->mode[row->joint][0] == FB_AXIS_LOCKED)) {
+  if (row->axis >= 0) {
     const int on_child = joint->kind == FB_JOINT_SPHERICAL || (joint->kind == FB_JOINT_UNIVERSAL && row->axis == 1);
     fb_real torque[3], moment[3];
     const fb_real *turn = f.end[on_child]->w;
@@ -8463,20 +8462,11 @@ static void fbi_joint_row_rates(fbi_row *row, fb_system_work *w, const fb_system
     }
     fb_vec3_cross(force_dot, turn, force);
     fb_vec3_cross(torque_dot, turn, torque);
-  } else if (hold >= 0 && hold < 3) {
+  } else if (hold < 3) {
     fb_vec3_cross(force_dot, f.end[0]->w, force);
   } else {
-    const fb_real *a = f.a[hold >= 3 ? (hold - 3) / 3 : row->axis];
-    fb_real b[3] = {0}, a_dot[3], b_dot[3];
-    if (hold >= 3) {
-      fbi_copy(b, f.b[(hold - 3) % 3], 3);
-    } else {
-      fb_real R[9];
-      fb_quat_to_mat33(R, modes->hold_quat[row->joint]);
-      for (int k = 0; k < 3; k++) {
-        fbi_vec3_add(b, R[3 * ((row->axis + 1) % 3) + k], f.b[k]);
-      }
-    }
+    const fb_real *a = f.a[(hold - 3) / 3], *b = f.b[(hold - 3) % 3];
+    fb_real a_dot[3], b_dot[3];
     fb_vec3_cross(a_dot, f.end[0]->w, a);
     fb_vec3_cross(b_dot, f.end[1]->w, b);
     fb_vec3_cross(torque_dot, b_dot, a);
@@ -8560,14 +8550,14 @@ static FBI_NOINLINE fb_status fbi_rows_fill(fb_system_work *w, const fb_system *
 /* Motion of the ends from the solution, then how the rows change with it: those of the caller by differences over a
    small part of a turn. */
 static FBI_NOINLINE fb_status fbi_rows_rate(fb_system_work *w, const fb_system *system, const fb_body *body,
-                                            const fb_system_state *modes, const fb_system_input *input)
+                                            const fb_system_input *input)
 {
   const int count = w->n_row - w->n_joint_row;
   for (int e = 0; e < w->n_end; e++) {
     fbi_end_velocity(w->end[e].v, w->end[e].w, w, system, body, &w->end[e]);
   }
   for (int r = 0; r < w->n_joint_row; r++) {
-    fbi_joint_row_rates(&w->row[r], w, system, body, modes);
+    fbi_joint_row_rates(&w->row[r], w, system, body);
   }
   if (count > 0 && input) {
     fb_real spin = FB_R(1.0), h;
@@ -8892,7 +8882,7 @@ static fb_status fbi_system_velocity(fb_system_work *w, const fb_system *system,
       w->c[r] = w->row[r].r.b;
     }
     status = status == FB_OK ? fbi_constrained_solve(w, system, body, 1) : status;
-    return status == FB_OK ? fbi_rows_rate(w, system, body, modes, input) : status;
+    return status == FB_OK ? fbi_rows_rate(w, system, body, input) : status;
   }
   for (int k = 0; k < system->n_body; k++) {
     w->link[k].has_speeds = w->link[k].open || !lazy || system->method == FB_METHOD_DENSE;
