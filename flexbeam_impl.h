@@ -8443,25 +8443,23 @@ static fb_status fbi_joint_rows(fb_system_work *w, const fb_system *system, cons
 }
 
 /* Rates of a joint's rows along the motion of its ends: axes of the parent turn with it, those of the child with the
-   child, those of a locked ball joint with either. Same order as fbi_joint_rows; the frames are where they were. */
+   child; given axes with either: what is between them is a torque that the joint bears, and across its motion. The frames
+   are where they were. */
 static void fbi_joint_row_rates(fbi_row *row, fb_system_work *w, const fb_system *system, const fb_body *body)
 {
-  const fb_joint *joint = &system->joint[row->joint];
   const int hold = -1 - row->axis;
   fbi_frames f;
   fb_real force[3] = {0}, force_dot[3] = {0}, torque_dot[3] = {0}, at_child[3];
   (void)fbi_frames_eval(&f, w, system, body, row->joint);
   fbi_copy(force, row->r.force[1], 3);
   if (row->axis >= 0) {
-    const int on_child = joint->kind == FB_JOINT_SPHERICAL || (joint->kind == FB_JOINT_UNIVERSAL && row->axis == 1);
     fb_real torque[3], moment[3];
-    const fb_real *turn = f.end[on_child]->w;
     fb_vec3_cross(moment, f.arm[1], force);
     for (int i = 0; i < 3; i++) {
       torque[i] = row->r.torque[1][i] - moment[i];
     }
-    fb_vec3_cross(force_dot, turn, force);
-    fb_vec3_cross(torque_dot, turn, torque);
+    fb_vec3_cross(force_dot, f.end[0]->w, force);
+    fb_vec3_cross(torque_dot, f.end[0]->w, torque);
   } else if (hold < 3) {
     fb_vec3_cross(force_dot, f.end[0]->w, force);
   } else {
