@@ -7400,10 +7400,7 @@ static void fbi_joint_fill(fb_joint *joint, const fb_system_desc *desc, const fb
   fbi_attitude_axes(joint->axes, d->attitude);
   fbi_copy(joint->child_position, d->child_position, 3);
   fbi_attitude_axes(joint->child_axes, d->child_attitude);
-  joint->turned = 0;
-  for (int i = 1; i < 8; i++) {
-    joint->turned = joint->turned || (i != 4 && joint->child_axes[i] != FB_R(0.0));
-  }
+  joint->turned = fbi_vec3_norm(d->child_attitude + 1) > FB_R(0.0);
   joint->pitch = d->pitch;
   fbi_joint_twists(joint);
   for (int i = 0; i < 3; i++) {
@@ -8447,40 +8444,28 @@ static fb_status fbi_joint_rows(fb_system_work *w, const fb_system *system, cons
 }
 
 /* Rates of a joint's rows along the motion of its ends: axes of the parent turn with it, those of the child with the
-   child. Same order as fbi_joint_rows; the frames are where they were. */
-static void fbi_joint_row_rates(fbi_row *row, fb_system_work *w, const fb_system *system, const fb_body *body,
-                                const fb_system_state *modes)
+   child; given axes with either: what is between them is a torque that the joint bears, and across its motion. The frames
+   are where they were. */
+static void fbi_joint_row_rates(fbi_row *row, fb_system_work *w, const fb_system *system, const fb_body *body)
 {
-  const fb_joint *joint = &system->joint[row->joint];
   const int hold = -1 - row->axis;
   fbi_frames f;
   fb_real force[3] = {0}, force_dot[3] = {0}, torque_dot[3] = {0}, at_child[3];
   (void)fbi_frames_eval(&f, w, system, body, row->joint);
   fbi_copy(force, row->r.force[1], 3);
-  if (row->axis >= 0 && !(joint->kind == FB_JOINT_SPHERICAL && modes->mode[row->joint][0] == FB_AXIS_LOCKED)) {
-    const int on_child = joint->kind == FB_JOINT_SPHERICAL || (joint->kind == FB_JOINT_UNIVERSAL && row->axis == 1);
+  if (row->axis >= 0) {
     fb_real torque[3], moment[3];
-    const fb_real *turn = f.end[on_child]->w;
     fb_vec3_cross(moment, f.arm[1], force);
     for (int i = 0; i < 3; i++) {
       torque[i] = row->r.torque[1][i] - moment[i];
     }
-    fb_vec3_cross(force_dot, turn, force);
-    fb_vec3_cross(torque_dot, turn, torque);
-  } else if (hold >= 0 && hold < 3) {
+    fb_vec3_cross(force_dot, f.end[0]->w, force);
+    fb_vec3_cross(torque_dot, f.end[0]->w, torque);
+  } else if (hold < 3) {
     fb_vec3_cross(force_dot, f.end[0]->w, force);
   } else {
-    const fb_real *a = f.a[hold >= 3 ? (hold - 3) / 3 : row->axis];
-    fb_real b[3] = {0}, a_dot[3], b_dot[3];
-    if (hold >= 3) {
-      fbi_copy(b, f.b[(hold - 3) % 3], 3);
-    } else {
-      fb_real R[9];
-      fb_quat_to_mat33(R, modes->hold_quat[row->joint]);
-      for (int k = 0; k < 3; k++) {
-        fbi_vec3_add(b, R[3 * ((row->axis + 1) % 3) + k], f.b[k]);
-      }
-    }
+    const fb_real *a = f.a[(hold - 3) / 3], *b = f.b[(hold - 3) % 3];
+    fb_real a_dot[3], b_dot[3];
     fb_vec3_cross(a_dot, f.end[0]->w, a);
     fb_vec3_cross(b_dot, f.end[1]->w, b);
     fb_vec3_cross(torque_dot, b_dot, a);
@@ -8564,14 +8549,14 @@ static FBI_NOINLINE fb_status fbi_rows_fill(fb_system_work *w, const fb_system *
 /* Motion of the ends from the solution, then how the rows change with it: those of the caller by differences over a
    small part of a turn. */
 static FBI_NOINLINE fb_status fbi_rows_rate(fb_system_work *w, const fb_system *system, const fb_body *body,
-                                            const fb_system_state *modes, const fb_system_input *input)
+                                            const fb_system_input *input)
 {
   const int count = w->n_row - w->n_joint_row;
   for (int e = 0; e < w->n_end; e++) {
     fbi_end_velocity(w->end[e].v, w->end[e].w, w, system, body, &w->end[e]);
   }
   for (int r = 0; r < w->n_joint_row; r++) {
-    fbi_joint_row_rates(&w->row[r], w, system, body, modes);
+    fbi_joint_row_rates(&w->row[r], w, system, body);
   }
   if (count > 0 && input) {
     fb_real spin = FB_R(1.0), h;
@@ -8896,7 +8881,7 @@ static fb_status fbi_system_velocity(fb_system_work *w, const fb_system *system,
       w->c[r] = w->row[r].r.b;
     }
     status = status == FB_OK ? fbi_constrained_solve(w, system, body, 1) : status;
-    return status == FB_OK ? fbi_rows_rate(w, system, body, modes, input) : status;
+    return status == FB_OK ? fbi_rows_rate(w, system, body, input) : status;
   }
   for (int k = 0; k < system->n_body; k++) {
     w->link[k].has_speeds = w->link[k].open || !lazy || system->method == FB_METHOD_DENSE;
@@ -10087,14 +10072,13 @@ FB_DEF void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *
 /* ---- init */
 
 /* Largest eigenvalue of springs and modes (which = 0) or dampers (1) against the mass, undeformed, at zero coordinates:
-   60 steps of the power method, which comes from below; 5 % are added. */
+   60 steps of the power method, which comes from below; 5 % are added. The right-hand side is clear but for what is set
+   here. */
 static fb_status fbi_system_limit(fb_real *limit, fb_system_work *w, const fb_system *system, const fb_body *body,
                                   int which)
 {
   fb_real size = FB_R(1.0);
   fb_status status = FB_OK;
-  *limit = FB_R(0.0);
-  fbi_rhs_clear(w, system, body);
   for (int step = 0; step < 60 && size > FB_R(0.0) && status == FB_OK; step++) {
     size = FB_R(0.0);
     for (int k = 0; k < system->n_body; k++) {
@@ -10104,7 +10088,7 @@ static fb_status fbi_system_limit(fb_real *limit, fb_system_work *w, const fb_sy
       for (int a = 0; step == 0 && a < model->n; a++) {
         L->q_dot[a] = FB_R(1.0) / (fb_real)(1 + (7 * k + 3 * a) % 5);
       }
-      for (int i = 0; step == 0 && i < 6; i++) {
+      for (int i = 0; step == 0 && i < 3; i++) {
         L->u[i] = FB_R(1.0) / (fb_real)(1 + (5 * k + 2 * i) % 3);
       }
       fbi_zero(L->pi, model->n);
