@@ -249,6 +249,100 @@ static void scene_add_point(const scene *s, scene_line *line, int body, int node
   }
 }
 
+/* A place that the ground holds, as it is seen; clamped: and that of what it holds, which goes on along the line. */
+static void scene_add_mark(scene_frame *frame, const double at[3], const scene_line *clamped)
+{
+  scene_line *const mark = &frame->line[film.n_line];
+  if (film.n_line == SCENE_LINES) {
+    return;
+  }
+  memcpy(mark->x[0], at, sizeof mark->x[0]);
+  mark->n = 1;
+  for (int p = 0; clamped && p < clamped->n && mark->n < 2; p++) {
+    const double *const x = clamped->x[p];
+    if (fabs(x[0] - at[0]) + fabs(x[1] - at[1]) + fabs(x[2] - at[2]) > 0) {
+      memcpy(mark->x[mark->n++], x, sizeof mark->x[0]);
+    }
+  }
+  film.n_line++;
+}
+
+/* Is it more than nothing? */
+static int scene_moves(const fb_real x[3])
+{
+  return FB_FABS(x[0]) + FB_FABS(x[1]) + FB_FABS(x[2]) > FB_R(0.0);
+}
+
+/* How the base of a body alone moves: bit 0, it turns; bit 1, it travels, and nothing is held by the ground. */
+static int scene_base_motion(const scene *s)
+{
+  int moves = s->is_exact ? scene_moves(s->mixed.input.w) + 2 * scene_moves(s->mixed.input.v) : 0;
+  for (int k = 0; k < s->n_motion; k++) {
+    moves |= s->motion[k].rate ? 1 : 2;
+  }
+  return moves;
+}
+
+/* Root, tip and supports of an exact beam. */
+static void scene_mark_exact(const scene *s, scene_frame *frame)
+{
+  const fb_mixed_desc *const d = &s->mixed.desc;
+  const int moves = scene_base_motion(s), root = d->root == FB_END_DEFAULT ? FB_END_CLAMPED : d->root;
+  for (int k = 0; k < d->n_support + 2 && moves < 2; k++) {
+    const int held = k == 0 ? root : k == 1 ? d->tip : d->support[k - 2].held;
+    const int node = k == 0 ? 0 : k == 1 ? d->n_element : d->support[k - 2].node;
+    scene_line next = {1, {{0}}};
+    double at[3];
+    scene_seen(s, at, exact.node[node].position);
+    scene_seen(s, next.x[0], exact.node[node > 0 ? node - 1 : 1].position);
+    if (held != FB_END_FREE && held != FB_END_DEFAULT) {
+      scene_add_mark(frame, at, (held & FB_END_GUIDED) == FB_END_GUIDED && moves == 0 ? &next : NULL);
+    }
+  }
+}
+
+/* The base of a body alone. */
+static void scene_mark_base(const scene *s, scene_frame *frame)
+{
+  const fb_base base = s->body[0].level.base;
+  const int moves = scene_base_motion(s), clamped = base == FB_BASE_PRESCRIBED && moves == 0;
+  const scene_line *const line = &frame->line[0];
+  double at[3];
+  scene_seen(s, at, engine.view.motion.pose[0].rho);
+  if (base != FB_BASE_FREE && moves < 2) {
+    scene_add_mark(frame, clamped && line->n > 0 ? line->x[0] : at, clamped ? line : NULL);
+  }
+}
+
+/* A joint to the ground: its place, or that of what slides along it. */
+static void scene_mark_joint(const scene *s, scene_frame *frame, const fb_joint_desc *d)
+{
+  scene_line at = {0, {{0}}};
+  if (d->kind == FB_JOINT_PRISMATIC || d->kind == FB_JOINT_CYLINDRICAL || d->kind == FB_JOINT_SCREW) {
+    scene_add_point(s, &at, d->child, d->child_node);
+  } else {
+    scene_seen(s, at.x[0], d->position);
+  }
+  scene_add_mark(frame, at.x[0], d->kind == FB_JOINT_RIGID ? &frame->line[d->child] : NULL);
+}
+
+/* What the ground holds. */
+static void scene_mark_ground(const scene *s, scene_frame *frame)
+{
+  film.n_line = 2 * s->n_body;
+  if (s->is_exact) {
+    scene_mark_exact(s, frame);
+  } else if (!scene_is_system(s)) {
+    scene_mark_base(s, frame);
+  }
+  for (int j = 0; j < s->n_joint; j++) {
+    const fb_joint_desc *const d = &s->joint[j].desc;
+    if (d->parent == FB_GROUND && d->kind != FB_JOINT_FREE) {
+      scene_mark_joint(s, frame, d);
+    }
+  }
+}
+
 /* A beam as its line, other bodies as lines from the origin to their nodes; joints from node to origin. */
 static void scene_film_frame(const scene *s, double t)
 {
@@ -284,6 +378,7 @@ static void scene_film_frame(const scene *s, double t)
       scene_add_point(s, line, d->child, 0);
     }
   }
+  scene_mark_ground(s, frame);
   film.n++;
 }
 

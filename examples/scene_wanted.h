@@ -48,6 +48,9 @@ static void scene_read_units(text_file *t, scene *s)
               (int)sizeof s->length_unit - 1);
     return;
   }
+  if (strpbrk(length, "<>&") || strpbrk(force, "<>&")) {
+    text_fail(t, "a unit has none of < > &");
+  }
   if (s->n_output > 0) {
     text_fail(t, "units must stand before the outputs");
   }

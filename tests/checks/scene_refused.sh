@@ -612,6 +612,9 @@ cubic"
 form 9 "too much on the line: 3" "cubic 3"
 form 10 "cubic is of natural and component modes: functions have a degree" "functions 3
 cubic"
+refuse 1 "a unit has none of < > &" << END
+units m< N
+END
 refuse 6 "nudge is that of an exact beam" << END
 $top
 trim
