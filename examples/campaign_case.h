@@ -34,7 +34,7 @@ typedef struct campaign_worker {
 /* The one scene of a process, and its files. */
 static scene case_scene;
 static struct {
-  int n;
+  int n, more; /* more: that there was no place for */
   char path[CASE_FILES][CAMPAIGN_PATH];
 } case_files;
 
@@ -54,18 +54,31 @@ static uint64_t case_add_file(uint64_t digest, const char *path)
   return digest;
 }
 
+static void case_take_file(const char *path)
+{
+  int k = 0;
+  while (k < case_files.n && strcmp(case_files.path[k], path) != 0) {
+    k++;
+  }
+  if (k == CASE_FILES) {
+    case_files.more++;
+  } else if (k == case_files.n) {
+    strcpy(case_files.path[case_files.n++], path);
+  }
+}
+
 /* The scene's file, and all beside it that its words name. */
 static void case_find_files(const campaign *c)
 {
   char path[CAMPAIGN_PATH];
   const char *word;
   text_file t;
-  strcpy(case_files.path[case_files.n++], c->scene);
+  case_take_file(c->scene);
   if (text_try(&t, "", c->scene)) {
     while (text_line(&t)) {
       while ((word = text_word(&t)) != NULL) {
-        if (case_files.n < CASE_FILES && campaign_beside(path, c->scene, word) && access(path, R_OK) == 0) {
-          strcpy(case_files.path[case_files.n++], path);
+        if (campaign_beside(path, c->scene, word) && access(path, R_OK) == 0) {
+          case_take_file(path);
         }
       }
     }

@@ -7,6 +7,7 @@
 #include "../bench/clock.h"
 #include "campaign_case.h"
 #include <fcntl.h>
+#include <sys/stat.h>
 
 #define LEDGER_LINE 8192 /* more than a list of CAMPAIGN_VALUES takes */
 #define LEDGER_HEAD 65536
@@ -71,7 +72,8 @@ static void ledger_add_vary(ledger *l, const campaign_vary *v)
   ledger_add_head(l, "\n");
 }
 
-/* The number of runs is part of it only where it matters: more runs later keep those that are done. */
+/* The number of runs is part of it only where it matters: more runs later keep those that are done. The limit of processor
+   time is not: rows that met it are done again by --retry, under another. */
 static void ledger_make_head(ledger *l)
 {
   const campaign *c = l->c;
@@ -207,22 +209,30 @@ static void ledger_write_row(const ledger *l, int run)
 
 /* ---- the journal */
 
-/* A new one: under another name until its head is whole. */
-static int ledger_create(ledger *l)
+static const char ledger_in_use[] = "another process is at work on this campaign";
+
+/* A new one: under a name that no other process has until its head is whole; in place of the old one, which is locked, or
+   where there is none, if nobody else was faster. */
+static int ledger_create(ledger *l, int replaces)
 {
-  char fresh[CAMPAIGN_PATH + 8];
+  char fresh[CAMPAIGN_PATH + 64];
   FILE *file;
   int ok = 0;
-  snprintf(fresh, sizeof fresh, "%s.new", l->path);
+  snprintf(fresh, sizeof fresh, "%s.%ld.new", l->path, (long)getpid());
   file = fopen(fresh, "w");
   if (file) {
     for (const char *at = l->head; *at; at = strchr(at, '\n') + 1) {
       ledger_put(file, at, strcspn(at, "\n"));
     }
     ok = !ferror(file);
-    ok = fclose(file) == 0 && ok && rename(fresh, l->path) == 0;
+    ok = fclose(file) == 0 && ok && (replaces ? rename(fresh, l->path) : link(fresh, l->path)) == 0;
+    if (!ok || !replaces) {
+      const int error = errno;
+      unlink(fresh);
+      errno = error;
+    }
   }
-  return ok ? 0 : ledger_fail(l, l->path, strerror(errno));
+  return ok ? 0 : ledger_fail(l, l->path, errno == EEXIST ? ledger_in_use : strerror(errno));
 }
 
 /* Is the head of the journal that of this campaign? */
@@ -262,15 +272,19 @@ static int ledger_read_rows(ledger *l)
   return ferror(l->journal) ? ledger_fail(l, l->path, strerror(errno)) : 0;
 }
 
-/* Nobody else writes it. */
+/* Nobody else writes it, nor has put another in its place meanwhile. */
 static int ledger_lock(const ledger *l)
 {
   struct flock all;
+  struct stat mine, there;
   memset(&all, 0, sizeof all);
   all.l_type = F_WRLCK;
   all.l_whence = SEEK_SET;
   if (fcntl(fileno(l->journal), F_SETLK, &all) != 0 && (errno == EACCES || errno == EAGAIN)) {
-    return ledger_fail(l, l->path, "another process is at work on this campaign");
+    return ledger_fail(l, l->path, ledger_in_use);
+  }
+  if (fstat(fileno(l->journal), &mine) != 0 || stat(l->path, &there) != 0 || mine.st_ino != there.st_ino) {
+    return ledger_fail(l, l->path, ledger_in_use);
   }
   return 0;
 }
@@ -291,7 +305,7 @@ static int ledger_open(ledger *l, const char *path, int fresh)
   status = l->journal ? ledger_lock(l) : 0;
   if (!status && (fresh || !l->journal)) {
     FILE *const old = l->journal; /* locked until there is the new one */
-    status = ledger_create(l);
+    status = ledger_create(l, old != NULL);
     l->journal = status ? NULL : fopen(path, "r+");
     status = status ? status : l->journal ? ledger_lock(l) : ledger_fail(l, path, strerror(errno));
     if (old) {

@@ -129,7 +129,7 @@ static int program_open(program *p)
   p->l.c = &p->c;
   p->l.program = PROGRAM;
   p->l.scene = case_digest(&p->c);
-  status = program_scene(p);
+  status = case_files.more ? fail("the scene names more files than 256", p->c.scene) : program_scene(p);
   status = status ? status : ledger_open(&p->l, p->journal, p->fresh);
   if (!status && p->retry) {
     ledger_retry(&p->l);

@@ -222,6 +222,26 @@ static void correlations_are_those_asked_for(void)
   claim(campaign_complete(&c, "(expected)", "three correlations") != 0, "a contradiction is refused", 0);
 }
 
+/* Nor do parameters that have no part in a correlation change what is drawn by it. */
+static void correlated_draws_depend_on_their_own_alone(void)
+{
+  static const char *const pair[] = {"--vary",      "a normal 7 2", "--vary", "b lognormal 3 0.9",
+                                     "--correlate", "a b 0.8",      NULL};
+  static const char *const among[] = {"--vary",      "c normal 0 1",  "--vary", "a normal 7 2",
+                                      "--vary",      "d uniform 0 1", "--vary", "b lognormal 3 0.9",
+                                      "--correlate", "a b 0.8",       NULL};
+  static campaign c;
+  double alone[CAMPAIGN_VARY], more[CAMPAIGN_VARY];
+  for (int k = 0; k < 100; k++) {
+    make(&c, pair);
+    campaign_draw(&c, alone, k);
+    make(&c, among);
+    campaign_draw(&c, more, k);
+    claim(memcmp(&alone[0], &more[1], sizeof *alone) == 0 && memcmp(&alone[1], &more[3], sizeof *alone) == 0,
+          "a correlated pair alone and among others, run", k);
+  }
+}
+
 static void factorial_meets_every_combination_equally(void)
 {
   static const char *const lines[] = {"--vary", "a grid 0 3 4", "--vary", "u uniform 0 1",
@@ -247,6 +267,7 @@ int main(void)
   draws_depend_on_seed_run_and_name_alone();
   latin_meets_every_stratum_once();
   correlations_are_those_asked_for();
+  correlated_draws_depend_on_their_own_alone();
   factorial_meets_every_combination_equally();
   return failures > 0;
 }

@@ -171,6 +171,49 @@ grep -q "is not what it was" "$out/changed.log" || fail "a scene that is changed
 expect 2 $campaign "$out/other/quick.txt" --set "work 20" --out "$out/changed.csv"
 says 'it says `scene '
 
+# the limit of processor time is not what makes a campaign: with another, --retry does again what met it
+expect 0 $campaign --scene "$out/beam.txt" --vary "work list 0.1 2 0.2" --cpu_limit 3600 --out "$out/more.csv" --pictures 0
+expect 0 $campaign --scene "$out/beam.txt" --vary "work list 0.1 2 0.2" --cpu_limit 7200 --out "$out/more.csv" --pictures 0
+says "3 of 3 runs are in"
+# another build is another campaign
+try gcc $c99 -O1 -DFB_MAX_LUMPS=9 -o "$out/other_build" examples/campaign.c -lm
+expect 2 "$out/other_build" "$quick" --out "$out/one.csv"
+says 'it says `campaign journal 1 of flexbeam'
+
+# two at once on the same output: one does it, the other is refused, or comes later and finds it done
+for round in 1 2 3 4 5 6; do
+  rm -f "$out/both.csv" "$out/both.journal"
+  at_once="$campaign --scene $out/beam.txt --runs 12 --vary force\ normal\ 1\ 10% --set work\ 2 --out $out/both.csv --pictures 0"
+  eval "$at_once" > "$out/first.log" 2>&1 &
+  running=$!
+  second=0
+  eval "$at_once" > "$out/second.log" 2>&1 || second=$?
+  first=0
+  wait $running || first=$?
+  running=
+  case "$first $second" in
+  "0 2") refused=second ;;
+  "2 0") refused=first ;;
+  *) fail "two at once end with $first and $second: $(cat "$out/first.log" "$out/second.log")" ;;
+  esac
+  grep -q "both.journal: another process is at work on this campaign" "$out/$refused.log" ||
+    fail "of two at once one does not say why it is refused: $(cat "$out/$refused.log")"
+  [ "$(ls "$out" | grep -c 'both.*new')" = 0 ] || fail "two at once leave a file behind: $(ls "$out")"
+  [ "$(rows both)" = 12 ] || fail "two at once: $(rows both) rows"
+done
+
+# what a parameter has no part in shows what it is correlated with
+expect 0 $campaign --scene "$out/beam.txt" --runs 400 --vary "force normal 1 10%" --vary "factor normal 1 1e-6" \
+  --set "work 0.02" --correlate "force factor 0.8" --out "$out/pair.csv" --pictures 0
+awk '$1 == "most" && NF == 3 { r = $3 } END { exit !(r > 0.74 && r < 0.83) }' "$out/log" || # 6/pi asin(0.4) = 0.786
+  fail "rank correlation of a correlated parameter: $(grep -A 2 '^rank' "$out/log")"
+
+# more files than are watched
+for k in $(seq 300); do echo "# $k" > "$out/other/file$k"; done
+{ cat "$out/beam.txt"; for k in $(seq 300); do echo "input file$k file$k"; done; } > "$out/other/many.txt"
+expect 2 $campaign --scene "$out/other/many.txt" --vary "force list 1 2" --out "$out/many.csv"
+says "names more files than 256"
+
 # the longest list, of numbers that are far longer in the journal than on the line
 expect 0 $campaign --scene "$out/beam.txt" --vary "force list $(seq -s ' ' -f '%g/70' 256)" --out "$out/list.csv" --pictures 0
 says "256 runs: 256 ok"
