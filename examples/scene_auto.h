@@ -368,6 +368,9 @@ static void scene_choose(scene *s, FILE *talk)
   }
   if (s->is_exact) {
     s->dt = exact_choose(s, 10 * scene_accuracy);
+    if (talk) {
+      fprintf(talk, "step at most %.3g s\n", s->dt);
+    }
     return;
   }
   if (!scene_is_system(s) && s->body[0].tolerance > 0 && (s->scheme_auto || s->scheme == advice->scheme)) {

@@ -307,3 +307,28 @@ expect y 3 tolerance 1e-9
 expect z -5 tolerance 1e-9
 expect roll -0.7 tolerance 1e-9
 END
+# a beam on a hinge turns by 1 rad, as a whole: no elastic rotation
+for exact in 0 10; do
+  meets << END
+duration 0.5
+interval 0.1
+exact $exact
+body b beam
+  length 2
+  stations x mass EA EI_z
+    0 1 1e7 2e5
+  end
+  modes bend_y 3
+  base hinged
+  hub 1  0 0 0  1 1 1
+  start_spin 0 0 2
+  node tip tip
+end
+output turn rotation b.tip z
+output attitude attitude b z
+measure turn final turn
+measure attitude final attitude
+expect turn 0 tolerance 1e-6
+expect attitude 0.479425539 tolerance 1e-5
+END
+done
