@@ -66,6 +66,15 @@ collides "--out: No such file or directory" --out "$out/nowhere/c.csv"
 collides "--animation: Is a directory" --animation "$out"
 collides "cannot make the folder" --frames "$out/long.txt/frames"
 
+# a disk that is full: told, at the first row that does not fit and at the last one
+for run in '1e7 1 0.1' '1 1 1'; do
+  set -- $run
+  sed "s/^duration.*/duration $1/; s/^interval.*/interval $2/; s/^step.*/step $3/" "$out/kept.txt" > "$out/full.txt"
+  status=0
+  timeout 20 "$out/scene" "$out/full.txt" --quiet --out /dev/full > "$out/log" 2>&1 || status=$?
+  [ $status = 1 ] && grep -q 'cannot write /dev/full: No space left' "$out/log" || fail "a full disk: status $status, $(cat "$out/log")"
+done
+
 try ${CC:-cc} $c99 -O0 -g -fsanitize=address,undefined -fno-sanitize-recover -o "$out/careful" examples/scene.c -lm
 # meets < FILE: it runs, and its answers are those that it expects
 met=0
