@@ -76,7 +76,7 @@ static int read_option(void *to, const char *name, const char *text)
     const number_option list[] = {{name, &n, 2, SCENE_FRAMES}};
     const int status = read_number(list, 1, name, text);
     c->options.n_frame = (int)n;
-    return status;
+    return status || n == floor(n) ? status : fail("a whole number is wanted", name);
   }
   for (int k = 0; k < 4; k++) {
     const struct {

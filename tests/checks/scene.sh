@@ -65,6 +65,7 @@ collides "--picture and --animation are the same file" --picture "$out/c.svg" --
 collides "--out: No such file or directory" --out "$out/nowhere/c.csv"
 collides "--animation: Is a directory" --animation "$out"
 collides "cannot make the folder" --frames "$out/long.txt/frames"
+collides "a whole number is wanted: --frame-count" --frame-count 2.5
 
 # a disk that is full: told, at the first row that does not fit and at the last one
 for run in '1e7 1 0.1' '1 1 1'; do
