@@ -58,11 +58,25 @@ static void scene_check_nodes(text_file *t, const scene_body *body)
   }
 }
 
-/* What `auto` needs. */
+/* What `auto` needs, and what it does not know of. */
 static void scene_check_auto(text_file *t, const scene_body *body)
 {
+  const unsigned wanted = body->level.effects & ~(unsigned)(FB_EFFECT_DAMPING | FB_EFFECT_GRAVITY);
   if (body->n_node < 2) {
     scene_refuse(t, &body->seen, "auto", "wants a node, whose displacement is to be right");
+  }
+  if (body->shape.n == 0) {
+    scene_refuse(t, &body->seen, "auto", "wants modes to choose among");
+  }
+  if (wanted != 0 && wanted != (unsigned)FB_EFFECTS_FULL) {
+    scene_refuse(t, &body->seen, "auto", "chooses the effects itself: leave them out, but for gravity and damping");
+  }
+  for (int k = 1; k <= FB_MAX_MODES && body->tolerance > 0; k++) {
+    const int line = scene_seen_numbered(&body->seen, "start_mode", k);
+    if (line > 0 && !t->failed) {
+      t->line = line;
+      text_fail(t, "start_mode under auto, which knows only of what acts");
+    }
   }
 }
 
@@ -314,6 +328,9 @@ static void scene_check(text_file *t, scene *s)
   }
   if (!(s->duration > 0) && !s->trim) {
     text_fail(t, "a scene wants a duration, or to trim");
+  }
+  for (int k = 0; k < s->n_body && !(s->duration > 0); k++) {
+    scene_refuse(t, &s->body[k].seen, "auto", "wants a duration");
   }
   scene_check_settings(t, s);
   for (int k = 0; k < s->n_joint; k++) {

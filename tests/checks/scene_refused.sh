@@ -736,3 +736,26 @@ end
 output a joint_acceleration j 1
 method multipliers
 END
+# chosen LINE REASON WORDS: a beam with these words, under auto
+chosen() {
+  refuse "$1" "$2" << END
+$(echo "$beam" | sed "s/^end/  auto 0.1\n$3\nend/")
+duration 1
+END
+}
+chosen 9 "auto chooses the effects itself" "  effects spin"
+chosen 10 "start_mode under auto" "  start_mode 1 0.1"
+chosen 1 "body beam: no advice by auto: nothing that acts moves its last node" "  damping 0.1"
+refuse 5 "auto wants modes to choose among" << END
+body top rigid
+  hub 1  0 0 0  1 2 3
+  # a comment
+  node 0 0 1 tip
+  auto 0.1
+end
+duration 1
+END
+refuse 9 "auto wants a duration" << END
+$(echo "$beam" | sed 's/^end/  auto 0.1\nend/')
+trim
+END
