@@ -201,10 +201,8 @@ static void scene_check_drive(text_file *t, const scene *s, const scene_drive *d
   if (drive->kind == SCENE_VALUE && scene_seen_numbered(&joint->seen, "start", axis + 1)) {
     text_fail(t, "a value on an axis with a start: one of them, or rate");
   }
-  for (int k = 0; k < s->n_drive && drive->kind == SCENE_VALUE; k++) {
-    if (s->drive[k].joint == drive->joint && s->drive[k].axis == axis && s->drive[k].kind == SCENE_SPEED) {
-      text_fail(t, "value and rate of the same axis: one of them");
-    }
+  if (drive->kind == SCENE_VALUE && scene_has_drive(s, drive->joint, axis, SCENE_SPEED)) {
+    text_fail(t, "value and rate of the same axis: one of them");
   }
 }
 

@@ -135,6 +135,15 @@ static int scene_read_frame(text_file *t, scene_joint *joint, const char *word)
   return 1;
 }
 
+static int scene_has_drive(const scene *s, int joint, int axis, scene_drive_kind kind)
+{
+  int k = 0;
+  while (k < s->n_drive && (s->drive[k].joint != joint || s->drive[k].axis != axis || s->drive[k].kind != kind)) {
+    k++;
+  }
+  return k < s->n_drive;
+}
+
 /* Numbers of the axes. */
 static void scene_read_axes(text_file *t, const scene_joint *joint, const char *word, fb_real x[3])
 {

@@ -447,8 +447,9 @@ static int scene_check_steps(scene *s, const scene_options *o)
   timing.part = s->step > 0 ? HUGE_VAL : scene_part[s->is_exact ? FB_SCHEME_MIDPOINT : engine.scheme];
   count = s->dt > 0 ? scene_count_steps(s) : HUGE_VAL;
   if (!(count <= SCENE_STEPS)) {
-    return scene_fail(s, "steps of %.3g s are %.3g or more in %g s; %g at most", s->dt, s->duration / s->dt,
-                      s->duration, SCENE_STEPS);
+    const double dt = fmin(s->dt, timing.part / scene_fastest(s));
+    return scene_fail(s, "steps of %.3g s%s are %.3g or more in %g s; %g at most", dt,
+                      dt < s->dt ? " for the fastest that acts" : "", s->duration / dt, s->duration, SCENE_STEPS);
   }
   if (turn > 1 && o->warn) {
     fprintf(o->warn,

@@ -101,12 +101,12 @@ refuse() {
   }
   refused=$((refused + 1))
 }
-# fails REASON < FILE: it is read, but does not run
+# fails REASON [LINE] < FILE: it is read, but does not run
 fails() {
   cat > "$out/bad.txt"
   status=0
   "$out/careful" "$out/bad.txt" --quiet > "$out/log" 2>&1 || status=$?
-  [ $status = 1 ] && grep -q -F "bad.txt: $1" "$out/log" || {
+  [ $status = 1 ] && grep -q -F "bad.txt${2:+:$2}: $1" "$out/log" || {
     cat "$out/log"
     fail "status $status, expected: $1"
   }

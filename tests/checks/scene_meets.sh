@@ -332,3 +332,30 @@ expect turn 0 tolerance 1e-6
 expect attitude 0.479425539 tolerance 1e-5
 END
 done
+# an axis that is handed over to a rate goes on from where it is; without one it stays there
+meets << END
+duration 1
+interval 0.5
+body a rigid
+  hub 1  0 0 0  1 1 1
+end
+body b rigid
+  hub 1  0 0 0  1 1 1
+end
+joint j revolute ground a
+  start 1 0 1
+  rate 1 constant 3
+  mode free
+end
+joint k prismatic ground b
+  start 1 0.1 1
+end
+event 0.3 prescribe j 1
+event 0.4 prescribe k 1
+output turn coordinate j 1
+output slide coordinate k 1
+measure turn final turn
+measure slide final slide
+expect turn 2.4 tolerance 1e-12
+expect slide 0.5 tolerance 1e-12
+END

@@ -759,3 +759,18 @@ refuse 9 "auto wants a duration" << END
 $(echo "$beam" | sed 's/^end/  auto 0.1\nend/')
 trim
 END
+fails "at 0.5 s, step of 0.001 s: constraints contradict each other" 5 << END
+$top
+joint j revolute ground top
+  motor 1 constant 1
+  value 1 constant 3
+  mode free
+end
+event 0.5 prescribe j 1
+duration 1
+END
+refuse 0 "steps of 4.77e-14 s for the fastest that acts" << END
+$top
+load top dead force 1 0 0 sine 1 1e12
+duration 1
+END
