@@ -145,17 +145,6 @@ static void scene_check_start(text_file *t, const scene *s, const scene_joint *j
   }
 }
 
-/* The joint that a body hangs by; NULL: it is free. */
-static const scene_joint *scene_joint_under(const scene *s, int body)
-{
-  for (int k = 0; k < s->n_joint; k++) {
-    if (!s->joint[k].loop && s->joint[k].desc.child == body) {
-      return &s->joint[k];
-    }
-  }
-  return NULL;
-}
-
 /* A base other than free: of a body from a file it is let be where a joint takes its place. */
 static void scene_check_base(text_file *t, const scene *s, int k)
 {

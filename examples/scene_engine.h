@@ -170,6 +170,19 @@ static fb_status system_init(const scene *s)
   return fb_system_init(&engine.system, &engine.system_work, engine.body, s->n_body, &desc);
 }
 
+/* Turn and spin of a body on a spherical joint: from the body's axes to the joint's. */
+static void system_start_ball(fb_link_motion *start, const fb_real joint_axes[4], const scene_body *b)
+{
+  const fb_real back[4] = {joint_axes[0], -joint_axes[1], -joint_axes[2], -joint_axes[3]};
+  fb_real spin[3], R[9], turn[4], half[4];
+  scene_reals(turn, b->attitude, 4);
+  scene_reals(spin, b->spin, 3);
+  fb_quat_mul(half, back, turn);
+  fb_quat_mul(start->quat, half, joint_axes);
+  fb_quat_to_mat33(R, joint_axes);
+  fb_mat33_mulT_vec3(start->speed, R, spin);
+}
+
 static fb_status system_start(const scene *s)
 {
   static fb_link_motion start[FB_MAX_BODIES];
@@ -185,7 +198,7 @@ static fb_status system_start(const scene *s)
       scene_reals(start[k].speed, b->velocity, 3);
       scene_reals(start[k].speed + 3, b->spin, 3);
     } else if (engine.system.joint[k].kind == FB_JOINT_SPHERICAL) {
-      scene_reals(start[k].speed, b->spin, 3);
+      system_start_ball(&start[k], scene_joint_under(s, k)->desc.child_attitude, b);
     }
   }
   for (int k = 0; k < s->n_joint; k++) {

@@ -359,3 +359,29 @@ measure slide final slide
 expect turn 2.4 tolerance 1e-12
 expect slide 0.5 tolerance 1e-12
 END
+# turn and spin of a body on a spherical joint are in axes of the body, whatever those of the joint; z 90 and then x 30
+meets << END
+duration 0.01
+interval 0.01
+body a rigid
+  hub 2  0 0 0  2 2 2
+  start_attitude x 30
+  start_spin 0 0 1
+end
+joint j spherical ground a
+  attitude z 90
+  axis 1 0 0
+end
+output at attitude a
+output w spin a
+measure w max at_w
+measure x max at_x
+measure y max at_y
+measure z min at_z
+measure spin final w_z
+expect w 0.6830127019 tolerance 0.005
+expect x 0.1830127019 tolerance 0.005
+expect y 0.1830127019 tolerance 0.005
+expect z 0.6830127019 tolerance 0.005
+expect spin 1 tolerance 1e-9
+END
