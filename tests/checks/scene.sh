@@ -39,6 +39,11 @@ printf 'output v velocity b x\nmeasure v final v\nexpect v 3 tolerance 1e-9\n' >
 try "$out/scene" "$out/table.txt"
 grep -q 'v = 3' "$out/log" || fail "a table with quotes and semicolons is not read"
 
+printf 't,"pos, x",x\n0,7,3\n1,7,3\n' > "$out/table.csv"
+try "$out/scene" "$out/table.txt"
+printf '"t";"pos, x";x\n0;7;3\n1;7;3\n' > "$out/table.csv"
+try "$out/scene" "$out/table.txt"
+
 # a frame that an earlier run left; files that are one another or the scene, or that cannot be written: told before the run
 touch "$out/frames/frame_0007.svg"
 try "$out/scene" examples/scenes/double_pendulum.txt --quiet --frames "$out/frames" --frame-count 4

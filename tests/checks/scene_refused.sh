@@ -263,6 +263,7 @@ END
 csv ":2: column 2 is not a number: a" 't,x\n0,a\n'
 csv ":2: column 2 is not a number: missing" 't,x\n0\n'
 csv ":2: column 1 is not a number: 0,5" 't;x\n0,5;1\n'
+csv ":2: column 2 is not a number: 2,5" 't,x\n0,"2,5"\n'
 csv " has no column x" 't,y\n0,1\n'
 csv " is empty" '# t,x\n'
 csv " has no rows" 't,x\n'
