@@ -278,27 +278,34 @@ static inline void campaign_varies(campaign *c, text_file *t)
 static inline void campaign_correlate(campaign *c, text_file *t)
 {
   char name[2][TEXT_NAME] = {"", ""};
-  int at[2];
+  int at[2], k = 0;
   if (c->n_pair == CAMPAIGN_VARY) {
     text_fail(t, "more than %d correlations", CAMPAIGN_VARY);
     return;
   }
-  for (int k = 0; k < 2; k++) {
-    text_name(t, "a parameter", name[k]);
-    at[k] = campaign_find(c, name[k]);
-    if (at[k] < 0) {
-      text_fail(t, "no parameter that varies has the name %s before this line", name[k]);
+  for (int i = 0; i < 2; i++) {
+    text_name(t, "a parameter", name[i]);
+    at[i] = campaign_find(c, name[i]);
+    if (at[i] < 0) {
+      text_fail(t, "no parameter that varies has the name %s before this line", name[i]);
       return;
     }
   }
-  c->pair[c->n_pair].a = at[0];
-  c->pair[c->n_pair].b = at[1];
-  c->pair[c->n_pair].line = t->line;
-  c->pair[c->n_pair].rho = text_number(t, "correlation");
-  if (at[0] == at[1] || !(fabs(c->pair[c->n_pair].rho) < 1)) {
+  while (k < c->n_pair && (c->pair[k].a != at[0] || c->pair[k].b != at[1]) &&
+         (c->pair[k].a != at[1] || c->pair[k].b != at[0])) {
+    k++;
+  }
+  if (k < c->n_pair && t->line > 0) {
+    text_fail(t, "%s and %s are correlated twice", name[0], name[1]);
+  }
+  c->pair[k].a = at[0];
+  c->pair[k].b = at[1];
+  c->pair[k].line = t->line;
+  c->pair[k].rho = text_number(t, "correlation");
+  if (at[0] == at[1] || !(fabs(c->pair[k].rho) < 1)) {
     text_fail(t, "a correlation is that of two parameters, between -1 and 1");
   }
-  c->n_pair++;
+  c->n_pair += k == c->n_pair;
 }
 
 /* require MEASURE above|below LIMIT */

@@ -19,7 +19,7 @@ typedef struct ledger {
   int n_measure, next, done, failed, found, damaged; /* found: in the journal */
   uint64_t scene;
   char label[SCENE_MEASURES][TEXT_NAME];
-  char title[SCENE_MEASURES][2 * TEXT_NAME]; /* with the unit */
+  char title[SCENE_MEASURES][2 * TEXT_NAME + 4]; /* with the unit */
   char head[LEDGER_HEAD];
   unsigned char *status; /* row_status of each run */
   double *measured;      /* n_measure of each run */

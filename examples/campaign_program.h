@@ -4,6 +4,7 @@
 #define CAMPAIGN_PROGRAM_H
 #include "campaign_report.h"
 #include "options.h"
+#include "same_file.h"
 
 typedef struct program {
   campaign c;
@@ -47,7 +48,9 @@ static int program_option(void *options, const char *name, const char *text)
                : fail("--out wants a file name of less than 400 characters", "");
   }
   if (strncmp(name, "--", 2) != 0 || campaign_word(name + 2) == CAMPAIGN_WORDS) {
-    return read_number(numbers, 3, name, text);
+    const int status = read_number(numbers, 3, name, text);
+    return status || (p->jobs == floor(p->jobs) && p->run == floor(p->run)) ? status
+                                                                            : fail("a whole number is wanted", name);
   }
   return campaign_option(&p->c, PROGRAM, name, text);
 }
@@ -82,6 +85,24 @@ static int fail_scene(const campaign *c, const char *what, const char *name)
   char why[CAMPAIGN_PATH + 64];
   snprintf(why, sizeof why, "%s has no %s", c->scene, what);
   return fail(why, name);
+}
+
+/* Every column of the rows has a name of its own. */
+static int program_columns(const program *p)
+{
+  static const char *const own[] = {"run", "status", "message"};
+  const campaign *c = &p->c;
+  for (int k = 0; k < c->n_vary + p->l.n_measure; k++) {
+    const char *name = k < c->n_vary ? c->vary[k].name : p->l.label[k - c->n_vary];
+    int taken = k >= c->n_vary && campaign_find(c, name) >= 0;
+    for (int i = 0; i < 3; i++) {
+      taken |= strcmp(name, own[i]) == 0;
+    }
+    if (taken) {
+      return fail("two columns of the rows would have the name", name);
+    }
+  }
+  return 0;
 }
 
 /* The scene as it is must be good, and have the parameters; what it measures becomes the columns. */
@@ -119,6 +140,26 @@ static int program_scene(program *p)
       return fail_scene(c, "measure", c->require[k].measure);
     }
   }
+  return program_columns(p);
+}
+
+/* What is written is not what is read, nor each other. */
+static int program_files(const program *p)
+{
+  const char *const out[] = {p->csv, p->journal};
+  if (strcmp(p->csv, p->journal) == 0 || same_file(p->csv, p->journal)) {
+    return fail("--out: that is the journal of the campaign", p->csv);
+  }
+  for (int i = 0; i < 2; i++) {
+    if (p->file && same_file(out[i], p->file)) {
+      return fail("--out would write over the campaign", out[i]);
+    }
+    for (int k = 0; k < case_files.n; k++) {
+      if (same_file(out[i], case_files.path[k])) {
+        return fail("--out would write over what the campaign reads", out[i]);
+      }
+    }
+  }
   return 0;
 }
 
@@ -130,6 +171,7 @@ static int program_open(program *p)
   p->l.program = PROGRAM;
   p->l.scene = case_digest(&p->c);
   status = case_files.more ? fail("the scene names more files than 256", p->c.scene) : program_scene(p);
+  status = status ? status : program_files(p);
   status = status ? status : ledger_open(&p->l, p->journal, p->fresh);
   if (!status && p->retry) {
     ledger_retry(&p->l);

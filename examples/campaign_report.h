@@ -74,7 +74,7 @@ static int report_csv(const ledger *l, const char *path)
     }
   }
   ok = !ferror(csv);
-  return fclose(csv) == 0 && ok ? 0 : ledger_fail(l, path, "cannot be written");
+  return fclose(csv) == 0 && ok ? 0 : ledger_fail(l, path, ok ? strerror(errno) : "cannot be written");
 }
 
 /* ---- statistics */

@@ -33,21 +33,30 @@ static int csv_line(csv_file *f, text_file *t, const char *path)
   return 0;
 }
 
+/* Where the entry ends that begins there: quotes may hold what stands between entries. */
+static const char *csv_end(const csv_file *f, const char *at)
+{
+  int quoted = 0;
+  while (*at && *at != '\r' && *at != '\n' && (quoted || *at != f->between)) {
+    quoted ^= *at++ == '"';
+  }
+  return at;
+}
+
 /* Entry k of the line, without quotes and blanks around it; NULL where there is none. */
 static const char *csv_entry(const csv_file *f, int k, char entry[64])
 {
-  const char ends[] = {f->between, '\r', '\n', 0};
-  const char *at = f->buffer;
+  const char *at = f->buffer, *end = csv_end(f, at);
   size_t n;
-  for (int i = 0; i < k && at; i++) {
-    at = strchr(at, f->between);
-    at = at ? at + 1 : NULL;
-  }
-  if (!at) {
-    return NULL;
+  for (int i = 0; i < k; i++) {
+    if (*end != f->between) {
+      return NULL;
+    }
+    at = end + 1;
+    end = csv_end(f, at);
   }
   at += strspn(at, " \"");
-  n = strcspn(at, ends);
+  n = end > at ? (size_t)(end - at) : 0;
   while (n > 0 && (at[n - 1] == ' ' || at[n - 1] == '"')) {
     n--;
   }
@@ -83,7 +92,8 @@ static int csv_open(csv_file *f, text_file *t, const char *path, const char *con
     text_fail(t, "%s is empty", path);
     return 0;
   }
-  f->between = strchr(f->buffer, ';') && !strchr(f->buffer, ',') ? ';' : ',';
+  f->between = ',';
+  f->between = *csv_end(f, f->buffer) == ',' ? ',' : ';';
   for (int k = 0; k < n; k++) {
     column[k] = csv_column(f, name[k]);
     if (column[k] < 0) {

@@ -1,6 +1,6 @@
 /* scene - runs a scene from a text file: bodies, joints, loads; to CSV, pictures and an animation. README.md, "Scenes",
-   lists the words; examples/scenes/ holds scenes. Exit: 0 well; 1 a reference is missed or the
-   motion left the model; 2 bad options, or a file that makes no sense. */
+   lists the words; examples/scenes/ holds scenes. Exit: 0 well; 1 a reference is missed, the
+   motion left the model or a file could not be written; 2 bad options, or a file that makes no sense. */
 #define _POSIX_C_SOURCE 200809L /* popen, for gnuplot */
 #include "scene_run.h"
 #define PROGRAM "scene"
@@ -76,7 +76,7 @@ static int read_option(void *to, const char *name, const char *text)
     const number_option list[] = {{name, &n, 2, SCENE_FRAMES}};
     const int status = read_number(list, 1, name, text);
     c->options.n_frame = (int)n;
-    return status;
+    return status || n == floor(n) ? status : fail("a whole number is wanted", name);
   }
   for (int k = 0; k < 4; k++) {
     const struct {

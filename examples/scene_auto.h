@@ -312,7 +312,8 @@ static int scene_advise(scene *s, int k, FILE *talk)
   e->node = b->n_node - 1;
   status = fb_body_advise(&automatic.advice[k], &automatic.work, &b->shape, &level, e, (fb_real)b->tolerance);
   if (status != FB_OK) {
-    return scene_fail(s, "body %s of line %d: no advice: %s", b->name, b->line, fb_status_string(status));
+    return scene_fail_at(s, b->line, "body %s: no advice by auto: %s", b->name,
+                         status == FB_ERR_VALUE ? "nothing that acts moves its last node" : fb_status_string(status));
   }
   if (talk) {
     scene_tell_advice(s, k, talk);
@@ -379,6 +380,9 @@ static void scene_choose(scene *s, FILE *talk)
   }
   if (s->is_exact) {
     s->dt = exact_choose(s, 10 * scene_accuracy);
+    if (talk) {
+      fprintf(talk, "step at most %.3g s\n", s->dt);
+    }
     return;
   }
   if (!scene_is_system(s) && s->body[0].tolerance > 0 && (s->scheme_auto || s->scheme == advice->scheme)) {

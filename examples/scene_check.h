@@ -78,14 +78,28 @@ static void scene_check_nodes(text_file *t, const scene_body *body)
   }
 }
 
-/* What `auto` needs. */
+/* What `auto` needs, and what it does not know of. */
 static void scene_check_auto(text_file *t, const scene_body *body)
 {
+  const unsigned wanted = body->level.effects & ~(unsigned)(FB_EFFECT_DAMPING | FB_EFFECT_GRAVITY);
   if (body->level.form != FB_FORM_MOMENTUM || body->level.truncation != FB_TRUNCATE_NONE) {
     scene_refuse(t, &body->seen, "auto", "chooses among effects of the momentum form, not truncated");
   }
   if (body->n_node < 2) {
     scene_refuse(t, &body->seen, "auto", "wants a node, whose displacement is to be right");
+  }
+  if (body->shape.n == 0) {
+    scene_refuse(t, &body->seen, "auto", "wants modes to choose among");
+  }
+  if (wanted != 0 && wanted != (unsigned)FB_EFFECTS_FULL) {
+    scene_refuse(t, &body->seen, "auto", "chooses the effects itself: leave them out, but for gravity and damping");
+  }
+  for (int k = 1; k <= FB_MAX_MODES && body->tolerance > 0; k++) {
+    const int line = scene_seen_numbered(&body->seen, "start_mode", k);
+    if (line > 0 && !t->failed) {
+      t->line = line;
+      text_fail(t, "start_mode under auto, which knows only of what acts");
+    }
   }
 }
 
@@ -159,17 +173,6 @@ static void scene_check_start(text_file *t, const scene *s, const scene_joint *j
   }
 }
 
-/* The joint that a body hangs by; NULL: it is free. */
-static const scene_joint *scene_joint_under(const scene *s, int body)
-{
-  for (int k = 0; k < s->n_joint; k++) {
-    if (!s->joint[k].loop && s->joint[k].desc.child == body) {
-      return &s->joint[k];
-    }
-  }
-  return NULL;
-}
-
 /* A base other than free: of a body from a file it is let be where a joint takes its place. */
 static void scene_check_base(text_file *t, const scene *s, int k)
 {
@@ -215,10 +218,8 @@ static void scene_check_drive(text_file *t, const scene *s, const scene_drive *d
   if (drive->kind == SCENE_VALUE && scene_seen_numbered(&joint->seen, "start", axis + 1)) {
     text_fail(t, "a value on an axis with a start: one of them, or rate");
   }
-  for (int k = 0; k < s->n_drive && drive->kind == SCENE_VALUE; k++) {
-    if (s->drive[k].joint == drive->joint && s->drive[k].axis == axis && s->drive[k].kind == SCENE_SPEED) {
-      text_fail(t, "value and rate of the same axis: one of them");
-    }
+  if (drive->kind == SCENE_VALUE && scene_has_drive(s, drive->joint, axis, SCENE_SPEED)) {
+    text_fail(t, "value and rate of the same axis: one of them");
   }
 }
 
@@ -347,6 +348,9 @@ static void scene_check(text_file *t, scene *s)
   }
   if (!(s->duration > 0) && !s->trim) {
     text_fail(t, "a scene wants a duration, or to trim");
+  }
+  for (int k = 0; k < s->n_body && !(s->duration > 0); k++) {
+    scene_refuse(t, &s->body[k].seen, "auto", "wants a duration");
   }
   scene_check_settings(t, s);
   if (!s->is_exact || !s->trim) {

@@ -20,6 +20,7 @@ static struct scene_engine { /* one scene at a time */
   fb_system_work system_work;
   fb_system_state system_state;
   fb_system_input system_at[3];
+  double origin[SCENE_JOINTS][3]; /* of the axes of joints: from where a rate goes on */
   fb_system_analyse_work system_analyse;
   fb_spectrum spectrum;
   scene_view view;
@@ -141,7 +142,7 @@ static void system_input(const scene *s, fb_system_input *input, double t, doubl
   }
   for (int k = 0; k < s->n_joint; k++) {
     for (int i = 0; i < 3 && scene_axes(&s->joint[k]) < 3; i++) {
-      input->drive[s->joint[k].at].value[i] = (fb_real)s->joint[k].start[i];
+      input->drive[s->joint[k].at].value[i] = (fb_real)engine.origin[k][i];
     }
   }
   for (int k = 0; k < s->n_drive; k++) {
@@ -169,6 +170,19 @@ static fb_status system_init(const scene *s)
   return fb_system_init(&engine.system, &engine.system_work, engine.body, s->n_body, &desc);
 }
 
+/* Turn and spin of a body on a spherical joint: from the body's axes to the joint's. */
+static void system_start_ball(fb_link_motion *start, const fb_real joint_axes[4], const scene_body *b)
+{
+  const fb_real back[4] = {joint_axes[0], -joint_axes[1], -joint_axes[2], -joint_axes[3]};
+  fb_real spin[3], R[9], turn[4], half[4];
+  scene_reals(turn, b->attitude, 4);
+  scene_reals(spin, b->spin, 3);
+  fb_quat_mul(half, back, turn);
+  fb_quat_mul(start->quat, half, joint_axes);
+  fb_quat_to_mat33(R, joint_axes);
+  fb_mat33_mulT_vec3(start->speed, R, spin);
+}
+
 static fb_status system_start(const scene *s)
 {
   static fb_link_motion start[FB_MAX_BODIES];
@@ -184,11 +198,12 @@ static fb_status system_start(const scene *s)
       scene_reals(start[k].speed, b->velocity, 3);
       scene_reals(start[k].speed + 3, b->spin, 3);
     } else if (engine.system.joint[k].kind == FB_JOINT_SPHERICAL) {
-      scene_reals(start[k].speed, b->spin, 3);
+      system_start_ball(&start[k], scene_joint_under(s, k)->desc.child_attitude, b);
     }
   }
   for (int k = 0; k < s->n_joint; k++) {
     const scene_joint *const joint = &s->joint[k];
+    memcpy(engine.origin[k], joint->start, sizeof engine.origin[k]);
     if (!joint->loop && scene_axes(joint) < 3) {
       scene_reals(start[joint->at].value, joint->start, 3);
       scene_reals(start[joint->at].speed, joint->speed, 3);
@@ -224,6 +239,31 @@ static fb_status system_step(const scene *s, double t, double dt)
                                   &at[1], &at[2], (fb_real)dt);
 }
 
+/* A rate that takes an axis over goes on from where it is; a value has to be there, whole turns aside. */
+static fb_status system_take_over(const scene *s, const scene_event *e, double t)
+{
+  const scene_joint *const joint = &s->joint[e->joint];
+  const fb_real *const value = &engine.view.motion.joint[joint->at].value[e->axis];
+  fb_system_input *const input = &engine.system_at[0];
+  double ahead;
+  fb_status status;
+  if (e->mode != FB_AXIS_PRESCRIBED || scene_axes(joint) > 2) {
+    return FB_OK;
+  }
+  status = fb_system_motion_eval(&engine.system, engine.body, &engine.system_work, &engine.view.motion,
+                                 &engine.system_state, input);
+  ahead = (double)(*value - input->drive[joint->at].value[e->axis]);
+  if (status == FB_OK && !scene_has_drive(s, e->joint, e->axis, SCENE_VALUE)) {
+    engine.origin[e->joint][e->axis] += ahead;
+    system_input(s, input, t, t + timing.slack);
+  } else if (status == FB_OK) {
+    ahead = scene_axis_slides(joint, e->axis) ? ahead : remainder(ahead, 2 * function_pi);
+    engine.system_work.joint = joint->at;
+    status = fabs(ahead) <= 1e-6 * (1 + fabs((double)*value)) ? FB_OK : FB_ERR_CONTRADICTION;
+  }
+  return status;
+}
+
 /* Events up to t, a step ends at each. */
 static fb_status system_events(const scene *s, int *next, double t)
 {
@@ -231,8 +271,10 @@ static fb_status system_events(const scene *s, int *next, double t)
   for (; *next < s->n_event && s->event[*next].t <= t + timing.slack && status == FB_OK; (*next)++) {
     const scene_event *const e = &s->event[*next];
     system_input(s, &engine.system_at[0], t, t + timing.slack);
-    status = fb_system_axis_set(&engine.system, engine.body, &engine.system_work, &engine.system_state,
-                                s->joint[e->joint].at, e->axis, e->mode, &engine.system_at[0]);
+    status = system_take_over(s, e, t);
+    status = status ? status
+                    : fb_system_axis_set(&engine.system, engine.body, &engine.system_work, &engine.system_state,
+                                         s->joint[e->joint].at, e->axis, e->mode, &engine.system_at[0]);
   }
   return status;
 }

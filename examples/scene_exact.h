@@ -331,6 +331,21 @@ static double exact_displacement(const fb_state *pose, int node, int axis)
   return (double)d;
 }
 
+/* [rad] The elastic part: of a root that turns, without its turn, and then within half a turn. */
+static double exact_rotation(const fb_state *pose, int node, int axis)
+{
+  const fb_real *const p = pose->quat, *const q = exact.beam.quat + 4 * node;
+  const fb_real from_pose[4] = {p[0], -p[1], -p[2], -p[3]}, from_section[4] = {q[0], -q[1], -q[2], -q[3]};
+  fb_real seen[4], turn[4], phi[3];
+  if ((exact.beam.held[0] & (FB_HOLD_RX | FB_HOLD_RY | FB_HOLD_RZ)) == (FB_HOLD_RX | FB_HOLD_RY | FB_HOLD_RZ)) {
+    return (double)exact.node[node].rotation[axis];
+  }
+  fb_quat_mul(seen, from_pose, exact.node[node].quat);
+  fb_quat_mul(turn, seen, from_section);
+  fb_quat_to_rotvec(phi, turn);
+  return (double)phi[axis];
+}
+
 /* From section axes of a node to those that quat maps to. */
 static double exact_turned(const fb_real quat[4], const fb_real x[3], int axis)
 {
@@ -375,7 +390,7 @@ static double exact_value(const scene *s, const scene_view *view, const scene_ou
   case SCENE_DISPLACEMENT:
     return exact_displacement(pose, at, o->axis);
   case SCENE_ROTATION:
-    return (double)node->rotation[o->axis];
+    return exact_rotation(pose, at, o->axis);
   case SCENE_POSITION:
     return (double)(origin ? pose->rho : node->position)[o->axis];
   case SCENE_VELOCITY:

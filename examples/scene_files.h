@@ -2,23 +2,12 @@
    options.h, plot.h and scene_run.h first. Wants stat: define _POSIX_C_SOURCE 200809L. */
 #ifndef SCENE_FILES_H
 #define SCENE_FILES_H
-#include <sys/stat.h>
+#include "same_file.h"
 
 typedef struct scene_out {
   const char *option, *name; /* name NULL: not asked for */
   int made;                  /* it was not there before */
 } scene_out;
-
-static int scene_is_file(const char *name, struct stat *at)
-{
-  return stat(name, at) == 0 && S_ISREG(at->st_mode);
-}
-
-static int scene_same_file(const char *a, const char *b)
-{
-  struct stat at_a, at_b;
-  return scene_is_file(a, &at_a) && scene_is_file(b, &at_b) && at_a.st_dev == at_b.st_dev && at_a.st_ino == at_b.st_ino;
-}
 
 /* Opens file k of the list to append nothing: 0, or 2 after a message. */
 static int scene_try_file(scene_out *out, int k, const char *scene_name)
@@ -26,16 +15,16 @@ static int scene_try_file(scene_out *out, int k, const char *scene_name)
   struct stat at;
   char what[128];
   const int there = stat(out[k].name, &at) == 0;
-  FILE *const file = scene_same_file(out[k].name, scene_name) ? NULL : fopen(out[k].name, "a");
+  FILE *const file = same_file(out[k].name, scene_name) ? NULL : fopen(out[k].name, "a");
   if (!file) {
     snprintf(what, sizeof what, "%s: %s", out[k].option,
-             scene_same_file(out[k].name, scene_name) ? "that is the scene itself" : strerror(errno));
+             same_file(out[k].name, scene_name) ? "that is the scene itself" : strerror(errno));
     return fail(what, out[k].name);
   }
   fclose(file);
   out[k].made = !there;
   for (int i = 0; i < k; i++) {
-    if (out[i].name && scene_same_file(out[i].name, out[k].name)) {
+    if (out[i].name && same_file(out[i].name, out[k].name)) {
       snprintf(what, sizeof what, "%s and %s are the same file", out[i].option, out[k].option);
       return fail(what, out[k].name);
     }

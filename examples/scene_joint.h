@@ -135,6 +135,26 @@ static int scene_read_frame(text_file *t, scene_joint *joint, const char *word)
   return 1;
 }
 
+/* The joint that a body hangs by; NULL: it is free. */
+static const scene_joint *scene_joint_under(const scene *s, int body)
+{
+  for (int k = 0; k < s->n_joint; k++) {
+    if (!s->joint[k].loop && s->joint[k].desc.child == body) {
+      return &s->joint[k];
+    }
+  }
+  return NULL;
+}
+
+static int scene_has_drive(const scene *s, int joint, int axis, scene_drive_kind kind)
+{
+  int k = 0;
+  while (k < s->n_drive && (s->drive[k].joint != joint || s->drive[k].axis != axis || s->drive[k].kind != kind)) {
+    k++;
+  }
+  return k < s->n_drive;
+}
+
 /* Numbers of the axes. */
 static void scene_read_axes(text_file *t, const scene_joint *joint, const char *word, fb_real x[3])
 {

@@ -406,8 +406,8 @@ typedef struct scene_run_state {
   FILE *csv;
   scene_tally tally[SCENE_MEASURES];
   time_t begin, told;
-  int event, halved; /* halved: how often the step was */
-  long row, frames;  /* frames: wanted; 0: no pictures */
+  int event, halved, broken; /* halved: how often the step was; broken: errno of the file of outputs */
+  long row, frames;          /* frames: wanted; 0: no pictures */
 } scene_run_state;
 
 static void scene_header(const scene *s, FILE *csv)
@@ -436,6 +436,7 @@ static fb_status scene_row(scene *s, scene_run_state *run, double t)
       fprintf(run->csv, ",%.12g", value[k]);
     }
     fputs("\n", run->csv);
+    run->broken = ferror(run->csv) ? errno : 0;
   }
   for (int k = 0; k < s->n_measure; k++) {
     const scene_measure *const m = &s->measure[k];
@@ -513,7 +514,7 @@ static int scene_loop(scene *s, const scene_options *o, scene_run_state *run)
   char when[96] = "at the start";
   fb_status status = FB_OK;
   engine.by_step = 0;
-  while (run->row < timing.rows && status == FB_OK) {
+  while (run->row < timing.rows && status == FB_OK && !run->broken) {
     status = scene_interval(s, run, when);
     if (status == FB_OK) {
       run->row++;
@@ -527,7 +528,9 @@ static int scene_loop(scene *s, const scene_options *o, scene_run_state *run)
   if (run->halved > 0 && o->talk) {
     fprintf(o->talk, "some steps had to be shorter: %.3g s at most\n", timing.longest);
   }
-  return status == FB_OK ? 0 : scene_failed(s, when, status);
+  return status != FB_OK ? scene_failed(s, when, status)
+         : run->broken   ? scene_fail(s, "cannot write %s: %s", o->csv, strerror(run->broken))
+                         : 0;
 }
 
 /* Is the run short enough, and is what acts resolved by a step that is given? */
@@ -539,8 +542,9 @@ static int scene_check_steps(scene *s, const scene_options *o)
   timing.part = s->step > 0 ? HUGE_VAL : scene_part[s->is_exact ? FB_SCHEME_MIDPOINT : engine.scheme];
   count = s->dt > 0 ? scene_count_steps(s) : HUGE_VAL;
   if (!(count <= SCENE_STEPS)) {
-    return scene_fail(s, "steps of %.3g s are %.3g or more in %g s; %g at most", s->dt, s->duration / s->dt,
-                      s->duration, SCENE_STEPS);
+    const double dt = fmin(s->dt, timing.part / scene_fastest(s));
+    return scene_fail(s, "steps of %.3g s%s are %.3g or more in %g s; %g at most", dt,
+                      dt < s->dt ? " for the fastest that acts" : "", s->duration / dt, s->duration, SCENE_STEPS);
   }
   if (turn > 1 && o->warn) {
     fprintf(o->warn,
@@ -728,7 +732,7 @@ static int scene_run(scene *s, const scene_options *o)
   failed = scene_run_rows(s, o, &run);
   failed = failed ? failed : scene_write_pictures(s, o);
   if (run.csv && fclose(run.csv) != 0 && !failed) {
-    failed = scene_fail(s, "cannot write %s", o->csv);
+    failed = scene_fail(s, "cannot write %s: %s", o->csv, strerror(errno));
   }
   for (int k = 0; k < s->n_measure && !failed; k++) {
     if (run.tally[k].n > 0) {

@@ -250,6 +250,7 @@ spin 1|bad.txt:2|no such word for a campaign: spin
 correlate force work 0.5|bad.txt:2|no parameter that varies has the name force
 vary force normal 1 1\nvary work uniform 1 2\ncorrelate force work 0.5|bad.txt:4|force and work must both vary normal or lognormal
 vary force normal 1 1\nvary work normal 1 2\ncorrelate force work 1|bad.txt:4|a correlation is that of two parameters, between -1 and 1
+vary force normal 1 1\nvary work normal 1 2\ncorrelate force work 0.5\ncorrelate work force 0.2|bad.txt:5|work and force are correlated twice
 latin\nvary force normal 1 1\nvary work normal 1 2\ncorrelate force work 0.5|bad.txt:5|correlate would take the runs out of the strata
 require last beyond 1|bad.txt:2|a requirement must be one of below above, is beyond
 runs 5|bad.txt|no parameter varies
@@ -260,6 +261,20 @@ END
 expect 2 $campaign --vary "force list 1 2"
 says "campaign: command line: no scene is named"
 expect 2 $campaign "$quick" --jobs 0
+expect 2 $campaign "$quick" --jobs 1.5
+says "a whole number is wanted: --jobs"
+expect 2 $campaign "$quick" --run 1.5
+
+# what is written is not what is read, nor each other
+for file in "$quick" "$out/beam.txt" "$out/nothing.journal"; do
+  [ ! -e "$file" ] || cp "$file" "$out/kept.txt"
+  expect 2 $campaign "$quick" --out "$file" --pictures 0
+  says "--out"
+  [ ! -e "$file" ] || cmp "$file" "$out/kept.txt" || fail "$file was written over"
+done
+sed 's/^measure most/measure force/' "$out/beam.txt" > "$out/names.txt"
+expect 2 $campaign --scene "$out/names.txt" --vary "force list 1 2" --out "$out/names.csv"
+says "two columns of the rows would have the name: force"
 expect 2 $campaign "$out/none.txt"
 says "none.txt: No such file"
 

@@ -92,6 +92,11 @@ printf 'output v velocity b x\nmeasure v final v\nexpect v 3 tolerance 1e-9\n' >
 try "$out/scene" "$out/table.txt"
 grep -q 'v = 3' "$out/log" || fail "a table with quotes and semicolons is not read"
 
+printf 't,"pos, x",x\n0,7,3\n1,7,3\n' > "$out/table.csv"
+try "$out/scene" "$out/table.txt"
+printf '"t";"pos, x";x\n0;7;3\n1;7;3\n' > "$out/table.csv"
+try "$out/scene" "$out/table.txt"
+
 # a frame that an earlier run left; files that are one another or the scene, or that cannot be written: told before the run
 touch "$out/frames/frame_0007.svg"
 try "$out/scene" examples/scenes/double_pendulum.txt --quiet --frames "$out/frames" --frame-count 4
@@ -118,6 +123,16 @@ collides "--picture and --animation are the same file" --picture "$out/c.svg" --
 collides "--out: No such file or directory" --out "$out/nowhere/c.csv"
 collides "--animation: Is a directory" --animation "$out"
 collides "cannot make the folder" --frames "$out/long.txt/frames"
+collides "a whole number is wanted: --frame-count" --frame-count 2.5
+
+# a disk that is full: told, at the first row that does not fit and at the last one
+for run in '1e7 1 0.1' '1 1 1'; do
+  set -- $run
+  sed "s/^duration.*/duration $1/; s/^interval.*/interval $2/; s/^step.*/step $3/" "$out/kept.txt" > "$out/full.txt"
+  status=0
+  timeout 20 "$out/scene" "$out/full.txt" --quiet --out /dev/full > "$out/log" 2>&1 || status=$?
+  [ $status = 1 ] && grep -q 'cannot write /dev/full: No space left' "$out/log" || fail "a full disk: status $status, $(cat "$out/log")"
+done
 
 try ${CC:-cc} $c99 -O0 -g -fsanitize=address,undefined -fno-sanitize-recover -o "$out/careful" examples/scene.c -lm
 # meets < FILE: it runs, and its answers are those that it expects
@@ -144,12 +159,12 @@ refuse() {
   }
   refused=$((refused + 1))
 }
-# fails REASON < FILE: it is read, but does not run
+# fails REASON [LINE] < FILE: it is read, but does not run
 fails() {
   cat > "$out/bad.txt"
   status=0
   "$out/careful" "$out/bad.txt" --quiet > "$out/log" 2>&1 || status=$?
-  [ $status = 1 ] && grep -q -F "bad.txt: $1" "$out/log" || {
+  [ $status = 1 ] && grep -q -F "bad.txt${2:+:$2}: $1" "$out/log" || {
     cat "$out/log"
     fail "status $status, expected: $1"
   }

@@ -307,3 +307,81 @@ expect y 3 tolerance 1e-9
 expect z -5 tolerance 1e-9
 expect roll -0.7 tolerance 1e-9
 END
+# a beam on a hinge turns by 1 rad, as a whole: no elastic rotation
+for exact in 0 10; do
+  meets << END
+duration 0.5
+interval 0.1
+exact $exact
+body b beam
+  length 2
+  stations x mass EA EI_z
+    0 1 1e7 2e5
+  end
+  modes bend_y 3
+  base hinged
+  hub 1  0 0 0  1 1 1
+  start_spin 0 0 2
+  node tip tip
+end
+output turn rotation b.tip z
+output attitude attitude b z
+measure turn final turn
+measure attitude final attitude
+expect turn 0 tolerance 1e-6
+expect attitude 0.479425539 tolerance 1e-5
+END
+done
+# an axis that is handed over to a rate goes on from where it is; without one it stays there
+meets << END
+duration 1
+interval 0.5
+body a rigid
+  hub 1  0 0 0  1 1 1
+end
+body b rigid
+  hub 1  0 0 0  1 1 1
+end
+joint j revolute ground a
+  start 1 0 1
+  rate 1 constant 3
+  mode free
+end
+joint k prismatic ground b
+  start 1 0.1 1
+end
+event 0.3 prescribe j 1
+event 0.4 prescribe k 1
+output turn coordinate j 1
+output slide coordinate k 1
+measure turn final turn
+measure slide final slide
+expect turn 2.4 tolerance 1e-12
+expect slide 0.5 tolerance 1e-12
+END
+# turn and spin of a body on a spherical joint are in axes of the body, whatever those of the joint; z 90 and then x 30
+meets << END
+duration 0.01
+interval 0.01
+body a rigid
+  hub 2  0 0 0  2 2 2
+  start_attitude x 30
+  start_spin 0 0 1
+end
+joint j spherical ground a
+  attitude z 90
+  axis 1 0 0
+end
+output at attitude a
+output w spin a
+measure w max at_w
+measure x max at_x
+measure y max at_y
+measure z min at_z
+measure spin final w_z
+expect w 0.6830127019 tolerance 0.005
+expect x 0.1830127019 tolerance 0.005
+expect y 0.1830127019 tolerance 0.005
+expect z 0.6830127019 tolerance 0.005
+expect spin 1 tolerance 1e-9
+END

@@ -263,6 +263,7 @@ END
 csv ":2: column 2 is not a number: a" 't,x\n0,a\n'
 csv ":2: column 2 is not a number: missing" 't,x\n0\n'
 csv ":2: column 1 is not a number: 0,5" 't;x\n0,5;1\n'
+csv ":2: column 2 is not a number: 2,5" 't,x\n0,"2,5"\n'
 csv " has no column x" 't,y\n0,1\n'
 csv " is empty" '# t,x\n'
 csv " has no rows" 't,x\n'
@@ -820,4 +821,42 @@ joint j revolute top b
 end
 output a joint_acceleration j 1
 method multipliers
+END
+# chosen LINE REASON WORDS: a beam with these words, under auto
+chosen() {
+  refuse "$1" "$2" << END
+$(echo "$beam" | sed "s/^end/  auto 0.1\n$3\nend/")
+duration 1
+END
+}
+chosen 9 "auto chooses the effects itself" "  effects spin"
+chosen 10 "start_mode under auto" "  start_mode 1 0.1"
+chosen 1 "body beam: no advice by auto: nothing that acts moves its last node" "  damping 0.1"
+refuse 5 "auto wants modes to choose among" << END
+body top rigid
+  hub 1  0 0 0  1 2 3
+  # a comment
+  node 0 0 1 tip
+  auto 0.1
+end
+duration 1
+END
+refuse 9 "auto wants a duration" << END
+$(echo "$beam" | sed 's/^end/  auto 0.1\nend/')
+trim
+END
+fails "at 0.5 s, step of 0.001 s: constraints contradict each other" 5 << END
+$top
+joint j revolute ground top
+  motor 1 constant 1
+  value 1 constant 3
+  mode free
+end
+event 0.5 prescribe j 1
+duration 1
+END
+refuse 0 "steps of 4.77e-14 s for the fastest that acts" << END
+$top
+load top dead force 1 0 0 sine 1 1e12
+duration 1
 END
