@@ -4,7 +4,13 @@
 # message says; minimized it belongs into tests/fuzz/corpus/HARNESS, with a mended library.
 set -eu
 : "${WARNINGS:?run it as: make fuzz}"
-seconds=$((${FUZZ_SECONDS:-60} / 2))
+case ${FUZZ_SECONDS:=60} in
+  *[!0-9]* | 0* | 1)
+    echo "make fuzz: FUZZ_SECONDS is a whole number from 2 on; it is '$FUZZ_SECONDS'"
+    exit 2
+    ;;
+esac
+seconds=$((FUZZ_SECONDS / 2)) # 0 would be without end
 level=$([ $seconds -lt 30 ] && echo -O0 || echo -O1) # a short look would be spent on compiling
 command -v clang > /dev/null || {
   echo "make fuzz wants clang with libFuzzer (Debian: apt-get install clang libclang-rt-14-dev, or the version of clang)"
@@ -27,9 +33,10 @@ for harness in api step import scene; do
       "$to/corpus" tests/fuzz/corpus/$harness > "$to/log" 2>&1 || {
       findings=$((findings + 1))
       grep -a -e BROKEN -e ERROR -e 'runtime error' -e '^    #[0-9] ' -e 'Test unit written' "$to/log" | head -n 12
+      sed -n "s|.*Test unit written to |again: $to/run |p" "$to/log"
     }
     printf '%-8s %-9s %10s %8s %9s\n' $harness ${to##*-} "$(sed -n 's/^stat::number_of_executed_units: //p' "$to/log")" \
-      "$(grep -a -o 'cov: [0-9]*' "$to/log" | tail -n 1 | cut -c 6-)" "$(find "$to" -maxdepth 1 -name 'crash-*' -o -maxdepth 1 -name 'timeout-*' | wc -l)"
+      "$(grep -a -o 'cov: [0-9]*' "$to/log" | tail -n 1 | cut -c 6-)" "$(grep -a -c -E 'Test unit written to .*/(crash|timeout|oom|leak)-' "$to/log")"
   done
 done
 exit $((findings > 0))
