@@ -9,6 +9,12 @@
 set -eu
 export LC_ALL=C
 seed=${1:-1} count=${2:-200}
+case $seed/$count in
+  *[!0-9/]* | /* | */ | */0)
+    echo "make mutants: SEED and COUNT are whole numbers, COUNT from 1 on; they are '$seed' and '$count'"
+    exit 2
+    ;;
+esac
 here=tests/mutants out=build/mutants
 CC=${CC:-cc}
 flags="-std=c99 -ffp-contract=off -Og -w"
