@@ -556,7 +556,7 @@ static void model_effects_check(text_file *t)
   }
   if (pulled && !(effects & FB_EFFECT_GRAVITY)) {
     model_at(t, "gravity");
-    text_fail(t, "gravity is given, but not among the effects");
+    text_fail(t, "gravity is given, but not among the effects (full gravity, for instance)");
   }
   if (!pulled && (effects & FB_EFFECT_GRAVITY) && !text_seen(&model.seen, "gravity")) {
     model_at(t, "effects");
@@ -564,7 +564,7 @@ static void model_effects_check(text_file *t)
   }
   if ((model.n_damping > 0) != ((effects & FB_EFFECT_DAMPING) != 0)) {
     model_at(t, model.n_damping ? "damping" : "effects");
-    text_fail(t, model.n_damping ? "damping is given, but not among the effects"
+    text_fail(t, model.n_damping ? "damping is given, but not among the effects (full damping, for instance)"
                                  : "the effect damping wants a line damping");
   }
 }
