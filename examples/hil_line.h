@@ -5,7 +5,7 @@
 #include <signal.h>
 
 enum { REAL_TIME, LOCK_STEP, DIRECT }; /* who says when a period begins: the clock, the answer, nobody */
-enum { MOST_EVENTS = 20, PACKETS_A_PERIOD = 64 };
+enum { MOST_EVENTS = 20, PACKETS_A_PERIOD = 64, PARTNER_PATIENCE = 30 }; /* -, -, [s] */
 
 typedef struct event {
   double time; /* [s] */
@@ -160,7 +160,7 @@ static volatile sig_atomic_t interrupted;
    partner waits for. */
 static int await_partner(line *l)
 {
-  const double give_up = fbb_now_ns() + 30e9;
+  const double give_up = fbb_now_ns() + 1e9 * PARTNER_PATIENCE;
   const int known = l->partner;
   while (!interrupted && fbb_now_ns() < give_up) {
     receive(l);

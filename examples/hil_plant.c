@@ -487,9 +487,13 @@ static int fly(plant *p, line *l, record *r, controller *direct, const options *
   const double none[1] = {0};
   double start;
   int well = 1;
-  if (!direct && !await_partner(l)) {
-    fprintf(stderr, "hil_plant: no controller came\n");
-    return 0;
+  if (!direct) {
+    printf("hil_plant: waits %d s for a controller\n", (int)PARTNER_PATIENCE);
+    fflush(stdout);
+    if (!await_partner(l)) {
+      fprintf(stderr, "hil_plant: no controller came\n");
+      return 0;
+    }
   }
   start = fbb_now_ns() + 1e7;
   while (well && r->done < r->periods && !interrupted) {
@@ -653,6 +657,10 @@ int main(int argc, char **argv)
   fflush(stdout);
   well = fly(&p, &l, r, o.pace == DIRECT ? &direct : NULL, &o);
   leave_real_time();
+  if (r->done == 0) { /* nothing to report */
+    free(r->late);
+    return 1;
+  }
   if (write_csv(r, o.out)) {
     return 2;
   }
