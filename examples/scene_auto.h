@@ -336,7 +336,8 @@ static double scene_limit(const scene *s, fb_scheme scheme)
                                                     : fb_implicit_limit(&engine.body[0], w, a));
 }
 
-/* A step of a scheme: modes by their weight in a static deflection, (w_1/w_k)^2; a turn of the whole resolved. */
+/* A step of a scheme: modes by their weight in a static deflection, (w_1/w_k)^2, from the first on that moves to and fro
+   in the run: what is slower drifts, like rigid motion, whose zeros rounding moves. A turn of the whole resolved. */
 static double scene_step_of(const scene *s, fb_scheme scheme, int has_spectrum)
 {
   static fb_real amplitude[FB_MAX_LINEAR];
@@ -345,8 +346,8 @@ static double scene_step_of(const scene *s, fb_scheme scheme, int has_spectrum)
   double lowest = 0, dt = fmin(fmin(s->interval, turn), 0.8 * limit);
   for (int k = 0; k < engine.spectrum.n && has_spectrum; k++) {
     const double w = (double)engine.spectrum.im[k];
-    lowest = lowest > 0 || !(w > 0) ? lowest : w;
-    amplitude[k] = (fb_real)(w > 0 ? lowest * lowest / (w * w) : 0);
+    lowest = lowest > 0 || !(w * s->duration > 1) ? lowest : w;
+    amplitude[k] = (fb_real)(lowest > 0 && w > 0 ? lowest * lowest / (w * w) : 0);
   }
   if (lowest > 0 && scheme != FB_SCHEME_EXPONENTIAL) {
     const double fits =

@@ -312,16 +312,54 @@ static fb_status scene_look(const scene *s, double t)
   return s->is_exact ? exact_look(&engine.view) : scene_is_system(s) ? system_look(s, t) : single_look(s, t);
 }
 
-/* Modes about the present state. */
+/* fall[b]: the ground does not hold body b, not through any joint or loop. */
+static void scene_falling(int *fall, const scene *s)
+{
+  const fb_system *const system = &engine.system;
+  const int n_joint = scene_is_system(s) ? system->n_body + system->n_loop : 0;
+  for (int b = 0; b < s->n_body; b++) {
+    fall[b] = scene_is_system(s) || s->body[b].level.base == FB_BASE_FREE;
+  }
+  for (int sweep = 0; sweep < s->n_body; sweep++) {
+    for (int j = 0; j < n_joint; j++) {
+      const fb_joint *const joint = &system->joint[j];
+      const int free = joint->kind == FB_JOINT_FREE && engine.system_state.mode[j][0] == FB_AXIS_FREE;
+      int *const child = &fall[j < system->n_body ? j : joint->child];
+      int *const parent = joint->parent == FB_GROUND ? NULL : &fall[joint->parent];
+      *child = *child && (free || (parent && *parent));
+      if (parent) {
+        *parent = *parent && *child;
+      }
+    }
+  }
+}
+
+/* Modes about the present state. What falls, falls as it would without weight: the modes of its rigid motion are zeros
+   then, and not what rounding makes of falling where it leans to. */
 static fb_status scene_spectrum(const scene *s)
 {
+  fb_real weight[FB_MAX_BODIES][3];
+  int fall[FB_MAX_BODIES];
+  fb_status status;
+  scene_falling(fall, s);
+  for (int b = 0; b < s->n_body; b++) {
+    memcpy(weight[b], engine.body[b].gravity, sizeof weight[b]);
+    for (int i = 0; i < 3 && fall[b]; i++) {
+      engine.body[b].gravity[i] = 0;
+    }
+  }
   if (scene_is_system(s)) {
     system_input(s, &engine.system_at[0], 0, 0);
-    return fb_system_spectrum(&engine.spectrum, &engine.system_analyse, &engine.system, engine.body,
-                              &engine.system_state, &engine.system_at[0]);
+    status = fb_system_spectrum(&engine.spectrum, &engine.system_analyse, &engine.system, engine.body,
+                                &engine.system_state, &engine.system_at[0]);
+  } else {
+    single_input(s, &engine.at[0], 0, 0);
+    status = fb_body_spectrum(&engine.spectrum, &engine.analyse, &engine.body[0], &engine.state, &engine.at[0]);
   }
-  single_input(s, &engine.at[0], 0, 0);
-  return fb_body_spectrum(&engine.spectrum, &engine.analyse, &engine.body[0], &engine.state, &engine.at[0]);
+  for (int b = 0; b < s->n_body; b++) {
+    memcpy(engine.body[b].gravity, weight[b], sizeof weight[b]);
+  }
+  return status;
 }
 
 /* Which joint a failure is about, for a message. */

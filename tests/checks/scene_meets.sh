@@ -385,3 +385,34 @@ expect y 0.1830127019 tolerance 0.005
 expect z 0.6830127019 tolerance 0.005
 expect spin 1 tolerance 1e-9
 END
+# what falls, and what is pushed along an axis of space: the step resolves its modes, however rare the rows. A beam on a hub
+# of 1e6 kg that is pushed at a = 1 m/s^2: sum of c_k a m L^4/EI (1 - cos w_k t) by the first two modes of a cantilever
+swings() { # WEIGHT
+  meets << END
+gravity 0 0 $1
+duration 2.15
+interval 2.15
+body hub rigid
+  hub 1e6  0 0 0  1e6 1e6 1e6
+end
+body b beam
+  length 2
+  elements 10
+  stations x mass EI_y EI_z
+    0 3 2000 1000
+  end
+  modes bend_y 2
+  node tip tip
+end
+joint j rigid hub b
+end
+load hub dead force 0 1e6 0
+output tip displacement b.tip y
+measure tip final tip
+measure slowest frequency 1
+expect tip -0.0119924202 tolerance 0.005 relative
+expect slowest 0 tolerance 1e-3
+END
+}
+swings 0
+swings -9.81
