@@ -1122,32 +1122,34 @@ TEST(a_beam_slides_out_of_a_spinning_slot)
   }
 }
 
-/* E10.10, E11.20: a beam clamped at both ends, plucked by a twentieth of its length: the far end stays closed, the
-   energy constant. */
+/* E10.10, E11.20: a beam clamped at its root, clamped or pinned at its tip, plucked by a twentieth of its length: the far end
+   stays closed, the energy constant. */
 TEST(a_beam_held_twice_keeps_energy_and_place)
 {
   const double stiffness[6] = {1e4, 4e3, 4e3, 80.0, 100.0, 150.0}, inertia[6] = {1.0, 1.0, 1.0, 1e-2, 5e-3, 5e-3};
-  double before, gap = 0.0;
-  beam(10.0, 10, stiffness, inertia);
-  desc.iterations = 10;
-  desc.tip = FB_END_CLAMPED;
-  input.n_load = 1;
-  input.load[0].node = 4;
-  input.load[0].force[1] = FB_R(30.0);
-  input.load[0].force[2] = FB_R(20.0);
-  settle();
-  FBT_TRUE(node[4].displacement[1] > FB_R(0.2));
-  input.n_load = 0;
-  before = total_energy();
-  for (int k = 0; k < (FB_SINGLE ? 5 : 50); k++) {
-    if (steps(100, 0.001) != FB_OK) {
-      return;
+  for (int pinned = 0; pinned < 2; pinned++) {
+    double before, gap = 0.0;
+    beam(10.0, 10, stiffness, inertia);
+    desc.iterations = 10;
+    desc.tip = pinned ? FB_END_PINNED : FB_END_CLAMPED;
+    input.n_load = 1;
+    input.load[0].node = 4;
+    input.load[0].force[1] = FB_R(30.0);
+    input.load[0].force[2] = FB_R(20.0);
+    settle();
+    FBT_TRUE(node[4].displacement[1] > FB_R(0.2));
+    input.n_load = 0;
+    before = total_energy();
+    for (int k = 0; k < (FB_SINGLE ? 5 : 50 - 40 * pinned); k++) {
+      if (steps(100, 0.001) != FB_OK) {
+        return;
+      }
+      FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+      gap = fmax(gap, distance(node[10].displacement, 0.0, 0.0, 0.0));
+      FBT_NEAR_REL(total_energy(), before, FBT_TOL(1e-9, 1e-3));
     }
-    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
-    gap = fmax(gap, distance(node[10].displacement, 0.0, 0.0, 0.0));
-    FBT_NEAR_REL(total_energy(), before, FBT_TOL(1e-9, 1e-3));
+    FBT_BELOW(gap / 10.0, FBT_TOL(2e-5, 1e-4));
   }
-  FBT_BELOW(gap / 10.0, FBT_TOL(2e-5, 1e-4));
 }
 
 /* E11.20: a stiff bar on a hinge at its far end turns as one on a hinge at its root, beyond half a turn. */
@@ -1829,6 +1831,11 @@ TEST(linear_beams_rest_where_the_beam_does)
   double largest = 0.0;
   for (int which = 0; which < 4; which++) {
     linear_case(which, 12);
+    if (which == 1) { /* a dead load on what spins: as it stands at this instant */
+      load_tip(FB_AXES_INERTIAL, 0.0, 0.5, 0.0);
+      settle();
+      steady = state;
+    }
     for (int count = 1; count <= 12; count += 11) {
       FBT_INT_EQ(fb_mixed_linearize(&mixed, &linear, &linear_work, &steady, &input, &ports, count), FB_OK);
       state = steady;
