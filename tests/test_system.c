@@ -1052,6 +1052,7 @@ TEST(no_input_is_an_input_of_zeros)
       FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &at[zeros], &begin[zeros], in), FB_OK);
       FBT_INT_EQ(fb_system_rates(&mechanism, model, &work, &slope[zeros], &begin[zeros], in), FB_OK);
       *s = begin[zeros];
+      memset(&work, 0xff, sizeof work); /* and what is in it means nothing */
       FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, s, &work, in, in, in, FB_R(2e-4)), FB_OK);
       FBT_INT_EQ(fb_system_sdirk_step(&mechanism, model, s, &work, in, in, FB_R(2e-4), 2), FB_OK);
       FBT_INT_EQ(fb_system_axis_set(&mechanism, model, &work, s, form < 3 ? 1 : 2, 0, FB_AXIS_LOCKED, in), FB_OK);
@@ -1569,8 +1570,10 @@ static int wire_rows(fb_row *row, int capacity, const fb_pose *pose, fb_real t, 
     row[0].value += (fb_real)(across[i] * r);
     row[0].b -= (fb_real)(to[2] * along[i] * r + across[i] * to[i]);
   }
-  row[1].torque[0][2] = FB_R(1.0);
-  row[1].torque[1][2] = -FB_R(1.0);
+  for (int i = 0; i < 3; i++) { /* both turn about z */
+    row[1].torque[0][i] = pose[0].R[3 * i + 2];
+    row[1].torque[1][i] = -pose[1].R[3 * i + 2];
+  }
   row[1].b = -(t * FB_R(0.8) + FB_R(0.5));
   return 2;
 }
