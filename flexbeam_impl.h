@@ -8873,9 +8873,6 @@ static fb_status fbi_system_velocity(fb_system_work *w, const fb_system *system,
   fbi_rhs_momenta(w, system, body, state, input);
   w->n_row = w->n_end = 0;
   if (system->n_loop > 0 || w->kept || (input && input->rows)) {
-    for (int k = 0; k < system->n_body; k++) {
-      fbi_vec6_zero(w->link[k].V); /* poses of the caller's rows */
-    }
     status = fbi_rows_fill(w, system, body, modes, input);
     for (int r = 0; r < w->n_row; r++) {
       w->c[r] = w->row[r].r.b;
@@ -9341,9 +9338,6 @@ static fb_status fbi_positions_close(fb_real *miss, int *worst, fb_system_work *
 {
   fb_status status;
   fbi_links_place(w, system, body, state, modes);
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_vec6_zero(w->link[k].V);
-  }
   status = fbi_mass_factor(w, system, body, FB_R(0.0));
   status = status == FB_OK ? fbi_rows_fill(w, system, body, modes, input) : status;
   *miss = status == FB_OK ? fbi_rows_miss(worst, w, system) : FB_R(0.0);
