@@ -2933,6 +2933,23 @@ static void fbi_shapes_matrices(fb_modes_work *work)
   }
 }
 
+/* The first m shapes may move as rigid bodies: what rounding leaves below zero of their stiffness is none. A body
+   refuses a stiffness below zero, as of what has buckled. */
+static void fbi_rigid_clear(fb_modes_work *work, int m)
+{
+  fb_modes *out = &work->found;
+  for (int k = 0; k < m; k++) {
+    const fb_real *x = out->shape + k * out->ndof, own = out->K[k * (out->n + 1)];
+    fb_real size = FB_R(0.0); /* of what it is made of */
+    for (int ij = 0; ij < out->ndof * out->ndof; ij++) {
+      size += FB_FABS(x[ij / out->ndof] * work->K[ij] * x[ij % out->ndof]);
+    }
+    for (int a = 0; a < out->n && own < FB_R(0.0) && -own <= FBI_ROUNDING * size; a++) {
+      out->K[k * out->n + a] = out->K[a * out->n + k] = FB_R(0.0);
+    }
+  }
+}
+
 /* [E7.9] Hurty (Craig-Bampton) component: constraint modes, x_i = 1 at one boundary coordinate, 0 at the others, and K
    x = 0 elsewhere; then natural modes with the boundary held. K has no terms between the two kinds. The inertia of a
    moving boundary adds K^-1 M x: k modes of a cantilever held at its tip miss the k-th frequency by 1.6e-3 without,
@@ -2990,6 +3007,7 @@ static fb_status fbi_component_take(const fb_modes_desc *desc, fb_modes_work *wo
     out->omega[k] = FB_R(0.0);
   }
   fbi_shapes_matrices(work);
+  fbi_rigid_clear(work, m);
   return FB_OK;
 }
 
