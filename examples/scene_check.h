@@ -103,6 +103,11 @@ static void scene_check_single(text_file *t, const scene *s)
   const fb_base base = body->level.base;
   const int modal = body->shape.n > 0 || !s->is_exact;
   scene_refuse(t, &s->seen, "method", "is that of bodies on joints");
+  for (int k = 0; k < s->n_output; k++) {
+    if (s->output[k].quantity == SCENE_POWER) {
+      text_fail(t, "output %s: power is that of joints", s->output[k].label);
+    }
+  }
   if (modal && base == FB_BASE_FREE && !(body->shape.mass > FB_R(0.0))) {
     t->line = body->line;
     text_fail(t, "body %s is free and has no mass", body->name);

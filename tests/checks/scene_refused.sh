@@ -775,3 +775,8 @@ $top
 load top dead force 1 0 0 sine 1 1e12
 duration 1
 END
+refuse 0 "output p: power is that of joints" << END
+$top
+output p power
+duration 1
+END
