@@ -188,7 +188,7 @@ static void exact_input(const scene *s, double t, double side)
 {
   fb_mixed_input *const input = &exact.input;
   *input = s->mixed.input;
-  for (int k = 0; k < s->n_load && input->n_load < FB_MAX_LOADS; k++) {
+  for (int k = 0; k < s->n_load; k++) {
     fb_load *const load = &input->load[input->n_load++];
     *load = scene_load_at(s, &s->load[k], t, side);
     load->node = s->body[0].element_node[s->load[k].node];

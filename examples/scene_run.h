@@ -464,6 +464,10 @@ static int scene_check_exact(scene *s)
 {
   const fb_real *const at = s->mixed.desc.position;
   const int elsewhere = FB_FABS(at[0]) + FB_FABS(at[1]) + FB_FABS(at[2]) > 0;
+  if (s->mixed.input.n_load + s->n_load > FB_MAX_LOADS) {
+    return scene_fail(s, "body %s of line %d: more than %d loads, those of the body among them", s->body[0].name,
+                      s->body[0].line, FB_MAX_LOADS);
+  }
   for (int k = 0; k < s->n_load && elsewhere; k++) {
     if (s->load[k].node == 0 && !s->load[k].torque) {
       return scene_fail(s,
