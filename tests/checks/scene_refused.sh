@@ -803,3 +803,15 @@ $(for k in $(seq 32); do echo 'load 1 dead 0 1 0'; done)
 end
 load b dead force 1 0 0
 END
+warned "a node at 0.5 is taken at 0.666667, the nearest node of 3 elements" 0 << END
+trim
+body b exact
+  length 1
+  elements 3
+  station 0
+    stiffness 0 0 0 1 1 1
+    mass 1
+  node 0.5 middle
+  node tip tip
+end
+END
