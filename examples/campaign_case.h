@@ -57,11 +57,12 @@ static uint64_t case_add_file(uint64_t digest, const char *path)
 /* The scene's file, and all beside it that its words name. */
 static void case_find_files(const campaign *c)
 {
-  char path[CAMPAIGN_PATH];
+  char path[CAMPAIGN_PATH], message[TEXT_MESSAGE]; /* of what cannot be read scene_read tells */
   const char *word;
   text_file t;
   strcpy(case_files.path[case_files.n++], c->scene);
   if (text_try(&t, "", c->scene)) {
+    t.message = message;
     while (text_line(&t)) {
       while ((word = text_word(&t)) != NULL) {
         if (case_files.n < CASE_FILES && campaign_beside(path, c->scene, word) && access(path, R_OK) == 0) {
