@@ -1,5 +1,5 @@
-/* scene_files.h - before a run: what it is to write can be written, and is neither the scene, nor what it reads, nor each
-   other. Include options.h, plot.h and scene_run.h first. Wants stat: define _POSIX_C_SOURCE 200809L. */
+/* scene_files.h - before a run: what it is to write can be written, and is neither the scene, nor what it reads, nor
+   each other. Include options.h, plot.h and scene_run.h first. Wants stat: define _POSIX_C_SOURCE 200809L. */
 #ifndef SCENE_FILES_H
 #define SCENE_FILES_H
 #include "same_file.h"
