@@ -70,11 +70,12 @@ static void case_take_file(const char *path)
 /* The scene's file, and all beside it that its words name. */
 static void case_find_files(const campaign *c)
 {
-  char path[CAMPAIGN_PATH];
+  char path[CAMPAIGN_PATH], message[TEXT_MESSAGE]; /* of what cannot be read scene_read tells */
   const char *word;
   text_file t;
   case_take_file(c->scene);
   if (text_try(&t, "", c->scene)) {
+    t.message = message;
     while (text_line(&t)) {
       while ((word = text_word(&t)) != NULL) {
         if (campaign_beside(path, c->scene, word) && access(path, R_OK) == 0) {

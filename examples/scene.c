@@ -52,7 +52,10 @@ static int read_setting(command *c, const char *text)
 {
   const size_t n = strcspn(text, "=");
   char *end;
-  if (c->n_set == SCENE_PARAMETERS || n == 0 || n >= TEXT_NAME || text[n] != '=') {
+  if (c->n_set == SCENE_PARAMETERS) {
+    return fail("more --set than a scene has parameters", text);
+  }
+  if (n == 0 || n >= TEXT_NAME || text[n] != '=') {
     return fail("--set wants NAME=VALUE", text);
   }
   memcpy(c->name[c->n_set], text, n);

@@ -289,6 +289,9 @@ static void scene_read_title(text_file *t, scene *s)
   while ((word = text_word(t)) != NULL && n < sizeof s->title) {
     n += (size_t)snprintf(s->title + n, sizeof s->title - n, "%s%s", n ? " " : "", word);
   }
+  if (n >= sizeof s->title) {
+    text_fail(t, "a title has %d characters at most", (int)sizeof s->title - 1);
+  }
   if (s->title[strcspn(s->title, "<>&")]) {
     text_fail(t, "a title has none of < > &");
   }

@@ -131,6 +131,11 @@ static void scene_check_single(text_file *t, const scene *s)
   if (body->level.form != FB_FORM_MOMENTUM && s->scheme == FB_SCHEME_EXPONENTIAL) {
     scene_refuse(t, &s->seen, "scheme", "exponential moves the momentum form alone");
   }
+  for (int k = 0; k < s->n_output; k++) {
+    if (s->output[k].quantity == SCENE_POWER) {
+      text_fail(t, "output %s: power is that of joints", s->output[k].label);
+    }
+  }
   if (modal && base == FB_BASE_FREE && !(body->shape.mass > FB_R(0.0))) {
     t->line = body->line;
     text_fail(t, "body %s is free and has no mass", body->name);

@@ -190,7 +190,7 @@ static struct scene_exact { /* one at a time */
 static void exact_add_loads(const scene *s, int nudges, double t, double side)
 {
   fb_mixed_input *const input = &exact.input;
-  for (int k = 0; k < s->n_load && input->n_load < FB_MAX_LOADS; k++) {
+  for (int k = 0; k < s->n_load; k++) {
     if (s->load[k].nudge == nudges) {
       fb_load *const load = &input->load[input->n_load++];
       *load = scene_load_at(s, &s->load[k], t, side);

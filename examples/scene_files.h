@@ -1,5 +1,5 @@
-/* scene_files.h - before a run: what it is to write can be written, and is neither the scene nor each other. Include
-   options.h, plot.h and scene_run.h first. Wants stat: define _POSIX_C_SOURCE 200809L. */
+/* scene_files.h - before a run: what it is to write can be written, and is neither the scene, nor what it reads, nor
+   each other. Include options.h, plot.h and scene_run.h first. Wants stat: define _POSIX_C_SOURCE 200809L. */
 #ifndef SCENE_FILES_H
 #define SCENE_FILES_H
 #include "same_file.h"
@@ -9,16 +9,36 @@ typedef struct scene_out {
   int made;                  /* it was not there before */
 } scene_out;
 
+/* Is it the scene, or a file that a word of it names? */
+static int scene_reads_file(const char *scene_name, const char *out)
+{
+  char path[512];
+  const char *word;
+  int reads = same_file(scene_name, out);
+  text_file t;
+  if (text_try(&t, "", scene_name)) {
+    while (text_line(&t)) {
+      while ((word = text_word(&t)) != NULL) {
+        text_beside(path, scene_name, word);
+        reads |= same_file(path, out);
+      }
+    }
+    text_close(&t);
+  }
+  return reads;
+}
+
 /* Opens file k of the list to append nothing: 0, or 2 after a message. */
 static int scene_try_file(scene_out *out, int k, const char *scene_name)
 {
   struct stat at;
   char what[128];
   const int there = stat(out[k].name, &at) == 0;
-  FILE *const file = same_file(out[k].name, scene_name) ? NULL : fopen(out[k].name, "a");
+  const int reads = scene_reads_file(scene_name, out[k].name);
+  FILE *const file = reads ? NULL : fopen(out[k].name, "a");
   if (!file) {
     snprintf(what, sizeof what, "%s: %s", out[k].option,
-             same_file(out[k].name, scene_name) ? "that is the scene itself" : strerror(errno));
+             reads ? "that is the scene itself, or what it reads" : strerror(errno));
     return fail(what, out[k].name);
   }
   fclose(file);

@@ -554,11 +554,42 @@ static int scene_check_steps(scene *s, const scene_options *o)
   return 0;
 }
 
+static void scene_warn_placed(const scene *s, const char *what, double x, int node, FILE *warn)
+{
+  const double length = (double)s->mixed.desc.length, at = length * node / s->mixed.desc.n_element;
+  if (fabs(fmin(x, length) - at) > 1e-6 * length) {
+    fprintf(warn, "%s: warning: %s at %.6g is taken at %.6g, the nearest node of %d elements\n", s->path, what, x, at,
+            s->mixed.desc.n_element);
+  }
+}
+
+/* What an exact beam has not where it is asked for. */
+static void scene_warn_exact(const scene *s, FILE *warn)
+{
+  const scene_body *const body = &s->body[0];
+  for (int k = 1; k < body->n_node; k++) {
+    scene_warn_placed(s, "a node", body->node_x[k], body->element_node[k], warn);
+  }
+  for (int k = 0; k < s->mixed.n_lump; k++) {
+    scene_warn_placed(s, "a lump", s->mixed.lump_at[k], s->mixed.desc.lump[k].node, warn);
+  }
+  for (int k = 0; k < s->mixed.n_load; k++) {
+    scene_warn_placed(s, "a load", s->mixed.load_at[k], s->mixed.input.load[k].node, warn);
+  }
+  for (int k = 0; k < s->mixed.n_support; k++) {
+    scene_warn_placed(s, "a support", s->mixed.support_at[k], s->mixed.desc.support[k].node, warn);
+  }
+}
+
 /* An exact beam takes forces at its nodes, of which the origin of its body is one where it begins there. */
 static int scene_check_exact(scene *s)
 {
   const fb_real *const at = s->mixed.desc.position;
   const int elsewhere = FB_FABS(at[0]) + FB_FABS(at[1]) + FB_FABS(at[2]) > 0;
+  if (s->mixed.input.n_load + s->n_load > FB_MAX_LOADS) {
+    return scene_fail(s, "body %s of line %d: more than %d loads, those of the body among them", s->body[0].name,
+                      s->body[0].line, FB_MAX_LOADS);
+  }
   for (int k = 0; k < s->n_load && elsewhere; k++) {
     if (s->load[k].node == 0 && !s->load[k].torque) {
       return scene_fail(s,
@@ -576,6 +607,9 @@ static int scene_build(scene *s, const scene_options *o)
   fb_status status;
   automatic.doubted = 0;
   if (s->is_exact) {
+    if (o->warn) {
+      scene_warn_exact(s, o->warn);
+    }
     return scene_check_exact(s);
   }
   for (int k = 0; k < s->n_body; k++) {

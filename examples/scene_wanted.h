@@ -98,6 +98,9 @@ static void scene_read_where(text_file *t, const scene *s, scene_output *output)
     break;
   case SCENE_AT_MODE:
     output->body = scene_read_whole_body(t, s);
+    if (s->body[output->body].shape.n == 0) {
+      text_fail(t, "body %s has no modes", s->body[output->body].name);
+    }
     output->at = text_whole(t, "mode", 1, s->body[output->body].shape.n) - 1;
     break;
   case SCENE_AT_GAUGE:
@@ -288,6 +291,7 @@ static void scene_read_reference(text_file *t, scene *s)
 {
   static const char *const words[] = {"factor", "from", "to", "tolerance", NULL};
   scene_reference *const r = &s->reference[s->n_reference];
+  text_words seen = {0};
   int k = 0;
   if (s->n_reference == SCENE_OUTPUTS) {
     text_fail(t, "more than %d references", SCENE_OUTPUTS);
@@ -302,6 +306,7 @@ static void scene_read_reference(text_file *t, scene *s)
   scene_expect(t, "output");
   r->output = t->failed ? 0 : scene_output_of(t, s);
   for (k = text_choice(t, "a reference", words); k < 3 && !t->failed; k = text_choice(t, "a reference", words)) {
+    text_once(t, &seen, words[k]);
     *(k == 0 ? &r->factor : k == 1 ? &r->from : &r->to) = text_number(t, words[k]);
   }
   r->tolerance = scene_read_tolerance(t, &r->relative);

@@ -118,6 +118,11 @@ collides() {
 }
 collides "--out: that is the scene itself" --out "$out/long.txt"
 collides "--picture: that is the scene itself" --picture "$out/../$name/long.txt"
+cp "$out/table.csv" "$out/table_kept.csv"
+printf 'load b dead force 1 0 0 file table.csv t x\n' >> "$out/long.txt"
+cp "$out/long.txt" "$out/kept.txt"
+collides "--out: that is the scene itself, or what it reads" --out "$out/table.csv"
+cmp "$out/table.csv" "$out/table_kept.csv" || fail "a table that the scene reads was written over"
 collides "curves of --out and --picture are the same file" --out "$out/c.csv" --picture "$out/c.svg"
 collides "--out and curves of --out are the same file" --out "$out/c.svg"
 collides "--picture and --animation are the same file" --picture "$out/c.svg" --animation "$out/./c.svg"

@@ -860,3 +860,43 @@ $top
 load top dead force 1 0 0 sine 1 1e12
 duration 1
 END
+refuse 0 "output p: power is that of joints" << END
+$top
+output p power
+duration 1
+END
+refuse 6 "factor is there twice" << END
+$top
+output x position top x
+reference ../../../tests/reference/p10_symmetric_top.csv t w1 output x factor 2 factor 3 tolerance 1
+END
+refuse 5 "body top has no modes" << END
+$top
+output a mode top 1
+END
+refuse 1 "a title has 127 characters at most" << END
+title $(printf '%0128d' 0)
+END
+refuse 0 "body b of line 2: more than 32 loads" << END
+duration 1
+body b exact
+  length 1
+  station 0
+    stiffness 0 0 0 0 0 1
+    mass 1
+$(for k in $(seq 32); do echo 'load 1 dead 0 1 0'; done)
+end
+load b dead force 1 0 0
+END
+warned "a node at 0.5 is taken at 0.666667, the nearest node of 3 elements" 0 << END
+trim
+body b exact
+  length 1
+  elements 3
+  station 0
+    stiffness 0 0 0 1 1 1
+    mass 1
+  node 0.5 middle
+  node tip tip
+end
+END
