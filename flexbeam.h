@@ -152,7 +152,8 @@
      through them as arithmetic has it. Those of >>vec3 and >>rotation, fb_lu_solve and fb_chol_solve are the innermost
      loops: pointers and sizes are taken as valid, as memcpy does. Nobody can test the sizes of the caller's arrays.
      What the library has made (beams, modes, shapes, bodies, systems, schemes) is taken as it was made; where memory may
-     change by itself: fb_body_check, fb_system_check, fb_exponential_check, fb_mixed_check.
+     change by itself: fb_body_check, fb_system_check, fb_exponential_check, fb_mixed_check; words that tell of any
+     changed bit: fb_body_crc, fb_system_crc, fb_mixed_crc.
 
      paper          code                     shape      unit          meaning
      m, c, J        shape.mass, .c, .J       1, 3, 3x3  kg, kg m, kg m^2   moments of mass about O
@@ -1410,6 +1411,9 @@ FB_API fb_status fb_system_init(fb_system *system, fb_system_work *work, const f
                                 const fb_system_desc *desc);
 /* As fb_body_check, the models among it. */
 FB_API fb_status fb_system_check(const fb_system *system, const fb_body *body, int n_model);
+/* Check word as fb_body_crc, of joints and loops and of the models that the bodies have. 0: counts beyond the tables, a
+   model that does not exist. */
+FB_API unsigned fb_system_crc(const fb_system *system, const fb_body *body, int n_model);
 /* Finite, within the deflection limits, modes of axes that exist, no quaternion zero. FB_ERR_NOT_FINITE, FB_ERR_RANGE,
    FB_ERR_VALUE. */
 FB_API fb_status fb_system_state_check(const fb_system *system, const fb_body *body, const fb_system_state *state);
@@ -1558,6 +1562,8 @@ FB_API fb_status fb_mixed_init(fb_mixed *mixed, const fb_mixed_desc *desc);
 
 /* As fb_body_check: counts and indexes within the tables, all numbers finite, units and lengths positive. */
 FB_API fb_status fb_mixed_check(const fb_mixed *mixed);
+/* Check word as fb_body_crc. 0: counts beyond the tables. */
+FB_API unsigned fb_mixed_crc(const fb_mixed *mixed);
 
 typedef struct fb_line_load {  /* per length of the undeformed line */
   fb_axes axes;                /* inertial: dead; node: follower, section axes; body: base axes */

@@ -7088,11 +7088,21 @@ FB_DEF fb_status fb_body_check(const fb_body *body)
    x^16 + x^12 + x^11 + x^10 + x^8 + x^7 + x^5 + x^4 + x^2 + x + 1, reflected (0xEDB88320).
    Source: IEEE 802.3, 3.2.9.  Cost: 32 shifts a word.  Fails: never.
    Test: the_check_word_sees_every_flipped_bit, the_check_word_sees_every_form. */
+typedef char fbi_crc_takes_four_bytes[sizeof(unsigned) == 4 && sizeof(float) == 4 && sizeof(double) == 8 ? 1 : -1];
+
 static FBI_NOINLINE unsigned fbi_crc_word(unsigned crc, unsigned word)
 {
   crc ^= word;
   for (int k = 0; k < 32; k++) {
     crc = crc >> 1 ^ (0xEDB88320u & (0u - (crc & 1u)));
+  }
+  return crc;
+}
+
+static FBI_NOINLINE unsigned fbi_crc_ints(unsigned crc, const int *x, int n)
+{
+  for (int i = 0; i < n; i++) {
+    crc = fbi_crc_word(crc, (unsigned)x[i]);
   }
   return crc;
 }
@@ -7173,9 +7183,7 @@ static unsigned fbi_crc_form(unsigned crc, const fb_body *body, int single)
   const int whole[] = {(int)body->form,   (int)body->stiffness_torque, body->torque_degree,
                        body->n_run_value, body->n_lambda_value,        body->n_gam,
                        body->n_torque};
-  for (int k = 0; k < (int)(sizeof whole / sizeof *whole); k++) {
-    crc = fbi_crc_word(crc, (unsigned)whole[k]);
-  }
+  crc = fbi_crc_ints(crc, whole, (int)(sizeof whole / sizeof *whole));
   crc = fbi_crc_reals(crc, body->M_rr, 21, single);
   crc = fbi_crc_lambda(crc, body->gam, body->n_gam, single);
   return fbi_crc_lambda(crc, body->torque, body->n_torque, single);
@@ -7242,10 +7250,7 @@ static unsigned fbi_body_crc(const fb_body *body, int single)
                        body->allow_long_step};
   const fb_real number[8] = {body->mass,          body->deflection_limit, body->recoil,     body->gyration,
                              body->limit_elastic, body->limit_damping,    body->limit_spin, body->limit_acceleration};
-  unsigned crc = 0xFFFFFFFFu;
-  for (int k = 0; k < (int)(sizeof whole / sizeof *whole); k++) {
-    crc = fbi_crc_word(crc, (unsigned)whole[k]);
-  }
+  unsigned crc = fbi_crc_ints(0xFFFFFFFFu, whole, (int)(sizeof whole / sizeof *whole));
   crc = fbi_crc_reals(fbi_crc_reals(crc, number, 8, single), body->c, 3, single);
   crc = fbi_crc_reals(crc, body->reach, body->n, single);
   crc = fbi_crc_reals(fbi_crc_reals(crc, body->S0, 21, single), body->S0_inverse, 36, single);
@@ -10304,6 +10309,50 @@ FB_DEF fb_status fb_system_check(const fb_system *system, const fb_body *body, i
   return sound ? FB_OK : FB_ERR_VALUE;
 }
 
+/* The joint by E8.40. */
+static unsigned fbi_crc_joint(unsigned crc, const fb_joint *joint)
+{
+  const int whole[] = {(int)joint->kind,    joint->parent,       joint->parent_node, joint->child,
+                       joint->child_node,   joint->n_axis,       joint->moves,       joint->turned,
+                       (int)joint->mode[0], (int)joint->mode[1], (int)joint->mode[2]};
+  crc = fbi_crc_ints(crc, whole, (int)(sizeof whole / sizeof *whole));
+  crc = fbi_crc_reals(fbi_crc_reals(crc, joint->position, 3, FB_SINGLE), joint->axes, 9, FB_SINGLE);
+  crc = fbi_crc_reals(fbi_crc_reals(crc, joint->child_position, 3, FB_SINGLE), joint->child_axes, 9, FB_SINGLE);
+  crc = fbi_crc_reals(fbi_crc_reals(crc, joint->A, 18, FB_SINGLE), &joint->pitch, 1, FB_SINGLE);
+  crc = fbi_crc_reals(fbi_crc_reals(crc, joint->stiffness, 3, FB_SINGLE), joint->rest, 3, FB_SINGLE);
+  return fbi_crc_reals(crc, joint->damping, 3, FB_SINGLE);
+}
+
+FB_DEF unsigned fb_system_crc(const fb_system *system, const fb_body *body, int n_model)
+{
+  unsigned crc;
+  FBI_REQUIRE(system && body, 0);
+  if (n_model < 1 || !fbi_is_within(system->n_body, FB_MAX_BODIES) || !fbi_is_within(system->n_loop, FB_MAX_LOOPS)) {
+    return 0;
+  }
+  {
+    const int whole[4] = {system->n_body, system->n_loop, (int)system->method, system->allow_long_step};
+    const fb_real limit[4] = {system->limit_elastic, system->limit_damping, system->limit_kept_elastic,
+                              system->limit_kept_damping};
+    crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, 4), limit, 4, FB_SINGLE);
+  }
+  crc = fbi_crc_ints(fbi_crc_ints(crc, system->model, system->n_body), system->coupled, system->n_body);
+  for (int k = 0; k < system->n_body; k++) {
+    unsigned word = 0;
+    if (fbi_is_within(system->model[k], n_model - 1)) {
+      word = fb_body_crc(fbi_model(system, body, k));
+    }
+    if (word == 0) {
+      return 0;
+    }
+    crc = fbi_crc_word(crc, word);
+  }
+  for (int j = 0; j < system->n_body + system->n_loop; j++) {
+    crc = fbi_crc_joint(crc, &system->joint[j]);
+  }
+  return ~fbi_crc_joint(crc, &system->free);
+}
+
 FB_DEF fb_status fb_system_state_check(const fb_system *system, const fb_body *body, const fb_system_state *state)
 {
   fb_status status;
@@ -11777,6 +11826,30 @@ FB_DEF fb_status fb_mixed_check(const fb_mixed *m)
     sound = fbi_is_within(m->lump_node[k], m->n);
   }
   return sound ? FB_OK : FB_ERR_VALUE;
+}
+
+/* By E8.40. */
+FB_DEF unsigned fb_mixed_crc(const fb_mixed *m)
+{
+  unsigned crc;
+  FBI_REQUIRE(m, 0);
+  if (!fbi_mixed_is_sized(m)) {
+    return 0;
+  }
+  {
+    const int whole[4] = {m->n, m->n_lump, m->iterations, m->floating};
+    const fb_real number[7] = {m->length, m->force, m->time, m->beta, m->gravity[0], m->gravity[1], m->gravity[2]};
+    const fb_real *const table[6] = {m->C, m->S, m->section, m->taper, m->M, m->M_inverse};
+    crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, 4), number, 7, FB_SINGLE);
+    for (int k = 0; k < 6; k++) {
+      crc = fbi_crc_reals(crc, table[k], 36 * m->n, FB_SINGLE);
+    }
+  }
+  crc = fbi_crc_ints(fbi_crc_ints(crc, m->held, m->n + 1), m->lump_node, m->n_lump);
+  crc = fbi_crc_reals(fbi_crc_reals(crc, m->h, m->n, FB_SINGLE), m->xi, 6 * m->n, FB_SINGLE);
+  crc = fbi_crc_reals(fbi_crc_reals(crc, m->r, 3 * (m->n + 1), FB_SINGLE), m->quat, 4 * (m->n + 1), FB_SINGLE);
+  crc = fbi_crc_reals(crc, m->lump, 36 * m->n_lump, FB_SINGLE);
+  return ~fbi_crc_reals(crc, m->lump_inverse, 36 * m->n_lump, FB_SINGLE);
 }
 
 static int fbi_mixed_rates_are_finite(const fb_mixed *m, const fb_mixed_state *state)

@@ -119,12 +119,12 @@ hostile() {
     echo
     awk '
     FNR == 1 { table++; next }
-    { for (i = 2; i <= 7; i++) cell[$1, i] = table == 1 ? $i : cell[$1, i] " / " $i }
+    { for (i = 2; i <= 8; i++) cell[$1, i] = table == 1 ? $i : cell[$1, i] " / " $i }
     table == 1 { row[++rows] = $1 }
-    END { print "| struct | bits | flips | detected | a status | finite | not finite |"
-          print "|---|---:|---:|---:|---:|---:|---:|"
+    END { print "| struct | bits | flips | detected | a status | finite | not finite | by check word |"
+          print "|---|---:|---:|---:|---:|---:|---:|---:|"
           for (k = 1; k <= rows; k++) { line = "| `" row[k] "`"
-            for (i = 2; i <= 7; i++) line = line " | " cell[row[k], i]
+            for (i = 2; i <= 8; i++) line = line " | " cell[row[k], i]
             print line " |" } }' build/checks/faults/table0.txt build/checks/faults/table1.txt; } | block hostile
 }
 

@@ -92,6 +92,9 @@ void fbt_fill(fb_real *x, int n, double scale);
 double fbt_difference(const fb_real *a, const fb_real *b, int n);
 double fbt_largest(const fb_real *a, int n);
 
+/* Bytes of a struct of which one bit can flip without a change of its check word; more than all of them: the word is 0. */
+int fbt_unseen(void *at, size_t size, unsigned (*word)(void));
+
 /* A reference CSV: '#' lines skipped, header line, rows of numbers or words. */
 typedef struct fbt_table {
   int rows, columns;

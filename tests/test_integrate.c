@@ -973,6 +973,24 @@ static double spin_up_tip(scheme which, double dt, double t_end, double *tip)
   return worst / peak;
 }
 
+/* fb_exponential_check walks G by the body's number of strain stations: a count beyond the tables is told before that. */
+TEST(the_check_of_a_scheme_stays_within_its_tables)
+{
+  static const int counts[] = {-1, FBI_MAX_STRAINS + 1, 1 << 30};
+  strained_beam(1, 1e4, 0.0, 0);
+  strained_body(FB_BASE_PRESCRIBED, FB_FORM_MOMENTUM);
+  prepare(EXPONENTIAL, 0.01);
+  FBT_TRUE(body.n_strain > 0 && exponential.n_axial > 0);
+  for (int k = 0; k < FBT_COUNT(counts); k++) {
+    const int n = body.n_strain;
+    body.n_strain = counts[k];
+    FBT_INT_EQ(fb_exponential_check(&exponential, &body), FB_ERR_CAPACITY);
+    body.n_strain = n;
+  }
+  exponential.axial[0] = body.n;
+  FBT_INT_EQ(fb_exponential_check(&exponential, &body), FB_ERR_VALUE);
+}
+
 /* E11.8, E11.10: the stiff axial modes (the step limit of rk4 is 0.19 ms) do not set the step of the dissipative and
    the exponential scheme: 5 ms and more for 0.1 % of the peak. */
 TEST(stiff_axial_modes_do_not_set_the_step)
@@ -1091,4 +1109,5 @@ SUITE(integrate, RUN(each_scheme_converges_at_its_order), RUN(midpoint_keeps_ene
       RUN(tumbling_conserves_momentum_and_energy), RUN(short_steps_lose_nothing), RUN(slow_modes_keep_their_phase),
       RUN(bodies_stepped_in_turn_do_not_meet), RUN(the_step_limit_is_the_stability_boundary),
       RUN(the_step_limit_knows_the_acceleration_of_a_far_origin), RUN(decay_reaches_zero_without_subnormals),
-      RUN(spin_up_follows_the_geometrically_exact_beam), RUN(rk4_refuses_bad_input_and_repeats_itself))
+      RUN(the_check_of_a_scheme_stays_within_its_tables), RUN(spin_up_follows_the_geometrically_exact_beam),
+      RUN(rk4_refuses_bad_input_and_repeats_itself))

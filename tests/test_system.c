@@ -1930,6 +1930,32 @@ TEST(a_latch_conserves_momentum)
   }
 }
 
+static unsigned tree_word(void)
+{
+  return fb_system_crc(&mechanism, model, FB_MAX_BODIES);
+}
+
+/* E8.40: of a system the word sees all but unused joints and the padding of the others, and its models. */
+TEST(the_check_word_of_a_system_sees_every_byte)
+{
+  const int pad = (int)(sizeof(fb_joint) - 52 * sizeof(fb_real) - 11 * sizeof(int));
+  unsigned word;
+  int joints, most;
+  tree(FB_EFFECTS_SPIN, 1);
+  init(FB_METHOD_RECURSIVE);
+  joints = mechanism.n_body + mechanism.n_loop;
+  most = (int)sizeof(fb_joint) * (FBT_COUNT(mechanism.joint) - joints) + pad * (joints + 1) +
+         2 * (int)sizeof(int) * (FB_MAX_BODIES - mechanism.n_body) + (int)(sizeof(fb_real) - sizeof(int));
+  FBT_TRUE(pad < (int)sizeof(fb_real));
+  FBT_TRUE(fbt_unseen(&mechanism, sizeof mechanism, tree_word) <= most);
+  word = tree_word();
+  model[1].mass += FB_R(1.0);
+  FBT_TRUE(tree_word() != word);
+  model[1].n = FB_MAX_MODES + 1;
+  FBT_INT_EQ(tree_word() == 0, 1);
+  FBT_INT_EQ(fb_system_crc(&mechanism, model, 1) == 0, 1); /* there are more models */
+}
+
 /* E9.11, E9.14: the energy of a tree changes by the power of motors and loads less what dampers take, and motor_work by
    the motors' alone. */
 TEST(springs_and_dampers_balance_energy)
@@ -2824,13 +2850,13 @@ SUITE(system, RUN(every_joint_is_the_same_eliminated_kept_or_closing_a_loop),
       RUN(flexible_double_pendulum_follows_the_reference), RUN(slider_crank_follows_the_reference),
       RUN(a_parallelogram_passes_its_flat_positions), RUN(a_disc_rolls_steadily), RUN(a_knife_edge_draws_a_cycloid),
       RUN(contradictions_name_their_joint), RUN(wrong_rows_are_named), RUN(momenta_give_back_the_speeds),
-      RUN(a_latch_conserves_momentum), RUN(springs_and_dampers_balance_energy),
-      RUN(joint_forces_carry_what_hangs_on_them), RUN(kept_joints_turn_all_the_way_round),
-      RUN(locked_axes_need_no_inertia), RUN(limits_of_kept_joints_are_in_closed_form),
-      RUN(reactions_are_the_sum_of_joint_forces), RUN(systems_refuse_what_is_not_right),
-      RUN(every_joint_moves_as_it_should), RUN(joint_frames_may_be_half_a_turn_off),
-      RUN(a_node_that_only_turns_carries_its_body), RUN(a_cut_beam_behaves_as_the_whole),
-      RUN(system_steps_beyond_the_limit_are_refused), RUN(the_limit_of_a_linkage_is_in_closed_form),
-      RUN(stiff_joints_take_long_steps), RUN(strained_bodies_converge_in_a_system),
-      RUN(a_stretching_rod_carries_its_neighbor), RUN(attitudes_come_back_as_they_were),
-      RUN(a_chain_in_free_flight_keeps_its_momenta))
+      RUN(a_latch_conserves_momentum), RUN(the_check_word_of_a_system_sees_every_byte),
+      RUN(springs_and_dampers_balance_energy), RUN(joint_forces_carry_what_hangs_on_them),
+      RUN(kept_joints_turn_all_the_way_round), RUN(locked_axes_need_no_inertia),
+      RUN(limits_of_kept_joints_are_in_closed_form), RUN(reactions_are_the_sum_of_joint_forces),
+      RUN(systems_refuse_what_is_not_right), RUN(every_joint_moves_as_it_should),
+      RUN(joint_frames_may_be_half_a_turn_off), RUN(a_node_that_only_turns_carries_its_body),
+      RUN(a_cut_beam_behaves_as_the_whole), RUN(system_steps_beyond_the_limit_are_refused),
+      RUN(the_limit_of_a_linkage_is_in_closed_form), RUN(stiff_joints_take_long_steps),
+      RUN(strained_bodies_converge_in_a_system), RUN(a_stretching_rod_carries_its_neighbor),
+      RUN(attitudes_come_back_as_they_were), RUN(a_chain_in_free_flight_keeps_its_momenta))

@@ -1,7 +1,8 @@
 /* A single bit flipped: of models, schemes and states (all bits of small ones, a repeatable sample of large ones). Then the
    struct's fb_..._check sees it, or what uses the struct (a step of every scheme, motion, energy) gives a status, or all
    of it is finite: harmless here, though the numbers may be wrong. Never a crash, nor FB_OK with what is not finite.
-   Prints a table; exit 1 when something is not finite. */
+   The check word of a model sees every flip that gives a status.
+   Prints a table; exit 1 when something is not finite, or unseen. */
 #include "hostile.h"
 
 typedef struct subject {
@@ -10,6 +11,7 @@ typedef struct subject {
   size_t size;
   fb_status (*check)(void);
   fb_status (*use)(void); /* FB_OK with what is not finite: 1 */
+  unsigned (*word)(void); /* NULL: it has none */
 } subject;
 
 static const fb_status not_finite = (fb_status)1;
@@ -17,6 +19,21 @@ static const fb_status not_finite = (fb_status)1;
 static fb_status finite_or(fb_status status, const void *x, size_t size)
 {
   return status == FB_OK && !is_finite(x, size) ? not_finite : status;
+}
+
+static unsigned body_word(void)
+{
+  return fb_body_crc(&w.body);
+}
+
+static unsigned system_word(void)
+{
+  return fb_system_crc(&w.system, &w.body, 1);
+}
+
+static unsigned mixed_word(void)
+{
+  return fb_mixed_crc(&w.mixed);
 }
 
 static fb_status check_body(void)
@@ -126,39 +143,51 @@ static fb_status use_mixed(void)
 static int attack(const subject *s)
 {
   const size_t bits = 8 * s->size, stride = bits > SAMPLE ? bits / SAMPLE | 1 : 1;
-  int flips = 0, detected = 0, status = 0, harmless = 0, silent = 0;
+  const unsigned word = s->word ? s->word() : 0;
+  int flips = 0, detected = 0, status = 0, harmless = 0, silent = 0, words = 0, unseen = 0;
   for (size_t bit = 0; bit < bits; bit += stride) {
     unsigned char *const byte = (unsigned char *)s->at + bit / 8;
     const unsigned char was = *byte;
     *byte = (unsigned char)(was ^ (1u << bit % 8));
     flips++;
+    words += s->word && s->word() != word;
     if (s->check() != FB_OK) {
       detected++;
     } else {
       const fb_status is = s->use();
+      unseen += s->word && s->word() == word && is != FB_OK;
       status += is < FB_OK;
       harmless += is == FB_OK;
       silent += is > FB_OK;
     }
     *byte = was;
   }
-  printf("%-16s %8d %7d %9d %7d %9d %11d\n", s->name, (int)bits, flips, detected, status, harmless, silent);
-  return silent;
+  printf("%-16s %8d %7d %9d %7d %9d %11d", s->name, (int)bits, flips, detected, status, harmless, silent);
+  if (s->word) {
+    printf(" %8d\n", words);
+  } else {
+    printf(" %8s\n", "-");
+  }
+  if (unseen > 0) {
+    printf("%s: %d flips that give a status are not in the check word\n", s->name, unseen);
+  }
+  return silent + unseen;
 }
 
 int main(void)
 {
   static const subject subjects[] = {
-      {"fb_body", &w.body, sizeof w.body, check_body, use_body},
-      {"fb_exponential", &w.exponential, sizeof w.exponential, check_exponential, use_body},
-      {"fb_state", &w.state, sizeof w.state, check_state, use_body},
-      {"fb_system", &w.system, sizeof w.system, check_system, use_system},
-      {"fb_system_state", &w.system_state, sizeof w.system_state, check_system_state, use_system},
-      {"fb_mixed", &w.mixed, sizeof w.mixed, check_mixed, use_mixed},
-      {"fb_mixed_state", &w.mixed_state, sizeof w.mixed_state, check_mixed_state, use_mixed}};
+      {"fb_body", &w.body, sizeof w.body, check_body, use_body, body_word},
+      {"fb_exponential", &w.exponential, sizeof w.exponential, check_exponential, use_body, NULL},
+      {"fb_state", &w.state, sizeof w.state, check_state, use_body, NULL},
+      {"fb_system", &w.system, sizeof w.system, check_system, use_system, system_word},
+      {"fb_system_state", &w.system_state, sizeof w.system_state, check_system_state, use_system, NULL},
+      {"fb_mixed", &w.mixed, sizeof w.mixed, check_mixed, use_mixed, mixed_word},
+      {"fb_mixed_state", &w.mixed_state, sizeof w.mixed_state, check_mixed_state, use_mixed, NULL}};
   int silent = 0;
   world_fill();
-  printf("%-16s %8s %7s %9s %7s %9s %11s\n", "struct", "bits", "flips", "detected", "status", "harmless", "not finite");
+  printf("%-16s %8s %7s %9s %7s %9s %11s %8s\n", "struct", "bits", "flips", "detected", "status", "harmless",
+         "not finite", "by word");
   for (size_t k = 0; k < sizeof subjects / sizeof *subjects; k++) {
     if (subjects[k].check() != FB_OK || subjects[k].use() != FB_OK) {
       printf("%s: not well before any flip: %s, %s\n", subjects[k].name, fb_status_string(subjects[k].check()),

@@ -250,6 +250,7 @@ typedef fb_mixed_node nodes[FB_MAX_MIXED + 1];
   F(fb_system_init, fb_system_init(p[0], p[1], p[2], i[0], p[3]), 1, OUT(fb_system), WORK(system_work), MODEL(body),   \
     WHOLE(1), IN(system_desc))                                                                                         \
   F(fb_system_check, fb_system_check(p[0], p[1], i[0]), 1, MODEL(system), MODEL(body), WHOLE(1))                       \
+  F(fb_system_crc, give((fb_real)fb_system_crc(p[0], p[1], i[0])), 0, MODEL(system), MODEL(body), WHOLE(1))            \
   F(fb_system_state_check, fb_system_state_check(p[0], p[1], p[2]), 1, MODEL(system), MODEL(body), IN(system_state))   \
   F(fb_system_state_init, fb_system_state_init(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(system), MODEL(body),     \
     WORK(system_work), OUT(fb_system_state), OPTIONAL(link_motion), OPTIONAL(system_input))                            \
@@ -267,6 +268,7 @@ typedef fb_mixed_node nodes[FB_MAX_MIXED + 1];
   F(fb_imu_eval, (fb_imu_eval(p[0], p[1], p[2]), 0), 0, OUT(fb_imu), IN(node_motion), OPTIONAL(gravity))               \
   F(fb_mixed_station_init, fb_mixed_station_init(p[0], p[1]), 1, OUT(fb_mixed_station), IN(section))                   \
   F(fb_mixed_init, fb_mixed_init(p[0], p[1]), 1, OUT(fb_mixed), IN(mixed_desc))                                        \
+  F(fb_mixed_crc, give((fb_real)fb_mixed_crc(p[0])), 0, MODEL(mixed))                                                  \
   F(fb_mixed_check, fb_mixed_check(p[0]), 1, MODEL(mixed))                                                             \
   F(fb_mixed_state_init, fb_mixed_state_init(p[0], p[1], p[2], p[3]), 1, MODEL(mixed), OUT(fb_mixed_state),            \
     WORK(mixed_work), OPTIONAL(mixed_input))                                                                           \
