@@ -1,14 +1,14 @@
 /* The readers of scenes (examples/scene.h, with the CSV files they name) and of campaigns (examples/campaign.h), and what
    is done with a scene that was read: its first few steps, or the choice of a step, its pictures. The first byte says
-   which reader: s a scene that runs, r one that is read alone, c a campaign. What follows is the file; what stands behind
-   a zero byte is any other file that it names. */
+   which reader: s a scene that runs, r one that is read alone, c a campaign, j rows of a journal. What follows is the file;
+   what stands behind a zero byte is any other file that it names. */
 #define _POSIX_C_SOURCE 200809L /* fmemopen */
 #include <stdio.h>
 
 static FILE *fuzz_file(const char *name, const char *mode); /* in place of fopen */
 #define fopen fuzz_file
 #include "../../examples/scene_run.h"
-#include "../../examples/campaign.h"
+#include "../../examples/campaign_ledger.h"
 #undef fopen
 #include "fuzz.h"
 
@@ -70,6 +70,38 @@ static void read_campaign(void)
   }
 }
 
+/* Lines as they are, as if their check words were right, and the file with those that it has. */
+static void read_journal(void)
+{
+  enum { RUNS = 4, MEASURES = 2 };
+  static campaign c;
+  static ledger l;
+  static char line[LEDGER_LINE];
+  unsigned char status[RUNS] = {0};
+  double measured[RUNS * MEASURES] = {0};
+  char *message[RUNS] = {NULL};
+  FILE *file = fuzz_file("FILE", "r");
+  memset(&l, 0, sizeof l);
+  c.runs = RUNS;
+  l.c = &c;
+  l.n_measure = MEASURES;
+  l.status = status;
+  l.measured = measured;
+  l.message = message;
+  while (file && ledger_get(file, line) != 0) {
+    line[strcspn(line, "\n")] = 0;
+    (void)ledger_read_row(&l, line);
+  }
+  promise(l.done >= 0 && l.done <= RUNS && l.failed >= 0 && l.failed <= l.done, "counts of runs", "a journal");
+  for (int k = 0; k < RUNS; k++) {
+    promise(status[k] < ROW_GIVEN, "a status", "a journal");
+    free(message[k]);
+  }
+  if (file) {
+    fclose(file);
+  }
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
   const uint8_t *end;
@@ -83,6 +115,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
   other_size = end ? size - (size_t)(other_data - data) : 0;
   if (data[0] == 'c') {
     read_campaign();
+  } else if (data[0] == 'j') {
+    read_journal();
   } else {
     read_scene(data[0] == 's');
   }
