@@ -9,6 +9,7 @@ static fb_advise_work work;
 static fb_envelope envelope;
 static fb_body_desc level;
 static fb_advice advice;
+static fb_real metre = FB_R(1.0), kilogram = FB_R(1.0), second = FB_R(1.0); /* of booms */
 
 /* A uniform cantilever of 3 m with bending modes along y and z and a node at the tip; its modes go to `modes`. */
 static void make_boom(fb_shape *out, fb_modes *modes, int along_y, int along_z)
@@ -19,19 +20,19 @@ static void make_boom(fb_shape *out, fb_modes *modes, int along_y, int along_z)
   static fb_modes_desc keep;
   int node = 0;
   memset(&keep, 0, sizeof keep);
-  desc.length = FB_R(3.0);
+  desc.length = FB_R(3.0) * metre;
   desc.n_element = 6;
   desc.n_station = 1;
-  desc.station[0].mass = FB_R(2.0);
-  desc.station[0].EI_y = FB_R(500.0);
-  desc.station[0].EI_z = FB_R(900.0);
+  desc.station[0].mass = FB_R(2.0) * kilogram / metre;
+  desc.station[0].EI_y = FB_R(500.0) * kilogram * metre * metre * metre / (second * second);
+  desc.station[0].EI_z = FB_R(900.0) * kilogram * metre * metre * metre / (second * second);
   keep.count[FB_KIND_BEND_Y] = along_y;
   keep.count[FB_KIND_BEND_Z] = along_z;
   FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
   FBT_INT_EQ(fb_modes_solve(modes, &modes_work, &beam, &keep), FB_OK);
   FBT_INT_EQ(fb_shape_init(out, modes->n), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam(out, 0, &beam, modes), FB_OK);
-  FBT_INT_EQ(fb_shape_add_beam_node(out, &node, 0, &beam, modes, FB_R(3.0)), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam_node(out, &node, 0, &beam, modes, desc.length), FB_OK);
   FBT_INT_EQ(node, 1);
 }
 
@@ -564,6 +565,42 @@ TEST(advice_does_not_hide_what_is_out_of_range)
   FBT_TRUE(advice.error > FB_R(1.0));
 }
 
+/* The same scene in other units of length, mass and time has the same advice, in them: what drives a mode faster than it
+   swings, and one that is slower, a frame, damping, a spin and its rate. */
+TEST(advice_knows_no_units)
+{
+  static const double unit[5][3] = {
+      {1, 1, 1}, {64, 1, 1}, {1, 4096, 1}, {1, 1, 1024}, {1.0 / 64, 1.0 / 4096, 1.0 / 1024}};
+  for (int drive = 0; drive < 4; drive++) {
+    fb_advice first;
+    for (int k = 0; k < 5; k++) {
+      metre = (fb_real)unit[k][0];
+      kilogram = (fb_real)unit[k][1];
+      second = (fb_real)unit[k][2];
+      boom_under_a_force(0.5 * unit[k][1] * unit[k][0] / (unit[k][2] * unit[k][2]), 1, 2);
+      envelope.duration *= second;
+      envelope.frequency = (drive % 2 ? FB_R(20.0) : FB_R(0.5)) / second;
+      envelope.spin[drive / 2] = FB_R(0.5) / second;
+      envelope.spin_rate[drive / 2] = FB_R(0.1) / (second * second);
+      envelope.acceleration[2] = FB_R(0.2) * metre / (second * second);
+      envelope.frame = drive == 3 ? FB_R(0.125) * second : FB_R(0.0);
+      level.effects |= drive == 2 ? (unsigned)FB_EFFECT_DAMPING : 0u;
+      level.zeta[0] = FB_R(0.01);
+      FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
+      first = k == 0 ? advice : first;
+      FBT_NEAR_REL(advice.dt / second, first.dt, FBT_TOL(1e-5, 3e-2));
+      FBT_NEAR_REL(advice.deflection / metre, first.deflection, FBT_TOL(1e-6, 1e-2));
+      FBT_NEAR_REL(advice.error_model, first.error_model, FBT_TOL(1e-6, 3e-2));
+      FBT_NEAR_ABS(advice.error_modes, first.error_modes, FBT_TOL(1e-6, 1e-3));
+      FBT_NEAR_ABS(advice.error_effects, first.error_effects, FBT_TOL(1e-6, 1e-3));
+      FBT_INT_EQ(advice.effects, first.effects);
+      FBT_INT_EQ(advice.scheme, first.scheme);
+      FBT_INT_EQ(advice.n, first.n);
+    }
+  }
+  metre = kilogram = second = FB_R(1.0);
+}
+
 /* What is advised adds up to the tolerance, and its step to the frame, also of one longer than the scene. */
 TEST(errors_and_steps_add_up)
 {
@@ -910,5 +947,5 @@ SUITE(advise, RUN(selection_takes_rows_and_pairs), RUN(selected_modes_move_as_a_
       RUN(velocities_of_a_spinning_base_are_loads), RUN(advice_counts_loads_through_other_modes),
       RUN(gravity_is_nothing_to_a_free_body), RUN(advised_steps_are_within_the_limit), RUN(damping_goes_with_its_mode),
       RUN(advised_steps_are_those_of_the_spectrum), RUN(advice_does_not_hide_what_is_out_of_range),
-      RUN(errors_and_steps_add_up), RUN(search_stops_at_the_cheapest_that_will_do),
+      RUN(errors_and_steps_add_up), RUN(advice_knows_no_units), RUN(search_stops_at_the_cheapest_that_will_do),
       RUN(search_takes_no_nonsense_for_an_answer), RUN(advice_meets_its_tolerance), RUN(advice_refuses_nonsense))
