@@ -2083,6 +2083,8 @@ TEST(inertial_identities_hold_as_published)
   }
 }
 
+static fb_real half_unit = FB_R(1.0); /* [kg] of halves */
+
 /* The boom in its own axes as one beam, or its inner or outer half as a component. */
 static void half_beam(fb_beam *out, fb_modes *basis, int half, int elements, fb_root root, fb_basis kind)
 {
@@ -2095,10 +2097,10 @@ static void half_beam(fb_beam *out, fb_modes *basis, int half, int elements, fb_
   beam_desc.n_element = elements;
   beam_desc.root = root;
   beam_desc.n_station = 1;
-  beam_desc.station[0].mass = FB_R(1.3);
-  beam_desc.station[0].EI_y = FB_R(50.0);
-  beam_desc.station[0].EI_z = FB_R(80.0);
-  beam_desc.station[0].i_y = beam_desc.station[0].i_z = FB_R(0.01);
+  beam_desc.station[0].mass = FB_R(1.3) * half_unit;
+  beam_desc.station[0].EI_y = FB_R(50.0) * half_unit;
+  beam_desc.station[0].EI_z = FB_R(80.0) * half_unit;
+  beam_desc.station[0].i_y = beam_desc.station[0].i_z = FB_R(0.01) * half_unit;
   keep.basis = kind;
   keep.count[FB_KIND_BEND_Y] = kind == FB_BASIS_MODES ? 3 : 1;
   keep.count[FB_KIND_BEND_Z] = kind == FB_BASIS_MODES ? 4 : 1;
@@ -2177,6 +2179,62 @@ TEST(joined_halves_are_the_whole)
       }
     }
   }
+}
+
+/* E7.11, E7.12: what is redundant in the welds, up to rounding, does not depend on the unit of mass. */
+TEST(joints_know_no_unit_of_mass)
+{
+  static fb_beam part[2];
+  static fb_modes basis[2], joined[2];
+  static fb_join_work join_work;
+  static const fb_weld weld[2] = {{{0, 1}, {2, 0}}, {{1, 0}, {0, 2}}};
+  double omega[4];
+  for (int k = 0; k < 3; k++) {
+    half_unit = (fb_real)ldexp(1.0, k == 0 ? 0 : k == 1 ? 40 : -40);
+    half_beam(&part[0], &basis[0], 0, 2, FB_ROOT_CLAMPED, FB_BASIS_ELEMENTS);
+    half_beam(&part[1], &basis[1], 1, 3, FB_ROOT_FREE, FB_BASIS_ELEMENTS);
+    FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, weld, 2, 4, FB_R(0.0)), FB_OK);
+    for (int a = 0; a < 4; a++) {
+      omega[a] = k == 0 ? (double)joined[0].omega[a] : omega[a];
+      FBT_NEAR_REL(joined[0].omega[a], omega[a], FBT_TOL(1e-9, 1e-3));
+    }
+  }
+  half_unit = FB_R(1.0);
+}
+
+/* E7.12: a rod cut in two that keeps one common mode, along x alone: its outer half hangs from a node at the weld, as
+   every other does. */
+TEST(joined_rods_hang_from_their_weld)
+{
+  static fb_beam part[2];
+  static fb_modes basis[2], joined[2];
+  static fb_modes_desc keep;
+  static fb_join_work join_work;
+  static const fb_weld weld = {{0, 1}, {1, 0}};
+  int node;
+  for (int c = 0; c < 2; c++) {
+    memset(&beam_desc, 0, sizeof beam_desc);
+    memset(&keep, 0, sizeof keep);
+    beam_desc.length = FB_R(1.0);
+    beam_desc.position[0] = (fb_real)c;
+    beam_desc.n_element = 1;
+    beam_desc.root = c ? FB_ROOT_FREE : FB_ROOT_CLAMPED;
+    beam_desc.n_station = 1;
+    beam_desc.station[0].mass = FB_R(2.0);
+    beam_desc.station[0].EA = FB_R(7.0);
+    keep.basis = FB_BASIS_ELEMENTS;
+    keep.count[FB_KIND_AXIAL] = 1;
+    FBT_INT_EQ(fb_beam_init(&part[c], &beam_desc), FB_OK);
+    FBT_INT_EQ(fb_modes_solve(&basis[c], &modes_work, &part[c], &keep), FB_OK);
+  }
+  FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, 1, FB_R(0.0)), FB_OK);
+  FBT_INT_EQ(joined[1].kind[0], FB_KIND_AXIAL);
+  FBT_NEAR_REL(joined[0].omega[0], 1.5707963267948966 / 2.0 * sqrt(7.0 / 2.0), 0.03); /* two elements of first degree */
+  FBT_INT_EQ(fb_shape_init(&shape, 1), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &part[0], &joined[0]), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &part[1], &joined[1]), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &part[0], &joined[0], FB_R(1.0)), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &part[1], &joined[1]), FB_OK);
 }
 
 /* E7.11, E7.12: Craig-Bampton halves: the error falls as modes are kept; a free-flying pair has no rigid modes left and
@@ -2568,6 +2626,7 @@ SUITE(body, RUN(rows_without_terms_are_refused), RUN(massless_prescribed_bodies_
       RUN(the_check_word_sees_every_flipped_bit), RUN(the_check_word_sees_every_number),
       RUN(a_strain_gauge_reads_the_bending_moment), RUN(hopkins_element_has_the_exact_integrals),
       RUN(finite_element_models_are_the_beams_they_came_from), RUN(joined_halves_are_the_whole),
+      RUN(joints_know_no_unit_of_mass), RUN(joined_rods_hang_from_their_weld),
       RUN(joined_components_converge_and_refuse), RUN(shape_integrals_obey_the_vector_identities),
       RUN(inertial_identities_hold_as_published), RUN(accelerations_agree_with_a_particle_model),
       RUN(momenta_agree_with_a_particle_model), RUN(elastic_forces_agree_with_a_particle_model),
