@@ -2202,6 +2202,34 @@ TEST(joints_know_no_unit_of_mass)
   half_unit = FB_R(1.0);
 }
 
+/* A sound body passes its check in any unit of mass and time; its radius of gyration is the root of the mean square of the
+   distance from O: (a^2 + a b + b^2)/3 of a line from a to b, and the sections' own. */
+TEST(bodies_are_sound_in_any_unit)
+{
+  for (int k = 0; k < 9; k++) {
+    const double soft = ldexp(1.0, 12 * (k / 3 - 1));
+    static fb_modes_desc keep;
+    fb_body_desc level;
+    half_unit = (fb_real)ldexp(1.0, 20 * (k % 3 - 1));
+    half_beam(&beam, &modes, -1, 6, FB_ROOT_CLAMPED, FB_BASIS_MODES);
+    beam_desc.station[0].EI_y *= (fb_real)soft;
+    beam_desc.station[0].EI_z *= (fb_real)soft;
+    memset(&keep, 0, sizeof keep);
+    keep.count[FB_KIND_BEND_Y] = keep.count[FB_KIND_BEND_Z] = 1;
+    FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
+    FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_OK);
+    FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
+    FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
+    memset(&level, 0, sizeof level);
+    level.effects = FB_EFFECTS_FULL;
+    level.base = FB_BASE_PRESCRIBED;
+    FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
+    FBT_INT_EQ(fb_body_check(&body), FB_OK);
+    FBT_NEAR_REL(body.gyration, sqrt((6.5 * 6.5 + 6.5 * 0.5 + 0.5 * 0.5) / 3.0 + 0.02 / 1.3), FBT_TOL(1e-12, 1e-5));
+  }
+  half_unit = FB_R(1.0);
+}
+
 /* E7.12: a rod cut in two that keeps one common mode, along x alone: its outer half hangs from a node at the weld, as
    every other does. */
 TEST(joined_rods_hang_from_their_weld)
@@ -2626,7 +2654,7 @@ SUITE(body, RUN(rows_without_terms_are_refused), RUN(massless_prescribed_bodies_
       RUN(the_check_word_sees_every_flipped_bit), RUN(the_check_word_sees_every_number),
       RUN(a_strain_gauge_reads_the_bending_moment), RUN(hopkins_element_has_the_exact_integrals),
       RUN(finite_element_models_are_the_beams_they_came_from), RUN(joined_halves_are_the_whole),
-      RUN(joints_know_no_unit_of_mass), RUN(joined_rods_hang_from_their_weld),
+      RUN(joints_know_no_unit_of_mass), RUN(bodies_are_sound_in_any_unit), RUN(joined_rods_hang_from_their_weld),
       RUN(joined_components_converge_and_refuse), RUN(shape_integrals_obey_the_vector_identities),
       RUN(inertial_identities_hold_as_published), RUN(accelerations_agree_with_a_particle_model),
       RUN(momenta_agree_with_a_particle_model), RUN(elastic_forces_agree_with_a_particle_model),
