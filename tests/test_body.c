@@ -2084,6 +2084,7 @@ TEST(inertial_identities_hold_as_published)
 }
 
 static fb_real half_unit = FB_R(1.0); /* [kg] of halves */
+static double half_turn;              /* [rad] of the outer one about the line */
 
 /* The boom in its own axes as one beam, or its inner or outer half as a component. */
 static void half_beam(fb_beam *out, fb_modes *basis, int half, int elements, fb_root root, fb_basis kind)
@@ -2094,6 +2095,8 @@ static void half_beam(fb_beam *out, fb_modes *basis, int half, int elements, fb_
   memset(&keep, 0, sizeof keep);
   beam_desc.length = half < 0 ? FB_R(6.0) : half ? FB_R(4.0) : FB_R(2.0); /* a third and two thirds */
   beam_desc.position[0] = half > 0 ? FB_R(6.0) * third + FB_R(0.5) : FB_R(0.5);
+  beam_desc.attitude[0] = half > 0 ? (fb_real)cos(0.5 * half_turn) : FB_R(1.0);
+  beam_desc.attitude[1] = half > 0 ? (fb_real)sin(0.5 * half_turn) : FB_R(0.0);
   beam_desc.n_element = elements;
   beam_desc.root = root;
   beam_desc.n_station = 1;
@@ -2200,6 +2203,41 @@ TEST(joints_know_no_unit_of_mass)
     }
   }
   half_unit = FB_R(1.0);
+}
+
+/* E7.12: halves turned against each other about their line have modes that bend both ways: one has the kind of the
+   coordinate with the largest share, in units of its modal mass, and the sign in which that is positive. */
+TEST(joined_modes_are_of_the_kind_of_their_largest_share)
+{
+  static fb_beam part[2];
+  static fb_modes basis[2], joined[2];
+  static fb_join_work join_work;
+  static const fb_weld weld = {{0, 1}, {2, 0}};
+  for (int turn = 1; turn <= 6; turn++) {
+    half_turn = 0.25 * turn;
+    half_beam(&part[0], &basis[0], 0, 2, FB_ROOT_CLAMPED, FB_BASIS_ELEMENTS);
+    half_beam(&part[1], &basis[1], 1, 4, FB_ROOT_FREE, FB_BASIS_ELEMENTS);
+    FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, 7, FB_R(0.0)), FB_OK);
+    for (int k = 0; k < 7; k++) {
+      double best = 0.0, of_kind[FB_KIND_COUNT] = {0.0};
+      for (int ca = 0; ca < basis[0].n + basis[1].n; ca++) {
+        const int c = ca >= basis[0].n, a = c ? ca - basis[0].n : ca, ndof = basis[c].ndof;
+        const double own = (double)basis[c].M[a * (basis[c].n + 1)];
+        double share = 0.0, size = 0.0;
+        for (int i = 0; i < ndof; i++) { /* a coordinate of an element moves nothing that another one moves */
+          share += (double)joined[c].shape[k * ndof + i] * (double)basis[c].shape[a * ndof + i];
+          size += pow((double)basis[c].shape[a * ndof + i], 2.0);
+        }
+        share *= sqrt(own) / size;
+        best = fabs(share) > fabs(best) ? share : best;
+        of_kind[basis[c].kind[a]] = fmax(of_kind[basis[c].kind[a]], fabs(share));
+      }
+      FBT_TRUE(best > 0.0);
+      FBT_NEAR_REL(of_kind[joined[0].kind[k]], fabs(best), FBT_TOL(1e-6, 1e-2));
+      FBT_INT_EQ(joined[1].kind[k], joined[0].kind[k]);
+    }
+  }
+  half_turn = 0.0;
 }
 
 /* A sound body passes its check in any unit of mass and time; its radius of gyration is the root of the mean square of the
@@ -2654,7 +2692,8 @@ SUITE(body, RUN(rows_without_terms_are_refused), RUN(massless_prescribed_bodies_
       RUN(the_check_word_sees_every_flipped_bit), RUN(the_check_word_sees_every_number),
       RUN(a_strain_gauge_reads_the_bending_moment), RUN(hopkins_element_has_the_exact_integrals),
       RUN(finite_element_models_are_the_beams_they_came_from), RUN(joined_halves_are_the_whole),
-      RUN(joints_know_no_unit_of_mass), RUN(bodies_are_sound_in_any_unit), RUN(joined_rods_hang_from_their_weld),
+      RUN(joints_know_no_unit_of_mass), RUN(joined_modes_are_of_the_kind_of_their_largest_share),
+      RUN(bodies_are_sound_in_any_unit), RUN(joined_rods_hang_from_their_weld),
       RUN(joined_components_converge_and_refuse), RUN(shape_integrals_obey_the_vector_identities),
       RUN(inertial_identities_hold_as_published), RUN(accelerations_agree_with_a_particle_model),
       RUN(momenta_agree_with_a_particle_model), RUN(elastic_forces_agree_with_a_particle_model),
