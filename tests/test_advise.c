@@ -565,8 +565,8 @@ TEST(advice_does_not_hide_what_is_out_of_range)
   FBT_TRUE(advice.error > FB_R(1.0));
 }
 
-/* The same scene in other units of length, mass and time has the same advice, in them: what drives a mode faster than it
-   swings, and one that is slower, a frame, damping, a spin and its rate. */
+/* The same scene in other units of length, mass and time has the same advice, in them: drives faster and slower than a
+   mode, a frame, damping, a spin and its rate. */
 TEST(advice_knows_no_units)
 {
   static const double unit[5][3] = {
@@ -753,8 +753,7 @@ TEST(search_stops_at_the_cheapest_that_will_do)
   }
 }
 
-/* Steps are whole parts of the frame, none is tried twice and none passed over, though rk4's longest differs from set to
-   set. */
+/* Parts of the frame are tried once each, and none is passed over, though rk4's longest step differs from set to set. */
 TEST(search_tries_each_part_of_a_frame_once)
 {
   for (int k = 0; k < 6; k++) {

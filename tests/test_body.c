@@ -2205,6 +2205,38 @@ TEST(joints_know_no_unit_of_mass)
   half_unit = FB_R(1.0);
 }
 
+/* E8.32: the quadratic field of a free beam that is heavier to one end, and with bodies on it, leaves the mass of the
+   line where it is: int chi dm is nothing beside the mass times what the tip moves. */
+TEST(a_free_beam_bends_about_its_mass_center)
+{
+  for (int lumps = 0; lumps < 2; lumps++) {
+    static fb_modes_desc keep;
+    double largest = 0.0;
+    int tip;
+    half_beam(&beam, &modes, -1, 4, FB_ROOT_FREE, FB_BASIS_MODES);
+    memset(&keep, 0, sizeof keep);
+    keep.count[FB_KIND_BEND_Y] = keep.count[FB_KIND_BEND_Z] = 2;
+    beam_desc.n_station = 2;
+    beam_desc.station[1] = beam_desc.station[0];
+    beam_desc.station[1].x = beam_desc.length;
+    beam_desc.station[1].mass = FB_R(9.0) * beam_desc.station[0].mass;
+    beam_desc.n_lump = 2 * lumps;
+    beam_desc.lump[0].node = 2;
+    beam_desc.lump[1].node = 4;
+    beam_desc.lump[0].mass = beam_desc.lump[1].mass = FB_R(5.0);
+    FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
+    FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_OK);
+    FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
+    FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
+    FBT_INT_EQ(fb_shape_add_beam_node(&shape, &tip, 0, &beam, &modes, beam_desc.length), FB_OK);
+    for (int i = 0; i < 3 * modes.n * (modes.n + 1) / 2; i++) {
+      largest = fmax(largest, fabs((double)(shape.mass * shape.node[tip].chi[i])));
+    }
+    FBT_TRUE(largest > 0.01);
+    FBT_BELOW(fbt_largest(shape.pchi, 3 * modes.n * modes.n), 1e-3 * largest);
+  }
+}
+
 /* E7.12: halves turned against each other about their line have modes that bend both ways: one has the kind of the
    coordinate with the largest share, in units of its modal mass, and the sign in which that is positive. */
 TEST(joined_modes_are_of_the_kind_of_their_largest_share)
@@ -2240,8 +2272,8 @@ TEST(joined_modes_are_of_the_kind_of_their_largest_share)
   half_turn = 0.0;
 }
 
-/* A sound body passes its check in any unit of mass and time; its radius of gyration is the root of the mean square of the
-   distance from O: (a^2 + a b + b^2)/3 of a line from a to b, and the sections' own. */
+/* A sound body passes its check in any unit of mass and time; its radius of gyration is the root of the mean square of
+   the distance from O: (a^2 + a b + b^2)/3 of a line from a to b, and the sections' own. */
 TEST(bodies_are_sound_in_any_unit)
 {
   for (int k = 0; k < 9; k++) {
@@ -2692,20 +2724,20 @@ SUITE(body, RUN(rows_without_terms_are_refused), RUN(massless_prescribed_bodies_
       RUN(the_check_word_sees_every_flipped_bit), RUN(the_check_word_sees_every_number),
       RUN(a_strain_gauge_reads_the_bending_moment), RUN(hopkins_element_has_the_exact_integrals),
       RUN(finite_element_models_are_the_beams_they_came_from), RUN(joined_halves_are_the_whole),
-      RUN(joints_know_no_unit_of_mass), RUN(joined_modes_are_of_the_kind_of_their_largest_share),
-      RUN(bodies_are_sound_in_any_unit), RUN(joined_rods_hang_from_their_weld),
-      RUN(joined_components_converge_and_refuse), RUN(shape_integrals_obey_the_vector_identities),
-      RUN(inertial_identities_hold_as_published), RUN(accelerations_agree_with_a_particle_model),
-      RUN(momenta_agree_with_a_particle_model), RUN(elastic_forces_agree_with_a_particle_model),
-      RUN(each_set_of_effects_follows_its_own_lagrangian), RUN(bodies_do_not_depend_on_the_units),
-      RUN(residual_inertia_vanishes_on_a_rotation_closed_basis), RUN(functions_close_the_basis),
-      RUN(beam_integrals_reproduce_mass_and_modal_mass), RUN(beam_integrals_hold_for_any_section_and_line),
-      RUN(quadratic_field_is_inextensible_and_twist_free), RUN(quadratic_field_follows_a_bent_line_in_any_attitude),
-      RUN(offset_masses_move_with_their_section), RUN(lumped_bodies_are_the_particles_they_stand_for),
-      RUN(a_beam_may_take_later_coordinates), RUN(power_of_loads_is_the_rate_of_energy),
-      RUN(node_kinematics_match_finite_differences), RUN(reactions_balance_the_momentum),
-      RUN(a_held_body_is_a_free_one_with_its_reactions), RUN(pinned_and_hinged_bodies_swing_as_rigid_pendulums),
-      RUN(a_falling_body_does_not_deform), RUN(elastic_response_is_frame_indifferent),
-      RUN(damped_free_decay_has_the_given_ratio), RUN(spinning_beams_stiffen_as_published),
-      RUN(linear_models_of_spinning_beams_have_the_published_frequencies), RUN(a_rigid_body_is_the_case_of_no_modes),
-      RUN(bodies_refuse_bad_input))
+      RUN(joints_know_no_unit_of_mass), RUN(a_free_beam_bends_about_its_mass_center),
+      RUN(joined_modes_are_of_the_kind_of_their_largest_share), RUN(bodies_are_sound_in_any_unit),
+      RUN(joined_rods_hang_from_their_weld), RUN(joined_components_converge_and_refuse),
+      RUN(shape_integrals_obey_the_vector_identities), RUN(inertial_identities_hold_as_published),
+      RUN(accelerations_agree_with_a_particle_model), RUN(momenta_agree_with_a_particle_model),
+      RUN(elastic_forces_agree_with_a_particle_model), RUN(each_set_of_effects_follows_its_own_lagrangian),
+      RUN(bodies_do_not_depend_on_the_units), RUN(residual_inertia_vanishes_on_a_rotation_closed_basis),
+      RUN(functions_close_the_basis), RUN(beam_integrals_reproduce_mass_and_modal_mass),
+      RUN(beam_integrals_hold_for_any_section_and_line), RUN(quadratic_field_is_inextensible_and_twist_free),
+      RUN(quadratic_field_follows_a_bent_line_in_any_attitude), RUN(offset_masses_move_with_their_section),
+      RUN(lumped_bodies_are_the_particles_they_stand_for), RUN(a_beam_may_take_later_coordinates),
+      RUN(power_of_loads_is_the_rate_of_energy), RUN(node_kinematics_match_finite_differences),
+      RUN(reactions_balance_the_momentum), RUN(a_held_body_is_a_free_one_with_its_reactions),
+      RUN(pinned_and_hinged_bodies_swing_as_rigid_pendulums), RUN(a_falling_body_does_not_deform),
+      RUN(elastic_response_is_frame_indifferent), RUN(damped_free_decay_has_the_given_ratio),
+      RUN(spinning_beams_stiffen_as_published), RUN(linear_models_of_spinning_beams_have_the_published_frequencies),
+      RUN(a_rigid_body_is_the_case_of_no_modes), RUN(bodies_refuse_bad_input))

@@ -782,8 +782,8 @@ TEST(the_exponential_limit_knows_the_tension)
   FBT_NEAR_REL(fb_exponential_limit(&body, (fb_real)spin, 0), 1.0 / (expected * spin * spin), 1e-3);
 }
 
-/* E11.11: of several modes in each plane, by brute force: the tension of the beam's mass per spin squared, by half the root
-   of the largest eigenvalue of S^2 against K, S from the slopes at the strain stations. */
+/* E11.11: of several modes in each plane, by brute force: the tension of the beam's mass per spin squared, by half the
+   root of the largest eigenvalue of S^2 against K, S from the slopes at the strain stations. */
 TEST(the_tension_limit_counts_all_modes)
 {
   fb_real S[16], A[16], K[16], X[16], d[4];
