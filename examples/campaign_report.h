@@ -227,8 +227,8 @@ static void report_requirement(const report *r, int k)
   middle = (met + 0.5 * z * z) / (n + z * z);
   half = z / (n + z * z) * sqrt(met * (n - met) / n + 0.25 * z * z);
   printf("\n%s %s %g: %.0f of %d runs that are ok, %.1f %% (%.1f to %.1f %%)", c->require[k].measure,
-         c->require[k].above ? "above" : "below", limit, met, r->n, 100 * met / n,
-         100 * fmax(0, middle - half), 100 * fmin(1, middle + half));
+         c->require[k].above ? "above" : "below", limit, met, r->n, 100 * met / n, 100 * fmax(0, middle - half),
+         100 * fmin(1, middle + half));
 }
 
 static void report_correlations(const report *r)
