@@ -2083,6 +2083,9 @@ TEST(inertial_identities_hold_as_published)
   }
 }
 
+static fb_real half_unit = FB_R(1.0); /* [kg] of halves */
+static double half_turn;              /* [rad] of the outer one about the line */
+
 /* The boom in its own axes as one beam, or its inner or outer half as a component. */
 static void half_beam(fb_beam *out, fb_modes *basis, int half, int elements, fb_root root, fb_basis kind)
 {
@@ -2092,13 +2095,15 @@ static void half_beam(fb_beam *out, fb_modes *basis, int half, int elements, fb_
   memset(&keep, 0, sizeof keep);
   beam_desc.length = half < 0 ? FB_R(6.0) : half ? FB_R(4.0) : FB_R(2.0); /* a third and two thirds */
   beam_desc.position[0] = half > 0 ? FB_R(6.0) * third + FB_R(0.5) : FB_R(0.5);
+  beam_desc.attitude[0] = half > 0 ? (fb_real)cos(0.5 * half_turn) : FB_R(1.0);
+  beam_desc.attitude[1] = half > 0 ? (fb_real)sin(0.5 * half_turn) : FB_R(0.0);
   beam_desc.n_element = elements;
   beam_desc.root = root;
   beam_desc.n_station = 1;
-  beam_desc.station[0].mass = FB_R(1.3);
-  beam_desc.station[0].EI_y = FB_R(50.0);
-  beam_desc.station[0].EI_z = FB_R(80.0);
-  beam_desc.station[0].i_y = beam_desc.station[0].i_z = FB_R(0.01);
+  beam_desc.station[0].mass = FB_R(1.3) * half_unit;
+  beam_desc.station[0].EI_y = FB_R(50.0) * half_unit;
+  beam_desc.station[0].EI_z = FB_R(80.0) * half_unit;
+  beam_desc.station[0].i_y = beam_desc.station[0].i_z = FB_R(0.01) * half_unit;
   keep.basis = kind;
   keep.count[FB_KIND_BEND_Y] = kind == FB_BASIS_MODES ? 3 : 1;
   keep.count[FB_KIND_BEND_Z] = kind == FB_BASIS_MODES ? 4 : 1;
@@ -2177,6 +2182,157 @@ TEST(joined_halves_are_the_whole)
       }
     }
   }
+}
+
+/* E7.11, E7.12: what is redundant in the welds, up to rounding, does not depend on the unit of mass. */
+TEST(joints_know_no_unit_of_mass)
+{
+  static fb_beam part[2];
+  static fb_modes basis[2], joined[2];
+  static fb_join_work join_work;
+  static const fb_weld weld[2] = {{{0, 1}, {2, 0}}, {{1, 0}, {0, 2}}};
+  double omega[4];
+  for (int k = 0; k < 3; k++) {
+    half_unit = (fb_real)ldexp(1.0, k == 0 ? 0 : k == 1 ? 40 : -40);
+    half_beam(&part[0], &basis[0], 0, 2, FB_ROOT_CLAMPED, FB_BASIS_ELEMENTS);
+    half_beam(&part[1], &basis[1], 1, 3, FB_ROOT_FREE, FB_BASIS_ELEMENTS);
+    FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, weld, 2, 4, FB_R(0.0)), FB_OK);
+    for (int a = 0; a < 4; a++) {
+      omega[a] = k == 0 ? (double)joined[0].omega[a] : omega[a];
+      FBT_NEAR_REL(joined[0].omega[a], omega[a], FBT_TOL(1e-9, 1e-3));
+    }
+  }
+  half_unit = FB_R(1.0);
+}
+
+/* E8.32: the quadratic field of a free beam that is heavier to one end, and with bodies on it, leaves the mass of the
+   line where it is: int chi dm is nothing beside the mass times what the tip moves. */
+TEST(a_free_beam_bends_about_its_mass_center)
+{
+  for (int lumps = 0; lumps < 2; lumps++) {
+    static fb_modes_desc keep;
+    double largest = 0.0;
+    int tip;
+    half_beam(&beam, &modes, -1, 4, FB_ROOT_FREE, FB_BASIS_MODES);
+    memset(&keep, 0, sizeof keep);
+    keep.count[FB_KIND_BEND_Y] = keep.count[FB_KIND_BEND_Z] = 2;
+    beam_desc.n_station = 2;
+    beam_desc.station[1] = beam_desc.station[0];
+    beam_desc.station[1].x = beam_desc.length;
+    beam_desc.station[1].mass = FB_R(9.0) * beam_desc.station[0].mass;
+    beam_desc.n_lump = 2 * lumps;
+    beam_desc.lump[0].node = 2;
+    beam_desc.lump[1].node = 4;
+    beam_desc.lump[0].mass = beam_desc.lump[1].mass = FB_R(5.0);
+    FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
+    FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_OK);
+    FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
+    FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
+    FBT_INT_EQ(fb_shape_add_beam_node(&shape, &tip, 0, &beam, &modes, beam_desc.length), FB_OK);
+    for (int i = 0; i < 3 * modes.n * (modes.n + 1) / 2; i++) {
+      largest = fmax(largest, fabs((double)(shape.mass * shape.node[tip].chi[i])));
+    }
+    FBT_TRUE(largest > 0.01);
+    FBT_BELOW(fbt_largest(shape.pchi, 3 * modes.n * modes.n), 1e-3 * largest);
+  }
+}
+
+/* E7.12: halves turned against each other about their line have modes that bend both ways: one has the kind of the
+   coordinate with the largest share, in units of its modal mass, and the sign in which that is positive. */
+TEST(joined_modes_are_of_the_kind_of_their_largest_share)
+{
+  static fb_beam part[2];
+  static fb_modes basis[2], joined[2];
+  static fb_join_work join_work;
+  static const fb_weld weld = {{0, 1}, {2, 0}};
+  for (int turn = 1; turn <= 6; turn++) {
+    half_turn = 0.25 * turn;
+    half_beam(&part[0], &basis[0], 0, 2, FB_ROOT_CLAMPED, FB_BASIS_ELEMENTS);
+    half_beam(&part[1], &basis[1], 1, 4, FB_ROOT_FREE, FB_BASIS_ELEMENTS);
+    FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, 7, FB_R(0.0)), FB_OK);
+    for (int k = 0; k < 7; k++) {
+      double best = 0.0, of_kind[FB_KIND_COUNT] = {0.0};
+      for (int ca = 0; ca < basis[0].n + basis[1].n; ca++) {
+        const int c = ca >= basis[0].n, a = c ? ca - basis[0].n : ca, ndof = basis[c].ndof;
+        const double own = (double)basis[c].M[a * (basis[c].n + 1)];
+        double share = 0.0, size = 0.0;
+        for (int i = 0; i < ndof; i++) { /* a coordinate of an element moves nothing that another one moves */
+          share += (double)joined[c].shape[k * ndof + i] * (double)basis[c].shape[a * ndof + i];
+          size += pow((double)basis[c].shape[a * ndof + i], 2.0);
+        }
+        share *= sqrt(own) / size;
+        best = fabs(share) > fabs(best) ? share : best;
+        of_kind[basis[c].kind[a]] = fmax(of_kind[basis[c].kind[a]], fabs(share));
+      }
+      FBT_TRUE(best > 0.0);
+      FBT_NEAR_REL(of_kind[joined[0].kind[k]], fabs(best), FBT_TOL(1e-6, 1e-2));
+      FBT_INT_EQ(joined[1].kind[k], joined[0].kind[k]);
+    }
+  }
+  half_turn = 0.0;
+}
+
+/* A sound body passes its check in any unit of mass and time; its radius of gyration is the root of the mean square of
+   the distance from O: (a^2 + a b + b^2)/3 of a line from a to b, and the sections' own. */
+TEST(bodies_are_sound_in_any_unit)
+{
+  for (int k = 0; k < 9; k++) {
+    const double soft = ldexp(1.0, 12 * (k / 3 - 1));
+    static fb_modes_desc keep;
+    fb_body_desc level;
+    half_unit = (fb_real)ldexp(1.0, 20 * (k % 3 - 1));
+    half_beam(&beam, &modes, -1, 6, FB_ROOT_CLAMPED, FB_BASIS_MODES);
+    beam_desc.station[0].EI_y *= (fb_real)soft;
+    beam_desc.station[0].EI_z *= (fb_real)soft;
+    memset(&keep, 0, sizeof keep);
+    keep.count[FB_KIND_BEND_Y] = keep.count[FB_KIND_BEND_Z] = 1;
+    FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
+    FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_OK);
+    FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
+    FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
+    memset(&level, 0, sizeof level);
+    level.effects = FB_EFFECTS_FULL;
+    level.base = FB_BASE_PRESCRIBED;
+    FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
+    FBT_INT_EQ(fb_body_check(&body), FB_OK);
+    FBT_NEAR_REL(body.gyration, sqrt((6.5 * 6.5 + 6.5 * 0.5 + 0.5 * 0.5) / 3.0 + 0.02 / 1.3), FBT_TOL(1e-12, 1e-5));
+  }
+  half_unit = FB_R(1.0);
+}
+
+/* E7.12: a rod cut in two that keeps one common mode, along x alone: its outer half hangs from a node at the weld, as
+   every other does. */
+TEST(joined_rods_hang_from_their_weld)
+{
+  static fb_beam part[2];
+  static fb_modes basis[2], joined[2];
+  static fb_modes_desc keep;
+  static fb_join_work join_work;
+  static const fb_weld weld = {{0, 1}, {1, 0}};
+  int node;
+  for (int c = 0; c < 2; c++) {
+    memset(&beam_desc, 0, sizeof beam_desc);
+    memset(&keep, 0, sizeof keep);
+    beam_desc.length = FB_R(1.0);
+    beam_desc.position[0] = (fb_real)c;
+    beam_desc.n_element = 1;
+    beam_desc.root = c ? FB_ROOT_FREE : FB_ROOT_CLAMPED;
+    beam_desc.n_station = 1;
+    beam_desc.station[0].mass = FB_R(2.0);
+    beam_desc.station[0].EA = FB_R(7.0);
+    keep.basis = FB_BASIS_ELEMENTS;
+    keep.count[FB_KIND_AXIAL] = 1;
+    FBT_INT_EQ(fb_beam_init(&part[c], &beam_desc), FB_OK);
+    FBT_INT_EQ(fb_modes_solve(&basis[c], &modes_work, &part[c], &keep), FB_OK);
+  }
+  FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, 1, FB_R(0.0)), FB_OK);
+  FBT_INT_EQ(joined[1].kind[0], FB_KIND_AXIAL);
+  FBT_NEAR_REL(joined[0].omega[0], 1.5707963267948966 / 2.0 * sqrt(7.0 / 2.0), 0.03); /* two elements of first degree */
+  FBT_INT_EQ(fb_shape_init(&shape, 1), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &part[0], &joined[0]), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &part[1], &joined[1]), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &part[0], &joined[0], FB_R(1.0)), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &part[1], &joined[1]), FB_OK);
 }
 
 /* E7.11, E7.12: Craig-Bampton halves: the error falls as modes are kept; a free-flying pair has no rigid modes left and
@@ -2568,18 +2724,20 @@ SUITE(body, RUN(rows_without_terms_are_refused), RUN(massless_prescribed_bodies_
       RUN(the_check_word_sees_every_flipped_bit), RUN(the_check_word_sees_every_number),
       RUN(a_strain_gauge_reads_the_bending_moment), RUN(hopkins_element_has_the_exact_integrals),
       RUN(finite_element_models_are_the_beams_they_came_from), RUN(joined_halves_are_the_whole),
-      RUN(joined_components_converge_and_refuse), RUN(shape_integrals_obey_the_vector_identities),
-      RUN(inertial_identities_hold_as_published), RUN(accelerations_agree_with_a_particle_model),
-      RUN(momenta_agree_with_a_particle_model), RUN(elastic_forces_agree_with_a_particle_model),
-      RUN(each_set_of_effects_follows_its_own_lagrangian), RUN(bodies_do_not_depend_on_the_units),
-      RUN(residual_inertia_vanishes_on_a_rotation_closed_basis), RUN(functions_close_the_basis),
-      RUN(beam_integrals_reproduce_mass_and_modal_mass), RUN(beam_integrals_hold_for_any_section_and_line),
-      RUN(quadratic_field_is_inextensible_and_twist_free), RUN(quadratic_field_follows_a_bent_line_in_any_attitude),
-      RUN(offset_masses_move_with_their_section), RUN(lumped_bodies_are_the_particles_they_stand_for),
-      RUN(a_beam_may_take_later_coordinates), RUN(power_of_loads_is_the_rate_of_energy),
-      RUN(node_kinematics_match_finite_differences), RUN(reactions_balance_the_momentum),
-      RUN(a_held_body_is_a_free_one_with_its_reactions), RUN(pinned_and_hinged_bodies_swing_as_rigid_pendulums),
-      RUN(a_falling_body_does_not_deform), RUN(elastic_response_is_frame_indifferent),
-      RUN(damped_free_decay_has_the_given_ratio), RUN(spinning_beams_stiffen_as_published),
-      RUN(linear_models_of_spinning_beams_have_the_published_frequencies), RUN(a_rigid_body_is_the_case_of_no_modes),
-      RUN(bodies_refuse_bad_input))
+      RUN(joints_know_no_unit_of_mass), RUN(a_free_beam_bends_about_its_mass_center),
+      RUN(joined_modes_are_of_the_kind_of_their_largest_share), RUN(bodies_are_sound_in_any_unit),
+      RUN(joined_rods_hang_from_their_weld), RUN(joined_components_converge_and_refuse),
+      RUN(shape_integrals_obey_the_vector_identities), RUN(inertial_identities_hold_as_published),
+      RUN(accelerations_agree_with_a_particle_model), RUN(momenta_agree_with_a_particle_model),
+      RUN(elastic_forces_agree_with_a_particle_model), RUN(each_set_of_effects_follows_its_own_lagrangian),
+      RUN(bodies_do_not_depend_on_the_units), RUN(residual_inertia_vanishes_on_a_rotation_closed_basis),
+      RUN(functions_close_the_basis), RUN(beam_integrals_reproduce_mass_and_modal_mass),
+      RUN(beam_integrals_hold_for_any_section_and_line), RUN(quadratic_field_is_inextensible_and_twist_free),
+      RUN(quadratic_field_follows_a_bent_line_in_any_attitude), RUN(offset_masses_move_with_their_section),
+      RUN(lumped_bodies_are_the_particles_they_stand_for), RUN(a_beam_may_take_later_coordinates),
+      RUN(power_of_loads_is_the_rate_of_energy), RUN(node_kinematics_match_finite_differences),
+      RUN(reactions_balance_the_momentum), RUN(a_held_body_is_a_free_one_with_its_reactions),
+      RUN(pinned_and_hinged_bodies_swing_as_rigid_pendulums), RUN(a_falling_body_does_not_deform),
+      RUN(elastic_response_is_frame_indifferent), RUN(damped_free_decay_has_the_given_ratio),
+      RUN(spinning_beams_stiffen_as_published), RUN(linear_models_of_spinning_beams_have_the_published_frequencies),
+      RUN(a_rigid_body_is_the_case_of_no_modes), RUN(bodies_refuse_bad_input))

@@ -782,6 +782,39 @@ TEST(the_exponential_limit_knows_the_tension)
   FBT_NEAR_REL(fb_exponential_limit(&body, (fb_real)spin, 0), 1.0 / (expected * spin * spin), 1e-3);
 }
 
+/* E11.11: of several modes in each plane, by brute force: the tension of the beam's mass per spin squared, by half the
+   root of the largest eigenvalue of S^2 against K, S from the slopes at the strain stations. */
+TEST(the_tension_limit_counts_all_modes)
+{
+  fb_real S[16], A[16], K[16], X[16], d[4];
+  fb_modes_desc keep;
+  strained_beam(2, 1e5, 9000.0, 0);
+  memset(&keep, 0, sizeof keep);
+  keep.count[FB_KIND_BEND_Y] = keep.count[FB_KIND_BEND_Z] = 2;
+  FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_OK);
+  FBT_INT_EQ(fb_shape_init(&shape, 4), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam_strain(&shape, 0, &beam, &modes), FB_OK);
+  strained_body(FB_BASE_PRESCRIBED, FB_FORM_MOMENTUM);
+  memset(S, 0, sizeof S);
+  for (int i = 0; i < body.n_strain_row; i++) {
+    for (int j = 0; j < body.n_strain_row; j++) {
+      const fb_strain_row *a = &body.strain_row[i], *b = &body.strain_row[j];
+      for (int g = 0; g < body.n_strain && a->axis == b->axis && a->axis > 0; g++) {
+        S[4 * a->a + b->a] += body.strain_weight[g] * a->slope[g] * b->slope[g];
+      }
+    }
+  }
+  memset(A, 0, sizeof A);
+  for (int i = 0; i < 64; i++) {
+    A[i / 4] += S[i / 16 * 4 + i % 4] * S[i % 4 * 4 + i / 4 % 4];
+  }
+  memcpy(K, shape.K, sizeof K);
+  FBT_INT_EQ(fb_eig_gen_solve(d, X, A, K, 4), FB_OK);
+  FBT_NEAR_REL(body.limit_tension, 0.5 * (double)shape.stretch * sqrt((double)d[3]), 1e-3);
+  FBT_TRUE(fabs((double)S[0 * 4 + 1]) + fabs((double)S[0 * 4 + 2]) + fabs((double)S[0 * 4 + 3]) > 0.1 * (double)S[0]);
+}
+
 /* E11.15: what acts on the first body of a system accelerates its O, by which the quadratic field stiffens: steps are
    refused from the limit at that acceleration on, in every unit of mass. */
 TEST(loads_shorten_the_steps_of_systems)
@@ -1102,10 +1135,10 @@ SUITE(integrate, RUN(each_scheme_converges_at_its_order), RUN(midpoint_keeps_ene
       RUN(steps_may_be_a_thousand_periods_long), RUN(steps_within_the_limit_are_stable),
       RUN(implicit_schemes_do_not_mind_drift), RUN(iterations_are_newtons),
       RUN(the_exponential_limit_is_a_part_of_a_turn), RUN(the_exponential_limit_knows_the_tension),
-      RUN(loads_shorten_the_steps_of_systems), RUN(membrane_coordinates_make_the_strain_linear),
-      RUN(the_tangent_is_the_derivative_of_the_forces), RUN(the_exponential_scheme_is_exact_for_linear_bodies),
-      RUN(stiff_axial_modes_do_not_set_the_step), RUN(implicit_schemes_advance_every_form),
-      RUN(every_scheme_refuses_bad_input), RUN(rk4_converges_with_order_four),
+      RUN(the_tension_limit_counts_all_modes), RUN(loads_shorten_the_steps_of_systems),
+      RUN(membrane_coordinates_make_the_strain_linear), RUN(the_tangent_is_the_derivative_of_the_forces),
+      RUN(the_exponential_scheme_is_exact_for_linear_bodies), RUN(stiff_axial_modes_do_not_set_the_step),
+      RUN(implicit_schemes_advance_every_form), RUN(every_scheme_refuses_bad_input), RUN(rk4_converges_with_order_four),
       RUN(tumbling_conserves_momentum_and_energy), RUN(short_steps_lose_nothing), RUN(slow_modes_keep_their_phase),
       RUN(bodies_stepped_in_turn_do_not_meet), RUN(the_step_limit_is_the_stability_boundary),
       RUN(the_step_limit_knows_the_acceleration_of_a_far_origin), RUN(decay_reaches_zero_without_subnormals),

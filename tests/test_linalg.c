@@ -536,14 +536,19 @@ TEST(general_eigenvectors_satisfy_their_equation)
       FBT_NEAR_ABS(conjugates, 0.0, 8.0 * n * EPS * (1.0 + scale));
     }
   }
-  memset(A, 0, sizeof A); /* Jordan */
-  for (int i = 0; i < 5; i++) {
-    A[6 * i] = FB_R(1.0);
-    A[6 * i + (i < 4)] += i < 4 ? FB_R(1.0) : FB_R(0.0);
-  }
-  FBT_INT_EQ(fb_eig_general_solve(re, im, V2, A, general_work, 5), FB_OK);
-  for (int k = 0; k < 5; k++) {
-    FBT_NEAR_ABS(hypot((double)re[k] - 1.0, (double)im[k]), 0.0, 4.0 * pow(EPS, 0.2));
+  for (int power = -40; power <= 40; power += 40) { /* Jordan, in any unit */
+    const double unit = ldexp(1.0, power);
+    memset(A, 0, sizeof A);
+    for (int i = 0; i < 5; i++) {
+      A[6 * i] = (fb_real)unit;
+      A[6 * i + (i < 4)] += i < 4 ? (fb_real)unit : FB_R(0.0);
+    }
+    memcpy(B, A, sizeof A);
+    FBT_INT_EQ(fb_eig_general_solve(re, im, V2, A, general_work, 5), FB_OK);
+    for (int k = 0; k < 5; k++) {
+      FBT_NEAR_ABS(hypot((double)re[k] / unit - 1.0, (double)im[k] / unit), 0.0, 4.0 * pow(EPS, 0.2));
+    }
+    FBT_BELOW(general_residual(B, 5), 20.0);
   }
   memset(A, 0, sizeof A);
   FBT_INT_EQ(fb_eig_general_solve(re, im, V2, A, general_work, 3), FB_OK);

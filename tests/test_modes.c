@@ -1585,18 +1585,41 @@ TEST(functions_are_orthonormal_and_as_smooth_as_they_claim)
   }
 }
 
+/* E7.5: of one direction alone the first functions are its lowest modes, those of its own stiffness (beta L = 1.8751 of
+   the clamped-free beam, pi/2 of the rod), from above; those of the rod have no strain at the root. */
+TEST(functions_of_one_direction_are_its_lowest_modes)
+{
+  static const double beta_L[3] = {1.8751040687119611, 1.8751040687119611, 1.5707963267948966};
+  static const fb_kind kind[3] = {FB_KIND_BEND_Y, FB_KIND_BEND_Z, FB_KIND_AXIAL};
+  for (int d = 0; d < 3; d++) {
+    static fb_modes_desc keep;
+    const double stiffness[3] = {7.0, 5.0, 11.0}; /* EI_z, EI_y, EA */
+    memset(&keep, 0, sizeof keep);
+    keep.basis = FB_BASIS_FUNCTIONS;
+    keep.count[kind[d]] = 1;
+    uniform_desc(3, FB_ROOT_CLAMPED);
+    desc.station[0].EI_z = d == 0 ? FB_R(7.0) : FB_R(0.0);
+    desc.station[0].EI_y = d == 1 ? FB_R(5.0) : FB_R(0.0);
+    desc.station[0].EA = d == 2 ? FB_R(11.0) : FB_R(0.0);
+    FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+    FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, &keep), FB_OK);
+    FBT_INT_EQ(modes.n, 1);
+    FBT_NEAR_REL(modes.K[0], stiffness[d] / 3.0 * pow(beta_L[d] / 2.0, d < 2 ? 4.0 : 2.0), d < 2 ? 3e-4 : 0.1);
+  }
+}
+
 SUITE(modes, RUN(hurty_example_has_the_printed_numbers),
       RUN(boundaries_that_move_a_free_component_have_no_negative_stiffness),
       RUN(components_deflect_exactly_at_their_boundary), RUN(static_corrections_make_loads_exact),
       RUN(the_lowest_modes_are_the_lowest_of_all_kinds), RUN(effective_masses_add_up_to_the_beam),
       RUN(components_keep_their_rigid_motions), RUN(columns_buckle_under_the_published_loads),
       RUN(preload_changes_the_frequencies_as_in_a_stiff_string), RUN(timoshenko_beams_have_the_published_frequencies),
-      RUN(functions_are_orthonormal_and_as_smooth_as_they_claim), RUN(beam_frequencies_match_the_closed_form),
-      RUN(frequencies_converge_with_order_eight_and_six), RUN(element_coordinates_converge_with_order_four_and_two),
-      RUN(tip_mass_lowers_the_frequencies_as_published), RUN(rotary_inertia_lowers_the_frequencies_as_rayleigh_found),
-      RUN(tapered_beam_has_the_published_frequencies), RUN(modes_are_orthonormal_with_a_fixed_sign),
-      RUN(a_held_tip_does_not_choose_the_sign), RUN(a_round_beam_has_pairs_of_unmixed_modes),
-      RUN(a_body_beside_the_axis_couples_bending_and_torsion), RUN(a_beam_without_mass_has_the_modes_of_its_tip_body),
-      RUN(frequencies_do_not_depend_on_the_units), RUN(modes_are_selected_by_count_and_frequency),
-      RUN(element_coordinates_keep_the_element_matrices), RUN(modes_for_a_spin_hold_the_modes_under_tension),
-      RUN(modes_that_do_not_exist_are_refused))
+      RUN(functions_are_orthonormal_and_as_smooth_as_they_claim), RUN(functions_of_one_direction_are_its_lowest_modes),
+      RUN(beam_frequencies_match_the_closed_form), RUN(frequencies_converge_with_order_eight_and_six),
+      RUN(element_coordinates_converge_with_order_four_and_two), RUN(tip_mass_lowers_the_frequencies_as_published),
+      RUN(rotary_inertia_lowers_the_frequencies_as_rayleigh_found), RUN(tapered_beam_has_the_published_frequencies),
+      RUN(modes_are_orthonormal_with_a_fixed_sign), RUN(a_held_tip_does_not_choose_the_sign),
+      RUN(a_round_beam_has_pairs_of_unmixed_modes), RUN(a_body_beside_the_axis_couples_bending_and_torsion),
+      RUN(a_beam_without_mass_has_the_modes_of_its_tip_body), RUN(frequencies_do_not_depend_on_the_units),
+      RUN(modes_are_selected_by_count_and_frequency), RUN(element_coordinates_keep_the_element_matrices),
+      RUN(modes_for_a_spin_hold_the_modes_under_tension), RUN(modes_that_do_not_exist_are_refused))
