@@ -825,10 +825,10 @@ TEST(dissipation_is_that_of_its_formula)
   }
 }
 
-/* E10.14, E11.20: a free beam, bent and tumbling: linear and angular momentum, to order 2. */
+/* E10.14, E11.20, E11.21: a free beam, bent and tumbling: linear and angular momentum about the origin, but for
+   what the strains' own turn lacks. */
 TEST(free_flight_keeps_momentum)
 {
-  double error[2];
   for (int fine = 0; fine < 2; fine++) {
     const double stiffness[6] = {1e4, 4e3, 4e3, 80.0, 100.0, 100.0}, inertia[6] = {1.0, 1.0, 1.0, 2e-2, 1e-2, 1e-2};
     fb_momentum a, b;
@@ -853,11 +853,7 @@ TEST(free_flight_keeps_momentum)
       worst = fmax(worst, fbt_difference(a.angular, b.angular, 3) / scale);
       worst = fmax(worst, fbt_difference(a.linear, b.linear, 3) / 5.0);
     }
-    error[fine] = worst;
-  }
-  FBT_BELOW(error[0], FBT_TOL(1e-4, 1e-3));
-  if (!FB_SINGLE) {
-    FBT_NEAR_REL(error[0] / error[1], 4.0, 0.1);
+    FBT_BELOW(worst, FBT_TOL(2e-6, 1e-4));
   }
 }
 
@@ -947,29 +943,34 @@ TEST(momenta_of_a_rigid_motion_are_those_of_its_energy)
   }
 }
 
-/* E10.8, E11.21: a rigid beam that turns about a principal axis and flies across it keeps momentum and angular momentum about a
-   point of space in large steps, too: its center goes along a straight line. */
+/* E10.8, E11.21: a rigid beam that turns about a principal axis and flies across and along it, or tumbles, keeps momentum
+   and angular momentum about a point of space in large steps, too: its center goes along a straight line. */
 TEST(rigid_flight_is_straight)
 {
   const double stiffness[6] = {0.0}, inertia[6] = {1.5, 1.5, 1.5, 0.3, 0.1, 0.2};
-  fb_momentum a, b;
-  beam(2.0, 3, stiffness, inertia);
-  desc.root = FB_END_FREE;
-  desc.iterations = 10;
-  input.v[0] = FB_R(1.0);
-  input.v[1] = FB_R(0.3);
-  input.w[2] = FB_R(1.2);
-  start();
-  FBT_INT_EQ(fb_mixed_momentum(&mixed, &a, &state), FB_OK);
-  for (int k = 0; k < 20; k++) {
-    if (steps(5, 0.1) != FB_OK) {
-      return;
+  for (int tumbles = 0; tumbles < 2; tumbles++) {
+    fb_momentum a, b;
+    beam(2.0, 3, stiffness, inertia);
+    desc.root = FB_END_FREE;
+    desc.iterations = 10;
+    input.v[0] = FB_R(1.0);
+    input.v[1] = FB_R(0.3);
+    input.v[2] = FB_R(0.7);
+    input.w[0] = tumbles ? FB_R(0.4) : FB_R(0.0);
+    input.w[1] = tumbles ? FB_R(0.5) : FB_R(0.0);
+    input.w[2] = FB_R(1.2);
+    start();
+    FBT_INT_EQ(fb_mixed_momentum(&mixed, &a, &state), FB_OK);
+    for (int k = 0; k < 20; k++) {
+      if (steps(5, 0.1) != FB_OK) {
+        return;
+      }
+      FBT_INT_EQ(fb_mixed_momentum(&mixed, &b, &state), FB_OK);
+      FBT_BELOW(fbt_difference(a.linear, b.linear, 3), FBT_TOL(1e-10, 1e-3));
+      FBT_BELOW(fbt_difference(a.angular, b.angular, 3), FBT_TOL(1e-10, 1e-3));
     }
-    FBT_INT_EQ(fb_mixed_momentum(&mixed, &b, &state), FB_OK);
-    FBT_BELOW(fbt_difference(a.linear, b.linear, 3), FBT_TOL(1e-10, 1e-3));
-    FBT_BELOW(fbt_difference(a.angular, b.angular, 3), FBT_TOL(1e-10, 1e-3));
+    FBT_BELOW(5.0, fbt_largest(state.base_position, 3));
   }
-  FBT_BELOW(5.0, fbt_largest(state.base_position, 3));
 }
 
 /* E10.6: a beam that hardly bends turns like a rigid rod of its inertia: pinned, under a torque. */
