@@ -930,11 +930,13 @@ static fb_system_input driven(double t)
 }
 
 /* Motion of a couple, its joint j as number 1, backwards with the other sign, and of the whole the power, that of the
-   motors, the energy. */
+   motors, the energy; whatever the scratch held before. */
 static void couple_eval(fb_system_motion *at, fb_real whole[3], int j, int backwards)
 {
   fb_energy energy;
+  memset(&work, 0xff, sizeof work);
   FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, at, &state, &input), FB_OK);
+  memset(&work, 0xff, sizeof work);
   FBT_INT_EQ(fb_system_rates(&mechanism, model, &work, &rate, &state, &input), FB_OK);
   FBT_INT_EQ(fb_system_energy(&mechanism, model, &work, &energy, &state, &input), FB_OK);
   whole[0] = at->power;
@@ -1942,6 +1944,7 @@ TEST(the_check_word_of_a_system_sees_every_byte)
   unsigned word;
   int joints, most;
   tree(FB_EFFECTS_SPIN, 1);
+  (void)close_loop(FB_JOINT_SPHERICAL, 4, 0, 6, 0);
   init(FB_METHOD_RECURSIVE);
   joints = mechanism.n_body + mechanism.n_loop;
   most = (int)sizeof(fb_joint) * (FBT_COUNT(mechanism.joint) - joints) + pad * (joints + 1) +
