@@ -236,6 +236,19 @@ TEST(points_between_nodes_lie_on_the_curve)
       FBT_BELOW(distance(p, sin(M * x) / M, (1.0 - cos(M * x)) / M, 0.0), FBT_TOL(1e-10, 1e-5));
     }
   }
+  elastica(4); /* bent by a load on the line: no gap before a node */
+  for (int k = 0; k < 4; k++) {
+    input.line[k].force[1] = FB_R(6.0);
+    input.line[k].torque[2] = FB_R(2.0);
+  }
+  settle();
+  for (int k = 1; k <= 4; k++) {
+    const double before = 0.25 * k - FBT_TOL(1e-9, 1e-5);
+    fb_real p[3], q[4];
+    FBT_INT_EQ(fb_mixed_point_eval(&mixed, p, q, &state, (fb_real)before), FB_OK);
+    FBT_BELOW(distance(p, (double)node[k].position[0], (double)node[k].position[1], 0.0), FBT_TOL(2e-9, 3e-5));
+    FBT_BELOW(1.0 - fabs((double)(q[0] * node[k].quat[0] + q[3] * node[k].quat[3])), FBT_TOL(1e-14, 1e-6));
+  }
   elastica(8); /* bent by a force: the middle of an element against a mesh twice as fine */
   load_tip(FB_AXES_NODE, 0.0, 4.0, 0.0);
   settle();
@@ -1427,6 +1440,40 @@ TEST(a_body_on_a_light_beam_rings_in_closed_form)
   }
 }
 
+/* E12.4, E10.10: two bodies off the line of a stiff bar, on its middle, which slides along the axis of its spin W and swings
+   about z: omega^2 = W^2 (sum m c^2 - J)/(sum m c^2 + J - (sum m c)^2/mass), J of the bar. Their loads on what holds the
+   node turn with it, and have no part in this. */
+TEST(bodies_swing_on_a_spinning_slide_in_closed_form)
+{
+  const double k = FBT_TOL(1e7, 1e3), stiffness[6] = {k, k, k, k, k, k}, inertia[6] = {0.4, 0.4, 0.4, 0.0, 0.0, 0.0};
+  const double m[2] = {0.3, 0.5}, c[2] = {0.5, 0.4}, W = 1.5, J = 0.4 / 12.0;
+  const double square = m[0] * c[0] * c[0] + m[1] * c[1] * c[1], first = m[0] * c[0] + m[1] * c[1];
+  int swings = 0;
+  beam(1.0, 2, stiffness, inertia);
+  desc.root = FB_END_FREE;
+  desc.n_support = 1;
+  desc.support[0].node = 1;
+  desc.support[0].held = FB_END_CLAMPED & ~FB_HOLD_X & ~FB_HOLD_RZ;
+  desc.n_lump = 2;
+  for (int l = 0; l < 2; l++) {
+    desc.lump[l].node = 1;
+    desc.lump[l].mass = (fb_real)m[l];
+    desc.lump[l].center[1] = (fb_real)c[l];
+    desc.lump[l].center[2] = (fb_real)(0.3 - 0.2 * l);
+  }
+  input.w[0] = (fb_real)W;
+  start();
+  spectrum_of(2);
+  for (int i = 0; i < 2; i++) {
+    if (spectrum.im[i] > FB_R(0.5)) { /* the other slides */
+      FBT_NEAR_REL(spectrum.im[i], W * sqrt((square - J) / (square + J - first * first / (m[0] + m[1] + 0.4))),
+                   FBT_TOL(1e-5, 1e-2));
+      swings++;
+    }
+  }
+  FBT_INT_EQ(swings, 1);
+}
+
 /* E12.5: whatever their number, the slowest motions are the same (artefacts of the basis are not among them). */
 TEST(spectrum_does_not_depend_on_the_count)
 {
@@ -2252,10 +2299,10 @@ SUITE(mixed, RUN(the_check_word_of_a_mixed_beam_sees_every_byte), RUN(states_tha
       RUN(a_pendulum_keeps_its_energy), RUN(a_lump_is_a_rigid_body), RUN(element_fields_have_their_units),
       RUN(strain_energy_is_the_work_of_the_load), RUN(spectrum_of_a_straight_beam_is_the_textbooks),
       RUN(spectrum_does_not_depend_on_the_count), RUN(a_body_on_a_light_beam_rings_in_closed_form),
-      RUN(frequencies_of_a_straight_beam_are_of_order_four), RUN(becks_column_flutters_at_its_load),
-      RUN(shaft_whirls_as_in_closed_form), RUN(spinning_cantilever_has_the_published_frequencies),
-      RUN(a_free_beam_swings_as_the_exact_one), RUN(columns_buckle_at_eulers_load),
-      RUN(linear_beams_rest_where_the_beam_does), RUN(equal_frequencies_are_kept_together),
-      RUN(linear_beams_move_as_the_beam_does), RUN(linear_beams_answer_at_every_frequency),
-      RUN(linear_beams_flutter_and_whirl), RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode),
-      RUN(mixed_beam_refuses_bad_input))
+      RUN(bodies_swing_on_a_spinning_slide_in_closed_form), RUN(frequencies_of_a_straight_beam_are_of_order_four),
+      RUN(becks_column_flutters_at_its_load), RUN(shaft_whirls_as_in_closed_form),
+      RUN(spinning_cantilever_has_the_published_frequencies), RUN(a_free_beam_swings_as_the_exact_one),
+      RUN(columns_buckle_at_eulers_load), RUN(linear_beams_rest_where_the_beam_does),
+      RUN(equal_frequencies_are_kept_together), RUN(linear_beams_move_as_the_beam_does),
+      RUN(linear_beams_answer_at_every_frequency), RUN(linear_beams_flutter_and_whirl),
+      RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode), RUN(mixed_beam_refuses_bad_input))
