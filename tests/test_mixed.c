@@ -238,6 +238,7 @@ TEST(points_between_nodes_lie_on_the_curve)
   }
   elastica(4); /* bent by a load on the line: no gap before a node */
   for (int k = 0; k < 4; k++) {
+    input.line[k].axes = FB_AXES_NODE;
     input.line[k].force[1] = FB_R(6.0);
     input.line[k].torque[2] = FB_R(2.0);
   }
@@ -622,6 +623,26 @@ TEST(any_units_give_the_same_solution)
     FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
     tip = u == 0 ? (double)node[10].displacement[2] : tip;
     FBT_NEAR_ABS(node[10].displacement[2] / (fb_real)l, tip, FBT_TOL(1e-9, 1e-2));
+  }
+}
+
+/* Section 10, E12.4: frequencies follow the unit of time, however far from the beam's own it is: of one element that bends,
+   and of a rod that does nothing but stretch. */
+TEST(any_unit_of_time_gives_the_same_frequency)
+{
+  for (int rod = 0; rod < 2; rod++) {
+    double omega = 0.0;
+    for (int u = 0; u < 2; u++) {
+      const double t = u ? FBT_TOL(1e-20, 1e-6) : 1.0, k = 1.0 / (t * t), bend = rod ? 0.0 : k;
+      const double stiffness[6] = {k, rod ? 0.0 : k, rod ? 0.0 : k, bend, bend, bend};
+      const double inertia[6] = {1.0, 1.0, 1.0, 0.1, 0.1, 0.1};
+      beam(1.0, rod ? 4 : 1, stiffness, inertia);
+      start();
+      spectrum_of(1);
+      omega = u ? omega : (double)spectrum.im[0];
+      FBT_BELOW(0.1, omega);
+      FBT_NEAR_REL(spectrum.im[0] * (fb_real)t, omega, FBT_TOL(1e-9, 1e-3));
+    }
   }
 }
 
@@ -2287,7 +2308,7 @@ SUITE(mixed, RUN(the_check_word_of_a_mixed_beam_sees_every_byte), RUN(states_tha
       RUN(steady_bend_of_an_arc_matches_the_published_tip), RUN(steady_rotation_with_load_matches_shooting),
       RUN(steady_stretch_of_a_spinning_rod_is_the_closed_form), RUN(steady_princeton_beam_at_all_angles),
       RUN(steady_openfast_cantilever_hangs_as_shooting_says), RUN(offsets_of_a_section_are_those_of_the_forces),
-      RUN(spectrum_is_that_of_the_natural_modes), RUN(any_units_give_the_same_solution),
+      RUN(spectrum_is_that_of_the_natural_modes), RUN(any_units_give_the_same_solution), RUN(any_unit_of_time_gives_the_same_frequency),
       RUN(supports_are_those_of_the_textbook), RUN(a_beam_slides_over_its_support), RUN(newton_converges_quadratically),
       RUN(energy_is_kept_whatever_the_step), RUN(dissipation_takes_energy_in_every_step),
       RUN(dissipation_is_that_of_its_formula), RUN(free_flight_keeps_momentum), RUN(a_rigid_beam_has_its_inertia),
