@@ -1364,6 +1364,9 @@ TEST(strain_energy_is_the_work_of_the_load)
   fb_energy energy;
   beam(1.0, 6, stiffness, inertia);
   desc.station[0].curvature[1] = FB_R(0.8);
+  desc.n_lump = 1;
+  desc.lump[0].node = 3;
+  desc.lump[0].mass = FB_R(0.1);
   desc.n_station = 2; /* half as stiff at the tip */
   desc.station[1] = desc.station[0];
   desc.station[1].x = FB_R(1.0);
