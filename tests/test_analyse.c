@@ -1021,8 +1021,7 @@ TEST(bases_that_are_pushed_have_no_state_of_rest)
     drive.drive[1].rate[0] = FB_R(20.0);
     drive.n_load = run >= 2;
     drive.load[0].load.axes = FB_AXES_BODY;
-    (run % 2 ? drive.load[0].load.force : drive.load[0].load.torque)[0] =
-        run == 4 ? FB_R(0.7 * 0.2 * 20.0) : FB_R(0.01);
+    (run % 2 ? drive.load[0].load.force : drive.load[0].load.torque)[0] = run == 4 ? FB_R(2.8) : FB_R(0.01);
     build();
     before = tree_state;
     FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), run % 4 ? FB_ERR_KIND : FB_OK);

@@ -542,6 +542,9 @@ TEST(offsets_of_a_section_are_those_of_the_forces)
   settle();
   FBT_NEAR_ABS(node[4].rotation[0], 0.0, FBT_TOL(1e-9, 1e-5));
   FBT_NEAR_REL(node[4].rotation[2], 0.01 * f * 0.5 / 70.0, FBT_TOL(1e-3, 1e-2));
+  section.EI_y = section.EI_z = FB_R(0.0); /* rigid in bending, though pulls off the line would bend */
+  FBT_INT_EQ(fb_mixed_station_init(&desc.station[0], &section), FB_OK);
+  FBT_TRUE(fbt_largest(desc.station[0].stiffness + 24, 12) == 0.0);
   section.GJ = FB_R(-1.0);
   FBT_INT_EQ(fb_mixed_station_init(&desc.station[0], &section), FB_ERR_VALUE);
 }
