@@ -1483,7 +1483,9 @@ FB_API void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *
    Cost and memory are linear in the elements: 12 unknowns for each, eliminated from the tip to the root. */
 
 /* What an end, or a node, is held in: directions x, y, z of the base, rotations about its section axes x, y, z: all of
-   them, two (a hinge), or none; one alone has a meaning for small rotations only. */
+   them, two (a hinge), or none; one alone has a meaning for small rotations only: a steady state holds that component of
+   the rotation vector, a step and a linear model the rate about that axis of the section, which is another condition
+   where the node has turned far about the others. */
 #define FB_HOLD_X 1
 #define FB_HOLD_Y 2
 #define FB_HOLD_Z 4

@@ -276,6 +276,31 @@ TEST(a_weight_across_the_axis_is_no_rest)
   }
 }
 
+/* E12.1: a body that turns on a hinge about no principal axis rests: the hinge bears what turns its angular momentum, and
+   a torque across that goes round with it; not one about the hinge. */
+TEST(a_hinge_turns_what_spins_about_no_axis_of_its_own)
+{
+  for (int run = 0; run < 3; run++) { /* no torque, across, about */
+    const fb_real center[3] = {FB_R(0.3), FB_R(0.1), FB_R(-0.2)};
+    const fb_real J[6] = {FB_R(2.0), FB_R(3.0), FB_R(4.0), FB_R(0.1), FB_R(0.5), FB_R(-0.3)};
+    fb_body_desc desc;
+    fb_state state;
+    fb_input input;
+    memset(&desc, 0, sizeof desc);
+    memset(&input, 0, sizeof input);
+    desc.base = FB_BASE_HINGED;
+    input.w[2] = FB_R(1.5);
+    input.n_load = run > 0;
+    input.load[0].axes = FB_AXES_BODY;
+    input.load[0].torque[run == 1 ? 0 : 2] = FB_R(0.4);
+    FBT_INT_EQ(fb_shape_init(&shape, 0), FB_OK);
+    FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(5.0), center, J), FB_OK);
+    FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
+    FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+    FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), run == 2 ? FB_ERR_KIND : FB_OK);
+  }
+}
+
 /* E12.1: about any axis in the span of equal inertias a body spins freely, so it does about the one that is wanted: a
    sphere about all, a disc about all in its plane; from other directions about the nearest of them, or about its own. */
 TEST(equal_inertias_spin_about_any_of_their_axes)
@@ -934,7 +959,7 @@ static void boom_loop(fb_axis_mode base)
 
 /* E12.1, E12.8: a free, pinned or hinged body rests where what acts on it is in balance: a beam that hangs from its hinge,
    straight, or hovers by a force and a torque on its hub, bent as one whose hub is held. Gravity or thrust alone leaves
-   no state of rest, nor do wheels with momentum across the spin; as a body and as what hangs on a free joint. */
+   no state of rest, nor do wheels with momentum across the spin but under a torque that turns it; as a body and as what hangs on a free joint. */
 TEST(bases_that_are_pushed_have_no_state_of_rest)
 {
   const fb_real center[3] = {0}, J[6] = {FB_R(0.8), FB_R(0.5), FB_R(0.9), 0, 0, 0};
@@ -982,7 +1007,7 @@ TEST(bases_that_are_pushed_have_no_state_of_rest)
   drive.drive[0].rate[5] = FB_R(0.0);
   build();
   FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), FB_OK);
-  for (int run = 0; run < 4; run++) { /* a wheel along or across; a push */
+  for (int run = 0; run < 5; run++) { /* a wheel along or across; a push; w x h, which turns the wheel across */
     fb_joint_desc *wheel;
     fb_system_state before;
     fresh();
@@ -991,16 +1016,16 @@ TEST(bases_that_are_pushed_have_no_state_of_rest)
     hang(0, 0, FB_JOINT_FREE, FB_GROUND);
     wheel = hang(1, 1, FB_JOINT_REVOLUTE, 0);
     wheel->mode[0] = FB_AXIS_PRESCRIBED;
-    frame_turn(wheel->attitude, run == 1 ? pi / 2 : 0.0, 0.0, 0.0);
+    frame_turn(wheel->attitude, run % 3 == 1 ? pi / 2 : 0.0, 0.0, 0.0);
     drive.drive[0].rate[5] = run == 3 ? FB_R(0.0) : FB_R(0.7);
     drive.drive[1].rate[0] = FB_R(20.0);
     drive.n_load = run >= 2;
     drive.load[0].load.axes = FB_AXES_BODY;
-    (run == 2 ? drive.load[0].load.torque : drive.load[0].load.force)[0] = FB_R(0.01);
+    (run % 2 ? drive.load[0].load.force : drive.load[0].load.torque)[0] = run == 4 ? FB_R(2.8) : FB_R(0.01);
     build();
     before = tree_state;
-    FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), run ? FB_ERR_KIND : FB_OK);
-    if (run) {
+    FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), run % 4 ? FB_ERR_KIND : FB_OK);
+    if (run % 4) {
       FBT_INT_EQ(tree_work.system.joint, 0);
       FBT_TRUE(memcmp(&before, &tree_state, sizeof before) == 0);
     }
@@ -1807,9 +1832,10 @@ TEST(analysis_of_systems_refuses_bad_input)
 SUITE(analyse, RUN(spectrum_of_a_spinning_oscillator_is_closed_form), RUN(bases_that_move_move_the_state_of_rest),
       RUN(damped_modes_have_their_ratios), RUN(free_tops_nutate_as_euler_says),
       RUN(equal_inertias_spin_about_any_of_their_axes), RUN(a_weight_across_the_axis_is_no_rest),
-      RUN(damped_spinning_satellite_has_its_closed_form), RUN(linear_models_answer_as_the_body_does),
-      RUN(step_limits_are_those_of_the_spectrum), RUN(step_limits_hold_for_modes_that_grow),
-      RUN(advised_steps_err_as_wanted), RUN(advised_steps_bear_stiff_damping), RUN(advice_resolves_modes_that_die_out),
+      RUN(a_hinge_turns_what_spins_about_no_axis_of_its_own), RUN(damped_spinning_satellite_has_its_closed_form),
+      RUN(linear_models_answer_as_the_body_does), RUN(step_limits_are_those_of_the_spectrum),
+      RUN(step_limits_hold_for_modes_that_grow), RUN(advised_steps_err_as_wanted),
+      RUN(advised_steps_bear_stiff_damping), RUN(advice_resolves_modes_that_die_out),
       RUN(nrel_blade_has_the_published_figures), RUN(hinged_blades_flap_and_lag_in_closed_form),
       RUN(blades_cone_under_a_moment), RUN(bases_that_are_pushed_have_no_state_of_rest),
       RUN(double_pendulum_swings_in_closed_form), RUN(a_free_body_is_a_system_of_one),

@@ -930,11 +930,13 @@ static fb_system_input driven(double t)
 }
 
 /* Motion of a couple, its joint j as number 1, backwards with the other sign, and of the whole the power, that of the
-   motors, the energy. */
+   motors, the energy; whatever the scratch held before. */
 static void couple_eval(fb_system_motion *at, fb_real whole[3], int j, int backwards)
 {
   fb_energy energy;
+  memset(&work, 0xff, sizeof work);
   FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, at, &state, &input), FB_OK);
+  memset(&work, 0xff, sizeof work);
   FBT_INT_EQ(fb_system_rates(&mechanism, model, &work, &rate, &state, &input), FB_OK);
   FBT_INT_EQ(fb_system_energy(&mechanism, model, &work, &energy, &state, &input), FB_OK);
   whole[0] = at->power;
@@ -1023,6 +1025,30 @@ TEST(a_prescribed_loop_closes_where_it_is_told)
       FBT_NEAR_ABS(motion.joint[2].speed[axis], input.drive[2].rate[axis], FBT_TOL(1e-12, 1e-4));
     }
   }
+}
+
+/* E9.17: a loop with a locked axis closes from a rough guess where the free one does, and stays as it is then. */
+TEST(a_locked_loop_closes_where_the_free_one_does)
+{
+  static fb_system_motion first;
+  for (int locked = 0; locked < 2; locked++) {
+    fourbar(0.3, 0.8, 0.6, 0.9, FB_JOINT_REVOLUTE);
+    desc.loop[0].mode[0] = locked ? FB_AXIS_LOCKED : FB_AXIS_FREE;
+    start[0].value[0] = FB_R(0.9);
+    start[1].value[0] = FB_R(-0.6);
+    start[2].value[0] = FB_R(1.5);
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, locked ? &motion : &first, &state, NULL), FB_OK);
+  }
+  for (int k = 0; k < 3; k++) {
+    FBT_BELOW(fbt_difference(motion.pose[k].rho, first.pose[k].rho, 3), FBT_TOL(1e-9, 1e-4));
+    FBT_BELOW(fbt_difference(motion.pose[k].quat, first.pose[k].quat, 4), FBT_TOL(1e-9, 1e-4));
+  }
+  FBT_BELOW(0.1, fabs((double)first.joint[3].value[0]));
+  couple_steps(5, 0.01);
+  FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, NULL), FB_OK);
+  FBT_NEAR_ABS(motion.joint[3].value[0], first.joint[3].value[0], FBT_TOL(1e-9, 1e-4));
 }
 
 /* No input is one of zeros, to the last bit: motors are off, prescribed axes and bodies stand at zero; in joint
@@ -1942,6 +1968,7 @@ TEST(the_check_word_of_a_system_sees_every_byte)
   unsigned word;
   int joints, most;
   tree(FB_EFFECTS_SPIN, 1);
+  (void)close_loop(FB_JOINT_SPHERICAL, 4, 0, 6, 0);
   init(FB_METHOD_RECURSIVE);
   joints = mechanism.n_body + mechanism.n_loop;
   most = (int)sizeof(fb_joint) * (FBT_COUNT(mechanism.joint) - joints) + pad * (joints + 1) +
@@ -2841,11 +2868,11 @@ SUITE(system, RUN(every_joint_is_the_same_eliminated_kept_or_closing_a_loop),
       RUN(systems_lose_nothing_by_short_steps), RUN(pendulums_of_rods_follow_their_equations),
       RUN(gimbal_has_the_published_eigenvalues), RUN(redundant_loops_are_accepted),
       RUN(springs_of_loops_pull_like_those_of_the_tree), RUN(a_prescribed_loop_closes_where_it_is_told),
-      RUN(systems_that_memory_has_changed_are_refused), RUN(states_out_of_range_are_refused),
-      RUN(a_loop_that_closes_keeps_shape_and_momentum), RUN(loops_are_closed_the_right_way_round),
-      RUN(one_iteration_is_enough_for_a_linear_system), RUN(a_bead_is_flung_along_a_turning_wire),
-      RUN(rows_along_which_nothing_moves_are_left_out), RUN(rows_are_weighed_with_their_kind),
-      RUN(what_a_loop_misses_is_relative), RUN(the_limit_finds_the_fastest_body),
+      RUN(a_locked_loop_closes_where_the_free_one_does), RUN(systems_that_memory_has_changed_are_refused),
+      RUN(states_out_of_range_are_refused), RUN(a_loop_that_closes_keeps_shape_and_momentum),
+      RUN(loops_are_closed_the_right_way_round), RUN(one_iteration_is_enough_for_a_linear_system),
+      RUN(a_bead_is_flung_along_a_turning_wire), RUN(rows_along_which_nothing_moves_are_left_out),
+      RUN(rows_are_weighed_with_their_kind), RUN(what_a_loop_misses_is_relative), RUN(the_limit_finds_the_fastest_body),
       RUN(the_limit_finds_neighbors_against_each_other), RUN(what_is_prescribed_has_no_limit),
       RUN(flexible_double_pendulum_follows_the_reference), RUN(slider_crank_follows_the_reference),
       RUN(a_parallelogram_passes_its_flat_positions), RUN(a_disc_rolls_steadily), RUN(a_knife_edge_draws_a_cycloid),
