@@ -128,8 +128,8 @@
                                                       tells what one takes
      FB_WITH_FORMS                    0        0, 1    1: the second-order and the printed first-order form, too
      FB_ASSERT(x)                     nothing  -       called with 0 on a programmer's error (NULL, index, capacity)
-     FB_ALLOW_FAST_MATH               -        -       compile under -ffast-math (finite checks are then void, and single
-                                                       precision loses small increments)
+     FB_ALLOW_FAST_MATH               -        -       compile under -ffast-math (finite checks are then void,
+                                                       and single precision loses small increments)
      FB_SQRT FB_SIN FB_COS FB_ATAN2 FB_FABS FB_EXP     replace libm; declare what they call before, in FLEXBEAM_CONFIG
 
    CONVENTIONS
@@ -151,8 +151,8 @@
      Functions without a status do nothing, or give 0, where a pointer is NULL or an index does not exist; numbers go
      through them as arithmetic has it. Those of >>vec3 and >>rotation, fb_lu_solve and fb_chol_solve are the innermost
      loops: pointers and sizes are taken as valid, as memcpy does. Nobody can test the sizes of the caller's arrays.
-     What the library has made (beams, modes, shapes, bodies, systems, schemes) is taken as it was made; where memory may
-     change by itself: fb_body_check, fb_system_check, fb_exponential_check, fb_mixed_check; words that tell of any
+     What the library has made (beams, modes, shapes, bodies, systems, schemes) is taken as it was made; where memory
+     may change by itself: fb_body_check, fb_system_check, fb_exponential_check, fb_mixed_check; words that tell of any
      changed bit: fb_body_crc, fb_system_crc, fb_mixed_crc.
 
      paper          code                     shape      unit          meaning
@@ -197,10 +197,11 @@
      bodies on joints at rest or   fb_system_trim, fb_system_linearize (to design a controller by),
      turning steadily              fb_system_spectrum: a rotor with hinged blades, an arm, a satellite with its wheels
      bodies on joints              fb_system_desc: a tree of joints, loops; the caller's own constraints by fb_rows
-     a beam on a hinge             a clamped root with a rigid body on it (the fitting): a bare one leaves the hinge next
-                                   to no inertia. FB_ROOT_PINNED frees the slopes of both planes: for a spherical joint,
-                                   or a beam that bends in the plane of its free hinge alone
-     a beam that carries bodies    fb_modes_desc.load at that node, axes 1, 2, 4, 5: joints load it with force and moment
+     a beam on a hinge             a clamped root with a rigid body on it (the fitting): a bare one leaves the hinge
+                                   next to no inertia. FB_ROOT_PINNED frees the slopes of both planes: for a spherical
+                                   joint, or a beam that bends in the plane of its free hinge alone
+     a beam that carries bodies    fb_modes_desc.load at that node, axes 1, 2, 4, 5: joints load it with force
+                                   and moment
      what is locked or latched     fb_system_axis_set
      an IMU, a strain gauge        fb_imu_eval, fb_gauge_init
      a beam that bends far         fb_mixed_desc: any deflection, curved, twisted, full 6x6 sections; steady and moving
@@ -909,7 +910,8 @@ typedef enum fb_form {
       1, /* [DB] (7)-(8): velocities and q_dot; a mass matrix that follows the shape, factored at every evaluation */
   FB_FORM_FIRST =
       2 /* [DB] (23)-(25): velocities and elastic velocities v_e, a constant mass matrix, a stiffness torque.
-                         It has no inertia that follows the shape (FB_EFFECT_RESIDUAL_INERTIA adds nothing) and no quadratic field */
+                         It has no inertia that follows the shape (FB_EFFECT_RESIDUAL_INERTIA adds nothing) and no
+                         quadratic field */
 } fb_form;
 
 /* The stiffness torque K_re q of the first-order form. The frame and the beam exchange energy through it: one that
@@ -1032,8 +1034,7 @@ typedef struct fb_body {
 #endif
   fb_real mass, c[3];
   fb_real deflection_limit, reach[FB_MAX_MODES];
-  fb_real
-      recoil; /* sqrt of the largest ratio of the body's inertia to what of it the modes leave to the frame; 1: heavy hub */
+  fb_real recoil; /* sqrt of the largest ratio of the body's inertia to what the modes leave the frame; 1: heavy hub */
   fb_real gyration;                                                     /* [m] radius of gyration about O */
   fb_real limit_elastic, limit_damping, limit_spin, limit_acceleration; /* bounds for fb_rk4_limit */
 #if FB_WITH_FORMS
@@ -1071,18 +1072,19 @@ typedef struct fb_body_work {
   fb_real Lambda[(FB_MAX_MODES + 1) * 6 * FB_MAX_MODES], S[FBI_MAX_PAIRS_S][21];
   fb_body body;
 } fb_body_work;
-/* FB_ERR_CAPACITY (FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_RUNS), FB_ERR_EFFECTS (see fb_effects_check), FB_ERR_SINGULAR (M, or S_0 of a
-   free body, which needs inertia about every axis), FB_ERR_VALUE (no mass, negative damping), FB_ERR_NOT_FINITE,
-   FB_ERR_NULL. body is written only on FB_OK. */
+/* FB_ERR_CAPACITY (FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_RUNS), FB_ERR_EFFECTS (see fb_effects_check), FB_ERR_SINGULAR (M, or
+   S_0 of a free body, which needs inertia about every axis), FB_ERR_VALUE (no mass, negative damping),
+   FB_ERR_NOT_FINITE, FB_ERR_NULL. body is written only on FB_OK. */
 FB_API fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc);
 
-/* Is a body what fb_body_init may have made? Counts and indexes within the tables, the terms in their order, all numbers
-   finite, S_0 positive definite: for memory that may have changed by itself. A body that passes takes no step, whatever
-   else is wrong with it, beyond its tables; a number that is finite but wrong passes, too. FB_ERR_CAPACITY, FB_ERR_VALUE. */
+/* Is a body what fb_body_init may have made? Counts and indexes within the tables, the terms in their order, all
+   numbers finite, S_0 positive definite: for memory that may have changed by itself. A body that passes takes no step,
+   whatever else is wrong with it, beyond its tables; a number that is finite but wrong passes, too. FB_ERR_CAPACITY,
+   FB_ERR_VALUE. */
 FB_API fb_status fb_body_check(const fb_body *body);
-/* Check word of a body: CRC-32 (IEEE 802.3) over all that a step reads, in the order of its meaning, without padding and
-   unused room. Keep it beside the model, compare in flight: a single flipped bit changes it. It depends on FB_SINGLE, not
-   on the capacities. 0: counts beyond the tables (whether the numbers are sound, fb_body_check says). */
+/* Check word of a body: CRC-32 (IEEE 802.3) over all that a step reads, in the order of its meaning, without padding
+   and unused room. Keep it beside the model, compare in flight: a single flipped bit changes it. It depends on
+   FB_SINGLE, not on the capacities. 0: counts beyond the tables (whether the numbers are sound, fb_body_check says). */
 FB_API unsigned fb_body_crc(const fb_body *body);
 
 typedef struct fb_state { /* all that changes; assignment is a snapshot */
@@ -1483,8 +1485,8 @@ FB_API void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *
    Cost and memory are linear in the elements: 12 unknowns for each, eliminated from the tip to the root. */
 
 /* What an end, or a node, is held in: directions x, y, z of the base, rotations about its section axes x, y, z: all of
-   them, two (a hinge), or none; one alone has a meaning for small rotations only: a steady state holds that component of
-   the rotation vector, a step and a linear model the rate about that axis of the section, which is another condition
+   them, two (a hinge), or none; one alone has a meaning for small rotations only: a steady state holds that component
+   of the rotation vector, a step and a linear model the rate about that axis of the section, which is another condition
    where the node has turned far about the others. */
 #define FB_HOLD_X 1
 #define FB_HOLD_Y 2
@@ -1972,9 +1974,9 @@ typedef enum fb_scheme {
 FB_API fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_scheme scheme);
 /* Step [s] at which the errors of the modes, each at its worst within `duration` [s], add up to `tolerance`, mode k
    with amplitude[k] (NULL: 1 each, so that the fastest mode decides), in the same unit; at most 0.9 of the limit, and
-   the duration. 0 where scheme, duration, tolerance or amplitudes make no sense, or no step is short enough (a mode that
-   grows too far). The modes are of the motion about a state: the wider the motion, the rougher the estimate; what a step
-   errs in the steady motion itself (the turn of a body that spins freely) is not in it. */
+   the duration. 0 where scheme, duration, tolerance or amplitudes make no sense, or no step is short enough (a mode
+   that grows too far). The modes are of the motion about a state: the wider the motion, the rougher the estimate; what
+   a step errs in the steady motion itself (the turn of a body that spins freely) is not in it. */
 FB_API fb_real fb_spectrum_step(const fb_spectrum *spectrum, fb_scheme scheme, const fb_real *amplitude,
                                 fb_real duration, fb_real tolerance);
 
@@ -2038,9 +2040,10 @@ typedef struct fb_mixed_linear_desc {
 
 #define FB_MIXED_STATES (2 * FB_MIXED_MODES)
 
-/* d/dt x = A x + B u, y = C x + D u of changes against the steady state. Mode k has one state where it is aperiodic, else
-   two, a and b, with the block [re -im; im re] in A and the motion Re(shape (a + i b)), shape as in fb_mixed_spectrum.
-   D: what all faster modes answer at once; at rest y = (D - C A^-1 B) u is that of the whole beam. */
+/* d/dt x = A x + B u, y = C x + D u of changes against the steady state. Mode k has one state where it is aperiodic,
+   else two, a and b, with the block [re -im; im re] in A and the motion Re(shape (a + i b)), shape as in
+   fb_mixed_spectrum. D: what all faster modes answer at once; at rest y = (D - C A^-1 B) u is that of the whole
+   beam. */
 typedef struct fb_mixed_linear {
   int n, n_in, n_out, n_mode;
   fb_real re[FB_MIXED_MODES], im[FB_MIXED_MODES]; /* as fb_mixed_spectrum */
@@ -2062,8 +2065,8 @@ typedef struct fb_mixed_linear_work { /* scratch; large: make it static */
 
 /* Linear model of the `count` slowest modes (of equal ones none is left out: one or two more then) about a steady state
    of fb_mixed_steady_solve with the same input, for the inputs and outputs of desc (NULL: none). Its eigenvalues are
-   those of fb_mixed_spectrum_solve, its answer at rest is exact. Base velocity and rate move the frame the beam is seen from;
-   what does not turn with it (gravity, dead loads) is taken as it stands.
+   those of fb_mixed_spectrum_solve, its answer at rest is exact. Base velocity and rate move the frame the beam is seen
+   from; what does not turn with it (gravity, dead loads) is taken as it stands.
    FB_ERR_SINGULAR: no answer at rest (free to move, at a limit point), or two modes are one (the onset of flutter);
    FB_ERR_VALUE, FB_ERR_CAPACITY: count, or a port that does not exist; else as fb_mixed_spectrum_solve. On failure
    linear is as before. */
@@ -2147,11 +2150,11 @@ typedef struct fb_advise_work { /* scratch; large: make it static */
 
 /* The cheapest set of effects, modes, scheme and step whose estimated errors add up to the tolerance (a part of the
    largest output) or less; error_model takes at most half of it, and what is more stays on top. From the accelerations
-   that each set gives where the scene is at its most: bounded work, no simulation. Estimates: a factor of three is common.
-   shape: natural modes, more than will be needed. FB_ERR_EFFECTS: an effect was removed at compile time; FB_ERR_VALUE:
-   negative frequency or frame, duration or tolerance not positive, no modes, no output; FB_ERR_CAPACITY: a node;
-   FB_ERR_KIND: the coordinates are not natural modes; FB_ERR_STEP: no scheme has a step for this; else as fb_body_init
-   and fb_body_motion. advice is written only on FB_OK. */
+   that each set gives where the scene is at its most: bounded work, no simulation. Estimates: a factor of three is
+   common. shape: natural modes, more than will be needed. FB_ERR_EFFECTS: an effect was removed at compile time;
+   FB_ERR_VALUE: negative frequency or frame, duration or tolerance not positive, no modes, no output; FB_ERR_CAPACITY:
+   a node; FB_ERR_KIND: the coordinates are not natural modes; FB_ERR_STEP: no scheme has a step for this; else as
+   fb_body_init and fb_body_motion. advice is written only on FB_OK. */
 FB_API fb_status fb_body_advise(fb_advice *advice, fb_advise_work *work, const fb_shape *shape,
                                 const fb_body_desc *desc, const fb_envelope *envelope, fb_real tolerance);
 
@@ -2163,15 +2166,16 @@ typedef struct fb_trial { /* how a scene is simulated */
   int n;                       /* numbers of an output: */
   int width;                   /* samples of so many: differences are their distances */
   fb_real *output, *reference; /* n each */
-  int has_reference; /* 0: the reference is run first, by all modes and effects in short steps; 1: it is there (of the exact
-                        beam, or measured) */
+  int has_reference; /* 0: the reference is run first, by all modes and effects in short steps; 1: it is there (of the
+                        exact beam, or measured) */
 } fb_trial;
 
-/* The cheapest set found to meet the tolerance: candidates are simulated in the order of their estimated cost, up to that
-   of the reference's run; so what is cheaper was seen to miss it, or its body to miss it alike by two steps. error:
-   largest distance from the reference, of its largest sample. FB_ERR_CONVERGENCE: none does, or all modes and effects in
-   short steps miss twice the tolerance; FB_ERR_VALUE, FB_ERR_NOT_FINITE: also of a reference; what run returns for all
-   modes and effects; else as fb_body_advise. Desktop: tens to thousands of simulations, at most 1 + 640 n of n modes. */
+/* The cheapest set found to meet the tolerance: candidates are simulated in the order of their estimated cost, up to
+   that of the reference's run; so what is cheaper was seen to miss it, or its body to miss it alike by two steps.
+   error: largest distance from the reference, of its largest sample. FB_ERR_CONVERGENCE: none does, or all modes and
+   effects in short steps miss twice the tolerance; FB_ERR_VALUE, FB_ERR_NOT_FINITE: also of a reference; what run
+   returns for all modes and effects; else as fb_body_advise. Desktop: tens to thousands of simulations, at most 1 + 640
+   n of n modes. */
 FB_API fb_status fb_advice_search(fb_advice *advice, fb_advise_work *work, const fb_shape *shape,
                                   const fb_body_desc *desc, const fb_envelope *envelope, fb_real tolerance,
                                   const fb_trial *trial);

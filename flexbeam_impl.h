@@ -4210,11 +4210,11 @@ static fb_status fbi_beam_fits(const fb_shape *shape, int first, const fb_beam *
 }
 
 #if FBI_WITH_QUADRATIC
-/* [E8.32] Where the quadratic field of a beam that nothing holds begins: such that it moves neither the mass of the line
-   nor, on average, the sections about it (mass centers off the line add what is small). The terms of degree 4 that the
-   kinetic energy leaves out are then as small as they can be; a field that begins with zero at the root takes the mass
-   center along, whose recoil is of that degree and much larger. Source: int chi dm = 0, the second degree of a mean
-   axis; to some 1e-4 of chi by the cells' points.  Fails: never.
+/* [E8.32] Where the quadratic field of a beam that nothing holds begins: such that it moves neither the mass of the
+   line nor, on average, the sections about it (mass centers off the line add what is small). The terms of degree 4 that
+   the kinetic energy leaves out are then as small as they can be; a field that begins with zero at the root takes the
+   mass center along, whose recoil is of that degree and much larger. Source: int chi dm = 0, the second degree of a
+   mean axis; to some 1e-4 of chi by the cells' points.  Fails: never.
    Test: a_free_beam_swings_as_the_exact_one. */
 static void fbi_station_center(fbi_station *st, fbi_cell_fields *fields, const fb_beam *beam, const fb_modes *modes)
 {
@@ -4768,9 +4768,9 @@ static fb_real fbi_S_size(const fb_shape *shape, const fb_real *Z, int a, int b,
 }
 
 /* [E8.6] Coefficient of a pair in the Schur complement S(q) = M_rr(q) - Lambda(q) M^-1 Lambda(q)^T. With M = L L^T and
-   Z_a = Lambda_a L^-T it is the pair's part of M_rr less Z_a Z_b^T + Z_b Z_a^T (once for a = b); what is zero to rounding
-   is zero. This is DESIGN's S_0 + [0 D1; D1^T D2] in one polynomial. Without residual inertia the caller leaves ups out
-   of Z. Returns 1 where anything is left.
+   Z_a = Lambda_a L^-T it is the pair's part of M_rr less Z_a Z_b^T + Z_b Z_a^T (once for a = b); what is zero to
+   rounding is zero. This is DESIGN's S_0 + [0 D1; D1^T D2] in one polynomial. Without residual inertia the caller
+   leaves ups out of Z. Returns 1 where anything is left.
    Source: DESIGN 2 and 3.  Shapes: S packed 21, Z (n+1) x 6 x n.  Cost: 42 n.  Fails: never.
    Test: residual_inertia_vanishes_on_a_rotation_closed_basis, accelerations_agree_with_a_particle_model. */
 static int fbi_S_coefficient(fb_real S[21], const fb_body *body, const fb_shape *shape, const fb_real *Z, int a, int b)
@@ -7084,8 +7084,8 @@ FB_DEF fb_status fb_body_check(const fb_body *body)
 
 /* ---- 8h check word */
 
-/* [E8.40] CRC-32 of whole numbers and reals, four bytes at a time, low byte first: polynomial x^32 + x^26 + x^23 + x^22 +
-   x^16 + x^12 + x^11 + x^10 + x^8 + x^7 + x^5 + x^4 + x^2 + x + 1, reflected (0xEDB88320).
+/* [E8.40] CRC-32 of whole numbers and reals, four bytes at a time, low byte first: polynomial x^32 + x^26 + x^23 + x^22
+   + x^16 + x^12 + x^11 + x^10 + x^8 + x^7 + x^5 + x^4 + x^2 + x + 1, reflected (0xEDB88320).
    Source: IEEE 802.3, 3.2.9.  Cost: 32 shifts a word.  Fails: never.
    Test: the_check_word_sees_every_flipped_bit, the_check_word_sees_every_form. */
 typedef char fbi_crc_takes_four_bytes[sizeof(unsigned) == 4 && sizeof(float) == 4 && sizeof(double) == 8 ? 1 : -1];
@@ -8466,8 +8466,8 @@ static fb_status fbi_joint_rows(fb_system_work *w, const fb_system *system, cons
 }
 
 /* Rates of a joint's rows along the motion of its ends: axes of the parent turn with it, those of the child with the
-   child; given axes with either: what is between them is a torque that the joint bears, and across its motion. The frames
-   are where they were. */
+   child; given axes with either: what is between them is a torque that the joint bears, and across its motion. The
+   frames are where they were. */
 static void fbi_joint_row_rates(fbi_row *row, fb_system_work *w, const fb_system *system, const fb_body *body)
 {
   const int hold = -1 - row->axis;
@@ -9390,8 +9390,9 @@ static void fbi_free_momenta_keep(fb_system_state *state, const fb_system_state 
   }
 }
 
-/* Velocities onto the constraints: the impulses go into the momenta, and those of given axes become what they are. Without
-   constraints the others stay, to the last bit: latches that close and open again and again do not wear them out. */
+/* Velocities onto the constraints: the impulses go into the momenta, and those of given axes become what they are.
+   Without constraints the others stay, to the last bit: latches that close and open again and again do not wear them
+   out. */
 static fb_status fbi_momenta_close(fb_system_work *w, const fb_system *system, const fb_body *body,
                                    fb_system_state *state, const fb_system_state *modes, const fb_system_input *input)
 {
@@ -13815,10 +13816,10 @@ static void fbi_mixed_rate_take(fb_real *x, fb_real *rate, const fb_real *middle
   }
 }
 
-/* [E11.21] The pose goes on by a twist as the momenta do that the midpoint rule turns, by Cayley's transform of ad(x): the
-   turn is (1 - w^/2)^-1 (1 + w^/2), the way its derivative along v, (v + w/2 x v)/(1 + w.w/4). A free beam's momentum then
-   stays where it is in space, and so does its angular momentum about any point: all ways are short by w.w/4, those along
-   the axis, too, so that together they lead along the momentum.
+/* [E11.21] The pose goes on by a twist as the momenta do that the midpoint rule turns, by Cayley's transform of ad(x):
+   the turn is (1 - w^/2)^-1 (1 + w^/2), the way its derivative along v, (v + w/2 x v)/(1 + w.w/4). A free beam's
+   momentum then stays where it is in space, and so does its angular momentum about any point: all ways are short by
+   w.w/4, those along the axis, too, so that together they lead along the momentum.
    Source: Cayley's transform of 6x6.  Cost: 60 flops.  Fails: never.
    Test: free_flight_keeps_momentum, rigid_flight_is_straight. */
 static void fbi_pose_add_midpoint(fb_real r[3], fb_real quat[4], const fb_real x[6])
@@ -14027,8 +14028,8 @@ static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], fb_real 
 /* Torque that counts for rounding, in parts of what acts at all. */
 #define FBI_UNREST (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-6))
 
-/* Whether momenta P, L of a base that nothing prescribes, inertial axes, turn with its spin w and do nothing else: nothing
-   pushes or turns it, against the torque [N m] that acts at all. */
+/* Whether momenta P, L of a base that nothing prescribes, inertial axes, turn with its spin w and do nothing else:
+   nothing pushes or turns it, against the torque [N m] that acts at all. */
 static int fbi_is_balanced(const fb_real P_dot[3], const fb_real L_dot[3], const fb_real L[3], const fb_real w[3],
                            fb_real length, fb_real torque)
 {
@@ -14233,8 +14234,8 @@ static fb_real fbi_across(const fb_real w[3], const fb_real x[3])
   return spin > FB_R(0.0) ? fbi_vec3_norm(turn) / spin : FB_R(0.0);
 }
 
-/* Whether the base rests in the trimmed state of the work, too: FB_ERR_KIND where it is pushed or turned, now or when it
-   has turned on. */
+/* Whether the base rests in the trimmed state of the work, too: FB_ERR_KIND where it is pushed or turned, now or when
+   it has turned on. */
 static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const fb_input *input)
 {
   const fb_real length = body->gyration, none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
@@ -14739,9 +14740,9 @@ static fb_status fbi_system_residual(fb_real *f, const fbi_subject *s, int j, fb
   return status;
 }
 
-/* The state with element j of x (if it is one, not an input) moved by h: momenta keep their components along the axes of
-   the joints. In loops those of the dependent coordinates are zero: the others' have theirs in them, and d/dt of what
-   has is fbi_loops_reduced. */
+/* The state with element j of x (if it is one, not an input) moved by h: momenta keep their components along the axes
+   of the joints. In loops those of the dependent coordinates are zero: the others' have theirs in them, and d/dt of
+   what has is fbi_loops_reduced. */
 static fb_status fbi_system_linear_move(const fbi_subject *s, int j, fb_real h)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -15372,8 +15373,8 @@ static fb_real fbi_stable_radius(fb_scheme scheme, fbi_complex d)
   return high > FB_R(0.0) ? low : FB_HUGE;
 }
 
-/* [E12.6] Largest stable step: |G(lambda dt)| <= 1 for every mode; one that grows by itself, if only by rounding, is taken
-   for one that does not: G must not add to it what its frequency has no part in.
+/* [E12.6] Largest stable step: |G(lambda dt)| <= 1 for every mode; one that grows by itself, if only by rounding, is
+   taken for one that does not: G must not add to it what its frequency has no part in.
    Source: [HW] IV.2.  Cost: 100 complex polynomials a mode.  Fails: see the header.
    Test: step_limits_are_those_of_the_spectrum, step_limits_hold_for_modes_that_grow. */
 FB_DEF fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_scheme scheme)
@@ -15731,7 +15732,7 @@ static int fbi_mixed_basis(const fb_mixed *m, int count)
   return size < fbi_mixed_dim(m) ? size : fbi_mixed_dim(m);
 }
 
-/* All that has converged of the linearized beam, lambda and vectors on the basis; returns how many, ascending in order. */
+/* All that has converged of the linearized beam, lambda and vectors on the basis, ascending; returns how many. */
 static fb_status fbi_mixed_modes(int *found, int order[FBI_MIXED_BASIS], fb_mixed_spectrum_work *work,
                                  const fb_mixed *m, const fb_mixed_state *state, const fb_mixed_input *input, int count)
 {
@@ -15798,8 +15799,8 @@ static fb_status fbi_mixed_ports_check(const fb_mixed *m, const fb_mixed_linear_
   return FB_OK;
 }
 
-/* [E12.13] Answer of the linearized beam to an input of 1 that grows like exp(shift t): a load is less in the balance of
-   its node; a base that moves carries the nodes along, v = d_t + ad(V) d + carried. Poses and momenta in x.
+/* [E12.13] Answer of the linearized beam to an input of 1 that grows like exp(shift t): a load is less in the balance
+   of its node; a base that moves carries the nodes along, v = d_t + ad(V) d + carried. Poses and momenta in x.
    Source: E12.4.  Cost: as that.  Fails: never, once factored.
    Test: linear_beams_rest_where_the_beam_does, linear_beams_move_as_the_beam_does. */
 static void fbi_mixed_port_answer(fb_real *x, fb_mixed_linear_work *w, const fb_mixed *m, const fb_mixed_port *port)
@@ -15881,8 +15882,9 @@ static int fbi_mixed_keep(const fb_mixed_spectrum_work *work, const int *order, 
   return count;
 }
 
-/* A and C of the modes, and their vectors as an orthonormal basis and the triangle R that they are on it. What an output
-   reads of a vector: (shift - A)^-1 gives it back times mu = 1/(shift - lambda), with its velocities and stresses. */
+/* A and C of the modes, and their vectors as an orthonormal basis and the triangle R that they are on it. What an
+   output reads of a vector: (shift - A)^-1 gives it back times mu = 1/(shift - lambda), with its velocities and
+   stresses. */
 static fb_status fbi_mixed_linear_modes(fb_mixed_linear_work *w, const fb_mixed *m, const fb_mixed_linear_desc *desc,
                                         int size)
 {
@@ -15959,8 +15961,8 @@ static fb_status fbi_mixed_pick(fb_real *out, fb_mixed_linear_work *w, const fb_
 
 /* [E12.14] What an answer f to an input (E12.13) has of the modes. f = sum x_k b_k/(shift - lambda_k) + faster ones:
    a Krylov basis Q that starts from f holds it, Q e1 |f|, and what the operator H on it makes of it; with its right and
-   left vectors Y, W of the modes' eigenvalues the part is P f = Q Y (W^T Y)^-1 W^T e1 |f|, and on the modes' own vectors
-   R^-1 basis^T P f.
+   left vectors Y, W of the modes' eigenvalues the part is P f = Q Y (W^T Y)^-1 W^T e1 |f|, and on the modes' own
+   vectors R^-1 basis^T P f.
    Source: own; spectral projector.  Cost: E12.5 and two general eigenproblems of its size.  Fails: not all modes found.
    Test: linear_beams_move_as_the_beam_does, linear_beams_answer_at_every_frequency. */
 static fb_status fbi_mixed_project(fb_mixed_linear_work *w, const fb_mixed *m, int size)
@@ -16364,7 +16366,7 @@ static fb_real fbi_advice_rate(const fb_advise_work *work, const fb_envelope *e,
   return fbi_smaller(e->frequency, work->omega[a]);
 }
 
-/* How much of what a mode gives swings at its own frequency: what a drive excites that begins with a jump of its slope. */
+/* How much of what a mode gives swings at its own frequency: what a drive excites whose slope begins with a jump. */
 static fb_real fbi_advice_share(const fb_advise_work *work, const fb_envelope *e, int a)
 {
   return fbi_advice_rate(work, e, a) / work->omega[a];
