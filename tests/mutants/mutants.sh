@@ -2,10 +2,10 @@
 # Mutation check: the equations of flexbeam_impl.h are changed one at a time (mutants.awk tells how), the tests must notice.
 # sh tests/mutants/mutants.sh [SEED [COUNT]]: caught is a mutant that a test, or a check of the inside against outside figures
 # (tests/checks/jacobian.c, shape_rates.c), answers by a false claim, a crash or too much time, or that makes the tests of its
-# section leave an array, which check-sanitize forbids. Those that change nothing to be seen stand in equivalent.txt with the reason and count neither way; those
-# that do not compile, or to the same code, are passed over. All are compiled into one program (switch.awk), the environment
-# chooses. Restartable: build/mutants/caught is kept, survivors are tried again. Ends with a table by section, which is in
-# build/mutants/table-SEED.txt, too; fails below 95 %.
+# section leave an array, which check-sanitize forbids. Those that change nothing to be seen stand in equivalent.txt with the
+# reason and count neither way; those that do not compile, or to the same code, are passed over. All are compiled into one
+# program (switch.awk), the environment chooses. Restartable: build/mutants/caught is kept, survivors are tried again. Ends with
+# a table by section and by kind of change, in build/mutants/table-SEED.txt, too; fails below 95 %.
 set -eu
 export LC_ALL=C
 seed=${1:-1} count=${2:-200}
@@ -123,7 +123,7 @@ while [ "$n" -lt "$count" ] && IFS="$tab" read -r MUTANT hash kind section name 
     [ -z "$by" ] || printf '%s\t%s\t%s\n' "$by" "$times" "$key" >> "$out/caught"
   fi
   n=$((n + 1))
-  printf '%s %s\n' "$section" "$verdict" >> "$out/results"
+  printf '%s %s %s\n' "$section" "$kind" "$verdict" >> "$out/results"
   printf '%3d/%d %-10s %-8s %s:%d %s: %s -> %s  (%s)\n' \
     "$n" "$count" "$verdict" "$kind" "$section" "$line" "$name" "$original" "$text" "$by"
 done < "$out/compiling"
@@ -131,11 +131,15 @@ done < "$out/compiling"
 
 awk -v seed="$seed" '
   function row(s) { printf "%-10s %7d %11d %9d\n", s, of[s, "caught"], of[s, "equivalent"], of[s, "survived"] }
-  { of[$1, $2]++; of["all", $2]++ }
+  function rows(title, names, n, name, i) {
+    printf "%-10s %7s %11s %9s\n", title, "caught", "equivalent", "survived"
+    n = split(names, name, " ")
+    for (i = 1; i <= n; i++) row(name[i])
+  }
+  { of[$1, $3]++; of[$2, $3]++; of["all", $3]++ }
   END {
-    printf "%-10s %7s %11s %9s\n", "section", "caught", "equivalent", "survived"
-    n = split("vec3 rotation linalg beam modes body system mixed integrate analyse advise all", section, " ")
-    for (i = 1; i <= n; i++) row(section[i])
+    rows("section", "vec3 rotation linalg beam modes body system mixed integrate analyse advise")
+    rows("kind", "sign operator factor index bound term all")
     caught = of["all", "caught"]
     counted = caught + of["all", "survived"]
     printf "seed %d: %.1f %% of %d caught\n", seed, 100 * caught / counted, counted
