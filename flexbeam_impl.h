@@ -2531,7 +2531,7 @@ static fb_status fbi_group_take(const fb_modes_desc *desc, fb_modes_work *work, 
     fbi_copy(out->shape + out->n * out->ndof, spare, out->ndof);
     out->kind[out->n] = kind;
     out->omega[out->n] = omega;
-    if (fbi_shape_normalize(out, out->n, work->M, beam->desc.n_element, FB_R(100.0) * FB_SQRT(FB_EPSILON))) {
+    if (fbi_shape_normalize(out, out->n, work->M, beam->desc.n_element, FB_SQRT(FB_EPSILON))) {
       taken[kind]++;
       out->n++;
     }
