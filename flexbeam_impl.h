@@ -16678,11 +16678,11 @@ FB_DEF fb_status fb_body_advise(fb_advice *advice, fb_advise_work *work, const f
     const int set = k / shape->n, n = 1 + k % shape->n;
     fb_real rest = left - work->error[set] - work->error_modes[n - 1], own;
     fbi_advice_fill(&candidate, work, desc, set, n);
-    if (rest > FB_R(0.1) * tolerance && fbi_candidate(work, shape, desc, &candidate) == FB_OK) {
+    if (rest > FB_R(0.0) && fbi_candidate(work, shape, desc, &candidate) == FB_OK) {
       own = fbi_advise_set(work, envelope, candidate.coordinate, 0);
       candidate.error_effects = fbi_larger(candidate.error_effects, own);
       rest = left - candidate.error_effects - candidate.error_modes;
-      if (rest > FB_R(0.1) * tolerance) {
+      if (rest > FB_R(0.0)) {
         fbi_advise_scheme(&candidate, work, envelope, rest);
         best = candidate.cost < best.cost ? candidate : best;
       }

@@ -633,14 +633,19 @@ static double limit_of_advice(void)
 /* However much may be missed, a step is within the limit of its scheme. */
 TEST(advised_steps_are_within_the_limit)
 {
-  for (int k = 0; k < 6; k++) {
+  const fb_real center[3] = {0, 0, 0}, inertia[6] = {5, 5, 5, 0, 0, 0};
+  for (int k = 0; k < 8; k++) {
     boom_under_a_force(0.5, 2, 2);
-    envelope.spin[k % 2] = k < 4 ? FB_R(2.0) : FB_R(0.0);
+    envelope.spin[k < 6 ? k % 2 : 1] = k < 4 || k > 5 ? FB_R(2.0) : FB_R(0.0);
+    envelope.acceleration[0] = k < 6 ? FB_R(0.0) : -FB_R(300.0); /* pulls it straight; gravity on what is free */
+    FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(20.0), center, inertia), FB_OK);
+    level.base = k == 7 ? FB_BASE_FREE : FB_BASE_PRESCRIBED;
     envelope.duration = k % 3 == 0 ? FB_R(2.0) : FB_R(50.0);
     level.effects |= (unsigned)FB_EFFECT_DAMPING;
-    level.zeta[0] = k == 1 || k == 5 ? FB_R(3.0) : FB_R(0.01); /* heavy, along the force */
+    level.zeta[0] = k == 1 || k > 4 ? FB_R(3.0) : FB_R(0.01); /* heavy, along the force */
     FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(3.0)), FB_OK);
     FBT_TRUE((advice.effects & FB_EFFECT_DAMPING) != 0);
+    FBT_TRUE((k != 1 && k < 6) || (double)advice.dt > 0.99999 * limit_of_advice()); /* that of accelerations, too */
     FBT_BELOW(advice.dt, 1.00001 * limit_of_advice());
   }
 }
@@ -652,20 +657,25 @@ TEST(advised_steps_are_those_of_the_spectrum)
   static fb_spectrum spectrum;
   const double tolerance[3] = {2.0, 1e-3, 1e-5};
   int exponential = 0;
-  for (int k = 0; k < 9; k++) {
+  for (int run = 0; run < 18; run++) { /* one mode, one in either plane */
+    const int k = run % 9;
     const fb_real f = k < 6 ? FB_R(1.0) : FB_R(20.0), s = k < 3 ? FB_R(0.05) : FB_R(0.5);
-    fb_real amplitude[2];
+    fb_real amplitude[3], drive;
     double dt;
-    boom_under_a_force(0.5, 0, 1);
+    boom_under_a_force(0.5, run / 9, 1);
     envelope.frequency = f;
     envelope.spin[0] = s;
     FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, (fb_real)tolerance[k % 3]), FB_OK);
     exponential += advice.scheme == FB_SCHEME_EXPONENTIAL;
-    spectrum.n = 2;
-    spectrum.im[0] = work.omega[0] + s;
-    spectrum.im[1] = f;
-    amplitude[1] = advice.scheme == FB_SCHEME_EXPONENTIAL ? work.error[0] : FB_R(1.0);
-    amplitude[0] = amplitude[1] * (f < work.omega[0] ? f / work.omega[0] : FB_R(1.0));
+    drive = advice.scheme == FB_SCHEME_EXPONENTIAL && work.error[0] < FB_R(1.0) ? work.error[0] : FB_R(1.0);
+    spectrum.n = advice.n + 1;
+    for (int m = 0; m < advice.n; m++) {
+      const int a = advice.coordinate[m];
+      amplitude[m] = drive * work.most[a] / work.deflection * (f < work.omega[a] ? f / work.omega[a] : FB_R(1.0));
+      spectrum.im[m] = work.omega[a] + s;
+    }
+    amplitude[advice.n] = drive;
+    spectrum.im[advice.n] = f;
     dt = (double)fb_spectrum_step(&spectrum, advice.scheme == FB_SCHEME_EXPONENTIAL ? FB_SCHEME_RK4 : advice.scheme,
                                   amplitude, envelope.duration, advice.error_step);
     dt = fmin(dt, fmin(limit_of_advice(), 10.0 / 8.0));
@@ -673,6 +683,20 @@ TEST(advised_steps_are_those_of_the_spectrum)
     FBT_NEAR_REL(work.omega[0] * work.omega[0], shape.K[0], 0.05);
   }
   FBT_TRUE(exponential > 0);
+}
+
+/* What is slow takes an implicit scheme, which has no limit; what swings rk4, or the exponential scheme where it is nearly
+   linear. */
+TEST(schemes_have_their_scenes)
+{
+  const fb_scheme expected[3] = {FB_SCHEME_MIDPOINT, FB_SCHEME_RK4, FB_SCHEME_EXPONENTIAL};
+  for (int k = 0; k < 3; k++) {
+    boom_under_a_force(0.5, 0, 1);
+    envelope.frequency = k ? FB_R(20.0) : FB_R(0.0);
+    envelope.spin[0] = k == 1 ? FB_R(2.0) : FB_R(0.0);
+    (void)deflection();
+    FBT_INT_EQ(advice.scheme, expected[k]);
+  }
 }
 
 /* The damping of a mode that is not chosen matters to no step. */
@@ -780,6 +804,36 @@ TEST(errors_and_steps_add_up)
       FBT_TRUE(k == 0 || parts > 0.5);
       FBT_INT_EQ(advice.long_step, 0);
     }
+  }
+}
+
+/* A step is the longest part of the frame that is no longer than what it would be without a frame. */
+TEST(steps_are_the_longest_parts_of_a_frame)
+{
+  const double ratio[9] = {0.4, 1.02, 1.6, 1.98, 2.0, 2.5, 4.0, 7.01, 1000.5};
+  fb_advice any;
+  boom_under_a_force(0.2, 0, 1);
+  envelope.frequency = FB_R(20.0);
+  (void)deflection();
+  any = advice;
+  for (int k = 0; k < 9; k++) {
+    const double frame = ratio[k] * (double)any.dt;
+    envelope.frame = (fb_real)ratio[k] * any.dt;
+    (void)deflection();
+    FBT_INT_EQ(advice.scheme, any.scheme);
+    FBT_NEAR_REL(advice.dt, frame / ceil(ratio[k]), FBT_TOL(1e-12, 1e-5));
+  }
+}
+
+/* The cheapest whose errors add up to the tolerance, though they leave little of it to the step: under a steady force one
+   mode, which lacks 1 - 0.9707, as soon as that may be missed. */
+TEST(advice_is_the_cheapest_that_adds_up)
+{
+  for (int k = 0; k < 4; k++) {
+    const double part[4] = {0.98, 1.02, 1.15, 1.3};
+    boom_under_a_force(1e-3, 0, 6);
+    FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, (fb_real)((1.0 - 0.9707) * part[k])), FB_OK);
+    FBT_INT_EQ(advice.n == 1, k > 0);
   }
 }
 
@@ -1129,9 +1183,10 @@ SUITE(advise, RUN(selection_takes_rows_and_pairs), RUN(selected_modes_move_as_a_
       RUN(compressed_booms_bend_until_they_buckle), RUN(sets_err_by_what_they_lack), RUN(model_error_is_its_formula),
       RUN(modes_answer_as_oscillators), RUN(a_rate_too_small_to_matter_changes_no_advice), RUN(advice_knows_no_axes),
       RUN(velocities_are_those_of_a_prescribed_base), RUN(bending_and_speed_have_their_phases),
-      RUN(accelerations_stiffen_and_soften), RUN(velocities_of_a_spinning_base_are_loads),
-      RUN(advice_counts_loads_through_other_modes), RUN(gravity_is_nothing_to_a_free_body),
-      RUN(advised_steps_are_within_the_limit), RUN(damping_goes_with_its_mode),
+      RUN(accelerations_stiffen_and_soften), RUN(steps_are_the_longest_parts_of_a_frame),
+      RUN(advice_is_the_cheapest_that_adds_up), RUN(schemes_have_their_scenes),
+      RUN(velocities_of_a_spinning_base_are_loads), RUN(advice_counts_loads_through_other_modes),
+      RUN(gravity_is_nothing_to_a_free_body), RUN(advised_steps_are_within_the_limit), RUN(damping_goes_with_its_mode),
       RUN(advised_steps_are_those_of_the_spectrum), RUN(advice_does_not_hide_what_is_out_of_range),
       RUN(errors_and_steps_add_up), RUN(advice_knows_no_units), RUN(search_stops_at_the_cheapest_that_will_do),
       RUN(search_tries_each_part_of_a_frame_once), RUN(search_takes_no_nonsense_for_an_answer),
