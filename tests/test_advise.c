@@ -989,6 +989,174 @@ TEST(search_tries_each_part_of_a_frame_once)
   }
 }
 
+typedef struct picky { /* takes one kind of candidate alone: effects, modes, scheme, steps up to the longest */
+  unsigned effects;
+  int n, scheme;
+  fb_real longest, miss[4]; /* what all others are off by, by scheme */
+  int n_run;
+  fb_advice first;
+  int tries[FB_EFFECTS_FULL + 1][FB_MAX_MODES + 1][4];
+  unsigned parts; /* of the frame that the steps are of the cheapest body by the midpoint rule: 1 << number */
+} picky;
+
+static fb_status pick(void *user, fb_real *out, const fb_advice *candidate)
+{
+  picky *const p = (picky *)user;
+  const int scheme = (int)candidate->scheme;
+  const unsigned effects = candidate->effects & FB_EFFECTS_FULL;
+  out[0] = FB_R(1.0);
+  if (p->n_run++ == 0) {
+    p->first = *candidate;
+    return FB_OK;
+  }
+  p->tries[effects][candidate->n][scheme]++;
+  if (effects == FB_EFFECTS_LINEAR && candidate->n == 1 && scheme == (int)FB_SCHEME_MIDPOINT) {
+    const long parts = lround((double)(envelope.frame / candidate->dt));
+    p->parts |= parts < 32 ? 1u << parts : 0u;
+  }
+  if (effects != p->effects || candidate->n != p->n || scheme != p->scheme || candidate->dt > p->longest) {
+    out[0] += p->miss[scheme];
+  }
+  return FB_OK;
+}
+
+/* A search among the bodies of two modes by that judge, to a quarter. */
+static fb_status search_for(picky *p)
+{
+  fb_real output, reference;
+  fb_trial trial;
+  memset(&trial, 0, sizeof trial);
+  trial.run = pick;
+  trial.user = p;
+  trial.n = trial.width = 1;
+  trial.output = &output;
+  trial.reference = &reference;
+  memset(&work, 0xff, sizeof work); /* it means nothing between calls */
+  return fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.25), &trial);
+}
+
+static void new_judge(picky *p, unsigned effects, int n, int scheme)
+{
+  memset(p, 0, sizeof *p);
+  p->effects = effects;
+  p->n = n;
+  p->scheme = scheme;
+  p->longest = FB_HUGE;
+  for (int s = 0; s < 4; s++) {
+    p->miss[s] = FB_R(2.0);
+  }
+  boom_under_a_force(0.5, 1, 1);
+  envelope.spin[2] = FB_R(0.5);
+}
+
+/* Whatever alone will do is found: any set of effects, number of modes and scheme; in a step that is not beyond rk4's limit.
+   The cost of a step, and what does not come of the simulations, is what it is without them. */
+TEST(search_finds_what_alone_will_do)
+{
+  static const unsigned set[4] = {FB_EFFECTS_LINEAR, FB_EFFECTS_SPIN, FB_EFFECTS_LINEAR | FB_EFFECT_SPIN_STIFFENING,
+                                  FB_EFFECTS_FULL};
+  static picky p;
+  fb_advice without;
+  for (int k = 0; k < 32; k++) {
+    new_judge(&p, set[k / 8], 1 + k / 4 % 2, k % 4);
+    FBT_INT_EQ(search_for(&p), FB_OK);
+    FBT_INT_EQ(advice.effects, p.effects);
+    FBT_INT_EQ(advice.n, p.n);
+    FBT_INT_EQ(advice.scheme, p.scheme);
+    FBT_INT_EQ(advice.n_trial, p.n_run);
+    FBT_NEAR_ABS(advice.error, 0.0, 0.0);
+    FBT_TRUE(advice.scheme != FB_SCHEME_RK4 || advice.long_step == 0);
+  }
+  new_judge(&p, 0u, 0, 0);
+  FBT_INT_EQ(fb_body_advise(&without, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
+  new_judge(&p, without.effects, without.n, (int)without.scheme);
+  FBT_INT_EQ(search_for(&p), FB_OK);
+  FBT_NEAR_REL(advice.cost * advice.dt, without.cost * without.dt, FBT_TOL(1e-12, 1e-5));
+  FBT_NEAR_REL(advice.deflection, without.deflection, FBT_TOL(1e-12, 1e-5));
+  FBT_NEAR_REL(advice.error_model, without.error_model, FBT_TOL(1e-12, 1e-5));
+  FBT_NEAR_ABS(fbt_difference(advice.without, without.without, FB_ADVICE_EFFECTS), 0.0, FBT_TOL(1e-12, 1e-5));
+}
+
+/* The last that is tried is the reference's own run, with what it costs; what is off by the tolerance meets it. */
+TEST(search_ends_with_the_run_of_the_reference)
+{
+  static picky p;
+  new_judge(&p, FB_EFFECTS_FULL, 2, (int)FB_SCHEME_RK4);
+  FBT_INT_EQ(search_for(&p), FB_OK);
+  new_judge(&p, FB_EFFECTS_FULL, 2, (int)FB_SCHEME_RK4);
+  p.longest = FB_R(1.0001) * advice.dt / 4; /* a quarter of the longest, as the reference has it */
+  FBT_INT_EQ(search_for(&p), FB_OK);
+  FBT_NEAR_REL(advice.dt, p.first.dt, FBT_TOL(1e-12, 1e-5));
+  FBT_NEAR_REL(advice.cost, p.first.cost, FBT_TOL(1e-12, 1e-5));
+  new_judge(&p, 0u, 0, 0);
+  for (int s = 0; s < 4; s++) {
+    p.miss[s] = FB_R(0.25);
+  }
+  FBT_INT_EQ(search_for(&p), FB_OK);
+  FBT_INT_EQ(advice.n_trial, 2);
+  FBT_NEAR_ABS(advice.error, 0.25, 0.0);
+}
+
+/* A body that misses it alike by two steps of a scheme is tried no more, one that does not is: by each of its schemes for
+   itself. Steps are parts of the frame, half as long every second time. */
+TEST(search_gives_up_bodies_that_miss_alike)
+{
+  static picky p;
+  int bodies = 0;
+  new_judge(&p, 0u, 0, 0);
+  for (int s = 0; s < 4; s++) {
+    p.miss[s] = FB_R(0.3) + FB_R(0.04) * (fb_real)s;
+  }
+  FBT_INT_EQ(search_for(&p), FB_ERR_CONVERGENCE);
+  for (int k = 0; k < 3 * ((int)FB_EFFECTS_FULL + 1); k++) {
+    const int *const tries = p.tries[k / 3][k % 3];
+    int all = 0, most = 0;
+    for (int s = 0; s < 4; s++) {
+      all += tries[s];
+      most = tries[s] > most ? tries[s] : most;
+    }
+    FBT_TRUE(all == 0 || (most == 2 && all <= 5));
+    bodies += all > 0;
+  }
+  FBT_TRUE(bodies > 4);
+  new_judge(&p, 0u, 0, 0);
+  envelope.frame = FB_R(0.5);
+  FBT_INT_EQ(search_for(&p), FB_ERR_CONVERGENCE);
+  FBT_INT_EQ(p.parts & (1u << 2 | 1u << 4 | 1u << 8), 1u << 2 | 1u << 4 | 1u << 8);
+}
+
+/* The error is the largest distance of samples, of the largest sample. */
+static fb_status four_numbers(void *user, fb_real *out, const fb_advice *candidate)
+{
+  const double exact[4] = {3.0, 4.0, 0.0, 1.0}, off[4] = {3.3, 4.4, 0.4, 1.0};
+  int *const n_run = (int *)user;
+  (void)candidate;
+  for (int k = 0; k < 4; k++) {
+    out[k] = (fb_real)(*n_run > 0 ? off[k] : exact[k]);
+  }
+  ++*n_run;
+  return FB_OK;
+}
+
+TEST(errors_are_distances_of_samples)
+{
+  for (int width = 1; width <= 2; width++) {
+    fb_real output[4], reference[4];
+    int n_run = 0;
+    fb_trial trial;
+    memset(&trial, 0, sizeof trial);
+    trial.run = four_numbers;
+    trial.user = &n_run;
+    trial.n = 4;
+    trial.width = width;
+    trial.output = output;
+    trial.reference = reference;
+    boom_under_a_force(0.5, 1, 1);
+    FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.2), &trial), FB_OK);
+    FBT_NEAR_REL(advice.error, width > 1 ? 0.5 / 5.0 : 0.4 / 4.0, FBT_TOL(1e-12, 1e-5));
+  }
+}
+
 typedef struct spoiled { /* what is wrong with the outputs */
   fb_real reference, sample;
   fb_status status;
@@ -1189,5 +1357,7 @@ SUITE(advise, RUN(selection_takes_rows_and_pairs), RUN(selected_modes_move_as_a_
       RUN(gravity_is_nothing_to_a_free_body), RUN(advised_steps_are_within_the_limit), RUN(damping_goes_with_its_mode),
       RUN(advised_steps_are_those_of_the_spectrum), RUN(advice_does_not_hide_what_is_out_of_range),
       RUN(errors_and_steps_add_up), RUN(advice_knows_no_units), RUN(search_stops_at_the_cheapest_that_will_do),
-      RUN(search_tries_each_part_of_a_frame_once), RUN(search_takes_no_nonsense_for_an_answer),
+      RUN(search_tries_each_part_of_a_frame_once), RUN(search_finds_what_alone_will_do),
+      RUN(search_ends_with_the_run_of_the_reference), RUN(search_gives_up_bodies_that_miss_alike),
+      RUN(errors_are_distances_of_samples), RUN(search_takes_no_nonsense_for_an_answer),
       RUN(advice_meets_its_tolerance), RUN(advice_refuses_nonsense))
