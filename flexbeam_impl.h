@@ -16282,9 +16282,7 @@ static fb_real fbi_advice_bound(fb_real *q, const fb_body *body)
 /* Frequency [rad/s] of a mode at an instant. */
 static fb_real fbi_advice_omega(const fb_advise_work *work, int instant, int a)
 {
-  const int n = work->full.n;
-  const fb_real K = work->tangent[instant][a * n + a];
-  return FB_SQRT(K > FB_R(0.0) ? K : work->tangent[FBI_ADVICE_REST][a * n + a]);
+  return FB_SQRT(work->tangent[instant][a * work->full.n + a]);
 }
 
 /* Displacement of the output by coordinates q. */
@@ -16405,9 +16403,9 @@ static fb_real fbi_advise_condensed(const fb_advise_work *work, int instant, int
   fb_real change = FB_R(0.0);
   for (int k = n; k < size && k < FB_MAX_MODES; k++) { /* the bound: gcc 12 -O3 warns at one mode */
     const int b = work->order[k];
-    change += K[b * size + b] > FB_R(0.0) ? K[a * size + b] * K[b * size + a] / K[b * size + b] : FB_R(0.0);
+    change += K[a * size + b] * K[b * size + a] / K[b * size + b];
   }
-  return K[a * size + a] > FB_R(0.0) ? FB_FABS(change / K[a * size + a]) : FB_R(0.0);
+  return FB_FABS(change / K[a * size + a]);
 }
 
 /* What the output is off by with the first n modes alone: their answers at rest against those of all, times the gain
@@ -16472,7 +16470,6 @@ static fb_real fbi_advise_set(fb_advise_work *work, const fb_envelope *e, const 
     const int at = i / FBI_ADVICE_PHASES, phase = i % FBI_ADVICE_PHASES;
     fb_real away[3];
     fb_status status = fbi_advise_phase(work, &work->body, e, coordinate, at, phase);
-    fbi_zero(off, work->full.n);
     for (int k = 0; k < n && status == FB_OK; k++) {
       off[coordinate[k]] = work->motion.q_ddot[k] - work->q_ddot[at][phase][coordinate[k]];
     }
@@ -16527,12 +16524,12 @@ static fb_real fbi_scheme_limit(const fb_body *body, fb_scheme scheme, const fb_
   return fbi_smaller(limit, fbi_longest_step(e));
 }
 
-/* A step of at most dt that divides the frame. */
+/* A step of at most dt, which is no longer than the frame, that divides it. */
 static fb_real fbi_frame_part(fb_real dt, fb_real frame)
 {
   const fb_real parts = frame / dt;
   if (!(parts > FB_R(1.0) && parts < FB_R(1e6))) { /* none wanted, one, or too many to matter */
-    return parts > FB_R(0.0) && !(parts > FB_R(1.0)) ? frame : dt;
+    return dt;
   }
   return frame / (fb_real)((long)parts + ((fb_real)(long)parts < parts));
 }
@@ -16544,7 +16541,7 @@ static fb_real fbi_advice_step(fb_advise_work *work, const fb_envelope *e, fb_sc
   fb_spectrum *const s = &work->spectrum;
   const int exponential = scheme == FB_SCHEME_EXPONENTIAL;
   const fb_real spin = fbi_vec3_norm(e->spin), inertial = exponential ? fbi_smaller(work->error[0], FB_R(1.0)) : 1;
-  fb_real amplitude[FB_MAX_MODES + 2];
+  fb_real amplitude[FB_MAX_MODES + 1];
   s->n = 0;
   for (int k = 0; k < n; k++) {
     const int a = work->order[k];
@@ -16683,11 +16680,11 @@ FB_DEF fb_status fb_body_advise(fb_advice *advice, fb_advise_work *work, const f
     const int set = k / shape->n, n = 1 + k % shape->n;
     fb_real rest = left - work->error[set] - work->error_modes[n - 1], own;
     fbi_advice_fill(&candidate, work, desc, set, n);
-    if (rest > FB_R(0.1) * tolerance && fbi_candidate(work, shape, desc, &candidate) == FB_OK) {
+    if (rest > FB_R(0.0) && fbi_candidate(work, shape, desc, &candidate) == FB_OK) {
       own = fbi_advise_set(work, envelope, candidate.coordinate, 0);
       candidate.error_effects = fbi_larger(candidate.error_effects, own);
       rest = left - candidate.error_effects - candidate.error_modes;
-      if (rest > FB_R(0.1) * tolerance) {
+      if (rest > FB_R(0.0)) {
         fbi_advise_scheme(&candidate, work, envelope, rest);
         best = candidate.cost < best.cost ? candidate : best;
       }

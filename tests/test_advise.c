@@ -10,6 +10,7 @@ static fb_envelope envelope;
 static fb_body_desc level;
 static fb_advice advice;
 static fb_real metre = FB_R(1.0), kilogram = FB_R(1.0), second = FB_R(1.0); /* of booms */
+static fb_real boom_attitude[4] = {FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
 
 /* A uniform cantilever of 3 m with bending modes along y and z and a node at the tip; its modes go to `modes`. */
 static void make_boom(fb_shape *out, fb_modes *modes, int along_y, int along_z)
@@ -21,6 +22,7 @@ static void make_boom(fb_shape *out, fb_modes *modes, int along_y, int along_z)
   int node = 0;
   memset(&keep, 0, sizeof keep);
   desc.length = FB_R(3.0) * metre;
+  memcpy(desc.attitude, boom_attitude, sizeof desc.attitude);
   desc.n_element = 6;
   desc.n_station = 1;
   desc.station[0].mass = FB_R(2.0) * kilogram / metre;
@@ -223,12 +225,21 @@ TEST(what_acts_adds_up_at_its_worst)
   FBT_NEAR_REL(deflection(), rest + turned, 1e-3);
   envelope.spin_rate[1] = -FB_R(0.05);
   FBT_NEAR_REL(deflection(), rest, 1e-3);
-  envelope.spin[1] = envelope.spin_rate[1] = FB_R(0.0);
+  envelope.spin_rate[1] =
+      FB_R(0.05); /* once more by the spin; what the first mode lacks is the most of the force alone */
+  envelope.spin[0] = FB_R(0.025);
+  envelope.spin[1] = FB_R(0.0);
+  envelope.spin[2] = -FB_R(2.0);
+  FBT_NEAR_REL(deflection() * (double)work.error_modes[0], (1.0 - 0.9707) * rest, 1e-2);
+  envelope.spin[0] = envelope.spin[2] = envelope.spin_rate[1] = FB_R(0.0);
   envelope.acceleration[2] = FB_R(0.05);
   FBT_NEAR_REL(deflection(), rest + moved, 1e-3);
   envelope.acceleration[2] = -FB_R(0.05);
   FBT_NEAR_REL(deflection(), rest + moved, 1e-3);
-  envelope.acceleration[2] = FB_R(0.0);
+  envelope.spin[1] = FB_R(6.0);
+  envelope.spin_rate[1] = FB_R(0.05);
+  FBT_NEAR_REL(deflection(), rest + turned + moved, 1e-3);
+  envelope.spin[1] = envelope.spin_rate[1] = envelope.acceleration[2] = FB_R(0.0);
   envelope.frequency = (fb_real)sqrt((double)shape.K[0]);
   envelope.duration = FB_R(8.0) / envelope.frequency;
   FBT_NEAR_REL(deflection(), (1.0 + 3.0 * 0.9707) * rest, 1e-2);
@@ -238,15 +249,120 @@ TEST(what_acts_adds_up_at_its_worst)
   FBT_NEAR_REL(work.error_modes[0], 3.0 * (1.0 - 0.9707) / (1.0 + 2.0 * 0.9707), 1e-2);
 }
 
+/* E13.1: below its frequency a mode answers by 1/(1 - r^2), next to it with damping by 1/(2 zeta r); above it as to a
+   jump. */
+TEST(modes_answer_as_oscillators)
+{
+  const double rest = 0.5 * 27.0 / 1500.0, r[3] = {0.8, 0.99, 1.5}, gain[3] = {1.0 / 0.36, 1.0 / 0.198, 2.0};
+  for (int k = 0; k < 3; k++) {
+    boom_under_a_force(0.5, 0, 6);
+    envelope.frequency = (fb_real)(r[k] * sqrt((double)shape.K[0]));
+    envelope.duration = FB_R(100.0) / envelope.frequency;
+    level.effects |= (unsigned)FB_EFFECT_DAMPING;
+    level.zeta[0] = FB_R(0.1);
+    FBT_NEAR_REL(deflection(), (1.0 + (gain[k] - 1.0) * 0.9707) * rest, 1e-2);
+  }
+}
+
+/* A rate and an acceleration so small that they matter to nothing leave the advice about a spin askew as it is, though it
+   is no longer steady; of the acceleration either sign. */
+TEST(a_rate_too_small_to_matter_changes_no_advice)
+{
+  static fb_advice steady;
+  static fb_real error[FBI_ADVICE_SETS], modes[6];
+  for (int unsteady = 0; unsteady < 3; unsteady++) {
+    boom_under_a_force(-0.5, 3, 3);
+    envelope.spin[0] = FB_R(0.2);
+    envelope.spin[2] = -FB_R(4.0);
+    envelope.frequency = FB_R(0.5);
+    envelope.acceleration[2] = unsteady < 2 ? FB_R(0.1) : -FB_R(0.1);
+    envelope.spin_rate[0] = unsteady ? FB_R(1e-9) : FB_R(0.0);
+    (void)deflection();
+    if (!unsteady) {
+      steady = advice;
+      memcpy(error, work.error, sizeof error);
+      memcpy(modes, work.error_modes, sizeof modes);
+    }
+    FBT_NEAR_REL(advice.deflection, steady.deflection, FBT_TOL(1e-6, 1e-3));
+    FBT_NEAR_REL(advice.dt, steady.dt, FBT_TOL(1e-6, 1e-2));
+    FBT_BELOW(fbt_difference(work.error, error, FBI_ADVICE_SETS), FBT_TOL(1e-6, 1e-2) * fbt_largest(error, 3));
+    FBT_BELOW(fbt_difference(work.error_modes, modes, 6), FBT_TOL(1e-6, 1e-3));
+  }
+}
+
+/* v of the axes in which the boom lies: x, y, z become y, z, x, as often. */
+static void put(fb_real v[3], double x, double y, double z, int axes)
+{
+  v[axes % 3] = (fb_real)x;
+  v[(axes + 1) % 3] = (fb_real)y;
+  v[(axes + 2) % 3] = (fb_real)z;
+}
+
+/* The same scene in other axes of the body, held and free, has the same advice. */
+TEST(advice_knows_no_axes)
+{
+  const fb_real half = FB_R(0.5), inertia[6] = {2, 2, 2, 0, 0, 0};
+  const fb_real attitude[3][4] = {{1, 0, 0, 0}, {half, half, half, half}, {half, -half, -half, -half}};
+  for (int run = 0; run < 6; run++) {
+    static fb_advice first;
+    static fb_real error[FBI_ADVICE_SETS], modes[3];
+    const int axes = run % 3, held = run / 3;
+    fb_real center[3];
+    memcpy(boom_attitude, attitude[axes], sizeof boom_attitude);
+    boom_under_a_force(0.0, 1, 2);
+    put(envelope.load[0].force, 0.3, 0.2, -0.5, axes);
+    put(envelope.spin, 0.4, -0.7, 0.5, axes);
+    put(envelope.acceleration, 0.5, 0.1, 0.2, axes);
+    put(envelope.velocity, 0.03, 0.02, -0.04, axes);
+    put(envelope.spin_rate, held ? 0.02 : 0.0, held ? 0.03 : 0.0, held ? -0.05 : 0.0, axes);
+    envelope.frequency = FB_R(0.5);
+    level.base = held ? FB_BASE_PRESCRIBED : FB_BASE_FREE;
+    put(center, 0.5, 0.2, 0.3, axes);
+    FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(20.0), center, inertia), FB_OK);
+    (void)deflection();
+    if (axes == 0) {
+      first = advice;
+      memcpy(error, work.error, sizeof error);
+      memcpy(modes, work.error_modes, sizeof modes);
+    }
+    FBT_INT_EQ(advice.effects, first.effects);
+    FBT_INT_EQ(advice.n, first.n);
+    FBT_INT_EQ(advice.scheme, first.scheme);
+    FBT_NEAR_REL(advice.deflection, first.deflection, FBT_TOL(1e-6, 1e-3));
+    FBT_NEAR_REL(advice.dt, first.dt, FBT_TOL(1e-6, 1e-2));
+    FBT_NEAR_REL(advice.error_model, first.error_model, FBT_TOL(1e-6, 1e-2));
+    FBT_BELOW(fbt_difference(work.error, error, FBI_ADVICE_SETS), FBT_TOL(1e-6, 1e-2) * fbt_largest(error, 3));
+    FBT_BELOW(fbt_difference(work.error_modes, modes, 3), FBT_TOL(1e-6, 1e-3));
+  }
+  memcpy(boom_attitude, attitude[0], sizeof boom_attitude);
+}
+
+/* A base that turns about a fixed point has no velocity there. */
+TEST(velocities_are_those_of_a_prescribed_base)
+{
+  const fb_real center[3] = {0, 0, 0}, inertia[6] = {1, 1, 1, 0, 0, 0};
+  double still = 0.0;
+  for (int k = 0; k < 2; k++) {
+    boom_under_a_force(0.5, 1, 2);
+    FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(5.0), center, inertia), FB_OK);
+    envelope.spin[1] = FB_R(1.0);
+    level.base = FB_BASE_PINNED;
+    envelope.velocity[0] = envelope.velocity[2] = k ? FB_R(5.0) : FB_R(0.0);
+    still = k ? still : deflection();
+    FBT_NEAR_REL(deflection(), still, 1e-9);
+  }
+}
+
 /* E13.1: compression P along the boom makes F (tan kL - kL)/(P k) of it, k^2 = P/EI (beam-column); next to buckling and
    beyond the boom answers as at rest. */
 TEST(compressed_booms_bend_until_they_buckle)
 {
   const double buckles = 9.8696044 * 500.0 / 36.0, rest = 5.0 * 27.0 / 1500.0;
   const double part[3] = {0.5, 0.99, 2.5};
-  for (int k = 0; k < 3; k++) {
+  for (int run = 0; run < 4; run++) { /* six modes, at last one */
+    const int k = run < 3 ? run : 2;
     const double P = part[k] * buckles, root = sqrt(P / 500.0);
-    boom_under_a_force(5.0, 0, 6);
+    boom_under_a_force(5.0, 0, run < 3 ? 6 : 1);
     envelope.load[0].force[0] = (fb_real)-P;
     FBT_NEAR_REL(deflection(), k == 0 ? 5.0 * (tan(3.0 * root) - 3.0 * root) / (P * root) : rest, 0.03);
   }
@@ -416,6 +532,22 @@ TEST(sets_err_by_what_they_lack)
   FBT_NEAR_REL(work.error[0], 0.6 * 0.05, 0.05);
 }
 
+/* E13.3: a boom that swings about its own spin s in one plane is off without the effects of spin by s^2/omega_z^2 there,
+   where it is bent the most, and by 2 s f/omega_y^2 across, where it moves the fastest: not both at once. */
+TEST(bending_and_speed_have_their_phases)
+{
+  const double f = 0.2, T = 10.0;
+  double s, omega_y2, omega_z2;
+  boom_under_a_force(1e-3, 1, 1);
+  omega_z2 = fmin((double)shape.K[0], (double)shape.K[3]);
+  omega_y2 = fmax((double)shape.K[0], (double)shape.K[3]);
+  s = 2.0 * f * omega_z2 / omega_y2; /* both are as large */
+  envelope.spin[0] = (fb_real)s;
+  envelope.frequency = (fb_real)f;
+  (void)deflection();
+  FBT_NEAR_REL(work.error[0], s * s / omega_z2 * (1.0 + 0.5 * f * T), FBT_TOL(1e-2, 0.1));
+}
+
 /* E13.4 as it is written, about a slow spin of the boom about itself. */
 TEST(model_error_is_its_formula)
 {
@@ -427,6 +559,26 @@ TEST(model_error_is_its_formula)
   bend = deflection() / 3.0;
   FBT_NEAR_REL(advice.error_model, 1.2 * bend * s * f / (double)shape.K[0] + 0.3 * bend * bend * (1.0 + 0.125 * f * T),
                0.01);
+  memset(shape.node[1].psi, 0, sizeof shape.node[1].psi); /* an output where no mode gives anything of first degree */
+  envelope.acceleration[2] = FB_R(1.0);
+  bend = deflection() / 3.0;
+  FBT_NEAR_REL(advice.error_model, 0.3 * bend * bend, 0.01);
+}
+
+/* E13.3: an acceleration a along the boom is m a L^3/(7.837 EI) of what buckles it, or the same stiffer, and by that part
+   is off what leaves the acceleration's stiffening out. */
+TEST(accelerations_stiffen_and_soften)
+{
+  for (int way = -1; way <= 1; way += 2) {
+    boom_under_a_force(1e-3, 0, 3);
+    envelope.acceleration[0] = FB_R(0.5) * (fb_real)way;
+    (void)deflection();
+    FBT_NEAR_REL(advice.without[4], 2.0 * 0.5 * 27.0 / (7.837 * 500.0), 0.05);
+    FBT_INT_EQ((advice.effects & FB_EFFECT_ACCELERATION_STIFFENING) != 0, 0);
+    envelope.acceleration[0] *= FB_R(10.0);
+    (void)deflection();
+    FBT_INT_EQ((advice.effects & FB_EFFECT_ACCELERATION_STIFFENING) != 0, 1);
+  }
 }
 
 /* A uniform gravity, however strong, does nothing to a body that flies, but to one that lacks an effect. */
@@ -464,6 +616,8 @@ TEST(gravity_is_nothing_to_a_free_body)
 static double limit_of_advice(void)
 {
   const fb_real spin = (fb_real)sqrt((double)fb_vec3_dot(envelope.spin, envelope.spin));
+  const fb_real *const a = envelope.acceleration;
+  const fb_real most = level.base == FB_BASE_FREE ? FB_R(0.0) : (fb_real)sqrt((double)fb_vec3_dot(a, a));
   fb_body_desc desc = level;
   desc.effects = advice.effects;
   for (int k = 0; k < advice.n; k++) {
@@ -471,22 +625,27 @@ static double limit_of_advice(void)
   }
   FBT_INT_EQ(fb_shape_select(&other, &shape, advice.coordinate, advice.n), FB_OK);
   FBT_INT_EQ(fb_body_init(&body, &body_work, &other, &desc), FB_OK);
-  return (double)(advice.scheme == FB_SCHEME_RK4           ? fb_rk4_limit(&body, spin, 0)
-                  : advice.scheme == FB_SCHEME_EXPONENTIAL ? fb_exponential_limit(&body, spin, 0)
-                                                           : fb_implicit_limit(&body, spin, 0));
+  return (double)(advice.scheme == FB_SCHEME_RK4           ? fb_rk4_limit(&body, spin, most)
+                  : advice.scheme == FB_SCHEME_EXPONENTIAL ? fb_exponential_limit(&body, spin, most)
+                                                           : fb_implicit_limit(&body, spin, most));
 }
 
 /* However much may be missed, a step is within the limit of its scheme. */
 TEST(advised_steps_are_within_the_limit)
 {
-  for (int k = 0; k < 6; k++) {
+  const fb_real center[3] = {0, 0, 0}, inertia[6] = {5, 5, 5, 0, 0, 0};
+  for (int k = 0; k < 8; k++) {
     boom_under_a_force(0.5, 2, 2);
-    envelope.spin[k % 2] = k < 4 ? FB_R(2.0) : FB_R(0.0);
+    envelope.spin[k < 6 ? k % 2 : 1] = k < 4 || k > 5 ? FB_R(2.0) : FB_R(0.0);
+    envelope.acceleration[0] = k < 6 ? FB_R(0.0) : -FB_R(300.0); /* pulls it straight; gravity on what is free */
+    FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(20.0), center, inertia), FB_OK);
+    level.base = k == 7 ? FB_BASE_FREE : FB_BASE_PRESCRIBED;
     envelope.duration = k % 3 == 0 ? FB_R(2.0) : FB_R(50.0);
     level.effects |= (unsigned)FB_EFFECT_DAMPING;
-    level.zeta[0] = k == 1 || k == 5 ? FB_R(3.0) : FB_R(0.01); /* heavy, along the force */
+    level.zeta[0] = k == 1 || k > 4 ? FB_R(3.0) : FB_R(0.01); /* heavy, along the force */
     FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(3.0)), FB_OK);
     FBT_TRUE((advice.effects & FB_EFFECT_DAMPING) != 0);
+    FBT_TRUE((k != 1 && k < 6) || (double)advice.dt > 0.99999 * limit_of_advice()); /* that of accelerations, too */
     FBT_BELOW(advice.dt, 1.00001 * limit_of_advice());
   }
 }
@@ -498,20 +657,25 @@ TEST(advised_steps_are_those_of_the_spectrum)
   static fb_spectrum spectrum;
   const double tolerance[3] = {2.0, 1e-3, 1e-5};
   int exponential = 0;
-  for (int k = 0; k < 9; k++) {
+  for (int run = 0; run < 18; run++) { /* one mode, one in either plane */
+    const int k = run % 9;
     const fb_real f = k < 6 ? FB_R(1.0) : FB_R(20.0), s = k < 3 ? FB_R(0.05) : FB_R(0.5);
-    fb_real amplitude[2];
+    fb_real amplitude[3], drive;
     double dt;
-    boom_under_a_force(0.5, 0, 1);
+    boom_under_a_force(0.5, run / 9, 1);
     envelope.frequency = f;
     envelope.spin[0] = s;
     FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, (fb_real)tolerance[k % 3]), FB_OK);
     exponential += advice.scheme == FB_SCHEME_EXPONENTIAL;
-    spectrum.n = 2;
-    spectrum.im[0] = work.omega[0] + s;
-    spectrum.im[1] = f;
-    amplitude[1] = advice.scheme == FB_SCHEME_EXPONENTIAL ? work.error[0] : FB_R(1.0);
-    amplitude[0] = amplitude[1] * (f < work.omega[0] ? f / work.omega[0] : FB_R(1.0));
+    drive = advice.scheme == FB_SCHEME_EXPONENTIAL && work.error[0] < FB_R(1.0) ? work.error[0] : FB_R(1.0);
+    spectrum.n = advice.n + 1;
+    for (int m = 0; m < advice.n; m++) {
+      const int a = advice.coordinate[m];
+      amplitude[m] = drive * work.most[a] / work.deflection * (f < work.omega[a] ? f / work.omega[a] : FB_R(1.0));
+      spectrum.im[m] = work.omega[a] + s;
+    }
+    amplitude[advice.n] = drive;
+    spectrum.im[advice.n] = f;
     dt = (double)fb_spectrum_step(&spectrum, advice.scheme == FB_SCHEME_EXPONENTIAL ? FB_SCHEME_RK4 : advice.scheme,
                                   amplitude, envelope.duration, advice.error_step);
     dt = fmin(dt, fmin(limit_of_advice(), 10.0 / 8.0));
@@ -519,6 +683,20 @@ TEST(advised_steps_are_those_of_the_spectrum)
     FBT_NEAR_REL(work.omega[0] * work.omega[0], shape.K[0], 0.05);
   }
   FBT_TRUE(exponential > 0);
+}
+
+/* What is slow takes an implicit scheme, which has no limit; what swings rk4, or the exponential scheme where it is nearly
+   linear. */
+TEST(schemes_have_their_scenes)
+{
+  const fb_scheme expected[3] = {FB_SCHEME_MIDPOINT, FB_SCHEME_RK4, FB_SCHEME_EXPONENTIAL};
+  for (int k = 0; k < 3; k++) {
+    boom_under_a_force(0.5, 0, 1);
+    envelope.frequency = k ? FB_R(20.0) : FB_R(0.0);
+    envelope.spin[0] = k == 1 ? FB_R(2.0) : FB_R(0.0);
+    (void)deflection();
+    FBT_INT_EQ(advice.scheme, expected[k]);
+  }
 }
 
 /* The damping of a mode that is not chosen matters to no step. */
@@ -563,6 +741,9 @@ TEST(advice_does_not_hide_what_is_out_of_range)
   FBT_NEAR_REL(work.error_modes[1], modes[1], 0.1);
   FBT_TRUE(modes[0] > modes[1] && modes[1] > FB_R(0.0));
   FBT_TRUE(advice.error > FB_R(1.0));
+  boom_under_a_force(500.0, 0, 1); /* the tip goes as far as it may */
+  level.deflection_limit = FB_R(0.3);
+  FBT_NEAR_REL(deflection(), 0.3, 0.02);
 }
 
 /* The same scene in other units of length, mass and time has the same advice, in them: drives faster and slower than a
@@ -623,6 +804,36 @@ TEST(errors_and_steps_add_up)
       FBT_TRUE(k == 0 || parts > 0.5);
       FBT_INT_EQ(advice.long_step, 0);
     }
+  }
+}
+
+/* A step is the longest part of the frame that is no longer than what it would be without a frame. */
+TEST(steps_are_the_longest_parts_of_a_frame)
+{
+  const double ratio[9] = {0.4, 1.02, 1.6, 1.98, 2.0, 2.5, 4.0, 7.01, 1000.5};
+  fb_advice any;
+  boom_under_a_force(0.2, 0, 1);
+  envelope.frequency = FB_R(20.0);
+  (void)deflection();
+  any = advice;
+  for (int k = 0; k < 9; k++) {
+    const double frame = ratio[k] * (double)any.dt;
+    envelope.frame = (fb_real)ratio[k] * any.dt;
+    (void)deflection();
+    FBT_INT_EQ(advice.scheme, any.scheme);
+    FBT_NEAR_REL(advice.dt, frame / ceil(ratio[k]), FBT_TOL(1e-12, 1e-5));
+  }
+}
+
+/* The cheapest whose errors add up to the tolerance, though they leave little of it to the step: under a steady force one
+   mode, which lacks 1 - 0.9707, as soon as that may be missed. */
+TEST(advice_is_the_cheapest_that_adds_up)
+{
+  for (int k = 0; k < 4; k++) {
+    const double part[4] = {0.98, 1.02, 1.15, 1.3};
+    boom_under_a_force(1e-3, 0, 6);
+    FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, (fb_real)((1.0 - 0.9707) * part[k])), FB_OK);
+    FBT_INT_EQ(advice.n == 1, k > 0);
   }
 }
 
@@ -775,6 +986,174 @@ TEST(search_tries_each_part_of_a_frame_once)
     FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.01), &trial), FB_ERR_CONVERGENCE);
     FBT_TRUE(seen.in_order);
     FBT_TRUE(seen.n_run > 10);
+  }
+}
+
+typedef struct picky { /* takes one kind of candidate alone: effects, modes, scheme, steps up to the longest */
+  unsigned effects;
+  int n, scheme;
+  fb_real longest, miss[4]; /* what all others are off by, by scheme */
+  int n_run;
+  fb_advice first;
+  int tries[FB_EFFECTS_FULL + 1][FB_MAX_MODES + 1][4];
+  unsigned parts; /* of the frame that the steps are of the cheapest body by the midpoint rule: 1 << number */
+} picky;
+
+static fb_status pick(void *user, fb_real *out, const fb_advice *candidate)
+{
+  picky *const p = (picky *)user;
+  const int scheme = (int)candidate->scheme;
+  const unsigned effects = candidate->effects & FB_EFFECTS_FULL;
+  out[0] = FB_R(1.0);
+  if (p->n_run++ == 0) {
+    p->first = *candidate;
+    return FB_OK;
+  }
+  p->tries[effects][candidate->n][scheme]++;
+  if (effects == FB_EFFECTS_LINEAR && candidate->n == 1 && scheme == (int)FB_SCHEME_MIDPOINT) {
+    const long parts = lround((double)(envelope.frame / candidate->dt));
+    p->parts |= parts < 32 ? 1u << parts : 0u;
+  }
+  if (effects != p->effects || candidate->n != p->n || scheme != p->scheme || candidate->dt > p->longest) {
+    out[0] += p->miss[scheme];
+  }
+  return FB_OK;
+}
+
+/* A search among the bodies of two modes by that judge, to a quarter. */
+static fb_status search_for(picky *p)
+{
+  fb_real output, reference;
+  fb_trial trial;
+  memset(&trial, 0, sizeof trial);
+  trial.run = pick;
+  trial.user = p;
+  trial.n = trial.width = 1;
+  trial.output = &output;
+  trial.reference = &reference;
+  memset(&work, 0xff, sizeof work); /* it means nothing between calls */
+  return fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.25), &trial);
+}
+
+static void new_judge(picky *p, unsigned effects, int n, int scheme)
+{
+  memset(p, 0, sizeof *p);
+  p->effects = effects;
+  p->n = n;
+  p->scheme = scheme;
+  p->longest = FB_HUGE;
+  for (int s = 0; s < 4; s++) {
+    p->miss[s] = FB_R(2.0);
+  }
+  boom_under_a_force(0.5, 1, 1);
+  envelope.spin[2] = FB_R(0.5);
+}
+
+/* Whatever alone will do is found: any set of effects, number of modes and scheme; in a step that is not beyond rk4's limit.
+   The cost of a step, and what does not come of the simulations, is what it is without them. */
+TEST(search_finds_what_alone_will_do)
+{
+  static const unsigned set[4] = {FB_EFFECTS_LINEAR, FB_EFFECTS_SPIN, FB_EFFECTS_LINEAR | FB_EFFECT_SPIN_STIFFENING,
+                                  FB_EFFECTS_FULL};
+  static picky p;
+  fb_advice without;
+  for (int k = 0; k < 32; k++) {
+    new_judge(&p, set[k / 8], 1 + k / 4 % 2, k % 4);
+    FBT_INT_EQ(search_for(&p), FB_OK);
+    FBT_INT_EQ(advice.effects, p.effects);
+    FBT_INT_EQ(advice.n, p.n);
+    FBT_INT_EQ(advice.scheme, p.scheme);
+    FBT_INT_EQ(advice.n_trial, p.n_run);
+    FBT_NEAR_ABS(advice.error, 0.0, 0.0);
+    FBT_TRUE(advice.scheme != FB_SCHEME_RK4 || advice.long_step == 0);
+  }
+  new_judge(&p, 0u, 0, 0);
+  FBT_INT_EQ(fb_body_advise(&without, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
+  new_judge(&p, without.effects, without.n, (int)without.scheme);
+  FBT_INT_EQ(search_for(&p), FB_OK);
+  FBT_NEAR_REL(advice.cost * advice.dt, without.cost * without.dt, FBT_TOL(1e-12, 1e-5));
+  FBT_NEAR_REL(advice.deflection, without.deflection, FBT_TOL(1e-12, 1e-5));
+  FBT_NEAR_REL(advice.error_model, without.error_model, FBT_TOL(1e-12, 1e-5));
+  FBT_NEAR_ABS(fbt_difference(advice.without, without.without, FB_ADVICE_EFFECTS), 0.0, FBT_TOL(1e-12, 1e-5));
+}
+
+/* The last that is tried is the reference's own run, with what it costs; what is off by the tolerance meets it. */
+TEST(search_ends_with_the_run_of_the_reference)
+{
+  static picky p;
+  new_judge(&p, FB_EFFECTS_FULL, 2, (int)FB_SCHEME_RK4);
+  FBT_INT_EQ(search_for(&p), FB_OK);
+  new_judge(&p, FB_EFFECTS_FULL, 2, (int)FB_SCHEME_RK4);
+  p.longest = FB_R(1.0001) * advice.dt / 4; /* a quarter of the longest, as the reference has it */
+  FBT_INT_EQ(search_for(&p), FB_OK);
+  FBT_NEAR_REL(advice.dt, p.first.dt, FBT_TOL(1e-12, 1e-5));
+  FBT_NEAR_REL(advice.cost, p.first.cost, FBT_TOL(1e-12, 1e-5));
+  new_judge(&p, 0u, 0, 0);
+  for (int s = 0; s < 4; s++) {
+    p.miss[s] = FB_R(0.25);
+  }
+  FBT_INT_EQ(search_for(&p), FB_OK);
+  FBT_INT_EQ(advice.n_trial, 2);
+  FBT_NEAR_ABS(advice.error, 0.25, 0.0);
+}
+
+/* A body that misses it alike by two steps of a scheme is tried no more, one that does not is: by each of its schemes for
+   itself. Steps are parts of the frame, half as long every second time. */
+TEST(search_gives_up_bodies_that_miss_alike)
+{
+  static picky p;
+  int bodies = 0;
+  new_judge(&p, 0u, 0, 0);
+  for (int s = 0; s < 4; s++) {
+    p.miss[s] = FB_R(0.3) + FB_R(0.04) * (fb_real)s;
+  }
+  FBT_INT_EQ(search_for(&p), FB_ERR_CONVERGENCE);
+  for (int k = 0; k < 3 * ((int)FB_EFFECTS_FULL + 1); k++) {
+    const int *const tries = p.tries[k / 3][k % 3];
+    int all = 0, most = 0;
+    for (int s = 0; s < 4; s++) {
+      all += tries[s];
+      most = tries[s] > most ? tries[s] : most;
+    }
+    FBT_TRUE(all == 0 || (most == 2 && all <= 5));
+    bodies += all > 0;
+  }
+  FBT_TRUE(bodies > 4);
+  new_judge(&p, 0u, 0, 0);
+  envelope.frame = FB_R(0.5);
+  FBT_INT_EQ(search_for(&p), FB_ERR_CONVERGENCE);
+  FBT_INT_EQ(p.parts & (1u << 2 | 1u << 4 | 1u << 8), 1u << 2 | 1u << 4 | 1u << 8);
+}
+
+/* The error is the largest distance of samples, of the largest sample. */
+static fb_status four_numbers(void *user, fb_real *out, const fb_advice *candidate)
+{
+  const double exact[4] = {3.0, 4.0, 0.0, 1.0}, off[4] = {3.3, 4.4, 0.4, 1.0};
+  int *const n_run = (int *)user;
+  (void)candidate;
+  for (int k = 0; k < 4; k++) {
+    out[k] = (fb_real)(*n_run > 0 ? off[k] : exact[k]);
+  }
+  ++*n_run;
+  return FB_OK;
+}
+
+TEST(errors_are_distances_of_samples)
+{
+  for (int width = 1; width <= 2; width++) {
+    fb_real output[4], reference[4];
+    int n_run = 0;
+    fb_trial trial;
+    memset(&trial, 0, sizeof trial);
+    trial.run = four_numbers;
+    trial.user = &n_run;
+    trial.n = 4;
+    trial.width = width;
+    trial.output = output;
+    trial.reference = reference;
+    boom_under_a_force(0.5, 1, 1);
+    FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.2), &trial), FB_OK);
+    FBT_NEAR_REL(advice.error, width > 1 ? 0.5 / 5.0 : 0.4 / 4.0, FBT_TOL(1e-12, 1e-5));
   }
 }
 
@@ -970,9 +1349,15 @@ SUITE(advise, RUN(selection_takes_rows_and_pairs), RUN(selected_modes_move_as_a_
       RUN(selection_refuses_nonsense), RUN(advice_estimates_the_deflection), RUN(modes_err_by_what_gives_way),
       RUN(sets_err_by_the_change_of_frequency), RUN(advice_knows_where_modes_end), RUN(what_acts_adds_up_at_its_worst),
       RUN(compressed_booms_bend_until_they_buckle), RUN(sets_err_by_what_they_lack), RUN(model_error_is_its_formula),
+      RUN(modes_answer_as_oscillators), RUN(a_rate_too_small_to_matter_changes_no_advice), RUN(advice_knows_no_axes),
+      RUN(velocities_are_those_of_a_prescribed_base), RUN(bending_and_speed_have_their_phases),
+      RUN(accelerations_stiffen_and_soften), RUN(steps_are_the_longest_parts_of_a_frame),
+      RUN(advice_is_the_cheapest_that_adds_up), RUN(schemes_have_their_scenes),
       RUN(velocities_of_a_spinning_base_are_loads), RUN(advice_counts_loads_through_other_modes),
       RUN(gravity_is_nothing_to_a_free_body), RUN(advised_steps_are_within_the_limit), RUN(damping_goes_with_its_mode),
       RUN(advised_steps_are_those_of_the_spectrum), RUN(advice_does_not_hide_what_is_out_of_range),
       RUN(errors_and_steps_add_up), RUN(advice_knows_no_units), RUN(search_stops_at_the_cheapest_that_will_do),
-      RUN(search_tries_each_part_of_a_frame_once), RUN(search_takes_no_nonsense_for_an_answer),
+      RUN(search_tries_each_part_of_a_frame_once), RUN(search_finds_what_alone_will_do),
+      RUN(search_ends_with_the_run_of_the_reference), RUN(search_gives_up_bodies_that_miss_alike),
+      RUN(errors_are_distances_of_samples), RUN(search_takes_no_nonsense_for_an_answer),
       RUN(advice_meets_its_tolerance), RUN(advice_refuses_nonsense))
