@@ -2685,6 +2685,33 @@ TEST(locked_axes_need_no_inertia)
   }
 }
 
+/* E9.4, E9.5: a body without mass between two joints of a kind, the ground or nothing on one side of it, a body on the
+   other: their axes are the same ones, of a ball joint all of them, and it is refused, whichever way its axes are, what
+   is left of the inertia being rounding. Where the axes differ it is carried along. */
+TEST(what_moves_no_inertia_but_rounding_is_refused)
+{
+  static const fb_joint_kind kinds[3] = {FB_JOINT_PRISMATIC, FB_JOINT_REVOLUTE, FB_JOINT_SPHERICAL};
+  fbt_seed(31);
+  for (int run = 0; run < 240; run++) {
+    const int kind = run % 3, axis = run / 3 % 3, held = run / 9 % 2, aside = run / 18 % 4 == 0 && held && kind < 2;
+    const double angle = 2.0 * pi / 3.0 * (axis - 1) / sqrt(3.0);
+    fresh();
+    rigid(&model[0], 0, 0, 0, 0, 0, 0, 0);
+    rigid(&model[1], 2.0, 0, 0, 0, 10.0, 10.0, 10.0);
+    for (int k = 0; k < 2; k++) {
+      hang(k, k, k == 1 || held ? kinds[kind] : FB_JOINT_FREE, k - 1, 0);
+    }
+    turn(desc.joint[0].child_attitude, angle, angle, angle); /* z of the joint is x, y or z of the body */
+    turn(desc.joint[1].attitude, angle + 0.4 * aside, angle, angle);
+    turn_anyhow(desc.joint[1].child_attitude, 2.0);
+    for (int i = 0; i < 3; i++) {
+      (kind ? desc.joint[1].child_position : desc.joint[1].position)[i] = (fb_real)(1e3 * fbt_random());
+    }
+    FBT_INT_EQ(fb_system_init(&mechanism, &work, model, 2, &desc), aside ? FB_OK : FB_ERR_SINGULAR);
+    FBT_INT_EQ(work.joint, aside ? -1 : 0);
+  }
+}
+
 /* E11.12: springs and dampers of kept joints, each against what its axis moves: a ball joint at the mass center
    k (1/J_1 + 1/J_2 + 1/J_3), a cylindrical one k_0/J_3 + k_1 (1/m + r^2/J), its axis r beside the center. */
 TEST(limits_of_kept_joints_are_in_closed_form)
@@ -2880,10 +2907,11 @@ SUITE(system, RUN(every_joint_is_the_same_eliminated_kept_or_closing_a_loop),
       RUN(a_latch_conserves_momentum), RUN(the_check_word_of_a_system_sees_every_byte),
       RUN(springs_and_dampers_balance_energy), RUN(joint_forces_carry_what_hangs_on_them),
       RUN(kept_joints_turn_all_the_way_round), RUN(locked_axes_need_no_inertia),
-      RUN(limits_of_kept_joints_are_in_closed_form), RUN(reactions_are_the_sum_of_joint_forces),
-      RUN(systems_refuse_what_is_not_right), RUN(every_joint_moves_as_it_should),
-      RUN(joint_frames_may_be_half_a_turn_off), RUN(a_node_that_only_turns_carries_its_body),
-      RUN(a_cut_beam_behaves_as_the_whole), RUN(system_steps_beyond_the_limit_are_refused),
-      RUN(the_limit_of_a_linkage_is_in_closed_form), RUN(stiff_joints_take_long_steps),
-      RUN(strained_bodies_converge_in_a_system), RUN(a_stretching_rod_carries_its_neighbor),
-      RUN(attitudes_come_back_as_they_were), RUN(a_chain_in_free_flight_keeps_its_momenta))
+      RUN(what_moves_no_inertia_but_rounding_is_refused), RUN(limits_of_kept_joints_are_in_closed_form),
+      RUN(reactions_are_the_sum_of_joint_forces), RUN(systems_refuse_what_is_not_right),
+      RUN(every_joint_moves_as_it_should), RUN(joint_frames_may_be_half_a_turn_off),
+      RUN(a_node_that_only_turns_carries_its_body), RUN(a_cut_beam_behaves_as_the_whole),
+      RUN(system_steps_beyond_the_limit_are_refused), RUN(the_limit_of_a_linkage_is_in_closed_form),
+      RUN(stiff_joints_take_long_steps), RUN(strained_bodies_converge_in_a_system),
+      RUN(a_stretching_rod_carries_its_neighbor), RUN(attitudes_come_back_as_they_were),
+      RUN(a_chain_in_free_flight_keeps_its_momenta))
