@@ -1383,7 +1383,7 @@ typedef struct fbi_row {
 typedef struct fb_system_work { /* scratch; large: make it static */
   int joint; /* after a failure: the joint at fault (loops after the bodies), -1: none, -2 - k: row k of the caller's */
   int kept;  /* bodies are free, all joints are constraints */
-  fb_real stiff; /* [s] weight of the modes' stiffness in the mass, to hold them still */
+  fb_real heavy; /* by how much the mass of the modes is larger than it is, to hold them still */
   int n_row, n_joint_row, n_end;
   fbi_link_work link[FB_MAX_BODIES];
   fbi_end end[FBI_MAX_ENDS];

@@ -7709,9 +7709,9 @@ static void fbi_from_node(fb_real V[6], const fbi_link_work *L, const fb_real no
   fb_mat33_mulT_vec3(V + 3, L->C, node + 3);
 }
 
-/* What joints feel of a body whose modes carry others, or are stiff for the step: E = M + g C + g^2 K_t, X = Lambda,
-   S = M_rr = S + Lambda M^-1 Lambda^T. */
-static FBI_NOINLINE void fbi_link_open(fbi_link_work *L, const fb_body *body, fb_real g)
+/* What joints feel of a body whose modes carry others, or are stiff for the step, or heavy: E = (1 + heavy) M + g C +
+   g^2 K_t, X = Lambda, S = M_rr = S + Lambda M^-1 Lambda^T. */
+static FBI_NOINLINE void fbi_link_open(fbi_link_work *L, const fb_body *body, fb_real g, fb_real heavy)
 {
   const int n = body->n;
   fbi_zero(L->E, n * n);
@@ -7732,7 +7732,7 @@ static FBI_NOINLINE void fbi_link_open(fbi_link_work *L, const fb_body *body, fb
     }
 #endif
   }
-  fbi_sparse_add(L->E, FB_R(1.0), &body->M, n);
+  fbi_sparse_add(L->E, FB_R(1.0) + heavy, &body->M, n);
   fbi_lambda_rows(L->X, body, L->k.qx, 0, body->n_lambda);
   for (int i = 0; i < 6; i++) {
     fb_real a[FB_MAX_MODES];
@@ -7849,9 +7849,9 @@ static FBI_FLATTEN fb_status fbi_tree_factor(fb_system_work *w, const fb_system 
     } else {
       fbi_S_eval(L->S, model, L->k.qx, model->n_run);
     }
-    L->open = model->n > 0 && (L->coupled || g + w->stiff > FB_R(0.0));
+    L->open = model->n > 0 && (L->coupled || g + w->heavy > FB_R(0.0));
     if (L->open) {
-      fbi_link_open(L, model, g + w->stiff);
+      fbi_link_open(L, model, g, w->heavy);
     }
     L->mass = L->moment = FB_R(0.0);
   }
@@ -8082,7 +8082,7 @@ static FBI_NOINLINE fb_status fbi_dense_factor(fb_system_work *w, const fb_syste
     const int axes = fbi_speed_offset(system, w, body, k), at = axes + joint->n_axis, end = at + model->n;
     const fb_real *T = w->T + 6 * k * N;
     fbi_S_eval(L->S, model, L->k.qx, model->n_run);
-    fbi_link_open(L, model, g + w->stiff);
+    fbi_link_open(L, model, g, w->heavy);
     fbi_velocity_map(w, system, body, k, N);
     for (int c = 0; c < end; c++) {
       fb_real h[6];
@@ -9262,7 +9262,7 @@ static FBI_FLATTEN fb_status fbi_system_rates(fb_system_work *w, const fb_system
 static void fbi_system_enter(fb_system_work *w, const fb_system *system)
 {
   w->kept = system->method == FB_METHOD_MULTIPLIERS;
-  w->stiff = FB_R(0.0);
+  w->heavy = FB_R(0.0);
   w->joint = -1;
   w->n_row = w->n_end = 0;
 }
@@ -9575,14 +9575,14 @@ static fb_status fbi_loops_close(fb_system_work *w, const fb_system *system, con
   }
   for (int step = 0; step < 50 && status == FB_OK && !(miss <= FB_R(8.0) * FB_EPSILON); step++) {
     const int before = worst;
-    w->stiff = miss > FB_R(1e-3) && step < 20 ? FB_R(1e3) : FB_R(0.0); /* [s] joints move, modes do not; but at last */
+    w->heavy = step < 20 ? FB_R(1e6) : FB_R(0.0); /* joints move, modes do not; but at last */
     status = fbi_positions_close(&miss, &worst, w, system, body, state, modes, input);
     if (step > 0 && (status == FB_ERR_UNDETERMINED || status == FB_ERR_RANGE)) { /* lost on the way */
       w->joint = before;
       status = FB_ERR_CONTRADICTION;
     }
   }
-  w->stiff = FB_R(0.0);
+  w->heavy = FB_R(0.0);
   if (status == FB_OK && !(miss <= (FB_SINGLE ? FB_R(1e-4) : FB_R(1e-10)))) {
     w->joint = worst;
     status = FB_ERR_CONTRADICTION;

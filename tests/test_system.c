@@ -1219,13 +1219,17 @@ TEST(states_out_of_range_are_refused)
   }
 }
 
-/* E9.17: from a rough guess joints move and modes do not, and what the bodies carry stays: linear and angular momentum
-   of two free bodies are those before the loop took hold. */
+/* E9.17: from a rough guess joints move and modes do not, however soft, and what the bodies carry stays: linear and
+   angular momentum of two free bodies are those before the loop took hold. */
 TEST(a_loop_that_closes_keeps_shape_and_momentum)
 {
-  for (int kind = (int)FB_JOINT_RIGID; kind <= (int)FB_JOINT_SPHERICAL; kind++) {
+  for (int run = 0; run < 14; run++) {
+    const int kind = (int)FB_JOINT_RIGID + run / 2, soft = run % 2;
     fb_momentum before, after;
     couple((fb_joint_kind)kind, 0, FB_AXIS_FREE);
+    for (int a = 0; a < model[0].n && soft; a++) {
+      model[0].K.diagonal[a] *= FB_R(1e-10);
+    }
     init(FB_METHOD_RECURSIVE);
     FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
     FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, NULL), FB_OK);
@@ -1243,7 +1247,7 @@ TEST(a_loop_that_closes_keeps_shape_and_momentum)
     FBT_BELOW(fbt_difference(after.linear, before.linear, 3), FBT_TOL(1e-12, 1e-5));
     FBT_BELOW(fbt_difference(after.angular, before.angular, 3), FBT_TOL(1e-12, 1e-4));
     for (int k = 0; k < 2; k++) {
-      FBT_BELOW(fbt_difference(state.link[k].q, start[k].q, model[0].n), 1e-4);
+      FBT_BELOW(fbt_difference(state.link[k].q, start[k].q, model[0].n), 1e-6);
     }
   }
 }
