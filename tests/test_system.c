@@ -716,7 +716,7 @@ static void fourbar(double a, double b, double c, double d, fb_joint_kind closin
   fresh();
   for (int k = 0; k < 3; k++) {
     const double l = length[k];
-    rigid(&model[k], l, 0.5 * l, 0, 0, 0.01 * l, l * l * l / 12.0, l * l * l / 12.0);
+    rigid(&model[k], l, 0.5 * l, 0, 0, 0.01 * l * l * l, l * l * l / 12.0, l * l * l / 12.0);
   }
   hang(0, 0, FB_JOINT_REVOLUTE, FB_GROUND, 0);
   hang(1, 1, FB_JOINT_REVOLUTE, 0, 1);
@@ -782,6 +782,50 @@ TEST(redundant_loops_are_accepted)
     } else {
       fbt_figure("driven four-bar, rocker angle [rad]", "closed form", worst);
     }
+  }
+}
+
+/* A crank of length a, a rod of length b and a slider on the ground's x axis; a loop closes the pin of the slider. */
+static void slider_crank(double a, double b)
+{
+  fourbar(a, b, b, 0.0, FB_JOINT_REVOLUTE);
+  hang(2, 2, FB_JOINT_PRISMATIC, FB_GROUND, 0);
+  turn(desc.joint[2].attitude, 0, 0.5 * pi, 0);
+  turn(desc.joint[2].child_attitude, 0, 0.5 * pi, 0);
+  desc.loop[0].child_node = 0;
+}
+
+/* E12.11: a linkage with a spring at its crank swings with k/(2 T) of a crank that turns with 1 rad/s, and with as many
+   periods a second whatever the unit of length. */
+TEST(linkages_swing_alike_in_any_unit_of_length)
+{
+  for (int run = 0; run < 9; run++) {
+    const int slides = run / 3 == 2;
+    const double unit = pow(1e3, run % 3 - 1), a = 0.4, b = 1.0, c = 0.8, d = 1.1, crank = 0.7;
+    const double rocker = rocker_angle(a, b, c, d, crank), stiffness = 20.0 * unit * unit * unit;
+    const double rod = slides ? -asin(a * sin(crank) / b)
+                              : atan2(c * sin(rocker) - a * sin(crank), d + c * cos(rocker) - a * cos(crank));
+    double speed;
+    fb_energy energy;
+    if (slides) {
+      slider_crank(a * unit, b * unit);
+    } else {
+      fourbar(a * unit, b * unit, c * unit, d * unit, run / 3 ? FB_JOINT_SPHERICAL : FB_JOINT_REVOLUTE);
+    }
+    desc.joint[0].stiffness[0] = (fb_real)stiffness;
+    desc.joint[0].rest[0] = start[0].value[0] = (fb_real)crank;
+    start[1].value[0] = (fb_real)(rod - crank);
+    start[2].value[0] = (fb_real)(slides ? unit * (a * cos(crank) + b * cos(rod)) : rocker);
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_spectrum(&spectrum, &analyse_work, &mechanism, model, &state, NULL), FB_OK);
+    start[0].speed[0] = FB_R(1.0);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_energy(&mechanism, model, &work, &energy, &state, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, NULL), FB_OK);
+    speed = (double)motion.joint[0].speed[0];
+    FBT_INT_EQ(spectrum.n, 1);
+    FBT_NEAR_REL(spectrum.im[0], sqrt(stiffness * speed * speed / (2.0 * (double)energy.kinetic)), FBT_TOL(1e-8, 1e-3));
   }
 }
 
@@ -984,6 +1028,7 @@ TEST(every_joint_is_the_same_eliminated_kept_or_closing_a_loop)
           fb_system_motion *tree_motion = &first[instant];
           couple_steps(instant > 0 ? 10 : 0, FBT_TOL(2e-4, 1e-3));
           if (instant == 2 && axes > 0) {
+            memset(&work, 0xff, sizeof work);
             FBT_INT_EQ(fb_system_axis_set(&mechanism, model, &work, &state, joint, axes - 1, FB_AXIS_LOCKED, &input),
                        FB_OK);
             couple_steps(5, FBT_TOL(2e-4, 1e-3));
@@ -1720,30 +1765,39 @@ TEST(rows_along_which_nothing_moves_are_left_out)
   }
 }
 
-/* Two directions at user's [rad] from each other. */
+typedef struct sharp_pair {
+  double angle, size[2]; /* [rad] between two directions, how long each is */
+} sharp_pair;
+
 static int sharp_rows(fb_row *row, int capacity, const fb_pose *pose, fb_real t, void *user)
 {
-  const double angle = *(const double *)user;
+  const sharp_pair *const pair = (const sharp_pair *)user;
   (void)capacity, (void)t, (void)pose;
   row[0].body[1] = row[1].body[1] = FB_GROUND;
-  row[0].force[0][0] = FB_R(1.0);
-  row[1].force[0][0] = (fb_real)cos(angle);
-  row[1].force[0][1] = (fb_real)sin(angle);
+  row[0].force[0][0] = (fb_real)pair->size[0];
+  row[1].force[0][0] = (fb_real)(pair->size[1] * cos(pair->angle));
+  row[1].force[0][1] = (fb_real)(pair->size[1] * sin(pair->angle));
   return 2;
 }
 
 /* E9.9: a row is weighed with those of its kind at the same joint: at a ten-thousandth of a radian (a hundredth in
-   single precision) two directions are one; a heavy and a light body each have what holds them, and so have force and
-   torque of a body whose inertia is next to nothing beside its mass. */
+   single precision) two directions are one, five times that if one is five times as long, the first or the second; a
+   heavy and a light body each have what holds them, and so have force and torque of a body whose inertia is next to
+   nothing beside its mass. */
 TEST(rows_are_weighed_with_their_kind)
 {
-  for (int counts = 0; counts < 2; counts++) {
-    double angle = sqrt((counts ? 1.5 : 0.7) * FBT_TOL(1e-8, 1e-4));
+  for (int run = 0; run < 6; run++) {
+    const int counts = run % 2, longer = run / 2;
+    sharp_pair pair = {sqrt((counts ? 1.5 : 0.7) * FBT_TOL(1e-8, 1e-4)), {1.0, 1.0}};
+    if (longer > 0) {
+      pair.angle *= 5.0;
+      pair.size[longer - 1] = 5.0;
+    }
     fresh();
     rigid(&model[0], 2.0, 0, 0, 0, 0.1, 0.1, 0.1);
     hang(0, 0, FB_JOINT_FREE, FB_GROUND, 0);
     input.rows = sharp_rows;
-    input.user = &angle;
+    input.user = &pair;
     init(FB_METHOD_RECURSIVE);
     FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, NULL, &input), FB_OK);
     FBT_INT_EQ(work.rank, 1 + counts);
@@ -1762,7 +1816,7 @@ TEST(rows_are_weighed_with_their_kind)
   FBT_NEAR_ABS(fbt_largest(state.link[0].p, 6), 0.0, FBT_TOL(1e-9, 1e-1));
   FBT_NEAR_ABS(fbt_largest(state.link[1].p, 6), 0.0, FBT_TOL(1e-9, 1e-1));
   for (int held = 0; held < 2; held++) { /* one by a loop, the other by the caller */
-    double across = 0.5 * pi;
+    sharp_pair across = {0.5 * pi, {1.0, 1.0}};
     fresh();
     hang(0, !held, FB_JOINT_FREE, FB_GROUND, 0);
     hang(1, held, FB_JOINT_FREE, FB_GROUND, 0);
@@ -2911,11 +2965,11 @@ SUITE(system, RUN(every_joint_is_the_same_eliminated_kept_or_closing_a_loop),
       RUN(a_latch_conserves_momentum), RUN(the_check_word_of_a_system_sees_every_byte),
       RUN(springs_and_dampers_balance_energy), RUN(joint_forces_carry_what_hangs_on_them),
       RUN(kept_joints_turn_all_the_way_round), RUN(locked_axes_need_no_inertia),
-      RUN(what_moves_no_inertia_but_rounding_is_refused), RUN(limits_of_kept_joints_are_in_closed_form),
-      RUN(reactions_are_the_sum_of_joint_forces), RUN(systems_refuse_what_is_not_right),
-      RUN(every_joint_moves_as_it_should), RUN(joint_frames_may_be_half_a_turn_off),
-      RUN(a_node_that_only_turns_carries_its_body), RUN(a_cut_beam_behaves_as_the_whole),
-      RUN(system_steps_beyond_the_limit_are_refused), RUN(the_limit_of_a_linkage_is_in_closed_form),
-      RUN(stiff_joints_take_long_steps), RUN(strained_bodies_converge_in_a_system),
-      RUN(a_stretching_rod_carries_its_neighbor), RUN(attitudes_come_back_as_they_were),
-      RUN(a_chain_in_free_flight_keeps_its_momenta))
+      RUN(linkages_swing_alike_in_any_unit_of_length), RUN(what_moves_no_inertia_but_rounding_is_refused),
+      RUN(limits_of_kept_joints_are_in_closed_form), RUN(reactions_are_the_sum_of_joint_forces),
+      RUN(systems_refuse_what_is_not_right), RUN(every_joint_moves_as_it_should),
+      RUN(joint_frames_may_be_half_a_turn_off), RUN(a_node_that_only_turns_carries_its_body),
+      RUN(a_cut_beam_behaves_as_the_whole), RUN(system_steps_beyond_the_limit_are_refused),
+      RUN(the_limit_of_a_linkage_is_in_closed_form), RUN(stiff_joints_take_long_steps),
+      RUN(strained_bodies_converge_in_a_system), RUN(a_stretching_rod_carries_its_neighbor),
+      RUN(attitudes_come_back_as_they_were), RUN(a_chain_in_free_flight_keeps_its_momenta))
