@@ -22,6 +22,7 @@ static fb_system_state state, kept, rate;
 static fb_system_input input;
 static fb_system_motion motion;
 static fb_link_motion start[FB_MAX_BODIES];
+static double kilogram = 1.0, meter = 1.0, second = 1.0; /* what bodies are measured in */
 
 static void fresh(void)
 {
@@ -35,14 +36,15 @@ static void fresh(void)
 /* A rigid body about its origin. */
 static void rigid(fb_body *body, double mass, double cx, double cy, double cz, double jx, double jy, double jz)
 {
-  const fb_real center[3] = {(fb_real)cx, (fb_real)cy, (fb_real)cz};
-  const fb_real inertia[6] = {(fb_real)jx, (fb_real)jy, (fb_real)jz, 0, 0, 0};
-  const fb_real r[3] = {(fb_real)(2.0 * cx), (fb_real)(2.0 * cy), (fb_real)(2.0 * cz)};
+  const double J = kilogram * meter * meter;
+  const fb_real center[3] = {(fb_real)(cx * meter), (fb_real)(cy * meter), (fb_real)(cz * meter)};
+  const fb_real inertia[6] = {(fb_real)(jx * J), (fb_real)(jy * J), (fb_real)(jz * J), 0, 0, 0};
+  const fb_real r[3] = {FB_R(2.0) * center[0], FB_R(2.0) * center[1], FB_R(2.0) * center[2]};
   int node;
   fb_body_desc d = body_desc;
   d.base = FB_BASE_PRESCRIBED;
   FBT_INT_EQ(fb_shape_init(&shape, 0), FB_OK);
-  FBT_INT_EQ(fb_shape_add_rigid(&shape, (fb_real)mass, center, inertia), FB_OK);
+  FBT_INT_EQ(fb_shape_add_rigid(&shape, (fb_real)(mass * kilogram), center, inertia), FB_OK);
   FBT_INT_EQ(fb_shape_add_node(&shape, &node, r, NULL, NULL), FB_OK);
   FBT_INT_EQ(fb_body_init(body, &body_work, &shape, &d), FB_OK);
 }
@@ -50,34 +52,35 @@ static void rigid(fb_body *body, double mass, double cx, double cy, double cz, d
 /* A slender beam along x, nodes 1 at the tip and 2 in the middle: y, z bending modes, t of torsion. */
 static void flexible(fb_body *body, int y, int z, int t, unsigned effects)
 {
-  const fb_real root[3] = {0}, inertia[6] = {FB_R(0.02), FB_R(0.02), FB_R(0.02), 0, 0, 0};
+  const fb_real J = (fb_real)(0.02 * kilogram * meter * meter), root[3] = {0}, inertia[6] = {J, J, J, 0, 0, 0};
+  const double EI = kilogram * pow(meter, 3.0) / (second * second);
   fb_modes_desc keep;
   int node;
   fb_body_desc d = body_desc;
   memset(&keep, 0, sizeof keep);
-  beam_desc.length = FB_R(1.0);
+  beam_desc.length = (fb_real)meter;
   beam_desc.n_element = 6;
   beam_desc.n_station = 1;
-  beam_desc.station[0].mass = FB_R(0.8);
-  beam_desc.station[0].EI_y = FB_R(3.0);
-  beam_desc.station[0].EI_z = FB_R(2.0);
-  beam_desc.station[0].GJ = FB_R(1.5);
-  beam_desc.station[0].i_y = FB_R(0.004);
-  beam_desc.station[0].i_z = FB_R(0.003);
+  beam_desc.station[0].mass = (fb_real)(0.8 * kilogram / meter);
+  beam_desc.station[0].EI_y = (fb_real)(3.0 * EI);
+  beam_desc.station[0].EI_z = (fb_real)(2.0 * EI);
+  beam_desc.station[0].GJ = (fb_real)(1.5 * EI);
+  beam_desc.station[0].i_y = (fb_real)(0.004 * kilogram * meter);
+  beam_desc.station[0].i_z = (fb_real)(0.003 * kilogram * meter);
   keep.count[FB_KIND_BEND_Y] = y;
   keep.count[FB_KIND_BEND_Z] = z;
   keep.count[FB_KIND_TORSION] = t;
   d.base = FB_BASE_PRESCRIBED;
   d.effects = effects;
-  d.deflection_limit = FB_R(1.0);
+  d.deflection_limit = (fb_real)meter;
   FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
   FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_OK);
   FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
-  FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(0.5), root, inertia),
+  FBT_INT_EQ(fb_shape_add_rigid(&shape, (fb_real)(0.5 * kilogram), root, inertia),
              FB_OK); /* a clamped beam alone has none to move freely */
   FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
-  FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, FB_R(1.0)), FB_OK);
-  FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, FB_R(0.5)), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, (fb_real)meter), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, (fb_real)(0.5 * meter)), FB_OK);
   FBT_INT_EQ(fb_body_init(body, &body_work, &shape, &d), FB_OK);
 }
 
@@ -284,7 +287,7 @@ static void stepped(fb_system_state *s, int n, double dt)
     for (int i = 0; i < 3; i++) {
       for (int k = 1; k < 3; k++) {
         fb_drive *d = &at[i]->drive[k];
-        const double a = 0.5 * k;
+        const double a = 0.5 * k / (second * second);
         d->value[k - 1] =
             start[k].value[k - 1] + (fb_real)t[i] * start[k].speed[k - 1] + (fb_real)(0.5 * a * t[i] * t[i]);
         d->rate[k - 1] = start[k].speed[k - 1] + (fb_real)(a * t[i]);
@@ -992,6 +995,148 @@ static void couple_eval(fb_system_motion *at, fb_real whole[3], int j, int backw
     joint->value[i] *= FB_R(-1.0);
     joint->speed[i] *= FB_R(-1.0);
     joint->drive[i] *= FB_R(-1.0);
+  }
+}
+
+/* x times s, n numbers */
+static void multiply(fb_real *x, int n, double s)
+{
+  for (int i = 0; i < n; i++) {
+    x[i] *= (fb_real)s;
+  }
+}
+
+/* Unit of axis i of a joint: of a length, or 1. */
+static double unit_of(fb_joint_kind kind, int i)
+{
+  return kind == FB_JOINT_PRISMATIC || (kind == FB_JOINT_CYLINDRICAL && i == 1) || (kind == FB_JOINT_FREE && i < 3)
+             ? meter
+             : 1.0;
+}
+
+/* From SI to the units: a joint, how it starts and what drives it. */
+static void joint_in_units(fb_joint_desc *j, fb_link_motion *m, fb_drive *d)
+{
+  const double torque = kilogram * pow(meter / second, 2.0), hertz = 1.0 / second;
+  multiply(j->position, 3, meter);
+  multiply(j->child_position, 3, meter);
+  multiply(&j->pitch, 1, meter);
+  for (int i = 0; i < 6; i++) {
+    const double length = unit_of(j->kind, i);
+    multiply(&m->speed[i], 1, length * hertz);
+    multiply(&d->rate[i], 1, length * hertz);
+    multiply(&d->acceleration[i], 1, length * hertz * hertz);
+    if (i < 3) {
+      multiply(&m->value[i], 1, length);
+      multiply(&d->value[i], 1, length);
+      multiply(&d->torque[i], 1, torque / length);
+      multiply(&j->rest[i], 1, length);
+      multiply(&j->stiffness[i], 1, torque / (length * length));
+      multiply(&j->damping[i], 1, torque * second / (length * length));
+    }
+  }
+  multiply(m->q, FB_MAX_MODES, sqrt(kilogram) * meter);
+  multiply(m->q_dot, FB_MAX_MODES, sqrt(kilogram) * meter * hertz);
+}
+
+static void system_in_units(void)
+{
+  fb_link_motion none;
+  memset(&none, 0, sizeof none);
+  for (int j = 0; j < desc.n_body + desc.n_loop; j++) {
+    const int loop = j - desc.n_body;
+    joint_in_units(loop < 0 ? &desc.joint[j] : &desc.loop[loop], loop < 0 ? &start[j] : &none, &input.drive[j]);
+  }
+  for (int i = 0; i < input.n_load; i++) {
+    multiply(input.load[i].load.force, 3, kilogram * meter / (second * second));
+    multiply(input.load[i].load.torque, 3, kilogram * pow(meter / second, 2.0));
+  }
+}
+
+/* What motion_difference compares, back to SI. */
+static void motion_in_si(fb_system_motion *all)
+{
+  const double force = kilogram * meter / (second * second), q = sqrt(kilogram) * meter;
+  for (int k = 0; k < desc.n_body; k++) {
+    fb_motion *m = &all->motion[k];
+    multiply(all->pose[k].rho, 3, 1.0 / meter);
+    multiply(all->pose[k].q, FB_MAX_MODES, 1.0 / q);
+    multiply(m->v, 3, second / meter);
+    multiply(m->w, 3, second);
+    multiply(m->q_dot, FB_MAX_MODES, second / q);
+    multiply(m->v_dot, 3, second * second / meter);
+    multiply(m->w_dot, 3, second * second);
+    multiply(m->q_ddot, FB_MAX_MODES, second * second / q);
+    multiply(m->reaction_force, 3, 1.0 / force);
+    multiply(m->reaction_torque, 3, 1.0 / (force * meter));
+    multiply(all->joint[k].force, 3, 1.0 / force);
+    multiply(all->joint[k].torque, 3, 1.0 / (force * meter));
+    for (int i = 0; i < 3; i++) {
+      const double length = unit_of(desc.joint[k].kind, i);
+      multiply(&all->joint[k].speed[i], 1, second / length);
+      multiply(&all->joint[k].drive[i], 1, length / (force * meter));
+    }
+  }
+}
+
+/* How the tree (by a method) or a pair of bodies (a kind of joint that closes a loop; where it has them: at) moves in
+   the units that are set, in SI; and power, energy, momentum, longest step. */
+static void motion_in_units(fb_system_motion *out, double whole[5], int method, int kind, const fb_system_motion *at)
+{
+  const double joule = kilogram * pow(meter / second, 2.0);
+  fb_energy energy;
+  fb_momentum momentum;
+  if (at) {
+    couple((fb_joint_kind)kind, 0, FB_AXIS_FREE);
+    couple_by_a_loop(at, 0);
+  } else {
+    tree(FB_EFFECTS_FULL, 1);
+    drives();
+  }
+  system_in_units();
+  init((fb_method)method);
+  memset(&work, 0xff, sizeof work); /* what is in it means nothing */
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+  if (!at) {
+    stepped(&state, 3, FBT_TOL(2e-4, 2e-3) * second);
+  }
+  FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, out, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_system_energy(&mechanism, model, &work, &energy, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_system_momentum(&mechanism, model, &work, &momentum, &state, &input), FB_OK);
+  whole[0] = (double)out->power * second / joule;
+  whole[1] = (double)energy.kinetic / joule;
+  whole[2] = (double)energy.strain / joule;
+  whole[3] = (double)fbt_largest(momentum.angular, 3) / (joule * second);
+  whole[4] = 1e3 * (double)fb_system_rk4_limit(&mechanism, model, 0, 0) / second;
+  motion_in_si(out);
+}
+
+/* E9.1 to E9.19: a tree of all joints by each method, and pairs of bodies that a loop holds together, measured in other
+   units of mass, length and time: the same motion, power, energy, momentum and longest step. */
+TEST(systems_know_no_units)
+{
+  static const int exponent[3][3] = {{0, 0, 0}, {26, 6, 8}, {-26, -6, -8}}; /* of two */
+  static fb_system_motion apart, first;
+  for (int run = 0; run < 9; run++) {
+    const int method = run < 3 ? run : (int)FB_METHOD_RECURSIVE, kind = run < 3 ? 0 : (int)FB_JOINT_RIGID + run - 3;
+    double si[5], whole[5];
+    if (run >= 3) {
+      couple((fb_joint_kind)kind, 0, FB_AXIS_FREE);
+      init(FB_METHOD_RECURSIVE);
+      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+      FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &apart, &state, NULL), FB_OK);
+    }
+    for (int u = 0; u < 3; u++) {
+      kilogram = ldexp(1.0, exponent[u][0] / (FB_SINGLE ? 2 : 1));
+      meter = ldexp(1.0, exponent[u][1] / (FB_SINGLE ? 2 : 1));
+      second = ldexp(1.0, exponent[u][2] / (FB_SINGLE ? 2 : 1));
+      motion_in_units(u ? &motion : &first, u ? whole : si, method, kind, run < 3 ? NULL : &apart);
+      FBT_BELOW(u ? motion_difference(&motion, &first) : 0.0, FBT_TOL(1e-9, 1e-3));
+      for (int i = 0; i < 5 && u; i++) {
+        FBT_NEAR_REL(whole[i], si[i], FBT_TOL(1e-9, 1e-3));
+      }
+    }
+    kilogram = meter = second = 1.0;
   }
 }
 
@@ -2752,7 +2897,7 @@ TEST(what_moves_no_inertia_but_rounding_is_refused)
   fbt_seed(31);
   for (int run = 0; run < 240; run++) {
     const int kind = run % 3, axis = run / 3 % 3, held = run / 9 % 2, aside = run / 18 % 4 == 0 && held && kind < 2;
-    const double angle = 2.0 * pi / 3.0 * (axis - 1) / sqrt(3.0);
+    const double angle = 2.0 * pi / 3.0 * (axis - 1) / sqrt(3.0), offset = run % 2 ? 1e3 : 0.0;
     fresh();
     rigid(&model[0], 0, 0, 0, 0, 0, 0, 0);
     rigid(&model[1], 2.0, 0, 0, 0, 10.0, 10.0, 10.0);
@@ -2763,7 +2908,7 @@ TEST(what_moves_no_inertia_but_rounding_is_refused)
     turn(desc.joint[1].attitude, angle + 0.4 * aside, angle, angle);
     turn_anyhow(desc.joint[1].child_attitude, 2.0);
     for (int i = 0; i < 3; i++) {
-      (kind ? desc.joint[1].child_position : desc.joint[1].position)[i] = (fb_real)(1e3 * fbt_random());
+      (kind ? desc.joint[1].child_position : desc.joint[1].position)[i] = (fb_real)(offset * fbt_random());
     }
     FBT_INT_EQ(fb_system_init(&mechanism, &work, model, 2, &desc), aside ? FB_OK : FB_ERR_SINGULAR);
     FBT_INT_EQ(work.joint, aside ? -1 : 0);
@@ -2965,11 +3110,12 @@ SUITE(system, RUN(every_joint_is_the_same_eliminated_kept_or_closing_a_loop),
       RUN(a_latch_conserves_momentum), RUN(the_check_word_of_a_system_sees_every_byte),
       RUN(springs_and_dampers_balance_energy), RUN(joint_forces_carry_what_hangs_on_them),
       RUN(kept_joints_turn_all_the_way_round), RUN(locked_axes_need_no_inertia),
-      RUN(linkages_swing_alike_in_any_unit_of_length), RUN(what_moves_no_inertia_but_rounding_is_refused),
-      RUN(limits_of_kept_joints_are_in_closed_form), RUN(reactions_are_the_sum_of_joint_forces),
-      RUN(systems_refuse_what_is_not_right), RUN(every_joint_moves_as_it_should),
-      RUN(joint_frames_may_be_half_a_turn_off), RUN(a_node_that_only_turns_carries_its_body),
-      RUN(a_cut_beam_behaves_as_the_whole), RUN(system_steps_beyond_the_limit_are_refused),
-      RUN(the_limit_of_a_linkage_is_in_closed_form), RUN(stiff_joints_take_long_steps),
-      RUN(strained_bodies_converge_in_a_system), RUN(a_stretching_rod_carries_its_neighbor),
-      RUN(attitudes_come_back_as_they_were), RUN(a_chain_in_free_flight_keeps_its_momenta))
+      RUN(linkages_swing_alike_in_any_unit_of_length), RUN(systems_know_no_units),
+      RUN(what_moves_no_inertia_but_rounding_is_refused), RUN(limits_of_kept_joints_are_in_closed_form),
+      RUN(reactions_are_the_sum_of_joint_forces), RUN(systems_refuse_what_is_not_right),
+      RUN(every_joint_moves_as_it_should), RUN(joint_frames_may_be_half_a_turn_off),
+      RUN(a_node_that_only_turns_carries_its_body), RUN(a_cut_beam_behaves_as_the_whole),
+      RUN(system_steps_beyond_the_limit_are_refused), RUN(the_limit_of_a_linkage_is_in_closed_form),
+      RUN(stiff_joints_take_long_steps), RUN(strained_bodies_converge_in_a_system),
+      RUN(a_stretching_rod_carries_its_neighbor), RUN(attitudes_come_back_as_they_were),
+      RUN(a_chain_in_free_flight_keeps_its_momenta))
