@@ -798,8 +798,27 @@ static void slider_crank(double a, double b)
   desc.loop[0].child_node = 0;
 }
 
-/* E12.11: a linkage with a spring at its crank swings with k/(2 T) of a crank that turns with 1 rad/s, and with as many
-   periods a second whatever the unit of length. */
+/* The linkage on ground that is turned: what hangs on it. */
+static void tilt_ground(double x, double y, double z)
+{
+  fb_real tilt[4], R[9];
+  turn(tilt, x, y, z);
+  fb_quat_to_mat33(R, tilt);
+  for (int k = 0; k < desc.n_body; k++) {
+    fb_joint_desc *j = &desc.joint[k];
+    if (j->parent == FB_GROUND) {
+      const fb_real none[4] = {FB_R(1.0)}, position[3] = {j->position[0], j->position[1], j->position[2]};
+      const int turned = j->attitude[0] > FB_R(0.0);
+      fb_real attitude[4];
+      memcpy(attitude, turned ? j->attitude : none, sizeof attitude);
+      fb_quat_mul(j->attitude, tilt, attitude);
+      fb_mat33_mul_vec3(j->position, R, position);
+    }
+  }
+}
+
+/* E12.11: a linkage with a spring at its crank, in any plane, swings with k/(2 T) of a crank that turns with 1 rad/s, and
+   with as many periods a second whatever the unit of length; redundant rows come first or last. */
 TEST(linkages_swing_alike_in_any_unit_of_length)
 {
   for (int run = 0; run < 9; run++) {
@@ -815,6 +834,8 @@ TEST(linkages_swing_alike_in_any_unit_of_length)
     } else {
       fourbar(a * unit, b * unit, c * unit, d * unit, run / 3 ? FB_JOINT_SPHERICAL : FB_JOINT_REVOLUTE);
     }
+    turn(desc.loop[0].attitude, run / 3 == 1 ? 0.5 * pi : 0.0, 0, 0);
+    tilt_ground(0.4, -0.7, 0.3);
     desc.joint[0].stiffness[0] = (fb_real)stiffness;
     desc.joint[0].rest[0] = start[0].value[0] = (fb_real)crank;
     start[1].value[0] = (fb_real)(rod - crank);
@@ -1974,6 +1995,44 @@ TEST(rows_are_weighed_with_their_kind)
   }
 }
 
+typedef struct unlike_rows {
+  double size; /* of both */
+  int force;   /* row that is a force; the other one is a torque */
+} unlike_rows;
+
+static int force_and_torque_rows(fb_row *row, int capacity, const fb_pose *pose, fb_real t, void *user)
+{
+  const unlike_rows *const unlike = (const unlike_rows *)user;
+  (void)capacity, (void)t, (void)pose;
+  for (int k = 0; k < 2; k++) { /* along x, about y; of one the ground is the first body, of the other the second */
+    fb_row *at = &row[k];
+    at->body[k] = FB_GROUND;
+    (k == unlike->force ? &at->force[1 - k][0] : &at->torque[1 - k][1])[0] = (fb_real)unlike->size;
+  }
+  return 2;
+}
+
+/* E9.9: force and torque on one body, next to nothing of inertia beside its mass or the other way round, both hold it,
+   whichever comes first and however long they are. */
+TEST(force_and_torque_are_weighed_apart)
+{
+  for (int run = 0; run < 12; run++) {
+    const double heavy = run % 2 ? 1e4 : 1e-4;
+    unlike_rows unlike = {pow(1e-2, run / 4), run / 2 % 2};
+    fresh();
+    rigid(&model[0], heavy, 0, 0, 0, 1.0 / heavy, 1.0 / heavy, 1.0 / heavy);
+    hang(0, 0, FB_JOINT_FREE, FB_GROUND, 0);
+    start[0].speed[0] = start[0].speed[4] = FB_R(1.0);
+    input.rows = force_and_torque_rows;
+    input.user = &unlike;
+    init(FB_METHOD_RECURSIVE);
+    memset(&work, 0xff, sizeof work); /* what is in it means nothing */
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+    FBT_INT_EQ(work.rank, 2);
+    FBT_NEAR_ABS(fbt_largest(state.link[0].p, 6), 0.0, FBT_TOL(1e-10, 1e-2));
+  }
+}
+
 /* E9.17: what a loop misses counts against the size of the system, 1 m and how far out the farthest body is: one at the
    end of an arm, long or short, is brought to a point beside its circle, by a ten-billionth of the size and no more (a
    ten-thousandth in single precision). */
@@ -3111,11 +3170,11 @@ SUITE(system, RUN(every_joint_is_the_same_eliminated_kept_or_closing_a_loop),
       RUN(springs_and_dampers_balance_energy), RUN(joint_forces_carry_what_hangs_on_them),
       RUN(kept_joints_turn_all_the_way_round), RUN(locked_axes_need_no_inertia),
       RUN(linkages_swing_alike_in_any_unit_of_length), RUN(systems_know_no_units),
-      RUN(what_moves_no_inertia_but_rounding_is_refused), RUN(limits_of_kept_joints_are_in_closed_form),
-      RUN(reactions_are_the_sum_of_joint_forces), RUN(systems_refuse_what_is_not_right),
-      RUN(every_joint_moves_as_it_should), RUN(joint_frames_may_be_half_a_turn_off),
-      RUN(a_node_that_only_turns_carries_its_body), RUN(a_cut_beam_behaves_as_the_whole),
-      RUN(system_steps_beyond_the_limit_are_refused), RUN(the_limit_of_a_linkage_is_in_closed_form),
-      RUN(stiff_joints_take_long_steps), RUN(strained_bodies_converge_in_a_system),
-      RUN(a_stretching_rod_carries_its_neighbor), RUN(attitudes_come_back_as_they_were),
-      RUN(a_chain_in_free_flight_keeps_its_momenta))
+      RUN(force_and_torque_are_weighed_apart), RUN(what_moves_no_inertia_but_rounding_is_refused),
+      RUN(limits_of_kept_joints_are_in_closed_form), RUN(reactions_are_the_sum_of_joint_forces),
+      RUN(systems_refuse_what_is_not_right), RUN(every_joint_moves_as_it_should),
+      RUN(joint_frames_may_be_half_a_turn_off), RUN(a_node_that_only_turns_carries_its_body),
+      RUN(a_cut_beam_behaves_as_the_whole), RUN(system_steps_beyond_the_limit_are_refused),
+      RUN(the_limit_of_a_linkage_is_in_closed_form), RUN(stiff_joints_take_long_steps),
+      RUN(strained_bodies_converge_in_a_system), RUN(a_stretching_rod_carries_its_neighbor),
+      RUN(attitudes_come_back_as_they_were), RUN(a_chain_in_free_flight_keeps_its_momenta))
