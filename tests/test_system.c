@@ -2771,15 +2771,17 @@ static void strained(fb_body *body)
   const fb_real root[3] = {0}, inertia[6] = {FB_R(0.2), FB_R(0.2), FB_R(0.2), 0, 0, 0};
   fb_modes_desc keep;
   fb_body_desc d = body_desc;
+  int tip;
   memset(&keep, 0, sizeof keep);
   beam_desc.length = FB_R(1.0);
   beam_desc.n_element = 1;
   beam_desc.n_station = 1;
   beam_desc.station[0].mass = FB_R(0.8);
   beam_desc.station[0].EA = FB_R(2e4);
+  beam_desc.station[0].EI_y = FB_R(3.0);
   beam_desc.station[0].EI_z = FB_R(2.0);
   keep.basis = FB_BASIS_FUNCTIONS;
-  keep.count[FB_KIND_BEND_Y] = keep.count[FB_KIND_AXIAL] = FB_ALL_MODES;
+  keep.count[FB_KIND_BEND_Y] = keep.count[FB_KIND_BEND_Z] = keep.count[FB_KIND_AXIAL] = FB_ALL_MODES;
   keep.root_strain = 1;
   d.effects = FB_EFFECTS_STRAIN;
   FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
@@ -2788,7 +2790,42 @@ static void strained(fb_body *body)
   FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(2.0), root, inertia), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam_strain(&shape, 0, &beam, &modes), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam_node(&shape, &tip, 0, &beam, &modes, FB_R(1.0)), FB_OK);
   FBT_INT_EQ(fb_body_init(body, &body_work, &shape, &d), FB_OK);
+}
+
+/* E11.13, E8.29: about a beam that a load at its tip pulls, bent and straight, the matrix of a step has the stiffness of
+   that state: one iteration of a step of half a period is as good as twenty. */
+TEST(one_iteration_is_enough_about_a_stretched_beam)
+{
+  static fb_system_state end[2];
+  for (int aside = 0; aside < 2; aside++) {
+    double size, miss;
+    fresh();
+    desc.allow_long_step = 1;
+    strained(&model[0]);
+    hang(0, 0, FB_JOINT_RIGID, FB_GROUND, 0);
+    init(FB_METHOD_RECURSIVE);
+    input.n_load = 1;
+    input.load[0].load.node = 1;
+    input.load[0].load.force[0] = FB_R(300.0);
+    input.load[0].load.force[1] = (fb_real)(40.0 * aside);
+    input.load[0].load.force[2] = (fb_real)(25.0 * aside);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, NULL, NULL), FB_OK);
+    for (int step = 0; step < 400; step++) {
+      FBT_INT_EQ(fb_system_sdirk_step(&mechanism, model, &state, &work, &input, &input, FB_R(0.05), 20), FB_OK);
+    }
+    for (int k = 0; k < 2; k++) {
+      end[k] = state;
+      for (int a = 0; a < model[0].n; a++) {
+        end[k].link[0].pi[a] += (fb_real)(FBT_TOL(1e-6, 1e-3) * (a + 1));
+      }
+      FBT_INT_EQ(fb_system_sdirk_step(&mechanism, model, &end[k], &work, &input, &input, FB_R(0.2), k ? 20 : 1), FB_OK);
+    }
+    size = fbt_difference(end[1].link[0].q, state.link[0].q, model[0].n);
+    miss = fbt_difference(end[0].link[0].q, end[1].link[0].q, model[0].n);
+    FBT_BELOW(miss, FBT_TOL(1e-4, 2e-2) * size);
+  }
 }
 
 /* E11.13, E8.29: Newton's iterations of a step with the tangent of the nonlinear strain: the second leaves less than a
@@ -3170,11 +3207,12 @@ SUITE(system, RUN(every_joint_is_the_same_eliminated_kept_or_closing_a_loop),
       RUN(springs_and_dampers_balance_energy), RUN(joint_forces_carry_what_hangs_on_them),
       RUN(kept_joints_turn_all_the_way_round), RUN(locked_axes_need_no_inertia),
       RUN(linkages_swing_alike_in_any_unit_of_length), RUN(systems_know_no_units),
-      RUN(force_and_torque_are_weighed_apart), RUN(what_moves_no_inertia_but_rounding_is_refused),
-      RUN(limits_of_kept_joints_are_in_closed_form), RUN(reactions_are_the_sum_of_joint_forces),
-      RUN(systems_refuse_what_is_not_right), RUN(every_joint_moves_as_it_should),
-      RUN(joint_frames_may_be_half_a_turn_off), RUN(a_node_that_only_turns_carries_its_body),
-      RUN(a_cut_beam_behaves_as_the_whole), RUN(system_steps_beyond_the_limit_are_refused),
-      RUN(the_limit_of_a_linkage_is_in_closed_form), RUN(stiff_joints_take_long_steps),
-      RUN(strained_bodies_converge_in_a_system), RUN(a_stretching_rod_carries_its_neighbor),
-      RUN(attitudes_come_back_as_they_were), RUN(a_chain_in_free_flight_keeps_its_momenta))
+      RUN(one_iteration_is_enough_about_a_stretched_beam), RUN(force_and_torque_are_weighed_apart),
+      RUN(what_moves_no_inertia_but_rounding_is_refused), RUN(limits_of_kept_joints_are_in_closed_form),
+      RUN(reactions_are_the_sum_of_joint_forces), RUN(systems_refuse_what_is_not_right),
+      RUN(every_joint_moves_as_it_should), RUN(joint_frames_may_be_half_a_turn_off),
+      RUN(a_node_that_only_turns_carries_its_body), RUN(a_cut_beam_behaves_as_the_whole),
+      RUN(system_steps_beyond_the_limit_are_refused), RUN(the_limit_of_a_linkage_is_in_closed_form),
+      RUN(stiff_joints_take_long_steps), RUN(strained_bodies_converge_in_a_system),
+      RUN(a_stretching_rod_carries_its_neighbor), RUN(attitudes_come_back_as_they_were),
+      RUN(a_chain_in_free_flight_keeps_its_momenta))
