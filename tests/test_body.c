@@ -1493,6 +1493,36 @@ static void node_defects(double defect[4], double h, int node)
   }
 }
 
+/* E8.14: a body's nodes are those of its shape, every number of them. */
+TEST(nodes_are_those_of_the_shape)
+{
+  const int n = 3, pairs = 3 * n * (n + 1) / 2;
+  fb_body_desc desc;
+  memset(&desc, 0, sizeof desc);
+  desc.effects = FB_EFFECTS_FULL;
+  particles_random(&cloud, n, 1);
+  particles_to_shape(&shape, &cloud);
+  shape.n_node = FB_MAX_NODES;
+  for (int k = 0; k < FB_MAX_NODES; k++) {
+    fb_node *at = &shape.node[k];
+    fbt_fill(at->r, 3, 1.0);
+    fbt_fill(at->psi, 3 * n, 1.0);
+    fbt_fill(at->theta, 3 * n, 1.0);
+    fbt_fill(at->chi, pairs, 1.0);
+    fbt_fill(at->chi_theta, pairs, 1.0);
+  }
+  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
+  FBT_INT_EQ(body.n_node, FB_MAX_NODES);
+  for (int k = 0; k < FB_MAX_NODES; k++) {
+    const fb_node *at = &body.node[k], *from = &shape.node[k];
+    FBT_TRUE(fbt_difference(at->r, from->r, 3) == 0.0);
+    FBT_TRUE(fbt_difference(at->psi, from->psi, 3 * n) == 0.0);
+    FBT_TRUE(fbt_difference(at->theta, from->theta, 3 * n) == 0.0);
+    FBT_TRUE(fbt_difference(at->chi, from->chi, pairs) == 0.0);
+    FBT_TRUE(fbt_difference(at->chi_theta, from->chi_theta, pairs) == 0.0);
+  }
+}
+
 /* E8.14, E8.20. The attitude of a node is exact to second degree of the deflection, its rate to first. */
 TEST(node_kinematics_match_finite_differences)
 {
@@ -2835,9 +2865,10 @@ TEST(rows_without_terms_are_refused)
 
 SUITE(body, RUN(rows_without_terms_are_refused), RUN(massless_prescribed_bodies_are_sound),
       RUN(the_check_word_sees_every_flipped_bit), RUN(the_check_word_sees_every_number),
-      RUN(the_check_word_sees_every_term), RUN(coordinates_have_any_unit), RUN(a_strain_gauge_reads_the_bending_moment),
-      RUN(hopkins_element_has_the_exact_integrals), RUN(finite_element_models_are_the_beams_they_came_from),
-      RUN(joined_halves_are_the_whole), RUN(joints_know_no_unit_of_mass), RUN(a_free_beam_bends_about_its_mass_center),
+      RUN(the_check_word_sees_every_term), RUN(coordinates_have_any_unit), RUN(nodes_are_those_of_the_shape),
+      RUN(a_strain_gauge_reads_the_bending_moment), RUN(hopkins_element_has_the_exact_integrals),
+      RUN(finite_element_models_are_the_beams_they_came_from), RUN(joined_halves_are_the_whole),
+      RUN(joints_know_no_unit_of_mass), RUN(a_free_beam_bends_about_its_mass_center),
       RUN(joined_modes_are_of_the_kind_of_their_largest_share), RUN(bodies_are_sound_in_any_unit),
       RUN(joined_rods_hang_from_their_weld), RUN(joined_components_converge_and_refuse),
       RUN(shape_integrals_obey_the_vector_identities), RUN(inertial_identities_hold_as_published),

@@ -332,6 +332,55 @@ TEST(the_three_methods_agree)
   }
 }
 
+/* Particles with as many modes as there can be, and a node that all of them move and turn. */
+static void crowded(fb_body *body)
+{
+  const int n = FB_MAX_MODES;
+  fb_body_desc d = body_desc;
+  fb_real r[3], psi[3 * FB_MAX_MODES], theta[3 * FB_MAX_MODES];
+  int node;
+  d.base = FB_BASE_PRESCRIBED;
+  d.effects = FB_EFFECTS_SPIN;
+  d.deflection_limit = FB_R(10.0);
+  FBT_INT_EQ(fb_shape_init(&shape, n), FB_OK);
+  for (int k = 0; k < 2 * n; k++) {
+    fbt_fill(r, 3, 1.0);
+    fbt_fill(psi, 3 * n, 0.2);
+    FBT_INT_EQ(fb_shape_add_particle(&shape, FB_R(0.3), r, psi, NULL), FB_OK);
+  }
+  for (int a = 0; a < n; a++) {
+    shape.K[a * (n + 1)] = (fb_real)(5.0 + a);
+  }
+  fbt_fill(r, 3, 1.0);
+  fbt_fill(psi, 3 * n, 0.2);
+  fbt_fill(theta, 3 * n, 0.2);
+  FBT_INT_EQ(fb_shape_add_node(&shape, &node, r, psi, theta), FB_OK);
+  FBT_INT_EQ(fb_body_init(body, &body_work, &shape, &d), FB_OK);
+}
+
+/* E9.3 to E9.6, E9.10, E9.19: bodies with as many modes as there can be, on each other's nodes, by each method. */
+TEST(methods_agree_on_as_many_modes_as_there_can_be)
+{
+  static fb_system_motion first;
+  fresh();
+  fbt_seed(13);
+  crowded(&model[0]);
+  hang(0, 0, FB_JOINT_FREE, FB_GROUND, 0);
+  hang(1, 0, FB_JOINT_UNIVERSAL, 0, 1);
+  for (int k = 0; k < 2; k++) {
+    fbt_fill(start[k].speed, k ? 2 : 6, 0.5);
+    fbt_fill(start[k].q, model[0].n, 0.05);
+    fbt_fill(start[k].q_dot, model[0].n, 0.2);
+    start[k].value[0] = FB_R(0.3);
+  }
+  for (int method = 0; method < 3; method++) {
+    init((fb_method)method);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, method ? &motion : &first, &state, NULL), FB_OK);
+    FBT_BELOW(method ? motion_difference(&motion, &first) : 0.0, FBT_TOL(1e-10, 1e-2));
+  }
+}
+
 /* E9.18, E9.19: accelerations are the rates of the velocities along the rates of the state, for all bodies, modes and
    joints, with motors, loads and prescribed axes. */
 TEST(accelerations_are_the_rates_of_velocities)
@@ -1460,6 +1509,40 @@ TEST(a_loop_that_closes_keeps_shape_and_momentum)
     for (int k = 0; k < 2; k++) {
       FBT_BELOW(fbt_difference(state.link[k].q, start[k].q, model[0].n), 1e-6);
     }
+  }
+}
+
+/* E9.17: a loop that holds a point of a ball beside where it is turns the ball the shortest way there: not about that
+   point. */
+TEST(a_loop_closes_the_shortest_way)
+{
+  for (int run = 0; run < 6; run++) {
+    const fb_joint_kind kind = run % 2 ? FB_JOINT_SPHERICAL : FB_JOINT_FREE;
+    fb_real before[9], after[9], way[9], quat[4], turned[3], point[3] = {FB_R(0.6), FB_R(0.3), -FB_R(0.2)}, held[3];
+    fb_joint_desc *loop;
+    fresh();
+    rigid(&model[0], 1.0, 0, 0, 0, 2.0, 2.0, 2.0);
+    hang(0, 0, kind, FB_GROUND, 0);
+    fbt_seed((unsigned)(run + 1));
+    turn_anyhow(start[0].quat, 1.5);
+    fb_quat_to_mat33(before, start[0].quat);
+    fb_mat33_mul_vec3(held, before, point);
+    loop = close_loop(FB_JOINT_SPHERICAL, FB_GROUND, 0, 0, 0);
+    memcpy(loop->child_position, point, sizeof point);
+    turn_anyhow(quat, 0.05);
+    fb_quat_to_mat33(way, quat);
+    fb_mat33_mul_vec3(loop->position, way, held);
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+    fb_quat_to_mat33(after, state.link[0].quat);
+    for (int i = 0; i < 9; i++) { /* after before^T */
+      way[i] = fb_vec3_dot(after + i / 3 * 3, before + i % 3 * 3);
+    }
+    turned[0] = way[7] - way[5]; /* twice the axis times the sine */
+    turned[1] = way[2] - way[6];
+    turned[2] = way[3] - way[1];
+    FBT_TRUE(fbt_largest(turned, 3) > 0.002);
+    FBT_BELOW(fabs((double)fb_vec3_dot(turned, held)), 0.01 * fbt_largest(turned, 3));
   }
 }
 
@@ -3206,13 +3289,13 @@ SUITE(system, RUN(every_joint_is_the_same_eliminated_kept_or_closing_a_loop),
       RUN(a_latch_conserves_momentum), RUN(the_check_word_of_a_system_sees_every_byte),
       RUN(springs_and_dampers_balance_energy), RUN(joint_forces_carry_what_hangs_on_them),
       RUN(kept_joints_turn_all_the_way_round), RUN(locked_axes_need_no_inertia),
-      RUN(linkages_swing_alike_in_any_unit_of_length), RUN(systems_know_no_units),
-      RUN(one_iteration_is_enough_about_a_stretched_beam), RUN(force_and_torque_are_weighed_apart),
-      RUN(what_moves_no_inertia_but_rounding_is_refused), RUN(limits_of_kept_joints_are_in_closed_form),
-      RUN(reactions_are_the_sum_of_joint_forces), RUN(systems_refuse_what_is_not_right),
-      RUN(every_joint_moves_as_it_should), RUN(joint_frames_may_be_half_a_turn_off),
-      RUN(a_node_that_only_turns_carries_its_body), RUN(a_cut_beam_behaves_as_the_whole),
-      RUN(system_steps_beyond_the_limit_are_refused), RUN(the_limit_of_a_linkage_is_in_closed_form),
-      RUN(stiff_joints_take_long_steps), RUN(strained_bodies_converge_in_a_system),
-      RUN(a_stretching_rod_carries_its_neighbor), RUN(attitudes_come_back_as_they_were),
-      RUN(a_chain_in_free_flight_keeps_its_momenta))
+      RUN(linkages_swing_alike_in_any_unit_of_length), RUN(systems_know_no_units), RUN(a_loop_closes_the_shortest_way),
+      RUN(methods_agree_on_as_many_modes_as_there_can_be), RUN(one_iteration_is_enough_about_a_stretched_beam),
+      RUN(force_and_torque_are_weighed_apart), RUN(what_moves_no_inertia_but_rounding_is_refused),
+      RUN(limits_of_kept_joints_are_in_closed_form), RUN(reactions_are_the_sum_of_joint_forces),
+      RUN(systems_refuse_what_is_not_right), RUN(every_joint_moves_as_it_should),
+      RUN(joint_frames_may_be_half_a_turn_off), RUN(a_node_that_only_turns_carries_its_body),
+      RUN(a_cut_beam_behaves_as_the_whole), RUN(system_steps_beyond_the_limit_are_refused),
+      RUN(the_limit_of_a_linkage_is_in_closed_form), RUN(stiff_joints_take_long_steps),
+      RUN(strained_bodies_converge_in_a_system), RUN(a_stretching_rod_carries_its_neighbor),
+      RUN(attitudes_come_back_as_they_were), RUN(a_chain_in_free_flight_keeps_its_momenta))
