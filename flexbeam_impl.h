@@ -6659,7 +6659,6 @@ static void fbi_reactions(fb_motion *m, const fb_body *body, const fb_real S[21]
 static void fbi_form_motion(fb_motion *m, fbi_kinetics *k, const fb_body *body, const fb_state *rate)
 {
   fb_real xd[FB_MAX_MODES + 1], y[6], unused[FB_MAX_MODES + 1] = {0};
-  xd[0] = FB_R(0.0);
   fbi_copy(xd + 1, rate->q, body->n);
   fbi_copy(m->v_dot, k->V_dot, 3);
   fbi_copy(m->w_dot, k->V_dot + 3, 3);
