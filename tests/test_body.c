@@ -1493,10 +1493,9 @@ static void node_defects(double defect[4], double h, int node)
   }
 }
 
-/* E8.14: a body's nodes are those of its shape, every number of them. */
-TEST(nodes_are_those_of_the_shape)
+/* Particles with as many nodes as there can be, all that they have random, and the body of it. */
+static void random_nodes(int n)
 {
-  const int n = 3, pairs = 3 * n * (n + 1) / 2;
   fb_body_desc desc;
   memset(&desc, 0, sizeof desc);
   desc.effects = FB_EFFECTS_FULL;
@@ -1508,10 +1507,17 @@ TEST(nodes_are_those_of_the_shape)
     fbt_fill(at->r, 3, 1.0);
     fbt_fill(at->psi, 3 * n, 1.0);
     fbt_fill(at->theta, 3 * n, 1.0);
-    fbt_fill(at->chi, pairs, 1.0);
-    fbt_fill(at->chi_theta, pairs, 1.0);
+    fbt_fill(at->chi, 3 * n * (n + 1) / 2, 1.0);
+    fbt_fill(at->chi_theta, 3 * n * (n + 1) / 2, 1.0);
   }
   FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
+}
+
+/* E8.14: a body's nodes are those of its shape, every number of them. */
+TEST(nodes_are_those_of_the_shape)
+{
+  const int n = 3, pairs = 3 * n * (n + 1) / 2;
+  random_nodes(n);
   FBT_INT_EQ(body.n_node, FB_MAX_NODES);
   for (int k = 0; k < FB_MAX_NODES; k++) {
     const fb_node *at = &body.node[k], *from = &shape.node[k];
@@ -1521,6 +1527,53 @@ TEST(nodes_are_those_of_the_shape)
     FBT_TRUE(fbt_difference(at->chi, from->chi, pairs) == 0.0);
     FBT_TRUE(fbt_difference(at->chi_theta, from->chi_theta, pairs) == 0.0);
   }
+}
+
+/* E8.14, E8.20, E8.30: of nodes that turn by a radian and more, on a frame that stands still, velocity and acceleration
+   are the differences of position and velocity, angular rate and acceleration those of attitude and angular rate. */
+TEST(nodes_that_turn_far_have_the_rates_of_their_pose)
+{
+  const int n = 3;
+  const double h = FBT_TOL(1e-4, 1e-2);
+  double turned = 0.0;
+  random_nodes(n);
+  for (int node = 1; node < FB_MAX_NODES; node++) {
+    fb_node_motion at[3];
+    fb_real back[4], turn[4], spin[3];
+    fb_motion motion;
+    fb_state state;
+    memset(&motion, 0, sizeof motion);
+    FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+    fbt_fill(state.q, n, 0.7);
+    fbt_fill(motion.q_dot, n, 0.7);
+    fbt_fill(motion.q_ddot, n, 0.7);
+    for (int k = 0; k < 3; k++) {
+      fb_state then = state;
+      fb_motion moves = motion;
+      for (int a = 0; a < n; a++) {
+        const double t = (k - 1) * h;
+        then.q[a] += (fb_real)(t * (double)motion.q_dot[a] + 0.5 * t * t * (double)motion.q_ddot[a]);
+        moves.q_dot[a] += (fb_real)(t * (double)motion.q_ddot[a]);
+      }
+      FBT_INT_EQ(fb_body_node_motion(&body, &at[k], &then, &moves, node), FB_OK);
+    }
+    for (int i = 0; i < 4; i++) {
+      back[i] = i ? -at[0].quat[i] : at[0].quat[0];
+    }
+    fb_quat_mul(turn, at[2].quat, back);
+    fb_quat_to_rotvec(spin, turn);
+    turned = fmax(turned, fbt_largest(at[1].rotation, 3));
+    for (int i = 0; i < 3; i++) {
+      const double v = (double)(at[2].position[i] - at[0].position[i]),
+                   a = (double)(at[2].velocity[i] - at[0].velocity[i]);
+      const double w_dot = (double)(at[2].angular_rate[i] - at[0].angular_rate[i]);
+      FBT_NEAR_ABS(at[1].velocity[i], v / (2.0 * h), FBT_TOL(1e-6, 3e-3));
+      FBT_NEAR_ABS(at[1].acceleration[i], a / (2.0 * h), FBT_TOL(1e-6, 3e-3));
+      FBT_NEAR_ABS(at[1].angular_rate[i], (double)spin[i] / (2.0 * h), FBT_TOL(1e-6, 3e-3));
+      FBT_NEAR_ABS(at[1].angular_acceleration[i], w_dot / (2.0 * h), FBT_TOL(1e-6, 3e-3));
+    }
+  }
+  FBT_TRUE(turned > 1.0);
 }
 
 /* E8.14, E8.20. The attitude of a node is exact to second degree of the deflection, its rate to first. */
@@ -2866,9 +2919,9 @@ TEST(rows_without_terms_are_refused)
 SUITE(body, RUN(rows_without_terms_are_refused), RUN(massless_prescribed_bodies_are_sound),
       RUN(the_check_word_sees_every_flipped_bit), RUN(the_check_word_sees_every_number),
       RUN(the_check_word_sees_every_term), RUN(coordinates_have_any_unit), RUN(nodes_are_those_of_the_shape),
-      RUN(a_strain_gauge_reads_the_bending_moment), RUN(hopkins_element_has_the_exact_integrals),
-      RUN(finite_element_models_are_the_beams_they_came_from), RUN(joined_halves_are_the_whole),
-      RUN(joints_know_no_unit_of_mass), RUN(a_free_beam_bends_about_its_mass_center),
+      RUN(nodes_that_turn_far_have_the_rates_of_their_pose), RUN(a_strain_gauge_reads_the_bending_moment),
+      RUN(hopkins_element_has_the_exact_integrals), RUN(finite_element_models_are_the_beams_they_came_from),
+      RUN(joined_halves_are_the_whole), RUN(joints_know_no_unit_of_mass), RUN(a_free_beam_bends_about_its_mass_center),
       RUN(joined_modes_are_of_the_kind_of_their_largest_share), RUN(bodies_are_sound_in_any_unit),
       RUN(joined_rods_hang_from_their_weld), RUN(joined_components_converge_and_refuse),
       RUN(shape_integrals_obey_the_vector_identities), RUN(inertial_identities_hold_as_published),
