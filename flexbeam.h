@@ -1357,7 +1357,8 @@ typedef struct fbi_link_work {
   const fb_real *A;             /* twists of the axes: the joint's own, or where the first one turns.. */
   fb_real turned[12], A_dot[6]; /* ..these; rate of the first one */
   fb_real S[21];                /* articulated inertia */
-  fb_real U[18], D[3];          /* S A, 1/(A S A) */
+  fb_real mass, moment; /* [kg, kg m^2] what hangs on it as if it were rigid, about O: by how much S may be off */
+  fb_real U[18], D[3];  /* S A, 1/(A S A) */
   fb_real E[FB_MAX_MODES * FB_MAX_MODES], X[6 * FB_MAX_MODES], Z[6 * FB_MAX_MODES];
   fb_real y[6], p[6], pi[FB_MAX_MODES];                                  /* right-hand side */
   fb_real b[6], r[3], e[FB_MAX_MODES];                                   /* eliminated */
@@ -1384,7 +1385,7 @@ typedef struct fbi_row {
 typedef struct fb_system_work { /* scratch; large: make it static */
   int joint; /* after a failure: the joint at fault (loops after the bodies), -1: none, -2 - k: row k of the caller's */
   int kept;  /* bodies are free, all joints are constraints */
-  fb_real stiff; /* [s] weight of the modes' stiffness in the mass, to hold them still */
+  fb_real heavy; /* by how much the mass of the modes is larger than it is, to hold them still */
   int n_row, n_joint_row, n_end;
   fbi_link_work link[FB_MAX_BODIES];
   fbi_end end[FBI_MAX_ENDS];

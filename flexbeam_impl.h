@@ -6659,7 +6659,6 @@ static void fbi_reactions(fb_motion *m, const fb_body *body, const fb_real S[21]
 static void fbi_form_motion(fb_motion *m, fbi_kinetics *k, const fb_body *body, const fb_state *rate)
 {
   fb_real xd[FB_MAX_MODES + 1], y[6], unused[FB_MAX_MODES + 1] = {0};
-  xd[0] = FB_R(0.0);
   fbi_copy(xd + 1, rate->q, body->n);
   fbi_copy(m->v_dot, k->V_dot, 3);
   fbi_copy(m->w_dot, k->V_dot + 3, 3);
@@ -7709,9 +7708,9 @@ static void fbi_from_node(fb_real V[6], const fbi_link_work *L, const fb_real no
   fb_mat33_mulT_vec3(V + 3, L->C, node + 3);
 }
 
-/* What joints feel of a body whose modes carry others, or are stiff for the step: E = M + g C + g^2 K_t, X = Lambda,
-   S = M_rr = S + Lambda M^-1 Lambda^T. */
-static FBI_NOINLINE void fbi_link_open(fbi_link_work *L, const fb_body *body, fb_real g)
+/* What joints feel of a body whose modes carry others, or are stiff for the step, or heavy: E = (1 + heavy) M + g C +
+   g^2 K_t, X = Lambda, S = M_rr = S + Lambda M^-1 Lambda^T. */
+static FBI_NOINLINE void fbi_link_open(fbi_link_work *L, const fb_body *body, fb_real g, fb_real heavy)
 {
   const int n = body->n;
   fbi_zero(L->E, n * n);
@@ -7732,7 +7731,7 @@ static FBI_NOINLINE void fbi_link_open(fbi_link_work *L, const fb_body *body, fb
     }
 #endif
   }
-  fbi_sparse_add(L->E, FB_R(1.0), &body->M, n);
+  fbi_sparse_add(L->E, FB_R(1.0) + heavy, &body->M, n);
   fbi_lambda_rows(L->X, body, L->k.qx, 0, body->n_lambda);
   for (int i = 0; i < 6; i++) {
     fb_real a[FB_MAX_MODES];
@@ -7783,15 +7782,33 @@ static FBI_NOINLINE fb_status fbi_link_close(fbi_link_work *L, int n)
   return FB_OK;
 }
 
+/* What a body hands to its parent as if its joint were rigid: masses and moments of inertia, three directions summed. */
+static void fbi_sizes_hand_in(fbi_link_work *parent, const fbi_link_work *L)
+{
+  fb_real mass = L->mass, moment = L->moment;
+  for (int i = 0; i < 3; i++) {
+    mass += L->S[fb_sym6_index(i, i)];
+    moment += L->S[fb_sym6_index(3 + i, 3 + i)];
+  }
+  parent->mass += mass;
+  parent->moment += moment + mass * fb_vec3_dot(L->s, L->s);
+}
+
 /* [E9.4] Articulated inertia: each free axis takes its direction out, S -= U U^T / D, U = S A, D = A.U + g c + g^2 k.
    Axes of one joint go one after the other, as if massless bodies were between them. D is small against what it is made
-   of: the axis moves no inertia.
+   of, that of the bodies further out with nothing taken out of it: the axis moves no inertia.
    Source: block elimination of M u = p from the tips; [FE] 7.
    Cost: 80 flops an axis.  Fails: no inertia.  Test: the_three_methods_agree. */
 static fb_status fbi_link_release(fbi_link_work *L, const fb_joint *joint, fb_real g)
 {
-  const fb_real *S = L->S;
-  const fb_real size[6] = {S[0], S[6], S[11], S[15], S[18], S[20]};
+  fb_real size[6];
+  for (int j = 0; j < 6; j++) {
+    const fb_real own = L->S[fb_sym6_index(j, j)], handed = j < 3 ? L->mass : L->moment;
+    size[j] = own + handed;
+    if (joint->kind == FB_JOINT_FREE && L->mode[0] == FB_AXIS_FREE && FB_FABS(own) < FB_R(16.0) * FB_EPSILON * handed) {
+      return FB_ERR_UNDETERMINED;
+    }
+  }
   if (joint->kind == FB_JOINT_FREE) {
     return FB_OK;
   }
@@ -7831,21 +7848,24 @@ static FBI_FLATTEN fb_status fbi_tree_factor(fb_system_work *w, const fb_system 
     } else {
       fbi_S_eval(L->S, model, L->k.qx, model->n_run);
     }
-    L->open = model->n > 0 && (L->coupled || g + w->stiff > FB_R(0.0));
+    L->open = model->n > 0 && (L->coupled || g + w->heavy > FB_R(0.0));
     if (L->open) {
-      fbi_link_open(L, model, g + w->stiff);
+      fbi_link_open(L, model, g, w->heavy);
     }
+    L->mass = L->moment = FB_R(0.0);
   }
   for (int k = system->n_body - 1; k >= 0; k--) {
-    fbi_link_work *L = &w->link[k], *parent;
     const fb_joint *joint = fbi_link_joint(system, w, k);
+    fbi_link_work *L = &w->link[k], *parent = fbi_parent(w, joint);
     fb_status status = L->open ? fbi_link_close(L, fbi_model(system, body, k)->n) : FB_OK;
+    if (parent) {
+      fbi_sizes_hand_in(parent, L);
+    }
     status = status == FB_OK ? fbi_link_release(L, joint, g) : status;
     if (status != FB_OK) {
       w->joint = k;
       return status;
     }
-    parent = fbi_parent(w, joint);
     if (parent && joint->moves) {
       fbi_link_carry(parent, L, L->S, fbi_model(system, body, joint->parent)->n);
     } else if (parent) {
@@ -8061,7 +8081,7 @@ static FBI_NOINLINE fb_status fbi_dense_factor(fb_system_work *w, const fb_syste
     const int axes = fbi_speed_offset(system, w, body, k), at = axes + joint->n_axis, end = at + model->n;
     const fb_real *T = w->T + 6 * k * N;
     fbi_S_eval(L->S, model, L->k.qx, model->n_run);
-    fbi_link_open(L, model, g + w->stiff);
+    fbi_link_open(L, model, g, w->heavy);
     fbi_velocity_map(w, system, body, k, N);
     for (int c = 0; c < end; c++) {
       fb_real h[6];
@@ -9241,7 +9261,7 @@ static FBI_FLATTEN fb_status fbi_system_rates(fb_system_work *w, const fb_system
 static void fbi_system_enter(fb_system_work *w, const fb_system *system)
 {
   w->kept = system->method == FB_METHOD_MULTIPLIERS;
-  w->stiff = FB_R(0.0);
+  w->heavy = FB_R(0.0);
   w->joint = -1;
   w->n_row = w->n_end = 0;
 }
@@ -9555,14 +9575,14 @@ static fb_status fbi_loops_close(fb_system_work *w, const fb_system *system, con
   }
   for (int step = 0; step < 50 && status == FB_OK && !(miss <= FB_R(8.0) * FB_EPSILON); step++) {
     const int before = worst;
-    w->stiff = miss > FB_R(1e-3) && step < 20 ? FB_R(1e3) : FB_R(0.0); /* [s] joints move, modes do not; but at last */
+    w->heavy = step < 20 ? FB_R(1e6) : FB_R(0.0); /* joints move, modes do not; but at last */
     status = fbi_positions_close(&miss, &worst, w, system, body, state, modes, input);
     if (step > 0 && (status == FB_ERR_UNDETERMINED || status == FB_ERR_RANGE)) { /* lost on the way */
       w->joint = before;
       status = FB_ERR_CONTRADICTION;
     }
   }
-  w->stiff = FB_R(0.0);
+  w->heavy = FB_R(0.0);
   if (status == FB_OK && !(miss <= (FB_SINGLE ? FB_R(1e-4) : FB_R(1e-10)))) {
     w->joint = worst;
     status = FB_ERR_CONTRADICTION;

@@ -630,6 +630,68 @@ TEST(bodies_do_not_depend_on_the_units)
   }
 }
 
+/* The cloud with a unit of its own for each coordinate. */
+static void particles_in_units(const particles *p, velocity *s, const double *unit)
+{
+  cloud = *p;
+  for (int i = 0; i < PARTICLES; i++) {
+    for (int ak = 0; ak < 3 * p->n; ak++) {
+      cloud.psi[i][ak / 3][ak % 3] *= unit[ak / 3];
+      for (int b = 0; b < p->n; b++) {
+        cloud.chi[i][ak / 3][b][ak % 3] *= unit[ak / 3] * unit[b];
+      }
+    }
+  }
+  for (int a = 0; a < p->n; a++) {
+    s->q[a] /= unit[a];
+    s->qd[a] /= unit[a];
+  }
+}
+
+/* E8.4 to E8.6, E8.17, E8.19: each coordinate may have a unit of its own, so that the modal masses are all 2 kg, or as far
+   apart as numbers go: the body moves as before, for every set of effects, with stiffness and damping. */
+TEST(coordinates_have_any_unit)
+{
+  static const int n = 3;
+  for (int set = 0; set < FBT_COUNT(effect_sets); set++) {
+    particles plain;
+    fb_motion motion[4];
+    velocity s;
+    particles_random(&plain, n, 1);
+    particles_normalize(&plain);
+    velocity_random(&s, n, 0.1);
+    for (int run = 0; run < 4; run++) { /* normalized, 2 kg, apart */
+      const double apart = FBT_TOL(ldexp(1.0, 40), 1024.0);
+      double unit[MAX_N];
+      velocity scaled = s;
+      fb_state state;
+      fb_body_desc desc;
+      for (int a = 0; a < n; a++) {
+        unit[a] = run == 0 ? 1.0 : run == 1 ? sqrt(2.0) : pow(apart, (a + run) % 3 - 1.0);
+      }
+      particles_in_units(&plain, &scaled, unit);
+      particles_to_shape(&shape, &cloud);
+      memset(&desc, 0, sizeof desc);
+      for (int ab = 0; ab < n * n; ab++) {
+        shape.K[ab] = (fb_real)((ab % (n + 1) == 0 ? 3.0 + ab : 0.5) * unit[ab / n] * unit[ab % n]);
+        desc.zeta[ab / n] = (fb_real)(0.1 + 0.1 * (ab / n));
+      }
+      desc.effects = effect_sets[set] | FB_EFFECT_DAMPING;
+      desc.allow_split_effects = 1;
+      desc.deflection_limit = FB_R(100.0);
+      FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
+      state_from(&state, &body, &scaled);
+      FBT_INT_EQ(fb_body_motion(&body, &motion[run], &state, NULL), FB_OK);
+      for (int a = 0; a < n; a++) {
+        motion[run].q_ddot[a] *= (fb_real)unit[a];
+      }
+      FBT_BELOW(fbt_difference(motion[run].v_dot, motion[0].v_dot, 3), FBT_TOL(1e-11, 1e-3));
+      FBT_BELOW(fbt_difference(motion[run].w_dot, motion[0].w_dot, 3), FBT_TOL(1e-11, 1e-3));
+      FBT_BELOW(fbt_difference(motion[run].q_ddot, motion[0].q_ddot, n), FBT_TOL(1e-11, 1e-3));
+    }
+  }
+}
+
 /* E8.4 to E8.6, E8.17, E8.19: each effect alone and together. */
 TEST(each_set_of_effects_follows_its_own_lagrangian)
 {
@@ -1429,6 +1491,89 @@ static void node_defects(double defect[4], double h, int node)
     defect[2] = fmax(defect[2], fabs((double)spin[i] / (2.0 * h) - (double)at[1].angular_rate[i]));
     defect[3] = fmax(defect[3], fabs(dw / (2.0 * h) - (double)at[1].angular_acceleration[i]));
   }
+}
+
+/* Particles with as many nodes as there can be, all that they have random, and the body of it. */
+static void random_nodes(int n)
+{
+  fb_body_desc desc;
+  memset(&desc, 0, sizeof desc);
+  desc.effects = FB_EFFECTS_FULL;
+  particles_random(&cloud, n, 1);
+  particles_to_shape(&shape, &cloud);
+  shape.n_node = FB_MAX_NODES;
+  for (int k = 0; k < FB_MAX_NODES; k++) {
+    fb_node *at = &shape.node[k];
+    fbt_fill(at->r, 3, 1.0);
+    fbt_fill(at->psi, 3 * n, 1.0);
+    fbt_fill(at->theta, 3 * n, 1.0);
+    fbt_fill(at->chi, 3 * n * (n + 1) / 2, 1.0);
+    fbt_fill(at->chi_theta, 3 * n * (n + 1) / 2, 1.0);
+  }
+  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
+}
+
+/* E8.14: a body's nodes are those of its shape, every number of them. */
+TEST(nodes_are_those_of_the_shape)
+{
+  const int n = 3, pairs = 3 * n * (n + 1) / 2;
+  random_nodes(n);
+  FBT_INT_EQ(body.n_node, FB_MAX_NODES);
+  for (int k = 0; k < FB_MAX_NODES; k++) {
+    const fb_node *at = &body.node[k], *from = &shape.node[k];
+    FBT_TRUE(fbt_difference(at->r, from->r, 3) == 0.0);
+    FBT_TRUE(fbt_difference(at->psi, from->psi, 3 * n) == 0.0);
+    FBT_TRUE(fbt_difference(at->theta, from->theta, 3 * n) == 0.0);
+    FBT_TRUE(fbt_difference(at->chi, from->chi, pairs) == 0.0);
+    FBT_TRUE(fbt_difference(at->chi_theta, from->chi_theta, pairs) == 0.0);
+  }
+}
+
+/* E8.14, E8.20, E8.30: of nodes that turn by a radian and more, on a frame that stands still, velocity and acceleration
+   are the differences of position and velocity, angular rate and acceleration those of attitude and angular rate. */
+TEST(nodes_that_turn_far_have_the_rates_of_their_pose)
+{
+  const int n = 3;
+  const double h = FBT_TOL(1e-4, 1e-2);
+  double turned = 0.0;
+  random_nodes(n);
+  for (int node = 1; node < FB_MAX_NODES; node++) {
+    fb_node_motion at[3];
+    fb_real back[4], turn[4], spin[3];
+    fb_motion motion;
+    fb_state state;
+    memset(&motion, 0, sizeof motion);
+    FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+    fbt_fill(state.q, n, 0.7);
+    fbt_fill(motion.q_dot, n, 0.7);
+    fbt_fill(motion.q_ddot, n, 0.7);
+    for (int k = 0; k < 3; k++) {
+      fb_state then = state;
+      fb_motion moves = motion;
+      for (int a = 0; a < n; a++) {
+        const double t = (k - 1) * h;
+        then.q[a] += (fb_real)(t * (double)motion.q_dot[a] + 0.5 * t * t * (double)motion.q_ddot[a]);
+        moves.q_dot[a] += (fb_real)(t * (double)motion.q_ddot[a]);
+      }
+      FBT_INT_EQ(fb_body_node_motion(&body, &at[k], &then, &moves, node), FB_OK);
+    }
+    for (int i = 0; i < 4; i++) {
+      back[i] = i ? -at[0].quat[i] : at[0].quat[0];
+    }
+    fb_quat_mul(turn, at[2].quat, back);
+    fb_quat_to_rotvec(spin, turn);
+    turned = fmax(turned, fbt_largest(at[1].rotation, 3));
+    for (int i = 0; i < 3; i++) {
+      const double v = (double)(at[2].position[i] - at[0].position[i]),
+                   a = (double)(at[2].velocity[i] - at[0].velocity[i]);
+      const double w_dot = (double)(at[2].angular_rate[i] - at[0].angular_rate[i]);
+      FBT_NEAR_ABS(at[1].velocity[i], v / (2.0 * h), FBT_TOL(1e-6, 3e-3));
+      FBT_NEAR_ABS(at[1].acceleration[i], a / (2.0 * h), FBT_TOL(1e-6, 3e-3));
+      FBT_NEAR_ABS(at[1].angular_rate[i], (double)spin[i] / (2.0 * h), FBT_TOL(1e-6, 3e-3));
+      FBT_NEAR_ABS(at[1].angular_acceleration[i], w_dot / (2.0 * h), FBT_TOL(1e-6, 3e-3));
+    }
+  }
+  FBT_TRUE(turned > 1.0);
 }
 
 /* E8.14, E8.20. The attitude of a node is exact to second degree of the deflection, its rate to first. */
@@ -2696,6 +2841,57 @@ TEST(the_check_word_sees_every_number)
   }
 }
 
+/* Is a change of that index seen? */
+static int index_seen(unsigned short *index)
+{
+  const unsigned word = fb_body_crc(&body);
+  int seen;
+  *index ^= 1;
+  seen = word != 0 && fb_body_crc(&body) != word;
+  *index ^= 1;
+  return seen;
+}
+
+static int pairs_seen(fb_sparse *m)
+{
+  int seen = m->n_term == 3;
+  for (int k = 0; k < m->n_term; k++) {
+    seen = seen && numbers_unseen(&m->term[k].c, 1) == 0 && index_seen(&m->term[k].a) && index_seen(&m->term[k].b);
+  }
+  return seen;
+}
+
+/* E8.40: every term of a body whose modes are coupled in mass, stiffness and damping, the first and the last, too. */
+TEST(the_check_word_sees_every_term)
+{
+  const int n = 3;
+  fb_body_desc desc;
+  particles_random(&cloud, n, 1);
+  particles_to_shape(&shape, &cloud);
+  memset(&desc, 0, sizeof desc);
+  desc.effects = FB_EFFECTS_FULL | FB_EFFECT_DAMPING;
+  for (int ab = 0; ab < n * n; ab++) {
+    shape.K[ab] = ab % (n + 1) == 0 ? FB_R(3.0) : FB_R(0.5);
+    desc.zeta[ab / n] = (fb_real)(0.1 + 0.1 * (ab / n));
+  }
+  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
+  FBT_TRUE(pairs_seen(&body.M) && pairs_seen(&body.Minv) && pairs_seen(&body.K) && pairs_seen(&body.C));
+  for (int k = 0; k < body.n_lambda; k++) {
+    fb_lambda_term *const t = &body.lambda[k];
+    FBT_TRUE(index_seen(&t->i) && index_seen(&t->a) && index_seen(&t->b));
+  }
+  for (int k = 0; k < body.n_row; k++) {
+    FBT_TRUE(index_seen(&body.lambda_row[k].i) && index_seen(&body.lambda_row[k].end));
+  }
+  for (int k = 0; k < body.n_run; k++) {
+    FBT_TRUE(index_seen(&body.run[k].i) && index_seen(&body.run[k].pair) && index_seen(&body.run[k].n));
+  }
+  for (int k = 0; k < body.n_pair; k++) {
+    FBT_TRUE(index_seen(&body.pair[k].a) && index_seen(&body.pair[k].b));
+  }
+  FBT_INT_EQ(numbers_unseen(body.S, body.n_S), 0);
+}
+
 /* A row of Lambda without a term, which no flip of a single bit makes: its index is a place that a step writes to. */
 TEST(rows_without_terms_are_refused)
 {
@@ -2722,9 +2918,10 @@ TEST(rows_without_terms_are_refused)
 
 SUITE(body, RUN(rows_without_terms_are_refused), RUN(massless_prescribed_bodies_are_sound),
       RUN(the_check_word_sees_every_flipped_bit), RUN(the_check_word_sees_every_number),
-      RUN(a_strain_gauge_reads_the_bending_moment), RUN(hopkins_element_has_the_exact_integrals),
-      RUN(finite_element_models_are_the_beams_they_came_from), RUN(joined_halves_are_the_whole),
-      RUN(joints_know_no_unit_of_mass), RUN(a_free_beam_bends_about_its_mass_center),
+      RUN(the_check_word_sees_every_term), RUN(coordinates_have_any_unit), RUN(nodes_are_those_of_the_shape),
+      RUN(nodes_that_turn_far_have_the_rates_of_their_pose), RUN(a_strain_gauge_reads_the_bending_moment),
+      RUN(hopkins_element_has_the_exact_integrals), RUN(finite_element_models_are_the_beams_they_came_from),
+      RUN(joined_halves_are_the_whole), RUN(joints_know_no_unit_of_mass), RUN(a_free_beam_bends_about_its_mass_center),
       RUN(joined_modes_are_of_the_kind_of_their_largest_share), RUN(bodies_are_sound_in_any_unit),
       RUN(joined_rods_hang_from_their_weld), RUN(joined_components_converge_and_refuse),
       RUN(shape_integrals_obey_the_vector_identities), RUN(inertial_identities_hold_as_published),

@@ -994,6 +994,54 @@ TEST(truncation_does_what_the_paper_shows)
   FBT_BELOW(late, 0.01);
 }
 
+/* Of P and L, or their rates, what a base that is held lets be: in body axes L about the hinge or all of it, both free. */
+static void held_are_zero(const fb_state *at, const fb_real quat[4], fb_base base, int inertial)
+{
+  fb_real R[9], L[3];
+  fb_quat_to_mat33(R, quat);
+  fb_mat33_mulT_vec3(L, R, at->L);
+  memcpy(L, inertial ? L : at->L, sizeof L);
+  for (int i = 0; i < 3; i++) {
+    FBT_TRUE(base == FB_BASE_FREE || at->P[i] == FB_R(0.0));
+    FBT_TRUE(base != FB_BASE_PRESCRIBED || at->L[i] == FB_R(0.0));
+    if (base == FB_BASE_HINGED && i < 2) {
+      FBT_NEAR_ABS(L[i], 0.0, FBT_TOL(1e-12, 1e-4) * fbt_largest(at->L, 3));
+    }
+  }
+}
+
+/* E8.13, E8.18, E8.28: in every form the momenta or velocities of what a base holds are zero in a state, and stay. */
+TEST(what_is_held_keeps_no_momentum)
+{
+  scene_shape(&closed_3d, BENDING, 1);
+  desc_clear();
+  for (int run = 0; run < 12; run++) {
+    const fb_form form = (fb_form)(run / 4);
+    const fb_base base = (fb_base)(run % 4);
+    const int origin = base == FB_BASE_PINNED || base == FB_BASE_HINGED;
+    fb_real v[3] = {0}, w[3] = {0}, q_dot[FB_MAX_MODES];
+    fb_state state, rate;
+    fb_input input;
+    scene_body(form, FB_TORQUE_IDENTITY, base, FB_EFFECTS_STRAIN);
+    fbt_seed(7);
+    FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+    fbt_fill(state.quat, 4, 1.0);
+    FBT_INT_EQ(fb_quat_normalize(state.quat), FB_OK);
+    bend(state.q);
+    bend(q_dot);
+    fbt_fill(v, origin ? 0 : 3, 1.0);
+    fbt_fill(w + (base == FB_BASE_HINGED ? 2 : 0), base == FB_BASE_HINGED ? 1 : 3, 1.0);
+    FBT_INT_EQ(fb_state_from_velocity(&body, &state, v, w, q_dot), FB_OK);
+    held_are_zero(&state, state.quat, base, form == FB_FORM_MOMENTUM);
+    loads_at_O(&input);
+    memcpy(input.v, v, sizeof v);
+    memcpy(input.w, w, sizeof w);
+    FBT_INT_EQ(fb_body_rates(&body, &rate, &state, &input), FB_OK);
+    held_are_zero(&rate, state.quat, base, form == FB_FORM_MOMENTUM);
+    FBT_TRUE(base == FB_BASE_PRESCRIBED || fbt_largest(rate.L, 3) > 0.1);
+  }
+}
+
 /* ---- as many coordinates as there can be */
 
 /* The beam on its hub, with pairs of particles at the same place: each pair that is a coordinate, of the first before the
@@ -1349,11 +1397,11 @@ TEST(strain_stations_refuse_bad_input)
   FBT_INT_EQ(fb_shape_add_beam_strain(&shape, 0, &beam, NULL), FB_ERR_NULL);
 }
 
-SUITE(forms, RUN(strain_forces_are_the_gradient_of_the_energy), RUN(gauss_rules_integrate_polynomials),
-      RUN(own_mass_stretches_a_spinning_beam), RUN(forms_agree_on_a_closed_basis),
-      RUN(stiffness_torques_agree_on_a_closed_basis), RUN(truncated_torques_agree_on_a_closed_basis),
-      RUN(second_order_form_is_the_printed_one), RUN(spin_up_follows_the_references_of_each_form),
-      RUN(two_elements_of_degree_6_are_converged), RUN(work_of_the_torque_is_the_energy),
-      RUN(truncation_does_what_the_paper_shows), RUN(indexes_beyond_the_tables_are_refused),
-      RUN(coordinates_at_rest_do_not_count), RUN(half_an_inertia_is_refused), RUN(strain_stations_refuse_bad_input),
-      RUN(the_check_word_sees_every_form))
+SUITE(forms, RUN(what_is_held_keeps_no_momentum), RUN(strain_forces_are_the_gradient_of_the_energy),
+      RUN(gauss_rules_integrate_polynomials), RUN(own_mass_stretches_a_spinning_beam),
+      RUN(forms_agree_on_a_closed_basis), RUN(stiffness_torques_agree_on_a_closed_basis),
+      RUN(truncated_torques_agree_on_a_closed_basis), RUN(second_order_form_is_the_printed_one),
+      RUN(spin_up_follows_the_references_of_each_form), RUN(two_elements_of_degree_6_are_converged),
+      RUN(work_of_the_torque_is_the_energy), RUN(truncation_does_what_the_paper_shows),
+      RUN(indexes_beyond_the_tables_are_refused), RUN(coordinates_at_rest_do_not_count),
+      RUN(half_an_inertia_is_refused), RUN(strain_stations_refuse_bad_input), RUN(the_check_word_sees_every_form))
