@@ -869,7 +869,7 @@ static void fbi_eig_sort(fb_real *d, fb_real *V, int n)
 }
 
 /* [E5.3] Symmetric eigenvalues by cyclic Jacobi rotations until every off-diagonal element is below rounding of its two
-   diagonal ones (or of the norm, where those vanish): small eigenvalues of graded matrices keep their digits.
+   diagonal ones (or of 1e-9 of the norm, where those vanish): small eigenvalues of graded matrices keep their digits.
    Source: [GV] 8.5.  Shapes: A n x n, V rows.  Cost: about 6 n^3 flops a sweep, 5 to 10 sweeps.
    Fails: not finite; more than 60 sweeps.  Test: jacobi_diagonalizes_random_graded_and_degenerate_matrices. */
 FB_DEF fb_status fb_eig_sym_solve(fb_real *d, fb_real *V, fb_real *A, int n)

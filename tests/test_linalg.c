@@ -377,6 +377,26 @@ TEST(jacobi_diagonalizes_random_graded_and_degenerate_matrices)
   FBT_INT_EQ(fb_eig_sym_solve(d, V, F, 0), FB_OK);
 }
 
+/* E5.3: zeros on the diagonal and b off it have the eigenvalues -b and b, however small beside 1, down to 1e-9 epsilon;
+   what is below, and an eigenvalue that rests on it, counts as zero. */
+TEST(small_pairs_keep_their_digits_down_to_the_bound)
+{
+  for (int k = 0; k < 30; k++) {
+    const double part = k == 0 ? 0.99 : k == 1 ? 1.01 : ldexp(1.01, k); /* 1e-9 epsilon */
+    const fb_real off = (fb_real)(part * 1e-9 * EPS);
+    for (int at = 0; at < 3; at++) { /* where the 1 stands */
+      const int p = (at + 1) % 3, q = (at + 2) % 3;
+      memset(A, 0, 9 * sizeof(fb_real));
+      A[4 * at] = FB_R(1.0);
+      A[3 * p + q] = A[3 * q + p] = off;
+      FBT_INT_EQ(fb_eig_sym_solve(d, V, A, 3), FB_OK);
+      FBT_NEAR_REL(d[0], k ? -off : FB_R(0.0), 4.0 * EPS);
+      FBT_NEAR_REL(d[1], k ? off : FB_R(0.0), 4.0 * EPS);
+      FBT_NEAR_ABS(d[2], 1.0, 0.0);
+    }
+  }
+}
+
 static fb_status gen_of_K(int n)
 {
   copy(K, F, n * n);
@@ -567,4 +587,4 @@ SUITE(linalg, RUN(general_eigenvectors_satisfy_their_equation),
       RUN(lu_solves_random_graded_and_refuses_singular_matrices),
       RUN(cholesky_factors_graded_and_refuses_indefinite_matrices),
       RUN(jacobi_diagonalizes_random_graded_and_degenerate_matrices),
-      RUN(generalized_eigenvectors_diagonalize_both_matrices))
+      RUN(small_pairs_keep_their_digits_down_to_the_bound), RUN(generalized_eigenvectors_diagonalize_both_matrices))
