@@ -14351,15 +14351,16 @@ static fb_status fbi_body_response(fb_real *f, const fbi_subject *s, int j, fb_r
 static fb_real fbi_linear_step(const fb_body *body, int j)
 {
   const int n = body->n, first = fbi_first_free(body->base), free = 6 - first;
-  const int i = j < 2 * n + free ? j - 2 * n + first : j - 2 * n - free + first;
   const fb_real size = body->gyration > FB_R(0.0) ? body->gyration : FB_R(1.0);
+  int moves;
   if (j < 2 * n) {
     return fbi_difference_step(body, j % n);
   }
+  moves = (j - 2 * n) % free + first < 3; /* the others turn */
   if (j < 2 * n + free) {
-    return FBI_DIFFERENCE * body->mass * size * (i < 3 ? FB_R(1.0) : size);
+    return FBI_DIFFERENCE * body->mass * size * (moves ? FB_R(1.0) : size);
   }
-  return FBI_DIFFERENCE * (i < 3 ? size : FB_R(1.0));
+  return FBI_DIFFERENCE * (moves ? size : FB_R(1.0));
 }
 
 static int fbi_ports_fit(const fb_linear_desc *desc)
