@@ -611,6 +611,22 @@ TEST(linear_models_do_not_depend_on_units)
   }
 }
 
+/* fb_spectrum_margin: whichever of the modes it is that damps least, that one is named; of two alike the first. */
+TEST(margins_name_the_worst_mode_wherever_it_stands)
+{
+  for (int n = 1; n < 5; n++) {
+    for (int worst = 0; worst < n; worst++) {
+      for (int twin = worst; twin < n; twin++) {
+        fb_real re[4] = {-FB_R(3.0), -FB_R(2.0), -FB_R(4.0), -FB_R(2.0)};
+        int mode = -1;
+        re[worst] = re[twin] = -FB_R(0.25);
+        FBT_NEAR_ABS(fb_spectrum_margin(re, &mode, n), 0.25, 0.0);
+        FBT_INT_EQ(mode, worst);
+      }
+    }
+  }
+}
+
 /* E6.12, E7.2, E12.3: the blade of the NREL 5-MW turbine (nrel5mw_blade.csv, NREL/TP-500-38060; 49 stations, twisted):
    mass, first and second moment, and the clamped frequencies at rest and at 12.1 rpm against ElastoDyn's, which come
    from polynomials of one direction each and so lie somewhat higher. */
@@ -1926,13 +1942,14 @@ TEST(analysis_of_systems_refuses_bad_input)
   FBT_TRUE(memcmp(&spectrum, &before_spectrum, sizeof spectrum) == 0);
 }
 
-SUITE(analyse, RUN(linear_models_do_not_depend_on_units), RUN(spectrum_of_a_spinning_oscillator_is_closed_form),
-      RUN(bases_that_move_move_the_state_of_rest), RUN(damped_modes_have_their_ratios),
-      RUN(free_tops_nutate_as_euler_says), RUN(equal_inertias_spin_about_any_of_their_axes),
-      RUN(a_weight_across_the_axis_is_no_rest), RUN(a_hinge_turns_what_spins_about_no_axis_of_its_own),
-      RUN(damped_spinning_satellite_has_its_closed_form), RUN(linear_models_answer_as_the_body_does),
-      RUN(step_limits_are_those_of_the_spectrum), RUN(step_limits_hold_for_modes_that_grow),
-      RUN(advised_steps_err_as_wanted), RUN(advised_steps_bear_stiff_damping), RUN(advice_resolves_modes_that_die_out),
+SUITE(analyse, RUN(margins_name_the_worst_mode_wherever_it_stands), RUN(linear_models_do_not_depend_on_units),
+      RUN(spectrum_of_a_spinning_oscillator_is_closed_form), RUN(bases_that_move_move_the_state_of_rest),
+      RUN(damped_modes_have_their_ratios), RUN(free_tops_nutate_as_euler_says),
+      RUN(equal_inertias_spin_about_any_of_their_axes), RUN(a_weight_across_the_axis_is_no_rest),
+      RUN(a_hinge_turns_what_spins_about_no_axis_of_its_own), RUN(damped_spinning_satellite_has_its_closed_form),
+      RUN(linear_models_answer_as_the_body_does), RUN(step_limits_are_those_of_the_spectrum),
+      RUN(step_limits_hold_for_modes_that_grow), RUN(advised_steps_err_as_wanted),
+      RUN(advised_steps_bear_stiff_damping), RUN(advice_resolves_modes_that_die_out),
       RUN(nrel_blade_has_the_published_figures), RUN(hinged_blades_flap_and_lag_in_closed_form),
       RUN(blades_cone_under_a_moment), RUN(bases_that_are_pushed_have_no_state_of_rest),
       RUN(double_pendulum_swings_in_closed_form), RUN(a_free_body_is_a_system_of_one),
