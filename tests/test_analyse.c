@@ -1535,6 +1535,71 @@ TEST(linear_models_answer_as_the_system_does)
   }
 }
 
+/* A free hub that spins about z, off its mass center, with a flexible blade on a sprung hinge, a body on a slide out along x
+   and one on a sprung ball joint, in units of u meters and m kilograms: its linear model about the trimmed state, and in
+   size those of x, of the inputs and of the outputs. */
+static void system_in_units(fb_linear *linear, double size[3][FB_MAX_LINEAR], double u, double m)
+{
+  static const fb_linear_desc ports = {
+      4,
+      6,
+      {{FB_PORT_FORCE, 1, 1, 1}, {FB_PORT_TORQUE, 0, 0, 2}, {FB_PORT_DRIVE, 1, 0, 0}, {FB_PORT_DRIVE, 2, 0, 0}},
+      {{FB_PORT_COORDINATE, 2, 0, 0},
+       {FB_PORT_SPEED, 2, 0, 0},
+       {FB_PORT_SPEED, 3, 0, 1},
+       {FB_PORT_DISPLACEMENT, 1, 1, 2},
+       {FB_PORT_RATE, 3, 1, 0},
+       {FB_PORT_ACCELERATION, 0, 1, 1}}};
+  const double J = m * u * u, in[4] = {m * u, J, J, m * u}, out[6] = {u, u, 1.0, u, 1.0, u}, mode = u * sqrt(m);
+  const double z[13] = {u, u, u, 1.0, 1.0, 1.0, 1.0, u, 1.0, 1.0, 1.0, mode, mode};
+  const fb_real center[3] = {(fb_real)(0.1 * u), 0, 0},
+                own[6] = {(fb_real)(0.8 * J), (fb_real)(0.5 * J), (fb_real)(0.9 * J)};
+  fb_joint_desc *j;
+  fresh();
+  rigid_part(0, 8.0 * m, 0.1 * u, 3.0 * J, 4.0 * J, 6.0 * J, 0.0);
+  uniform_line(2.0 * u, 6, 0.5 * m / u, 40.0 * J * u, 60.0 * J * u, 1);
+  level.effects = FB_EFFECTS_FULL | FB_EFFECT_DAMPING;
+  level.base = FB_BASE_PRESCRIBED;
+  level.zeta[0] = FB_R(0.02);
+  beam_body(&part[1], 2.0 * m, center, own);
+  rigid_part(2, m, 0.4 * u, 0.1 * J, 0.35 * J, 0.3 * J, 0.0);
+  (void)hang(0, 0, FB_JOINT_FREE, FB_GROUND);
+  for (int k = 1; k < 4; k++) {
+    j = hang(k, k == 1 ? 1 : 2, k == 1 ? FB_JOINT_REVOLUTE : k == 2 ? FB_JOINT_PRISMATIC : FB_JOINT_SPHERICAL, 0);
+    j->position[k - 1] = (fb_real)(0.5 * u);
+    j->stiffness[0] = (fb_real)(k == 2 ? 200.0 * m : 30.0 * J);
+    j->damping[0] = (fb_real)(k == 2 ? 3.0 * m : 0.5 * J);
+    frame_turn(j->attitude, 0.2 * k, k == 2 ? pi / 2 : -0.1 * k, 0.3);
+  }
+  drive.drive[0].rate[5] = FB_R(0.8);
+  build();
+  FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), FB_OK);
+  FBT_INT_EQ(fb_system_linearize(&mechanism, part, linear, &tree_work, &tree_state, &drive, &ports), FB_OK);
+  FBT_INT_EQ(linear->n, 26);
+  for (int i = 0; i < 13; i++) {
+    size[0][i] = z[i];
+    size[0][13 + i] = J / z[i];
+  }
+  memcpy(size[1], in, sizeof in);
+  memcpy(size[2], out, sizeof out);
+}
+
+/* E12.8, E12.9: the linear model of a system, too, is the same in every unit of length and of mass. */
+TEST(linear_models_of_systems_do_not_depend_on_units)
+{
+  static fb_linear one, other;
+  static double size[3][FB_MAX_LINEAR], same[3][FB_MAX_LINEAR];
+  system_in_units(&one, same, 1.0, 1.0);
+  for (int large = 0; large < 2; large++) {
+    const double tol = FBT_TOL(1e-11, 1e-3);
+    system_in_units(&other, size, large ? FBT_TOL(1e3, 1e2) : FBT_TOL(1e-3, 1e-2), large ? 0.125 : 8.0);
+    FBT_BELOW(units_apart(other.A, one.A, size[0], size[0], 26, 26), tol);
+    FBT_BELOW(units_apart(other.C, one.C, size[2], size[0], one.n_out, 26), tol);
+    FBT_TRUE(large || units_apart(other.B, one.B, size[0], size[1], 26, one.n_in) < tol);
+    FBT_TRUE(large || units_apart(other.D, one.D, size[2], size[1], one.n_out, one.n_in) < tol);
+  }
+}
+
 /* Section 12: what cannot be linearized is refused, the state kept. */
 TEST(analysis_refuses_bad_input)
 {
@@ -1942,7 +2007,8 @@ TEST(analysis_of_systems_refuses_bad_input)
   FBT_TRUE(memcmp(&spectrum, &before_spectrum, sizeof spectrum) == 0);
 }
 
-SUITE(analyse, RUN(margins_name_the_worst_mode_wherever_it_stands), RUN(linear_models_do_not_depend_on_units),
+SUITE(analyse, RUN(linear_models_of_systems_do_not_depend_on_units),
+      RUN(margins_name_the_worst_mode_wherever_it_stands), RUN(linear_models_do_not_depend_on_units),
       RUN(spectrum_of_a_spinning_oscillator_is_closed_form), RUN(bases_that_move_move_the_state_of_rest),
       RUN(damped_modes_have_their_ratios), RUN(free_tops_nutate_as_euler_says),
       RUN(equal_inertias_spin_about_any_of_their_axes), RUN(a_weight_across_the_axis_is_no_rest),
