@@ -519,7 +519,8 @@ FB_API fb_status fb_chol_factor(fb_real *A, int n);
 FB_API void fb_chol_solve(fb_real *x, const fb_real *L, const fb_real *b, int n); /* x = A^-1 b; x may be b */
 
 /* Eigenvalues d (n, ascending) and orthonormal eigenvectors (row k of V, n x n) of the symmetric A (n x n,
-   overwritten). FB_ERR_NOT_FINITE; FB_ERR_CONVERGENCE after 60 Jacobi sweeps. */
+   overwritten). Off the diagonal, 1e-9 epsilon of the largest element counts as zero. FB_ERR_NOT_FINITE;
+   FB_ERR_CONVERGENCE after 60 Jacobi sweeps. */
 FB_API fb_status fb_eig_sym_solve(fb_real *d, fb_real *V, fb_real *A, int n);
 /* K x = d M x, K symmetric, M positive definite (both n x n, overwritten): d ascending, rows of X with X M X^T = 1.
    FB_ERR_SINGULAR: M is not positive definite; else as fb_eig_sym_solve. */

@@ -869,7 +869,7 @@ static void fbi_eig_sort(fb_real *d, fb_real *V, int n)
 }
 
 /* [E5.3] Symmetric eigenvalues by cyclic Jacobi rotations until every off-diagonal element is below rounding of its two
-   diagonal ones (or of the norm, where those vanish): small eigenvalues of graded matrices keep their digits.
+   diagonal ones (or of 1e-9 of the norm, where those vanish): small eigenvalues of graded matrices keep their digits.
    Source: [GV] 8.5.  Shapes: A n x n, V rows.  Cost: about 6 n^3 flops a sweep, 5 to 10 sweeps.
    Fails: not finite; more than 60 sweeps.  Test: jacobi_diagonalizes_random_graded_and_degenerate_matrices. */
 FB_DEF fb_status fb_eig_sym_solve(fb_real *d, fb_real *V, fb_real *A, int n)
@@ -14372,15 +14372,16 @@ static fb_status fbi_body_response(fb_real *f, const fbi_subject *s, int j, fb_r
 static fb_real fbi_linear_step(const fb_body *body, int j)
 {
   const int n = body->n, first = fbi_first_free(body->base), free = 6 - first;
-  const int i = j < 2 * n + free ? j - 2 * n + first : j - 2 * n - free + first;
   const fb_real size = body->gyration > FB_R(0.0) ? body->gyration : FB_R(1.0);
+  int moves;
   if (j < 2 * n) {
     return fbi_difference_step(body, j % n);
   }
+  moves = (j - 2 * n) % free + first < 3; /* the others turn */
   if (j < 2 * n + free) {
-    return FBI_DIFFERENCE * body->mass * size * (i < 3 ? FB_R(1.0) : size);
+    return FBI_DIFFERENCE * body->mass * size * (moves ? FB_R(1.0) : size);
   }
-  return FBI_DIFFERENCE * (i < 3 ? size : FB_R(1.0));
+  return FBI_DIFFERENCE * (moves ? size : FB_R(1.0));
 }
 
 static int fbi_ports_fit(const fb_linear_desc *desc)

@@ -514,6 +514,119 @@ TEST(linear_models_answer_as_the_body_does)
   }
 }
 
+/* Largest |a_ij s_j/s_i - b_ij| of n x m, in parts of the largest element of the row and of a thousandth of that of all: a
+   in other units, s those of rows and columns. */
+static double units_apart(const fb_real *a, const fb_real *b, const double *row, const double *column, int n, int m)
+{
+  double apart = 0.0;
+  for (int i = 0; i < n; i++) {
+    double worst = 0.0;
+    for (int j = 0; j < m; j++) {
+      worst = fmax(worst, fabs((double)a[i * m + j] * column[j] / row[i] - (double)b[i * m + j]));
+    }
+    apart = fmax(apart, worst / (fbt_largest(b + i * m, m) + 1e-3 * fbt_largest(b, n * m)));
+  }
+  return apart;
+}
+
+static const fb_linear_desc all_ports = {4,
+                                         6,
+                                         {{FB_PORT_FORCE, 0, 1, 1},
+                                          {FB_PORT_TORQUE, 0, 0, 2},
+                                          {FB_PORT_BASE_VELOCITY, 0, 0, 0},
+                                          {FB_PORT_BASE_RATE, 0, 0, 1}},
+                                         {{FB_PORT_DISPLACEMENT, 0, 1, 1},
+                                          {FB_PORT_ROTATION, 0, 1, 2},
+                                          {FB_PORT_RATE, 0, 0, 2},
+                                          {FB_PORT_ACCELERATION, 0, 1, 1},
+                                          {FB_PORT_RATE, 0, 1, 0},
+                                          {FB_PORT_ACCELERATION, 0, 0, 0}}};
+
+/* The linear model of a deflected beam on a hub that turns, drifts and hangs in gravity, in units of u meters, m kilograms,
+   and in size those of x, of the inputs and of the outputs. */
+static void linear_in_units(fb_linear *linear, double size[3][FB_MAX_LINEAR], fb_base base, double u, double m)
+{
+  const fb_real center[3] = {(fb_real)(0.2 * u), -(fb_real)(0.1 * u), (fb_real)(0.3 * u)}, J = (fb_real)(m * u * u);
+  const fb_real inertia[6] = {FB_R(3.0) * J, FB_R(4.0) * J,  FB_R(5.0) * J,
+                              FB_R(0.2) * J, FB_R(-0.3) * J, FB_R(0.4) * J};
+  const double mode = u * sqrt(m), frame[4] = {m * u, m * u * u, u, 1.0}; /* momentum, angular; position, angle */
+  const double in[4] = {m * u, m * u * u, u, 1.0}, out[6] = {u, 1.0, 1.0, u, 1.0, u};
+  const int first = base == FB_BASE_PINNED ? 3 : base == FB_BASE_HINGED ? 5 : base == FB_BASE_PRESCRIBED ? 6 : 0;
+  fb_linear_desc ports = all_ports;
+  fb_state state;
+  fb_input input;
+  fb_real turn[3];
+  int n = 0;
+  uniform_line(5.0 * u, 6, 1.0 * m / u, 300.0 * m * u * u * u, 500.0 * m * u * u * u, 2);
+  level.effects = FB_EFFECTS_FULL | FB_EFFECT_DAMPING | FB_EFFECT_GRAVITY;
+  level.base = base;
+  level.gravity[1] = (fb_real)(-2.0 * u);
+  level.zeta[0] = level.zeta[2] = FB_R(0.02);
+  beam_body(&body, 10.0 * m, center, inertia);
+  fbt_seed(7);
+  memset(&input, 0, sizeof input);
+  FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+  fbt_fill(state.q, body.n, 0.1 * mode);
+  fbt_fill(input.v, 3, base == FB_BASE_FREE || base == FB_BASE_PRESCRIBED ? 0.3 * u : 0.0);
+  fbt_fill(input.w, 3, 0.6);
+  fbt_fill(turn, 3, 1.0);
+  input.w[0] = base == FB_BASE_HINGED ? FB_R(0.0) : input.w[0];
+  input.w[1] = base == FB_BASE_HINGED ? FB_R(0.0) : input.w[1];
+  fb_quat_from_rotvec(state.quat, turn);
+  FBT_INT_EQ(fb_state_from_velocity(&body, &state, input.v, input.w, NULL), FB_OK);
+  ports.n_in = base == FB_BASE_PRESCRIBED ? 4 : 2;
+  FBT_INT_EQ(fb_body_linearize(&body, linear, &work, &state, &input, &ports), FB_OK);
+  for (; n < 2 * body.n; n++) {
+    size[0][n] = mode;
+  }
+  for (int i = 0; i < 12; i++) {
+    if (i % 6 >= first) {
+      size[0][n++] = frame[i / 3];
+    }
+  }
+  FBT_INT_EQ(linear->n, n);
+  memcpy(size[1], in, sizeof in);
+  memcpy(size[2], out, sizeof out);
+}
+
+/* E12.2: the linear model is the same in every unit of length and of mass: of rates of momenta and pose, of loads and motions
+   of the base as inputs, of what gyros and accelerometers read; every base. (Of inputs in small units alone: they are moved
+   by 1, which is next to nothing beside forces of 1e9.) */
+TEST(linear_models_do_not_depend_on_units)
+{
+  static const fb_base bases[] = {FB_BASE_FREE, FB_BASE_PRESCRIBED, FB_BASE_PINNED, FB_BASE_HINGED};
+  static fb_linear one, other;
+  static double size[3][FB_MAX_LINEAR], same[3][FB_MAX_LINEAR];
+  for (int k = 0; k < 8; k++) {
+    const double tol = FBT_TOL(1e-11, 1e-3);
+    const int large = k % 2;
+    int n;
+    linear_in_units(&one, same, bases[k / 2], 1.0, 1.0);
+    n = one.n;
+    linear_in_units(&other, size, bases[k / 2], large ? FBT_TOL(1e3, 1e2) : FBT_TOL(1e-3, 1e-2), large ? 0.125 : 8.0);
+    FBT_BELOW(units_apart(other.A, one.A, size[0], size[0], n, n), tol);
+    FBT_BELOW(units_apart(other.C, one.C, size[2], size[0], one.n_out, n), tol);
+    FBT_TRUE(large || units_apart(other.B, one.B, size[0], size[1], n, one.n_in) < tol);
+    FBT_TRUE(large || units_apart(other.D, one.D, size[2], size[1], one.n_out, one.n_in) < tol);
+  }
+}
+
+/* fb_spectrum_margin: whichever of the modes it is that damps least, that one is named; of two alike the first. */
+TEST(margins_name_the_worst_mode_wherever_it_stands)
+{
+  for (int n = 1; n < 5; n++) {
+    for (int worst = 0; worst < n; worst++) {
+      for (int twin = worst; twin < n; twin++) {
+        fb_real re[4] = {-FB_R(3.0), -FB_R(2.0), -FB_R(4.0), -FB_R(2.0)};
+        int mode = -1;
+        re[worst] = re[twin] = -FB_R(0.25);
+        FBT_NEAR_ABS(fb_spectrum_margin(re, &mode, n), 0.25, 0.0);
+        FBT_INT_EQ(mode, worst);
+      }
+    }
+  }
+}
+
 /* E6.12, E7.2, E12.3: the blade of the NREL 5-MW turbine (nrel5mw_blade.csv, NREL/TP-500-38060; 49 stations, twisted):
    mass, first and second moment, and the clamped frequencies at rest and at 12.1 rpm against ElastoDyn's, which come
    from polynomials of one direction each and so lie somewhat higher. */
@@ -1422,6 +1535,71 @@ TEST(linear_models_answer_as_the_system_does)
   }
 }
 
+/* A free hub that spins about z, off its mass center, with a flexible blade on a sprung hinge, a body on a slide out along x
+   and one on a sprung ball joint, in units of u meters and m kilograms: its linear model about the trimmed state, and in
+   size those of x, of the inputs and of the outputs. */
+static void system_in_units(fb_linear *linear, double size[3][FB_MAX_LINEAR], double u, double m)
+{
+  static const fb_linear_desc ports = {
+      4,
+      6,
+      {{FB_PORT_FORCE, 1, 1, 1}, {FB_PORT_TORQUE, 0, 0, 2}, {FB_PORT_DRIVE, 1, 0, 0}, {FB_PORT_DRIVE, 2, 0, 0}},
+      {{FB_PORT_COORDINATE, 2, 0, 0},
+       {FB_PORT_SPEED, 2, 0, 0},
+       {FB_PORT_SPEED, 3, 0, 1},
+       {FB_PORT_DISPLACEMENT, 1, 1, 2},
+       {FB_PORT_RATE, 3, 1, 0},
+       {FB_PORT_ACCELERATION, 0, 1, 1}}};
+  const double J = m * u * u, in[4] = {m * u, J, J, m * u}, out[6] = {u, u, 1.0, u, 1.0, u}, mode = u * sqrt(m);
+  const double z[13] = {u, u, u, 1.0, 1.0, 1.0, 1.0, u, 1.0, 1.0, 1.0, mode, mode};
+  const fb_real center[3] = {(fb_real)(0.1 * u), 0, 0},
+                own[6] = {(fb_real)(0.8 * J), (fb_real)(0.5 * J), (fb_real)(0.9 * J)};
+  fb_joint_desc *j;
+  fresh();
+  rigid_part(0, 8.0 * m, 0.1 * u, 3.0 * J, 4.0 * J, 6.0 * J, 0.0);
+  uniform_line(2.0 * u, 6, 0.5 * m / u, 40.0 * J * u, 60.0 * J * u, 1);
+  level.effects = FB_EFFECTS_FULL | FB_EFFECT_DAMPING;
+  level.base = FB_BASE_PRESCRIBED;
+  level.zeta[0] = FB_R(0.02);
+  beam_body(&part[1], 2.0 * m, center, own);
+  rigid_part(2, m, 0.4 * u, 0.1 * J, 0.35 * J, 0.3 * J, 0.0);
+  (void)hang(0, 0, FB_JOINT_FREE, FB_GROUND);
+  for (int k = 1; k < 4; k++) {
+    j = hang(k, k == 1 ? 1 : 2, k == 1 ? FB_JOINT_REVOLUTE : k == 2 ? FB_JOINT_PRISMATIC : FB_JOINT_SPHERICAL, 0);
+    j->position[k - 1] = (fb_real)(0.5 * u);
+    j->stiffness[0] = (fb_real)(k == 2 ? 200.0 * m : 30.0 * J);
+    j->damping[0] = (fb_real)(k == 2 ? 3.0 * m : 0.5 * J);
+    frame_turn(j->attitude, 0.2 * k, k == 2 ? pi / 2 : -0.1 * k, 0.3);
+  }
+  drive.drive[0].rate[5] = FB_R(0.8);
+  build();
+  FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), FB_OK);
+  FBT_INT_EQ(fb_system_linearize(&mechanism, part, linear, &tree_work, &tree_state, &drive, &ports), FB_OK);
+  FBT_INT_EQ(linear->n, 26);
+  for (int i = 0; i < 13; i++) {
+    size[0][i] = z[i];
+    size[0][13 + i] = J / z[i];
+  }
+  memcpy(size[1], in, sizeof in);
+  memcpy(size[2], out, sizeof out);
+}
+
+/* E12.8, E12.9: the linear model of a system, too, is the same in every unit of length and of mass. */
+TEST(linear_models_of_systems_do_not_depend_on_units)
+{
+  static fb_linear one, other;
+  static double size[3][FB_MAX_LINEAR], same[3][FB_MAX_LINEAR];
+  system_in_units(&one, same, 1.0, 1.0);
+  for (int large = 0; large < 2; large++) {
+    const double tol = FBT_TOL(1e-11, 1e-3);
+    system_in_units(&other, size, large ? FBT_TOL(1e3, 1e2) : FBT_TOL(1e-3, 1e-2), large ? 0.125 : 8.0);
+    FBT_BELOW(units_apart(other.A, one.A, size[0], size[0], 26, 26), tol);
+    FBT_BELOW(units_apart(other.C, one.C, size[2], size[0], one.n_out, 26), tol);
+    FBT_TRUE(large || units_apart(other.B, one.B, size[0], size[1], 26, one.n_in) < tol);
+    FBT_TRUE(large || units_apart(other.D, one.D, size[2], size[1], one.n_out, one.n_in) < tol);
+  }
+}
+
 /* Section 12: what cannot be linearized is refused, the state kept. */
 TEST(analysis_refuses_bad_input)
 {
@@ -1829,7 +2007,9 @@ TEST(analysis_of_systems_refuses_bad_input)
   FBT_TRUE(memcmp(&spectrum, &before_spectrum, sizeof spectrum) == 0);
 }
 
-SUITE(analyse, RUN(spectrum_of_a_spinning_oscillator_is_closed_form), RUN(bases_that_move_move_the_state_of_rest),
+SUITE(analyse, RUN(linear_models_of_systems_do_not_depend_on_units),
+      RUN(margins_name_the_worst_mode_wherever_it_stands), RUN(linear_models_do_not_depend_on_units),
+      RUN(spectrum_of_a_spinning_oscillator_is_closed_form), RUN(bases_that_move_move_the_state_of_rest),
       RUN(damped_modes_have_their_ratios), RUN(free_tops_nutate_as_euler_says),
       RUN(equal_inertias_spin_about_any_of_their_axes), RUN(a_weight_across_the_axis_is_no_rest),
       RUN(a_hinge_turns_what_spins_about_no_axis_of_its_own), RUN(damped_spinning_satellite_has_its_closed_form),

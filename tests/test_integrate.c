@@ -815,6 +815,172 @@ TEST(the_tension_limit_counts_all_modes)
   FBT_TRUE(fabs((double)S[0 * 4 + 1]) + fabs((double)S[0 * 4 + 2]) + fabs((double)S[0 * 4 + 3]) > 0.1 * (double)S[0]);
 }
 
+static int is_too_long(scheme which, const fb_state *state, const fb_input *input, double dt)
+{
+  fb_state moved = *state;
+  prepare(which, dt);
+  return step(which, &moved, input, input, input, dt) == FB_ERR_STEP;
+}
+
+/* The largest step of rk4 that is not refused, by bisection. */
+static double largest_step(const fb_state *state, const fb_input *input)
+{
+  double low = 1e-6, high = 1.0;
+  for (int k = 0; k < FBT_TOL(60, 40); k++) {
+    const double dt = sqrt(low * high);
+    const int too_long = is_too_long(RK4, state, input, dt);
+    high = too_long ? dt : high;
+    low = too_long ? low : dt;
+  }
+  return low;
+}
+
+/* Adds the strain u_x' = e all along the beam, by least squares at the stations. */
+static void stretch_evenly(fb_real *q, double e)
+{
+  fb_real A[FB_MAX_MODES * FB_MAX_MODES] = {0}, sum[FB_MAX_MODES] = {0};
+  for (int a = 0; a < body.n; a++) {
+    A[a * body.n + a] = FB_R(1e-10);
+  }
+  for (int i = 0; i < body.n_strain_row; i++) {
+    const fb_strain_row *const row = &body.strain_row[i];
+    for (int j = 0; j < body.n_strain_row && row->axis == 0; j++) {
+      const fb_strain_row *const other = &body.strain_row[j];
+      for (int g = 0; g < body.n_strain && other->axis == 0; g++) {
+        A[row->a * body.n + other->a] += row->slope[g] * other->slope[g];
+        sum[row->a] += i == j ? (fb_real)e * row->slope[g] : FB_R(0.0);
+      }
+    }
+  }
+  FBT_INT_EQ(fb_chol_factor(A, body.n), FB_OK);
+  fb_chol_solve(sum, A, sum, body.n);
+  for (int a = 0; a < body.n; a++) {
+    q[a] += sum[a];
+  }
+}
+
+/* Adds a deflection along y (axis 1) or z (2), the same in either; returns its largest slope. */
+static double deflect(fb_real *q, int axis, double size)
+{
+  double slope[FBI_MAX_STRAINS] = {0}, largest = 0.0;
+  for (int i = 0, k = 0; i < body.n_strain_row; i++) {
+    const fb_strain_row *const row = &body.strain_row[i];
+    if (row->axis == axis) {
+      const double part = size / (1.0 + 3.0 * k++);
+      q[row->a] += (fb_real)part;
+      for (int g = 0; g < body.n_strain; g++) {
+        slope[g] += part * (double)row->slope[g];
+        largest = fmax(largest, fabs(slope[g]));
+      }
+    }
+  }
+  return largest;
+}
+
+/* The highest frequency [rad/s] about a deflected state, from the linear model. */
+static double fastest(const fb_state *state, const fb_input *input)
+{
+  static fb_analyse_work work;
+  static fb_spectrum spectrum;
+  FBT_INT_EQ(fb_body_spectrum(&spectrum, &work, &body, state, input), FB_OK);
+  return hypot((double)spectrum.re[spectrum.n - 1], (double)spectrum.im[spectrum.n - 1]);
+}
+
+/* E8.8: the largest accepted step h of a beam at rest that is deflected or stretched. A deflection in any plane counts
+   alike; its stretch s^2/2 counts as any other, and no more when the beam is compressed by as much; a slope s alone
+   counts with that: (1/h - 1/h_0)^2 is twice 1/h^2 - 1/h_0^2 of the strain s^2/2. No step is too long for the
+   frequencies there are, and none is shorter by more than a fifth. */
+TEST(deflection_and_stretch_shorten_the_step)
+{
+  fb_state none, state;
+  fb_input input;
+  double h0, h[3], slope = 0.0, bent, stretched;
+  strained(FB_BASE_PRESCRIBED, FB_FORM_MOMENTUM, 1e5, 1);
+  memset(&input, 0, sizeof input);
+  FBT_INT_EQ(fb_state_init(&body, &none), FB_OK);
+  h0 = largest_step(&none, &input);
+  for (int k = 0; k < 3; k++) { /* along y, along z, between */
+    state = none;
+    slope = deflect(state.q, k == 1 ? 2 : 1, k == 2 ? 0.3 : 0.5);
+    (void)deflect(state.q, 2, k == 2 ? 0.4 : 0.0);
+    h[k] = largest_step(&state, &input);
+    FBT_NEAR_REL(h[k], h[0], 16.0 * (double)FB_EPSILON);
+    FBT_BELOW(h[k] * fastest(&state, &input), 2.83);
+    FBT_BELOW(2.2, h[k] * fastest(&state, &input));
+  }
+  state = none;
+  slope = deflect(state.q, 1, 0.5);
+  stretch_evenly(state.q, -0.5 * slope * slope);
+  bent = largest_step(&state, &input);
+  state = none;
+  stretch_evenly(state.q, 0.5 * slope * slope);
+  stretched = largest_step(&state, &input);
+  FBT_NEAR_REL(pow(h[0], -2.0) - pow(bent, -2.0), pow(stretched, -2.0) - pow(h0, -2.0), FBT_TOL(1e-8, 1e-3));
+  FBT_NEAR_REL(pow(1.0 / bent - 1.0 / h0, 2.0), 2.0 * (pow(stretched, -2.0) - pow(h0, -2.0)), FBT_TOL(1e-8, 1e-3));
+}
+
+/* The step that a scheme's limit allows at this spin and this acceleration of O. */
+static double limit_of(scheme which, double spin, double acceleration)
+{
+  const fb_real w = (fb_real)spin, a = (fb_real)acceleration;
+  return (double)(which == RK4           ? fb_rk4_limit(&body, w, a)
+                  : which == EXPONENTIAL ? fb_exponential_limit(&body, w, a)
+                                         : fb_implicit_limit(&body, w, a));
+}
+
+typedef struct scene { /* what a base does, its limits' spin and acceleration of O */
+  fb_base base;
+  double push, circle, spin, drift, force, gravity;
+} scene;
+
+/* E11.1, E11.6, E11.11: the limits are asked at the spin there is and at the acceleration of O: of a held base that of its
+   motion, v' + w x v, of a free one what a force gives it, or w^2 r about a mass center at the distance r; gravity with
+   it. Of a free body with momentum the drift counts as spin in the exponential scheme, v over the radius of gyration. A
+   step just below is taken, one just above refused; along each axis. */
+TEST(steps_are_limited_by_what_the_base_does)
+{
+  static const scene scenes[] = {{FB_BASE_PRESCRIBED, 200, 0, 0, 0, 0, 100}, {FB_BASE_PRESCRIBED, 0, 3, 3, 0, 0, 0},
+                                 {FB_BASE_FREE, 0, 0, 0, 0, 300, 0},         {FB_BASE_FREE, 0, 0, 0, 0, 0, 300},
+                                 {FB_BASE_FREE, 0, 0, 20, 0, 0, 0},          {FB_BASE_FREE, 0, 0, 0, 5, 0, 0},
+                                 {FB_BASE_PINNED, 0, 0, 3, 0, 0, 300}};
+  for (int k = 0; k < 3 * FBT_COUNT(scenes); k++) {
+    const scene *const s = &scenes[k / 3];
+    const int i = k % 3, j = (i + 1) % 3;
+    double acceleration = s->push + s->circle * 100.0 + s->force + s->gravity;
+    fb_real w[3] = {0};
+    fb_state state;
+    fb_input input;
+    if (i == 0) {
+      boom(FB_EFFECTS_FULL | FB_EFFECT_GRAVITY, s->base, 2, 1, 0, 0.0);
+    }
+    memset(body_desc.gravity, 0, sizeof body_desc.gravity);
+    body_desc.gravity[j] = (fb_real)s->gravity;
+    FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &body_desc), FB_OK);
+    memset(&input, 0, sizeof input);
+    input.n_load = 1;
+    input.load[0].force[i] = (fb_real)s->force * body.mass;
+    input.v_dot[i] = (fb_real)s->push;
+    w[i] = input.w[i] = (fb_real)s->spin;
+    input.v[j] = (fb_real)(s->circle > 0.0 ? 100.0 : s->drift);
+    if (s->base == FB_BASE_FREE && s->spin > 0.0) {
+      fb_vec3_cross(input.v, body.c, w);
+      for (int m = 0; m < 3; m++) {
+        input.v[m] /= body.mass;
+      }
+      acceleration = s->spin * s->spin * sqrt((double)fb_vec3_dot(body.c, body.c)) / (double)body.mass;
+    }
+    FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+    FBT_INT_EQ(fb_state_from_velocity(&body, &state, input.v, w, NULL), FB_OK);
+    for (int m = 0; m < SCHEMES; m++) {
+      const scheme which = (scheme)m;
+      const double spin = s->spin + (which == EXPONENTIAL ? s->drift / (double)body.gyration : 0.0);
+      const double limit = limit_of(which, spin, acceleration), part = 64.0 * (double)FB_EPSILON;
+      FBT_TRUE(!is_too_long(which, &state, &input, fmin(limit, 1e3) * (1.0 - part)));
+      FBT_TRUE(limit > 1e3 || is_too_long(which, &state, &input, limit * (1.0 + part)));
+    }
+  }
+}
+
 /* E11.15: what acts on the first body of a system accelerates its O, by which the quadratic field stiffens: steps are
    refused from the limit at that acceleration on, in every unit of mass. */
 TEST(loads_shorten_the_steps_of_systems)
@@ -1131,7 +1297,8 @@ TEST(every_scheme_refuses_bad_input)
   FBT_TRUE(fb_exponential_limit(&body, 0, 0) == FB_HUGE);
 }
 
-SUITE(integrate, RUN(each_scheme_converges_at_its_order), RUN(midpoint_keeps_energy_and_momentum),
+SUITE(integrate, RUN(steps_are_limited_by_what_the_base_does), RUN(deflection_and_stretch_shorten_the_step),
+      RUN(each_scheme_converges_at_its_order), RUN(midpoint_keeps_energy_and_momentum),
       RUN(steps_may_be_a_thousand_periods_long), RUN(steps_within_the_limit_are_stable),
       RUN(implicit_schemes_do_not_mind_drift), RUN(iterations_are_newtons),
       RUN(the_exponential_limit_is_a_part_of_a_turn), RUN(the_exponential_limit_knows_the_tension),

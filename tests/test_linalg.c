@@ -377,6 +377,35 @@ TEST(jacobi_diagonalizes_random_graded_and_degenerate_matrices)
   FBT_INT_EQ(fb_eig_sym_solve(d, V, F, 0), FB_OK);
 }
 
+/* E5.3: zeros on the diagonal and b off it have the eigenvalues -b and b, however small beside another pair -1, 1, down to
+   1e-9 epsilon; what is below, and an eigenvalue that rests on it, counts as zero; in any unit. What is diagonal and in
+   order stays as it is. */
+TEST(small_pairs_keep_their_digits_down_to_the_bound)
+{
+  for (int k = 0; k < 90; k++) {
+    const double part = k % 30 == 0 ? 0.99 : k % 30 == 1 ? 1.01 : ldexp(1.01, k % 30); /* 1e-9 epsilon */
+    const fb_real unit = (fb_real)ldexp(1.0, 30 * (k / 30 - 1)), off = unit * (fb_real)(part * 1e-9 * EPS);
+    const fb_real least = k % 30 ? off : FB_R(0.0);
+    for (int at = 1; at < 4; at++) { /* 0 and at are the large pair */
+      const int p = at % 3 + 1, q = (at + 1) % 3 + 1;
+      memset(A, 0, 16 * sizeof(fb_real));
+      A[at] = A[4 * at] = unit;
+      A[4 * p + q] = A[4 * q + p] = off;
+      FBT_INT_EQ(fb_eig_sym_solve(d, V, A, 4), FB_OK);
+      FBT_NEAR_REL(d[0], -unit, 4.0 * EPS);
+      FBT_NEAR_REL(d[1], -least, 4.0 * EPS);
+      FBT_NEAR_REL(d[2], least, 4.0 * EPS);
+      FBT_NEAR_REL(d[3], unit, 4.0 * EPS);
+    }
+    memset(A, 0, 16 * sizeof(fb_real));
+    A[10] = A[15] = unit;
+    FBT_INT_EQ(fb_eig_sym_solve(d, V, A, 4), FB_OK);
+    for (int i = 0; i < 16; i++) {
+      FBT_NEAR_ABS(V[i], i % 5 == 0, 0.0);
+    }
+  }
+}
+
 static fb_status gen_of_K(int n)
 {
   copy(K, F, n * n);
@@ -563,8 +592,99 @@ TEST(general_eigenvectors_satisfy_their_equation)
   FBT_INT_EQ(fb_eig_general_solve(re, im, V2, A, NULL, 2), FB_ERR_NULL);
 }
 
-SUITE(linalg, RUN(general_eigenvectors_satisfy_their_equation),
-      RUN(lu_solves_random_graded_and_refuses_singular_matrices),
+/* n x n of one kind, not balanced, not of full rank, of one cycle: 0 random, 1 upper triangle, 2 its transpose, 3 integers
+   -1, 0, 1, 4 rank n/2, 5 the cyclic permutation, 6 a chain of integrators, 7 two blocks, one of them zero. */
+static void kind_random(fb_real *X, int n, int kind)
+{
+  fbt_fill(X, n * n, 1.0);
+  if (kind == 4) {
+    singular_random(X, n, 4, 0);
+  }
+  for (int i = 0; i < n; i++) {
+    for (int j = 0; j < n; j++) {
+      fb_real *const e = &X[i * n + j];
+      *e = (kind == 1 && j < i) || (kind == 2 && j > i) ? FB_R(0.0) : *e;
+      *e = kind == 3 ? (fb_real)(int)(1.999 * (double)*e) : *e;
+      *e = kind == 5 ? (fb_real)(i == (j + 1) % n) : kind == 6 ? (fb_real)(j == i + 1) : *e;
+      *e = kind == 7 && (i < n / 2) != (j < n / 2) ? FB_R(0.0) : *e;
+      *e = kind == 7 && i < n / 2 ? FB_R(0.0) : *e;
+    }
+  }
+}
+
+static void general_of_A(int n)
+{
+  for (int i = 0; i < 2 * n * n; i++) {
+    V2[i] = re[i / (2 * n)] = im[i / (2 * n)] = (fb_real)NAN;
+  }
+  FBT_INT_EQ(fb_eig_general_solve(re, im, V2, A, general_work, n), FB_OK);
+}
+
+/* E5.6: whatever the matrix has of zeros, in any unit: its equation, vectors of unit length, the trace; the cyclic permutation
+   has the roots of 1. */
+TEST(general_eigenvectors_of_matrices_with_zeros)
+{
+  for (int trial = 0; trial < 3 * 8 * 12; trial++) {
+    const int n = 1 + trial % 12, kind = trial / 12 % 8;
+    const double unit = ldexp(1.0, 30 * (trial / 96 - 1));
+    double sum = 0.0, trace = 0.0;
+    kind_random(A, n, kind);
+    for (int i = 0; i < n * n; i++) {
+      A[i] *= (fb_real)unit;
+      trace += i % (n + 1) ? 0.0 : (double)A[i];
+    }
+    copy(B, A, n * n);
+    general_of_A(n);
+    FBT_TRUE(general_residual(B, n) < 20.0 || fbt_largest(B, n * n) == 0.0);
+    for (int k = 0; k < n; k++) {
+      double length = 0.0;
+      for (int i = 0; i < 2 * n; i++) {
+        length += pow((double)V2[2 * n * k + i], 2.0);
+      }
+      FBT_NEAR_ABS(length, 1.0, 8.0 * n * EPS);
+      sum += (double)re[k] / unit;
+      if (kind == 5) {
+        const double phi = atan2((double)im[k], (double)re[k]) / (2.0 * 3.14159265358979323846) * n;
+        FBT_NEAR_ABS(hypot((double)re[k], (double)im[k]), unit, 8.0 * n * EPS * unit);
+        FBT_NEAR_ABS(phi, floor(phi + 0.5), 8.0 * n * EPS);
+      }
+    }
+    FBT_NEAR_ABS(sum, trace / unit, 16.0 * n * EPS);
+  }
+}
+
+/* E5.6: a state matrix mixes units: D^-1 S D with a symmetric S and powers of two from 1 to 2^-50 (single precision: 2^-20) in D, in any unit, has the
+   eigenvalues of S, and D times its vectors are those of S, as if D were 1. */
+TEST(general_eigenvalues_do_not_depend_on_units)
+{
+  for (int trial = 0; trial < 3 * 12; trial++) {
+    const int n = 1 + trial % 12;
+    const double unit = ldexp(1.0, 30 * (trial / 12 - 1));
+    symmetric_random(F, n);
+    grading_random(D1, n, (int)FBT_TOL(50, 20));
+    for (int i = 0; i < n * n; i++) {
+      A[i] = F[i] * (fb_real)unit / D1[i / n] * D1[i % n];
+    }
+    general_of_A(n);
+    for (int k = 0; k < n; k++) {
+      fb_real *const v = V2 + 2 * n * k;
+      double length = 0.0;
+      FBT_NEAR_ABS(im[k], 0.0, 0.0);
+      re[k] /= (fb_real)unit;
+      for (int i = 0; i < 2 * n; i++) {
+        v[i] *= D1[i % n];
+        length = fmax(length, fabs((double)v[i]));
+      }
+      for (int i = 0; i < 2 * n; i++) {
+        v[i] = (fb_real)((double)v[i] / length);
+      }
+    }
+    FBT_BELOW(general_residual(F, n), 20.0);
+  }
+}
+
+SUITE(linalg, RUN(general_eigenvectors_of_matrices_with_zeros), RUN(general_eigenvalues_do_not_depend_on_units),
+      RUN(general_eigenvectors_satisfy_their_equation), RUN(lu_solves_random_graded_and_refuses_singular_matrices),
       RUN(cholesky_factors_graded_and_refuses_indefinite_matrices),
       RUN(jacobi_diagonalizes_random_graded_and_degenerate_matrices),
-      RUN(generalized_eigenvectors_diagonalize_both_matrices))
+      RUN(small_pairs_keep_their_digits_down_to_the_bound), RUN(generalized_eigenvectors_diagonalize_both_matrices))
