@@ -679,6 +679,7 @@ TEST(coordinates_have_any_unit)
       desc.effects = effect_sets[set] | FB_EFFECT_DAMPING;
       desc.allow_split_effects = 1;
       desc.deflection_limit = FB_R(100.0);
+      memset(&body_work, 0xff, sizeof body_work); /* what is in it means nothing */
       FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
       state_from(&state, &body, &scaled);
       FBT_INT_EQ(fb_body_motion(&body, &motion[run], &state, NULL), FB_OK);

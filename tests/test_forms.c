@@ -68,6 +68,7 @@ static void scene_body(fb_form form, fb_stiffness_torque torque, fb_base base, u
   desc.stiffness_torque = torque;
   desc.base = base;
   desc.effects = effects;
+  memset(&body_work, 0xff, sizeof body_work); /* what is in it means nothing */
   FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
   FBT_INT_EQ(fb_body_check(&body), FB_OK);
 }
