@@ -2419,7 +2419,8 @@ TEST(joined_modes_are_of_the_kind_of_their_largest_share)
 }
 
 /* A sound body passes its check in any unit of mass and time; its radius of gyration is the root of the mean square of
-   the distance from O: (a^2 + a b + b^2)/3 of a line from a to b, and the sections' own. */
+   the distance from O: (a^2 + a b + b^2)/3 of a line from a to b, and the sections' own. Held, its bound at rest is its
+   highest frequency; effects that are off have none. */
 TEST(bodies_are_sound_in_any_unit)
 {
   for (int k = 0; k < 9; k++) {
@@ -2442,6 +2443,12 @@ TEST(bodies_are_sound_in_any_unit)
     FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
     FBT_INT_EQ(fb_body_check(&body), FB_OK);
     FBT_NEAR_REL(body.gyration, sqrt((6.5 * 6.5 + 6.5 * 0.5 + 0.5 * 0.5) / 3.0 + 0.02 / 1.3), FBT_TOL(1e-12, 1e-5));
+    FBT_NEAR_REL(body.limit_elastic, modes.omega[modes.n - 1] * modes.omega[modes.n - 1], FBT_TOL(1e-9, 1e-4));
+    FBT_TRUE(body.recoil == FB_R(1.0) && body.limit_spin > FB_R(0.0) && body.limit_acceleration > FB_R(0.0));
+    level.effects = FB_EFFECTS_LINEAR;
+    FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
+    FBT_TRUE(body.limit_spin == FB_R(0.0) && body.limit_acceleration == FB_R(0.0) && body.limit_damping == FB_R(0.0));
+    FBT_TRUE(body.limit_slope == FB_R(0.0) && body.limit_tension == FB_R(0.0));
   }
   half_unit = FB_R(1.0);
 }
