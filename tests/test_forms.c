@@ -245,13 +245,30 @@ static void monomial(fb_real *q, int power)
   fb_lu_solve(q, A, perm, b, modes.n);
 }
 
+/* A held body of the beam as it is described, with functions that bend it in one plane or two. */
+static void bending_alone(int degree, int planes)
+{
+  static fb_modes_desc keep;
+  memset(&keep, 0, sizeof keep);
+  keep.basis = FB_BASIS_FUNCTIONS;
+  keep.degree = degree;
+  keep.count[FB_KIND_BEND_Y] = FB_ALL_MODES;
+  keep.count[FB_KIND_BEND_Z] = planes == 2 ? FB_ALL_MODES : 0;
+  FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
+  FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_OK);
+  FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam_strain(&shape, 0, &beam, &modes), FB_OK);
+  desc_clear();
+  scene_body(FB_FORM_MOMENTUM, FB_TORQUE_IDENTITY, FB_BASE_PRESCRIBED, FB_EFFECTS_STRAIN);
+}
+
 /* E6.8: u_y = (x/L)^d of a beam whose axial stiffness falls evenly to half of it has a strain energy with x^(4 d - 3), the
    highest degree that the 2 d - 1 points integrate exactly. */
 TEST(gauss_rules_integrate_polynomials)
 {
   double worst = 0.0;
   for (int d = 3; d <= FBT_TOL(8, 5); d++) {
-    static fb_modes_desc keep;
     const scene one = {1, d, 0, 1, 0};
     const double slope = d / LENGTH, curvature = d * (d - 1) / (LENGTH * LENGTH);
     const double EA = STRETCH * (1.0 / (4 * d - 3) - 0.5 / (4 * d - 2)); /* its mean, weighted by (x/L)^(4 d - 4) */
@@ -263,17 +280,7 @@ TEST(gauss_rules_integrate_polynomials)
     beam_desc.station[1] = beam_desc.station[0];
     beam_desc.station[1].x = (fb_real)LENGTH;
     beam_desc.station[1].EA *= FB_R(0.5);
-    FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
-    memset(&keep, 0, sizeof keep);
-    keep.basis = FB_BASIS_FUNCTIONS;
-    keep.degree = d;
-    keep.count[FB_KIND_BEND_Y] = FB_ALL_MODES;
-    FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_OK);
-    FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
-    FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
-    FBT_INT_EQ(fb_shape_add_beam_strain(&shape, 0, &beam, &modes), FB_OK);
-    desc_clear();
-    scene_body(FB_FORM_MOMENTUM, FB_TORQUE_IDENTITY, FB_BASE_PRESCRIBED, FB_EFFECTS_STRAIN);
+    bending_alone(d, 1);
     FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
     monomial(state.q, d);
     worst = fmax(worst, fabs(strain_energy(&state) / (membrane + bending) - 1.0));
@@ -311,6 +318,37 @@ TEST(own_mass_stretches_a_spinning_beam)
     FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
     FBT_INT_EQ(fb_shape_add_beam_strain(&shape, 0, &beam, &modes), FB_OK);
     FBT_NEAR_REL(shape.stretch, (moment + lumps * carried * (root + LENGTH)) / STRETCH, FBT_TOL(1e-14, 1e-6));
+  }
+}
+
+/* Largest d with A x = d B x, both symmetric 2 x 2 (11, 12, 22). */
+static double largest_of_two(const double A[3], const double B[3])
+{
+  const double a = B[0] * B[2] - B[1] * B[1], b = A[0] * B[2] + A[2] * B[0] - 2.0 * A[1] * B[1];
+  const double c = A[0] * A[2] - A[1] * A[1];
+  return (b + sqrt(b * b - 4.0 * a * c)) / (2.0 * a);
+}
+
+/* E8.8: bounds by the slopes S = int EA psi' psi' dx of a beam that bends as (x/L)^2 and (x/L)^3, against M, and of the
+   tension of a spin, 1/2 int r dm/EA times the root of S M^-1 S against K; in one plane or two. */
+TEST(limits_of_slope_and_tension_are_in_closed_form)
+{
+  static const double S[3] = {4.0 / 3.0, 6.0 / 4.0, 9.0 / 5.0}, M[3] = {1.0 / 5.0, 1.0 / 6.0, 1.0 / 7.0};
+  static const double K[3] = {4.0, 6.0, 12.0};
+  const double det = M[0] * M[2] - M[1] * M[1], slope = STRETCH / LENGTH;
+  double A[3], tension;
+  for (int ij = 0; ij < 3; ij++) { /* S M^-1 S */
+    const double *x = &S[ij == 2], *y = &S[ij > 0];
+    A[ij] = (x[0] * (M[2] * y[0] - M[1] * y[1]) + x[1] * (M[0] * y[1] - M[1] * y[0])) / det;
+  }
+  tension = 0.5 * MASS * LENGTH / 2.0 / STRETCH * slope *
+            sqrt(largest_of_two(A, K) / MASS / (BENDING / (LENGTH * LENGTH * LENGTH)));
+  for (int planes = 1; planes <= 2; planes++) {
+    const scene one = {1, 3, 0, planes, 0};
+    scene_modes(&one, BENDING);
+    bending_alone(3, planes);
+    FBT_NEAR_REL(body.limit_slope, slope / MASS * largest_of_two(S, M), FBT_TOL(1e-9, 1e-3));
+    FBT_NEAR_REL(body.limit_tension, tension, FBT_TOL(1e-4, 1e-2)); /* a millionth of mass is added to K */
   }
 }
 
@@ -1398,11 +1436,12 @@ TEST(strain_stations_refuse_bad_input)
   FBT_INT_EQ(fb_shape_add_beam_strain(&shape, 0, &beam, NULL), FB_ERR_NULL);
 }
 
-SUITE(forms, RUN(what_is_held_keeps_no_momentum), RUN(strain_forces_are_the_gradient_of_the_energy),
-      RUN(gauss_rules_integrate_polynomials), RUN(own_mass_stretches_a_spinning_beam),
-      RUN(forms_agree_on_a_closed_basis), RUN(stiffness_torques_agree_on_a_closed_basis),
-      RUN(truncated_torques_agree_on_a_closed_basis), RUN(second_order_form_is_the_printed_one),
-      RUN(spin_up_follows_the_references_of_each_form), RUN(two_elements_of_degree_6_are_converged),
-      RUN(work_of_the_torque_is_the_energy), RUN(truncation_does_what_the_paper_shows),
-      RUN(indexes_beyond_the_tables_are_refused), RUN(coordinates_at_rest_do_not_count),
-      RUN(half_an_inertia_is_refused), RUN(strain_stations_refuse_bad_input), RUN(the_check_word_sees_every_form))
+SUITE(forms, RUN(limits_of_slope_and_tension_are_in_closed_form), RUN(what_is_held_keeps_no_momentum),
+      RUN(strain_forces_are_the_gradient_of_the_energy), RUN(gauss_rules_integrate_polynomials),
+      RUN(own_mass_stretches_a_spinning_beam), RUN(forms_agree_on_a_closed_basis),
+      RUN(stiffness_torques_agree_on_a_closed_basis), RUN(truncated_torques_agree_on_a_closed_basis),
+      RUN(second_order_form_is_the_printed_one), RUN(spin_up_follows_the_references_of_each_form),
+      RUN(two_elements_of_degree_6_are_converged), RUN(work_of_the_torque_is_the_energy),
+      RUN(truncation_does_what_the_paper_shows), RUN(indexes_beyond_the_tables_are_refused),
+      RUN(coordinates_at_rest_do_not_count), RUN(half_an_inertia_is_refused), RUN(strain_stations_refuse_bad_input),
+      RUN(the_check_word_sees_every_form))
