@@ -3064,8 +3064,8 @@ TEST(a_chain_in_free_flight_keeps_its_momenta)
   FBT_NEAR_ABS(energy_of(&state) - energy, state.motor_work, FBT_TOL(1e-8, 1e-3));
 }
 
-/* E9.7, E9.8: kept angles go round: a hinge driven through half a turn and a screw started far out, kept as
-   constraints, are where the tree has them. */
+/* E9.7, E9.8: kept angles go round: a hinge and the second axis of a universal joint driven through half a turn
+   and a screw started far out, kept as constraints, are where the tree has them. */
 TEST(kept_joints_turn_all_the_way_round)
 {
   fb_system_input middle;
@@ -3076,20 +3076,24 @@ TEST(kept_joints_turn_all_the_way_round)
     desc.joint[0].mode[0] = FB_AXIS_PRESCRIBED;
     hang(1, 0, FB_JOINT_SCREW, FB_GROUND, 0);
     desc.joint[1].pitch = FB_R(0.1);
+    hang(2, 0, FB_JOINT_UNIVERSAL, FB_GROUND, 0);
+    desc.joint[2].mode[0] = FB_AXIS_LOCKED;
+    desc.joint[2].mode[1] = FB_AXIS_PRESCRIBED;
     start[1].value[0] = FB_R(2.5);
     start[1].speed[0] = FB_R(2.0);
-    input.drive[0].value[0] = FB_R(2.5);
-    input.drive[0].rate[0] = FB_R(2.0);
+    input.drive[0].value[0] = input.drive[2].value[1] = FB_R(2.5);
+    input.drive[0].rate[0] = input.drive[2].rate[1] = FB_R(2.0);
     init((fb_method)method);
     FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
     middle = input;
     for (int k = 1; k <= 800; k++) { /* to 4.1 rad */
-      middle.drive[0].value[0] = (fb_real)(2.5 + 0.002 * (k - 0.5));
-      input.drive[0].value[0] = (fb_real)(2.5 + 0.002 * k);
+      middle.drive[0].value[0] = middle.drive[2].value[1] = (fb_real)(2.5 + 0.002 * (k - 0.5));
+      input.drive[0].value[0] = input.drive[2].value[1] = (fb_real)(2.5 + 0.002 * k);
       FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &input, &middle, &input, FB_R(0.001)), FB_OK);
     }
     FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
     FBT_NEAR_ABS(remainder((double)motion.joint[0].value[0] - 4.1, 2.0 * pi), 0.0, FBT_TOL(1e-9, 1e-4));
+    FBT_NEAR_ABS(remainder((double)motion.joint[2].value[1] - 4.1, 2.0 * pi), 0.0, FBT_TOL(1e-9, 1e-4));
     FBT_NEAR_ABS(motion.pose[1].rho[2], 0.41, FBT_TOL(1e-9, 1e-4));
   }
 }
