@@ -198,7 +198,8 @@ static double energy_slope(const fb_state *state, int a, double h)
    != EI_z. */
 TEST(strain_forces_are_the_gradient_of_the_energy)
 {
-  static const scene scenes[] = {{1, 3, 1, 2, 0}, {2, 3, 0, 2, 0}, {2, 5, 0, 2, 0}, {1, 0, 0, 2, 1}, {2, 0, 0, 2, 1}};
+  static const scene scenes[] = {{1, 3, 1, 2, 0}, {2, 3, 0, 2, 0}, {2, 5, 0, 2, 0}, {1, 0, 0, 2, 1},
+                                 {2, 0, 0, 2, 1}, {4, 3, 0, 1, 0}}; /* the last fills groups of four stations */
   double worst_energy = 0.0, worst_force = 0.0;
   for (int i = 0; i < FBT_COUNT(scenes); i++) {
     fb_state state, rate;
