@@ -14,6 +14,7 @@ typedef struct scene {
   int natural; /* modes instead of functions */
 } scene;
 
+static double kilogram = 1.0; /* what bodies are measured in */
 static const scene closed_3d = {2, 3, 0, 2, 0}, open_3d = {2, 3, 1, 2, 0};
 
 static fb_beam_desc beam_desc;
@@ -32,10 +33,10 @@ static void scene_modes(const scene *s, double EI_y)
   beam_desc.length = (fb_real)LENGTH;
   beam_desc.n_element = s->n_element;
   beam_desc.n_station = 1;
-  beam_desc.station[0].mass = (fb_real)(MASS / LENGTH);
-  beam_desc.station[0].EA = (fb_real)STRETCH;
-  beam_desc.station[0].EI_y = (fb_real)EI_y;
-  beam_desc.station[0].EI_z = (fb_real)BENDING;
+  beam_desc.station[0].mass = (fb_real)(MASS / LENGTH * kilogram);
+  beam_desc.station[0].EA = (fb_real)(STRETCH * kilogram);
+  beam_desc.station[0].EI_y = (fb_real)(EI_y * kilogram);
+  beam_desc.station[0].EI_z = (fb_real)(BENDING * kilogram);
   memset(&keep, 0, sizeof keep);
   keep.basis = s->natural ? FB_BASIS_MODES : FB_BASIS_FUNCTIONS;
   keep.count[FB_KIND_BEND_Y] = keep.count[FB_KIND_AXIAL] = s->natural ? 3 : FB_ALL_MODES;
@@ -50,15 +51,19 @@ static void scene_modes(const scene *s, double EI_y)
 static void scene_shape(const scene *s, double EI_y, int hub)
 {
   static const fb_real center[3] = {FB_R(0.3), -FB_R(0.2), FB_R(0.1)};
-  static const fb_real inertia[6] = {FB_R(40.0), FB_R(30.0), FB_R(50.0), FB_R(2.0), -FB_R(1.0), FB_R(3.0)};
+  static const double J[6] = {40.0, 30.0, 50.0, 2.0, -1.0, 3.0};
+  fb_real inertia[6];
   int tip;
+  for (int i = 0; i < 6; i++) {
+    inertia[i] = (fb_real)(J[i] * kilogram);
+  }
   scene_modes(s, EI_y);
   FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam_strain(&shape, 0, &beam, &modes), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam_node(&shape, &tip, 0, &beam, &modes, (fb_real)LENGTH), FB_OK);
   if (hub) {
-    FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(20.0), center, inertia), FB_OK);
+    FBT_INT_EQ(fb_shape_add_rigid(&shape, (fb_real)(20.0 * kilogram), center, inertia), FB_OK);
   }
 }
 
@@ -83,7 +88,7 @@ static void desc_clear(void)
 static void bend(fb_real *q)
 {
   for (int a = 0; a < modes.n; a++) {
-    q[a] = (fb_real)((modes.kind[a] == FB_KIND_AXIAL ? 0.004 : 0.4) * fbt_random());
+    q[a] = (fb_real)((modes.kind[a] == FB_KIND_AXIAL ? 0.004 : 0.4) * sqrt(kilogram) * fbt_random());
   }
 }
 
@@ -362,7 +367,9 @@ static void accelerations(fb_real *acc, fb_state *state, const fb_input *input)
   FBT_INT_EQ(fb_body_motion(&body, &motion, state, input), FB_OK);
   memcpy(acc, motion.v_dot, sizeof motion.v_dot);
   memcpy(acc + 3, motion.w_dot, sizeof motion.w_dot);
-  memcpy(acc + 6, motion.q_ddot, sizeof(fb_real) * (size_t)modes.n);
+  for (int a = 0; a < modes.n; a++) {
+    acc[6 + a] = motion.q_ddot[a] / (fb_real)sqrt(kilogram);
+  }
 }
 
 /* Largest difference of the accelerations of two forms, relative to the largest acceleration of each kind. */
@@ -371,6 +378,26 @@ static double acceleration_difference(const fb_real *a, const fb_real *b)
   const double rigid = fbt_difference(a, b, 6) / fbt_largest(b, 6);
   const double elastic = fbt_difference(a + 6, b + 6, modes.n) / fbt_largest(b + 6, modes.n);
   return fmax(rigid, elastic);
+}
+
+/* E8.25 to E8.28: in every form, with each torque that it may have, a body moves the same in any unit of mass. */
+TEST(forms_know_no_unit_of_mass)
+{
+  for (int run = 0; run < 5; run++) {
+    const fb_form form = run < 2 ? (fb_form)run : FB_FORM_FIRST;
+    const fb_stiffness_torque torque = run < 2 ? FB_TORQUE_IDENTITY : (fb_stiffness_torque)(run - 2);
+    fb_real first[6 + FB_MAX_MODES], acc[6 + FB_MAX_MODES];
+    for (int unit = 0; unit < 3; unit++) {
+      fb_state state;
+      kilogram = ldexp(1.0, (FB_SINGLE ? 20 : 120) * (unit == 2 ? -1 : unit));
+      scene_shape(&open_3d, BENDING, 1);
+      desc_clear();
+      scene_body(form, torque, FB_BASE_FREE, FB_EFFECTS_STRAIN);
+      accelerations(unit ? acc : first, &state, NULL);
+      FBT_BELOW(unit ? acceleration_difference(acc, first) : 0.0, FBT_TOL(1e-11, 2e-3));
+    }
+    kilogram = 1.0;
+  }
 }
 
 /* E8.25, E8.28: on a closed basis (trap a) the three forms are the same equations; with strain at the root the
@@ -1437,12 +1464,12 @@ TEST(strain_stations_refuse_bad_input)
   FBT_INT_EQ(fb_shape_add_beam_strain(&shape, 0, &beam, NULL), FB_ERR_NULL);
 }
 
-SUITE(forms, RUN(limits_of_slope_and_tension_are_in_closed_form), RUN(what_is_held_keeps_no_momentum),
-      RUN(strain_forces_are_the_gradient_of_the_energy), RUN(gauss_rules_integrate_polynomials),
-      RUN(own_mass_stretches_a_spinning_beam), RUN(forms_agree_on_a_closed_basis),
-      RUN(stiffness_torques_agree_on_a_closed_basis), RUN(truncated_torques_agree_on_a_closed_basis),
-      RUN(second_order_form_is_the_printed_one), RUN(spin_up_follows_the_references_of_each_form),
-      RUN(two_elements_of_degree_6_are_converged), RUN(work_of_the_torque_is_the_energy),
-      RUN(truncation_does_what_the_paper_shows), RUN(indexes_beyond_the_tables_are_refused),
-      RUN(coordinates_at_rest_do_not_count), RUN(half_an_inertia_is_refused), RUN(strain_stations_refuse_bad_input),
-      RUN(the_check_word_sees_every_form))
+SUITE(forms, RUN(forms_know_no_unit_of_mass), RUN(limits_of_slope_and_tension_are_in_closed_form),
+      RUN(what_is_held_keeps_no_momentum), RUN(strain_forces_are_the_gradient_of_the_energy),
+      RUN(gauss_rules_integrate_polynomials), RUN(own_mass_stretches_a_spinning_beam),
+      RUN(forms_agree_on_a_closed_basis), RUN(stiffness_torques_agree_on_a_closed_basis),
+      RUN(truncated_torques_agree_on_a_closed_basis), RUN(second_order_form_is_the_printed_one),
+      RUN(spin_up_follows_the_references_of_each_form), RUN(two_elements_of_degree_6_are_converged),
+      RUN(work_of_the_torque_is_the_energy), RUN(truncation_does_what_the_paper_shows),
+      RUN(indexes_beyond_the_tables_are_refused), RUN(coordinates_at_rest_do_not_count),
+      RUN(half_an_inertia_is_refused), RUN(strain_stations_refuse_bad_input), RUN(the_check_word_sees_every_form))
