@@ -1532,6 +1532,28 @@ static void node_defects(double defect[4], double h, int node)
   }
 }
 
+/* Section 8: what limits a deflection: how far out the farthest particle is, and how far each mode moves the one that it
+   moves most. */
+TEST(size_and_reach_are_those_of_the_particles)
+{
+  const int n = 5;
+  double size = 0.0, reach[MAX_N] = {0.0};
+  particles_random(&cloud, n, 1);
+  particles_to_shape(&shape, &cloud);
+  for (int i = 0; i < PARTICLES; i++) {
+    const double *r = cloud.r[i];
+    size = fmax(size, sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]));
+    for (int a = 0; a < n; a++) {
+      const double *x = cloud.psi[i][a];
+      reach[a] = fmax(reach[a], sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]));
+    }
+  }
+  FBT_NEAR_REL(shape.size, size, FBT_TOL(1e-14, 1e-6));
+  for (int a = 0; a < n; a++) {
+    FBT_NEAR_REL(shape.reach[a], reach[a], FBT_TOL(1e-14, 1e-6));
+  }
+}
+
 /* Particles with as many nodes as there can be, all that they have random, and the body of it. */
 static void random_nodes(int n)
 {
@@ -2964,7 +2986,8 @@ TEST(rows_without_terms_are_refused)
 
 SUITE(body, RUN(rows_without_terms_are_refused), RUN(massless_prescribed_bodies_are_sound),
       RUN(the_check_word_sees_every_flipped_bit), RUN(the_check_word_sees_every_number),
-      RUN(the_check_word_sees_every_term), RUN(coordinates_have_any_unit), RUN(lumps_have_the_inertia_of_their_node),
+      RUN(the_check_word_sees_every_term), RUN(coordinates_have_any_unit),
+      RUN(size_and_reach_are_those_of_the_particles), RUN(lumps_have_the_inertia_of_their_node),
       RUN(nodes_are_those_of_the_shape), RUN(nodes_that_turn_far_have_the_rates_of_their_pose),
       RUN(a_strain_gauge_reads_the_bending_moment), RUN(hopkins_element_has_the_exact_integrals),
       RUN(finite_element_models_are_the_beams_they_came_from), RUN(joined_halves_are_the_whole),
