@@ -679,6 +679,7 @@ TEST(coordinates_have_any_unit)
       desc.effects = effect_sets[set] | FB_EFFECT_DAMPING;
       desc.allow_split_effects = 1;
       desc.deflection_limit = FB_R(100.0);
+      memset(&body_work, 0xff, sizeof body_work); /* what is in it means nothing */
       FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
       state_from(&state, &body, &scaled);
       FBT_INT_EQ(fb_body_motion(&body, &motion[run], &state, NULL), FB_OK);
@@ -1290,6 +1291,44 @@ TEST(lumped_bodies_are_the_particles_they_stand_for)
   FBT_BELOW(shape_difference(&shape, &other, 0), FBT_TOL(1e-12, 1e-4));
 }
 
+/* E8.1, E8.3: a lump on a node that moves by psi and turns by theta has M_ab = m psi_a.psi_b + theta_a.I theta_b, h_a = m
+   r x psi_a + I theta_a, J = I + m (r.r - r r^T), I any tensor of inertia. */
+TEST(lumps_have_the_inertia_of_their_node)
+{
+  static const fb_real inertia[6] = {FB_R(0.5), FB_R(0.6), FB_R(0.7), FB_R(0.1), -FB_R(0.05), FB_R(0.08)};
+  static const int packed[9] = {0, 3, 4, 3, 1, 5, 4, 5, 2}; /* xx, yy, zz, xy, xz, yz */
+  const double m = 2.0;
+  fb_real r[3], psi[6], theta[6];
+  double I[9];
+  fbt_seed(17);
+  fbt_fill(r, 3, 1.0);
+  fbt_fill(psi, 6, 1.0);
+  fbt_fill(theta, 6, 1.0);
+  FBT_INT_EQ(fb_shape_init(&shape, 2), FB_OK);
+  FBT_INT_EQ(fb_shape_add_lump(&shape, (fb_real)m, r, inertia, psi, theta), FB_OK);
+  for (int ij = 0; ij < 9; ij++) {
+    const double square = ij % 4 == 0 ? (double)fb_vec3_dot(r, r) : 0.0;
+    I[ij] = (double)inertia[packed[ij]];
+    FBT_NEAR_ABS(shape.J[ij], I[ij] + m * (square - (double)(r[ij / 3] * r[ij % 3])), FBT_TOL(1e-14, 1e-5));
+  }
+  for (int a = 0; a < 2; a++) {
+    const fb_real *t = theta + 3 * a;
+    fb_real arm[3];
+    fb_vec3_cross(arm, r, psi + 3 * a);
+    for (int i = 0; i < 3; i++) {
+      const double turned = I[3 * i] * (double)t[0] + I[3 * i + 1] * (double)t[1] + I[3 * i + 2] * (double)t[2];
+      FBT_NEAR_ABS(shape.H[3 * a + i], m * (double)arm[i] + turned, FBT_TOL(1e-14, 1e-5));
+    }
+    for (int b = 0; b < 2; b++) {
+      double M = m * (double)fb_vec3_dot(psi + 3 * a, psi + 3 * b);
+      for (int ij = 0; ij < 9; ij++) {
+        M += (double)t[ij / 3] * I[ij] * (double)theta[3 * b + ij % 3];
+      }
+      FBT_NEAR_ABS(shape.M[2 * a + b], M, FBT_TOL(1e-14, 1e-5));
+    }
+  }
+}
+
 /* A beam's coordinates may stand anywhere among those of the body. */
 TEST(a_beam_may_take_later_coordinates)
 {
@@ -1490,6 +1529,28 @@ static void node_defects(double defect[4], double h, int node)
     defect[1] = fmax(defect[1], fabs((x2 - 2.0 * x1 + x0) / (h * h) - (double)at[1].acceleration[i]));
     defect[2] = fmax(defect[2], fabs((double)spin[i] / (2.0 * h) - (double)at[1].angular_rate[i]));
     defect[3] = fmax(defect[3], fabs(dw / (2.0 * h) - (double)at[1].angular_acceleration[i]));
+  }
+}
+
+/* Section 8: what limits a deflection: how far out the farthest particle is, and how far each mode moves the one that it
+   moves most. */
+TEST(size_and_reach_are_those_of_the_particles)
+{
+  const int n = 5;
+  double size = 0.0, reach[MAX_N] = {0.0};
+  particles_random(&cloud, n, 1);
+  particles_to_shape(&shape, &cloud);
+  for (int i = 0; i < PARTICLES; i++) {
+    const double *r = cloud.r[i];
+    size = fmax(size, sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2]));
+    for (int a = 0; a < n; a++) {
+      const double *x = cloud.psi[i][a];
+      reach[a] = fmax(reach[a], sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]));
+    }
+  }
+  FBT_NEAR_REL(shape.size, size, FBT_TOL(1e-14, 1e-6));
+  for (int a = 0; a < n; a++) {
+    FBT_NEAR_REL(shape.reach[a], reach[a], FBT_TOL(1e-14, 1e-6));
   }
 }
 
@@ -2418,7 +2479,8 @@ TEST(joined_modes_are_of_the_kind_of_their_largest_share)
 }
 
 /* A sound body passes its check in any unit of mass and time; its radius of gyration is the root of the mean square of
-   the distance from O: (a^2 + a b + b^2)/3 of a line from a to b, and the sections' own. */
+   the distance from O: (a^2 + a b + b^2)/3 of a line from a to b, and the sections' own. Held, its bound at rest is its
+   highest frequency; effects that are off have none. */
 TEST(bodies_are_sound_in_any_unit)
 {
   for (int k = 0; k < 9; k++) {
@@ -2441,6 +2503,12 @@ TEST(bodies_are_sound_in_any_unit)
     FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
     FBT_INT_EQ(fb_body_check(&body), FB_OK);
     FBT_NEAR_REL(body.gyration, sqrt((6.5 * 6.5 + 6.5 * 0.5 + 0.5 * 0.5) / 3.0 + 0.02 / 1.3), FBT_TOL(1e-12, 1e-5));
+    FBT_NEAR_REL(body.limit_elastic, modes.omega[modes.n - 1] * modes.omega[modes.n - 1], FBT_TOL(1e-9, 1e-4));
+    FBT_TRUE(body.recoil == FB_R(1.0) && body.limit_spin > FB_R(0.0) && body.limit_acceleration > FB_R(0.0));
+    level.effects = FB_EFFECTS_LINEAR;
+    FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
+    FBT_TRUE(body.limit_spin == FB_R(0.0) && body.limit_acceleration == FB_R(0.0) && body.limit_damping == FB_R(0.0));
+    FBT_TRUE(body.limit_slope == FB_R(0.0) && body.limit_tension == FB_R(0.0));
   }
   half_unit = FB_R(1.0);
 }
@@ -2918,10 +2986,12 @@ TEST(rows_without_terms_are_refused)
 
 SUITE(body, RUN(rows_without_terms_are_refused), RUN(massless_prescribed_bodies_are_sound),
       RUN(the_check_word_sees_every_flipped_bit), RUN(the_check_word_sees_every_number),
-      RUN(the_check_word_sees_every_term), RUN(coordinates_have_any_unit), RUN(nodes_are_those_of_the_shape),
-      RUN(nodes_that_turn_far_have_the_rates_of_their_pose), RUN(a_strain_gauge_reads_the_bending_moment),
-      RUN(hopkins_element_has_the_exact_integrals), RUN(finite_element_models_are_the_beams_they_came_from),
-      RUN(joined_halves_are_the_whole), RUN(joints_know_no_unit_of_mass), RUN(a_free_beam_bends_about_its_mass_center),
+      RUN(the_check_word_sees_every_term), RUN(coordinates_have_any_unit),
+      RUN(size_and_reach_are_those_of_the_particles), RUN(lumps_have_the_inertia_of_their_node),
+      RUN(nodes_are_those_of_the_shape), RUN(nodes_that_turn_far_have_the_rates_of_their_pose),
+      RUN(a_strain_gauge_reads_the_bending_moment), RUN(hopkins_element_has_the_exact_integrals),
+      RUN(finite_element_models_are_the_beams_they_came_from), RUN(joined_halves_are_the_whole),
+      RUN(joints_know_no_unit_of_mass), RUN(a_free_beam_bends_about_its_mass_center),
       RUN(joined_modes_are_of_the_kind_of_their_largest_share), RUN(bodies_are_sound_in_any_unit),
       RUN(joined_rods_hang_from_their_weld), RUN(joined_components_converge_and_refuse),
       RUN(shape_integrals_obey_the_vector_identities), RUN(inertial_identities_hold_as_published),

@@ -14,6 +14,7 @@ typedef struct scene {
   int natural; /* modes instead of functions */
 } scene;
 
+static double kilogram = 1.0; /* what bodies are measured in */
 static const scene closed_3d = {2, 3, 0, 2, 0}, open_3d = {2, 3, 1, 2, 0};
 
 static fb_beam_desc beam_desc;
@@ -32,10 +33,10 @@ static void scene_modes(const scene *s, double EI_y)
   beam_desc.length = (fb_real)LENGTH;
   beam_desc.n_element = s->n_element;
   beam_desc.n_station = 1;
-  beam_desc.station[0].mass = (fb_real)(MASS / LENGTH);
-  beam_desc.station[0].EA = (fb_real)STRETCH;
-  beam_desc.station[0].EI_y = (fb_real)EI_y;
-  beam_desc.station[0].EI_z = (fb_real)BENDING;
+  beam_desc.station[0].mass = (fb_real)(MASS / LENGTH * kilogram);
+  beam_desc.station[0].EA = (fb_real)(STRETCH * kilogram);
+  beam_desc.station[0].EI_y = (fb_real)(EI_y * kilogram);
+  beam_desc.station[0].EI_z = (fb_real)(BENDING * kilogram);
   memset(&keep, 0, sizeof keep);
   keep.basis = s->natural ? FB_BASIS_MODES : FB_BASIS_FUNCTIONS;
   keep.count[FB_KIND_BEND_Y] = keep.count[FB_KIND_AXIAL] = s->natural ? 3 : FB_ALL_MODES;
@@ -50,15 +51,19 @@ static void scene_modes(const scene *s, double EI_y)
 static void scene_shape(const scene *s, double EI_y, int hub)
 {
   static const fb_real center[3] = {FB_R(0.3), -FB_R(0.2), FB_R(0.1)};
-  static const fb_real inertia[6] = {FB_R(40.0), FB_R(30.0), FB_R(50.0), FB_R(2.0), -FB_R(1.0), FB_R(3.0)};
+  static const double J[6] = {40.0, 30.0, 50.0, 2.0, -1.0, 3.0};
+  fb_real inertia[6];
   int tip;
+  for (int i = 0; i < 6; i++) {
+    inertia[i] = (fb_real)(J[i] * kilogram);
+  }
   scene_modes(s, EI_y);
   FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam_strain(&shape, 0, &beam, &modes), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam_node(&shape, &tip, 0, &beam, &modes, (fb_real)LENGTH), FB_OK);
   if (hub) {
-    FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(20.0), center, inertia), FB_OK);
+    FBT_INT_EQ(fb_shape_add_rigid(&shape, (fb_real)(20.0 * kilogram), center, inertia), FB_OK);
   }
 }
 
@@ -68,6 +73,7 @@ static void scene_body(fb_form form, fb_stiffness_torque torque, fb_base base, u
   desc.stiffness_torque = torque;
   desc.base = base;
   desc.effects = effects;
+  memset(&body_work, 0xff, sizeof body_work); /* what is in it means nothing */
   FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
   FBT_INT_EQ(fb_body_check(&body), FB_OK);
 }
@@ -82,7 +88,7 @@ static void desc_clear(void)
 static void bend(fb_real *q)
 {
   for (int a = 0; a < modes.n; a++) {
-    q[a] = (fb_real)((modes.kind[a] == FB_KIND_AXIAL ? 0.004 : 0.4) * fbt_random());
+    q[a] = (fb_real)((modes.kind[a] == FB_KIND_AXIAL ? 0.004 : 0.4) * sqrt(kilogram) * fbt_random());
   }
 }
 
@@ -197,7 +203,8 @@ static double energy_slope(const fb_state *state, int a, double h)
    != EI_z. */
 TEST(strain_forces_are_the_gradient_of_the_energy)
 {
-  static const scene scenes[] = {{1, 3, 1, 2, 0}, {2, 3, 0, 2, 0}, {2, 5, 0, 2, 0}, {1, 0, 0, 2, 1}, {2, 0, 0, 2, 1}};
+  static const scene scenes[] = {{1, 3, 1, 2, 0}, {2, 3, 0, 2, 0}, {2, 5, 0, 2, 0}, {1, 0, 0, 2, 1},
+                                 {2, 0, 0, 2, 1}, {4, 3, 0, 1, 0}}; /* the last fills groups of four stations */
   double worst_energy = 0.0, worst_force = 0.0;
   for (int i = 0; i < FBT_COUNT(scenes); i++) {
     fb_state state, rate;
@@ -244,13 +251,30 @@ static void monomial(fb_real *q, int power)
   fb_lu_solve(q, A, perm, b, modes.n);
 }
 
+/* A held body of the beam as it is described, with functions that bend it in one plane or two. */
+static void bending_alone(int degree, int planes)
+{
+  static fb_modes_desc keep;
+  memset(&keep, 0, sizeof keep);
+  keep.basis = FB_BASIS_FUNCTIONS;
+  keep.degree = degree;
+  keep.count[FB_KIND_BEND_Y] = FB_ALL_MODES;
+  keep.count[FB_KIND_BEND_Z] = planes == 2 ? FB_ALL_MODES : 0;
+  FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
+  FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_OK);
+  FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam_strain(&shape, 0, &beam, &modes), FB_OK);
+  desc_clear();
+  scene_body(FB_FORM_MOMENTUM, FB_TORQUE_IDENTITY, FB_BASE_PRESCRIBED, FB_EFFECTS_STRAIN);
+}
+
 /* E6.8: u_y = (x/L)^d of a beam whose axial stiffness falls evenly to half of it has a strain energy with x^(4 d - 3), the
    highest degree that the 2 d - 1 points integrate exactly. */
 TEST(gauss_rules_integrate_polynomials)
 {
   double worst = 0.0;
   for (int d = 3; d <= FBT_TOL(8, 5); d++) {
-    static fb_modes_desc keep;
     const scene one = {1, d, 0, 1, 0};
     const double slope = d / LENGTH, curvature = d * (d - 1) / (LENGTH * LENGTH);
     const double EA = STRETCH * (1.0 / (4 * d - 3) - 0.5 / (4 * d - 2)); /* its mean, weighted by (x/L)^(4 d - 4) */
@@ -262,17 +286,7 @@ TEST(gauss_rules_integrate_polynomials)
     beam_desc.station[1] = beam_desc.station[0];
     beam_desc.station[1].x = (fb_real)LENGTH;
     beam_desc.station[1].EA *= FB_R(0.5);
-    FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
-    memset(&keep, 0, sizeof keep);
-    keep.basis = FB_BASIS_FUNCTIONS;
-    keep.degree = d;
-    keep.count[FB_KIND_BEND_Y] = FB_ALL_MODES;
-    FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_OK);
-    FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
-    FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
-    FBT_INT_EQ(fb_shape_add_beam_strain(&shape, 0, &beam, &modes), FB_OK);
-    desc_clear();
-    scene_body(FB_FORM_MOMENTUM, FB_TORQUE_IDENTITY, FB_BASE_PRESCRIBED, FB_EFFECTS_STRAIN);
+    bending_alone(d, 1);
     FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
     monomial(state.q, d);
     worst = fmax(worst, fabs(strain_energy(&state) / (membrane + bending) - 1.0));
@@ -313,6 +327,37 @@ TEST(own_mass_stretches_a_spinning_beam)
   }
 }
 
+/* Largest d with A x = d B x, both symmetric 2 x 2 (11, 12, 22). */
+static double largest_of_two(const double A[3], const double B[3])
+{
+  const double a = B[0] * B[2] - B[1] * B[1], b = A[0] * B[2] + A[2] * B[0] - 2.0 * A[1] * B[1];
+  const double c = A[0] * A[2] - A[1] * A[1];
+  return (b + sqrt(b * b - 4.0 * a * c)) / (2.0 * a);
+}
+
+/* E8.8: bounds by the slopes S = int EA psi' psi' dx of a beam that bends as (x/L)^2 and (x/L)^3, against M, and of the
+   tension of a spin, 1/2 int r dm/EA times the root of S M^-1 S against K; in one plane or two. */
+TEST(limits_of_slope_and_tension_are_in_closed_form)
+{
+  static const double S[3] = {4.0 / 3.0, 6.0 / 4.0, 9.0 / 5.0}, M[3] = {1.0 / 5.0, 1.0 / 6.0, 1.0 / 7.0};
+  static const double K[3] = {4.0, 6.0, 12.0};
+  const double det = M[0] * M[2] - M[1] * M[1], slope = STRETCH / LENGTH;
+  double A[3], tension;
+  for (int ij = 0; ij < 3; ij++) { /* S M^-1 S */
+    const double *x = &S[ij == 2], *y = &S[ij > 0];
+    A[ij] = (x[0] * (M[2] * y[0] - M[1] * y[1]) + x[1] * (M[0] * y[1] - M[1] * y[0])) / det;
+  }
+  tension = 0.5 * MASS * LENGTH / 2.0 / STRETCH * slope *
+            sqrt(largest_of_two(A, K) / MASS / (BENDING / (LENGTH * LENGTH * LENGTH)));
+  for (int planes = 1; planes <= 2; planes++) {
+    const scene one = {1, 3, 0, planes, 0};
+    scene_modes(&one, BENDING);
+    bending_alone(3, planes);
+    FBT_NEAR_REL(body.limit_slope, slope / MASS * largest_of_two(S, M), FBT_TOL(1e-9, 1e-3));
+    FBT_NEAR_REL(body.limit_tension, tension, FBT_TOL(1e-4, 1e-2)); /* a millionth of mass is added to K */
+  }
+}
+
 /* ---- the forms, one evaluation */
 
 static void accelerations(fb_real *acc, fb_state *state, const fb_input *input)
@@ -322,7 +367,9 @@ static void accelerations(fb_real *acc, fb_state *state, const fb_input *input)
   FBT_INT_EQ(fb_body_motion(&body, &motion, state, input), FB_OK);
   memcpy(acc, motion.v_dot, sizeof motion.v_dot);
   memcpy(acc + 3, motion.w_dot, sizeof motion.w_dot);
-  memcpy(acc + 6, motion.q_ddot, sizeof(fb_real) * (size_t)modes.n);
+  for (int a = 0; a < modes.n; a++) {
+    acc[6 + a] = motion.q_ddot[a] / (fb_real)sqrt(kilogram);
+  }
 }
 
 /* Largest difference of the accelerations of two forms, relative to the largest acceleration of each kind. */
@@ -331,6 +378,26 @@ static double acceleration_difference(const fb_real *a, const fb_real *b)
   const double rigid = fbt_difference(a, b, 6) / fbt_largest(b, 6);
   const double elastic = fbt_difference(a + 6, b + 6, modes.n) / fbt_largest(b + 6, modes.n);
   return fmax(rigid, elastic);
+}
+
+/* E8.25 to E8.28: in every form, with each torque that it may have, a body moves the same in any unit of mass. */
+TEST(forms_know_no_unit_of_mass)
+{
+  for (int run = 0; run < 5; run++) {
+    const fb_form form = run < 2 ? (fb_form)run : FB_FORM_FIRST;
+    const fb_stiffness_torque torque = run < 2 ? FB_TORQUE_IDENTITY : (fb_stiffness_torque)(run - 2);
+    fb_real first[6 + FB_MAX_MODES], acc[6 + FB_MAX_MODES];
+    for (int unit = 0; unit < 3; unit++) {
+      fb_state state;
+      kilogram = ldexp(1.0, (FB_SINGLE ? 20 : 120) * (unit == 2 ? -1 : unit));
+      scene_shape(&open_3d, BENDING, 1);
+      desc_clear();
+      scene_body(form, torque, FB_BASE_FREE, FB_EFFECTS_STRAIN);
+      accelerations(unit ? acc : first, &state, NULL);
+      FBT_BELOW(unit ? acceleration_difference(acc, first) : 0.0, FBT_TOL(1e-11, 2e-3));
+    }
+    kilogram = 1.0;
+  }
 }
 
 /* E8.25, E8.28: on a closed basis (trap a) the three forms are the same equations; with strain at the root the
@@ -1397,7 +1464,8 @@ TEST(strain_stations_refuse_bad_input)
   FBT_INT_EQ(fb_shape_add_beam_strain(&shape, 0, &beam, NULL), FB_ERR_NULL);
 }
 
-SUITE(forms, RUN(what_is_held_keeps_no_momentum), RUN(strain_forces_are_the_gradient_of_the_energy),
+SUITE(forms, RUN(forms_know_no_unit_of_mass), RUN(limits_of_slope_and_tension_are_in_closed_form),
+      RUN(what_is_held_keeps_no_momentum), RUN(strain_forces_are_the_gradient_of_the_energy),
       RUN(gauss_rules_integrate_polynomials), RUN(own_mass_stretches_a_spinning_beam),
       RUN(forms_agree_on_a_closed_basis), RUN(stiffness_torques_agree_on_a_closed_basis),
       RUN(truncated_torques_agree_on_a_closed_basis), RUN(second_order_form_is_the_printed_one),

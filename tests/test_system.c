@@ -1512,6 +1512,56 @@ TEST(a_loop_that_closes_keeps_shape_and_momentum)
   }
 }
 
+/* E9.8: slides know no turns: a loop brings a body five meters along, and locked it stays there. */
+TEST(loops_slide_any_way)
+{
+  for (int run = 0; run < 2; run++) {
+    const int axis = run; /* of a prismatic and of a cylindrical joint */
+    fresh();
+    rigid(&model[0], 1.0, 0, 0, 0, 1.0, 1.0, 1.0);
+    hang(0, 0, FB_JOINT_FREE, FB_GROUND, 0);
+    close_loop(run ? FB_JOINT_CYLINDRICAL : FB_JOINT_PRISMATIC, FB_GROUND, 0, 0, 0)->mode[axis] = FB_AXIS_PRESCRIBED;
+    input.drive[1].value[axis] = FB_R(5.0);
+    start[0].value[2] = FB_R(1.0);
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+    FBT_NEAR_ABS(state.link[0].x[2], 5.0, FBT_TOL(1e-12, 1e-5));
+    FBT_INT_EQ(fb_system_axis_set(&mechanism, model, &work, &state, 1, axis, FB_AXIS_LOCKED, &input), FB_OK);
+    state.link[0].p[2] = FB_R(0.0);
+    FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, NULL, NULL, NULL, FB_R(0.01)), FB_OK);
+    FBT_NEAR_ABS(state.link[0].x[2], 5.0, FBT_TOL(1e-12, 1e-5));
+  }
+}
+
+/* E9.17: a ball joint that closes a loop, locked as a whole, closes as a free one does and holds what it comes to. */
+TEST(a_locked_ball_holds_where_it_closes)
+{
+  fb_real quat[4];
+  fb_system_state closed;
+  for (int locked = 0; locked < 2; locked++) {
+    fresh();
+    rigid(&model[0], 1.0, 0.2, 0.1, 0, 1.0, 1.5, 2.0);
+    hang(0, 0, FB_JOINT_FREE, FB_GROUND, 0);
+    close_loop(FB_JOINT_SPHERICAL, FB_GROUND, 0, 0, 0)->mode[0] = locked ? FB_AXIS_LOCKED : FB_AXIS_FREE;
+    desc.loop[0].child_position[0] = FB_R(0.4);
+    turn(start[0].quat, 0.7, -0.4, 0.5);
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+    if (!locked) {
+      closed = state;
+    }
+  }
+  FBT_BELOW(fbt_difference(state.link[0].quat, closed.link[0].quat, 4), FBT_TOL(1e-12, 1e-5));
+  FBT_BELOW(fbt_difference(state.link[0].x, closed.link[0].x, 3), FBT_TOL(1e-12, 1e-5));
+  memcpy(quat, state.link[0].quat, sizeof quat);
+  input.n_load = 1;
+  input.load[0].load.torque[0] = input.load[0].load.torque[1] = input.load[0].load.torque[2] = FB_R(1.0);
+  for (int step = 0; step < 10; step++) {
+    FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, FB_R(0.01)), FB_OK);
+  }
+  FBT_BELOW(fbt_difference(state.link[0].quat, quat, 4), FBT_TOL(1e-12, 1e-5));
+}
+
 /* E9.17: a loop that holds a point of a ball beside where it is turns the ball the shortest way there: not about that
    point. */
 TEST(a_loop_closes_the_shortest_way)
@@ -3039,8 +3089,8 @@ TEST(a_chain_in_free_flight_keeps_its_momenta)
   FBT_NEAR_ABS(energy_of(&state) - energy, state.motor_work, FBT_TOL(1e-8, 1e-3));
 }
 
-/* E9.7, E9.8: kept angles go round: a hinge driven through half a turn and a screw started far out, kept as
-   constraints, are where the tree has them. */
+/* E9.7, E9.8: kept angles go round: a hinge and the second axis of a universal joint driven through half a turn
+   and a screw started far out, kept as constraints, are where the tree has them. */
 TEST(kept_joints_turn_all_the_way_round)
 {
   fb_system_input middle;
@@ -3051,20 +3101,24 @@ TEST(kept_joints_turn_all_the_way_round)
     desc.joint[0].mode[0] = FB_AXIS_PRESCRIBED;
     hang(1, 0, FB_JOINT_SCREW, FB_GROUND, 0);
     desc.joint[1].pitch = FB_R(0.1);
+    hang(2, 0, FB_JOINT_UNIVERSAL, FB_GROUND, 0);
+    desc.joint[2].mode[0] = FB_AXIS_LOCKED;
+    desc.joint[2].mode[1] = FB_AXIS_PRESCRIBED;
     start[1].value[0] = FB_R(2.5);
     start[1].speed[0] = FB_R(2.0);
-    input.drive[0].value[0] = FB_R(2.5);
-    input.drive[0].rate[0] = FB_R(2.0);
+    input.drive[0].value[0] = input.drive[2].value[1] = FB_R(2.5);
+    input.drive[0].rate[0] = input.drive[2].rate[1] = FB_R(2.0);
     init((fb_method)method);
     FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
     middle = input;
     for (int k = 1; k <= 800; k++) { /* to 4.1 rad */
-      middle.drive[0].value[0] = (fb_real)(2.5 + 0.002 * (k - 0.5));
-      input.drive[0].value[0] = (fb_real)(2.5 + 0.002 * k);
+      middle.drive[0].value[0] = middle.drive[2].value[1] = (fb_real)(2.5 + 0.002 * (k - 0.5));
+      input.drive[0].value[0] = input.drive[2].value[1] = (fb_real)(2.5 + 0.002 * k);
       FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &input, &middle, &input, FB_R(0.001)), FB_OK);
     }
     FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
     FBT_NEAR_ABS(remainder((double)motion.joint[0].value[0] - 4.1, 2.0 * pi), 0.0, FBT_TOL(1e-9, 1e-4));
+    FBT_NEAR_ABS(remainder((double)motion.joint[2].value[1] - 4.1, 2.0 * pi), 0.0, FBT_TOL(1e-9, 1e-4));
     FBT_NEAR_ABS(motion.pose[1].rho[2], 0.41, FBT_TOL(1e-9, 1e-4));
   }
 }
@@ -3314,7 +3368,8 @@ SUITE(system, RUN(every_joint_is_the_same_eliminated_kept_or_closing_a_loop),
       RUN(a_latch_conserves_momentum), RUN(the_check_word_of_a_system_sees_every_byte),
       RUN(springs_and_dampers_balance_energy), RUN(joint_forces_carry_what_hangs_on_them),
       RUN(kept_joints_turn_all_the_way_round), RUN(locked_axes_need_no_inertia),
-      RUN(linkages_swing_alike_in_any_unit_of_length), RUN(systems_know_no_units), RUN(a_loop_closes_the_shortest_way),
+      RUN(linkages_swing_alike_in_any_unit_of_length), RUN(systems_know_no_units), RUN(loops_slide_any_way),
+      RUN(a_locked_ball_holds_where_it_closes), RUN(a_loop_closes_the_shortest_way),
       RUN(methods_agree_on_as_many_modes_as_there_can_be), RUN(one_iteration_is_enough_about_a_stretched_beam),
       RUN(force_and_torque_are_weighed_apart), RUN(what_moves_no_inertia_but_rounding_is_refused),
       RUN(limits_of_kept_joints_are_in_closed_form), RUN(reactions_are_the_sum_of_joint_forces),
