@@ -782,6 +782,33 @@ TEST(a_taper_may_begin_anywhere)
   }
 }
 
+/* E6.10: a taper has the same stations from either end. */
+TEST(a_taper_reads_the_same_from_both_ends)
+{
+  const fb_material unit = {FB_R(2.0), FB_R(1.0), FB_R(1.0)};
+  const fb_profile end[2] = {{FB_PROFILE_RECTANGLE, FB_R(0.0), {FB_R(1.0), FB_R(2.0)}},
+                             {FB_PROFILE_RECTANGLE, FB_R(0.0), {FB_R(0.3), FB_R(1.5)}}};
+  static fb_beam_desc way[2];
+  for (int n = 2; n < 8; n++) {
+    for (int back = 0; back < 2; back++) {
+      fb_profile to = end[!back];
+      to.x = FB_R(3.0);
+      uniform_desc(&way[back], 1);
+      way[back].n_station = 0;
+      FBT_INT_EQ(fb_beam_desc_add_taper(&way[back], &unit, &end[back], &to, n), FB_OK);
+    }
+    for (int k = 0; k < n; k++) {
+      const fb_section *const a = &way[0].station[k], *const b = &way[1].station[n - 1 - k];
+      FBT_NEAR_ABS(a->x + b->x, 3.0, FBT_TOL(1e-14, 1e-6));
+      FBT_NEAR_REL(a->mass, b->mass, FBT_TOL(1e-12, 1e-5));
+      FBT_NEAR_REL(a->GJ, b->GJ, FBT_TOL(1e-12, 1e-4));
+      FBT_NEAR_REL(a->EI_y, b->EI_y, FBT_TOL(1e-12, 1e-4));
+      FBT_NEAR_REL(a->EI_z, b->EI_z, FBT_TOL(1e-12, 1e-4));
+      FBT_NEAR_REL(a->i_z, b->i_z, FBT_TOL(1e-12, 1e-4));
+    }
+  }
+}
+
 /* Section 6: what is wrong with a material or a profile is refused, the output kept. */
 TEST(bad_profiles_are_refused)
 {
@@ -947,8 +974,9 @@ TEST(offset_centers_bend_and_twist_as_in_statics)
 }
 
 SUITE(beam, RUN(a_pretwisted_beam_bends_as_its_sections_turn), RUN(offset_centers_bend_and_twist_as_in_statics),
-      RUN(sections_from_dimensions_match_the_handbook), RUN(a_taper_may_begin_anywhere), RUN(bad_profiles_are_refused),
-      RUN(a_chain_follows_its_points), RUN(element_matrices_match_the_textbook_ones),
-      RUN(rigid_motion_of_an_element_gives_no_strain), RUN(tapered_stations_integrate_exactly),
-      RUN(sections_are_interpolated_between_stations), RUN(lumped_bodies_must_have_a_physical_inertia),
-      RUN(bad_beams_are_refused_and_leave_the_output_alone), RUN(good_beams_keep_their_desc))
+      RUN(sections_from_dimensions_match_the_handbook), RUN(a_taper_may_begin_anywhere),
+      RUN(a_taper_reads_the_same_from_both_ends), RUN(bad_profiles_are_refused), RUN(a_chain_follows_its_points),
+      RUN(element_matrices_match_the_textbook_ones), RUN(rigid_motion_of_an_element_gives_no_strain),
+      RUN(tapered_stations_integrate_exactly), RUN(sections_are_interpolated_between_stations),
+      RUN(lumped_bodies_must_have_a_physical_inertia), RUN(bad_beams_are_refused_and_leave_the_output_alone),
+      RUN(good_beams_keep_their_desc))
