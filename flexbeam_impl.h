@@ -1684,9 +1684,8 @@ static fb_status fbi_spread(fb_real s[3][3], const fb_real inertia[6])
   for (int k = 0; k < 3; k++) {
     const int p = S[0] >= S[4] ? (S[0] >= S[8] ? 0 : 2) : (S[4] >= S[8] ? 1 : 2);
     const fb_real pivot = S[4 * p];
-    const fb_real root = pivot > tol ? FB_SQRT(pivot) : FB_R(0.0);
     for (int i = 0; i < 3; i++) {
-      s[k][i] = pivot > tol ? S[3 * p + i] / root : FB_R(0.0);
+      s[k][i] = pivot > tol ? S[3 * p + i] / FB_SQRT(pivot) : FB_R(0.0);
     }
     for (int i = 0; i < 3; i++) {
       for (int j = 0; j < 3; j++) {
@@ -2834,10 +2833,9 @@ static fb_status fbi_static_take(const fb_modes_desc *desc, fb_modes_work *work,
                                  const int group[FB_KIND_COUNT], int n_free)
 {
   fb_modes *out = &work->found;
-  int dof[FBI_MAX_DOF], held[6], n;
+  int dof[FBI_MAX_DOF], n;
   fb_status status;
-  for (int i = 0; i < 6; i++) {
-    held[i] = work->held[i];
+  for (int i = 0; i < 6; i++) { /* nobody asks for the root afterwards */
     work->held[i] = 1;
   }
   n = fbi_static_factor(&status, dof, work, beam, group);
@@ -2858,9 +2856,6 @@ static fb_status fbi_static_take(const fb_modes_desc *desc, fb_modes_work *work,
     } else {
       (void)fbi_shape_take(work, beam, x, FB_R(0.0)); /* the modes may hold it already */
     }
-  }
-  for (int i = 0; i < 6; i++) {
-    work->held[i] = held[i];
   }
   return status;
 }
@@ -3075,16 +3070,15 @@ static void fbi_modes_matrices(fb_modes *modes, const fb_beam *beam)
   for (int i = 0; i < beam->desc.n_lump; i++) { /* E6.4 */
     const fb_lump *lump = &beam->desc.lump[i];
     const fb_real *J = lump->inertia;
-    const fb_real inertia[9] = {J[0], J[3], J[4], J[3], J[1], J[5], J[4], J[5], J[2]};
     const int element = lump->node < last ? lump->node : last;
     for (int a = 0; a < n; a++) {
       fbi_mode_field(&f[a], beam, modes, a, element, (fb_real)(lump->node - element));
       fbi_vec3_add_cross(f[a].u, f[a].theta, lump->center);
     }
     for (int ab = 0; ab < n * n; ab++) {
-      fb_real h[3];
-      fb_mat33_mul_vec3(h, inertia, f[ab % n].theta);
-      modes->M[ab] += lump->mass * fb_vec3_dot(f[ab / n].u, f[ab % n].u) + fb_vec3_dot(f[ab / n].theta, h);
+      const fb_real *const a = f[ab / n].theta, *const b = f[ab % n].theta; /* no function twists */
+      const fb_real turn = a[1] * (J[1] * b[1] + J[5] * b[2]) + a[2] * (J[5] * b[1] + J[2] * b[2]);
+      modes->M[ab] += lump->mass * fb_vec3_dot(f[ab / n].u, f[ab % n].u) + turn;
     }
   }
 }

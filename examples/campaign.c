@@ -86,7 +86,8 @@ static int work(int jobs)
       return fail("no process can be started", strerror(errno));
     }
     if (interrupts && !told++) {
-      fprintf(stderr, "\n" PROGRAM ": interrupted; %d runs in hand end first (once more: at once)\n", busy);
+      fprintf(stderr, "\n" PROGRAM ": interrupted; waits for %d run%s in hand (once more: at once)\n", busy,
+              busy > 1 ? "s" : "");
     }
     status = take_rows(jobs, &busy);
   }
@@ -119,12 +120,20 @@ static int run_one(int run)
   return row.status != ROW_OK;
 }
 
+static int run_is_there(void)
+{
+  char what[64];
+  snprintf(what, sizeof what, "--run: the campaign has %d run%s", prog.c.runs, prog.c.runs > 1 ? "s" : "");
+  return prog.run > prog.c.runs ? fail(what, "") : 0;
+}
+
 int main(int argc, char **argv)
 {
   const long processors = sysconf(_SC_NPROCESSORS_ONLN);
   int status = program_read(&prog, argc, argv);
   if (!status && prog.run > 0) {
-    status = prog.run > prog.c.runs ? fail("--run: there are not that many", "") : program_scene(&prog);
+    status = run_is_there();
+    status = status ? status : program_scene(&prog);
     return status ? status : run_one((int)prog.run - 1);
   }
   status = status ? status : program_open(&prog);

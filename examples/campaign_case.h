@@ -1,6 +1,6 @@
 /* campaign_case.h - the runs of a campaign, in worker processes: a worker that dies by a run that crashes or does not end makes
    a row like any other, and gets a successor. POSIX (fork, pipe, waitpid, setitimer). Not a process for each run: that would
-   cost 16 ms more of each, most of it for the pages of the scene. */
+   cost the pages of the scene each time. */
 #ifndef CAMPAIGN_CASE_H
 #define CAMPAIGN_CASE_H
 #include "scene_run.h"
@@ -134,7 +134,8 @@ static void case_run(const campaign *c, campaign_row *row, int run)
   row->run = run;
   row->inputs = case_inputs(c, case_digest(c), run);
   row->status = scene_read(s, c->scene, setting, n) ? ROW_REFUSED : scene_run(s, &quiet) ? ROW_FAILED : ROW_OK;
-  snprintf(row->message, sizeof row->message, "%.*s", CAMPAIGN_MESSAGE - 1, row->status == ROW_OK ? "" : s->message);
+  snprintf(row->message, sizeof row->message, "%.*s", CAMPAIGN_MESSAGE - 1,
+           row->status == ROW_OK ? s->warning : s->message);
   for (int i = 0; i < s->n_measure && row->status == ROW_OK; i++) {
     row->measured[i] = s->measured[i];
     if (!isfinite(s->measured[i])) {

@@ -17,6 +17,7 @@ typedef struct report { /* of the n runs that are ok, in their order */
   int n;
   double *column[REPORT_COLUMNS]; /* parameters, then measures */
   double *rank[REPORT_COLUMNS], *sorted;
+  int *run; /* their numbers */
   report_place *place;
 } report;
 
@@ -145,10 +146,11 @@ static int report_fill(report *r)
   double value[CAMPAIGN_VARY];
   r->place = malloc(n * sizeof *r->place);
   r->sorted = malloc(n * sizeof *r->sorted);
+  r->run = malloc(n * sizeof *r->run);
   for (int i = 0; i < columns; i++) {
     r->column[i] = malloc(n * sizeof(double));
     r->rank[i] = malloc(n * sizeof(double));
-    if (!r->place || !r->sorted || !r->column[i] || !r->rank[i]) {
+    if (!r->place || !r->sorted || !r->run || !r->column[i] || !r->rank[i]) {
       return ledger_fail(l, "statistics", "no memory for that many runs");
     }
   }
@@ -158,7 +160,7 @@ static int report_fill(report *r)
       for (int i = 0; i < columns; i++) {
         r->column[i][r->n] = i < l->c->n_vary ? value[i] : ledger_measured(l, run)[i - l->c->n_vary];
       }
-      r->n++;
+      r->run[r->n++] = run + 1;
     }
   }
   for (int i = 0; i < columns && r->n > 0; i++) {
@@ -171,6 +173,7 @@ static void report_free(report *r)
 {
   free(r->place);
   free(r->sorted);
+  free(r->run);
   for (int i = 0; i < REPORT_COLUMNS; i++) {
     free(r->column[i]);
     free(r->rank[i]);
@@ -179,19 +182,35 @@ static void report_free(report *r)
 
 /* ---- tables */
 
+/* Runs that are ok have a message where something may be wrong with them all the same. */
+static void report_warnings(const ledger *l)
+{
+  int warned = 0, first = 0;
+  for (int run = l->c->runs - 1; run >= 0; run--) {
+    if (l->status[run] == ROW_OK && l->message[run]) {
+      warned++;
+      first = run;
+    }
+  }
+  if (warned > 0) {
+    printf("a warning in %d of the runs that are ok, first in run %d: %s\n", warned, first + 1, l->message[first]);
+  }
+}
+
 static void report_counts(const ledger *l)
 {
   int of[ROW_GIVEN + 1] = {0};
   for (int run = 0; run < l->c->runs; run++) {
     of[l->status[run]]++;
   }
-  printf("%d runs: %d ok", l->c->runs, of[ROW_OK]);
+  printf("%d run%s: %d ok", l->c->runs, l->c->runs > 1 ? "s" : "", of[ROW_OK]);
   for (int k = ROW_REFUSED; k < ROW_GIVEN; k++) {
     if (of[k]) {
       printf(", %d %s", of[k], row_words[k]);
     }
   }
   printf(l->done < l->c->runs ? ", %d not done\n" : "\n", l->c->runs - l->done);
+  report_warnings(l);
 }
 
 static void report_moments(const report *r)
@@ -210,6 +229,22 @@ static void report_moments(const report *r)
       printf(" %10.5g", report_quantile(r->sorted, r->n, p[k]));
     }
     printf("\n");
+  }
+}
+
+/* Which runs have the least and the most of a measure: the worst is one of them. Of equal ones the first. */
+static void report_extremes(const report *r)
+{
+  const ledger *l = r->l;
+  printf("\n%-24s %12s %10s  (--run K runs it alone)\n", "run with the", "least", "most");
+  for (int i = 0; i < l->n_measure; i++) {
+    const double *x = r->column[l->c->n_vary + i];
+    int least = 0, most = 0;
+    for (int k = 1; k < r->n; k++) {
+      least = x[k] < x[least] ? k : least;
+      most = x[k] > x[most] ? k : most;
+    }
+    printf("%-24s %12d %10d\n", l->label[i], r->run[least], r->run[most]);
   }
 }
 
@@ -316,6 +351,7 @@ static int report_write(const ledger *l, const char *csv, int pictures)
     report_counts(l);
     if (r.n > 0) {
       report_moments(&r);
+      report_extremes(&r);
     }
     if (r.n > 3) {
       report_correlations(&r);

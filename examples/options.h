@@ -131,7 +131,7 @@ static inline int read_all(int argc, char **argv, const char *help,
     if (argv[i][0] != '-') {
       return fail("no option (a FILE goes first)", argv[i]);
     }
-    if (i + 1 == argc) {
+    if (i + 1 == argc || strncmp(argv[i + 1], "--", 2) == 0) {
       return fail("no such option, or its value is missing", argv[i]);
     }
     status = read(options, argv[i], argv[i + 1]);

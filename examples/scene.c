@@ -13,7 +13,7 @@ static const char help[] =
     "scene - runs a scene from a text file (words: README.md, \"Scenes\"; scenes: examples/scenes/)\n"
     "usage: scene FILE [options]\n"
     "  --set NAME=VALUE  another value of a parameter of the file; may be there many times\n"
-    "  --out FILE        outputs as CSV; curves beside it as SVG where gnuplot is there\n"
+    "  --out FILE        outputs as CSV, FILE.part until the run ends; curves beside it as SVG where gnuplot is there\n"
     "  --picture FILE    SVG of a few positions over each other\n"
     "  --animation FILE  SVG that moves, for a browser\n"
     "  --frames FOLDER   numbered SVG files frame_0001.svg, ... (the folder is made where it is not there; its old\n"
@@ -175,6 +175,23 @@ static void draw_curves(const scene *s, const char *csv)
   }
 }
 
+/* Runs the scene; a status of main. The rows get their name when the run has ended, well or with a reason. */
+static int run_scene(scene *s, const scene_options *o)
+{
+  char part[512];
+  scene_options to = *o;
+  int failed, renamed;
+  to.csv = o->csv ? scene_part_name(part, o->csv) : NULL;
+  renamed = to.csv != o->csv;
+  failed = !scene_run(s, &to) ? 0 : s->began ? 1 : 2;
+  if (failed == 2 && renamed) {
+    remove(part); /* it has no row */
+  } else if (renamed && rename(part, o->csv) != 0) {
+    failed = scene_fail(s, "cannot write %s: %s", o->csv, strerror(errno));
+  }
+  return failed;
+}
+
 static int has_curves(const scene *s, const scene_options *o)
 {
   return o->csv && o->talk && s->n_output > 0 && s->duration > 0;
@@ -200,7 +217,7 @@ int main(int argc, char **argv)
   if (!failed && scene_files_check(argv[1], &c.options, has_curves(s, &c.options)) != 0) {
     return 2;
   }
-  failed = failed ? failed : !scene_run(s, &c.options) ? 0 : s->began ? 1 : 2;
+  failed = failed ? failed : run_scene(s, &c.options);
   if (failed) {
     fprintf(stderr, "scene: %s\n", s->message);
     return failed;

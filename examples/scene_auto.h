@@ -285,16 +285,15 @@ static void scene_tell_advice(const scene *s, int k, FILE *talk)
 }
 
 /* The chosen effects and modes are the best there are, and not good enough. */
-static void scene_tell_missed(const scene *s, int k, FILE *warn)
+static void scene_tell_missed(scene *s, int k, FILE *warn)
 {
   const fb_advice *const a = &automatic.advice[k];
-  if (warn) {
-    fprintf(warn,
-            "%s: auto of body %s: estimated error %.2g %%, allowed %.2g %% (of effects %.2g, modes %.2g, step %.2g,",
-            s->path, s->body[k].name, 100 * (double)a->error, 100 * s->body[k].tolerance,
-            100 * (double)a->error_effects, 100 * (double)a->error_modes, 100 * (double)a->error_step);
-    fprintf(warn, " of what no modal body has %.2g)  MISSED\n", 100 * (double)a->error_model);
-  }
+  s->missed++;
+  scene_warn(s, warn,
+             "auto of body %s: estimated error %.2g %%, allowed %.2g %% (of effects %.2g, modes %.2g, step %.2g, "
+             "of what no modal body has %.2g)  MISSED",
+             s->body[k].name, 100 * (double)a->error, 100 * s->body[k].tolerance, 100 * (double)a->error_effects,
+             100 * (double)a->error_modes, 100 * (double)a->error_step, 100 * (double)a->error_model);
 }
 
 /* Effects and modes of body k. */
@@ -369,7 +368,7 @@ static int scene_may_choose(const scene *s, fb_scheme scheme)
 }
 
 /* Scheme and step where they are not asked for. */
-static void scene_choose(scene *s, FILE *talk)
+static void scene_choose(scene *s)
 {
   static const double work[] = {4, 7, 11}; /* evaluations; twice as many where the order is 2 */
   const fb_advice *const advice = &automatic.advice[0];
@@ -381,9 +380,6 @@ static void scene_choose(scene *s, FILE *talk)
   }
   if (s->is_exact) {
     s->dt = exact_choose(s, 10 * scene_accuracy);
-    if (talk) {
-      fprintf(talk, "step at most %.3g s\n", s->dt);
-    }
     return;
   }
   if (!scene_is_system(s) && s->body[0].tolerance > 0 && (s->scheme_auto || s->scheme == advice->scheme)) {
@@ -400,9 +396,6 @@ static void scene_choose(scene *s, FILE *talk)
         s->dt = dt;
       }
     }
-  }
-  if (talk) {
-    fprintf(talk, "scheme %s, step at most %.3g s\n", scene_schemes[engine.scheme], s->dt);
   }
 }
 #endif

@@ -13,6 +13,7 @@ static void scene_read_parameter(text_file *t, scene *s)
     text_fail(t, "more than %d parameters", SCENE_PARAMETERS);
     return;
   }
+  p->line = t->line;
   text_name(t, "a parameter", p->name);
   for (int k = 0; k < s->n_parameter; k++) {
     if (strcmp(s->parameter[k].name, p->name) == 0) {

@@ -344,6 +344,17 @@ static void scene_check_settings(text_file *t, const scene *s)
   }
 }
 
+/* What is thought to change something does. */
+static void scene_check_parameters(text_file *t, const scene *s)
+{
+  for (int k = 0; k < s->n_parameter; k++) {
+    if (!s->parameter[k].used) {
+      t->line = s->parameter[k].line;
+      text_fail(t, "nothing uses parameter %s: no number is $%s", s->parameter[k].name, s->parameter[k].name);
+    }
+  }
+}
+
 /* What only the whole file tells: first what has no line of its own. */
 static void scene_check(text_file *t, scene *s)
 {
@@ -379,6 +390,7 @@ static void scene_check(text_file *t, scene *s)
     scene_check_trim(t, s);
     scene_check_events(t, s);
     scene_check_measures(t, s);
+    scene_check_parameters(t, s);
   }
 }
 #endif

@@ -9,6 +9,16 @@ typedef struct scene_out {
   int made;                  /* it was not there before */
 } scene_out;
 
+/* Where rows go while there are not all of them, so that what is interrupted does not look whole: FILE.part; a device or a
+   pipe is written as it is. */
+static const char *scene_part_name(char part[512], const char *csv)
+{
+  struct stat at;
+  const int other = stat(csv, &at) == 0 && !S_ISREG(at.st_mode);
+  snprintf(part, 512, "%s.part", csv);
+  return other ? csv : part;
+}
+
 /* Is it the scene, or a file that a word of it names? */
 static int scene_reads_file(const char *scene_name, const char *out)
 {
@@ -69,8 +79,9 @@ static int scene_empty_folder(const char *folder)
 /* 0, or 2 after a message; curves: some are drawn beside --out. What was not there is not there afterwards. */
 static int scene_files_check(const char *scene_name, const scene_options *o, int curves)
 {
-  char svg[512], frame[512];
+  char svg[512], frame[512], part[512];
   scene_out out[] = {{"--out", o->csv, 0},
+                     {"--out until the run ends", NULL, 0},
                      {"curves of --out", o->csv && curves ? svg : NULL, 0},
                      {"--picture", o->picture, 0},
                      {"--animation", o->animation, 0},
@@ -79,6 +90,7 @@ static int scene_files_check(const char *scene_name, const scene_options *o, int
   int status = o->frames ? scene_empty_folder(o->frames) : 0;
   if (o->csv) {
     other_name(svg, sizeof svg, o->csv, ".svg");
+    out[1].name = scene_part_name(part, o->csv) == part ? part : NULL;
   }
   if (o->frames) {
     scene_frame_name(frame, sizeof frame, o->frames, 0);

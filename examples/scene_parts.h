@@ -213,6 +213,7 @@ typedef enum scene_view_from { /* which axes are right and up on a page */
 } scene_view_from;
 
 typedef struct scene {
+  char warning[TEXT_MESSAGE]; /* by scene_run: the first one; empty: none */
   char message[TEXT_MESSAGE], path[512], title[128], length_unit[8], force_unit[8];
   int n_parameter;
   text_named parameter[SCENE_PARAMETERS];
@@ -270,6 +271,22 @@ static int scene_fail(scene *s, const char *format, ...)
   scene_fail_list(s, 0, format, list);
   va_end(list);
   return 1;
+}
+
+/* What may be wrong with a run that goes on: to `warn`, if that is asked for. */
+static void scene_warn(scene *s, FILE *warn, const char *format, ...)
+{
+  char text[TEXT_MESSAGE];
+  va_list list;
+  va_start(list, format);
+  vsnprintf(text, sizeof text, format, list);
+  va_end(list);
+  if (warn) {
+    fprintf(warn, "%s: %s\n", s->path, text);
+  }
+  if (!s->warning[0]) {
+    memcpy(s->warning, text, sizeof text);
+  }
 }
 
 typedef struct scene_view { /* what outputs are taken from; of one body: pose[0], motion[0] */

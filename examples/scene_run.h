@@ -475,6 +475,40 @@ static int scene_failed(scene *s, const char *when, fb_status status)
                        status == FB_ERR_STEP ? "; give a shorter step, or none" : "");
 }
 
+/* The joint with an axis that nothing holds: where it is locked, and nothing else, there is a steady state. NULL: none. */
+static const scene_joint *scene_loose(scene *s, int *axis)
+{
+  for (int k = 0; k < s->n_joint; k++) {
+    const int axes = scene_axes(&s->joint[k]);
+    for (*axis = 0; *axis < (axes > 2 ? 1 : axes); (*axis)++) { /* more than two are one */
+      fb_axis_mode *const mode = &s->joint[k].desc.mode[*axis], was = *mode;
+      fb_status status;
+      *mode = FB_AXIS_LOCKED;
+      status = was == FB_AXIS_FREE ? scene_start(s) : FB_ERR_KIND;
+      *mode = was;
+      if (status == FB_OK) {
+        return &s->joint[k];
+      }
+    }
+  }
+  return NULL;
+}
+
+static int scene_no_start(scene *s, fb_status status)
+{
+  int axis = 0;
+  const scene_joint *const loose = s->trim && status == FB_ERR_SINGULAR ? scene_loose(s, &axis) : NULL;
+  char which[24] = "some axis";
+  if (loose && scene_axes(loose) < 3) {
+    snprintf(which, sizeof which, "axis %d", axis + 1);
+  }
+  if (loose) {
+    return scene_fail_at(s, loose->line, "no steady state: nothing holds %s of joint %s: lock it, or give it a spring",
+                         which, loose->name);
+  }
+  return scene_failed(s, s->trim ? "no steady state" : "start", status);
+}
+
 /* Steps of a piece; ends before the one that fails. */
 static fb_status scene_take(scene *s, scene_run_state *run, scene_piece *p)
 {
@@ -533,38 +567,45 @@ static int scene_loop(scene *s, const scene_options *o, scene_run_state *run)
                          : 0;
 }
 
-/* Is the run short enough, and is what acts resolved by a step that is given? */
+/* Is the run short enough, and is what acts resolved by a step that is given? Tells of one that is not. */
 static int scene_check_steps(scene *s, const scene_options *o)
 {
-  const double turn = s->step * scene_fastest(s);
-  double count;
+  scene_steps steps = {HUGE_VAL, 0, 0};
   timing.longest = s->dt;
   timing.part = s->step > 0 ? HUGE_VAL : scene_part[s->is_exact ? FB_SCHEME_MIDPOINT : engine.scheme];
-  count = s->dt > 0 ? scene_count_steps(s) : HUGE_VAL;
-  if (!(count <= SCENE_STEPS)) {
+  if (s->dt > 0) {
+    steps = scene_count_steps(s);
+  }
+  if (!(steps.count <= SCENE_STEPS)) {
     const double dt = fmin(s->dt, timing.part / scene_fastest(s));
     return scene_fail(s, "steps of %.3g s%s are %.3g or more in %g s; %g at most", dt,
                       dt < s->dt ? " for the fastest that acts" : "", s->duration / dt, s->duration, SCENE_STEPS);
   }
-  if (turn > 1 && o->warn) {
-    fprintf(o->warn,
-            "%s: warning: the fastest that acts goes through %.2g rad in a step of %.3g s; it wants less than 1\n",
-            s->path, turn, s->step);
+  if (s->step > 0 && steps.turn > 1) {
+    scene_warn(s, o->warn,
+               "warning: the fastest that acts goes through %.2g rad in a step of at most %.3g s; it wants less than 1",
+               steps.turn, steps.longest);
+  }
+  if (!(s->step > 0) && o->talk) {
+    if (!s->is_exact) {
+      fprintf(o->talk, "scheme %s, ", scene_schemes[engine.scheme]);
+    }
+    fprintf(o->talk, "step at most %.3g s\n", steps.longest);
   }
   return 0;
 }
 
-static void scene_warn_placed(const scene *s, const char *what, double x, int node, FILE *warn)
+static void scene_warn_placed(scene *s, const char *what, double x, int node, FILE *warn)
 {
   const double length = (double)s->mixed.desc.length, at = length * node / s->mixed.desc.n_element;
   if (fabs(fmin(x, length) - at) > 1e-6 * length) {
-    fprintf(warn, "%s: warning: %s at %.6g is taken at %.6g, the nearest node of %d elements\n", s->path, what, x, at,
-            s->mixed.desc.n_element);
+    scene_warn(s, warn, "warning: %s at %.6g is taken at %.6g, the nearest node of %d elements", what, x, at,
+               s->mixed.desc.n_element);
   }
 }
 
 /* What an exact beam has not where it is asked for. */
-static void scene_warn_exact(const scene *s, FILE *warn)
+static void scene_warn_exact(scene *s, FILE *warn)
 {
   const scene_body *const body = &s->body[0];
   for (int k = 1; k < body->n_node; k++) {
@@ -607,9 +648,7 @@ static int scene_build(scene *s, const scene_options *o)
   fb_status status;
   automatic.doubted = 0;
   if (s->is_exact) {
-    if (o->warn) {
-      scene_warn_exact(s, o->warn);
-    }
+    scene_warn_exact(s, o->warn);
     return scene_check_exact(s);
   }
   for (int k = 0; k < s->n_body; k++) {
@@ -624,7 +663,6 @@ static int scene_build(scene *s, const scene_options *o)
       return 1;
     }
     if (advised && !((double)automatic.advice[k].error <= s->body[k].tolerance)) {
-      s->missed++;
       scene_tell_missed(s, k, o->warn);
     }
     status = scene_init_body(s, k, advised ? &automatic.advice[k] : NULL);
@@ -708,6 +746,7 @@ static int scene_run_rows(scene *s, const scene_options *o, scene_run_state *run
 static void scene_reset(scene *s)
 {
   s->began = s->missed = 0;
+  s->warning[0] = 0;
   for (int k = 0; k < s->n_measure; k++) {
     s->measured[k] = (double)NAN;
   }
@@ -736,22 +775,19 @@ static int scene_run(scene *s, const scene_options *o)
   }
   status = scene_start(s);
   if (status != FB_OK) {
-    return scene_failed(s, s->trim ? "no steady state" : "start", status);
+    return scene_no_start(s, status);
   }
   if (automatic.doubted) {
     (void)scene_note(s, 0);
-    if (o->warn) {
-      fprintf(o->warn,
-              "%s: warning: no run with rigid bodies tells what happens at most; what is chosen fits the start\n",
-              s->path);
-    }
+    scene_warn(s, o->warn,
+               "warning: no run with rigid bodies tells what happens at most; what is chosen fits the start");
   }
   if (scene_measure_spectrum(s)) {
     return 1;
   }
   scene_clock_init(s, scene_rows(s));
   if (s->duration > 0) {
-    scene_choose(s, o->talk);
+    scene_choose(s);
     if (scene_check_steps(s, o)) {
       return 1;
     }

@@ -107,18 +107,24 @@ static scene_piece scene_piece_from(const scene *s, long row, double begin)
   return p;
 }
 
-/* Of the whole run; not finite, or beyond SCENE_STEPS: too many to count. */
-static double scene_count_steps(const scene *s)
+typedef struct scene_steps { /* of the whole run */
+  double count;              /* not finite, or beyond SCENE_STEPS: too many to count, and the rest not of all */
+  double longest, turn;      /* [s]; [rad] of the fastest that acts in a step */
+} scene_steps;
+
+static scene_steps scene_count_steps(const scene *s)
 {
-  double count = 0;
-  for (long row = 0; row < timing.rows && count <= SCENE_STEPS; row++) {
+  scene_steps all = {0, 0, 0};
+  for (long row = 0; row < timing.rows && all.count <= SCENE_STEPS; row++) {
     double t = (double)row * timing.interval;
     while (t < (double)(row + 1) * timing.interval) {
       const scene_piece p = scene_piece_from(s, row, t);
-      count += p.steps;
+      all.count += p.steps;
+      all.longest = fmax(all.longest, p.dt);
+      all.turn = fmax(all.turn, p.dt * scene_pace(s, 0.5 * (p.begin + p.end)));
       t = p.end;
     }
   }
-  return count;
+  return all;
 }
 #endif

@@ -17,6 +17,7 @@
 typedef struct text_named { /* a number with a name */
   char name[TEXT_NAME];
   double value;
+  int line, used; /* where it is given; has something taken it? */
 } text_named;
 
 #define TEXT_WORDS 64
@@ -32,7 +33,7 @@ typedef struct text_file {
   int line, failed;
   char buffer[2048], *at; /* what is left of the line */
   char *message;          /* TEXT_MESSAGE characters for a complaint; NULL: it goes to stderr */
-  const text_named *named;
+  text_named *named;
   int n_named;
 } text_file;
 
@@ -163,6 +164,7 @@ static inline int text_factor(text_file *t, const char **at, double *x)
   for (int k = 0; k < t->n_named; k++) {
     if (strlen(t->named[k].name) == (size_t)(*at - name) &&
         strncmp(t->named[k].name, name, strlen(t->named[k].name)) == 0) {
+      t->named[k].used = 1;
       *x = *start == '-' ? -t->named[k].value : t->named[k].value;
       return 1;
     }

@@ -107,13 +107,38 @@ says "60 runs: 36 ok, 12 refused, 12 failed"
 says "most above 0: 36 of 36 runs that are ok"
 [ "$(grep -c ',refused,"[^"]*beam.txt:' "$out/one.csv")" = 12 ] || fail "refused rows do not tell the line: $(grep refused "$out/one.csv")"
 [ "$(grep -c ',failed,"' "$out/one.csv")" = 12 ] || fail "failed rows have no reason"
+cp "$out/log" "$out/report.txt"
 for jobs in 2 3; do
   expect 1 $campaign "$quick" --jobs $jobs --out "$out/jobs$jobs.csv" --pictures 0
   same jobs$jobs
 done
+# what the report names is in the rows: the first run with the least of a measure, and the one with the most
+ends="$(grep ',ok,' "$out/one.csv" | awk -F, '{ if (!n++ || $5 < a) { a = $5; i = $1 } if (n == 1 || $5 > b) { b = $5; k = $1 } }
+  END { print i, k }')"
+sed -n '/^run with the/,/^$/p' "$out/report.txt" | grep -q "^most  *${ends% *}  *${ends#* }\$" ||
+  fail "the report does not name runs $ends: $(cat "$out/report.txt")"
+expect 2 $campaign "$quick" --run 61
+says "--run: the campaign has 60 runs"
+expect 2 $campaign "$quick" --latin --runs 60
+says "its value is missing: --latin"
 expect 0 $campaign "$quick" --run 2
 says "$(sed -n 's/^2,2,\([^,]*\),.*/\1/p' "$out/one.csv" | cut -c 1-15)"
 ! command -v gnuplot > /dev/null || [ -s "$out/one_scatter.svg" ] || fail "no picture"
+
+# a run that is ok, and of which a scene warns: its row tells it, the report counts them, after a restart, too
+sed 's/^step.*/step 0.01/; s/^load.*/load beam.tip dead force 0 $force 0 sine 1 $hz/; 1i parameter hz 1 Hz' "$out/beam.txt" > "$out/warned.txt"
+for time in first second; do
+  expect 0 $campaign --scene "$out/warned.txt" --vary "hz list 1 20 30" --set "factor 0.001" --out "$out/warned.csv" --pictures 0
+  says "a warning in 2 of the runs that are ok, first in run 2: warning: the fastest that acts goes through 1.3 rad"
+done
+[ "$(grep -c ',ok,"warning: ' "$out/warned.csv")" = 2 ] || fail "rows do not tell of warnings: $(cat "$out/warned.csv")"
+# so is one whose effects and modes, chosen by auto, are not good enough
+sed 's/^  modes.*/  modes bend_y 2\n  auto $factor/; s/20\*$factor/20/g; /^step/d' "$out/beam.txt" > "$out/auto.txt"
+expect 0 $campaign --scene "$out/auto.txt" --vary "factor list 0.1 1e-9" --out "$out/auto.csv" --pictures 0
+says "first in run 2: auto of body beam: estimated error"
+sed '1i parameter idle 1' "$out/beam.txt" > "$out/idle.txt"
+expect 2 $campaign --scene "$out/idle.txt" --vary "idle list 1 2" --out "$out/idle.csv"
+says "idle.txt:1: nothing uses parameter idle"
 
 # killed, interrupted, started while it runs
 begin killed 15 "$quick" --jobs 2

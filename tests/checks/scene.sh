@@ -131,6 +131,30 @@ collides "--animation: Is a directory" --animation "$out"
 collides "cannot make the folder" --frames "$out/long.txt/frames"
 collides "a whole number is wanted: --frame-count" --frame-count 2.5
 
+# interrupted: the rows so far are there under another name, and what an earlier run wrote is as it was
+echo "of an earlier run" > "$out/rows.csv"
+sed "s/^duration.*/duration 1e7/; s/^interval.*/interval 1/; s/^step.*/step 0.1/" "$out/kept.txt" > "$out/rows.txt"
+"$out/scene" "$out/rows.txt" --quiet --out "$out/rows.csv" &
+running=$!
+for wait in $(seq 500); do
+  [ ! -s "$out/rows.csv.part" ] || break
+  sleep 0.02
+done
+kill -9 $running
+wait $running 2> /dev/null || true
+[ -s "$out/rows.csv.part" ] && [ "$(cat "$out/rows.csv")" = "of an earlier run" ] || fail "rows of an interrupted run look whole"
+try "$out/scene" examples/scenes/top.txt --quiet --out "$out/rows.csv"
+[ ! -e "$out/rows.csv.part" ] && cmp -s "$out/rows.csv" "$out/top.csv" || fail "rows do not get their name when the run has ended"
+collides "--out until the run ends and --picture are the same file" --out "$out/c.csv" --picture "$out/c.csv.part"
+
+# the step that is told is the one of a drive that is faster than the modes: 0.3 rad of 100 Hz; one that is given is cut by rows
+printf 'duration 1\ninterval 0.1\nbody b rigid\n  hub 1  0 0 0  1 1 1\nend\nload b dead force 1 0 0 sine 1 100\n' > "$out/sine.txt"
+try "$out/scene" "$out/sine.txt"
+awk '/step at most/ { told = $(NF - 1) } END { exit !(told > 0 && told <= 4.78e-4) }' "$out/log" || fail "another step is told: $(cat "$out/log")"
+sed -i 's/^interval.*/interval 0.001\nstep 0.05/' "$out/sine.txt"
+try "$out/scene" "$out/sine.txt"
+! grep -q warning "$out/log" || fail "warned of steps that rows shorten: $(cat "$out/log")"
+
 # a disk that is full: told, at the first row that does not fit and at the last one
 for run in '1e7 1 0.1' '1 1 1'; do
   set -- $run

@@ -35,6 +35,11 @@ refuse 2 "two parameters have the name a" << END
 parameter a 1
 parameter a 2
 END
+refuse 2 "nothing uses parameter spin: no number is \$spin" << END
+duration 1
+parameter spin 6     rad/s
+$top
+END
 refuse 1 "the name of a parameter has letters" << END
 parameter 1a 1
 END
@@ -648,10 +653,11 @@ trim
 nudge beam.tip dead force 0 1 0
 END
 # what is warned of, and counts as missed or not
-warned "goes through 6.3 rad in a step" 0 << END
+warned "goes through 6.3 rad in a step of at most 0.1 s" 0 << END
 $top
 load top dead force 1 0 0 sine 1 10
 duration 1
+interval 0.5
 step 0.1
 END
 warned "auto of body beam: estimated error .* MISSED" 1 << END
@@ -855,6 +861,18 @@ end
 event 0.5 prescribe j 1
 duration 1
 END
+# a load that hangs by a cable whose joint lets it turn about the cable
+for joint in "axis 1:universal" "some axis:spherical"; do
+  refuse 6 "no steady state: nothing holds ${joint%:*} of joint cable: lock it, or give it a spring" << END
+gravity 0 0 -9.81
+trim
+body load rigid
+  hub 50  0 0 -2  5 5 1
+end
+joint cable ${joint#*:} ground load
+end
+END
+done
 refuse 0 "steps of 4.77e-14 s for the fastest that acts" << END
 $top
 load top dead force 1 0 0 sine 1 1e12
