@@ -586,6 +586,33 @@ TEST(twist_is_that_of_the_stations)
   }
 }
 
+/* E10.5: at the nodes a beam has turned by the integral of its curvature, which is linear between stations, about each axis. */
+TEST(curves_are_those_of_the_stations)
+{
+  const double at[3] = {0.0, 0.7, 2.0}, curvature[3] = {0.3, -0.5, 0.8};
+  const double stiffness[6] = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
+  for (int axis = 0; axis < 3; axis++) {
+    beam(2.0, 4, stiffness, NULL);
+    desc.n_station = 3;
+    for (int k = 0; k < 3; k++) {
+      desc.station[k] = desc.station[0];
+      desc.station[k].x = (fb_real)at[k];
+      desc.station[k].curvature[axis] = (fb_real)curvature[k];
+    }
+    start();
+    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+    for (int k = 0; k <= 4; k++) {
+      const double x = 0.5 * k;
+      double turned = 0.0;
+      for (int b = 1; b < 3; b++) {
+        const double part = fmin(fmax((x - at[b - 1]) / (at[b] - at[b - 1]), 0.0), 1.0);
+        turned += (at[b] - at[b - 1]) * part * (curvature[b - 1] + 0.5 * part * (curvature[b] - curvature[b - 1]));
+      }
+      FBT_NEAR_ABS(2.0 * atan2((double)node[k].quat[1 + axis], (double)node[k].quat[0]), turned, FBT_TOL(1e-13, 1e-5));
+    }
+  }
+}
+
 /* E10.4 to E10.9 and section 6: a twisted, tapered blade with every center off the line has the frequencies that the
    beam's natural modes have, which are made another way. */
 TEST(spectrum_is_that_of_the_natural_modes)
@@ -2356,22 +2383,23 @@ SUITE(mixed, RUN(the_check_word_of_a_mixed_beam_sees_every_byte), RUN(states_tha
       RUN(steady_stretch_of_a_spinning_rod_is_the_closed_form), RUN(steady_princeton_beam_at_all_angles),
       RUN(steady_openfast_cantilever_hangs_as_shooting_says), RUN(offsets_of_a_section_are_those_of_the_forces),
       RUN(spectrum_is_that_of_the_natural_modes), RUN(twist_is_that_of_the_stations),
-      RUN(any_units_give_the_same_solution), RUN(any_unit_of_time_gives_the_same_frequency),
-      RUN(supports_are_those_of_the_textbook), RUN(a_beam_slides_over_its_support), RUN(newton_converges_quadratically),
-      RUN(energy_is_kept_whatever_the_step), RUN(dissipation_takes_energy_in_every_step),
-      RUN(dissipation_is_that_of_its_formula), RUN(free_flight_keeps_momentum), RUN(a_rigid_beam_has_its_inertia),
-      RUN(rigid_flight_is_straight), RUN(reactions_balance_what_acts),
-      RUN(momenta_of_a_rigid_motion_are_those_of_its_energy), RUN(steady_and_marching_agree),
-      RUN(spin_up_matches_the_exact_beam), RUN(one_element_rings_at_the_predicted_frequency),
-      RUN(a_beam_slides_out_of_a_spinning_slot), RUN(a_beam_held_twice_keeps_energy_and_place),
-      RUN(a_far_hinge_turns_as_one_at_the_root), RUN(dissipation_bears_steps_of_any_length),
-      RUN(a_pendulum_keeps_its_energy), RUN(a_lump_is_a_rigid_body), RUN(element_fields_have_their_units),
-      RUN(strain_energy_is_the_work_of_the_load), RUN(spectrum_of_a_straight_beam_is_the_textbooks),
-      RUN(spectrum_does_not_depend_on_the_count), RUN(a_body_on_a_light_beam_rings_in_closed_form),
-      RUN(bodies_swing_on_a_spinning_slide_in_closed_form), RUN(frequencies_of_a_straight_beam_are_of_order_four),
-      RUN(becks_column_flutters_at_its_load), RUN(shaft_whirls_as_in_closed_form),
-      RUN(spinning_cantilever_has_the_published_frequencies), RUN(a_free_beam_swings_as_the_exact_one),
-      RUN(columns_buckle_at_eulers_load), RUN(linear_beams_rest_where_the_beam_does),
-      RUN(equal_frequencies_are_kept_together), RUN(linear_beams_move_as_the_beam_does),
-      RUN(linear_beams_answer_at_every_frequency), RUN(linear_beams_flutter_and_whirl),
-      RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode), RUN(mixed_beam_refuses_bad_input))
+      RUN(curves_are_those_of_the_stations), RUN(any_units_give_the_same_solution),
+      RUN(any_unit_of_time_gives_the_same_frequency), RUN(supports_are_those_of_the_textbook),
+      RUN(a_beam_slides_over_its_support), RUN(newton_converges_quadratically), RUN(energy_is_kept_whatever_the_step),
+      RUN(dissipation_takes_energy_in_every_step), RUN(dissipation_is_that_of_its_formula),
+      RUN(free_flight_keeps_momentum), RUN(a_rigid_beam_has_its_inertia), RUN(rigid_flight_is_straight),
+      RUN(reactions_balance_what_acts), RUN(momenta_of_a_rigid_motion_are_those_of_its_energy),
+      RUN(steady_and_marching_agree), RUN(spin_up_matches_the_exact_beam),
+      RUN(one_element_rings_at_the_predicted_frequency), RUN(a_beam_slides_out_of_a_spinning_slot),
+      RUN(a_beam_held_twice_keeps_energy_and_place), RUN(a_far_hinge_turns_as_one_at_the_root),
+      RUN(dissipation_bears_steps_of_any_length), RUN(a_pendulum_keeps_its_energy), RUN(a_lump_is_a_rigid_body),
+      RUN(element_fields_have_their_units), RUN(strain_energy_is_the_work_of_the_load),
+      RUN(spectrum_of_a_straight_beam_is_the_textbooks), RUN(spectrum_does_not_depend_on_the_count),
+      RUN(a_body_on_a_light_beam_rings_in_closed_form), RUN(bodies_swing_on_a_spinning_slide_in_closed_form),
+      RUN(frequencies_of_a_straight_beam_are_of_order_four), RUN(becks_column_flutters_at_its_load),
+      RUN(shaft_whirls_as_in_closed_form), RUN(spinning_cantilever_has_the_published_frequencies),
+      RUN(a_free_beam_swings_as_the_exact_one), RUN(columns_buckle_at_eulers_load),
+      RUN(linear_beams_rest_where_the_beam_does), RUN(equal_frequencies_are_kept_together),
+      RUN(linear_beams_move_as_the_beam_does), RUN(linear_beams_answer_at_every_frequency),
+      RUN(linear_beams_flutter_and_whirl), RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode),
+      RUN(mixed_beam_refuses_bad_input))
