@@ -582,8 +582,22 @@ TEST(offsets_of_a_section_are_those_of_the_forces)
     FBT_NEAR_REL(desc.station[0].stiffness[7 * i], expected[i], FBT_TOL(1e-14, 1e-6));
     FBT_TRUE(fbt_largest(desc.station[0].stiffness + 6 * i + 4, 2) == 0.0);
   }
-  section.GJ = FB_R(-1.0);
-  FBT_INT_EQ(fb_mixed_station_init(&desc.station[0], &section), FB_ERR_VALUE);
+}
+
+/* E10.4: neither stiffness nor inertia is negative. */
+TEST(sections_below_zero_are_refused)
+{
+  static fb_section section;
+  fb_real *const field[] = {&section.mass, &section.EA,  &section.GJ,   &section.EI_y, &section.EI_z,
+                            &section.i_y,  &section.i_z, &section.GA_y, &section.GA_z};
+  for (int k = 0; k < FBT_COUNT(field); k++) {
+    fb_mixed_station station;
+    memset(&section, 0, sizeof section);
+    section.i_y = section.i_z = FB_R(2.0); /* so that their sum does not tell */
+    FBT_INT_EQ(fb_mixed_station_init(&station, &section), FB_OK);
+    *field[k] = -FB_R(1.0);
+    FBT_INT_EQ(fb_mixed_station_init(&station, &section), FB_ERR_VALUE);
+  }
 }
 
 /* E10.5: a straight beam that nothing bends is twisted as its stations say, at nodes and between, from root to tip. */
@@ -2627,24 +2641,25 @@ SUITE(mixed, RUN(the_check_word_of_a_mixed_beam_sees_every_byte), RUN(states_tha
       RUN(steady_stretch_of_a_spinning_rod_is_the_closed_form), RUN(steady_princeton_beam_at_all_angles),
       RUN(steady_openfast_cantilever_hangs_as_shooting_says), RUN(offsets_of_a_section_are_those_of_the_forces),
       RUN(spectrum_is_that_of_the_natural_modes), RUN(twist_is_that_of_the_stations),
-      RUN(curves_are_those_of_the_stations), RUN(a_beam_is_the_same_however_it_is_seen),
-      RUN(loads_on_tapered_lines_are_exact_at_the_nodes), RUN(any_units_give_the_same_solution),
-      RUN(any_unit_of_time_gives_the_same_frequency), RUN(supports_are_those_of_the_textbook),
-      RUN(a_beam_slides_over_its_support), RUN(newton_converges_quadratically), RUN(energy_is_kept_whatever_the_step),
-      RUN(dissipation_takes_energy_in_every_step), RUN(dissipation_is_that_of_its_formula),
-      RUN(free_flight_keeps_momentum), RUN(a_rigid_beam_has_its_inertia), RUN(rigid_flight_is_straight),
-      RUN(reactions_balance_what_acts), RUN(momenta_of_a_rigid_motion_are_those_of_its_energy),
-      RUN(steady_and_marching_agree), RUN(spin_up_matches_the_exact_beam),
-      RUN(one_element_rings_at_the_predicted_frequency), RUN(a_beam_slides_out_of_a_spinning_slot),
-      RUN(a_beam_held_twice_keeps_energy_and_place), RUN(a_far_hinge_turns_as_one_at_the_root),
-      RUN(what_is_held_comes_back_to_its_place), RUN(dissipation_bears_steps_of_any_length),
-      RUN(a_pendulum_keeps_its_energy), RUN(a_lump_is_a_rigid_body), RUN(element_fields_have_their_units),
-      RUN(strain_energy_is_the_work_of_the_load), RUN(spectrum_of_a_straight_beam_is_the_textbooks),
-      RUN(spectrum_does_not_depend_on_the_count), RUN(a_body_on_a_light_beam_rings_in_closed_form),
-      RUN(bodies_swing_on_a_spinning_slide_in_closed_form), RUN(frequencies_of_a_straight_beam_are_of_order_four),
-      RUN(becks_column_flutters_at_its_load), RUN(shaft_whirls_as_in_closed_form),
-      RUN(spinning_cantilever_has_the_published_frequencies), RUN(a_free_beam_swings_as_the_exact_one),
-      RUN(columns_buckle_at_eulers_load), RUN(linear_beams_rest_where_the_beam_does),
-      RUN(equal_frequencies_are_kept_together), RUN(linear_beams_move_as_the_beam_does),
-      RUN(linear_beams_answer_at_every_frequency), RUN(linear_beams_flutter_and_whirl),
-      RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode), RUN(mixed_beam_refuses_bad_input))
+      RUN(sections_below_zero_are_refused), RUN(curves_are_those_of_the_stations),
+      RUN(a_beam_is_the_same_however_it_is_seen), RUN(loads_on_tapered_lines_are_exact_at_the_nodes),
+      RUN(any_units_give_the_same_solution), RUN(any_unit_of_time_gives_the_same_frequency),
+      RUN(supports_are_those_of_the_textbook), RUN(a_beam_slides_over_its_support), RUN(newton_converges_quadratically),
+      RUN(energy_is_kept_whatever_the_step), RUN(dissipation_takes_energy_in_every_step),
+      RUN(dissipation_is_that_of_its_formula), RUN(free_flight_keeps_momentum), RUN(a_rigid_beam_has_its_inertia),
+      RUN(rigid_flight_is_straight), RUN(reactions_balance_what_acts),
+      RUN(momenta_of_a_rigid_motion_are_those_of_its_energy), RUN(steady_and_marching_agree),
+      RUN(spin_up_matches_the_exact_beam), RUN(one_element_rings_at_the_predicted_frequency),
+      RUN(a_beam_slides_out_of_a_spinning_slot), RUN(a_beam_held_twice_keeps_energy_and_place),
+      RUN(a_far_hinge_turns_as_one_at_the_root), RUN(what_is_held_comes_back_to_its_place),
+      RUN(dissipation_bears_steps_of_any_length), RUN(a_pendulum_keeps_its_energy), RUN(a_lump_is_a_rigid_body),
+      RUN(element_fields_have_their_units), RUN(strain_energy_is_the_work_of_the_load),
+      RUN(spectrum_of_a_straight_beam_is_the_textbooks), RUN(spectrum_does_not_depend_on_the_count),
+      RUN(a_body_on_a_light_beam_rings_in_closed_form), RUN(bodies_swing_on_a_spinning_slide_in_closed_form),
+      RUN(frequencies_of_a_straight_beam_are_of_order_four), RUN(becks_column_flutters_at_its_load),
+      RUN(shaft_whirls_as_in_closed_form), RUN(spinning_cantilever_has_the_published_frequencies),
+      RUN(a_free_beam_swings_as_the_exact_one), RUN(columns_buckle_at_eulers_load),
+      RUN(linear_beams_rest_where_the_beam_does), RUN(equal_frequencies_are_kept_together),
+      RUN(linear_beams_move_as_the_beam_does), RUN(linear_beams_answer_at_every_frequency),
+      RUN(linear_beams_flutter_and_whirl), RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode),
+      RUN(mixed_beam_refuses_bad_input))
