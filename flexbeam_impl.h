@@ -12176,13 +12176,17 @@ static fb_real fbi_mixed_quadratic(const fb_real A[36], const fb_real x[6], cons
   return FB_R(0.5) * fbi_vec6_dot(x, y) + part * fbi_vec6_dot(rate, z);
 }
 
-/* g . (mass r + R moment) of an inertia matrix at a place in the base frame */
-static fb_real fbi_mixed_weight(const fb_real M[36], const fb_real g[3], const fb_real r[3], const fb_real quat[4])
+/* mass (origin + g . r) + g . R moment of an inertia matrix at a place in the base frame; of a curved element E10.6 has made
+   mass and moment differ from axis to axis: their means, which do not depend on how the axes lie */
+static fb_real fbi_mixed_weight(const fb_real M[36], const fb_real g[3], fb_real origin, const fb_real r[3],
+                                const fb_real quat[4])
 {
+  const fb_real mass = (M[0] + M[7] + M[14]) / FB_R(3.0);
+  const fb_real moment[3] = {FB_R(0.5) * (M[11] - M[16]), FB_R(0.5) * (M[15] - M[5]), FB_R(0.5) * (M[4] - M[9])};
   fb_real R[9], y[3];
   fb_quat_to_mat33(R, quat);
   fb_mat33_mulT_vec3(y, R, g);
-  return M[0] * fb_vec3_dot(g, r) + M[11] * y[0] + M[15] * y[1] + M[4] * y[2];
+  return mass * (origin + fb_vec3_dot(g, r)) + fb_vec3_dot(moment, y);
 }
 
 /* [E10.13] Energy: 1/2 h strain S strain + 1/2 h P M^-1 P, and -m g.r with the mass center's r, by Simpson's rule along
@@ -12208,17 +12212,16 @@ FB_DEF fb_status fb_mixed_energy(const fb_mixed *m, fb_energy *energy, const fb_
     out.kinetic +=
         h * unit *
         fbi_mixed_quadratic(m->M_inverse + 36 * k, state->momentum + 6 * k, state->momentum_rate + 6 * k, last);
-    out.gravity -= h * unit *
-                   (M[0] * origin + (fbi_mixed_weight(M, g, r, quat) + fbi_mixed_weight(M, g, r + 3, quat + 4) +
-                                     FB_R(4.0) * fbi_mixed_weight(M, g, middle, turn)) /
-                                        FB_R(6.0));
+    out.gravity -= h * unit / FB_R(6.0) *
+                   (fbi_mixed_weight(M, g, origin, r, quat) + fbi_mixed_weight(M, g, origin, r + 3, quat + 4) +
+                    FB_R(4.0) * fbi_mixed_weight(M, g, origin, middle, turn));
   }
   for (int l = 0; l < m->n_lump; l++) {
     const fb_real *const M = m->lump + 36 * l;
     const int j = m->lump_node[l];
     out.kinetic +=
         unit * fbi_mixed_quadratic(m->lump_inverse + 36 * l, state->lump + 6 * l, state->lump_rate + 6 * l, last);
-    out.gravity -= unit * (M[0] * origin + fbi_mixed_weight(M, g, state->r + 3 * j, state->quat + 4 * j));
+    out.gravity -= unit * fbi_mixed_weight(M, g, origin, state->r + 3 * j, state->quat + 4 * j);
   }
   if (!fbi_energy_is_finite(&out)) {
     return FB_ERR_NOT_FINITE;

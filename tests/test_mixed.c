@@ -152,6 +152,38 @@ TEST(tapered_rods_are_exact_at_the_nodes)
   FBT_NEAR_REL(node[3].rotation[0], 10.0 / 1e4 * (0.5 + log(2.0)), FBT_TOL(1e-9, 1e-4));
 }
 
+/* E10.15: loads and couples f along a line of which the compliance 1/(c (4 - x)) rises to its double: stretch and turns of
+   L = 2 by f/c (2 - 2 log 2). */
+TEST(loads_on_tapered_lines_are_exact_at_the_nodes)
+{
+  const double stiffness[6] = {2e6, 0.0, 0.0, 2e4, 4e4, 6e4}, part = 2.0 - 2.0 * log(2.0);
+  const double pull = FBT_TOL(100.0, 1e5), couple = FBT_TOL(1e-3, 1e-1);
+  for (int run = 0; run < 6; run++) {
+    const int n = 1 + run / 2, pulled = run % 2;
+    beam(2.0, n, stiffness, NULL);
+    desc.n_station = 2;
+    desc.station[1] = desc.station[0];
+    desc.station[1].x = FB_R(2.0);
+    for (int i = 0; i < 36; i++) {
+      desc.station[1].stiffness[i] *= FB_R(0.5);
+    }
+    for (int k = 0; k < n; k++) {
+      input.line[k].axes = FB_AXES_NODE;
+      input.line[k].force[0] = (fb_real)(pulled ? pull : 0.0);
+      for (int i = 0; i < 3; i++) {
+        input.line[k].torque[i] = (fb_real)(pulled ? 0.0 : couple);
+      }
+    }
+    settle();
+    if (pulled) {
+      FBT_NEAR_REL(node[n].displacement[0], pull / 5e5 * part, FBT_TOL(1e-9, 1e-4));
+    }
+    for (int i = 0; i < 3 && !pulled; i++) {
+      FBT_NEAR_REL(node[n].rotation[i], couple / (5e3 * (i + 1)) * part, FBT_TOL(1e-6, 1e-3));
+    }
+  }
+}
+
 /* E10.5: a rod that stretches, rigid otherwise, carries any load across without a deflection; a rigid bar every one. */
 TEST(rigid_beams_do_not_deflect)
 {
@@ -550,8 +582,22 @@ TEST(offsets_of_a_section_are_those_of_the_forces)
     FBT_NEAR_REL(desc.station[0].stiffness[7 * i], expected[i], FBT_TOL(1e-14, 1e-6));
     FBT_TRUE(fbt_largest(desc.station[0].stiffness + 6 * i + 4, 2) == 0.0);
   }
-  section.GJ = FB_R(-1.0);
-  FBT_INT_EQ(fb_mixed_station_init(&desc.station[0], &section), FB_ERR_VALUE);
+}
+
+/* E10.4: neither stiffness nor inertia is negative. */
+TEST(sections_below_zero_are_refused)
+{
+  static fb_section section;
+  fb_real *const field[] = {&section.mass, &section.EA,  &section.GJ,   &section.EI_y, &section.EI_z,
+                            &section.i_y,  &section.i_z, &section.GA_y, &section.GA_z};
+  for (int k = 0; k < FBT_COUNT(field); k++) {
+    fb_mixed_station station;
+    memset(&section, 0, sizeof section);
+    section.i_y = section.i_z = FB_R(2.0); /* so that their sum does not tell */
+    FBT_INT_EQ(fb_mixed_station_init(&station, &section), FB_OK);
+    *field[k] = -FB_R(1.0);
+    FBT_INT_EQ(fb_mixed_station_init(&station, &section), FB_ERR_VALUE);
+  }
 }
 
 /* E10.5: a straight beam that nothing bends is twisted as its stations say, at nodes and between, from root to tip. */
@@ -582,6 +628,33 @@ TEST(twist_is_that_of_the_stations)
       FBT_INT_EQ(fb_mixed_point_eval(&mixed, p, q, &state, (fb_real)x), FB_OK);
       FBT_NEAR_ABS(2.0 * atan2((double)q[1], (double)q[0]), expected, FBT_TOL(1e-13, 1e-5));
       FBT_BELOW(distance(p, x, 0.0, 0.0), FBT_TOL(1e-13, 1e-5));
+    }
+  }
+}
+
+/* E10.5: at the nodes a beam has turned by the integral of its curvature, which is linear between stations, about each axis. */
+TEST(curves_are_those_of_the_stations)
+{
+  const double at[3] = {0.0, 0.7, 2.0}, curvature[3] = {0.3, -0.5, 0.8};
+  const double stiffness[6] = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
+  for (int axis = 0; axis < 3; axis++) {
+    beam(2.0, 4, stiffness, NULL);
+    desc.n_station = 3;
+    for (int k = 0; k < 3; k++) {
+      desc.station[k] = desc.station[0];
+      desc.station[k].x = (fb_real)at[k];
+      desc.station[k].curvature[axis] = (fb_real)curvature[k];
+    }
+    start();
+    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+    for (int k = 0; k <= 4; k++) {
+      const double x = 0.5 * k;
+      double turned = 0.0;
+      for (int b = 1; b < 3; b++) {
+        const double part = fmin(fmax((x - at[b - 1]) / (at[b] - at[b - 1]), 0.0), 1.0);
+        turned += (at[b] - at[b - 1]) * part * (curvature[b - 1] + 0.5 * part * (curvature[b] - curvature[b - 1]));
+      }
+      FBT_NEAR_ABS(2.0 * atan2((double)node[k].quat[1 + axis], (double)node[k].quat[0]), turned, FBT_TOL(1e-13, 1e-5));
     }
   }
 }
@@ -809,6 +882,192 @@ static fb_status steps(int count, double dt)
   }
   FBT_INT_EQ(status, FB_OK);
   return status;
+}
+
+/* ---- the same beam seen another way: 1: with y for z, turned by a right angle about its line, 2: from its other end, turned
+   by half a turn about z */
+
+static void seen(fb_real v[3], int way)
+{
+  const fb_real u[3] = {v[0], v[1], v[2]};
+  v[0] = way == 2 ? -u[0] : u[0];
+  v[1] = way == 2 ? -u[1] : way ? -u[2] : u[1];
+  v[2] = way == 1 ? u[1] : u[2];
+}
+
+/* A 6x6 of a section: of rates, or (strain) of changes along the line, which from the other end change sign. */
+static void seen_section(fb_real A[36], int way, int strain)
+{
+  for (int transposed = 0; transposed < 2; transposed++) {
+    fb_real B[36];
+    for (int i = 0; i < 36; i++) {
+      B[i % 6 * 6 + i / 6] = A[i];
+    }
+    for (int i = 0; i < 36; i += 3) {
+      seen(B + i, way);
+      for (int j = 0; j < 3 && way == 2 && strain; j++) {
+        B[i + j] = -B[i + j];
+      }
+    }
+    memcpy(A, B, sizeof B);
+  }
+}
+
+/* Any section: stiffness without a zero, mass off the line. */
+static void any_section(fb_mixed_station *station)
+{
+  const double m = 1.3, c[2] = {0.12, -0.07}, J[9] = {0.09, 0.004, -0.006, 0.004, 0.05, 0.003, -0.006, 0.003, 0.06};
+  fb_real *const K = station->stiffness, *const M = station->inertia, B[36];
+  memset(station, 0, sizeof *station);
+  fbt_fill(B, 36, 0.3);
+  for (int i = 0; i < 36; i++) {
+    const double scale = (i / 6 < 3 ? 12.0 : 1.0) * (i % 6 < 3 ? 12.0 : 1.0);
+    for (int k = 0; k < 6; k++) {
+      K[i] += (fb_real)scale * (B[i / 6 * 6 + k] + (i / 6 == k ? FB_R(1.0) : FB_R(0.0))) *
+              (B[i % 6 * 6 + k] + (i % 6 == k ? FB_R(1.0) : FB_R(0.0)));
+    }
+  }
+  for (int i = 0; i < 9; i++) {
+    M[(3 + i / 3) * 6 + 3 + i % 3] = (fb_real)J[i];
+  }
+  M[0] = M[7] = M[14] = (fb_real)m;
+  M[4] = M[24] = (fb_real)(m * c[1]);
+  M[5] = M[30] = (fb_real)(-m * c[0]);
+  M[9] = M[19] = (fb_real)(-m * c[1]);
+  M[15] = M[20] = (fb_real)(m * c[0]);
+}
+
+/* Loads of every kind at nodes and elements, what moves the base, gravity. */
+static void any_input(int way, int n)
+{
+  fbt_fill(desc.gravity, 3, 0.6);
+  fbt_fill(input.v, 3, 0.3);
+  fbt_fill(input.w, 3, 0.5);
+  seen(desc.gravity, way);
+  seen(input.v, way);
+  seen(input.w, way);
+  input.n_load = 3;
+  for (int l = 0; l < 3; l++) {
+    fb_load *const load = &input.load[l];
+    const int at = 2 * l + 1;
+    load->node = way == 2 ? n - at : at;
+    load->axes = (fb_axes)l;
+    fbt_fill(load->force, 3, 0.8);
+    fbt_fill(load->torque, 3, 0.3);
+    seen(load->force, way);
+    seen(load->torque, way);
+  }
+  for (int k = 0; k < n; k++) {
+    fb_line_load *const line = &input.line[way == 2 ? n - 1 - k : k];
+    line->axes = (fb_axes)(k % 3);
+    fbt_fill(line->force, 3, 0.5);
+    fbt_fill(line->torque, 3, 0.2);
+    seen(line->force, way);
+    seen(line->torque, way);
+  }
+}
+
+/* A tapered beam of any section with two bodies, clamped at one end, on a slide amid: of the way 1 curved, and askew. */
+static void any_beam(int way, int curved)
+{
+  const int n = 6;
+  memset(&desc, 0, sizeof desc);
+  memset(&input, 0, sizeof input);
+  fbt_seed(11);
+  desc.length = FB_R(1.5);
+  desc.n_element = n;
+  desc.iterations = 20;
+  desc.n_station = 2;
+  any_section(&desc.station[0]);
+  fbt_fill(desc.station[0].curvature, 3, 0.4 * curved);
+  seen(desc.station[0].curvature, way);
+  seen_section(desc.station[0].stiffness, way, 1);
+  seen_section(desc.station[0].inertia, way, 0);
+  desc.station[1] = desc.station[0];
+  desc.station[1].x = desc.length;
+  for (int i = 0; i < 36; i++) { /* thinner away from where it is clamped */
+    desc.station[way != 2].stiffness[i] *= FB_R(0.6);
+    desc.station[way != 2].inertia[i] *= FB_R(0.7);
+  }
+  desc.root = way == 2 ? FB_END_FREE : FB_END_CLAMPED;
+  desc.tip = way == 2 ? FB_END_CLAMPED : FB_END_FREE;
+  desc.position[0] = way == 2 ? -desc.length : FB_R(0.0);
+  desc.n_support = 1;
+  desc.support[0].node = way == 2 ? n - 4 : 4;
+  desc.support[0].held = way == 1 ? FB_HOLD_Z | FB_HOLD_RX : FB_HOLD_Y | FB_HOLD_RX;
+  if (curved) {
+    fbt_fill(desc.attitude, 4, 1.0);
+    seen(desc.attitude + 1, way);
+  }
+  desc.n_lump = 2;
+  for (int l = 0; l < 2; l++) {
+    fb_lump *const lump = &desc.lump[l];
+    const int at = l ? 5 : 2;
+    lump->node = way == 2 ? n - at : at;
+    lump->mass = FB_R(0.3) + FB_R(0.2) * (fb_real)l;
+    fbt_fill(lump->center, 3, 0.1);
+    seen(lump->center, way);
+    for (int i = 0; i < 3; i++) {
+      lump->inertia[i] = FB_R(0.02);
+    }
+  }
+  any_input(way, n);
+}
+
+/* What is seen of it: per node place, rotation, velocity and reaction; momenta; strain and kinetic energy; a point between
+   nodes and the energy of gravity, which rests on such. */
+#define SEEN (7 + 1 + 1 + 1)
+static void look(fb_real all[SEEN][12])
+{
+  fb_momentum momentum;
+  fb_energy energy;
+  fb_real q[4];
+  memset(all, 0, sizeof all[0] * SEEN);
+  FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+  FBT_INT_EQ(fb_mixed_momentum(&mixed, &momentum, &state), FB_OK);
+  FBT_INT_EQ(fb_mixed_energy(&mixed, &energy, &state), FB_OK);
+  for (int k = 0; k <= 6; k++) {
+    const fb_mixed_node *const at = &node[desc.tip == FB_END_CLAMPED ? 6 - k : k];
+    memcpy(all[k], at->position, sizeof at->position);
+    memcpy(all[k] + 3, at->rotation, sizeof at->rotation);
+    memcpy(all[k] + 6, at->velocity, sizeof at->velocity);
+    memcpy(all[k] + 9, at->reaction_force, sizeof at->reaction_force);
+  }
+  memcpy(all[7], momentum.linear, sizeof momentum.linear);
+  memcpy(all[7] + 3, momentum.angular, sizeof momentum.angular);
+  all[8][0] = energy.strain;
+  all[8][3] = energy.kinetic;
+  FBT_INT_EQ(fb_mixed_point_eval(&mixed, all[9], q, &state, FB_R(0.4)), FB_OK);
+  all[9][3] = energy.gravity;
+}
+
+/* E10.4 to E10.18, E11.20: the same beam, seen with other axes or from its other end, bends alike under all that can act, and
+   with other axes moves alike. From the other end points between nodes are next to the same alone, and a tip that is
+   clamped is closed within a step, a root after it. */
+TEST(a_beam_is_the_same_however_it_is_seen)
+{
+  static fb_real first[SEEN][12], other[SEEN][12];
+  for (int way = 1; way <= 2; way++) {
+    for (int moving = 0; moving < 3 - way; moving++) {
+      for (int run = 0; run < 2; run++) {
+        any_beam(run ? way : 0, way == 1);
+        memset(&work, 0xff, sizeof work); /* it means nothing between calls */
+        settle();
+        input.n_load = moving ? 2 : 3;
+        if (moving && steps(20, 0.1) != FB_OK) {
+          return;
+        }
+        look(run ? other : first);
+      }
+      for (int k = 0; k < SEEN - (way == 2); k++) {
+        for (int i = 0; i < 12 && k != 8; i += 3) {
+          seen(first[k] + i, way);
+        }
+        FBT_BELOW(fbt_difference(first[k], other[k], 12), FBT_TOL(1e-9, 1e-2) * (1.0 + fbt_largest(first[k], 12)));
+      }
+      FBT_BELOW(0.1, fbt_largest(node[6].displacement, 3) + fbt_largest(node[0].displacement, 3));
+    }
+  }
 }
 
 /* A cantilever bent by half its length in space, twisted too, and let go. */
@@ -1228,6 +1487,32 @@ TEST(a_beam_held_twice_keeps_energy_and_place)
       FBT_NEAR_REL(total_energy(), before, FBT_TOL(1e-9, 1e-3));
     }
     FBT_BELOW(gap / 10.0, FBT_TOL(2e-5, 1e-4));
+  }
+}
+
+/* E10.16: what is held away from its place comes back to it within a step, but for the part that the reaction would do work
+   along: a tip on two slides, off in z, that is pushed in y. */
+TEST(what_is_held_comes_back_to_its_place)
+{
+  const double stiffness[6] = {1e4, 4e3, 4e3, 80.0, 100.0, 100.0}, inertia[6] = {1.0, 1.0, 1.0, 1e-2, 5e-3, 5e-3};
+  double off;
+  beam(2.0, 4, stiffness, inertia);
+  desc.iterations = 12;
+  load_tip(FB_AXES_INERTIAL, 0.0, 0.0, 0.0005);
+  settle();
+  off = (double)node[4].displacement[2];
+  FBT_BELOW(1e-5, off);
+  desc.tip = FB_HOLD_Y | FB_HOLD_Z;
+  FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_OK);
+  input.n_load = 0;
+  load_tip(FB_AXES_INERTIAL, 0.0, 5.0, 0.0);
+  input.load[0].node = 2;
+  for (int k = 0; k < 5; k++) {
+    if (steps(1, 0.02) != FB_OK) {
+      return;
+    }
+    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+    FBT_BELOW(fabs((double)node[4].displacement[2]), FBT_TOL(0.01, 0.1) * off);
   }
 }
 
@@ -2356,6 +2641,8 @@ SUITE(mixed, RUN(the_check_word_of_a_mixed_beam_sees_every_byte), RUN(states_tha
       RUN(steady_stretch_of_a_spinning_rod_is_the_closed_form), RUN(steady_princeton_beam_at_all_angles),
       RUN(steady_openfast_cantilever_hangs_as_shooting_says), RUN(offsets_of_a_section_are_those_of_the_forces),
       RUN(spectrum_is_that_of_the_natural_modes), RUN(twist_is_that_of_the_stations),
+      RUN(sections_below_zero_are_refused), RUN(curves_are_those_of_the_stations),
+      RUN(a_beam_is_the_same_however_it_is_seen), RUN(loads_on_tapered_lines_are_exact_at_the_nodes),
       RUN(any_units_give_the_same_solution), RUN(any_unit_of_time_gives_the_same_frequency),
       RUN(supports_are_those_of_the_textbook), RUN(a_beam_slides_over_its_support), RUN(newton_converges_quadratically),
       RUN(energy_is_kept_whatever_the_step), RUN(dissipation_takes_energy_in_every_step),
@@ -2364,14 +2651,15 @@ SUITE(mixed, RUN(the_check_word_of_a_mixed_beam_sees_every_byte), RUN(states_tha
       RUN(momenta_of_a_rigid_motion_are_those_of_its_energy), RUN(steady_and_marching_agree),
       RUN(spin_up_matches_the_exact_beam), RUN(one_element_rings_at_the_predicted_frequency),
       RUN(a_beam_slides_out_of_a_spinning_slot), RUN(a_beam_held_twice_keeps_energy_and_place),
-      RUN(a_far_hinge_turns_as_one_at_the_root), RUN(dissipation_bears_steps_of_any_length),
-      RUN(a_pendulum_keeps_its_energy), RUN(a_lump_is_a_rigid_body), RUN(element_fields_have_their_units),
-      RUN(strain_energy_is_the_work_of_the_load), RUN(spectrum_of_a_straight_beam_is_the_textbooks),
-      RUN(spectrum_does_not_depend_on_the_count), RUN(a_body_on_a_light_beam_rings_in_closed_form),
-      RUN(bodies_swing_on_a_spinning_slide_in_closed_form), RUN(frequencies_of_a_straight_beam_are_of_order_four),
-      RUN(becks_column_flutters_at_its_load), RUN(shaft_whirls_as_in_closed_form),
-      RUN(spinning_cantilever_has_the_published_frequencies), RUN(a_free_beam_swings_as_the_exact_one),
-      RUN(columns_buckle_at_eulers_load), RUN(linear_beams_rest_where_the_beam_does),
-      RUN(equal_frequencies_are_kept_together), RUN(linear_beams_move_as_the_beam_does),
-      RUN(linear_beams_answer_at_every_frequency), RUN(linear_beams_flutter_and_whirl),
-      RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode), RUN(mixed_beam_refuses_bad_input))
+      RUN(a_far_hinge_turns_as_one_at_the_root), RUN(what_is_held_comes_back_to_its_place),
+      RUN(dissipation_bears_steps_of_any_length), RUN(a_pendulum_keeps_its_energy), RUN(a_lump_is_a_rigid_body),
+      RUN(element_fields_have_their_units), RUN(strain_energy_is_the_work_of_the_load),
+      RUN(spectrum_of_a_straight_beam_is_the_textbooks), RUN(spectrum_does_not_depend_on_the_count),
+      RUN(a_body_on_a_light_beam_rings_in_closed_form), RUN(bodies_swing_on_a_spinning_slide_in_closed_form),
+      RUN(frequencies_of_a_straight_beam_are_of_order_four), RUN(becks_column_flutters_at_its_load),
+      RUN(shaft_whirls_as_in_closed_form), RUN(spinning_cantilever_has_the_published_frequencies),
+      RUN(a_free_beam_swings_as_the_exact_one), RUN(columns_buckle_at_eulers_load),
+      RUN(linear_beams_rest_where_the_beam_does), RUN(equal_frequencies_are_kept_together),
+      RUN(linear_beams_move_as_the_beam_does), RUN(linear_beams_answer_at_every_frequency),
+      RUN(linear_beams_flutter_and_whirl), RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode),
+      RUN(mixed_beam_refuses_bad_input))

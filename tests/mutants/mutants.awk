@@ -2,9 +2,9 @@
 # is: by a hash of function, line and change. awk -v seed=1 -f mutants.awk flexbeam_impl.h; fields separated by tabs: hash, kind,
 # section, function, line, occurrence of that change in its function, the line changed.
 # Sections 3 to 13; code alone: no comments, no checks of arguments, no refusals, no declarations of types.
-# Kinds: sign, operator (* / && || sin cos), factor (a constant), index (a constant or a letter), bound (of a loop or a comparison:
-# with or without equality, of real numbers, which are never equal, the other way round), term (of a sum, or a statement that
-# adds or calls).
+# Kinds: sign, operator (* / && || sin cos), factor (a constant), index (a constant or a letter), bound (of a loop by one pass,
+# of a comparison with or without equality, of real numbers, which are never equal, the other way round), term (of a sum, or a
+# statement that adds or calls).
 
 function hash(text, i, h) {
   h = 12345
@@ -72,9 +72,10 @@ function term_end(text, at, depth, c) {
   return 0
 }
 
-function mutate(n, text, i, c, brackets, rest, end, words, is_for, value) {
+function mutate(n, text, i, c, brackets, rest, end, words, is_for, stride, value) {
   text = code[n]
   is_for = text ~ /^ *for \(/
+  stride = match(text, / \+= [0-9]+\)/) ? substr(text, RSTART + 4, RLENGTH - 5) : 1 # of such a loop
   brackets = 0
   for (i = 1; i <= length(text); i++) {
     c = substr(text, i, 1)
@@ -117,7 +118,7 @@ function mutate(n, text, i, c, brackets, rest, end, words, is_for, value) {
     } else if (rest ~ /^ [<>]=? [^;]*;/ && is_for) {
       end = index(rest, ";")
       if (substr(rest, 1, end - 1) !~ / && /) {
-        change(n, "bound", i, substr(rest, 1, end - 1), substr(rest, 1, end - 1) (c2(rest) == "<" ? " - 1" : " + 1"))
+        change(n, "bound", i, substr(rest, 1, end - 1), substr(rest, 1, end - 1) (c2(rest) == "<" ? " - " : " + ") stride)
       }
     } else if (rest ~ /^ [=!]= /) {
       change(n, "bound", i, substr(rest, 1, 4), c2(rest) == "=" ? " != " : " == ")
