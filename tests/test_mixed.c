@@ -1850,10 +1850,11 @@ static void linear_case(int which, int n)
   port(ports.out, &ports.n_out, FB_MIXED_PORT_ROTATION, n, 2, FB_AXES_INERTIAL);
   port(ports.out, &ports.n_out, FB_MIXED_PORT_VELOCITY, n / 3, 1, FB_AXES_INERTIAL);
   port(ports.out, &ports.n_out, FB_MIXED_PORT_RATE, n - 2, 1, FB_AXES_INERTIAL);
-  port(ports.out, &ports.n_out, FB_MIXED_PORT_INTERNAL_FORCE, 2, 1, FB_AXES_INERTIAL);
-  port(ports.out, &ports.n_out, FB_MIXED_PORT_INTERNAL_MOMENT, 3, 2, FB_AXES_INERTIAL);
-  port(ports.out, &ports.n_out, FB_MIXED_PORT_FORCE_STRAIN, 3, 0, FB_AXES_INERTIAL);
-  port(ports.out, &ports.n_out, FB_MIXED_PORT_MOMENT_STRAIN, n - 4, 1, FB_AXES_INERTIAL);
+  /* loads and strains along every axis in some case */
+  port(ports.out, &ports.n_out, FB_MIXED_PORT_INTERNAL_FORCE, 2, (1 + which) % 3, FB_AXES_INERTIAL);
+  port(ports.out, &ports.n_out, FB_MIXED_PORT_INTERNAL_MOMENT, 3, (2 + which) % 3, FB_AXES_INERTIAL);
+  port(ports.out, &ports.n_out, FB_MIXED_PORT_FORCE_STRAIN, 3, which % 3, FB_AXES_INERTIAL);
+  port(ports.out, &ports.n_out, FB_MIXED_PORT_MOMENT_STRAIN, n - 4, (1 + which) % 3, FB_AXES_INERTIAL);
 }
 
 /* What the output reads of the state. */
