@@ -981,6 +981,51 @@ TEST(steps_are_limited_by_what_the_base_does)
   }
 }
 
+/* E11.2: momenta and coordinates below FB_TINY are zero after a step of any scheme, of a body and of a system, every one of
+   them; momenta above stay as they are. */
+TEST(what_is_tiny_becomes_zero)
+{
+  static fb_system_desc tree;
+  static fb_system system;
+  static fb_system_work system_work;
+  static fb_system_state tree_state;
+  boom(FB_EFFECTS_LINEAR, FB_BASE_FREE, 1, 1, 0, 0.0);
+  tree.n_body = 1;
+  tree.joint[0].kind = FB_JOINT_FREE;
+  tree.joint[0].parent = FB_GROUND;
+  FBT_INT_EQ(fb_system_init(&system, &system_work, &body, 1, &tree), FB_OK);
+  for (int k = 0; k < 2 * (SCHEMES + 2); k++) {
+    const int which = k / 2, above = k % 2;
+    const fb_real size = (above ? FB_R(4.0) : FB_R(0.25)) * FB_TINY;
+    fb_state state;
+    fb_link_state *const link = &tree_state.link[0];
+    const fb_real *const P = which < SCHEMES ? state.P : link->p, *const L = which < SCHEMES ? state.L : link->p + 3;
+    const fb_real *const q = which < SCHEMES ? state.q : link->q, *const pi = which < SCHEMES ? state.pi : link->pi;
+    FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+    FBT_INT_EQ(fb_system_state_init(&system, &body, &system_work, &tree_state, NULL, NULL), FB_OK);
+    for (int i = 0; i < 3; i++) {
+      state.P[i] = state.L[i] = link->p[i] = link->p[3 + i] = size;
+    }
+    for (int a = 0; a < body.n && !above; a++) {
+      state.q[a] = state.pi[a] = link->q[a] = link->pi[a] = size * FB_R(1e-3); /* they swing by 100/s */
+    }
+    if (which < SCHEMES) {
+      prepare((scheme)which, 1e-3);
+      FBT_INT_EQ(step((scheme)which, &state, NULL, NULL, NULL, 1e-3), FB_OK);
+    } else {
+      FBT_INT_EQ(which == SCHEMES
+                     ? fb_system_rk4_step(&system, &body, &tree_state, &system_work, NULL, NULL, NULL, FB_R(1e-3))
+                     : fb_system_sdirk_step(&system, &body, &tree_state, &system_work, NULL, NULL, FB_R(1e-3), 0),
+                 FB_OK);
+    }
+    for (int i = 0; i < 3; i++) {
+      FBT_NEAR_REL(P[i], above ? size : FB_R(0.0), 8.0 * (double)FB_EPSILON);
+      FBT_NEAR_REL(L[i], above ? size : FB_R(0.0), 8.0 * (double)FB_EPSILON);
+    }
+    FBT_TRUE(above || (fbt_largest(q, body.n) == 0.0 && fbt_largest(pi, body.n) == 0.0));
+  }
+}
+
 /* E11.15: what acts on the first body of a system accelerates its O, by which the quadratic field stiffens: steps are
    refused from the limit at that acceleration on, in every unit of mass. */
 TEST(loads_shorten_the_steps_of_systems)
@@ -1297,10 +1342,10 @@ TEST(every_scheme_refuses_bad_input)
   FBT_TRUE(fb_exponential_limit(&body, 0, 0) == FB_HUGE);
 }
 
-SUITE(integrate, RUN(steps_are_limited_by_what_the_base_does), RUN(deflection_and_stretch_shorten_the_step),
-      RUN(each_scheme_converges_at_its_order), RUN(midpoint_keeps_energy_and_momentum),
-      RUN(steps_may_be_a_thousand_periods_long), RUN(steps_within_the_limit_are_stable),
-      RUN(implicit_schemes_do_not_mind_drift), RUN(iterations_are_newtons),
+SUITE(integrate, RUN(what_is_tiny_becomes_zero), RUN(steps_are_limited_by_what_the_base_does),
+      RUN(deflection_and_stretch_shorten_the_step), RUN(each_scheme_converges_at_its_order),
+      RUN(midpoint_keeps_energy_and_momentum), RUN(steps_may_be_a_thousand_periods_long),
+      RUN(steps_within_the_limit_are_stable), RUN(implicit_schemes_do_not_mind_drift), RUN(iterations_are_newtons),
       RUN(the_exponential_limit_is_a_part_of_a_turn), RUN(the_exponential_limit_knows_the_tension),
       RUN(the_tension_limit_counts_all_modes), RUN(loads_shorten_the_steps_of_systems),
       RUN(membrane_coordinates_make_the_strain_linear), RUN(the_tangent_is_the_derivative_of_the_forces),
