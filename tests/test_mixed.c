@@ -787,6 +787,34 @@ static void pluck(double dissipation)
   input.n_load = 0;
 }
 
+/* E11.20: the first guess of a step is extrapolated from the three before it: of a motion whose fastest part takes some
+   hundred steps one correction is small, and enough; not so of the first step. */
+TEST(one_correction_does_in_short_steps)
+{
+  const double stiffness[6] = {50.0, 30.0, 30.0, 1.0, 1.0, 2.0}, inertia[6] = {1.0, 1.0, 1.0, 0.1, 0.05, 0.05};
+  static fb_mixed_state many;
+  static fb_mixed one;
+  const fb_real dt = FBT_TOL(FB_R(5e-5), FB_R(1e-3));
+  beam(1.0, 2, stiffness, inertia);
+  load_tip(FB_AXES_INERTIAL, 0.3, 0.2, 0.4);
+  settle();
+  input.n_load = 0;
+  desc.iterations = 1;
+  FBT_INT_EQ(fb_mixed_init(&one, &desc), FB_OK);
+  FBT_INT_EQ(fb_mixed_step(&one, &state, &work, &input, FB_R(0.01)), FB_ERR_CONVERGENCE);
+  for (int k = 0; k < 10; k++) {
+    FBT_INT_EQ(fb_mixed_step(&mixed, &state, &work, &input, dt), FB_OK);
+  }
+  many = state;
+  for (int k = 0; k < 100; k++) {
+    FBT_INT_EQ(fb_mixed_step(&one, &state, &work, &input, dt), FB_OK);
+    FBT_INT_EQ(fb_mixed_step(&mixed, &many, &work, &input, dt), FB_OK);
+  }
+  FBT_BELOW(fbt_difference(state.V[0], many.V[0], 18), FBT_TOL(1e-10, 1e-4) * fbt_largest(many.V[0], 18));
+  FBT_BELOW(fbt_difference(state.stress[0], many.stress[0], 12),
+            FBT_TOL(1e-10, 1e-4) * fbt_largest(many.stress[0], 12));
+}
+
 /* E10.8, E10.13, E11.20: 10000 steps of free vibration, the fast part of it unresolved. */
 TEST(energy_is_kept_whatever_the_step)
 {
@@ -2312,30 +2340,30 @@ TEST(the_check_word_of_a_mixed_beam_sees_every_byte)
   FBT_INT_EQ(beam_word() == 0, 1);
 }
 
-SUITE(mixed, RUN(the_check_word_of_a_mixed_beam_sees_every_byte), RUN(states_that_are_not_numbers_are_refused),
-      RUN(elastica_is_of_order_four), RUN(linear_cantilevers_are_exact_at_the_nodes),
-      RUN(tapered_rods_are_exact_at_the_nodes), RUN(rigid_beams_do_not_deflect), RUN(tapered_beams_converge_fast),
-      RUN(line_loads_are_exact_at_the_nodes), RUN(points_between_nodes_lie_on_the_curve),
-      RUN(steady_bend_of_an_arc_matches_the_published_tip), RUN(steady_rotation_with_load_matches_shooting),
-      RUN(steady_stretch_of_a_spinning_rod_is_the_closed_form), RUN(steady_princeton_beam_at_all_angles),
-      RUN(steady_openfast_cantilever_hangs_as_shooting_says), RUN(offsets_of_a_section_are_those_of_the_forces),
-      RUN(spectrum_is_that_of_the_natural_modes), RUN(any_units_give_the_same_solution),
-      RUN(any_unit_of_time_gives_the_same_frequency), RUN(supports_are_those_of_the_textbook),
-      RUN(a_beam_slides_over_its_support), RUN(newton_converges_quadratically), RUN(energy_is_kept_whatever_the_step),
-      RUN(dissipation_takes_energy_in_every_step), RUN(dissipation_is_that_of_its_formula),
-      RUN(free_flight_keeps_momentum), RUN(a_rigid_beam_has_its_inertia), RUN(rigid_flight_is_straight),
-      RUN(reactions_balance_what_acts), RUN(momenta_of_a_rigid_motion_are_those_of_its_energy),
-      RUN(steady_and_marching_agree), RUN(spin_up_matches_the_exact_beam),
-      RUN(one_element_rings_at_the_predicted_frequency), RUN(a_beam_slides_out_of_a_spinning_slot),
-      RUN(a_beam_held_twice_keeps_energy_and_place), RUN(a_far_hinge_turns_as_one_at_the_root),
-      RUN(dissipation_bears_steps_of_any_length), RUN(a_pendulum_keeps_its_energy), RUN(a_lump_is_a_rigid_body),
-      RUN(element_fields_have_their_units), RUN(strain_energy_is_the_work_of_the_load),
-      RUN(spectrum_of_a_straight_beam_is_the_textbooks), RUN(spectrum_does_not_depend_on_the_count),
-      RUN(a_body_on_a_light_beam_rings_in_closed_form), RUN(bodies_swing_on_a_spinning_slide_in_closed_form),
-      RUN(frequencies_of_a_straight_beam_are_of_order_four), RUN(becks_column_flutters_at_its_load),
-      RUN(shaft_whirls_as_in_closed_form), RUN(spinning_cantilever_has_the_published_frequencies),
-      RUN(a_free_beam_swings_as_the_exact_one), RUN(columns_buckle_at_eulers_load),
-      RUN(linear_beams_rest_where_the_beam_does), RUN(equal_frequencies_are_kept_together),
-      RUN(linear_beams_move_as_the_beam_does), RUN(linear_beams_answer_at_every_frequency),
-      RUN(linear_beams_flutter_and_whirl), RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode),
-      RUN(mixed_beam_refuses_bad_input))
+SUITE(mixed, RUN(one_correction_does_in_short_steps), RUN(the_check_word_of_a_mixed_beam_sees_every_byte),
+      RUN(states_that_are_not_numbers_are_refused), RUN(elastica_is_of_order_four),
+      RUN(linear_cantilevers_are_exact_at_the_nodes), RUN(tapered_rods_are_exact_at_the_nodes),
+      RUN(rigid_beams_do_not_deflect), RUN(tapered_beams_converge_fast), RUN(line_loads_are_exact_at_the_nodes),
+      RUN(points_between_nodes_lie_on_the_curve), RUN(steady_bend_of_an_arc_matches_the_published_tip),
+      RUN(steady_rotation_with_load_matches_shooting), RUN(steady_stretch_of_a_spinning_rod_is_the_closed_form),
+      RUN(steady_princeton_beam_at_all_angles), RUN(steady_openfast_cantilever_hangs_as_shooting_says),
+      RUN(offsets_of_a_section_are_those_of_the_forces), RUN(spectrum_is_that_of_the_natural_modes),
+      RUN(any_units_give_the_same_solution), RUN(any_unit_of_time_gives_the_same_frequency),
+      RUN(supports_are_those_of_the_textbook), RUN(a_beam_slides_over_its_support), RUN(newton_converges_quadratically),
+      RUN(energy_is_kept_whatever_the_step), RUN(dissipation_takes_energy_in_every_step),
+      RUN(dissipation_is_that_of_its_formula), RUN(free_flight_keeps_momentum), RUN(a_rigid_beam_has_its_inertia),
+      RUN(rigid_flight_is_straight), RUN(reactions_balance_what_acts),
+      RUN(momenta_of_a_rigid_motion_are_those_of_its_energy), RUN(steady_and_marching_agree),
+      RUN(spin_up_matches_the_exact_beam), RUN(one_element_rings_at_the_predicted_frequency),
+      RUN(a_beam_slides_out_of_a_spinning_slot), RUN(a_beam_held_twice_keeps_energy_and_place),
+      RUN(a_far_hinge_turns_as_one_at_the_root), RUN(dissipation_bears_steps_of_any_length),
+      RUN(a_pendulum_keeps_its_energy), RUN(a_lump_is_a_rigid_body), RUN(element_fields_have_their_units),
+      RUN(strain_energy_is_the_work_of_the_load), RUN(spectrum_of_a_straight_beam_is_the_textbooks),
+      RUN(spectrum_does_not_depend_on_the_count), RUN(a_body_on_a_light_beam_rings_in_closed_form),
+      RUN(bodies_swing_on_a_spinning_slide_in_closed_form), RUN(frequencies_of_a_straight_beam_are_of_order_four),
+      RUN(becks_column_flutters_at_its_load), RUN(shaft_whirls_as_in_closed_form),
+      RUN(spinning_cantilever_has_the_published_frequencies), RUN(a_free_beam_swings_as_the_exact_one),
+      RUN(columns_buckle_at_eulers_load), RUN(linear_beams_rest_where_the_beam_does),
+      RUN(equal_frequencies_are_kept_together), RUN(linear_beams_move_as_the_beam_does),
+      RUN(linear_beams_answer_at_every_frequency), RUN(linear_beams_flutter_and_whirl),
+      RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode), RUN(mixed_beam_refuses_bad_input))
