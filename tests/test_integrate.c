@@ -1026,6 +1026,54 @@ TEST(what_is_tiny_becomes_zero)
   }
 }
 
+/* What moves a given base, with its rates, and loads at two nodes, all along every axis, at time t. */
+static void drive_all(fb_input *input, double t)
+{
+  memset(input, 0, sizeof *input);
+  input->n_load = 2;
+  input->load[1].node = 1;
+  input->load[1].axes = FB_AXES_BODY;
+  for (int i = 0; i < 3; i++) {
+    const double f = 2.0 + i, phase = 0.7 * i, up = sin(f * t + phase), rate = f * cos(f * t + phase);
+    input->v[i] = (fb_real)(3.0 * up);
+    input->v_dot[i] = (fb_real)(3.0 * rate);
+    input->w[i] = (fb_real)(0.5 * up);
+    input->w_dot[i] = (fb_real)(0.5 * rate);
+    input->load[0].force[i] = input->load[1].force[i] = (fb_real)(8.0 * rate);
+    input->load[0].torque[i] = input->load[1].torque[i] = (fb_real)(8.0 * up);
+  }
+}
+
+/* E11.8: between two inputs all of them are what they are on the way from one to the other: SDIRK in every form arrives
+   where rk4 does, which is given the middle, too, but for the square of the step. */
+TEST(inputs_between_two_are_on_the_way)
+{
+  for (int form = 0; form < 3; form++) {
+    double apart[2];
+    strained(FB_BASE_PRESCRIBED, (fb_form)form, 1e4, 0);
+    for (int run = 0; run < 2; run++) {
+      const int steps = 200 << run;
+      const double dt = 0.2 / steps;
+      fb_state state, fine;
+      fb_input in[3];
+      drive_all(&in[0], 0.0);
+      FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+      FBT_INT_EQ(fb_state_from_velocity(&body, &state, in[0].v, in[0].w, NULL), FB_OK);
+      fine = state;
+      for (int k = 0; k < steps; k++) {
+        for (int i = 0; i < 3; i++) {
+          drive_all(&in[i], dt * (k + 0.5 * i));
+        }
+        FBT_INT_EQ(step(SDIRK, &state, &in[0], &in[1], &in[2], dt), FB_OK);
+        FBT_INT_EQ(step(RK4, &fine, &in[0], &in[1], &in[2], dt), FB_OK);
+      }
+      apart[run] = fbt_difference(state.q, fine.q, body.n);
+    }
+    FBT_NEAR_ABS(log2(apart[0] / apart[1]), 2.0, 0.1);
+    FBT_BELOW(apart[1], 1e-5);
+  }
+}
+
 /* E11.15: what acts on the first body of a system accelerates its O, by which the quadratic field stiffens: steps are
    refused from the limit at that acceleration on, in every unit of mass. */
 TEST(loads_shorten_the_steps_of_systems)
@@ -1342,10 +1390,11 @@ TEST(every_scheme_refuses_bad_input)
   FBT_TRUE(fb_exponential_limit(&body, 0, 0) == FB_HUGE);
 }
 
-SUITE(integrate, RUN(what_is_tiny_becomes_zero), RUN(steps_are_limited_by_what_the_base_does),
-      RUN(deflection_and_stretch_shorten_the_step), RUN(each_scheme_converges_at_its_order),
-      RUN(midpoint_keeps_energy_and_momentum), RUN(steps_may_be_a_thousand_periods_long),
-      RUN(steps_within_the_limit_are_stable), RUN(implicit_schemes_do_not_mind_drift), RUN(iterations_are_newtons),
+SUITE(integrate, RUN(inputs_between_two_are_on_the_way), RUN(what_is_tiny_becomes_zero),
+      RUN(steps_are_limited_by_what_the_base_does), RUN(deflection_and_stretch_shorten_the_step),
+      RUN(each_scheme_converges_at_its_order), RUN(midpoint_keeps_energy_and_momentum),
+      RUN(steps_may_be_a_thousand_periods_long), RUN(steps_within_the_limit_are_stable),
+      RUN(implicit_schemes_do_not_mind_drift), RUN(iterations_are_newtons),
       RUN(the_exponential_limit_is_a_part_of_a_turn), RUN(the_exponential_limit_knows_the_tension),
       RUN(the_tension_limit_counts_all_modes), RUN(loads_shorten_the_steps_of_systems),
       RUN(membrane_coordinates_make_the_strain_linear), RUN(the_tangent_is_the_derivative_of_the_forces),
