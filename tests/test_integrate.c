@@ -749,6 +749,88 @@ TEST(iterations_are_newtons)
   }
 }
 
+/* x along the axes by k cyclically: x to y to z. */
+static void turned(fb_real y[3], const fb_real x[3], int k)
+{
+  for (int i = 0; i < 3; i++) {
+    y[(i + k) % 3] = x[i];
+  }
+}
+
+/* Random particles on springs, in a frame of which every axis is the next but k; a free or pinned body that drifts, spins and
+   is pushed, after ten steps. */
+static void turned_run(fb_state *state, scheme which, fb_base base, int k)
+{
+  fb_real x[3], y[3], psi[6], moved[6], v[3], w[3];
+  fb_input input;
+  fbt_seed(11);
+  FBT_INT_EQ(fb_shape_init(&shape, 2), FB_OK);
+  for (int m = 0; m < 5; m++) {
+    fbt_fill(x, 3, 1.0);
+    fbt_fill(psi, 6, 0.3);
+    turned(y, x, k);
+    turned(moved, psi, k);
+    turned(moved + 3, psi + 3, k);
+    FBT_INT_EQ(fb_shape_add_particle(&shape, FB_R(0.5) + (fb_real)m, y, moved, NULL), FB_OK);
+  }
+  shape.K[0] = FB_R(60.0);
+  shape.K[1] = shape.K[2] = FB_R(5.0);
+  shape.K[3] = FB_R(40.0);
+  memset(&body_desc, 0, sizeof body_desc);
+  body_desc.effects = FB_EFFECTS_SPIN | FB_EFFECT_RESIDUAL_INERTIA;
+  body_desc.base = base;
+  body_desc.deflection_limit = FB_R(10.0);
+  body_desc.allow_split_effects = body_desc.allow_long_step = 1;
+  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &body_desc), FB_OK);
+  FBT_INT_EQ(fb_state_init(&body, state), FB_OK);
+  fbt_fill(state->q, 2, 0.3);
+  fbt_fill(x, 3, base == FB_BASE_FREE ? 2.0 : 0.0);
+  turned(v, x, k);
+  fbt_fill(x, 3, 2.0);
+  turned(w, x, k);
+  FBT_INT_EQ(fb_state_from_velocity(&body, state, v, w, NULL), FB_OK);
+  memset(&input, 0, sizeof input);
+  input.n_load = 1;
+  fbt_fill(x, 3, 5.0);
+  turned(input.load[0].force, x, k);
+  fbt_fill(x, 3, 5.0);
+  turned(input.load[0].torque, x, k);
+  prepare(which, 0.02);
+  for (int n = 0; n < 10; n++) {
+    FBT_INT_EQ(which == MIDPOINT ? fb_midpoint_step(&body, state, &implicit_work, &input, FB_R(0.02), 1)
+               : which == SDIRK  ? fb_sdirk_step(&body, state, &implicit_work, &input, &input, FB_R(0.02), 1)
+                                 : step(which, state, &input, &input, &input, 0.02),
+               FB_OK);
+  }
+}
+
+/* Section 11: no axis is better than another: the same body, motion and loads with x, y, z called y, z, x give the same
+   motion, called so, by every scheme; of the implicit ones one iteration, whose matrix leaves its trace in it. */
+TEST(schemes_know_no_axes)
+{
+  for (int k = 0; k < 2 * SCHEMES; k++) {
+    const fb_base base = k % 2 ? FB_BASE_PINNED : FB_BASE_FREE;
+    fb_state first;
+    turned_run(&first, (scheme)(k / 2), base, 0);
+    for (int turn = 1; turn < 3; turn++) {
+      const double tol = FBT_TOL(1e-12, 1e-4);
+      fb_state other;
+      fb_real y[3];
+      turned_run(&other, (scheme)(k / 2), base, turn);
+      FBT_BELOW(fbt_difference(other.q, first.q, 2), tol);
+      FBT_BELOW(fbt_difference(other.pi, first.pi, 2), tol * fbt_largest(first.pi, 2));
+      turned(y, first.rho, turn);
+      FBT_BELOW(fbt_difference(other.rho, y, 3), tol);
+      turned(y, first.quat + 1, turn);
+      FBT_BELOW(fbt_difference(other.quat + 1, y, 3), tol);
+      turned(y, first.P, turn);
+      FBT_BELOW(fbt_difference(other.P, y, 3), tol * fmax(fbt_largest(y, 3), 1.0));
+      turned(y, first.L, turn);
+      FBT_BELOW(fbt_difference(other.L, y, 3), tol * fbt_largest(y, 3));
+    }
+  }
+}
+
 /* E11.11: without a quadratic field and without strain stations the exponential scheme's limit is the same part of a turn
    at every spin. */
 TEST(the_exponential_limit_is_a_part_of_a_turn)
@@ -1390,7 +1472,7 @@ TEST(every_scheme_refuses_bad_input)
   FBT_TRUE(fb_exponential_limit(&body, 0, 0) == FB_HUGE);
 }
 
-SUITE(integrate, RUN(inputs_between_two_are_on_the_way), RUN(what_is_tiny_becomes_zero),
+SUITE(integrate, RUN(schemes_know_no_axes), RUN(inputs_between_two_are_on_the_way), RUN(what_is_tiny_becomes_zero),
       RUN(steps_are_limited_by_what_the_base_does), RUN(deflection_and_stretch_shorten_the_step),
       RUN(each_scheme_converges_at_its_order), RUN(midpoint_keeps_energy_and_momentum),
       RUN(steps_may_be_a_thousand_periods_long), RUN(steps_within_the_limit_are_stable),
