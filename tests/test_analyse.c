@@ -627,6 +627,34 @@ TEST(margins_name_the_worst_mode_wherever_it_stands)
   }
 }
 
+/* E12.6, E12.7: limits, advised steps and damping ratios follow the unit of time: modes slower by 2^20 want steps longer by
+   as much, fast, slow, damped, stiff and still ones; what stands still has no damping. */
+TEST(advised_steps_follow_the_unit_of_time)
+{
+  static const double re[4] = {-0.3, -40.0, 0.0, -0.02}, im[4] = {5.0, 0.0, 0.0, 0.7};
+  static const fb_scheme scheme[3] = {FB_SCHEME_RK4, FB_SCHEME_MIDPOINT, FB_SCHEME_SDIRK};
+  static const double accuracy[3] = {1e-2, 1e-4, 1e-6};
+  for (int k = 0; k < 9; k++) {
+    double limit[3], step[3];
+    for (int unit = 0; unit < 3; unit++) {
+      const double t = ldexp(1.0, 20 * (unit - 1));
+      memset(&spectrum, 0, sizeof spectrum);
+      spectrum.n = 4;
+      for (int i = 0; i < 4; i++) {
+        spectrum.re[i] = (fb_real)(re[i] / t);
+        spectrum.im[i] = (fb_real)(im[i] / t);
+        FBT_NEAR_ABS(fb_spectrum_damping(&spectrum, i), i == 2 ? 0.0 : -re[i] / hypot(re[i], im[i]), 4.0 * EPS);
+      }
+      limit[unit] = fmin((double)fb_spectrum_limit(&spectrum, scheme[k % 3]) / t, 1e10);
+      step[unit] =
+          (double)fb_spectrum_step(&spectrum, scheme[k % 3], NULL, (fb_real)(10.0 * t), (fb_real)accuracy[k / 3]) / t;
+      FBT_NEAR_REL(limit[unit], limit[0], 8.0 * EPS);
+      FBT_NEAR_REL(step[unit], step[0], 64.0 * EPS);
+      FBT_TRUE(step[unit] > 0.0);
+    }
+  }
+}
+
 /* E6.12, E7.2, E12.3: the blade of the NREL 5-MW turbine (nrel5mw_blade.csv, NREL/TP-500-38060; 49 stations, twisted):
    mass, first and second moment, and the clamped frequencies at rest and at 12.1 rpm against ElastoDyn's, which come
    from polynomials of one direction each and so lie somewhat higher. */
@@ -2007,7 +2035,7 @@ TEST(analysis_of_systems_refuses_bad_input)
   FBT_TRUE(memcmp(&spectrum, &before_spectrum, sizeof spectrum) == 0);
 }
 
-SUITE(analyse, RUN(linear_models_of_systems_do_not_depend_on_units),
+SUITE(analyse, RUN(advised_steps_follow_the_unit_of_time), RUN(linear_models_of_systems_do_not_depend_on_units),
       RUN(margins_name_the_worst_mode_wherever_it_stands), RUN(linear_models_do_not_depend_on_units),
       RUN(spectrum_of_a_spinning_oscillator_is_closed_form), RUN(bases_that_move_move_the_state_of_rest),
       RUN(damped_modes_have_their_ratios), RUN(free_tops_nutate_as_euler_says),
