@@ -1623,6 +1623,29 @@ TEST(shaft_whirls_as_in_closed_form)
   }
 }
 
+/* E12.4: a shaft that spins whirls on circles: in every mode each node moves along y as far as along z, a quarter turn apart. */
+TEST(whirling_shafts_move_on_circles)
+{
+  const double stiffness[6] = {0.0, 0.0, 0.0, 0.0, 1.0, 1.0}, inertia[6] = {1.0, 1.0, 1.0, 0.02, 0.01, 0.01};
+  beam(1.0, 10, stiffness, inertia);
+  desc.root = FB_END_PINNED | FB_HOLD_RX;
+  desc.tip = FB_HOLD_Y | FB_HOLD_Z;
+  input.w[0] = FB_R(5.0);
+  settle();
+  spectrum_of(4);
+  for (int k = 0; k < 4; k++) {
+    double most = 0.0;
+    for (int j = 0; j <= 10; j++) {
+      const fb_real *const re = spectrum.shape_re + 66 * k + 6 * j, *const im = spectrum.shape_im + 66 * k + 6 * j;
+      const double y = hypot((double)re[1], (double)im[1]), z = hypot((double)re[2], (double)im[2]);
+      FBT_NEAR_ABS(y, z, FBT_TOL(1e-7, 3e-2));
+      FBT_NEAR_ABS(re[1] * re[2] + im[1] * im[2], 0.0, FBT_TOL(1e-7, 3e-2));
+      most = fmax(most, y);
+    }
+    FBT_BELOW(0.1, most);
+  }
+}
+
 /* E12.4 about a steady rotation: flap and lag of the spinning cantilever. */
 TEST(spinning_cantilever_has_the_published_frequencies)
 {
@@ -2340,30 +2363,31 @@ TEST(the_check_word_of_a_mixed_beam_sees_every_byte)
   FBT_INT_EQ(beam_word() == 0, 1);
 }
 
-SUITE(mixed, RUN(one_correction_does_in_short_steps), RUN(the_check_word_of_a_mixed_beam_sees_every_byte),
-      RUN(states_that_are_not_numbers_are_refused), RUN(elastica_is_of_order_four),
-      RUN(linear_cantilevers_are_exact_at_the_nodes), RUN(tapered_rods_are_exact_at_the_nodes),
-      RUN(rigid_beams_do_not_deflect), RUN(tapered_beams_converge_fast), RUN(line_loads_are_exact_at_the_nodes),
-      RUN(points_between_nodes_lie_on_the_curve), RUN(steady_bend_of_an_arc_matches_the_published_tip),
-      RUN(steady_rotation_with_load_matches_shooting), RUN(steady_stretch_of_a_spinning_rod_is_the_closed_form),
-      RUN(steady_princeton_beam_at_all_angles), RUN(steady_openfast_cantilever_hangs_as_shooting_says),
-      RUN(offsets_of_a_section_are_those_of_the_forces), RUN(spectrum_is_that_of_the_natural_modes),
-      RUN(any_units_give_the_same_solution), RUN(any_unit_of_time_gives_the_same_frequency),
-      RUN(supports_are_those_of_the_textbook), RUN(a_beam_slides_over_its_support), RUN(newton_converges_quadratically),
-      RUN(energy_is_kept_whatever_the_step), RUN(dissipation_takes_energy_in_every_step),
-      RUN(dissipation_is_that_of_its_formula), RUN(free_flight_keeps_momentum), RUN(a_rigid_beam_has_its_inertia),
-      RUN(rigid_flight_is_straight), RUN(reactions_balance_what_acts),
-      RUN(momenta_of_a_rigid_motion_are_those_of_its_energy), RUN(steady_and_marching_agree),
-      RUN(spin_up_matches_the_exact_beam), RUN(one_element_rings_at_the_predicted_frequency),
-      RUN(a_beam_slides_out_of_a_spinning_slot), RUN(a_beam_held_twice_keeps_energy_and_place),
-      RUN(a_far_hinge_turns_as_one_at_the_root), RUN(dissipation_bears_steps_of_any_length),
-      RUN(a_pendulum_keeps_its_energy), RUN(a_lump_is_a_rigid_body), RUN(element_fields_have_their_units),
-      RUN(strain_energy_is_the_work_of_the_load), RUN(spectrum_of_a_straight_beam_is_the_textbooks),
-      RUN(spectrum_does_not_depend_on_the_count), RUN(a_body_on_a_light_beam_rings_in_closed_form),
-      RUN(bodies_swing_on_a_spinning_slide_in_closed_form), RUN(frequencies_of_a_straight_beam_are_of_order_four),
-      RUN(becks_column_flutters_at_its_load), RUN(shaft_whirls_as_in_closed_form),
-      RUN(spinning_cantilever_has_the_published_frequencies), RUN(a_free_beam_swings_as_the_exact_one),
-      RUN(columns_buckle_at_eulers_load), RUN(linear_beams_rest_where_the_beam_does),
-      RUN(equal_frequencies_are_kept_together), RUN(linear_beams_move_as_the_beam_does),
-      RUN(linear_beams_answer_at_every_frequency), RUN(linear_beams_flutter_and_whirl),
-      RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode), RUN(mixed_beam_refuses_bad_input))
+SUITE(mixed, RUN(whirling_shafts_move_on_circles), RUN(one_correction_does_in_short_steps),
+      RUN(the_check_word_of_a_mixed_beam_sees_every_byte), RUN(states_that_are_not_numbers_are_refused),
+      RUN(elastica_is_of_order_four), RUN(linear_cantilevers_are_exact_at_the_nodes),
+      RUN(tapered_rods_are_exact_at_the_nodes), RUN(rigid_beams_do_not_deflect), RUN(tapered_beams_converge_fast),
+      RUN(line_loads_are_exact_at_the_nodes), RUN(points_between_nodes_lie_on_the_curve),
+      RUN(steady_bend_of_an_arc_matches_the_published_tip), RUN(steady_rotation_with_load_matches_shooting),
+      RUN(steady_stretch_of_a_spinning_rod_is_the_closed_form), RUN(steady_princeton_beam_at_all_angles),
+      RUN(steady_openfast_cantilever_hangs_as_shooting_says), RUN(offsets_of_a_section_are_those_of_the_forces),
+      RUN(spectrum_is_that_of_the_natural_modes), RUN(any_units_give_the_same_solution),
+      RUN(any_unit_of_time_gives_the_same_frequency), RUN(supports_are_those_of_the_textbook),
+      RUN(a_beam_slides_over_its_support), RUN(newton_converges_quadratically), RUN(energy_is_kept_whatever_the_step),
+      RUN(dissipation_takes_energy_in_every_step), RUN(dissipation_is_that_of_its_formula),
+      RUN(free_flight_keeps_momentum), RUN(a_rigid_beam_has_its_inertia), RUN(rigid_flight_is_straight),
+      RUN(reactions_balance_what_acts), RUN(momenta_of_a_rigid_motion_are_those_of_its_energy),
+      RUN(steady_and_marching_agree), RUN(spin_up_matches_the_exact_beam),
+      RUN(one_element_rings_at_the_predicted_frequency), RUN(a_beam_slides_out_of_a_spinning_slot),
+      RUN(a_beam_held_twice_keeps_energy_and_place), RUN(a_far_hinge_turns_as_one_at_the_root),
+      RUN(dissipation_bears_steps_of_any_length), RUN(a_pendulum_keeps_its_energy), RUN(a_lump_is_a_rigid_body),
+      RUN(element_fields_have_their_units), RUN(strain_energy_is_the_work_of_the_load),
+      RUN(spectrum_of_a_straight_beam_is_the_textbooks), RUN(spectrum_does_not_depend_on_the_count),
+      RUN(a_body_on_a_light_beam_rings_in_closed_form), RUN(bodies_swing_on_a_spinning_slide_in_closed_form),
+      RUN(frequencies_of_a_straight_beam_are_of_order_four), RUN(becks_column_flutters_at_its_load),
+      RUN(shaft_whirls_as_in_closed_form), RUN(spinning_cantilever_has_the_published_frequencies),
+      RUN(a_free_beam_swings_as_the_exact_one), RUN(columns_buckle_at_eulers_load),
+      RUN(linear_beams_rest_where_the_beam_does), RUN(equal_frequencies_are_kept_together),
+      RUN(linear_beams_move_as_the_beam_does), RUN(linear_beams_answer_at_every_frequency),
+      RUN(linear_beams_flutter_and_whirl), RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode),
+      RUN(mixed_beam_refuses_bad_input))
