@@ -2029,6 +2029,39 @@ TEST(linear_beams_rest_where_the_beam_does)
   fbt_figure("linear model of the exact beam, answers at rest", "differences of steady states", largest);
 }
 
+/* E12.15: the linear model of a beam follows the unit of time: of a heavier one, slower by 2^-12, the eigenvalues are as much
+   less, each mode is a pair all the same, and the answer at rest is the same. */
+TEST(linear_beams_follow_the_unit_of_time)
+{
+  double re[3], im[3], rest[2][2];
+  for (int slow = 0; slow < 2; slow++) {
+    const double t = slow ? 4096.0 : 1.0, m = 2.0 * t * t;
+    const double stiffness[6] = {1e4, 3e3, 3e3, 20.0, 5.0, 7.0}, inertia[6] = {m, m, m, 0.02 * m, 0.01 * m, 0.01 * m};
+    beam(2.0, 8, stiffness, inertia);
+    load_tip(FB_AXES_INERTIAL, 0.1, 0.3, 0.2);
+    input.w[2] = (fb_real)(0.5 / t);
+    settle();
+    memset(&ports, 0, sizeof ports);
+    port(ports.in, &ports.n_in, FB_MIXED_PORT_FORCE, 8, 1, FB_AXES_BODY);
+    port(ports.in, &ports.n_in, FB_MIXED_PORT_TORQUE, 4, 2, FB_AXES_BODY);
+    port(ports.out, &ports.n_out, FB_MIXED_PORT_DISPLACEMENT, 8, 1, FB_AXES_INERTIAL);
+    FBT_INT_EQ(fb_mixed_linearize(&mixed, &linear, &linear_work, &state, &input, &ports, 3), FB_OK);
+    FBT_INT_EQ(linear.n, 6);
+    for (int k = 0; k < 3; k++) {
+      re[k] = slow ? re[k] : (double)linear.re[k];
+      im[k] = slow ? im[k] : (double)linear.im[k];
+      FBT_NEAR_ABS((double)linear.re[k] * t, re[k], FBT_TOL(1e-9, 1e-2) * im[k]);
+      FBT_NEAR_REL((double)linear.im[k] * t, im[k], FBT_TOL(1e-9, 1e-2));
+    }
+    for (int i = 0; i < 2; i++) {
+      double y[2];
+      linear_response(y, 0, i, 0.0);
+      rest[slow][i] = y[0];
+      FBT_NEAR_REL(rest[slow][i], rest[0][i], FBT_TOL(1e-7, 2e-2));
+    }
+  }
+}
+
 /* E12.15: modes of equal frequency are kept together: a beam that bends alike in both planes answers alike in both, and
    across not at all, though one mode is asked for. */
 TEST(equal_frequencies_are_kept_together)
@@ -2363,31 +2396,31 @@ TEST(the_check_word_of_a_mixed_beam_sees_every_byte)
   FBT_INT_EQ(beam_word() == 0, 1);
 }
 
-SUITE(mixed, RUN(whirling_shafts_move_on_circles), RUN(one_correction_does_in_short_steps),
-      RUN(the_check_word_of_a_mixed_beam_sees_every_byte), RUN(states_that_are_not_numbers_are_refused),
-      RUN(elastica_is_of_order_four), RUN(linear_cantilevers_are_exact_at_the_nodes),
-      RUN(tapered_rods_are_exact_at_the_nodes), RUN(rigid_beams_do_not_deflect), RUN(tapered_beams_converge_fast),
-      RUN(line_loads_are_exact_at_the_nodes), RUN(points_between_nodes_lie_on_the_curve),
-      RUN(steady_bend_of_an_arc_matches_the_published_tip), RUN(steady_rotation_with_load_matches_shooting),
-      RUN(steady_stretch_of_a_spinning_rod_is_the_closed_form), RUN(steady_princeton_beam_at_all_angles),
-      RUN(steady_openfast_cantilever_hangs_as_shooting_says), RUN(offsets_of_a_section_are_those_of_the_forces),
-      RUN(spectrum_is_that_of_the_natural_modes), RUN(any_units_give_the_same_solution),
-      RUN(any_unit_of_time_gives_the_same_frequency), RUN(supports_are_those_of_the_textbook),
-      RUN(a_beam_slides_over_its_support), RUN(newton_converges_quadratically), RUN(energy_is_kept_whatever_the_step),
-      RUN(dissipation_takes_energy_in_every_step), RUN(dissipation_is_that_of_its_formula),
-      RUN(free_flight_keeps_momentum), RUN(a_rigid_beam_has_its_inertia), RUN(rigid_flight_is_straight),
-      RUN(reactions_balance_what_acts), RUN(momenta_of_a_rigid_motion_are_those_of_its_energy),
-      RUN(steady_and_marching_agree), RUN(spin_up_matches_the_exact_beam),
-      RUN(one_element_rings_at_the_predicted_frequency), RUN(a_beam_slides_out_of_a_spinning_slot),
-      RUN(a_beam_held_twice_keeps_energy_and_place), RUN(a_far_hinge_turns_as_one_at_the_root),
-      RUN(dissipation_bears_steps_of_any_length), RUN(a_pendulum_keeps_its_energy), RUN(a_lump_is_a_rigid_body),
-      RUN(element_fields_have_their_units), RUN(strain_energy_is_the_work_of_the_load),
-      RUN(spectrum_of_a_straight_beam_is_the_textbooks), RUN(spectrum_does_not_depend_on_the_count),
-      RUN(a_body_on_a_light_beam_rings_in_closed_form), RUN(bodies_swing_on_a_spinning_slide_in_closed_form),
-      RUN(frequencies_of_a_straight_beam_are_of_order_four), RUN(becks_column_flutters_at_its_load),
-      RUN(shaft_whirls_as_in_closed_form), RUN(spinning_cantilever_has_the_published_frequencies),
-      RUN(a_free_beam_swings_as_the_exact_one), RUN(columns_buckle_at_eulers_load),
-      RUN(linear_beams_rest_where_the_beam_does), RUN(equal_frequencies_are_kept_together),
-      RUN(linear_beams_move_as_the_beam_does), RUN(linear_beams_answer_at_every_frequency),
-      RUN(linear_beams_flutter_and_whirl), RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode),
-      RUN(mixed_beam_refuses_bad_input))
+SUITE(mixed, RUN(linear_beams_follow_the_unit_of_time), RUN(whirling_shafts_move_on_circles),
+      RUN(one_correction_does_in_short_steps), RUN(the_check_word_of_a_mixed_beam_sees_every_byte),
+      RUN(states_that_are_not_numbers_are_refused), RUN(elastica_is_of_order_four),
+      RUN(linear_cantilevers_are_exact_at_the_nodes), RUN(tapered_rods_are_exact_at_the_nodes),
+      RUN(rigid_beams_do_not_deflect), RUN(tapered_beams_converge_fast), RUN(line_loads_are_exact_at_the_nodes),
+      RUN(points_between_nodes_lie_on_the_curve), RUN(steady_bend_of_an_arc_matches_the_published_tip),
+      RUN(steady_rotation_with_load_matches_shooting), RUN(steady_stretch_of_a_spinning_rod_is_the_closed_form),
+      RUN(steady_princeton_beam_at_all_angles), RUN(steady_openfast_cantilever_hangs_as_shooting_says),
+      RUN(offsets_of_a_section_are_those_of_the_forces), RUN(spectrum_is_that_of_the_natural_modes),
+      RUN(any_units_give_the_same_solution), RUN(any_unit_of_time_gives_the_same_frequency),
+      RUN(supports_are_those_of_the_textbook), RUN(a_beam_slides_over_its_support), RUN(newton_converges_quadratically),
+      RUN(energy_is_kept_whatever_the_step), RUN(dissipation_takes_energy_in_every_step),
+      RUN(dissipation_is_that_of_its_formula), RUN(free_flight_keeps_momentum), RUN(a_rigid_beam_has_its_inertia),
+      RUN(rigid_flight_is_straight), RUN(reactions_balance_what_acts),
+      RUN(momenta_of_a_rigid_motion_are_those_of_its_energy), RUN(steady_and_marching_agree),
+      RUN(spin_up_matches_the_exact_beam), RUN(one_element_rings_at_the_predicted_frequency),
+      RUN(a_beam_slides_out_of_a_spinning_slot), RUN(a_beam_held_twice_keeps_energy_and_place),
+      RUN(a_far_hinge_turns_as_one_at_the_root), RUN(dissipation_bears_steps_of_any_length),
+      RUN(a_pendulum_keeps_its_energy), RUN(a_lump_is_a_rigid_body), RUN(element_fields_have_their_units),
+      RUN(strain_energy_is_the_work_of_the_load), RUN(spectrum_of_a_straight_beam_is_the_textbooks),
+      RUN(spectrum_does_not_depend_on_the_count), RUN(a_body_on_a_light_beam_rings_in_closed_form),
+      RUN(bodies_swing_on_a_spinning_slide_in_closed_form), RUN(frequencies_of_a_straight_beam_are_of_order_four),
+      RUN(becks_column_flutters_at_its_load), RUN(shaft_whirls_as_in_closed_form),
+      RUN(spinning_cantilever_has_the_published_frequencies), RUN(a_free_beam_swings_as_the_exact_one),
+      RUN(columns_buckle_at_eulers_load), RUN(linear_beams_rest_where_the_beam_does),
+      RUN(equal_frequencies_are_kept_together), RUN(linear_beams_move_as_the_beam_does),
+      RUN(linear_beams_answer_at_every_frequency), RUN(linear_beams_flutter_and_whirl),
+      RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode), RUN(mixed_beam_refuses_bad_input))
