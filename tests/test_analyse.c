@@ -627,6 +627,34 @@ TEST(margins_name_the_worst_mode_wherever_it_stands)
   }
 }
 
+/* E12.6, E12.7: limits, advised steps and damping ratios follow the unit of time: modes slower by 2^20 want steps longer by
+   as much, fast, slow, damped, stiff and still ones; what stands still has no damping. */
+TEST(advised_steps_follow_the_unit_of_time)
+{
+  static const double re[4] = {-0.3, -40.0, 0.0, -0.02}, im[4] = {5.0, 0.0, 0.0, 0.7};
+  static const fb_scheme scheme[3] = {FB_SCHEME_RK4, FB_SCHEME_MIDPOINT, FB_SCHEME_SDIRK};
+  static const double accuracy[3] = {1e-2, 1e-4, 1e-6};
+  for (int k = 0; k < 9; k++) {
+    double limit[3], step[3];
+    for (int unit = 0; unit < 3; unit++) {
+      const double t = ldexp(1.0, 20 * (unit - 1));
+      memset(&spectrum, 0, sizeof spectrum);
+      spectrum.n = 4;
+      for (int i = 0; i < 4; i++) {
+        spectrum.re[i] = (fb_real)(re[i] / t);
+        spectrum.im[i] = (fb_real)(im[i] / t);
+        FBT_NEAR_ABS(fb_spectrum_damping(&spectrum, i), i == 2 ? 0.0 : -re[i] / hypot(re[i], im[i]), 4.0 * EPS);
+      }
+      limit[unit] = fmin((double)fb_spectrum_limit(&spectrum, scheme[k % 3]) / t, 1e10);
+      step[unit] =
+          (double)fb_spectrum_step(&spectrum, scheme[k % 3], NULL, (fb_real)(10.0 * t), (fb_real)accuracy[k / 3]) / t;
+      FBT_NEAR_REL(limit[unit], limit[0], 8.0 * EPS);
+      FBT_NEAR_REL(step[unit], step[0], 64.0 * EPS);
+      FBT_TRUE(step[unit] > 0.0);
+    }
+  }
+}
+
 /* E6.12, E7.2, E12.3: the blade of the NREL 5-MW turbine (nrel5mw_blade.csv, NREL/TP-500-38060; 49 stations, twisted):
    mass, first and second moment, and the clamped frequencies at rest and at 12.1 rpm against ElastoDyn's, which come
    from polynomials of one direction each and so lie somewhat higher. */
@@ -1600,6 +1628,32 @@ TEST(linear_models_of_systems_do_not_depend_on_units)
   }
 }
 
+/* E12.8: two free bodies on a sprung slide, pulled apart by F, rest with the spring F/k longer, however they are turned: what
+   pushes each is much, what pushes both is nothing. One of the pulls alone is no rest. */
+TEST(pulled_apart_free_bodies_rest)
+{
+  for (int run = 0; run < 6; run++) {
+    const double k = 50.0, F = 4.0;
+    fb_joint_desc *slide;
+    fresh();
+    rigid_part(0, 3.0, 0.0, 0.5, 0.6, 0.7, 0.0);
+    rigid_part(1, 2.0, 0.0, 0.3, 0.4, 0.2, 0.0);
+    (void)hang(0, 0, FB_JOINT_FREE, FB_GROUND);
+    slide = hang(1, 1, FB_JOINT_PRISMATIC, 0);
+    slide->stiffness[0] = (fb_real)k;
+    frame_turn(start[0].quat, 0.3 * run, -0.5, 0.2 * run);
+    drive.n_load = run < 5 ? 2 : 1;
+    for (int i = 0; i < 2; i++) {
+      drive.load[i].body = i;
+      drive.load[i].load.axes = FB_AXES_BODY;
+      drive.load[i].load.force[2] = (fb_real)(i ? F : -F);
+    }
+    build();
+    FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), run < 5 ? FB_OK : FB_ERR_KIND);
+    FBT_TRUE(run == 5 || fabs((double)tree_state.link[1].x[0] - F / k) < FBT_TOL(1e-12, 1e-6));
+  }
+}
+
 /* Section 12: what cannot be linearized is refused, the state kept. */
 TEST(analysis_refuses_bad_input)
 {
@@ -2007,15 +2061,15 @@ TEST(analysis_of_systems_refuses_bad_input)
   FBT_TRUE(memcmp(&spectrum, &before_spectrum, sizeof spectrum) == 0);
 }
 
-SUITE(analyse, RUN(linear_models_of_systems_do_not_depend_on_units),
-      RUN(margins_name_the_worst_mode_wherever_it_stands), RUN(linear_models_do_not_depend_on_units),
-      RUN(spectrum_of_a_spinning_oscillator_is_closed_form), RUN(bases_that_move_move_the_state_of_rest),
-      RUN(damped_modes_have_their_ratios), RUN(free_tops_nutate_as_euler_says),
-      RUN(equal_inertias_spin_about_any_of_their_axes), RUN(a_weight_across_the_axis_is_no_rest),
-      RUN(a_hinge_turns_what_spins_about_no_axis_of_its_own), RUN(damped_spinning_satellite_has_its_closed_form),
-      RUN(linear_models_answer_as_the_body_does), RUN(step_limits_are_those_of_the_spectrum),
-      RUN(step_limits_hold_for_modes_that_grow), RUN(advised_steps_err_as_wanted),
-      RUN(advised_steps_bear_stiff_damping), RUN(advice_resolves_modes_that_die_out),
+SUITE(analyse, RUN(pulled_apart_free_bodies_rest), RUN(advised_steps_follow_the_unit_of_time),
+      RUN(linear_models_of_systems_do_not_depend_on_units), RUN(margins_name_the_worst_mode_wherever_it_stands),
+      RUN(linear_models_do_not_depend_on_units), RUN(spectrum_of_a_spinning_oscillator_is_closed_form),
+      RUN(bases_that_move_move_the_state_of_rest), RUN(damped_modes_have_their_ratios),
+      RUN(free_tops_nutate_as_euler_says), RUN(equal_inertias_spin_about_any_of_their_axes),
+      RUN(a_weight_across_the_axis_is_no_rest), RUN(a_hinge_turns_what_spins_about_no_axis_of_its_own),
+      RUN(damped_spinning_satellite_has_its_closed_form), RUN(linear_models_answer_as_the_body_does),
+      RUN(step_limits_are_those_of_the_spectrum), RUN(step_limits_hold_for_modes_that_grow),
+      RUN(advised_steps_err_as_wanted), RUN(advised_steps_bear_stiff_damping), RUN(advice_resolves_modes_that_die_out),
       RUN(nrel_blade_has_the_published_figures), RUN(hinged_blades_flap_and_lag_in_closed_form),
       RUN(blades_cone_under_a_moment), RUN(bases_that_are_pushed_have_no_state_of_rest),
       RUN(double_pendulum_swings_in_closed_form), RUN(a_free_body_is_a_system_of_one),

@@ -749,6 +749,88 @@ TEST(iterations_are_newtons)
   }
 }
 
+/* x along the axes by k cyclically: x to y to z. */
+static void turned(fb_real y[3], const fb_real x[3], int k)
+{
+  for (int i = 0; i < 3; i++) {
+    y[(i + k) % 3] = x[i];
+  }
+}
+
+/* Random particles on springs, in a frame of which every axis is the next but k; a free or pinned body that drifts, spins and
+   is pushed, after ten steps. */
+static void turned_run(fb_state *state, scheme which, fb_base base, int k)
+{
+  fb_real x[3], y[3], psi[6], moved[6], v[3], w[3];
+  fb_input input;
+  fbt_seed(11);
+  FBT_INT_EQ(fb_shape_init(&shape, 2), FB_OK);
+  for (int m = 0; m < 5; m++) {
+    fbt_fill(x, 3, 1.0);
+    fbt_fill(psi, 6, 0.3);
+    turned(y, x, k);
+    turned(moved, psi, k);
+    turned(moved + 3, psi + 3, k);
+    FBT_INT_EQ(fb_shape_add_particle(&shape, FB_R(0.5) + (fb_real)m, y, moved, NULL), FB_OK);
+  }
+  shape.K[0] = FB_R(60.0);
+  shape.K[1] = shape.K[2] = FB_R(5.0);
+  shape.K[3] = FB_R(40.0);
+  memset(&body_desc, 0, sizeof body_desc);
+  body_desc.effects = FB_EFFECTS_SPIN | FB_EFFECT_RESIDUAL_INERTIA;
+  body_desc.base = base;
+  body_desc.deflection_limit = FB_R(10.0);
+  body_desc.allow_split_effects = body_desc.allow_long_step = 1;
+  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &body_desc), FB_OK);
+  FBT_INT_EQ(fb_state_init(&body, state), FB_OK);
+  fbt_fill(state->q, 2, 0.3);
+  fbt_fill(x, 3, base == FB_BASE_FREE ? 2.0 : 0.0);
+  turned(v, x, k);
+  fbt_fill(x, 3, 2.0);
+  turned(w, x, k);
+  FBT_INT_EQ(fb_state_from_velocity(&body, state, v, w, NULL), FB_OK);
+  memset(&input, 0, sizeof input);
+  input.n_load = 1;
+  fbt_fill(x, 3, 5.0);
+  turned(input.load[0].force, x, k);
+  fbt_fill(x, 3, 5.0);
+  turned(input.load[0].torque, x, k);
+  prepare(which, 0.02);
+  for (int n = 0; n < 10; n++) {
+    FBT_INT_EQ(which == MIDPOINT ? fb_midpoint_step(&body, state, &implicit_work, &input, FB_R(0.02), 1)
+               : which == SDIRK  ? fb_sdirk_step(&body, state, &implicit_work, &input, &input, FB_R(0.02), 1)
+                                 : step(which, state, &input, &input, &input, 0.02),
+               FB_OK);
+  }
+}
+
+/* Section 11: no axis is better than another: the same body, motion and loads with x, y, z called y, z, x give the same
+   motion, called so, by every scheme; of the implicit ones one iteration, whose matrix leaves its trace in it. */
+TEST(schemes_know_no_axes)
+{
+  for (int k = 0; k < 2 * SCHEMES; k++) {
+    const fb_base base = k % 2 ? FB_BASE_PINNED : FB_BASE_FREE;
+    fb_state first;
+    turned_run(&first, (scheme)(k / 2), base, 0);
+    for (int turn = 1; turn < 3; turn++) {
+      const double tol = FBT_TOL(1e-12, 1e-4);
+      fb_state other;
+      fb_real y[3];
+      turned_run(&other, (scheme)(k / 2), base, turn);
+      FBT_BELOW(fbt_difference(other.q, first.q, 2), tol);
+      FBT_BELOW(fbt_difference(other.pi, first.pi, 2), tol * fbt_largest(first.pi, 2));
+      turned(y, first.rho, turn);
+      FBT_BELOW(fbt_difference(other.rho, y, 3), tol);
+      turned(y, first.quat + 1, turn);
+      FBT_BELOW(fbt_difference(other.quat + 1, y, 3), tol);
+      turned(y, first.P, turn);
+      FBT_BELOW(fbt_difference(other.P, y, 3), tol * fmax(fbt_largest(y, 3), 1.0));
+      turned(y, first.L, turn);
+      FBT_BELOW(fbt_difference(other.L, y, 3), tol * fbt_largest(y, 3));
+    }
+  }
+}
+
 /* E11.11: without a quadratic field and without strain stations the exponential scheme's limit is the same part of a turn
    at every spin. */
 TEST(the_exponential_limit_is_a_part_of_a_turn)
@@ -978,6 +1060,99 @@ TEST(steps_are_limited_by_what_the_base_does)
       FBT_TRUE(!is_too_long(which, &state, &input, fmin(limit, 1e3) * (1.0 - part)));
       FBT_TRUE(limit > 1e3 || is_too_long(which, &state, &input, limit * (1.0 + part)));
     }
+  }
+}
+
+/* E11.2: momenta and coordinates below FB_TINY are zero after a step of any scheme, of a body and of a system, every one of
+   them; momenta above stay as they are. */
+TEST(what_is_tiny_becomes_zero)
+{
+  static fb_system_desc tree;
+  static fb_system system;
+  static fb_system_work system_work;
+  static fb_system_state tree_state;
+  boom(FB_EFFECTS_LINEAR, FB_BASE_FREE, 1, 1, 0, 0.0);
+  tree.n_body = 1;
+  tree.joint[0].kind = FB_JOINT_FREE;
+  tree.joint[0].parent = FB_GROUND;
+  FBT_INT_EQ(fb_system_init(&system, &system_work, &body, 1, &tree), FB_OK);
+  for (int k = 0; k < 2 * (SCHEMES + 2); k++) {
+    const int which = k / 2, above = k % 2;
+    const fb_real size = (above ? FB_R(4.0) : FB_R(0.25)) * FB_TINY;
+    fb_state state;
+    fb_link_state *const link = &tree_state.link[0];
+    const fb_real *const P = which < SCHEMES ? state.P : link->p, *const L = which < SCHEMES ? state.L : link->p + 3;
+    const fb_real *const q = which < SCHEMES ? state.q : link->q, *const pi = which < SCHEMES ? state.pi : link->pi;
+    FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+    FBT_INT_EQ(fb_system_state_init(&system, &body, &system_work, &tree_state, NULL, NULL), FB_OK);
+    for (int i = 0; i < 3; i++) {
+      state.P[i] = state.L[i] = link->p[i] = link->p[3 + i] = size;
+    }
+    for (int a = 0; a < body.n && !above; a++) {
+      state.q[a] = state.pi[a] = link->q[a] = link->pi[a] = size * FB_R(1e-3); /* they swing by 100/s */
+    }
+    if (which < SCHEMES) {
+      prepare((scheme)which, 1e-3);
+      FBT_INT_EQ(step((scheme)which, &state, NULL, NULL, NULL, 1e-3), FB_OK);
+    } else {
+      FBT_INT_EQ(which == SCHEMES
+                     ? fb_system_rk4_step(&system, &body, &tree_state, &system_work, NULL, NULL, NULL, FB_R(1e-3))
+                     : fb_system_sdirk_step(&system, &body, &tree_state, &system_work, NULL, NULL, FB_R(1e-3), 0),
+                 FB_OK);
+    }
+    for (int i = 0; i < 3; i++) {
+      FBT_NEAR_REL(P[i], above ? size : FB_R(0.0), 8.0 * (double)FB_EPSILON);
+      FBT_NEAR_REL(L[i], above ? size : FB_R(0.0), 8.0 * (double)FB_EPSILON);
+    }
+    FBT_TRUE(above || (fbt_largest(q, body.n) == 0.0 && fbt_largest(pi, body.n) == 0.0));
+  }
+}
+
+/* What moves a given base, with its rates, and loads at two nodes, all along every axis, at time t. */
+static void drive_all(fb_input *input, double t)
+{
+  memset(input, 0, sizeof *input);
+  input->n_load = 2;
+  input->load[1].node = 1;
+  input->load[1].axes = FB_AXES_BODY;
+  for (int i = 0; i < 3; i++) {
+    const double f = 2.0 + i, phase = 0.7 * i, up = sin(f * t + phase), rate = f * cos(f * t + phase);
+    input->v[i] = (fb_real)(3.0 * up);
+    input->v_dot[i] = (fb_real)(3.0 * rate);
+    input->w[i] = (fb_real)(0.5 * up);
+    input->w_dot[i] = (fb_real)(0.5 * rate);
+    input->load[0].force[i] = input->load[1].force[i] = (fb_real)(8.0 * rate);
+    input->load[0].torque[i] = input->load[1].torque[i] = (fb_real)(8.0 * up);
+  }
+}
+
+/* E11.8: between two inputs all of them are what they are on the way from one to the other: SDIRK in every form arrives
+   where rk4 does, which is given the middle, too, but for the square of the step. */
+TEST(inputs_between_two_are_on_the_way)
+{
+  for (int form = 0; form < 3; form++) {
+    double apart[2];
+    strained(FB_BASE_PRESCRIBED, (fb_form)form, 1e4, 0);
+    for (int run = 0; run < 2; run++) {
+      const int steps = 200 << run;
+      const double dt = 0.2 / steps;
+      fb_state state, fine;
+      fb_input in[3];
+      drive_all(&in[0], 0.0);
+      FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+      FBT_INT_EQ(fb_state_from_velocity(&body, &state, in[0].v, in[0].w, NULL), FB_OK);
+      fine = state;
+      for (int k = 0; k < steps; k++) {
+        for (int i = 0; i < 3; i++) {
+          drive_all(&in[i], dt * (k + 0.5 * i));
+        }
+        FBT_INT_EQ(step(SDIRK, &state, &in[0], &in[1], &in[2], dt), FB_OK);
+        FBT_INT_EQ(step(RK4, &fine, &in[0], &in[1], &in[2], dt), FB_OK);
+      }
+      apart[run] = fbt_difference(state.q, fine.q, body.n);
+    }
+    FBT_NEAR_ABS(log2(apart[0] / apart[1]), 2.0, 0.1);
+    FBT_BELOW(apart[1], 1e-5);
   }
 }
 
@@ -1297,7 +1472,8 @@ TEST(every_scheme_refuses_bad_input)
   FBT_TRUE(fb_exponential_limit(&body, 0, 0) == FB_HUGE);
 }
 
-SUITE(integrate, RUN(steps_are_limited_by_what_the_base_does), RUN(deflection_and_stretch_shorten_the_step),
+SUITE(integrate, RUN(schemes_know_no_axes), RUN(inputs_between_two_are_on_the_way), RUN(what_is_tiny_becomes_zero),
+      RUN(steps_are_limited_by_what_the_base_does), RUN(deflection_and_stretch_shorten_the_step),
       RUN(each_scheme_converges_at_its_order), RUN(midpoint_keeps_energy_and_momentum),
       RUN(steps_may_be_a_thousand_periods_long), RUN(steps_within_the_limit_are_stable),
       RUN(implicit_schemes_do_not_mind_drift), RUN(iterations_are_newtons),

@@ -1083,6 +1083,34 @@ static void pluck(double dissipation)
   input.n_load = 0;
 }
 
+/* E11.20: the first guess of a step is extrapolated from the three before it: of a motion whose fastest part takes some
+   hundred steps one correction is small, and enough; not so of the first step. */
+TEST(one_correction_does_in_short_steps)
+{
+  const double stiffness[6] = {50.0, 30.0, 30.0, 1.0, 1.0, 2.0}, inertia[6] = {1.0, 1.0, 1.0, 0.1, 0.05, 0.05};
+  static fb_mixed_state many;
+  static fb_mixed one;
+  const fb_real dt = FBT_TOL(FB_R(5e-5), FB_R(1e-3));
+  beam(1.0, 2, stiffness, inertia);
+  load_tip(FB_AXES_INERTIAL, 0.3, 0.2, 0.4);
+  settle();
+  input.n_load = 0;
+  desc.iterations = 1;
+  FBT_INT_EQ(fb_mixed_init(&one, &desc), FB_OK);
+  FBT_INT_EQ(fb_mixed_step(&one, &state, &work, &input, FB_R(0.01)), FB_ERR_CONVERGENCE);
+  for (int k = 0; k < 10; k++) {
+    FBT_INT_EQ(fb_mixed_step(&mixed, &state, &work, &input, dt), FB_OK);
+  }
+  many = state;
+  for (int k = 0; k < 100; k++) {
+    FBT_INT_EQ(fb_mixed_step(&one, &state, &work, &input, dt), FB_OK);
+    FBT_INT_EQ(fb_mixed_step(&mixed, &many, &work, &input, dt), FB_OK);
+  }
+  FBT_BELOW(fbt_difference(state.V[0], many.V[0], 18), FBT_TOL(1e-10, 1e-4) * fbt_largest(many.V[0], 18));
+  FBT_BELOW(fbt_difference(state.stress[0], many.stress[0], 12),
+            FBT_TOL(1e-10, 1e-4) * fbt_largest(many.stress[0], 12));
+}
+
 /* E10.8, E10.13, E11.20: 10000 steps of free vibration, the fast part of it unresolved. */
 TEST(energy_is_kept_whatever_the_step)
 {
@@ -1917,6 +1945,29 @@ TEST(shaft_whirls_as_in_closed_form)
   }
 }
 
+/* E12.4: a shaft that spins whirls on circles: in every mode each node moves along y as far as along z, a quarter turn apart. */
+TEST(whirling_shafts_move_on_circles)
+{
+  const double stiffness[6] = {0.0, 0.0, 0.0, 0.0, 1.0, 1.0}, inertia[6] = {1.0, 1.0, 1.0, 0.02, 0.01, 0.01};
+  beam(1.0, 10, stiffness, inertia);
+  desc.root = FB_END_PINNED | FB_HOLD_RX;
+  desc.tip = FB_HOLD_Y | FB_HOLD_Z;
+  input.w[0] = FB_R(5.0);
+  settle();
+  spectrum_of(4);
+  for (int k = 0; k < 4; k++) {
+    double most = 0.0;
+    for (int j = 0; j <= 10; j++) {
+      const fb_real *const re = spectrum.shape_re + 66 * k + 6 * j, *const im = spectrum.shape_im + 66 * k + 6 * j;
+      const double y = hypot((double)re[1], (double)im[1]), z = hypot((double)re[2], (double)im[2]);
+      FBT_NEAR_ABS(y, z, FBT_TOL(1e-7, 3e-2));
+      FBT_NEAR_ABS(re[1] * re[2] + im[1] * im[2], 0.0, FBT_TOL(1e-7, 3e-2));
+      most = fmax(most, y);
+    }
+    FBT_BELOW(0.1, most);
+  }
+}
+
 /* E12.4 about a steady rotation: flap and lag of the spinning cantilever. */
 TEST(spinning_cantilever_has_the_published_frequencies)
 {
@@ -2172,10 +2223,11 @@ static void linear_case(int which, int n)
   port(ports.out, &ports.n_out, FB_MIXED_PORT_ROTATION, n, 2, FB_AXES_INERTIAL);
   port(ports.out, &ports.n_out, FB_MIXED_PORT_VELOCITY, n / 3, 1, FB_AXES_INERTIAL);
   port(ports.out, &ports.n_out, FB_MIXED_PORT_RATE, n - 2, 1, FB_AXES_INERTIAL);
-  port(ports.out, &ports.n_out, FB_MIXED_PORT_INTERNAL_FORCE, 2, 1, FB_AXES_INERTIAL);
-  port(ports.out, &ports.n_out, FB_MIXED_PORT_INTERNAL_MOMENT, 3, 2, FB_AXES_INERTIAL);
-  port(ports.out, &ports.n_out, FB_MIXED_PORT_FORCE_STRAIN, 3, 0, FB_AXES_INERTIAL);
-  port(ports.out, &ports.n_out, FB_MIXED_PORT_MOMENT_STRAIN, n - 4, 1, FB_AXES_INERTIAL);
+  /* loads and strains along every axis in some case */
+  port(ports.out, &ports.n_out, FB_MIXED_PORT_INTERNAL_FORCE, 2, (1 + which) % 3, FB_AXES_INERTIAL);
+  port(ports.out, &ports.n_out, FB_MIXED_PORT_INTERNAL_MOMENT, 3, (2 + which) % 3, FB_AXES_INERTIAL);
+  port(ports.out, &ports.n_out, FB_MIXED_PORT_FORCE_STRAIN, 3, which % 3, FB_AXES_INERTIAL);
+  port(ports.out, &ports.n_out, FB_MIXED_PORT_MOMENT_STRAIN, n - 4, (1 + which) % 3, FB_AXES_INERTIAL);
 }
 
 /* What the output reads of the state. */
@@ -2297,6 +2349,39 @@ TEST(linear_beams_rest_where_the_beam_does)
     }
   }
   fbt_figure("linear model of the exact beam, answers at rest", "differences of steady states", largest);
+}
+
+/* E12.15: the linear model of a beam follows the unit of time: of a heavier one, slower by 2^-12, the eigenvalues are as much
+   less, each mode is a pair all the same, and the answer at rest is the same. */
+TEST(linear_beams_follow_the_unit_of_time)
+{
+  double re[3], im[3], rest[2][2];
+  for (int slow = 0; slow < 2; slow++) {
+    const double t = slow ? 4096.0 : 1.0, m = 2.0 * t * t;
+    const double stiffness[6] = {1e4, 3e3, 3e3, 20.0, 5.0, 7.0}, inertia[6] = {m, m, m, 0.02 * m, 0.01 * m, 0.01 * m};
+    beam(2.0, 8, stiffness, inertia);
+    load_tip(FB_AXES_INERTIAL, 0.1, 0.3, 0.2);
+    input.w[2] = (fb_real)(0.5 / t);
+    settle();
+    memset(&ports, 0, sizeof ports);
+    port(ports.in, &ports.n_in, FB_MIXED_PORT_FORCE, 8, 1, FB_AXES_BODY);
+    port(ports.in, &ports.n_in, FB_MIXED_PORT_TORQUE, 4, 2, FB_AXES_BODY);
+    port(ports.out, &ports.n_out, FB_MIXED_PORT_DISPLACEMENT, 8, 1, FB_AXES_INERTIAL);
+    FBT_INT_EQ(fb_mixed_linearize(&mixed, &linear, &linear_work, &state, &input, &ports, 3), FB_OK);
+    FBT_INT_EQ(linear.n, 6);
+    for (int k = 0; k < 3; k++) {
+      re[k] = slow ? re[k] : (double)linear.re[k];
+      im[k] = slow ? im[k] : (double)linear.im[k];
+      FBT_NEAR_ABS((double)linear.re[k] * t, re[k], FBT_TOL(1e-9, 1e-2) * im[k]);
+      FBT_NEAR_REL((double)linear.im[k] * t, im[k], FBT_TOL(1e-9, 1e-2));
+    }
+    for (int i = 0; i < 2; i++) {
+      double y[2];
+      linear_response(y, 0, i, 0.0);
+      rest[slow][i] = y[0];
+      FBT_NEAR_REL(rest[slow][i], rest[0][i], FBT_TOL(1e-7, 2e-2));
+    }
+  }
 }
 
 /* E12.15: modes of equal frequency are kept together: a beam that bends alike in both planes answers alike in both, and
@@ -2633,15 +2718,16 @@ TEST(the_check_word_of_a_mixed_beam_sees_every_byte)
   FBT_INT_EQ(beam_word() == 0, 1);
 }
 
-SUITE(mixed, RUN(the_check_word_of_a_mixed_beam_sees_every_byte), RUN(states_that_are_not_numbers_are_refused),
-      RUN(elastica_is_of_order_four), RUN(linear_cantilevers_are_exact_at_the_nodes),
-      RUN(tapered_rods_are_exact_at_the_nodes), RUN(rigid_beams_do_not_deflect), RUN(tapered_beams_converge_fast),
-      RUN(line_loads_are_exact_at_the_nodes), RUN(points_between_nodes_lie_on_the_curve),
-      RUN(steady_bend_of_an_arc_matches_the_published_tip), RUN(steady_rotation_with_load_matches_shooting),
-      RUN(steady_stretch_of_a_spinning_rod_is_the_closed_form), RUN(steady_princeton_beam_at_all_angles),
-      RUN(steady_openfast_cantilever_hangs_as_shooting_says), RUN(offsets_of_a_section_are_those_of_the_forces),
-      RUN(spectrum_is_that_of_the_natural_modes), RUN(twist_is_that_of_the_stations),
-      RUN(sections_below_zero_are_refused), RUN(curves_are_those_of_the_stations),
+SUITE(mixed, RUN(linear_beams_follow_the_unit_of_time), RUN(whirling_shafts_move_on_circles),
+      RUN(one_correction_does_in_short_steps), RUN(the_check_word_of_a_mixed_beam_sees_every_byte),
+      RUN(states_that_are_not_numbers_are_refused), RUN(elastica_is_of_order_four),
+      RUN(linear_cantilevers_are_exact_at_the_nodes), RUN(tapered_rods_are_exact_at_the_nodes),
+      RUN(rigid_beams_do_not_deflect), RUN(tapered_beams_converge_fast), RUN(line_loads_are_exact_at_the_nodes),
+      RUN(points_between_nodes_lie_on_the_curve), RUN(steady_bend_of_an_arc_matches_the_published_tip),
+      RUN(steady_rotation_with_load_matches_shooting), RUN(steady_stretch_of_a_spinning_rod_is_the_closed_form),
+      RUN(steady_princeton_beam_at_all_angles), RUN(steady_openfast_cantilever_hangs_as_shooting_says),
+      RUN(offsets_of_a_section_are_those_of_the_forces), RUN(spectrum_is_that_of_the_natural_modes),
+      RUN(twist_is_that_of_the_stations), RUN(sections_below_zero_are_refused), RUN(curves_are_those_of_the_stations),
       RUN(a_beam_is_the_same_however_it_is_seen), RUN(loads_on_tapered_lines_are_exact_at_the_nodes),
       RUN(any_units_give_the_same_solution), RUN(any_unit_of_time_gives_the_same_frequency),
       RUN(supports_are_those_of_the_textbook), RUN(a_beam_slides_over_its_support), RUN(newton_converges_quadratically),
