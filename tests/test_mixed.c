@@ -295,6 +295,21 @@ TEST(points_between_nodes_lie_on_the_curve)
   }
 }
 
+/* E10.12: between nodes, too, a cantilever under a small force F at its tip has turned by F (L x - x^2/2)/EI. */
+TEST(turns_between_nodes_are_those_of_a_cantilever)
+{
+  const double f = FBT_TOL(1e-6, 1e-2);
+  elastica(2);
+  load_tip(FB_AXES_INERTIAL, 0.0, f, 0.0);
+  settle();
+  for (int k = 1; k <= 8; k++) {
+    const double x = k / 8.0;
+    fb_real p[3], q[4];
+    FBT_INT_EQ(fb_mixed_point_eval(&mixed, p, q, &state, (fb_real)x), FB_OK);
+    FBT_NEAR_REL(2.0 * atan2((double)q[3], (double)q[0]), f * (x - 0.5 * x * x), FBT_TOL(1e-6, 1e-3));
+  }
+}
+
 /* E10.11: the 45-degree bend against a shooting solution and the published tip. */
 TEST(steady_bend_of_an_arc_matches_the_published_tip)
 {
@@ -2718,16 +2733,17 @@ TEST(the_check_word_of_a_mixed_beam_sees_every_byte)
   FBT_INT_EQ(beam_word() == 0, 1);
 }
 
-SUITE(mixed, RUN(linear_beams_follow_the_unit_of_time), RUN(whirling_shafts_move_on_circles),
-      RUN(one_correction_does_in_short_steps), RUN(the_check_word_of_a_mixed_beam_sees_every_byte),
-      RUN(states_that_are_not_numbers_are_refused), RUN(elastica_is_of_order_four),
-      RUN(linear_cantilevers_are_exact_at_the_nodes), RUN(tapered_rods_are_exact_at_the_nodes),
-      RUN(rigid_beams_do_not_deflect), RUN(tapered_beams_converge_fast), RUN(line_loads_are_exact_at_the_nodes),
-      RUN(points_between_nodes_lie_on_the_curve), RUN(steady_bend_of_an_arc_matches_the_published_tip),
-      RUN(steady_rotation_with_load_matches_shooting), RUN(steady_stretch_of_a_spinning_rod_is_the_closed_form),
-      RUN(steady_princeton_beam_at_all_angles), RUN(steady_openfast_cantilever_hangs_as_shooting_says),
-      RUN(offsets_of_a_section_are_those_of_the_forces), RUN(spectrum_is_that_of_the_natural_modes),
-      RUN(twist_is_that_of_the_stations), RUN(sections_below_zero_are_refused), RUN(curves_are_those_of_the_stations),
+SUITE(mixed, RUN(turns_between_nodes_are_those_of_a_cantilever), RUN(linear_beams_follow_the_unit_of_time),
+      RUN(whirling_shafts_move_on_circles), RUN(one_correction_does_in_short_steps),
+      RUN(the_check_word_of_a_mixed_beam_sees_every_byte), RUN(states_that_are_not_numbers_are_refused),
+      RUN(elastica_is_of_order_four), RUN(linear_cantilevers_are_exact_at_the_nodes),
+      RUN(tapered_rods_are_exact_at_the_nodes), RUN(rigid_beams_do_not_deflect), RUN(tapered_beams_converge_fast),
+      RUN(line_loads_are_exact_at_the_nodes), RUN(points_between_nodes_lie_on_the_curve),
+      RUN(steady_bend_of_an_arc_matches_the_published_tip), RUN(steady_rotation_with_load_matches_shooting),
+      RUN(steady_stretch_of_a_spinning_rod_is_the_closed_form), RUN(steady_princeton_beam_at_all_angles),
+      RUN(steady_openfast_cantilever_hangs_as_shooting_says), RUN(offsets_of_a_section_are_those_of_the_forces),
+      RUN(spectrum_is_that_of_the_natural_modes), RUN(twist_is_that_of_the_stations),
+      RUN(sections_below_zero_are_refused), RUN(curves_are_those_of_the_stations),
       RUN(a_beam_is_the_same_however_it_is_seen), RUN(loads_on_tapered_lines_are_exact_at_the_nodes),
       RUN(any_units_give_the_same_solution), RUN(any_unit_of_time_gives_the_same_frequency),
       RUN(supports_are_those_of_the_textbook), RUN(a_beam_slides_over_its_support), RUN(newton_converges_quadratically),
