@@ -1,7 +1,7 @@
 /* Section 5: LU, Cholesky, symmetric and generalized eigenvalues. Residuals are sums in long double, in units of the
    epsilon of fb_real. Graded: D1 A D2 with diagonals of powers of two from 1 to 1e-6 in random order, so that row
-   and column scaling together raise the condition number by 1e12, the same in both precisions (LU in double: columns
-   to 1e-12, condition 1e18). */
+   and column scaling together raise the condition number by 1e12, the same in both precisions (LU: columns to 1e-18, single
+   precision 1e-9: beyond rounding). */
 #include "fbt.h"
 
 #define EPS FBT_TOL(2.2204460492503131e-16, 1.19209290e-7)
@@ -144,7 +144,7 @@ TEST(lu_solves_random_graded_and_refuses_singular_matrices)
       fbt_fill(A, n * n, 1.0);
       fbt_fill(b, n, 1.0);
       grading_random(D1, n, trial % 2 ? 20 : 0);
-      grading_random(D2, n, trial % 2 ? (int)FBT_TOL(40, 20) : 0);
+      grading_random(D2, n, trial % 2 ? (int)FBT_TOL(60, 30) : 0);
       matrix_scale(A, D1, D2, n);
       copy(F, A, n * n);
       FBT_INT_EQ(fb_lu_factor(F, perm, scratch, n), FB_OK);
