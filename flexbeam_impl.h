@@ -6967,7 +6967,7 @@ static int fbi_lambda_is_sound(const fb_body *body)
     sound = fbi_is_finite(&t->c, 1) && t->b < body->n && (constant ? t->a == 0 : t->a >= 1 && t->a <= body->n) &&
             (constant ? (k < body->n_linear_constant) == (t->i < 3) && t->i < 6
                       : row < body->n_row && t->i == body->lambda_row[row].i &&
-                            (k < body->n_lambda_constant + body->n_linear) == (t->i < 3) && t->i < 6);
+                            (k < body->n_lambda_constant + body->n_linear) == (t->i < 3));
   }
   return sound && (body->n_row == 0 || (row == body->n_row - 1 && body->lambda_row[row].end == body->n_lambda));
 }

@@ -1024,7 +1024,7 @@ TEST(steps_are_limited_by_what_the_base_does)
   static const scene scenes[] = {{FB_BASE_PRESCRIBED, 200, 0, 0, 0, 0, 100}, {FB_BASE_PRESCRIBED, 0, 3, 3, 0, 0, 0},
                                  {FB_BASE_FREE, 0, 0, 0, 0, 300, 0},         {FB_BASE_FREE, 0, 0, 0, 0, 0, 300},
                                  {FB_BASE_FREE, 0, 0, 20, 0, 0, 0},          {FB_BASE_FREE, 0, 0, 0, 5, 0, 0},
-                                 {FB_BASE_PINNED, 0, 0, 3, 0, 0, 300}};
+                                 {FB_BASE_FREE, 0, 0, 20, 0, 300, 0},        {FB_BASE_PINNED, 0, 0, 3, 0, 0, 300}};
   for (int k = 0; k < 3 * FBT_COUNT(scenes); k++) {
     const scene *const s = &scenes[k / 3];
     const int i = k % 3, j = (i + 1) % 3;
@@ -1049,7 +1049,7 @@ TEST(steps_are_limited_by_what_the_base_does)
       for (int m = 0; m < 3; m++) {
         input.v[m] /= body.mass;
       }
-      acceleration = s->spin * s->spin * sqrt((double)fb_vec3_dot(body.c, body.c)) / (double)body.mass;
+      acceleration = s->force + s->spin * s->spin * sqrt((double)fb_vec3_dot(body.c, body.c)) / (double)body.mass;
     }
     FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
     FBT_INT_EQ(fb_state_from_velocity(&body, &state, input.v, w, NULL), FB_OK);
@@ -1314,6 +1314,32 @@ TEST(the_exponential_scheme_is_exact_for_linear_bodies)
   }
 }
 
+/* E11.10: so it is under a load that stays, whatever part of a period a step is: one step of dt is four of dt/4. */
+TEST(the_exponential_scheme_is_exact_for_constant_loads)
+{
+  double largest = 0.0;
+  boom(FB_EFFECTS_LINEAR, FB_BASE_PRESCRIBED, 2, 2, 0, 0.0);
+  for (double dt = 1e-3; dt < 10.0; dt *= 1.3) {
+    fb_state once, parts;
+    fb_input input;
+    memset(&input, 0, sizeof input);
+    input.n_load = 1;
+    input.load[0].node = 1;
+    input.load[0].force[1] = FB_R(0.1);
+    input.load[0].force[2] = FB_R(0.2);
+    FBT_INT_EQ(fb_state_init(&body, &once), FB_OK);
+    parts = once;
+    prepare(EXPONENTIAL, dt);
+    FBT_INT_EQ(step(EXPONENTIAL, &once, &input, &input, &input, dt), FB_OK);
+    prepare(EXPONENTIAL, 0.25 * dt);
+    for (int k = 0; k < 4; k++) {
+      FBT_INT_EQ(step(EXPONENTIAL, &parts, &input, &input, &input, 0.25 * dt), FB_OK);
+    }
+    largest = fmax(largest, fbt_difference(parts.q, once.q, body.n) / fbt_largest(once.q, body.n));
+  }
+  FBT_BELOW(largest, FBT_TOL(1e-12, 1e-4));
+}
+
 /* The spin-up by a prescribed hub, three cubic elements: largest error of the tip's deflection every 0.5 s against
    rk4 at 0.125 ms, both relative to the peak. */
 static double spin_up_tip(scheme which, double dt, double t_end, double *tip)
@@ -1412,6 +1438,28 @@ TEST(implicit_schemes_advance_every_form)
   FBT_BELOW(difference[1], FBT_TOL(2e-4, 2e-3));
 }
 
+/* E11.4, E11.5: on a base at rest a linear body's step is linear: one iteration leaves nothing, in every form. */
+TEST(one_iteration_steps_linear_bodies_of_every_form)
+{
+  for (int k = 0; k < 6; k++) {
+    fb_state once, often;
+    boom(FB_EFFECTS_LINEAR | FB_EFFECT_DAMPING, FB_BASE_PRESCRIBED, 2, 2, 0, 0.02);
+    body_desc.form = (fb_form)(k % 3);
+    FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &body_desc), FB_OK);
+    fbt_seed(8);
+    start(&once, 0.05, 0.2);
+    often = once;
+    for (int n = 1; n <= 10; n += 9) {
+      fb_state *const s = n == 1 ? &once : &often;
+      FBT_INT_EQ(k < 3 ? fb_midpoint_step(&body, s, &implicit_work, NULL, FB_R(0.02), n)
+                       : fb_sdirk_step(&body, s, &implicit_work, NULL, NULL, FB_R(0.02), n),
+                 FB_OK);
+    }
+    FBT_BELOW(fbt_difference(once.q, often.q, body.n), FBT_TOL(1e-14, 1e-6));
+    FBT_BELOW(fbt_difference(once.pi, often.pi, body.n), FBT_TOL(1e-13, 1e-5));
+  }
+}
+
 /* E11.4 to E11.10: what a stepper cannot do is refused, and the state is as before. */
 TEST(every_scheme_refuses_bad_input)
 {
@@ -1480,10 +1528,11 @@ SUITE(integrate, RUN(schemes_know_no_axes), RUN(inputs_between_two_are_on_the_wa
       RUN(the_exponential_limit_is_a_part_of_a_turn), RUN(the_exponential_limit_knows_the_tension),
       RUN(the_tension_limit_counts_all_modes), RUN(loads_shorten_the_steps_of_systems),
       RUN(membrane_coordinates_make_the_strain_linear), RUN(the_tangent_is_the_derivative_of_the_forces),
-      RUN(the_exponential_scheme_is_exact_for_linear_bodies), RUN(stiff_axial_modes_do_not_set_the_step),
-      RUN(implicit_schemes_advance_every_form), RUN(every_scheme_refuses_bad_input), RUN(rk4_converges_with_order_four),
-      RUN(tumbling_conserves_momentum_and_energy), RUN(short_steps_lose_nothing), RUN(slow_modes_keep_their_phase),
-      RUN(bodies_stepped_in_turn_do_not_meet), RUN(the_step_limit_is_the_stability_boundary),
-      RUN(the_step_limit_knows_the_acceleration_of_a_far_origin), RUN(decay_reaches_zero_without_subnormals),
-      RUN(the_check_of_a_scheme_stays_within_its_tables), RUN(spin_up_follows_the_geometrically_exact_beam),
-      RUN(rk4_refuses_bad_input_and_repeats_itself))
+      RUN(the_exponential_scheme_is_exact_for_linear_bodies), RUN(the_exponential_scheme_is_exact_for_constant_loads),
+      RUN(stiff_axial_modes_do_not_set_the_step), RUN(implicit_schemes_advance_every_form),
+      RUN(one_iteration_steps_linear_bodies_of_every_form), RUN(every_scheme_refuses_bad_input),
+      RUN(rk4_converges_with_order_four), RUN(tumbling_conserves_momentum_and_energy), RUN(short_steps_lose_nothing),
+      RUN(slow_modes_keep_their_phase), RUN(bodies_stepped_in_turn_do_not_meet),
+      RUN(the_step_limit_is_the_stability_boundary), RUN(the_step_limit_knows_the_acceleration_of_a_far_origin),
+      RUN(decay_reaches_zero_without_subnormals), RUN(the_check_of_a_scheme_stays_within_its_tables),
+      RUN(spin_up_follows_the_geometrically_exact_beam), RUN(rk4_refuses_bad_input_and_repeats_itself))
