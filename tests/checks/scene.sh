@@ -143,6 +143,10 @@ done
 kill -9 $running
 wait $running 2> /dev/null || true
 [ -s "$out/rows.csv.part" ] && [ "$(cat "$out/rows.csv")" = "of an earlier run" ] || fail "rows of an interrupted run look whole"
+sed -i "s/^interval.*/interval 1e5/" "$out/rows.txt" # seconds for each 4096 characters: they do not wait for that many
+rm "$out/rows.csv.part"
+timeout 10 "$out/scene" "$out/rows.txt" --quiet --out "$out/rows.csv" || true
+[ "$(wc -l < "$out/rows.csv.part")" -gt 1 ] || fail "rows of a slow run are not in their file"
 try "$out/scene" examples/scenes/top.txt --quiet --out "$out/rows.csv"
 [ ! -e "$out/rows.csv.part" ] && cmp -s "$out/rows.csv" "$out/top.csv" || fail "rows do not get their name when the run has ended"
 collides "--out until the run ends and --picture are the same file" --out "$out/c.csv" --picture "$out/c.csv.part"
