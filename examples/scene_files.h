@@ -9,7 +9,7 @@ typedef struct scene_out {
   int made;                  /* it was not there before */
 } scene_out;
 
-/* A file or nothing yet. A link (as /dev/stdout), a device or a pipe is written as it is, and no curves are drawn of it. */
+/* A file or nothing yet. A link (as /dev/stdout), a device or a pipe is written as it is, without curves. */
 static int scene_is_plain(const char *name)
 {
   struct stat at;

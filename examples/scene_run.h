@@ -453,7 +453,7 @@ static fb_status scene_row(scene *s, scene_run_state *run, double t)
   return FB_OK;
 }
 
-/* Once a second rows go from their buffer to their file, to be there if the run is killed, and a line tells how far it is. */
+/* Once a second rows go to their file, to be there if the run is killed, and a line tells how far it is. */
 static void scene_progress(const scene *s, const scene_options *o, scene_run_state *run, double t)
 {
   const time_t now = time(NULL);
