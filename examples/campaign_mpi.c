@@ -177,6 +177,14 @@ static int coordinate(runner *own, int others)
   return status;
 }
 
+/* What the command line asks for and no rank does. */
+static int is_for_one_machine(void)
+{
+  return prog.run > 0    ? fail("no such option: the program campaign has it", "--run")
+         : prog.jobs > 0 ? fail("no such option: mpirun -n N says how many runs at a time", "--jobs")
+                         : 0;
+}
+
 static int asks_for_help(int argc, char **argv)
 {
   int asks = 0;
@@ -208,6 +216,7 @@ int main(int argc, char **argv)
   }
   if (rank == 0) {
     status = program_read(&prog, argc, argv);
+    status = status ? status : is_for_one_machine();
     status = status ? status : program_open(&prog);
   }
   MPI_Bcast(&status, 1, MPI_INT, 0, MPI_COMM_WORLD);

@@ -194,7 +194,7 @@ static int run_scene(scene *s, const scene_options *o)
 
 static int has_curves(const scene *s, const scene_options *o)
 {
-  return o->csv && o->talk && s->n_output > 0 && s->duration > 0;
+  return o->csv && o->talk && s->n_output > 0 && s->duration > 0 && scene_is_plain(o->csv);
 }
 
 int main(int argc, char **argv)

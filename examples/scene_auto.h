@@ -289,11 +289,12 @@ static void scene_tell_missed(scene *s, int k, FILE *warn)
 {
   const fb_advice *const a = &automatic.advice[k];
   s->missed++;
-  scene_warn(s, warn,
-             "auto of body %s: estimated error %.2g %%, allowed %.2g %% (of effects %.2g, modes %.2g, step %.2g, "
-             "of what no modal body has %.2g)  MISSED",
-             s->body[k].name, 100 * (double)a->error, 100 * s->body[k].tolerance, 100 * (double)a->error_effects,
-             100 * (double)a->error_modes, 100 * (double)a->error_step, 100 * (double)a->error_model);
+  scene_warn(
+      s, warn,
+      "auto of body %s: estimated error %.3g %%, beyond the allowed %.3g %% (of effects %.2g, modes %.2g, step %.2g, "
+      "of what no modal body has %.2g)  MISSED",
+      s->body[k].name, 100 * (double)a->error, 100 * s->body[k].tolerance, 100 * (double)a->error_effects,
+      100 * (double)a->error_modes, 100 * (double)a->error_step, 100 * (double)a->error_model);
 }
 
 /* Effects and modes of body k. */

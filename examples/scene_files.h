@@ -9,14 +9,18 @@ typedef struct scene_out {
   int made;                  /* it was not there before */
 } scene_out;
 
-/* Where rows go while there are not all of them, so that what is interrupted does not look whole: FILE.part; a device or a
-   pipe is written as it is. */
-static const char *scene_part_name(char part[512], const char *csv)
+/* A file or nothing yet. A link (as /dev/stdout), a device or a pipe is written as it is, without curves. */
+static int scene_is_plain(const char *name)
 {
   struct stat at;
-  const int other = stat(csv, &at) == 0 && !S_ISREG(at.st_mode);
+  return lstat(name, &at) != 0 || S_ISREG(at.st_mode);
+}
+
+/* Where rows go while there are not all of them, so that what is interrupted does not look whole: FILE.part. */
+static const char *scene_part_name(char part[512], const char *csv)
+{
   snprintf(part, 512, "%s.part", csv);
-  return other ? csv : part;
+  return scene_is_plain(csv) ? part : csv;
 }
 
 /* Is it the scene, or a file that a word of it names? */
@@ -43,9 +47,13 @@ static int scene_try_file(scene_out *out, int k, const char *scene_name)
 {
   struct stat at;
   char what[128];
-  const int there = stat(out[k].name, &at) == 0;
+  const int there = lstat(out[k].name, &at) == 0;
   const int reads = scene_reads_file(scene_name, out[k].name);
-  FILE *const file = reads ? NULL : fopen(out[k].name, "a");
+  FILE *file;
+  if (stat(out[k].name, &at) == 0 && S_ISFIFO(at.st_mode)) {
+    return 0; /* who reads it would take the first close for its end */
+  }
+  file = reads ? NULL : fopen(out[k].name, "a");
   if (!file) {
     snprintf(what, sizeof what, "%s: %s", out[k].option,
              reads ? "that is the scene itself, or what it reads" : strerror(errno));

@@ -453,11 +453,18 @@ static fb_status scene_row(scene *s, scene_run_state *run, double t)
   return FB_OK;
 }
 
+/* Once a second rows go to their file, to be there if the run is killed, and a line tells how far it is. */
 static void scene_progress(const scene *s, const scene_options *o, scene_run_state *run, double t)
 {
   const time_t now = time(NULL);
-  if (o->progress && now > run->told && now > run->begin + 1) {
-    run->told = now;
+  if (now <= run->told) {
+    return;
+  }
+  run->told = now;
+  if (run->csv && fflush(run->csv) != 0) {
+    run->broken = errno;
+  }
+  if (o->progress && now > run->begin + 1) {
     fprintf(o->progress, "\r%3.0f %%, %.4g of %.4g s", 100 * t / s->duration, t, s->duration);
     fflush(o->progress);
   }
@@ -556,7 +563,7 @@ static int scene_loop(scene *s, const scene_options *o, scene_run_state *run)
       scene_progress(s, o, run, (double)run->row * timing.interval);
     }
   }
-  if (run->told && o->progress) {
+  if (run->told > run->begin + 1 && o->progress) {
     fputs("\r                                        \r", o->progress);
   }
   if (run->halved > 0 && o->talk) {

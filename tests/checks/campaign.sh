@@ -321,6 +321,10 @@ if command -v mpicc > /dev/null && command -v mpirun > /dev/null; then
     --out "$out/mpi_limit.csv" --pictures 0
   cmp -s "$out/limit.csv" "$out/mpi_limit.csv" || fail "MPI: other rows with a run that does not end"
   expect 2 $run_mpi -n 2 build/examples/campaign_mpi "$out/bad.txt" --out "$out/bad.csv"
+  expect 2 $run_mpi -n 1 build/examples/campaign_mpi "$quick" --run 2 --out "$out/bad.csv"
+  says "no such option: the program campaign has it: --run"
+  expect 2 $run_mpi -n 1 build/examples/campaign_mpi "$quick" --jobs 2 --out "$out/bad.csv"
+  says "no such option: mpirun -n N says how many runs at a time: --jobs"
   mpi="1, 2, 3 MPI ranks the same"
 fi
 ok "1, 2, 3 processes the same bits, killed at row $killed, interrupted, torn, shot; $mpi; $count malformed files refused"

@@ -143,9 +143,32 @@ done
 kill -9 $running
 wait $running 2> /dev/null || true
 [ -s "$out/rows.csv.part" ] && [ "$(cat "$out/rows.csv")" = "of an earlier run" ] || fail "rows of an interrupted run look whole"
+sed -i "s/^interval.*/interval 1e5/" "$out/rows.txt" # seconds for each 4096 characters: they do not wait for that many
+rm "$out/rows.csv.part"
+timeout 10 "$out/scene" "$out/rows.txt" --quiet --out "$out/rows.csv" || true
+[ "$(wc -l < "$out/rows.csv.part")" -gt 1 ] || fail "rows of a slow run are not in their file"
 try "$out/scene" examples/scenes/top.txt --quiet --out "$out/rows.csv"
 [ ! -e "$out/rows.csv.part" ] && cmp -s "$out/rows.csv" "$out/top.csv" || fail "rows do not get their name when the run has ended"
 collides "--out until the run ends and --picture are the same file" --out "$out/c.csv" --picture "$out/c.csv.part"
+
+# what is no plain file is written as it is: a link stays one, /dev/stdout too, and who reads a pipe gets all of it
+echo "of an earlier run" > "$out/behind.csv"
+ln -s behind.csv "$out/link.csv"
+ln -s not_yet.csv "$out/dangling.csv"
+ln -s /proc/self/fd/1 "$out/stdout.csv"
+mkfifo "$out/pipe.csv"
+try "$out/scene" examples/scenes/top.txt --out "$out/link.csv"
+try "$out/scene" examples/scenes/top.txt --out "$out/dangling.csv"
+"$out/scene" examples/scenes/top.txt --quiet --out "$out/stdout.csv" > "$out/redirected.csv"
+timeout 60 cat "$out/pipe.csv" > "$out/piped.csv" &
+timeout 60 "$out/scene" examples/scenes/top.txt --out "$out/pipe.csv" > "$out/log" 2>&1 || fail "no run into a pipe: $(cat "$out/log")"
+wait
+for file in behind not_yet redirected piped; do
+  cmp "$out/$file.csv" "$out/top.csv" || fail "$file.csv has not the rows"
+done
+for file in link dangling stdout; do
+  [ -L "$out/$file.csv" ] || fail "the link $file.csv is replaced by a file"
+done
 
 # the step that is told is the one of a drive that is faster than the modes: 0.3 rad of 100 Hz; one that is given is cut by rows
 printf 'duration 1\ninterval 0.1\nbody b rigid\n  hub 1  0 0 0  1 1 1\nend\nload b dead force 1 0 0 sine 1 100\n' > "$out/sine.txt"

@@ -660,7 +660,7 @@ duration 1
 interval 0.5
 step 0.1
 END
-warned "auto of body beam: estimated error .* MISSED" 1 << END
+warned "auto of body beam: estimated error .* %, beyond the allowed .* MISSED" 1 << END
 $(echo "$beam" | sed 's/^end/  auto 1e-9\nend/')
 motion rate 0 0 1 smooth 0.5 0 1
 duration 1
