@@ -507,6 +507,13 @@ static int fly(plant *p, line *l, record *r, controller *direct, const options *
 
 /* ---- results */
 
+/* Asked before the run: a minute of it is not lost to a wrong name. */
+static int is_writable(const char *path)
+{
+  FILE *file = fopen(path, "a");
+  return file && fclose(file) == 0;
+}
+
 static int write_csv(const record *r, const char *path)
 {
   FILE *file = fopen(path, "w");
@@ -629,6 +636,9 @@ int main(int argc, char **argv)
   const int bad = read_options(&o, argc, argv);
   if (bad) {
     return bad;
+  }
+  if (!is_writable(o.out)) {
+    return fail("cannot write", o.out);
   }
   r = record_begin(&o);
   port = (int)o.port;

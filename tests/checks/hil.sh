@@ -58,6 +58,8 @@ try qemu-mips "$out/hil_mips"
 
 try "$plant" --simulated-time direct --seconds 30 --out "$out/direct.csv"
 mv "$out/log" "$out/direct.txt"
+! "$plant" --simulated-time direct --seconds 30 --out "$out/none/direct.csv" > "$out/log" 2>&1 || fail "wrote where it cannot"
+grep -q "cannot write" "$out/log" && ! grep -q "pointing" "$out/log" || { cat "$out/log"; fail "--out is refused after the run"; }
 begin lock_step --simulated-time lock-step --seconds 30
 try $controller --port "$port"
 end 0
