@@ -12167,8 +12167,8 @@ static fb_real fbi_mixed_quadratic(const fb_real A[36], const fb_real x[6], cons
   return FB_R(0.5) * fbi_vec6_dot(x, y) + part * fbi_vec6_dot(rate, z);
 }
 
-/* mass (origin + g . r) + g . R moment of an inertia matrix at a place in the base frame; of a curved element E10.6 has made
-   mass and moment differ from axis to axis: their means, which do not depend on how the axes lie */
+/* mass (origin + g . r) + g . R moment of an inertia matrix at a place in the base frame; of a curved element E10.6 has
+   made mass and moment differ from axis to axis: their means, which do not depend on how the axes lie */
 static fb_real fbi_mixed_weight(const fb_real M[36], const fb_real g[3], fb_real origin, const fb_real r[3],
                                 const fb_real quat[4])
 {
