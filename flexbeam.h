@@ -1358,7 +1358,7 @@ typedef struct fbi_link_work {
   const fb_real *A;             /* twists of the axes: the joint's own, or where the first one turns.. */
   fb_real turned[12], A_dot[6]; /* ..these; rate of the first one */
   fb_real S[21];                /* articulated inertia */
-  fb_real mass, moment; /* [kg, kg m^2] what hangs on it as if it were rigid, about O: by how much S may be off */
+  fb_real mass, moment; /* [kg, kg m^2] the most that one axis has taken out of S, about O: S has its rounding */
   fb_real U[18], D[3];  /* S A, 1/(A S A) */
   fb_real E[FB_MAX_MODES * FB_MAX_MODES], X[6 * FB_MAX_MODES], Z[6 * FB_MAX_MODES];
   fb_real y[6], p[6], pi[FB_MAX_MODES];                                  /* right-hand side */

@@ -7776,30 +7776,18 @@ static FBI_NOINLINE fb_status fbi_link_close(fbi_link_work *L, int n)
   return FB_OK;
 }
 
-/* What a body hands to its parent as if its joint were rigid: masses and moments of inertia, three directions summed. */
-static void fbi_sizes_hand_in(fbi_link_work *parent, const fbi_link_work *L)
-{
-  fb_real mass = L->mass, moment = L->moment;
-  for (int i = 0; i < 3; i++) {
-    mass += L->S[fb_sym6_index(i, i)];
-    moment += L->S[fb_sym6_index(3 + i, 3 + i)];
-  }
-  parent->mass += mass;
-  parent->moment += moment + mass * fb_vec3_dot(L->s, L->s);
-}
-
 /* [E9.4] Articulated inertia: each free axis takes its direction out, S -= U U^T / D, U = S A, D = A.U + g c + g^2 k.
    Axes of one joint go one after the other, as if massless bodies were between them. D is small against what it is made
-   of, that of the bodies further out with nothing taken out of it: the axis moves no inertia.
+   of, or against the most that an axis further out has taken: the axis moves no inertia.
    Source: block elimination of M u = p from the tips; [FE] 7.
    Cost: 80 flops an axis.  Fails: no inertia.  Test: the_three_methods_agree. */
 static fb_status fbi_link_release(fbi_link_work *L, const fb_joint *joint, fb_real g)
 {
   fb_real size[6];
   for (int j = 0; j < 6; j++) {
-    const fb_real own = L->S[fb_sym6_index(j, j)], handed = j < 3 ? L->mass : L->moment;
-    size[j] = own + handed;
-    if (joint->kind == FB_JOINT_FREE && L->mode[0] == FB_AXIS_FREE && FB_FABS(own) < FB_R(16.0) * FB_EPSILON * handed) {
+    const fb_real own = L->S[fb_sym6_index(j, j)], taken = j < 3 ? L->mass : L->moment;
+    size[j] = own + taken;
+    if (joint->kind == FB_JOINT_FREE && L->mode[0] == FB_AXIS_FREE && FB_FABS(own) < FB_R(16.0) * FB_EPSILON * taken) {
       return FB_ERR_UNDETERMINED;
     }
   }
@@ -7826,6 +7814,8 @@ static fb_status fbi_link_release(fbi_link_work *L, const fb_joint *joint, fb_re
       return D < -FB_R(1e-3) * reference ? FB_ERR_RANGE : FB_ERR_UNDETERMINED;
     }
     L->D[i] = FB_R(1.0) / D;
+    L->mass = fbi_larger(L->mass, L->D[i] * fb_vec3_dot(U, U));
+    L->moment = fbi_larger(L->moment, L->D[i] * fb_vec3_dot(U + 3, U + 3));
     fbi_sym6_rank1_sub(L->S, L->D[i], U);
   }
   return FB_OK;
@@ -7852,13 +7842,14 @@ static FBI_FLATTEN fb_status fbi_tree_factor(fb_system_work *w, const fb_system 
     const fb_joint *joint = fbi_link_joint(system, w, k);
     fbi_link_work *L = &w->link[k], *parent = fbi_parent(w, joint);
     fb_status status = L->open ? fbi_link_close(L, fbi_model(system, body, k)->n) : FB_OK;
-    if (parent) {
-      fbi_sizes_hand_in(parent, L);
-    }
     status = status == FB_OK ? fbi_link_release(L, joint, g) : status;
     if (status != FB_OK) {
       w->joint = k;
       return status;
+    }
+    if (parent) {
+      parent->mass = fbi_larger(parent->mass, L->mass);
+      parent->moment = fbi_larger(parent->moment, L->moment + L->mass * fb_vec3_dot(L->s, L->s));
     }
     if (parent && joint->moves) {
       fbi_link_carry(parent, L, L->S, fbi_model(system, body, joint->parent)->n);
@@ -12176,8 +12167,8 @@ static fb_real fbi_mixed_quadratic(const fb_real A[36], const fb_real x[6], cons
   return FB_R(0.5) * fbi_vec6_dot(x, y) + part * fbi_vec6_dot(rate, z);
 }
 
-/* mass (origin + g . r) + g . R moment of an inertia matrix at a place in the base frame; of a curved element E10.6 has made
-   mass and moment differ from axis to axis: their means, which do not depend on how the axes lie */
+/* mass (origin + g . r) + g . R moment of an inertia matrix at a place in the base frame; of a curved element E10.6 has
+   made mass and moment differ from axis to axis: their means, which do not depend on how the axes lie */
 static fb_real fbi_mixed_weight(const fb_real M[36], const fb_real g[3], fb_real origin, const fb_real r[3],
                                 const fb_real quat[4])
 {
