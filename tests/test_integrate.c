@@ -976,14 +976,14 @@ TEST(deflection_and_stretch_shorten_the_step)
 {
   fb_state none, state;
   fb_input input;
-  double h0, h[3], slope = 0.0, bent, stretched;
+  double h0, h[3], slope, bent, stretched;
   strained(FB_BASE_PRESCRIBED, FB_FORM_MOMENTUM, 1e5, 1);
   memset(&input, 0, sizeof input);
   FBT_INT_EQ(fb_state_init(&body, &none), FB_OK);
   h0 = largest_step(&none, &input);
   for (int k = 0; k < 3; k++) { /* along y, along z, between */
     state = none;
-    slope = deflect(state.q, k == 1 ? 2 : 1, k == 2 ? 0.3 : 0.5);
+    (void)deflect(state.q, k == 1 ? 2 : 1, k == 2 ? 0.3 : 0.5);
     (void)deflect(state.q, 2, k == 2 ? 0.4 : 0.0);
     h[k] = largest_step(&state, &input);
     FBT_NEAR_REL(h[k], h[0], 16.0 * (double)FB_EPSILON);

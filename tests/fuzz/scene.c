@@ -38,7 +38,7 @@ static void run_scene(scene *s)
   }
   memset(&engine, 0, sizeof engine);
   if (scene_build(s, &all) == 0 && scene_start(s) == FB_OK && scene_measure_spectrum(s) == 0) {
-    scene_choose(s, NULL);
+    scene_choose(s);
   }
 }
 
