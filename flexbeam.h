@@ -1866,7 +1866,7 @@ typedef struct fb_linear {
 typedef struct fbi_analysis {
   fb_real A[FB_MAX_LINEAR * FB_MAX_LINEAR], X[2 * FB_MAX_LINEAR * FB_MAX_LINEAR];
   fb_real eig[4 * FB_MAX_LINEAR * FB_MAX_LINEAR];
-  fb_real re[FB_MAX_LINEAR], im[FB_MAX_LINEAR], step[FB_MAX_LINEAR], scale[FB_MAX_LINEAR / 2];
+  fb_real re[FB_MAX_LINEAR], im[FB_MAX_LINEAR], step[FB_MAX_LINEAR + FB_MAX_PORTS], scale[FB_MAX_LINEAR / 2];
   fb_real f[FB_MAX_LINEAR + FB_MAX_PORTS], column[FB_MAX_LINEAR + FB_MAX_PORTS];
   int perm[FB_MAX_LINEAR / 2], keep[FB_MAX_LINEAR];
   fb_linear_desc none;

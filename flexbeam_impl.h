@@ -14059,6 +14059,30 @@ static fb_real fbi_difference_step(const fb_body *body, int a)
   return body->reach[a] > FB_R(0.0) ? FBI_DIFFERENCE * large / body->reach[a] : FB_R(1.0);
 }
 
+/* Force of the order of those that act on a body: its weight, and what moves it by `size` at the rate k [1/s^2], or in a
+   second. */
+static fb_real fbi_force_size(const fb_body *body, fb_real size, fb_real k)
+{
+  fb_real a = size * (FB_R(1.0) + k);
+#if FB_WITH_GRAVITY
+  a += fbi_has(body->effects, FB_EFFECT_GRAVITY) ? fbi_vec3_norm(body->gravity) : FB_R(0.0);
+#endif
+  return body->mass * a;
+}
+
+static fb_real fbi_load_size(const fb_load *load, fb_real size)
+{
+  return fbi_vec3_norm(load->force) + fbi_vec3_norm(load->torque) / size;
+}
+
+/* How far an input is moved for a difference. Rates are linear in loads: wide steps do not err, short ones round beside
+   what acts already. */
+static fb_real fbi_port_step(fb_port_kind kind, int slides, fb_real force, fb_real size)
+{
+  const fb_real load = force > FB_R(0.0) ? force : FB_R(1.0);
+  return kind == FB_PORT_BASE_RATE ? FB_R(1.0) : kind == FB_PORT_BASE_VELOCITY ? size : slides ? load : load * size;
+}
+
 /* ---- what is differentiated: a body or, with system, bodies on joints */
 
 typedef struct fbi_subject {
@@ -14356,11 +14380,16 @@ static fb_status fbi_body_response(fb_real *f, const fbi_subject *s, int j, fb_r
   return status;
 }
 
+static fb_real fbi_body_size(const fb_body *body)
+{
+  return body->gyration > FB_R(0.0) ? body->gyration : FB_R(1.0);
+}
+
 /* How far x_j is moved for a difference: a small part of the body; of momenta, what moves it so in a second. */
 static fb_real fbi_linear_step(const fb_body *body, int j)
 {
   const int n = body->n, first = fbi_first_free(body->base), free = 6 - first;
-  const fb_real size = body->gyration > FB_R(0.0) ? body->gyration : FB_R(1.0);
+  const fb_real size = fbi_body_size(body);
   int moves;
   if (j < 2 * n) {
     return fbi_difference_step(body, j % n);
@@ -14988,7 +15017,6 @@ static fb_status fbi_linear_fill(fbi_analysis *work, const fbi_subject *s, int n
   out->n_in = s->desc->n_in;
   out->n_out = s->desc->n_out;
   for (int j = 0; j < n + out->n_in && status == FB_OK; j++) {
-    work->step[j] = j < n ? work->step[j] : FB_R(1.0);
     status = fbi_difference(work, s, j, n + out->n_out);
     for (int i = 0; i < n + out->n_out && status == FB_OK; i++) {
       fb_real *const row = i < n ? (j < n ? out->A + i * n : out->B + i * out->n_in)
@@ -15095,6 +15123,19 @@ static const fb_linear_desc *fbi_no_ports(fbi_analysis *work)
   return &work->none;
 }
 
+static void fbi_body_port_steps(const fbi_subject *s, int n)
+{
+  const fb_real size = fbi_body_size(s->body), *const w = s->work->steady.w;
+  fb_real force = fbi_force_size(s->body, size, s->body->limit_elastic + fb_vec3_dot(w, w));
+  for (int i = 0; i < s->input->n_load; i++) {
+    force += fbi_load_size(&s->input->load[i], size);
+  }
+  for (int k = 0; k < s->desc->n_in; k++) {
+    const fb_port_kind kind = s->desc->in[k].kind;
+    s->work->common.step[n + k] = fbi_port_step(kind, kind == FB_PORT_FORCE, force, size);
+  }
+}
+
 /* The linear model, in work. */
 static fb_status fbi_body_linearize(const fb_body *body, fb_analyse_work *work, const fb_state *state,
                                     const fb_input *input, const fb_linear_desc *desc)
@@ -15108,6 +15149,9 @@ static fb_status fbi_body_linearize(const fb_body *body, fb_analyse_work *work, 
   status = status ? status : fb_body_motion(body, &work->steady, state, input);
   for (int j = 0; j < n && status == FB_OK; j++) {
     work->common.step[j] = fbi_linear_step(body, j);
+  }
+  if (status == FB_OK) {
+    fbi_body_port_steps(&s, n);
   }
   status = status ? status : fbi_linear_fill(&work->common, &s, n, n_free);
   for (int a = 0; a < n / 2 - n_free && status == FB_OK; a++) {
@@ -15202,6 +15246,25 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
   return status;
 }
 
+static void fbi_system_port_steps(const fbi_subject *s, fb_real spin)
+{
+  fb_system_analyse_work *const work = s->system_work;
+  const fb_real size = fbi_system_size(s->system, s->body), k = s->system->limit_elastic + spin * spin;
+  fb_real force = FB_R(0.0);
+  for (int i = 0; i < s->system->n_body; i++) {
+    force += fbi_force_size(fbi_model(s->system, s->body, i), size, k);
+  }
+  for (int i = 0; s->system_input && i < s->system_input->n_load; i++) {
+    force += fbi_load_size(&s->system_input->load[i].load, size);
+  }
+  for (int i = 0; i < s->desc->n_in; i++) {
+    const fb_port *const port = &s->desc->in[i];
+    const int slides = port->kind == FB_PORT_FORCE ||
+                       (port->kind == FB_PORT_DRIVE && fbi_axis_slides(&s->system->joint[port->body], port->axis));
+    work->common.step[2 * work->n_independent + i] = fbi_port_step(port->kind, slides, force, size);
+  }
+}
+
 /* The linear model, in work. */
 static fb_status fbi_system_linearize(const fb_system *system, const fb_body *body, fb_system_analyse_work *work,
                                       const fb_system_state *state, const fb_system_input *input,
@@ -15221,6 +15284,7 @@ static fb_status fbi_system_linearize(const fb_system *system, const fb_body *bo
     return status;
   }
   fbi_momenta_steps(&s, spin);
+  fbi_system_port_steps(&s, spin);
   for (int j = 0; j < work->n_independent; j++) {
     n_free += !work->coordinate[work->independent[j]].mode;
   }
