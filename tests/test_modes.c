@@ -1981,6 +1981,25 @@ TEST(welded_limbs_are_the_chain_of_their_elements)
   }
 }
 
+/* E7.12: parts that move as rigid bodies alone have, welded, no elastic mode, and that is no fault. */
+TEST(rigid_parts_have_no_common_modes)
+{
+  const fb_weld weld = {{0, 1}, {2, 0}};
+  for (int c = 0; c < 2; c++) {
+    fb_modes_desc *keep;
+    uniform_desc(2, FB_ROOT_FREE);
+    desc.station[0].i_y = desc.station[0].i_z = FB_R(0.05);
+    desc.position[0] = c ? desc.length : FB_R(0.0);
+    keep = choice();
+    keep->rigid = 1;
+    FBT_INT_EQ(fb_modes_solve(&limb_basis[c], &work, &beam, keep), FB_OK);
+    FBT_INT_EQ(limb_basis[c].n, 6);
+    limb[c] = beam;
+  }
+  FBT_INT_EQ(fb_modes_join(common, &join_work, limb, limb_basis, 2, &weld, 1, 0, FB_R(0.0)), FB_OK);
+  FBT_INT_EQ(common[0].n + common[1].n, 0);
+}
+
 /* Value of an axial function at x by its coefficients: cubic Hermite part and bubbles, of beams of one or two
    elements. */
 static double function_value(const fb_modes *in, int k, double x)
@@ -2150,7 +2169,7 @@ SUITE(modes, RUN(hurty_example_has_the_printed_numbers),
       RUN(frequencies_do_not_depend_on_the_units), RUN(modes_may_fill_all_their_room),
       RUN(preloads_add_up_to_the_tension), RUN(columns_buckle_below_the_body_that_they_carry),
       RUN(free_beams_keep_the_digits_of_their_low_modes), RUN(a_free_chain_has_the_inertia_of_its_rods),
-      RUN(welded_limbs_are_the_chain_of_their_elements), RUN(momenta_and_effective_masses_are_those_of_the_whole_beam),
-      RUN(bodies_couple_the_kinds_that_they_should), RUN(modes_are_selected_by_count_and_frequency),
-      RUN(element_coordinates_keep_the_element_matrices), RUN(modes_for_a_spin_hold_the_modes_under_tension),
-      RUN(modes_that_do_not_exist_are_refused))
+      RUN(welded_limbs_are_the_chain_of_their_elements), RUN(rigid_parts_have_no_common_modes),
+      RUN(momenta_and_effective_masses_are_those_of_the_whole_beam), RUN(bodies_couple_the_kinds_that_they_should),
+      RUN(modes_are_selected_by_count_and_frequency), RUN(element_coordinates_keep_the_element_matrices),
+      RUN(modes_for_a_spin_hold_the_modes_under_tension), RUN(modes_that_do_not_exist_are_refused))
