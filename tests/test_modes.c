@@ -1406,7 +1406,8 @@ static fb_status modes_in_units(fb_modes *out, int component, double l, double m
    a unit. Free and pinned roots, where the shift of E7.1 must follow, with all kinds coupled and with none. */
 TEST(frequencies_do_not_depend_on_the_units)
 {
-  static const int unit[4][3] = {{12, 0, 0}, {-12, -10, 0}, {0, 12, -6}, {6, -12, 8}}; /* powers: length, mass, time */
+  static const int unit[5][3] = {
+      {12, 0, 0}, {-12, -10, 0}, {0, 12, -6}, {6, -12, 8}, {0, -40, 8}}; /* powers: length, mass, time */
   for (int run = 0; run < 9; run++) {
     const int root = run % 3, component = run >= 6; /* 0 to 2 coupled, 3 to 5 not */
     if (component && root == FB_ROOT_FREE) {
