@@ -3574,7 +3574,7 @@ static fb_status fbi_join_solve(fb_join_work *work, int m, int *found)
     if (status != FB_OK) {
       return status;
     }
-    while (rigid < m && work->d[rigid] < noise * work->d[m - 1]) {
+    while (rigid < m && work->d[rigid] <= noise * work->d[m - 1]) { /* all of them, where there is no stiffness */
       rigid++;
     }
     if (rigid > 6 || (rigid < m && work->d[rigid] < FB_R(16.0) * noise * work->d[m - 1])) {

@@ -809,6 +809,40 @@ TEST(a_taper_reads_the_same_from_both_ends)
   }
 }
 
+/* E6.14: however thin its end, a station of a taper has no more than the section there and, lowered for its chords, at least
+   half of it. */
+TEST(a_thin_end_keeps_half)
+{
+  const fb_material unit = {FB_R(2.0), FB_R(1.0), FB_R(1.0)};
+  const fb_profile thick = {FB_PROFILE_RECTANGLE, FB_R(0.0), {FB_R(1.0), FB_R(2.0)}};
+  for (int n = 3; n < 7; n++) {
+    for (int thin = 1; thin < 40; thin++) {
+      fb_profile end = thick;
+      end.x = FB_R(3.0);
+      end.size[0] /= (fb_real)thin;
+      end.size[1] /= (fb_real)thin;
+      uniform_desc(&desc, 3);
+      desc.n_station = 0;
+      FBT_INT_EQ(fb_beam_desc_add_taper(&desc, &unit, &thick, &end, n), FB_OK);
+      for (int k = 0; k < n; k++) {
+        fb_section own;
+        const fb_section *const s = &desc.station[k];
+        fb_profile here = thick;
+        for (int i = 0; i < 2; i++) {
+          here.size[i] += (fb_real)k / (fb_real)(n - 1) * (end.size[i] - thick.size[i]);
+        }
+        FBT_INT_EQ(fb_section_init(&own, &unit, &here), FB_OK);
+        const double part[6] = {(double)(s->mass / own.mass), (double)(s->EI_y / own.EI_y),
+                                (double)(s->EI_z / own.EI_z), (double)(s->GJ / own.GJ),
+                                (double)(s->GA_z / own.GA_z), (double)(s->i_y / own.i_y)};
+        for (int i = 0; i < 6; i++) {
+          FBT_TRUE(part[i] > 0.5 - FBT_TOL(1e-12, 1e-4) && part[i] < 1.0 + FBT_TOL(1e-12, 1e-4));
+        }
+      }
+    }
+  }
+}
+
 /* Section 6: what is wrong with a material or a profile is refused, the output kept. */
 TEST(bad_profiles_are_refused)
 {
@@ -975,8 +1009,8 @@ TEST(offset_centers_bend_and_twist_as_in_statics)
 
 SUITE(beam, RUN(a_pretwisted_beam_bends_as_its_sections_turn), RUN(offset_centers_bend_and_twist_as_in_statics),
       RUN(sections_from_dimensions_match_the_handbook), RUN(a_taper_may_begin_anywhere),
-      RUN(a_taper_reads_the_same_from_both_ends), RUN(bad_profiles_are_refused), RUN(a_chain_follows_its_points),
-      RUN(element_matrices_match_the_textbook_ones), RUN(rigid_motion_of_an_element_gives_no_strain),
-      RUN(tapered_stations_integrate_exactly), RUN(sections_are_interpolated_between_stations),
-      RUN(lumped_bodies_must_have_a_physical_inertia), RUN(bad_beams_are_refused_and_leave_the_output_alone),
-      RUN(good_beams_keep_their_desc))
+      RUN(a_taper_reads_the_same_from_both_ends), RUN(a_thin_end_keeps_half), RUN(bad_profiles_are_refused),
+      RUN(a_chain_follows_its_points), RUN(element_matrices_match_the_textbook_ones),
+      RUN(rigid_motion_of_an_element_gives_no_strain), RUN(tapered_stations_integrate_exactly),
+      RUN(sections_are_interpolated_between_stations), RUN(lumped_bodies_must_have_a_physical_inertia),
+      RUN(bad_beams_are_refused_and_leave_the_output_alone), RUN(good_beams_keep_their_desc))

@@ -1097,6 +1097,18 @@ static void modes_are_right(const fb_modes *in)
   }
 }
 
+/* Nodal values of a rigid motion along (0 to 2) or about (3 to 5) an axis of the root. */
+static void rigid_motion(fb_real *rigid, int axis)
+{
+  memset(rigid, 0, sizeof *rigid * (size_t)full_dofs());
+  for (int node = 0; node <= desc.n_element; node++) {
+    const fb_real at = desc.length * (fb_real)node / (fb_real)desc.n_element;
+    rigid[6 * node + axis] = FB_R(1.0);
+    rigid[6 * node + 2] -= axis == 4 ? at : FB_R(0.0);
+    rigid[6 * node + 1] += axis == 5 ? at : FB_R(0.0);
+  }
+}
+
 /* Rigid motions the root leaves free carry no momentum in a mode. */
 static void modes_are_free_of_rigid_motion(const fb_modes *in)
 {
@@ -1106,13 +1118,7 @@ static void modes_are_free_of_rigid_motion(const fb_modes *in)
     if (desc.root == FB_ROOT_CLAMPED || (desc.root == FB_ROOT_PINNED && axis < 4)) {
       continue;
     }
-    memset(rigid, 0, sizeof rigid);
-    for (int node = 0; node <= desc.n_element; node++) {
-      const fb_real at = desc.length * (fb_real)node / (fb_real)desc.n_element;
-      rigid[6 * node + axis] = FB_R(1.0);
-      rigid[6 * node + 2] -= axis == 4 ? at : FB_R(0.0);
-      rigid[6 * node + 1] += axis == 5 ? at : FB_R(0.0);
-    }
+    rigid_motion(rigid, axis);
     for (int a = 0; a < in->n; a++) {
       const double overlap = form(full_M, in->shape + a * n, rigid) / sqrt(form(full_M, rigid, rigid));
       FBT_NEAR_ABS(overlap, 0.0, FBT_TOL(1e-12, 1e-4));
@@ -1148,6 +1154,86 @@ TEST(modes_are_orthonormal_with_a_fixed_sign)
       FBT_TRUE(memcmp(other.shape, modes.shape, sizeof(fb_real) * (size_t)(10 * modes.ndof)) == 0);
       FBT_TRUE(memcmp(other.K, modes.K, sizeof(fb_real) * 100) == 0);
       FBT_TRUE(memcmp(other.M, modes.M, sizeof(fb_real) * 100) == 0);
+    }
+  }
+}
+
+/* E7.7: what a unit rate of a coordinate has of momentum and angular momentum about the root, the beam's mass and moments of
+   inertia and the part p^T M^-1 p of them that all coordinates move, by the matrices integrated here: each basis of finite
+   elements, every coupling, each root. */
+TEST(momenta_and_effective_masses_are_those_of_the_whole_beam)
+{
+  static const fb_basis basis[3] = {FB_BASIS_MODES, FB_BASIS_ELEMENTS, FB_BASIS_COMPONENT};
+  static fb_real rigid[MAX_DOF], inverse[FB_MAX_MODES * FB_MAX_MODES];
+  for (int run = 0; run < 9; run++) {
+    fb_modes_desc *keep;
+    fbt_seed(1);
+    coupled_desc(2, (fb_root)(run % 3));
+    keep = choice();
+    keep->basis = basis[run / 3];
+    for (int k = 0; k < FB_KIND_COUNT; k++) {
+      keep->count[k] = 2 + (k == FB_KIND_BEND_Z);
+    }
+    for (int k = 0; k < 6 && keep->basis == FB_BASIS_COMPONENT; k++) {
+      keep->boundary[keep->n_boundary].node = 2;
+      keep->boundary[keep->n_boundary++].axis = k;
+    }
+    FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), FB_OK);
+    FBT_TRUE(modes.n >= 9);
+    full_matrices(no_tension);
+    memcpy(inverse, modes.M, sizeof(fb_real) * (size_t)(modes.n * modes.n));
+    FBT_INT_EQ(fb_chol_factor(inverse, modes.n), FB_OK);
+    for (int i = 0; i < 6; i++) {
+      fb_real x[FB_MAX_MODES], p[FB_MAX_MODES];
+      double inertia, part = 0.0;
+      rigid_motion(rigid, i);
+      inertia = form(full_M, rigid, rigid);
+      FBT_NEAR_REL(modes.rigid_mass[i], inertia, FBT_TOL(1e-12, 1e-5));
+      for (int a = 0; a < modes.n; a++) {
+        const double momentum = form(full_M, modes.shape + a * modes.ndof, rigid);
+        FBT_NEAR_ABS(modes.momentum[6 * a + i], momentum, FBT_TOL(1e-12, 1e-4) * sqrt(inertia));
+        p[a] = (fb_real)momentum;
+      }
+      fb_chol_solve(x, inverse, p, modes.n);
+      for (int a = 0; a < modes.n; a++) {
+        part += (double)p[a] * (double)x[a];
+      }
+      FBT_NEAR_ABS(modes.effective[i], part / inertia, FBT_TOL(1e-12, 1e-4));
+    }
+  }
+}
+
+/* E6.4, E7.2: which kinds of motion a body at the tip couples with which: its center beside the axis extension with bending
+   and twist with bending across, its products of inertia twist with bending or both planes. Coordinates that are not coupled
+   stay exactly still in each other's modes, those that are move. */
+TEST(bodies_couple_the_kinds_that_they_should)
+{
+  static const int group[5][4] = {
+      {0, 0, 1, 1}, {0, 1, 0, 1}, {0, 1, 2, 2}, {0, 1, 2, 1}, {0, 1, 1, 2}}; /* u_x, u_y, u_z, theta_x */
+  static const int component[FB_KIND_COUNT] = {1, 2, 0, 3};
+  for (int k = 0; k < 5; k++) {
+    const int root = k % 3;
+    double moves[3][3] = {{0.0}};
+    uniform_desc(2, (fb_root)root);
+    desc.station[0].i_y = desc.station[0].i_z = FB_R(0.05);
+    desc.n_lump = 1;
+    desc.lump[0].node = 2;
+    desc.lump[0].mass = FB_R(2.0);
+    for (int i = 0; i < 3; i++) {
+      desc.lump[0].inertia[i] = FB_R(0.4);
+    }
+    *(k < 2 ? &desc.lump[0].center[1 + k] : &desc.lump[0].inertia[1 + k]) = FB_R(-0.1);
+    FBT_INT_EQ(solve(&modes, 3, 3, 3, 3), FB_OK);
+    FBT_INT_EQ(modes.n, 12);
+    modes_are_right(&modes);
+    for (int a = 0; a < modes.n; a++) {
+      const int own = group[k][component[modes.kind[a]]];
+      for (int i = 0; i < 18; i++) {
+        moves[own][group[k][element[i % 6].component]] += fabs((double)modes.shape[a * modes.ndof + i]);
+      }
+    }
+    for (int i = 0; i < 9; i++) {
+      FBT_TRUE(i / 3 == i % 3 || moves[i / 3][i % 3] <= 0.0);
     }
   }
 }
@@ -1294,41 +1380,56 @@ static void desc_in_units(double l, double m, double t)
   }
 }
 
-/* Three bending modes of both planes, two along and about the line, and corrections for loads on the tip: along z, about y, z. */
-static fb_status corrected_modes(fb_modes *out)
+/* Three bending modes of both planes, two along and about the line, and corrections for loads on the tip, along z, about y, z;
+   or these modes behind the tip as boundary, pushed by more than it bears where it may move across. */
+static fb_status modes_in_units(fb_modes *out, int component, double l, double m, double t)
 {
-  fb_modes_desc *const keep = choice();
+  fb_modes_desc *keep;
+  desc_in_units(l, m, t);
+  keep = choice();
   keep->count[FB_KIND_BEND_Y] = keep->count[FB_KIND_BEND_Z] = 3;
   keep->count[FB_KIND_AXIAL] = keep->count[FB_KIND_TORSION] = 2;
-  keep->n_load = 3;
-  for (int k = 0; k < 3; k++) {
-    keep->load[k].node = 2;
-    keep->load[k].axis = k ? 3 + k : 2;
+  keep->n_load = component ? 0 : 3;
+  keep->n_boundary = component ? 4 : 0;
+  keep->basis = component ? FB_BASIS_COMPONENT : FB_BASIS_MODES;
+  keep->preload.force = (fb_real)((component ? -16.0 : 0.0) * m * l / (t * t));
+  for (int k = 0; k < 4; k++) {
+    static const int axis[4] = {2, 4, 5, 1};
+    keep->load[k].node = keep->boundary[k].node = 2;
+    keep->load[k].axis = keep->boundary[k].axis = axis[k];
   }
   return fb_modes_solve(out, &work, &beam, keep);
 }
 
-/* Section 7, E7.8: a beam in other units of length, mass and time, powers of two, has the same frequencies, those of static
-   corrections, too: no threshold has a unit. Free and pinned roots, where the shift of E7.1 must follow. */
+/* Section 7, E7.8, E7.9: a beam in other units of length, mass and time, powers of two, has the same frequencies, those of
+   static corrections, too, and a component the same stiffness at its boundary, below zero where it buckles: no threshold has
+   a unit. Free and pinned roots, where the shift of E7.1 must follow, with all kinds coupled and with none. */
 TEST(frequencies_do_not_depend_on_the_units)
 {
-  static const int unit[4][3] = {{12, 0, 0}, {-12, -10, 0}, {0, 12, -6}, {6, -12, 8}}; /* powers: length, mass, time */
-  for (int root = 0; root < 3; root++) {
-    fbt_seed(1);
-    coupled_desc(2, (fb_root)root);
-    FBT_INT_EQ(corrected_modes(&other), FB_OK);
-    for (int i = 0; i < FBT_COUNT(unit); i++) {
-      const double t = ldexp(1.0, unit[i][2]);
+  static const int unit[5][3] = {
+      {12, 0, 0}, {-12, -10, 0}, {0, 12, -6}, {6, -12, 8}, {0, -40, 8}}; /* powers: length, mass, time */
+  for (int run = 0; run < 9; run++) {
+    const int root = run % 3, component = run >= 6; /* 0 to 2 coupled, 3 to 5 not */
+    if (component && root == FB_ROOT_FREE) {
+      continue; /* its boundary would leave rigid motion */
+    }
+    for (int i = -1; i < FBT_COUNT(unit); i++) {
+      const double l = i < 0 ? 1.0 : ldexp(1.0, unit[i][0]), m = i < 0 ? 1.0 : ldexp(1.0, unit[i][1]);
+      const double t = i < 0 ? 1.0 : ldexp(1.0, unit[i][2]);
       fbt_seed(1);
       coupled_desc(2, (fb_root)root);
-      desc_in_units(ldexp(1.0, unit[i][0]), ldexp(1.0, unit[i][1]), t);
-      FBT_INT_EQ(corrected_modes(&modes), FB_OK);
+      desc.n_lump = run < 3 ? desc.n_lump : 0;
+      FBT_INT_EQ(modes_in_units(&modes, component, l, m, t), FB_OK);
+      other = i < 0 ? modes : other;
       FBT_INT_EQ(modes.n, other.n);
       for (int k = 0; k < modes.n; k++) {
+        const double unit_k = (component && k < 4 ? m * (k % 3 ? l * l : 1.0) : 1.0) / (t * t);
         FBT_NEAR_REL((double)modes.omega[k] * t, other.omega[k], FBT_TOL(1e-11, 1e-3));
         FBT_INT_EQ(modes.kind[k], other.kind[k]);
+        FBT_NEAR_REL((double)modes.K[k * (modes.n + 1)] / unit_k, other.K[k * (modes.n + 1)], FBT_TOL(1e-11, 1e-3));
       }
     }
+    FBT_TRUE(!component || other.K[0] < FB_R(0.0));
   }
 }
 
@@ -1523,6 +1624,52 @@ TEST(modes_for_a_spin_hold_the_modes_under_tension)
   }
 }
 
+/* E6.6: the pull at the tip, the field and the spin act together on the beam and on the body at its tip, F + m (L - x) (a + s^2
+   (r + (L + x)/2)) + m_t (a + s^2 (r + L + c_x)): the lowest mode of the matrices with that tension. What sits on the root
+   pulls at nothing. */
+TEST(preloads_add_up_to_the_tension)
+{
+  fb_modes_desc *keep;
+  uniform_desc((int)ELEMENTS, FB_ROOT_CLAMPED);
+  desc.n_lump = 2;
+  desc.lump[0].node = desc.n_element;
+  desc.lump[0].mass = FB_R(4.0);
+  desc.lump[0].center[0] = FB_R(0.5);
+  desc.lump[1].mass = FB_R(70.0);
+  for (int run = 0; run < 4; run++) {
+    const double F = run == 1 ? 0.0 : 3.0, a = run == 2 ? 0.0 : 2.0, s2 = run == 3 ? 0.0 : 2.25, r = 0.25;
+    const double tension[3] = {F + 3.0 * (2.0 * a + s2 * (2.0 * r + 2.0)) + 4.0 * (a + s2 * (r + 2.5)),
+                               -3.0 * (a + s2 * r), -1.5 * s2};
+    keep = choice();
+    keep->count[FB_KIND_BEND_Z] = 1;
+    keep->preload.force = (fb_real)F;
+    keep->preload.acceleration = (fb_real)a;
+    keep->preload.spin = (fb_real)-sqrt(s2);
+    keep->preload.spin_radius = (fb_real)r;
+    FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), FB_OK);
+    full_matrices(tension);
+    FBT_NEAR_REL(modes.omega[0], full_bend_z_omega(), FBT_TOL(1e-10, 2e-3));
+  }
+}
+
+/* E7.10, E6.6: a column without mass that carries a body at half its height buckles below it, as a cantilever of that length
+   under its weight, pi^2 EI/4 (L/2)^2; what hangs below the body bears nothing. */
+TEST(columns_buckle_below_the_body_that_they_carry)
+{
+  fb_modes_desc *keep;
+  uniform_desc((int)FBT_TOL(8, 4), FB_ROOT_CLAMPED);
+  desc.station[0].mass = FB_R(0.0);
+  desc.n_lump = 1;
+  desc.lump[0].node = desc.n_element / 2;
+  desc.lump[0].mass = FB_R(4.0);
+  keep = choice();
+  keep->lowest = 2;
+  keep->preload.acceleration = -FB_R(0.5);
+  FBT_INT_EQ(fb_buckling_solve(&modes, &work, &beam, keep), FB_OK);
+  FBT_NEAR_REL(modes.omega[0], pi * pi * 5.0 / 4.0 / 2.0, FBT_TOL(1e-8, 1e-3));
+  FBT_NEAR_REL(modes.omega[1], pi * pi * 7.0 / 4.0 / 2.0, FBT_TOL(1e-8, 1e-3));
+}
+
 /* desc and keep are refused with the status, and the modes keep every byte. */
 static void refused(const fb_modes_desc *keep, fb_status expected)
 {
@@ -1645,6 +1792,213 @@ TEST(modes_that_do_not_exist_are_refused)
   FBT_INT_EQ(fb_modes_solve(&modes, &work, NULL, &keep), FB_ERR_NULL);
   FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, NULL), FB_ERR_NULL);
   FBT_TRUE(memcmp(&modes, &pattern, sizeof modes) == 0);
+}
+
+/* Section 7: as many coordinates as there is room for, and no more: natural modes, with corrections behind them or rigid modes
+   before, and boundaries before modes and what their inertia bends. */
+TEST(modes_may_fill_all_their_room)
+{
+  for (int more = 0; more < 2; more++) {
+    for (int run = 0; run < (FB_SINGLE ? 3 : 5); run++) { /* the last are small, they drown in single */
+      static const int extra[5] = {0, 6, 6, 3, 12}; /* none, rigid modes, boundary, loads, boundary and its inertia */
+      fb_modes_desc *keep;
+      fbt_seed(1);
+      coupled_desc(4, run == 1 ? FB_ROOT_FREE : FB_ROOT_CLAMPED);
+      keep = choice();
+      keep->lowest = FB_MAX_MODES - extra[run] + more;
+      keep->rigid = run == 1;
+      keep->basis = run == 2 || run == 4 ? FB_BASIS_COMPONENT : FB_BASIS_MODES;
+      keep->n_boundary = keep->basis == FB_BASIS_COMPONENT ? 6 : 0;
+      keep->n_load = run == 3 ? 3 : 0;
+      keep->boundary_inertia = run == 4;
+      for (int k = 0; k < 6; k++) {
+        keep->load[k].node = keep->boundary[k].node = 4;
+        keep->load[k].axis = keep->boundary[k].axis = k;
+      }
+      memset(&modes, 0xA5, sizeof modes);
+      pattern = modes;
+      FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), more ? FB_ERR_CAPACITY : FB_OK);
+      FBT_TRUE(more ? memcmp(&modes, &pattern, sizeof modes) == 0 : modes.n == FB_MAX_MODES);
+    }
+  }
+}
+
+/* E7.1, E7.6: the lowest modes of a beam that is free to move, or to turn, keep their digits on a fine mesh: the shift is of
+   their size, whatever stiffness the mesh has, in each plane and along the beam, whose length is not one. */
+TEST(free_beams_keep_the_digits_of_their_low_modes)
+{
+  static const double beta[2] = {3.92660231204792, 4.73004074486270};
+  const int n = (int)FBT_TOL(FB_MAX_ELEMENTS, 4);
+  for (int root = FB_ROOT_PINNED; root <= (int)FB_ROOT_FREE; root++) {
+    const double b = beta[root - 1];
+    uniform_desc(n, (fb_root)root);
+    desc.length = FB_R(0.5);
+    FBT_INT_EQ(solve(&modes, 1, 1, 1, 0), FB_OK);
+    frequency_is_near(omega_of(&modes, FB_KIND_BEND_Y, 1), 4.0 * b * b * sqrt(7.0 / 3.0), 4, b / n);
+    frequency_is_near(omega_of(&modes, FB_KIND_BEND_Z, 1), 4.0 * b * b * sqrt(5.0 / 3.0), 4, b / n);
+    frequency_is_near(omega_of(&modes, FB_KIND_AXIAL, 1), root * pi * sqrt(11.0 / 3.0), 3, 0.5 * root * pi / n);
+  }
+}
+
+/* A line with two kinks: three straight limbs of 2, 1 and 2 elements of length 1/2, each turned from the one before about an
+   axis across it, all by `base`: their attitudes and the nodes of all elements. */
+static const int limb_first[4] = {0, 2, 3, 5};
+static void limbs_fill(fb_real attitude[3][4], fb_real node[6][3], const fb_real base[4])
+{
+  static const fb_real kink[3][4] = {{FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)},
+                                     {FB_R(0.9), FB_R(0.0), FB_R(0.0), FB_R(0.4)},
+                                     {FB_R(0.9), FB_R(0.0), FB_R(-0.4), FB_R(0.0)}};
+  memset(node, 0, 18 * sizeof(fb_real));
+  for (int k = 0; k < 3; k++) {
+    fb_real R[9];
+    fb_quat_mul(attitude[k], k ? attitude[k - 1] : base, kink[k]);
+    fb_quat_to_mat33(R, attitude[k]);
+    for (int e = limb_first[k]; e < limb_first[k + 1]; e++) {
+      for (int i = 0; i < 3; i++) {
+        node[e + 1][i] = node[e][i] + FB_R(0.5) * R[3 * i];
+      }
+    }
+  }
+}
+
+/* That line as a chain. */
+static void kinked_desc(fb_root root)
+{
+  static const fb_real straight[4] = {FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_real attitude[3][4];
+  uniform_desc(5, root);
+  desc.station[0].i_y = desc.station[0].i_z = FB_R(0.05);
+  desc.n_point = 6;
+  limbs_fill(attitude, desc.point, straight);
+}
+
+/* E6.11, E7.6: a free chain moves as the rigid body of its straight rods, m/3 (a a + a b + b b) across an axis of a rod from a
+   to b, with what its sections have about themselves; its elastic modes have none of that. */
+TEST(a_free_chain_has_the_inertia_of_its_rods)
+{
+  fb_modes_desc *keep;
+  kinked_desc(FB_ROOT_FREE);
+  keep = choice();
+  keep->lowest = 4;
+  keep->rigid = 1;
+  FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), FB_OK);
+  FBT_INT_EQ(modes.n, 10);
+  for (int axis = 0; axis < 3; axis++) {
+    double inertia = 0.0;
+    for (int e = 0; e < 5; e++) {
+      for (int i = 0; i < 3; i++) {
+        const double a = (double)desc.point[e][i], b = (double)desc.point[e + 1][i];
+        inertia += i == axis ? 0.025 * (1.0 + 4.0 * (b - a) * (b - a)) : 0.5 * (a * a + a * b + b * b);
+      }
+    }
+    FBT_NEAR_REL(modes.rigid_mass[axis], 7.5, FBT_TOL(1e-13, 1e-5));
+    FBT_NEAR_REL(modes.rigid_mass[3 + axis], inertia, FBT_TOL(1e-13, 1e-5));
+  }
+  for (int i = 0; i < 6; i++) {
+    FBT_NEAR_REL(modes.effective[i], 1.0, FBT_TOL(1e-12, 1e-4));
+    for (int a = 6; a < modes.n; a++) {
+      FBT_NEAR_ABS(modes.momentum[6 * a + i], 0.0, FBT_TOL(1e-11, 1e-3));
+    }
+  }
+}
+
+static fb_beam limb[3];
+static fb_modes limb_basis[3], common[3];
+static fb_join_work join_work;
+
+/* Its limbs in an attitude of their own, component c the one with number order[c], with all finite-element coordinates. */
+static void limbs_solve(const int order[3], fb_root root)
+{
+  static const fb_real base[4] = {FB_R(0.4), FB_R(-0.2), FB_R(0.7), FB_R(0.3)};
+  fb_real attitude[3][4], node[6][3];
+  limbs_fill(attitude, node, base);
+  for (int c = 0; c < 3; c++) {
+    const int k = order[c], elements = limb_first[k + 1] - limb_first[k];
+    fb_modes_desc *keep;
+    uniform_desc(elements, k == 0 ? root : FB_ROOT_FREE);
+    desc.length = FB_R(0.5) * (fb_real)elements;
+    desc.station[0].i_y = desc.station[0].i_z = FB_R(0.05);
+    memcpy(desc.attitude, attitude[k], sizeof desc.attitude);
+    memcpy(desc.position, node[limb_first[k]], sizeof desc.position);
+    keep = choice();
+    keep->basis = FB_BASIS_ELEMENTS;
+    for (int kind = 0; kind < FB_KIND_COUNT; kind++) {
+      keep->count[kind] = FB_ALL_MODES;
+    }
+    FBT_INT_EQ(fb_modes_solve(&limb_basis[c], &work, &beam, keep), FB_OK);
+    limb[c] = beam;
+  }
+}
+
+/* What the limbs of the common modes have at a weld, inertial axes: the same from both sides. */
+static void weld_is_whole(const fb_weld *weld, int k)
+{
+  fb_real motion[2][6];
+  for (int side = 0; side < 2; side++) {
+    const int c = weld->component[side];
+    const fb_real *const value = common[c].shape + k * common[c].ndof + 6 * weld->node[side];
+    fb_mat33_mul_vec3(motion[side], limb[c].axes, value);
+    fb_mat33_mul_vec3(motion[side] + 3, limb[c].axes, value + 3);
+  }
+  FBT_BELOW(fbt_difference(motion[0], motion[1], 6), FBT_TOL(1e-12, 1e-4));
+}
+
+/* E7.11, E7.12: limbs welded in space, named in any order, in any attitude of all, are the chain of the same elements: its
+   frequencies, unit modal mass and frequencies squared of all limbs together, shapes that meet at the welds. */
+TEST(welded_limbs_are_the_chain_of_their_elements)
+{
+  static const int order[3][3] = {{0, 1, 2}, {2, 0, 1}, {1, 2, 0}}, place[3][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}};
+  for (int run = 0; run < 6; run++) {
+    const int *const at = place[run / 2];
+    const fb_root root = run % 2 ? FB_ROOT_FREE : FB_ROOT_CLAMPED;
+    fb_weld weld[2] = {{{0, 0}, {2, 0}}, {{0, 0}, {0, 1}}};
+    fb_status status;
+    fb_modes_desc *keep;
+    kinked_desc(root);
+    keep = choice();
+    keep->cubic = 1;
+    keep->lowest = 9;
+    FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), FB_OK);
+    limbs_solve(order[run / 2], root);
+    weld[0].component[0] = at[0];
+    weld[0].component[1] = weld[1].component[1] = at[1];
+    weld[1].component[0] = at[2];
+    status = fb_modes_join(common, &join_work, limb, limb_basis, 3, weld, 2, 9, FB_R(0.0));
+    FBT_TRUE(status == FB_OK || (FB_SINGLE && status == FB_ERR_CONVERGENCE));
+    for (int a = 0; a < 9 && status == FB_OK; a++) {
+      FBT_NEAR_REL(common[0].omega[a], modes.omega[a], FBT_TOL(1e-11, 1e-3));
+      weld_is_whole(&weld[0], a);
+      weld_is_whole(&weld[1], a);
+      for (int b = 0; b < 9; b++) {
+        double m = 0.0, k = 0.0;
+        for (int c = 0; c < 3; c++) {
+          m += (double)common[c].M[9 * a + b];
+          k += (double)common[c].K[9 * a + b] / ((double)modes.omega[a] * (double)modes.omega[b]);
+        }
+        FBT_NEAR_ABS(m, a == b, FBT_TOL(1e-11, 1e-3));
+        FBT_NEAR_ABS(k, a == b, FBT_TOL(1e-11, 1e-3));
+      }
+    }
+  }
+}
+
+/* E7.12: parts that move as rigid bodies alone have, welded, no elastic mode, and that is no fault. */
+TEST(rigid_parts_have_no_common_modes)
+{
+  const fb_weld weld = {{0, 1}, {2, 0}};
+  for (int c = 0; c < 2; c++) {
+    fb_modes_desc *keep;
+    uniform_desc(2, FB_ROOT_FREE);
+    desc.station[0].i_y = desc.station[0].i_z = FB_R(0.05);
+    desc.position[0] = c ? desc.length : FB_R(0.0);
+    keep = choice();
+    keep->rigid = 1;
+    FBT_INT_EQ(fb_modes_solve(&limb_basis[c], &work, &beam, keep), FB_OK);
+    FBT_INT_EQ(limb_basis[c].n, 6);
+    limb[c] = beam;
+  }
+  FBT_INT_EQ(fb_modes_join(common, &join_work, limb, limb_basis, 2, &weld, 1, 0, FB_R(0.0)), FB_OK);
+  FBT_INT_EQ(common[0].n + common[1].n, 0);
 }
 
 /* Value of an axial function at x by its coefficients: cubic Hermite part and bubbles, of beams of one or two
@@ -1813,6 +2167,10 @@ SUITE(modes, RUN(hurty_example_has_the_printed_numbers),
       RUN(tapered_beam_has_the_published_frequencies), RUN(modes_are_orthonormal_with_a_fixed_sign),
       RUN(a_held_tip_does_not_choose_the_sign), RUN(a_round_beam_has_pairs_of_unmixed_modes),
       RUN(a_body_beside_the_axis_couples_bending_and_torsion), RUN(a_beam_without_mass_has_the_modes_of_its_tip_body),
-      RUN(frequencies_do_not_depend_on_the_units), RUN(modes_are_selected_by_count_and_frequency),
-      RUN(element_coordinates_keep_the_element_matrices), RUN(modes_for_a_spin_hold_the_modes_under_tension),
-      RUN(modes_that_do_not_exist_are_refused))
+      RUN(frequencies_do_not_depend_on_the_units), RUN(modes_may_fill_all_their_room),
+      RUN(preloads_add_up_to_the_tension), RUN(columns_buckle_below_the_body_that_they_carry),
+      RUN(free_beams_keep_the_digits_of_their_low_modes), RUN(a_free_chain_has_the_inertia_of_its_rods),
+      RUN(welded_limbs_are_the_chain_of_their_elements), RUN(rigid_parts_have_no_common_modes),
+      RUN(momenta_and_effective_masses_are_those_of_the_whole_beam), RUN(bodies_couple_the_kinds_that_they_should),
+      RUN(modes_are_selected_by_count_and_frequency), RUN(element_coordinates_keep_the_element_matrices),
+      RUN(modes_for_a_spin_hold_the_modes_under_tension), RUN(modes_that_do_not_exist_are_refused))
