@@ -870,18 +870,49 @@ static void boom_body(unsigned effects, fb_base base, int node[2])
   FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
 }
 
-/* A moving, deflected state; deflection of the modes of about size. */
-static void boom_state(fb_state *state, double size)
+#define LARGE FB_MAX_MODES
+
+/* Rows of `width` numbers, one of each of as many coordinates as there can be, for other coordinates: a mirror image in all
+   of them, each in a unit of its own. */
+static void combine(fb_real *x, int width)
 {
-  fb_real v[3], w[3], qd[BOOM_MODES];
+  for (int j = 0; j < width; j++) {
+    double sum = 0.0, square = 0.0;
+    for (int a = 0; a < LARGE; a++) {
+      sum += (1.0 + a % 3) * (double)x[a * width + j];
+      square += (1.0 + a % 3) * (1.0 + a % 3);
+    }
+    for (int a = 0; a < LARGE; a++) {
+      x[a * width + j] = (fb_real)(((double)x[a * width + j] - 2.0 * (1.0 + a % 3) * sum / square) * ldexp(1.0, a % 4));
+    }
+  }
+}
+
+/* The same coordinates of the same deflection. */
+static void combine_state(fb_real *q)
+{
+  combine(q, 1);
+  for (int a = 0; a < LARGE; a++) {
+    q[a] = (fb_real)ldexp((double)q[a], -2 * (a % 4));
+  }
+}
+
+/* A moving, deflected state; deflection of the modes of about size. Combined: the same in those other coordinates. */
+static void moving_state(fb_state *state, double size, int combined)
+{
+  fb_real v[3], w[3], qd[FB_MAX_MODES];
   FBT_INT_EQ(fb_state_init(&body, state), FB_OK);
   fbt_fill(state->rho, 3, 2.0);
   fbt_fill(state->quat, 4, 1.0);
   FBT_INT_EQ(fb_quat_normalize(state->quat), FB_OK);
-  fbt_fill(state->q, BOOM_MODES, size);
+  fbt_fill(state->q, body.n, size);
   fbt_fill(v, 3, 1.0);
   fbt_fill(w, 3, 0.5);
-  fbt_fill(qd, BOOM_MODES, size);
+  fbt_fill(qd, body.n, size);
+  if (combined) {
+    combine_state(state->q);
+    combine_state(qd);
+  }
   if (body.base == FB_BASE_PINNED || body.base == FB_BASE_HINGED) {
     memset(v, 0, sizeof v);
   }
@@ -889,6 +920,11 @@ static void boom_state(fb_state *state, double size)
     w[0] = w[1] = 0;
   }
   FBT_INT_EQ(fb_state_from_velocity(&body, state, v, w, qd), FB_OK);
+}
+
+static void boom_state(fb_state *state, double size)
+{
+  moving_state(state, size, 0);
 }
 
 /* E8.1 to E8.3, E7.3: the quadrature over the beam reproduces the modal mass, and mass and inertia of the whole. */
@@ -1365,53 +1401,240 @@ static void state_along(fb_state *out, const fb_state *state, const fb_state *ra
   }
 }
 
+/* Work of the loads in a second, by the motion of their nodes. */
+static double power_of(const fb_state *state, const fb_input *input)
+{
+  fb_motion motion;
+  double power = 0.0;
+  FBT_INT_EQ(fb_body_motion(&body, &motion, state, input), FB_OK);
+  for (int i = 0; i < input->n_load; i++) {
+    const fb_load *load = &input->load[i];
+    fb_real R[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, F[3], T[3];
+    fb_node_motion at;
+    FBT_INT_EQ(fb_body_node_motion(&body, &at, state, &motion, load->node), FB_OK);
+    if (load->axes != FB_AXES_INERTIAL) {
+      fb_quat_to_mat33(R, load->axes == FB_AXES_NODE ? at.quat : state->quat);
+    }
+    fb_mat33_mul_vec3(F, R, load->force);
+    fb_mat33_mul_vec3(T, R, load->torque);
+    power += (double)(fb_vec3_dot(F, at.velocity) + fb_vec3_dot(T, at.angular_rate));
+  }
+  return power;
+}
+
+/* Rate of the energy along the rates of the state, by a difference. */
+static double energy_rate(const fb_state *state, const fb_input *input, double h)
+{
+  fb_state rate, ahead, behind;
+  fb_energy up, down;
+  FBT_INT_EQ(fb_body_rates(&body, &rate, state, input), FB_OK);
+  state_along(&ahead, state, &rate, h);
+  state_along(&behind, state, &rate, -h);
+  FBT_INT_EQ(fb_body_energy(&body, &up, &ahead, NULL), FB_OK);
+  FBT_INT_EQ(fb_body_energy(&body, &down, &behind, NULL), FB_OK);
+  return ((double)(up.kinetic - down.kinetic) + (double)(up.strain - down.strain) +
+          (double)(up.gravity - down.gravity)) /
+         (2.0 * h);
+}
+
 /* E8.15, E8.16, E8.21: the work of the loads, less damping, is the change of energy: an identity of the rates. */
 TEST(power_of_loads_is_the_rate_of_energy)
 {
   static const fb_base base[] = {FB_BASE_FREE, FB_BASE_PINNED, FB_BASE_HINGED};
   int node[2];
   for (int k = 0; k < 9; k++) {
-    const int axes = k % 3;
-    fb_state state, rate, ahead, behind;
+    fb_state state;
     fb_input input;
-    fb_motion motion;
-    fb_node_motion at;
-    fb_energy up, down;
-    double power = 0.0, change;
-    const double h = FBT_TOL(1e-5, 1e-2);
     boom_body(FB_EFFECTS_FULL | FB_EFFECT_GRAVITY, base[k / 3], node);
     boom_state(&state, 0.05);
     memset(&input, 0, sizeof input);
     input.n_load = 2;
     for (int i = 0; i < 2; i++) {
       input.load[i].node = node[i];
-      input.load[i].axes = (fb_axes)axes;
+      input.load[i].axes = (fb_axes)(k % 3);
       fbt_fill(input.load[i].force, 3, 2.0);
       fbt_fill(input.load[i].torque, 3, 1.0);
     }
-    FBT_INT_EQ(fb_body_motion(&body, &motion, &state, &input), FB_OK);
-    for (int i = 0; i < 2; i++) {
-      fb_real R[9], F[3], T[3];
-      FBT_INT_EQ(fb_body_node_motion(&body, &at, &state, &motion, node[i]), FB_OK);
-      fb_quat_to_mat33(R, axes == FB_AXES_NODE ? at.quat : state.quat);
-      if (axes == FB_AXES_INERTIAL) {
-        memcpy(F, input.load[i].force, sizeof F);
-        memcpy(T, input.load[i].torque, sizeof T);
-      } else {
-        fb_mat33_mul_vec3(F, R, input.load[i].force);
-        fb_mat33_mul_vec3(T, R, input.load[i].torque);
-      }
-      power += (double)(fb_vec3_dot(F, at.velocity) + fb_vec3_dot(T, at.angular_rate));
+    FBT_NEAR_ABS(energy_rate(&state, &input, FBT_TOL(1e-5, 1e-2)), power_of(&state, &input), FBT_TOL(1e-7, 5e-2));
+  }
+}
+
+/* ---- as many coordinates, nodes and loads as there can be */
+
+static void combine_pairs(fb_real *x, int width)
+{
+  combine(x, LARGE * width);
+  for (int a = 0; a < LARGE; a++) {
+    combine(x + a * LARGE * width, width);
+  }
+}
+
+/* Random numbers of each pair of coordinates, `width` of them; symmetric. */
+static void pairs_random(fb_real *x, int width, double scale)
+{
+  fbt_fill(x, LARGE * LARGE * width, scale);
+  for (int a = 0; a < LARGE; a++) {
+    for (int b = 0; b < a; b++) {
+      memcpy(x + width * (a * LARGE + b), x + width * (b * LARGE + a), sizeof(fb_real) * (size_t)width);
     }
-    FBT_INT_EQ(fb_body_rates(&body, &rate, &state, &input), FB_OK);
-    state_along(&ahead, &state, &rate, h);
-    state_along(&behind, &state, &rate, -h);
-    FBT_INT_EQ(fb_body_energy(&body, &up, &ahead, NULL), FB_OK);
-    FBT_INT_EQ(fb_body_energy(&body, &down, &behind, NULL), FB_OK);
-    change = ((double)(up.kinetic - down.kinetic) + (double)(up.strain - down.strain) +
-              (double)(up.gravity - down.gravity)) /
-             (2.0 * h);
-    FBT_NEAR_ABS(change, power, FBT_TOL(1e-7, 5e-2));
+  }
+}
+
+/* Shapes, linear and quadratic, of one place. */
+static void shapes_random(fb_real *psi, fb_real *chi, int combined)
+{
+  fbt_fill(psi, 3 * LARGE, 0.3);
+  pairs_random(chi, 3, 0.05);
+  if (combined) {
+    combine(psi, 3);
+    combine_pairs(chi, 3);
+  }
+}
+
+/* Particles, a lumped body and nodes that move by all coordinates. */
+static void large_shape(int combined)
+{
+  static const fb_real inertia[6] = {FB_R(0.5), FB_R(0.6), FB_R(0.7), FB_R(0.1), -FB_R(0.05), FB_R(0.08)};
+  static fb_real chi[3 * LARGE * LARGE], turn[3 * LARGE * LARGE];
+  fb_real r[3], psi[3 * LARGE], theta[3 * LARGE];
+  int node = 0;
+  fbt_seed(23);
+  FBT_INT_EQ(fb_shape_init(&shape, LARGE), FB_OK);
+  for (int k = 0; k < PARTICLES; k++) {
+    fbt_fill(r, 3, 1.0);
+    shapes_random(psi, chi, combined);
+    FBT_INT_EQ(fb_shape_add_particle(&shape, FB_R(1.5), r, psi, chi), FB_OK);
+  }
+  for (int k = 1; k < FB_MAX_NODES; k++) {
+    fbt_fill(r, 3, 1.0);
+    shapes_random(psi, chi, combined);
+    shapes_random(theta, turn, combined);
+    FBT_INT_EQ(fb_shape_add_node(&shape, &node, r, psi, theta), FB_OK);
+    FBT_INT_EQ(node, k);
+    for (int a = 0, pair = 0; a < LARGE; a++) {
+      for (int b = 0; b <= a; b++, pair += 3) {
+        memcpy(shape.node[node].chi + pair, chi + 3 * (a * LARGE + b), 3 * sizeof(fb_real));
+        memcpy(shape.node[node].chi_theta + pair, turn + 3 * (a * LARGE + b), 3 * sizeof(fb_real));
+      }
+    }
+  }
+  FBT_INT_EQ(fb_shape_add_node(&shape, &node, r, psi, theta), FB_ERR_CAPACITY);
+  FBT_INT_EQ(fb_shape_add_lump(&shape, FB_R(2.0), r, inertia, psi, theta), FB_OK);
+  pairs_random(shape.K, 1, 0.3);
+  for (int a = 0; a < LARGE; a++) {
+    shape.K[a * (LARGE + 1)] = (fb_real)(9.0 + a);
+  }
+  if (combined) {
+    combine_pairs(shape.K, 1);
+  }
+}
+
+static void large_body(fb_form form, fb_base base, unsigned damping, int combined)
+{
+  static fb_body_desc level;
+  memset(&level, 0, sizeof level);
+  level.form = form;
+  level.base = base;
+  level.effects = (form == FB_FORM_FIRST ? FB_EFFECTS_SPIN : FB_EFFECTS_FULL) | damping | FB_EFFECT_GRAVITY;
+  level.gravity[0] = FB_R(0.3);
+  level.gravity[2] = -FB_R(1.5);
+  for (int a = 0; a < LARGE; a++) {
+    level.zeta[a] = (fb_real)(0.01 + 0.001 * a);
+  }
+  large_shape(combined);
+  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
+  FBT_INT_EQ(fb_body_check(&body), FB_OK);
+  FBT_TRUE(fb_body_crc(&body) != 0);
+}
+
+/* A load on each node, in all axes. */
+static void large_input(fb_input *input)
+{
+  memset(input, 0, sizeof *input);
+  input->n_load = FB_MAX_LOADS;
+  for (int k = 0; k < FB_MAX_LOADS; k++) {
+    input->load[k].node = k % FB_MAX_NODES;
+    input->load[k].axes = (fb_axes)(k % 3);
+    fbt_fill(input->load[k].force, 3, 2.0);
+    fbt_fill(input->load[k].torque, 3, 1.0);
+  }
+  fbt_fill(input->v, 3, 1.0);
+  fbt_fill(input->w, 3, 0.5);
+  fbt_fill(input->v_dot, 3, 1.0);
+  fbt_fill(input->w_dot, 3, 1.0);
+}
+
+typedef struct outcome { /* all reals: what a body does, in whichever coordinates */
+  fb_real limit[6], v[3], w[3], v_dot[3], w_dot[3], q_ddot[LARGE], force[3], torque[3];
+  fb_energy energy;
+  fb_momentum momentum;
+  fb_node_motion node[FB_MAX_NODES];
+} outcome;
+
+static void large_outcome(outcome *out, int combined)
+{
+  fb_state state;
+  fb_motion motion;
+  fb_input input;
+  moving_state(&state, 0.05, combined);
+  large_input(&input);
+  FBT_INT_EQ(fb_state_check(&body, &state), FB_OK);
+  FBT_INT_EQ(fb_body_motion(&body, &motion, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_body_energy(&body, &out->energy, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_body_momentum(&body, &out->momentum, &state, &input), FB_OK);
+  for (int k = 0; k < FB_MAX_NODES; k++) {
+    FBT_INT_EQ(fb_body_node_motion(&body, &out->node[k], &state, &motion, k), FB_OK);
+  }
+  if (!combined) {
+    combine_state(motion.q_ddot);
+  }
+  for (int a = 0; a < LARGE; a++) { /* in the unit of the others */
+    out->q_ddot[a] = (fb_real)ldexp((double)motion.q_ddot[a], a % 4);
+  }
+  memcpy(out->v, motion.v, sizeof out->v);
+  memcpy(out->w, motion.w, sizeof out->w);
+  memcpy(out->v_dot, motion.v_dot, sizeof out->v_dot);
+  memcpy(out->w_dot, motion.w_dot, sizeof out->w_dot);
+  memcpy(out->force, motion.reaction_force, sizeof out->force);
+  memcpy(out->torque, motion.reaction_torque, sizeof out->torque);
+  out->limit[0] = body.limit_elastic;
+  out->limit[1] = body.limit_damping;
+  out->limit[2] = body.limit_spin;
+  out->limit[3] = body.limit_acceleration;
+  out->limit[4] = body.recoil;
+  out->limit[5] = body.gyration;
+}
+
+/* E8.1 to E8.22, E8.25, E8.28: any combination of the coordinates describes the same body, in every form and on every base,
+   with as many coordinates, nodes and loads as there can be: bounds, accelerations, reactions, energies, momenta and the
+   motion of every node. */
+TEST(combined_coordinates_are_the_same_body)
+{
+  double worst = 0.0;
+  for (int run = 0; run < 3 * 4; run++) {
+    outcome plain, other_way;
+    const fb_real *const a = (const fb_real *)&plain, *const b = (const fb_real *)&other_way;
+    large_body((fb_form)(run / 4), (fb_base)(run % 4), FB_EFFECT_DAMPING, 0);
+    large_outcome(&plain, 0);
+    large_body((fb_form)(run / 4), (fb_base)(run % 4), FB_EFFECT_DAMPING, 1);
+    large_outcome(&other_way, 1);
+    for (size_t i = 0; i < sizeof plain / sizeof(fb_real); i++) {
+      worst = fmax(worst, fabs((double)(a[i] - b[i])) / (1.0 + fabs((double)a[i])));
+    }
+    FBT_BELOW(worst, FBT_TOL(1e-12, 1e-3));
+  }
+}
+
+/* E8.15 to E8.18, E8.25, E8.27: that body, free and without damping: the work of all its loads is the change of its energy. */
+TEST(power_of_all_loads_is_the_rate_of_energy)
+{
+  for (int form = 0; form < 3; form++) {
+    fb_state state;
+    fb_input input;
+    large_body((fb_form)form, FB_BASE_FREE, 0, 0);
+    moving_state(&state, 0.05, 0);
+    large_input(&input);
+    FBT_NEAR_ABS(energy_rate(&state, &input, FBT_TOL(1e-5, 1e-2)), power_of(&state, &input), FBT_TOL(1e-7, 0.1));
   }
 }
 
@@ -3039,7 +3262,8 @@ SUITE(body, RUN(rows_without_terms_are_refused), RUN(massless_prescribed_bodies_
       RUN(beam_integrals_hold_for_any_section_and_line), RUN(quadratic_field_is_inextensible_and_twist_free),
       RUN(quadratic_field_follows_a_bent_line_in_any_attitude), RUN(offset_masses_move_with_their_section),
       RUN(lumped_bodies_are_the_particles_they_stand_for), RUN(a_beam_may_take_later_coordinates),
-      RUN(power_of_loads_is_the_rate_of_energy), RUN(node_kinematics_match_finite_differences),
+      RUN(power_of_loads_is_the_rate_of_energy), RUN(combined_coordinates_are_the_same_body),
+      RUN(power_of_all_loads_is_the_rate_of_energy), RUN(node_kinematics_match_finite_differences),
       RUN(reactions_balance_the_momentum), RUN(a_held_body_is_a_free_one_with_its_reactions),
       RUN(pinned_and_hinged_bodies_swing_as_rigid_pendulums), RUN(a_falling_body_does_not_deform),
       RUN(elastic_response_is_frame_indifferent), RUN(damped_free_decay_has_the_given_ratio),
