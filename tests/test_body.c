@@ -234,7 +234,7 @@ static void particles_accelerate(double *acc, const particles *p, const velocity
 
 static fb_body body;
 static fb_body_work body_work;
-static fb_shape shape;
+static fb_shape shape, other;
 static particles cloud;
 
 static void state_from(fb_state *state, const fb_body *b, const velocity *s)
@@ -1252,8 +1252,6 @@ static double shape_difference(const fb_shape *a, const fb_shape *b, int first)
   return worst;
 }
 
-static fb_shape other;
-
 /* E6.2, E8.1, E8.3: a lumped body with offset and full inertia is the handful of particles it is made of, each moving
    as u + (exp(phi) - 1) d with the node's displacement and rotation to second degree. */
 TEST(lumped_bodies_are_the_particles_they_stand_for)
@@ -1635,6 +1633,167 @@ TEST(power_of_all_loads_is_the_rate_of_energy)
     moving_state(&state, 0.05, 0);
     large_input(&input);
     FBT_NEAR_ABS(energy_rate(&state, &input, FBT_TOL(1e-5, 1e-2)), power_of(&state, &input), FBT_TOL(1e-7, 0.1));
+  }
+}
+
+/* Energy, momentum and the motion of every node with the velocities of some coordinates; what the others do is zero. */
+static void some_move(outcome *out, const fb_shape *of, const int *place, int n)
+{
+  static fb_body_desc level;
+  fb_state state;
+  fb_motion motion;
+  fb_real q[3][LARGE];
+  memset(&level, 0, sizeof level);
+  level.effects = FB_EFFECTS_FULL | FB_EFFECT_GRAVITY;
+  level.gravity[1] = FB_R(2.0);
+  FBT_INT_EQ(fb_body_init(&body, &body_work, of, &level), FB_OK);
+  fbt_seed(31);
+  FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+  memset(out, 0, sizeof *out);
+  memset(&motion, 0, sizeof motion);
+  fbt_fill(motion.v, 3, 1.0);
+  fbt_fill(motion.w, 3, 1.0);
+  fbt_fill(q[0], n, 0.1);
+  fbt_fill(q[1], n, 0.5);
+  fbt_fill(q[2], n, 2.0);
+  for (int k = 0; k < n; k++) {
+    state.q[place[k]] = q[0][k];
+    motion.q_dot[place[k]] = q[1][k];
+    motion.q_ddot[place[k]] = q[2][k];
+    out->q_ddot[k] = body.reach[place[k]];
+  }
+  FBT_INT_EQ(fb_state_from_velocity(&body, &state, motion.v, motion.w, motion.q_dot), FB_OK);
+  FBT_INT_EQ(fb_body_energy(&body, &out->energy, &state, NULL), FB_OK);
+  FBT_INT_EQ(fb_body_momentum(&body, &out->momentum, &state, NULL), FB_OK);
+  for (int k = 0; k < FB_MAX_NODES; k++) {
+    FBT_INT_EQ(fb_body_node_motion(&body, &out->node[k], &state, &motion, k), FB_OK);
+  }
+}
+
+/* E8.1: a selection of coordinates is the body whose other coordinates are held, at every node. */
+TEST(a_selection_is_the_body_with_the_others_held)
+{
+  int place[LARGE], own[LARGE];
+  for (int stride = 1; stride < 4; stride++) { /* all, and less: the last among them */
+    const int n = (LARGE + stride - 1) / stride;
+    outcome whole, part;
+    for (int k = 0; k < n; k++) {
+      place[k] = LARGE - 1 - stride * (n - 1 - k);
+      own[k] = k;
+    }
+    large_shape(0);
+    FBT_INT_EQ(fb_shape_select(&other, &shape, place, n), FB_OK);
+    FBT_INT_EQ(other.n, n);
+    some_move(&whole, &shape, place, n);
+    some_move(&part, &other, own, n);
+    FBT_BELOW(fbt_difference((const fb_real *)&whole, (const fb_real *)&part, sizeof whole / sizeof(fb_real)),
+              FBT_TOL(1e-12, 2e-4));
+  }
+}
+
+/* 1, or -1 for what a mirror in the plane z = 0 turns round: z of v, x and y of w, every second coordinate (1, q)_a. */
+static double mirrored_velocity(int i)
+{
+  return i >= 2 && i <= 4 ? -1.0 : 1.0;
+}
+
+static double mirrored_coordinate(int a)
+{
+  return a > 0 && a % 2 == 0 ? -1.0 : 1.0;
+}
+
+/* The cloud's first half and its mirror image, with their coordinates. kg, m, units of the coordinates. */
+static void mirrored_shape(int n, double kg, double m, const double *unit)
+{
+  FBT_INT_EQ(fb_shape_init(&shape, n), FB_OK);
+  for (int i = 0; i < PARTICLES; i++) { /* the images afterwards: what cancels does so to rounding alone */
+    const int image = i >= PARTICLES / 2, k = i % (PARTICLES / 2);
+    fb_real r[3], psi[3 * MAX_N], chi[3 * MAX_N * MAX_N];
+    for (int x = 0; x < 3; x++) {
+      const double side = image ? mirrored_velocity(x) : 1.0;
+      r[x] = (fb_real)(side * m * cloud.r[k][x]);
+      for (int a = 0; a < n; a++) {
+        const double side_a = image ? side * mirrored_coordinate(a + 1) : 1.0;
+        psi[3 * a + x] = (fb_real)(side_a * unit[a] * cloud.psi[k][a][x]);
+        for (int b = 0; b < n; b++) {
+          const double side_ab = image ? side_a * mirrored_coordinate(b + 1) : 1.0;
+          chi[3 * (a * n + b) + x] = (fb_real)(side_ab * unit[a] * unit[b] / m * cloud.chi[k][a][b][x]);
+        }
+      }
+    }
+    FBT_INT_EQ(fb_shape_add_particle(&shape, (fb_real)(kg * cloud.m[k]), r, psi, chi), FB_OK);
+  }
+  for (int a = 0; a < n; a++) {
+    shape.K[a * n + a] = (fb_real)(kg * unit[a] * unit[a]);
+  }
+}
+
+/* What the mirror turns round is no term of the energy. */
+static int may_be(int i, int j, int a, int b)
+{
+  return mirrored_velocity(i) * mirrored_velocity(j) * mirrored_coordinate(a) * mirrored_coordinate(b) > 0.0;
+}
+
+/* Terms of Lambda, S and M that the mirror turns round. */
+static int wrong_terms(void)
+{
+  int wrong = 0;
+  for (int k = 0; k < body.n_lambda; k++) {
+    const fb_lambda_term *t = &body.lambda[k];
+    wrong += !may_be(t->i, 0, t->a, t->b + 1);
+  }
+  for (int k = 0; k < body.n_run; k++) {
+    const fb_S_run *run = &body.run[k];
+    for (int ij = 0; ij < 36; ij++) {
+      for (int p = run->pair; p < run->pair + run->n && fb_sym6_index(ij / 6, ij % 6) == run->i; p++) {
+        wrong += !may_be(ij / 6, ij % 6, body.pair[p].a, body.pair[p].b);
+      }
+    }
+  }
+  for (int k = 0; k < body.M.n_term; k++) {
+    wrong += !may_be(0, 0, body.M.term[k].a + 1, body.M.term[k].b + 1);
+  }
+  return wrong;
+}
+
+/* How many terms there may be: of Lambda constant and linear, of S. */
+static void count_terms(int count[3], int n)
+{
+  memset(count, 0, 3 * sizeof *count);
+  for (int k = 0; k < 36 * (n + 1) * (n + 1); k++) {
+    const int i = k % 6, j = k / 6 % 6, a = k / 36 % (n + 1), b = k / 36 / (n + 1);
+    count[0] += j == 0 && a == 0 && b > 0 && may_be(i, 0, a, b);
+    count[1] += j == 0 && a > 0 && b > 0 && may_be(i, 0, a, b);
+    count[2] += j >= i && a > 0 && b <= a && may_be(i, j, a, b);
+  }
+}
+
+/* E8.4 to E8.6: what is zero by a symmetry is no term, in any unit, whichever effects are on; with all of them everything else
+   is one. */
+TEST(what_a_symmetry_makes_zero_is_no_term)
+{
+  const double far = FBT_TOL(ldexp(1.0, 30), 64.0), alike[4] = {1.0, 1.0, 1.0, 1.0};
+  const double kg[] = {1.0, far, 1.0 / far, 1.0, 1.0, 1.0}, m[] = {1.0, 1.0, 1.0, far, 1.0 / far, 1.0};
+  const double apart[4] = {far, 1.0, 1.0 / far, 1.0};
+  particles_random(&cloud, 4, 1);
+  for (int run = 0; run < FBT_COUNT(kg) * FBT_COUNT(effect_sets); run++) {
+    const int in = run % FBT_COUNT(kg);
+    for (int n = 2; n <= 4; n += 2) {
+      fb_body_desc level;
+      int count[3];
+      mirrored_shape(n, kg[in], m[in], in == 5 ? apart : alike);
+      memset(&level, 0, sizeof level);
+      level.effects = effect_sets[run / FBT_COUNT(kg)];
+      level.allow_split_effects = 1;
+      FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
+      FBT_INT_EQ(wrong_terms(), 0);
+      count_terms(count, n);
+      FBT_INT_EQ(body.n_lambda_constant, count[0]);
+      if (level.effects == FB_EFFECTS_FULL) {
+        FBT_INT_EQ(body.n_lambda, count[0] + count[1]);
+        FBT_INT_EQ(body.n_S, count[2]);
+      }
+    }
   }
 }
 
@@ -3263,7 +3422,8 @@ SUITE(body, RUN(rows_without_terms_are_refused), RUN(massless_prescribed_bodies_
       RUN(quadratic_field_follows_a_bent_line_in_any_attitude), RUN(offset_masses_move_with_their_section),
       RUN(lumped_bodies_are_the_particles_they_stand_for), RUN(a_beam_may_take_later_coordinates),
       RUN(power_of_loads_is_the_rate_of_energy), RUN(combined_coordinates_are_the_same_body),
-      RUN(power_of_all_loads_is_the_rate_of_energy), RUN(node_kinematics_match_finite_differences),
+      RUN(power_of_all_loads_is_the_rate_of_energy), RUN(a_selection_is_the_body_with_the_others_held),
+      RUN(what_a_symmetry_makes_zero_is_no_term), RUN(node_kinematics_match_finite_differences),
       RUN(reactions_balance_the_momentum), RUN(a_held_body_is_a_free_one_with_its_reactions),
       RUN(pinned_and_hinged_bodies_swing_as_rigid_pendulums), RUN(a_falling_body_does_not_deform),
       RUN(elastic_response_is_frame_indifferent), RUN(damped_free_decay_has_the_given_ratio),
