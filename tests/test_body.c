@@ -1797,6 +1797,175 @@ TEST(what_a_symmetry_makes_zero_is_no_term)
   }
 }
 
+/* A beam with every coordinate that a line of so many elements has, and lumps at all its nodes, offset and skew. */
+static void full_beam(void)
+{
+  memset(&beam_desc, 0, sizeof beam_desc);
+  beam_desc.length = FB_R(2.0);
+  beam_desc.n_element = LARGE / 6;
+  beam_desc.n_station = 1;
+  beam_desc.station[0].mass = FB_R(1.0);
+  beam_desc.station[0].EA = FB_R(300.0);
+  beam_desc.station[0].GJ = FB_R(20.0);
+  beam_desc.station[0].EI_y = FB_R(40.0);
+  beam_desc.station[0].EI_z = FB_R(70.0);
+  beam_desc.station[0].i_y = FB_R(0.02);
+  beam_desc.station[0].i_z = FB_R(0.03);
+  beam_desc.n_lump = FB_MAX_LUMPS;
+  for (int k = 0; k < FB_MAX_LUMPS; k++) {
+    fb_lump *const lump = &beam_desc.lump[k];
+    lump->node = k % (beam_desc.n_element + 1);
+    lump->mass = FB_R(0.2);
+    fbt_fill(lump->center, 3, 0.1);
+    lump->inertia[0] = lump->inertia[1] = lump->inertia[2] = FB_R(0.02);
+    fbt_fill(lump->inertia + 3, 3, 0.005);
+  }
+  beam_desc.position[1] = FB_R(0.5);
+  beam_desc.attitude[0] = FB_R(0.9);
+  beam_desc.attitude[3] = -FB_R(0.4);
+  FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
+}
+
+/* That beam in its element coordinates, or in combinations of them. */
+static void full_beam_body(int combined)
+{
+  static fb_modes_desc keep;
+  static fb_body_desc level;
+  static const fb_real center[3] = {FB_R(0.1), -FB_R(0.2), FB_R(0.05)}, inertia[6] = {3, 4, 5};
+  int node;
+  memset(&keep, 0, sizeof keep);
+  memset(&level, 0, sizeof level);
+  keep.basis = FB_BASIS_ELEMENTS;
+  for (int kind = 0; kind < FB_KIND_COUNT; kind++) {
+    keep.count[kind] = 1;
+  }
+  FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_OK);
+  FBT_INT_EQ(modes.n, LARGE);
+  if (combined) {
+    combine(modes.shape, modes.ndof);
+    combine_pairs(modes.M, 1);
+    combine_pairs(modes.K, 1);
+  }
+  FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
+  FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(6.0), center, inertia), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
+  for (int k = 1; k < FB_MAX_NODES; k++) {
+    FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, (fb_real)(2.0 * k / (FB_MAX_NODES - 1))), FB_OK);
+  }
+  level.effects = FB_EFFECTS_FULL;
+  level.deflection_limit = FB_R(100.0);
+  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
+}
+
+/* What that body does, bent by a static load and turning; the strain that a gauge reads. */
+static void full_beam_outcome(outcome *out)
+{
+  static fb_real K[LARGE * LARGE];
+  const fb_real v[3] = {FB_R(0.3), -FB_R(0.2), FB_R(0.1)}, w[3] = {FB_R(0.5), FB_R(1.0), -FB_R(2.0)};
+  fb_real f[LARGE], q[LARGE];
+  fb_gauge gauge;
+  fb_state state;
+  fb_motion motion;
+  for (int a = 0; a < modes.n; a++) {
+    const fb_node *const tip = &shape.node[FB_MAX_NODES - 1];
+    f[a] = FB_R(0.5) * tip->psi[3 * a + 1] + tip->psi[3 * a + 2] + tip->psi[3 * a] + FB_R(0.5) * tip->theta[3 * a];
+  }
+  memcpy(K, shape.K, sizeof K);
+  FBT_INT_EQ(fb_chol_factor(K, modes.n), FB_OK);
+  fb_chol_solve(q, K, f, modes.n);
+  FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+  memcpy(state.q, q, sizeof(fb_real) * (size_t)modes.n);
+  FBT_INT_EQ(fb_state_from_velocity(&body, &state, v, w, q), FB_OK);
+  memset(out, 0, sizeof *out);
+  FBT_INT_EQ(fb_body_motion(&body, &motion, &state, NULL), FB_OK);
+  FBT_INT_EQ(fb_body_energy(&body, &out->energy, &state, NULL), FB_OK);
+  FBT_INT_EQ(fb_body_momentum(&body, &out->momentum, &state, NULL), FB_OK);
+  for (int k = 0; k < FB_MAX_NODES; k++) {
+    FBT_INT_EQ(fb_body_node_motion(&body, &out->node[k], &state, &motion, k), FB_OK);
+    FBT_INT_EQ(fb_gauge_init(&gauge, 0, &beam, &modes, (fb_real)(2.0 * k / (FB_MAX_NODES - 1)), FB_R(0.1), FB_R(0.2)),
+               FB_OK);
+    out->q_ddot[k] = fb_gauge_eval(&gauge, state.q);
+  }
+  memcpy(out->v_dot, motion.v_dot, sizeof out->v_dot);
+  memcpy(out->w_dot, motion.w_dot, sizeof out->w_dot);
+}
+
+/* E8.1 to E8.3, E8.14, E8.31: any combination of a beam's coordinates is the same body, with as many of them as there can be.
+ */
+TEST(combined_coordinates_of_a_beam_are_the_same_body)
+{
+  outcome plain, other_way;
+  full_beam();
+  full_beam_body(0);
+  full_beam_outcome(&plain);
+  full_beam_body(1);
+  full_beam_outcome(&other_way);
+  for (size_t i = 0; i < sizeof plain / sizeof(fb_real); i++) {
+    const double a = (double)((const fb_real *)&plain)[i], b = (double)((const fb_real *)&other_way)[i];
+    FBT_NEAR_ABS(a, b, FBT_TOL(1e-9, 1e-1) * (1.0 + fabs(a)));
+  }
+}
+
+/* E8.8: a particle on a spring beside a heavy hub (mass m0, inertia I0, at the distance L along x) leaves the frame the hub's
+   inertia alone where it moves: the largest ratio is 1 + m/m0 + m L^2/I0 of a free body, 1 + m L^2/I0 where O is held and it
+   moves about an axis that is free, else 1; in any unit. */
+TEST(recoil_is_what_springs_leave_the_frame)
+{
+  const double m0 = 3.0, I0 = 2.0, m = 0.5, L = 1.5;
+  for (int run = 0; run < 4 * 3 * 3; run++) {
+    const int base = run / 9, axis = run / 3 % 3;
+    const double kg = ldexp(1.0, FBT_TOL(60, 10) * (run % 3 - 1)), held = axis == 0 ? 0.0 : m * L * L / I0;
+    const double ratio[4] = {1.0 + m / m0 + held, 1.0, 1.0 + held, axis == 1 ? 1.0 + held : 1.0};
+    const fb_real center[3] = {0}, r[3] = {(fb_real)L}, i0 = (fb_real)(I0 * kg), inertia[6] = {i0, i0, i0};
+    fb_real psi[3] = {0};
+    fb_body_desc level;
+    memset(&level, 0, sizeof level);
+    level.effects = FB_EFFECTS_LINEAR;
+    level.base = (fb_base)base;
+    psi[axis] = FB_R(0.7);
+    FBT_INT_EQ(fb_shape_init(&shape, 1), FB_OK);
+    FBT_INT_EQ(fb_shape_add_rigid(&shape, (fb_real)(m0 * kg), center, inertia), FB_OK);
+    FBT_INT_EQ(fb_shape_add_particle(&shape, (fb_real)(m * kg), r, psi, NULL), FB_OK);
+    shape.K[0] = (fb_real)kg;
+    FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
+    FBT_NEAR_REL(body.recoil, sqrt(ratio[base]), FBT_TOL(1e-13, 1e-5));
+    FBT_NEAR_REL(body.gyration, sqrt((1.5 * I0 + m * L * L) / (m0 + m)), FBT_TOL(1e-13, 1e-5));
+  }
+}
+
+/* E8.22: two particles on a line through O have no inertia about it: refused, but for a base that holds that turn, in any
+   direction and unit; with a little inertia about it they are a body. */
+TEST(lines_of_particles_are_refused)
+{
+  for (int run = 0; run < 60; run++) {
+    const double kg = ldexp(1.0, FBT_TOL(60, 10) * (run % 3 - 1));
+    fb_real r[3], inertia[6] = {0};
+    fb_body_desc level;
+    int along_z;
+    memset(&level, 0, sizeof level);
+    for (int i = 0; i < 3; i++) { /* along an axis, in a plane, in space; whole numbers: their inertia is exact */
+      r[i] = run % 5 < 2 && (run / 5 + i) % 3 < 2 - run % 5 ? FB_R(0.0) : (fb_real)floor(4.0 * fbt_random() + 0.5);
+      inertia[i] = (fb_real)(0.01 * kg);
+    }
+    r[run / 5 % 3] += run % 5 == 0 || fbt_largest(r, 3) == 0.0 ? FB_R(8.0) : FB_R(0.0);
+    along_z = r[0] == FB_R(0.0) && r[1] == FB_R(0.0);
+    FBT_INT_EQ(fb_shape_init(&shape, 0), FB_OK);
+    FBT_INT_EQ(fb_shape_add_particle(&shape, (fb_real)kg, r, NULL, NULL), FB_OK);
+    for (int i = 0; i < 3; i++) {
+      r[i] *= -FB_R(2.0);
+    }
+    FBT_INT_EQ(fb_shape_add_particle(&shape, (fb_real)kg, r, NULL, NULL), FB_OK);
+    for (int more = 0; more < 2; more++) {
+      const fb_status expected[4] = {FB_ERR_SINGULAR, FB_OK, FB_ERR_SINGULAR, along_z ? FB_ERR_SINGULAR : FB_OK};
+      for (int base = 0; base < 4; base++) {
+        level.base = (fb_base)base;
+        FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), more ? FB_OK : expected[base]);
+      }
+      FBT_INT_EQ(fb_shape_add_rigid(&shape, (fb_real)kg, r, inertia), FB_OK);
+    }
+  }
+}
+
 /* E8.22, E8.19: a free body with the reactions of its base as loads at O moves as the held one does. */
 TEST(a_held_body_is_a_free_one_with_its_reactions)
 {
@@ -3238,6 +3407,7 @@ TEST(massless_prescribed_bodies_are_sound)
   FBT_INT_EQ(fb_shape_add_node(&shape, &node, r, NULL, NULL), FB_OK);
   FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
   FBT_INT_EQ(fb_body_check(&body), FB_OK);
+  FBT_TRUE(body.gyration == FB_R(0.0) && body.recoil == FB_R(1.0));
   word = fb_body_crc(&body);
   FBT_TRUE(word != 0);
   body.node[node].r[2] += FB_R(1.0);
@@ -3422,10 +3592,12 @@ SUITE(body, RUN(rows_without_terms_are_refused), RUN(massless_prescribed_bodies_
       RUN(quadratic_field_follows_a_bent_line_in_any_attitude), RUN(offset_masses_move_with_their_section),
       RUN(lumped_bodies_are_the_particles_they_stand_for), RUN(a_beam_may_take_later_coordinates),
       RUN(power_of_loads_is_the_rate_of_energy), RUN(combined_coordinates_are_the_same_body),
-      RUN(power_of_all_loads_is_the_rate_of_energy), RUN(a_selection_is_the_body_with_the_others_held),
-      RUN(what_a_symmetry_makes_zero_is_no_term), RUN(node_kinematics_match_finite_differences),
-      RUN(reactions_balance_the_momentum), RUN(a_held_body_is_a_free_one_with_its_reactions),
-      RUN(pinned_and_hinged_bodies_swing_as_rigid_pendulums), RUN(a_falling_body_does_not_deform),
-      RUN(elastic_response_is_frame_indifferent), RUN(damped_free_decay_has_the_given_ratio),
-      RUN(spinning_beams_stiffen_as_published), RUN(linear_models_of_spinning_beams_have_the_published_frequencies),
-      RUN(a_rigid_body_is_the_case_of_no_modes), RUN(bodies_refuse_bad_input))
+      RUN(power_of_all_loads_is_the_rate_of_energy), RUN(combined_coordinates_of_a_beam_are_the_same_body),
+      RUN(recoil_is_what_springs_leave_the_frame), RUN(lines_of_particles_are_refused),
+      RUN(a_selection_is_the_body_with_the_others_held), RUN(what_a_symmetry_makes_zero_is_no_term),
+      RUN(node_kinematics_match_finite_differences), RUN(reactions_balance_the_momentum),
+      RUN(a_held_body_is_a_free_one_with_its_reactions), RUN(pinned_and_hinged_bodies_swing_as_rigid_pendulums),
+      RUN(a_falling_body_does_not_deform), RUN(elastic_response_is_frame_indifferent),
+      RUN(damped_free_decay_has_the_given_ratio), RUN(spinning_beams_stiffen_as_published),
+      RUN(linear_models_of_spinning_beams_have_the_published_frequencies), RUN(a_rigid_body_is_the_case_of_no_modes),
+      RUN(bodies_refuse_bad_input))
