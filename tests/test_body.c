@@ -234,7 +234,7 @@ static void particles_accelerate(double *acc, const particles *p, const velocity
 
 static fb_body body;
 static fb_body_work body_work;
-static fb_shape shape;
+static fb_shape shape, other;
 static particles cloud;
 
 static void state_from(fb_state *state, const fb_body *b, const velocity *s)
@@ -870,18 +870,49 @@ static void boom_body(unsigned effects, fb_base base, int node[2])
   FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
 }
 
-/* A moving, deflected state; deflection of the modes of about size. */
-static void boom_state(fb_state *state, double size)
+#define LARGE FB_MAX_MODES
+
+/* Rows of `width` numbers, one of each of as many coordinates as there can be, for other coordinates: a mirror image in all
+   of them, each in a unit of its own. */
+static void combine(fb_real *x, int width)
 {
-  fb_real v[3], w[3], qd[BOOM_MODES];
+  for (int j = 0; j < width; j++) {
+    double sum = 0.0, square = 0.0;
+    for (int a = 0; a < LARGE; a++) {
+      sum += (1.0 + a % 3) * (double)x[a * width + j];
+      square += (1.0 + a % 3) * (1.0 + a % 3);
+    }
+    for (int a = 0; a < LARGE; a++) {
+      x[a * width + j] = (fb_real)(((double)x[a * width + j] - 2.0 * (1.0 + a % 3) * sum / square) * ldexp(1.0, a % 4));
+    }
+  }
+}
+
+/* The same coordinates of the same deflection. */
+static void combine_state(fb_real *q)
+{
+  combine(q, 1);
+  for (int a = 0; a < LARGE; a++) {
+    q[a] = (fb_real)ldexp((double)q[a], -2 * (a % 4));
+  }
+}
+
+/* A moving, deflected state; deflection of the modes of about size. Combined: the same in those other coordinates. */
+static void moving_state(fb_state *state, double size, int combined)
+{
+  fb_real v[3], w[3], qd[FB_MAX_MODES];
   FBT_INT_EQ(fb_state_init(&body, state), FB_OK);
   fbt_fill(state->rho, 3, 2.0);
   fbt_fill(state->quat, 4, 1.0);
   FBT_INT_EQ(fb_quat_normalize(state->quat), FB_OK);
-  fbt_fill(state->q, BOOM_MODES, size);
+  fbt_fill(state->q, body.n, size);
   fbt_fill(v, 3, 1.0);
   fbt_fill(w, 3, 0.5);
-  fbt_fill(qd, BOOM_MODES, size);
+  fbt_fill(qd, body.n, size);
+  if (combined) {
+    combine_state(state->q);
+    combine_state(qd);
+  }
   if (body.base == FB_BASE_PINNED || body.base == FB_BASE_HINGED) {
     memset(v, 0, sizeof v);
   }
@@ -889,6 +920,11 @@ static void boom_state(fb_state *state, double size)
     w[0] = w[1] = 0;
   }
   FBT_INT_EQ(fb_state_from_velocity(&body, state, v, w, qd), FB_OK);
+}
+
+static void boom_state(fb_state *state, double size)
+{
+  moving_state(state, size, 0);
 }
 
 /* E8.1 to E8.3, E7.3: the quadrature over the beam reproduces the modal mass, and mass and inertia of the whole. */
@@ -1216,8 +1252,6 @@ static double shape_difference(const fb_shape *a, const fb_shape *b, int first)
   return worst;
 }
 
-static fb_shape other;
-
 /* E6.2, E8.1, E8.3: a lumped body with offset and full inertia is the handful of particles it is made of, each moving
    as u + (exp(phi) - 1) d with the node's displacement and rotation to second degree. */
 TEST(lumped_bodies_are_the_particles_they_stand_for)
@@ -1365,53 +1399,570 @@ static void state_along(fb_state *out, const fb_state *state, const fb_state *ra
   }
 }
 
+/* Work of the loads in a second, by the motion of their nodes. */
+static double power_of(const fb_state *state, const fb_input *input)
+{
+  fb_motion motion;
+  double power = 0.0;
+  FBT_INT_EQ(fb_body_motion(&body, &motion, state, input), FB_OK);
+  for (int i = 0; i < input->n_load; i++) {
+    const fb_load *load = &input->load[i];
+    fb_real R[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, F[3], T[3];
+    fb_node_motion at;
+    FBT_INT_EQ(fb_body_node_motion(&body, &at, state, &motion, load->node), FB_OK);
+    if (load->axes != FB_AXES_INERTIAL) {
+      fb_quat_to_mat33(R, load->axes == FB_AXES_NODE ? at.quat : state->quat);
+    }
+    fb_mat33_mul_vec3(F, R, load->force);
+    fb_mat33_mul_vec3(T, R, load->torque);
+    power += (double)(fb_vec3_dot(F, at.velocity) + fb_vec3_dot(T, at.angular_rate));
+  }
+  return power;
+}
+
+/* Rate of the energy along the rates of the state, by a difference. */
+static double energy_rate(const fb_state *state, const fb_input *input, double h)
+{
+  fb_state rate, ahead, behind;
+  fb_energy up, down;
+  FBT_INT_EQ(fb_body_rates(&body, &rate, state, input), FB_OK);
+  state_along(&ahead, state, &rate, h);
+  state_along(&behind, state, &rate, -h);
+  FBT_INT_EQ(fb_body_energy(&body, &up, &ahead, NULL), FB_OK);
+  FBT_INT_EQ(fb_body_energy(&body, &down, &behind, NULL), FB_OK);
+  return ((double)(up.kinetic - down.kinetic) + (double)(up.strain - down.strain) +
+          (double)(up.gravity - down.gravity)) /
+         (2.0 * h);
+}
+
 /* E8.15, E8.16, E8.21: the work of the loads, less damping, is the change of energy: an identity of the rates. */
 TEST(power_of_loads_is_the_rate_of_energy)
 {
   static const fb_base base[] = {FB_BASE_FREE, FB_BASE_PINNED, FB_BASE_HINGED};
   int node[2];
   for (int k = 0; k < 9; k++) {
-    const int axes = k % 3;
-    fb_state state, rate, ahead, behind;
+    fb_state state;
     fb_input input;
-    fb_motion motion;
-    fb_node_motion at;
-    fb_energy up, down;
-    double power = 0.0, change;
-    const double h = FBT_TOL(1e-5, 1e-2);
     boom_body(FB_EFFECTS_FULL | FB_EFFECT_GRAVITY, base[k / 3], node);
     boom_state(&state, 0.05);
     memset(&input, 0, sizeof input);
     input.n_load = 2;
     for (int i = 0; i < 2; i++) {
       input.load[i].node = node[i];
-      input.load[i].axes = (fb_axes)axes;
+      input.load[i].axes = (fb_axes)(k % 3);
       fbt_fill(input.load[i].force, 3, 2.0);
       fbt_fill(input.load[i].torque, 3, 1.0);
     }
-    FBT_INT_EQ(fb_body_motion(&body, &motion, &state, &input), FB_OK);
-    for (int i = 0; i < 2; i++) {
-      fb_real R[9], F[3], T[3];
-      FBT_INT_EQ(fb_body_node_motion(&body, &at, &state, &motion, node[i]), FB_OK);
-      fb_quat_to_mat33(R, axes == FB_AXES_NODE ? at.quat : state.quat);
-      if (axes == FB_AXES_INERTIAL) {
-        memcpy(F, input.load[i].force, sizeof F);
-        memcpy(T, input.load[i].torque, sizeof T);
-      } else {
-        fb_mat33_mul_vec3(F, R, input.load[i].force);
-        fb_mat33_mul_vec3(T, R, input.load[i].torque);
-      }
-      power += (double)(fb_vec3_dot(F, at.velocity) + fb_vec3_dot(T, at.angular_rate));
+    FBT_NEAR_ABS(energy_rate(&state, &input, FBT_TOL(1e-5, 1e-2)), power_of(&state, &input), FBT_TOL(1e-7, 5e-2));
+  }
+}
+
+/* ---- as many coordinates, nodes and loads as there can be */
+
+static void combine_pairs(fb_real *x, int width)
+{
+  combine(x, LARGE * width);
+  for (int a = 0; a < LARGE; a++) {
+    combine(x + a * LARGE * width, width);
+  }
+}
+
+/* Random numbers of each pair of coordinates, `width` of them; symmetric. */
+static void pairs_random(fb_real *x, int width, double scale)
+{
+  fbt_fill(x, LARGE * LARGE * width, scale);
+  for (int a = 0; a < LARGE; a++) {
+    for (int b = 0; b < a; b++) {
+      memcpy(x + width * (a * LARGE + b), x + width * (b * LARGE + a), sizeof(fb_real) * (size_t)width);
     }
-    FBT_INT_EQ(fb_body_rates(&body, &rate, &state, &input), FB_OK);
-    state_along(&ahead, &state, &rate, h);
-    state_along(&behind, &state, &rate, -h);
-    FBT_INT_EQ(fb_body_energy(&body, &up, &ahead, NULL), FB_OK);
-    FBT_INT_EQ(fb_body_energy(&body, &down, &behind, NULL), FB_OK);
-    change = ((double)(up.kinetic - down.kinetic) + (double)(up.strain - down.strain) +
-              (double)(up.gravity - down.gravity)) /
-             (2.0 * h);
-    FBT_NEAR_ABS(change, power, FBT_TOL(1e-7, 5e-2));
+  }
+}
+
+/* Shapes, linear and quadratic, of one place. */
+static void shapes_random(fb_real *psi, fb_real *chi, int combined)
+{
+  fbt_fill(psi, 3 * LARGE, 0.3);
+  pairs_random(chi, 3, 0.05);
+  if (combined) {
+    combine(psi, 3);
+    combine_pairs(chi, 3);
+  }
+}
+
+/* Particles, a lumped body and nodes that move by all coordinates. */
+static void large_shape(int combined)
+{
+  static const fb_real inertia[6] = {FB_R(0.5), FB_R(0.6), FB_R(0.7), FB_R(0.1), -FB_R(0.05), FB_R(0.08)};
+  static fb_real chi[3 * LARGE * LARGE], turn[3 * LARGE * LARGE];
+  fb_real r[3], psi[3 * LARGE], theta[3 * LARGE];
+  int node = 0;
+  fbt_seed(23);
+  FBT_INT_EQ(fb_shape_init(&shape, LARGE), FB_OK);
+  for (int k = 0; k < PARTICLES; k++) {
+    fbt_fill(r, 3, 1.0);
+    shapes_random(psi, chi, combined);
+    FBT_INT_EQ(fb_shape_add_particle(&shape, FB_R(1.5), r, psi, chi), FB_OK);
+  }
+  for (int k = 1; k < FB_MAX_NODES; k++) {
+    fbt_fill(r, 3, 1.0);
+    shapes_random(psi, chi, combined);
+    shapes_random(theta, turn, combined);
+    FBT_INT_EQ(fb_shape_add_node(&shape, &node, r, psi, theta), FB_OK);
+    FBT_INT_EQ(node, k);
+    for (int a = 0, pair = 0; a < LARGE; a++) {
+      for (int b = 0; b <= a; b++, pair += 3) {
+        memcpy(shape.node[node].chi + pair, chi + 3 * (a * LARGE + b), 3 * sizeof(fb_real));
+        memcpy(shape.node[node].chi_theta + pair, turn + 3 * (a * LARGE + b), 3 * sizeof(fb_real));
+      }
+    }
+  }
+  FBT_INT_EQ(fb_shape_add_node(&shape, &node, r, psi, theta), FB_ERR_CAPACITY);
+  FBT_INT_EQ(fb_shape_add_lump(&shape, FB_R(2.0), r, inertia, psi, theta), FB_OK);
+  pairs_random(shape.K, 1, 0.3);
+  for (int a = 0; a < LARGE; a++) {
+    shape.K[a * (LARGE + 1)] = (fb_real)(9.0 + a);
+  }
+  if (combined) {
+    combine_pairs(shape.K, 1);
+  }
+}
+
+static void large_body(fb_form form, fb_base base, unsigned damping, int combined)
+{
+  static fb_body_desc level;
+  memset(&level, 0, sizeof level);
+  level.form = form;
+  level.base = base;
+  level.effects = (form == FB_FORM_FIRST ? FB_EFFECTS_SPIN : FB_EFFECTS_FULL) | damping | FB_EFFECT_GRAVITY;
+  level.gravity[0] = FB_R(0.3);
+  level.gravity[2] = -FB_R(1.5);
+  for (int a = 0; a < LARGE; a++) {
+    level.zeta[a] = (fb_real)(0.01 + 0.001 * a);
+  }
+  large_shape(combined);
+  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
+  FBT_INT_EQ(fb_body_check(&body), FB_OK);
+  FBT_TRUE(fb_body_crc(&body) != 0);
+}
+
+/* A load on each node, in all axes. */
+static void large_input(fb_input *input)
+{
+  memset(input, 0, sizeof *input);
+  input->n_load = FB_MAX_LOADS;
+  for (int k = 0; k < FB_MAX_LOADS; k++) {
+    input->load[k].node = k % FB_MAX_NODES;
+    input->load[k].axes = (fb_axes)(k % 3);
+    fbt_fill(input->load[k].force, 3, 2.0);
+    fbt_fill(input->load[k].torque, 3, 1.0);
+  }
+  fbt_fill(input->v, 3, 1.0);
+  fbt_fill(input->w, 3, 0.5);
+  fbt_fill(input->v_dot, 3, 1.0);
+  fbt_fill(input->w_dot, 3, 1.0);
+}
+
+typedef struct outcome { /* all reals: what a body does, in whichever coordinates */
+  fb_real limit[6], v[3], w[3], v_dot[3], w_dot[3], q_ddot[LARGE], force[3], torque[3];
+  fb_energy energy;
+  fb_momentum momentum;
+  fb_node_motion node[FB_MAX_NODES];
+} outcome;
+
+static void large_outcome(outcome *out, int combined)
+{
+  fb_state state;
+  fb_motion motion;
+  fb_input input;
+  moving_state(&state, 0.05, combined);
+  large_input(&input);
+  FBT_INT_EQ(fb_state_check(&body, &state), FB_OK);
+  FBT_INT_EQ(fb_body_motion(&body, &motion, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_body_energy(&body, &out->energy, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_body_momentum(&body, &out->momentum, &state, &input), FB_OK);
+  for (int k = 0; k < FB_MAX_NODES; k++) {
+    FBT_INT_EQ(fb_body_node_motion(&body, &out->node[k], &state, &motion, k), FB_OK);
+  }
+  if (!combined) {
+    combine_state(motion.q_ddot);
+  }
+  for (int a = 0; a < LARGE; a++) { /* in the unit of the others */
+    out->q_ddot[a] = (fb_real)ldexp((double)motion.q_ddot[a], a % 4);
+  }
+  memcpy(out->v, motion.v, sizeof out->v);
+  memcpy(out->w, motion.w, sizeof out->w);
+  memcpy(out->v_dot, motion.v_dot, sizeof out->v_dot);
+  memcpy(out->w_dot, motion.w_dot, sizeof out->w_dot);
+  memcpy(out->force, motion.reaction_force, sizeof out->force);
+  memcpy(out->torque, motion.reaction_torque, sizeof out->torque);
+  out->limit[0] = body.limit_elastic;
+  out->limit[1] = body.limit_damping;
+  out->limit[2] = body.limit_spin;
+  out->limit[3] = body.limit_acceleration;
+  out->limit[4] = body.recoil;
+  out->limit[5] = body.gyration;
+}
+
+/* E8.1 to E8.22, E8.25, E8.28: any combination of the coordinates describes the same body, in every form and on every base,
+   with as many coordinates, nodes and loads as there can be: bounds, accelerations, reactions, energies, momenta and the
+   motion of every node. */
+TEST(combined_coordinates_are_the_same_body)
+{
+  double worst = 0.0;
+  for (int run = 0; run < 3 * 4; run++) {
+    outcome plain, other_way;
+    const fb_real *const a = (const fb_real *)&plain, *const b = (const fb_real *)&other_way;
+    large_body((fb_form)(run / 4), (fb_base)(run % 4), FB_EFFECT_DAMPING, 0);
+    large_outcome(&plain, 0);
+    large_body((fb_form)(run / 4), (fb_base)(run % 4), FB_EFFECT_DAMPING, 1);
+    large_outcome(&other_way, 1);
+    for (size_t i = 0; i < sizeof plain / sizeof(fb_real); i++) {
+      worst = fmax(worst, fabs((double)(a[i] - b[i])) / (1.0 + fabs((double)a[i])));
+    }
+    FBT_BELOW(worst, FBT_TOL(1e-12, 1e-3));
+  }
+}
+
+/* E8.15 to E8.18, E8.25, E8.27: that body, free and without damping: the work of all its loads is the change of its energy. */
+TEST(power_of_all_loads_is_the_rate_of_energy)
+{
+  for (int form = 0; form < 3; form++) {
+    fb_state state;
+    fb_input input;
+    large_body((fb_form)form, FB_BASE_FREE, 0, 0);
+    moving_state(&state, 0.05, 0);
+    large_input(&input);
+    FBT_NEAR_ABS(energy_rate(&state, &input, FBT_TOL(1e-5, 1e-2)), power_of(&state, &input), FBT_TOL(1e-7, 0.1));
+  }
+}
+
+/* Energy, momentum and the motion of every node with the velocities of some coordinates; what the others do is zero. */
+static void some_move(outcome *out, const fb_shape *of, const int *place, int n)
+{
+  static fb_body_desc level;
+  fb_state state;
+  fb_motion motion;
+  fb_real q[3][LARGE];
+  memset(&level, 0, sizeof level);
+  level.effects = FB_EFFECTS_FULL | FB_EFFECT_GRAVITY;
+  level.gravity[1] = FB_R(2.0);
+  FBT_INT_EQ(fb_body_init(&body, &body_work, of, &level), FB_OK);
+  fbt_seed(31);
+  FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+  memset(out, 0, sizeof *out);
+  memset(&motion, 0, sizeof motion);
+  fbt_fill(motion.v, 3, 1.0);
+  fbt_fill(motion.w, 3, 1.0);
+  fbt_fill(q[0], n, 0.1);
+  fbt_fill(q[1], n, 0.5);
+  fbt_fill(q[2], n, 2.0);
+  for (int k = 0; k < n; k++) {
+    state.q[place[k]] = q[0][k];
+    motion.q_dot[place[k]] = q[1][k];
+    motion.q_ddot[place[k]] = q[2][k];
+    out->q_ddot[k] = body.reach[place[k]];
+  }
+  FBT_INT_EQ(fb_state_from_velocity(&body, &state, motion.v, motion.w, motion.q_dot), FB_OK);
+  FBT_INT_EQ(fb_body_energy(&body, &out->energy, &state, NULL), FB_OK);
+  FBT_INT_EQ(fb_body_momentum(&body, &out->momentum, &state, NULL), FB_OK);
+  for (int k = 0; k < FB_MAX_NODES; k++) {
+    FBT_INT_EQ(fb_body_node_motion(&body, &out->node[k], &state, &motion, k), FB_OK);
+  }
+}
+
+/* E8.1: a selection of coordinates is the body whose other coordinates are held, at every node. */
+TEST(a_selection_is_the_body_with_the_others_held)
+{
+  int place[LARGE], own[LARGE];
+  for (int stride = 1; stride < 4; stride++) { /* all, and less: the last among them */
+    const int n = (LARGE + stride - 1) / stride;
+    outcome whole, part;
+    for (int k = 0; k < n; k++) {
+      place[k] = LARGE - 1 - stride * (n - 1 - k);
+      own[k] = k;
+    }
+    large_shape(0);
+    FBT_INT_EQ(fb_shape_select(&other, &shape, place, n), FB_OK);
+    FBT_INT_EQ(other.n, n);
+    some_move(&whole, &shape, place, n);
+    some_move(&part, &other, own, n);
+    FBT_BELOW(fbt_difference((const fb_real *)&whole, (const fb_real *)&part, sizeof whole / sizeof(fb_real)),
+              FBT_TOL(1e-12, 2e-4));
+  }
+}
+
+/* 1, or -1 for what a mirror in the plane z = 0 turns round: z of v, x and y of w, every second coordinate (1, q)_a. */
+static double mirrored_velocity(int i)
+{
+  return i >= 2 && i <= 4 ? -1.0 : 1.0;
+}
+
+static double mirrored_coordinate(int a)
+{
+  return a > 0 && a % 2 == 0 ? -1.0 : 1.0;
+}
+
+/* The cloud's first half and its mirror image, with their coordinates. kg, m, units of the coordinates. */
+static void mirrored_shape(int n, double kg, double m, const double *unit)
+{
+  FBT_INT_EQ(fb_shape_init(&shape, n), FB_OK);
+  for (int i = 0; i < PARTICLES; i++) { /* the images afterwards: what cancels does so to rounding alone */
+    const int image = i >= PARTICLES / 2, k = i % (PARTICLES / 2);
+    fb_real r[3], psi[3 * MAX_N], chi[3 * MAX_N * MAX_N];
+    for (int x = 0; x < 3; x++) {
+      const double side = image ? mirrored_velocity(x) : 1.0;
+      r[x] = (fb_real)(side * m * cloud.r[k][x]);
+      for (int a = 0; a < n; a++) {
+        const double side_a = image ? side * mirrored_coordinate(a + 1) : 1.0;
+        psi[3 * a + x] = (fb_real)(side_a * unit[a] * cloud.psi[k][a][x]);
+        for (int b = 0; b < n; b++) {
+          const double side_ab = image ? side_a * mirrored_coordinate(b + 1) : 1.0;
+          chi[3 * (a * n + b) + x] = (fb_real)(side_ab * unit[a] * unit[b] / m * cloud.chi[k][a][b][x]);
+        }
+      }
+    }
+    FBT_INT_EQ(fb_shape_add_particle(&shape, (fb_real)(kg * cloud.m[k]), r, psi, chi), FB_OK);
+  }
+  for (int a = 0; a < n; a++) {
+    shape.K[a * n + a] = (fb_real)(kg * unit[a] * unit[a]);
+  }
+}
+
+/* What the mirror turns round is no term of the energy. */
+static int may_be(int i, int j, int a, int b)
+{
+  return mirrored_velocity(i) * mirrored_velocity(j) * mirrored_coordinate(a) * mirrored_coordinate(b) > 0.0;
+}
+
+/* Terms of Lambda, S and M that the mirror turns round. */
+static int wrong_terms(void)
+{
+  int wrong = 0;
+  for (int k = 0; k < body.n_lambda; k++) {
+    const fb_lambda_term *t = &body.lambda[k];
+    wrong += !may_be(t->i, 0, t->a, t->b + 1);
+  }
+  for (int k = 0; k < body.n_run; k++) {
+    const fb_S_run *run = &body.run[k];
+    for (int ij = 0; ij < 36; ij++) {
+      for (int p = run->pair; p < run->pair + run->n && fb_sym6_index(ij / 6, ij % 6) == run->i; p++) {
+        wrong += !may_be(ij / 6, ij % 6, body.pair[p].a, body.pair[p].b);
+      }
+    }
+  }
+  for (int k = 0; k < body.M.n_term; k++) {
+    wrong += !may_be(0, 0, body.M.term[k].a + 1, body.M.term[k].b + 1);
+  }
+  return wrong;
+}
+
+/* How many terms there may be: of Lambda constant and linear, of S. */
+static void count_terms(int count[3], int n)
+{
+  memset(count, 0, 3 * sizeof *count);
+  for (int k = 0; k < 36 * (n + 1) * (n + 1); k++) {
+    const int i = k % 6, j = k / 6 % 6, a = k / 36 % (n + 1), b = k / 36 / (n + 1);
+    count[0] += j == 0 && a == 0 && b > 0 && may_be(i, 0, a, b);
+    count[1] += j == 0 && a > 0 && b > 0 && may_be(i, 0, a, b);
+    count[2] += j >= i && a > 0 && b <= a && may_be(i, j, a, b);
+  }
+}
+
+/* E8.4 to E8.6: what is zero by a symmetry is no term, in any unit, whichever effects are on; with all of them everything else
+   is one. */
+TEST(what_a_symmetry_makes_zero_is_no_term)
+{
+  const double far = FBT_TOL(ldexp(1.0, 30), 64.0), alike[4] = {1.0, 1.0, 1.0, 1.0};
+  const double kg[] = {1.0, far, 1.0 / far, 1.0, 1.0, 1.0}, m[] = {1.0, 1.0, 1.0, far, 1.0 / far, 1.0};
+  const double apart[4] = {far, 1.0, 1.0 / far, 1.0};
+  particles_random(&cloud, 4, 1);
+  for (int run = 0; run < FBT_COUNT(kg) * FBT_COUNT(effect_sets); run++) {
+    const int in = run % FBT_COUNT(kg);
+    for (int n = 2; n <= 4; n += 2) {
+      fb_body_desc level;
+      int count[3];
+      mirrored_shape(n, kg[in], m[in], in == 5 ? apart : alike);
+      memset(&level, 0, sizeof level);
+      level.effects = effect_sets[run / FBT_COUNT(kg)];
+      level.allow_split_effects = 1;
+      FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
+      FBT_INT_EQ(wrong_terms(), 0);
+      count_terms(count, n);
+      FBT_INT_EQ(body.n_lambda_constant, count[0]);
+      if (level.effects == FB_EFFECTS_FULL) {
+        FBT_INT_EQ(body.n_lambda, count[0] + count[1]);
+        FBT_INT_EQ(body.n_S, count[2]);
+      }
+    }
+  }
+}
+
+/* A beam with every coordinate that a line of so many elements has, and lumps at all its nodes, offset and skew. */
+static void full_beam(void)
+{
+  memset(&beam_desc, 0, sizeof beam_desc);
+  beam_desc.length = FB_R(2.0);
+  beam_desc.n_element = LARGE / 6;
+  beam_desc.n_station = 1;
+  beam_desc.station[0].mass = FB_R(1.0);
+  beam_desc.station[0].EA = FB_R(300.0);
+  beam_desc.station[0].GJ = FB_R(20.0);
+  beam_desc.station[0].EI_y = FB_R(40.0);
+  beam_desc.station[0].EI_z = FB_R(70.0);
+  beam_desc.station[0].i_y = FB_R(0.02);
+  beam_desc.station[0].i_z = FB_R(0.03);
+  beam_desc.n_lump = FB_MAX_LUMPS;
+  for (int k = 0; k < FB_MAX_LUMPS; k++) {
+    fb_lump *const lump = &beam_desc.lump[k];
+    lump->node = k % (beam_desc.n_element + 1);
+    lump->mass = FB_R(0.2);
+    fbt_fill(lump->center, 3, 0.1);
+    lump->inertia[0] = lump->inertia[1] = lump->inertia[2] = FB_R(0.02);
+    fbt_fill(lump->inertia + 3, 3, 0.005);
+  }
+  beam_desc.position[1] = FB_R(0.5);
+  beam_desc.attitude[0] = FB_R(0.9);
+  beam_desc.attitude[3] = -FB_R(0.4);
+  FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
+}
+
+/* That beam in its element coordinates, or in combinations of them. */
+static void full_beam_body(int combined)
+{
+  static fb_modes_desc keep;
+  static fb_body_desc level;
+  static const fb_real center[3] = {FB_R(0.1), -FB_R(0.2), FB_R(0.05)}, inertia[6] = {3, 4, 5};
+  int node;
+  memset(&keep, 0, sizeof keep);
+  memset(&level, 0, sizeof level);
+  keep.basis = FB_BASIS_ELEMENTS;
+  for (int kind = 0; kind < FB_KIND_COUNT; kind++) {
+    keep.count[kind] = 1;
+  }
+  FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_OK);
+  FBT_INT_EQ(modes.n, LARGE);
+  if (combined) {
+    combine(modes.shape, modes.ndof);
+    combine_pairs(modes.M, 1);
+    combine_pairs(modes.K, 1);
+  }
+  FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
+  FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(6.0), center, inertia), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
+  for (int k = 1; k < FB_MAX_NODES; k++) {
+    FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, (fb_real)(2.0 * k / (FB_MAX_NODES - 1))), FB_OK);
+  }
+  level.effects = FB_EFFECTS_FULL;
+  level.deflection_limit = FB_R(100.0);
+  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
+}
+
+/* What that body does, bent by a static load and turning; the strain that a gauge reads. */
+static void full_beam_outcome(outcome *out)
+{
+  static fb_real K[LARGE * LARGE];
+  const fb_real v[3] = {FB_R(0.3), -FB_R(0.2), FB_R(0.1)}, w[3] = {FB_R(0.5), FB_R(1.0), -FB_R(2.0)};
+  fb_real f[LARGE], q[LARGE];
+  fb_gauge gauge;
+  fb_state state;
+  fb_motion motion;
+  for (int a = 0; a < modes.n; a++) {
+    const fb_node *const tip = &shape.node[FB_MAX_NODES - 1];
+    f[a] = FB_R(0.5) * tip->psi[3 * a + 1] + tip->psi[3 * a + 2] + tip->psi[3 * a] + FB_R(0.5) * tip->theta[3 * a];
+  }
+  memcpy(K, shape.K, sizeof K);
+  FBT_INT_EQ(fb_chol_factor(K, modes.n), FB_OK);
+  fb_chol_solve(q, K, f, modes.n);
+  FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+  memcpy(state.q, q, sizeof(fb_real) * (size_t)modes.n);
+  FBT_INT_EQ(fb_state_from_velocity(&body, &state, v, w, q), FB_OK);
+  memset(out, 0, sizeof *out);
+  FBT_INT_EQ(fb_body_motion(&body, &motion, &state, NULL), FB_OK);
+  FBT_INT_EQ(fb_body_energy(&body, &out->energy, &state, NULL), FB_OK);
+  FBT_INT_EQ(fb_body_momentum(&body, &out->momentum, &state, NULL), FB_OK);
+  for (int k = 0; k < FB_MAX_NODES; k++) {
+    FBT_INT_EQ(fb_body_node_motion(&body, &out->node[k], &state, &motion, k), FB_OK);
+    FBT_INT_EQ(fb_gauge_init(&gauge, 0, &beam, &modes, (fb_real)(2.0 * k / (FB_MAX_NODES - 1)), FB_R(0.1), FB_R(0.2)),
+               FB_OK);
+    out->q_ddot[k] = fb_gauge_eval(&gauge, state.q);
+  }
+  memcpy(out->v_dot, motion.v_dot, sizeof out->v_dot);
+  memcpy(out->w_dot, motion.w_dot, sizeof out->w_dot);
+}
+
+/* E8.1 to E8.3, E8.14, E8.31: any combination of a beam's coordinates is the same body, with as many of them as there can be.
+ */
+TEST(combined_coordinates_of_a_beam_are_the_same_body)
+{
+  outcome plain, other_way;
+  full_beam();
+  full_beam_body(0);
+  full_beam_outcome(&plain);
+  full_beam_body(1);
+  full_beam_outcome(&other_way);
+  for (size_t i = 0; i < sizeof plain / sizeof(fb_real); i++) {
+    const double a = (double)((const fb_real *)&plain)[i], b = (double)((const fb_real *)&other_way)[i];
+    FBT_NEAR_ABS(a, b, FBT_TOL(1e-9, 1e-1) * (1.0 + fabs(a)));
+  }
+}
+
+/* E8.8: a particle on a spring beside a heavy hub (mass m0, inertia I0, at the distance L along x) leaves the frame the hub's
+   inertia alone where it moves: the largest ratio is 1 + m/m0 + m L^2/I0 of a free body, 1 + m L^2/I0 where O is held and it
+   moves about an axis that is free, else 1; in any unit. */
+TEST(recoil_is_what_springs_leave_the_frame)
+{
+  const double m0 = 3.0, I0 = 2.0, m = 0.5, L = 1.5;
+  for (int run = 0; run < 4 * 3 * 3; run++) {
+    const int base = run / 9, axis = run / 3 % 3;
+    const double kg = ldexp(1.0, FBT_TOL(60, 10) * (run % 3 - 1)), held = axis == 0 ? 0.0 : m * L * L / I0;
+    const double ratio[4] = {1.0 + m / m0 + held, 1.0, 1.0 + held, axis == 1 ? 1.0 + held : 1.0};
+    const fb_real center[3] = {0}, r[3] = {(fb_real)L}, i0 = (fb_real)(I0 * kg), inertia[6] = {i0, i0, i0};
+    fb_real psi[3] = {0};
+    fb_body_desc level;
+    memset(&level, 0, sizeof level);
+    level.effects = FB_EFFECTS_LINEAR;
+    level.base = (fb_base)base;
+    psi[axis] = FB_R(0.7);
+    FBT_INT_EQ(fb_shape_init(&shape, 1), FB_OK);
+    FBT_INT_EQ(fb_shape_add_rigid(&shape, (fb_real)(m0 * kg), center, inertia), FB_OK);
+    FBT_INT_EQ(fb_shape_add_particle(&shape, (fb_real)(m * kg), r, psi, NULL), FB_OK);
+    shape.K[0] = (fb_real)kg;
+    FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
+    FBT_NEAR_REL(body.recoil, sqrt(ratio[base]), FBT_TOL(1e-13, 1e-5));
+    FBT_NEAR_REL(body.gyration, sqrt((1.5 * I0 + m * L * L) / (m0 + m)), FBT_TOL(1e-13, 1e-5));
+  }
+}
+
+/* E8.22: two particles on a line through O have no inertia about it: refused, but for a base that holds that turn, in any
+   direction and unit; with a little inertia about it they are a body. */
+TEST(lines_of_particles_are_refused)
+{
+  for (int run = 0; run < 60; run++) {
+    const double kg = ldexp(1.0, FBT_TOL(60, 10) * (run % 3 - 1));
+    fb_real r[3], inertia[6] = {0};
+    fb_body_desc level;
+    int along_z;
+    memset(&level, 0, sizeof level);
+    for (int i = 0; i < 3; i++) { /* along an axis, in a plane, in space; whole numbers: their inertia is exact */
+      r[i] = run % 5 < 2 && (run / 5 + i) % 3 < 2 - run % 5 ? FB_R(0.0) : (fb_real)floor(4.0 * fbt_random() + 0.5);
+      inertia[i] = (fb_real)(0.01 * kg);
+    }
+    r[run / 5 % 3] += run % 5 == 0 || fbt_largest(r, 3) == 0.0 ? FB_R(8.0) : FB_R(0.0);
+    along_z = r[0] == FB_R(0.0) && r[1] == FB_R(0.0);
+    FBT_INT_EQ(fb_shape_init(&shape, 0), FB_OK);
+    FBT_INT_EQ(fb_shape_add_particle(&shape, (fb_real)kg, r, NULL, NULL), FB_OK);
+    for (int i = 0; i < 3; i++) {
+      r[i] *= -FB_R(2.0);
+    }
+    FBT_INT_EQ(fb_shape_add_particle(&shape, (fb_real)kg, r, NULL, NULL), FB_OK);
+    for (int more = 0; more < 2; more++) {
+      const fb_status expected[4] = {FB_ERR_SINGULAR, FB_OK, FB_ERR_SINGULAR, along_z ? FB_ERR_SINGULAR : FB_OK};
+      for (int base = 0; base < 4; base++) {
+        level.base = (fb_base)base;
+        FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), more ? FB_OK : expected[base]);
+      }
+      FBT_INT_EQ(fb_shape_add_rigid(&shape, (fb_real)kg, r, inertia), FB_OK);
+    }
   }
 }
 
@@ -2856,6 +3407,7 @@ TEST(massless_prescribed_bodies_are_sound)
   FBT_INT_EQ(fb_shape_add_node(&shape, &node, r, NULL, NULL), FB_OK);
   FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
   FBT_INT_EQ(fb_body_check(&body), FB_OK);
+  FBT_TRUE(body.gyration == FB_R(0.0) && body.recoil == FB_R(1.0));
   word = fb_body_crc(&body);
   FBT_TRUE(word != 0);
   body.node[node].r[2] += FB_R(1.0);
@@ -3039,9 +3591,13 @@ SUITE(body, RUN(rows_without_terms_are_refused), RUN(massless_prescribed_bodies_
       RUN(beam_integrals_hold_for_any_section_and_line), RUN(quadratic_field_is_inextensible_and_twist_free),
       RUN(quadratic_field_follows_a_bent_line_in_any_attitude), RUN(offset_masses_move_with_their_section),
       RUN(lumped_bodies_are_the_particles_they_stand_for), RUN(a_beam_may_take_later_coordinates),
-      RUN(power_of_loads_is_the_rate_of_energy), RUN(node_kinematics_match_finite_differences),
-      RUN(reactions_balance_the_momentum), RUN(a_held_body_is_a_free_one_with_its_reactions),
-      RUN(pinned_and_hinged_bodies_swing_as_rigid_pendulums), RUN(a_falling_body_does_not_deform),
-      RUN(elastic_response_is_frame_indifferent), RUN(damped_free_decay_has_the_given_ratio),
-      RUN(spinning_beams_stiffen_as_published), RUN(linear_models_of_spinning_beams_have_the_published_frequencies),
-      RUN(a_rigid_body_is_the_case_of_no_modes), RUN(bodies_refuse_bad_input))
+      RUN(power_of_loads_is_the_rate_of_energy), RUN(combined_coordinates_are_the_same_body),
+      RUN(power_of_all_loads_is_the_rate_of_energy), RUN(combined_coordinates_of_a_beam_are_the_same_body),
+      RUN(recoil_is_what_springs_leave_the_frame), RUN(lines_of_particles_are_refused),
+      RUN(a_selection_is_the_body_with_the_others_held), RUN(what_a_symmetry_makes_zero_is_no_term),
+      RUN(node_kinematics_match_finite_differences), RUN(reactions_balance_the_momentum),
+      RUN(a_held_body_is_a_free_one_with_its_reactions), RUN(pinned_and_hinged_bodies_swing_as_rigid_pendulums),
+      RUN(a_falling_body_does_not_deform), RUN(elastic_response_is_frame_indifferent),
+      RUN(damped_free_decay_has_the_given_ratio), RUN(spinning_beams_stiffen_as_published),
+      RUN(linear_models_of_spinning_beams_have_the_published_frequencies), RUN(a_rigid_body_is_the_case_of_no_modes),
+      RUN(bodies_refuse_bad_input))

@@ -15,13 +15,14 @@ typedef struct scene {
 } scene;
 
 static double kilogram = 1.0; /* what bodies are measured in */
+static double outer = 1.0;    /* what the section at the tip has of that at the root */
 static const scene closed_3d = {2, 3, 0, 2, 0}, open_3d = {2, 3, 1, 2, 0};
 
 static fb_beam_desc beam_desc;
 static fb_beam beam;
 static fb_modes modes;
 static fb_modes_work modes_work;
-static fb_shape shape;
+static fb_shape shape, other;
 static fb_body_desc desc;
 static fb_body body;
 static fb_body_work body_work;
@@ -37,6 +38,14 @@ static void scene_modes(const scene *s, double EI_y)
   beam_desc.station[0].EA = (fb_real)(STRETCH * kilogram);
   beam_desc.station[0].EI_y = (fb_real)(EI_y * kilogram);
   beam_desc.station[0].EI_z = (fb_real)(BENDING * kilogram);
+  if (outer < 1.0) {
+    fb_section *const tip = &beam_desc.station[beam_desc.n_station++];
+    tip->x = (fb_real)LENGTH;
+    tip->mass = (fb_real)outer * beam_desc.station[0].mass;
+    tip->EA = (fb_real)outer * beam_desc.station[0].EA;
+    tip->EI_y = (fb_real)outer * beam_desc.station[0].EI_y;
+    tip->EI_z = (fb_real)outer * beam_desc.station[0].EI_z;
+  }
   memset(&keep, 0, sizeof keep);
   keep.basis = s->natural ? FB_BASIS_MODES : FB_BASIS_FUNCTIONS;
   keep.count[FB_KIND_BEND_Y] = keep.count[FB_KIND_AXIAL] = s->natural ? 3 : FB_ALL_MODES;
@@ -512,6 +521,35 @@ TEST(stiffness_torques_agree_on_a_closed_basis)
       }
     }
   }
+}
+
+/* E8.24: so they do of a beam whose sections fall to 0.4 at the tip: the parts that integration by parts leaves belong to the
+   ends. That at the root, of functions with strain there, is EI u_x' u_y'' of the root's section, which a uniform beam has,
+   too. */
+TEST(stiffness_torques_are_those_of_tapered_beams)
+{
+  fb_real acc[3][6 + FB_MAX_MODES];
+  fb_state state, rate;
+  fb_input input;
+  outer = 0.4;
+  scene_shape(&closed_3d, 2.0 * BENDING, 1);
+  desc_clear();
+  loads_at_O(&input);
+  for (int torque = 0; torque < 3; torque++) {
+    first_order_rates(acc[torque], &rate, &state, (fb_stiffness_torque)torque, &input);
+    FBT_BELOW(acceleration_difference(acc[torque], acc[FB_TORQUE_IDENTITY]), FBT_TOL(1e-13, 1e-4));
+  }
+  scene_modes(&open_3d, 2.0 * BENDING); /* the same functions for both beams */
+  FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam_strain(&shape, 0, &beam, &modes), FB_OK);
+  other = shape;
+  beam_desc.n_station = 1;
+  FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
+  FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam_strain(&shape, 0, &beam, &modes), FB_OK);
+  FBT_TRUE(fbt_largest(other.torque_boundary, 3 * modes.n * modes.n) > 0.0);
+  FBT_TRUE(fbt_difference(other.torque_boundary, shape.torque_boundary, 3 * modes.n * modes.n) == 0.0);
+  outer = 1.0;
 }
 
 /* E8.24, E8.26, E8.27: so they are when terms above [DB]'s Q are left out of each. */
@@ -1286,6 +1324,193 @@ TEST(indexes_beyond_the_tables_are_refused)
   }
 }
 
+/* So many are refused, and one fewer than none; with what it was the body is sound. */
+static void count_refused(int *count, int most)
+{
+  const int right = *count, wrong[2] = {most + 1, -1};
+  for (int k = 0; k < 2; k++) {
+    *count = wrong[k];
+    FBT_TRUE(fb_body_check(&body) != FB_OK);
+  }
+  *count = right;
+  FBT_INT_EQ(fb_body_check(&body), FB_OK);
+}
+
+/* Neither infinite nor what is no number, in the first place and in the last. */
+static void numbers_refused(fb_real *x, int n)
+{
+  for (int k = 0; k < 4 && n > 0; k++) {
+    fb_real *const at = k % 2 ? x + n - 1 : x, right = *at;
+    *at = k / 2 ? (fb_real)INFINITY : (fb_real)NAN;
+    FBT_INT_EQ(fb_body_check(&body), FB_ERR_VALUE);
+    *at = right;
+  }
+  FBT_INT_EQ(fb_body_check(&body), FB_OK);
+}
+
+static void sign_refused(fb_real *x)
+{
+  const fb_real right = *x;
+  *x = -FB_R(1e-3);
+  FBT_INT_EQ(fb_body_check(&body), FB_ERR_VALUE);
+  *x = right;
+}
+
+static void sparse_refused(fb_sparse *m)
+{
+  count_refused(&m->n_term, FBT_COUNT(m->term));
+  numbers_refused(m->diagonal, body.n);
+  for (int last = 0; last < 2 && m->n_term > 0; last++) {
+    fb_pair_term *const t = &m->term[last * (m->n_term - 1)];
+    numbers_refused(&t->c, 1);
+    index_refused(&t->a, body.n);
+    index_refused(&t->b, t->a);
+  }
+}
+
+static void terms_refused(fb_lambda_term *term, int n)
+{
+  for (int last = 0; last < 2 && n > 0; last++) {
+    numbers_refused(&term[last * (n - 1)].c, 1);
+  }
+}
+
+/* What stands in every body. */
+static void body_refused(void)
+{
+  int *const flag[] = {&body.unit_mass, &body.constant_S, &body.allow_long_step};
+  fb_real *const positive[] = {&body.mass,          &body.deflection_limit, &body.recoil,     &body.gyration,
+                               &body.limit_elastic, &body.limit_damping,    &body.limit_spin, &body.limit_acceleration};
+  for (int k = 0; k < FBT_COUNT(flag); k++) {
+    count_refused(flag[k], 1);
+  }
+  for (int k = 0; k < FBT_COUNT(positive); k++) {
+    numbers_refused(positive[k], 1);
+    sign_refused(positive[k]);
+  }
+  for (int k = 0; k < body.n; k++) {
+    sign_refused(&body.reach[k]);
+    sign_refused(&body.K.diagonal[k]);
+  }
+  numbers_refused(body.c, 3);
+  numbers_refused(body.reach, body.n);
+  numbers_refused(body.S0, 21);
+  numbers_refused(body.S0_inverse, 36);
+  numbers_refused(body.gravity, 3);
+  sparse_refused(&body.M);
+  sparse_refused(&body.Minv);
+  sparse_refused(&body.K);
+  sparse_refused(&body.C);
+  for (int k = 0; k < body.n_node; k++) {
+    numbers_refused(body.node[k].r, 3);
+    numbers_refused(body.node[k].psi, 3 * body.n);
+    numbers_refused(body.node[k].theta, 3 * body.n);
+    numbers_refused(body.node[k].chi, 3 * body.n * (body.n + 1) / 2);
+    numbers_refused(body.node[k].chi_theta, 3 * body.n * (body.n + 1) / 2);
+  }
+}
+
+/* What its effects and its form call for. */
+static void tables_refused(void)
+{
+  count_refused(&body.n, FB_MAX_MODES);
+  count_refused(&body.n_node, FB_MAX_NODES);
+  count_refused(&body.n_lambda, FBT_COUNT(body.lambda));
+  count_refused(&body.n_lambda_constant, body.n_lambda);
+  count_refused(&body.n_linear_constant, body.n_lambda_constant);
+  count_refused(&body.n_linear, body.n_lambda - body.n_lambda_constant);
+  count_refused(&body.n_row, 6);
+  count_refused(&body.n_S, FBT_COUNT(body.S));
+  count_refused(&body.n_run, FBT_COUNT(body.run));
+  count_refused(&body.n_pair, FBT_COUNT(body.pair));
+  count_refused(&body.torque_degree, 3);
+  count_refused(&body.n_run_value, body.n_run);
+  count_refused(&body.n_lambda_value, body.n_lambda);
+  count_refused(&body.n_gam, 9 * body.n);
+  count_refused(&body.n_torque, FBT_COUNT(body.torque));
+  count_refused(&body.n_strain, FBT_COUNT(body.strain_weight));
+  count_refused(&body.n_strain_row, 3 * body.n);
+  numbers_refused(body.M_rr, 21);
+  numbers_refused(&body.quartic, 1);
+  numbers_refused(&body.limit_slope, 1);
+  numbers_refused(&body.limit_tension, 1);
+  numbers_refused(body.strain_weight, body.n_strain);
+  numbers_refused(body.S, body.n_S);
+  terms_refused(body.lambda, body.n_lambda);
+  terms_refused(body.gam, body.n_gam);
+  terms_refused(body.torque, body.n_torque);
+  for (int k = 0; k < body.n_strain_row; k++) {
+    numbers_refused(body.strain_row[k].slope, body.n_strain);
+  }
+  if (body.n_row > 0) {
+    index_refused(&body.lambda_row[0].i, 6);
+    index_refused(&body.lambda_row[0].end, body.n_lambda_constant);
+    index_refused(&body.lambda_row[body.n_row - 1].end, body.n_lambda + 1);
+    index_refused(&body.lambda_row[body.n_row - 1].end, body.n_lambda - 1);
+  }
+}
+
+/* The walk over the body would leave its tables: no word. */
+static void walk_refused(int *count, int most)
+{
+  const int right = *count, wrong[2] = {most + 1, -1};
+  for (int k = 0; k < 2; k++) {
+    *count = wrong[k];
+    FBT_TRUE(fb_body_crc(&body) == 0);
+  }
+  *count = right;
+  FBT_TRUE(fb_body_crc(&body) != 0);
+}
+
+static void walks_refused(void)
+{
+  fb_sparse *const matrix[] = {&body.M, &body.Minv, &body.K, &body.C};
+  for (int k = 0; k < 4; k++) {
+    walk_refused(&matrix[k]->n_term, FBT_COUNT(body.M.term));
+  }
+  walk_refused(&body.n, FB_MAX_MODES);
+  walk_refused(&body.n_node, FB_MAX_NODES);
+  walk_refused(&body.n_lambda, FBT_COUNT(body.lambda));
+  walk_refused(&body.n_S, FBT_COUNT(body.S));
+  walk_refused(&body.n_run, FBT_COUNT(body.run));
+  walk_refused(&body.n_pair, FBT_COUNT(body.pair));
+  walk_refused(&body.n_gam, FBT_COUNT(body.gam));
+  walk_refused(&body.n_torque, FBT_COUNT(body.torque));
+  walk_refused(&body.n_strain, FBT_COUNT(body.strain_weight));
+  walk_refused(&body.n_strain_row, FBT_COUNT(body.strain_row));
+}
+
+/* A body's tables may change in memory: every count beyond its table and below zero, every number that is none, what may
+   not be negative, in each form; E8.40: with such a count there is no word. */
+TEST(what_memory_has_spoiled_is_refused)
+{
+  static const scene natural = {2, 0, 0, 2, 1};
+  for (int form = 0; form < 3; form++) {
+    scene_shape(form == FB_FORM_FIRST ? &closed_3d : &natural, BENDING, 1);
+    desc_clear();
+    for (int ab = 0; ab < shape.n * shape.n; ab++) { /* as full as matrices can be */
+      const int diagonal = ab % (shape.n + 1) == 0;
+      shape.M[ab] = diagonal ? FB_R(1.5) : FB_R(0.01);
+      shape.K[ab] += diagonal ? FB_R(0.0) : FB_R(0.001);
+      desc.zeta[ab / shape.n] = FB_R(0.1);
+    }
+    desc.gravity[1] = FB_R(2.0);
+    scene_body((fb_form)form, form == FB_FORM_FIRST ? FB_TORQUE_PRINTED : FB_TORQUE_IDENTITY, FB_BASE_FREE,
+               FB_EFFECTS_STRAIN | FB_EFFECT_DAMPING | FB_EFFECT_GRAVITY);
+    FBT_TRUE(body.M.n_term > 1 && body.Minv.n_term > 1 && body.K.n_term > 1 && body.C.n_term > 1);
+    FBT_TRUE(body.n_strain > 0 && (body.n_run > 0) == (form != FB_FORM_FIRST) &&
+             (body.n_gam > 0) == (form == FB_FORM_FIRST));
+    body_refused();
+    tables_refused();
+    walks_refused();
+    body.base = (fb_base)4;
+    FBT_INT_EQ(fb_body_check(&body), FB_ERR_VALUE);
+    body.base = FB_BASE_FREE;
+    body.effects |= 1u << 20;
+    FBT_INT_EQ(fb_body_check(&body), FB_ERR_VALUE);
+  }
+}
+
 /* Trap e: J, h follow the shape in degree 1 and 2 together or not at all; and every other set that is half of
    something. */
 TEST(half_an_inertia_is_refused)
@@ -1468,8 +1693,9 @@ SUITE(forms, RUN(forms_know_no_unit_of_mass), RUN(limits_of_slope_and_tension_ar
       RUN(what_is_held_keeps_no_momentum), RUN(strain_forces_are_the_gradient_of_the_energy),
       RUN(gauss_rules_integrate_polynomials), RUN(own_mass_stretches_a_spinning_beam),
       RUN(forms_agree_on_a_closed_basis), RUN(stiffness_torques_agree_on_a_closed_basis),
-      RUN(truncated_torques_agree_on_a_closed_basis), RUN(second_order_form_is_the_printed_one),
-      RUN(spin_up_follows_the_references_of_each_form), RUN(two_elements_of_degree_6_are_converged),
-      RUN(work_of_the_torque_is_the_energy), RUN(truncation_does_what_the_paper_shows),
-      RUN(indexes_beyond_the_tables_are_refused), RUN(coordinates_at_rest_do_not_count),
-      RUN(half_an_inertia_is_refused), RUN(strain_stations_refuse_bad_input), RUN(the_check_word_sees_every_form))
+      RUN(truncated_torques_agree_on_a_closed_basis), RUN(stiffness_torques_are_those_of_tapered_beams),
+      RUN(second_order_form_is_the_printed_one), RUN(spin_up_follows_the_references_of_each_form),
+      RUN(two_elements_of_degree_6_are_converged), RUN(work_of_the_torque_is_the_energy),
+      RUN(truncation_does_what_the_paper_shows), RUN(indexes_beyond_the_tables_are_refused),
+      RUN(what_memory_has_spoiled_is_refused), RUN(coordinates_at_rest_do_not_count), RUN(half_an_inertia_is_refused),
+      RUN(strain_stations_refuse_bad_input), RUN(the_check_word_sees_every_form))
