@@ -2391,6 +2391,21 @@ TEST(the_check_word_of_a_system_sees_every_byte)
   FBT_INT_EQ(fb_system_crc(&mechanism, model, 1) == 0, 1); /* there are more models */
 }
 
+/* A free body has no parent, whatever the desc says of one: the system is sound and has the same word. */
+TEST(free_bodies_have_no_parent)
+{
+  unsigned word = 0;
+  for (int said = 0; said < 2; said++) {
+    fresh();
+    flexible(&model[0], 1, 0, 0, FB_EFFECTS_FULL);
+    hang(0, 0, FB_JOINT_FREE, FB_GROUND, 0);
+    hang(1, 0, FB_JOINT_FREE, said ? 0 : FB_GROUND, said);
+    init(FB_METHOD_RECURSIVE);
+    FBT_TRUE(!said || fb_system_crc(&mechanism, model, 1) == word);
+    word = fb_system_crc(&mechanism, model, 1);
+  }
+}
+
 /* E9.11, E9.14: the energy of a tree changes by the power of motors and loads less what dampers take, and motor_work by
    the motors' alone. */
 TEST(springs_and_dampers_balance_energy)
@@ -3407,4 +3422,4 @@ SUITE(system, RUN(every_joint_is_the_same_eliminated_kept_or_closing_a_loop),
       RUN(system_steps_beyond_the_limit_are_refused), RUN(the_limit_of_a_linkage_is_in_closed_form),
       RUN(stiff_joints_take_long_steps), RUN(strained_bodies_converge_in_a_system),
       RUN(a_stretching_rod_carries_its_neighbor), RUN(attitudes_come_back_as_they_were),
-      RUN(a_chain_in_free_flight_keeps_its_momenta))
+      RUN(a_chain_in_free_flight_keeps_its_momenta), RUN(free_bodies_have_no_parent))
