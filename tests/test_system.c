@@ -332,7 +332,7 @@ TEST(the_three_methods_agree)
   }
 }
 
-/* Particles with as many modes as there can be, and a node that all of them move and turn. */
+/* Particles with as many modes and nodes as there can be; all modes move and turn all nodes. */
 static void crowded(fb_body *body)
 {
   const int n = FB_MAX_MODES;
@@ -340,7 +340,7 @@ static void crowded(fb_body *body)
   fb_real r[3], psi[3 * FB_MAX_MODES], theta[3 * FB_MAX_MODES];
   int node;
   d.base = FB_BASE_PRESCRIBED;
-  d.effects = FB_EFFECTS_SPIN;
+  d.effects |= FB_EFFECTS_SPIN;
   d.deflection_limit = FB_R(10.0);
   FBT_INT_EQ(fb_shape_init(&shape, n), FB_OK);
   for (int k = 0; k < 2 * n; k++) {
@@ -351,10 +351,12 @@ static void crowded(fb_body *body)
   for (int a = 0; a < n; a++) {
     shape.K[a * (n + 1)] = (fb_real)(5.0 + a);
   }
-  fbt_fill(r, 3, 1.0);
-  fbt_fill(psi, 3 * n, 0.2);
-  fbt_fill(theta, 3 * n, 0.2);
-  FBT_INT_EQ(fb_shape_add_node(&shape, &node, r, psi, theta), FB_OK);
+  for (int k = 1; k < FB_MAX_NODES; k++) {
+    fbt_fill(r, 3, 1.0);
+    fbt_fill(psi, 3 * n, 0.2);
+    fbt_fill(theta, 3 * n, 0.2);
+    FBT_INT_EQ(fb_shape_add_node(&shape, &node, r, psi, theta), FB_OK);
+  }
   FBT_INT_EQ(fb_body_init(body, &body_work, &shape, &d), FB_OK);
 }
 
@@ -1715,6 +1717,215 @@ static void node_at(double x[3], const fb_system_state *s, int body, int node)
   for (int i = 0; i < 3; i++) {
     x[i] = (double)at.position[i];
   }
+}
+
+typedef struct crowd {
+  int rows, ends, beyond; /* rows (0: as many as there is room for), nodes that they hold, how many more to claim */
+} crowd;
+
+/* Ties nodes of the last bodies, of high numbers, to each other, each time in another way. */
+static int crowd_rows(fb_row *row, int capacity, const fb_pose *pose, fb_real t, void *user)
+{
+  crowd *const tied = (crowd *)user;
+  (void)pose, (void)t;
+  tied->rows = tied->rows ? tied->rows : capacity;
+  for (int k = 0; k < tied->rows && k < capacity; k++) {
+    for (int s = 0; s < 2; s++) {
+      const int end = (k * (s + 1) + s) % tied->ends;
+      row[k].body[s] = FB_MAX_BODIES - 1 - end % FB_MAX_BODIES;
+      row[k].node[s] = FB_MAX_NODES - 1 - end / FB_MAX_BODIES;
+      for (int i = 0; i < 3; i++) {
+        row[k].force[s][i] = (fb_real)sin(1.0 + 7.0 * k * k + 5.0 * s + i);
+        row[k].torque[s][i] = (fb_real)sin(2.0 + 3.0 * k * k + 4.0 * s + i);
+      }
+    }
+  }
+  return tied->rows + tied->beyond;
+}
+
+/* As many bodies as there can be, each with as many modes and nodes, by all kinds of joints; motors, springs, an axis
+   that is locked; as many loads; as many loops, to the ground, nearly closed. */
+static void full_house(void)
+{
+  fresh();
+  fbt_seed(17);
+  body_desc.effects = FB_EFFECT_GRAVITY;
+  fbt_fill(body_desc.gravity, 3, 3.0);
+  crowded(&model[0]);
+  for (int k = 0; k < FB_MAX_BODIES; k++) {
+    fb_joint_desc *j = &desc.joint[k];
+    hang(k, 0, (fb_joint_kind)(k % 8), k < 2 ? k - 1 : k - 2, 1 + k % (FB_MAX_NODES - 5));
+    fbt_fill(start[k].value, 3, 0.5);
+    fbt_fill(start[k].speed, 6, 0.5);
+    fbt_fill(start[k].q, FB_MAX_MODES, 0.05);
+    fbt_fill(start[k].q_dot, FB_MAX_MODES, 0.2);
+    fbt_fill(j->position, 3, 0.2);
+    fbt_fill(j->child_position, 3, 0.2);
+    j->pitch = FB_R(0.1);
+    for (int i = 0; i < 3 && k % 8 > 0; i++) {
+      j->stiffness[i] = (fb_real)(2.0 + fbt_random());
+    }
+    fbt_fill(input.drive[k].torque, 3, 0.5);
+    input.load[k % FB_MAX_LOADS].body = k;
+  }
+  desc.joint[4].mode[1] = FB_AXIS_LOCKED;
+  start[4].speed[1] = FB_R(0.0);
+  input.n_load = FB_MAX_LOADS;
+  for (int i = 0; i < FB_MAX_LOADS; i++) {
+    input.load[i].load.node = FB_MAX_NODES - 1 - i % FB_MAX_NODES;
+    input.load[i].load.axes = (fb_axes)(i % 3);
+    fbt_fill(input.load[i].load.force, 3, 1.0);
+    fbt_fill(input.load[i].load.torque, 3, 0.3);
+  }
+  init(FB_METHOD_RECURSIVE);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+  for (int j = 0; j < FB_MAX_LOOPS; j++) {
+    double x[3];
+    fb_joint_desc *loop = close_loop(FB_JOINT_SPHERICAL, FB_GROUND, 0, FB_MAX_BODIES - 1 - j, FB_MAX_NODES - 4);
+    node_at(x, &state, FB_MAX_BODIES - 1 - j, FB_MAX_NODES - 4);
+    for (int i = 0; i < 3; i++) {
+      loop->position[i] = (fb_real)x[i];
+    }
+  }
+}
+
+/* Power of motors, of what is prescribed, and of the loads. */
+static double power_of(const fb_system_motion *at)
+{
+  double power = (double)at->power;
+  for (int i = 0; i < input.n_load; i++) {
+    const fb_load *load = &input.load[i].load;
+    const int k = input.load[i].body;
+    fb_real R[9], v[3], w[3];
+    fb_node_motion node;
+    FBT_INT_EQ(fb_body_node_motion(&model[desc.model[k]], &node, &at->pose[k], &at->motion[k], load->node), FB_OK);
+    memcpy(v, node.velocity, sizeof v);
+    memcpy(w, node.angular_rate, sizeof w);
+    if (load->axes != FB_AXES_INERTIAL) {
+      fb_quat_to_mat33(R, load->axes == FB_AXES_BODY ? at->pose[k].quat : node.quat);
+      fb_mat33_mulT_vec3(v, R, node.velocity);
+      fb_mat33_mulT_vec3(w, R, node.angular_rate);
+    }
+    power += (double)(fb_vec3_dot(load->force, v) + fb_vec3_dot(load->torque, w));
+  }
+  return power;
+}
+
+/* Rate of the energy along the rates of the state. */
+static double energy_rate(void)
+{
+  static const double weight[5] = {1.0 / 12, -2.0 / 3, 0, 2.0 / 3, -1.0 / 12};
+  const double h = FBT_TOL(1e-4, 1e-2);
+  double slope = 0.0;
+  FBT_INT_EQ(fb_system_rates(&mechanism, model, &work, &rate, &state, &input), FB_OK);
+  for (int side = -2; side <= 2; side++) {
+    moved(&kept, &state, &rate, side * h);
+    slope += weight[side + 2] / h * energy_of(&kept);
+  }
+  return slope;
+}
+
+/* From the state on: a step by either scheme does the work of the mean power; both end alike; it may be looked at, an
+   axis freed and locked again. */
+static void full_step(double dt)
+{
+  static fb_system_motion first;
+  static fb_system_state begin;
+  const double before = energy_of(&state);
+  const fb_real h = (fb_real)dt;
+  begin = state;
+  for (int scheme = 0; scheme < 2; scheme++) {
+    double power;
+    state = begin;
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+    power = power_of(&motion);
+    FBT_INT_EQ(scheme ? fb_system_sdirk_step(&mechanism, model, &state, &work, &input, &input, h, 0)
+                      : fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, h),
+               FB_OK);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, scheme ? &motion : &first, &state, &input), FB_OK);
+    power = 0.5 * (power + power_of(scheme ? &motion : &first));
+    FBT_NEAR_REL(energy_of(&state) - before, power * dt, FBT_TOL(1e-3, 1e-1));
+  }
+  FBT_BELOW(motion_difference(&motion, &first), FBT_TOL(1e-7, 1e-4));
+  FBT_INT_EQ(fb_system_state_check(&mechanism, model, &state), FB_OK);
+  FBT_TRUE(fb_system_crc(&mechanism, model, FB_MAX_BODIES) != 0);
+  FBT_INT_EQ(fb_system_axis_set(&mechanism, model, &work, &state, 4, 1, FB_AXIS_FREE, &input), FB_OK);
+  FBT_INT_EQ(fb_system_axis_set(&mechanism, model, &work, &state, 4, 1, FB_AXIS_LOCKED, &input), FB_OK);
+  FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &first, &state, &input), FB_OK);
+  FBT_BELOW(motion_difference(&motion, &first), FBT_TOL(1e-10, 1e-2));
+}
+
+/* E9.3 to E9.19: there may be as many bodies, modes, nodes, loops, loads, constraints and nodes in them as the header
+   says, and not one more: the energy changes by the power of motors and loads, kept joints move as eliminated ones. */
+TEST(a_full_system_balances_its_energy)
+{
+  static fb_system_motion first;
+  const int ends = 2 * (FB_MAX_BODIES + FB_MAX_LOOPS);
+  crowd tied = {0, 0, 0};
+  fb_momentum momentum[3];
+  full_house();
+  input.rows = crowd_rows;
+  input.user = &tied;
+  for (int run = 0; run < 3; run++) { /* few rows of the caller, by two methods; as many as there is room for */
+    const int joints = run == 0 ? 2 * (FB_MAX_BODIES - 1) + 1 + FB_MAX_LOOPS : 1 + FB_MAX_LOOPS;
+    fb_system_motion *at = run == 0 ? &first : &motion;
+    tied.rows = run == 1 ? tied.rows : 0;
+    tied.ends = run == 1 ? tied.ends : ends - joints;
+    init(run == 0 ? FB_METHOD_MULTIPLIERS : FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+    FBT_TRUE(run == 1 || (work.n_row == FB_MAX_ROWS && work.n_end == ends));
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, at, &state, &input), FB_OK);
+    FBT_NEAR_ABS(energy_rate(), power_of(at), FBT_TOL(1e-9, 2e-2));
+    FBT_INT_EQ(fb_system_momentum(&mechanism, model, &work, &momentum[run], &state, &input), FB_OK);
+    FBT_BELOW(run == 1 ? motion_difference(at, &first) : 0.0, FBT_TOL(1e-10, 1e-3));
+    FBT_BELOW(run == 1 ? fbt_difference(momentum[1].linear, momentum[0].linear, 3) : 0.0, FBT_TOL(1e-10, 1e-3));
+    FBT_BELOW(run == 1 ? fbt_difference(momentum[1].angular, momentum[0].angular, 3) : 0.0, FBT_TOL(1e-10, 1e-3));
+    full_step(1e-3);
+    for (int more = 0; more < 2 && run != 1; more++) { /* a row, a node that rows hold */
+      crowd over = tied;
+      over.beyond = 1 - more;
+      over.ends += more;
+      input.user = &over;
+      kept = state;
+      FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, FB_R(1e-3)),
+                 FB_ERR_CAPACITY);
+      FBT_TRUE(memcmp(&kept, &state, sizeof state) == 0);
+      input.user = &tied;
+    }
+  }
+}
+
+/* E9.6: the dense matrix takes as many speeds as there is room for, and not one more. */
+TEST(a_dense_matrix_may_be_full)
+{
+  static fb_system_motion first;
+  int speeds = 6 + 2 + 2 * FB_MAX_MODES, n = 2;
+  fresh();
+  fbt_seed(19);
+  crowded(&model[0]);
+  rigid(&model[1], 0.7, 0.2, 0.1, -0.1, 0.3, 0.5, 0.4);
+  hang(0, 0, FB_JOINT_FREE, FB_GROUND, 0);
+  hang(1, 0, FB_JOINT_UNIVERSAL, 0, 1);
+  for (; speeds < FB_MAX_SPEEDS; n++) {
+    const int left = FB_MAX_SPEEDS - speeds;
+    hang(n, 1, left > 2 ? FB_JOINT_SPHERICAL : left > 1 ? FB_JOINT_UNIVERSAL : FB_JOINT_REVOLUTE, n % 2, 1 + n);
+    speeds += left > 2 ? 3 : left;
+  }
+  for (int k = 0; k < n; k++) {
+    fbt_fill(start[k].value, 3, 0.3);
+    fbt_fill(start[k].speed, 6, 0.5);
+    fbt_fill(start[k].q, FB_MAX_MODES, 0.05);
+    fbt_fill(start[k].q_dot, FB_MAX_MODES, 0.2);
+  }
+  for (int method = 0; method < 2; method++) {
+    init((fb_method)method);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_sdirk_step(&mechanism, model, &state, &work, NULL, NULL, FB_R(1e-2), 0), FB_OK);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, method ? &motion : &first, &state, NULL), FB_OK);
+  }
+  FBT_BELOW(motion_difference(&motion, &first), FBT_TOL(1e-10, 1e-2));
+  hang(n, 1, FB_JOINT_REVOLUTE, 0, 1);
+  FBT_INT_EQ(fb_system_init(&mechanism, &work, model, 2, &desc), FB_ERR_CAPACITY);
 }
 
 /* E9.12, E9.15 on p11: a double pendulum of very flexible links falls from the horizontal. */
@@ -3422,4 +3633,5 @@ SUITE(system, RUN(every_joint_is_the_same_eliminated_kept_or_closing_a_loop),
       RUN(system_steps_beyond_the_limit_are_refused), RUN(the_limit_of_a_linkage_is_in_closed_form),
       RUN(stiff_joints_take_long_steps), RUN(strained_bodies_converge_in_a_system),
       RUN(a_stretching_rod_carries_its_neighbor), RUN(attitudes_come_back_as_they_were),
-      RUN(a_chain_in_free_flight_keeps_its_momenta), RUN(free_bodies_have_no_parent))
+      RUN(a_chain_in_free_flight_keeps_its_momenta), RUN(a_full_system_balances_its_energy),
+      RUN(a_dense_matrix_may_be_full), RUN(free_bodies_have_no_parent))
