@@ -959,6 +959,38 @@ TEST(springs_of_loops_pull_like_those_of_the_tree)
   }
 }
 
+/* E9.11: a ball joint has one spring and one damper, the first ones, whose rest is zero: on a round body they give the
+   rate -(k phi + c w)/J about all axes and the energy k phi^2/2, also as a loop. */
+TEST(a_ball_joint_has_one_spring_and_one_damper)
+{
+  const double k = 3.0, c = 0.5, J = 0.7, phi[3] = {0.3, -0.5, 0.4};
+  for (int form = 0; form < 4; form++) {
+    fb_energy energy;
+    fb_joint_desc *j;
+    fresh();
+    rigid(&model[0], 2.0, 0, 0, 0, J, J, J);
+    hang(0, 0, form < 3 ? FB_JOINT_SPHERICAL : FB_JOINT_FREE, FB_GROUND, 0);
+    j = form < 3 ? &desc.joint[0] : close_loop(FB_JOINT_SPHERICAL, FB_GROUND, 0, 0, 0);
+    j->stiffness[0] = (fb_real)k;
+    j->damping[0] = (fb_real)c;
+    fbt_fill(j->rest, 3, 1.0);
+    for (int i = 1; i < 3; i++) {
+      j->stiffness[i] = j->damping[i] = FB_R(9.0);
+    }
+    turn(start[0].quat, phi[0], phi[1], phi[2]);
+    fbt_fill(start[0].speed + (form < 3 ? 0 : 3), 3, 1.0);
+    init(form < 3 ? (fb_method)form : FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_energy(&mechanism, model, &work, &energy, &state, NULL), FB_OK);
+    for (int i = 0; i < 3; i++) {
+      FBT_NEAR_ABS(motion.motion[0].w_dot[i], -(k * phi[i] + c * (double)motion.motion[0].w[i]) / J,
+                   FBT_TOL(1e-14, 1e-5));
+    }
+    FBT_NEAR_REL(energy.strain, 0.5 * k * 0.5, FBT_TOL(1e-14, 1e-5)); /* phi.phi is 0.5 */
+  }
+}
+
 /* A body on a joint of that kind at the tip of another, both bend: turned frames, springs, dampers, motors, a load, in
    motion; one axis may be given. */
 static void couple(fb_joint_kind kind, int axis, fb_axis_mode mode)
@@ -2707,6 +2739,29 @@ TEST(joint_forces_carry_what_hangs_on_them)
   FBT_NEAR_ABS(imu.angular_rate[2], spin, FBT_TOL(1e-13, 1e-6));
 }
 
+/* E9.20: turned back into inertial axes what an IMU reads is acceleration less gravity, and the angular rate. */
+TEST(an_imu_reads_in_its_own_axes)
+{
+  for (int falls = 0; falls < 2; falls++) {
+    fb_node_motion node;
+    fb_imu imu;
+    fb_real gravity[3], R[9], a[3], w[3];
+    memset(&node, 0, sizeof node);
+    turn(node.quat, 0.4, -0.7, 0.9);
+    fb_quat_to_mat33(R, node.quat);
+    fbt_fill(gravity, 3, 9.0);
+    fbt_fill(node.acceleration, 3, 5.0);
+    fbt_fill(node.angular_rate, 3, 2.0);
+    fb_imu_eval(&imu, &node, falls ? NULL : gravity);
+    fb_mat33_mul_vec3(a, R, imu.specific_force);
+    fb_mat33_mul_vec3(w, R, imu.angular_rate);
+    for (int i = 0; i < 3; i++) {
+      FBT_NEAR_ABS(a[i], node.acceleration[i] - (falls ? FB_R(0.0) : gravity[i]), FBT_TOL(1e-14, 1e-5));
+      FBT_NEAR_ABS(w[i], node.angular_rate[i], FBT_TOL(1e-14, 1e-5));
+    }
+  }
+}
+
 /* A quaternion's turn of a vector. */
 static void turned(double y[3], const fb_real quat[4], const double x[3])
 {
@@ -2819,6 +2874,40 @@ TEST(a_node_that_only_turns_carries_its_body)
     FBT_TRUE(fabs((double)tip.quat[1]) > 1e-3);
     FBT_BELOW(fbt_difference(motion.pose[1].quat, tip.quat, 4), FBT_TOL(1e-14, 1e-6));
     FBT_BELOW(fbt_difference(motion.motion[1].w, tip.angular_rate, 3), FBT_TOL(1e-14, 1e-6));
+  }
+}
+
+/* E9.2: what hangs on a node that one mode moves or turns in one direction alone goes along with it. */
+TEST(nodes_that_move_in_one_way_carry_their_bodies)
+{
+  for (int way = 0; way < 12; way++) { /* first or second mode, x, y or z, displacement or rotation */
+    const fb_real r[3] = {FB_R(0.5), FB_R(0.2), -FB_R(0.1)}, mass[6] = {FB_R(1.0), 0, 0, 0, FB_R(1.0), 0};
+    fb_real psi[6] = {0}, theta[6] = {0};
+    fb_node_motion at;
+    fb_body_desc d;
+    int node;
+    fresh();
+    d = body_desc;
+    d.base = FB_BASE_PRESCRIBED;
+    d.effects = FB_EFFECTS_SPIN;
+    d.deflection_limit = FB_R(1.0);
+    (way < 6 ? psi : theta)[way % 6] = FB_R(1.0);
+    rigid(&model[1], 1.0, 0.1, 0, 0, 1, 1, 1);
+    FBT_INT_EQ(fb_shape_init(&shape, 2), FB_OK);
+    FBT_INT_EQ(fb_shape_add_particle(&shape, FB_R(2.0), r, mass, NULL), FB_OK);
+    FBT_INT_EQ(fb_shape_add_node(&shape, &node, r, psi, theta), FB_OK);
+    FBT_INT_EQ(fb_body_init(&model[0], &body_work, &shape, &d), FB_OK);
+    hang(0, 0, FB_JOINT_RIGID, FB_GROUND, 0);
+    hang(1, 1, FB_JOINT_RIGID, 0, 1);
+    start[0].q[way % 6 / 3] = FB_R(0.01);
+    start[0].q_dot[way % 6 / 3] = FB_R(0.02);
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_node_motion(&model[0], &at, &motion.pose[0], &motion.motion[0], 1), FB_OK);
+    FBT_NEAR_REL(way < 6 ? motion.motion[1].v[way % 3] : motion.motion[1].w[way % 3], 0.02, 1e-4);
+    FBT_BELOW(fbt_difference(motion.pose[1].rho, at.position, 3), FBT_TOL(1e-14, 1e-6));
+    FBT_BELOW(fbt_difference(motion.pose[1].quat, at.quat, 4), FBT_TOL(1e-14, 1e-6));
   }
 }
 
@@ -3634,4 +3723,6 @@ SUITE(system, RUN(every_joint_is_the_same_eliminated_kept_or_closing_a_loop),
       RUN(stiff_joints_take_long_steps), RUN(strained_bodies_converge_in_a_system),
       RUN(a_stretching_rod_carries_its_neighbor), RUN(attitudes_come_back_as_they_were),
       RUN(a_chain_in_free_flight_keeps_its_momenta), RUN(a_full_system_balances_its_energy),
-      RUN(a_dense_matrix_may_be_full), RUN(free_bodies_have_no_parent))
+      RUN(a_dense_matrix_may_be_full), RUN(free_bodies_have_no_parent),
+      RUN(nodes_that_move_in_one_way_carry_their_bodies), RUN(a_ball_joint_has_one_spring_and_one_damper),
+      RUN(an_imu_reads_in_its_own_axes))
