@@ -9596,7 +9596,6 @@ FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *bo
     for (int i = 0; i < 3; i++) {
       out->mode[j][i] = system->joint[j].mode[i];
     }
-    out->hold_quat[j][0] = FB_R(1.0);
   }
   status = status == FB_OK ? fbi_motion_place(work, system, body, out, motion, input) : status;
   if (status != FB_OK) {
