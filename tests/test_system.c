@@ -1301,6 +1301,21 @@ TEST(every_joint_is_the_same_eliminated_kept_or_closing_a_loop)
   }
 }
 
+/* E9.8: a screw without pitch is a hinge, eliminated or kept. */
+TEST(screws_without_pitch_are_hinges)
+{
+  static fb_system_motion first;
+  for (int run = 0; run < 6; run++) {
+    couple(run % 2 ? FB_JOINT_SCREW : FB_JOINT_REVOLUTE, 0, FB_AXIS_FREE);
+    desc.joint[1].pitch = FB_R(0.0);
+    init((fb_method)(run / 2));
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+    couple_steps(5, FBT_TOL(2e-4, 1e-3));
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, run ? &motion : &first, &state, &input), FB_OK);
+    FBT_BELOW(run ? motion_difference(&motion, &first) : 0.0, FBT_TOL(1e-9, 1e-2));
+  }
+}
+
 /* E9.17: a loop whose axis is prescribed closes where it is told to be, from a start aside, whichever way it runs. */
 TEST(a_prescribed_loop_closes_where_it_is_told)
 {
@@ -2490,6 +2505,34 @@ TEST(contradictions_name_their_joint)
   }
 }
 
+/* Moves a body along x at 1 m/s, and at user's more [m/s]. */
+static int disagreeing_rows(fb_row *row, int capacity, const fb_pose *pose, fb_real t, void *user)
+{
+  (void)capacity, (void)pose, (void)t;
+  row[0].body[1] = row[1].body[1] = FB_GROUND;
+  row[0].force[0][0] = row[1].force[0][0] = FB_R(1.0);
+  row[0].b = -FB_R(1.0);
+  row[1].b = -FB_R(1.0) - *(const fb_real *)user;
+  return 2;
+}
+
+/* E9.10: rows may contradict each other by a hundredth of the speed (a tenth in single precision), not by more. */
+TEST(rows_may_disagree_by_a_hundredth)
+{
+  for (int run = 0; run < 4; run++) {
+    const double part = FBT_TOL(0.01, 0.1);
+    fb_real more = (fb_real)((run % 2 ? 1.4 : 0.7) * (run / 2 ? -part : part));
+    fresh();
+    rigid(&model[0], 2.0, 0, 0, 0, 1, 1, 1);
+    hang(0, 0, FB_JOINT_FREE, FB_GROUND, 0);
+    input.rows = disagreeing_rows;
+    input.user = &more;
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, NULL, &input),
+               run % 2 ? FB_ERR_CONTRADICTION : FB_OK);
+  }
+}
+
 typedef struct wrong_row {
   int count, row, what; /* rows, the one that is wrong, how */
 } wrong_row;
@@ -2632,6 +2675,14 @@ TEST(the_check_word_of_a_system_sees_every_byte)
   model[1].n = FB_MAX_MODES + 1;
   FBT_INT_EQ(tree_word() == 0, 1);
   FBT_INT_EQ(fb_system_crc(&mechanism, model, 1) == 0, 1); /* there are more models */
+  FBT_INT_EQ(fb_system_crc(&mechanism, model, 0) == 0, 1);
+  model[1].n = 0;
+  for (int beyond = 0; beyond < 4; beyond++) {
+    int *const count = beyond % 2 ? &mechanism.n_loop : &mechanism.n_body, was = *count;
+    *count = beyond < 2 ? -1 : (beyond % 2 ? FB_MAX_LOOPS : FB_MAX_BODIES) + 1;
+    FBT_INT_EQ(tree_word() == 0, 1);
+    *count = was;
+  }
 }
 
 /* A free body has no parent, whatever the desc says of one: the system is sound and has the same word. */
@@ -3725,4 +3776,4 @@ SUITE(system, RUN(every_joint_is_the_same_eliminated_kept_or_closing_a_loop),
       RUN(a_chain_in_free_flight_keeps_its_momenta), RUN(a_full_system_balances_its_energy),
       RUN(a_dense_matrix_may_be_full), RUN(free_bodies_have_no_parent),
       RUN(nodes_that_move_in_one_way_carry_their_bodies), RUN(a_ball_joint_has_one_spring_and_one_damper),
-      RUN(an_imu_reads_in_its_own_axes))
+      RUN(an_imu_reads_in_its_own_axes), RUN(screws_without_pitch_are_hinges), RUN(rows_may_disagree_by_a_hundredth))
