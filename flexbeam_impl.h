@@ -7404,7 +7404,7 @@ static void fbi_joint_fill(fb_joint *joint, const fb_system_desc *desc, const fb
   memset(joint, 0, sizeof *joint);
   joint->kind = d->kind;
   joint->parent = d->kind == FB_JOINT_FREE ? FB_GROUND : d->parent;
-  joint->parent_node = d->parent_node;
+  joint->parent_node = d->kind == FB_JOINT_FREE ? 0 : d->parent_node;
   joint->child = loop ? d->child : j;
   joint->child_node = loop ? d->child_node : 0;
   joint->n_axis = fbi_joint_axes(d->kind);
@@ -9596,7 +9596,6 @@ FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *bo
     for (int i = 0; i < 3; i++) {
       out->mode[j][i] = system->joint[j].mode[i];
     }
-    out->hold_quat[j][0] = FB_R(1.0);
   }
   status = status == FB_OK ? fbi_motion_place(work, system, body, out, motion, input) : status;
   if (status != FB_OK) {
