@@ -295,6 +295,60 @@ TEST(points_between_nodes_lie_on_the_curve)
   }
 }
 
+/* Section 10: rotation vectors follow the beam through any number of whole turns, about any axis either way, from coarse
+   nodes, too. */
+TEST(rotations_follow_the_beam_through_whole_turns)
+{
+  elastica(FB_MAX_MIXED);
+  start();
+  fbt_seed(4);
+  for (int run = 0; run < 12; run++) {
+    const double step = run % 3 == 0 ? 0.5 * pi : run % 3 == 1 ? 0.4 : 2.3; /* [rad] from node to node */
+    fb_real axis[3], wound[FB_MAX_MIXED + 1][3];
+    double size;
+    fbt_fill(axis, 3, 1.0);
+    size = sqrt((double)fb_vec3_dot(axis, axis));
+    for (int j = 0; j <= FB_MAX_MIXED; j++) {
+      for (int i = 0; i < 3; i++) {
+        wound[j][i] = (fb_real)(step * j / size) * axis[i];
+      }
+      fb_quat_from_rotvec(state.quat + 4 * j, wound[j]);
+    }
+    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+    for (int j = 0; j <= FB_MAX_MIXED; j++) {
+      FBT_BELOW(fbt_difference(node[j].rotation, wound[j], 3), FBT_TOL(1e-12, 1e-3));
+    }
+  }
+}
+
+/* Section 10: three elements wind a beam by a whole turn, but for a little about another axis: while that is very little, the
+   rotation vector is next to the whole turn; in any case it is that of the attitude to a thousandth of a radian. */
+TEST(rotations_next_to_a_whole_turn_are_those_of_the_attitude)
+{
+  elastica(3);
+  start();
+  for (int run = 0; run < 2; run++) {
+    const fb_real off[3] = {0, run ? FB_R(0.0015) : FB_R(0.0001), 0};
+    fb_real quat[4], turn[4], back[4], rotation[3];
+    for (int j = 0; j <= 3; j++) {
+      const fb_real wound[3] = {0, 0, (fb_real)(2.0 * pi * j / 3.0)};
+      fb_quat_from_rotvec(state.quat + 4 * j, wound);
+    }
+    fb_quat_from_rotvec(turn, off);
+    memcpy(quat, state.quat + 12, sizeof quat);
+    fb_quat_mul(state.quat + 12, quat, turn);
+    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+    FBT_TRUE(run == 1 || distance(node[3].rotation, 0.0, 0.0, 2.0 * pi) < 1e-3);
+    fb_quat_from_rotvec(quat, node[3].rotation);
+    for (int i = 0; i < 4; i++) {
+      back[i] = i ? -state.quat[12 + i] : state.quat[12];
+    }
+    fb_quat_mul(turn, back, quat);
+    fb_quat_to_rotvec(rotation, turn);
+    FBT_BELOW(fbt_largest(rotation, 3), 1e-3);
+  }
+}
+
 /* E10.12: between nodes, too, a cantilever under a small force F at its tip has turned by F (L x - x^2/2)/EI. */
 TEST(turns_between_nodes_are_those_of_a_cantilever)
 {
@@ -2742,17 +2796,18 @@ TEST(the_check_word_of_a_mixed_beam_sees_every_byte)
   FBT_INT_EQ(beam_word() == 0, 1);
 }
 
-SUITE(mixed, RUN(turns_between_nodes_are_those_of_a_cantilever), RUN(linear_beams_follow_the_unit_of_time),
-      RUN(whirling_shafts_move_on_circles), RUN(one_correction_does_in_short_steps),
-      RUN(the_check_word_of_a_mixed_beam_sees_every_byte), RUN(states_that_are_not_numbers_are_refused),
-      RUN(elastica_is_of_order_four), RUN(linear_cantilevers_are_exact_at_the_nodes),
-      RUN(tapered_rods_are_exact_at_the_nodes), RUN(rigid_beams_do_not_deflect), RUN(tapered_beams_converge_fast),
-      RUN(line_loads_are_exact_at_the_nodes), RUN(points_between_nodes_lie_on_the_curve),
-      RUN(steady_bend_of_an_arc_matches_the_published_tip), RUN(steady_rotation_with_load_matches_shooting),
-      RUN(steady_stretch_of_a_spinning_rod_is_the_closed_form), RUN(steady_princeton_beam_at_all_angles),
-      RUN(steady_openfast_cantilever_hangs_as_shooting_says), RUN(offsets_of_a_section_are_those_of_the_forces),
-      RUN(spectrum_is_that_of_the_natural_modes), RUN(twist_is_that_of_the_stations),
-      RUN(sections_below_zero_are_refused), RUN(curves_are_those_of_the_stations),
+SUITE(mixed, RUN(rotations_follow_the_beam_through_whole_turns),
+      RUN(rotations_next_to_a_whole_turn_are_those_of_the_attitude), RUN(turns_between_nodes_are_those_of_a_cantilever),
+      RUN(linear_beams_follow_the_unit_of_time), RUN(whirling_shafts_move_on_circles),
+      RUN(one_correction_does_in_short_steps), RUN(the_check_word_of_a_mixed_beam_sees_every_byte),
+      RUN(states_that_are_not_numbers_are_refused), RUN(elastica_is_of_order_four),
+      RUN(linear_cantilevers_are_exact_at_the_nodes), RUN(tapered_rods_are_exact_at_the_nodes),
+      RUN(rigid_beams_do_not_deflect), RUN(tapered_beams_converge_fast), RUN(line_loads_are_exact_at_the_nodes),
+      RUN(points_between_nodes_lie_on_the_curve), RUN(steady_bend_of_an_arc_matches_the_published_tip),
+      RUN(steady_rotation_with_load_matches_shooting), RUN(steady_stretch_of_a_spinning_rod_is_the_closed_form),
+      RUN(steady_princeton_beam_at_all_angles), RUN(steady_openfast_cantilever_hangs_as_shooting_says),
+      RUN(offsets_of_a_section_are_those_of_the_forces), RUN(spectrum_is_that_of_the_natural_modes),
+      RUN(twist_is_that_of_the_stations), RUN(sections_below_zero_are_refused), RUN(curves_are_those_of_the_stations),
       RUN(a_beam_is_the_same_however_it_is_seen), RUN(loads_on_tapered_lines_are_exact_at_the_nodes),
       RUN(any_units_give_the_same_solution), RUN(any_unit_of_time_gives_the_same_frequency),
       RUN(supports_are_those_of_the_textbook), RUN(a_beam_slides_over_its_support), RUN(newton_converges_quadratically),
