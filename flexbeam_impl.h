@@ -12013,33 +12013,26 @@ FB_DEF fb_status fb_mixed_steady_solve(const fb_mixed *m, fb_mixed_state *state,
 
 /* ---- what comes out */
 
+/* Nearest whole number. */
+static fb_real fbi_round(fb_real x)
+{
+  return (fb_real)(int)(x + (x < FB_R(0.0) ? -FB_R(0.5) : FB_R(0.5)));
+}
+
 /* Rotation vector of quat next to phi: of all that differ by whole turns the nearest. */
 static void fbi_rotvec_near(fb_real phi[3], const fb_real quat[4])
 {
   const fb_real near_to[3] = {phi[0], phi[1], phi[2]};
-  const fb_real turn = FB_R(6.283185307179586);
-  fb_real size, best[3], at[3], least = FB_HUGE;
+  const fb_real turn = FB_R(6.283185307179586), axis = fbi_vec3_norm(near_to);
+  fb_real size;
   fb_quat_to_rotvec(phi, quat);
   size = fbi_vec3_norm(phi);
-  if (size < FB_R(1e-3) && fbi_vec3_norm(near_to) > FB_R(3.0)) { /* whole turns: the axis is that of the neighbor */
-    const fb_real axis = fbi_vec3_norm(near_to);
-    const fb_real turns = (fb_real)(int)(axis / turn + FB_R(0.5)) * turn / axis;
-    fbi_vec3_add(phi, turns, near_to);
-    return;
+  if (size < FB_R(1e-3) && axis > FB_R(3.0)) { /* whole turns: the axis is that of the neighbor */
+    fbi_vec3_add(phi, fbi_round(axis / turn) * turn / axis, near_to);
+  } else if (size > FB_R(0.0)) {
+    const fb_real turns = fbi_round((fb_vec3_dot(near_to, phi) / size - size) / turn);
+    fbi_vec3_add(phi, turns * turn / size, phi);
   }
-  fbi_copy(best, phi, 3);
-  for (int k = -9; k <= 9 && size > FB_R(0.0); k++) {
-    fb_real d2 = FB_R(0.0);
-    for (int i = 0; i < 3; i++) {
-      at[i] = phi[i] * (FB_R(1.0) + (fb_real)k * turn / size);
-      d2 += (at[i] - near_to[i]) * (at[i] - near_to[i]);
-    }
-    if (d2 < least) {
-      least = d2;
-      fbi_copy(best, at, 3);
-    }
-  }
-  fbi_copy(phi, best, 3);
 }
 
 FB_DEF fb_status fb_mixed_nodes_eval(const fb_mixed *m, fb_mixed_node *node, const fb_mixed_state *state)

@@ -1340,6 +1340,28 @@ TEST(the_exponential_scheme_is_exact_for_constant_loads)
   FBT_BELOW(largest, FBT_TOL(1e-12, 1e-4));
 }
 
+/* E11.10: the tables of the exponential scheme are the series sum (-t^2)^k/(2k + j)! of t = omega dt and half of that, in
+   steps short and long. */
+TEST(the_exponential_scheme_knows_its_functions)
+{
+  boom(FB_EFFECTS_LINEAR, FB_BASE_PRESCRIBED, 2, 2, 0, 0.0);
+  for (double t = 0.05; t < 4.0; t += 0.15) {
+    prepare(EXPONENTIAL, t / (double)modes.omega[0]);
+    for (int at = 0; at < 2 * body.n; at++) {
+      const int k = at / 2, half = at % 2;
+      const double x = (double)exponential.dt * sqrt((double)exponential.omega2[k]) * (half ? 0.5 : 1.0);
+      for (int j = 0; j < 5 && x < 6.0; j++) {
+        double sum = 0.0, term = j < 2 ? 1.0 : j == 2 ? 0.5 : j == 3 ? 1.0 / 6.0 : 1.0 / 24.0;
+        for (int i = 1; i < 30; i++) {
+          sum += term;
+          term *= -x * x / ((2 * i + j - 1) * (2 * i + j));
+        }
+        FBT_NEAR_ABS(half ? exponential.half[j][k] : exponential.full[j][k], sum, FBT_TOL(3e-13, 2e-5));
+      }
+    }
+  }
+}
+
 /* The spin-up by a prescribed hub, three cubic elements: largest error of the tip's deflection every 0.5 s against
    rk4 at 0.125 ms, both relative to the peak. */
 static double spin_up_tip(scheme which, double dt, double t_end, double *tip)
@@ -1528,11 +1550,12 @@ SUITE(integrate, RUN(schemes_know_no_axes), RUN(inputs_between_two_are_on_the_wa
       RUN(the_exponential_limit_is_a_part_of_a_turn), RUN(the_exponential_limit_knows_the_tension),
       RUN(the_tension_limit_counts_all_modes), RUN(loads_shorten_the_steps_of_systems),
       RUN(membrane_coordinates_make_the_strain_linear), RUN(the_tangent_is_the_derivative_of_the_forces),
-      RUN(the_exponential_scheme_is_exact_for_linear_bodies), RUN(the_exponential_scheme_is_exact_for_constant_loads),
-      RUN(stiff_axial_modes_do_not_set_the_step), RUN(implicit_schemes_advance_every_form),
-      RUN(one_iteration_steps_linear_bodies_of_every_form), RUN(every_scheme_refuses_bad_input),
-      RUN(rk4_converges_with_order_four), RUN(tumbling_conserves_momentum_and_energy), RUN(short_steps_lose_nothing),
-      RUN(slow_modes_keep_their_phase), RUN(bodies_stepped_in_turn_do_not_meet),
-      RUN(the_step_limit_is_the_stability_boundary), RUN(the_step_limit_knows_the_acceleration_of_a_far_origin),
-      RUN(decay_reaches_zero_without_subnormals), RUN(the_check_of_a_scheme_stays_within_its_tables),
-      RUN(spin_up_follows_the_geometrically_exact_beam), RUN(rk4_refuses_bad_input_and_repeats_itself))
+      RUN(the_exponential_scheme_is_exact_for_linear_bodies), RUN(the_exponential_scheme_knows_its_functions),
+      RUN(the_exponential_scheme_is_exact_for_constant_loads), RUN(stiff_axial_modes_do_not_set_the_step),
+      RUN(implicit_schemes_advance_every_form), RUN(one_iteration_steps_linear_bodies_of_every_form),
+      RUN(every_scheme_refuses_bad_input), RUN(rk4_converges_with_order_four),
+      RUN(tumbling_conserves_momentum_and_energy), RUN(short_steps_lose_nothing), RUN(slow_modes_keep_their_phase),
+      RUN(bodies_stepped_in_turn_do_not_meet), RUN(the_step_limit_is_the_stability_boundary),
+      RUN(the_step_limit_knows_the_acceleration_of_a_far_origin), RUN(decay_reaches_zero_without_subnormals),
+      RUN(the_check_of_a_scheme_stays_within_its_tables), RUN(spin_up_follows_the_geometrically_exact_beam),
+      RUN(rk4_refuses_bad_input_and_repeats_itself))

@@ -295,6 +295,60 @@ TEST(points_between_nodes_lie_on_the_curve)
   }
 }
 
+/* Section 10: rotation vectors follow the beam through any number of whole turns, about any axis either way, from coarse
+   nodes, too. */
+TEST(rotations_follow_the_beam_through_whole_turns)
+{
+  elastica(FB_MAX_MIXED);
+  start();
+  fbt_seed(4);
+  for (int run = 0; run < 12; run++) {
+    const double step = run % 3 == 0 ? 0.5 * pi : run % 3 == 1 ? 0.4 : 2.3; /* [rad] from node to node */
+    fb_real axis[3], wound[FB_MAX_MIXED + 1][3];
+    double size;
+    fbt_fill(axis, 3, 1.0);
+    size = sqrt((double)fb_vec3_dot(axis, axis));
+    for (int j = 0; j <= FB_MAX_MIXED; j++) {
+      for (int i = 0; i < 3; i++) {
+        wound[j][i] = (fb_real)(step * j / size) * axis[i];
+      }
+      fb_quat_from_rotvec(state.quat + 4 * j, wound[j]);
+    }
+    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+    for (int j = 0; j <= FB_MAX_MIXED; j++) {
+      FBT_BELOW(fbt_difference(node[j].rotation, wound[j], 3), FBT_TOL(1e-12, 1e-3));
+    }
+  }
+}
+
+/* Section 10: three elements wind a beam by a whole turn, but for a little about another axis: while that is very little, the
+   rotation vector is next to the whole turn; in any case it is that of the attitude to a thousandth of a radian. */
+TEST(rotations_next_to_a_whole_turn_are_those_of_the_attitude)
+{
+  elastica(3);
+  start();
+  for (int run = 0; run < 2; run++) {
+    const fb_real off[3] = {0, run ? FB_R(0.0015) : FB_R(0.0001), 0};
+    fb_real quat[4], turn[4], back[4], rotation[3];
+    for (int j = 0; j <= 3; j++) {
+      const fb_real wound[3] = {0, 0, (fb_real)(2.0 * pi * j / 3.0)};
+      fb_quat_from_rotvec(state.quat + 4 * j, wound);
+    }
+    fb_quat_from_rotvec(turn, off);
+    memcpy(quat, state.quat + 12, sizeof quat);
+    fb_quat_mul(state.quat + 12, quat, turn);
+    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+    FBT_TRUE(run == 1 || distance(node[3].rotation, 0.0, 0.0, 2.0 * pi) < 1e-3);
+    fb_quat_from_rotvec(quat, node[3].rotation);
+    for (int i = 0; i < 4; i++) {
+      back[i] = i ? -state.quat[12 + i] : state.quat[12];
+    }
+    fb_quat_mul(turn, back, quat);
+    fb_quat_to_rotvec(rotation, turn);
+    FBT_BELOW(fbt_largest(rotation, 3), 1e-3);
+  }
+}
+
 /* E10.12: between nodes, too, a cantilever under a small force F at its tip has turned by F (L x - x^2/2)/EI. */
 TEST(turns_between_nodes_are_those_of_a_cantilever)
 {
@@ -754,17 +808,29 @@ TEST(any_units_give_the_same_solution)
   }
 }
 
-/* Section 10, E12.4: frequencies follow the unit of time, however far from the beam's own it is: of one element that bends,
-   and of a rod that does nothing but stretch. */
-TEST(any_unit_of_time_gives_the_same_frequency)
+/* Section 10, E12.4: frequencies follow the units of time and length, however far from the beam's own they are: of a beam
+   that gives way in every direction, in one alone, and of one without mass that carries a body. */
+TEST(any_unit_gives_the_same_frequency)
 {
-  for (int rod = 0; rod < 2; rod++) {
+  for (int kind = 0; kind < 8; kind++) { /* 1..6: only that strain; 7: light */
     double omega = 0.0;
-    for (int u = 0; u < 2; u++) {
-      const double t = u ? FBT_TOL(1e-20, 1e-6) : 1.0, k = 1.0 / (t * t), bend = rod ? 0.0 : k;
-      const double stiffness[6] = {k, rod ? 0.0 : k, rod ? 0.0 : k, bend, bend, bend};
-      const double inertia[6] = {1.0, 1.0, 1.0, 0.1, 0.1, 0.1};
-      beam(1.0, rod ? 4 : 1, stiffness, inertia);
+    for (int u = 0; u < 3; u++) {
+      const double t = u == 1 ? FBT_TOL(1e-20, 1e-6) : 1.0, l = u == 2 ? FBT_TOL(1e10, 1e4) : 1.0, f = l / (t * t);
+      double stiffness[6], inertia[6];
+      for (int i = 0; i < 6; i++) {
+        const int gives = kind % 7 == 0 || kind == i + 1;
+        stiffness[i] = !gives ? 0.0 : i < 3 ? f : f * l * l;
+        inertia[i] = kind == 7 ? 0.0 : i < 3 ? 1.0 / l : 0.1 * l;
+      }
+      beam(l, kind ? 4 : 1, stiffness, inertia);
+      if (kind == 7) {
+        desc.n_lump = 1;
+        desc.lump[0].node = 4;
+        desc.lump[0].mass = FB_R(1.0);
+        for (int i = 0; i < 3; i++) {
+          desc.lump[0].inertia[i] = (fb_real)(0.1 * l * l);
+        }
+      }
       start();
       spectrum_of(1);
       omega = u ? omega : (double)spectrum.im[0];
@@ -992,6 +1058,7 @@ static void any_beam(int way, int curved)
   desc.length = FB_R(1.5);
   desc.n_element = n;
   desc.iterations = 20;
+  desc.dissipation = FB_R(0.3);
   desc.n_station = 2;
   any_section(&desc.station[0]);
   fbt_fill(desc.station[0].curvature, 3, 0.4 * curved);
@@ -1165,6 +1232,58 @@ TEST(dissipation_takes_energy_in_every_step)
     }
     FBT_TRUE(before < 0.999 * first && before > 0.9 * first);
   }
+}
+
+/* Strain and kinetic energy of what strains and momenta change by from b to a, less a part of that from c to b. */
+static double energy_of_change(const fb_mixed_state *a, const fb_mixed_state *b, const fb_mixed_state *c, double part)
+{
+  static fb_mixed_state z;
+  fb_energy e;
+  z = *a;
+  for (int i = 0; i < 6 * mixed.n; i++) {
+    z.strain[i] = a->strain[i] - b->strain[i] - (fb_real)part * (b->strain[i] - c->strain[i]);
+    z.momentum[i] = a->momentum[i] - b->momentum[i] - (fb_real)part * (b->momentum[i] - c->momentum[i]);
+  }
+  for (int i = 0; i < 6 * mixed.n_lump; i++) {
+    z.lump[i] = a->lump[i] - b->lump[i] - (fb_real)part * (b->lump[i] - c->lump[i]);
+  }
+  z.step = 0; /* the last change of z itself does not count */
+  FBT_INT_EQ(fb_mixed_energy(&mixed, &e, &z), FB_OK);
+  return (double)e.strain + (double)e.kinetic;
+}
+
+/* E11.20: whatever moves, whatever the steps, the energy falls by beta/4 of that of dz - dz_old: of a longer last step the
+   change in the time of this one, and what that leaves out is lost, too. */
+TEST(dissipation_takes_what_its_rule_says)
+{
+  const double rho = 0.6, beta = rho * (1.0 - rho) / ((1.0 + rho) * (1.0 + rho));
+  const double dt[4] = {0.02, 0.02, 0.03, 0.012};
+  static fb_mixed_state before, older;
+  double first, energy;
+  any_beam(0, 1);
+  desc.n_support = 0;
+  desc.dissipation = (fb_real)(1.0 - rho);
+  memset(desc.gravity, 0, sizeof desc.gravity);
+  memset(input.v, 0, sizeof input.v);
+  memset(input.w, 0, sizeof input.w);
+  settle();
+  memset(&input, 0, sizeof input);
+  before = older = state;
+  first = energy = total_energy();
+  for (int k = 0; k < 24; k++) {
+    const double part = k == 0 ? 0.0 : fmin(1.0, dt[k % 4] / dt[(k + 3) % 4]);
+    double lost;
+    older = before;
+    before = state;
+    if (steps(1, dt[k % 4]) != FB_OK) {
+      return;
+    }
+    lost = energy_of_change(&state, &before, &older, part) +
+           (1.0 - part * part) * energy_of_change(&before, &older, &older, 0.0);
+    FBT_NEAR_ABS(energy - total_energy(), 0.5 * beta * lost, FBT_TOL(1e-11, 1e-4) * first);
+    energy = total_energy();
+  }
+  FBT_BELOW(energy, 0.9995 * first);
 }
 
 /* E11.20: the damping ratio of a resolved oscillation is beta (omega dt)^3/4, and the part that is left of an
@@ -1350,6 +1469,34 @@ TEST(rigid_flight_is_straight)
       FBT_BELOW(fbt_difference(a.angular, b.angular, 3), FBT_TOL(1e-10, 1e-3));
     }
     FBT_BELOW(5.0, fbt_largest(state.base_position, 3));
+  }
+}
+
+/* E10.7, E11.20: internal loads of a free rigid rod at rest that is pushed at its root and twisted and bent at its tip: what
+   the part outboard takes to be accelerated, in closed form. */
+TEST(internal_loads_of_a_pushed_rod_are_the_closed_form)
+{
+  const double stiffness[6] = {0.0}, inertia[6] = {1.5, 1.5, 1.5, 0.3, 0.0, 0.0}, L = 2.0, f = 3.0, tau = 0.4;
+  const int n = 4;
+  beam(L, n, stiffness, inertia);
+  desc.root = FB_END_FREE;
+  start();
+  load_tip(FB_AXES_NODE, -2.0, f, 1.0);
+  input.load[0].node = 0;
+  load_tip(FB_AXES_NODE, 0.0, 0.0, 0.0);
+  input.load[1].torque[0] = FB_R(0.7);
+  input.load[1].torque[2] = (fb_real)tau;
+  if (steps(1, 1e-4) != FB_OK) {
+    return;
+  }
+  FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+  for (int k = 0; k <= n; k++) {
+    const double x = (double)k / n, shear = -(1.0 - x) * (1.0 - 3.0 * x), bend = L * x * (1.0 - x) * (1.0 - x);
+    const fb_real force[3] = {(fb_real)(2.0 * (1.0 - x)), (fb_real)(f * shear - 6.0 * tau / L * x * (1.0 - x)),
+                              (fb_real)shear};
+    const fb_real moment[3] = {(fb_real)(0.7 * x), -(fb_real)bend, (fb_real)(f * bend + tau * x * x * (3.0 - 2.0 * x))};
+    FBT_BELOW(fbt_difference(node[k].force, force, 3), FBT_TOL(1e-6, 1e-4));
+    FBT_BELOW(fbt_difference(node[k].moment, moment, 3), FBT_TOL(1e-6, 1e-4));
   }
 }
 
@@ -2742,23 +2889,25 @@ TEST(the_check_word_of_a_mixed_beam_sees_every_byte)
   FBT_INT_EQ(beam_word() == 0, 1);
 }
 
-SUITE(mixed, RUN(turns_between_nodes_are_those_of_a_cantilever), RUN(linear_beams_follow_the_unit_of_time),
-      RUN(whirling_shafts_move_on_circles), RUN(one_correction_does_in_short_steps),
-      RUN(the_check_word_of_a_mixed_beam_sees_every_byte), RUN(states_that_are_not_numbers_are_refused),
-      RUN(elastica_is_of_order_four), RUN(linear_cantilevers_are_exact_at_the_nodes),
-      RUN(tapered_rods_are_exact_at_the_nodes), RUN(rigid_beams_do_not_deflect), RUN(tapered_beams_converge_fast),
-      RUN(line_loads_are_exact_at_the_nodes), RUN(points_between_nodes_lie_on_the_curve),
-      RUN(steady_bend_of_an_arc_matches_the_published_tip), RUN(steady_rotation_with_load_matches_shooting),
-      RUN(steady_stretch_of_a_spinning_rod_is_the_closed_form), RUN(steady_princeton_beam_at_all_angles),
-      RUN(steady_openfast_cantilever_hangs_as_shooting_says), RUN(offsets_of_a_section_are_those_of_the_forces),
-      RUN(spectrum_is_that_of_the_natural_modes), RUN(twist_is_that_of_the_stations),
-      RUN(sections_below_zero_are_refused), RUN(curves_are_those_of_the_stations),
+SUITE(mixed, RUN(rotations_follow_the_beam_through_whole_turns),
+      RUN(rotations_next_to_a_whole_turn_are_those_of_the_attitude), RUN(turns_between_nodes_are_those_of_a_cantilever),
+      RUN(linear_beams_follow_the_unit_of_time), RUN(whirling_shafts_move_on_circles),
+      RUN(one_correction_does_in_short_steps), RUN(the_check_word_of_a_mixed_beam_sees_every_byte),
+      RUN(states_that_are_not_numbers_are_refused), RUN(elastica_is_of_order_four),
+      RUN(linear_cantilevers_are_exact_at_the_nodes), RUN(tapered_rods_are_exact_at_the_nodes),
+      RUN(rigid_beams_do_not_deflect), RUN(tapered_beams_converge_fast), RUN(line_loads_are_exact_at_the_nodes),
+      RUN(points_between_nodes_lie_on_the_curve), RUN(steady_bend_of_an_arc_matches_the_published_tip),
+      RUN(steady_rotation_with_load_matches_shooting), RUN(steady_stretch_of_a_spinning_rod_is_the_closed_form),
+      RUN(steady_princeton_beam_at_all_angles), RUN(steady_openfast_cantilever_hangs_as_shooting_says),
+      RUN(offsets_of_a_section_are_those_of_the_forces), RUN(spectrum_is_that_of_the_natural_modes),
+      RUN(twist_is_that_of_the_stations), RUN(sections_below_zero_are_refused), RUN(curves_are_those_of_the_stations),
       RUN(a_beam_is_the_same_however_it_is_seen), RUN(loads_on_tapered_lines_are_exact_at_the_nodes),
-      RUN(any_units_give_the_same_solution), RUN(any_unit_of_time_gives_the_same_frequency),
+      RUN(any_units_give_the_same_solution), RUN(any_unit_gives_the_same_frequency),
       RUN(supports_are_those_of_the_textbook), RUN(a_beam_slides_over_its_support), RUN(newton_converges_quadratically),
       RUN(energy_is_kept_whatever_the_step), RUN(dissipation_takes_energy_in_every_step),
-      RUN(dissipation_is_that_of_its_formula), RUN(free_flight_keeps_momentum), RUN(a_rigid_beam_has_its_inertia),
-      RUN(rigid_flight_is_straight), RUN(reactions_balance_what_acts),
+      RUN(dissipation_takes_what_its_rule_says), RUN(dissipation_is_that_of_its_formula),
+      RUN(free_flight_keeps_momentum), RUN(internal_loads_of_a_pushed_rod_are_the_closed_form),
+      RUN(a_rigid_beam_has_its_inertia), RUN(rigid_flight_is_straight), RUN(reactions_balance_what_acts),
       RUN(momenta_of_a_rigid_motion_are_those_of_its_energy), RUN(steady_and_marching_agree),
       RUN(spin_up_matches_the_exact_beam), RUN(one_element_rings_at_the_predicted_frequency),
       RUN(a_beam_slides_out_of_a_spinning_slot), RUN(a_beam_held_twice_keeps_energy_and_place),

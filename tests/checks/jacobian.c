@@ -107,9 +107,11 @@ static void load(int what, int way)
   }
 }
 
-/* A state in which the strains fit the poses, so that the residual of the compatibility vanishes. */
-static void scatter(int way)
+/* A state in which the strains fit the poses, so that the residual of the compatibility vanishes. The turn of half a step is
+   taken to first order: where something acts in axes that do not turn along, what marches turns slowly. */
+static void scatter(int what, int way)
 {
+  const double turning = what & (GRAVITY | DEAD_LINE | SUPPORTS | LOADS) ? 1e-6 : 1;
   const double rate = 2 / ((1 + beam.beta) * step);
   const fbi_mixed_motion motion = {
       way == MARCH, way != REST, 0, 0, way == MARCH ? step / 2 : 1, way == MARCH ? rate : way == LINEARIZED ? 1.37 : 0};
@@ -128,8 +130,8 @@ static void scatter(int way)
     fbi_mat66_mul_vec6(strain + 6 * k, beam.C + 36 * k, work.s + 6 * k);
   }
   fbi_mixed_poses(work.r, work.quat, &beam, strain, work.offset);
-  for (int i = 0; i < 6 * (beam.n + 1) && way == MARCH; i++) { /* the turn of half a step is taken to first order */
-    work.V[i] = random_number() * (i % 6 < 3 ? 1 : 1e-6);
+  for (int i = 0; i < 6 * (beam.n + 1) && way == MARCH; i++) {
+    work.V[i] = random_number() * (i % 6 < 3 ? 1 : turning);
   }
   fbi_mixed_nodes_eval(&work, &beam);
   for (int k = 0; k < beam.n && way == LINEARIZED; k++) {
@@ -277,7 +279,7 @@ int main(void)
       double e;
       build(what, 2 + what % 3);
       load(what, way);
-      scatter(way);
+      scatter(what, way);
       assemble();
       e = compare_differences();
       if (!(e < 1e-6)) {
