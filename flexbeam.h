@@ -2102,7 +2102,7 @@ typedef struct fb_advice {
   fb_scheme scheme;
   int long_step;      /* 1: dt is longer than its own limit (found by simulation): set fb_body_desc.allow_long_step */
   fb_real dt;         /* [s] */
-  fb_real cost;       /* of a simulated second: about so many floating-point operations */
+  fb_real cost;       /* of a simulated second: about so many instructions of a 64-bit processor */
   fb_real deflection; /* [m] of the output, at most */
   /* estimates, parts of that: what the output is off by for want of effects, of modes, by the step (at most; not of
      fb_advice_search), and by what no modal body has (beyond the tolerance: take the exact beam) */

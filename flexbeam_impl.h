@@ -16553,22 +16553,28 @@ static fb_real fbi_advise_set(fb_advise_work *work, const fb_envelope *e, const 
 
 /* ---- cost and step of a candidate */
 
-/* Floating-point operations of a step, about: so that times have the right ratio.
-   Source: measured times of steps with 1 to 12 modes, all sets, held and free bases.  Fails: never. */
-static fb_real fbi_step_flops(const fb_body *body, fb_scheme scheme)
+/* Instructions of a step, about: so that times have the right ratio. Of rates; of a solution of the linear system of an
+   implicit scheme; of its matrix and LU; a base that may recoil has 6 rows more.
+   Source: counted, tests/reference/step_instructions.csv.  Fails: never.
+   Test: costs_are_those_of_counted_instructions. */
+static fb_real fbi_step_instructions(const fb_body *body, fb_scheme scheme)
 {
-  const fb_real n = (fb_real)body->n;
-  const fb_real rates = 110 + 20 * n + (fb_real)(6 * body->n_lambda + 4 * body->n_S);
-  const fb_real factor = body->base == FB_BASE_PRESCRIBED ? 100 + 60 * n : 1300 + 130 * n; /* with the base's recoil */
+  const int held = body->base == FB_BASE_PRESCRIBED;
+  const fb_real n = (fb_real)body->n, quadratic = (fb_real)(body->n_S > 0),
+                terms = (fb_real)(body->n_lambda + body->n_S);
+  const fb_real sums = 480 + 45 * n + 11 * terms;
+  const fb_real rates = held ? sums + 400 * quadratic : FB_R(1.4) * sums + 1250 * quadratic;
+  const fb_real solve = held ? 250 + 240 * n : 1800 + 380 * n;
+  const fb_real factor = 85 * terms + (held ? 150 * n : 3000 + 1350 * n);
   switch (scheme) {
   case FB_SCHEME_RK4:
     return 4 * rates;
   case FB_SCHEME_MIDPOINT:
-    return FB_R(4.5) * rates + factor;
+    return 3 * (rates + solve) + factor;
   case FB_SCHEME_SDIRK:
-    return 7 * rates + FB_R(1.5) * factor;
+    return 5 * (rates + solve) + factor;
   default:
-    return 4 * rates + 400 + 125 * n;
+    return 4 * rates + 2000 + 1600 * n;
   }
 }
 
@@ -16702,7 +16708,7 @@ static void fbi_advise_scheme(fb_advice *advice, fb_advise_work *work, const fb_
     const fb_real limit = fbi_scheme_limit(&work->body, scheme, e);
     const fb_real step = fbi_advice_step(work, e, scheme, advice->n, tolerance);
     const fb_real dt = fbi_frame_part(fbi_smaller(limit, step), e->frame);
-    const fb_real cost = fbi_step_flops(&work->body, scheme) / dt;
+    const fb_real cost = fbi_step_instructions(&work->body, scheme) / dt;
     if (step > FB_R(0.0) && limit > FB_R(0.0) && cost < advice->cost) {
       advice->scheme = scheme;
       advice->dt = dt;
@@ -16791,7 +16797,7 @@ static fb_status fbi_search_prepare(fb_advise_work *work, const fb_shape *shape,
     for (int s = 0; s < 4; s++) {
       work->last[set][i][s] = FB_HUGE;
       work->part[set][i][s] = status == FB_OK ? 0 : FBI_ADVICE_PARTS;
-      work->step_cost[set][i][s] = status == FB_OK ? fbi_step_flops(&work->body, (fb_scheme)s) : FB_R(0.0);
+      work->step_cost[set][i][s] = status == FB_OK ? fbi_step_instructions(&work->body, (fb_scheme)s) : FB_R(0.0);
       work->longest[set][i][s] =
           s == (int)FB_SCHEME_RK4 ? fbi_scheme_limit(&work->body, FB_SCHEME_RK4, e) : fbi_longest_step(e);
     }

@@ -38,7 +38,7 @@ static void moving(const fbb_set *set, int y, int z)
 {
   fbb_timing t;
   fb_real dt;
-  fbb_body(&body, y, z, 0, set->effects, FB_R(0.01));
+  fbb_body(&body, FB_BASE_FREE, y, z, 0, set->effects, FB_R(0.01));
   dt = FB_R(0.1) * fb_rk4_limit(&body, FB_R(2.0), FB_R(10.0));
   dt = dt < FB_R(0.01) ? dt : FB_R(0.01);
   for (int k = 0; k < STATES; k++) {
@@ -57,7 +57,7 @@ static void decaying(const char *name, int first, int next)
   fb_rk4_work work;
   fbb_timing t;
   fb_real dt;
-  fbb_body(&body, DECAYING / 2, DECAYING / 2, 0, DECAYING_EFFECTS, FB_R(0.5));
+  fbb_body(&body, FB_BASE_FREE, DECAYING / 2, DECAYING / 2, 0, DECAYING_EFFECTS, FB_R(0.5));
   dt = FB_R(0.8) * fb_rk4_limit(&body, FB_R(0.0), FB_R(0.0));
   for (int k = 0; k < STATES; k++) {
     fbb_state(&state[k], &body, k, FB_R(0.0), FB_R(0.001));

@@ -1,7 +1,7 @@
 /* step_count - steps one body, for a counter of instructions (tests/checks/instructions.sh).
-   usage: step_count Y Z AXIAL EFFECTS STEPS [SCHEME [decayed]]
+   usage: step_count Y Z AXIAL EFFECTS STEPS [SCHEME [decayed | held]]
    Y, Z, AXIAL: modes of each kind; EFFECTS: mask of FB_EFFECT_...; SCHEME: fb_rk4_step (default), fb_midpoint_step,
-   fb_sdirk_step, fb_exponential_step; decayed: the elastic motion is about to vanish. */
+   fb_sdirk_step, fb_exponential_step; decayed: the elastic motion is about to vanish; held: so is the hub, else it flies. */
 #include "scene.h"
 
 static fb_body body;
@@ -28,15 +28,16 @@ static fb_status step(const char *scheme, fb_state *state, fb_real dt)
 int main(int argc, char **argv)
 {
   fb_state state;
-  const int decayed = argc == 8;
+  const int decayed = argc == 8 && strcmp(argv[7], "decayed") == 0, held = argc == 8 && !decayed;
   const char *scheme = argc > 6 ? argv[6] : "fb_rk4_step";
   fb_real dt;
   if (argc < 6) {
-    fprintf(stderr, "usage: step_count Y Z AXIAL EFFECTS STEPS [SCHEME [decayed]]\n");
+    fprintf(stderr, "usage: step_count Y Z AXIAL EFFECTS STEPS [SCHEME [decayed | held]]\n");
     return 2;
   }
-  fbb_body(&body, atoi(argv[1]), atoi(argv[2]), atoi(argv[3]), (unsigned)atoi(argv[4]), FB_R(0.5));
-  fbb_state(&state, &body, 0, decayed ? FB_R(0.0) : FB_R(1.0), decayed ? (fb_real)1e-133 : FB_R(0.01));
+  fbb_body(&body, held ? FB_BASE_PRESCRIBED : FB_BASE_FREE, atoi(argv[1]), atoi(argv[2]), atoi(argv[3]),
+           (unsigned)atoi(argv[4]), FB_R(0.5));
+  fbb_state(&state, &body, 0, decayed || held ? FB_R(0.0) : FB_R(1.0), decayed ? (fb_real)1e-133 : FB_R(0.01));
   dt = FB_R(0.5) * fb_rk4_limit(&body, FB_R(2.0), FB_R(10.0));
   dt = dt < FB_R(0.01) ? dt : FB_R(0.01);
   fbb_check(fb_exponential_init(&exponential, &body_work, &body, dt), "exponential scheme");

@@ -35,8 +35,8 @@ int main(void)
 {
   int number[BODIES];
   pthread_t id[BODIES];
-  fbb_body(&body[0], 3, 3, 0, FB_EFFECTS_FULL, FB_R(0.0));
-  fbb_body(&body[1], 2, 2, 0, FB_EFFECTS_FULL | FB_EFFECT_DAMPING, FB_R(0.01));
+  fbb_body(&body[0], FB_BASE_FREE, 3, 3, 0, FB_EFFECTS_FULL, FB_R(0.0));
+  fbb_body(&body[1], FB_BASE_FREE, 2, 2, 0, FB_EFFECTS_FULL | FB_EFFECT_DAMPING, FB_R(0.01));
   for (int k = 0; k < BODIES; k++) {
     number[k] = k;
     fbb_state(&alone[k], &body[k], k, FB_R(0.3), FB_R(0.1));
