@@ -626,6 +626,34 @@ TEST(static_corrections_make_loads_exact)
   }
 }
 
+/* E7.9, E6.3: all nodes of a uniform clamped beam as boundary, as many as there is room for: its stiffness is that of the
+   finite-element coordinates, to which the shapes inside of elements add nothing. */
+TEST(a_component_of_all_nodes_has_the_stiffness_of_the_elements)
+{
+  fb_modes_desc *keep;
+  uniform_desc(4, FB_ROOT_CLAMPED);
+  desc.station[0].i_y = desc.station[0].i_z = FB_R(0.05);
+  keep = choice();
+  for (int k = 0; k < FB_KIND_COUNT; k++) {
+    keep->count[k] = FB_ALL_MODES;
+  }
+  keep->basis = FB_BASIS_ELEMENTS;
+  FBT_INT_EQ(fb_modes_solve(&other, &work, &beam, keep), FB_OK);
+  memset(keep->count, 0, sizeof keep->count);
+  keep->basis = FB_BASIS_COMPONENT;
+  keep->n_boundary = 24;
+  for (int k = 0; k < 24; k++) {
+    keep->boundary[k].node = 1 + k / 6;
+    keep->boundary[k].axis = k % 6;
+  }
+  FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), FB_OK);
+  FBT_INT_EQ(modes.n, 24);
+  for (int ab = 0; ab < 24 * 24; ab++) {
+    const double size = sqrt((double)other.K[ab / 24 * 25] * (double)other.K[ab % 24 * 25]);
+    FBT_NEAR_ABS(modes.K[ab], other.K[ab], FBT_TOL(1e-12, 1e-4) * size);
+  }
+}
+
 /* E7.8: one mode and the correction are at the tip as flexible as all modes of a beam of few elements, whatever its shear,
    taper and root: what its inertia does to a free one is of third degree along it. */
 TEST(one_mode_and_its_correction_are_as_good_as_all)
@@ -762,6 +790,8 @@ static double modal_mass(int a, int b)
 TEST(components_keep_their_rigid_motions)
 {
   static const int rigid[3] = {0, 2, 6};
+  static const fb_kind kind[6] = {FB_KIND_AXIAL,   FB_KIND_BEND_Y, FB_KIND_BEND_Z,
+                                  FB_KIND_TORSION, FB_KIND_BEND_Z, FB_KIND_BEND_Y};
   for (int root = 0; root < 3; root++) {
     fb_modes_desc *keep;
     uniform_desc(4, (fb_root)root);
@@ -774,6 +804,8 @@ TEST(components_keep_their_rigid_motions)
     FBT_INT_EQ(modes.n, 6 + rigid[root]);
     for (int a = 0; a < modes.n; a++) {
       FBT_TRUE((modes.omega[a] > FB_R(0.1)) == (a >= rigid[root]));
+      FBT_TRUE(a >= rigid[root] ||
+               modes.kind[a] == kind[6 - rigid[root] + a]); /* those of free roots, then of pinned ones */
       for (int i = 0; i < 6 && root == FB_ROOT_FREE; i++) {
         const double share = pow((double)modes.momentum[6 * a + i], 2.0) / (double)modes.rigid_mass[i];
         FBT_TRUE(a < 6 || share < FBT_TOL(1e-18, 1e-8));
@@ -2148,6 +2180,9 @@ TEST(functions_of_one_direction_are_its_lowest_modes)
     FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
     FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, &keep), FB_OK);
     FBT_INT_EQ(modes.n, 1);
+    for (int i = 0; i < 6; i++) {
+      FBT_NEAR_ABS(modes.effective[i], 0.0, 0.0); /* not told of functions */
+    }
     FBT_NEAR_REL(modes.K[0], stiffness[d] / 3.0 * pow(beta_L[d] / 2.0, d < 2 ? 4.0 : 2.0), d < 2 ? 3e-4 : 0.1);
   }
 }
@@ -2168,9 +2203,10 @@ SUITE(modes, RUN(hurty_example_has_the_printed_numbers),
       RUN(a_held_tip_does_not_choose_the_sign), RUN(a_round_beam_has_pairs_of_unmixed_modes),
       RUN(a_body_beside_the_axis_couples_bending_and_torsion), RUN(a_beam_without_mass_has_the_modes_of_its_tip_body),
       RUN(frequencies_do_not_depend_on_the_units), RUN(modes_may_fill_all_their_room),
-      RUN(preloads_add_up_to_the_tension), RUN(columns_buckle_below_the_body_that_they_carry),
-      RUN(free_beams_keep_the_digits_of_their_low_modes), RUN(a_free_chain_has_the_inertia_of_its_rods),
-      RUN(welded_limbs_are_the_chain_of_their_elements), RUN(rigid_parts_have_no_common_modes),
-      RUN(momenta_and_effective_masses_are_those_of_the_whole_beam), RUN(bodies_couple_the_kinds_that_they_should),
-      RUN(modes_are_selected_by_count_and_frequency), RUN(element_coordinates_keep_the_element_matrices),
-      RUN(modes_for_a_spin_hold_the_modes_under_tension), RUN(modes_that_do_not_exist_are_refused))
+      RUN(a_component_of_all_nodes_has_the_stiffness_of_the_elements), RUN(preloads_add_up_to_the_tension),
+      RUN(columns_buckle_below_the_body_that_they_carry), RUN(free_beams_keep_the_digits_of_their_low_modes),
+      RUN(a_free_chain_has_the_inertia_of_its_rods), RUN(welded_limbs_are_the_chain_of_their_elements),
+      RUN(rigid_parts_have_no_common_modes), RUN(momenta_and_effective_masses_are_those_of_the_whole_beam),
+      RUN(bodies_couple_the_kinds_that_they_should), RUN(modes_are_selected_by_count_and_frequency),
+      RUN(element_coordinates_keep_the_element_matrices), RUN(modes_for_a_spin_hold_the_modes_under_tension),
+      RUN(modes_that_do_not_exist_are_refused))
