@@ -712,19 +712,22 @@ TEST(the_lowest_modes_are_the_lowest_of_all_kinds)
   }
 }
 
-/* E7.2: more of the lowest than there are below a limit are those below it. */
+/* E7.2: the lowest modes under a limit are as many as asked for, or all below it, of all kinds together. */
 TEST(the_lowest_modes_below_a_limit_are_all_below_it)
 {
   fb_modes_desc *keep;
   uniform_desc(1, FB_ROOT_CLAMPED);
   FBT_INT_EQ(solve(&other, 2, 2, 2, 0), FB_OK);
   keep = choice();
-  keep->lowest = FB_MAX_MODES;
   keep->omega_limit = FB_R(0.5) * (other.omega[2] + other.omega[3]);
-  FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), FB_OK);
-  FBT_INT_EQ(modes.n, 3);
-  for (int k = 0; k < 3; k++) {
-    FBT_NEAR_REL(modes.omega[k], other.omega[k], FBT_TOL(1e-12, 1e-5));
+  for (int lowest = 1; lowest <= FB_MAX_MODES; lowest++) {
+    keep->lowest = lowest;
+    FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), FB_OK);
+    FBT_INT_EQ(modes.n, lowest < 3 ? lowest : 3);
+    for (int k = 0; k < modes.n; k++) {
+      FBT_NEAR_REL(modes.omega[k], other.omega[k], FBT_TOL(1e-12, 1e-5));
+      FBT_INT_EQ(modes.kind[k], other.kind[k]);
+    }
   }
 }
 
@@ -2014,6 +2017,26 @@ TEST(welded_limbs_are_the_chain_of_their_elements)
   }
 }
 
+/* E7.12: a part alone, without a weld, keeps its modes in every coordinate, but for their sign. */
+TEST(a_part_alone_keeps_its_modes)
+{
+  fbt_seed(1);
+  coupled_desc(2, FB_ROOT_CLAMPED);
+  FBT_INT_EQ(solve(&modes, 2, 2, 2, 3), FB_OK);
+  FBT_INT_EQ(fb_modes_join(common, &join_work, &beam, &modes, 1, NULL, 0, 0, FB_R(0.0)), FB_OK);
+  FBT_INT_EQ(common[0].n, modes.n);
+  FBT_INT_EQ(common[0].ndof, modes.ndof);
+  for (int a = 0; a < modes.n; a++) {
+    const fb_real *const x = modes.shape + a * modes.ndof, *const y = common[0].shape + a * modes.ndof;
+    const double sign = x[12] * y[12] < FB_R(0.0) ? -1.0 : 1.0, size = fbt_largest(x, modes.ndof);
+    FBT_NEAR_REL(common[0].omega[a], modes.omega[a], FBT_TOL(1e-12, 1e-5));
+    FBT_INT_EQ(common[0].kind[a], modes.kind[a]);
+    for (int i = 0; i < modes.ndof; i++) {
+      FBT_NEAR_ABS(y[i], sign * (double)x[i], FBT_TOL(1e-11, 1e-4) * size);
+    }
+  }
+}
+
 /* E7.12: parts that move as rigid bodies alone have, welded, no elastic mode, and that is no fault. */
 TEST(rigid_parts_have_no_common_modes)
 {
@@ -2110,6 +2133,36 @@ TEST(functions_are_orthonormal_and_as_smooth_as_they_claim)
   }
 }
 
+/* E7.5, E6.7: of a beam whose mass and stiffness change along its elements, at stations between their nodes, too, the functions
+   are orthonormal against the mass, and those along y diagonal in its stiffness. */
+TEST(functions_of_a_changing_beam_are_its_own)
+{
+  for (int degree = 3; degree <= 5; degree++) {
+    const int m = 2 * (degree - 1);
+    fb_modes_desc *keep;
+    fbt_seed(1);
+    coupled_desc(2, FB_ROOT_CLAMPED);
+    desc.n_lump = 0;
+    for (int k = 0; k < desc.n_station; k++) {
+      desc.station[k].i_y = desc.station[k].i_z = FB_R(0.0);
+    }
+    keep = choice();
+    keep->basis = FB_BASIS_FUNCTIONS;
+    keep->degree = degree;
+    keep->count[FB_KIND_BEND_Y] = keep->count[FB_KIND_AXIAL] = m;
+    FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), FB_OK);
+    FBT_INT_EQ(modes.n, 2 * m);
+    for (int ab = 0; ab < 4 * m * m; ab++) {
+      const int a = ab / (2 * m), b = ab % (2 * m);
+      const double size = sqrt((double)modes.K[a * (2 * m + 1)] * (double)modes.K[b * (2 * m + 1)]);
+      FBT_NEAR_ABS(modes.M[ab], a == b, FBT_TOL(1e-11, 1e-3));
+      if (a != b && modes.kind[a] == FB_KIND_BEND_Y && modes.kind[b] == FB_KIND_BEND_Y) {
+        FBT_NEAR_ABS(modes.K[ab], 0.0, FBT_TOL(1e-10, 1e-2) * size);
+      }
+    }
+  }
+}
+
 /* Integral of the product of two functions times the mass 3 - 0.8 x, of a beam of length 2, by Simpson's rule. */
 static double function_product(const fb_modes *in, int i, int j)
 {
@@ -2203,6 +2256,7 @@ SUITE(modes, RUN(hurty_example_has_the_printed_numbers),
       RUN(a_held_tip_does_not_choose_the_sign), RUN(a_round_beam_has_pairs_of_unmixed_modes),
       RUN(a_body_beside_the_axis_couples_bending_and_torsion), RUN(a_beam_without_mass_has_the_modes_of_its_tip_body),
       RUN(frequencies_do_not_depend_on_the_units), RUN(modes_may_fill_all_their_room),
+      RUN(a_part_alone_keeps_its_modes), RUN(functions_of_a_changing_beam_are_its_own),
       RUN(a_component_of_all_nodes_has_the_stiffness_of_the_elements), RUN(preloads_add_up_to_the_tension),
       RUN(columns_buckle_below_the_body_that_they_carry), RUN(free_beams_keep_the_digits_of_their_low_modes),
       RUN(a_free_chain_has_the_inertia_of_its_rods), RUN(welded_limbs_are_the_chain_of_their_elements),
