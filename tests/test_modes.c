@@ -626,8 +626,8 @@ TEST(static_corrections_make_loads_exact)
   }
 }
 
-/* E7.9, E6.3: all nodes of a uniform clamped beam as boundary, as many as there is room for: its stiffness is that of the
-   finite-element coordinates, to which the shapes inside of elements add nothing. */
+/* E7.9, E6.3: all nodes of a uniform clamped beam as boundary, as many as there is room for: its stiffness is that
+   of the finite-element coordinates, to which the shapes inside of elements add nothing. */
 TEST(a_component_of_all_nodes_has_the_stiffness_of_the_elements)
 {
   fb_modes_desc *keep;
@@ -1193,9 +1193,9 @@ TEST(modes_are_orthonormal_with_a_fixed_sign)
   }
 }
 
-/* E7.7: what a unit rate of a coordinate has of momentum and angular momentum about the root, the beam's mass and moments of
-   inertia and the part p^T M^-1 p of them that all coordinates move, by the matrices integrated here: each basis of finite
-   elements, every coupling, each root. */
+/* E7.7: what a unit rate of a coordinate has of momentum and angular momentum about the root, the beam's mass and
+   moments of inertia and the part p^T M^-1 p of them that all coordinates move, by the matrices integrated here:
+   each basis of finite elements, every coupling, each root. */
 TEST(momenta_and_effective_masses_are_those_of_the_whole_beam)
 {
   static const fb_basis basis[3] = {FB_BASIS_MODES, FB_BASIS_ELEMENTS, FB_BASIS_COMPONENT};
@@ -1238,9 +1238,9 @@ TEST(momenta_and_effective_masses_are_those_of_the_whole_beam)
   }
 }
 
-/* E6.4, E7.2: which kinds of motion a body at the tip couples with which: its center beside the axis extension with bending
-   and twist with bending across, its products of inertia twist with bending or both planes. Coordinates that are not coupled
-   stay exactly still in each other's modes, those that are move. */
+/* E6.4, E7.2: which kinds of motion a body at the tip couples with which: its center beside the axis extension with
+   bending and twist with bending across, its products of inertia twist with bending or both planes. Coordinates that
+   are not coupled stay exactly still in each other's modes, those that are move. */
 TEST(bodies_couple_the_kinds_that_they_should)
 {
   static const int group[5][4] = {
@@ -1415,8 +1415,8 @@ static void desc_in_units(double l, double m, double t)
   }
 }
 
-/* Three bending modes of both planes, two along and about the line, and corrections for loads on the tip, along z, about y, z;
-   or these modes behind the tip as boundary, pushed by more than it bears where it may move across. */
+/* Three bending modes of both planes, two along and about the line, and corrections for loads on the tip, along z,
+   about y, z; or these modes behind the tip as boundary, pushed by more than it bears where it may move across. */
 static fb_status modes_in_units(fb_modes *out, int component, double l, double m, double t)
 {
   fb_modes_desc *keep;
@@ -1436,9 +1436,10 @@ static fb_status modes_in_units(fb_modes *out, int component, double l, double m
   return fb_modes_solve(out, &work, &beam, keep);
 }
 
-/* Section 7, E7.8, E7.9: a beam in other units of length, mass and time, powers of two, has the same frequencies, those of
-   static corrections, too, and a component the same stiffness at its boundary, below zero where it buckles: no threshold has
-   a unit. Free and pinned roots, where the shift of E7.1 must follow, with all kinds coupled and with none. */
+/* Section 7, E7.8, E7.9: a beam in other units of length, mass and time, powers of two, has the same frequencies,
+   those of static corrections, too, and a component the same stiffness at its boundary, below zero where it buckles:
+   no threshold has a unit. Free and pinned roots, where the shift of E7.1 must follow, with all kinds coupled and
+   with none. */
 TEST(frequencies_do_not_depend_on_the_units)
 {
   static const int unit[5][3] = {
@@ -1659,9 +1660,9 @@ TEST(modes_for_a_spin_hold_the_modes_under_tension)
   }
 }
 
-/* E6.6: the pull at the tip, the field and the spin act together on the beam and on the body at its tip, F + m (L - x) (a + s^2
-   (r + (L + x)/2)) + m_t (a + s^2 (r + L + c_x)): the lowest mode of the matrices with that tension. What sits on the root
-   pulls at nothing. */
+/* E6.6: the pull at the tip, the field and the spin act together on the beam and on the body at its tip, F + m (L -
+   x) (a + s^2 (r + (L + x)/2)) + m_t (a + s^2 (r + L + c_x)): the lowest mode of the matrices with that tension.
+   What sits on the root pulls at nothing. */
 TEST(preloads_add_up_to_the_tension)
 {
   fb_modes_desc *keep;
@@ -1687,8 +1688,8 @@ TEST(preloads_add_up_to_the_tension)
   }
 }
 
-/* E7.10, E6.6: a column without mass that carries a body at half its height buckles below it, as a cantilever of that length
-   under its weight, pi^2 EI/4 (L/2)^2; what hangs below the body bears nothing. */
+/* E7.10, E6.6: a column without mass that carries a body at half its height buckles below it, as a cantilever of
+   that length under its weight, pi^2 EI/4 (L/2)^2; what hangs below the body bears nothing. */
 TEST(columns_buckle_below_the_body_that_they_carry)
 {
   fb_modes_desc *keep;
@@ -1829,8 +1830,8 @@ TEST(modes_that_do_not_exist_are_refused)
   FBT_TRUE(memcmp(&modes, &pattern, sizeof modes) == 0);
 }
 
-/* Section 7: as many coordinates as there is room for, and no more: natural modes, with corrections behind them or rigid modes
-   before, and boundaries before modes and what their inertia bends. */
+/* Section 7: as many coordinates as there is room for, and no more: natural modes, with corrections behind them or
+   rigid modes before, and boundaries before modes and what their inertia bends. */
 TEST(modes_may_fill_all_their_room)
 {
   for (int more = 0; more < 2; more++) {
@@ -1858,8 +1859,9 @@ TEST(modes_may_fill_all_their_room)
   }
 }
 
-/* E7.1, E7.6: the lowest modes of a beam that is free to move, or to turn, keep their digits on a fine mesh: the shift is of
-   their size, whatever stiffness the mesh has, in each plane and along the beam, whose length is not one. */
+/* E7.1, E7.6: the lowest modes of a beam that is free to move, or to turn, keep their digits on a fine mesh: the
+   shift is of their size, whatever stiffness the mesh has, in each plane and along the beam, whose length is not
+   one. */
 TEST(free_beams_keep_the_digits_of_their_low_modes)
 {
   static const double beta[2] = {3.92660231204792, 4.73004074486270};
@@ -1875,8 +1877,8 @@ TEST(free_beams_keep_the_digits_of_their_low_modes)
   }
 }
 
-/* A line with two kinks: three straight limbs of 2, 1 and 2 elements of length 1/2, each turned from the one before about an
-   axis across it, all by `base`: their attitudes and the nodes of all elements. */
+/* A line with two kinks: three straight limbs of 2, 1 and 2 elements of length 1/2, each turned from the one before
+   about an axis across it, all by `base`: their attitudes and the nodes of all elements. */
 static const int limb_first[4] = {0, 2, 3, 5};
 static void limbs_fill(fb_real attitude[3][4], fb_real node[6][3], const fb_real base[4])
 {
@@ -1907,8 +1909,8 @@ static void kinked_desc(fb_root root)
   limbs_fill(attitude, desc.point, straight);
 }
 
-/* E6.11, E7.6: a free chain moves as the rigid body of its straight rods, m/3 (a a + a b + b b) across an axis of a rod from a
-   to b, with what its sections have about themselves; its elastic modes have none of that. */
+/* E6.11, E7.6: a free chain moves as the rigid body of its straight rods, m/3 (a a + a b + b b) across an axis of a
+   rod from a to b, with what its sections have about themselves; its elastic modes have none of that. */
 TEST(a_free_chain_has_the_inertia_of_its_rods)
 {
   fb_modes_desc *keep;
@@ -1941,7 +1943,8 @@ static fb_beam limb[3];
 static fb_modes limb_basis[3], common[3];
 static fb_join_work join_work;
 
-/* Its limbs in an attitude of their own, component c the one with number order[c], with all finite-element coordinates. */
+/* Its limbs in an attitude of their own, component c the one with number order[c], with all finite-element
+   coordinates. */
 static void limbs_solve(const int order[3], fb_root root)
 {
   static const fb_real base[4] = {FB_R(0.4), FB_R(-0.2), FB_R(0.7), FB_R(0.3)};
@@ -1978,8 +1981,9 @@ static void weld_is_whole(const fb_weld *weld, int k)
   FBT_BELOW(fbt_difference(motion[0], motion[1], 6), FBT_TOL(1e-12, 1e-4));
 }
 
-/* E7.11, E7.12: limbs welded in space, named in any order, in any attitude of all, are the chain of the same elements: its
-   frequencies, unit modal mass and frequencies squared of all limbs together, shapes that meet at the welds. */
+/* E7.11, E7.12: limbs welded in space, named in any order, in any attitude of all, are the chain of the same
+   elements: its frequencies, unit modal mass and frequencies squared of all limbs together, shapes that meet at the
+   welds. */
 TEST(welded_limbs_are_the_chain_of_their_elements)
 {
   static const int order[3][3] = {{0, 1, 2}, {2, 0, 1}, {1, 2, 0}}, place[3][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}};
@@ -2133,8 +2137,8 @@ TEST(functions_are_orthonormal_and_as_smooth_as_they_claim)
   }
 }
 
-/* E7.5, E6.7: of a beam whose mass and stiffness change along its elements, at stations between their nodes, too, the functions
-   are orthonormal against the mass, and those along y diagonal in its stiffness. */
+/* E7.5, E6.7: of a beam whose mass and stiffness change along its elements, at stations between their nodes, too,
+   the functions are orthonormal against the mass, and those along y diagonal in its stiffness. */
 TEST(functions_of_a_changing_beam_are_its_own)
 {
   for (int degree = 3; degree <= 5; degree++) {
