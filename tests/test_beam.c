@@ -809,8 +809,8 @@ TEST(a_taper_reads_the_same_from_both_ends)
   }
 }
 
-/* E6.14: however thin its end, a station of a taper has no more than the section there and, lowered for its chords, at least
-   half of it. */
+/* E6.14: however thin its end, a station of a taper has no more than the section there and, lowered for its chords,
+   at least half of it. */
 TEST(a_thin_end_keeps_half)
 {
   const fb_material unit = {FB_R(2.0), FB_R(1.0), FB_R(1.0)};

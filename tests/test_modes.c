@@ -626,6 +626,34 @@ TEST(static_corrections_make_loads_exact)
   }
 }
 
+/* E7.9, E6.3: all nodes of a uniform clamped beam as boundary, as many as there is room for: its stiffness is that
+   of the finite-element coordinates, to which the shapes inside of elements add nothing. */
+TEST(a_component_of_all_nodes_has_the_stiffness_of_the_elements)
+{
+  fb_modes_desc *keep;
+  uniform_desc(4, FB_ROOT_CLAMPED);
+  desc.station[0].i_y = desc.station[0].i_z = FB_R(0.05);
+  keep = choice();
+  for (int k = 0; k < FB_KIND_COUNT; k++) {
+    keep->count[k] = FB_ALL_MODES;
+  }
+  keep->basis = FB_BASIS_ELEMENTS;
+  FBT_INT_EQ(fb_modes_solve(&other, &work, &beam, keep), FB_OK);
+  memset(keep->count, 0, sizeof keep->count);
+  keep->basis = FB_BASIS_COMPONENT;
+  keep->n_boundary = 24;
+  for (int k = 0; k < 24; k++) {
+    keep->boundary[k].node = 1 + k / 6;
+    keep->boundary[k].axis = k % 6;
+  }
+  FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), FB_OK);
+  FBT_INT_EQ(modes.n, 24);
+  for (int ab = 0; ab < 24 * 24; ab++) {
+    const double size = sqrt((double)other.K[ab / 24 * 25] * (double)other.K[ab % 24 * 25]);
+    FBT_NEAR_ABS(modes.K[ab], other.K[ab], FBT_TOL(1e-12, 1e-4) * size);
+  }
+}
+
 /* E7.8: one mode and the correction are at the tip as flexible as all modes of a beam of few elements, whatever its shear,
    taper and root: what its inertia does to a free one is of third degree along it. */
 TEST(one_mode_and_its_correction_are_as_good_as_all)
@@ -684,19 +712,22 @@ TEST(the_lowest_modes_are_the_lowest_of_all_kinds)
   }
 }
 
-/* E7.2: more of the lowest than there are below a limit are those below it. */
+/* E7.2: the lowest modes under a limit are as many as asked for, or all below it, of all kinds together. */
 TEST(the_lowest_modes_below_a_limit_are_all_below_it)
 {
   fb_modes_desc *keep;
   uniform_desc(1, FB_ROOT_CLAMPED);
   FBT_INT_EQ(solve(&other, 2, 2, 2, 0), FB_OK);
   keep = choice();
-  keep->lowest = FB_MAX_MODES;
   keep->omega_limit = FB_R(0.5) * (other.omega[2] + other.omega[3]);
-  FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), FB_OK);
-  FBT_INT_EQ(modes.n, 3);
-  for (int k = 0; k < 3; k++) {
-    FBT_NEAR_REL(modes.omega[k], other.omega[k], FBT_TOL(1e-12, 1e-5));
+  for (int lowest = 1; lowest <= FB_MAX_MODES; lowest++) {
+    keep->lowest = lowest;
+    FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), FB_OK);
+    FBT_INT_EQ(modes.n, lowest < 3 ? lowest : 3);
+    for (int k = 0; k < modes.n; k++) {
+      FBT_NEAR_REL(modes.omega[k], other.omega[k], FBT_TOL(1e-12, 1e-5));
+      FBT_INT_EQ(modes.kind[k], other.kind[k]);
+    }
   }
 }
 
@@ -762,6 +793,8 @@ static double modal_mass(int a, int b)
 TEST(components_keep_their_rigid_motions)
 {
   static const int rigid[3] = {0, 2, 6};
+  static const fb_kind kind[6] = {FB_KIND_AXIAL,   FB_KIND_BEND_Y, FB_KIND_BEND_Z,
+                                  FB_KIND_TORSION, FB_KIND_BEND_Z, FB_KIND_BEND_Y};
   for (int root = 0; root < 3; root++) {
     fb_modes_desc *keep;
     uniform_desc(4, (fb_root)root);
@@ -774,6 +807,8 @@ TEST(components_keep_their_rigid_motions)
     FBT_INT_EQ(modes.n, 6 + rigid[root]);
     for (int a = 0; a < modes.n; a++) {
       FBT_TRUE((modes.omega[a] > FB_R(0.1)) == (a >= rigid[root]));
+      FBT_TRUE(a >= rigid[root] ||
+               modes.kind[a] == kind[6 - rigid[root] + a]); /* those of free roots, then of pinned ones */
       for (int i = 0; i < 6 && root == FB_ROOT_FREE; i++) {
         const double share = pow((double)modes.momentum[6 * a + i], 2.0) / (double)modes.rigid_mass[i];
         FBT_TRUE(a < 6 || share < FBT_TOL(1e-18, 1e-8));
@@ -1158,9 +1193,9 @@ TEST(modes_are_orthonormal_with_a_fixed_sign)
   }
 }
 
-/* E7.7: what a unit rate of a coordinate has of momentum and angular momentum about the root, the beam's mass and moments of
-   inertia and the part p^T M^-1 p of them that all coordinates move, by the matrices integrated here: each basis of finite
-   elements, every coupling, each root. */
+/* E7.7: what a unit rate of a coordinate has of momentum and angular momentum about the root, the beam's mass and
+   moments of inertia and the part p^T M^-1 p of them that all coordinates move, by the matrices integrated here:
+   each basis of finite elements, every coupling, each root. */
 TEST(momenta_and_effective_masses_are_those_of_the_whole_beam)
 {
   static const fb_basis basis[3] = {FB_BASIS_MODES, FB_BASIS_ELEMENTS, FB_BASIS_COMPONENT};
@@ -1203,9 +1238,9 @@ TEST(momenta_and_effective_masses_are_those_of_the_whole_beam)
   }
 }
 
-/* E6.4, E7.2: which kinds of motion a body at the tip couples with which: its center beside the axis extension with bending
-   and twist with bending across, its products of inertia twist with bending or both planes. Coordinates that are not coupled
-   stay exactly still in each other's modes, those that are move. */
+/* E6.4, E7.2: which kinds of motion a body at the tip couples with which: its center beside the axis extension with
+   bending and twist with bending across, its products of inertia twist with bending or both planes. Coordinates that
+   are not coupled stay exactly still in each other's modes, those that are move. */
 TEST(bodies_couple_the_kinds_that_they_should)
 {
   static const int group[5][4] = {
@@ -1380,8 +1415,8 @@ static void desc_in_units(double l, double m, double t)
   }
 }
 
-/* Three bending modes of both planes, two along and about the line, and corrections for loads on the tip, along z, about y, z;
-   or these modes behind the tip as boundary, pushed by more than it bears where it may move across. */
+/* Three bending modes of both planes, two along and about the line, and corrections for loads on the tip, along z,
+   about y, z; or these modes behind the tip as boundary, pushed by more than it bears where it may move across. */
 static fb_status modes_in_units(fb_modes *out, int component, double l, double m, double t)
 {
   fb_modes_desc *keep;
@@ -1401,9 +1436,10 @@ static fb_status modes_in_units(fb_modes *out, int component, double l, double m
   return fb_modes_solve(out, &work, &beam, keep);
 }
 
-/* Section 7, E7.8, E7.9: a beam in other units of length, mass and time, powers of two, has the same frequencies, those of
-   static corrections, too, and a component the same stiffness at its boundary, below zero where it buckles: no threshold has
-   a unit. Free and pinned roots, where the shift of E7.1 must follow, with all kinds coupled and with none. */
+/* Section 7, E7.8, E7.9: a beam in other units of length, mass and time, powers of two, has the same frequencies,
+   those of static corrections, too, and a component the same stiffness at its boundary, below zero where it buckles:
+   no threshold has a unit. Free and pinned roots, where the shift of E7.1 must follow, with all kinds coupled and
+   with none. */
 TEST(frequencies_do_not_depend_on_the_units)
 {
   static const int unit[5][3] = {
@@ -1624,9 +1660,9 @@ TEST(modes_for_a_spin_hold_the_modes_under_tension)
   }
 }
 
-/* E6.6: the pull at the tip, the field and the spin act together on the beam and on the body at its tip, F + m (L - x) (a + s^2
-   (r + (L + x)/2)) + m_t (a + s^2 (r + L + c_x)): the lowest mode of the matrices with that tension. What sits on the root
-   pulls at nothing. */
+/* E6.6: the pull at the tip, the field and the spin act together on the beam and on the body at its tip, F + m (L -
+   x) (a + s^2 (r + (L + x)/2)) + m_t (a + s^2 (r + L + c_x)): the lowest mode of the matrices with that tension.
+   What sits on the root pulls at nothing. */
 TEST(preloads_add_up_to_the_tension)
 {
   fb_modes_desc *keep;
@@ -1652,8 +1688,8 @@ TEST(preloads_add_up_to_the_tension)
   }
 }
 
-/* E7.10, E6.6: a column without mass that carries a body at half its height buckles below it, as a cantilever of that length
-   under its weight, pi^2 EI/4 (L/2)^2; what hangs below the body bears nothing. */
+/* E7.10, E6.6: a column without mass that carries a body at half its height buckles below it, as a cantilever of
+   that length under its weight, pi^2 EI/4 (L/2)^2; what hangs below the body bears nothing. */
 TEST(columns_buckle_below_the_body_that_they_carry)
 {
   fb_modes_desc *keep;
@@ -1794,8 +1830,8 @@ TEST(modes_that_do_not_exist_are_refused)
   FBT_TRUE(memcmp(&modes, &pattern, sizeof modes) == 0);
 }
 
-/* Section 7: as many coordinates as there is room for, and no more: natural modes, with corrections behind them or rigid modes
-   before, and boundaries before modes and what their inertia bends. */
+/* Section 7: as many coordinates as there is room for, and no more: natural modes, with corrections behind them or
+   rigid modes before, and boundaries before modes and what their inertia bends. */
 TEST(modes_may_fill_all_their_room)
 {
   for (int more = 0; more < 2; more++) {
@@ -1823,8 +1859,9 @@ TEST(modes_may_fill_all_their_room)
   }
 }
 
-/* E7.1, E7.6: the lowest modes of a beam that is free to move, or to turn, keep their digits on a fine mesh: the shift is of
-   their size, whatever stiffness the mesh has, in each plane and along the beam, whose length is not one. */
+/* E7.1, E7.6: the lowest modes of a beam that is free to move, or to turn, keep their digits on a fine mesh: the
+   shift is of their size, whatever stiffness the mesh has, in each plane and along the beam, whose length is not
+   one. */
 TEST(free_beams_keep_the_digits_of_their_low_modes)
 {
   static const double beta[2] = {3.92660231204792, 4.73004074486270};
@@ -1840,8 +1877,8 @@ TEST(free_beams_keep_the_digits_of_their_low_modes)
   }
 }
 
-/* A line with two kinks: three straight limbs of 2, 1 and 2 elements of length 1/2, each turned from the one before about an
-   axis across it, all by `base`: their attitudes and the nodes of all elements. */
+/* A line with two kinks: three straight limbs of 2, 1 and 2 elements of length 1/2, each turned from the one before
+   about an axis across it, all by `base`: their attitudes and the nodes of all elements. */
 static const int limb_first[4] = {0, 2, 3, 5};
 static void limbs_fill(fb_real attitude[3][4], fb_real node[6][3], const fb_real base[4])
 {
@@ -1872,8 +1909,8 @@ static void kinked_desc(fb_root root)
   limbs_fill(attitude, desc.point, straight);
 }
 
-/* E6.11, E7.6: a free chain moves as the rigid body of its straight rods, m/3 (a a + a b + b b) across an axis of a rod from a
-   to b, with what its sections have about themselves; its elastic modes have none of that. */
+/* E6.11, E7.6: a free chain moves as the rigid body of its straight rods, m/3 (a a + a b + b b) across an axis of a
+   rod from a to b, with what its sections have about themselves; its elastic modes have none of that. */
 TEST(a_free_chain_has_the_inertia_of_its_rods)
 {
   fb_modes_desc *keep;
@@ -1906,7 +1943,8 @@ static fb_beam limb[3];
 static fb_modes limb_basis[3], common[3];
 static fb_join_work join_work;
 
-/* Its limbs in an attitude of their own, component c the one with number order[c], with all finite-element coordinates. */
+/* Its limbs in an attitude of their own, component c the one with number order[c], with all finite-element
+   coordinates. */
 static void limbs_solve(const int order[3], fb_root root)
 {
   static const fb_real base[4] = {FB_R(0.4), FB_R(-0.2), FB_R(0.7), FB_R(0.3)};
@@ -1943,8 +1981,9 @@ static void weld_is_whole(const fb_weld *weld, int k)
   FBT_BELOW(fbt_difference(motion[0], motion[1], 6), FBT_TOL(1e-12, 1e-4));
 }
 
-/* E7.11, E7.12: limbs welded in space, named in any order, in any attitude of all, are the chain of the same elements: its
-   frequencies, unit modal mass and frequencies squared of all limbs together, shapes that meet at the welds. */
+/* E7.11, E7.12: limbs welded in space, named in any order, in any attitude of all, are the chain of the same
+   elements: its frequencies, unit modal mass and frequencies squared of all limbs together, shapes that meet at the
+   welds. */
 TEST(welded_limbs_are_the_chain_of_their_elements)
 {
   static const int order[3][3] = {{0, 1, 2}, {2, 0, 1}, {1, 2, 0}}, place[3][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}};
@@ -1978,6 +2017,26 @@ TEST(welded_limbs_are_the_chain_of_their_elements)
         FBT_NEAR_ABS(m, a == b, FBT_TOL(1e-11, 1e-3));
         FBT_NEAR_ABS(k, a == b, FBT_TOL(1e-11, 1e-3));
       }
+    }
+  }
+}
+
+/* E7.12: a part alone, without a weld, keeps its modes in every coordinate, but for their sign. */
+TEST(a_part_alone_keeps_its_modes)
+{
+  fbt_seed(1);
+  coupled_desc(2, FB_ROOT_CLAMPED);
+  FBT_INT_EQ(solve(&modes, 2, 2, 2, 3), FB_OK);
+  FBT_INT_EQ(fb_modes_join(common, &join_work, &beam, &modes, 1, NULL, 0, 0, FB_R(0.0)), FB_OK);
+  FBT_INT_EQ(common[0].n, modes.n);
+  FBT_INT_EQ(common[0].ndof, modes.ndof);
+  for (int a = 0; a < modes.n; a++) {
+    const fb_real *const x = modes.shape + a * modes.ndof, *const y = common[0].shape + a * modes.ndof;
+    const double sign = x[12] * y[12] < FB_R(0.0) ? -1.0 : 1.0, size = fbt_largest(x, modes.ndof);
+    FBT_NEAR_REL(common[0].omega[a], modes.omega[a], FBT_TOL(1e-12, 1e-5));
+    FBT_INT_EQ(common[0].kind[a], modes.kind[a]);
+    for (int i = 0; i < modes.ndof; i++) {
+      FBT_NEAR_ABS(y[i], sign * (double)x[i], FBT_TOL(1e-11, 1e-4) * size);
     }
   }
 }
@@ -2078,6 +2137,36 @@ TEST(functions_are_orthonormal_and_as_smooth_as_they_claim)
   }
 }
 
+/* E7.5, E6.7: of a beam whose mass and stiffness change along its elements, at stations between their nodes, too,
+   the functions are orthonormal against the mass, and those along y diagonal in its stiffness. */
+TEST(functions_of_a_changing_beam_are_its_own)
+{
+  for (int degree = 3; degree <= 5; degree++) {
+    const int m = 2 * (degree - 1);
+    fb_modes_desc *keep;
+    fbt_seed(1);
+    coupled_desc(2, FB_ROOT_CLAMPED);
+    desc.n_lump = 0;
+    for (int k = 0; k < desc.n_station; k++) {
+      desc.station[k].i_y = desc.station[k].i_z = FB_R(0.0);
+    }
+    keep = choice();
+    keep->basis = FB_BASIS_FUNCTIONS;
+    keep->degree = degree;
+    keep->count[FB_KIND_BEND_Y] = keep->count[FB_KIND_AXIAL] = m;
+    FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), FB_OK);
+    FBT_INT_EQ(modes.n, 2 * m);
+    for (int ab = 0; ab < 4 * m * m; ab++) {
+      const int a = ab / (2 * m), b = ab % (2 * m);
+      const double size = sqrt((double)modes.K[a * (2 * m + 1)] * (double)modes.K[b * (2 * m + 1)]);
+      FBT_NEAR_ABS(modes.M[ab], a == b, FBT_TOL(1e-11, 1e-3));
+      if (a != b && modes.kind[a] == FB_KIND_BEND_Y && modes.kind[b] == FB_KIND_BEND_Y) {
+        FBT_NEAR_ABS(modes.K[ab], 0.0, FBT_TOL(1e-10, 1e-2) * size);
+      }
+    }
+  }
+}
+
 /* Integral of the product of two functions times the mass 3 - 0.8 x, of a beam of length 2, by Simpson's rule. */
 static double function_product(const fb_modes *in, int i, int j)
 {
@@ -2148,6 +2237,9 @@ TEST(functions_of_one_direction_are_its_lowest_modes)
     FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
     FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, &keep), FB_OK);
     FBT_INT_EQ(modes.n, 1);
+    for (int i = 0; i < 6; i++) {
+      FBT_NEAR_ABS(modes.effective[i], 0.0, 0.0); /* not told of functions */
+    }
     FBT_NEAR_REL(modes.K[0], stiffness[d] / 3.0 * pow(beta_L[d] / 2.0, d < 2 ? 4.0 : 2.0), d < 2 ? 3e-4 : 0.1);
   }
 }
@@ -2168,9 +2260,11 @@ SUITE(modes, RUN(hurty_example_has_the_printed_numbers),
       RUN(a_held_tip_does_not_choose_the_sign), RUN(a_round_beam_has_pairs_of_unmixed_modes),
       RUN(a_body_beside_the_axis_couples_bending_and_torsion), RUN(a_beam_without_mass_has_the_modes_of_its_tip_body),
       RUN(frequencies_do_not_depend_on_the_units), RUN(modes_may_fill_all_their_room),
-      RUN(preloads_add_up_to_the_tension), RUN(columns_buckle_below_the_body_that_they_carry),
-      RUN(free_beams_keep_the_digits_of_their_low_modes), RUN(a_free_chain_has_the_inertia_of_its_rods),
-      RUN(welded_limbs_are_the_chain_of_their_elements), RUN(rigid_parts_have_no_common_modes),
-      RUN(momenta_and_effective_masses_are_those_of_the_whole_beam), RUN(bodies_couple_the_kinds_that_they_should),
-      RUN(modes_are_selected_by_count_and_frequency), RUN(element_coordinates_keep_the_element_matrices),
-      RUN(modes_for_a_spin_hold_the_modes_under_tension), RUN(modes_that_do_not_exist_are_refused))
+      RUN(a_part_alone_keeps_its_modes), RUN(functions_of_a_changing_beam_are_its_own),
+      RUN(a_component_of_all_nodes_has_the_stiffness_of_the_elements), RUN(preloads_add_up_to_the_tension),
+      RUN(columns_buckle_below_the_body_that_they_carry), RUN(free_beams_keep_the_digits_of_their_low_modes),
+      RUN(a_free_chain_has_the_inertia_of_its_rods), RUN(welded_limbs_are_the_chain_of_their_elements),
+      RUN(rigid_parts_have_no_common_modes), RUN(momenta_and_effective_masses_are_those_of_the_whole_beam),
+      RUN(bodies_couple_the_kinds_that_they_should), RUN(modes_are_selected_by_count_and_frequency),
+      RUN(element_coordinates_keep_the_element_matrices), RUN(modes_for_a_spin_hold_the_modes_under_tension),
+      RUN(modes_that_do_not_exist_are_refused))
