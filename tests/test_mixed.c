@@ -946,6 +946,27 @@ TEST(newton_converges_quadratically)
   }
 }
 
+/* E10.11: neighbors do not turn by more than a radian against each other at once: a moment at the tip bends or twists the one
+   long element of five by a little more, which takes increments of the load, or a little less. */
+TEST(large_turns_take_increments)
+{
+  for (int k = 0; k < 5; k++) {
+    for (int axis = 0; axis < 3; axis++) {
+      for (int less = 0; less < 2; less++) {
+        elastica(5);
+        for (int j = 1; j <= 5; j++) {
+          desc.place[j] = (fb_real)((j + (j > k ? 5 : 0)) / 10.0);
+        }
+        load_tip(FB_AXES_NODE, 0.0, 0.0, 0.0);
+        input.load[0].torque[axis] = less ? -FB_R(1.6) : FB_R(1.75); /* on 0.6 of the length */
+        settle();
+        FBT_INT_EQ(work.increments == 1, less);
+        FBT_NEAR_REL(node[5].rotation[axis], input.load[0].torque[axis], FBT_TOL(1e-9, 1e-4));
+      }
+    }
+  }
+}
+
 /* ---- motion */
 
 static double total_energy(void)
@@ -1470,6 +1491,20 @@ TEST(rigid_flight_is_straight)
     }
     FBT_BELOW(5.0, fbt_largest(state.base_position, 3));
   }
+}
+
+/* E10.6: rotary inertia counts, however little it is, down to the rounding of what the line's mass has: a thread that turns
+   about itself. */
+TEST(threads_turn_about_themselves)
+{
+  const double i = FBT_TOL(1.5e-12, 1.5e-6); /* of mass length^2 */
+  const double stiffness[6] = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0}, inertia[6] = {1.0, 1.0, 1.0, i, 1.0, 1.0};
+  fb_mixed_element e;
+  beam(1.0, 1, stiffness, inertia);
+  input.w[0] = FB_R(2.0);
+  start();
+  FBT_INT_EQ(fb_mixed_element_eval(&mixed, &e, &state, 0), FB_OK);
+  FBT_NEAR_REL(e.angular_rate[0], 2.0, FBT_TOL(1e-3, 0.1));
 }
 
 /* E10.7, E11.20: internal loads of a free rigid rod at rest that is pushed at its root and twisted and bent at its tip: what
@@ -2904,10 +2939,11 @@ SUITE(mixed, RUN(rotations_follow_the_beam_through_whole_turns),
       RUN(a_beam_is_the_same_however_it_is_seen), RUN(loads_on_tapered_lines_are_exact_at_the_nodes),
       RUN(any_units_give_the_same_solution), RUN(any_unit_gives_the_same_frequency),
       RUN(supports_are_those_of_the_textbook), RUN(a_beam_slides_over_its_support), RUN(newton_converges_quadratically),
-      RUN(energy_is_kept_whatever_the_step), RUN(dissipation_takes_energy_in_every_step),
-      RUN(dissipation_takes_what_its_rule_says), RUN(dissipation_is_that_of_its_formula),
-      RUN(free_flight_keeps_momentum), RUN(internal_loads_of_a_pushed_rod_are_the_closed_form),
-      RUN(a_rigid_beam_has_its_inertia), RUN(rigid_flight_is_straight), RUN(reactions_balance_what_acts),
+      RUN(large_turns_take_increments), RUN(threads_turn_about_themselves), RUN(energy_is_kept_whatever_the_step),
+      RUN(dissipation_takes_energy_in_every_step), RUN(dissipation_takes_what_its_rule_says),
+      RUN(dissipation_is_that_of_its_formula), RUN(free_flight_keeps_momentum),
+      RUN(internal_loads_of_a_pushed_rod_are_the_closed_form), RUN(a_rigid_beam_has_its_inertia),
+      RUN(rigid_flight_is_straight), RUN(reactions_balance_what_acts),
       RUN(momenta_of_a_rigid_motion_are_those_of_its_energy), RUN(steady_and_marching_agree),
       RUN(spin_up_matches_the_exact_beam), RUN(one_element_rings_at_the_predicted_frequency),
       RUN(a_beam_slides_out_of_a_spinning_slot), RUN(a_beam_held_twice_keeps_energy_and_place),
