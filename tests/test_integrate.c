@@ -757,12 +757,10 @@ static void turned(fb_real y[3], const fb_real x[3], int k)
   }
 }
 
-/* Random particles on springs, in a frame of which every axis is the next but k; a free or pinned body that drifts, spins and
-   is pushed, after ten steps. */
-static void turned_run(fb_state *state, scheme which, fb_base base, int k)
+/* Random particles on springs, in a frame of which every axis is the next but k. */
+static void turned_body(fb_base base, int k)
 {
-  fb_real x[3], y[3], psi[6], moved[6], v[3], w[3];
-  fb_input input;
+  fb_real x[3], y[3], psi[6], moved[6];
   fbt_seed(11);
   FBT_INT_EQ(fb_shape_init(&shape, 2), FB_OK);
   for (int m = 0; m < 5; m++) {
@@ -782,6 +780,14 @@ static void turned_run(fb_state *state, scheme which, fb_base base, int k)
   body_desc.deflection_limit = FB_R(10.0);
   body_desc.allow_split_effects = body_desc.allow_long_step = 1;
   FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &body_desc), FB_OK);
+}
+
+/* A free or pinned one that drifts, spins and is pushed, after ten steps. */
+static void turned_run(fb_state *state, scheme which, fb_base base, int k)
+{
+  fb_real x[3], v[3], w[3];
+  fb_input input;
+  turned_body(base, k);
   FBT_INT_EQ(fb_state_init(&body, state), FB_OK);
   fbt_fill(state->q, 2, 0.3);
   fbt_fill(x, 3, base == FB_BASE_FREE ? 2.0 : 0.0);
@@ -827,6 +833,85 @@ TEST(schemes_know_no_axes)
       FBT_BELOW(fbt_difference(other.P, y, 3), tol * fmax(fbt_largest(y, 3), 1.0));
       turned(y, first.L, turn);
       FBT_BELOW(fbt_difference(other.L, y, 3), tol * fbt_largest(y, 3));
+    }
+  }
+}
+
+/* A vector, or the vector part of a quaternion, of random components, turned. */
+static void turned_fill(fb_real *x, int k, double size)
+{
+  fb_real y[3];
+  fbt_fill(y, 3, size);
+  turned(x, y, k);
+}
+
+/* Two of the bodies, the first free or on a ball joint, the second on a ball joint on it, askew, with springs and dampers,
+   pushed, after ten steps of dt = 0.02 s by SDIRK with one iteration, or by rk4. */
+static void turned_system_run(fb_system_state *state, int rk4, fb_joint_kind kind, int k)
+{
+  static fb_system_desc tree;
+  static fb_system system;
+  static fb_system_work system_work;
+  static fb_system_input push;
+  turned_body(FB_BASE_FREE, k);
+  memset(&tree, 0, sizeof tree);
+  memset(&push, 0, sizeof push);
+  tree.n_body = push.n_load = 2;
+  tree.allow_long_step = 1;
+  for (int j = 0; j < 2; j++) {
+    fb_joint_desc *const joint = &tree.joint[j];
+    joint->kind = j ? FB_JOINT_SPHERICAL : kind;
+    joint->parent = j ? 0 : FB_GROUND;
+    turned_fill(joint->position, k, 1.0);
+    turned_fill(joint->attitude + 1, k, 0.5);
+    turned_fill(joint->child_position, k, 1.0);
+    turned_fill(joint->child_attitude + 1, k, 0.5);
+    joint->attitude[0] = joint->child_attitude[0] = FB_R(1.0);
+    joint->stiffness[0] = joint->kind == FB_JOINT_FREE ? FB_R(0.0) : FB_R(80.0);
+    joint->damping[0] = joint->kind == FB_JOINT_FREE ? FB_R(0.0) : FB_R(3.0);
+    push.load[j].body = j;
+    turned_fill(push.load[j].load.force, k, 5.0);
+    turned_fill(push.load[j].load.torque, k, 5.0);
+  }
+  FBT_INT_EQ(fb_system_init(&system, &system_work, &body, 1, &tree), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&system, &body, &system_work, state, NULL, NULL), FB_OK);
+  for (int j = 0; j < 2; j++) {
+    fb_link_state *const link = &state->link[j];
+    fbt_fill(link->q, 2, 0.2);
+    turned_fill(link->quat + 1, k, 1.0);
+    FBT_INT_EQ(fb_quat_normalize(link->quat), FB_OK);
+    turned_fill(link->p, k, 2.0);
+    turned_fill(link->p + 3, k, tree.joint[j].kind == FB_JOINT_FREE ? 2.0 : 0.0);
+  }
+  for (int n = 0; n < 10; n++) {
+    FBT_INT_EQ(rk4 ? fb_system_rk4_step(&system, &body, state, &system_work, &push, &push, &push, FB_R(0.02))
+                   : fb_system_sdirk_step(&system, &body, state, &system_work, &push, &push, FB_R(0.02), 1),
+               FB_OK);
+  }
+}
+
+/* Section 11: nor is one for systems. */
+TEST(schemes_of_systems_know_no_axes)
+{
+  for (int run = 0; run < 4; run++) {
+    const fb_joint_kind kind = run % 2 ? FB_JOINT_SPHERICAL : FB_JOINT_FREE;
+    static fb_system_state first, other;
+    turned_system_run(&first, run / 2, kind, 0);
+    for (int turn = 1; turn < 3; turn++) {
+      turned_system_run(&other, run / 2, kind, turn);
+      for (int j = 0; j < 2; j++) {
+        const double tol = FBT_TOL(1e-11, 1e-3);
+        const fb_link_state *const a = &first.link[j], *const b = &other.link[j];
+        const fb_real *const old[4] = {a->x, a->quat + 1, a->p, a->p + 3};
+        const fb_real *const now[4] = {b->x, b->quat + 1, b->p, b->p + 3};
+        for (int i = 0; i < 4; i++) {
+          fb_real y[3];
+          turned(y, old[i], turn);
+          FBT_BELOW(fbt_difference(now[i], y, 3), tol * fmax(fbt_largest(y, 3), 1.0));
+        }
+        FBT_BELOW(fbt_difference(a->q, b->q, 2), tol);
+        FBT_BELOW(fbt_difference(a->pi, b->pi, 2), tol * fbt_largest(a->pi, 2));
+      }
     }
   }
 }
@@ -1542,7 +1627,8 @@ TEST(every_scheme_refuses_bad_input)
   FBT_TRUE(fb_exponential_limit(&body, 0, 0) == FB_HUGE);
 }
 
-SUITE(integrate, RUN(schemes_know_no_axes), RUN(inputs_between_two_are_on_the_way), RUN(what_is_tiny_becomes_zero),
+SUITE(integrate, RUN(schemes_know_no_axes), RUN(schemes_of_systems_know_no_axes),
+      RUN(inputs_between_two_are_on_the_way), RUN(what_is_tiny_becomes_zero),
       RUN(steps_are_limited_by_what_the_base_does), RUN(deflection_and_stretch_shorten_the_step),
       RUN(each_scheme_converges_at_its_order), RUN(midpoint_keeps_energy_and_momentum),
       RUN(steps_may_be_a_thousand_periods_long), RUN(steps_within_the_limit_are_stable),
