@@ -848,11 +848,13 @@ TEST(ends_are_met_to_rounding)
   fb_real p[3], q[4];
   elastica(3);
   desc.n_station = 2;
+  desc.station[0].twist = FB_R(0.3);
   desc.station[1] = desc.station[0];
   desc.station[1].x = FB_R(0.999994);
   load_tip(FB_AXES_INERTIAL, 0.0, FBT_TOL(1e-6, 1e-3), 0.0);
   settle();
   FBT_NEAR_REL(node[3].displacement[1], FBT_TOL(1e-6, 1e-3) / 3.0, FBT_TOL(1e-10, 1e-3));
+  FBT_NEAR_ABS(2.0 * atan2((double)node[3].quat[1], (double)node[3].quat[0]), 0.3, 1e-3);
   FBT_INT_EQ(fb_mixed_point_eval(&mixed, p, q, &state, FB_R(1.000006)), FB_OK);
   FBT_BELOW(distance(p, (double)node[3].position[0], (double)node[3].position[1], 0.0), 1e-5);
 }
