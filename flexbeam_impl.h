@@ -11156,15 +11156,11 @@ static void fbi_mixed_load_matrices(fb_real N[36], fb_real G[36], const fbi_mixe
       N[i] -= motion->shift * M[i];
     }
     fbi_mul_ad(Y, N, c->dV);
-    for (int i = 0; i < 36; i++) {
-      G[i] += c->h / FB_R(12.0) * Y[i];
-    }
+    fbi_row_sub(G, -c->h / FB_R(12.0), Y, 36);
   }
   if (motion->gravity) {
     fbi_mul_ad(Y, M, c->dG);
-    for (int i = 0; i < 36; i++) {
-      G[i] += c->h / FB_R(12.0) * Y[i];
-    }
+    fbi_row_sub(G, -c->h / FB_R(12.0), Y, 36);
   }
   if (motion->dead) { /* -h (turn x d)/12 of the loads' difference d between the ends */
     for (int i = 0; i < 6; i += 3) {
@@ -11960,7 +11956,7 @@ static void fbi_mixed_state_take(fb_mixed_state *state, fb_mixed_work *work, con
 FB_DEF fb_status fb_mixed_state_init(const fb_mixed *m, fb_mixed_state *state, fb_mixed_work *work,
                                      const fb_mixed_input *input)
 {
-  const fbi_mixed_motion still = {0, 0, 0, 0, FB_R(1.0), FB_R(0.0)};
+  const fbi_mixed_motion still = {0, 0, 0, 0, 0, 0};
   FBI_REQUIRE(m && state && work, FB_ERR_NULL);
   if (input && (!fbi_is_finite(input->v, 3) || !fbi_is_finite(input->w, 3))) {
     return FB_ERR_NOT_FINITE;
@@ -12627,7 +12623,7 @@ static fb_status fbi_coupling(fb_implicit_work *w, const fbi_kinetics *k, const 
       w->A[i * rows + j] = S[fb_sym6_index(first + i, first + j)] + elastic;
     }
   }
-  if (momentum && rows > 0) {
+  if (momentum) {
     fbi_turning_sub(w->A, w->g, k->ph, first);
   }
   if (fbi_lu_plain_factor(w->A, rows) != FB_OK) {
@@ -13554,7 +13550,6 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
   input[1] = input[2] = middle;
   input[3] = end;
   fbi_system_clear(&work->sum, system, body);
-  fbi_links_copy(&work->stage, state, system);
   for (int stage = 0; stage < 4 && status == FB_OK; stage++) {
     const fb_system_state *at = stage == 0 ? state : &work->stage;
     status = fbi_system_step_check(system, body, input[stage], dt);
@@ -13749,7 +13744,7 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
     first = &work->between;
   }
   if (status == FB_OK && !system->allow_long_step) {
-    fb_real spin = FB_R(0.0), stiff = FB_R(0.0);
+    fb_real spin, stiff;
     status = fbi_system_rates(work, system, body, &work->first, state, state, start);
     if (status == FB_OK) {
       fbi_system_conditions(&spin, &stiff, work, system, body);
@@ -13761,7 +13756,6 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
     return status;
   }
   fbi_system_clear(&work->sum, system, body);
-  fbi_links_copy(&work->stage, state, system);
   fbi_links_copy(&work->base, state, system);
   fbi_system_clear(&work->first, system, body);
   status = fbi_system_stage(work, &work->first, system, body, state, state, first, c * dt, count + 1);

@@ -749,20 +749,18 @@ TEST(iterations_are_newtons)
   }
 }
 
-/* x along the axes by k cyclically: x to y to z. */
+/* x in other axes: by k cyclically, x to y to z; 3: turned by half a turn about x. */
 static void turned(fb_real y[3], const fb_real x[3], int k)
 {
   for (int i = 0; i < 3; i++) {
-    y[(i + k) % 3] = x[i];
+    y[(i + k) % 3] = k == 3 && i > 0 ? -x[i] : x[i];
   }
 }
 
-/* Random particles on springs, in a frame of which every axis is the next but k; a free or pinned body that drifts, spins and
-   is pushed, after ten steps. */
-static void turned_run(fb_state *state, scheme which, fb_base base, int k)
+/* Random particles on springs, in axes of the way k. */
+static void turned_body(fb_base base, fb_form form, int k)
 {
-  fb_real x[3], y[3], psi[6], moved[6], v[3], w[3];
-  fb_input input;
+  fb_real x[3], y[3], psi[6], moved[6];
   fbt_seed(11);
   FBT_INT_EQ(fb_shape_init(&shape, 2), FB_OK);
   for (int m = 0; m < 5; m++) {
@@ -779,9 +777,18 @@ static void turned_run(fb_state *state, scheme which, fb_base base, int k)
   memset(&body_desc, 0, sizeof body_desc);
   body_desc.effects = FB_EFFECTS_SPIN | FB_EFFECT_RESIDUAL_INERTIA;
   body_desc.base = base;
+  body_desc.form = form;
   body_desc.deflection_limit = FB_R(10.0);
   body_desc.allow_split_effects = body_desc.allow_long_step = 1;
   FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &body_desc), FB_OK);
+}
+
+/* A free or pinned one that drifts, spins and is pushed, after ten steps. */
+static void turned_run(fb_state *state, scheme which, fb_base base, fb_form form, int k)
+{
+  fb_real x[3], v[3], w[3];
+  fb_input input;
+  turned_body(base, form, k);
   FBT_INT_EQ(fb_state_init(&body, state), FB_OK);
   fbt_fill(state->q, 2, 0.3);
   fbt_fill(x, 3, base == FB_BASE_FREE ? 2.0 : 0.0);
@@ -808,15 +815,20 @@ static void turned_run(fb_state *state, scheme which, fb_base base, int k)
    motion, called so, by every scheme; of the implicit ones one iteration, whose matrix leaves its trace in it. */
 TEST(schemes_know_no_axes)
 {
-  for (int k = 0; k < 2 * SCHEMES; k++) {
-    const fb_base base = k % 2 ? FB_BASE_PINNED : FB_BASE_FREE;
+  for (int run = 0; run < 6 * SCHEMES; run++) {
+    const fb_base base = run % 2 ? FB_BASE_PINNED : FB_BASE_FREE;
+    const fb_form form = (fb_form)(run / 2 % 3);
+    const scheme which = (scheme)(run / 6);
     fb_state first;
-    turned_run(&first, (scheme)(k / 2), base, 0);
-    for (int turn = 1; turn < 3; turn++) {
+    if (which == EXPONENTIAL && form != FB_FORM_MOMENTUM) {
+      continue;
+    }
+    turned_run(&first, which, base, form, 0);
+    for (int turn = 1; turn < 4; turn++) {
       const double tol = FBT_TOL(1e-12, 1e-4);
       fb_state other;
       fb_real y[3];
-      turned_run(&other, (scheme)(k / 2), base, turn);
+      turned_run(&other, which, base, form, turn);
       FBT_BELOW(fbt_difference(other.q, first.q, 2), tol);
       FBT_BELOW(fbt_difference(other.pi, first.pi, 2), tol * fbt_largest(first.pi, 2));
       turned(y, first.rho, turn);
@@ -827,6 +839,85 @@ TEST(schemes_know_no_axes)
       FBT_BELOW(fbt_difference(other.P, y, 3), tol * fmax(fbt_largest(y, 3), 1.0));
       turned(y, first.L, turn);
       FBT_BELOW(fbt_difference(other.L, y, 3), tol * fbt_largest(y, 3));
+    }
+  }
+}
+
+/* A vector, or the vector part of a quaternion, of random components, turned. */
+static void turned_fill(fb_real *x, int k, double size)
+{
+  fb_real y[3];
+  fbt_fill(y, 3, size);
+  turned(x, y, k);
+}
+
+/* Two of the bodies, the first free or on a ball joint, the second on a ball joint on it, askew, with springs and dampers,
+   pushed, after ten steps of dt = 0.02 s by SDIRK with one iteration, or by rk4. */
+static void turned_system_run(fb_system_state *state, int rk4, fb_joint_kind kind, int k)
+{
+  static fb_system_desc tree;
+  static fb_system system;
+  static fb_system_work system_work;
+  static fb_system_input push;
+  turned_body(FB_BASE_FREE, FB_FORM_MOMENTUM, k);
+  memset(&tree, 0, sizeof tree);
+  memset(&push, 0, sizeof push);
+  tree.n_body = push.n_load = 2;
+  tree.allow_long_step = 1;
+  for (int j = 0; j < 2; j++) {
+    fb_joint_desc *const joint = &tree.joint[j];
+    joint->kind = j ? FB_JOINT_SPHERICAL : kind;
+    joint->parent = j ? 0 : FB_GROUND;
+    turned_fill(joint->position, k, 1.0);
+    turned_fill(joint->attitude + 1, k, 0.5);
+    turned_fill(joint->child_position, k, 1.0);
+    turned_fill(joint->child_attitude + 1, k, 0.5);
+    joint->attitude[0] = joint->child_attitude[0] = FB_R(1.0);
+    joint->stiffness[0] = joint->kind == FB_JOINT_FREE ? FB_R(0.0) : FB_R(80.0);
+    joint->damping[0] = joint->kind == FB_JOINT_FREE ? FB_R(0.0) : FB_R(3.0);
+    push.load[j].body = j;
+    turned_fill(push.load[j].load.force, k, 5.0);
+    turned_fill(push.load[j].load.torque, k, 5.0);
+  }
+  FBT_INT_EQ(fb_system_init(&system, &system_work, &body, 1, &tree), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&system, &body, &system_work, state, NULL, NULL), FB_OK);
+  for (int j = 0; j < 2; j++) {
+    fb_link_state *const link = &state->link[j];
+    fbt_fill(link->q, 2, 0.2);
+    turned_fill(link->quat + 1, k, 1.0);
+    FBT_INT_EQ(fb_quat_normalize(link->quat), FB_OK);
+    turned_fill(link->p, k, 2.0);
+    turned_fill(link->p + 3, k, tree.joint[j].kind == FB_JOINT_FREE ? 2.0 : 0.0);
+  }
+  for (int n = 0; n < 10; n++) {
+    FBT_INT_EQ(rk4 ? fb_system_rk4_step(&system, &body, state, &system_work, &push, &push, &push, FB_R(0.02))
+                   : fb_system_sdirk_step(&system, &body, state, &system_work, &push, &push, FB_R(0.02), 1),
+               FB_OK);
+  }
+}
+
+/* Section 11: nor is one for systems. */
+TEST(schemes_of_systems_know_no_axes)
+{
+  for (int run = 0; run < 4; run++) {
+    const fb_joint_kind kind = run % 2 ? FB_JOINT_SPHERICAL : FB_JOINT_FREE;
+    static fb_system_state first, other;
+    turned_system_run(&first, run / 2, kind, 0);
+    for (int turn = 1; turn < 4; turn++) {
+      turned_system_run(&other, run / 2, kind, turn);
+      for (int j = 0; j < 2; j++) {
+        const double tol = FBT_TOL(1e-11, 1e-3);
+        const fb_link_state *const a = &first.link[j], *const b = &other.link[j];
+        const fb_real *const old[4] = {a->x, a->quat + 1, a->p, a->p + 3};
+        const fb_real *const now[4] = {b->x, b->quat + 1, b->p, b->p + 3};
+        for (int i = 0; i < 4; i++) {
+          fb_real y[3];
+          turned(y, old[i], turn);
+          FBT_BELOW(fbt_difference(now[i], y, 3), tol * fmax(fbt_largest(y, 3), 1.0));
+        }
+        FBT_BELOW(fbt_difference(a->q, b->q, 2), tol);
+        FBT_BELOW(fbt_difference(a->pi, b->pi, 2), tol * fbt_largest(a->pi, 2));
+      }
     }
   }
 }
@@ -981,6 +1072,7 @@ TEST(deflection_and_stretch_shorten_the_step)
   memset(&input, 0, sizeof input);
   FBT_INT_EQ(fb_state_init(&body, &none), FB_OK);
   h0 = largest_step(&none, &input);
+  FBT_NEAR_REL(fb_rk4_limit(&body, 0, 0), h0, 16.0 * (double)FB_EPSILON);
   for (int k = 0; k < 3; k++) { /* along y, along z, between */
     state = none;
     (void)deflect(state.q, k == 1 ? 2 : 1, k == 2 ? 0.3 : 0.5);
@@ -1482,6 +1574,53 @@ TEST(one_iteration_steps_linear_bodies_of_every_form)
   }
 }
 
+/* E11.4, E11.5: small motion of a free body at rest, or a pinned one, is linear: one iteration leaves next to nothing, in
+   every form. */
+TEST(one_iteration_steps_small_motion_of_every_form)
+{
+  for (int k = 0; k < 12; k++) {
+    const double size = FBT_TOL(1e-7, 1e-4);
+    fb_state once, often;
+    boom(FB_EFFECTS_LINEAR | FB_EFFECT_DAMPING, k / 6 ? FB_BASE_PINNED : FB_BASE_FREE, 2, 2, 0, 0.02);
+    body_desc.form = (fb_form)(k % 3);
+    FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &body_desc), FB_OK);
+    FBT_INT_EQ(fb_state_init(&body, &once), FB_OK);
+    fbt_seed(8);
+    fbt_fill(once.q, body.n, size);
+    often = once;
+    for (int n = 1; n <= 10; n += 9) {
+      fb_state *const s = n == 1 ? &once : &often;
+      for (int m = 0; m < 3; m++) {
+        FBT_INT_EQ(k / 3 % 2 ? fb_midpoint_step(&body, s, &implicit_work, NULL, FB_R(0.02), n)
+                             : fb_sdirk_step(&body, s, &implicit_work, NULL, NULL, FB_R(0.02), n),
+                   FB_OK);
+      }
+    }
+    FBT_BELOW(fbt_difference(once.q, often.q, body.n), FBT_TOL(1e-6, 1e-3) * size);
+    FBT_BELOW(fbt_difference(once.pi, often.pi, body.n), FBT_TOL(1e-6, 1e-3) * fbt_largest(often.pi, body.n));
+    FBT_BELOW(fbt_difference(once.quat, often.quat, 4), FBT_TOL(1e-6, 1e-3) * size);
+  }
+}
+
+/* E11.15: a rigid body at rest that nothing acts on takes any step. */
+TEST(steps_of_a_rigid_system_have_no_limit)
+{
+  static fb_system_desc tree;
+  static fb_system system;
+  static fb_system_work work;
+  static fb_system_state state;
+  boom(FB_EFFECTS_LINEAR, FB_BASE_FREE, 0, 0, 0, 0.0);
+  FBT_INT_EQ(body.n, 0);
+  tree.n_body = 1;
+  tree.joint[0].kind = FB_JOINT_FREE;
+  tree.joint[0].parent = FB_GROUND;
+  FBT_INT_EQ(fb_system_init(&system, &work, &body, 1, &tree), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&system, &body, &work, &state, NULL, NULL), FB_OK);
+  FBT_TRUE(fb_system_rk4_limit(&system, &body, 0, 0) == FB_HUGE);
+  FBT_INT_EQ(fb_system_rk4_step(&system, &body, &state, &work, NULL, NULL, NULL, FB_R(100.0)), FB_OK);
+  FBT_INT_EQ(fb_system_sdirk_step(&system, &body, &state, &work, NULL, NULL, FB_R(100.0), 0), FB_OK);
+}
+
 /* E11.4 to E11.10: what a stepper cannot do is refused, and the state is as before. */
 TEST(every_scheme_refuses_bad_input)
 {
@@ -1542,7 +1681,8 @@ TEST(every_scheme_refuses_bad_input)
   FBT_TRUE(fb_exponential_limit(&body, 0, 0) == FB_HUGE);
 }
 
-SUITE(integrate, RUN(schemes_know_no_axes), RUN(inputs_between_two_are_on_the_way), RUN(what_is_tiny_becomes_zero),
+SUITE(integrate, RUN(schemes_know_no_axes), RUN(schemes_of_systems_know_no_axes),
+      RUN(inputs_between_two_are_on_the_way), RUN(what_is_tiny_becomes_zero),
       RUN(steps_are_limited_by_what_the_base_does), RUN(deflection_and_stretch_shorten_the_step),
       RUN(each_scheme_converges_at_its_order), RUN(midpoint_keeps_energy_and_momentum),
       RUN(steps_may_be_a_thousand_periods_long), RUN(steps_within_the_limit_are_stable),
@@ -1553,6 +1693,7 @@ SUITE(integrate, RUN(schemes_know_no_axes), RUN(inputs_between_two_are_on_the_wa
       RUN(the_exponential_scheme_is_exact_for_linear_bodies), RUN(the_exponential_scheme_knows_its_functions),
       RUN(the_exponential_scheme_is_exact_for_constant_loads), RUN(stiff_axial_modes_do_not_set_the_step),
       RUN(implicit_schemes_advance_every_form), RUN(one_iteration_steps_linear_bodies_of_every_form),
+      RUN(one_iteration_steps_small_motion_of_every_form), RUN(steps_of_a_rigid_system_have_no_limit),
       RUN(every_scheme_refuses_bad_input), RUN(rk4_converges_with_order_four),
       RUN(tumbling_conserves_momentum_and_energy), RUN(short_steps_lose_nothing), RUN(slow_modes_keep_their_phase),
       RUN(bodies_stepped_in_turn_do_not_meet), RUN(the_step_limit_is_the_stability_boundary),

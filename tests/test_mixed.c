@@ -321,6 +321,20 @@ TEST(rotations_follow_the_beam_through_whole_turns)
   }
 }
 
+/* Section 10: the root's own rotation is within half a turn, either way about any axis. */
+TEST(the_roots_rotation_is_within_half_a_turn)
+{
+  elastica(1);
+  start();
+  for (int k = 0; k < 6; k++) {
+    fb_real turn[3] = {0, 0, 0};
+    turn[k / 2] = k % 2 ? FB_R(3.0) : -FB_R(3.0);
+    fb_quat_from_rotvec(state.quat, turn);
+    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+    FBT_BELOW(fbt_difference(node[0].rotation, turn, 3), FBT_TOL(1e-14, 1e-5));
+  }
+}
+
 /* Section 10: three elements wind a beam by a whole turn, but for a little about another axis: while that is very little, the
    rotation vector is next to the whole turn; in any case it is that of the attitude to a thousandth of a radian. */
 TEST(rotations_next_to_a_whole_turn_are_those_of_the_attitude)
@@ -808,6 +822,62 @@ TEST(any_units_give_the_same_solution)
   }
 }
 
+/* Section 10: the units of a beam's own are its length, the force that bends it (twists, stretches, where it does nothing
+   else) by its length, and the time in which that force moves its mass with its bodies. */
+TEST(units_are_the_beams_own)
+{
+  static const double stiffness[3][6] = {
+      {9.0, 8.0, 7.0, 5.0, 4.0, 3.0}, {9.0, 8.0, 7.0, 5.0, 0.0, 0.0}, {9.0, 8.0, 7.0}};
+  const double inertia[6] = {0.1, 0.1, 0.1, 0.02, 0.01, 0.01};
+  const double force[3] = {3.0 / 4.0, 5.0 / 4.0, 7.0};
+  for (int run = 0; run < 3; run++) {
+    beam(2.0, 4, stiffness[run], inertia);
+    desc.n_lump = 2;
+    desc.lump[0].mass = FB_R(0.3);
+    desc.lump[1].mass = FB_R(0.2);
+    start();
+    FBT_NEAR_REL(mixed.length, 2.0, FBT_TOL(1e-14, 1e-6));
+    FBT_NEAR_REL(mixed.force, force[run], FBT_TOL(1e-14, 1e-6));
+    FBT_NEAR_REL(mixed.time, sqrt((2.0 * 0.1 + 0.5) * 2.0 / force[run]), FBT_TOL(1e-14, 1e-6));
+  }
+}
+
+/* E10.5, E10.12: the last station, and a point, are on the beam where they are off its end by rounding of their file. */
+TEST(ends_are_met_to_rounding)
+{
+  fb_real p[3], q[4];
+  elastica(3);
+  desc.n_station = 2;
+  desc.station[0].twist = FB_R(0.3);
+  desc.station[1] = desc.station[0];
+  desc.station[1].x = FB_R(0.999994);
+  load_tip(FB_AXES_INERTIAL, 0.0, FBT_TOL(1e-6, 1e-3), 0.0);
+  settle();
+  FBT_NEAR_REL(node[3].displacement[1], FBT_TOL(1e-6, 1e-3) / 3.0, FBT_TOL(1e-10, 1e-3));
+  FBT_NEAR_ABS(2.0 * atan2((double)node[3].quat[1], (double)node[3].quat[0]), 0.3, 1e-3);
+  FBT_INT_EQ(fb_mixed_point_eval(&mixed, p, q, &state, FB_R(1.000006)), FB_OK);
+  FBT_BELOW(distance(p, (double)node[3].position[0], (double)node[3].position[1], 0.0), 1e-5);
+}
+
+/* E10.11: loads in inertial axes are taken as they stand: of a beam without mass the spin of its base changes nothing. */
+TEST(dead_loads_do_not_spin_with_the_base)
+{
+  const double stiffness[6] = {100.0, 50.0, 60.0, 2.0, 5.0, 7.0};
+  fb_real still[3];
+  for (int spins = 0; spins < 2; spins++) {
+    beam(1.0, 4, stiffness, NULL);
+    load_tip(FB_AXES_INERTIAL, 1.0, 3.0, -2.0);
+    input.w[0] = spins ? FB_R(0.7) : FB_R(0.0);
+    input.w[1] = spins ? FB_R(0.4) : FB_R(0.0);
+    settle();
+    if (!spins) {
+      memcpy(still, node[4].displacement, sizeof still);
+    }
+  }
+  FBT_BELOW(0.1, fbt_largest(still, 3));
+  FBT_BELOW(fbt_difference(still, node[4].displacement, 3), FBT_TOL(1e-12, 1e-5));
+}
+
 /* Section 10, E12.4: frequencies follow the units of time and length, however far from the beam's own they are: of a beam
    that gives way in every direction, in one alone, and of one without mass that carries a body. */
 TEST(any_unit_gives_the_same_frequency)
@@ -943,6 +1013,27 @@ TEST(newton_converges_quadratically)
     FBT_INT_EQ(fb_mixed_steady_solve(&mixed, &state, &work, &input), FB_OK);
     FBT_INT_EQ(work.increments, 1);
     FBT_TRUE(work.iterations <= 4);
+  }
+}
+
+/* E10.11: neighbors do not turn by more than a radian against each other at once: a moment at the tip bends or twists the one
+   long element of five by a little more, which takes increments of the load, or a little less. */
+TEST(large_turns_take_increments)
+{
+  for (int k = 0; k < 5; k++) {
+    for (int axis = 0; axis < 3; axis++) {
+      for (int less = 0; less < 2; less++) {
+        elastica(5);
+        for (int j = 1; j <= 5; j++) {
+          desc.place[j] = (fb_real)((j + (j > k ? 5 : 0)) / 10.0);
+        }
+        load_tip(FB_AXES_NODE, 0.0, 0.0, 0.0);
+        input.load[0].torque[axis] = less ? -FB_R(1.6) : FB_R(1.75); /* on 0.6 of the length */
+        settle();
+        FBT_INT_EQ(work.increments == 1, less);
+        FBT_NEAR_REL(node[5].rotation[axis], input.load[0].torque[axis], FBT_TOL(1e-9, 1e-4));
+      }
+    }
   }
 }
 
@@ -1149,6 +1240,20 @@ TEST(a_beam_is_the_same_however_it_is_seen)
       }
       FBT_BELOW(0.1, fbt_largest(node[6].displacement, 3) + fbt_largest(node[0].displacement, 3));
     }
+  }
+}
+
+/* Section 10: rotations are those from the undeformed section, of a curved and twisted beam, too. */
+TEST(undeformed_nodes_have_not_turned)
+{
+  any_beam(0, 1);
+  desc.station[1].twist = FB_R(0.8);
+  start();
+  FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+  for (int j = 0; j <= 6; j++) {
+    FBT_BELOW(fbt_largest(node[j].displacement, 3), FBT_TOL(1e-15, 1e-6));
+    FBT_BELOW(fbt_largest(node[j].rotation, 3), FBT_TOL(1e-15, 1e-6));
+    FBT_BELOW(fbt_largest(node[j].wiener_milenkovic, 3), FBT_TOL(1e-15, 1e-6));
   }
 }
 
@@ -1472,6 +1577,23 @@ TEST(rigid_flight_is_straight)
   }
 }
 
+/* E10.6: rotary inertia counts, however little it is, down to the rounding of the largest inertia there is: a thread that turns
+   about itself. Below that there is none, and no rate comes out of rounding. */
+TEST(threads_turn_about_themselves)
+{
+  const double stiffness[6] = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0}, rounding = FBT_TOL(1e-12, 1e-6);
+  for (int less = 0; less < 2; less++) {
+    const double i_z = 1e3, i_x = (less ? 0.6 : 1.6) * rounding * i_z;
+    const double inertia[6] = {1.0, 1.0, 1.0, i_x, 1.0, i_z};
+    fb_mixed_element e;
+    beam(1.0, 1, stiffness, inertia);
+    input.w[0] = FB_R(2.0);
+    start();
+    FBT_INT_EQ(fb_mixed_element_eval(&mixed, &e, &state, 0), FB_OK);
+    FBT_NEAR_ABS(e.angular_rate[0], less ? 0.0 : 2.0, FBT_TOL(1e-2, 0.2));
+  }
+}
+
 /* E10.7, E11.20: internal loads of a free rigid rod at rest that is pushed at its root and twisted and bent at its tip: what
    the part outboard takes to be accelerated, in closed form. */
 TEST(internal_loads_of_a_pushed_rod_are_the_closed_form)
@@ -1707,6 +1829,31 @@ TEST(what_is_held_comes_back_to_its_place)
     }
     FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
     FBT_BELOW(fabs((double)node[4].displacement[2]), FBT_TOL(0.01, 0.1) * off);
+  }
+}
+
+/* E10.16: nor does the reaction do work on the way back, however little it is: a tip off in y and z that is pushed aslant. */
+TEST(reactions_do_no_work_on_the_way_back)
+{
+  const double stiffness[6] = {1e4, 4e3, 4e3, 80.0, 100.0, 100.0}, inertia[6] = {1.0, 1.0, 1.0, 1e-2, 5e-3, 5e-3};
+  fb_real before[3];
+  beam(2.0, 4, stiffness, inertia);
+  desc.iterations = 12;
+  load_tip(FB_AXES_INERTIAL, 0.0, 0.0003, 0.0005);
+  settle();
+  memcpy(before, node[4].displacement, sizeof before);
+  desc.tip = FB_HOLD_Y | FB_HOLD_Z;
+  FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_OK);
+  load_tip(FB_AXES_INERTIAL, 0.0, 5.0, 1.0);
+  input.load[1].node = 2;
+  if (steps(1, 0.02) == FB_OK) {
+    const fb_real *const F = node[4].reaction_force, *const at = node[4].displacement;
+    double work_done, size;
+    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+    work_done = (double)(F[1] * (at[1] - before[1]) + F[2] * (at[2] - before[2]));
+    size = hypot((double)F[1], (double)F[2]) * hypot((double)(at[1] - before[1]), (double)(at[2] - before[2]));
+    FBT_BELOW(1e-6 * hypot((double)F[1], (double)F[2]), size);
+    FBT_BELOW(fabs(work_done), FBT_TOL(1e-3, 3e-2) * size);
   }
 }
 
@@ -2904,22 +3051,25 @@ SUITE(mixed, RUN(rotations_follow_the_beam_through_whole_turns),
       RUN(a_beam_is_the_same_however_it_is_seen), RUN(loads_on_tapered_lines_are_exact_at_the_nodes),
       RUN(any_units_give_the_same_solution), RUN(any_unit_gives_the_same_frequency),
       RUN(supports_are_those_of_the_textbook), RUN(a_beam_slides_over_its_support), RUN(newton_converges_quadratically),
-      RUN(energy_is_kept_whatever_the_step), RUN(dissipation_takes_energy_in_every_step),
-      RUN(dissipation_takes_what_its_rule_says), RUN(dissipation_is_that_of_its_formula),
-      RUN(free_flight_keeps_momentum), RUN(internal_loads_of_a_pushed_rod_are_the_closed_form),
-      RUN(a_rigid_beam_has_its_inertia), RUN(rigid_flight_is_straight), RUN(reactions_balance_what_acts),
+      RUN(large_turns_take_increments), RUN(threads_turn_about_themselves), RUN(energy_is_kept_whatever_the_step),
+      RUN(dissipation_takes_energy_in_every_step), RUN(dissipation_takes_what_its_rule_says),
+      RUN(dissipation_is_that_of_its_formula), RUN(free_flight_keeps_momentum),
+      RUN(internal_loads_of_a_pushed_rod_are_the_closed_form), RUN(a_rigid_beam_has_its_inertia),
+      RUN(rigid_flight_is_straight), RUN(reactions_balance_what_acts),
       RUN(momenta_of_a_rigid_motion_are_those_of_its_energy), RUN(steady_and_marching_agree),
       RUN(spin_up_matches_the_exact_beam), RUN(one_element_rings_at_the_predicted_frequency),
       RUN(a_beam_slides_out_of_a_spinning_slot), RUN(a_beam_held_twice_keeps_energy_and_place),
       RUN(a_far_hinge_turns_as_one_at_the_root), RUN(what_is_held_comes_back_to_its_place),
-      RUN(dissipation_bears_steps_of_any_length), RUN(a_pendulum_keeps_its_energy), RUN(a_lump_is_a_rigid_body),
-      RUN(element_fields_have_their_units), RUN(strain_energy_is_the_work_of_the_load),
-      RUN(spectrum_of_a_straight_beam_is_the_textbooks), RUN(spectrum_does_not_depend_on_the_count),
-      RUN(a_body_on_a_light_beam_rings_in_closed_form), RUN(bodies_swing_on_a_spinning_slide_in_closed_form),
-      RUN(frequencies_of_a_straight_beam_are_of_order_four), RUN(becks_column_flutters_at_its_load),
-      RUN(shaft_whirls_as_in_closed_form), RUN(spinning_cantilever_has_the_published_frequencies),
-      RUN(a_free_beam_swings_as_the_exact_one), RUN(columns_buckle_at_eulers_load),
-      RUN(linear_beams_rest_where_the_beam_does), RUN(equal_frequencies_are_kept_together),
-      RUN(linear_beams_move_as_the_beam_does), RUN(linear_beams_answer_at_every_frequency),
-      RUN(linear_beams_flutter_and_whirl), RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode),
-      RUN(mixed_beam_refuses_bad_input))
+      RUN(reactions_do_no_work_on_the_way_back), RUN(the_roots_rotation_is_within_half_a_turn),
+      RUN(undeformed_nodes_have_not_turned), RUN(units_are_the_beams_own), RUN(ends_are_met_to_rounding),
+      RUN(dead_loads_do_not_spin_with_the_base), RUN(dissipation_bears_steps_of_any_length),
+      RUN(a_pendulum_keeps_its_energy), RUN(a_lump_is_a_rigid_body), RUN(element_fields_have_their_units),
+      RUN(strain_energy_is_the_work_of_the_load), RUN(spectrum_of_a_straight_beam_is_the_textbooks),
+      RUN(spectrum_does_not_depend_on_the_count), RUN(a_body_on_a_light_beam_rings_in_closed_form),
+      RUN(bodies_swing_on_a_spinning_slide_in_closed_form), RUN(frequencies_of_a_straight_beam_are_of_order_four),
+      RUN(becks_column_flutters_at_its_load), RUN(shaft_whirls_as_in_closed_form),
+      RUN(spinning_cantilever_has_the_published_frequencies), RUN(a_free_beam_swings_as_the_exact_one),
+      RUN(columns_buckle_at_eulers_load), RUN(linear_beams_rest_where_the_beam_does),
+      RUN(equal_frequencies_are_kept_together), RUN(linear_beams_move_as_the_beam_does),
+      RUN(linear_beams_answer_at_every_frequency), RUN(linear_beams_flutter_and_whirl),
+      RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode), RUN(mixed_beam_refuses_bad_input))
