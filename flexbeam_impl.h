@@ -8937,7 +8937,6 @@ static void fbi_link_inertia(fbi_link_work *L, const fb_body *body)
     if (L->has_speeds) {
       fbi_link_kinetics(L, body);
     } else {
-      fbi_vec6_copy(L->k.V, L->V);
       L->k.pb = L->e;
     }
     fbi_zero(L->k.x, body->n + 1);
