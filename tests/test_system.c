@@ -1571,6 +1571,22 @@ TEST(states_out_of_range_are_refused)
   }
 }
 
+/* E9.15: how far a body may be deflected holds for each of its modes alone, of every body. */
+TEST(every_mode_is_within_its_range)
+{
+  fresh();
+  flexible(&model[0], 2, 2, 0, FB_EFFECTS_FULL);
+  hang(0, 0, FB_JOINT_RIGID, FB_GROUND, 0);
+  hang(1, 0, FB_JOINT_RIGID, FB_GROUND, 0);
+  init(FB_METHOD_RECURSIVE);
+  for (int run = 0; run < 16; run++) {
+    const int k = run / 8, a = run / 2 % 4, over = run % 2;
+    memset(start, 0, sizeof start);
+    start[k].q[a] = (fb_real)(over ? 1.01 : 0.99) * model[0].deflection_limit / model[0].reach[a];
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), over ? FB_ERR_RANGE : FB_OK);
+  }
+}
+
 /* E9.17: from a rough guess joints move and modes do not, however soft, and what the bodies carry stays: linear and
    angular momentum of two free bodies are those before the loop took hold. */
 TEST(a_loop_that_closes_keeps_shape_and_momentum)
@@ -2201,40 +2217,46 @@ TEST(a_disc_rolls_steadily)
   fbt_figure("rolling disc, cosine of its tilt over 4 s", "steady rolling, closed form", worst);
 }
 
-/* No velocity across the body's x axis. */
+/* No velocity across the x axis of user's body. */
 static int knife_rows(fb_row *row, int capacity, const fb_pose *pose, fb_real t, void *user)
 {
-  (void)capacity, (void)t, (void)user;
-  row->body[0] = 2;
+  const int body = *(const int *)user;
+  (void)capacity, (void)t;
+  row->body[0] = body;
   row->body[1] = FB_GROUND;
   for (int i = 0; i < 3; i++) {
-    row->force[0][i] = pose[2].R[3 * i + 1];
+    row->force[0][i] = pose[body].R[3 * i + 1];
   }
   return 1;
 }
 
-/* E9.10, E9.4: a knife edge on a slope, on two massless slides and a hinge: heading w t, x = g/(2 w^2) sin^2 w t, y =
-   g/(2 w^2) (w t - sin(2 w t)/2), it does not slide down; slowly
-   or a thousand times as fast. */
+/* E9.10, E9.4: a knife edge on a slope, on two massless slides and a hinge or on nothing: heading w t, x = g/(2 w^2) sin^2 w t,
+   y = g/(2 w^2) (w t - sin(2 w t)/2), it does not slide down; slowly or a thousand times as fast. */
 TEST(a_knife_edge_draws_a_cycloid)
 {
-  for (int fast = 0; fast < 2; fast++) {
-    const double hertz = fast ? 1e3 : 1.0, g = 3.0 * hertz * hertz, w = 2.0 * hertz, dt = 0.002 / hertz;
+  for (int run = 0; run < 4; run++) {
+    const double hertz = run % 2 ? 1e3 : 1.0, g = 3.0 * hertz * hertz, w = 2.0 * hertz, dt = 0.002 / hertz;
+    int knife = run / 2 ? 0 : 2;
     fresh();
     body_desc.base = FB_BASE_PRESCRIBED;
     rigid(&model[0], 0, 0, 0, 0, 0, 0, 0);
     rigid(&model[1], 1.5, 0, 0, 0, 0.1, 0.1, 0.2);
-    hang(0, 0, FB_JOINT_PRISMATIC, FB_GROUND, 0);
-    hang(1, 0, FB_JOINT_PRISMATIC, 0, 0);
-    hang(2, 1, FB_JOINT_REVOLUTE, 1, 0);
-    turn(desc.joint[0].attitude, 0, pi / 2, 0);
-    turn(desc.joint[0].child_attitude, 0, pi / 2, 0);
-    turn(desc.joint[1].attitude, -pi / 2, 0, 0);
-    turn(desc.joint[1].child_attitude, -pi / 2, 0, 0);
-    start[2].speed[0] = (fb_real)w;
+    if (knife == 0) {
+      hang(0, 1, FB_JOINT_FREE, FB_GROUND, 0);
+    } else {
+      hang(0, 0, FB_JOINT_PRISMATIC, FB_GROUND, 0);
+      hang(1, 0, FB_JOINT_PRISMATIC, 0, 0);
+      hang(2, 1, FB_JOINT_REVOLUTE, 1, 0);
+      turn(desc.joint[0].attitude, 0, pi / 2, 0);
+      turn(desc.joint[0].child_attitude, 0, pi / 2, 0);
+      turn(desc.joint[1].attitude, -pi / 2, 0, 0);
+      turn(desc.joint[1].child_attitude, -pi / 2, 0, 0);
+    }
+    start[knife].speed[knife ? 0 : 5] = (fb_real)w;
     input.rows = knife_rows;
+    input.user = &knife;
     input.n_load = 1;
-    input.load[0].body = 2;
+    input.load[0].body = knife;
     input.load[0].load.force[0] = (fb_real)(1.5 * g);
     init(FB_METHOD_RECURSIVE);
     FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
@@ -2242,7 +2264,8 @@ TEST(a_knife_edge_draws_a_cycloid)
       const double t = dt * k;
       FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, (fb_real)dt), FB_OK);
       FBT_NEAR_ABS(state.link[0].x[0], g / (2 * w * w) * sin(w * t) * sin(w * t), FBT_TOL(1e-9, 1e-4));
-      FBT_NEAR_ABS(state.link[1].x[0], g / (2 * w * w) * (w * t - 0.5 * sin(2 * w * t)), FBT_TOL(1e-9, 1e-4));
+      FBT_NEAR_ABS(knife ? state.link[1].x[0] : state.link[0].x[1], g / (2 * w * w) * (w * t - 0.5 * sin(2 * w * t)),
+                   FBT_TOL(1e-9, 1e-4));
     }
   }
 }
@@ -3565,6 +3588,26 @@ TEST(locked_axes_need_no_inertia)
   }
 }
 
+/* E9.4: whether an axis moves inertia is a matter of proportion: two hinges of micrograms and micrometers, swing as
+   k (1/J_0 + 1/J_1) has it. */
+TEST(specks_swing_as_large_bodies_do)
+{
+  const double J0 = 0.2, J1 = 0.3, k = 5.0;
+  kilogram = 1e-9;
+  meter = 1e-6;
+  fresh();
+  rigid(&model[0], 1.0, 0, 0, 0, 1, 1, J0);
+  rigid(&model[1], 2.0, 0, 0, 0, 1, 1, J1);
+  for (int j = 0; j < 2; j++) {
+    hang(j, j, FB_JOINT_REVOLUTE, j - 1, 0);
+  }
+  desc.joint[1].stiffness[0] = (fb_real)(k * kilogram * meter * meter);
+  init(FB_METHOD_RECURSIVE);
+  FBT_NEAR_REL(fb_system_rk4_limit(&mechanism, model, 0, 0), 2.785 / sqrt(1.05 * k * (1.0 / J0 + 1.0 / J1)),
+               FBT_TOL(1e-9, 1e-4));
+  kilogram = meter = 1.0;
+}
+
 /* E9.4, E9.5: a body without mass between two joints of a kind, the ground or nothing on one side of it, a body on the
    other: their axes are the same ones, of a ball joint all of them, and it is refused, whichever way its axes are, what
    is left of the inertia being rounding. Where the axes differ it is carried along. */
@@ -3818,7 +3861,8 @@ SUITE(system, RUN(accelerations_are_the_rates_of_velocities), RUN(systems_keep_e
       RUN(a_dense_matrix_may_be_full), RUN(free_bodies_have_no_parent),
       RUN(nodes_that_move_in_one_way_carry_their_bodies), RUN(a_ball_joint_has_one_spring_and_one_damper),
       RUN(an_imu_reads_in_its_own_axes), RUN(screws_without_pitch_are_hinges), RUN(locked_free_bodies_stand),
-      RUN(given_axes_have_no_momentum_rates), RUN(rows_may_disagree_by_a_hundredth), RUN(stiff_joints_take_long_steps),
+      RUN(specks_swing_as_large_bodies_do), RUN(every_mode_is_within_its_range), RUN(given_axes_have_no_momentum_rates),
+      RUN(rows_may_disagree_by_a_hundredth), RUN(stiff_joints_take_long_steps),
       RUN(a_loop_that_closes_keeps_shape_and_momentum), RUN(one_iteration_is_enough_for_a_linear_system),
       RUN(the_limit_finds_the_fastest_body), RUN(no_input_is_an_input_of_zeros),
       RUN(strained_bodies_converge_in_a_system), RUN(a_chain_in_free_flight_keeps_its_momenta),
