@@ -1358,6 +1358,50 @@ TEST(locked_free_bodies_stand)
   }
 }
 
+/* Whatever is in the work before a call, it does the same, to the last bit; by each method and with a loop. */
+TEST(work_means_nothing_between_calls)
+{
+  static fb_system_state begin[2], slope[2], after[2];
+  static fb_system_motion at[2];
+  for (int form = 0; form < 4; form++) {
+    fb_energy energy[2];
+    fb_momentum momentum[2];
+    couple(FB_JOINT_REVOLUTE, 0, FB_AXIS_FREE);
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+    if (form == 3) {
+      couple_by_a_loop(&motion, 0);
+    }
+    init(form < 3 ? (fb_method)form : FB_METHOD_RECURSIVE);
+    for (int k = 0; k < 2; k++) {
+      const int byte = k ? 0xff : 0;
+      memset(&work, byte, sizeof work);
+      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &begin[k], start, &input), FB_OK);
+      memset(&work, byte, sizeof work);
+      FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &at[k], &begin[k], &input), FB_OK);
+      memset(&work, byte, sizeof work);
+      FBT_INT_EQ(fb_system_rates(&mechanism, model, &work, &slope[k], &begin[k], &input), FB_OK);
+      memset(&work, byte, sizeof work);
+      FBT_INT_EQ(fb_system_energy(&mechanism, model, &work, &energy[k], &begin[k], &input), FB_OK);
+      memset(&work, byte, sizeof work);
+      FBT_INT_EQ(fb_system_momentum(&mechanism, model, &work, &momentum[k], &begin[k], &input), FB_OK);
+      after[k] = begin[k];
+      memset(&work, byte, sizeof work);
+      FBT_INT_EQ(fb_system_axis_set(&mechanism, model, &work, &after[k], form < 3 ? 1 : 2, 0, FB_AXIS_LOCKED, &input),
+                 FB_OK);
+      memset(&work, byte, sizeof work);
+      init(form < 3 ? (fb_method)form : FB_METHOD_RECURSIVE);
+    }
+    FBT_TRUE(memcmp(&begin[0], &begin[1], sizeof begin[0]) == 0);
+    FBT_TRUE(memcmp(&at[0], &at[1], sizeof at[0]) == 0);
+    FBT_TRUE(memcmp(&slope[0], &slope[1], sizeof slope[0]) == 0);
+    FBT_TRUE(memcmp(&after[0], &after[1], sizeof after[0]) == 0);
+    FBT_TRUE(memcmp(&energy[0], &energy[1], sizeof energy[0]) == 0);
+    FBT_TRUE(memcmp(&momentum[0], &momentum[1], sizeof momentum[0]) == 0);
+  }
+}
+
 /* E9.17: a loop whose axis is prescribed closes where it is told to be, from a start aside, whichever way it runs. */
 TEST(a_prescribed_loop_closes_where_it_is_told)
 {
@@ -3861,8 +3905,8 @@ SUITE(system, RUN(accelerations_are_the_rates_of_velocities), RUN(systems_keep_e
       RUN(a_dense_matrix_may_be_full), RUN(free_bodies_have_no_parent),
       RUN(nodes_that_move_in_one_way_carry_their_bodies), RUN(a_ball_joint_has_one_spring_and_one_damper),
       RUN(an_imu_reads_in_its_own_axes), RUN(screws_without_pitch_are_hinges), RUN(locked_free_bodies_stand),
-      RUN(specks_swing_as_large_bodies_do), RUN(every_mode_is_within_its_range), RUN(given_axes_have_no_momentum_rates),
-      RUN(rows_may_disagree_by_a_hundredth), RUN(stiff_joints_take_long_steps),
+      RUN(work_means_nothing_between_calls), RUN(specks_swing_as_large_bodies_do), RUN(every_mode_is_within_its_range),
+      RUN(given_axes_have_no_momentum_rates), RUN(rows_may_disagree_by_a_hundredth), RUN(stiff_joints_take_long_steps),
       RUN(a_loop_that_closes_keeps_shape_and_momentum), RUN(one_iteration_is_enough_for_a_linear_system),
       RUN(the_limit_finds_the_fastest_body), RUN(no_input_is_an_input_of_zeros),
       RUN(strained_bodies_converge_in_a_system), RUN(a_chain_in_free_flight_keeps_its_momenta),
