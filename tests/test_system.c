@@ -2791,6 +2791,12 @@ TEST(the_check_word_of_a_system_sees_every_byte)
     FBT_TRUE(tree_word() != word);
     model[k].mass -= FB_R(1.0);
   }
+  FBT_INT_EQ(fb_system_crc(&mechanism, model, 2) == 0, 1); /* there is a third model */
+  model[3] = model[2];
+  mechanism.model[mechanism.n_body - 1] = 3;
+  word = tree_word();
+  model[3].mass += FB_R(1.0);
+  FBT_TRUE(tree_word() != word);
   model[1].n = FB_MAX_MODES + 1;
   FBT_INT_EQ(tree_word() == 0, 1);
   FBT_INT_EQ(fb_system_crc(&mechanism, model, 1) == 0, 1); /* there are more models */
