@@ -7350,7 +7350,7 @@ static int fbi_is_attitude(const fb_real quat[4])
 static void fbi_attitude_axes(fb_real R[9], const fb_real quat[4])
 {
   const fb_real identity[4] = {FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-  fb_quat_to_mat33(R, quat[0] == FB_R(0.0) && fbi_vec3_norm(quat + 1) == FB_R(0.0) ? identity : quat);
+  fb_quat_to_mat33(R, fbi_vec3_norm(quat + 1) == FB_R(0.0) ? identity : quat);
 }
 
 /* Do the modes of a body move one of its nodes? */
@@ -7736,8 +7736,8 @@ static FBI_NOINLINE void fbi_link_open(fbi_link_work *L, const fb_body *body, fb
   }
 }
 
-/* A child with the inertia S on a node that moves: E += J^T I J, X += V^T I J, S += V^T I V with I its inertia about
-   the node and V = (v + w x n, w) the node's velocity by the parent's. */
+/* A child with the inertia S on a node that moves: E += J^T I J (its lower triangle, which is factored), X += V^T I J,
+   S += V^T I V with I its inertia about the node and V = (v + w x n, w) the node's velocity by the parent's. */
 static FBI_NOINLINE void fbi_link_carry(fbi_link_work *P, const fbi_link_work *L, const fb_real S[21], int n)
 {
   fb_real I[21], A[9], B[9], D[9], column[6];
@@ -7748,9 +7748,7 @@ static FBI_NOINLINE void fbi_link_carry(fbi_link_work *P, const fbi_link_work *L
     const fb_real J[6] = {u[0], u[1], u[2], t[0], t[1], t[2]};
     fb_sym6_mul_vec6(column, I, J);
     for (int b = 0; b <= a; b++) {
-      const fb_real sum = fb_vec3_dot(column, L->node.Ju + 3 * b) + fb_vec3_dot(column + 3, L->node.Jphi + 3 * b);
-      P->E[a * n + b] += sum;
-      P->E[b * n + a] += a == b ? FB_R(0.0) : sum;
+      P->E[a * n + b] += fb_vec3_dot(column, L->node.Ju + 3 * b) + fb_vec3_dot(column + 3, L->node.Jphi + 3 * b);
     }
     fbi_vec3_add_cross(column + 3, L->n, column);
     for (int i = 0; i < 6; i++) {
@@ -8937,7 +8935,6 @@ static void fbi_link_inertia(fbi_link_work *L, const fb_body *body)
     if (L->has_speeds) {
       fbi_link_kinetics(L, body);
     } else {
-      fbi_vec6_copy(L->k.V, L->V);
       L->k.pb = L->e;
     }
     fbi_zero(L->k.x, body->n + 1);
