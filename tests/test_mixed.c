@@ -1843,6 +1843,9 @@ TEST(a_body_on_a_light_beam_rings_in_closed_form)
     FBT_NEAR_ABS(spectrum.re[k], 0.0, FBT_TOL(1e-8, 1e-2));
     last = next;
   }
+  for (int count = 7; count <= FB_MIXED_MODES; count++) { /* there are no more */
+    FBT_INT_EQ(fb_mixed_spectrum_solve(&mixed, &spectrum, &spectrum_work, &state, &input, count), FB_ERR_KIND);
+  }
 }
 
 /* E12.4, E10.10: two bodies off the line of a stiff bar, on its middle, which slides along the axis of its spin W and swings
@@ -2408,6 +2411,21 @@ TEST(linear_beams_follow_the_unit_of_time)
   }
 }
 
+/* E12.15: those are equal that lie closer than a part in 1e5, which the square root of the stiffnesses' ratio is. */
+TEST(frequencies_are_equal_to_a_part_in_a_hundred_thousand)
+{
+  const double limit = FBT_TOL(1e-5, 1e-2), apart[2] = {0.8, 1.25};
+  for (int k = 0; k < 2; k++) {
+    const double stiffness[6] = {0.0, 0.0, 0.0, 0.0, 5.0, 5.0 * (1.0 + 2.0 * limit * apart[k])};
+    const double inertia[6] = {2.0, 2.0, 2.0, 0.0, 0.0, 0.0};
+    beam(2.0, 8, stiffness, inertia);
+    settle();
+    memset(&ports, 0, sizeof ports);
+    FBT_INT_EQ(fb_mixed_linearize(&mixed, &linear, &linear_work, &state, &input, &ports, 1), FB_OK);
+    FBT_INT_EQ(linear.n_mode, k ? 1 : 2);
+  }
+}
+
 /* E12.15: modes of equal frequency are kept together: a beam that bends alike in both planes answers alike in both, and
    across not at all, though one mode is asked for. */
 TEST(equal_frequencies_are_kept_together)
@@ -2771,6 +2789,6 @@ SUITE(mixed, RUN(turns_between_nodes_are_those_of_a_cantilever), RUN(linear_beam
       RUN(shaft_whirls_as_in_closed_form), RUN(spinning_cantilever_has_the_published_frequencies),
       RUN(a_free_beam_swings_as_the_exact_one), RUN(columns_buckle_at_eulers_load),
       RUN(linear_beams_rest_where_the_beam_does), RUN(equal_frequencies_are_kept_together),
-      RUN(linear_beams_move_as_the_beam_does), RUN(linear_beams_answer_at_every_frequency),
-      RUN(linear_beams_flutter_and_whirl), RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode),
-      RUN(mixed_beam_refuses_bad_input))
+      RUN(frequencies_are_equal_to_a_part_in_a_hundred_thousand), RUN(linear_beams_move_as_the_beam_does),
+      RUN(linear_beams_answer_at_every_frequency), RUN(linear_beams_flutter_and_whirl),
+      RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode), RUN(mixed_beam_refuses_bad_input))
