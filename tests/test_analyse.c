@@ -628,12 +628,13 @@ TEST(margins_name_the_worst_mode_wherever_it_stands)
 }
 
 /* E12.6, E12.7: limits, advised steps and damping ratios follow the unit of time: modes slower by 2^20 want steps longer by
-   as much, fast, slow, damped, stiff and still ones; what stands still has no damping. */
+   as much, fast, slow, damped, stiff and still ones; what stands still has no damping. Without amplitudes they are 1. */
 TEST(advised_steps_follow_the_unit_of_time)
 {
   static const double re[4] = {-0.3, -40.0, 0.0, -0.02}, im[4] = {5.0, 0.0, 0.0, 0.7};
   static const fb_scheme scheme[3] = {FB_SCHEME_RK4, FB_SCHEME_MIDPOINT, FB_SCHEME_SDIRK};
   static const double accuracy[3] = {1e-2, 1e-4, 1e-6};
+  const fb_real one[4] = {1, -1, 1, 1};
   for (int k = 0; k < 9; k++) {
     double limit[3], step[3];
     for (int unit = 0; unit < 3; unit++) {
@@ -651,6 +652,8 @@ TEST(advised_steps_follow_the_unit_of_time)
       FBT_NEAR_REL(limit[unit], limit[0], 8.0 * EPS);
       FBT_NEAR_REL(step[unit], step[0], 64.0 * EPS);
       FBT_TRUE(step[unit] > 0.0);
+      FBT_NEAR_ABS(fb_spectrum_step(&spectrum, scheme[k % 3], one, (fb_real)(10.0 * t), (fb_real)accuracy[k / 3]),
+                   step[unit] * t, 0.0);
     }
   }
 }
