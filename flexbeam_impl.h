@@ -16562,7 +16562,7 @@ static fb_real fbi_advice_step(fb_advise_work *work, const fb_envelope *e, fb_sc
 {
   fb_spectrum *const s = &work->spectrum;
   const int exponential = scheme == FB_SCHEME_EXPONENTIAL;
-  const fb_real spin = fbi_vec3_norm(e->spin), inertial = exponential ? fbi_smaller(work->error[0], FB_R(1.0)) : 1;
+  const fb_real spin = fbi_vec3_norm(e->spin), inertial = exponential ? work->error[0] : 1;
   fb_real amplitude[FB_MAX_MODES + 1];
   s->n = 0;
   for (int k = 0; k < n; k++) {

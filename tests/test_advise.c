@@ -706,7 +706,7 @@ TEST(advised_steps_are_those_of_the_spectrum)
     envelope.spin[0] = s;
     FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, (fb_real)tolerance[k % 3]), FB_OK);
     exponential += advice.scheme == FB_SCHEME_EXPONENTIAL;
-    drive = advice.scheme == FB_SCHEME_EXPONENTIAL && work.error[0] < FB_R(1.0) ? work.error[0] : FB_R(1.0);
+    drive = advice.scheme == FB_SCHEME_EXPONENTIAL ? work.error[0] : FB_R(1.0);
     spectrum.n = advice.n + 1;
     for (int m = 0; m < advice.n; m++) {
       const int a = advice.coordinate[m];
