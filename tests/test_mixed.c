@@ -2200,8 +2200,8 @@ static void port(fb_mixed_port *list, int *n, fb_mixed_port_kind kind, int at, i
   p->axes = axes;
 }
 
-/* Beams about whose steady states motion is small: clamped and straight; spinning, set at an angle, pulled, with bodies on it; a shaft that
-   whirls; a column under a follower load below flutter. Inputs and outputs of every kind. */
+/* Beams about whose steady states motion is small: clamped and straight, thinner at its tip; such a one spinning, set at an angle, pulled,
+   with bodies on it; a shaft that whirls; a column under a follower load below flutter. Inputs and outputs of every kind. */
 static void linear_case(int which, int n)
 {
   const double stiffness[4][6] = {{1e4, 3e3, 3e3, 2.0, 5.0, 7.0},
@@ -2213,6 +2213,14 @@ static void linear_case(int which, int n)
                                 {1.0, 1.0, 1.0, 0.02, 0.01, 0.01},
                                 {1.0, 1.0, 1.0, 0.01, 0.005, 0.005}};
   beam(which == 0 ? 2.0 : 1.0, n, stiffness[which], inertia[which]);
+  if (which < 2) {
+    desc.n_station = 2;
+    desc.station[1] = desc.station[0];
+    desc.station[1].x = desc.length;
+    for (int i = 0; i < 36; i++) {
+      desc.station[1].stiffness[i] *= FB_R(0.8);
+    }
+  }
   if (which == 1) {
     desc.attitude[0] = FB_R(0.9);
     desc.attitude[1] = FB_R(0.3);
