@@ -14227,9 +14227,10 @@ static fb_status fbi_body_residual(fb_real *f, const fbi_subject *s, int j, fb_r
   fb_status status = FB_OK;
   work->moved = *s->state;
   work->moved.q[j] += h;
-  fbi_copy(V, s->input->v, 3);
-  fbi_copy(V + 3, s->input->w, 3);
-  if (s->body->base != FB_BASE_PRESCRIBED) {
+  if (s->body->base == FB_BASE_PRESCRIBED) {
+    fbi_copy(V, s->input->v, 3);
+    fbi_copy(V + 3, s->input->w, 3);
+  } else {
     status = fbi_body_spin(V, &work->moved, s->body, s->input->w);
   }
   status = status ? status : fb_state_from_velocity(s->body, &work->moved, V, V + 3, NULL);
@@ -15408,25 +15409,31 @@ static fbi_complex fbi_amplification(fb_scheme scheme, fbi_complex d, fb_real r)
   return fbi_complex_div(fbi_complex_div(up, down), down);
 }
 
+/* Whether it grows, by more than rounding. */
+static int fbi_step_grows(fb_scheme scheme, fbi_complex d, fb_real r)
+{
+  return fbi_complex_abs(fbi_amplification(scheme, d, r)) > FB_R(1.0) + FBI_ROUNDING;
+}
+
 /* Largest r up to which the motion along d does not grow: the first crossing, by bisection. */
 static fb_real fbi_stable_radius(fb_scheme scheme, fbi_complex d)
 {
   fb_real low = FB_R(0.0), high = FB_R(0.0);
   for (int k = 1; k <= 64 && !(high > FB_R(0.0)); k++) { /* beyond 3.2 rk4 is unstable in every direction */
     const fb_real r = FB_R(0.05) * (fb_real)k;
-    if (fbi_complex_abs(fbi_amplification(scheme, d, r)) > FB_R(1.0) + FBI_ROUNDING) {
+    if (fbi_step_grows(scheme, d, r)) {
       high = r;
     } else {
       low = r;
     }
   }
-  for (int k = 0; k < 40 && high > FB_R(0.0); k++) {
+  for (int k = 0; k < 40; k++) {
     const fb_real r = FB_R(0.5) * (low + high);
-    const int grows = fbi_complex_abs(fbi_amplification(scheme, d, r)) > FB_R(1.0) + FBI_ROUNDING;
+    const int grows = fbi_step_grows(scheme, d, r);
     low = grows ? low : r;
     high = grows ? r : high;
   }
-  return high > FB_R(0.0) ? low : FB_HUGE;
+  return low;
 }
 
 /* [E12.6] Largest stable step: |G(lambda dt)| <= 1 for every mode; one that grows by itself, if only by rounding, is
@@ -16602,7 +16609,7 @@ static fb_real fbi_advice_step(fb_advise_work *work, const fb_envelope *e, fb_sc
 {
   fb_spectrum *const s = &work->spectrum;
   const int exponential = scheme == FB_SCHEME_EXPONENTIAL;
-  const fb_real spin = fbi_vec3_norm(e->spin), inertial = exponential ? fbi_smaller(work->error[0], FB_R(1.0)) : 1;
+  const fb_real spin = fbi_vec3_norm(e->spin), inertial = exponential ? work->error[0] : 1;
   fb_real amplitude[FB_MAX_MODES + 1];
   s->n = 0;
   for (int k = 0; k < n; k++) {

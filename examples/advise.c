@@ -340,7 +340,7 @@ static void print_table(const options *o, const fb_advice *advice)
   printf("output: displacement of node %d, about %.3g m at most\n\n", o->scene.node, (double)advice[0].deflection);
   printf("                                                                       estimated errors [%%]\n");
   printf(
-      "tolerance  effects  modes               scheme       step [s]  flop/s  effects  modes   step  model    sum\n");
+      "tolerance  effects  modes               scheme       step [s] instr/s  effects  modes   step  model    sum\n");
   for (int k = 0; k < o->n_tolerance; k++) {
     const fb_advice *const a = &advice[k];
     printf("%7g %%  %-7s  %-18s  %-11s %9.3g %7.1e %8s %6s %6s %6s %6s\n", o->tolerance[k], letters(a->effects),
@@ -667,7 +667,7 @@ static int simulate(const options *o, fb_envelope e, const fb_advice *advised)
   printf("\nsimulated: errors against all modes and effects in short steps (what is called model is not in them), at\n"
          "%d samples, steps of at most %.3g s; the estimate of what was found leaves out its step\n",
          o->scene.n_sample, (double)e.frame);
-  printf("           effects  modes               scheme       step [s]  flop/s  error [%%]  estimated\n");
+  printf("           effects  modes               scheme       step [s] instr/s  error [%%]  estimated\n");
   for (int k = 0; k < o->n_tolerance; k++) {
     status |= simulate_one(&find, o, &e, &advised[k], k);
   }

@@ -706,7 +706,7 @@ TEST(advised_steps_are_those_of_the_spectrum)
     envelope.spin[0] = s;
     FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, (fb_real)tolerance[k % 3]), FB_OK);
     exponential += advice.scheme == FB_SCHEME_EXPONENTIAL;
-    drive = advice.scheme == FB_SCHEME_EXPONENTIAL && work.error[0] < FB_R(1.0) ? work.error[0] : FB_R(1.0);
+    drive = advice.scheme == FB_SCHEME_EXPONENTIAL ? work.error[0] : FB_R(1.0);
     spectrum.n = advice.n + 1;
     for (int m = 0; m < advice.n; m++) {
       const int a = advice.coordinate[m];
@@ -1115,6 +1115,23 @@ TEST(costs_are_those_of_counted_instructions)
   }
 }
 
+/* Gravity, however strong, shortens no step of what flies: rk4's longest is that of the body at its spin. */
+TEST(gravity_shortens_no_step_of_a_free_body)
+{
+  const fb_real center[3] = {0, 0, 0}, inertia[6] = {5, 5, 5, 0, 0, 0};
+  static picky p; /* takes anything */
+  memset(&p, 0, sizeof p);
+  boom_under_a_force(0.5, 1, 1);
+  FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(20.0), center, inertia), FB_OK);
+  level.base = FB_BASE_FREE;
+  envelope.spin[2] = FB_R(0.5);
+  envelope.acceleration[0] = FB_R(100.0);
+  FBT_INT_EQ(search_for(&p), FB_OK);
+  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
+  FBT_NEAR_REL(work.longest[FBI_ADVICE_SETS - 1][1][FB_SCHEME_RK4], fb_rk4_limit(&body, FB_R(0.5), FB_R(0.0)),
+               FBT_TOL(1e-12, 1e-6));
+}
+
 /* Whatever alone will do is found: any set of effects, number of modes and scheme; in a step that is not beyond rk4's limit.
    The cost of a step, and what does not come of the simulations, is what it is without them. */
 TEST(search_finds_what_alone_will_do)
@@ -1427,6 +1444,7 @@ SUITE(advise, RUN(selection_takes_rows_and_pairs), RUN(selected_modes_move_as_a_
       RUN(advised_steps_are_those_of_the_spectrum), RUN(advice_does_not_hide_what_is_out_of_range),
       RUN(errors_and_steps_add_up), RUN(advice_knows_no_units), RUN(search_stops_at_the_cheapest_that_will_do),
       RUN(search_tries_each_part_of_a_frame_once), RUN(costs_are_those_of_counted_instructions),
-      RUN(search_finds_what_alone_will_do), RUN(search_ends_with_the_run_of_the_reference),
-      RUN(search_gives_up_bodies_that_miss_alike), RUN(errors_are_distances_of_samples),
-      RUN(search_takes_no_nonsense_for_an_answer), RUN(advice_meets_its_tolerance), RUN(advice_refuses_nonsense))
+      RUN(gravity_shortens_no_step_of_a_free_body), RUN(search_finds_what_alone_will_do),
+      RUN(search_ends_with_the_run_of_the_reference), RUN(search_gives_up_bodies_that_miss_alike),
+      RUN(errors_are_distances_of_samples), RUN(search_takes_no_nonsense_for_an_answer),
+      RUN(advice_meets_its_tolerance), RUN(advice_refuses_nonsense))

@@ -627,12 +627,13 @@ TEST(margins_name_the_worst_mode_wherever_it_stands)
 }
 
 /* E12.6, E12.7: limits, advised steps and damping ratios follow the unit of time: modes slower by 2^20 want steps longer by
-   as much, fast, slow, damped, stiff and still ones; what stands still has no damping. */
+   as much, fast, slow, damped, stiff and still ones; what stands still has no damping. Without amplitudes they are 1. */
 TEST(advised_steps_follow_the_unit_of_time)
 {
   static const double re[4] = {-0.3, -40.0, 0.0, -0.02}, im[4] = {5.0, 0.0, 0.0, 0.7};
   static const fb_scheme scheme[3] = {FB_SCHEME_RK4, FB_SCHEME_MIDPOINT, FB_SCHEME_SDIRK};
   static const double accuracy[3] = {1e-2, 1e-4, 1e-6};
+  const fb_real one[4] = {1, -1, 1, 1};
   for (int k = 0; k < 9; k++) {
     double limit[3], step[3];
     for (int unit = 0; unit < 3; unit++) {
@@ -650,7 +651,32 @@ TEST(advised_steps_follow_the_unit_of_time)
       FBT_NEAR_REL(limit[unit], limit[0], 8.0 * EPS);
       FBT_NEAR_REL(step[unit], step[0], 64.0 * EPS);
       FBT_TRUE(step[unit] > 0.0);
+      FBT_NEAR_ABS(fb_spectrum_step(&spectrum, scheme[k % 3], one, (fb_real)(10.0 * t), (fb_real)accuracy[k / 3]),
+                   step[unit] * t, 0.0);
     }
+  }
+}
+
+/* E12.7: each of T/dt steps errs by |G - exp|(i omega dt): a tolerance of their sum gives that step, short or long. */
+TEST(advised_steps_are_those_whose_errors_add_up)
+{
+  static const fb_scheme scheme[3] = {FB_SCHEME_RK4, FB_SCHEME_MIDPOINT, FB_SCHEME_SDIRK};
+  static const double step[5] = {0.05, 0.1, 0.25, 0.5, 1.0}; /* [rad] */
+  const double c = 1.0 - sqrt(0.5), omega = 4.0, T = 10.0;
+  const fb_real amplitude[1] = {FB_R(3.0)};
+  for (int k = 0; k < 15; k++) {
+    const double d = step[k % 5], top = (1.0 - 2.0 * c) * d, low = c * d;
+    const double turn[3] = {atan2(d - d * d * d / 6.0, 1.0 - d * d / 2.0 + d * d * d * d / 24.0), 2.0 * atan(0.5 * d),
+                            atan(top) + 2.0 * atan(low)};
+    const double size[3] = {hypot(d - d * d * d / 6.0, 1.0 - d * d / 2.0 + d * d * d * d / 24.0), 1.0,
+                            sqrt(1.0 + top * top) / (1.0 + low * low)};
+    const double error = hypot(size[k / 5] * cos(turn[k / 5]) - cos(d), size[k / 5] * sin(turn[k / 5]) - sin(d));
+    memset(&spectrum, 0, sizeof spectrum);
+    spectrum.n = 1;
+    spectrum.im[0] = (fb_real)omega;
+    FBT_NEAR_REL(
+        fb_spectrum_step(&spectrum, scheme[k / 5], amplitude, (fb_real)T, (fb_real)(3.0 * error * T * omega / d)),
+        d / omega, 0.01);
   }
 }
 
@@ -2110,11 +2136,11 @@ SUITE(analyse, RUN(pulled_apart_free_bodies_rest), RUN(advised_steps_follow_the_
       RUN(a_hinge_turns_what_spins_about_no_axis_of_its_own), RUN(damped_spinning_satellite_has_its_closed_form),
       RUN(linear_models_answer_as_the_body_does), RUN(step_limits_are_those_of_the_spectrum),
       RUN(step_limits_hold_for_modes_that_grow), RUN(advised_steps_err_as_wanted),
-      RUN(advised_steps_bear_stiff_damping), RUN(advice_resolves_modes_that_die_out),
-      RUN(nrel_blade_has_the_published_figures), RUN(hinged_blades_flap_and_lag_in_closed_form),
-      RUN(blades_cone_under_a_moment), RUN(bases_that_are_pushed_have_no_state_of_rest),
-      RUN(double_pendulum_swings_in_closed_form), RUN(a_free_body_is_a_system_of_one),
-      RUN(opposite_pulls_hold_a_free_body), RUN(sleeping_tops_tilt_in_closed_form),
+      RUN(advised_steps_are_those_whose_errors_add_up), RUN(advised_steps_bear_stiff_damping),
+      RUN(advice_resolves_modes_that_die_out), RUN(nrel_blade_has_the_published_figures),
+      RUN(hinged_blades_flap_and_lag_in_closed_form), RUN(blades_cone_under_a_moment),
+      RUN(bases_that_are_pushed_have_no_state_of_rest), RUN(double_pendulum_swings_in_closed_form),
+      RUN(a_free_body_is_a_system_of_one), RUN(opposite_pulls_hold_a_free_body), RUN(sleeping_tops_tilt_in_closed_form),
       RUN(poses_drift_as_the_frame_goes_on), RUN(linear_models_answer_as_the_system_does),
       RUN(analysis_refuses_bad_input), RUN(rods_in_a_loop_swing_as_one_pendulum),
       RUN(linear_models_answer_as_the_loop_does), RUN(held_tips_take_a_mode_away),

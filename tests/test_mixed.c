@@ -2137,6 +2137,9 @@ TEST(a_body_on_a_light_beam_rings_in_closed_form)
     FBT_NEAR_ABS(spectrum.re[k], 0.0, FBT_TOL(1e-8, 1e-2));
     last = next;
   }
+  for (int count = 7; count <= FB_MIXED_MODES; count++) { /* there are no more */
+    FBT_INT_EQ(fb_mixed_spectrum_solve(&mixed, &spectrum, &spectrum_work, &state, &input, count), FB_ERR_KIND);
+  }
 }
 
 /* E12.4, E10.10: two bodies off the line of a stiff bar, on its middle, which slides along the axis of its spin W and swings
@@ -2491,8 +2494,8 @@ static void port(fb_mixed_port *list, int *n, fb_mixed_port_kind kind, int at, i
   p->axes = axes;
 }
 
-/* Beams about whose steady states motion is small: clamped and straight; spinning, set at an angle, pulled, with bodies on it; a shaft that
-   whirls; a column under a follower load below flutter. Inputs and outputs of every kind. */
+/* Beams about whose steady states motion is small: clamped and straight, thinner at its tip; such a one spinning, set at an angle, pulled,
+   with bodies on it; a shaft that whirls; a column under a follower load below flutter. Inputs and outputs of every kind. */
 static void linear_case(int which, int n)
 {
   const double stiffness[4][6] = {{1e4, 3e3, 3e3, 2.0, 5.0, 7.0},
@@ -2504,6 +2507,14 @@ static void linear_case(int which, int n)
                                 {1.0, 1.0, 1.0, 0.02, 0.01, 0.01},
                                 {1.0, 1.0, 1.0, 0.01, 0.005, 0.005}};
   beam(which == 0 ? 2.0 : 1.0, n, stiffness[which], inertia[which]);
+  if (which < 2) {
+    desc.n_station = 2;
+    desc.station[1] = desc.station[0];
+    desc.station[1].x = desc.length;
+    for (int i = 0; i < 36; i++) {
+      desc.station[1].stiffness[i] *= FB_R(0.8);
+    }
+  }
   if (which == 1) {
     desc.attitude[0] = FB_R(0.9);
     desc.attitude[1] = FB_R(0.3);
@@ -2699,6 +2710,21 @@ TEST(linear_beams_follow_the_unit_of_time)
       rest[slow][i] = y[0];
       FBT_NEAR_REL(rest[slow][i], rest[0][i], FBT_TOL(1e-7, 2e-2));
     }
+  }
+}
+
+/* E12.15: those are equal that lie closer than a part in 1e5, which the square root of the stiffnesses' ratio is. */
+TEST(frequencies_are_equal_to_a_part_in_a_hundred_thousand)
+{
+  const double limit = FBT_TOL(1e-5, 1e-2), apart[2] = {0.8, 1.25};
+  for (int k = 0; k < 2; k++) {
+    const double stiffness[6] = {0.0, 0.0, 0.0, 0.0, 5.0, 5.0 * (1.0 + 2.0 * limit * apart[k])};
+    const double inertia[6] = {2.0, 2.0, 2.0, 0.0, 0.0, 0.0};
+    beam(2.0, 8, stiffness, inertia);
+    settle();
+    memset(&ports, 0, sizeof ports);
+    FBT_INT_EQ(fb_mixed_linearize(&mixed, &linear, &linear_work, &state, &input, &ports, 1), FB_OK);
+    FBT_INT_EQ(linear.n_mode, k ? 1 : 2);
   }
 }
 
@@ -3070,6 +3096,7 @@ SUITE(mixed, RUN(rotations_follow_the_beam_through_whole_turns),
       RUN(becks_column_flutters_at_its_load), RUN(shaft_whirls_as_in_closed_form),
       RUN(spinning_cantilever_has_the_published_frequencies), RUN(a_free_beam_swings_as_the_exact_one),
       RUN(columns_buckle_at_eulers_load), RUN(linear_beams_rest_where_the_beam_does),
-      RUN(equal_frequencies_are_kept_together), RUN(linear_beams_move_as_the_beam_does),
-      RUN(linear_beams_answer_at_every_frequency), RUN(linear_beams_flutter_and_whirl),
-      RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode), RUN(mixed_beam_refuses_bad_input))
+      RUN(equal_frequencies_are_kept_together), RUN(frequencies_are_equal_to_a_part_in_a_hundred_thousand),
+      RUN(linear_beams_move_as_the_beam_does), RUN(linear_beams_answer_at_every_frequency),
+      RUN(linear_beams_flutter_and_whirl), RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode),
+      RUN(mixed_beam_refuses_bad_input))

@@ -54,8 +54,8 @@ seen_by() {
 # same_code: the mutant in the tree compiles to what the original does
 same_code() { build_main "$out/main.o" && cmp -s "$out/main.o" "$out/original.o"; }
 
-# sanitized SECTION: its tests, for bodies those of the forms, too, stay within all arrays and use nothing uninitialized, as
-# check-sanitize wants it (slow: survivors alone)
+# sanitized SECTION: its tests, for bodies those of the forms, too, for what is analysed linear models of the exact beam, stay
+# within all arrays and use nothing uninitialized, as check-sanitize wants it (slow: survivors alone)
 sanitized() {
   if [ ! -f "$out/sanitized" ]; then
     tree "$out/switch.h"
@@ -63,7 +63,8 @@ sanitized() {
     clang $flags -O1 $sanitize=memory $tests -o "$out/sanitized-memory" "$out"/tree/tests/test_*.c -lm 2> "$out/errors" || :
   fi
   for program in "$out"/sanitized*; do
-    run 200 "$program" "$1/" && { [ "$1" != body ] || run 200 "$program" forms/; } || return 1
+    run 200 "$program" "$1/" && { [ "$1" != body ] || run 200 "$program" forms/; } &&
+      { [ "$1" != analyse ] || run 200 "$program" mixed/linear_beams; } || return 1
   done
 }
 
