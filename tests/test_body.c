@@ -2102,6 +2102,7 @@ TEST(size_and_reach_are_those_of_the_particles)
   static const fb_real center[3] = {3, 4, 12}, inertia[6] = {1, 1, 1};
   const int n = 5;
   fb_body_desc level;
+  fb_state state;
   double size = 0.0, reach[MAX_N] = {0.0};
   particles_random(&cloud, n, 1);
   particles_to_shape(&shape, &cloud);
@@ -2124,6 +2125,16 @@ TEST(size_and_reach_are_those_of_the_particles)
   FBT_NEAR_REL(shape.size, 13.0, FBT_TOL(1e-14, 1e-6));
   FBT_NEAR_REL(body.deflection_limit, 6.5, FBT_TOL(1e-14, 1e-6)); /* half of it */
   FBT_TRUE(memcmp(body.reach, shape.reach, sizeof(fb_real) * (size_t)n) == 0);
+  FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+  for (int k = 0; k < n; k++) { /* of any two what they may have together, with either sign */
+    const int next = (k + 1) % n;
+    state.q[k] = FB_R(0.45) * body.deflection_limit / body.reach[k];
+    state.q[next] = -FB_R(0.45) * body.deflection_limit / body.reach[next];
+    FBT_INT_EQ(fb_state_check(&body, &state), FB_OK);
+    state.q[k] *= FB_R(1.25);
+    FBT_INT_EQ(fb_state_check(&body, &state), FB_ERR_RANGE);
+    state.q[k] = state.q[next] = FB_R(0.0);
+  }
 }
 
 /* E8.16, E8.21: the energy of gravity is that of the particles in their places, and so is that of the strain, whatever else
@@ -2170,6 +2181,32 @@ TEST(potential_energies_agree_with_a_particle_model)
     FBT_INT_EQ(fb_body_energy(&body, &energy, &state, NULL), FB_OK);
     FBT_NEAR_ABS(energy.gravity, gravity, FBT_TOL(1e-11, 1e-2));
     FBT_NEAR_ABS(energy.strain, strain, FBT_TOL(1e-14, 1e-6));
+  }
+}
+
+/* E8.7: a particle on a spring: the damping force is 2 zeta sqrt(k m) times its speed, soft or stiff, in any unit of its
+   coordinate. */
+TEST(damping_is_that_of_a_particle_on_a_spring)
+{
+  for (int run = 0; run < 9; run++) {
+    const double k = pow(10.0, 3.0 * (run % 3 - 1)), m = run / 3 == 0 ? 1.0 : 0.01 * run, zeta = 0.05;
+    const fb_real r[3] = {0}, psi[3] = {0, 1}, none[3] = {0}, q_dot = FB_R(2.0);
+    fb_body_desc level;
+    fb_state state, rate;
+    memset(&level, 0, sizeof level);
+    level.effects = FB_EFFECTS_LINEAR | FB_EFFECT_DAMPING;
+    level.base = FB_BASE_PRESCRIBED;
+    level.zeta[0] = (fb_real)zeta;
+    FBT_INT_EQ(fb_shape_init(&shape, 1), FB_OK);
+    FBT_INT_EQ(fb_shape_add_particle(&shape, (fb_real)m, r, psi, NULL), FB_OK);
+    shape.K[0] = (fb_real)k;
+    FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
+    FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+    FBT_INT_EQ(fb_state_from_velocity(&body, &state, none, none, &q_dot), FB_OK);
+    FBT_INT_EQ(fb_body_rates(&body, &rate, &state, NULL), FB_OK);
+    FBT_NEAR_REL(rate.pi[0], -2.0 * zeta * sqrt(k * m) * 2.0, FBT_TOL(1e-13, 1e-5));
+    FBT_NEAR_REL(body.limit_damping, 2.0 * zeta * sqrt(k / m), FBT_TOL(1e-13, 1e-5));
+    FBT_NEAR_REL(body.limit_elastic, k / m, FBT_TOL(1e-13, 1e-5));
   }
 }
 
@@ -3471,7 +3508,10 @@ TEST(a_strain_gauge_reads_the_bending_moment)
   FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, FB_R(2.0)), FB_OK);
+  FBT_NEAR_REL(shape.size, 2.0, FBT_TOL(1e-14, 1e-6)); /* out to the tip */
   for (int a = 0; a < modes.n; a++) {
+    const fb_real *const tip = shape.node[node].psi + 3 * a;
+    FBT_TRUE((double)shape.reach[a] >= (1.0 - FBT_TOL(1e-14, 1e-6)) * sqrt((double)fb_vec3_dot(tip, tip)));
     f[a] = FB_R(0.3) * shape.node[node].psi[3 * a + 1] + FB_R(0.2) * shape.node[node].psi[3 * a + 2];
   }
   memcpy(K, modes.K, sizeof K);
@@ -3690,11 +3730,12 @@ SUITE(body, RUN(rows_without_terms_are_refused), RUN(massless_prescribed_bodies_
       RUN(the_check_word_sees_every_flipped_bit), RUN(the_check_word_sees_every_number),
       RUN(the_check_word_sees_every_term), RUN(coordinates_have_any_unit),
       RUN(size_and_reach_are_those_of_the_particles), RUN(potential_energies_agree_with_a_particle_model),
-      RUN(integrals_of_a_pair_stand_in_both_places), RUN(the_check_word_is_that_of_its_polynomial),
-      RUN(lumps_have_the_inertia_of_their_node), RUN(nodes_are_those_of_the_shape),
-      RUN(nodes_that_turn_far_have_the_rates_of_their_pose), RUN(a_strain_gauge_reads_the_bending_moment),
-      RUN(hopkins_element_has_the_exact_integrals), RUN(finite_element_models_are_the_beams_they_came_from),
-      RUN(joined_halves_are_the_whole), RUN(joints_know_no_unit_of_mass), RUN(a_free_beam_bends_about_its_mass_center),
+      RUN(integrals_of_a_pair_stand_in_both_places), RUN(damping_is_that_of_a_particle_on_a_spring),
+      RUN(the_check_word_is_that_of_its_polynomial), RUN(lumps_have_the_inertia_of_their_node),
+      RUN(nodes_are_those_of_the_shape), RUN(nodes_that_turn_far_have_the_rates_of_their_pose),
+      RUN(a_strain_gauge_reads_the_bending_moment), RUN(hopkins_element_has_the_exact_integrals),
+      RUN(finite_element_models_are_the_beams_they_came_from), RUN(joined_halves_are_the_whole),
+      RUN(joints_know_no_unit_of_mass), RUN(a_free_beam_bends_about_its_mass_center),
       RUN(joined_modes_are_of_the_kind_of_their_largest_share),
       RUN(joined_twins_have_a_sign_that_rounding_does_not_choose), RUN(bodies_are_sound_in_any_unit),
       RUN(joined_rods_hang_from_their_weld), RUN(joined_components_converge_and_refuse),

@@ -1507,6 +1507,13 @@ TEST(what_memory_has_spoiled_is_refused)
     body_refused();
     tables_refused();
     walks_refused();
+    body.n_strain -= 1; /* no whole group of four */
+    FBT_INT_EQ(fb_body_check(&body), FB_ERR_VALUE);
+    body.n_strain += 1;
+    body.n_S -= 1; /* fewer than its runs have; the first-order form has none */
+    FBT_INT_EQ(fb_body_check(&body), FB_ERR_VALUE);
+    body.n_S += 1;
+    FBT_INT_EQ(fb_body_check(&body), FB_OK);
     body.base = (fb_base)4;
     FBT_INT_EQ(fb_body_check(&body), FB_ERR_VALUE);
     body.base = FB_BASE_FREE;
