@@ -1367,6 +1367,8 @@ TEST(lumps_have_the_inertia_of_their_node)
 TEST(a_beam_may_take_later_coordinates)
 {
   int node[2], at;
+  fb_gauge gauge[2];
+  fb_real q[BOOM_MODES + 3];
   boom(&shape, node);
   FBT_INT_EQ(fb_shape_init(&other, BOOM_MODES), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam(&other, 0, &beam, &modes), FB_OK);
@@ -1377,7 +1379,17 @@ TEST(a_beam_may_take_later_coordinates)
   FBT_INT_EQ(fb_shape_add_beam_node(&shape, &at, 3, &beam, &modes, FB_R(1.7)), FB_OK);
   FBT_TRUE(fbt_difference(shape.node[1].psi + 9, other.node[1].psi, 3 * BOOM_MODES) == 0.0);
   FBT_TRUE(fbt_difference(shape.node[1].theta + 9, other.node[1].theta, 3 * BOOM_MODES) == 0.0);
-  FBT_TRUE(fbt_difference(shape.node[1].chi + 3 * 9, other.node[1].chi, 3) == 0.0); /* pair 33 against 00 */
+  for (int a = 0, pair = 0; a < BOOM_MODES; a++) {
+    for (int b = 0; b <= a; b++, pair += 3) {
+      const int later = 3 * ((a + 3) * (a + 4) / 2 + b + 3);
+      FBT_TRUE(fbt_difference(shape.node[1].chi + later, other.node[1].chi + pair, 3) == 0.0);
+      FBT_TRUE(fbt_difference(shape.node[1].chi_theta + later, other.node[1].chi_theta + pair, 3) == 0.0);
+    }
+  }
+  FBT_INT_EQ(fb_gauge_init(&gauge[0], 0, &beam, &modes, FB_R(1.7), FB_R(0.1), FB_R(0.2)), FB_OK);
+  FBT_INT_EQ(fb_gauge_init(&gauge[1], 3, &beam, &modes, FB_R(1.7), FB_R(0.1), FB_R(0.2)), FB_OK);
+  fbt_fill(q, BOOM_MODES + 3, 1.0);
+  FBT_NEAR_ABS(fb_gauge_eval(&gauge[1], q), fb_gauge_eval(&gauge[0], q + 3), FBT_TOL(1e-14, 1e-5));
   FBT_INT_EQ(fb_shape_add_beam(&shape, 0x7FFFFFFF, &beam, &modes), FB_ERR_CAPACITY);
 }
 
@@ -2087,7 +2099,10 @@ static void node_defects(double defect[4], double h, int node)
    moves most. */
 TEST(size_and_reach_are_those_of_the_particles)
 {
+  static const fb_real center[3] = {3, 4, 12}, inertia[6] = {1, 1, 1};
   const int n = 5;
+  fb_body_desc level;
+  fb_state state;
   double size = 0.0, reach[MAX_N] = {0.0};
   particles_random(&cloud, n, 1);
   particles_to_shape(&shape, &cloud);
@@ -2102,6 +2117,119 @@ TEST(size_and_reach_are_those_of_the_particles)
   FBT_NEAR_REL(shape.size, size, FBT_TOL(1e-14, 1e-6));
   for (int a = 0; a < n; a++) {
     FBT_NEAR_REL(shape.reach[a], reach[a], FBT_TOL(1e-14, 1e-6));
+  }
+  FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(1.0), center, inertia), FB_OK); /* 13 m away */
+  memset(&level, 0, sizeof level);
+  level.effects = FB_EFFECTS_FULL;
+  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
+  FBT_NEAR_REL(shape.size, 13.0, FBT_TOL(1e-14, 1e-6));
+  FBT_NEAR_REL(body.deflection_limit, 6.5, FBT_TOL(1e-14, 1e-6)); /* half of it */
+  FBT_TRUE(memcmp(body.reach, shape.reach, sizeof(fb_real) * (size_t)n) == 0);
+  FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+  for (int k = 0; k < n; k++) { /* of any two what they may have together, with either sign */
+    const int next = (k + 1) % n;
+    state.q[k] = FB_R(0.45) * body.deflection_limit / body.reach[k];
+    state.q[next] = -FB_R(0.45) * body.deflection_limit / body.reach[next];
+    FBT_INT_EQ(fb_state_check(&body, &state), FB_OK);
+    state.q[k] *= FB_R(1.25);
+    FBT_INT_EQ(fb_state_check(&body, &state), FB_ERR_RANGE);
+    state.q[k] = state.q[next] = FB_R(0.0);
+  }
+}
+
+/* E8.16, E8.21: the energy of gravity is that of the particles in their places, and so is that of the strain, whatever else
+   moves; without gravity there is none. */
+TEST(potential_energies_agree_with_a_particle_model)
+{
+  const int n = 5;
+  particles_random(&cloud, n, 1);
+  particles_to_shape(&shape, &cloud);
+  fbt_fill(shape.K, n * n, 0.5);
+  for (int ab = 0; ab < n * n; ab++) {
+    const int ba = ab % n * n + ab / n;
+    shape.K[ab] = ab == ba ? FB_R(5.0) : ab > ba ? shape.K[ba] : shape.K[ab];
+  }
+  for (int falls = 0; falls < 2; falls++) {
+    double gravity = 0.0, strain = 0.0;
+    fb_body_desc level;
+    fb_state state;
+    fb_energy energy;
+    velocity s;
+    fb_real R[9];
+    memset(&level, 0, sizeof level);
+    level.effects = FB_EFFECTS_FULL | (falls ? FB_EFFECT_GRAVITY : 0);
+    fbt_fill(level.gravity, 3, 5.0);
+    FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
+    velocity_random(&s, n, 0.1);
+    state_from(&state, &body, &s);
+    fbt_fill(state.rho, 3, 2.0);
+    fbt_fill(state.quat, 4, 1.0);
+    FBT_INT_EQ(fb_quat_normalize(state.quat), FB_OK);
+    fb_quat_to_mat33(R, state.quat);
+    for (int i = 0; i < PARTICLES; i++) {
+      double x[3], J[MAX_N][3], xd[3];
+      particle_at(x, J, xd, &cloud, i, &s);
+      for (int k = 0; k < 3; k++) {
+        const double at =
+            (double)state.rho[k] + (double)R[3 * k] * x[0] + (double)R[3 * k + 1] * x[1] + (double)R[3 * k + 2] * x[2];
+        gravity -= falls * cloud.m[i] * (double)level.gravity[k] * at;
+      }
+    }
+    for (int ab = 0; ab < n * n; ab++) {
+      strain += 0.5 * s.q[ab / n] * (double)shape.K[ab] * s.q[ab % n];
+    }
+    FBT_INT_EQ(fb_body_energy(&body, &energy, &state, NULL), FB_OK);
+    FBT_NEAR_ABS(energy.gravity, gravity, FBT_TOL(1e-11, 1e-2));
+    FBT_NEAR_ABS(energy.strain, strain, FBT_TOL(1e-14, 1e-6));
+  }
+}
+
+/* E8.7: a particle on a spring: the damping force is 2 zeta sqrt(k m) times its speed, soft or stiff, in any unit of its
+   coordinate. */
+TEST(damping_is_that_of_a_particle_on_a_spring)
+{
+  for (int run = 0; run < 9; run++) {
+    const double k = pow(10.0, 3.0 * (run % 3 - 1)), m = run / 3 == 0 ? 1.0 : 0.01 * run, zeta = 0.05;
+    const fb_real r[3] = {0}, psi[3] = {0, 1}, none[3] = {0}, q_dot = FB_R(2.0);
+    fb_body_desc level;
+    fb_state state, rate;
+    memset(&level, 0, sizeof level);
+    level.effects = FB_EFFECTS_LINEAR | FB_EFFECT_DAMPING;
+    level.base = FB_BASE_PRESCRIBED;
+    level.zeta[0] = (fb_real)zeta;
+    FBT_INT_EQ(fb_shape_init(&shape, 1), FB_OK);
+    FBT_INT_EQ(fb_shape_add_particle(&shape, (fb_real)m, r, psi, NULL), FB_OK);
+    shape.K[0] = (fb_real)k;
+    FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
+    FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+    FBT_INT_EQ(fb_state_from_velocity(&body, &state, none, none, &q_dot), FB_OK);
+    FBT_INT_EQ(fb_body_rates(&body, &rate, &state, NULL), FB_OK);
+    FBT_NEAR_REL(rate.pi[0], -2.0 * zeta * sqrt(k * m) * 2.0, FBT_TOL(1e-13, 1e-5));
+    FBT_NEAR_REL(body.limit_damping, 2.0 * zeta * sqrt(k / m), FBT_TOL(1e-13, 1e-5));
+    FBT_NEAR_REL(body.limit_elastic, k / m, FBT_TOL(1e-13, 1e-5));
+  }
+}
+
+/* A pair's integrals go to both its places, a coordinate's with itself to its own, once; what is not given is none. */
+TEST(integrals_of_a_pair_stand_in_both_places)
+{
+  for (int k = 0; k < 3 * 4; k++) {
+    const int n = 3, a = k % 4 < 3 ? k % 3 : 1, b = k % 4 < 3 ? (k + 1) % 3 : 1, which = k / 4;
+    fb_real p[3], h[3], G[9];
+    FBT_INT_EQ(fb_shape_init(&shape, n), FB_OK);
+    fbt_fill(p, 3, 1.0);
+    fbt_fill(h, 3, 1.0);
+    fbt_fill(G, 9, 1.0);
+    FBT_INT_EQ(fb_shape_add_pair(&shape, a, b, which == 0 ? p : NULL, which == 1 ? h : NULL, which == 2 ? G : NULL),
+               FB_OK);
+    for (int ij = 0; ij < n * n; ij++) {
+      const int here = ij == a * n + b || ij == b * n + a;
+      for (int x = 0; x < 9; x++) {
+        FBT_TRUE(shape.pchi[3 * ij + x % 3] == (here && which == 0 ? p[x % 3] : FB_R(0.0)));
+        FBT_TRUE(shape.hchi[3 * ij + x % 3] == (here && which == 1 ? h[x % 3] : FB_R(0.0)));
+        FBT_TRUE(shape.Gamchi[9 * ij + x] == (here && which == 2 ? G[x] : FB_R(0.0)));
+      }
+    }
   }
 }
 
@@ -3380,7 +3508,10 @@ TEST(a_strain_gauge_reads_the_bending_moment)
   FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, FB_R(2.0)), FB_OK);
+  FBT_NEAR_REL(shape.size, 2.0, FBT_TOL(1e-14, 1e-6)); /* out to the tip */
   for (int a = 0; a < modes.n; a++) {
+    const fb_real *const tip = shape.node[node].psi + 3 * a;
+    FBT_TRUE((double)shape.reach[a] >= (1.0 - FBT_TOL(1e-14, 1e-6)) * sqrt((double)fb_vec3_dot(tip, tip)));
     f[a] = FB_R(0.3) * shape.node[node].psi[3 * a + 1] + FB_R(0.2) * shape.node[node].psi[3 * a + 2];
   }
   memcpy(K, modes.K, sizeof K);
@@ -3497,6 +3628,29 @@ TEST(the_check_word_sees_every_number)
   }
 }
 
+/* E8.40: of changes of 33 bits in a row the word sees all but the one by its polynomial, x^32 first (IEEE 802.3, 3.2.9),
+   wherever in eight bytes it begins. */
+TEST(the_check_word_is_that_of_its_polynomial)
+{
+  const unsigned long long polynomial = 0x1DB710641ull; /* the lowest bit comes first */
+  int node[2];
+  unsigned word;
+  boom_body(FB_EFFECTS_FULL, FB_BASE_FREE, node);
+  word = fb_body_crc(&body);
+  for (int at = 0; at < 32; at++) {
+    for (int flip = -1; flip < 33; flip++) {
+      const unsigned long long other_bit = flip < 0 ? 0 : 1ull << flip, change = (polynomial ^ other_bit) << at;
+      unsigned long long bits;
+      memcpy(&bits, body.c, sizeof bits);
+      bits ^= change;
+      memcpy(body.c, &bits, sizeof bits);
+      FBT_INT_EQ(fb_body_crc(&body) == word, flip < 0);
+      bits ^= change;
+      memcpy(body.c, &bits, sizeof bits);
+    }
+  }
+}
+
 /* Is a change of that index seen? */
 static int index_seen(unsigned short *index)
 {
@@ -3575,7 +3729,9 @@ TEST(rows_without_terms_are_refused)
 SUITE(body, RUN(rows_without_terms_are_refused), RUN(massless_prescribed_bodies_are_sound),
       RUN(the_check_word_sees_every_flipped_bit), RUN(the_check_word_sees_every_number),
       RUN(the_check_word_sees_every_term), RUN(coordinates_have_any_unit),
-      RUN(size_and_reach_are_those_of_the_particles), RUN(lumps_have_the_inertia_of_their_node),
+      RUN(size_and_reach_are_those_of_the_particles), RUN(potential_energies_agree_with_a_particle_model),
+      RUN(integrals_of_a_pair_stand_in_both_places), RUN(damping_is_that_of_a_particle_on_a_spring),
+      RUN(the_check_word_is_that_of_its_polynomial), RUN(lumps_have_the_inertia_of_their_node),
       RUN(nodes_are_those_of_the_shape), RUN(nodes_that_turn_far_have_the_rates_of_their_pose),
       RUN(a_strain_gauge_reads_the_bending_moment), RUN(hopkins_element_has_the_exact_integrals),
       RUN(finite_element_models_are_the_beams_they_came_from), RUN(joined_halves_are_the_whole),
