@@ -15234,6 +15234,16 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
   return status;
 }
 
+/* What the motors of a joint do, as a force. */
+static fb_real fbi_drive_size(const fb_joint *joint, const fb_drive *drive, fb_real size)
+{
+  fb_real force = FB_R(0.0);
+  for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
+    force += FB_FABS(drive->torque[i]) / (fbi_axis_slides(joint, i) ? FB_R(1.0) : size);
+  }
+  return force;
+}
+
 static void fbi_system_port_steps(const fbi_subject *s, fb_real spin)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -15244,6 +15254,9 @@ static void fbi_system_port_steps(const fbi_subject *s, fb_real spin)
   }
   for (int i = 0; s->system_input && i < s->system_input->n_load; i++) {
     force += fbi_load_size(&s->system_input->load[i].load, size);
+  }
+  for (int j = 0; s->system_input && j < s->system->n_body + s->system->n_loop; j++) {
+    force += fbi_drive_size(&s->system->joint[j], &s->system_input->drive[j], size);
   }
   for (int i = 0; i < s->desc->n_in; i++) {
     const fb_port *const port = &s->desc->in[i];

@@ -1684,6 +1684,22 @@ TEST(fast_bases_have_linear_models)
   }
 }
 
+/* E12.9: a motor that pulls hard, on a hinge or a slide: a torque or force more is that much more of the momentum's rate. */
+TEST(motors_that_pull_have_linear_models)
+{
+  static const fb_linear_desc ports = {1, 0, {{FB_PORT_DRIVE, 0, 0, 0}}, {{FB_PORT_FORCE, 0, 0, 0}}};
+  static fb_linear linear;
+  for (int k = 0; k < 2; k++) {
+    fresh();
+    rigid_part(0, 2.0, 0.1, 0.5, 0.5, 0.5, 0.0);
+    hang(0, 0, k ? FB_JOINT_PRISMATIC : FB_JOINT_REVOLUTE, FB_GROUND);
+    drive.drive[0].torque[0] = FB_R(-1e7);
+    build();
+    FBT_INT_EQ(fb_system_linearize(&mechanism, part, &linear, &tree_work, &tree_state, &drive, &ports), FB_OK);
+    FBT_NEAR_ABS(linear.B[1], 1.0, FBT_TOL(1e-14, 1e-5));
+  }
+}
+
 /* E12.9: a system with as many speeds, inputs and outputs as there is room for has a linear model: the torque of an axis is
    the rate of the momentum conjugate to it and of nothing else, what a coordinate reads is that coordinate. */
 TEST(full_systems_have_linear_models)
@@ -2160,19 +2176,19 @@ TEST(analysis_of_systems_refuses_bad_input)
 
 SUITE(analyse, RUN(pulled_apart_free_bodies_rest), RUN(advised_steps_follow_the_unit_of_time),
       RUN(linear_models_of_systems_do_not_depend_on_units), RUN(fast_bases_have_linear_models),
-      RUN(full_systems_have_linear_models), RUN(margins_name_the_worst_mode_wherever_it_stands),
-      RUN(linear_models_do_not_depend_on_units), RUN(spectrum_of_a_spinning_oscillator_is_closed_form),
-      RUN(bases_that_move_move_the_state_of_rest), RUN(damped_modes_have_their_ratios),
-      RUN(free_tops_nutate_as_euler_says), RUN(equal_inertias_spin_about_any_of_their_axes),
-      RUN(a_weight_across_the_axis_is_no_rest), RUN(a_hinge_turns_what_spins_about_no_axis_of_its_own),
-      RUN(damped_spinning_satellite_has_its_closed_form), RUN(linear_models_answer_as_the_body_does),
-      RUN(step_limits_are_those_of_the_spectrum), RUN(step_limits_hold_for_modes_that_grow),
-      RUN(advised_steps_err_as_wanted), RUN(advised_steps_are_those_whose_errors_add_up),
-      RUN(advised_steps_bear_stiff_damping), RUN(advice_resolves_modes_that_die_out),
-      RUN(nrel_blade_has_the_published_figures), RUN(hinged_blades_flap_and_lag_in_closed_form),
-      RUN(blades_cone_under_a_moment), RUN(bases_that_are_pushed_have_no_state_of_rest),
-      RUN(double_pendulum_swings_in_closed_form), RUN(a_free_body_is_a_system_of_one),
-      RUN(opposite_pulls_hold_a_free_body), RUN(sleeping_tops_tilt_in_closed_form),
+      RUN(motors_that_pull_have_linear_models), RUN(full_systems_have_linear_models),
+      RUN(margins_name_the_worst_mode_wherever_it_stands), RUN(linear_models_do_not_depend_on_units),
+      RUN(spectrum_of_a_spinning_oscillator_is_closed_form), RUN(bases_that_move_move_the_state_of_rest),
+      RUN(damped_modes_have_their_ratios), RUN(free_tops_nutate_as_euler_says),
+      RUN(equal_inertias_spin_about_any_of_their_axes), RUN(a_weight_across_the_axis_is_no_rest),
+      RUN(a_hinge_turns_what_spins_about_no_axis_of_its_own), RUN(damped_spinning_satellite_has_its_closed_form),
+      RUN(linear_models_answer_as_the_body_does), RUN(step_limits_are_those_of_the_spectrum),
+      RUN(step_limits_hold_for_modes_that_grow), RUN(advised_steps_err_as_wanted),
+      RUN(advised_steps_are_those_whose_errors_add_up), RUN(advised_steps_bear_stiff_damping),
+      RUN(advice_resolves_modes_that_die_out), RUN(nrel_blade_has_the_published_figures),
+      RUN(hinged_blades_flap_and_lag_in_closed_form), RUN(blades_cone_under_a_moment),
+      RUN(bases_that_are_pushed_have_no_state_of_rest), RUN(double_pendulum_swings_in_closed_form),
+      RUN(a_free_body_is_a_system_of_one), RUN(opposite_pulls_hold_a_free_body), RUN(sleeping_tops_tilt_in_closed_form),
       RUN(poses_drift_as_the_frame_goes_on), RUN(linear_models_answer_as_the_system_does),
       RUN(analysis_refuses_bad_input), RUN(rods_in_a_loop_swing_as_one_pendulum),
       RUN(linear_models_answer_as_the_loop_does), RUN(held_tips_take_a_mode_away),
