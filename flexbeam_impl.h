@@ -14058,12 +14058,16 @@ static fb_real fbi_load_size(const fb_load *load, fb_real size)
   return fbi_vec3_norm(load->force) + fbi_vec3_norm(load->torque) / size;
 }
 
-/* How far an input is moved for a difference. Rates are linear in loads: wide steps do not err, short ones round beside
-   what acts already. */
-static fb_real fbi_port_step(fb_port_kind kind, int slides, fb_real force, fb_real size)
+/* How far an input is moved for a difference; v, w: motion of the base. Rates are linear in loads, of second degree in
+   v, w: wide steps do not err, short ones round beside what acts already. */
+static fb_real fbi_port_step(fb_port_kind kind, int slides, fb_real force, fb_real size, const fb_real v[3],
+                             const fb_real w[3])
 {
   const fb_real load = force > FB_R(0.0) ? force : FB_R(1.0);
-  return kind == FB_PORT_BASE_RATE ? FB_R(1.0) : kind == FB_PORT_BASE_VELOCITY ? size : slides ? load : load * size;
+  return kind == FB_PORT_BASE_RATE       ? FB_R(1.0) + fbi_vec3_norm(w)
+         : kind == FB_PORT_BASE_VELOCITY ? size + fbi_vec3_norm(v)
+         : slides                        ? load
+                                         : load * size;
 }
 
 /* ---- what is differentiated: a body or, with system, bodies on joints */
@@ -15109,14 +15113,14 @@ static const fb_linear_desc *fbi_no_ports(fbi_analysis *work)
 
 static void fbi_body_port_steps(const fbi_subject *s, int n)
 {
-  const fb_real size = fbi_body_size(s->body), *const w = s->work->steady.w;
+  const fb_real size = fbi_body_size(s->body), *const v = s->work->steady.v, *const w = s->work->steady.w;
   fb_real force = fbi_force_size(s->body, size, s->body->limit_elastic + fb_vec3_dot(w, w));
   for (int i = 0; i < s->input->n_load; i++) {
     force += fbi_load_size(&s->input->load[i], size);
   }
   for (int k = 0; k < s->desc->n_in; k++) {
     const fb_port_kind kind = s->desc->in[k].kind;
-    s->work->common.step[n + k] = fbi_port_step(kind, kind == FB_PORT_FORCE, force, size);
+    s->work->common.step[n + k] = fbi_port_step(kind, kind == FB_PORT_FORCE, force, size, v, w);
   }
 }
 
@@ -15230,6 +15234,16 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
   return status;
 }
 
+/* What the motors of a joint do, as a force. */
+static fb_real fbi_drive_size(const fb_joint *joint, const fb_drive *drive, fb_real size)
+{
+  fb_real force = FB_R(0.0);
+  for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
+    force += FB_FABS(drive->torque[i]) / (fbi_axis_slides(joint, i) ? FB_R(1.0) : size);
+  }
+  return force;
+}
+
 static void fbi_system_port_steps(const fbi_subject *s, fb_real spin)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -15241,11 +15255,15 @@ static void fbi_system_port_steps(const fbi_subject *s, fb_real spin)
   for (int i = 0; s->system_input && i < s->system_input->n_load; i++) {
     force += fbi_load_size(&s->system_input->load[i].load, size);
   }
+  for (int j = 0; s->system_input && j < s->system->n_body + s->system->n_loop; j++) {
+    force += fbi_drive_size(&s->system->joint[j], &s->system_input->drive[j], size);
+  }
   for (int i = 0; i < s->desc->n_in; i++) {
     const fb_port *const port = &s->desc->in[i];
     const int slides = port->kind == FB_PORT_FORCE ||
                        (port->kind == FB_PORT_DRIVE && fbi_axis_slides(&s->system->joint[port->body], port->axis));
-    work->common.step[2 * work->n_independent + i] = fbi_port_step(port->kind, slides, force, size);
+    const fb_real *const V = work->steady[port->body];
+    work->common.step[2 * work->n_independent + i] = fbi_port_step(port->kind, slides, force, size, V, V + 3);
   }
 }
 

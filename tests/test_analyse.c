@@ -1655,6 +1655,53 @@ TEST(linear_models_of_systems_do_not_depend_on_units)
   }
 }
 
+/* E12.2, E12.9: a base that flies and spins fast: the acceleration w x v of its node has the derivatives w by v and v by w;
+   of a body and of a system of one. */
+TEST(fast_bases_have_linear_models)
+{
+  static const fb_linear_desc ports = {
+      2, 1, {{FB_PORT_BASE_VELOCITY, 0, 0, 0}, {FB_PORT_BASE_RATE, 0, 0, 2}}, {{FB_PORT_ACCELERATION, 0, 0, 1}}};
+  static fb_linear linear;
+  for (int k = 0; k < 4; k++) {
+    const fb_real v[3] = {k % 2 ? FB_R(1e6) : FB_R(1.0), 0, 0}, w[3] = {0, 0, k % 2 ? FB_R(0.5) : FB_R(1e6)};
+    fresh();
+    flexible_part(0, 2.0, 1, FB_BASE_PRESCRIBED, FB_EFFECTS_LINEAR);
+    if (k < 2) {
+      fb_state state;
+      fb_input input;
+      memset(&input, 0, sizeof input);
+      memcpy(input.v, v, sizeof v);
+      memcpy(input.w, w, sizeof w);
+      FBT_INT_EQ(fb_state_init(&part[0], &state), FB_OK);
+      FBT_INT_EQ(fb_body_linearize(&part[0], &linear, &work, &state, &input, &ports), FB_OK);
+    } else {
+      hang(0, 0, FB_JOINT_FREE, FB_GROUND)->mode[0] = FB_AXIS_PRESCRIBED;
+      memcpy(drive.drive[0].rate, v, sizeof v);
+      memcpy(drive.drive[0].rate + 3, w, sizeof w);
+      build();
+      FBT_INT_EQ(fb_system_linearize(&mechanism, part, &linear, &tree_work, &tree_state, &drive, &ports), FB_OK);
+    }
+    FBT_NEAR_REL(linear.D[0], w[2], FBT_TOL(1e-13, 1e-5));
+    FBT_NEAR_REL(linear.D[1], v[0], FBT_TOL(1e-13, 1e-5));
+  }
+}
+
+/* E12.9: a motor that pulls hard, on a hinge or a slide: a torque or force more is that much more of the momentum's rate. */
+TEST(motors_that_pull_have_linear_models)
+{
+  static const fb_linear_desc ports = {1, 0, {{FB_PORT_DRIVE, 0, 0, 0}}, {{FB_PORT_FORCE, 0, 0, 0}}};
+  static fb_linear linear;
+  for (int k = 0; k < 2; k++) {
+    fresh();
+    rigid_part(0, 2.0, 0.1, 0.5, 0.5, 0.5, 0.0);
+    hang(0, 0, k ? FB_JOINT_PRISMATIC : FB_JOINT_REVOLUTE, FB_GROUND);
+    drive.drive[0].torque[0] = FB_R(-1e7);
+    build();
+    FBT_INT_EQ(fb_system_linearize(&mechanism, part, &linear, &tree_work, &tree_state, &drive, &ports), FB_OK);
+    FBT_NEAR_ABS(linear.B[1], 1.0, FBT_TOL(1e-14, 1e-5));
+  }
+}
+
 /* E12.9: a system with as many speeds, inputs and outputs as there is room for has a linear model: the torque of an axis is
    the rate of the momentum conjugate to it and of nothing else, what a coordinate reads is that coordinate. */
 TEST(full_systems_have_linear_models)
@@ -2130,7 +2177,8 @@ TEST(analysis_of_systems_refuses_bad_input)
 }
 
 SUITE(analyse, RUN(pulled_apart_free_bodies_rest), RUN(advised_steps_follow_the_unit_of_time),
-      RUN(linear_models_of_systems_do_not_depend_on_units), RUN(full_systems_have_linear_models),
+      RUN(linear_models_of_systems_do_not_depend_on_units), RUN(fast_bases_have_linear_models),
+      RUN(motors_that_pull_have_linear_models), RUN(full_systems_have_linear_models),
       RUN(margins_name_the_worst_mode_wherever_it_stands), RUN(linear_models_do_not_depend_on_units),
       RUN(spectrum_of_a_spinning_oscillator_is_closed_form), RUN(bases_that_move_move_the_state_of_rest),
       RUN(damped_modes_have_their_ratios), RUN(free_tops_nutate_as_euler_says),
