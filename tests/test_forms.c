@@ -1517,7 +1517,7 @@ TEST(what_memory_has_spoiled_is_refused)
     FBT_INT_EQ(fb_body_check(&body), FB_ERR_VALUE);
     body.n_S += 1;
     FBT_INT_EQ(fb_body_check(&body), FB_OK);
-    body.base = (fb_base)4;
+    memset(&body.base, 1, sizeof body.base); /* no value of the enum */
     FBT_INT_EQ(fb_body_check(&body), FB_ERR_VALUE);
     body.base = FB_BASE_FREE;
     body.effects |= 1u << 20;
