@@ -95,8 +95,8 @@ hard() {
 tests() {
   make -s coverage | sed -n '/^section/,$p' > "$out/tests"
   echo >> "$out/tests"
-  make -s mutants SEED=15 > "$out/mutants" || true # where it is below its bound the table says so
-  cat build/mutants/table-15.txt >> "$out/tests"
+  make -s mutants SEED=17 > "$out/mutants" || true # where it is below its bound the table says so
+  cat build/mutants/table-17.txt >> "$out/tests"
   { echo '```'; cat "$out/tests"; echo '```'; } | block tests
 }
 
