@@ -1892,7 +1892,7 @@ typedef struct fb_analyse_work { /* scratch; large: make it static */
 FB_API fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_work *work, const fb_input *input);
 /* The motion about a state (of fb_body_trim, or steady anyhow), with the inputs and outputs of desc (NULL: none). By
    differences, exact where rates are polynomials of degree four (a prescribed base without loads on nodes), else right
-   to about 1e-10.
+   to about 1e-10; inputs are moved by about as much as acts already, in any unit of force.
    FB_ERR_CAPACITY: a port of a node, or of a body, that does not exist, no room in input for one more load;
    FB_ERR_VALUE: an axis, an input among the outputs, base motion of a base that is not prescribed, a port of systems.
    On failure linear is as before. */

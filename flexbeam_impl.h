@@ -14053,6 +14053,7 @@ static fb_real fbi_force_size(const fb_body *body, fb_real size, fb_real k)
   return body->mass * a;
 }
 
+/* A load as a force [N]: its torque on an arm of that size [m]. */
 static fb_real fbi_load_size(const fb_load *load, fb_real size)
 {
   return fbi_vec3_norm(load->force) + fbi_vec3_norm(load->torque) / size;
@@ -14368,6 +14369,7 @@ static fb_status fbi_body_response(fb_real *f, const fbi_subject *s, int j, fb_r
   return status;
 }
 
+/* Length [m] by which a body is judged. */
 static fb_real fbi_body_size(const fb_body *body)
 {
   return body->gyration > FB_R(0.0) ? body->gyration : FB_R(1.0);
@@ -15111,6 +15113,7 @@ static const fb_linear_desc *fbi_no_ports(fbi_analysis *work)
   return &work->none;
 }
 
+/* Steps of the inputs, behind those of the n states. */
 static void fbi_body_port_steps(const fbi_subject *s, int n)
 {
   const fb_real size = fbi_body_size(s->body), *const v = s->work->steady.v, *const w = s->work->steady.w;
@@ -15234,7 +15237,7 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
   return status;
 }
 
-/* What the motors of a joint do, as a force. */
+/* What the motors of a joint do, as a force [N]. */
 static fb_real fbi_drive_size(const fb_joint *joint, const fb_drive *drive, fb_real size)
 {
   fb_real force = FB_R(0.0);
@@ -15244,6 +15247,7 @@ static fb_real fbi_drive_size(const fb_joint *joint, const fb_drive *drive, fb_r
   return force;
 }
 
+/* Of a system: every body, load and motor counts, for each is felt by all. */
 static void fbi_system_port_steps(const fbi_subject *s, fb_real spin)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -15433,7 +15437,7 @@ static int fbi_step_grows(fb_scheme scheme, fbi_complex d, fb_real r)
   return fbi_complex_abs(fbi_amplification(scheme, d, r)) > FB_R(1.0) + FBI_ROUNDING;
 }
 
-/* Largest r up to which the motion along d does not grow: the first crossing, by bisection. */
+/* Largest r up to which rk4's motion along d does not grow: the only crossing, by bisection. */
 static fb_real fbi_stable_radius(fb_scheme scheme, fbi_complex d)
 {
   fb_real low = FB_R(0.0), high = FB_R(0.0);

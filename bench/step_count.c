@@ -28,10 +28,10 @@ static fb_status step(const char *scheme, fb_state *state, fb_real dt)
 int main(int argc, char **argv)
 {
   fb_state state;
-  const int decayed = argc == 8 && strcmp(argv[7], "decayed") == 0, held = argc == 8 && !decayed;
+  const int decayed = argc == 8 && strcmp(argv[7], "decayed") == 0, held = argc == 8 && strcmp(argv[7], "held") == 0;
   const char *scheme = argc > 6 ? argv[6] : "fb_rk4_step";
   fb_real dt;
-  if (argc < 6) {
+  if (argc < 6 || argc > 8 || (argc == 8 && !decayed && !held)) {
     fprintf(stderr, "usage: step_count Y Z AXIAL EFFECTS STEPS [SCHEME [decayed | held]]\n");
     return 2;
   }
