@@ -3,26 +3,38 @@
 
      byte  size  field
         0     4  magic, "FBHL"
-        4     2  version, 1
+        4     2  version, 2
         6     2  type
         8     4  length of the packet [bytes]
-       12     4  session: the sender's own number, another one each time it starts
-       16     4  sequence number, one more in every packet of a session; wraps around
-       20     4  answers: sequence number of the packet that this one answers
-       24     8  time of the plant [s]
-       32   8 n  the type's n values
-    32+8n     4  check word: CRC-32 (IEEE 802.3) of all bytes before
+       12     4  sequence number, one more in every packet of a session, which ends before they wrap around
+       16     8  sender: the number of the sender's session, drawn at random
+       24     8  receiver: that of the receiver's session, 0 in a hello to a plant that has not told it yet
+       32     8  time of the plant [s]
+       40     4  answers: sequence number of the packet that this one answers
+       44   8 n  the type's n values
+    44+8n    16  tag: SipHash-2-4 of all bytes before, by the key that both sides share (hil_hash.h)
 
    Types: 1 hello (controller to plant, no values), 2 sensors (plant to controller), 3 command (controller to plant), 4
-   end of the run (plant to controller, no values). */
+   end of the run (plant to controller, no values), 5 challenge (plant to controller, no values).
+
+   A session begins by a hello to receiver 0. The plant answers with a challenge: its sender is a number that the plant has
+   drawn for the next session and for no other. The hello to that receiver makes its sender the one that commands, and
+   uses the number up. So nothing that was recorded fits another session: it names other numbers.
+
+   WHAT THE TAG IS GOOD FOR. Somebody who can send packets to both ports and read all that are exchanged, but has not
+   the key, cannot command the plant, nor deceive the controller: a packet that is made up, changed, shortened, sent
+   twice, sent later or kept from another run is refused and counted. What he can do: read (nothing is secret),
+   flood a port, or hold packets back; the plant reads a bounded number in a period, and the watchdog ends in the safe
+   command. Who has the key is trusted: keep its file unreadable for others (the programs refuse it else). Root, or whoever
+   may read this user's files or memory, is beyond what packets can be protected from. */
 #ifndef HIL_H
 #define HIL_H
+#include "hil_hash.h"
 #include <math.h>
-#include <stdint.h>
 #include <string.h>
 
-enum { HIL_VERSION = 1, HIL_HEADER = 32, HIL_TRAILER = 4 };
-enum { HIL_HELLO = 1, HIL_SENSORS = 2, HIL_COMMAND = 3, HIL_END = 4, HIL_LAST_TYPE = HIL_END };
+enum { HIL_VERSION = 2, HIL_HEADER = 44, HIL_TRAILER = HIL_TAG };
+enum { HIL_HELLO = 1, HIL_SENSORS, HIL_COMMAND, HIL_END, HIL_CHALLENGE, HIL_LAST_TYPE = HIL_CHALLENGE };
 
 enum {                               /* places of the values of a sensor packet */
        HIL_PERIOD = 0,               /* [s] of the plant */
@@ -52,16 +64,17 @@ enum {
 /* A command beyond these is refused, not cut: who sends it has lost its way. */
 static const double hil_torque_limit[HIL_COMMAND_VALUES] = {2, 2, 2, 4, 4}; /* [N m] */
 
-/* Why a packet is refused, in the order in which it is looked at. The first six and the finite numbers are seen by
-   hil_decode, the others by the receiver, who knows what came before. */
+/* Why a packet is refused, in the order in which it is looked at. The first six are seen by hil_decode, the others by
+   the receiver, who knows what came before. */
 #define HIL_REFUSALS(X)                       \
   X(HIL_BAD_LENGTH, "length")                 \
   X(HIL_BAD_MAGIC, "magic")                   \
   X(HIL_BAD_VERSION, "version")               \
   X(HIL_BAD_TYPE, "type")                     \
-  X(HIL_BAD_CHECK, "check word")              \
+  X(HIL_BAD_TAG, "not signed by this key")    \
   X(HIL_NOT_FINITE, "not finite")             \
   X(HIL_BAD_SENDER, "wrong sender")           \
+  X(HIL_BAD_SESSION, "of another session")    \
   X(HIL_BAD_SEQUENCE, "old or repeated")      \
   X(HIL_BAD_ANSWER, "answers nothing recent") \
   X(HIL_BAD_RANGE, "out of range")
@@ -78,7 +91,8 @@ static inline const char *hil_verdict_string(int verdict)
 
 typedef struct hil_packet {
   int type;
-  uint32_t session, sequence, answers;
+  uint32_t sequence, answers;
+  uint64_t sender, receiver;
   double time;
   double value[HIL_MOST_VALUES];
 } hil_packet;
@@ -86,30 +100,8 @@ typedef struct hil_packet {
 /* How many values a packet of a type has; -1: there is no such type. */
 static inline int hil_values(int type)
 {
-  static const int values[HIL_LAST_TYPE + 1] = {-1, 0, HIL_SENSOR_VALUES, HIL_COMMAND_VALUES, 0};
+  static const int values[HIL_LAST_TYPE + 1] = {-1, 0, HIL_SENSOR_VALUES, HIL_COMMAND_VALUES, 0, 0};
   return type >= 0 && type <= HIL_LAST_TYPE ? values[type] : -1;
-}
-
-/* 1 if sequence number a comes after b: less than half the way around. */
-static inline int hil_after(uint32_t a, uint32_t b)
-{
-  return a != b && (uint32_t)(a - b) < 0x80000000u;
-}
-
-static inline void hil_put(unsigned char *to, uint64_t x, int bytes)
-{
-  for (int i = 0; i < bytes; i++) {
-    to[i] = (unsigned char)(x >> (8 * i) & 255u);
-  }
-}
-
-static inline uint64_t hil_get(const unsigned char *from, int bytes)
-{
-  uint64_t x = 0;
-  for (int i = 0; i < bytes; i++) {
-    x |= (uint64_t)from[i] << (8 * i);
-  }
-  return x;
 }
 
 static inline void hil_put_real(unsigned char *to, double x)
@@ -127,29 +119,16 @@ static inline double hil_get_real(const unsigned char *from)
   return x;
 }
 
-/* CRC-32 of IEEE 802.3: polynomial 0x04C11DB7, bits reflected, begins and ends with all ones. */
-static inline uint32_t hil_crc(const unsigned char *bytes, int n)
+/* Sets the tag of n bytes. */
+static inline void hil_seal(unsigned char *bytes, int n, const hil_key *key)
 {
-  uint32_t crc = 0xFFFFFFFFu;
-  for (int i = 0; i < n; i++) {
-    crc ^= bytes[i];
-    for (int bit = 0; bit < 8; bit++) {
-      crc = crc >> 1 ^ (crc & 1u ? 0xEDB88320u : 0u);
-    }
-  }
-  return ~crc;
-}
-
-/* Sets the check word of n bytes. */
-static inline void hil_seal(unsigned char *bytes, int n)
-{
-  hil_put(bytes + n - HIL_TRAILER, hil_crc(bytes, n - HIL_TRAILER), 4);
+  hil_hash(bytes + n - HIL_TRAILER, key, bytes, n - HIL_TRAILER);
 }
 
 static const unsigned char hil_magic[4] = {'F', 'B', 'H', 'L'};
 
 /* Returns the number of bytes written; 0: no such type. */
-static inline int hil_encode(unsigned char bytes[HIL_MOST_BYTES], const hil_packet *p)
+static inline int hil_encode(unsigned char bytes[HIL_MOST_BYTES], const hil_packet *p, const hil_key *key)
 {
   const int values = hil_values(p->type), n = HIL_HEADER + 8 * values + HIL_TRAILER;
   if (values < 0) {
@@ -159,20 +138,22 @@ static inline int hil_encode(unsigned char bytes[HIL_MOST_BYTES], const hil_pack
   hil_put(bytes + 4, HIL_VERSION, 2);
   hil_put(bytes + 6, (uint64_t)p->type, 2);
   hil_put(bytes + 8, (uint64_t)n, 4);
-  hil_put(bytes + 12, p->session, 4);
-  hil_put(bytes + 16, p->sequence, 4);
-  hil_put(bytes + 20, p->answers, 4);
-  hil_put_real(bytes + 24, p->time);
+  hil_put(bytes + 12, p->sequence, 4);
+  hil_put(bytes + 16, p->sender, 8);
+  hil_put(bytes + 24, p->receiver, 8);
+  hil_put_real(bytes + 32, p->time);
+  hil_put(bytes + 40, p->answers, 4);
   for (int i = 0; i < values; i++) {
     hil_put_real(bytes + HIL_HEADER + 8 * i, p->value[i]);
   }
-  hil_seal(bytes, n);
+  hil_seal(bytes, n, key);
   return n;
 }
 
 /* Reads n bytes; the packet is written only when it is accepted. */
-static inline hil_verdict hil_decode(hil_packet *p, const unsigned char *bytes, int n)
+static inline hil_verdict hil_decode(hil_packet *p, const unsigned char *bytes, int n, const hil_key *key)
 {
+  unsigned char tag[HIL_TAG];
   hil_packet read;
   int values;
   if (n < HIL_HEADER + HIL_TRAILER || n > HIL_MOST_BYTES) {
@@ -193,13 +174,15 @@ static inline hil_verdict hil_decode(hil_packet *p, const unsigned char *bytes, 
   if (n != HIL_HEADER + 8 * values + HIL_TRAILER || hil_get(bytes + 8, 4) != (uint64_t)n) {
     return HIL_BAD_LENGTH;
   }
-  if (hil_get(bytes + n - HIL_TRAILER, 4) != hil_crc(bytes, n - HIL_TRAILER)) {
-    return HIL_BAD_CHECK;
+  hil_hash(tag, key, bytes, n - HIL_TRAILER);
+  if (!hil_same_tag(tag, bytes + n - HIL_TRAILER)) {
+    return HIL_BAD_TAG;
   }
-  read.session = (uint32_t)hil_get(bytes + 12, 4);
-  read.sequence = (uint32_t)hil_get(bytes + 16, 4);
-  read.answers = (uint32_t)hil_get(bytes + 20, 4);
-  read.time = hil_get_real(bytes + 24);
+  read.sequence = (uint32_t)hil_get(bytes + 12, 4);
+  read.sender = hil_get(bytes + 16, 8);
+  read.receiver = hil_get(bytes + 24, 8);
+  read.time = hil_get_real(bytes + 32);
+  read.answers = (uint32_t)hil_get(bytes + 40, 4);
   for (int i = 0; i < values; i++) {
     read.value[i] = hil_get_real(bytes + HIL_HEADER + 8 * i);
     if (!isfinite(read.value[i])) {
@@ -211,6 +194,12 @@ static inline hil_verdict hil_decode(hil_packet *p, const unsigned char *bytes, 
   }
   *p = read;
   return HIL_ACCEPTED;
+}
+
+/* The sender of n bytes that are a hello by their form, whoever has signed it; 0: they are none. */
+static inline uint64_t hil_hello_sender(const unsigned char *bytes, int n)
+{
+  return n == HIL_HEADER + HIL_TRAILER && hil_get(bytes + 6, 2) == HIL_HELLO ? hil_get(bytes + 16, 8) : 0;
 }
 
 /* What a receiver of one direction counts. */

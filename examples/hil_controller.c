@@ -1,8 +1,8 @@
 /* hil_controller - the flight software of hil_plant's spacecraft as a process of its own: sensors come in and commands
    go out as packets (hil.h) over UDP on the loopback address. It says hello until the plant sends, answers every sensor
    packet, and ends with the plant's run. What it does with them is in hil_control.h: attitude estimated, a slew, pointing
-   with a notch.
-   Exit: 0 the plant's run ended, 1 no plant came or it fell silent, 2 bad options. */
+   with a notch. Both have the same key (hil_key.h): who has it not is not answered to.
+   Exit: 0 the plant's run ended, 1 no plant came, it has another key, or it fell silent, 2 bad options or no key. */
 #define _POSIX_C_SOURCE 200809L /* sockets, clocks */
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
@@ -10,20 +10,25 @@
 #include "../bench/clock.h"
 #include "hil_link.h"
 #include "options.h"
+#include "output.h"
+#include "hil_key.h"
 #include "solar_array.h"
 #include "hil_control.h"
 #include <signal.h>
 
-enum { MOST_SAMPLES = 65536 };
+enum { MOST_SAMPLES = 65536, MOST_FOREIGN = 10 }; /* -, answers by another key that are enough */
 
 typedef struct options {
   double port, patience, crash_at, priority; /* -, [s], [s], - */
+  const char *key;
 } options;
 
 static const char help[] =
     "hil_controller - commands the spacecraft of hil_plant by packets on the loopback address\n"
     "usage: hil_controller [options]\n"
     "  --port P      UDP port of the plant on 127.0.0.1 (47800)\n"
+    "  --key FILE    32 hexadecimal digits that the plant has, too (the variable HIL_KEY, or else hil.key, which is\n"
+    "                made if it is not there)\n"
     "  --patience T  [s] without a packet of the plant, then it ends (30)\n"
     "  --crash-at T  [s] of the plant's time: it kills itself there, for trying the plant's watchdog (never)\n"
     "  --priority P  of SCHED_FIFO, 0: do not ask for it (40)\n"
@@ -36,15 +41,20 @@ static int read_option(void *target, const char *name, const char *text)
                                    {"--patience", &o->patience, 0.01, 1e4},
                                    {"--crash-at", &o->crash_at, 0, 1e9},
                                    {"--priority", &o->priority, 0, 99}};
+  if (strcmp(name, "--key") == 0) {
+    o->key = text;
+    return 0;
+  }
   return read_number(numbers, (int)(sizeof numbers / sizeof numbers[0]), name, text);
 }
 
 typedef struct session {
   int link;
+  hil_key key;
   struct sockaddr_in plant;
   hil_traffic traffic;
-  uint32_t number, sequence;            /* of this session, of the last packet sent */
-  uint32_t plant_session, last;         /* of the plant, its last sequence number */
+  uint64_t number, plant_number;        /* of this session, of the plant's; the latter 0: not known */
+  uint32_t sequence, last;              /* of the last packet sent, of the plant's last sensors */
   int joined, ended;                    /* sensors have come, the plant has said so */
   unsigned char answer[HIL_MOST_BYTES]; /* to the last sensors */
   int bytes;
@@ -67,9 +77,10 @@ static void say_hello(session *s)
   hil_packet p;
   memset(&p, 0, sizeof p);
   p.type = HIL_HELLO;
-  p.session = s->number;
+  p.sender = s->number;
+  p.receiver = s->plant_number;
   p.sequence = ++s->sequence;
-  transmit(s, bytes, hil_encode(bytes, &p));
+  transmit(s, bytes, hil_encode(bytes, &p, &s->key));
 }
 
 static double largest(const double x[3])
@@ -96,22 +107,32 @@ static void answer(session *s, controller *c, const hil_packet *sensors)
   const double start = fbb_now_ns();
   memset(&p, 0, sizeof p);
   p.type = HIL_COMMAND;
-  p.session = s->number;
+  p.sender = s->number;
+  p.receiver = s->plant_number;
   p.sequence = ++s->sequence;
   p.answers = sensors->sequence;
   p.time = sensors->time;
   controller_step(c, p.value, sensors->time, sensors->value);
-  s->bytes = hil_encode(s->answer, &p);
+  s->bytes = hil_encode(s->answer, &p, &s->key);
   transmit(s, s->answer, s->bytes);
   s->computed[s->samples++ % MOST_SAMPLES] = (fbb_now_ns() - start) / 1e3;
   keep_watch(s, c, sensors);
 }
 
-/* What the plant sent. In lock-step it asks again when an answer was lost, with the same number: the same answer. */
+/* What the plant sent: its challenge, until it sends sensors. In lock-step it asks again when an answer was lost, with the
+   same number: the same answer. */
 static hil_verdict take(session *s, controller *c, const hil_packet *p, const struct sockaddr_in *from)
 {
-  if (!link_same(from, &s->plant) || (s->joined && p->session != s->plant_session)) {
+  if (!link_same(from, &s->plant)) {
     return HIL_BAD_SENDER;
+  }
+  if (p->receiver != s->number || (p->type != HIL_CHALLENGE && p->sender != s->plant_number)) {
+    return HIL_BAD_SESSION;
+  }
+  if (p->type == HIL_CHALLENGE && !s->joined) {
+    s->plant_number = p->sender;
+    say_hello(s);
+    return HIL_ACCEPTED;
   }
   if (p->type != HIL_SENSORS && p->type != HIL_END) {
     return HIL_BAD_TYPE;
@@ -120,11 +141,10 @@ static hil_verdict take(session *s, controller *c, const hil_packet *p, const st
     transmit(s, s->answer, s->bytes);
     return HIL_ACCEPTED;
   }
-  if (s->joined && !hil_after(p->sequence, s->last)) {
+  if (s->joined && p->sequence <= s->last) {
     return HIL_BAD_SEQUENCE;
   }
-  s->traffic.lost += s->joined ? (long)(uint32_t)(p->sequence - s->last - 1) : 0;
-  s->plant_session = p->session;
+  s->traffic.lost += s->joined ? (long)(p->sequence - s->last - 1) : 0;
   s->last = p->sequence;
   s->joined = 1;
   s->ended = p->type == HIL_END;
@@ -134,10 +154,16 @@ static hil_verdict take(session *s, controller *c, const hil_packet *p, const st
   return HIL_ACCEPTED;
 }
 
+/* What answers there has another key, and nothing from there is signed by this one. */
+static int has_other_key(const session *s)
+{
+  return s->traffic.received == 0 && s->traffic.refused[HIL_BAD_TAG] >= MOST_FOREIGN;
+}
+
 static void converse(session *s, controller *c, const options *o)
 {
   double heard = fbb_now_ns();
-  while (!s->ended && fbb_now_ns() - heard < 1e9 * o->patience) {
+  while (!s->ended && !has_other_key(s) && fbb_now_ns() - heard < 1e9 * o->patience) {
     unsigned char bytes[HIL_BUFFER];
     struct sockaddr_in from;
     hil_packet p;
@@ -149,7 +175,7 @@ static void converse(session *s, controller *c, const options *o)
       }
       continue;
     }
-    verdict = hil_decode(&p, bytes, n);
+    verdict = hil_decode(&p, bytes, n, &s->key);
     verdict = verdict == HIL_ACCEPTED ? take(s, c, &p, &from) : verdict;
     s->traffic.received += verdict == HIL_ACCEPTED;
     s->traffic.refused[verdict] += verdict != HIL_ACCEPTED;
@@ -177,25 +203,35 @@ static void report(session *s, const controller *c)
     printf("  estimated bias of the gyros [rad/s]: %.3g %.3g %.3g; attitude from its aim at last [rad]: %.3g\n",
            c->estimate.bias[0], c->estimate.bias[1], c->estimate.bias[2], s->error);
   }
-  printf("  %s\n", s->ended    ? "the plant's run has ended"
-                   : s->joined ? "the plant has fallen silent"
-                               : "no plant has come");
+  printf("  %s\n", s->ended           ? "the plant's run has ended"
+                   : s->joined        ? "the plant has fallen silent"
+                   : has_other_key(s) ? "the plant has another key"
+                                      : "no plant has come");
+  if (has_other_key(s)) {
+    fprintf(stderr, "hil_controller: what answers at port %d has another key: refused (--key, HIL_KEY)\n",
+            (int)ntohs(s->plant.sin_port));
+  }
 }
 
 int main(int argc, char **argv)
 {
   static session s;
   static controller c;
-  options o = {47800, 30, 1e9, 40};
-  struct timespec now;
+  options o = {47800, 30, 1e9, 40, NULL};
+  unsigned char number[8];
   int own = 0;
   fb_status status;
-  const int bad = read_all(argc, argv, help, read_option, &o);
+  int bad;
+  output_begin(PROGRAM);
+  bad = read_all(argc, argv, help, read_option, &o);
   if (bad) {
     return bad;
   }
   if (o.port != floor(o.port) || o.priority != floor(o.priority)) {
     return fail("--port and --priority are whole numbers", "");
+  }
+  if (key_read(&s.key, o.key)) {
+    return 2;
   }
   status = controller_init(&c);
   if (status != FB_OK) {
@@ -206,13 +242,15 @@ int main(int argc, char **argv)
   if (s.link < 0) {
     return fail("cannot have a socket", strerror(errno));
   }
-  clock_gettime(CLOCK_REALTIME, &now);
-  s.number = (uint32_t)now.tv_sec * 1000u ^ (uint32_t)now.tv_nsec ^ (uint32_t)getpid() << 16;
+  if (!key_random(number, sizeof number)) {
+    return fail("cannot have random numbers", "/dev/urandom");
+  }
+  s.number = hil_get(number, 8) | 1; /* not 0 */
   s.plant = link_address((int)o.port);
   ask_for_real_time("hil_controller", (int)o.priority);
   fflush(stdout);
   converse(&s, &c, &o);
   report(&s, &c);
   close(s.link);
-  return fflush(stdout) == 0 && s.ended ? 0 : 1;
+  return s.ended ? 0 : 1;
 }

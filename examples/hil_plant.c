@@ -3,13 +3,16 @@
    address. hil_controller is its partner: start it before or after, `make hil` starts both.
    Every period, at an instant counted from the first: the commands that have come are read, the sensors of this instant
    are sent, the step to the next one is made. A command thus acts a period after the sensors it answers.
+   Both have the same key (hil_key.h): what is not signed by it, or comes a second time or late, is refused and counted.
    Safe command, when no valid command has come for the time of the watchdog, and before the first one: no torque on the
    wheels, the drives' motors short-circuited, which damps the arrays. The next valid command ends it.
+   Lateness has a budget (--late-ms): a period that begins or ends later than that is no real time any more, the safe
+   command is given and the run ends. Within it the plant catches up, and a command acts no longer than the watchdog lets.
    In lock-step (--simulated-time) the plant waits for the answer instead of the clock: the same packets, the same bits
    each time. With `direct` the controller is a function call and no packet is sent: again the same bits.
    Checks: no step that computes longer than the period; the hub within 0.01 degrees of its aim in the last 5 s of a run
    long enough for that; angular momentum as it was; at the end a controller that commands.
-   Exit: 0 well, 1 a check failed, no controller came, or the motion left the model, 2 bad options, a port or a file
+   Exit: 0 well, 1 a check failed, no controller came, the plant was too late, or the motion left the model, 2 bad options, a port or a file
    that cannot be had. */
 #define _POSIX_C_SOURCE 200809L /* sockets, clocks, popen */
 #define FLEXBEAM_IMPLEMENTATION
@@ -20,6 +23,8 @@
 #include "hil_link.h"
 #include "hil_line.h"
 #include "options.h"
+#include "output.h"
+#include "hil_key.h"
 #include "plot.h"
 #include "solar_array.h"
 #include "hil_control.h"
@@ -30,9 +35,9 @@ enum { MOST_ROWS = 6000, MOST_SUSPECTS = 64, REPEATS = 5 };
 static const double degree = 3.14159265358979324 / 180;
 
 typedef struct options {
-  double seconds, rate, port, watchdog, patience, priority; /* [s], [Hz], -, [ms], [s], - */
+  double seconds, rate, port, watchdog, late, patience, priority; /* [s], [Hz], -, [ms], [ms], [s], - */
   int pace;
-  const char *out;
+  const char *out, *key;
 } options;
 
 static const char help[] =
@@ -41,7 +46,12 @@ static const char help[] =
     "  --seconds T      [s] of the run (60); the manoeuvre takes 22, pointing is judged from 52 on\n"
     "  --rate F         [Hz] of steps and packets, 100 to 10000 (1000)\n"
     "  --port P         UDP port on 127.0.0.1, 0: one that is free (47800)\n"
+    "  --key FILE       32 hexadecimal digits that the controller has, too (the variable HIL_KEY, or else hil.key,\n"
+    "                   which is made if it is not there)\n"
     "  --watchdog-ms T  [ms] without a valid command, then the safe command acts (100)\n"
+    "  --late-ms T      [ms] that a period may be late in real time; then the safe command acts, and the run ends "
+    "with\n"
+    "                   exit 1 (100)\n"
     "  --simulated-time no|lock-step|direct  no: real time; lock-step: as fast as the answers come; direct: the\n"
     "                   controller is called, no packets (no)\n"
     "  --patience T     [s] lock-step only: so long an answer is waited for, then the controller is silent (10)\n"
@@ -58,12 +68,17 @@ static int read_option(void *target, const char *name, const char *text)
   options *const o = target;
   const number_option numbers[] = {{"--seconds", &o->seconds, 0.01, 36000}, {"--rate", &o->rate, 100, 10000},
                                    {"--port", &o->port, 0, 65535},          {"--watchdog-ms", &o->watchdog, 1, 1e5},
-                                   {"--patience", &o->patience, 0.01, 1e4}, {"--priority", &o->priority, 0, 99}};
+                                   {"--late-ms", &o->late, 0.1, 1e6},       {"--patience", &o->patience, 0.01, 1e4},
+                                   {"--priority", &o->priority, 0, 99}};
   if (strcmp(name, "--simulated-time") == 0) {
     return read_choice(&o->pace, name, text, "no|lock-step|direct");
   }
   if (strcmp(name, "--out") == 0) {
     return read_out(&o->out, text);
+  }
+  if (strcmp(name, "--key") == 0) {
+    o->key = text;
+    return 0;
   }
   return read_number(numbers, (int)(sizeof numbers / sizeof numbers[0]), name, text);
 }
@@ -337,7 +352,7 @@ typedef struct suspect { /* a step that seemed to compute longer than the period
 
 typedef struct record {
   long periods, done, stride, rows;
-  double row[MOST_ROWS][COLUMNS];
+  double row[MOST_ROWS + 1][COLUMNS]; /* and the one of a run that ends too late */
   double *late, *computed, *end; /* [us] wake-up after its instant, time of the processor, end of the step after it */
   double *age;                   /* [periods] of the commands that acted */
   int ages;
@@ -448,7 +463,23 @@ static void exchange(plant *p, line *l, record *r, controller *direct, long k)
   }
 }
 
-/* One period; 0: no controller came, or the motion left the model. */
+/* Is a period later than the budget? Then the safe command is given, and the last row says so. */
+static int is_too_late(plant *p, line *l, record *r, const options *o, double late)
+{
+  const double t = (double)r->done * p->period;
+  if (late <= 1e6 * o->late) {
+    return 0;
+  }
+  fprintf(stderr, "hil_plant: at %.3f s: %.1f ms late, the budget is %g ms (--late-ms): safe command, the run ends\n",
+          t, late / 1e6, o->late);
+  note(l, t, "too late: safe command");
+  l->safe = 1;
+  plant_command(p, NULL);
+  record_row(r, p, l, r->done);
+  return 1;
+}
+
+/* One period; 0: no controller came, it was too late, or the motion left the model. */
 static int fly_period(plant *p, line *l, record *r, controller *direct, const options *o, double release)
 {
   static plant before;
@@ -459,6 +490,9 @@ static int fly_period(plant *p, line *l, record *r, controller *direct, const op
     sleep_until(release);
     woke = fbb_now_ns();
     worked = cpu_ns();
+    if (!interrupted && is_too_late(p, l, r, o, woke - release)) {
+      return 0;
+    }
     receive(l);
   } else if (o->pace == LOCK_STEP && !await_answer(l, o->patience)) {
     fprintf(stderr, "hil_plant: no controller came back\n");
@@ -478,7 +512,7 @@ static int fly_period(plant *p, line *l, record *r, controller *direct, const op
     record_time(r, &before, k, release, woke, cpu_ns() - worked);
   }
   r->done++;
-  return 1;
+  return o->pace != REAL_TIME || !is_too_late(p, l, r, o, fbb_now_ns() - release - 1e9 * p->period);
 }
 
 /* The whole run; 0 as above. An interrupt ends it early, its report is that of what was flown. */
@@ -494,6 +528,8 @@ static int fly(plant *p, line *l, record *r, controller *direct, const options *
       fprintf(stderr, "hil_plant: no controller came\n");
       return 0;
     }
+    printf("hil_plant: a controller has come\n");
+    fflush(stdout);
   }
   start = fbb_now_ns() + 1e7;
   while (well && r->done < r->periods && !interrupted) {
@@ -628,17 +664,26 @@ int main(int argc, char **argv)
   static plant p;
   static line l;
   static controller direct;
-  options o = {60, 1000, 47800, 100, 10, 50, REAL_TIME, "hil.csv"};
+  options o = {60, 1000, 47800, 100, 100, 10, 50, REAL_TIME, "hil.csv", NULL};
+  hil_key key = {{0}}, seed = {{0}};
   struct sigaction on_interrupt;
   record *r;
   fb_status status;
   int well, port, link = -1;
-  const int bad = read_options(&o, argc, argv);
+  int bad;
+  output_begin(PROGRAM);
+  bad = read_options(&o, argc, argv);
   if (bad) {
     return bad;
   }
   if (!is_writable(o.out)) {
     return fail("cannot write", o.out);
+  }
+  if (o.pace != DIRECT && key_read(&key, o.key)) {
+    return 2;
+  }
+  if (!key_random(seed.byte, sizeof seed.byte)) {
+    return fail("cannot have random numbers", "/dev/urandom");
   }
   r = record_begin(&o);
   port = (int)o.port;
@@ -653,7 +698,7 @@ int main(int argc, char **argv)
     fprintf(stderr, "hil_plant: %s\n", fb_status_string(status));
     return 1;
   }
-  line_init(&l, link, (long)ceil(o.watchdog * 1e-3 * o.rate));
+  line_init(&l, link, &key, &seed, (long)ceil(o.watchdog * 1e-3 * o.rate));
   memset(&on_interrupt, 0, sizeof on_interrupt);
   on_interrupt.sa_handler = interrupt;
   sigaction(SIGINT, &on_interrupt, NULL);
@@ -681,5 +726,5 @@ int main(int argc, char **argv)
   report(r, &p, &l, &o);
   judge(r, &p, &l);
   free(r->late);
-  return fflush(stdout) == 0 && well && failures == 0 ? 0 : 1;
+  return well && failures == 0 ? 0 : 1;
 }
