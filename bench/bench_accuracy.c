@@ -10,6 +10,7 @@
 
 #include "ladder.h"
 #include "report.h"
+#include "../examples/output.h"
 
 /* ---- output */
 
@@ -56,6 +57,7 @@ int main(int argc, char **argv)
   const char *const folder = argc > 1 ? argv[1] : ".";
   char path[512];
   FILE *csv;
+  output_begin("bench_accuracy");
   snprintf(path, sizeof path, "%s/accuracy.csv", folder);
   csv = fopen(path, "w");
   if (!csv) {
@@ -80,5 +82,5 @@ int main(int argc, char **argv)
     }
     fflush(stdout);
   }
-  return fclose(csv) == 0 ? 0 : 1;
+  return output_close(csv, path);
 }

@@ -12,6 +12,7 @@
 #include "ladder.h"
 #include "random.h"
 #include "report.h"
+#include "../examples/output.h"
 
 #define FBB_RATIOS 500
 
@@ -212,6 +213,7 @@ int main(int argc, char **argv)
 {
   static fbb_tally tally[2];
   const int variations = argc > 1 ? atoi(argv[1]) : 2;
+  output_begin("bench_advice");
   if (variations < 0 || 3 * FBB_COUNT(fbb_cases) * (variations + 1) > FBB_RATIOS) {
     fprintf(stderr, "usage: bench_advice [variations of each scene, 0 to %d]\n",
             FBB_RATIOS / (3 * FBB_COUNT(fbb_cases)) - 1);

@@ -9,6 +9,7 @@
 #define FLEXBEAM_IMPLEMENTATION
 #include "report.h"
 #include "spinup.h"
+#include "../examples/output.h"
 
 #define STEPS 2000
 #define RUNS 9
@@ -68,6 +69,7 @@ static void print(const char *name, int n_element, const fbb_timing *t)
 
 int main(void)
 {
+  output_begin("bench_forms");
   (void)fbb_begin();
   printf("# us per step, the quietest and the median of %d runs of %d steps; ratios, of the quietest, to the momentum "
          "form\n",

@@ -10,6 +10,7 @@
 #define FB_MAX_MIXED 80
 #define FLEXBEAM_STATIC
 #include "report.h"
+#include "../examples/output.h"
 #include <math.h>
 
 #define STATES 16
@@ -187,7 +188,7 @@ static void iteration(int way, int at)
   work.motion = steady;
   fbi_mixed_pose_take(&work, &start[at], &beam);
   fbi_mixed_input_take(&work, &beam, start[at].base_quat, &input, 1, 0);
-  fbi_mixed_middle(&work, &beam, 0);
+  fbi_mixed_middle(&work, &beam, 0, 1);
   fbb_check(factor(way), "factors");
   solve(way);
 }
@@ -202,12 +203,12 @@ static void step(int way, int at)
     return;
   }
   fbi_mixed_begin(&work, &beam, &state, &input, h);
-  fbi_mixed_middle(&work, &beam, h);
+  fbi_mixed_middle(&work, &beam, h, 1);
   fbb_check(factor(way), "factors");
   for (int it = 0; it < beam.iterations; it++) {
     solve(way);
     fbi_mixed_correct(&work, &beam);
-    fbi_mixed_middle(&work, &beam, h);
+    fbi_mixed_middle(&work, &beam, h, 1);
   }
   fbi_mixed_end(&state, &work, &beam, h);
 }
@@ -303,6 +304,7 @@ static void decayed(void)
 
 int main(void)
 {
+  output_begin("bench_mixed");
   overhead = 1e-3 * fbb_begin();
   printf("# us (%.3f us of the clock taken off), up to %d samples, %d states in turn\n", overhead, SAMPLES, STATES);
   printf("# work of fb_mixed_work %.1f kB, model %.1f kB, state %.1f kB for 80 elements: linear in them\n",

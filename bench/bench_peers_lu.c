@@ -6,6 +6,7 @@
 #define FLEXBEAM_IMPLEMENTATION
 #include "random.h"
 #include "report.h"
+#include "../examples/output.h"
 #include <dlfcn.h>
 #include <math.h>
 
@@ -133,6 +134,7 @@ int main(void)
 {
   static const int sizes[] = {6, 8, 10, 12, 16, 20, 24, 32, 40, 48};
   char library[64];
+  output_begin("bench_peers_lu");
   overhead = fbb_begin();
   name_library(library, sizeof library);
   printf(

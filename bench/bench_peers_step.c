@@ -13,6 +13,7 @@
 #define FLEXBEAM_IMPLEMENTATION
 #include "report.h"
 #include "spinup.h"
+#include "../examples/output.h"
 #include <arkode/arkode_arkstep.h>
 #include <arkode/arkode_erkstep.h>
 #include <cvode/cvode.h>
@@ -421,6 +422,7 @@ int main(void)
     const char *name;
     int modes, n_element;
   } scenes[] = {{"modal", 3, 0}, {"strain", 0, 2}};
+  output_begin("bench_peers_step");
   (void)fbb_begin();
   require(SUNContext_Create(SUN_COMM_NULL, &context) == 0, "SUNDIALS does not start");
   printf("# SUNDIALS %s; us of processor time per simulated second, up to %d samples in turn\n", SUNDIALS_VERSION,

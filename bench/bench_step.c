@@ -5,6 +5,7 @@
 #define FLEXBEAM_IMPLEMENTATION
 #include "report.h"
 #include "scene.h"
+#include "../examples/output.h"
 
 #define STATES 64
 #define SAMPLES 20000
@@ -73,6 +74,7 @@ static void decaying(const char *name, int first, int next)
 int main(void)
 {
   static const int modes[] = {1, 2, 3, 6, 12};
+  output_begin("bench_step");
   overhead = fbb_begin();
   printf("# ns per step of rk4 (%.0f ns of the clock taken off), %d samples, %d states; ratio: median to that of the "
          "rigid body, and of what decays to the same body moving\n",

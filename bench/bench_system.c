@@ -16,6 +16,8 @@
 #define FLEXBEAM_IMPLEMENTATION
 #include "random.h"
 #include "report.h"
+#include "tree.h"
+#include "../examples/output.h"
 #include <math.h>
 
 #define STATES 16
@@ -128,28 +130,12 @@ static void blade(const char *name)
 
 /* ---- systems */
 
-static fb_joint_desc *hang(int body, fb_joint_kind kind, int parent, int node)
-{
-  fb_joint_desc *joint = &desc.joint[desc.n_body];
-  desc.model[desc.n_body++] = body;
-  joint->kind = kind;
-  joint->parent = parent;
-  joint->parent_node = node;
-  return joint;
-}
-
-static void turn(fb_joint_desc *joint, fb_real x, fb_real y, fb_real z)
-{
-  const fb_real phi[3] = {x, y, z};
-  fb_quat_from_rotvec(joint->attitude, phi);
-}
-
 static void chain(int n)
 {
   memset(&desc, 0, sizeof desc);
-  (void)hang(0, FB_JOINT_REVOLUTE, FB_GROUND, 0);
+  (void)fbb_hang(&desc, 0, FB_JOINT_REVOLUTE, FB_GROUND, 0);
   for (int k = 1; k < n; k++) {
-    turn(hang(0, FB_JOINT_REVOLUTE, k - 1, 1), FB_R(1.5707963267948966), 0, 0);
+    fbb_turn(fbb_hang(&desc, 0, FB_JOINT_REVOLUTE, k - 1, 1), FB_R(1.5707963267948966), 0, 0);
   }
 }
 
@@ -157,24 +143,24 @@ static void chain(int n)
 static void spacecraft(int appendages)
 {
   memset(&desc, 0, sizeof desc);
-  (void)hang(0, FB_JOINT_FREE, FB_GROUND, 0);
+  (void)fbb_hang(&desc, 0, FB_JOINT_FREE, FB_GROUND, 0);
   for (int k = 0; k < appendages; k++) {
-    fb_joint_desc *joint = hang(1, FB_JOINT_REVOLUTE, 0, 0);
+    fb_joint_desc *joint = fbb_hang(&desc, 1, FB_JOINT_REVOLUTE, 0, 0);
     joint->position[0] = k == 0 ? FB_R(1.0) : -FB_R(1.0);
-    turn(joint, 0, 0, k == 0 ? FB_R(0.0) : FB_R(3.14159265358979324));
+    fbb_turn(joint, 0, 0, k == 0 ? FB_R(0.0) : FB_R(3.14159265358979324));
   }
 }
 
 static void rotor(void)
 {
   memset(&desc, 0, sizeof desc);
-  (void)hang(0, FB_JOINT_REVOLUTE, FB_GROUND, 0);
+  (void)fbb_hang(&desc, 0, FB_JOINT_REVOLUTE, FB_GROUND, 0);
   for (int k = 0; k < 3; k++) {
     const fb_real angle = (fb_real)k * FB_R(2.0943951023931955);
-    fb_joint_desc *joint = hang(1, FB_JOINT_RIGID, 0, 0);
+    fb_joint_desc *joint = fbb_hang(&desc, 1, FB_JOINT_RIGID, 0, 0);
     joint->position[0] = FB_R(1.5) * FB_COS(angle);
     joint->position[1] = FB_R(1.5) * FB_SIN(angle);
-    turn(joint, 0, 0, angle);
+    fbb_turn(joint, 0, 0, angle);
   }
 }
 
@@ -325,6 +311,7 @@ static void turbine(const char *table)
 
 int main(int argc, char **argv)
 {
+  output_begin("bench_system");
   overhead = 1e-3 * fbb_begin();
   printf("# us per step of rk4 (%.3f us of the clock taken off), up to %d samples, %d states in turn\n", overhead,
          SAMPLES, STATES);

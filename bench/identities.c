@@ -7,6 +7,7 @@
 #define FLEXBEAM_IMPLEMENTATION
 #include "flexbeam.h"
 #include "check.h"
+#include "../examples/output.h"
 
 static fb_beam_desc desc;
 static fb_beam beam;
@@ -27,6 +28,7 @@ static double sum(const fb_real *x, const fb_real *y)
 int main(void)
 {
   static fb_modes_desc keep;
+  output_begin("identities");
   desc.length = FB_R(10.0);
   desc.n_element = 20;
   desc.n_station = 1;

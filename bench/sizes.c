@@ -1,10 +1,12 @@
 /* sizes - bytes of the structs a program holds, for the precision and FB_MAX_MODES of this build (`make sizes`). */
 #define FLEXBEAM_STATIC
 #include "flexbeam.h"
+#include "../examples/output.h"
 #include <stdio.h>
 
 int main(void)
 {
+  output_begin("sizes");
   printf("precision  modes    body   state  rk4_work  input    shape    modes  modes_work  body_work  system_state  "
          "system_work\n");
   printf("%-9s %6d %7d %7d %9d %6d %8d %8d %11d %10d %13d %12d\n", FB_SINGLE ? "single" : "double", FB_MAX_MODES,

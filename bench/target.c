@@ -187,7 +187,7 @@ static int run_body(const char *name, int scheme)
     counted();
     digest_reals(state.rho, 3);
     digest_reals(state.quat, 4);
-    digest_reals(state.P, 3);
+    digest_reals(state.u, 3);
     digest_reals(state.L, 3);
     digest_reals(state.q, BODY.n);
     digest_reals(state.pi, BODY.n);

@@ -13,13 +13,14 @@
 #include "config.h"
 #include "envelope.h"
 #include "options.h"
+#include "output.h"
 #include "plot.h"
 #include <time.h>
 
 static const char help[] =
     "advise - effects, modes, scheme and step that a scene calls for\n"
     "usage: advise [FILE] [options]\n"
-    "  FILE                  description (words: README.md, \"Bodies from files\"); without it examples/boom.txt is\n"
+    "  FILE                  description (words: examples/TOOLS.md); without it examples/boom.txt is\n"
     "                        spun up to 6 rad/s at 0.63 rad/s^2, above its first frequency\n"
     "  --base B              free, prescribed, pinned or hinged (as the file says)\n"
     "  --modes Y,Z[,A,T]     bending modes along y, z, axial and torsional ones to choose from (those of the file)\n"
@@ -623,8 +624,8 @@ static int write_csv(const options *o, const search *find, const char *csv)
     }
     fputs("\n", out);
   }
-  if (ferror(out) | fclose(out)) {
-    return fail("cannot write", csv);
+  if (output_close(out, csv)) {
+    return 2;
   }
   printf("table: %s\n", csv);
   return 0;
@@ -722,6 +723,7 @@ int main(int argc, char **argv)
   fb_envelope e;
   fb_status status;
   int bad;
+  output_begin(PROGRAM);
   o = (options){.base = -1, .trials = 2000, .n_tolerance = 3, .tolerance = {10, 1, 0.1}, .scene = {.duration = 10}};
   if (!named) {
     o.scene.spin[2] = 6;

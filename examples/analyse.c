@@ -11,12 +11,13 @@
 #include "model.h"
 #define PROGRAM "analyse"
 #include "options.h"
+#include "output.h"
 #include "plot.h"
 
 static const char help[] =
     "analyse - steady spin of a body from a text file, and the motion about it\n"
     "usage: analyse [FILE] [options]\n"
-    "  FILE              description (examples/satellite.txt; words: README.md, \"Bodies from files\")\n"
+    "  FILE              description (examples/satellite.txt; words: examples/TOOLS.md)\n"
     "  --spin X,Y,Z|Z    steady spin [rad/s], body axes; one value: about z (0)\n"
     "  --rpm X,Y,Z|Z     the same [rpm]\n"
     "  --to SPIN         Campbell table from standstill to this spin [rad/s] along that axis, below 0: against it\n"
@@ -266,8 +267,8 @@ static int campbell(const options *o, const double axis[3])
   if (!found) {
     printf("no instability at %d spins up to %.6g rad/s\n", (int)o->steps + 1, o->to);
   }
-  if (ferror(out) | fclose(out)) {
-    return fail("cannot write", csv);
+  if (output_close(out, csv)) {
+    return 2;
   }
   printf("table: %s\n", csv);
   return draw(o, csv, critical);
@@ -279,8 +280,10 @@ int main(int argc, char **argv)
   const char *what;
   double axis[3] = {0, 0, 1}, spin;
   const int named = argc > 1 && argv[1][0] != '-';
-  const int bad = read_all(argc - named, argv + named, help, read_option, &o);
+  int bad;
   fb_status status;
+  output_begin(PROGRAM);
+  bad = read_all(argc - named, argv + named, help, read_option, &o);
   o.file = named ? argv[1] : o.file;
   if (bad) {
     return bad;

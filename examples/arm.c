@@ -15,6 +15,7 @@
 #include "../flexbeam.h"
 #define PROGRAM "arm"
 #include "options.h"
+#include "output.h"
 #include "plot.h"
 
 enum { LINKS = 2, GAUGE = 1, TIP = 2 }; /* nodes of a link: end of the strain gauge, tip */
@@ -406,14 +407,12 @@ static int run_to_file(result *r, const options *o, int damped, const char *name
 {
   FILE *file = fopen(name, "w");
   fb_status status;
-  int written;
   if (!file) {
     return fail("cannot write", name);
   }
   status = run(r, o, damped, file);
-  written = !ferror(file);
-  if (fclose(file) != 0 || !written) {
-    return fail("cannot write", name);
+  if (output_close(file, name)) {
+    return 2;
   }
   if (status != FB_OK) {
     fprintf(stderr, "arm: %s\n", fb_status_string(status));
@@ -453,8 +452,10 @@ int main(int argc, char **argv)
   options o = {2, 1, 5, 1, "arm.csv"};
   static char stiff[512], svg[512];
   result r[2];
-  int status = read_options(&o, argc, argv);
+  int status;
   fb_status built;
+  output_begin(PROGRAM);
+  status = read_options(&o, argc, argv);
   if (status != 0) {
     return status;
   }
@@ -481,5 +482,5 @@ int main(int argc, char **argv)
          2, stdout);
   }
   status = check_all(r) ? 0 : 1;
-  return fflush(stdout) == 0 ? status : 1;
+  return status;
 }

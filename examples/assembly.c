@@ -5,6 +5,7 @@
 #define FB_MAX_ELEMENTS 12
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
+#include "output.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -197,6 +198,7 @@ static void blade(void)
 
 int main(void)
 {
+  output_begin("assembly");
   printf("%-46s %12s %12s  %8s\n", "", "here", "expected", "off");
   frame();
   columns();

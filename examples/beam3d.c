@@ -1,5 +1,5 @@
 /* beam3d - reads a beam from a small text file and says how it stands under its loads, and how it vibrates about that.
-   README.md, "Beams from files", lists the words; examples/bend45.txt is one.
+   examples/TOOLS.md lists the words; examples/bend45.txt is one.
    Exit: 0 well, 1 no such state, 2 bad options or file. */
 #define _POSIX_C_SOURCE 200809L /* popen, for gnuplot */
 #define FB_MAX_MIXED 400
@@ -7,6 +7,7 @@
 #include "../flexbeam.h"
 #define PROGRAM "beam3d"
 #include "options.h"
+#include "output.h"
 #include "mixed_beam.h"
 #include "plot.h"
 #include "mixed_text.h"
@@ -125,7 +126,9 @@ static int draw(const char *out)
   }
   fputs("x,y,z\n", csv);
   beam_write_shape(csv, 200);
-  fclose(csv);
+  if (output_close(csv, out)) {
+    return 2;
+  }
   beam_file_name(svg, sizeof svg, out, ".svg");
   plot(svg, "set size ratio -1\nset xlabel ''\nset key top right\n", views, 3, stdout);
   return 0;
@@ -141,6 +144,7 @@ int main(int argc, char **argv)
   int modes = 0;
   const char *out = NULL;
   fb_status status;
+  output_begin(PROGRAM);
   if (argc < 2 || strcmp(argv[1], "--help") == 0) {
     fputs(help, argc < 2 ? stderr : stdout);
     return argc < 2 ? 2 : 0;

@@ -3,13 +3,14 @@
      build/examples/campaign examples/campaigns/NAME.txt --runs 1000
 
    As many runs at a time as there are processors, each in a worker process, so that one that crashes is a row like any other;
-   a worker that is free gets the next run. README.md, "Campaigns". */
+   a worker that is free gets the next run. campaigns/README.md. */
 #define _POSIX_C_SOURCE 200809L
 #define PROGRAM "campaign"
 #define CAMPAIGN_HELP                                                \
   "  --jobs N              runs at a time (as many as processors)\n" \
   "  --run K               just run K, in this process; the command for the same scene\n"
 #include "campaign_program.h"
+#include "output.h"
 #include <poll.h>
 
 #define JOBS 1024
@@ -130,7 +131,9 @@ static int run_is_there(void)
 int main(int argc, char **argv)
 {
   const long processors = sysconf(_SC_NPROCESSORS_ONLN);
-  int status = program_read(&prog, argc, argv);
+  int status;
+  output_begin(PROGRAM);
+  status = program_read(&prog, argc, argv);
   if (!status && prog.run > 0) {
     status = run_is_there();
     status = status ? status : program_scene(&prog);

@@ -1,4 +1,4 @@
-/* campaign.h - a campaign: one scene over many sets of parameters. Reads its description (README.md, "Campaigns", lists the
+/* campaign.h - a campaign: one scene over many sets of parameters. Reads its description (campaigns/README.md lists the
    words) and draws the parameters of every run. The draws of run k of parameter NAME follow from (seed, k, NAME) alone,
    of a parameter that is correlated from those of the ones before it, too: neither the order of the runs, nor how many
    there are, nor which parameters else vary has any influence. */

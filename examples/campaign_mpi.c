@@ -4,11 +4,12 @@
 
    Every rank runs, rank 0 besides gives out the runs one by one and writes the journal. What runs is not the rank but a worker
    process (campaign_case.h) of a runner, which the rank has forked before MPI began: a run that crashes is a row, where a rank
-   that crashed would end the whole job, and no process is forked that knows of MPI. README.md, "Campaigns". */
+   that crashed would end the whole job, and no process is forked that knows of MPI. campaigns/README.md. */
 #define _POSIX_C_SOURCE 200809L
 #define PROGRAM "campaign_mpi"
 #define CAMPAIGN_HELP "  (mpirun -n N: N runs at a time)\n"
 #include "campaign_program.h"
+#include "output.h"
 #include <mpi.h>
 #include <sys/select.h>
 
@@ -198,6 +199,7 @@ int main(int argc, char **argv)
 {
   static runner own;
   int began, rank, ranks, status = 0;
+  output_begin(PROGRAM);
   signal(SIGPIPE, SIG_IGN); /* a runner that has died is missed when its row is read */
   signal(SIGINT, interrupt);
   signal(SIGTERM, interrupt);

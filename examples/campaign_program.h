@@ -18,7 +18,7 @@ typedef struct program {
 static const char campaign_help[] =
     "Runs one scene over many sets of parameters. " PROGRAM " [FILE] [options]\n"
     "FILE describes the campaign, a word and its values per line; as an option --WORD \"VALUES\" a word overrides it:\n"
-    "  scene FILE            the scene (README.md, \"Scenes\"), as seen from FILE\n"
+    "  scene FILE            the scene (examples/scenes/README.md), as seen from FILE\n"
     "  runs N                how many (100 of every combination of lists and grids)\n"
     "  vary NAME normal MEAN SD | lognormal MEAN SD | uniform A B    drawn; SD is a number or a part of the mean: 5%\n"
     "  vary NAME list V1 V2 ..  |  grid A B N                        every combination of them\n"
@@ -147,6 +147,10 @@ static int program_scene(program *p)
 static int program_files(const program *p)
 {
   const char *const out[] = {p->csv, p->journal};
+  struct stat at;
+  if (stat(p->csv, &at) == 0 && !S_ISREG(at.st_mode)) {
+    return fail("--out wants a file: the journal goes beside it", p->csv);
+  }
   if (strcmp(p->csv, p->journal) == 0 || same_file(p->csv, p->journal)) {
     return fail("--out: that is the journal of the campaign", p->csv);
   }

@@ -10,6 +10,7 @@
 #include "../flexbeam.h"
 #include "plot.h"
 #include "text.h"
+#include "output.h"
 
 #define MAX_SPINS 256
 #define MAX_MODES 8
@@ -318,8 +319,7 @@ static int draw(const options *o)
     }
     fputs("\n", out);
   }
-  if (fclose(out) != 0) {
-    fprintf(stderr, "campbell: cannot write %s\n", name);
+  if (output_close(out, name)) {
     return 0;
   }
   for (int i = 0; i < 2 * o->modes + 4; i++) {
@@ -346,8 +346,10 @@ int main(int argc, char **argv)
 {
   static options o = {0, 12, 14004, -1, 0, 1, {0}, 0, 4, NULL, NULL};
   static const char *const names[] = {"lag", "flap"};
-  int bad = read_options(&o, argc, argv);
+  int bad;
   fb_status status;
+  output_begin("campbell");
+  bad = read_options(&o, argc, argv);
   if (bad) {
     return bad;
   }
@@ -375,10 +377,6 @@ int main(int argc, char **argv)
         printf("%.10g,%s,%d,%.12g\n", o.spin[s], names[flap], k + 1, table[s][flap][k]);
       }
     }
-  }
-  if (fflush(stdout) != 0) {
-    fprintf(stderr, "campbell: cannot write the output\n");
-    return 1;
   }
   return !o.picture || draw(&o) ? 0 : 1;
 }

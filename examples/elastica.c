@@ -9,6 +9,7 @@
 #include "../flexbeam.h"
 #define PROGRAM "elastica"
 #include "options.h"
+#include "output.h"
 #include "mixed_beam.h"
 #include "plot.h"
 
@@ -86,6 +87,7 @@ int main(int argc, char **argv)
   int n, failures = 0;
   fb_status status = FB_OK;
   FILE *csv;
+  output_begin(PROGRAM);
   if (read_all(argc, argv, help, read_option, &o) != 0) {
     return 2;
   }
@@ -115,7 +117,9 @@ int main(int argc, char **argv)
       beam_write_shape(csv, 200);
     }
   }
-  fclose(csv);
+  if (output_close(csv, o.out)) {
+    return 2;
+  }
   if (status != FB_OK) {
     fprintf(stderr, "elastica: %s\n", fb_status_string(status));
     return 1;

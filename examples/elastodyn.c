@@ -2,6 +2,7 @@
    a beam description for `reduce`. Columns are found by their names; adjustment factors and damping are applied.
    Exit: 0 well, 2 bad options or input. */
 #include "text.h"
+#include "output.h"
 
 static const char help[] =
     "elastodyn - from ElastoDyn's blade file to a beam description\n"
@@ -105,10 +106,10 @@ static int read_blade(const char *file)
   while (!table && text_line(&t)) {
     double value;
     if (take(&t, "NBlInpSt", &value)) {
-      blade.stations = (int)value;
-      if (!t.failed && (value != floor(value) || value < 2 || value > MAX_STATIONS)) {
+      if (!t.failed && !(value == floor(value) && value >= 2 && value <= MAX_STATIONS)) {
         text_fail(&t, "NBlInpSt must be a whole number from 2 to %d", MAX_STATIONS);
       }
+      blade.stations = t.failed ? 0 : (int)value; /* a number beyond int has none */
     }
     (void)take(&t, "AdjBlMs", &blade.mass_factor);
     (void)take(&t, "AdjFlSt", &blade.flap_factor);
@@ -162,6 +163,7 @@ int main(int argc, char **argv)
 {
   const char *file = NULL;
   double length = 0, hub_radius = 0, rpm = 0, flap = 3, edge = 3;
+  output_begin("elastodyn");
   for (int i = 1; i < argc; i++) {
     double *const one = strcmp(argv[i], "--length") == 0       ? &length
                         : strcmp(argv[i], "--hub-radius") == 0 ? &hub_radius
@@ -194,16 +196,12 @@ int main(int argc, char **argv)
   if (!file || length <= 0) {
     return fail(file ? "--length is missing" : "a blade file is missing", "");
   }
-  if (flap != floor(flap) || edge != floor(edge) || flap + edge < 1 || flap + edge > 24) {
+  if (flap != floor(flap) || edge != floor(edge) || flap < 0 || edge < 0 || flap + edge < 1 || flap + edge > 24) {
     return fail("--modes wants two whole numbers, 1 to 24 together", "");
   }
   if (!read_blade(file)) {
     return 2;
   }
   write_blade(file, length, hub_radius, rpm, (int)flap, (int)edge);
-  if (fflush(stdout) != 0) {
-    fprintf(stderr, "elastodyn: cannot write the output\n");
-    return 2;
-  }
   return 0;
 }

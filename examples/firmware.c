@@ -134,7 +134,7 @@ static fb_real larger(fb_real a, fb_real b)
 
 static uint32_t digest_state(uint32_t digest, const fb_state *state)
 {
-  const fb_real *const part[6] = {state->rho, state->quat, state->P, state->L, state->q, state->pi};
+  const fb_real *const part[6] = {state->rho, state->quat, state->u, state->L, state->q, state->pi};
   const int size[6] = {3, 4, 3, 3, satellite.n, satellite.n};
   for (int k = 0; k < 6; k++) {
     for (int i = 0; i < size[k]; i++) {
@@ -171,7 +171,7 @@ static fb_status run(result *out, int damp)
 {
   fb_input input = {0};
   fb_status status = fb_state_init(&satellite, &plant);
-  status = status ? status : fb_state_init(&satellite, &estimate);
+  estimate = plant; /* assignment is a snapshot */
   out->fewest = 0xFFFFFFFFu;
   out->most = out->loop = 0;
   out->swing = out->miss = out->error = FB_R(0.0);

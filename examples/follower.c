@@ -10,6 +10,7 @@
 #include "../flexbeam.h"
 #define PROGRAM "follower"
 #include "options.h"
+#include "output.h"
 #include "mixed_beam.h"
 #include "plot.h"
 
@@ -169,7 +170,9 @@ static int flutter(const options *o, const char *name)
       fprintf(csv, "%g,%.8g,%.8g,%.6g\n", 0.5 * k, (double)spectrum.im[0], (double)spectrum.im[1], growth());
     }
   }
-  fclose(csv);
+  if (output_close(csv, name)) {
+    return 2;
+  }
   load = flutter_load(o);
   if (load <= 0) {
     fprintf(stderr, "follower: no frequencies of the pressed column\n");
@@ -200,6 +203,7 @@ int main(int argc, char **argv)
   int failures = 0;
   fb_status status;
   FILE *csv;
+  output_begin(PROGRAM);
   if (read_all(argc, argv, help, read_option, &o) != 0) {
     return 2;
   }
@@ -210,7 +214,9 @@ int main(int argc, char **argv)
   }
   fputs("x,y,z\n", csv);
   status = bend(&o, csv);
-  fclose(csv);
+  if (output_close(csv, o.out)) {
+    return 2;
+  }
   if (status != FB_OK) {
     fprintf(stderr, "follower: %s\n", fb_status_string(status));
     return 1;

@@ -11,6 +11,7 @@
 #include "../flexbeam.h"
 #define PROGRAM "fourbar"
 #include "options.h"
+#include "output.h"
 #include "plot.h"
 
 enum { CRANK, COUPLER, ROCKER, BARS };
@@ -313,8 +314,8 @@ static int run_to_file(result *r, const linkage *l, const options *o, const char
     return fail("cannot write", name);
   }
   run(r, l, o, file);
-  if (file && (ferror(file) | fclose(file)) != 0) {
-    return fail("cannot write", name);
+  if (file && output_close(file, name)) {
+    return 2;
   }
   if (r->status != FB_OK) {
     printf("%s stopped at %.4f s: %s (joint %d)\n", l->name, r->t_stop, fb_status_string(r->status), work.joint);
@@ -365,7 +366,9 @@ int main(int argc, char **argv)
                                      {"rigid parallelogram", {0.4, 1.0, 0.4}, 1.0, 0}};
   static char name[512], svg[512];
   options o = {30, 6, 100, 1e-4, "both", "fourbar.csv"};
-  int status = read_all(argc, argv, help, read_option, &o), ok = 1;
+  int status, ok = 1;
+  output_begin(PROGRAM);
+  status = read_all(argc, argv, help, read_option, &o);
   if (status != 0) {
     return status;
   }
@@ -383,5 +386,5 @@ int main(int argc, char **argv)
     ok &= status == 0 && check_run(&linkages[k], &r, &o);
   }
   draw(svg, strcmp(o.coupler, "flexible") == 0 ? NULL : name, strcmp(o.coupler, "rigid") == 0 ? NULL : o.out);
-  return fflush(stdout) == 0 && ok ? 0 : 1;
+  return ok ? 0 : 1;
 }

@@ -1,6 +1,6 @@
 /* function.h - functions of time from a line of text: a word and its numbers, with two derivatives and the integral.
    Where a function jumps or bends, `side` says which piece counts: the middle of a step lies in one. Include text.h
-   and csv.h first. README.md, "Scenes", lists the words. */
+   and csv.h first. scenes/README.md lists the words. */
 #ifndef FUNCTION_H
 #define FUNCTION_H
 

@@ -9,6 +9,7 @@
 #include "../flexbeam.h"
 #define PROGRAM "leigh"
 #include "options.h"
+#include "output.h"
 #include "mixed_beam.h"
 #include "plot.h"
 
@@ -890,8 +891,8 @@ static FILE *open_csv(char path[512], const options *o, const char *name)
 
 static void close_csv(FILE *file, const char *path)
 {
-  if (fclose(file) != 0) {
-    exit(fail("cannot write", path));
+  if (output_close(file, path)) {
+    exit(2);
   }
   printf("CSV: %s\n", path);
 }
@@ -1354,7 +1355,9 @@ static void draw_convergence(const options *o)
 int main(int argc, char **argv)
 {
   options o = {NULL, "tests/reference"};
-  const int status = read_all(argc, argv, help, read_option, &o);
+  int status;
+  output_begin(PROGRAM);
+  status = read_all(argc, argv, help, read_option, &o);
   if (status != 0) {
     return status;
   }
@@ -1373,8 +1376,5 @@ int main(int argc, char **argv)
     draw_convergence(&o);
   }
   printf("%d comparisons, %d failed; %d noted and not counted\n", comparisons, failures, noted);
-  if (fflush(stdout) != 0) {
-    return fail("cannot write the output", "");
-  }
   return failures > 0;
 }

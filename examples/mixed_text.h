@@ -1,5 +1,5 @@
 /* mixed_text.h - text descriptions of a geometrically exact beam, read into a fb_mixed_desc and what acts on it.
-   README.md, "The exact beam", lists the words. Include flexbeam.h first. */
+   TOOLS.md lists the words. Include flexbeam.h first. */
 #ifndef MIXED_TEXT_H
 #define MIXED_TEXT_H
 #include "text.h"

@@ -1,4 +1,4 @@
-/* model.h - text descriptions of a body, read into a fb_body. README.md, "Bodies from files", lists the words.
+/* model.h - text descriptions of a body, read into a fb_body. TOOLS.md lists the words.
    Include flexbeam.h first. Everything is static: one model at a time. */
 #ifndef MODEL_H
 #define MODEL_H

@@ -41,5 +41,5 @@ int main(void)
     return 1;
   }
   printf("after 1 s: hub %.4f rad/s, tip %.4f m\n", (double)motion.w[2], (double)tip.displacement[1]);
-  return 0;
+  return fflush(stdout) == 0 ? 0 : 1;
 }

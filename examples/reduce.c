@@ -9,6 +9,7 @@
 #include "../flexbeam.h"
 #include "model.h"
 #include "rom.h"
+#include "output.h"
 
 static const char help[] =
     "reduce - a body in ROM: from a beam or component description to a C header\n"
@@ -18,7 +19,7 @@ static const char help[] =
     "  --name NAME  of the body (that in the file, or flexible_body)\n"
     "  --help       this text\n"
     "A summary goes to the standard error: mass, frequencies, effective mass, what the model takes.\n"
-    "The descriptions are explained in README.md, \"Bodies from files\"; examples/blade.txt and examples/panel.txt are "
+    "The descriptions are explained in examples/TOOLS.md; examples/blade.txt and examples/panel.txt are "
     "two.\n";
 
 static int fail(const char *what, const char *value)
@@ -63,6 +64,7 @@ int main(int argc, char **argv)
   int single = 0;
   FILE *out = stdout;
   fb_status status;
+  output_begin("reduce");
   for (int i = 1; i < argc; i++) {
     if (strcmp(argv[i], "--help") == 0) {
       fputs(help, stdout);
@@ -104,9 +106,5 @@ int main(int argc, char **argv)
     return 2;
   }
   rom_write(out, &model_body, model.name, file, single);
-  if (fflush(out) != 0 || (to && fclose(out) != 0)) {
-    fprintf(stderr, "reduce: cannot write the header\n");
-    return 1;
-  }
-  return 0;
+  return to ? output_close(out, to) : 0;
 }

@@ -16,6 +16,7 @@
 #include "../flexbeam.h"
 #define PROGRAM "rotor"
 #include "options.h"
+#include "output.h"
 #include "plot.h"
 
 #define MAX_ROWS 8192
@@ -672,8 +673,9 @@ int main(int argc, char **argv)
                0.01, 1.225, HUGE_VAL, 0,   8,    0,      2, 30,   360,  "rotor.csv"};
   answer all[FIDELITIES];
   FILE *file;
-  int written;
-  const int bad = read_options(&o, argc, argv);
+  int bad;
+  output_begin(PROGRAM);
+  bad = read_options(&o, argc, argv);
   if (bad) {
     return bad;
   }
@@ -694,9 +696,8 @@ int main(int argc, char **argv)
     all[k] = respond(&o, &fidelities[k], k == FIDELITIES - 1 ? file : NULL);
     print_answer(fidelities[k].name, &all[k], 1);
   }
-  written = ferror(file) == 0;
-  if (fclose(file) != 0 || !written) {
-    return fail("cannot write", o.out);
+  if (output_close(file, o.out)) {
+    return 2;
   }
   if (!(o.advance > 0)) {
     compare_answers(&o, all);

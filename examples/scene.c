@@ -1,16 +1,17 @@
-/* scene - runs a scene from a text file: bodies, joints, loads; to CSV, pictures and an animation. README.md, "Scenes",
-   lists the words; examples/scenes/ holds scenes. Exit: 0 well; 1 a reference is missed, the
-   motion left the model or a file could not be written; 2 bad options, or a file that makes no sense. */
+/* scene - runs a scene from a text file: bodies, joints, loads; to CSV, pictures and an animation. scenes/README.md
+   lists the words; examples/scenes/ holds scenes. Exit: 0 well; 1 a reference is missed, the motion left the model or a
+   file could not be written; 2 bad options, or a file that makes no sense. */
 #define _POSIX_C_SOURCE 200809L /* popen, for gnuplot */
 #include "scene_run.h"
 #define PROGRAM "scene"
 #include "options.h"
+#include "output.h"
 #include "plot.h"
 #include "scene_files.h"
 #include <unistd.h>
 
 static const char help[] =
-    "scene - runs a scene from a text file (words: README.md, \"Scenes\"; scenes: examples/scenes/)\n"
+    "scene - runs a scene from a text file (words and scenes: examples/scenes/)\n"
     "usage: scene FILE [options]\n"
     "  --set NAME=VALUE  another value of a parameter of the file; may be there many times\n"
     "  --out FILE        outputs as CSV, FILE.part until the run ends; curves beside it as SVG where gnuplot is there\n"
@@ -180,14 +181,24 @@ static int run_scene(scene *s, const scene_options *o)
 {
   char part[512];
   scene_options to = *o;
-  int failed, renamed;
+  int failed, renamed, lock = 0;
   to.csv = o->csv ? scene_part_name(part, o->csv) : NULL;
   renamed = to.csv != o->csv;
+  if (renamed) {
+    lock = scene_part_lock(part);
+  }
+  if (lock < 0) {
+    s->message[0] = 0; /* it was told */
+    return 2;
+  }
   failed = !scene_run(s, &to) ? 0 : s->began ? 1 : 2;
   if (failed == 2 && renamed) {
     remove(part); /* it has no row */
   } else if (renamed && rename(part, o->csv) != 0) {
     failed = scene_fail(s, "cannot write %s: %s", o->csv, strerror(errno));
+  }
+  if (renamed) {
+    close(lock);
   }
   return failed;
 }
@@ -203,6 +214,7 @@ int main(int argc, char **argv)
   scene *const s = &the_scene;
   const int quiet = take_flag(&argc, argv, "--quiet");
   int failed;
+  output_begin(PROGRAM);
   if (argc < 2 || strcmp(argv[1], "--help") == 0) {
     fputs(help, argc < 2 ? stderr : stdout);
     return argc < 2 ? 2 : 0;
@@ -219,7 +231,9 @@ int main(int argc, char **argv)
   }
   failed = failed ? failed : run_scene(s, &c.options);
   if (failed) {
-    fprintf(stderr, "scene: %s\n", s->message);
+    if (s->message[0]) {
+      fprintf(stderr, "scene: %s\n", s->message);
+    }
     return failed;
   }
   tell(s, quiet);

@@ -1,4 +1,4 @@
-/* scene.h - a scene from a text file: bodies, joints, loads, what is to be written and measured. README.md, "Scenes",
+/* scene.h - a scene from a text file: bodies, joints, loads, what is to be written and measured. scenes/README.md
    lists the words. Everything is static, and may be called again and again; nothing exits or prints:
 
      static scene s;

@@ -111,11 +111,10 @@ static void scene_note_body(const scene *s, int k)
   const fb_motion *const m = &engine.view.motion.motion[k];
   fb_envelope *const e = &automatic.envelope[k];
   const int held = scene_is_system(s) || s->body[k].level.base == FB_BASE_PRESCRIBED;
-  fb_real R[9], across[3], size = 0, felt = 0;
+  fb_real R[9], size = 0, felt = 0;
   fb_quat_to_mat33(R, engine.view.motion.pose[k].quat);
-  fb_vec3_cross(across, m->w, m->v);
   for (int i = 0; i < 3; i++) {
-    fb_real a = held ? m->v_dot[i] + across[i] : 0;
+    fb_real a = held ? m->acceleration[i] : 0;
     for (int j = 0; j < 3; j++) {
       a -= R[3 * j + i] * s->body[k].level.gravity[j];
     }

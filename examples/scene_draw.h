@@ -2,6 +2,7 @@
    frames over each other. See scene.h. */
 #ifndef SCENE_DRAW_H
 #define SCENE_DRAW_H
+#include "output.h"
 #include "scene_parts.h"
 
 #define SCENE_FRAMES 480
@@ -297,7 +298,7 @@ static FILE *scene_svg_open(scene *s, const char *name, const char *title)
 static int scene_svg_close(scene *s, FILE *svg, const char *name)
 {
   fputs("</svg>\n", svg);
-  return fclose(svg) == 0 ? 0 : scene_fail(s, "cannot write %s", name);
+  return output_is_whole(svg) ? 0 : scene_fail(s, "cannot write %s", name);
 }
 
 static void scene_frame_name(char *name, size_t size, const char *folder, int k)

@@ -3,6 +3,9 @@
 #ifndef SCENE_FILES_H
 #define SCENE_FILES_H
 #include "same_file.h"
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
 
 typedef struct scene_out {
   const char *option, *name; /* name NULL: not asked for */
@@ -21,6 +24,30 @@ static const char *scene_part_name(char part[512], const char *csv)
 {
   snprintf(part, 512, "%s.part", csv);
   return scene_is_plain(csv) ? part : csv;
+}
+
+/* FILE.part for this run alone: until the file that this returns is closed, after it got its name, no other run takes it.
+   Negative: another one has it, of which a message tells, or it cannot be opened. flock, not fcntl: that would end with the
+   first close of the rows. Where the system knows no locks there is none. */
+static int scene_part_lock(const char *part)
+{
+  for (int attempt = 0; attempt < 10; attempt++) {
+    struct stat mine, there;
+    const int file = open(part, O_RDWR | O_CREAT, 0666);
+    if (file < 0) {
+      return -fail("cannot write", part);
+    }
+    if (flock(file, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+      close(file);
+      return -fail("--out: another run is writing it", part);
+    }
+    if (fstat(file, &mine) == 0 && stat(part, &there) == 0 && mine.st_ino == there.st_ino &&
+        mine.st_dev == there.st_dev) {
+      return file;
+    }
+    close(file); /* another run has given it its name meanwhile */
+  }
+  return -fail("--out: other runs are writing it", part);
 }
 
 /* Is it the scene, or a file that a word of it names? */

@@ -808,7 +808,7 @@ static int scene_run(scene *s, const scene_options *o)
   }
   failed = scene_run_rows(s, o, &run);
   failed = failed ? failed : scene_write_pictures(s, o);
-  if (run.csv && fclose(run.csv) != 0 && !failed) {
+  if (run.csv && !output_is_whole(run.csv) && !failed) {
     failed = scene_fail(s, "cannot write %s: %s", o->csv, strerror(errno));
   }
   for (int k = 0; k < s->n_measure && !failed; k++) {

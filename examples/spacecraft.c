@@ -13,6 +13,7 @@
 #define PROGRAM "spacecraft"
 #include "filter.h"
 #include "options.h"
+#include "output.h"
 #include "plot.h"
 #include "solar_array.h"
 
@@ -527,7 +528,9 @@ int main(int argc, char **argv)
   static history h[2];
   options o = {30, 40, 120, 0.4, 0.4, 1, 10, 0.005, 0.06, 30, 0.25, 0.002, DRIVE_RATE, "spacecraft.csv"};
   double swing, measured, error[2], residual[2], coarse;
-  const int bad = read_options(&o, argc, argv);
+  int bad;
+  output_begin(PROGRAM);
+  bad = read_options(&o, argc, argv);
   if (bad) {
     return bad;
   }

@@ -8,6 +8,7 @@
 #define PROGRAM "spinup"
 #include "spinup_model.h"
 #include "plot.h"
+#include "output.h"
 
 #define MAX_BENDING 12 /* modes per plane on the command line */
 #define NOT_GIVEN (-1)
@@ -542,6 +543,7 @@ int main(int argc, char **argv)
                .torque = (double)NAN,
                .out = "spinup.csv"};
   int status;
+  output_begin(PROGRAM);
   o.scene = default_scene;
   status = read_options(&o, argc, argv);
   if (status == 0 && o.reference) {
@@ -551,10 +553,5 @@ int main(int argc, char **argv)
   if (status != 0) {
     return status;
   }
-  status = o.alone ? run_one(&o) : run_table(&o);
-  if (fflush(stdout) != 0 && status == 0) {
-    fprintf(stderr, "spinup: cannot write the output\n");
-    status = 1;
-  }
-  return status;
+  return o.alone ? run_one(&o) : run_table(&o);
 }

@@ -5,6 +5,7 @@
 #define PROGRAM "table1"
 #include "spinup_model.h"
 #include "plot.h"
+#include "output.h"
 
 #define GRID 3001      /* values on a grid of 0.01 s */
 #define GRID_STEP 0.01 /* [s] */
@@ -353,6 +354,7 @@ int main(int argc, char **argv)
 {
   options o = {".", "tests/reference", 3};
   int status = 0;
+  output_begin(PROGRAM);
   for (int i = 1; i < argc && status == 0; i += 2) {
     if (strcmp(argv[i], "--help") == 0) {
       fputs(help, stdout);
@@ -374,9 +376,5 @@ int main(int argc, char **argv)
   status = status ? status : accuracy(&o);
   printf("\n");
   status = status ? status : table1(&o);
-  if (fflush(stdout) != 0 && status == 0) {
-    fprintf(stderr, "table1: cannot write the output\n");
-    status = 1;
-  }
   return status ? status : failures > 0;
 }

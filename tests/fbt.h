@@ -74,7 +74,7 @@ typedef struct fbt_case {
            #got " ~ " #expected " (relative)")
 #define FBT_BELOW(got, limit) fbt_below((double)(got), (double)(limit), __FILE__, __LINE__, #got " < " #limit)
 
-/* A measured figure for README's verification table (test_runner --figures): what, against which source, how much. */
+/* A measured figure for the table of tests/VERIFICATION.md (test_runner --figures): what, against which source, how much. */
 void fbt_figure(const char *what, const char *source, double value);
 
 void fbt_run(const char *section, const fbt_case *cases, int n);
@@ -91,6 +91,8 @@ void fbt_fill(fb_real *x, int n, double scale);
 /* Largest |a_i - b_i| and largest |a_i|. */
 double fbt_difference(const fb_real *a, const fb_real *b, int n);
 double fbt_largest(const fb_real *a, int n);
+/* Rates of v in body axes, from the acceleration of O: a - w x v. Static: until the next call. */
+const fb_real *fbt_v_dot(const fb_motion *motion);
 
 /* Bytes of a struct of which one bit can flip without a change of its check word; more than all of them: the word is 0. */
 int fbt_unseen(void *at, size_t size, unsigned (*word)(void));

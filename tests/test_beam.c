@@ -734,7 +734,7 @@ TEST(sections_from_dimensions_match_the_handbook)
     FBT_NEAR_REL(s.GA_y, 0.8497 * 1e9 * y * z, 1e-4);
     FBT_NEAR_ABS(s.x, 0.5, 0.0);
   }
-  outline.size[0] = FB_R(6.0); /* errata, Leigh item 8: J = 1.790 of the 6 x 1 section */
+  outline.size[0] = FB_R(6.0); /* ERRATA.md L8: J = 1.790 of the 6 x 1 section */
   outline.size[1] = FB_R(1.0);
   FBT_INT_EQ(fb_section_init(&s, &steel, &outline), FB_OK);
   FBT_NEAR_REL(s.GJ, 1.790e9, 3e-4);

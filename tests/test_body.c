@@ -295,7 +295,7 @@ TEST(accelerations_agree_with_a_particle_model)
       particles_accelerate(acc, &cloud, &s, F);
       FBT_INT_EQ(fb_body_motion(&body, &motion, &state, &input), FB_OK);
       for (int a = 0; a < 6 + n; a++) {
-        const double got = (double)(a < 3 ? motion.v_dot[a] : a < 6 ? motion.w_dot[a - 3] : motion.q_ddot[a - 6]);
+        const double got = (double)(a < 3 ? fbt_v_dot(&motion)[a] : a < 6 ? motion.w_dot[a - 3] : motion.q_ddot[a - 6]);
         scale = fmax(scale, fabs(acc[a]));
         error = fmax(error, fabs(got - acc[a]));
       }
@@ -307,6 +307,34 @@ TEST(accelerations_agree_with_a_particle_model)
     }
   }
   fbt_figure("accelerations, n = 1..8, normalized and general M", "Newton's law of 30 particles", worst);
+}
+
+/* Total momenta of a state in body axes: (p, h) about O, then pi = those relative to the mass center + (dc/dq)^T R^T u. */
+static double momentum_of(const fb_state *state, int a)
+{
+  fb_real R[9], u[3], h[3], c[3] = {0};
+  double more = 0.0;
+  fb_quat_to_mat33(R, state->quat);
+  fb_mat33_mulT_vec3(u, R, state->u);
+  if (a < 3) {
+    return (double)(body.mass * u[a]);
+  }
+  for (int i = 0; i < 3; i++) { /* mass center and how modes move it, of the particles */
+    c[i] = shape.c[i];
+    for (int b = 0; b < shape.n; b++) {
+      double slope = (double)shape.P[3 * b + i];
+      for (int d = 0; d < shape.n; d++) {
+        slope += (double)(shape.pchi[3 * (b * shape.n + d) + i] * state->q[d]);
+      }
+      c[i] += (fb_real)(0.5 * ((double)shape.P[3 * b + i] + slope) * (double)state->q[b]);
+      more += b == a - 6 ? slope * (double)u[i] : 0.0;
+    }
+  }
+  if (a >= 6) {
+    return (double)state->pi[a - 6] + more;
+  }
+  fb_mat33_mulT_vec3(h, R, state->L);
+  return (double)h[a - 3] + (double)(c[(a + 1) % 3] * u[(a + 2) % 3] - c[(a + 2) % 3] * u[(a + 1) % 3]);
 }
 
 /* E8.9, E8.11, E8.13, E8.21: momenta are the derivatives of the particles' kinetic energy, degree 2 with chi. */
@@ -332,7 +360,7 @@ TEST(momenta_agree_with_a_particle_model)
       velocity up = s, down = s;
       double *x = a < 3 ? &up.v[a] : a < 6 ? &up.w[a - 3] : &up.qd[a - 6];
       double *y = a < 3 ? &down.v[a] : a < 6 ? &down.w[a - 3] : &down.qd[a - 6];
-      const double got = (double)(a < 3 ? state.P[a] : a < 6 ? state.L[a - 3] : state.pi[a - 6]);
+      const double got = momentum_of(&state, a);
       *x += 1.0;
       *y -= 1.0;
       error = fmax(error, fabs(0.5 * (particles_energy_2(&cloud, &up) - particles_energy_2(&cloud, &down)) - got));
@@ -356,6 +384,7 @@ TEST(elastic_forces_agree_with_a_particle_model)
     velocity s;
     fb_state state, rate;
     fb_body_desc desc;
+    fb_real R[9], u[3];
     particles_random(&cloud, n, 1);
     particles_to_shape(&shape, &cloud);
     memset(&desc, 0, sizeof desc);
@@ -365,6 +394,11 @@ TEST(elastic_forces_agree_with_a_particle_model)
     velocity_random(&s, n, 0.2);
     state_from(&state, &body, &s);
     FBT_INT_EQ(fb_body_rates(&body, &rate, &state, NULL), FB_OK);
+    fb_quat_to_mat33(R, state.quat);
+    fb_mat33_mulT_vec3(u, R, state.u);
+    for (int i = 0; i < 3; i++) { /* in the frame of the mass center */
+      s.v[i] -= (double)u[i];
+    }
     for (int a = 0; a < n; a++) {
       velocity up = s, down = s;
       up.q[a] += 1.0; /* quadratic in q at fixed velocities: exact */
@@ -620,10 +654,11 @@ TEST(bodies_do_not_depend_on_the_units)
       state_from(&state, &body, &scaled);
       FBT_INT_EQ(fb_body_motion(&body, &motion[unit], &state, NULL), FB_OK);
       for (int k = 0; k < 3; k++) {
-        motion[unit].v_dot[k] /= (fb_real)m;
+        motion[unit].v[k] /= (fb_real)m;
+        motion[unit].acceleration[k] /= (fb_real)m;
         motion[unit].q_ddot[k] /= (fb_real)m;
       }
-      FBT_BELOW(fbt_difference(motion[unit].v_dot, motion[0].v_dot, 3), FBT_TOL(1e-12, 1e-4));
+      FBT_BELOW(fbt_difference(motion[unit].acceleration, motion[0].acceleration, 3), FBT_TOL(1e-12, 1e-4));
       FBT_BELOW(fbt_difference(motion[unit].w_dot, motion[0].w_dot, 3), FBT_TOL(1e-12, 1e-4));
       FBT_BELOW(fbt_difference(motion[unit].q_ddot, motion[0].q_ddot, n), FBT_TOL(1e-12, 1e-4));
     }
@@ -686,10 +721,65 @@ TEST(coordinates_have_any_unit)
       for (int a = 0; a < n; a++) {
         motion[run].q_ddot[a] *= (fb_real)unit[a];
       }
-      FBT_BELOW(fbt_difference(motion[run].v_dot, motion[0].v_dot, 3), FBT_TOL(1e-11, 1e-3));
+      FBT_BELOW(fbt_difference(motion[run].acceleration, motion[0].acceleration, 3), FBT_TOL(1e-11, 1e-3));
       FBT_BELOW(fbt_difference(motion[run].w_dot, motion[0].w_dot, 3), FBT_TOL(1e-11, 1e-3));
       FBT_BELOW(fbt_difference(motion[run].q_ddot, motion[0].q_ddot, n), FBT_TOL(1e-11, 1e-3));
     }
+  }
+}
+
+/* First moment of mass of the particles as the set has it, at q + t q_dot + t^2/2 q_ddot. */
+static void set_center(double c[3], const particles *p, const velocity *s, const double *q_ddot, unsigned effects,
+                       double t)
+{
+  double q[MAX_N];
+  for (int a = 0; a < p->n; a++) {
+    q[a] = s->q[a] + t * s->qd[a] + 0.5 * t * t * q_ddot[a];
+  }
+  for (int i = 0; i < 3; i++) {
+    c[i] = (double)shape.c[i];
+    for (int a = 0; a < p->n; a++) {
+      c[i] += (double)shape.P[3 * a + i] * q[a];
+      for (int b = 0; b < p->n && (effects & FB_EFFECT_ACCELERATION_STIFFENING); b++) {
+        c[i] += 0.5 * (double)shape.pchi[3 * (a * p->n + b) + i] * q[a] * q[b];
+      }
+    }
+  }
+}
+
+/* Accelerations of a free body by a set of effects: Lagrange's equations in the frame of its mass center, where the
+   momentum is zero, for sets of few effects are not the same in frames that fly; O is where the mass center leaves it. */
+static void set_fall(double *acc, const particles *p, const velocity *s, unsigned effects)
+{
+  velocity fall = *s;
+  double A[9], P[3], v[3], c[5][3], turn[3], rate[3], more[3];
+  for (int i = 0; i < 3; i++) {
+    for (int j = 0; j < 3; j++) {
+      velocity up = *s, down = *s;
+      up.v[j] += 0.5;
+      down.v[j] -= 0.5;
+      A[3 * i + j] = slope(p, &up, effects, i) - slope(p, &down, effects, i);
+    }
+    P[i] = slope(p, s, effects, i);
+  }
+  solve(v, A, P, 3);
+  for (int i = 0; i < 3; i++) {
+    fall.v[i] -= v[i];
+  }
+  set_accelerate(acc, p, &fall, effects);
+  for (int k = 0; k < 5; k++) { /* of degree 4 in t: differences over five points are exact */
+    set_center(c[k], p, s, acc + 6, effects, 0.5 * (k - 2));
+  }
+  cross(turn, s->w, c[2]);
+  for (int i = 0; i < 3; i++) {
+    turn[i] += 2.0 * (c[0][i] - 8.0 * c[1][i] + 8.0 * c[3][i] - c[4][i]) / 6.0;
+    rate[i] = (16.0 * (c[1][i] + c[3][i]) - 30.0 * c[2][i] - c[0][i] - c[4][i]) / 3.0;
+  }
+  cross(v, s->w, turn);
+  cross(turn, acc + 3, c[2]);
+  cross(more, s->w, s->v);
+  for (int i = 0; i < 3; i++) { /* acceleration of O, less w x v */
+    acc[i] = -(v[i] + turn[i] + rate[i]) / (double)shape.mass - more[i];
   }
 }
 
@@ -713,10 +803,10 @@ TEST(each_set_of_effects_follows_its_own_lagrangian)
       FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
       velocity_random(&s, n, 0.1);
       state_from(&state, &body, &s);
-      set_accelerate(acc, &cloud, &s, effect_sets[set]);
+      set_fall(acc, &cloud, &s, effect_sets[set]);
       FBT_INT_EQ(fb_body_motion(&body, &motion, &state, NULL), FB_OK);
       for (int a = 0; a < 6 + n; a++) {
-        const double got = (double)(a < 3 ? motion.v_dot[a] : a < 6 ? motion.w_dot[a - 3] : motion.q_ddot[a - 6]);
+        const double got = (double)(a < 3 ? fbt_v_dot(&motion)[a] : a < 6 ? motion.w_dot[a - 3] : motion.q_ddot[a - 6]);
         scale = fmax(scale, fabs(acc[a]));
         error = fmax(error, fabs(got - acc[a]));
       }
@@ -1402,7 +1492,7 @@ static void state_along(fb_state *out, const fb_state *state, const fb_state *ra
   }
   for (int i = 0; i < 3; i++) {
     out->rho[i] += (fb_real)h * rate->rho[i];
-    out->P[i] += (fb_real)h * rate->P[i];
+    out->u[i] += (fb_real)h * rate->u[i];
     out->L[i] += (fb_real)h * rate->L[i];
   }
   for (int i = 0; i < body.n; i++) {
@@ -1575,7 +1665,7 @@ static void large_input(fb_input *input)
 }
 
 typedef struct outcome { /* all reals: what a body does, in whichever coordinates */
-  fb_real limit[6], v[3], w[3], v_dot[3], w_dot[3], q_ddot[LARGE], force[3], torque[3];
+  fb_real limit[6], v[3], w[3], acceleration[3], w_dot[3], q_ddot[LARGE], force[3], torque[3];
   fb_energy energy;
   fb_momentum momentum;
   fb_node_motion node[FB_MAX_NODES];
@@ -1603,7 +1693,7 @@ static void large_outcome(outcome *out, int combined)
   }
   memcpy(out->v, motion.v, sizeof out->v);
   memcpy(out->w, motion.w, sizeof out->w);
-  memcpy(out->v_dot, motion.v_dot, sizeof out->v_dot);
+  memcpy(out->acceleration, motion.acceleration, sizeof out->acceleration);
   memcpy(out->w_dot, motion.w_dot, sizeof out->w_dot);
   memcpy(out->force, motion.reaction_force, sizeof out->force);
   memcpy(out->torque, motion.reaction_torque, sizeof out->torque);
@@ -1898,7 +1988,7 @@ static void full_beam_outcome(outcome *out)
                FB_OK);
     out->q_ddot[k] = fb_gauge_eval(&gauge, state.q);
   }
-  memcpy(out->v_dot, motion.v_dot, sizeof out->v_dot);
+  memcpy(out->acceleration, motion.acceleration, sizeof out->acceleration);
   memcpy(out->w_dot, motion.w_dot, sizeof out->w_dot);
 }
 
@@ -1995,7 +2085,7 @@ TEST(a_held_body_is_a_free_one_with_its_reactions)
     input.load[0].node = node[0];
     fbt_fill(input.load[0].force, 3, 2.0);
     FBT_INT_EQ(fb_body_motion(&body, &motion, &held, &input), FB_OK);
-    FBT_TRUE(fbt_largest(motion.reaction_force, 3) > 0.1 && fbt_largest(motion.v_dot, 3) == 0.0);
+    FBT_TRUE(fbt_largest(motion.reaction_force, 3) > 0.1 && fbt_largest(motion.acceleration, 3) == 0.0);
     FBT_TRUE((fbt_largest(motion.reaction_torque, 3) > 0.1) == (base[k] == FB_BASE_HINGED));
     FBT_TRUE(motion.reaction_torque[2] == FB_R(0.0)); /* what is free has none, not even rounding */
     FBT_TRUE((fbt_largest(motion.reaction_torque, 2) == 0.0) == (base[k] == FB_BASE_PINNED));
@@ -2011,7 +2101,7 @@ TEST(a_held_body_is_a_free_one_with_its_reactions)
     memcpy(input.load[1].torque, motion.reaction_torque, sizeof input.load[1].torque);
     FBT_INT_EQ(fb_body_motion(&body, &free_motion, &loose, &input), FB_OK);
     FBT_TRUE(fbt_largest(free_motion.reaction_force, 3) == 0.0 && fbt_largest(free_motion.reaction_torque, 3) == 0.0);
-    FBT_BELOW(fbt_difference(free_motion.v_dot, motion.v_dot, 3), FBT_TOL(1e-12, 1e-3));
+    FBT_BELOW(fbt_difference(free_motion.acceleration, motion.acceleration, 3), FBT_TOL(1e-12, 1e-3));
     FBT_BELOW(fbt_difference(free_motion.w_dot, motion.w_dot, 3), FBT_TOL(1e-12, 1e-3));
     FBT_BELOW(fbt_difference(free_motion.q_ddot, motion.q_ddot, BOOM_MODES), FBT_TOL(1e-11, 1e-2));
   }
@@ -3417,7 +3507,7 @@ TEST(finite_element_models_are_the_beams_they_came_from)
   }
 }
 
-/* E6.3, E6.6, E8.1: Hopkins' beam element (C.1, C.2 with the errata; p09_beam_element.csv): stiffness, geometric
+/* E6.3, E6.6, E8.1: Hopkins' beam element (C.1, C.2 with ERRATA.md; p09_beam_element.csv): stiffness, geometric
    stiffness, consistent mass with rotary inertia, and the first- and second-order integrals of its six coordinates (q1,
    q2 axial, q3, q4 transverse, q5, q6 rotation): mass center P, inertia I1 = int (r.P) 1 - r P and I2 = int (P_i.P_j) 1
    - P_i P_j, moments O1 = int r x P and O2 = int P_i x P_j. */
@@ -3580,7 +3670,7 @@ TEST(the_check_word_sees_every_flipped_bit)
   }
   FBT_TRUE(word != 0 && seen > 8 * 100 * (int)sizeof(fb_real) / (int)every);
   FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
-  state.L[2] = state.P[0] = FB_R(3.0);
+  state.L[2] = state.u[0] = FB_R(3.0);
   state.q[0] = state.pi[1] = FB_R(0.1);
   FBT_INT_EQ(fb_body_rates(&body, &rate, &state, NULL), FB_OK);
   FBT_INT_EQ(fb_body_rates(&unseen, &again, &state, NULL), FB_OK);
@@ -3726,9 +3816,79 @@ TEST(rows_without_terms_are_refused)
   FBT_INT_EQ(fb_body_check(&spoiled), FB_ERR_VALUE);
 }
 
-SUITE(body, RUN(rows_without_terms_are_refused), RUN(massless_prescribed_bodies_are_sound),
-      RUN(the_check_word_sees_every_flipped_bit), RUN(the_check_word_sees_every_number),
-      RUN(the_check_word_sees_every_term), RUN(coordinates_have_any_unit),
+/* E3.2, E8.22: a rod of particles, or an inertia with nothing about its axis, turned anyhow, has no inertia about that axis:
+   free or pinned it is refused, in units of mass and length of any size. With 1e-8 of the inertia across (single 1e-4) it
+   is a body. */
+TEST(rods_without_thickness_are_refused_in_every_attitude)
+{
+  static const double units[5] = {1.0, 1e-6, 1e6, 1e-12, 1e12};
+  fbt_seed(41);
+  for (int run = 0; run < 4000; run++) {
+    const double unit = units[run % FBT_TOL(5, 3)], m = unit * (1.0 + 0.5 * fbt_random());
+    const double length = (1.0 + 0.5 * fbt_random()) / sqrt(unit), across = m * length * length / 12.0;
+    const double off = run / 5 % 2 ? 0.5 * length : 0.0, slender = run / 10 % 2 ? FBT_TOL(1e-8, 1e-4) : 0.0;
+    const int grains = slender == 0.0 && run / 20 % 2;
+    const fb_real none[3] = {0};
+    fb_real turn[3], quat[4], R[9], J[6], center[3];
+    fb_body_desc desc;
+    fb_shape rod;
+    memset(&desc, 0, sizeof desc);
+    desc.base = run % 3 ? FB_BASE_FREE : FB_BASE_PINNED;
+    fbt_fill(turn, 3, 3.0);
+    fb_quat_from_rotvec(quat, turn);
+    fb_quat_to_mat33(R, quat);
+    FBT_INT_EQ(fb_shape_init(&rod, 0), FB_OK);
+    for (int k = 0; k < 6; k++) { /* across (1 - e e^T) + along e e^T */
+      static const int row[6] = {0, 1, 2, 0, 0, 1}, column[6] = {0, 1, 2, 1, 2, 2};
+      const double ee = (double)R[3 * row[k]] * (double)R[3 * column[k]];
+      J[k] = (fb_real)(across * ((row[k] == column[k] ? 1.0 : 0.0) - (1.0 - slender) * ee));
+    }
+    for (int i = 0; i < 3; i++) {
+      center[i] = (fb_real)(off * (double)R[3 * i]);
+    }
+    for (int k = 0; k < 5 && grains; k++) {
+      fb_real r[3];
+      for (int i = 0; i < 3; i++) {
+        r[i] = (fb_real)((off + length * (k - 2) / 4.0) * (double)R[3 * i]);
+      }
+      FBT_INT_EQ(fb_shape_add_particle(&rod, (fb_real)(m / 5.0), r, none, NULL), FB_OK);
+    }
+    if (!grains) {
+      FBT_INT_EQ(fb_shape_add_rigid(&rod, (fb_real)m, center, J), FB_OK);
+    }
+    FBT_INT_EQ(fb_body_init(&body, &body_work, &rod, &desc), slender > 0.0 ? FB_OK : FB_ERR_SINGULAR);
+  }
+}
+
+/* What a load is not: a number, on a base that is held and takes it without moving. */
+TEST(loads_that_are_no_numbers_are_refused_on_held_bases)
+{
+  static const fb_base base[] = {FB_BASE_FREE, FB_BASE_PRESCRIBED, FB_BASE_PINNED, FB_BASE_HINGED};
+  const fb_real center[3] = {0}, inertia[6] = {1, 1, 1, 0, 0, 0};
+  for (int run = 0; run < 8; run++) {
+    static fb_body_desc held;
+    static fb_rk4_work rk4;
+    fb_input input;
+    fb_state state;
+    fb_motion motion;
+    memset(&held, 0, sizeof held);
+    memset(&input, 0, sizeof input);
+    held.base = base[run / 2];
+    input.n_load = 1;
+    (run % 2 ? input.load[0].torque : input.load[0].force)[1] = (fb_real)NAN;
+    FBT_INT_EQ(fb_shape_init(&shape, 0), FB_OK);
+    FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(1.0), center, inertia), FB_OK);
+    FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &held), FB_OK);
+    FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+    FBT_INT_EQ(fb_body_motion(&body, &motion, &state, &input), FB_ERR_NOT_FINITE);
+    FBT_INT_EQ(fb_rk4_step(&body, &state, &rk4, &input, &input, &input, FB_R(1e-3)), FB_ERR_NOT_FINITE);
+  }
+}
+
+SUITE(body, RUN(loads_that_are_no_numbers_are_refused_on_held_bases),
+      RUN(rods_without_thickness_are_refused_in_every_attitude), RUN(rows_without_terms_are_refused),
+      RUN(massless_prescribed_bodies_are_sound), RUN(the_check_word_sees_every_flipped_bit),
+      RUN(the_check_word_sees_every_number), RUN(the_check_word_sees_every_term), RUN(coordinates_have_any_unit),
       RUN(size_and_reach_are_those_of_the_particles), RUN(potential_energies_agree_with_a_particle_model),
       RUN(integrals_of_a_pair_stand_in_both_places), RUN(damping_is_that_of_a_particle_on_a_spring),
       RUN(the_check_word_is_that_of_its_polynomial), RUN(lumps_have_the_inertia_of_their_node),

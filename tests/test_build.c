@@ -68,5 +68,11 @@ TEST(the_version_is_that_of_the_header)
   FBT_INT_EQ(sscanf(fb_version_string(), "%d.%d.%d%c", &number[0], &number[1], &number[2], &rest), 3);
 }
 
+/* Section 13: arithmetic is as it is written, else nothing is made (tests/checks/fast_math.sh has the other case). */
+TEST(the_build_keeps_arithmetic)
+{
+  FBT_INT_EQ(fb_build_check(), FB_OK);
+}
+
 SUITE(build, RUN(a_configuration_is_accepted_only_by_its_own_name), RUN(the_configuration_spells_out_the_options),
-      RUN(the_version_is_that_of_the_header))
+      RUN(the_version_is_that_of_the_header), RUN(the_build_keeps_arithmetic))

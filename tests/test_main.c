@@ -133,6 +133,16 @@ double fbt_largest(const fb_real *a, int n)
   return largest;
 }
 
+const fb_real *fbt_v_dot(const fb_motion *motion)
+{
+  static fb_real rate[3];
+  fb_vec3_cross(rate, motion->w, motion->v);
+  for (int i = 0; i < 3; i++) {
+    rate[i] = motion->acceleration[i] - rate[i];
+  }
+  return rate;
+}
+
 static int split(char cells[64][40], char *line)
 {
   int n = 0;

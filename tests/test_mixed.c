@@ -1308,6 +1308,107 @@ TEST(one_correction_does_in_short_steps)
             FBT_TOL(1e-10, 1e-4) * fbt_largest(many.stress[0], 12));
 }
 
+/* E10.11, E10.16, E11.20: a beam pinned or on two slides amid its length is found at rest and steps on from there, by equal
+   steps and by steps that vary by half; its energy stays. */
+TEST(a_support_amid_the_beam_holds_at_rest_and_in_motion)
+{
+  const double stiffness[6] = {1e5, 4e4, 4e4, 80.0, 100.0, 150.0}, inertia[6] = {1.0, 1.0, 1.0, 1e-2, 5e-3, 5e-3};
+  for (int run = 0; run < 24; run++) {
+    const int at = 2 * (1 + run / 2 % 4), held = run / 8 == 0 ? FB_HOLD_Y | FB_HOLD_Z : FB_END_PINNED;
+    const double dt = run % 2 ? 0.02 : 0.001, varied = run / 8 == 2 ? 0.5 : 0.0;
+    double before;
+    fb_status status = FB_OK;
+    beam(10.0, 10, stiffness, inertia);
+    desc.n_support = 1;
+    desc.support[0].node = at;
+    desc.support[0].held = held;
+    load_tip(FB_AXES_INERTIAL, 0.0, 0.5, 0.3);
+    settle();
+    input.n_load = 0;
+    before = total_energy();
+    fbt_seed(3);
+    for (int k = 0; k < 300 && status == FB_OK; k++) {
+      fb_real x;
+      fbt_fill(&x, 1, varied);
+      status = fb_mixed_step(&mixed, &state, &work, &input, (fb_real)(dt * (1.0 + (double)x)));
+    }
+    FBT_INT_EQ(status, FB_OK);
+    FBT_NEAR_REL(total_energy(), before, FBT_TOL(1e-9, 1e-4));
+    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+    FBT_BELOW(hypot((double)node[at].displacement[1], (double)node[at].displacement[2]), FBT_TOL(1e-8, 1e-5));
+  }
+}
+
+/* E11.20: a stiff beam, clamped, and pinned amid its length, whose stretch between the two its bending makes: steps that one
+   factorization does not bear three do, equal or varying by half. */
+TEST(stiff_supported_beams_want_factorizations)
+{
+  for (int run = 0; run < 12; run++) {
+    const int factorizations = run < 6 ? 1 : 3;
+    const double EA = run % 2 ? 1e7 : 1e6, varied_by = 0.25 * (run / 2 % 3);
+    const double stiffness[6] = {EA, 0.4 * EA, 0.4 * EA, 80.0, 100.0, 150.0};
+    const double inertia[6] = {1.0, 1.0, 1.0, 1e-2, 5e-3, 5e-3};
+    fb_status status = FB_OK;
+    double before;
+    beam(10.0, 10, stiffness, inertia);
+    desc.n_support = 1;
+    desc.support[0].node = 4;
+    desc.support[0].held = FB_END_PINNED;
+    desc.factorizations = factorizations;
+    load_tip(FB_AXES_INERTIAL, 0.0, 0.5, 0.3);
+    settle();
+    input.n_load = 0;
+    before = total_energy();
+    fbt_seed(3);
+    for (int k = 0; k < FBT_LONG(300, 60) && status == FB_OK; k++) {
+      fb_real x;
+      fbt_fill(&x, 1, varied_by);
+      status = fb_mixed_step(&mixed, &state, &work, &input, (fb_real)(0.2 * (1.0 + (double)x)));
+    }
+    if (factorizations > 1) {
+      FBT_INT_EQ(status, FB_OK);
+      FBT_NEAR_REL(total_energy(), before, FBT_TOL(1e-9, 1e-3));
+    } else if (!FB_SINGLE) {
+      FBT_INT_EQ(status, FB_ERR_CONVERGENCE);
+    }
+  }
+}
+
+/* E11.20: a step that is not refused is, to the last correction's tolerance, that of twenty iterations, however few there are
+   and however long it is; many are refused. */
+TEST(steps_that_have_not_converged_say_so)
+{
+  const double stiffness[6] = {1e5, 4e4, 4e4, 80.0, 100.0, 150.0}, inertia[6] = {1.0, 1.0, 1.0, 1e-3, 5e-4, 5e-4};
+  static fb_mixed_state many;
+  static fb_mixed few;
+  int taken = 0, refused = 0;
+  for (int run = 0; run < 288; run++) {
+    const double dt = 0.004 * pow(1.7, run / 6 % 12), f = 0.01 * pow(5.0, run / 72);
+    beam(10.0, 10, stiffness, inertia);
+    desc.iterations = 1 + run % 6;
+    load_tip(run % 2 ? FB_AXES_NODE : FB_AXES_INERTIAL, 0.0, f, 0.5 * f);
+    input.load[0].torque[0] = (fb_real)f;
+    FBT_INT_EQ(fb_mixed_init(&few, &desc), FB_OK);
+    desc.iterations = 20;
+    start();
+    for (int k = 0; k < 3; k++) {
+      double largest;
+      many = state;
+      if (fb_mixed_step(&mixed, &many, &work, &input, (fb_real)dt) != FB_OK ||
+          fb_mixed_step(&few, &state, &work, &input, (fb_real)dt) != FB_OK) {
+        refused++;
+        break;
+      }
+      taken++;
+      largest = fmax(1.0, fbt_largest(many.stress[0], 60));
+      FBT_BELOW(fbt_difference(state.stress[0], many.stress[0], 60) / largest, FBT_TOL(5e-7, 5e-4));
+      FBT_BELOW(fbt_difference(state.V[0], many.V[0], 66) * (double)state.step, FBT_TOL(5e-7, 5e-4));
+    }
+  }
+  FBT_BELOW(50, refused);
+  FBT_BELOW(300, taken);
+}
+
 /* E10.8, E10.13, E11.20: 10000 steps of free vibration, the fast part of it unresolved. */
 TEST(energy_is_kept_whatever_the_step)
 {
@@ -1435,6 +1536,150 @@ TEST(dissipation_is_that_of_its_formula)
   }
 }
 
+/* A beam that tumbles, or is held at its root, pushed across at its tip for a second, at a speed along (0.6, 0.8, 0): two
+   seconds. */
+static void fly(int held, double speed)
+{
+  const double stiffness[6] = {1e4, 4e3, 4e3, 80.0, 100.0, 100.0}, inertia[6] = {1.0, 1.0, 1.0, 2e-2, 1e-2, 1e-2};
+  fb_status status = FB_OK;
+  beam(5.0, 8, stiffness, inertia);
+  desc.root = held ? FB_END_CLAMPED : FB_END_FREE;
+  desc.dissipation = held ? FB_R(0.2) : FB_R(0.0);
+  desc.n_lump = 1;
+  desc.lump[0].node = 8;
+  desc.lump[0].mass = FB_R(0.3);
+  input.v[0] = (fb_real)(0.6 * speed);
+  input.v[1] = (fb_real)(0.8 * speed);
+  input.w[0] = held ? FB_R(0.0) : FB_R(0.3);
+  input.w[2] = held ? FB_R(0.0) : FB_R(1.0);
+  start();
+  load_tip(FB_AXES_NODE, 0.0, 2.0, 1.0);
+  for (int k = 0; k < 400 && status == FB_OK; k++) {
+    input.n_load = k < 200;
+    status = fb_mixed_step(&mixed, &state, &work, &input, FB_R(0.005));
+  }
+  FBT_INT_EQ(status, FB_OK);
+  FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+}
+
+/* E10.13, E10.14, E11.33: the equations know no speed: the same motion beside a constant velocity, on top of which place,
+   velocities, momenta and energy stand. */
+TEST(flight_at_any_speed_moves_as_rest_does)
+{
+  const double speed[4] = {100.0, 250.0, 7500.0, 30000.0};
+  static fb_mixed_node rest[FB_MAX_MIXED + 1];
+  for (int run = 0; run < 8; run++) {
+    const int held = run / 4;
+    const double v = speed[run % 4], mass = 5.3, rounding = 8.0 * (double)FB_EPSILON;
+    fb_momentum p[2];
+    fb_energy energy[2];
+    fb_mixed_element element[2];
+    fly(held, 0.0);
+    memcpy(rest, node, sizeof rest);
+    FBT_INT_EQ(fb_mixed_momentum(&mixed, &p[0], &state), FB_OK);
+    FBT_INT_EQ(fb_mixed_energy(&mixed, &energy[0], &state), FB_OK);
+    FBT_INT_EQ(fb_mixed_element_eval(&mixed, &element[0], &state, 3), FB_OK);
+    fly(held, v);
+    FBT_INT_EQ(fb_mixed_momentum(&mixed, &p[1], &state), FB_OK);
+    FBT_INT_EQ(fb_mixed_energy(&mixed, &energy[1], &state), FB_OK);
+    FBT_INT_EQ(fb_mixed_element_eval(&mixed, &element[1], &state, 3), FB_OK);
+    for (int j = 0; j <= 8; j++) {
+      fb_real R[9], seen[3], going[3] = {0};
+      going[0] = (fb_real)(0.6 * v);
+      going[1] = (fb_real)(0.8 * v);
+      fb_quat_to_mat33(R, node[j].quat);
+      fb_mat33_mulT_vec3(seen, R, going);
+      FBT_BELOW(fbt_difference(node[j].displacement, rest[j].displacement, 3) / 5.0, FBT_TOL(1e-9, 2e-5));
+      FBT_BELOW(fbt_difference(node[j].quat, rest[j].quat, 4), FBT_TOL(1e-9, 2e-5));
+      for (int i = 0; i < 3; i++) {
+        FBT_NEAR_ABS((double)node[j].position[i] - 2.0 * (double)going[i], (double)rest[j].position[i],
+                     FBT_TOL(1e-9, 1e-4) * 5.0 + rounding * 2.0 * v);
+        FBT_NEAR_ABS((double)node[j].velocity[i] - (double)seen[i], (double)rest[j].velocity[i],
+                     FBT_TOL(1e-9, 1e-4) * 5.0 + rounding * v);
+        FBT_NEAR_ABS((double)p[1].linear[i] - mass * (double)going[i], (double)p[0].linear[i],
+                     FBT_TOL(1e-9, 1e-4) * 5.0 + rounding * mass * v);
+      }
+    }
+    FBT_NEAR_REL(energy[1].kinetic,
+                 (double)energy[0].kinetic + 0.6 * v * (double)p[0].linear[0] + 0.8 * v * (double)p[0].linear[1] +
+                     0.5 * mass * v * v,
+                 FBT_TOL(1e-12, 1e-5));
+    FBT_NEAR_REL(energy[1].strain, energy[0].strain, FBT_TOL(1e-8, 1e-3));
+    FBT_NEAR_REL(
+        hypot((double)element[1].velocity[0], hypot((double)element[1].velocity[1], (double)element[1].velocity[2])), v,
+        0.1);
+    FBT_NEAR_REL(
+        hypot((double)element[1].momentum[0], hypot((double)element[1].momentum[1], (double)element[1].momentum[2])), v,
+        0.1); /* 1 kg/m */
+  }
+}
+
+/* E11.33: a tumbling beam falls for ten seconds, a held one on a base that does: the frame comes along, so that no velocity
+   of the state grows, and momentum and way are those of the fall. */
+TEST(thrust_takes_the_frame_along)
+{
+  const double stiffness[6] = {1e4, 4e3, 4e3, 80.0, 100.0, 100.0}, inertia[6] = {1.0, 1.0, 1.0, 2e-2, 1e-2, 1e-2};
+  for (int held = 0; held < 2; held++) {
+    fb_momentum p;
+    fb_status status = FB_OK;
+    double start_p, largest = 0.0;
+    beam(5.0, 8, stiffness, inertia);
+    desc.root = held ? FB_END_CLAMPED : FB_END_FREE;
+    desc.n_lump = 1;
+    desc.lump[0].node = 3;
+    desc.lump[0].mass = FB_R(0.2);
+    desc.gravity[2] = FB_R(-9.81);
+    desc.dissipation = FB_R(0.3);
+    input.w[2] = held ? FB_R(0.0) : FB_R(1.0);
+    start();
+    FBT_INT_EQ(fb_mixed_momentum(&mixed, &p, &state), FB_OK);
+    start_p = (double)p.linear[2];
+    for (int k = 0; k < 2000 && status == FB_OK; k++) {
+      input.v[2] = held ? (fb_real)(-9.81 * 0.005 * (k + 0.5)) : FB_R(0.0);
+      status = fb_mixed_step(&mixed, &state, &work, &input, FB_R(0.005));
+      largest = fmax(largest, fbt_largest(state.V[0], 54));
+    }
+    FBT_INT_EQ(status, FB_OK);
+    FBT_BELOW(largest, 6.0); /* of 5 m in 11 s, the spin among it */
+    FBT_INT_EQ(fb_mixed_momentum(&mixed, &p, &state), FB_OK);
+    FBT_NEAR_REL((double)p.linear[2] - start_p, -98.1 * 5.2, FBT_TOL(held ? 1e-3 : 2e-7, 1e-3));
+    FBT_NEAR_REL(state.base_position[2], -490.5, FBT_TOL(2e-7, 2e-5));
+  }
+}
+
+/* E10.14, E11.33: a free beam that is pushed across at its tip takes up the impulse of the push, and of its moment, as far as
+   the header says. */
+TEST(pushed_beams_take_up_the_impulse)
+{
+  const double stiffness[6] = {1e4, 4e3, 4e3, 80.0, 100.0, 100.0}, inertia[6] = {1.0, 1.0, 1.0, 2e-2, 1e-2, 1e-2};
+  for (int fine = 0; fine < 2; fine++) {
+    const int n = fine ? 20 : 10;
+    double angular = 0.0, linear_off = 0.0, angular_off = 0.0;
+    beam(5.0, n, stiffness, inertia);
+    desc.root = FB_END_FREE;
+    desc.iterations = 15;
+    start();
+    load_tip(FB_AXES_INERTIAL, 0.0, 50.0, 0.0);
+    for (int k = 0; k < 1200; k++) {
+      fb_momentum p;
+      double arm;
+      input.n_load = k < 200;
+      FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+      arm = (double)node[n].position[0];
+      if (steps(1, 0.005) != FB_OK) {
+        return;
+      }
+      FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+      angular += k < 200 ? 0.25 * 0.5 * (arm + (double)node[n].position[0]) : 0.0;
+      FBT_INT_EQ(fb_mixed_momentum(&mixed, &p, &state), FB_OK);
+      linear_off = fmax(linear_off, hypot((double)p.linear[0], (double)p.linear[1] - 0.25 * fmin(k + 1, 200)));
+      angular_off = fmax(angular_off, fabs((double)p.angular[2] - angular));
+    }
+    FBT_BELOW(linear_off / 50.0, (fine ? 5.2e-4 : 2.1e-3) + FBT_TOL(0.0, 5e-4));
+    FBT_BELOW(angular_off / angular, (fine ? 2.1e-3 : 7.5e-3) + FBT_TOL(0.0, 1e-3));
+  }
+}
+
 /* E10.14, E11.20, E11.21: a free beam, bent and tumbling: linear and angular momentum about the origin, but for
    what the strains' own turn lacks. */
 TEST(free_flight_keeps_momentum)
@@ -1468,6 +1713,59 @@ TEST(free_flight_keeps_momentum)
       worst = fmax(worst, fbt_difference(a.linear, b.linear, 3) / 5.0);
     }
     FBT_BELOW(worst, FBT_TOL(2e-6, 1e-4));
+  }
+}
+
+/* E11.35: a free beam that bends and tumbles does so under uniform gravity as without, and its mass
+   center falls by g t^2/2. */
+TEST(free_fall_is_not_felt)
+{
+  static fb_mixed_state without;
+  static fb_mixed_node still[FB_MAX_MIXED + 1];
+  const double stiffness[6] = {1e4, 4e3, 4e3, 80.0, 100.0, 100.0}, inertia[6] = {1.0, 1.0, 1.0, 2e-2, 1e-2, 1e-2};
+  static const double g[3] = {1.0, -9.81, 3.0};
+  double before = 0.0, bend = 0.0;
+  for (int falls = 0; falls < 2; falls++) {
+    beam(5.0, 8, stiffness, inertia);
+    desc.root = FB_END_FREE;
+    for (int i = 0; i < 3 && falls; i++) {
+      desc.gravity[i] = (fb_real)g[i];
+    }
+    input.v[1] = FB_R(-2.0);
+    input.w[1] = FB_R(0.4);
+    input.w[2] = FB_R(1.0);
+    load_tip(FB_AXES_NODE, 0.0, 4.0, 2.0);
+    start();
+    if (steps(100, 0.01) != FB_OK) { /* pushed, then let go */
+      return;
+    }
+    input.n_load = 0;
+    before = total_energy();
+    if (steps(100, 0.01) != FB_OK) {
+      return;
+    }
+    without = falls ? without : state;
+    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, falls ? node : still, &state), FB_OK);
+  }
+  for (int k = 0; k < 8; k++) {
+    bend = fmax(bend, fabs((double)without.strain[6 * k + 5]));
+  }
+  FBT_BELOW(0.01, bend);
+  FBT_BELOW(fbt_difference(state.strain, without.strain, 48), FBT_TOL(1e-12, 2e-4) * bend);
+  FBT_NEAR_REL(total_energy(), before, 5e-4); /* its own momentum drifts by that */
+  for (int k = 0; k <= 8; k++) {
+    fb_real v[2][3];
+    for (int i = 0; i < 3; i++) {
+      FBT_NEAR_ABS(node[k].position[i] - still[k].position[i], 0.5 * g[i] * 4.0, FBT_TOL(1e-11, 1e-4));
+    }
+    for (int e = 0; e < 2; e++) { /* in the middle of the last step */
+      fb_real R[9];
+      fb_quat_to_mat33(R, e ? node[k].quat : still[k].quat);
+      fb_mat33_mul_vec3(v[e], R, e ? node[k].velocity : still[k].velocity);
+    }
+    for (int i = 0; i < 3; i++) {
+      FBT_NEAR_ABS(v[1][i] - v[0][i], g[i] * 1.995, FBT_TOL(0.03, 0.03));
+    }
   }
 }
 
@@ -2099,6 +2397,84 @@ TEST(spectrum_of_a_straight_beam_is_the_textbooks)
   }
 }
 
+/* Section 10: stations that lie anywhere within an element do not count as more than what they turn it: a line that starts to
+   bend just before a node, and one that hardly stops in between. */
+TEST(curvature_may_jump_beside_a_node)
+{
+  const double place[2][4] = {{0.0, 0.4999, 0.5, 1.0}, {0.0, 0.5, 0.5001, 1.0}};
+  for (int run = 0; run < 2; run++) {
+    elastica(4);
+    desc.n_station = 4;
+    for (int k = 0; k < 4; k++) {
+      desc.station[k] = desc.station[0];
+      desc.station[k].x = (fb_real)place[run][k];
+      desc.station[k].curvature[2] = (k < 2) == run ? FB_R(16.0) : FB_R(0.0);
+    }
+    FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_ERR_VALUE); /* 4 rad in an element all the same */
+    for (int k = 0; k < 4; k++) {
+      desc.station[k].curvature[2] *= FB_R(0.7); /* 2.8 */
+    }
+    settle();
+    FBT_NEAR_ABS(cos(2.0 * atan2((double)node[4].quat[3], (double)node[4].quat[0])), cos(11.2 * 0.50005),
+                 FBT_TOL(1e-9, 1e-5));
+  }
+  elastica(4); /* a narrow peak at a node */
+  desc.n_station = 5;
+  for (int k = 0; k < 5; k++) {
+    const double peak[5] = {0.0, 0.499, 0.5, 0.501, 1.0};
+    desc.station[k] = desc.station[0];
+    desc.station[k].x = (fb_real)peak[k];
+    desc.station[k].curvature[2] = k == 2 ? FB_R(100.0) : FB_R(0.0);
+  }
+  settle();
+  FBT_NEAR_ABS(2.0 * atan2((double)node[4].quat[3], (double)node[4].quat[0]), 0.1, FBT_TOL(1e-9, 1e-5));
+}
+
+/* E10.6: the header's figures of an element that is built as an arc of 15, 45 and 90 degrees: flexibility at its end to
+   forces in its plane and across, int of the arms squared. */
+TEST(an_element_that_turns_is_as_stiff_as_the_header_says)
+{
+  const double turn[3] = {15.0, 45.0, 90.0}, bound[3] = {9e-4, 8.5e-3, 5.5e-2};
+  for (int run = 0; run < 12; run++) {
+    const double phi = turn[run % 3] * pi / 180.0, f = FBT_TOL(1e-7, 1e-3);
+    const int across = run / 3 % 2, n = 1 + run / 6;
+    double exact = 0.0, error;
+    elastica(n);
+    desc.station[0].curvature[2] = (fb_real)phi;
+    load_tip(FB_AXES_INERTIAL, 0.0, across ? 0.0 : f, across ? f : 0.0);
+    settle();
+    for (int i = 0; i < 2000; i++) {
+      const double s = (i + 0.5) / 2000.0, x = (sin(phi) - sin(phi * s)) / phi, y = (cos(phi * s) - cos(phi)) / phi;
+      exact += (x * x + (across ? y * y : 0.0)) / 2000.0;
+    }
+    error = 1.0 - (double)node[n].displacement[across ? 2 : 1] / (f * exact);
+    if (n == 1) {
+      FBT_BELOW(error, bound[run % 3] + FBT_TOL(0.0, 2e-3));
+      FBT_BELOW(0.6 * bound[run % 3] - FBT_TOL(0.0, 2e-3), error);
+    } else {
+      FBT_BELOW(fabs(error), bound[run % 3] / 12.0 + FBT_TOL(0.0, 2e-3)); /* order 4 */
+    }
+  }
+}
+
+/* E10.6, E12.4: shear takes the frequencies of a hinged beam to order 2, as the header says. */
+TEST(shear_takes_frequencies_to_order_two)
+{
+  double error[2];
+  for (int run = 0; run < 2; run++) {
+    elastica(10 << run);
+    desc.station[0].stiffness[7] = desc.station[0].stiffness[14] = FB_R(200.0);
+    desc.station[0].inertia[21] = FB_R(1e-5);
+    desc.root = FB_END_PINNED | FB_HOLD_RX;
+    desc.tip = FB_HOLD_Y | FB_HOLD_Z;
+    settle();
+    spectrum_of(2);
+    error[run] = (double)spectrum.im[0] / (pi * pi / sqrt(1.0 + pi * pi / 200.0)) - 1.0;
+  }
+  FBT_NEAR_REL(error[0], 6.5e-4, FBT_TOL(0.02, 1e9)); /* in single precision rounding is larger */
+  FBT_NEAR_REL(error[1], 1.5e-4, FBT_TOL(0.02, 1e9));
+}
+
 /* E10.6, E12.4: frequencies of a straight beam are of order 4 in the mesh. */
 TEST(frequencies_of_a_straight_beam_are_of_order_four)
 {
@@ -2486,6 +2862,262 @@ TEST(columns_buckle_at_eulers_load)
     FBT_NEAR_ABS(node[40].position[0], fbt_value(t, row, "x_tip"), FBT_TOL(1e-5, 2e-3));
     FBT_NEAR_ABS(fabs((double)node[40].position[1]), fbt_value(t, row, "y_tip"), FBT_TOL(1e-5, 2e-3)); /* either side */
   }
+}
+
+/* E10.19, E10.20: a straight column under a dead load at its tip is left in as many ways as it has buckling loads below: in
+   two planes, with its ends held as may be, rigid in stretch and shear or as stiff as its bending wants; under a follower load,
+   in none. */
+TEST(columns_have_as_many_unstable_directions_as_loads_exceeded)
+{
+  static const int root[3] = {FB_END_CLAMPED, FB_END_PINNED | FB_HOLD_RX, FB_END_CLAMPED};
+  static const int tip[3] = {FB_END_FREE, FB_HOLD_Y | FB_HOLD_Z, FB_END_CLAMPED & ~FB_HOLD_X};
+  int most = 0;
+  for (int run = 0; run < 48; run++) {
+    const int held = run % 3, follower = held == 0 && run >= 24, upright = held == 1 && run >= 24;
+    const double p = 1.5 * pow(1.5, run / 3), other = 1.7;
+    int expected = 0;
+    elastica(20);
+    if (run % 2) {
+      desc.station[0].stiffness[0] = FBT_TOL(1e8, 1e5);
+      desc.station[0].stiffness[7] = desc.station[0].stiffness[14] = FBT_TOL(1e7, 1e4);
+    }
+    desc.station[0].stiffness[28] = (fb_real)other;
+    desc.root = root[held];
+    desc.tip = upright ? FB_HOLD_X | FB_HOLD_Z : tip[held];
+    desc.attitude[0] = desc.attitude[3] = upright ? FB_R(0.7071067811865476) : FB_R(0.0);
+    load_tip(follower ? FB_AXES_NODE : FB_AXES_INERTIAL, upright ? 0.0 : -p, upright ? -p : 0.0, 0.0);
+    settle();
+    for (int k = 1; k < 9 && !follower; k++) {
+      const double odd = (k - 0.5) * pi, whole = k * pi;
+      /* clamped at both ends: sin u = 0 or tan u = u, u half of root p */
+      static const double tangent[3] = {4.493409457909064, 7.725251836937707, 10.904121659428899};
+      const double both = k % 2 ? (k + 1) * pi : k < 7 ? 2.0 * tangent[k / 2 - 1] : 1e9;
+      const double u = held == 0 ? odd : held == 1 ? whole : both;
+      expected += (p > u * u) + (p > other * u * u);
+    }
+    FBT_INT_EQ(work.unstable, expected);
+    most = most < expected ? expected : most;
+  }
+  FBT_INT_EQ(most, 14);
+}
+
+/* E10.19, E10.20: so is one that bends in one plane alone, its other strains rigid or some of them, whose blocks have zeros
+   and rounding on their diagonal. */
+TEST(rigid_strains_are_no_unstable_directions)
+{
+  for (int run = 0; run < 64; run++) {
+    const double part = run % 2 ? 1.1 : 0.9, p = part * 0.25 * pi * pi;
+    elastica(run < 32 ? 10 : 3);
+    for (int i = 0; i < 4; i++) { /* stretch, shear, torsion, bending out of plane; 0 is rigid */
+      static const int at[4] = {0, 14, 21, 28};
+      static const double stiff[4] = {1e4, 1e3, 0.7, 1e3};
+      desc.station[0].stiffness[at[i]] = run >> (1 + i) & 1 ? (fb_real)stiff[i] : FB_R(0.0);
+    }
+    load_tip(FB_AXES_INERTIAL, -p, run % 2 ? 0.0 : 1e-3, 0.0);
+    settle();
+    FBT_INT_EQ(work.unstable, run % 2);
+  }
+}
+
+static fb_mixed_path path;
+static fb_mixed_path_work path_work;
+static fb_mixed_input varied;
+
+/* From the steady state under `input`, nothing varied yet. */
+static void path_start(void)
+{
+  memset(&path, 0, sizeof path);
+  memset(&varied, 0, sizeof varied);
+  varied.n_load = 1;
+  varied.load[0].node = desc.n_element;
+  settle();
+}
+
+static fb_status path_on(double arc)
+{
+  const fb_status status = fb_mixed_path_step(&mixed, &path, &state, &path_work, &input, &varied, (fb_real)arc);
+  FBT_INT_EQ(status, FB_OK);
+  FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+  return status;
+}
+
+/* E12.17, E10.20: a column that is nudged to one side bends to that side, stable, beyond its buckling load; solved in one go
+   the state may be another, and then says that it is unstable. */
+TEST(columns_bend_to_the_side_they_are_nudged_to)
+{
+  const fbt_table *t = fbt_reference("p06_postbuckling.csv");
+  int against = 0;
+  for (int row = 1; row < t->rows; row++) {
+    const double P = fbt_value(t, row, "PL2_EI");
+    elastica(40);
+    desc.station[0].stiffness[21] = desc.station[0].stiffness[28] = FB_R(50.0); /* in its plane */
+    load_tip(FB_AXES_INERTIAL, 0.0, 1e-2, 0.0);
+    path_start();
+    varied.load[0].force[0] = -(fb_real)P;
+    for (int k = 0; k < 60 && (double)path.factor < 1.0; k++) {
+      if (path_on(0.05) != FB_OK) {
+        return;
+      }
+      FBT_INT_EQ(path.unstable, 0);
+    }
+    FBT_BELOW(1.0, path.factor);
+    input.load[0].force[0] = -(fb_real)P;
+    input.load[0].force[1] = FB_R(0.0);
+    FBT_INT_EQ(fb_mixed_steady_solve(&mixed, &state, &work, &input), FB_OK);
+    FBT_INT_EQ(work.unstable, 0);
+    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+    FBT_NEAR_ABS(node[40].position[0], fbt_value(t, row, "x_tip"), FBT_TOL(1e-5, 2e-3));
+    FBT_NEAR_ABS(node[40].position[1], fbt_value(t, row, "y_tip"), FBT_TOL(1e-5, 2e-3));
+    input.load[0].force[1] = FB_R(1e-2);
+    settle();
+    against += node[40].position[1] < FB_R(0.0);
+    FBT_INT_EQ(work.unstable > 0, node[40].position[1] < FB_R(0.0));
+  }
+  FBT_BELOW(0, against);
+}
+
+/* E12.17, E10.20: a bar that rises by 0.8 of its length, between hinges, the upper of which slides up and down and is pressed
+   down: P = EA (1 - l) h/l, up to the limit load, where l^3 = span^2, down through the flat state and as far below,
+   unstable while it falls; and all the way back. */
+TEST(a_stiff_truss_snaps_in_closed_form)
+{
+  const double rise = 0.8, span = sqrt(1.0 - rise * rise), EA = 100.0, l_limit = pow(span, 2.0 / 3.0);
+  const double largest = EA * (1.0 / l_limit - 1.0) * sqrt(l_limit * l_limit - span * span);
+  const double stiffness[6] = {EA, 1e4, 1e4, 1e3, 1e3, 1e3};
+  double h = rise, most = 0.0, least = 0.0;
+  int unstable = 0;
+  beam(1.0, 4, stiffness, NULL);
+  desc.root = FB_END_CLAMPED & ~FB_HOLD_RZ;
+  desc.tip = FB_HOLD_X | FB_HOLD_Z;
+  desc.attitude[0] = (fb_real)cos(0.5 * asin(rise));
+  desc.attitude[3] = (fb_real)sin(0.5 * asin(rise));
+  path_start();
+  varied.load[0].force[1] = -(fb_real)largest;
+  for (int back = 0; back < 2; back++) {
+    for (int k = 0; k < 400 && (back ? h < rise : h > -1.3 * rise); k++) {
+      double l, P;
+      if (path_on(back ? -0.05 : 0.05) != FB_OK) {
+        return;
+      }
+      h = rise + (double)node[4].displacement[1];
+      l = hypot(span, h);
+      P = EA * (1.0 - l) * h / l;
+      FBT_NEAR_ABS(path.factor, P / largest, FBT_TOL(1e-12, 1e-4));
+      FBT_INT_EQ(path.unstable, l < l_limit);
+      FBT_INT_EQ(path.rise > FB_R(0.0), l > l_limit);
+      FBT_TRUE(back ? path.arc < FB_R(0.0) && path.arc > -FB_R(0.051) : path.arc > FB_R(0.0) && path.arc < FB_R(0.051));
+      unstable += path.unstable;
+      most = fmax(most, (double)(h > 0.0 ? path.factor : FB_R(0.0)));
+      least = fmin(least, (double)(h < 0.0 ? path.factor : FB_R(0.0)));
+    }
+    FBT_TRUE(back ? h >= rise : h <= -1.3 * rise);
+  }
+  FBT_BELOW(50, unstable);
+  FBT_NEAR_ABS(most, 1.0, 1e-3); /* at the nearest step */
+  FBT_NEAR_ABS(least, -1.0, 1e-3);
+}
+
+/* E12.17, E10.20: a circular arch of 215 degrees, clamped at one end and on a hinge at the other, pressed down at its crown:
+   snaps at P = 8.97 EI/R^2 (D.A. DaDeppo and R. Schmidt, J. Appl. Mech. 42 (1975) 311-316). */
+TEST(arches_snap_at_their_limit_load)
+{
+  const double arc = 215.0 * pi / 180.0;
+  double most = 0.0;
+  elastica(40);
+  desc.length = (fb_real)arc;
+  desc.station[0].curvature[2] = -FB_R(1.0);
+  desc.station[0].stiffness[21] = desc.station[0].stiffness[28] = FB_R(50.0); /* in its plane */
+  desc.tip = FB_END_CLAMPED & ~FB_HOLD_RZ;
+  desc.attitude[0] = (fb_real)cos(0.25 * arc);
+  desc.attitude[3] = (fb_real)sin(0.25 * arc);
+  path_start();
+  varied.load[0].node = 20;
+  varied.load[0].force[1] = -FB_R(10.0);
+  for (int k = 0; k < 70; k++) { /* up, and down to a load that pulls */
+    if (path_on(0.05) != FB_OK) {
+      return;
+    }
+    FBT_INT_EQ(path.unstable, path.rise < FB_R(0.0));
+    most = fmax(most, 10.0 * (double)path.factor);
+  }
+  FBT_BELOW(path.factor, 0.0);
+  FBT_NEAR_ABS(most, 8.97, 0.005);
+  fbt_figure("Limit load of a deep arch, 40 elements, relative", "8.97 (DaDeppo and Schmidt 1975)",
+             fabs(most / 8.97 - 1.0));
+}
+
+/* E12.17: whatever acts, on nodes and elements, dead or following, on a spinning base: what lies on the path is a steady state
+   under the loads of its factor. */
+TEST(paths_lead_through_steady_states)
+{
+  elastica(8);
+  desc.gravity[1] = FB_R(-1.0);
+  desc.station[0].curvature[2] = FB_R(0.3);
+  input.w[2] = FB_R(0.8);
+  input.v[0] = FB_R(0.5);
+  load_tip(FB_AXES_BODY, 0.1, 0.2, -0.1);
+  for (int k = 0; k < 8; k++) {
+    input.line[k].axes = k % 2 ? FB_AXES_INERTIAL : FB_AXES_NODE;
+    input.line[k].force[1] = k % 2 ? FB_R(0.0) : FB_R(0.1); /* none that is dead */
+  }
+  path_start();
+  varied.load[0].axes = FB_AXES_NODE;
+  varied.load[0].force[1] = FB_R(1.0);
+  for (int k = 0; k < 8; k++) {
+    varied.line[k].axes = input.line[k].axes;
+    varied.line[k].force[2] = FB_R(2.0);
+    varied.line[k].torque[0] = FB_R(0.3);
+  }
+  for (int k = 0; k < 10; k++) {
+    fb_mixed_input all = input;
+    static fb_mixed_state same;
+    if (path_on(0.1) != FB_OK) {
+      return;
+    }
+    all.load[all.n_load] = varied.load[0];
+    all.load[all.n_load++].force[1] *= path.factor;
+    for (int e = 0; e < 8; e++) {
+      for (int i = 0; i < 3; i++) {
+        all.line[e].force[i] += path.factor * varied.line[e].force[i];
+        all.line[e].torque[i] += path.factor * varied.line[e].torque[i];
+      }
+    }
+    same = state;
+    FBT_INT_EQ(fb_mixed_steady_solve(&mixed, &same, &work, &all), FB_OK);
+    FBT_BELOW(fbt_difference(same.r, state.r, 27), FBT_TOL(1e-8, 1e-3));
+  }
+}
+
+/* Section 12: a path refuses what makes no sense, and is left as it was. */
+TEST(paths_refuse_bad_input)
+{
+  fb_mixed_path before;
+  static fb_mixed_state then;
+  elastica(4);
+  path_start();
+  varied.load[0].force[1] = FB_R(1.0);
+  FBT_INT_EQ(path_on(0.1), FB_OK);
+  before = path;
+  then = state;
+#define PATH(constant, arc) fb_mixed_path_step(&mixed, &path, &state, &path_work, constant, &varied, arc)
+  FBT_INT_EQ(PATH(NULL, FB_R(0.0)), FB_ERR_VALUE);
+  FBT_INT_EQ(PATH(NULL, (fb_real)NAN), FB_ERR_VALUE);
+  FBT_INT_EQ(PATH(NULL, FB_R(2.0) * FB_HUGE), FB_ERR_VALUE);
+  FBT_INT_EQ(PATH(NULL, FB_R(1e6)), FB_ERR_CONVERGENCE);
+  varied.load[0].node = 5;
+  FBT_INT_EQ(PATH(NULL, FB_R(0.1)), FB_ERR_CAPACITY);
+  varied.load[0].node = 4;
+  input.n_load = -1;
+  FBT_INT_EQ(PATH(&input, FB_R(0.1)), FB_ERR_CAPACITY);
+  FBT_TRUE(memcmp(&before, &path, sizeof path) == 0);
+  FBT_TRUE(memcmp(&then, &state, sizeof state) == 0);
+  path.factor = (fb_real)INFINITY;
+  FBT_INT_EQ(PATH(NULL, FB_R(0.1)), FB_ERR_NOT_FINITE);
+#undef PATH
+  desc.root = FB_END_FREE;
+  memset(&path, 0, sizeof path);
+  start();
+  FBT_INT_EQ(fb_mixed_path_step(&mixed, &path, &state, &path_work, NULL, &varied, FB_R(0.1)), FB_ERR_SINGULAR);
 }
 
 /* ---- linear models */
@@ -2996,6 +3628,9 @@ TEST(mixed_beam_refuses_bad_input)
   desc.tip = 99;
   FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_ERR_VALUE);
   desc.tip = FB_END_DEFAULT;
+  desc.factorizations = 21;
+  FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_ERR_VALUE);
+  desc.factorizations = 0;
   start();
   other = mixed;
   desc.root = -1;
@@ -3022,11 +3657,14 @@ TEST(mixed_beam_refuses_bad_input)
 /* A state that came from elsewhere: one that is not a number, in the first or the last place of any field, is refused. */
 TEST(states_that_are_not_numbers_are_refused)
 {
-  fb_real *const field[] = {state.base_position, state.base_quat, state.r,         state.quat,
-                            state.strain,        state.momentum,  state.lump,      state.strain_rate,
-                            state.momentum_rate, state.lump_rate, state.V[0],      state.V[1],
-                            state.V[2],          state.stress[0], state.stress[1], state.stress[2],
-                            state.force,         state.reaction,  state.offset,    &state.step};
+  fb_real *const field[] = {state.base_position, state.base_quat,   state.r,
+                            state.quat,          state.strain,      state.momentum,
+                            state.lump,          state.strain_rate, state.momentum_rate,
+                            state.lump_rate,     state.V[0],        state.V[1],
+                            state.V[2],          state.stress[0],   state.stress[1],
+                            state.stress[2],     state.force,       state.reaction,
+                            state.offset,        &state.step,       state.u,
+                            state.lost};
   elastica(4);
   desc.n_lump = 2;
   desc.lump[0].node = 4;
@@ -3035,8 +3673,8 @@ TEST(states_that_are_not_numbers_are_refused)
   start();
   {
     const int nodes = 6 * 5, cells = 6 * 4, lumps = 6 * 2;
-    const int size[] = {3,     4,     3 * 5, 4 * 5, cells, cells, lumps, cells, cells, lumps,
-                        nodes, nodes, nodes, cells, cells, cells, nodes, nodes, cells, 1};
+    const int size[] = {3,     4,     3 * 5, 4 * 5, cells, cells, lumps, cells, cells, lumps, nodes,
+                        nodes, nodes, cells, cells, cells, nodes, nodes, cells, 1,     3,     3};
     FBT_INT_EQ(fb_mixed_state_check(&mixed, &state), FB_OK);
     for (int k = 0; k < 2 * FBT_COUNT(size); k++) {
       fb_real *const x = field[k / 2] + (k % 2) * (size[k / 2] - 1), right = *x;
@@ -3072,24 +3710,28 @@ TEST(the_check_word_of_a_mixed_beam_sees_every_byte)
   FBT_INT_EQ(beam_word() == 0, 1);
 }
 
-SUITE(mixed, RUN(rotations_follow_the_beam_through_whole_turns),
-      RUN(rotations_next_to_a_whole_turn_are_those_of_the_attitude), RUN(turns_between_nodes_are_those_of_a_cantilever),
-      RUN(linear_beams_follow_the_unit_of_time), RUN(whirling_shafts_move_on_circles),
-      RUN(one_correction_does_in_short_steps), RUN(the_check_word_of_a_mixed_beam_sees_every_byte),
-      RUN(states_that_are_not_numbers_are_refused), RUN(elastica_is_of_order_four),
-      RUN(linear_cantilevers_are_exact_at_the_nodes), RUN(tapered_rods_are_exact_at_the_nodes),
-      RUN(rigid_beams_do_not_deflect), RUN(tapered_beams_converge_fast), RUN(line_loads_are_exact_at_the_nodes),
-      RUN(points_between_nodes_lie_on_the_curve), RUN(steady_bend_of_an_arc_matches_the_published_tip),
-      RUN(steady_rotation_with_load_matches_shooting), RUN(steady_stretch_of_a_spinning_rod_is_the_closed_form),
-      RUN(steady_princeton_beam_at_all_angles), RUN(steady_openfast_cantilever_hangs_as_shooting_says),
-      RUN(offsets_of_a_section_are_those_of_the_forces), RUN(spectrum_is_that_of_the_natural_modes),
-      RUN(twist_is_that_of_the_stations), RUN(sections_below_zero_are_refused), RUN(curves_are_those_of_the_stations),
+SUITE(mixed, RUN(a_support_amid_the_beam_holds_at_rest_and_in_motion), RUN(steps_that_have_not_converged_say_so),
+      RUN(stiff_supported_beams_want_factorizations), RUN(flight_at_any_speed_moves_as_rest_does),
+      RUN(thrust_takes_the_frame_along), RUN(pushed_beams_take_up_the_impulse), RUN(curvature_may_jump_beside_a_node),
+      RUN(an_element_that_turns_is_as_stiff_as_the_header_says), RUN(shear_takes_frequencies_to_order_two),
+      RUN(rotations_follow_the_beam_through_whole_turns), RUN(rotations_next_to_a_whole_turn_are_those_of_the_attitude),
+      RUN(turns_between_nodes_are_those_of_a_cantilever), RUN(linear_beams_follow_the_unit_of_time),
+      RUN(whirling_shafts_move_on_circles), RUN(one_correction_does_in_short_steps),
+      RUN(the_check_word_of_a_mixed_beam_sees_every_byte), RUN(states_that_are_not_numbers_are_refused),
+      RUN(elastica_is_of_order_four), RUN(linear_cantilevers_are_exact_at_the_nodes),
+      RUN(tapered_rods_are_exact_at_the_nodes), RUN(rigid_beams_do_not_deflect), RUN(tapered_beams_converge_fast),
+      RUN(line_loads_are_exact_at_the_nodes), RUN(points_between_nodes_lie_on_the_curve),
+      RUN(steady_bend_of_an_arc_matches_the_published_tip), RUN(steady_rotation_with_load_matches_shooting),
+      RUN(steady_stretch_of_a_spinning_rod_is_the_closed_form), RUN(steady_princeton_beam_at_all_angles),
+      RUN(steady_openfast_cantilever_hangs_as_shooting_says), RUN(offsets_of_a_section_are_those_of_the_forces),
+      RUN(spectrum_is_that_of_the_natural_modes), RUN(twist_is_that_of_the_stations),
+      RUN(sections_below_zero_are_refused), RUN(curves_are_those_of_the_stations),
       RUN(a_beam_is_the_same_however_it_is_seen), RUN(loads_on_tapered_lines_are_exact_at_the_nodes),
       RUN(any_units_give_the_same_solution), RUN(any_unit_gives_the_same_frequency),
       RUN(supports_are_those_of_the_textbook), RUN(a_beam_slides_over_its_support), RUN(newton_converges_quadratically),
       RUN(large_turns_take_increments), RUN(threads_turn_about_themselves), RUN(energy_is_kept_whatever_the_step),
       RUN(dissipation_takes_energy_in_every_step), RUN(dissipation_takes_what_its_rule_says),
-      RUN(dissipation_is_that_of_its_formula), RUN(free_flight_keeps_momentum),
+      RUN(dissipation_is_that_of_its_formula), RUN(free_flight_keeps_momentum), RUN(free_fall_is_not_felt),
       RUN(internal_loads_of_a_pushed_rod_are_the_closed_form), RUN(a_rigid_beam_has_its_inertia),
       RUN(rigid_flight_is_straight), RUN(reactions_balance_what_acts),
       RUN(momenta_of_a_rigid_motion_are_those_of_its_energy), RUN(steady_and_marching_agree),
@@ -3105,7 +3747,10 @@ SUITE(mixed, RUN(rotations_follow_the_beam_through_whole_turns),
       RUN(bodies_swing_on_a_spinning_slide_in_closed_form), RUN(frequencies_of_a_straight_beam_are_of_order_four),
       RUN(becks_column_flutters_at_its_load), RUN(shaft_whirls_as_in_closed_form),
       RUN(spinning_cantilever_has_the_published_frequencies), RUN(a_free_beam_swings_as_the_exact_one),
-      RUN(columns_buckle_at_eulers_load), RUN(linear_beams_rest_where_the_beam_does),
+      RUN(columns_buckle_at_eulers_load), RUN(columns_have_as_many_unstable_directions_as_loads_exceeded),
+      RUN(rigid_strains_are_no_unstable_directions), RUN(columns_bend_to_the_side_they_are_nudged_to),
+      RUN(a_stiff_truss_snaps_in_closed_form), RUN(arches_snap_at_their_limit_load),
+      RUN(paths_lead_through_steady_states), RUN(paths_refuse_bad_input), RUN(linear_beams_rest_where_the_beam_does),
       RUN(equal_frequencies_are_kept_together), RUN(frequencies_are_equal_to_a_part_in_a_hundred_thousand),
       RUN(linear_beams_move_as_the_beam_does), RUN(linear_beams_answer_at_every_frequency),
       RUN(linear_beams_flutter_and_whirl), RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode),

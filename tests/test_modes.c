@@ -391,7 +391,7 @@ static fb_modes_desc *choice(void)
   return &keep;
 }
 
-/* E7.9: Hopkins' example of Hurty's method (C.3, p09_hurty.csv, errata): one cubic element l, M, EI, the boundary q1 =
+/* E7.9: Hopkins' example of Hurty's method (C.3, p09_hurty.csv, ERRATA.md): one cubic element l, M, EI, the boundary q1 =
    u_x and q3 = u_y, q5 = theta_z at one end, q2 = u_x at the other, one fixed-interface mode eta kept, scaled to phi4^2
    + (l phi6)^2 = 1. */
 TEST(hurty_example_has_the_printed_numbers)
@@ -1835,9 +1835,10 @@ TEST(modes_that_do_not_exist_are_refused)
 TEST(modes_may_fill_all_their_room)
 {
   for (int more = 0; more < 2; more++) {
-    for (int run = 0; run < (FB_SINGLE ? 3 : 5); run++) { /* the last are small, they drown in single */
+    for (int run = 0; run < 5; run++) {
       static const int extra[5] = {0, 6, 6, 3, 12}; /* none, rigid modes, boundary, loads, boundary and its inertia */
       fb_modes_desc *keep;
+      fb_status status;
       fbt_seed(1);
       coupled_desc(4, run == 1 ? FB_ROOT_FREE : FB_ROOT_CLAMPED);
       keep = choice();
@@ -1853,7 +1854,13 @@ TEST(modes_may_fill_all_their_room)
       }
       memset(&modes, 0xA5, sizeof modes);
       pattern = modes;
-      FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), more ? FB_ERR_CAPACITY : FB_OK);
+      status = fb_modes_solve(&modes, &work, &beam, keep);
+      if (FB_SINGLE && run >= 3 &&
+          status == FB_OK) { /* corrections that drown in rounding are left out, the rest is there */
+        FBT_TRUE(modes.n >= keep->lowest + keep->n_boundary && modes.n <= FB_MAX_MODES);
+        continue;
+      }
+      FBT_INT_EQ(status, more ? FB_ERR_CAPACITY : FB_OK);
       FBT_TRUE(more ? memcmp(&modes, &pattern, sizeof modes) == 0 : modes.n == FB_MAX_MODES);
     }
   }
@@ -2003,7 +2010,8 @@ TEST(welded_limbs_are_the_chain_of_their_elements)
     weld[0].component[1] = weld[1].component[1] = at[1];
     weld[1].component[0] = at[2];
     status = fb_modes_join(common, &join_work, limb, limb_basis, 3, weld, 2, 9, FB_R(0.0));
-    FBT_TRUE(status == FB_OK || (FB_SINGLE && status == FB_ERR_CONVERGENCE));
+    /* a free one's slow modes cannot be told from rigid ones in single precision, as the header says */
+    FBT_INT_EQ(status, FB_SINGLE && root == FB_ROOT_FREE ? FB_ERR_CONVERGENCE : FB_OK);
     for (int a = 0; a < 9 && status == FB_OK; a++) {
       FBT_NEAR_REL(common[0].omega[a], modes.omega[a], FBT_TOL(1e-11, 1e-3));
       weld_is_whole(&weld[0], a);

@@ -60,6 +60,7 @@ static struct world {
   fb_mixed_state mixed_state;
   fb_mixed_input mixed_input;
   fb_linear_desc linear_desc, system_linear_desc;
+  fb_mixed_path mixed_path;
   fb_mixed_linear_desc mixed_linear_desc;
   fb_spectrum spectrum;
   fb_real amplitude[FB_MAX_LINEAR], re[4];
@@ -80,6 +81,7 @@ static fb_analyse_work analyse_work;
 static fb_system_analyse_work system_analyse_work;
 static fb_mixed_spectrum_work spectrum_work;
 static fb_mixed_linear_work linear_work;
+static fb_mixed_path_work path_work;
 static fb_advise_work advise_work;
 static fb_real eig_work[64], trial_output[3], trial_reference[3];
 
@@ -325,6 +327,8 @@ typedef fb_mixed_node nodes[FB_MAX_MIXED + 1];
     OPTIONAL(amplitude), REAL(1), REAL(FB_R(0.01)))                                                                    \
   F(fb_mixed_spectrum_solve, fb_mixed_spectrum_solve(p[0], p[1], p[2], p[3], p[4], i[0]), SLOW, MODEL(mixed),          \
     OUT(fb_mixed_spectrum), WORK(spectrum_work), IN(mixed_state), OPTIONAL(mixed_input), WHOLE(2))                     \
+  F(fb_mixed_path_step, fb_mixed_path_step(p[0], p[1], p[2], p[3], p[4], p[5], x[0]), 1, MODEL(mixed),                 \
+    STATE(mixed_path), STATE(mixed_state), WORK(path_work), OPTIONAL(mixed_input), IN(mixed_input), REAL(FB_R(0.05)))  \
   F(fb_mixed_linearize, fb_mixed_linearize(p[0], p[1], p[2], p[3], p[4], p[5], i[0]), SLOW, MODEL(mixed),              \
     OUT(fb_mixed_linear), WORK(linear_work), IN(mixed_state), OPTIONAL(mixed_input), OPTIONAL(mixed_linear_desc),      \
     WHOLE(2))                                                                                                          \
@@ -334,7 +338,8 @@ typedef fb_mixed_node nodes[FB_MAX_MIXED + 1];
     WORK(advise_work), MODEL(natural), IN(scene_desc), IN(envelope), REAL(FB_R(0.1)), IN(trial))                       \
   F(fb_version_string, fb_version_string() ? 0 : -1, 0, REAL(0))                                                       \
   F(fb_config_string, fb_config_string() ? 0 : -1, 0, REAL(0))                                                         \
-  F(fb_config_check, fb_config_check(p[0]), 1, MODEL(config))
+  F(fb_config_check, fb_config_check(p[0]), 1, MODEL(config))                                                          \
+  F(fb_build_check, fb_build_check(), 0, REAL(0))
 
 #define AS_CALL(function, call, has_status, ...) CALL(function, call)
 FUNCTIONS(AS_CALL)

@@ -239,7 +239,7 @@ static double compare_dense(void)
 {
   const int n = 12 * beam.n + 6, stress = 6 * beam.n;
   double most = 0, size = 1;
-  fbi_mixed_want(&work, &beam, step);
+  fbi_mixed_want(&work, &beam, step, 1);
   require(fbi_mixed_factor(&work, &beam), "chain");
   fbi_mixed_solve(&work, &beam);
   for (int i = 0; i < stress; i++) {

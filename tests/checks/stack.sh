@@ -5,7 +5,7 @@
 . tests/checks/common.sh
 . tests/checks/board.sh
 need gcc gcc
-step_bound=5632
+step_bound=6144
 forms_bound=10240 # with FB_WITH_FORMS=1
 build_bound=36864
 # usage NAME COMPILER...: writes the call graph of one build, to a file of that name and a number
@@ -50,7 +50,7 @@ deepest() {
   awk -v kind="$1" -v pattern="$2" '$1 == kind && $2 ~ pattern { print $3 " in " $2; exit }' "$out/stack"
 }
 
-stepper='^fb_[a-z0-9_]*_step$'
+stepper='^fb_((system_)?rk4|midpoint|(system_)?sdirk|exponential|mixed)_step$'
 step=$(deepest total $stepper) forms=$(deepest totalforms $stepper) build=$(deepest total .)
 worst=$(awk '$1 == "own" { print $3 " in " $2; exit }' "$out/stack")
 step=${step:-99999} forms=${forms:-99999}

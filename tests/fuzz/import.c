@@ -47,7 +47,8 @@ static void read_model(void)
     fb_motion motion;
     promise(fb_state_init(&model_body, &state) == FB_OK, "no state", "a body from a file");
     if (fb_body_motion(&model_body, &motion, &state, NULL) == FB_OK) {
-      promise(all_finite(motion.v_dot, 3) && all_finite(motion.w_dot, 3) && all_finite(motion.q_ddot, model_body.n),
+      promise(all_finite(motion.acceleration, 3) && all_finite(motion.w_dot, 3) &&
+                  all_finite(motion.q_ddot, model_body.n),
               "accelerations", "a body from a file");
     }
     rom_write(out, &model_body, model.name, "FILE", 0);

@@ -122,7 +122,7 @@ static void take_input(fb_input *input, bytes *b)
 
 static int state_is_finite(const fb_state *s, int n)
 {
-  return all_finite(s->rho, 3) && all_finite(s->quat, 4) && all_finite(s->P, 3) && all_finite(s->L, 3) &&
+  return all_finite(s->rho, 3) && all_finite(s->quat, 4) && all_finite(s->u, 3) && all_finite(s->L, 3) &&
          all_finite(s->q, n) && all_finite(s->pi, n);
 }
 
@@ -177,10 +177,12 @@ static void run_body(bytes *b)
     status = step_body(&name, b, &start, take_byte(b) & 1 ? &start : &end);
     promise(status == FB_OK || memcmp(&before, &state, sizeof state) == 0, "a failure changed the state", name);
     promise(status != FB_OK || state_is_finite(&state, body.n), "the state is not finite", name);
+    promise(status != FB_OK || fb_state_check(&body, &state) == FB_OK, "the state does not pass its check", name);
     status = fb_body_motion(&body, &motion, &state, &start);
-    promise(status != FB_OK || (all_finite(motion.v, 3) && all_finite(motion.w, 3) && all_finite(motion.v_dot, 3) &&
-                                all_finite(motion.w_dot, 3) && all_finite(motion.q_ddot, body.n) &&
-                                all_finite(motion.reaction_force, 3) && all_finite(motion.reaction_torque, 3)),
+    promise(status != FB_OK ||
+                (all_finite(motion.v, 3) && all_finite(motion.w, 3) && all_finite(motion.acceleration, 3) &&
+                 all_finite(motion.w_dot, 3) && all_finite(motion.q_ddot, body.n) &&
+                 all_finite(motion.reaction_force, 3) && all_finite(motion.reaction_torque, 3)),
             "not finite", "fb_body_motion");
     if (status == FB_OK && fb_body_node_motion(&body, &node, &state, &motion, 1) == FB_OK) {
       promise(all_finite(node.acceleration, 3) && all_finite(node.quat, 4), "not finite", "fb_body_node_motion");
@@ -235,6 +237,7 @@ static int system_is_finite(const fb_system_state *s)
   int finite = isfinite(s->motor_work) != 0;
   for (int k = 0; k < links.n_body; k++) {
     const fb_link_state *link = &s->link[k];
+    finite = finite && all_finite(link->u, 3) && all_finite(link->lost_x, 3) && all_finite(link->lost_u, 3);
     finite = finite && all_finite(link->x, 3) && all_finite(link->quat, 4) && all_finite(link->p, 6) &&
              all_finite(link->q, body.n) && all_finite(link->pi, body.n);
   }
@@ -286,9 +289,11 @@ static void run_system(bytes *b)
     promise(status == FB_OK || memcmp(&before, &system_state, sizeof before) == 0, "a failure changed the state",
             way == 4 ? "fb_system_axis_set" : "a step of a system");
     promise(status != FB_OK || system_is_finite(&system_state), "the state is not finite", "a system");
+    promise(status != FB_OK || way == 4 || fb_system_state_check(&links, &body, &system_state) == FB_OK,
+            "a step has made what is no state", "a system");
     status = fb_system_motion_eval(&links, &body, &system_work, &motion, &system_state, &input);
     for (int j = 0; j < links.n_body && status == FB_OK; j++) {
-      promise(all_finite(motion.motion[j].v_dot, 3) && all_finite(motion.motion[j].q_ddot, body.n) &&
+      promise(all_finite(motion.motion[j].acceleration, 3) && all_finite(motion.motion[j].q_ddot, body.n) &&
                   all_finite(motion.pose[j].rho, 3) && all_finite(motion.joint[j].force, 3) && isfinite(motion.power),
               "not finite", "fb_system_motion_eval");
     }

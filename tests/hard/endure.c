@@ -63,8 +63,9 @@ static int advance(const fb_body *body, fb_state *state, way how, double dt)
   if (how == BY_FORGETFUL_RK4) {
     memset(state->lost_rho, 0, sizeof state->lost_rho);
     memset(state->lost_quat, 0, sizeof state->lost_quat);
-    memset(state->lost_P, 0, sizeof state->lost_P);
+    memset(state->lost_u, 0, sizeof state->lost_u);
     memset(state->lost_L, 0, sizeof state->lost_L);
+    memset(state->lost_h, 0, sizeof state->lost_h);
     memset(state->lost_q, 0, sizeof state->lost_q);
     memset(state->lost_pi, 0, sizeof state->lost_pi);
   }

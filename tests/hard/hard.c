@@ -8,6 +8,7 @@
 #include <unistd.h>
 #define PROGRAM "hard"
 #include "../../examples/options.h"
+#include "../../examples/output.h"
 
 static const char help[] =
     "hard - the hard cases: what holds, by how much, and what a naive treatment gives\n"
@@ -33,6 +34,8 @@ static const hard_case cases[] = {
     {"column", hard_column},         {"circle", hard_circle},
     {"long-steps", hard_long_steps}, {"many-modes", hard_many_modes},
     {"units", hard_units},           {"absurd", hard_absurd},
+    {"rotor", hard_rotor},           {"flight", hard_flight},
+    {"slender", hard_slender},
 };
 
 typedef struct options {
@@ -214,11 +217,11 @@ static void add_scaled(fb_real *y, double a, const fb_real *x, int n)
   }
 }
 
-static void advance(fb_state *state, double dt, const fb_state *rate, int n)
+void hard_advance(fb_state *state, double dt, const fb_state *rate, int n)
 {
   add_scaled(state->rho, dt, rate->rho, 3);
   add_scaled(state->quat, dt, rate->quat, 4);
-  add_scaled(state->P, dt, rate->P, 3);
+  add_scaled(state->u, dt, rate->u, 3);
   add_scaled(state->L, dt, rate->L, 3);
   add_scaled(state->q, dt, rate->q, n);
   add_scaled(state->pi, dt, rate->pi, n);
@@ -230,7 +233,7 @@ int hard_euler(const fb_body *body, fb_state *state, const fb_input *input, doub
   if (fb_body_rates(body, &rate, state, input) != FB_OK) {
     return 0;
   }
-  advance(state, dt, &rate, body->n);
+  hard_advance(state, dt, &rate, body->n);
   return 1;
 }
 
@@ -241,11 +244,11 @@ int hard_rk4(const fb_body *body, fb_state *state, double dt)
   fb_state rate = from; /* of which the first stage takes nothing */
   for (int stage = 0; stage < 4; stage++) {
     fb_state at = from;
-    advance(&at, part[stage] * dt, &rate, body->n);
+    hard_advance(&at, part[stage] * dt, &rate, body->n);
     if (fb_body_rates(body, &rate, &at, NULL) != FB_OK) {
       return 0;
     }
-    advance(state, weight[stage] * dt, &rate, body->n);
+    hard_advance(state, weight[stage] * dt, &rate, body->n);
   }
   return 1;
 }
@@ -280,6 +283,7 @@ int main(int argc, char **argv)
 {
   options o = {NULL, NULL, 0};
   int status;
+  output_begin(PROGRAM);
   o.brief = take_flag(&argc, argv, "--brief");
   if (take_flag(&argc, argv, "--list")) {
     for (int k = 0; k < HARD_COUNT(cases); k++) {
@@ -305,8 +309,8 @@ int main(int argc, char **argv)
       run(&cases[k], o.brief);
     }
   }
-  if (csv && fclose(csv) != 0) {
-    return fail(strerror(errno), o.out);
+  if (csv && output_close(csv, o.out)) {
+    return 2;
   }
   printf("%d rows in %s precision, %d failed\n", rows, FB_SINGLE ? "single" : "double", failures);
   return failures > 0;

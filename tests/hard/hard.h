@@ -58,6 +58,9 @@ void hard_long_steps(int brief);
 void hard_many_modes(int brief);
 void hard_units(int brief);
 void hard_absurd(int brief);
+void hard_rotor(int brief);
+void hard_flight(int brief);
+void hard_slender(int brief);
 
 /* ---- shared */
 
@@ -84,6 +87,9 @@ double hard_energy(const fb_body *body, const fb_state *state);
 void hard_tip(double u[3], const fb_body *body, const fb_state *state);
 double hard_difference(const fb_real *a, const fb_real *b, int n); /* largest of an element */
 double hard_length(const fb_real *x);                              /* of a 3-vector */
+
+/* state += dt rate, nothing normalized. */
+void hard_advance(fb_state *state, double dt, const fb_state *rate, int n);
 
 /* The naive treatment of many cases: explicit Euler, state + dt rate, without a check, a limit or normalization. 0 where the
    rates are not to be had any more. */

@@ -193,7 +193,7 @@ static void spoil(subject *s, int place, fb_real x)
       {&s->state.pi[1], &s->system.link[1].pi[1], &s->mixed.momentum[1]},
       {&s->state.quat[2], &s->system.link[0].quat[2], &s->mixed.quat[6]},
       {&s->state.rho[0], &s->system.link[0].x[0], &s->mixed.r[3]},
-      {&s->state.P[1], &s->system.link[0].p[1], &s->mixed.momentum[0]},
+      {&s->state.u[1], &s->system.link[0].p[1], &s->mixed.momentum[0]},
       {&s->state.L[2], &s->system.link[0].p[5], &s->mixed.strain[3]}};
   for (int i = 0; i < 3; i++) {
     *numbers[place][i] = x;

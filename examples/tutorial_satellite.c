@@ -1,0 +1,126 @@
+/* tutorial_satellite - a satellite with two flexible booms is turned by 30 degrees by three reaction wheels.
+   It shows: two beams on one body, rigid bodies on hinges, a controller that runs between the steps.
+   Check: the pointing error at the end, and the angular momentum, which stays zero. Exit: 0 well, 1 a check failed. */
+#define FLEXBEAM_IMPLEMENTATION
+#include "../flexbeam.h"
+#include <math.h>
+#include <stdio.h>
+
+enum { HUB, WHEEL }; /* models; body 0 is the hub, bodies 1 to 3 are the wheels */
+
+static fb_body model[2];
+static int tip[2]; /* nodes of the hub at the ends of the booms */
+static fb_system craft;
+static fb_system_work work;
+static fb_system_state state;
+static fb_system_input input;
+static fb_system_motion motion;
+
+/* A hub with booms along x and -x. A boom is described along its own x axis; position and attitude place its root. */
+static fb_status make_hub(void)
+{
+  static fb_beam beam;
+  static fb_modes modes;
+  static fb_modes_work modes_work;
+  static fb_shape shape;
+  static fb_body_work body_work;
+  const fb_section tube = {.mass = FB_R(0.5), .EI_y = 400, .EI_z = 400}; // [kg/m], [N m^2]
+  const fb_real center[3] = {0}, inertia[6] = {60, 60, 80};              // [m], [kg m^2]
+  const fb_modes_desc keep = {.count = {2, 2}};                          // bending modes along y, along z
+  fb_beam_desc boom = {.length = 5, .n_element = 8, .n_station = 1, .station = {tube}};
+  fb_body_desc level = {.effects = FB_EFFECTS_FULL | FB_EFFECT_DAMPING};
+  fb_status status = fb_shape_init(&shape, 8);
+  status = status ? status : fb_shape_add_rigid(&shape, 300, center, inertia);
+  for (int side = 0; side < 2; side++) {
+    boom.position[0] = side ? -FB_R(0.5) : FB_R(0.5);
+    boom.attitude[side ? 3 : 0] = 1; // none; half a turn about z
+    boom.attitude[side ? 0 : 3] = 0;
+    status = status ? status : fb_beam_init(&beam, &boom);
+    status = status ? status : fb_modes_solve(&modes, &modes_work, &beam, &keep);
+    status = status ? status : fb_shape_add_beam(&shape, 4 * side, &beam, &modes);
+    status = status ? status : fb_shape_add_beam_node(&shape, &tip[side], 4 * side, &beam, &modes, boom.length);
+  }
+  for (int k = 0; k < 8; k++) {
+    level.zeta[k] = FB_R(0.005);
+  }
+  return status ? status : fb_body_init(&model[HUB], &body_work, &shape, &level);
+}
+
+static fb_status make_wheel(void)
+{
+  static fb_shape shape;
+  static fb_body_work body_work;
+  const fb_body_desc level = {.effects = FB_EFFECTS_RIGID};
+  const fb_real center[3] = {0}, inertia[6] = {FB_R(0.03), FB_R(0.03), FB_R(0.05)}; // [m], [kg m^2]
+  fb_status status = fb_shape_init(&shape, 0);
+  status = status ? status : fb_shape_add_rigid(&shape, 5, center, inertia);
+  return status ? status : fb_body_init(&model[WHEEL], &body_work, &shape, &level);
+}
+
+/* The wheels turn about the z axes of their joints, which lie along x, y and z of the hub. */
+static fb_status make_craft(void)
+{
+  const fb_real h = FB_R(0.70710678118654752), attitude[3][4] = {{h, 0, h, 0}, {h, -h, 0, 0}, {1, 0, 0, 0}};
+  fb_system_desc desc = {.n_body = 4, .model = {HUB, WHEEL, WHEEL, WHEEL}, .joint = {{.kind = FB_JOINT_FREE}}};
+  desc.joint[0].parent = FB_GROUND;
+  for (int i = 0; i < 3; i++) {
+    desc.joint[1 + i].kind = FB_JOINT_REVOLUTE; // its parent is body 0 where nothing else is said
+    for (int k = 0; k < 4; k++) {
+      desc.joint[1 + i].attitude[k] = attitude[i][k];
+    }
+  }
+  return fb_system_init(&craft, &work, model, 2, &desc);
+}
+
+/* Torques of the wheels from attitude and rate of the hub: proportional and differential. Returns the error [rad]. */
+static double control(const fb_real wanted[4])
+{
+  const fb_real *q = state.link[0].quat, back[4] = {wanted[0], -wanted[1], -wanted[2], -wanted[3]};
+  fb_real off[4], error[3];
+  fb_quat_mul(off, back, q);
+  fb_quat_to_rotvec(error, off);
+  for (int i = 0; i < 3; i++) { // what a motor does to its wheel it does to the hub, in the other direction
+    input.drive[1 + i].torque[0] = 5 * error[i] + 40 * motion.motion[0].w[i]; // [N m]
+  }
+  return sqrt((double)fb_vec3_dot(error, error));
+}
+
+int main(void)
+{
+  const fb_real turn[3] = {FB_R(0.3), FB_R(0.2), FB_R(0.38)}; // [rad] rotation vector, 30 degrees
+  const int steps_per_period = 10;                            // the controller runs at 10 Hz
+  fb_real wanted[4];
+  fb_momentum momentum = {{0}, {0}};
+  double error = 0, bend = 0, wheel = 0, total = 0;
+  fb_status status = make_hub();
+  status = status ? status : make_wheel();
+  status = status ? status : make_craft();
+  status = status ? status : fb_system_state_init(&craft, model, &work, &state, NULL, NULL); // at rest
+  fb_quat_from_rotvec(wanted, turn);
+  for (int k = 0; k < 120 * 100 && status == FB_OK; k++) { // 120 s, steps of 10 ms
+    if (k % steps_per_period == 0) {
+      status = fb_system_motion_eval(&craft, model, &work, &motion, &state, &input);
+      error = control(wanted);
+    }
+    status = status ? status : fb_system_rk4_step(&craft, model, &state, &work, &input, &input, &input, FB_R(0.01));
+    status = status ? status : fb_system_momentum(&craft, model, &work, &momentum, &state, &input);
+    total = fmax(total, sqrt((double)fb_vec3_dot(momentum.angular, momentum.angular)));
+    wheel = fmax(wheel, 0.05 * fabs((double)motion.joint[3].speed[0]));
+    for (int side = 0; side < 2 && status == FB_OK; side++) {
+      fb_node_motion node;
+      status = fb_body_node_motion(&model[HUB], &node, &motion.pose[0], &motion.motion[0], tip[side]);
+      bend = fmax(bend, fabs((double)node.displacement[1]));
+    }
+  }
+  if (status != FB_OK) {
+    printf("%s\n", fb_status_string(status));
+    return 1;
+  }
+  printf("pointing error %.1e rad; bent by %.1f mm; momentum %.1e N m s, of a wheel %.2f N m s\n", error, 1000 * bend,
+         total, wheel);
+  if (!(error < 1e-4 && total < 1e-12 * wheel)) {
+    printf("a check failed\n");
+    return 1;
+  }
+  return fflush(stdout) == 0 ? 0 : 1;
+}
