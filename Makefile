@@ -11,11 +11,12 @@ export WARNINGS WARNINGS_C
 LIBRARY  = flexbeam.h flexbeam_impl.h
 SECTIONS = main status vec3 rotation linalg beam modes body system forms mixed integrate analyse advise build
 EXAMPLES = quickstart spinup campbell analyse advise table1 assembly reduce elastodyn firmware spacecraft rotor arm fourbar \
-           elastica follower flap whirl beam3d scene leigh hil_plant hil_controller
+           elastica follower flap whirl beam3d scene leigh hil_plant hil_controller \
+           tutorial_satellite tutorial_blade tutorial_import tutorial_firmware
 EXAMPLES += campaign $(if $(shell command -v mpicc),campaign_mpi)
 # long ones first, so that the two jobs of `make ci` end together
 CHECKS   = sanitize hostile fuzz faults suite long tidy coverage bits instructions firmware compile removed single advise rom mismatch stack symbols threads \
-           two_precisions jacobian style ids quickstart first_build hil scene campaign hard
+           two_precisions jacobian style ids documents quickstart first_build fast_math output hil scene campaign hard
 
 .DELETE_ON_ERROR:
 .PHONY: help run table1 leigh scenes blade firmware hil campaign campaign-mpi test coverage mutants hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes fuzz readme format clean ci FORCE $(CHECKS:%=check-%)
@@ -43,7 +44,7 @@ help:
 	@echo "make bench-peers  the LU beside LAPACK's, the schemes beside SUNDIALS': needs both; build/bench_peers_*.csv"
 	@echo "make sizes     instructions, code, RAM and time of a step by modes and effects on two boards; bytes of all structs"
 	@echo "make fuzz      hostile input at random, by libFuzzer: FUZZ_SECONDS=60 for each of four harnesses (tests/fuzz)"
-	@echo "make readme    regenerate the tables, the program and the picture of README.md (wants gnuplot, valgrind)"
+	@echo "make readme    regenerate the tables, program and pictures of the documents (wants gnuplot, valgrind)"
 	@echo "make ci        every check beside make test: compilers, standards, sanitizers, symbols, stack, instructions, style, ..."
 	@echo "make check-X   one of them: $(sort $(CHECKS))"
 	@echo "make format    clang-format all sources"
@@ -79,7 +80,9 @@ firmware:
 	@echo && echo "Cortex-M7, double precision, -O2:" && cat build/checks/firmware/board_double-O2.txt
 
 hil: build/examples/hil_plant build/examples/hil_controller
-	@build/examples/hil_controller > build/hil_controller.txt & build/examples/hil_plant --out build/hil.csv; status=$$?; \
+	@rm -f build/hil.key; (umask 077; od -An -N16 -tx1 /dev/urandom | tr -d ' \n' > build/hil.key)
+	@build/examples/hil_controller --key build/hil.key > build/hil_controller.txt & \
+	build/examples/hil_plant --key build/hil.key --out build/hil.csv; status=$$?; \
 	wait $$! || status=1; cat build/hil_controller.txt; exit $$status
 
 campaign: build/examples/campaign
@@ -162,23 +165,24 @@ build/examples/%: examples/%.c $(wildcard examples/*.h) $(LIBRARY) build/flags |
 build/examples/satellite_rom.h: examples/satellite.txt build/examples/reduce
 	build/examples/reduce $< --single --out $@
 
-build/examples/firmware: examples/firmware.c build/examples/satellite_rom.h examples/board/desktop.c examples/board/board.h $(LIBRARY) build/flags
+build/examples/firmware: examples/board/desktop.c examples/board/board.h
+build/examples/firmware build/examples/tutorial_firmware: build/examples/%: examples/%.c build/examples/satellite_rom.h $(LIBRARY) build/flags
 	$(CC) $(FLAGS) $(CFLAGS) -Ibuild/examples -ffunction-sections -fdata-sections -Wl,--gc-sections \
-	  $$(grep -o -e '-DFB_[A-Z_]*=[0-9]*' build/examples/satellite_rom.h) -o $@ $< examples/board/desktop.c -lm
+	  $$(grep -o -e '-DFB_[A-Z_]*=[0-9]*' build/examples/satellite_rom.h) -o $@ $< $(filter examples/board/%.c,$^) -lm
 
 # What a benchmark says of itself: its flags, its commit.
 BUILD_OF_BENCH = -DFBB_FLAGS='"-std=c99 -ffp-contract=off $(CFLAGS)"' -DFBB_COMMIT="\"$$(cat build/commit)\""
 
-build/bench/%_double: bench/%.c $(wildcard bench/*.h) examples/stepper.h $(LIBRARY) build/flags build/commit | build/bench
+build/bench/%_double: bench/%.c $(wildcard bench/*.h) examples/stepper.h examples/output.h $(LIBRARY) build/flags build/commit | build/bench
 	$(CC) $(FLAGS) $(CFLAGS) $(BUILD_OF_BENCH) -o $@ $< $(LIBS) -lm
 
 build/bench/bench_peers_lu_double: LIBS = -llapack -lblas -ldl
 build/bench/bench_peers_step_double: LIBS = -lsundials_cvode -lsundials_arkode
 
-build/bench/%_single: bench/%.c $(wildcard bench/*.h) examples/stepper.h $(LIBRARY) build/flags build/commit | build/bench
+build/bench/%_single: bench/%.c $(wildcard bench/*.h) examples/stepper.h examples/output.h $(LIBRARY) build/flags build/commit | build/bench
 	$(CC) $(FLAGS) $(CFLAGS) $(BUILD_OF_BENCH) -DFB_SINGLE=1 -o $@ $< -lm
 
-build/hard_double build/hard_single: $(wildcard tests/hard/*.[ch]) bench/clock.h examples/options.h examples/stepper.h $(LIBRARY) build/flags
+build/hard_double build/hard_single: $(wildcard tests/hard/*.[ch]) bench/clock.h examples/options.h examples/stepper.h examples/output.h $(LIBRARY) build/flags
 	$(CC) $(FLAGS) $(CFLAGS) -DFB_SINGLE=$(if $(findstring single,$@),1,0) -o $@ $(filter tests/hard/%.c,$^) -lm
 
 build/examples/campaign_mpi: examples/campaign_mpi.c $(wildcard examples/*.h) $(LIBRARY) build/flags | build/examples
@@ -213,6 +217,8 @@ ci:
 build/examples/hil_plant build/examples/hil_controller build/examples/campaign build/examples/campaign_mpi: bench/clock.h
 
 check-hil: build/examples/hil_plant build/examples/hil_controller
+
+check-output: $(EXAMPLES:%=build/examples/%)
 
 check-campaign: build/examples/campaign $(filter %_mpi,$(EXAMPLES:%=build/examples/%))
 

@@ -1,19 +1,25 @@
 #!/bin/sh
-# Regenerates the tables, the program and the picture of README.md from what the programs print: make readme.
+# Regenerates the tables, the program and the pictures of the documents from what the programs print: make readme.
 # One part alone: `sh bench/readme.sh PART`, the name of a function below; the table of `peers` stays as it is where the
-# libraries that it compares with are missing.
+# libraries that it compares with are missing. A table goes to the one document that has its two marks.
 set -eu
 out=build/readme
 mkdir -p "$out"
+. tests/checks/documents.inc
 
-# block NAME: standard input replaces what stands between <!-- NAME --> and <!-- /NAME -->
+# block NAME: standard input replaces what stands between <!-- NAME --> and <!-- /NAME --> in the document that has them
 block() {
   cat > "$out/block"
+  document=$(grep -lxF "<!-- $1 -->" $documents) || document=
+  [ -f "$document" ] || { # none, or more than one
+    echo "readme: the mark of $1 stands in: ${document:-no document}" >&2
+    exit 1
+  }
   awk -v name="$1" -v file="$out/block" '
     $0 == "<!-- /" name " -->" { while ((getline line < file) > 0) print line; skip = 0 }
     !skip { print }
-    $0 == "<!-- " name " -->" { skip = 1 }' README.md > "$out/new"
-  cp "$out/new" README.md
+    $0 == "<!-- " name " -->" { skip = 1 }' "$document" > "$out/new"
+  cp "$out/new" "$document"
 }
 
 # picture FILE NAME: gnuplot's, beside the examples; the old one stays where gnuplot is missing
@@ -138,94 +144,158 @@ figures() {
     FNR == NR { single[$1] = $3; next }
     { print "| " $1 " | " $2 " | " $3 " | " ($1 in single ? single[$1] : "") " | " $4 " |"; done[$1] = 1 }' \
     "$out/single" "$out/double" | block figures
+  summary
+}
+
+# Of the figures the rows that README.md shows, in this order.
+summary() {
+  document=$(grep -lxF '<!-- figures -->' $documents)
+  sed -n '/^<!-- figures -->$/,/^<!-- \/figures -->$/p' "$document" > "$out/figures"
+  sed -n 2,3p "$out/figures" | cut -d '|' -f 1-5 | sed 's/$/|/' > "$out/summary"
+  while read -r row; do
+    grep -F "| $row |" "$out/figures" | head -n 1 | cut -d '|' -f 1-5 | sed 's/$/|/' | grep . >> "$out/summary" || {
+      echo "readme: no figure: $row" >&2
+      exit 1
+    }
+  done << ROWS
+cantilever, first three frequencies
+Timoshenko beams, six frequencies
+rotating cantilever, first flap and lag, eta 0..12
+accelerations, n = 1..8, normalized and general M
+accelerations of 8 sets of effects
+spin-up, tip deflection of 3 modes / peak
+energy, momentum form
+tumbling, 1e6 steps, angular momentum
+free asymmetric top
+rigid blade on hinges, flap, lag and pitch
+elastica, dead and follower tip loads to 20 EI/L^2, 40 elements, of the length
+Beck's flutter load, 20 elements, relative
+ROWS
+  block summary < "$out/summary"
+}
+
+# The program of README.md, between ```c and ```, the first one.
+program() {
+  sed -n '/^#/,$p' examples/quickstart.c > "$out/program"
+  awk -v file="$out/program" '
+    /^```$/ { if (skip) { while ((getline line < file) > 0) print line } skip = 0 }
+    !skip { print }
+    /^```c$/ && !found { skip = found = 1 }' README.md > "$out/new"
+  cp "$out/new" README.md
+}
+
+# The spin-up: its table, what README.md shows of it, and the picture beside the example.
+spinup() {
+  make -s build/examples/spinup
+  build/examples/spinup --reference tests/reference/p07C_second_order.csv --out build/spinup.csv > "$out/spinup"
+  { echo '```'; sed -n -e 's/ *$//' -e '/^Spin-up/,/^ *6 .*full/p' "$out/spinup"; echo '```'; } | block spinup
+  ladder
+  picture build/spinup.svg spinup.svg
+}
+
+# Of the spin-up no mode, one mode and three.
+ladder() {
+  document=$(grep -lxF '<!-- spinup -->' $documents)
+  sed -n '/^<!-- spinup -->$/,/^<!-- \/spinup -->$/p' "$document" | sed -e '1d;$d' -e '/^ *[26]  /d' -e '/half an effect/d' | block ladder
+}
+
+# The forms of the equations of motion.
+forms() {
+  make -s build/bench/bench_forms_double
+  build/bench/bench_forms_double > "$out/forms"
+  { echo '```'; awk -F, '!/^#/ { printf "%-9s %8s %3s %9s %8s %8s %16s %15s\n", $1, $2, $3, $4, $5, $6, $7, $8 }' "$out/forms"; echo '```'; } |
+    block forms
+}
+
+# What accuracy costs in time.
+table1() {
+  make -s table1 > "$out/table1"
+  { echo '```'; sed -n -e 's/ *$//' -e '/^Accuracy/,/^torque.*converged/p' "$out/table1"; echo '```'; } | block accuracy
+  { echo '```'; sed -n -e 's/ *$//' -e '/^Table 1/,$p' "$out/table1"; echo '```'; } | block table1
+}
+
+# Systems: time per step, and the slew of a spacecraft.
+system() {
+  make -s build/bench/bench_system_double build/examples/spacecraft
+  build/bench/bench_system_double > "$out/system"
+  { echo '```'; awk -F, -f bench/system.awk "$out/system" | sed 's/ *$//'; echo '```'; } | block system
+  build/examples/spacecraft --out build/spacecraft.csv > "$out/spacecraft"
+  picture build/spacecraft_error.svg spacecraft_error.svg
+}
+
+# The geometrically exact beam: time, the tables of [L], two pictures.
+mixed() {
+  make -s build/bench/bench_mixed_double build/examples/elastica build/examples/follower
+  build/bench/bench_mixed_double > "$out/mixed"
+  { echo '```'; awk -F, -f bench/mixed.awk "$out/mixed" | sed 's/ *$//'; echo '```'; } | block mixed
+  build/examples/elastica --out build/elastica.csv > "$out/elastica"
+  picture build/elastica.svg elastica.svg
+  build/examples/follower --out build/follower.csv > "$out/follower"
+  picture build/follower_flutter.svg follower_flutter.svg
+}
+
+leigh() {
+  make -s leigh > "$out/leigh"
+  { echo '```'; sed -n -e 's/ *$//' -e '/^Table 4.4/,/^4.7, 4.8/p' "$out/leigh" | sed '$d'; tail -n 1 "$out/leigh"; echo '```'; } | block leigh
+}
+
+# The blade: its frequencies, and ElastoDyn's from the head of the table.
+blade() {
+  make -s build/examples/campbell
+  table=tests/reference/nrel5mw_blade.csv
+  build/examples/campbell --blade $table --mass-factor 1.04536 --rpm 0,12.1 --modes 2 > "$out/blade"
+  {
+    echo '```'
+    awk -F, '
+      BEGIN { pi = atan2(0, -1); print "mode       rpm      here  ElastoDyn  difference  without softening" }
+      FNR == NR { if (/flap 1 [0-9.]+ [0-9.]+ ;/) { gsub(/[#;(,]/, " "); n = split($0, w, " ")
+                    for (i = 1; i + 3 <= n; i++) if (w[i] == "flap" || w[i] == "edge") {
+                      kind = w[i] == "edge" ? "lag" : "flap"; figure[kind, w[i + 1], 0] = w[i + 2]; figure[kind, w[i + 1], 1] = w[i + 3] } }
+                  next }
+      ($2, $3, 0) in figure { turning = $1 > 0; f = figure[$2, $3, turning]; hz = $4 / (2 * pi); spin = $1 / (2 * pi)
+        printf "%-4s %d  %7.1f  %8.4f   %8.4f   %8.2f %%", $2 == "lag" ? "edge" : "flap", $3, 60 * spin, hz, f, 100 * (hz / f - 1)
+        if (turning && $2 == "lag") printf "  %8.2f %%", 100 * (hz / sqrt(f * f - spin * spin) - 1)
+        print "" }' $table "$out/blade"
+    echo '```'
+  } | block blade
+  make -s blade 2> "$out/campbell"
+  picture build/campbell.svg campbell.svg
+}
+
+# How much of a beam its modes hold.
+identities() {
+  make -s build/bench/identities_double
+  build/bench/identities_double > "$out/identities"
+  { echo '```'; cat "$out/identities"; echo '```'; } | block identities
+}
+
+instructions() { # the table is printed before the verdict
+  make -s check-instructions > "$out/instructions" || true
+  { echo '```'; sed -e '/^ok/d' -e '/^FAIL/d' -e 's/ *$//' "$out/instructions"; echo '```'; } | block instructions
+}
+
+single() {
+  make -s check-single > "$out/single_precision" || true
+  { echo '```'; sed -e '/^ok/d' -e '/^FAIL/d' "$out/single_precision"; echo '```'; } | block single
+}
+
+sizes() {
+  { echo '```'; make -s sizes; echo '```'; } | block sizes
+  flight
+}
+
+# Of the sizes the rows of six modes on a Cortex-M4F.
+flight() {
+  document=$(grep -lxF '<!-- sizes -->' $documents)
+  { echo '```'; sed -n '/^<!-- sizes -->$/,/^<!-- \/sizes -->$/p' "$document" | grep -E '^precision +modes +effects|^single +6 +[a-z]'; echo '```'; } | block flight
 }
 
 if [ $# -gt 0 ]; then # one part alone
   "$1"
   exit
 fi
-hil
-accuracy
-advice
-advise
-flags
-hard
-campaign
-speedup
-scene
-hostile
-
-# the program, between ```c and ```
-sed -n '/^#/,$p' examples/quickstart.c > "$out/program"
-awk -v file="$out/program" '
-  /^```$/ { if (skip) { while ((getline line < file) > 0) print line } skip = 0 }
-  !skip { print }
-  /^```c$/ && !found { skip = found = 1 } # the first one' README.md > "$out/new"
-cp "$out/new" README.md
-
-figures
-
-# the spin-up: its table, and the picture beside the example
-build/examples/spinup --reference tests/reference/p07C_second_order.csv --out build/spinup.csv > "$out/spinup"
-{ echo '```'; sed -n -e 's/ *$//' -e '/^Spin-up/,/^ *6 .*full/p' "$out/spinup"; echo '```'; } | block spinup
-picture build/spinup.svg spinup.svg
-
-# the forms of the equations of motion, and what accuracy costs in time
-build/bench/bench_forms_double > "$out/forms"
-{ echo '```'; awk -F, '!/^#/ { printf "%-9s %8s %3s %9s %8s %8s %16s %15s\n", $1, $2, $3, $4, $5, $6, $7, $8 }' "$out/forms"; echo '```'; } |
-  block forms
-make -s table1 > "$out/table1"
-{ echo '```'; sed -n -e 's/ *$//' -e '/^Accuracy/,/^torque.*converged/p' "$out/table1"; echo '```'; } | block accuracy
-{ echo '```'; sed -n -e 's/ *$//' -e '/^Table 1/,$p' "$out/table1"; echo '```'; } | block table1
-
-# systems: time per step, and the slew of a spacecraft
-build/bench/bench_system_double > "$out/system"
-{ echo '```'; awk -F, -f bench/system.awk "$out/system" | sed 's/ *$//'; echo '```'; } | block system
-build/examples/spacecraft --out build/spacecraft.csv > "$out/spacecraft"
-picture build/spacecraft_error.svg spacecraft_error.svg
-
-# the exact beam: time, [L]'s tables, a picture
-build/bench/bench_mixed_double > "$out/mixed"
-{ echo '```'; awk -F, -f bench/mixed.awk "$out/mixed" | sed 's/ *$//'; echo '```'; } | block mixed
-make -s leigh > "$out/leigh"
-{ echo '```'; sed -n -e 's/ *$//' -e '/^Table 4.4/,/^4.7, 4.8/p' "$out/leigh" | sed '$d'; tail -n 1 "$out/leigh"; echo '```'; } | block leigh
-build/examples/elastica --out build/elastica.csv > "$out/elastica"
-picture build/elastica.svg elastica.svg
-
-build/examples/follower --out build/follower.csv > "$out/follower"
-picture build/follower_flutter.svg follower_flutter.svg
-
-# the blade: its frequencies, and ElastoDyn's from the head of the table
-blade=tests/reference/nrel5mw_blade.csv
-build/examples/campbell --blade $blade --mass-factor 1.04536 --rpm 0,12.1 --modes 2 > "$out/blade"
-{
-  echo '```'
-  awk -F, '
-    BEGIN { pi = atan2(0, -1); print "mode       rpm      here  ElastoDyn  difference  without softening" }
-    FNR == NR { if (/flap 1 [0-9.]+ [0-9.]+ ;/) { gsub(/[#;(,]/, " "); n = split($0, w, " ")
-                  for (i = 1; i + 3 <= n; i++) if (w[i] == "flap" || w[i] == "edge") {
-                    kind = w[i] == "edge" ? "lag" : "flap"; figure[kind, w[i + 1], 0] = w[i + 2]; figure[kind, w[i + 1], 1] = w[i + 3] } }
-                next }
-    ($2, $3, 0) in figure { turning = $1 > 0; f = figure[$2, $3, turning]; hz = $4 / (2 * pi); spin = $1 / (2 * pi)
-      printf "%-4s %d  %7.1f  %8.4f   %8.4f   %8.2f %%", $2 == "lag" ? "edge" : "flap", $3, 60 * spin, hz, f, 100 * (hz / f - 1)
-      if (turning && $2 == "lag") printf "  %8.2f %%", 100 * (hz / sqrt(f * f - spin * spin) - 1)
-      print "" }' $blade "$out/blade"
-  echo '```'
-} | block blade
-
-make -s blade 2> "$out/campbell"
-picture build/campbell.svg campbell.svg
-
-build/bench/identities_double > "$out/identities"
-{ echo '```'; cat "$out/identities"; echo '```'; } | block identities
-
-peers
-
-make -s check-instructions > "$out/instructions" || true # the table is printed before the verdict
-{ echo '```'; sed -e '/^ok/d' -e '/^FAIL/d' -e 's/ *$//' "$out/instructions"; echo '```'; } | block instructions
-
-make -s check-single > "$out/single_precision" || true
-{ echo '```'; sed -e '/^ok/d' -e '/^FAIL/d' "$out/single_precision"; echo '```'; } | block single
-
-{ echo '```'; make -s sizes; echo '```'; } | block sizes
-echo "README.md: program and tables regenerated"
+for part in hil accuracy advice advise flags hard campaign speedup scene hostile program figures spinup forms table1 system \
+  mixed leigh blade identities peers instructions single sizes; do
+  "$part"
+done
+echo "tables, program and pictures of the documents regenerated"

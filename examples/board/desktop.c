@@ -1,9 +1,13 @@
 /* desktop - the board of a program that runs under an operating system. */
 #include "board.h"
-#include <stdio.h>
+#include "../output.h"
 
 void board_print(const char *text)
 {
+  static int watched;
+  if (!watched++) {
+    output_begin("firmware");
+  }
   fputs(text, stdout);
 }
 

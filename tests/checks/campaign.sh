@@ -297,6 +297,13 @@ for file in "$quick" "$out/beam.txt" "$out/nothing.journal"; do
   says "--out"
   [ ! -e "$file" ] || cmp "$file" "$out/kept.txt" || fail "$file was written over"
 done
+# a device or a folder is no place for rows, nor is a journal put beside it
+ln -s /dev/null "$out/device.csv"
+for file in "$out/device.csv" "$out/other"; do
+  expect 2 $campaign "$quick" --out "$file" --pictures 0
+  says "--out wants a file: the journal goes beside it: $file"
+done
+[ ! -e "$out/device.journal" ] && [ ! -e "$out/other.journal" ] || fail "a journal beside what is no file"
 sed 's/^measure most/measure force/' "$out/beam.txt" > "$out/names.txt"
 expect 2 $campaign --scene "$out/names.txt" --vary "force list 1 2" --out "$out/names.csv"
 says "two columns of the rows would have the name: force"

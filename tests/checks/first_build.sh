@@ -15,7 +15,7 @@ says() {
     head "$out/log"
     fail "not a word of: $message"
   }
-  sed -n '/^## First build fails/,/^## Layout/p' README.md | grep -qF -- "$message" || fail "README.md does not explain: $message"
+  awk '/^#/ { here = /First build fails/ } here' README.md | grep -qF -- "$message" || fail "README.md does not explain: $message"
   cases=$((cases + 1))
 }
 

@@ -1,0 +1,72 @@
+#!/bin/sh
+# A program that cannot write all that it prints, or a file, does not end well: every example into a disk that is full.
+. tests/checks/common.sh
+bin=build/examples
+ln -s /dev/full "$out/full.csv"
+printf 'parameter force 1\nduration 1\nbody b rigid\n  hub 1  0 0 0  1 1 1\nend\nload b dead force $force 0 0\n' > "$out/push.txt"
+printf 'output v velocity b x\nmeasure v final v\n' >> "$out/push.txt"
+printed=0
+filed=0
+
+# unprinted PROGRAM OPTION...: into a full disk it says so, and its exit status is 1; it does end well without
+unprinted() {
+  program=$1
+  shift
+  status=0
+  "$bin/$program" "$@" > /dev/full 2> "$out/log" || status=$?
+  [ $status = 1 ] && grep -q "^$program: cannot write all of the standard output: No space left on device\$" "$out/log" || {
+    cat "$out/log"
+    fail "$program $* > /dev/full: exit status $status"
+  }
+  try "$bin/$program" "$@"
+  printed=$((printed + 1))
+}
+
+# unfiled NAME PROGRAM OPTION...: that file is on a full disk
+unfiled() {
+  file=$1
+  program=$2
+  shift 2
+  status=0
+  "$bin/$program" "$@" > "$out/printed" 2> "$out/log" || status=$?
+  [ $status != 0 ] && grep -q "^$program: .*$file" "$out/log" || {
+    cat "$out/log"
+    fail "$program $*: exit status $status"
+  }
+  filed=$((filed + 1))
+}
+
+for program in $(basename -s .c examples/*.c); do
+  case $program in
+  quickstart | tutorial_*) # they have no header but the library's: they are the first texts that somebody reads
+    ! "$bin/$program" > /dev/full || fail "$program > /dev/full ends well"
+    try "$bin/$program"
+    printed=$((printed + 1))
+    ;;
+  assembly | firmware) unprinted $program ;;
+  campaign_mpi) ;; # mpirun has its standard output
+  *) unprinted $program --help ;;
+  esac
+done
+# results, more than a buffer of them, and pictures
+unprinted scene examples/scenes/double_pendulum.txt
+unprinted campaign --scene "$out/push.txt" --vary "force list 1 2" --out "$out/top.csv" --pictures 0 --fresh
+unprinted reduce examples/boom.txt
+unprinted analyse examples/boom.txt
+unprinted beam3d examples/bend45.txt
+unprinted campbell --spin 0,1
+unprinted elastica --out "$out/elastica.csv"
+unprinted hil_plant --simulated-time direct --seconds 0.1 --out "$out/hil.csv"
+full=$out/full.csv
+unfiled full.csv elastica --out "$full"
+unfiled full.csv follower --out "$full"
+unfiled full.csv beam3d examples/bend45.txt --out "$full"
+unfiled full.csv flap --seconds 0.05 --out "$full"
+unfiled full.csv whirl --seconds 0.4 --ramp 0.1 --out "$full"
+unfiled full.csv reduce examples/boom.txt --out "$full"
+unfiled full.csv arm --move 0.5 --t-end 3.5 --out "$full"
+unfiled full.csv hil_plant --simulated-time direct --seconds 0.1 --out "$full"
+unfiled full.csv spacecraft --slew 10 --t-end 60 --out "$full"
+unfiled full.csv scene examples/scenes/top.txt --picture "$full"
+unfiled full.csv scene examples/scenes/top.txt --animation "$full"
+ok "$printed runs into a full standard output and $filed into a full file are told"
