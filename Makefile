@@ -15,7 +15,7 @@ EXAMPLES = quickstart spinup campbell analyse advise table1 assembly reduce elas
            tutorial_satellite tutorial_blade tutorial_import tutorial_firmware
 EXAMPLES += campaign $(if $(shell command -v mpicc),campaign_mpi)
 # long ones first, so that the two jobs of `make ci` end together
-CHECKS   = sanitize hostile fuzz faults suite long tidy coverage bits instructions firmware compile removed single advise rom mismatch stack symbols threads \
+CHECKS   = sanitize hostile fuzz faults suite long tidy coverage bits instructions firmware compile rooms removed single advise rom mismatch stack symbols threads \
            two_precisions jacobian style ids documents quickstart first_build fast_math output hil scene campaign hard
 
 .DELETE_ON_ERROR:

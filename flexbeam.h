@@ -83,21 +83,25 @@
      status = status ? status : fb_mixed_nodes_eval(&mixed, node, &state);                // ..what is where, ..
      status = status ? status : fb_mixed_spectrum_solve(&mixed, &spectrum, &spectrum_work, &state, &input, 6); // modes
 
-   CONTENTS (search for the anchor; the same anchors divide flexbeam_impl.h and the tests)
-     >>config     options, real type, libm hooks, mismatch guard
-     >>status     status codes and their texts
-     >>vec3       3-vectors, 3x3 and symmetric 6x6 matrices
-     >>rotation   unit quaternions, exponential and logarithm
-     >>linalg     LU, Cholesky, symmetric, generalized and general eigenvalues
-     >>beam       sections, tapers, stations, bent lines, lumped bodies, element matrices
-     >>modes      natural modes, components, buckling, synthesis; finite-element coordinates
-     >>body       shape integrals, effects, momentum form, loads, nodes, energy
-     >>system     joints, trees, loops, constraints
-     >>mixed      geometrically exact beam: steady states, motion, energy, momentum
-     >>integrate  rk4, implicit midpoint, SDIRK2, exponential scheme; their limits
-     >>analyse    steady states, linear models, complex modes, step advice
-     >>advise     which effects, modes, scheme and step a scene calls for
-     >>build      version and configuration string
+   CONTENTS (search for the anchor; the same anchors divide flexbeam_impl.h. What stands above uses nothing of what
+   stands below: RUN flies, BUILD makes models of bodies, systems and exact beams, ANALYSE looks at them)
+     RUN        >>config     options, real type, libm hooks, mismatch guard
+                >>status     status codes and their texts
+                >>vec3       3-vectors, 3x3 and symmetric 6x6 matrices
+                >>rotation   unit quaternions, exponential and logarithm
+                >>solve      LU and Cholesky factors
+                >>body       one body: effects, state, loads, motion, nodes, sensors, energy
+                >>system     bodies on joints: trees, loops, constraints
+                >>exact      the geometrically exact beam
+                >>integrate  every step and its limit: rk4, implicit midpoint, SDIRK2, exponential scheme
+                >>version    version and configuration string
+     BUILD      >>eigen      symmetric, generalized and general eigenproblems
+                >>beam       sections, tapers, stations, bent lines, lumped bodies, element matrices
+                >>modes      natural modes, components, buckling, synthesis; finite-element coordinates
+                >>assemble   shape integrals; every _init of a model: bodies, systems, exact beams
+     ANALYSE    >>trim       steady states and their paths
+                >>linear     linear models, complex modes, step advice
+                >>advise     which effects, modes, scheme and step a scene calls for
 
    OPTIONS (define before the include, the same in every file: a mismatch does not link. Best in one file that every
    compiler call names: -DFLEXBEAM_CONFIG='"my_flexbeam_config.h"'. Values are bare numbers.)
@@ -128,6 +132,10 @@
      FB_MAX_RUNS                                      0: as many as there can be. For models in ROM: examples/reduce
                                                       tells what one takes
      FB_WITH_FORMS                    0        0, 1    1: the second-order and the printed first-order form, too
+     FB_WITH_SYSTEM                   1        0, 1    0 removes systems of bodies: their types, functions and code
+     FB_WITH_EXACT                    1        0, 1    0 removes the geometrically exact beam
+     FB_WITH_BUILD                    1        0, 1    0 removes BUILD: for firmware whose models are in ROM
+     FB_WITH_ANALYSE                  as BUILD 0, 1    0 removes ANALYSE
      FB_ASSERT(x)                     nothing  -       called with 0 on a programmer's error (NULL, index, capacity)
      FB_ALLOW_FAST_MATH               -        -       compile under -ffast-math (finite checks are then void, and
                                                        small increments are lost). Without it refused are -ffast-math,
@@ -257,7 +265,7 @@
 #define FLEXBEAM_H
 
 /* ---------------------------------------------------------------------------------------------------------------
-   1 >>config */
+   RUN >>config */
 
 #ifdef FLEXBEAM_CONFIG
 #include FLEXBEAM_CONFIG
@@ -335,6 +343,18 @@
 #ifndef FB_WITH_FORMS
 #define FB_WITH_FORMS 0
 #endif
+#ifndef FB_WITH_SYSTEM
+#define FB_WITH_SYSTEM 1
+#endif
+#ifndef FB_WITH_EXACT
+#define FB_WITH_EXACT 1
+#endif
+#ifndef FB_WITH_BUILD
+#define FB_WITH_BUILD 1
+#endif
+#ifndef FB_WITH_ANALYSE
+#define FB_WITH_ANALYSE FB_WITH_BUILD
+#endif
 #ifndef FB_ASSERT
 #define FB_ASSERT(x) ((void)0)
 #endif
@@ -359,9 +379,13 @@
 #if FB_MAX_MIXED < 1 || FB_MAX_MIXED > 999
 #error "flexbeam: FB_MAX_MIXED is 1..999"
 #endif
-#if (FB_WITH_SPIN_COUPLING | FB_WITH_RESIDUAL_INERTIA | FB_WITH_SPIN_STIFFENING | FB_WITH_ACCELERATION_STIFFENING | \
-     FB_WITH_DAMPING | FB_WITH_GRAVITY | FB_WITH_NONLINEAR_STRAIN | FB_WITH_FORMS) > 1
+#if (FB_WITH_SPIN_COUPLING | FB_WITH_RESIDUAL_INERTIA | FB_WITH_SPIN_STIFFENING | FB_WITH_ACCELERATION_STIFFENING |  \
+     FB_WITH_DAMPING | FB_WITH_GRAVITY | FB_WITH_NONLINEAR_STRAIN | FB_WITH_FORMS | FB_WITH_SYSTEM | FB_WITH_EXACT | \
+     FB_WITH_BUILD | FB_WITH_ANALYSE) > 1
 #error "flexbeam: FB_WITH_... are 0 or 1"
+#endif
+#if FB_WITH_ANALYSE && !FB_WITH_BUILD
+#error "flexbeam: FB_WITH_ANALYSE needs FB_WITH_BUILD"
 #endif
 #if FB_MAX_STRAINS < 1 || FB_MAX_STRAINS > 999
 #error "flexbeam: FB_MAX_STRAINS is 1..999"
@@ -419,15 +443,16 @@ typedef double fb_real;
 #else
 #define FBI_PRECISION double
 #endif
-#define FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o) \
-  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_lambda##v##_s##w##_runs##y##_bodies##i##_loops##j##_rows##k##_speeds##r##_mixed##x##_with##a##b##c##d##f##g##h##_forms##o
-#define FBI_CAT_(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o) \
-  FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o)
-#define FBI_CONFIG_SYMBOL                                                                                           \
-  FBI_CAT_(FBI_PRECISION, FB_MAX_MODES, FB_MAX_NODES, FB_MAX_LOADS, FB_MAX_ELEMENTS, FB_MAX_STATIONS, FB_MAX_LUMPS, \
-           FB_MAX_STRAINS, FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_RUNS, FB_MAX_BODIES, FB_MAX_LOOPS, FB_MAX_ROWS,          \
-           FB_MAX_SPEEDS, FB_MAX_MIXED, FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA, FB_WITH_SPIN_STIFFENING,   \
-           FB_WITH_ACCELERATION_STIFFENING, FB_WITH_DAMPING, FB_WITH_GRAVITY, FB_WITH_NONLINEAR_STRAIN, FB_WITH_FORMS)
+#define FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D) \
+  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_lambda##v##_s##w##_runs##y##_bodies##i##_loops##j##_rows##k##_speeds##r##_mixed##x##_with##a##b##c##d##f##g##h##_forms##o##_rooms##A##B##C##D
+#define FBI_CAT_(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D) \
+  FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D)
+#define FBI_CONFIG_SYMBOL                                                                                              \
+  FBI_CAT_(FBI_PRECISION, FB_MAX_MODES, FB_MAX_NODES, FB_MAX_LOADS, FB_MAX_ELEMENTS, FB_MAX_STATIONS, FB_MAX_LUMPS,    \
+           FB_MAX_STRAINS, FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_RUNS, FB_MAX_BODIES, FB_MAX_LOOPS, FB_MAX_ROWS,             \
+           FB_MAX_SPEEDS, FB_MAX_MIXED, FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA, FB_WITH_SPIN_STIFFENING,      \
+           FB_WITH_ACCELERATION_STIFFENING, FB_WITH_DAMPING, FB_WITH_GRAVITY, FB_WITH_NONLINEAR_STRAIN, FB_WITH_FORMS, \
+           FB_WITH_SYSTEM, FB_WITH_EXACT, FB_WITH_BUILD, FB_WITH_ANALYSE)
 #define FBI_STRING(x) #x
 #define FBI_STRING_(x) FBI_STRING(x)
 
@@ -461,7 +486,7 @@ static const char *const fbi_config_reference = FBI_CONFIG_SYMBOL;
 #define FBI_MAX_DOF (6 * (FB_MAX_ELEMENTS + 1) + 16 * FB_MAX_ELEMENTS)
 
 /* ---------------------------------------------------------------------------------------------------------------
-   2 >>status */
+   RUN >>status */
 
 #define FB_STATUS_LIST(X)                                                                                            \
   X(FB_OK, 0, "ok")                                                                                                  \
@@ -487,7 +512,7 @@ typedef enum fb_status { FB_STATUS_LIST(FBI_STATUS_ENUM) } fb_status;
 FB_API const char *fb_status_string(fb_status status);
 
 /* ---------------------------------------------------------------------------------------------------------------
-   3 >>vec3: sizes are fixed; outputs may not overlap inputs unless said */
+   RUN >>vec3: sizes are fixed; outputs may not overlap inputs unless said */
 
 FB_API fb_real fb_vec3_dot(const fb_real a[3], const fb_real b[3]);
 FB_API void fb_vec3_cross(fb_real c[3], const fb_real a[3], const fb_real b[3]);      /* c = a x b */
@@ -503,7 +528,7 @@ FB_API void fb_sym6_mul_vec6(fb_real y[6], const fb_real S[21], const fb_real x[
 FB_API fb_status fb_sym6_solve(fb_real x[6], const fb_real S[21], const fb_real y[6]);
 
 /* ---------------------------------------------------------------------------------------------------------------
-   4 >>rotation: quaternions (w,x,y,z); rotation vectors [rad] */
+   RUN >>rotation: quaternions (w,x,y,z); rotation vectors [rad] */
 
 FB_API void fb_quat_mul(fb_real r[4], const fb_real p[4], const fb_real q[4]); /* r = p o q */
 FB_API void fb_quat_to_mat33(fb_real R[9], const fb_real q[4]);                /* x_I = R x_B */
@@ -519,7 +544,7 @@ FB_API void fb_pose_to_twist(fb_real x[6], const fb_real r[3], const fb_real q[4
 FB_API fb_status fb_quat_normalize(fb_real q[4]);
 
 /* ---------------------------------------------------------------------------------------------------------------
-   5 >>linalg: dense, run-time n; singularity is judged relative to each row and column, so scaling units changes
+   RUN >>solve: dense, run-time n; singularity is judged relative to each row and column, so scaling units changes
    nothing */
 
 /* A (n x n) is overwritten by its factors P A = L U. FB_ERR_SINGULAR, FB_ERR_NOT_FINITE: A is spoiled.
@@ -532,6 +557,937 @@ FB_API void fb_lu_solve(fb_real *x, const fb_real *LU, const int *perm, const fb
    definite. */
 FB_API fb_status fb_chol_factor(fb_real *A, int n);
 FB_API void fb_chol_solve(fb_real *x, const fb_real *L, const fb_real *b, int n); /* x = A^-1 b; x may be b */
+
+/* ---------------------------------------------------------------------------------------------------------------
+   RUN >>body: one body in a floating frame */
+
+/* Switches, or-ed into a mask. The degrees are those of the elastic coordinates in the inertia. */
+typedef enum fb_effect {
+  FB_EFFECT_ELASTIC = 1,                  /* the modes move; without it the body is rigid */
+  FB_EFFECT_SPIN_COUPLING = 2,            /* gyroscopic (Coriolis) coupling of modes, N(w): degree 1 */
+  FB_EFFECT_RESIDUAL_INERTIA = 4,         /* inertia follows the shape, centrifugal softening: degrees 1, 2 */
+  FB_EFFECT_SPIN_STIFFENING = 8,          /* centrifugal stiffening by foreshortening: degree 2 */
+  FB_EFFECT_ACCELERATION_STIFFENING = 16, /* the same by acceleration of O, angular acceleration, gravity */
+  FB_EFFECT_DAMPING = 32,                 /* modal damping */
+  FB_EFFECT_GRAVITY = 64,                 /* uniform gravity */
+  FB_EFFECT_NONLINEAR_STRAIN = 128 /* axial strain u_x' + 1/2 (u_y'^2 + u_z'^2): stiffening by axial coordinates */
+} fb_effect;
+#define FB_EFFECTS_RIGID 0u
+#define FB_EFFECTS_LINEAR 1u   /* level 1 of the accuracy ladder */
+#define FB_EFFECTS_SPIN 3u     /* level 2 */
+#define FB_EFFECTS_FULL 31u    /* level 3: every inertial effect; add damping and gravity as called for */
+#define FB_EFFECTS_STRAIN 135u /* level 4: stiffening by axial coordinates instead of the quadratic field */
+
+/* FB_ERR_EFFECTS when the set is half of something: residual inertia without spin coupling or without spin stiffening
+   (or nonlinear strain) keeps the centrifugal softening and drops what outweighs it (a slender beam then diverges
+   above its first bending frequency), when nonlinear strain comes with spin or acceleration stiffening (the
+   foreshortening would count twice), or when an effect was removed at compile time. fb_body_init also refuses spin
+   stiffening of a FREE body without acceleration stiffening: its meaning would depend on the choice of O.
+   Without residual inertia the inertia does not follow the shape, and with few modes the centrifugal loads on them
+   (products of w) are missing, too: such sets are for a body that turns slowly, however fast it flies by itself. In a
+   system they are for bodies whose O is slow, too: the loads w x v of O on their modes are missing there. On a
+   prescribed base that turns and whose v changes every scheme is of order 1 with them. */
+FB_API fb_status fb_effects_check(unsigned effects);
+
+/* A point of a body that carries loads or is looked at. Node 0 is the origin O of the body frame. */
+typedef struct fb_node {
+  fb_real r[3];                    /* [m] undeformed position */
+  fb_real psi[3 * FB_MAX_MODES];   /* n x 3 displacement shapes */
+  fb_real theta[3 * FB_MAX_MODES]; /* n x 3 rotation shapes */
+#if FBI_WITH_QUADRATIC
+  fb_real chi[3 * FBI_MAX_PAIRS];       /* pairs a >= b at a (a+1)/2 + b: quadratic displacement */
+  fb_real chi_theta[3 * FBI_MAX_PAIRS]; /* quadratic rotation */
+#endif
+} fb_node;
+
+typedef struct fb_gauge { /* a strain gauge: what each coordinate of a body adds to its reading */
+  int n;
+  fb_real gain[FB_MAX_MODES];
+} fb_gauge;
+FB_API fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q); /* [-] */
+
+typedef enum fb_base { /* how the body frame moves */
+                       FB_BASE_FREE = 0,
+                       FB_BASE_PRESCRIBED = 1, /* v, w of the input */
+                       FB_BASE_PINNED = 2,     /* O stays where it is, all rotations are free */
+                       FB_BASE_HINGED = 3      /* O and the z axis stay where they are, the body turns about z */
+} fb_base;
+
+#if FB_WITH_FORMS
+/* The equations of motion of a body. The momentum form is the library's own; the others are for comparison. */
+typedef enum fb_form {
+  FB_FORM_MOMENTUM = 0,
+  FB_FORM_SECOND =
+      1, /* [DB] (7)-(8): velocities and q_dot; a mass matrix that follows the shape, factored at every evaluation */
+  FB_FORM_FIRST =
+      2 /* [DB] (23)-(25): velocities and elastic velocities v_e, a constant mass matrix, a stiffness torque.
+                         It has no inertia that follows the shape (FB_EFFECT_RESIDUAL_INERTIA adds nothing) and no
+                         quadratic field */
+} fb_form;
+
+/* The stiffness torque K_re q of the first-order form. The frame and the beam exchange energy through it: one that
+   does not fit the elastic forces lets energy leak. All are the same on a rotation-closed basis. */
+typedef enum fb_stiffness_torque {
+  FB_TORQUE_IDENTITY = 0, /* [DB] (49), q_b Upsilon_b M^-1 dU/dq: energy-exact on every basis */
+  FB_TORQUE_PRINTED = 1,  /* [DB] (34)-(36): wrong where u_x' is free at the root, and refinement does not mend it */
+  FB_TORQUE_BOUNDARY = 2  /* (36) with the boundary term - u_x'(0) EI u_y''(0) that its integration by parts leaves */
+} fb_stiffness_torque;
+#endif
+
+/* A symmetric n x n matrix by its diagonal and those elements below it (a > b) that are not zero. Modal matrices are a
+   diagonal, finite-element ones blocks and bands. */
+typedef struct fb_pair_term {
+  fb_real c;
+  unsigned short a, b;
+} fb_pair_term;
+
+typedef struct fb_sparse {
+  int n_term;
+  fb_real diagonal[FB_MAX_MODES];
+  fb_pair_term term[FBI_MAX_PAIRS];
+} fb_sparse;
+
+/* The elements of Lambda(q) (6 x n) and S(q) (6 x 6, packed) that are not zero. A term is one struct: gcc 12.2 -O2
+   drops a call whose loop runs over parallel arrays of reals and bytes of one struct. */
+typedef struct fb_lambda_term {
+  fb_real c;
+  unsigned short i, a, b;
+} fb_lambda_term;
+
+typedef struct fb_lambda_row { /* row i of Lambda, and where its terms linear in q end in the list; ascending */
+  unsigned short i, end;
+} fb_lambda_row;
+
+typedef struct fb_S_pair { /* of (1, q), a >= b */
+  unsigned short a, b;
+} fb_S_pair;
+
+typedef struct fb_S_run { /* element i of S has coefficients for n pairs that follow each other, the first is `pair` */
+  unsigned short i, pair, n;
+} fb_S_run;
+
+#if FB_MAX_LAMBDA > 0
+#define FBI_MAX_LAMBDA FB_MAX_LAMBDA
+#else
+#define FBI_MAX_LAMBDA                                                                                 \
+  (FB_MAX_MODES * (6 + 3 * FB_MAX_MODES * (FB_WITH_SPIN_COUPLING || FB_WITH_ACCELERATION_STIFFENING) + \
+                   3 * FB_MAX_MODES * FB_WITH_ACCELERATION_STIFFENING))
+#endif
+/* pairs a >= b of (1, q) but 00 */
+#define FBI_MAX_PAIRS_S (FBI_WITH_SHAPE_INERTIA ? (FB_MAX_MODES + 1) * (FB_MAX_MODES + 2) / 2 - 1 : 1)
+#if FB_MAX_S > 0
+#define FBI_MAX_S FB_MAX_S
+#else
+#define FBI_MAX_S (FBI_WITH_SHAPE_INERTIA ? 21 * FBI_MAX_PAIRS_S : 1)
+#endif
+#if FB_MAX_RUNS > 0
+#define FBI_MAX_RUNS FB_MAX_RUNS
+#else
+#define FBI_MAX_RUNS FBI_MAX_S
+#endif
+
+#if FB_WITH_NONLINEAR_STRAIN
+typedef struct fb_strain_row { /* what a coordinate adds to u_x', u_y' or u_z' (axis 0, 1, 2) at the strain stations */
+  fb_real slope[FBI_MAX_STRAINS];
+  unsigned short axis, a;
+} fb_strain_row;
+#endif
+
+#if FB_WITH_FORMS
+#define FBI_MAX_TORQUE (3 * FB_MAX_MODES * FB_MAX_MODES)
+#endif
+
+/* The model a step needs; constant after init, may live in ROM. */
+typedef struct fb_body {
+  int n, n_node;
+  unsigned effects;
+  fb_base base;
+  int unit_mass;  /* M = 1 */
+  int constant_S; /* S does not depend on q */
+  int allow_long_step;
+  int n_lambda, n_lambda_constant; /* terms of Lambda; those of a = 0 come first */
+  int n_linear_constant, n_linear; /* of either kind those of the linear momentum, first among them */
+  int n_row;                       /* rows of Lambda that have terms linear in q */
+  int n_S, n_run, n_pair;          /* terms of S, their runs, and the pairs of (1, q) they belong to */
+#if FB_WITH_FORMS
+  fb_form form;
+  fb_stiffness_torque stiffness_torque;
+  int torque_degree;               /* 3, or what truncation leaves */
+  int n_run_value, n_lambda_value; /* second-order form: those in the mass matrix, the others in its rates alone */
+  int n_gam, n_torque;             /* first-order form */
+#endif
+  fb_real mass, c[3];
+  fb_real deflection_limit, reach[FB_MAX_MODES];
+  fb_real recoil; /* sqrt of the largest ratio of the body's inertia to what the modes leave the frame; 1: heavy hub */
+  fb_real gyration;                                                     /* [m] radius of gyration about O */
+  fb_real limit_elastic, limit_damping, limit_spin, limit_acceleration; /* bounds for fb_rk4_limit */
+#if FB_WITH_FORMS
+  fb_real M_rr[21];                      /* rigid mass matrix of the undeformed body */
+  fb_lambda_term gam[9 * FB_MAX_MODES];  /* Gamma_a, element i of 9 */
+  fb_lambda_term torque[FBI_MAX_TORQUE]; /* stiffness torque, element i of 3, bilinear in q_a q_b */
+#endif
+#if FB_WITH_NONLINEAR_STRAIN
+  int n_strain, n_strain_row;
+  fb_real quartic;       /* 1, or 0 where the strain energy of degree 4 is left out */
+  fb_real limit_slope;   /* largest eigenvalue of EA u_y' u_y' + EA u_z' u_z' against the elastic mass */
+  fb_real limit_tension; /* [s] change of a frequency by the tension of a spin, per spin squared */
+  fb_real strain_weight[FBI_MAX_STRAINS];
+  fb_strain_row strain_row[3 * FB_MAX_MODES];
+#endif
+  fb_real S0[21], S0_inverse[36];
+  fb_sparse M, Minv, K; /* elastic mass (it and its inverse are used when not 1) and stiffness */
+#if FB_WITH_DAMPING
+  fb_sparse C;
+#endif
+#if FB_WITH_GRAVITY
+  fb_real gravity[3];
+#endif
+  fb_lambda_row lambda_row[6];
+  fb_lambda_term lambda[FBI_MAX_LAMBDA]; /* -Lambda_ib(q) = sum of c (1, q)_a */
+  fb_real S[FBI_MAX_S];                  /* S_i(q) = S0_i + sum of S (1, q)_a (1, q)_b over the pairs of its runs */
+  fb_S_run run[FBI_MAX_RUNS];
+  fb_S_pair pair[FBI_MAX_PAIRS_S];
+  fb_node node[FB_MAX_NODES];
+} fb_body;
+
+/* Is a body what fb_body_init may have made? Counts and indexes within the tables, the terms in their order, all
+   numbers finite, S_0 positive definite: for memory that may have changed by itself. A body that passes takes no step,
+   whatever else is wrong with it, beyond its tables; a number that is finite but wrong passes, too. FB_ERR_CAPACITY,
+   FB_ERR_VALUE. */
+FB_API fb_status fb_body_check(const fb_body *body);
+/* Check word of a body: CRC-32 (IEEE 802.3) over all that a step reads, in the order of its meaning, without padding
+   and unused room. Keep it beside the model, compare in flight: a single flipped bit changes it. It depends on
+   FB_SINGLE, not on the capacities. 0: counts beyond the tables (whether the numbers are sound, fb_body_check says). */
+FB_API unsigned fb_body_crc(const fb_body *body);
+
+/* All that changes; assignment is a snapshot. Momenta are relative to the mass center, which moves at u: rho alone
+   depends on the speed of flight, and a body at 30 km/s bends as one at rest. fb_body_motion and fb_body_momentum give
+   totals. */
+typedef struct fb_state {
+  fb_real rho[3];  /* [m] position of O, inertial axes; steps add to it without loss (lost_rho) */
+  fb_real quat[4]; /* attitude of the body frame */
+  fb_real u[3];    /* [m/s] velocity, inertial axes: of the mass center; prescribed base: that of O at the end of the
+                      last step; pinned, hinged: zero */
+  fb_real L[3];    /* [N m s] angular momentum, inertial axes, about the mass center; pinned: about O; hinged: about O,
+                      along the hinge; prescribed: zero */
+  fb_real q[FB_MAX_MODES], pi[FB_MAX_MODES]; /* elastic coordinates; momenta int psi_a . (velocity - u) dm */
+  fb_real h[3];                              /* [N m s] L in body axes, as the last step had it: written, not read */
+  /* by rounding of the last step's sums; the next one adds it. Zero when you set a state */
+  fb_real lost_rho[3], lost_u[3];
+#if FB_SINGLE
+  fb_real lost_quat[4], lost_L[3], lost_h[3], lost_q[FB_MAX_MODES], lost_pi[FB_MAX_MODES];
+#endif
+} fb_state; /* other forms: u is that of O (but for a prescribed base), L is w (body axes), pi is q_dot (second-order) or
+               v_e (first-order) */
+
+typedef enum fb_axes {
+  FB_AXES_INERTIAL = 0, /* dead load */
+  FB_AXES_NODE = 1,     /* follower: turns with the node's section */
+  FB_AXES_BODY = 2      /* turns with the body frame */
+} fb_axes;
+
+typedef struct fb_load {
+  int node;
+  fb_axes axes;
+  fb_real force[3], torque[3]; /* [N], [N m] in those axes, at the node */
+} fb_load;
+
+typedef struct fb_input { /* what acts on a body at one instant; all zero: nothing */
+  int n_load;
+  fb_load load[FB_MAX_LOADS];
+  /* [m/s], [rad/s] prescribed base: velocity of O and angular velocity, body axes. What the attitude of the scheme errs
+     by within a step times v is felt as a velocity: let a base that flies fast and turns unsteadily fly against a frame
+     that flies along (any velocity that does not change may be left out) */
+  fb_real v[3], w[3];
+  fb_real v_dot[3], w_dot[3]; /* [m/s^2], [rad/s^2] their rates in body axes: accelerations, reactions, step limit, and
+                                 the equations of motion of the second- and first-order forms */
+} fb_input;
+
+typedef struct fb_motion { /* velocities and accelerations, body axes */
+  fb_real v[3], w[3], q_dot[FB_MAX_MODES];
+  fb_real acceleration[3], w_dot[3], q_ddot[FB_MAX_MODES]; /* of O [m/s^2]; rates of w and q_dot */
+  fb_real reaction_force[3], reaction_torque[3]; /* [N], [N m] of the base on the body at O; zero for what is free */
+} fb_motion;
+
+typedef struct fb_node_motion { /* inertial axes */
+  fb_real position[3], quat[4]; /* of the node and its section */
+  fb_real velocity[3], angular_rate[3];
+  fb_real acceleration[3], angular_acceleration[3];
+  fb_real displacement[3], rotation[3]; /* elastic, body axes [m], rotation vector [rad] */
+} fb_node_motion;
+
+typedef struct fb_energy {
+  fb_real kinetic, strain,
+      gravity; /* [J]; gravity is -m g.(rho + R c(q)/m), zero with the mass center at the inertial origin */
+} fb_energy;
+
+typedef struct fb_momentum {
+  fb_real linear[3], angular[3]; /* [N s], [N m s] about the inertial origin, inertial axes */
+} fb_momentum;
+
+/* At the inertial origin, at rest, undeformed. A prescribed base that moves from the first step on wants
+   fb_state_from_velocity with its v, w: a jump in them is an impulse on the modes. */
+FB_API fb_status fb_state_init(const fb_body *body, fb_state *state);
+/* Sets the momenta of state from v, w (body axes) and q_dot (n, NULL: zero) at its pose and q. FB_ERR_NOT_FINITE;
+   FB_ERR_VALUE: a velocity that a pinned or hinged base holds at zero. */
+FB_API fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, const fb_real v[3], const fb_real w[3],
+                                        const fb_real *q_dot);
+/* Finite, unit quaternion, within the deflection limit. FB_ERR_NOT_FINITE, FB_ERR_VALUE, FB_ERR_RANGE. */
+FB_API fb_status fb_state_check(const fb_body *body, const fb_state *state);
+/* Time derivative of state under input (NULL: nothing acts). rate may not be state. FB_ERR_RANGE: S(q) is no longer
+   positive definite, the deflection has left the model. FB_ERR_CAPACITY: a load names a node that does not exist. */
+FB_API fb_status fb_body_rates(const fb_body *body, fb_state *rate, const fb_state *state, const fb_input *input);
+/* Velocities, accelerations and reactions at state under input (NULL: nothing acts). */
+FB_API fb_status fb_body_motion(const fb_body *body, fb_motion *motion, const fb_state *state, const fb_input *input);
+/* Pose, velocity and acceleration of a node, from the motion at the same state. */
+FB_API fb_status fb_body_node_motion(const fb_body *body, fb_node_motion *out, const fb_state *state,
+                                     const fb_motion *motion, int node);
+FB_API fb_status fb_body_energy(const fb_body *body, fb_energy *energy, const fb_state *state, const fb_input *input);
+FB_API fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, const fb_state *state,
+                                  const fb_input *input);
+
+/* ---- parts of the work: not to be looked at */
+
+typedef struct fbi_kinetics {   /* what an evaluation knows about a state */
+  fb_real R[9];                 /* body to inertial axes */
+  fb_real qx[FB_MAX_MODES + 1]; /* (1, q) */
+  fb_real Minv_pi[FB_MAX_MODES];
+  const fb_real *pb;           /* M^-1 pi: the above, or pi itself where M = 1 */
+  fb_real V[6];                /* (v, w), body axes; of single bodies v relative to state.u */
+  fb_real ph[6];               /* (p, h), body axes */
+  fb_real S[21], dS[21];       /* S(q) and its rate, when they were needed */
+  int loaded;                  /* loads or gravity act: fg is not zero */
+  fb_real fg[6];               /* resultant force and torque about O of loads and gravity, body axes; free bodies: 0 and
+                                  the torque about the mass center, E8.33 */
+  fb_real a[3];                /* [m/s^2] acceleration of a free body's mass center by the loads, body axes */
+  fb_real x[FB_MAX_MODES + 1]; /* elastic forces by (1, q): loads and gravity, then inertia; x[0] is not used */
+  fb_real e[FB_MAX_MODES];     /* scratch */
+#if FB_WITH_FORMS
+  fb_real y[6];     /* right-hand side of the rigid equations */
+  fb_real V_dot[6]; /* accelerations, body axes */
+#endif
+#if FB_WITH_NONLINEAR_STRAIN
+  fb_real slope[3][FBI_MAX_STRAINS]; /* u_x', u_y', u_z' at the strain stations */
+#endif
+} fbi_kinetics;
+
+typedef struct fbi_node_field {   /* a node on the deformed body, body axes */
+  fb_real u[3], phi[3];           /* displacement, rotation parameters */
+  fb_real Ju[3 * FB_MAX_MODES];   /* n x 3: velocity per q_dot */
+  fb_real Jphi[3 * FB_MAX_MODES]; /* n x 3: angular rate per q_dot */
+  fb_real turn[3 * FB_MAX_MODES]; /* n x 3: rate of phi per q_dot */
+} fbi_node_field;
+
+/* ---- functions; body is the caller's array of models, the same in every call. Bodies of a system are of the momentum
+   form; their base does not matter: FB_BASE_PRESCRIBED takes bodies without mass, or without inertia about some axis.
+   */
+
+typedef struct fb_imu {                       /* section axes of the node */
+  fb_real specific_force[3], angular_rate[3]; /* [m/s^2] acceleration less gravity, [rad/s] */
+} fb_imu;
+/* What an inertial measurement unit at a node reads; gravity in inertial axes (NULL: none). */
+FB_API void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *gravity);
+
+#if FB_WITH_SYSTEM
+/* ---------------------------------------------------------------------------------------------------------------
+   RUN >>system: bodies connected by joints. Each body hangs by one joint on an earlier body or on the ground (a tree);
+   further joints close loops. The state is the joint coordinates with the momenta conjugate to them, so that velocities
+   come from one solve M(q) u = p and no accelerations are needed:
+     p_dot = joint torque + A^T ( F - turning of G ) + A_dot^T G     G momentum, F load of all that hangs on the joint
+   Constraints add impulses: M u = p + A^T mu with A u + b = 0, p_dot less A_dot^T mu; mu starts at zero in every
+   step. */
+
+#define FB_GROUND (-1)
+
+typedef enum fb_joint_kind {                     /* z, x: axes of the joint frame */
+                             FB_JOINT_FREE = 0,  /* no joint, six speeds (v, w) against the ground; parent is ignored */
+                             FB_JOINT_RIGID = 1, /* none */
+                             FB_JOINT_REVOLUTE = 2,    /* angle about z */
+                             FB_JOINT_PRISMATIC = 3,   /* slide along z */
+                             FB_JOINT_CYLINDRICAL = 4, /* angle about z, slide along z */
+                             FB_JOINT_SCREW = 5,       /* angle about z, slides by pitch times it */
+                             FB_JOINT_UNIVERSAL = 6,   /* angle about z, then about the turned x */
+                             FB_JOINT_SPHERICAL = 7    /* any rotation; speeds about the child's joint axes */
+} fb_joint_kind;
+
+typedef enum fb_axis_mode {
+  FB_AXIS_FREE = 0,      /* moves by its spring, damper and motor */
+  FB_AXIS_LOCKED = 1,    /* stays as it is */
+  FB_AXIS_PRESCRIBED = 2 /* moves as the input says; a jump of its value is one */
+} fb_axis_mode;
+
+typedef enum fb_method {
+  FB_METHOD_RECURSIVE = 0,  /* tree in joint coordinates, work linear in the number of bodies */
+  FB_METHOD_DENSE = 1,      /* the same by one dense LU of all speeds (FB_MAX_SPEEDS) */
+  FB_METHOD_MULTIPLIERS = 2 /* every body free, every joint a set of constraints (FB_MAX_ROWS): the state has poses,
+                               angles are within half a turn, also for springs; each body must keep a positive definite
+                               S(q) by itself: a clamped beam without a body at its root soon does not */
+} fb_method;
+
+#define FBI_MAX_JOINTS (FB_MAX_BODIES + FB_MAX_LOOPS) /* joints of the tree, then loops */
+#define FBI_MAX_ENDS (2 * FBI_MAX_JOINTS)
+
+typedef struct fb_joint { /* a checked desc */
+  fb_joint_kind kind;
+  int parent, parent_node, child, child_node;
+  int n_axis;                   /* speeds */
+  int moves;                    /* the parent's node moves in its body */
+  int turned;                   /* the joint axes on the child are not the body's */
+  fb_real position[3], axes[9]; /* joint frame in the parent's node axes; where the node does not move: in the body's */
+  fb_real child_position[3], child_axes[9]; /* in the child's body or, of a loop, node axes */
+  fb_real A[18];                            /* twists of the axes, child's axes about its origin, 6 each */
+  fb_real pitch, stiffness[3], rest[3], damping[3];
+  fb_axis_mode mode[3];
+} fb_joint;
+
+typedef struct fb_system { /* constant after init, may live in ROM; the models stay with the caller */
+  int n_body, n_loop;
+  fb_method method;
+  int allow_long_step;
+  int model[FB_MAX_BODIES];
+  int coupled[FB_MAX_BODIES]; /* something hangs on a node that its modes move */
+  int tied;                   /* constraints tie free trees, 1: to each other, 2: to the ground */
+  fb_real limit_elastic; /* [1/s^2] largest eigenvalue of springs and modes against the system's mass, undeformed */
+  fb_real limit_damping; /* [1/s] the same of the dampers */
+  fb_real limit_kept_elastic, limit_kept_damping; /* what springs and dampers of kept joints add at most */
+  fb_joint joint[FBI_MAX_JOINTS];
+  fb_joint free;
+} fb_system;
+
+typedef struct fb_link_state {
+  fb_real x[3];    /* joint coordinates [rad], [m]; free: position of O, inertial axes */
+  fb_real quat[4]; /* spherical: child's joint axes to parent's; free: attitude of the body */
+  /* conjugate momenta, of all that hangs on the joint; spherical: angular momentum about the joint, free: P, L about O,
+     inertial axes */
+  fb_real p[6];
+  fb_real q[FB_MAX_MODES], pi[FB_MAX_MODES]; /* elastic coordinates and conjugate momenta */
+  /* free: velocity [m/s, inertial axes] of the frame that all momenta of the tree on this joint are relative to, chosen
+     anew by every step so that they stay small: fast flight takes nothing from the digits of the motion. Of free trees
+     that loops tie, or bodies that are all free (FB_METHOD_MULTIPLIERS), all are the same; zero where they are tied to
+     the ground */
+  fb_real u[3];
+  fb_real lost_x[3], lost_u[3]; /* what x of a free joint and u have lost by rounding: x + lost_x is accurate to
+                                   rounding of its size for ever */
+#if FB_SINGLE
+  fb_real lost_quat[4], lost_p[6], lost_q[FB_MAX_MODES],
+      lost_pi[FB_MAX_MODES]; /* as in fb_state; lost_x of all joints */
+#endif
+} fb_link_state;
+
+typedef struct fb_system_state { /* all that changes; assignment is a snapshot */
+  fb_link_state link[FB_MAX_BODIES];
+  fb_real motor_work;                   /* [J] done by the motor torques; what prescribed axes do is not in it */
+  fb_axis_mode mode[FBI_MAX_JOINTS][3]; /* change it by fb_system_axis_set */
+  fb_real hold[FBI_MAX_JOINTS][3], hold_quat[FBI_MAX_JOINTS][4]; /* where a kept joint was locked */
+} fb_system_state;
+
+/* A joint in coordinates: value[i] of axis i, quat and position as in fb_link_state; speed of each axis; spherical: w
+   of the child relative to the parent, about its joint axes; free: v, w in body axes. */
+typedef struct fb_link_motion {
+  fb_real value[3], quat[4]; /* all zero: identity */
+  fb_real speed[6];
+  fb_real q[FB_MAX_MODES], q_dot[FB_MAX_MODES];
+} fb_link_motion;
+
+typedef struct fb_drive { /* of a joint, by axis */
+  fb_real torque[3];      /* [N m], [N] of the motor, on the child (and back on the parent), of free axes */
+  fb_real value[3];       /* [rad], [m] of prescribed axes; free and spherical joints integrate the rate instead */
+  fb_real rate[6];
+  fb_real acceleration[6]; /* for accelerations and reactions only */
+} fb_drive;
+
+typedef struct fb_system_load {
+  int body;
+  fb_load load;
+} fb_system_load;
+
+/* A constraint between velocities: sum of force[s] . v + torque[s] . w over its one or two nodes, plus b, is zero;
+   force and torque are the directions in which it acts, inertial axes; body FB_GROUND: that side is not there. */
+typedef struct fb_row {
+  int body[2], node[2];
+  fb_real force[2][3], torque[2][3];
+  fb_real b;
+  int holonomic; /* 1: it is the rate of value, which is brought back to zero after every step */
+  fb_real value;
+} fb_row;
+
+typedef struct fb_pose {     /* of a body */
+  fb_real position[3], R[9]; /* [m] of O, inertial axes; body to inertial axes */
+} fb_pose;
+
+/* The caller's own constraints, at time t and the poses of all bodies: writes at most `capacity` rows and returns their
+   number; always the same rows in the same order. A negative number is a status and ends the call. */
+typedef int (*fb_rows)(fb_row *row, int capacity, const fb_pose *pose, fb_real t, void *user);
+
+typedef struct fb_system_input { /* all zero: nothing acts */
+  int n_load;
+  fb_system_load load[FB_MAX_LOADS];
+  fb_drive drive[FBI_MAX_JOINTS]; /* by joint: that of the body of the same number, then the loops */
+  fb_rows rows;                   /* NULL: none */
+  void *user;
+  fb_real t; /* [s] for rows */
+} fb_system_input;
+
+/* ---- parts of the work: not to be looked at */
+
+typedef struct fbi_link_work {
+  fbi_kinetics k;
+  const fb_joint *joint; /* where it is placed: by which it hangs, what it is, on what */
+  const fb_body *model;
+  struct fbi_link_work *parent;
+  int has_speeds;    /* q_dot is known */
+  int coupled, open; /* its modes carry something; they are in E, X, Z below */
+  int root;          /* the body by which its tree hangs; of free trees that are tied: the first of them */
+  fb_axis_mode mode[3];
+  fb_real rho[3], C[9], s[3], arm[3]; /* O; axes to the parent's; O from the parent's O; O from the node it hangs on */
+  fb_real origin[3],
+      frame[3]; /* of roots: what rho of the tree is from, and its velocity: that momenta are relative to */
+  fb_real change[3], glide[3], center[3];   /* of roots: that of frame, integral of P, m times the mass center before */
+  fb_real total, impulse[3];                /* of roots: mass and momentum of the tree */
+  fb_real turn[3];                          /* w at the start of the step */
+  fb_real own[3], own_start[3], own_sum[3]; /* of roots: L in body axes at a stage, at the start, its increment */
+  int held;                                 /* of roots: constraints push it from outside, 2: from the ground */
+  fb_real bulk, first[3];                   /* mass of all that hangs here and its first moment about O, body axes */
+  fb_real n[3];                             /* that node, parent's axes */
+  fbi_node_field node;
+  const fb_real *A;             /* twists of the axes: the joint's own, or where the first one turns.. */
+  fb_real turned[12], A_dot[6]; /* ..these; rate of the first one */
+  fb_real S[21];                /* articulated inertia */
+  fb_real mass, moment; /* [kg, kg m^2] the most that one axis has taken out of S, about O: S has its rounding */
+  fb_real U[18], D[3];  /* S A, 1/(A S A) */
+  fb_real E[FB_MAX_MODES * FB_MAX_MODES], X[6 * FB_MAX_MODES];
+  fb_real y[6], p[6], pi[FB_MAX_MODES];                                  /* right-hand side */
+  fb_real b[6], r[3], e[FB_MAX_MODES];                                   /* eliminated */
+  fb_real V[6], u[6], q_dot[FB_MAX_MODES];                               /* solution */
+  fb_real y0[6], p0[6], pi0[FB_MAX_MODES];                               /* right-hand side without impulses */
+  fb_real V_dot[6], twist[6], speed[6], given[6], q_speed[FB_MAX_MODES]; /* of accelerations */
+  fb_real G[6], F[6];                                                    /* momentum and load of all that hangs here */
+  fb_real spin, acceleration;
+} fbi_link_work;
+
+typedef struct fbi_end { /* one side of a constraint */
+  int link, node, moves;
+  fbi_node_field f;
+  fb_real n[3];                                   /* the node, body axes */
+  fb_real x[3], R[9], v[3], w[3], a[3], alpha[3]; /* node, section axes, motion; inertial axes */
+  fb_real move[6];                                /* v, w of a solution */
+} fbi_end;
+
+typedef struct fbi_row {
+  fb_row r;
+  int end[2], joint, axis;
+  fb_real force_dot[2][3], torque_dot[2][3], b_dot;
+} fbi_row;
+
+typedef struct fb_system_work { /* scratch; large: make it static */
+  int joint; /* after a failure: the joint at fault (loops after the bodies), -1: none, -2 - k: row k of the caller's */
+  int kept;  /* bodies are free, all joints are constraints */
+  fb_real heavy; /* by how much the mass of the modes is larger than it is, to hold them still */
+  fb_real clock; /* [s] since the frames were at their origins */
+  int owns;      /* roots that are free take L in body axes from link.own */
+  int n_row, n_joint_row, n_end;
+  fbi_link_work link[FB_MAX_BODIES];
+  fbi_end end[FBI_MAX_ENDS];
+  fbi_row row[FB_MAX_ROWS];
+  fb_row ahead[FB_MAX_ROWS], behind[FB_MAX_ROWS];
+  fb_pose pose[FB_MAX_BODIES];
+  fb_real Q[FB_MAX_ROWS * FB_MAX_ROWS], L[FB_MAX_ROWS * FB_MAX_ROWS];
+  fb_real mu[FB_MAX_ROWS], c[FB_MAX_ROWS], column[FB_MAX_ROWS], diagonal[FB_MAX_ROWS];
+  int order[FB_MAX_ROWS], rank;
+  fb_real M[FB_MAX_SPEEDS * FB_MAX_SPEEDS], T[6 * FB_MAX_BODIES * FB_MAX_SPEEDS];
+  fb_real z[FB_MAX_SPEEDS], speed[FB_MAX_SPEEDS];
+  int perm[FB_MAX_SPEEDS];
+  fb_system system;
+  fb_system_input between;
+  fb_system_state stage, rate, sum, first, base;
+} fb_system_work;
+
+/* ---- functions; body is the caller's array of models, the same in every call. Bodies of a system are of the momentum
+   form; their base does not matter: FB_BASE_PRESCRIBED takes bodies without mass, or without inertia about some axis.
+   */
+
+/* As fb_body_check, the models among it. */
+FB_API fb_status fb_system_check(const fb_system *system, const fb_body *body, int n_model);
+/* Check word as fb_body_crc, of joints and loops and of the models that the bodies have. 0: counts beyond the tables, a
+   model that does not exist. */
+FB_API unsigned fb_system_crc(const fb_system *system, const fb_body *body, int n_model);
+/* Finite, within the deflection limits, modes of axes that exist, quaternions of unit length to 1e-3.
+   FB_ERR_NOT_FINITE, FB_ERR_RANGE, FB_ERR_VALUE. */
+FB_API fb_status fb_system_state_check(const fb_system *system, const fb_body *body, const fb_system_state *state);
+/* State from joint coordinates and speeds (motion: one for each body, NULL: all zero, at rest). Prescribed axes take
+   value and speed from the input, locked ones are at rest. Loops are closed from there, joints first, positions and
+   velocities changed as little as the kinetic energy goes, given ones among them: prescribe what must not change, or
+   give values that fit. Locked axes of loops stay where that leaves them.
+   FB_ERR_CONTRADICTION: a loop cannot be closed, or closes half a turn off, work->joint; FB_ERR_NOT_FINITE;
+   FB_ERR_RANGE. */
+FB_API fb_status fb_system_state_init(const fb_system *system, const fb_body *body, fb_system_work *work,
+                                      fb_system_state *state, const fb_link_motion *motion,
+                                      const fb_system_input *input);
+/* Locks, frees or hands over to the input an axis of a joint (of a loop: n_body + its number; spherical and free: all
+   axes). Momenta are what is kept: locking a moving axis is a plastic impact within the system. */
+FB_API fb_status fb_system_axis_set(const fb_system *system, const fb_body *body, fb_system_work *work,
+                                    fb_system_state *state, int joint, int axis, fb_axis_mode mode,
+                                    const fb_system_input *input);
+/* Time derivative of a state; mode and hold of rate are zero. FB_ERR_UNDETERMINED: an axis that moves no inertia,
+   FB_ERR_CONTRADICTION: constraints against each other, work->joint says which; FB_ERR_RANGE, FB_ERR_CAPACITY (also
+   more than 2 (FB_MAX_BODIES + FB_MAX_LOOPS) nodes in constraints), FB_ERR_NOT_FINITE. On failure rate is as before. */
+FB_API fb_status fb_system_rates(const fb_system *system, const fb_body *body, fb_system_work *work,
+                                 fb_system_state *rate, const fb_system_state *state, const fb_system_input *input);
+
+typedef struct fb_joint_motion {
+  /* of the axes; spherical: value is the rotation vector. Of joints that are kept angles are within half a turn, and
+     accelerations are zero */
+  fb_real value[3], speed[6], acceleration[6];
+  fb_real force[3],
+      torque[3];    /* [N], [N m] of the joint on the child about the joint frame on the child, inertial axes */
+  fb_real drive[3]; /* of them the part along each axis: motor, spring and damper, or what holds or drives it */
+} fb_joint_motion;
+
+typedef struct fb_system_motion {
+  fb_state pose[FB_MAX_BODIES];    /* rho, quat, q of every body, for fb_body_node_motion with.. */
+  fb_motion motion[FB_MAX_BODIES]; /* ..this; reactions: resultant of all joints on the body about O, body axes */
+  fb_joint_motion joint[FBI_MAX_JOINTS];
+  fb_real power; /* [W] of motors and of what prescribes axes */
+} fb_system_motion;
+
+/* Motion of all bodies and joints at a state: velocities, accelerations, joint forces. Errors as fb_system_rates. */
+FB_API fb_status fb_system_motion_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
+                                       fb_system_motion *motion, const fb_system_state *state,
+                                       const fb_system_input *input);
+/* strain holds the joint springs, too. */
+FB_API fb_status fb_system_energy(const fb_system *system, const fb_body *body, fb_system_work *work, fb_energy *energy,
+                                  const fb_system_state *state, const fb_system_input *input);
+FB_API fb_status fb_system_momentum(const fb_system *system, const fb_body *body, fb_system_work *work,
+                                    fb_momentum *momentum, const fb_system_state *state, const fb_system_input *input);
+
+#endif /* FB_WITH_SYSTEM */
+
+#if FB_WITH_EXACT
+/* ---------------------------------------------------------------------------------------------------------------
+   RUN >>exact: the geometrically exact beam with displacements, rotations, velocities, momenta, strains and internal
+   loads as fields of their own ([L] 3.92-3.105): any deflection, any rotation, full 6x6 sections. For each element
+
+     h strain_t = D1 V1 + D2 V2        V = (velocity, angular velocity) of the nodes, section axes
+     momentum   = M (A1 V1 + A2 V2)    X = h ad(1 + force strain, curvature), A = 1/2 -+ X/12, D = -+1 + X A
+     F2 = D2^T s - h A2^T f            s = stiffness strain, F = (force, moment) at the nodes, f = load less momentum_t
+
+   piecewise constant in space and time as in [L], with two corrections of the means: at the nodes a linear beam is then
+   exact, a bent one and the bending frequencies of a straight one without shear and rotary inertia are of order 4,
+   motion and all else of order 2 (first frequency between hinges, GA = 200 EI/L^2: 6.5e-4, 1.5e-4, 3.6e-5 high with 10,
+   20, 40 elements, 9.4e-5, 5.9e-6, 3.7e-7 without; no constant element matrix mends what the box scheme makes of shear,
+   stretch and twist waves). An element that turns, by bending or as built, by 15 degrees is 9e-4 too stiff, by 45
+   degrees 8e-3, by 90 degrees 5 percent, of order 4: keep it below 15 degrees where that counts. A is to D as
+   velocity is to strain, so that energy passes from element to element without loss, whatever the mesh and the step.
+   Cost and memory are linear in the elements: 12 unknowns for each, eliminated from the tip to the root. */
+
+/* What an end, or a node, is held in: directions x, y, z of the base, rotations about its section axes x, y, z: all of
+   them, two (a hinge), or none; one alone has a meaning for small rotations only: a steady state holds that component
+   of the rotation vector, a step and a linear model the rate about that axis of the section, which is another condition
+   where the node has turned far about the others. */
+#define FB_HOLD_X 1
+#define FB_HOLD_Y 2
+#define FB_HOLD_Z 4
+#define FB_HOLD_RX 8
+#define FB_HOLD_RY 16
+#define FB_HOLD_RZ 32
+#define FB_END_DEFAULT 0  /* clamped root, free tip */
+#define FB_END_FREE 64    /* nothing */
+#define FB_END_PINNED 7   /* its place */
+#define FB_END_CLAMPED 63 /* place and rotation */
+#define FB_END_GUIDED 56  /* rotation */
+#define FB_END_SLIDING 62 /* all but its place along x */
+
+typedef struct fb_mixed { /* a checked desc, in units of the beam's own; constant after init, may live in ROM */
+  int n, n_lump, iterations, floating;
+  fb_real length, force, time; /* [m], [N], [s] its units: length, EI/length^2, and what makes its mass 1 */
+  fb_real beta;                /* of dissipation */
+  fb_real gravity[3];
+  int held[FB_MAX_MIXED + 1], factorizations;
+  fb_real h[FB_MAX_MIXED];
+  fb_real xi[6 * FB_MAX_MIXED]; /* (1, 0, 0, initial curvature) */
+  fb_real C[36 * FB_MAX_MIXED]; /* compliance with that by the strain's variation in the element */
+  fb_real S[36 * FB_MAX_MIXED]; /* its inverse, zero where rigid */
+  fb_real section[36 * FB_MAX_MIXED],
+      taper[36 * FB_MAX_MIXED]; /* the section's own compliance, its change over the element */
+  fb_real M[36 * FB_MAX_MIXED], M_inverse[36 * FB_MAX_MIXED];
+  fb_real r[3 * (FB_MAX_MIXED + 1)], quat[4 * (FB_MAX_MIXED + 1)]; /* undeformed nodes in the base frame */
+  int lump_node[FB_MAX_LUMPS];
+  fb_real lump[36 * FB_MAX_LUMPS], lump_inverse[36 * FB_MAX_LUMPS];
+} fb_mixed;
+
+/* As fb_body_check: counts and indexes within the tables, all numbers finite, units and lengths positive. */
+FB_API fb_status fb_mixed_check(const fb_mixed *mixed);
+/* Check word as fb_body_crc. 0: counts beyond the tables. */
+FB_API unsigned fb_mixed_crc(const fb_mixed *mixed);
+
+typedef struct fb_line_load {  /* per length of the undeformed line */
+  fb_axes axes;                /* inertial: dead; node: follower, section axes; body: base axes */
+  fb_real force[3], torque[3]; /* [N/m], [N m/m] */
+} fb_line_load;
+
+typedef struct fb_mixed_input { /* all zero: nothing acts, the base rests */
+  int n_load;
+  fb_load load[FB_MAX_LOADS];      /* at nodes */
+  fb_line_load line[FB_MAX_MIXED]; /* on elements */
+  fb_real v[3], w[3];              /* [m/s], [rad/s] of the base frame, base axes; nothing held: of the start alone */
+} fb_mixed_input;
+
+typedef struct fb_mixed_state {           /* all that changes, in the beam's own units; assignment is a snapshot */
+  fb_real base_position[3], base_quat[4]; /* base frame, inertial; [m]. Nothing held: the frame of the root section */
+  fb_real r[3 * (FB_MAX_MIXED + 1)], quat[4 * (FB_MAX_MIXED + 1)]; /* nodes in the base frame */
+  fb_real strain[6 * FB_MAX_MIXED], momentum[6 * FB_MAX_MIXED], lump[6 * FB_MAX_LUMPS];
+  fb_real strain_rate[6 * FB_MAX_MIXED], momentum_rate[6 * FB_MAX_MIXED], lump_rate[6 * FB_MAX_LUMPS];
+  /* of the middle of the last step, or steady: node velocities and stress of the elements, with those of the two steps
+     before it; loads between elements */
+  fb_real V[3][6 * (FB_MAX_MIXED + 1)], stress[3][6 * FB_MAX_MIXED], force[6 * (FB_MAX_MIXED + 1)];
+  fb_real reaction[6 * (FB_MAX_MIXED + 1)]; /* of what holds the nodes */
+  fb_real offset[6 * FB_MAX_MIXED];         /* of the strain, by loads on the elements */
+  int known;                                /* of them */
+  fb_real step;                             /* length of the last step */
+  /* [m/s] inertial axes: velocities and momenta above are relative to it, so that flight at any constant speed, and
+     free fall, move as rest does. The functions below give totals. After a step it is the mass center's, of a held beam
+     near the base's. */
+  fb_real u[3];
+  fb_real lost[3]; /* [m] of base_position: what rounding took from it, given back with the next step */
+} fb_mixed_state;
+
+/* ---- parts of the work: not to be looked at */
+
+typedef struct fbi_mixed_motion { /* how pose, velocity and momentum hang on the unknowns d of the nodes */
+  int march;                      /* d is the velocity; else a change of pose */
+  int inertia, gravity, dead;     /* velocities, gravity, dead loads on elements are there */
+  fb_real pose;                   /* change of pose by d */
+  fb_real shift;                  /* rate of a strain, momentum or pose by itself */
+} fbi_mixed_motion;
+
+/* What an element knows about itself, and the derivatives of it. */
+typedef struct fbi_mixed_cell {
+  fb_real h;
+  fb_real strain[6], theta[6]; /* strain, twist from end to end */
+  fb_real V[6], dV[6], dG[6];  /* mean velocity; differences between the ends of velocity and gravity */
+  fb_real P[6];                /* momentum per length */
+  fb_real dF[6], F1[6], F2[6]; /* internal load: difference, at the ends */
+} fbi_mixed_cell;
+
+typedef struct fbi_mixed_jacobian {
+  fb_real D1[36], D2[36], E[36]; /* of the compatibility by the nodes, by the stress */
+  fb_real F1d1[36], F1d2[36], F1s[36], F2d1[36], F2d2[36], F2s[36];
+} fbi_mixed_jacobian;
+
+typedef struct fb_mixed_work { /* scratch; large: make it static */
+  int iterations, increments;  /* of fb_mixed_steady_solve: Newton iterations, load increments tried */
+  int unstable;                /* number of unstable directions of the steady state; 0: stable */
+  fbi_mixed_motion motion;
+  fb_real gravity[3], twist[6], half[9]; /* in base axes; motion of the base, its turn in half a step */
+  fb_real drift[3];                      /* velocity u there, in base axes of the middle */
+  fb_real line[6 * FB_MAX_MIXED], line_dead[6 * FB_MAX_MIXED], offset[6 * FB_MAX_MIXED];
+  fb_real follower[6 * (FB_MAX_MIXED + 1)], dead[6 * (FB_MAX_MIXED + 1)];
+  fb_real r[3 * (FB_MAX_MIXED + 1)], quat[4 * (FB_MAX_MIXED + 1)], R[9 * (FB_MAX_MIXED + 1)];
+  fb_real V[6 * (FB_MAX_MIXED + 1)], G[6 * (FB_MAX_MIXED + 1)], s[6 * FB_MAX_MIXED];
+  fb_real strain[6 * FB_MAX_MIXED], momentum[6 * FB_MAX_MIXED], lump[6 * FB_MAX_LUMPS]; /* where rates start from */
+  fb_real B[6 * (FB_MAX_MIXED + 1)], c[6 * FB_MAX_MIXED], want[6 * (FB_MAX_MIXED + 1)]; /* residuals */
+  fb_real back[6 * (FB_MAX_MIXED + 1)]; /* way of held nodes back to their place */
+  fb_real F[6 * (FB_MAX_MIXED + 1)], P[6 * FB_MAX_MIXED];
+  fb_real dd[6 * (FB_MAX_MIXED + 1)], ds[6 * FB_MAX_MIXED]; /* corrections */
+  fb_real LU[144 * FB_MAX_MIXED], W[72 * FB_MAX_MIXED], L[72 * FB_MAX_MIXED], root[36], column[72];
+  fb_real y[12 * (FB_MAX_MIXED + 1)];
+  int perm[12 * FB_MAX_MIXED + 6];
+  fbi_mixed_cell cell;
+  fbi_mixed_jacobian jacobian;
+  fb_mixed_input input;
+  fb_mixed_state state; /* of the last increment that converged */
+} fb_mixed_work;
+
+/* Undeformed, at the inertial origin, in rigid motion with the v, w of the input (NULL: at rest); u is the velocity
+   of the mass center, of a beam that is held v. FB_ERR_NOT_FINITE. */
+FB_API fb_status fb_mixed_state_init(const fb_mixed *mixed, fb_mixed_state *state, fb_mixed_work *work,
+                                     const fb_mixed_input *input);
+
+/* Finite, no quaternion zero. FB_ERR_NOT_FINITE, FB_ERR_VALUE; FB_ERR_CAPACITY: counts of the model. */
+FB_API fb_status fb_mixed_state_check(const fb_mixed *mixed, const fb_mixed_state *state);
+
+typedef struct fb_mixed_node {
+  fb_real position[3], quat[4];         /* [m], section to inertial axes, after the last step */
+  fb_real displacement[3];              /* [m] base axes */
+  fb_real rotation[3];                  /* [rad] rotation vector from the undeformed section; whole turns along the beam
+                                           count, the root's own is within half a turn */
+  fb_real wiener_milenkovic[3];         /* the same as 4 tan(phi/4), phi within half a turn */
+  fb_real velocity[3], angular_rate[3]; /* [m/s], [rad/s] section axes, in the middle of the last step; u by its end */
+  /* [N], [N m] section axes, in the middle of the last step: of what is outboard on what is inboard, on the inboard
+     side of the node (at the root: of the beam on the root); of what holds the node on the beam. */
+  fb_real force[3], moment[3], reaction_force[3], reaction_moment[3];
+} fb_mixed_node;
+/* All n + 1 nodes. */
+FB_API fb_status fb_mixed_nodes_eval(const fb_mixed *mixed, fb_mixed_node *node, const fb_mixed_state *state);
+
+/* Means over element k, section axes; loads and strains in the middle of the last step, velocities and momenta after
+   it. */
+typedef struct fb_mixed_element {
+  fb_real force[3], moment[3];               /* [N], [N m] */
+  fb_real force_strain[3], moment_strain[3]; /* -, [1/m] */
+  fb_real velocity[3], angular_rate[3];
+  fb_real momentum[3], angular_momentum[3]; /* [kg/s], [N s] per length */
+} fb_mixed_element;
+FB_API fb_status fb_mixed_element_eval(const fb_mixed *mixed, fb_mixed_element *element, const fb_mixed_state *state,
+                                       int k);
+/* Point of the deformed line that was x [m] along it, and its section: inertial axes. FB_ERR_VALUE: not on the beam. */
+FB_API fb_status fb_mixed_point_eval(const fb_mixed *mixed, fb_real position[3], fb_real quat[4],
+                                     const fb_mixed_state *state, fb_real x);
+/* With dissipation kinetic and strain energy hold beta/4 of that of the last step's change, too: their sum then falls
+   in every step of a conservative beam. */
+FB_API fb_status fb_mixed_energy(const fb_mixed *mixed, fb_energy *energy, const fb_mixed_state *state);
+/* A free beam's own momenta drift with the mesh and the step, order 2, by what turns differently within an element (the
+   mean of w x p is not that of the means): 5 m, 1 kg/m, EI 100 N m^2, pushed across at its tip by 50 N for 1 s, steps
+   of 5 ms, six seconds: by 2e-3, 5e-4, 1.1e-4 of the linear and 7.3e-3, 2e-3, 9e-4 of the angular with 10, 20, 40
+   elements; by 10 N, which bends it less, 1.2e-4, 3e-5, 5e-6 and 3e-4, 8e-5, 1.6e-5. Rigid flight keeps them. */
+FB_API fb_status fb_mixed_momentum(const fb_mixed *mixed, fb_momentum *momentum, const fb_mixed_state *state);
+
+#endif /* FB_WITH_EXACT */
+
+/* ---------------------------------------------------------------------------------------------------------------
+   RUN >>integrate: every step and its limit */
+
+/* Classical Runge-Kutta, order 4, four evaluations, fixed work. The inputs are those at t, t + dt/2 and t + dt; pass
+   the same pointer three times for inputs held over the step, NULL for none. The quaternion is normalized, momenta and
+   elastic values below FB_TINY become zero. FB_ERR_STEP: dt exceeds fb_rk4_limit at the present spin;
+   FB_ERR_VALUE: dt <= 0; FB_ERR_RANGE, FB_ERR_NOT_FINITE: the motion has left the model. On failure
+   state is as before the call. */
+typedef struct fb_rk4_work {
+  fb_state start, stage, rate, sum;
+} fb_rk4_work;
+FB_API fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work, const fb_input *start,
+                             const fb_input *middle, const fb_input *end, fb_real dt);
+/* Largest stable step [s] of rk4 for the body at a spin |w| [rad/s] and an acceleration of O [m/s^2]: 2.785 / (bound of
+   the highest frequency, with rigid-elastic coupling, gyroscopic, stiffening and damping terms). The stiffening by
+   loads and by angular acceleration is not in it, and nonlinear strain is that of the undeformed body: the step's own
+   check takes the slopes it finds, which lower the limit (0.1 by some 5 %). FB_HUGE for a rigid body at rest, 0 for
+   input that is not a number. */
+FB_API fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real acceleration);
+
+/* The implicit steppers factor one n x n matrix per step (LU): in the momentum form the Jacobian of the equations of
+   motion but for the stiffening of the quadratic field, products of the spin and compression; in the other forms
+   without gyroscopic terms and, first order, without the stiffness torque. Newton iterations with that matrix, a
+   fixed number (50 at most). Status and failure as fb_rk4_step, FB_ERR_STEP beyond fb_implicit_limit. */
+typedef struct fb_implicit_work {
+  fb_state start, rate, first, base, stage, sum;
+  fb_input between;
+  fb_real g;                              /* [s] gamma dt of the factored matrix */
+  fb_real E[FB_MAX_MODES * FB_MAX_MODES]; /* its factors */
+  fb_real K[FB_MAX_MODES * FB_MAX_MODES]; /* tangent stiffness */
+  fb_real V[6];                           /* velocities of the gyroscopic terms */
+  fb_real X[6 * FB_MAX_MODES], Y[6 * FB_MAX_MODES], Z[6 * FB_MAX_MODES], A[36]; /* recoil of the base */
+} fb_implicit_work;
+
+/* Largest step [s] of the implicit schemes at a spin |w| [rad/s] and an acceleration of O [m/s^2]: |w| dt <= 1/10,
+   less where the quadratic field stiffens much. FB_HUGE at rest, 0 for input that is not a number. */
+FB_API fb_real fb_implicit_limit(const fb_body *body, fb_real spin, fb_real acceleration);
+
+/* Implicit midpoint rule, order 2, symmetric, without dissipation: fast modes keep ringing, at a frequency that is
+   wrong. The energy of a conservative body stays bounded as far as the iterations converge. 1 + iterations
+   evaluations (0: 2 iterations). */
+FB_API fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *middle,
+                                  fb_real dt, int iterations);
+
+/* Two-stage SDIRK scheme, order 2, L-stable: modes too fast for the step die out at once, slow ones hardly. 1 + 2
+   iterations evaluations (0: 2 iterations). The inputs at t and t + dt list loads at the same nodes in the same
+   axes. */
+FB_API fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *start,
+                               const fb_input *end, fb_real dt, int iterations);
+
+/* Exponential Runge-Kutta scheme of order 4: the constant linear elastic part (K, and M with the base's recoil) is
+   propagated exactly, so that stiff modes cost nothing in step size; everything else is explicit. No factorization:
+   four evaluations and 16 n^2 flops each for the change to modal coordinates. With nonlinear strain it works in the
+   coordinates s = q + G(q) that make the membrane strain linear: axial modes then follow the foreshortening exactly.
+   Momentum form only; made for one step size. */
+typedef struct fb_exponential { /* constant after init, may live in ROM */
+  fb_real dt;
+  int n_axial; /* coordinates that take up foreshortening */
+  int axial[FB_MAX_MODES];
+  fb_real G[FB_MAX_MODES *
+            FBI_EXPONENTIAL_STRAINS]; /* n_axial x strain stations: s_a = q_a + sum_g G_ag 1/2 (u_y'^2 + u_z'^2)_g */
+  fb_real X[FB_MAX_MODES * FB_MAX_MODES];  /* row k: mode k, K x = omega^2 M_free x, X M_free X^T = 1 */
+  fb_real MX[FB_MAX_MODES * FB_MAX_MODES]; /* X M_free */
+  fb_real omega2[FB_MAX_MODES];
+  fb_real half[5][FB_MAX_MODES], full[5][FB_MAX_MODES]; /* Stumpff functions of omega dt/2 and omega dt */
+} fb_exponential;
+typedef struct fb_exponential_work {
+  fb_state start, z, half, full, at, rate, sum, N[4];
+} fb_exponential_work;
+/* As fb_body_check. */
+FB_API fb_status fb_exponential_check(const fb_exponential *scheme, const fb_body *body);
+/* Inputs at t, t + dt/2, t + dt; status and failure as fb_rk4_step, FB_ERR_STEP beyond fb_exponential_limit. */
+FB_API fb_status fb_exponential_step(const fb_body *body, const fb_exponential *scheme, fb_state *state,
+                                     fb_exponential_work *work, const fb_input *start, const fb_input *middle,
+                                     const fb_input *end);
+/* Largest step [s] of the exponential scheme: |w| dt <= 1/2 for a held base, less where the quadratic field or the
+   tension of a spinning beam stiffens much, where the base is lighter than its modes and trembles with them (recoil
+   of fb_body, 1 for a heavy hub; it counts squared), and with damping ratios above 1/4: choose a heavy hub, or an
+   implicit scheme. The limit holds for any motion; a smooth one may be stepped further (allow_long_step). Order 4 is
+   seen where omega dt is below about 5 for the modes that move. */
+FB_API fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real acceleration);
+
+#if FB_WITH_SYSTEM
+/* ---- systems: body is the array of models; the inputs as those of a body */
+
+/* rk4; with constraints (loops, rows, FB_METHOD_MULTIPLIERS) positions and velocities are brought onto them after every
+   step. FB_ERR_STEP: beyond 2.785 / (bound of the highest frequency: springs and modes of the whole as it is undeformed
+   at zero joint coordinates, spin, stiffening), or a body turns faster or slower within it by more than half a radian;
+   FB_ERR_UNDETERMINED, FB_ERR_CONTRADICTION: work->joint; else as
+   fb_rk4_step. On failure state is as before the call. */
+FB_API fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body, fb_system_state *state,
+                                    fb_system_work *work, const fb_system_input *start, const fb_system_input *middle,
+                                    const fb_system_input *end, fb_real dt);
+
+/* Two-stage SDIRK of order 2, L-stable, for stiff joints and modes: 2 + 2 iterations evaluations (0: 2 iterations), all
+   but the first with one more factorization. Springs and dampers of joints that are kept as constraints are explicit
+   in it and bound the step, as does the fastest spin: |w| dt <= 1/10. The inputs at t and t + dt list the same loads.
+   FB_ERR_CONVERGENCE: the last correction is not small, take a shorter step or more iterations; of one iteration only
+   the first stage tells. Else as fb_system_rk4_step. */
+FB_API fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *body, fb_system_state *state,
+                                      fb_system_work *work, const fb_system_input *start, const fb_system_input *end,
+                                      fb_real dt, int iterations);
+/* Largest stable step [s] of rk4 for the system at a spin [rad/s] and acceleration [m/s^2] of all of it; 0, 0: at rest.
+   For accuracy of the fastest mode take a fifth of it. */
+FB_API fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body, fb_real spin, fb_real acceleration);
+#endif
+
+#if FB_WITH_EXACT
+/* ---- mixed beam */
+
+/* One step under loads and motion of the base of its middle. Order 2; without dissipation the energy of a conservative
+   beam is constant but for the last correction of the iteration, whatever the step: a limit of stability does not
+   exist, accuracy wants omega dt below about 1 for the modes that matter. Supports beyond the root are brought back to
+   their place within the next step, across the reaction, so that they do no work. Steps may differ; one that is longer
+   than the one before damps with order 1. Fixed work: desc.factorizations, as many evaluations and desc.iterations
+   more. One factorization, at the extrapolated state, does for all but a stiff beam that is held along its line at two
+   places and bends much between them in a step: its stretch is quadratic in that, and the iteration contracts slowly.
+   EI = 100 N m^2, 10 m, clamped and pinned at 4 m, let go from 0.4 m, 300 steps that are equal or vary by half: one
+   bears 0.1 s up to EA = 1e5 N, two 0.1 s up to 1e7 N, three 0.2 s up to 1e7 N and 0.1 s at 1e8 N, six equal steps of
+   0.2 s at 1e8 N. FB_ERR_CONVERGENCE: the last correction is not small, or the residual after it not so much smaller
+   that the next one would be below a tenth of its bound (1e-6 of the length, a radian, the largest load; single
+   precision 1e-3): take a shorter step, more iterations or factorizations; FB_ERR_SINGULAR: a node without inertia and
+   stiffness; else as fb_mixed_steady_solve. On failure state is as before. */
+FB_API fb_status fb_mixed_step(const fb_mixed *mixed, fb_mixed_state *state, fb_mixed_work *work,
+                               const fb_mixed_input *middle, fb_real dt);
+#endif
+
+/* ---------------------------------------------------------------------------------------------------------------
+   RUN >>version */
+
+#define FB_VERSION "0.1.0"
+FB_API const char *fb_version_string(void); /* "0.1.0" */
+FB_API const char *fb_config_string(void);  /* the configuration symbol's name */
+/* FB_OK when the caller's configuration is the implementation's: pass FB_CONFIG. */
+#define FB_CONFIG FBI_STRING_(FBI_CONFIG_SYMBOL)
+FB_API fb_status fb_config_check(const char *config);
+/* FB_OK when the compiler has kept arithmetic as it is written: a sum is not taken in another order, a NaN is one.
+   FB_ERR_BUILD: its flags let it do otherwise, and it did; compensated sums or finite checks are void. Every _init
+   asks, unless FB_ALLOW_FAST_MATH is defined. No step does. */
+FB_API fb_status fb_build_check(void);
+
+#if FB_WITH_BUILD
+/* ---------------------------------------------------------------------------------------------------------------
+   BUILD >>eigen: dense, run-time n */
 
 /* Eigenvalues d (n, ascending) and orthonormal eigenvectors (row k of V, n x n) of the symmetric A (n x n,
    overwritten). Off the diagonal, 1e-9 epsilon of the largest element counts as zero. FB_ERR_NOT_FINITE;
@@ -546,7 +1502,7 @@ FB_API fb_status fb_eig_gen_solve(fb_real *d, fb_real *X, fb_real *K, fb_real *M
 FB_API fb_status fb_eig_general_solve(fb_real *re, fb_real *im, fb_real *X, fb_real *A, fb_real *work, int n);
 
 /* ---------------------------------------------------------------------------------------------------------------
-   6 >>beam: along its own x axis, from the root (x = 0) to the tip (x = length) */
+   BUILD >>beam: along its own x axis, from the root (x = 0) to the tip (x = length) */
 
 typedef struct fb_section { /* properties at a station; between stations they vary linearly */
   fb_real x;                /* [m] from the root; ignored when there is one station (uniform beam) */
@@ -637,7 +1593,7 @@ FB_API void fb_beam_section(fb_section *section, const fb_beam *beam, fb_real x)
 FB_API void fb_beam_matrices(fb_real *K, fb_real *M, const fb_beam *beam);
 
 /* ---------------------------------------------------------------------------------------------------------------
-   7 >>modes: the basis in which a beam deforms */
+   BUILD >>modes: the basis in which a beam deforms */
 
 typedef enum fb_kind {                     /* what a mode mainly does */
                        FB_KIND_BEND_Y = 0, /* displacement along y, stiffness EI_z */
@@ -786,46 +1742,7 @@ FB_API fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
                                int n_component, const fb_weld *weld, int n_weld, int lowest, fb_real omega_limit);
 
 /* ---------------------------------------------------------------------------------------------------------------
-   8 >>body */
-
-/* Switches, or-ed into a mask. The degrees are those of the elastic coordinates in the inertia. */
-typedef enum fb_effect {
-  FB_EFFECT_ELASTIC = 1,                  /* the modes move; without it the body is rigid */
-  FB_EFFECT_SPIN_COUPLING = 2,            /* gyroscopic (Coriolis) coupling of modes, N(w): degree 1 */
-  FB_EFFECT_RESIDUAL_INERTIA = 4,         /* inertia follows the shape, centrifugal softening: degrees 1, 2 */
-  FB_EFFECT_SPIN_STIFFENING = 8,          /* centrifugal stiffening by foreshortening: degree 2 */
-  FB_EFFECT_ACCELERATION_STIFFENING = 16, /* the same by acceleration of O, angular acceleration, gravity */
-  FB_EFFECT_DAMPING = 32,                 /* modal damping */
-  FB_EFFECT_GRAVITY = 64,                 /* uniform gravity */
-  FB_EFFECT_NONLINEAR_STRAIN = 128 /* axial strain u_x' + 1/2 (u_y'^2 + u_z'^2): stiffening by axial coordinates */
-} fb_effect;
-#define FB_EFFECTS_RIGID 0u
-#define FB_EFFECTS_LINEAR 1u   /* level 1 of the accuracy ladder */
-#define FB_EFFECTS_SPIN 3u     /* level 2 */
-#define FB_EFFECTS_FULL 31u    /* level 3: every inertial effect; add damping and gravity as called for */
-#define FB_EFFECTS_STRAIN 135u /* level 4: stiffening by axial coordinates instead of the quadratic field */
-
-/* FB_ERR_EFFECTS when the set is half of something: residual inertia without spin coupling or without spin stiffening
-   (or nonlinear strain) keeps the centrifugal softening and drops what outweighs it (a slender beam then diverges
-   above its first bending frequency), when nonlinear strain comes with spin or acceleration stiffening (the
-   foreshortening would count twice), or when an effect was removed at compile time. fb_body_init also refuses spin
-   stiffening of a FREE body without acceleration stiffening: its meaning would depend on the choice of O.
-   Without residual inertia the inertia does not follow the shape, and with few modes the centrifugal loads on them
-   (products of w) are missing, too: such sets are for a body that turns slowly, however fast it flies by itself. In a
-   system they are for bodies whose O is slow, too: the loads w x v of O on their modes are missing there. On a
-   prescribed base that turns and whose v changes every scheme is of order 1 with them. */
-FB_API fb_status fb_effects_check(unsigned effects);
-
-/* A point of a body that carries loads or is looked at. Node 0 is the origin O of the body frame. */
-typedef struct fb_node {
-  fb_real r[3];                    /* [m] undeformed position */
-  fb_real psi[3 * FB_MAX_MODES];   /* n x 3 displacement shapes */
-  fb_real theta[3 * FB_MAX_MODES]; /* n x 3 rotation shapes */
-#if FBI_WITH_QUADRATIC
-  fb_real chi[3 * FBI_MAX_PAIRS];       /* pairs a >= b at a (a+1)/2 + b: quadratic displacement */
-  fb_real chi_theta[3 * FBI_MAX_PAIRS]; /* quadratic rotation */
-#endif
-} fb_node;
+   BUILD >>assemble: shape integrals; every _init of a model */
 
 /* Everything that is integrated over the undeformed body; built once, not needed by the step. */
 typedef struct fb_shape {
@@ -890,54 +1807,20 @@ FB_API fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *be
 /* A node on that beam at x [m] from the root; its number goes to *node. */
 FB_API fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, const fb_beam *beam,
                                         const fb_modes *modes, fb_real x);
-
-typedef struct fb_gauge { /* a strain gauge: what each coordinate of a body adds to its reading */
-  int n;
-  fb_real gain[FB_MAX_MODES];
-} fb_gauge;
 /* A gauge along that beam (coordinates from first on) at x [m] from the root and y, z [m] off the line, beam axes:
    linear strain. Errors as for a node. Natural modes give strains that converge more slowly than displacements: keep
    more modes, or add static corrections for the loads. */
 FB_API fb_status fb_gauge_init(fb_gauge *gauge, int first, const fb_beam *beam, const fb_modes *modes, fb_real x,
                                fb_real y, fb_real z);
-FB_API fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q); /* [-] */
 
+#if FB_WITH_NONLINEAR_STRAIN
 /* The strain stations of that beam, for FB_EFFECT_NONLINEAR_STRAIN; once per beam. As many Gauss points per element as
    integrate the strain energy exactly, 2 degree - 1 (cubic functions: 5; natural modes: 9), rounded up to a multiple of
    four per beam. The axial coordinates must be able to follow the foreshortening, or the beam is too stiff (membrane
    locking): element functions with as many axial as bending ones (one cubic element 29 %, two 4 %, three 0.4 % of the
    deflection in the spin-up); a few natural axial modes are far too stiff. FB_ERR_CAPACITY: more than FB_MAX_STRAINS;
    FB_ERR_KIND: EA is zero somewhere; else as fb_shape_add_beam. */
-#if FB_WITH_NONLINEAR_STRAIN
 FB_API fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes);
-#endif
-
-typedef enum fb_base { /* how the body frame moves */
-                       FB_BASE_FREE = 0,
-                       FB_BASE_PRESCRIBED = 1, /* v, w of the input */
-                       FB_BASE_PINNED = 2,     /* O stays where it is, all rotations are free */
-                       FB_BASE_HINGED = 3      /* O and the z axis stay where they are, the body turns about z */
-} fb_base;
-
-#if FB_WITH_FORMS
-/* The equations of motion of a body. The momentum form is the library's own; the others are for comparison. */
-typedef enum fb_form {
-  FB_FORM_MOMENTUM = 0,
-  FB_FORM_SECOND =
-      1, /* [DB] (7)-(8): velocities and q_dot; a mass matrix that follows the shape, factored at every evaluation */
-  FB_FORM_FIRST =
-      2 /* [DB] (23)-(25): velocities and elastic velocities v_e, a constant mass matrix, a stiffness torque.
-                         It has no inertia that follows the shape (FB_EFFECT_RESIDUAL_INERTIA adds nothing) and no
-                         quadratic field */
-} fb_form;
-
-/* The stiffness torque K_re q of the first-order form. The frame and the beam exchange energy through it: one that
-   does not fit the elastic forces lets energy leak. All are the same on a rotation-closed basis. */
-typedef enum fb_stiffness_torque {
-  FB_TORQUE_IDENTITY = 0, /* [DB] (49), q_b Upsilon_b M^-1 dU/dq: energy-exact on every basis */
-  FB_TORQUE_PRINTED = 1,  /* [DB] (34)-(36): wrong where u_x' is free at the root, and refinement does not mend it */
-  FB_TORQUE_BOUNDARY = 2  /* (36) with the boundary term - u_x'(0) EI u_y''(0) that its integration by parts leaves */
-} fb_stiffness_torque;
 #endif
 
 typedef enum fb_truncation {
@@ -968,122 +1851,6 @@ typedef struct fb_body_desc {
   int allow_long_step;     /* 1: do not refuse steps beyond the stability limit */
 } fb_body_desc;
 
-/* A symmetric n x n matrix by its diagonal and those elements below it (a > b) that are not zero. Modal matrices are a
-   diagonal, finite-element ones blocks and bands. */
-typedef struct fb_pair_term {
-  fb_real c;
-  unsigned short a, b;
-} fb_pair_term;
-
-typedef struct fb_sparse {
-  int n_term;
-  fb_real diagonal[FB_MAX_MODES];
-  fb_pair_term term[FBI_MAX_PAIRS];
-} fb_sparse;
-
-/* The elements of Lambda(q) (6 x n) and S(q) (6 x 6, packed) that are not zero. A term is one struct: gcc 12.2 -O2
-   drops a call whose loop runs over parallel arrays of reals and bytes of one struct. */
-typedef struct fb_lambda_term {
-  fb_real c;
-  unsigned short i, a, b;
-} fb_lambda_term;
-
-typedef struct fb_lambda_row { /* row i of Lambda, and where its terms linear in q end in the list; ascending */
-  unsigned short i, end;
-} fb_lambda_row;
-
-typedef struct fb_S_pair { /* of (1, q), a >= b */
-  unsigned short a, b;
-} fb_S_pair;
-
-typedef struct fb_S_run { /* element i of S has coefficients for n pairs that follow each other, the first is `pair` */
-  unsigned short i, pair, n;
-} fb_S_run;
-
-#if FB_MAX_LAMBDA > 0
-#define FBI_MAX_LAMBDA FB_MAX_LAMBDA
-#else
-#define FBI_MAX_LAMBDA                                                                                 \
-  (FB_MAX_MODES * (6 + 3 * FB_MAX_MODES * (FB_WITH_SPIN_COUPLING || FB_WITH_ACCELERATION_STIFFENING) + \
-                   3 * FB_MAX_MODES * FB_WITH_ACCELERATION_STIFFENING))
-#endif
-/* pairs a >= b of (1, q) but 00 */
-#define FBI_MAX_PAIRS_S (FBI_WITH_SHAPE_INERTIA ? (FB_MAX_MODES + 1) * (FB_MAX_MODES + 2) / 2 - 1 : 1)
-#if FB_MAX_S > 0
-#define FBI_MAX_S FB_MAX_S
-#else
-#define FBI_MAX_S (FBI_WITH_SHAPE_INERTIA ? 21 * FBI_MAX_PAIRS_S : 1)
-#endif
-#if FB_MAX_RUNS > 0
-#define FBI_MAX_RUNS FB_MAX_RUNS
-#else
-#define FBI_MAX_RUNS FBI_MAX_S
-#endif
-
-#if FB_WITH_NONLINEAR_STRAIN
-typedef struct fb_strain_row { /* what a coordinate adds to u_x', u_y' or u_z' (axis 0, 1, 2) at the strain stations */
-  fb_real slope[FBI_MAX_STRAINS];
-  unsigned short axis, a;
-} fb_strain_row;
-#endif
-
-#if FB_WITH_FORMS
-#define FBI_MAX_TORQUE (3 * FB_MAX_MODES * FB_MAX_MODES)
-#endif
-
-/* The model a step needs; constant after init, may live in ROM. */
-typedef struct fb_body {
-  int n, n_node;
-  unsigned effects;
-  fb_base base;
-  int unit_mass;  /* M = 1 */
-  int constant_S; /* S does not depend on q */
-  int allow_long_step;
-  int n_lambda, n_lambda_constant; /* terms of Lambda; those of a = 0 come first */
-  int n_linear_constant, n_linear; /* of either kind those of the linear momentum, first among them */
-  int n_row;                       /* rows of Lambda that have terms linear in q */
-  int n_S, n_run, n_pair;          /* terms of S, their runs, and the pairs of (1, q) they belong to */
-#if FB_WITH_FORMS
-  fb_form form;
-  fb_stiffness_torque stiffness_torque;
-  int torque_degree;               /* 3, or what truncation leaves */
-  int n_run_value, n_lambda_value; /* second-order form: those in the mass matrix, the others in its rates alone */
-  int n_gam, n_torque;             /* first-order form */
-#endif
-  fb_real mass, c[3];
-  fb_real deflection_limit, reach[FB_MAX_MODES];
-  fb_real recoil; /* sqrt of the largest ratio of the body's inertia to what the modes leave the frame; 1: heavy hub */
-  fb_real gyration;                                                     /* [m] radius of gyration about O */
-  fb_real limit_elastic, limit_damping, limit_spin, limit_acceleration; /* bounds for fb_rk4_limit */
-#if FB_WITH_FORMS
-  fb_real M_rr[21];                      /* rigid mass matrix of the undeformed body */
-  fb_lambda_term gam[9 * FB_MAX_MODES];  /* Gamma_a, element i of 9 */
-  fb_lambda_term torque[FBI_MAX_TORQUE]; /* stiffness torque, element i of 3, bilinear in q_a q_b */
-#endif
-#if FB_WITH_NONLINEAR_STRAIN
-  int n_strain, n_strain_row;
-  fb_real quartic;       /* 1, or 0 where the strain energy of degree 4 is left out */
-  fb_real limit_slope;   /* largest eigenvalue of EA u_y' u_y' + EA u_z' u_z' against the elastic mass */
-  fb_real limit_tension; /* [s] change of a frequency by the tension of a spin, per spin squared */
-  fb_real strain_weight[FBI_MAX_STRAINS];
-  fb_strain_row strain_row[3 * FB_MAX_MODES];
-#endif
-  fb_real S0[21], S0_inverse[36];
-  fb_sparse M, Minv, K; /* elastic mass (it and its inverse are used when not 1) and stiffness */
-#if FB_WITH_DAMPING
-  fb_sparse C;
-#endif
-#if FB_WITH_GRAVITY
-  fb_real gravity[3];
-#endif
-  fb_lambda_row lambda_row[6];
-  fb_lambda_term lambda[FBI_MAX_LAMBDA]; /* -Lambda_ib(q) = sum of c (1, q)_a */
-  fb_real S[FBI_MAX_S];                  /* S_i(q) = S0_i + sum of S (1, q)_a (1, q)_b over the pairs of its runs */
-  fb_S_run run[FBI_MAX_RUNS];
-  fb_S_pair pair[FBI_MAX_PAIRS_S];
-  fb_node node[FB_MAX_NODES];
-} fb_body;
-
 typedef struct fb_body_work {
   fb_real L[FB_MAX_MODES * FB_MAX_MODES], A[FB_MAX_MODES * FB_MAX_MODES], B[FB_MAX_MODES * FB_MAX_MODES];
   fb_real X[FB_MAX_MODES * FB_MAX_MODES], d[FB_MAX_MODES];
@@ -1095,129 +1862,7 @@ typedef struct fb_body_work {
    FB_ERR_VALUE (no mass, negative damping), FB_ERR_NOT_FINITE, FB_ERR_NULL. body is written only on FB_OK. */
 FB_API fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc);
 
-/* Is a body what fb_body_init may have made? Counts and indexes within the tables, the terms in their order, all
-   numbers finite, S_0 positive definite: for memory that may have changed by itself. A body that passes takes no step,
-   whatever else is wrong with it, beyond its tables; a number that is finite but wrong passes, too. FB_ERR_CAPACITY,
-   FB_ERR_VALUE. */
-FB_API fb_status fb_body_check(const fb_body *body);
-/* Check word of a body: CRC-32 (IEEE 802.3) over all that a step reads, in the order of its meaning, without padding
-   and unused room. Keep it beside the model, compare in flight: a single flipped bit changes it. It depends on
-   FB_SINGLE, not on the capacities. 0: counts beyond the tables (whether the numbers are sound, fb_body_check says). */
-FB_API unsigned fb_body_crc(const fb_body *body);
-
-/* All that changes; assignment is a snapshot. Momenta are relative to the mass center, which moves at u: rho alone
-   depends on the speed of flight, and a body at 30 km/s bends as one at rest. fb_body_motion and fb_body_momentum give
-   totals. */
-typedef struct fb_state {
-  fb_real rho[3];  /* [m] position of O, inertial axes; steps add to it without loss (lost_rho) */
-  fb_real quat[4]; /* attitude of the body frame */
-  fb_real u[3];    /* [m/s] velocity, inertial axes: of the mass center; prescribed base: that of O at the end of the
-                      last step; pinned, hinged: zero */
-  fb_real L[3];    /* [N m s] angular momentum, inertial axes, about the mass center; pinned: about O; hinged: about O,
-                      along the hinge; prescribed: zero */
-  fb_real q[FB_MAX_MODES], pi[FB_MAX_MODES]; /* elastic coordinates; momenta int psi_a . (velocity - u) dm */
-  fb_real h[3];                              /* [N m s] L in body axes, as the last step had it: written, not read */
-  /* by rounding of the last step's sums; the next one adds it. Zero when you set a state */
-  fb_real lost_rho[3], lost_u[3];
-#if FB_SINGLE
-  fb_real lost_quat[4], lost_L[3], lost_h[3], lost_q[FB_MAX_MODES], lost_pi[FB_MAX_MODES];
-#endif
-} fb_state; /* other forms: u is that of O (but for a prescribed base), L is w (body axes), pi is q_dot (second-order) or
-               v_e (first-order) */
-
-typedef enum fb_axes {
-  FB_AXES_INERTIAL = 0, /* dead load */
-  FB_AXES_NODE = 1,     /* follower: turns with the node's section */
-  FB_AXES_BODY = 2      /* turns with the body frame */
-} fb_axes;
-
-typedef struct fb_load {
-  int node;
-  fb_axes axes;
-  fb_real force[3], torque[3]; /* [N], [N m] in those axes, at the node */
-} fb_load;
-
-typedef struct fb_input { /* what acts on a body at one instant; all zero: nothing */
-  int n_load;
-  fb_load load[FB_MAX_LOADS];
-  /* [m/s], [rad/s] prescribed base: velocity of O and angular velocity, body axes. What the attitude of the scheme errs
-     by within a step times v is felt as a velocity: let a base that flies fast and turns unsteadily fly against a frame
-     that flies along (any velocity that does not change may be left out) */
-  fb_real v[3], w[3];
-  fb_real v_dot[3], w_dot[3]; /* [m/s^2], [rad/s^2] their rates in body axes: accelerations, reactions, step limit, and
-                                 the equations of motion of the second- and first-order forms */
-} fb_input;
-
-typedef struct fb_motion { /* velocities and accelerations, body axes */
-  fb_real v[3], w[3], q_dot[FB_MAX_MODES];
-  fb_real acceleration[3], w_dot[3], q_ddot[FB_MAX_MODES]; /* of O [m/s^2]; rates of w and q_dot */
-  fb_real reaction_force[3], reaction_torque[3]; /* [N], [N m] of the base on the body at O; zero for what is free */
-} fb_motion;
-
-typedef struct fb_node_motion { /* inertial axes */
-  fb_real position[3], quat[4]; /* of the node and its section */
-  fb_real velocity[3], angular_rate[3];
-  fb_real acceleration[3], angular_acceleration[3];
-  fb_real displacement[3], rotation[3]; /* elastic, body axes [m], rotation vector [rad] */
-} fb_node_motion;
-
-typedef struct fb_energy {
-  fb_real kinetic, strain,
-      gravity; /* [J]; gravity is -m g.(rho + R c(q)/m), zero with the mass center at the inertial origin */
-} fb_energy;
-
-typedef struct fb_momentum {
-  fb_real linear[3], angular[3]; /* [N s], [N m s] about the inertial origin, inertial axes */
-} fb_momentum;
-
-/* At the inertial origin, at rest, undeformed. A prescribed base that moves from the first step on wants
-   fb_state_from_velocity with its v, w: a jump in them is an impulse on the modes. */
-FB_API fb_status fb_state_init(const fb_body *body, fb_state *state);
-/* Sets the momenta of state from v, w (body axes) and q_dot (n, NULL: zero) at its pose and q. FB_ERR_NOT_FINITE;
-   FB_ERR_VALUE: a velocity that a pinned or hinged base holds at zero. */
-FB_API fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, const fb_real v[3], const fb_real w[3],
-                                        const fb_real *q_dot);
-/* Finite, unit quaternion, within the deflection limit. FB_ERR_NOT_FINITE, FB_ERR_VALUE, FB_ERR_RANGE. */
-FB_API fb_status fb_state_check(const fb_body *body, const fb_state *state);
-/* Time derivative of state under input (NULL: nothing acts). rate may not be state. FB_ERR_RANGE: S(q) is no longer
-   positive definite, the deflection has left the model. FB_ERR_CAPACITY: a load names a node that does not exist. */
-FB_API fb_status fb_body_rates(const fb_body *body, fb_state *rate, const fb_state *state, const fb_input *input);
-/* Velocities, accelerations and reactions at state under input (NULL: nothing acts). */
-FB_API fb_status fb_body_motion(const fb_body *body, fb_motion *motion, const fb_state *state, const fb_input *input);
-/* Pose, velocity and acceleration of a node, from the motion at the same state. */
-FB_API fb_status fb_body_node_motion(const fb_body *body, fb_node_motion *out, const fb_state *state,
-                                     const fb_motion *motion, int node);
-FB_API fb_status fb_body_energy(const fb_body *body, fb_energy *energy, const fb_state *state, const fb_input *input);
-FB_API fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, const fb_state *state,
-                                  const fb_input *input);
-
-/* ---------------------------------------------------------------------------------------------------------------
-   9 >>system: bodies connected by joints. Each body hangs by one joint on an earlier body or on the ground (a tree);
-   further joints close loops. The state is the joint coordinates with the momenta conjugate to them, so that velocities
-   come from one solve M(q) u = p and no accelerations are needed:
-     p_dot = joint torque + A^T ( F - turning of G ) + A_dot^T G     G momentum, F load of all that hangs on the joint
-   Constraints add impulses: M u = p + A^T mu with A u + b = 0, p_dot less A_dot^T mu; mu starts at zero in every
-   step. */
-
-#define FB_GROUND (-1)
-
-typedef enum fb_joint_kind {                     /* z, x: axes of the joint frame */
-                             FB_JOINT_FREE = 0,  /* no joint, six speeds (v, w) against the ground; parent is ignored */
-                             FB_JOINT_RIGID = 1, /* none */
-                             FB_JOINT_REVOLUTE = 2,    /* angle about z */
-                             FB_JOINT_PRISMATIC = 3,   /* slide along z */
-                             FB_JOINT_CYLINDRICAL = 4, /* angle about z, slide along z */
-                             FB_JOINT_SCREW = 5,       /* angle about z, slides by pitch times it */
-                             FB_JOINT_UNIVERSAL = 6,   /* angle about z, then about the turned x */
-                             FB_JOINT_SPHERICAL = 7    /* any rotation; speeds about the child's joint axes */
-} fb_joint_kind;
-
-typedef enum fb_axis_mode {
-  FB_AXIS_FREE = 0,      /* moves by its spring, damper and motor */
-  FB_AXIS_LOCKED = 1,    /* stays as it is */
-  FB_AXIS_PRESCRIBED = 2 /* moves as the input says; a jump of its value is one */
-} fb_axis_mode;
-
+#if FB_WITH_SYSTEM
 typedef struct fb_joint_desc {
   fb_joint_kind kind;
   int parent, parent_node; /* body (0 if left out) or FB_GROUND; one of its nodes (of the ground: 0) */
@@ -1232,14 +1877,6 @@ typedef struct fb_joint_desc {
       damping[3]; /* [N m/rad, N/m], [rad, m], [N m s/rad, N s/m]; spherical: the first holds for all, rest is zero */
 } fb_joint_desc;
 
-typedef enum fb_method {
-  FB_METHOD_RECURSIVE = 0,  /* tree in joint coordinates, work linear in the number of bodies */
-  FB_METHOD_DENSE = 1,      /* the same by one dense LU of all speeds (FB_MAX_SPEEDS) */
-  FB_METHOD_MULTIPLIERS = 2 /* every body free, every joint a set of constraints (FB_MAX_ROWS): the state has poses,
-                               angles are within half a turn, also for springs; each body must keep a positive definite
-                               S(q) by itself: a clamped beam without a body at its root soon does not */
-} fb_method;
-
 typedef struct fb_system_desc {
   int n_body;
   int model[FB_MAX_BODIES];           /* of each: its place in the array of models; several may share one */
@@ -1250,214 +1887,6 @@ typedef struct fb_system_desc {
   int allow_long_step; /* 1: do not refuse steps beyond the stability limit */
 } fb_system_desc;
 
-#define FBI_MAX_JOINTS (FB_MAX_BODIES + FB_MAX_LOOPS) /* joints of the tree, then loops */
-#define FBI_MAX_ENDS (2 * FBI_MAX_JOINTS)
-
-typedef struct fb_joint { /* a checked desc */
-  fb_joint_kind kind;
-  int parent, parent_node, child, child_node;
-  int n_axis;                   /* speeds */
-  int moves;                    /* the parent's node moves in its body */
-  int turned;                   /* the joint axes on the child are not the body's */
-  fb_real position[3], axes[9]; /* joint frame in the parent's node axes; where the node does not move: in the body's */
-  fb_real child_position[3], child_axes[9]; /* in the child's body or, of a loop, node axes */
-  fb_real A[18];                            /* twists of the axes, child's axes about its origin, 6 each */
-  fb_real pitch, stiffness[3], rest[3], damping[3];
-  fb_axis_mode mode[3];
-} fb_joint;
-
-typedef struct fb_system { /* constant after init, may live in ROM; the models stay with the caller */
-  int n_body, n_loop;
-  fb_method method;
-  int allow_long_step;
-  int model[FB_MAX_BODIES];
-  int coupled[FB_MAX_BODIES]; /* something hangs on a node that its modes move */
-  int tied;                   /* constraints tie free trees, 1: to each other, 2: to the ground */
-  fb_real limit_elastic; /* [1/s^2] largest eigenvalue of springs and modes against the system's mass, undeformed */
-  fb_real limit_damping; /* [1/s] the same of the dampers */
-  fb_real limit_kept_elastic, limit_kept_damping; /* what springs and dampers of kept joints add at most */
-  fb_joint joint[FBI_MAX_JOINTS];
-  fb_joint free;
-} fb_system;
-
-typedef struct fb_link_state {
-  fb_real x[3];    /* joint coordinates [rad], [m]; free: position of O, inertial axes */
-  fb_real quat[4]; /* spherical: child's joint axes to parent's; free: attitude of the body */
-  /* conjugate momenta, of all that hangs on the joint; spherical: angular momentum about the joint, free: P, L about O,
-     inertial axes */
-  fb_real p[6];
-  fb_real q[FB_MAX_MODES], pi[FB_MAX_MODES]; /* elastic coordinates and conjugate momenta */
-  /* free: velocity [m/s, inertial axes] of the frame that all momenta of the tree on this joint are relative to, chosen
-     anew by every step so that they stay small: fast flight takes nothing from the digits of the motion. Of free trees
-     that loops tie, or bodies that are all free (FB_METHOD_MULTIPLIERS), all are the same; zero where they are tied to
-     the ground */
-  fb_real u[3];
-  fb_real lost_x[3], lost_u[3]; /* what x of a free joint and u have lost by rounding: x + lost_x is accurate to
-                                   rounding of its size for ever */
-#if FB_SINGLE
-  fb_real lost_quat[4], lost_p[6], lost_q[FB_MAX_MODES],
-      lost_pi[FB_MAX_MODES]; /* as in fb_state; lost_x of all joints */
-#endif
-} fb_link_state;
-
-typedef struct fb_system_state { /* all that changes; assignment is a snapshot */
-  fb_link_state link[FB_MAX_BODIES];
-  fb_real motor_work;                   /* [J] done by the motor torques; what prescribed axes do is not in it */
-  fb_axis_mode mode[FBI_MAX_JOINTS][3]; /* change it by fb_system_axis_set */
-  fb_real hold[FBI_MAX_JOINTS][3], hold_quat[FBI_MAX_JOINTS][4]; /* where a kept joint was locked */
-} fb_system_state;
-
-/* A joint in coordinates: value[i] of axis i, quat and position as in fb_link_state; speed of each axis; spherical: w
-   of the child relative to the parent, about its joint axes; free: v, w in body axes. */
-typedef struct fb_link_motion {
-  fb_real value[3], quat[4]; /* all zero: identity */
-  fb_real speed[6];
-  fb_real q[FB_MAX_MODES], q_dot[FB_MAX_MODES];
-} fb_link_motion;
-
-typedef struct fb_drive { /* of a joint, by axis */
-  fb_real torque[3];      /* [N m], [N] of the motor, on the child (and back on the parent), of free axes */
-  fb_real value[3];       /* [rad], [m] of prescribed axes; free and spherical joints integrate the rate instead */
-  fb_real rate[6];
-  fb_real acceleration[6]; /* for accelerations and reactions only */
-} fb_drive;
-
-typedef struct fb_system_load {
-  int body;
-  fb_load load;
-} fb_system_load;
-
-/* A constraint between velocities: sum of force[s] . v + torque[s] . w over its one or two nodes, plus b, is zero;
-   force and torque are the directions in which it acts, inertial axes; body FB_GROUND: that side is not there. */
-typedef struct fb_row {
-  int body[2], node[2];
-  fb_real force[2][3], torque[2][3];
-  fb_real b;
-  int holonomic; /* 1: it is the rate of value, which is brought back to zero after every step */
-  fb_real value;
-} fb_row;
-
-typedef struct fb_pose {     /* of a body */
-  fb_real position[3], R[9]; /* [m] of O, inertial axes; body to inertial axes */
-} fb_pose;
-
-/* The caller's own constraints, at time t and the poses of all bodies: writes at most `capacity` rows and returns their
-   number; always the same rows in the same order. A negative number is a status and ends the call. */
-typedef int (*fb_rows)(fb_row *row, int capacity, const fb_pose *pose, fb_real t, void *user);
-
-typedef struct fb_system_input { /* all zero: nothing acts */
-  int n_load;
-  fb_system_load load[FB_MAX_LOADS];
-  fb_drive drive[FBI_MAX_JOINTS]; /* by joint: that of the body of the same number, then the loops */
-  fb_rows rows;                   /* NULL: none */
-  void *user;
-  fb_real t; /* [s] for rows */
-} fb_system_input;
-
-/* ---- parts of the work: not to be looked at */
-
-typedef struct fbi_kinetics {   /* what an evaluation knows about a state */
-  fb_real R[9];                 /* body to inertial axes */
-  fb_real qx[FB_MAX_MODES + 1]; /* (1, q) */
-  fb_real Minv_pi[FB_MAX_MODES];
-  const fb_real *pb;           /* M^-1 pi: the above, or pi itself where M = 1 */
-  fb_real V[6];                /* (v, w), body axes; of single bodies v relative to state.u */
-  fb_real ph[6];               /* (p, h), body axes */
-  fb_real S[21], dS[21];       /* S(q) and its rate, when they were needed */
-  int loaded;                  /* loads or gravity act: fg is not zero */
-  fb_real fg[6];               /* resultant force and torque about O of loads and gravity, body axes; free bodies: 0 and
-                                  the torque about the mass center, E8.33 */
-  fb_real a[3];                /* [m/s^2] acceleration of a free body's mass center by the loads, body axes */
-  fb_real x[FB_MAX_MODES + 1]; /* elastic forces by (1, q): loads and gravity, then inertia; x[0] is not used */
-  fb_real e[FB_MAX_MODES];     /* scratch */
-#if FB_WITH_FORMS
-  fb_real y[6];     /* right-hand side of the rigid equations */
-  fb_real V_dot[6]; /* accelerations, body axes */
-#endif
-#if FB_WITH_NONLINEAR_STRAIN
-  fb_real slope[3][FBI_MAX_STRAINS]; /* u_x', u_y', u_z' at the strain stations */
-#endif
-} fbi_kinetics;
-
-typedef struct fbi_node_field {   /* a node on the deformed body, body axes */
-  fb_real u[3], phi[3];           /* displacement, rotation parameters */
-  fb_real Ju[3 * FB_MAX_MODES];   /* n x 3: velocity per q_dot */
-  fb_real Jphi[3 * FB_MAX_MODES]; /* n x 3: angular rate per q_dot */
-  fb_real turn[3 * FB_MAX_MODES]; /* n x 3: rate of phi per q_dot */
-} fbi_node_field;
-
-typedef struct fbi_link_work {
-  fbi_kinetics k;
-  const fb_joint *joint; /* where it is placed: by which it hangs, what it is, on what */
-  const fb_body *model;
-  struct fbi_link_work *parent;
-  int has_speeds;    /* q_dot is known */
-  int coupled, open; /* its modes carry something; they are in E, X, Z below */
-  int root;          /* the body by which its tree hangs; of free trees that are tied: the first of them */
-  fb_axis_mode mode[3];
-  fb_real rho[3], C[9], s[3], arm[3]; /* O; axes to the parent's; O from the parent's O; O from the node it hangs on */
-  fb_real origin[3],
-      frame[3]; /* of roots: what rho of the tree is from, and its velocity: that momenta are relative to */
-  fb_real change[3], glide[3], center[3];   /* of roots: that of frame, integral of P, m times the mass center before */
-  fb_real total, impulse[3];                /* of roots: mass and momentum of the tree */
-  fb_real turn[3];                          /* w at the start of the step */
-  fb_real own[3], own_start[3], own_sum[3]; /* of roots: L in body axes at a stage, at the start, its increment */
-  int held;                                 /* of roots: constraints push it from outside, 2: from the ground */
-  fb_real bulk, first[3];                   /* mass of all that hangs here and its first moment about O, body axes */
-  fb_real n[3];                             /* that node, parent's axes */
-  fbi_node_field node;
-  const fb_real *A;             /* twists of the axes: the joint's own, or where the first one turns.. */
-  fb_real turned[12], A_dot[6]; /* ..these; rate of the first one */
-  fb_real S[21];                /* articulated inertia */
-  fb_real mass, moment; /* [kg, kg m^2] the most that one axis has taken out of S, about O: S has its rounding */
-  fb_real U[18], D[3];  /* S A, 1/(A S A) */
-  fb_real E[FB_MAX_MODES * FB_MAX_MODES], X[6 * FB_MAX_MODES];
-  fb_real y[6], p[6], pi[FB_MAX_MODES];                                  /* right-hand side */
-  fb_real b[6], r[3], e[FB_MAX_MODES];                                   /* eliminated */
-  fb_real V[6], u[6], q_dot[FB_MAX_MODES];                               /* solution */
-  fb_real y0[6], p0[6], pi0[FB_MAX_MODES];                               /* right-hand side without impulses */
-  fb_real V_dot[6], twist[6], speed[6], given[6], q_speed[FB_MAX_MODES]; /* of accelerations */
-  fb_real G[6], F[6];                                                    /* momentum and load of all that hangs here */
-  fb_real spin, acceleration;
-} fbi_link_work;
-
-typedef struct fbi_end { /* one side of a constraint */
-  int link, node, moves;
-  fbi_node_field f;
-  fb_real n[3];                                   /* the node, body axes */
-  fb_real x[3], R[9], v[3], w[3], a[3], alpha[3]; /* node, section axes, motion; inertial axes */
-  fb_real move[6];                                /* v, w of a solution */
-} fbi_end;
-
-typedef struct fbi_row {
-  fb_row r;
-  int end[2], joint, axis;
-  fb_real force_dot[2][3], torque_dot[2][3], b_dot;
-} fbi_row;
-
-typedef struct fb_system_work { /* scratch; large: make it static */
-  int joint; /* after a failure: the joint at fault (loops after the bodies), -1: none, -2 - k: row k of the caller's */
-  int kept;  /* bodies are free, all joints are constraints */
-  fb_real heavy; /* by how much the mass of the modes is larger than it is, to hold them still */
-  fb_real clock; /* [s] since the frames were at their origins */
-  int owns;      /* roots that are free take L in body axes from link.own */
-  int n_row, n_joint_row, n_end;
-  fbi_link_work link[FB_MAX_BODIES];
-  fbi_end end[FBI_MAX_ENDS];
-  fbi_row row[FB_MAX_ROWS];
-  fb_row ahead[FB_MAX_ROWS], behind[FB_MAX_ROWS];
-  fb_pose pose[FB_MAX_BODIES];
-  fb_real Q[FB_MAX_ROWS * FB_MAX_ROWS], L[FB_MAX_ROWS * FB_MAX_ROWS];
-  fb_real mu[FB_MAX_ROWS], c[FB_MAX_ROWS], column[FB_MAX_ROWS], diagonal[FB_MAX_ROWS];
-  int order[FB_MAX_ROWS], rank;
-  fb_real M[FB_MAX_SPEEDS * FB_MAX_SPEEDS], T[6 * FB_MAX_BODIES * FB_MAX_SPEEDS];
-  fb_real z[FB_MAX_SPEEDS], speed[FB_MAX_SPEEDS];
-  int perm[FB_MAX_SPEEDS];
-  fb_system system;
-  fb_system_input between;
-  fb_system_state stage, rate, sum, first, base;
-} fb_system_work;
-
 /* ---- functions; body is the caller's array of models, the same in every call. Bodies of a system are of the momentum
    form; their base does not matter: FB_BASE_PRESCRIBED takes bodies without mass, or without inertia about some axis.
    */
@@ -1467,100 +1896,9 @@ typedef struct fb_system_work { /* scratch; large: make it static */
    FB_ERR_SINGULAR: a mass matrix that is singular undeformed at zero coordinates. work->joint names the joint. */
 FB_API fb_status fb_system_init(fb_system *system, fb_system_work *work, const fb_body *body, int n_model,
                                 const fb_system_desc *desc);
-/* As fb_body_check, the models among it. */
-FB_API fb_status fb_system_check(const fb_system *system, const fb_body *body, int n_model);
-/* Check word as fb_body_crc, of joints and loops and of the models that the bodies have. 0: counts beyond the tables, a
-   model that does not exist. */
-FB_API unsigned fb_system_crc(const fb_system *system, const fb_body *body, int n_model);
-/* Finite, within the deflection limits, modes of axes that exist, quaternions of unit length to 1e-3.
-   FB_ERR_NOT_FINITE, FB_ERR_RANGE, FB_ERR_VALUE. */
-FB_API fb_status fb_system_state_check(const fb_system *system, const fb_body *body, const fb_system_state *state);
-/* State from joint coordinates and speeds (motion: one for each body, NULL: all zero, at rest). Prescribed axes take
-   value and speed from the input, locked ones are at rest. Loops are closed from there, joints first, positions and
-   velocities changed as little as the kinetic energy goes, given ones among them: prescribe what must not change, or
-   give values that fit. Locked axes of loops stay where that leaves them.
-   FB_ERR_CONTRADICTION: a loop cannot be closed, or closes half a turn off, work->joint; FB_ERR_NOT_FINITE;
-   FB_ERR_RANGE. */
-FB_API fb_status fb_system_state_init(const fb_system *system, const fb_body *body, fb_system_work *work,
-                                      fb_system_state *state, const fb_link_motion *motion,
-                                      const fb_system_input *input);
-/* Locks, frees or hands over to the input an axis of a joint (of a loop: n_body + its number; spherical and free: all
-   axes). Momenta are what is kept: locking a moving axis is a plastic impact within the system. */
-FB_API fb_status fb_system_axis_set(const fb_system *system, const fb_body *body, fb_system_work *work,
-                                    fb_system_state *state, int joint, int axis, fb_axis_mode mode,
-                                    const fb_system_input *input);
-/* Time derivative of a state; mode and hold of rate are zero. FB_ERR_UNDETERMINED: an axis that moves no inertia,
-   FB_ERR_CONTRADICTION: constraints against each other, work->joint says which; FB_ERR_RANGE, FB_ERR_CAPACITY (also
-   more than 2 (FB_MAX_BODIES + FB_MAX_LOOPS) nodes in constraints), FB_ERR_NOT_FINITE. On failure rate is as before. */
-FB_API fb_status fb_system_rates(const fb_system *system, const fb_body *body, fb_system_work *work,
-                                 fb_system_state *rate, const fb_system_state *state, const fb_system_input *input);
+#endif
 
-typedef struct fb_joint_motion {
-  /* of the axes; spherical: value is the rotation vector. Of joints that are kept angles are within half a turn, and
-     accelerations are zero */
-  fb_real value[3], speed[6], acceleration[6];
-  fb_real force[3],
-      torque[3];    /* [N], [N m] of the joint on the child about the joint frame on the child, inertial axes */
-  fb_real drive[3]; /* of them the part along each axis: motor, spring and damper, or what holds or drives it */
-} fb_joint_motion;
-
-typedef struct fb_system_motion {
-  fb_state pose[FB_MAX_BODIES];    /* rho, quat, q of every body, for fb_body_node_motion with.. */
-  fb_motion motion[FB_MAX_BODIES]; /* ..this; reactions: resultant of all joints on the body about O, body axes */
-  fb_joint_motion joint[FBI_MAX_JOINTS];
-  fb_real power; /* [W] of motors and of what prescribes axes */
-} fb_system_motion;
-
-/* Motion of all bodies and joints at a state: velocities, accelerations, joint forces. Errors as fb_system_rates. */
-FB_API fb_status fb_system_motion_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
-                                       fb_system_motion *motion, const fb_system_state *state,
-                                       const fb_system_input *input);
-/* strain holds the joint springs, too. */
-FB_API fb_status fb_system_energy(const fb_system *system, const fb_body *body, fb_system_work *work, fb_energy *energy,
-                                  const fb_system_state *state, const fb_system_input *input);
-FB_API fb_status fb_system_momentum(const fb_system *system, const fb_body *body, fb_system_work *work,
-                                    fb_momentum *momentum, const fb_system_state *state, const fb_system_input *input);
-
-typedef struct fb_imu {                       /* section axes of the node */
-  fb_real specific_force[3], angular_rate[3]; /* [m/s^2] acceleration less gravity, [rad/s] */
-} fb_imu;
-/* What an inertial measurement unit at a node reads; gravity in inertial axes (NULL: none). */
-FB_API void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *gravity);
-
-/* ---------------------------------------------------------------------------------------------------------------
-   10 >>mixed: the geometrically exact beam with displacements, rotations, velocities, momenta, strains and internal
-   loads as fields of their own ([L] 3.92-3.105): any deflection, any rotation, full 6x6 sections. For each element
-
-     h strain_t = D1 V1 + D2 V2        V = (velocity, angular velocity) of the nodes, section axes
-     momentum   = M (A1 V1 + A2 V2)    X = h ad(1 + force strain, curvature), A = 1/2 -+ X/12, D = -+1 + X A
-     F2 = D2^T s - h A2^T f            s = stiffness strain, F = (force, moment) at the nodes, f = load less momentum_t
-
-   piecewise constant in space and time as in [L], with two corrections of the means: at the nodes a linear beam is then
-   exact, a bent one and the bending frequencies of a straight one without shear and rotary inertia are of order 4,
-   motion and all else of order 2 (first frequency between hinges, GA = 200 EI/L^2: 6.5e-4, 1.5e-4, 3.6e-5 high with 10,
-   20, 40 elements, 9.4e-5, 5.9e-6, 3.7e-7 without; no constant element matrix mends what the box scheme makes of shear,
-   stretch and twist waves). An element that turns, by bending or as built, by 15 degrees is 9e-4 too stiff, by 45
-   degrees 8e-3, by 90 degrees 5 percent, of order 4: keep it below 15 degrees where that counts. A is to D as
-   velocity is to strain, so that energy passes from element to element without loss, whatever the mesh and the step.
-   Cost and memory are linear in the elements: 12 unknowns for each, eliminated from the tip to the root. */
-
-/* What an end, or a node, is held in: directions x, y, z of the base, rotations about its section axes x, y, z: all of
-   them, two (a hinge), or none; one alone has a meaning for small rotations only: a steady state holds that component
-   of the rotation vector, a step and a linear model the rate about that axis of the section, which is another condition
-   where the node has turned far about the others. */
-#define FB_HOLD_X 1
-#define FB_HOLD_Y 2
-#define FB_HOLD_Z 4
-#define FB_HOLD_RX 8
-#define FB_HOLD_RY 16
-#define FB_HOLD_RZ 32
-#define FB_END_DEFAULT 0  /* clamped root, free tip */
-#define FB_END_FREE 64    /* nothing */
-#define FB_END_PINNED 7   /* its place */
-#define FB_END_CLAMPED 63 /* place and rotation */
-#define FB_END_GUIDED 56  /* rotation */
-#define FB_END_SLIDING 62 /* all but its place along x */
-
+#if FB_WITH_EXACT
 typedef struct fb_mixed_station { /* section of the undeformed beam; linear between stations */
   fb_real x;                      /* [m] along the reference line, from 0; ignored for one station (uniform) */
   /* 6x6, symmetric, of (force; moment) by (force strain; curvature), section axes, x along the line: [N], [N m],
@@ -1603,118 +1941,28 @@ typedef struct fb_mixed_desc {
   fb_real dissipation;
 } fb_mixed_desc;
 
-typedef struct fb_mixed { /* a checked desc, in units of the beam's own; constant after init, may live in ROM */
-  int n, n_lump, iterations, floating;
-  fb_real length, force, time; /* [m], [N], [s] its units: length, EI/length^2, and what makes its mass 1 */
-  fb_real beta;                /* of dissipation */
-  fb_real gravity[3];
-  int held[FB_MAX_MIXED + 1], factorizations;
-  fb_real h[FB_MAX_MIXED];
-  fb_real xi[6 * FB_MAX_MIXED]; /* (1, 0, 0, initial curvature) */
-  fb_real C[36 * FB_MAX_MIXED]; /* compliance with that by the strain's variation in the element */
-  fb_real S[36 * FB_MAX_MIXED]; /* its inverse, zero where rigid */
-  fb_real section[36 * FB_MAX_MIXED],
-      taper[36 * FB_MAX_MIXED]; /* the section's own compliance, its change over the element */
-  fb_real M[36 * FB_MAX_MIXED], M_inverse[36 * FB_MAX_MIXED];
-  fb_real r[3 * (FB_MAX_MIXED + 1)], quat[4 * (FB_MAX_MIXED + 1)]; /* undeformed nodes in the base frame */
-  int lump_node[FB_MAX_LUMPS];
-  fb_real lump[36 * FB_MAX_LUMPS], lump_inverse[36 * FB_MAX_LUMPS];
-} fb_mixed;
-
 /* FB_ERR_VALUE: also a stiffness that is not positive definite where it is not rigid, rigid at some stations only, an
    inertia that is not positive semidefinite; FB_ERR_CAPACITY; FB_ERR_NOT_FINITE; FB_ERR_NULL. */
 FB_API fb_status fb_mixed_init(fb_mixed *mixed, const fb_mixed_desc *desc);
+#endif
 
-/* As fb_body_check: counts and indexes within the tables, all numbers finite, units and lengths positive. */
-FB_API fb_status fb_mixed_check(const fb_mixed *mixed);
-/* Check word as fb_body_crc. 0: counts beyond the tables. */
-FB_API unsigned fb_mixed_crc(const fb_mixed *mixed);
+/* FB_ERR_VALUE: dt, or a body of another form; FB_ERR_SINGULAR: K or the mass is not positive definite;
+   FB_ERR_EFFECTS: nonlinear strain whose axial coordinates bend, too. */
+FB_API fb_status fb_exponential_init(fb_exponential *scheme, fb_body_work *work, const fb_body *body, fb_real dt);
 
-typedef struct fb_line_load {  /* per length of the undeformed line */
-  fb_axes axes;                /* inertial: dead; node: follower, section axes; body: base axes */
-  fb_real force[3], torque[3]; /* [N/m], [N m/m] */
-} fb_line_load;
+/* The body of the modes coordinate[0..n-1] (ascending) of shape, which stays as it is. For natural modes: of other
+   coordinates the rest would be held. FB_ERR_CAPACITY: more than shape has; FB_ERR_VALUE: not ascending. selected is
+   written only on FB_OK and may not be shape. */
+FB_API fb_status fb_shape_select(fb_shape *selected, const fb_shape *shape, const int *coordinate, int n);
 
-typedef struct fb_mixed_input { /* all zero: nothing acts, the base rests */
-  int n_load;
-  fb_load load[FB_MAX_LOADS];      /* at nodes */
-  fb_line_load line[FB_MAX_MIXED]; /* on elements */
-  fb_real v[3], w[3];              /* [m/s], [rad/s] of the base frame, base axes; nothing held: of the start alone */
-} fb_mixed_input;
+#endif /* FB_WITH_BUILD */
 
-typedef struct fb_mixed_state {           /* all that changes, in the beam's own units; assignment is a snapshot */
-  fb_real base_position[3], base_quat[4]; /* base frame, inertial; [m]. Nothing held: the frame of the root section */
-  fb_real r[3 * (FB_MAX_MIXED + 1)], quat[4 * (FB_MAX_MIXED + 1)]; /* nodes in the base frame */
-  fb_real strain[6 * FB_MAX_MIXED], momentum[6 * FB_MAX_MIXED], lump[6 * FB_MAX_LUMPS];
-  fb_real strain_rate[6 * FB_MAX_MIXED], momentum_rate[6 * FB_MAX_MIXED], lump_rate[6 * FB_MAX_LUMPS];
-  /* of the middle of the last step, or steady: node velocities and stress of the elements, with those of the two steps
-     before it; loads between elements */
-  fb_real V[3][6 * (FB_MAX_MIXED + 1)], stress[3][6 * FB_MAX_MIXED], force[6 * (FB_MAX_MIXED + 1)];
-  fb_real reaction[6 * (FB_MAX_MIXED + 1)]; /* of what holds the nodes */
-  fb_real offset[6 * FB_MAX_MIXED];         /* of the strain, by loads on the elements */
-  int known;                                /* of them */
-  fb_real step;                             /* length of the last step */
-  /* [m/s] inertial axes: velocities and momenta above are relative to it, so that flight at any constant speed, and
-     free fall, move as rest does. The functions below give totals. After a step it is the mass center's, of a held beam
-     near the base's. */
-  fb_real u[3];
-  fb_real lost[3]; /* [m] of base_position: what rounding took from it, given back with the next step */
-} fb_mixed_state;
+#if FB_WITH_ANALYSE
+/* ---------------------------------------------------------------------------------------------------------------
+   ANALYSE >>trim: steady states; offline work on bodies, systems and the geometrically exact beam */
 
+#if FB_WITH_EXACT
 /* ---- parts of the work: not to be looked at */
-
-typedef struct fbi_mixed_motion { /* how pose, velocity and momentum hang on the unknowns d of the nodes */
-  int march;                      /* d is the velocity; else a change of pose */
-  int inertia, gravity, dead;     /* velocities, gravity, dead loads on elements are there */
-  fb_real pose;                   /* change of pose by d */
-  fb_real shift;                  /* rate of a strain, momentum or pose by itself */
-} fbi_mixed_motion;
-
-/* What an element knows about itself, and the derivatives of it. */
-typedef struct fbi_mixed_cell {
-  fb_real h;
-  fb_real strain[6], theta[6]; /* strain, twist from end to end */
-  fb_real V[6], dV[6], dG[6];  /* mean velocity; differences between the ends of velocity and gravity */
-  fb_real P[6];                /* momentum per length */
-  fb_real dF[6], F1[6], F2[6]; /* internal load: difference, at the ends */
-} fbi_mixed_cell;
-
-typedef struct fbi_mixed_jacobian {
-  fb_real D1[36], D2[36], E[36]; /* of the compatibility by the nodes, by the stress */
-  fb_real F1d1[36], F1d2[36], F1s[36], F2d1[36], F2d2[36], F2s[36];
-} fbi_mixed_jacobian;
-
-typedef struct fb_mixed_work { /* scratch; large: make it static */
-  int iterations, increments;  /* of fb_mixed_steady_solve: Newton iterations, load increments tried */
-  int unstable;                /* number of unstable directions of the steady state; 0: stable */
-  fbi_mixed_motion motion;
-  fb_real gravity[3], twist[6], half[9]; /* in base axes; motion of the base, its turn in half a step */
-  fb_real drift[3];                      /* velocity u there, in base axes of the middle */
-  fb_real line[6 * FB_MAX_MIXED], line_dead[6 * FB_MAX_MIXED], offset[6 * FB_MAX_MIXED];
-  fb_real follower[6 * (FB_MAX_MIXED + 1)], dead[6 * (FB_MAX_MIXED + 1)];
-  fb_real r[3 * (FB_MAX_MIXED + 1)], quat[4 * (FB_MAX_MIXED + 1)], R[9 * (FB_MAX_MIXED + 1)];
-  fb_real V[6 * (FB_MAX_MIXED + 1)], G[6 * (FB_MAX_MIXED + 1)], s[6 * FB_MAX_MIXED];
-  fb_real strain[6 * FB_MAX_MIXED], momentum[6 * FB_MAX_MIXED], lump[6 * FB_MAX_LUMPS]; /* where rates start from */
-  fb_real B[6 * (FB_MAX_MIXED + 1)], c[6 * FB_MAX_MIXED], want[6 * (FB_MAX_MIXED + 1)]; /* residuals */
-  fb_real back[6 * (FB_MAX_MIXED + 1)]; /* way of held nodes back to their place */
-  fb_real F[6 * (FB_MAX_MIXED + 1)], P[6 * FB_MAX_MIXED];
-  fb_real dd[6 * (FB_MAX_MIXED + 1)], ds[6 * FB_MAX_MIXED]; /* corrections */
-  fb_real LU[144 * FB_MAX_MIXED], W[72 * FB_MAX_MIXED], L[72 * FB_MAX_MIXED], root[36], column[72];
-  fb_real y[12 * (FB_MAX_MIXED + 1)];
-  int perm[12 * FB_MAX_MIXED + 6];
-  fbi_mixed_cell cell;
-  fbi_mixed_jacobian jacobian;
-  fb_mixed_input input;
-  fb_mixed_state state; /* of the last increment that converged */
-} fb_mixed_work;
-
-/* Undeformed, at the inertial origin, in rigid motion with the v, w of the input (NULL: at rest); u is the velocity
-   of the mass center, of a beam that is held v. FB_ERR_NOT_FINITE. */
-FB_API fb_status fb_mixed_state_init(const fb_mixed *mixed, fb_mixed_state *state, fb_mixed_work *work,
-                                     const fb_mixed_input *input);
-
-/* Finite, no quaternion zero. FB_ERR_NOT_FINITE, FB_ERR_VALUE; FB_ERR_CAPACITY: counts of the model. */
-FB_API fb_status fb_mixed_state_check(const fb_mixed *mixed, const fb_mixed_state *state);
 
 /* Steady state under constant loads, gravity and motion of the base (static, or steady rotation; what does not turn
    with a spinning base is taken as it stands at this instant), from state as first guess; where that is too far, from
@@ -1728,171 +1976,7 @@ FB_API fb_status fb_mixed_state_check(const fb_mixed *mixed, const fb_mixed_stat
    FB_ERR_VALUE; FB_ERR_NOT_FINITE. On failure state is as before. */
 FB_API fb_status fb_mixed_steady_solve(const fb_mixed *mixed, fb_mixed_state *state, fb_mixed_work *work,
                                        const fb_mixed_input *input);
-
-typedef struct fb_mixed_node {
-  fb_real position[3], quat[4];         /* [m], section to inertial axes, after the last step */
-  fb_real displacement[3];              /* [m] base axes */
-  fb_real rotation[3];                  /* [rad] rotation vector from the undeformed section; whole turns along the beam
-                                           count, the root's own is within half a turn */
-  fb_real wiener_milenkovic[3];         /* the same as 4 tan(phi/4), phi within half a turn */
-  fb_real velocity[3], angular_rate[3]; /* [m/s], [rad/s] section axes, in the middle of the last step; u by its end */
-  /* [N], [N m] section axes, in the middle of the last step: of what is outboard on what is inboard, on the inboard
-     side of the node (at the root: of the beam on the root); of what holds the node on the beam. */
-  fb_real force[3], moment[3], reaction_force[3], reaction_moment[3];
-} fb_mixed_node;
-/* All n + 1 nodes. */
-FB_API fb_status fb_mixed_nodes_eval(const fb_mixed *mixed, fb_mixed_node *node, const fb_mixed_state *state);
-
-/* Means over element k, section axes; loads and strains in the middle of the last step, velocities and momenta after
-   it. */
-typedef struct fb_mixed_element {
-  fb_real force[3], moment[3];               /* [N], [N m] */
-  fb_real force_strain[3], moment_strain[3]; /* -, [1/m] */
-  fb_real velocity[3], angular_rate[3];
-  fb_real momentum[3], angular_momentum[3]; /* [kg/s], [N s] per length */
-} fb_mixed_element;
-FB_API fb_status fb_mixed_element_eval(const fb_mixed *mixed, fb_mixed_element *element, const fb_mixed_state *state,
-                                       int k);
-/* Point of the deformed line that was x [m] along it, and its section: inertial axes. FB_ERR_VALUE: not on the beam. */
-FB_API fb_status fb_mixed_point_eval(const fb_mixed *mixed, fb_real position[3], fb_real quat[4],
-                                     const fb_mixed_state *state, fb_real x);
-/* With dissipation kinetic and strain energy hold beta/4 of that of the last step's change, too: their sum then falls
-   in every step of a conservative beam. */
-FB_API fb_status fb_mixed_energy(const fb_mixed *mixed, fb_energy *energy, const fb_mixed_state *state);
-/* A free beam's own momenta drift with the mesh and the step, order 2, by what turns differently within an element (the
-   mean of w x p is not that of the means): 5 m, 1 kg/m, EI 100 N m^2, pushed across at its tip by 50 N for 1 s, steps
-   of 5 ms, six seconds: by 2e-3, 5e-4, 1.1e-4 of the linear and 7.3e-3, 2e-3, 9e-4 of the angular with 10, 20, 40
-   elements; by 10 N, which bends it less, 1.2e-4, 3e-5, 5e-6 and 3e-4, 8e-5, 1.6e-5. Rigid flight keeps them. */
-FB_API fb_status fb_mixed_momentum(const fb_mixed *mixed, fb_momentum *momentum, const fb_mixed_state *state);
-
-/* ---------------------------------------------------------------------------------------------------------------
-   11 >>integrate */
-
-/* Classical Runge-Kutta, order 4, four evaluations, fixed work. The inputs are those at t, t + dt/2 and t + dt; pass
-   the same pointer three times for inputs held over the step, NULL for none. The quaternion is normalized, momenta and
-   elastic values below FB_TINY become zero. FB_ERR_STEP: dt exceeds fb_rk4_limit at the present spin;
-   FB_ERR_VALUE: dt <= 0; FB_ERR_RANGE, FB_ERR_NOT_FINITE: the motion has left the model. On failure
-   state is as before the call. */
-typedef struct fb_rk4_work {
-  fb_state start, stage, rate, sum;
-} fb_rk4_work;
-FB_API fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work, const fb_input *start,
-                             const fb_input *middle, const fb_input *end, fb_real dt);
-/* Largest stable step [s] of rk4 for the body at a spin |w| [rad/s] and an acceleration of O [m/s^2]: 2.785 / (bound of
-   the highest frequency, with rigid-elastic coupling, gyroscopic, stiffening and damping terms). The stiffening by
-   loads and by angular acceleration is not in it, and nonlinear strain is that of the undeformed body: the step's own
-   check takes the slopes it finds, which lower the limit (0.1 by some 5 %). FB_HUGE for a rigid body at rest, 0 for
-   input that is not a number. */
-FB_API fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real acceleration);
-
-/* The implicit steppers factor one n x n matrix per step (LU): in the momentum form the Jacobian of the equations of
-   motion but for the stiffening of the quadratic field, products of the spin and compression; in the other forms
-   without gyroscopic terms and, first order, without the stiffness torque. Newton iterations with that matrix, a
-   fixed number (50 at most). Status and failure as fb_rk4_step, FB_ERR_STEP beyond fb_implicit_limit. */
-typedef struct fb_implicit_work {
-  fb_state start, rate, first, base, stage, sum;
-  fb_input between;
-  fb_real g;                              /* [s] gamma dt of the factored matrix */
-  fb_real E[FB_MAX_MODES * FB_MAX_MODES]; /* its factors */
-  fb_real K[FB_MAX_MODES * FB_MAX_MODES]; /* tangent stiffness */
-  fb_real V[6];                           /* velocities of the gyroscopic terms */
-  fb_real X[6 * FB_MAX_MODES], Y[6 * FB_MAX_MODES], Z[6 * FB_MAX_MODES], A[36]; /* recoil of the base */
-} fb_implicit_work;
-
-/* Largest step [s] of the implicit schemes at a spin |w| [rad/s] and an acceleration of O [m/s^2]: |w| dt <= 1/10,
-   less where the quadratic field stiffens much. FB_HUGE at rest, 0 for input that is not a number. */
-FB_API fb_real fb_implicit_limit(const fb_body *body, fb_real spin, fb_real acceleration);
-
-/* Implicit midpoint rule, order 2, symmetric, without dissipation: fast modes keep ringing, at a frequency that is
-   wrong. The energy of a conservative body stays bounded as far as the iterations converge. 1 + iterations
-   evaluations (0: 2 iterations). */
-FB_API fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *middle,
-                                  fb_real dt, int iterations);
-
-/* Two-stage SDIRK scheme, order 2, L-stable: modes too fast for the step die out at once, slow ones hardly. 1 + 2
-   iterations evaluations (0: 2 iterations). The inputs at t and t + dt list loads at the same nodes in the same
-   axes. */
-FB_API fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *start,
-                               const fb_input *end, fb_real dt, int iterations);
-
-/* Exponential Runge-Kutta scheme of order 4: the constant linear elastic part (K, and M with the base's recoil) is
-   propagated exactly, so that stiff modes cost nothing in step size; everything else is explicit. No factorization:
-   four evaluations and 16 n^2 flops each for the change to modal coordinates. With nonlinear strain it works in the
-   coordinates s = q + G(q) that make the membrane strain linear: axial modes then follow the foreshortening exactly.
-   Momentum form only; made for one step size. */
-typedef struct fb_exponential { /* constant after init, may live in ROM */
-  fb_real dt;
-  int n_axial; /* coordinates that take up foreshortening */
-  int axial[FB_MAX_MODES];
-  fb_real G[FB_MAX_MODES *
-            FBI_EXPONENTIAL_STRAINS]; /* n_axial x strain stations: s_a = q_a + sum_g G_ag 1/2 (u_y'^2 + u_z'^2)_g */
-  fb_real X[FB_MAX_MODES * FB_MAX_MODES];  /* row k: mode k, K x = omega^2 M_free x, X M_free X^T = 1 */
-  fb_real MX[FB_MAX_MODES * FB_MAX_MODES]; /* X M_free */
-  fb_real omega2[FB_MAX_MODES];
-  fb_real half[5][FB_MAX_MODES], full[5][FB_MAX_MODES]; /* Stumpff functions of omega dt/2 and omega dt */
-} fb_exponential;
-typedef struct fb_exponential_work {
-  fb_state start, z, half, full, at, rate, sum, N[4];
-} fb_exponential_work;
-/* FB_ERR_VALUE: dt, or a body of another form; FB_ERR_SINGULAR: K or the mass is not positive definite;
-   FB_ERR_EFFECTS: nonlinear strain whose axial coordinates bend, too. */
-FB_API fb_status fb_exponential_init(fb_exponential *scheme, fb_body_work *work, const fb_body *body, fb_real dt);
-/* As fb_body_check. */
-FB_API fb_status fb_exponential_check(const fb_exponential *scheme, const fb_body *body);
-/* Inputs at t, t + dt/2, t + dt; status and failure as fb_rk4_step, FB_ERR_STEP beyond fb_exponential_limit. */
-FB_API fb_status fb_exponential_step(const fb_body *body, const fb_exponential *scheme, fb_state *state,
-                                     fb_exponential_work *work, const fb_input *start, const fb_input *middle,
-                                     const fb_input *end);
-/* Largest step [s] of the exponential scheme: |w| dt <= 1/2 for a held base, less where the quadratic field or the
-   tension of a spinning beam stiffens much, where the base is lighter than its modes and trembles with them (recoil
-   of fb_body, 1 for a heavy hub; it counts squared), and with damping ratios above 1/4: choose a heavy hub, or an
-   implicit scheme. The limit holds for any motion; a smooth one may be stepped further (allow_long_step). Order 4 is
-   seen where omega dt is below about 5 for the modes that move. */
-FB_API fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real acceleration);
-
-/* ---- systems: body is the array of models; the inputs as those of a body */
-
-/* rk4; with constraints (loops, rows, FB_METHOD_MULTIPLIERS) positions and velocities are brought onto them after every
-   step. FB_ERR_STEP: beyond 2.785 / (bound of the highest frequency: springs and modes of the whole as it is undeformed
-   at zero joint coordinates, spin, stiffening), or a body turns faster or slower within it by more than half a radian;
-   FB_ERR_UNDETERMINED, FB_ERR_CONTRADICTION: work->joint; else as
-   fb_rk4_step. On failure state is as before the call. */
-FB_API fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body, fb_system_state *state,
-                                    fb_system_work *work, const fb_system_input *start, const fb_system_input *middle,
-                                    const fb_system_input *end, fb_real dt);
-
-/* Two-stage SDIRK of order 2, L-stable, for stiff joints and modes: 2 + 2 iterations evaluations (0: 2 iterations), all
-   but the first with one more factorization. Springs and dampers of joints that are kept as constraints are explicit
-   in it and bound the step, as does the fastest spin: |w| dt <= 1/10. The inputs at t and t + dt list the same loads.
-   FB_ERR_CONVERGENCE: the last correction is not small, take a shorter step or more iterations; of one iteration only
-   the first stage tells. Else as fb_system_rk4_step. */
-FB_API fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *body, fb_system_state *state,
-                                      fb_system_work *work, const fb_system_input *start, const fb_system_input *end,
-                                      fb_real dt, int iterations);
-/* Largest stable step [s] of rk4 for the system at a spin [rad/s] and acceleration [m/s^2] of all of it; 0, 0: at rest.
-   For accuracy of the fastest mode take a fifth of it. */
-FB_API fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body, fb_real spin, fb_real acceleration);
-
-/* ---- mixed beam */
-
-/* One step under loads and motion of the base of its middle. Order 2; without dissipation the energy of a conservative
-   beam is constant but for the last correction of the iteration, whatever the step: a limit of stability does not
-   exist, accuracy wants omega dt below about 1 for the modes that matter. Supports beyond the root are brought back to
-   their place within the next step, across the reaction, so that they do no work. Steps may differ; one that is longer
-   than the one before damps with order 1. Fixed work: desc.factorizations, as many evaluations and desc.iterations
-   more. One factorization, at the extrapolated state, does for all but a stiff beam that is held along its line at two
-   places and bends much between them in a step: its stretch is quadratic in that, and the iteration contracts slowly.
-   EI = 100 N m^2, 10 m, clamped and pinned at 4 m, let go from 0.4 m, 300 steps that are equal or vary by half: one
-   bears 0.1 s up to EA = 1e5 N, two 0.1 s up to 1e7 N, three 0.2 s up to 1e7 N and 0.1 s at 1e8 N, six equal steps of
-   0.2 s at 1e8 N. FB_ERR_CONVERGENCE: the last correction is not small, or the residual after it not so much smaller
-   that the next one would be below a tenth of its bound (1e-6 of the length, a radian, the largest load; single
-   precision 1e-3): take a shorter step, more iterations or factorizations; FB_ERR_SINGULAR: a node without inertia and
-   stiffness; else as fb_mixed_steady_solve. On failure state is as before. */
-FB_API fb_status fb_mixed_step(const fb_mixed *mixed, fb_mixed_state *state, fb_mixed_work *work,
-                               const fb_mixed_input *middle, fb_real dt);
-
-/* ---------------------------------------------------------------------------------------------------------------
-   12 >>analyse: offline work on bodies, systems and the mixed beam: steady states, linear models, complex modes */
+#endif
 
 /* states of a linear model: of one body, or of a system with as many speeds as FB_METHOD_DENSE takes */
 #define FB_MAX_LINEAR (2 * (FB_MAX_MODES + 6 > FB_MAX_SPEEDS ? FB_MAX_MODES + 6 : FB_MAX_SPEEDS))
@@ -1983,35 +2067,8 @@ typedef struct fb_analyse_work { /* scratch; large: make it static */
    there; FB_ERR_VALUE: a w that the hinge does not allow; a body of another form than the momentum form whose base is
    not prescribed. input is required, here and in what follows for one body. */
 FB_API fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_work *work, const fb_input *input);
-/* The motion about a state (of fb_body_trim, or steady anyhow), with the inputs and outputs of desc (NULL: none). By
-   differences of several widths, of which each element takes the best: linear->error tells how good they are but for
-   rounding. It is below 1e-10 (single: 1e-3) but for bodies near the end of their range; inputs are moved by about as
-   much as acts already, in any unit of force.
-   FB_ERR_CONVERGENCE: the error is above 0.01;
-   FB_ERR_CAPACITY: a port of a node, or of a body, that does not exist, no room in input for one more load;
-   FB_ERR_VALUE: an axis, an input among the outputs, base motion of a base that is not prescribed, a port of systems.
-   On failure linear is as before. */
-FB_API fb_status fb_body_linearize(const fb_body *body, fb_linear *linear, fb_analyse_work *work, const fb_state *state,
-                                   const fb_input *input, const fb_linear_desc *desc);
 
-typedef struct fb_spectrum { /* ascending by |re + i im|; of a conjugate pair the one with im > 0 */
-  int n;
-  fb_real re[FB_MAX_LINEAR], im[FB_MAX_LINEAR]; /* [1/s], [rad/s]; unstable where re > 0 */
-  /* [1/s] estimated, of re + i im, by the differences of A: unstable where re > error. The eigenvalues themselves round
-     by some FB_EPSILON of the fastest mode more: in single precision slow modes of light, stiff bodies that carry heavy
-     ones are the first to be lost. What is below either is zero, as far as can be told */
-  fb_real error[FB_MAX_LINEAR];
-  /* of each the elastic coordinates, n x body.n; of a system all free axes, then all elastic coordinates */
-  fb_real shape_re[FB_MAX_LINEAR * FB_MAX_LINEAR / 2];
-  fb_real shape_im[FB_MAX_LINEAR * FB_MAX_LINEAR / 2];
-} fb_spectrum;
-/* Complex modes about a state (of fb_body_trim): spin, gyroscopic terms, preload and damping are in them ([H] A.15). Of
-   a base that is not prescribed the momenta are among them (nutation), the pose only where it acts on the motion
-   (gravity on a pinned base, loads in inertial axes). FB_ERR_CONVERGENCE: as fb_body_linearize, or the error of a mode
-   is above 0.01 of the fastest. */
-FB_API fb_status fb_body_spectrum(fb_spectrum *spectrum, fb_analyse_work *work, const fb_body *body,
-                                  const fb_state *state, const fb_input *input);
-
+#if FB_WITH_SYSTEM
 typedef struct fbi_coordinate { /* of a system's linear model */
   int body, mode, i;            /* mode: elastic coordinate i of the body, else axis i of its joint */
 } fbi_coordinate;
@@ -2045,74 +2102,10 @@ typedef struct fb_system_analyse_work { /* scratch; large: make it static */
    then ready for fb_system_linearize. */
 FB_API fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb_system_state *state,
                                 fb_system_analyse_work *work, const fb_system_input *input);
-/* Prescribed and locked axes are no states; what moves at a constant rate stays where it is in the state (a prescribed
-   axis with gravity across has no constant A). FB_ERR_CAPACITY: also an axis that the joint does not
-   have, more than FB_MAX_LINEAR states; FB_ERR_VALUE: also FB_PORT_DRIVE of an axis that is not free. */
-FB_API fb_status fb_system_linearize(const fb_system *system, const fb_body *body, fb_linear *linear,
-                                     fb_system_analyse_work *work, const fb_system_state *state,
-                                     const fb_system_input *input, const fb_linear_desc *desc);
-/* Position and attitude of free joints are left out (zero in the shapes) where they do not act on the motion. */
-FB_API fb_status fb_system_spectrum(fb_spectrum *spectrum, fb_system_analyse_work *work, const fb_system *system,
-                                    const fb_body *body, const fb_system_state *state, const fb_system_input *input);
+#endif
 
-/* -re/|re + i im| of mode k: 1 aperiodic, 0 undamped (or no such mode), negative unstable. */
-FB_API fb_real fb_spectrum_damping(const fb_spectrum *spectrum, int k);
-/* Stability margin [1/s] of n modes: the least -re, negative where one grows; and which mode has it (NULL: not asked
-   for). n = 0: FB_HUGE, mode -1; where an re is not finite, that one. For fb_spectrum, fb_mixed_spectrum and
-   fb_mixed_linear alike. Without damping it is rounding, and a root of it where two modes are one (free to move: 0). */
-FB_API fb_real fb_spectrum_margin(const fb_real *re, int *mode, int n);
-
-typedef enum fb_scheme {
-  FB_SCHEME_RK4 = 0,
-  FB_SCHEME_MIDPOINT = 1,
-  FB_SCHEME_SDIRK = 2,
-  FB_SCHEME_EXPONENTIAL = 3 /* of fb_advice alone: a spectrum does not say what it errs by */
-} fb_scheme;
-/* Largest step [s] at which no mode grows that should not, and none that grows does so by its frequency, too; FB_HUGE
-   where there is none (the implicit schemes); 0 where scheme or spectrum make no sense. Where the base spins freely it
-   is rough: some 3 % too long at |w| dt = 0.3, up to 25 % at 0.7. The steppers refuse what is beyond their own, quicker
-   bounds, most of them shorter (fb_rk4_limit and fb_implicit_limit at that spin, fb_system_rk4_limit): take the smaller
-   step, or set allow_long_step. */
-FB_API fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_scheme scheme);
-/* Step [s] at which the errors of the modes, each at its worst within `duration` [s], add up to `tolerance`, mode k
-   with amplitude[k] (NULL: 1 each, so that the fastest mode decides), in the same unit; at most 0.9 of the limit, and
-   the duration. 0 where scheme, duration, tolerance or amplitudes make no sense, or no step is short enough (a mode
-   that grows too far). The modes are of the motion about a state: the wider the motion, the rougher the estimate; what
-   a step errs in the steady motion itself (the turn of a body that spins freely) is not in it. */
-FB_API fb_real fb_spectrum_step(const fb_spectrum *spectrum, fb_scheme scheme, const fb_real *amplitude,
-                                fb_real duration, fb_real tolerance);
-
+#if FB_WITH_EXACT
 /* ---- mixed beam */
-
-#define FB_MIXED_MODES 24 /* most that a call gives */
-#define FBI_MIXED_BASIS 120
-#define FBI_MIXED_DIM (12 * FB_MAX_MIXED + 6 + 6 * FB_MAX_LUMPS)
-
-typedef struct fb_mixed_spectrum { /* ascending by |re + i im|; of a conjugate pair the one with im > 0 */
-  int n;
-  /* [1/s], [rad/s]; unstable where re > 0, by more than the mesh's error: with spin some 1e-5 of im at 10 elements */
-  fb_real re[FB_MIXED_MODES], im[FB_MIXED_MODES];
-  fb_real error[FB_MIXED_MODES]; /* estimated relative error of the iteration (not of the mesh) */
-  /* Motion of the nodes against the steady state, section axes, per mode 6 (n_element + 1): displacement [m] and
-     rotation [rad], the largest of displacement and rotation * length 1 m. */
-  fb_real shape_re[FB_MIXED_MODES * 6 * (FB_MAX_MIXED + 1)], shape_im[FB_MIXED_MODES * 6 * (FB_MAX_MIXED + 1)];
-} fb_mixed_spectrum;
-
-typedef struct fb_mixed_spectrum_work { /* scratch; large: make it static */
-  fb_mixed_work mixed;
-  fb_real Q[(FBI_MIXED_BASIS + 2) * FBI_MIXED_DIM], x[FBI_MIXED_DIM];
-  fb_real H[(FBI_MIXED_BASIS + 2) * FBI_MIXED_BASIS], A[FBI_MIXED_BASIS * FBI_MIXED_BASIS];
-  fb_real X[2 * FBI_MIXED_BASIS * FBI_MIXED_BASIS], eig[4 * FBI_MIXED_BASIS * FBI_MIXED_BASIS];
-  fb_real re[FBI_MIXED_BASIS], im[FBI_MIXED_BASIS], missing[FBI_MIXED_BASIS];
-} fb_mixed_spectrum_work;
-
-/* The `count` (1..FB_MIXED_MODES) slowest motions exp(lambda t) about a steady state of fb_mixed_steady_solve with the
-   same input: vibration, whirl, flutter, buckling (lambda = 0); as the base that moves with the input sees them. A beam
-   that nothing holds has its rigid motions among them, zero to rounding's root. FB_ERR_CONVERGENCE: fewer than asked
-   for have converged (without inertia there are none); FB_ERR_KIND: it has not so many. */
-FB_API fb_status fb_mixed_spectrum_solve(const fb_mixed *mixed, fb_mixed_spectrum *spectrum,
-                                         fb_mixed_spectrum_work *work, const fb_mixed_state *state,
-                                         const fb_mixed_input *input, int count);
 
 typedef struct fb_mixed_path {           /* where on a path of steady states; all zero: its start */
   fb_real factor;                        /* part of the varied loads that acts */
@@ -2150,6 +2143,112 @@ typedef struct fb_mixed_path_work { /* scratch; large: make it static */
 FB_API fb_status fb_mixed_path_step(const fb_mixed *mixed, fb_mixed_path *path, fb_mixed_state *state,
                                     fb_mixed_path_work *work, const fb_mixed_input *constant,
                                     const fb_mixed_input *varied, fb_real arc);
+#endif
+
+/* ---------------------------------------------------------------------------------------------------------------
+   ANALYSE >>linear: linear models, complex modes, step advice */
+
+#if FB_WITH_SYSTEM
+/* The motion about a state (of fb_body_trim, or steady anyhow), with the inputs and outputs of desc (NULL: none). By
+   differences of several widths, of which each element takes the best: linear->error tells how good they are but for
+   rounding. It is below 1e-10 (single: 1e-3) but for bodies near the end of their range; inputs are moved by about as
+   much as acts already, in any unit of force.
+   FB_ERR_CONVERGENCE: the error is above 0.01;
+   FB_ERR_CAPACITY: a port of a node, or of a body, that does not exist, no room in input for one more load;
+   FB_ERR_VALUE: an axis, an input among the outputs, base motion of a base that is not prescribed, a port of systems.
+   On failure linear is as before. */
+FB_API fb_status fb_body_linearize(const fb_body *body, fb_linear *linear, fb_analyse_work *work, const fb_state *state,
+                                   const fb_input *input, const fb_linear_desc *desc);
+#endif
+
+typedef struct fb_spectrum { /* ascending by |re + i im|; of a conjugate pair the one with im > 0 */
+  int n;
+  fb_real re[FB_MAX_LINEAR], im[FB_MAX_LINEAR]; /* [1/s], [rad/s]; unstable where re > 0 */
+  /* [1/s] estimated, of re + i im, by the differences of A: unstable where re > error. The eigenvalues themselves round
+     by some FB_EPSILON of the fastest mode more: in single precision slow modes of light, stiff bodies that carry heavy
+     ones are the first to be lost. What is below either is zero, as far as can be told */
+  fb_real error[FB_MAX_LINEAR];
+  /* of each the elastic coordinates, n x body.n; of a system all free axes, then all elastic coordinates */
+  fb_real shape_re[FB_MAX_LINEAR * FB_MAX_LINEAR / 2];
+  fb_real shape_im[FB_MAX_LINEAR * FB_MAX_LINEAR / 2];
+} fb_spectrum;
+#if FB_WITH_SYSTEM
+/* Complex modes about a state (of fb_body_trim): spin, gyroscopic terms, preload and damping are in them ([H] A.15). Of
+   a base that is not prescribed the momenta are among them (nutation), the pose only where it acts on the motion
+   (gravity on a pinned base, loads in inertial axes). FB_ERR_CONVERGENCE: as fb_body_linearize, or the error of a mode
+   is above 0.01 of the fastest. */
+FB_API fb_status fb_body_spectrum(fb_spectrum *spectrum, fb_analyse_work *work, const fb_body *body,
+                                  const fb_state *state, const fb_input *input);
+/* Prescribed and locked axes are no states; what moves at a constant rate stays where it is in the state (a prescribed
+   axis with gravity across has no constant A). FB_ERR_CAPACITY: also an axis that the joint does not
+   have, more than FB_MAX_LINEAR states; FB_ERR_VALUE: also FB_PORT_DRIVE of an axis that is not free. */
+FB_API fb_status fb_system_linearize(const fb_system *system, const fb_body *body, fb_linear *linear,
+                                     fb_system_analyse_work *work, const fb_system_state *state,
+                                     const fb_system_input *input, const fb_linear_desc *desc);
+/* Position and attitude of free joints are left out (zero in the shapes) where they do not act on the motion. */
+FB_API fb_status fb_system_spectrum(fb_spectrum *spectrum, fb_system_analyse_work *work, const fb_system *system,
+                                    const fb_body *body, const fb_system_state *state, const fb_system_input *input);
+#endif
+
+/* -re/|re + i im| of mode k: 1 aperiodic, 0 undamped (or no such mode), negative unstable. */
+FB_API fb_real fb_spectrum_damping(const fb_spectrum *spectrum, int k);
+/* Stability margin [1/s] of n modes: the least -re, negative where one grows; and which mode has it (NULL: not asked
+   for). n = 0: FB_HUGE, mode -1; where an re is not finite, that one. For fb_spectrum, fb_mixed_spectrum and
+   fb_mixed_linear alike. Without damping it is rounding, and a root of it where two modes are one (free to move: 0). */
+FB_API fb_real fb_spectrum_margin(const fb_real *re, int *mode, int n);
+
+typedef enum fb_scheme {
+  FB_SCHEME_RK4 = 0,
+  FB_SCHEME_MIDPOINT = 1,
+  FB_SCHEME_SDIRK = 2,
+  FB_SCHEME_EXPONENTIAL = 3 /* of fb_advice alone: a spectrum does not say what it errs by */
+} fb_scheme;
+/* Largest step [s] at which no mode grows that should not, and none that grows does so by its frequency, too; FB_HUGE
+   where there is none (the implicit schemes); 0 where scheme or spectrum make no sense. Where the base spins freely it
+   is rough: some 3 % too long at |w| dt = 0.3, up to 25 % at 0.7. The steppers refuse what is beyond their own, quicker
+   bounds, most of them shorter (fb_rk4_limit and fb_implicit_limit at that spin, fb_system_rk4_limit): take the smaller
+   step, or set allow_long_step. */
+FB_API fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_scheme scheme);
+/* Step [s] at which the errors of the modes, each at its worst within `duration` [s], add up to `tolerance`, mode k
+   with amplitude[k] (NULL: 1 each, so that the fastest mode decides), in the same unit; at most 0.9 of the limit, and
+   the duration. 0 where scheme, duration, tolerance or amplitudes make no sense, or no step is short enough (a mode
+   that grows too far). The modes are of the motion about a state: the wider the motion, the rougher the estimate; what
+   a step errs in the steady motion itself (the turn of a body that spins freely) is not in it. */
+FB_API fb_real fb_spectrum_step(const fb_spectrum *spectrum, fb_scheme scheme, const fb_real *amplitude,
+                                fb_real duration, fb_real tolerance);
+
+#if FB_WITH_EXACT
+/* ---- mixed beam */
+
+#define FB_MIXED_MODES 24 /* most that a call gives */
+#define FBI_MIXED_BASIS 120
+#define FBI_MIXED_DIM (12 * FB_MAX_MIXED + 6 + 6 * FB_MAX_LUMPS)
+
+typedef struct fb_mixed_spectrum { /* ascending by |re + i im|; of a conjugate pair the one with im > 0 */
+  int n;
+  /* [1/s], [rad/s]; unstable where re > 0, by more than the mesh's error: with spin some 1e-5 of im at 10 elements */
+  fb_real re[FB_MIXED_MODES], im[FB_MIXED_MODES];
+  fb_real error[FB_MIXED_MODES]; /* estimated relative error of the iteration (not of the mesh) */
+  /* Motion of the nodes against the steady state, section axes, per mode 6 (n_element + 1): displacement [m] and
+     rotation [rad], the largest of displacement and rotation * length 1 m. */
+  fb_real shape_re[FB_MIXED_MODES * 6 * (FB_MAX_MIXED + 1)], shape_im[FB_MIXED_MODES * 6 * (FB_MAX_MIXED + 1)];
+} fb_mixed_spectrum;
+
+typedef struct fb_mixed_spectrum_work { /* scratch; large: make it static */
+  fb_mixed_work mixed;
+  fb_real Q[(FBI_MIXED_BASIS + 2) * FBI_MIXED_DIM], x[FBI_MIXED_DIM];
+  fb_real H[(FBI_MIXED_BASIS + 2) * FBI_MIXED_BASIS], A[FBI_MIXED_BASIS * FBI_MIXED_BASIS];
+  fb_real X[2 * FBI_MIXED_BASIS * FBI_MIXED_BASIS], eig[4 * FBI_MIXED_BASIS * FBI_MIXED_BASIS];
+  fb_real re[FBI_MIXED_BASIS], im[FBI_MIXED_BASIS], missing[FBI_MIXED_BASIS];
+} fb_mixed_spectrum_work;
+
+/* The `count` (1..FB_MIXED_MODES) slowest motions exp(lambda t) about a steady state of fb_mixed_steady_solve with the
+   same input: vibration, whirl, flutter, buckling (lambda = 0); as the base that moves with the input sees them. A beam
+   that nothing holds has its rigid motions among them, zero to rounding's root. FB_ERR_CONVERGENCE: fewer than asked
+   for have converged (without inertia there are none); FB_ERR_KIND: it has not so many. */
+FB_API fb_status fb_mixed_spectrum_solve(const fb_mixed *mixed, fb_mixed_spectrum *spectrum,
+                                         fb_mixed_spectrum_work *work, const fb_mixed_state *state,
+                                         const fb_mixed_input *input, int count);
 
 typedef enum fb_mixed_port_kind {
   FB_MIXED_PORT_FORCE = 0,           /* input [N] at a node */
@@ -2212,9 +2311,10 @@ typedef struct fb_mixed_linear_work { /* scratch; large: make it static */
 FB_API fb_status fb_mixed_linearize(const fb_mixed *mixed, fb_mixed_linear *linear, fb_mixed_linear_work *work,
                                     const fb_mixed_state *state, const fb_mixed_input *input,
                                     const fb_mixed_linear_desc *desc, int count);
+#endif
 
 /* ---------------------------------------------------------------------------------------------------------------
-   13 >>advise: which effects, modes, scheme and step a scene calls for; offline. For bodies in the momentum form with
+   ANALYSE >>advise: which effects, modes, scheme and step a scene calls for; offline. For bodies in the momentum form with
    every effect compiled in. Of a system ask for each body, with the motion of its root as a prescribed base. */
 
 typedef struct fb_envelope {     /* the most that happens in a scene; what has a sign goes together */
@@ -2248,11 +2348,6 @@ typedef struct fb_advice {
   fb_real error;                      /* found by simulation (fb_advice_search); else the sum of the four */
   int n_trial;                        /* simulations that took */
 } fb_advice;
-
-/* The body of the modes coordinate[0..n-1] (ascending) of shape, which stays as it is. For natural modes: of other
-   coordinates the rest would be held. FB_ERR_CAPACITY: more than shape has; FB_ERR_VALUE: not ascending. selected is
-   written only on FB_OK and may not be shape. */
-FB_API fb_status fb_shape_select(fb_shape *selected, const fb_shape *shape, const int *coordinate, int n);
 
 #define FBI_ADVICE_SETS 10
 #define FBI_ADVICE_INSTANTS 5
@@ -2319,19 +2414,7 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advise_work *work, const
                                   const fb_body_desc *desc, const fb_envelope *envelope, fb_real tolerance,
                                   const fb_trial *trial);
 
-/* ---------------------------------------------------------------------------------------------------------------
-   14 >>build */
-
-#define FB_VERSION "0.1.0"
-FB_API const char *fb_version_string(void); /* "0.1.0" */
-FB_API const char *fb_config_string(void);  /* the configuration symbol's name */
-/* FB_OK when the caller's configuration is the implementation's: pass FB_CONFIG. */
-#define FB_CONFIG FBI_STRING_(FBI_CONFIG_SYMBOL)
-FB_API fb_status fb_config_check(const char *config);
-/* FB_OK when the compiler has kept arithmetic as it is written: a sum is not taken in another order, a NaN is one.
-   FB_ERR_BUILD: its flags let it do otherwise, and it did; compensated sums or finite checks are void. Every _init
-   asks, unless FB_ALLOW_FAST_MATH is defined. No step does. */
-FB_API fb_status fb_build_check(void);
+#endif /* FB_WITH_ANALYSE */
 
 #endif /* FLEXBEAM_H */
 

@@ -1,8 +1,10 @@
 /* flexbeam_impl.h - implementation of flexbeam.h, included by it where FLEXBEAM_IMPLEMENTATION is defined.
-   One equation, one function, one id: [E8.2] defines, E8.2 cites; tests/test_<section>.c tests it. */
+   One equation, one function, one id: [E8.2] defines, E8.2 cites; tests/reference/THEORY.md derives it and names its test.
+   In the order of its life: RUN is what flies, BUILD makes models, ANALYSE looks at them. Nothing uses what stands below
+   it: RUN compiles alone (FB_WITH_BUILD 0), and RUN with BUILD (FB_WITH_ANALYSE 0). */
 
 /* ---------------------------------------------------------------------------------------------------------------
-   1 >>config */
+   RUN >>config: libm hooks, configuration symbol, requirements, unrolling */
 
 #if !(defined(FB_SQRT) && defined(FB_SIN) && defined(FB_COS) && defined(FB_ATAN2) && defined(FB_FABS) && \
       defined(FB_EXP))
@@ -96,7 +98,7 @@ const char FBI_CONFIG_SYMBOL[] = FBI_STRING_(FBI_CONFIG_SYMBOL);
 #endif
 
 /* ---------------------------------------------------------------------------------------------------------------
-   2 >>status (uses 1) */
+   RUN >>status: codes and their texts, finite checks (uses config) */
 
 #define FBI_STATUS_TEXT(name, value, text) \
   case name:                               \
@@ -173,10 +175,12 @@ static int fbi_is_zero(const fb_real *x, int n)
   return 1;
 }
 
+#if FB_WITH_SYSTEM || FB_WITH_ANALYSE
 static fb_real fbi_smaller(fb_real a, fb_real b)
 {
   return a < b ? a : b;
 }
+#endif
 
 static fb_real fbi_larger(fb_real a, fb_real b)
 {
@@ -184,7 +188,7 @@ static fb_real fbi_larger(fb_real a, fb_real b)
 }
 
 /* ---------------------------------------------------------------------------------------------------------------
-   3 >>vec3 (uses 1-2) */
+   RUN >>vec3: 3-vectors, 3x3 and symmetric 6x6 matrices (uses config, status) */
 
 FB_DEF fb_real fb_vec3_dot(const fb_real a[3], const fb_real b[3])
 {
@@ -240,12 +244,14 @@ static void fbi_vec3_zero(fb_real y[3])
   y[0] = y[1] = y[2] = FB_R(0.0);
 }
 
+#if FB_WITH_SYSTEM
 static void fbi_mat33_copy(fb_real C[9], const fb_real A[9])
 {
   fbi_vec3_copy(C, A);
   fbi_vec3_copy(C + 3, A + 3);
   fbi_vec3_copy(C + 6, A + 6);
 }
+#endif
 
 /* y = x + s d; y may be x: all is read before anything is written, so that compilers take two at a time */
 static void fbi_vec3_advance(fb_real y[3], const fb_real x[3], fb_real s, const fb_real d[3])
@@ -306,6 +312,7 @@ static void fbi_vec6_copy(fb_real y[6], const fb_real x[6])
   y[5] = f;
 }
 
+#if FB_WITH_SYSTEM || FB_WITH_EXACT
 static void fbi_vec6_advance(fb_real y[6], const fb_real x[6], fb_real s, const fb_real rate[6])
 {
   const fb_real a = x[0] + s * rate[0], b = x[1] + s * rate[1], c = x[2] + s * rate[2];
@@ -322,6 +329,7 @@ static void fbi_vec6_add(fb_real y[6], fb_real s, const fb_real x[6])
 {
   fbi_vec6_advance(y, y, s, x);
 }
+#endif
 
 FB_DEF int fb_sym6_index(int i, int j)
 {
@@ -341,6 +349,7 @@ FB_DEF void fb_sym6_mul_vec6(fb_real y[6], const fb_real S[21], const fb_real x[
   y[5] = S[5] * x[0] + S[10] * x[1] + S[14] * x[2] + S[17] * x[3] + S[19] * x[4] + S[20] * x[5];
 }
 
+#if FB_WITH_SYSTEM
 static void fbi_sym6_copy(fb_real T[21], const fb_real S[21])
 {
   fbi_vec6_copy(T, S);
@@ -378,9 +387,11 @@ static void fbi_sym6_rank1_sub(fb_real S[21], fb_real s, const fb_real u[6])
   S[19] -= v[4] * x[5];
   S[20] -= v[5] * x[5];
 }
+#endif
 
 /* Row and column of the packed elements. */
 static const int fbi_sym6_row[21] = {0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 4, 4, 5};
+
 static const int fbi_sym6_column[21] = {0, 1, 2, 3, 4, 5, 1, 2, 3, 4, 5, 2, 3, 4, 5, 3, 4, 5, 4, 5, 5};
 
 static fb_real fbi_vec6_dot(const fb_real a[6], const fb_real b[6])
@@ -480,6 +491,7 @@ static fb_status fbi_sym6_solve_above(fb_real x[6], const fb_real S[21], const f
   return FB_OK;
 }
 
+#if FB_WITH_SYSTEM || FB_WITH_BUILD
 /* What the mass and inertia about an axis are compared with when they may be rounding: the largest of all axes, for
    axes are turned; mass, moment: and what has been taken off. */
 static void fbi_sym6_reference(fb_real reference[6], const fb_real S[21], fb_real mass, fb_real moment)
@@ -522,10 +534,10 @@ static int fbi_sym6_stands_out(const fb_real S[21], int first, const fb_real ref
   }
   return 1;
 }
+#endif
 
 /* The least pivot of a step, in parts of the diagonal. */
 #define FBI_PIVOT (8 * FB_EPSILON)
-
 static fb_status fbi_sym6_solve(fb_real x[6], const fb_real S[21], const fb_real y[6])
 {
   const fb_real reference[6] = {S[0], S[6], S[11], S[15], S[18], S[20]};
@@ -548,7 +560,7 @@ FB_DEF fb_status fb_sym6_solve(fb_real x[6], const fb_real S[21], const fb_real 
 }
 
 /* ---------------------------------------------------------------------------------------------------------------
-   4 >>rotation (uses 1-3) */
+   RUN >>rotation: unit quaternions, exponential and logarithm (uses config, status, vec3) */
 
 FB_DEF void fb_quat_mul(fb_real r[4], const fb_real p[4], const fb_real q[4])
 {
@@ -641,6 +653,7 @@ FB_DEF void fb_quat_to_rotvec(fb_real phi[3], const fb_real q[4])
   (void)fbi_quat_log(phi, q);
 }
 
+#if FB_WITH_SYSTEM
 /* [E4.5] Quaternion of a rotation matrix, from its largest component, so that nothing small is divided by; w >= 0.
    Source: S.W. Shepperd, Quaternion from rotation matrix, J. Guidance 1(3), 1978.  Cost: 25 flops, a square root.
    Fails: never.  Test: attitudes_come_back_as_they_were. */
@@ -662,6 +675,7 @@ static void fbi_quat_from_mat33(fb_real q[4], const fb_real R[9])
     q[i] = s * four[k][i];
   }
 }
+#endif
 
 /* x/t^2, or where t is small and x cancels, its series. Both are known, and a sum with one of the two weights zero
    takes the same time whatever t: a step's work does not depend on its angles. */
@@ -747,18 +761,8 @@ FB_DEF fb_status fb_quat_normalize(fb_real q[4])
   return FB_OK;
 }
 
-/* The unit quaternion of a desc's attitude, all zero: identity. */
-static fb_status fbi_quat_from_attitude(fb_real q[4], const fb_real attitude[4])
-{
-  for (int i = 0; i < 4; i++) {
-    q[i] = attitude[i];
-  }
-  q[0] = fbi_is_zero(attitude, 4) ? FB_R(1.0) : q[0];
-  return fb_quat_normalize(q);
-}
-
 /* ---------------------------------------------------------------------------------------------------------------
-   5 >>linalg (uses 1-2) */
+   RUN >>solve: LU and Cholesky factors (uses config, status) */
 
 /* y -= s x; groups of four, which compilers turn into vectors; the rows do not overlap */
 static void fbi_row_sub(fb_real *y, fb_real s, const fb_real *x, int n)
@@ -878,6 +882,7 @@ FB_DEF void fb_lu_solve(fb_real *x, const fb_real *LU, const int *perm, const fb
   }
 }
 
+#if FB_WITH_EXACT
 /* X = A^-1 X of n x c right-hand sides (in rows of c); y: scratch of their size. */
 static void fbi_lu_solve_rows(fb_real *X, fb_real *y, const fb_real *LU, const int *perm, int n, int c)
 {
@@ -898,6 +903,7 @@ static void fbi_lu_solve_rows(fb_real *X, fb_real *y, const fb_real *LU, const i
     }
   }
 }
+#endif
 
 /* [E5.5] LU without pivoting, for matrices whose symmetric part is positive definite: growth is then bounded.
    Reciprocals of the pivots stand on the diagonal.
@@ -982,6 +988,9401 @@ FB_DEF void fb_chol_solve(fb_real *x, const fb_real *L, const fb_real *b, int n)
   fbi_chol_forward(x, L, b, n);
   fbi_chol_back(x, L, x, n);
 }
+
+/* ---------------------------------------------------------------------------------------------------------------
+   RUN >>body: one body in a floating frame: rates, motion, nodes, sensors, energy, checks
+   (uses config, status, vec3, rotation, solve) */
+
+FB_DEF fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q)
+{
+  FBI_REQUIRE(gauge && q && gauge->n >= 0 && gauge->n <= FB_MAX_MODES, FB_R(0.0));
+  return fbi_dot(gauge->gain, q, gauge->n);
+}
+
+/* ---- effects to terms */
+
+#define FBI_EFFECTS_BUILT                                                                  \
+  (FB_EFFECT_ELASTIC | (FB_WITH_SPIN_COUPLING ? FB_EFFECT_SPIN_COUPLING : 0) |             \
+   (FB_WITH_RESIDUAL_INERTIA ? FB_EFFECT_RESIDUAL_INERTIA : 0) |                           \
+   (FB_WITH_SPIN_STIFFENING ? FB_EFFECT_SPIN_STIFFENING : 0) |                             \
+   (FB_WITH_ACCELERATION_STIFFENING ? FB_EFFECT_ACCELERATION_STIFFENING : 0) |             \
+   (FB_WITH_DAMPING ? FB_EFFECT_DAMPING : 0) | (FB_WITH_GRAVITY ? FB_EFFECT_GRAVITY : 0) | \
+   (FB_WITH_NONLINEAR_STRAIN ? FB_EFFECT_NONLINEAR_STRAIN : 0))
+#define FBI_QUADRATIC_EFFECTS (FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING)
+/* Is one of these effects on? 0 at compile time where they were removed. */
+static int fbi_has(unsigned effects, int effect)
+{
+  return (effects & (unsigned)effect & (unsigned)FBI_EFFECTS_BUILT) != 0;
+}
+
+/* Removed at compile time, or foreshortening counted twice: never right. */
+static int fbi_is_excluded(unsigned effects)
+{
+  return (effects & ~(unsigned)FBI_EFFECTS_BUILT) ||
+         ((effects & FB_EFFECT_NONLINEAR_STRAIN) && (effects & FBI_QUADRATIC_EFFECTS));
+}
+
+FB_DEF fb_status fb_effects_check(unsigned effects)
+{
+  if (fbi_is_excluded(effects)) {
+    return FB_ERR_EFFECTS;
+  }
+  if ((effects & FB_EFFECT_RESIDUAL_INERTIA) &&
+      (!(effects & FB_EFFECT_SPIN_COUPLING) || !(effects & (FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_NONLINEAR_STRAIN)))) {
+    return FB_ERR_EFFECTS;
+  }
+  return FB_OK;
+}
+
+static void fbi_sparse_add(fb_real *A, fb_real s, const fb_sparse *sparse, int n)
+{
+  for (int a = 0; a < n; a++) {
+    A[a * (n + 1)] += s * sparse->diagonal[a];
+  }
+  for (int k = 0; k < sparse->n_term; k++) {
+    const fb_pair_term *t = &sparse->term[k];
+    A[t->a * n + t->b] += s * t->c;
+    A[t->b * n + t->a] += s * t->c;
+  }
+}
+
+static void fbi_sparse_to_dense(fb_real *A, const fb_sparse *sparse, int n)
+{
+  fbi_zero(A, n * n);
+  fbi_sparse_add(A, FB_R(1.0), sparse, n);
+}
+
+/* Of a vector in body axes the part about the axes that the base lets turn; a hinge keeps z. */
+static void fbi_turning_part(fb_real g[3], fb_base base)
+{
+  if (base == FB_BASE_HINGED) {
+    g[0] = g[1] = FB_R(0.0);
+  }
+}
+
+static int fbi_holds_origin(fb_base base)
+{
+  return base == FB_BASE_PINNED || base == FB_BASE_HINGED;
+}
+
+/* First of the six rigid rows that the base leaves free. */
+static int fbi_first_free(fb_base base)
+{
+  return base == FB_BASE_FREE ? 0 : base == FB_BASE_PINNED ? 3 : base == FB_BASE_HINGED ? 5 : 6;
+}
+
+/* [E8.22] Solution with a symmetric 6x6 for what the base leaves free, the rest zero: all of V, the three of w
+   (pinned), that about z (hinged), nothing (prescribed).
+   Source: rows of E8.13 whose reactions are zero.  Shapes: S packed 21.  Cost: at most 150 flops.
+   Fails: not positive definite.  Test: pinned_and_hinged_bodies_swing_as_rigid_pendulums. */
+static fb_status fbi_base_solve(fb_real x[6], fb_base base, const fb_real S[21], const fb_real y[6])
+{
+  if (base == FB_BASE_FREE) {
+    return fbi_sym6_solve(x, S, y);
+  }
+  for (int i = 0; i < 6; i++) {
+    x[i] = i >= 3 ? y[i] : FB_R(0.0);
+  }
+  if (base == FB_BASE_PINNED) {
+    const fb_real reference[3] = {S[15], S[18], S[20]};
+    fb_real L[6];
+    if (!fbi_chol3_factor(L, S + 15, reference, FBI_PIVOT)) {
+      return FB_ERR_SINGULAR;
+    }
+    fbi_chol3_forward(x + 3, L, x + 3);
+    fbi_chol3_back(x + 3, L, x + 3);
+    return FB_OK;
+  }
+  x[3] = x[4] = FB_R(0.0);
+  if (base == FB_BASE_PRESCRIBED) {
+    x[5] = FB_R(0.0);
+    return FB_OK;
+  }
+  x[5] = y[5] / S[20];
+  return S[20] > FB_R(0.0) ? FB_OK : FB_ERR_SINGULAR;
+}
+
+static int fbi_node_is_finite(const fb_node *node, int n)
+{
+  const int own = fbi_is_finite(node->r, 3) && fbi_is_finite(node->psi, 3 * n) && fbi_is_finite(node->theta, 3 * n);
+#if FBI_WITH_QUADRATIC
+  return own && fbi_is_finite(node->chi, 3 * n * (n + 1) / 2) && fbi_is_finite(node->chi_theta, 3 * n * (n + 1) / 2);
+#else
+  return own;
+#endif
+}
+
+/* ---- kernels of the step */
+
+/* y = f + s A x for a symmetric sparse A; f NULL: zero; y may be f, not x */
+static void fbi_sparse_eval(fb_real *y, const fb_real *f, fb_real s, const fb_sparse *A, const fb_real *x, int n)
+{
+  const fb_pair_term *t = A->term;
+  for (int a = 0; a < n && f; a++) {
+    y[a] = f[a] + s * A->diagonal[a] * x[a];
+  }
+  for (int a = 0; a < n && !f; a++) {
+    y[a] = s * A->diagonal[a] * x[a];
+  }
+  for (const fb_pair_term *end = t + A->n_term; t < end; t++) {
+    y[t->a] += s * t->c * x[t->b];
+    y[t->b] += s * t->c * x[t->a];
+  }
+}
+
+/* The form of the equations; a constant where there is but one. */
+static int fbi_form(const fb_body *body)
+{
+#if FB_WITH_FORMS
+  return (int)body->form;
+#else
+  (void)body;
+  return 0;
+#endif
+}
+
+/* y = M^-1 x; normalized modes: a copy */
+static void fbi_mass_solve(fb_real *y, const fb_body *body, const fb_real *x)
+{
+  if (body->unit_mass) {
+    fbi_copy(y, x, body->n);
+    return;
+  }
+  fbi_sparse_eval(y, NULL, FB_R(1.0), &body->Minv, x, body->n);
+}
+
+/* y = M x */
+static void fbi_mass_mul(fb_real *y, const fb_body *body, const fb_real *x)
+{
+  if (body->unit_mass) {
+    fbi_copy(y, x, body->n);
+    return;
+  }
+  fbi_sparse_eval(y, NULL, FB_R(1.0), &body->M, x, body->n);
+}
+
+/* y -= sum_a q_a Lambda_a pb, the part of E8.9 that is linear in q; q by (1, q). Row by row: sums stay in registers. */
+static void fbi_lambda_linear_sub(fb_real y[6], const fb_body *body, const fb_real *qx, const fb_real *pb)
+{
+  const fb_lambda_term *t = body->lambda + body->n_lambda_constant;
+  for (const fb_lambda_row *r = body->lambda_row; r < body->lambda_row + body->n_row; r++) {
+    fb_real sum = y[r->i];
+    for (const fb_lambda_term *end = body->lambda + r->end; t < end; t++) {
+      sum += t->c * qx[t->a] * pb[t->b];
+    }
+    y[r->i] = sum;
+  }
+}
+
+/* [E8.9] y -= Lambda(q) pb, the elastic share of the momenta.
+   Source: THEORY.md 8.2.  Cost: 3 n_lambda flops.  Test: momenta_agree_with_a_particle_model. */
+static void fbi_lambda_sub(fb_real y[6], const fb_body *body, const fb_real *qx, const fb_real *pb)
+{
+  const fb_lambda_term *t = body->lambda;
+  FBI_UNROLL
+  for (int k = body->n_lambda_constant; k > 0; k--, t++) {
+    y[t->i] += t->c * pb[t->b];
+  }
+  fbi_lambda_linear_sub(y, body, qx, pb);
+}
+
+/* e -= sum_a q_a Lambda_a^T V, x += d/dq (V^T Lambda(q) pb): the part of E8.10 that is linear in q. */
+static void fbi_lambda_linear_gradients(fb_real *e, fb_real *x, const fb_body *body, const fb_real V[6],
+                                        const fb_real *qx, const fb_real *pb)
+{
+  const fb_lambda_term *t = body->lambda + body->n_lambda_constant;
+  for (const fb_lambda_row *r = body->lambda_row; r < body->lambda_row + body->n_row; r++) {
+    const fb_real along = V[r->i];
+    for (const fb_lambda_term *end = body->lambda + r->end; t < end; t++) {
+      const fb_real s = t->c * along;
+      e[t->b] += s * qx[t->a];
+      x[t->a] -= s * pb[t->b];
+    }
+  }
+}
+
+/* [E8.10] Both gradients of the trilinear form V^T Lambda(q) pb: e -= Lambda(q)^T V (elastic velocities),
+   x += d/dq (V^T Lambda pb) (elastic forces: gyroscopic, E8.4); x by (1, q), x[0] is left alone.
+   Source: THEORY.md 8.2; -N(w)^T pi_e.  Cost: 5 n_lambda flops.  Test: accelerations_agree_with_a_particle_model. */
+static void fbi_lambda_gradients(fb_real *e, fb_real *x, const fb_body *body, const fb_real V[6], const fb_real *qx,
+                                 const fb_real *pb)
+{
+  const fb_lambda_term *t = body->lambda;
+  FBI_UNROLL
+  for (int k = body->n_lambda_constant; k > 0; k--, t++) {
+    e[t->b] += t->c * V[t->i];
+  }
+  fbi_lambda_linear_gradients(e, x, body, V, qx, pb);
+}
+
+/* S += its first n runs with the monomials m of the pairs.
+   Cost: 2 n_S flops. */
+static void fbi_S_add(fb_real S[21], const fb_body *body, const fb_real *m, int n)
+{
+  const fb_real *c = body->S;
+  for (const fb_S_run *r = body->run; r < body->run + n; r++) {
+    S[r->i] += fbi_dot(c, m + r->pair, r->n);
+    c += r->n;
+  }
+}
+
+/* [E8.11] S(q) from the monomials (1,q)_a (1,q)_b and the first n of its runs: all, but in a truncated second-order
+   form.
+   Source: E8.6.  Cost: 2 n_S + n_pair flops.  Test: momenta_agree_with_a_particle_model. */
+static void fbi_S_eval(fb_real S[21], const fb_body *body, const fb_real *qx, int n)
+{
+  fb_real m[FBI_MAX_PAIRS_S + 3]; /* room for a group of four: gcc warns of those that a single mode has not */
+  const fb_S_pair *const last = body->pair + body->n_pair;
+  fb_real *to = m;
+  FBI_UNROLL_2
+  for (const fb_S_pair *p = body->pair; p < last; p++, to++) {
+    *to = qx[p->a] * qx[p->b];
+  }
+  for (int i = 0; i < 21; i++) {
+    S[i] = body->S0[i];
+  }
+  fbi_S_add(S, body, m, n);
+}
+
+/* Rate of S(q) along the rate xd of (1, q). */
+static void fbi_S_rate(fb_real dS[21], const fb_body *body, const fb_real *qx, const fb_real *xd)
+{
+  fb_real m[FBI_MAX_PAIRS_S + 3]; /* room for a group of four: gcc warns of those that a single mode has not */
+  for (int k = 0; k < body->n_pair; k++) {
+    const int a = body->pair[k].a, b = body->pair[k].b;
+    m[k] = qx[a] * xd[b] + xd[a] * qx[b];
+  }
+  fbi_zero(dS, 21);
+  fbi_S_add(dS, body, m, body->n_run);
+}
+
+#if FBI_WITH_SHAPE_INERTIA
+/* [E8.12] x += d/d(1,q) (1/2 V^T S V): centrifugal softening and stiffening.
+   Source: THEORY.md 8.2.  Cost: 2 n_S + 4 n_pair flops.
+   Test: accelerations_agree_with_a_particle_model. */
+static void fbi_S_gradient(fb_real *x, const fb_body *body, const fb_real V[6], const fb_real *qx)
+{
+  const fb_real *c = body->S;
+  fb_real g[FBI_MAX_PAIRS_S + 3];
+  fbi_zero(g, body->n_pair);
+  for (const fb_S_run *r = body->run; r < body->run + body->n_run; r++) {
+    const int i = fbi_sym6_row[r->i], j = fbi_sym6_column[r->i];
+    fbi_row_sub(g + r->pair, (i == j ? FB_R(-0.5) : FB_R(-1.0)) * V[i] * V[j], c, r->n);
+    c += r->n;
+  }
+  const fb_real *s = g;
+  const fb_S_pair *const last = body->pair + body->n_pair;
+  FBI_UNROLL_2
+  for (const fb_S_pair *p = body->pair; p < last; p++, s++) {
+    const int a = p->a, b = p->b;
+    x[a] += *s * qx[b];
+    x[b] += *s * qx[a];
+  }
+}
+#endif
+
+/* Lambda(q) of the free rigid rows, rows x n; n_terms of its list. */
+static void fbi_lambda_rows(fb_real *X, const fb_body *body, const fb_real *qx, int first, int n_terms)
+{
+  fbi_zero(X, (6 - first) * body->n);
+  for (int t = 0; t < n_terms; t++) {
+    const fb_lambda_term *term = &body->lambda[t];
+    if (term->i >= first) {
+      X[(term->i - first) * body->n + term->b] -= term->c * qx[term->a];
+    }
+  }
+}
+
+#if FB_WITH_NONLINEAR_STRAIN
+/* u_x', u_y', u_z' at the strain stations. */
+static void fbi_slopes_eval(fb_real slope[3][FBI_MAX_STRAINS], const fb_body *body, const fb_real *q)
+{
+  const fb_strain_row *row = body->strain_row;
+  for (int i = 0; i < 3; i++) {
+    for (int g = 0; g < body->n_strain; g++) {
+      slope[i][g] = FB_R(0.0);
+    }
+  }
+  for (const fb_strain_row *end = row + body->n_strain_row; row < end; row++) {
+    fbi_row_sub(slope[row->axis], -q[row->a], row->slope, body->n_strain);
+  }
+}
+
+/* x -= sum of slope_a f over the stations, f for each axis */
+static void fbi_slopes_sub(fb_real *x, const fb_body *body, fb_real f[3][FBI_MAX_STRAINS])
+{
+  const fb_strain_row *row = body->strain_row;
+  for (const fb_strain_row *end = row + body->n_strain_row; row < end; row++) {
+    x[row->a] -= fbi_dot(row->slope, f[row->axis], body->n_strain);
+  }
+}
+
+/* [E8.23] Forces of the nonlinear axial strain e = u_x' + 1/2 (u_y'^2 + u_z'^2), what K q leaves of
+   dU/dq_a = int EA e (psi_x,a' + u_y' psi_y,a' + u_z' psi_z,a') dx, by quadrature over the strain stations instead of
+   tensors with three and four indices: 2 sums over the stations per coordinate. x -= dU/dq; with quartic = 0 instead
+   of 1 the part of U of degree 4 is left out.
+   Source: [DB] (27), (29)-(31) with ERRATA.md DB5 to DB10.  Shapes: x n.  Cost: (4 n + 12) stations.  Fails: never.
+   Test: strain_forces_are_the_gradient_of_the_energy, spin_up_follows_the_references_of_each_form. */
+static FBI_NOINLINE void fbi_strain_sub(fb_real *x, fb_real slope[3][FBI_MAX_STRAINS], const fb_body *body,
+                                        const fb_real *q, fb_real quartic)
+{
+  fb_real f[3][FBI_MAX_STRAINS];
+  fbi_slopes_eval(slope, body, q);
+  for (int g = 0; g < body->n_strain; g++) {
+    const fb_real y = slope[1][g], z = slope[2][g], EA = body->strain_weight[g];
+    const fb_real half = FB_R(0.5) * (y * y + z * z);
+    const fb_real tension = EA * (slope[0][g] + quartic * half);
+    f[0][g] = EA * half;
+    f[1][g] = tension * y;
+    f[2][g] = tension * z;
+  }
+  fbi_slopes_sub(x, body, f);
+}
+
+/* t = x y, element by element, whole groups of four */
+static void fbi_products(fb_real *t, const fb_real *x, const fb_real *y, int n)
+{
+  FBI_UNROLL
+  for (int j = 0; j < n; j += 4) {
+    const fb_real a = x[j] * y[j], b = x[j + 1] * y[j + 1], c = x[j + 2] * y[j + 2], d = x[j + 3] * y[j + 3];
+    t[j] = a;
+    t[j + 1] = b;
+    t[j + 2] = c;
+    t[j + 3] = d;
+  }
+}
+
+/* [E8.29] Tangent stiffness d2U/dq2 of the strain energy beyond K, A += ..; of tensile strain e alone in the
+   geometric part, so that it is never indefinite:
+   K + int EA (psi_x (u_y' psi_y + u_z' psi_z) + .. + (u_y' psi_y + u_z' psi_z)^2 + max(e, 0) (psi_y psi_y + psi_z
+   psi_z)) dx.
+   Source: second derivative of [DB] (27).  Shapes: n x n.  Cost: n^2 stations.  Fails: never.
+   Test: the_tangent_is_the_derivative_of_the_forces. */
+static void fbi_strain_tangent_add(fb_real *A, const fb_body *body, fb_real slope[3][FBI_MAX_STRAINS])
+{
+  const int n = body->n;
+  fb_real w[3][3][FBI_MAX_STRAINS], t[3][FBI_MAX_STRAINS];
+  for (int g = 0; g < body->n_strain; g++) {
+    const fb_real EA = body->strain_weight[g], y = slope[1][g], z = slope[2][g];
+    const fb_real e = slope[0][g] + FB_R(0.5) * (y * y + z * z), tension = EA * fbi_larger(e, FB_R(0.0));
+    w[0][0][g] = FB_R(0.0); /* is in K */
+    w[0][1][g] = w[1][0][g] = EA * y;
+    w[0][2][g] = w[2][0][g] = EA * z;
+    w[1][1][g] = EA * y * y + tension;
+    w[1][2][g] = w[2][1][g] = EA * y * z;
+    w[2][2][g] = EA * z * z + tension;
+  }
+  for (int i = 0; i < body->n_strain_row; i++) {
+    const fb_strain_row *a = &body->strain_row[i];
+    for (int axis = 0; axis < 3; axis++) {
+      fbi_products(t[axis], a->slope, w[a->axis][axis], body->n_strain);
+    }
+    for (int j = 0; j <= i; j++) {
+      const fb_strain_row *b = &body->strain_row[j];
+      const fb_real sum = fbi_dot(t[b->axis], b->slope, body->n_strain);
+      A[a->a * n + b->a] += sum;
+      if (i != j) {
+        A[b->a * n + a->a] += sum;
+      }
+    }
+  }
+}
+#endif
+
+#if FB_WITH_SYSTEM
+#if FB_WITH_NONLINEAR_STRAIN
+/* y -= s A x with that A. */
+static void fbi_strain_tangent_sub(fb_real *y, fb_real s, const fb_body *body, fb_real slope[3][FBI_MAX_STRAINS],
+                                   const fb_real *x)
+{
+  fb_real f[3][FBI_MAX_STRAINS];
+  fbi_slopes_eval(f, body, x);
+  for (int g = 0; g < body->n_strain; g++) {
+    const fb_real EA = s * body->strain_weight[g], u_y = slope[1][g], u_z = slope[2][g];
+    const fb_real tension = EA * fbi_larger(slope[0][g] + FB_R(0.5) * (u_y * u_y + u_z * u_z), FB_R(0.0));
+    const fb_real bent = u_y * f[1][g] + u_z * f[2][g], strain = f[0][g] + bent;
+    f[0][g] = EA * bent;
+    f[1][g] = EA * u_y * strain + tension * f[1][g];
+    f[2][g] = EA * u_z * strain + tension * f[2][g];
+  }
+  fbi_slopes_sub(y, body, f);
+}
+#endif
+#endif
+
+#if FB_WITH_NONLINEAR_STRAIN
+/* What the strain energy has beyond 1/2 q^T K q: 1/2 int EA (u_x' r + r^2/4), r = u_y'^2 + u_z'^2. */
+static fb_real fbi_strain_energy(const fb_body *body, const fb_real *q)
+{
+  fb_real slope[3][FBI_MAX_STRAINS], energy = FB_R(0.0);
+  fbi_slopes_eval(slope, body, q);
+  for (int g = 0; g < body->n_strain; g++) {
+    const fb_real half = FB_R(0.5) * (slope[1][g] * slope[1][g] + slope[2][g] * slope[2][g]);
+    energy += body->strain_weight[g] * half * (slope[0][g] + FB_R(0.5) * body->quartic * half);
+  }
+  return energy;
+}
+#endif
+
+/* Of a prescribed base, relative to the frame of state.pi; in the other forms relative to O itself. */
+static void fbi_given_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
+{
+  fbi_vec6_zero(k->V);
+  if (fbi_form(body) == 0) {
+    fb_mat33_mulT_vec3(k->V, k->R, state->u);
+    for (int i = 0; i < 3; i++) {
+      k->V[i] = (input ? input->v[i] : FB_R(0.0)) - k->V[i];
+    }
+  }
+  if (input) {
+    fbi_vec3_copy(k->V + 3, input->w);
+  }
+}
+
+/* [E8.13] Velocities from momenta, S(q) V = (0, h) - Lambda(q) pb, relative to the mass center; given ones when the
+   base is prescribed. k.R is that of state.quat where fbi_is_oriented.
+   Source: THEORY.md 8.4, where p = 0.  Fails: S(q) not positive definite (the deflection has left the model).
+   Test: momenta_agree_with_a_particle_model. */
+static fb_status fbi_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
+{
+  fb_real y[6];
+  const int n = body->n;
+  k->qx[0] = FB_R(1.0);
+  k->x[0] = FB_R(0.0);
+  for (int a = 0; a < n; a++) {
+    k->qx[a + 1] = state->q[a];
+    k->x[a + 1] = FB_R(0.0);
+  }
+  k->pb = state->pi;
+  if (!body->unit_mass && fbi_form(body) == 0) {
+    fbi_mass_solve(k->Minv_pi, body, state->pi);
+    k->pb = k->Minv_pi;
+  }
+  if (body->base == FB_BASE_PRESCRIBED) {
+    fbi_given_velocity(k, body, state, input);
+    return FB_OK;
+  }
+  fbi_vec3_zero(k->V);
+  if (fbi_form(body) != 0) { /* relative to O, which moves at u */
+    fbi_vec3_copy(k->V + 3, state->L);
+    return FB_OK;
+  }
+  fbi_vec3_zero(k->ph);
+  fbi_vec3_copy(k->ph + 3, state->h);
+  fbi_vec6_copy(y, k->ph);
+  fbi_lambda_sub(y, body, k->qx, k->pb);
+#if FBI_WITH_SHAPE_INERTIA
+  if (!body->constant_S) {
+    fbi_S_eval(k->S, body, k->qx, body->n_run);
+    if (fbi_base_solve(k->V, body->base, k->S, y) != FB_OK) {
+      return fbi_is_finite(k->S, 21) ? FB_ERR_RANGE : FB_ERR_NOT_FINITE;
+    }
+    return FB_OK;
+  }
+#endif
+  k->V[0] = fbi_vec6_dot(body->S0_inverse, y);
+  k->V[1] = fbi_vec6_dot(body->S0_inverse + 6, y);
+  k->V[2] = fbi_vec6_dot(body->S0_inverse + 12, y);
+  k->V[3] = fbi_vec6_dot(body->S0_inverse + 18, y);
+  k->V[4] = fbi_vec6_dot(body->S0_inverse + 24, y);
+  k->V[5] = fbi_vec6_dot(body->S0_inverse + 30, y);
+  return FB_OK;
+}
+
+#if FBI_WITH_QUADRATIC
+/* ---- nodes and loads */
+
+/* Where the 3-vector of the pair of modes a, b stands in a node's table. */
+static int fbi_pair(int a, int b)
+{
+  return 3 * (a > b ? a * (a + 1) / 2 + b : b * (b + 1) / 2 + a);
+}
+#endif
+
+/* [E8.14] Position and rotation of a node, u = psi q + 1/2 chi q q, phi = theta q + 1/2 chi_theta q q, and their
+   variations J_u,a = psi_a + chi_ab q_b,  J_phi,a = (t_a + 1/2 phi x t_a) / (1 + phi.phi/4),  t_a = d phi/dq_a =
+   theta_a + chi_theta_ab q_b. phi are the parameters 2 tan(angle/2) axis of the rotation (1, phi/2)/|(1, phi/2)|: to
+   second degree they are the rotation vector, and J_phi is the exact rate of that rotation, without sine and cosine.
+   Source: THEORY.md 8.3; Rodrigues parameters.  Cost: 12 n (n+1) flops.  Fails: never.
+   Test: node_kinematics_match_finite_differences. */
+static FBI_NOINLINE void fbi_node_eval(fbi_node_field *f, const fb_body *body, const fb_node *node, const fb_real *q)
+{
+  const int n = body->n;
+  fb_real scale;
+  fbi_zero(f->u, 3);
+  fbi_zero(f->phi, 3);
+  for (int i = 0; i < 3 * n; i++) {
+    f->Ju[i] = node->psi[i];
+    f->turn[i] = node->theta[i];
+  }
+#if FBI_WITH_QUADRATIC
+  if (fbi_has(body->effects, FBI_QUADRATIC_EFFECTS)) {
+    for (int a = 0; a < n; a++) {
+      for (int b = 0; b < n; b++) {
+        const int pair = fbi_pair(a, b);
+        fbi_vec3_add(f->Ju + 3 * a, q[b], node->chi + pair);
+        fbi_vec3_add(f->turn + 3 * a, q[b], node->chi_theta + pair);
+      }
+    }
+  }
+#endif
+  for (int a = 0; a < n; a++) {
+    for (int i = 0; i < 3; i++) {
+      f->u[i] += FB_R(0.5) * q[a] * (node->psi[3 * a + i] + f->Ju[3 * a + i]);
+      f->phi[i] += FB_R(0.5) * q[a] * (node->theta[3 * a + i] + f->turn[3 * a + i]);
+    }
+  }
+  scale = FB_R(1.0) / (FB_R(1.0) + FB_R(0.25) * fb_vec3_dot(f->phi, f->phi));
+  for (int a = 0; a < n; a++) {
+    const fb_real *t = f->turn + 3 * a;
+    fb_vec3_cross(f->Jphi + 3 * a, f->phi, t);
+    for (int i = 0; i < 3; i++) {
+      f->Jphi[3 * a + i] = scale * (t[i] + FB_R(0.5) * f->Jphi[3 * a + i]);
+    }
+  }
+}
+
+/* The quaternion of a node's rotation in its body. */
+static void fbi_node_quat(fb_real quat[4], const fbi_node_field *f)
+{
+  quat[0] = FB_R(1.0);
+  for (int i = 0; i < 3; i++) {
+    quat[1 + i] = FB_R(0.5) * f->phi[i];
+  }
+  (void)fb_quat_normalize(quat); /* is 1 at least */
+}
+
+/* Rates of J_u,a and t_a along q_dot: sum_b chi_ab q_dot_b. */
+static void fbi_node_rates(fb_real *Ju_dot, fb_real *turn_dot, const fb_body *body, const fb_node *node,
+                           const fb_real *q_dot)
+{
+  const int n = body->n;
+  fbi_zero(Ju_dot, 3 * n);
+  fbi_zero(turn_dot, 3 * n);
+#if FBI_WITH_QUADRATIC
+  if (fbi_has(body->effects, FBI_QUADRATIC_EFFECTS)) {
+    for (int a = 0; a < n; a++) {
+      for (int b = 0; b < n; b++) {
+        const int pair = fbi_pair(a, b);
+        fbi_vec3_add(Ju_dot + 3 * a, q_dot[b], node->chi + pair);
+        fbi_vec3_add(turn_dot + 3 * a, q_dot[b], node->chi_theta + pair);
+      }
+    }
+  }
+#endif
+  (void)node, (void)q_dot;
+}
+
+/* y = sum_a q_dot_a x_a of n vectors */
+static void fbi_vec3_sum(fb_real y[3], const fb_real *x, const fb_real *q_dot, int n)
+{
+  fbi_zero(y, 3);
+  for (int a = 0; a < n; a++) {
+    fbi_vec3_add(y, q_dot[a], x + 3 * a);
+  }
+}
+
+/* [E8.30] What accelerates a node in its body beside J q_ddot: Ju_dot q_dot and the rate of J_phi q_dot,
+   (phi_dd + 1/2 phi x phi_dd - 1/2 (phi.phi_dot) J_phi q_dot) / (1 + phi.phi/4),  phi_dd = turn_dot q_dot.
+   Source: derivative of E8.14.  Shapes: u_dd, turn_dd 3.  Fails: never.
+   Test: node_kinematics_match_finite_differences. */
+static void fbi_node_convection(fb_real u_dd[3], fb_real turn_dd[3], const fbi_node_field *f, const fb_body *body,
+                                const fb_node *node, const fb_real *q_dot)
+{
+  const int n = body->n;
+  fb_real Ju_dot[3 * FB_MAX_MODES], turn_dot[3 * FB_MAX_MODES], phi_dot[3], phi_dd[3], rate[3];
+  const fb_real scale = FB_R(1.0) / (FB_R(1.0) + FB_R(0.25) * fb_vec3_dot(f->phi, f->phi));
+  fbi_node_rates(Ju_dot, turn_dot, body, node, q_dot);
+  fbi_vec3_sum(u_dd, Ju_dot, q_dot, n);
+  fbi_vec3_sum(phi_dd, turn_dot, q_dot, n);
+  fbi_vec3_sum(phi_dot, f->turn, q_dot, n);
+  fbi_vec3_sum(rate, f->Jphi, q_dot, n);
+  fb_vec3_cross(turn_dd, f->phi, phi_dd);
+  for (int i = 0; i < 3; i++) {
+    turn_dd[i] = scale * (phi_dd[i] + FB_R(0.5) * turn_dd[i] - FB_R(0.5) * fb_vec3_dot(f->phi, phi_dot) * rate[i]);
+  }
+}
+
+/* [E8.15] A load at a node: f += F, g += T + (r + u) x F, f_e,a += J_u,a.F + J_phi,a.T, on the deformed body.
+   Source: virtual work; THEORY.md 8.2 (f, g about O of the deformed body).  Fails: never.
+   Test: power_of_loads_is_the_rate_of_energy. */
+static FBI_NOINLINE void fbi_load_add(fbi_kinetics *k, const fb_body *body, const fb_load *load, const fb_real *q)
+{
+  const fb_node *node = &body->node[load->node];
+  fbi_node_field f;
+  fb_real F[3], T[3], arm[3];
+  fbi_copy(F, load->force, 3);
+  fbi_copy(T, load->torque, 3);
+  if (load->axes == FB_AXES_INERTIAL) {
+    fb_mat33_mulT_vec3(F, k->R, load->force);
+    fb_mat33_mulT_vec3(T, k->R, load->torque);
+  }
+  if (load->node == 0) { /* O neither moves nor turns in the frame */
+    for (int i = 0; i < 3; i++) {
+      k->fg[i] += F[i];
+      k->fg[3 + i] += T[i];
+    }
+    return;
+  }
+  fbi_node_eval(&f, body, node, q);
+  if (load->axes == FB_AXES_NODE) {
+    fb_real turn[4], section[9];
+    fbi_node_quat(turn, &f);
+    fb_quat_to_mat33(section, turn);
+    fb_mat33_mul_vec3(F, section, load->force);
+    fb_mat33_mul_vec3(T, section, load->torque);
+  }
+  for (int i = 0; i < 3; i++) {
+    arm[i] = node->r[i] + f.u[i];
+    k->fg[i] += F[i];
+    k->fg[3 + i] += T[i];
+  }
+  fbi_vec3_add_cross(k->fg + 3, arm, F);
+  for (int a = 0; a < body->n; a++) {
+    k->x[a + 1] += fb_vec3_dot(f.Ju + 3 * a, F) + fb_vec3_dot(f.Jphi + 3 * a, T);
+  }
+}
+
+/* [E8.16] A uniform field g, from V = -m g.rho - g.R c(q), c(q) = c + P q + 1/2 p^chi q q the first moment of mass:
+   force m g, torque c(q) x g, modal forces x += (dc/dq)^T g by (1, q), all from the terms of the linear momentum; g in
+   body axes.
+   Source: potential energy.  Cost: 8 flops a term.  Fails: never.
+   Test: a_falling_body_does_not_deform, power_of_loads_is_the_rate_of_energy. */
+static void fbi_pull_eval(fb_real c[3], fb_real *x, const fb_body *body, const fb_real *qx, const fb_real g[3])
+{
+  const fb_lambda_term *t = body->lambda;
+  fbi_copy(c, body->c, 3);
+  for (const fb_lambda_term *end = t + body->n_linear_constant; t < end; t++) {
+    c[t->i] -= t->c * qx[t->b + 1];
+    x[t->b + 1] -= t->c * g[t->i];
+  }
+  t = body->lambda + body->n_lambda_constant;
+  for (const fb_lambda_term *end = t + body->n_linear; t < end; t++) {
+    const fb_real s = t->c * qx[t->a];
+    c[t->i] -= FB_R(0.5) * s * qx[t->b + 1];
+    x[t->b + 1] -= s * g[t->i];
+  }
+}
+
+#if FB_WITH_GRAVITY
+static void fbi_gravity_add(fbi_kinetics *k, const fb_body *body)
+{
+  fb_real g[3], c[3];
+  fb_mat33_mulT_vec3(g, k->R, body->gravity);
+  fbi_pull_eval(c, k->x, body, k->qx, g);
+  fbi_vec3_add(k->fg, body->mass, g);
+  fbi_vec3_add_cross(k->fg + 3, c, g);
+}
+#endif
+
+static fb_status fbi_input_check(const fb_body *body, const fb_input *input)
+{
+  if (!input) {
+    return FB_OK;
+  }
+  FBI_REQUIRE(input->n_load >= 0 && input->n_load <= FB_MAX_LOADS, FB_ERR_CAPACITY);
+  for (int i = 0; i < input->n_load; i++) {
+    FBI_REQUIRE(input->load[i].node >= 0 && input->load[i].node < body->n_node, FB_ERR_CAPACITY);
+    FBI_REQUIRE((int)input->load[i].axes >= 0 && (int)input->load[i].axes <= (int)FB_AXES_BODY, FB_ERR_VALUE);
+    if (!fbi_vec3_is_finite(input->load[i].force) || !fbi_vec3_is_finite(input->load[i].torque)) {
+      return FB_ERR_NOT_FINITE; /* on a held base nothing else would see it */
+    }
+  }
+  return FB_OK;
+}
+
+/* The frame moves with the mass center (momentum form). */
+static int fbi_is_flying(const fb_body *body)
+{
+  return body->base == FB_BASE_FREE && fbi_form(body) == 0;
+}
+
+/* Do rates depend on the attitude? Not those of a body that flies, or turns about a pin, without loads. */
+static int fbi_is_oriented(const fb_body *body, const fb_input *input)
+{
+  return fbi_form(body) != 0 || body->base == FB_BASE_PRESCRIBED || (input && input->n_load > 0) ||
+         (body->base != FB_BASE_FREE && fbi_has(body->effects, FB_EFFECT_GRAVITY));
+}
+
+/* [E8.33] Loads in the frame of the mass center, which they accelerate by a = f/m: there every mass element feels the
+   uniform field -a, so that the force vanishes, the torque is that about the mass center, g - c(q) x f/m, and modes
+   get -(dc/dq)^T a. Gravity accelerates all alike and is felt by none.
+   Source: Newton-Euler in the frame of the mass center (Koenig).  Cost: 8 flops a term.  Fails: never.
+   Test: flight_speed_does_not_matter, power_of_loads_is_the_rate_of_energy. */
+static void fbi_fall(fbi_kinetics *k, const fb_body *body)
+{
+  fb_real field[3], c[3];
+  for (int i = 0; i < 3; i++) {
+    k->a[i] = k->fg[i] / body->mass;
+    field[i] = -k->a[i];
+    k->fg[i] = FB_R(0.0);
+  }
+  fbi_pull_eval(c, k->x, body, k->qx, field);
+  fbi_vec3_add_cross(k->fg + 3, c, field);
+}
+
+static void fbi_forces(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
+{
+  const int n_load = input ? input->n_load : 0, flying = fbi_is_flying(body);
+  fbi_vec6_zero(k->fg);
+  k->loaded = n_load > 0 || (fbi_has(body->effects, FB_EFFECT_GRAVITY) && !flying);
+#if FB_WITH_GRAVITY
+  if (fbi_has(body->effects, FB_EFFECT_GRAVITY) && !flying) {
+    fbi_gravity_add(k, body);
+  }
+#endif
+  for (int i = 0; i < n_load; i++) {
+    fbi_load_add(k, body, &input->load[i], state->q);
+  }
+  fbi_vec3_zero(k->a);
+  if (flying && n_load > 0) {
+    fbi_fall(k, body);
+  }
+}
+
+/* y += s (C x) where damping is on */
+static void fbi_damping_add(fb_real *y, fb_real s, const fb_body *body, const fb_real *x)
+{
+#if FB_WITH_DAMPING
+  if (fbi_has(body->effects, FB_EFFECT_DAMPING)) {
+    fbi_sparse_eval(y, y, s, &body->C, x, body->n);
+  }
+#endif
+  (void)y, (void)s, (void)body, (void)x;
+}
+
+/* f = x - dU/dq - C q_dot, the elastic forces; the strain energy is E8.23's and 1/2 q^T K q. */
+static void fbi_elastic_forces(fb_real *f, fbi_kinetics *k, const fb_body *body, const fb_real *q, const fb_real *q_dot)
+{
+#if FB_WITH_NONLINEAR_STRAIN
+  if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
+    fbi_strain_sub(k->x + 1, k->slope, body, q, body->quartic);
+  }
+#endif
+  fbi_sparse_eval(f, k->x + 1, FB_R(-1.0), &body->K, q, body->n);
+  fbi_damping_add(f, -FB_R(1.0), body, q_dot);
+}
+
+/* (w x p, w x h + v x p): what turning axes add to the rate of momenta */
+static void fbi_turning(fb_real turn[6], const fb_real V[6], const fb_real ph[6])
+{
+  fb_vec3_cross(turn, V + 3, ph);
+  fb_vec3_cross(turn + 3, V + 3, ph + 3);
+  fbi_vec3_add_cross(turn + 3, V, ph);
+}
+
+/* [E8.17] Elastic equations.
+   q_dot = M^-1 (pi - Lambda(q)^T V),  pi_dot = f_e - K q - C q_dot + d/dq (V^T Lambda(q) pb + 1/2 V^T S(q) V).
+   These are Hamilton's equations of 1/2 y^T S^-1 y + 1/2 pi^T M^-1 pi + U, so any set of terms conserves energy.
+   Source: THEORY.md 8.2; [DB] (23), (25).  Fails: never.  Test: accelerations_agree_with_a_particle_model. */
+static void fbi_elastic_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state)
+{
+  fb_real *e = body->unit_mass ? rate->q : k->e; /* pi - Lambda^T V */
+  fbi_copy(e, state->pi, body->n);
+  fbi_lambda_gradients(e, k->x, body, k->V, k->qx, k->pb);
+#if FBI_WITH_SHAPE_INERTIA
+  if (!body->constant_S) {
+    fbi_S_gradient(k->x, body, k->V, k->qx);
+  }
+#endif
+  if (!body->unit_mass) {
+    fbi_mass_solve(rate->q, body, k->e);
+  }
+  fbi_elastic_forces(rate->pi, k, body, state->q, rate->q);
+}
+
+/* [E8.18] Rigid equations: quat_dot = 1/2 quat o (0, w), u_dot = R a + gravity, L_dot = R g in inertial axes, and
+   beside it h_dot = g - w x h in body axes, from which velocities come: w = S^-1 h magnifies what R^T L inherits from
+   an error of the attitude by the ratio of a slender body's inertias, without end. E11.29 brings both together.
+   Unloaded, u and L are constant to rounding with ANY Runge-Kutta step. rho is that of the mass center (free), less its
+   place in the body at the start: E11.30.
+   Source: Newton-Euler about the mass center; THEORY.md 8.4.  Cost: 60 flops.  Fails: never.
+   Test: tumbling_conserves_momentum_and_energy, slender_bodies_keep_their_energy. */
+static void fbi_rigid_rates(fb_state *rate, const fbi_kinetics *k, const fb_body *body, const fb_state *state)
+{
+  fbi_vec3_copy(rate->rho, state->u);
+  fbi_quat_rate(rate->quat, state->quat, k->V + 3);
+  fbi_vec3_zero(rate->u);
+  fbi_vec3_zero(rate->L);
+  fbi_vec3_zero(rate->h);
+  if (body->base == FB_BASE_PRESCRIBED) {
+    fb_real v[3];
+    fb_mat33_mul_vec3(v, k->R, k->V);
+    fbi_vec3_add(rate->rho, FB_R(1.0), v);
+    return;
+  }
+  if (k->loaded) {
+    fbi_copy(rate->h, k->fg + 3, 3);
+    fbi_turning_part(rate->h, body->base);
+    fb_mat33_mul_vec3(rate->L, k->R, rate->h);
+    fb_mat33_mul_vec3(rate->u, k->R, k->a);
+  }
+  fbi_vec3_add_cross(rate->h, k->ph + 3, k->V + 3);
+#if FB_WITH_GRAVITY
+  if (body->base == FB_BASE_FREE && fbi_has(body->effects, FB_EFFECT_GRAVITY)) {
+    fbi_vec3_add(rate->u, FB_R(1.0), body->gravity);
+  }
+#endif
+}
+
+static fb_status fbi_momentum_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state)
+{
+  fbi_elastic_rates(rate, k, body, state);
+  fbi_rigid_rates(rate, k, body, state);
+  return FB_OK;
+}
+
+/* ---- the other forms */
+
+static const fb_real fbi_origin[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+
+/* Of O, body axes: v_dot + w x v. */
+static void fbi_given_acceleration(fb_real a[3], const fb_input *input)
+{
+  fb_vec3_cross(a, input->w, input->v);
+  fbi_vec3_add(a, FB_R(1.0), input->v_dot);
+}
+
+#if FB_WITH_FORMS
+/* (p, h) = S V + Lambda pb by the mass matrix of the form, which goes to k.S: M_rr(q), Lambda(q), or constant ones. */
+static void fbi_form_momenta(fbi_kinetics *k, const fb_body *body)
+{
+  if (body->form == FB_FORM_SECOND) {
+    fbi_S_eval(k->S, body, k->qx, body->n_run_value);
+  } else {
+    fbi_copy(k->S, body->M_rr, 21);
+  }
+  fb_sym6_mul_vec6(k->ph, k->S, k->V);
+  for (int t = 0; t < body->n_lambda_value; t++) {
+    const fb_lambda_term *term = &body->lambda[t];
+    k->ph[term->i] -= term->c * k->qx[term->a] * k->pb[term->b];
+  }
+}
+
+/* e -= Lambda^T V by the mass matrix of the form */
+static void fbi_form_lambda_sub(fb_real *e, const fb_body *body, const fb_real V[6], const fb_real *qx)
+{
+  for (int t = 0; t < body->n_lambda_value; t++) {
+    const fb_lambda_term *term = &body->lambda[t];
+    e[term->b] += term->c * qx[term->a] * V[term->i];
+  }
+}
+
+/* Rates of the pose; accelerations of what the base holds. */
+static void fbi_form_pose(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
+                          const fb_input *input)
+{
+  const int given = body->base == FB_BASE_PRESCRIBED && input;
+  fbi_copy(rate->rho, state->u, 3);
+  fbi_quat_rate(rate->quat, state->quat, k->V + 3);
+  fbi_zero(k->V_dot, 6);
+  if (given) {
+    fbi_given_acceleration(k->V_dot, input);
+    fbi_copy(k->V_dot + 3, input->w_dot, 3);
+    fb_mat33_mul_vec3(rate->rho, k->R, input->v);
+  }
+}
+
+/* Rates of the velocities that the state keeps, that of O in inertial axes: none where they are given. */
+static void fbi_form_velocity_rates(fb_state *rate, const fbi_kinetics *k, const fb_body *body)
+{
+  fbi_zero(rate->u, 3);
+  fbi_zero(rate->L, 3);
+  fbi_zero(rate->h, 3);
+  if (body->base != FB_BASE_PRESCRIBED) {
+    fb_mat33_mul_vec3(rate->u, k->R, k->V_dot);
+    fbi_copy(rate->L, k->V_dot + 3, 3);
+  }
+}
+
+/* Mass matrix of the second-order form: the rigid rows from first on, then the elastic ones; size x size. */
+static void fbi_second_matrix(fb_real *A, const fbi_kinetics *k, const fb_body *body, int first, int size)
+{
+  const int rigid = 6 - first;
+  fbi_zero(A, size * size);
+  for (int i = first; i < 6; i++) {
+    for (int j = first; j < 6; j++) {
+      A[(i - first) * size + j - first] = k->S[fb_sym6_index(i, j)];
+    }
+  }
+  for (int t = 0; t < body->n_lambda_value; t++) {
+    const fb_lambda_term *term = &body->lambda[t];
+    const int row = term->i - first, column = rigid + term->b;
+    if (row >= 0) {
+      A[row * size + column] -= term->c * k->qx[term->a];
+      A[column * size + row] -= term->c * k->qx[term->a];
+    }
+  }
+  for (int a = 0; a < body->n; a++) {
+    A[(rigid + a) * (size + 1)] = body->M.diagonal[a];
+  }
+  for (int t = 0; t < body->M.n_term; t++) {
+    const int a = rigid + body->M.term[t].a, b = rigid + body->M.term[t].b;
+    A[a * size + b] = A[b * size + a] = body->M.term[t].c;
+  }
+}
+
+/* [E8.25] Second-order form. With y = (f, g) - turning of (p, h) - M_rr_dot V - Lambda_dot q_dot
+   [M_rr(q) Lambda(q); Lambda(q)^T M] (V_dot; q_ddot) =
+     (y; f_e - dU/dq - C q_dot - Lambda_dot^T V + d/dq (V^T Lambda q_dot + 1/2 V^T M_rr V)),
+   solved by dense LU at every evaluation. Written out for a linear displacement field these are the printed equations:
+   Lambda = M_re(q) = [P; h(q)], M_rr(q) = [m 1, -c(q)^; c(q)^, J(q)].
+   Source: [DB] (7)-(8) with ERRATA.md DB1 and DB2.  Cost: 2/3 (n+6)^3 flops.  Fails: mass matrix singular.
+   Test: second_order_form_is_the_printed_one, forms_agree_on_a_closed_basis. */
+static fb_status fbi_second_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state)
+{
+  const int n = body->n, first = fbi_first_free(body->base), size = 6 - first + n;
+  fb_real A[(FB_MAX_MODES + 6) * (FB_MAX_MODES + 6)], b[FB_MAX_MODES + 6], x[FB_MAX_MODES + 6], scale[FB_MAX_MODES + 6];
+  fb_real xd[FB_MAX_MODES + 1], turn[6], SV[6], *f = b + 6 - first;
+  int perm[FB_MAX_MODES + 6];
+  fb_status status;
+  xd[0] = FB_R(0.0);
+  fbi_copy(xd + 1, k->pb, n);
+  fbi_form_momenta(k, body);
+  fbi_turning(turn, k->V, k->ph);
+  fbi_S_rate(k->dS, body, k->qx, xd);
+  fb_sym6_mul_vec6(SV, k->dS, k->V);
+  for (int i = 0; i < 6; i++) {
+    k->y[i] = k->fg[i] - turn[i] - SV[i];
+  }
+  fbi_lambda_linear_sub(k->y, body, xd, k->pb);
+  fbi_copy(b, k->y + first, 6 - first);
+  fbi_zero(k->e, n);
+  fbi_lambda_linear_gradients(k->e, k->x, body, k->V, xd, k->pb); /* k.e = -Lambda_dot^T V */
+  fbi_S_gradient(k->x, body, k->V, k->qx);
+  if (first == 6) {
+    fbi_form_lambda_sub(k->e, body, k->V_dot, k->qx);
+  }
+  fbi_elastic_forces(f, k, body, state->q, k->pb);
+  for (int a = 0; a < n; a++) {
+    f[a] += k->e[a];
+  }
+  fbi_second_matrix(A, k, body, first, size);
+  status = fb_lu_factor(A, perm, scale, size);
+  if (status != FB_OK) {
+    return status == FB_ERR_SINGULAR ? FB_ERR_RANGE : status;
+  }
+  fb_lu_solve(x, A, perm, b, size);
+  fbi_copy(k->V_dot + first, x, 6 - first);
+  fbi_copy(rate->q, k->pb, n);
+  fbi_copy(rate->pi, x + 6 - first, n);
+  return FB_OK;
+}
+
+#if FB_WITH_NONLINEAR_STRAIN
+/* [E8.26] Stiffness torque as printed, degrees 2 and 3 from the slopes at the strain stations, degree 1 from E8.24's
+   table: g_s,3 = .. + int EA (-u_x'^2 + 1/2 r - 1/2 u_x' r) u_y' dx, g_s,2 the same with -u_z', r = u_y'^2 + u_z'^2.
+   g -= g_s.
+   Source: [DB] (34)-(36) with ERRATA.md DB10 and DB11.  Cost: 10 flops a station.  Fails: never.
+   Test: stiffness_torques_agree_on_a_closed_basis, spin_up_follows_the_references_of_each_form. */
+static void fbi_printed_torque_sub(fb_real g[3], const fbi_kinetics *k, const fb_body *body)
+{
+  const fb_real second = body->torque_degree >= 2 ? FB_R(1.0) : FB_R(0.0);
+  const fb_real third = body->torque_degree >= 3 ? FB_R(1.0) : FB_R(0.0);
+  for (int t = 0; t < body->n_torque; t++) {
+    const fb_lambda_term *term = &body->torque[t];
+    g[term->i] -= term->c * k->qx[term->a] * k->qx[term->b + 1];
+  }
+  for (int s = 0; s < body->n_strain; s++) {
+    const fb_real x = k->slope[0][s], y = k->slope[1][s], z = k->slope[2][s], half = FB_R(0.5) * (y * y + z * z);
+    const fb_real c = body->strain_weight[s] * (second * (half - x * x) - third * x * half);
+    g[1] += c * z;
+    g[2] -= c * y;
+  }
+}
+#endif
+
+/* [E8.27] Stiffness and load torque by the identities q_b Upsilon_b M^-1 dU/dq = K_re q, q_b Upsilon_b M^-1 f_e =
+   F_re q: what acts on the modes acts on the frame through the v_e that it turns. y += F_re q - K_re q; loads are
+   f_e, the elastic forces -dU/dq and damping. With a printed K_re the elastic forces are left out; of them those are
+   in it whose degree truncation leaves.
+   Source: [DB] (49), (50).  Cost: 3 n_lambda flops.  Fails: never.
+   Test: stiffness_torques_agree_on_a_closed_basis, spin_up_follows_the_references_of_each_form. */
+static void fbi_identity_torque_add(fb_real y[6], const fbi_kinetics *k, const fb_body *body, const fb_real *q,
+                                    const fb_real *q_dot, const fb_real *loads, const fb_real *elastic)
+{
+  fb_real f[FB_MAX_MODES] = {FB_R(0.0)}, acceleration[FB_MAX_MODES];
+  fbi_copy(f, loads, body->n);
+  if (body->stiffness_torque == FB_TORQUE_IDENTITY && body->torque_degree == 3) {
+    for (int a = 0; a < body->n; a++) {
+      f[a] += elastic[a];
+    }
+  } else {
+    fbi_damping_add(f, -FB_R(1.0), body, q_dot);
+  }
+  if (body->stiffness_torque == FB_TORQUE_IDENTITY && body->torque_degree > 0 && body->torque_degree < 3) {
+    fbi_sparse_eval(f, f, FB_R(-1.0), &body->K, q, body->n);
+#if FB_WITH_NONLINEAR_STRAIN
+    if (body->torque_degree == 2 && fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
+      fb_real slope[3][FBI_MAX_STRAINS];
+      fbi_strain_sub(f, slope, body, q, FB_R(0.0));
+    }
+#endif
+  }
+  fbi_mass_solve(acceleration, body, f);
+  fbi_lambda_linear_sub(y, body, k->qx, acceleration);
+}
+
+/* Inertia forces of the first-order form: y = (f, g) less [DB] (23)'s rigid rows, f less its elastic ones. */
+static void fbi_first_inertia(fb_real *f, fbi_kinetics *k, const fb_body *body)
+{
+  const fb_real *w = k->V + 3;
+  fb_real wv[6] = {0}, wp[3], cwv[3], Jw[3], wJw[3], G[9] = {0}, Gw[3];
+  fbi_form_momenta(k, body);
+  fb_vec3_cross(wv, w, k->V);
+  fb_vec3_cross(wp, w, k->ph);
+  fb_vec3_cross(cwv, body->c, wv);
+  Jw[0] = k->S[15] * w[0] + k->S[16] * w[1] + k->S[17] * w[2];
+  Jw[1] = k->S[16] * w[0] + k->S[18] * w[1] + k->S[19] * w[2];
+  Jw[2] = k->S[17] * w[0] + k->S[19] * w[1] + k->S[20] * w[2];
+  fb_vec3_cross(wJw, w, Jw);
+  for (int t = 0; t < body->n_gam; t++) {
+    const fb_lambda_term *term = &body->gam[t];
+    G[term->i] += term->c * k->pb[term->a - 1];
+    k->x[term->a] += term->c * w[term->i / 3] * w[term->i % 3];
+  }
+  fb_mat33_mulT_vec3(Gw, G, w);
+  for (int i = 0; i < 3; i++) {
+    k->y[i] = k->fg[i] - wp[i];
+    k->y[3 + i] = k->fg[3 + i] - cwv[i] - wJw[i] - Gw[i];
+  }
+  fbi_zero(f, body->n);
+  fbi_form_lambda_sub(f, body, wv, k->qx);
+}
+
+/* q_dot = v_e + M^-1 q_b Ups_b^T w, and the gyroscopic forces -ups_ab.w v_b to k.x. */
+static void fbi_elastic_rotation(fb_real *q_dot, fbi_kinetics *k, const fb_body *body)
+{
+  fbi_zero(k->e, body->n);
+  fbi_lambda_linear_gradients(k->e, k->x, body, k->V, k->qx, k->pb);
+  fbi_mass_solve(q_dot, body, k->e);
+  for (int a = 0; a < body->n; a++) {
+    q_dot[a] += k->pb[a];
+  }
+}
+
+/* [E8.28] First-order form: with the constant mass matrix
+   m v_dot - c^ w_dot + P v_e_dot + w x (m v - c^ w + P v_e) = f
+   c^ v_dot + J w_dot + H v_e_dot + c^ (w x v) + w x J w + sum_a v_a Gamma_a^T w + g_s(q) = g + F_re q
+   P^T v_dot + H^T w_dot + M v_e_dot + P^T (w x v) - w^T Gamma_a w + w^T ups_ab v_b + dU/dq = f_e
+   q_dot = v_e + M^-1 q_b Ups_b^T w
+   solved by the Schur complement of M, a constant 6x6 whose inverse is at hand.
+   Source: [DB] (23)-(25); F_re q by E8.27.  Cost: 4 n_lambda + 300 flops.
+   Fails: never.  Test: forms_agree_on_a_closed_basis, spin_up_follows_the_references_of_each_form. */
+static void fbi_first_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state)
+{
+  const int n = body->n;
+  fb_real f[FB_MAX_MODES] = {0}, loads[FB_MAX_MODES] = {0}, elastic[FB_MAX_MODES], a[FB_MAX_MODES], y[6];
+  fbi_copy(loads, k->x + 1, n);
+  fbi_zero(k->x + 1, n);
+  fbi_elastic_rotation(rate->q, k, body);
+  fbi_first_inertia(f, k, body);
+  for (int i = 0; i < n; i++) {
+    f[i] += loads[i] + k->x[i + 1];
+    k->x[i + 1] = FB_R(0.0);
+  }
+  fbi_elastic_forces(elastic, k, body, state->q, rate->q);
+#if FB_WITH_NONLINEAR_STRAIN
+  if (body->stiffness_torque != FB_TORQUE_IDENTITY) {
+    fbi_printed_torque_sub(k->y + 3, k, body);
+  }
+#endif
+  fbi_identity_torque_add(k->y, k, body, state->q, rate->q, loads, elastic);
+  for (int i = 0; i < n; i++) {
+    f[i] += elastic[i];
+  }
+  if (body->base != FB_BASE_PRESCRIBED) {
+    fbi_copy(y, k->y, 6);
+    fbi_mass_solve(a, body, f);
+    for (const fb_lambda_term *t = body->lambda; t < body->lambda + body->n_lambda_constant; t++) {
+      y[t->i] += t->c * a[t->b];
+    }
+    for (int i = 0; i < 6; i++) {
+      k->V_dot[i] = fbi_vec6_dot(body->S0_inverse + 6 * i, y);
+    }
+  }
+  fbi_form_lambda_sub(f, body, k->V_dot, k->qx);
+  fbi_mass_solve(rate->pi, body, f);
+}
+
+static fb_status fbi_form_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
+                                const fb_input *input)
+{
+  fb_status status = FB_OK;
+  if (body->form == FB_FORM_MOMENTUM) {
+    return fbi_momentum_rates(rate, k, body, state);
+  }
+  fbi_form_pose(rate, k, body, state, input);
+  if (body->form == FB_FORM_SECOND) {
+    status = fbi_second_rates(rate, k, body, state);
+  } else {
+    fbi_first_rates(rate, k, body, state);
+  }
+  fbi_form_velocity_rates(rate, k, body);
+  return status;
+}
+#endif
+
+static fb_status fbi_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
+                           const fb_input *input)
+{
+  const fb_status status = fbi_velocity(k, body, state, input);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_forces(k, body, state, input);
+#if FB_WITH_FORMS
+  return fbi_form_rates(rate, k, body, state, input);
+#else
+  return fbi_momentum_rates(rate, k, body, state);
+#endif
+}
+
+static int fbi_state_is_finite(const fb_state *state, int n)
+{
+  return fbi_is_finite(state->rho, 3) && fbi_is_finite(state->quat, 4) && fbi_is_finite(state->u, 3) &&
+         fbi_is_finite(state->L, 3) && fbi_is_finite(state->h, 3) && fbi_is_finite(state->q, n) &&
+         fbi_is_finite(state->pi, n);
+}
+
+/* The pose and the momenta of the frame, which have no stiff part. */
+static void fbi_frame_copy(fb_state *out, const fb_state *in)
+{
+  fbi_vec3_copy(out->rho, in->rho);
+  fbi_vec3_copy(out->quat, in->quat);
+  out->quat[3] = in->quat[3];
+  fbi_vec3_copy(out->u, in->u);
+  fbi_vec3_copy(out->L, in->L);
+  fbi_vec3_copy(out->h, in->h);
+}
+
+/* Does the angular momentum turn the attitude about all axes? */
+static int fbi_is_turned(const fb_body *body)
+{
+  return fbi_form(body) == 0 && (body->base == FB_BASE_FREE || body->base == FB_BASE_PINNED);
+}
+
+#if FB_SINGLE
+static void fbi_turning_back(fb_real h[3], const fb_state *state)
+{
+  fb_real R[9];
+  fb_quat_to_mat33(R, state->quat);
+  fb_mat33_mulT_vec3(h, R, state->L);
+}
+
+/* What R^T L, rounded, has lost of h across it: eps of L is much spin about a thin axis. more: by how much h has grown
+   since `from`; the differences are small and lose nothing.
+   Test: slender_bodies_keep_their_energy. */
+static FBI_NOINLINE void fbi_turning_keep(fb_state *next, const fb_state *from, const fb_body *body,
+                                          const fb_real more[3])
+{
+  fb_real before[3], after[3], size;
+  fbi_zero(next->lost_h, 3);
+  if (!fbi_is_turned(body)) {
+    return;
+  }
+  fbi_turning_back(before, from);
+  fbi_turning_back(after, next);
+  size = fb_vec3_dot(after, after);
+  if (!(size > FB_R(0.0))) {
+    return;
+  }
+  for (int i = 0; i < 3; i++) {
+    next->lost_h[i] = from->lost_h[i] + ((before[i] - after[i]) + more[i]);
+  }
+  fbi_vec3_add(next->lost_h, -fb_vec3_dot(next->lost_h, after) / size, after);
+}
+#endif
+
+static void fbi_elastic_copy(fb_state *out, const fb_state *in, int n)
+{
+  for (int a = 0; a < n; a++) {
+    out->q[a] = in->q[a];
+    out->pi[a] = in->pi[a];
+  }
+}
+
+/* All of a state that a body uses, with h = R^T L, in single precision by what that has lost, and R. */
+static FBI_NOINLINE void fbi_state_enter(fb_state *out, fb_real R[9], const fb_body *body, const fb_state *state)
+{
+  fbi_vec3_copy(out->rho, state->rho);
+  fbi_vec3_copy(out->quat, state->quat);
+  out->quat[3] = state->quat[3];
+  fbi_vec3_copy(out->u, state->u);
+  fbi_vec3_copy(out->L, state->L);
+  fbi_elastic_copy(out, state, body->n);
+  fb_quat_to_mat33(R, state->quat);
+  fb_mat33_mulT_vec3(out->h, R, state->L);
+#if FB_SINGLE
+  fbi_row_sub(out->h, -FB_R(1.0), state->lost_h, 3);
+#endif
+}
+
+/* A prescribed base in momentum form, whose elastic momenta are relative to it. */
+static int fbi_is_following(const fb_body *body)
+{
+  return body->base == FB_BASE_PRESCRIBED && fbi_form(body) == 0;
+}
+
+/* [E8.35] Elastic momenta in a frame that is faster by du (inertial axes): pi -= (dc/dq)^T R^T du, an impulse of
+   gravity.
+   Source: E8.16.  Cost: 5 flops a term.  Fails: never.  Test: flight_speed_does_not_matter,
+   the_speed_of_a_prescribed_base_does_not_matter. */
+static void fbi_frame_shift(fb_real *pi, const fb_body *body, const fb_real *q, const fb_real R[9], const fb_real du[3])
+{
+  const fb_lambda_term *t = body->lambda;
+  fb_real back[3];
+  fb_mat33_mulT_vec3(back, R, du);
+  for (const fb_lambda_term *end = t + body->n_linear_constant; t < end; t++) {
+    pi[t->b] += t->c * back[t->i];
+  }
+  t = body->lambda + body->n_lambda_constant;
+  for (const fb_lambda_term *end = t + body->n_linear; t < end; t++) {
+    pi[t->b] += t->c * back[t->i] * q[t->a - 1];
+  }
+}
+
+/* [E8.34] First moment of mass c(q) = c + P q + 1/2 p^chi q q, body axes [kg m].
+   Source: E8.16.  Cost: 4 flops a term.  Fails: never.  Test: the_mass_center_goes_where_momentum_leads_it. */
+static void fbi_center_eval(fb_real c[3], const fb_body *body, const fb_real *q)
+{
+  const fb_lambda_term *t = body->lambda;
+  fbi_copy(c, body->c, 3);
+  for (const fb_lambda_term *end = t + body->n_linear_constant; t < end; t++) {
+    c[t->i] -= t->c * q[t->b];
+  }
+  t = body->lambda + body->n_lambda_constant;
+  for (const fb_lambda_term *end = t + body->n_linear; t < end; t++) {
+    c[t->i] -= FB_R(0.5) * t->c * q[t->a - 1] * q[t->b];
+  }
+}
+
+/* Both before and after a step: the terms are gone through once, a row's sums stay in registers. */
+static void fbi_center_pair(fb_real before[3], fb_real after[3], const fb_body *body, const fb_real *q,
+                            const fb_real *next)
+{
+  const fb_lambda_term *t = body->lambda;
+  fbi_vec3_copy(before, body->c);
+  fbi_vec3_copy(after, body->c);
+  for (const fb_lambda_term *end = t + body->n_linear_constant; t < end; t++) {
+    before[t->i] -= t->c * q[t->b];
+    after[t->i] -= t->c * next[t->b];
+  }
+  t = body->lambda + body->n_lambda_constant;
+  for (const fb_lambda_row *r = body->lambda_row; r < body->lambda_row + body->n_row && r->i < 3; r++) {
+    fb_real old = FB_R(0.0), sum = FB_R(0.0);
+    for (const fb_lambda_term *end = body->lambda + r->end; t < end; t++) {
+      old += t->c * q[t->a - 1] * q[t->b];
+      sum += t->c * next[t->a - 1] * next[t->b];
+    }
+    before[r->i] -= FB_R(0.5) * old;
+    after[r->i] -= FB_R(0.5) * sum;
+  }
+}
+
+/* Its rate in the body, (dc/dq) q_dot. */
+static void fbi_center_rate(fb_real c_dot[3], const fb_body *body, const fb_real *q, const fb_real *q_dot)
+{
+  const fb_lambda_term *t = body->lambda;
+  fbi_zero(c_dot, 3);
+  for (const fb_lambda_term *end = t + body->n_linear_constant; t < end; t++) {
+    c_dot[t->i] -= t->c * q_dot[t->b];
+  }
+  t = body->lambda + body->n_lambda_constant;
+  for (const fb_lambda_term *end = t + body->n_linear; t < end; t++) {
+    c_dot[t->i] -= t->c * q[t->a - 1] * q_dot[t->b];
+  }
+}
+
+/* Velocity of O, inertial axes: that of the mass center less (w x c + c_dot)/m (free), else of the frame and in it. */
+static void fbi_origin_velocity(fb_real v[3], const fbi_kinetics *k, const fb_body *body, const fb_state *state,
+                                const fb_real *q_dot)
+{
+  fb_real own[3], c[3];
+  fbi_copy(own, k->V, 3);
+  if (fbi_is_flying(body)) {
+    fbi_center_eval(c, body, k->qx + 1);
+    fbi_center_rate(own, body, k->qx + 1, q_dot);
+    fbi_vec3_add_cross(own, k->V + 3, c);
+    for (int i = 0; i < 3; i++) {
+      own[i] /= -body->mass;
+    }
+  }
+  fb_mat33_mul_vec3(v, k->R, own);
+  fbi_vec3_add(v, FB_R(1.0), state->u);
+}
+
+FB_DEF fb_status fb_body_rates(const fb_body *body, fb_state *rate, const fb_state *state, const fb_input *input)
+{
+  fbi_kinetics k;
+  fb_state out, at;
+  fb_status status;
+  FBI_REQUIRE(body && rate && state, FB_ERR_NULL);
+  status = fbi_input_check(body, input);
+  fbi_state_enter(&at, k.R, body, state);
+  memset(&out, 0, sizeof out);
+  status = status == FB_OK ? fbi_rates(&out, &k, body, &at, input) : status;
+  if (status == FB_OK && fbi_is_flying(body)) {
+    fbi_origin_velocity(out.rho, &k, body, &at, out.q);
+  }
+  status = status == FB_OK && !fbi_state_is_finite(&out, body->n) ? FB_ERR_NOT_FINITE : status;
+  if (status == FB_OK) {
+    *rate = out;
+  }
+  return status;
+}
+
+/* ---- state, motion, energy, momentum */
+
+FB_DEF fb_status fb_state_init(const fb_body *body, fb_state *state)
+{
+  FBI_REQUIRE(body && state, FB_ERR_NULL);
+  FBI_REQUIRE_EXACT();
+  memset(state, 0, sizeof *state);
+  state->quat[0] = FB_R(1.0);
+  return FB_OK;
+}
+
+/* Is a quaternion of a state one of unit length, to 1e-3? */
+static int fbi_quat_is_unit(const fb_real quat[4])
+{
+  const fb_real norm2 = quat[0] * quat[0] + fb_vec3_dot(quat + 1, quat + 1);
+  return FB_FABS(norm2 - FB_R(1.0)) <= FB_R(2e-3);
+}
+
+/* Finite and within the deflection limit. */
+static fb_status fbi_state_range(const fb_body *body, const fb_state *state)
+{
+  fb_real deflection = FB_R(0.0), momenta = FB_R(0.0);
+  for (int a = 0; a < body->n; a++) {
+    deflection += body->reach[a] * FB_FABS(state->q[a]);
+    momenta += FB_FABS(state->pi[a]);
+  }
+  if (!fbi_vec3_is_finite(state->rho) || !fbi_vec3_is_finite(state->quat) || !fbi_vec3_is_finite(state->quat + 1) ||
+      !fbi_vec3_is_finite(state->u) || !fbi_vec3_is_finite(state->L) || !fbi_vec3_is_finite(state->lost_rho) ||
+      !(momenta <= FB_HUGE)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  if (!(deflection <= body->deflection_limit)) {
+    return fbi_is_finite(state->q, body->n) ? FB_ERR_RANGE : FB_ERR_NOT_FINITE;
+  }
+  return FB_OK;
+}
+
+#if FB_SINGLE
+/* What E11.22 keeps is finite, and of the attitude no more than rounding: else it was never set. */
+static fb_status fbi_lost_check(const fb_body *body, const fb_state *state)
+{
+  const fb_real *const turn = state->lost_quat;
+  if (!fbi_is_finite(turn, 4) || !fbi_is_finite(state->lost_L, 3) || !fbi_is_finite(state->lost_h, 3) ||
+      !fbi_is_finite(state->lost_q, body->n) || !fbi_is_finite(state->lost_pi, body->n)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  return turn[0] * turn[0] + fb_vec3_dot(turn + 1, turn + 1) < FB_R(1e-10) ? FB_OK : FB_ERR_VALUE;
+}
+#endif
+
+FB_DEF fb_status fb_state_check(const fb_body *body, const fb_state *state)
+{
+  fb_status status;
+  FBI_REQUIRE(body && state, FB_ERR_NULL);
+  status = fbi_state_range(body, state);
+#if FB_SINGLE
+  status = status ? status : fbi_lost_check(body, state);
+#endif
+  if ((body->base == FB_BASE_PINNED || body->base == FB_BASE_HINGED) && !fbi_is_zero(state->u, 3)) {
+    status = status ? status : FB_ERR_VALUE; /* O would leave its pin */
+  }
+  return status == FB_OK && !fbi_quat_is_unit(state->quat) ? FB_ERR_VALUE : status;
+}
+
+/* Momenta of the prescribed or known velocities V: (p, h) = S(q) V + Lambda(q) pb; S(q) goes to k. */
+static void fbi_momenta(fbi_kinetics *k, const fb_body *body)
+{
+  fb_real elastic[6] = {0};
+  fbi_S_eval(k->S, body, k->qx, body->n_run);
+  fb_sym6_mul_vec6(k->ph, k->S, k->V);
+  fbi_lambda_sub(elastic, body, k->qx, k->pb);
+  for (int i = 0; i < 6; i++) {
+    k->ph[i] -= elastic[i];
+  }
+}
+
+/* pi = M q_dot + Lambda(q)^T V and (p, h) of the velocities V and q_dot. */
+static void fbi_momenta_from(fbi_kinetics *k, fb_real *pi, const fb_body *body, const fb_real *q_dot)
+{
+  fb_real e[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0}, zero[FB_MAX_MODES] = {0};
+  fbi_zero(e, body->n);
+  fbi_lambda_gradients(e, unused, body, k->V, k->qx, zero);
+  fbi_mass_mul(pi, body, q_dot);
+  for (int a = 0; a < body->n; a++) {
+    pi[a] -= e[a];
+  }
+  fbi_mass_solve(k->Minv_pi, body, pi);
+  k->pb = k->Minv_pi;
+  fbi_momenta(k, body);
+}
+
+#if FB_WITH_FORMS
+/* The state of a form from pose, v, w and q_dot (in state.pi): velocities of what is free, and q_dot or v_e (E8.28). */
+static void fbi_form_state(fb_state *state, fbi_kinetics *k, const fb_body *body, const fb_real velocity[3])
+{
+  fb_real v[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0};
+  fbi_zero(state->u, 3);
+  fbi_zero(state->L, 3);
+  if (body->base != FB_BASE_PRESCRIBED) {
+    fb_mat33_mul_vec3(state->u, k->R, velocity);
+    fbi_copy(state->L, k->V + 3, 3);
+  }
+  if (body->form == FB_FORM_FIRST) {
+    fbi_zero(k->e, body->n);
+    fbi_lambda_linear_gradients(k->e, unused, body, k->V, k->qx, state->pi);
+    fbi_mass_solve(v, body, k->e);
+    for (int a = 0; a < body->n; a++) {
+      state->pi[a] -= v[a];
+    }
+  }
+}
+
+/* True momenta: of the first-order form by those of the momentum form, pi = M v_e + M_re^T V. */
+static void fbi_form_true_momenta(fbi_kinetics *k, const fb_body *body)
+{
+  fb_real pi[FB_MAX_MODES];
+  if (body->form == FB_FORM_SECOND) {
+    fbi_form_momenta(k, body);
+    return;
+  }
+  fbi_zero(k->e, body->n);
+  fbi_form_lambda_sub(k->e, body, k->V, k->qx);
+  fbi_mass_solve(pi, body, k->e);
+  for (int a = 0; a < body->n; a++) {
+    k->Minv_pi[a] = k->pb[a] - pi[a];
+  }
+  k->pb = k->Minv_pi;
+  fbi_momenta(k, body);
+}
+#endif
+
+FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, const fb_real v[3], const fb_real w[3],
+                                        const fb_real *q_dot)
+{
+  const int n = body ? body->n : 0;
+  fb_state out;
+  fbi_kinetics k;
+  fb_real zero[FB_MAX_MODES] = {0}, held[3];
+  FBI_REQUIRE(body && state && v && w, FB_ERR_NULL);
+  if (!fbi_is_finite(v, 3) || !fbi_is_finite(w, 3) || !fbi_is_finite(q_dot ? q_dot : zero, n) ||
+      !fbi_is_finite(state->q, n) || !fbi_is_finite(state->quat, 4)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  out = *state;
+  fbi_copy(held, w, 3);
+  fbi_turning_part(held, body->base);
+  if (fb_quat_normalize(out.quat) != FB_OK || (fbi_holds_origin(body->base) && fbi_vec3_norm(v) > FB_R(0.0)) ||
+      (body->base == FB_BASE_HINGED && fbi_vec3_norm(held) < fbi_vec3_norm(w))) {
+    return FB_ERR_VALUE;
+  }
+  fbi_copy(out.quat, state->quat, 4); /* as it was; only zero is refused */
+  fb_quat_to_mat33(k.R, state->quat);
+  k.qx[0] = FB_R(1.0);
+  fbi_copy(k.qx + 1, state->q, n);
+  fbi_zero(k.V, 3);
+  fbi_copy(k.V + 3, w, 3);
+#if FB_WITH_FORMS
+  if (body->form != FB_FORM_MOMENTUM) {
+    fbi_copy(out.pi, q_dot ? q_dot : zero, n);
+    fbi_form_state(&out, &k, body, v);
+    *state = out;
+    return FB_OK;
+  }
+#endif
+  fbi_momenta_from(&k, out.pi, body, q_dot ? q_dot : zero);
+  fb_mat33_mul_vec3(out.u, k.R, v);
+  fbi_zero(out.L, 3);
+  if (body->base == FB_BASE_FREE) { /* that of the mass center; no momentum against it */
+    fb_real c[3], moved[3], own[3];
+    for (int i = 0; i < 3; i++) {
+      k.V[i] = -k.ph[i] / body->mass;
+    }
+    fbi_momenta_from(&k, out.pi, body, q_dot ? q_dot : zero);
+    fbi_center_eval(c, body, state->q);
+    fbi_center_rate(moved, body, state->q, q_dot ? q_dot : zero);
+    fbi_vec3_add_cross(moved, w, c);
+    fb_mat33_mul_vec3(own, k.R, moved);
+    fbi_vec3_add(out.u, FB_R(1.0) / body->mass, own);
+  }
+  if (body->base != FB_BASE_PRESCRIBED) {
+    fbi_turning_part(k.ph + 3, body->base);
+    fb_mat33_mul_vec3(out.L, k.R, k.ph + 3);
+    fbi_copy(out.h, k.ph + 3, 3);
+  }
+  fbi_zero(out.lost_u, 3);
+#if FB_SINGLE
+  fbi_zero(out.lost_L, 3);
+  fbi_zero(out.lost_pi, n);
+  fbi_zero(out.lost_h, 3);
+#endif
+  if (!fbi_state_is_finite(&out, n)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *state = out;
+  return FB_OK;
+}
+
+/* What the base must add to y for the accelerations: S V_dot - y where an axis is held. */
+static void fbi_reactions(fb_motion *m, const fb_body *body, const fb_real S[21], const fb_real V_dot[6],
+                          const fb_real y[6])
+{
+  fb_real SV[6];
+  fb_sym6_mul_vec6(SV, S, V_dot);
+  for (int i = 0; i < 3; i++) {
+    const int turns = body->base == FB_BASE_PINNED || (body->base == FB_BASE_HINGED && i == 2);
+    m->reaction_force[i] = body->base == FB_BASE_FREE ? FB_R(0.0) : SV[i] - y[i];
+    m->reaction_torque[i] = body->base == FB_BASE_FREE || turns ? FB_R(0.0) : SV[3 + i] - y[3 + i];
+  }
+}
+
+#if FB_WITH_FORMS
+/* Accelerations of the other forms: the rates are accelerations already, but that of q_dot = v_e + M^-1 q_b Ups_b^T
+   w. */
+static void fbi_form_motion(fb_motion *m, fbi_kinetics *k, const fb_body *body, const fb_state *rate)
+{
+  fb_real xd[FB_MAX_MODES + 1], y[6], unused[FB_MAX_MODES + 1] = {0};
+  fbi_copy(xd + 1, rate->q, body->n);
+  fbi_copy(m->acceleration, k->V_dot, 3);
+  fbi_copy(m->w_dot, k->V_dot + 3, 3);
+  fbi_zero(k->e, body->n);
+  if (body->form == FB_FORM_FIRST) {
+    fbi_lambda_linear_gradients(k->e, unused, body, k->V, xd, k->pb);
+    fbi_lambda_linear_gradients(k->e, unused, body, k->V_dot, k->qx, k->pb);
+  }
+  fbi_mass_solve(m->q_ddot, body, k->e);
+  for (int a = 0; a < body->n; a++) {
+    m->q_ddot[a] += rate->pi[a];
+  }
+  fbi_copy(y, k->y, 6);
+  for (int t = 0; t < body->n_lambda_value; t++) {
+    const fb_lambda_term *term = &body->lambda[t];
+    y[term->i] += term->c * k->qx[term->a] * rate->pi[term->b];
+  }
+  fbi_reactions(m, body, k->S, k->V_dot, y);
+}
+#endif
+
+/* Of O from that of the mass center, body axes: a - (w_dot x c + w x (w x c + 2 c_dot) + c_ddot)/m, xd the rate of
+   (1, q). */
+static void fbi_origin_acceleration(fb_real out[3], const fb_real a[3], const fb_body *body, const fbi_kinetics *k,
+                                    const fb_real *xd, const fb_motion *m)
+{
+  fb_real c[3], c_dot[3], c_ddot[3], turn[3];
+  fbi_center_eval(c, body, k->qx + 1);
+  fbi_center_rate(c_ddot, body, k->qx + 1, m->q_ddot);
+  fbi_center_rate(c_dot, body, k->qx + 1, xd + 1);
+  const fb_lambda_term *t = body->lambda + body->n_lambda_constant;
+  for (const fb_lambda_term *end = t + body->n_linear; t < end; t++) {
+    c_ddot[t->i] -= t->c * xd[t->a] * xd[t->b + 1];
+  }
+  fb_vec3_cross(turn, k->V + 3, c);
+  fbi_vec3_add(turn, FB_R(2.0), c_dot);
+  fbi_vec3_add_cross(c_ddot, m->w_dot, c);
+  fbi_vec3_add_cross(c_ddot, k->V + 3, turn);
+  for (int i = 0; i < 3; i++) {
+    out[i] = a[i] - c_ddot[i] / body->mass;
+  }
+}
+
+/* [E8.19] Accelerations from the rates of the state: differentiate E8.13 and E8.17,
+   S V_dot = d/dt(p, h) - S_dot V - Lambda_dot pb - Lambda pb_dot, all relative to the frame of the momenta,
+   q_ddot = M^-1 (pi_dot - Lambda^T V_dot - Lambda_dot^T V);
+   for what the base holds V_dot is given and the first line yields the reaction (force, torque) instead.
+   Source: THEORY.md 8.5, acceleration form.  Fails: S(q) not positive definite.
+   Test: accelerations_agree_with_a_particle_model, reactions_balance_the_momentum. */
+static fb_status fbi_accelerations(fb_motion *m, fbi_kinetics *k, const fb_body *body, const fb_state *rate,
+                                   const fb_input *input)
+{
+  const int n = body->n;
+  fb_real xd[FB_MAX_MODES + 1], pb_dot[FB_MAX_MODES], y[6], V_dot[6], turn[6], SV[6];
+  xd[0] = FB_R(0.0);
+  fbi_copy(xd + 1, rate->q, n);
+  fbi_mass_solve(pb_dot, body, rate->pi);
+  fbi_momenta(k, body);
+  fbi_S_rate(k->dS, body, k->qx, xd);
+  fbi_turning(turn, k->V, k->ph);
+  fb_sym6_mul_vec6(SV, k->dS, k->V);
+  for (int i = 0; i < 6; i++) {
+    y[i] = k->fg[i] - turn[i] - SV[i];
+  }
+  fbi_lambda_linear_sub(y, body, xd, k->pb);
+  fbi_lambda_sub(y, body, k->qx, pb_dot);
+  if (fbi_base_solve(V_dot, body->base, k->S, y) != FB_OK) {
+    return FB_ERR_RANGE;
+  }
+  fbi_zero(m->acceleration, 3);
+  if (body->base == FB_BASE_PRESCRIBED && input) { /* of v less that of R^T u, which turns by -w x R^T u */
+    fbi_given_acceleration(m->acceleration, input);
+    fb_vec3_cross(V_dot, k->V, k->V + 3);
+    fbi_vec3_add(V_dot, FB_R(1.0), m->acceleration);
+    fbi_copy(V_dot + 3, input->w_dot, 3);
+  }
+  fbi_reactions(m, body, k->S, V_dot, y);
+  fbi_copy(k->e, rate->pi, n);
+  fbi_lambda_gradients(k->e, k->x, body, V_dot, k->qx, k->pb); /* k.x is spent */
+  fbi_lambda_linear_gradients(k->e, k->x, body, k->V, xd, k->pb);
+  fbi_mass_solve(m->q_ddot, body, k->e);
+  fbi_copy(m->w_dot, V_dot + 3, 3);
+  if (body->base == FB_BASE_FREE) {
+    fb_real a[3];
+    fb_mat33_mulT_vec3(a, k->R, rate->u);
+    fbi_origin_acceleration(m->acceleration, a, body, k, xd, m);
+  }
+  return FB_OK;
+}
+
+FB_DEF fb_status fb_body_motion(const fb_body *body, fb_motion *motion, const fb_state *state, const fb_input *input)
+{
+  fbi_kinetics k;
+  fb_state rate, at;
+  fb_motion out;
+  fb_real velocity[3];
+  fb_status status;
+  FBI_REQUIRE(body && motion && state, FB_ERR_NULL);
+  status = fbi_input_check(body, input);
+  fbi_state_enter(&at, k.R, body, state);
+  if (status == FB_OK) {
+    status = fbi_rates(&rate, &k, body, &at, input);
+  }
+  if (status != FB_OK) {
+    return status;
+  }
+  memset(&out, 0, sizeof out);
+  fbi_origin_velocity(velocity, &k, body, &at, rate.q);
+  fb_mat33_mulT_vec3(out.v, k.R, velocity);
+  if (body->base == FB_BASE_PRESCRIBED) { /* as it was given */
+    fbi_copy(out.v, input ? input->v : fbi_origin, 3);
+  }
+  fbi_copy(out.w, k.V + 3, 3);
+  fbi_copy(out.q_dot, rate.q, body->n);
+#if FB_WITH_FORMS
+  if (body->form != FB_FORM_MOMENTUM) {
+    fbi_form_motion(&out, &k, body, &rate);
+  }
+#endif
+  if (fbi_form(body) == 0) {
+    status = fbi_accelerations(&out, &k, body, &rate, input);
+  }
+  if (status == FB_OK &&
+      (!fbi_is_finite(out.v, 3) || !fbi_is_finite(out.w, 3) || !fbi_is_finite(out.acceleration, 3) ||
+       !fbi_is_finite(out.w_dot, 3) || !fbi_is_finite(out.q_dot, body->n) || !fbi_is_finite(out.q_ddot, body->n))) {
+    status = FB_ERR_NOT_FINITE;
+  }
+  if (status == FB_OK) {
+    *motion = out;
+  }
+  return status;
+}
+
+/* [E8.20] Motion of a node, s = r + u:
+   velocity v + w x s + u_dot,  u_dot = J_u q_dot,
+   acceleration a + w_dot x s + w x (w x s) + 2 w x u_dot + J_u q_ddot + Ju_dot q_dot, a that of O,
+   angular rate w + J_phi q_dot,  its rate w_dot + J_phi q_ddot + w x J_phi q_dot + Jphi_dot q_dot (E8.30).
+   Source: kinematics of a moving frame.  Fails: no such node.  Test: node_kinematics_match_finite_differences. */
+#define FBI_NODE_MOTION ((int)(sizeof(fb_node_motion) / sizeof(fb_real))) /* all its members are reals */
+static void fbi_node_motion(fb_node_motion *out, const fb_body *body, const fb_state *state, const fb_motion *motion,
+                            int node)
+{
+  fbi_node_field f;
+  fb_real R[9], turn[4], s[3], ud[3] = {0}, pd[3] = {0}, ws[3], a[3], alpha[3], vel[3], rate[3], u_dd[3], turn_dd[3];
+  fbi_node_eval(&f, body, &body->node[node], state->q);
+  fb_quat_to_mat33(R, state->quat);
+  fbi_copy(a, motion->acceleration, 3);
+  fbi_copy(alpha, motion->w_dot, 3);
+  for (int k = 0; k < body->n; k++) {
+    fbi_vec3_add(ud, motion->q_dot[k], f.Ju + 3 * k);
+    fbi_vec3_add(pd, motion->q_dot[k], f.Jphi + 3 * k);
+    fbi_vec3_add(a, motion->q_ddot[k], f.Ju + 3 * k);
+    fbi_vec3_add(alpha, motion->q_ddot[k], f.Jphi + 3 * k);
+  }
+  fbi_node_convection(u_dd, turn_dd, &f, body, &body->node[node], motion->q_dot);
+  fbi_vec3_add(a, FB_R(1.0), u_dd);
+  fbi_vec3_add(alpha, FB_R(1.0), turn_dd);
+  fbi_copy(s, body->node[node].r, 3);
+  fbi_vec3_add(s, FB_R(1.0), f.u);
+  fb_vec3_cross(ws, motion->w, s);
+  for (int i = 0; i < 3; i++) {
+    vel[i] = motion->v[i] + ws[i] + ud[i];
+    rate[i] = motion->w[i] + pd[i];
+    ws[i] += FB_R(2.0) * ud[i];
+  }
+  fbi_vec3_add_cross(a, motion->w_dot, s);
+  fbi_vec3_add_cross(a, motion->w, ws);
+  fbi_vec3_add_cross(alpha, motion->w, pd);
+  fb_mat33_mul_vec3(out->position, R, s);
+  fbi_vec3_add(out->position, FB_R(1.0), state->rho);
+  fbi_node_quat(turn, &f);
+  fb_quat_mul(out->quat, state->quat, turn);
+  fb_mat33_mul_vec3(out->velocity, R, vel);
+  fb_mat33_mul_vec3(out->angular_rate, R, rate);
+  fb_mat33_mul_vec3(out->acceleration, R, a);
+  fb_mat33_mul_vec3(out->angular_acceleration, R, alpha);
+  fbi_copy(out->displacement, f.u, 3);
+  fb_quat_to_rotvec(out->rotation, turn);
+}
+
+FB_DEF fb_status fb_body_node_motion(const fb_body *body, fb_node_motion *out, const fb_state *state,
+                                     const fb_motion *motion, int node)
+{
+  fb_node_motion found;
+  fb_real all[FBI_NODE_MOTION];
+  FBI_REQUIRE(body && out && state && motion, FB_ERR_NULL);
+  FBI_REQUIRE(node >= 0 && node < body->n_node, FB_ERR_CAPACITY);
+  fbi_node_motion(&found, body, state, motion, node);
+  memcpy(all, &found, sizeof all);
+  if (!fbi_is_finite(all, FBI_NODE_MOTION)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *out = found;
+  return FB_OK;
+}
+
+static fb_real fbi_kinetic_energy(fbi_kinetics *k, const fb_body *body, const fb_state *state)
+{
+  fb_real SV[6], T = FB_R(0.0);
+#if FB_WITH_FORMS
+  if (body->form != FB_FORM_MOMENTUM) { /* 1/2 V^T (p, h) + 1/2 pb^T (M pb + Lambda^T V) */
+    fbi_form_momenta(k, body);
+    fbi_sparse_eval(k->e, NULL, FB_R(-1.0), &body->M, k->pb, body->n);
+    fbi_form_lambda_sub(k->e, body, k->V, k->qx);
+    for (int a = 0; a < body->n; a++) {
+      T -= FB_R(0.5) * k->pb[a] * k->e[a];
+    }
+    return T + FB_R(0.5) * fbi_vec6_dot(k->ph, k->V);
+  }
+#endif
+  fbi_S_eval(k->S, body, k->qx, body->n_run);
+  fb_sym6_mul_vec6(SV, k->S, k->V);
+  for (int a = 0; a < body->n; a++) {
+    T += FB_R(0.5) * state->pi[a] * k->pb[a];
+  }
+  return T + FB_R(0.5) * fbi_vec6_dot(SV, k->V);
+}
+
+static int fbi_energy_is_finite(const fb_energy *energy)
+{
+  const fb_real part[3] = {energy->kinetic, energy->strain, energy->gravity};
+  return fbi_is_finite(part, 3);
+}
+
+/* Strain energy and gravity's; spoils k.e and k.x. */
+static void fbi_potential_add(fb_energy *energy, fbi_kinetics *k, const fb_body *body, const fb_real *q,
+                              const fb_real rho[3])
+{
+  fbi_sparse_eval(k->e, NULL, FB_R(0.5), &body->K, q, body->n);
+  for (int a = 0; a < body->n; a++) {
+    energy->strain += q[a] * k->e[a];
+  }
+#if FB_WITH_NONLINEAR_STRAIN
+  if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
+    energy->strain += fbi_strain_energy(body, q);
+  }
+#endif
+#if FB_WITH_GRAVITY
+  {
+    fb_real c[3], moment[3];
+    fbi_pull_eval(c, k->x, body, k->qx, body->gravity);
+    fb_mat33_mul_vec3(moment, k->R, c);
+    fbi_vec3_add(moment, body->mass, rho);
+    energy->gravity -= fb_vec3_dot(moment, body->gravity);
+  }
+#endif
+  (void)rho;
+}
+
+/* The frame that k's velocities are relative to, inertial axes. */
+static void fbi_frame_velocity(fb_real u[3], const fbi_kinetics *k, const fb_body *body, const fb_state *state,
+                               const fb_input *input)
+{
+  fbi_copy(u, state->u, 3);
+  if (fbi_form(body) != 0 && body->base == FB_BASE_PRESCRIBED) {
+    fb_mat33_mul_vec3(u, k->R, input ? input->v : fbi_origin);
+  }
+}
+
+/* (p, h) in that frame, from the velocities; a free body's are those of the state. */
+static void fbi_true_momenta(fbi_kinetics *k, const fb_body *body)
+{
+#if FB_WITH_FORMS
+  if (body->form != FB_FORM_MOMENTUM) {
+    fbi_form_true_momenta(k, body);
+    return;
+  }
+#endif
+  if (body->base != FB_BASE_FREE) {
+    fbi_momenta(k, body);
+  }
+}
+
+/* [E8.21] T = 1/2 m u.u + u.R p + 1/2 V^T S V + 1/2 pi^T M^-1 pi (the square completed), u the velocity of the frame, U
+   = 1/2 q^T K q, gravity -m g.rho - g.R c(q).
+   Source: THEORY.md 8.2, 8.4.  Fails: as the rates.
+   Test: momenta_agree_with_a_particle_model, tumbling_conserves_momentum_and_energy. */
+FB_DEF fb_status fb_body_energy(const fb_body *body, fb_energy *energy, const fb_state *state, const fb_input *input)
+{
+  fbi_kinetics k;
+  fb_energy out;
+  fb_state at;
+  fb_real u[3], p[3];
+  fb_status status;
+  FBI_REQUIRE(body && energy && state, FB_ERR_NULL);
+  fbi_state_enter(&at, k.R, body, state);
+  status = fbi_velocity(&k, body, &at, input);
+  if (status != FB_OK) {
+    return status;
+  }
+  out.kinetic = fbi_kinetic_energy(&k, body, &at);
+  fbi_true_momenta(&k, body);
+  fbi_frame_velocity(u, &k, body, &at, input);
+  fb_mat33_mul_vec3(p, k.R, k.ph);
+  fbi_vec3_add(p, FB_R(0.5) * body->mass, u);
+  out.kinetic += fb_vec3_dot(u, p);
+  out.strain = FB_R(0.0);
+  out.gravity = FB_R(0.0);
+  fbi_potential_add(&out, &k, body, state->q, state->rho);
+  if (!fbi_energy_is_finite(&out)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *energy = out;
+  return FB_OK;
+}
+
+/* Linear momentum R p + m u and, about the inertial origin, angular momentum R h + R c x u + rho x (R p + m u). */
+FB_DEF fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, const fb_state *state,
+                                  const fb_input *input)
+{
+  fbi_kinetics k;
+  fb_momentum out;
+  fb_state at;
+  fb_real u[3], c[3], arm[3];
+  fb_status status;
+  FBI_REQUIRE(body && momentum && state, FB_ERR_NULL);
+  fbi_state_enter(&at, k.R, body, state);
+  status = fbi_velocity(&k, body, &at, input);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_true_momenta(&k, body);
+  fbi_frame_velocity(u, &k, body, &at, input);
+  fb_mat33_mul_vec3(out.linear, k.R, k.ph);
+  fbi_vec3_add(out.linear, body->mass, u);
+  fb_mat33_mul_vec3(out.angular, k.R, k.ph + 3);
+  if (fbi_is_flying(body)) {
+    fbi_copy(out.angular, at.L, 3);
+  }
+  fbi_center_eval(c, body, at.q);
+  fb_mat33_mul_vec3(arm, k.R, c);
+  fbi_vec3_add_cross(out.angular, arm, u);
+  fbi_vec3_add_cross(out.angular, at.rho, out.linear);
+  if (!fbi_is_finite(out.linear, 3) || !fbi_is_finite(out.angular, 3)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *momentum = out;
+  return FB_OK;
+}
+
+/* ---- checks of a model in memory that may have changed by itself */
+
+static int fbi_is_flag(int value)
+{
+  return value == 0 || value == 1;
+}
+
+static int fbi_is_within(int n, int most)
+{
+  return n >= 0 && n <= most;
+}
+
+static int fbi_sparse_is_sound(const fb_sparse *m, int n)
+{
+  int sound = fbi_is_within(m->n_term, FBI_MAX_PAIRS) && fbi_is_finite(m->diagonal, n);
+  for (int k = 0; sound && k < m->n_term; k++) {
+    const fb_pair_term *t = &m->term[k];
+    sound = t->a < n && t->b < t->a && fbi_is_finite(&t->c, 1);
+  }
+  return sound;
+}
+
+/* Terms of Lambda: the constant ones, then row by row those linear in q (fbi_lambda_list). */
+static int fbi_lambda_is_sound(const fb_body *body)
+{
+  int row = 0,
+      sound = fbi_is_within(body->n_lambda, FBI_MAX_LAMBDA) && fbi_is_within(body->n_lambda_constant, body->n_lambda) &&
+              fbi_is_within(body->n_linear_constant, body->n_lambda_constant) &&
+              fbi_is_within(body->n_linear, body->n_lambda - body->n_lambda_constant) && fbi_is_within(body->n_row, 6);
+  for (int k = 0; sound && k < body->n_row; k++) { /* each has a term */
+    sound = body->lambda_row[k].i < 6 &&
+            body->lambda_row[k].end > (k > 0 ? body->lambda_row[k - 1].end : body->n_lambda_constant);
+  }
+  for (int k = 0; sound && k < body->n_lambda; k++) {
+    const fb_lambda_term *t = &body->lambda[k];
+    const int constant = k < body->n_lambda_constant;
+    row += !constant && row < body->n_row && k >= body->lambda_row[row].end;
+    sound = fbi_is_finite(&t->c, 1) && t->b < body->n && (constant ? t->a == 0 : t->a >= 1 && t->a <= body->n) &&
+            (constant ? (k < body->n_linear_constant) == (t->i < 3) && t->i < 6
+                      : row < body->n_row && t->i == body->lambda_row[row].i &&
+                            (k < body->n_lambda_constant + body->n_linear) == (t->i < 3));
+  }
+  return sound && (body->n_row == 0 || (row == body->n_row - 1 && body->lambda_row[row].end == body->n_lambda));
+}
+
+/* Terms of S: runs of pairs that follow each other. */
+static int fbi_S_is_sound(const fb_body *body)
+{
+  int terms = 0, sound = fbi_is_within(body->n_S, FBI_MAX_S) && fbi_is_within(body->n_run, FBI_MAX_RUNS) &&
+                         fbi_is_within(body->n_pair, FBI_MAX_PAIRS_S) && fbi_is_finite(body->S, body->n_S);
+  for (int k = 0; sound && k < body->n_run; k++) {
+    const fb_S_run *r = &body->run[k];
+    terms += r->n;
+    sound = r->i < 21 && r->pair + r->n <= body->n_pair;
+  }
+  for (int k = 0; sound && k < body->n_pair; k++) {
+    sound = body->pair[k].a <= body->n && body->pair[k].b <= body->pair[k].a;
+  }
+  return sound && (fbi_form(body) == 0 ? terms == body->n_S : terms <= body->n_S); /* truncation leaves runs out */
+}
+
+#if FB_WITH_FORMS
+static int fbi_form_is_sound(const fb_body *body)
+{
+  int sound = fbi_is_choice((int)body->form, (int)FB_FORM_FIRST) &&
+              fbi_is_choice((int)body->stiffness_torque, (int)FB_TORQUE_BOUNDARY) &&
+              fbi_is_within(body->torque_degree, 3) && fbi_is_within(body->n_run_value, body->n_run) &&
+              fbi_is_within(body->n_lambda_value, body->n_lambda) && fbi_is_within(body->n_gam, 9 * body->n) &&
+              fbi_is_within(body->n_torque, FBI_MAX_TORQUE) && fbi_is_finite(body->M_rr, 21);
+  for (int k = 0; sound && k < body->n_gam + body->n_torque; k++) {
+    const int is_gam = k < body->n_gam;
+    const fb_lambda_term *t = is_gam ? &body->gam[k] : &body->torque[k - body->n_gam];
+    sound = fbi_is_finite(&t->c, 1) && t->i < (is_gam ? 9 : 3) && t->a >= 1 && t->a <= body->n && t->b < body->n;
+  }
+  return sound;
+}
+#endif
+
+#if FB_WITH_NONLINEAR_STRAIN
+static int fbi_strain_is_sound(const fb_body *body)
+{
+  const fb_real number[3] = {body->quartic, body->limit_slope, body->limit_tension};
+  int sound = fbi_is_within(body->n_strain, FBI_MAX_STRAINS) && body->n_strain % 4 == 0 && fbi_is_finite(number, 3) &&
+              fbi_is_within(body->n_strain_row, 3 * body->n) && fbi_is_finite(body->strain_weight, body->n_strain);
+  for (int k = 0; sound && k < body->n_strain_row; k++) {
+    const fb_strain_row *r = &body->strain_row[k];
+    sound = r->axis < 3 && r->a < body->n && fbi_is_finite(r->slope, body->n_strain);
+  }
+  return sound;
+}
+#endif
+
+static int fbi_matrices_are_sound(const fb_body *body)
+{
+  int sound = fbi_sparse_is_sound(&body->M, body->n) && fbi_sparse_is_sound(&body->Minv, body->n) &&
+              fbi_sparse_is_sound(&body->K, body->n);
+#if FB_WITH_DAMPING
+  sound = sound && fbi_sparse_is_sound(&body->C, body->n);
+#endif
+  for (int a = 0; sound && a < body->n; a++) {
+    sound = body->K.diagonal[a] >= FB_R(0.0) && body->reach[a] >= FB_R(0.0) &&
+            (!body->unit_mass || body->M.diagonal[a] > FB_R(0.0));
+  }
+  return sound;
+}
+
+/* Numbers that stand alone, and S_0: positive definite where all of it is free, with its inverse beside it. */
+static int fbi_rigid_is_sound(const fb_body *body)
+{
+  const fb_real number[8] = {body->mass,          body->deflection_limit, body->recoil,     body->gyration,
+                             body->limit_elastic, body->limit_damping,    body->limit_spin, body->limit_acceleration};
+  const fb_real unit[6] = {FB_R(1.0)};
+  fb_real x[6];
+  for (int k = 0; k < 8; k++) {
+    if (!(number[k] >= FB_R(0.0) && number[k] <= FB_HUGE)) {
+      return 0;
+    }
+  }
+  return fbi_is_finite(body->c, 3) && fbi_is_finite(body->reach, body->n) && fbi_is_finite(body->S0, 21) &&
+         fbi_is_finite(body->S0_inverse, 36) &&
+         (body->base != FB_BASE_FREE || fbi_sym6_solve(x, body->S0, unit) == FB_OK);
+}
+
+FB_DEF fb_status fb_body_check(const fb_body *body)
+{
+  int sound;
+  FBI_REQUIRE(body, FB_ERR_NULL);
+  if (!fbi_is_within(body->n, FB_MAX_MODES) || body->n_node < 1 || body->n_node > FB_MAX_NODES) {
+    return FB_ERR_CAPACITY;
+  }
+  sound = !fbi_is_excluded(body->effects) && fbi_is_choice((int)body->base, (int)FB_BASE_HINGED) &&
+          fbi_is_flag(body->unit_mass) && fbi_is_flag(body->constant_S) && fbi_is_flag(body->allow_long_step) &&
+          fbi_rigid_is_sound(body) && fbi_matrices_are_sound(body) && fbi_lambda_is_sound(body) && fbi_S_is_sound(body);
+#if FB_WITH_FORMS
+  sound = sound && fbi_form_is_sound(body);
+#endif
+#if FB_WITH_NONLINEAR_STRAIN
+  sound = sound && fbi_strain_is_sound(body);
+#endif
+#if FB_WITH_GRAVITY
+  sound = sound && fbi_is_finite(body->gravity, 3);
+#endif
+  for (int k = 0; sound && k < body->n_node; k++) {
+    sound = fbi_node_is_finite(&body->node[k], body->n);
+  }
+  return sound ? FB_OK : FB_ERR_VALUE;
+}
+
+/* ---- check word */
+
+/* [E8.40] CRC-32 of whole numbers and reals, four bytes at a time, low byte first: polynomial x^32 + x^26 + x^23 + x^22
+   + x^16 + x^12 + x^11 + x^10 + x^8 + x^7 + x^5 + x^4 + x^2 + x + 1, reflected (0xEDB88320).
+   Source: IEEE 802.3, 3.2.9.  Cost: 32 shifts a word.  Fails: never.
+   Test: the_check_word_sees_every_flipped_bit, the_check_word_sees_every_form. */
+typedef char fbi_crc_takes_four_bytes[sizeof(unsigned) == 4 && sizeof(float) == 4 && sizeof(double) == 8 ? 1 : -1];
+
+static FBI_NOINLINE unsigned fbi_crc_word(unsigned crc, unsigned word)
+{
+  crc ^= word;
+  for (int k = 0; k < 32; k++) {
+    crc = crc >> 1 ^ (0xEDB88320u & (0u - (crc & 1u)));
+  }
+  return crc;
+}
+
+static FBI_NOINLINE unsigned fbi_crc_ints(unsigned crc, const int *x, int n)
+{
+  for (int i = 0; i < n; i++) {
+    crc = fbi_crc_word(crc, (unsigned)x[i]);
+  }
+  return crc;
+}
+
+/* In the precision of the target, whichever the program's. Not in line, here as above: flight code has little room. */
+static FBI_NOINLINE unsigned fbi_crc_reals(unsigned crc, const fb_real *x, int n, int single)
+{
+  for (int i = 0; i < n; i++) {
+    if (single) {
+      const float value = (float)x[i];
+      unsigned bits;
+      memcpy(&bits, &value, sizeof value);
+      crc = fbi_crc_word(crc, bits);
+    } else {
+      const double value = (double)x[i];
+      unsigned long long bits;
+      memcpy(&bits, &value, sizeof value);
+      crc = fbi_crc_word(fbi_crc_word(crc, (unsigned)(bits & 0xFFFFFFFFu)), (unsigned)(bits >> 32));
+    }
+  }
+  return crc;
+}
+
+static unsigned fbi_crc_sparse(unsigned crc, const fb_sparse *m, int n, int single)
+{
+  crc = fbi_crc_reals(fbi_crc_word(crc, (unsigned)m->n_term), m->diagonal, n, single);
+  for (int k = 0; k < m->n_term; k++) {
+    crc = fbi_crc_word(fbi_crc_reals(crc, &m->term[k].c, 1, single), m->term[k].a | (unsigned)m->term[k].b << 16);
+  }
+  return crc;
+}
+
+static unsigned fbi_crc_lambda(unsigned crc, const fb_lambda_term *list, int n, int single)
+{
+  for (int k = 0; k < n; k++) {
+    crc = fbi_crc_word(fbi_crc_reals(crc, &list[k].c, 1, single), list[k].i | (unsigned)list[k].a << 16);
+    crc = fbi_crc_word(crc, list[k].b);
+  }
+  return crc;
+}
+
+static unsigned fbi_crc_terms(unsigned crc, const fb_body *body, int single)
+{
+  for (int k = 0; k < 6; k++) {
+    crc = fbi_crc_word(crc, body->lambda_row[k].i | (unsigned)body->lambda_row[k].end << 16);
+  }
+  crc = fbi_crc_lambda(crc, body->lambda, body->n_lambda, single);
+  crc = fbi_crc_reals(crc, body->S, body->n_S, single);
+  for (int k = 0; k < body->n_run; k++) {
+    crc = fbi_crc_word(fbi_crc_word(crc, body->run[k].i | (unsigned)body->run[k].pair << 16), body->run[k].n);
+  }
+  for (int k = 0; k < body->n_pair; k++) {
+    crc = fbi_crc_word(crc, body->pair[k].a | (unsigned)body->pair[k].b << 16);
+  }
+  return crc;
+}
+
+static unsigned fbi_crc_nodes(unsigned crc, const fb_body *body, int single)
+{
+  const int n = body->n;
+  for (int k = 0; k < body->n_node; k++) {
+    const fb_node *node = &body->node[k];
+    crc = fbi_crc_reals(crc, node->r, 3, single);
+    crc = fbi_crc_reals(fbi_crc_reals(crc, node->psi, 3 * n, single), node->theta, 3 * n, single);
+#if FBI_WITH_QUADRATIC
+    if (fbi_has(body->effects, FBI_QUADRATIC_EFFECTS)) {
+      crc = fbi_crc_reals(crc, node->chi, 3 * n * (n + 1) / 2, single);
+      crc = fbi_crc_reals(crc, node->chi_theta, 3 * n * (n + 1) / 2, single);
+    }
+#endif
+  }
+  return crc;
+}
+
+#if FB_WITH_FORMS
+static unsigned fbi_crc_form(unsigned crc, const fb_body *body, int single)
+{
+  const int whole[] = {(int)body->form,   (int)body->stiffness_torque, body->torque_degree,
+                       body->n_run_value, body->n_lambda_value,        body->n_gam,
+                       body->n_torque};
+  crc = fbi_crc_ints(crc, whole, (int)(sizeof whole / sizeof *whole));
+  crc = fbi_crc_reals(crc, body->M_rr, 21, single);
+  crc = fbi_crc_lambda(crc, body->gam, body->n_gam, single);
+  return fbi_crc_lambda(crc, body->torque, body->n_torque, single);
+}
+#endif
+
+#if FB_WITH_NONLINEAR_STRAIN
+static unsigned fbi_crc_strain(unsigned crc, const fb_body *body, int single)
+{
+  const fb_real number[3] = {body->quartic, body->limit_slope, body->limit_tension};
+  crc = fbi_crc_word(fbi_crc_word(crc, (unsigned)body->n_strain), (unsigned)body->n_strain_row);
+  crc = fbi_crc_reals(fbi_crc_reals(crc, number, 3, single), body->strain_weight, body->n_strain, single);
+  for (int k = 0; k < body->n_strain_row; k++) {
+    const fb_strain_row *r = &body->strain_row[k];
+    crc = fbi_crc_word(fbi_crc_reals(crc, r->slope, body->n_strain, single), r->axis | (unsigned)r->a << 16);
+  }
+  return crc;
+}
+#endif
+
+/* What only some bodies have; nothing of bodies that have none of it. */
+static unsigned fbi_crc_further(unsigned crc, const fb_body *body, int single)
+{
+#if FB_WITH_DAMPING
+  if (fbi_has(body->effects, FB_EFFECT_DAMPING)) {
+    crc = fbi_crc_sparse(crc, &body->C, body->n, single);
+  }
+#endif
+#if FB_WITH_GRAVITY
+  if (fbi_has(body->effects, FB_EFFECT_GRAVITY)) {
+    crc = fbi_crc_reals(crc, body->gravity, 3, single);
+  }
+#endif
+#if FB_WITH_FORMS
+  if (fbi_form(body) != 0) {
+    crc = fbi_crc_form(crc, body, single);
+  }
+#endif
+#if FB_WITH_NONLINEAR_STRAIN
+  if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
+    crc = fbi_crc_strain(crc, body, single);
+  }
+#endif
+  (void)body, (void)single; /* with all of it removed */
+  return crc;
+}
+
+static unsigned fbi_body_crc(const fb_body *body, int single)
+{
+  const int whole[] = {body->n,
+                       body->n_node,
+                       (int)body->effects,
+                       (int)body->base,
+                       body->n_lambda,
+                       body->n_lambda_constant,
+                       body->n_linear,
+                       body->n_linear_constant,
+                       body->n_row,
+                       body->n_S,
+                       body->n_run,
+                       body->n_pair,
+                       body->unit_mass,
+                       body->constant_S,
+                       body->allow_long_step};
+  const fb_real number[8] = {body->mass,          body->deflection_limit, body->recoil,     body->gyration,
+                             body->limit_elastic, body->limit_damping,    body->limit_spin, body->limit_acceleration};
+  unsigned crc = fbi_crc_ints(0xFFFFFFFFu, whole, (int)(sizeof whole / sizeof *whole));
+  crc = fbi_crc_reals(fbi_crc_reals(crc, number, 8, single), body->c, 3, single);
+  crc = fbi_crc_reals(crc, body->reach, body->n, single);
+  crc = fbi_crc_reals(fbi_crc_reals(crc, body->S0, 21, single), body->S0_inverse, 36, single);
+  crc = fbi_crc_sparse(fbi_crc_sparse(crc, &body->M, body->n, single), &body->Minv, body->n, single);
+  crc = fbi_crc_sparse(crc, &body->K, body->n, single);
+  crc = fbi_crc_further(crc, body, single);
+  return ~fbi_crc_nodes(fbi_crc_terms(crc, body, single), body, single);
+}
+
+/* The walk stays within the tables. */
+static int fbi_counts_are_sound(const fb_body *body)
+{
+  int sound = fbi_is_within(body->n, FB_MAX_MODES) && fbi_is_within(body->n_node, FB_MAX_NODES) &&
+              fbi_is_within(body->M.n_term, FBI_MAX_PAIRS) && fbi_is_within(body->Minv.n_term, FBI_MAX_PAIRS) &&
+              fbi_is_within(body->K.n_term, FBI_MAX_PAIRS) && fbi_is_within(body->n_lambda, FBI_MAX_LAMBDA) &&
+              fbi_is_within(body->n_S, FBI_MAX_S) && fbi_is_within(body->n_run, FBI_MAX_RUNS) &&
+              fbi_is_within(body->n_pair, FBI_MAX_PAIRS_S);
+#if FB_WITH_DAMPING
+  sound = sound && fbi_is_within(body->C.n_term, FBI_MAX_PAIRS);
+#endif
+#if FB_WITH_FORMS
+  sound = sound && fbi_is_within(body->n_gam, 9 * FB_MAX_MODES) && fbi_is_within(body->n_torque, FBI_MAX_TORQUE);
+#endif
+#if FB_WITH_NONLINEAR_STRAIN
+  sound =
+      sound && fbi_is_within(body->n_strain, FBI_MAX_STRAINS) && fbi_is_within(body->n_strain_row, 3 * FB_MAX_MODES);
+#endif
+  return sound;
+}
+
+FB_DEF unsigned fb_body_crc(const fb_body *body)
+{
+  FBI_REQUIRE(body, 0);
+  return fbi_counts_are_sound(body) ? fbi_body_crc(body, FB_SINGLE) : 0;
+}
+
+/* ---- nodes and loads */
+
+/* [E9.20] Specific force R^T (a - g) and angular rate R^T w in the section's axes.
+   Source: definition of an accelerometer.  Test: joint_forces_carry_what_hangs_on_them. */
+FB_DEF void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *gravity)
+{
+  FBI_REQUIRE(imu && node, );
+  fb_real R[9], a[3];
+  fb_quat_to_mat33(R, node->quat);
+  for (int i = 0; i < 3; i++) {
+    a[i] = node->acceleration[i] - (gravity ? gravity[i] : FB_R(0.0));
+  }
+  fb_mat33_mulT_vec3(imu->specific_force, R, a);
+  fb_mat33_mulT_vec3(imu->angular_rate, R, node->angular_rate);
+}
+
+#if FB_WITH_SYSTEM
+/* ---------------------------------------------------------------------------------------------------------------
+   RUN >>system: bodies on joints: trees, loops, constraint rows (uses config, status, vec3, rotation, solve, body) */
+
+/* ---- joints */
+
+static int fbi_joint_axes(fb_joint_kind kind)
+{
+  static const int count[] = {6, 0, 1, 1, 2, 1, 2, 3};
+  return count[(int)kind];
+}
+
+/* The joint by which a body hangs; with all joints kept as constraints it is free. */
+static const fb_joint *fbi_link_joint(const fb_system *system, const fb_system_work *w, int k)
+{
+  return w->kept ? &system->free : &system->joint[k];
+}
+
+/* Is joint j a set of constraints? */
+static int fbi_is_kept(const fb_system *system, const fb_system_work *w, int j)
+{
+  return j >= system->n_body || (w->kept && system->joint[j].kind != FB_JOINT_FREE);
+}
+
+/* [E9.1] Twist of an axis a of the joint, child's axes about its origin: a turn about a through d moves the origin by
+   d x a. Source: kinematics.  Shapes: A 6.  Test: every_joint_moves_as_it_should. */
+static void fbi_axis_twist(fb_real A[6], const fb_joint *joint, const fb_real axis[3], fb_real turns, fb_real slides)
+{
+  fb_real a[3];
+  fb_mat33_mul_vec3(a, joint->child_axes, axis);
+  fb_vec3_cross(A, joint->child_position, a);
+  for (int i = 0; i < 3; i++) {
+    A[i] = turns * A[i] + slides * a[i];
+    A[3 + i] = turns * a[i];
+  }
+}
+
+static int fbi_is_attitude(const fb_real quat[4])
+{
+  fb_real copy[4];
+  fbi_copy(copy, quat, 4);
+  return quat[0] == FB_R(0.0) && fbi_vec3_norm(quat + 1) == FB_R(0.0) ? 1 : fb_quat_normalize(copy) == FB_OK;
+}
+
+/* Do the modes of a body move one of its nodes? */
+static int fbi_node_moves(const fb_body *body, int node)
+{
+  fb_real size = FB_R(0.0);
+  for (int i = 0; i < 3 * body->n; i++) {
+    size += FB_FABS(body->node[node].psi[i]) + FB_FABS(body->node[node].theta[i]);
+  }
+  return size > FB_R(0.0);
+}
+
+/* ---- positions */
+
+/* C = axes, turned by the joint's coordinates; slide [m] along z of the axes; universal: twist of its first axis. */
+static void fbi_joint_turn(fb_real C[9], fb_real *slide, fbi_link_work *L, const fb_joint *joint, const fb_real axes[9],
+                           const fb_link_state *x)
+{
+  const fb_joint_kind kind = joint->kind;
+  *slide = kind == FB_JOINT_PRISMATIC     ? x->x[0]
+           : kind == FB_JOINT_CYLINDRICAL ? x->x[1]
+           : kind == FB_JOINT_SCREW       ? joint->pitch * x->x[0]
+                                          : FB_R(0.0);
+  if (kind == FB_JOINT_SPHERICAL) {
+    fb_real turn[9];
+    fb_quat_to_mat33(turn, x->quat);
+    fb_mat33_mul(C, axes, turn);
+  } else if (kind == FB_JOINT_RIGID || kind == FB_JOINT_PRISMATIC) {
+    fbi_mat33_copy(C, axes);
+  } else {
+    const fb_real c = FB_COS(x->x[0]), s = FB_SIN(x->x[0]);
+    FBI_UNROLL
+    for (int i = 0; i < 9; i += 3) {
+      C[i] = c * axes[i] + s * axes[i + 1];
+      C[i + 1] = c * axes[i + 1] - s * axes[i];
+      C[i + 2] = axes[i + 2];
+    }
+  }
+  if (kind == FB_JOINT_UNIVERSAL) {
+    const fb_real c = FB_COS(x->x[1]), s = FB_SIN(x->x[1]);
+    const fb_real first[3] = {FB_R(0.0), s, c}, rate[3] = {FB_R(0.0), c, -s};
+    for (int i = 0; i < 9; i += 3) {
+      const fb_real y = C[i + 1], z = C[i + 2];
+      C[i + 1] = c * y + s * z;
+      C[i + 2] = c * z - s * y;
+    }
+    fbi_axis_twist(L->turned, joint, first, FB_R(1.0), FB_R(0.0));
+    fbi_vec6_copy(L->turned + 6, joint->A + 6);
+    L->A = L->turned;
+    fbi_axis_twist(L->A_dot, joint, rate, FB_R(1.0), FB_R(0.0));
+  }
+}
+
+/* [E9.2] Pose of a body from that of its parent: the node (E8.14), the joint frame on it, the joint's coordinates, the
+   child's frame: R = R_p C,  rho = rho_p + R_p s.
+   Source: kinematics of a chain; [H] 3.1.  Cost: 150 flops, a sine and a cosine an angle.  Fails: never.
+   Test: every_joint_moves_as_it_should. */
+static void fbi_link_place(fbi_link_work *L, const fb_joint *joint, const fbi_link_work *parent, const fb_body *on,
+                           const fb_link_state *x)
+{
+  const fb_real *axes = joint->axes;
+  fb_real turned[9], origin[3], C[9], slide;
+  if (joint->kind == FB_JOINT_FREE) {
+    fb_quat_to_mat33(L->k.R, x->quat); /* rho: fbi_root_place */
+    return;
+  }
+  fbi_vec3_copy(origin, joint->position);
+  if (joint->moves && parent) {
+    fb_real quat[4], R[9];
+    const fb_node *node = &on->node[joint->parent_node];
+    fbi_node_eval(&L->node, on, node, parent->k.qx + 1);
+    fbi_node_quat(quat, &L->node);
+    fb_quat_to_mat33(R, quat);
+    fb_mat33_mul(turned, R, axes);
+    axes = turned;
+    fb_mat33_mul_vec3(origin, R, joint->position);
+    for (int i = 0; i < 3; i++) {
+      L->n[i] = node->r[i] + L->node.u[i];
+      origin[i] += L->n[i];
+    }
+  }
+  fbi_joint_turn(C, &slide, L, joint, axes, x);
+  FBI_UNROLL
+  for (int i = 0; i < 3; i++) {
+    origin[i] += slide * axes[3 * i + 2];
+  }
+  if (joint->turned) {
+    for (int i = 0; i < 9; i++) { /* C child_axes^T */
+      L->C[i] = fb_vec3_dot(C + i / 3 * 3, joint->child_axes + i % 3 * 3);
+    }
+  } else {
+    fbi_mat33_copy(L->C, C);
+  }
+  fb_mat33_mul_vec3(L->s, L->C, joint->child_position);
+  FBI_UNROLL
+  for (int i = 0; i < 3; i++) {
+    L->s[i] = origin[i] - L->s[i];
+  }
+  fbi_vec3_copy(L->arm, L->s);
+  if (joint->moves) {
+    fbi_vec3_add(L->arm, -FB_R(1.0), L->n);
+  }
+  if (!parent) {
+    fbi_mat33_copy(L->k.R, L->C);
+    fbi_vec3_copy(L->rho, L->s);
+    return;
+  }
+  fb_mat33_mul(L->k.R, parent->k.R, L->C);
+  fb_mat33_mul_vec3(L->rho, parent->k.R, L->s);
+  fbi_vec3_add(L->rho, FB_R(1.0), parent->rho);
+}
+
+static fbi_link_work *fbi_parent(fb_system_work *w, const fb_joint *joint)
+{
+  return joint->parent >= 0 ? &w->link[joint->parent] : NULL;
+}
+
+static const fb_body *fbi_model(const fb_system *system, const fb_body *body, int k)
+{
+  return &body[system->model[k]];
+}
+
+/* [E9.21] The frame of a tree: its momenta are relative to a frame that moves with the velocity u of its root, within a
+   step at constant u from where the root was, and positions rho of its bodies are from the origin of that frame. Of
+   that the equations know nothing (Galilei); but positions and velocities against the ground or another tree do. Free
+   trees that are tied have one frame.
+   Source: Galilean invariance.  Test: flight_speed_changes_nothing. */
+static void fbi_root_place(fb_system_work *w, const fb_system *system, const fb_joint *joint, int k,
+                           const fb_link_state *x, const fb_link_state *start)
+{
+  fbi_link_work *L = &w->link[k];
+  if (joint->kind != FB_JOINT_FREE) {
+    L->root = joint->parent >= 0 ? w->link[joint->parent].root : k;
+    if (L->root == k) {
+      fbi_vec3_zero(L->origin);
+      fbi_vec3_zero(L->frame);
+    }
+    return;
+  }
+  L->root = k;
+  for (int i = 0; i < k && system->tied && L->root == k; i++) {
+    L->root = fbi_link_joint(system, w, i)->kind == FB_JOINT_FREE ? i : k;
+  }
+  if (L->root == k) {
+    fbi_vec3_copy(L->origin, start->x);
+    fbi_vec3_copy(L->frame, start->u);
+    fbi_vec3_copy(L->rho, x->lost_x); /* from where it was */
+  } else {
+    const fb_real *origin = w->link[L->root].origin;
+    FBI_UNROLL
+    for (int i = 0; i < 3; i++) {
+      L->rho[i] = (start->x[i] - origin[i]) + x->lost_x[i];
+    }
+  }
+}
+
+/* From the ground, inertial axes: where a point of a body at rho is. */
+static fb_real fbi_true_position(const fb_system_work *w, int link, const fb_real rho[3], int i)
+{
+  const fbi_link_work *root = &w->link[w->link[link].root];
+  return root->origin[i] + (w->clock * root->frame[i] + rho[i]);
+}
+
+/* y += s times how far the frame of link b is from that of a (FB_GROUND: at rest in the origin), or (moves) its
+   velocity against that. */
+static void fbi_frames_apart_add(fb_real y[3], fb_real s, const fb_system_work *w, int a, int b, int moves)
+{
+  const fbi_link_work *from = a >= 0 ? &w->link[w->link[a].root] : NULL;
+  const fbi_link_work *to = b >= 0 ? &w->link[w->link[b].root] : NULL;
+  if (from == to) {
+    return;
+  }
+  for (int i = 0; i < 3; i++) {
+    const fb_real u = (to ? to->frame[i] : FB_R(0.0)) - (from ? from->frame[i] : FB_R(0.0));
+    const fb_real x = (to ? to->origin[i] : FB_R(0.0)) - (from ? from->origin[i] : FB_R(0.0));
+    y[i] += s * (moves ? u : x + w->clock * u);
+  }
+}
+
+/* Poses of all bodies, S(q) of each. modes: whose axes are locked, and the frames of the trees. */
+static void fbi_links_place(fb_system_work *w, const fb_system *system, const fb_body *body,
+                            const fb_system_state *state, const fb_system_state *modes)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_body *model = fbi_model(system, body, k);
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    fbi_link_work *L = &w->link[k];
+    L->k.qx[0] = FB_R(1.0);
+    for (int a = 0; a < model->n; a++) {
+      L->k.qx[a + 1] = state->link[k].q[a];
+    }
+    if (fbi_is_kept(system, w, k)) {
+      L->mode[0] = L->mode[1] = L->mode[2] = FB_AXIS_FREE;
+    } else {
+      L->mode[0] = modes->mode[k][0];
+      L->mode[1] = modes->mode[k][1];
+      L->mode[2] = modes->mode[k][2];
+    }
+    L->joint = joint;
+    L->model = model;
+    L->parent = fbi_parent(w, joint);
+    L->coupled = !w->kept && system->coupled[k];
+    L->has_speeds = 1;
+    L->A = joint->A;
+    fbi_root_place(w, system, joint, k, &state->link[k], &modes->link[k]);
+    fbi_link_place(L, joint, L->parent, joint->parent >= 0 ? fbi_model(system, body, joint->parent) : NULL,
+                   &state->link[k]);
+  }
+}
+
+/* ---- trees: M u = p */
+
+/* Mode of speed i of a joint; the six of a free one share theirs. */
+static fb_axis_mode fbi_axis_mode(const fbi_link_work *L, const fb_joint *joint, int i)
+{
+  return L->mode[joint->kind == FB_JOINT_FREE ? 0 : i];
+}
+
+/* Y = C X C^T */
+static void fbi_mat33_turn(fb_real Y[9], const fb_real C[9], const fb_real X[9])
+{
+  fb_real T[9];
+  fb_mat33_mul(T, C, X);
+  FBI_UNROLL
+  for (int i = 0; i < 9; i += 3) {
+    Y[i] = fb_vec3_dot(T + i, C);
+    Y[i + 1] = fb_vec3_dot(T + i, C + 3);
+    Y[i + 2] = fb_vec3_dot(T + i, C + 6);
+  }
+}
+
+/* The same of a symmetric X. */
+static void fbi_sym3_turn(fb_real Y[9], const fb_real C[9], const fb_real X[9])
+{
+  fb_real T[9];
+  fb_mat33_mul(T, C, X);
+  Y[0] = fb_vec3_dot(T, C);
+  Y[1] = Y[3] = fb_vec3_dot(T, C + 3);
+  Y[2] = Y[6] = fb_vec3_dot(T, C + 6);
+  Y[4] = fb_vec3_dot(T + 3, C + 3);
+  Y[5] = Y[7] = fb_vec3_dot(T + 3, C + 6);
+  Y[8] = fb_vec3_dot(T + 6, C + 6);
+}
+
+/* T += X^T S X for the velocities X V = (v + w x arm, w): a 6x6 inertia about another point. */
+static void fbi_sym6_shift_add(fb_real T[21], const fb_real A[9], const fb_real B[9], const fb_real D[9],
+                               const fb_real arm[3])
+{
+  fb_real BA[9], sB[9], sBA[9]; /* B - A arm^, arm^ B, arm^ (B - A arm^) */
+  FBI_UNROLL
+  for (int i = 0; i < 3; i++) {
+    fb_real row[3];
+    fb_vec3_cross(row, A + 3 * i, arm); /* row of A arm^ is a x arm */
+    FBI_UNROLL
+    for (int j = 0; j < 3; j++) {
+      BA[3 * i + j] = B[3 * i + j] - row[j];
+    }
+  }
+  FBI_UNROLL
+  for (int j = 0; j < 3; j++) {
+    const fb_real x[3] = {B[j], B[3 + j], B[6 + j]}, y[3] = {BA[j], BA[3 + j], BA[6 + j]};
+    fb_real p[3], q[3];
+    fb_vec3_cross(p, arm, x);
+    fb_vec3_cross(q, arm, y);
+    FBI_UNROLL
+    for (int i = 0; i < 3; i++) {
+      sB[3 * i + j] = p[i];
+      sBA[3 * i + j] = q[i];
+    }
+  }
+  T[0] += A[0];
+  T[1] += A[1];
+  T[2] += A[2];
+  T[6] += A[4];
+  T[7] += A[5];
+  T[11] += A[8];
+  FBI_UNROLL
+  for (int j = 0; j < 3; j++) {
+    T[3 + j] += BA[j];
+    T[8 + j] += BA[3 + j];
+    T[12 + j] += BA[6 + j];
+  }
+  T[15] += D[0] + sB[0] + sBA[0];
+  T[16] += D[1] + sB[1] + sBA[3];
+  T[17] += D[2] + sB[2] + sBA[6];
+  T[18] += D[4] + sB[4] + sBA[4];
+  T[19] += D[5] + sB[5] + sBA[7];
+  T[20] += D[8] + sB[8] + sBA[8];
+}
+
+/* The blocks of a packed 6x6: v-v, v-w, w-w. */
+static void fbi_sym6_blocks(fb_real A[9], fb_real B[9], fb_real D[9], const fb_real S[21])
+{
+  A[0] = S[0];
+  A[1] = A[3] = S[1];
+  A[2] = A[6] = S[2];
+  A[4] = S[6];
+  A[5] = A[7] = S[7];
+  A[8] = S[11];
+  B[0] = S[3];
+  B[1] = S[4];
+  B[2] = S[5];
+  B[3] = S[8];
+  B[4] = S[9];
+  B[5] = S[10];
+  B[6] = S[12];
+  B[7] = S[13];
+  B[8] = S[14];
+  D[0] = S[15];
+  D[1] = D[3] = S[16];
+  D[2] = D[6] = S[17];
+  D[4] = S[18];
+  D[5] = D[7] = S[19];
+  D[8] = S[20];
+}
+
+/* [E9.3] The inertia of a child as the parent feels it: turned by C, moved by arm, added to T.
+   Source: congruence.  Cost: 350 flops.  Test: the_three_methods_agree. */
+static void fbi_sym6_to_parent_add(fb_real T[21], const fb_real S[21], const fb_real C[9], const fb_real arm[3])
+{
+  fb_real a[9], b[9], d[9], A[9], B[9], D[9];
+  fbi_sym6_blocks(a, b, d, S);
+  fbi_sym3_turn(A, C, a);
+  fbi_mat33_turn(B, C, b);
+  fbi_sym3_turn(D, C, d);
+  fbi_sym6_shift_add(T, A, B, D, arm);
+}
+
+/* y += the momentum or load x of a child, parent's axes, about the node it hangs on or the parent's origin */
+static void fbi_to_parent_add(fb_real y[6], const fbi_link_work *L, const fb_real x[6])
+{
+  fb_real p[3], h[3];
+  fb_mat33_mul_vec3(p, L->C, x);
+  fb_mat33_mul_vec3(h, L->C, x + 3);
+  fbi_vec3_add(y, FB_R(1.0), p);
+  fbi_vec3_add(y + 3, FB_R(1.0), h);
+  fbi_vec3_add_cross(y + 3, L->arm, p);
+}
+
+/* Velocity of the node that a child hangs on (parent's origin where it does not move), parent's axes. */
+static void fbi_node_velocity(fb_real V[6], const fbi_link_work *L, const fb_joint *joint, const fb_body *on,
+                              const fb_real parent[6], const fb_real *q_dot)
+{
+  fbi_vec6_copy(V, parent);
+  if (joint->moves) {
+    fbi_vec3_add_cross(V, parent + 3, L->n);
+    for (int a = 0; a < on->n; a++) {
+      fbi_vec3_add(V, q_dot[a], L->node.Ju + 3 * a);
+      fbi_vec3_add(V + 3, q_dot[a], L->node.Jphi + 3 * a);
+    }
+  }
+}
+
+/* V of the child from that of the node: (C^T (v + w x arm), C^T w). */
+static void fbi_from_node(fb_real V[6], const fbi_link_work *L, const fb_real node[6])
+{
+  fb_real v[3];
+  fbi_vec3_copy(v, node);
+  fbi_vec3_add_cross(v, node + 3, L->arm);
+  fb_mat33_mulT_vec3(V, L->C, v);
+  fb_mat33_mulT_vec3(V + 3, L->C, node + 3);
+}
+
+/* What joints feel of a body whose modes carry others, or are stiff for the step, or heavy: E = (1 + heavy) M + g C +
+   g^2 K_t, X = Lambda^T, 6 of each mode, S = M_rr = S + Lambda M^-1 Lambda^T. */
+static FBI_NOINLINE void fbi_link_open(fbi_link_work *L, const fb_body *body, fb_real g, fb_real heavy)
+{
+  fb_real sum[21];
+  const int n = body->n;
+  fbi_zero(L->E, n * n);
+  if (g > FB_R(0.0)) {
+    fbi_sparse_add(L->E, FB_R(1.0), &body->K, n);
+#if FB_WITH_NONLINEAR_STRAIN
+    if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
+      fbi_slopes_eval(L->k.slope, body, L->k.qx + 1);
+      fbi_strain_tangent_add(L->E, body, L->k.slope);
+    }
+#endif
+    for (int i = 0; i < n * n; i++) {
+      L->E[i] *= g * g;
+    }
+#if FB_WITH_DAMPING
+    if (fbi_has(body->effects, FB_EFFECT_DAMPING)) {
+      fbi_sparse_add(L->E, g, &body->C, n);
+    }
+#endif
+  }
+  fbi_sparse_add(L->E, FB_R(1.0) + heavy, &body->M, n);
+  fbi_zero(L->X, 6 * n);
+  for (const fb_lambda_term *t = body->lambda; t < body->lambda + body->n_lambda; t++) {
+    L->X[6 * t->b + t->i] -= t->c * L->k.qx[t->a];
+  }
+  fbi_zero(sum, 21);
+  for (int a = 0; a < n && body->unit_mass; a++) {
+    fbi_sym6_rank1_sub(sum, -FB_R(1.0), L->X + 6 * a);
+  }
+  for (int i = 0; i < 6 && !body->unit_mass; i++) {
+    fb_real row[FB_MAX_MODES], y[FB_MAX_MODES];
+    for (int a = 0; a < n; a++) {
+      row[a] = L->X[6 * a + i];
+    }
+    fbi_mass_solve(y, body, row);
+    for (int j = i; j < 6; j++) {
+      for (int a = 0; a < n; a++) {
+        sum[fb_sym6_index(i, j)] += y[a] * L->X[6 * a + j];
+      }
+    }
+  }
+  fbi_row_sub(L->S, -FB_R(1.0), sum, 21); /* at once: S is rounded once */
+}
+
+/* A child with the inertia S on a node that moves: E += J^T I J (its lower triangle, which is factored), X += J^T I V,
+   S += V^T I V with I its inertia about the node and V = (v + w x n, w) the node's velocity by the parent's. */
+static FBI_NOINLINE void fbi_link_carry(fbi_link_work *P, const fbi_link_work *L, const fb_real S[21], int n)
+{
+  fb_real I[21], A[9], B[9], D[9], column[6];
+  fbi_zero(I, 21);
+  fbi_sym6_to_parent_add(I, S, L->C, L->arm);
+  for (int a = 0; a < n; a++) {
+    const fb_real *u = L->node.Ju + 3 * a, *t = L->node.Jphi + 3 * a;
+    const fb_real J[6] = {u[0], u[1], u[2], t[0], t[1], t[2]};
+    fb_sym6_mul_vec6(column, I, J);
+    for (int b = 0; b <= a; b++) {
+      P->E[a * n + b] += fb_vec3_dot(column, L->node.Ju + 3 * b) + fb_vec3_dot(column + 3, L->node.Jphi + 3 * b);
+    }
+    fbi_vec3_add_cross(column + 3, L->n, column);
+    fbi_vec6_add(P->X + 6 * a, FB_R(1.0), column);
+  }
+  fbi_sym6_blocks(A, B, D, I);
+  fbi_sym6_shift_add(P->S, A, B, D, L->n);
+}
+
+/* E = L L^T and X = L^-1 X; S -= X^T X: the modes follow. */
+static FBI_NOINLINE fb_status fbi_link_close(fbi_link_work *L, int n)
+{
+  if (fb_chol_factor(L->E, n) != FB_OK) {
+    return FB_ERR_RANGE;
+  }
+  for (int a = 0; a < n; a++) {
+    const fb_real *row = L->E + a * n;
+    fb_real x[6];
+    fbi_vec6_copy(x, L->X + 6 * a);
+    for (int b = 0; b < a; b++) {
+      fbi_vec6_add(x, -row[b], L->X + 6 * b);
+    }
+    for (int i = 0; i < 6; i++) {
+      L->X[6 * a + i] = x[i] / row[a];
+    }
+    fbi_sym6_rank1_sub(L->S, FB_R(1.0), L->X + 6 * a);
+  }
+  return FB_OK;
+}
+
+/* [E9.4] Articulated inertia: each free axis takes its direction out, S -= U U^T / D, U = S A, D = A.U + g c + g^2 k.
+   Axes of one joint go one after the other, as if massless bodies were between them. D is small against what it is made
+   of, or against the most that an axis further out has taken: the axis moves no inertia.
+   Source: block elimination of M u = p from the tips; [FE] 7.
+   Cost: 80 flops an axis.  Fails: no inertia.  Test: the_three_methods_agree. */
+static fb_status fbi_link_release(fbi_link_work *L, const fb_joint *joint, fb_real g)
+{
+  const fb_real own[6] = {L->S[0], L->S[6], L->S[11], L->S[15], L->S[18], L->S[20]};
+  if (joint->kind == FB_JOINT_FREE) {
+    const fb_real mass = fbi_smaller(FB_FABS(own[0]), fbi_smaller(FB_FABS(own[1]), FB_FABS(own[2])));
+    const fb_real moment = fbi_smaller(FB_FABS(own[3]), fbi_smaller(FB_FABS(own[4]), FB_FABS(own[5])));
+    const int nothing = mass < FB_R(16.0) * FB_EPSILON * L->mass || moment < FB_R(16.0) * FB_EPSILON * L->moment;
+    return L->mode[0] == FB_AXIS_FREE && nothing ? FB_ERR_UNDETERMINED : FB_OK;
+  }
+  for (int i = 0; i < joint->n_axis; i++) {
+    if (L->mode[i] == FB_AXIS_PRESCRIBED) {
+      fb_sym6_mul_vec6(L->U + 6 * i, L->S, L->A + 6 * i);
+    }
+  }
+  const fb_real mass = L->mass, moment = L->moment; /* before */
+  for (int i = 0; i < joint->n_axis; i++) {
+    const fb_real *A = L->A + 6 * i;
+    fb_real *U = L->U + 6 * i, D = g * joint->damping[i] + g * g * joint->stiffness[i], reference = D;
+    if (L->mode[i] != FB_AXIS_FREE) {
+      continue;
+    }
+    fb_sym6_mul_vec6(U, L->S, A);
+    D += fbi_vec6_dot(A, U);
+    reference += A[0] * A[0] * (own[0] + mass) + A[1] * A[1] * (own[1] + mass) + A[2] * A[2] * (own[2] + mass) +
+                 A[3] * A[3] * (own[3] + moment) + A[4] * A[4] * (own[4] + moment) + A[5] * A[5] * (own[5] + moment);
+    if (!(D > FB_R(16.0) * FB_EPSILON * reference)) { /* well below zero: deflected beyond the model */
+      return D < -FB_R(1e-3) * reference ? FB_ERR_RANGE : FB_ERR_UNDETERMINED;
+    }
+    L->D[i] = FB_R(1.0) / D;
+    L->mass = fbi_larger(L->mass, L->D[i] * fb_vec3_dot(U, U));
+    L->moment = fbi_larger(L->moment, L->D[i] * fb_vec3_dot(U + 3, U + 3));
+    fbi_sym6_rank1_sub(L->S, L->D[i], U);
+  }
+  return FB_OK;
+}
+
+/* Factors M + g C + g^2 K of a tree from the tips to the ground; w->joint names the joint on failure. */
+static FBI_FLATTEN fb_status fbi_tree_factor(fb_system_work *w, const fb_system *system, fb_real g)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    const fb_body *model = L->model;
+    if (model->constant_S) {
+      fbi_sym6_copy(L->S, model->S0);
+    } else {
+      fbi_S_eval(L->S, model, L->k.qx, model->n_run);
+    }
+    L->open = model->n > 0 && (L->coupled || g + w->heavy > FB_R(0.0));
+    if (L->open) {
+      fbi_link_open(L, model, g, w->heavy);
+    }
+    L->mass = L->moment = FB_R(0.0);
+  }
+  for (int k = system->n_body - 1; k >= 0; k--) {
+    fbi_link_work *L = &w->link[k], *parent = L->parent;
+    const fb_joint *joint = L->joint;
+    fb_status status = L->open ? fbi_link_close(L, L->model->n) : FB_OK;
+    status = status == FB_OK ? fbi_link_release(L, joint, g) : status;
+    if (status != FB_OK) {
+      w->joint = k;
+      return status;
+    }
+    if (parent) {
+      parent->mass = fbi_larger(parent->mass, L->mass);
+      parent->moment = fbi_larger(parent->moment, L->moment + L->mass * fb_vec3_dot(L->s, L->s));
+    }
+    if (parent && joint->moves) {
+      fbi_link_carry(parent, L, L->S, parent->model->n);
+    } else if (parent) {
+      fbi_sym6_to_parent_add(parent->S, L->S, L->C, L->arm);
+    }
+  }
+  return FB_OK;
+}
+
+/* The right-hand side's way in: what the body and all that hangs on it hand to the joint, b; e of the modes. */
+static void fbi_link_in(fbi_link_work *L, const fb_joint *joint, const fb_body *body)
+{
+  const int n = body->n;
+  if (L->open) {
+    fb_real b[6];
+    fbi_vec6_copy(b, L->b);
+    fbi_chol_forward(L->e, L->E, L->e, n);
+    for (int a = 0; a < n; a++) {
+      fbi_vec6_add(b, L->e[a], L->X + 6 * a);
+    }
+    fbi_vec6_copy(L->b, b);
+  } else if (n > 0) {
+    fb_real own[6] = {0}, e[FB_MAX_MODES];
+    fbi_copy(e, L->e, n);
+    fbi_mass_solve(L->e, body, e);
+    fbi_lambda_sub(own, body, L->k.qx, L->e);
+    fbi_vec6_add(L->b, -FB_R(1.0), own);
+  }
+  if (joint->kind == FB_JOINT_FREE) {
+    return;
+  }
+  for (int i = 0; i < joint->n_axis; i++) {
+    if (L->mode[i] == FB_AXIS_PRESCRIBED) {
+      fbi_vec6_add(L->b, L->p[i], L->U + 6 * i);
+    }
+  }
+  for (int i = 0; i < joint->n_axis; i++) {
+    if (L->mode[i] == FB_AXIS_FREE) {
+      L->r[i] = L->D[i] * (L->p[i] - fbi_vec6_dot(L->A + 6 * i, L->b));
+      fbi_vec6_add(L->b, L->r[i], L->U + 6 * i);
+    }
+  }
+}
+
+/* V = S^-1 y of a free joint. What joints outward have taken leaves its rounding in every direction, of which pivots in
+   fixed order show no more than the root: where one is below that, E3.2 decides. */
+static fb_status fbi_free_solve(fb_real V[6], const fbi_link_work *L, const fb_real y[6])
+{
+  const fb_real tol = 64 * FB_EPSILON, root = FB_SINGLE ? FB_R(4e-3) : FB_R(2e-7);
+  fb_real reference[6];
+  fbi_sym6_reference(reference, L->S, L->mass, L->moment);
+  if (fbi_sym6_solve_above(V, L->S, y, reference, root) == FB_OK) {
+    return FB_OK;
+  }
+  return fbi_sym6_stands_out(L->S, 0, reference, tol) ? fbi_sym6_solve(V, L->S, y) : FB_ERR_SINGULAR;
+}
+
+/* Velocities outward: V of the body from that of the node it hangs on, the speeds of its joint and modes; momentum G of
+   the subtree. */
+static fb_status fbi_link_out(fbi_link_work *L, const fb_joint *joint, const fb_body *body, const fb_real node[6])
+{
+  const int n = body->n;
+  fb_real V[6] = {0};
+  if (joint->kind == FB_JOINT_FREE) {
+    fb_real y[6];
+    fbi_vec6_copy(y, L->p);
+    fbi_vec6_add(y, -FB_R(1.0), L->b);
+    if (L->mode[0] == FB_AXIS_PRESCRIBED) {
+      fbi_vec6_copy(V, L->p);
+    }
+    if (L->mode[0] == FB_AXIS_FREE && fbi_free_solve(V, L, y) != FB_OK) {
+      return !fbi_is_finite(L->S, 21) ? FB_ERR_NOT_FINITE : n > 0 ? FB_ERR_RANGE : FB_ERR_UNDETERMINED;
+    }
+    fbi_vec6_copy(L->u, V);
+    if (L->mode[0] == FB_AXIS_FREE) {
+      fbi_vec6_copy(L->G, y); /* S V */
+    } else {
+      fb_sym6_mul_vec6(L->G, L->S, V);
+    }
+  } else {
+    if (node) {
+      fbi_from_node(V, L, node);
+    }
+    fb_sym6_mul_vec6(L->G, L->S, V);
+    for (int i = joint->n_axis - 1; i >= 0; i--) {
+      if (L->mode[i] == FB_AXIS_FREE) {
+        L->u[i] = L->r[i] - L->D[i] * fbi_vec6_dot(L->U + 6 * i, V);
+        fbi_vec6_add(V, L->u[i], L->A + 6 * i);
+      } else {
+        L->u[i] = L->mode[i] == FB_AXIS_PRESCRIBED ? L->p[i] : FB_R(0.0);
+      }
+    }
+    for (int i = 0; i < joint->n_axis; i++) {
+      if (L->mode[i] == FB_AXIS_PRESCRIBED) {
+        fbi_vec6_add(V, L->u[i], L->A + 6 * i);
+      }
+    }
+  }
+  fbi_vec6_copy(L->V, V);
+  fbi_vec6_add(L->G, FB_R(1.0), L->b);
+  if (L->open) {
+    for (int a = 0; a < n; a++) {
+      L->q_dot[a] = L->e[a] - fbi_vec6_dot(L->X + 6 * a, V);
+    }
+    fbi_chol_back(L->q_dot, L->E, L->q_dot, n);
+  } else if (n > 0 && L->has_speeds) {
+    fb_real e[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0};
+    fbi_zero(e, n);
+    fbi_lambda_gradients(e, unused, body, V, L->k.qx, L->e);
+    fbi_mass_solve(L->q_dot, body, e);
+    for (int a = 0; a < n; a++) {
+      L->q_dot[a] += L->e[a];
+    }
+  }
+  return FB_OK;
+}
+
+/* b of a body goes to the parent (NULL: none), and what it does to the parent's n modes is taken off their e. */
+static void fbi_hand_in(fbi_link_work *parent, const fbi_link_work *L, const fb_joint *joint, int n)
+{
+  if (parent && joint->moves) {
+    fb_real b[6] = {0};
+    fbi_to_parent_add(b, L, L->b);
+    for (int a = 0; a < n; a++) {
+      parent->e[a] -= fb_vec3_dot(L->node.Ju + 3 * a, b) + fb_vec3_dot(L->node.Jphi + 3 * a, b + 3);
+    }
+    fbi_vec3_add_cross(b + 3, L->n, b);
+    fbi_vec6_add(parent->b, FB_R(1.0), b);
+  } else if (parent) {
+    fbi_to_parent_add(parent->b, L, L->b);
+  }
+}
+
+/* The same of body k, before it is placed. */
+static void fbi_hand_in_at(fb_system_work *w, const fb_system *system, const fb_body *body, int k)
+{
+  const fb_joint *joint = fbi_link_joint(system, w, k);
+  fbi_hand_in(fbi_parent(w, joint), &w->link[k], joint,
+              joint->parent >= 0 ? fbi_model(system, body, joint->parent)->n : 0);
+}
+
+/* [E9.5] Solution of M u = p with the factors of E9.4: in from the tips, b = momentum of the subtree at V = 0, out from
+   the ground. p of a prescribed axis is its speed; y is a momentum (or load) on the body itself, about O, that p and pi
+   do not hold. b and G become what the subtree's momentum is, less y.
+   Source: back-substitution.  Cost: 200 flops a body.  Test: the_three_methods_agree, momenta_give_back_the_speeds. */
+static FBI_FLATTEN fb_status fbi_tree_solve(fb_system_work *w, const fb_system *system)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    fbi_vec6_zero(L->b);
+    fbi_vec6_add(L->b, -FB_R(1.0), L->y);
+    fbi_copy(L->e, L->pi, L->model->n);
+  }
+  for (int k = system->n_body - 1; k >= 0; k--) {
+    fbi_link_work *L = &w->link[k], *parent = L->parent;
+    fbi_link_in(L, L->joint, L->model);
+    fbi_hand_in(parent, L, L->joint, parent ? parent->model->n : 0);
+  }
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    const fbi_link_work *parent = L->parent;
+    fb_real node[6];
+    fb_status status;
+    if (parent) {
+      fbi_node_velocity(node, L, L->joint, parent->model, parent->V, parent->q_dot);
+    }
+    status = fbi_link_out(L, L->joint, L->model, parent ? node : NULL);
+    if (status != FB_OK) {
+      w->joint = k;
+      return status;
+    }
+  }
+  return FB_OK;
+}
+
+/* ---- the same by one dense matrix */
+
+/* Place of a body's speeds among all of them: those of its joint, then of its modes. */
+static int fbi_speed_offset(const fb_system *system, const fb_system_work *w, const fb_body *body, int k)
+{
+  int at = 0;
+  for (int i = 0; i < k; i++) {
+    at += fbi_link_joint(system, w, i)->n_axis + fbi_model(system, body, i)->n;
+  }
+  return at;
+}
+
+/* Row c of T: the velocity V of body k per unit of speed c. */
+static void fbi_velocity_map(fb_system_work *w, const fb_system *system, const fb_body *body, int k, int N)
+{
+  const fbi_link_work *L = &w->link[k];
+  const fb_joint *joint = fbi_link_joint(system, w, k);
+  const int at = fbi_speed_offset(system, w, body, k);
+  fb_real *T = w->T + 6 * k * N;
+  fbi_zero(T, 6 * N);
+  if (joint->parent >= 0) {
+    const fb_body *on = fbi_model(system, body, joint->parent);
+    const fb_real *parent = w->T + 6 * joint->parent * N;
+    const int first = fbi_speed_offset(system, w, body, joint->parent + 1) - on->n;
+    for (int c = 0; c < at; c++) {
+      fb_real q_dot[FB_MAX_MODES] = {0}, node[6];
+      if (c >= first && c < first + on->n) {
+        q_dot[c - first] = FB_R(1.0);
+      }
+      fbi_node_velocity(node, L, joint, on, parent + 6 * c, q_dot);
+      fbi_from_node(T + 6 * c, L, node);
+    }
+  }
+  for (int i = 0; i < joint->n_axis; i++) {
+    if (joint->kind == FB_JOINT_FREE) {
+      T[6 * (at + i) + i] = FB_R(1.0);
+    } else {
+      fbi_vec6_copy(T + 6 * (at + i), L->A + 6 * i);
+    }
+  }
+}
+
+/* [E9.6] Mass matrix of a tree, M = sum of (T, 1)^T [M_rr Lambda; Lambda^T E] (T, 1) over the bodies, V = T u, with the
+   given speeds as they are; LU.
+   Source: THEORY.md 9.1; [H] 3.3.  Cost: bodies N^2 and 2/3 N^3 flops.  Fails: singular.
+   Test: the_three_methods_agree. */
+static FBI_NOINLINE fb_status fbi_dense_factor(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                               fb_real g)
+{
+  const int N = fbi_speed_offset(system, w, body, system->n_body);
+  fbi_zero(w->M, N * N);
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    const fb_body *model = fbi_model(system, body, k);
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    const int axes = fbi_speed_offset(system, w, body, k), at = axes + joint->n_axis;
+    const fb_real *T = w->T + 6 * k * N;
+    fbi_S_eval(L->S, model, L->k.qx, model->n_run);
+    fbi_link_open(L, model, g, w->heavy);
+    fbi_velocity_map(w, system, body, k, N);
+    for (int c = 0; c < at; c++) {
+      fb_real h[6];
+      fb_sym6_mul_vec6(h, L->S, T + 6 * c);
+      for (int d = 0; d <= c; d++) {
+        w->M[c * N + d] += fbi_vec6_dot(T + 6 * d, h);
+      }
+      for (int a = 0; a < model->n; a++) {
+        w->M[(at + a) * N + c] += fbi_vec6_dot(L->X + 6 * a, T + 6 * c);
+      }
+    }
+    for (int a = 0; a < model->n; a++) {
+      fbi_row_sub(w->M + (at + a) * N + at, -FB_R(1.0), L->E + a * model->n, a + 1);
+    }
+    for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
+      w->M[(axes + i) * (N + 1)] += g * joint->damping[i] + g * g * joint->stiffness[i];
+    }
+  }
+  for (int c = 0; c < N; c++) {
+    for (int d = 0; d < c; d++) {
+      w->M[d * N + c] = w->M[c * N + d];
+    }
+  }
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    for (int i = 0; i < joint->n_axis; i++) {
+      const int c = fbi_speed_offset(system, w, body, k) + i;
+      if (fbi_axis_mode(&w->link[k], joint, i) != FB_AXIS_FREE) {
+        fbi_zero(w->M + c * N, N);
+        w->M[c * (N + 1)] = FB_R(1.0);
+      }
+    }
+  }
+  {
+    const fb_status status = fb_lu_factor(w->M, w->perm, w->z, N);
+    return status == FB_ERR_SINGULAR ? FB_ERR_UNDETERMINED : status;
+  }
+}
+
+/* E9.5 with the factors of E9.6. */
+static FBI_NOINLINE void fbi_dense_solve(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  const int N = fbi_speed_offset(system, w, body, system->n_body);
+  for (int k = 0; k < system->n_body; k++) {
+    for (int i = 0; i < 6; i++) {
+      w->link[k].b[i] = -w->link[k].y[i];
+    }
+    fbi_copy(w->link[k].e, w->link[k].pi, fbi_model(system, body, k)->n);
+  }
+  for (int k = system->n_body - 1; k >= 0; k--) {
+    fbi_link_work *L = &w->link[k];
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    const int at = fbi_speed_offset(system, w, body, k);
+    for (int i = 0; i < joint->n_axis; i++) {
+      const fb_real along = joint->kind == FB_JOINT_FREE ? L->b[i] : fbi_vec6_dot(L->A + 6 * i, L->b);
+      const fb_real given = fbi_axis_mode(L, joint, i) == FB_AXIS_PRESCRIBED ? L->p[i] : FB_R(0.0);
+      w->z[at + i] = fbi_axis_mode(L, joint, i) != FB_AXIS_FREE ? given : L->p[i] - along;
+    }
+    fbi_copy(w->z + at + joint->n_axis, L->e, fbi_model(system, body, k)->n);
+    fbi_hand_in_at(w, system, body, k);
+  }
+  fb_lu_solve(w->speed, w->M, w->perm, w->z, N);
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    const fb_body *model = fbi_model(system, body, k);
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    const int at = fbi_speed_offset(system, w, body, k);
+    fbi_copy(L->u, w->speed + at, joint->n_axis);
+    fbi_copy(L->q_dot, w->speed + at + joint->n_axis, model->n);
+    fbi_vec6_zero(L->V);
+    for (int c = 0; c < N; c++) {
+      fbi_row_sub(L->V, -w->speed[c], w->T + 6 * (k * N + c), 6);
+    }
+    fb_sym6_mul_vec6(L->b, L->S, L->V);
+    for (int a = 0; a < model->n; a++) {
+      fbi_vec6_add(L->b, L->q_dot[a], L->X + 6 * a);
+    }
+    fbi_vec6_add(L->b, -FB_R(1.0), L->y);
+  }
+  for (int k = system->n_body - 1; k >= 0; k--) {
+    fbi_vec6_copy(w->link[k].G, w->link[k].b);
+    fbi_hand_in_at(w, system, body, k);
+  }
+}
+
+static fb_status fbi_mass_factor(fb_system_work *w, const fb_system *system, const fb_body *body, fb_real g)
+{
+  w->joint = -1;
+  if (system->method == FB_METHOD_DENSE) {
+    const fb_status status = fbi_dense_factor(w, system, body, g);
+    if (status == FB_ERR_UNDETERMINED) {
+      (void)fbi_tree_factor(w, system, g); /* knows the joint */
+    }
+    return status;
+  }
+  return fbi_tree_factor(w, system, g);
+}
+
+static fb_status fbi_speeds_solve(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  if (system->method == FB_METHOD_DENSE) {
+    fbi_dense_solve(w, system, body);
+    return FB_OK;
+  }
+  return fbi_tree_solve(w, system);
+}
+
+/* ---- constraints */
+
+/* The end of a constraint at a node of a body: found among those there are, or a new one. */
+static fb_status fbi_end_find(int *at, fb_system_work *w, const fb_system *system, const fb_body *body, int link,
+                              int node)
+{
+  fbi_end *end = w->end;
+  FBI_REQUIRE(link >= FB_GROUND && link < system->n_body, FB_ERR_CAPACITY);
+  FBI_REQUIRE(node >= 0 && node < (link < 0 ? 1 : fbi_model(system, body, link)->n_node), FB_ERR_CAPACITY);
+  for (*at = 0; *at < w->n_end; ++*at, end++) {
+    if (end->link == link && end->node == node) {
+      return FB_OK;
+    }
+  }
+  FBI_REQUIRE(w->n_end < FBI_MAX_ENDS, FB_ERR_CAPACITY);
+  w->n_end++;
+  memset(end, 0, sizeof *end);
+  end->link = link;
+  end->node = node;
+  end->R[0] = end->R[4] = end->R[8] = FB_R(1.0);
+  if (link >= 0) {
+    const fb_body *model = fbi_model(system, body, link);
+    const fbi_link_work *L = &w->link[link];
+    fb_real quat[4], turn[9];
+    end->moves = fbi_node_moves(model, node);
+    fbi_node_eval(&end->f, model, &model->node[node], L->k.qx + 1);
+    fbi_vec3_copy(end->n, model->node[node].r);
+    fbi_vec3_add(end->n, FB_R(1.0), end->f.u);
+    fbi_node_quat(quat, &end->f);
+    fb_quat_to_mat33(turn, quat);
+    fb_mat33_mul(end->R, L->k.R, turn);
+    fb_mat33_mul_vec3(end->x, L->k.R, end->n);
+    fbi_vec3_add(end->x, FB_R(1.0), L->rho);
+  }
+  return FB_OK;
+}
+
+/* v, w of an end, inertial axes, from the solution V, q_dot. */
+static void fbi_end_velocity(fb_real v[3], fb_real w_I[3], const fb_system_work *w, const fb_system *system,
+                             const fb_body *body, const fbi_end *end)
+{
+  fbi_vec3_zero(v);
+  fbi_vec3_zero(w_I);
+  if (end->link >= 0) {
+    const fbi_link_work *L = &w->link[end->link];
+    fb_real velocity[3], rate[3];
+    fbi_vec3_copy(velocity, L->V);
+    fbi_vec3_copy(rate, L->V + 3);
+    fbi_vec3_add_cross(velocity, L->V + 3, end->n);
+    for (int a = 0; a < fbi_model(system, body, end->link)->n && end->moves; a++) {
+      fbi_vec3_add(velocity, L->q_dot[a], end->f.Ju + 3 * a);
+      fbi_vec3_add(rate, L->q_dot[a], end->f.Jphi + 3 * a);
+    }
+    fb_mat33_mul_vec3(v, L->k.R, velocity);
+    fb_mat33_mul_vec3(w_I, L->k.R, rate);
+  }
+}
+
+/* s times a force and torque (inertial axes) on the node of an end: y about its body's origin, e of the modes. */
+static void fbi_end_push(fb_real y[6], fb_real *e, const fbi_link_work *L, const fbi_end *end, int n, fb_real s,
+                         const fb_real force[3], const fb_real torque[3])
+{
+  fb_real f[3], t[3];
+  fb_mat33_mulT_vec3(f, L->k.R, force);
+  fb_mat33_mulT_vec3(t, L->k.R, torque);
+  for (int a = 0; a < n && end->moves; a++) {
+    e[a] += s * (fb_vec3_dot(end->f.Ju + 3 * a, f) + fb_vec3_dot(end->f.Jphi + 3 * a, t));
+  }
+  fbi_vec3_add_cross(t, end->n, f);
+  fbi_vec3_add(y, s, f);
+  fbi_vec3_add(y + 3, s, t);
+}
+
+typedef struct fbi_frames { /* of a kept joint on its parent a and child b, inertial axes */
+  fbi_end *end[2];
+  int at[2];
+  fb_real a[3][3], b[3][3]; /* axes x, y, z */
+  fb_real x[2][3];          /* origins */
+  fb_real arm[2][3];        /* from the ends: to the child's origin */
+  fb_real step[3];          /* from the parent's origin to the child's */
+} fbi_frames;
+
+static fb_status fbi_frames_eval(fbi_frames *f, fb_system_work *w, const fb_system *system, const fb_body *body, int j)
+{
+  const fb_joint *joint = &system->joint[j];
+  const fb_real *local[2], *axes[2];
+  int parent_node = joint->parent_node;
+  fb_status status;
+  local[0] = joint->position;
+  local[1] = joint->child_position;
+  axes[0] = joint->axes;
+  axes[1] = joint->child_axes;
+  if (!joint->moves) {
+    parent_node = 0; /* the position is from the origin */
+  }
+  status = fbi_end_find(&f->at[0], w, system, body, joint->parent, parent_node);
+  status = status == FB_OK ? fbi_end_find(&f->at[1], w, system, body, joint->child, joint->child_node) : status;
+  if (status != FB_OK) {
+    return status;
+  }
+  for (int s = 0; s < 2; s++) {
+    f->end[s] = &w->end[f->at[s]];
+    fb_mat33_mul_vec3(f->x[s], f->end[s]->R, local[s]);
+    fbi_vec3_add(f->x[s], FB_R(1.0), f->end[s]->x);
+    for (int i = 0; i < 3; i++) {
+      const fb_real column[3] = {axes[s][i], axes[s][3 + i], axes[s][6 + i]};
+      fb_mat33_mul_vec3(s == 0 ? f->a[i] : f->b[i], f->end[s]->R, column);
+    }
+  }
+  for (int i = 0; i < 3; i++) {
+    f->step[i] = f->x[1][i] - f->x[0][i];
+    f->arm[0][i] = f->x[1][i] - f->end[0]->x[i];
+    f->arm[1][i] = f->x[1][i] - f->end[1]->x[i];
+  }
+  fbi_frames_apart_add(f->step, FB_R(1.0), w, joint->parent, joint->child, 0);
+  fbi_frames_apart_add(f->arm[0], FB_R(1.0), w, joint->parent, joint->child, 0);
+  return FB_OK;
+}
+
+/* [E9.7] Coordinates of a joint from its frames; angles within half a turn. rotation: those of a rotation vector.
+   Source: [H] 3.1.  Test: the_three_methods_agree. */
+static void fbi_frames_value(fb_real value[3], const fbi_frames *f, const fb_joint *joint)
+{
+  const fb_real slide = fb_vec3_dot(f->step, f->a[2]);
+  const fb_joint_kind kind = joint->kind;
+  fbi_vec3_zero(value);
+  if (kind == FB_JOINT_PRISMATIC) {
+    value[0] = slide;
+  } else if (kind == FB_JOINT_SPHERICAL) {
+    fb_real R[9], quat[4];
+    for (int i = 0; i < 9; i++) {
+      R[i] = fb_vec3_dot(f->a[i / 3], f->b[i % 3]);
+    }
+    fbi_quat_from_mat33(quat, R);
+    fb_quat_to_rotvec(value, quat);
+  } else {
+    value[0] = FB_ATAN2(fb_vec3_dot(f->a[1], f->b[0]), fb_vec3_dot(f->a[0], f->b[0]));
+    value[1] = kind == FB_JOINT_CYLINDRICAL ? slide : FB_R(0.0);
+    if (kind == FB_JOINT_UNIVERSAL) {
+      value[1] = FB_ATAN2(fb_vec3_dot(f->a[2], f->b[1]), fb_vec3_dot(f->a[2], f->b[2]));
+    }
+  }
+}
+
+/* The direction (force, torque) in which axis i of a joint pushes its child at the child's frame. */
+static void fbi_frames_axis(fb_real force[3], fb_real torque[3], const fbi_frames *f, const fb_joint *joint, int i)
+{
+  const fb_joint_kind kind = joint->kind;
+  fbi_vec3_zero(force);
+  fbi_vec3_zero(torque);
+  if (kind == FB_JOINT_PRISMATIC || (kind == FB_JOINT_CYLINDRICAL && i == 1)) {
+    fbi_vec3_copy(force, f->a[2]);
+  } else if (kind == FB_JOINT_SPHERICAL) {
+    fbi_vec3_copy(torque, f->b[i]);
+  } else {
+    fbi_vec3_copy(torque, kind == FB_JOINT_UNIVERSAL && i == 1 ? f->b[0] : f->a[2]);
+  }
+}
+
+/* A new row of joint j that pushes along (force, torque) at the child's origin, and back on the parent. */
+static fbi_row *fbi_row_new(fb_system_work *w, const fbi_frames *f, int j, const fb_real force[3],
+                            const fb_real torque[3], fb_real value)
+{
+  fbi_row *row;
+  if (w->n_row >= FB_MAX_ROWS) {
+    return NULL;
+  }
+  row = &w->row[w->n_row++];
+  memset(row, 0, sizeof *row);
+  row->joint = j;
+  row->r.holonomic = 1;
+  row->r.value = value;
+  for (int s = 0; s < 2; s++) {
+    const fb_real sign = s == 0 ? -FB_R(1.0) : FB_R(1.0);
+    row->end[s] = f->at[s];
+    fbi_vec3_add(row->r.force[s], sign, force);
+    fbi_vec3_add(row->r.torque[s], sign, torque);
+    {
+      fb_real moment[3];
+      fb_vec3_cross(moment, f->arm[s], force);
+      fbi_vec3_add(row->r.torque[s], sign, moment);
+    }
+  }
+  return row;
+}
+
+/* Which of its frame's directions a joint holds: translations 0..2, then the angles between axis i of the parent and j
+   of the child at 90 degrees, as 3 + 3 i + j; -1 ends the list. */
+static const signed char *fbi_joint_holds(fb_joint_kind kind)
+{
+  static const signed char list[8][7] = {{-1},
+                                         {0, 1, 2, 3 + 1, 3 + 5, 3 + 6, -1},
+                                         {0, 1, 2, 3 + 2, 3 + 5, -1},
+                                         {0, 1, 3 + 1, 3 + 5, 3 + 6, -1},
+                                         {0, 1, 3 + 2, 3 + 5, -1},
+                                         {0, 1, 3 + 2, 3 + 5, -1},
+                                         {0, 1, 2, 3 + 6, -1},
+                                         {0, 1, 2, -1}};
+  return list[(int)kind];
+}
+
+static fb_real fbi_angle_wrap(fb_real angle)
+{
+  return FB_ATAN2(FB_SIN(angle), FB_COS(angle));
+}
+
+/* Does axis i of the joint slide? */
+static int fbi_axis_slides(const fb_joint *joint, int i)
+{
+  return joint->kind == FB_JOINT_PRISMATIC || (joint->kind == FB_JOINT_CYLINDRICAL && i == 1);
+}
+
+/* Rows of the axes that are locked or prescribed. */
+static int fbi_given_rows(fb_system_work *w, const fb_system *system, const fbi_frames *f, int j,
+                          const fb_system_state *modes, const fb_system_input *input)
+{
+  const fb_joint *joint = &system->joint[j];
+  fb_real value[3], force[3], torque[3];
+  fbi_frames_value(value, f, joint);
+  for (int i = 0; i < joint->n_axis; i++) {
+    const int prescribed = modes->mode[j][i] == FB_AXIS_PRESCRIBED;
+    const fb_real target = !prescribed ? modes->hold[j][i] : input ? input->drive[j].value[i] : FB_R(0.0);
+    fb_real miss = value[i] - target;
+    fbi_row *row;
+    if (modes->mode[j][i] == FB_AXIS_FREE) {
+      continue;
+    }
+    fbi_frames_axis(force, torque, f, joint, i);
+    if (joint->kind == FB_JOINT_SPHERICAL && !prescribed) { /* against the axes as they were when it was locked */
+      fb_real hold[9], b[3] = {0};
+      const int next = (i + 1) % 3;
+      fb_quat_to_mat33(hold, modes->hold_quat[j]);
+      for (int k = 0; k < 3; k++) {
+        fbi_vec3_add(b, hold[3 * next + k], f->b[k]);
+      }
+      fb_vec3_cross(torque, b, f->a[i]);
+      miss = fb_vec3_dot(f->a[i], b);
+    } else if (!fbi_axis_slides(joint, i)) {
+      miss = fbi_angle_wrap(miss);
+    }
+    row = fbi_row_new(w, f, j, force, torque, miss);
+    if (!row) {
+      return 0;
+    }
+    row->axis = i;
+    if (prescribed) {
+      row->r.b = input ? -input->drive[j].rate[i] : FB_R(0.0);
+      row->b_dot = input ? -input->drive[j].acceleration[i] : FB_R(0.0);
+      row->r.holonomic = joint->kind != FB_JOINT_SPHERICAL;
+    }
+  }
+  return 1;
+}
+
+/* [E9.8] Rows of a joint that is kept: force and torque on the child at its joint frame, the opposite on the parent.
+   Translation along a_i: force a_i, value a_i.(x_b - x_a). Right angle of a_i and b_j: torque b_j x a_i, value a_i.b_j.
+   Screw: force a_z, torque -pitch a_z, value slide - pitch angle. Each is the exact gradient of its value.
+   Source: [H] 3.4; direction cosines.  Fails: more than FB_MAX_ROWS.  Test: the_three_methods_agree. */
+static fb_status fbi_joint_rows(fb_system_work *w, const fb_system *system, const fb_body *body, int j,
+                                const fb_system_state *modes, const fb_system_input *input)
+{
+  const fb_joint *joint = &system->joint[j];
+  static const fb_real none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fbi_frames f;
+  const fb_status status = fbi_frames_eval(&f, w, system, body, j);
+  int room = 1;
+  if (status != FB_OK) {
+    return status;
+  }
+  for (const signed char *hold = fbi_joint_holds(joint->kind); *hold >= 0 && room; hold++) {
+    const fb_real *a = f.a[*hold < 3 ? *hold : (*hold - 3) / 3];
+    fbi_row *row;
+    if (*hold < 3) {
+      row = fbi_row_new(w, &f, j, a, none, fb_vec3_dot(a, f.step));
+    } else {
+      const fb_real *b = f.b[(*hold - 3) % 3];
+      fb_real torque[3];
+      fb_vec3_cross(torque, b, a);
+      row = fbi_row_new(w, &f, j, none, torque, fb_vec3_dot(a, b));
+    }
+    room = row != NULL;
+    if (row) {
+      row->axis = -1 - *hold;
+    }
+  }
+  if (joint->kind == FB_JOINT_SCREW && room) {
+    const fb_real slide = fb_vec3_dot(f.a[2], f.step);
+    fb_real value[3], torque[3] = {0};
+    fbi_row *row;
+    fbi_frames_value(value, &f, joint);
+    fbi_vec3_add(torque, -joint->pitch, f.a[2]);
+    value[0] = joint->pitch == FB_R(0.0) ? slide : joint->pitch * fbi_angle_wrap(slide / joint->pitch - value[0]);
+    row = fbi_row_new(w, &f, j, f.a[2], torque, value[0]);
+    room = row != NULL;
+    if (row) {
+      row->axis = 0;
+    }
+  }
+  return room && fbi_given_rows(w, system, &f, j, modes, input) ? FB_OK : FB_ERR_CAPACITY;
+}
+
+/* Rates of a joint's rows along the motion of its ends: axes of the parent turn with it, those of the child with the
+   child; given axes with either: what is between them is a torque that the joint bears, and across its motion. The
+   frames are where they were. */
+static void fbi_joint_row_rates(fbi_row *row, fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  const int hold = -1 - row->axis;
+  fbi_frames f;
+  fb_real force[3] = {0}, force_dot[3] = {0}, torque_dot[3] = {0}, at_child[3];
+  (void)fbi_frames_eval(&f, w, system, body, row->joint);
+  fbi_vec3_copy(force, row->r.force[1]);
+  if (row->axis >= 0) {
+    fb_real torque[3], moment[3];
+    fb_vec3_cross(moment, f.arm[1], force);
+    for (int i = 0; i < 3; i++) {
+      torque[i] = row->r.torque[1][i] - moment[i];
+    }
+    fb_vec3_cross(force_dot, f.end[0]->w, force);
+    fb_vec3_cross(torque_dot, f.end[0]->w, torque);
+  } else if (hold < 3) {
+    fb_vec3_cross(force_dot, f.end[0]->w, force);
+  } else {
+    const fb_real *a = f.a[(hold - 3) / 3], *b = f.b[(hold - 3) % 3];
+    fb_real a_dot[3], b_dot[3];
+    fb_vec3_cross(a_dot, f.end[0]->w, a);
+    fb_vec3_cross(b_dot, f.end[1]->w, b);
+    fb_vec3_cross(torque_dot, b_dot, a);
+    fbi_vec3_add_cross(torque_dot, b, a_dot);
+  }
+  fbi_vec3_copy(at_child, f.end[1]->v);
+  fbi_vec3_add_cross(at_child, f.end[1]->w, f.arm[1]);
+  for (int s = 0; s < 2; s++) { /* arm_dot x force + arm x force_dot */
+    const fb_real sign = s == 0 ? -FB_R(1.0) : FB_R(1.0);
+    fb_real arm_dot[3], moment[3];
+    for (int i = 0; i < 3; i++) {
+      arm_dot[i] = at_child[i] - f.end[s]->v[i];
+    }
+    fbi_frames_apart_add(arm_dot, FB_R(1.0), w, f.end[s]->link, f.end[1]->link, 1);
+    fb_vec3_cross(moment, arm_dot, force);
+    fbi_vec3_add_cross(moment, f.arm[s], force_dot);
+    for (int i = 0; i < 3; i++) {
+      row->force_dot[s][i] = sign * force_dot[i];
+      row->torque_dot[s][i] = sign * (torque_dot[i] + moment[i]);
+    }
+  }
+}
+
+/* The caller's rows, at time t and the poses of the bodies moved on by h [s]; rows go to `row`. */
+static int fbi_user_rows(fb_row *row, fb_system_work *w, const fb_system *system, const fb_system_input *input,
+                         fb_real h)
+{
+  memset(row, 0, FB_MAX_ROWS * sizeof *row);
+  for (int k = 0; k < system->n_body; k++) {
+    const fbi_link_work *L = &w->link[k];
+    fb_real v[3], turn[4], phi[3], R[9];
+    fb_mat33_mul_vec3(v, L->k.R, L->V);
+    fbi_vec3_add(v, FB_R(1.0), w->link[L->root].frame);
+    for (int i = 0; i < 3; i++) {
+      w->pose[k].position[i] = fbi_true_position(w, k, L->rho, i) + (h == FB_R(0.0) ? h : h * v[i]);
+      phi[i] = h == FB_R(0.0) ? h : h * L->V[3 + i];
+    }
+    fb_quat_from_rotvec(turn, phi);
+    fb_quat_to_mat33(R, turn);
+    fb_mat33_mul(w->pose[k].R, L->k.R, R);
+  }
+  return input->rows(row, FB_MAX_ROWS - w->n_joint_row, w->pose, input->t + h, input->user);
+}
+
+/* All rows at the present positions. */
+static FBI_NOINLINE fb_status fbi_rows_fill(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                            const fb_system_state *modes, const fb_system_input *input)
+{
+  fb_status status = FB_OK;
+  w->n_row = w->n_end = 0;
+  for (int j = 0; j < system->n_body + system->n_loop && status == FB_OK; j++) {
+    if (fbi_is_kept(system, w, j)) {
+      status = fbi_joint_rows(w, system, body, j, modes, input);
+      w->joint = status == FB_OK ? w->joint : j;
+    }
+  }
+  w->n_joint_row = w->n_row;
+  if (status == FB_OK && input && input->rows) {
+    const int count = fbi_user_rows(w->ahead, w, system, input, FB_R(0.0));
+    if (count < 0 || count > FB_MAX_ROWS - w->n_row) {
+      return count < 0 ? (fb_status)count : FB_ERR_CAPACITY;
+    }
+    for (int k = 0; k < count && status == FB_OK; k++) {
+      const fb_real rest[2] = {w->ahead[k].b, w->ahead[k].value};
+      fbi_row *row = &w->row[w->n_row++];
+      memset(row, 0, sizeof *row);
+      row->r = w->ahead[k];
+      row->joint = -2 - k;
+      for (int s = 0; s < 2 && status == FB_OK; s++) {
+        status = fbi_end_find(&row->end[s], w, system, body, row->r.body[s], row->r.node[s]);
+      }
+      if (status == FB_OK &&
+          (!fbi_is_finite(row->r.force[0], 3) || !fbi_is_finite(row->r.force[1], 3) ||
+           !fbi_is_finite(row->r.torque[0], 3) || !fbi_is_finite(row->r.torque[1], 3) || !fbi_is_finite(rest, 2))) {
+        status = FB_ERR_NOT_FINITE;
+      }
+      w->joint = status == FB_OK ? w->joint : row->joint;
+    }
+  }
+  return status;
+}
+
+/* Motion of the ends from the solution, then how the rows change with it: those of the caller by differences over a
+   small part of a turn. */
+static FBI_NOINLINE fb_status fbi_rows_rate(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                            const fb_system_input *input)
+{
+  const int count = w->n_row - w->n_joint_row;
+  for (int e = 0; e < w->n_end; e++) {
+    fbi_end_velocity(w->end[e].v, w->end[e].w, w, system, body, &w->end[e]);
+  }
+  for (int r = 0; r < w->n_joint_row; r++) {
+    fbi_joint_row_rates(&w->row[r], w, system, body);
+  }
+  if (count > 0 && input) {
+    fb_real spin = FB_R(1.0), h;
+    for (int k = 0; k < system->n_body; k++) {
+      spin = fbi_larger(spin, fbi_vec3_norm(w->link[k].V + 3));
+    }
+    h = (FB_SINGLE ? FB_R(5e-3) : FB_R(1e-5)) / spin;
+    for (int side = 0; side < 2; side++) {
+      const int found = fbi_user_rows(side ? w->behind : w->ahead, w, system, input, side ? -h : h);
+      if (found != count) {
+        return found < 0 ? (fb_status)found : FB_ERR_VALUE;
+      }
+    }
+    for (int r = 0; r < count; r++) {
+      fbi_row *row = &w->row[w->n_joint_row + r];
+      const fb_row *a = &w->ahead[r], *b = &w->behind[r];
+      const fb_real scale = FB_R(0.5) / h;
+      row->b_dot = scale * (a->b - b->b);
+      for (int i = 0; i < 6; i++) {
+        row->force_dot[i / 3][i % 3] = scale * (a->force[i / 3][i % 3] - b->force[i / 3][i % 3]);
+        row->torque_dot[i / 3][i % 3] = scale * (a->torque[i / 3][i % 3] - b->torque[i / 3][i % 3]);
+      }
+    }
+  }
+  return FB_OK;
+}
+
+/* Velocities of all ends by the solution, for the sums of rows. */
+static void fbi_ends_move(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  for (int e = 0; e < w->n_end; e++) {
+    fbi_end_velocity(w->end[e].move, w->end[e].move + 3, w, system, body, &w->end[e]);
+  }
+}
+
+/* The sum force.v + torque.w of a row over these velocities. */
+static fb_real fbi_row_eval(const fbi_row *row, const fb_system_work *w)
+{
+  const fb_real *a = w->end[row->end[0]].move, *b = w->end[row->end[1]].move;
+  return fb_vec3_dot(row->r.force[0], a) + fb_vec3_dot(row->r.torque[0], a + 3) + fb_vec3_dot(row->r.force[1], b) +
+         fb_vec3_dot(row->r.torque[1], b + 3);
+}
+
+/* What that would be if all were along. */
+static fb_real fbi_row_size(const fbi_row *row, const fb_system_work *w)
+{
+  fb_real size = FB_R(0.0);
+  for (int s = 0; s < 2; s++) {
+    const fb_real *move = w->end[row->end[s]].move;
+    size += fbi_vec3_norm(row->r.force[s]) * fbi_vec3_norm(move);
+    size += fbi_vec3_norm(row->r.torque[s]) * fbi_vec3_norm(move + 3);
+  }
+  return size;
+}
+
+/* What the frames of its trees give to the sum of a row: force.u of each, a couple within a tree none. size: as above.
+   */
+static fb_real fbi_row_drift(fb_real *size, const fb_system_work *w, const fbi_row *row, const fb_real force[2][3])
+{
+  fb_real sum = FB_R(0.0);
+  int link[2];
+  for (int s = 0; s < 2; s++) {
+    link[s] = w->end[row->end[s]].link;
+  }
+  *size = FB_R(0.0);
+  if (link[0] >= 0 && link[1] >= 0 && w->link[link[0]].root == w->link[link[1]].root) {
+    const fb_real *u = w->link[w->link[link[0]].root].frame;
+    for (int i = 0; i < 3; i++) {
+      sum += (force[0][i] + force[1][i]) * u[i];
+    }
+    *size = FB_FABS(sum);
+    return sum;
+  }
+  for (int s = 0; s < 2; s++) {
+    const fb_real *u = link[s] >= 0 ? w->link[w->link[link[s]].root].frame : NULL;
+    sum += u ? fb_vec3_dot(force[s], u) : FB_R(0.0);
+    *size += u ? fbi_vec3_norm(force[s]) * fbi_vec3_norm(u) : FB_R(0.0);
+  }
+  return sum;
+}
+
+/* The right-hand side to zero: no momenta, no given speeds. */
+static void fbi_rhs_clear(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_vec6_zero(w->link[k].y);
+    fbi_vec6_zero(w->link[k].p);
+    fbi_zero(w->link[k].pi, fbi_model(system, body, k)->n);
+  }
+}
+
+static void fbi_row_impulse(fb_system_work *w, const fb_system *system, const fb_body *body, int r, fb_real s)
+{
+  const fbi_row *row = &w->row[r];
+  for (int side = 0; side < 2; side++) {
+    const fbi_end *end = &w->end[row->end[side]];
+    if (end->link >= 0) {
+      fbi_link_work *L = &w->link[end->link];
+      fbi_end_push(L->y, L->pi, L, end, fbi_model(system, body, end->link)->n, s, row->r.force[side],
+                   row->r.torque[side]);
+    }
+  }
+}
+
+/* Of the same joint (or the caller), and both with a force or both without? */
+static int fbi_rows_alike(const fbi_row *a, const fbi_row *b)
+{
+  const int force_a = fbi_vec3_norm(a->r.force[0]) + fbi_vec3_norm(a->r.force[1]) > FB_R(0.0);
+  const int force_b = fbi_vec3_norm(b->r.force[0]) + fbi_vec3_norm(b->r.force[1]) > FB_R(0.0);
+  return force_a == force_b && (a->joint == b->joint || (a->joint < -1 && b->joint < -1));
+}
+
+/* [E9.9] Q = A M^-1 A^T of the rows and its pivoted Cholesky factors: rows that depend on others are left out, w->rank
+   of them stay. A pivot is the square of how far a row stands out of the others: below 1e-8 of its diagonal, 1e-4 rad
+   before a singular position (single precision: 0.01 rad), the impulses would be made of the errors of a stage's
+   position.
+   Source: [GV] 4.2.8.  Shapes: Q n_row x n_row.  Cost: n_row solutions E9.5, n_row^3/3 flops.
+   Fails: never.  Test: redundant_loops_are_accepted. */
+static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  const int m = w->n_row;
+  const fb_real tol = FB_SINGLE ? FB_R(1e-4) : FB_R(1e-8), across = FB_SINGLE ? FB_R(1e-5) : FB_R(1e-10);
+  fb_real *Q = w->Q;
+  for (int r = 0; r < m; r++) {
+    fb_status status;
+    fbi_rhs_clear(w, system, body);
+    fbi_row_impulse(w, system, body, r, FB_R(1.0));
+    status = fbi_speeds_solve(w, system, body);
+    if (status != FB_OK) {
+      return status;
+    }
+    fbi_ends_move(w, system, body);
+    for (int i = r; i < m; i++) {
+      Q[i * m + r] = Q[r * m + i] = fbi_row_eval(&w->row[i], w);
+    }
+    w->column[r] = fbi_row_size(&w->row[r], w);
+    w->order[r] = r;
+  }
+  for (int i = 0; i < m; i++) { /* a row is weighed with those of its kind at the same joint; one that moves across its
+                                   own direction, if at all, is not counted on */
+    fb_real largest = FB_R(0.0);
+    for (int r = 0; r < m; r++) {
+      largest = fbi_rows_alike(&w->row[i], &w->row[r]) ? fbi_larger(largest, Q[r * (m + 1)]) : largest;
+    }
+    w->diagonal[i] = Q[i * (m + 1)];
+    w->column[i] = w->diagonal[i] > across * w->column[i] ? largest : FB_HUGE;
+  }
+  for (w->rank = 0; w->rank < m;
+       w->rank++) { /* rows in the order of w->order; L in the lower triangle of their indices */
+    const int k = w->rank;
+    int best = k;
+    fb_real pivot;
+    for (int i = k + 1; i < m; i++) {
+      const int a = w->order[i], b = w->order[best];
+      best = w->diagonal[a] * w->column[b] > w->diagonal[b] * w->column[a] ? i : best;
+    }
+    {
+      const int p = w->order[best];
+      if (!(w->diagonal[p] > tol * w->column[p])) {
+        break;
+      }
+      w->order[best] = w->order[k];
+      w->order[k] = p;
+      pivot = FB_R(1.0) / FB_SQRT(w->diagonal[p]);
+      w->diagonal[p] = pivot; /* of L, the reciprocal */
+      for (int i = k + 1; i < m; i++) {
+        const int r = w->order[i];
+        fb_real sum = Q[r * m + p];
+        for (int j = 0; j < k; j++) {
+          sum -= w->L[r * m + j] * w->L[p * m + j];
+        }
+        w->L[r * m + k] = sum * pivot;
+        w->diagonal[r] -= w->L[r * m + k] * w->L[r * m + k];
+      }
+    }
+  }
+  return FB_OK;
+}
+
+/* mu with Q mu = -c on the independent rows, zero on the others. */
+static void fbi_rows_multipliers(fb_system_work *w)
+{
+  const int m = w->n_row, n = w->rank;
+  fb_real *y = w->column;
+  fbi_zero(w->mu, m);
+  for (int k = 0; k < n; k++) {
+    const int r = w->order[k];
+    y[k] = (-w->c[r] - fbi_dot(w->L + r * m, y, k)) * w->diagonal[r];
+  }
+  for (int k = n - 1; k >= 0; k--) {
+    const int r = w->order[k];
+    fb_real sum = y[k];
+    for (int i = k + 1; i < n; i++) {
+      sum -= w->L[w->order[i] * m + k] * w->mu[w->order[i]];
+    }
+    w->mu[r] = sum * w->diagonal[r];
+  }
+}
+
+/* [E9.10] Speeds under constraints, M u = p + A^T mu with A u + c = 0: solves for the right-hand side there is, then
+   with the impulses mu on it. c: what the rows have besides A u. check: speeds that
+   are given, or a c other than zero, may contradict the rows.
+   Source: Lagrange multipliers of the momenta; [H] 3.5.  Fails: FB_ERR_CONTRADICTION, the joint of a row left out
+   whose velocity does not come out.  Test: the_three_methods_agree, contradictions_name_their_joint. */
+static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                                    int check)
+{
+  fb_real drift;
+  int given = 0;
+  fb_status status = FB_OK;
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    fbi_vec6_copy(L->y0, L->y);
+    fbi_vec6_copy(L->p0, L->p);
+    fbi_copy(L->pi0, L->pi, fbi_model(system, body, k)->n);
+    for (int i = 0; i < fbi_link_joint(system, w, k)->n_axis; i++) {
+      const int drives = fbi_axis_mode(L, fbi_link_joint(system, w, k), i) == FB_AXIS_PRESCRIBED;
+      given |= drives && FB_FABS(L->p[i]) > FB_R(0.0);
+    }
+  }
+  status = fbi_speeds_solve(w, system, body);
+  fbi_ends_move(w, system, body);
+  for (int r = 0; r < w->n_row; r++) {
+    given |= FB_FABS(w->c[r]) > FB_R(0.0); /* no shortcut: work does not depend on values */
+    w->c[r] += fbi_row_eval(&w->row[r], w);
+  }
+  status = status == FB_OK ? fbi_rows_factor(w, system, body) : status;
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_rows_multipliers(w);
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    fbi_vec6_copy(L->y, L->y0);
+    fbi_vec6_copy(L->p, L->p0);
+    fbi_copy(L->pi, L->pi0, fbi_model(system, body, k)->n);
+  }
+  for (int r = 0; r < w->n_row; r++) {
+    fbi_row_impulse(w, system, body, r, w->mu[r]);
+  }
+  status = fbi_speeds_solve(w, system, body);
+  if (w->rank < w->n_row && given && check) {
+    fbi_ends_move(w, system, body);
+  }
+  for (int k = w->rank; k < w->n_row && given && check && status == FB_OK; k++) {
+    const int r = w->order[k];
+    fb_real miss = w->c[r];
+    for (int i = 0; i < w->n_row; i++) {
+      miss += w->Q[r * w->n_row + i] * w->mu[i];
+    }
+    (void)fbi_row_drift(&drift, w, &w->row[r], (const fb_real(*)[3])w->row[r].r.force);
+    if (FB_FABS(miss) > (FB_SINGLE ? FB_R(0.1) : FB_R(0.01)) *
+                            (fbi_row_size(&w->row[r], w) + drift)) { /* near singular positions some is left */
+      w->joint = w->row[r].joint;
+      status = FB_ERR_CONTRADICTION;
+    }
+  }
+  return status;
+}
+
+/* ---- rates */
+
+/* Momenta of a joint along its axes: free and spherical joints keep theirs in inertial axes. */
+static void fbi_joint_momenta(fb_real p[6], const fbi_link_work *L, const fb_joint *joint, const fb_link_state *x)
+{
+  if (joint->kind == FB_JOINT_FREE) {
+    fb_mat33_mulT_vec3(p, L->k.R, x->p);
+    fb_mat33_mulT_vec3(p + 3, L->k.R, x->p + 3);
+  } else if (joint->kind == FB_JOINT_SPHERICAL) {
+    fb_real h[3];
+    fb_mat33_mulT_vec3(h, L->k.R, x->p);
+    fb_mat33_mulT_vec3(p, joint->child_axes, h);
+  } else {
+    fbi_copy(p, x->p, joint->n_axis);
+  }
+}
+
+/* The same back into the state. */
+static void fbi_joint_momenta_set(fb_link_state *x, const fbi_link_work *L, const fb_joint *joint, const fb_real p[6])
+{
+  if (joint->kind == FB_JOINT_FREE) {
+    fb_mat33_mul_vec3(x->p, L->k.R, p);
+    fb_mat33_mul_vec3(x->p + 3, L->k.R, p + 3);
+  } else if (joint->kind == FB_JOINT_SPHERICAL) {
+    fb_real h[3];
+    fb_mat33_mul_vec3(h, joint->child_axes, p);
+    fb_mat33_mul_vec3(x->p, L->k.R, h);
+  } else {
+    fbi_copy(x->p, p, joint->n_axis);
+  }
+}
+
+/* y += s times the velocity of a link's frame, body axes */
+static void fbi_own_frame_add(fb_real y[3], fb_real s, const fb_system_work *w, int k)
+{
+  const fbi_link_work *L = &w->link[k];
+  fb_real v[3];
+  fb_mat33_mulT_vec3(v, L->k.R, w->link[L->root].frame);
+  fbi_vec3_add(y, s, v);
+}
+
+/* Momenta of the state as the right-hand side, given speeds in their place. */
+static void fbi_rhs_momenta(fb_system_work *w, const fb_system *system, const fb_system_state *state,
+                            const fb_system_input *input)
+{
+  static const fb_real none[6] = {0};
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    const fb_joint *joint = L->joint;
+    const fb_link_state *x = &state->link[k];
+    fbi_vec6_zero(L->y);
+    fbi_copy(L->pi, x->pi, L->model->n);
+    if (w->owns && joint->kind == FB_JOINT_FREE) {
+      fb_mat33_mulT_vec3(L->p, L->k.R, x->p);
+      fbi_vec3_copy(L->p + 3, L->own);
+    } else {
+      fbi_joint_momenta(L->p, L, joint, x);
+    }
+    if (joint->kind == FB_JOINT_FREE && L->mode[0] == FB_AXIS_PRESCRIBED) {
+      fbi_copy(L->p, input ? input->drive[k].rate : none, 6);
+      fbi_own_frame_add(L->p, -FB_R(1.0), w, k);
+    }
+    for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
+      if (L->mode[i] == FB_AXIS_PRESCRIBED) {
+        L->p[i] = input ? input->drive[k].rate[i] : FB_R(0.0);
+      }
+    }
+  }
+}
+
+/* Prescribed values go into the coordinates before they are used. */
+static void fbi_prescribe(fb_system_state *state, const fb_system *system, const fb_system_work *w,
+                          const fb_system_state *modes, const fb_system_input *input)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    const int axes = joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL ? 0 : joint->n_axis;
+    for (int i = 0; i < axes; i++) {
+      if (modes->mode[k][i] == FB_AXIS_PRESCRIBED) {
+        state->link[k].x[i] = input ? input->drive[k].value[i] : FB_R(0.0);
+      }
+    }
+  }
+}
+
+static fb_status fbi_system_input_check(const fb_system *system, const fb_body *body, const fb_system_input *input)
+{
+  if (!input) {
+    return FB_OK;
+  }
+  FBI_REQUIRE(input->n_load >= 0 && input->n_load <= FB_MAX_LOADS, FB_ERR_CAPACITY);
+  for (int i = 0; i < input->n_load; i++) {
+    const fb_system_load *load = &input->load[i];
+    FBI_REQUIRE(load->body >= 0 && load->body < system->n_body, FB_ERR_CAPACITY);
+    FBI_REQUIRE(load->load.node >= 0 && load->load.node < fbi_model(system, body, load->body)->n_node, FB_ERR_CAPACITY);
+    FBI_REQUIRE((int)load->load.axes >= 0 && (int)load->load.axes <= (int)FB_AXES_BODY, FB_ERR_VALUE);
+  }
+  return FB_OK;
+}
+
+/* Positions, velocities and impulses at a state: E9.2, E9.5, E9.10. lazy: the speeds of modes that carry nothing are
+   left to fbi_link_inertia. */
+static fb_status fbi_system_velocity(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                     const fb_system_state *state, const fb_system_state *modes,
+                                     const fb_system_input *input, int lazy)
+{
+  fb_status status;
+  fbi_links_place(w, system, body, state, modes);
+  status = fbi_mass_factor(w, system, body, FB_R(0.0));
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_rhs_momenta(w, system, state, input);
+  w->n_row = w->n_end = 0;
+  if (system->n_loop > 0 || w->kept || (input && input->rows)) {
+    status = fbi_rows_fill(w, system, body, modes, input);
+    for (int r = 0; r < w->n_row && status == FB_OK; r++) { /* else the last one may have no end */
+      fb_real size;
+      w->c[r] = w->row[r].r.b + fbi_row_drift(&size, w, &w->row[r], (const fb_real(*)[3])w->row[r].r.force);
+    }
+    status = status == FB_OK ? fbi_constrained_solve(w, system, body, 1) : status;
+    return status == FB_OK ? fbi_rows_rate(w, system, body, input) : status;
+  }
+  for (int k = 0; k < system->n_body; k++) {
+    w->link[k].has_speeds = w->link[k].open || !lazy || system->method == FB_METHOD_DENSE;
+  }
+  return fbi_speeds_solve(w, system, body);
+}
+
+/* What a body's own kernels want to know: V, and pb = M^-1 pi of the body alone, q_dot + M^-1 Lambda^T V. */
+static void fbi_link_kinetics(fbi_link_work *L, const fb_body *body)
+{
+  fbi_vec6_copy(L->k.V, L->V);
+  L->k.pb = L->k.Minv_pi;
+  if (body->n > 0) {
+    fb_real e[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0};
+    fbi_zero(e, body->n);
+    fbi_lambda_gradients(e, unused, body, L->V, L->k.qx, L->q_dot);
+    fbi_mass_solve(L->k.Minv_pi, body, e);
+    for (int a = 0; a < body->n; a++) {
+      L->k.Minv_pi[a] = L->q_dot[a] - L->k.Minv_pi[a];
+    }
+  }
+}
+
+/* k.x, the forces of the body's own inertia on its modes (E8.17); kinetics as above. A body whose modes carry nothing
+   has its pb from the solution already, and q_dot comes along. */
+static void fbi_link_inertia(fbi_link_work *L, const fb_body *body)
+{
+  if (body->n > 0) {
+    if (L->has_speeds) {
+      fbi_link_kinetics(L, body);
+    } else {
+      L->k.pb = L->e;
+    }
+    fbi_zero(L->k.x, body->n + 1);
+    fbi_zero(L->k.e, body->n);
+    fbi_lambda_gradients(L->k.e, L->k.x, body, L->V, L->k.qx, L->k.pb);
+    if (!L->has_speeds) {
+      fbi_mass_solve(L->q_dot, body, L->k.e);
+      for (int a = 0; a < body->n; a++) {
+        L->q_dot[a] += L->e[a];
+      }
+    }
+#if FBI_WITH_SHAPE_INERTIA
+    if (!body->constant_S) {
+      fbi_S_gradient(L->k.x, body, L->V, L->k.qx);
+    }
+#endif
+  }
+}
+
+/* What acts on all bodies, their own inertia, gravity and loads: k.fg and k.x. */
+static void fbi_system_loads(fb_system_work *w, const fb_system *system, const fb_body *body,
+                             const fb_system_input *input)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    fbi_link_inertia(L, L->model);
+    fbi_vec6_zero(L->k.fg);
+#if FB_WITH_GRAVITY
+    if (fbi_has(L->model->effects, FB_EFFECT_GRAVITY)) {
+      fbi_gravity_add(&L->k, L->model);
+    }
+#endif
+  }
+  for (int i = 0; input && i < input->n_load; i++) {
+    fbi_link_work *L = &w->link[input->load[i].body];
+    fbi_load_add(&L->k, fbi_model(system, body, input->load[i].body), &input->load[i].load, L->k.qx + 1);
+  }
+}
+
+/* [E9.11] Motor, spring and damper of axis i: tau = motor - k (x - rest) - c u; on a spherical joint -k times the
+   rotation vector, the gradient of k phi.phi/2.
+   Source: definition.  Test: springs_and_dampers_balance_energy. */
+static fb_real fbi_axis_torque(const fb_joint *joint, const fb_system_input *input, int j, int i, fb_real value,
+                               fb_real speed)
+{
+  const fb_real motor = input ? input->drive[j].torque[i] : FB_R(0.0);
+  return motor - joint->stiffness[i] * (value - joint->rest[i]) - joint->damping[i] * speed;
+}
+
+static int fbi_is_sprung(const fb_joint *joint, const fb_system_input *input, int j)
+{
+  fb_real sum = FB_R(0.0);
+  for (int i = 0; i < joint->n_axis && i < 3; i++) {
+    sum += joint->stiffness[i] + joint->damping[i] + (input ? FB_FABS(input->drive[j].torque[i]) : FB_R(0.0));
+  }
+  return sum > FB_R(0.0);
+}
+
+/* Speed of axis i of a kept joint: relative motion along its direction. */
+static fb_real fbi_frames_speed(const fbi_frames *f, const fb_system_work *w, const fb_real force[3],
+                                const fb_real torque[3])
+{
+  fb_real v[3], turn[3];
+  fbi_vec3_copy(v, f->end[1]->v);
+  fbi_vec3_add_cross(v, f->end[1]->w, f->arm[1]);
+  fbi_vec3_add(v, -FB_R(1.0), f->end[0]->v);
+  fbi_vec3_add_cross(v, f->arm[0], f->end[0]->w); /* - w x arm */
+  fbi_frames_apart_add(v, FB_R(1.0), w, f->end[0]->link, f->end[1]->link, 1);
+  for (int i = 0; i < 3; i++) {
+    turn[i] = f->end[1]->w[i] - f->end[0]->w[i];
+  }
+  return fb_vec3_dot(force, v) + fb_vec3_dot(torque, turn);
+}
+
+/* Loads of the springs, dampers and motors of the joints that are kept; returns the power of the motors. */
+static FBI_NOINLINE fb_real fbi_kept_springs(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                             const fb_system_state *modes, const fb_system_input *input)
+{
+  fb_real power = FB_R(0.0);
+  for (int j = 0; j < system->n_body + system->n_loop; j++) {
+    const fb_joint *joint = &system->joint[j];
+    fbi_frames f;
+    fb_real value[3];
+    if (!fbi_is_kept(system, w, j) || !fbi_is_sprung(joint, input, j)) {
+      continue;
+    }
+    (void)fbi_frames_eval(&f, w, system, body, j);
+    fbi_frames_value(value, &f, joint);
+    for (int i = 0; i < joint->n_axis; i++) {
+      fb_real force[3], torque[3], speed, tau;
+      if (modes->mode[j][i] != FB_AXIS_FREE) {
+        continue;
+      }
+      fbi_frames_axis(force, torque, &f, joint, i);
+      speed = fbi_frames_speed(&f, w, force, torque);
+      tau = fbi_axis_torque(joint, input, j, i, value[i], speed);
+      power += (input ? input->drive[j].torque[i] : FB_R(0.0)) * speed;
+      for (int s = 0; s < 2; s++) {
+        fb_real moment[3];
+        fb_vec3_cross(moment, f.arm[s], force);
+        fbi_vec3_add(moment, FB_R(1.0), torque);
+        if (f.end[s]->link >= 0) {
+          fbi_link_work *L = &w->link[f.end[s]->link];
+          fbi_end_push(L->k.fg, L->k.x + 1, L, f.end[s], fbi_model(system, body, f.end[s]->link)->n,
+                       s == 0 ? -tau : tau, force, moment);
+        }
+      }
+    }
+  }
+  return power;
+}
+
+/* [E9.12] What a body hands its modes where something hangs on a node that they move: of its momentum G and load F
+   about the node, body axes,
+   pi_dot_a += J_a.(F - turning of G) + J_dot_a.G,  turning (w x p, w x h + v_n x p) with v_n of the node, w of the
+   body.
+   Source: d/dt of pi_a = pi_own,a + J_a.G.  Cost: 40 n flops, with a quadratic field 24 n^2.  Fails: never.
+   Test: systems_keep_energy_and_momentum. */
+static FBI_NOINLINE void fbi_node_take(fb_real *x, const fbi_node_field *f, const fb_body *body, const fb_node *node,
+                                       const fb_real *q_dot, const fb_real V[6], const fb_real n[3], const fb_real G[6],
+                                       const fb_real F[6])
+{
+  const fb_real scale = FB_R(1.0) / (FB_R(1.0) + FB_R(0.25) * fb_vec3_dot(f->phi, f->phi));
+  fb_real Ju_dot[3 * FB_MAX_MODES], turn_dot[3 * FB_MAX_MODES], at[6], turn[6], load[6], phi_dot[3], shrink;
+  fbi_vec6_copy(at, V);
+  fbi_vec3_add_cross(at, V + 3, n);
+  fbi_node_rates(Ju_dot, turn_dot, body, node, q_dot);
+  fbi_vec3_zero(phi_dot);
+  for (int a = 0; a < body->n; a++) {
+    fbi_vec3_add(at, q_dot[a], f->Ju + 3 * a);
+    fbi_vec3_add(phi_dot, q_dot[a], f->turn + 3 * a);
+  }
+  shrink = FB_R(0.5) * fb_vec3_dot(f->phi, phi_dot);
+  fbi_turning(turn, at, G);
+  for (int i = 0; i < 6; i++) {
+    load[i] = F[i] - turn[i];
+  }
+  for (int a = 0; a < body->n; a++) {
+    fb_real rate[3];
+    fb_vec3_cross(rate, phi_dot, f->turn + 3 * a);
+    fbi_vec3_add_cross(rate, f->phi, turn_dot + 3 * a);
+    for (int i = 0; i < 3; i++) {
+      rate[i] = scale * (turn_dot[3 * a + i] + FB_R(0.5) * rate[i] - shrink * f->Jphi[3 * a + i]);
+    }
+    x[a] += fb_vec3_dot(f->Ju + 3 * a, load) + fb_vec3_dot(f->Jphi + 3 * a, load + 3) + fb_vec3_dot(Ju_dot + 3 * a, G) +
+            fb_vec3_dot(rate, G + 3);
+  }
+}
+
+/* [E9.13] The rows' impulses are momentum that the tree does not see, -(f, t) at the ends; with mu constant it changes
+   by the directions alone: loads -(f_dot, t_dot + v x f), p_dot loses A_dot^T mu.
+   Source: d/dt of p + A^T mu.  Fails: never.  Test: the_three_methods_agree. */
+static FBI_NOINLINE void fbi_rows_loads(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  for (int r = 0; r < w->n_row; r++) {
+    const fbi_row *row = &w->row[r];
+    const fb_real mu = w->mu[r];
+    for (int s = 0; s < 2; s++) {
+      const fbi_end *end = &w->end[row->end[s]];
+      fbi_link_work *L = end->link >= 0 ? &w->link[end->link] : NULL;
+      fb_real G[6], F[6], twist[3];
+      if (!L) {
+        continue;
+      }
+      fbi_vec3_copy(twist, row->torque_dot[s]);
+      fbi_vec3_add_cross(twist, end->v, row->r.force[s]);
+      fb_mat33_mulT_vec3(G, L->k.R, row->r.force[s]);
+      fb_mat33_mulT_vec3(G + 3, L->k.R, row->r.torque[s]);
+      fb_mat33_mulT_vec3(F, L->k.R, row->force_dot[s]);
+      fb_mat33_mulT_vec3(F + 3, L->k.R, twist);
+      for (int i = 0; i < 6; i++) {
+        G[i] *= -mu;
+        F[i] *= -mu;
+      }
+      if (end->moves) {
+        const fb_body *model = fbi_model(system, body, end->link);
+        fbi_node_take(L->k.x + 1, &end->f, model, &model->node[end->node], L->q_dot, L->V, end->n, G, F);
+      }
+      fbi_vec3_add_cross(F + 3, end->n, F);
+      fbi_vec6_add(L->F, FB_R(1.0), F);
+    }
+  }
+}
+
+/* Rates of a joint's coordinates. A free joint moves in the frame of its tree: lost_x takes that. */
+static void fbi_coordinate_rates(fb_link_state *rate, const fbi_link_work *L, const fb_joint *joint,
+                                 const fb_link_state *x)
+{
+  if (joint->kind == FB_JOINT_FREE) {
+    fb_mat33_mul_vec3(rate->lost_x, L->k.R, L->V);
+    fbi_quat_rate(rate->quat, x->quat, L->V + 3);
+  } else if (joint->kind == FB_JOINT_SPHERICAL) {
+    fbi_quat_rate(rate->quat, x->quat, L->u);
+  } else {
+    for (int i = 0; i < joint->n_axis; i++) {
+      rate->x[i] = L->u[i];
+    }
+  }
+}
+
+/* [E9.14] Rates of a joint's momenta, p_i = A_i.G: p_i_dot = tau_i + A_i.(F - turning of G) + A_dot_i.G in body axes;
+   those kept in inertial axes lose the turning: P_dot = R F, L_dot = R T - v x P. Returns the power of the motors.
+   Source: d/dt of A_i.G, G_dot = F - turning + what the joint bears.  Cost: 60 flops.  Fails: never.
+   Test: systems_keep_energy_and_momentum, every_joint_moves_as_it_should. */
+static fb_real fbi_momentum_rate(fb_link_state *rate, const fbi_link_work *L, const fb_joint *joint,
+                                 const fb_link_state *x, const fb_system_input *input, int k)
+{
+  fb_real turn[6], load[6], tau[3] = {0}, power = FB_R(0.0);
+  if (joint->kind == FB_JOINT_FREE) {
+    if (L->mode[0] == FB_AXIS_FREE) {
+      fb_mat33_mul_vec3(rate->p, L->k.R, L->F);
+      fb_mat33_mul_vec3(rate->p + 3, L->k.R, L->F + 3);
+      fbi_vec3_add_cross(rate->p + 3, x->p, rate->lost_x);
+    } else {
+      fbi_vec6_zero(rate->p);
+    }
+    return power;
+  }
+  fbi_turning(turn, L->V, L->G);
+  fbi_vec6_copy(load, L->F);
+  fbi_vec6_add(load, -FB_R(1.0), turn);
+  for (int i = 0; i < joint->n_axis; i++) {
+    const fb_real *A = L->A + 6 * i;
+    rate->p[i] = FB_R(0.0);
+    if (L->mode[i] == FB_AXIS_FREE) {
+      fb_real phi[3], value = x->x[i];
+      if (joint->kind == FB_JOINT_SPHERICAL) {
+        fb_quat_to_rotvec(phi, x->quat);
+        value = phi[i];
+      }
+      tau[i] = fbi_axis_torque(joint, input, k, i, value, L->u[i]) + fbi_vec6_dot(A, load);
+      power += (input ? input->drive[k].torque[i] : FB_R(0.0)) * L->u[i];
+      rate->p[i] = tau[i];
+    }
+  }
+  if (joint->kind == FB_JOINT_UNIVERSAL && L->mode[0] == FB_AXIS_FREE) {
+    rate->p[0] += L->u[1] * fbi_vec6_dot(L->A_dot, L->G);
+  }
+  if (joint->kind == FB_JOINT_SPHERICAL && L->mode[0] == FB_AXIS_FREE) {
+    fb_real body[3], h[3];
+    fb_mat33_mul_vec3(body, joint->child_axes, tau);
+    fb_mat33_mulT_vec3(h, L->k.R, x->p);
+    fbi_vec3_add_cross(body, L->V + 3, h);
+    fb_mat33_mul_vec3(rate->p, L->k.R, body);
+  }
+  return power;
+}
+
+/* F and G of a body go to its parent: all of F to its load, and both to the modes that move the node. */
+static void fbi_load_hand_in(const fbi_link_work *L)
+{
+  const fb_joint *joint = L->joint;
+  fbi_link_work *parent = L->parent;
+  if (!parent) {
+    return;
+  }
+  if (joint->moves) {
+    const fb_body *on = parent->model;
+    fb_real F[6] = {0}, G[6] = {0};
+    fbi_to_parent_add(F, L, L->F);
+    fbi_to_parent_add(G, L, L->G);
+    fbi_node_take(parent->k.x + 1, &L->node, on, &on->node[joint->parent_node], parent->q_dot, parent->V, L->n, G, F);
+    fbi_vec3_add_cross(F + 3, L->n, F);
+    fbi_vec6_add(parent->F, FB_R(1.0), F);
+  } else {
+    fbi_to_parent_add(parent->F, L, L->F);
+  }
+}
+
+/* [E9.15] Rates of a system: velocities (E9.5, E9.10), loads summed from the tips, momenta (E9.14), modes (E8.17).
+   Source: THEORY.md 9.1.  Fails: see the header.  Test: systems_keep_energy_and_momentum,
+   the_three_methods_agree. */
+static FBI_FLATTEN fb_status fbi_system_rates(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                              fb_system_state *rate, const fb_system_state *state,
+                                              const fb_system_state *modes, const fb_system_input *input)
+{
+  const fb_status status = fbi_system_velocity(w, system, body, state, modes, input, 1);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_system_loads(w, system, body, input);
+  rate->motor_work = w->kept || system->n_loop > 0 ? fbi_kept_springs(w, system, body, modes, input) : FB_R(0.0);
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_vec6_copy(w->link[k].F, w->link[k].k.fg);
+  }
+  fbi_rows_loads(w, system, body);
+  for (int k = system->n_body - 1; k >= 0; k--) {
+    fbi_link_work *L = &w->link[k];
+    const fb_body *model = L->model;
+    fb_link_state *out = &rate->link[k];
+    fbi_coordinate_rates(out, L, L->joint, &state->link[k]);
+    rate->motor_work += fbi_momentum_rate(out, L, L->joint, &state->link[k], input, k);
+    fbi_load_hand_in(L);
+    if (model->n > 0) {
+      fbi_copy(out->q, L->q_dot, model->n);
+      fbi_elastic_forces(out->pi, &L->k, model, state->link[k].q, L->q_dot);
+    }
+  }
+  return FB_OK;
+}
+
+/* ---- states, motion, energy, momentum */
+
+static void fbi_system_enter(fb_system_work *w, const fb_system *system)
+{
+  w->kept = system->method == FB_METHOD_MULTIPLIERS;
+  w->heavy = w->clock = FB_R(0.0);
+  w->owns = 0;
+  w->joint = -1;
+  w->n_row = w->n_end = 0;
+}
+
+/* [E9.16] Momenta of the velocities there are: each body's own (p, h) and pi, those of the subtrees G by summation, p_i
+   = A_i.G, pi_a + J_a.G.
+   Source: definition of the conjugate momenta.  Fails: never.  Test: momenta_give_back_the_speeds. */
+static void fbi_momenta_fill(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    const fb_body *model = fbi_model(system, body, k);
+    fbi_link_kinetics(L, model);
+    fbi_momenta(&L->k, model);
+    fbi_vec6_copy(L->b, L->k.ph);
+    fbi_mass_mul(L->e, model, L->k.pb);
+    for (int a = 0; a < model->n; a++) {
+      L->e[a] = -L->e[a]; /* what is handed in is taken off */
+    }
+  }
+  for (int k = system->n_body - 1; k >= 0; k--) {
+    fbi_link_work *L = &w->link[k];
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    fb_link_state *x = &state->link[k];
+    fb_real p[6];
+    fbi_hand_in_at(w, system, body, k);
+    fbi_vec6_zero(x->p);
+    for (int a = 0; a < fbi_model(system, body, k)->n; a++) {
+      x->pi[a] = -L->e[a];
+    }
+    fbi_vec6_copy(p, L->b);
+    for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
+      p[i] = fbi_vec6_dot(L->A + 6 * i, L->b);
+    }
+    fbi_joint_momenta_set(x, L, joint, p);
+  }
+}
+
+/* ---- frames of flying trees */
+
+/* Is there a tree whose frame may move? */
+static int fbi_flies(const fb_system *system, const fb_system_work *w)
+{
+  int flies = w->kept;
+  for (int k = 0; k < system->n_body; k++) {
+    flies |= system->joint[k].kind == FB_JOINT_FREE;
+  }
+  return flies;
+}
+
+/* x += d, and lost keeps what x loses, the larger part in x. Source: Knuth's two-sum. */
+static void fbi_keep(fb_real *x, fb_real *lost, const fb_real *d, int n)
+{
+  for (int i = 0; i < n; i++) {
+    const fb_real a = x[i], sum = a + d[i], b = sum - a, rest = lost[i] + ((a - (sum - b)) + (d[i] - b));
+    x[i] = sum + rest;
+    lost[i] = rest - (x[i] - sum);
+  }
+}
+
+/* [E9.24] What a velocity d of the whole (body axes) gives to the momenta of a body: linear m d and angular c(q) x d to
+   F, Lambda^T d to e of its modes; c: its first moment. Without residual inertia c in the angular one is the model's,
+   by which the same velocities follow.
+   Source: definition of the momenta, E8.16 with g = d.  Cost: 8 flops a term.  Test: flight_speed_changes_nothing. */
+static void fbi_drift_momenta(fb_real F[6], fb_real *e, fb_real c[3], const fbi_link_work *L, const fb_body *body,
+                              const fb_real d[3])
+{
+  fb_real x[FB_MAX_MODES + 1];
+  fbi_zero(x, body->n + 1);
+  fbi_pull_eval(c, x, body, L->k.qx, d);
+  fbi_copy(e, x + 1, body->n);
+  if (body->constant_S && body->n > 0) {
+    const fb_real V[6] = {d[0], d[1], d[2], FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+    fb_real elastic[6] = {0}, pb[FB_MAX_MODES];
+    fbi_mass_solve(pb, body, e);
+    fb_sym6_mul_vec6(F, body->S0, V);
+    fbi_lambda_sub(elastic, body, L->k.qx, pb);
+    fbi_vec6_add(F, -FB_R(1.0), elastic);
+  } else {
+    for (int i = 0; i < 3; i++) {
+      F[i] = body->mass * d[i];
+    }
+    fb_vec3_cross(F + 3, c, d);
+  }
+}
+
+/* [E9.22] Mass and first moment of all that hangs on each joint, L->bulk and first, of the placed system, and, where
+   the frames change, what that gives to the momenta (E9.24) of the body, L->b and L->e.
+   Source: definition.  Cost: 60 flops a body, 8 a term.  Test: flight_speed_changes_nothing. */
+static void fbi_trees_weigh(fb_system_work *w, const fb_system *system, int change)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    const fb_body *model = L->model;
+    L->bulk = model->mass;
+    if (change) {
+      fb_real d[3];
+      fb_mat33_mulT_vec3(d, L->k.R, w->link[L->root].change);
+      fbi_drift_momenta(L->b, L->e, L->first, L, model, d);
+    } else {
+      fbi_center_eval(L->first, model, L->k.qx + 1);
+    }
+  }
+  for (int k = system->n_body - 1; k >= 0; k--) {
+    const fbi_link_work *L = &w->link[k];
+    fbi_link_work *parent = L->parent;
+    if (parent) {
+      fb_real first[3];
+      fb_mat33_mul_vec3(first, L->C, L->first);
+      fbi_vec3_add(parent->first, FB_R(1.0), first);
+      fbi_vec3_add(parent->first, L->bulk, L->s);
+      parent->bulk += L->bulk;
+    }
+  }
+}
+
+/* [E9.23] The change of the frames off all momenta, A.(m d, c x d) of all that hangs on a joint: what the impulse of
+   uniform gravity would do. After E9.22.
+   Source: p = M u, linear in velocities.  Cost: 80 flops a body.  Test: flight_speed_changes_nothing. */
+static void fbi_momenta_reframe(fb_system_state *into, fb_system_work *w, const fb_system *system)
+{
+  for (int k = system->n_body - 1; k >= 0; k--) {
+    fbi_link_work *L = &w->link[k];
+    const fb_joint *joint = w->link[k].joint;
+    fbi_link_work *parent = L->parent;
+    fb_link_state *x = &into->link[k], change;
+    fb_real p[6];
+    fbi_vec6_copy(p, L->b);
+    for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
+      p[i] = fbi_vec6_dot(L->A + 6 * i, L->b);
+    }
+    fbi_joint_momenta_set(&change, L, joint, p);
+    fbi_row_sub(x->p, FB_R(1.0), change.p, joint->n_axis);
+    fbi_row_sub(x->pi, FB_R(1.0), L->e, w->link[k].model->n);
+    if (parent && joint->moves) {
+      fb_real b[6] = {0};
+      fbi_to_parent_add(b, L, L->b);
+      for (int a = 0; a < parent->model->n; a++) {
+        parent->e[a] += fb_vec3_dot(L->node.Ju + 3 * a, b) + fb_vec3_dot(L->node.Jphi + 3 * a, b + 3);
+      }
+      fbi_vec3_add_cross(b + 3, L->n, b);
+      fbi_vec6_add(parent->b, FB_R(1.0), b);
+    } else if (parent) {
+      fbi_to_parent_add(parent->b, L, L->b);
+    }
+  }
+}
+
+/* Do both sides of a row belong to the same tree? */
+static int fbi_row_is_inner(const fb_system_work *w, const fbi_row *row)
+{
+  const int a = w->end[row->end[0]].link, b = w->end[row->end[1]].link;
+  return a >= 0 && b >= 0 && w->link[a].root == w->link[b].root;
+}
+
+/* Trees that constraints, or what holds or drives their root, push from outside: held; from the ground, or from a tree
+   on it: 2, their frames stand still. So do those of trees with bodies that bend without residual inertia: their
+   momenta do not know how the mass center moves, and their equations keep the angular momentum in a frame at rest
+   alone. */
+static void fbi_trees_hold(fb_system_work *w, const fb_system *system, const fb_system_state *modes)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    w->link[k].held = 0;
+  }
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_body *model = w->link[k].model;
+    fbi_link_work *root = &w->link[w->link[k].root];
+    if (model->n > 0 && !fbi_has(model->effects, FB_EFFECT_RESIDUAL_INERTIA)) {
+      root->held = 2;
+    } else if (system->joint[k].kind == FB_JOINT_FREE && modes->mode[k][0] != FB_AXIS_FREE) {
+      root->held = root->held == 2 ? 2 : 1;
+    }
+  }
+  for (int r = 0; r < w->n_row; r++) {
+    const fbi_row *row = &w->row[r];
+    fb_real sum[3];
+    for (int i = 0; i < 3; i++) {
+      sum[i] = row->r.force[0][i] + row->r.force[1][i];
+    }
+    for (int s = 0; s < 2; s++) {
+      const int link = w->end[row->end[s]].link, other = w->end[row->end[1 - s]].link;
+      const int pushes = fbi_vec3_norm(row->r.force[s]) > FB_R(0.0);
+      fbi_link_work *root = link >= 0 ? &w->link[w->link[link].root] : NULL;
+      if (root && pushes && (!fbi_row_is_inner(w, row) || fbi_vec3_norm(sum) > FB_R(0.0))) {
+        const int ground = other < 0 || fbi_link_joint(system, w, w->link[other].root)->kind != FB_JOINT_FREE;
+        root->held = ground || root->held == 2 ? 2 : 1;
+      }
+    }
+  }
+}
+
+/* Mass and momentum of each free tree, of a state whose momenta are to grow by those of more (NULL: by none). */
+static void fbi_trees_sum(fb_system_work *w, const fb_system *system, const fb_system_state *state,
+                          const fb_system_state *more)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    w->link[k].total = FB_R(0.0);
+    fbi_vec3_zero(w->link[k].impulse);
+    fbi_vec3_zero(w->link[k].change);
+  }
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *root = &w->link[w->link[k].root];
+    root->total += w->link[k].model->mass;
+    if (w->link[k].joint->kind == FB_JOINT_FREE) {
+      fbi_vec3_add(root->impulse, FB_R(1.0), state->link[k].p);
+      if (more) {
+        fbi_vec3_add(root->impulse, FB_R(1.0), more->link[k].p);
+#if FB_SINGLE
+        fbi_vec3_add(root->impulse, FB_R(1.0), state->link[k].lost_p);
+#endif
+      }
+    }
+  }
+}
+
+/* By how much the frame of each free tree changes its velocity: it takes the momentum along; where the root is driven
+   it moves with it, where it is locked or constraints tie it to the ground the frame stands still. */
+static void fbi_frames_choose(fb_system_work *w, const fb_system *system, const fb_system_state *state,
+                              const fb_system_state *modes, const fb_system_input *input)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    fb_real given[3] = {0};
+    int stands = L->held == 2, driven = -1;
+    if (w->link[k].joint->kind != FB_JOINT_FREE || L->root != k) {
+      continue;
+    }
+    for (int i = 0; i < system->n_body; i++) {
+      if (system->joint[i].kind == FB_JOINT_FREE && w->link[i].root == k) {
+        stands |= modes->mode[i][0] == FB_AXIS_LOCKED;
+        driven = modes->mode[i][0] == FB_AXIS_PRESCRIBED && driven < 0 ? i : driven;
+      }
+    }
+    if (driven >= 0 && input && !stands) {
+      fb_mat33_mul_vec3(given, w->link[driven].k.R, input->drive[driven].rate);
+    }
+    for (int i = 0; i < 3; i++) {
+      const fb_real own = L->total > FB_R(0.0) ? L->impulse[i] / L->total : FB_R(0.0);
+      L->change[i] = stands || driven >= 0 ? given[i] - state->link[k].u[i] - state->link[k].lost_u[i] : own;
+    }
+  }
+}
+
+/* Momenta to what they are in the frames as they are chosen: of the state, or (more) of the increments that it is to
+   grow by. Of a free root's linear momentum nothing is left. */
+static void fbi_frames_take(fb_system_work *w, const fb_system *system, fb_system_state *state, fb_system_state *more,
+                            const fb_system_state *modes, const fb_system_input *input)
+{
+  fbi_trees_sum(w, system, state, more);
+  fbi_trees_hold(w, system, modes);
+  fbi_frames_choose(w, system, state, modes, input);
+  fbi_trees_weigh(w, system, 1);
+  fbi_momenta_reframe(more ? more : state, w, system);
+  for (int k = 0; k < system->n_body; k++) {
+    fb_real *P = more ? more->link[k].p : state->link[k].p;
+    const int rests = !system->tied && system->joint[k].kind == FB_JOINT_FREE && modes->mode[k][0] == FB_AXIS_FREE &&
+                      w->link[k].held != 2 && w->link[k].total > FB_R(0.0);
+    for (int i = 0; i < 3 && rests; i++) {
+      P[i] = more ? -state->link[k].p[i] : FB_R(0.0);
+#if FB_SINGLE
+      P[i] -= more ? state->link[k].lost_p[i] : FB_R(0.0);
+#endif
+    }
+  }
+}
+
+/* u of the state becomes that of the frames as they are chosen. */
+static void fbi_frames_set(fb_system_state *state, fb_system_work *w, const fb_system *system)
+{
+  fb_real rest[3];
+  for (int k = 0; k < system->n_body; k++) {
+    fb_link_state *x = &state->link[k];
+    if (w->link[k].joint->kind == FB_JOINT_FREE) {
+      fbi_keep(x->u, x->lost_u, w->link[w->link[k].root].change, 3);
+      for (int i = 0; i < 3; i++) {
+        const fb_real lost = FB_FABS(x->lost_u[i]) < FBI_FAINT ? FB_R(0.0) : x->lost_u[i];
+        rest[i] = FBI_FAINT + FB_R(4.0) * FB_EPSILON * FB_FABS(w->link[w->link[k].root].change[i]);
+        x->lost_u[i] = FB_FABS(x->u[i]) < rest[i] ? FB_R(0.0) : lost;
+      }
+      for (int i = 0; i < 3; i++) { /* what came to a stop, stops; apart from the loop above, to be selections, too */
+        x->u[i] = FB_FABS(x->u[i]) < rest[i] ? FB_R(0.0) : x->u[i];
+      }
+    }
+  }
+}
+
+/* Positions as near to what they are as they go. */
+static void fbi_places_settle(fb_system_state *state, const fb_system *system, const fb_system_work *w)
+{
+  const fb_real none[3] = {0};
+  for (int k = 0; k < system->n_body; k++) {
+    if (w->link[k].joint->kind == FB_JOINT_FREE) {
+      fbi_keep(state->link[k].x, state->link[k].lost_x, none, 3);
+    }
+  }
+}
+
+/* s times m times the mass centers of the weighed trees, in their frames. */
+static void fbi_centers_add(fb_system_work *w, const fb_system *system, fb_real s)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    const fbi_link_work *L = &w->link[k];
+    if (w->link[k].joint->parent < 0) {
+      fb_real first[3];
+      fb_mat33_mul_vec3(first, L->k.R, L->first);
+      fbi_vec3_add(w->link[L->root].center, s, first);
+      fbi_vec3_add(w->link[L->root].center, s * L->bulk, L->rho);
+    }
+  }
+}
+
+/* What begins a step of trees that fly, the system placed at its state: their mass centers. */
+static void fbi_flight_begin(fb_system_work *w, const fb_system *system)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_vec3_zero(w->link[k].glide);
+  }
+  fbi_trees_weigh(w, system, 0);
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_vec3_zero(w->link[k].center);
+  }
+  fbi_centers_add(w, system, FB_R(1.0));
+}
+
+/* The roots of a placed tree to where its mass center is led by its momentum, m c + P dt, unless it is held. */
+static void fbi_centers_lead(fb_system_state *next, fb_system_work *w, const fb_system *system)
+{
+  fbi_centers_add(w, system, -FB_R(1.0)); /* leaves by how much it moved */
+  for (int k = 0; k < system->n_body; k++) {
+    const fbi_link_work *root = &w->link[w->link[k].root];
+    fb_link_state *x = &next->link[k];
+    if (w->link[k].joint->kind == FB_JOINT_FREE && !root->held && root->total > FB_R(0.0)) {
+      fb_real move[3];
+      for (int i = 0; i < 3; i++) {
+        move[i] = (root->center[i] + root->glide[i]) / root->total;
+      }
+      fbi_vec3_add(x->lost_x, FB_R(1.0), move);
+    }
+  }
+}
+
+/* V of all bodies from the speeds u and q_dot. */
+static void fbi_speeds_out(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    const fbi_link_work *parent = fbi_parent(w, joint);
+    fbi_vec6_zero(L->V);
+    if (parent) {
+      fb_real node[6];
+      fbi_node_velocity(node, L, joint, fbi_model(system, body, joint->parent), parent->V, parent->q_dot);
+      fbi_from_node(L->V, L, node);
+    }
+    for (int i = 0; i < joint->n_axis; i++) {
+      if (joint->kind == FB_JOINT_FREE) {
+        L->V[i] = L->u[i];
+      } else {
+        fbi_vec6_add(L->V, L->u[i], L->A + 6 * i);
+      }
+    }
+  }
+}
+
+/* Moves a state along the solution, once: what closes a loop. */
+static void fbi_state_displace(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    const fbi_link_work *L = &w->link[k];
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    fb_link_state *x = &state->link[k], move;
+    fbi_coordinate_rates(&move, L, joint, x);
+    if (joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL) {
+      for (int i = 0; i < 4; i++) {
+        x->quat[i] += move.quat[i];
+      }
+      (void)fb_quat_normalize(x->quat);
+    }
+    if (joint->kind == FB_JOINT_FREE) {
+      fbi_vec3_add(x->lost_x, FB_R(1.0), move.lost_x);
+      fbi_vec3_add_cross(x->p + 3, x->p, move.lost_x); /* L about O that moved */
+    } else if (joint->kind != FB_JOINT_SPHERICAL) {
+      for (int i = 0; i < joint->n_axis; i++) {
+        x->x[i] += move.x[i];
+      }
+    }
+    fbi_row_sub(x->q, -FB_R(1.0), L->q_dot, fbi_model(system, body, k)->n);
+  }
+}
+
+static int fbi_has_rows(const fb_system *system, const fb_system_work *w, const fb_system_input *input)
+{
+  return w->kept || system->n_loop > 0 || (input && input->rows);
+}
+
+/* Largest value of the holonomic rows as they were filled last, relative to the size of the system; its joint. */
+static fb_real fbi_rows_miss(int *worst, const fb_system_work *w, const fb_system *system)
+{
+  fb_real size = FB_R(1.0), away = FB_R(1.0), miss = FB_R(0.0);
+  int joint = -1;
+  for (int k = 0; k < system->n_body; k++) {
+    const fbi_link_work *L = &w->link[k];
+    const fb_real x[3] = {fbi_true_position(w, k, L->rho, 0), fbi_true_position(w, k, L->rho, 1),
+                          fbi_true_position(w, k, L->rho, 2)};
+    size = fbi_larger(size, FB_R(1.0) + fbi_vec3_norm(L->rho));
+    away = fbi_larger(away, FB_R(1.0) + fbi_vec3_norm(x));
+  }
+  for (int r = 0; r < w->n_row; r++) {
+    const fb_real of = fbi_row_is_inner(w, &w->row[r]) ? size : away;
+    const fb_real value = w->row[r].r.holonomic ? FB_FABS(w->row[r].r.value) / of : FB_R(0.0);
+    joint = value > miss ? w->row[r].joint : joint;
+    miss = fbi_larger(miss, value);
+  }
+  *worst = joint;
+  return miss;
+}
+
+/* [E9.17] One Newton step of the positions onto the constraints, along M^-1 A^T: the shortest way by the kinetic
+   energy. miss: the largest value that there was, relative to the size of the system; its row to *worst.
+   Source: projection, THEORY.md 9.2.  Cost: E9.9.  Fails: as E9.4.  Test: redundant_loops_are_accepted. */
+static fb_status fbi_positions_close(fb_real *miss, int *worst, fb_system_work *w, const fb_system *system,
+                                     const fb_body *body, fb_system_state *state, const fb_system_state *modes,
+                                     const fb_system_input *input)
+{
+  fb_status status;
+  fbi_links_place(w, system, body, state, modes);
+  status = fbi_mass_factor(w, system, body, FB_R(0.0));
+  status = status == FB_OK ? fbi_rows_fill(w, system, body, modes, input) : status;
+  *miss = status == FB_OK ? fbi_rows_miss(worst, w, system) : FB_R(0.0);
+  for (int r = 0; r < w->n_row; r++) {
+    w->c[r] = w->row[r].r.holonomic ? w->row[r].r.value : FB_R(0.0);
+  }
+  fbi_rhs_clear(w, system, body);
+  status = status == FB_OK ? fbi_constrained_solve(w, system, body, 0) : status;
+  if (status == FB_OK) {
+    fbi_state_displace(state, w, system, body);
+  }
+  return status;
+}
+
+/* Momenta of free axes and of modes as they were before. */
+static void fbi_free_momenta_keep(fb_system_state *state, const fb_system_state *before, const fb_system *system,
+                                  const fb_system_state *modes)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_joint *joint = &system->joint[k];
+    const int all = joint->kind == FB_JOINT_SPHERICAL || joint->kind == FB_JOINT_FREE;
+    for (int i = 0; i < joint->n_axis; i++) {
+      if (modes->mode[k][all ? 0 : i] == FB_AXIS_FREE) {
+        state->link[k].p[i] = before->link[k].p[i];
+      }
+    }
+    memcpy(state->link[k].pi, before->link[k].pi, sizeof state->link[k].pi);
+  }
+}
+
+/* Velocities onto the constraints: the impulses go into the momenta, and those of given axes become what they are.
+   Without constraints the others stay, to the last bit: latches that close and open again and again do not wear them
+   out. */
+static fb_status fbi_momenta_close(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                   fb_system_state *state, const fb_system_state *modes, const fb_system_input *input)
+{
+  const fb_status status = fbi_system_velocity(w, system, body, state, modes, input, 0);
+  if (status == FB_OK && fbi_has_rows(system, w, input)) {
+    fbi_momenta_fill(state, w, system, body);
+  } else if (status == FB_OK) {
+    w->sum = *state;
+    fbi_momenta_fill(state, w, system, body);
+    fbi_free_momenta_keep(state, &w->sum, system, modes);
+  }
+  return status;
+}
+
+static int fbi_link_state_is_finite(const fb_link_state *x, int n)
+{
+  return fbi_is_finite(x->x, 3) && fbi_is_finite(x->quat, 4) && fbi_is_finite(x->p, 6) && fbi_is_finite(x->q, n) &&
+         fbi_is_finite(x->pi, n) && fbi_is_finite(x->u, 3) && fbi_is_finite(x->lost_x, 3) &&
+         fbi_is_finite(x->lost_u, 3);
+}
+
+/* Finite, and every body within its deflection limit. */
+static fb_status fbi_system_range(const fb_system *system, const fb_body *body, const fb_system_state *state)
+{
+  if (!fbi_is_finite(&state->motor_work, 1)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_body *model = fbi_model(system, body, k);
+    fb_real deflection = FB_R(0.0);
+    if (!fbi_link_state_is_finite(&state->link[k], model->n)) {
+      return FB_ERR_NOT_FINITE;
+    }
+    for (int a = 0; a < model->n; a++) {
+      deflection += model->reach[a] * FB_FABS(state->link[k].q[a]);
+    }
+    if (!(deflection <= model->deflection_limit)) {
+      return FB_ERR_RANGE;
+    }
+  }
+  return FB_OK;
+}
+
+/* Speeds of a placed tree: those of motion (NULL: none) where axes are free, the input's where they are prescribed. */
+static void fbi_speeds_take(fb_system_work *w, const fb_system *system, const fb_body *body,
+                            const fb_system_state *state, const fb_link_motion *motion, const fb_system_input *input)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    const fb_joint *joint = &system->joint[k];
+    for (int i = 0; i < joint->n_axis; i++) {
+      const fb_axis_mode mode = state->mode[k][joint->kind == FB_JOINT_FREE ? 0 : i];
+      L->u[i] = mode == FB_AXIS_FREE && motion ? motion[k].speed[i] : FB_R(0.0);
+      L->u[i] = mode == FB_AXIS_PRESCRIBED && input ? input->drive[k].rate[i] : L->u[i];
+    }
+    if (joint->kind == FB_JOINT_FREE && state->mode[k][0] != FB_AXIS_LOCKED) {
+      fbi_own_frame_add(L->u, -FB_R(1.0), w, k);
+    }
+    for (int a = 0; a < fbi_model(system, body, k)->n; a++) {
+      L->q_dot[a] = motion ? motion[k].q_dot[a] : FB_R(0.0);
+    }
+  }
+  fbi_speeds_out(w, system, body);
+}
+
+/* The frames of the trees move with their roots to begin with; those of tied ones with the first. */
+static void fbi_frames_init(fb_system_state *state, const fb_system *system, const fb_link_motion *motion,
+                            const fb_system_input *input)
+{
+  const fb_real *common = NULL;
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_axis_mode mode = state->mode[k][0];
+    fb_real R[9];
+    if (system->joint[k].kind == FB_JOINT_FREE && system->tied < 2) {
+      const fb_real *v = mode == FB_AXIS_FREE && motion        ? motion[k].speed
+                         : mode == FB_AXIS_PRESCRIBED && input ? input->drive[k].rate
+                                                               : NULL;
+      fb_quat_to_mat33(R, state->link[k].quat);
+      if (v) {
+        fb_mat33_mul_vec3(state->link[k].u, R, v);
+      }
+      common = common ? common : state->link[k].u;
+    }
+  }
+  for (int k = 0; k < system->n_body && system->tied && common; k++) {
+    if (state->link[k].u != common) {
+      fbi_vec3_copy(state->link[k].u, common);
+    }
+  }
+}
+
+/* Coordinates and speeds of the tree as it is built: poses and velocities of all bodies. */
+static fb_status fbi_motion_place(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                  fb_system_state *state, const fb_link_motion *motion, const fb_system_input *input)
+{
+  w->kept = 0;
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_link_motion *m = motion ? &motion[k] : NULL;
+    const fb_body *model = fbi_model(system, body, k);
+    fb_link_state *x = &state->link[k];
+    x->quat[0] = FB_R(1.0);
+    if (!m) {
+      continue;
+    }
+    if (!fbi_is_finite(m->value, 3) || !fbi_is_finite(m->quat, 4) || !fbi_is_finite(m->speed, 6) ||
+        !fbi_is_finite(m->q, model->n) || !fbi_is_finite(m->q_dot, model->n)) {
+      return FB_ERR_NOT_FINITE;
+    }
+    if (!fbi_is_attitude(m->quat)) {
+      return FB_ERR_VALUE;
+    }
+    fbi_vec3_copy(x->x, m->value);
+    fbi_copy(x->q, m->q, model->n);
+    if (m->quat[0] != FB_R(0.0) || fbi_vec3_norm(m->quat + 1) > FB_R(0.0)) {
+      fbi_copy(x->quat, m->quat, 4);
+      (void)fb_quat_normalize(x->quat);
+    }
+  }
+  fbi_frames_init(state, system, motion, input);
+  fbi_prescribe(state, system, w, state, input);
+  fbi_links_place(w, system, body, state, state);
+  fbi_speeds_take(w, system, body, state, motion, input);
+  return FB_OK;
+}
+
+/* With all joints kept the coordinates are the poses. */
+static void fbi_poses_to_state(fb_system_state *state, const fb_system_work *w, const fb_system *system)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fb_link_state *x = &state->link[k];
+    fbi_vec3_copy(x->x, w->link[w->link[k].root].origin);
+    fbi_vec3_zero(x->lost_x);
+    fbi_keep(x->x, x->lost_x, w->link[k].rho, 3);
+    fbi_quat_from_mat33(x->quat, w->link[k].k.R);
+  }
+}
+
+/* Where the locked axes of joint j are, if it is kept. */
+static fb_status fbi_hold_set(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body,
+                              int j, int axis)
+{
+  fbi_frames f;
+  fb_real value[3];
+  const fb_status status = fbi_frames_eval(&f, w, system, body, j);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_frames_value(value, &f, &system->joint[j]);
+  state->hold[j][axis] = value[axis];
+  if (system->joint[j].kind == FB_JOINT_SPHERICAL) {
+    fb_quat_from_rotvec(state->hold_quat[j], value);
+  }
+  return FB_OK;
+}
+
+/* Where locked axes are: of all kept joints from the first one on. */
+static fb_status fbi_holds_set(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body,
+                               int first)
+{
+  fb_status status = FB_OK;
+  for (int j = first; j < system->n_body + system->n_loop && status == FB_OK; j++) {
+    for (int i = 0; i < system->joint[j].n_axis && i < 3 && fbi_is_kept(system, w, j) && status == FB_OK; i++) {
+      status = fbi_hold_set(state, w, system, body, j, i);
+    }
+  }
+  return status;
+}
+
+/* Is a joint closed the right way round? The right angles of its rows are there half a turn off, too. */
+static int fbi_is_upright(fb_system_work *w, const fb_system *system, const fb_body *body, int j)
+{
+  const fb_joint_kind kind = system->joint[j].kind;
+  const int all = kind == FB_JOINT_RIGID || kind == FB_JOINT_PRISMATIC;
+  fbi_frames f;
+  if (kind == FB_JOINT_SPHERICAL || kind == FB_JOINT_UNIVERSAL || fbi_frames_eval(&f, w, system, body, j) != FB_OK) {
+    return 1;
+  }
+  return fb_vec3_dot(f.a[2], f.b[2]) > FB_R(0.0) && (!all || fb_vec3_dot(f.a[0], f.b[0]) > FB_R(0.0));
+}
+
+/* Newton steps of E9.17 from a rough guess; locked axes of loops take the place they come to. */
+static fb_status fbi_loops_close(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                 fb_system_state *state, const fb_system_input *input)
+{
+  fb_real miss = FB_R(1.0);
+  fb_status status = FB_OK;
+  int worst = -1;
+  fb_system_state *modes = &w->base;
+  *modes = *state;
+  for (int j = system->n_body; j < system->n_body + system->n_loop; j++) {
+    for (int i = 0; i < 3; i++) {
+      modes->mode[j][i] = state->mode[j][i] == FB_AXIS_LOCKED ? FB_AXIS_FREE : state->mode[j][i];
+    }
+  }
+  for (int step = 0; step < 50 && status == FB_OK && !(miss <= FB_R(8.0) * FB_EPSILON); step++) {
+    const int before = worst;
+    w->heavy = step < 20 ? FB_R(1e6) : FB_R(0.0); /* joints move, modes do not; but at last */
+    status = fbi_positions_close(&miss, &worst, w, system, body, state, modes, input);
+    if (step > 0 && (status == FB_ERR_UNDETERMINED || status == FB_ERR_RANGE)) { /* lost on the way */
+      w->joint = before;
+      status = FB_ERR_CONTRADICTION;
+    }
+  }
+  w->heavy = FB_R(0.0);
+  if (status == FB_OK && !(miss <= (FB_SINGLE ? FB_R(1e-4) : FB_R(1e-10)))) {
+    w->joint = worst;
+    status = FB_ERR_CONTRADICTION;
+  }
+  for (int j = 0; j < system->n_body + system->n_loop && status == FB_OK; j++) {
+    if (fbi_is_kept(system, w, j) && !fbi_is_upright(w, system, body, j)) {
+      w->joint = j;
+      status = FB_ERR_CONTRADICTION;
+    }
+  }
+  return status == FB_OK ? fbi_holds_set(state, w, system, body, system->n_body) : status;
+}
+
+FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *body, fb_system_work *work,
+                                      fb_system_state *state, const fb_link_motion *motion,
+                                      const fb_system_input *input)
+{
+  fb_system_state *out;
+  fb_status status;
+  FBI_REQUIRE(system && body && work && state, FB_ERR_NULL);
+  FBI_REQUIRE_EXACT();
+  status = fbi_system_input_check(system, body, input);
+  fbi_system_enter(work, system);
+  out = &work->stage;
+  memset(out, 0, sizeof *out);
+  for (int j = 0; j < system->n_body + system->n_loop; j++) {
+    for (int i = 0; i < 3; i++) {
+      out->mode[j][i] = system->joint[j].mode[i];
+    }
+  }
+  status = status == FB_OK ? fbi_motion_place(work, system, body, out, motion, input) : status;
+  if (status != FB_OK) {
+    return status;
+  }
+  work->kept = system->method == FB_METHOD_MULTIPLIERS;
+  if (work->kept) {
+    fbi_poses_to_state(out, work, system);
+  }
+  status = fbi_holds_set(out, work, system, body, 0);
+  fbi_momenta_fill(out, work, system, body);
+  if (status == FB_OK && fbi_has_rows(system, work, input)) {
+    fbi_links_place(work, system, body, out, out);
+    if (system->tied < 2) {
+      fbi_frames_take(work, system, out, NULL, out, input);
+      fbi_frames_set(out, work, system);
+      fbi_places_settle(out, system, work);
+      fbi_links_place(work, system, body, out, out);
+    }
+    fbi_flight_begin(work, system);
+    status = fbi_loops_close(work, system, body, out, input);
+    if (status == FB_OK) { /* mass centers stay, too: they carry momentum */
+      fbi_trees_sum(work, system, out, NULL);
+      fbi_trees_hold(work, system, out);
+      fbi_links_place(work, system, body, out, out);
+      fbi_trees_weigh(work, system, 0);
+      fbi_centers_lead(out, work, system);
+    }
+    status = status == FB_OK ? fbi_momenta_close(work, system, body, out, out, input) : status;
+  }
+  if (status == FB_OK && fbi_flies(system, work)) {
+    fbi_frames_take(work, system, out, NULL, out, input);
+    fbi_frames_set(out, work, system);
+    fbi_places_settle(out, system, work);
+  }
+  status = status == FB_OK ? fbi_system_range(system, body, out) : status;
+  if (status == FB_OK) {
+    *state = *out;
+  }
+  return status;
+}
+
+FB_DEF fb_status fb_system_axis_set(const fb_system *system, const fb_body *body, fb_system_work *work,
+                                    fb_system_state *state, int joint, int axis, fb_axis_mode mode,
+                                    const fb_system_input *input)
+{
+  fb_system_state *out;
+  fb_status status;
+  FBI_REQUIRE(system && body && work && state, FB_ERR_NULL);
+  FBI_REQUIRE(joint >= 0 && joint < system->n_body + system->n_loop && axis >= 0, FB_ERR_CAPACITY);
+  FBI_REQUIRE(axis < system->joint[joint].n_axis && axis < 3, FB_ERR_CAPACITY);
+  FBI_REQUIRE(fbi_is_choice((int)mode, (int)FB_AXIS_PRESCRIBED), FB_ERR_VALUE);
+  status = fbi_system_input_check(system, body, input);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_system_enter(work, system);
+  out = &work->stage;
+  *out = *state;
+  status = fbi_momenta_close(work, system, body, out, out, input); /* momenta of what is given now */
+  if (status == FB_OK && fbi_is_kept(system, work, joint)) {
+    status = fbi_hold_set(out, work, system, body, joint, axis);
+  }
+  for (int i = 0; i < 3; i++) {
+    const int all = system->joint[joint].kind == FB_JOINT_SPHERICAL || system->joint[joint].kind == FB_JOINT_FREE;
+    if (all || i == axis) {
+      out->mode[joint][i] = mode;
+    }
+  }
+  if (status == FB_OK && system->joint[joint].kind == FB_JOINT_FREE) {
+    fbi_frames_take(work, system, out, NULL, out, input);
+    fbi_frames_set(out, work, system);
+    fbi_places_settle(out, system, work);
+  }
+  status = status == FB_OK ? fbi_momenta_close(work, system, body, out, out, input) : status;
+  if (status == FB_OK) {
+    *state = *out;
+  }
+  return status;
+}
+
+FB_DEF fb_status fb_system_rates(const fb_system *system, const fb_body *body, fb_system_work *work,
+                                 fb_system_state *rate, const fb_system_state *state, const fb_system_input *input)
+{
+  fb_system_state *out;
+  fb_status status;
+  FBI_REQUIRE(system && body && work && rate && state, FB_ERR_NULL);
+  out = &work->rate;
+  memset(out, 0, sizeof *out);
+  status = fbi_system_input_check(system, body, input);
+  fbi_system_enter(work, system);
+  status = status == FB_OK ? fbi_system_rates(work, system, body, out, state, state, input) : status;
+  for (int k = 0; k < system->n_body && status == FB_OK; k++) {
+    fb_link_state *x = &out->link[k];
+    if (fbi_link_joint(system, work, k)->kind == FB_JOINT_FREE) { /* from the ground */
+      fbi_vec3_copy(x->x, x->lost_x);
+      fbi_vec3_add(x->x, FB_R(1.0), work->link[work->link[k].root].frame);
+      fbi_vec3_zero(x->lost_x);
+    }
+    status = fbi_link_state_is_finite(x, fbi_model(system, body, k)->n) ? FB_OK : FB_ERR_NOT_FINITE;
+  }
+  if (status == FB_OK) {
+    *rate = *out;
+  }
+  return status;
+}
+
+/* ---- accelerations */
+
+/* Rates of a body's own momenta: G_dot to L->b, pi_dot to L->e, for V_dot and q_ddot. */
+static void fbi_own_momentum_rates(fbi_link_work *L, const fb_body *body, const fb_real V_dot[6], const fb_real *q_ddot)
+{
+  const int n = body->n;
+  fb_real xd[FB_MAX_MODES + 1], e[FB_MAX_MODES], pb_dot[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0};
+  fb_real SV[6], elastic[6] = {0};
+  xd[0] = FB_R(0.0);
+  fbi_copy(xd + 1, L->q_dot, n);
+  fbi_zero(e, n);
+  fbi_lambda_gradients(e, unused, body, V_dot, L->k.qx, L->k.pb);
+  fbi_lambda_linear_gradients(e, unused, body, L->V, xd, L->k.pb);
+  fbi_mass_mul(L->e, body, q_ddot);
+  fbi_row_sub(L->e, FB_R(1.0), e, n);
+  fbi_mass_solve(pb_dot, body, L->e);
+  fbi_S_rate(L->k.dS, body, L->k.qx, xd);
+  fb_sym6_mul_vec6(L->b, L->k.S, V_dot);
+  fb_sym6_mul_vec6(SV, L->k.dS, L->V);
+  fbi_lambda_sub(elastic, body, L->k.qx, pb_dot);
+  fbi_lambda_linear_sub(elastic, body, xd, L->k.pb);
+  for (int i = 0; i < 6; i++) {
+    L->b[i] += SV[i] - elastic[i];
+  }
+}
+
+/* y = V x T, the rate of a twist T carried along by V */
+static void fbi_twist_cross_add(fb_real y[6], const fb_real V[6], const fb_real T[6])
+{
+  fbi_vec3_add_cross(y, V + 3, T);
+  fbi_vec3_add_cross(y, V, T + 3);
+  fbi_vec3_add_cross(y + 3, V + 3, T + 3);
+}
+
+/* [E9.18] V_dot of a body with its joint's and its parent's modes' accelerations zero (but for given ones): with the
+   node's twist T = (u_dot + n x phi_rate, phi_rate) about the parent's origin, V_dot = X (V_p_dot + T_dot + V_p x T) +
+   A u_dot + A_dot u + V x A u.
+   Source: rates of twists; [FE] 5.  Test: accelerations_are_the_rates_of_velocities. */
+static void fbi_bias_acceleration(fbi_link_work *L, const fb_joint *joint, const fbi_link_work *parent,
+                                  const fb_body *on, const fb_real *given)
+{
+  fb_real turn[6] = {0}, own[6] = {0};
+  fbi_vec6_zero(L->V_dot);
+  if (joint->kind == FB_JOINT_FREE) {
+    fbi_vec6_copy(L->V_dot, given);
+    return;
+  }
+  if (parent) {
+    fb_real a[6], v[3];
+    fbi_vec6_copy(a, parent->V_dot);
+    if (joint->moves) {
+      fb_real T[6], u_dd[3], turn_dd[3];
+      fbi_vec3_sum(T, L->node.Ju, parent->q_dot, on->n);
+      fbi_vec3_sum(T + 3, L->node.Jphi, parent->q_dot, on->n);
+      fbi_node_convection(u_dd, turn_dd, &L->node, on, &on->node[joint->parent_node], parent->q_dot);
+      fbi_vec3_add(a, FB_R(1.0), u_dd);
+      fbi_vec3_add(a + 3, FB_R(1.0), turn_dd);
+      fbi_vec3_add_cross(a, T, T + 3);
+      fbi_vec3_add_cross(a, L->n, turn_dd);
+      fbi_vec3_add_cross(T, L->n, T + 3);
+      fbi_twist_cross_add(a, parent->V, T);
+    }
+    fbi_vec3_copy(v, a);
+    fbi_vec3_add_cross(v, a + 3, L->s);
+    fb_mat33_mulT_vec3(L->V_dot, L->C, v);
+    fb_mat33_mulT_vec3(L->V_dot + 3, L->C, a + 3);
+  }
+  for (int i = 0; i < joint->n_axis; i++) {
+    fbi_vec6_add(own, L->u[i], L->A + 6 * i);
+    fbi_vec6_add(L->V_dot, given[i], L->A + 6 * i);
+  }
+  if (joint->kind == FB_JOINT_UNIVERSAL) {
+    fbi_vec6_add(L->V_dot, L->u[0] * L->u[1], L->A_dot);
+  }
+  fbi_twist_cross_add(turn, L->V, own);
+  fbi_vec6_add(L->V_dot, FB_R(1.0), turn);
+}
+
+/* Acceleration of an end for V_dot of its body and q_ddot = 0, as E8.20. */
+static void fbi_end_acceleration(fbi_end *end, const fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  if (end->link >= 0) { /* the ground's are zero from the start */
+    const fbi_link_work *L = &w->link[end->link];
+    const fb_body *model = fbi_model(system, body, end->link);
+    fb_real a[3], alpha[3], ud[3], pd[3], u_dd[3], turn_dd[3], inner[3];
+    fbi_vec3_sum(ud, end->f.Ju, L->q_dot, model->n);
+    fbi_vec3_sum(pd, end->f.Jphi, L->q_dot, model->n);
+    fbi_node_convection(u_dd, turn_dd, &end->f, model, &model->node[end->node], L->q_dot);
+    fb_vec3_cross(inner, L->V + 3, end->n);
+    for (int i = 0; i < 3; i++) {
+      a[i] = L->V_dot[i] + u_dd[i];
+      alpha[i] = L->V_dot[3 + i] + turn_dd[i];
+      inner[i] += FB_R(2.0) * ud[i] + L->V[i];
+    }
+    fbi_vec3_add_cross(a, L->V_dot + 3, end->n);
+    fbi_vec3_add_cross(a, L->V + 3, inner);
+    fbi_vec3_add_cross(alpha, L->V + 3, pd);
+    fb_mat33_mul_vec3(end->a, L->k.R, a);
+    fb_mat33_mul_vec3(end->alpha, L->k.R, alpha);
+  }
+}
+
+/* What a body lacks to move as it does: y = F - turning of G - G_dot, e of its modes; the whole must come from joints.
+   */
+static void fbi_own_residual(fbi_link_work *L, const fb_body *body, const fb_real V_dot[6], const fb_real *q_ddot)
+{
+  fb_real turn[6];
+  fbi_own_momentum_rates(L, body, V_dot, q_ddot);
+  fbi_turning(turn, L->V, L->k.ph);
+  for (int i = 0; i < 6; i++) {
+    L->y[i] = L->k.fg[i] - turn[i] - L->b[i];
+  }
+}
+
+/* [E9.19] Accelerations: what each body lacks of force with joints and modes at constant speed, solved with the factors
+   of the momenta, M u_dot = tau + sum of X^T (F - turning - G_dot); joint forces come out as the solution's G.
+   Source: Newton-Euler; THEORY.md 8.5, acceleration form.  Fails: as the rates.
+   Test: accelerations_are_the_rates_of_velocities, joint_forces_carry_what_hangs_on_them. */
+static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                          const fb_system_state *state, const fb_system_input *input)
+{
+  const fb_real none[6] = {0}, still[FB_MAX_MODES] = {0};
+  fbi_system_loads(w, system, body, input);
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    fbi_vec6_copy(L->F, L->k.fg); /* without the joints */
+  }
+  (void)fbi_kept_springs(w, system, body, state, input);
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    const fb_body *model = fbi_model(system, body, k);
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    const fbi_link_work *parent = fbi_parent(w, joint);
+    fb_real given[6] = {0};
+    for (int i = 0; i < joint->n_axis; i++) {
+      const fb_axis_mode mode = fbi_axis_mode(L, joint, i);
+      given[i] = mode == FB_AXIS_PRESCRIBED && input ? input->drive[k].acceleration[i] : FB_R(0.0);
+    }
+    if (joint->kind == FB_JOINT_FREE && L->mode[0] == FB_AXIS_PRESCRIBED) { /* in the frame: R^T u turns in body axes */
+      fb_real u[3] = {0};
+      fbi_own_frame_add(u, FB_R(1.0), w, k);
+      fbi_vec3_add_cross(given, L->V + 3, u);
+    }
+    fbi_vec6_copy(L->given, given);
+    fbi_bias_acceleration(L, joint, parent, parent ? fbi_model(system, body, joint->parent) : NULL, given);
+    fbi_elastic_forces(L->pi, &L->k, model, state->link[k].q, L->q_dot);
+    fbi_own_residual(L, model, L->V_dot, still);
+    fbi_row_sub(L->pi, FB_R(1.0), L->e, model->n);
+    fbi_vec6_copy(L->p, none);
+    for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
+      if (L->mode[i] == FB_AXIS_FREE) {
+        fb_real value[3];
+        fbi_vec3_copy(value, state->link[k].x);
+        if (joint->kind == FB_JOINT_SPHERICAL) {
+          fb_quat_to_rotvec(value, state->link[k].quat);
+        }
+        L->p[i] = fbi_axis_torque(joint, input, k, i, value[i], L->u[i]);
+      }
+    }
+    fbi_vec6_copy(L->speed, L->u);
+    fbi_copy(L->q_speed, L->q_dot, model->n);
+  }
+  for (int e = 0; e < w->n_end; e++) {
+    fbi_end_acceleration(&w->end[e], w, system, body);
+  }
+  for (int r = 0; r < w->n_row; r++) {
+    const fbi_row *row = &w->row[r];
+    fb_real size;
+    w->c[r] = row->b_dot + fbi_row_drift(&size, w, row, (const fb_real(*)[3])row->force_dot);
+    for (int s = 0; s < 2; s++) {
+      const fbi_end *end = &w->end[row->end[s]];
+      w->c[r] += fb_vec3_dot(row->r.force[s], end->a) + fb_vec3_dot(row->r.torque[s], end->alpha) +
+                 fb_vec3_dot(row->force_dot[s], end->v) + fb_vec3_dot(row->torque_dot[s], end->w);
+    }
+  }
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_vec6_copy(w->link[k].twist, w->link[k].V); /* the velocities; the solution takes their place */
+  }
+  return w->n_row > 0 ? fbi_constrained_solve(w, system, body, 0) : fbi_speeds_solve(w, system, body);
+}
+
+/* Force, torque and coordinates of a joint of the tree. */
+static void fbi_tree_joint_motion(fb_joint_motion *out, const fbi_link_work *L, const fb_joint *joint,
+                                  const fb_link_state *x)
+{
+  fb_real torque[3], moment[3];
+  fb_vec3_cross(moment, joint->child_position, L->G);
+  for (int i = 0; i < 3; i++) {
+    torque[i] = L->G[3 + i] - moment[i];
+  }
+  fb_mat33_mul_vec3(out->force, L->k.R, L->G);
+  fb_mat33_mul_vec3(out->torque, L->k.R, torque);
+  fbi_copy(out->value, x->x, joint->n_axis < 3 ? joint->n_axis : 3);
+  if (joint->kind == FB_JOINT_SPHERICAL) {
+    fb_quat_to_rotvec(out->value, x->quat);
+  }
+  for (int i = 0; i < joint->n_axis; i++) {
+    out->speed[i] = L->speed[i];
+    out->acceleration[i] = L->given[i] + L->u[i];
+    if (joint->kind != FB_JOINT_FREE) {
+      out->drive[i] = fbi_vec6_dot(L->A + 6 * i, L->G);
+    }
+  }
+}
+
+/* The same of a joint that is kept: the multipliers of its rows, its springs and motors; accelerations are not formed.
+   */
+static void fbi_kept_joint_motion(fb_joint_motion *out, fb_system_work *w, const fb_system *system, const fb_body *body,
+                                  const fb_system_state *state, const fb_system_input *input, int j)
+{
+  const fb_joint *joint = &system->joint[j];
+  fbi_frames f;
+  (void)fbi_frames_eval(&f, w, system, body, j);
+  fbi_frames_value(out->value, &f, joint);
+  for (int r = 0; r < w->n_joint_row; r++) {
+    const fbi_row *row = &w->row[r];
+    if (row->joint == j) {
+      fb_real moment[3];
+      fb_vec3_cross(moment, f.arm[1], row->r.force[1]);
+      fbi_vec3_add(out->force, w->mu[r], row->r.force[1]);
+      fbi_vec3_add(out->torque, w->mu[r], row->r.torque[1]);
+      fbi_vec3_add(out->torque, -w->mu[r], moment);
+    }
+  }
+  for (int i = 0; i < joint->n_axis; i++) {
+    fb_real force[3], torque[3];
+    fbi_frames_axis(force, torque, &f, joint, i);
+    out->speed[i] = fbi_frames_speed(&f, w, force, torque);
+    if (state->mode[j][i] == FB_AXIS_FREE) {
+      const fb_real tau = fbi_axis_torque(joint, input, j, i, out->value[i], out->speed[i]);
+      fbi_vec3_add(out->force, tau, force);
+      fbi_vec3_add(out->torque, tau, torque);
+    }
+    out->drive[i] = fb_vec3_dot(force, out->force) + fb_vec3_dot(torque, out->torque);
+    if (joint->kind == FB_JOINT_SCREW) {
+      out->drive[i] += joint->pitch * fb_vec3_dot(f.a[2], out->force);
+    }
+  }
+}
+
+/* Power of the motors of a joint and of what prescribes its axes; springs and dampers keep theirs. */
+static fb_real fbi_joint_power(const fb_system_work *w, const fb_joint_motion *at, const fb_joint *joint,
+                               const fb_system_state *state, const fb_system_input *input, int j)
+{
+  fb_real power = FB_R(0.0);
+  if (joint->kind == FB_JOINT_FREE) {
+    fb_real v[6];
+    fbi_vec6_copy(v, w->link[j].twist);
+    fbi_own_frame_add(v, FB_R(1.0), w, j);
+    return state->mode[j][0] == FB_AXIS_PRESCRIBED ? fbi_vec6_dot(w->link[j].G, v) : power;
+  }
+  for (int i = 0; i < joint->n_axis; i++) {
+    const fb_real motor = input ? input->drive[j].torque[i] : FB_R(0.0);
+    const fb_real drive = at->drive[i] - fbi_axis_torque(joint, NULL, j, i, at->value[i], at->speed[i]);
+    power += at->speed[i] * (state->mode[j][i] == FB_AXIS_FREE ? motor : drive);
+  }
+  return power;
+}
+
+/* Pose and motion of a body, and what its joint bears if it is of the tree; the velocities take the solution's place
+   again. */
+static void fbi_link_motion(fb_system_motion *motion, fb_system_work *w, const fb_system *system, const fb_body *body,
+                            const fb_system_state *state, int k)
+{
+  const fb_body *model = fbi_model(system, body, k);
+  fbi_link_work *L = &w->link[k];
+  fb_state *pose = &motion->pose[k];
+  fb_motion *out = &motion->motion[k];
+  fb_real u[3] = {0}, turn[3];
+  for (int i = 0; i < 3; i++) {
+    pose->rho[i] = fbi_true_position(w, k, L->rho, i);
+  }
+  fbi_quat_from_mat33(pose->quat, L->k.R);
+  fbi_copy(pose->q, L->k.qx + 1, model->n);
+  if (!fbi_is_kept(system, w, k)) {
+    fbi_tree_joint_motion(&motion->joint[k], L, fbi_link_joint(system, w, k), &state->link[k]);
+  }
+  fbi_vec6_add(L->V_dot, FB_R(1.0), L->V);
+  fbi_vec6_copy(L->V, L->twist);
+  fbi_vec3_copy(out->v, L->V);
+  fbi_vec3_copy(out->w, L->V + 3);
+  fb_vec3_cross(out->acceleration, L->V + 3, L->V); /* the frame does not accelerate */
+  fbi_vec3_add(out->acceleration, FB_R(1.0), L->V_dot);
+  fbi_vec3_copy(out->w_dot, L->V_dot + 3);
+  fbi_copy(out->q_ddot, L->q_dot, model->n);
+  fbi_copy(L->q_dot, L->q_speed, model->n);
+  fbi_copy(out->q_dot, L->q_dot, model->n);
+  fbi_vec6_copy(L->k.fg, L->F);
+  fbi_own_residual(L, model, L->V_dot, out->q_ddot);
+  fbi_own_frame_add(u, FB_R(1.0), w, k); /* from the ground: v + R^T u, which turns in body axes */
+  fb_vec3_cross(turn, L->V + 3, u);
+  for (int i = 0; i < 3; i++) {
+    out->reaction_force[i] = -L->y[i];
+    out->reaction_torque[i] = -L->y[3 + i];
+    out->v[i] += u[i];
+    if (fbi_link_joint(system, w, k)->kind == FB_JOINT_FREE && !fbi_is_kept(system, w, k)) {
+      motion->joint[k].speed[i] += u[i];
+      motion->joint[k].acceleration[i] -= turn[i];
+    }
+  }
+}
+
+FB_DEF fb_status fb_system_motion_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
+                                       fb_system_motion *motion, const fb_system_state *state,
+                                       const fb_system_input *input)
+{
+  fb_status status;
+  FBI_REQUIRE(system && body && work && motion && state, FB_ERR_NULL);
+  status = fbi_system_input_check(system, body, input);
+  fbi_system_enter(work, system);
+  status = status == FB_OK ? fbi_system_velocity(work, system, body, state, state, input, 0) : status;
+  for (int k = 0; k < system->n_body && status == FB_OK; k++) {
+    fbi_link_kinetics(&work->link[k], fbi_model(system, body, k));
+    fbi_momenta(&work->link[k].k, fbi_model(system, body, k));
+  }
+  status = status == FB_OK ? fbi_system_accelerations(work, system, body, state, input) : status;
+  for (int k = 0; k < system->n_body && status == FB_OK; k++) {
+    const fbi_link_work *L = &work->link[k];
+    const int n = fbi_model(system, body, k)->n;
+    status = fbi_is_finite(L->V, 6) && fbi_is_finite(L->G, 6) && fbi_is_finite(L->q_dot, n) ? FB_OK : FB_ERR_NOT_FINITE;
+  }
+  if (status != FB_OK) {
+    return status;
+  }
+  memset(motion, 0, sizeof *motion);
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_motion(motion, work, system, body, state, k);
+  }
+  for (int j = 0; j < system->n_body + system->n_loop; j++) {
+    fb_joint_motion *at = &motion->joint[j];
+    const fb_joint *joint = &system->joint[j];
+    if (fbi_is_kept(system, work, j)) {
+      fbi_kept_joint_motion(at, work, system, body, state, input, j);
+    }
+    motion->power += fbi_joint_power(work, at, joint, state, input, j);
+  }
+  return FB_OK;
+}
+
+FB_DEF fb_status fb_system_energy(const fb_system *system, const fb_body *body, fb_system_work *work, fb_energy *energy,
+                                  const fb_system_state *state, const fb_system_input *input)
+{
+  fb_energy out = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_status status;
+  FBI_REQUIRE(system && body && work && energy && state, FB_ERR_NULL);
+  status = fbi_system_input_check(system, body, input);
+  fbi_system_enter(work, system);
+  status = status == FB_OK ? fbi_system_velocity(work, system, body, state, state, input, 0) : status;
+  if (status != FB_OK) {
+    return status;
+  }
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_body *model = fbi_model(system, body, k);
+    fbi_link_work *L = &work->link[k];
+    fb_real u[3] = {0}, rho[3];
+    fbi_link_kinetics(L, model);
+    fbi_momenta(&L->k, model);
+    fbi_mass_mul(L->e, model, L->k.pb);
+    out.kinetic += FB_R(0.5) * (fbi_vec6_dot(L->k.ph, L->V) + fbi_dot(L->e, L->q_dot, model->n));
+    fbi_own_frame_add(u, FB_R(1.0), work, k);
+    out.kinetic += fb_vec3_dot(L->k.ph, u) + FB_R(0.5) * model->mass * fb_vec3_dot(u, u);
+    for (int i = 0; i < 3; i++) {
+      rho[i] = fbi_true_position(work, k, L->rho, i);
+    }
+    fbi_potential_add(&out, &L->k, model, state->link[k].q, rho);
+  }
+  for (int j = 0; j < system->n_body + system->n_loop; j++) {
+    const fb_joint *joint = &system->joint[j];
+    fb_real value[3];
+    if (!fbi_is_sprung(joint, NULL, j)) {
+      continue;
+    }
+    if (fbi_is_kept(system, work, j)) {
+      fbi_frames f;
+      (void)fbi_frames_eval(&f, work, system, body, j);
+      fbi_frames_value(value, &f, joint);
+    } else if (joint->kind == FB_JOINT_SPHERICAL) {
+      fb_quat_to_rotvec(value, state->link[j].quat);
+    } else {
+      fbi_vec3_copy(value, state->link[j].x);
+    }
+    for (int i = 0; i < joint->n_axis && i < 3; i++) {
+      const fb_real stretch = value[i] - joint->rest[i];
+      out.strain += FB_R(0.5) * joint->stiffness[i] * stretch * stretch;
+    }
+  }
+  if (!fbi_energy_is_finite(&out)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *energy = out;
+  return FB_OK;
+}
+
+/* Sums over the bodies. */
+FB_DEF fb_status fb_system_momentum(const fb_system *system, const fb_body *body, fb_system_work *work,
+                                    fb_momentum *momentum, const fb_system_state *state, const fb_system_input *input)
+{
+  fb_momentum out;
+  fb_status status;
+  FBI_REQUIRE(system && body && work && momentum && state, FB_ERR_NULL);
+  status = fbi_system_input_check(system, body, input);
+  fbi_system_enter(work, system);
+  status = status == FB_OK ? fbi_system_velocity(work, system, body, state, state, input, 0) : status;
+  if (status != FB_OK) {
+    return status;
+  }
+  memset(&out, 0, sizeof out);
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_body *model = fbi_model(system, body, k);
+    fbi_link_work *L = &work->link[k];
+    fb_real P[3], h[3], u[3] = {0}, rho[3];
+    fbi_link_kinetics(L, model);
+    fbi_momenta(&L->k, model);
+    fbi_own_frame_add(u, FB_R(1.0), work, k);
+    fbi_drift_momenta(L->b, L->e, L->first, L, model, u);
+    fbi_vec6_add(L->k.ph, FB_R(1.0), L->b);
+    fb_mat33_mul_vec3(P, L->k.R, L->k.ph);
+    fb_mat33_mul_vec3(h, L->k.R, L->k.ph + 3);
+    for (int i = 0; i < 3; i++) {
+      rho[i] = fbi_true_position(work, k, L->rho, i);
+    }
+    fbi_vec3_add(out.linear, FB_R(1.0), P);
+    fbi_vec3_add(out.angular, FB_R(1.0), h);
+    fbi_vec3_add_cross(out.angular, rho, P);
+  }
+  if (!fbi_is_finite(out.linear, 3) || !fbi_is_finite(out.angular, 3)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *momentum = out;
+  return FB_OK;
+}
+
+/* ---- checks of what is in memory */
+
+static int fbi_joint_is_sound(const fb_system *system, const fb_body *body, int j)
+{
+  const fb_joint *joint = &system->joint[j];
+  const int loop = j >= system->n_body, most = loop ? system->n_body : j;
+  int sound = fbi_is_choice((int)joint->kind, (int)FB_JOINT_SPHERICAL) && joint->parent >= FB_GROUND &&
+              joint->parent < most && fbi_is_within(joint->child, system->n_body - 1) && (loop || joint->child == j) &&
+              joint->parent_node >= 0 && joint->child_node >= 0 && fbi_is_flag(joint->moves) &&
+              fbi_is_flag(joint->turned);
+  sound = sound && joint->n_axis == fbi_joint_axes(joint->kind) &&
+          (joint->parent < 0 ? joint->parent_node == 0
+                             : joint->parent_node < fbi_model(system, body, joint->parent)->n_node) &&
+          joint->child_node < fbi_model(system, body, joint->child)->n_node;
+  sound = sound && fbi_is_finite(joint->position, 3) && fbi_is_finite(joint->axes, 9) &&
+          fbi_is_finite(joint->child_position, 3) && fbi_is_finite(joint->child_axes, 9) &&
+          fbi_is_finite(joint->A, 18) && fbi_is_finite(&joint->pitch, 1) && fbi_is_finite(joint->stiffness, 3) &&
+          fbi_is_finite(joint->rest, 3) && fbi_is_finite(joint->damping, 3);
+  for (int i = 0; sound && i < 3; i++) {
+    sound = fbi_is_choice((int)joint->mode[i], (int)FB_AXIS_PRESCRIBED) && joint->stiffness[i] >= FB_R(0.0) &&
+            joint->damping[i] >= FB_R(0.0);
+  }
+  return sound;
+}
+
+FB_DEF fb_status fb_system_check(const fb_system *system, const fb_body *body, int n_model)
+{
+  int sound;
+  FBI_REQUIRE(system && body, FB_ERR_NULL);
+  if (n_model < 1 || system->n_body < 1 || system->n_body > FB_MAX_BODIES ||
+      !fbi_is_within(system->n_loop, FB_MAX_LOOPS)) {
+    return FB_ERR_CAPACITY;
+  }
+  {
+    const fb_real limit[4] = {system->limit_elastic, system->limit_damping, system->limit_kept_elastic,
+                              system->limit_kept_damping};
+    sound = fbi_is_choice((int)system->method, (int)FB_METHOD_MULTIPLIERS) && fbi_is_flag(system->allow_long_step) &&
+            fbi_is_within(system->tied, 2) && fbi_is_finite(limit, 4) && system->free.kind == FB_JOINT_FREE &&
+            system->free.n_axis == 6 && system->free.parent == FB_GROUND;
+  }
+  for (int k = 0; sound && k < system->n_body; k++) {
+    sound = fbi_is_within(system->model[k], n_model - 1) && fbi_is_flag(system->coupled[k]) &&
+            fb_body_check(fbi_model(system, body, k)) == FB_OK;
+  }
+  for (int j = 0; sound && j < system->n_body + system->n_loop; j++) {
+    sound = fbi_joint_is_sound(system, body, j);
+  }
+  return sound ? FB_OK : FB_ERR_VALUE;
+}
+
+/* The joint by E8.40. */
+static unsigned fbi_crc_joint(unsigned crc, const fb_joint *joint)
+{
+  const int whole[] = {(int)joint->kind,    joint->parent,       joint->parent_node, joint->child,
+                       joint->child_node,   joint->n_axis,       joint->moves,       joint->turned,
+                       (int)joint->mode[0], (int)joint->mode[1], (int)joint->mode[2]};
+  crc = fbi_crc_ints(crc, whole, (int)(sizeof whole / sizeof *whole));
+  crc = fbi_crc_reals(fbi_crc_reals(crc, joint->position, 3, FB_SINGLE), joint->axes, 9, FB_SINGLE);
+  crc = fbi_crc_reals(fbi_crc_reals(crc, joint->child_position, 3, FB_SINGLE), joint->child_axes, 9, FB_SINGLE);
+  crc = fbi_crc_reals(fbi_crc_reals(crc, joint->A, 18, FB_SINGLE), &joint->pitch, 1, FB_SINGLE);
+  crc = fbi_crc_reals(fbi_crc_reals(crc, joint->stiffness, 3, FB_SINGLE), joint->rest, 3, FB_SINGLE);
+  return fbi_crc_reals(crc, joint->damping, 3, FB_SINGLE);
+}
+
+FB_DEF unsigned fb_system_crc(const fb_system *system, const fb_body *body, int n_model)
+{
+  unsigned crc;
+  FBI_REQUIRE(system && body, 0);
+  if (n_model < 1 || !fbi_is_within(system->n_body, FB_MAX_BODIES) || !fbi_is_within(system->n_loop, FB_MAX_LOOPS)) {
+    return 0;
+  }
+  {
+    const int whole[5] = {system->n_body, system->n_loop, (int)system->method, system->allow_long_step, system->tied};
+    const fb_real limit[4] = {system->limit_elastic, system->limit_damping, system->limit_kept_elastic,
+                              system->limit_kept_damping};
+    crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, 5), limit, 4, FB_SINGLE);
+  }
+  crc = fbi_crc_ints(fbi_crc_ints(crc, system->model, system->n_body), system->coupled, system->n_body);
+  for (int k = 0; k < system->n_body; k++) {
+    unsigned word = 0;
+    if (fbi_is_within(system->model[k], n_model - 1)) {
+      word = fb_body_crc(fbi_model(system, body, k));
+    }
+    if (word == 0) {
+      return 0;
+    }
+    crc = fbi_crc_word(crc, word);
+  }
+  for (int j = 0; j < system->n_body + system->n_loop; j++) {
+    crc = fbi_crc_joint(crc, &system->joint[j]);
+  }
+  return ~fbi_crc_joint(crc, &system->free);
+}
+
+FB_DEF fb_status fb_system_state_check(const fb_system *system, const fb_body *body, const fb_system_state *state)
+{
+  fb_status status;
+  FBI_REQUIRE(system && body && state, FB_ERR_NULL);
+  status = fbi_system_range(system, body, state);
+  for (int j = 0; status == FB_OK && j < system->n_body + system->n_loop; j++) {
+    fb_real quat[4] = {FB_R(1.0)};
+    for (int i = 0; i < 3; i++) {
+      status = fbi_is_choice((int)state->mode[j][i], (int)FB_AXIS_PRESCRIBED) ? status : FB_ERR_VALUE;
+    }
+    if (j < system->n_body && (system->joint[j].kind == FB_JOINT_SPHERICAL || system->joint[j].kind == FB_JOINT_FREE ||
+                               system->method == FB_METHOD_MULTIPLIERS)) {
+      fbi_copy(quat, state->link[j].quat, 4);
+    }
+    if (status == FB_OK && (!fbi_is_finite(state->hold[j], 3) || !fbi_is_finite(state->hold_quat[j], 4))) {
+      status = FB_ERR_NOT_FINITE;
+    }
+    status = status == FB_OK && !fbi_quat_is_unit(quat) ? FB_ERR_VALUE : status;
+  }
+  return status;
+}
+#endif /* FB_WITH_SYSTEM */
+
+#if FB_WITH_EXACT
+/* ---------------------------------------------------------------------------------------------------------------
+   RUN >>exact: the geometrically exact beam (uses config, status, vec3, rotation, solve, body) */
+
+static void fbi_ad(fb_real y[6], const fb_real x[6], const fb_real v[6])
+{
+  fb_vec3_cross(y, x + 3, v);
+  fbi_vec3_add_cross(y, x, v + 3);
+  fb_vec3_cross(y + 3, x + 3, v + 3);
+}
+
+static void fbi_adT(fb_real y[6], const fb_real x[6], const fb_real F[6])
+{
+  fb_vec3_cross(y, F, x + 3);
+  fb_vec3_cross(y + 3, F, x);
+  fbi_vec3_add_cross(y + 3, F + 3, x + 3);
+}
+
+/* Y = ad(x) M for 6x6 M, rows of which are long enough to be worth a vector unit. */
+static void fbi_ad_mul(fb_real Y[36], const fb_real x[6], const fb_real M[36])
+{
+  for (int j = 0; j < 6; j++) {
+    const fb_real *t = M + j, *b = M + 18 + j;
+    Y[j] = x[4] * t[12] - x[5] * t[6] + x[1] * b[12] - x[2] * b[6];
+    Y[6 + j] = x[5] * t[0] - x[3] * t[12] + x[2] * b[0] - x[0] * b[12];
+    Y[12 + j] = x[3] * t[6] - x[4] * t[0] + x[0] * b[6] - x[1] * b[0];
+    Y[18 + j] = x[4] * b[12] - x[5] * b[6];
+    Y[24 + j] = x[5] * b[0] - x[3] * b[12];
+    Y[30 + j] = x[3] * b[6] - x[4] * b[0];
+  }
+}
+
+/* Y = ad(x)^T M */
+static void fbi_adT_mul(fb_real Y[36], const fb_real x[6], const fb_real M[36])
+{
+  for (int j = 0; j < 6; j++) {
+    const fb_real *t = M + j, *b = M + 18 + j;
+    Y[j] = x[5] * t[6] - x[4] * t[12];
+    Y[6 + j] = x[3] * t[12] - x[5] * t[0];
+    Y[12 + j] = x[4] * t[0] - x[3] * t[6];
+    Y[18 + j] = x[2] * t[6] - x[1] * t[12] + x[5] * b[6] - x[4] * b[12];
+    Y[24 + j] = x[0] * t[12] - x[2] * t[0] + x[3] * b[12] - x[5] * b[0];
+    Y[30 + j] = x[1] * t[0] - x[0] * t[6] + x[4] * b[0] - x[3] * b[6];
+  }
+}
+
+/* Y = M ad(x): ad(x)^T on every row */
+static void fbi_mul_ad(fb_real Y[36], const fb_real M[36], const fb_real x[6])
+{
+  for (int i = 0; i < 36; i += 6) {
+    fbi_adT(Y + i, x, M + i);
+  }
+}
+
+/* A += s v^ where the rows of A are n apart */
+static void fbi_add_skew(fb_real *A, int n, fb_real s, const fb_real v[3])
+{
+  for (int k = 0; k < 3; k++) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    A[n * i + j] -= s * v[k];
+    A[n * j + i] += s * v[k];
+  }
+}
+
+/* Y += ad(x)^T F by x: [0 f^; f^ m^] */
+static void fbi_adT_turn(fb_real Y[36], const fb_real F[6], fb_real scale)
+{
+  fbi_add_skew(Y + 3, 6, scale, F);
+  fbi_add_skew(Y + 18, 6, scale, F);
+  fbi_add_skew(Y + 21, 6, scale, F + 3);
+}
+
+static void fbi_mat66_mul_vec6(fb_real y[6], const fb_real A[36], const fb_real x[6])
+{
+  for (int i = 0; i < 6; i++) {
+    y[i] = fbi_vec6_dot(A + 6 * i, x);
+  }
+}
+
+/* C += A B */
+static void fbi_mat66_add_mul(fb_real C[36], const fb_real A[36], const fb_real B[36])
+{
+  for (int i = 0; i < 36; i += 6) {
+    for (int k = 0; k < 6; k++) {
+      fbi_vec6_add(C + i, A[i + k], B + 6 * k);
+    }
+  }
+}
+
+/* r_c, quat_c = pose a, then b in its axes */
+static void fbi_pose_mul(fb_real r_c[3], fb_real quat_c[4], const fb_real r_a[3], const fb_real quat_a[4],
+                         const fb_real r_b[3], const fb_real quat_b[4])
+{
+  fb_real R[9], x[3], q[4];
+  fb_quat_to_mat33(R, quat_a);
+  fb_mat33_mul_vec3(x, R, r_b);
+  for (int i = 0; i < 3; i++) {
+    r_c[i] = r_a[i] + x[i];
+  }
+  fb_quat_mul(q, quat_a, quat_b);
+  (void)fb_quat_normalize(q);
+  fbi_copy(quat_c, q, 4);
+}
+
+/* The pose r, quat goes on by a twist. */
+static void fbi_pose_add(fb_real r[3], fb_real quat[4], const fb_real x[6])
+{
+  fb_real step[3], turn[4];
+  fb_pose_from_twist(step, turn, x);
+  fbi_pose_mul(r, quat, r, quat, step, turn);
+}
+
+/* r_c, quat_c: pose b as seen from pose a */
+static void fbi_pose_relative(fb_real r_c[3], fb_real quat_c[4], const fb_real r_a[3], const fb_real quat_a[4],
+                              const fb_real r_b[3], const fb_real quat_b[4])
+{
+  const fb_real back[4] = {quat_a[0], -quat_a[1], -quat_a[2], -quat_a[3]};
+  const fb_real d[3] = {r_b[0] - r_a[0], r_b[1] - r_a[1], r_b[2] - r_a[2]};
+  fb_real R[9], y[3], q[4];
+  fb_quat_to_mat33(R, quat_a);
+  fb_mat33_mulT_vec3(y, R, d);
+  fb_quat_mul(q, back, quat_b);
+  fbi_copy(r_c, y, 3);
+  fbi_copy(quat_c, q, 4);
+}
+
+/* Twist from pose a to pose b, axes of a. */
+static void fbi_pose_difference(fb_real x[6], const fb_real r_a[3], const fb_real quat_a[4], const fb_real r_b[3],
+                                const fb_real quat_b[4])
+{
+  fb_real r[3], quat[4];
+  fbi_pose_relative(r, quat, r_a, quat_a, r_b, quat_b);
+  fb_pose_to_twist(x, r, quat);
+}
+
+/* ---- model */
+
+/* Poses of the nodes from that of the root, the strains and their offsets (NULL: none). */
+static void fbi_mixed_poses(fb_real *r, fb_real *quat, const fb_mixed *m, const fb_real *strain, const fb_real *offset)
+{
+  for (int k = 0; k < m->n; k++) {
+    fb_real x[6];
+    for (int i = 0; i < 6; i++) {
+      x[i] = m->h[k] * (m->xi[6 * k + i] + (strain ? strain[6 * k + i] + offset[6 * k + i] : FB_R(0.0)));
+    }
+    fbi_copy(r + 3 * k + 3, r + 3 * k, 3);
+    fbi_copy(quat + 4 * k + 4, quat + 4 * k, 4);
+    fbi_pose_add(r + 3 * k + 3, quat + 4 * k + 4, x);
+  }
+}
+
+/* ---- one element */
+
+/* y = A1 a + A2 b, A = 1/2 -+ ad(theta)/12: the mean over the element of a field that moves with the frame. */
+static void fbi_mixed_mean(fb_real y[6], fb_real d[6], const fb_real theta[6], const fb_real a[6], const fb_real b[6])
+{
+  for (int i = 0; i < 6; i++) {
+    d[i] = b[i] - a[i];
+  }
+  fbi_ad(y, theta, d);
+  for (int i = 0; i < 6; i++) {
+    y[i] = FB_R(0.5) * (a[i] + b[i]) + y[i] / FB_R(12.0);
+  }
+}
+
+/* The same of a vector that only turns. */
+static void fbi_mixed_mean3(fb_real y[3], const fb_real theta[6], const fb_real a[3], const fb_real b[3])
+{
+  const fb_real d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+  fb_vec3_cross(y, theta + 3, d);
+  for (int i = 0; i < 3; i++) {
+    y[i] = FB_R(0.5) * (a[i] + b[i]) + y[i] / FB_R(12.0);
+  }
+}
+
+/* [E10.7] Balance of an element: dF = ad(theta)^T s - h f, f = load + M g - momentum_t + ad(V)^T P, and the loads at
+   its ends, F = s + (ad(theta)^T dF - h df)/12 -+ dF/2, so that the stress s is the mean of F over the element; df: by
+   which loads with directions of their own differ between its ends.
+   Source: [L] 3.92-3.95, 3.89 with Euler and Maclaurin's correction of the mean.  Cost: about 300 flops.  Fails: never.
+   Test: elastica_is_of_order_four, steady_openfast_cantilever_hangs_as_shooting_says. */
+static void fbi_mixed_cell_eval(fbi_mixed_cell *c, const fb_mixed_work *work, const fb_mixed *m, int k)
+{
+  const fbi_mixed_motion *motion = &work->motion;
+  const fb_real *const s = work->s + 6 * k, *const M = m->M + 36 * k;
+  fb_real f[6], df[6], y[6];
+  c->h = m->h[k];
+  fbi_vec6_zero(c->P);
+  fbi_vec6_zero(df);
+  fbi_mat66_mul_vec6(c->strain, m->C + 36 * k, s);
+  for (int i = 0; i < 6; i++) {
+    c->theta[i] = c->h * (m->xi[6 * k + i] + c->strain[i] + work->offset[6 * k + i]);
+  }
+  fbi_vec6_copy(f, work->line + 6 * k);
+  if (motion->dead) {
+    const fb_real *const a = work->R + 9 * k, *const b = a + 9, *const n = work->line_dead + 6 * k;
+    for (int i = 0; i < 6; i += 3) {
+      fb_real p[3], q[3], mean[3];
+      fb_mat33_mulT_vec3(p, a, n + i);
+      fb_mat33_mulT_vec3(q, b, n + i);
+      fbi_mixed_mean3(mean, c->theta, p, q);
+      fbi_vec3_add(f + i, FB_R(1.0), mean);
+      fbi_vec3_add(df + i, -FB_R(1.0), p);
+      fbi_vec3_add(df + i, FB_R(1.0), q);
+    }
+  }
+  if (motion->gravity) {
+    fbi_mixed_mean(y, c->dG, c->theta, work->G + 6 * k, work->G + 6 * k + 6);
+    for (int i = 0; i < 6; i++) {
+      f[i] += fbi_vec6_dot(M + 6 * i, y);
+      df[i] += fbi_vec6_dot(M + 6 * i, c->dG);
+    }
+  }
+  if (motion->inertia) {
+    fbi_mixed_mean(c->V, c->dV, c->theta, work->V + 6 * k, work->V + 6 * k + 6);
+    fbi_mat66_mul_vec6(c->P, M, c->V);
+    fbi_adT(y, c->V, c->P);
+    for (int i = 0; i < 6; i++) {
+      f[i] += y[i] - motion->shift * (c->P[i] - work->momentum[6 * k + i]);
+    }
+  }
+  fbi_adT(c->dF, c->theta, s);
+  fbi_vec6_add(c->dF, -c->h, f);
+  fbi_adT(y, c->theta, c->dF);
+  for (int i = 0; i < 6; i++) {
+    const fb_real mean = s[i] + (y[i] - c->h * df[i]) / FB_R(12.0);
+    c->F1[i] = mean - FB_R(0.5) * c->dF[i];
+    c->F2[i] = mean + FB_R(0.5) * c->dF[i];
+  }
+}
+
+/* [E10.8] Compatibility of an element. Marching: h strain_t = V2 - V1 + ad(theta) V (= D1 V1 + D2 V2). Steady: theta is
+   the twist between the poses of its ends. c: what is missing.
+   Source: [L] 3.96-3.105 differentiated in time, with E10.7's mean (its adjoint).  Cost: 60 flops.  Fails: never.
+   Test: energy_is_kept_whatever_the_step, steady_and_marching_agree. */
+static void fbi_mixed_compatibility(fb_real r[6], const fbi_mixed_cell *c, const fb_mixed_work *work, int k)
+{
+  fb_real y[6];
+  if (!work->motion.march) {
+    fbi_pose_difference(y, work->r + 3 * k, work->quat + 4 * k, work->r + 3 * k + 3, work->quat + 4 * k + 4);
+    for (int i = 0; i < 6; i++) {
+      r[i] = c->theta[i] - y[i];
+    }
+    return;
+  }
+  fbi_ad(y, c->theta, c->V);
+  for (int i = 0; i < 6; i++) {
+    r[i] = work->motion.shift * c->h * (c->strain[i] - work->strain[6 * k + i]) - c->dV[i] - y[i];
+  }
+}
+
+/* D = -+1 + ad/2 -+ ad^2/12, and their transposes in F1s, F2s */
+static void fbi_mixed_strain_matrices(fbi_mixed_jacobian *j, const fb_real theta[6])
+{
+  fb_real X[36], X2[36];
+  fbi_zero(X2, 36);
+  for (int i = 0; i < 36; i += 7) {
+    X2[i] = FB_R(1.0);
+  }
+  fbi_ad_mul(X, theta, X2);
+  fbi_ad_mul(X2, theta, X);
+  for (int i = 0; i < 36; i++) {
+    const int transposed = i % 6 * 6 + i / 6;
+    const fb_real even = (i % 7 == 0 ? FB_R(1.0) : FB_R(0.0)) + X2[i] / FB_R(12.0), odd = FB_R(0.5) * X[i];
+    j->D1[i] = odd - even;
+    j->D2[i] = odd + even;
+    j->F1s[transposed] = even - odd;
+    j->F2s[transposed] = even + odd;
+  }
+}
+
+/* Q = h df/dV T + pose h df/d(pose), by a node (sign: -1 first, 1 second) of the mean load; D: of h df/12. */
+static void fbi_mixed_load_by_node(fb_real Q[36], fb_real D[36], const fb_real N[36], const fb_real NX[36],
+                                   fb_real sign, const fbi_mixed_cell *c, const fb_mixed_work *work, const fb_mixed *m,
+                                   int k, int node)
+{
+  const fbi_mixed_motion *motion = &work->motion;
+  fbi_zero(Q, 36);
+  fbi_zero(D, 36);
+  if (motion->inertia) {
+    fb_real A[36];
+    for (int i = 0; i < 36; i++) {
+      A[i] = c->h * (FB_R(0.5) * N[i] + sign / FB_R(12.0) * NX[i]);
+    }
+    if (motion->march) {
+      fbi_copy(Q, A, 36);
+    } else { /* the velocity of a node that is displaced: T = shift + ad(V) */
+      fbi_mul_ad(Q, A, work->V + 6 * node);
+      for (int i = 0; i < 36; i++) {
+        Q[i] += motion->shift * A[i];
+      }
+    }
+  }
+  if (motion->gravity) {
+    fb_real A[36], B[36];
+    fbi_mul_ad(A, m->M + 36 * k, c->theta);
+    for (int i = 0; i < 36; i++) {
+      A[i] = c->h * motion->pose * (FB_R(0.5) * m->M[36 * k + i] + sign / FB_R(12.0) * A[i]);
+    }
+    fbi_mul_ad(B, A, work->G + 6 * node);
+    fbi_mul_ad(D, m->M + 36 * k, work->G + 6 * node);
+    for (int i = 0; i < 36; i++) {
+      Q[i] += B[i];
+      D[i] *= sign * c->h * motion->pose / FB_R(12.0);
+    }
+  }
+  if (motion->dead) {
+    for (int i = 0; i < 6; i += 3) {
+      fb_real f[3];
+      fb_mat33_mulT_vec3(f, work->R + 9 * node, work->line_dead + 6 * k + i);
+      for (int a = 0; a < 3; a++) { /* column: a turn about axis a */
+        fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, df[3], y[3];
+        turn[a] = FB_R(1.0);
+        fb_vec3_cross(df, f, turn);
+        fb_vec3_cross(y, c->theta + 3, df);
+        for (int b = 0; b < 3; b++) {
+          Q[6 * (i + b) + 3 + a] += c->h * motion->pose * (FB_R(0.5) * df[b] + sign / FB_R(12.0) * y[b]);
+          D[6 * (i + b) + 3 + a] += c->h * motion->pose * sign / FB_R(12.0) * df[b];
+        }
+      }
+    }
+  }
+}
+
+/* F1 and F2 by a node: F2d = -A2^T Q - D, F1d = A1^T Q - D. */
+static void fbi_mixed_end_loads(fb_real F1d[36], fb_real F2d[36], const fb_real Q[36], const fb_real D[36],
+                                const fb_real theta[6])
+{
+  fb_real Y[36];
+  fbi_adT_mul(Y, theta, Q);
+  for (int i = 0; i < 36; i++) {
+    const fb_real half = FB_R(0.5) * Q[i], twelfth = Y[i] / FB_R(12.0) + D[i];
+    F1d[i] = half - twelfth;
+    F2d[i] = -half - twelfth;
+  }
+}
+
+/* N = df/dV of the mean load, ad(V)^T M + (ad^T P by V) - shift M, and G = d(dF)/dtheta = (ad^T s by theta) + h/12 (N
+   ad(dV) + M ad(dG)). */
+static void fbi_mixed_load_matrices(fb_real N[36], fb_real G[36], const fbi_mixed_cell *c, const fb_mixed_work *work,
+                                    const fb_mixed *m, int k)
+{
+  const fbi_mixed_motion *motion = &work->motion;
+  const fb_real *const M = m->M + 36 * k;
+  fb_real Y[36];
+  fbi_zero(N, 36);
+  fbi_zero(G, 36);
+  fbi_adT_turn(G, work->s + 6 * k, FB_R(1.0));
+  if (motion->inertia) {
+    fbi_adT_mul(N, c->V, M);
+    fbi_adT_turn(N, c->P, FB_R(1.0));
+    for (int i = 0; i < 36; i++) {
+      N[i] -= motion->shift * M[i];
+    }
+    fbi_mul_ad(Y, N, c->dV);
+    fbi_row_sub(G, -c->h / FB_R(12.0), Y, 36);
+  }
+  if (motion->gravity) {
+    fbi_mul_ad(Y, M, c->dG);
+    fbi_row_sub(G, -c->h / FB_R(12.0), Y, 36);
+  }
+  if (motion->dead) { /* -h (turn x d)/12 of the loads' difference d between the ends */
+    for (int i = 0; i < 6; i += 3) {
+      fb_real p[3], q[3], d[3];
+      fb_mat33_mulT_vec3(p, work->R + 9 * k, work->line_dead + 6 * k + i);
+      fb_mat33_mulT_vec3(q, work->R + 9 * k + 9, work->line_dead + 6 * k + i);
+      for (int a = 0; a < 3; a++) {
+        d[a] = c->h / FB_R(12.0) * (q[a] - p[a]);
+      }
+      fbi_add_skew(G + 6 * i + 3, 6, FB_R(1.0), d);
+    }
+  }
+}
+
+/* E = (rate + ad(V) + ad(theta) ad(dV)/12) h C: compatibility by the stress. */
+static void fbi_mixed_compliance_rate(fb_real E[36], const fbi_mixed_cell *c, const fb_mixed_work *work,
+                                      const fb_real hC[36])
+{
+  fb_real X[36], Y[36], one[36];
+  fbi_copy(E, hC, 36);
+  if (!work->motion.march) {
+    return;
+  }
+  for (int i = 0; i < 36; i++) {
+    E[i] *= work->motion.shift;
+    one[i] = i % 7 == 0 ? FB_R(1.0) : FB_R(0.0);
+  }
+  fbi_ad_mul(X, c->dV, one);
+  fbi_ad_mul(Y, c->theta, X);
+  fbi_ad_mul(X, c->V, one);
+  for (int i = 0; i < 36; i++) {
+    X[i] += Y[i] / FB_R(12.0);
+  }
+  fbi_mat66_add_mul(E, X, hC);
+}
+
+/* [E10.9] Jacobian of E10.7 and E10.8: with N, G as above and the theta of the stress, h C ds,
+     dF = ad(theta)^T ds + G dtheta - h (N A dV + ...),  F = s + ad(theta)^T dF/12 -+ dF/2.
+   Source: derivation.  Cost: 5 kflops marching, 3 at rest.  Fails: never.
+   Test: newton_converges_quadratically, shaft_whirls_as_in_closed_form, becks_column_flutters_at_its_load. */
+static void fbi_mixed_cell_jacobian(fbi_mixed_jacobian *j, const fbi_mixed_cell *c, const fb_mixed_work *work,
+                                    const fb_mixed *m, int k)
+{
+  const fbi_mixed_motion *motion = &work->motion;
+  fb_real N[36], Q[36], D[36], G[36], Y[36], hC[36];
+  for (int i = 0; i < 36; i++) {
+    hC[i] = c->h * m->C[36 * k + i];
+  }
+  fbi_mixed_strain_matrices(j, c->theta);
+  fbi_mixed_load_matrices(N, G, c, work, m, k);
+  if (motion->inertia || motion->gravity || motion->dead) {
+    fbi_mul_ad(Y, N, c->theta);
+    fbi_mixed_load_by_node(Q, D, N, Y, -FB_R(1.0), c, work, m, k, k);
+    fbi_mixed_end_loads(j->F1d1, j->F2d1, Q, D, c->theta);
+    fbi_mixed_load_by_node(Q, D, N, Y, FB_R(1.0), c, work, m, k, k + 1);
+    fbi_mixed_end_loads(j->F1d2, j->F2d2, Q, D, c->theta);
+  } else {
+    fbi_zero(j->F1d1, 36);
+    fbi_zero(j->F1d2, 36);
+    fbi_zero(j->F2d1, 36);
+    fbi_zero(j->F2d2, 36);
+  }
+  fbi_adT_mul(Y, c->theta, G);
+  fbi_zero(Q, 36);
+  fbi_adT_turn(Q, c->dF, FB_R(1.0) / FB_R(12.0));
+  for (int i = 0; i < 36; i++) { /* by theta, then by the stress */
+    const fb_real mean = Q[i] + Y[i] / FB_R(12.0);
+    N[i] = mean - FB_R(0.5) * G[i];
+    G[i] = mean + FB_R(0.5) * G[i];
+  }
+  fbi_mat66_add_mul(j->F1s, N, hC);
+  fbi_mat66_add_mul(j->F2s, G, hC);
+  fbi_mixed_compliance_rate(j->E, c, work, hC);
+}
+
+/* ---- the chain */
+
+/* [E10.18] What acts on a node itself, section axes: loads, and of its lumped bodies M g - momentum_t + ad(V)^T P, as
+   of an element.
+   Source: [L] 3.92, 3.93.  Cost: 200 flops a body.  Fails: never.
+   Test: becks_column_flutters_at_its_load, newton_converges_quadratically. */
+static void fbi_mixed_node_eval(fb_real F[6], const fb_mixed_work *work, const fb_mixed *m, int node)
+{
+  const fbi_mixed_motion *motion = &work->motion;
+  const fb_real *const V = work->V + 6 * node;
+  fbi_vec6_copy(F, work->follower + 6 * node);
+  for (int i = 0; i < 6; i += 3) {
+    fb_real f[3];
+    fb_mat33_mulT_vec3(f, work->R + 9 * node, work->dead + 6 * node + i);
+    fbi_vec3_add(F + i, FB_R(1.0), f);
+  }
+  for (int l = 0; l < m->n_lump; l++) {
+    const fb_real *const M = m->lump + 36 * l;
+    fb_real P[6], y[6];
+    if (m->lump_node[l] != node) {
+      continue;
+    }
+    if (motion->gravity) {
+      fbi_mat66_mul_vec6(y, M, work->G + 6 * node);
+      fbi_vec6_add(F, FB_R(1.0), y);
+    }
+    if (motion->inertia) {
+      fbi_mat66_mul_vec6(P, M, V);
+      fbi_adT(y, V, P);
+      for (int i = 0; i < 6; i++) {
+        F[i] += y[i] - motion->shift * (P[i] - work->lump[6 * l + i]);
+      }
+    }
+  }
+}
+
+/* Its derivative by the node's unknowns, subtracted from K. */
+static void fbi_mixed_node_jacobian(fb_real K[36], const fb_mixed_work *work, const fb_mixed *m, int node)
+{
+  const fbi_mixed_motion *motion = &work->motion;
+  const fb_real *const V = work->V + 6 * node;
+  fb_real f[6], N[36], Q[36];
+  for (int i = 0; i < 6; i += 3) {
+    fb_mat33_mulT_vec3(f + i, work->R + 9 * node, work->dead + 6 * node + i);
+  }
+  fbi_add_skew(K + 3, 6, -motion->pose, f); /* - f x turn */
+  fbi_add_skew(K + 21, 6, -motion->pose, f + 3);
+  for (int l = 0; l < m->n_lump; l++) {
+    const fb_real *const M = m->lump + 36 * l;
+    if (m->lump_node[l] != node) {
+      continue;
+    }
+    if (motion->gravity) {
+      fbi_mul_ad(Q, M, work->G + 6 * node);
+      for (int i = 0; i < 36; i++) {
+        K[i] -= motion->pose * Q[i];
+      }
+    }
+    if (motion->inertia) {
+      fb_real P[6];
+      fbi_mat66_mul_vec6(P, M, V);
+      fbi_adT_mul(N, V, M);
+      fbi_adT_turn(N, P, FB_R(1.0));
+      for (int i = 0; i < 36; i++) {
+        N[i] -= motion->shift * M[i];
+      }
+      fbi_mul_ad(Q, N, V);
+      for (int i = 0; i < 36; i++) {
+        K[i] -= motion->march ? N[i] : Q[i] + motion->shift * N[i];
+      }
+    }
+  }
+}
+
+/* Directions of the base in which a node is held in part: its rows then are in base axes. */
+static int fbi_mixed_turned(int held)
+{
+  return (held & FB_END_PINNED) != 0 && (held & FB_END_PINNED) != FB_END_PINNED;
+}
+
+/* Three rows of n columns to base axes. */
+static void fbi_mixed_rows_turn(fb_real *A, const fb_real R[9], int n)
+{
+  for (int j = 0; j < n; j++) {
+    const fb_real x[3] = {A[j], A[n + j], A[2 * n + j]};
+    fb_real y[3];
+    fb_mat33_mul_vec3(y, R, x);
+    A[j] = y[0];
+    A[n + j] = y[1];
+    A[2 * n + j] = y[2];
+  }
+}
+
+/* The rows of a node (6 x n, its own unknowns from column `own` on): directions in which it is held say d = wanted. */
+static void fbi_mixed_hold(fb_real *A, const fb_mixed_work *work, const fb_mixed *m, int node, int n, int own)
+{
+  const int held = m->held[node], turned = fbi_mixed_turned(held);
+  const fb_real *const R = work->R + 9 * node, *const B = work->B + 6 * node;
+  if (turned) { /* R (F + turn x F) */
+    fbi_add_skew(A + own + 3, n, -work->motion.pose, B);
+    fbi_mixed_rows_turn(A, R, n);
+  }
+  for (int i = 0; i < 6; i++) {
+    if (held >> i & 1) {
+      fbi_zero(A + n * i, n);
+      for (int j = 0; j < 3; j++) {
+        A[n * i + own + (i < 3 ? j : j + 3)] = turned && i < 3 ? R[3 * i + j] : i % 3 == j ? FB_R(1.0) : FB_R(0.0);
+      }
+    }
+  }
+}
+
+/* The same of a right-hand side: b (6) of the node. */
+static void fbi_mixed_hold_rhs(fb_real b[6], const fb_mixed_work *work, const fb_mixed *m, int node)
+{
+  const int held = m->held[node];
+  if (fbi_mixed_turned(held)) {
+    fbi_mixed_rows_turn(b, work->R + 9 * node, 1);
+  }
+  for (int i = 0; i < 6; i++) {
+    b[i] = held >> i & 1 ? work->want[6 * node + i] : b[i];
+  }
+}
+
+/* [E10.10] Elimination from the tip to the root, (ds, dd2) = y - W dd1 of each element: its compatibility and the
+   balance of its outer node make one 12x12, in which rows are exchanged; what is outboard enters by
+   K = -(F1d1 - (F1s, F1d2) W).
+   Source: own; block elimination ([GV] 4.5).  Cost: E10.9 and 7 kflops an element.  Fails: singular (free of load, or
+   at a limit point).  Test: supports_are_those_of_the_textbook, newton_converges_quadratically. */
+static fb_status fbi_mixed_factor(fb_mixed_work *work, const fb_mixed *m)
+{
+  fbi_mixed_cell *const c = &work->cell;
+  fbi_mixed_jacobian *const j = &work->jacobian;
+  fb_real K[36], scale[12];
+  fb_status status = FB_OK;
+  fbi_zero(K, 36);
+  for (int k = m->n - 1; k >= 0 && status == FB_OK; k--) {
+    fb_real *const A = work->LU + 144 * k, *const W = work->W + 72 * k, *const L = work->L + 72 * k;
+    fb_real rows[6 * 18];
+    fbi_mixed_cell_eval(c, work, m, k);
+    fbi_mixed_cell_jacobian(j, c, work, m, k);
+    fbi_mixed_node_jacobian(K, work, m, k + 1);
+    for (int r = 0; r < 6; r++) {
+      for (int i = 0; i < 6; i++) {
+        A[12 * r + i] = j->E[6 * r + i];
+        A[12 * r + 6 + i] = -j->D2[6 * r + i];
+        W[6 * r + i] = -j->D1[6 * r + i];
+        rows[18 * r + i] = j->F2s[6 * r + i];
+        rows[18 * r + 6 + i] = j->F2d2[6 * r + i] + K[6 * r + i];
+        rows[18 * r + 12 + i] = j->F2d1[6 * r + i];
+        L[12 * r + i] = j->F1s[6 * r + i];
+        L[12 * r + 6 + i] = j->F1d2[6 * r + i];
+      }
+    }
+    fbi_mixed_hold(rows, work, m, k + 1, 18, 6);
+    for (int r = 0; r < 6; r++) {
+      fbi_copy(A + 12 * (r + 6), rows + 18 * r, 12);
+      fbi_copy(W + 6 * (r + 6), rows + 18 * r + 12, 6);
+    }
+    status = fb_lu_factor(A, work->perm + 12 * k, scale, 12);
+    if (status == FB_OK) {
+      fbi_lu_solve_rows(W, work->column, A, work->perm + 12 * k, 12, 6);
+      for (int r = 0; r < 6; r++) {
+        for (int i = 0; i < 6; i++) {
+          K[6 * r + i] = -j->F1d1[6 * r + i];
+        }
+        for (int i = 0; i < 12; i++) {
+          fbi_vec6_add(K + 6 * r, L[12 * r + i], W + 6 * i);
+        }
+      }
+    }
+  }
+  if (status == FB_OK) {
+    fbi_mixed_node_jacobian(K, work, m, 0);
+    fbi_mixed_hold(K, work, m, 0, 6, 0);
+    fbi_copy(work->root, K, 36);
+    status = fb_lu_factor(work->root, work->perm + 12 * m->n, scale, 6);
+  }
+  return status;
+}
+
+/* Corrections dd, ds that answer -c of the elements and -B of the nodes. */
+static void fbi_mixed_solve(fb_mixed_work *work, const fb_mixed *m)
+{
+  fb_real z[6], b[12], x[6] = {FB_R(0.0)}; /* gcc -O3 takes an empty read for one */
+  fbi_vec6_zero(z);
+  for (int k = m->n; k >= 0; k--) {
+    fb_real *const y = work->y + 12 * k;
+    for (int i = 0; i < 6; i++) {
+      b[6 + i] = z[i] - work->B[6 * k + i];
+    }
+    fbi_mixed_hold_rhs(b + 6, work, m, k);
+    if (k == 0) {
+      fb_lu_solve(x, work->root, work->perm + 12 * m->n, b + 6, 6);
+      break;
+    }
+    for (int i = 0; i < 6; i++) {
+      b[i] = -work->c[6 * (k - 1) + i];
+    }
+    fb_lu_solve(y, work->LU + 144 * (k - 1), work->perm + 12 * (k - 1), b, 12);
+    for (int i = 0; i < 6; i++) {
+      z[i] = fbi_dot(work->L + 72 * (k - 1) + 12 * i, y, 12);
+    }
+  }
+  fbi_vec6_copy(work->dd, x);
+  for (int k = 0; k < m->n; k++) {
+    const fb_real *const y = work->y + 12 * (k + 1), *const d = work->dd + 6 * k;
+    for (int i = 0; i < 6; i++) {
+      work->ds[6 * k + i] = y[i] - fbi_vec6_dot(work->W + 72 * k + 6 * i, d);
+      work->dd[6 * k + 6 + i] = y[6 + i] - fbi_vec6_dot(work->W + 72 * k + 36 + 6 * i, d);
+    }
+  }
+}
+
+/* Residuals c of the elements, B of the nodes, and the loads between elements. */
+static void fbi_mixed_residual(fb_mixed_work *work, const fb_mixed *m)
+{
+  fbi_mixed_cell *const c = &work->cell;
+  for (int j = 0; j <= m->n; j++) {
+    fbi_mixed_node_eval(work->F + 6 * j, work, m, j);
+    for (int i = 0; i < 6; i++) {
+      work->B[6 * j + i] = -work->F[6 * j + i];
+    }
+  }
+  for (int k = 0; k < m->n; k++) {
+    fbi_mixed_cell_eval(c, work, m, k);
+    fbi_mixed_compatibility(work->c + 6 * k, c, work, k);
+    fbi_vec6_copy(work->P + 6 * k, c->P);
+    fbi_vec6_add(work->B + 6 * k, -FB_R(1.0), c->F1);
+    fbi_vec6_add(work->B + 6 * k + 6, FB_R(1.0), c->F2);
+    if (k == 0) {
+      fbi_vec6_copy(work->F, c->F1);
+    }
+    fbi_vec6_copy(work->F + 6 * k + 6, c->F2);
+  }
+}
+
+/* ---- what acts, how the nodes stand and move */
+
+/* y += a load in the beam's units, in base axes or, of a follower, section axes. */
+static void fbi_mixed_load_add(fb_real *dead, fb_real *follower, fb_axes axes, const fb_real force[3],
+                               const fb_real torque[3], fb_real unit, fb_real length, const fb_real base[9])
+{
+  fb_real f[6], g[6];
+  for (int i = 0; i < 3; i++) {
+    f[i] = force[i] * unit;
+    f[i + 3] = torque[i] * unit / length;
+  }
+  for (int i = 0; i < 6; i += 3) {
+    fb_mat33_mulT_vec3(g + i, base, f + i);
+  }
+  fbi_vec6_add(axes == FB_AXES_NODE ? follower : dead, FB_R(1.0), axes == FB_AXES_INERTIAL ? g : f);
+}
+
+/* [E10.15] Strain that the loads on the elements add from end to end, by the linear change they make in the internal
+   load: -h/12 (ad(h (1, 0, 0, curvature)) C + C1) f, the part of E10.6 that is not the stress's. Follower loads only:
+   those with directions of their own would want its derivative by the rotation.
+   Source: own, as E10.6.  Cost: 200 flops an element that is loaded.  Fails: never.
+   Test: line_loads_are_exact_at_the_nodes. */
+static void fbi_mixed_offset(fb_mixed_work *work, const fb_mixed *m)
+{
+  fbi_zero(work->offset, 6 * m->n);
+  for (int k = 0; k < m->n && !fbi_is_zero(work->line, 6 * m->n); k++) {
+    fb_real X[6], bend[6], taper[6], y[6];
+    fbi_mat66_mul_vec6(bend, m->section + 36 * k, work->line + 6 * k);
+    fbi_mat66_mul_vec6(taper, m->taper + 36 * k, work->line + 6 * k);
+    for (int i = 0; i < 6; i++) {
+      X[i] = m->h[k] * m->xi[6 * k + i];
+    }
+    fbi_ad(y, X, bend);
+    for (int i = 0; i < 6; i++) {
+      work->offset[6 * k + i] = -m->h[k] / FB_R(12.0) * (y[i] + taper[i]);
+    }
+  }
+}
+
+/* A part of the loads, gravity and motion of the base, in the beam's units and the axes of the base half a step on. */
+static void fbi_mixed_input_take(fb_mixed_work *work, const fb_mixed *m, const fb_real base_quat[4],
+                                 const fb_mixed_input *input, fb_real part, fb_real dt)
+{
+  fb_real base[9], turn[3], half[4], quat[4];
+  fbi_mixed_motion *const motion = &work->motion;
+  for (int i = 0; i < 3; i++) {
+    work->twist[i] = m->floating ? FB_R(0.0) : part * input->v[i] * m->time / m->length;
+    work->twist[i + 3] = m->floating ? FB_R(0.0) : part * input->w[i] * m->time;
+    turn[i] = FB_R(0.5) * dt * work->twist[i + 3];
+  }
+  fb_quat_from_rotvec(half, turn);
+  fb_quat_to_mat33(work->half, half);
+  fb_quat_mul(quat, base_quat, half);
+  fb_quat_to_mat33(base, quat);
+  fb_mat33_mulT_vec3(work->gravity, base, m->gravity);
+  fbi_zero(work->dead, 6 * (m->n + 1));
+  fbi_zero(work->follower, 6 * (m->n + 1));
+  fbi_zero(work->line, 6 * m->n);
+  fbi_zero(work->line_dead, 6 * m->n);
+  for (int l = 0; l < input->n_load; l++) {
+    const fb_load *load = &input->load[l];
+    fbi_mixed_load_add(work->dead + 6 * load->node, work->follower + 6 * load->node, load->axes, load->force,
+                       load->torque, part / m->force, m->length, base);
+  }
+  for (int k = 0; k < m->n; k++) {
+    const fb_line_load *line = &input->line[k];
+    fbi_mixed_load_add(work->line_dead + 6 * k, work->line + 6 * k, line->axes, line->force, line->torque,
+                       part * m->length / m->force, m->length, base);
+  }
+  fbi_mixed_offset(work, m);
+  motion->dead = !fbi_is_zero(work->line_dead, 6 * m->n);
+  motion->gravity = !m->floating && !fbi_is_zero(m->gravity, 3); /* E11.35 */
+  for (int i = 0; i < 3; i++) {
+    work->gravity[i] *= part;
+  }
+}
+
+/* Twist of the base at a node that stands still in it. */
+static void fbi_mixed_carried(fb_real V[6], const fb_mixed_work *work, const fb_real r[3], const fb_real R[9])
+{
+  fb_real v[3];
+  fbi_copy(v, work->twist, 3);
+  fbi_vec3_add_cross(v, work->twist + 3, r);
+  fb_mat33_mulT_vec3(V, R, v);
+  fb_mat33_mulT_vec3(V + 3, R, work->twist + 3);
+}
+
+/* Rotation against the base, velocity and gravity at the nodes. Steady: everything moves with the base. Marching: half
+   a step on, by the velocity sought and the base's. */
+static void fbi_mixed_nodes_eval(fb_mixed_work *work, const fb_mixed *m)
+{
+  const fbi_mixed_motion *motion = &work->motion;
+  for (int j = 0; j <= m->n; j++) {
+    fb_real *const R = work->R + 9 * j, *const G = work->G + 6 * j;
+    fb_quat_to_mat33(R, work->quat + 4 * j);
+    if (motion->march) {
+      fb_real turn[3], quat[4], own[9], ahead[9];
+      for (int i = 0; i < 3; i++) {
+        turn[i] = motion->pose * work->V[6 * j + 3 + i];
+      }
+      fb_quat_from_rotvec(quat, turn);
+      fb_quat_to_mat33(own, quat);
+      fb_mat33_mul(ahead, R, own);
+      for (int i = 0; i < 3; i++) { /* R = half^T ahead */
+        const fb_real row[3] = {work->half[i], work->half[3 + i], work->half[6 + i]};
+        fb_mat33_mulT_vec3(R + 3 * i, ahead, row);
+      }
+    } else {
+      fbi_mixed_carried(work->V + 6 * j, work, work->r + 3 * j, R);
+    }
+    fb_mat33_mulT_vec3(G, R, work->gravity);
+    fbi_zero(G + 3, 3);
+  }
+}
+
+/* Pose error of a held node: place in base axes, rotation in section axes. With one axis free (a hinge) the rotation is
+   that which turns this axis into its place: the rotation vector would mix the hinge's own angle in. */
+static void fbi_mixed_pose_error(fb_real e[6], const fb_mixed *m, const fb_real *r, const fb_real *quat, int node)
+{
+  const fb_real *const q = quat + 4 * node;
+  const fb_real back[4] = {q[0], -q[1], -q[2], -q[3]};
+  fb_real turn[4];
+  for (int i = 0; i < 3; i++) {
+    e[i] = m->r[3 * node + i] - r[3 * node + i];
+  }
+  fb_quat_mul(turn, back, m->quat + 4 * node);
+  fb_quat_to_rotvec(e + 3, turn);
+  for (int i = 0; i < 3; i++) {
+    if ((m->held[node] & FB_END_GUIDED) == (FB_END_GUIDED & ~(FB_HOLD_RX << i))) {
+      fb_real R[9], place[3], own[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+      own[i] = FB_R(1.0);
+      fb_quat_to_mat33(R, turn);
+      fb_mat33_mul_vec3(place, R, own);
+      fb_vec3_cross(e + 3, own, place);
+    }
+  }
+}
+
+/* [E10.16] The way back of a held node, in the axes of its rows, less what it has along the reaction F: e - F (F.e)/F.F
+   does no work. What e has in free directions nobody reads.
+   Source: own.  Cost: 40 flops.  Fails: never.  Test: a_beam_held_twice_keeps_energy_and_place. */
+static void fbi_mixed_close(fb_real e[6], const fb_mixed_work *work, const fb_mixed *m, int node)
+{
+  const int held = m->held[node];
+  fb_real F[6], size;
+  fbi_vec6_copy(F, work->B + 6 * node);
+  if (fbi_mixed_turned(held)) {
+    fbi_mixed_rows_turn(F, work->R + 9 * node, 1);
+  }
+  for (int i = 0; i < 6; i++) {
+    F[i] = held >> i & 1 ? F[i] : FB_R(0.0);
+  }
+  size = fbi_vec6_dot(F, F);
+  if (size > FB_R(0.0)) {
+    fbi_vec6_add(e, -fbi_vec6_dot(F, e) / size, F);
+  }
+}
+
+/* [E10.17] Velocity of the base where the node is, v + w x r, less its own, in the axes of its rows. Where it is: held
+   directions in their place, free ones half a step on.
+   Source: [L] 3.18.  Cost: 80 flops.  Fails: never.  Test: a_beam_slides_out_of_a_spinning_slot. */
+static void fbi_mixed_slip(fb_real y[6], const fb_mixed_work *work, const fb_mixed *m, int node)
+{
+  const fb_real *const R = work->R + 9 * node, *const V = work->V + 6 * node, *const w = work->twist + 3;
+  fb_real own[3], carried[3], r[3];
+  fb_mat33_mul_vec3(own, R, V);
+  fbi_copy(carried, work->twist, 3);
+  fbi_vec3_add_cross(carried, w, work->r + 3 * node);
+  for (int i = 0; i < 3; i++) {
+    r[i] =
+        m->held[node] >> i & 1 ? m->r[3 * node + i] : work->r[3 * node + i] + work->motion.pose * (own[i] - carried[i]);
+  }
+  fbi_copy(carried, work->twist, 3);
+  fbi_vec3_add_cross(carried, w, r);
+  fbi_vec3_add(carried, -FB_R(1.0), own);
+  fb_mat33_mulT_vec3(y, R, carried);
+  if (fbi_mixed_turned(m->held[node])) {
+    fbi_copy(y, carried, 3);
+  }
+  fb_mat33_mulT_vec3(y + 3, R, w);
+  fbi_vec3_add(y + 3, -FB_R(1.0), V + 3);
+}
+
+/* What held directions want. Steady: back to their place. Marching: the base's velocity, and back within the step (but
+   for the root, which is put where it belongs after the step). aim: the way back turns aside of the present reaction,
+   else it stays as it was: where the reaction is small, the two would chase each other. */
+static void fbi_mixed_want(fb_mixed_work *work, const fb_mixed *m, fb_real dt, int aim)
+{
+  for (int j = 0; j <= m->n; j++) {
+    fb_real e[6], *const want = work->want + 6 * j, *const back = work->back + 6 * j;
+    if (m->held[j] == 0) {
+      continue;
+    }
+    if (aim) {
+      fbi_mixed_pose_error(e, m, work->r, work->quat, j);
+      fbi_vec6_copy(back, e);
+      if (!fbi_mixed_turned(m->held[j])) {
+        fb_mat33_mulT_vec3(back, work->R + 9 * j, e);
+      }
+    }
+    if (work->motion.march) {
+      if (aim) {
+        fbi_mixed_close(back, work, m, j);
+      }
+      fbi_mixed_slip(want, work, m, j);
+      fbi_vec6_add(want, j > 0 ? FB_R(1.0) / dt : FB_R(0.0), back);
+    } else {
+      fbi_vec6_copy(want, back);
+    }
+  }
+}
+
+/* ---- steady states */
+
+/* Size of the last correction: lengths by the beam's, radians, loads by the largest, but for what the rounding of the
+   nodes' places (0: not counted) makes of a stiff strain. */
+static fb_real fbi_mixed_change(const fb_mixed_work *work, const fb_mixed *m, fb_real step, fb_real rounding)
+{
+  fb_real pose = FB_R(0.0), stress = FB_R(0.0), largest = FB_R(1.0);
+  for (int i = 0; i < 6 * (m->n + 1); i++) {
+    pose = fbi_larger(pose, FB_FABS(work->dd[i]));
+  }
+  for (int k = 0; k < m->n; k++) {
+    const fb_real *const s = work->s + 6 * k, *const ds = work->ds + 6 * k, *const S = m->S + 36 * k;
+    for (int i = 0; i < 6; i++) {
+      stress = fbi_larger(stress, FB_FABS(ds[i]) - rounding / m->h[k] * S[7 * i]);
+      largest = fbi_larger(largest, FB_FABS(s[i]));
+    }
+  }
+  if (!fbi_is_finite(work->dd, 6 * (m->n + 1)) || !fbi_is_finite(work->ds, 6 * m->n)) {
+    return FB_HUGE;
+  }
+  return fbi_larger(step * pose, stress / largest);
+}
+
+static void fbi_mixed_pose_copy(fb_mixed_state *to, const fb_mixed_work *work, const fb_mixed *m)
+{
+  fbi_copy(to->r, work->r, 3 * (m->n + 1));
+  fbi_copy(to->quat, work->quat, 4 * (m->n + 1));
+  fbi_copy(to->stress[0], work->s, 6 * m->n);
+}
+
+static void fbi_mixed_pose_take(fb_mixed_work *work, const fb_mixed_state *from, const fb_mixed *m)
+{
+  fbi_copy(work->r, from->r, 3 * (m->n + 1));
+  fbi_copy(work->quat, from->quat, 4 * (m->n + 1));
+  fbi_copy(work->s, from->stress[0], 6 * m->n);
+}
+
+/* Counts of the model that the loops over a state rest on. */
+static int fbi_mixed_is_sized(const fb_mixed *m)
+{
+  return m->n >= 1 && m->n <= FB_MAX_MIXED && m->n_lump >= 0 && m->n_lump <= FB_MAX_LUMPS;
+}
+
+FB_DEF fb_status fb_mixed_check(const fb_mixed *m)
+{
+  int sound;
+  FBI_REQUIRE(m, FB_ERR_NULL);
+  if (!fbi_mixed_is_sized(m)) {
+    return FB_ERR_CAPACITY;
+  }
+  sound = m->iterations >= 1 && m->iterations <= 20 && m->factorizations >= 1 && m->factorizations <= 20 &&
+          m->length > FB_R(0.0) && m->length <= FB_HUGE && m->force > FB_R(0.0) && m->force <= FB_HUGE &&
+          m->time > FB_R(0.0) && m->time <= FB_HUGE && m->beta >= FB_R(0.0) && m->beta <= FB_R(0.125) &&
+          fbi_is_finite(m->gravity, 3);
+  sound = sound && fbi_is_finite(m->xi, 6 * m->n) && fbi_is_finite(m->C, 36 * m->n) && fbi_is_finite(m->S, 36 * m->n) &&
+          fbi_is_finite(m->section, 36 * m->n) && fbi_is_finite(m->taper, 36 * m->n) &&
+          fbi_is_finite(m->M, 36 * m->n) && fbi_is_finite(m->M_inverse, 36 * m->n) &&
+          fbi_is_finite(m->r, 3 * (m->n + 1)) && fbi_is_finite(m->quat, 4 * (m->n + 1)) &&
+          fbi_is_finite(m->lump, 36 * m->n_lump) && fbi_is_finite(m->lump_inverse, 36 * m->n_lump);
+  for (int k = 0; sound && k <= m->n; k++) {
+    sound = fbi_is_within(m->held[k], 127) && (k == m->n || (m->h[k] > FB_R(0.0) && m->h[k] <= FB_R(1.0)));
+  }
+  for (int k = 0; sound && k < m->n_lump; k++) {
+    sound = fbi_is_within(m->lump_node[k], m->n);
+  }
+  return sound ? FB_OK : FB_ERR_VALUE;
+}
+
+/* By E8.40. */
+FB_DEF unsigned fb_mixed_crc(const fb_mixed *m)
+{
+  unsigned crc;
+  FBI_REQUIRE(m, 0);
+  if (!fbi_mixed_is_sized(m)) {
+    return 0;
+  }
+  {
+    const int whole[5] = {m->n, m->n_lump, m->iterations, m->factorizations, m->floating};
+    const fb_real number[7] = {m->length, m->force, m->time, m->beta, m->gravity[0], m->gravity[1], m->gravity[2]};
+    const fb_real *const table[6] = {m->C, m->S, m->section, m->taper, m->M, m->M_inverse};
+    crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, 5), number, 7, FB_SINGLE);
+    for (int k = 0; k < 6; k++) {
+      crc = fbi_crc_reals(crc, table[k], 36 * m->n, FB_SINGLE);
+    }
+  }
+  crc = fbi_crc_ints(fbi_crc_ints(crc, m->held, m->n + 1), m->lump_node, m->n_lump);
+  crc = fbi_crc_reals(fbi_crc_reals(crc, m->h, m->n, FB_SINGLE), m->xi, 6 * m->n, FB_SINGLE);
+  crc = fbi_crc_reals(fbi_crc_reals(crc, m->r, 3 * (m->n + 1), FB_SINGLE), m->quat, 4 * (m->n + 1), FB_SINGLE);
+  crc = fbi_crc_reals(crc, m->lump, 36 * m->n_lump, FB_SINGLE);
+  return ~fbi_crc_reals(crc, m->lump_inverse, 36 * m->n_lump, FB_SINGLE);
+}
+
+static int fbi_mixed_rates_are_finite(const fb_mixed *m, const fb_mixed_state *state)
+{
+  int finite = fbi_is_finite(state->strain_rate, 6 * m->n) && fbi_is_finite(state->momentum_rate, 6 * m->n) &&
+               fbi_is_finite(state->lump_rate, 6 * m->n_lump) && fbi_is_finite(state->offset, 6 * m->n);
+  for (int k = 0; k < 3; k++) {
+    finite = finite && fbi_is_finite(state->V[k], 6 * (m->n + 1)) && fbi_is_finite(state->stress[k], 6 * m->n);
+  }
+  return finite && fbi_is_finite(state->force, 6 * (m->n + 1)) && fbi_is_finite(state->reaction, 6 * (m->n + 1)) &&
+         fbi_is_finite(&state->step, 1) && fbi_is_finite(state->u, 3) && fbi_is_finite(state->lost, 3);
+}
+
+FB_DEF fb_status fb_mixed_state_check(const fb_mixed *m, const fb_mixed_state *state)
+{
+  fb_real quat[4];
+  FBI_REQUIRE(m && state, FB_ERR_NULL);
+  FBI_REQUIRE(fbi_mixed_is_sized(m), FB_ERR_CAPACITY);
+  if (!fbi_is_finite(state->base_position, 3) || !fbi_is_finite(state->base_quat, 4) ||
+      !fbi_is_finite(state->r, 3 * (m->n + 1)) || !fbi_is_finite(state->quat, 4 * (m->n + 1)) ||
+      !fbi_is_finite(state->strain, 6 * m->n) || !fbi_is_finite(state->momentum, 6 * m->n) ||
+      !fbi_is_finite(state->lump, 6 * m->n_lump) || !fbi_mixed_rates_are_finite(m, state)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  for (int j = 0; j <= m->n; j++) {
+    fbi_copy(quat, state->quat + 4 * j, 4);
+    if (fb_quat_normalize(quat) != FB_OK) {
+      return FB_ERR_VALUE;
+    }
+  }
+  fbi_copy(quat, state->base_quat, 4);
+  return fb_quat_normalize(quat) == FB_OK && state->known >= 0 && state->known <= 3 ? FB_OK : FB_ERR_VALUE;
+}
+
+static const fb_mixed_input *fbi_mixed_no_input(fb_mixed_work *work)
+{
+  memset(&work->input, 0, sizeof work->input);
+  return &work->input;
+}
+
+static fb_status fbi_mixed_input_check(const fb_mixed *m, const fb_mixed_input *input)
+{
+  if (input->n_load < 0 || input->n_load > FB_MAX_LOADS) {
+    return FB_ERR_CAPACITY;
+  }
+  if (!fbi_is_finite(input->v, 3) || !fbi_is_finite(input->w, 3)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  for (int l = 0; l < input->n_load; l++) {
+    const fb_load *load = &input->load[l];
+    if (load->node < 0 || load->node > m->n) {
+      return FB_ERR_CAPACITY;
+    }
+    if (!fbi_is_choice((int)load->axes, (int)FB_AXES_BODY)) {
+      return FB_ERR_VALUE;
+    }
+    if (!fbi_is_finite(load->force, 3) || !fbi_is_finite(load->torque, 3)) {
+      return FB_ERR_NOT_FINITE;
+    }
+  }
+  for (int k = 0; k < m->n; k++) {
+    const fb_line_load *line = &input->line[k];
+    if (!fbi_is_choice((int)line->axes, (int)FB_AXES_BODY)) {
+      return FB_ERR_VALUE;
+    }
+    if (!fbi_is_finite(line->force, 3) || !fbi_is_finite(line->torque, 3)) {
+      return FB_ERR_NOT_FINITE;
+    }
+  }
+  return FB_OK;
+}
+
+/* What the balance of the held nodes lacks. */
+static void fbi_mixed_reactions(fb_real *reaction, const fb_mixed_work *work, const fb_mixed *m)
+{
+  for (int j = 0; j <= m->n; j++) {
+    for (int i = 0; i < 6; i++) {
+      reaction[6 * j + i] = m->held[j] ? work->B[6 * j + i] : FB_R(0.0);
+    }
+  }
+}
+
+/* The state whose velocity, stress and loads between elements are those in work, in motion without change. */
+static void fbi_mixed_state_take(fb_mixed_state *state, fb_mixed_work *work, const fb_mixed *m)
+{
+  fbi_mixed_cell *const c = &work->cell;
+  fbi_mixed_pose_copy(state, work, m);
+  fbi_zero(state->strain_rate, 6 * m->n);
+  fbi_zero(state->momentum_rate, 6 * m->n);
+  fbi_zero(state->lump_rate, 6 * m->n_lump);
+  for (int k = 0; k < m->n; k++) {
+    fbi_mat66_mul_vec6(state->strain + 6 * k, m->C + 36 * k, work->s + 6 * k);
+    fbi_mixed_cell_eval(c, work, m, k);
+    fbi_mixed_mean(c->V, c->dV, c->theta, work->V + 6 * k, work->V + 6 * k + 6);
+    fbi_mat66_mul_vec6(state->momentum + 6 * k, m->M + 36 * k, c->V);
+  }
+  for (int l = 0; l < m->n_lump; l++) {
+    fbi_mat66_mul_vec6(state->lump + 6 * l, m->lump + 36 * l, work->V + 6 * m->lump_node[l]);
+  }
+  fbi_copy(state->offset, work->offset, 6 * m->n);
+  fbi_mixed_reactions(state->reaction, work, m);
+  fbi_copy(state->V[0], work->V, 6 * (m->n + 1));
+  fbi_copy(state->force, work->F, 6 * (m->n + 1));
+  state->known = 1;
+}
+
+/* ---- the velocity u of the frame */
+
+/* The velocity u of a state in its base axes, in the beam's units. */
+static void fbi_mixed_frame(fb_real u[3], const fb_mixed *m, const fb_mixed_state *state)
+{
+  fb_real base[9];
+  fb_quat_to_mat33(base, state->base_quat);
+  fb_mat33_mulT_vec3(u, base, state->u);
+  for (int i = 0; i < 3; i++) {
+    u[i] *= m->time / m->length;
+  }
+}
+
+/* That of the middle of the last step: the frame of what nothing holds falls (E11.35). */
+static void fbi_mixed_frame_middle(fb_real u[3], const fb_mixed *m, const fb_mixed_state *state)
+{
+  fb_real base[9], g[3];
+  fbi_mixed_frame(u, m, state);
+  fb_quat_to_mat33(base, state->base_quat);
+  fb_mat33_mulT_vec3(g, base, m->gravity);
+  fbi_vec3_add(u, m->floating ? -FB_R(0.5) * state->step : FB_R(0.0), g);
+}
+
+/* A velocity of all nodes, as a node sees it: section axes. */
+static void fbi_mixed_seen(fb_real V[6], const fb_mixed_state *state, int node, const fb_real u[3])
+{
+  fb_real R[9];
+  fb_quat_to_mat33(R, state->quat + 4 * node);
+  fb_mat33_mulT_vec3(V, R, u);
+  fbi_zero(V + 3, 3);
+}
+
+/* And as element k has it, by the mean of E10.7. */
+static void fbi_mixed_seen_mean(fb_real V[6], const fb_mixed *m, const fb_mixed_state *state, int k, const fb_real u[3])
+{
+  fb_real a[6], b[6], theta[6], d[6];
+  for (int i = 0; i < 6; i++) {
+    theta[i] = m->h[k] * (m->xi[6 * k + i] + state->strain[6 * k + i] + state->offset[6 * k + i]);
+  }
+  fbi_mixed_seen(a, state, k, u);
+  fbi_mixed_seen(b, state, k + 1, u);
+  fbi_mixed_mean(V, d, theta, a, b);
+}
+
+/* A wrench in section axes of a node adds to force and moment about the origin of the base. */
+static void fbi_mixed_wrench_add(fb_real p[3], fb_real h[3], const fb_mixed_state *state, int node, const fb_real F[6])
+{
+  fb_real R[9], y[3];
+  fb_quat_to_mat33(R, state->quat + 4 * node);
+  fb_mat33_mul_vec3(y, R, F);
+  fbi_vec3_add(p, FB_R(1.0), y);
+  fbi_vec3_add_cross(h, state->r + 3 * node, y);
+  fb_mat33_mul_vec3(y, R, F + 3);
+  fbi_vec3_add(h, FB_R(1.0), y);
+}
+
+/* Momentum and angular momentum about the origin of the base, base axes: of the state relative to its frame (u NULL),
+   or of all nodes moving by u. */
+static void fbi_mixed_momenta(fb_real p[3], fb_real h[3], const fb_mixed *m, const fb_mixed_state *state,
+                              const fb_real *u)
+{
+  fb_real P[6], V[6];
+  fbi_zero(p, 3);
+  fbi_zero(h, 3);
+  for (int k = 0; k < m->n; k++) {
+    fb_real theta[6], y[6], first[6], second[6];
+    fbi_vec6_copy(P, state->momentum + 6 * k);
+    if (u) {
+      fbi_mixed_seen_mean(V, m, state, k, u);
+      fbi_mat66_mul_vec6(P, m->M + 36 * k, V);
+    }
+    for (int i = 0; i < 6; i++) {
+      theta[i] = m->h[k] * (m->xi[6 * k + i] + state->strain[6 * k + i] + state->offset[6 * k + i]);
+    }
+    fbi_adT(y, theta, P);
+    for (int i = 0; i < 6; i++) {
+      first[i] = m->h[k] * (FB_R(0.5) * P[i] - y[i] / FB_R(12.0));
+      second[i] = m->h[k] * (FB_R(0.5) * P[i] + y[i] / FB_R(12.0));
+    }
+    fbi_mixed_wrench_add(p, h, state, k, first);
+    fbi_mixed_wrench_add(p, h, state, k + 1, second);
+  }
+  for (int l = 0; l < m->n_lump; l++) {
+    fbi_vec6_copy(P, state->lump + 6 * l);
+    if (u) {
+      fbi_mixed_seen(V, state, m->lump_node[l], u);
+      fbi_mat66_mul_vec6(P, m->lump + 36 * l, V);
+    }
+    fbi_mixed_wrench_add(p, h, state, m->lump_node[l], P);
+  }
+}
+
+static fb_real fbi_mixed_mass(const fb_mixed *m)
+{
+  fb_real mass = FB_R(0.0);
+  for (int k = 0; k < m->n; k++) {
+    const fb_real *const M = m->M + 36 * k;
+    mass += m->h[k] * (M[0] + M[7] + M[14]) / FB_R(3.0);
+  }
+  for (int l = 0; l < m->n_lump; l++) {
+    mass += m->lump[36 * l];
+  }
+  return mass;
+}
+
+/* Another u, by du (beam's units, base axes): what the nodes, as they turn, and by the mean of E10.7 the elements have
+   of it goes out of the velocities, momenta and rates; of du what is left of it by the rounding of u. */
+static void fbi_mixed_reframe(fb_mixed_state *state, const fb_mixed *m, const fb_real more[3], fb_real step)
+{
+  fb_real V[6], P[6], base[9], y[3], du[3];
+  fb_quat_to_mat33(base, state->base_quat);
+  fb_mat33_mul_vec3(y, base, more);
+  for (int i = 0; i < 3; i++) {
+    const fb_real before = state->u[i];
+    state->u[i] += m->length / m->time * y[i];
+    y[i] = (state->u[i] - before) * (m->time / m->length);
+  }
+  fb_mat33_mulT_vec3(du, base, y);
+  for (int k = 0; k < m->n; k++) {
+    const fb_real *const a = state->V[0] + 6 * k, *const M = m->M + 36 * k;
+    fb_real turn[3], rate[6];
+    fbi_mixed_seen_mean(V, m, state, k, du);
+    fbi_mat66_mul_vec6(P, M, V);
+    fbi_vec6_add(state->momentum + 6 * k, -FB_R(1.0), P);
+    for (int i = 0; i < 3; i++) {
+      turn[i] = FB_R(0.5) * (a[i + 3] + a[i + 9]);
+    }
+    fbi_vec6_zero(rate);
+    fb_vec3_cross(rate, V, turn);
+    fbi_mat66_mul_vec6(P, M, rate);
+    fbi_vec6_add(state->momentum_rate + 6 * k, -FB_R(1.0), P);
+  }
+  for (int l = 0; l < m->n_lump; l++) {
+    const int j = m->lump_node[l];
+    fb_real rate[6];
+    fbi_mixed_seen(V, state, j, du);
+    fbi_mat66_mul_vec6(P, m->lump + 36 * l, V);
+    fbi_vec6_add(state->lump + 6 * l, -FB_R(1.0), P);
+    fbi_vec6_zero(rate);
+    fb_vec3_cross(rate, V, state->V[0] + 6 * j + 3);
+    fbi_mat66_mul_vec6(P, m->lump + 36 * l, rate);
+    fbi_vec6_add(state->lump_rate + 6 * l, -FB_R(1.0), P);
+  }
+  for (int j = 0; j <= m->n; j++) {
+    fb_real turn[3];
+    fbi_mixed_seen(V, state, j, du);
+    fb_vec3_cross(turn, state->V[0] + 6 * j + 3, V); /* back in time */
+    for (int k = 0; k < 3; k++) {
+      fbi_vec3_add(state->V[k] + 6 * j, -FB_R(1.0), V);
+      fbi_vec3_add(state->V[k] + 6 * j, -step * ((fb_real)k + FB_R(0.5)), turn);
+    }
+  }
+}
+
+FB_DEF fb_status fb_mixed_state_init(const fb_mixed *m, fb_mixed_state *state, fb_mixed_work *work,
+                                     const fb_mixed_input *input)
+{
+  const fbi_mixed_motion still = {0, 0, 0, 0, 0, 0};
+  FBI_REQUIRE(m && state && work, FB_ERR_NULL);
+  FBI_REQUIRE_EXACT();
+  if (input && (!fbi_is_finite(input->v, 3) || !fbi_is_finite(input->w, 3))) {
+    return FB_ERR_NOT_FINITE;
+  }
+  memset(state, 0, sizeof *state);
+  state->base_quat[0] = FB_R(1.0);
+  fbi_copy(state->r, m->r, 3 * (m->n + 1));
+  fbi_copy(state->quat, m->quat, 4 * (m->n + 1));
+  fbi_mixed_pose_take(work, state, m);
+  work->motion = still;
+  fbi_zero(work->gravity, 3);
+  fbi_zero(work->line, 6 * m->n);
+  fbi_zero(work->offset, 6 * m->n);
+  fbi_zero(work->F, 6 * (m->n + 1));
+  fbi_zero(work->B, 6 * (m->n + 1));
+  for (int i = 0; i < 3; i++) {
+    state->u[i] = input ? input->v[i] : FB_R(0.0);
+    work->twist[i] = FB_R(0.0);
+    work->twist[i + 3] = input ? input->w[i] * m->time : FB_R(0.0);
+  }
+  fbi_mixed_nodes_eval(work, m);
+  fbi_mixed_state_take(state, work, m);
+  if (m->floating && fbi_mixed_mass(m) > FB_R(0.0)) { /* what the spin about O gives the mass center */
+    fb_real du[3], h[3];
+    fbi_mixed_momenta(du, h, m, state, NULL);
+    for (int i = 0; i < 3; i++) {
+      du[i] /= fbi_mixed_mass(m);
+    }
+    fbi_mixed_reframe(state, m, du, FB_R(0.0));
+    fbi_zero(state->momentum_rate, 6 * m->n);
+    fbi_zero(state->lump_rate, 6 * m->n_lump);
+  }
+  return FB_OK;
+}
+
+/* ---- what comes out */
+
+/* Nearest whole number. */
+static fb_real fbi_round(fb_real x)
+{
+  return (fb_real)(int)(x + (x < FB_R(0.0) ? -FB_R(0.5) : FB_R(0.5)));
+}
+
+/* Rotation vector of quat next to phi: of all that differ by whole turns the nearest. */
+static void fbi_rotvec_near(fb_real phi[3], const fb_real quat[4])
+{
+  const fb_real near_to[3] = {phi[0], phi[1], phi[2]};
+  const fb_real turn = FB_R(6.283185307179586), axis = fbi_vec3_norm(near_to);
+  fb_real size;
+  fb_quat_to_rotvec(phi, quat);
+  size = fbi_vec3_norm(phi);
+  if (size < FB_R(1e-3) && axis > FB_R(3.0)) { /* whole turns: the axis is that of the neighbor */
+    fbi_vec3_add(phi, fbi_round(axis / turn) * turn / axis, near_to);
+  } else if (size > FB_R(0.0)) {
+    const fb_real turns = fbi_round((fb_vec3_dot(near_to, phi) / size - size) / turn);
+    fbi_vec3_add(phi, turns * turn / size, phi);
+  }
+}
+
+FB_DEF fb_status fb_mixed_nodes_eval(const fb_mixed *m, fb_mixed_node *node, const fb_mixed_state *state)
+{
+  fb_real base[9], phi[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, u[3], frame[6];
+  fb_status status;
+  FBI_REQUIRE(m && node && state, FB_ERR_NULL);
+  status = fb_mixed_state_check(m, state);
+  if (status != FB_OK) {
+    return status;
+  }
+  fb_quat_to_mat33(base, state->base_quat);
+  fbi_mixed_frame_middle(u, m, state);
+  for (int j = 0; j <= m->n; j++) {
+    fb_mixed_node *const out = &node[j];
+    const fb_real *const q0 = m->quat + 4 * j, *const V = state->V[0] + 6 * j, *const F = state->force + 6 * j;
+    const fb_real *const B = state->reaction + 6 * j;
+    const fb_real back[4] = {q0[0], -q0[1], -q0[2], -q0[3]};
+    fb_real turn[4], r[3];
+    fb_mat33_mul_vec3(r, base, state->r + 3 * j);
+    fb_quat_mul(out->quat, state->base_quat, state->quat + 4 * j);
+    fb_quat_mul(turn, back, state->quat + 4 * j);
+    fbi_rotvec_near(phi, turn);
+    fb_quat_to_wiener_milenkovic(out->wiener_milenkovic, turn);
+    fbi_mixed_seen(frame, state, j, u);
+    for (int i = 0; i < 3; i++) {
+      out->position[i] = state->base_position[i] + m->length * r[i];
+      out->displacement[i] = m->length * (state->r[3 * j + i] - m->r[3 * j + i]);
+      out->rotation[i] = phi[i];
+      out->velocity[i] = (V[i] + frame[i]) * m->length / m->time;
+      out->angular_rate[i] = V[i + 3] / m->time;
+      out->force[i] = F[i] * m->force;
+      out->moment[i] = F[i + 3] * m->force * m->length;
+      out->reaction_force[i] = B[i] * m->force;
+      out->reaction_moment[i] = B[i + 3] * m->force * m->length;
+    }
+  }
+  return FB_OK;
+}
+
+FB_DEF fb_status fb_mixed_element_eval(const fb_mixed *m, fb_mixed_element *out, const fb_mixed_state *state, int k)
+{
+  fb_status status;
+  FBI_REQUIRE(m && out && state, FB_ERR_NULL);
+  FBI_REQUIRE(k >= 0 && k < m->n, FB_ERR_CAPACITY);
+  status = fb_mixed_state_check(m, state);
+  if (status != FB_OK) {
+    return status;
+  }
+  {
+    const fb_real *const s = state->stress[0] + 6 * k;
+    const fb_real mass = m->force * m->time * m->time / m->length; /* of the beam */
+    fb_real strain[6], V[6], P[6], u[3], frame[6];
+    fbi_mat66_mul_vec6(strain, m->section + 36 * k, s);
+    fbi_mat66_mul_vec6(V, m->M_inverse + 36 * k, state->momentum + 6 * k);
+    fbi_mixed_frame(u, m, state);
+    fbi_mixed_seen_mean(frame, m, state, k, u);
+    fbi_mat66_mul_vec6(P, m->M + 36 * k, frame);
+    fbi_vec6_add(P, FB_R(1.0), state->momentum + 6 * k);
+    fbi_vec6_add(V, FB_R(1.0), frame);
+    for (int i = 0; i < 3; i++) {
+      out->force[i] = s[i] * m->force;
+      out->moment[i] = s[i + 3] * m->force * m->length;
+      out->force_strain[i] = strain[i];
+      out->moment_strain[i] = strain[i + 3] / m->length;
+      out->velocity[i] = V[i] * m->length / m->time;
+      out->angular_rate[i] = V[i + 3] / m->time;
+      out->momentum[i] = P[i] * mass / m->time;
+      out->angular_momentum[i] = P[i + 3] * mass * m->length / m->time;
+    }
+  }
+  return FB_OK;
+}
+
+/* [E10.12] Place and rotation in an element, a part s (0..1) of it along: exp(s theta), then what the change of the
+   strain from end to end adds, (s^2 - s)/2 h (C (F2 - F1) + taper stress).
+   Source: own; the strain is linear to this order.  Cost: 200 flops.  Fails: never.
+   Test: points_between_nodes_lie_on_the_curve. */
+static void fbi_mixed_point(fb_real r[3], fb_real quat[4], const fb_mixed *m, const fb_mixed_state *state, int k,
+                            fb_real s)
+{
+  fb_real x[6], dF[6], bend[6], taper[6];
+  for (int i = 0; i < 6; i++) {
+    x[i] = s * m->h[k] * (m->xi[6 * k + i] + state->strain[6 * k + i] + state->offset[6 * k + i]);
+    dF[i] = state->force[6 * k + 6 + i] - state->force[6 * k + i];
+  }
+  fbi_mat66_mul_vec6(bend, m->section + 36 * k, dF);
+  fbi_mat66_mul_vec6(taper, m->taper + 36 * k, state->stress[0] + 6 * k);
+  for (int i = 0; i < 6; i++) {
+    bend[i] = FB_R(0.5) * s * (s - FB_R(1.0)) * m->h[k] * (bend[i] + taper[i]);
+  }
+  fbi_copy(r, state->r + 3 * k, 3);
+  fbi_copy(quat, state->quat + 4 * k, 4);
+  fbi_pose_add(r, quat, x);
+  fbi_pose_add(r, quat, bend);
+}
+
+FB_DEF fb_status fb_mixed_point_eval(const fb_mixed *m, fb_real position[3], fb_real quat[4],
+                                     const fb_mixed_state *state, fb_real x)
+{
+  fb_status status;
+  fb_real r[3], turn[4], R[9], place = FB_R(0.0);
+  int k = 0;
+  FBI_REQUIRE(m && position && quat && state, FB_ERR_NULL);
+  if (!(x >= FB_R(0.0) && x <= m->length * (FB_R(1.0) + FB_R(1e-5)))) {
+    return FB_ERR_VALUE;
+  }
+  status = fb_mixed_state_check(m, state);
+  if (status != FB_OK) {
+    return status;
+  }
+  x /= m->length;
+  while (k + 1 < m->n && place + m->h[k] < x) {
+    place += m->h[k];
+    k++;
+  }
+  fbi_mixed_point(r, turn, m, state, k, (x - place) / m->h[k]);
+  fb_quat_to_mat33(R, state->base_quat);
+  fb_mat33_mul_vec3(position, R, r);
+  fb_quat_mul(quat, state->base_quat, turn);
+  for (int i = 0; i < 3; i++) {
+    position[i] = state->base_position[i] + m->length * position[i];
+  }
+  return FB_OK;
+}
+
+/* 1/2 x A x + part x_rate A x_rate */
+static fb_real fbi_mixed_quadratic(const fb_real A[36], const fb_real x[6], const fb_real rate[6], fb_real part)
+{
+  fb_real y[6], z[6];
+  fbi_mat66_mul_vec6(y, A, x);
+  fbi_mat66_mul_vec6(z, A, rate);
+  return FB_R(0.5) * fbi_vec6_dot(x, y) + part * fbi_vec6_dot(rate, z);
+}
+
+/* mass (origin + g . r) + g . R moment of an inertia matrix at a place in the base frame; of a curved element E10.6 has
+   made mass and moment differ from axis to axis: their means, which do not depend on how the axes lie */
+static fb_real fbi_mixed_weight(const fb_real M[36], const fb_real g[3], fb_real origin, const fb_real r[3],
+                                const fb_real quat[4])
+{
+  const fb_real mass = (M[0] + M[7] + M[14]) / FB_R(3.0);
+  const fb_real moment[3] = {FB_R(0.5) * (M[11] - M[16]), FB_R(0.5) * (M[15] - M[5]), FB_R(0.5) * (M[4] - M[9])};
+  fb_real R[9], y[3];
+  fb_quat_to_mat33(R, quat);
+  fb_mat33_mulT_vec3(y, R, g);
+  return mass * (origin + fb_vec3_dot(g, r)) + fb_vec3_dot(moment, y);
+}
+
+/* [E10.13] Energy: 1/2 h strain S strain + 1/2 h P M^-1 P + u.p + 1/2 m u.u, p the momentum relative to u, and -m g.r
+   with the mass center's r, by Simpson's rule along each element.
+   Source: [L] 3.57-3.61.  Cost: 400 flops an element.  Fails: never.
+   Test: energy_is_kept_whatever_the_step, a_pendulum_keeps_its_energy, flight_at_any_speed_moves_as_rest_does. */
+FB_DEF fb_status fb_mixed_energy(const fb_mixed *m, fb_energy *energy, const fb_mixed_state *state)
+{
+  fb_energy out = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_real base[9], g[3], u[3], p[3], turning[3], origin, last, unit;
+  FBI_REQUIRE(m && energy && state, FB_ERR_NULL);
+  last = FB_R(0.25) * m->beta * state->step * state->step;
+  unit = m->force * m->length;
+  fb_quat_to_mat33(base, state->base_quat);
+  fb_mat33_mulT_vec3(g, base, m->gravity);
+  origin = fb_vec3_dot(m->gravity, state->base_position) / m->length;
+  for (int k = 0; k < m->n; k++) {
+    const fb_real h = m->h[k], *const M = m->M + 36 * k, *const r = state->r + 3 * k, *const quat = state->quat + 4 * k;
+    fb_real middle[3], turn[4];
+    fbi_mixed_point(middle, turn, m, state, k, FB_R(0.5));
+    out.strain +=
+        h * fbi_mixed_quadratic(m->S + 36 * k, state->strain + 6 * k, state->strain_rate + 6 * k, last) * unit;
+    out.kinetic +=
+        h * unit *
+        fbi_mixed_quadratic(m->M_inverse + 36 * k, state->momentum + 6 * k, state->momentum_rate + 6 * k, last);
+    out.gravity -= h * unit / FB_R(6.0) *
+                   (fbi_mixed_weight(M, g, origin, r, quat) + fbi_mixed_weight(M, g, origin, r + 3, quat + 4) +
+                    FB_R(4.0) * fbi_mixed_weight(M, g, origin, middle, turn));
+  }
+  for (int l = 0; l < m->n_lump; l++) {
+    const fb_real *const M = m->lump + 36 * l;
+    const int j = m->lump_node[l];
+    out.kinetic +=
+        unit * fbi_mixed_quadratic(m->lump_inverse + 36 * l, state->lump + 6 * l, state->lump_rate + 6 * l, last);
+    out.gravity -= unit * fbi_mixed_weight(M, g, origin, state->r + 3 * j, state->quat + 4 * j);
+  }
+  fbi_mixed_frame(u, m, state);
+  fbi_mixed_momenta(p, turning, m, state, NULL);
+  out.kinetic += unit * (fb_vec3_dot(u, p) + FB_R(0.5) * fbi_mixed_mass(m) * fb_vec3_dot(u, u));
+  if (!fbi_energy_is_finite(&out)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *energy = out;
+  return FB_OK;
+}
+
+/* [E10.14] Momentum and angular momentum about the inertial origin: h A^T P of each element at its two nodes, which is
+   what their velocities see of it; on top m u, and what a velocity u of all nodes has of angular momentum.
+   Source: [L] 3.62, E10.7.  Cost: 200 flops an element.  Fails: never.  Test: free_flight_keeps_momentum. */
+FB_DEF fb_status fb_mixed_momentum(const fb_mixed *m, fb_momentum *momentum, const fb_mixed_state *state)
+{
+  fb_momentum out;
+  fb_real base[9], u[3], p[3], h[3], carried[3], turning[3], unit;
+  FBI_REQUIRE(m && momentum && state, FB_ERR_NULL);
+  fbi_mixed_frame(u, m, state);
+  fbi_mixed_momenta(p, h, m, state, NULL);
+  fbi_mixed_momenta(carried, turning, m, state, u);
+  fbi_vec3_add(p, fbi_mixed_mass(m), u);
+  fbi_vec3_add(h, FB_R(1.0), turning);
+  unit = m->force * m->time; /* of momentum */
+  fb_quat_to_mat33(base, state->base_quat);
+  fb_mat33_mul_vec3(out.linear, base, p);
+  fb_mat33_mul_vec3(out.angular, base, h);
+  for (int i = 0; i < 3; i++) {
+    out.linear[i] *= unit;
+    out.angular[i] *= unit * m->length;
+  }
+  fbi_vec3_add_cross(out.angular, state->base_position, out.linear);
+  if (!fbi_is_finite(out.linear, 3) || !fbi_is_finite(out.angular, 3)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  *momentum = out;
+  return FB_OK;
+}
+#endif /* FB_WITH_EXACT */
+
+/* ---------------------------------------------------------------------------------------------------------------
+   RUN >>integrate: every step and its limit (uses config, status, vec3, rotation, solve, body, system, exact) */
+
+/* Bound of the highest frequency (E8.8) with deflected, stretched beams: of a slope s and a strain e
+   k <= (sqrt(limit_elastic) + s sqrt(limit_slope))^2 + e limit_slope, the triangle inequality for u_x' + s u_y'. */
+static fb_real fbi_frequency_bound(const fb_body *body, fb_real spin, fb_real acceleration, fb_real slope,
+                                   fb_real strain)
+{
+  const fb_real g = FB_FABS(spin) + FB_R(0.5) * body->limit_damping;
+  fb_real k = body->limit_spin * spin * spin + body->limit_acceleration * FB_FABS(acceleration);
+#if FB_WITH_NONLINEAR_STRAIN
+  const fb_real root = FB_SQRT(body->limit_elastic) + slope * FB_SQRT(body->limit_slope);
+  k += root * root + strain * body->limit_slope;
+#else
+  k += body->limit_elastic;
+  (void)slope, (void)strain;
+#endif
+  return g + FB_SQRT(g * g + k);
+}
+
+/* radius / bound: the step that a scheme stable up to |lambda| dt = radius may take */
+static fb_real fbi_step_limit(fb_real radius, fb_real bound)
+{
+  if (!(bound >= FB_R(0.0))) { /* not a number: no step is stable */
+    return FB_R(0.0);
+  }
+  return bound * FB_HUGE > radius ? radius / bound : FB_HUGE;
+}
+
+/* [E11.1] Largest stable step of rk4: |lambda| dt <= 2.785, the end of its stability region on the real axis (2.828 on
+   the imaginary one), with the frequency bound of E8.8, which exceeds the |lambda| of damped modes by more than the
+   region is narrower between the axes (2.616 at 122 degrees).
+   Source: [HW] IV.2.  Cost: 10 flops, a square root.  Fails: never.
+   Test: the_step_limit_is_the_stability_boundary. */
+#define FBI_RK4_RADIUS FB_R(2.785)
+FB_DEF fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real acceleration)
+{
+  FBI_REQUIRE(body, FB_R(0.0));
+  return fbi_step_limit(FBI_RK4_RADIUS, fbi_frequency_bound(body, spin, acceleration, FB_R(0.0), FB_R(0.0)));
+}
+
+/* Position, attitude and momenta of the frame: out = state + s rate; out may be state */
+static void fbi_frame_advance(fb_state *out, const fb_state *state, fb_real s, const fb_state *rate)
+{
+  fbi_vec3_advance(out->rho, state->rho, s, rate->rho);
+  fbi_vec4_advance(out->quat, state->quat, s, rate->quat);
+  fbi_vec3_advance(out->u, state->u, s, rate->u);
+  fbi_vec3_advance(out->L, state->L, s, rate->L);
+  fbi_vec3_advance(out->h, state->h, s, rate->h);
+}
+
+/* The modes of out = state + s rate. */
+static void fbi_modes_advance(fb_state *out, const fb_state *state, fb_real s, const fb_state *rate, int n)
+{
+  for (int a = 0; a < n; a++) {
+    out->q[a] = state->q[a] + s * rate->q[a];
+    out->pi[a] = state->pi[a] + s * rate->pi[a];
+  }
+}
+
+/* out = s rate */
+static void fbi_state_scale(fb_state *out, fb_real s, const fb_state *rate, int n)
+{
+  for (int i = 0; i < 3; i++) {
+    out->rho[i] = s * rate->rho[i];
+    out->quat[i] = s * rate->quat[i];
+    out->u[i] = s * rate->u[i];
+    out->L[i] = s * rate->L[i];
+    out->h[i] = s * rate->h[i];
+  }
+  out->quat[3] = s * rate->quat[3];
+  for (int a = 0; a < n; a++) {
+    out->q[a] = s * rate->q[a];
+    out->pi[a] = s * rate->pi[a];
+  }
+}
+
+/* A stage, state + s rate: all that rates depend on, L in the other forms alone. */
+static void fbi_stage_advance(fb_state *out, const fb_body *body, const fb_state *state, fb_real s,
+                              const fb_state *rate)
+{
+  fbi_vec4_advance(out->quat, state->quat, s, rate->quat);
+  fbi_vec3_advance(out->u, state->u, s, rate->u);
+  fbi_vec3_advance(out->h, state->h, s, rate->h);
+  if (fbi_form(body) != 0) {
+    fbi_vec3_advance(out->L, state->L, s, rate->L);
+  }
+  fbi_modes_advance(out, state, s, rate, body->n);
+}
+
+/* out = state + s rate; out may be state */
+static void fbi_state_advance(fb_state *out, const fb_state *state, fb_real s, const fb_state *rate, int n)
+{
+  fbi_frame_advance(out, state, s, rate);
+  fbi_modes_advance(out, state, s, rate, n);
+}
+
+/* [E11.2] Flush: values below the least, FB_TINY where cubes would underflow, become zero; NaN stays NaN. Compilers
+   make a selection of it, not a branch (the instruction count of a step is checked to be the same for every step).
+   Source: IEEE 754.  Cost: 2 n flops.  Fails: never.  Test: decay_reaches_zero_without_subnormals. */
+static void fbi_flush(fb_real *x, int n, fb_real least)
+{
+  for (int i = 0; i < n; i++) {
+    x[i] = FB_FABS(x[i]) < least ? FB_R(0.0) : x[i];
+  }
+}
+
+#if FB_WITH_NONLINEAR_STRAIN
+/* Largest slope and largest tensile strain at the stations. */
+static void fbi_largest_slopes(fb_real *slope, fb_real *strain, const fbi_kinetics *k, int n_strain)
+{
+  fb_real r = FB_R(0.0);
+  *strain = FB_R(0.0);
+  for (int g = 0; g < n_strain; g++) {
+    const fb_real square = k->slope[1][g] * k->slope[1][g] + k->slope[2][g] * k->slope[2][g];
+    r = fbi_larger(r, square);
+    *strain = fbi_larger(*strain, k->slope[0][g] + FB_R(0.5) * square);
+  }
+  *slope = FB_SQRT(r);
+}
+#endif
+
+/* What step limits depend on: spin, and acceleration of O by the base's motion or, free, by spin about the mass
+   center and by the loads, with gravity. */
+static void fbi_step_conditions(fb_real *spin, fb_real *acceleration, const fb_body *body, const fbi_kinetics *k,
+                                const fb_input *input)
+{
+  fb_real a[3];
+  *spin = fbi_vec3_norm(k->V + 3);
+  if (body->base == FB_BASE_FREE) {
+    fb_real by_loads = fbi_vec3_norm(fbi_is_flying(body) ? k->a : k->fg);
+    by_loads = fbi_is_flying(body) ? by_loads : by_loads / body->mass;
+    *acceleration = *spin * *spin * fbi_vec3_norm(body->c) / body->mass + by_loads;
+    return;
+  }
+  fbi_zero(a, 3);
+  if (input && body->base == FB_BASE_PRESCRIBED) {
+    fbi_given_acceleration(a, input);
+  }
+  *acceleration = fbi_vec3_norm(a);
+#if FB_WITH_GRAVITY
+  *acceleration += fbi_vec3_norm(body->gravity);
+#endif
+}
+
+static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const fb_input *input, fb_real dt)
+{
+  fb_real spin, acceleration, slope = FB_R(0.0), strain = FB_R(0.0), bound;
+  fbi_step_conditions(&spin, &acceleration, body, k, input);
+#if FB_WITH_NONLINEAR_STRAIN
+  if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
+    fbi_largest_slopes(&slope, &strain, k, body->n_strain);
+  }
+#endif
+  bound = fbi_frequency_bound(body, spin, acceleration, slope, strain);
+  return dt <= fbi_step_limit(FBI_RK4_RADIUS, bound) ? FB_OK : FB_ERR_STEP;
+}
+
+/* [E11.26] Does a body turn faster or slower at a stage than at the start, by more than half a radian in the step? Then
+   no scheme follows it, whatever the springs: an rk4 step, which sees the start alone, could not know.
+   Source: w = const over a step is what attitudes are summed by.
+   Test: steps_that_turn_too_far_are_refused, slender_bodies_keep_their_energy. */
+static fb_status fbi_turn_check(const fb_real start[3], const fb_real w[3], fb_real dt)
+{
+  const fb_real x = dt * (w[0] - start[0]), y = dt * (w[1] - start[1]), z = dt * (w[2] - start[2]);
+  return x * x + y * y + z * z <= FB_R(0.25) ? FB_OK : FB_ERR_STEP;
+}
+
+/* [E11.22] The increment d becomes the sum x + d, and what that loses by rounding is kept for the next: in single
+   precision a step's increment is often below it. In double precision it is kept of positions, far from the origin,
+   and of u, in fast flight.
+   Source: W. Kahan, Comm. ACM 8, 1965.  Shapes: n.  Cost: 4 n flops.  Fails: never.
+   Test: short_steps_lose_nothing, systems_lose_nothing_by_short_steps, positions_are_sums_without_loss,
+   the_faintest_loads_add_up. */
+static void fbi_sum_kept(fb_real *d, fb_real *lost, const fb_real *x, const fb_real *lost_before, int n)
+{
+  for (int i = 0; i < n; i++) {
+    const fb_real more = d[i] + lost_before[i];
+    d[i] = x[i] + more;
+    lost[i] = more - (d[i] - x[i]);
+  }
+}
+
+#define FBI_SUM_KEPT(d, x, what, n) fbi_sum_kept((d)->what, (d)->lost_##what, (x)->what, (x)->lost_##what, n)
+#if FB_SINGLE
+#define FBI_SUM(d, x, what, n) FBI_SUM_KEPT(d, x, what, n)
+#define FBI_TAKE(x, y, what, n) fbi_copy((x)->what, (y)->what, n), fbi_copy((x)->lost_##what, (y)->lost_##what, n)
+#define FBI_SUM_4(d, x, what) FBI_SUM_KEPT(d, x, what, 4)
+#define FBI_SUM_3(d, x, what) FBI_SUM_KEPT(d, x, what, 3)
+#define FBI_SUM_FLUSHED(d, x, what, n) FBI_SUM_KEPT(d, x, what, n), fbi_flush((d)->what, n, FB_TINY)
+#else
+/* x + d, and small values become zero (E11.2). */
+static void fbi_sum_flushed(fb_real *d, const fb_real *x, int n)
+{
+  for (int i = 0; i < n; i++) {
+    const fb_real sum = x[i] + d[i];
+    d[i] = FB_FABS(sum) < FB_TINY ? FB_R(0.0) : sum;
+  }
+}
+
+#define FBI_SUM(d, x, what, n) fbi_row_sub((d)->what, -FB_R(1.0), (x)->what, n)
+#define FBI_TAKE(x, y, what, n) fbi_copy((x)->what, (y)->what, n)
+#define FBI_SUM_3(d, x, what) fbi_vec3_add((d)->what, FB_R(1.0), (x)->what)
+#define FBI_SUM_4(d, x, what) fbi_vec4_advance((d)->what, (d)->what, FB_R(1.0), (x)->what)
+#define FBI_SUM_FLUSHED(d, x, what, n) fbi_sum_flushed((d)->what, (x)->what, n)
+#endif
+
+/* What a body uses of a state after a step. */
+static void fbi_state_take(fb_state *state, const fb_state *next, int n)
+{
+  fbi_frame_copy(state, next);
+  fbi_elastic_copy(state, next, n);
+  fbi_vec3_copy(state->lost_rho, next->lost_rho);
+  fbi_vec3_copy(state->lost_u, next->lost_u);
+#if FB_SINGLE
+  fbi_copy(state->lost_quat, next->lost_quat, 4);
+  fbi_vec3_copy(state->lost_L, next->lost_L);
+  fbi_vec3_copy(state->lost_h, next->lost_h);
+  fbi_copy(state->lost_q, next->lost_q, n);
+  fbi_copy(state->lost_pi, next->lost_pi, n);
+#endif
+}
+
+/* d so that quat + d has unit length: (1/|quat + d| - 1) (quat + d) more. */
+static fb_status fbi_quat_increment(fb_real d[4], const fb_real quat[4])
+{
+  fb_real sum[4], norm2 = FB_R(0.0), norm, s;
+  for (int i = 0; i < 4; i++) {
+    sum[i] = quat[i] + d[i];
+    norm2 += sum[i] * sum[i];
+  }
+  if (!(norm2 > FB_R(1e-20) && norm2 < FB_HUGE)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  norm = FB_SQRT(norm2);
+  s = (FB_R(1.0) - norm2) / (norm * (FB_R(1.0) + norm));
+  for (int i = 0; i < 4; i++) {
+    d[i] += s * sum[i];
+  }
+  return FB_OK;
+}
+
+/* [E11.29] The increment d of the attitude quat, by the smallest rotation that brings a onto b: the same angular
+   momentum by the body axes and in inertial ones. The inertial one is exact, that of the body is where it is along thin
+   axes. Where it has changed by more than what it is the two tell nothing about the attitude.
+   Source: L = R h.  Cost: 80 flops.  Fails: never.  Test: thin_tubes_keep_calm, slender_bodies_keep_their_energy. */
+static void fbi_attitude_onto(fb_real d[4], const fb_real quat[4], const fb_real a[3], const fb_real b[3],
+                              fb_real change)
+{
+  static const fb_real known[2] = {FB_R(0.0), FB_R(1.0)};
+  const fb_real sizes = fbi_vec3_norm(a) * fbi_vec3_norm(b);
+  fb_real theta[4] = {FB_R(0.0)}, more[4], told;
+  fb_vec3_cross(theta + 1, a, b);
+  told = known[sizes > change * change]; /* no turn by the same work as any other: looked up, never branched */
+#if FB_SINGLE
+  told *= known[fbi_vec3_norm(theta + 1) >= FB_R(16.0) * FB_EPSILON * sizes]; /* below: rounding of a and b alone */
+#endif
+  for (int i = 1; i < 4; i++) {
+    theta[i] *= FB_R(0.5) * told / (sizes + (FB_R(1.0) - told));
+  }
+  fb_quat_mul(more, theta, quat);
+  for (int i = 0; i < 4; i++) {
+    d[i] += more[i];
+  }
+}
+
+/* The attitude after the increments d of a free or pinned body by E11.29. */
+static FBI_NOINLINE void fbi_state_align(fb_state *d, const fb_body *body, const fb_state *start)
+{
+  fb_real quat[4], a[3], b[3], h[3];
+  if (!fbi_is_turned(body)) {
+    return;
+  }
+  fbi_vec4_advance(quat, start->quat, FB_R(1.0), d->quat);
+  fbi_vec3_advance(h, start->h, FB_R(1.0), d->h);
+  fbi_vec3_advance(b, start->L, FB_R(1.0), d->L);
+  fbi_quat_turn(a, quat, h);
+  fbi_attitude_onto(d->quat, quat, a, b, fbi_vec3_norm(d->L));
+}
+
+/* [E11.30] O comes to where the mass center leads it, rho + int u dt + (R c/m)_old - (R c/m)_new: the angular momentum
+   about the inertial origin is then what it was, whatever the step. rho: int u dt; next: the rest of the state after
+   it. Both places come from the same operations: what does not move leaves no rounding.
+   Source: Newton.  Cost: 16 flops a term.  Fails: never.  Test: the_mass_center_goes_where_momentum_leads_it. */
+static FBI_NOINLINE void fbi_origin_lead(fb_real rho[3], const fb_body *body, const fb_state *start,
+                                         const fb_state *next)
+{
+  const fb_real share = FB_R(1.0) / body->mass;
+  fb_real before[3], after[3], old[3], own[3];
+  fbi_center_pair(before, after, body, start->q, next->q);
+  fbi_quat_turn(old, start->quat, before);
+  fbi_quat_turn(own, next->quat, after);
+  for (int i = 0; i < 3; i++) {
+    rho[i] += share * (old[i] - own[i]);
+  }
+}
+
+/* [E11.31] Elastic momenta of a prescribed base become relative to v (body axes at the attitude of at), its last known
+   velocity. next: the state after the step, but u is its change and pi its increment.
+   Source: E8.35.  Cost: 5 flops a term.  Test: the_speed_of_a_prescribed_base_does_not_matter. */
+static FBI_NOINLINE void fbi_frame_follow(fb_state *next, const fb_body *body, const fb_state *start,
+                                          const fb_real at[4], const fb_real v[3])
+{
+  fb_real R[9];
+  fb_quat_to_mat33(R, next->quat);
+  if (at) {
+    fbi_quat_turn(next->u, at, v);
+  } else {
+    fb_mat33_mul_vec3(next->u, R, v);
+  }
+  fbi_vec3_add(next->u, -FB_R(1.0), start->u);
+  fbi_frame_shift(next->pi, body, next->q, R, next->u);
+}
+
+/* What ends every step: its increments are summed up, small values become zero, the quaternion is of unit length, and
+   the motion is still within the model. start: the state with its h; last: the input at the attitude at (NULL: that of
+   the end). FB_ERR_STEP: turns in one step of which the attitude keeps no digits. */
+static fb_status fbi_step_end(fb_state *state, fb_state *next, const fb_state *start, const fb_body *body,
+                              const fb_input *last, const fb_real at[4])
+{
+  const int n = body->n;
+  fb_status status;
+  fbi_state_align(next, body, start);
+  status = fbi_quat_increment(next->quat, state->quat);
+  FBI_SUM_4(next, state, quat);
+  FBI_SUM_FLUSHED(next, state, q, n);
+  if (fbi_is_following(body)) {
+    fbi_frame_follow(next, body, start, at, last ? last->v : fbi_origin);
+  }
+  FBI_SUM_FLUSHED(next, state, pi, n);
+  FBI_SUM_KEPT(next, state, u, 3);
+  FBI_SUM_3(next, state, L);
+  fbi_flush(next->u, 3, FBI_FAINT);
+  fbi_flush(next->L, 3, FBI_FAINT);
+#if FB_SINGLE
+  fbi_turning_keep(next, state, body, next->h);
+#endif
+  fbi_vec3_add(next->h, FB_R(1.0), start->h);
+  if (fbi_is_flying(body)) {
+    fbi_origin_lead(next->rho, body, start, next);
+  }
+  FBI_SUM_KEPT(next, state, rho, 3);
+  status = status ? status : fbi_state_range(body, next);
+  if (status == FB_OK && !fbi_quat_is_unit(next->quat)) {
+    status = FB_ERR_STEP;
+  }
+  if (status == FB_OK) {
+    fbi_state_take(state, next, n);
+  }
+  return status;
+}
+
+/* [E11.3] Classical Runge-Kutta. Source: textbook.  Cost: 4 evaluations.  Test: rk4_converges_with_order_four. */
+FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work, const fb_input *start,
+                                         const fb_input *middle, const fb_input *end, fb_real dt)
+{
+  static const fb_real node[3] = {FB_R(0.5), FB_R(0.5), FB_R(1.0)};
+  static const fb_real weight[4] = {FB_R(1.0) / FB_R(6.0), FB_R(1.0) / FB_R(3.0), FB_R(1.0) / FB_R(3.0),
+                                    FB_R(1.0) / FB_R(6.0)};
+  const fb_input *input[4];
+  const fb_state *at;
+  fbi_kinetics k;
+  fb_real spin[3] = {FB_R(0.0)};
+  fb_status status = FB_OK;
+  FBI_REQUIRE(body && state && work, FB_ERR_NULL);
+  if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
+    return FB_ERR_VALUE;
+  }
+  input[0] = start;
+  input[1] = input[2] = middle;
+  input[3] = end;
+  at = &work->start;
+  fbi_state_enter(&work->start, k.R, body, state);
+  for (int stage = 0; stage < 4; stage++) {
+    status = fbi_input_check(body, input[stage]);
+    if (status == FB_OK) {
+      status = fbi_rates(&work->rate, &k, body, at, input[stage]);
+    }
+    if (status == FB_OK && stage == 0 && !body->allow_long_step) {
+      status = fbi_rk4_check(body, &k, start, dt);
+      fbi_vec3_copy(spin, k.V + 3);
+    }
+    if (status == FB_OK && stage == 3 && !body->allow_long_step) {
+      status = fbi_turn_check(spin, k.V + 3, dt);
+    }
+    if (status != FB_OK) {
+      return status;
+    }
+    if (stage == 0) {
+      fbi_state_scale(&work->sum, dt * weight[stage], &work->rate, body->n);
+    } else {
+      fbi_state_advance(&work->sum, &work->sum, dt * weight[stage], &work->rate, body->n);
+    }
+    if (stage < 3) {
+      fbi_stage_advance(&work->stage, body, &work->start, dt * node[stage], &work->rate);
+      if (fbi_is_oriented(body, input[stage + 1])) {
+        fb_quat_to_mat33(k.R, work->stage.quat);
+      }
+      at = &work->stage;
+    }
+  }
+  return fbi_step_end(state, &work->sum, &work->start, body, end, NULL);
+}
+
+/* ---- implicit steppers */
+
+#define FBI_MAX_ITERATIONS 50
+/* Tangent stiffness to w.K. */
+static void fbi_tangent(fb_implicit_work *w, const fb_body *body, const fb_real *q)
+{
+  fbi_sparse_to_dense(w->K, &body->K, body->n);
+#if FB_WITH_NONLINEAR_STRAIN
+  if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
+    fb_real slope[3][FBI_MAX_STRAINS];
+    fbi_slopes_eval(slope, body, q);
+    fbi_strain_tangent_add(w->K, body, slope);
+  }
+#endif
+  (void)q;
+}
+
+/* y += s N x with N_ab = -(Lambda_a^T V)_b, M times the transpose of the gyroscopic matrix. */
+static void fbi_gyro_add(fb_real *y, fb_real s, const fb_real V[6], const fb_body *body, const fb_real *x)
+{
+  const fb_lambda_term *t = body->lambda + body->n_lambda_constant;
+  for (const fb_lambda_row *r = body->lambda_row; r < body->lambda_row + body->n_row; r++) {
+    const fb_real along = s * V[r->i];
+    for (const fb_lambda_term *end = body->lambda + r->end; t < end; t++) {
+      y[t->a - 1] += t->c * along * x[t->b];
+    }
+  }
+}
+
+/* D += s d/dq of the sum of c (1, q)_a (1, q)_b over n pairs, a >= b */
+static void fbi_pairs_gradient(fb_real *D, fb_real s, const fb_real *c, const fb_S_pair *pair, int n, const fb_real *qx)
+{
+  for (int k = 0; k < n; k++) {
+    const int a = pair[k].a, b = pair[k].b;
+    const fb_real sc = s * c[k];
+    D[a - 1] += sc * qx[b];
+    if (b > 0) {
+      D[b - 1] += sc * qx[a];
+    }
+  }
+}
+
+/* D_a = d/dq_a (Lambda(q) pb + S(q) V) of the free rows, rows x n: how momenta change with the shape. */
+static void fbi_shape_rates(fb_real *D, const fbi_kinetics *k, const fb_body *body, int first)
+{
+  const int n = body->n;
+  const fb_real *c = body->S;
+  fbi_zero(D, (6 - first) * n);
+  for (int t = body->n_lambda_constant; t < body->n_lambda; t++) {
+    const fb_lambda_term *term = &body->lambda[t];
+    if (term->i >= first) {
+      D[(term->i - first) * n + term->a - 1] -= term->c * k->pb[term->b];
+    }
+  }
+  for (const fb_S_run *r = body->run; r < body->run + body->n_run; r++) {
+    const int i = fbi_sym6_row[r->i], j = fbi_sym6_column[r->i];
+    if (i >= first) {
+      fbi_pairs_gradient(D + (i - first) * n, k->V[j], c, body->pair + r->pair, r->n, k->qx);
+    }
+    if (j >= first && i != j) {
+      fbi_pairs_gradient(D + (j - first) * n, k->V[i], c, body->pair + r->pair, r->n, k->qx);
+    }
+    c += r->n;
+  }
+}
+
+/* X <- A^-1 X, rows x n, with the factors of fbi_lu_plain_factor */
+static void fbi_rows_solve(fb_real *X, const fb_real *A, int rows, int n)
+{
+  for (int i = 1; i < rows; i++) {
+    for (int j = 0; j < i; j++) {
+      fbi_row_sub(X + i * n, A[i * rows + j], X + j * n, n);
+    }
+  }
+  for (int i = rows - 1; i >= 0; i--) {
+    for (int j = i + 1; j < rows; j++) {
+      fbi_row_sub(X + i * n, A[i * rows + j], X + j * n, n);
+    }
+    for (int a = 0; a < n; a++) {
+      X[i * n + a] *= A[i * rows + i];
+    }
+  }
+}
+
+/* y = (1 + g w^)^-1 x: what h_dot = g - w x h makes of a residual. */
+static void fbi_turning_solve(fb_real y[3], fb_real g, const fb_real w[3], const fb_real x[3])
+{
+  const fb_real a[3] = {g * w[0], g * w[1], g * w[2]}, s = FB_R(1.0) / (FB_R(1.0) + fb_vec3_dot(a, a));
+  const fb_real along = fb_vec3_dot(a, x);
+  fb_real turn[3];
+  fb_vec3_cross(turn, a, x);
+  for (int i = 0; i < 3; i++) {
+    y[i] = s * (x[i] - turn[i] + along * a[i]);
+  }
+}
+
+/* X <- (1 + g w^) X on the three rows of turning, rows x n; a hinge has one, which w does not turn. Multiplied so the
+   matrix of a slender body keeps its pivots positive. */
+static void fbi_turning_mul(fb_real *X, fb_real g, const fb_real w[3], int first, int n)
+{
+  for (int a = 0; a < n && first <= 3; a++) {
+    fb_real *const x = X + (3 - first) * n + a;
+    const fb_real old[3] = {x[0], x[n], x[2 * n]};
+    fb_real turn[3];
+    fb_vec3_cross(turn, w, old);
+    for (int i = 0; i < 3; i++) {
+      x[i * n] += g * turn[i];
+    }
+  }
+}
+
+/* A -= g h^ on the rows of turning: momenta in body axes change with it. */
+static void fbi_turning_sub(fb_real *A, fb_real g, const fb_real h[3], int first)
+{
+  const fb_real cross[9] = {FB_R(0.0), -h[2], h[1], h[2], FB_R(0.0), -h[0], -h[1], h[0], FB_R(0.0)};
+  const int rows = 6 - first;
+  for (int i = 0; i < 9 && first <= 3; i++) {
+    A[(3 + i / 3 - first) * rows + 3 + i % 3 - first] -= g * cross[i];
+  }
+}
+
+/* Coupling of the free rigid rows to the modes at the present shape: X = Lambda, Y = D - Lambda M^-1 N^T, Z = A^-1 (X
+   + g Y) with the rigid mass matrix A, which for the momentum form is (1 + g w^) (S + Lambda M^-1 Lambda^T) - g h^, as
+   are X + g Y then. */
+static fb_status fbi_coupling(fb_implicit_work *w, const fbi_kinetics *k, const fb_body *body)
+{
+  const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first, momentum = fbi_form(body) == 0;
+  const fb_real *S = body->constant_S ? body->S0 : k->S;
+  int terms = body->n_lambda;
+  if (rows == 0) { /* nothing recoils */
+    return FB_OK;
+  }
+#if FB_WITH_FORMS
+  terms = momentum ? terms : body->n_lambda_value;
+  S = body->form == FB_FORM_FIRST ? body->M_rr : S;
+#endif
+  fbi_lambda_rows(w->X, body, k->qx, first, terms);
+  if (momentum) {
+    fbi_shape_rates(w->Y, k, body, first);
+  } else {
+    fbi_zero(w->Y, rows * n);
+  }
+  S += 21 - rows * (rows + 1) / 2; /* of the free rows */
+  for (int i = 0; i < rows; i++) {
+    fb_real a[FB_MAX_MODES];
+    if (momentum) {
+      fbi_mass_solve(a, body, w->X + i * n);
+      fbi_gyro_add(w->Y + i * n, -FB_R(1.0), w->V, body, a);
+    }
+    for (int j = i; j < rows; j++) {
+      const fb_real elastic = momentum ? fbi_dot(a, w->X + j * n, n) : FB_R(0.0);
+      w->A[i * rows + j] = w->A[j * rows + i] = *S++ + elastic;
+    }
+  }
+  if (momentum) {
+    fbi_turning_mul(w->A, w->g, w->V + 3, first, rows);
+    fbi_turning_sub(w->A, w->g, k->ph + 3, first);
+  }
+  if (fbi_lu_plain_factor(w->A, rows) != FB_OK) {
+    return FB_ERR_RANGE;
+  }
+  for (int i = 0; i < rows * n; i++) {
+    w->Z[i] = w->X[i] + w->g * w->Y[i];
+  }
+  if (momentum) {
+    fbi_turning_mul(w->Z, w->g, w->V + 3, first, n);
+  }
+  fbi_rows_solve(w->Z, w->A, rows, n);
+  return FB_OK;
+}
+
+/* [E11.4] Matrix of the implicit steppers: k = (I - g W)^-1 r with g = gamma dt and W the Jacobian of the momentum
+   form, q' = M^-1 (pi - Lambda^T V),  pi' = -K_t q - C q' + .., V = S^-1 (y - Lambda M^-1 pi),
+   without the second derivatives of S and the products g^2 of gyroscopic terms, eliminated down to the n modes:
+   E = M + g (C + N - N^T) + g^2 K_t - (X - g Y)^T Z. What is left, M - Lambda^T M_rr^-1 Lambda, is the mass of the
+   modes when the base may recoil.
+   The other forms do without N and Y.
+   Source: block elimination; Newmark's effective stiffness is the case of a held base.  Shapes: n x n.  Cost: 2/3 n^3
+   flops.
+   Fails: M_rr or E singular.  Test: each_scheme_converges_at_its_order, steps_may_be_a_thousand_periods_long. */
+static fb_status fbi_implicit_factor(fb_implicit_work *w, const fbi_kinetics *k, const fb_body *body, fb_real g)
+{
+  const int n = body->n, rows = 6 - fbi_first_free(body->base);
+  fb_status status;
+  w->g = g;
+  fbi_copy(w->V, k->V, 6);
+  status = fbi_coupling(w, k, body);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_tangent(w, body, k->qx + 1);
+  fbi_sparse_to_dense(w->E, &body->M, n);
+  fbi_row_sub(w->E, -g * g, w->K, n * n);
+  for (int t = body->n_lambda_constant; t < body->n_lambda && fbi_form(body) == 0; t++) {
+    const fb_lambda_term *term = &body->lambda[t];
+    const int a = term->a - 1, b = term->b;
+    w->E[a * n + b] += g * term->c * w->V[term->i];
+    w->E[b * n + a] -= g * term->c * w->V[term->i];
+  }
+  for (int i = 0; i < rows; i++) {
+    for (int a = 0; a < n; a++) {
+      fbi_row_sub(w->E + a * n, w->X[i * n + a] - g * w->Y[i * n + a], w->Z + i * n, n);
+    }
+  }
+#if FB_WITH_DAMPING
+  if (fbi_has(body->effects, FB_EFFECT_DAMPING)) {
+    fbi_sparse_add(w->E, g, &body->C, n);
+  }
+#endif
+  status = fbi_lu_plain_factor(w->E, n);
+  return status == FB_ERR_SINGULAR ? FB_ERR_RANGE : status;
+}
+
+/* y -= s A x, A symmetric n x n */
+static void fbi_symmetric_sub(fb_real *y, fb_real s, const fb_real *A, const fb_real *x, int n)
+{
+  for (int a = 0; a < n; a++) {
+    fbi_row_sub(y, s * x[a], A + a * n, n);
+  }
+}
+
+/* t = A^-1 ((1 + g w^) X u + g (0, r_h)): velocities that the base takes up before the modes answer; momenta in the
+   momentum form only. */
+static void fbi_base_answer(fb_real t[6], const fb_implicit_work *w, const fb_body *body, const fb_state *r,
+                            const fb_real *u)
+{
+  const int first = fbi_first_free(body->base), rows = 6 - first;
+  for (int i = 0; i < rows; i++) {
+    t[i] = fbi_dot(w->X + i * body->n, u, body->n);
+  }
+  if (fbi_form(body) == 0) {
+    fbi_turning_mul(t, w->g, w->V + 3, first, 1);
+    for (int i = 0; i < 3; i++) {
+      if (3 + i >= first) {
+        t[3 + i - first] += w->g * r->h[i];
+      }
+    }
+  }
+  fbi_lu_plain_solve(t, w->A, rows);
+}
+
+/* (1 - g w/2)^-1, by which a quaternion's rate k = r + 1/2 g k o w is solved for. */
+static void fbi_turn_inverse(fb_real own[4], fb_real g, const fb_real w[3])
+{
+  const fb_real half = FB_R(0.5) * g, s = FB_R(1.0) / (FB_R(1.0) + half * half * fb_vec3_dot(w, w));
+  own[0] = s;
+  for (int i = 0; i < 3; i++) {
+    own[1 + i] = s * half * w[i];
+  }
+}
+
+/* The attitude and h take part by the recoil V (times g), so that they are integrated as stiffly as what moves them. */
+static void fbi_recoil_pose(fb_state *r, const fb_implicit_work *w, const fb_body *body, const fbi_kinetics *k,
+                            const fb_state *state, const fb_real V[6])
+{
+  fb_real own[4], turn[4], h[3];
+  fbi_turn_inverse(own, w->g, w->V + 3);
+  fbi_quat_rate(turn, state->quat, V + 3);
+  for (int i = 0; i < 4; i++) {
+    turn[i] += r->quat[i];
+  }
+  fb_quat_mul(r->quat, turn, own); /* k = r + 1/2 quat o dw + 1/2 g k o w */
+  if (fbi_form(body) == 0 && body->base != FB_BASE_PRESCRIBED) {
+    fbi_copy(h, r->h, 3);
+    fbi_vec3_add_cross(h, k->ph + 3, V + 3);
+    fbi_turning_solve(r->h, w->g, w->V + 3, h);
+  }
+}
+
+/* [E11.5] r becomes k = (I - g W)^-1 r, with t of fbi_base_answer.
+   Momentum form: E k_q = (M + g C + g N) r_q + g r_pi - (X - g Y)^T t,  g dV = t - Z k_q,  d = k_q - r_q,
+   k_pi = r_pi - g K_t k_q - (C + N) d + Y^T g dV.
+   The others, elastic velocities u:  E k_u = M r_u - X^T t - g K_t r_q,  k_q = r_q + g k_u,  k_V = r_V + t - Z k_u.
+   Source: E11.4.  Cost: 4 n^2 + 50 n flops.  Fails: never.  Test: each_scheme_converges_at_its_order. */
+static void fbi_implicit_solve(fb_state *r, const fb_implicit_work *w, const fb_body *body, const fbi_kinetics *k,
+                               const fb_state *state)
+{
+  const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first, momentum = fbi_form(body) == 0;
+  const fb_real g = w->g;
+  fb_real b[FB_MAX_MODES], d[FB_MAX_MODES], t[6], V[6] = {0};
+  fb_real *u = momentum ? r->q : r->pi;
+  fbi_copy(d, u, n);
+  fbi_mass_mul(b, body, u);
+  fbi_base_answer(t, w, body, r, u);
+  for (int i = 0; i < rows; i++) {
+    fbi_row_sub(b, t[i], w->X + i * n, n);
+    fbi_row_sub(b, -g * t[i], w->Y + i * n, n);
+  }
+  if (momentum) {
+    fbi_row_sub(b, -g, r->pi, n);
+    fbi_damping_add(b, g, body, r->q);
+    fbi_gyro_add(b, g, w->V, body, r->q);
+  } else {
+    fbi_symmetric_sub(b, g, w->K, r->q, n);
+  }
+  fbi_lu_plain_solve(b, w->E, n);
+  fbi_copy(u, b, n);
+  for (int i = 0; i < rows; i++) {
+    V[first + i] = t[i] - fbi_dot(w->Z + i * n, u, n);
+  }
+  for (int a = 0; a < n; a++) {
+    d[a] = u[a] - d[a];
+  }
+  if (momentum) {
+    fbi_symmetric_sub(r->pi, g, w->K, r->q, n);
+    fbi_damping_add(r->pi, -FB_R(1.0), body, d);
+    fbi_gyro_add(r->pi, -FB_R(1.0), w->V, body, d);
+    for (int i = 0; i < rows; i++) {
+      fbi_row_sub(r->pi, -V[first + i], w->Y + i * n, n);
+    }
+  } else {
+    fbi_row_sub(r->q, -g, r->pi, n);
+    fb_real v[3];
+    fb_mat33_mul_vec3(v, k->R, V);
+    for (int i = 0; i < 3; i++) {
+      r->u[i] += v[i];
+      r->L[i] += V[3 + i];
+      V[3 + i] = g * r->L[i];
+    }
+  }
+  fbi_vec3_add(r->rho, g, r->u);
+  fbi_recoil_pose(r, w, body, k, state, V);
+}
+
+/* Frequency of the stiffening by the quadratic field. */
+static fb_real fbi_stiffening(const fb_body *body, fb_real spin, fb_real acceleration)
+{
+  return FB_SQRT(body->limit_spin * spin * spin + body->limit_acceleration * FB_FABS(acceleration));
+}
+
+/* [E11.6] Largest step of the implicit schemes: what their matrix leaves out, products of the spin and the stiffening
+   of the quadratic field; |w| dt <= 1/10, the frequency of the latter times dt <= 1.
+   Source: trials.  Fails: never.  Test: steps_within_the_limit_are_stable. */
+FB_DEF fb_real fb_implicit_limit(const fb_body *body, fb_real spin, fb_real acceleration)
+{
+  FBI_REQUIRE(body, FB_R(0.0));
+  return fbi_step_limit(FB_R(1.0), fbi_larger(FB_R(10.0) * FB_FABS(spin), fbi_stiffening(body, spin, acceleration)));
+}
+
+static fb_status fbi_implicit_check(const fb_body *body, const fbi_kinetics *k, const fb_input *input, fb_real dt)
+{
+  fb_real spin, acceleration;
+  if (body->allow_long_step) {
+    return FB_OK;
+  }
+  fbi_step_conditions(&spin, &acceleration, body, k, input);
+  return dt <= fb_implicit_limit(body, spin, acceleration) ? FB_OK : FB_ERR_STEP;
+}
+
+/* Start of an implicit step: rates at the state, checked step, factored iteration matrix. */
+static fb_status fbi_implicit_start(fb_implicit_work *w, fbi_kinetics *k, const fb_body *body, const fb_state *state,
+                                    const fb_input *input, fb_real dt, fb_real g)
+{
+  fb_status status = dt > FB_R(0.0) && dt < FB_HUGE ? fbi_input_check(body, input) : FB_ERR_VALUE;
+  fbi_state_enter(&w->start, k->R, body, state);
+  if (status == FB_OK) {
+    status = fbi_rates(&w->rate, k, body, &w->start, input);
+  }
+  status = status == FB_OK ? fbi_implicit_check(body, k, input, dt) : status;
+  return status == FB_OK ? fbi_implicit_factor(w, k, body, g) : status;
+}
+
+/* [E11.25] Has a stage converged? Not where the last correction is above a tenth of the first one and a hundredth of
+   what the stage leads to, and is no rounding: Newton's corrections shrink to less than a tenth where a step is short
+   enough for what it is to follow. Squares; one iteration alone cannot be judged.
+   What bends is judged by a tenth of its own change, in systems.
+   Source: contraction of Newton's method.  Test: steps_that_have_not_converged_say_so,
+   a_fast_sled_does_not_hide_what_bends. */
+static fb_status fbi_stage_check(fb_real first, fb_real last, fb_real change)
+{
+  const fb_real floor = FB_R(0.01) * FB_EPSILON;
+  const fb_real bound = fbi_larger(fbi_larger(FB_R(0.01) * first, FB_R(1e-4) * change), floor);
+  return last > bound ? FB_ERR_CONVERGENCE : FB_OK;
+}
+
+/* [E11.32] Square of how far rates k lead within g [rad], for E11.25: turn of the attitude, modes by the radius of
+   gyration.
+   Source: definition.  Cost: 2 n flops.  Test: implicit_steps_that_have_not_converged_say_so. */
+static fb_real fbi_rate_size(const fb_state *k, const fb_body *body, fb_real g)
+{
+  const fb_real turn = k->quat[0] * k->quat[0] + fb_vec3_dot(k->quat + 1, k->quat + 1);
+  fb_real bent = FB_R(0.0);
+  for (int a = 0; a < body->n; a++) {
+    bent += body->reach[a] * FB_FABS(k->q[a]);
+  }
+  bent = body->gyration > FB_R(0.0) ? bent / body->gyration : bent;
+  return g * g * (FB_R(4.0) * turn + bent * bent);
+}
+
+/* Simplified Newton iterations for k = f(base + g k), k given a guess: (I - g W) dk = f - k. */
+static fb_status fbi_stage_solve(fb_implicit_work *w, fb_state *k, const fb_body *body, const fbi_kinetics *at,
+                                 const fb_state *base, const fb_input *input, int iterations, fb_real dt)
+{
+  fb_status status = fbi_input_check(body, input);
+  fb_real first = FB_R(0.0), last = FB_R(0.0);
+  for (int i = 0; i < iterations && status == FB_OK; i++) {
+    fbi_kinetics here;
+    fbi_stage_advance(&w->stage, body, base, w->g, k);
+    if (fbi_is_oriented(body, input)) {
+      fb_quat_to_mat33(here.R, w->stage.quat);
+    }
+    status = fbi_rates(&w->rate, &here, body, &w->stage, input);
+    if (status == FB_OK && i == iterations - 1 && !body->allow_long_step) {
+      status = fbi_turn_check(at->V + 3, here.V + 3, dt);
+    }
+    fbi_state_advance(&w->rate, &w->rate, -FB_R(1.0), k, body->n);
+    fbi_implicit_solve(&w->rate, w, body, at, &w->start);
+    fbi_state_advance(k, k, FB_R(1.0), &w->rate, body->n);
+    last = fbi_rate_size(&w->rate, body, w->g);
+    first = i == 0 ? last : first;
+  }
+  return status == FB_OK && iterations > 1 ? fbi_stage_check(first, last, fbi_rate_size(k, body, w->g)) : status;
+}
+
+/* The velocity of a prescribed base at the middle of E11.7 in the axes of the start, where the first guess needs it. */
+static void fbi_base_guess(fb_real v[3], const fb_input *middle, fb_real g)
+{
+  fb_real own[4], R[9];
+  fbi_turn_inverse(own, g, middle->w);
+  fb_quat_to_mat33(R, own);
+  fb_mat33_mul_vec3(v, R, middle->v);
+}
+
+/* [E11.7] Implicit midpoint, y += dt k with k = f(t + dt/2, y + dt/2 k).
+   Source: textbook; conserves quadratic invariants, symmetric.  Cost: 1 + iterations evaluations, one LU.
+   Fails: as E11.4.  Test: each_scheme_converges_at_its_order, midpoint_keeps_energy_and_momentum. */
+FB_DEF fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *middle,
+                                  fb_real dt, int iterations)
+{
+  const fb_input *first = middle;
+  fbi_kinetics at;
+  fb_status status;
+  FBI_REQUIRE(body && state && work, FB_ERR_NULL);
+  FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
+  if (fbi_is_following(body) && middle) {
+    work->between = *middle;
+    fbi_base_guess(work->between.v, middle, FB_R(0.5) * dt);
+    first = &work->between;
+  }
+  status = fbi_implicit_start(work, &at, body, state, first, dt, FB_R(0.5) * dt);
+  if (status == FB_OK) {
+    work->first = work->rate;
+    fbi_implicit_solve(&work->first, work, body, &at, &work->start);
+    status = fbi_stage_solve(work, &work->first, body, &at, &work->start, middle, iterations > 0 ? iterations : 2, dt);
+  }
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_state_scale(&work->sum, dt, &work->first, body->n);
+  return fbi_step_end(state, &work->sum, &work->start, body, middle, work->stage.quat);
+}
+
+/* The input at the fraction s between two; loads must be at the same nodes in the same axes. */
+static fb_status fbi_input_between(fb_input *out, const fb_input *a, const fb_input *b, fb_real s)
+{
+  *out = *a;
+  if (a->n_load != b->n_load) {
+    return FB_ERR_VALUE;
+  }
+  for (int k = 0; k < a->n_load; k++) {
+    if (a->load[k].node != b->load[k].node || a->load[k].axes != b->load[k].axes) {
+      return FB_ERR_VALUE;
+    }
+  }
+  for (int i = 0; i < 3; i++) {
+    for (int k = 0; k < a->n_load; k++) {
+      out->load[k].force[i] += s * (b->load[k].force[i] - a->load[k].force[i]);
+      out->load[k].torque[i] += s * (b->load[k].torque[i] - a->load[k].torque[i]);
+    }
+    out->v[i] += s * (b->v[i] - a->v[i]);
+    out->w[i] += s * (b->w[i] - a->w[i]);
+    out->v_dot[i] += s * (b->v_dot[i] - a->v_dot[i]);
+    out->w_dot[i] += s * (b->w_dot[i] - a->w_dot[i]);
+  }
+  return FB_OK;
+}
+
+/* [E11.34] Velocity v of a prescribed base at the first stage of E11.8, in its axes: between those at the ends in
+   inertial axes, where a base that goes straight on has one velocity, by the attitudes that the scheme gives it.
+   Source: E11.8 of the attitude alone.  Cost: 250 flops.  Fails: never.
+   Test: the_speed_of_a_prescribed_base_does_not_matter. */
+static void fbi_base_between(fb_real v[3], const fb_state *start, const fb_input *a, const fb_input *stage,
+                             const fb_input *b, fb_real c, fb_real dt)
+{
+  fb_real own[4], middle[4], end[4], rate[4], R[9], first[3], last[3];
+  fbi_turn_inverse(own, c * dt, stage->w);
+  fb_quat_mul(middle, start->quat, own);
+  fbi_quat_rate(rate, middle, stage->w);
+  for (int i = 0; i < 4; i++) {
+    rate[i] = start->quat[i] + (FB_R(1.0) - c) * dt * rate[i];
+  }
+  fbi_turn_inverse(own, c * dt, b->w);
+  fb_quat_mul(end, rate, own);
+  fb_quat_to_mat33(R, start->quat);
+  fb_mat33_mul_vec3(first, R, a->v);
+  fb_quat_to_mat33(R, end);
+  fb_mat33_mul_vec3(last, R, b->v);
+  for (int i = 0; i < 3; i++) {
+    first[i] += c * (last[i] - first[i]);
+  }
+  fb_quat_to_mat33(R, middle);
+  fb_mat33_mulT_vec3(v, R, first);
+}
+
+/* [E11.8] Two-stage SDIRK scheme of order 2, L-stable and stiffly accurate, c = 1 - 1/sqrt(2):
+   k_1 = f(t + c dt, y + c dt k_1),  k_2 = f(t + dt, y + (1-c) dt k_1 + c dt k_2),  y <- its last stage.
+   Source: [AL].  Cost: 1 + 2 iterations evaluations, one LU.
+   Fails: as E11.4.  Test: each_scheme_converges_at_its_order, steps_may_be_a_thousand_periods_long. */
+FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *start,
+                               const fb_input *end, fb_real dt, int iterations)
+{
+  const fb_real c = FB_R(0.29289321881345248);
+  const int count = iterations > 0 ? iterations : 2;
+  const fb_input *first = start;
+  fbi_kinetics at;
+  fb_status status;
+  FBI_REQUIRE(body && state && work, FB_ERR_NULL);
+  FBI_REQUIRE((start != NULL) == (end != NULL), FB_ERR_NULL);
+  FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
+  status = fbi_implicit_start(work, &at, body, state, start, dt, c * dt);
+  if (status == FB_OK && start != end) {
+    status = fbi_input_between(&work->between, start, end, c);
+    first = &work->between;
+    if (fbi_is_following(body)) {
+      fbi_base_between(work->between.v, &work->start, start, &work->between, end, c, dt);
+    }
+  }
+  if (status == FB_OK) {
+    work->first = work->rate;
+    fbi_implicit_solve(&work->first, work, body, &at, &work->start);
+    status = fbi_stage_solve(work, &work->first, body, &at, &work->start, first, count, dt);
+  }
+  if (status == FB_OK) {
+    fbi_state_scale(&work->sum, (FB_R(1.0) - c) * dt, &work->first, body->n);
+    fbi_stage_advance(&work->base, body, &work->start, (FB_R(1.0) - c) * dt, &work->first);
+    status = fbi_stage_solve(work, &work->first, body, &at, &work->base, end, count, dt);
+  }
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_state_advance(&work->sum, &work->sum, c * dt, &work->first, body->n);
+  return fbi_step_end(state, &work->sum, &work->start, body, end, NULL);
+}
+
+/* ---- exponential scheme */
+
+/* [E11.11] Largest step of the exponential scheme: gyroscopic terms 2 |w|, faster by the recoil of a light base
+   (squared: it turns the faster what bends it), the quadratic field, the change of frequencies by the tension of a
+   spinning beam, heavy damping; the largest of them times dt <= 1.
+   Source: trials.  Fails: never.  Test: steps_within_the_limit_are_stable. */
+FB_DEF fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real acceleration)
+{
+  FBI_REQUIRE(body, FB_R(0.0));
+  const fb_real lightness = body->recoil * body->recoil - FB_R(1.0); /* 0: nothing recoils */
+  const fb_real turning = (FB_R(2.0) * body->recoil + FB_R(15.0) * lightness) * FB_FABS(spin);
+  const int heavy = body->limit_damping > FB_R(0.5) * FB_SQRT(body->limit_elastic);
+  fb_real bound = fbi_larger(turning, fbi_stiffening(body, spin, acceleration));
+#if FB_WITH_NONLINEAR_STRAIN
+  bound = fbi_larger(bound, body->limit_tension * spin * spin);
+#endif
+  return fbi_step_limit(FB_R(1.0), fbi_larger(bound, heavy ? body->limit_damping : FB_R(0.0)));
+}
+
+#if FB_WITH_NONLINEAR_STRAIN
+/* s = q + sign G(q), sign 1, or -1 to go back; slope is that of q and of s. */
+static void fbi_membrane_shift(fb_real *q, fb_real slope[3][FBI_MAX_STRAINS], const fb_exponential *scheme,
+                               const fb_body *body, fb_real sign)
+{
+  fb_real r[FBI_MAX_STRAINS];
+  fbi_slopes_eval(slope, body, q);
+  for (int g = 0; g < body->n_strain; g++) {
+    r[g] = FB_R(0.5) * (slope[1][g] * slope[1][g] + slope[2][g] * slope[2][g]);
+  }
+  for (int k = 0; k < scheme->n_axial; k++) {
+    q[scheme->axial[k]] += sign * fbi_dot(scheme->G + k * FBI_MAX_STRAINS, r, body->n_strain);
+  }
+}
+
+/* h_g = sum_a G_ag pi_a */
+static void fbi_membrane_loads(fb_real h[FBI_MAX_STRAINS], const fb_exponential *scheme, const fb_body *body,
+                               const fb_real *pi)
+{
+  fbi_zero(h, body->n_strain);
+  for (int k = 0; k < scheme->n_axial; k++) {
+    fbi_row_sub(h, -pi[scheme->axial[k]], scheme->G + k * FBI_MAX_STRAINS, body->n_strain);
+  }
+}
+
+/* x_b -= sum_g psi_b' (h u' + k v') over the transverse rows: G'^T pi, and its rate */
+static void fbi_membrane_sub(fb_real *x, const fb_body *body, const fb_real *h, fb_real u[3][FBI_MAX_STRAINS],
+                             const fb_real *k, fb_real v[3][FBI_MAX_STRAINS])
+{
+  fb_real f[3][FBI_MAX_STRAINS];
+  for (int g = 0; g < body->n_strain; g++) {
+    f[0][g] = FB_R(0.0);
+    f[1][g] = h[g] * u[1][g] + k[g] * v[1][g];
+    f[2][g] = h[g] * u[2][g] + k[g] * v[2][g];
+  }
+  fbi_slopes_sub(x, body, f);
+}
+#endif
+
+/* Modal coordinates z: x in z.q, p in z.pi. */
+static void fbi_modal_from(fb_state *z, const fb_exponential *scheme, const fb_body *body, fb_state *state)
+{
+  const int n = body->n;
+#if FB_WITH_NONLINEAR_STRAIN
+  if (scheme->n_axial > 0) {
+    fb_real slope[3][FBI_MAX_STRAINS], h[FBI_MAX_STRAINS], none[FBI_MAX_STRAINS] = {0};
+    fbi_membrane_loads(h, scheme, body, state->pi);
+    fbi_membrane_shift(state->q, slope, scheme, body, FB_R(1.0));
+    fbi_membrane_sub(state->pi, body, h, slope, none, slope);
+  }
+#endif
+  fbi_frame_copy(z, state);
+  for (int k = 0; k < n; k++) {
+    z->q[k] = fbi_dot(scheme->MX + k * n, state->q, n);
+    z->pi[k] = fbi_dot(scheme->X + k * n, state->pi, n);
+  }
+}
+
+static void fbi_modal_to(fb_state *state, const fb_exponential *scheme, const fb_body *body, const fb_state *z)
+{
+  const int n = body->n;
+  fbi_frame_copy(state, z);
+  fbi_zero(state->q, n);
+  fbi_zero(state->pi, n);
+  for (int k = 0; k < n; k++) {
+    fbi_row_sub(state->q, -z->q[k], scheme->X + k * n, n);
+    fbi_row_sub(state->pi, -z->pi[k], scheme->MX + k * n, n);
+  }
+#if FB_WITH_NONLINEAR_STRAIN
+  if (scheme->n_axial > 0) {
+    fb_real slope[3][FBI_MAX_STRAINS], h[FBI_MAX_STRAINS], none[FBI_MAX_STRAINS] = {0};
+    fbi_membrane_shift(state->q, slope, scheme, body, -FB_R(1.0));
+    fbi_membrane_loads(h, scheme, body, state->pi);
+    for (int g = 0; g < body->n_strain; g++) {
+      h[g] = -h[g];
+    }
+    fbi_membrane_sub(state->pi, body, h, slope, none, slope);
+  }
+#endif
+}
+
+/* What is left of the rates of z without the linear elastic part: N = (X M s_dot - p, X sigma_dot + omega^2 x). */
+static fb_status fbi_modal_rates(fb_state *N, fbi_kinetics *k, fb_exponential_work *w, const fb_exponential *scheme,
+                                 const fb_body *body, const fb_state *z, const fb_input *input)
+{
+  const int n = body->n;
+  fb_status status = fbi_input_check(body, input);
+  fbi_modal_to(&w->at, scheme, body, z);
+  if (fbi_is_oriented(body, input)) {
+    fb_quat_to_mat33(k->R, z->quat);
+  }
+  status = status == FB_OK ? fbi_rates(&w->rate, k, body, &w->at, input) : status;
+  if (status != FB_OK) {
+    return status;
+  }
+#if FB_WITH_NONLINEAR_STRAIN
+  if (scheme->n_axial > 0) {
+    fb_real rate[3][FBI_MAX_STRAINS], h[FBI_MAX_STRAINS], h_dot[FBI_MAX_STRAINS], r[FBI_MAX_STRAINS] = {0};
+    fbi_slopes_eval(rate, body, w->rate.q);
+    fbi_membrane_loads(h, scheme, body, w->at.pi);
+    fbi_membrane_loads(h_dot, scheme, body, w->rate.pi);
+    for (int g = 0; g < body->n_strain; g++) {
+      r[g] = k->slope[1][g] * rate[1][g] + k->slope[2][g] * rate[2][g];
+    }
+    for (int a = 0; a < scheme->n_axial; a++) {
+      w->rate.q[scheme->axial[a]] += fbi_dot(scheme->G + a * FBI_MAX_STRAINS, r, body->n_strain);
+    }
+    fbi_membrane_sub(w->rate.pi, body, h_dot, k->slope, h, rate);
+  }
+#endif
+  fbi_frame_copy(N, &w->rate);
+  for (int i = 0; i < n; i++) {
+    N->q[i] = fbi_dot(scheme->MX + i * n, w->rate.q, n) - z->pi[i];
+    N->pi[i] = fbi_dot(scheme->X + i * n, w->rate.pi, n) + scheme->omega2[i] * z->q[i];
+  }
+  return FB_OK;
+}
+
+/* y += s phi_j(h L) v: on modes c_j + h L c_(j+1) with L = [0 1; -omega^2 0], on the rest 1/j!. */
+static void fbi_phi_add(fb_state *y, fb_real s, const fb_real c[5][FB_MAX_MODES], int j, const fb_exponential *scheme,
+                        fb_real h, const fb_state *v, int n)
+{
+  const fb_real rest = s * (j < 2 ? FB_R(1.0) : j == 2 ? FB_R(0.5) : FB_R(1.0) / FB_R(6.0));
+  fbi_frame_advance(y, y, rest, v);
+  for (int k = 0; k < n; k++) {
+    y->q[k] += s * (c[j][k] * v->q[k] + h * c[j + 1][k] * v->pi[k]);
+    y->pi[k] += s * (c[j][k] * v->pi[k] - h * scheme->omega2[k] * c[j + 1][k] * v->q[k]);
+  }
+}
+
+/* y += (e^(h L) - 1) v on modes, by c_0 - 1 = -(omega h)^2 c_2: what a short step adds is not lost in 1. */
+static void fbi_phi_increment(fb_state *y, const fb_exponential *scheme, const fb_state *v, int n)
+{
+  const fb_real h = scheme->dt;
+  for (int k = 0; k < n; k++) {
+    const fb_real c1 = h * scheme->full[1][k], turn = -scheme->omega2[k] * h * h * scheme->full[2][k];
+    y->q[k] += turn * v->q[k] + c1 * v->pi[k];
+    y->pi[k] += turn * v->pi[k] - scheme->omega2[k] * c1 * v->q[k];
+  }
+}
+
+/* The increments of a step in work->full, from modal coordinates to work->at; membrane coordinates are not linear in
+   them. */
+static void fbi_modal_increments(fb_exponential_work *w, const fb_exponential *scheme, const fb_body *body,
+                                 const fb_state *state)
+{
+  if (scheme->n_axial == 0) {
+    fbi_modal_to(&w->at, scheme, body, &w->full);
+    return;
+  }
+  fbi_state_advance(&w->half, &w->z, FB_R(1.0), &w->full, body->n);
+  fbi_modal_to(&w->at, scheme, body, &w->half);
+  fbi_frame_copy(&w->at, &w->full);
+  fbi_row_sub(w->at.q, FB_R(1.0), state->q, body->n);
+  fbi_row_sub(w->at.pi, FB_R(1.0), state->pi, body->n);
+}
+
+FB_DEF fb_status fb_exponential_check(const fb_exponential *scheme, const fb_body *body)
+{
+  int n, sound;
+  FBI_REQUIRE(scheme && body, FB_ERR_NULL);
+  n = body->n;
+  if (!fbi_is_within(n, FB_MAX_MODES) || !fbi_is_within(scheme->n_axial, n)) {
+    return FB_ERR_CAPACITY;
+  }
+#if FB_WITH_NONLINEAR_STRAIN
+  if (!fbi_is_within(body->n_strain, FBI_MAX_STRAINS)) {
+    return FB_ERR_CAPACITY;
+  }
+#endif
+  sound = scheme->dt > FB_R(0.0) && scheme->dt < FB_HUGE && fbi_is_finite(scheme->X, n * n) &&
+          fbi_is_finite(scheme->MX, n * n) && fbi_is_finite(scheme->omega2, n);
+  for (int k = 0; sound && k < 5; k++) {
+    sound = fbi_is_finite(scheme->half[k], n) && fbi_is_finite(scheme->full[k], n);
+  }
+  for (int k = 0; sound && k < scheme->n_axial; k++) {
+    sound = fbi_is_within(scheme->axial[k], n - 1);
+  }
+#if FB_WITH_NONLINEAR_STRAIN
+  sound = sound && fbi_is_finite(scheme->G, scheme->n_axial * body->n_strain);
+#endif
+  return sound ? FB_OK : FB_ERR_VALUE;
+}
+
+static fb_status fbi_exponential_limited(const fb_body *body, const fbi_kinetics *k, const fb_input *input, fb_real h)
+{
+  fb_real spin, acceleration;
+  if (body->allow_long_step) {
+    return FB_OK;
+  }
+  fbi_step_conditions(&spin, &acceleration, body, k, input);
+  return h <= fb_exponential_limit(body, spin, acceleration) ? FB_OK : FB_ERR_STEP;
+}
+
+/* [E11.10] Exponential Runge-Kutta scheme of order 4 for z' = L z + N(t, z), stages at 0, 1/2, 1/2, 1:
+   z_2 = e^(hL/2) z + h/2 phi_1(hL/2) N_1,  z_3 = z_2 + h phi_2(hL/2) (N_2 - N_1),
+   z_4 = e^(hL) z + h phi_1(hL) N_1 + 2h phi_2(hL) (N_3 - N_1),
+   z <- e^(hL) z + h phi_1 N_1 + h phi_2 (-3 N_1 + 2 N_2 + 2 N_3 - N_4) + 4h phi_3 (N_1 - N_2 - N_3 + N_4).
+   Where L = 0 this is the classical Runge-Kutta scheme.
+   Source: [KR].  Cost: 4 evaluations, 16 n^2 flops each.  Fails: as the rates.
+   Test: each_scheme_converges_at_its_order, the_exponential_scheme_is_exact_for_linear_bodies. */
+FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *scheme, fb_state *state,
+                                     fb_exponential_work *work, const fb_input *start, const fb_input *middle,
+                                     const fb_input *end)
+{
+  fbi_kinetics k;
+  fb_state *z, *N, *sum;
+  fb_real h, turn[3];
+  fb_status status;
+  int n;
+  FBI_REQUIRE(body && scheme && state && work, FB_ERR_NULL);
+  z = &work->z;
+  N = work->N;
+  sum = &work->sum;
+  n = body->n;
+  h = scheme->dt;
+  fbi_state_enter(&work->start, k.R, body, state);
+  fbi_frame_copy(&work->at, &work->start);
+  fbi_elastic_copy(&work->at, &work->start, n);
+  fbi_modal_from(z, scheme, body, &work->at);
+  status = fbi_modal_rates(&N[0], &k, work, scheme, body, z, start);
+  status = status == FB_OK ? fbi_exponential_limited(body, &k, start, h) : status;
+  fbi_vec3_copy(turn, k.V + 3);
+  if (status == FB_OK) {
+    memset(&work->half, 0, sizeof work->half);
+    fbi_phi_add(&work->half, FB_R(1.0), scheme->half, 0, scheme, FB_R(0.5) * h, z, n);
+    fbi_phi_add(&work->half, FB_R(0.5) * h, scheme->half, 1, scheme, FB_R(0.5) * h, &N[0], n);
+    status = fbi_modal_rates(&N[1], &k, work, scheme, body, &work->half, middle);
+  }
+  if (status == FB_OK) {
+    fbi_state_advance(sum, &N[1], -FB_R(1.0), &N[0], n);
+    fbi_phi_add(&work->half, h, scheme->half, 2, scheme, FB_R(0.5) * h, sum, n);
+    status = fbi_modal_rates(&N[2], &k, work, scheme, body, &work->half, middle);
+  }
+  if (status == FB_OK) {
+    memset(&work->full, 0, sizeof work->full);
+    fbi_phi_increment(&work->full, scheme, z, n);
+    fbi_phi_add(&work->full, h, scheme->full, 1, scheme, h, &N[0], n);
+    fbi_state_advance(sum, &N[2], -FB_R(1.0), &N[0], n);
+    fbi_state_advance(&work->half, z, FB_R(1.0), &work->full, n);
+    fbi_phi_add(&work->half, FB_R(2.0) * h, scheme->full, 2, scheme, h, sum, n);
+    status = fbi_modal_rates(&N[3], &k, work, scheme, body, &work->half, end);
+    status = status == FB_OK && !body->allow_long_step ? fbi_turn_check(turn, k.V + 3, h) : status;
+  }
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_state_advance(&N[1], &N[1], FB_R(1.0), &N[2], n); /* N_2 + N_3 */
+  fbi_state_advance(sum, &N[0], -FB_R(1.0), &N[1], n);
+  fbi_state_advance(sum, sum, FB_R(1.0), &N[3], n);
+  fbi_phi_add(&work->full, FB_R(4.0) * h, scheme->full, 3, scheme, h, sum, n);
+  fbi_state_advance(sum, &N[1], -FB_R(1.0), sum, n); /* -N_1 + 2 N_2 + 2 N_3 - N_4 */
+  fbi_state_advance(sum, sum, -FB_R(2.0), &N[0], n);
+  fbi_phi_add(&work->full, h, scheme->full, 2, scheme, h, sum, n);
+  fbi_modal_increments(work, scheme, body, state);
+  return fbi_step_end(state, &work->at, &work->start, body, end, NULL);
+}
+
+#if FB_WITH_SYSTEM
+/* ---- systems */
+
+/* y = a + s b, straight */
+static void fbi_link_advance(fb_link_state *y, const fb_link_state *a, fb_real s, const fb_link_state *b,
+                             const fb_joint *joint)
+{
+  if (joint->kind == FB_JOINT_FREE) {
+    fbi_vec4_advance(y->quat, a->quat, s, b->quat);
+    fbi_vec6_advance(y->p, a->p, s, b->p);
+    fbi_vec3_advance(y->lost_x, a->lost_x, s, b->lost_x);
+  } else if (joint->kind == FB_JOINT_SPHERICAL) {
+    fbi_vec4_advance(y->quat, a->quat, s, b->quat);
+    fbi_vec3_advance(y->p, a->p, s, b->p);
+  } else {
+    for (int i = 0; i < joint->n_axis; i++) {
+      y->x[i] = a->x[i] + s * b->x[i];
+      y->p[i] = a->p[i] + s * b->p[i];
+    }
+  }
+}
+
+/* out = state + s rate; out may be state */
+static void fbi_system_advance(fb_system_state *out, const fb_system_state *state, fb_real s,
+                               const fb_system_state *rate, const fb_system *system, const fb_system_work *w,
+                               const fb_body *body)
+{
+  out->motor_work = state->motor_work + s * rate->motor_work;
+  for (int k = 0; k < system->n_body; k++) {
+    const int n = fbi_model(system, body, k)->n;
+    const fb_link_state *a = &state->link[k], *b = &rate->link[k];
+    fb_link_state *y = &out->link[k];
+    fbi_link_advance(y, a, s, b, fbi_link_joint(system, w, k));
+    for (int i = 0; i < n; i++) {
+      y->q[i] = a->q[i] + s * b->q[i];
+      y->pi[i] = a->pi[i] + s * b->pi[i];
+    }
+  }
+}
+
+/* All of a state but modes and holds. */
+static void fbi_links_copy(fb_system_state *out, const fb_system_state *state, const fb_system *system)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    out->link[k] = state->link[k];
+  }
+  out->motor_work = state->motor_work;
+}
+
+/* A rate of zero. */
+static void fbi_system_clear(fb_system_state *rate, const fb_system *system, const fb_body *body)
+{
+  rate->motor_work = FB_R(0.0);
+  for (int k = 0; k < system->n_body; k++) {
+    fb_link_state *x = &rate->link[k];
+    fbi_vec3_zero(x->x);
+    fbi_vec3_zero(x->lost_x);
+    fbi_zero(x->quat, 4);
+    fbi_zero(x->p, 6);
+    fbi_zero(x->q, fbi_model(system, body, k)->n);
+    fbi_zero(x->pi, fbi_model(system, body, k)->n);
+  }
+}
+
+/* E11.26 of all bodies. begin: keeps the start's. */
+static fb_status fbi_turns_check(fb_system_work *w, const fb_system *system, fb_real dt, int begin)
+{
+  fb_status status = FB_OK;
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    if (begin) {
+      fbi_vec3_copy(L->turn, L->V + 3);
+    }
+    status = status == FB_OK ? fbi_turn_check(L->turn, L->V + 3, dt) : status;
+  }
+  return status;
+}
+
+/* Bound of the highest frequency of a system: E8.8 with springs and modes of the whole. */
+static fb_real fbi_system_frequency(const fb_system *system, fb_real spin, fb_real stiffening)
+{
+  const fb_real g = spin + FB_R(0.5) * (system->limit_damping + system->limit_kept_damping);
+  return g + FB_SQRT(g * g + system->limit_elastic + system->limit_kept_elastic + stiffening);
+}
+
+/* [E11.15] Largest step of rk4 for a system: the frequency bound of E8.8 with the springs and modes of the whole,
+   undeformed, at zero joint coordinates, the fastest spin and the stiffening of the bodies.
+   Source: E8.8, E11.1.  Fails: never.  Test: system_steps_beyond_the_limit_are_refused. */
+FB_DEF fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body, fb_real spin, fb_real acceleration)
+{
+  FBI_REQUIRE(system && body, FB_R(0.0));
+  fb_real stiff = FB_R(0.0);
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_body *model = fbi_model(system, body, k);
+    stiff = fbi_larger(stiff, model->limit_spin * spin * spin + model->limit_acceleration * FB_FABS(acceleration));
+  }
+  return fbi_step_limit(FBI_RK4_RADIUS, fbi_system_frequency(system, FB_FABS(spin), stiff));
+}
+
+/* The fastest spin there is and the largest stiffening k [1/s^2]; O accelerates by the spin of the bodies on the way
+   and by what acts on the whole. */
+static void fbi_system_conditions(fb_real *spin, fb_real *stiffening, fb_system_work *w, const fb_system *system)
+{
+  *spin = *stiffening = FB_R(0.0);
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    const fb_body *model = w->link[k].model;
+    const fbi_link_work *parent = L->parent;
+    L->spin = fbi_vec3_norm(L->V + 3);
+    if (parent) {
+      L->acceleration = parent->acceleration + parent->spin * parent->spin * fbi_vec3_norm(L->s);
+    } else {
+      L->acceleration = model->mass > FB_R(0.0) ? fbi_vec3_norm(L->F) / model->mass : FB_R(0.0);
+    }
+    *spin = fbi_larger(*spin, L->spin);
+    *stiffening =
+        fbi_larger(*stiffening, model->limit_spin * L->spin * L->spin + model->limit_acceleration * L->acceleration);
+  }
+}
+
+#if FB_SINGLE
+#define FBI_ADD(x, d, what, n) FBI_SUM(d, x, what, n), FBI_TAKE(x, d, what, n)
+#else
+#define FBI_ADD(x, d, what, n) fbi_row_sub((x)->what, -FB_R(1.0), (d)->what, n)
+#endif
+
+/* Positions += increment by E11.22, a quaternion stays of unit length; a free joint's, in the frame of its tree.
+   FB_ERR_STEP: an increment of so many turns that nothing is left of the attitude's digits. */
+static fb_status fbi_link_move(fb_link_state *x, fb_link_state *increment, const fb_joint *joint, int n)
+{
+  fb_status status = FB_OK;
+  if (joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL) {
+    status = fbi_quat_increment(increment->quat, x->quat);
+    FBI_ADD(x, increment, quat, 4);
+    status = status == FB_OK && !fbi_quat_is_unit(x->quat) ? FB_ERR_STEP : status;
+  }
+  if (joint->kind == FB_JOINT_FREE) {
+    fbi_vec3_add(x->lost_x, FB_R(1.0), increment->lost_x);
+  } else if (joint->kind != FB_JOINT_SPHERICAL) {
+    FBI_ADD(x, increment, x, joint->n_axis);
+  }
+  if (n > 0) {
+    FBI_ADD(x, increment, q, n);
+    fbi_flush(x->q, n, FB_TINY);
+  }
+  return status;
+}
+
+/* Momenta += increment, small values become zero. */
+static void fbi_link_push(fb_link_state *x, fb_link_state *increment, const fb_joint *joint, int n)
+{
+  FBI_ADD(x, increment, p, joint->n_axis);
+  fbi_flush(x->p, joint->n_axis, FBI_FAINT);
+  if (n > 0) {
+    FBI_ADD(x, increment, pi, n);
+    fbi_flush(x->pi, n, FB_TINY);
+  }
+}
+
+static void fbi_links_push(fb_system_state *next, fb_system_work *w, const fb_system *system)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_push(&next->link[k], &w->sum.link[k], w->link[k].joint, w->link[k].model->n);
+  }
+}
+
+static int fbi_owns(const fb_system *system, const fb_system_state *modes, int k)
+{
+  return system->joint[k].kind == FB_JOINT_FREE && modes->mode[k][0] == FB_AXIS_FREE;
+}
+
+/* What begins a step of free roots without constraints: their L in body axes. */
+static void fbi_own_begin(fb_system_work *w, const fb_system *system, const fb_system_state *state)
+{
+  w->owns = 1;
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    if (system->joint[k].kind == FB_JOINT_FREE) {
+      fb_real R[9];
+      fb_quat_to_mat33(R, state->link[k].quat);
+      fb_mat33_mulT_vec3(L->own_start, R, state->link[k].p + 3);
+      fbi_vec3_copy(L->own, L->own_start);
+      fbi_vec3_zero(L->own_sum);
+    }
+  }
+}
+
+/* [E11.27] A stage of them: h_dot = R^T L_dot - w x h; the sum of increments grows by weight, the next stage is at
+   ahead. L in inertial axes alone would take an attitude's error for spin about a thin axis, I_t/I_x times as fast.
+   Source: Euler's equations.  Cost: 40 flops a root.  Test: thin_tubes_keep_calm. */
+static void fbi_own_stage(fbi_link_work *L, const fb_link_state *rate, fb_real weight, fb_real ahead)
+{
+  fb_real h_dot[3];
+  fb_mat33_mulT_vec3(h_dot, L->k.R, rate->p + 3);
+  fbi_vec3_add_cross(h_dot, L->own, L->V + 3);
+  fbi_vec3_add(L->own_sum, weight, h_dot);
+  fbi_vec3_copy(L->own, L->own_start);
+  fbi_vec3_add(L->own, ahead, h_dot);
+}
+
+/* [E11.28] The attitude of a free root by the smallest rotation that brings R h onto L, both about the mass center: L
+   is exact, so is h along thin axes. increment: of the step, its quaternion takes half the rotation vector times the
+   attitude. Where L has changed by more than what it is the two tell nothing about the attitude.
+   Source: L = R h.  Cost: 120 flops a root.  Test: thin_tubes_keep_calm. */
+static void fbi_own_end(fb_link_state *increment, const fbi_link_work *L, const fb_link_state *x)
+{
+  fb_real quat[4], R[9], a[3], b[3], moment[3], P[3];
+  for (int i = 0; i < 4; i++) {
+    quat[i] = x->quat[i] + increment->quat[i];
+  }
+  if (fb_quat_normalize(quat) != FB_OK || !(L->bulk > FB_R(0.0))) {
+    return;
+  }
+  fb_quat_to_mat33(R, quat);
+  fb_mat33_mul_vec3(moment, R, L->first);
+  for (int i = 0; i < 3; i++) {
+    moment[i] /= L->bulk;
+    P[i] = x->p[i] + increment->p[i];
+    b[i] = L->own_start[i] + L->own_sum[i];
+  }
+  fb_mat33_mul_vec3(a, R, b);
+  for (int i = 0; i < 3; i++) {
+    b[i] = x->p[3 + i] + increment->p[3 + i];
+  }
+  fbi_vec3_add_cross(a, P, moment);
+  fbi_vec3_add_cross(b, P, moment);
+  fbi_attitude_onto(increment->quat, quat, a, b, fbi_vec3_norm(increment->p + 3));
+}
+
+/* The integral of the momenta P in the frames goes on by s times those of a stage, x + g rate. */
+static void fbi_flight_add(fb_system_work *w, const fb_system *system, const fb_system_state *x, fb_real g,
+                           const fb_system_state *rate, fb_real s)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    fb_real *glide = w->link[w->link[k].root].glide;
+    if (w->link[k].joint->kind == FB_JOINT_FREE) {
+      fbi_vec3_add(glide, s, x->link[k].p);
+      fbi_vec3_add(glide, s * g, rate->link[k].p);
+    }
+  }
+}
+
+/* [E11.23] What ends a step of trees that fly: O comes to where the mass center is led by its momentum, m c + P dt, so
+   that the angular momentum about the inertial origin is what it was, and moves on with the frame, u dt; then frames
+   take their new velocities.
+   Source: momentum of the whole.  Cost: 60 flops a body.  Test: flight_speed_changes_nothing,
+   fast_systems_keep_their_angular_momentum. */
+static void fbi_flight_end(fb_system_state *next, fb_system_work *w, const fb_system *system, fb_real dt)
+{
+  fbi_centers_lead(next, w, system);
+  for (int k = 0; k < system->n_body; k++) {
+    fb_link_state *x = &next->link[k];
+    if (w->link[k].joint->kind == FB_JOINT_FREE) {
+      fb_real step[3];
+      for (int i = 0; i < 3; i++) {
+        step[i] = dt * w->link[w->link[k].root].frame[i];
+        x->lost_x[i] += dt * x->lost_u[i];
+      }
+      fbi_keep(x->x, x->lost_x, step, 3);
+    }
+  }
+  fbi_frames_set(next, w, system);
+}
+
+/* A stage's rates into the increments of the step, by weight, and into the next stage (last: there is none), which is
+   at start + ahead rates. */
+static void fbi_rk4_take(fb_system_work *w, const fb_system *system, const fb_system_state *at,
+                         const fb_system_state *start, fb_real weight, fb_real ahead, int last)
+{
+  w->sum.motor_work += weight * w->rate.motor_work;
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    const fb_link_state *rate = &w->rate.link[k], *from = &start->link[k];
+    fb_link_state *sum = &w->sum.link[k], *next = &w->stage.link[k];
+    const int n = L->model->n, free = L->joint->kind == FB_JOINT_FREE;
+    if (free) {
+      fbi_vec3_add(w->link[L->root].glide, weight, at->link[k].p);
+    }
+    if (free && w->owns && L->mode[0] == FB_AXIS_FREE) {
+      fbi_own_stage(L, rate, weight, ahead);
+    }
+    fbi_link_advance(sum, sum, weight, rate, L->joint);
+    if (!last) {
+      fbi_link_advance(next, from, ahead, rate, L->joint);
+    }
+    for (int i = 0; i < n; i++) {
+      sum->q[i] += weight * rate->q[i];
+      sum->pi[i] += weight * rate->pi[i];
+      next->q[i] = from->q[i] + ahead * rate->q[i];
+      next->pi[i] = from->pi[i] + ahead * rate->pi[i];
+    }
+  }
+}
+
+/* Loops closed and velocities onto the constraints. */
+static fb_status fbi_rows_end(fb_system_state *next, fb_system_work *w, const fb_system *system, const fb_body *body,
+                              const fb_system_state *state, const fb_system_input *input)
+{
+  fb_real miss;
+  int worst;
+  fb_status status = fbi_positions_close(&miss, &worst, w, system, body, next, state, input);
+  status = status == FB_OK ? fbi_momenta_close(w, system, body, next, state, input) : status;
+  miss = status == FB_OK ? fbi_rows_miss(&worst, w, system) : FB_R(0.0);
+  if (status == FB_OK &&
+      !(miss <= (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-5)))) { /* cannot be closed, or far too long a step */
+    w->joint = worst;
+    return FB_ERR_CONTRADICTION;
+  }
+  return status;
+}
+
+/* What ends every step: increments (work.sum) summed up, given coordinates, loops closed, frames of what flies, all
+   within range. */
+static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body,
+                                const fb_system_input *input, fb_real dt)
+{
+  fb_system_state *const next = &w->stage;
+  const int flies = fbi_flies(system, w), rows = fbi_has_rows(system, w, input);
+  fb_status status = FB_OK;
+  w->clock = dt;
+  fbi_links_copy(next, state, system);
+  next->motor_work += w->sum.motor_work;
+  for (int k = 0; k < system->n_body && w->owns; k++) {
+    if (fbi_owns(system, state, k)) {
+      fbi_own_end(&w->sum.link[k], &w->link[k], &next->link[k]);
+    }
+  }
+  w->owns = 0;
+  for (int k = 0; k < system->n_body && status == FB_OK; k++) {
+    status = fbi_link_move(&next->link[k], &w->sum.link[k], w->link[k].joint, w->link[k].model->n);
+  }
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_prescribe(next, system, w, state, input);
+  if (flies && !rows) {
+    fbi_links_place(w, system, body, next, state);
+    fbi_frames_take(w, system, next, &w->sum, state, input);
+  }
+  fbi_links_push(next, w, system);
+  if (rows) {
+    status = fbi_rows_end(next, w, system, body, state, input);
+  }
+  if (flies && rows && status == FB_OK) {
+    fbi_frames_take(w, system, next, NULL, state, input);
+  }
+  if (flies && status == FB_OK) {
+    fbi_flight_end(next, w, system, dt);
+  }
+  status = status == FB_OK ? fbi_system_range(system, body, next) : status;
+  if (status == FB_OK) {
+    fbi_links_copy(state, next, system);
+  }
+  return status;
+}
+
+static fb_status fbi_system_step_check(const fb_system *system, const fb_body *body, const fb_system_input *input,
+                                       fb_real dt)
+{
+  return dt > FB_R(0.0) && dt < FB_HUGE ? fbi_system_input_check(system, body, input) : FB_ERR_VALUE;
+}
+
+/* [E11.12] Classical Runge-Kutta on a system. Impulses of constraints start at zero in each step, so that what is
+   integrated is an ordinary differential equation; after the step positions and velocities go onto the constraints.
+   Source: textbook, E9.15, E9.17.  Cost: 4 evaluations, with constraints 2 solutions more.
+   Test: systems_converge_with_the_order_of_the_scheme, redundant_loops_are_accepted. */
+FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body, fb_system_state *state,
+                                    fb_system_work *work, const fb_system_input *start, const fb_system_input *middle,
+                                    const fb_system_input *end, fb_real dt)
+{
+  static const fb_real node[3] = {FB_R(0.5), FB_R(0.5), FB_R(1.0)};
+  static const fb_real weight[4] = {FB_R(1.0) / FB_R(6.0), FB_R(1.0) / FB_R(3.0), FB_R(1.0) / FB_R(3.0),
+                                    FB_R(1.0) / FB_R(6.0)};
+  const fb_system_input *input[4];
+  fb_status status = FB_OK;
+  int flies;
+  FBI_REQUIRE(system && body && state && work, FB_ERR_NULL);
+  fbi_system_enter(work, system);
+  flies = fbi_flies(system, work);
+  input[0] = start;
+  input[1] = input[2] = middle;
+  input[3] = end;
+  if (flies && !fbi_has_rows(system, work, start) && !fbi_has_rows(system, work, middle) &&
+      !fbi_has_rows(system, work, end)) {
+    fbi_own_begin(work, system, state);
+  }
+  fbi_system_clear(&work->sum, system, body);
+  for (int stage = 0; stage < 4 && status == FB_OK; stage++) {
+    const fb_system_state *at = stage == 0 ? state : &work->stage;
+    status = fbi_system_step_check(system, body, input[stage], dt);
+    if (status == FB_OK && stage > 0) {
+      fbi_prescribe(&work->stage, system, work, state, input[stage]);
+      work->clock = dt * node[stage - 1];
+    }
+    status = status == FB_OK ? fbi_system_rates(work, system, body, &work->rate, at, state, input[stage]) : status;
+    if (status == FB_OK && stage == 0 && !system->allow_long_step) {
+      fb_real spin, stiff;
+      fbi_system_conditions(&spin, &stiff, work, system);
+      status = dt <= fbi_step_limit(FBI_RK4_RADIUS, fbi_system_frequency(system, spin, stiff)) ? FB_OK : FB_ERR_STEP;
+    }
+    if (status == FB_OK && !system->allow_long_step) {
+      status = fbi_turns_check(work, system, dt, stage == 0);
+    }
+    if (status == FB_OK) {
+      if (stage == 0 && flies) {
+        fbi_flight_begin(work, system);
+      }
+      fbi_rk4_take(work, system, at, state, dt * weight[stage], stage < 3 ? dt * node[stage] : FB_R(0.0), stage == 3);
+    }
+  }
+  return status == FB_OK ? fbi_system_end(state, work, system, body, end, dt) : status;
+}
+
+/* Turning rate [rad/s] of a quaternion's rate, in the axes that turn. */
+static void fbi_turn_of_rate(fb_real w[3], const fb_real quat[4], const fb_real rate[4])
+{
+  const fb_real back[4] = {FB_R(2.0) * quat[0], -FB_R(2.0) * quat[1], -FB_R(2.0) * quat[2], -FB_R(2.0) * quat[3]};
+  fb_real turn[4];
+  fb_quat_mul(turn, back, rate);
+  fbi_vec3_copy(w, turn + 1);
+}
+
+/* y -= s K_t x of the modes, about where the link is. */
+static void fbi_stiffness_sub(fb_real *y, fb_real s, fbi_link_work *L, const fb_body *body, const fb_real *x)
+{
+  fbi_sparse_eval(y, y, -s, &body->K, x, body->n);
+#if FB_WITH_NONLINEAR_STRAIN
+  if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
+    fbi_strain_tangent_sub(y, s, body, L->k.slope, x);
+  }
+#endif
+  (void)L;
+}
+
+/* Right-hand side g r_p - g^2 K r_v of E11.13. */
+static void fbi_newton_fill(fb_system_work *w, const fb_system *system, const fb_body *body, const fb_system_state *r,
+                            const fb_system_state *at, fb_real g)
+{
+  fbi_rhs_clear(w, system, body);
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    const fb_body *model = fbi_model(system, body, k);
+    const fb_link_state *x = &r->link[k];
+    fbi_link_work *L = &w->link[k];
+    fbi_stiffness_sub(L->pi, g * g, L, model, x->q);
+    fbi_row_sub(L->pi, -g, x->pi, model->n);
+    fbi_joint_momenta(L->p, L, joint, x);
+    for (int i = 0; i < joint->n_axis; i++) {
+      L->p[i] = fbi_axis_mode(L, joint, i) == FB_AXIS_FREE ? g * L->p[i] : FB_R(0.0);
+    }
+    if (joint->kind == FB_JOINT_SPHERICAL) {
+      fb_real turn[3];
+      fbi_turn_of_rate(turn, at->link[k].quat, x->quat);
+      fbi_row_sub(L->p, g * g * joint->stiffness[0], turn, 3);
+    }
+    for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
+      const int moves = joint->kind != FB_JOINT_SPHERICAL;
+      L->p[i] -= moves ? g * g * joint->stiffness[i] * x->x[i] : FB_R(0.0);
+      L->p[i] = L->mode[i] == FB_AXIS_FREE ? L->p[i] : FB_R(0.0);
+    }
+  }
+}
+
+/* r becomes k: k_v = r_v + z, k_p = r_p - g K k_v - C z with the solution z of E11.13. */
+static void fbi_newton_take(fb_system_state *r, fb_system_work *w, const fb_system *system, const fb_body *body,
+                            const fb_system_state *at, fb_real g)
+{
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_joint *joint = fbi_link_joint(system, w, k);
+    const fb_body *model = fbi_model(system, body, k);
+    fbi_link_work *L = &w->link[k];
+    fb_link_state *x = &r->link[k], move;
+    fbi_coordinate_rates(&move, L, joint, &at->link[k]);
+    fbi_row_sub(x->q, -FB_R(1.0), L->q_dot, model->n);
+    fbi_stiffness_sub(x->pi, g, L, model, x->q);
+    fbi_damping_add(x->pi, -FB_R(1.0), model, L->q_dot);
+    if (joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL) {
+      fbi_row_sub(x->quat, -FB_R(1.0), move.quat, 4);
+    }
+    if (joint->kind == FB_JOINT_FREE) {
+      fbi_vec3_add(x->lost_x, FB_R(1.0), move.lost_x);
+      fbi_vec3_add_cross(x->p + 3, at->link[k].p, move.lost_x);
+    } else if (joint->kind == FB_JOINT_SPHERICAL) {
+      fb_real turn[3], torque[3], inertial[3];
+      fbi_turn_of_rate(turn, at->link[k].quat, x->quat);
+      for (int i = 0; i < 3; i++) {
+        turn[i] = -g * joint->stiffness[0] * turn[i] - joint->damping[0] * L->u[i];
+      }
+      fb_mat33_mul_vec3(torque, joint->child_axes, turn);
+      fb_mat33_mul_vec3(inertial, L->k.R, torque);
+      fbi_vec3_add(x->p, L->mode[0] == FB_AXIS_FREE ? FB_R(1.0) : FB_R(0.0), inertial);
+    } else {
+      for (int i = 0; i < joint->n_axis; i++) {
+        x->x[i] += move.x[i];
+        if (L->mode[i] == FB_AXIS_FREE) {
+          x->p[i] -= g * joint->stiffness[i] * x->x[i] + joint->damping[i] * L->u[i];
+        }
+      }
+    }
+  }
+}
+
+/* [E11.24] Squares of how far the rates k lead within s [rad]: turns of joints and attitudes, and slides by the radius
+   of gyration of their body; bent: modes, by that radius.
+   Source: definition.  Cost: 20 flops a body, 2 a mode.  Test: steps_that_have_not_converged_say_so. */
+static fb_real fbi_rates_size(fb_real *deformed, const fb_system_state *k, const fb_system *system,
+                              const fb_system_work *w, const fb_body *body, fb_real s)
+{
+  fb_real sum = FB_R(0.0), elastic = FB_R(0.0);
+  for (int i = 0; i < system->n_body; i++) {
+    const fb_body *model = fbi_model(system, body, i);
+    const fb_joint *joint = fbi_link_joint(system, w, i);
+    const fb_link_state *x = &k->link[i];
+    const fb_real size = model->gyration > FB_R(0.0) ? FB_R(1.0) / model->gyration : FB_R(1.0);
+    fb_real bent = FB_R(0.0);
+    if (joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL) {
+      sum += FB_R(4.0) * (x->quat[0] * x->quat[0] + fb_vec3_dot(x->quat + 1, x->quat + 1));
+    } else {
+      for (int j = 0; j < joint->n_axis; j++) {
+        const fb_real move = fbi_axis_slides(joint, j) ? size * x->x[j] : x->x[j];
+        sum += move * move;
+      }
+    }
+    for (int a = 0; a < model->n; a++) {
+      bent += model->reach[a] * FB_FABS(x->q[a]);
+    }
+    elastic += size * size * bent * bent;
+  }
+  *deformed = s * s * elastic;
+  return s * s * sum;
+}
+
+/* [E11.13] Newton iterations for k = f(base + g k): with the residual r = f - k in speeds r_v and momenta r_p,
+   (M + g C + g^2 K) z = g r_p - g^2 K r_v,  dk_v = r_v + z,  dk_p = r_p - g K dk_v - C z; under constraints A z = 0.
+   K, C: modes, springs and dampers of the tree's joints; M at the present positions.
+   Source: block elimination of q' = M^-1 p, p' = -K q - C q'.  Cost: an evaluation and a solution each.
+   Fails: as E9.15; FB_ERR_CONVERGENCE (E11.25).
+   Test: systems_converge_with_the_order_of_the_scheme, stiff_joints_take_long_steps. */
+static fb_status fbi_system_stage(fb_system_work *w, fb_system_state *k, const fb_system *system, const fb_body *body,
+                                  const fb_system_state *base, const fb_system_state *modes,
+                                  const fb_system_input *input, fb_real g, fb_real dt, int iterations)
+{
+  fb_status status = FB_OK;
+  fb_real first = FB_R(0.0), last = FB_R(0.0), bent = FB_R(0.0), change, bent_change;
+  for (int i = 0; i < iterations && status == FB_OK; i++) {
+    fbi_system_advance(&w->stage, base, g, k, system, w, body);
+    fbi_prescribe(&w->stage, system, w, modes, input);
+    status = fbi_system_rates(w, system, body, &w->rate, &w->stage, modes, input);
+    if (status == FB_OK && i == iterations - 1 && !system->allow_long_step) {
+      status = fbi_turns_check(w, system, dt, 0);
+    }
+    if (status == FB_OK) {
+      fbi_system_advance(&w->rate, &w->rate, -FB_R(1.0), k, system, w, body);
+      status = fbi_mass_factor(w, system, body, g);
+    }
+    if (status == FB_OK) {
+      fbi_newton_fill(w, system, body, &w->rate, &w->stage, g);
+      fbi_zero(w->c, w->n_row);
+      status = w->n_row > 0 ? fbi_constrained_solve(w, system, body, 0) : fbi_speeds_solve(w, system, body);
+    }
+    if (status == FB_OK) {
+      fbi_newton_take(&w->rate, w, system, body, &w->stage, g);
+      fbi_system_advance(k, k, FB_R(1.0), &w->rate, system, w, body);
+      last = i == 0 || i == iterations - 1 ? fbi_rates_size(&bent, &w->rate, system, w, body, g) : last;
+      first = i == 0 ? last : first;
+    }
+  }
+  if (status == FB_OK && iterations > 1) {
+    change = fbi_rates_size(&bent_change, k, system, w, body, g);
+    status = fbi_stage_check(first, last, change);
+    if (bent > fbi_larger(FB_R(0.01) * bent_change, FB_R(16.0) * FB_EPSILON * FB_EPSILON)) {
+      status = FB_ERR_CONVERGENCE; /* by itself: beside the way of what flies it is nothing */
+    }
+  }
+  return status;
+}
+
+/* The input at the fraction s between two; loads on the same nodes in the same axes. */
+static fb_status fbi_system_between(fb_system_input *out, const fb_system_input *a, const fb_system_input *b, fb_real s)
+{
+  *out = *a;
+  if (a->n_load != b->n_load || a->rows != b->rows) {
+    return FB_ERR_VALUE;
+  }
+  out->t += s * (b->t - a->t);
+  for (int k = 0; k < a->n_load; k++) {
+    const fb_load *x = &a->load[k].load, *y = &b->load[k].load;
+    if (a->load[k].body != b->load[k].body || x->node != y->node || x->axes != y->axes) {
+      return FB_ERR_VALUE;
+    }
+    for (int i = 0; i < 3; i++) {
+      out->load[k].load.force[i] += s * (y->force[i] - x->force[i]);
+      out->load[k].load.torque[i] += s * (y->torque[i] - x->torque[i]);
+    }
+  }
+  for (int j = 0; j < FBI_MAX_JOINTS; j++) {
+    for (int i = 0; i < 6; i++) {
+      out->drive[j].rate[i] += s * (b->drive[j].rate[i] - a->drive[j].rate[i]);
+      if (i < 3) {
+        out->drive[j].torque[i] += s * (b->drive[j].torque[i] - a->drive[j].torque[i]);
+        out->drive[j].value[i] += s * (b->drive[j].value[i] - a->drive[j].value[i]);
+      }
+    }
+  }
+  return FB_OK;
+}
+
+/* [E11.14] Two-stage SDIRK scheme of order 2 (E11.8) on a system, L-stable: stiff joints and modes die out.
+   L of a free root is the inertial one alone, without E11.27 and E11.28: a thin body that spins about its axis
+   converges only in short steps. Measured, a tube of 8.3 kg m^2 across that turns by 0.1 rad/s and about its axis by
+   0.01 rad/s: with 1e-4 of that inertia about the axis the energy is held to 8e-8 in 20000 steps of 0.01 s, the spin is
+   off by 4 %; steps of 0.1 s, and with 1e-6 those of 0.01 s, end in FB_ERR_CONVERGENCE, nothing changed. Across alone,
+   without that spin, 1e-6 is held to rounding at either step.
+   Source: [AL].  Cost: 2 + 2 iterations evaluations, 2 iterations solutions.
+   Test: systems_converge_with_the_order_of_the_scheme, stiff_joints_take_long_steps. */
+FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *body, fb_system_state *state,
+                                      fb_system_work *work, const fb_system_input *start, const fb_system_input *end,
+                                      fb_real dt, int iterations)
+{
+  const fb_real c = FB_R(0.29289321881345248);
+  const int count = iterations > 0 ? iterations : 2;
+  const fb_system_input *first = start;
+  fb_status status;
+  int flies;
+  FBI_REQUIRE(system && body && state && work, FB_ERR_NULL);
+  FBI_REQUIRE((start != NULL) == (end != NULL), FB_ERR_NULL);
+  FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
+  fbi_system_enter(work, system);
+  flies = fbi_flies(system, work);
+  status = fbi_system_step_check(system, body, start, dt);
+  status = status == FB_OK ? fbi_system_step_check(system, body, end, dt) : status;
+  if (status == FB_OK && start != end) {
+    status = fbi_system_between(&work->between, start, end, c);
+    first = &work->between;
+  }
+  if (status == FB_OK && !system->allow_long_step) {
+    fb_real spin, stiff;
+    status = fbi_system_rates(work, system, body, &work->first, state, state, start);
+    if (status == FB_OK) {
+      fbi_system_conditions(&spin, &stiff, work, system);
+      spin = fbi_larger(FB_R(10.0) * spin, FB_SQRT(stiff + system->limit_kept_elastic));
+      status = dt <= fbi_step_limit(FB_R(1.0), fbi_larger(spin, system->limit_kept_damping)) ? FB_OK : FB_ERR_STEP;
+      (void)fbi_turns_check(work, system, dt, 1);
+    }
+  }
+  if (status != FB_OK) {
+    return status;
+  }
+  if (flies) {
+    fbi_links_place(work, system, body, state, state);
+    fbi_flight_begin(work, system);
+  }
+  fbi_system_clear(&work->sum, system, body);
+  fbi_links_copy(&work->base, state, system);
+  fbi_system_clear(&work->first, system, body);
+  work->clock = c * dt;
+  status = fbi_system_stage(work, &work->first, system, body, state, state, first, c * dt, dt, count + 1);
+  if (status == FB_OK) {
+    if (flies) {
+      fbi_flight_add(work, system, &work->base, c * dt, &work->first, (FB_R(1.0) - c) * dt);
+    }
+    work->clock = dt;
+    fbi_system_advance(&work->sum, &work->sum, (FB_R(1.0) - c) * dt, &work->first, system, work, body);
+    fbi_system_advance(&work->base, state, (FB_R(1.0) - c) * dt, &work->first, system, work, body);
+    status = fbi_system_stage(work, &work->first, system, body, &work->base, state, end, c * dt, dt, count);
+  }
+  if (status != FB_OK) {
+    return status;
+  }
+  if (flies) {
+    fbi_flight_add(work, system, &work->base, c * dt, &work->first, c * dt);
+  }
+  fbi_system_advance(&work->sum, &work->sum, c * dt, &work->first, system, work, body);
+  return fbi_system_end(state, work, system, body, end, dt);
+}
+#endif
+
+#if FB_WITH_EXACT
+/* ---- mixed beam */
+
+/* x_(n+1) = 3 x_n - 3 x_(n-1) + x_(n-2), or what fewer steps allow ([L] 3.107, 3.108). */
+static void fbi_mixed_extrapolate(fb_real *next, const fb_real *a, const fb_real *b, const fb_real *c, int known, int n)
+{
+  for (int i = 0; i < n; i++) {
+    const fb_real line = FB_R(2.0) * a[i] - b[i];
+    next[i] = known > 2 ? line + (a[i] - FB_R(2.0) * b[i] + c[i]) : known > 1 ? line : a[i];
+  }
+}
+
+/* The present x comes first, the older ones move up. */
+static void fbi_mixed_remember(fb_real *a, fb_real *b, fb_real *c, const fb_real *x, int n)
+{
+  fbi_copy(c, b, n);
+  fbi_copy(b, a, n);
+  fbi_copy(a, x, n);
+}
+
+/* Where a rate starts from: x - beta/2 dt rate_old, dt the shorter of the old step and the new (no more than was
+   there); with the dissipative rule x_alpha = x + dx/2 + beta/2 (dx - dx_old) the rate is 2/((1 + beta) dt) (x_alpha -
+   that). */
+static void fbi_mixed_rate_base(fb_real *base, const fb_real *x, const fb_real *rate, fb_real beta_dt, int n)
+{
+  for (int i = 0; i < n; i++) {
+    base[i] = x[i] - FB_R(0.5) * beta_dt * rate[i];
+  }
+}
+
+static void fbi_mixed_rate_take(fb_real *x, fb_real *rate, const fb_real *middle, const fb_real *base, fb_real shift,
+                                fb_real dt, int n)
+{
+  for (int i = 0; i < n; i++) {
+    rate[i] = shift * (middle[i] - base[i]);
+    x[i] += dt * rate[i];
+    x[i] = x[i] * x[i] < FB_TINY * FB_TINY ? FB_R(0.0) : x[i];
+  }
+}
+
+/* [E11.21] The pose goes on by a twist as the momenta do that the midpoint rule turns, by Cayley's transform of ad(x):
+   the turn is (1 - w^/2)^-1 (1 + w^/2), the way its derivative along v, (v + w/2 x v)/(1 + w.w/4). A free beam's
+   momentum then stays where it is in space, and so does its angular momentum about any point: all ways are short by
+   w.w/4, those along the axis, too, so that together they lead along the momentum.
+   Source: Cayley's transform of 6x6.  Cost: 60 flops.  Fails: never.
+   Test: free_flight_keeps_momentum, rigid_flight_is_straight. */
+static void fbi_pose_add_midpoint(fb_real r[3], fb_real quat[4], const fb_real x[6])
+{
+  const fb_real half[3] = {FB_R(0.5) * x[3], FB_R(0.5) * x[4], FB_R(0.5) * x[5]};
+  const fb_real size = FB_R(1.0) + fb_vec3_dot(half, half);
+  fb_real turn[4] = {FB_R(1.0), half[0], half[1], half[2]}, step[3];
+  fb_vec3_cross(step, half, x);
+  for (int i = 0; i < 3; i++) {
+    step[i] = (x[i] + step[i]) / size;
+  }
+  fbi_pose_mul(r, quat, r, quat, step, turn);
+}
+
+/* [E11.35] What nothing holds falls freely: its frame takes gravity, u_t = g, and relative to u there is none. The way
+   of the frame in a step, u dt + g dt^2/2, is added to y.
+   Source: Galilean invariance.  Cost: 20 flops.  Fails: never.  Test: free_fall_is_not_felt. */
+static void fbi_mixed_fall(fb_real y[3], fb_mixed_state *state, const fb_mixed *m, fb_real dt)
+{
+  const fb_real time = dt * m->time, half = FB_R(0.5) * dt * m->length / m->time;
+  fbi_vec3_add(state->u, half, m->gravity);
+  fbi_vec3_add(y, time, state->u);
+  fbi_vec3_add(state->u, half, m->gravity);
+}
+
+/* The base moves on, by u and relative to it; so does the root against it, and all nodes by their strains. A base that
+   nothing holds is that of the root. */
+static void fbi_mixed_move(fb_mixed_state *state, fb_mixed_work *work, const fb_mixed *m, fb_real dt)
+{
+  const fb_real origin[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, one[4] = {FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_real x[6], base[6], r[3], quat[4], R[9], y[3], turned[4];
+  for (int i = 0; i < 6; i++) {
+    x[i] = dt * work->V[i];
+    base[i] = dt * work->twist[i];
+  }
+  fbi_copy(r, m->floating ? m->r : origin, 3);
+  fbi_copy(quat, m->floating ? m->quat : one, 4);
+  if (m->floating) { /* the root, moved, and from it back to the base */
+    fb_real back[3], back_quat[4];
+    fbi_pose_add_midpoint(r, quat, x);
+    fbi_pose_relative(back, back_quat, m->r, m->quat, origin, one);
+    fbi_pose_mul(r, quat, r, quat, back, back_quat);
+  } else {
+    fbi_pose_add(r, quat, base);
+  }
+  if (!m->floating && m->held[0] != FB_END_CLAMPED) {
+    fbi_pose_add(state->r, state->quat, x);
+    fbi_pose_relative(state->r, state->quat, r, quat, state->r, state->quat);
+    for (int i = 0; i < 3; i++) {
+      state->r[i] = m->held[0] >> i & 1 ? m->r[i] : state->r[i];
+    }
+  }
+  if (!m->floating) { /* whatever u is, the base goes by its own velocity */
+    fb_real turn[4];
+    fbi_vec3_add(base, dt, work->drift);
+    fb_pose_from_twist(r, turn, base);
+  }
+  fb_quat_to_mat33(R, state->base_quat);
+  fb_mat33_mul_vec3(y, R, r);
+  for (int i = 0; i < 3; i++) {
+    y[i] *= m->length;
+  }
+  if (m->floating) {
+    fbi_mixed_fall(y, state, m, dt);
+  }
+  fbi_sum_kept(y, state->lost, state->base_position, state->lost, 3);
+  fbi_copy(state->base_position, y, 3);
+  fb_quat_mul(turned, state->base_quat, quat);
+  (void)fb_quat_normalize(turned);
+  fbi_copy(state->base_quat, turned, 4);
+  fbi_mixed_poses(state->r, state->quat, m, state->strain, state->offset);
+}
+
+/* [E11.33] The frame's velocity u goes with the beam: after each step in which it came to differ from that of the mass
+   center by more than a thousandth of the beam's length in its unit of time it becomes that; from that of a base that
+   holds the beam by more than that length. The way of the mass center is then u dt; what it goes relative to u is short
+   by E11.21's w.w/4.
+   Source: Galilean invariance.  Cost: 250 flops an element of a free beam, 400 more when it happens.  Fails: never.
+   Test: thrust_takes_the_frame_along, flight_at_any_speed_moves_as_rest_does. */
+static void fbi_mixed_follow(fb_mixed_state *state, const fb_mixed_work *work, const fb_mixed *m, fb_real step)
+{
+  fb_real du[3], h[3];
+  if (m->floating) {
+    const fb_real mass = fbi_mixed_mass(m);
+    fbi_mixed_momenta(du, h, m, state, NULL);
+    for (int i = 0; i < 3; i++) {
+      du[i] = mass > FB_R(0.0) ? du[i] / mass : FB_R(0.0);
+    }
+  } else {
+    fb_mat33_mulT_vec3(du, work->half, work->twist); /* half a step on */
+  }
+  if (fb_vec3_dot(du, du) > (m->floating ? FB_R(1e-6) : FB_R(1.0))) {
+    fbi_mixed_reframe(state, m, du, step);
+  }
+}
+
+#define FBI_MIXED_STEP_TOLERANCE (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-6)) /* of a step's last correction */
+static void fbi_mixed_commit(fb_mixed_state *next, fb_mixed_work *work, const fb_mixed *m, fb_real dt)
+{
+  const fb_real shift = work->motion.shift;
+  fb_real strain[6], P[6];
+  for (int k = 0; k < m->n; k++) {
+    fbi_mat66_mul_vec6(strain, m->C + 36 * k, work->s + 6 * k);
+    fbi_mixed_rate_take(next->strain + 6 * k, next->strain_rate + 6 * k, strain, work->strain + 6 * k, shift, dt, 6);
+    fbi_mixed_rate_take(next->momentum + 6 * k, next->momentum_rate + 6 * k, work->P + 6 * k, work->momentum + 6 * k,
+                        shift, dt, 6);
+  }
+  for (int l = 0; l < m->n_lump; l++) {
+    fbi_mat66_mul_vec6(P, m->lump + 36 * l, work->V + 6 * m->lump_node[l]);
+    fbi_mixed_rate_take(next->lump + 6 * l, next->lump_rate + 6 * l, P, work->lump + 6 * l, shift, dt, 6);
+  }
+  fbi_copy(next->offset, work->offset, 6 * m->n);
+  fbi_mixed_reactions(next->reaction, work, m);
+  fbi_mixed_remember(next->V[0], next->V[1], next->V[2], work->V, 6 * (m->n + 1));
+  fbi_mixed_remember(next->stress[0], next->stress[1], next->stress[2], work->s, 6 * m->n);
+  fbi_copy(next->force, work->F, 6 * (m->n + 1));
+}
+
+/* What the step starts from: base values of the rates, a first guess of the middle. */
+static void fbi_mixed_begin(fb_mixed_work *work, const fb_mixed *m, const fb_mixed_state *state,
+                            const fb_mixed_input *middle, fb_real step)
+{
+  const fbi_mixed_motion march = {1, 1, 0, 0, FB_R(0.5) * step, FB_R(2.0) / ((FB_R(1.0) + m->beta) * step)};
+  const fb_real last = m->beta * (state->step > FB_R(0.0) && state->step < step ? state->step : step);
+  fb_real u[3];
+  work->motion = march;
+  fbi_mixed_input_take(work, m, state->base_quat, middle, FB_R(1.0), step);
+  fbi_mixed_frame(u, m, state);
+  fb_mat33_mulT_vec3(work->drift, work->half, u);
+  fbi_vec3_add(work->twist, m->floating ? FB_R(0.0) : -FB_R(1.0), work->drift);
+  fbi_copy(work->r, state->r, 3 * (m->n + 1));
+  fbi_copy(work->quat, state->quat, 4 * (m->n + 1));
+  fbi_mixed_rate_base(work->strain, state->strain, state->strain_rate, last, 6 * m->n);
+  fbi_mixed_rate_base(work->momentum, state->momentum, state->momentum_rate, last, 6 * m->n);
+  fbi_mixed_rate_base(work->lump, state->lump, state->lump_rate, last, 6 * m->n_lump);
+  fbi_mixed_extrapolate(work->V, state->V[0], state->V[1], state->V[2], state->known, 6 * (m->n + 1));
+  fbi_mixed_extrapolate(work->s, state->stress[0], state->stress[1], state->stress[2], state->known, 6 * m->n);
+}
+
+/* Residuals at the present guess of the middle. */
+static void fbi_mixed_middle(fb_mixed_work *work, const fb_mixed *m, fb_real step, int aim)
+{
+  fbi_mixed_nodes_eval(work, m);
+  fbi_mixed_residual(work, m);
+  fbi_mixed_want(work, m, step, aim);
+}
+
+static void fbi_mixed_correct(fb_mixed_work *work, const fb_mixed *m)
+{
+  for (int i = 0; i < 6 * (m->n + 1); i++) {
+    work->V[i] += work->dd[i];
+  }
+  for (int i = 0; i < 6 * m->n; i++) {
+    work->s[i] += work->ds[i];
+  }
+}
+
+/* Factorizations at the middle; between them a correction each. */
+static fb_status fbi_mixed_approach(fb_mixed_work *work, const fb_mixed *m, fb_real step)
+{
+  fb_status status = fbi_mixed_factor(work, m);
+  for (int it = 1; it < m->factorizations && status == FB_OK; it++) {
+    fbi_mixed_solve(work, m);
+    fbi_mixed_correct(work, m);
+    fbi_mixed_middle(work, m, step, 1);
+    status = fbi_mixed_factor(work, m);
+  }
+  return status;
+}
+
+/* Largest residual, as a load: a gap of an element's ends by its stiffness. Where a node is held its balance gives the
+   reaction, and its own condition is kept by every correction. */
+static fb_real fbi_mixed_unbalance(const fb_mixed_work *work, const fb_mixed *m, fb_real step)
+{
+  fb_real size = FB_R(0.0);
+  for (int j = 0; j <= m->n; j++) {
+    for (int i = 0; i < 6 && !m->held[j]; i++) {
+      size = fbi_larger(size, FB_FABS(work->B[6 * j + i]));
+    }
+  }
+  for (int k = 0; k < m->n; k++) {
+    for (int i = 0; i < 6; i++) {
+      const fb_real stiffness = step / m->h[k] * m->S[36 * k + 7 * i];
+      size = fbi_larger(size, FB_FABS(work->c[6 * k + i]) * fbi_larger(stiffness, step));
+    }
+  }
+  return size;
+}
+
+/* The state after the step, from the middle. */
+static void fbi_mixed_end(fb_mixed_state *state, fb_mixed_work *work, const fb_mixed *m, fb_real step)
+{
+  fbi_mixed_commit(state, work, m, step);
+  fbi_mixed_move(state, work, m, step);
+  fbi_mixed_follow(state, work, m, step);
+  state->known = state->known < 3 ? state->known + 1 : 3;
+  state->step = step;
+}
+
+/* [E11.20] A step of the mixed beam: E10.7 and E10.8 at the middle of the step, one factorization and a fixed number of
+   corrections by it. With z of strains and momenta, z_alpha = z + dz/2 + beta/2 (dz - dz_old) in place of the middle:
+   the energy with beta/4 dz.dz then falls by beta/4 (dz - dz_old).(dz - dz_old), and what oscillates much faster than
+   the step shrinks by 1 - dissipation in it; beta = rho (1 - rho)/(1 + rho)^2, rho = 1 - dissipation.
+   Source: [L] 3.15, 3.107, 3.108; dissipation: own.  Cost: E10.10 and 1.5 kflops an element for each correction.
+   Fails: see the header.  Test: energy_is_kept_whatever_the_step, dissipation_takes_energy_in_every_step. */
+FB_DEF fb_status fb_mixed_step(const fb_mixed *m, fb_mixed_state *state, fb_mixed_work *work,
+                               const fb_mixed_input *middle, fb_real dt)
+{
+  fb_real step, change = FB_HUGE, before = FB_HUGE;
+  fb_status status;
+  FBI_REQUIRE(m && state && work, FB_ERR_NULL);
+  middle = middle ? middle : fbi_mixed_no_input(work);
+  status = fb_mixed_state_check(m, state);
+  status = status ? status : fbi_mixed_input_check(m, middle);
+  if (status != FB_OK) {
+    return status;
+  }
+  if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
+    return FB_ERR_VALUE;
+  }
+  step = dt / m->time;
+  fbi_mixed_begin(work, m, state, middle, step);
+  fbi_mixed_middle(work, m, step, 1);
+  status = fbi_mixed_approach(work, m, step);
+  for (int it = 0; it < m->iterations && status == FB_OK; it++) {
+    before = it + 1 == m->iterations ? fbi_mixed_unbalance(work, m, step) : before;
+    fbi_mixed_solve(work, m);
+    fbi_mixed_correct(work, m);
+    change = fbi_mixed_change(work, m, step, FB_R(0.0));
+    fbi_mixed_middle(work, m, step, it + 3 < m->iterations);
+  }
+  if (status == FB_OK) {
+    const fb_real after = fbi_mixed_unbalance(work, m, step);
+    const fb_real next = change * (after / (fbi_larger(before, after) + FB_TINY)); /* were there one correction more */
+    status = fbi_larger(change, FB_R(10.0) * next) < FBI_MIXED_STEP_TOLERANCE ? FB_OK : FB_ERR_CONVERGENCE;
+  }
+  if (status == FB_OK) {
+    fbi_mixed_end(state, work, m, step);
+  }
+  return status;
+}
+#endif
+
+/* ---------------------------------------------------------------------------------------------------------------
+   RUN >>version: version, configuration, build check (uses config, status) */
+
+FB_DEF const char *fb_version_string(void)
+{
+  return FB_VERSION;
+}
+
+FB_DEF const char *fb_config_string(void)
+{
+  return FB_CONFIG;
+}
+
+FB_DEF fb_status fb_config_check(const char *config)
+{
+  FBI_REQUIRE(config, FB_ERR_NULL);
+  return strcmp(config, FB_CONFIG) == 0 ? FB_OK : FB_ERR_VALUE;
+}
+
+FB_DEF fb_status fb_build_check(void)
+{
+  return fbi_is_exact() ? FB_OK : FB_ERR_BUILD;
+}
+
+#if FB_WITH_BUILD
+/* ---------------------------------------------------------------------------------------------------------------
+   BUILD >>eigen: symmetric, generalized and general eigenproblems (uses config, status, solve) */
 
 /* Turns rows and columns p, q of the symmetric A and rows p, q of V so that A_pq becomes zero. */
 static void fbi_jacobi_rotate(fb_real *A, fb_real *V, int n, int p, int q)
@@ -1423,7 +10824,17 @@ FB_DEF fb_status fb_eig_general_solve(fb_real *re, fb_real *im, fb_real *X, fb_r
 }
 
 /* ---------------------------------------------------------------------------------------------------------------
-   6 >>beam (uses 1-5) */
+   BUILD >>beam: sections, stations, lumped bodies, element matrices (uses config, status, vec3, rotation, solve) */
+
+/* The unit quaternion of a desc's attitude, all zero: identity. */
+static fb_status fbi_quat_from_attitude(fb_real q[4], const fb_real attitude[4])
+{
+  for (int i = 0; i < 4; i++) {
+    q[i] = attitude[i];
+  }
+  q[0] = fbi_is_zero(attitude, 4) ? FB_R(1.0) : q[0];
+  return fb_quat_normalize(q);
+}
 
 /* Nine Gauss points on 0..1: integrals exact to degree 17, running integrals (fbi_cumulative) to degree 8. */
 #define FBI_GAUSS 9
@@ -1436,6 +10847,7 @@ static const fb_real fbi_gauss_x[FBI_GAUSS] = {FB_R(0.01591988024618695),
                                                FB_R(0.80668571635029520),
                                                FB_R(0.91801555366331790),
                                                FB_R(0.98408011975381305)};
+
 static const fb_real fbi_gauss_w[FBI_GAUSS] = {
     FB_R(0.04063719418078720), FB_R(0.09032408034742870), FB_R(0.13030534820146770),
     FB_R(0.15617353852000145), FB_R(0.16511967750062990), FB_R(0.15617353852000145),
@@ -1563,8 +10975,7 @@ static void fbi_field_add_shear(fbi_field *f, const fb_real g[8], fb_real s, fb_
 
 #define FBI_DEGREE 8 /* of the element functions, at most: the 9 Gauss points are exact for their mass */
 #define FBI_FUNCTIONS (FBI_DEGREE + 1) /* functions in an element: 4 Hermite cubics and degree - 3 bubbles */
-
-typedef struct fbi_functions { /* of an element at a point */
+typedef struct fbi_functions {         /* of an element at a point */
   fb_real value[FBI_FUNCTIONS], slope[FBI_FUNCTIONS], curvature[FBI_FUNCTIONS];
 } fbi_functions;
 
@@ -1613,7 +11024,6 @@ static int fbi_function_ndof(int n_element, int degree)
 }
 
 #define FBI_SECTION ((int)(sizeof(fb_section) / sizeof(fb_real))) /* all its members are reals */
-
 FB_DEF void fb_beam_section(fb_section *section, const fb_beam *beam, fb_real x)
 {
   FBI_REQUIRE(section && beam, );
@@ -2089,7 +11499,6 @@ static int fbi_beam_ndof(const fb_beam *beam)
 
 /* Coordinates of an element: 12 nodal (beam axes), 8 internal and 8 of shear (element axes). */
 #define FBI_LOCAL 28
-
 /* Their place in the assembly. */
 static int fbi_element_dof(const fb_beam *beam, int element, int k)
 {
@@ -2351,7 +11760,7 @@ FB_DEF void fb_beam_matrices(fb_real *K, fb_real *M, const fb_beam *beam)
 }
 
 /* ---------------------------------------------------------------------------------------------------------------
-   7 >>modes (uses 1-6) */
+   BUILD >>modes: natural modes, components, buckling, synthesis (uses config, status, vec3, solve, eigen, beam) */
 
 /* The kind of motion that a degree of freedom belongs to, and the nodal displacement that shows a kind. */
 static fb_kind fbi_dof_kind(const fb_beam *beam, int dof)
@@ -2622,6 +12031,7 @@ static int fbi_shape_normalize(fb_modes *modes, int k, const fb_real *M, int n_e
   fbi_shape_scale(modes, k, mass, n_element);
   return 1;
 }
+
 /* Shape of mode k of a solved group, n coordinates dof. */
 static void fbi_group_shape(fb_real *shape, const fb_modes_work *work, const int *dof, int k, int n, int ndof)
 {
@@ -3894,9 +13304,10 @@ FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
 }
 
 /* ---------------------------------------------------------------------------------------------------------------
-   8 >>body (uses 1-7)
-   8a shape integrals - 8b effects to terms - 8c kernels of the step - 8d nodes and loads - 8e the other forms -
-   8f motion, energy, momentum */
+   BUILD >>assemble: shape integrals, effects to terms, every _init of a model
+   (uses config, status, vec3, rotation, solve, body, system, exact, eigen, beam, modes) */
+
+/* ---- shape integrals */
 
 FB_DEF fb_status fb_shape_init(fb_shape *shape, int n)
 {
@@ -4576,12 +13987,6 @@ FB_DEF fb_status fb_gauge_init(fb_gauge *gauge, int first, const fb_beam *beam, 
   return FB_OK;
 }
 
-FB_DEF fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q)
-{
-  FBI_REQUIRE(gauge && q && gauge->n >= 0 && gauge->n <= FB_MAX_MODES, FB_R(0.0));
-  return fbi_dot(gauge->gain, q, gauge->n);
-}
-
 #if FB_WITH_FORMS && FB_WITH_NONLINEAR_STRAIN
 /* [E8.24] The part of degree 1 of the stiffness torque as printed: g_s,3 = int (EA u_x' u_y' - EI_z u_x'' u_y'') dx,
    g_s,2 = -int (EA u_x' u_z' - EI_y u_x'' u_z'') dx; different EI add g_s,1 = (EI_z - EI_y) int u_y'' u_z'' dx.
@@ -4701,42 +14106,7 @@ FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_b
 }
 #endif
 
-/* ---- 8b effects to terms */
-
-#define FBI_EFFECTS_BUILT                                                                  \
-  (FB_EFFECT_ELASTIC | (FB_WITH_SPIN_COUPLING ? FB_EFFECT_SPIN_COUPLING : 0) |             \
-   (FB_WITH_RESIDUAL_INERTIA ? FB_EFFECT_RESIDUAL_INERTIA : 0) |                           \
-   (FB_WITH_SPIN_STIFFENING ? FB_EFFECT_SPIN_STIFFENING : 0) |                             \
-   (FB_WITH_ACCELERATION_STIFFENING ? FB_EFFECT_ACCELERATION_STIFFENING : 0) |             \
-   (FB_WITH_DAMPING ? FB_EFFECT_DAMPING : 0) | (FB_WITH_GRAVITY ? FB_EFFECT_GRAVITY : 0) | \
-   (FB_WITH_NONLINEAR_STRAIN ? FB_EFFECT_NONLINEAR_STRAIN : 0))
-
-#define FBI_QUADRATIC_EFFECTS (FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING)
-
-/* Is one of these effects on? 0 at compile time where they were removed. */
-static int fbi_has(unsigned effects, int effect)
-{
-  return (effects & (unsigned)effect & (unsigned)FBI_EFFECTS_BUILT) != 0;
-}
-
-/* Removed at compile time, or foreshortening counted twice: never right. */
-static int fbi_is_excluded(unsigned effects)
-{
-  return (effects & ~(unsigned)FBI_EFFECTS_BUILT) ||
-         ((effects & FB_EFFECT_NONLINEAR_STRAIN) && (effects & FBI_QUADRATIC_EFFECTS));
-}
-
-FB_DEF fb_status fb_effects_check(unsigned effects)
-{
-  if (fbi_is_excluded(effects)) {
-    return FB_ERR_EFFECTS;
-  }
-  if ((effects & FB_EFFECT_RESIDUAL_INERTIA) &&
-      (!(effects & FB_EFFECT_SPIN_COUPLING) || !(effects & (FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_NONLINEAR_STRAIN)))) {
-    return FB_ERR_EFFECTS;
-  }
-  return FB_OK;
-}
+/* ---- effects to terms */
 
 /* [E8.4] Coupling matrices Lambda(q) = Lambda_0 + sum_a q_a Lambda_a (6 x n each), a = 0 first:
    Lambda_0 = [P; H],  Lambda_a = [P^chi_a ; H^chi_a - Ups_a],  Ups_a = row_b{ups_ab}:
@@ -5051,28 +14421,10 @@ static void fbi_sparse_fill(fb_sparse *out, const fb_real *A, int n)
   }
 }
 
-static void fbi_sparse_add(fb_real *A, fb_real s, const fb_sparse *sparse, int n)
-{
-  for (int a = 0; a < n; a++) {
-    A[a * (n + 1)] += s * sparse->diagonal[a];
-  }
-  for (int k = 0; k < sparse->n_term; k++) {
-    const fb_pair_term *t = &sparse->term[k];
-    A[t->a * n + t->b] += s * t->c;
-    A[t->b * n + t->a] += s * t->c;
-  }
-}
-
-static void fbi_sparse_to_dense(fb_real *A, const fb_sparse *sparse, int n)
-{
-  fbi_zero(A, n * n);
-  fbi_sparse_add(A, FB_R(1.0), sparse, n);
-}
-
+#if FB_WITH_DAMPING
 /* [E8.7] Damping force C q_dot with the modal ratios zeta_k: C = sum_k 2 zeta_k omega_k (M x_k)(M x_k)^T.
    For normalized modes C = diag(2 zeta omega). It acts on the rate of deformation, so it takes no momentum.
    Source: textbook.  Shapes: C n x n.  Fails: K indefinite.  Test: damped_free_decay_has_the_given_ratio. */
-#if FB_WITH_DAMPING
 static fb_status fbi_damping_fill(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_real *zeta)
 {
   const int n = body->n;
@@ -5154,56 +14506,6 @@ static fb_status fbi_table_norm(fb_real *norm, fb_body_work *work, const fb_real
 }
 #endif
 
-/* Of a vector in body axes the part about the axes that the base lets turn; a hinge keeps z. */
-static void fbi_turning_part(fb_real g[3], fb_base base)
-{
-  if (base == FB_BASE_HINGED) {
-    g[0] = g[1] = FB_R(0.0);
-  }
-}
-
-static int fbi_holds_origin(fb_base base)
-{
-  return base == FB_BASE_PINNED || base == FB_BASE_HINGED;
-}
-
-/* First of the six rigid rows that the base leaves free. */
-static int fbi_first_free(fb_base base)
-{
-  return base == FB_BASE_FREE ? 0 : base == FB_BASE_PINNED ? 3 : base == FB_BASE_HINGED ? 5 : 6;
-}
-
-/* [E8.22] Solution with a symmetric 6x6 for what the base leaves free, the rest zero: all of V, the three of w
-   (pinned), that about z (hinged), nothing (prescribed).
-   Source: rows of E8.13 whose reactions are zero.  Shapes: S packed 21.  Cost: at most 150 flops.
-   Fails: not positive definite.  Test: pinned_and_hinged_bodies_swing_as_rigid_pendulums. */
-static fb_status fbi_base_solve(fb_real x[6], fb_base base, const fb_real S[21], const fb_real y[6])
-{
-  if (base == FB_BASE_FREE) {
-    return fbi_sym6_solve(x, S, y);
-  }
-  for (int i = 0; i < 6; i++) {
-    x[i] = i >= 3 ? y[i] : FB_R(0.0);
-  }
-  if (base == FB_BASE_PINNED) {
-    const fb_real reference[3] = {S[15], S[18], S[20]};
-    fb_real L[6];
-    if (!fbi_chol3_factor(L, S + 15, reference, FBI_PIVOT)) {
-      return FB_ERR_SINGULAR;
-    }
-    fbi_chol3_forward(x + 3, L, x + 3);
-    fbi_chol3_back(x + 3, L, x + 3);
-    return FB_OK;
-  }
-  x[3] = x[4] = FB_R(0.0);
-  if (base == FB_BASE_PRESCRIBED) {
-    x[5] = FB_R(0.0);
-    return FB_OK;
-  }
-  x[5] = y[5] / S[20];
-  return S[20] > FB_R(0.0) ? FB_OK : FB_ERR_SINGULAR;
-}
-
 #if FB_WITH_NONLINEAR_STRAIN
 /* The rows of strain slopes that are not zero, and what is left of the strain energy. */
 static void fbi_strain_fill(fb_body *body, const fb_shape *shape, fb_truncation truncation)
@@ -5244,9 +14546,7 @@ static void fbi_slope_matrix(fb_real *A, const fb_body *body)
     }
   }
 }
-#endif
 
-#if FB_WITH_NONLINEAR_STRAIN
 /* Change of a frequency by a tension, 1/2 T S / omega with S = int psi' psi' dx: half the square root of the largest
    eigenvalue of S M^-1 S against K, times the tension of the beam's own mass per spin squared. */
 static fb_status fbi_tension_fill(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_real *reduced)
@@ -5435,16 +14735,6 @@ static fb_status fbi_form_check(const fb_shape *shape, const fb_body_desc *desc)
   return FB_OK;
 }
 #endif
-
-static int fbi_node_is_finite(const fb_node *node, int n)
-{
-  const int own = fbi_is_finite(node->r, 3) && fbi_is_finite(node->psi, 3 * n) && fbi_is_finite(node->theta, 3 * n);
-#if FBI_WITH_QUADRATIC
-  return own && fbi_is_finite(node->chi, 3 * n * (n + 1) / 2) && fbi_is_finite(node->chi_theta, 3 * n * (n + 1) / 2);
-#else
-  return own;
-#endif
-}
 
 /* Counts within the tables, all that they count finite: the caller may write into a shape. */
 static fb_status fbi_shape_check(const fb_shape *shape)
@@ -5690,2166 +14980,8 @@ FB_DEF fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape 
   return status;
 }
 
-/* ---- 8c kernels of the step */
-
-/* y = f + s A x for a symmetric sparse A; f NULL: zero; y may be f, not x */
-static void fbi_sparse_eval(fb_real *y, const fb_real *f, fb_real s, const fb_sparse *A, const fb_real *x, int n)
-{
-  const fb_pair_term *t = A->term;
-  for (int a = 0; a < n && f; a++) {
-    y[a] = f[a] + s * A->diagonal[a] * x[a];
-  }
-  for (int a = 0; a < n && !f; a++) {
-    y[a] = s * A->diagonal[a] * x[a];
-  }
-  for (const fb_pair_term *end = t + A->n_term; t < end; t++) {
-    y[t->a] += s * t->c * x[t->b];
-    y[t->b] += s * t->c * x[t->a];
-  }
-}
-
-/* The form of the equations; a constant where there is but one. */
-static int fbi_form(const fb_body *body)
-{
-#if FB_WITH_FORMS
-  return (int)body->form;
-#else
-  (void)body;
-  return 0;
-#endif
-}
-
-/* y = M^-1 x; normalized modes: a copy */
-static void fbi_mass_solve(fb_real *y, const fb_body *body, const fb_real *x)
-{
-  if (body->unit_mass) {
-    fbi_copy(y, x, body->n);
-    return;
-  }
-  fbi_sparse_eval(y, NULL, FB_R(1.0), &body->Minv, x, body->n);
-}
-
-/* y = M x */
-static void fbi_mass_mul(fb_real *y, const fb_body *body, const fb_real *x)
-{
-  if (body->unit_mass) {
-    fbi_copy(y, x, body->n);
-    return;
-  }
-  fbi_sparse_eval(y, NULL, FB_R(1.0), &body->M, x, body->n);
-}
-
-/* y -= sum_a q_a Lambda_a pb, the part of E8.9 that is linear in q; q by (1, q). Row by row: sums stay in registers. */
-static void fbi_lambda_linear_sub(fb_real y[6], const fb_body *body, const fb_real *qx, const fb_real *pb)
-{
-  const fb_lambda_term *t = body->lambda + body->n_lambda_constant;
-  for (const fb_lambda_row *r = body->lambda_row; r < body->lambda_row + body->n_row; r++) {
-    fb_real sum = y[r->i];
-    for (const fb_lambda_term *end = body->lambda + r->end; t < end; t++) {
-      sum += t->c * qx[t->a] * pb[t->b];
-    }
-    y[r->i] = sum;
-  }
-}
-
-/* [E8.9] y -= Lambda(q) pb, the elastic share of the momenta.
-   Source: THEORY.md 8.2.  Cost: 3 n_lambda flops.  Test: momenta_agree_with_a_particle_model. */
-static void fbi_lambda_sub(fb_real y[6], const fb_body *body, const fb_real *qx, const fb_real *pb)
-{
-  const fb_lambda_term *t = body->lambda;
-  FBI_UNROLL
-  for (int k = body->n_lambda_constant; k > 0; k--, t++) {
-    y[t->i] += t->c * pb[t->b];
-  }
-  fbi_lambda_linear_sub(y, body, qx, pb);
-}
-
-/* e -= sum_a q_a Lambda_a^T V, x += d/dq (V^T Lambda(q) pb): the part of E8.10 that is linear in q. */
-static void fbi_lambda_linear_gradients(fb_real *e, fb_real *x, const fb_body *body, const fb_real V[6],
-                                        const fb_real *qx, const fb_real *pb)
-{
-  const fb_lambda_term *t = body->lambda + body->n_lambda_constant;
-  for (const fb_lambda_row *r = body->lambda_row; r < body->lambda_row + body->n_row; r++) {
-    const fb_real along = V[r->i];
-    for (const fb_lambda_term *end = body->lambda + r->end; t < end; t++) {
-      const fb_real s = t->c * along;
-      e[t->b] += s * qx[t->a];
-      x[t->a] -= s * pb[t->b];
-    }
-  }
-}
-
-/* [E8.10] Both gradients of the trilinear form V^T Lambda(q) pb: e -= Lambda(q)^T V (elastic velocities),
-   x += d/dq (V^T Lambda pb) (elastic forces: gyroscopic, E8.4); x by (1, q), x[0] is left alone.
-   Source: THEORY.md 8.2; -N(w)^T pi_e.  Cost: 5 n_lambda flops.  Test: accelerations_agree_with_a_particle_model. */
-static void fbi_lambda_gradients(fb_real *e, fb_real *x, const fb_body *body, const fb_real V[6], const fb_real *qx,
-                                 const fb_real *pb)
-{
-  const fb_lambda_term *t = body->lambda;
-  FBI_UNROLL
-  for (int k = body->n_lambda_constant; k > 0; k--, t++) {
-    e[t->b] += t->c * V[t->i];
-  }
-  fbi_lambda_linear_gradients(e, x, body, V, qx, pb);
-}
-
-/* S += its first n runs with the monomials m of the pairs.
-   Cost: 2 n_S flops. */
-static void fbi_S_add(fb_real S[21], const fb_body *body, const fb_real *m, int n)
-{
-  const fb_real *c = body->S;
-  for (const fb_S_run *r = body->run; r < body->run + n; r++) {
-    S[r->i] += fbi_dot(c, m + r->pair, r->n);
-    c += r->n;
-  }
-}
-
-/* [E8.11] S(q) from the monomials (1,q)_a (1,q)_b and the first n of its runs: all, but in a truncated second-order
-   form.
-   Source: E8.6.  Cost: 2 n_S + n_pair flops.  Test: momenta_agree_with_a_particle_model. */
-static void fbi_S_eval(fb_real S[21], const fb_body *body, const fb_real *qx, int n)
-{
-  fb_real m[FBI_MAX_PAIRS_S + 3]; /* room for a group of four: gcc warns of those that a single mode has not */
-  const fb_S_pair *const last = body->pair + body->n_pair;
-  fb_real *to = m;
-  FBI_UNROLL_2
-  for (const fb_S_pair *p = body->pair; p < last; p++, to++) {
-    *to = qx[p->a] * qx[p->b];
-  }
-  for (int i = 0; i < 21; i++) {
-    S[i] = body->S0[i];
-  }
-  fbi_S_add(S, body, m, n);
-}
-
-/* Rate of S(q) along the rate xd of (1, q). */
-static void fbi_S_rate(fb_real dS[21], const fb_body *body, const fb_real *qx, const fb_real *xd)
-{
-  fb_real m[FBI_MAX_PAIRS_S + 3]; /* room for a group of four: gcc warns of those that a single mode has not */
-  for (int k = 0; k < body->n_pair; k++) {
-    const int a = body->pair[k].a, b = body->pair[k].b;
-    m[k] = qx[a] * xd[b] + xd[a] * qx[b];
-  }
-  fbi_zero(dS, 21);
-  fbi_S_add(dS, body, m, body->n_run);
-}
-
-#if FBI_WITH_SHAPE_INERTIA
-/* [E8.12] x += d/d(1,q) (1/2 V^T S V): centrifugal softening and stiffening.
-   Source: THEORY.md 8.2.  Cost: 2 n_S + 4 n_pair flops.
-   Test: accelerations_agree_with_a_particle_model. */
-static void fbi_S_gradient(fb_real *x, const fb_body *body, const fb_real V[6], const fb_real *qx)
-{
-  const fb_real *c = body->S;
-  fb_real g[FBI_MAX_PAIRS_S + 3];
-  fbi_zero(g, body->n_pair);
-  for (const fb_S_run *r = body->run; r < body->run + body->n_run; r++) {
-    const int i = fbi_sym6_row[r->i], j = fbi_sym6_column[r->i];
-    fbi_row_sub(g + r->pair, (i == j ? FB_R(-0.5) : FB_R(-1.0)) * V[i] * V[j], c, r->n);
-    c += r->n;
-  }
-  const fb_real *s = g;
-  const fb_S_pair *const last = body->pair + body->n_pair;
-  FBI_UNROLL_2
-  for (const fb_S_pair *p = body->pair; p < last; p++, s++) {
-    const int a = p->a, b = p->b;
-    x[a] += *s * qx[b];
-    x[b] += *s * qx[a];
-  }
-}
-#endif
-
-/* Lambda(q) of the free rigid rows, rows x n; n_terms of its list. */
-static void fbi_lambda_rows(fb_real *X, const fb_body *body, const fb_real *qx, int first, int n_terms)
-{
-  fbi_zero(X, (6 - first) * body->n);
-  for (int t = 0; t < n_terms; t++) {
-    const fb_lambda_term *term = &body->lambda[t];
-    if (term->i >= first) {
-      X[(term->i - first) * body->n + term->b] -= term->c * qx[term->a];
-    }
-  }
-}
-
-#if FB_WITH_NONLINEAR_STRAIN
-/* u_x', u_y', u_z' at the strain stations. */
-static void fbi_slopes_eval(fb_real slope[3][FBI_MAX_STRAINS], const fb_body *body, const fb_real *q)
-{
-  const fb_strain_row *row = body->strain_row;
-  for (int i = 0; i < 3; i++) {
-    for (int g = 0; g < body->n_strain; g++) {
-      slope[i][g] = FB_R(0.0);
-    }
-  }
-  for (const fb_strain_row *end = row + body->n_strain_row; row < end; row++) {
-    fbi_row_sub(slope[row->axis], -q[row->a], row->slope, body->n_strain);
-  }
-}
-
-/* x -= sum of slope_a f over the stations, f for each axis */
-static void fbi_slopes_sub(fb_real *x, const fb_body *body, fb_real f[3][FBI_MAX_STRAINS])
-{
-  const fb_strain_row *row = body->strain_row;
-  for (const fb_strain_row *end = row + body->n_strain_row; row < end; row++) {
-    x[row->a] -= fbi_dot(row->slope, f[row->axis], body->n_strain);
-  }
-}
-
-/* [E8.23] Forces of the nonlinear axial strain e = u_x' + 1/2 (u_y'^2 + u_z'^2), what K q leaves of
-   dU/dq_a = int EA e (psi_x,a' + u_y' psi_y,a' + u_z' psi_z,a') dx, by quadrature over the strain stations instead of
-   tensors with three and four indices: 2 sums over the stations per coordinate. x -= dU/dq; with quartic = 0 instead
-   of 1 the part of U of degree 4 is left out.
-   Source: [DB] (27), (29)-(31) with ERRATA.md DB5 to DB10.  Shapes: x n.  Cost: (4 n + 12) stations.  Fails: never.
-   Test: strain_forces_are_the_gradient_of_the_energy, spin_up_follows_the_references_of_each_form. */
-static FBI_NOINLINE void fbi_strain_sub(fb_real *x, fb_real slope[3][FBI_MAX_STRAINS], const fb_body *body,
-                                        const fb_real *q, fb_real quartic)
-{
-  fb_real f[3][FBI_MAX_STRAINS];
-  fbi_slopes_eval(slope, body, q);
-  for (int g = 0; g < body->n_strain; g++) {
-    const fb_real y = slope[1][g], z = slope[2][g], EA = body->strain_weight[g];
-    const fb_real half = FB_R(0.5) * (y * y + z * z);
-    const fb_real tension = EA * (slope[0][g] + quartic * half);
-    f[0][g] = EA * half;
-    f[1][g] = tension * y;
-    f[2][g] = tension * z;
-  }
-  fbi_slopes_sub(x, body, f);
-}
-
-/* t = x y, element by element, whole groups of four */
-static void fbi_products(fb_real *t, const fb_real *x, const fb_real *y, int n)
-{
-  FBI_UNROLL
-  for (int j = 0; j < n; j += 4) {
-    const fb_real a = x[j] * y[j], b = x[j + 1] * y[j + 1], c = x[j + 2] * y[j + 2], d = x[j + 3] * y[j + 3];
-    t[j] = a;
-    t[j + 1] = b;
-    t[j + 2] = c;
-    t[j + 3] = d;
-  }
-}
-
-/* [E8.29] Tangent stiffness d2U/dq2 of the strain energy beyond K, A += ..; of tensile strain e alone in the
-   geometric part, so that it is never indefinite:
-   K + int EA (psi_x (u_y' psi_y + u_z' psi_z) + .. + (u_y' psi_y + u_z' psi_z)^2 + max(e, 0) (psi_y psi_y + psi_z
-   psi_z)) dx.
-   Source: second derivative of [DB] (27).  Shapes: n x n.  Cost: n^2 stations.  Fails: never.
-   Test: the_tangent_is_the_derivative_of_the_forces. */
-static void fbi_strain_tangent_add(fb_real *A, const fb_body *body, fb_real slope[3][FBI_MAX_STRAINS])
-{
-  const int n = body->n;
-  fb_real w[3][3][FBI_MAX_STRAINS], t[3][FBI_MAX_STRAINS];
-  for (int g = 0; g < body->n_strain; g++) {
-    const fb_real EA = body->strain_weight[g], y = slope[1][g], z = slope[2][g];
-    const fb_real e = slope[0][g] + FB_R(0.5) * (y * y + z * z), tension = EA * fbi_larger(e, FB_R(0.0));
-    w[0][0][g] = FB_R(0.0); /* is in K */
-    w[0][1][g] = w[1][0][g] = EA * y;
-    w[0][2][g] = w[2][0][g] = EA * z;
-    w[1][1][g] = EA * y * y + tension;
-    w[1][2][g] = w[2][1][g] = EA * y * z;
-    w[2][2][g] = EA * z * z + tension;
-  }
-  for (int i = 0; i < body->n_strain_row; i++) {
-    const fb_strain_row *a = &body->strain_row[i];
-    for (int axis = 0; axis < 3; axis++) {
-      fbi_products(t[axis], a->slope, w[a->axis][axis], body->n_strain);
-    }
-    for (int j = 0; j <= i; j++) {
-      const fb_strain_row *b = &body->strain_row[j];
-      const fb_real sum = fbi_dot(t[b->axis], b->slope, body->n_strain);
-      A[a->a * n + b->a] += sum;
-      if (i != j) {
-        A[b->a * n + a->a] += sum;
-      }
-    }
-  }
-}
-
-/* y -= s A x with that A. */
-static void fbi_strain_tangent_sub(fb_real *y, fb_real s, const fb_body *body, fb_real slope[3][FBI_MAX_STRAINS],
-                                   const fb_real *x)
-{
-  fb_real f[3][FBI_MAX_STRAINS];
-  fbi_slopes_eval(f, body, x);
-  for (int g = 0; g < body->n_strain; g++) {
-    const fb_real EA = s * body->strain_weight[g], u_y = slope[1][g], u_z = slope[2][g];
-    const fb_real tension = EA * fbi_larger(slope[0][g] + FB_R(0.5) * (u_y * u_y + u_z * u_z), FB_R(0.0));
-    const fb_real bent = u_y * f[1][g] + u_z * f[2][g], strain = f[0][g] + bent;
-    f[0][g] = EA * bent;
-    f[1][g] = EA * u_y * strain + tension * f[1][g];
-    f[2][g] = EA * u_z * strain + tension * f[2][g];
-  }
-  fbi_slopes_sub(y, body, f);
-}
-
-/* What the strain energy has beyond 1/2 q^T K q: 1/2 int EA (u_x' r + r^2/4), r = u_y'^2 + u_z'^2. */
-static fb_real fbi_strain_energy(const fb_body *body, const fb_real *q)
-{
-  fb_real slope[3][FBI_MAX_STRAINS], energy = FB_R(0.0);
-  fbi_slopes_eval(slope, body, q);
-  for (int g = 0; g < body->n_strain; g++) {
-    const fb_real half = FB_R(0.5) * (slope[1][g] * slope[1][g] + slope[2][g] * slope[2][g]);
-    energy += body->strain_weight[g] * half * (slope[0][g] + FB_R(0.5) * body->quartic * half);
-  }
-  return energy;
-}
-#endif
-
-/* Of a prescribed base, relative to the frame of state.pi; in the other forms relative to O itself. */
-static void fbi_given_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
-{
-  fbi_vec6_zero(k->V);
-  if (fbi_form(body) == 0) {
-    fb_mat33_mulT_vec3(k->V, k->R, state->u);
-    for (int i = 0; i < 3; i++) {
-      k->V[i] = (input ? input->v[i] : FB_R(0.0)) - k->V[i];
-    }
-  }
-  if (input) {
-    fbi_vec3_copy(k->V + 3, input->w);
-  }
-}
-
-/* [E8.13] Velocities from momenta, S(q) V = (0, h) - Lambda(q) pb, relative to the mass center; given ones when the
-   base is prescribed. k.R is that of state.quat where fbi_is_oriented.
-   Source: THEORY.md 8.4, where p = 0.  Fails: S(q) not positive definite (the deflection has left the model).
-   Test: momenta_agree_with_a_particle_model. */
-static fb_status fbi_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
-{
-  fb_real y[6];
-  const int n = body->n;
-  k->qx[0] = FB_R(1.0);
-  k->x[0] = FB_R(0.0);
-  for (int a = 0; a < n; a++) {
-    k->qx[a + 1] = state->q[a];
-    k->x[a + 1] = FB_R(0.0);
-  }
-  k->pb = state->pi;
-  if (!body->unit_mass && fbi_form(body) == 0) {
-    fbi_mass_solve(k->Minv_pi, body, state->pi);
-    k->pb = k->Minv_pi;
-  }
-  if (body->base == FB_BASE_PRESCRIBED) {
-    fbi_given_velocity(k, body, state, input);
-    return FB_OK;
-  }
-  fbi_vec3_zero(k->V);
-  if (fbi_form(body) != 0) { /* relative to O, which moves at u */
-    fbi_vec3_copy(k->V + 3, state->L);
-    return FB_OK;
-  }
-  fbi_vec3_zero(k->ph);
-  fbi_vec3_copy(k->ph + 3, state->h);
-  fbi_vec6_copy(y, k->ph);
-  fbi_lambda_sub(y, body, k->qx, k->pb);
-#if FBI_WITH_SHAPE_INERTIA
-  if (!body->constant_S) {
-    fbi_S_eval(k->S, body, k->qx, body->n_run);
-    if (fbi_base_solve(k->V, body->base, k->S, y) != FB_OK) {
-      return fbi_is_finite(k->S, 21) ? FB_ERR_RANGE : FB_ERR_NOT_FINITE;
-    }
-    return FB_OK;
-  }
-#endif
-  k->V[0] = fbi_vec6_dot(body->S0_inverse, y);
-  k->V[1] = fbi_vec6_dot(body->S0_inverse + 6, y);
-  k->V[2] = fbi_vec6_dot(body->S0_inverse + 12, y);
-  k->V[3] = fbi_vec6_dot(body->S0_inverse + 18, y);
-  k->V[4] = fbi_vec6_dot(body->S0_inverse + 24, y);
-  k->V[5] = fbi_vec6_dot(body->S0_inverse + 30, y);
-  return FB_OK;
-}
-
-/* ---- 8d nodes and loads */
-
-#if FBI_WITH_QUADRATIC
-/* Where the 3-vector of the pair of modes a, b stands in a node's table. */
-static int fbi_pair(int a, int b)
-{
-  return 3 * (a > b ? a * (a + 1) / 2 + b : b * (b + 1) / 2 + a);
-}
-#endif
-
-/* [E8.14] Position and rotation of a node, u = psi q + 1/2 chi q q, phi = theta q + 1/2 chi_theta q q, and their
-   variations J_u,a = psi_a + chi_ab q_b,  J_phi,a = (t_a + 1/2 phi x t_a) / (1 + phi.phi/4),  t_a = d phi/dq_a =
-   theta_a + chi_theta_ab q_b. phi are the parameters 2 tan(angle/2) axis of the rotation (1, phi/2)/|(1, phi/2)|: to
-   second degree they are the rotation vector, and J_phi is the exact rate of that rotation, without sine and cosine.
-   Source: THEORY.md 8.3; Rodrigues parameters.  Cost: 12 n (n+1) flops.  Fails: never.
-   Test: node_kinematics_match_finite_differences. */
-static FBI_NOINLINE void fbi_node_eval(fbi_node_field *f, const fb_body *body, const fb_node *node, const fb_real *q)
-{
-  const int n = body->n;
-  fb_real scale;
-  fbi_zero(f->u, 3);
-  fbi_zero(f->phi, 3);
-  for (int i = 0; i < 3 * n; i++) {
-    f->Ju[i] = node->psi[i];
-    f->turn[i] = node->theta[i];
-  }
-#if FBI_WITH_QUADRATIC
-  if (fbi_has(body->effects, FBI_QUADRATIC_EFFECTS)) {
-    for (int a = 0; a < n; a++) {
-      for (int b = 0; b < n; b++) {
-        const int pair = fbi_pair(a, b);
-        fbi_vec3_add(f->Ju + 3 * a, q[b], node->chi + pair);
-        fbi_vec3_add(f->turn + 3 * a, q[b], node->chi_theta + pair);
-      }
-    }
-  }
-#endif
-  for (int a = 0; a < n; a++) {
-    for (int i = 0; i < 3; i++) {
-      f->u[i] += FB_R(0.5) * q[a] * (node->psi[3 * a + i] + f->Ju[3 * a + i]);
-      f->phi[i] += FB_R(0.5) * q[a] * (node->theta[3 * a + i] + f->turn[3 * a + i]);
-    }
-  }
-  scale = FB_R(1.0) / (FB_R(1.0) + FB_R(0.25) * fb_vec3_dot(f->phi, f->phi));
-  for (int a = 0; a < n; a++) {
-    const fb_real *t = f->turn + 3 * a;
-    fb_vec3_cross(f->Jphi + 3 * a, f->phi, t);
-    for (int i = 0; i < 3; i++) {
-      f->Jphi[3 * a + i] = scale * (t[i] + FB_R(0.5) * f->Jphi[3 * a + i]);
-    }
-  }
-}
-
-/* The quaternion of a node's rotation in its body. */
-static void fbi_node_quat(fb_real quat[4], const fbi_node_field *f)
-{
-  quat[0] = FB_R(1.0);
-  for (int i = 0; i < 3; i++) {
-    quat[1 + i] = FB_R(0.5) * f->phi[i];
-  }
-  (void)fb_quat_normalize(quat); /* is 1 at least */
-}
-
-/* Rates of J_u,a and t_a along q_dot: sum_b chi_ab q_dot_b. */
-static void fbi_node_rates(fb_real *Ju_dot, fb_real *turn_dot, const fb_body *body, const fb_node *node,
-                           const fb_real *q_dot)
-{
-  const int n = body->n;
-  fbi_zero(Ju_dot, 3 * n);
-  fbi_zero(turn_dot, 3 * n);
-#if FBI_WITH_QUADRATIC
-  if (fbi_has(body->effects, FBI_QUADRATIC_EFFECTS)) {
-    for (int a = 0; a < n; a++) {
-      for (int b = 0; b < n; b++) {
-        const int pair = fbi_pair(a, b);
-        fbi_vec3_add(Ju_dot + 3 * a, q_dot[b], node->chi + pair);
-        fbi_vec3_add(turn_dot + 3 * a, q_dot[b], node->chi_theta + pair);
-      }
-    }
-  }
-#endif
-  (void)node, (void)q_dot;
-}
-
-/* y = sum_a q_dot_a x_a of n vectors */
-static void fbi_vec3_sum(fb_real y[3], const fb_real *x, const fb_real *q_dot, int n)
-{
-  fbi_zero(y, 3);
-  for (int a = 0; a < n; a++) {
-    fbi_vec3_add(y, q_dot[a], x + 3 * a);
-  }
-}
-
-/* [E8.30] What accelerates a node in its body beside J q_ddot: Ju_dot q_dot and the rate of J_phi q_dot,
-   (phi_dd + 1/2 phi x phi_dd - 1/2 (phi.phi_dot) J_phi q_dot) / (1 + phi.phi/4),  phi_dd = turn_dot q_dot.
-   Source: derivative of E8.14.  Shapes: u_dd, turn_dd 3.  Fails: never.
-   Test: node_kinematics_match_finite_differences. */
-static void fbi_node_convection(fb_real u_dd[3], fb_real turn_dd[3], const fbi_node_field *f, const fb_body *body,
-                                const fb_node *node, const fb_real *q_dot)
-{
-  const int n = body->n;
-  fb_real Ju_dot[3 * FB_MAX_MODES], turn_dot[3 * FB_MAX_MODES], phi_dot[3], phi_dd[3], rate[3];
-  const fb_real scale = FB_R(1.0) / (FB_R(1.0) + FB_R(0.25) * fb_vec3_dot(f->phi, f->phi));
-  fbi_node_rates(Ju_dot, turn_dot, body, node, q_dot);
-  fbi_vec3_sum(u_dd, Ju_dot, q_dot, n);
-  fbi_vec3_sum(phi_dd, turn_dot, q_dot, n);
-  fbi_vec3_sum(phi_dot, f->turn, q_dot, n);
-  fbi_vec3_sum(rate, f->Jphi, q_dot, n);
-  fb_vec3_cross(turn_dd, f->phi, phi_dd);
-  for (int i = 0; i < 3; i++) {
-    turn_dd[i] = scale * (phi_dd[i] + FB_R(0.5) * turn_dd[i] - FB_R(0.5) * fb_vec3_dot(f->phi, phi_dot) * rate[i]);
-  }
-}
-
-/* [E8.15] A load at a node: f += F, g += T + (r + u) x F, f_e,a += J_u,a.F + J_phi,a.T, on the deformed body.
-   Source: virtual work; THEORY.md 8.2 (f, g about O of the deformed body).  Fails: never.
-   Test: power_of_loads_is_the_rate_of_energy. */
-static FBI_NOINLINE void fbi_load_add(fbi_kinetics *k, const fb_body *body, const fb_load *load, const fb_real *q)
-{
-  const fb_node *node = &body->node[load->node];
-  fbi_node_field f;
-  fb_real F[3], T[3], arm[3];
-  fbi_copy(F, load->force, 3);
-  fbi_copy(T, load->torque, 3);
-  if (load->axes == FB_AXES_INERTIAL) {
-    fb_mat33_mulT_vec3(F, k->R, load->force);
-    fb_mat33_mulT_vec3(T, k->R, load->torque);
-  }
-  if (load->node == 0) { /* O neither moves nor turns in the frame */
-    for (int i = 0; i < 3; i++) {
-      k->fg[i] += F[i];
-      k->fg[3 + i] += T[i];
-    }
-    return;
-  }
-  fbi_node_eval(&f, body, node, q);
-  if (load->axes == FB_AXES_NODE) {
-    fb_real turn[4], section[9];
-    fbi_node_quat(turn, &f);
-    fb_quat_to_mat33(section, turn);
-    fb_mat33_mul_vec3(F, section, load->force);
-    fb_mat33_mul_vec3(T, section, load->torque);
-  }
-  for (int i = 0; i < 3; i++) {
-    arm[i] = node->r[i] + f.u[i];
-    k->fg[i] += F[i];
-    k->fg[3 + i] += T[i];
-  }
-  fbi_vec3_add_cross(k->fg + 3, arm, F);
-  for (int a = 0; a < body->n; a++) {
-    k->x[a + 1] += fb_vec3_dot(f.Ju + 3 * a, F) + fb_vec3_dot(f.Jphi + 3 * a, T);
-  }
-}
-
-/* [E8.16] A uniform field g, from V = -m g.rho - g.R c(q), c(q) = c + P q + 1/2 p^chi q q the first moment of mass:
-   force m g, torque c(q) x g, modal forces x += (dc/dq)^T g by (1, q), all from the terms of the linear momentum; g in
-   body axes.
-   Source: potential energy.  Cost: 8 flops a term.  Fails: never.
-   Test: a_falling_body_does_not_deform, power_of_loads_is_the_rate_of_energy. */
-static void fbi_pull_eval(fb_real c[3], fb_real *x, const fb_body *body, const fb_real *qx, const fb_real g[3])
-{
-  const fb_lambda_term *t = body->lambda;
-  fbi_copy(c, body->c, 3);
-  for (const fb_lambda_term *end = t + body->n_linear_constant; t < end; t++) {
-    c[t->i] -= t->c * qx[t->b + 1];
-    x[t->b + 1] -= t->c * g[t->i];
-  }
-  t = body->lambda + body->n_lambda_constant;
-  for (const fb_lambda_term *end = t + body->n_linear; t < end; t++) {
-    const fb_real s = t->c * qx[t->a];
-    c[t->i] -= FB_R(0.5) * s * qx[t->b + 1];
-    x[t->b + 1] -= s * g[t->i];
-  }
-}
-
-#if FB_WITH_GRAVITY
-static void fbi_gravity_add(fbi_kinetics *k, const fb_body *body)
-{
-  fb_real g[3], c[3];
-  fb_mat33_mulT_vec3(g, k->R, body->gravity);
-  fbi_pull_eval(c, k->x, body, k->qx, g);
-  fbi_vec3_add(k->fg, body->mass, g);
-  fbi_vec3_add_cross(k->fg + 3, c, g);
-}
-#endif
-
-static fb_status fbi_input_check(const fb_body *body, const fb_input *input)
-{
-  if (!input) {
-    return FB_OK;
-  }
-  FBI_REQUIRE(input->n_load >= 0 && input->n_load <= FB_MAX_LOADS, FB_ERR_CAPACITY);
-  for (int i = 0; i < input->n_load; i++) {
-    FBI_REQUIRE(input->load[i].node >= 0 && input->load[i].node < body->n_node, FB_ERR_CAPACITY);
-    FBI_REQUIRE((int)input->load[i].axes >= 0 && (int)input->load[i].axes <= (int)FB_AXES_BODY, FB_ERR_VALUE);
-    if (!fbi_vec3_is_finite(input->load[i].force) || !fbi_vec3_is_finite(input->load[i].torque)) {
-      return FB_ERR_NOT_FINITE; /* on a held base nothing else would see it */
-    }
-  }
-  return FB_OK;
-}
-
-/* The frame moves with the mass center (momentum form). */
-static int fbi_is_flying(const fb_body *body)
-{
-  return body->base == FB_BASE_FREE && fbi_form(body) == 0;
-}
-
-/* Do rates depend on the attitude? Not those of a body that flies, or turns about a pin, without loads. */
-static int fbi_is_oriented(const fb_body *body, const fb_input *input)
-{
-  return fbi_form(body) != 0 || body->base == FB_BASE_PRESCRIBED || (input && input->n_load > 0) ||
-         (body->base != FB_BASE_FREE && fbi_has(body->effects, FB_EFFECT_GRAVITY));
-}
-
-/* [E8.33] Loads in the frame of the mass center, which they accelerate by a = f/m: there every mass element feels the
-   uniform field -a, so that the force vanishes, the torque is that about the mass center, g - c(q) x f/m, and modes
-   get -(dc/dq)^T a. Gravity accelerates all alike and is felt by none.
-   Source: Newton-Euler in the frame of the mass center (Koenig).  Cost: 8 flops a term.  Fails: never.
-   Test: flight_speed_does_not_matter, power_of_loads_is_the_rate_of_energy. */
-static void fbi_fall(fbi_kinetics *k, const fb_body *body)
-{
-  fb_real field[3], c[3];
-  for (int i = 0; i < 3; i++) {
-    k->a[i] = k->fg[i] / body->mass;
-    field[i] = -k->a[i];
-    k->fg[i] = FB_R(0.0);
-  }
-  fbi_pull_eval(c, k->x, body, k->qx, field);
-  fbi_vec3_add_cross(k->fg + 3, c, field);
-}
-
-static void fbi_forces(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
-{
-  const int n_load = input ? input->n_load : 0, flying = fbi_is_flying(body);
-  fbi_vec6_zero(k->fg);
-  k->loaded = n_load > 0 || (fbi_has(body->effects, FB_EFFECT_GRAVITY) && !flying);
-#if FB_WITH_GRAVITY
-  if (fbi_has(body->effects, FB_EFFECT_GRAVITY) && !flying) {
-    fbi_gravity_add(k, body);
-  }
-#endif
-  for (int i = 0; i < n_load; i++) {
-    fbi_load_add(k, body, &input->load[i], state->q);
-  }
-  fbi_vec3_zero(k->a);
-  if (flying && n_load > 0) {
-    fbi_fall(k, body);
-  }
-}
-
-/* y += s (C x) where damping is on */
-static void fbi_damping_add(fb_real *y, fb_real s, const fb_body *body, const fb_real *x)
-{
-#if FB_WITH_DAMPING
-  if (fbi_has(body->effects, FB_EFFECT_DAMPING)) {
-    fbi_sparse_eval(y, y, s, &body->C, x, body->n);
-  }
-#endif
-  (void)y, (void)s, (void)body, (void)x;
-}
-
-/* f = x - dU/dq - C q_dot, the elastic forces; the strain energy is E8.23's and 1/2 q^T K q. */
-static void fbi_elastic_forces(fb_real *f, fbi_kinetics *k, const fb_body *body, const fb_real *q, const fb_real *q_dot)
-{
-#if FB_WITH_NONLINEAR_STRAIN
-  if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
-    fbi_strain_sub(k->x + 1, k->slope, body, q, body->quartic);
-  }
-#endif
-  fbi_sparse_eval(f, k->x + 1, FB_R(-1.0), &body->K, q, body->n);
-  fbi_damping_add(f, -FB_R(1.0), body, q_dot);
-}
-
-/* (w x p, w x h + v x p): what turning axes add to the rate of momenta */
-static void fbi_turning(fb_real turn[6], const fb_real V[6], const fb_real ph[6])
-{
-  fb_vec3_cross(turn, V + 3, ph);
-  fb_vec3_cross(turn + 3, V + 3, ph + 3);
-  fbi_vec3_add_cross(turn + 3, V, ph);
-}
-
-/* [E8.17] Elastic equations.
-   q_dot = M^-1 (pi - Lambda(q)^T V),  pi_dot = f_e - K q - C q_dot + d/dq (V^T Lambda(q) pb + 1/2 V^T S(q) V).
-   These are Hamilton's equations of 1/2 y^T S^-1 y + 1/2 pi^T M^-1 pi + U, so any set of terms conserves energy.
-   Source: THEORY.md 8.2; [DB] (23), (25).  Fails: never.  Test: accelerations_agree_with_a_particle_model. */
-static void fbi_elastic_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state)
-{
-  fb_real *e = body->unit_mass ? rate->q : k->e; /* pi - Lambda^T V */
-  fbi_copy(e, state->pi, body->n);
-  fbi_lambda_gradients(e, k->x, body, k->V, k->qx, k->pb);
-#if FBI_WITH_SHAPE_INERTIA
-  if (!body->constant_S) {
-    fbi_S_gradient(k->x, body, k->V, k->qx);
-  }
-#endif
-  if (!body->unit_mass) {
-    fbi_mass_solve(rate->q, body, k->e);
-  }
-  fbi_elastic_forces(rate->pi, k, body, state->q, rate->q);
-}
-
-/* [E8.18] Rigid equations: quat_dot = 1/2 quat o (0, w), u_dot = R a + gravity, L_dot = R g in inertial axes, and
-   beside it h_dot = g - w x h in body axes, from which velocities come: w = S^-1 h magnifies what R^T L inherits from
-   an error of the attitude by the ratio of a slender body's inertias, without end. E11.29 brings both together.
-   Unloaded, u and L are constant to rounding with ANY Runge-Kutta step. rho is that of the mass center (free), less its
-   place in the body at the start: E11.30.
-   Source: Newton-Euler about the mass center; THEORY.md 8.4.  Cost: 60 flops.  Fails: never.
-   Test: tumbling_conserves_momentum_and_energy, slender_bodies_keep_their_energy. */
-static void fbi_rigid_rates(fb_state *rate, const fbi_kinetics *k, const fb_body *body, const fb_state *state)
-{
-  fbi_vec3_copy(rate->rho, state->u);
-  fbi_quat_rate(rate->quat, state->quat, k->V + 3);
-  fbi_vec3_zero(rate->u);
-  fbi_vec3_zero(rate->L);
-  fbi_vec3_zero(rate->h);
-  if (body->base == FB_BASE_PRESCRIBED) {
-    fb_real v[3];
-    fb_mat33_mul_vec3(v, k->R, k->V);
-    fbi_vec3_add(rate->rho, FB_R(1.0), v);
-    return;
-  }
-  if (k->loaded) {
-    fbi_copy(rate->h, k->fg + 3, 3);
-    fbi_turning_part(rate->h, body->base);
-    fb_mat33_mul_vec3(rate->L, k->R, rate->h);
-    fb_mat33_mul_vec3(rate->u, k->R, k->a);
-  }
-  fbi_vec3_add_cross(rate->h, k->ph + 3, k->V + 3);
-#if FB_WITH_GRAVITY
-  if (body->base == FB_BASE_FREE && fbi_has(body->effects, FB_EFFECT_GRAVITY)) {
-    fbi_vec3_add(rate->u, FB_R(1.0), body->gravity);
-  }
-#endif
-}
-
-static fb_status fbi_momentum_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state)
-{
-  fbi_elastic_rates(rate, k, body, state);
-  fbi_rigid_rates(rate, k, body, state);
-  return FB_OK;
-}
-
-/* ---- 8e the other forms */
-
-static const fb_real fbi_origin[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-
-/* Of O, body axes: v_dot + w x v. */
-static void fbi_given_acceleration(fb_real a[3], const fb_input *input)
-{
-  fb_vec3_cross(a, input->w, input->v);
-  fbi_vec3_add(a, FB_R(1.0), input->v_dot);
-}
-
-#if FB_WITH_FORMS
-/* (p, h) = S V + Lambda pb by the mass matrix of the form, which goes to k.S: M_rr(q), Lambda(q), or constant ones. */
-static void fbi_form_momenta(fbi_kinetics *k, const fb_body *body)
-{
-  if (body->form == FB_FORM_SECOND) {
-    fbi_S_eval(k->S, body, k->qx, body->n_run_value);
-  } else {
-    fbi_copy(k->S, body->M_rr, 21);
-  }
-  fb_sym6_mul_vec6(k->ph, k->S, k->V);
-  for (int t = 0; t < body->n_lambda_value; t++) {
-    const fb_lambda_term *term = &body->lambda[t];
-    k->ph[term->i] -= term->c * k->qx[term->a] * k->pb[term->b];
-  }
-}
-
-/* e -= Lambda^T V by the mass matrix of the form */
-static void fbi_form_lambda_sub(fb_real *e, const fb_body *body, const fb_real V[6], const fb_real *qx)
-{
-  for (int t = 0; t < body->n_lambda_value; t++) {
-    const fb_lambda_term *term = &body->lambda[t];
-    e[term->b] += term->c * qx[term->a] * V[term->i];
-  }
-}
-
-/* Rates of the pose; accelerations of what the base holds. */
-static void fbi_form_pose(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
-                          const fb_input *input)
-{
-  const int given = body->base == FB_BASE_PRESCRIBED && input;
-  fbi_copy(rate->rho, state->u, 3);
-  fbi_quat_rate(rate->quat, state->quat, k->V + 3);
-  fbi_zero(k->V_dot, 6);
-  if (given) {
-    fbi_given_acceleration(k->V_dot, input);
-    fbi_copy(k->V_dot + 3, input->w_dot, 3);
-    fb_mat33_mul_vec3(rate->rho, k->R, input->v);
-  }
-}
-
-/* Rates of the velocities that the state keeps, that of O in inertial axes: none where they are given. */
-static void fbi_form_velocity_rates(fb_state *rate, const fbi_kinetics *k, const fb_body *body)
-{
-  fbi_zero(rate->u, 3);
-  fbi_zero(rate->L, 3);
-  fbi_zero(rate->h, 3);
-  if (body->base != FB_BASE_PRESCRIBED) {
-    fb_mat33_mul_vec3(rate->u, k->R, k->V_dot);
-    fbi_copy(rate->L, k->V_dot + 3, 3);
-  }
-}
-
-/* Mass matrix of the second-order form: the rigid rows from first on, then the elastic ones; size x size. */
-static void fbi_second_matrix(fb_real *A, const fbi_kinetics *k, const fb_body *body, int first, int size)
-{
-  const int rigid = 6 - first;
-  fbi_zero(A, size * size);
-  for (int i = first; i < 6; i++) {
-    for (int j = first; j < 6; j++) {
-      A[(i - first) * size + j - first] = k->S[fb_sym6_index(i, j)];
-    }
-  }
-  for (int t = 0; t < body->n_lambda_value; t++) {
-    const fb_lambda_term *term = &body->lambda[t];
-    const int row = term->i - first, column = rigid + term->b;
-    if (row >= 0) {
-      A[row * size + column] -= term->c * k->qx[term->a];
-      A[column * size + row] -= term->c * k->qx[term->a];
-    }
-  }
-  for (int a = 0; a < body->n; a++) {
-    A[(rigid + a) * (size + 1)] = body->M.diagonal[a];
-  }
-  for (int t = 0; t < body->M.n_term; t++) {
-    const int a = rigid + body->M.term[t].a, b = rigid + body->M.term[t].b;
-    A[a * size + b] = A[b * size + a] = body->M.term[t].c;
-  }
-}
-
-/* [E8.25] Second-order form. With y = (f, g) - turning of (p, h) - M_rr_dot V - Lambda_dot q_dot
-   [M_rr(q) Lambda(q); Lambda(q)^T M] (V_dot; q_ddot) =
-     (y; f_e - dU/dq - C q_dot - Lambda_dot^T V + d/dq (V^T Lambda q_dot + 1/2 V^T M_rr V)),
-   solved by dense LU at every evaluation. Written out for a linear displacement field these are the printed equations:
-   Lambda = M_re(q) = [P; h(q)], M_rr(q) = [m 1, -c(q)^; c(q)^, J(q)].
-   Source: [DB] (7)-(8) with ERRATA.md DB1 and DB2.  Cost: 2/3 (n+6)^3 flops.  Fails: mass matrix singular.
-   Test: second_order_form_is_the_printed_one, forms_agree_on_a_closed_basis. */
-static fb_status fbi_second_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state)
-{
-  const int n = body->n, first = fbi_first_free(body->base), size = 6 - first + n;
-  fb_real A[(FB_MAX_MODES + 6) * (FB_MAX_MODES + 6)], b[FB_MAX_MODES + 6], x[FB_MAX_MODES + 6], scale[FB_MAX_MODES + 6];
-  fb_real xd[FB_MAX_MODES + 1], turn[6], SV[6], *f = b + 6 - first;
-  int perm[FB_MAX_MODES + 6];
-  fb_status status;
-  xd[0] = FB_R(0.0);
-  fbi_copy(xd + 1, k->pb, n);
-  fbi_form_momenta(k, body);
-  fbi_turning(turn, k->V, k->ph);
-  fbi_S_rate(k->dS, body, k->qx, xd);
-  fb_sym6_mul_vec6(SV, k->dS, k->V);
-  for (int i = 0; i < 6; i++) {
-    k->y[i] = k->fg[i] - turn[i] - SV[i];
-  }
-  fbi_lambda_linear_sub(k->y, body, xd, k->pb);
-  fbi_copy(b, k->y + first, 6 - first);
-  fbi_zero(k->e, n);
-  fbi_lambda_linear_gradients(k->e, k->x, body, k->V, xd, k->pb); /* k.e = -Lambda_dot^T V */
-  fbi_S_gradient(k->x, body, k->V, k->qx);
-  if (first == 6) {
-    fbi_form_lambda_sub(k->e, body, k->V_dot, k->qx);
-  }
-  fbi_elastic_forces(f, k, body, state->q, k->pb);
-  for (int a = 0; a < n; a++) {
-    f[a] += k->e[a];
-  }
-  fbi_second_matrix(A, k, body, first, size);
-  status = fb_lu_factor(A, perm, scale, size);
-  if (status != FB_OK) {
-    return status == FB_ERR_SINGULAR ? FB_ERR_RANGE : status;
-  }
-  fb_lu_solve(x, A, perm, b, size);
-  fbi_copy(k->V_dot + first, x, 6 - first);
-  fbi_copy(rate->q, k->pb, n);
-  fbi_copy(rate->pi, x + 6 - first, n);
-  return FB_OK;
-}
-
-#if FB_WITH_NONLINEAR_STRAIN
-/* [E8.26] Stiffness torque as printed, degrees 2 and 3 from the slopes at the strain stations, degree 1 from E8.24's
-   table: g_s,3 = .. + int EA (-u_x'^2 + 1/2 r - 1/2 u_x' r) u_y' dx, g_s,2 the same with -u_z', r = u_y'^2 + u_z'^2.
-   g -= g_s.
-   Source: [DB] (34)-(36) with ERRATA.md DB10 and DB11.  Cost: 10 flops a station.  Fails: never.
-   Test: stiffness_torques_agree_on_a_closed_basis, spin_up_follows_the_references_of_each_form. */
-static void fbi_printed_torque_sub(fb_real g[3], const fbi_kinetics *k, const fb_body *body)
-{
-  const fb_real second = body->torque_degree >= 2 ? FB_R(1.0) : FB_R(0.0);
-  const fb_real third = body->torque_degree >= 3 ? FB_R(1.0) : FB_R(0.0);
-  for (int t = 0; t < body->n_torque; t++) {
-    const fb_lambda_term *term = &body->torque[t];
-    g[term->i] -= term->c * k->qx[term->a] * k->qx[term->b + 1];
-  }
-  for (int s = 0; s < body->n_strain; s++) {
-    const fb_real x = k->slope[0][s], y = k->slope[1][s], z = k->slope[2][s], half = FB_R(0.5) * (y * y + z * z);
-    const fb_real c = body->strain_weight[s] * (second * (half - x * x) - third * x * half);
-    g[1] += c * z;
-    g[2] -= c * y;
-  }
-}
-#endif
-
-/* [E8.27] Stiffness and load torque by the identities q_b Upsilon_b M^-1 dU/dq = K_re q, q_b Upsilon_b M^-1 f_e =
-   F_re q: what acts on the modes acts on the frame through the v_e that it turns. y += F_re q - K_re q; loads are
-   f_e, the elastic forces -dU/dq and damping. With a printed K_re the elastic forces are left out; of them those are
-   in it whose degree truncation leaves.
-   Source: [DB] (49), (50).  Cost: 3 n_lambda flops.  Fails: never.
-   Test: stiffness_torques_agree_on_a_closed_basis, spin_up_follows_the_references_of_each_form. */
-static void fbi_identity_torque_add(fb_real y[6], const fbi_kinetics *k, const fb_body *body, const fb_real *q,
-                                    const fb_real *q_dot, const fb_real *loads, const fb_real *elastic)
-{
-  fb_real f[FB_MAX_MODES] = {FB_R(0.0)}, acceleration[FB_MAX_MODES];
-  fbi_copy(f, loads, body->n);
-  if (body->stiffness_torque == FB_TORQUE_IDENTITY && body->torque_degree == 3) {
-    for (int a = 0; a < body->n; a++) {
-      f[a] += elastic[a];
-    }
-  } else {
-    fbi_damping_add(f, -FB_R(1.0), body, q_dot);
-  }
-  if (body->stiffness_torque == FB_TORQUE_IDENTITY && body->torque_degree > 0 && body->torque_degree < 3) {
-    fbi_sparse_eval(f, f, FB_R(-1.0), &body->K, q, body->n);
-#if FB_WITH_NONLINEAR_STRAIN
-    if (body->torque_degree == 2 && fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
-      fb_real slope[3][FBI_MAX_STRAINS];
-      fbi_strain_sub(f, slope, body, q, FB_R(0.0));
-    }
-#endif
-  }
-  fbi_mass_solve(acceleration, body, f);
-  fbi_lambda_linear_sub(y, body, k->qx, acceleration);
-}
-
-/* Inertia forces of the first-order form: y = (f, g) less [DB] (23)'s rigid rows, f less its elastic ones. */
-static void fbi_first_inertia(fb_real *f, fbi_kinetics *k, const fb_body *body)
-{
-  const fb_real *w = k->V + 3;
-  fb_real wv[6] = {0}, wp[3], cwv[3], Jw[3], wJw[3], G[9] = {0}, Gw[3];
-  fbi_form_momenta(k, body);
-  fb_vec3_cross(wv, w, k->V);
-  fb_vec3_cross(wp, w, k->ph);
-  fb_vec3_cross(cwv, body->c, wv);
-  Jw[0] = k->S[15] * w[0] + k->S[16] * w[1] + k->S[17] * w[2];
-  Jw[1] = k->S[16] * w[0] + k->S[18] * w[1] + k->S[19] * w[2];
-  Jw[2] = k->S[17] * w[0] + k->S[19] * w[1] + k->S[20] * w[2];
-  fb_vec3_cross(wJw, w, Jw);
-  for (int t = 0; t < body->n_gam; t++) {
-    const fb_lambda_term *term = &body->gam[t];
-    G[term->i] += term->c * k->pb[term->a - 1];
-    k->x[term->a] += term->c * w[term->i / 3] * w[term->i % 3];
-  }
-  fb_mat33_mulT_vec3(Gw, G, w);
-  for (int i = 0; i < 3; i++) {
-    k->y[i] = k->fg[i] - wp[i];
-    k->y[3 + i] = k->fg[3 + i] - cwv[i] - wJw[i] - Gw[i];
-  }
-  fbi_zero(f, body->n);
-  fbi_form_lambda_sub(f, body, wv, k->qx);
-}
-
-/* q_dot = v_e + M^-1 q_b Ups_b^T w, and the gyroscopic forces -ups_ab.w v_b to k.x. */
-static void fbi_elastic_rotation(fb_real *q_dot, fbi_kinetics *k, const fb_body *body)
-{
-  fbi_zero(k->e, body->n);
-  fbi_lambda_linear_gradients(k->e, k->x, body, k->V, k->qx, k->pb);
-  fbi_mass_solve(q_dot, body, k->e);
-  for (int a = 0; a < body->n; a++) {
-    q_dot[a] += k->pb[a];
-  }
-}
-
-/* [E8.28] First-order form: with the constant mass matrix
-   m v_dot - c^ w_dot + P v_e_dot + w x (m v - c^ w + P v_e) = f
-   c^ v_dot + J w_dot + H v_e_dot + c^ (w x v) + w x J w + sum_a v_a Gamma_a^T w + g_s(q) = g + F_re q
-   P^T v_dot + H^T w_dot + M v_e_dot + P^T (w x v) - w^T Gamma_a w + w^T ups_ab v_b + dU/dq = f_e
-   q_dot = v_e + M^-1 q_b Ups_b^T w
-   solved by the Schur complement of M, a constant 6x6 whose inverse is at hand.
-   Source: [DB] (23)-(25); F_re q by E8.27.  Cost: 4 n_lambda + 300 flops.
-   Fails: never.  Test: forms_agree_on_a_closed_basis, spin_up_follows_the_references_of_each_form. */
-static void fbi_first_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state)
-{
-  const int n = body->n;
-  fb_real f[FB_MAX_MODES] = {0}, loads[FB_MAX_MODES] = {0}, elastic[FB_MAX_MODES], a[FB_MAX_MODES], y[6];
-  fbi_copy(loads, k->x + 1, n);
-  fbi_zero(k->x + 1, n);
-  fbi_elastic_rotation(rate->q, k, body);
-  fbi_first_inertia(f, k, body);
-  for (int i = 0; i < n; i++) {
-    f[i] += loads[i] + k->x[i + 1];
-    k->x[i + 1] = FB_R(0.0);
-  }
-  fbi_elastic_forces(elastic, k, body, state->q, rate->q);
-#if FB_WITH_NONLINEAR_STRAIN
-  if (body->stiffness_torque != FB_TORQUE_IDENTITY) {
-    fbi_printed_torque_sub(k->y + 3, k, body);
-  }
-#endif
-  fbi_identity_torque_add(k->y, k, body, state->q, rate->q, loads, elastic);
-  for (int i = 0; i < n; i++) {
-    f[i] += elastic[i];
-  }
-  if (body->base != FB_BASE_PRESCRIBED) {
-    fbi_copy(y, k->y, 6);
-    fbi_mass_solve(a, body, f);
-    for (const fb_lambda_term *t = body->lambda; t < body->lambda + body->n_lambda_constant; t++) {
-      y[t->i] += t->c * a[t->b];
-    }
-    for (int i = 0; i < 6; i++) {
-      k->V_dot[i] = fbi_vec6_dot(body->S0_inverse + 6 * i, y);
-    }
-  }
-  fbi_form_lambda_sub(f, body, k->V_dot, k->qx);
-  fbi_mass_solve(rate->pi, body, f);
-}
-
-static fb_status fbi_form_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
-                                const fb_input *input)
-{
-  fb_status status = FB_OK;
-  if (body->form == FB_FORM_MOMENTUM) {
-    return fbi_momentum_rates(rate, k, body, state);
-  }
-  fbi_form_pose(rate, k, body, state, input);
-  if (body->form == FB_FORM_SECOND) {
-    status = fbi_second_rates(rate, k, body, state);
-  } else {
-    fbi_first_rates(rate, k, body, state);
-  }
-  fbi_form_velocity_rates(rate, k, body);
-  return status;
-}
-#endif
-
-static fb_status fbi_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
-                           const fb_input *input)
-{
-  const fb_status status = fbi_velocity(k, body, state, input);
-  if (status != FB_OK) {
-    return status;
-  }
-  fbi_forces(k, body, state, input);
-#if FB_WITH_FORMS
-  return fbi_form_rates(rate, k, body, state, input);
-#else
-  return fbi_momentum_rates(rate, k, body, state);
-#endif
-}
-
-static int fbi_state_is_finite(const fb_state *state, int n)
-{
-  return fbi_is_finite(state->rho, 3) && fbi_is_finite(state->quat, 4) && fbi_is_finite(state->u, 3) &&
-         fbi_is_finite(state->L, 3) && fbi_is_finite(state->h, 3) && fbi_is_finite(state->q, n) &&
-         fbi_is_finite(state->pi, n);
-}
-
-/* The pose and the momenta of the frame, which have no stiff part. */
-static void fbi_frame_copy(fb_state *out, const fb_state *in)
-{
-  fbi_vec3_copy(out->rho, in->rho);
-  fbi_vec3_copy(out->quat, in->quat);
-  out->quat[3] = in->quat[3];
-  fbi_vec3_copy(out->u, in->u);
-  fbi_vec3_copy(out->L, in->L);
-  fbi_vec3_copy(out->h, in->h);
-}
-
-/* Does the angular momentum turn the attitude about all axes? */
-static int fbi_is_turned(const fb_body *body)
-{
-  return fbi_form(body) == 0 && (body->base == FB_BASE_FREE || body->base == FB_BASE_PINNED);
-}
-
-#if FB_SINGLE
-static void fbi_turning_back(fb_real h[3], const fb_state *state)
-{
-  fb_real R[9];
-  fb_quat_to_mat33(R, state->quat);
-  fb_mat33_mulT_vec3(h, R, state->L);
-}
-
-/* What R^T L, rounded, has lost of h across it: eps of L is much spin about a thin axis. more: by how much h has grown
-   since `from`; the differences are small and lose nothing.
-   Test: slender_bodies_keep_their_energy. */
-static FBI_NOINLINE void fbi_turning_keep(fb_state *next, const fb_state *from, const fb_body *body,
-                                          const fb_real more[3])
-{
-  fb_real before[3], after[3], size;
-  fbi_zero(next->lost_h, 3);
-  if (!fbi_is_turned(body)) {
-    return;
-  }
-  fbi_turning_back(before, from);
-  fbi_turning_back(after, next);
-  size = fb_vec3_dot(after, after);
-  if (!(size > FB_R(0.0))) {
-    return;
-  }
-  for (int i = 0; i < 3; i++) {
-    next->lost_h[i] = from->lost_h[i] + ((before[i] - after[i]) + more[i]);
-  }
-  fbi_vec3_add(next->lost_h, -fb_vec3_dot(next->lost_h, after) / size, after);
-}
-#endif
-
-static void fbi_elastic_copy(fb_state *out, const fb_state *in, int n)
-{
-  for (int a = 0; a < n; a++) {
-    out->q[a] = in->q[a];
-    out->pi[a] = in->pi[a];
-  }
-}
-
-/* All of a state that a body uses, with h = R^T L, in single precision by what that has lost, and R. */
-static FBI_NOINLINE void fbi_state_enter(fb_state *out, fb_real R[9], const fb_body *body, const fb_state *state)
-{
-  fbi_vec3_copy(out->rho, state->rho);
-  fbi_vec3_copy(out->quat, state->quat);
-  out->quat[3] = state->quat[3];
-  fbi_vec3_copy(out->u, state->u);
-  fbi_vec3_copy(out->L, state->L);
-  fbi_elastic_copy(out, state, body->n);
-  fb_quat_to_mat33(R, state->quat);
-  fb_mat33_mulT_vec3(out->h, R, state->L);
-#if FB_SINGLE
-  fbi_row_sub(out->h, -FB_R(1.0), state->lost_h, 3);
-#endif
-}
-
-/* A prescribed base in momentum form, whose elastic momenta are relative to it. */
-static int fbi_is_following(const fb_body *body)
-{
-  return body->base == FB_BASE_PRESCRIBED && fbi_form(body) == 0;
-}
-
-/* [E8.35] Elastic momenta in a frame that is faster by du (inertial axes): pi -= (dc/dq)^T R^T du, an impulse of
-   gravity.
-   Source: E8.16.  Cost: 5 flops a term.  Fails: never.  Test: flight_speed_does_not_matter,
-   the_speed_of_a_prescribed_base_does_not_matter. */
-static void fbi_frame_shift(fb_real *pi, const fb_body *body, const fb_real *q, const fb_real R[9], const fb_real du[3])
-{
-  const fb_lambda_term *t = body->lambda;
-  fb_real back[3];
-  fb_mat33_mulT_vec3(back, R, du);
-  for (const fb_lambda_term *end = t + body->n_linear_constant; t < end; t++) {
-    pi[t->b] += t->c * back[t->i];
-  }
-  t = body->lambda + body->n_lambda_constant;
-  for (const fb_lambda_term *end = t + body->n_linear; t < end; t++) {
-    pi[t->b] += t->c * back[t->i] * q[t->a - 1];
-  }
-}
-
-/* [E8.34] First moment of mass c(q) = c + P q + 1/2 p^chi q q, body axes [kg m].
-   Source: E8.16.  Cost: 4 flops a term.  Fails: never.  Test: the_mass_center_goes_where_momentum_leads_it. */
-static void fbi_center_eval(fb_real c[3], const fb_body *body, const fb_real *q)
-{
-  const fb_lambda_term *t = body->lambda;
-  fbi_copy(c, body->c, 3);
-  for (const fb_lambda_term *end = t + body->n_linear_constant; t < end; t++) {
-    c[t->i] -= t->c * q[t->b];
-  }
-  t = body->lambda + body->n_lambda_constant;
-  for (const fb_lambda_term *end = t + body->n_linear; t < end; t++) {
-    c[t->i] -= FB_R(0.5) * t->c * q[t->a - 1] * q[t->b];
-  }
-}
-
-/* Both before and after a step: the terms are gone through once, a row's sums stay in registers. */
-static void fbi_center_pair(fb_real before[3], fb_real after[3], const fb_body *body, const fb_real *q,
-                            const fb_real *next)
-{
-  const fb_lambda_term *t = body->lambda;
-  fbi_vec3_copy(before, body->c);
-  fbi_vec3_copy(after, body->c);
-  for (const fb_lambda_term *end = t + body->n_linear_constant; t < end; t++) {
-    before[t->i] -= t->c * q[t->b];
-    after[t->i] -= t->c * next[t->b];
-  }
-  t = body->lambda + body->n_lambda_constant;
-  for (const fb_lambda_row *r = body->lambda_row; r < body->lambda_row + body->n_row && r->i < 3; r++) {
-    fb_real old = FB_R(0.0), sum = FB_R(0.0);
-    for (const fb_lambda_term *end = body->lambda + r->end; t < end; t++) {
-      old += t->c * q[t->a - 1] * q[t->b];
-      sum += t->c * next[t->a - 1] * next[t->b];
-    }
-    before[r->i] -= FB_R(0.5) * old;
-    after[r->i] -= FB_R(0.5) * sum;
-  }
-}
-
-/* Its rate in the body, (dc/dq) q_dot. */
-static void fbi_center_rate(fb_real c_dot[3], const fb_body *body, const fb_real *q, const fb_real *q_dot)
-{
-  const fb_lambda_term *t = body->lambda;
-  fbi_zero(c_dot, 3);
-  for (const fb_lambda_term *end = t + body->n_linear_constant; t < end; t++) {
-    c_dot[t->i] -= t->c * q_dot[t->b];
-  }
-  t = body->lambda + body->n_lambda_constant;
-  for (const fb_lambda_term *end = t + body->n_linear; t < end; t++) {
-    c_dot[t->i] -= t->c * q[t->a - 1] * q_dot[t->b];
-  }
-}
-
-/* Velocity of O, inertial axes: that of the mass center less (w x c + c_dot)/m (free), else of the frame and in it. */
-static void fbi_origin_velocity(fb_real v[3], const fbi_kinetics *k, const fb_body *body, const fb_state *state,
-                                const fb_real *q_dot)
-{
-  fb_real own[3], c[3];
-  fbi_copy(own, k->V, 3);
-  if (fbi_is_flying(body)) {
-    fbi_center_eval(c, body, k->qx + 1);
-    fbi_center_rate(own, body, k->qx + 1, q_dot);
-    fbi_vec3_add_cross(own, k->V + 3, c);
-    for (int i = 0; i < 3; i++) {
-      own[i] /= -body->mass;
-    }
-  }
-  fb_mat33_mul_vec3(v, k->R, own);
-  fbi_vec3_add(v, FB_R(1.0), state->u);
-}
-
-FB_DEF fb_status fb_body_rates(const fb_body *body, fb_state *rate, const fb_state *state, const fb_input *input)
-{
-  fbi_kinetics k;
-  fb_state out, at;
-  fb_status status;
-  FBI_REQUIRE(body && rate && state, FB_ERR_NULL);
-  status = fbi_input_check(body, input);
-  fbi_state_enter(&at, k.R, body, state);
-  memset(&out, 0, sizeof out);
-  status = status == FB_OK ? fbi_rates(&out, &k, body, &at, input) : status;
-  if (status == FB_OK && fbi_is_flying(body)) {
-    fbi_origin_velocity(out.rho, &k, body, &at, out.q);
-  }
-  status = status == FB_OK && !fbi_state_is_finite(&out, body->n) ? FB_ERR_NOT_FINITE : status;
-  if (status == FB_OK) {
-    *rate = out;
-  }
-  return status;
-}
-
-/* ---- 8f state, motion, energy, momentum */
-
-FB_DEF fb_status fb_state_init(const fb_body *body, fb_state *state)
-{
-  FBI_REQUIRE(body && state, FB_ERR_NULL);
-  FBI_REQUIRE_EXACT();
-  memset(state, 0, sizeof *state);
-  state->quat[0] = FB_R(1.0);
-  return FB_OK;
-}
-
-/* Is a quaternion of a state one of unit length, to 1e-3? */
-static int fbi_quat_is_unit(const fb_real quat[4])
-{
-  const fb_real norm2 = quat[0] * quat[0] + fb_vec3_dot(quat + 1, quat + 1);
-  return FB_FABS(norm2 - FB_R(1.0)) <= FB_R(2e-3);
-}
-
-/* Finite and within the deflection limit. */
-static fb_status fbi_state_range(const fb_body *body, const fb_state *state)
-{
-  fb_real deflection = FB_R(0.0), momenta = FB_R(0.0);
-  for (int a = 0; a < body->n; a++) {
-    deflection += body->reach[a] * FB_FABS(state->q[a]);
-    momenta += FB_FABS(state->pi[a]);
-  }
-  if (!fbi_vec3_is_finite(state->rho) || !fbi_vec3_is_finite(state->quat) || !fbi_vec3_is_finite(state->quat + 1) ||
-      !fbi_vec3_is_finite(state->u) || !fbi_vec3_is_finite(state->L) || !fbi_vec3_is_finite(state->lost_rho) ||
-      !(momenta <= FB_HUGE)) {
-    return FB_ERR_NOT_FINITE;
-  }
-  if (!(deflection <= body->deflection_limit)) {
-    return fbi_is_finite(state->q, body->n) ? FB_ERR_RANGE : FB_ERR_NOT_FINITE;
-  }
-  return FB_OK;
-}
-
-#if FB_SINGLE
-/* What E11.22 keeps is finite, and of the attitude no more than rounding: else it was never set. */
-static fb_status fbi_lost_check(const fb_body *body, const fb_state *state)
-{
-  const fb_real *const turn = state->lost_quat;
-  if (!fbi_is_finite(turn, 4) || !fbi_is_finite(state->lost_L, 3) || !fbi_is_finite(state->lost_h, 3) ||
-      !fbi_is_finite(state->lost_q, body->n) || !fbi_is_finite(state->lost_pi, body->n)) {
-    return FB_ERR_NOT_FINITE;
-  }
-  return turn[0] * turn[0] + fb_vec3_dot(turn + 1, turn + 1) < FB_R(1e-10) ? FB_OK : FB_ERR_VALUE;
-}
-#endif
-
-FB_DEF fb_status fb_state_check(const fb_body *body, const fb_state *state)
-{
-  fb_status status;
-  FBI_REQUIRE(body && state, FB_ERR_NULL);
-  status = fbi_state_range(body, state);
-#if FB_SINGLE
-  status = status ? status : fbi_lost_check(body, state);
-#endif
-  if ((body->base == FB_BASE_PINNED || body->base == FB_BASE_HINGED) && !fbi_is_zero(state->u, 3)) {
-    status = status ? status : FB_ERR_VALUE; /* O would leave its pin */
-  }
-  return status == FB_OK && !fbi_quat_is_unit(state->quat) ? FB_ERR_VALUE : status;
-}
-
-/* Momenta of the prescribed or known velocities V: (p, h) = S(q) V + Lambda(q) pb; S(q) goes to k. */
-static void fbi_momenta(fbi_kinetics *k, const fb_body *body)
-{
-  fb_real elastic[6] = {0};
-  fbi_S_eval(k->S, body, k->qx, body->n_run);
-  fb_sym6_mul_vec6(k->ph, k->S, k->V);
-  fbi_lambda_sub(elastic, body, k->qx, k->pb);
-  for (int i = 0; i < 6; i++) {
-    k->ph[i] -= elastic[i];
-  }
-}
-
-/* pi = M q_dot + Lambda(q)^T V and (p, h) of the velocities V and q_dot. */
-static void fbi_momenta_from(fbi_kinetics *k, fb_real *pi, const fb_body *body, const fb_real *q_dot)
-{
-  fb_real e[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0}, zero[FB_MAX_MODES] = {0};
-  fbi_zero(e, body->n);
-  fbi_lambda_gradients(e, unused, body, k->V, k->qx, zero);
-  fbi_mass_mul(pi, body, q_dot);
-  for (int a = 0; a < body->n; a++) {
-    pi[a] -= e[a];
-  }
-  fbi_mass_solve(k->Minv_pi, body, pi);
-  k->pb = k->Minv_pi;
-  fbi_momenta(k, body);
-}
-
-#if FB_WITH_FORMS
-/* The state of a form from pose, v, w and q_dot (in state.pi): velocities of what is free, and q_dot or v_e (E8.28). */
-static void fbi_form_state(fb_state *state, fbi_kinetics *k, const fb_body *body, const fb_real velocity[3])
-{
-  fb_real v[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0};
-  fbi_zero(state->u, 3);
-  fbi_zero(state->L, 3);
-  if (body->base != FB_BASE_PRESCRIBED) {
-    fb_mat33_mul_vec3(state->u, k->R, velocity);
-    fbi_copy(state->L, k->V + 3, 3);
-  }
-  if (body->form == FB_FORM_FIRST) {
-    fbi_zero(k->e, body->n);
-    fbi_lambda_linear_gradients(k->e, unused, body, k->V, k->qx, state->pi);
-    fbi_mass_solve(v, body, k->e);
-    for (int a = 0; a < body->n; a++) {
-      state->pi[a] -= v[a];
-    }
-  }
-}
-
-/* True momenta: of the first-order form by those of the momentum form, pi = M v_e + M_re^T V. */
-static void fbi_form_true_momenta(fbi_kinetics *k, const fb_body *body)
-{
-  fb_real pi[FB_MAX_MODES];
-  if (body->form == FB_FORM_SECOND) {
-    fbi_form_momenta(k, body);
-    return;
-  }
-  fbi_zero(k->e, body->n);
-  fbi_form_lambda_sub(k->e, body, k->V, k->qx);
-  fbi_mass_solve(pi, body, k->e);
-  for (int a = 0; a < body->n; a++) {
-    k->Minv_pi[a] = k->pb[a] - pi[a];
-  }
-  k->pb = k->Minv_pi;
-  fbi_momenta(k, body);
-}
-#endif
-
-FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, const fb_real v[3], const fb_real w[3],
-                                        const fb_real *q_dot)
-{
-  const int n = body ? body->n : 0;
-  fb_state out;
-  fbi_kinetics k;
-  fb_real zero[FB_MAX_MODES] = {0}, held[3];
-  FBI_REQUIRE(body && state && v && w, FB_ERR_NULL);
-  if (!fbi_is_finite(v, 3) || !fbi_is_finite(w, 3) || !fbi_is_finite(q_dot ? q_dot : zero, n) ||
-      !fbi_is_finite(state->q, n) || !fbi_is_finite(state->quat, 4)) {
-    return FB_ERR_NOT_FINITE;
-  }
-  out = *state;
-  fbi_copy(held, w, 3);
-  fbi_turning_part(held, body->base);
-  if (fb_quat_normalize(out.quat) != FB_OK || (fbi_holds_origin(body->base) && fbi_vec3_norm(v) > FB_R(0.0)) ||
-      (body->base == FB_BASE_HINGED && fbi_vec3_norm(held) < fbi_vec3_norm(w))) {
-    return FB_ERR_VALUE;
-  }
-  fbi_copy(out.quat, state->quat, 4); /* as it was; only zero is refused */
-  fb_quat_to_mat33(k.R, state->quat);
-  k.qx[0] = FB_R(1.0);
-  fbi_copy(k.qx + 1, state->q, n);
-  fbi_zero(k.V, 3);
-  fbi_copy(k.V + 3, w, 3);
-#if FB_WITH_FORMS
-  if (body->form != FB_FORM_MOMENTUM) {
-    fbi_copy(out.pi, q_dot ? q_dot : zero, n);
-    fbi_form_state(&out, &k, body, v);
-    *state = out;
-    return FB_OK;
-  }
-#endif
-  fbi_momenta_from(&k, out.pi, body, q_dot ? q_dot : zero);
-  fb_mat33_mul_vec3(out.u, k.R, v);
-  fbi_zero(out.L, 3);
-  if (body->base == FB_BASE_FREE) { /* that of the mass center; no momentum against it */
-    fb_real c[3], moved[3], own[3];
-    for (int i = 0; i < 3; i++) {
-      k.V[i] = -k.ph[i] / body->mass;
-    }
-    fbi_momenta_from(&k, out.pi, body, q_dot ? q_dot : zero);
-    fbi_center_eval(c, body, state->q);
-    fbi_center_rate(moved, body, state->q, q_dot ? q_dot : zero);
-    fbi_vec3_add_cross(moved, w, c);
-    fb_mat33_mul_vec3(own, k.R, moved);
-    fbi_vec3_add(out.u, FB_R(1.0) / body->mass, own);
-  }
-  if (body->base != FB_BASE_PRESCRIBED) {
-    fbi_turning_part(k.ph + 3, body->base);
-    fb_mat33_mul_vec3(out.L, k.R, k.ph + 3);
-    fbi_copy(out.h, k.ph + 3, 3);
-  }
-  fbi_zero(out.lost_u, 3);
-#if FB_SINGLE
-  fbi_zero(out.lost_L, 3);
-  fbi_zero(out.lost_pi, n);
-  fbi_zero(out.lost_h, 3);
-#endif
-  if (!fbi_state_is_finite(&out, n)) {
-    return FB_ERR_NOT_FINITE;
-  }
-  *state = out;
-  return FB_OK;
-}
-
-/* What the base must add to y for the accelerations: S V_dot - y where an axis is held. */
-static void fbi_reactions(fb_motion *m, const fb_body *body, const fb_real S[21], const fb_real V_dot[6],
-                          const fb_real y[6])
-{
-  fb_real SV[6];
-  fb_sym6_mul_vec6(SV, S, V_dot);
-  for (int i = 0; i < 3; i++) {
-    const int turns = body->base == FB_BASE_PINNED || (body->base == FB_BASE_HINGED && i == 2);
-    m->reaction_force[i] = body->base == FB_BASE_FREE ? FB_R(0.0) : SV[i] - y[i];
-    m->reaction_torque[i] = body->base == FB_BASE_FREE || turns ? FB_R(0.0) : SV[3 + i] - y[3 + i];
-  }
-}
-
-#if FB_WITH_FORMS
-/* Accelerations of the other forms: the rates are accelerations already, but that of q_dot = v_e + M^-1 q_b Ups_b^T
-   w. */
-static void fbi_form_motion(fb_motion *m, fbi_kinetics *k, const fb_body *body, const fb_state *rate)
-{
-  fb_real xd[FB_MAX_MODES + 1], y[6], unused[FB_MAX_MODES + 1] = {0};
-  fbi_copy(xd + 1, rate->q, body->n);
-  fbi_copy(m->acceleration, k->V_dot, 3);
-  fbi_copy(m->w_dot, k->V_dot + 3, 3);
-  fbi_zero(k->e, body->n);
-  if (body->form == FB_FORM_FIRST) {
-    fbi_lambda_linear_gradients(k->e, unused, body, k->V, xd, k->pb);
-    fbi_lambda_linear_gradients(k->e, unused, body, k->V_dot, k->qx, k->pb);
-  }
-  fbi_mass_solve(m->q_ddot, body, k->e);
-  for (int a = 0; a < body->n; a++) {
-    m->q_ddot[a] += rate->pi[a];
-  }
-  fbi_copy(y, k->y, 6);
-  for (int t = 0; t < body->n_lambda_value; t++) {
-    const fb_lambda_term *term = &body->lambda[t];
-    y[term->i] += term->c * k->qx[term->a] * rate->pi[term->b];
-  }
-  fbi_reactions(m, body, k->S, k->V_dot, y);
-}
-#endif
-
-/* Of O from that of the mass center, body axes: a - (w_dot x c + w x (w x c + 2 c_dot) + c_ddot)/m, xd the rate of
-   (1, q). */
-static void fbi_origin_acceleration(fb_real out[3], const fb_real a[3], const fb_body *body, const fbi_kinetics *k,
-                                    const fb_real *xd, const fb_motion *m)
-{
-  fb_real c[3], c_dot[3], c_ddot[3], turn[3];
-  fbi_center_eval(c, body, k->qx + 1);
-  fbi_center_rate(c_ddot, body, k->qx + 1, m->q_ddot);
-  fbi_center_rate(c_dot, body, k->qx + 1, xd + 1);
-  const fb_lambda_term *t = body->lambda + body->n_lambda_constant;
-  for (const fb_lambda_term *end = t + body->n_linear; t < end; t++) {
-    c_ddot[t->i] -= t->c * xd[t->a] * xd[t->b + 1];
-  }
-  fb_vec3_cross(turn, k->V + 3, c);
-  fbi_vec3_add(turn, FB_R(2.0), c_dot);
-  fbi_vec3_add_cross(c_ddot, m->w_dot, c);
-  fbi_vec3_add_cross(c_ddot, k->V + 3, turn);
-  for (int i = 0; i < 3; i++) {
-    out[i] = a[i] - c_ddot[i] / body->mass;
-  }
-}
-
-/* [E8.19] Accelerations from the rates of the state: differentiate E8.13 and E8.17,
-   S V_dot = d/dt(p, h) - S_dot V - Lambda_dot pb - Lambda pb_dot, all relative to the frame of the momenta,
-   q_ddot = M^-1 (pi_dot - Lambda^T V_dot - Lambda_dot^T V);
-   for what the base holds V_dot is given and the first line yields the reaction (force, torque) instead.
-   Source: THEORY.md 8.5, acceleration form.  Fails: S(q) not positive definite.
-   Test: accelerations_agree_with_a_particle_model, reactions_balance_the_momentum. */
-static fb_status fbi_accelerations(fb_motion *m, fbi_kinetics *k, const fb_body *body, const fb_state *rate,
-                                   const fb_input *input)
-{
-  const int n = body->n;
-  fb_real xd[FB_MAX_MODES + 1], pb_dot[FB_MAX_MODES], y[6], V_dot[6], turn[6], SV[6];
-  xd[0] = FB_R(0.0);
-  fbi_copy(xd + 1, rate->q, n);
-  fbi_mass_solve(pb_dot, body, rate->pi);
-  fbi_momenta(k, body);
-  fbi_S_rate(k->dS, body, k->qx, xd);
-  fbi_turning(turn, k->V, k->ph);
-  fb_sym6_mul_vec6(SV, k->dS, k->V);
-  for (int i = 0; i < 6; i++) {
-    y[i] = k->fg[i] - turn[i] - SV[i];
-  }
-  fbi_lambda_linear_sub(y, body, xd, k->pb);
-  fbi_lambda_sub(y, body, k->qx, pb_dot);
-  if (fbi_base_solve(V_dot, body->base, k->S, y) != FB_OK) {
-    return FB_ERR_RANGE;
-  }
-  fbi_zero(m->acceleration, 3);
-  if (body->base == FB_BASE_PRESCRIBED && input) { /* of v less that of R^T u, which turns by -w x R^T u */
-    fbi_given_acceleration(m->acceleration, input);
-    fb_vec3_cross(V_dot, k->V, k->V + 3);
-    fbi_vec3_add(V_dot, FB_R(1.0), m->acceleration);
-    fbi_copy(V_dot + 3, input->w_dot, 3);
-  }
-  fbi_reactions(m, body, k->S, V_dot, y);
-  fbi_copy(k->e, rate->pi, n);
-  fbi_lambda_gradients(k->e, k->x, body, V_dot, k->qx, k->pb); /* k.x is spent */
-  fbi_lambda_linear_gradients(k->e, k->x, body, k->V, xd, k->pb);
-  fbi_mass_solve(m->q_ddot, body, k->e);
-  fbi_copy(m->w_dot, V_dot + 3, 3);
-  if (body->base == FB_BASE_FREE) {
-    fb_real a[3];
-    fb_mat33_mulT_vec3(a, k->R, rate->u);
-    fbi_origin_acceleration(m->acceleration, a, body, k, xd, m);
-  }
-  return FB_OK;
-}
-
-FB_DEF fb_status fb_body_motion(const fb_body *body, fb_motion *motion, const fb_state *state, const fb_input *input)
-{
-  fbi_kinetics k;
-  fb_state rate, at;
-  fb_motion out;
-  fb_real velocity[3];
-  fb_status status;
-  FBI_REQUIRE(body && motion && state, FB_ERR_NULL);
-  status = fbi_input_check(body, input);
-  fbi_state_enter(&at, k.R, body, state);
-  if (status == FB_OK) {
-    status = fbi_rates(&rate, &k, body, &at, input);
-  }
-  if (status != FB_OK) {
-    return status;
-  }
-  memset(&out, 0, sizeof out);
-  fbi_origin_velocity(velocity, &k, body, &at, rate.q);
-  fb_mat33_mulT_vec3(out.v, k.R, velocity);
-  if (body->base == FB_BASE_PRESCRIBED) { /* as it was given */
-    fbi_copy(out.v, input ? input->v : fbi_origin, 3);
-  }
-  fbi_copy(out.w, k.V + 3, 3);
-  fbi_copy(out.q_dot, rate.q, body->n);
-#if FB_WITH_FORMS
-  if (body->form != FB_FORM_MOMENTUM) {
-    fbi_form_motion(&out, &k, body, &rate);
-  }
-#endif
-  if (fbi_form(body) == 0) {
-    status = fbi_accelerations(&out, &k, body, &rate, input);
-  }
-  if (status == FB_OK &&
-      (!fbi_is_finite(out.v, 3) || !fbi_is_finite(out.w, 3) || !fbi_is_finite(out.acceleration, 3) ||
-       !fbi_is_finite(out.w_dot, 3) || !fbi_is_finite(out.q_dot, body->n) || !fbi_is_finite(out.q_ddot, body->n))) {
-    status = FB_ERR_NOT_FINITE;
-  }
-  if (status == FB_OK) {
-    *motion = out;
-  }
-  return status;
-}
-
-/* [E8.20] Motion of a node, s = r + u:
-   velocity v + w x s + u_dot,  u_dot = J_u q_dot,
-   acceleration a + w_dot x s + w x (w x s) + 2 w x u_dot + J_u q_ddot + Ju_dot q_dot, a that of O,
-   angular rate w + J_phi q_dot,  its rate w_dot + J_phi q_ddot + w x J_phi q_dot + Jphi_dot q_dot (E8.30).
-   Source: kinematics of a moving frame.  Fails: no such node.  Test: node_kinematics_match_finite_differences. */
-#define FBI_NODE_MOTION ((int)(sizeof(fb_node_motion) / sizeof(fb_real))) /* all its members are reals */
-
-static void fbi_node_motion(fb_node_motion *out, const fb_body *body, const fb_state *state, const fb_motion *motion,
-                            int node)
-{
-  fbi_node_field f;
-  fb_real R[9], turn[4], s[3], ud[3] = {0}, pd[3] = {0}, ws[3], a[3], alpha[3], vel[3], rate[3], u_dd[3], turn_dd[3];
-  fbi_node_eval(&f, body, &body->node[node], state->q);
-  fb_quat_to_mat33(R, state->quat);
-  fbi_copy(a, motion->acceleration, 3);
-  fbi_copy(alpha, motion->w_dot, 3);
-  for (int k = 0; k < body->n; k++) {
-    fbi_vec3_add(ud, motion->q_dot[k], f.Ju + 3 * k);
-    fbi_vec3_add(pd, motion->q_dot[k], f.Jphi + 3 * k);
-    fbi_vec3_add(a, motion->q_ddot[k], f.Ju + 3 * k);
-    fbi_vec3_add(alpha, motion->q_ddot[k], f.Jphi + 3 * k);
-  }
-  fbi_node_convection(u_dd, turn_dd, &f, body, &body->node[node], motion->q_dot);
-  fbi_vec3_add(a, FB_R(1.0), u_dd);
-  fbi_vec3_add(alpha, FB_R(1.0), turn_dd);
-  fbi_copy(s, body->node[node].r, 3);
-  fbi_vec3_add(s, FB_R(1.0), f.u);
-  fb_vec3_cross(ws, motion->w, s);
-  for (int i = 0; i < 3; i++) {
-    vel[i] = motion->v[i] + ws[i] + ud[i];
-    rate[i] = motion->w[i] + pd[i];
-    ws[i] += FB_R(2.0) * ud[i];
-  }
-  fbi_vec3_add_cross(a, motion->w_dot, s);
-  fbi_vec3_add_cross(a, motion->w, ws);
-  fbi_vec3_add_cross(alpha, motion->w, pd);
-  fb_mat33_mul_vec3(out->position, R, s);
-  fbi_vec3_add(out->position, FB_R(1.0), state->rho);
-  fbi_node_quat(turn, &f);
-  fb_quat_mul(out->quat, state->quat, turn);
-  fb_mat33_mul_vec3(out->velocity, R, vel);
-  fb_mat33_mul_vec3(out->angular_rate, R, rate);
-  fb_mat33_mul_vec3(out->acceleration, R, a);
-  fb_mat33_mul_vec3(out->angular_acceleration, R, alpha);
-  fbi_copy(out->displacement, f.u, 3);
-  fb_quat_to_rotvec(out->rotation, turn);
-}
-
-FB_DEF fb_status fb_body_node_motion(const fb_body *body, fb_node_motion *out, const fb_state *state,
-                                     const fb_motion *motion, int node)
-{
-  fb_node_motion found;
-  fb_real all[FBI_NODE_MOTION];
-  FBI_REQUIRE(body && out && state && motion, FB_ERR_NULL);
-  FBI_REQUIRE(node >= 0 && node < body->n_node, FB_ERR_CAPACITY);
-  fbi_node_motion(&found, body, state, motion, node);
-  memcpy(all, &found, sizeof all);
-  if (!fbi_is_finite(all, FBI_NODE_MOTION)) {
-    return FB_ERR_NOT_FINITE;
-  }
-  *out = found;
-  return FB_OK;
-}
-
-static fb_real fbi_kinetic_energy(fbi_kinetics *k, const fb_body *body, const fb_state *state)
-{
-  fb_real SV[6], T = FB_R(0.0);
-#if FB_WITH_FORMS
-  if (body->form != FB_FORM_MOMENTUM) { /* 1/2 V^T (p, h) + 1/2 pb^T (M pb + Lambda^T V) */
-    fbi_form_momenta(k, body);
-    fbi_sparse_eval(k->e, NULL, FB_R(-1.0), &body->M, k->pb, body->n);
-    fbi_form_lambda_sub(k->e, body, k->V, k->qx);
-    for (int a = 0; a < body->n; a++) {
-      T -= FB_R(0.5) * k->pb[a] * k->e[a];
-    }
-    return T + FB_R(0.5) * fbi_vec6_dot(k->ph, k->V);
-  }
-#endif
-  fbi_S_eval(k->S, body, k->qx, body->n_run);
-  fb_sym6_mul_vec6(SV, k->S, k->V);
-  for (int a = 0; a < body->n; a++) {
-    T += FB_R(0.5) * state->pi[a] * k->pb[a];
-  }
-  return T + FB_R(0.5) * fbi_vec6_dot(SV, k->V);
-}
-
-static int fbi_energy_is_finite(const fb_energy *energy)
-{
-  const fb_real part[3] = {energy->kinetic, energy->strain, energy->gravity};
-  return fbi_is_finite(part, 3);
-}
-
-/* Strain energy and gravity's; spoils k.e and k.x. */
-static void fbi_potential_add(fb_energy *energy, fbi_kinetics *k, const fb_body *body, const fb_real *q,
-                              const fb_real rho[3])
-{
-  fbi_sparse_eval(k->e, NULL, FB_R(0.5), &body->K, q, body->n);
-  for (int a = 0; a < body->n; a++) {
-    energy->strain += q[a] * k->e[a];
-  }
-#if FB_WITH_NONLINEAR_STRAIN
-  if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
-    energy->strain += fbi_strain_energy(body, q);
-  }
-#endif
-#if FB_WITH_GRAVITY
-  {
-    fb_real c[3], moment[3];
-    fbi_pull_eval(c, k->x, body, k->qx, body->gravity);
-    fb_mat33_mul_vec3(moment, k->R, c);
-    fbi_vec3_add(moment, body->mass, rho);
-    energy->gravity -= fb_vec3_dot(moment, body->gravity);
-  }
-#endif
-  (void)rho;
-}
-
-/* The frame that k's velocities are relative to, inertial axes. */
-static void fbi_frame_velocity(fb_real u[3], const fbi_kinetics *k, const fb_body *body, const fb_state *state,
-                               const fb_input *input)
-{
-  fbi_copy(u, state->u, 3);
-  if (fbi_form(body) != 0 && body->base == FB_BASE_PRESCRIBED) {
-    fb_mat33_mul_vec3(u, k->R, input ? input->v : fbi_origin);
-  }
-}
-
-/* (p, h) in that frame, from the velocities; a free body's are those of the state. */
-static void fbi_true_momenta(fbi_kinetics *k, const fb_body *body)
-{
-#if FB_WITH_FORMS
-  if (body->form != FB_FORM_MOMENTUM) {
-    fbi_form_true_momenta(k, body);
-    return;
-  }
-#endif
-  if (body->base != FB_BASE_FREE) {
-    fbi_momenta(k, body);
-  }
-}
-
-/* [E8.21] T = 1/2 m u.u + u.R p + 1/2 V^T S V + 1/2 pi^T M^-1 pi (the square completed), u the velocity of the frame, U
-   = 1/2 q^T K q, gravity -m g.rho - g.R c(q).
-   Source: THEORY.md 8.2, 8.4.  Fails: as the rates.
-   Test: momenta_agree_with_a_particle_model, tumbling_conserves_momentum_and_energy. */
-FB_DEF fb_status fb_body_energy(const fb_body *body, fb_energy *energy, const fb_state *state, const fb_input *input)
-{
-  fbi_kinetics k;
-  fb_energy out;
-  fb_state at;
-  fb_real u[3], p[3];
-  fb_status status;
-  FBI_REQUIRE(body && energy && state, FB_ERR_NULL);
-  fbi_state_enter(&at, k.R, body, state);
-  status = fbi_velocity(&k, body, &at, input);
-  if (status != FB_OK) {
-    return status;
-  }
-  out.kinetic = fbi_kinetic_energy(&k, body, &at);
-  fbi_true_momenta(&k, body);
-  fbi_frame_velocity(u, &k, body, &at, input);
-  fb_mat33_mul_vec3(p, k.R, k.ph);
-  fbi_vec3_add(p, FB_R(0.5) * body->mass, u);
-  out.kinetic += fb_vec3_dot(u, p);
-  out.strain = FB_R(0.0);
-  out.gravity = FB_R(0.0);
-  fbi_potential_add(&out, &k, body, state->q, state->rho);
-  if (!fbi_energy_is_finite(&out)) {
-    return FB_ERR_NOT_FINITE;
-  }
-  *energy = out;
-  return FB_OK;
-}
-
-/* Linear momentum R p + m u and, about the inertial origin, angular momentum R h + R c x u + rho x (R p + m u). */
-FB_DEF fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, const fb_state *state,
-                                  const fb_input *input)
-{
-  fbi_kinetics k;
-  fb_momentum out;
-  fb_state at;
-  fb_real u[3], c[3], arm[3];
-  fb_status status;
-  FBI_REQUIRE(body && momentum && state, FB_ERR_NULL);
-  fbi_state_enter(&at, k.R, body, state);
-  status = fbi_velocity(&k, body, &at, input);
-  if (status != FB_OK) {
-    return status;
-  }
-  fbi_true_momenta(&k, body);
-  fbi_frame_velocity(u, &k, body, &at, input);
-  fb_mat33_mul_vec3(out.linear, k.R, k.ph);
-  fbi_vec3_add(out.linear, body->mass, u);
-  fb_mat33_mul_vec3(out.angular, k.R, k.ph + 3);
-  if (fbi_is_flying(body)) {
-    fbi_copy(out.angular, at.L, 3);
-  }
-  fbi_center_eval(c, body, at.q);
-  fb_mat33_mul_vec3(arm, k.R, c);
-  fbi_vec3_add_cross(out.angular, arm, u);
-  fbi_vec3_add_cross(out.angular, at.rho, out.linear);
-  if (!fbi_is_finite(out.linear, 3) || !fbi_is_finite(out.angular, 3)) {
-    return FB_ERR_NOT_FINITE;
-  }
-  *momentum = out;
-  return FB_OK;
-}
-
-/* ---- 8g checks of a model in memory that may have changed by itself */
-
-static int fbi_is_flag(int value)
-{
-  return value == 0 || value == 1;
-}
-
-static int fbi_is_within(int n, int most)
-{
-  return n >= 0 && n <= most;
-}
-
-static int fbi_sparse_is_sound(const fb_sparse *m, int n)
-{
-  int sound = fbi_is_within(m->n_term, FBI_MAX_PAIRS) && fbi_is_finite(m->diagonal, n);
-  for (int k = 0; sound && k < m->n_term; k++) {
-    const fb_pair_term *t = &m->term[k];
-    sound = t->a < n && t->b < t->a && fbi_is_finite(&t->c, 1);
-  }
-  return sound;
-}
-
-/* Terms of Lambda: the constant ones, then row by row those linear in q (fbi_lambda_list). */
-static int fbi_lambda_is_sound(const fb_body *body)
-{
-  int row = 0,
-      sound = fbi_is_within(body->n_lambda, FBI_MAX_LAMBDA) && fbi_is_within(body->n_lambda_constant, body->n_lambda) &&
-              fbi_is_within(body->n_linear_constant, body->n_lambda_constant) &&
-              fbi_is_within(body->n_linear, body->n_lambda - body->n_lambda_constant) && fbi_is_within(body->n_row, 6);
-  for (int k = 0; sound && k < body->n_row; k++) { /* each has a term */
-    sound = body->lambda_row[k].i < 6 &&
-            body->lambda_row[k].end > (k > 0 ? body->lambda_row[k - 1].end : body->n_lambda_constant);
-  }
-  for (int k = 0; sound && k < body->n_lambda; k++) {
-    const fb_lambda_term *t = &body->lambda[k];
-    const int constant = k < body->n_lambda_constant;
-    row += !constant && row < body->n_row && k >= body->lambda_row[row].end;
-    sound = fbi_is_finite(&t->c, 1) && t->b < body->n && (constant ? t->a == 0 : t->a >= 1 && t->a <= body->n) &&
-            (constant ? (k < body->n_linear_constant) == (t->i < 3) && t->i < 6
-                      : row < body->n_row && t->i == body->lambda_row[row].i &&
-                            (k < body->n_lambda_constant + body->n_linear) == (t->i < 3));
-  }
-  return sound && (body->n_row == 0 || (row == body->n_row - 1 && body->lambda_row[row].end == body->n_lambda));
-}
-
-/* Terms of S: runs of pairs that follow each other. */
-static int fbi_S_is_sound(const fb_body *body)
-{
-  int terms = 0, sound = fbi_is_within(body->n_S, FBI_MAX_S) && fbi_is_within(body->n_run, FBI_MAX_RUNS) &&
-                         fbi_is_within(body->n_pair, FBI_MAX_PAIRS_S) && fbi_is_finite(body->S, body->n_S);
-  for (int k = 0; sound && k < body->n_run; k++) {
-    const fb_S_run *r = &body->run[k];
-    terms += r->n;
-    sound = r->i < 21 && r->pair + r->n <= body->n_pair;
-  }
-  for (int k = 0; sound && k < body->n_pair; k++) {
-    sound = body->pair[k].a <= body->n && body->pair[k].b <= body->pair[k].a;
-  }
-  return sound && (fbi_form(body) == 0 ? terms == body->n_S : terms <= body->n_S); /* truncation leaves runs out */
-}
-
-#if FB_WITH_FORMS
-static int fbi_form_is_sound(const fb_body *body)
-{
-  int sound = fbi_is_choice((int)body->form, (int)FB_FORM_FIRST) &&
-              fbi_is_choice((int)body->stiffness_torque, (int)FB_TORQUE_BOUNDARY) &&
-              fbi_is_within(body->torque_degree, 3) && fbi_is_within(body->n_run_value, body->n_run) &&
-              fbi_is_within(body->n_lambda_value, body->n_lambda) && fbi_is_within(body->n_gam, 9 * body->n) &&
-              fbi_is_within(body->n_torque, FBI_MAX_TORQUE) && fbi_is_finite(body->M_rr, 21);
-  for (int k = 0; sound && k < body->n_gam + body->n_torque; k++) {
-    const int is_gam = k < body->n_gam;
-    const fb_lambda_term *t = is_gam ? &body->gam[k] : &body->torque[k - body->n_gam];
-    sound = fbi_is_finite(&t->c, 1) && t->i < (is_gam ? 9 : 3) && t->a >= 1 && t->a <= body->n && t->b < body->n;
-  }
-  return sound;
-}
-#endif
-
-#if FB_WITH_NONLINEAR_STRAIN
-static int fbi_strain_is_sound(const fb_body *body)
-{
-  const fb_real number[3] = {body->quartic, body->limit_slope, body->limit_tension};
-  int sound = fbi_is_within(body->n_strain, FBI_MAX_STRAINS) && body->n_strain % 4 == 0 && fbi_is_finite(number, 3) &&
-              fbi_is_within(body->n_strain_row, 3 * body->n) && fbi_is_finite(body->strain_weight, body->n_strain);
-  for (int k = 0; sound && k < body->n_strain_row; k++) {
-    const fb_strain_row *r = &body->strain_row[k];
-    sound = r->axis < 3 && r->a < body->n && fbi_is_finite(r->slope, body->n_strain);
-  }
-  return sound;
-}
-#endif
-
-static int fbi_matrices_are_sound(const fb_body *body)
-{
-  int sound = fbi_sparse_is_sound(&body->M, body->n) && fbi_sparse_is_sound(&body->Minv, body->n) &&
-              fbi_sparse_is_sound(&body->K, body->n);
-#if FB_WITH_DAMPING
-  sound = sound && fbi_sparse_is_sound(&body->C, body->n);
-#endif
-  for (int a = 0; sound && a < body->n; a++) {
-    sound = body->K.diagonal[a] >= FB_R(0.0) && body->reach[a] >= FB_R(0.0) &&
-            (!body->unit_mass || body->M.diagonal[a] > FB_R(0.0));
-  }
-  return sound;
-}
-
-/* Numbers that stand alone, and S_0: positive definite where all of it is free, with its inverse beside it. */
-static int fbi_rigid_is_sound(const fb_body *body)
-{
-  const fb_real number[8] = {body->mass,          body->deflection_limit, body->recoil,     body->gyration,
-                             body->limit_elastic, body->limit_damping,    body->limit_spin, body->limit_acceleration};
-  const fb_real unit[6] = {FB_R(1.0)};
-  fb_real x[6];
-  for (int k = 0; k < 8; k++) {
-    if (!(number[k] >= FB_R(0.0) && number[k] <= FB_HUGE)) {
-      return 0;
-    }
-  }
-  return fbi_is_finite(body->c, 3) && fbi_is_finite(body->reach, body->n) && fbi_is_finite(body->S0, 21) &&
-         fbi_is_finite(body->S0_inverse, 36) &&
-         (body->base != FB_BASE_FREE || fbi_sym6_solve(x, body->S0, unit) == FB_OK);
-}
-
-FB_DEF fb_status fb_body_check(const fb_body *body)
-{
-  int sound;
-  FBI_REQUIRE(body, FB_ERR_NULL);
-  if (!fbi_is_within(body->n, FB_MAX_MODES) || body->n_node < 1 || body->n_node > FB_MAX_NODES) {
-    return FB_ERR_CAPACITY;
-  }
-  sound = !fbi_is_excluded(body->effects) && fbi_is_choice((int)body->base, (int)FB_BASE_HINGED) &&
-          fbi_is_flag(body->unit_mass) && fbi_is_flag(body->constant_S) && fbi_is_flag(body->allow_long_step) &&
-          fbi_rigid_is_sound(body) && fbi_matrices_are_sound(body) && fbi_lambda_is_sound(body) && fbi_S_is_sound(body);
-#if FB_WITH_FORMS
-  sound = sound && fbi_form_is_sound(body);
-#endif
-#if FB_WITH_NONLINEAR_STRAIN
-  sound = sound && fbi_strain_is_sound(body);
-#endif
-#if FB_WITH_GRAVITY
-  sound = sound && fbi_is_finite(body->gravity, 3);
-#endif
-  for (int k = 0; sound && k < body->n_node; k++) {
-    sound = fbi_node_is_finite(&body->node[k], body->n);
-  }
-  return sound ? FB_OK : FB_ERR_VALUE;
-}
-
-/* ---- 8h check word */
-
-/* [E8.40] CRC-32 of whole numbers and reals, four bytes at a time, low byte first: polynomial x^32 + x^26 + x^23 + x^22
-   + x^16 + x^12 + x^11 + x^10 + x^8 + x^7 + x^5 + x^4 + x^2 + x + 1, reflected (0xEDB88320).
-   Source: IEEE 802.3, 3.2.9.  Cost: 32 shifts a word.  Fails: never.
-   Test: the_check_word_sees_every_flipped_bit, the_check_word_sees_every_form. */
-typedef char fbi_crc_takes_four_bytes[sizeof(unsigned) == 4 && sizeof(float) == 4 && sizeof(double) == 8 ? 1 : -1];
-
-static FBI_NOINLINE unsigned fbi_crc_word(unsigned crc, unsigned word)
-{
-  crc ^= word;
-  for (int k = 0; k < 32; k++) {
-    crc = crc >> 1 ^ (0xEDB88320u & (0u - (crc & 1u)));
-  }
-  return crc;
-}
-
-static FBI_NOINLINE unsigned fbi_crc_ints(unsigned crc, const int *x, int n)
-{
-  for (int i = 0; i < n; i++) {
-    crc = fbi_crc_word(crc, (unsigned)x[i]);
-  }
-  return crc;
-}
-
-/* In the precision of the target, whichever the program's. Not in line, here as above: flight code has little room. */
-static FBI_NOINLINE unsigned fbi_crc_reals(unsigned crc, const fb_real *x, int n, int single)
-{
-  for (int i = 0; i < n; i++) {
-    if (single) {
-      const float value = (float)x[i];
-      unsigned bits;
-      memcpy(&bits, &value, sizeof value);
-      crc = fbi_crc_word(crc, bits);
-    } else {
-      const double value = (double)x[i];
-      unsigned long long bits;
-      memcpy(&bits, &value, sizeof value);
-      crc = fbi_crc_word(fbi_crc_word(crc, (unsigned)(bits & 0xFFFFFFFFu)), (unsigned)(bits >> 32));
-    }
-  }
-  return crc;
-}
-
-static unsigned fbi_crc_sparse(unsigned crc, const fb_sparse *m, int n, int single)
-{
-  crc = fbi_crc_reals(fbi_crc_word(crc, (unsigned)m->n_term), m->diagonal, n, single);
-  for (int k = 0; k < m->n_term; k++) {
-    crc = fbi_crc_word(fbi_crc_reals(crc, &m->term[k].c, 1, single), m->term[k].a | (unsigned)m->term[k].b << 16);
-  }
-  return crc;
-}
-
-static unsigned fbi_crc_lambda(unsigned crc, const fb_lambda_term *list, int n, int single)
-{
-  for (int k = 0; k < n; k++) {
-    crc = fbi_crc_word(fbi_crc_reals(crc, &list[k].c, 1, single), list[k].i | (unsigned)list[k].a << 16);
-    crc = fbi_crc_word(crc, list[k].b);
-  }
-  return crc;
-}
-
-static unsigned fbi_crc_terms(unsigned crc, const fb_body *body, int single)
-{
-  for (int k = 0; k < 6; k++) {
-    crc = fbi_crc_word(crc, body->lambda_row[k].i | (unsigned)body->lambda_row[k].end << 16);
-  }
-  crc = fbi_crc_lambda(crc, body->lambda, body->n_lambda, single);
-  crc = fbi_crc_reals(crc, body->S, body->n_S, single);
-  for (int k = 0; k < body->n_run; k++) {
-    crc = fbi_crc_word(fbi_crc_word(crc, body->run[k].i | (unsigned)body->run[k].pair << 16), body->run[k].n);
-  }
-  for (int k = 0; k < body->n_pair; k++) {
-    crc = fbi_crc_word(crc, body->pair[k].a | (unsigned)body->pair[k].b << 16);
-  }
-  return crc;
-}
-
-static unsigned fbi_crc_nodes(unsigned crc, const fb_body *body, int single)
-{
-  const int n = body->n;
-  for (int k = 0; k < body->n_node; k++) {
-    const fb_node *node = &body->node[k];
-    crc = fbi_crc_reals(crc, node->r, 3, single);
-    crc = fbi_crc_reals(fbi_crc_reals(crc, node->psi, 3 * n, single), node->theta, 3 * n, single);
-#if FBI_WITH_QUADRATIC
-    if (fbi_has(body->effects, FBI_QUADRATIC_EFFECTS)) {
-      crc = fbi_crc_reals(crc, node->chi, 3 * n * (n + 1) / 2, single);
-      crc = fbi_crc_reals(crc, node->chi_theta, 3 * n * (n + 1) / 2, single);
-    }
-#endif
-  }
-  return crc;
-}
-
-#if FB_WITH_FORMS
-static unsigned fbi_crc_form(unsigned crc, const fb_body *body, int single)
-{
-  const int whole[] = {(int)body->form,   (int)body->stiffness_torque, body->torque_degree,
-                       body->n_run_value, body->n_lambda_value,        body->n_gam,
-                       body->n_torque};
-  crc = fbi_crc_ints(crc, whole, (int)(sizeof whole / sizeof *whole));
-  crc = fbi_crc_reals(crc, body->M_rr, 21, single);
-  crc = fbi_crc_lambda(crc, body->gam, body->n_gam, single);
-  return fbi_crc_lambda(crc, body->torque, body->n_torque, single);
-}
-#endif
-
-#if FB_WITH_NONLINEAR_STRAIN
-static unsigned fbi_crc_strain(unsigned crc, const fb_body *body, int single)
-{
-  const fb_real number[3] = {body->quartic, body->limit_slope, body->limit_tension};
-  crc = fbi_crc_word(fbi_crc_word(crc, (unsigned)body->n_strain), (unsigned)body->n_strain_row);
-  crc = fbi_crc_reals(fbi_crc_reals(crc, number, 3, single), body->strain_weight, body->n_strain, single);
-  for (int k = 0; k < body->n_strain_row; k++) {
-    const fb_strain_row *r = &body->strain_row[k];
-    crc = fbi_crc_word(fbi_crc_reals(crc, r->slope, body->n_strain, single), r->axis | (unsigned)r->a << 16);
-  }
-  return crc;
-}
-#endif
-
-/* What only some bodies have; nothing of bodies that have none of it. */
-static unsigned fbi_crc_further(unsigned crc, const fb_body *body, int single)
-{
-#if FB_WITH_DAMPING
-  if (fbi_has(body->effects, FB_EFFECT_DAMPING)) {
-    crc = fbi_crc_sparse(crc, &body->C, body->n, single);
-  }
-#endif
-#if FB_WITH_GRAVITY
-  if (fbi_has(body->effects, FB_EFFECT_GRAVITY)) {
-    crc = fbi_crc_reals(crc, body->gravity, 3, single);
-  }
-#endif
-#if FB_WITH_FORMS
-  if (fbi_form(body) != 0) {
-    crc = fbi_crc_form(crc, body, single);
-  }
-#endif
-#if FB_WITH_NONLINEAR_STRAIN
-  if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
-    crc = fbi_crc_strain(crc, body, single);
-  }
-#endif
-  (void)body, (void)single; /* with all of it removed */
-  return crc;
-}
-
-static unsigned fbi_body_crc(const fb_body *body, int single)
-{
-  const int whole[] = {body->n,
-                       body->n_node,
-                       (int)body->effects,
-                       (int)body->base,
-                       body->n_lambda,
-                       body->n_lambda_constant,
-                       body->n_linear,
-                       body->n_linear_constant,
-                       body->n_row,
-                       body->n_S,
-                       body->n_run,
-                       body->n_pair,
-                       body->unit_mass,
-                       body->constant_S,
-                       body->allow_long_step};
-  const fb_real number[8] = {body->mass,          body->deflection_limit, body->recoil,     body->gyration,
-                             body->limit_elastic, body->limit_damping,    body->limit_spin, body->limit_acceleration};
-  unsigned crc = fbi_crc_ints(0xFFFFFFFFu, whole, (int)(sizeof whole / sizeof *whole));
-  crc = fbi_crc_reals(fbi_crc_reals(crc, number, 8, single), body->c, 3, single);
-  crc = fbi_crc_reals(crc, body->reach, body->n, single);
-  crc = fbi_crc_reals(fbi_crc_reals(crc, body->S0, 21, single), body->S0_inverse, 36, single);
-  crc = fbi_crc_sparse(fbi_crc_sparse(crc, &body->M, body->n, single), &body->Minv, body->n, single);
-  crc = fbi_crc_sparse(crc, &body->K, body->n, single);
-  crc = fbi_crc_further(crc, body, single);
-  return ~fbi_crc_nodes(fbi_crc_terms(crc, body, single), body, single);
-}
-
-/* The walk stays within the tables. */
-static int fbi_counts_are_sound(const fb_body *body)
-{
-  int sound = fbi_is_within(body->n, FB_MAX_MODES) && fbi_is_within(body->n_node, FB_MAX_NODES) &&
-              fbi_is_within(body->M.n_term, FBI_MAX_PAIRS) && fbi_is_within(body->Minv.n_term, FBI_MAX_PAIRS) &&
-              fbi_is_within(body->K.n_term, FBI_MAX_PAIRS) && fbi_is_within(body->n_lambda, FBI_MAX_LAMBDA) &&
-              fbi_is_within(body->n_S, FBI_MAX_S) && fbi_is_within(body->n_run, FBI_MAX_RUNS) &&
-              fbi_is_within(body->n_pair, FBI_MAX_PAIRS_S);
-#if FB_WITH_DAMPING
-  sound = sound && fbi_is_within(body->C.n_term, FBI_MAX_PAIRS);
-#endif
-#if FB_WITH_FORMS
-  sound = sound && fbi_is_within(body->n_gam, 9 * FB_MAX_MODES) && fbi_is_within(body->n_torque, FBI_MAX_TORQUE);
-#endif
-#if FB_WITH_NONLINEAR_STRAIN
-  sound =
-      sound && fbi_is_within(body->n_strain, FBI_MAX_STRAINS) && fbi_is_within(body->n_strain_row, 3 * FB_MAX_MODES);
-#endif
-  return sound;
-}
-
-FB_DEF unsigned fb_body_crc(const fb_body *body)
-{
-  FBI_REQUIRE(body, 0);
-  return fbi_counts_are_sound(body) ? fbi_body_crc(body, FB_SINGLE) : 0;
-}
-
-/* ---------------------------------------------------------------------------------------------------------------
-   9 >>system (uses 1-8)
-   9a joints - 9b positions - 9c trees: M u = p - 9d constraints - 9e rates - 9f states, motion, energy, momentum */
-
-/* ---- 9a joints */
-
-static int fbi_joint_axes(fb_joint_kind kind)
-{
-  static const int count[] = {6, 0, 1, 1, 2, 1, 2, 3};
-  return count[(int)kind];
-}
-
-/* The joint by which a body hangs; with all joints kept as constraints it is free. */
-static const fb_joint *fbi_link_joint(const fb_system *system, const fb_system_work *w, int k)
-{
-  return w->kept ? &system->free : &system->joint[k];
-}
-
-/* Is joint j a set of constraints? */
-static int fbi_is_kept(const fb_system *system, const fb_system_work *w, int j)
-{
-  return j >= system->n_body || (w->kept && system->joint[j].kind != FB_JOINT_FREE);
-}
-
-/* [E9.1] Twist of an axis a of the joint, child's axes about its origin: a turn about a through d moves the origin by
-   d x a. Source: kinematics.  Shapes: A 6.  Test: every_joint_moves_as_it_should. */
-static void fbi_axis_twist(fb_real A[6], const fb_joint *joint, const fb_real axis[3], fb_real turns, fb_real slides)
-{
-  fb_real a[3];
-  fb_mat33_mul_vec3(a, joint->child_axes, axis);
-  fb_vec3_cross(A, joint->child_position, a);
-  for (int i = 0; i < 3; i++) {
-    A[i] = turns * A[i] + slides * a[i];
-    A[3 + i] = turns * a[i];
-  }
-}
+#if FB_WITH_SYSTEM
+/* ---- joints of systems */
 
 static void fbi_joint_twists(fb_joint *joint)
 {
@@ -7873,28 +15005,11 @@ static void fbi_joint_twists(fb_joint *joint)
   }
 }
 
-static int fbi_is_attitude(const fb_real quat[4])
-{
-  fb_real copy[4];
-  fbi_copy(copy, quat, 4);
-  return quat[0] == FB_R(0.0) && fbi_vec3_norm(quat + 1) == FB_R(0.0) ? 1 : fb_quat_normalize(copy) == FB_OK;
-}
-
 /* Rotation matrix of a quaternion of a desc, all zero: identity. */
 static void fbi_attitude_axes(fb_real R[9], const fb_real quat[4])
 {
   const fb_real identity[4] = {FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_quat_to_mat33(R, fbi_vec3_norm(quat + 1) == FB_R(0.0) ? identity : quat);
-}
-
-/* Do the modes of a body move one of its nodes? */
-static int fbi_node_moves(const fb_body *body, int node)
-{
-  fb_real size = FB_R(0.0);
-  for (int i = 0; i < 3 * body->n; i++) {
-    size += FB_FABS(body->node[node].psi[i]) + FB_FABS(body->node[node].theta[i]);
-  }
-  return size > FB_R(0.0);
 }
 
 static fb_status fbi_joint_check(const fb_system_desc *desc, const fb_body *body, int j)
@@ -7968,3243 +15083,7 @@ static void fbi_joint_fill(fb_joint *joint, const fb_system_desc *desc, const fb
   }
 }
 
-/* ---- 9b positions */
-
-/* C = axes, turned by the joint's coordinates; slide [m] along z of the axes; universal: twist of its first axis. */
-static void fbi_joint_turn(fb_real C[9], fb_real *slide, fbi_link_work *L, const fb_joint *joint, const fb_real axes[9],
-                           const fb_link_state *x)
-{
-  const fb_joint_kind kind = joint->kind;
-  *slide = kind == FB_JOINT_PRISMATIC     ? x->x[0]
-           : kind == FB_JOINT_CYLINDRICAL ? x->x[1]
-           : kind == FB_JOINT_SCREW       ? joint->pitch * x->x[0]
-                                          : FB_R(0.0);
-  if (kind == FB_JOINT_SPHERICAL) {
-    fb_real turn[9];
-    fb_quat_to_mat33(turn, x->quat);
-    fb_mat33_mul(C, axes, turn);
-  } else if (kind == FB_JOINT_RIGID || kind == FB_JOINT_PRISMATIC) {
-    fbi_mat33_copy(C, axes);
-  } else {
-    const fb_real c = FB_COS(x->x[0]), s = FB_SIN(x->x[0]);
-    FBI_UNROLL
-    for (int i = 0; i < 9; i += 3) {
-      C[i] = c * axes[i] + s * axes[i + 1];
-      C[i + 1] = c * axes[i + 1] - s * axes[i];
-      C[i + 2] = axes[i + 2];
-    }
-  }
-  if (kind == FB_JOINT_UNIVERSAL) {
-    const fb_real c = FB_COS(x->x[1]), s = FB_SIN(x->x[1]);
-    const fb_real first[3] = {FB_R(0.0), s, c}, rate[3] = {FB_R(0.0), c, -s};
-    for (int i = 0; i < 9; i += 3) {
-      const fb_real y = C[i + 1], z = C[i + 2];
-      C[i + 1] = c * y + s * z;
-      C[i + 2] = c * z - s * y;
-    }
-    fbi_axis_twist(L->turned, joint, first, FB_R(1.0), FB_R(0.0));
-    fbi_vec6_copy(L->turned + 6, joint->A + 6);
-    L->A = L->turned;
-    fbi_axis_twist(L->A_dot, joint, rate, FB_R(1.0), FB_R(0.0));
-  }
-}
-
-/* [E9.2] Pose of a body from that of its parent: the node (E8.14), the joint frame on it, the joint's coordinates, the
-   child's frame: R = R_p C,  rho = rho_p + R_p s.
-   Source: kinematics of a chain; [H] 3.1.  Cost: 150 flops, a sine and a cosine an angle.  Fails: never.
-   Test: every_joint_moves_as_it_should. */
-static void fbi_link_place(fbi_link_work *L, const fb_joint *joint, const fbi_link_work *parent, const fb_body *on,
-                           const fb_link_state *x)
-{
-  const fb_real *axes = joint->axes;
-  fb_real turned[9], origin[3], C[9], slide;
-  if (joint->kind == FB_JOINT_FREE) {
-    fb_quat_to_mat33(L->k.R, x->quat); /* rho: fbi_root_place */
-    return;
-  }
-  fbi_vec3_copy(origin, joint->position);
-  if (joint->moves && parent) {
-    fb_real quat[4], R[9];
-    const fb_node *node = &on->node[joint->parent_node];
-    fbi_node_eval(&L->node, on, node, parent->k.qx + 1);
-    fbi_node_quat(quat, &L->node);
-    fb_quat_to_mat33(R, quat);
-    fb_mat33_mul(turned, R, axes);
-    axes = turned;
-    fb_mat33_mul_vec3(origin, R, joint->position);
-    for (int i = 0; i < 3; i++) {
-      L->n[i] = node->r[i] + L->node.u[i];
-      origin[i] += L->n[i];
-    }
-  }
-  fbi_joint_turn(C, &slide, L, joint, axes, x);
-  FBI_UNROLL
-  for (int i = 0; i < 3; i++) {
-    origin[i] += slide * axes[3 * i + 2];
-  }
-  if (joint->turned) {
-    for (int i = 0; i < 9; i++) { /* C child_axes^T */
-      L->C[i] = fb_vec3_dot(C + i / 3 * 3, joint->child_axes + i % 3 * 3);
-    }
-  } else {
-    fbi_mat33_copy(L->C, C);
-  }
-  fb_mat33_mul_vec3(L->s, L->C, joint->child_position);
-  FBI_UNROLL
-  for (int i = 0; i < 3; i++) {
-    L->s[i] = origin[i] - L->s[i];
-  }
-  fbi_vec3_copy(L->arm, L->s);
-  if (joint->moves) {
-    fbi_vec3_add(L->arm, -FB_R(1.0), L->n);
-  }
-  if (!parent) {
-    fbi_mat33_copy(L->k.R, L->C);
-    fbi_vec3_copy(L->rho, L->s);
-    return;
-  }
-  fb_mat33_mul(L->k.R, parent->k.R, L->C);
-  fb_mat33_mul_vec3(L->rho, parent->k.R, L->s);
-  fbi_vec3_add(L->rho, FB_R(1.0), parent->rho);
-}
-
-static fbi_link_work *fbi_parent(fb_system_work *w, const fb_joint *joint)
-{
-  return joint->parent >= 0 ? &w->link[joint->parent] : NULL;
-}
-
-static const fb_body *fbi_model(const fb_system *system, const fb_body *body, int k)
-{
-  return &body[system->model[k]];
-}
-
-/* [E9.21] The frame of a tree: its momenta are relative to a frame that moves with the velocity u of its root, within a
-   step at constant u from where the root was, and positions rho of its bodies are from the origin of that frame. Of
-   that the equations know nothing (Galilei); but positions and velocities against the ground or another tree do. Free
-   trees that are tied have one frame.
-   Source: Galilean invariance.  Test: flight_speed_changes_nothing. */
-static void fbi_root_place(fb_system_work *w, const fb_system *system, const fb_joint *joint, int k,
-                           const fb_link_state *x, const fb_link_state *start)
-{
-  fbi_link_work *L = &w->link[k];
-  if (joint->kind != FB_JOINT_FREE) {
-    L->root = joint->parent >= 0 ? w->link[joint->parent].root : k;
-    if (L->root == k) {
-      fbi_vec3_zero(L->origin);
-      fbi_vec3_zero(L->frame);
-    }
-    return;
-  }
-  L->root = k;
-  for (int i = 0; i < k && system->tied && L->root == k; i++) {
-    L->root = fbi_link_joint(system, w, i)->kind == FB_JOINT_FREE ? i : k;
-  }
-  if (L->root == k) {
-    fbi_vec3_copy(L->origin, start->x);
-    fbi_vec3_copy(L->frame, start->u);
-    fbi_vec3_copy(L->rho, x->lost_x); /* from where it was */
-  } else {
-    const fb_real *origin = w->link[L->root].origin;
-    FBI_UNROLL
-    for (int i = 0; i < 3; i++) {
-      L->rho[i] = (start->x[i] - origin[i]) + x->lost_x[i];
-    }
-  }
-}
-
-/* From the ground, inertial axes: where a point of a body at rho is. */
-static fb_real fbi_true_position(const fb_system_work *w, int link, const fb_real rho[3], int i)
-{
-  const fbi_link_work *root = &w->link[w->link[link].root];
-  return root->origin[i] + (w->clock * root->frame[i] + rho[i]);
-}
-
-/* y += s times how far the frame of link b is from that of a (FB_GROUND: at rest in the origin), or (moves) its
-   velocity against that. */
-static void fbi_frames_apart_add(fb_real y[3], fb_real s, const fb_system_work *w, int a, int b, int moves)
-{
-  const fbi_link_work *from = a >= 0 ? &w->link[w->link[a].root] : NULL;
-  const fbi_link_work *to = b >= 0 ? &w->link[w->link[b].root] : NULL;
-  if (from == to) {
-    return;
-  }
-  for (int i = 0; i < 3; i++) {
-    const fb_real u = (to ? to->frame[i] : FB_R(0.0)) - (from ? from->frame[i] : FB_R(0.0));
-    const fb_real x = (to ? to->origin[i] : FB_R(0.0)) - (from ? from->origin[i] : FB_R(0.0));
-    y[i] += s * (moves ? u : x + w->clock * u);
-  }
-}
-
-/* Poses of all bodies, S(q) of each. modes: whose axes are locked, and the frames of the trees. */
-static void fbi_links_place(fb_system_work *w, const fb_system *system, const fb_body *body,
-                            const fb_system_state *state, const fb_system_state *modes)
-{
-  for (int k = 0; k < system->n_body; k++) {
-    const fb_body *model = fbi_model(system, body, k);
-    const fb_joint *joint = fbi_link_joint(system, w, k);
-    fbi_link_work *L = &w->link[k];
-    L->k.qx[0] = FB_R(1.0);
-    for (int a = 0; a < model->n; a++) {
-      L->k.qx[a + 1] = state->link[k].q[a];
-    }
-    if (fbi_is_kept(system, w, k)) {
-      L->mode[0] = L->mode[1] = L->mode[2] = FB_AXIS_FREE;
-    } else {
-      L->mode[0] = modes->mode[k][0];
-      L->mode[1] = modes->mode[k][1];
-      L->mode[2] = modes->mode[k][2];
-    }
-    L->joint = joint;
-    L->model = model;
-    L->parent = fbi_parent(w, joint);
-    L->coupled = !w->kept && system->coupled[k];
-    L->has_speeds = 1;
-    L->A = joint->A;
-    fbi_root_place(w, system, joint, k, &state->link[k], &modes->link[k]);
-    fbi_link_place(L, joint, L->parent, joint->parent >= 0 ? fbi_model(system, body, joint->parent) : NULL,
-                   &state->link[k]);
-  }
-}
-
-/* ---- 9c trees: M u = p */
-
-/* Mode of speed i of a joint; the six of a free one share theirs. */
-static fb_axis_mode fbi_axis_mode(const fbi_link_work *L, const fb_joint *joint, int i)
-{
-  return L->mode[joint->kind == FB_JOINT_FREE ? 0 : i];
-}
-
-/* Y = C X C^T */
-static void fbi_mat33_turn(fb_real Y[9], const fb_real C[9], const fb_real X[9])
-{
-  fb_real T[9];
-  fb_mat33_mul(T, C, X);
-  FBI_UNROLL
-  for (int i = 0; i < 9; i += 3) {
-    Y[i] = fb_vec3_dot(T + i, C);
-    Y[i + 1] = fb_vec3_dot(T + i, C + 3);
-    Y[i + 2] = fb_vec3_dot(T + i, C + 6);
-  }
-}
-
-/* The same of a symmetric X. */
-static void fbi_sym3_turn(fb_real Y[9], const fb_real C[9], const fb_real X[9])
-{
-  fb_real T[9];
-  fb_mat33_mul(T, C, X);
-  Y[0] = fb_vec3_dot(T, C);
-  Y[1] = Y[3] = fb_vec3_dot(T, C + 3);
-  Y[2] = Y[6] = fb_vec3_dot(T, C + 6);
-  Y[4] = fb_vec3_dot(T + 3, C + 3);
-  Y[5] = Y[7] = fb_vec3_dot(T + 3, C + 6);
-  Y[8] = fb_vec3_dot(T + 6, C + 6);
-}
-
-/* T += X^T S X for the velocities X V = (v + w x arm, w): a 6x6 inertia about another point. */
-static void fbi_sym6_shift_add(fb_real T[21], const fb_real A[9], const fb_real B[9], const fb_real D[9],
-                               const fb_real arm[3])
-{
-  fb_real BA[9], sB[9], sBA[9]; /* B - A arm^, arm^ B, arm^ (B - A arm^) */
-  FBI_UNROLL
-  for (int i = 0; i < 3; i++) {
-    fb_real row[3];
-    fb_vec3_cross(row, A + 3 * i, arm); /* row of A arm^ is a x arm */
-    FBI_UNROLL
-    for (int j = 0; j < 3; j++) {
-      BA[3 * i + j] = B[3 * i + j] - row[j];
-    }
-  }
-  FBI_UNROLL
-  for (int j = 0; j < 3; j++) {
-    const fb_real x[3] = {B[j], B[3 + j], B[6 + j]}, y[3] = {BA[j], BA[3 + j], BA[6 + j]};
-    fb_real p[3], q[3];
-    fb_vec3_cross(p, arm, x);
-    fb_vec3_cross(q, arm, y);
-    FBI_UNROLL
-    for (int i = 0; i < 3; i++) {
-      sB[3 * i + j] = p[i];
-      sBA[3 * i + j] = q[i];
-    }
-  }
-  T[0] += A[0];
-  T[1] += A[1];
-  T[2] += A[2];
-  T[6] += A[4];
-  T[7] += A[5];
-  T[11] += A[8];
-  FBI_UNROLL
-  for (int j = 0; j < 3; j++) {
-    T[3 + j] += BA[j];
-    T[8 + j] += BA[3 + j];
-    T[12 + j] += BA[6 + j];
-  }
-  T[15] += D[0] + sB[0] + sBA[0];
-  T[16] += D[1] + sB[1] + sBA[3];
-  T[17] += D[2] + sB[2] + sBA[6];
-  T[18] += D[4] + sB[4] + sBA[4];
-  T[19] += D[5] + sB[5] + sBA[7];
-  T[20] += D[8] + sB[8] + sBA[8];
-}
-
-/* The blocks of a packed 6x6: v-v, v-w, w-w. */
-static void fbi_sym6_blocks(fb_real A[9], fb_real B[9], fb_real D[9], const fb_real S[21])
-{
-  A[0] = S[0];
-  A[1] = A[3] = S[1];
-  A[2] = A[6] = S[2];
-  A[4] = S[6];
-  A[5] = A[7] = S[7];
-  A[8] = S[11];
-  B[0] = S[3];
-  B[1] = S[4];
-  B[2] = S[5];
-  B[3] = S[8];
-  B[4] = S[9];
-  B[5] = S[10];
-  B[6] = S[12];
-  B[7] = S[13];
-  B[8] = S[14];
-  D[0] = S[15];
-  D[1] = D[3] = S[16];
-  D[2] = D[6] = S[17];
-  D[4] = S[18];
-  D[5] = D[7] = S[19];
-  D[8] = S[20];
-}
-
-/* [E9.3] The inertia of a child as the parent feels it: turned by C, moved by arm, added to T.
-   Source: congruence.  Cost: 350 flops.  Test: the_three_methods_agree. */
-static void fbi_sym6_to_parent_add(fb_real T[21], const fb_real S[21], const fb_real C[9], const fb_real arm[3])
-{
-  fb_real a[9], b[9], d[9], A[9], B[9], D[9];
-  fbi_sym6_blocks(a, b, d, S);
-  fbi_sym3_turn(A, C, a);
-  fbi_mat33_turn(B, C, b);
-  fbi_sym3_turn(D, C, d);
-  fbi_sym6_shift_add(T, A, B, D, arm);
-}
-
-/* y += the momentum or load x of a child, parent's axes, about the node it hangs on or the parent's origin */
-static void fbi_to_parent_add(fb_real y[6], const fbi_link_work *L, const fb_real x[6])
-{
-  fb_real p[3], h[3];
-  fb_mat33_mul_vec3(p, L->C, x);
-  fb_mat33_mul_vec3(h, L->C, x + 3);
-  fbi_vec3_add(y, FB_R(1.0), p);
-  fbi_vec3_add(y + 3, FB_R(1.0), h);
-  fbi_vec3_add_cross(y + 3, L->arm, p);
-}
-
-/* Velocity of the node that a child hangs on (parent's origin where it does not move), parent's axes. */
-static void fbi_node_velocity(fb_real V[6], const fbi_link_work *L, const fb_joint *joint, const fb_body *on,
-                              const fb_real parent[6], const fb_real *q_dot)
-{
-  fbi_vec6_copy(V, parent);
-  if (joint->moves) {
-    fbi_vec3_add_cross(V, parent + 3, L->n);
-    for (int a = 0; a < on->n; a++) {
-      fbi_vec3_add(V, q_dot[a], L->node.Ju + 3 * a);
-      fbi_vec3_add(V + 3, q_dot[a], L->node.Jphi + 3 * a);
-    }
-  }
-}
-
-/* V of the child from that of the node: (C^T (v + w x arm), C^T w). */
-static void fbi_from_node(fb_real V[6], const fbi_link_work *L, const fb_real node[6])
-{
-  fb_real v[3];
-  fbi_vec3_copy(v, node);
-  fbi_vec3_add_cross(v, node + 3, L->arm);
-  fb_mat33_mulT_vec3(V, L->C, v);
-  fb_mat33_mulT_vec3(V + 3, L->C, node + 3);
-}
-
-/* What joints feel of a body whose modes carry others, or are stiff for the step, or heavy: E = (1 + heavy) M + g C +
-   g^2 K_t, X = Lambda^T, 6 of each mode, S = M_rr = S + Lambda M^-1 Lambda^T. */
-static FBI_NOINLINE void fbi_link_open(fbi_link_work *L, const fb_body *body, fb_real g, fb_real heavy)
-{
-  fb_real sum[21];
-  const int n = body->n;
-  fbi_zero(L->E, n * n);
-  if (g > FB_R(0.0)) {
-    fbi_sparse_add(L->E, FB_R(1.0), &body->K, n);
-#if FB_WITH_NONLINEAR_STRAIN
-    if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
-      fbi_slopes_eval(L->k.slope, body, L->k.qx + 1);
-      fbi_strain_tangent_add(L->E, body, L->k.slope);
-    }
-#endif
-    for (int i = 0; i < n * n; i++) {
-      L->E[i] *= g * g;
-    }
-#if FB_WITH_DAMPING
-    if (fbi_has(body->effects, FB_EFFECT_DAMPING)) {
-      fbi_sparse_add(L->E, g, &body->C, n);
-    }
-#endif
-  }
-  fbi_sparse_add(L->E, FB_R(1.0) + heavy, &body->M, n);
-  fbi_zero(L->X, 6 * n);
-  for (const fb_lambda_term *t = body->lambda; t < body->lambda + body->n_lambda; t++) {
-    L->X[6 * t->b + t->i] -= t->c * L->k.qx[t->a];
-  }
-  fbi_zero(sum, 21);
-  for (int a = 0; a < n && body->unit_mass; a++) {
-    fbi_sym6_rank1_sub(sum, -FB_R(1.0), L->X + 6 * a);
-  }
-  for (int i = 0; i < 6 && !body->unit_mass; i++) {
-    fb_real row[FB_MAX_MODES], y[FB_MAX_MODES];
-    for (int a = 0; a < n; a++) {
-      row[a] = L->X[6 * a + i];
-    }
-    fbi_mass_solve(y, body, row);
-    for (int j = i; j < 6; j++) {
-      for (int a = 0; a < n; a++) {
-        sum[fb_sym6_index(i, j)] += y[a] * L->X[6 * a + j];
-      }
-    }
-  }
-  fbi_row_sub(L->S, -FB_R(1.0), sum, 21); /* at once: S is rounded once */
-}
-
-/* A child with the inertia S on a node that moves: E += J^T I J (its lower triangle, which is factored), X += J^T I V,
-   S += V^T I V with I its inertia about the node and V = (v + w x n, w) the node's velocity by the parent's. */
-static FBI_NOINLINE void fbi_link_carry(fbi_link_work *P, const fbi_link_work *L, const fb_real S[21], int n)
-{
-  fb_real I[21], A[9], B[9], D[9], column[6];
-  fbi_zero(I, 21);
-  fbi_sym6_to_parent_add(I, S, L->C, L->arm);
-  for (int a = 0; a < n; a++) {
-    const fb_real *u = L->node.Ju + 3 * a, *t = L->node.Jphi + 3 * a;
-    const fb_real J[6] = {u[0], u[1], u[2], t[0], t[1], t[2]};
-    fb_sym6_mul_vec6(column, I, J);
-    for (int b = 0; b <= a; b++) {
-      P->E[a * n + b] += fb_vec3_dot(column, L->node.Ju + 3 * b) + fb_vec3_dot(column + 3, L->node.Jphi + 3 * b);
-    }
-    fbi_vec3_add_cross(column + 3, L->n, column);
-    fbi_vec6_add(P->X + 6 * a, FB_R(1.0), column);
-  }
-  fbi_sym6_blocks(A, B, D, I);
-  fbi_sym6_shift_add(P->S, A, B, D, L->n);
-}
-
-/* E = L L^T and X = L^-1 X; S -= X^T X: the modes follow. */
-static FBI_NOINLINE fb_status fbi_link_close(fbi_link_work *L, int n)
-{
-  if (fb_chol_factor(L->E, n) != FB_OK) {
-    return FB_ERR_RANGE;
-  }
-  for (int a = 0; a < n; a++) {
-    const fb_real *row = L->E + a * n;
-    fb_real x[6];
-    fbi_vec6_copy(x, L->X + 6 * a);
-    for (int b = 0; b < a; b++) {
-      fbi_vec6_add(x, -row[b], L->X + 6 * b);
-    }
-    for (int i = 0; i < 6; i++) {
-      L->X[6 * a + i] = x[i] / row[a];
-    }
-    fbi_sym6_rank1_sub(L->S, FB_R(1.0), L->X + 6 * a);
-  }
-  return FB_OK;
-}
-
-/* [E9.4] Articulated inertia: each free axis takes its direction out, S -= U U^T / D, U = S A, D = A.U + g c + g^2 k.
-   Axes of one joint go one after the other, as if massless bodies were between them. D is small against what it is made
-   of, or against the most that an axis further out has taken: the axis moves no inertia.
-   Source: block elimination of M u = p from the tips; [FE] 7.
-   Cost: 80 flops an axis.  Fails: no inertia.  Test: the_three_methods_agree. */
-static fb_status fbi_link_release(fbi_link_work *L, const fb_joint *joint, fb_real g)
-{
-  const fb_real own[6] = {L->S[0], L->S[6], L->S[11], L->S[15], L->S[18], L->S[20]};
-  if (joint->kind == FB_JOINT_FREE) {
-    const fb_real mass = fbi_smaller(FB_FABS(own[0]), fbi_smaller(FB_FABS(own[1]), FB_FABS(own[2])));
-    const fb_real moment = fbi_smaller(FB_FABS(own[3]), fbi_smaller(FB_FABS(own[4]), FB_FABS(own[5])));
-    const int nothing = mass < FB_R(16.0) * FB_EPSILON * L->mass || moment < FB_R(16.0) * FB_EPSILON * L->moment;
-    return L->mode[0] == FB_AXIS_FREE && nothing ? FB_ERR_UNDETERMINED : FB_OK;
-  }
-  for (int i = 0; i < joint->n_axis; i++) {
-    if (L->mode[i] == FB_AXIS_PRESCRIBED) {
-      fb_sym6_mul_vec6(L->U + 6 * i, L->S, L->A + 6 * i);
-    }
-  }
-  const fb_real mass = L->mass, moment = L->moment; /* before */
-  for (int i = 0; i < joint->n_axis; i++) {
-    const fb_real *A = L->A + 6 * i;
-    fb_real *U = L->U + 6 * i, D = g * joint->damping[i] + g * g * joint->stiffness[i], reference = D;
-    if (L->mode[i] != FB_AXIS_FREE) {
-      continue;
-    }
-    fb_sym6_mul_vec6(U, L->S, A);
-    D += fbi_vec6_dot(A, U);
-    reference += A[0] * A[0] * (own[0] + mass) + A[1] * A[1] * (own[1] + mass) + A[2] * A[2] * (own[2] + mass) +
-                 A[3] * A[3] * (own[3] + moment) + A[4] * A[4] * (own[4] + moment) + A[5] * A[5] * (own[5] + moment);
-    if (!(D > FB_R(16.0) * FB_EPSILON * reference)) { /* well below zero: deflected beyond the model */
-      return D < -FB_R(1e-3) * reference ? FB_ERR_RANGE : FB_ERR_UNDETERMINED;
-    }
-    L->D[i] = FB_R(1.0) / D;
-    L->mass = fbi_larger(L->mass, L->D[i] * fb_vec3_dot(U, U));
-    L->moment = fbi_larger(L->moment, L->D[i] * fb_vec3_dot(U + 3, U + 3));
-    fbi_sym6_rank1_sub(L->S, L->D[i], U);
-  }
-  return FB_OK;
-}
-
-/* Factors M + g C + g^2 K of a tree from the tips to the ground; w->joint names the joint on failure. */
-static FBI_FLATTEN fb_status fbi_tree_factor(fb_system_work *w, const fb_system *system, fb_real g)
-{
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    const fb_body *model = L->model;
-    if (model->constant_S) {
-      fbi_sym6_copy(L->S, model->S0);
-    } else {
-      fbi_S_eval(L->S, model, L->k.qx, model->n_run);
-    }
-    L->open = model->n > 0 && (L->coupled || g + w->heavy > FB_R(0.0));
-    if (L->open) {
-      fbi_link_open(L, model, g, w->heavy);
-    }
-    L->mass = L->moment = FB_R(0.0);
-  }
-  for (int k = system->n_body - 1; k >= 0; k--) {
-    fbi_link_work *L = &w->link[k], *parent = L->parent;
-    const fb_joint *joint = L->joint;
-    fb_status status = L->open ? fbi_link_close(L, L->model->n) : FB_OK;
-    status = status == FB_OK ? fbi_link_release(L, joint, g) : status;
-    if (status != FB_OK) {
-      w->joint = k;
-      return status;
-    }
-    if (parent) {
-      parent->mass = fbi_larger(parent->mass, L->mass);
-      parent->moment = fbi_larger(parent->moment, L->moment + L->mass * fb_vec3_dot(L->s, L->s));
-    }
-    if (parent && joint->moves) {
-      fbi_link_carry(parent, L, L->S, parent->model->n);
-    } else if (parent) {
-      fbi_sym6_to_parent_add(parent->S, L->S, L->C, L->arm);
-    }
-  }
-  return FB_OK;
-}
-
-/* The right-hand side's way in: what the body and all that hangs on it hand to the joint, b; e of the modes. */
-static void fbi_link_in(fbi_link_work *L, const fb_joint *joint, const fb_body *body)
-{
-  const int n = body->n;
-  if (L->open) {
-    fb_real b[6];
-    fbi_vec6_copy(b, L->b);
-    fbi_chol_forward(L->e, L->E, L->e, n);
-    for (int a = 0; a < n; a++) {
-      fbi_vec6_add(b, L->e[a], L->X + 6 * a);
-    }
-    fbi_vec6_copy(L->b, b);
-  } else if (n > 0) {
-    fb_real own[6] = {0}, e[FB_MAX_MODES];
-    fbi_copy(e, L->e, n);
-    fbi_mass_solve(L->e, body, e);
-    fbi_lambda_sub(own, body, L->k.qx, L->e);
-    fbi_vec6_add(L->b, -FB_R(1.0), own);
-  }
-  if (joint->kind == FB_JOINT_FREE) {
-    return;
-  }
-  for (int i = 0; i < joint->n_axis; i++) {
-    if (L->mode[i] == FB_AXIS_PRESCRIBED) {
-      fbi_vec6_add(L->b, L->p[i], L->U + 6 * i);
-    }
-  }
-  for (int i = 0; i < joint->n_axis; i++) {
-    if (L->mode[i] == FB_AXIS_FREE) {
-      L->r[i] = L->D[i] * (L->p[i] - fbi_vec6_dot(L->A + 6 * i, L->b));
-      fbi_vec6_add(L->b, L->r[i], L->U + 6 * i);
-    }
-  }
-}
-
-/* V = S^-1 y of a free joint. What joints outward have taken leaves its rounding in every direction, of which pivots in
-   fixed order show no more than the root: where one is below that, E3.2 decides. */
-static fb_status fbi_free_solve(fb_real V[6], const fbi_link_work *L, const fb_real y[6])
-{
-  const fb_real tol = 64 * FB_EPSILON, root = FB_SINGLE ? FB_R(4e-3) : FB_R(2e-7);
-  fb_real reference[6];
-  fbi_sym6_reference(reference, L->S, L->mass, L->moment);
-  if (fbi_sym6_solve_above(V, L->S, y, reference, root) == FB_OK) {
-    return FB_OK;
-  }
-  return fbi_sym6_stands_out(L->S, 0, reference, tol) ? fbi_sym6_solve(V, L->S, y) : FB_ERR_SINGULAR;
-}
-
-/* Velocities outward: V of the body from that of the node it hangs on, the speeds of its joint and modes; momentum G of
-   the subtree. */
-static fb_status fbi_link_out(fbi_link_work *L, const fb_joint *joint, const fb_body *body, const fb_real node[6])
-{
-  const int n = body->n;
-  fb_real V[6] = {0};
-  if (joint->kind == FB_JOINT_FREE) {
-    fb_real y[6];
-    fbi_vec6_copy(y, L->p);
-    fbi_vec6_add(y, -FB_R(1.0), L->b);
-    if (L->mode[0] == FB_AXIS_PRESCRIBED) {
-      fbi_vec6_copy(V, L->p);
-    }
-    if (L->mode[0] == FB_AXIS_FREE && fbi_free_solve(V, L, y) != FB_OK) {
-      return !fbi_is_finite(L->S, 21) ? FB_ERR_NOT_FINITE : n > 0 ? FB_ERR_RANGE : FB_ERR_UNDETERMINED;
-    }
-    fbi_vec6_copy(L->u, V);
-    if (L->mode[0] == FB_AXIS_FREE) {
-      fbi_vec6_copy(L->G, y); /* S V */
-    } else {
-      fb_sym6_mul_vec6(L->G, L->S, V);
-    }
-  } else {
-    if (node) {
-      fbi_from_node(V, L, node);
-    }
-    fb_sym6_mul_vec6(L->G, L->S, V);
-    for (int i = joint->n_axis - 1; i >= 0; i--) {
-      if (L->mode[i] == FB_AXIS_FREE) {
-        L->u[i] = L->r[i] - L->D[i] * fbi_vec6_dot(L->U + 6 * i, V);
-        fbi_vec6_add(V, L->u[i], L->A + 6 * i);
-      } else {
-        L->u[i] = L->mode[i] == FB_AXIS_PRESCRIBED ? L->p[i] : FB_R(0.0);
-      }
-    }
-    for (int i = 0; i < joint->n_axis; i++) {
-      if (L->mode[i] == FB_AXIS_PRESCRIBED) {
-        fbi_vec6_add(V, L->u[i], L->A + 6 * i);
-      }
-    }
-  }
-  fbi_vec6_copy(L->V, V);
-  fbi_vec6_add(L->G, FB_R(1.0), L->b);
-  if (L->open) {
-    for (int a = 0; a < n; a++) {
-      L->q_dot[a] = L->e[a] - fbi_vec6_dot(L->X + 6 * a, V);
-    }
-    fbi_chol_back(L->q_dot, L->E, L->q_dot, n);
-  } else if (n > 0 && L->has_speeds) {
-    fb_real e[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0};
-    fbi_zero(e, n);
-    fbi_lambda_gradients(e, unused, body, V, L->k.qx, L->e);
-    fbi_mass_solve(L->q_dot, body, e);
-    for (int a = 0; a < n; a++) {
-      L->q_dot[a] += L->e[a];
-    }
-  }
-  return FB_OK;
-}
-
-/* b of a body goes to the parent (NULL: none), and what it does to the parent's n modes is taken off their e. */
-static void fbi_hand_in(fbi_link_work *parent, const fbi_link_work *L, const fb_joint *joint, int n)
-{
-  if (parent && joint->moves) {
-    fb_real b[6] = {0};
-    fbi_to_parent_add(b, L, L->b);
-    for (int a = 0; a < n; a++) {
-      parent->e[a] -= fb_vec3_dot(L->node.Ju + 3 * a, b) + fb_vec3_dot(L->node.Jphi + 3 * a, b + 3);
-    }
-    fbi_vec3_add_cross(b + 3, L->n, b);
-    fbi_vec6_add(parent->b, FB_R(1.0), b);
-  } else if (parent) {
-    fbi_to_parent_add(parent->b, L, L->b);
-  }
-}
-
-/* The same of body k, before it is placed. */
-static void fbi_hand_in_at(fb_system_work *w, const fb_system *system, const fb_body *body, int k)
-{
-  const fb_joint *joint = fbi_link_joint(system, w, k);
-  fbi_hand_in(fbi_parent(w, joint), &w->link[k], joint,
-              joint->parent >= 0 ? fbi_model(system, body, joint->parent)->n : 0);
-}
-
-/* [E9.5] Solution of M u = p with the factors of E9.4: in from the tips, b = momentum of the subtree at V = 0, out from
-   the ground. p of a prescribed axis is its speed; y is a momentum (or load) on the body itself, about O, that p and pi
-   do not hold. b and G become what the subtree's momentum is, less y.
-   Source: back-substitution.  Cost: 200 flops a body.  Test: the_three_methods_agree, momenta_give_back_the_speeds. */
-static FBI_FLATTEN fb_status fbi_tree_solve(fb_system_work *w, const fb_system *system)
-{
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    fbi_vec6_zero(L->b);
-    fbi_vec6_add(L->b, -FB_R(1.0), L->y);
-    fbi_copy(L->e, L->pi, L->model->n);
-  }
-  for (int k = system->n_body - 1; k >= 0; k--) {
-    fbi_link_work *L = &w->link[k], *parent = L->parent;
-    fbi_link_in(L, L->joint, L->model);
-    fbi_hand_in(parent, L, L->joint, parent ? parent->model->n : 0);
-  }
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    const fbi_link_work *parent = L->parent;
-    fb_real node[6];
-    fb_status status;
-    if (parent) {
-      fbi_node_velocity(node, L, L->joint, parent->model, parent->V, parent->q_dot);
-    }
-    status = fbi_link_out(L, L->joint, L->model, parent ? node : NULL);
-    if (status != FB_OK) {
-      w->joint = k;
-      return status;
-    }
-  }
-  return FB_OK;
-}
-
-/* ---- the same by one dense matrix */
-
-/* Place of a body's speeds among all of them: those of its joint, then of its modes. */
-static int fbi_speed_offset(const fb_system *system, const fb_system_work *w, const fb_body *body, int k)
-{
-  int at = 0;
-  for (int i = 0; i < k; i++) {
-    at += fbi_link_joint(system, w, i)->n_axis + fbi_model(system, body, i)->n;
-  }
-  return at;
-}
-
-/* Row c of T: the velocity V of body k per unit of speed c. */
-static void fbi_velocity_map(fb_system_work *w, const fb_system *system, const fb_body *body, int k, int N)
-{
-  const fbi_link_work *L = &w->link[k];
-  const fb_joint *joint = fbi_link_joint(system, w, k);
-  const int at = fbi_speed_offset(system, w, body, k);
-  fb_real *T = w->T + 6 * k * N;
-  fbi_zero(T, 6 * N);
-  if (joint->parent >= 0) {
-    const fb_body *on = fbi_model(system, body, joint->parent);
-    const fb_real *parent = w->T + 6 * joint->parent * N;
-    const int first = fbi_speed_offset(system, w, body, joint->parent + 1) - on->n;
-    for (int c = 0; c < at; c++) {
-      fb_real q_dot[FB_MAX_MODES] = {0}, node[6];
-      if (c >= first && c < first + on->n) {
-        q_dot[c - first] = FB_R(1.0);
-      }
-      fbi_node_velocity(node, L, joint, on, parent + 6 * c, q_dot);
-      fbi_from_node(T + 6 * c, L, node);
-    }
-  }
-  for (int i = 0; i < joint->n_axis; i++) {
-    if (joint->kind == FB_JOINT_FREE) {
-      T[6 * (at + i) + i] = FB_R(1.0);
-    } else {
-      fbi_vec6_copy(T + 6 * (at + i), L->A + 6 * i);
-    }
-  }
-}
-
-/* [E9.6] Mass matrix of a tree, M = sum of (T, 1)^T [M_rr Lambda; Lambda^T E] (T, 1) over the bodies, V = T u, with the
-   given speeds as they are; LU.
-   Source: THEORY.md 9.1; [H] 3.3.  Cost: bodies N^2 and 2/3 N^3 flops.  Fails: singular.
-   Test: the_three_methods_agree. */
-static FBI_NOINLINE fb_status fbi_dense_factor(fb_system_work *w, const fb_system *system, const fb_body *body,
-                                               fb_real g)
-{
-  const int N = fbi_speed_offset(system, w, body, system->n_body);
-  fbi_zero(w->M, N * N);
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    const fb_body *model = fbi_model(system, body, k);
-    const fb_joint *joint = fbi_link_joint(system, w, k);
-    const int axes = fbi_speed_offset(system, w, body, k), at = axes + joint->n_axis;
-    const fb_real *T = w->T + 6 * k * N;
-    fbi_S_eval(L->S, model, L->k.qx, model->n_run);
-    fbi_link_open(L, model, g, w->heavy);
-    fbi_velocity_map(w, system, body, k, N);
-    for (int c = 0; c < at; c++) {
-      fb_real h[6];
-      fb_sym6_mul_vec6(h, L->S, T + 6 * c);
-      for (int d = 0; d <= c; d++) {
-        w->M[c * N + d] += fbi_vec6_dot(T + 6 * d, h);
-      }
-      for (int a = 0; a < model->n; a++) {
-        w->M[(at + a) * N + c] += fbi_vec6_dot(L->X + 6 * a, T + 6 * c);
-      }
-    }
-    for (int a = 0; a < model->n; a++) {
-      fbi_row_sub(w->M + (at + a) * N + at, -FB_R(1.0), L->E + a * model->n, a + 1);
-    }
-    for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
-      w->M[(axes + i) * (N + 1)] += g * joint->damping[i] + g * g * joint->stiffness[i];
-    }
-  }
-  for (int c = 0; c < N; c++) {
-    for (int d = 0; d < c; d++) {
-      w->M[d * N + c] = w->M[c * N + d];
-    }
-  }
-  for (int k = 0; k < system->n_body; k++) {
-    const fb_joint *joint = fbi_link_joint(system, w, k);
-    for (int i = 0; i < joint->n_axis; i++) {
-      const int c = fbi_speed_offset(system, w, body, k) + i;
-      if (fbi_axis_mode(&w->link[k], joint, i) != FB_AXIS_FREE) {
-        fbi_zero(w->M + c * N, N);
-        w->M[c * (N + 1)] = FB_R(1.0);
-      }
-    }
-  }
-  {
-    const fb_status status = fb_lu_factor(w->M, w->perm, w->z, N);
-    return status == FB_ERR_SINGULAR ? FB_ERR_UNDETERMINED : status;
-  }
-}
-
-/* E9.5 with the factors of E9.6. */
-static FBI_NOINLINE void fbi_dense_solve(fb_system_work *w, const fb_system *system, const fb_body *body)
-{
-  const int N = fbi_speed_offset(system, w, body, system->n_body);
-  for (int k = 0; k < system->n_body; k++) {
-    for (int i = 0; i < 6; i++) {
-      w->link[k].b[i] = -w->link[k].y[i];
-    }
-    fbi_copy(w->link[k].e, w->link[k].pi, fbi_model(system, body, k)->n);
-  }
-  for (int k = system->n_body - 1; k >= 0; k--) {
-    fbi_link_work *L = &w->link[k];
-    const fb_joint *joint = fbi_link_joint(system, w, k);
-    const int at = fbi_speed_offset(system, w, body, k);
-    for (int i = 0; i < joint->n_axis; i++) {
-      const fb_real along = joint->kind == FB_JOINT_FREE ? L->b[i] : fbi_vec6_dot(L->A + 6 * i, L->b);
-      const fb_real given = fbi_axis_mode(L, joint, i) == FB_AXIS_PRESCRIBED ? L->p[i] : FB_R(0.0);
-      w->z[at + i] = fbi_axis_mode(L, joint, i) != FB_AXIS_FREE ? given : L->p[i] - along;
-    }
-    fbi_copy(w->z + at + joint->n_axis, L->e, fbi_model(system, body, k)->n);
-    fbi_hand_in_at(w, system, body, k);
-  }
-  fb_lu_solve(w->speed, w->M, w->perm, w->z, N);
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    const fb_body *model = fbi_model(system, body, k);
-    const fb_joint *joint = fbi_link_joint(system, w, k);
-    const int at = fbi_speed_offset(system, w, body, k);
-    fbi_copy(L->u, w->speed + at, joint->n_axis);
-    fbi_copy(L->q_dot, w->speed + at + joint->n_axis, model->n);
-    fbi_vec6_zero(L->V);
-    for (int c = 0; c < N; c++) {
-      fbi_row_sub(L->V, -w->speed[c], w->T + 6 * (k * N + c), 6);
-    }
-    fb_sym6_mul_vec6(L->b, L->S, L->V);
-    for (int a = 0; a < model->n; a++) {
-      fbi_vec6_add(L->b, L->q_dot[a], L->X + 6 * a);
-    }
-    fbi_vec6_add(L->b, -FB_R(1.0), L->y);
-  }
-  for (int k = system->n_body - 1; k >= 0; k--) {
-    fbi_vec6_copy(w->link[k].G, w->link[k].b);
-    fbi_hand_in_at(w, system, body, k);
-  }
-}
-
-static fb_status fbi_mass_factor(fb_system_work *w, const fb_system *system, const fb_body *body, fb_real g)
-{
-  w->joint = -1;
-  if (system->method == FB_METHOD_DENSE) {
-    const fb_status status = fbi_dense_factor(w, system, body, g);
-    if (status == FB_ERR_UNDETERMINED) {
-      (void)fbi_tree_factor(w, system, g); /* knows the joint */
-    }
-    return status;
-  }
-  return fbi_tree_factor(w, system, g);
-}
-
-static fb_status fbi_speeds_solve(fb_system_work *w, const fb_system *system, const fb_body *body)
-{
-  if (system->method == FB_METHOD_DENSE) {
-    fbi_dense_solve(w, system, body);
-    return FB_OK;
-  }
-  return fbi_tree_solve(w, system);
-}
-
-/* ---- 9d constraints */
-
-/* The end of a constraint at a node of a body: found among those there are, or a new one. */
-static fb_status fbi_end_find(int *at, fb_system_work *w, const fb_system *system, const fb_body *body, int link,
-                              int node)
-{
-  fbi_end *end = w->end;
-  FBI_REQUIRE(link >= FB_GROUND && link < system->n_body, FB_ERR_CAPACITY);
-  FBI_REQUIRE(node >= 0 && node < (link < 0 ? 1 : fbi_model(system, body, link)->n_node), FB_ERR_CAPACITY);
-  for (*at = 0; *at < w->n_end; ++*at, end++) {
-    if (end->link == link && end->node == node) {
-      return FB_OK;
-    }
-  }
-  FBI_REQUIRE(w->n_end < FBI_MAX_ENDS, FB_ERR_CAPACITY);
-  w->n_end++;
-  memset(end, 0, sizeof *end);
-  end->link = link;
-  end->node = node;
-  end->R[0] = end->R[4] = end->R[8] = FB_R(1.0);
-  if (link >= 0) {
-    const fb_body *model = fbi_model(system, body, link);
-    const fbi_link_work *L = &w->link[link];
-    fb_real quat[4], turn[9];
-    end->moves = fbi_node_moves(model, node);
-    fbi_node_eval(&end->f, model, &model->node[node], L->k.qx + 1);
-    fbi_vec3_copy(end->n, model->node[node].r);
-    fbi_vec3_add(end->n, FB_R(1.0), end->f.u);
-    fbi_node_quat(quat, &end->f);
-    fb_quat_to_mat33(turn, quat);
-    fb_mat33_mul(end->R, L->k.R, turn);
-    fb_mat33_mul_vec3(end->x, L->k.R, end->n);
-    fbi_vec3_add(end->x, FB_R(1.0), L->rho);
-  }
-  return FB_OK;
-}
-
-/* v, w of an end, inertial axes, from the solution V, q_dot. */
-static void fbi_end_velocity(fb_real v[3], fb_real w_I[3], const fb_system_work *w, const fb_system *system,
-                             const fb_body *body, const fbi_end *end)
-{
-  fbi_vec3_zero(v);
-  fbi_vec3_zero(w_I);
-  if (end->link >= 0) {
-    const fbi_link_work *L = &w->link[end->link];
-    fb_real velocity[3], rate[3];
-    fbi_vec3_copy(velocity, L->V);
-    fbi_vec3_copy(rate, L->V + 3);
-    fbi_vec3_add_cross(velocity, L->V + 3, end->n);
-    for (int a = 0; a < fbi_model(system, body, end->link)->n && end->moves; a++) {
-      fbi_vec3_add(velocity, L->q_dot[a], end->f.Ju + 3 * a);
-      fbi_vec3_add(rate, L->q_dot[a], end->f.Jphi + 3 * a);
-    }
-    fb_mat33_mul_vec3(v, L->k.R, velocity);
-    fb_mat33_mul_vec3(w_I, L->k.R, rate);
-  }
-}
-
-/* s times a force and torque (inertial axes) on the node of an end: y about its body's origin, e of the modes. */
-static void fbi_end_push(fb_real y[6], fb_real *e, const fbi_link_work *L, const fbi_end *end, int n, fb_real s,
-                         const fb_real force[3], const fb_real torque[3])
-{
-  fb_real f[3], t[3];
-  fb_mat33_mulT_vec3(f, L->k.R, force);
-  fb_mat33_mulT_vec3(t, L->k.R, torque);
-  for (int a = 0; a < n && end->moves; a++) {
-    e[a] += s * (fb_vec3_dot(end->f.Ju + 3 * a, f) + fb_vec3_dot(end->f.Jphi + 3 * a, t));
-  }
-  fbi_vec3_add_cross(t, end->n, f);
-  fbi_vec3_add(y, s, f);
-  fbi_vec3_add(y + 3, s, t);
-}
-
-typedef struct fbi_frames { /* of a kept joint on its parent a and child b, inertial axes */
-  fbi_end *end[2];
-  int at[2];
-  fb_real a[3][3], b[3][3]; /* axes x, y, z */
-  fb_real x[2][3];          /* origins */
-  fb_real arm[2][3];        /* from the ends: to the child's origin */
-  fb_real step[3];          /* from the parent's origin to the child's */
-} fbi_frames;
-
-static fb_status fbi_frames_eval(fbi_frames *f, fb_system_work *w, const fb_system *system, const fb_body *body, int j)
-{
-  const fb_joint *joint = &system->joint[j];
-  const fb_real *local[2], *axes[2];
-  int parent_node = joint->parent_node;
-  fb_status status;
-  local[0] = joint->position;
-  local[1] = joint->child_position;
-  axes[0] = joint->axes;
-  axes[1] = joint->child_axes;
-  if (!joint->moves) {
-    parent_node = 0; /* the position is from the origin */
-  }
-  status = fbi_end_find(&f->at[0], w, system, body, joint->parent, parent_node);
-  status = status == FB_OK ? fbi_end_find(&f->at[1], w, system, body, joint->child, joint->child_node) : status;
-  if (status != FB_OK) {
-    return status;
-  }
-  for (int s = 0; s < 2; s++) {
-    f->end[s] = &w->end[f->at[s]];
-    fb_mat33_mul_vec3(f->x[s], f->end[s]->R, local[s]);
-    fbi_vec3_add(f->x[s], FB_R(1.0), f->end[s]->x);
-    for (int i = 0; i < 3; i++) {
-      const fb_real column[3] = {axes[s][i], axes[s][3 + i], axes[s][6 + i]};
-      fb_mat33_mul_vec3(s == 0 ? f->a[i] : f->b[i], f->end[s]->R, column);
-    }
-  }
-  for (int i = 0; i < 3; i++) {
-    f->step[i] = f->x[1][i] - f->x[0][i];
-    f->arm[0][i] = f->x[1][i] - f->end[0]->x[i];
-    f->arm[1][i] = f->x[1][i] - f->end[1]->x[i];
-  }
-  fbi_frames_apart_add(f->step, FB_R(1.0), w, joint->parent, joint->child, 0);
-  fbi_frames_apart_add(f->arm[0], FB_R(1.0), w, joint->parent, joint->child, 0);
-  return FB_OK;
-}
-
-/* [E9.7] Coordinates of a joint from its frames; angles within half a turn. rotation: those of a rotation vector.
-   Source: [H] 3.1.  Test: the_three_methods_agree. */
-static void fbi_frames_value(fb_real value[3], const fbi_frames *f, const fb_joint *joint)
-{
-  const fb_real slide = fb_vec3_dot(f->step, f->a[2]);
-  const fb_joint_kind kind = joint->kind;
-  fbi_vec3_zero(value);
-  if (kind == FB_JOINT_PRISMATIC) {
-    value[0] = slide;
-  } else if (kind == FB_JOINT_SPHERICAL) {
-    fb_real R[9], quat[4];
-    for (int i = 0; i < 9; i++) {
-      R[i] = fb_vec3_dot(f->a[i / 3], f->b[i % 3]);
-    }
-    fbi_quat_from_mat33(quat, R);
-    fb_quat_to_rotvec(value, quat);
-  } else {
-    value[0] = FB_ATAN2(fb_vec3_dot(f->a[1], f->b[0]), fb_vec3_dot(f->a[0], f->b[0]));
-    value[1] = kind == FB_JOINT_CYLINDRICAL ? slide : FB_R(0.0);
-    if (kind == FB_JOINT_UNIVERSAL) {
-      value[1] = FB_ATAN2(fb_vec3_dot(f->a[2], f->b[1]), fb_vec3_dot(f->a[2], f->b[2]));
-    }
-  }
-}
-
-/* The direction (force, torque) in which axis i of a joint pushes its child at the child's frame. */
-static void fbi_frames_axis(fb_real force[3], fb_real torque[3], const fbi_frames *f, const fb_joint *joint, int i)
-{
-  const fb_joint_kind kind = joint->kind;
-  fbi_vec3_zero(force);
-  fbi_vec3_zero(torque);
-  if (kind == FB_JOINT_PRISMATIC || (kind == FB_JOINT_CYLINDRICAL && i == 1)) {
-    fbi_vec3_copy(force, f->a[2]);
-  } else if (kind == FB_JOINT_SPHERICAL) {
-    fbi_vec3_copy(torque, f->b[i]);
-  } else {
-    fbi_vec3_copy(torque, kind == FB_JOINT_UNIVERSAL && i == 1 ? f->b[0] : f->a[2]);
-  }
-}
-
-/* A new row of joint j that pushes along (force, torque) at the child's origin, and back on the parent. */
-static fbi_row *fbi_row_new(fb_system_work *w, const fbi_frames *f, int j, const fb_real force[3],
-                            const fb_real torque[3], fb_real value)
-{
-  fbi_row *row;
-  if (w->n_row >= FB_MAX_ROWS) {
-    return NULL;
-  }
-  row = &w->row[w->n_row++];
-  memset(row, 0, sizeof *row);
-  row->joint = j;
-  row->r.holonomic = 1;
-  row->r.value = value;
-  for (int s = 0; s < 2; s++) {
-    const fb_real sign = s == 0 ? -FB_R(1.0) : FB_R(1.0);
-    row->end[s] = f->at[s];
-    fbi_vec3_add(row->r.force[s], sign, force);
-    fbi_vec3_add(row->r.torque[s], sign, torque);
-    {
-      fb_real moment[3];
-      fb_vec3_cross(moment, f->arm[s], force);
-      fbi_vec3_add(row->r.torque[s], sign, moment);
-    }
-  }
-  return row;
-}
-
-/* Which of its frame's directions a joint holds: translations 0..2, then the angles between axis i of the parent and j
-   of the child at 90 degrees, as 3 + 3 i + j; -1 ends the list. */
-static const signed char *fbi_joint_holds(fb_joint_kind kind)
-{
-  static const signed char list[8][7] = {{-1},
-                                         {0, 1, 2, 3 + 1, 3 + 5, 3 + 6, -1},
-                                         {0, 1, 2, 3 + 2, 3 + 5, -1},
-                                         {0, 1, 3 + 1, 3 + 5, 3 + 6, -1},
-                                         {0, 1, 3 + 2, 3 + 5, -1},
-                                         {0, 1, 3 + 2, 3 + 5, -1},
-                                         {0, 1, 2, 3 + 6, -1},
-                                         {0, 1, 2, -1}};
-  return list[(int)kind];
-}
-
-static fb_real fbi_angle_wrap(fb_real angle)
-{
-  return FB_ATAN2(FB_SIN(angle), FB_COS(angle));
-}
-
-/* Does axis i of the joint slide? */
-static int fbi_axis_slides(const fb_joint *joint, int i)
-{
-  return joint->kind == FB_JOINT_PRISMATIC || (joint->kind == FB_JOINT_CYLINDRICAL && i == 1);
-}
-
-/* Rows of the axes that are locked or prescribed. */
-static int fbi_given_rows(fb_system_work *w, const fb_system *system, const fbi_frames *f, int j,
-                          const fb_system_state *modes, const fb_system_input *input)
-{
-  const fb_joint *joint = &system->joint[j];
-  fb_real value[3], force[3], torque[3];
-  fbi_frames_value(value, f, joint);
-  for (int i = 0; i < joint->n_axis; i++) {
-    const int prescribed = modes->mode[j][i] == FB_AXIS_PRESCRIBED;
-    const fb_real target = !prescribed ? modes->hold[j][i] : input ? input->drive[j].value[i] : FB_R(0.0);
-    fb_real miss = value[i] - target;
-    fbi_row *row;
-    if (modes->mode[j][i] == FB_AXIS_FREE) {
-      continue;
-    }
-    fbi_frames_axis(force, torque, f, joint, i);
-    if (joint->kind == FB_JOINT_SPHERICAL && !prescribed) { /* against the axes as they were when it was locked */
-      fb_real hold[9], b[3] = {0};
-      const int next = (i + 1) % 3;
-      fb_quat_to_mat33(hold, modes->hold_quat[j]);
-      for (int k = 0; k < 3; k++) {
-        fbi_vec3_add(b, hold[3 * next + k], f->b[k]);
-      }
-      fb_vec3_cross(torque, b, f->a[i]);
-      miss = fb_vec3_dot(f->a[i], b);
-    } else if (!fbi_axis_slides(joint, i)) {
-      miss = fbi_angle_wrap(miss);
-    }
-    row = fbi_row_new(w, f, j, force, torque, miss);
-    if (!row) {
-      return 0;
-    }
-    row->axis = i;
-    if (prescribed) {
-      row->r.b = input ? -input->drive[j].rate[i] : FB_R(0.0);
-      row->b_dot = input ? -input->drive[j].acceleration[i] : FB_R(0.0);
-      row->r.holonomic = joint->kind != FB_JOINT_SPHERICAL;
-    }
-  }
-  return 1;
-}
-
-/* [E9.8] Rows of a joint that is kept: force and torque on the child at its joint frame, the opposite on the parent.
-   Translation along a_i: force a_i, value a_i.(x_b - x_a). Right angle of a_i and b_j: torque b_j x a_i, value a_i.b_j.
-   Screw: force a_z, torque -pitch a_z, value slide - pitch angle. Each is the exact gradient of its value.
-   Source: [H] 3.4; direction cosines.  Fails: more than FB_MAX_ROWS.  Test: the_three_methods_agree. */
-static fb_status fbi_joint_rows(fb_system_work *w, const fb_system *system, const fb_body *body, int j,
-                                const fb_system_state *modes, const fb_system_input *input)
-{
-  const fb_joint *joint = &system->joint[j];
-  static const fb_real none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-  fbi_frames f;
-  const fb_status status = fbi_frames_eval(&f, w, system, body, j);
-  int room = 1;
-  if (status != FB_OK) {
-    return status;
-  }
-  for (const signed char *hold = fbi_joint_holds(joint->kind); *hold >= 0 && room; hold++) {
-    const fb_real *a = f.a[*hold < 3 ? *hold : (*hold - 3) / 3];
-    fbi_row *row;
-    if (*hold < 3) {
-      row = fbi_row_new(w, &f, j, a, none, fb_vec3_dot(a, f.step));
-    } else {
-      const fb_real *b = f.b[(*hold - 3) % 3];
-      fb_real torque[3];
-      fb_vec3_cross(torque, b, a);
-      row = fbi_row_new(w, &f, j, none, torque, fb_vec3_dot(a, b));
-    }
-    room = row != NULL;
-    if (row) {
-      row->axis = -1 - *hold;
-    }
-  }
-  if (joint->kind == FB_JOINT_SCREW && room) {
-    const fb_real slide = fb_vec3_dot(f.a[2], f.step);
-    fb_real value[3], torque[3] = {0};
-    fbi_row *row;
-    fbi_frames_value(value, &f, joint);
-    fbi_vec3_add(torque, -joint->pitch, f.a[2]);
-    value[0] = joint->pitch == FB_R(0.0) ? slide : joint->pitch * fbi_angle_wrap(slide / joint->pitch - value[0]);
-    row = fbi_row_new(w, &f, j, f.a[2], torque, value[0]);
-    room = row != NULL;
-    if (row) {
-      row->axis = 0;
-    }
-  }
-  return room && fbi_given_rows(w, system, &f, j, modes, input) ? FB_OK : FB_ERR_CAPACITY;
-}
-
-/* Rates of a joint's rows along the motion of its ends: axes of the parent turn with it, those of the child with the
-   child; given axes with either: what is between them is a torque that the joint bears, and across its motion. The
-   frames are where they were. */
-static void fbi_joint_row_rates(fbi_row *row, fb_system_work *w, const fb_system *system, const fb_body *body)
-{
-  const int hold = -1 - row->axis;
-  fbi_frames f;
-  fb_real force[3] = {0}, force_dot[3] = {0}, torque_dot[3] = {0}, at_child[3];
-  (void)fbi_frames_eval(&f, w, system, body, row->joint);
-  fbi_vec3_copy(force, row->r.force[1]);
-  if (row->axis >= 0) {
-    fb_real torque[3], moment[3];
-    fb_vec3_cross(moment, f.arm[1], force);
-    for (int i = 0; i < 3; i++) {
-      torque[i] = row->r.torque[1][i] - moment[i];
-    }
-    fb_vec3_cross(force_dot, f.end[0]->w, force);
-    fb_vec3_cross(torque_dot, f.end[0]->w, torque);
-  } else if (hold < 3) {
-    fb_vec3_cross(force_dot, f.end[0]->w, force);
-  } else {
-    const fb_real *a = f.a[(hold - 3) / 3], *b = f.b[(hold - 3) % 3];
-    fb_real a_dot[3], b_dot[3];
-    fb_vec3_cross(a_dot, f.end[0]->w, a);
-    fb_vec3_cross(b_dot, f.end[1]->w, b);
-    fb_vec3_cross(torque_dot, b_dot, a);
-    fbi_vec3_add_cross(torque_dot, b, a_dot);
-  }
-  fbi_vec3_copy(at_child, f.end[1]->v);
-  fbi_vec3_add_cross(at_child, f.end[1]->w, f.arm[1]);
-  for (int s = 0; s < 2; s++) { /* arm_dot x force + arm x force_dot */
-    const fb_real sign = s == 0 ? -FB_R(1.0) : FB_R(1.0);
-    fb_real arm_dot[3], moment[3];
-    for (int i = 0; i < 3; i++) {
-      arm_dot[i] = at_child[i] - f.end[s]->v[i];
-    }
-    fbi_frames_apart_add(arm_dot, FB_R(1.0), w, f.end[s]->link, f.end[1]->link, 1);
-    fb_vec3_cross(moment, arm_dot, force);
-    fbi_vec3_add_cross(moment, f.arm[s], force_dot);
-    for (int i = 0; i < 3; i++) {
-      row->force_dot[s][i] = sign * force_dot[i];
-      row->torque_dot[s][i] = sign * (torque_dot[i] + moment[i]);
-    }
-  }
-}
-
-/* The caller's rows, at time t and the poses of the bodies moved on by h [s]; rows go to `row`. */
-static int fbi_user_rows(fb_row *row, fb_system_work *w, const fb_system *system, const fb_system_input *input,
-                         fb_real h)
-{
-  memset(row, 0, FB_MAX_ROWS * sizeof *row);
-  for (int k = 0; k < system->n_body; k++) {
-    const fbi_link_work *L = &w->link[k];
-    fb_real v[3], turn[4], phi[3], R[9];
-    fb_mat33_mul_vec3(v, L->k.R, L->V);
-    fbi_vec3_add(v, FB_R(1.0), w->link[L->root].frame);
-    for (int i = 0; i < 3; i++) {
-      w->pose[k].position[i] = fbi_true_position(w, k, L->rho, i) + (h == FB_R(0.0) ? h : h * v[i]);
-      phi[i] = h == FB_R(0.0) ? h : h * L->V[3 + i];
-    }
-    fb_quat_from_rotvec(turn, phi);
-    fb_quat_to_mat33(R, turn);
-    fb_mat33_mul(w->pose[k].R, L->k.R, R);
-  }
-  return input->rows(row, FB_MAX_ROWS - w->n_joint_row, w->pose, input->t + h, input->user);
-}
-
-/* All rows at the present positions. */
-static FBI_NOINLINE fb_status fbi_rows_fill(fb_system_work *w, const fb_system *system, const fb_body *body,
-                                            const fb_system_state *modes, const fb_system_input *input)
-{
-  fb_status status = FB_OK;
-  w->n_row = w->n_end = 0;
-  for (int j = 0; j < system->n_body + system->n_loop && status == FB_OK; j++) {
-    if (fbi_is_kept(system, w, j)) {
-      status = fbi_joint_rows(w, system, body, j, modes, input);
-      w->joint = status == FB_OK ? w->joint : j;
-    }
-  }
-  w->n_joint_row = w->n_row;
-  if (status == FB_OK && input && input->rows) {
-    const int count = fbi_user_rows(w->ahead, w, system, input, FB_R(0.0));
-    if (count < 0 || count > FB_MAX_ROWS - w->n_row) {
-      return count < 0 ? (fb_status)count : FB_ERR_CAPACITY;
-    }
-    for (int k = 0; k < count && status == FB_OK; k++) {
-      const fb_real rest[2] = {w->ahead[k].b, w->ahead[k].value};
-      fbi_row *row = &w->row[w->n_row++];
-      memset(row, 0, sizeof *row);
-      row->r = w->ahead[k];
-      row->joint = -2 - k;
-      for (int s = 0; s < 2 && status == FB_OK; s++) {
-        status = fbi_end_find(&row->end[s], w, system, body, row->r.body[s], row->r.node[s]);
-      }
-      if (status == FB_OK &&
-          (!fbi_is_finite(row->r.force[0], 3) || !fbi_is_finite(row->r.force[1], 3) ||
-           !fbi_is_finite(row->r.torque[0], 3) || !fbi_is_finite(row->r.torque[1], 3) || !fbi_is_finite(rest, 2))) {
-        status = FB_ERR_NOT_FINITE;
-      }
-      w->joint = status == FB_OK ? w->joint : row->joint;
-    }
-  }
-  return status;
-}
-
-/* Motion of the ends from the solution, then how the rows change with it: those of the caller by differences over a
-   small part of a turn. */
-static FBI_NOINLINE fb_status fbi_rows_rate(fb_system_work *w, const fb_system *system, const fb_body *body,
-                                            const fb_system_input *input)
-{
-  const int count = w->n_row - w->n_joint_row;
-  for (int e = 0; e < w->n_end; e++) {
-    fbi_end_velocity(w->end[e].v, w->end[e].w, w, system, body, &w->end[e]);
-  }
-  for (int r = 0; r < w->n_joint_row; r++) {
-    fbi_joint_row_rates(&w->row[r], w, system, body);
-  }
-  if (count > 0 && input) {
-    fb_real spin = FB_R(1.0), h;
-    for (int k = 0; k < system->n_body; k++) {
-      spin = fbi_larger(spin, fbi_vec3_norm(w->link[k].V + 3));
-    }
-    h = (FB_SINGLE ? FB_R(5e-3) : FB_R(1e-5)) / spin;
-    for (int side = 0; side < 2; side++) {
-      const int found = fbi_user_rows(side ? w->behind : w->ahead, w, system, input, side ? -h : h);
-      if (found != count) {
-        return found < 0 ? (fb_status)found : FB_ERR_VALUE;
-      }
-    }
-    for (int r = 0; r < count; r++) {
-      fbi_row *row = &w->row[w->n_joint_row + r];
-      const fb_row *a = &w->ahead[r], *b = &w->behind[r];
-      const fb_real scale = FB_R(0.5) / h;
-      row->b_dot = scale * (a->b - b->b);
-      for (int i = 0; i < 6; i++) {
-        row->force_dot[i / 3][i % 3] = scale * (a->force[i / 3][i % 3] - b->force[i / 3][i % 3]);
-        row->torque_dot[i / 3][i % 3] = scale * (a->torque[i / 3][i % 3] - b->torque[i / 3][i % 3]);
-      }
-    }
-  }
-  return FB_OK;
-}
-
-/* Velocities of all ends by the solution, for the sums of rows. */
-static void fbi_ends_move(fb_system_work *w, const fb_system *system, const fb_body *body)
-{
-  for (int e = 0; e < w->n_end; e++) {
-    fbi_end_velocity(w->end[e].move, w->end[e].move + 3, w, system, body, &w->end[e]);
-  }
-}
-
-/* The sum force.v + torque.w of a row over these velocities. */
-static fb_real fbi_row_eval(const fbi_row *row, const fb_system_work *w)
-{
-  const fb_real *a = w->end[row->end[0]].move, *b = w->end[row->end[1]].move;
-  return fb_vec3_dot(row->r.force[0], a) + fb_vec3_dot(row->r.torque[0], a + 3) + fb_vec3_dot(row->r.force[1], b) +
-         fb_vec3_dot(row->r.torque[1], b + 3);
-}
-
-/* What that would be if all were along. */
-static fb_real fbi_row_size(const fbi_row *row, const fb_system_work *w)
-{
-  fb_real size = FB_R(0.0);
-  for (int s = 0; s < 2; s++) {
-    const fb_real *move = w->end[row->end[s]].move;
-    size += fbi_vec3_norm(row->r.force[s]) * fbi_vec3_norm(move);
-    size += fbi_vec3_norm(row->r.torque[s]) * fbi_vec3_norm(move + 3);
-  }
-  return size;
-}
-
-/* What the frames of its trees give to the sum of a row: force.u of each, a couple within a tree none. size: as above.
-   */
-static fb_real fbi_row_drift(fb_real *size, const fb_system_work *w, const fbi_row *row, const fb_real force[2][3])
-{
-  fb_real sum = FB_R(0.0);
-  int link[2];
-  for (int s = 0; s < 2; s++) {
-    link[s] = w->end[row->end[s]].link;
-  }
-  *size = FB_R(0.0);
-  if (link[0] >= 0 && link[1] >= 0 && w->link[link[0]].root == w->link[link[1]].root) {
-    const fb_real *u = w->link[w->link[link[0]].root].frame;
-    for (int i = 0; i < 3; i++) {
-      sum += (force[0][i] + force[1][i]) * u[i];
-    }
-    *size = FB_FABS(sum);
-    return sum;
-  }
-  for (int s = 0; s < 2; s++) {
-    const fb_real *u = link[s] >= 0 ? w->link[w->link[link[s]].root].frame : NULL;
-    sum += u ? fb_vec3_dot(force[s], u) : FB_R(0.0);
-    *size += u ? fbi_vec3_norm(force[s]) * fbi_vec3_norm(u) : FB_R(0.0);
-  }
-  return sum;
-}
-
-/* The right-hand side to zero: no momenta, no given speeds. */
-static void fbi_rhs_clear(fb_system_work *w, const fb_system *system, const fb_body *body)
-{
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_vec6_zero(w->link[k].y);
-    fbi_vec6_zero(w->link[k].p);
-    fbi_zero(w->link[k].pi, fbi_model(system, body, k)->n);
-  }
-}
-
-static void fbi_row_impulse(fb_system_work *w, const fb_system *system, const fb_body *body, int r, fb_real s)
-{
-  const fbi_row *row = &w->row[r];
-  for (int side = 0; side < 2; side++) {
-    const fbi_end *end = &w->end[row->end[side]];
-    if (end->link >= 0) {
-      fbi_link_work *L = &w->link[end->link];
-      fbi_end_push(L->y, L->pi, L, end, fbi_model(system, body, end->link)->n, s, row->r.force[side],
-                   row->r.torque[side]);
-    }
-  }
-}
-
-/* Of the same joint (or the caller), and both with a force or both without? */
-static int fbi_rows_alike(const fbi_row *a, const fbi_row *b)
-{
-  const int force_a = fbi_vec3_norm(a->r.force[0]) + fbi_vec3_norm(a->r.force[1]) > FB_R(0.0);
-  const int force_b = fbi_vec3_norm(b->r.force[0]) + fbi_vec3_norm(b->r.force[1]) > FB_R(0.0);
-  return force_a == force_b && (a->joint == b->joint || (a->joint < -1 && b->joint < -1));
-}
-
-/* [E9.9] Q = A M^-1 A^T of the rows and its pivoted Cholesky factors: rows that depend on others are left out, w->rank
-   of them stay. A pivot is the square of how far a row stands out of the others: below 1e-8 of its diagonal, 1e-4 rad
-   before a singular position (single precision: 0.01 rad), the impulses would be made of the errors of a stage's
-   position.
-   Source: [GV] 4.2.8.  Shapes: Q n_row x n_row.  Cost: n_row solutions E9.5, n_row^3/3 flops.
-   Fails: never.  Test: redundant_loops_are_accepted. */
-static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, const fb_body *body)
-{
-  const int m = w->n_row;
-  const fb_real tol = FB_SINGLE ? FB_R(1e-4) : FB_R(1e-8), across = FB_SINGLE ? FB_R(1e-5) : FB_R(1e-10);
-  fb_real *Q = w->Q;
-  for (int r = 0; r < m; r++) {
-    fb_status status;
-    fbi_rhs_clear(w, system, body);
-    fbi_row_impulse(w, system, body, r, FB_R(1.0));
-    status = fbi_speeds_solve(w, system, body);
-    if (status != FB_OK) {
-      return status;
-    }
-    fbi_ends_move(w, system, body);
-    for (int i = r; i < m; i++) {
-      Q[i * m + r] = Q[r * m + i] = fbi_row_eval(&w->row[i], w);
-    }
-    w->column[r] = fbi_row_size(&w->row[r], w);
-    w->order[r] = r;
-  }
-  for (int i = 0; i < m; i++) { /* a row is weighed with those of its kind at the same joint; one that moves across its
-                                   own direction, if at all, is not counted on */
-    fb_real largest = FB_R(0.0);
-    for (int r = 0; r < m; r++) {
-      largest = fbi_rows_alike(&w->row[i], &w->row[r]) ? fbi_larger(largest, Q[r * (m + 1)]) : largest;
-    }
-    w->diagonal[i] = Q[i * (m + 1)];
-    w->column[i] = w->diagonal[i] > across * w->column[i] ? largest : FB_HUGE;
-  }
-  for (w->rank = 0; w->rank < m;
-       w->rank++) { /* rows in the order of w->order; L in the lower triangle of their indices */
-    const int k = w->rank;
-    int best = k;
-    fb_real pivot;
-    for (int i = k + 1; i < m; i++) {
-      const int a = w->order[i], b = w->order[best];
-      best = w->diagonal[a] * w->column[b] > w->diagonal[b] * w->column[a] ? i : best;
-    }
-    {
-      const int p = w->order[best];
-      if (!(w->diagonal[p] > tol * w->column[p])) {
-        break;
-      }
-      w->order[best] = w->order[k];
-      w->order[k] = p;
-      pivot = FB_R(1.0) / FB_SQRT(w->diagonal[p]);
-      w->diagonal[p] = pivot; /* of L, the reciprocal */
-      for (int i = k + 1; i < m; i++) {
-        const int r = w->order[i];
-        fb_real sum = Q[r * m + p];
-        for (int j = 0; j < k; j++) {
-          sum -= w->L[r * m + j] * w->L[p * m + j];
-        }
-        w->L[r * m + k] = sum * pivot;
-        w->diagonal[r] -= w->L[r * m + k] * w->L[r * m + k];
-      }
-    }
-  }
-  return FB_OK;
-}
-
-/* mu with Q mu = -c on the independent rows, zero on the others. */
-static void fbi_rows_multipliers(fb_system_work *w)
-{
-  const int m = w->n_row, n = w->rank;
-  fb_real *y = w->column;
-  fbi_zero(w->mu, m);
-  for (int k = 0; k < n; k++) {
-    const int r = w->order[k];
-    y[k] = (-w->c[r] - fbi_dot(w->L + r * m, y, k)) * w->diagonal[r];
-  }
-  for (int k = n - 1; k >= 0; k--) {
-    const int r = w->order[k];
-    fb_real sum = y[k];
-    for (int i = k + 1; i < n; i++) {
-      sum -= w->L[w->order[i] * m + k] * w->mu[w->order[i]];
-    }
-    w->mu[r] = sum * w->diagonal[r];
-  }
-}
-
-/* [E9.10] Speeds under constraints, M u = p + A^T mu with A u + c = 0: solves for the right-hand side there is, then
-   with the impulses mu on it. c: what the rows have besides A u. check: speeds that
-   are given, or a c other than zero, may contradict the rows.
-   Source: Lagrange multipliers of the momenta; [H] 3.5.  Fails: FB_ERR_CONTRADICTION, the joint of a row left out
-   whose velocity does not come out.  Test: the_three_methods_agree, contradictions_name_their_joint. */
-static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_system *system, const fb_body *body,
-                                                    int check)
-{
-  fb_real drift;
-  int given = 0;
-  fb_status status = FB_OK;
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    fbi_vec6_copy(L->y0, L->y);
-    fbi_vec6_copy(L->p0, L->p);
-    fbi_copy(L->pi0, L->pi, fbi_model(system, body, k)->n);
-    for (int i = 0; i < fbi_link_joint(system, w, k)->n_axis; i++) {
-      const int drives = fbi_axis_mode(L, fbi_link_joint(system, w, k), i) == FB_AXIS_PRESCRIBED;
-      given |= drives && FB_FABS(L->p[i]) > FB_R(0.0);
-    }
-  }
-  status = fbi_speeds_solve(w, system, body);
-  fbi_ends_move(w, system, body);
-  for (int r = 0; r < w->n_row; r++) {
-    given |= FB_FABS(w->c[r]) > FB_R(0.0); /* no shortcut: work does not depend on values */
-    w->c[r] += fbi_row_eval(&w->row[r], w);
-  }
-  status = status == FB_OK ? fbi_rows_factor(w, system, body) : status;
-  if (status != FB_OK) {
-    return status;
-  }
-  fbi_rows_multipliers(w);
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    fbi_vec6_copy(L->y, L->y0);
-    fbi_vec6_copy(L->p, L->p0);
-    fbi_copy(L->pi, L->pi0, fbi_model(system, body, k)->n);
-  }
-  for (int r = 0; r < w->n_row; r++) {
-    fbi_row_impulse(w, system, body, r, w->mu[r]);
-  }
-  status = fbi_speeds_solve(w, system, body);
-  if (w->rank < w->n_row && given && check) {
-    fbi_ends_move(w, system, body);
-  }
-  for (int k = w->rank; k < w->n_row && given && check && status == FB_OK; k++) {
-    const int r = w->order[k];
-    fb_real miss = w->c[r];
-    for (int i = 0; i < w->n_row; i++) {
-      miss += w->Q[r * w->n_row + i] * w->mu[i];
-    }
-    (void)fbi_row_drift(&drift, w, &w->row[r], (const fb_real(*)[3])w->row[r].r.force);
-    if (FB_FABS(miss) > (FB_SINGLE ? FB_R(0.1) : FB_R(0.01)) *
-                            (fbi_row_size(&w->row[r], w) + drift)) { /* near singular positions some is left */
-      w->joint = w->row[r].joint;
-      status = FB_ERR_CONTRADICTION;
-    }
-  }
-  return status;
-}
-
-/* ---- 9e rates */
-
-/* Momenta of a joint along its axes: free and spherical joints keep theirs in inertial axes. */
-static void fbi_joint_momenta(fb_real p[6], const fbi_link_work *L, const fb_joint *joint, const fb_link_state *x)
-{
-  if (joint->kind == FB_JOINT_FREE) {
-    fb_mat33_mulT_vec3(p, L->k.R, x->p);
-    fb_mat33_mulT_vec3(p + 3, L->k.R, x->p + 3);
-  } else if (joint->kind == FB_JOINT_SPHERICAL) {
-    fb_real h[3];
-    fb_mat33_mulT_vec3(h, L->k.R, x->p);
-    fb_mat33_mulT_vec3(p, joint->child_axes, h);
-  } else {
-    fbi_copy(p, x->p, joint->n_axis);
-  }
-}
-
-/* The same back into the state. */
-static void fbi_joint_momenta_set(fb_link_state *x, const fbi_link_work *L, const fb_joint *joint, const fb_real p[6])
-{
-  if (joint->kind == FB_JOINT_FREE) {
-    fb_mat33_mul_vec3(x->p, L->k.R, p);
-    fb_mat33_mul_vec3(x->p + 3, L->k.R, p + 3);
-  } else if (joint->kind == FB_JOINT_SPHERICAL) {
-    fb_real h[3];
-    fb_mat33_mul_vec3(h, joint->child_axes, p);
-    fb_mat33_mul_vec3(x->p, L->k.R, h);
-  } else {
-    fbi_copy(x->p, p, joint->n_axis);
-  }
-}
-
-/* y += s times the velocity of a link's frame, body axes */
-static void fbi_own_frame_add(fb_real y[3], fb_real s, const fb_system_work *w, int k)
-{
-  const fbi_link_work *L = &w->link[k];
-  fb_real v[3];
-  fb_mat33_mulT_vec3(v, L->k.R, w->link[L->root].frame);
-  fbi_vec3_add(y, s, v);
-}
-
-/* Momenta of the state as the right-hand side, given speeds in their place. */
-static void fbi_rhs_momenta(fb_system_work *w, const fb_system *system, const fb_system_state *state,
-                            const fb_system_input *input)
-{
-  static const fb_real none[6] = {0};
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    const fb_joint *joint = L->joint;
-    const fb_link_state *x = &state->link[k];
-    fbi_vec6_zero(L->y);
-    fbi_copy(L->pi, x->pi, L->model->n);
-    if (w->owns && joint->kind == FB_JOINT_FREE) {
-      fb_mat33_mulT_vec3(L->p, L->k.R, x->p);
-      fbi_vec3_copy(L->p + 3, L->own);
-    } else {
-      fbi_joint_momenta(L->p, L, joint, x);
-    }
-    if (joint->kind == FB_JOINT_FREE && L->mode[0] == FB_AXIS_PRESCRIBED) {
-      fbi_copy(L->p, input ? input->drive[k].rate : none, 6);
-      fbi_own_frame_add(L->p, -FB_R(1.0), w, k);
-    }
-    for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
-      if (L->mode[i] == FB_AXIS_PRESCRIBED) {
-        L->p[i] = input ? input->drive[k].rate[i] : FB_R(0.0);
-      }
-    }
-  }
-}
-
-/* Prescribed values go into the coordinates before they are used. */
-static void fbi_prescribe(fb_system_state *state, const fb_system *system, const fb_system_work *w,
-                          const fb_system_state *modes, const fb_system_input *input)
-{
-  for (int k = 0; k < system->n_body; k++) {
-    const fb_joint *joint = fbi_link_joint(system, w, k);
-    const int axes = joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL ? 0 : joint->n_axis;
-    for (int i = 0; i < axes; i++) {
-      if (modes->mode[k][i] == FB_AXIS_PRESCRIBED) {
-        state->link[k].x[i] = input ? input->drive[k].value[i] : FB_R(0.0);
-      }
-    }
-  }
-}
-
-static fb_status fbi_system_input_check(const fb_system *system, const fb_body *body, const fb_system_input *input)
-{
-  if (!input) {
-    return FB_OK;
-  }
-  FBI_REQUIRE(input->n_load >= 0 && input->n_load <= FB_MAX_LOADS, FB_ERR_CAPACITY);
-  for (int i = 0; i < input->n_load; i++) {
-    const fb_system_load *load = &input->load[i];
-    FBI_REQUIRE(load->body >= 0 && load->body < system->n_body, FB_ERR_CAPACITY);
-    FBI_REQUIRE(load->load.node >= 0 && load->load.node < fbi_model(system, body, load->body)->n_node, FB_ERR_CAPACITY);
-    FBI_REQUIRE((int)load->load.axes >= 0 && (int)load->load.axes <= (int)FB_AXES_BODY, FB_ERR_VALUE);
-  }
-  return FB_OK;
-}
-
-/* Positions, velocities and impulses at a state: E9.2, E9.5, E9.10. lazy: the speeds of modes that carry nothing are
-   left to fbi_link_inertia. */
-static fb_status fbi_system_velocity(fb_system_work *w, const fb_system *system, const fb_body *body,
-                                     const fb_system_state *state, const fb_system_state *modes,
-                                     const fb_system_input *input, int lazy)
-{
-  fb_status status;
-  fbi_links_place(w, system, body, state, modes);
-  status = fbi_mass_factor(w, system, body, FB_R(0.0));
-  if (status != FB_OK) {
-    return status;
-  }
-  fbi_rhs_momenta(w, system, state, input);
-  w->n_row = w->n_end = 0;
-  if (system->n_loop > 0 || w->kept || (input && input->rows)) {
-    status = fbi_rows_fill(w, system, body, modes, input);
-    for (int r = 0; r < w->n_row && status == FB_OK; r++) { /* else the last one may have no end */
-      fb_real size;
-      w->c[r] = w->row[r].r.b + fbi_row_drift(&size, w, &w->row[r], (const fb_real(*)[3])w->row[r].r.force);
-    }
-    status = status == FB_OK ? fbi_constrained_solve(w, system, body, 1) : status;
-    return status == FB_OK ? fbi_rows_rate(w, system, body, input) : status;
-  }
-  for (int k = 0; k < system->n_body; k++) {
-    w->link[k].has_speeds = w->link[k].open || !lazy || system->method == FB_METHOD_DENSE;
-  }
-  return fbi_speeds_solve(w, system, body);
-}
-
-/* What a body's own kernels want to know: V, and pb = M^-1 pi of the body alone, q_dot + M^-1 Lambda^T V. */
-static void fbi_link_kinetics(fbi_link_work *L, const fb_body *body)
-{
-  fbi_vec6_copy(L->k.V, L->V);
-  L->k.pb = L->k.Minv_pi;
-  if (body->n > 0) {
-    fb_real e[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0};
-    fbi_zero(e, body->n);
-    fbi_lambda_gradients(e, unused, body, L->V, L->k.qx, L->q_dot);
-    fbi_mass_solve(L->k.Minv_pi, body, e);
-    for (int a = 0; a < body->n; a++) {
-      L->k.Minv_pi[a] = L->q_dot[a] - L->k.Minv_pi[a];
-    }
-  }
-}
-
-/* k.x, the forces of the body's own inertia on its modes (E8.17); kinetics as above. A body whose modes carry nothing
-   has its pb from the solution already, and q_dot comes along. */
-static void fbi_link_inertia(fbi_link_work *L, const fb_body *body)
-{
-  if (body->n > 0) {
-    if (L->has_speeds) {
-      fbi_link_kinetics(L, body);
-    } else {
-      L->k.pb = L->e;
-    }
-    fbi_zero(L->k.x, body->n + 1);
-    fbi_zero(L->k.e, body->n);
-    fbi_lambda_gradients(L->k.e, L->k.x, body, L->V, L->k.qx, L->k.pb);
-    if (!L->has_speeds) {
-      fbi_mass_solve(L->q_dot, body, L->k.e);
-      for (int a = 0; a < body->n; a++) {
-        L->q_dot[a] += L->e[a];
-      }
-    }
-#if FBI_WITH_SHAPE_INERTIA
-    if (!body->constant_S) {
-      fbi_S_gradient(L->k.x, body, L->V, L->k.qx);
-    }
-#endif
-  }
-}
-
-/* What acts on all bodies, their own inertia, gravity and loads: k.fg and k.x. */
-static void fbi_system_loads(fb_system_work *w, const fb_system *system, const fb_body *body,
-                             const fb_system_input *input)
-{
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    fbi_link_inertia(L, L->model);
-    fbi_vec6_zero(L->k.fg);
-#if FB_WITH_GRAVITY
-    if (fbi_has(L->model->effects, FB_EFFECT_GRAVITY)) {
-      fbi_gravity_add(&L->k, L->model);
-    }
-#endif
-  }
-  for (int i = 0; input && i < input->n_load; i++) {
-    fbi_link_work *L = &w->link[input->load[i].body];
-    fbi_load_add(&L->k, fbi_model(system, body, input->load[i].body), &input->load[i].load, L->k.qx + 1);
-  }
-}
-
-/* [E9.11] Motor, spring and damper of axis i: tau = motor - k (x - rest) - c u; on a spherical joint -k times the
-   rotation vector, the gradient of k phi.phi/2.
-   Source: definition.  Test: springs_and_dampers_balance_energy. */
-static fb_real fbi_axis_torque(const fb_joint *joint, const fb_system_input *input, int j, int i, fb_real value,
-                               fb_real speed)
-{
-  const fb_real motor = input ? input->drive[j].torque[i] : FB_R(0.0);
-  return motor - joint->stiffness[i] * (value - joint->rest[i]) - joint->damping[i] * speed;
-}
-
-static int fbi_is_sprung(const fb_joint *joint, const fb_system_input *input, int j)
-{
-  fb_real sum = FB_R(0.0);
-  for (int i = 0; i < joint->n_axis && i < 3; i++) {
-    sum += joint->stiffness[i] + joint->damping[i] + (input ? FB_FABS(input->drive[j].torque[i]) : FB_R(0.0));
-  }
-  return sum > FB_R(0.0);
-}
-
-/* Speed of axis i of a kept joint: relative motion along its direction. */
-static fb_real fbi_frames_speed(const fbi_frames *f, const fb_system_work *w, const fb_real force[3],
-                                const fb_real torque[3])
-{
-  fb_real v[3], turn[3];
-  fbi_vec3_copy(v, f->end[1]->v);
-  fbi_vec3_add_cross(v, f->end[1]->w, f->arm[1]);
-  fbi_vec3_add(v, -FB_R(1.0), f->end[0]->v);
-  fbi_vec3_add_cross(v, f->arm[0], f->end[0]->w); /* - w x arm */
-  fbi_frames_apart_add(v, FB_R(1.0), w, f->end[0]->link, f->end[1]->link, 1);
-  for (int i = 0; i < 3; i++) {
-    turn[i] = f->end[1]->w[i] - f->end[0]->w[i];
-  }
-  return fb_vec3_dot(force, v) + fb_vec3_dot(torque, turn);
-}
-
-/* Loads of the springs, dampers and motors of the joints that are kept; returns the power of the motors. */
-static FBI_NOINLINE fb_real fbi_kept_springs(fb_system_work *w, const fb_system *system, const fb_body *body,
-                                             const fb_system_state *modes, const fb_system_input *input)
-{
-  fb_real power = FB_R(0.0);
-  for (int j = 0; j < system->n_body + system->n_loop; j++) {
-    const fb_joint *joint = &system->joint[j];
-    fbi_frames f;
-    fb_real value[3];
-    if (!fbi_is_kept(system, w, j) || !fbi_is_sprung(joint, input, j)) {
-      continue;
-    }
-    (void)fbi_frames_eval(&f, w, system, body, j);
-    fbi_frames_value(value, &f, joint);
-    for (int i = 0; i < joint->n_axis; i++) {
-      fb_real force[3], torque[3], speed, tau;
-      if (modes->mode[j][i] != FB_AXIS_FREE) {
-        continue;
-      }
-      fbi_frames_axis(force, torque, &f, joint, i);
-      speed = fbi_frames_speed(&f, w, force, torque);
-      tau = fbi_axis_torque(joint, input, j, i, value[i], speed);
-      power += (input ? input->drive[j].torque[i] : FB_R(0.0)) * speed;
-      for (int s = 0; s < 2; s++) {
-        fb_real moment[3];
-        fb_vec3_cross(moment, f.arm[s], force);
-        fbi_vec3_add(moment, FB_R(1.0), torque);
-        if (f.end[s]->link >= 0) {
-          fbi_link_work *L = &w->link[f.end[s]->link];
-          fbi_end_push(L->k.fg, L->k.x + 1, L, f.end[s], fbi_model(system, body, f.end[s]->link)->n,
-                       s == 0 ? -tau : tau, force, moment);
-        }
-      }
-    }
-  }
-  return power;
-}
-
-/* [E9.12] What a body hands its modes where something hangs on a node that they move: of its momentum G and load F
-   about the node, body axes,
-   pi_dot_a += J_a.(F - turning of G) + J_dot_a.G,  turning (w x p, w x h + v_n x p) with v_n of the node, w of the
-   body.
-   Source: d/dt of pi_a = pi_own,a + J_a.G.  Cost: 40 n flops, with a quadratic field 24 n^2.  Fails: never.
-   Test: systems_keep_energy_and_momentum. */
-static FBI_NOINLINE void fbi_node_take(fb_real *x, const fbi_node_field *f, const fb_body *body, const fb_node *node,
-                                       const fb_real *q_dot, const fb_real V[6], const fb_real n[3], const fb_real G[6],
-                                       const fb_real F[6])
-{
-  const fb_real scale = FB_R(1.0) / (FB_R(1.0) + FB_R(0.25) * fb_vec3_dot(f->phi, f->phi));
-  fb_real Ju_dot[3 * FB_MAX_MODES], turn_dot[3 * FB_MAX_MODES], at[6], turn[6], load[6], phi_dot[3], shrink;
-  fbi_vec6_copy(at, V);
-  fbi_vec3_add_cross(at, V + 3, n);
-  fbi_node_rates(Ju_dot, turn_dot, body, node, q_dot);
-  fbi_vec3_zero(phi_dot);
-  for (int a = 0; a < body->n; a++) {
-    fbi_vec3_add(at, q_dot[a], f->Ju + 3 * a);
-    fbi_vec3_add(phi_dot, q_dot[a], f->turn + 3 * a);
-  }
-  shrink = FB_R(0.5) * fb_vec3_dot(f->phi, phi_dot);
-  fbi_turning(turn, at, G);
-  for (int i = 0; i < 6; i++) {
-    load[i] = F[i] - turn[i];
-  }
-  for (int a = 0; a < body->n; a++) {
-    fb_real rate[3];
-    fb_vec3_cross(rate, phi_dot, f->turn + 3 * a);
-    fbi_vec3_add_cross(rate, f->phi, turn_dot + 3 * a);
-    for (int i = 0; i < 3; i++) {
-      rate[i] = scale * (turn_dot[3 * a + i] + FB_R(0.5) * rate[i] - shrink * f->Jphi[3 * a + i]);
-    }
-    x[a] += fb_vec3_dot(f->Ju + 3 * a, load) + fb_vec3_dot(f->Jphi + 3 * a, load + 3) + fb_vec3_dot(Ju_dot + 3 * a, G) +
-            fb_vec3_dot(rate, G + 3);
-  }
-}
-
-/* [E9.13] The rows' impulses are momentum that the tree does not see, -(f, t) at the ends; with mu constant it changes
-   by the directions alone: loads -(f_dot, t_dot + v x f), p_dot loses A_dot^T mu.
-   Source: d/dt of p + A^T mu.  Fails: never.  Test: the_three_methods_agree. */
-static FBI_NOINLINE void fbi_rows_loads(fb_system_work *w, const fb_system *system, const fb_body *body)
-{
-  for (int r = 0; r < w->n_row; r++) {
-    const fbi_row *row = &w->row[r];
-    const fb_real mu = w->mu[r];
-    for (int s = 0; s < 2; s++) {
-      const fbi_end *end = &w->end[row->end[s]];
-      fbi_link_work *L = end->link >= 0 ? &w->link[end->link] : NULL;
-      fb_real G[6], F[6], twist[3];
-      if (!L) {
-        continue;
-      }
-      fbi_vec3_copy(twist, row->torque_dot[s]);
-      fbi_vec3_add_cross(twist, end->v, row->r.force[s]);
-      fb_mat33_mulT_vec3(G, L->k.R, row->r.force[s]);
-      fb_mat33_mulT_vec3(G + 3, L->k.R, row->r.torque[s]);
-      fb_mat33_mulT_vec3(F, L->k.R, row->force_dot[s]);
-      fb_mat33_mulT_vec3(F + 3, L->k.R, twist);
-      for (int i = 0; i < 6; i++) {
-        G[i] *= -mu;
-        F[i] *= -mu;
-      }
-      if (end->moves) {
-        const fb_body *model = fbi_model(system, body, end->link);
-        fbi_node_take(L->k.x + 1, &end->f, model, &model->node[end->node], L->q_dot, L->V, end->n, G, F);
-      }
-      fbi_vec3_add_cross(F + 3, end->n, F);
-      fbi_vec6_add(L->F, FB_R(1.0), F);
-    }
-  }
-}
-
-/* Rates of a joint's coordinates. A free joint moves in the frame of its tree: lost_x takes that. */
-static void fbi_coordinate_rates(fb_link_state *rate, const fbi_link_work *L, const fb_joint *joint,
-                                 const fb_link_state *x)
-{
-  if (joint->kind == FB_JOINT_FREE) {
-    fb_mat33_mul_vec3(rate->lost_x, L->k.R, L->V);
-    fbi_quat_rate(rate->quat, x->quat, L->V + 3);
-  } else if (joint->kind == FB_JOINT_SPHERICAL) {
-    fbi_quat_rate(rate->quat, x->quat, L->u);
-  } else {
-    for (int i = 0; i < joint->n_axis; i++) {
-      rate->x[i] = L->u[i];
-    }
-  }
-}
-
-/* [E9.14] Rates of a joint's momenta, p_i = A_i.G: p_i_dot = tau_i + A_i.(F - turning of G) + A_dot_i.G in body axes;
-   those kept in inertial axes lose the turning: P_dot = R F, L_dot = R T - v x P. Returns the power of the motors.
-   Source: d/dt of A_i.G, G_dot = F - turning + what the joint bears.  Cost: 60 flops.  Fails: never.
-   Test: systems_keep_energy_and_momentum, every_joint_moves_as_it_should. */
-static fb_real fbi_momentum_rate(fb_link_state *rate, const fbi_link_work *L, const fb_joint *joint,
-                                 const fb_link_state *x, const fb_system_input *input, int k)
-{
-  fb_real turn[6], load[6], tau[3] = {0}, power = FB_R(0.0);
-  if (joint->kind == FB_JOINT_FREE) {
-    if (L->mode[0] == FB_AXIS_FREE) {
-      fb_mat33_mul_vec3(rate->p, L->k.R, L->F);
-      fb_mat33_mul_vec3(rate->p + 3, L->k.R, L->F + 3);
-      fbi_vec3_add_cross(rate->p + 3, x->p, rate->lost_x);
-    } else {
-      fbi_vec6_zero(rate->p);
-    }
-    return power;
-  }
-  fbi_turning(turn, L->V, L->G);
-  fbi_vec6_copy(load, L->F);
-  fbi_vec6_add(load, -FB_R(1.0), turn);
-  for (int i = 0; i < joint->n_axis; i++) {
-    const fb_real *A = L->A + 6 * i;
-    rate->p[i] = FB_R(0.0);
-    if (L->mode[i] == FB_AXIS_FREE) {
-      fb_real phi[3], value = x->x[i];
-      if (joint->kind == FB_JOINT_SPHERICAL) {
-        fb_quat_to_rotvec(phi, x->quat);
-        value = phi[i];
-      }
-      tau[i] = fbi_axis_torque(joint, input, k, i, value, L->u[i]) + fbi_vec6_dot(A, load);
-      power += (input ? input->drive[k].torque[i] : FB_R(0.0)) * L->u[i];
-      rate->p[i] = tau[i];
-    }
-  }
-  if (joint->kind == FB_JOINT_UNIVERSAL && L->mode[0] == FB_AXIS_FREE) {
-    rate->p[0] += L->u[1] * fbi_vec6_dot(L->A_dot, L->G);
-  }
-  if (joint->kind == FB_JOINT_SPHERICAL && L->mode[0] == FB_AXIS_FREE) {
-    fb_real body[3], h[3];
-    fb_mat33_mul_vec3(body, joint->child_axes, tau);
-    fb_mat33_mulT_vec3(h, L->k.R, x->p);
-    fbi_vec3_add_cross(body, L->V + 3, h);
-    fb_mat33_mul_vec3(rate->p, L->k.R, body);
-  }
-  return power;
-}
-
-/* F and G of a body go to its parent: all of F to its load, and both to the modes that move the node. */
-static void fbi_load_hand_in(const fbi_link_work *L)
-{
-  const fb_joint *joint = L->joint;
-  fbi_link_work *parent = L->parent;
-  if (!parent) {
-    return;
-  }
-  if (joint->moves) {
-    const fb_body *on = parent->model;
-    fb_real F[6] = {0}, G[6] = {0};
-    fbi_to_parent_add(F, L, L->F);
-    fbi_to_parent_add(G, L, L->G);
-    fbi_node_take(parent->k.x + 1, &L->node, on, &on->node[joint->parent_node], parent->q_dot, parent->V, L->n, G, F);
-    fbi_vec3_add_cross(F + 3, L->n, F);
-    fbi_vec6_add(parent->F, FB_R(1.0), F);
-  } else {
-    fbi_to_parent_add(parent->F, L, L->F);
-  }
-}
-
-/* [E9.15] Rates of a system: velocities (E9.5, E9.10), loads summed from the tips, momenta (E9.14), modes (E8.17).
-   Source: THEORY.md 9.1.  Fails: see the header.  Test: systems_keep_energy_and_momentum,
-   the_three_methods_agree. */
-static FBI_FLATTEN fb_status fbi_system_rates(fb_system_work *w, const fb_system *system, const fb_body *body,
-                                              fb_system_state *rate, const fb_system_state *state,
-                                              const fb_system_state *modes, const fb_system_input *input)
-{
-  const fb_status status = fbi_system_velocity(w, system, body, state, modes, input, 1);
-  if (status != FB_OK) {
-    return status;
-  }
-  fbi_system_loads(w, system, body, input);
-  rate->motor_work = w->kept || system->n_loop > 0 ? fbi_kept_springs(w, system, body, modes, input) : FB_R(0.0);
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_vec6_copy(w->link[k].F, w->link[k].k.fg);
-  }
-  fbi_rows_loads(w, system, body);
-  for (int k = system->n_body - 1; k >= 0; k--) {
-    fbi_link_work *L = &w->link[k];
-    const fb_body *model = L->model;
-    fb_link_state *out = &rate->link[k];
-    fbi_coordinate_rates(out, L, L->joint, &state->link[k]);
-    rate->motor_work += fbi_momentum_rate(out, L, L->joint, &state->link[k], input, k);
-    fbi_load_hand_in(L);
-    if (model->n > 0) {
-      fbi_copy(out->q, L->q_dot, model->n);
-      fbi_elastic_forces(out->pi, &L->k, model, state->link[k].q, L->q_dot);
-    }
-  }
-  return FB_OK;
-}
-
-/* ---- 9f states, motion, energy, momentum */
-
-static void fbi_system_enter(fb_system_work *w, const fb_system *system)
-{
-  w->kept = system->method == FB_METHOD_MULTIPLIERS;
-  w->heavy = w->clock = FB_R(0.0);
-  w->owns = 0;
-  w->joint = -1;
-  w->n_row = w->n_end = 0;
-}
-
-/* [E9.16] Momenta of the velocities there are: each body's own (p, h) and pi, those of the subtrees G by summation, p_i
-   = A_i.G, pi_a + J_a.G.
-   Source: definition of the conjugate momenta.  Fails: never.  Test: momenta_give_back_the_speeds. */
-static void fbi_momenta_fill(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body)
-{
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    const fb_body *model = fbi_model(system, body, k);
-    fbi_link_kinetics(L, model);
-    fbi_momenta(&L->k, model);
-    fbi_vec6_copy(L->b, L->k.ph);
-    fbi_mass_mul(L->e, model, L->k.pb);
-    for (int a = 0; a < model->n; a++) {
-      L->e[a] = -L->e[a]; /* what is handed in is taken off */
-    }
-  }
-  for (int k = system->n_body - 1; k >= 0; k--) {
-    fbi_link_work *L = &w->link[k];
-    const fb_joint *joint = fbi_link_joint(system, w, k);
-    fb_link_state *x = &state->link[k];
-    fb_real p[6];
-    fbi_hand_in_at(w, system, body, k);
-    fbi_vec6_zero(x->p);
-    for (int a = 0; a < fbi_model(system, body, k)->n; a++) {
-      x->pi[a] = -L->e[a];
-    }
-    fbi_vec6_copy(p, L->b);
-    for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
-      p[i] = fbi_vec6_dot(L->A + 6 * i, L->b);
-    }
-    fbi_joint_momenta_set(x, L, joint, p);
-  }
-}
-
-/* ---- frames of flying trees */
-
-/* Is there a tree whose frame may move? */
-static int fbi_flies(const fb_system *system, const fb_system_work *w)
-{
-  int flies = w->kept;
-  for (int k = 0; k < system->n_body; k++) {
-    flies |= system->joint[k].kind == FB_JOINT_FREE;
-  }
-  return flies;
-}
-
-/* x += d, and lost keeps what x loses, the larger part in x. Source: Knuth's two-sum. */
-static void fbi_keep(fb_real *x, fb_real *lost, const fb_real *d, int n)
-{
-  for (int i = 0; i < n; i++) {
-    const fb_real a = x[i], sum = a + d[i], b = sum - a, rest = lost[i] + ((a - (sum - b)) + (d[i] - b));
-    x[i] = sum + rest;
-    lost[i] = rest - (x[i] - sum);
-  }
-}
-
-/* [E9.24] What a velocity d of the whole (body axes) gives to the momenta of a body: linear m d and angular c(q) x d to
-   F, Lambda^T d to e of its modes; c: its first moment. Without residual inertia c in the angular one is the model's,
-   by which the same velocities follow.
-   Source: definition of the momenta, E8.16 with g = d.  Cost: 8 flops a term.  Test: flight_speed_changes_nothing. */
-static void fbi_drift_momenta(fb_real F[6], fb_real *e, fb_real c[3], const fbi_link_work *L, const fb_body *body,
-                              const fb_real d[3])
-{
-  fb_real x[FB_MAX_MODES + 1];
-  fbi_zero(x, body->n + 1);
-  fbi_pull_eval(c, x, body, L->k.qx, d);
-  fbi_copy(e, x + 1, body->n);
-  if (body->constant_S && body->n > 0) {
-    const fb_real V[6] = {d[0], d[1], d[2], FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-    fb_real elastic[6] = {0}, pb[FB_MAX_MODES];
-    fbi_mass_solve(pb, body, e);
-    fb_sym6_mul_vec6(F, body->S0, V);
-    fbi_lambda_sub(elastic, body, L->k.qx, pb);
-    fbi_vec6_add(F, -FB_R(1.0), elastic);
-  } else {
-    for (int i = 0; i < 3; i++) {
-      F[i] = body->mass * d[i];
-    }
-    fb_vec3_cross(F + 3, c, d);
-  }
-}
-
-/* [E9.22] Mass and first moment of all that hangs on each joint, L->bulk and first, of the placed system, and, where
-   the frames change, what that gives to the momenta (E9.24) of the body, L->b and L->e.
-   Source: definition.  Cost: 60 flops a body, 8 a term.  Test: flight_speed_changes_nothing. */
-static void fbi_trees_weigh(fb_system_work *w, const fb_system *system, int change)
-{
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    const fb_body *model = L->model;
-    L->bulk = model->mass;
-    if (change) {
-      fb_real d[3];
-      fb_mat33_mulT_vec3(d, L->k.R, w->link[L->root].change);
-      fbi_drift_momenta(L->b, L->e, L->first, L, model, d);
-    } else {
-      fbi_center_eval(L->first, model, L->k.qx + 1);
-    }
-  }
-  for (int k = system->n_body - 1; k >= 0; k--) {
-    const fbi_link_work *L = &w->link[k];
-    fbi_link_work *parent = L->parent;
-    if (parent) {
-      fb_real first[3];
-      fb_mat33_mul_vec3(first, L->C, L->first);
-      fbi_vec3_add(parent->first, FB_R(1.0), first);
-      fbi_vec3_add(parent->first, L->bulk, L->s);
-      parent->bulk += L->bulk;
-    }
-  }
-}
-
-/* [E9.23] The change of the frames off all momenta, A.(m d, c x d) of all that hangs on a joint: what the impulse of
-   uniform gravity would do. After E9.22.
-   Source: p = M u, linear in velocities.  Cost: 80 flops a body.  Test: flight_speed_changes_nothing. */
-static void fbi_momenta_reframe(fb_system_state *into, fb_system_work *w, const fb_system *system)
-{
-  for (int k = system->n_body - 1; k >= 0; k--) {
-    fbi_link_work *L = &w->link[k];
-    const fb_joint *joint = w->link[k].joint;
-    fbi_link_work *parent = L->parent;
-    fb_link_state *x = &into->link[k], change;
-    fb_real p[6];
-    fbi_vec6_copy(p, L->b);
-    for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
-      p[i] = fbi_vec6_dot(L->A + 6 * i, L->b);
-    }
-    fbi_joint_momenta_set(&change, L, joint, p);
-    fbi_row_sub(x->p, FB_R(1.0), change.p, joint->n_axis);
-    fbi_row_sub(x->pi, FB_R(1.0), L->e, w->link[k].model->n);
-    if (parent && joint->moves) {
-      fb_real b[6] = {0};
-      fbi_to_parent_add(b, L, L->b);
-      for (int a = 0; a < parent->model->n; a++) {
-        parent->e[a] += fb_vec3_dot(L->node.Ju + 3 * a, b) + fb_vec3_dot(L->node.Jphi + 3 * a, b + 3);
-      }
-      fbi_vec3_add_cross(b + 3, L->n, b);
-      fbi_vec6_add(parent->b, FB_R(1.0), b);
-    } else if (parent) {
-      fbi_to_parent_add(parent->b, L, L->b);
-    }
-  }
-}
-
-/* Do both sides of a row belong to the same tree? */
-static int fbi_row_is_inner(const fb_system_work *w, const fbi_row *row)
-{
-  const int a = w->end[row->end[0]].link, b = w->end[row->end[1]].link;
-  return a >= 0 && b >= 0 && w->link[a].root == w->link[b].root;
-}
-
-/* Trees that constraints, or what holds or drives their root, push from outside: held; from the ground, or from a tree
-   on it: 2, their frames stand still. So do those of trees with bodies that bend without residual inertia: their
-   momenta do not know how the mass center moves, and their equations keep the angular momentum in a frame at rest
-   alone. */
-static void fbi_trees_hold(fb_system_work *w, const fb_system *system, const fb_system_state *modes)
-{
-  for (int k = 0; k < system->n_body; k++) {
-    w->link[k].held = 0;
-  }
-  for (int k = 0; k < system->n_body; k++) {
-    const fb_body *model = w->link[k].model;
-    fbi_link_work *root = &w->link[w->link[k].root];
-    if (model->n > 0 && !fbi_has(model->effects, FB_EFFECT_RESIDUAL_INERTIA)) {
-      root->held = 2;
-    } else if (system->joint[k].kind == FB_JOINT_FREE && modes->mode[k][0] != FB_AXIS_FREE) {
-      root->held = root->held == 2 ? 2 : 1;
-    }
-  }
-  for (int r = 0; r < w->n_row; r++) {
-    const fbi_row *row = &w->row[r];
-    fb_real sum[3];
-    for (int i = 0; i < 3; i++) {
-      sum[i] = row->r.force[0][i] + row->r.force[1][i];
-    }
-    for (int s = 0; s < 2; s++) {
-      const int link = w->end[row->end[s]].link, other = w->end[row->end[1 - s]].link;
-      const int pushes = fbi_vec3_norm(row->r.force[s]) > FB_R(0.0);
-      fbi_link_work *root = link >= 0 ? &w->link[w->link[link].root] : NULL;
-      if (root && pushes && (!fbi_row_is_inner(w, row) || fbi_vec3_norm(sum) > FB_R(0.0))) {
-        const int ground = other < 0 || fbi_link_joint(system, w, w->link[other].root)->kind != FB_JOINT_FREE;
-        root->held = ground || root->held == 2 ? 2 : 1;
-      }
-    }
-  }
-}
-
-/* Mass and momentum of each free tree, of a state whose momenta are to grow by those of more (NULL: by none). */
-static void fbi_trees_sum(fb_system_work *w, const fb_system *system, const fb_system_state *state,
-                          const fb_system_state *more)
-{
-  for (int k = 0; k < system->n_body; k++) {
-    w->link[k].total = FB_R(0.0);
-    fbi_vec3_zero(w->link[k].impulse);
-    fbi_vec3_zero(w->link[k].change);
-  }
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *root = &w->link[w->link[k].root];
-    root->total += w->link[k].model->mass;
-    if (w->link[k].joint->kind == FB_JOINT_FREE) {
-      fbi_vec3_add(root->impulse, FB_R(1.0), state->link[k].p);
-      if (more) {
-        fbi_vec3_add(root->impulse, FB_R(1.0), more->link[k].p);
-#if FB_SINGLE
-        fbi_vec3_add(root->impulse, FB_R(1.0), state->link[k].lost_p);
-#endif
-      }
-    }
-  }
-}
-
-/* By how much the frame of each free tree changes its velocity: it takes the momentum along; where the root is driven
-   it moves with it, where it is locked or constraints tie it to the ground the frame stands still. */
-static void fbi_frames_choose(fb_system_work *w, const fb_system *system, const fb_system_state *state,
-                              const fb_system_state *modes, const fb_system_input *input)
-{
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    fb_real given[3] = {0};
-    int stands = L->held == 2, driven = -1;
-    if (w->link[k].joint->kind != FB_JOINT_FREE || L->root != k) {
-      continue;
-    }
-    for (int i = 0; i < system->n_body; i++) {
-      if (system->joint[i].kind == FB_JOINT_FREE && w->link[i].root == k) {
-        stands |= modes->mode[i][0] == FB_AXIS_LOCKED;
-        driven = modes->mode[i][0] == FB_AXIS_PRESCRIBED && driven < 0 ? i : driven;
-      }
-    }
-    if (driven >= 0 && input && !stands) {
-      fb_mat33_mul_vec3(given, w->link[driven].k.R, input->drive[driven].rate);
-    }
-    for (int i = 0; i < 3; i++) {
-      const fb_real own = L->total > FB_R(0.0) ? L->impulse[i] / L->total : FB_R(0.0);
-      L->change[i] = stands || driven >= 0 ? given[i] - state->link[k].u[i] - state->link[k].lost_u[i] : own;
-    }
-  }
-}
-
-/* Momenta to what they are in the frames as they are chosen: of the state, or (more) of the increments that it is to
-   grow by. Of a free root's linear momentum nothing is left. */
-static void fbi_frames_take(fb_system_work *w, const fb_system *system, fb_system_state *state, fb_system_state *more,
-                            const fb_system_state *modes, const fb_system_input *input)
-{
-  fbi_trees_sum(w, system, state, more);
-  fbi_trees_hold(w, system, modes);
-  fbi_frames_choose(w, system, state, modes, input);
-  fbi_trees_weigh(w, system, 1);
-  fbi_momenta_reframe(more ? more : state, w, system);
-  for (int k = 0; k < system->n_body; k++) {
-    fb_real *P = more ? more->link[k].p : state->link[k].p;
-    const int rests = !system->tied && system->joint[k].kind == FB_JOINT_FREE && modes->mode[k][0] == FB_AXIS_FREE &&
-                      w->link[k].held != 2 && w->link[k].total > FB_R(0.0);
-    for (int i = 0; i < 3 && rests; i++) {
-      P[i] = more ? -state->link[k].p[i] : FB_R(0.0);
-#if FB_SINGLE
-      P[i] -= more ? state->link[k].lost_p[i] : FB_R(0.0);
-#endif
-    }
-  }
-}
-
-/* u of the state becomes that of the frames as they are chosen. */
-static void fbi_frames_set(fb_system_state *state, fb_system_work *w, const fb_system *system)
-{
-  fb_real rest[3];
-  for (int k = 0; k < system->n_body; k++) {
-    fb_link_state *x = &state->link[k];
-    if (w->link[k].joint->kind == FB_JOINT_FREE) {
-      fbi_keep(x->u, x->lost_u, w->link[w->link[k].root].change, 3);
-      for (int i = 0; i < 3; i++) {
-        const fb_real lost = FB_FABS(x->lost_u[i]) < FBI_FAINT ? FB_R(0.0) : x->lost_u[i];
-        rest[i] = FBI_FAINT + FB_R(4.0) * FB_EPSILON * FB_FABS(w->link[w->link[k].root].change[i]);
-        x->lost_u[i] = FB_FABS(x->u[i]) < rest[i] ? FB_R(0.0) : lost;
-      }
-      for (int i = 0; i < 3; i++) { /* what came to a stop, stops; apart from the loop above, to be selections, too */
-        x->u[i] = FB_FABS(x->u[i]) < rest[i] ? FB_R(0.0) : x->u[i];
-      }
-    }
-  }
-}
-
-/* Positions as near to what they are as they go. */
-static void fbi_places_settle(fb_system_state *state, const fb_system *system, const fb_system_work *w)
-{
-  const fb_real none[3] = {0};
-  for (int k = 0; k < system->n_body; k++) {
-    if (w->link[k].joint->kind == FB_JOINT_FREE) {
-      fbi_keep(state->link[k].x, state->link[k].lost_x, none, 3);
-    }
-  }
-}
-
-/* s times m times the mass centers of the weighed trees, in their frames. */
-static void fbi_centers_add(fb_system_work *w, const fb_system *system, fb_real s)
-{
-  for (int k = 0; k < system->n_body; k++) {
-    const fbi_link_work *L = &w->link[k];
-    if (w->link[k].joint->parent < 0) {
-      fb_real first[3];
-      fb_mat33_mul_vec3(first, L->k.R, L->first);
-      fbi_vec3_add(w->link[L->root].center, s, first);
-      fbi_vec3_add(w->link[L->root].center, s * L->bulk, L->rho);
-    }
-  }
-}
-
-/* What begins a step of trees that fly, the system placed at its state: their mass centers. */
-static void fbi_flight_begin(fb_system_work *w, const fb_system *system)
-{
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_vec3_zero(w->link[k].glide);
-  }
-  fbi_trees_weigh(w, system, 0);
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_vec3_zero(w->link[k].center);
-  }
-  fbi_centers_add(w, system, FB_R(1.0));
-}
-
-/* The roots of a placed tree to where its mass center is led by its momentum, m c + P dt, unless it is held. */
-static void fbi_centers_lead(fb_system_state *next, fb_system_work *w, const fb_system *system)
-{
-  fbi_centers_add(w, system, -FB_R(1.0)); /* leaves by how much it moved */
-  for (int k = 0; k < system->n_body; k++) {
-    const fbi_link_work *root = &w->link[w->link[k].root];
-    fb_link_state *x = &next->link[k];
-    if (w->link[k].joint->kind == FB_JOINT_FREE && !root->held && root->total > FB_R(0.0)) {
-      fb_real move[3];
-      for (int i = 0; i < 3; i++) {
-        move[i] = (root->center[i] + root->glide[i]) / root->total;
-      }
-      fbi_vec3_add(x->lost_x, FB_R(1.0), move);
-    }
-  }
-}
-
-/* V of all bodies from the speeds u and q_dot. */
-static void fbi_speeds_out(fb_system_work *w, const fb_system *system, const fb_body *body)
-{
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    const fb_joint *joint = fbi_link_joint(system, w, k);
-    const fbi_link_work *parent = fbi_parent(w, joint);
-    fbi_vec6_zero(L->V);
-    if (parent) {
-      fb_real node[6];
-      fbi_node_velocity(node, L, joint, fbi_model(system, body, joint->parent), parent->V, parent->q_dot);
-      fbi_from_node(L->V, L, node);
-    }
-    for (int i = 0; i < joint->n_axis; i++) {
-      if (joint->kind == FB_JOINT_FREE) {
-        L->V[i] = L->u[i];
-      } else {
-        fbi_vec6_add(L->V, L->u[i], L->A + 6 * i);
-      }
-    }
-  }
-}
-
-/* Moves a state along the solution, once: what closes a loop. */
-static void fbi_state_displace(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body)
-{
-  for (int k = 0; k < system->n_body; k++) {
-    const fbi_link_work *L = &w->link[k];
-    const fb_joint *joint = fbi_link_joint(system, w, k);
-    fb_link_state *x = &state->link[k], move;
-    fbi_coordinate_rates(&move, L, joint, x);
-    if (joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL) {
-      for (int i = 0; i < 4; i++) {
-        x->quat[i] += move.quat[i];
-      }
-      (void)fb_quat_normalize(x->quat);
-    }
-    if (joint->kind == FB_JOINT_FREE) {
-      fbi_vec3_add(x->lost_x, FB_R(1.0), move.lost_x);
-      fbi_vec3_add_cross(x->p + 3, x->p, move.lost_x); /* L about O that moved */
-    } else if (joint->kind != FB_JOINT_SPHERICAL) {
-      for (int i = 0; i < joint->n_axis; i++) {
-        x->x[i] += move.x[i];
-      }
-    }
-    fbi_row_sub(x->q, -FB_R(1.0), L->q_dot, fbi_model(system, body, k)->n);
-  }
-}
-
-static int fbi_has_rows(const fb_system *system, const fb_system_work *w, const fb_system_input *input)
-{
-  return w->kept || system->n_loop > 0 || (input && input->rows);
-}
-
-/* Largest value of the holonomic rows as they were filled last, relative to the size of the system; its joint. */
-static fb_real fbi_rows_miss(int *worst, const fb_system_work *w, const fb_system *system)
-{
-  fb_real size = FB_R(1.0), away = FB_R(1.0), miss = FB_R(0.0);
-  int joint = -1;
-  for (int k = 0; k < system->n_body; k++) {
-    const fbi_link_work *L = &w->link[k];
-    const fb_real x[3] = {fbi_true_position(w, k, L->rho, 0), fbi_true_position(w, k, L->rho, 1),
-                          fbi_true_position(w, k, L->rho, 2)};
-    size = fbi_larger(size, FB_R(1.0) + fbi_vec3_norm(L->rho));
-    away = fbi_larger(away, FB_R(1.0) + fbi_vec3_norm(x));
-  }
-  for (int r = 0; r < w->n_row; r++) {
-    const fb_real of = fbi_row_is_inner(w, &w->row[r]) ? size : away;
-    const fb_real value = w->row[r].r.holonomic ? FB_FABS(w->row[r].r.value) / of : FB_R(0.0);
-    joint = value > miss ? w->row[r].joint : joint;
-    miss = fbi_larger(miss, value);
-  }
-  *worst = joint;
-  return miss;
-}
-
-/* [E9.17] One Newton step of the positions onto the constraints, along M^-1 A^T: the shortest way by the kinetic
-   energy. miss: the largest value that there was, relative to the size of the system; its row to *worst.
-   Source: projection, THEORY.md 9.2.  Cost: E9.9.  Fails: as E9.4.  Test: redundant_loops_are_accepted. */
-static fb_status fbi_positions_close(fb_real *miss, int *worst, fb_system_work *w, const fb_system *system,
-                                     const fb_body *body, fb_system_state *state, const fb_system_state *modes,
-                                     const fb_system_input *input)
-{
-  fb_status status;
-  fbi_links_place(w, system, body, state, modes);
-  status = fbi_mass_factor(w, system, body, FB_R(0.0));
-  status = status == FB_OK ? fbi_rows_fill(w, system, body, modes, input) : status;
-  *miss = status == FB_OK ? fbi_rows_miss(worst, w, system) : FB_R(0.0);
-  for (int r = 0; r < w->n_row; r++) {
-    w->c[r] = w->row[r].r.holonomic ? w->row[r].r.value : FB_R(0.0);
-  }
-  fbi_rhs_clear(w, system, body);
-  status = status == FB_OK ? fbi_constrained_solve(w, system, body, 0) : status;
-  if (status == FB_OK) {
-    fbi_state_displace(state, w, system, body);
-  }
-  return status;
-}
-
-/* Momenta of free axes and of modes as they were before. */
-static void fbi_free_momenta_keep(fb_system_state *state, const fb_system_state *before, const fb_system *system,
-                                  const fb_system_state *modes)
-{
-  for (int k = 0; k < system->n_body; k++) {
-    const fb_joint *joint = &system->joint[k];
-    const int all = joint->kind == FB_JOINT_SPHERICAL || joint->kind == FB_JOINT_FREE;
-    for (int i = 0; i < joint->n_axis; i++) {
-      if (modes->mode[k][all ? 0 : i] == FB_AXIS_FREE) {
-        state->link[k].p[i] = before->link[k].p[i];
-      }
-    }
-    memcpy(state->link[k].pi, before->link[k].pi, sizeof state->link[k].pi);
-  }
-}
-
-/* Velocities onto the constraints: the impulses go into the momenta, and those of given axes become what they are.
-   Without constraints the others stay, to the last bit: latches that close and open again and again do not wear them
-   out. */
-static fb_status fbi_momenta_close(fb_system_work *w, const fb_system *system, const fb_body *body,
-                                   fb_system_state *state, const fb_system_state *modes, const fb_system_input *input)
-{
-  const fb_status status = fbi_system_velocity(w, system, body, state, modes, input, 0);
-  if (status == FB_OK && fbi_has_rows(system, w, input)) {
-    fbi_momenta_fill(state, w, system, body);
-  } else if (status == FB_OK) {
-    w->sum = *state;
-    fbi_momenta_fill(state, w, system, body);
-    fbi_free_momenta_keep(state, &w->sum, system, modes);
-  }
-  return status;
-}
-
-static int fbi_link_state_is_finite(const fb_link_state *x, int n)
-{
-  return fbi_is_finite(x->x, 3) && fbi_is_finite(x->quat, 4) && fbi_is_finite(x->p, 6) && fbi_is_finite(x->q, n) &&
-         fbi_is_finite(x->pi, n) && fbi_is_finite(x->u, 3) && fbi_is_finite(x->lost_x, 3) &&
-         fbi_is_finite(x->lost_u, 3);
-}
-
-/* Finite, and every body within its deflection limit. */
-static fb_status fbi_system_range(const fb_system *system, const fb_body *body, const fb_system_state *state)
-{
-  if (!fbi_is_finite(&state->motor_work, 1)) {
-    return FB_ERR_NOT_FINITE;
-  }
-  for (int k = 0; k < system->n_body; k++) {
-    const fb_body *model = fbi_model(system, body, k);
-    fb_real deflection = FB_R(0.0);
-    if (!fbi_link_state_is_finite(&state->link[k], model->n)) {
-      return FB_ERR_NOT_FINITE;
-    }
-    for (int a = 0; a < model->n; a++) {
-      deflection += model->reach[a] * FB_FABS(state->link[k].q[a]);
-    }
-    if (!(deflection <= model->deflection_limit)) {
-      return FB_ERR_RANGE;
-    }
-  }
-  return FB_OK;
-}
-
-/* Speeds of a placed tree: those of motion (NULL: none) where axes are free, the input's where they are prescribed. */
-static void fbi_speeds_take(fb_system_work *w, const fb_system *system, const fb_body *body,
-                            const fb_system_state *state, const fb_link_motion *motion, const fb_system_input *input)
-{
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    const fb_joint *joint = &system->joint[k];
-    for (int i = 0; i < joint->n_axis; i++) {
-      const fb_axis_mode mode = state->mode[k][joint->kind == FB_JOINT_FREE ? 0 : i];
-      L->u[i] = mode == FB_AXIS_FREE && motion ? motion[k].speed[i] : FB_R(0.0);
-      L->u[i] = mode == FB_AXIS_PRESCRIBED && input ? input->drive[k].rate[i] : L->u[i];
-    }
-    if (joint->kind == FB_JOINT_FREE && state->mode[k][0] != FB_AXIS_LOCKED) {
-      fbi_own_frame_add(L->u, -FB_R(1.0), w, k);
-    }
-    for (int a = 0; a < fbi_model(system, body, k)->n; a++) {
-      L->q_dot[a] = motion ? motion[k].q_dot[a] : FB_R(0.0);
-    }
-  }
-  fbi_speeds_out(w, system, body);
-}
-
-/* The frames of the trees move with their roots to begin with; those of tied ones with the first. */
-static void fbi_frames_init(fb_system_state *state, const fb_system *system, const fb_link_motion *motion,
-                            const fb_system_input *input)
-{
-  const fb_real *common = NULL;
-  for (int k = 0; k < system->n_body; k++) {
-    const fb_axis_mode mode = state->mode[k][0];
-    fb_real R[9];
-    if (system->joint[k].kind == FB_JOINT_FREE && system->tied < 2) {
-      const fb_real *v = mode == FB_AXIS_FREE && motion        ? motion[k].speed
-                         : mode == FB_AXIS_PRESCRIBED && input ? input->drive[k].rate
-                                                               : NULL;
-      fb_quat_to_mat33(R, state->link[k].quat);
-      if (v) {
-        fb_mat33_mul_vec3(state->link[k].u, R, v);
-      }
-      common = common ? common : state->link[k].u;
-    }
-  }
-  for (int k = 0; k < system->n_body && system->tied && common; k++) {
-    if (state->link[k].u != common) {
-      fbi_vec3_copy(state->link[k].u, common);
-    }
-  }
-}
-
-/* Coordinates and speeds of the tree as it is built: poses and velocities of all bodies. */
-static fb_status fbi_motion_place(fb_system_work *w, const fb_system *system, const fb_body *body,
-                                  fb_system_state *state, const fb_link_motion *motion, const fb_system_input *input)
-{
-  w->kept = 0;
-  for (int k = 0; k < system->n_body; k++) {
-    const fb_link_motion *m = motion ? &motion[k] : NULL;
-    const fb_body *model = fbi_model(system, body, k);
-    fb_link_state *x = &state->link[k];
-    x->quat[0] = FB_R(1.0);
-    if (!m) {
-      continue;
-    }
-    if (!fbi_is_finite(m->value, 3) || !fbi_is_finite(m->quat, 4) || !fbi_is_finite(m->speed, 6) ||
-        !fbi_is_finite(m->q, model->n) || !fbi_is_finite(m->q_dot, model->n)) {
-      return FB_ERR_NOT_FINITE;
-    }
-    if (!fbi_is_attitude(m->quat)) {
-      return FB_ERR_VALUE;
-    }
-    fbi_vec3_copy(x->x, m->value);
-    fbi_copy(x->q, m->q, model->n);
-    if (m->quat[0] != FB_R(0.0) || fbi_vec3_norm(m->quat + 1) > FB_R(0.0)) {
-      fbi_copy(x->quat, m->quat, 4);
-      (void)fb_quat_normalize(x->quat);
-    }
-  }
-  fbi_frames_init(state, system, motion, input);
-  fbi_prescribe(state, system, w, state, input);
-  fbi_links_place(w, system, body, state, state);
-  fbi_speeds_take(w, system, body, state, motion, input);
-  return FB_OK;
-}
-
-/* With all joints kept the coordinates are the poses. */
-static void fbi_poses_to_state(fb_system_state *state, const fb_system_work *w, const fb_system *system)
-{
-  for (int k = 0; k < system->n_body; k++) {
-    fb_link_state *x = &state->link[k];
-    fbi_vec3_copy(x->x, w->link[w->link[k].root].origin);
-    fbi_vec3_zero(x->lost_x);
-    fbi_keep(x->x, x->lost_x, w->link[k].rho, 3);
-    fbi_quat_from_mat33(x->quat, w->link[k].k.R);
-  }
-}
-
-/* Where the locked axes of joint j are, if it is kept. */
-static fb_status fbi_hold_set(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body,
-                              int j, int axis)
-{
-  fbi_frames f;
-  fb_real value[3];
-  const fb_status status = fbi_frames_eval(&f, w, system, body, j);
-  if (status != FB_OK) {
-    return status;
-  }
-  fbi_frames_value(value, &f, &system->joint[j]);
-  state->hold[j][axis] = value[axis];
-  if (system->joint[j].kind == FB_JOINT_SPHERICAL) {
-    fb_quat_from_rotvec(state->hold_quat[j], value);
-  }
-  return FB_OK;
-}
-
-/* Where locked axes are: of all kept joints from the first one on. */
-static fb_status fbi_holds_set(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body,
-                               int first)
-{
-  fb_status status = FB_OK;
-  for (int j = first; j < system->n_body + system->n_loop && status == FB_OK; j++) {
-    for (int i = 0; i < system->joint[j].n_axis && i < 3 && fbi_is_kept(system, w, j) && status == FB_OK; i++) {
-      status = fbi_hold_set(state, w, system, body, j, i);
-    }
-  }
-  return status;
-}
-
-/* Is a joint closed the right way round? The right angles of its rows are there half a turn off, too. */
-static int fbi_is_upright(fb_system_work *w, const fb_system *system, const fb_body *body, int j)
-{
-  const fb_joint_kind kind = system->joint[j].kind;
-  const int all = kind == FB_JOINT_RIGID || kind == FB_JOINT_PRISMATIC;
-  fbi_frames f;
-  if (kind == FB_JOINT_SPHERICAL || kind == FB_JOINT_UNIVERSAL || fbi_frames_eval(&f, w, system, body, j) != FB_OK) {
-    return 1;
-  }
-  return fb_vec3_dot(f.a[2], f.b[2]) > FB_R(0.0) && (!all || fb_vec3_dot(f.a[0], f.b[0]) > FB_R(0.0));
-}
-
-/* Newton steps of E9.17 from a rough guess; locked axes of loops take the place they come to. */
-static fb_status fbi_loops_close(fb_system_work *w, const fb_system *system, const fb_body *body,
-                                 fb_system_state *state, const fb_system_input *input)
-{
-  fb_real miss = FB_R(1.0);
-  fb_status status = FB_OK;
-  int worst = -1;
-  fb_system_state *modes = &w->base;
-  *modes = *state;
-  for (int j = system->n_body; j < system->n_body + system->n_loop; j++) {
-    for (int i = 0; i < 3; i++) {
-      modes->mode[j][i] = state->mode[j][i] == FB_AXIS_LOCKED ? FB_AXIS_FREE : state->mode[j][i];
-    }
-  }
-  for (int step = 0; step < 50 && status == FB_OK && !(miss <= FB_R(8.0) * FB_EPSILON); step++) {
-    const int before = worst;
-    w->heavy = step < 20 ? FB_R(1e6) : FB_R(0.0); /* joints move, modes do not; but at last */
-    status = fbi_positions_close(&miss, &worst, w, system, body, state, modes, input);
-    if (step > 0 && (status == FB_ERR_UNDETERMINED || status == FB_ERR_RANGE)) { /* lost on the way */
-      w->joint = before;
-      status = FB_ERR_CONTRADICTION;
-    }
-  }
-  w->heavy = FB_R(0.0);
-  if (status == FB_OK && !(miss <= (FB_SINGLE ? FB_R(1e-4) : FB_R(1e-10)))) {
-    w->joint = worst;
-    status = FB_ERR_CONTRADICTION;
-  }
-  for (int j = 0; j < system->n_body + system->n_loop && status == FB_OK; j++) {
-    if (fbi_is_kept(system, w, j) && !fbi_is_upright(w, system, body, j)) {
-      w->joint = j;
-      status = FB_ERR_CONTRADICTION;
-    }
-  }
-  return status == FB_OK ? fbi_holds_set(state, w, system, body, system->n_body) : status;
-}
-
-FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *body, fb_system_work *work,
-                                      fb_system_state *state, const fb_link_motion *motion,
-                                      const fb_system_input *input)
-{
-  fb_system_state *out;
-  fb_status status;
-  FBI_REQUIRE(system && body && work && state, FB_ERR_NULL);
-  FBI_REQUIRE_EXACT();
-  status = fbi_system_input_check(system, body, input);
-  fbi_system_enter(work, system);
-  out = &work->stage;
-  memset(out, 0, sizeof *out);
-  for (int j = 0; j < system->n_body + system->n_loop; j++) {
-    for (int i = 0; i < 3; i++) {
-      out->mode[j][i] = system->joint[j].mode[i];
-    }
-  }
-  status = status == FB_OK ? fbi_motion_place(work, system, body, out, motion, input) : status;
-  if (status != FB_OK) {
-    return status;
-  }
-  work->kept = system->method == FB_METHOD_MULTIPLIERS;
-  if (work->kept) {
-    fbi_poses_to_state(out, work, system);
-  }
-  status = fbi_holds_set(out, work, system, body, 0);
-  fbi_momenta_fill(out, work, system, body);
-  if (status == FB_OK && fbi_has_rows(system, work, input)) {
-    fbi_links_place(work, system, body, out, out);
-    if (system->tied < 2) {
-      fbi_frames_take(work, system, out, NULL, out, input);
-      fbi_frames_set(out, work, system);
-      fbi_places_settle(out, system, work);
-      fbi_links_place(work, system, body, out, out);
-    }
-    fbi_flight_begin(work, system);
-    status = fbi_loops_close(work, system, body, out, input);
-    if (status == FB_OK) { /* mass centers stay, too: they carry momentum */
-      fbi_trees_sum(work, system, out, NULL);
-      fbi_trees_hold(work, system, out);
-      fbi_links_place(work, system, body, out, out);
-      fbi_trees_weigh(work, system, 0);
-      fbi_centers_lead(out, work, system);
-    }
-    status = status == FB_OK ? fbi_momenta_close(work, system, body, out, out, input) : status;
-  }
-  if (status == FB_OK && fbi_flies(system, work)) {
-    fbi_frames_take(work, system, out, NULL, out, input);
-    fbi_frames_set(out, work, system);
-    fbi_places_settle(out, system, work);
-  }
-  status = status == FB_OK ? fbi_system_range(system, body, out) : status;
-  if (status == FB_OK) {
-    *state = *out;
-  }
-  return status;
-}
-
-FB_DEF fb_status fb_system_axis_set(const fb_system *system, const fb_body *body, fb_system_work *work,
-                                    fb_system_state *state, int joint, int axis, fb_axis_mode mode,
-                                    const fb_system_input *input)
-{
-  fb_system_state *out;
-  fb_status status;
-  FBI_REQUIRE(system && body && work && state, FB_ERR_NULL);
-  FBI_REQUIRE(joint >= 0 && joint < system->n_body + system->n_loop && axis >= 0, FB_ERR_CAPACITY);
-  FBI_REQUIRE(axis < system->joint[joint].n_axis && axis < 3, FB_ERR_CAPACITY);
-  FBI_REQUIRE(fbi_is_choice((int)mode, (int)FB_AXIS_PRESCRIBED), FB_ERR_VALUE);
-  status = fbi_system_input_check(system, body, input);
-  if (status != FB_OK) {
-    return status;
-  }
-  fbi_system_enter(work, system);
-  out = &work->stage;
-  *out = *state;
-  status = fbi_momenta_close(work, system, body, out, out, input); /* momenta of what is given now */
-  if (status == FB_OK && fbi_is_kept(system, work, joint)) {
-    status = fbi_hold_set(out, work, system, body, joint, axis);
-  }
-  for (int i = 0; i < 3; i++) {
-    const int all = system->joint[joint].kind == FB_JOINT_SPHERICAL || system->joint[joint].kind == FB_JOINT_FREE;
-    if (all || i == axis) {
-      out->mode[joint][i] = mode;
-    }
-  }
-  if (status == FB_OK && system->joint[joint].kind == FB_JOINT_FREE) {
-    fbi_frames_take(work, system, out, NULL, out, input);
-    fbi_frames_set(out, work, system);
-    fbi_places_settle(out, system, work);
-  }
-  status = status == FB_OK ? fbi_momenta_close(work, system, body, out, out, input) : status;
-  if (status == FB_OK) {
-    *state = *out;
-  }
-  return status;
-}
-
-FB_DEF fb_status fb_system_rates(const fb_system *system, const fb_body *body, fb_system_work *work,
-                                 fb_system_state *rate, const fb_system_state *state, const fb_system_input *input)
-{
-  fb_system_state *out;
-  fb_status status;
-  FBI_REQUIRE(system && body && work && rate && state, FB_ERR_NULL);
-  out = &work->rate;
-  memset(out, 0, sizeof *out);
-  status = fbi_system_input_check(system, body, input);
-  fbi_system_enter(work, system);
-  status = status == FB_OK ? fbi_system_rates(work, system, body, out, state, state, input) : status;
-  for (int k = 0; k < system->n_body && status == FB_OK; k++) {
-    fb_link_state *x = &out->link[k];
-    if (fbi_link_joint(system, work, k)->kind == FB_JOINT_FREE) { /* from the ground */
-      fbi_vec3_copy(x->x, x->lost_x);
-      fbi_vec3_add(x->x, FB_R(1.0), work->link[work->link[k].root].frame);
-      fbi_vec3_zero(x->lost_x);
-    }
-    status = fbi_link_state_is_finite(x, fbi_model(system, body, k)->n) ? FB_OK : FB_ERR_NOT_FINITE;
-  }
-  if (status == FB_OK) {
-    *rate = *out;
-  }
-  return status;
-}
-
-/* ---- accelerations */
-
-/* Rates of a body's own momenta: G_dot to L->b, pi_dot to L->e, for V_dot and q_ddot. */
-static void fbi_own_momentum_rates(fbi_link_work *L, const fb_body *body, const fb_real V_dot[6], const fb_real *q_ddot)
-{
-  const int n = body->n;
-  fb_real xd[FB_MAX_MODES + 1], e[FB_MAX_MODES], pb_dot[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0};
-  fb_real SV[6], elastic[6] = {0};
-  xd[0] = FB_R(0.0);
-  fbi_copy(xd + 1, L->q_dot, n);
-  fbi_zero(e, n);
-  fbi_lambda_gradients(e, unused, body, V_dot, L->k.qx, L->k.pb);
-  fbi_lambda_linear_gradients(e, unused, body, L->V, xd, L->k.pb);
-  fbi_mass_mul(L->e, body, q_ddot);
-  fbi_row_sub(L->e, FB_R(1.0), e, n);
-  fbi_mass_solve(pb_dot, body, L->e);
-  fbi_S_rate(L->k.dS, body, L->k.qx, xd);
-  fb_sym6_mul_vec6(L->b, L->k.S, V_dot);
-  fb_sym6_mul_vec6(SV, L->k.dS, L->V);
-  fbi_lambda_sub(elastic, body, L->k.qx, pb_dot);
-  fbi_lambda_linear_sub(elastic, body, xd, L->k.pb);
-  for (int i = 0; i < 6; i++) {
-    L->b[i] += SV[i] - elastic[i];
-  }
-}
-
-/* y = V x T, the rate of a twist T carried along by V */
-static void fbi_twist_cross_add(fb_real y[6], const fb_real V[6], const fb_real T[6])
-{
-  fbi_vec3_add_cross(y, V + 3, T);
-  fbi_vec3_add_cross(y, V, T + 3);
-  fbi_vec3_add_cross(y + 3, V + 3, T + 3);
-}
-
-/* [E9.18] V_dot of a body with its joint's and its parent's modes' accelerations zero (but for given ones): with the
-   node's twist T = (u_dot + n x phi_rate, phi_rate) about the parent's origin, V_dot = X (V_p_dot + T_dot + V_p x T) +
-   A u_dot + A_dot u + V x A u.
-   Source: rates of twists; [FE] 5.  Test: accelerations_are_the_rates_of_velocities. */
-static void fbi_bias_acceleration(fbi_link_work *L, const fb_joint *joint, const fbi_link_work *parent,
-                                  const fb_body *on, const fb_real *given)
-{
-  fb_real turn[6] = {0}, own[6] = {0};
-  fbi_vec6_zero(L->V_dot);
-  if (joint->kind == FB_JOINT_FREE) {
-    fbi_vec6_copy(L->V_dot, given);
-    return;
-  }
-  if (parent) {
-    fb_real a[6], v[3];
-    fbi_vec6_copy(a, parent->V_dot);
-    if (joint->moves) {
-      fb_real T[6], u_dd[3], turn_dd[3];
-      fbi_vec3_sum(T, L->node.Ju, parent->q_dot, on->n);
-      fbi_vec3_sum(T + 3, L->node.Jphi, parent->q_dot, on->n);
-      fbi_node_convection(u_dd, turn_dd, &L->node, on, &on->node[joint->parent_node], parent->q_dot);
-      fbi_vec3_add(a, FB_R(1.0), u_dd);
-      fbi_vec3_add(a + 3, FB_R(1.0), turn_dd);
-      fbi_vec3_add_cross(a, T, T + 3);
-      fbi_vec3_add_cross(a, L->n, turn_dd);
-      fbi_vec3_add_cross(T, L->n, T + 3);
-      fbi_twist_cross_add(a, parent->V, T);
-    }
-    fbi_vec3_copy(v, a);
-    fbi_vec3_add_cross(v, a + 3, L->s);
-    fb_mat33_mulT_vec3(L->V_dot, L->C, v);
-    fb_mat33_mulT_vec3(L->V_dot + 3, L->C, a + 3);
-  }
-  for (int i = 0; i < joint->n_axis; i++) {
-    fbi_vec6_add(own, L->u[i], L->A + 6 * i);
-    fbi_vec6_add(L->V_dot, given[i], L->A + 6 * i);
-  }
-  if (joint->kind == FB_JOINT_UNIVERSAL) {
-    fbi_vec6_add(L->V_dot, L->u[0] * L->u[1], L->A_dot);
-  }
-  fbi_twist_cross_add(turn, L->V, own);
-  fbi_vec6_add(L->V_dot, FB_R(1.0), turn);
-}
-
-/* Acceleration of an end for V_dot of its body and q_ddot = 0, as E8.20. */
-static void fbi_end_acceleration(fbi_end *end, const fb_system_work *w, const fb_system *system, const fb_body *body)
-{
-  if (end->link >= 0) { /* the ground's are zero from the start */
-    const fbi_link_work *L = &w->link[end->link];
-    const fb_body *model = fbi_model(system, body, end->link);
-    fb_real a[3], alpha[3], ud[3], pd[3], u_dd[3], turn_dd[3], inner[3];
-    fbi_vec3_sum(ud, end->f.Ju, L->q_dot, model->n);
-    fbi_vec3_sum(pd, end->f.Jphi, L->q_dot, model->n);
-    fbi_node_convection(u_dd, turn_dd, &end->f, model, &model->node[end->node], L->q_dot);
-    fb_vec3_cross(inner, L->V + 3, end->n);
-    for (int i = 0; i < 3; i++) {
-      a[i] = L->V_dot[i] + u_dd[i];
-      alpha[i] = L->V_dot[3 + i] + turn_dd[i];
-      inner[i] += FB_R(2.0) * ud[i] + L->V[i];
-    }
-    fbi_vec3_add_cross(a, L->V_dot + 3, end->n);
-    fbi_vec3_add_cross(a, L->V + 3, inner);
-    fbi_vec3_add_cross(alpha, L->V + 3, pd);
-    fb_mat33_mul_vec3(end->a, L->k.R, a);
-    fb_mat33_mul_vec3(end->alpha, L->k.R, alpha);
-  }
-}
-
-/* What a body lacks to move as it does: y = F - turning of G - G_dot, e of its modes; the whole must come from joints.
-   */
-static void fbi_own_residual(fbi_link_work *L, const fb_body *body, const fb_real V_dot[6], const fb_real *q_ddot)
-{
-  fb_real turn[6];
-  fbi_own_momentum_rates(L, body, V_dot, q_ddot);
-  fbi_turning(turn, L->V, L->k.ph);
-  for (int i = 0; i < 6; i++) {
-    L->y[i] = L->k.fg[i] - turn[i] - L->b[i];
-  }
-}
-
-/* [E9.19] Accelerations: what each body lacks of force with joints and modes at constant speed, solved with the factors
-   of the momenta, M u_dot = tau + sum of X^T (F - turning - G_dot); joint forces come out as the solution's G.
-   Source: Newton-Euler; THEORY.md 8.5, acceleration form.  Fails: as the rates.
-   Test: accelerations_are_the_rates_of_velocities, joint_forces_carry_what_hangs_on_them. */
-static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *system, const fb_body *body,
-                                          const fb_system_state *state, const fb_system_input *input)
-{
-  const fb_real none[6] = {0}, still[FB_MAX_MODES] = {0};
-  fbi_system_loads(w, system, body, input);
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    fbi_vec6_copy(L->F, L->k.fg); /* without the joints */
-  }
-  (void)fbi_kept_springs(w, system, body, state, input);
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    const fb_body *model = fbi_model(system, body, k);
-    const fb_joint *joint = fbi_link_joint(system, w, k);
-    const fbi_link_work *parent = fbi_parent(w, joint);
-    fb_real given[6] = {0};
-    for (int i = 0; i < joint->n_axis; i++) {
-      const fb_axis_mode mode = fbi_axis_mode(L, joint, i);
-      given[i] = mode == FB_AXIS_PRESCRIBED && input ? input->drive[k].acceleration[i] : FB_R(0.0);
-    }
-    if (joint->kind == FB_JOINT_FREE && L->mode[0] == FB_AXIS_PRESCRIBED) { /* in the frame: R^T u turns in body axes */
-      fb_real u[3] = {0};
-      fbi_own_frame_add(u, FB_R(1.0), w, k);
-      fbi_vec3_add_cross(given, L->V + 3, u);
-    }
-    fbi_vec6_copy(L->given, given);
-    fbi_bias_acceleration(L, joint, parent, parent ? fbi_model(system, body, joint->parent) : NULL, given);
-    fbi_elastic_forces(L->pi, &L->k, model, state->link[k].q, L->q_dot);
-    fbi_own_residual(L, model, L->V_dot, still);
-    fbi_row_sub(L->pi, FB_R(1.0), L->e, model->n);
-    fbi_vec6_copy(L->p, none);
-    for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
-      if (L->mode[i] == FB_AXIS_FREE) {
-        fb_real value[3];
-        fbi_vec3_copy(value, state->link[k].x);
-        if (joint->kind == FB_JOINT_SPHERICAL) {
-          fb_quat_to_rotvec(value, state->link[k].quat);
-        }
-        L->p[i] = fbi_axis_torque(joint, input, k, i, value[i], L->u[i]);
-      }
-    }
-    fbi_vec6_copy(L->speed, L->u);
-    fbi_copy(L->q_speed, L->q_dot, model->n);
-  }
-  for (int e = 0; e < w->n_end; e++) {
-    fbi_end_acceleration(&w->end[e], w, system, body);
-  }
-  for (int r = 0; r < w->n_row; r++) {
-    const fbi_row *row = &w->row[r];
-    fb_real size;
-    w->c[r] = row->b_dot + fbi_row_drift(&size, w, row, (const fb_real(*)[3])row->force_dot);
-    for (int s = 0; s < 2; s++) {
-      const fbi_end *end = &w->end[row->end[s]];
-      w->c[r] += fb_vec3_dot(row->r.force[s], end->a) + fb_vec3_dot(row->r.torque[s], end->alpha) +
-                 fb_vec3_dot(row->force_dot[s], end->v) + fb_vec3_dot(row->torque_dot[s], end->w);
-    }
-  }
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_vec6_copy(w->link[k].twist, w->link[k].V); /* the velocities; the solution takes their place */
-  }
-  return w->n_row > 0 ? fbi_constrained_solve(w, system, body, 0) : fbi_speeds_solve(w, system, body);
-}
-
-/* Force, torque and coordinates of a joint of the tree. */
-static void fbi_tree_joint_motion(fb_joint_motion *out, const fbi_link_work *L, const fb_joint *joint,
-                                  const fb_link_state *x)
-{
-  fb_real torque[3], moment[3];
-  fb_vec3_cross(moment, joint->child_position, L->G);
-  for (int i = 0; i < 3; i++) {
-    torque[i] = L->G[3 + i] - moment[i];
-  }
-  fb_mat33_mul_vec3(out->force, L->k.R, L->G);
-  fb_mat33_mul_vec3(out->torque, L->k.R, torque);
-  fbi_copy(out->value, x->x, joint->n_axis < 3 ? joint->n_axis : 3);
-  if (joint->kind == FB_JOINT_SPHERICAL) {
-    fb_quat_to_rotvec(out->value, x->quat);
-  }
-  for (int i = 0; i < joint->n_axis; i++) {
-    out->speed[i] = L->speed[i];
-    out->acceleration[i] = L->given[i] + L->u[i];
-    if (joint->kind != FB_JOINT_FREE) {
-      out->drive[i] = fbi_vec6_dot(L->A + 6 * i, L->G);
-    }
-  }
-}
-
-/* The same of a joint that is kept: the multipliers of its rows, its springs and motors; accelerations are not formed.
-   */
-static void fbi_kept_joint_motion(fb_joint_motion *out, fb_system_work *w, const fb_system *system, const fb_body *body,
-                                  const fb_system_state *state, const fb_system_input *input, int j)
-{
-  const fb_joint *joint = &system->joint[j];
-  fbi_frames f;
-  (void)fbi_frames_eval(&f, w, system, body, j);
-  fbi_frames_value(out->value, &f, joint);
-  for (int r = 0; r < w->n_joint_row; r++) {
-    const fbi_row *row = &w->row[r];
-    if (row->joint == j) {
-      fb_real moment[3];
-      fb_vec3_cross(moment, f.arm[1], row->r.force[1]);
-      fbi_vec3_add(out->force, w->mu[r], row->r.force[1]);
-      fbi_vec3_add(out->torque, w->mu[r], row->r.torque[1]);
-      fbi_vec3_add(out->torque, -w->mu[r], moment);
-    }
-  }
-  for (int i = 0; i < joint->n_axis; i++) {
-    fb_real force[3], torque[3];
-    fbi_frames_axis(force, torque, &f, joint, i);
-    out->speed[i] = fbi_frames_speed(&f, w, force, torque);
-    if (state->mode[j][i] == FB_AXIS_FREE) {
-      const fb_real tau = fbi_axis_torque(joint, input, j, i, out->value[i], out->speed[i]);
-      fbi_vec3_add(out->force, tau, force);
-      fbi_vec3_add(out->torque, tau, torque);
-    }
-    out->drive[i] = fb_vec3_dot(force, out->force) + fb_vec3_dot(torque, out->torque);
-    if (joint->kind == FB_JOINT_SCREW) {
-      out->drive[i] += joint->pitch * fb_vec3_dot(f.a[2], out->force);
-    }
-  }
-}
-
-/* Power of the motors of a joint and of what prescribes its axes; springs and dampers keep theirs. */
-static fb_real fbi_joint_power(const fb_system_work *w, const fb_joint_motion *at, const fb_joint *joint,
-                               const fb_system_state *state, const fb_system_input *input, int j)
-{
-  fb_real power = FB_R(0.0);
-  if (joint->kind == FB_JOINT_FREE) {
-    fb_real v[6];
-    fbi_vec6_copy(v, w->link[j].twist);
-    fbi_own_frame_add(v, FB_R(1.0), w, j);
-    return state->mode[j][0] == FB_AXIS_PRESCRIBED ? fbi_vec6_dot(w->link[j].G, v) : power;
-  }
-  for (int i = 0; i < joint->n_axis; i++) {
-    const fb_real motor = input ? input->drive[j].torque[i] : FB_R(0.0);
-    const fb_real drive = at->drive[i] - fbi_axis_torque(joint, NULL, j, i, at->value[i], at->speed[i]);
-    power += at->speed[i] * (state->mode[j][i] == FB_AXIS_FREE ? motor : drive);
-  }
-  return power;
-}
-
-/* Pose and motion of a body, and what its joint bears if it is of the tree; the velocities take the solution's place
-   again. */
-static void fbi_link_motion(fb_system_motion *motion, fb_system_work *w, const fb_system *system, const fb_body *body,
-                            const fb_system_state *state, int k)
-{
-  const fb_body *model = fbi_model(system, body, k);
-  fbi_link_work *L = &w->link[k];
-  fb_state *pose = &motion->pose[k];
-  fb_motion *out = &motion->motion[k];
-  fb_real u[3] = {0}, turn[3];
-  for (int i = 0; i < 3; i++) {
-    pose->rho[i] = fbi_true_position(w, k, L->rho, i);
-  }
-  fbi_quat_from_mat33(pose->quat, L->k.R);
-  fbi_copy(pose->q, L->k.qx + 1, model->n);
-  if (!fbi_is_kept(system, w, k)) {
-    fbi_tree_joint_motion(&motion->joint[k], L, fbi_link_joint(system, w, k), &state->link[k]);
-  }
-  fbi_vec6_add(L->V_dot, FB_R(1.0), L->V);
-  fbi_vec6_copy(L->V, L->twist);
-  fbi_vec3_copy(out->v, L->V);
-  fbi_vec3_copy(out->w, L->V + 3);
-  fb_vec3_cross(out->acceleration, L->V + 3, L->V); /* the frame does not accelerate */
-  fbi_vec3_add(out->acceleration, FB_R(1.0), L->V_dot);
-  fbi_vec3_copy(out->w_dot, L->V_dot + 3);
-  fbi_copy(out->q_ddot, L->q_dot, model->n);
-  fbi_copy(L->q_dot, L->q_speed, model->n);
-  fbi_copy(out->q_dot, L->q_dot, model->n);
-  fbi_vec6_copy(L->k.fg, L->F);
-  fbi_own_residual(L, model, L->V_dot, out->q_ddot);
-  fbi_own_frame_add(u, FB_R(1.0), w, k); /* from the ground: v + R^T u, which turns in body axes */
-  fb_vec3_cross(turn, L->V + 3, u);
-  for (int i = 0; i < 3; i++) {
-    out->reaction_force[i] = -L->y[i];
-    out->reaction_torque[i] = -L->y[3 + i];
-    out->v[i] += u[i];
-    if (fbi_link_joint(system, w, k)->kind == FB_JOINT_FREE && !fbi_is_kept(system, w, k)) {
-      motion->joint[k].speed[i] += u[i];
-      motion->joint[k].acceleration[i] -= turn[i];
-    }
-  }
-}
-
-FB_DEF fb_status fb_system_motion_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
-                                       fb_system_motion *motion, const fb_system_state *state,
-                                       const fb_system_input *input)
-{
-  fb_status status;
-  FBI_REQUIRE(system && body && work && motion && state, FB_ERR_NULL);
-  status = fbi_system_input_check(system, body, input);
-  fbi_system_enter(work, system);
-  status = status == FB_OK ? fbi_system_velocity(work, system, body, state, state, input, 0) : status;
-  for (int k = 0; k < system->n_body && status == FB_OK; k++) {
-    fbi_link_kinetics(&work->link[k], fbi_model(system, body, k));
-    fbi_momenta(&work->link[k].k, fbi_model(system, body, k));
-  }
-  status = status == FB_OK ? fbi_system_accelerations(work, system, body, state, input) : status;
-  for (int k = 0; k < system->n_body && status == FB_OK; k++) {
-    const fbi_link_work *L = &work->link[k];
-    const int n = fbi_model(system, body, k)->n;
-    status = fbi_is_finite(L->V, 6) && fbi_is_finite(L->G, 6) && fbi_is_finite(L->q_dot, n) ? FB_OK : FB_ERR_NOT_FINITE;
-  }
-  if (status != FB_OK) {
-    return status;
-  }
-  memset(motion, 0, sizeof *motion);
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_motion(motion, work, system, body, state, k);
-  }
-  for (int j = 0; j < system->n_body + system->n_loop; j++) {
-    fb_joint_motion *at = &motion->joint[j];
-    const fb_joint *joint = &system->joint[j];
-    if (fbi_is_kept(system, work, j)) {
-      fbi_kept_joint_motion(at, work, system, body, state, input, j);
-    }
-    motion->power += fbi_joint_power(work, at, joint, state, input, j);
-  }
-  return FB_OK;
-}
-
-FB_DEF fb_status fb_system_energy(const fb_system *system, const fb_body *body, fb_system_work *work, fb_energy *energy,
-                                  const fb_system_state *state, const fb_system_input *input)
-{
-  fb_energy out = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-  fb_status status;
-  FBI_REQUIRE(system && body && work && energy && state, FB_ERR_NULL);
-  status = fbi_system_input_check(system, body, input);
-  fbi_system_enter(work, system);
-  status = status == FB_OK ? fbi_system_velocity(work, system, body, state, state, input, 0) : status;
-  if (status != FB_OK) {
-    return status;
-  }
-  for (int k = 0; k < system->n_body; k++) {
-    const fb_body *model = fbi_model(system, body, k);
-    fbi_link_work *L = &work->link[k];
-    fb_real u[3] = {0}, rho[3];
-    fbi_link_kinetics(L, model);
-    fbi_momenta(&L->k, model);
-    fbi_mass_mul(L->e, model, L->k.pb);
-    out.kinetic += FB_R(0.5) * (fbi_vec6_dot(L->k.ph, L->V) + fbi_dot(L->e, L->q_dot, model->n));
-    fbi_own_frame_add(u, FB_R(1.0), work, k);
-    out.kinetic += fb_vec3_dot(L->k.ph, u) + FB_R(0.5) * model->mass * fb_vec3_dot(u, u);
-    for (int i = 0; i < 3; i++) {
-      rho[i] = fbi_true_position(work, k, L->rho, i);
-    }
-    fbi_potential_add(&out, &L->k, model, state->link[k].q, rho);
-  }
-  for (int j = 0; j < system->n_body + system->n_loop; j++) {
-    const fb_joint *joint = &system->joint[j];
-    fb_real value[3];
-    if (!fbi_is_sprung(joint, NULL, j)) {
-      continue;
-    }
-    if (fbi_is_kept(system, work, j)) {
-      fbi_frames f;
-      (void)fbi_frames_eval(&f, work, system, body, j);
-      fbi_frames_value(value, &f, joint);
-    } else if (joint->kind == FB_JOINT_SPHERICAL) {
-      fb_quat_to_rotvec(value, state->link[j].quat);
-    } else {
-      fbi_vec3_copy(value, state->link[j].x);
-    }
-    for (int i = 0; i < joint->n_axis && i < 3; i++) {
-      const fb_real stretch = value[i] - joint->rest[i];
-      out.strain += FB_R(0.5) * joint->stiffness[i] * stretch * stretch;
-    }
-  }
-  if (!fbi_energy_is_finite(&out)) {
-    return FB_ERR_NOT_FINITE;
-  }
-  *energy = out;
-  return FB_OK;
-}
-
-/* Sums over the bodies. */
-FB_DEF fb_status fb_system_momentum(const fb_system *system, const fb_body *body, fb_system_work *work,
-                                    fb_momentum *momentum, const fb_system_state *state, const fb_system_input *input)
-{
-  fb_momentum out;
-  fb_status status;
-  FBI_REQUIRE(system && body && work && momentum && state, FB_ERR_NULL);
-  status = fbi_system_input_check(system, body, input);
-  fbi_system_enter(work, system);
-  status = status == FB_OK ? fbi_system_velocity(work, system, body, state, state, input, 0) : status;
-  if (status != FB_OK) {
-    return status;
-  }
-  memset(&out, 0, sizeof out);
-  for (int k = 0; k < system->n_body; k++) {
-    const fb_body *model = fbi_model(system, body, k);
-    fbi_link_work *L = &work->link[k];
-    fb_real P[3], h[3], u[3] = {0}, rho[3];
-    fbi_link_kinetics(L, model);
-    fbi_momenta(&L->k, model);
-    fbi_own_frame_add(u, FB_R(1.0), work, k);
-    fbi_drift_momenta(L->b, L->e, L->first, L, model, u);
-    fbi_vec6_add(L->k.ph, FB_R(1.0), L->b);
-    fb_mat33_mul_vec3(P, L->k.R, L->k.ph);
-    fb_mat33_mul_vec3(h, L->k.R, L->k.ph + 3);
-    for (int i = 0; i < 3; i++) {
-      rho[i] = fbi_true_position(work, k, L->rho, i);
-    }
-    fbi_vec3_add(out.linear, FB_R(1.0), P);
-    fbi_vec3_add(out.angular, FB_R(1.0), h);
-    fbi_vec3_add_cross(out.angular, rho, P);
-  }
-  if (!fbi_is_finite(out.linear, 3) || !fbi_is_finite(out.angular, 3)) {
-    return FB_ERR_NOT_FINITE;
-  }
-  *momentum = out;
-  return FB_OK;
-}
-
-/* [E9.20] Specific force R^T (a - g) and angular rate R^T w in the section's axes.
-   Source: definition of an accelerometer.  Test: joint_forces_carry_what_hangs_on_them. */
-FB_DEF void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *gravity)
-{
-  FBI_REQUIRE(imu && node, );
-  fb_real R[9], a[3];
-  fb_quat_to_mat33(R, node->quat);
-  for (int i = 0; i < 3; i++) {
-    a[i] = node->acceleration[i] - (gravity ? gravity[i] : FB_R(0.0));
-  }
-  fb_mat33_mulT_vec3(imu->specific_force, R, a);
-  fb_mat33_mulT_vec3(imu->angular_rate, R, node->angular_rate);
-}
-
-/* ---- init */
+/* ---- systems */
 
 /* Largest eigenvalue of springs and modes (which = 0) or dampers (1) against the mass, undeformed, at zero coordinates:
    60 steps of the power method, which comes from below; 5 % are added. The right-hand side is clear but for what is set
@@ -11406,263 +15285,10 @@ FB_DEF fb_status fb_system_init(fb_system *system, fb_system_work *work, const f
   }
   return status == FB_ERR_UNDETERMINED ? FB_ERR_SINGULAR : status;
 }
+#endif
 
-/* ---- checks of what is in memory */
-
-static int fbi_joint_is_sound(const fb_system *system, const fb_body *body, int j)
-{
-  const fb_joint *joint = &system->joint[j];
-  const int loop = j >= system->n_body, most = loop ? system->n_body : j;
-  int sound = fbi_is_choice((int)joint->kind, (int)FB_JOINT_SPHERICAL) && joint->parent >= FB_GROUND &&
-              joint->parent < most && fbi_is_within(joint->child, system->n_body - 1) && (loop || joint->child == j) &&
-              joint->parent_node >= 0 && joint->child_node >= 0 && fbi_is_flag(joint->moves) &&
-              fbi_is_flag(joint->turned);
-  sound = sound && joint->n_axis == fbi_joint_axes(joint->kind) &&
-          (joint->parent < 0 ? joint->parent_node == 0
-                             : joint->parent_node < fbi_model(system, body, joint->parent)->n_node) &&
-          joint->child_node < fbi_model(system, body, joint->child)->n_node;
-  sound = sound && fbi_is_finite(joint->position, 3) && fbi_is_finite(joint->axes, 9) &&
-          fbi_is_finite(joint->child_position, 3) && fbi_is_finite(joint->child_axes, 9) &&
-          fbi_is_finite(joint->A, 18) && fbi_is_finite(&joint->pitch, 1) && fbi_is_finite(joint->stiffness, 3) &&
-          fbi_is_finite(joint->rest, 3) && fbi_is_finite(joint->damping, 3);
-  for (int i = 0; sound && i < 3; i++) {
-    sound = fbi_is_choice((int)joint->mode[i], (int)FB_AXIS_PRESCRIBED) && joint->stiffness[i] >= FB_R(0.0) &&
-            joint->damping[i] >= FB_R(0.0);
-  }
-  return sound;
-}
-
-FB_DEF fb_status fb_system_check(const fb_system *system, const fb_body *body, int n_model)
-{
-  int sound;
-  FBI_REQUIRE(system && body, FB_ERR_NULL);
-  if (n_model < 1 || system->n_body < 1 || system->n_body > FB_MAX_BODIES ||
-      !fbi_is_within(system->n_loop, FB_MAX_LOOPS)) {
-    return FB_ERR_CAPACITY;
-  }
-  {
-    const fb_real limit[4] = {system->limit_elastic, system->limit_damping, system->limit_kept_elastic,
-                              system->limit_kept_damping};
-    sound = fbi_is_choice((int)system->method, (int)FB_METHOD_MULTIPLIERS) && fbi_is_flag(system->allow_long_step) &&
-            fbi_is_within(system->tied, 2) && fbi_is_finite(limit, 4) && system->free.kind == FB_JOINT_FREE &&
-            system->free.n_axis == 6 && system->free.parent == FB_GROUND;
-  }
-  for (int k = 0; sound && k < system->n_body; k++) {
-    sound = fbi_is_within(system->model[k], n_model - 1) && fbi_is_flag(system->coupled[k]) &&
-            fb_body_check(fbi_model(system, body, k)) == FB_OK;
-  }
-  for (int j = 0; sound && j < system->n_body + system->n_loop; j++) {
-    sound = fbi_joint_is_sound(system, body, j);
-  }
-  return sound ? FB_OK : FB_ERR_VALUE;
-}
-
-/* The joint by E8.40. */
-static unsigned fbi_crc_joint(unsigned crc, const fb_joint *joint)
-{
-  const int whole[] = {(int)joint->kind,    joint->parent,       joint->parent_node, joint->child,
-                       joint->child_node,   joint->n_axis,       joint->moves,       joint->turned,
-                       (int)joint->mode[0], (int)joint->mode[1], (int)joint->mode[2]};
-  crc = fbi_crc_ints(crc, whole, (int)(sizeof whole / sizeof *whole));
-  crc = fbi_crc_reals(fbi_crc_reals(crc, joint->position, 3, FB_SINGLE), joint->axes, 9, FB_SINGLE);
-  crc = fbi_crc_reals(fbi_crc_reals(crc, joint->child_position, 3, FB_SINGLE), joint->child_axes, 9, FB_SINGLE);
-  crc = fbi_crc_reals(fbi_crc_reals(crc, joint->A, 18, FB_SINGLE), &joint->pitch, 1, FB_SINGLE);
-  crc = fbi_crc_reals(fbi_crc_reals(crc, joint->stiffness, 3, FB_SINGLE), joint->rest, 3, FB_SINGLE);
-  return fbi_crc_reals(crc, joint->damping, 3, FB_SINGLE);
-}
-
-FB_DEF unsigned fb_system_crc(const fb_system *system, const fb_body *body, int n_model)
-{
-  unsigned crc;
-  FBI_REQUIRE(system && body, 0);
-  if (n_model < 1 || !fbi_is_within(system->n_body, FB_MAX_BODIES) || !fbi_is_within(system->n_loop, FB_MAX_LOOPS)) {
-    return 0;
-  }
-  {
-    const int whole[5] = {system->n_body, system->n_loop, (int)system->method, system->allow_long_step, system->tied};
-    const fb_real limit[4] = {system->limit_elastic, system->limit_damping, system->limit_kept_elastic,
-                              system->limit_kept_damping};
-    crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, 5), limit, 4, FB_SINGLE);
-  }
-  crc = fbi_crc_ints(fbi_crc_ints(crc, system->model, system->n_body), system->coupled, system->n_body);
-  for (int k = 0; k < system->n_body; k++) {
-    unsigned word = 0;
-    if (fbi_is_within(system->model[k], n_model - 1)) {
-      word = fb_body_crc(fbi_model(system, body, k));
-    }
-    if (word == 0) {
-      return 0;
-    }
-    crc = fbi_crc_word(crc, word);
-  }
-  for (int j = 0; j < system->n_body + system->n_loop; j++) {
-    crc = fbi_crc_joint(crc, &system->joint[j]);
-  }
-  return ~fbi_crc_joint(crc, &system->free);
-}
-
-FB_DEF fb_status fb_system_state_check(const fb_system *system, const fb_body *body, const fb_system_state *state)
-{
-  fb_status status;
-  FBI_REQUIRE(system && body && state, FB_ERR_NULL);
-  status = fbi_system_range(system, body, state);
-  for (int j = 0; status == FB_OK && j < system->n_body + system->n_loop; j++) {
-    fb_real quat[4] = {FB_R(1.0)};
-    for (int i = 0; i < 3; i++) {
-      status = fbi_is_choice((int)state->mode[j][i], (int)FB_AXIS_PRESCRIBED) ? status : FB_ERR_VALUE;
-    }
-    if (j < system->n_body && (system->joint[j].kind == FB_JOINT_SPHERICAL || system->joint[j].kind == FB_JOINT_FREE ||
-                               system->method == FB_METHOD_MULTIPLIERS)) {
-      fbi_copy(quat, state->link[j].quat, 4);
-    }
-    if (status == FB_OK && (!fbi_is_finite(state->hold[j], 3) || !fbi_is_finite(state->hold_quat[j], 4))) {
-      status = FB_ERR_NOT_FINITE;
-    }
-    status = status == FB_OK && !fbi_quat_is_unit(quat) ? FB_ERR_VALUE : status;
-  }
-  return status;
-}
-
-/* ---------------------------------------------------------------------------------------------------------------
-   10 >>mixed (uses 1-6)
-
-   Twists v = (v, w) and loads F = (force, moment) are 6-vectors in section axes; for a twist x = (e, k)
-     ad(x) v = (k x v + e x w, k x w)          change of a twist along x
-     ad(x)^T F = -(k x F, e x F + k x M)       and of a load: F' = ad^T F - f is equilibrium in axes that move along x
-   Everything is in the beam's own units. */
-
-static void fbi_ad(fb_real y[6], const fb_real x[6], const fb_real v[6])
-{
-  fb_vec3_cross(y, x + 3, v);
-  fbi_vec3_add_cross(y, x, v + 3);
-  fb_vec3_cross(y + 3, x + 3, v + 3);
-}
-
-static void fbi_adT(fb_real y[6], const fb_real x[6], const fb_real F[6])
-{
-  fb_vec3_cross(y, F, x + 3);
-  fb_vec3_cross(y + 3, F, x);
-  fbi_vec3_add_cross(y + 3, F + 3, x + 3);
-}
-
-/* Y = ad(x) M for 6x6 M, rows of which are long enough to be worth a vector unit. */
-static void fbi_ad_mul(fb_real Y[36], const fb_real x[6], const fb_real M[36])
-{
-  for (int j = 0; j < 6; j++) {
-    const fb_real *t = M + j, *b = M + 18 + j;
-    Y[j] = x[4] * t[12] - x[5] * t[6] + x[1] * b[12] - x[2] * b[6];
-    Y[6 + j] = x[5] * t[0] - x[3] * t[12] + x[2] * b[0] - x[0] * b[12];
-    Y[12 + j] = x[3] * t[6] - x[4] * t[0] + x[0] * b[6] - x[1] * b[0];
-    Y[18 + j] = x[4] * b[12] - x[5] * b[6];
-    Y[24 + j] = x[5] * b[0] - x[3] * b[12];
-    Y[30 + j] = x[3] * b[6] - x[4] * b[0];
-  }
-}
-
-/* Y = ad(x)^T M */
-static void fbi_adT_mul(fb_real Y[36], const fb_real x[6], const fb_real M[36])
-{
-  for (int j = 0; j < 6; j++) {
-    const fb_real *t = M + j, *b = M + 18 + j;
-    Y[j] = x[5] * t[6] - x[4] * t[12];
-    Y[6 + j] = x[3] * t[12] - x[5] * t[0];
-    Y[12 + j] = x[4] * t[0] - x[3] * t[6];
-    Y[18 + j] = x[2] * t[6] - x[1] * t[12] + x[5] * b[6] - x[4] * b[12];
-    Y[24 + j] = x[0] * t[12] - x[2] * t[0] + x[3] * b[12] - x[5] * b[0];
-    Y[30 + j] = x[1] * t[0] - x[0] * t[6] + x[4] * b[0] - x[3] * b[6];
-  }
-}
-
-/* Y = M ad(x): ad(x)^T on every row */
-static void fbi_mul_ad(fb_real Y[36], const fb_real M[36], const fb_real x[6])
-{
-  for (int i = 0; i < 36; i += 6) {
-    fbi_adT(Y + i, x, M + i);
-  }
-}
-
-/* A += s v^ where the rows of A are n apart */
-static void fbi_add_skew(fb_real *A, int n, fb_real s, const fb_real v[3])
-{
-  for (int k = 0; k < 3; k++) {
-    const int i = (k + 1) % 3, j = (k + 2) % 3;
-    A[n * i + j] -= s * v[k];
-    A[n * j + i] += s * v[k];
-  }
-}
-
-/* Y += ad(x)^T F by x: [0 f^; f^ m^] */
-static void fbi_adT_turn(fb_real Y[36], const fb_real F[6], fb_real scale)
-{
-  fbi_add_skew(Y + 3, 6, scale, F);
-  fbi_add_skew(Y + 18, 6, scale, F);
-  fbi_add_skew(Y + 21, 6, scale, F + 3);
-}
-
-static void fbi_mat66_mul_vec6(fb_real y[6], const fb_real A[36], const fb_real x[6])
-{
-  for (int i = 0; i < 6; i++) {
-    y[i] = fbi_vec6_dot(A + 6 * i, x);
-  }
-}
-
-/* C += A B */
-static void fbi_mat66_add_mul(fb_real C[36], const fb_real A[36], const fb_real B[36])
-{
-  for (int i = 0; i < 36; i += 6) {
-    for (int k = 0; k < 6; k++) {
-      fbi_vec6_add(C + i, A[i + k], B + 6 * k);
-    }
-  }
-}
-
-/* r_c, quat_c = pose a, then b in its axes */
-static void fbi_pose_mul(fb_real r_c[3], fb_real quat_c[4], const fb_real r_a[3], const fb_real quat_a[4],
-                         const fb_real r_b[3], const fb_real quat_b[4])
-{
-  fb_real R[9], x[3], q[4];
-  fb_quat_to_mat33(R, quat_a);
-  fb_mat33_mul_vec3(x, R, r_b);
-  for (int i = 0; i < 3; i++) {
-    r_c[i] = r_a[i] + x[i];
-  }
-  fb_quat_mul(q, quat_a, quat_b);
-  (void)fb_quat_normalize(q);
-  fbi_copy(quat_c, q, 4);
-}
-
-/* The pose r, quat goes on by a twist. */
-static void fbi_pose_add(fb_real r[3], fb_real quat[4], const fb_real x[6])
-{
-  fb_real step[3], turn[4];
-  fb_pose_from_twist(step, turn, x);
-  fbi_pose_mul(r, quat, r, quat, step, turn);
-}
-
-/* r_c, quat_c: pose b as seen from pose a */
-static void fbi_pose_relative(fb_real r_c[3], fb_real quat_c[4], const fb_real r_a[3], const fb_real quat_a[4],
-                              const fb_real r_b[3], const fb_real quat_b[4])
-{
-  const fb_real back[4] = {quat_a[0], -quat_a[1], -quat_a[2], -quat_a[3]};
-  const fb_real d[3] = {r_b[0] - r_a[0], r_b[1] - r_a[1], r_b[2] - r_a[2]};
-  fb_real R[9], y[3], q[4];
-  fb_quat_to_mat33(R, quat_a);
-  fb_mat33_mulT_vec3(y, R, d);
-  fb_quat_mul(q, back, quat_b);
-  fbi_copy(r_c, y, 3);
-  fbi_copy(quat_c, q, 4);
-}
-
-/* Twist from pose a to pose b, axes of a. */
-static void fbi_pose_difference(fb_real x[6], const fb_real r_a[3], const fb_real quat_a[4], const fb_real r_b[3],
-                                const fb_real quat_b[4])
-{
-  fb_real r[3], quat[4];
-  fbi_pose_relative(r, quat, r_a, quat_a, r_b, quat_b);
-  fb_pose_to_twist(x, r, quat);
-}
-
-/* ---- model */
+#if FB_WITH_EXACT
+/* ---- the geometrically exact beam */
 
 /* K += T^T D T of D = (diagonal of the forces, symmetric xx, yy, zz, xy, xz, yz of the moments), T: force strain (or
    velocity) at the point c from that at the node. */
@@ -12019,20 +15645,6 @@ static void fbi_mixed_scale(fb_real A[36], fb_real unit, fb_real length)
   }
 }
 
-/* Poses of the nodes from that of the root, the strains and their offsets (NULL: none). */
-static void fbi_mixed_poses(fb_real *r, fb_real *quat, const fb_mixed *m, const fb_real *strain, const fb_real *offset)
-{
-  for (int k = 0; k < m->n; k++) {
-    fb_real x[6];
-    for (int i = 0; i < 6; i++) {
-      x[i] = m->h[k] * (m->xi[6 * k + i] + (strain ? strain[6 * k + i] + offset[6 * k + i] : FB_R(0.0)));
-    }
-    fbi_copy(r + 3 * k + 3, r + 3 * k, 3);
-    fbi_copy(quat + 4 * k + 4, quat + 4 * k, 4);
-    fbi_pose_add(r + 3 * k + 3, quat + 4 * k + 4, x);
-  }
-}
-
 /* From the desc's units to the beam's own. */
 static void fbi_mixed_rescale(fb_mixed *m, const fb_mixed_desc *desc)
 {
@@ -12109,503 +15721,181 @@ FB_DEF fb_status fb_mixed_init(fb_mixed *m, const fb_mixed_desc *desc)
   fbi_mixed_nodes_fill(m, desc, attitude);
   return FB_OK;
 }
+#endif
 
-/* ---- one element */
+#if FB_WITH_NONLINEAR_STRAIN
+/* ---- exponential scheme */
 
-/* y = A1 a + A2 b, A = 1/2 -+ ad(theta)/12: the mean over the element of a field that moves with the frame. */
-static void fbi_mixed_mean(fb_real y[6], fb_real d[6], const fb_real theta[6], const fb_real a[6], const fb_real b[6])
+/* Displacement of the coordinates by a unit of r at station g: K^-1 Psi_x^T EA to work.d; work.L holds the factor of
+   K. */
+static void fbi_membrane_column(fb_body_work *work, const fb_body *body, int g)
 {
-  for (int i = 0; i < 6; i++) {
-    d[i] = b[i] - a[i];
+  fbi_zero(work->d, body->n);
+  for (int i = 0; i < body->n_strain_row; i++) {
+    const fb_strain_row *row = &body->strain_row[i];
+    work->d[row->a] += row->axis == 0 ? body->strain_weight[g] * row->slope[g] : FB_R(0.0);
   }
-  fbi_ad(y, theta, d);
-  for (int i = 0; i < 6; i++) {
-    y[i] = FB_R(0.5) * (a[i] + b[i]) + y[i] / FB_R(12.0);
-  }
+  fb_chol_solve(work->d, work->L, work->d, body->n);
 }
 
-/* The same of a vector that only turns. */
-static void fbi_mixed_mean3(fb_real y[3], const fb_real theta[6], const fb_real a[3], const fb_real b[3])
+/* [E11.9] Membrane coordinates s = q + G(q), G_a = sum_g G_ag r_g with r = 1/2 (u_y'^2 + u_z'^2) at the strain
+   stations and G = K^-1 Psi_x^T EA: then dU/dq_a of E8.23 is K s but for what the axial functions cannot follow. G
+   does not depend on the coordinates that it moves, so q = s - G(s). Momenta: sigma = (1 - G'^T) pi.
+   Source: point transformation of [DB] (27).  Shapes: G n_axial x stations.  Fails: K singular; axial coordinates
+   that bend.
+   Test: membrane_coordinates_make_the_strain_linear. */
+static fb_status fbi_membrane_fill(fb_exponential *scheme, fb_body_work *work, const fb_body *body)
 {
-  const fb_real d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
-  fb_vec3_cross(y, theta + 3, d);
-  for (int i = 0; i < 3; i++) {
-    y[i] = FB_R(0.5) * (a[i] + b[i]) + y[i] / FB_R(12.0);
+  const int n = body->n;
+  fb_real *moved = work->A, largest = FB_R(0.0);
+  fb_status status;
+  fbi_sparse_to_dense(work->L, &body->K, n);
+  status = fb_chol_factor(work->L, n);
+  fbi_zero(moved, n);
+  for (int g = 0; g < body->n_strain && status == FB_OK; g++) {
+    fbi_membrane_column(work, body, g);
+    for (int a = 0; a < n; a++) {
+      moved[a] = fbi_larger(moved[a], FB_FABS(work->d[a]));
+      largest = fbi_larger(largest, moved[a]);
+    }
   }
+  for (int a = 0; a < n && status == FB_OK; a++) {
+    if (moved[a] > FBI_ROUNDING * largest) {
+      scheme->axial[scheme->n_axial++] = a;
+    }
+    for (int i = 0; i < body->n_strain_row; i++) {
+      const int bends = body->strain_row[i].a == a && body->strain_row[i].axis > 0;
+      status = bends && moved[a] > FBI_ROUNDING * largest ? FB_ERR_EFFECTS : status;
+    }
+  }
+  for (int g = 0; g < body->n_strain && status == FB_OK; g++) {
+    fbi_membrane_column(work, body, g);
+    for (int k = 0; k < scheme->n_axial; k++) {
+      scheme->G[k * FBI_MAX_STRAINS + g] = work->d[scheme->axial[k]];
+    }
+  }
+  return status;
 }
+#endif
 
-/* [E10.7] Balance of an element: dF = ad(theta)^T s - h f, f = load + M g - momentum_t + ad(V)^T P, and the loads at
-   its ends, F = s + (ad(theta)^T dF - h df)/12 -+ dF/2, so that the stress s is the mean of F over the element; df: by
-   which loads with directions of their own differ between its ends.
-   Source: [L] 3.92-3.95, 3.89 with Euler and Maclaurin's correction of the mean.  Cost: about 300 flops.  Fails: never.
-   Test: elastica_is_of_order_four, steady_openfast_cantilever_hangs_as_shooting_says. */
-static void fbi_mixed_cell_eval(fbi_mixed_cell *c, const fb_mixed_work *work, const fb_mixed *m, int k)
+/* Stumpff functions c_j = sum_k (-t^2)^k / (2k + j)!, j = 0..4; by c_j = 1/j! - t^2 c_(j+2) from the series where
+   closed forms cancel. */
+static void fbi_stumpff(fb_real c[5], fb_real t)
 {
-  const fbi_mixed_motion *motion = &work->motion;
-  const fb_real *const s = work->s + 6 * k, *const M = m->M + 36 * k;
-  fb_real f[6], df[6], y[6];
-  c->h = m->h[k];
-  fbi_vec6_zero(c->P);
-  fbi_vec6_zero(df);
-  fbi_mat66_mul_vec6(c->strain, m->C + 36 * k, s);
-  for (int i = 0; i < 6; i++) {
-    c->theta[i] = c->h * (m->xi[6 * k + i] + c->strain[i] + work->offset[6 * k + i]);
-  }
-  fbi_vec6_copy(f, work->line + 6 * k);
-  if (motion->dead) {
-    const fb_real *const a = work->R + 9 * k, *const b = a + 9, *const n = work->line_dead + 6 * k;
-    for (int i = 0; i < 6; i += 3) {
-      fb_real p[3], q[3], mean[3];
-      fb_mat33_mulT_vec3(p, a, n + i);
-      fb_mat33_mulT_vec3(q, b, n + i);
-      fbi_mixed_mean3(mean, c->theta, p, q);
-      fbi_vec3_add(f + i, FB_R(1.0), mean);
-      fbi_vec3_add(df + i, -FB_R(1.0), p);
-      fbi_vec3_add(df + i, FB_R(1.0), q);
+  const fb_real x = t * t;
+  if (t < FB_R(0.5)) {
+    c[3] = c[4] = FB_R(0.0);
+    for (int k = 7; k >= 0; k--) { /* 1/j! (1 - x/((j+1)(j+2)) (1 - ..)) */
+      c[3] = FB_R(1.0) - x * c[3] / (fb_real)((2 * k + 4) * (2 * k + 5));
+      c[4] = FB_R(1.0) - x * c[4] / (fb_real)((2 * k + 5) * (2 * k + 6));
     }
-  }
-  if (motion->gravity) {
-    fbi_mixed_mean(y, c->dG, c->theta, work->G + 6 * k, work->G + 6 * k + 6);
-    for (int i = 0; i < 6; i++) {
-      f[i] += fbi_vec6_dot(M + 6 * i, y);
-      df[i] += fbi_vec6_dot(M + 6 * i, c->dG);
-    }
-  }
-  if (motion->inertia) {
-    fbi_mixed_mean(c->V, c->dV, c->theta, work->V + 6 * k, work->V + 6 * k + 6);
-    fbi_mat66_mul_vec6(c->P, M, c->V);
-    fbi_adT(y, c->V, c->P);
-    for (int i = 0; i < 6; i++) {
-      f[i] += y[i] - motion->shift * (c->P[i] - work->momentum[6 * k + i]);
-    }
-  }
-  fbi_adT(c->dF, c->theta, s);
-  fbi_vec6_add(c->dF, -c->h, f);
-  fbi_adT(y, c->theta, c->dF);
-  for (int i = 0; i < 6; i++) {
-    const fb_real mean = s[i] + (y[i] - c->h * df[i]) / FB_R(12.0);
-    c->F1[i] = mean - FB_R(0.5) * c->dF[i];
-    c->F2[i] = mean + FB_R(0.5) * c->dF[i];
-  }
-}
-
-/* [E10.8] Compatibility of an element. Marching: h strain_t = V2 - V1 + ad(theta) V (= D1 V1 + D2 V2). Steady: theta is
-   the twist between the poses of its ends. c: what is missing.
-   Source: [L] 3.96-3.105 differentiated in time, with E10.7's mean (its adjoint).  Cost: 60 flops.  Fails: never.
-   Test: energy_is_kept_whatever_the_step, steady_and_marching_agree. */
-static void fbi_mixed_compatibility(fb_real r[6], const fbi_mixed_cell *c, const fb_mixed_work *work, int k)
-{
-  fb_real y[6];
-  if (!work->motion.march) {
-    fbi_pose_difference(y, work->r + 3 * k, work->quat + 4 * k, work->r + 3 * k + 3, work->quat + 4 * k + 4);
-    for (int i = 0; i < 6; i++) {
-      r[i] = c->theta[i] - y[i];
-    }
+    c[3] /= FB_R(6.0);
+    c[4] /= FB_R(24.0);
+    c[2] = FB_R(0.5) - x * c[4];
+    c[1] = FB_R(1.0) - x * c[3];
+    c[0] = FB_R(1.0) - x * c[2];
     return;
   }
-  fbi_ad(y, c->theta, c->V);
-  for (int i = 0; i < 6; i++) {
-    r[i] = work->motion.shift * c->h * (c->strain[i] - work->strain[6 * k + i]) - c->dV[i] - y[i];
+  c[0] = FB_COS(t);
+  c[1] = FB_SIN(t) / t;
+  c[2] = (FB_R(1.0) - c[0]) / x;
+  c[3] = (FB_R(1.0) - c[1]) / x;
+  c[4] = (FB_R(0.5) - c[2]) / x;
+}
+
+static void fbi_stumpff_fill(fb_real table[5][FB_MAX_MODES], int k, fb_real t)
+{
+  fb_real c[5];
+  fbi_stumpff(c, t);
+  for (int j = 0; j < 5; j++) {
+    table[j][k] = c[j];
   }
 }
 
-/* D = -+1 + ad/2 -+ ad^2/12, and their transposes in F1s, F2s */
-static void fbi_mixed_strain_matrices(fbi_mixed_jacobian *j, const fb_real theta[6])
+/* Modes of the linear part: K x = omega^2 M_free x with the mass that a base which may recoil leaves to the modes. */
+static fb_status fbi_exponential_modes(fb_exponential *scheme, fb_body_work *work, const fb_body *body)
 {
-  fb_real X[36], X2[36];
-  fbi_zero(X2, 36);
-  for (int i = 0; i < 36; i += 7) {
-    X2[i] = FB_R(1.0);
-  }
-  fbi_ad_mul(X, theta, X2);
-  fbi_ad_mul(X2, theta, X);
-  for (int i = 0; i < 36; i++) {
-    const int transposed = i % 6 * 6 + i / 6;
-    const fb_real even = (i % 7 == 0 ? FB_R(1.0) : FB_R(0.0)) + X2[i] / FB_R(12.0), odd = FB_R(0.5) * X[i];
-    j->D1[i] = odd - even;
-    j->D2[i] = odd + even;
-    j->F1s[transposed] = even - odd;
-    j->F2s[transposed] = even + odd;
-  }
-}
-
-/* Q = h df/dV T + pose h df/d(pose), by a node (sign: -1 first, 1 second) of the mean load; D: of h df/12. */
-static void fbi_mixed_load_by_node(fb_real Q[36], fb_real D[36], const fb_real N[36], const fb_real NX[36],
-                                   fb_real sign, const fbi_mixed_cell *c, const fb_mixed_work *work, const fb_mixed *m,
-                                   int k, int node)
-{
-  const fbi_mixed_motion *motion = &work->motion;
-  fbi_zero(Q, 36);
-  fbi_zero(D, 36);
-  if (motion->inertia) {
-    fb_real A[36];
-    for (int i = 0; i < 36; i++) {
-      A[i] = c->h * (FB_R(0.5) * N[i] + sign / FB_R(12.0) * NX[i]);
-    }
-    if (motion->march) {
-      fbi_copy(Q, A, 36);
-    } else { /* the velocity of a node that is displaced: T = shift + ad(V) */
-      fbi_mul_ad(Q, A, work->V + 6 * node);
-      for (int i = 0; i < 36; i++) {
-        Q[i] += motion->shift * A[i];
-      }
-    }
-  }
-  if (motion->gravity) {
-    fb_real A[36], B[36];
-    fbi_mul_ad(A, m->M + 36 * k, c->theta);
-    for (int i = 0; i < 36; i++) {
-      A[i] = c->h * motion->pose * (FB_R(0.5) * m->M[36 * k + i] + sign / FB_R(12.0) * A[i]);
-    }
-    fbi_mul_ad(B, A, work->G + 6 * node);
-    fbi_mul_ad(D, m->M + 36 * k, work->G + 6 * node);
-    for (int i = 0; i < 36; i++) {
-      Q[i] += B[i];
-      D[i] *= sign * c->h * motion->pose / FB_R(12.0);
-    }
-  }
-  if (motion->dead) {
-    for (int i = 0; i < 6; i += 3) {
-      fb_real f[3];
-      fb_mat33_mulT_vec3(f, work->R + 9 * node, work->line_dead + 6 * k + i);
-      for (int a = 0; a < 3; a++) { /* column: a turn about axis a */
-        fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, df[3], y[3];
-        turn[a] = FB_R(1.0);
-        fb_vec3_cross(df, f, turn);
-        fb_vec3_cross(y, c->theta + 3, df);
-        for (int b = 0; b < 3; b++) {
-          Q[6 * (i + b) + 3 + a] += c->h * motion->pose * (FB_R(0.5) * df[b] + sign / FB_R(12.0) * y[b]);
-          D[6 * (i + b) + 3 + a] += c->h * motion->pose * sign / FB_R(12.0) * df[b];
-        }
-      }
-    }
-  }
-}
-
-/* F1 and F2 by a node: F2d = -A2^T Q - D, F1d = A1^T Q - D. */
-static void fbi_mixed_end_loads(fb_real F1d[36], fb_real F2d[36], const fb_real Q[36], const fb_real D[36],
-                                const fb_real theta[6])
-{
-  fb_real Y[36];
-  fbi_adT_mul(Y, theta, Q);
-  for (int i = 0; i < 36; i++) {
-    const fb_real half = FB_R(0.5) * Q[i], twelfth = Y[i] / FB_R(12.0) + D[i];
-    F1d[i] = half - twelfth;
-    F2d[i] = -half - twelfth;
-  }
-}
-
-/* N = df/dV of the mean load, ad(V)^T M + (ad^T P by V) - shift M, and G = d(dF)/dtheta = (ad^T s by theta) + h/12 (N
-   ad(dV) + M ad(dG)). */
-static void fbi_mixed_load_matrices(fb_real N[36], fb_real G[36], const fbi_mixed_cell *c, const fb_mixed_work *work,
-                                    const fb_mixed *m, int k)
-{
-  const fbi_mixed_motion *motion = &work->motion;
-  const fb_real *const M = m->M + 36 * k;
-  fb_real Y[36];
-  fbi_zero(N, 36);
-  fbi_zero(G, 36);
-  fbi_adT_turn(G, work->s + 6 * k, FB_R(1.0));
-  if (motion->inertia) {
-    fbi_adT_mul(N, c->V, M);
-    fbi_adT_turn(N, c->P, FB_R(1.0));
-    for (int i = 0; i < 36; i++) {
-      N[i] -= motion->shift * M[i];
-    }
-    fbi_mul_ad(Y, N, c->dV);
-    fbi_row_sub(G, -c->h / FB_R(12.0), Y, 36);
-  }
-  if (motion->gravity) {
-    fbi_mul_ad(Y, M, c->dG);
-    fbi_row_sub(G, -c->h / FB_R(12.0), Y, 36);
-  }
-  if (motion->dead) { /* -h (turn x d)/12 of the loads' difference d between the ends */
-    for (int i = 0; i < 6; i += 3) {
-      fb_real p[3], q[3], d[3];
-      fb_mat33_mulT_vec3(p, work->R + 9 * k, work->line_dead + 6 * k + i);
-      fb_mat33_mulT_vec3(q, work->R + 9 * k + 9, work->line_dead + 6 * k + i);
-      for (int a = 0; a < 3; a++) {
-        d[a] = c->h / FB_R(12.0) * (q[a] - p[a]);
-      }
-      fbi_add_skew(G + 6 * i + 3, 6, FB_R(1.0), d);
-    }
-  }
-}
-
-/* E = (rate + ad(V) + ad(theta) ad(dV)/12) h C: compatibility by the stress. */
-static void fbi_mixed_compliance_rate(fb_real E[36], const fbi_mixed_cell *c, const fb_mixed_work *work,
-                                      const fb_real hC[36])
-{
-  fb_real X[36], Y[36], one[36];
-  fbi_copy(E, hC, 36);
-  if (!work->motion.march) {
-    return;
-  }
-  for (int i = 0; i < 36; i++) {
-    E[i] *= work->motion.shift;
-    one[i] = i % 7 == 0 ? FB_R(1.0) : FB_R(0.0);
-  }
-  fbi_ad_mul(X, c->dV, one);
-  fbi_ad_mul(Y, c->theta, X);
-  fbi_ad_mul(X, c->V, one);
-  for (int i = 0; i < 36; i++) {
-    X[i] += Y[i] / FB_R(12.0);
-  }
-  fbi_mat66_add_mul(E, X, hC);
-}
-
-/* [E10.9] Jacobian of E10.7 and E10.8: with N, G as above and the theta of the stress, h C ds,
-     dF = ad(theta)^T ds + G dtheta - h (N A dV + ...),  F = s + ad(theta)^T dF/12 -+ dF/2.
-   Source: derivation.  Cost: 5 kflops marching, 3 at rest.  Fails: never.
-   Test: newton_converges_quadratically, shaft_whirls_as_in_closed_form, becks_column_flutters_at_its_load. */
-static void fbi_mixed_cell_jacobian(fbi_mixed_jacobian *j, const fbi_mixed_cell *c, const fb_mixed_work *work,
-                                    const fb_mixed *m, int k)
-{
-  const fbi_mixed_motion *motion = &work->motion;
-  fb_real N[36], Q[36], D[36], G[36], Y[36], hC[36];
-  for (int i = 0; i < 36; i++) {
-    hC[i] = c->h * m->C[36 * k + i];
-  }
-  fbi_mixed_strain_matrices(j, c->theta);
-  fbi_mixed_load_matrices(N, G, c, work, m, k);
-  if (motion->inertia || motion->gravity || motion->dead) {
-    fbi_mul_ad(Y, N, c->theta);
-    fbi_mixed_load_by_node(Q, D, N, Y, -FB_R(1.0), c, work, m, k, k);
-    fbi_mixed_end_loads(j->F1d1, j->F2d1, Q, D, c->theta);
-    fbi_mixed_load_by_node(Q, D, N, Y, FB_R(1.0), c, work, m, k, k + 1);
-    fbi_mixed_end_loads(j->F1d2, j->F2d2, Q, D, c->theta);
+  const int n = body->n, first = fbi_first_free(body->base);
+  fb_real *rows = work->Lambda, *M = work->Lambda + 6 * n; /* M_free = (M^-1 + B^T S_0^-1 B)^-1, B = Lambda_0 M^-1 */
+  fb_real unit[FB_MAX_MODES + 1] = {FB_R(1.0)};
+  fb_status status;
+  fbi_lambda_rows(rows, body, unit, 0, body->n_lambda_constant);
+  fbi_sparse_to_dense(work->A, &body->M, n);
+  if (body->unit_mass) {
+    fbi_copy(work->B, work->A, n * n);
   } else {
-    fbi_zero(j->F1d1, 36);
-    fbi_zero(j->F1d2, 36);
-    fbi_zero(j->F2d1, 36);
-    fbi_zero(j->F2d2, 36);
+    fbi_sparse_to_dense(work->B, &body->Minv, n);
   }
-  fbi_adT_mul(Y, c->theta, G);
-  fbi_zero(Q, 36);
-  fbi_adT_turn(Q, c->dF, FB_R(1.0) / FB_R(12.0));
-  for (int i = 0; i < 36; i++) { /* by theta, then by the stress */
-    const fb_real mean = Q[i] + Y[i] / FB_R(12.0);
-    N[i] = mean - FB_R(0.5) * G[i];
-    G[i] = mean + FB_R(0.5) * G[i];
+  for (int i = first; i < 6; i++) {
+    fbi_mass_solve(work->d, body, rows + i * n);
+    fbi_copy(rows + i * n, work->d, n);
   }
-  fbi_mat66_add_mul(j->F1s, N, hC);
-  fbi_mat66_add_mul(j->F2s, G, hC);
-  fbi_mixed_compliance_rate(j->E, c, work, hC);
-}
-
-/* ---- the chain */
-
-/* [E10.18] What acts on a node itself, section axes: loads, and of its lumped bodies M g - momentum_t + ad(V)^T P, as
-   of an element.
-   Source: [L] 3.92, 3.93.  Cost: 200 flops a body.  Fails: never.
-   Test: becks_column_flutters_at_its_load, newton_converges_quadratically. */
-static void fbi_mixed_node_eval(fb_real F[6], const fb_mixed_work *work, const fb_mixed *m, int node)
-{
-  const fbi_mixed_motion *motion = &work->motion;
-  const fb_real *const V = work->V + 6 * node;
-  fbi_vec6_copy(F, work->follower + 6 * node);
-  for (int i = 0; i < 6; i += 3) {
-    fb_real f[3];
-    fb_mat33_mulT_vec3(f, work->R + 9 * node, work->dead + 6 * node + i);
-    fbi_vec3_add(F + i, FB_R(1.0), f);
-  }
-  for (int l = 0; l < m->n_lump; l++) {
-    const fb_real *const M = m->lump + 36 * l;
-    fb_real P[6], y[6];
-    if (m->lump_node[l] != node) {
-      continue;
-    }
-    if (motion->gravity) {
-      fbi_mat66_mul_vec6(y, M, work->G + 6 * node);
-      fbi_vec6_add(F, FB_R(1.0), y);
-    }
-    if (motion->inertia) {
-      fbi_mat66_mul_vec6(P, M, V);
-      fbi_adT(y, V, P);
-      for (int i = 0; i < 6; i++) {
-        F[i] += y[i] - motion->shift * (P[i] - work->lump[6 * l + i]);
+  for (int i = first; i < 6; i++) {
+    for (int j = first; j < 6; j++) {
+      for (int a = 0; a < n; a++) {
+        fbi_row_sub(work->B + a * n, -body->S0_inverse[6 * i + j] * rows[i * n + a], rows + j * n, n);
       }
     }
   }
-}
-
-/* Its derivative by the node's unknowns, subtracted from K. */
-static void fbi_mixed_node_jacobian(fb_real K[36], const fb_mixed_work *work, const fb_mixed *m, int node)
-{
-  const fbi_mixed_motion *motion = &work->motion;
-  const fb_real *const V = work->V + 6 * node;
-  fb_real f[6], N[36], Q[36];
-  for (int i = 0; i < 6; i += 3) {
-    fb_mat33_mulT_vec3(f + i, work->R + 9 * node, work->dead + 6 * node + i);
+  status = fb_chol_factor(work->B, n);
+  for (int a = 0; a < n && status == FB_OK; a++) {
+    fbi_zero(work->d, n);
+    work->d[a] = FB_R(1.0);
+    fb_chol_solve(M + a * n, work->B, work->d, n);
   }
-  fbi_add_skew(K + 3, 6, -motion->pose, f); /* - f x turn */
-  fbi_add_skew(K + 21, 6, -motion->pose, f + 3);
-  for (int l = 0; l < m->n_lump; l++) {
-    const fb_real *const M = m->lump + 36 * l;
-    if (m->lump_node[l] != node) {
-      continue;
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_sparse_to_dense(work->A, &body->K, n);
+  fbi_copy(work->B, M, n * n);
+  status = fb_eig_gen_solve(scheme->omega2, scheme->X, work->A, work->B, n);
+  for (int k = 0; k < n && status == FB_OK; k++) {
+    fbi_zero(scheme->MX + k * n, n);
+    for (int a = 0; a < n; a++) {
+      fbi_row_sub(scheme->MX + k * n, -scheme->X[k * n + a], M + a * n, n);
     }
-    if (motion->gravity) {
-      fbi_mul_ad(Q, M, work->G + 6 * node);
-      for (int i = 0; i < 36; i++) {
-        K[i] -= motion->pose * Q[i];
-      }
-    }
-    if (motion->inertia) {
-      fb_real P[6];
-      fbi_mat66_mul_vec6(P, M, V);
-      fbi_adT_mul(N, V, M);
-      fbi_adT_turn(N, P, FB_R(1.0));
-      for (int i = 0; i < 36; i++) {
-        N[i] -= motion->shift * M[i];
-      }
-      fbi_mul_ad(Q, N, V);
-      for (int i = 0; i < 36; i++) {
-        K[i] -= motion->march ? N[i] : Q[i] + motion->shift * N[i];
-      }
-    }
-  }
-}
-
-/* Directions of the base in which a node is held in part: its rows then are in base axes. */
-static int fbi_mixed_turned(int held)
-{
-  return (held & FB_END_PINNED) != 0 && (held & FB_END_PINNED) != FB_END_PINNED;
-}
-
-/* Three rows of n columns to base axes. */
-static void fbi_mixed_rows_turn(fb_real *A, const fb_real R[9], int n)
-{
-  for (int j = 0; j < n; j++) {
-    const fb_real x[3] = {A[j], A[n + j], A[2 * n + j]};
-    fb_real y[3];
-    fb_mat33_mul_vec3(y, R, x);
-    A[j] = y[0];
-    A[n + j] = y[1];
-    A[2 * n + j] = y[2];
-  }
-}
-
-/* The rows of a node (6 x n, its own unknowns from column `own` on): directions in which it is held say d = wanted. */
-static void fbi_mixed_hold(fb_real *A, const fb_mixed_work *work, const fb_mixed *m, int node, int n, int own)
-{
-  const int held = m->held[node], turned = fbi_mixed_turned(held);
-  const fb_real *const R = work->R + 9 * node, *const B = work->B + 6 * node;
-  if (turned) { /* R (F + turn x F) */
-    fbi_add_skew(A + own + 3, n, -work->motion.pose, B);
-    fbi_mixed_rows_turn(A, R, n);
-  }
-  for (int i = 0; i < 6; i++) {
-    if (held >> i & 1) {
-      fbi_zero(A + n * i, n);
-      for (int j = 0; j < 3; j++) {
-        A[n * i + own + (i < 3 ? j : j + 3)] = turned && i < 3 ? R[3 * i + j] : i % 3 == j ? FB_R(1.0) : FB_R(0.0);
-      }
-    }
-  }
-}
-
-/* The same of a right-hand side: b (6) of the node. */
-static void fbi_mixed_hold_rhs(fb_real b[6], const fb_mixed_work *work, const fb_mixed *m, int node)
-{
-  const int held = m->held[node];
-  if (fbi_mixed_turned(held)) {
-    fbi_mixed_rows_turn(b, work->R + 9 * node, 1);
-  }
-  for (int i = 0; i < 6; i++) {
-    b[i] = held >> i & 1 ? work->want[6 * node + i] : b[i];
-  }
-}
-
-/* [E10.10] Elimination from the tip to the root, (ds, dd2) = y - W dd1 of each element: its compatibility and the
-   balance of its outer node make one 12x12, in which rows are exchanged; what is outboard enters by
-   K = -(F1d1 - (F1s, F1d2) W).
-   Source: own; block elimination ([GV] 4.5).  Cost: E10.9 and 7 kflops an element.  Fails: singular (free of load, or
-   at a limit point).  Test: supports_are_those_of_the_textbook, newton_converges_quadratically. */
-static fb_status fbi_mixed_factor(fb_mixed_work *work, const fb_mixed *m)
-{
-  fbi_mixed_cell *const c = &work->cell;
-  fbi_mixed_jacobian *const j = &work->jacobian;
-  fb_real K[36], scale[12];
-  fb_status status = FB_OK;
-  fbi_zero(K, 36);
-  for (int k = m->n - 1; k >= 0 && status == FB_OK; k--) {
-    fb_real *const A = work->LU + 144 * k, *const W = work->W + 72 * k, *const L = work->L + 72 * k;
-    fb_real rows[6 * 18];
-    fbi_mixed_cell_eval(c, work, m, k);
-    fbi_mixed_cell_jacobian(j, c, work, m, k);
-    fbi_mixed_node_jacobian(K, work, m, k + 1);
-    for (int r = 0; r < 6; r++) {
-      for (int i = 0; i < 6; i++) {
-        A[12 * r + i] = j->E[6 * r + i];
-        A[12 * r + 6 + i] = -j->D2[6 * r + i];
-        W[6 * r + i] = -j->D1[6 * r + i];
-        rows[18 * r + i] = j->F2s[6 * r + i];
-        rows[18 * r + 6 + i] = j->F2d2[6 * r + i] + K[6 * r + i];
-        rows[18 * r + 12 + i] = j->F2d1[6 * r + i];
-        L[12 * r + i] = j->F1s[6 * r + i];
-        L[12 * r + 6 + i] = j->F1d2[6 * r + i];
-      }
-    }
-    fbi_mixed_hold(rows, work, m, k + 1, 18, 6);
-    for (int r = 0; r < 6; r++) {
-      fbi_copy(A + 12 * (r + 6), rows + 18 * r, 12);
-      fbi_copy(W + 6 * (r + 6), rows + 18 * r + 12, 6);
-    }
-    status = fb_lu_factor(A, work->perm + 12 * k, scale, 12);
-    if (status == FB_OK) {
-      fbi_lu_solve_rows(W, work->column, A, work->perm + 12 * k, 12, 6);
-      for (int r = 0; r < 6; r++) {
-        for (int i = 0; i < 6; i++) {
-          K[6 * r + i] = -j->F1d1[6 * r + i];
-        }
-        for (int i = 0; i < 12; i++) {
-          fbi_vec6_add(K + 6 * r, L[12 * r + i], W + 6 * i);
-        }
-      }
-    }
-  }
-  if (status == FB_OK) {
-    fbi_mixed_node_jacobian(K, work, m, 0);
-    fbi_mixed_hold(K, work, m, 0, 6, 0);
-    fbi_copy(work->root, K, 36);
-    status = fb_lu_factor(work->root, work->perm + 12 * m->n, scale, 6);
+    status = scheme->omega2[k] > FB_R(0.0) ? status : FB_ERR_SINGULAR;
   }
   return status;
 }
 
-/* Corrections dd, ds that answer -c of the elements and -B of the nodes. */
-static void fbi_mixed_solve(fb_mixed_work *work, const fb_mixed *m)
+FB_DEF fb_status fb_exponential_init(fb_exponential *scheme, fb_body_work *work, const fb_body *body, fb_real dt)
 {
-  fb_real z[6], b[12], x[6] = {FB_R(0.0)}; /* gcc -O3 takes an empty read for one */
-  fbi_vec6_zero(z);
-  for (int k = m->n; k >= 0; k--) {
-    fb_real *const y = work->y + 12 * k;
-    for (int i = 0; i < 6; i++) {
-      b[6 + i] = z[i] - work->B[6 * k + i];
-    }
-    fbi_mixed_hold_rhs(b + 6, work, m, k);
-    if (k == 0) {
-      fb_lu_solve(x, work->root, work->perm + 12 * m->n, b + 6, 6);
-      break;
-    }
-    for (int i = 0; i < 6; i++) {
-      b[i] = -work->c[6 * (k - 1) + i];
-    }
-    fb_lu_solve(y, work->LU + 144 * (k - 1), work->perm + 12 * (k - 1), b, 12);
-    for (int i = 0; i < 6; i++) {
-      z[i] = fbi_dot(work->L + 72 * (k - 1) + 12 * i, y, 12);
-    }
+  fb_exponential out;
+  fb_status status = FB_OK;
+  FBI_REQUIRE(scheme && work && body, FB_ERR_NULL);
+  FBI_REQUIRE_EXACT();
+  if (!(dt > FB_R(0.0) && dt < FB_HUGE) || fbi_form(body) != 0) {
+    return FB_ERR_VALUE;
   }
-  fbi_vec6_copy(work->dd, x);
-  for (int k = 0; k < m->n; k++) {
-    const fb_real *const y = work->y + 12 * (k + 1), *const d = work->dd + 6 * k;
-    for (int i = 0; i < 6; i++) {
-      work->ds[6 * k + i] = y[i] - fbi_vec6_dot(work->W + 72 * k + 6 * i, d);
-      work->dd[6 * k + 6 + i] = y[6 + i] - fbi_vec6_dot(work->W + 72 * k + 36 + 6 * i, d);
-    }
+  memset(&out, 0, sizeof out);
+  out.dt = dt;
+  if (body->n > 0) {
+    status = fbi_exponential_modes(&out, work, body);
   }
+#if FB_WITH_NONLINEAR_STRAIN
+  if (status == FB_OK && fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
+    status = fbi_membrane_fill(&out, work, body);
+  }
+#endif
+  for (int k = 0; k < body->n && status == FB_OK; k++) {
+    fbi_stumpff_fill(out.half, k, FB_R(0.5) * dt * FB_SQRT(out.omega2[k]));
+    fbi_stumpff_fill(out.full, k, dt * FB_SQRT(out.omega2[k]));
+  }
+  if (status == FB_OK) {
+    *scheme = out;
+  }
+  return status;
 }
+#endif /* FB_WITH_BUILD */
+
+#if FB_WITH_ANALYSE
+/* ---------------------------------------------------------------------------------------------------------------
+   ANALYSE >>trim: steady states and their paths
+   (uses config, status, vec3, rotation, solve, body, system, exact, eigen) */
+
+#if FB_WITH_EXACT
+/* ---- steady states of the geometrically exact beam */
 
 /* Where the next pivot is, by rows a and b (one: a) of the n in `left`: among rows below `first` as long as there are
    any, on the diagonal where one is more than rounding there (rigid strains have no more), else beside it; then the
@@ -12739,267 +16029,8 @@ static int fbi_mixed_unstable(const fb_mixed_work *work, const fb_mixed *m)
   return count + fbi_negatives(A, 6, 0);
 }
 
-/* Residuals c of the elements, B of the nodes, and the loads between elements. */
-static void fbi_mixed_residual(fb_mixed_work *work, const fb_mixed *m)
-{
-  fbi_mixed_cell *const c = &work->cell;
-  for (int j = 0; j <= m->n; j++) {
-    fbi_mixed_node_eval(work->F + 6 * j, work, m, j);
-    for (int i = 0; i < 6; i++) {
-      work->B[6 * j + i] = -work->F[6 * j + i];
-    }
-  }
-  for (int k = 0; k < m->n; k++) {
-    fbi_mixed_cell_eval(c, work, m, k);
-    fbi_mixed_compatibility(work->c + 6 * k, c, work, k);
-    fbi_vec6_copy(work->P + 6 * k, c->P);
-    fbi_vec6_add(work->B + 6 * k, -FB_R(1.0), c->F1);
-    fbi_vec6_add(work->B + 6 * k + 6, FB_R(1.0), c->F2);
-    if (k == 0) {
-      fbi_vec6_copy(work->F, c->F1);
-    }
-    fbi_vec6_copy(work->F + 6 * k + 6, c->F2);
-  }
-}
-
-/* ---- what acts, how the nodes stand and move */
-
-/* y += a load in the beam's units, in base axes or, of a follower, section axes. */
-static void fbi_mixed_load_add(fb_real *dead, fb_real *follower, fb_axes axes, const fb_real force[3],
-                               const fb_real torque[3], fb_real unit, fb_real length, const fb_real base[9])
-{
-  fb_real f[6], g[6];
-  for (int i = 0; i < 3; i++) {
-    f[i] = force[i] * unit;
-    f[i + 3] = torque[i] * unit / length;
-  }
-  for (int i = 0; i < 6; i += 3) {
-    fb_mat33_mulT_vec3(g + i, base, f + i);
-  }
-  fbi_vec6_add(axes == FB_AXES_NODE ? follower : dead, FB_R(1.0), axes == FB_AXES_INERTIAL ? g : f);
-}
-
-/* [E10.15] Strain that the loads on the elements add from end to end, by the linear change they make in the internal
-   load: -h/12 (ad(h (1, 0, 0, curvature)) C + C1) f, the part of E10.6 that is not the stress's. Follower loads only:
-   those with directions of their own would want its derivative by the rotation.
-   Source: own, as E10.6.  Cost: 200 flops an element that is loaded.  Fails: never.
-   Test: line_loads_are_exact_at_the_nodes. */
-static void fbi_mixed_offset(fb_mixed_work *work, const fb_mixed *m)
-{
-  fbi_zero(work->offset, 6 * m->n);
-  for (int k = 0; k < m->n && !fbi_is_zero(work->line, 6 * m->n); k++) {
-    fb_real X[6], bend[6], taper[6], y[6];
-    fbi_mat66_mul_vec6(bend, m->section + 36 * k, work->line + 6 * k);
-    fbi_mat66_mul_vec6(taper, m->taper + 36 * k, work->line + 6 * k);
-    for (int i = 0; i < 6; i++) {
-      X[i] = m->h[k] * m->xi[6 * k + i];
-    }
-    fbi_ad(y, X, bend);
-    for (int i = 0; i < 6; i++) {
-      work->offset[6 * k + i] = -m->h[k] / FB_R(12.0) * (y[i] + taper[i]);
-    }
-  }
-}
-
-/* A part of the loads, gravity and motion of the base, in the beam's units and the axes of the base half a step on. */
-static void fbi_mixed_input_take(fb_mixed_work *work, const fb_mixed *m, const fb_real base_quat[4],
-                                 const fb_mixed_input *input, fb_real part, fb_real dt)
-{
-  fb_real base[9], turn[3], half[4], quat[4];
-  fbi_mixed_motion *const motion = &work->motion;
-  for (int i = 0; i < 3; i++) {
-    work->twist[i] = m->floating ? FB_R(0.0) : part * input->v[i] * m->time / m->length;
-    work->twist[i + 3] = m->floating ? FB_R(0.0) : part * input->w[i] * m->time;
-    turn[i] = FB_R(0.5) * dt * work->twist[i + 3];
-  }
-  fb_quat_from_rotvec(half, turn);
-  fb_quat_to_mat33(work->half, half);
-  fb_quat_mul(quat, base_quat, half);
-  fb_quat_to_mat33(base, quat);
-  fb_mat33_mulT_vec3(work->gravity, base, m->gravity);
-  fbi_zero(work->dead, 6 * (m->n + 1));
-  fbi_zero(work->follower, 6 * (m->n + 1));
-  fbi_zero(work->line, 6 * m->n);
-  fbi_zero(work->line_dead, 6 * m->n);
-  for (int l = 0; l < input->n_load; l++) {
-    const fb_load *load = &input->load[l];
-    fbi_mixed_load_add(work->dead + 6 * load->node, work->follower + 6 * load->node, load->axes, load->force,
-                       load->torque, part / m->force, m->length, base);
-  }
-  for (int k = 0; k < m->n; k++) {
-    const fb_line_load *line = &input->line[k];
-    fbi_mixed_load_add(work->line_dead + 6 * k, work->line + 6 * k, line->axes, line->force, line->torque,
-                       part * m->length / m->force, m->length, base);
-  }
-  fbi_mixed_offset(work, m);
-  motion->dead = !fbi_is_zero(work->line_dead, 6 * m->n);
-  motion->gravity = !m->floating && !fbi_is_zero(m->gravity, 3); /* E11.35 */
-  for (int i = 0; i < 3; i++) {
-    work->gravity[i] *= part;
-  }
-}
-
-/* Twist of the base at a node that stands still in it. */
-static void fbi_mixed_carried(fb_real V[6], const fb_mixed_work *work, const fb_real r[3], const fb_real R[9])
-{
-  fb_real v[3];
-  fbi_copy(v, work->twist, 3);
-  fbi_vec3_add_cross(v, work->twist + 3, r);
-  fb_mat33_mulT_vec3(V, R, v);
-  fb_mat33_mulT_vec3(V + 3, R, work->twist + 3);
-}
-
-/* Rotation against the base, velocity and gravity at the nodes. Steady: everything moves with the base. Marching: half
-   a step on, by the velocity sought and the base's. */
-static void fbi_mixed_nodes_eval(fb_mixed_work *work, const fb_mixed *m)
-{
-  const fbi_mixed_motion *motion = &work->motion;
-  for (int j = 0; j <= m->n; j++) {
-    fb_real *const R = work->R + 9 * j, *const G = work->G + 6 * j;
-    fb_quat_to_mat33(R, work->quat + 4 * j);
-    if (motion->march) {
-      fb_real turn[3], quat[4], own[9], ahead[9];
-      for (int i = 0; i < 3; i++) {
-        turn[i] = motion->pose * work->V[6 * j + 3 + i];
-      }
-      fb_quat_from_rotvec(quat, turn);
-      fb_quat_to_mat33(own, quat);
-      fb_mat33_mul(ahead, R, own);
-      for (int i = 0; i < 3; i++) { /* R = half^T ahead */
-        const fb_real row[3] = {work->half[i], work->half[3 + i], work->half[6 + i]};
-        fb_mat33_mulT_vec3(R + 3 * i, ahead, row);
-      }
-    } else {
-      fbi_mixed_carried(work->V + 6 * j, work, work->r + 3 * j, R);
-    }
-    fb_mat33_mulT_vec3(G, R, work->gravity);
-    fbi_zero(G + 3, 3);
-  }
-}
-
-/* Pose error of a held node: place in base axes, rotation in section axes. With one axis free (a hinge) the rotation is
-   that which turns this axis into its place: the rotation vector would mix the hinge's own angle in. */
-static void fbi_mixed_pose_error(fb_real e[6], const fb_mixed *m, const fb_real *r, const fb_real *quat, int node)
-{
-  const fb_real *const q = quat + 4 * node;
-  const fb_real back[4] = {q[0], -q[1], -q[2], -q[3]};
-  fb_real turn[4];
-  for (int i = 0; i < 3; i++) {
-    e[i] = m->r[3 * node + i] - r[3 * node + i];
-  }
-  fb_quat_mul(turn, back, m->quat + 4 * node);
-  fb_quat_to_rotvec(e + 3, turn);
-  for (int i = 0; i < 3; i++) {
-    if ((m->held[node] & FB_END_GUIDED) == (FB_END_GUIDED & ~(FB_HOLD_RX << i))) {
-      fb_real R[9], place[3], own[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-      own[i] = FB_R(1.0);
-      fb_quat_to_mat33(R, turn);
-      fb_mat33_mul_vec3(place, R, own);
-      fb_vec3_cross(e + 3, own, place);
-    }
-  }
-}
-
-/* [E10.16] The way back of a held node, in the axes of its rows, less what it has along the reaction F: e - F (F.e)/F.F
-   does no work. What e has in free directions nobody reads.
-   Source: own.  Cost: 40 flops.  Fails: never.  Test: a_beam_held_twice_keeps_energy_and_place. */
-static void fbi_mixed_close(fb_real e[6], const fb_mixed_work *work, const fb_mixed *m, int node)
-{
-  const int held = m->held[node];
-  fb_real F[6], size;
-  fbi_vec6_copy(F, work->B + 6 * node);
-  if (fbi_mixed_turned(held)) {
-    fbi_mixed_rows_turn(F, work->R + 9 * node, 1);
-  }
-  for (int i = 0; i < 6; i++) {
-    F[i] = held >> i & 1 ? F[i] : FB_R(0.0);
-  }
-  size = fbi_vec6_dot(F, F);
-  if (size > FB_R(0.0)) {
-    fbi_vec6_add(e, -fbi_vec6_dot(F, e) / size, F);
-  }
-}
-
-/* [E10.17] Velocity of the base where the node is, v + w x r, less its own, in the axes of its rows. Where it is: held
-   directions in their place, free ones half a step on.
-   Source: [L] 3.18.  Cost: 80 flops.  Fails: never.  Test: a_beam_slides_out_of_a_spinning_slot. */
-static void fbi_mixed_slip(fb_real y[6], const fb_mixed_work *work, const fb_mixed *m, int node)
-{
-  const fb_real *const R = work->R + 9 * node, *const V = work->V + 6 * node, *const w = work->twist + 3;
-  fb_real own[3], carried[3], r[3];
-  fb_mat33_mul_vec3(own, R, V);
-  fbi_copy(carried, work->twist, 3);
-  fbi_vec3_add_cross(carried, w, work->r + 3 * node);
-  for (int i = 0; i < 3; i++) {
-    r[i] =
-        m->held[node] >> i & 1 ? m->r[3 * node + i] : work->r[3 * node + i] + work->motion.pose * (own[i] - carried[i]);
-  }
-  fbi_copy(carried, work->twist, 3);
-  fbi_vec3_add_cross(carried, w, r);
-  fbi_vec3_add(carried, -FB_R(1.0), own);
-  fb_mat33_mulT_vec3(y, R, carried);
-  if (fbi_mixed_turned(m->held[node])) {
-    fbi_copy(y, carried, 3);
-  }
-  fb_mat33_mulT_vec3(y + 3, R, w);
-  fbi_vec3_add(y + 3, -FB_R(1.0), V + 3);
-}
-
-/* What held directions want. Steady: back to their place. Marching: the base's velocity, and back within the step (but
-   for the root, which is put where it belongs after the step). aim: the way back turns aside of the present reaction,
-   else it stays as it was: where the reaction is small, the two would chase each other. */
-static void fbi_mixed_want(fb_mixed_work *work, const fb_mixed *m, fb_real dt, int aim)
-{
-  for (int j = 0; j <= m->n; j++) {
-    fb_real e[6], *const want = work->want + 6 * j, *const back = work->back + 6 * j;
-    if (m->held[j] == 0) {
-      continue;
-    }
-    if (aim) {
-      fbi_mixed_pose_error(e, m, work->r, work->quat, j);
-      fbi_vec6_copy(back, e);
-      if (!fbi_mixed_turned(m->held[j])) {
-        fb_mat33_mulT_vec3(back, work->R + 9 * j, e);
-      }
-    }
-    if (work->motion.march) {
-      if (aim) {
-        fbi_mixed_close(back, work, m, j);
-      }
-      fbi_mixed_slip(want, work, m, j);
-      fbi_vec6_add(want, j > 0 ? FB_R(1.0) / dt : FB_R(0.0), back);
-    } else {
-      fbi_vec6_copy(want, back);
-    }
-  }
-}
-
-/* ---- steady states */
-
-/* Size of the last correction: lengths by the beam's, radians, loads by the largest, but for what the rounding of the
-   nodes' places (0: not counted) makes of a stiff strain. */
-static fb_real fbi_mixed_change(const fb_mixed_work *work, const fb_mixed *m, fb_real step, fb_real rounding)
-{
-  fb_real pose = FB_R(0.0), stress = FB_R(0.0), largest = FB_R(1.0);
-  for (int i = 0; i < 6 * (m->n + 1); i++) {
-    pose = fbi_larger(pose, FB_FABS(work->dd[i]));
-  }
-  for (int k = 0; k < m->n; k++) {
-    const fb_real *const s = work->s + 6 * k, *const ds = work->ds + 6 * k, *const S = m->S + 36 * k;
-    for (int i = 0; i < 6; i++) {
-      stress = fbi_larger(stress, FB_FABS(ds[i]) - rounding / m->h[k] * S[7 * i]);
-      largest = fbi_larger(largest, FB_FABS(s[i]));
-    }
-  }
-  if (!fbi_is_finite(work->dd, 6 * (m->n + 1)) || !fbi_is_finite(work->ds, 6 * m->n)) {
-    return FB_HUGE;
-  }
-  return fbi_larger(step * pose, stress / largest);
-}
-
 /* Of a last correction: the next is about its square. */
 #define FBI_MIXED_TOLERANCE (FB_SINGLE ? FB_R(1e-4) : FB_R(1e-9))
-
 /* The correction is added, unless it is as large as `change` says or neighbors turn by more than a radian by it. */
 static fb_status fbi_mixed_turn_add(fb_mixed_work *work, const fb_mixed *m, fb_real change)
 {
@@ -13053,20 +16084,6 @@ static fb_status fbi_mixed_newton(fb_mixed_work *work, const fb_mixed *m, const 
   return status;
 }
 
-static void fbi_mixed_pose_copy(fb_mixed_state *to, const fb_mixed_work *work, const fb_mixed *m)
-{
-  fbi_copy(to->r, work->r, 3 * (m->n + 1));
-  fbi_copy(to->quat, work->quat, 4 * (m->n + 1));
-  fbi_copy(to->stress[0], work->s, 6 * m->n);
-}
-
-static void fbi_mixed_pose_take(fb_mixed_work *work, const fb_mixed_state *from, const fb_mixed *m)
-{
-  fbi_copy(work->r, from->r, 3 * (m->n + 1));
-  fbi_copy(work->quat, from->quat, 4 * (m->n + 1));
-  fbi_copy(work->s, from->stress[0], 6 * m->n);
-}
-
 /* Load increments from the undeformed beam on, each as large as converges. */
 static fb_status fbi_mixed_increments(fb_mixed_work *work, const fb_mixed *m, const fb_real base_quat[4],
                                       const fb_mixed_input *input)
@@ -13096,358 +16113,7 @@ static fb_status fbi_mixed_increments(fb_mixed_work *work, const fb_mixed *m, co
   return FB_OK;
 }
 
-/* Counts of the model that the loops over a state rest on. */
-static int fbi_mixed_is_sized(const fb_mixed *m)
-{
-  return m->n >= 1 && m->n <= FB_MAX_MIXED && m->n_lump >= 0 && m->n_lump <= FB_MAX_LUMPS;
-}
-
-FB_DEF fb_status fb_mixed_check(const fb_mixed *m)
-{
-  int sound;
-  FBI_REQUIRE(m, FB_ERR_NULL);
-  if (!fbi_mixed_is_sized(m)) {
-    return FB_ERR_CAPACITY;
-  }
-  sound = m->iterations >= 1 && m->iterations <= 20 && m->factorizations >= 1 && m->factorizations <= 20 &&
-          m->length > FB_R(0.0) && m->length <= FB_HUGE && m->force > FB_R(0.0) && m->force <= FB_HUGE &&
-          m->time > FB_R(0.0) && m->time <= FB_HUGE && m->beta >= FB_R(0.0) && m->beta <= FB_R(0.125) &&
-          fbi_is_finite(m->gravity, 3);
-  sound = sound && fbi_is_finite(m->xi, 6 * m->n) && fbi_is_finite(m->C, 36 * m->n) && fbi_is_finite(m->S, 36 * m->n) &&
-          fbi_is_finite(m->section, 36 * m->n) && fbi_is_finite(m->taper, 36 * m->n) &&
-          fbi_is_finite(m->M, 36 * m->n) && fbi_is_finite(m->M_inverse, 36 * m->n) &&
-          fbi_is_finite(m->r, 3 * (m->n + 1)) && fbi_is_finite(m->quat, 4 * (m->n + 1)) &&
-          fbi_is_finite(m->lump, 36 * m->n_lump) && fbi_is_finite(m->lump_inverse, 36 * m->n_lump);
-  for (int k = 0; sound && k <= m->n; k++) {
-    sound = fbi_is_within(m->held[k], 127) && (k == m->n || (m->h[k] > FB_R(0.0) && m->h[k] <= FB_R(1.0)));
-  }
-  for (int k = 0; sound && k < m->n_lump; k++) {
-    sound = fbi_is_within(m->lump_node[k], m->n);
-  }
-  return sound ? FB_OK : FB_ERR_VALUE;
-}
-
-/* By E8.40. */
-FB_DEF unsigned fb_mixed_crc(const fb_mixed *m)
-{
-  unsigned crc;
-  FBI_REQUIRE(m, 0);
-  if (!fbi_mixed_is_sized(m)) {
-    return 0;
-  }
-  {
-    const int whole[5] = {m->n, m->n_lump, m->iterations, m->factorizations, m->floating};
-    const fb_real number[7] = {m->length, m->force, m->time, m->beta, m->gravity[0], m->gravity[1], m->gravity[2]};
-    const fb_real *const table[6] = {m->C, m->S, m->section, m->taper, m->M, m->M_inverse};
-    crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, 5), number, 7, FB_SINGLE);
-    for (int k = 0; k < 6; k++) {
-      crc = fbi_crc_reals(crc, table[k], 36 * m->n, FB_SINGLE);
-    }
-  }
-  crc = fbi_crc_ints(fbi_crc_ints(crc, m->held, m->n + 1), m->lump_node, m->n_lump);
-  crc = fbi_crc_reals(fbi_crc_reals(crc, m->h, m->n, FB_SINGLE), m->xi, 6 * m->n, FB_SINGLE);
-  crc = fbi_crc_reals(fbi_crc_reals(crc, m->r, 3 * (m->n + 1), FB_SINGLE), m->quat, 4 * (m->n + 1), FB_SINGLE);
-  crc = fbi_crc_reals(crc, m->lump, 36 * m->n_lump, FB_SINGLE);
-  return ~fbi_crc_reals(crc, m->lump_inverse, 36 * m->n_lump, FB_SINGLE);
-}
-
-static int fbi_mixed_rates_are_finite(const fb_mixed *m, const fb_mixed_state *state)
-{
-  int finite = fbi_is_finite(state->strain_rate, 6 * m->n) && fbi_is_finite(state->momentum_rate, 6 * m->n) &&
-               fbi_is_finite(state->lump_rate, 6 * m->n_lump) && fbi_is_finite(state->offset, 6 * m->n);
-  for (int k = 0; k < 3; k++) {
-    finite = finite && fbi_is_finite(state->V[k], 6 * (m->n + 1)) && fbi_is_finite(state->stress[k], 6 * m->n);
-  }
-  return finite && fbi_is_finite(state->force, 6 * (m->n + 1)) && fbi_is_finite(state->reaction, 6 * (m->n + 1)) &&
-         fbi_is_finite(&state->step, 1) && fbi_is_finite(state->u, 3) && fbi_is_finite(state->lost, 3);
-}
-
-FB_DEF fb_status fb_mixed_state_check(const fb_mixed *m, const fb_mixed_state *state)
-{
-  fb_real quat[4];
-  FBI_REQUIRE(m && state, FB_ERR_NULL);
-  FBI_REQUIRE(fbi_mixed_is_sized(m), FB_ERR_CAPACITY);
-  if (!fbi_is_finite(state->base_position, 3) || !fbi_is_finite(state->base_quat, 4) ||
-      !fbi_is_finite(state->r, 3 * (m->n + 1)) || !fbi_is_finite(state->quat, 4 * (m->n + 1)) ||
-      !fbi_is_finite(state->strain, 6 * m->n) || !fbi_is_finite(state->momentum, 6 * m->n) ||
-      !fbi_is_finite(state->lump, 6 * m->n_lump) || !fbi_mixed_rates_are_finite(m, state)) {
-    return FB_ERR_NOT_FINITE;
-  }
-  for (int j = 0; j <= m->n; j++) {
-    fbi_copy(quat, state->quat + 4 * j, 4);
-    if (fb_quat_normalize(quat) != FB_OK) {
-      return FB_ERR_VALUE;
-    }
-  }
-  fbi_copy(quat, state->base_quat, 4);
-  return fb_quat_normalize(quat) == FB_OK && state->known >= 0 && state->known <= 3 ? FB_OK : FB_ERR_VALUE;
-}
-
-static const fb_mixed_input *fbi_mixed_no_input(fb_mixed_work *work)
-{
-  memset(&work->input, 0, sizeof work->input);
-  return &work->input;
-}
-
-static fb_status fbi_mixed_input_check(const fb_mixed *m, const fb_mixed_input *input)
-{
-  if (input->n_load < 0 || input->n_load > FB_MAX_LOADS) {
-    return FB_ERR_CAPACITY;
-  }
-  if (!fbi_is_finite(input->v, 3) || !fbi_is_finite(input->w, 3)) {
-    return FB_ERR_NOT_FINITE;
-  }
-  for (int l = 0; l < input->n_load; l++) {
-    const fb_load *load = &input->load[l];
-    if (load->node < 0 || load->node > m->n) {
-      return FB_ERR_CAPACITY;
-    }
-    if (!fbi_is_choice((int)load->axes, (int)FB_AXES_BODY)) {
-      return FB_ERR_VALUE;
-    }
-    if (!fbi_is_finite(load->force, 3) || !fbi_is_finite(load->torque, 3)) {
-      return FB_ERR_NOT_FINITE;
-    }
-  }
-  for (int k = 0; k < m->n; k++) {
-    const fb_line_load *line = &input->line[k];
-    if (!fbi_is_choice((int)line->axes, (int)FB_AXES_BODY)) {
-      return FB_ERR_VALUE;
-    }
-    if (!fbi_is_finite(line->force, 3) || !fbi_is_finite(line->torque, 3)) {
-      return FB_ERR_NOT_FINITE;
-    }
-  }
-  return FB_OK;
-}
-
-/* What the balance of the held nodes lacks. */
-static void fbi_mixed_reactions(fb_real *reaction, const fb_mixed_work *work, const fb_mixed *m)
-{
-  for (int j = 0; j <= m->n; j++) {
-    for (int i = 0; i < 6; i++) {
-      reaction[6 * j + i] = m->held[j] ? work->B[6 * j + i] : FB_R(0.0);
-    }
-  }
-}
-
-/* The state whose velocity, stress and loads between elements are those in work, in motion without change. */
-static void fbi_mixed_state_take(fb_mixed_state *state, fb_mixed_work *work, const fb_mixed *m)
-{
-  fbi_mixed_cell *const c = &work->cell;
-  fbi_mixed_pose_copy(state, work, m);
-  fbi_zero(state->strain_rate, 6 * m->n);
-  fbi_zero(state->momentum_rate, 6 * m->n);
-  fbi_zero(state->lump_rate, 6 * m->n_lump);
-  for (int k = 0; k < m->n; k++) {
-    fbi_mat66_mul_vec6(state->strain + 6 * k, m->C + 36 * k, work->s + 6 * k);
-    fbi_mixed_cell_eval(c, work, m, k);
-    fbi_mixed_mean(c->V, c->dV, c->theta, work->V + 6 * k, work->V + 6 * k + 6);
-    fbi_mat66_mul_vec6(state->momentum + 6 * k, m->M + 36 * k, c->V);
-  }
-  for (int l = 0; l < m->n_lump; l++) {
-    fbi_mat66_mul_vec6(state->lump + 6 * l, m->lump + 36 * l, work->V + 6 * m->lump_node[l]);
-  }
-  fbi_copy(state->offset, work->offset, 6 * m->n);
-  fbi_mixed_reactions(state->reaction, work, m);
-  fbi_copy(state->V[0], work->V, 6 * (m->n + 1));
-  fbi_copy(state->force, work->F, 6 * (m->n + 1));
-  state->known = 1;
-}
-
-/* ---- the velocity u of the frame */
-
-/* The velocity u of a state in its base axes, in the beam's units. */
-static void fbi_mixed_frame(fb_real u[3], const fb_mixed *m, const fb_mixed_state *state)
-{
-  fb_real base[9];
-  fb_quat_to_mat33(base, state->base_quat);
-  fb_mat33_mulT_vec3(u, base, state->u);
-  for (int i = 0; i < 3; i++) {
-    u[i] *= m->time / m->length;
-  }
-}
-
-/* That of the middle of the last step: the frame of what nothing holds falls (E11.35). */
-static void fbi_mixed_frame_middle(fb_real u[3], const fb_mixed *m, const fb_mixed_state *state)
-{
-  fb_real base[9], g[3];
-  fbi_mixed_frame(u, m, state);
-  fb_quat_to_mat33(base, state->base_quat);
-  fb_mat33_mulT_vec3(g, base, m->gravity);
-  fbi_vec3_add(u, m->floating ? -FB_R(0.5) * state->step : FB_R(0.0), g);
-}
-
-/* A velocity of all nodes, as a node sees it: section axes. */
-static void fbi_mixed_seen(fb_real V[6], const fb_mixed_state *state, int node, const fb_real u[3])
-{
-  fb_real R[9];
-  fb_quat_to_mat33(R, state->quat + 4 * node);
-  fb_mat33_mulT_vec3(V, R, u);
-  fbi_zero(V + 3, 3);
-}
-
-/* And as element k has it, by the mean of E10.7. */
-static void fbi_mixed_seen_mean(fb_real V[6], const fb_mixed *m, const fb_mixed_state *state, int k, const fb_real u[3])
-{
-  fb_real a[6], b[6], theta[6], d[6];
-  for (int i = 0; i < 6; i++) {
-    theta[i] = m->h[k] * (m->xi[6 * k + i] + state->strain[6 * k + i] + state->offset[6 * k + i]);
-  }
-  fbi_mixed_seen(a, state, k, u);
-  fbi_mixed_seen(b, state, k + 1, u);
-  fbi_mixed_mean(V, d, theta, a, b);
-}
-
-/* A wrench in section axes of a node adds to force and moment about the origin of the base. */
-static void fbi_mixed_wrench_add(fb_real p[3], fb_real h[3], const fb_mixed_state *state, int node, const fb_real F[6])
-{
-  fb_real R[9], y[3];
-  fb_quat_to_mat33(R, state->quat + 4 * node);
-  fb_mat33_mul_vec3(y, R, F);
-  fbi_vec3_add(p, FB_R(1.0), y);
-  fbi_vec3_add_cross(h, state->r + 3 * node, y);
-  fb_mat33_mul_vec3(y, R, F + 3);
-  fbi_vec3_add(h, FB_R(1.0), y);
-}
-
-/* Momentum and angular momentum about the origin of the base, base axes: of the state relative to its frame (u NULL),
-   or of all nodes moving by u. */
-static void fbi_mixed_momenta(fb_real p[3], fb_real h[3], const fb_mixed *m, const fb_mixed_state *state,
-                              const fb_real *u)
-{
-  fb_real P[6], V[6];
-  fbi_zero(p, 3);
-  fbi_zero(h, 3);
-  for (int k = 0; k < m->n; k++) {
-    fb_real theta[6], y[6], first[6], second[6];
-    fbi_vec6_copy(P, state->momentum + 6 * k);
-    if (u) {
-      fbi_mixed_seen_mean(V, m, state, k, u);
-      fbi_mat66_mul_vec6(P, m->M + 36 * k, V);
-    }
-    for (int i = 0; i < 6; i++) {
-      theta[i] = m->h[k] * (m->xi[6 * k + i] + state->strain[6 * k + i] + state->offset[6 * k + i]);
-    }
-    fbi_adT(y, theta, P);
-    for (int i = 0; i < 6; i++) {
-      first[i] = m->h[k] * (FB_R(0.5) * P[i] - y[i] / FB_R(12.0));
-      second[i] = m->h[k] * (FB_R(0.5) * P[i] + y[i] / FB_R(12.0));
-    }
-    fbi_mixed_wrench_add(p, h, state, k, first);
-    fbi_mixed_wrench_add(p, h, state, k + 1, second);
-  }
-  for (int l = 0; l < m->n_lump; l++) {
-    fbi_vec6_copy(P, state->lump + 6 * l);
-    if (u) {
-      fbi_mixed_seen(V, state, m->lump_node[l], u);
-      fbi_mat66_mul_vec6(P, m->lump + 36 * l, V);
-    }
-    fbi_mixed_wrench_add(p, h, state, m->lump_node[l], P);
-  }
-}
-
-static fb_real fbi_mixed_mass(const fb_mixed *m)
-{
-  fb_real mass = FB_R(0.0);
-  for (int k = 0; k < m->n; k++) {
-    const fb_real *const M = m->M + 36 * k;
-    mass += m->h[k] * (M[0] + M[7] + M[14]) / FB_R(3.0);
-  }
-  for (int l = 0; l < m->n_lump; l++) {
-    mass += m->lump[36 * l];
-  }
-  return mass;
-}
-
-/* Another u, by du (beam's units, base axes): what the nodes, as they turn, and by the mean of E10.7 the elements have
-   of it goes out of the velocities, momenta and rates; of du what is left of it by the rounding of u. */
-static void fbi_mixed_reframe(fb_mixed_state *state, const fb_mixed *m, const fb_real more[3], fb_real step)
-{
-  fb_real V[6], P[6], base[9], y[3], du[3];
-  fb_quat_to_mat33(base, state->base_quat);
-  fb_mat33_mul_vec3(y, base, more);
-  for (int i = 0; i < 3; i++) {
-    const fb_real before = state->u[i];
-    state->u[i] += m->length / m->time * y[i];
-    y[i] = (state->u[i] - before) * (m->time / m->length);
-  }
-  fb_mat33_mulT_vec3(du, base, y);
-  for (int k = 0; k < m->n; k++) {
-    const fb_real *const a = state->V[0] + 6 * k, *const M = m->M + 36 * k;
-    fb_real turn[3], rate[6];
-    fbi_mixed_seen_mean(V, m, state, k, du);
-    fbi_mat66_mul_vec6(P, M, V);
-    fbi_vec6_add(state->momentum + 6 * k, -FB_R(1.0), P);
-    for (int i = 0; i < 3; i++) {
-      turn[i] = FB_R(0.5) * (a[i + 3] + a[i + 9]);
-    }
-    fbi_vec6_zero(rate);
-    fb_vec3_cross(rate, V, turn);
-    fbi_mat66_mul_vec6(P, M, rate);
-    fbi_vec6_add(state->momentum_rate + 6 * k, -FB_R(1.0), P);
-  }
-  for (int l = 0; l < m->n_lump; l++) {
-    const int j = m->lump_node[l];
-    fb_real rate[6];
-    fbi_mixed_seen(V, state, j, du);
-    fbi_mat66_mul_vec6(P, m->lump + 36 * l, V);
-    fbi_vec6_add(state->lump + 6 * l, -FB_R(1.0), P);
-    fbi_vec6_zero(rate);
-    fb_vec3_cross(rate, V, state->V[0] + 6 * j + 3);
-    fbi_mat66_mul_vec6(P, m->lump + 36 * l, rate);
-    fbi_vec6_add(state->lump_rate + 6 * l, -FB_R(1.0), P);
-  }
-  for (int j = 0; j <= m->n; j++) {
-    fb_real turn[3];
-    fbi_mixed_seen(V, state, j, du);
-    fb_vec3_cross(turn, state->V[0] + 6 * j + 3, V); /* back in time */
-    for (int k = 0; k < 3; k++) {
-      fbi_vec3_add(state->V[k] + 6 * j, -FB_R(1.0), V);
-      fbi_vec3_add(state->V[k] + 6 * j, -step * ((fb_real)k + FB_R(0.5)), turn);
-    }
-  }
-}
-
-FB_DEF fb_status fb_mixed_state_init(const fb_mixed *m, fb_mixed_state *state, fb_mixed_work *work,
-                                     const fb_mixed_input *input)
-{
-  const fbi_mixed_motion still = {0, 0, 0, 0, 0, 0};
-  FBI_REQUIRE(m && state && work, FB_ERR_NULL);
-  FBI_REQUIRE_EXACT();
-  if (input && (!fbi_is_finite(input->v, 3) || !fbi_is_finite(input->w, 3))) {
-    return FB_ERR_NOT_FINITE;
-  }
-  memset(state, 0, sizeof *state);
-  state->base_quat[0] = FB_R(1.0);
-  fbi_copy(state->r, m->r, 3 * (m->n + 1));
-  fbi_copy(state->quat, m->quat, 4 * (m->n + 1));
-  fbi_mixed_pose_take(work, state, m);
-  work->motion = still;
-  fbi_zero(work->gravity, 3);
-  fbi_zero(work->line, 6 * m->n);
-  fbi_zero(work->offset, 6 * m->n);
-  fbi_zero(work->F, 6 * (m->n + 1));
-  fbi_zero(work->B, 6 * (m->n + 1));
-  for (int i = 0; i < 3; i++) {
-    state->u[i] = input ? input->v[i] : FB_R(0.0);
-    work->twist[i] = FB_R(0.0);
-    work->twist[i + 3] = input ? input->w[i] * m->time : FB_R(0.0);
-  }
-  fbi_mixed_nodes_eval(work, m);
-  fbi_mixed_state_take(state, work, m);
-  if (m->floating && fbi_mixed_mass(m) > FB_R(0.0)) { /* what the spin about O gives the mass center */
-    fb_real du[3], h[3];
-    fbi_mixed_momenta(du, h, m, state, NULL);
-    for (int i = 0; i < 3; i++) {
-      du[i] /= fbi_mixed_mass(m);
-    }
-    fbi_mixed_reframe(state, m, du, FB_R(0.0));
-    fbi_zero(state->momentum_rate, 6 * m->n);
-    fbi_zero(state->lump_rate, 6 * m->n_lump);
-  }
-  return FB_OK;
-}
+/* ---- trees against the ground */
 
 /* What Newton's method has found: its stability, and the state. */
 static void fbi_mixed_rest(fb_mixed_state *state, fb_mixed_work *work, const fb_mixed *m)
@@ -13490,2600 +16156,7 @@ FB_DEF fb_status fb_mixed_steady_solve(const fb_mixed *m, fb_mixed_state *state,
   }
   return status;
 }
-
-/* ---- what comes out */
-
-/* Nearest whole number. */
-static fb_real fbi_round(fb_real x)
-{
-  return (fb_real)(int)(x + (x < FB_R(0.0) ? -FB_R(0.5) : FB_R(0.5)));
-}
-
-/* Rotation vector of quat next to phi: of all that differ by whole turns the nearest. */
-static void fbi_rotvec_near(fb_real phi[3], const fb_real quat[4])
-{
-  const fb_real near_to[3] = {phi[0], phi[1], phi[2]};
-  const fb_real turn = FB_R(6.283185307179586), axis = fbi_vec3_norm(near_to);
-  fb_real size;
-  fb_quat_to_rotvec(phi, quat);
-  size = fbi_vec3_norm(phi);
-  if (size < FB_R(1e-3) && axis > FB_R(3.0)) { /* whole turns: the axis is that of the neighbor */
-    fbi_vec3_add(phi, fbi_round(axis / turn) * turn / axis, near_to);
-  } else if (size > FB_R(0.0)) {
-    const fb_real turns = fbi_round((fb_vec3_dot(near_to, phi) / size - size) / turn);
-    fbi_vec3_add(phi, turns * turn / size, phi);
-  }
-}
-
-FB_DEF fb_status fb_mixed_nodes_eval(const fb_mixed *m, fb_mixed_node *node, const fb_mixed_state *state)
-{
-  fb_real base[9], phi[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, u[3], frame[6];
-  fb_status status;
-  FBI_REQUIRE(m && node && state, FB_ERR_NULL);
-  status = fb_mixed_state_check(m, state);
-  if (status != FB_OK) {
-    return status;
-  }
-  fb_quat_to_mat33(base, state->base_quat);
-  fbi_mixed_frame_middle(u, m, state);
-  for (int j = 0; j <= m->n; j++) {
-    fb_mixed_node *const out = &node[j];
-    const fb_real *const q0 = m->quat + 4 * j, *const V = state->V[0] + 6 * j, *const F = state->force + 6 * j;
-    const fb_real *const B = state->reaction + 6 * j;
-    const fb_real back[4] = {q0[0], -q0[1], -q0[2], -q0[3]};
-    fb_real turn[4], r[3];
-    fb_mat33_mul_vec3(r, base, state->r + 3 * j);
-    fb_quat_mul(out->quat, state->base_quat, state->quat + 4 * j);
-    fb_quat_mul(turn, back, state->quat + 4 * j);
-    fbi_rotvec_near(phi, turn);
-    fb_quat_to_wiener_milenkovic(out->wiener_milenkovic, turn);
-    fbi_mixed_seen(frame, state, j, u);
-    for (int i = 0; i < 3; i++) {
-      out->position[i] = state->base_position[i] + m->length * r[i];
-      out->displacement[i] = m->length * (state->r[3 * j + i] - m->r[3 * j + i]);
-      out->rotation[i] = phi[i];
-      out->velocity[i] = (V[i] + frame[i]) * m->length / m->time;
-      out->angular_rate[i] = V[i + 3] / m->time;
-      out->force[i] = F[i] * m->force;
-      out->moment[i] = F[i + 3] * m->force * m->length;
-      out->reaction_force[i] = B[i] * m->force;
-      out->reaction_moment[i] = B[i + 3] * m->force * m->length;
-    }
-  }
-  return FB_OK;
-}
-
-FB_DEF fb_status fb_mixed_element_eval(const fb_mixed *m, fb_mixed_element *out, const fb_mixed_state *state, int k)
-{
-  fb_status status;
-  FBI_REQUIRE(m && out && state, FB_ERR_NULL);
-  FBI_REQUIRE(k >= 0 && k < m->n, FB_ERR_CAPACITY);
-  status = fb_mixed_state_check(m, state);
-  if (status != FB_OK) {
-    return status;
-  }
-  {
-    const fb_real *const s = state->stress[0] + 6 * k;
-    const fb_real mass = m->force * m->time * m->time / m->length; /* of the beam */
-    fb_real strain[6], V[6], P[6], u[3], frame[6];
-    fbi_mat66_mul_vec6(strain, m->section + 36 * k, s);
-    fbi_mat66_mul_vec6(V, m->M_inverse + 36 * k, state->momentum + 6 * k);
-    fbi_mixed_frame(u, m, state);
-    fbi_mixed_seen_mean(frame, m, state, k, u);
-    fbi_mat66_mul_vec6(P, m->M + 36 * k, frame);
-    fbi_vec6_add(P, FB_R(1.0), state->momentum + 6 * k);
-    fbi_vec6_add(V, FB_R(1.0), frame);
-    for (int i = 0; i < 3; i++) {
-      out->force[i] = s[i] * m->force;
-      out->moment[i] = s[i + 3] * m->force * m->length;
-      out->force_strain[i] = strain[i];
-      out->moment_strain[i] = strain[i + 3] / m->length;
-      out->velocity[i] = V[i] * m->length / m->time;
-      out->angular_rate[i] = V[i + 3] / m->time;
-      out->momentum[i] = P[i] * mass / m->time;
-      out->angular_momentum[i] = P[i + 3] * mass * m->length / m->time;
-    }
-  }
-  return FB_OK;
-}
-
-/* [E10.12] Place and rotation in an element, a part s (0..1) of it along: exp(s theta), then what the change of the
-   strain from end to end adds, (s^2 - s)/2 h (C (F2 - F1) + taper stress).
-   Source: own; the strain is linear to this order.  Cost: 200 flops.  Fails: never.
-   Test: points_between_nodes_lie_on_the_curve. */
-static void fbi_mixed_point(fb_real r[3], fb_real quat[4], const fb_mixed *m, const fb_mixed_state *state, int k,
-                            fb_real s)
-{
-  fb_real x[6], dF[6], bend[6], taper[6];
-  for (int i = 0; i < 6; i++) {
-    x[i] = s * m->h[k] * (m->xi[6 * k + i] + state->strain[6 * k + i] + state->offset[6 * k + i]);
-    dF[i] = state->force[6 * k + 6 + i] - state->force[6 * k + i];
-  }
-  fbi_mat66_mul_vec6(bend, m->section + 36 * k, dF);
-  fbi_mat66_mul_vec6(taper, m->taper + 36 * k, state->stress[0] + 6 * k);
-  for (int i = 0; i < 6; i++) {
-    bend[i] = FB_R(0.5) * s * (s - FB_R(1.0)) * m->h[k] * (bend[i] + taper[i]);
-  }
-  fbi_copy(r, state->r + 3 * k, 3);
-  fbi_copy(quat, state->quat + 4 * k, 4);
-  fbi_pose_add(r, quat, x);
-  fbi_pose_add(r, quat, bend);
-}
-
-FB_DEF fb_status fb_mixed_point_eval(const fb_mixed *m, fb_real position[3], fb_real quat[4],
-                                     const fb_mixed_state *state, fb_real x)
-{
-  fb_status status;
-  fb_real r[3], turn[4], R[9], place = FB_R(0.0);
-  int k = 0;
-  FBI_REQUIRE(m && position && quat && state, FB_ERR_NULL);
-  if (!(x >= FB_R(0.0) && x <= m->length * (FB_R(1.0) + FB_R(1e-5)))) {
-    return FB_ERR_VALUE;
-  }
-  status = fb_mixed_state_check(m, state);
-  if (status != FB_OK) {
-    return status;
-  }
-  x /= m->length;
-  while (k + 1 < m->n && place + m->h[k] < x) {
-    place += m->h[k];
-    k++;
-  }
-  fbi_mixed_point(r, turn, m, state, k, (x - place) / m->h[k]);
-  fb_quat_to_mat33(R, state->base_quat);
-  fb_mat33_mul_vec3(position, R, r);
-  fb_quat_mul(quat, state->base_quat, turn);
-  for (int i = 0; i < 3; i++) {
-    position[i] = state->base_position[i] + m->length * position[i];
-  }
-  return FB_OK;
-}
-
-/* 1/2 x A x + part x_rate A x_rate */
-static fb_real fbi_mixed_quadratic(const fb_real A[36], const fb_real x[6], const fb_real rate[6], fb_real part)
-{
-  fb_real y[6], z[6];
-  fbi_mat66_mul_vec6(y, A, x);
-  fbi_mat66_mul_vec6(z, A, rate);
-  return FB_R(0.5) * fbi_vec6_dot(x, y) + part * fbi_vec6_dot(rate, z);
-}
-
-/* mass (origin + g . r) + g . R moment of an inertia matrix at a place in the base frame; of a curved element E10.6 has
-   made mass and moment differ from axis to axis: their means, which do not depend on how the axes lie */
-static fb_real fbi_mixed_weight(const fb_real M[36], const fb_real g[3], fb_real origin, const fb_real r[3],
-                                const fb_real quat[4])
-{
-  const fb_real mass = (M[0] + M[7] + M[14]) / FB_R(3.0);
-  const fb_real moment[3] = {FB_R(0.5) * (M[11] - M[16]), FB_R(0.5) * (M[15] - M[5]), FB_R(0.5) * (M[4] - M[9])};
-  fb_real R[9], y[3];
-  fb_quat_to_mat33(R, quat);
-  fb_mat33_mulT_vec3(y, R, g);
-  return mass * (origin + fb_vec3_dot(g, r)) + fb_vec3_dot(moment, y);
-}
-
-/* [E10.13] Energy: 1/2 h strain S strain + 1/2 h P M^-1 P + u.p + 1/2 m u.u, p the momentum relative to u, and -m g.r
-   with the mass center's r, by Simpson's rule along each element.
-   Source: [L] 3.57-3.61.  Cost: 400 flops an element.  Fails: never.
-   Test: energy_is_kept_whatever_the_step, a_pendulum_keeps_its_energy, flight_at_any_speed_moves_as_rest_does. */
-FB_DEF fb_status fb_mixed_energy(const fb_mixed *m, fb_energy *energy, const fb_mixed_state *state)
-{
-  fb_energy out = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-  fb_real base[9], g[3], u[3], p[3], turning[3], origin, last, unit;
-  FBI_REQUIRE(m && energy && state, FB_ERR_NULL);
-  last = FB_R(0.25) * m->beta * state->step * state->step;
-  unit = m->force * m->length;
-  fb_quat_to_mat33(base, state->base_quat);
-  fb_mat33_mulT_vec3(g, base, m->gravity);
-  origin = fb_vec3_dot(m->gravity, state->base_position) / m->length;
-  for (int k = 0; k < m->n; k++) {
-    const fb_real h = m->h[k], *const M = m->M + 36 * k, *const r = state->r + 3 * k, *const quat = state->quat + 4 * k;
-    fb_real middle[3], turn[4];
-    fbi_mixed_point(middle, turn, m, state, k, FB_R(0.5));
-    out.strain +=
-        h * fbi_mixed_quadratic(m->S + 36 * k, state->strain + 6 * k, state->strain_rate + 6 * k, last) * unit;
-    out.kinetic +=
-        h * unit *
-        fbi_mixed_quadratic(m->M_inverse + 36 * k, state->momentum + 6 * k, state->momentum_rate + 6 * k, last);
-    out.gravity -= h * unit / FB_R(6.0) *
-                   (fbi_mixed_weight(M, g, origin, r, quat) + fbi_mixed_weight(M, g, origin, r + 3, quat + 4) +
-                    FB_R(4.0) * fbi_mixed_weight(M, g, origin, middle, turn));
-  }
-  for (int l = 0; l < m->n_lump; l++) {
-    const fb_real *const M = m->lump + 36 * l;
-    const int j = m->lump_node[l];
-    out.kinetic +=
-        unit * fbi_mixed_quadratic(m->lump_inverse + 36 * l, state->lump + 6 * l, state->lump_rate + 6 * l, last);
-    out.gravity -= unit * fbi_mixed_weight(M, g, origin, state->r + 3 * j, state->quat + 4 * j);
-  }
-  fbi_mixed_frame(u, m, state);
-  fbi_mixed_momenta(p, turning, m, state, NULL);
-  out.kinetic += unit * (fb_vec3_dot(u, p) + FB_R(0.5) * fbi_mixed_mass(m) * fb_vec3_dot(u, u));
-  if (!fbi_energy_is_finite(&out)) {
-    return FB_ERR_NOT_FINITE;
-  }
-  *energy = out;
-  return FB_OK;
-}
-
-/* [E10.14] Momentum and angular momentum about the inertial origin: h A^T P of each element at its two nodes, which is
-   what their velocities see of it; on top m u, and what a velocity u of all nodes has of angular momentum.
-   Source: [L] 3.62, E10.7.  Cost: 200 flops an element.  Fails: never.  Test: free_flight_keeps_momentum. */
-FB_DEF fb_status fb_mixed_momentum(const fb_mixed *m, fb_momentum *momentum, const fb_mixed_state *state)
-{
-  fb_momentum out;
-  fb_real base[9], u[3], p[3], h[3], carried[3], turning[3], unit;
-  FBI_REQUIRE(m && momentum && state, FB_ERR_NULL);
-  fbi_mixed_frame(u, m, state);
-  fbi_mixed_momenta(p, h, m, state, NULL);
-  fbi_mixed_momenta(carried, turning, m, state, u);
-  fbi_vec3_add(p, fbi_mixed_mass(m), u);
-  fbi_vec3_add(h, FB_R(1.0), turning);
-  unit = m->force * m->time; /* of momentum */
-  fb_quat_to_mat33(base, state->base_quat);
-  fb_mat33_mul_vec3(out.linear, base, p);
-  fb_mat33_mul_vec3(out.angular, base, h);
-  for (int i = 0; i < 3; i++) {
-    out.linear[i] *= unit;
-    out.angular[i] *= unit * m->length;
-  }
-  fbi_vec3_add_cross(out.angular, state->base_position, out.linear);
-  if (!fbi_is_finite(out.linear, 3) || !fbi_is_finite(out.angular, 3)) {
-    return FB_ERR_NOT_FINITE;
-  }
-  *momentum = out;
-  return FB_OK;
-}
-
-/* ---------------------------------------------------------------------------------------------------------------
-   11 >>integrate (uses 1-10) */
-
-/* Bound of the highest frequency (E8.8) with deflected, stretched beams: of a slope s and a strain e
-   k <= (sqrt(limit_elastic) + s sqrt(limit_slope))^2 + e limit_slope, the triangle inequality for u_x' + s u_y'. */
-static fb_real fbi_frequency_bound(const fb_body *body, fb_real spin, fb_real acceleration, fb_real slope,
-                                   fb_real strain)
-{
-  const fb_real g = FB_FABS(spin) + FB_R(0.5) * body->limit_damping;
-  fb_real k = body->limit_spin * spin * spin + body->limit_acceleration * FB_FABS(acceleration);
-#if FB_WITH_NONLINEAR_STRAIN
-  const fb_real root = FB_SQRT(body->limit_elastic) + slope * FB_SQRT(body->limit_slope);
-  k += root * root + strain * body->limit_slope;
-#else
-  k += body->limit_elastic;
-  (void)slope, (void)strain;
 #endif
-  return g + FB_SQRT(g * g + k);
-}
-
-/* radius / bound: the step that a scheme stable up to |lambda| dt = radius may take */
-static fb_real fbi_step_limit(fb_real radius, fb_real bound)
-{
-  if (!(bound >= FB_R(0.0))) { /* not a number: no step is stable */
-    return FB_R(0.0);
-  }
-  return bound * FB_HUGE > radius ? radius / bound : FB_HUGE;
-}
-
-/* [E11.1] Largest stable step of rk4: |lambda| dt <= 2.785, the end of its stability region on the real axis (2.828 on
-   the imaginary one), with the frequency bound of E8.8, which exceeds the |lambda| of damped modes by more than the
-   region is narrower between the axes (2.616 at 122 degrees).
-   Source: [HW] IV.2.  Cost: 10 flops, a square root.  Fails: never.
-   Test: the_step_limit_is_the_stability_boundary. */
-#define FBI_RK4_RADIUS FB_R(2.785)
-FB_DEF fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real acceleration)
-{
-  FBI_REQUIRE(body, FB_R(0.0));
-  return fbi_step_limit(FBI_RK4_RADIUS, fbi_frequency_bound(body, spin, acceleration, FB_R(0.0), FB_R(0.0)));
-}
-
-/* Position, attitude and momenta of the frame: out = state + s rate; out may be state */
-static void fbi_frame_advance(fb_state *out, const fb_state *state, fb_real s, const fb_state *rate)
-{
-  fbi_vec3_advance(out->rho, state->rho, s, rate->rho);
-  fbi_vec4_advance(out->quat, state->quat, s, rate->quat);
-  fbi_vec3_advance(out->u, state->u, s, rate->u);
-  fbi_vec3_advance(out->L, state->L, s, rate->L);
-  fbi_vec3_advance(out->h, state->h, s, rate->h);
-}
-
-/* The modes of out = state + s rate. */
-static void fbi_modes_advance(fb_state *out, const fb_state *state, fb_real s, const fb_state *rate, int n)
-{
-  for (int a = 0; a < n; a++) {
-    out->q[a] = state->q[a] + s * rate->q[a];
-    out->pi[a] = state->pi[a] + s * rate->pi[a];
-  }
-}
-
-/* out = s rate */
-static void fbi_state_scale(fb_state *out, fb_real s, const fb_state *rate, int n)
-{
-  for (int i = 0; i < 3; i++) {
-    out->rho[i] = s * rate->rho[i];
-    out->quat[i] = s * rate->quat[i];
-    out->u[i] = s * rate->u[i];
-    out->L[i] = s * rate->L[i];
-    out->h[i] = s * rate->h[i];
-  }
-  out->quat[3] = s * rate->quat[3];
-  for (int a = 0; a < n; a++) {
-    out->q[a] = s * rate->q[a];
-    out->pi[a] = s * rate->pi[a];
-  }
-}
-
-/* A stage, state + s rate: all that rates depend on, L in the other forms alone. */
-static void fbi_stage_advance(fb_state *out, const fb_body *body, const fb_state *state, fb_real s,
-                              const fb_state *rate)
-{
-  fbi_vec4_advance(out->quat, state->quat, s, rate->quat);
-  fbi_vec3_advance(out->u, state->u, s, rate->u);
-  fbi_vec3_advance(out->h, state->h, s, rate->h);
-  if (fbi_form(body) != 0) {
-    fbi_vec3_advance(out->L, state->L, s, rate->L);
-  }
-  fbi_modes_advance(out, state, s, rate, body->n);
-}
-
-/* out = state + s rate; out may be state */
-static void fbi_state_advance(fb_state *out, const fb_state *state, fb_real s, const fb_state *rate, int n)
-{
-  fbi_frame_advance(out, state, s, rate);
-  fbi_modes_advance(out, state, s, rate, n);
-}
-
-/* [E11.2] Flush: values below the least, FB_TINY where cubes would underflow, become zero; NaN stays NaN. Compilers
-   make a selection of it, not a branch (the instruction count of a step is checked to be the same for every step).
-   Source: IEEE 754.  Cost: 2 n flops.  Fails: never.  Test: decay_reaches_zero_without_subnormals. */
-static void fbi_flush(fb_real *x, int n, fb_real least)
-{
-  for (int i = 0; i < n; i++) {
-    x[i] = FB_FABS(x[i]) < least ? FB_R(0.0) : x[i];
-  }
-}
-
-#if FB_WITH_NONLINEAR_STRAIN
-/* Largest slope and largest tensile strain at the stations. */
-static void fbi_largest_slopes(fb_real *slope, fb_real *strain, const fbi_kinetics *k, int n_strain)
-{
-  fb_real r = FB_R(0.0);
-  *strain = FB_R(0.0);
-  for (int g = 0; g < n_strain; g++) {
-    const fb_real square = k->slope[1][g] * k->slope[1][g] + k->slope[2][g] * k->slope[2][g];
-    r = fbi_larger(r, square);
-    *strain = fbi_larger(*strain, k->slope[0][g] + FB_R(0.5) * square);
-  }
-  *slope = FB_SQRT(r);
-}
-#endif
-
-/* What step limits depend on: spin, and acceleration of O by the base's motion or, free, by spin about the mass
-   center and by the loads, with gravity. */
-static void fbi_step_conditions(fb_real *spin, fb_real *acceleration, const fb_body *body, const fbi_kinetics *k,
-                                const fb_input *input)
-{
-  fb_real a[3];
-  *spin = fbi_vec3_norm(k->V + 3);
-  if (body->base == FB_BASE_FREE) {
-    fb_real by_loads = fbi_vec3_norm(fbi_is_flying(body) ? k->a : k->fg);
-    by_loads = fbi_is_flying(body) ? by_loads : by_loads / body->mass;
-    *acceleration = *spin * *spin * fbi_vec3_norm(body->c) / body->mass + by_loads;
-    return;
-  }
-  fbi_zero(a, 3);
-  if (input && body->base == FB_BASE_PRESCRIBED) {
-    fbi_given_acceleration(a, input);
-  }
-  *acceleration = fbi_vec3_norm(a);
-#if FB_WITH_GRAVITY
-  *acceleration += fbi_vec3_norm(body->gravity);
-#endif
-}
-
-static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const fb_input *input, fb_real dt)
-{
-  fb_real spin, acceleration, slope = FB_R(0.0), strain = FB_R(0.0), bound;
-  fbi_step_conditions(&spin, &acceleration, body, k, input);
-#if FB_WITH_NONLINEAR_STRAIN
-  if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
-    fbi_largest_slopes(&slope, &strain, k, body->n_strain);
-  }
-#endif
-  bound = fbi_frequency_bound(body, spin, acceleration, slope, strain);
-  return dt <= fbi_step_limit(FBI_RK4_RADIUS, bound) ? FB_OK : FB_ERR_STEP;
-}
-
-/* [E11.26] Does a body turn faster or slower at a stage than at the start, by more than half a radian in the step? Then
-   no scheme follows it, whatever the springs: an rk4 step, which sees the start alone, could not know.
-   Source: w = const over a step is what attitudes are summed by.
-   Test: steps_that_turn_too_far_are_refused, slender_bodies_keep_their_energy. */
-static fb_status fbi_turn_check(const fb_real start[3], const fb_real w[3], fb_real dt)
-{
-  const fb_real x = dt * (w[0] - start[0]), y = dt * (w[1] - start[1]), z = dt * (w[2] - start[2]);
-  return x * x + y * y + z * z <= FB_R(0.25) ? FB_OK : FB_ERR_STEP;
-}
-
-/* [E11.22] The increment d becomes the sum x + d, and what that loses by rounding is kept for the next: in single
-   precision a step's increment is often below it. In double precision it is kept of positions, far from the origin,
-   and of u, in fast flight.
-   Source: W. Kahan, Comm. ACM 8, 1965.  Shapes: n.  Cost: 4 n flops.  Fails: never.
-   Test: short_steps_lose_nothing, systems_lose_nothing_by_short_steps, positions_are_sums_without_loss,
-   the_faintest_loads_add_up. */
-static void fbi_sum_kept(fb_real *d, fb_real *lost, const fb_real *x, const fb_real *lost_before, int n)
-{
-  for (int i = 0; i < n; i++) {
-    const fb_real more = d[i] + lost_before[i];
-    d[i] = x[i] + more;
-    lost[i] = more - (d[i] - x[i]);
-  }
-}
-
-#define FBI_SUM_KEPT(d, x, what, n) fbi_sum_kept((d)->what, (d)->lost_##what, (x)->what, (x)->lost_##what, n)
-#if FB_SINGLE
-#define FBI_SUM(d, x, what, n) FBI_SUM_KEPT(d, x, what, n)
-#define FBI_TAKE(x, y, what, n) fbi_copy((x)->what, (y)->what, n), fbi_copy((x)->lost_##what, (y)->lost_##what, n)
-#define FBI_SUM_4(d, x, what) FBI_SUM_KEPT(d, x, what, 4)
-#define FBI_SUM_3(d, x, what) FBI_SUM_KEPT(d, x, what, 3)
-#define FBI_SUM_FLUSHED(d, x, what, n) FBI_SUM_KEPT(d, x, what, n), fbi_flush((d)->what, n, FB_TINY)
-#else
-/* x + d, and small values become zero (E11.2). */
-static void fbi_sum_flushed(fb_real *d, const fb_real *x, int n)
-{
-  for (int i = 0; i < n; i++) {
-    const fb_real sum = x[i] + d[i];
-    d[i] = FB_FABS(sum) < FB_TINY ? FB_R(0.0) : sum;
-  }
-}
-
-#define FBI_SUM(d, x, what, n) fbi_row_sub((d)->what, -FB_R(1.0), (x)->what, n)
-#define FBI_TAKE(x, y, what, n) fbi_copy((x)->what, (y)->what, n)
-#define FBI_SUM_3(d, x, what) fbi_vec3_add((d)->what, FB_R(1.0), (x)->what)
-#define FBI_SUM_4(d, x, what) fbi_vec4_advance((d)->what, (d)->what, FB_R(1.0), (x)->what)
-#define FBI_SUM_FLUSHED(d, x, what, n) fbi_sum_flushed((d)->what, (x)->what, n)
-#endif
-
-/* What a body uses of a state after a step. */
-static void fbi_state_take(fb_state *state, const fb_state *next, int n)
-{
-  fbi_frame_copy(state, next);
-  fbi_elastic_copy(state, next, n);
-  fbi_vec3_copy(state->lost_rho, next->lost_rho);
-  fbi_vec3_copy(state->lost_u, next->lost_u);
-#if FB_SINGLE
-  fbi_copy(state->lost_quat, next->lost_quat, 4);
-  fbi_vec3_copy(state->lost_L, next->lost_L);
-  fbi_vec3_copy(state->lost_h, next->lost_h);
-  fbi_copy(state->lost_q, next->lost_q, n);
-  fbi_copy(state->lost_pi, next->lost_pi, n);
-#endif
-}
-
-/* d so that quat + d has unit length: (1/|quat + d| - 1) (quat + d) more. */
-static fb_status fbi_quat_increment(fb_real d[4], const fb_real quat[4])
-{
-  fb_real sum[4], norm2 = FB_R(0.0), norm, s;
-  for (int i = 0; i < 4; i++) {
-    sum[i] = quat[i] + d[i];
-    norm2 += sum[i] * sum[i];
-  }
-  if (!(norm2 > FB_R(1e-20) && norm2 < FB_HUGE)) {
-    return FB_ERR_NOT_FINITE;
-  }
-  norm = FB_SQRT(norm2);
-  s = (FB_R(1.0) - norm2) / (norm * (FB_R(1.0) + norm));
-  for (int i = 0; i < 4; i++) {
-    d[i] += s * sum[i];
-  }
-  return FB_OK;
-}
-
-/* [E11.29] The increment d of the attitude quat, by the smallest rotation that brings a onto b: the same angular
-   momentum by the body axes and in inertial ones. The inertial one is exact, that of the body is where it is along thin
-   axes. Where it has changed by more than what it is the two tell nothing about the attitude.
-   Source: L = R h.  Cost: 80 flops.  Fails: never.  Test: thin_tubes_keep_calm, slender_bodies_keep_their_energy. */
-static void fbi_attitude_onto(fb_real d[4], const fb_real quat[4], const fb_real a[3], const fb_real b[3],
-                              fb_real change)
-{
-  static const fb_real known[2] = {FB_R(0.0), FB_R(1.0)};
-  const fb_real sizes = fbi_vec3_norm(a) * fbi_vec3_norm(b);
-  fb_real theta[4] = {FB_R(0.0)}, more[4], told;
-  fb_vec3_cross(theta + 1, a, b);
-  told = known[sizes > change * change]; /* no turn by the same work as any other: looked up, never branched */
-#if FB_SINGLE
-  told *= known[fbi_vec3_norm(theta + 1) >= FB_R(16.0) * FB_EPSILON * sizes]; /* below: rounding of a and b alone */
-#endif
-  for (int i = 1; i < 4; i++) {
-    theta[i] *= FB_R(0.5) * told / (sizes + (FB_R(1.0) - told));
-  }
-  fb_quat_mul(more, theta, quat);
-  for (int i = 0; i < 4; i++) {
-    d[i] += more[i];
-  }
-}
-
-/* The attitude after the increments d of a free or pinned body by E11.29. */
-static FBI_NOINLINE void fbi_state_align(fb_state *d, const fb_body *body, const fb_state *start)
-{
-  fb_real quat[4], a[3], b[3], h[3];
-  if (!fbi_is_turned(body)) {
-    return;
-  }
-  fbi_vec4_advance(quat, start->quat, FB_R(1.0), d->quat);
-  fbi_vec3_advance(h, start->h, FB_R(1.0), d->h);
-  fbi_vec3_advance(b, start->L, FB_R(1.0), d->L);
-  fbi_quat_turn(a, quat, h);
-  fbi_attitude_onto(d->quat, quat, a, b, fbi_vec3_norm(d->L));
-}
-
-/* [E11.30] O comes to where the mass center leads it, rho + int u dt + (R c/m)_old - (R c/m)_new: the angular momentum
-   about the inertial origin is then what it was, whatever the step. rho: int u dt; next: the rest of the state after
-   it. Both places come from the same operations: what does not move leaves no rounding.
-   Source: Newton.  Cost: 16 flops a term.  Fails: never.  Test: the_mass_center_goes_where_momentum_leads_it. */
-static FBI_NOINLINE void fbi_origin_lead(fb_real rho[3], const fb_body *body, const fb_state *start,
-                                         const fb_state *next)
-{
-  const fb_real share = FB_R(1.0) / body->mass;
-  fb_real before[3], after[3], old[3], own[3];
-  fbi_center_pair(before, after, body, start->q, next->q);
-  fbi_quat_turn(old, start->quat, before);
-  fbi_quat_turn(own, next->quat, after);
-  for (int i = 0; i < 3; i++) {
-    rho[i] += share * (old[i] - own[i]);
-  }
-}
-
-/* [E11.31] Elastic momenta of a prescribed base become relative to v (body axes at the attitude of at), its last known
-   velocity. next: the state after the step, but u is its change and pi its increment.
-   Source: E8.35.  Cost: 5 flops a term.  Test: the_speed_of_a_prescribed_base_does_not_matter. */
-static FBI_NOINLINE void fbi_frame_follow(fb_state *next, const fb_body *body, const fb_state *start,
-                                          const fb_real at[4], const fb_real v[3])
-{
-  fb_real R[9];
-  fb_quat_to_mat33(R, next->quat);
-  if (at) {
-    fbi_quat_turn(next->u, at, v);
-  } else {
-    fb_mat33_mul_vec3(next->u, R, v);
-  }
-  fbi_vec3_add(next->u, -FB_R(1.0), start->u);
-  fbi_frame_shift(next->pi, body, next->q, R, next->u);
-}
-
-/* What ends every step: its increments are summed up, small values become zero, the quaternion is of unit length, and
-   the motion is still within the model. start: the state with its h; last: the input at the attitude at (NULL: that of
-   the end). FB_ERR_STEP: turns in one step of which the attitude keeps no digits. */
-static fb_status fbi_step_end(fb_state *state, fb_state *next, const fb_state *start, const fb_body *body,
-                              const fb_input *last, const fb_real at[4])
-{
-  const int n = body->n;
-  fb_status status;
-  fbi_state_align(next, body, start);
-  status = fbi_quat_increment(next->quat, state->quat);
-  FBI_SUM_4(next, state, quat);
-  FBI_SUM_FLUSHED(next, state, q, n);
-  if (fbi_is_following(body)) {
-    fbi_frame_follow(next, body, start, at, last ? last->v : fbi_origin);
-  }
-  FBI_SUM_FLUSHED(next, state, pi, n);
-  FBI_SUM_KEPT(next, state, u, 3);
-  FBI_SUM_3(next, state, L);
-  fbi_flush(next->u, 3, FBI_FAINT);
-  fbi_flush(next->L, 3, FBI_FAINT);
-#if FB_SINGLE
-  fbi_turning_keep(next, state, body, next->h);
-#endif
-  fbi_vec3_add(next->h, FB_R(1.0), start->h);
-  if (fbi_is_flying(body)) {
-    fbi_origin_lead(next->rho, body, start, next);
-  }
-  FBI_SUM_KEPT(next, state, rho, 3);
-  status = status ? status : fbi_state_range(body, next);
-  if (status == FB_OK && !fbi_quat_is_unit(next->quat)) {
-    status = FB_ERR_STEP;
-  }
-  if (status == FB_OK) {
-    fbi_state_take(state, next, n);
-  }
-  return status;
-}
-
-/* [E11.3] Classical Runge-Kutta. Source: textbook.  Cost: 4 evaluations.  Test: rk4_converges_with_order_four. */
-FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work, const fb_input *start,
-                                         const fb_input *middle, const fb_input *end, fb_real dt)
-{
-  static const fb_real node[3] = {FB_R(0.5), FB_R(0.5), FB_R(1.0)};
-  static const fb_real weight[4] = {FB_R(1.0) / FB_R(6.0), FB_R(1.0) / FB_R(3.0), FB_R(1.0) / FB_R(3.0),
-                                    FB_R(1.0) / FB_R(6.0)};
-  const fb_input *input[4];
-  const fb_state *at;
-  fbi_kinetics k;
-  fb_real spin[3] = {FB_R(0.0)};
-  fb_status status = FB_OK;
-  FBI_REQUIRE(body && state && work, FB_ERR_NULL);
-  if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
-    return FB_ERR_VALUE;
-  }
-  input[0] = start;
-  input[1] = input[2] = middle;
-  input[3] = end;
-  at = &work->start;
-  fbi_state_enter(&work->start, k.R, body, state);
-  for (int stage = 0; stage < 4; stage++) {
-    status = fbi_input_check(body, input[stage]);
-    if (status == FB_OK) {
-      status = fbi_rates(&work->rate, &k, body, at, input[stage]);
-    }
-    if (status == FB_OK && stage == 0 && !body->allow_long_step) {
-      status = fbi_rk4_check(body, &k, start, dt);
-      fbi_vec3_copy(spin, k.V + 3);
-    }
-    if (status == FB_OK && stage == 3 && !body->allow_long_step) {
-      status = fbi_turn_check(spin, k.V + 3, dt);
-    }
-    if (status != FB_OK) {
-      return status;
-    }
-    if (stage == 0) {
-      fbi_state_scale(&work->sum, dt * weight[stage], &work->rate, body->n);
-    } else {
-      fbi_state_advance(&work->sum, &work->sum, dt * weight[stage], &work->rate, body->n);
-    }
-    if (stage < 3) {
-      fbi_stage_advance(&work->stage, body, &work->start, dt * node[stage], &work->rate);
-      if (fbi_is_oriented(body, input[stage + 1])) {
-        fb_quat_to_mat33(k.R, work->stage.quat);
-      }
-      at = &work->stage;
-    }
-  }
-  return fbi_step_end(state, &work->sum, &work->start, body, end, NULL);
-}
-
-/* ---- implicit steppers */
-
-#define FBI_MAX_ITERATIONS 50
-
-/* Tangent stiffness to w.K. */
-static void fbi_tangent(fb_implicit_work *w, const fb_body *body, const fb_real *q)
-{
-  fbi_sparse_to_dense(w->K, &body->K, body->n);
-#if FB_WITH_NONLINEAR_STRAIN
-  if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
-    fb_real slope[3][FBI_MAX_STRAINS];
-    fbi_slopes_eval(slope, body, q);
-    fbi_strain_tangent_add(w->K, body, slope);
-  }
-#endif
-  (void)q;
-}
-
-/* y += s N x with N_ab = -(Lambda_a^T V)_b, M times the transpose of the gyroscopic matrix. */
-static void fbi_gyro_add(fb_real *y, fb_real s, const fb_real V[6], const fb_body *body, const fb_real *x)
-{
-  const fb_lambda_term *t = body->lambda + body->n_lambda_constant;
-  for (const fb_lambda_row *r = body->lambda_row; r < body->lambda_row + body->n_row; r++) {
-    const fb_real along = s * V[r->i];
-    for (const fb_lambda_term *end = body->lambda + r->end; t < end; t++) {
-      y[t->a - 1] += t->c * along * x[t->b];
-    }
-  }
-}
-
-/* D += s d/dq of the sum of c (1, q)_a (1, q)_b over n pairs, a >= b */
-static void fbi_pairs_gradient(fb_real *D, fb_real s, const fb_real *c, const fb_S_pair *pair, int n, const fb_real *qx)
-{
-  for (int k = 0; k < n; k++) {
-    const int a = pair[k].a, b = pair[k].b;
-    const fb_real sc = s * c[k];
-    D[a - 1] += sc * qx[b];
-    if (b > 0) {
-      D[b - 1] += sc * qx[a];
-    }
-  }
-}
-
-/* D_a = d/dq_a (Lambda(q) pb + S(q) V) of the free rows, rows x n: how momenta change with the shape. */
-static void fbi_shape_rates(fb_real *D, const fbi_kinetics *k, const fb_body *body, int first)
-{
-  const int n = body->n;
-  const fb_real *c = body->S;
-  fbi_zero(D, (6 - first) * n);
-  for (int t = body->n_lambda_constant; t < body->n_lambda; t++) {
-    const fb_lambda_term *term = &body->lambda[t];
-    if (term->i >= first) {
-      D[(term->i - first) * n + term->a - 1] -= term->c * k->pb[term->b];
-    }
-  }
-  for (const fb_S_run *r = body->run; r < body->run + body->n_run; r++) {
-    const int i = fbi_sym6_row[r->i], j = fbi_sym6_column[r->i];
-    if (i >= first) {
-      fbi_pairs_gradient(D + (i - first) * n, k->V[j], c, body->pair + r->pair, r->n, k->qx);
-    }
-    if (j >= first && i != j) {
-      fbi_pairs_gradient(D + (j - first) * n, k->V[i], c, body->pair + r->pair, r->n, k->qx);
-    }
-    c += r->n;
-  }
-}
-
-/* X <- A^-1 X, rows x n, with the factors of fbi_lu_plain_factor */
-static void fbi_rows_solve(fb_real *X, const fb_real *A, int rows, int n)
-{
-  for (int i = 1; i < rows; i++) {
-    for (int j = 0; j < i; j++) {
-      fbi_row_sub(X + i * n, A[i * rows + j], X + j * n, n);
-    }
-  }
-  for (int i = rows - 1; i >= 0; i--) {
-    for (int j = i + 1; j < rows; j++) {
-      fbi_row_sub(X + i * n, A[i * rows + j], X + j * n, n);
-    }
-    for (int a = 0; a < n; a++) {
-      X[i * n + a] *= A[i * rows + i];
-    }
-  }
-}
-
-/* y = (1 + g w^)^-1 x: what h_dot = g - w x h makes of a residual. */
-static void fbi_turning_solve(fb_real y[3], fb_real g, const fb_real w[3], const fb_real x[3])
-{
-  const fb_real a[3] = {g * w[0], g * w[1], g * w[2]}, s = FB_R(1.0) / (FB_R(1.0) + fb_vec3_dot(a, a));
-  const fb_real along = fb_vec3_dot(a, x);
-  fb_real turn[3];
-  fb_vec3_cross(turn, a, x);
-  for (int i = 0; i < 3; i++) {
-    y[i] = s * (x[i] - turn[i] + along * a[i]);
-  }
-}
-
-/* X <- (1 + g w^) X on the three rows of turning, rows x n; a hinge has one, which w does not turn. Multiplied so the
-   matrix of a slender body keeps its pivots positive. */
-static void fbi_turning_mul(fb_real *X, fb_real g, const fb_real w[3], int first, int n)
-{
-  for (int a = 0; a < n && first <= 3; a++) {
-    fb_real *const x = X + (3 - first) * n + a;
-    const fb_real old[3] = {x[0], x[n], x[2 * n]};
-    fb_real turn[3];
-    fb_vec3_cross(turn, w, old);
-    for (int i = 0; i < 3; i++) {
-      x[i * n] += g * turn[i];
-    }
-  }
-}
-
-/* A -= g h^ on the rows of turning: momenta in body axes change with it. */
-static void fbi_turning_sub(fb_real *A, fb_real g, const fb_real h[3], int first)
-{
-  const fb_real cross[9] = {FB_R(0.0), -h[2], h[1], h[2], FB_R(0.0), -h[0], -h[1], h[0], FB_R(0.0)};
-  const int rows = 6 - first;
-  for (int i = 0; i < 9 && first <= 3; i++) {
-    A[(3 + i / 3 - first) * rows + 3 + i % 3 - first] -= g * cross[i];
-  }
-}
-
-/* Coupling of the free rigid rows to the modes at the present shape: X = Lambda, Y = D - Lambda M^-1 N^T, Z = A^-1 (X
-   + g Y) with the rigid mass matrix A, which for the momentum form is (1 + g w^) (S + Lambda M^-1 Lambda^T) - g h^, as
-   are X + g Y then. */
-static fb_status fbi_coupling(fb_implicit_work *w, const fbi_kinetics *k, const fb_body *body)
-{
-  const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first, momentum = fbi_form(body) == 0;
-  const fb_real *S = body->constant_S ? body->S0 : k->S;
-  int terms = body->n_lambda;
-  if (rows == 0) { /* nothing recoils */
-    return FB_OK;
-  }
-#if FB_WITH_FORMS
-  terms = momentum ? terms : body->n_lambda_value;
-  S = body->form == FB_FORM_FIRST ? body->M_rr : S;
-#endif
-  fbi_lambda_rows(w->X, body, k->qx, first, terms);
-  if (momentum) {
-    fbi_shape_rates(w->Y, k, body, first);
-  } else {
-    fbi_zero(w->Y, rows * n);
-  }
-  S += 21 - rows * (rows + 1) / 2; /* of the free rows */
-  for (int i = 0; i < rows; i++) {
-    fb_real a[FB_MAX_MODES];
-    if (momentum) {
-      fbi_mass_solve(a, body, w->X + i * n);
-      fbi_gyro_add(w->Y + i * n, -FB_R(1.0), w->V, body, a);
-    }
-    for (int j = i; j < rows; j++) {
-      const fb_real elastic = momentum ? fbi_dot(a, w->X + j * n, n) : FB_R(0.0);
-      w->A[i * rows + j] = w->A[j * rows + i] = *S++ + elastic;
-    }
-  }
-  if (momentum) {
-    fbi_turning_mul(w->A, w->g, w->V + 3, first, rows);
-    fbi_turning_sub(w->A, w->g, k->ph + 3, first);
-  }
-  if (fbi_lu_plain_factor(w->A, rows) != FB_OK) {
-    return FB_ERR_RANGE;
-  }
-  for (int i = 0; i < rows * n; i++) {
-    w->Z[i] = w->X[i] + w->g * w->Y[i];
-  }
-  if (momentum) {
-    fbi_turning_mul(w->Z, w->g, w->V + 3, first, n);
-  }
-  fbi_rows_solve(w->Z, w->A, rows, n);
-  return FB_OK;
-}
-
-/* [E11.4] Matrix of the implicit steppers: k = (I - g W)^-1 r with g = gamma dt and W the Jacobian of the momentum
-   form, q' = M^-1 (pi - Lambda^T V),  pi' = -K_t q - C q' + .., V = S^-1 (y - Lambda M^-1 pi),
-   without the second derivatives of S and the products g^2 of gyroscopic terms, eliminated down to the n modes:
-   E = M + g (C + N - N^T) + g^2 K_t - (X - g Y)^T Z. What is left, M - Lambda^T M_rr^-1 Lambda, is the mass of the
-   modes when the base may recoil.
-   The other forms do without N and Y.
-   Source: block elimination; Newmark's effective stiffness is the case of a held base.  Shapes: n x n.  Cost: 2/3 n^3
-   flops.
-   Fails: M_rr or E singular.  Test: each_scheme_converges_at_its_order, steps_may_be_a_thousand_periods_long. */
-static fb_status fbi_implicit_factor(fb_implicit_work *w, const fbi_kinetics *k, const fb_body *body, fb_real g)
-{
-  const int n = body->n, rows = 6 - fbi_first_free(body->base);
-  fb_status status;
-  w->g = g;
-  fbi_copy(w->V, k->V, 6);
-  status = fbi_coupling(w, k, body);
-  if (status != FB_OK) {
-    return status;
-  }
-  fbi_tangent(w, body, k->qx + 1);
-  fbi_sparse_to_dense(w->E, &body->M, n);
-  fbi_row_sub(w->E, -g * g, w->K, n * n);
-  for (int t = body->n_lambda_constant; t < body->n_lambda && fbi_form(body) == 0; t++) {
-    const fb_lambda_term *term = &body->lambda[t];
-    const int a = term->a - 1, b = term->b;
-    w->E[a * n + b] += g * term->c * w->V[term->i];
-    w->E[b * n + a] -= g * term->c * w->V[term->i];
-  }
-  for (int i = 0; i < rows; i++) {
-    for (int a = 0; a < n; a++) {
-      fbi_row_sub(w->E + a * n, w->X[i * n + a] - g * w->Y[i * n + a], w->Z + i * n, n);
-    }
-  }
-#if FB_WITH_DAMPING
-  if (fbi_has(body->effects, FB_EFFECT_DAMPING)) {
-    fbi_sparse_add(w->E, g, &body->C, n);
-  }
-#endif
-  status = fbi_lu_plain_factor(w->E, n);
-  return status == FB_ERR_SINGULAR ? FB_ERR_RANGE : status;
-}
-
-/* y -= s A x, A symmetric n x n */
-static void fbi_symmetric_sub(fb_real *y, fb_real s, const fb_real *A, const fb_real *x, int n)
-{
-  for (int a = 0; a < n; a++) {
-    fbi_row_sub(y, s * x[a], A + a * n, n);
-  }
-}
-
-/* t = A^-1 ((1 + g w^) X u + g (0, r_h)): velocities that the base takes up before the modes answer; momenta in the
-   momentum form only. */
-static void fbi_base_answer(fb_real t[6], const fb_implicit_work *w, const fb_body *body, const fb_state *r,
-                            const fb_real *u)
-{
-  const int first = fbi_first_free(body->base), rows = 6 - first;
-  for (int i = 0; i < rows; i++) {
-    t[i] = fbi_dot(w->X + i * body->n, u, body->n);
-  }
-  if (fbi_form(body) == 0) {
-    fbi_turning_mul(t, w->g, w->V + 3, first, 1);
-    for (int i = 0; i < 3; i++) {
-      if (3 + i >= first) {
-        t[3 + i - first] += w->g * r->h[i];
-      }
-    }
-  }
-  fbi_lu_plain_solve(t, w->A, rows);
-}
-
-/* (1 - g w/2)^-1, by which a quaternion's rate k = r + 1/2 g k o w is solved for. */
-static void fbi_turn_inverse(fb_real own[4], fb_real g, const fb_real w[3])
-{
-  const fb_real half = FB_R(0.5) * g, s = FB_R(1.0) / (FB_R(1.0) + half * half * fb_vec3_dot(w, w));
-  own[0] = s;
-  for (int i = 0; i < 3; i++) {
-    own[1 + i] = s * half * w[i];
-  }
-}
-
-/* The attitude and h take part by the recoil V (times g), so that they are integrated as stiffly as what moves them. */
-static void fbi_recoil_pose(fb_state *r, const fb_implicit_work *w, const fb_body *body, const fbi_kinetics *k,
-                            const fb_state *state, const fb_real V[6])
-{
-  fb_real own[4], turn[4], h[3];
-  fbi_turn_inverse(own, w->g, w->V + 3);
-  fbi_quat_rate(turn, state->quat, V + 3);
-  for (int i = 0; i < 4; i++) {
-    turn[i] += r->quat[i];
-  }
-  fb_quat_mul(r->quat, turn, own); /* k = r + 1/2 quat o dw + 1/2 g k o w */
-  if (fbi_form(body) == 0 && body->base != FB_BASE_PRESCRIBED) {
-    fbi_copy(h, r->h, 3);
-    fbi_vec3_add_cross(h, k->ph + 3, V + 3);
-    fbi_turning_solve(r->h, w->g, w->V + 3, h);
-  }
-}
-
-/* [E11.5] r becomes k = (I - g W)^-1 r, with t of fbi_base_answer.
-   Momentum form: E k_q = (M + g C + g N) r_q + g r_pi - (X - g Y)^T t,  g dV = t - Z k_q,  d = k_q - r_q,
-   k_pi = r_pi - g K_t k_q - (C + N) d + Y^T g dV.
-   The others, elastic velocities u:  E k_u = M r_u - X^T t - g K_t r_q,  k_q = r_q + g k_u,  k_V = r_V + t - Z k_u.
-   Source: E11.4.  Cost: 4 n^2 + 50 n flops.  Fails: never.  Test: each_scheme_converges_at_its_order. */
-static void fbi_implicit_solve(fb_state *r, const fb_implicit_work *w, const fb_body *body, const fbi_kinetics *k,
-                               const fb_state *state)
-{
-  const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first, momentum = fbi_form(body) == 0;
-  const fb_real g = w->g;
-  fb_real b[FB_MAX_MODES], d[FB_MAX_MODES], t[6], V[6] = {0};
-  fb_real *u = momentum ? r->q : r->pi;
-  fbi_copy(d, u, n);
-  fbi_mass_mul(b, body, u);
-  fbi_base_answer(t, w, body, r, u);
-  for (int i = 0; i < rows; i++) {
-    fbi_row_sub(b, t[i], w->X + i * n, n);
-    fbi_row_sub(b, -g * t[i], w->Y + i * n, n);
-  }
-  if (momentum) {
-    fbi_row_sub(b, -g, r->pi, n);
-    fbi_damping_add(b, g, body, r->q);
-    fbi_gyro_add(b, g, w->V, body, r->q);
-  } else {
-    fbi_symmetric_sub(b, g, w->K, r->q, n);
-  }
-  fbi_lu_plain_solve(b, w->E, n);
-  fbi_copy(u, b, n);
-  for (int i = 0; i < rows; i++) {
-    V[first + i] = t[i] - fbi_dot(w->Z + i * n, u, n);
-  }
-  for (int a = 0; a < n; a++) {
-    d[a] = u[a] - d[a];
-  }
-  if (momentum) {
-    fbi_symmetric_sub(r->pi, g, w->K, r->q, n);
-    fbi_damping_add(r->pi, -FB_R(1.0), body, d);
-    fbi_gyro_add(r->pi, -FB_R(1.0), w->V, body, d);
-    for (int i = 0; i < rows; i++) {
-      fbi_row_sub(r->pi, -V[first + i], w->Y + i * n, n);
-    }
-  } else {
-    fbi_row_sub(r->q, -g, r->pi, n);
-    fb_real v[3];
-    fb_mat33_mul_vec3(v, k->R, V);
-    for (int i = 0; i < 3; i++) {
-      r->u[i] += v[i];
-      r->L[i] += V[3 + i];
-      V[3 + i] = g * r->L[i];
-    }
-  }
-  fbi_vec3_add(r->rho, g, r->u);
-  fbi_recoil_pose(r, w, body, k, state, V);
-}
-
-/* Frequency of the stiffening by the quadratic field. */
-static fb_real fbi_stiffening(const fb_body *body, fb_real spin, fb_real acceleration)
-{
-  return FB_SQRT(body->limit_spin * spin * spin + body->limit_acceleration * FB_FABS(acceleration));
-}
-
-/* [E11.6] Largest step of the implicit schemes: what their matrix leaves out, products of the spin and the stiffening
-   of the quadratic field; |w| dt <= 1/10, the frequency of the latter times dt <= 1.
-   Source: trials.  Fails: never.  Test: steps_within_the_limit_are_stable. */
-FB_DEF fb_real fb_implicit_limit(const fb_body *body, fb_real spin, fb_real acceleration)
-{
-  FBI_REQUIRE(body, FB_R(0.0));
-  return fbi_step_limit(FB_R(1.0), fbi_larger(FB_R(10.0) * FB_FABS(spin), fbi_stiffening(body, spin, acceleration)));
-}
-
-static fb_status fbi_implicit_check(const fb_body *body, const fbi_kinetics *k, const fb_input *input, fb_real dt)
-{
-  fb_real spin, acceleration;
-  if (body->allow_long_step) {
-    return FB_OK;
-  }
-  fbi_step_conditions(&spin, &acceleration, body, k, input);
-  return dt <= fb_implicit_limit(body, spin, acceleration) ? FB_OK : FB_ERR_STEP;
-}
-
-/* Start of an implicit step: rates at the state, checked step, factored iteration matrix. */
-static fb_status fbi_implicit_start(fb_implicit_work *w, fbi_kinetics *k, const fb_body *body, const fb_state *state,
-                                    const fb_input *input, fb_real dt, fb_real g)
-{
-  fb_status status = dt > FB_R(0.0) && dt < FB_HUGE ? fbi_input_check(body, input) : FB_ERR_VALUE;
-  fbi_state_enter(&w->start, k->R, body, state);
-  if (status == FB_OK) {
-    status = fbi_rates(&w->rate, k, body, &w->start, input);
-  }
-  status = status == FB_OK ? fbi_implicit_check(body, k, input, dt) : status;
-  return status == FB_OK ? fbi_implicit_factor(w, k, body, g) : status;
-}
-
-/* [E11.25] Has a stage converged? Not where the last correction is above a tenth of the first one and a hundredth of
-   what the stage leads to, and is no rounding: Newton's corrections shrink to less than a tenth where a step is short
-   enough for what it is to follow. Squares; one iteration alone cannot be judged.
-   What bends is judged by a tenth of its own change, in systems.
-   Source: contraction of Newton's method.  Test: steps_that_have_not_converged_say_so,
-   a_fast_sled_does_not_hide_what_bends. */
-static fb_status fbi_stage_check(fb_real first, fb_real last, fb_real change)
-{
-  const fb_real floor = FB_R(0.01) * FB_EPSILON;
-  const fb_real bound = fbi_larger(fbi_larger(FB_R(0.01) * first, FB_R(1e-4) * change), floor);
-  return last > bound ? FB_ERR_CONVERGENCE : FB_OK;
-}
-
-/* [E11.32] Square of how far rates k lead within g [rad], for E11.25: turn of the attitude, modes by the radius of
-   gyration.
-   Source: definition.  Cost: 2 n flops.  Test: implicit_steps_that_have_not_converged_say_so. */
-static fb_real fbi_rate_size(const fb_state *k, const fb_body *body, fb_real g)
-{
-  const fb_real turn = k->quat[0] * k->quat[0] + fb_vec3_dot(k->quat + 1, k->quat + 1);
-  fb_real bent = FB_R(0.0);
-  for (int a = 0; a < body->n; a++) {
-    bent += body->reach[a] * FB_FABS(k->q[a]);
-  }
-  bent = body->gyration > FB_R(0.0) ? bent / body->gyration : bent;
-  return g * g * (FB_R(4.0) * turn + bent * bent);
-}
-
-/* Simplified Newton iterations for k = f(base + g k), k given a guess: (I - g W) dk = f - k. */
-static fb_status fbi_stage_solve(fb_implicit_work *w, fb_state *k, const fb_body *body, const fbi_kinetics *at,
-                                 const fb_state *base, const fb_input *input, int iterations, fb_real dt)
-{
-  fb_status status = fbi_input_check(body, input);
-  fb_real first = FB_R(0.0), last = FB_R(0.0);
-  for (int i = 0; i < iterations && status == FB_OK; i++) {
-    fbi_kinetics here;
-    fbi_stage_advance(&w->stage, body, base, w->g, k);
-    if (fbi_is_oriented(body, input)) {
-      fb_quat_to_mat33(here.R, w->stage.quat);
-    }
-    status = fbi_rates(&w->rate, &here, body, &w->stage, input);
-    if (status == FB_OK && i == iterations - 1 && !body->allow_long_step) {
-      status = fbi_turn_check(at->V + 3, here.V + 3, dt);
-    }
-    fbi_state_advance(&w->rate, &w->rate, -FB_R(1.0), k, body->n);
-    fbi_implicit_solve(&w->rate, w, body, at, &w->start);
-    fbi_state_advance(k, k, FB_R(1.0), &w->rate, body->n);
-    last = fbi_rate_size(&w->rate, body, w->g);
-    first = i == 0 ? last : first;
-  }
-  return status == FB_OK && iterations > 1 ? fbi_stage_check(first, last, fbi_rate_size(k, body, w->g)) : status;
-}
-
-/* The velocity of a prescribed base at the middle of E11.7 in the axes of the start, where the first guess needs it. */
-static void fbi_base_guess(fb_real v[3], const fb_input *middle, fb_real g)
-{
-  fb_real own[4], R[9];
-  fbi_turn_inverse(own, g, middle->w);
-  fb_quat_to_mat33(R, own);
-  fb_mat33_mul_vec3(v, R, middle->v);
-}
-
-/* [E11.7] Implicit midpoint, y += dt k with k = f(t + dt/2, y + dt/2 k).
-   Source: textbook; conserves quadratic invariants, symmetric.  Cost: 1 + iterations evaluations, one LU.
-   Fails: as E11.4.  Test: each_scheme_converges_at_its_order, midpoint_keeps_energy_and_momentum. */
-FB_DEF fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *middle,
-                                  fb_real dt, int iterations)
-{
-  const fb_input *first = middle;
-  fbi_kinetics at;
-  fb_status status;
-  FBI_REQUIRE(body && state && work, FB_ERR_NULL);
-  FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
-  if (fbi_is_following(body) && middle) {
-    work->between = *middle;
-    fbi_base_guess(work->between.v, middle, FB_R(0.5) * dt);
-    first = &work->between;
-  }
-  status = fbi_implicit_start(work, &at, body, state, first, dt, FB_R(0.5) * dt);
-  if (status == FB_OK) {
-    work->first = work->rate;
-    fbi_implicit_solve(&work->first, work, body, &at, &work->start);
-    status = fbi_stage_solve(work, &work->first, body, &at, &work->start, middle, iterations > 0 ? iterations : 2, dt);
-  }
-  if (status != FB_OK) {
-    return status;
-  }
-  fbi_state_scale(&work->sum, dt, &work->first, body->n);
-  return fbi_step_end(state, &work->sum, &work->start, body, middle, work->stage.quat);
-}
-
-/* The input at the fraction s between two; loads must be at the same nodes in the same axes. */
-static fb_status fbi_input_between(fb_input *out, const fb_input *a, const fb_input *b, fb_real s)
-{
-  *out = *a;
-  if (a->n_load != b->n_load) {
-    return FB_ERR_VALUE;
-  }
-  for (int k = 0; k < a->n_load; k++) {
-    if (a->load[k].node != b->load[k].node || a->load[k].axes != b->load[k].axes) {
-      return FB_ERR_VALUE;
-    }
-  }
-  for (int i = 0; i < 3; i++) {
-    for (int k = 0; k < a->n_load; k++) {
-      out->load[k].force[i] += s * (b->load[k].force[i] - a->load[k].force[i]);
-      out->load[k].torque[i] += s * (b->load[k].torque[i] - a->load[k].torque[i]);
-    }
-    out->v[i] += s * (b->v[i] - a->v[i]);
-    out->w[i] += s * (b->w[i] - a->w[i]);
-    out->v_dot[i] += s * (b->v_dot[i] - a->v_dot[i]);
-    out->w_dot[i] += s * (b->w_dot[i] - a->w_dot[i]);
-  }
-  return FB_OK;
-}
-
-/* [E11.34] Velocity v of a prescribed base at the first stage of E11.8, in its axes: between those at the ends in
-   inertial axes, where a base that goes straight on has one velocity, by the attitudes that the scheme gives it.
-   Source: E11.8 of the attitude alone.  Cost: 250 flops.  Fails: never.
-   Test: the_speed_of_a_prescribed_base_does_not_matter. */
-static void fbi_base_between(fb_real v[3], const fb_state *start, const fb_input *a, const fb_input *stage,
-                             const fb_input *b, fb_real c, fb_real dt)
-{
-  fb_real own[4], middle[4], end[4], rate[4], R[9], first[3], last[3];
-  fbi_turn_inverse(own, c * dt, stage->w);
-  fb_quat_mul(middle, start->quat, own);
-  fbi_quat_rate(rate, middle, stage->w);
-  for (int i = 0; i < 4; i++) {
-    rate[i] = start->quat[i] + (FB_R(1.0) - c) * dt * rate[i];
-  }
-  fbi_turn_inverse(own, c * dt, b->w);
-  fb_quat_mul(end, rate, own);
-  fb_quat_to_mat33(R, start->quat);
-  fb_mat33_mul_vec3(first, R, a->v);
-  fb_quat_to_mat33(R, end);
-  fb_mat33_mul_vec3(last, R, b->v);
-  for (int i = 0; i < 3; i++) {
-    first[i] += c * (last[i] - first[i]);
-  }
-  fb_quat_to_mat33(R, middle);
-  fb_mat33_mulT_vec3(v, R, first);
-}
-
-/* [E11.8] Two-stage SDIRK scheme of order 2, L-stable and stiffly accurate, c = 1 - 1/sqrt(2):
-   k_1 = f(t + c dt, y + c dt k_1),  k_2 = f(t + dt, y + (1-c) dt k_1 + c dt k_2),  y <- its last stage.
-   Source: [AL].  Cost: 1 + 2 iterations evaluations, one LU.
-   Fails: as E11.4.  Test: each_scheme_converges_at_its_order, steps_may_be_a_thousand_periods_long. */
-FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *start,
-                               const fb_input *end, fb_real dt, int iterations)
-{
-  const fb_real c = FB_R(0.29289321881345248);
-  const int count = iterations > 0 ? iterations : 2;
-  const fb_input *first = start;
-  fbi_kinetics at;
-  fb_status status;
-  FBI_REQUIRE(body && state && work, FB_ERR_NULL);
-  FBI_REQUIRE((start != NULL) == (end != NULL), FB_ERR_NULL);
-  FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
-  status = fbi_implicit_start(work, &at, body, state, start, dt, c * dt);
-  if (status == FB_OK && start != end) {
-    status = fbi_input_between(&work->between, start, end, c);
-    first = &work->between;
-    if (fbi_is_following(body)) {
-      fbi_base_between(work->between.v, &work->start, start, &work->between, end, c, dt);
-    }
-  }
-  if (status == FB_OK) {
-    work->first = work->rate;
-    fbi_implicit_solve(&work->first, work, body, &at, &work->start);
-    status = fbi_stage_solve(work, &work->first, body, &at, &work->start, first, count, dt);
-  }
-  if (status == FB_OK) {
-    fbi_state_scale(&work->sum, (FB_R(1.0) - c) * dt, &work->first, body->n);
-    fbi_stage_advance(&work->base, body, &work->start, (FB_R(1.0) - c) * dt, &work->first);
-    status = fbi_stage_solve(work, &work->first, body, &at, &work->base, end, count, dt);
-  }
-  if (status != FB_OK) {
-    return status;
-  }
-  fbi_state_advance(&work->sum, &work->sum, c * dt, &work->first, body->n);
-  return fbi_step_end(state, &work->sum, &work->start, body, end, NULL);
-}
-
-/* ---- exponential scheme */
-
-/* [E11.11] Largest step of the exponential scheme: gyroscopic terms 2 |w|, faster by the recoil of a light base
-   (squared: it turns the faster what bends it), the quadratic field, the change of frequencies by the tension of a
-   spinning beam, heavy damping; the largest of them times dt <= 1.
-   Source: trials.  Fails: never.  Test: steps_within_the_limit_are_stable. */
-FB_DEF fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real acceleration)
-{
-  FBI_REQUIRE(body, FB_R(0.0));
-  const fb_real lightness = body->recoil * body->recoil - FB_R(1.0); /* 0: nothing recoils */
-  const fb_real turning = (FB_R(2.0) * body->recoil + FB_R(15.0) * lightness) * FB_FABS(spin);
-  const int heavy = body->limit_damping > FB_R(0.5) * FB_SQRT(body->limit_elastic);
-  fb_real bound = fbi_larger(turning, fbi_stiffening(body, spin, acceleration));
-#if FB_WITH_NONLINEAR_STRAIN
-  bound = fbi_larger(bound, body->limit_tension * spin * spin);
-#endif
-  return fbi_step_limit(FB_R(1.0), fbi_larger(bound, heavy ? body->limit_damping : FB_R(0.0)));
-}
-
-#if FB_WITH_NONLINEAR_STRAIN
-/* Displacement of the coordinates by a unit of r at station g: K^-1 Psi_x^T EA to work.d; work.L holds the factor of
-   K. */
-static void fbi_membrane_column(fb_body_work *work, const fb_body *body, int g)
-{
-  fbi_zero(work->d, body->n);
-  for (int i = 0; i < body->n_strain_row; i++) {
-    const fb_strain_row *row = &body->strain_row[i];
-    work->d[row->a] += row->axis == 0 ? body->strain_weight[g] * row->slope[g] : FB_R(0.0);
-  }
-  fb_chol_solve(work->d, work->L, work->d, body->n);
-}
-
-/* [E11.9] Membrane coordinates s = q + G(q), G_a = sum_g G_ag r_g with r = 1/2 (u_y'^2 + u_z'^2) at the strain
-   stations and G = K^-1 Psi_x^T EA: then dU/dq_a of E8.23 is K s but for what the axial functions cannot follow. G
-   does not depend on the coordinates that it moves, so q = s - G(s). Momenta: sigma = (1 - G'^T) pi.
-   Source: point transformation of [DB] (27).  Shapes: G n_axial x stations.  Fails: K singular; axial coordinates
-   that bend.
-   Test: membrane_coordinates_make_the_strain_linear. */
-static fb_status fbi_membrane_fill(fb_exponential *scheme, fb_body_work *work, const fb_body *body)
-{
-  const int n = body->n;
-  fb_real *moved = work->A, largest = FB_R(0.0);
-  fb_status status;
-  fbi_sparse_to_dense(work->L, &body->K, n);
-  status = fb_chol_factor(work->L, n);
-  fbi_zero(moved, n);
-  for (int g = 0; g < body->n_strain && status == FB_OK; g++) {
-    fbi_membrane_column(work, body, g);
-    for (int a = 0; a < n; a++) {
-      moved[a] = fbi_larger(moved[a], FB_FABS(work->d[a]));
-      largest = fbi_larger(largest, moved[a]);
-    }
-  }
-  for (int a = 0; a < n && status == FB_OK; a++) {
-    if (moved[a] > FBI_ROUNDING * largest) {
-      scheme->axial[scheme->n_axial++] = a;
-    }
-    for (int i = 0; i < body->n_strain_row; i++) {
-      const int bends = body->strain_row[i].a == a && body->strain_row[i].axis > 0;
-      status = bends && moved[a] > FBI_ROUNDING * largest ? FB_ERR_EFFECTS : status;
-    }
-  }
-  for (int g = 0; g < body->n_strain && status == FB_OK; g++) {
-    fbi_membrane_column(work, body, g);
-    for (int k = 0; k < scheme->n_axial; k++) {
-      scheme->G[k * FBI_MAX_STRAINS + g] = work->d[scheme->axial[k]];
-    }
-  }
-  return status;
-}
-
-/* s = q + sign G(q), sign 1, or -1 to go back; slope is that of q and of s. */
-static void fbi_membrane_shift(fb_real *q, fb_real slope[3][FBI_MAX_STRAINS], const fb_exponential *scheme,
-                               const fb_body *body, fb_real sign)
-{
-  fb_real r[FBI_MAX_STRAINS];
-  fbi_slopes_eval(slope, body, q);
-  for (int g = 0; g < body->n_strain; g++) {
-    r[g] = FB_R(0.5) * (slope[1][g] * slope[1][g] + slope[2][g] * slope[2][g]);
-  }
-  for (int k = 0; k < scheme->n_axial; k++) {
-    q[scheme->axial[k]] += sign * fbi_dot(scheme->G + k * FBI_MAX_STRAINS, r, body->n_strain);
-  }
-}
-
-/* h_g = sum_a G_ag pi_a */
-static void fbi_membrane_loads(fb_real h[FBI_MAX_STRAINS], const fb_exponential *scheme, const fb_body *body,
-                               const fb_real *pi)
-{
-  fbi_zero(h, body->n_strain);
-  for (int k = 0; k < scheme->n_axial; k++) {
-    fbi_row_sub(h, -pi[scheme->axial[k]], scheme->G + k * FBI_MAX_STRAINS, body->n_strain);
-  }
-}
-
-/* x_b -= sum_g psi_b' (h u' + k v') over the transverse rows: G'^T pi, and its rate */
-static void fbi_membrane_sub(fb_real *x, const fb_body *body, const fb_real *h, fb_real u[3][FBI_MAX_STRAINS],
-                             const fb_real *k, fb_real v[3][FBI_MAX_STRAINS])
-{
-  fb_real f[3][FBI_MAX_STRAINS];
-  for (int g = 0; g < body->n_strain; g++) {
-    f[0][g] = FB_R(0.0);
-    f[1][g] = h[g] * u[1][g] + k[g] * v[1][g];
-    f[2][g] = h[g] * u[2][g] + k[g] * v[2][g];
-  }
-  fbi_slopes_sub(x, body, f);
-}
-#endif
-
-/* Stumpff functions c_j = sum_k (-t^2)^k / (2k + j)!, j = 0..4; by c_j = 1/j! - t^2 c_(j+2) from the series where
-   closed forms cancel. */
-static void fbi_stumpff(fb_real c[5], fb_real t)
-{
-  const fb_real x = t * t;
-  if (t < FB_R(0.5)) {
-    c[3] = c[4] = FB_R(0.0);
-    for (int k = 7; k >= 0; k--) { /* 1/j! (1 - x/((j+1)(j+2)) (1 - ..)) */
-      c[3] = FB_R(1.0) - x * c[3] / (fb_real)((2 * k + 4) * (2 * k + 5));
-      c[4] = FB_R(1.0) - x * c[4] / (fb_real)((2 * k + 5) * (2 * k + 6));
-    }
-    c[3] /= FB_R(6.0);
-    c[4] /= FB_R(24.0);
-    c[2] = FB_R(0.5) - x * c[4];
-    c[1] = FB_R(1.0) - x * c[3];
-    c[0] = FB_R(1.0) - x * c[2];
-    return;
-  }
-  c[0] = FB_COS(t);
-  c[1] = FB_SIN(t) / t;
-  c[2] = (FB_R(1.0) - c[0]) / x;
-  c[3] = (FB_R(1.0) - c[1]) / x;
-  c[4] = (FB_R(0.5) - c[2]) / x;
-}
-
-static void fbi_stumpff_fill(fb_real table[5][FB_MAX_MODES], int k, fb_real t)
-{
-  fb_real c[5];
-  fbi_stumpff(c, t);
-  for (int j = 0; j < 5; j++) {
-    table[j][k] = c[j];
-  }
-}
-
-/* Modes of the linear part: K x = omega^2 M_free x with the mass that a base which may recoil leaves to the modes. */
-static fb_status fbi_exponential_modes(fb_exponential *scheme, fb_body_work *work, const fb_body *body)
-{
-  const int n = body->n, first = fbi_first_free(body->base);
-  fb_real *rows = work->Lambda, *M = work->Lambda + 6 * n; /* M_free = (M^-1 + B^T S_0^-1 B)^-1, B = Lambda_0 M^-1 */
-  fb_real unit[FB_MAX_MODES + 1] = {FB_R(1.0)};
-  fb_status status;
-  fbi_lambda_rows(rows, body, unit, 0, body->n_lambda_constant);
-  fbi_sparse_to_dense(work->A, &body->M, n);
-  if (body->unit_mass) {
-    fbi_copy(work->B, work->A, n * n);
-  } else {
-    fbi_sparse_to_dense(work->B, &body->Minv, n);
-  }
-  for (int i = first; i < 6; i++) {
-    fbi_mass_solve(work->d, body, rows + i * n);
-    fbi_copy(rows + i * n, work->d, n);
-  }
-  for (int i = first; i < 6; i++) {
-    for (int j = first; j < 6; j++) {
-      for (int a = 0; a < n; a++) {
-        fbi_row_sub(work->B + a * n, -body->S0_inverse[6 * i + j] * rows[i * n + a], rows + j * n, n);
-      }
-    }
-  }
-  status = fb_chol_factor(work->B, n);
-  for (int a = 0; a < n && status == FB_OK; a++) {
-    fbi_zero(work->d, n);
-    work->d[a] = FB_R(1.0);
-    fb_chol_solve(M + a * n, work->B, work->d, n);
-  }
-  if (status != FB_OK) {
-    return status;
-  }
-  fbi_sparse_to_dense(work->A, &body->K, n);
-  fbi_copy(work->B, M, n * n);
-  status = fb_eig_gen_solve(scheme->omega2, scheme->X, work->A, work->B, n);
-  for (int k = 0; k < n && status == FB_OK; k++) {
-    fbi_zero(scheme->MX + k * n, n);
-    for (int a = 0; a < n; a++) {
-      fbi_row_sub(scheme->MX + k * n, -scheme->X[k * n + a], M + a * n, n);
-    }
-    status = scheme->omega2[k] > FB_R(0.0) ? status : FB_ERR_SINGULAR;
-  }
-  return status;
-}
-
-FB_DEF fb_status fb_exponential_init(fb_exponential *scheme, fb_body_work *work, const fb_body *body, fb_real dt)
-{
-  fb_exponential out;
-  fb_status status = FB_OK;
-  FBI_REQUIRE(scheme && work && body, FB_ERR_NULL);
-  FBI_REQUIRE_EXACT();
-  if (!(dt > FB_R(0.0) && dt < FB_HUGE) || fbi_form(body) != 0) {
-    return FB_ERR_VALUE;
-  }
-  memset(&out, 0, sizeof out);
-  out.dt = dt;
-  if (body->n > 0) {
-    status = fbi_exponential_modes(&out, work, body);
-  }
-#if FB_WITH_NONLINEAR_STRAIN
-  if (status == FB_OK && fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
-    status = fbi_membrane_fill(&out, work, body);
-  }
-#endif
-  for (int k = 0; k < body->n && status == FB_OK; k++) {
-    fbi_stumpff_fill(out.half, k, FB_R(0.5) * dt * FB_SQRT(out.omega2[k]));
-    fbi_stumpff_fill(out.full, k, dt * FB_SQRT(out.omega2[k]));
-  }
-  if (status == FB_OK) {
-    *scheme = out;
-  }
-  return status;
-}
-
-/* Modal coordinates z: x in z.q, p in z.pi. */
-static void fbi_modal_from(fb_state *z, const fb_exponential *scheme, const fb_body *body, fb_state *state)
-{
-  const int n = body->n;
-#if FB_WITH_NONLINEAR_STRAIN
-  if (scheme->n_axial > 0) {
-    fb_real slope[3][FBI_MAX_STRAINS], h[FBI_MAX_STRAINS], none[FBI_MAX_STRAINS] = {0};
-    fbi_membrane_loads(h, scheme, body, state->pi);
-    fbi_membrane_shift(state->q, slope, scheme, body, FB_R(1.0));
-    fbi_membrane_sub(state->pi, body, h, slope, none, slope);
-  }
-#endif
-  fbi_frame_copy(z, state);
-  for (int k = 0; k < n; k++) {
-    z->q[k] = fbi_dot(scheme->MX + k * n, state->q, n);
-    z->pi[k] = fbi_dot(scheme->X + k * n, state->pi, n);
-  }
-}
-
-static void fbi_modal_to(fb_state *state, const fb_exponential *scheme, const fb_body *body, const fb_state *z)
-{
-  const int n = body->n;
-  fbi_frame_copy(state, z);
-  fbi_zero(state->q, n);
-  fbi_zero(state->pi, n);
-  for (int k = 0; k < n; k++) {
-    fbi_row_sub(state->q, -z->q[k], scheme->X + k * n, n);
-    fbi_row_sub(state->pi, -z->pi[k], scheme->MX + k * n, n);
-  }
-#if FB_WITH_NONLINEAR_STRAIN
-  if (scheme->n_axial > 0) {
-    fb_real slope[3][FBI_MAX_STRAINS], h[FBI_MAX_STRAINS], none[FBI_MAX_STRAINS] = {0};
-    fbi_membrane_shift(state->q, slope, scheme, body, -FB_R(1.0));
-    fbi_membrane_loads(h, scheme, body, state->pi);
-    for (int g = 0; g < body->n_strain; g++) {
-      h[g] = -h[g];
-    }
-    fbi_membrane_sub(state->pi, body, h, slope, none, slope);
-  }
-#endif
-}
-
-/* What is left of the rates of z without the linear elastic part: N = (X M s_dot - p, X sigma_dot + omega^2 x). */
-static fb_status fbi_modal_rates(fb_state *N, fbi_kinetics *k, fb_exponential_work *w, const fb_exponential *scheme,
-                                 const fb_body *body, const fb_state *z, const fb_input *input)
-{
-  const int n = body->n;
-  fb_status status = fbi_input_check(body, input);
-  fbi_modal_to(&w->at, scheme, body, z);
-  if (fbi_is_oriented(body, input)) {
-    fb_quat_to_mat33(k->R, z->quat);
-  }
-  status = status == FB_OK ? fbi_rates(&w->rate, k, body, &w->at, input) : status;
-  if (status != FB_OK) {
-    return status;
-  }
-#if FB_WITH_NONLINEAR_STRAIN
-  if (scheme->n_axial > 0) {
-    fb_real rate[3][FBI_MAX_STRAINS], h[FBI_MAX_STRAINS], h_dot[FBI_MAX_STRAINS], r[FBI_MAX_STRAINS] = {0};
-    fbi_slopes_eval(rate, body, w->rate.q);
-    fbi_membrane_loads(h, scheme, body, w->at.pi);
-    fbi_membrane_loads(h_dot, scheme, body, w->rate.pi);
-    for (int g = 0; g < body->n_strain; g++) {
-      r[g] = k->slope[1][g] * rate[1][g] + k->slope[2][g] * rate[2][g];
-    }
-    for (int a = 0; a < scheme->n_axial; a++) {
-      w->rate.q[scheme->axial[a]] += fbi_dot(scheme->G + a * FBI_MAX_STRAINS, r, body->n_strain);
-    }
-    fbi_membrane_sub(w->rate.pi, body, h_dot, k->slope, h, rate);
-  }
-#endif
-  fbi_frame_copy(N, &w->rate);
-  for (int i = 0; i < n; i++) {
-    N->q[i] = fbi_dot(scheme->MX + i * n, w->rate.q, n) - z->pi[i];
-    N->pi[i] = fbi_dot(scheme->X + i * n, w->rate.pi, n) + scheme->omega2[i] * z->q[i];
-  }
-  return FB_OK;
-}
-
-/* y += s phi_j(h L) v: on modes c_j + h L c_(j+1) with L = [0 1; -omega^2 0], on the rest 1/j!. */
-static void fbi_phi_add(fb_state *y, fb_real s, const fb_real c[5][FB_MAX_MODES], int j, const fb_exponential *scheme,
-                        fb_real h, const fb_state *v, int n)
-{
-  const fb_real rest = s * (j < 2 ? FB_R(1.0) : j == 2 ? FB_R(0.5) : FB_R(1.0) / FB_R(6.0));
-  fbi_frame_advance(y, y, rest, v);
-  for (int k = 0; k < n; k++) {
-    y->q[k] += s * (c[j][k] * v->q[k] + h * c[j + 1][k] * v->pi[k]);
-    y->pi[k] += s * (c[j][k] * v->pi[k] - h * scheme->omega2[k] * c[j + 1][k] * v->q[k]);
-  }
-}
-
-/* y += (e^(h L) - 1) v on modes, by c_0 - 1 = -(omega h)^2 c_2: what a short step adds is not lost in 1. */
-static void fbi_phi_increment(fb_state *y, const fb_exponential *scheme, const fb_state *v, int n)
-{
-  const fb_real h = scheme->dt;
-  for (int k = 0; k < n; k++) {
-    const fb_real c1 = h * scheme->full[1][k], turn = -scheme->omega2[k] * h * h * scheme->full[2][k];
-    y->q[k] += turn * v->q[k] + c1 * v->pi[k];
-    y->pi[k] += turn * v->pi[k] - scheme->omega2[k] * c1 * v->q[k];
-  }
-}
-
-/* The increments of a step in work->full, from modal coordinates to work->at; membrane coordinates are not linear in
-   them. */
-static void fbi_modal_increments(fb_exponential_work *w, const fb_exponential *scheme, const fb_body *body,
-                                 const fb_state *state)
-{
-  if (scheme->n_axial == 0) {
-    fbi_modal_to(&w->at, scheme, body, &w->full);
-    return;
-  }
-  fbi_state_advance(&w->half, &w->z, FB_R(1.0), &w->full, body->n);
-  fbi_modal_to(&w->at, scheme, body, &w->half);
-  fbi_frame_copy(&w->at, &w->full);
-  fbi_row_sub(w->at.q, FB_R(1.0), state->q, body->n);
-  fbi_row_sub(w->at.pi, FB_R(1.0), state->pi, body->n);
-}
-
-FB_DEF fb_status fb_exponential_check(const fb_exponential *scheme, const fb_body *body)
-{
-  int n, sound;
-  FBI_REQUIRE(scheme && body, FB_ERR_NULL);
-  n = body->n;
-  if (!fbi_is_within(n, FB_MAX_MODES) || !fbi_is_within(scheme->n_axial, n)) {
-    return FB_ERR_CAPACITY;
-  }
-#if FB_WITH_NONLINEAR_STRAIN
-  if (!fbi_is_within(body->n_strain, FBI_MAX_STRAINS)) {
-    return FB_ERR_CAPACITY;
-  }
-#endif
-  sound = scheme->dt > FB_R(0.0) && scheme->dt < FB_HUGE && fbi_is_finite(scheme->X, n * n) &&
-          fbi_is_finite(scheme->MX, n * n) && fbi_is_finite(scheme->omega2, n);
-  for (int k = 0; sound && k < 5; k++) {
-    sound = fbi_is_finite(scheme->half[k], n) && fbi_is_finite(scheme->full[k], n);
-  }
-  for (int k = 0; sound && k < scheme->n_axial; k++) {
-    sound = fbi_is_within(scheme->axial[k], n - 1);
-  }
-#if FB_WITH_NONLINEAR_STRAIN
-  sound = sound && fbi_is_finite(scheme->G, scheme->n_axial * body->n_strain);
-#endif
-  return sound ? FB_OK : FB_ERR_VALUE;
-}
-
-static fb_status fbi_exponential_limited(const fb_body *body, const fbi_kinetics *k, const fb_input *input, fb_real h)
-{
-  fb_real spin, acceleration;
-  if (body->allow_long_step) {
-    return FB_OK;
-  }
-  fbi_step_conditions(&spin, &acceleration, body, k, input);
-  return h <= fb_exponential_limit(body, spin, acceleration) ? FB_OK : FB_ERR_STEP;
-}
-
-/* [E11.10] Exponential Runge-Kutta scheme of order 4 for z' = L z + N(t, z), stages at 0, 1/2, 1/2, 1:
-   z_2 = e^(hL/2) z + h/2 phi_1(hL/2) N_1,  z_3 = z_2 + h phi_2(hL/2) (N_2 - N_1),
-   z_4 = e^(hL) z + h phi_1(hL) N_1 + 2h phi_2(hL) (N_3 - N_1),
-   z <- e^(hL) z + h phi_1 N_1 + h phi_2 (-3 N_1 + 2 N_2 + 2 N_3 - N_4) + 4h phi_3 (N_1 - N_2 - N_3 + N_4).
-   Where L = 0 this is the classical Runge-Kutta scheme.
-   Source: [KR].  Cost: 4 evaluations, 16 n^2 flops each.  Fails: as the rates.
-   Test: each_scheme_converges_at_its_order, the_exponential_scheme_is_exact_for_linear_bodies. */
-FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *scheme, fb_state *state,
-                                     fb_exponential_work *work, const fb_input *start, const fb_input *middle,
-                                     const fb_input *end)
-{
-  fbi_kinetics k;
-  fb_state *z, *N, *sum;
-  fb_real h, turn[3];
-  fb_status status;
-  int n;
-  FBI_REQUIRE(body && scheme && state && work, FB_ERR_NULL);
-  z = &work->z;
-  N = work->N;
-  sum = &work->sum;
-  n = body->n;
-  h = scheme->dt;
-  fbi_state_enter(&work->start, k.R, body, state);
-  fbi_frame_copy(&work->at, &work->start);
-  fbi_elastic_copy(&work->at, &work->start, n);
-  fbi_modal_from(z, scheme, body, &work->at);
-  status = fbi_modal_rates(&N[0], &k, work, scheme, body, z, start);
-  status = status == FB_OK ? fbi_exponential_limited(body, &k, start, h) : status;
-  fbi_vec3_copy(turn, k.V + 3);
-  if (status == FB_OK) {
-    memset(&work->half, 0, sizeof work->half);
-    fbi_phi_add(&work->half, FB_R(1.0), scheme->half, 0, scheme, FB_R(0.5) * h, z, n);
-    fbi_phi_add(&work->half, FB_R(0.5) * h, scheme->half, 1, scheme, FB_R(0.5) * h, &N[0], n);
-    status = fbi_modal_rates(&N[1], &k, work, scheme, body, &work->half, middle);
-  }
-  if (status == FB_OK) {
-    fbi_state_advance(sum, &N[1], -FB_R(1.0), &N[0], n);
-    fbi_phi_add(&work->half, h, scheme->half, 2, scheme, FB_R(0.5) * h, sum, n);
-    status = fbi_modal_rates(&N[2], &k, work, scheme, body, &work->half, middle);
-  }
-  if (status == FB_OK) {
-    memset(&work->full, 0, sizeof work->full);
-    fbi_phi_increment(&work->full, scheme, z, n);
-    fbi_phi_add(&work->full, h, scheme->full, 1, scheme, h, &N[0], n);
-    fbi_state_advance(sum, &N[2], -FB_R(1.0), &N[0], n);
-    fbi_state_advance(&work->half, z, FB_R(1.0), &work->full, n);
-    fbi_phi_add(&work->half, FB_R(2.0) * h, scheme->full, 2, scheme, h, sum, n);
-    status = fbi_modal_rates(&N[3], &k, work, scheme, body, &work->half, end);
-    status = status == FB_OK && !body->allow_long_step ? fbi_turn_check(turn, k.V + 3, h) : status;
-  }
-  if (status != FB_OK) {
-    return status;
-  }
-  fbi_state_advance(&N[1], &N[1], FB_R(1.0), &N[2], n); /* N_2 + N_3 */
-  fbi_state_advance(sum, &N[0], -FB_R(1.0), &N[1], n);
-  fbi_state_advance(sum, sum, FB_R(1.0), &N[3], n);
-  fbi_phi_add(&work->full, FB_R(4.0) * h, scheme->full, 3, scheme, h, sum, n);
-  fbi_state_advance(sum, &N[1], -FB_R(1.0), sum, n); /* -N_1 + 2 N_2 + 2 N_3 - N_4 */
-  fbi_state_advance(sum, sum, -FB_R(2.0), &N[0], n);
-  fbi_phi_add(&work->full, h, scheme->full, 2, scheme, h, sum, n);
-  fbi_modal_increments(work, scheme, body, state);
-  return fbi_step_end(state, &work->at, &work->start, body, end, NULL);
-}
-
-/* ---- systems */
-
-/* y = a + s b, straight */
-static void fbi_link_advance(fb_link_state *y, const fb_link_state *a, fb_real s, const fb_link_state *b,
-                             const fb_joint *joint)
-{
-  if (joint->kind == FB_JOINT_FREE) {
-    fbi_vec4_advance(y->quat, a->quat, s, b->quat);
-    fbi_vec6_advance(y->p, a->p, s, b->p);
-    fbi_vec3_advance(y->lost_x, a->lost_x, s, b->lost_x);
-  } else if (joint->kind == FB_JOINT_SPHERICAL) {
-    fbi_vec4_advance(y->quat, a->quat, s, b->quat);
-    fbi_vec3_advance(y->p, a->p, s, b->p);
-  } else {
-    for (int i = 0; i < joint->n_axis; i++) {
-      y->x[i] = a->x[i] + s * b->x[i];
-      y->p[i] = a->p[i] + s * b->p[i];
-    }
-  }
-}
-
-/* out = state + s rate; out may be state */
-static void fbi_system_advance(fb_system_state *out, const fb_system_state *state, fb_real s,
-                               const fb_system_state *rate, const fb_system *system, const fb_system_work *w,
-                               const fb_body *body)
-{
-  out->motor_work = state->motor_work + s * rate->motor_work;
-  for (int k = 0; k < system->n_body; k++) {
-    const int n = fbi_model(system, body, k)->n;
-    const fb_link_state *a = &state->link[k], *b = &rate->link[k];
-    fb_link_state *y = &out->link[k];
-    fbi_link_advance(y, a, s, b, fbi_link_joint(system, w, k));
-    for (int i = 0; i < n; i++) {
-      y->q[i] = a->q[i] + s * b->q[i];
-      y->pi[i] = a->pi[i] + s * b->pi[i];
-    }
-  }
-}
-
-/* All of a state but modes and holds. */
-static void fbi_links_copy(fb_system_state *out, const fb_system_state *state, const fb_system *system)
-{
-  for (int k = 0; k < system->n_body; k++) {
-    out->link[k] = state->link[k];
-  }
-  out->motor_work = state->motor_work;
-}
-
-/* A rate of zero. */
-static void fbi_system_clear(fb_system_state *rate, const fb_system *system, const fb_body *body)
-{
-  rate->motor_work = FB_R(0.0);
-  for (int k = 0; k < system->n_body; k++) {
-    fb_link_state *x = &rate->link[k];
-    fbi_vec3_zero(x->x);
-    fbi_vec3_zero(x->lost_x);
-    fbi_zero(x->quat, 4);
-    fbi_zero(x->p, 6);
-    fbi_zero(x->q, fbi_model(system, body, k)->n);
-    fbi_zero(x->pi, fbi_model(system, body, k)->n);
-  }
-}
-
-/* E11.26 of all bodies. begin: keeps the start's. */
-static fb_status fbi_turns_check(fb_system_work *w, const fb_system *system, fb_real dt, int begin)
-{
-  fb_status status = FB_OK;
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    if (begin) {
-      fbi_vec3_copy(L->turn, L->V + 3);
-    }
-    status = status == FB_OK ? fbi_turn_check(L->turn, L->V + 3, dt) : status;
-  }
-  return status;
-}
-
-/* Bound of the highest frequency of a system: E8.8 with springs and modes of the whole. */
-static fb_real fbi_system_frequency(const fb_system *system, fb_real spin, fb_real stiffening)
-{
-  const fb_real g = spin + FB_R(0.5) * (system->limit_damping + system->limit_kept_damping);
-  return g + FB_SQRT(g * g + system->limit_elastic + system->limit_kept_elastic + stiffening);
-}
-
-/* [E11.15] Largest step of rk4 for a system: the frequency bound of E8.8 with the springs and modes of the whole,
-   undeformed, at zero joint coordinates, the fastest spin and the stiffening of the bodies.
-   Source: E8.8, E11.1.  Fails: never.  Test: system_steps_beyond_the_limit_are_refused. */
-FB_DEF fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body, fb_real spin, fb_real acceleration)
-{
-  FBI_REQUIRE(system && body, FB_R(0.0));
-  fb_real stiff = FB_R(0.0);
-  for (int k = 0; k < system->n_body; k++) {
-    const fb_body *model = fbi_model(system, body, k);
-    stiff = fbi_larger(stiff, model->limit_spin * spin * spin + model->limit_acceleration * FB_FABS(acceleration));
-  }
-  return fbi_step_limit(FBI_RK4_RADIUS, fbi_system_frequency(system, FB_FABS(spin), stiff));
-}
-
-/* The fastest spin there is and the largest stiffening k [1/s^2]; O accelerates by the spin of the bodies on the way
-   and by what acts on the whole. */
-static void fbi_system_conditions(fb_real *spin, fb_real *stiffening, fb_system_work *w, const fb_system *system)
-{
-  *spin = *stiffening = FB_R(0.0);
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    const fb_body *model = w->link[k].model;
-    const fbi_link_work *parent = L->parent;
-    L->spin = fbi_vec3_norm(L->V + 3);
-    if (parent) {
-      L->acceleration = parent->acceleration + parent->spin * parent->spin * fbi_vec3_norm(L->s);
-    } else {
-      L->acceleration = model->mass > FB_R(0.0) ? fbi_vec3_norm(L->F) / model->mass : FB_R(0.0);
-    }
-    *spin = fbi_larger(*spin, L->spin);
-    *stiffening =
-        fbi_larger(*stiffening, model->limit_spin * L->spin * L->spin + model->limit_acceleration * L->acceleration);
-  }
-}
-
-#if FB_SINGLE
-#define FBI_ADD(x, d, what, n) FBI_SUM(d, x, what, n), FBI_TAKE(x, d, what, n)
-#else
-#define FBI_ADD(x, d, what, n) fbi_row_sub((x)->what, -FB_R(1.0), (d)->what, n)
-#endif
-
-/* Positions += increment by E11.22, a quaternion stays of unit length; a free joint's, in the frame of its tree.
-   FB_ERR_STEP: an increment of so many turns that nothing is left of the attitude's digits. */
-static fb_status fbi_link_move(fb_link_state *x, fb_link_state *increment, const fb_joint *joint, int n)
-{
-  fb_status status = FB_OK;
-  if (joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL) {
-    status = fbi_quat_increment(increment->quat, x->quat);
-    FBI_ADD(x, increment, quat, 4);
-    status = status == FB_OK && !fbi_quat_is_unit(x->quat) ? FB_ERR_STEP : status;
-  }
-  if (joint->kind == FB_JOINT_FREE) {
-    fbi_vec3_add(x->lost_x, FB_R(1.0), increment->lost_x);
-  } else if (joint->kind != FB_JOINT_SPHERICAL) {
-    FBI_ADD(x, increment, x, joint->n_axis);
-  }
-  if (n > 0) {
-    FBI_ADD(x, increment, q, n);
-    fbi_flush(x->q, n, FB_TINY);
-  }
-  return status;
-}
-
-/* Momenta += increment, small values become zero. */
-static void fbi_link_push(fb_link_state *x, fb_link_state *increment, const fb_joint *joint, int n)
-{
-  FBI_ADD(x, increment, p, joint->n_axis);
-  fbi_flush(x->p, joint->n_axis, FBI_FAINT);
-  if (n > 0) {
-    FBI_ADD(x, increment, pi, n);
-    fbi_flush(x->pi, n, FB_TINY);
-  }
-}
-
-static void fbi_links_push(fb_system_state *next, fb_system_work *w, const fb_system *system)
-{
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_push(&next->link[k], &w->sum.link[k], w->link[k].joint, w->link[k].model->n);
-  }
-}
-
-static int fbi_owns(const fb_system *system, const fb_system_state *modes, int k)
-{
-  return system->joint[k].kind == FB_JOINT_FREE && modes->mode[k][0] == FB_AXIS_FREE;
-}
-
-/* What begins a step of free roots without constraints: their L in body axes. */
-static void fbi_own_begin(fb_system_work *w, const fb_system *system, const fb_system_state *state)
-{
-  w->owns = 1;
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    if (system->joint[k].kind == FB_JOINT_FREE) {
-      fb_real R[9];
-      fb_quat_to_mat33(R, state->link[k].quat);
-      fb_mat33_mulT_vec3(L->own_start, R, state->link[k].p + 3);
-      fbi_vec3_copy(L->own, L->own_start);
-      fbi_vec3_zero(L->own_sum);
-    }
-  }
-}
-
-/* [E11.27] A stage of them: h_dot = R^T L_dot - w x h; the sum of increments grows by weight, the next stage is at
-   ahead. L in inertial axes alone would take an attitude's error for spin about a thin axis, I_t/I_x times as fast.
-   Source: Euler's equations.  Cost: 40 flops a root.  Test: thin_tubes_keep_calm. */
-static void fbi_own_stage(fbi_link_work *L, const fb_link_state *rate, fb_real weight, fb_real ahead)
-{
-  fb_real h_dot[3];
-  fb_mat33_mulT_vec3(h_dot, L->k.R, rate->p + 3);
-  fbi_vec3_add_cross(h_dot, L->own, L->V + 3);
-  fbi_vec3_add(L->own_sum, weight, h_dot);
-  fbi_vec3_copy(L->own, L->own_start);
-  fbi_vec3_add(L->own, ahead, h_dot);
-}
-
-/* [E11.28] The attitude of a free root by the smallest rotation that brings R h onto L, both about the mass center: L
-   is exact, so is h along thin axes. increment: of the step, its quaternion takes half the rotation vector times the
-   attitude. Where L has changed by more than what it is the two tell nothing about the attitude.
-   Source: L = R h.  Cost: 120 flops a root.  Test: thin_tubes_keep_calm. */
-static void fbi_own_end(fb_link_state *increment, const fbi_link_work *L, const fb_link_state *x)
-{
-  fb_real quat[4], R[9], a[3], b[3], moment[3], P[3];
-  for (int i = 0; i < 4; i++) {
-    quat[i] = x->quat[i] + increment->quat[i];
-  }
-  if (fb_quat_normalize(quat) != FB_OK || !(L->bulk > FB_R(0.0))) {
-    return;
-  }
-  fb_quat_to_mat33(R, quat);
-  fb_mat33_mul_vec3(moment, R, L->first);
-  for (int i = 0; i < 3; i++) {
-    moment[i] /= L->bulk;
-    P[i] = x->p[i] + increment->p[i];
-    b[i] = L->own_start[i] + L->own_sum[i];
-  }
-  fb_mat33_mul_vec3(a, R, b);
-  for (int i = 0; i < 3; i++) {
-    b[i] = x->p[3 + i] + increment->p[3 + i];
-  }
-  fbi_vec3_add_cross(a, P, moment);
-  fbi_vec3_add_cross(b, P, moment);
-  fbi_attitude_onto(increment->quat, quat, a, b, fbi_vec3_norm(increment->p + 3));
-}
-
-/* The integral of the momenta P in the frames goes on by s times those of a stage, x + g rate. */
-static void fbi_flight_add(fb_system_work *w, const fb_system *system, const fb_system_state *x, fb_real g,
-                           const fb_system_state *rate, fb_real s)
-{
-  for (int k = 0; k < system->n_body; k++) {
-    fb_real *glide = w->link[w->link[k].root].glide;
-    if (w->link[k].joint->kind == FB_JOINT_FREE) {
-      fbi_vec3_add(glide, s, x->link[k].p);
-      fbi_vec3_add(glide, s * g, rate->link[k].p);
-    }
-  }
-}
-
-/* [E11.23] What ends a step of trees that fly: O comes to where the mass center is led by its momentum, m c + P dt, so
-   that the angular momentum about the inertial origin is what it was, and moves on with the frame, u dt; then frames
-   take their new velocities.
-   Source: momentum of the whole.  Cost: 60 flops a body.  Test: flight_speed_changes_nothing,
-   fast_systems_keep_their_angular_momentum. */
-static void fbi_flight_end(fb_system_state *next, fb_system_work *w, const fb_system *system, fb_real dt)
-{
-  fbi_centers_lead(next, w, system);
-  for (int k = 0; k < system->n_body; k++) {
-    fb_link_state *x = &next->link[k];
-    if (w->link[k].joint->kind == FB_JOINT_FREE) {
-      fb_real step[3];
-      for (int i = 0; i < 3; i++) {
-        step[i] = dt * w->link[w->link[k].root].frame[i];
-        x->lost_x[i] += dt * x->lost_u[i];
-      }
-      fbi_keep(x->x, x->lost_x, step, 3);
-    }
-  }
-  fbi_frames_set(next, w, system);
-}
-
-/* A stage's rates into the increments of the step, by weight, and into the next stage (last: there is none), which is
-   at start + ahead rates. */
-static void fbi_rk4_take(fb_system_work *w, const fb_system *system, const fb_system_state *at,
-                         const fb_system_state *start, fb_real weight, fb_real ahead, int last)
-{
-  w->sum.motor_work += weight * w->rate.motor_work;
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    const fb_link_state *rate = &w->rate.link[k], *from = &start->link[k];
-    fb_link_state *sum = &w->sum.link[k], *next = &w->stage.link[k];
-    const int n = L->model->n, free = L->joint->kind == FB_JOINT_FREE;
-    if (free) {
-      fbi_vec3_add(w->link[L->root].glide, weight, at->link[k].p);
-    }
-    if (free && w->owns && L->mode[0] == FB_AXIS_FREE) {
-      fbi_own_stage(L, rate, weight, ahead);
-    }
-    fbi_link_advance(sum, sum, weight, rate, L->joint);
-    if (!last) {
-      fbi_link_advance(next, from, ahead, rate, L->joint);
-    }
-    for (int i = 0; i < n; i++) {
-      sum->q[i] += weight * rate->q[i];
-      sum->pi[i] += weight * rate->pi[i];
-      next->q[i] = from->q[i] + ahead * rate->q[i];
-      next->pi[i] = from->pi[i] + ahead * rate->pi[i];
-    }
-  }
-}
-
-/* Loops closed and velocities onto the constraints. */
-static fb_status fbi_rows_end(fb_system_state *next, fb_system_work *w, const fb_system *system, const fb_body *body,
-                              const fb_system_state *state, const fb_system_input *input)
-{
-  fb_real miss;
-  int worst;
-  fb_status status = fbi_positions_close(&miss, &worst, w, system, body, next, state, input);
-  status = status == FB_OK ? fbi_momenta_close(w, system, body, next, state, input) : status;
-  miss = status == FB_OK ? fbi_rows_miss(&worst, w, system) : FB_R(0.0);
-  if (status == FB_OK &&
-      !(miss <= (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-5)))) { /* cannot be closed, or far too long a step */
-    w->joint = worst;
-    return FB_ERR_CONTRADICTION;
-  }
-  return status;
-}
-
-/* What ends every step: increments (work.sum) summed up, given coordinates, loops closed, frames of what flies, all
-   within range. */
-static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body,
-                                const fb_system_input *input, fb_real dt)
-{
-  fb_system_state *const next = &w->stage;
-  const int flies = fbi_flies(system, w), rows = fbi_has_rows(system, w, input);
-  fb_status status = FB_OK;
-  w->clock = dt;
-  fbi_links_copy(next, state, system);
-  next->motor_work += w->sum.motor_work;
-  for (int k = 0; k < system->n_body && w->owns; k++) {
-    if (fbi_owns(system, state, k)) {
-      fbi_own_end(&w->sum.link[k], &w->link[k], &next->link[k]);
-    }
-  }
-  w->owns = 0;
-  for (int k = 0; k < system->n_body && status == FB_OK; k++) {
-    status = fbi_link_move(&next->link[k], &w->sum.link[k], w->link[k].joint, w->link[k].model->n);
-  }
-  if (status != FB_OK) {
-    return status;
-  }
-  fbi_prescribe(next, system, w, state, input);
-  if (flies && !rows) {
-    fbi_links_place(w, system, body, next, state);
-    fbi_frames_take(w, system, next, &w->sum, state, input);
-  }
-  fbi_links_push(next, w, system);
-  if (rows) {
-    status = fbi_rows_end(next, w, system, body, state, input);
-  }
-  if (flies && rows && status == FB_OK) {
-    fbi_frames_take(w, system, next, NULL, state, input);
-  }
-  if (flies && status == FB_OK) {
-    fbi_flight_end(next, w, system, dt);
-  }
-  status = status == FB_OK ? fbi_system_range(system, body, next) : status;
-  if (status == FB_OK) {
-    fbi_links_copy(state, next, system);
-  }
-  return status;
-}
-
-static fb_status fbi_system_step_check(const fb_system *system, const fb_body *body, const fb_system_input *input,
-                                       fb_real dt)
-{
-  return dt > FB_R(0.0) && dt < FB_HUGE ? fbi_system_input_check(system, body, input) : FB_ERR_VALUE;
-}
-
-/* [E11.12] Classical Runge-Kutta on a system. Impulses of constraints start at zero in each step, so that what is
-   integrated is an ordinary differential equation; after the step positions and velocities go onto the constraints.
-   Source: textbook, E9.15, E9.17.  Cost: 4 evaluations, with constraints 2 solutions more.
-   Test: systems_converge_with_the_order_of_the_scheme, redundant_loops_are_accepted. */
-FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body, fb_system_state *state,
-                                    fb_system_work *work, const fb_system_input *start, const fb_system_input *middle,
-                                    const fb_system_input *end, fb_real dt)
-{
-  static const fb_real node[3] = {FB_R(0.5), FB_R(0.5), FB_R(1.0)};
-  static const fb_real weight[4] = {FB_R(1.0) / FB_R(6.0), FB_R(1.0) / FB_R(3.0), FB_R(1.0) / FB_R(3.0),
-                                    FB_R(1.0) / FB_R(6.0)};
-  const fb_system_input *input[4];
-  fb_status status = FB_OK;
-  int flies;
-  FBI_REQUIRE(system && body && state && work, FB_ERR_NULL);
-  fbi_system_enter(work, system);
-  flies = fbi_flies(system, work);
-  input[0] = start;
-  input[1] = input[2] = middle;
-  input[3] = end;
-  if (flies && !fbi_has_rows(system, work, start) && !fbi_has_rows(system, work, middle) &&
-      !fbi_has_rows(system, work, end)) {
-    fbi_own_begin(work, system, state);
-  }
-  fbi_system_clear(&work->sum, system, body);
-  for (int stage = 0; stage < 4 && status == FB_OK; stage++) {
-    const fb_system_state *at = stage == 0 ? state : &work->stage;
-    status = fbi_system_step_check(system, body, input[stage], dt);
-    if (status == FB_OK && stage > 0) {
-      fbi_prescribe(&work->stage, system, work, state, input[stage]);
-      work->clock = dt * node[stage - 1];
-    }
-    status = status == FB_OK ? fbi_system_rates(work, system, body, &work->rate, at, state, input[stage]) : status;
-    if (status == FB_OK && stage == 0 && !system->allow_long_step) {
-      fb_real spin, stiff;
-      fbi_system_conditions(&spin, &stiff, work, system);
-      status = dt <= fbi_step_limit(FBI_RK4_RADIUS, fbi_system_frequency(system, spin, stiff)) ? FB_OK : FB_ERR_STEP;
-    }
-    if (status == FB_OK && !system->allow_long_step) {
-      status = fbi_turns_check(work, system, dt, stage == 0);
-    }
-    if (status == FB_OK) {
-      if (stage == 0 && flies) {
-        fbi_flight_begin(work, system);
-      }
-      fbi_rk4_take(work, system, at, state, dt * weight[stage], stage < 3 ? dt * node[stage] : FB_R(0.0), stage == 3);
-    }
-  }
-  return status == FB_OK ? fbi_system_end(state, work, system, body, end, dt) : status;
-}
-
-/* Turning rate [rad/s] of a quaternion's rate, in the axes that turn. */
-static void fbi_turn_of_rate(fb_real w[3], const fb_real quat[4], const fb_real rate[4])
-{
-  const fb_real back[4] = {FB_R(2.0) * quat[0], -FB_R(2.0) * quat[1], -FB_R(2.0) * quat[2], -FB_R(2.0) * quat[3]};
-  fb_real turn[4];
-  fb_quat_mul(turn, back, rate);
-  fbi_vec3_copy(w, turn + 1);
-}
-
-/* y -= s K_t x of the modes, about where the link is. */
-static void fbi_stiffness_sub(fb_real *y, fb_real s, fbi_link_work *L, const fb_body *body, const fb_real *x)
-{
-  fbi_sparse_eval(y, y, -s, &body->K, x, body->n);
-#if FB_WITH_NONLINEAR_STRAIN
-  if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
-    fbi_strain_tangent_sub(y, s, body, L->k.slope, x);
-  }
-#endif
-  (void)L;
-}
-
-/* Right-hand side g r_p - g^2 K r_v of E11.13. */
-static void fbi_newton_fill(fb_system_work *w, const fb_system *system, const fb_body *body, const fb_system_state *r,
-                            const fb_system_state *at, fb_real g)
-{
-  fbi_rhs_clear(w, system, body);
-  for (int k = 0; k < system->n_body; k++) {
-    const fb_joint *joint = fbi_link_joint(system, w, k);
-    const fb_body *model = fbi_model(system, body, k);
-    const fb_link_state *x = &r->link[k];
-    fbi_link_work *L = &w->link[k];
-    fbi_stiffness_sub(L->pi, g * g, L, model, x->q);
-    fbi_row_sub(L->pi, -g, x->pi, model->n);
-    fbi_joint_momenta(L->p, L, joint, x);
-    for (int i = 0; i < joint->n_axis; i++) {
-      L->p[i] = fbi_axis_mode(L, joint, i) == FB_AXIS_FREE ? g * L->p[i] : FB_R(0.0);
-    }
-    if (joint->kind == FB_JOINT_SPHERICAL) {
-      fb_real turn[3];
-      fbi_turn_of_rate(turn, at->link[k].quat, x->quat);
-      fbi_row_sub(L->p, g * g * joint->stiffness[0], turn, 3);
-    }
-    for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
-      const int moves = joint->kind != FB_JOINT_SPHERICAL;
-      L->p[i] -= moves ? g * g * joint->stiffness[i] * x->x[i] : FB_R(0.0);
-      L->p[i] = L->mode[i] == FB_AXIS_FREE ? L->p[i] : FB_R(0.0);
-    }
-  }
-}
-
-/* r becomes k: k_v = r_v + z, k_p = r_p - g K k_v - C z with the solution z of E11.13. */
-static void fbi_newton_take(fb_system_state *r, fb_system_work *w, const fb_system *system, const fb_body *body,
-                            const fb_system_state *at, fb_real g)
-{
-  for (int k = 0; k < system->n_body; k++) {
-    const fb_joint *joint = fbi_link_joint(system, w, k);
-    const fb_body *model = fbi_model(system, body, k);
-    fbi_link_work *L = &w->link[k];
-    fb_link_state *x = &r->link[k], move;
-    fbi_coordinate_rates(&move, L, joint, &at->link[k]);
-    fbi_row_sub(x->q, -FB_R(1.0), L->q_dot, model->n);
-    fbi_stiffness_sub(x->pi, g, L, model, x->q);
-    fbi_damping_add(x->pi, -FB_R(1.0), model, L->q_dot);
-    if (joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL) {
-      fbi_row_sub(x->quat, -FB_R(1.0), move.quat, 4);
-    }
-    if (joint->kind == FB_JOINT_FREE) {
-      fbi_vec3_add(x->lost_x, FB_R(1.0), move.lost_x);
-      fbi_vec3_add_cross(x->p + 3, at->link[k].p, move.lost_x);
-    } else if (joint->kind == FB_JOINT_SPHERICAL) {
-      fb_real turn[3], torque[3], inertial[3];
-      fbi_turn_of_rate(turn, at->link[k].quat, x->quat);
-      for (int i = 0; i < 3; i++) {
-        turn[i] = -g * joint->stiffness[0] * turn[i] - joint->damping[0] * L->u[i];
-      }
-      fb_mat33_mul_vec3(torque, joint->child_axes, turn);
-      fb_mat33_mul_vec3(inertial, L->k.R, torque);
-      fbi_vec3_add(x->p, L->mode[0] == FB_AXIS_FREE ? FB_R(1.0) : FB_R(0.0), inertial);
-    } else {
-      for (int i = 0; i < joint->n_axis; i++) {
-        x->x[i] += move.x[i];
-        if (L->mode[i] == FB_AXIS_FREE) {
-          x->p[i] -= g * joint->stiffness[i] * x->x[i] + joint->damping[i] * L->u[i];
-        }
-      }
-    }
-  }
-}
-
-/* [E11.24] Squares of how far the rates k lead within s [rad]: turns of joints and attitudes, and slides by the radius
-   of gyration of their body; bent: modes, by that radius.
-   Source: definition.  Cost: 20 flops a body, 2 a mode.  Test: steps_that_have_not_converged_say_so. */
-static fb_real fbi_rates_size(fb_real *deformed, const fb_system_state *k, const fb_system *system,
-                              const fb_system_work *w, const fb_body *body, fb_real s)
-{
-  fb_real sum = FB_R(0.0), elastic = FB_R(0.0);
-  for (int i = 0; i < system->n_body; i++) {
-    const fb_body *model = fbi_model(system, body, i);
-    const fb_joint *joint = fbi_link_joint(system, w, i);
-    const fb_link_state *x = &k->link[i];
-    const fb_real size = model->gyration > FB_R(0.0) ? FB_R(1.0) / model->gyration : FB_R(1.0);
-    fb_real bent = FB_R(0.0);
-    if (joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL) {
-      sum += FB_R(4.0) * (x->quat[0] * x->quat[0] + fb_vec3_dot(x->quat + 1, x->quat + 1));
-    } else {
-      for (int j = 0; j < joint->n_axis; j++) {
-        const fb_real move = fbi_axis_slides(joint, j) ? size * x->x[j] : x->x[j];
-        sum += move * move;
-      }
-    }
-    for (int a = 0; a < model->n; a++) {
-      bent += model->reach[a] * FB_FABS(x->q[a]);
-    }
-    elastic += size * size * bent * bent;
-  }
-  *deformed = s * s * elastic;
-  return s * s * sum;
-}
-
-/* [E11.13] Newton iterations for k = f(base + g k): with the residual r = f - k in speeds r_v and momenta r_p,
-   (M + g C + g^2 K) z = g r_p - g^2 K r_v,  dk_v = r_v + z,  dk_p = r_p - g K dk_v - C z; under constraints A z = 0.
-   K, C: modes, springs and dampers of the tree's joints; M at the present positions.
-   Source: block elimination of q' = M^-1 p, p' = -K q - C q'.  Cost: an evaluation and a solution each.
-   Fails: as E9.15; FB_ERR_CONVERGENCE (E11.25).
-   Test: systems_converge_with_the_order_of_the_scheme, stiff_joints_take_long_steps. */
-static fb_status fbi_system_stage(fb_system_work *w, fb_system_state *k, const fb_system *system, const fb_body *body,
-                                  const fb_system_state *base, const fb_system_state *modes,
-                                  const fb_system_input *input, fb_real g, fb_real dt, int iterations)
-{
-  fb_status status = FB_OK;
-  fb_real first = FB_R(0.0), last = FB_R(0.0), bent = FB_R(0.0), change, bent_change;
-  for (int i = 0; i < iterations && status == FB_OK; i++) {
-    fbi_system_advance(&w->stage, base, g, k, system, w, body);
-    fbi_prescribe(&w->stage, system, w, modes, input);
-    status = fbi_system_rates(w, system, body, &w->rate, &w->stage, modes, input);
-    if (status == FB_OK && i == iterations - 1 && !system->allow_long_step) {
-      status = fbi_turns_check(w, system, dt, 0);
-    }
-    if (status == FB_OK) {
-      fbi_system_advance(&w->rate, &w->rate, -FB_R(1.0), k, system, w, body);
-      status = fbi_mass_factor(w, system, body, g);
-    }
-    if (status == FB_OK) {
-      fbi_newton_fill(w, system, body, &w->rate, &w->stage, g);
-      fbi_zero(w->c, w->n_row);
-      status = w->n_row > 0 ? fbi_constrained_solve(w, system, body, 0) : fbi_speeds_solve(w, system, body);
-    }
-    if (status == FB_OK) {
-      fbi_newton_take(&w->rate, w, system, body, &w->stage, g);
-      fbi_system_advance(k, k, FB_R(1.0), &w->rate, system, w, body);
-      last = i == 0 || i == iterations - 1 ? fbi_rates_size(&bent, &w->rate, system, w, body, g) : last;
-      first = i == 0 ? last : first;
-    }
-  }
-  if (status == FB_OK && iterations > 1) {
-    change = fbi_rates_size(&bent_change, k, system, w, body, g);
-    status = fbi_stage_check(first, last, change);
-    if (bent > fbi_larger(FB_R(0.01) * bent_change, FB_R(16.0) * FB_EPSILON * FB_EPSILON)) {
-      status = FB_ERR_CONVERGENCE; /* by itself: beside the way of what flies it is nothing */
-    }
-  }
-  return status;
-}
-
-/* The input at the fraction s between two; loads on the same nodes in the same axes. */
-static fb_status fbi_system_between(fb_system_input *out, const fb_system_input *a, const fb_system_input *b, fb_real s)
-{
-  *out = *a;
-  if (a->n_load != b->n_load || a->rows != b->rows) {
-    return FB_ERR_VALUE;
-  }
-  out->t += s * (b->t - a->t);
-  for (int k = 0; k < a->n_load; k++) {
-    const fb_load *x = &a->load[k].load, *y = &b->load[k].load;
-    if (a->load[k].body != b->load[k].body || x->node != y->node || x->axes != y->axes) {
-      return FB_ERR_VALUE;
-    }
-    for (int i = 0; i < 3; i++) {
-      out->load[k].load.force[i] += s * (y->force[i] - x->force[i]);
-      out->load[k].load.torque[i] += s * (y->torque[i] - x->torque[i]);
-    }
-  }
-  for (int j = 0; j < FBI_MAX_JOINTS; j++) {
-    for (int i = 0; i < 6; i++) {
-      out->drive[j].rate[i] += s * (b->drive[j].rate[i] - a->drive[j].rate[i]);
-      if (i < 3) {
-        out->drive[j].torque[i] += s * (b->drive[j].torque[i] - a->drive[j].torque[i]);
-        out->drive[j].value[i] += s * (b->drive[j].value[i] - a->drive[j].value[i]);
-      }
-    }
-  }
-  return FB_OK;
-}
-
-/* [E11.14] Two-stage SDIRK scheme of order 2 (E11.8) on a system, L-stable: stiff joints and modes die out.
-   L of a free root is the inertial one alone, without E11.27 and E11.28: a thin body that spins about its axis
-   converges only in short steps. Measured, a tube of 8.3 kg m^2 across that turns by 0.1 rad/s and about its axis by
-   0.01 rad/s: with 1e-4 of that inertia about the axis the energy is held to 8e-8 in 20000 steps of 0.01 s, the spin is
-   off by 4 %; steps of 0.1 s, and with 1e-6 those of 0.01 s, end in FB_ERR_CONVERGENCE, nothing changed. Across alone,
-   without that spin, 1e-6 is held to rounding at either step.
-   Source: [AL].  Cost: 2 + 2 iterations evaluations, 2 iterations solutions.
-   Test: systems_converge_with_the_order_of_the_scheme, stiff_joints_take_long_steps. */
-FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *body, fb_system_state *state,
-                                      fb_system_work *work, const fb_system_input *start, const fb_system_input *end,
-                                      fb_real dt, int iterations)
-{
-  const fb_real c = FB_R(0.29289321881345248);
-  const int count = iterations > 0 ? iterations : 2;
-  const fb_system_input *first = start;
-  fb_status status;
-  int flies;
-  FBI_REQUIRE(system && body && state && work, FB_ERR_NULL);
-  FBI_REQUIRE((start != NULL) == (end != NULL), FB_ERR_NULL);
-  FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
-  fbi_system_enter(work, system);
-  flies = fbi_flies(system, work);
-  status = fbi_system_step_check(system, body, start, dt);
-  status = status == FB_OK ? fbi_system_step_check(system, body, end, dt) : status;
-  if (status == FB_OK && start != end) {
-    status = fbi_system_between(&work->between, start, end, c);
-    first = &work->between;
-  }
-  if (status == FB_OK && !system->allow_long_step) {
-    fb_real spin, stiff;
-    status = fbi_system_rates(work, system, body, &work->first, state, state, start);
-    if (status == FB_OK) {
-      fbi_system_conditions(&spin, &stiff, work, system);
-      spin = fbi_larger(FB_R(10.0) * spin, FB_SQRT(stiff + system->limit_kept_elastic));
-      status = dt <= fbi_step_limit(FB_R(1.0), fbi_larger(spin, system->limit_kept_damping)) ? FB_OK : FB_ERR_STEP;
-      (void)fbi_turns_check(work, system, dt, 1);
-    }
-  }
-  if (status != FB_OK) {
-    return status;
-  }
-  if (flies) {
-    fbi_links_place(work, system, body, state, state);
-    fbi_flight_begin(work, system);
-  }
-  fbi_system_clear(&work->sum, system, body);
-  fbi_links_copy(&work->base, state, system);
-  fbi_system_clear(&work->first, system, body);
-  work->clock = c * dt;
-  status = fbi_system_stage(work, &work->first, system, body, state, state, first, c * dt, dt, count + 1);
-  if (status == FB_OK) {
-    if (flies) {
-      fbi_flight_add(work, system, &work->base, c * dt, &work->first, (FB_R(1.0) - c) * dt);
-    }
-    work->clock = dt;
-    fbi_system_advance(&work->sum, &work->sum, (FB_R(1.0) - c) * dt, &work->first, system, work, body);
-    fbi_system_advance(&work->base, state, (FB_R(1.0) - c) * dt, &work->first, system, work, body);
-    status = fbi_system_stage(work, &work->first, system, body, &work->base, state, end, c * dt, dt, count);
-  }
-  if (status != FB_OK) {
-    return status;
-  }
-  if (flies) {
-    fbi_flight_add(work, system, &work->base, c * dt, &work->first, c * dt);
-  }
-  fbi_system_advance(&work->sum, &work->sum, c * dt, &work->first, system, work, body);
-  return fbi_system_end(state, work, system, body, end, dt);
-}
-
-/* ---- mixed beam */
-
-/* x_(n+1) = 3 x_n - 3 x_(n-1) + x_(n-2), or what fewer steps allow ([L] 3.107, 3.108). */
-static void fbi_mixed_extrapolate(fb_real *next, const fb_real *a, const fb_real *b, const fb_real *c, int known, int n)
-{
-  for (int i = 0; i < n; i++) {
-    const fb_real line = FB_R(2.0) * a[i] - b[i];
-    next[i] = known > 2 ? line + (a[i] - FB_R(2.0) * b[i] + c[i]) : known > 1 ? line : a[i];
-  }
-}
-
-/* The present x comes first, the older ones move up. */
-static void fbi_mixed_remember(fb_real *a, fb_real *b, fb_real *c, const fb_real *x, int n)
-{
-  fbi_copy(c, b, n);
-  fbi_copy(b, a, n);
-  fbi_copy(a, x, n);
-}
-
-/* Where a rate starts from: x - beta/2 dt rate_old, dt the shorter of the old step and the new (no more than was
-   there); with the dissipative rule x_alpha = x + dx/2 + beta/2 (dx - dx_old) the rate is 2/((1 + beta) dt) (x_alpha -
-   that). */
-static void fbi_mixed_rate_base(fb_real *base, const fb_real *x, const fb_real *rate, fb_real beta_dt, int n)
-{
-  for (int i = 0; i < n; i++) {
-    base[i] = x[i] - FB_R(0.5) * beta_dt * rate[i];
-  }
-}
-
-static void fbi_mixed_rate_take(fb_real *x, fb_real *rate, const fb_real *middle, const fb_real *base, fb_real shift,
-                                fb_real dt, int n)
-{
-  for (int i = 0; i < n; i++) {
-    rate[i] = shift * (middle[i] - base[i]);
-    x[i] += dt * rate[i];
-    x[i] = x[i] * x[i] < FB_TINY * FB_TINY ? FB_R(0.0) : x[i];
-  }
-}
-
-/* [E11.21] The pose goes on by a twist as the momenta do that the midpoint rule turns, by Cayley's transform of ad(x):
-   the turn is (1 - w^/2)^-1 (1 + w^/2), the way its derivative along v, (v + w/2 x v)/(1 + w.w/4). A free beam's
-   momentum then stays where it is in space, and so does its angular momentum about any point: all ways are short by
-   w.w/4, those along the axis, too, so that together they lead along the momentum.
-   Source: Cayley's transform of 6x6.  Cost: 60 flops.  Fails: never.
-   Test: free_flight_keeps_momentum, rigid_flight_is_straight. */
-static void fbi_pose_add_midpoint(fb_real r[3], fb_real quat[4], const fb_real x[6])
-{
-  const fb_real half[3] = {FB_R(0.5) * x[3], FB_R(0.5) * x[4], FB_R(0.5) * x[5]};
-  const fb_real size = FB_R(1.0) + fb_vec3_dot(half, half);
-  fb_real turn[4] = {FB_R(1.0), half[0], half[1], half[2]}, step[3];
-  fb_vec3_cross(step, half, x);
-  for (int i = 0; i < 3; i++) {
-    step[i] = (x[i] + step[i]) / size;
-  }
-  fbi_pose_mul(r, quat, r, quat, step, turn);
-}
-
-/* [E11.35] What nothing holds falls freely: its frame takes gravity, u_t = g, and relative to u there is none. The way
-   of the frame in a step, u dt + g dt^2/2, is added to y.
-   Source: Galilean invariance.  Cost: 20 flops.  Fails: never.  Test: free_fall_is_not_felt. */
-static void fbi_mixed_fall(fb_real y[3], fb_mixed_state *state, const fb_mixed *m, fb_real dt)
-{
-  const fb_real time = dt * m->time, half = FB_R(0.5) * dt * m->length / m->time;
-  fbi_vec3_add(state->u, half, m->gravity);
-  fbi_vec3_add(y, time, state->u);
-  fbi_vec3_add(state->u, half, m->gravity);
-}
-
-/* The base moves on, by u and relative to it; so does the root against it, and all nodes by their strains. A base that
-   nothing holds is that of the root. */
-static void fbi_mixed_move(fb_mixed_state *state, fb_mixed_work *work, const fb_mixed *m, fb_real dt)
-{
-  const fb_real origin[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, one[4] = {FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-  fb_real x[6], base[6], r[3], quat[4], R[9], y[3], turned[4];
-  for (int i = 0; i < 6; i++) {
-    x[i] = dt * work->V[i];
-    base[i] = dt * work->twist[i];
-  }
-  fbi_copy(r, m->floating ? m->r : origin, 3);
-  fbi_copy(quat, m->floating ? m->quat : one, 4);
-  if (m->floating) { /* the root, moved, and from it back to the base */
-    fb_real back[3], back_quat[4];
-    fbi_pose_add_midpoint(r, quat, x);
-    fbi_pose_relative(back, back_quat, m->r, m->quat, origin, one);
-    fbi_pose_mul(r, quat, r, quat, back, back_quat);
-  } else {
-    fbi_pose_add(r, quat, base);
-  }
-  if (!m->floating && m->held[0] != FB_END_CLAMPED) {
-    fbi_pose_add(state->r, state->quat, x);
-    fbi_pose_relative(state->r, state->quat, r, quat, state->r, state->quat);
-    for (int i = 0; i < 3; i++) {
-      state->r[i] = m->held[0] >> i & 1 ? m->r[i] : state->r[i];
-    }
-  }
-  if (!m->floating) { /* whatever u is, the base goes by its own velocity */
-    fb_real turn[4];
-    fbi_vec3_add(base, dt, work->drift);
-    fb_pose_from_twist(r, turn, base);
-  }
-  fb_quat_to_mat33(R, state->base_quat);
-  fb_mat33_mul_vec3(y, R, r);
-  for (int i = 0; i < 3; i++) {
-    y[i] *= m->length;
-  }
-  if (m->floating) {
-    fbi_mixed_fall(y, state, m, dt);
-  }
-  fbi_sum_kept(y, state->lost, state->base_position, state->lost, 3);
-  fbi_copy(state->base_position, y, 3);
-  fb_quat_mul(turned, state->base_quat, quat);
-  (void)fb_quat_normalize(turned);
-  fbi_copy(state->base_quat, turned, 4);
-  fbi_mixed_poses(state->r, state->quat, m, state->strain, state->offset);
-}
-
-/* [E11.33] The frame's velocity u goes with the beam: after each step in which it came to differ from that of the mass
-   center by more than a thousandth of the beam's length in its unit of time it becomes that; from that of a base that
-   holds the beam by more than that length. The way of the mass center is then u dt; what it goes relative to u is short
-   by E11.21's w.w/4.
-   Source: Galilean invariance.  Cost: 250 flops an element of a free beam, 400 more when it happens.  Fails: never.
-   Test: thrust_takes_the_frame_along, flight_at_any_speed_moves_as_rest_does. */
-static void fbi_mixed_follow(fb_mixed_state *state, const fb_mixed_work *work, const fb_mixed *m, fb_real step)
-{
-  fb_real du[3], h[3];
-  if (m->floating) {
-    const fb_real mass = fbi_mixed_mass(m);
-    fbi_mixed_momenta(du, h, m, state, NULL);
-    for (int i = 0; i < 3; i++) {
-      du[i] = mass > FB_R(0.0) ? du[i] / mass : FB_R(0.0);
-    }
-  } else {
-    fb_mat33_mulT_vec3(du, work->half, work->twist); /* half a step on */
-  }
-  if (fb_vec3_dot(du, du) > (m->floating ? FB_R(1e-6) : FB_R(1.0))) {
-    fbi_mixed_reframe(state, m, du, step);
-  }
-}
-
-#define FBI_MIXED_STEP_TOLERANCE (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-6)) /* of a step's last correction */
-
-static void fbi_mixed_commit(fb_mixed_state *next, fb_mixed_work *work, const fb_mixed *m, fb_real dt)
-{
-  const fb_real shift = work->motion.shift;
-  fb_real strain[6], P[6];
-  for (int k = 0; k < m->n; k++) {
-    fbi_mat66_mul_vec6(strain, m->C + 36 * k, work->s + 6 * k);
-    fbi_mixed_rate_take(next->strain + 6 * k, next->strain_rate + 6 * k, strain, work->strain + 6 * k, shift, dt, 6);
-    fbi_mixed_rate_take(next->momentum + 6 * k, next->momentum_rate + 6 * k, work->P + 6 * k, work->momentum + 6 * k,
-                        shift, dt, 6);
-  }
-  for (int l = 0; l < m->n_lump; l++) {
-    fbi_mat66_mul_vec6(P, m->lump + 36 * l, work->V + 6 * m->lump_node[l]);
-    fbi_mixed_rate_take(next->lump + 6 * l, next->lump_rate + 6 * l, P, work->lump + 6 * l, shift, dt, 6);
-  }
-  fbi_copy(next->offset, work->offset, 6 * m->n);
-  fbi_mixed_reactions(next->reaction, work, m);
-  fbi_mixed_remember(next->V[0], next->V[1], next->V[2], work->V, 6 * (m->n + 1));
-  fbi_mixed_remember(next->stress[0], next->stress[1], next->stress[2], work->s, 6 * m->n);
-  fbi_copy(next->force, work->F, 6 * (m->n + 1));
-}
-
-/* What the step starts from: base values of the rates, a first guess of the middle. */
-static void fbi_mixed_begin(fb_mixed_work *work, const fb_mixed *m, const fb_mixed_state *state,
-                            const fb_mixed_input *middle, fb_real step)
-{
-  const fbi_mixed_motion march = {1, 1, 0, 0, FB_R(0.5) * step, FB_R(2.0) / ((FB_R(1.0) + m->beta) * step)};
-  const fb_real last = m->beta * (state->step > FB_R(0.0) && state->step < step ? state->step : step);
-  fb_real u[3];
-  work->motion = march;
-  fbi_mixed_input_take(work, m, state->base_quat, middle, FB_R(1.0), step);
-  fbi_mixed_frame(u, m, state);
-  fb_mat33_mulT_vec3(work->drift, work->half, u);
-  fbi_vec3_add(work->twist, m->floating ? FB_R(0.0) : -FB_R(1.0), work->drift);
-  fbi_copy(work->r, state->r, 3 * (m->n + 1));
-  fbi_copy(work->quat, state->quat, 4 * (m->n + 1));
-  fbi_mixed_rate_base(work->strain, state->strain, state->strain_rate, last, 6 * m->n);
-  fbi_mixed_rate_base(work->momentum, state->momentum, state->momentum_rate, last, 6 * m->n);
-  fbi_mixed_rate_base(work->lump, state->lump, state->lump_rate, last, 6 * m->n_lump);
-  fbi_mixed_extrapolate(work->V, state->V[0], state->V[1], state->V[2], state->known, 6 * (m->n + 1));
-  fbi_mixed_extrapolate(work->s, state->stress[0], state->stress[1], state->stress[2], state->known, 6 * m->n);
-}
-
-/* Residuals at the present guess of the middle. */
-static void fbi_mixed_middle(fb_mixed_work *work, const fb_mixed *m, fb_real step, int aim)
-{
-  fbi_mixed_nodes_eval(work, m);
-  fbi_mixed_residual(work, m);
-  fbi_mixed_want(work, m, step, aim);
-}
-
-static void fbi_mixed_correct(fb_mixed_work *work, const fb_mixed *m)
-{
-  for (int i = 0; i < 6 * (m->n + 1); i++) {
-    work->V[i] += work->dd[i];
-  }
-  for (int i = 0; i < 6 * m->n; i++) {
-    work->s[i] += work->ds[i];
-  }
-}
-
-/* Factorizations at the middle; between them a correction each. */
-static fb_status fbi_mixed_approach(fb_mixed_work *work, const fb_mixed *m, fb_real step)
-{
-  fb_status status = fbi_mixed_factor(work, m);
-  for (int it = 1; it < m->factorizations && status == FB_OK; it++) {
-    fbi_mixed_solve(work, m);
-    fbi_mixed_correct(work, m);
-    fbi_mixed_middle(work, m, step, 1);
-    status = fbi_mixed_factor(work, m);
-  }
-  return status;
-}
-
-/* Largest residual, as a load: a gap of an element's ends by its stiffness. Where a node is held its balance gives the
-   reaction, and its own condition is kept by every correction. */
-static fb_real fbi_mixed_unbalance(const fb_mixed_work *work, const fb_mixed *m, fb_real step)
-{
-  fb_real size = FB_R(0.0);
-  for (int j = 0; j <= m->n; j++) {
-    for (int i = 0; i < 6 && !m->held[j]; i++) {
-      size = fbi_larger(size, FB_FABS(work->B[6 * j + i]));
-    }
-  }
-  for (int k = 0; k < m->n; k++) {
-    for (int i = 0; i < 6; i++) {
-      const fb_real stiffness = step / m->h[k] * m->S[36 * k + 7 * i];
-      size = fbi_larger(size, FB_FABS(work->c[6 * k + i]) * fbi_larger(stiffness, step));
-    }
-  }
-  return size;
-}
-
-/* The state after the step, from the middle. */
-static void fbi_mixed_end(fb_mixed_state *state, fb_mixed_work *work, const fb_mixed *m, fb_real step)
-{
-  fbi_mixed_commit(state, work, m, step);
-  fbi_mixed_move(state, work, m, step);
-  fbi_mixed_follow(state, work, m, step);
-  state->known = state->known < 3 ? state->known + 1 : 3;
-  state->step = step;
-}
-
-/* [E11.20] A step of the mixed beam: E10.7 and E10.8 at the middle of the step, one factorization and a fixed number of
-   corrections by it. With z of strains and momenta, z_alpha = z + dz/2 + beta/2 (dz - dz_old) in place of the middle:
-   the energy with beta/4 dz.dz then falls by beta/4 (dz - dz_old).(dz - dz_old), and what oscillates much faster than
-   the step shrinks by 1 - dissipation in it; beta = rho (1 - rho)/(1 + rho)^2, rho = 1 - dissipation.
-   Source: [L] 3.15, 3.107, 3.108; dissipation: own.  Cost: E10.10 and 1.5 kflops an element for each correction.
-   Fails: see the header.  Test: energy_is_kept_whatever_the_step, dissipation_takes_energy_in_every_step. */
-FB_DEF fb_status fb_mixed_step(const fb_mixed *m, fb_mixed_state *state, fb_mixed_work *work,
-                               const fb_mixed_input *middle, fb_real dt)
-{
-  fb_real step, change = FB_HUGE, before = FB_HUGE;
-  fb_status status;
-  FBI_REQUIRE(m && state && work, FB_ERR_NULL);
-  middle = middle ? middle : fbi_mixed_no_input(work);
-  status = fb_mixed_state_check(m, state);
-  status = status ? status : fbi_mixed_input_check(m, middle);
-  if (status != FB_OK) {
-    return status;
-  }
-  if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
-    return FB_ERR_VALUE;
-  }
-  step = dt / m->time;
-  fbi_mixed_begin(work, m, state, middle, step);
-  fbi_mixed_middle(work, m, step, 1);
-  status = fbi_mixed_approach(work, m, step);
-  for (int it = 0; it < m->iterations && status == FB_OK; it++) {
-    before = it + 1 == m->iterations ? fbi_mixed_unbalance(work, m, step) : before;
-    fbi_mixed_solve(work, m);
-    fbi_mixed_correct(work, m);
-    change = fbi_mixed_change(work, m, step, FB_R(0.0));
-    fbi_mixed_middle(work, m, step, it + 3 < m->iterations);
-  }
-  if (status == FB_OK) {
-    const fb_real after = fbi_mixed_unbalance(work, m, step);
-    const fb_real next = change * (after / (fbi_larger(before, after) + FB_TINY)); /* were there one correction more */
-    status = fbi_larger(change, FB_R(10.0) * next) < FBI_MIXED_STEP_TOLERANCE ? FB_OK : FB_ERR_CONVERGENCE;
-  }
-  if (status == FB_OK) {
-    fbi_mixed_end(state, work, m, step);
-  }
-  return status;
-}
-
-/* ---------------------------------------------------------------------------------------------------------------
-   12 >>analyse (uses 1-11) */
 
 /* Velocities (v, w) of the free spin at |wanted| about the principal axis nearest to it, from the momenta (p, h) about
    O at w = e_i: p = e_i x c, h = J e_i. mass > 0: its center at rest, 0: O is held. */
@@ -16132,7 +16205,6 @@ static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], fb_real 
 
 /* Torque that counts for rounding, in parts of what acts at all. */
 #define FBI_UNREST (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-6))
-
 /* Whether momenta P, L of a base that nothing prescribes, inertial axes, turn with its spin w and do nothing else:
    nothing pushes or turns it, against the torque [N m] that acts at all. */
 static int fbi_is_balanced(const fb_real P_dot[3], const fb_real L_dot[3], const fb_real L[3], const fb_real w[3],
@@ -16147,7 +16219,6 @@ static int fbi_is_balanced(const fb_real P_dot[3], const fb_real L_dot[3], const
 
 /* How far a coordinate is moved for a difference, in parts of a body or of a radian. */
 #define FBI_DIFFERENCE (FB_SINGLE ? FB_R(1e-2) : FB_R(1e-3))
-
 /* Step of a coordinate for a difference: it moves no point by more than a small part of the body, less where the limit
    is tighter, and turns no node by more than that part of a radian: what hangs on it, and loads in its axes, turn
    along. */
@@ -16162,42 +16233,6 @@ static fb_real fbi_difference_step(const fb_body *body, int a)
   return most > FB_R(0.0) ? FBI_DIFFERENCE / most : FB_R(1.0);
 }
 
-/* Force of the order of those that act on a body: its weight, and what moves it by `size` at the rate k [1/s^2]. */
-static fb_real fbi_force_size(const fb_body *body, fb_real size, fb_real k)
-{
-  fb_real a = size * k;
-#if FB_WITH_GRAVITY
-  a += fbi_has(body->effects, FB_EFFECT_GRAVITY) ? fbi_vec3_norm(body->gravity) : FB_R(0.0);
-#endif
-  return body->mass * a;
-}
-
-/* A load as a force [N]: its torque on an arm of that size [m]. */
-static fb_real fbi_load_size(const fb_load *load, fb_real size)
-{
-  return fbi_vec3_norm(load->force) + fbi_vec3_norm(load->torque) / size;
-}
-
-/* How far an input is moved for a difference; V: motion of the base; rate [1/s]: of what moves. Rates are linear in
-   loads, of second degree in v, w: wide steps do not err, short ones round beside what acts already. */
-static fb_real fbi_port_step(fb_port_kind kind, int slides, fb_real force, fb_real size, fb_real rate,
-                             const fb_real V[6])
-{
-  const fb_real load = force > FB_R(0.0) ? FB_R(10.0) * force : FB_R(1.0);
-  return kind == FB_PORT_BASE_RATE       ? rate + fbi_vec3_norm(V + 3)
-         : kind == FB_PORT_BASE_VELOCITY ? size * rate + fbi_vec3_norm(V)
-         : slides                        ? load
-                                         : load * size;
-}
-
-/* Rate [1/s] at which a coordinate of stiffness k and inertia m moves that turns or flies at `steady`; both are
-   nothing: `other` or, without that, 1/s, for then rates are linear in momenta. */
-static fb_real fbi_own_rate(fb_real k, fb_real m, fb_real steady, fb_real other)
-{
-  const fb_real rate = steady + (k > FB_R(0.0) && m > FB_R(0.0) ? FB_SQRT(k / m) : FB_R(0.0));
-  return rate > FB_R(0.0) ? rate : other > FB_R(0.0) ? other : FB_R(1.0);
-}
-
 /* ---- what is differentiated: a body or, with system, bodies on joints */
 
 typedef struct fbi_subject {
@@ -16206,10 +16241,12 @@ typedef struct fbi_subject {
   fb_analyse_work *work;
   const fb_state *state;
   const fb_input *input;
+#if FB_WITH_SYSTEM
   const fb_system *system; /* NULL: one body */
   fb_system_analyse_work *system_work;
   const fb_system_state *system_state;
   const fb_system_input *system_input;
+#endif
 } fbi_subject;
 
 /* Moves a frame along (i < 3) or turns it about (i >= 3) an axis of its own. */
@@ -16269,25 +16306,6 @@ static void fbi_turned_rate(fb_real rate[3], const fb_real R[9], const fb_real w
 }
 
 /* ---- ports */
-
-static int fbi_port_is_input(fb_port_kind kind)
-{
-  return kind <= FB_PORT_BASE_RATE || kind == FB_PORT_DRIVE;
-}
-
-/* One port: of those up to kind `last`; base: what moves it is prescribed; room: for one load more. */
-static fb_status fbi_port_check(const fb_port *port, int is_input, fb_port_kind last, int base, int n_node, int room)
-{
-  const int moves_base = port->kind == FB_PORT_BASE_VELOCITY || port->kind == FB_PORT_BASE_RATE;
-  if (!fbi_is_choice(port->axis, 2) || !fbi_is_choice((int)port->kind, (int)last) ||
-      fbi_port_is_input(port->kind) != is_input || (moves_base && !base)) {
-    return FB_ERR_VALUE;
-  }
-  if (!moves_base && port->kind < FB_PORT_DRIVE && (!fbi_is_choice(port->node, n_node - 1) || (is_input && !room))) {
-    return FB_ERR_CAPACITY;
-  }
-  return FB_OK;
-}
 
 static void fbi_port_load(fb_load *load, const fb_port *port, fb_real h)
 {
@@ -16552,72 +16570,7 @@ static fb_status fbi_body_response(fb_real *f, const fbi_subject *s, int j, fb_r
   return status;
 }
 
-/* Length [m] by which a body is judged. */
-static fb_real fbi_body_size(const fb_body *body)
-{
-  return body->gyration > FB_R(0.0) ? body->gyration : FB_R(1.0);
-}
-
-/* Rates [1/s]: that at which the frame turns and flies, and of it with the loads and weight or the slowest mode. */
-static fb_real fbi_body_rates_find(fb_real *all, const fb_body *body, const fb_motion *steady, const fb_input *input)
-{
-  const fb_real size = fbi_body_size(body), rate = fbi_vec3_norm(steady->w) + fbi_vec3_norm(steady->v) / size;
-  fb_real force = fbi_force_size(body, size, FB_R(0.0)), slow = FB_R(0.0);
-  for (int i = 0; i < input->n_load; i++) {
-    force += fbi_load_size(&input->load[i], size);
-  }
-  for (int a = 0; a < body->n; a++) {
-    const fb_real k = body->K.diagonal[a] / body->M.diagonal[a];
-    slow = k > FB_R(0.0) && (slow == FB_R(0.0) || k < slow) ? k : slow;
-  }
-  *all = fbi_own_rate(slow, FB_R(1.0), rate, FB_SQRT(force / (body->mass * size)));
-  return rate;
-}
-
-/* How far x_j is moved for a difference: a small part of the body; momenta by what a tenth of it has at its rate. */
-static fb_real fbi_linear_step(const fbi_subject *s, int j)
-{
-  const fb_body *const body = s->body;
-  const int n = body->n, first = fbi_first_free(body->base), free = 6 - first;
-  const fb_real size = fbi_body_size(body);
-  fb_real all;
-  const fb_real rate = fbi_body_rates_find(&all, body, &s->work->steady, s->input);
-  int moves;
-  if (j < n) {
-    return fbi_difference_step(body, j);
-  }
-  if (j < 2 * n) {
-    const fb_real inertia = fbi_form(body) ? FB_R(1.0) : body->M.diagonal[j - n];
-    return FB_R(100.0) * fbi_difference_step(body, j - n) * inertia *
-           fbi_own_rate(body->K.diagonal[j - n], body->M.diagonal[j - n], rate, all);
-  }
-  moves = (j - 2 * n) % free + first < 3; /* the others turn */
-  if (j < 2 * n + free) {
-    return FB_R(100.0) * FBI_DIFFERENCE * body->mass * size * (moves ? FB_R(1.0) : size) * all;
-  }
-  return FBI_DIFFERENCE * (moves ? size : FB_R(1.0));
-}
-
-static int fbi_ports_fit(const fb_linear_desc *desc)
-{
-  return desc->n_in >= 0 && desc->n_in <= FB_MAX_PORTS && desc->n_out >= 0 && desc->n_out <= FB_MAX_PORTS;
-}
-
-static fb_status fbi_linear_desc_check(const fb_body *body, const fb_input *input, const fb_linear_desc *desc)
-{
-  FBI_REQUIRE(fbi_ports_fit(desc), FB_ERR_CAPACITY);
-  for (int k = 0; k < desc->n_in + desc->n_out; k++) {
-    const int is_input = k < desc->n_in;
-    const fb_port *const port = is_input ? &desc->in[k] : &desc->out[k - desc->n_in];
-    const fb_status status = fbi_port_check(port, is_input, FB_PORT_ACCELERATION, body->base == FB_BASE_PRESCRIBED,
-                                            body->n_node, input->n_load < FB_MAX_LOADS);
-    if (status != FB_OK || port->body != 0) {
-      return status ? status : FB_ERR_CAPACITY;
-    }
-  }
-  return FB_OK;
-}
-
+#if FB_WITH_SYSTEM
 /* ---- of a system */
 
 static fb_status fbi_system_analyse_check(fb_system_analyse_work *work, const fb_system *system, const fb_body *body,
@@ -17094,6 +17047,480 @@ static fb_status fbi_system_response(fb_real *f, const fbi_subject *s, int j, fb
   }
   return status;
 }
+#endif
+
+/* ---- of both */
+
+static fb_status fbi_subject_eval(fb_real *f, const fbi_subject *s, int j, fb_real h)
+{
+#if FB_WITH_SYSTEM
+  if (s->system) {
+    return s->desc ? fbi_system_response(f, s, j, h) : fbi_system_residual(f, s, j, h);
+  }
+#endif
+  return s->desc ? fbi_body_response(f, s, j, h) : fbi_body_residual(f, s, j, h);
+}
+
+/* Moves an unknown of the trim for good. */
+static fb_status fbi_subject_move(const fbi_subject *s, int j, fb_real h)
+{
+#if FB_WITH_SYSTEM
+  if (s->system) {
+    fb_system_analyse_work *const work = s->system_work;
+    fbi_coordinate_move(&work->state, s->system, &work->coordinate[work->independent[j]], h);
+    return fbi_loops_shut(s, &work->state);
+  }
+#endif
+  s->work->state.q[j] += h;
+  return FB_OK;
+}
+
+/* Column j of the derivative of f: values at -2, -1, 1, 2 steps h, exact for polynomials of degree 4. */
+static fb_status fbi_difference(fbi_analysis *work, const fbi_subject *s, int j, fb_real h, int count)
+{
+  static const fb_real weight[4] = {FB_R(1.0) / FB_R(12.0), -FB_R(2.0) / FB_R(3.0), FB_R(2.0) / FB_R(3.0),
+                                    -FB_R(1.0) / FB_R(12.0)};
+  static const int at[4] = {-2, -1, 1, 2};
+  fb_status status = FB_OK;
+  fbi_zero(work->column, count);
+  for (int k = 0; k < 4 && status == FB_OK; k++) {
+    status = fbi_subject_eval(work->f, s, j, (fb_real)at[k] * h);
+    for (int i = 0; i < count && status == FB_OK; i++) {
+      work->column[i] += weight[k] / h * work->f[i];
+    }
+  }
+  return status;
+}
+
+/* Newton's method for f = 0 in n unknowns. change: the last step, in bodies or radians; below 1e-9 it leaves
+   rounding. */
+static fb_status fbi_trim_newton(fb_real *change, fbi_analysis *work, const fbi_subject *s, int n)
+{
+  fb_status status = FB_OK;
+  *change = FB_R(1.0);
+  for (int step = 0; step < 40 && *change > FB_R(64.0) * FB_EPSILON && status == FB_OK; step++) {
+    for (int j = 0; j < n && status == FB_OK; j++) {
+      status = fbi_difference(work, s, j, work->step[j], n);
+      for (int i = 0; i < n; i++) {
+        work->A[i * n + j] = work->column[i];
+      }
+    }
+    status = status ? status : fbi_subject_eval(work->f, s, 0, FB_R(0.0));
+    status = status || n == 0 ? status : fb_lu_factor(work->A, work->perm, work->scale, n);
+    *change = FB_R(0.0);
+    if (status == FB_OK) {
+      fb_lu_solve(work->column, work->A, work->perm, work->f, n);
+    }
+    for (int j = 0; j < n && status == FB_OK; j++) {
+      *change = fbi_larger(*change, FB_FABS(work->column[j]) * FBI_DIFFERENCE / work->step[j]);
+      status = fbi_subject_move(s, j, -work->column[j]);
+    }
+  }
+  return status ? status : fbi_subject_eval(work->f, s, 0, FB_R(0.0));
+}
+
+static int fbi_is_settled(fb_real change)
+{
+  return !(change > (FB_SINGLE ? FB_R(1e-4) : FB_R(1e-9)));
+}
+
+/* desc: NULL for a trim */
+static fbi_subject fbi_subject_body(const fb_body *body, fb_analyse_work *work, const fb_state *state,
+                                    const fb_input *input, const fb_linear_desc *desc)
+{
+  fbi_subject s;
+  memset(&s, 0, sizeof s);
+  s.body = body;
+  s.desc = desc;
+  s.work = work;
+  s.state = state;
+  s.input = input;
+  return s;
+}
+
+/* [E12.1] Steady state by Newton's method: pi_dot(q) = 0 at q_dot = 0, the tangent by differences.
+   Source: definition.  Cost: 4 n evaluations and a LU an iteration.  Fails: see the header.
+   Test: spectrum_of_a_spinning_oscillator_is_closed_form, bases_that_are_pushed_have_no_state_of_rest. */
+FB_DEF fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_work *work, const fb_input *input)
+{
+  fbi_subject s;
+  fb_real change;
+  fb_status status = fbi_analyse_check(body, state, input);
+  FBI_REQUIRE(work, FB_ERR_NULL);
+  if (status != FB_OK) {
+    return status;
+  }
+  s = fbi_subject_body(body, work, &work->state, input, NULL);
+  work->state = *state;
+  for (int a = 0; a < body->n; a++) {
+    work->common.step[a] = fbi_difference_step(body, a);
+  }
+  status = fbi_trim_newton(&change, &work->common, &s, body->n);
+  status = status ? status : fb_state_check(body, &work->moved);
+  if (status == FB_OK && !fbi_is_settled(change)) {
+    status = FB_ERR_CONVERGENCE;
+  }
+  status = status ? status : fbi_body_rest(work, body, input);
+  if (status == FB_OK && body->base == FB_BASE_PRESCRIBED) {
+    status = fb_state_from_velocity(body, &work->moved, input->v, input->w, NULL);
+  }
+  if (status == FB_OK) {
+    *state = work->moved;
+  }
+  return status;
+}
+
+#if FB_WITH_SYSTEM
+static fbi_subject fbi_subject_system(const fb_system *system, const fb_body *body, fb_system_analyse_work *work,
+                                      const fb_system_state *state, const fb_system_input *input,
+                                      const fb_linear_desc *desc)
+{
+  const fbi_subject s = {body, desc, NULL, NULL, NULL, system, work, state, input};
+  return s;
+}
+
+/* [E12.8] Relative equilibrium of a system by Newton's method: the rates of the momenta of joints and modes, along the
+   axes of the joints, vanish with given axes at their rates, free joints in a free spin and the rest still.
+   Source: definition.  Cost: 8 n evaluations and a LU an iteration.  Fails: see the header.
+   Test: hinged_blades_flap_and_lag_in_closed_form, blades_cone_under_a_moment,
+   bases_that_are_pushed_have_no_state_of_rest. */
+FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb_system_state *state,
+                                fb_system_analyse_work *work, const fb_system_input *input)
+{
+  fbi_subject s;
+  fb_real change;
+  fb_status status = fbi_system_analyse_check(work, system, body, state, input);
+  status = status ? status : fbi_coordinates_find(work, system, body, state, 1);
+  if (status != FB_OK) {
+    return status;
+  }
+  s = fbi_subject_system(system, body, work, &work->state, input, NULL);
+  work->state = *state;
+  for (int k = 0; k < system->n_body; k++) { /* what turns steadily has steady momenta in a frame at rest alone */
+    fbi_zero(work->state.link[k].u, 3);
+    fbi_zero(work->state.link[k].lost_u, 3);
+  }
+  memset(work->steady, 0, sizeof work->steady);
+  memset(work->rest, 0, sizeof work->rest);
+  fbi_system_enter(&work->system, system);
+  fbi_prescribe(&work->state, system, &work->system, &work->state, input);
+  status = fbi_loops_open(&s, &work->state);
+  status = status ? status : fbi_loops_shut(&s, &work->state);
+  status = status ? status : fbi_trim_newton(&change, &work->common, &s, work->n_independent);
+  status = status ? status : fbi_system_range(system, body, &work->moved);
+  if (status == FB_OK && !fbi_is_settled(change)) {
+    status = FB_ERR_CONVERGENCE;
+  }
+  status = status ? status : fbi_roots_rest(&s);
+  if (status == FB_OK) {
+    *state = work->moved;
+  }
+  return status;
+}
+#endif
+
+#if FB_WITH_EXACT
+/* ---- paths of steady states */
+
+static void fbi_mixed_loads_take(fbi_mixed_loads *to, const fb_mixed_work *work, const fb_mixed *m)
+{
+  fbi_copy(to->line, work->line, 6 * m->n);
+  fbi_copy(to->line_dead, work->line_dead, 6 * m->n);
+  fbi_copy(to->offset, work->offset, 6 * m->n);
+  fbi_copy(to->follower, work->follower, 6 * (m->n + 1));
+  fbi_copy(to->dead, work->dead, 6 * (m->n + 1));
+}
+
+static void fbi_mixed_sum(fb_real *x, const fb_real *a, fb_real factor, const fb_real *b, int n)
+{
+  for (int i = 0; i < n; i++) {
+    x[i] = a[i] + factor * b[i];
+  }
+}
+
+/* Residuals under the constant loads and a part of the varied ones. */
+static void fbi_mixed_path_residual(fb_mixed_path_work *w, const fb_mixed *m, fb_real factor)
+{
+  const fbi_mixed_loads *const a = &w->constant, *const b = &w->varied;
+  fb_mixed_work *const work = &w->mixed;
+  fbi_mixed_sum(work->line, a->line, factor, b->line, 6 * m->n);
+  fbi_mixed_sum(work->line_dead, a->line_dead, factor, b->line_dead, 6 * m->n);
+  fbi_mixed_sum(work->offset, a->offset, factor, b->offset, 6 * m->n);
+  fbi_mixed_sum(work->follower, a->follower, factor, b->follower, 6 * (m->n + 1));
+  fbi_mixed_sum(work->dead, a->dead, factor, b->dead, 6 * (m->n + 1));
+  fbi_mixed_nodes_eval(work, m);
+  fbi_mixed_residual(work, m);
+}
+
+/* Loads and motion of the base, in steady motion. */
+static void fbi_mixed_path_begin(fb_mixed_path_work *w, const fb_mixed *m, const fb_mixed_state *state,
+                                 const fb_mixed_input *constant, const fb_mixed_input *varied)
+{
+  const fbi_mixed_motion steady = {0, 0, 0, 0, FB_R(1.0), FB_R(0.0)};
+  fb_mixed_work *const work = &w->mixed;
+  int dead;
+  work->motion = steady;
+  fbi_mixed_input_take(work, m, state->base_quat, varied, FB_R(1.0), FB_R(0.0));
+  fbi_mixed_loads_take(&w->varied, work, m);
+  dead = work->motion.dead;
+  fbi_mixed_input_take(work, m, state->base_quat, constant, FB_R(1.0), FB_R(0.0));
+  fbi_mixed_loads_take(&w->constant, work, m);
+  work->motion.dead |= dead;
+  work->motion.inertia = !fbi_is_zero(work->twist + 3, 3);
+  fbi_zero(work->momentum, 6 * m->n);
+  fbi_zero(work->lump, 6 * m->n_lump);
+}
+
+/* Corrections at this factor in w->dd and ds, and those that a change of it by one brings in the work's. */
+static fb_status fbi_mixed_path_solve(fb_mixed_path_work *w, const fb_mixed *m, fb_real factor)
+{
+  fb_mixed_work *const work = &w->mixed;
+  fb_status status;
+  fbi_mixed_path_residual(w, m, factor + FB_R(1.0));
+  fbi_copy(w->B, work->B, 6 * (m->n + 1));
+  fbi_copy(w->c, work->c, 6 * m->n);
+  fbi_mixed_path_residual(w, m, factor);
+  fbi_mixed_want(work, m, FB_R(0.0), 1);
+  status = fbi_mixed_factor(work, m);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_mixed_solve(work, m);
+  fbi_copy(w->dd, work->dd, 6 * (m->n + 1));
+  fbi_copy(w->ds, work->ds, 6 * m->n);
+  fbi_mixed_sum(work->B, w->B, -FB_R(1.0), work->B, 6 * (m->n + 1));
+  fbi_mixed_sum(work->c, w->c, -FB_R(1.0), work->c, 6 * m->n);
+  fbi_zero(work->want, 6 * (m->n + 1));
+  fbi_mixed_solve(work, m);
+  return FB_OK;
+}
+
+/* [E12.17] Steady states x(l) by arc length: of the tangent (x_l, 1) l_s with (x_l.x_l)/(n + 1) l_s^2 + l_s^2 = 1, x
+   the displacements and rotations of the nodes, the first correction goes by `arc`, the others go across it (Riks'
+   normal plane): with dx at constant l, dl = (arc or 0 - t.dx)/(t.x_l + t_l). The tangent at the end is less than 60
+   degrees from that at the start.
+   Source: [RI], [CF].
+   Cost: E10.10, and two solutions, an iteration.  Fails: 12 iterations; neighbors turned by more than a radian against
+   each other at once.  Test: arches_snap_at_their_limit_load, a_stiff_truss_snaps_in_closed_form. */
+static fb_status fbi_mixed_path_try(fb_mixed_path_work *w, const fb_mixed *m, fb_mixed_path *path, fb_real arc)
+{
+  fb_mixed_work *const work = &w->mixed;
+  const int n = 6 * (m->n + 1);
+  const fb_real part = FB_R(1.0) / (fb_real)(m->n + 1);
+  fb_real change = FB_R(1.0), rise = path->rise, slope = FB_R(1.0), size, cosine;
+  fb_status status = FB_OK;
+  for (int it = 0; it < 12 && status == FB_OK && change > FBI_MIXED_TOLERANCE; it++) {
+    fb_real more;
+    status = fbi_mixed_path_solve(w, m, path->factor);
+    path->iterations++;
+    if (status != FB_OK) {
+      return status;
+    }
+    size = FB_SQRT(part * fbi_dot(work->dd, work->dd, n) + FB_R(1.0));
+    if (it == 0) { /* the way on is that of the step before */
+      cosine = part * fbi_dot(path->ahead, work->dd, n) + path->rise;
+      rise = (cosine < FB_R(0.0) ? -FB_R(1.0) : FB_R(1.0)) / size;
+      for (int i = 0; i < n; i++) {
+        w->ahead[i] = rise * work->dd[i];
+      }
+    }
+    slope = part * fbi_dot(w->ahead, work->dd, n) + rise;
+    more = ((it == 0 ? arc : FB_R(0.0)) - part * fbi_dot(w->ahead, w->dd, n)) / slope;
+    for (int i = 0; i < n; i++) { /* the tangent stays behind, in w->dd */
+      const fb_real tangent = work->dd[i];
+      work->dd[i] = w->dd[i] + more * tangent;
+      w->dd[i] = tangent;
+    }
+    fbi_mixed_sum(work->ds, w->ds, more, work->ds, 6 * m->n);
+    change = fbi_larger(fbi_mixed_change(work, m, FB_R(1.0), it > 3 ? FB_EPSILON : FB_R(0.0)),
+                        FB_FABS(more) / (FB_R(1.0) + FB_FABS(path->factor)));
+    status = fbi_mixed_turn_add(work, m, change);
+    path->factor += more;
+  }
+  if (status != FB_OK || change > FBI_MIXED_TOLERANCE) {
+    return FB_ERR_CONVERGENCE;
+  }
+  cosine = slope / size;
+  for (int i = 0; i < n; i++) {
+    path->ahead[i] = (cosine < FB_R(0.0) ? -FB_R(1.0) : FB_R(1.0)) * w->dd[i] / size;
+  }
+  path->rise = (cosine < FB_R(0.0) ? -FB_R(1.0) : FB_R(1.0)) / size;
+  return FB_FABS(cosine) > FB_R(0.5) ? FB_OK : FB_ERR_CONVERGENCE;
+}
+
+FB_DEF fb_status fb_mixed_path_step(const fb_mixed *m, fb_mixed_path *path, fb_mixed_state *state,
+                                    fb_mixed_path_work *w, const fb_mixed_input *constant, const fb_mixed_input *varied,
+                                    fb_real arc)
+{
+  fb_mixed_path next;
+  fb_status status;
+  FBI_REQUIRE(m && path && state && w && varied, FB_ERR_NULL);
+  constant = constant ? constant : fbi_mixed_no_input(&w->mixed);
+  status = fb_mixed_state_check(m, state);
+  status = status ? status : fbi_mixed_input_check(m, constant);
+  status = status ? status : fbi_mixed_input_check(m, varied);
+  if (status != FB_OK) {
+    return status;
+  }
+  if (!fbi_is_finite(path->ahead, 6 * (m->n + 1)) || !fbi_is_finite(&path->factor, 1) ||
+      !fbi_is_finite(&path->rise, 1)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  if (!(FB_FABS(arc) > FB_R(0.0) && FB_FABS(arc) < FB_HUGE)) {
+    return FB_ERR_VALUE;
+  }
+  fbi_mixed_path_begin(w, m, state, constant, varied);
+  status = FB_ERR_CONVERGENCE;
+  for (int k = 0, iterations = 0; k < 11 && status != FB_OK; k++) {
+    next = *path;
+    next.iterations = iterations;
+    next.arc = arc;
+    fbi_mixed_pose_take(&w->mixed, state, m);
+    status = fbi_mixed_path_try(w, m, &next, arc);
+    iterations = next.iterations;
+    arc *= FB_R(0.5);
+  }
+  if (status == FB_OK) {
+    fbi_mixed_path_residual(w, m, next.factor);
+    fbi_mixed_rest(state, &w->mixed, m);
+    next.unstable = w->mixed.unstable;
+    *path = next;
+  }
+  return status;
+}
+#endif
+
+/* ---------------------------------------------------------------------------------------------------------------
+   ANALYSE >>linear: linear models, complex modes, step advice
+   (uses config, status, vec3, rotation, solve, body, system, exact, eigen, trim) */
+
+#if FB_WITH_SYSTEM
+/* Force of the order of those that act on a body: its weight, and what moves it by `size` at the rate k [1/s^2]. */
+static fb_real fbi_force_size(const fb_body *body, fb_real size, fb_real k)
+{
+  fb_real a = size * k;
+#if FB_WITH_GRAVITY
+  a += fbi_has(body->effects, FB_EFFECT_GRAVITY) ? fbi_vec3_norm(body->gravity) : FB_R(0.0);
+#endif
+  return body->mass * a;
+}
+
+/* A load as a force [N]: its torque on an arm of that size [m]. */
+static fb_real fbi_load_size(const fb_load *load, fb_real size)
+{
+  return fbi_vec3_norm(load->force) + fbi_vec3_norm(load->torque) / size;
+}
+
+/* How far an input is moved for a difference; V: motion of the base; rate [1/s]: of what moves. Rates are linear in
+   loads, of second degree in v, w: wide steps do not err, short ones round beside what acts already. */
+static fb_real fbi_port_step(fb_port_kind kind, int slides, fb_real force, fb_real size, fb_real rate,
+                             const fb_real V[6])
+{
+  const fb_real load = force > FB_R(0.0) ? FB_R(10.0) * force : FB_R(1.0);
+  return kind == FB_PORT_BASE_RATE       ? rate + fbi_vec3_norm(V + 3)
+         : kind == FB_PORT_BASE_VELOCITY ? size * rate + fbi_vec3_norm(V)
+         : slides                        ? load
+                                         : load * size;
+}
+
+/* Rate [1/s] at which a coordinate of stiffness k and inertia m moves that turns or flies at `steady`; both are
+   nothing: `other` or, without that, 1/s, for then rates are linear in momenta. */
+static fb_real fbi_own_rate(fb_real k, fb_real m, fb_real steady, fb_real other)
+{
+  const fb_real rate = steady + (k > FB_R(0.0) && m > FB_R(0.0) ? FB_SQRT(k / m) : FB_R(0.0));
+  return rate > FB_R(0.0) ? rate : other > FB_R(0.0) ? other : FB_R(1.0);
+}
+
+/* ---- ports */
+
+static int fbi_port_is_input(fb_port_kind kind)
+{
+  return kind <= FB_PORT_BASE_RATE || kind == FB_PORT_DRIVE;
+}
+
+/* One port: of those up to kind `last`; base: what moves it is prescribed; room: for one load more. */
+static fb_status fbi_port_check(const fb_port *port, int is_input, fb_port_kind last, int base, int n_node, int room)
+{
+  const int moves_base = port->kind == FB_PORT_BASE_VELOCITY || port->kind == FB_PORT_BASE_RATE;
+  if (!fbi_is_choice(port->axis, 2) || !fbi_is_choice((int)port->kind, (int)last) ||
+      fbi_port_is_input(port->kind) != is_input || (moves_base && !base)) {
+    return FB_ERR_VALUE;
+  }
+  if (!moves_base && port->kind < FB_PORT_DRIVE && (!fbi_is_choice(port->node, n_node - 1) || (is_input && !room))) {
+    return FB_ERR_CAPACITY;
+  }
+  return FB_OK;
+}
+
+/* ---- of one body */
+
+/* Length [m] by which a body is judged. */
+static fb_real fbi_body_size(const fb_body *body)
+{
+  return body->gyration > FB_R(0.0) ? body->gyration : FB_R(1.0);
+}
+
+/* Rates [1/s]: that at which the frame turns and flies, and of it with the loads and weight or the slowest mode. */
+static fb_real fbi_body_rates_find(fb_real *all, const fb_body *body, const fb_motion *steady, const fb_input *input)
+{
+  const fb_real size = fbi_body_size(body), rate = fbi_vec3_norm(steady->w) + fbi_vec3_norm(steady->v) / size;
+  fb_real force = fbi_force_size(body, size, FB_R(0.0)), slow = FB_R(0.0);
+  for (int i = 0; i < input->n_load; i++) {
+    force += fbi_load_size(&input->load[i], size);
+  }
+  for (int a = 0; a < body->n; a++) {
+    const fb_real k = body->K.diagonal[a] / body->M.diagonal[a];
+    slow = k > FB_R(0.0) && (slow == FB_R(0.0) || k < slow) ? k : slow;
+  }
+  *all = fbi_own_rate(slow, FB_R(1.0), rate, FB_SQRT(force / (body->mass * size)));
+  return rate;
+}
+
+/* How far x_j is moved for a difference: a small part of the body; momenta by what a tenth of it has at its rate. */
+static fb_real fbi_linear_step(const fbi_subject *s, int j)
+{
+  const fb_body *const body = s->body;
+  const int n = body->n, first = fbi_first_free(body->base), free = 6 - first;
+  const fb_real size = fbi_body_size(body);
+  fb_real all;
+  const fb_real rate = fbi_body_rates_find(&all, body, &s->work->steady, s->input);
+  int moves;
+  if (j < n) {
+    return fbi_difference_step(body, j);
+  }
+  if (j < 2 * n) {
+    const fb_real inertia = fbi_form(body) ? FB_R(1.0) : body->M.diagonal[j - n];
+    return FB_R(100.0) * fbi_difference_step(body, j - n) * inertia *
+           fbi_own_rate(body->K.diagonal[j - n], body->M.diagonal[j - n], rate, all);
+  }
+  moves = (j - 2 * n) % free + first < 3; /* the others turn */
+  if (j < 2 * n + free) {
+    return FB_R(100.0) * FBI_DIFFERENCE * body->mass * size * (moves ? FB_R(1.0) : size) * all;
+  }
+  return FBI_DIFFERENCE * (moves ? size : FB_R(1.0));
+}
+
+static int fbi_ports_fit(const fb_linear_desc *desc)
+{
+  return desc->n_in >= 0 && desc->n_in <= FB_MAX_PORTS && desc->n_out >= 0 && desc->n_out <= FB_MAX_PORTS;
+}
+
+static fb_status fbi_linear_desc_check(const fb_body *body, const fb_input *input, const fb_linear_desc *desc)
+{
+  FBI_REQUIRE(fbi_ports_fit(desc), FB_ERR_CAPACITY);
+  for (int k = 0; k < desc->n_in + desc->n_out; k++) {
+    const int is_input = k < desc->n_in;
+    const fb_port *const port = is_input ? &desc->in[k] : &desc->out[k - desc->n_in];
+    const fb_status status = fbi_port_check(port, is_input, FB_PORT_ACCELERATION, body->base == FB_BASE_PRESCRIBED,
+                                            body->n_node, input->n_load < FB_MAX_LOADS);
+    if (status != FB_OK || port->body != 0) {
+      return status ? status : FB_ERR_CAPACITY;
+    }
+  }
+  return FB_OK;
+}
+
+/* ---- loops: coordinates that the others give */
 
 static fb_status fbi_system_port_check(const fbi_subject *s, const fb_port *port, int is_input)
 {
@@ -17176,47 +17603,9 @@ static void fbi_momenta_steps(const fbi_subject *s, fb_real rate, fb_real other)
 
 /* ---- of both */
 
-static fb_status fbi_subject_eval(fb_real *f, const fbi_subject *s, int j, fb_real h)
-{
-  if (s->system) {
-    return s->desc ? fbi_system_response(f, s, j, h) : fbi_system_residual(f, s, j, h);
-  }
-  return s->desc ? fbi_body_response(f, s, j, h) : fbi_body_residual(f, s, j, h);
-}
-
-/* Moves an unknown of the trim for good. */
-static fb_status fbi_subject_move(const fbi_subject *s, int j, fb_real h)
-{
-  if (s->system) {
-    fb_system_analyse_work *const work = s->system_work;
-    fbi_coordinate_move(&work->state, s->system, &work->coordinate[work->independent[j]], h);
-    return fbi_loops_shut(s, &work->state);
-  }
-  s->work->state.q[j] += h;
-  return FB_OK;
-}
-
-/* Column j of the derivative of f: values at -2, -1, 1, 2 steps h, exact for polynomials of degree 4. */
-static fb_status fbi_difference(fbi_analysis *work, const fbi_subject *s, int j, fb_real h, int count)
-{
-  static const fb_real weight[4] = {FB_R(1.0) / FB_R(12.0), -FB_R(2.0) / FB_R(3.0), FB_R(2.0) / FB_R(3.0),
-                                    -FB_R(1.0) / FB_R(12.0)};
-  static const int at[4] = {-2, -1, 1, 2};
-  fb_status status = FB_OK;
-  fbi_zero(work->column, count);
-  for (int k = 0; k < 4 && status == FB_OK; k++) {
-    status = fbi_subject_eval(work->f, s, j, (fb_real)at[k] * h);
-    for (int i = 0; i < count && status == FB_OK; i++) {
-      work->column[i] += weight[k] / h * work->f[i];
-    }
-  }
-  return status;
-}
-
 /* Widths of differences that are tried, each a quarter of the one before, and the first in parts of the step. */
 #define FBI_WIDTHS 5
 #define FBI_WIDEST FB_R(4.0)
-
 /* [E12.16] Column j with what it errs by: differences of five widths. The error of one goes down 256 times from width
    to width where the rates are no polynomials of degree 4, and up 4 times where they are and it is rounding; what two
    widths differ by is taken for the error of the wider. Each element is taken where that is least; a narrower width
@@ -17244,38 +17633,6 @@ static fb_status fbi_derivative(fbi_analysis *work, const fbi_subject *s, int j,
   return found == FB_OK ? FB_OK : status ? status : found;
 }
 
-/* Newton's method for f = 0 in n unknowns. change: the last step, in bodies or radians; below 1e-9 it leaves
-   rounding. */
-static fb_status fbi_trim_newton(fb_real *change, fbi_analysis *work, const fbi_subject *s, int n)
-{
-  fb_status status = FB_OK;
-  *change = FB_R(1.0);
-  for (int step = 0; step < 40 && *change > FB_R(64.0) * FB_EPSILON && status == FB_OK; step++) {
-    for (int j = 0; j < n && status == FB_OK; j++) {
-      status = fbi_difference(work, s, j, work->step[j], n);
-      for (int i = 0; i < n; i++) {
-        work->A[i * n + j] = work->column[i];
-      }
-    }
-    status = status ? status : fbi_subject_eval(work->f, s, 0, FB_R(0.0));
-    status = status || n == 0 ? status : fb_lu_factor(work->A, work->perm, work->scale, n);
-    *change = FB_R(0.0);
-    if (status == FB_OK) {
-      fb_lu_solve(work->column, work->A, work->perm, work->f, n);
-    }
-    for (int j = 0; j < n && status == FB_OK; j++) {
-      *change = fbi_larger(*change, FB_FABS(work->column[j]) * FBI_DIFFERENCE / work->step[j]);
-      status = fbi_subject_move(s, j, -work->column[j]);
-    }
-  }
-  return status ? status : fbi_subject_eval(work->f, s, 0, FB_R(0.0));
-}
-
-static int fbi_is_settled(fb_real change)
-{
-  return !(change > (FB_SINGLE ? FB_R(1e-4) : FB_R(1e-9)));
-}
-
 /* [E12.12] Derivatives by q at constant momenta from those at constant velocities, with P = dp/dq there: f_q|_p =
    f_q|_V
    - f_p P, for a row of A or C; miss: what it errs by, likewise. At constant velocities rates are next to polynomials
@@ -17298,7 +17655,6 @@ static void fbi_momenta_hold(fb_real *row, fb_real *miss, const fbi_analysis *wo
 
 /* What the largest error may be, in parts of the largest of what it belongs to. */
 #define FBI_USABLE FB_R(0.01)
-
 /* The largest element of the n x n matrix of a linear model, each state in its steps. */
 static fb_real fbi_linear_norm(const fb_real *A, const fb_real *step, int n)
 {
@@ -17344,7 +17700,9 @@ static fb_status fbi_linear_fill(fbi_analysis *work, const fbi_subject *s, int n
   out->error = norm > FB_R(0.0) ? fbi_linear_norm(work->E, work->step, n) / norm : FB_R(0.0);
   return status == FB_OK && out->error > FBI_USABLE ? FB_ERR_CONVERGENCE : status;
 }
+#endif
 
+#if FB_WITH_SYSTEM || FB_WITH_EXACT
 /* Indices of eigenvalues with im >= 0, ascending by size; returns their number. */
 static int fbi_spectrum_order(int *order, const fb_real *re, const fb_real *im, int n)
 {
@@ -17367,7 +17725,9 @@ static int fbi_spectrum_order(int *order, const fb_real *re, const fb_real *im, 
   }
   return found;
 }
+#endif
 
+#if FB_WITH_SYSTEM
 /* A + part E of the states keep[0..size-1] */
 static void fbi_spectrum_take(fb_real *A, const fbi_analysis *work, int size, fb_real part)
 {
@@ -17434,46 +17794,6 @@ static fb_status fbi_spectrum_fill(fb_spectrum *spectrum, fbi_analysis *work, in
     }
   }
   return FB_OK;
-}
-
-/* desc: NULL for a trim */
-static fbi_subject fbi_subject_body(const fb_body *body, fb_analyse_work *work, const fb_state *state,
-                                    const fb_input *input, const fb_linear_desc *desc)
-{
-  const fbi_subject s = {body, desc, work, state, input, NULL, NULL, NULL, NULL};
-  return s;
-}
-
-/* [E12.1] Steady state by Newton's method: pi_dot(q) = 0 at q_dot = 0, the tangent by differences.
-   Source: definition.  Cost: 4 n evaluations and a LU an iteration.  Fails: see the header.
-   Test: spectrum_of_a_spinning_oscillator_is_closed_form, bases_that_are_pushed_have_no_state_of_rest. */
-FB_DEF fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_work *work, const fb_input *input)
-{
-  fbi_subject s;
-  fb_real change;
-  fb_status status = fbi_analyse_check(body, state, input);
-  FBI_REQUIRE(work, FB_ERR_NULL);
-  if (status != FB_OK) {
-    return status;
-  }
-  s = fbi_subject_body(body, work, &work->state, input, NULL);
-  work->state = *state;
-  for (int a = 0; a < body->n; a++) {
-    work->common.step[a] = fbi_difference_step(body, a);
-  }
-  status = fbi_trim_newton(&change, &work->common, &s, body->n);
-  status = status ? status : fb_state_check(body, &work->moved);
-  if (status == FB_OK && !fbi_is_settled(change)) {
-    status = FB_ERR_CONVERGENCE;
-  }
-  status = status ? status : fbi_body_rest(work, body, input);
-  if (status == FB_OK && body->base == FB_BASE_PRESCRIBED) {
-    status = fb_state_from_velocity(body, &work->moved, input->v, input->w, NULL);
-  }
-  if (status == FB_OK) {
-    *state = work->moved;
-  }
-  return status;
 }
 
 static const fb_linear_desc *fbi_no_ports(fbi_analysis *work)
@@ -17572,53 +17892,6 @@ FB_DEF fb_status fb_body_spectrum(fb_spectrum *spectrum, fb_analyse_work *work, 
     work->common.keep[i] = i;
   }
   return fbi_spectrum_fill(spectrum, &work->common, size, body->n, body->n);
-}
-
-static fbi_subject fbi_subject_system(const fb_system *system, const fb_body *body, fb_system_analyse_work *work,
-                                      const fb_system_state *state, const fb_system_input *input,
-                                      const fb_linear_desc *desc)
-{
-  const fbi_subject s = {body, desc, NULL, NULL, NULL, system, work, state, input};
-  return s;
-}
-
-/* [E12.8] Relative equilibrium of a system by Newton's method: the rates of the momenta of joints and modes, along the
-   axes of the joints, vanish with given axes at their rates, free joints in a free spin and the rest still.
-   Source: definition.  Cost: 8 n evaluations and a LU an iteration.  Fails: see the header.
-   Test: hinged_blades_flap_and_lag_in_closed_form, blades_cone_under_a_moment,
-   bases_that_are_pushed_have_no_state_of_rest. */
-FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb_system_state *state,
-                                fb_system_analyse_work *work, const fb_system_input *input)
-{
-  fbi_subject s;
-  fb_real change;
-  fb_status status = fbi_system_analyse_check(work, system, body, state, input);
-  status = status ? status : fbi_coordinates_find(work, system, body, state, 1);
-  if (status != FB_OK) {
-    return status;
-  }
-  s = fbi_subject_system(system, body, work, &work->state, input, NULL);
-  work->state = *state;
-  for (int k = 0; k < system->n_body; k++) { /* what turns steadily has steady momenta in a frame at rest alone */
-    fbi_zero(work->state.link[k].u, 3);
-    fbi_zero(work->state.link[k].lost_u, 3);
-  }
-  memset(work->steady, 0, sizeof work->steady);
-  memset(work->rest, 0, sizeof work->rest);
-  fbi_system_enter(&work->system, system);
-  fbi_prescribe(&work->state, system, &work->system, &work->state, input);
-  status = fbi_loops_open(&s, &work->state);
-  status = status ? status : fbi_loops_shut(&s, &work->state);
-  status = status ? status : fbi_trim_newton(&change, &work->common, &s, work->n_independent);
-  status = status ? status : fbi_system_range(system, body, &work->moved);
-  if (status == FB_OK && !fbi_is_settled(change)) {
-    status = FB_ERR_CONVERGENCE;
-  }
-  status = status ? status : fbi_roots_rest(&s);
-  if (status == FB_OK) {
-    *state = work->moved;
-  }
-  return status;
 }
 
 /* What the motors of a joint do, as a force [N]. */
@@ -17810,6 +18083,7 @@ FB_DEF fb_status fb_system_spectrum(fb_spectrum *spectrum, fb_system_analyse_wor
   }
   return status;
 }
+#endif
 
 FB_DEF fb_real fb_spectrum_damping(const fb_spectrum *spectrum, int k)
 {
@@ -17988,6 +18262,7 @@ FB_DEF fb_real fb_spectrum_step(const fb_spectrum *spectrum, fb_scheme scheme, c
   return low;
 }
 
+#if FB_WITH_EXACT
 /* ---- mixed beam: a perturbation x holds the change d of the nodes' poses, then the momenta of elements and lumps */
 
 static int fbi_mixed_dim(const fb_mixed *m)
@@ -18305,173 +18580,6 @@ FB_DEF fb_status fb_mixed_spectrum_solve(const fb_mixed *m, fb_mixed_spectrum *s
 
 /* ---- paths of steady states */
 
-static void fbi_mixed_loads_take(fbi_mixed_loads *to, const fb_mixed_work *work, const fb_mixed *m)
-{
-  fbi_copy(to->line, work->line, 6 * m->n);
-  fbi_copy(to->line_dead, work->line_dead, 6 * m->n);
-  fbi_copy(to->offset, work->offset, 6 * m->n);
-  fbi_copy(to->follower, work->follower, 6 * (m->n + 1));
-  fbi_copy(to->dead, work->dead, 6 * (m->n + 1));
-}
-
-static void fbi_mixed_sum(fb_real *x, const fb_real *a, fb_real factor, const fb_real *b, int n)
-{
-  for (int i = 0; i < n; i++) {
-    x[i] = a[i] + factor * b[i];
-  }
-}
-
-/* Residuals under the constant loads and a part of the varied ones. */
-static void fbi_mixed_path_residual(fb_mixed_path_work *w, const fb_mixed *m, fb_real factor)
-{
-  const fbi_mixed_loads *const a = &w->constant, *const b = &w->varied;
-  fb_mixed_work *const work = &w->mixed;
-  fbi_mixed_sum(work->line, a->line, factor, b->line, 6 * m->n);
-  fbi_mixed_sum(work->line_dead, a->line_dead, factor, b->line_dead, 6 * m->n);
-  fbi_mixed_sum(work->offset, a->offset, factor, b->offset, 6 * m->n);
-  fbi_mixed_sum(work->follower, a->follower, factor, b->follower, 6 * (m->n + 1));
-  fbi_mixed_sum(work->dead, a->dead, factor, b->dead, 6 * (m->n + 1));
-  fbi_mixed_nodes_eval(work, m);
-  fbi_mixed_residual(work, m);
-}
-
-/* Loads and motion of the base, in steady motion. */
-static void fbi_mixed_path_begin(fb_mixed_path_work *w, const fb_mixed *m, const fb_mixed_state *state,
-                                 const fb_mixed_input *constant, const fb_mixed_input *varied)
-{
-  const fbi_mixed_motion steady = {0, 0, 0, 0, FB_R(1.0), FB_R(0.0)};
-  fb_mixed_work *const work = &w->mixed;
-  int dead;
-  work->motion = steady;
-  fbi_mixed_input_take(work, m, state->base_quat, varied, FB_R(1.0), FB_R(0.0));
-  fbi_mixed_loads_take(&w->varied, work, m);
-  dead = work->motion.dead;
-  fbi_mixed_input_take(work, m, state->base_quat, constant, FB_R(1.0), FB_R(0.0));
-  fbi_mixed_loads_take(&w->constant, work, m);
-  work->motion.dead |= dead;
-  work->motion.inertia = !fbi_is_zero(work->twist + 3, 3);
-  fbi_zero(work->momentum, 6 * m->n);
-  fbi_zero(work->lump, 6 * m->n_lump);
-}
-
-/* Corrections at this factor in w->dd and ds, and those that a change of it by one brings in the work's. */
-static fb_status fbi_mixed_path_solve(fb_mixed_path_work *w, const fb_mixed *m, fb_real factor)
-{
-  fb_mixed_work *const work = &w->mixed;
-  fb_status status;
-  fbi_mixed_path_residual(w, m, factor + FB_R(1.0));
-  fbi_copy(w->B, work->B, 6 * (m->n + 1));
-  fbi_copy(w->c, work->c, 6 * m->n);
-  fbi_mixed_path_residual(w, m, factor);
-  fbi_mixed_want(work, m, FB_R(0.0), 1);
-  status = fbi_mixed_factor(work, m);
-  if (status != FB_OK) {
-    return status;
-  }
-  fbi_mixed_solve(work, m);
-  fbi_copy(w->dd, work->dd, 6 * (m->n + 1));
-  fbi_copy(w->ds, work->ds, 6 * m->n);
-  fbi_mixed_sum(work->B, w->B, -FB_R(1.0), work->B, 6 * (m->n + 1));
-  fbi_mixed_sum(work->c, w->c, -FB_R(1.0), work->c, 6 * m->n);
-  fbi_zero(work->want, 6 * (m->n + 1));
-  fbi_mixed_solve(work, m);
-  return FB_OK;
-}
-
-/* [E12.17] Steady states x(l) by arc length: of the tangent (x_l, 1) l_s with (x_l.x_l)/(n + 1) l_s^2 + l_s^2 = 1, x
-   the displacements and rotations of the nodes, the first correction goes by `arc`, the others go across it (Riks'
-   normal plane): with dx at constant l, dl = (arc or 0 - t.dx)/(t.x_l + t_l). The tangent at the end is less than 60
-   degrees from that at the start.
-   Source: [RI], [CF].
-   Cost: E10.10, and two solutions, an iteration.  Fails: 12 iterations; neighbors turned by more than a radian against
-   each other at once.  Test: arches_snap_at_their_limit_load, a_stiff_truss_snaps_in_closed_form. */
-static fb_status fbi_mixed_path_try(fb_mixed_path_work *w, const fb_mixed *m, fb_mixed_path *path, fb_real arc)
-{
-  fb_mixed_work *const work = &w->mixed;
-  const int n = 6 * (m->n + 1);
-  const fb_real part = FB_R(1.0) / (fb_real)(m->n + 1);
-  fb_real change = FB_R(1.0), rise = path->rise, slope = FB_R(1.0), size, cosine;
-  fb_status status = FB_OK;
-  for (int it = 0; it < 12 && status == FB_OK && change > FBI_MIXED_TOLERANCE; it++) {
-    fb_real more;
-    status = fbi_mixed_path_solve(w, m, path->factor);
-    path->iterations++;
-    if (status != FB_OK) {
-      return status;
-    }
-    size = FB_SQRT(part * fbi_dot(work->dd, work->dd, n) + FB_R(1.0));
-    if (it == 0) { /* the way on is that of the step before */
-      cosine = part * fbi_dot(path->ahead, work->dd, n) + path->rise;
-      rise = (cosine < FB_R(0.0) ? -FB_R(1.0) : FB_R(1.0)) / size;
-      for (int i = 0; i < n; i++) {
-        w->ahead[i] = rise * work->dd[i];
-      }
-    }
-    slope = part * fbi_dot(w->ahead, work->dd, n) + rise;
-    more = ((it == 0 ? arc : FB_R(0.0)) - part * fbi_dot(w->ahead, w->dd, n)) / slope;
-    for (int i = 0; i < n; i++) { /* the tangent stays behind, in w->dd */
-      const fb_real tangent = work->dd[i];
-      work->dd[i] = w->dd[i] + more * tangent;
-      w->dd[i] = tangent;
-    }
-    fbi_mixed_sum(work->ds, w->ds, more, work->ds, 6 * m->n);
-    change = fbi_larger(fbi_mixed_change(work, m, FB_R(1.0), it > 3 ? FB_EPSILON : FB_R(0.0)),
-                        FB_FABS(more) / (FB_R(1.0) + FB_FABS(path->factor)));
-    status = fbi_mixed_turn_add(work, m, change);
-    path->factor += more;
-  }
-  if (status != FB_OK || change > FBI_MIXED_TOLERANCE) {
-    return FB_ERR_CONVERGENCE;
-  }
-  cosine = slope / size;
-  for (int i = 0; i < n; i++) {
-    path->ahead[i] = (cosine < FB_R(0.0) ? -FB_R(1.0) : FB_R(1.0)) * w->dd[i] / size;
-  }
-  path->rise = (cosine < FB_R(0.0) ? -FB_R(1.0) : FB_R(1.0)) / size;
-  return FB_FABS(cosine) > FB_R(0.5) ? FB_OK : FB_ERR_CONVERGENCE;
-}
-
-FB_DEF fb_status fb_mixed_path_step(const fb_mixed *m, fb_mixed_path *path, fb_mixed_state *state,
-                                    fb_mixed_path_work *w, const fb_mixed_input *constant, const fb_mixed_input *varied,
-                                    fb_real arc)
-{
-  fb_mixed_path next;
-  fb_status status;
-  FBI_REQUIRE(m && path && state && w && varied, FB_ERR_NULL);
-  constant = constant ? constant : fbi_mixed_no_input(&w->mixed);
-  status = fb_mixed_state_check(m, state);
-  status = status ? status : fbi_mixed_input_check(m, constant);
-  status = status ? status : fbi_mixed_input_check(m, varied);
-  if (status != FB_OK) {
-    return status;
-  }
-  if (!fbi_is_finite(path->ahead, 6 * (m->n + 1)) || !fbi_is_finite(&path->factor, 1) ||
-      !fbi_is_finite(&path->rise, 1)) {
-    return FB_ERR_NOT_FINITE;
-  }
-  if (!(FB_FABS(arc) > FB_R(0.0) && FB_FABS(arc) < FB_HUGE)) {
-    return FB_ERR_VALUE;
-  }
-  fbi_mixed_path_begin(w, m, state, constant, varied);
-  status = FB_ERR_CONVERGENCE;
-  for (int k = 0, iterations = 0; k < 11 && status != FB_OK; k++) {
-    next = *path;
-    next.iterations = iterations;
-    next.arc = arc;
-    fbi_mixed_pose_take(&w->mixed, state, m);
-    status = fbi_mixed_path_try(w, m, &next, arc);
-    iterations = next.iterations;
-    arc *= FB_R(0.5);
-  }
-  if (status == FB_OK) {
-    fbi_mixed_path_residual(w, m, next.factor);
-    fbi_mixed_rest(state, &w->mixed, m);
-    next.unstable = w->mixed.unstable;
-    *path = next;
-  }
-  return status;
-}
-
 static fb_status fbi_mixed_ports_check(const fb_mixed *m, const fb_mixed_linear_desc *desc)
 {
   if (!fbi_is_choice(desc->n_in, FB_MAX_PORTS) || !fbi_is_choice(desc->n_out, FB_MAX_PORTS)) {
@@ -18775,9 +18883,11 @@ FB_DEF fb_status fb_mixed_linearize(const fb_mixed *m, fb_mixed_linear *linear, 
   }
   return status;
 }
+#endif
 
 /* ---------------------------------------------------------------------------------------------------------------
-   13 >>advise (uses 1-5, 8, 11, 12) */
+   ANALYSE >>advise: which effects, modes, integrator and step a scene calls for
+   (uses config, status, vec3, solve, body, integrate, assemble, trim, linear) */
 
 /* The sets there are, by what they cost; the last is the full one. */
 static const unsigned fbi_advice_set[FBI_ADVICE_SETS] = {
@@ -18791,12 +18901,13 @@ static const unsigned fbi_advice_set[FBI_ADVICE_SETS] = {
     FB_EFFECTS_SPIN | FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING,
     FB_EFFECTS_SPIN | FB_EFFECT_RESIDUAL_INERTIA | FB_EFFECT_SPIN_STIFFENING,
     FB_EFFECTS_FULL};
-#define FBI_ADVICE_FULL (FBI_ADVICE_SETS - 1)
 
+#define FBI_ADVICE_FULL (FBI_ADVICE_SETS - 1)
 /* What of an envelope acts at an instant: spin, its rate, acceleration, loads. The largest do not fall together. */
 #define FBI_ADVICE_REST FBI_ADVICE_INSTANTS /* one more: nothing acts */
 static const signed char fbi_advice_instant[FBI_ADVICE_INSTANTS + 1][4] = {{1, 1, 1, 1}, {1, 1, -1, 1}, {0, 1, 1, 1},
                                                                            {1, 0, 0, 1}, {0, 0, 0, 1},  {0, 0, 0, 0}};
+
 /* Parts of an oscillation: of its deflection, of its speed. */
 static const fb_real fbi_advice_phase[FBI_ADVICE_PHASES][2] = {
     {FB_R(1.0), FB_R(0.0)}, {FB_R(0.70710678118654752), FB_R(0.70710678118654752)}, {FB_R(0.0), FB_R(1.0)}};
@@ -19478,7 +19589,6 @@ static fb_real fbi_trial_error(const fb_trial *trial)
 }
 
 #define FBI_ADVICE_SHORT 4 /* of rk4's steps: a quarter of its limit */
-
 /* Shorter steps next; none where they no longer help, neither of this scheme nor of the others. */
 static void fbi_search_note(fb_advise_work *work, const fb_envelope *e, const int at[3], fb_real error,
                             fb_real tolerance)
@@ -19568,27 +19678,4 @@ FB_DEF fb_status fb_advice_search(fb_advice *advice, fb_advise_work *work, const
   }
   return status;
 }
-
-/* ---------------------------------------------------------------------------------------------------------------
-   14 >>build (uses 1-2) */
-
-FB_DEF const char *fb_version_string(void)
-{
-  return FB_VERSION;
-}
-
-FB_DEF const char *fb_config_string(void)
-{
-  return FB_CONFIG;
-}
-
-FB_DEF fb_status fb_config_check(const char *config)
-{
-  FBI_REQUIRE(config, FB_ERR_NULL);
-  return strcmp(config, FB_CONFIG) == 0 ? FB_OK : FB_ERR_VALUE;
-}
-
-FB_DEF fb_status fb_build_check(void)
-{
-  return fbi_is_exact() ? FB_OK : FB_ERR_BUILD;
-}
+#endif /* FB_WITH_ANALYSE */

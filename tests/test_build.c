@@ -1,4 +1,4 @@
-/* Section 13: version and configuration string. The header is read here after everything it must live with: the
+/* >>version: version and configuration string. The header is read here after everything it must live with: the
    system's own headers that own short FB_ and one-letter names, and the macros of other systems. */
 #if defined(__has_include) && !defined(__cplusplus)
 #if __has_include(<termios.h>)
@@ -25,7 +25,7 @@
 #endif
 #include "fbt.h"
 
-/* Section 13: a file and the implementation agree on the configuration, and a disagreement is noticed. */
+/* >>version: a file and the implementation agree on the configuration, and a disagreement is noticed. */
 TEST(a_configuration_is_accepted_only_by_its_own_name)
 {
   char other[512];
@@ -43,23 +43,24 @@ TEST(a_configuration_is_accepted_only_by_its_own_name)
   FBT_INT_EQ(fb_config_check(NULL), FB_ERR_NULL);
 }
 
-/* Section 13: the name spells out the options, so that a link error can be read. */
+/* >>version: the name spells out the options, so that a link error can be read. */
 TEST(the_configuration_spells_out_the_options)
 {
   char expected[512];
   snprintf(
       expected, sizeof expected,
       "fb_config_is_%s_modes%d_nodes%d_loads%d_elements%d_stations%d_lumps%d_strains%d_lambda%d_s%d_runs%d_bodies%d_"
-      "loops%d_rows%d_speeds%d_mixed%d_with%d%d%d%d%d%d%d_forms%d",
+      "loops%d_rows%d_speeds%d_mixed%d_with%d%d%d%d%d%d%d_forms%d_rooms%d%d%d%d",
       FB_SINGLE ? "single" : "double", FB_MAX_MODES, FB_MAX_NODES, FB_MAX_LOADS, FB_MAX_ELEMENTS, FB_MAX_STATIONS,
       FB_MAX_LUMPS, FB_MAX_STRAINS, FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_RUNS, FB_MAX_BODIES, FB_MAX_LOOPS, FB_MAX_ROWS,
       FB_MAX_SPEEDS, FB_MAX_MIXED, FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA, FB_WITH_SPIN_STIFFENING,
-      FB_WITH_ACCELERATION_STIFFENING, FB_WITH_DAMPING, FB_WITH_GRAVITY, FB_WITH_NONLINEAR_STRAIN, FB_WITH_FORMS);
+      FB_WITH_ACCELERATION_STIFFENING, FB_WITH_DAMPING, FB_WITH_GRAVITY, FB_WITH_NONLINEAR_STRAIN, FB_WITH_FORMS,
+      FB_WITH_SYSTEM, FB_WITH_EXACT, FB_WITH_BUILD, FB_WITH_ANALYSE);
   FBT_TRUE(strcmp(fb_config_string(), expected) == 0);
   FBT_INT_EQ(sizeof(fb_real), FB_SINGLE ? sizeof(float) : sizeof(double));
 }
 
-/* Section 13: the compiled version is the header's, three numbers. */
+/* >>version: the compiled version is the header's, three numbers. */
 TEST(the_version_is_that_of_the_header)
 {
   int number[3];
@@ -68,7 +69,7 @@ TEST(the_version_is_that_of_the_header)
   FBT_INT_EQ(sscanf(fb_version_string(), "%d.%d.%d%c", &number[0], &number[1], &number[2], &rest), 3);
 }
 
-/* Section 13: arithmetic is as it is written, else nothing is made (tests/checks/fast_math.sh has the other case). */
+/* >>version: arithmetic is as it is written, else nothing is made (tests/checks/fast_math.sh has the other case). */
 TEST(the_build_keeps_arithmetic)
 {
   FBT_INT_EQ(fb_build_check(), FB_OK);

@@ -16,7 +16,7 @@ inside && /^ *[-#=0-9*]+: *[1-9][0-9]*:/ {
   number = field[2] + 0
   text = substr($0, index($0, ":") + 1)
   text = substr(text, index(text, ":") + 1)
-  if (match(text, /^   [0-9]+ >>[a-z0-9]+/)) {
+  if (match(text, /^   [A-Z]+ >>[a-z0-9]+/)) {
     section = substr(text, index(text, ">>") + 2)
     sub(/ .*/, "", section)
     order[++sections] = section

@@ -155,16 +155,16 @@ END {
   }
   number = 0
   for (n = 1; n <= lines; n++) {
-    if (raw[n] ~ /^   [0-9]+ >>[a-z]+/) {
+    if (raw[n] ~ /^   [A-Z]+ >>[a-z]+/) {
       match(raw[n], />>[a-z0-9]+/)
       section = substr(raw[n], RSTART + 2, RLENGTH - 2)
-      number = raw[n] + 0
+      number = section !~ /^(config|status|version)$/
     }
     if (code[n] ~ /^[A-Za-z].*[A-Za-z0-9_]\(/ && match(code[n], /fbi?_[A-Za-z0-9_]+\(/)) {
       name = substr(code[n], RSTART, RLENGTH - 1)
     }
     inside = code[n] ~ /^\{/ ? 1 : code[n] ~ /^\}/ ? 0 : inside
-    if (inside && number >= 3 && number <= 13 && !left[n] && name !~ checks) {
+    if (inside && number && !left[n] && name !~ checks) {
       mutate(n)
     }
   }

@@ -143,7 +143,7 @@ awk -v seed="$seed" '
   }
   { of[$1, $3]++; of[$2, $3]++; of["all", $3]++ }
   END {
-    rows("section", "vec3 rotation linalg beam modes body system mixed integrate analyse advise")
+    rows("section", "vec3 rotation solve body system exact integrate eigen beam modes assemble trim linear advise")
     rows("kind", "sign operator factor index bound term all")
     caught = of["all", "caught"]
     counted = caught + of["all", "survived"]

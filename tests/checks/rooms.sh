@@ -1,0 +1,38 @@
+#!/bin/sh
+# The rooms of the implementation: RUN compiles alone, RUN and BUILD compile without ANALYSE, each with and without systems
+# and the exact beam, without a warning and without a function that nothing uses; no section uses one that stands below it;
+# the list in each banner is what its code uses; what is removed is not declared.
+. tests/checks/common.sh
+need gcc gcc
+need g++ g++
+need clang clang
+awk -f tests/checks/rooms.awk flexbeam_impl.h > "$out/arrows"
+[ ! -s "$out/arrows" ] || { cat "$out/arrows"; fail "banners"; }
+sections() { sed -n 's/^   \([A-Z]* >>[a-z0-9]*\).*/\1/p' "$1"; }
+[ "$(sections flexbeam.h)" = "$(sections flexbeam_impl.h)" ] ||
+  fail "flexbeam.h and flexbeam_impl.h have other sections, or another order"
+
+count=0
+for system in 0 1; do
+  for exact in 0 1; do
+    for rooms in 00 10 11; do
+      options="-DFB_WITH_SYSTEM=$system -DFB_WITH_EXACT=$exact -DFB_WITH_BUILD=${rooms%?} -DFB_WITH_ANALYSE=${rooms#?}"
+      for single in 0 1; do
+        try gcc $c99 -O0 $options -DFB_SINGLE=$single -c -o "$out/$system$exact$rooms.o" "$out/impl.c"
+        try gcc $c99 -O0 $options -DFB_SINGLE=$single -DFLEXBEAM_STATIC -c -o "$out/static.o" "$out/impl.c"
+        try clang $c99 $options -DFB_SINGLE=$single -fsyntax-only "$out/impl.c"
+        try clang $c99 $options -DFB_SINGLE=$single -DFB_WITH_FORMS=1 -fsyntax-only "$out/impl.c"
+        try g++ -std=c++11 $base $options -DFB_SINGLE=$single -O0 -x c++ -c -o "$out/cpp.o" "$out/impl.c"
+        count=$((count + 5))
+      done
+    done
+  done
+done
+gcc $c99 -DFB_WITH_ANALYSE=1 -DFB_WITH_BUILD=0 -fsyntax-only "$out/impl.c" 2> "$out/log" && fail "ANALYSE without BUILD is taken"
+grep -q 'FB_WITH_ANALYSE needs FB_WITH_BUILD' "$out/log" || fail "no word on FB_WITH_ANALYSE without FB_WITH_BUILD"
+exported() { nm -g --defined-only "$out/$1.o" | grep -c ' T fb_'; }
+nm -g --defined-only "$out/0000.o" | grep -E ' T fb_(system|mixed|exact|eig|beam|modes|shape|advi|[a-z_]*_init$)' | grep -v fb_state_init &&
+  fail "functions of a removed room are still there"
+printf '#define FB_WITH_BUILD 0\n#include "flexbeam.h"\nint main(void) { return fb_shape_init(0, 0); }\n' > "$out/undeclared.c"
+gcc -std=c99 -I. -Werror -fsyntax-only "$out/undeclared.c" 2> "$out/log" && fail "fb_shape_init is declared without BUILD"
+ok "$count compilations of 12 combinations; functions exported: RUN of one body $(exported 0000), with systems and exact beams $(exported 1100), with BUILD $(exported 1110), with ANALYSE $(exported 1111); $(grep -c '^   [A-Z]* >>' flexbeam_impl.h) sections, each uses those above it as its banner says"
