@@ -1430,7 +1430,7 @@ TEST(advice_refuses_nonsense)
   FBT_INT_EQ(advice.n, -7);
 }
 
-SUITE(advise, RUN(selection_takes_rows_and_pairs), RUN(selected_modes_move_as_a_body_of_their_own),
+SUITE(advise, RUN_FORMS(selection_takes_rows_and_pairs), RUN(selected_modes_move_as_a_body_of_their_own),
       RUN(selection_refuses_nonsense), RUN(advice_estimates_the_deflection), RUN(modes_err_by_what_gives_way),
       RUN(sets_err_by_the_change_of_frequency), RUN(advice_knows_where_modes_end), RUN(what_acts_adds_up_at_its_worst),
       RUN(compressed_booms_bend_until_they_buckle), RUN(sets_err_by_what_they_lack), RUN(model_error_is_its_formula),

@@ -1629,13 +1629,13 @@ static void large_shape(int combined)
   }
 }
 
-static void large_body(fb_form form, fb_base base, unsigned damping, int combined)
+static void large_body(int form, fb_base base, unsigned damping, int combined)
 {
   static fb_body_desc level;
   memset(&level, 0, sizeof level);
-  level.form = form;
+  FBT_SET_FORM(level, form);
   level.base = base;
-  level.effects = (form == FB_FORM_FIRST ? FB_EFFECTS_SPIN : FB_EFFECTS_FULL) | damping | FB_EFFECT_GRAVITY;
+  level.effects = (form == FBT_FIRST ? FB_EFFECTS_SPIN : FB_EFFECTS_FULL) | damping | FB_EFFECT_GRAVITY;
   level.gravity[0] = FB_R(0.3);
   level.gravity[2] = -FB_R(1.5);
   for (int a = 0; a < LARGE; a++) {
@@ -1711,12 +1711,12 @@ static void large_outcome(outcome *out, int combined)
 TEST(combined_coordinates_are_the_same_body)
 {
   double worst = 0.0;
-  for (int run = 0; run < 3 * 4; run++) {
+  for (int run = 0; run < 4 * FBT_FORMS; run++) {
     outcome plain, other_way;
     const fb_real *const a = (const fb_real *)&plain, *const b = (const fb_real *)&other_way;
-    large_body((fb_form)(run / 4), (fb_base)(run % 4), FB_EFFECT_DAMPING, 0);
+    large_body((run / 4), (fb_base)(run % 4), FB_EFFECT_DAMPING, 0);
     large_outcome(&plain, 0);
-    large_body((fb_form)(run / 4), (fb_base)(run % 4), FB_EFFECT_DAMPING, 1);
+    large_body((run / 4), (fb_base)(run % 4), FB_EFFECT_DAMPING, 1);
     large_outcome(&other_way, 1);
     for (size_t i = 0; i < sizeof plain / sizeof(fb_real); i++) {
       worst = fmax(worst, fabs((double)(a[i] - b[i])) / (1.0 + fabs((double)a[i])));
@@ -1728,10 +1728,10 @@ TEST(combined_coordinates_are_the_same_body)
 /* E8.15 to E8.18, E8.25, E8.27: that body, free and without damping: the work of all its loads is the change of its energy. */
 TEST(power_of_all_loads_is_the_rate_of_energy)
 {
-  for (int form = 0; form < 3; form++) {
+  for (int form = 0; form < FBT_FORMS; form++) {
     fb_state state;
     fb_input input;
-    large_body((fb_form)form, FB_BASE_FREE, 0, 0);
+    large_body(form, FB_BASE_FREE, 0, 0);
     moving_state(&state, 0.05, 0);
     large_input(&input);
     FBT_NEAR_ABS(energy_rate(&state, &input, FBT_TOL(1e-5, 1e-2)), power_of(&state, &input), FBT_TOL(1e-7, 0.1));
@@ -3907,8 +3907,8 @@ SUITE(body, RUN(loads_that_are_no_numbers_are_refused_on_held_bases),
       RUN(beam_integrals_hold_for_any_section_and_line), RUN(quadratic_field_is_inextensible_and_twist_free),
       RUN(quadratic_field_follows_a_bent_line_in_any_attitude), RUN(offset_masses_move_with_their_section),
       RUN(lumped_bodies_are_the_particles_they_stand_for), RUN(a_beam_may_take_later_coordinates),
-      RUN(power_of_loads_is_the_rate_of_energy), RUN(combined_coordinates_are_the_same_body),
-      RUN(power_of_all_loads_is_the_rate_of_energy), RUN(combined_coordinates_of_a_beam_are_the_same_body),
+      RUN(power_of_loads_is_the_rate_of_energy), RUN_FORMS(combined_coordinates_are_the_same_body),
+      RUN_FORMS(power_of_all_loads_is_the_rate_of_energy), RUN(combined_coordinates_of_a_beam_are_the_same_body),
       RUN(recoil_is_what_springs_leave_the_frame), RUN(lines_of_particles_are_refused),
       RUN(a_selection_is_the_body_with_the_others_held), RUN(what_a_symmetry_makes_zero_is_no_term),
       RUN(node_kinematics_match_finite_differences), RUN(reactions_balance_the_momentum),

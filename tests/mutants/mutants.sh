@@ -20,7 +20,7 @@ here=tests/mutants out=build/mutants
 CC=${CC:-cc}
 flags="-std=c99 -ffp-contract=off -Og -w"
 sanitize="-fno-sanitize-recover=all -fsanitize"
-tests="-DFBT_SHORT=1 -DFBT_STOP=1"
+tests="-DFBT_SHORT=1 -DFBT_STOP=1 -DFB_WITH_FORMS=1" # every equation is there
 tab=$(printf '\t')
 # cheap ones first
 suites="vec3 rotation linalg build status advise analyse integrate forms body system modes mixed beam check-jacobian check-shape_rates"
