@@ -94,8 +94,8 @@ TEST(spectrum_of_a_spinning_oscillator_is_closed_form)
       const double x = (double)spectrum.re[k], y = (double)spectrum.im[k];
       const double s = x * x - y * y, t = 2.0 * x * y; /* l^2 */
       const double p = s + cx * x + a, q = t + cx * y, u = s + cy * x + b, v = t + cy * y;
-      FBT_NEAR_ABS(p * u - q * v + 4.0 * w * w * s, 0.0, FBT_TOL(2e-9, 0.2));
-      FBT_NEAR_ABS(p * v + q * u + 4.0 * w * w * t, 0.0, FBT_TOL(2e-9, 0.2));
+      FBT_NEAR_ABS(p * u - q * v + 4.0 * w * w * s, 0.0, FBT_TOL(2e-11, 1e-2));
+      FBT_NEAR_ABS(p * v + q * u + 4.0 * w * w * t, 0.0, FBT_TOL(2e-11, 1e-2));
       sum += x * (y > 0.0 ? 2.0 : 1.0);
       unstable = fmax(unstable, x);
       FBT_NEAR_ABS(fb_spectrum_damping(&spectrum, k), -x / sqrt(x * x + y * y), 8.0 * EPS);
