@@ -1,4 +1,5 @@
-/* strain.h - a beam with nonlinear axial strain, its spin-up; scenes shared by test_body_strain.c and test_forms.c. Basis C is closed under rotation (the same functions in every direction), H has strain at the root as well. */
+/* strain.h - a beam with nonlinear axial strain, its spin-up; scenes shared by test_body_strain.c and test_forms.c.
+   Basis C is closed under rotation (the same functions in every direction), H has strain at the root as well. */
 #ifndef FBT_STRAIN_H
 #define FBT_STRAIN_H
 

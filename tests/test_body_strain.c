@@ -1,4 +1,5 @@
-/* Section 8: nonlinear axial strain: its energy, forces and limits, the spin-up of D'Eleuterio and Barfoot [DB], what is refused in such bodies; with FB_WITH_FORMS in every form of the equations. */
+/* Section 8: nonlinear axial strain: its energy, forces and limits, the spin-up of D'Eleuterio and Barfoot [DB], what
+   is refused in such bodies; with FB_WITH_FORMS in every form of the equations. */
 #include "strain.h"
 
 /* ---- strain */

@@ -1,6 +1,8 @@
-/* Runs every suite and closes with "N passed, N failed". Optional argument: only the tests whose section/name or
-   section/topic/name contains it (`body/` is all tests of that section); --forms: only those for which FB_WITH_FORMS makes a
-   difference; --figures: print the measured figures, fields separated by |. */
+/* Runs every suite and closes with "N passed, N failed". Optional argument:
+   only the tests whose section/name or section/topic/name contains it (`body/`
+   is all tests of that section); --forms: only those for which FB_WITH_FORMS
+   makes a difference; --figures: print the measured figures, fields separated
+   by |. */
 #ifndef FBT_SEPARATE /* set where another file holds the implementation */
 #define FLEXBEAM_IMPLEMENTATION
 #endif
@@ -8,14 +10,21 @@
 
 /* In this order they run. */
 #if FB_WITH_FORMS
-#define FORMS(X) X(forms)
+#define FORMS(X) X(forms) X(integrate_forms)
 #else
 #define FORMS(X)
 #endif
 // clang-format off
 #define SUITES(X) \
-  X(status) X(vec3) X(rotation) X(linalg) X(beam) X(modes) X(body) X(body_strain) FORMS(X) X(integrate) \
-  X(system) X(mixed) X(analyse) X(advise) X(build)
+  X(status) X(vec3) X(rotation) X(linalg) X(beam) \
+  X(modes_frequencies) X(modes_components) X(modes_selection) \
+  X(body_particles) X(body_coordinates) X(body_integrals) X(body_motion) X(body_joined) X(body_strain) X(body_refusals) \
+  FORMS(X) \
+  X(integrate_limits) X(integrate_implicit) X(integrate_order) \
+  X(system_trees) X(system_joints) X(system_loops) X(system_rows) X(system_steps) X(system_references) X(system_refusals) \
+  X(mixed_statics) X(mixed_motion) X(mixed_flight) X(mixed_spectrum) X(mixed_linear) \
+  X(analyse_body) X(analyse_steps) X(analyse_system) X(analyse_loops) \
+  X(advise_formulas) X(advise_search) X(build)
 // clang-format on
 
 #define DECLARE(section) void fbt_suite_##section(void);

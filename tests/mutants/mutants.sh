@@ -64,7 +64,7 @@ sanitized() {
   fi
   for program in "$out"/sanitized*; do
     run 200 "$program" "$1/" && { [ "$1" != body ] || run 200 "$program" forms/; } &&
-      { [ "$1" != analyse ] || run 200 "$program" mixed/linear_beams; } || return 1
+      { [ "$1" != analyse ] || run 200 "$program" mixed/linear/linear_beams; } || return 1
   done
 }
 
