@@ -9,7 +9,7 @@ FLAGS      = -std=c99 -I. -ffp-contract=off $(WARNINGS) $(WARNINGS_C)
 export WARNINGS WARNINGS_C
 
 LIBRARY  = flexbeam.h flexbeam_impl.h
-SECTIONS = main status vec3 rotation linalg beam modes body system forms mixed integrate analyse advise build
+TESTS    = $(wildcard tests/test_*.c)
 EXAMPLES = quickstart spinup campbell analyse advise table1 assembly reduce elastodyn firmware spacecraft rotor arm fourbar \
            elastica follower flap whirl beam3d scene leigh hil_plant hil_controller \
            tutorial_satellite tutorial_blade tutorial_import tutorial_firmware
@@ -93,8 +93,11 @@ campaign-mpi:
 	@command -v mpicc > /dev/null || { echo "campaign-mpi: no mpicc (Debian: apt-get install openmpi-bin libopenmpi-dev)"; exit 1; }
 	@$(MAKE) -s --no-print-directory build/examples/campaign_mpi && echo "mpirun -n N build/examples/campaign_mpi FILE"
 
-test: check-quickstart build/test_runner
-	build/test_runner
+# The library as it ships; then what FB_WITH_FORMS makes a difference to, with it. The last line counts both.
+test: check-quickstart build/test_runner build/test_forms
+	@{ build/test_runner; build/test_forms --forms; } | awk \
+	  '/^[0-9]+ passed, [0-9]+ failed$$/ { passed += $$1; failed += $$3; ends++; next } { print; fflush() } \
+	   END { failed += 2 - ends; print passed " passed, " failed " failed"; exit failed > 0 }'
 
 hard: build/hard_double build/hard_single
 	@status=0; for p in double single; do \
@@ -148,7 +151,7 @@ readme: examples build/bench/bench_mixed_double build/bench/bench_system_double 
 	sh bench/readme.sh
 
 build/readme/figures_double build/readme/figures_single: $(wildcard tests/*.[ch]) $(LIBRARY) | build/readme
-	$(CC) $(FLAGS) $(CFLAGS) -DFB_SINGLE=$(if $(findstring single,$@),1,0) -o $@ $(SECTIONS:%=tests/test_%.c) -lm
+	$(CC) $(FLAGS) $(CFLAGS) -DFB_SINGLE=$(if $(findstring single,$@),1,0) -DFB_WITH_FORMS=1 -o $@ $(TESTS) -lm
 
 format:
 	clang-format -i *.h tests/*.[ch] tests/checks/*.[ch] tests/fuzz/*.[ch] tests/hard/*.[ch] tests/mutants/*.h examples/*.[ch] examples/board/*.[ch] bench/*.[ch]
@@ -188,15 +191,20 @@ build/hard_double build/hard_single: $(wildcard tests/hard/*.[ch]) bench/clock.h
 build/examples/campaign_mpi: examples/campaign_mpi.c $(wildcard examples/*.h) $(LIBRARY) build/flags | build/examples
 	mpicc $(FLAGS) $(CFLAGS) -o $@ $< -lm
 
-build/test_runner: $(SECTIONS:%=build/tests/test_%.o)
+build/test_runner: $(TESTS:tests/%.c=build/tests/%.o)
+build/test_forms: $(TESTS:tests/%.c=build/tests/forms/%.o)
+build/test_runner build/test_forms:
 	$(CC) $(CFLAGS) -o $@ $^ -lm
 
-build/tests/%.o: tests/%.c tests/fbt.h flexbeam.h build/flags | build/tests
+build/tests/%.o: tests/%.c $(wildcard tests/*.h) flexbeam.h build/flags | build/tests
 	$(CC) $(FLAGS) $(CFLAGS) -c -o $@ $<
 
-build/tests/test_main.o: flexbeam_impl.h
+build/tests/forms/%.o: tests/%.c $(wildcard tests/*.h) flexbeam.h build/flags | build/tests/forms
+	$(CC) $(FLAGS) $(CFLAGS) -DFB_WITH_FORMS=1 -c -o $@ $<
 
-build build/tests build/examples build/bench build/readme:
+build/tests/test_main.o build/tests/forms/test_main.o: flexbeam_impl.h
+
+build build/tests build/tests/forms build/examples build/bench build/readme:
 	@mkdir -p $@
 
 # Changes only when the compiler or its flags do.
@@ -211,7 +219,7 @@ build/commit: FORCE | build
 
 ci:
 	@$(MAKE) -s -k -j2 --output-sync=target --no-print-directory CFLAGS='$(filter-out -Werror,$(CFLAGS)) -Werror' \
-	  $(CHECKS:%=check-%) examples build/test_runner
+	  $(CHECKS:%=check-%) examples build/test_runner build/test_forms
 	@echo "ci: all $(words $(CHECKS)) checks passed"
 
 build/examples/hil_plant build/examples/hil_controller build/examples/campaign build/examples/campaign_mpi: bench/clock.h

@@ -1,7 +1,7 @@
 /* fbt.h - the test harness: nothing but a C compiler.
-   Each tests/test_<section>.c defines static tests with TEST(name) and lists them in SUITE(section, ...); a test that
-   is not listed fails the build (-Wunused-function). Every test file is a translation unit of its own and sees only
-   flexbeam.h; the code itself is in test_main.c. */
+   Each tests/test_<section>.c or test_<section>_<topic>.c defines static tests with TEST(name) and lists them in
+   SUITE(section, ...) or SUITE(section_topic, ...); a test that is not listed fails the build (-Wunused-function). Every
+   test file is a translation unit of its own and sees only flexbeam.h; the code itself is in test_main.c. */
 #ifndef FBT_H
 #define FBT_H
 
@@ -12,9 +12,6 @@
 #endif
 #ifndef FB_MAX_STRAINS
 #define FB_MAX_STRAINS 24
-#endif
-#ifndef FB_WITH_FORMS
-#define FB_WITH_FORMS 1
 #endif
 #ifndef FB_MAX_ROWS
 #define FB_MAX_ROWS 48
@@ -32,13 +29,18 @@
 typedef struct fbt_case {
   const char *name;
   void (*run)(void);
+  int forms; /* 1: FB_WITH_FORMS makes a difference: test_runner --forms runs these alone */
 } fbt_case;
 
 #define FBT_COUNT(array) ((int)(sizeof(array) / sizeof((array)[0])))
 #define TEST(name) static void name(void)
-#define RUN(name) \
-  {               \
-#name, name   \
+#define RUN(name)  \
+  {                \
+#name, name, 0 \
+  }
+#define RUN_FORMS(name) \
+  {                     \
+#name, name, 1      \
   }
 #define SUITE(section, ...)                        \
   void fbt_suite_##section(void);                  \
@@ -50,6 +52,20 @@ typedef struct fbt_case {
 
 /* A tolerance for double and one for single precision. */
 #define FBT_TOL(in_double, in_single) (FB_SINGLE ? (in_single) : (in_double))
+
+/* The forms of the equations of motion and the stiffness torques, by number: of the forms the first FBT_FORMS are there. The
+   library as shipped has one, and no members to choose it by. */
+#if FB_WITH_FORMS
+enum { FBT_MOMENTUM = FB_FORM_MOMENTUM, FBT_SECOND = FB_FORM_SECOND, FBT_FIRST = FB_FORM_FIRST, FBT_FORMS = 3 };
+enum { FBT_IDENTITY = FB_TORQUE_IDENTITY, FBT_PRINTED = FB_TORQUE_PRINTED, FBT_BOUNDARY = FB_TORQUE_BOUNDARY };
+#define FBT_SET_FORM(desc, number) ((desc).form = (fb_form)(number))
+#define FBT_SET_TORQUE(desc, number) ((desc).stiffness_torque = (fb_stiffness_torque)(number))
+#else
+enum { FBT_MOMENTUM, FBT_SECOND, FBT_FIRST, FBT_FORMS = 1 };
+enum { FBT_IDENTITY, FBT_PRINTED, FBT_BOUNDARY };
+#define FBT_SET_FORM(desc, number) ((void)(number))
+#define FBT_SET_TORQUE(desc, number) ((void)(number))
+#endif
 
 /* Steps or seconds of a long run. Sanitizers (tests/checks/sanitize.sh) set FBT_SHORT: the code that a step runs through is
    the same in every step, a short run shows them all of it, under the same bounds. */

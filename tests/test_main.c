@@ -1,27 +1,37 @@
-/* Runs every suite and closes with "N passed, N failed". Optional argument: only the tests whose section/name contains it
-   (`body/` is the whole suite of that section), or --figures: print the measured figures, fields separated by |. */
+/* Runs every suite and closes with "N passed, N failed". Optional argument:
+   only the tests whose section/name or section/topic/name contains it (`body/`
+   is all tests of that section); --forms: only those for which FB_WITH_FORMS
+   makes a difference; --figures: print the measured figures, fields separated
+   by |. */
 #ifndef FBT_SEPARATE /* set where another file holds the implementation */
 #define FLEXBEAM_IMPLEMENTATION
 #endif
 #include "fbt.h"
 
-void fbt_suite_status(void);
-void fbt_suite_vec3(void);
-void fbt_suite_rotation(void);
-void fbt_suite_linalg(void);
-void fbt_suite_beam(void);
-void fbt_suite_modes(void);
-void fbt_suite_body(void);
-void fbt_suite_forms(void);
-void fbt_suite_integrate(void);
-void fbt_suite_mixed(void);
-void fbt_suite_analyse(void);
-void fbt_suite_advise(void);
-void fbt_suite_system(void);
-void fbt_suite_build(void);
+/* In this order they run. */
+#if FB_WITH_FORMS
+#define FORMS(X) X(forms) X(integrate_forms)
+#else
+#define FORMS(X)
+#endif
+// clang-format off
+#define SUITES(X) \
+  X(status) X(vec3) X(rotation) X(linalg) X(beam) \
+  X(modes_frequencies) X(modes_components) X(modes_selection) \
+  X(body_particles) X(body_coordinates) X(body_integrals) X(body_motion) X(body_joined) X(body_strain) X(body_refusals) \
+  FORMS(X) \
+  X(integrate_limits) X(integrate_implicit) X(integrate_order) \
+  X(system_trees) X(system_joints) X(system_loops) X(system_rows) X(system_steps) X(system_references) X(system_refusals) \
+  X(mixed_statics) X(mixed_motion) X(mixed_flight) X(mixed_spectrum) X(mixed_linear) \
+  X(analyse_body) X(analyse_steps) X(analyse_system) X(analyse_loops) \
+  X(advise_formulas) X(advise_search) X(build)
+// clang-format on
+
+#define DECLARE(section) void fbt_suite_##section(void);
+SUITES(DECLARE)
 
 static int passed, failed, claims_failed;
-static int figures;
+static int figures, forms_alone;
 static const char *only = "", *running = "";
 static unsigned long long random_state = 1;
 
@@ -60,7 +70,8 @@ void fbt_run(const char *section, const fbt_case *cases, int n)
   for (int i = 0; i < n; i++) {
     char path[128];
     snprintf(path, sizeof path, "%s/%s", section, cases[i].name);
-    if (strstr(path, only) == NULL) {
+    path[strcspn(path, "_/")] = '/'; /* a topic of the section */
+    if (strstr(path, only) == NULL || (forms_alone && !cases[i].forms)) {
       continue;
     }
     claims_failed = 0;
@@ -68,7 +79,7 @@ void fbt_run(const char *section, const fbt_case *cases, int n)
     fbt_seed(1);
     cases[i].run();
     if (!figures || claims_failed) {
-      printf("%s %s/%s\n", claims_failed ? "FAIL" : "ok  ", section, cases[i].name);
+      printf("%s %s\n", claims_failed ? "FAIL" : "ok  ", path);
     }
     fflush(stdout);
     passed += claims_failed == 0;
@@ -211,24 +222,13 @@ double fbt_value(const fbt_table *table, int row, const char *column)
 int main(int argc, char **argv)
 {
   figures = argc > 1 && strcmp(argv[1], "--figures") == 0;
-  only = argc > 1 && !figures ? argv[1] : "";
+  forms_alone = argc > 1 && strcmp(argv[1], "--forms") == 0;
+  only = argc > 1 && !figures && !forms_alone ? argv[1] : "";
   if (!figures) {
     printf("flexbeam %s, %s\n", fb_version_string(), fb_config_string());
   }
-  fbt_suite_status();
-  fbt_suite_vec3();
-  fbt_suite_rotation();
-  fbt_suite_linalg();
-  fbt_suite_beam();
-  fbt_suite_modes();
-  fbt_suite_body();
-  fbt_suite_forms();
-  fbt_suite_integrate();
-  fbt_suite_system();
-  fbt_suite_mixed();
-  fbt_suite_analyse();
-  fbt_suite_advise();
-  fbt_suite_build();
+#define CALL(section) fbt_suite_##section();
+  SUITES(CALL)
   if (!figures || failed) {
     printf("%d passed, %d failed\n", passed, failed);
   }

@@ -2,7 +2,6 @@
    for tests/checks/hostile.c, which spoils it by a list, and tests/fuzz/api.c, which spoils it at random. */
 #ifndef HOSTILE_H
 #define HOSTILE_H
-#define FB_WITH_FORMS 1
 #define FB_MAX_MODES 8
 #define FB_MAX_NODES 3
 #define FB_MAX_LOADS 2

@@ -1,21 +1,22 @@
 #!/bin/sh
 # Every public function bears hostile arguments: tests/checks/hostile.c says which and what must come of them. Under the
-# address and undefined-behavior sanitizers, in both precisions. A function of the header without an entry fails.
+# address and undefined-behavior sanitizers, in both precisions, in double with FB_WITH_FORMS, too. A function of the header without an entry fails.
 . tests/checks/common.sh
 need gcc gcc
 sed -n 's/^FB_API .*[ *]\(fb_[a-zA-Z0-9_]*\)(.*/\1/p' flexbeam.h | sort > "$out/header"
 result=
-for single in 0 1; do
-  try gcc -fsanitize=address,undefined -fno-sanitize-recover=all $c99 -O1 -DFB_SINGLE=$single -o "$out/hostile" tests/checks/hostile.c -lm
+for build in "0 0" "1 0" "0 1"; do # FB_SINGLE, FB_WITH_FORMS
+  set -- $build
+  try gcc -fsanitize=address,undefined -fno-sanitize-recover=all $c99 -O1 -DFB_SINGLE=$1 -DFB_WITH_FORMS=$2 -o "$out/hostile" tests/checks/hostile.c -lm
   "$out/hostile" > "$out/calls" 2>&1 || {
     grep -v '^fb_[a-zA-Z0-9_]* [0-9]*$' "$out/calls" | head -n 40
-    fail "FB_SINGLE=$single: the above"
+    fail "FB_SINGLE=$1, FB_WITH_FORMS=$2: the above"
   }
   cut -d ' ' -f 1 "$out/calls" | sort > "$out/called"
   cmp -s "$out/header" "$out/called" || {
     diff "$out/header" "$out/called"
     fail "functions of the header (<) and those called here (>) differ"
   }
-  result="$result, $(awk '{ calls += $2 } END { print NR " functions, " calls " calls" }' "$out/calls") in $([ $single = 1 ] && echo single || echo double)"
+  result="$result, $(awk '{ calls += $2 } END { print NR " functions, " calls " calls" }' "$out/calls") in $([ $1 = 1 ] && echo single || echo double)$([ $2 = 0 ] || echo " with all forms")"
 done
 ok "${result#, }: NULL is refused, nothing else crashes, changes what a failure must not, or gives what is not finite"

@@ -6,6 +6,12 @@ sed -n 's/^\/\* \[\(E[0-9]*\.[0-9]*\)\].*/\1/p' flexbeam_impl.h | sort > "$out/d
 twice=$(uniq -d "$out/defined" | tr '\n' ' ')
 [ -z "$twice" ] || fail "defined more than once: $twice"
 sed -n 's/^TEST(\([a-z0-9_]*\)).*/\1/p' tests/test_*.c | sort > "$out/tests"
+sed -n 's/^SUITE(\([a-z_]*\),.*/\1/p' tests/test_*.c | sort > "$out/suites"
+grep -o 'X([a-z_]*)' tests/test_main.c | sed 's/X(\(.*\))/\1/' | sort | comm -3 - "$out/suites" > "$out/log"
+[ ! -s "$out/log" ] || {
+  cat "$out/log"
+  fail "suites that tests/test_main.c does not run, or that do not exist"
+}
 # One line "id test" per test named in the comment that defines the id.
 awk '/^\/\* \[E[0-9]+\.[0-9]+\]/ { match($0, /E[0-9]+\.[0-9]+/); id = substr($0, RSTART, RLENGTH); text = "" }
      id != "" { text = text " " $0 }

@@ -1,17 +1,20 @@
 #!/bin/sh
-# The tests pass with gcc and clang in both precisions, and as C++11; gcc in double precision is `make test`.
+# The tests pass with gcc and clang in both precisions, and as C++11, in the default configuration and with FB_WITH_FORMS; gcc
+# in double precision by default is `make test`.
 . tests/checks/common.sh
 need gcc gcc
 need g++ g++
 need clang clang
 result=
-for run in "gcc 1" "clang 0" "clang 1" "g++ 0"; do
+# compiler, FB_SINGLE, FB_WITH_FORMS
+for run in "gcc 1 0" "gcc 0 1" "gcc 1 1" "clang 0 0" "clang 1 0" "clang 0 1" "clang 1 1" "g++ 0 0" "g++ 0 1"; do
   set -- $run
+  options="-O2 -DFB_SINGLE=$2 -DFB_WITH_FORMS=$3"
   case $1 in
-  g++) try g++ -x c++ -std=c++11 $base -O2 -o "$out/runner" tests/test_*.c -lm ;;
-  *) try $1 $c99 -O2 -DFB_SINGLE=$2 -o "$out/runner" tests/test_*.c -lm ;;
+  g++) try g++ -x c++ -std=c++11 $base $options -o "$out/runner" tests/test_*.c -lm ;;
+  *) try $1 $c99 $options -o "$out/runner" tests/test_*.c -lm ;;
   esac
-  try "$out/runner"
-  result="$result, $1 $([ $2 = 1 ] && echo single || echo double) $(tail -n 1 "$out/log" | cut -d ' ' -f 1)"
+  try "$out/runner" $([ "$1" = gcc ] || [ $3 = 0 ] || echo --forms)
+  result="$result, $1 $([ $2 = 1 ] && echo single || echo double)$([ $3 = 0 ] || echo ' forms') $(tail -n 1 "$out/log" | cut -d ' ' -f 1)"
 done
 ok "tests passed:${result#,}"

@@ -1,7 +1,6 @@
 /* Every scheme on a valid body, system or exact beam of the bytes' choice, with plausible and absurd states, inputs and
    steps. A step that fails leaves the state as it was, one that does not leaves it finite; then the motion is finite, or
    a status says why not. */
-#define FB_WITH_FORMS 1
 #define FB_MAX_MODES 7
 #define FB_MAX_NODES 3
 #define FB_MAX_LOADS 2
@@ -49,7 +48,7 @@ static int build_body(bytes *b, int plain)
   fb_beam_desc desc;
   fb_modes_desc keep;
   fb_body_desc level;
-  int node;
+  int node, form;
   memset(&desc, 0, sizeof desc);
   memset(&keep, 0, sizeof keep);
   memset(&level, 0, sizeof level);
@@ -64,7 +63,12 @@ static int build_body(bytes *b, int plain)
   desc.station[0].i_y = desc.station[0].i_z = FB_R(0.01);
   level.effects = effects[take_below(b, 7)];
   level.base = (fb_base)take_below(b, 4);
-  level.form = plain ? FB_FORM_MOMENTUM : (fb_form)take_below(b, 3);
+  form = plain ? 0 : take_below(b, 3); /* with or without forms, the bytes mean the same */
+#if FB_WITH_FORMS
+  level.form = (fb_form)form;
+#else
+  (void)form;
+#endif
   level.allow_long_step = take_byte(b) & 1;
   level.zeta[0] = level.zeta[1] = take_byte(b) & 1 ? FB_R(0.02) : FB_R(1.5);
   level.gravity[2] = take_real(b);

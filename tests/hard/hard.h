@@ -7,7 +7,6 @@
 
 #define FB_MAX_MODES 40
 #define FB_MAX_STRAINS 64
-#define FB_WITH_FORMS 1
 #include "../../flexbeam.h"
 #include <float.h>
 #include <math.h>

@@ -1,0 +1,67 @@
+/* advise.h - booms, envelopes of what acts on them, shared by the tests of section 13. Section 13: what a scene calls
+   for: against statics, complex modes, the exact beam, a search that is looked at, and a scene that is simulated. */
+#ifndef FBT_ADVISE_H
+#define FBT_ADVISE_H
+
+#include "fbt.h"
+
+static fb_shape shape;
+static fb_advise_work work;
+static fb_envelope envelope;
+static fb_body_desc level;
+static fb_advice advice;
+static fb_real metre = FB_R(1.0), kilogram = FB_R(1.0), second = FB_R(1.0); /* of booms */
+static fb_real boom_attitude[4] = {FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+static fb_real boom_output = FB_R(1.0); /* part of the length */
+
+/* A uniform cantilever of 3 m with bending modes along y and z and a node, at the tip; its modes go to `modes`. */
+static inline void make_boom(fb_shape *out, fb_modes *modes, int along_y, int along_z)
+{
+  static fb_beam_desc desc;
+  static fb_beam beam;
+  static fb_modes_work modes_work;
+  static fb_modes_desc keep;
+  int node = 0;
+  memset(&keep, 0, sizeof keep);
+  desc.length = FB_R(3.0) * metre;
+  memcpy(desc.attitude, boom_attitude, sizeof desc.attitude);
+  desc.n_element = 6;
+  desc.n_station = 1;
+  desc.station[0].mass = FB_R(2.0) * kilogram / metre;
+  desc.station[0].EI_y = FB_R(500.0) * kilogram * metre * metre * metre / (second * second);
+  desc.station[0].EI_z = FB_R(900.0) * kilogram * metre * metre * metre / (second * second);
+  keep.count[FB_KIND_BEND_Y] = along_y;
+  keep.count[FB_KIND_BEND_Z] = along_z;
+  FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+  FBT_INT_EQ(fb_modes_solve(modes, &modes_work, &beam, &keep), FB_OK);
+  FBT_INT_EQ(fb_shape_init(out, modes->n), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(out, 0, &beam, modes), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam_node(out, &node, 0, &beam, modes, boom_output * desc.length), FB_OK);
+  FBT_INT_EQ(node, 1);
+}
+
+/* Every test begins with a held boom on which a force [N] along z acts at the tip. */
+static inline void boom_under_a_force(double force, int along_y, int along_z)
+{
+  static fb_modes modes;
+  make_boom(&shape, &modes, along_y, along_z);
+  memset(&level, 0, sizeof level);
+  level.effects = FB_EFFECTS_FULL;
+  level.base = FB_BASE_PRESCRIBED;
+  memset(&envelope, 0, sizeof envelope);
+  envelope.node = 1;
+  envelope.duration = FB_R(10.0);
+  envelope.n_load = 1;
+  envelope.load[0].node = 1;
+  envelope.load[0].axes = FB_AXES_BODY;
+  envelope.load[0].force[2] = (fb_real)force;
+}
+
+/* Advice for the envelope must succeed; returns its deflection. */
+static inline double deflection(void)
+{
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
+  return (double)advice.deflection;
+}
+
+#endif

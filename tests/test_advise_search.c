@@ -1,0 +1,665 @@
+/* Section 13: the search for the cheapest model by simulation; what is refused. */
+#include "advise.h"
+
+static fb_shape other;
+static fb_body body, twin;
+static fb_body_work body_work;
+
+/* Largest step of the scheme that is advised, of the body that is advised. */
+static double limit_of_advice(void)
+{
+  const fb_real spin = (fb_real)sqrt((double)fb_vec3_dot(envelope.spin, envelope.spin));
+  const fb_real *const a = envelope.acceleration;
+  const fb_real most = level.base == FB_BASE_FREE ? FB_R(0.0) : (fb_real)sqrt((double)fb_vec3_dot(a, a));
+  fb_body_desc desc = level;
+  desc.effects = advice.effects;
+  for (int k = 0; k < advice.n; k++) {
+    desc.zeta[k] = level.zeta[advice.coordinate[k]];
+  }
+  FBT_INT_EQ(fb_shape_select(&other, &shape, advice.coordinate, advice.n), FB_OK);
+  FBT_INT_EQ(fb_body_init(&body, &body_work, &other, &desc), FB_OK);
+  return (double)(advice.scheme == FB_SCHEME_RK4           ? fb_rk4_limit(&body, spin, most)
+                  : advice.scheme == FB_SCHEME_EXPONENTIAL ? fb_exponential_limit(&body, spin, most)
+                                                           : fb_implicit_limit(&body, spin, most));
+}
+
+/* However much may be missed, a step is within the limit of its scheme. */
+TEST(advised_steps_are_within_the_limit)
+{
+  const fb_real center[3] = {0, 0, 0}, inertia[6] = {5, 5, 5, 0, 0, 0};
+  for (int k = 0; k < 8; k++) {
+    boom_under_a_force(0.5, 2, 2);
+    envelope.spin[k < 6 ? k % 2 : 1] = k < 4 || k > 5 ? FB_R(2.0) : FB_R(0.0);
+    envelope.acceleration[0] = k < 6 ? FB_R(0.0) : -FB_R(300.0); /* pulls it straight; gravity on what is free */
+    FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(20.0), center, inertia), FB_OK);
+    level.base = k == 7 ? FB_BASE_FREE : FB_BASE_PRESCRIBED;
+    envelope.duration = k % 3 == 0 ? FB_R(2.0) : FB_R(50.0);
+    level.effects |= (unsigned)FB_EFFECT_DAMPING;
+    level.zeta[0] = k == 1 || k > 4 ? FB_R(3.0) : FB_R(0.01); /* heavy, along the force */
+    FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(3.0)), FB_OK);
+    FBT_TRUE((advice.effects & FB_EFFECT_DAMPING) != 0);
+    if (k == 1 || k > 5) { /* as long as that allows, with accelerations, too */
+      FBT_NEAR_REL(advice.dt, limit_of_advice(), FBT_TOL(1e-9, 1e-5));
+    }
+  }
+}
+
+/* E12.7 of the mode, with the share f/omega of it that swings (all above it), and of the drive f gives the step, up to the scheme's
+   limit and an eighth of the duration; of the exponential scheme as rk4, of what the linear set is off by. */
+TEST(advised_steps_are_those_of_the_spectrum)
+{
+  static fb_spectrum spectrum;
+  const double tolerance[3] = {2.0, 1e-3, 1e-5};
+  int exponential = 0;
+  for (int run = 0; run < 18; run++) { /* one mode, one in either plane */
+    const int k = run % 9;
+    const fb_real f = k < 6 ? FB_R(1.0) : FB_R(20.0), s = k < 3 ? FB_R(0.05) : FB_R(0.5);
+    fb_real amplitude[3], drive;
+    double dt;
+    boom_under_a_force(0.5, run / 9, 1);
+    envelope.frequency = f;
+    envelope.spin[0] = s;
+    FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, (fb_real)tolerance[k % 3]), FB_OK);
+    exponential += advice.scheme == FB_SCHEME_EXPONENTIAL;
+    drive = advice.scheme == FB_SCHEME_EXPONENTIAL ? work.error[0] : FB_R(1.0);
+    spectrum.n = advice.n + 1;
+    for (int m = 0; m < advice.n; m++) {
+      const int a = advice.coordinate[m];
+      amplitude[m] = drive * work.most[a] / work.deflection * (f < work.omega[a] ? f / work.omega[a] : FB_R(1.0));
+      spectrum.im[m] = work.omega[a] + s;
+    }
+    amplitude[advice.n] = drive;
+    spectrum.im[advice.n] = f;
+    dt = (double)fb_spectrum_step(&spectrum, advice.scheme == FB_SCHEME_EXPONENTIAL ? FB_SCHEME_RK4 : advice.scheme,
+                                  amplitude, envelope.duration, advice.error_step);
+    dt = fmin(dt, fmin(limit_of_advice(), 10.0 / 8.0));
+    FBT_NEAR_REL(advice.dt, dt, 0.03);
+    FBT_NEAR_REL(work.omega[0] * work.omega[0], shape.K[0], 0.05);
+  }
+  FBT_TRUE(exponential > 0);
+}
+
+/* What is slow takes an implicit scheme, which has no limit; what swings rk4, or the exponential scheme where it is nearly
+   linear. */
+TEST(schemes_have_their_scenes)
+{
+  const fb_scheme expected[3] = {FB_SCHEME_MIDPOINT, FB_SCHEME_RK4, FB_SCHEME_EXPONENTIAL};
+  for (int k = 0; k < 3; k++) {
+    boom_under_a_force(0.5, 0, 1);
+    envelope.frequency = k ? FB_R(20.0) : FB_R(0.0);
+    envelope.spin[0] = k == 1 ? FB_R(2.0) : FB_R(0.0);
+    (void)deflection();
+    FBT_INT_EQ(advice.scheme, expected[k]);
+  }
+}
+
+/* What is advised adds up to the tolerance, and its step to the frame, also of one longer than the scene. */
+TEST(errors_and_steps_add_up)
+{
+  const fb_real frame[4] = {FB_R(0.0), FB_R(1e-4), FB_R(0.25), FB_R(25.0)};
+  for (int k = 0; k < 4; k++) {
+    const double tolerance[2] = {0.03, 0.003};
+    for (int j = 0; j < 2; j++) {
+      double parts;
+      boom_under_a_force(0.2, 1, 3);
+      envelope.frequency = FB_R(20.0);
+      envelope.spin[1] = FB_R(0.5);
+      envelope.frame = frame[k];
+      FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, (fb_real)tolerance[j]), FB_OK);
+      FBT_BELOW(advice.error, tolerance[j] * (1.0 + 1e-5));
+      FBT_NEAR_REL(advice.error, advice.error_effects + advice.error_modes + advice.error_step + advice.error_model,
+                   1e-5);
+      FBT_TRUE(advice.dt > FB_R(0.0) && advice.dt <= FB_R(1.00001) * envelope.duration);
+      parts = (double)(frame[k] / advice.dt);
+      FBT_NEAR_ABS(parts, floor(parts + 0.5), FBT_TOL(1e-9, 1e-2));
+      FBT_TRUE(k == 0 || parts > 0.5);
+      FBT_INT_EQ(advice.long_step, 0);
+    }
+  }
+}
+
+/* A step is the longest part of the frame that is no longer than what it would be without a frame. */
+TEST(steps_are_the_longest_parts_of_a_frame)
+{
+  const double ratio[9] = {0.4, 1.02, 1.6, 1.98, 2.0, 2.5, 4.0, 7.01, 1000.5};
+  fb_advice any;
+  boom_under_a_force(0.02, 0, 1);
+  envelope.frequency = FB_R(20.0);
+  (void)deflection();
+  any = advice;
+  for (int k = 0; k < 9; k++) {
+    const double frame = ratio[k] * (double)any.dt;
+    envelope.frame = (fb_real)ratio[k] * any.dt;
+    (void)deflection();
+    FBT_INT_EQ(advice.scheme, any.scheme);
+    FBT_NEAR_REL(advice.dt, frame / ceil(ratio[k]), FBT_TOL(1e-12, 1e-5));
+  }
+}
+
+/* The cheapest whose errors add up to the tolerance, though they leave little of it to the step: under a steady force one
+   mode, which lacks 1 - 0.9707, as soon as that may be missed. */
+TEST(advice_is_the_cheapest_that_adds_up)
+{
+  for (int k = 0; k < 4; k++) {
+    const double part[4] = {0.98, 1.02, 1.15, 1.3};
+    boom_under_a_force(1e-3, 0, 6);
+    FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, (fb_real)((1.0 - 0.9707) * part[k])), FB_OK);
+    FBT_INT_EQ(advice.n == 1, k > 0);
+    FBT_INT_EQ(advice.effects, FB_EFFECTS_LINEAR);
+  }
+}
+
+/* ---- search */
+
+typedef struct looked_at { /* a scene of which everything is known */
+  int n_run, diverges;
+  fb_real last_cost, floor, most, shortest; /* the first run's cost and step */
+  int in_order;
+  fb_real dt[FB_EFFECTS_FULL + 1][FB_MAX_MODES + 1]
+            [FB_SCHEME_EXPONENTIAL + 1]; /* last tried, by set, modes and scheme */
+} looked_at;
+
+/* Off by 0.2 without spin stiffening, by 0.05 without the second mode, by the square of the step; `floor` or twice that at least. */
+static fb_status look_at(void *user, fb_real *out, const fb_advice *candidate)
+{
+  looked_at *const seen = (looked_at *)user;
+  const int reference = seen->n_run++ == 0;
+  const fb_real dt = candidate->dt;
+  FBT_TRUE(candidate->n >= 1 && candidate->n <= shape.n && dt > FB_R(0.0));
+  if (reference) {
+    FBT_TRUE((candidate->effects & FB_EFFECTS_FULL) == FB_EFFECTS_FULL && candidate->n == shape.n);
+    seen->most = candidate->cost;
+    seen->shortest = dt;
+  } else {
+    seen->in_order &= candidate->cost >= seen->last_cost && candidate->cost <= seen->most;
+    seen->last_cost = candidate->cost;
+    fb_real *const last = &seen->dt[candidate->effects & FB_EFFECTS_FULL][candidate->n][candidate->scheme];
+    FBT_TRUE(!(*last > FB_R(0.0)) ||
+             (dt < FB_R(0.99) * *last && dt > FB_R(0.49) * *last)); /* none twice, none left out */
+    *last = dt;
+  }
+  out[0] = FB_R(1.0);
+  out[1] = reference ? FB_R(0.0) : (fb_real)(1 + seen->n_run % 2) * seen->floor + FB_R(20.0) * dt * dt;
+  out[1] += candidate->effects & FB_EFFECT_SPIN_STIFFENING ? FB_R(0.0) : FB_R(0.2);
+  out[1] += candidate->n >= 2 ? FB_R(0.0) : FB_R(0.05);
+  return seen->diverges && !reference && candidate->scheme == FB_SCHEME_RK4 ? FB_ERR_RANGE : FB_OK;
+}
+
+/* The search goes through candidates by their cost, and stops at the first that will do. */
+TEST(search_stops_at_the_cheapest_that_will_do)
+{
+  for (int diverges = 0; diverges < 2; diverges++) {
+    fb_real output[2], reference[2];
+    looked_at seen;
+    fb_trial trial;
+    memset(&seen, 0, sizeof seen);
+    memset(&trial, 0, sizeof trial);
+    seen.in_order = 1;
+    seen.diverges = diverges;
+    trial.run = look_at;
+    trial.user = &seen;
+    trial.n = trial.width = 2;
+    trial.output = output;
+    trial.reference = reference;
+    boom_under_a_force(0.5, 1, 3);
+    envelope.spin[2] = FB_R(3.0);
+    FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.01), &trial), FB_OK);
+    FBT_TRUE(seen.in_order);
+    FBT_INT_EQ(advice.n_trial, seen.n_run);
+    FBT_INT_EQ(advice.n, 2);
+    FBT_INT_EQ(advice.effects, FB_EFFECTS_LINEAR | FB_EFFECT_SPIN_STIFFENING);
+    FBT_NEAR_REL(advice.error, 20.0 * (double)(advice.dt * advice.dt), FBT_TOL(1e-9, 1e-3));
+    FBT_BELOW(advice.error, 0.01);
+    FBT_TRUE(!diverges || advice.scheme != FB_SCHEME_RK4);
+    FBT_INT_EQ(advice.long_step, (double)advice.dt > limit_of_advice());
+    FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
+    FBT_NEAR_REL(seen.shortest, 0.25 * (double)fb_rk4_limit(&body, FB_R(3.0), 0), 1e-3);
+    memset(&seen, 0, sizeof seen); /* what no candidate can: */
+    seen.in_order = 1;
+    seen.floor = FB_R(0.02);
+    advice.n = -7;
+    FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.01), &trial), FB_ERR_CONVERGENCE);
+    FBT_INT_EQ(advice.n, -7);
+    FBT_TRUE(seen.in_order);
+    FBT_BELOW(seen.n_run, 2000);
+    memset(seen.dt, 0, sizeof seen.dt);
+    seen.n_run = 1; /* a reference that even the fullest misses */
+    trial.has_reference = 1;
+    FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.01), &trial), FB_ERR_CONVERGENCE);
+    FBT_INT_EQ(seen.n_run, 2);
+  }
+}
+
+/* Parts of the frame are tried once each, and none is passed over, though rk4's longest step differs from set to set. */
+TEST(search_tries_each_part_of_a_frame_once)
+{
+  for (int k = 0; k < 6; k++) {
+    fb_real output[2], reference[2];
+    looked_at seen;
+    fb_trial trial;
+    memset(&seen, 0, sizeof seen);
+    memset(&trial, 0, sizeof trial);
+    trial.run = look_at;
+    trial.user = &seen;
+    trial.n = trial.width = 2;
+    trial.output = output;
+    trial.reference = reference;
+    seen.in_order = 1;
+    seen.floor = FB_R(0.02);
+    boom_under_a_force(0.5, 1, 3);
+    envelope.spin[2] = FB_R(30.0);
+    envelope.frame = FB_R(0.02) * (fb_real)(k + 1);
+    FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.01), &trial), FB_ERR_CONVERGENCE);
+    FBT_TRUE(seen.in_order);
+    FBT_TRUE(seen.n_run > 10);
+  }
+}
+
+typedef struct picky { /* takes one kind of candidate alone: effects, modes, scheme, steps up to the longest */
+  unsigned effects;
+  int n, scheme;
+  fb_real longest, miss[4]; /* what all others are off by, by scheme */
+  int n_run;
+  fb_advice first;
+  int tries[FB_EFFECTS_FULL + 1][FB_MAX_MODES + 1][4];
+  unsigned parts; /* of the frame that the steps are of the cheapest body by the midpoint rule: 1 << number */
+} picky;
+
+static fb_status pick(void *user, fb_real *out, const fb_advice *candidate)
+{
+  picky *const p = (picky *)user;
+  const int scheme = (int)candidate->scheme;
+  const unsigned effects = candidate->effects & FB_EFFECTS_FULL;
+  out[0] = FB_R(1.0);
+  if (p->n_run++ == 0) {
+    p->first = *candidate;
+    return FB_OK;
+  }
+  p->tries[effects][candidate->n][scheme]++;
+  if (effects == FB_EFFECTS_LINEAR && candidate->n == 1 && scheme == (int)FB_SCHEME_MIDPOINT) {
+    const long parts = lround((double)(envelope.frame / candidate->dt));
+    p->parts |= parts < 32 ? 1u << parts : 0u;
+  }
+  if (effects != p->effects || candidate->n != p->n || scheme != p->scheme || candidate->dt > p->longest) {
+    out[0] += p->miss[scheme];
+  }
+  return FB_OK;
+}
+
+/* A search among the bodies of two modes by that judge, to a quarter. */
+static fb_status search_for(picky *p)
+{
+  fb_real output, reference;
+  fb_trial trial;
+  memset(&trial, 0, sizeof trial);
+  trial.run = pick;
+  trial.user = p;
+  trial.n = trial.width = 1;
+  trial.output = &output;
+  trial.reference = &reference;
+  memset(&work, 0xff, sizeof work); /* it means nothing between calls */
+  return fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.25), &trial);
+}
+
+static void new_judge(picky *p, unsigned effects, int n, int scheme)
+{
+  memset(p, 0, sizeof *p);
+  p->effects = effects;
+  p->n = n;
+  p->scheme = scheme;
+  p->longest = FB_HUGE;
+  for (int s = 0; s < 4; s++) {
+    p->miss[s] = FB_R(2.0);
+  }
+  boom_under_a_force(0.5, 1, 1);
+  envelope.spin[2] = FB_R(0.5);
+}
+
+/* The estimated costs of steps are those of counted instructions (step_instructions.csv): each scheme, a base that flies and
+   one that is held, without and with terms of second degree, 2 to 12 modes. */
+TEST(costs_are_those_of_counted_instructions)
+{
+  static const char *const scheme[4] = {"rk4", "midpoint", "sdirk", "exponential"};
+  static picky p; /* takes anything */
+  const fb_real center[3] = {0, 0, 0}, inertia[6] = {80, 80, 80, 0, 0, 0};
+  const fbt_table *table = fbt_reference("step_instructions.csv");
+  for (int row = 0; row < table->rows; row++) {
+    const unsigned effects = (unsigned)fbt_value(table, row, "effects");
+    const int y = (int)fbt_value(table, row, "y"), z = (int)fbt_value(table, row, "z");
+    const int set = effects == FB_EFFECTS_LINEAR ? 0
+                    : effects == FB_EFFECTS_FULL ? FBI_ADVICE_SETS - 1
+                                                 : FBI_ADVICE_SETS - 2;
+    boom_under_a_force(0.5, y, z);
+    FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(500.0), center, inertia), FB_OK);
+    level.base = strcmp(fbt_word(table, row, "base"), "free") == 0 ? FB_BASE_FREE : FB_BASE_PRESCRIBED;
+    memset(&p, 0, sizeof p);
+    FBT_INT_EQ(search_for(&p), FB_OK);
+    for (int s = 0; s < 4; s++) {
+      FBT_NEAR_REL(work.step_cost[set][shape.n - 1][s], fbt_value(table, row, scheme[s]), 0.12);
+    }
+  }
+}
+
+/* Gravity, however strong, shortens no step of what flies: rk4's longest is that of the body at its spin. */
+TEST(gravity_shortens_no_step_of_a_free_body)
+{
+  const fb_real center[3] = {0, 0, 0}, inertia[6] = {5, 5, 5, 0, 0, 0};
+  static picky p; /* takes anything */
+  memset(&p, 0, sizeof p);
+  boom_under_a_force(0.5, 1, 1);
+  FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(20.0), center, inertia), FB_OK);
+  level.base = FB_BASE_FREE;
+  envelope.spin[2] = FB_R(0.5);
+  envelope.acceleration[0] = FB_R(100.0);
+  FBT_INT_EQ(search_for(&p), FB_OK);
+  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
+  FBT_NEAR_REL(work.longest[FBI_ADVICE_SETS - 1][1][FB_SCHEME_RK4], fb_rk4_limit(&body, FB_R(0.5), FB_R(0.0)),
+               FBT_TOL(1e-12, 1e-6));
+}
+
+/* Whatever alone will do is found: any set of effects, number of modes and scheme; in a step that is not beyond rk4's limit.
+   The cost of a step, and what does not come of the simulations, is what it is without them. */
+TEST(search_finds_what_alone_will_do)
+{
+  static const unsigned set[4] = {FB_EFFECTS_LINEAR, FB_EFFECTS_SPIN, FB_EFFECTS_LINEAR | FB_EFFECT_SPIN_STIFFENING,
+                                  FB_EFFECTS_FULL};
+  static picky p;
+  fb_advice without;
+  for (int k = 0; k < 32; k++) {
+    new_judge(&p, set[k / 8], 1 + k / 4 % 2, k % 4);
+    FBT_INT_EQ(search_for(&p), FB_OK);
+    FBT_INT_EQ(advice.effects, p.effects);
+    FBT_INT_EQ(advice.n, p.n);
+    FBT_INT_EQ(advice.scheme, p.scheme);
+    FBT_INT_EQ(advice.n_trial, p.n_run);
+    FBT_NEAR_ABS(advice.error, 0.0, 0.0);
+    FBT_TRUE(advice.scheme != FB_SCHEME_RK4 || advice.long_step == 0);
+  }
+  new_judge(&p, 0u, 0, 0);
+  FBT_INT_EQ(fb_body_advise(&without, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
+  new_judge(&p, without.effects, without.n, (int)without.scheme);
+  FBT_INT_EQ(search_for(&p), FB_OK);
+  FBT_NEAR_REL(advice.cost * advice.dt, without.cost * without.dt, FBT_TOL(1e-12, 1e-5));
+  FBT_NEAR_REL(advice.deflection, without.deflection, FBT_TOL(1e-12, 1e-5));
+  FBT_NEAR_REL(advice.error_model, without.error_model, FBT_TOL(1e-12, 1e-5));
+  FBT_NEAR_ABS(fbt_difference(advice.without, without.without, FB_ADVICE_EFFECTS), 0.0, FBT_TOL(1e-12, 1e-5));
+}
+
+/* The last that is tried is the reference's own run, with what it costs; what is off by the tolerance meets it. */
+TEST(search_ends_with_the_run_of_the_reference)
+{
+  static picky p;
+  new_judge(&p, FB_EFFECTS_FULL, 2, (int)FB_SCHEME_RK4);
+  FBT_INT_EQ(search_for(&p), FB_OK);
+  new_judge(&p, FB_EFFECTS_FULL, 2, (int)FB_SCHEME_RK4);
+  p.longest = FB_R(1.0001) * advice.dt / 4; /* a quarter of the longest, as the reference has it */
+  FBT_INT_EQ(search_for(&p), FB_OK);
+  FBT_NEAR_REL(advice.dt, p.first.dt, FBT_TOL(1e-12, 1e-5));
+  FBT_NEAR_REL(advice.cost, p.first.cost, FBT_TOL(1e-12, 1e-5));
+  new_judge(&p, 0u, 0, 0);
+  for (int s = 0; s < 4; s++) {
+    p.miss[s] = FB_R(0.25);
+  }
+  FBT_INT_EQ(search_for(&p), FB_OK);
+  FBT_INT_EQ(advice.n_trial, 2);
+  FBT_NEAR_ABS(advice.error, 0.25, 0.0);
+}
+
+/* A body that misses it alike by two steps of a scheme is tried no more, one that does not is: by each of its schemes for
+   itself. Steps are parts of the frame, half as long every second time. */
+TEST(search_gives_up_bodies_that_miss_alike)
+{
+  static picky p;
+  int bodies = 0;
+  new_judge(&p, 0u, 0, 0);
+  for (int s = 0; s < 4; s++) {
+    p.miss[s] = FB_R(0.3) + FB_R(0.04) * (fb_real)s;
+  }
+  FBT_INT_EQ(search_for(&p), FB_ERR_CONVERGENCE);
+  for (int k = 0; k < 3 * ((int)FB_EFFECTS_FULL + 1); k++) {
+    const int *const tries = p.tries[k / 3][k % 3];
+    int all = 0, most = 0;
+    for (int s = 0; s < 4; s++) {
+      all += tries[s];
+      most = tries[s] > most ? tries[s] : most;
+    }
+    FBT_TRUE(all == 0 || (most == 2 && all <= 5));
+    bodies += all > 0;
+  }
+  FBT_TRUE(bodies > 4);
+  new_judge(&p, 0u, 0, 0);
+  level.effects |= (unsigned)FB_EFFECT_DAMPING;
+  level.zeta[1] = FB_R(2.0); /* rk4's own steps are short: up to its cost there is room for many of the others */
+  envelope.frame = FB_R(0.5);
+  FBT_INT_EQ(search_for(&p), FB_ERR_CONVERGENCE);
+  FBT_INT_EQ(p.parts & (1u << 2 | 1u << 4 | 1u << 8), 1u << 2 | 1u << 4 | 1u << 8);
+}
+
+/* The error is the largest distance of samples, of the largest sample. */
+static fb_status four_numbers(void *user, fb_real *out, const fb_advice *candidate)
+{
+  const double exact[4] = {3.0, 4.0, 0.0, 1.0}, off[4] = {3.3, 4.4, 0.4, 1.0};
+  int *const n_run = (int *)user;
+  (void)candidate;
+  for (int k = 0; k < 4; k++) {
+    out[k] = (fb_real)(*n_run > 0 ? off[k] : exact[k]);
+  }
+  ++*n_run;
+  return FB_OK;
+}
+
+TEST(errors_are_distances_of_samples)
+{
+  for (int width = 1; width <= 2; width++) {
+    fb_real output[4], reference[4];
+    int n_run = 0;
+    fb_trial trial;
+    memset(&trial, 0, sizeof trial);
+    trial.run = four_numbers;
+    trial.user = &n_run;
+    trial.n = 4;
+    trial.width = width;
+    trial.output = output;
+    trial.reference = reference;
+    boom_under_a_force(0.5, 1, 1);
+    FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.2), &trial), FB_OK);
+    FBT_NEAR_REL(advice.error, width > 1 ? 0.5 / 5.0 : 0.4 / 4.0, FBT_TOL(1e-12, 1e-5));
+  }
+}
+
+typedef struct spoiled { /* what is wrong with the outputs */
+  fb_real reference, sample;
+  fb_status status;
+  int n_run;
+  fb_real longest; /* step */
+} spoiled;
+
+/* Two samples of the reference, the first of all others. */
+static fb_status spoil(void *user, fb_real *out, const fb_advice *candidate)
+{
+  spoiled *const s = (spoiled *)user;
+  const fb_real dt = candidate->dt;
+  out[0] = s->n_run == 0 ? s->reference : s->sample;
+  out[1] = s->n_run == 0 ? s->reference : FB_R(1.0);
+  s->longest = dt > s->longest ? dt : s->longest;
+  return s->n_run++ == 0 ? s->status : FB_OK;
+}
+
+/* What is not a number anywhere in an output does not meet a tolerance; a reference that is no measure is refused after
+   the first run, one that cannot be simulated with what it says. */
+TEST(search_takes_no_nonsense_for_an_answer)
+{
+  const struct {
+    spoiled s;
+    fb_status expected;
+  } run[] = {{{FB_R(1.0), FB_R(1.0), FB_OK, 0, FB_R(0.0)}, FB_OK},
+             {{FB_R(1.0), FB_R(1.2), FB_OK, 0, FB_R(0.0)}, FB_ERR_CONVERGENCE},
+             {{FB_R(1.0), (fb_real)NAN, FB_OK, 0, FB_R(0.0)}, FB_ERR_CONVERGENCE},
+             {{FB_R(1.0), (fb_real)INFINITY, FB_OK, 0, FB_R(0.0)}, FB_ERR_CONVERGENCE},
+             {{FB_R(0.0), FB_R(1.0), FB_OK, 0, FB_R(0.0)}, FB_ERR_VALUE},
+             {{(fb_real)NAN, FB_R(1.0), FB_OK, 0, FB_R(0.0)}, FB_ERR_NOT_FINITE},
+             {{FB_R(1.0), FB_R(1.0), FB_ERR_RANGE, 0, FB_R(0.0)}, FB_ERR_RANGE}};
+  for (int k = 0; k < FBT_COUNT(run); k++) {
+    fb_real output[2], reference[2];
+    spoiled s = run[k].s;
+    fb_trial trial;
+    memset(&trial, 0, sizeof trial);
+    trial.run = spoil;
+    trial.user = &s;
+    trial.n = 2;
+    trial.width = 1;
+    trial.output = output;
+    trial.reference = reference;
+    boom_under_a_force(0.5, 1, 2);
+    envelope.frame = FB_R(25.0); /* longer than the scene */
+    advice.n = -7;
+    FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.1), &trial), run[k].expected);
+    FBT_TRUE((advice.n == -7) == (run[k].expected != FB_OK));
+    FBT_TRUE(s.longest <= envelope.duration);
+    FBT_TRUE(k < 4 ? s.n_run > 1 && s.n_run <= 1 + 640 * shape.n : s.n_run == 1);
+    trial.width = 3;
+    FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.1), &trial), FB_ERR_VALUE);
+  }
+}
+
+/* The tip of the boom as its base spins up to 8 rad/s in 6 s, above the first frequency of 5.2 rad/s in its plane. */
+static fb_status spin_up(void *user, fb_real *out, const fb_advice *candidate)
+{
+  static fb_rk4_work rk4;
+  static fb_implicit_work implicit;
+  static fb_exponential exponential;
+  static fb_exponential_work scratch;
+  fb_input input[3];
+  fb_state state;
+  const int steps = (int)lround(0.1 / (double)candidate->dt);
+  fb_status status = fb_shape_select(&other, &shape, candidate->coordinate, candidate->n);
+  fb_body_desc desc = level;
+  desc.effects = candidate->effects;
+  desc.allow_long_step = 1;
+  (void)user;
+  memset(input, 0, sizeof input);
+  status = status ? status : fb_body_init(&twin, &body_work, &other, &desc);
+  status = status ? status : fb_state_init(&twin, &state);
+  if (status == FB_OK && candidate->scheme == FB_SCHEME_EXPONENTIAL) {
+    status = fb_exponential_init(&exponential, &body_work, &twin, candidate->dt);
+  }
+  for (int k = 0; k < 80 * steps && status == FB_OK; k++) {
+    for (int j = 0; j < 3; j++) {
+      const double t = ((double)k + 0.5 * j) * (double)candidate->dt, pi = 3.14159265358979323846;
+      input[j].w[2] = (fb_real)(t < 6.0 ? 8.0 * (t / 6.0 - sin(2 * pi * t / 6.0) / (2 * pi)) : 8.0);
+      input[j].w_dot[2] = (fb_real)(t < 6.0 ? 8.0 / 6.0 * (1.0 - cos(2 * pi * t / 6.0)) : 0.0);
+    }
+    status = candidate->scheme == FB_SCHEME_RK4
+                 ? fb_rk4_step(&twin, &state, &rk4, input, input + 1, input + 2, candidate->dt)
+             : candidate->scheme == FB_SCHEME_MIDPOINT
+                 ? fb_midpoint_step(&twin, &state, &implicit, input + 1, candidate->dt, 0)
+             : candidate->scheme == FB_SCHEME_SDIRK
+                 ? fb_sdirk_step(&twin, &state, &implicit, input, input + 2, candidate->dt, 0)
+                 : fb_exponential_step(&twin, &exponential, &state, &scratch, input, input + 1, input + 2);
+    if ((k + 1) % steps == 0) {
+      fb_motion motion;
+      fb_node_motion tip;
+      memset(&motion, 0, sizeof motion);
+      status = status ? status : fb_body_node_motion(&twin, &tip, &state, &motion, 1);
+      out[(k + 1) / steps - 1] = status == FB_OK ? tip.displacement[1] : FB_R(0.0);
+    }
+  }
+  return status;
+}
+
+/* A boom that spins up to above its first frequency: the advice without simulation has the stiffening and the inertia
+   that follows the shape, and meets its tolerance; so does the search; without one of its effects it is missed. */
+TEST(advice_meets_its_tolerance)
+{
+  static fb_real output[80], reference[80];
+  const double tolerance[2] = {0.02, 0.002};
+  fb_trial trial;
+  boom_under_a_force(0.0, 4, 2);
+  envelope.spin[2] = FB_R(8.0);
+  envelope.spin_rate[2] = FB_R(16.0) / FB_R(6.0);
+  envelope.frequency = FB_R(1.0472);
+  envelope.duration = FB_R(8.0);
+  envelope.frame = FB_R(0.1);
+  memset(&trial, 0, sizeof trial);
+  trial.run = spin_up;
+  trial.n = 80;
+  trial.width = 1;
+  trial.output = output;
+  trial.reference = reference;
+  for (int k = 0; k < 2; k++) {
+    const unsigned needed = FB_EFFECTS_SPIN | FB_EFFECT_RESIDUAL_INERTIA | FB_EFFECT_SPIN_STIFFENING;
+    double size = 0.0;
+    FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, (fb_real)tolerance[k], &trial), FB_OK);
+    FBT_BELOW(advice.error, tolerance[k]);
+    FBT_INT_EQ(advice.effects & needed, needed);
+    advice.effects &= ~(unsigned)(FB_EFFECT_RESIDUAL_INERTIA | FB_EFFECT_SPIN_STIFFENING);
+    for (int i = 0; i < 80; i++) {
+      size = fmax(size, fabs((double)reference[i]));
+    }
+    FBT_INT_EQ(spin_up(NULL, output, &advice), FB_OK);
+    FBT_TRUE(fbt_difference(output, reference, 80) > tolerance[k] * size);
+    FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, (fb_real)tolerance[k]), FB_OK);
+    FBT_INT_EQ(advice.effects & needed, needed);
+    FBT_INT_EQ(spin_up(NULL, output, &advice), FB_OK);
+    FBT_BELOW(fbt_difference(output, reference, 80), tolerance[k] * size);
+  }
+}
+
+TEST(advice_refuses_nonsense)
+{
+  static fb_modes modes;
+  fb_trial trial;
+  boom_under_a_force(0.5, 2, 2);
+  advice.n = -7;
+  FBT_INT_EQ(fb_body_advise(NULL, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_NULL);
+  FBT_INT_EQ(fb_body_advise(&advice, NULL, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_NULL);
+  FBT_INT_EQ(fb_body_advise(&advice, &work, NULL, &level, &envelope, FB_R(0.01)), FB_ERR_NULL);
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.0)), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, (fb_real)NAN), FB_ERR_NOT_FINITE);
+  envelope.spin[1] = (fb_real)INFINITY;
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_NOT_FINITE);
+  envelope.spin[1] = FB_R(0.0);
+  envelope.frequency = -FB_R(1.0);
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_VALUE);
+  envelope.frequency = FB_R(0.0);
+  envelope.duration = FB_R(0.0);
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_VALUE);
+  envelope.duration = FB_R(10.0);
+  envelope.frame = -FB_R(1.0);
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_VALUE);
+  envelope.frame = FB_R(1.0) / FB_HUGE; /* no step so short is worth its cost */
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_STEP);
+  memset(&trial, 0, sizeof trial);
+  trial.run = look_at;
+  trial.n = trial.width = 1;
+  trial.output = trial.reference = &envelope.frame;
+  FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.01), &trial), FB_ERR_STEP);
+  envelope.frame = FB_R(0.0);
+  envelope.node = 2;
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_CAPACITY);
+  envelope.node = 1;
+  envelope.load[0].node = 5;
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_CAPACITY);
+  envelope.load[0].node = 1;
+  envelope.load[0].force[2] = (fb_real)NAN;
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_NOT_FINITE);
+  envelope.load[0].force[2] = FB_R(0.0); /* nothing drives the output */
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_VALUE);
+  envelope.load[0].force[2] = FB_R(0.5);
+  memset(&trial, 0, sizeof trial);
+  FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.01), NULL), FB_ERR_NULL);
+  FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.01), &trial), FB_ERR_NULL);
+  make_boom(&shape, &modes, 2, 2);
+  shape.M[1] = shape.M[shape.n] = FB_R(0.5);
+  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_KIND);
+  FBT_INT_EQ(advice.n, -7);
+}
+
+SUITE(advise_search, RUN(steps_are_the_longest_parts_of_a_frame), RUN(advice_is_the_cheapest_that_adds_up),
+      RUN(schemes_have_their_scenes), RUN(advised_steps_are_within_the_limit),
+      RUN(advised_steps_are_those_of_the_spectrum), RUN(errors_and_steps_add_up),
+      RUN(search_stops_at_the_cheapest_that_will_do), RUN(search_tries_each_part_of_a_frame_once),
+      RUN(costs_are_those_of_counted_instructions), RUN(gravity_shortens_no_step_of_a_free_body),
+      RUN(search_finds_what_alone_will_do), RUN(search_ends_with_the_run_of_the_reference),
+      RUN(search_gives_up_bodies_that_miss_alike), RUN(errors_are_distances_of_samples),
+      RUN(search_takes_no_nonsense_for_an_answer), RUN(advice_meets_its_tolerance), RUN(advice_refuses_nonsense))

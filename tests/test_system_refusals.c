@@ -1,0 +1,398 @@
+/* Section 9: what is refused of systems, their states and inputs, and what memory has changed. */
+#include "system.h"
+
+static fb_system_state kept;
+
+/* Whatever is in the work before a call, it does the same, to the last bit; by each method and with a loop. */
+TEST(work_means_nothing_between_calls)
+{
+  static fb_system_state begin[2], slope[2], after[2];
+  static fb_system_motion at[2];
+  for (int form = 0; form < 4; form++) {
+    fb_energy energy[2];
+    fb_momentum momentum[2];
+    couple(FB_JOINT_REVOLUTE, 0, FB_AXIS_FREE);
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+    if (form == 3) {
+      couple_by_a_loop(&motion, 0);
+    }
+    init(form < 3 ? (fb_method)form : FB_METHOD_RECURSIVE);
+    for (int k = 0; k < 2; k++) {
+      const int byte = k ? 0xff : 0;
+      memset(&work, byte, sizeof work);
+      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &begin[k], start, &input), FB_OK);
+      memset(&work, byte, sizeof work);
+      FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &at[k], &begin[k], &input), FB_OK);
+      memset(&work, byte, sizeof work);
+      FBT_INT_EQ(fb_system_rates(&mechanism, model, &work, &slope[k], &begin[k], &input), FB_OK);
+      memset(&work, byte, sizeof work);
+      FBT_INT_EQ(fb_system_energy(&mechanism, model, &work, &energy[k], &begin[k], &input), FB_OK);
+      memset(&work, byte, sizeof work);
+      FBT_INT_EQ(fb_system_momentum(&mechanism, model, &work, &momentum[k], &begin[k], &input), FB_OK);
+      after[k] = begin[k];
+      memset(&work, byte, sizeof work);
+      FBT_INT_EQ(fb_system_axis_set(&mechanism, model, &work, &after[k], form < 3 ? 1 : 2, 0, FB_AXIS_LOCKED, &input),
+                 FB_OK);
+      memset(&work, byte, sizeof work);
+      init(form < 3 ? (fb_method)form : FB_METHOD_RECURSIVE);
+    }
+    FBT_TRUE(memcmp(&begin[0], &begin[1], sizeof begin[0]) == 0);
+    FBT_TRUE(memcmp(&at[0], &at[1], sizeof at[0]) == 0);
+    FBT_TRUE(memcmp(&slope[0], &slope[1], sizeof slope[0]) == 0);
+    FBT_TRUE(memcmp(&after[0], &after[1], sizeof after[0]) == 0);
+    FBT_TRUE(memcmp(&energy[0], &energy[1], sizeof energy[0]) == 0);
+    FBT_TRUE(memcmp(&momentum[0], &momentum[1], sizeof momentum[0]) == 0);
+  }
+}
+
+/* No input is one of zeros, to the last bit: motors are off, prescribed axes and bodies stand at zero; in joint
+   coordinates, by the dense matrix, as constraints and as a loop. */
+TEST(no_input_is_an_input_of_zeros)
+{
+  static fb_system_motion at[2];
+  static fb_system_state begin[2], end[2], slope[2];
+  static const fb_joint_kind kinds[] = {FB_JOINT_CYLINDRICAL, FB_JOINT_UNIVERSAL, FB_JOINT_SPHERICAL};
+  for (int run = 0; run < 24; run++) {
+    const fb_axis_mode mode = run / 3 % 2 ? FB_AXIS_PRESCRIBED : FB_AXIS_FREE;
+    const int form = run / 6;
+    couple(kinds[run % 3], 0, mode);
+    desc.joint[0].mode[0] = mode;
+    memset(&input, 0, sizeof input);
+    if (form == 3) {
+      init(FB_METHOD_RECURSIVE);
+      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+      FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, NULL), FB_OK);
+      couple_by_a_loop(&motion, 0);
+    }
+    init(form < 3 ? (fb_method)form : FB_METHOD_RECURSIVE);
+    for (int zeros = 0; zeros < 2; zeros++) {
+      const fb_system_input *in = zeros ? &input : NULL;
+      fb_system_state *s = &end[zeros];
+      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &begin[zeros], start, in), FB_OK);
+      FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &at[zeros], &begin[zeros], in), FB_OK);
+      FBT_INT_EQ(fb_system_rates(&mechanism, model, &work, &slope[zeros], &begin[zeros], in), FB_OK);
+      *s = begin[zeros];
+      memset(&work, 0xff, sizeof work); /* and what is in it means nothing */
+      FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, s, &work, in, in, in, FB_R(2e-4)), FB_OK);
+      FBT_INT_EQ(fb_system_sdirk_step(&mechanism, model, s, &work, in, in, FB_R(2e-4), 2), FB_OK);
+      FBT_INT_EQ(fb_system_axis_set(&mechanism, model, &work, s, form < 3 ? 1 : 2, 0, FB_AXIS_LOCKED, in), FB_OK);
+    }
+    FBT_TRUE(memcmp(&begin[0], &begin[1], sizeof begin[0]) == 0);
+    FBT_TRUE(memcmp(&at[0], &at[1], sizeof at[0]) == 0);
+    FBT_TRUE(memcmp(&slope[0], &slope[1], sizeof slope[0]) == 0);
+    FBT_TRUE(memcmp(&end[0], &end[1], sizeof end[0]) == 0);
+    if (mode == FB_AXIS_PRESCRIBED && kinds[run % 3] != FB_JOINT_SPHERICAL) {
+      FBT_NEAR_ABS(at[0].joint[form < 3 ? 1 : 2].value[0], 0.0, FBT_TOL(1e-12, 1e-4));
+      FBT_NEAR_ABS(at[0].joint[form < 3 ? 1 : 2].speed[0], 0.0, FBT_TOL(1e-12, 1e-4));
+    }
+    FBT_NEAR_ABS(slope[0].motor_work, 0.0, 0.0);
+  }
+}
+
+/* One field changed by as little as makes it wrong. */
+static void refused_with(void *field, int value)
+{
+  int was;
+  memcpy(&was, field, sizeof was);
+  memcpy(field, &value, sizeof value);
+  FBT_TRUE(fb_system_check(&mechanism, model, 1) != FB_OK);
+  memcpy(field, &was, sizeof was);
+}
+
+static void refused_without(fb_real *field, int n)
+{
+  for (int i = 0; i < n; i++) {
+    const fb_real was = field[i];
+    field[i] = (fb_real)NAN;
+    FBT_TRUE(fb_system_check(&mechanism, model, 1) != FB_OK);
+    field[i] = was;
+  }
+}
+
+/* fb_system_check: every field beyond its range, of the system, of a joint of the tree and of one that closes a loop,
+   is found; at the ends of the range all is well. */
+TEST(systems_that_memory_has_changed_are_refused)
+{
+  fb_joint *joint = mechanism.joint;
+  couple(FB_JOINT_SPHERICAL, 0, FB_AXIS_FREE);
+  close_loop(FB_JOINT_REVOLUTE, 1, 2, 0, 2);
+  close_loop(FB_JOINT_REVOLUTE, FB_GROUND, 0, 1, 0);
+  init(FB_METHOD_RECURSIVE);
+  FBT_INT_EQ(fb_system_check(&mechanism, model, 1), FB_OK);
+  FBT_INT_EQ(fb_system_check(&mechanism, model, 0), FB_ERR_CAPACITY);
+  refused_with(&mechanism.n_body, 0);
+  refused_with(&mechanism.n_body, FB_MAX_BODIES + 1);
+  refused_with(&mechanism.n_loop, -1);
+  refused_with(&mechanism.n_loop, FB_MAX_LOOPS + 1);
+  refused_with(&mechanism.method, FB_METHOD_MULTIPLIERS + 1);
+  refused_with(&mechanism.allow_long_step, 2);
+  refused_with(&mechanism.model[1], 1);
+  refused_with(&mechanism.model[1], -1);
+  refused_with(&mechanism.coupled[0], 2);
+  refused_with(&mechanism.free.kind, FB_JOINT_RIGID);
+  refused_with(&mechanism.free.n_axis, 5);
+  refused_with(&mechanism.free.parent, 0);
+  refused_without(&mechanism.limit_elastic, 1);
+  refused_without(&mechanism.limit_damping, 1);
+  refused_without(&mechanism.limit_kept_elastic, 1);
+  refused_without(&mechanism.limit_kept_damping, 1);
+  refused_with(&joint[0].parent, 0);      /* a body hangs on an earlier one */
+  refused_with(&joint[0].parent_node, 1); /* the ground has one node */
+  refused_with(&joint[1].parent, 1);
+  refused_with(&joint[1].child, 0);
+  for (int j = 1; j < 3; j++) {
+    refused_with(&joint[j].kind, FB_JOINT_SPHERICAL + 1);
+    refused_with(&joint[j].parent, FB_GROUND - 1);
+    refused_with(&joint[j].parent, 2);
+    refused_with(&joint[j].child, 2);
+    refused_with(&joint[j].child, -1);
+    refused_with(&joint[j].parent_node, -1);
+    refused_with(&joint[j].parent_node, 3);
+    refused_with(&joint[j].child_node, -1);
+    refused_with(&joint[j].child_node, 3);
+    refused_with(&joint[j].n_axis, joint[j].n_axis - 1);
+    refused_with(&joint[j].n_axis, joint[j].n_axis + 1);
+    refused_with(&joint[j].moves, 2);
+    refused_with(&joint[j].turned, 2);
+    refused_without(joint[j].position, 3);
+    refused_without(joint[j].axes, 9);
+    refused_without(joint[j].child_position, 3);
+    refused_without(joint[j].child_axes, 9);
+    refused_without(joint[j].A, 18);
+    refused_without(&joint[j].pitch, 1);
+    refused_without(joint[j].stiffness, 3);
+    refused_without(joint[j].rest, 3);
+    refused_without(joint[j].damping, 3);
+    for (int i = 0; i < 3; i++) {
+      const fb_real stiffness = joint[j].stiffness[i], damping = joint[j].damping[i];
+      refused_with(&joint[j].mode[i], FB_AXIS_PRESCRIBED + 1);
+      joint[j].stiffness[i] = -FB_R(1.0);
+      FBT_TRUE(fb_system_check(&mechanism, model, 1) != FB_OK);
+      joint[j].stiffness[i] = stiffness;
+      joint[j].damping[i] = -FB_R(1.0);
+      FBT_TRUE(fb_system_check(&mechanism, model, 1) != FB_OK);
+      joint[j].damping[i] = damping;
+    }
+  }
+}
+
+/* fb_system_state_check, and what fb_system_state_init takes: attitudes where there are any, modes, where locked axes
+   are; as far as a body may be deflected and no further. */
+TEST(states_out_of_range_are_refused)
+{
+  const int beyond = FB_AXIS_PRESCRIBED + 1;
+  for (int j = 0; j < 3; j++) { /* free, spherical, revolute */
+    couple(FB_JOINT_SPHERICAL, 0, FB_AXIS_FREE);
+    hang(2, 0, FB_JOINT_REVOLUTE, 1, 1);
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_state_check(&mechanism, model, &state), FB_OK);
+    kept = state;
+    memset(kept.link[j].quat, 0, sizeof kept.link[j].quat);
+    FBT_INT_EQ(fb_system_state_check(&mechanism, model, &kept) == FB_OK, j == 2);
+    for (int i = 0; i < 3; i++) {
+      kept = state;
+      kept.mode[j][i] = FB_AXIS_PRESCRIBED;
+      FBT_INT_EQ(fb_system_state_check(&mechanism, model, &kept), FB_OK);
+      memcpy(&kept.mode[j][i], &beyond, sizeof beyond);
+      FBT_INT_EQ(fb_system_state_check(&mechanism, model, &kept), FB_ERR_VALUE);
+      kept = state;
+      kept.hold[j][i] = (fb_real)NAN;
+      FBT_INT_EQ(fb_system_state_check(&mechanism, model, &kept), FB_ERR_NOT_FINITE);
+      kept = state;
+      kept.link[j].x[i] = (fb_real)NAN;
+      FBT_INT_EQ(fb_system_state_check(&mechanism, model, &kept), FB_ERR_NOT_FINITE);
+    }
+    for (int over = 0; over < 2; over++) { /* the parts of two modes add up, whatever their signs */
+      const double limit = (double)model[0].deflection_limit;
+      start[j].q[0] = (fb_real)(0.6 * limit / (double)model[0].reach[0]);
+      start[j].q[1] = -(fb_real)((over ? 0.42 : 0.38) * limit / (double)model[0].reach[1]);
+      start[j].q[2] = FB_R(0.0);
+      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &kept, start, NULL), over ? FB_ERR_RANGE : FB_OK);
+    }
+  }
+}
+
+/* E9.15: how far a body may be deflected holds for each of its modes alone, of every body. */
+TEST(every_mode_is_within_its_range)
+{
+  fresh();
+  flexible(&model[0], 2, 2, 0, FB_EFFECTS_FULL);
+  hang(0, 0, FB_JOINT_RIGID, FB_GROUND, 0);
+  hang(1, 0, FB_JOINT_RIGID, FB_GROUND, 0);
+  init(FB_METHOD_RECURSIVE);
+  for (int run = 0; run < 16; run++) {
+    const int k = run / 8, a = run / 2 % 4, over = run % 2;
+    memset(start, 0, sizeof start);
+    start[k].q[a] = (fb_real)(over ? 1.01 : 0.99) * model[0].deflection_limit / model[0].reach[a];
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), over ? FB_ERR_RANGE : FB_OK);
+  }
+}
+
+static unsigned tree_word(void)
+{
+  return fb_system_crc(&mechanism, model, FB_MAX_BODIES);
+}
+
+/* E8.40: of a system the word sees all but unused joints and the padding of the others, and its models. */
+TEST(the_check_word_of_a_system_sees_every_byte)
+{
+  const int pad = (int)(sizeof(fb_joint) - 52 * sizeof(fb_real) - 11 * sizeof(int));
+  unsigned word;
+  int joints, most;
+  tree(FB_EFFECTS_SPIN, 1);
+  (void)close_loop(FB_JOINT_SPHERICAL, 4, 0, 6, 0);
+  init(FB_METHOD_RECURSIVE);
+  joints = mechanism.n_body + mechanism.n_loop;
+  most = (int)sizeof(fb_joint) * (FBT_COUNT(mechanism.joint) - joints) + pad * (joints + 1) +
+         2 * (int)sizeof(int) * (FB_MAX_BODIES - mechanism.n_body) + (int)(sizeof(fb_real) - sizeof(int));
+  FBT_TRUE(pad < (int)sizeof(fb_real));
+  FBT_TRUE(fbt_unseen(&mechanism, sizeof mechanism, tree_word) <= most);
+  word = tree_word();
+  for (int k = 0; k < 3; k++) {
+    model[k].mass += FB_R(1.0);
+    FBT_TRUE(tree_word() != word);
+    model[k].mass -= FB_R(1.0);
+  }
+  FBT_INT_EQ(fb_system_crc(&mechanism, model, 2) == 0, 1); /* there is a third model */
+  model[3] = model[2];
+  mechanism.model[mechanism.n_body - 1] = 3;
+  word = tree_word();
+  model[3].mass += FB_R(1.0);
+  FBT_TRUE(tree_word() != word);
+  model[1].n = FB_MAX_MODES + 1;
+  FBT_INT_EQ(tree_word() == 0, 1);
+  FBT_INT_EQ(fb_system_crc(&mechanism, model, 1) == 0, 1); /* there are more models */
+  FBT_INT_EQ(fb_system_crc(&mechanism, model, 0) == 0, 1);
+  model[1].n = 0;
+  for (int beyond = 0; beyond < 4; beyond++) {
+    int *const count = beyond % 2 ? &mechanism.n_loop : &mechanism.n_body, was = *count;
+    *count = beyond < 2 ? -1 : (beyond % 2 ? FB_MAX_LOOPS : FB_MAX_BODIES) + 1;
+    FBT_INT_EQ(tree_word() == 0, 1);
+    *count = was;
+  }
+}
+
+/* A free body has no parent, whatever the desc says of one: the system is sound and has the same word. */
+TEST(free_bodies_have_no_parent)
+{
+  unsigned word = 0;
+  for (int said = 0; said < 2; said++) {
+    fresh();
+    flexible(&model[0], 1, 0, 0, FB_EFFECTS_FULL);
+    hang(0, 0, FB_JOINT_FREE, FB_GROUND, 0);
+    hang(1, 0, FB_JOINT_FREE, said ? 0 : FB_GROUND, said);
+    init(FB_METHOD_RECURSIVE);
+    FBT_TRUE(!said || fb_system_crc(&mechanism, model, 1) == word);
+    word = fb_system_crc(&mechanism, model, 1);
+  }
+}
+
+/* What was found in review: work that holds anything, loops torn open, half a turn off, springs of loops in the limits,
+   prescribed axes from the start, many rows, small attitudes, power of what is prescribed. */
+static int many_rows(fb_row *row, int capacity, const fb_pose *pose, fb_real t, void *user)
+{
+  const int n = *(const int *)user;
+  (void)pose, (void)t;
+  for (int k = 0; k < n && k < capacity; k++) { /* the same one over and over */
+    row[k].body[1] = FB_GROUND;
+    row[k].force[0][0] = FB_R(1.0);
+  }
+  return n < capacity ? n : capacity;
+}
+
+TEST(systems_refuse_what_is_not_right)
+{
+  int many = 30;
+  fb_real limit;
+  tree(FB_EFFECTS_FULL, 0); /* the work means nothing between calls */
+  init(FB_METHOD_RECURSIVE);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+  kept = state;
+  FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &kept, &work, &input, &input, &input, FB_R(2e-4)), FB_OK);
+  memset(&work, 0xff, sizeof work);
+  FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, FB_R(2e-4)), FB_OK);
+  FBT_TRUE(memcmp(&kept, &state, sizeof state) == 0);
+  memset(&work, 0xff, sizeof work);
+  FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+  memset(&work, 0xff, sizeof work);
+  FBT_INT_EQ(fb_system_sdirk_step(&mechanism, model, &state, &work, &input, &input, FB_R(2e-4), 0), FB_OK);
+  fourbar(0.4, 1.0, 0.8, 1.1, FB_JOINT_REVOLUTE); /* the rocker's value jumps: the loop cannot follow */
+  desc.joint[0].mode[0] = desc.joint[2].mode[0] = FB_AXIS_PRESCRIBED;
+  input.drive[0].value[0] = FB_R(0.7);
+  input.drive[2].value[0] = (fb_real)rocker_angle(0.4, 1.0, 0.8, 1.1, 0.7);
+  start[1].value[0] = -FB_R(0.3);
+  init(FB_METHOD_RECURSIVE);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+  input.drive[2].value[0] += FB_R(0.02);
+  FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, FB_R(1e-3)),
+             FB_ERR_CONTRADICTION);
+  FBT_INT_EQ(work.joint, 3);
+  fresh(); /* a hinge closed upside down */
+  rigid(&model[0], 1.0, 0.2, 0, 0, 0.1, 0.1, 0.1);
+  hang(0, 0, FB_JOINT_SPHERICAL, FB_GROUND, 0);
+  close_loop(FB_JOINT_REVOLUTE, FB_GROUND, 0, 0, 0);
+  turn(start[0].quat, 3.0, 0, 0);
+  init(FB_METHOD_RECURSIVE);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_ERR_CONTRADICTION);
+  FBT_INT_EQ(work.joint, 1);
+  desc.loop[0].stiffness[0] =
+      FB_R(400.0); /* and its spring in the limit: sqrt(400/(0.1 + 0.04)), 5 % more of the tree's */
+  init(FB_METHOD_RECURSIVE);
+  limit = fb_system_rk4_limit(&mechanism, model, 0, 0);
+  FBT_NEAR_REL(limit, 2.785 / sqrt(400.0 / 0.14), FBT_TOL(1e-9, 1e-4));
+  turn(start[0].quat, 0, 0, 0.1);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+  FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, NULL, NULL, NULL, FB_R(1.01) * limit), FB_ERR_STEP);
+  FBT_INT_EQ(fb_system_sdirk_step(&mechanism, model, &state, &work, NULL, NULL, FB_R(1.01) * limit, 0), FB_ERR_STEP);
+  fresh(); /* prescribed from the start: the other joint's speed stays what it was asked to be */
+  rigid(&model[0], 1.0, 0, -0.5, 0, 0.1, 0.1, 0.1);
+  hang(0, 0, FB_JOINT_REVOLUTE, FB_GROUND, 0);
+  hang(1, 0, FB_JOINT_REVOLUTE, 0, 1);
+  desc.joint[0].mode[0] = FB_AXIS_PRESCRIBED;
+  input.drive[0].value[0] = FB_R(1.0);
+  input.drive[0].rate[0] = FB_R(2.0);
+  start[1].value[0] = FB_R(0.5);
+  start[1].speed[0] = FB_R(0.25);
+  for (int method = 0; method < 3; method++) {
+    init((fb_method)method);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+    FBT_NEAR_ABS(motion.joint[1].speed[0], 0.25, FBT_TOL(1e-12, 1e-5));
+    FBT_NEAR_ABS(motion.joint[1].value[0], 0.5, FBT_TOL(1e-12, 1e-5));
+  }
+  fresh(); /* many rows, more than half of what there is room for; a body dragged along; its power */
+  rigid(&model[0], 2.0, 0, 0, 0, 0.1, 0.1, 0.1);
+  hang(0, 0, FB_JOINT_FREE, FB_GROUND, 0);
+  input.rows = many_rows;
+  input.user = &many;
+  init(FB_METHOD_RECURSIVE);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, NULL, &input), FB_OK);
+  FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, FB_R(1e-3)), FB_OK);
+  FBT_INT_EQ(work.rank, 1);
+  many = -7;
+  FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, FB_R(1e-3)), -7);
+  fresh();
+  hang(0, 0, FB_JOINT_FREE, FB_GROUND, 0);
+  desc.joint[0].mode[0] = FB_AXIS_PRESCRIBED;
+  input.drive[0].rate[0] = FB_R(3.0);
+  input.drive[0].acceleration[0] = FB_R(5.0);
+  init(FB_METHOD_RECURSIVE);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, NULL, &input), FB_OK);
+  FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+  FBT_NEAR_ABS(motion.power, 2.0 * 5.0 * 3.0, FBT_TOL(1e-12, 1e-4));
+  fresh(); /* an attitude of a hundred-millionth of a turn is one */
+  hang(0, 0, FB_JOINT_RIGID, FB_GROUND, 0);
+  turn(desc.joint[0].child_attitude, 1e-9, 0, 0);
+  init(FB_METHOD_RECURSIVE);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, NULL, NULL), FB_OK);
+  FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, NULL), FB_OK);
+  FBT_NEAR_ABS(motion.pose[0].quat[1], -0.5e-9, 1e-13);
+}
+
+SUITE(system_refusals, RUN(systems_that_memory_has_changed_are_refused), RUN(states_out_of_range_are_refused),
+      RUN(systems_refuse_what_is_not_right), RUN(free_bodies_have_no_parent), RUN(work_means_nothing_between_calls),
+      RUN(every_mode_is_within_its_range), RUN(no_input_is_an_input_of_zeros),
+      RUN(the_check_word_of_a_system_sees_every_byte))
