@@ -162,6 +162,7 @@
        not a number, infinite, above FB_HUGE     FB_ERR_NOT_FINITE, or FB_ERR_VALUE where a range is asked for
        out of its range, no such enumerator      FB_ERR_VALUE; FB_ERR_EFFECTS, FB_ERR_STEP, FB_ERR_RANGE: see there
        what contradicts itself                   FB_ERR_SINGULAR, FB_ERR_KIND, FB_ERR_UNDETERMINED, FB_ERR_CONTRADICTION
+       what is not there, or not available       FB_ERR_MODES, FB_ERR_UNREST, FB_ERR_UNSUPPORTED
      Not FB_OK: what was to be changed is as before; work structs are scratch. FB_OK: all that was written is finite.
      Functions without a status do nothing, or give 0, where a pointer is NULL or an index does not exist; numbers go
      through them as arithmetic has it. Those of >>vec3 and >>rotation, fb_lu_solve and fb_chol_solve are the innermost
@@ -496,13 +497,18 @@ static const char *const fbi_config_reference = FBI_CONFIG_SYMBOL;
   X(FB_ERR_CAPACITY, -4, "more than the compile-time capacity, or an index beyond what exists")                      \
   X(FB_ERR_SINGULAR, -5, "a matrix is singular or not positive definite: no mass, inertia or stiffness, or buckled") \
   X(FB_ERR_CONVERGENCE, -6, "the iteration did not converge")                                                        \
-  X(FB_ERR_KIND, -7, "none of that kind: too few modes, no stiffness or inertia; no state of rest; not analyzed")    \
-  X(FB_ERR_EFFECTS, -8, "effects are split or excluded by others, lack their data, or were removed at compile time") \
+  X(FB_ERR_KIND, -7, "a kind of deformation has no stiffness or no inertia there")                                   \
+  X(FB_ERR_EFFECTS, -8,                                                                                              \
+    "effects are split, excluded, removed at compile time or lack data; zeta or gravity lacks its effect")           \
   X(FB_ERR_STEP, -9, "the step is longer than the stability limit of the scheme")                                    \
   X(FB_ERR_RANGE, -10, "the deflection has left the range of the model")                                             \
   X(FB_ERR_UNDETERMINED, -11, "a joint or a mode moves no inertia: the acceleration is not determined")              \
   X(FB_ERR_CONTRADICTION, -12, "constraints contradict each other, or a loop cannot be closed")                      \
-  X(FB_ERR_BUILD, -13, "built with -fassociative-math, -funsafe-math-optimizations or without NaN: see fb_build_check")
+  X(FB_ERR_BUILD, -13,                                                                                               \
+    "built with -fassociative-math, -funsafe-math-optimizations or without NaN: see fb_build_check")                 \
+  X(FB_ERR_MODES, -14, "fewer modes than asked for")                                                                 \
+  X(FB_ERR_UNREST, -15, "no steady state: loads or gravity push or turn a base or a free joint that nothing holds")  \
+  X(FB_ERR_UNSUPPORTED, -16, "not available for this model: see the comment on the function")
 
 #define FBI_STATUS_ENUM(name, value, text) name = (value),
 typedef enum fb_status { FB_STATUS_LIST(FBI_STATUS_ENUM) } fb_status;
@@ -1692,7 +1698,8 @@ typedef struct fb_modes_work { /* scratch; large: make it static */
   fb_modes found;
 } fb_modes_work;
 
-/* FB_ERR_KIND: a kind asked for has no stiffness or inertia, or fewer modes than asked (or than mass_fraction wants);
+/* FB_ERR_KIND: a kind asked for has no stiffness or inertia; FB_ERR_MODES: fewer modes than asked for (or than
+   mass_fraction wants); FB_ERR_UNSUPPORTED: functions with shear, with torsion, a root strain without axial ones;
    FB_ERR_CAPACITY: more than FB_MAX_MODES; FB_ERR_VALUE: also functions, spin or mass_fraction without a clamped root,
    a preload on a chain or on natural modes of a
    root that is not clamped, a coordinate that the root holds or that is named twice; FB_ERR_SINGULAR: the preload is
@@ -1703,7 +1710,7 @@ FB_API fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_b
 
 /* Buckling: shapes and, in place of omega, the factors by which desc->preload buckles the beam, ascending (desc->lowest
    of them; 0: one). The coordinates of desc->boundary are held: give u_y and u_z of the tip for a pinned one. The root
-   must leave no rigid motion. FB_ERR_KIND: no positive factor, or fewer; else as fb_modes_solve. */
+   must leave no rigid motion. FB_ERR_MODES: no positive factor, or fewer; else as fb_modes_solve. */
 FB_API fb_status fb_buckling_solve(fb_modes *modes, fb_modes_work *work, const fb_beam *beam,
                                    const fb_modes_desc *desc);
 
@@ -1736,7 +1743,7 @@ typedef struct fb_join_work { /* scratch; large: make it static */
    quadratic field goes on from that node: a part hangs by its root), and so on. joined[k].M and K are the share of
    component k. Redundant welds do no harm. FB_ERR_CONVERGENCE: slow elastic modes cannot be told from rigid ones in
    this precision (keep fewer, or use double); FB_ERR_CAPACITY: counts, a node, more than FB_MAX_MODES; FB_ERR_VALUE:
-   nodes of a weld more than 1e-4 of the beams' length apart, FB_BASIS_FUNCTIONS; FB_ERR_KIND: fewer modes than asked
+   nodes of a weld more than 1e-4 of the beams' length apart, FB_BASIS_FUNCTIONS; FB_ERR_MODES: fewer modes than asked
    for; FB_ERR_SINGULAR: no mass somewhere. */
 FB_API fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_beam *beam, const fb_modes *component,
                                int n_component, const fb_weld *weld, int n_weld, int lowest, fb_real omega_limit);
@@ -1834,8 +1841,8 @@ typedef struct fb_body_desc {
   unsigned effects; /* FB_EFFECT_... or-ed; 0: rigid, the modes do not move */
   fb_base base;
   fb_real zeta[FB_MAX_MODES]; /* with FB_EFFECT_DAMPING: damping ratio of each mode (for a general M: of the k-th by
-                                 frequency) */
-  fb_real gravity[3];         /* [m/s^2] inertial axes; with FB_EFFECT_GRAVITY */
+                                 frequency); without that effect zero, or FB_ERR_EFFECTS */
+  fb_real gravity[3];         /* [m/s^2] inertial axes; with FB_EFFECT_GRAVITY, without it zero, or FB_ERR_EFFECTS */
   fb_real
       deflection_limit; /* [m] bound of the sum of modal deflections, beyond it FB_ERR_RANGE; 0: half the body's size.
                                  The model is right to about 0.1 % at 6 % of the length, to some percent at 15 % */
@@ -1879,7 +1886,8 @@ typedef struct fb_joint_desc {
 
 typedef struct fb_system_desc {
   int n_body;
-  int model[FB_MAX_BODIES];           /* of each: its place in the array of models; several may share one */
+  int model[FB_MAX_BODIES]; /* of each: its place in the array of models; several may share one. FB_ERR_VALUE: with no
+                                         more models than bodies, one that no body has */
   fb_joint_desc joint[FB_MAX_BODIES]; /* by which it hangs; parent below its own number */
   int n_loop;
   fb_joint_desc loop[FB_MAX_LOOPS]; /* between bodies of the tree, or one of them and the ground */
@@ -2062,7 +2070,7 @@ typedef struct fb_analyse_work { /* scratch; large: make it static */
    it spins freely, at |input.w| about that principal axis of the deformed body which is nearest to input.w, the mass
    center (or the pin) at rest; a hinged base at input.w, along the hinge. Gravity and loads count. state gives attitude
    and first guess; at most 40 Newton iterations.
-   FB_ERR_KIND: loads or gravity push or turn a base that is not prescribed: it falls or swings; FB_ERR_CONVERGENCE;
+   FB_ERR_UNREST: loads or gravity push or turn a base that is not prescribed: it falls or swings; FB_ERR_CONVERGENCE;
    FB_ERR_RANGE: beyond the deflection limit (buckled, or the load is large); FB_ERR_SINGULAR: the stiffness vanishes
    there; FB_ERR_VALUE: a w that the hinge does not allow; a body of another form than the momentum form whose base is
    not prescribed. input is required, here and in what follows for one body. */
@@ -2089,12 +2097,12 @@ typedef struct fb_system_analyse_work { /* scratch; large: make it static */
 } fb_system_analyse_work;
 
 /* The same of systems, loops included, by FB_METHOD_RECURSIVE or FB_METHOD_DENSE; FB_METHOD_MULTIPLIERS and the
-   caller's own constraints give FB_ERR_KIND. body is the caller's array of models; input may be NULL.
+   caller's own constraints give FB_ERR_UNSUPPORTED. body is the caller's array of models; input may be NULL.
    Trim: prescribed axes have the value and rate of the input, locked ones stay, free ones and modes come to rest
    against them: the rates must allow it (one axis that turns, or a prescribed free joint with constant v, w in body
    axes). What hangs on a free joint that is free, too, spins about the principal axis nearest to the w of its drive's
    rate, as with fb_body_trim. It finds unstable positions as well as stable ones, not always the nearest.
-   FB_ERR_KIND: also where wheels have momentum across that axis, which turns it; FB_ERR_SINGULAR: also an axis that
+   FB_ERR_UNREST: also where wheels have momentum across that axis, which turns it; FB_ERR_SINGULAR: also an axis that
    nothing holds, a hinge at standstill or a wheel: lock it; FB_ERR_CONVERGENCE: also from too far away, such as a
    pendulum held out level; FB_ERR_CONTRADICTION: a loop stays open. Errors else as fb_body_trim and fb_system_rates.
    An arm's posture: lock its joints, trim, give what held them (fb_joint_motion.drive) as torque of their motors, free
@@ -2245,7 +2253,7 @@ typedef struct fb_mixed_spectrum_work { /* scratch; large: make it static */
 /* The `count` (1..FB_MIXED_MODES) slowest motions exp(lambda t) about a steady state of fb_mixed_steady_solve with the
    same input: vibration, whirl, flutter, buckling (lambda = 0); as the base that moves with the input sees them. A beam
    that nothing holds has its rigid motions among them, zero to rounding's root. FB_ERR_CONVERGENCE: fewer than asked
-   for have converged (without inertia there are none); FB_ERR_KIND: it has not so many. */
+   for have converged (without inertia there are none); FB_ERR_MODES: it has not so many. */
 FB_API fb_status fb_mixed_spectrum_solve(const fb_mixed *mixed, fb_mixed_spectrum *spectrum,
                                          fb_mixed_spectrum_work *work, const fb_mixed_state *state,
                                          const fb_mixed_input *input, int count);
@@ -2387,7 +2395,7 @@ typedef struct fb_advise_work { /* scratch; large: make it static */
    that each set gives where the scene is at its most: bounded work, no simulation. Estimates: a factor of three is
    common. shape: natural modes, more than will be needed. FB_ERR_EFFECTS: an effect was removed at compile time;
    FB_ERR_VALUE: negative frequency or frame, duration or tolerance not positive, no modes, no output; FB_ERR_CAPACITY:
-   a node; FB_ERR_KIND: the coordinates are not natural modes; FB_ERR_STEP: no scheme has a step for this; else as
+   a node; FB_ERR_UNSUPPORTED: the coordinates are not natural modes; FB_ERR_STEP: no scheme has a step for this; else as
    fb_body_init and fb_body_motion. advice is written only on FB_OK. */
 FB_API fb_status fb_body_advise(fb_advice *advice, fb_advise_work *work, const fb_shape *shape,
                                 const fb_body_desc *desc, const fb_envelope *envelope, fb_real tolerance);

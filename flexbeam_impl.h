@@ -12112,7 +12112,7 @@ static fb_status fbi_group_take(const fb_modes_desc *desc, fb_modes_work *work, 
       out->n++;
     }
   }
-  return by_mass && !fbi_mass_is_reached(desc, work, beam, dof, n) ? FB_ERR_KIND : FB_OK;
+  return by_mass && !fbi_mass_is_reached(desc, work, beam, dof, n) ? FB_ERR_MODES : FB_OK;
 }
 
 /* Ascending frequency; a tie in the order of the kinds. */
@@ -12441,12 +12441,12 @@ static fb_status fbi_static_take(const fb_modes_desc *desc, fb_modes_work *work,
 static fb_status fbi_count_check(const fb_modes_desc *desc, const int taken[FB_KIND_COUNT], int n)
 {
   if (desc->lowest > 0) {
-    return n < desc->lowest && !(desc->omega_limit > FB_R(0.0)) ? FB_ERR_KIND : FB_OK;
+    return n < desc->lowest && !(desc->omega_limit > FB_R(0.0)) ? FB_ERR_MODES : FB_OK;
   }
   for (int k = 0; k < FB_KIND_COUNT; k++) {
     if (desc->count[k] < FB_ALL_MODES && !(desc->omega_limit > FB_R(0.0)) && !(desc->mass_fraction > FB_R(0.0)) &&
         taken[k] < desc->count[k]) {
-      return FB_ERR_KIND;
+      return taken[k] > 0 ? FB_ERR_MODES : FB_ERR_KIND;
     }
   }
   return FB_OK;
@@ -12715,7 +12715,7 @@ static fb_status fbi_functions_take(const fb_modes_desc *desc, fb_modes_work *wo
     return FB_ERR_VALUE;
   }
   if (beam->has_shear || desc->count[FB_KIND_TORSION] > 0 || (desc->root_strain && desc->count[FB_KIND_AXIAL] == 0)) {
-    return FB_ERR_KIND;
+    return FB_ERR_UNSUPPORTED;
   }
   fbi_functions_matrices(work, beam, group, degree);
   for (int i = 0; i < m * m; i++) {
@@ -12738,7 +12738,7 @@ static fb_status fbi_functions_take(const fb_modes_desc *desc, fb_modes_work *wo
   for (int d = 0; d < 3; d++) {
     count[d] = desc->count[order[d]] < FB_ALL_MODES ? desc->count[order[d]] : group[order[d]] >= 0 ? m : 0;
     if (count[d] > m) {
-      return FB_ERR_KIND;
+      return FB_ERR_MODES;
     }
   }
   if (count[0] + count[1] + count[2] + (desc->root_strain != 0) > FB_MAX_MODES) {
@@ -12959,7 +12959,7 @@ FB_DEF fb_status fb_buckling_solve(fb_modes *modes, fb_modes_work *work, const f
     out->n++;
   }
   if (status != FB_OK || out->n < wanted) {
-    return status != FB_OK ? status : FB_ERR_KIND;
+    return status != FB_OK ? status : FB_ERR_MODES;
   }
   fbi_shapes_matrices(work);
   fbi_effective_fill(work);
@@ -13284,7 +13284,7 @@ FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
     n++;
   }
   if (n > FB_MAX_MODES || (n < lowest && !(omega_limit > FB_R(0.0)))) {
-    return n > FB_MAX_MODES ? FB_ERR_CAPACITY : FB_ERR_KIND;
+    return n > FB_MAX_MODES ? FB_ERR_CAPACITY : FB_ERR_MODES;
   }
   for (int k = 0; k < n; k++) {
     work->joined[0].kind[k] = fbi_join_kind(work, component, n_component, k, m);
@@ -14796,6 +14796,10 @@ static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *
   if (!fbi_is_choice((int)desc->truncation, (int)FB_TRUNCATE_ABOVE_2)) {
     return FB_ERR_VALUE;
   }
+  if ((!fbi_has(desc->effects, FB_EFFECT_DAMPING) && !fbi_is_zero(desc->zeta, shape->n)) ||
+      (!fbi_has(desc->effects, FB_EFFECT_GRAVITY) && !fbi_is_zero(desc->gravity, 3))) {
+    return FB_ERR_EFFECTS; /* a value that nothing would use */
+  }
   if (fbi_is_excluded(desc->effects) ||
       (!desc->allow_split_effects &&
        (fb_effects_check(desc->effects) != FB_OK || fbi_depends_on_origin(desc->effects, desc->base) ||
@@ -15168,8 +15172,19 @@ static fb_status fbi_kept_limits(fb_system *system, fb_system_work *w, const fb_
   return status;
 }
 
+/* Is k the first body of its model? */
+static int fbi_is_first(const int *model, int k)
+{
+  int i = 0;
+  while (model[i] != model[k]) {
+    i++;
+  }
+  return i == k;
+}
+
 static fb_status fbi_system_desc_check(const fb_body *body, int n_model, const fb_system_desc *desc)
 {
+  int used = 0;
   FBI_REQUIRE(desc->n_body >= 1 && desc->n_body <= FB_MAX_BODIES, FB_ERR_CAPACITY);
   FBI_REQUIRE(desc->n_loop >= 0 && desc->n_loop <= FB_MAX_LOOPS, FB_ERR_CAPACITY);
   if (!fbi_is_choice((int)desc->method, (int)FB_METHOD_MULTIPLIERS)) {
@@ -15177,11 +15192,13 @@ static fb_status fbi_system_desc_check(const fb_body *body, int n_model, const f
   }
   for (int k = 0; k < desc->n_body; k++) {
     FBI_REQUIRE(desc->model[k] >= 0 && desc->model[k] < n_model, FB_ERR_CAPACITY);
+    used += fbi_is_first(desc->model, k);
     if (fbi_form(&body[desc->model[k]]) != 0 || fbi_holds_origin(body[desc->model[k]].base)) {
       return FB_ERR_VALUE;
     }
   }
-  return FB_OK;
+  /* a model for each body, and one that no body has: desc->model was forgotten */
+  return n_model > desc->n_body || used == n_model ? FB_OK : FB_ERR_VALUE;
 }
 
 /* The joint that a body's tree hangs by: is it free? */
@@ -16429,7 +16446,7 @@ static fb_real fbi_across(const fb_real w[3], const fb_real x[3])
   return spin > FB_R(0.0) ? fbi_vec3_norm(turn) / spin : FB_R(0.0);
 }
 
-/* Whether the base rests in the trimmed state of the work, too: FB_ERR_KIND where it is pushed or turned, now or when
+/* Whether the base rests in the trimmed state of the work, too: FB_ERR_UNREST where it is pushed or turned, now or when
    it has turned on. */
 static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const fb_input *input)
 {
@@ -16457,7 +16474,7 @@ static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const
   fbi_vec3_add(push, body->mass, work->rate.u);
   return fbi_is_balanced(push, work->rate.L, work->moved.L, w, length, torque) && across <= FBI_UNREST * torque
              ? FB_OK
-             : FB_ERR_KIND;
+             : FB_ERR_UNREST;
 }
 
 /* The state with the element j of x moved by h. Where q is moved, the velocities stay and the momenta follow (E12.12);
@@ -16580,7 +16597,7 @@ static fb_status fbi_system_analyse_check(fb_system_analyse_work *work, const fb
   FBI_REQUIRE(system && body && work && state, FB_ERR_NULL);
   work->system.joint = -1; /* none is at fault yet */
   if (system->method == FB_METHOD_MULTIPLIERS || (input && input->rows)) {
-    return FB_ERR_KIND;
+    return FB_ERR_UNSUPPORTED;
   }
   status = fbi_system_input_check(system, body, input);
   return status ? status : fbi_system_range(system, body, state);
@@ -16883,7 +16900,7 @@ static fb_status fbi_roots_spin(const fbi_subject *s)
   return status;
 }
 
-/* Whether the free joints of the trimmed state rest, too: FB_ERR_KIND where one is pushed or turned. */
+/* Whether the free joints of the trimmed state rest, too: FB_ERR_UNREST where one is pushed or turned. */
 static fb_status fbi_roots_rest(const fbi_subject *s)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -16900,7 +16917,7 @@ static fb_status fbi_roots_rest(const fbi_subject *s)
     if (fbi_is_afloat(s->system, &work->moved, k) &&
         !fbi_is_balanced(rate, rate + 3, work->moved.link[k].p + 3, w, length, torque)) {
       work->system.joint = k;
-      return FB_ERR_KIND;
+      return FB_ERR_UNREST;
     }
   }
   return FB_OK;
@@ -18546,7 +18563,7 @@ static fb_status fbi_mixed_modes(int *found, int order[FBI_MIXED_BASIS], fb_mixe
   }
   fbi_mixed_lambda(work, size);
   *found = fbi_spectrum_order(order, work->re, work->im, size);
-  return *found >= count ? FB_OK : size < fbi_mixed_dim(m) ? FB_ERR_CONVERGENCE : FB_ERR_KIND;
+  return *found >= count ? FB_OK : size < fbi_mixed_dim(m) ? FB_ERR_CONVERGENCE : FB_ERR_MODES;
 }
 
 FB_DEF fb_status fb_mixed_spectrum_solve(const fb_mixed *m, fb_mixed_spectrum *spectrum, fb_mixed_spectrum_work *work,
@@ -18912,7 +18929,7 @@ static const signed char fbi_advice_instant[FBI_ADVICE_INSTANTS + 1][4] = {{1, 1
 static const fb_real fbi_advice_phase[FBI_ADVICE_PHASES][2] = {
     {FB_R(1.0), FB_R(0.0)}, {FB_R(0.70710678118654752), FB_R(0.70710678118654752)}, {FB_R(0.0), FB_R(1.0)}};
 
-/* Natural modes: M is 1, K a diagonal, about; FB_ERR_KIND. */
+/* Natural modes: M is 1, K a diagonal, about; FB_ERR_UNSUPPORTED. */
 static fb_status fbi_advise_modes_check(const fb_shape *shape)
 {
   const int n = shape->n;
@@ -18921,7 +18938,7 @@ static fb_status fbi_advise_modes_check(const fb_shape *shape)
       const fb_real K = shape->K[a * n + b], M = shape->M[a * n + b] - (a == b ? FB_R(1.0) : FB_R(0.0));
       const fb_real little = FB_R(1e-3) * FB_SQRT(FB_FABS(shape->K[a * n + a] * shape->K[b * n + b]));
       if (!(FB_FABS(M) < FB_R(1e-3)) || !(a == b ? K > FB_R(0.0) : FB_FABS(K) < little)) {
-        return FB_ERR_KIND;
+        return FB_ERR_UNSUPPORTED;
       }
     }
   }

@@ -37,7 +37,9 @@ static inline void uniform_line(double length, int n_element, double mass, doubl
 /* The body of that beam with a hub (mass 0: none) and node 1 at its tip. */
 static inline void beam_body(fb_body *out, double hub, const fb_real center[3], const fb_real inertia[6])
 {
+  fb_body_desc fitted = level;
   int node;
+  fbt_fit(&fitted);
   FBT_INT_EQ(fb_beam_init(&beam, &line), FB_OK);
   FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_OK);
   FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
@@ -47,7 +49,7 @@ static inline void beam_body(fb_body *out, double hub, const fb_real center[3], 
   FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, line.length), FB_OK);
   FBT_INT_EQ(node, 1);
-  FBT_INT_EQ(fb_body_init(out, &body_work, &shape, &level), FB_OK);
+  FBT_INT_EQ(fb_body_init(out, &body_work, &shape, &fitted), FB_OK);
 }
 
 /* A particle of 1 kg at (R, 0, 0) on springs k_x, k_y with dashpots, in a frame that turns about z. */
@@ -198,7 +200,7 @@ static inline fb_joint_desc *hang(int k, int model, fb_joint_kind kind, int pare
 
 static inline void build(void)
 {
-  FBT_INT_EQ(fb_system_init(&mechanism, &tree_work.system, part, FB_MAX_BODIES, &tree), FB_OK);
+  FBT_INT_EQ(fb_system_init(&mechanism, &tree_work.system, part, fbt_models(&tree), &tree), FB_OK);
   FBT_INT_EQ(fb_system_state_init(&mechanism, part, &tree_work.system, &tree_state, start, &drive), FB_OK);
 }
 

@@ -204,6 +204,7 @@ static inline void boom_body(unsigned effects, fb_base base, int node[2])
     desc.zeta[k] = FB_R(0.02);
   }
   boom(&shape, node);
+  fbt_fit(&desc);
   FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
 }
 

@@ -124,4 +124,25 @@ const fbt_table *fbt_reference(const char *name);
 double fbt_value(const fbt_table *table, int row, const char *column);
 const char *fbt_word(const fbt_table *table, int row, const char *column);
 
+/* Damping ratios and gravity only where the effects use them: others are refused. */
+static inline void fbt_fit(fb_body_desc *desc)
+{
+  if (!(desc->effects & FB_EFFECT_DAMPING)) {
+    memset(desc->zeta, 0, sizeof desc->zeta);
+  }
+  if (!(desc->effects & FB_EFFECT_GRAVITY)) {
+    memset(desc->gravity, 0, sizeof desc->gravity);
+  }
+}
+
+/* Number of models that a system has, for an array that holds more. */
+static inline int fbt_models(const fb_system_desc *desc)
+{
+  int n = 0;
+  for (int k = 0; k < desc->n_body; k++) {
+    n = desc->model[k] >= n ? desc->model[k] + 1 : n;
+  }
+  return n;
+}
+
 #endif

@@ -47,6 +47,7 @@ static inline void boom(unsigned effects, fb_base base, int bend_y, int bend_z, 
   for (int k = 0; k < modes.n; k++) {
     body_desc.zeta[k] = (fb_real)zeta;
   }
+  fbt_fit(&body_desc);
   FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &body_desc), FB_OK);
 }
 

@@ -82,6 +82,7 @@ static inline void flexible(fb_body *body, int y, int z, int t, unsigned effects
   FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, (fb_real)meter), FB_OK);
   FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, (fb_real)(0.5 * meter)), FB_OK);
+  fbt_fit(&d);
   FBT_INT_EQ(fb_body_init(body, &body_work, &shape, &d), FB_OK);
 }
 
@@ -114,7 +115,7 @@ static inline void turn_anyhow(fb_real quat[4], double size)
 static inline void init(fb_method method)
 {
   desc.method = method;
-  FBT_INT_EQ(fb_system_init(&mechanism, &work, model, FB_MAX_BODIES, &desc), FB_OK);
+  FBT_INT_EQ(fb_system_init(&mechanism, &work, model, fbt_models(&desc), &desc), FB_OK);
   FBT_INT_EQ(fb_system_check(&mechanism, model, FB_MAX_BODIES), FB_OK);
 }
 

@@ -332,14 +332,14 @@ TEST(analysis_of_systems_refuses_bad_input)
   tree.method = FB_METHOD_MULTIPLIERS;
   build();
   tree_work.system.joint = 2; /* from another failure */
-  FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), FB_ERR_KIND);
+  FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), FB_ERR_UNSUPPORTED);
   FBT_INT_EQ(tree_work.system.joint, -1);
-  FBT_INT_EQ(linearized(&linear, NULL), FB_ERR_KIND);
-  FBT_INT_EQ(fb_system_spectrum(&spectrum, &tree_work, &mechanism, part, &tree_state, &drive), FB_ERR_KIND);
+  FBT_INT_EQ(linearized(&linear, NULL), FB_ERR_UNSUPPORTED);
+  FBT_INT_EQ(fb_system_spectrum(&spectrum, &tree_work, &mechanism, part, &tree_state, &drive), FB_ERR_UNSUPPORTED);
   tree.method = FB_METHOD_RECURSIVE;
   build();
   drive.rows = no_rows;
-  FBT_INT_EQ(linearized(&linear, NULL), FB_ERR_KIND);
+  FBT_INT_EQ(linearized(&linear, NULL), FB_ERR_UNSUPPORTED);
   fresh();
   flexible_part(0, 2.0, 5, FB_BASE_PRESCRIBED, FB_EFFECTS_LINEAR);
   for (int k = 0; k < FB_MAX_BODIES; k++) {

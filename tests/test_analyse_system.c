@@ -115,7 +115,7 @@ TEST(bases_that_are_pushed_have_no_state_of_rest)
     beam_body(&body, 2.0, center, J);
     FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
     before = state;
-    FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), base ? FB_ERR_KIND : FB_OK);
+    FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), base ? FB_ERR_UNREST : FB_OK);
     if (base == 0) {
       memcpy(sag, state.q, sizeof sag);
       FBT_INT_EQ(fb_body_motion(&body, &held, &state, &input), FB_OK);
@@ -124,10 +124,10 @@ TEST(bases_that_are_pushed_have_no_state_of_rest)
     }
     FBT_TRUE(memcmp(&state, &before, sizeof state) == 0);
     frame_turn(state.quat, 0.0, 0.0, -pi / 2); /* downwards */
-    FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), base == 3 ? FB_ERR_KIND : FB_OK);
+    FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), base == 3 ? FB_ERR_UNREST : FB_OK);
     FBT_BELOW(fbt_largest(state.q, 4), FBT_TOL(1e-12, 1e-6));
     input.w[2] = FB_R(0.1); /* not for long */
-    FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_ERR_KIND);
+    FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_ERR_UNREST);
     input.w[2] = FB_R(0.0);
     state = before;
     input.n_load = 1;
@@ -137,7 +137,7 @@ TEST(bases_that_are_pushed_have_no_state_of_rest)
     FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_OK);
     FBT_BELOW(fbt_difference(state.q, sag, 4), FBT_TOL(1e-9, 1e-5));
     input.load[0].torque[2] = FB_R(0.0);
-    FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_ERR_KIND);
+    FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_ERR_UNREST);
   }
   boom_loop(FB_AXIS_FREE); /* at rest it is so to rounding: springs press on the loop */
   drive.drive[0].rate[5] = FB_R(0.0);
@@ -160,7 +160,7 @@ TEST(bases_that_are_pushed_have_no_state_of_rest)
     (run % 2 ? drive.load[0].load.force : drive.load[0].load.torque)[0] = run == 4 ? FB_R(2.8) : FB_R(0.01);
     build();
     before = tree_state;
-    FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), run % 4 ? FB_ERR_KIND : FB_OK);
+    FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), run % 4 ? FB_ERR_UNREST : FB_OK);
     if (run % 4) {
       FBT_INT_EQ(tree_work.system.joint, 0);
       FBT_TRUE(memcmp(&before, &tree_state, sizeof before) == 0);
@@ -748,7 +748,7 @@ TEST(pulled_apart_free_bodies_rest)
       drive.load[i].load.force[2] = (fb_real)(i ? F : -F);
     }
     build();
-    FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), run < 5 ? FB_OK : FB_ERR_KIND);
+    FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), run < 5 ? FB_OK : FB_ERR_UNREST);
     FBT_TRUE(run == 5 || fabs((double)tree_state.link[1].x[0] - F / k) < FBT_TOL(1e-12, 1e-6));
   }
 }

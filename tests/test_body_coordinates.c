@@ -86,6 +86,7 @@ static void large_body(int form, fb_base base, unsigned damping, int combined)
     level.zeta[a] = (fb_real)(0.01 + 0.001 * a);
   }
   large_shape(combined);
+  fbt_fit(&level);
   FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
   FBT_INT_EQ(fb_body_check(&body), FB_OK);
   FBT_TRUE(fb_body_crc(&body) != 0);

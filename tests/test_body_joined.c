@@ -334,7 +334,7 @@ TEST(joined_components_converge_and_refuse)
     before = fmax(largest, FBT_TOL(1e-9, 3e-2));
   }
   FBT_TRUE(fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, 23, FB_R(0.0)) ==
-           (FB_SINGLE ? FB_ERR_CONVERGENCE : FB_ERR_KIND));
+           (FB_SINGLE ? FB_ERR_CONVERGENCE : FB_ERR_MODES));
   if (!FB_SINGLE) { /* all of them, whatever the unit of time; single precision has no room for the fast ones */
     const int all = basis[0].n + basis[1].n - 6 - 6; /* less the weld and rigid motion */
     for (int fast = 0; fast < 2; fast++) {

@@ -166,6 +166,7 @@ TEST(potential_energies_agree_with_a_particle_model)
     memset(&level, 0, sizeof level);
     level.effects = FB_EFFECTS_FULL | (falls ? FB_EFFECT_GRAVITY : 0);
     fbt_fill(level.gravity, 3, 5.0);
+    fbt_fit(&level);
     FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
     velocity_random(&s, n, 0.1);
     state_from(&state, &body, &s);

@@ -379,7 +379,23 @@ TEST(loads_that_are_no_numbers_are_refused_on_held_bases)
   }
 }
 
-SUITE(body_refusals, RUN(loads_that_are_no_numbers_are_refused_on_held_bases),
+/* What nothing would use is refused: damping ratios without the effect damping, gravity without the effect gravity. */
+TEST(values_without_their_effect_are_refused)
+{
+  static const unsigned effect[2] = {FB_EFFECT_DAMPING, FB_EFFECT_GRAVITY};
+  int node[2];
+  boom(&shape, node);
+  for (int k = 0; k < 4; k++) {
+    fb_body_desc desc;
+    memset(&desc, 0, sizeof desc);
+    desc.effects = FB_EFFECTS_FULL | (k / 2 ? effect[k % 2] : effect[1 - k % 2]);
+    *(k % 2 ? &desc.gravity[2] : &desc.zeta[BOOM_MODES - 1]) = FB_R(0.02);
+    FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), k / 2 ? FB_OK : FB_ERR_EFFECTS);
+  }
+}
+
+SUITE(body_refusals, RUN(values_without_their_effect_are_refused),
+      RUN(loads_that_are_no_numbers_are_refused_on_held_bases),
       RUN(rods_without_thickness_are_refused_in_every_attitude), RUN(rows_without_terms_are_refused),
       RUN(massless_prescribed_bodies_are_sound), RUN(the_check_word_sees_every_flipped_bit),
       RUN(the_check_word_sees_every_number), RUN(the_check_word_sees_every_term),

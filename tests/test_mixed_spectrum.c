@@ -245,7 +245,7 @@ TEST(a_body_on_a_light_beam_rings_in_closed_form)
     last = next;
   }
   for (int count = 7; count <= FB_MIXED_MODES; count++) { /* there are no more */
-    FBT_INT_EQ(fb_mixed_spectrum_solve(&mixed, &spectrum, &spectrum_work, &state, &input, count), FB_ERR_KIND);
+    FBT_INT_EQ(fb_mixed_spectrum_solve(&mixed, &spectrum, &spectrum_work, &state, &input, count), FB_ERR_MODES);
   }
 }
 

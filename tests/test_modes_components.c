@@ -335,7 +335,7 @@ TEST(effective_masses_add_up_to_the_beam)
   FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), FB_OK);
   FBT_INT_EQ(modes.n, 5 + 5 + 2 + 2);
   keep->count[FB_KIND_BEND_Y] = 3; /* no more than asked for, and that is not enough */
-  FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), FB_ERR_KIND);
+  FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), FB_ERR_MODES);
 }
 
 /* x_a^T M x_b with the assembled mass that the solution leaves in work. */

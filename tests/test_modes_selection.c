@@ -384,7 +384,7 @@ TEST(modes_that_do_not_exist_are_refused)
         FBT_INT_EQ(modes.n, exist);
         keep.count[kind] = exist + 1;
       }
-      refused(&keep, FB_ERR_KIND);
+      refused(&keep, what == 2 ? FB_ERR_MODES : FB_ERR_KIND);
       if (what < 2) { /* "as many as there are": none */
         keep.count[kind] = FB_ALL_MODES;
         FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, &keep), FB_OK);
@@ -422,10 +422,10 @@ TEST(modes_that_do_not_exist_are_refused)
   }
   keep.degree = 0;
   keep.root_strain = 1; /* without axial functions */
-  refused(&keep, FB_ERR_KIND);
+  refused(&keep, FB_ERR_UNSUPPORTED);
   keep.root_strain = 0;
   keep.count[FB_KIND_BEND_Z] = 5; /* two elements have four */
-  refused(&keep, FB_ERR_KIND);
+  refused(&keep, FB_ERR_MODES);
   keep.count[FB_KIND_BEND_Z] = 1;
   keep.count[FB_KIND_TORSION] = 1;
   refused(&keep, FB_ERR_KIND);

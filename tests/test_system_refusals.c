@@ -392,7 +392,21 @@ TEST(systems_refuse_what_is_not_right)
   FBT_NEAR_ABS(motion.pose[0].quat[1], -0.5e-9, 1e-13);
 }
 
-SUITE(system_refusals, RUN(systems_that_memory_has_changed_are_refused), RUN(states_out_of_range_are_refused),
-      RUN(systems_refuse_what_is_not_right), RUN(free_bodies_have_no_parent), RUN(work_means_nothing_between_calls),
-      RUN(every_mode_is_within_its_range), RUN(no_input_is_an_input_of_zeros),
+/* A model that no body has, of no more models than bodies: desc.model was forgotten, and the default, 0, would double
+   another body. An array of more models than bodies may hold spare ones. */
+TEST(forgotten_models_are_refused)
+{
+  couple(FB_JOINT_REVOLUTE, 0, FB_AXIS_FREE);
+  model[1] = model[2] = model[0];
+  for (int k = 0; k < 2; k++) {
+    desc.model[1] = k;
+    FBT_INT_EQ(fb_system_init(&mechanism, &work, model, 1 + k, &desc), FB_OK);
+    FBT_INT_EQ(fb_system_init(&mechanism, &work, model, 2, &desc), k ? FB_OK : FB_ERR_VALUE);
+    FBT_INT_EQ(fb_system_init(&mechanism, &work, model, 3, &desc), FB_OK);
+  }
+}
+
+SUITE(system_refusals, RUN(forgotten_models_are_refused), RUN(systems_that_memory_has_changed_are_refused),
+      RUN(states_out_of_range_are_refused), RUN(systems_refuse_what_is_not_right), RUN(free_bodies_have_no_parent),
+      RUN(work_means_nothing_between_calls), RUN(every_mode_is_within_its_range), RUN(no_input_is_an_input_of_zeros),
       RUN(the_check_word_of_a_system_sees_every_byte))
