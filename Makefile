@@ -19,7 +19,7 @@ CHECKS   = sanitize hostile fuzz faults suite long tidy coverage bits instructio
            two_precisions jacobian style ids documents quickstart first_build fast_math output hil scene campaign hard
 
 .DELETE_ON_ERROR:
-.PHONY: help run table1 leigh scenes blade firmware hil campaign campaign-mpi test coverage mutants hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes fuzz readme format clean ci FORCE $(CHECKS:%=check-%)
+.PHONY: help run table1 leigh scenes blade firmware hil campaign campaign-mpi test quick quick-double quick-single quick-c++ coverage mutants hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes fuzz readme format clean ci FORCE $(CHECKS:%=check-%)
 
 help:
 	@echo "make run       spin-up of a flexible beam against its reference, time per step, picture if gnuplot is there"
@@ -29,7 +29,8 @@ help:
 	@echo "make scenes    every scene of examples/scenes: build/scenes/NAME.csv, curves, pictures and animations as SVG, frames"
 	@echo "make firmware  the attitude loop of examples/firmware.c on an emulated Cortex-M4F and -M7, against the desktop"
 	@echo "make hil       a spacecraft at 1 kHz in real time and its controller, two processes over UDP, 60 s: build/hil.csv"
-	@echo "make test      build and run the tests"
+	@echo "make test      build and run the tests: the default configuration, then the other forms (FB_WITH_FORMS)"
+	@echo "make quick     before a commit, two minutes: short tests in both precisions, C++, layout, ids, documents, quick start"
 	@echo "make coverage  lines and branches of the library that the tests run, by section; what they leave: build/coverage/"
 	@echo "make mutants   200 equations changed one at a time, the tests must notice (SEED=1, COUNT=200; half an hour)"
 	@echo "make campaign  a spacecraft with scattered stiffness, mass and damping, 200 runs on all cores: build/campaign/"
@@ -98,6 +99,12 @@ test: check-quickstart build/test_runner build/test_forms
 	@{ build/test_runner; build/test_forms --forms; } | awk \
 	  '/^[0-9]+ passed, [0-9]+ failed$$/ { passed += $$1; failed += $$3; ends++; next } { print; fflush() } \
 	   END { failed += 2 - ends; print passed " passed, " failed " failed"; exit failed > 0 }'
+
+# The slow ones first; a failed part does not hide what the others say.
+quick:
+	@$(MAKE) -s -k -j2 --no-print-directory CFLAGS='-O1 -Werror' quick-single quick-double quick-c++ check-style check-ids \
+	  check-documents check-quickstart
+	@echo "quick: all passed; make test and make ci run the rest"
 
 hard: build/hard_double build/hard_single
 	@status=0; for p in double single; do \
@@ -202,9 +209,29 @@ build/tests/%.o: tests/%.c $(wildcard tests/*.h) flexbeam.h build/flags | build/
 build/tests/forms/%.o: tests/%.c $(wildcard tests/*.h) flexbeam.h build/flags | build/tests/forms
 	$(CC) $(FLAGS) $(CFLAGS) -DFB_WITH_FORMS=1 -c -o $@ $<
 
-build/tests/test_main.o build/tests/forms/test_main.o: flexbeam_impl.h
+build/quick_double: $(TESTS:tests/%.c=build/tests/double/%.o)
+build/quick_single: $(TESTS:tests/%.c=build/tests/single/%.o)
+build/quick_double build/quick_single:
+	$(CC) $(CFLAGS) -o $@ $^ -lm
 
-build build/tests build/tests/forms build/examples build/bench build/readme:
+build/tests/double/%.o: tests/%.c $(wildcard tests/*.h) flexbeam.h | build/tests/double
+	$(CC) $(FLAGS) $(CFLAGS) -DFBT_SHORT=1 -c -o $@ $<
+
+build/tests/single/%.o: tests/%.c $(wildcard tests/*.h) flexbeam.h | build/tests/single
+	$(CC) $(FLAGS) $(CFLAGS) -DFBT_SHORT=1 -DFB_SINGLE=1 -c -o $@ $<
+
+build/tests/test_main.o $(foreach kind,forms double single,build/tests/$(kind)/test_main.o): flexbeam_impl.h
+
+quick-double quick-single: quick-%: build/quick_%
+	@$< > build/quick_$*.txt || { grep -v '^ok ' build/quick_$*.txt; exit 1; }
+	@echo "ok   tests in $* precision: $$(tail -n 1 build/quick_$*.txt)"
+
+quick-c++: | build
+	@printf '#define FLEXBEAM_IMPLEMENTATION\n#include "flexbeam.h"\n' > build/quick.c
+	@$(CXX) -x c++ -std=c++11 -I. -ffp-contract=off $(WARNINGS) $(CFLAGS) -c -o build/quick.o build/quick.c
+	@echo "ok   the library as C++11, all warnings"
+
+build build/tests build/tests/forms build/tests/double build/tests/single build/examples build/bench build/readme:
 	@mkdir -p $@
 
 # Changes only when the compiler or its flags do.

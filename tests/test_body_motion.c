@@ -314,12 +314,11 @@ TEST(node_kinematics_match_finite_differences)
     fbt_seed(7);
     node_defects(fine, FBT_TOL(1e-3, 2e-2), which);
     FBT_BELOW(fine[0], FBT_TOL(1e-4, 2e-2));
-    FBT_BELOW(fine[1], FBT_TOL(5e-4, 0.2)); /* steps of which the square is 400 times as large */
+    FBT_BELOW(fine[1], FBT_TOL(5e-4, 0.2));
     FBT_BELOW(fine[2], FBT_TOL(2e-3, 5e-2));
     FBT_BELOW(fine[3], FBT_TOL(3e-3, 1.0));
-    if (!FB_SINGLE) {
-      FBT_NEAR_ABS(coarse[0] / fine[0], 4.0, 1.0);
-      FBT_NEAR_ABS(coarse[1] / fine[1], 4.0, 1.0);
+    for (int i = 0; i < 4; i++) { /* what the step does not leave is wrong */
+      FBT_NEAR_ABS(coarse[i] / fine[i], 4.0, FBT_TOL(0.01, 0.5));
     }
   }
 }

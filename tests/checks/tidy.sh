@@ -1,9 +1,9 @@
 #!/bin/sh
 # clang-tidy (.clang-tidy) and cppcheck find nothing in the library, the tests, the examples and the benchmarks, gcc's analyzer
 # nothing in the library and the tests.
-# clang-tidy follows the programs into the library in double precision; in single it sees the library once, with the tests:
-# FLEXBEAM_IMPL_INCLUDED leaves it out of the programs, unless they use its inside. cppcheck takes the library as a file of its
-# own and finds what one file does wrong to another's functions by its analysis of the whole program.
+# clang-tidy follows the programs into the library in double precision; in single it sees the library once, with the tests,
+# which have all forms then: FLEXBEAM_IMPL_INCLUDED leaves it out of the programs, unless they use its inside. cppcheck takes
+# the library as a file of its own and finds what one file does wrong to another's functions by its analysis of the whole program.
 # cppcheck: uninitvar is off, it takes an array that is handed to the function that fills it for one that is read; gcc, clang
 # and the analyzer of clang-tidy look for the same. gcc's analyzer takes what a loop has filled for such, too; with values
 # followed any deeper the library wants more than the 2 GB that it takes now.
@@ -18,7 +18,7 @@ printf '#define FB_WITH_FORMS 1\n#include "flexbeam.h"\n#include "flexbeam_impl.
 try clang-tidy --quiet $files -- -std=c99 -I. -DFB_SINGLE=0
 in_single=$(echo "$files" | grep -v -E "$in_double")
 try clang-tidy --quiet $(echo "$in_single" | grep -E "$inside") -- -std=c99 -I. -DFB_SINGLE=1
-try clang-tidy --quiet $(echo "$in_single" | grep -v -E "$inside") -- -std=c99 -I. -DFB_SINGLE=1 -DFLEXBEAM_IMPL_INCLUDED
+try clang-tidy --quiet $(echo "$in_single" | grep -v -E "$inside") -- -std=c99 -I. -DFB_SINGLE=1 -DFB_WITH_FORMS=1 -DFLEXBEAM_IMPL_INCLUDED
 for single in 0 1; do
   [ $single = 0 ] || files=$in_single
   try cppcheck --quiet --error-exitcode=1 --enable=warning,performance,portability --std=c99 -I. --suppress=uninitvar \
@@ -28,7 +28,7 @@ done
 analyze="gcc -std=c99 -I. -O0 -fanalyzer -fanalyzer-call-summaries --param analyzer-max-svalue-depth=4 -Werror"
 analyze="$analyze -Wno-analyzer-use-of-uninitialized-value -c -o $out/analyzed.o"
 for file in tests/test_*.c; do
-  try $analyze -DFLEXBEAM_IMPL_INCLUDED $file
+  try $analyze -DFB_WITH_FORMS=1 -DFLEXBEAM_IMPL_INCLUDED $file
 done
 try $analyze -DFB_WITH_FORMS=1 "$out/impl.c"
 ok "clang-tidy $(clang-tidy --version | sed -n 's/.*version \([0-9.]*\).*/\1/p'), $(cppcheck --version), gcc $(gcc -dumpfullversion) -fanalyzer: nothing found"
