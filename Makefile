@@ -14,6 +14,7 @@ EXAMPLES = quickstart spinup campbell analyse advise table1 assembly reduce elas
            elastica follower flap whirl beam3d scene leigh hil_plant hil_controller \
            tutorial_satellite tutorial_blade tutorial_import tutorial_firmware
 EXAMPLES += campaign $(if $(shell command -v mpicc),campaign_mpi)
+HEADERS  = $(wildcard examples/*/*.h)
 # long ones first, so that the two jobs of `make ci` end together
 CHECKS   = sanitize hostile fuzz faults suite long tidy coverage bits instructions firmware compile removed single advise rom mismatch stack symbols threads \
            two_precisions jacobian style ids documents quickstart first_build fast_math output hil scene campaign hard
@@ -27,7 +28,7 @@ help:
 	@echo "make table1    the forms of the equations of motion, figures and accuracy of D'Eleuterio and Barfoot: build/table1/"
 	@echo "make leigh     every case of chapter 4 of Leigh's thesis by the exact beam, beside its figures: build/leigh/"
 	@echo "make scenes    every scene of examples/scenes: build/scenes/NAME.csv, curves, pictures and animations as SVG, frames"
-	@echo "make firmware  the attitude loop of examples/firmware.c on an emulated Cortex-M4F and -M7, against the desktop"
+	@echo "make firmware  the attitude loop of examples/firmware/firmware.c on an emulated Cortex-M4F and -M7, against the desktop"
 	@echo "make hil       a spacecraft at 1 kHz in real time and its controller, two processes over UDP, 60 s: build/hil.csv"
 	@echo "make test      build and run the tests"
 	@echo "make coverage  lines and branches of the library that the tests run, by section; what they leave: build/coverage/"
@@ -151,41 +152,43 @@ build/readme/figures_double build/readme/figures_single: $(wildcard tests/*.[ch]
 	$(CC) $(FLAGS) $(CFLAGS) -DFB_SINGLE=$(if $(findstring single,$@),1,0) -o $@ $(SECTIONS:%=tests/test_%.c) -lm
 
 format:
-	clang-format -i *.h tests/*.[ch] tests/checks/*.[ch] tests/fuzz/*.[ch] tests/hard/*.[ch] tests/mutants/*.h examples/*.[ch] examples/board/*.[ch] bench/*.[ch]
+	find . -name build -prune -o -name '*.[ch]' -exec clang-format -i {} +
 
 clean:
 	rm -rf build
 
 # ---- programs
 
-build/examples/%: examples/%.c $(wildcard examples/*.h) $(LIBRARY) build/flags | build/examples
+vpath %.c examples $(wildcard examples/*)
+
+build/examples/%: %.c $(HEADERS) $(LIBRARY) build/flags | build/examples
 	$(CC) $(FLAGS) $(CFLAGS) -o $@ $< -lm
 
 # The model in ROM says itself which configuration it takes.
 build/examples/satellite_rom.h: examples/satellite.txt build/examples/reduce
 	build/examples/reduce $< --single --out $@
 
-build/examples/firmware: examples/board/desktop.c examples/board/board.h
-build/examples/firmware build/examples/tutorial_firmware: build/examples/%: examples/%.c build/examples/satellite_rom.h $(LIBRARY) build/flags
+build/examples/firmware: examples/firmware/board/desktop.c examples/firmware/board/board.h
+build/examples/firmware build/examples/tutorial_firmware: build/examples/%: %.c build/examples/satellite_rom.h $(LIBRARY) build/flags
 	$(CC) $(FLAGS) $(CFLAGS) -Ibuild/examples -ffunction-sections -fdata-sections -Wl,--gc-sections \
-	  $$(grep -o -e '-DFB_[A-Z_]*=[0-9]*' build/examples/satellite_rom.h) -o $@ $< $(filter examples/board/%.c,$^) -lm
+	  $$(grep -o -e '-DFB_[A-Z_]*=[0-9]*' build/examples/satellite_rom.h) -o $@ $< $(filter examples/firmware/board/%.c,$^) -lm
 
 # What a benchmark says of itself: its flags, its commit.
 BUILD_OF_BENCH = -DFBB_FLAGS='"-std=c99 -ffp-contract=off $(CFLAGS)"' -DFBB_COMMIT="\"$$(cat build/commit)\""
 
-build/bench/%_double: bench/%.c $(wildcard bench/*.h) examples/stepper.h examples/output.h $(LIBRARY) build/flags build/commit | build/bench
+build/bench/%_double: bench/%.c $(wildcard bench/*.h) $(wildcard examples/common/*.h) $(LIBRARY) build/flags build/commit | build/bench
 	$(CC) $(FLAGS) $(CFLAGS) $(BUILD_OF_BENCH) -o $@ $< $(LIBS) -lm
 
 build/bench/bench_peers_lu_double: LIBS = -llapack -lblas -ldl
 build/bench/bench_peers_step_double: LIBS = -lsundials_cvode -lsundials_arkode
 
-build/bench/%_single: bench/%.c $(wildcard bench/*.h) examples/stepper.h examples/output.h $(LIBRARY) build/flags build/commit | build/bench
+build/bench/%_single: bench/%.c $(wildcard bench/*.h) $(wildcard examples/common/*.h) $(LIBRARY) build/flags build/commit | build/bench
 	$(CC) $(FLAGS) $(CFLAGS) $(BUILD_OF_BENCH) -DFB_SINGLE=1 -o $@ $< -lm
 
-build/hard_double build/hard_single: $(wildcard tests/hard/*.[ch]) bench/clock.h examples/options.h examples/stepper.h examples/output.h $(LIBRARY) build/flags
+build/hard_double build/hard_single: $(wildcard tests/hard/*.[ch]) examples/common/clock.h examples/common/options.h $(wildcard examples/common/*.h) $(LIBRARY) build/flags
 	$(CC) $(FLAGS) $(CFLAGS) -DFB_SINGLE=$(if $(findstring single,$@),1,0) -o $@ $(filter tests/hard/%.c,$^) -lm
 
-build/examples/campaign_mpi: examples/campaign_mpi.c $(wildcard examples/*.h) $(LIBRARY) build/flags | build/examples
+build/examples/campaign_mpi: examples/campaign/campaign_mpi.c $(HEADERS) $(LIBRARY) build/flags | build/examples
 	mpicc $(FLAGS) $(CFLAGS) -o $@ $< -lm
 
 build/test_runner: $(SECTIONS:%=build/tests/test_%.o)
@@ -213,8 +216,6 @@ ci:
 	@$(MAKE) -s -k -j2 --output-sync=target --no-print-directory CFLAGS='$(filter-out -Werror,$(CFLAGS)) -Werror' \
 	  $(CHECKS:%=check-%) examples build/test_runner
 	@echo "ci: all $(words $(CHECKS)) checks passed"
-
-build/examples/hil_plant build/examples/hil_controller build/examples/campaign build/examples/campaign_mpi: bench/clock.h
 
 check-hil: build/examples/hil_plant build/examples/hil_controller
 

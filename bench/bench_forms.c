@@ -9,7 +9,7 @@
 #define FLEXBEAM_IMPLEMENTATION
 #include "report.h"
 #include "spinup.h"
-#include "../examples/output.h"
+#include "../examples/common/output.h"
 
 #define STEPS 2000
 #define RUNS 9

@@ -10,7 +10,7 @@
 #define FB_MAX_MIXED 80
 #define FLEXBEAM_STATIC
 #include "report.h"
-#include "../examples/output.h"
+#include "../examples/common/output.h"
 #include <math.h>
 
 #define STATES 16

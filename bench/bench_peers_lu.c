@@ -6,7 +6,7 @@
 #define FLEXBEAM_IMPLEMENTATION
 #include "random.h"
 #include "report.h"
-#include "../examples/output.h"
+#include "../examples/common/output.h"
 #include <dlfcn.h>
 #include <math.h>
 

@@ -13,7 +13,7 @@
 #define FLEXBEAM_IMPLEMENTATION
 #include "report.h"
 #include "spinup.h"
-#include "../examples/output.h"
+#include "../examples/common/output.h"
 #include <arkode/arkode_arkstep.h>
 #include <arkode/arkode_erkstep.h>
 #include <cvode/cvode.h>

@@ -5,7 +5,7 @@
 #define FLEXBEAM_IMPLEMENTATION
 #include "report.h"
 #include "scene.h"
-#include "../examples/output.h"
+#include "../examples/common/output.h"
 
 #define STATES 64
 #define SAMPLES 20000

@@ -17,7 +17,7 @@
 #include "random.h"
 #include "report.h"
 #include "tree.h"
-#include "../examples/output.h"
+#include "../examples/common/output.h"
 #include <math.h>
 
 #define STATES 16

@@ -4,8 +4,8 @@
 #define FBB_CASE_H
 
 #include "check.h"
-#include "clock.h"
-#include "../examples/stepper.h"
+#include "../examples/common/clock.h"
+#include "../examples/common/stepper.h"
 #include <math.h>
 
 #define FBB_COUNT(array) ((int)(sizeof(array) / sizeof((array)[0])))

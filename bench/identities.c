@@ -7,7 +7,7 @@
 #define FLEXBEAM_IMPLEMENTATION
 #include "flexbeam.h"
 #include "check.h"
-#include "../examples/output.h"
+#include "../examples/common/output.h"
 
 static fb_beam_desc desc;
 static fb_beam beam;

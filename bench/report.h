@@ -4,7 +4,7 @@
 #define FBB_REPORT_H
 
 #include "check.h"
-#include "clock.h"
+#include "../examples/common/clock.h"
 #include <sys/utsname.h>
 
 #ifndef FBB_FLAGS

@@ -23,9 +23,9 @@ row() {
     { cat "$out/log"; exit 1; }
   configuration="-I$out $(grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$out/satellite_rom.h") -DBODY=satellite -DBODY_HEADER=\"satellite_rom.h\""
   arm-none-eabi-gcc $flags $processor -mthumb -mfloat-abi=hard -ffunction-sections -fdata-sections -nostartfiles \
-    -Wl,--gc-sections -T examples/board/mps2.ld $configuration -o "$out/image.elf" bench/step_cost.c examples/board/mps2.c -lm
+    -Wl,--gc-sections -T examples/firmware/board/mps2.ld $configuration -o "$out/image.elf" bench/step_cost.c examples/firmware/board/mps2.c -lm
   qemu-system-arm -machine $machine $emulator -kernel "$out/image.elf" > "$out/board.txt" 2>&1
-  ${CC:-cc} $flags $configuration -DDESKTOP -o "$out/desktop" bench/step_cost.c examples/board/desktop.c -lm
+  ${CC:-cc} $flags $configuration -DDESKTOP -o "$out/desktop" bench/step_cost.c examples/firmware/board/desktop.c -lm
   "$out/desktop" > "$out/desktop.txt"
   code=$(arm-none-eabi-nm -S -t d "$out/image.elf" | awk '$4 ~ /^fb/ && $3 ~ /[Tt]/ { sum += $2 } END { print sum }')
   paste "$out/board.txt" "$out/desktop.txt" | awk -v p=$1 -v m=$2 -v name="$3" -v code="$code" '

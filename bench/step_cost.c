@@ -3,10 +3,10 @@
    Compile with -DBODY_HEADER, a header that reduce made, and -DBODY, the name in it; on the desktop -DDESKTOP. */
 #ifdef DESKTOP
 #define _POSIX_C_SOURCE 199309L /* clock_gettime */
-#include "clock.h"
+#include "../examples/common/clock.h"
 #include <stdio.h>
 #endif
-#include "../examples/board/board.h"
+#include "../examples/firmware/board/board.h"
 #define FLEXBEAM_IMPLEMENTATION
 #include "flexbeam.h"
 #include BODY_HEADER

@@ -36,7 +36,7 @@ unfiled() {
   filed=$((filed + 1))
 }
 
-for program in $(basename -s .c examples/*.c); do
+for program in $(basename -s .c examples/*.c examples/*/*.c); do
   case $program in
   quickstart | tutorial_*) # they have no header but the library's: they are the first texts that somebody reads
     ! "$bin/$program" > /dev/full || fail "$program > /dev/full ends well"

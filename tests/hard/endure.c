@@ -1,8 +1,8 @@
 /* endure.c - very many steps: conservation, resonance, sums in single precision, decay to nothing. */
 #define _POSIX_C_SOURCE 200112L /* clock_gettime */
 #include "hard.h"
-#include "../../bench/clock.h"
-#include "../../examples/stepper.h"
+#include "../../examples/common/clock.h"
+#include "../../examples/common/stepper.h"
 
 /* A boom with bending modes of both planes on a hub that is not much heavier, tumbling. */
 static void tumbler(fb_body *body, fb_state *state, fb_form form)

@@ -4,11 +4,11 @@
 #define _POSIX_C_SOURCE 200112L /* clock_gettime, isatty */
 #define FLEXBEAM_IMPLEMENTATION
 #include "hard.h"
-#include "../../bench/clock.h"
+#include "../../examples/common/clock.h"
 #include <unistd.h>
 #define PROGRAM "hard"
-#include "../../examples/options.h"
-#include "../../examples/output.h"
+#include "../../examples/common/options.h"
+#include "../../examples/common/output.h"
 
 static const char help[] =
     "hard - the hard cases: what holds, by how much, and what a naive treatment gives\n"

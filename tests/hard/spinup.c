@@ -1,6 +1,6 @@
 /* spinup.c - booms whose base spins up: to ten times the first bending frequency; very stiff along their axis. */
 #include "hard.h"
-#include "../../examples/stepper.h"
+#include "../../examples/common/stepper.h"
 
 #define SAMPLES 100
 

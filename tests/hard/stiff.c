@@ -1,6 +1,6 @@
 /* stiff.c - steps of a thousand times the explicit limit; many modes on a hub that is next to nothing. */
 #include "hard.h"
-#include "../../examples/stepper.h"
+#include "../../examples/common/stepper.h"
 
 /* ---- long steps */
 
