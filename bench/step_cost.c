@@ -26,13 +26,13 @@ static double nanoseconds(void)
 {
   double sample[101];
   for (int run = 0; run < 101; run++) {
-    const double start = fbb_now_ns();
+    const double start = clock_ns();
     for (int k = 0; k < 200; k++) {
       (void)step();
     }
-    sample[run] = (fbb_now_ns() - start) / 200;
+    sample[run] = (clock_ns() - start) / 200;
   }
-  return fbb_timing_of(sample, 101).median;
+  return clock_timing_of(sample, 101).median;
 }
 #endif
 

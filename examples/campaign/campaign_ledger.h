@@ -314,7 +314,7 @@ static int ledger_open(ledger *l, const char *path, int fresh)
   }
   status = status ? status : ledger_read_head(l);
   status = status ? status : ledger_read_rows(l);
-  l->began = l->said = fbb_now_ns();
+  l->began = l->said = clock_ns();
   l->on_terminal = isatty(STDERR_FILENO);
   return status;
 }
@@ -357,7 +357,7 @@ static void ledger_return(ledger *l, int run)
 /* On a terminal a line that is written over, else one every 10 s. */
 static void ledger_progress(ledger *l)
 {
-  const double now = fbb_now_ns(), seconds = (now - l->began) / 1e9;
+  const double now = clock_ns(), seconds = (now - l->began) / 1e9;
   const double rate = (l->done - l->found) / seconds;
   const int all = l->done == l->c->runs;
   if (l->quiet || (now - l->said < (l->on_terminal ? 0.2e9 : 10e9) && !all)) {

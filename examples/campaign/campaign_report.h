@@ -82,7 +82,7 @@ static int report_csv(const ledger *l, const char *path)
 
 static int report_ascending(const void *a, const void *b)
 {
-  return fbb_ascending(&((const report_place *)a)->value, &((const report_place *)b)->value);
+  return clock_ascending(&((const report_place *)a)->value, &((const report_place *)b)->value);
 }
 
 /* Ranks 1 .. n; equal values share the middle of theirs. */
@@ -224,7 +224,7 @@ static void report_moments(const report *r)
     const double deviation = r->n > 1 ? sqrt(report_moment(x, x, r->n) / (r->n - 1)) : 0;
     printf("%-24s %12.6g %10.2g %10.4g", l->title[i], report_mean(x, r->n), deviation / sqrt(r->n), deviation);
     memcpy(r->sorted, x, (size_t)r->n * sizeof *x);
-    qsort(r->sorted, (size_t)r->n, sizeof *x, fbb_ascending);
+    qsort(r->sorted, (size_t)r->n, sizeof *x, clock_ascending);
     for (int k = 0; k < 7; k++) {
       printf(" %10.5g", report_quantile(r->sorted, r->n, p[k]));
     }

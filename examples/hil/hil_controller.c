@@ -104,7 +104,7 @@ static void keep_watch(session *s, const controller *c, const hil_packet *p)
 static void answer(session *s, controller *c, const hil_packet *sensors)
 {
   hil_packet p;
-  const double start = fbb_now_ns();
+  const double start = clock_ns();
   memset(&p, 0, sizeof p);
   p.type = HIL_COMMAND;
   p.sender = s->number;
@@ -115,7 +115,7 @@ static void answer(session *s, controller *c, const hil_packet *sensors)
   controller_step(c, p.value, sensors->time, sensors->value);
   s->bytes = hil_encode(s->answer, &p, &s->key);
   transmit(s, s->answer, s->bytes);
-  s->computed[s->samples++ % MOST_SAMPLES] = (fbb_now_ns() - start) / 1e3;
+  s->computed[s->samples++ % MOST_SAMPLES] = (clock_ns() - start) / 1e3;
   keep_watch(s, c, sensors);
 }
 
@@ -162,8 +162,8 @@ static int has_other_key(const session *s)
 
 static void converse(session *s, controller *c, const options *o)
 {
-  double heard = fbb_now_ns();
-  while (!s->ended && !has_other_key(s) && fbb_now_ns() - heard < 1e9 * o->patience) {
+  double heard = clock_ns();
+  while (!s->ended && !has_other_key(s) && clock_ns() - heard < 1e9 * o->patience) {
     unsigned char bytes[HIL_BUFFER];
     struct sockaddr_in from;
     hil_packet p;
@@ -179,7 +179,7 @@ static void converse(session *s, controller *c, const options *o)
     verdict = verdict == HIL_ACCEPTED ? take(s, c, &p, &from) : verdict;
     s->traffic.received += verdict == HIL_ACCEPTED;
     s->traffic.refused[verdict] += verdict != HIL_ACCEPTED;
-    heard = verdict == HIL_ACCEPTED ? fbb_now_ns() : heard;
+    heard = verdict == HIL_ACCEPTED ? clock_ns() : heard;
     if (verdict == HIL_ACCEPTED && p.time >= o->crash_at) {
       raise(SIGKILL);
     }
@@ -195,7 +195,7 @@ static void report(session *s, const controller *c)
   print_refusals(t);
   if (s->samples > 0) {
     const int n = s->samples < MOST_SAMPLES ? (int)s->samples : MOST_SAMPLES;
-    const fbb_timing time = fbb_timing_of(s->computed, n);
+    const clock_timing time = clock_timing_of(s->computed, n);
     printf("  from sensors to command [us]: min %.1f, median %.1f, p99 %.1f, max %.1f\n", time.lowest, time.median,
            time.p99, time.highest);
     printf("  gauges: right %.3g to %.3g, left %.3g to %.3g\n", s->strain[0][0], s->strain[0][1], s->strain[1][0],

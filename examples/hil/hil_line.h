@@ -225,9 +225,9 @@ static volatile sig_atomic_t interrupted;
    partner waits for. */
 static int await_partner(line *l)
 {
-  const double give_up = fbb_now_ns() + 1e9 * PARTNER_PATIENCE;
+  const double give_up = clock_ns() + 1e9 * PARTNER_PATIENCE;
   const int known = l->partner;
-  while (!interrupted && fbb_now_ns() < give_up) {
+  while (!interrupted && clock_ns() < give_up) {
     receive(l);
     if (known ? !l->gone : l->partner) {
       return 1;
@@ -246,13 +246,13 @@ static int await_partner(line *l)
    while the watchdog counts and the safe command then acts as long again; after that one must come. 0: none came. */
 static int await_answer(line *l, double patience)
 {
-  const double give_up = fbb_now_ns() + 1e9 * patience;
+  const double give_up = clock_ns() + 1e9 * patience;
   receive(l);
   if (l->gone) {
     return l->silent < 2 * l->most_silent || await_partner(l);
   }
   while (!interrupted && l->answered != l->sequence) {
-    if (fbb_now_ns() > give_up) {
+    if (clock_ns() > give_up) {
       l->gone = 1;
       break;
     }

@@ -402,7 +402,7 @@ static void record_row(record *r, const plant *p, const line *l, long k)
    it woke the plant late or took the processor away. If it did, the step is suspect. */
 static void record_time(record *r, const plant *before, long k, double release, double woke, double computed)
 {
-  const double end = fbb_now_ns() - release, period = 1e9 * before->period;
+  const double end = clock_ns() - release, period = 1e9 * before->period;
   const double us[3] = {(woke - release) / 1e3, computed / 1e3, end / 1e3};
   if (computed > period) {
     if (r->suspects < MOST_SUSPECTS) {
@@ -428,8 +428,8 @@ static void try_suspects(record *r)
 {
   static plant again;
   const long tried = r->suspects < MOST_SUSPECTS ? r->suspects : MOST_SUSPECTS;
-  const double typical = tried > 0 ? 1e3 * fbb_timing_of(r->computed, (int)r->done).median : 0; /* [ns] */
-  r->by_computation = r->suspects - tried;                                                      /* not acquitted */
+  const double typical = tried > 0 ? 1e3 * clock_timing_of(r->computed, (int)r->done).median : 0; /* [ns] */
+  r->by_computation = r->suspects - tried;                                                        /* not acquitted */
   for (long i = 0; i < tried; i++) {
     double shortest = HUGE_VAL;
     for (int n = 0; n < REPEATS; n++) {
@@ -488,7 +488,7 @@ static int fly_period(plant *p, line *l, record *r, controller *direct, const op
   fb_status status;
   if (o->pace == REAL_TIME) {
     sleep_until(release);
-    woke = fbb_now_ns();
+    woke = clock_ns();
     worked = cpu_ns();
     if (!interrupted && is_too_late(p, l, r, o, woke - release)) {
       return 0;
@@ -512,7 +512,7 @@ static int fly_period(plant *p, line *l, record *r, controller *direct, const op
     record_time(r, &before, k, release, woke, cpu_ns() - worked);
   }
   r->done++;
-  return o->pace != REAL_TIME || !is_too_late(p, l, r, o, fbb_now_ns() - release - 1e9 * p->period);
+  return o->pace != REAL_TIME || !is_too_late(p, l, r, o, clock_ns() - release - 1e9 * p->period);
 }
 
 /* The whole run; 0 as above. An interrupt ends it early, its report is that of what was flown. */
@@ -531,7 +531,7 @@ static int fly(plant *p, line *l, record *r, controller *direct, const options *
     printf("hil_plant: a controller has come\n");
     fflush(stdout);
   }
-  start = fbb_now_ns() + 1e7;
+  start = clock_ns() + 1e7;
   while (well && r->done < r->periods && !interrupted) {
     well = fly_period(p, l, r, direct, o, start + (double)r->done * 1e9 * p->period);
   }
@@ -590,7 +590,7 @@ static void draw(const char *csv, int real_time)
 
 static void print_timing(const char *what, double *sample, long n)
 {
-  const fbb_timing t = fbb_timing_of(sample, (int)n);
+  const clock_timing t = clock_timing_of(sample, (int)n);
   printf("  %-42s %9.1f %9.1f %9.1f %9.1f\n", what, t.lowest, t.median, t.p99, t.highest);
 }
 

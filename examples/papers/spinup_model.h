@@ -9,6 +9,7 @@
 #define FB_MAX_STRAINS 60
 #define FLEXBEAM_IMPLEMENTATION
 #include "../../flexbeam.h"
+#include "../common/boom.h"
 #include "../common/options.h"
 #include "../common/stepper.h"
 #include <errno.h>
@@ -39,10 +40,10 @@ typedef struct scene {
   int scheme;                  /* row of schemes */
 } scene;
 
-static const scene default_scene = {.length = 10,
-                                    .mass = 12,
-                                    .ei = 14004,
-                                    .ea = 31724000,
+static const scene default_scene = {.length = BOOM_LENGTH,
+                                    .mass = BOOM_MASS,
+                                    .ei = BOOM_EI,
+                                    .ea = BOOM_EA,
                                     .ramp = 15,
                                     .t_end = 30,
                                     .spin = 6,
@@ -88,9 +89,6 @@ static const scheme schemes[] = {
 /* ---- the model */
 
 static struct {
-  fb_beam beam;
-  fb_modes modes;
-  fb_modes_work modes_work;
   fb_shape shape;
   fb_body_work body_work;
   fb_body body;
@@ -100,35 +98,9 @@ static struct {
 
 static fb_status build_shape(const scene *s)
 {
-  static fb_beam_desc beam;
-  fb_modes_desc keep;
-  const int count = s->elements ? FB_ALL_MODES : s->modes;
-  fb_status status;
-  memset(&beam, 0, sizeof beam);
-  beam.length = (fb_real)s->length;
-  beam.n_element = s->elements ? s->elements : FB_MAX_ELEMENTS;
-  beam.n_station = 1;
-  beam.station[0].mass = (fb_real)(s->mass / s->length);
-  beam.station[0].EA = (fb_real)s->ea;
-  beam.station[0].EI_z = (fb_real)s->ei;
-  beam.station[0].EI_y = s->planes > 1 ? (fb_real)s->ei : 0;
-  memset(&keep, 0, sizeof keep);
-  keep.count[FB_KIND_BEND_Y] = count;
-  keep.count[FB_KIND_BEND_Z] = s->planes > 1 ? count : 0;
-  if (s->elements) {
-    keep.basis = FB_BASIS_FUNCTIONS;
-    keep.count[FB_KIND_AXIAL] = count;
-    keep.degree = s->polynomial;
-    keep.root_strain = s->basis == BASIS_OPEN;
-  }
-  status = fb_beam_init(&model.beam, &beam);
-  status = status ? status : fb_modes_solve(&model.modes, &model.modes_work, &model.beam, &keep);
-  status = status ? status : fb_shape_init(&model.shape, model.modes.n);
-  status = status ? status : fb_shape_add_beam(&model.shape, 0, &model.beam, &model.modes);
-  if (s->elements) {
-    status = status ? status : fb_shape_add_beam_strain(&model.shape, 0, &model.beam, &model.modes);
-  }
-  return status ? status : fb_shape_add_beam_node(&model.shape, &model.tip, 0, &model.beam, &model.modes, beam.length);
+  const boom b = {
+      s->length, s->mass, s->ei, s->ea, s->planes, s->modes, s->elements, s->polynomial, s->basis == BASIS_OPEN};
+  return boom_shape(&model.shape, &model.tip, &b);
 }
 
 static fb_status build(const scene *s)

@@ -8,6 +8,7 @@
 #define FB_MAX_STATIONS 200
 #define FLEXBEAM_IMPLEMENTATION
 #include "../../flexbeam.h"
+#include "../common/boom.h"
 #include "../common/plot.h"
 #include "../common/text.h"
 #include "../common/output.h"
@@ -344,7 +345,7 @@ static int draw(const options *o)
 
 int main(int argc, char **argv)
 {
-  static options o = {0, 12, 14004, -1, 0, 1, {0}, 0, 4, NULL, NULL};
+  static options o = {0, BOOM_MASS, BOOM_EI, -1, 0, 1, {0}, 0, 4, NULL, NULL};
   static const char *const names[] = {"lag", "flap"};
   int bad;
   fb_status status;
