@@ -10,20 +10,22 @@ export WARNINGS WARNINGS_C
 
 LIBRARY  = flexbeam.h flexbeam_impl.h
 SECTIONS = main status vec3 rotation linalg beam modes body system forms mixed integrate analyse advise build
-EXAMPLES = quickstart spinup campbell analyse advise table1 assembly reduce elastodyn firmware spacecraft rotor arm fourbar \
-           elastica follower flap whirl beam3d scene leigh hil_plant hil_controller \
+EXAMPLES = quickstart spinup table1 assembly firmware spacecraft rotor arm fourbar \
+           elastica follower flap whirl leigh hil_plant hil_controller \
            tutorial_satellite tutorial_blade tutorial_import tutorial_firmware
-EXAMPLES += campaign $(if $(shell command -v mpicc),campaign_mpi)
+EXAMPLES += $(if $(shell command -v mpicc),campaign_mpi)
+WORDS    = scene campaign reduce elastodyn analyse advise beam3d campbell
 HEADERS  = $(wildcard examples/*/*.h)
 # long ones first, so that the two jobs of `make ci` end together
 CHECKS   = sanitize hostile fuzz faults suite long tidy coverage bits instructions firmware compile removed single advise rom mismatch stack symbols threads \
            two_precisions jacobian style ids documents quickstart first_build fast_math output hil scene campaign hard
 
 .DELETE_ON_ERROR:
-.PHONY: help run table1 leigh scenes blade firmware hil campaign campaign-mpi test coverage mutants hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes fuzz readme format clean ci FORCE $(CHECKS:%=check-%)
+.PHONY: help run tool table1 leigh scenes blade firmware hil campaign campaign-mpi test coverage mutants hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes fuzz readme format clean ci FORCE $(CHECKS:%=check-%)
 
 help:
 	@echo "make run       spin-up of a flexible beam against its reference, time per step, picture if gnuplot is there"
+	@echo "make tool      build/flexbeam: $(WORDS)"
 	@echo "make blade     Campbell diagram of the NREL 5-MW blade, 0 to 20 rpm: build/campbell.csv, build/campbell.svg"
 	@echo "make table1    the forms of the equations of motion, figures and accuracy of D'Eleuterio and Barfoot: build/table1/"
 	@echo "make leigh     every case of chapter 4 of Leigh's thesis by the exact beam, beside its figures: build/leigh/"
@@ -34,7 +36,7 @@ help:
 	@echo "make coverage  lines and branches of the library that the tests run, by section; what they leave: build/coverage/"
 	@echo "make mutants   200 equations changed one at a time, the tests must notice (SEED=1, COUNT=200; half an hour)"
 	@echo "make campaign  a spacecraft with scattered stiffness, mass and damping, 200 runs on all cores: build/campaign/"
-	@echo "make campaign-mpi  the same program for clusters: build/examples/campaign_mpi"
+	@echo "make campaign-mpi  the same for clusters: build/examples/campaign_mpi"
 	@echo "make hard      the hard cases in both precisions, beside what a naive treatment gives (2 minutes): build/hard.csv"
 	@echo "make examples  $(EXAMPLES:%=build/examples/%)"
 	@echo "make bench     time per step by modes and effects, by form and scheme, of systems, of the exact beam: build/bench_*.csv"
@@ -56,6 +58,8 @@ help:
 run: build/examples/spinup
 	$< --reference tests/reference/p07C_second_order.csv --out build/spinup.csv
 
+tool: build/flexbeam
+
 table1: build/examples/table1
 	@mkdir -p build/table1
 	@$< --out build/table1 > build/table1/tables.txt; status=$$?; cat build/table1/tables.txt; exit $$status
@@ -64,15 +68,15 @@ leigh: build/examples/leigh
 	@mkdir -p build/leigh
 	@$< --out build/leigh > build/leigh/tables.txt; status=$$?; cat build/leigh/tables.txt; exit $$status
 
-scenes: build/examples/scene
+scenes: build/flexbeam
 	@mkdir -p build/scenes
 	@status=0; for file in examples/scenes/*.txt; do \
 	  name=build/scenes/$$(basename $$file .txt); echo "$$file"; \
-	  $< $$file --out $$name.csv --picture $${name}_picture.svg --animation $${name}_moves.svg --frames $$name || status=1; \
+	  $< scene $$file --out $$name.csv --picture $${name}_picture.svg --animation $${name}_moves.svg --frames $$name || status=1; \
 	done; exit $$status
 
-blade: build/examples/campbell
-	$< --blade tests/reference/nrel5mw_blade.csv --mass-factor 1.04536 --modes 3 --picture build/campbell.svg > build/campbell.csv
+blade: build/flexbeam
+	$< campbell --blade tests/reference/nrel5mw_blade.csv --mass-factor 1.04536 --modes 3 --picture build/campbell.svg > build/campbell.csv
 
 firmware:
 	@echo "two boards, two levels of optimization, 80 s of flight each: some minutes"
@@ -86,9 +90,9 @@ hil: build/examples/hil_plant build/examples/hil_controller
 	build/examples/hil_plant --key build/hil.key --out build/hil.csv; status=$$?; \
 	wait $$! || status=1; cat build/hil_controller.txt; exit $$status
 
-campaign: build/examples/campaign
+campaign: build/flexbeam
 	@mkdir -p build/campaign
-	$< examples/campaigns/slew.txt --out build/campaign/slew.csv
+	$< campaign examples/campaigns/slew.txt --out build/campaign/slew.csv
 
 campaign-mpi:
 	@command -v mpicc > /dev/null || { echo "campaign-mpi: no mpicc (Debian: apt-get install openmpi-bin libopenmpi-dev)"; exit 1; }
@@ -108,7 +112,7 @@ coverage:
 mutants:
 	@CC='$(CC)' sh tests/mutants/mutants.sh $(or $(SEED),1) $(or $(COUNT),200)
 
-examples: $(EXAMPLES:%=build/examples/%)
+examples: tool $(EXAMPLES:%=build/examples/%)
 
 bench: build/bench/bench_step_double build/bench/bench_step_single build/bench/bench_forms_double build/bench/bench_system_double build/bench/bench_mixed_double
 	@for p in double single; do \
@@ -133,13 +137,13 @@ bench-advice: build/bench/bench_advice_double
 bench-flags:
 	@sh bench/flags.sh
 
-bench-campaign: build/examples/campaign $(filter %_mpi,$(EXAMPLES:%=build/examples/%))
+bench-campaign: build/flexbeam $(filter %_mpi,$(EXAMPLES:%=build/examples/%))
 	@sh bench/campaign.sh
 
 bench-peers:
 	@CC='$(CC)' MAKE='$(MAKE)' sh bench/peers.sh
 
-sizes: build/examples/reduce
+sizes: build/flexbeam
 	@CC='$(CC)' sh bench/sizes.sh
 
 fuzz:
@@ -164,9 +168,15 @@ vpath %.c examples $(wildcard examples/*)
 build/examples/%: %.c $(HEADERS) $(LIBRARY) build/flags | build/examples
 	$(CC) $(FLAGS) $(CFLAGS) -o $@ $< -lm
 
+build/flexbeam: build/tool/flexbeam.o $(WORDS:%=build/tool/%.o)
+	$(CC) $(CFLAGS) -o $@ $^ -lm
+
+build/tool/%.o: %.c $(HEADERS) $(LIBRARY) build/flags | build/tool
+	$(CC) $(FLAGS) $(CFLAGS) -c -o $@ $<
+
 # The model in ROM says itself which configuration it takes.
-build/examples/satellite_rom.h: examples/satellite.txt build/examples/reduce
-	build/examples/reduce $< --single --out $@
+build/examples/satellite_rom.h: examples/satellite.txt build/flexbeam | build/examples
+	build/flexbeam reduce $< --single --out $@
 
 build/examples/firmware: examples/firmware/board/desktop.c examples/firmware/board/board.h
 build/examples/firmware build/examples/tutorial_firmware: build/examples/%: %.c build/examples/satellite_rom.h $(LIBRARY) build/flags
@@ -199,7 +209,7 @@ build/tests/%.o: tests/%.c tests/fbt.h flexbeam.h build/flags | build/tests
 
 build/tests/test_main.o: flexbeam_impl.h
 
-build build/tests build/examples build/bench build/readme:
+build build/tests build/tool build/examples build/bench build/readme:
 	@mkdir -p $@
 
 # Changes only when the compiler or its flags do.
@@ -219,9 +229,9 @@ ci:
 
 check-hil: build/examples/hil_plant build/examples/hil_controller
 
-check-output: $(EXAMPLES:%=build/examples/%)
+check-output: build/flexbeam $(EXAMPLES:%=build/examples/%)
 
-check-campaign: build/examples/campaign $(filter %_mpi,$(EXAMPLES:%=build/examples/%))
+check-campaign: build/flexbeam $(filter %_mpi,$(EXAMPLES:%=build/examples/%))
 
 $(CHECKS:%=check-%): check-%: tests/checks/%.sh
 	@sh $<

@@ -52,8 +52,8 @@ speedup() {
 
 # The command line's answers for a boom, without those for 10 %.
 advise() {
-  make -s build/examples/advise
-  build/examples/advise --simulate > "$out/advise"
+  make -s build/flexbeam
+  build/flexbeam advise --simulate > "$out/advise"
   { echo '```'; sed -e '/^10 %: [A-Z]/,/^$/d' -e 's/ *$//' "$out/advise"; echo '```'; } | block advise
 }
 
@@ -108,12 +108,12 @@ tests() {
 
 # Of each scene its title and the largest relative difference from what it is compared with.
 scene() {
-  make -s build/examples/scene
+  make -s build/flexbeam
   for file in examples/scenes/*.txt; do
-    build/examples/scene "$file" | awk -v name="$(basename "$file" .txt)" -v title="$(sed -n 's/^title //p' "$file")" -f bench/scene.awk
+    build/flexbeam scene "$file" | awk -v name="$(basename "$file" .txt)" -v title="$(sed -n 's/^title //p' "$file")" -f bench/scene.awk
   done > "$out/scenes"
   { echo '```'; cat "$out/scenes"; echo '```'; } | block scene
-  build/examples/scene examples/scenes/double_pendulum.txt --quiet --picture examples/scene/scene_pendulum.svg
+  build/flexbeam scene examples/scenes/double_pendulum.txt --quiet --picture examples/scene/scene_pendulum.svg
 }
 
 # Calls of check-hostile, flips of check-faults; single precision behind a bar.
@@ -241,9 +241,9 @@ leigh() {
 
 # The blade: its frequencies, and ElastoDyn's from the head of the table.
 blade() {
-  make -s build/examples/campbell
+  make -s build/flexbeam
   table=tests/reference/nrel5mw_blade.csv
-  build/examples/campbell --blade $table --mass-factor 1.04536 --rpm 0,12.1 --modes 2 > "$out/blade"
+  build/flexbeam campbell --blade $table --mass-factor 1.04536 --rpm 0,12.1 --modes 2 > "$out/blade"
   {
     echo '```'
     awk -F, '

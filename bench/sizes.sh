@@ -19,7 +19,7 @@ row() {
   sed -e "s/^effects .*/effects $4/" -e "s/^modes .*/modes bend_y $each bend_z $each/" \
     -e "$(case $4 in *damping*) ;; *) echo '/^damping/d' ;; esac)" examples/satellite.txt > "$out/model.txt"
   case $4 in *gravity*) echo 'gravity 0 0 -9.81' >> "$out/model.txt" ;; esac
-  build/examples/reduce "$out/model.txt" $([ $1 = double ] || echo --single) --out "$out/satellite_rom.h" 2> "$out/log" ||
+  build/flexbeam reduce "$out/model.txt" $([ $1 = double ] || echo --single) --out "$out/satellite_rom.h" 2> "$out/log" ||
     { cat "$out/log"; exit 1; }
   configuration="-I$out $(grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$out/satellite_rom.h") -DBODY=satellite -DBODY_HEADER=\"satellite_rom.h\""
   arm-none-eabi-gcc $flags $processor -mthumb -mfloat-abi=hard -ffunction-sections -fdata-sections -nostartfiles \

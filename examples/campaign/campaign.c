@@ -1,15 +1,18 @@
 /* campaign - one scene over many sets of parameters on all cores of this machine.
 
-     build/examples/campaign examples/campaigns/NAME.txt --runs 1000
+     build/flexbeam campaign examples/campaigns/NAME.txt --runs 1000
 
    As many runs at a time as there are processors, each in a worker process, so that one that crashes is a row like any other;
    a worker that is free gets the next run. campaigns/README.md. */
 #define _POSIX_C_SOURCE 200809L
+#define FLEXBEAM_STATIC
 #define PROGRAM "campaign"
+#define CAMPAIGN_COMMAND "flexbeam campaign"
 #define CAMPAIGN_HELP                                                \
   "  --jobs N              runs at a time (as many as processors)\n" \
   "  --run K               just run K, in this process; the command for the same scene\n"
 #include "campaign_program.h"
+#include "../tools/words.h"
 #include "../common/output.h"
 #include <poll.h>
 
@@ -101,13 +104,13 @@ static int work(int jobs)
   return status;
 }
 
-/* One run for a closer look, with a debugger if need be, and how examples/scene/scene.c runs it, to a CSV file and pictures. */
+/* One run for a closer look, with a debugger if need be, and how `flexbeam scene` runs it, to a CSV file and pictures. */
 static int run_one(int run)
 {
   static campaign_row row;
   scene_setting setting[2 * CAMPAIGN_VARY];
   const int n = case_settings(&prog.c, setting, run);
-  printf("scene %s", prog.c.scene);
+  printf("flexbeam scene %s", prog.c.scene);
   for (int i = 0; i < n; i++) {
     printf(" --set %s=%.17g", setting[i].name, setting[i].value);
   }
@@ -128,7 +131,7 @@ static int run_is_there(void)
   return prog.run > prog.c.runs ? fail(what, "") : 0;
 }
 
-int main(int argc, char **argv)
+int campaign_main(int argc, char **argv)
 {
   const long processors = sysconf(_SC_NPROCESSORS_ONLN);
   int status;

@@ -7,6 +7,7 @@
    that crashed would end the whole job, and no process is forked that knows of MPI. campaigns/README.md. */
 #define _POSIX_C_SOURCE 200809L
 #define PROGRAM "campaign_mpi"
+#define CAMPAIGN_COMMAND "campaign_mpi"
 #define CAMPAIGN_HELP "  (mpirun -n N: N runs at a time)\n"
 #include "campaign_program.h"
 #include "../common/output.h"

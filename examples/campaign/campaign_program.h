@@ -1,5 +1,5 @@
 /* campaign_program.h - what the campaign on one machine (campaign.c) and that by MPI (campaign_mpi.c) share: their options,
-   their beginning and their end. Define PROGRAM, and CAMPAIGN_HELP, the lines of --help that are its own. */
+   their beginning and their end. Define PROGRAM, CAMPAIGN_COMMAND, and CAMPAIGN_HELP, the lines of --help that are its own. */
 #ifndef CAMPAIGN_PROGRAM_H
 #define CAMPAIGN_PROGRAM_H
 #include "campaign_report.h"
@@ -16,7 +16,7 @@ typedef struct program {
 } program;
 
 static const char campaign_help[] =
-    "Runs one scene over many sets of parameters. " PROGRAM " [FILE] [options]\n"
+    "Runs one scene over many sets of parameters. " CAMPAIGN_COMMAND " [FILE] [options]\n"
     "FILE describes the campaign, a word and its values per line; as an option --WORD \"VALUES\" a word overrides it:\n"
     "  scene FILE            the scene (examples/scenes/README.md), as seen from FILE\n"
     "  runs N                how many (100 of every combination of lists and grids)\n"

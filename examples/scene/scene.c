@@ -2,9 +2,11 @@
    lists the words; examples/scenes/ holds scenes. Exit: 0 well; 1 a reference is missed, the motion left the model or a
    file could not be written; 2 bad options, or a file that makes no sense. */
 #define _POSIX_C_SOURCE 200809L /* popen, for gnuplot */
+#define FLEXBEAM_STATIC
 #include "scene_run.h"
 #define PROGRAM "scene"
 #include "../common/options.h"
+#include "../tools/words.h"
 #include "../common/output.h"
 #include "../common/plot.h"
 #include "scene_files.h"
@@ -12,7 +14,7 @@
 
 static const char help[] =
     "scene - runs a scene from a text file (words and scenes: examples/scenes/)\n"
-    "usage: scene FILE [options]\n"
+    "usage: flexbeam scene FILE [options]\n"
     "  --set NAME=VALUE  another value of a parameter of the file; may be there many times\n"
     "  --out FILE        outputs as CSV, FILE.part until the run ends; curves beside it as SVG where gnuplot is there\n"
     "  --picture FILE    SVG of a few positions over each other\n"
@@ -208,7 +210,7 @@ static int has_curves(const scene *s, const scene_options *o)
   return o->csv && o->talk && s->n_output > 0 && s->duration > 0 && scene_is_plain(o->csv);
 }
 
-int main(int argc, char **argv)
+int scene_main(int argc, char **argv)
 {
   static command c;
   scene *const s = &the_scene;

@@ -1,25 +1,26 @@
 /* advise - which effects, how many modes, which scheme and which step a scene calls for, with the configuration to
-   compile and the lines of C that follow. The body is one of those examples/tools/reduce reads.
+   compile and the lines of C that follow. The body is one of those flexbeam reduce reads.
    Exit: 0 well, 1 no advice, or what was found misses the tolerance, 2 bad options or input. */
 #define _POSIX_C_SOURCE 200809L
 #define FB_MAX_MODES 24
 #define FB_MAX_ELEMENTS 40
 #define FB_MAX_STATIONS 200
 #define FB_WITH_NONLINEAR_STRAIN 0
-#define FLEXBEAM_IMPLEMENTATION
+#define FLEXBEAM_STATIC
 #include "../../flexbeam.h"
 #include "model.h"
 #define PROGRAM "advise"
 #include "config.h"
 #include "envelope.h"
 #include "../common/options.h"
+#include "words.h"
 #include "../common/output.h"
 #include "../common/plot.h"
 #include <time.h>
 
 static const char help[] =
     "advise - effects, modes, scheme and step that a scene calls for\n"
-    "usage: advise [FILE] [options]\n"
+    "usage: flexbeam advise [FILE] [options]\n"
     "  FILE                  description (words: examples/tools/README.md); without it examples/boom.txt is\n"
     "                        spun up to 6 rad/s at 0.63 rad/s^2, above its first frequency\n"
     "  --base B              free, prescribed, pinned or hinged (as the file says)\n"
@@ -471,7 +472,7 @@ static fb_status print_build(const fb_advice *a)
   if (status != FB_OK) {
     return status;
   }
-  printf("lines of the description (examples/tools/reduce makes a model in ROM of it):\n");
+  printf("lines of the description (flexbeam reduce makes a model in ROM of it):\n");
   print_description(a);
   printf("its configuration, double precision:\n  ");
   config_flags(stdout, &body, 0, "\n ");
@@ -488,7 +489,7 @@ static int print_verdict(const fb_advice *a, double tolerance, int simulated)
   printf("\n%g %%: ", tolerance);
   if ((double)a->error_model > allowed) {
     printf("no modal body will do, whatever its modes and effects: it is off by some %s %%.\n"
-           "  Take the exact beam: fb_mixed (examples/tools/beam3d).\n",
+           "  Take the exact beam: fb_mixed (flexbeam beam3d).\n",
            percent(a->error_model));
     return 0;
   }
@@ -714,7 +715,7 @@ static fb_status advise(fb_advice *advice, fb_envelope *e, const options *o, con
   return status;
 }
 
-int main(int argc, char **argv)
+int advise_main(int argc, char **argv)
 {
   static options o;
   static fb_advice advice[TOLERANCES];

@@ -1,22 +1,23 @@
 /* analyse - what a body does about a steady spin: deflection, complex modes, stability margin, Campbell table, steps.
-   The body is one of those examples/tools/reduce reads; its base is free, pinned, hinged or prescribed as the file says.
+   The body is one of those flexbeam reduce reads; its base is free, pinned, hinged or prescribed as the file says.
    Exit: 0 well, 1 it cannot be analyzed, 2 bad options or input. */
 #define _POSIX_C_SOURCE 200809L
 #define FB_MAX_MODES 24
 #define FB_MAX_ELEMENTS 40
 #define FB_MAX_STATIONS 200
 #define FB_WITH_NONLINEAR_STRAIN 0
-#define FLEXBEAM_IMPLEMENTATION
+#define FLEXBEAM_STATIC
 #include "../../flexbeam.h"
 #include "model.h"
 #define PROGRAM "analyse"
 #include "../common/options.h"
+#include "words.h"
 #include "../common/output.h"
 #include "../common/plot.h"
 
 static const char help[] =
     "analyse - steady spin of a body from a text file, and the motion about it\n"
-    "usage: analyse [FILE] [options]\n"
+    "usage: flexbeam analyse [FILE] [options]\n"
     "  FILE              description (examples/satellite.txt; words: examples/tools/README.md)\n"
     "  --spin X,Y,Z|Z    steady spin [rad/s], body axes; one value: about z (0)\n"
     "  --rpm X,Y,Z|Z     the same [rpm]\n"
@@ -274,7 +275,7 @@ static int campbell(const options *o, const double axis[3])
   return draw(o, csv, critical);
 }
 
-int main(int argc, char **argv)
+int analyse_main(int argc, char **argv)
 {
   static options o = {"examples/satellite.txt", "analyse", {0, 0, 0}, 0, 20, 8, 1e-3, 60};
   const char *what;

@@ -3,10 +3,11 @@
    Exit: 0 well, 1 no such state, 2 bad options or file. */
 #define _POSIX_C_SOURCE 200809L /* popen, for gnuplot */
 #define FB_MAX_MIXED 400
-#define FLEXBEAM_IMPLEMENTATION
+#define FLEXBEAM_STATIC
 #include "../../flexbeam.h"
 #define PROGRAM "beam3d"
 #include "../common/options.h"
+#include "words.h"
 #include "../common/output.h"
 #include "../common/mixed_beam.h"
 #include "../common/plot.h"
@@ -14,7 +15,7 @@
 
 static const char help[] =
     "beam3d - a geometrically exact beam from a text file: deflection, root loads, frequencies; any consistent units\n"
-    "usage: beam3d FILE [--out SHAPE.csv]\n"
+    "usage: flexbeam beam3d FILE [--out SHAPE.csv]\n"
     "  the file, one word and its numbers a line, # begins a comment:\n"
     "    length L                      of the line\n"
     "    elements N                    equal ones, 1 to 400 (20)\n"
@@ -139,7 +140,7 @@ static int read_option(void *target, const char *name, const char *text)
   return strcmp(name, "--out") == 0 ? read_out((const char **)target, text) : NO_SUCH_OPTION;
 }
 
-int main(int argc, char **argv)
+int beam3d_main(int argc, char **argv)
 {
   int modes = 0;
   const char *out = NULL;

@@ -6,11 +6,14 @@
 #define FB_MAX_MODES 24
 #define FB_MAX_ELEMENTS 20
 #define FB_MAX_STATIONS 200
-#define FLEXBEAM_IMPLEMENTATION
+#define FLEXBEAM_STATIC
 #include "../../flexbeam.h"
 #include "../common/boom.h"
+#define PROGRAM "campbell"
+#include "../common/options.h"
 #include "../common/plot.h"
 #include "../common/text.h"
+#include "words.h"
 #include "../common/output.h"
 
 #define MAX_SPINS 256
@@ -26,7 +29,7 @@ typedef struct options {
 
 static const char help[] =
     "campbell - frequencies of a rotating cantilever or blade as CSV (spin [rad/s], kind, mode, omega [rad/s])\n"
-    "usage: campbell [options] > table.csv\n"
+    "usage: flexbeam campbell [options] > table.csv\n"
     "  --length L       [m] beam length (10)\n"
     "  --mass M         [kg] beam mass, uniform (12)\n"
     "  --ei EI          [N m^2] bending stiffness, the same in both planes (14004)\n"
@@ -43,100 +46,41 @@ static const char help[] =
     "flap is out of the plane of rotation, lag (edge) in it: the larger displacement of the tip. Good to 1e-4 up to\n"
     "spin sqrt(m L^3/EI) = 30, 5e-4 with a tip mass.\n";
 
-static int fail(const char *what, const char *value)
-{
-  fprintf(stderr, "campbell: %s%s%s (see --help)\n", what, value[0] ? ": " : "", value);
-  return 2;
-}
-
-/* One number at text, closed by the character end. */
-static int read_number(double *x, const char *text, const char *name, double least, int open, const char **end)
-{
-  char *stop;
-  char message[96];
-  errno = 0;
-  *x = strtod(text, &stop);
-  if (stop == text || errno || !isfinite(*x) || (*stop && *stop != ',') || (*stop == ',' && !end)) {
-    snprintf(message, sizeof message, "%s wants %s", name, end ? "numbers separated by commas" : "a number");
-    return fail(message, text);
-  }
-  if (*x < least || (open && *x <= least)) {
-    snprintf(message, sizeof message, "%s must be %s %g", name, open ? "greater than" : "at least", least);
-    return fail(message, text);
-  }
-  if (end) {
-    *end = stop;
-  }
-  return 0;
-}
-
 static int read_spins(options *o, const char *text, const char *name, double unit)
 {
-  o->spins = 0;
-  for (;;) {
-    int status;
-    if (o->spins == MAX_SPINS) {
-      return fail("more than 256 spins", text);
+  o->spins = read_list(o->spin, MAX_SPINS, text);
+  for (int k = 0; k < o->spins; k++) {
+    if (fabs(o->spin[k]) > 1e6) {
+      return fail("a spin is at most 1e6", text);
     }
-    status = read_number(&o->spin[o->spins], text, name, -1e6, 0, &text);
-    o->spin[o->spins++] *= unit;
-    if (status || *text == 0) {
-      return status;
-    }
-    text++;
+    o->spin[k] *= unit;
   }
+  return o->spins > 0 ? 0 : fail("no list of numbers, at most 256, with commas between", name);
 }
 
-static int read_options(options *o, int argc, char **argv)
+static int read_option(void *to, const char *name, const char *text)
 {
-  for (int i = 1; i < argc; i += 2) {
-    const char *name = argv[i];
-    const char *text = argv[i + 1];
-    double modes;
-    int status;
-    if (strcmp(name, "--help") == 0) {
-      fputs(help, stdout);
-      exit(0);
+  options *const o = (options *)to;
+  double modes = o->modes;
+  const number_option list[] = {{"--length", &o->length, 1e-9, 1e12},  {"--mass", &o->mass, 1e-12, 1e12},
+                                {"--ei", &o->ei, 1e-12, 1e18},         {"--hub-radius", &o->hub_radius, 0, 1e12},
+                                {"--tip-mass", &o->tip_mass, 0, 1e12}, {"--mass-factor", &o->mass_factor, 1e-9, 1e9},
+                                {"--modes", &modes, 1, MAX_MODES}};
+  int status = 0;
+  if (strcmp(name, "--blade") == 0) {
+    o->blade = text;
+  } else if (strcmp(name, "--picture") == 0) {
+    o->picture = text;
+  } else if (strcmp(name, "--spin") == 0 || strcmp(name, "--rpm") == 0) {
+    status = read_spins(o, text, name, name[2] == 's' ? 1.0 : 2.0 * pi / 60.0);
+  } else {
+    status = read_number(list, (int)(sizeof list / sizeof list[0]), name, text);
+    if (status == 0 && modes != floor(modes)) {
+      return fail("--modes wants a whole number", text);
     }
-    if (i + 1 == argc) {
-      return fail("no such option, or its value is missing", name);
-    }
-    if (strcmp(name, "--length") == 0) {
-      status = read_number(&o->length, text, name, 0, 1, NULL);
-    } else if (strcmp(name, "--mass") == 0) {
-      status = read_number(&o->mass, text, name, 0, 1, NULL);
-    } else if (strcmp(name, "--ei") == 0) {
-      status = read_number(&o->ei, text, name, 0, 1, NULL);
-    } else if (strcmp(name, "--hub-radius") == 0) {
-      status = read_number(&o->hub_radius, text, name, 0, 0, NULL);
-    } else if (strcmp(name, "--tip-mass") == 0) {
-      status = read_number(&o->tip_mass, text, name, 0, 0, NULL);
-    } else if (strcmp(name, "--mass-factor") == 0) {
-      status = read_number(&o->mass_factor, text, name, 0, 1, NULL);
-    } else if (strcmp(name, "--blade") == 0) {
-      o->blade = text;
-      status = 0;
-    } else if (strcmp(name, "--picture") == 0) {
-      o->picture = text;
-      status = 0;
-    } else if (strcmp(name, "--spin") == 0) {
-      status = read_spins(o, text, name, 1.0);
-    } else if (strcmp(name, "--rpm") == 0) {
-      status = read_spins(o, text, name, 2.0 * pi / 60.0);
-    } else if (strcmp(name, "--modes") == 0) {
-      status = read_number(&modes, text, name, 1, 0, NULL);
-      if (status == 0 && (modes > 8 || modes != floor(modes))) {
-        status = fail("--modes wants a whole number from 1 to 8", text);
-      }
-      o->modes = status == 0 ? (int)modes : 0;
-    } else {
-      status = fail("unknown option", name);
-    }
-    if (status) {
-      return status;
-    }
+    o->modes = (int)modes;
   }
-  return 0;
+  return status;
 }
 
 /* What was not given: a uniform boom, or the blade of the table. */
@@ -343,14 +287,14 @@ static int draw(const options *o)
   return 1;
 }
 
-int main(int argc, char **argv)
+int campbell_main(int argc, char **argv)
 {
   static options o = {0, BOOM_MASS, BOOM_EI, -1, 0, 1, {0}, 0, 4, NULL, NULL};
   static const char *const names[] = {"lag", "flap"};
   int bad;
   fb_status status;
-  output_begin("campbell");
-  bad = read_options(&o, argc, argv);
+  output_begin(PROGRAM);
+  bad = read_all(argc, argv, help, read_option, &o);
   if (bad) {
     return bad;
   }

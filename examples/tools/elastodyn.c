@@ -2,11 +2,12 @@
    a beam description for `reduce`. Columns are found by their names; adjustment factors and damping are applied.
    Exit: 0 well, 2 bad options or input. */
 #include "../common/text.h"
+#include "words.h"
 #include "../common/output.h"
 
 static const char help[] =
     "elastodyn - from ElastoDyn's blade file to a beam description\n"
-    "usage: elastodyn FILE --length L [options] > blade.txt\n"
+    "usage: flexbeam elastodyn FILE --length L [options] > blade.txt\n"
     "  --length L      [m] of the blade, root to tip (the turbine's TipRad - HubRad)\n"
     "  --hub-radius R  [m] of the root (0)\n"
     "  --rpm N         the modes are shaped for this speed (0: for rest)\n"
@@ -15,7 +16,7 @@ static const char help[] =
     "z is out of the rotor plane (flap), x along the span. The file has no GJ, EA and no "
     "offsets: the blade is rigid in twist\n"
     "and stretch. Damping is the mean of the file's three ratios; its tuners and mode shapes are not used.\n"
-    "Then: reduce blade.txt --out blade.h\n";
+    "Then: flexbeam reduce blade.txt --out blade.h\n";
 
 #define MAX_STATIONS 200
 static struct blade {
@@ -159,7 +160,7 @@ static void write_blade(const char *file, double length, double hub_radius, doub
   printf("end\n");
 }
 
-int main(int argc, char **argv)
+int elastodyn_main(int argc, char **argv)
 {
   const char *file = NULL;
   double length = 0, hub_radius = 0, rpm = 0, flap = 3, edge = 3;

@@ -5,15 +5,18 @@
 #define FB_MAX_ELEMENTS 40
 #define FB_MAX_STATIONS 200
 #define FB_WITH_NONLINEAR_STRAIN 0
-#define FLEXBEAM_IMPLEMENTATION
+#define FLEXBEAM_STATIC
 #include "../../flexbeam.h"
 #include "model.h"
 #include "rom.h"
+#define PROGRAM "reduce"
+#include "words.h"
+#include "../common/options.h"
 #include "../common/output.h"
 
 static const char help[] =
     "reduce - a body in ROM: from a beam or component description to a C header\n"
-    "usage: reduce FILE [options]\n"
+    "usage: flexbeam reduce FILE [options]\n"
     "  --out FILE   where to write the header (standard output)\n"
     "  --single     for single precision (double)\n"
     "  --name NAME  of the body (that in the file, or flexible_body)\n"
@@ -21,12 +24,6 @@ static const char help[] =
     "A summary goes to the standard error: mass, frequencies, effective mass, what the model takes.\n"
     "The descriptions are explained in examples/tools/README.md; examples/blade.txt and examples/panel.txt are "
     "two.\n";
-
-static int fail(const char *what, const char *value)
-{
-  fprintf(stderr, "reduce: %s%s%s (see --help)\n", what, value[0] ? ": " : "", value);
-  return 2;
-}
 
 static void summarize(const char *file)
 {
@@ -58,42 +55,42 @@ static void summarize(const char *file)
   fprintf(stderr, "  %d terms of Lambda, %d of S\n", model_body.n_lambda, model_body.n_S);
 }
 
-int main(int argc, char **argv)
+typedef struct options {
+  const char *out, *name;
+} options;
+
+static int read_option(void *to, const char *name, const char *text)
 {
-  const char *file = NULL, *to = NULL, *name = NULL, *what;
-  int single = 0;
+  options *const o = (options *)to;
+  if (strcmp(name, "--out") == 0) {
+    return read_out(&o->out, text);
+  }
+  if (strcmp(name, "--name") == 0) {
+    o->name = text;
+    return model_is_name(text) ? 0 : fail("not a C identifier", text);
+  }
+  return NO_SUCH_OPTION;
+}
+
+int reduce_main(int argc, char **argv)
+{
+  const int single = take_flag(&argc, argv, "--single"), named = argc > 1 && argv[1][0] != '-';
+  const char *const file = named ? argv[1] : "", *what;
+  options o = {NULL, NULL};
   FILE *out = stdout;
   fb_status status;
-  output_begin("reduce");
-  for (int i = 1; i < argc; i++) {
-    if (strcmp(argv[i], "--help") == 0) {
-      fputs(help, stdout);
-      return 0;
-    } else if (strcmp(argv[i], "--single") == 0) {
-      single = 1;
-    } else if (strcmp(argv[i], "--out") == 0 || strcmp(argv[i], "--name") == 0) {
-      if (i + 1 == argc) {
-        return fail("a value is missing", argv[i]);
-      }
-      *(argv[i][2] == 'o' ? &to : &name) = argv[i + 1];
-      i++;
-    } else if (argv[i][0] == '-' || file) {
-      return fail(argv[i][0] == '-' ? "unknown option" : "one file at a time", argv[i]);
-    } else {
-      file = argv[i];
-    }
-  }
-  if (!file) {
-    return fail("a description is missing", "");
-  }
-  if (name && !model_is_name(name)) {
-    return fail("not a C identifier", name);
-  }
-  if (!model_read("reduce", file)) {
+  output_begin(PROGRAM);
+  if (read_all(argc - named, argv + named, help, read_option, &o) != 0) {
     return 2;
   }
-  if (name) {
-    strcpy(model.name, name);
+  if (!named) {
+    return fail("a description is missing", "");
+  }
+  if (!model_read(PROGRAM, file)) {
+    return 2;
+  }
+  if (o.name) {
+    strcpy(model.name, o.name);
   }
   status = model_build(&what);
   if (status != FB_OK) {
@@ -101,10 +98,10 @@ int main(int argc, char **argv)
     return 1;
   }
   summarize(file);
-  if (to && !(out = fopen(to, "w"))) {
-    fprintf(stderr, "reduce: %s: %s\n", to, strerror(errno));
+  if (o.out && !(out = fopen(o.out, "w"))) {
+    fprintf(stderr, "reduce: %s: %s\n", o.out, strerror(errno));
     return 2;
   }
   rom_write(out, &model_body, model.name, file, single);
-  return to ? output_close(out, to) : 0;
+  return o.out ? output_close(out, o.out) : 0;
 }

@@ -17,7 +17,7 @@ precision() {
 # rom single|double: the satellite's header and the configuration it takes
 rom() {
   precision "$1"
-  [ -x "$out/reduce" ] || try gcc $c99 -O2 -o "$out/reduce" examples/tools/reduce.c -lm
+  [ -x "$out/reduce" ] || try gcc $c99 -O2 -o "$out/reduce" -Dreduce_main=main examples/tools/reduce.c -lm
   try "$out/reduce" examples/satellite.txt $([ "$1" = double ] || echo --single) --out "$model/satellite_rom.h"
   configuration="-I$model $(grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$model/satellite_rom.h")"
 }
