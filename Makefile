@@ -10,31 +10,34 @@ export WARNINGS WARNINGS_C
 
 LIBRARY  = flexbeam.h flexbeam_impl.h
 TESTS    = $(wildcard tests/test_*.c)
-EXAMPLES = quickstart spinup campbell analyse advise table1 assembly reduce elastodyn firmware spacecraft rotor arm fourbar \
-           elastica follower flap whirl beam3d scene leigh hil_plant hil_controller \
+EXAMPLES = quickstart spinup table1 assembly firmware spacecraft rotor arm fourbar \
+           elastica follower flap whirl leigh hil_plant hil_controller \
            tutorial_satellite tutorial_blade tutorial_import tutorial_firmware
-EXAMPLES += campaign $(if $(shell command -v mpicc),campaign_mpi)
+EXAMPLES += $(if $(shell command -v mpicc),campaign_mpi)
+WORDS    = scene campaign reduce elastodyn analyse advise beam3d campbell
+HEADERS  = $(wildcard examples/*/*.h)
 # long ones first, so that the two jobs of `make ci` end together
 CHECKS   = sanitize hostile fuzz faults suite long tidy coverage bits instructions firmware compile rooms removed single advise rom mismatch stack symbols threads \
            two_precisions jacobian style ids documents quickstart first_build fast_math output hil scene campaign hard
 
 .DELETE_ON_ERROR:
-.PHONY: help run table1 leigh scenes blade firmware hil campaign campaign-mpi test quick quick-double quick-single quick-c++ coverage mutants hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes fuzz readme format clean ci FORCE $(CHECKS:%=check-%)
+.PHONY: help run tool table1 leigh scenes blade firmware hil campaign campaign-mpi test quick quick-double quick-single quick-c++ coverage mutants hard examples bench bench-accuracy bench-advice bench-campaign bench-flags bench-peers sizes fuzz readme format clean ci FORCE $(CHECKS:%=check-%)
 
 help:
 	@echo "make run       spin-up of a flexible beam against its reference, time per step, picture if gnuplot is there"
+	@echo "make tool      build/flexbeam: $(WORDS)"
 	@echo "make blade     Campbell diagram of the NREL 5-MW blade, 0 to 20 rpm: build/campbell.csv, build/campbell.svg"
 	@echo "make table1    the forms of the equations of motion, figures and accuracy of D'Eleuterio and Barfoot: build/table1/"
 	@echo "make leigh     every case of chapter 4 of Leigh's thesis by the exact beam, beside its figures: build/leigh/"
 	@echo "make scenes    every scene of examples/scenes: build/scenes/NAME.csv, curves, pictures and animations as SVG, frames"
-	@echo "make firmware  the attitude loop of examples/firmware.c on an emulated Cortex-M4F and -M7, against the desktop"
+	@echo "make firmware  the attitude loop of examples/firmware/firmware.c on an emulated Cortex-M4F and -M7, against the desktop"
 	@echo "make hil       a spacecraft at 1 kHz in real time and its controller, two processes over UDP, 60 s: build/hil.csv"
 	@echo "make test      build and run the tests: the default configuration, then the other forms (FB_WITH_FORMS)"
 	@echo "make quick     before a commit, two minutes: short tests in both precisions, C++, layout, ids, documents, quick start"
 	@echo "make coverage  lines and branches of the library that the tests run, by section; what they leave: build/coverage/"
 	@echo "make mutants   200 equations changed one at a time, the tests must notice (SEED=1, COUNT=200; half an hour)"
 	@echo "make campaign  a spacecraft with scattered stiffness, mass and damping, 200 runs on all cores: build/campaign/"
-	@echo "make campaign-mpi  the same program for clusters: build/examples/campaign_mpi"
+	@echo "make campaign-mpi  the same for clusters: build/examples/campaign_mpi"
 	@echo "make hard      the hard cases in both precisions, beside what a naive treatment gives (2 minutes): build/hard.csv"
 	@echo "make examples  $(EXAMPLES:%=build/examples/%)"
 	@echo "make bench     time per step by modes and effects, by form and scheme, of systems, of the exact beam: build/bench_*.csv"
@@ -56,6 +59,8 @@ help:
 run: build/examples/spinup
 	$< --reference tests/reference/p07C_second_order.csv --out build/spinup.csv
 
+tool: build/flexbeam
+
 table1: build/examples/table1
 	@mkdir -p build/table1
 	@$< --out build/table1 > build/table1/tables.txt; status=$$?; cat build/table1/tables.txt; exit $$status
@@ -64,15 +69,15 @@ leigh: build/examples/leigh
 	@mkdir -p build/leigh
 	@$< --out build/leigh > build/leigh/tables.txt; status=$$?; cat build/leigh/tables.txt; exit $$status
 
-scenes: build/examples/scene
+scenes: build/flexbeam
 	@mkdir -p build/scenes
 	@status=0; for file in examples/scenes/*.txt; do \
 	  name=build/scenes/$$(basename $$file .txt); echo "$$file"; \
-	  $< $$file --out $$name.csv --picture $${name}_picture.svg --animation $${name}_moves.svg --frames $$name || status=1; \
+	  $< scene $$file --out $$name.csv --picture $${name}_picture.svg --animation $${name}_moves.svg --frames $$name || status=1; \
 	done; exit $$status
 
-blade: build/examples/campbell
-	$< --blade tests/reference/nrel5mw_blade.csv --mass-factor 1.04536 --modes 3 --picture build/campbell.svg > build/campbell.csv
+blade: build/flexbeam
+	$< campbell --blade tests/reference/nrel5mw_blade.csv --mass-factor 1.04536 --modes 3 --picture build/campbell.svg > build/campbell.csv
 
 firmware:
 	@echo "two boards, two levels of optimization, 80 s of flight each: some minutes"
@@ -86,9 +91,9 @@ hil: build/examples/hil_plant build/examples/hil_controller
 	build/examples/hil_plant --key build/hil.key --out build/hil.csv; status=$$?; \
 	wait $$! || status=1; cat build/hil_controller.txt; exit $$status
 
-campaign: build/examples/campaign
+campaign: build/flexbeam
 	@mkdir -p build/campaign
-	$< examples/campaigns/slew.txt --out build/campaign/slew.csv
+	$< campaign examples/campaigns/slew.txt --out build/campaign/slew.csv
 
 campaign-mpi:
 	@command -v mpicc > /dev/null || { echo "campaign-mpi: no mpicc (Debian: apt-get install openmpi-bin libopenmpi-dev)"; exit 1; }
@@ -117,7 +122,7 @@ coverage:
 mutants:
 	@CC='$(CC)' sh tests/mutants/mutants.sh $(or $(SEED),1) $(or $(COUNT),200)
 
-examples: $(EXAMPLES:%=build/examples/%)
+examples: tool $(EXAMPLES:%=build/examples/%)
 
 bench: build/bench/bench_step_double build/bench/bench_step_single build/bench/bench_forms_double build/bench/bench_system_double build/bench/bench_mixed_double
 	@for p in double single; do \
@@ -142,13 +147,13 @@ bench-advice: build/bench/bench_advice_double
 bench-flags:
 	@sh bench/flags.sh
 
-bench-campaign: build/examples/campaign $(filter %_mpi,$(EXAMPLES:%=build/examples/%))
+bench-campaign: build/flexbeam $(filter %_mpi,$(EXAMPLES:%=build/examples/%))
 	@sh bench/campaign.sh
 
 bench-peers:
 	@CC='$(CC)' MAKE='$(MAKE)' sh bench/peers.sh
 
-sizes: build/examples/reduce
+sizes: build/flexbeam
 	@CC='$(CC)' sh bench/sizes.sh
 
 fuzz:
@@ -161,41 +166,49 @@ build/readme/figures_double build/readme/figures_single: $(wildcard tests/*.[ch]
 	$(CC) $(FLAGS) $(CFLAGS) -DFB_SINGLE=$(if $(findstring single,$@),1,0) -DFB_WITH_FORMS=1 -o $@ $(TESTS) -lm
 
 format:
-	clang-format -i *.h tests/*.[ch] tests/checks/*.[ch] tests/fuzz/*.[ch] tests/hard/*.[ch] tests/mutants/*.h examples/*.[ch] examples/board/*.[ch] bench/*.[ch]
+	find . -name build -prune -o -name '*.[ch]' -exec clang-format -i {} +
 
 clean:
 	rm -rf build
 
 # ---- programs
 
-build/examples/%: examples/%.c $(wildcard examples/*.h) $(LIBRARY) build/flags | build/examples
+vpath %.c examples $(wildcard examples/*)
+
+build/examples/%: %.c $(HEADERS) $(LIBRARY) build/flags | build/examples
 	$(CC) $(FLAGS) $(CFLAGS) -o $@ $< -lm
 
-# The model in ROM says itself which configuration it takes.
-build/examples/satellite_rom.h: examples/satellite.txt build/examples/reduce
-	build/examples/reduce $< --single --out $@
+build/flexbeam: build/tool/flexbeam.o $(WORDS:%=build/tool/%.o)
+	$(CC) $(CFLAGS) -o $@ $^ -lm
 
-build/examples/firmware: examples/board/desktop.c examples/board/board.h
-build/examples/firmware build/examples/tutorial_firmware: build/examples/%: examples/%.c build/examples/satellite_rom.h $(LIBRARY) build/flags
+build/tool/%.o: %.c $(HEADERS) $(LIBRARY) build/flags | build/tool
+	$(CC) $(FLAGS) $(CFLAGS) -c -o $@ $<
+
+# The model in ROM says itself which configuration it takes.
+build/examples/satellite_rom.h: examples/satellite.txt build/flexbeam | build/examples
+	build/flexbeam reduce $< --single --out $@
+
+build/examples/firmware: examples/firmware/board/desktop.c examples/firmware/board/board.h
+build/examples/firmware build/examples/tutorial_firmware: build/examples/%: %.c build/examples/satellite_rom.h $(LIBRARY) build/flags
 	$(CC) $(FLAGS) $(CFLAGS) -Ibuild/examples -ffunction-sections -fdata-sections -Wl,--gc-sections \
-	  $$(grep -o -e '-DFB_[A-Z_]*=[0-9]*' build/examples/satellite_rom.h) -o $@ $< $(filter examples/board/%.c,$^) -lm
+	  $$(grep -o -e '-DFB_[A-Z_]*=[0-9]*' build/examples/satellite_rom.h) -o $@ $< $(filter examples/firmware/board/%.c,$^) -lm
 
 # What a benchmark says of itself: its flags, its commit.
 BUILD_OF_BENCH = -DFBB_FLAGS='"-std=c99 -ffp-contract=off $(CFLAGS)"' -DFBB_COMMIT="\"$$(cat build/commit)\""
 
-build/bench/%_double: bench/%.c $(wildcard bench/*.h) examples/stepper.h examples/output.h $(LIBRARY) build/flags build/commit | build/bench
+build/bench/%_double: bench/%.c $(wildcard bench/*.h) $(wildcard examples/common/*.h) $(LIBRARY) build/flags build/commit | build/bench
 	$(CC) $(FLAGS) $(CFLAGS) $(BUILD_OF_BENCH) -o $@ $< $(LIBS) -lm
 
 build/bench/bench_peers_lu_double: LIBS = -llapack -lblas -ldl
 build/bench/bench_peers_step_double: LIBS = -lsundials_cvode -lsundials_arkode
 
-build/bench/%_single: bench/%.c $(wildcard bench/*.h) examples/stepper.h examples/output.h $(LIBRARY) build/flags build/commit | build/bench
+build/bench/%_single: bench/%.c $(wildcard bench/*.h) $(wildcard examples/common/*.h) $(LIBRARY) build/flags build/commit | build/bench
 	$(CC) $(FLAGS) $(CFLAGS) $(BUILD_OF_BENCH) -DFB_SINGLE=1 -o $@ $< -lm
 
-build/hard_double build/hard_single: $(wildcard tests/hard/*.[ch]) bench/clock.h examples/options.h examples/stepper.h examples/output.h $(LIBRARY) build/flags
+build/hard_double build/hard_single: $(wildcard tests/hard/*.[ch]) examples/common/clock.h examples/common/options.h $(wildcard examples/common/*.h) $(LIBRARY) build/flags
 	$(CC) $(FLAGS) $(CFLAGS) -DFB_SINGLE=$(if $(findstring single,$@),1,0) -o $@ $(filter tests/hard/%.c,$^) -lm
 
-build/examples/campaign_mpi: examples/campaign_mpi.c $(wildcard examples/*.h) $(LIBRARY) build/flags | build/examples
+build/examples/campaign_mpi: examples/campaign/campaign_mpi.c $(HEADERS) $(LIBRARY) build/flags | build/examples
 	mpicc $(FLAGS) $(CFLAGS) -o $@ $< -lm
 
 build/test_runner: $(TESTS:tests/%.c=build/tests/%.o)
@@ -231,7 +244,7 @@ quick-c++: | build
 	@$(CXX) -x c++ -std=c++11 -I. -ffp-contract=off $(WARNINGS) $(CFLAGS) -c -o build/quick.o build/quick.c
 	@echo "ok   the library as C++11, all warnings"
 
-build build/tests build/tests/forms build/tests/double build/tests/single build/examples build/bench build/readme:
+build build/tests build/tests/forms build/tests/double build/tests/single build/tool build/examples build/bench build/readme:
 	@mkdir -p $@
 
 # Changes only when the compiler or its flags do.
@@ -249,13 +262,11 @@ ci:
 	  $(CHECKS:%=check-%) examples build/test_runner build/test_forms
 	@echo "ci: all $(words $(CHECKS)) checks passed"
 
-build/examples/hil_plant build/examples/hil_controller build/examples/campaign build/examples/campaign_mpi: bench/clock.h
-
 check-hil: build/examples/hil_plant build/examples/hil_controller
 
-check-output: $(EXAMPLES:%=build/examples/%)
+check-output: build/flexbeam $(EXAMPLES:%=build/examples/%)
 
-check-campaign: build/examples/campaign $(filter %_mpi,$(EXAMPLES:%=build/examples/%))
+check-campaign: build/flexbeam $(filter %_mpi,$(EXAMPLES:%=build/examples/%))
 
 $(CHECKS:%=check-%): check-%: tests/checks/%.sh
 	@sh $<

@@ -71,7 +71,7 @@
      status = status ? status : fb_system_rk4_step(&system, &body, &state, &work, &input, &input, &input, dt);
      status = status ? status : fb_system_motion_eval(&system, &body, &work, &motion, &state, &input); // joint forces
 
-   A GEOMETRICALLY EXACT BEAM, for any deflection (examples/elastica.c, follower.c, flap.c, whirl.c, beam3d.c)
+   A GEOMETRICALLY EXACT BEAM, for any deflection (examples/elastica.c, follower.c, flap.c, whirl.c)
 
      desc = (fb_mixed_desc){.length = 10, .n_element = 20, .n_station = 1};   // clamped root, free tip
      status = fb_mixed_station_init(&desc.station[0], &uniform);               // or 6x6 stiffness and inertia
@@ -129,8 +129,8 @@
      FB_WITH_NONLINEAR_STRAIN         1        0, 1    "
      FB_MAX_STRAINS                   24       1..999  strain stations of a body (nonlinear strain only)
      FB_MAX_LAMBDA, FB_MAX_S,         0       0..     terms of Lambda(q) and S(q) that a body holds, runs of the latter;
-     FB_MAX_RUNS                                      0: as many as there can be. For models in ROM: examples/reduce
-                                                      tells what one takes
+     FB_MAX_RUNS                                      0: as many as there can be. For models in ROM: build/flexbeam
+                                                      reduce (make tool) tells what one takes
      FB_WITH_FORMS                    0        0, 1    1: the second-order and the printed first-order form, too
      FB_WITH_SYSTEM                   1        0, 1    0 removes systems of bodies: their types, functions and code
      FB_WITH_EXACT                    1        0, 1    0 removes the geometrically exact beam
@@ -224,7 +224,7 @@
      flutter, whirl, buckling      fb_mixed_spectrum_solve about a steady state, fb_spectrum_margin; fb_buckling_solve
      snap-through, beyond buckling fb_mixed_path_step: steady states along their path; fb_mixed_work.unstable
      control of a bent beam        fb_mixed_linearize: its slow modes as A, B, C, D with inputs and outputs
-     a model in ROM                examples/reduce: text file to C header with a static const fb_body
+     a model in ROM                build/flexbeam reduce: text file to C header with a static const fb_body
 
    WHICH SCHEME? (all fixed work; a step beyond its limit is refused)
      scheme                order  limit               a step costs            takes

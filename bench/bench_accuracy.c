@@ -10,7 +10,7 @@
 
 #include "ladder.h"
 #include "report.h"
-#include "../examples/output.h"
+#include "../examples/common/output.h"
 
 /* ---- output */
 

@@ -12,7 +12,7 @@
 #include "ladder.h"
 #include "random.h"
 #include "report.h"
-#include "../examples/output.h"
+#include "../examples/common/output.h"
 
 #define FBB_RATIOS 500
 

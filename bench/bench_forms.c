@@ -8,8 +8,8 @@
 #define FB_MAX_MODES 24
 #define FLEXBEAM_IMPLEMENTATION
 #include "report.h"
-#include "spinup.h"
-#include "../examples/output.h"
+#include "../examples/common/boom.h"
+#include "../examples/common/output.h"
 
 #define STEPS 2000
 #define RUNS 9
@@ -22,8 +22,10 @@ static void build(int n_element)
 {
   static fb_shape shape;
   static fb_body_work body_work;
+  const boom b = {BOOM_LENGTH, BOOM_MASS, BOOM_EI, BOOM_EA, .planes = 2, .elements = n_element, .root_strain = 1};
   fb_body_desc desc;
-  (void)fbb_spinup_shape(&shape, 0, n_element, 2);
+  int tip;
+  fbb_check(boom_shape(&shape, &tip, &b), "shape integrals");
   memset(&desc, 0, sizeof desc);
   desc.effects = FB_EFFECTS_STRAIN;
   desc.base = FB_BASE_HINGED;
@@ -46,7 +48,7 @@ static double run(int form, int scheme)
   torque.n_load = 1;
   torque.load[0].torque[2] = 20; /* [N m] */
   fbb_check(fb_state_init(b, &state), "state");
-  start = fbb_now_ns();
+  start = clock_ns();
   for (int k = 0; k < STEPS; k++) {
     if (scheme == 0) {
       fbb_check(fb_rk4_step(b, &state, &rk4, &torque, &torque, &torque, FB_R(0.0001)), "rk4");
@@ -56,12 +58,12 @@ static double run(int form, int scheme)
       fbb_check(fb_sdirk_step(b, &state, &implicit, &torque, &torque, FB_R(0.0005), 0), "sdirk");
     }
   }
-  return 1e-3 * (fbb_now_ns() - start) / STEPS;
+  return 1e-3 * (clock_ns() - start) / STEPS;
 }
 
-static void print(const char *name, int n_element, const fbb_timing *t)
+static void print(const char *name, int n_element, const clock_timing *t)
 {
-  const fbb_timing *momentum = &t[FB_FORM_MOMENTUM], *first = &t[FB_FORM_FIRST], *second = &t[FB_FORM_SECOND];
+  const clock_timing *momentum = &t[FB_FORM_MOMENTUM], *first = &t[FB_FORM_FIRST], *second = &t[FB_FORM_SECOND];
   printf("%s,%d,%d,%.3f,%.3f,%.3f,%.2f,%.2f,%.3f,%.3f,%.3f\n", name, n_element, body[0].n, momentum->lowest,
          first->lowest, second->lowest, second->lowest / momentum->lowest, first->lowest / momentum->lowest,
          momentum->median, first->median, second->median);
@@ -79,13 +81,13 @@ int main(void)
   for (int scheme = 0; scheme < SCHEMES; scheme++) {
     for (int n_element = 1; n_element <= 3; n_element++) {
       static double sample[FORMS][RUNS];
-      fbb_timing t[FORMS];
+      clock_timing t[FORMS];
       build(n_element);
       for (int k = 0; k < RUNS * FORMS; k++) {
         sample[k % FORMS][k / FORMS] = run(k % FORMS, scheme);
       }
       for (int form = 0; form < FORMS; form++) {
-        t[form] = fbb_timing_of(sample[form], RUNS);
+        t[form] = clock_timing_of(sample[form], RUNS);
       }
       print(scheme_name[scheme], n_element, t);
     }

@@ -10,7 +10,7 @@
 #define FB_MAX_MIXED 80
 #define FLEXBEAM_STATIC
 #include "report.h"
-#include "../examples/output.h"
+#include "../examples/common/output.h"
 #include <math.h>
 
 #define STATES 16
@@ -241,22 +241,22 @@ static void compare(void)
   }
 }
 
-static void measure(fbb_timing out[WAYS], void (*run)(int way, int at), int ways)
+static void measure(clock_timing out[WAYS], void (*run)(int way, int at), int ways)
 {
-  const double until = fbb_now_ns() + 1e9 * BUDGET;
+  const double until = clock_ns() + 1e9 * BUDGET;
   int n = 0;
-  while (n < SAMPLES && (n < 20 || fbb_now_ns() < until)) {
+  while (n < SAMPLES && (n < 20 || clock_ns() < until)) {
     for (int way = 0; way < ways; way++) {
       double begin;
       run(way, (n + 5) * 7 % STATES); /* the dense matrices have pushed everything else out of the cache */
-      begin = fbb_now_ns();
+      begin = clock_ns();
       run(way, n * 7 % STATES);
-      sample[way][n] = 1e-3 * (fbb_now_ns() - begin) - overhead;
+      sample[way][n] = 1e-3 * (clock_ns() - begin) - overhead;
     }
     n++;
   }
   for (int way = 0; way < ways; way++) {
-    out[way] = fbb_timing_of(sample[way], n);
+    out[way] = clock_timing_of(sample[way], n);
   }
 }
 
@@ -266,7 +266,7 @@ static void rows(const char *what, void (*run)(int way, int at))
   double first = 0;
   for (int k = 0; k < 4; k++) {
     const int ways = size[k] <= FIELDS_MAX ? 3 : size[k] <= DENSE_MAX ? 2 : 1;
-    fbb_timing t[WAYS]; /* [us] */
+    clock_timing t[WAYS]; /* [us] */
     build(size[k]);
     measure(t, run, ways);
     first = k == 0 ? t[0].lowest : first;
@@ -285,7 +285,7 @@ static void rows(const char *what, void (*run)(int way, int at))
 /* A beam that has come to rest, all values on their way through the subnormals. */
 static void decayed(void)
 {
-  fbb_timing t[WAYS];
+  clock_timing t[WAYS];
   build(10);
   for (int k = 0; k < STATES; k++) {
     for (int i = 0; i < 6 * beam.n; i++) {

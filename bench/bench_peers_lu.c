@@ -6,7 +6,7 @@
 #define FLEXBEAM_IMPLEMENTATION
 #include "random.h"
 #include "report.h"
-#include "../examples/output.h"
+#include "../examples/common/output.h"
 #include <dlfcn.h>
 #include <math.h>
 
@@ -106,11 +106,11 @@ static void measure(int n)
       }
     }
     for (int at = 0; at < KINDS * CODES; at++) {
-      const double start = fbb_now_ns();
+      const double start = clock_ns();
       for (int k = 0; k < MATRICES; k++) {
         work[at / CODES][at % CODES](&problems[k], n);
       }
-      sample[at / CODES][at % CODES][run] = (fbb_now_ns() - start - overhead) / MATRICES;
+      sample[at / CODES][at % CODES][run] = (clock_ns() - start - overhead) / MATRICES;
     }
   }
 }
@@ -146,8 +146,8 @@ int main(void)
     fill(n);
     measure(n);
     for (int kind = 0; kind < KINDS; kind++) {
-      const fbb_timing ours = fbb_timing_of(sample[kind][OURS], RUNS);
-      const fbb_timing theirs = fbb_timing_of(sample[kind][LAPACK], RUNS);
+      const clock_timing ours = clock_timing_of(sample[kind][OURS], RUNS);
+      const clock_timing theirs = clock_timing_of(sample[kind][LAPACK], RUNS);
       printf("%s,%d,%s,%.0f,%.0f,%.0f,%.0f,%.2f,%.1e\n", library, n, kind == FACTOR ? "factor" : "solve", ours.lowest,
              ours.median, theirs.lowest, theirs.median, theirs.median / ours.median, difference(n));
     }

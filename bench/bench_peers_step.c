@@ -12,8 +12,8 @@
 #define _POSIX_C_SOURCE 200112L /* clock_gettime, uname */
 #define FLEXBEAM_IMPLEMENTATION
 #include "report.h"
-#include "spinup.h"
-#include "../examples/output.h"
+#include "../examples/common/boom.h"
+#include "../examples/common/output.h"
 #include <arkode/arkode_arkstep.h>
 #include <arkode/arkode_erkstep.h>
 #include <cvode/cvode.h>
@@ -65,7 +65,7 @@ typedef struct configuration {
   double error;
   int n; /* samples */
   double sample[SAMPLES];
-  fbb_timing time; /* [us] per simulated second */
+  clock_timing time; /* [us] per simulated second */
 } configuration;
 
 static fb_body body;
@@ -97,12 +97,14 @@ static double processor_ns(void)
 static void build(int modes, int n_element)
 {
   static fb_shape shape;
+  const boom b = {BOOM_LENGTH,           BOOM_MASS,       BOOM_EI, BOOM_EA, .planes = 1, .modes = modes,
+                  .elements = n_element, .root_strain = 1};
   fb_body_desc desc;
   memset(&desc, 0, sizeof desc);
   desc.effects = n_element ? FB_EFFECTS_STRAIN : FB_EFFECTS_FULL;
   desc.base = FB_BASE_PRESCRIBED;
   desc.allow_long_step = 1;
-  tip = fbb_spinup_shape(&shape, modes, n_element, 1);
+  fbb_check(boom_shape(&shape, &tip, &b), "shape integrals");
   fbb_check(fb_body_init(&body, &body_work, &shape, &desc), "body");
 }
 
@@ -393,7 +395,7 @@ static void print_ladders(const char *scene)
   for (int at = 0; at < METHODS * LADDER; at++) {
     configuration *c = &ladder[at / LADDER][at % LADDER];
     if (at % LADDER < rungs[at / LADDER]) {
-      c->time = fbb_timing_of(c->sample, c->n);
+      c->time = clock_timing_of(c->sample, c->n);
       printf("ladder,%s,%s,%s,%.3g,%.2e,%ld,%.3f,%.3f\n", scene, methods[c->method].code, methods[c->method].name,
              c->parameter, c->error, c->evaluations, c->time.lowest, c->time.median);
     }

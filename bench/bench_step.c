@@ -4,8 +4,8 @@
 #define _POSIX_C_SOURCE 200112L /* clock_gettime, uname */
 #define FLEXBEAM_IMPLEMENTATION
 #include "report.h"
-#include "scene.h"
-#include "../examples/output.h"
+#include "sets.h"
+#include "../examples/common/output.h"
 
 #define STATES 64
 #define SAMPLES 20000
@@ -17,18 +17,18 @@ static fb_state state[STATES];
 static double sample[SAMPLES];
 static double overhead, rigid, full; /* [ns] of an empty measurement, medians of the rigid and the full moving body */
 
-static fbb_timing measure(fb_real dt)
+static clock_timing measure(fb_real dt)
 {
   fb_rk4_work work;
   for (int k = 0; k < SAMPLES; k++) {
-    const double start = fbb_now_ns();
+    const double start = clock_ns();
     fbb_check(fb_rk4_step(&body, &state[k % STATES], &work, NULL, NULL, NULL, dt), "step");
-    sample[k] = fbb_now_ns() - start - overhead;
+    sample[k] = clock_ns() - start - overhead;
   }
-  return fbb_timing_of(sample, SAMPLES);
+  return clock_timing_of(sample, SAMPLES);
 }
 
-static void print(const char *name, int modes, const char *effects, const fbb_timing *t)
+static void print(const char *name, int modes, const char *effects, const clock_timing *t)
 {
   printf("%s,%d,%s,%.0f,%.0f,%.0f,%.0f,%.2f", name, modes, effects, t->lowest, t->median, t->p99, t->highest,
          t->median / rigid);
@@ -37,9 +37,9 @@ static void print(const char *name, int modes, const char *effects, const fbb_ti
 /* A body in motion: y and z bending modes, spin up to 1 rad/s. */
 static void moving(const fbb_set *set, int y, int z)
 {
-  fbb_timing t;
+  clock_timing t;
   fb_real dt;
-  fbb_body(&body, FB_BASE_FREE, y, z, 0, set->effects, FB_R(0.01));
+  fbb_check(boom_craft(&body, FB_BASE_FREE, y, z, 0, set->effects, FB_R(0.01)), "body");
   dt = FB_R(0.1) * fb_rk4_limit(&body, FB_R(2.0), FB_R(10.0));
   dt = dt < FB_R(0.01) ? dt : FB_R(0.01);
   for (int k = 0; k < STATES; k++) {
@@ -56,9 +56,9 @@ static void moving(const fbb_set *set, int y, int z)
 static void decaying(const char *name, int first, int next)
 {
   fb_rk4_work work;
-  fbb_timing t;
+  clock_timing t;
   fb_real dt;
-  fbb_body(&body, FB_BASE_FREE, DECAYING / 2, DECAYING / 2, 0, DECAYING_EFFECTS, FB_R(0.5));
+  fbb_check(boom_craft(&body, FB_BASE_FREE, DECAYING / 2, DECAYING / 2, 0, DECAYING_EFFECTS, FB_R(0.5)), "body");
   dt = FB_R(0.8) * fb_rk4_limit(&body, FB_R(0.0), FB_R(0.0));
   for (int k = 0; k < STATES; k++) {
     fbb_state(&state[k], &body, k, FB_R(0.0), FB_R(0.001));

@@ -17,7 +17,7 @@
 #include "random.h"
 #include "report.h"
 #include "tree.h"
-#include "../examples/output.h"
+#include "../examples/common/output.h"
 #include <math.h>
 
 #define STATES 16
@@ -198,18 +198,18 @@ static double step_time(int method, int k)
 {
   double begin, end;
   state = start[method][k % STATES];
-  begin = 1e-3 * fbb_now_ns();
+  begin = 1e-3 * clock_ns();
   fbb_check(
       fb_system_rk4_step(&mechanism[method], model, &state, &work, NULL, NULL, NULL, step_length(&mechanism[method])),
       "step");
-  end = 1e-3 * fbb_now_ns();
+  end = 1e-3 * clock_ns();
   return end - begin - overhead;
 }
 
 /* The methods take turns by 64 steps, so that each finds its own data in the cache. */
-static void measure(fbb_timing *out, int methods)
+static void measure(clock_timing *out, int methods)
 {
-  const double begin = 1e-3 * fbb_now_ns();
+  const double begin = 1e-3 * clock_ns();
   int n = 0;
   for (int method = 0; method < methods; method++) {
     desc.method = (fb_method)method;
@@ -218,7 +218,7 @@ static void measure(fbb_timing *out, int methods)
       moving(&start[method][s], &mechanism[method], s);
     }
   }
-  while (n + 64 <= SAMPLES && (n < 256 || 1e-3 * fbb_now_ns() - begin < 1e6 * BUDGET * methods)) {
+  while (n + 64 <= SAMPLES && (n < 256 || 1e-3 * clock_ns() - begin < 1e6 * BUDGET * methods)) {
     for (int method = 0; method < methods; method++) {
       for (int k = -8; k < 64; k++) { /* the first ones bring the data in */
         const double us = step_time(method, n + k + STATES);
@@ -230,11 +230,11 @@ static void measure(fbb_timing *out, int methods)
     n += 64;
   }
   for (int method = 0; method < methods; method++) {
-    out[method] = fbb_timing_of(sample[method], n);
+    out[method] = clock_timing_of(sample[method], n);
   }
 }
 
-static void print(const char *scene, int level, const char *method, const fbb_timing *t)
+static void print(const char *scene, int level, const char *method, const clock_timing *t)
 {
   int n = 0;
   for (int k = 0; k < desc.n_body; k++) {
@@ -255,7 +255,7 @@ static void chains(void)
     model[1] = model[0];
     for (int k = 0; k < 6; k++) {
       const int n = size[k];
-      fbb_timing t[METHODS];
+      clock_timing t[METHODS];
       chain(n);
       measure(t, METHODS);
       for (int method = 0; method < METHODS; method++) {
@@ -270,7 +270,7 @@ static void chains(void)
 
 static void marked(const char *scene, int level, double mark)
 {
-  fbb_timing t;
+  clock_timing t;
   measure(&t, 1);
   print(scene, level, "recursive", &t);
   printf(",,,%.1f,%.2f\n", mark, mark / t.median);

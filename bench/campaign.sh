@@ -24,7 +24,7 @@ round() {
 for k in 1 2 3; do
   n=1
   while [ $n -le "$cores" ]; do
-    round processes $n "--jobs $n" build/examples/campaign
+    round processes $n "--jobs $n" build/flexbeam campaign
     [ ! -x build/examples/campaign_mpi ] || round ranks $n "" mpirun --allow-run-as-root --bind-to none -n $n build/examples/campaign_mpi
     n=$((2 * n))
   done

@@ -7,7 +7,8 @@
 #define FLEXBEAM_IMPLEMENTATION
 #include "flexbeam.h"
 #include "check.h"
-#include "../examples/output.h"
+#include "../examples/common/boom.h"
+#include "../examples/common/output.h"
 
 static fb_beam_desc desc;
 static fb_beam beam;
@@ -27,16 +28,13 @@ static double sum(const fb_real *x, const fb_real *y)
 
 int main(void)
 {
+  static const boom reference = {BOOM_LENGTH, BOOM_MASS, BOOM_EI, BOOM_EA, 2, 0, 0, 0, 0};
   static fb_modes_desc keep;
   output_begin("identities");
-  desc.length = FB_R(10.0);
-  desc.n_element = 20;
-  desc.n_station = 1;
-  desc.station[0].mass = FB_R(1.2);
+  boom_beam(&desc, &reference, 20);
   desc.station[0].EA = FB_R(1.2e6);
   desc.station[0].GJ = FB_R(1e4);
   desc.station[0].EI_y = FB_R(9000.0);
-  desc.station[0].EI_z = FB_R(14004.0);
   desc.station[0].i_y = desc.station[0].i_z = FB_R(1e-3);
   fbb_check(fb_beam_init(&beam, &desc), "beam");
   printf("modes a kind    sum p p^T / m    sum h h^T / J    sum ups ups^T / Pi_11\n");

@@ -22,9 +22,9 @@ block() {
   cp "$out/new" "$document"
 }
 
-# picture FILE NAME: gnuplot's, beside the examples; the old one stays where gnuplot is missing
+# picture FILE NAME: gnuplot's, beside what makes it; the old one stays where gnuplot is missing
 picture() {
-  [ ! -f "$1" ] || sed 's/ *$//' "$1" > "examples/$2"
+  [ ! -f "$1" ] || sed 's/ *$//' "$1" > "$2"
 }
 
 peers() {
@@ -52,8 +52,8 @@ speedup() {
 
 # The command line's answers for a boom, without those for 10 %.
 advise() {
-  make -s build/examples/advise
-  build/examples/advise --simulate > "$out/advise"
+  make -s build/flexbeam
+  build/flexbeam advise --simulate > "$out/advise"
   { echo '```'; sed -e '/^10 %: [A-Z]/,/^$/d' -e 's/ *$//' "$out/advise"; echo '```'; } | block advise
 }
 
@@ -65,7 +65,7 @@ flags() {
 accuracy() {
   make -s bench-accuracy > "$out/scenes"
   { echo '```'; sed -e 's/^# //' -e 's/ *$//' build/accuracy/tables.txt; echo '```'; } | block scenes
-  picture build/accuracy/accuracy.svg accuracy.svg
+  picture build/accuracy/accuracy.svg bench/accuracy.svg
 }
 
 # The eight scenes as they are, and the count of all.
@@ -108,12 +108,12 @@ tests() {
 
 # Of each scene its title and the largest relative difference from what it is compared with.
 scene() {
-  make -s build/examples/scene
+  make -s build/flexbeam
   for file in examples/scenes/*.txt; do
-    build/examples/scene "$file" | awk -v name="$(basename "$file" .txt)" -v title="$(sed -n 's/^title //p' "$file")" -f bench/scene.awk
+    build/flexbeam scene "$file" | awk -v name="$(basename "$file" .txt)" -v title="$(sed -n 's/^title //p' "$file")" -f bench/scene.awk
   done > "$out/scenes"
   { echo '```'; cat "$out/scenes"; echo '```'; } | block scene
-  build/examples/scene examples/scenes/double_pendulum.txt --quiet --picture examples/scene_pendulum.svg
+  build/flexbeam scene examples/scenes/double_pendulum.txt --quiet --picture examples/scene/scene_pendulum.svg
 }
 
 # Calls of check-hostile, flips of check-faults; single precision behind a bar.
@@ -190,7 +190,7 @@ spinup() {
   build/examples/spinup --reference tests/reference/p07C_second_order.csv --out build/spinup.csv > "$out/spinup"
   { echo '```'; sed -n -e 's/ *$//' -e '/^Spin-up/,/^ *6 .*full/p' "$out/spinup"; echo '```'; } | block spinup
   ladder
-  picture build/spinup.svg spinup.svg
+  picture build/spinup.svg examples/papers/spinup.svg
 }
 
 # Of the spin-up no mode, one mode and three.
@@ -220,7 +220,7 @@ system() {
   build/bench/bench_system_double > "$out/system"
   { echo '```'; awk -F, -f bench/system.awk "$out/system" | sed 's/ *$//'; echo '```'; } | block system
   build/examples/spacecraft --out build/spacecraft.csv > "$out/spacecraft"
-  picture build/spacecraft_error.svg spacecraft_error.svg
+  picture build/spacecraft_error.svg examples/spacecraft_error.svg
 }
 
 # The geometrically exact beam: time, the tables of [L], two pictures.
@@ -229,9 +229,9 @@ mixed() {
   build/bench/bench_mixed_double > "$out/mixed"
   { echo '```'; awk -F, -f bench/mixed.awk "$out/mixed" | sed 's/ *$//'; echo '```'; } | block mixed
   build/examples/elastica --out build/elastica.csv > "$out/elastica"
-  picture build/elastica.svg elastica.svg
+  picture build/elastica.svg examples/elastica.svg
   build/examples/follower --out build/follower.csv > "$out/follower"
-  picture build/follower_flutter.svg follower_flutter.svg
+  picture build/follower_flutter.svg examples/follower_flutter.svg
 }
 
 leigh() {
@@ -241,9 +241,9 @@ leigh() {
 
 # The blade: its frequencies, and ElastoDyn's from the head of the table.
 blade() {
-  make -s build/examples/campbell
+  make -s build/flexbeam
   table=tests/reference/nrel5mw_blade.csv
-  build/examples/campbell --blade $table --mass-factor 1.04536 --rpm 0,12.1 --modes 2 > "$out/blade"
+  build/flexbeam campbell --blade $table --mass-factor 1.04536 --rpm 0,12.1 --modes 2 > "$out/blade"
   {
     echo '```'
     awk -F, '
@@ -259,7 +259,7 @@ blade() {
     echo '```'
   } | block blade
   make -s blade 2> "$out/campbell"
-  picture build/campbell.svg campbell.svg
+  picture build/campbell.svg examples/tools/campbell.svg
 }
 
 # How much of a beam its modes hold.

@@ -4,7 +4,7 @@
 #define FBB_REPORT_H
 
 #include "check.h"
-#include "clock.h"
+#include "../examples/common/clock.h"
 #include <sys/utsname.h>
 
 #ifndef FBB_FLAGS
@@ -50,10 +50,10 @@ static double fbb_begin(void)
          FBB_COMMIT, FBB_COMPILER, FBB_FLAGS);
   fbb_print_machine();
   for (int k = 0; k < FBB_EMPTY; k++) {
-    const double start = fbb_now_ns();
-    sample[k] = fbb_now_ns() - start;
+    const double start = clock_ns();
+    sample[k] = clock_ns() - start;
   }
-  return fbb_timing_of(sample, FBB_EMPTY).median;
+  return clock_timing_of(sample, FBB_EMPTY).median;
 }
 
 #endif

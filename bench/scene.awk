@@ -1,4 +1,4 @@
-# scene.awk - of what examples/scene says about one scene: the largest difference relative to what it is compared with.
+# scene.awk - of what `flexbeam scene` says about one scene: the largest difference relative to what it is compared with.
 /: [^ ]+ at most from/ { note($1, $2, $16) }
 /: [^ ]+ from [^ ]+, allowed/ { note($1, $2, $4) }
 

@@ -1,7 +1,7 @@
 /* sizes - bytes of the structs a program holds, for the precision and FB_MAX_MODES of this build (`make sizes`). */
 #define FLEXBEAM_STATIC
 #include "flexbeam.h"
-#include "../examples/output.h"
+#include "../examples/common/output.h"
 #include <stdio.h>
 
 int main(void)

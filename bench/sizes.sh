@@ -19,13 +19,13 @@ row() {
   sed -e "s/^effects .*/effects $4/" -e "s/^modes .*/modes bend_y $each bend_z $each/" \
     -e "$(case $4 in *damping*) ;; *) echo '/^damping/d' ;; esac)" examples/satellite.txt > "$out/model.txt"
   case $4 in *gravity*) echo 'gravity 0 0 -9.81' >> "$out/model.txt" ;; esac
-  build/examples/reduce "$out/model.txt" $([ $1 = double ] || echo --single) --out "$out/satellite_rom.h" 2> "$out/log" ||
+  build/flexbeam reduce "$out/model.txt" $([ $1 = double ] || echo --single) --out "$out/satellite_rom.h" 2> "$out/log" ||
     { cat "$out/log"; exit 1; }
   configuration="-I$out $(grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$out/satellite_rom.h") -DBODY=satellite -DBODY_HEADER=\"satellite_rom.h\""
   arm-none-eabi-gcc $flags $processor -mthumb -mfloat-abi=hard -ffunction-sections -fdata-sections -nostartfiles \
-    -Wl,--gc-sections -T examples/board/mps2.ld $configuration -o "$out/image.elf" bench/step_cost.c examples/board/mps2.c -lm
+    -Wl,--gc-sections -T examples/firmware/board/mps2.ld $configuration -o "$out/image.elf" bench/step_cost.c examples/firmware/board/mps2.c -lm
   qemu-system-arm -machine $machine $emulator -kernel "$out/image.elf" > "$out/board.txt" 2>&1
-  ${CC:-cc} $flags $configuration -DDESKTOP -o "$out/desktop" bench/step_cost.c examples/board/desktop.c -lm
+  ${CC:-cc} $flags $configuration -DDESKTOP -o "$out/desktop" bench/step_cost.c examples/firmware/board/desktop.c -lm
   "$out/desktop" > "$out/desktop.txt"
   code=$(arm-none-eabi-nm -S -t d "$out/image.elf" | awk '$4 ~ /^fb/ && $3 ~ /[Tt]/ { sum += $2 } END { print sum }')
   paste "$out/board.txt" "$out/desktop.txt" | awk -v p=$1 -v m=$2 -v name="$3" -v code="$code" '
@@ -61,7 +61,7 @@ compiled() {
 printf '#include "flexbeam.h"\n' > "$out/declarations.c"
 printf '#define FLEXBEAM_IMPLEMENTATION\n#include "flexbeam.h"\n' > "$out/whole.c"
 one_body="-DFB_WITH_SYSTEM=0 -DFB_WITH_EXACT=0"
-build/examples/reduce examples/satellite.txt --single --out "$out/satellite_rom.h" 2> "$out/log" || { cat "$out/log"; exit 1; }
+build/flexbeam reduce examples/satellite.txt --single --out "$out/satellite_rom.h" 2> "$out/log" || { cat "$out/log"; exit 1; }
 echo "Compile time by ${CC:-cc} -O2 (seconds of the processor) and bytes of code:"
 echo "what                                                      seconds    code"
 compiled "declarations alone" "$out/declarations.c"

@@ -3,10 +3,10 @@
    Compile with -DBODY_HEADER, a header that reduce made, and -DBODY, the name in it; on the desktop -DDESKTOP. */
 #ifdef DESKTOP
 #define _POSIX_C_SOURCE 199309L /* clock_gettime */
-#include "clock.h"
+#include "../examples/common/clock.h"
 #include <stdio.h>
 #endif
-#include "../examples/board/board.h"
+#include "../examples/firmware/board/board.h"
 #define FLEXBEAM_IMPLEMENTATION
 #include "flexbeam.h"
 #include BODY_HEADER
@@ -26,13 +26,13 @@ static double nanoseconds(void)
 {
   double sample[101];
   for (int run = 0; run < 101; run++) {
-    const double start = fbb_now_ns();
+    const double start = clock_ns();
     for (int k = 0; k < 200; k++) {
       (void)step();
     }
-    sample[run] = (fbb_now_ns() - start) / 200;
+    sample[run] = (clock_ns() - start) / 200;
   }
-  return fbb_timing_of(sample, 101).median;
+  return clock_timing_of(sample, 101).median;
 }
 #endif
 

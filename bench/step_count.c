@@ -2,7 +2,7 @@
    usage: step_count Y Z AXIAL EFFECTS STEPS [SCHEME [decayed | held]]
    Y, Z, AXIAL: modes of each kind; EFFECTS: mask of FB_EFFECT_...; SCHEME: fb_rk4_step (default), fb_midpoint_step,
    fb_sdirk_step, fb_exponential_step; decayed: the elastic motion is about to vanish; held: so is the hub, else it flies. */
-#include "scene.h"
+#include "sets.h"
 
 static fb_body body;
 static fb_body_work body_work;
@@ -35,8 +35,9 @@ int main(int argc, char **argv)
     fprintf(stderr, "usage: step_count Y Z AXIAL EFFECTS STEPS [SCHEME [decayed | held]]\n");
     return 2;
   }
-  fbb_body(&body, held ? FB_BASE_PRESCRIBED : FB_BASE_FREE, atoi(argv[1]), atoi(argv[2]), atoi(argv[3]),
-           (unsigned)atoi(argv[4]), FB_R(0.5));
+  fbb_check(boom_craft(&body, held ? FB_BASE_PRESCRIBED : FB_BASE_FREE, atoi(argv[1]), atoi(argv[2]), atoi(argv[3]),
+                       (unsigned)atoi(argv[4]), FB_R(0.5)),
+            "body");
   fbb_state(&state, &body, 0, decayed || held ? FB_R(0.0) : FB_R(1.0), decayed ? (fb_real)1e-133 : FB_R(0.01));
   dt = FB_R(0.5) * fb_rk4_limit(&body, FB_R(2.0), FB_R(10.0));
   dt = dt < FB_R(0.01) ? dt : FB_R(0.01);

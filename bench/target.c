@@ -3,7 +3,7 @@
    Compile with -DBODY_HEADER, a header that reduce made, and -DBODY, the name in it; -DSTEPS (1000) of 1 ms,
    -DSCHEMES, a mask of the lines below (all). sin, cos and atan2 are its own: those of C libraries differ in the last
    bit, and in the work they do. Exit: 0, 1 when a step fails or the counts differ. */
-#include "../examples/board/board.h"
+#include "../examples/firmware/board/board.h"
 #define FB_SIN(x) target_sin(x)
 #define FB_COS(x) target_cos(x)
 #define FB_ATAN2(y, x) target_atan2(y, x)

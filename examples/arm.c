@@ -14,9 +14,9 @@
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
 #define PROGRAM "arm"
-#include "options.h"
-#include "output.h"
-#include "plot.h"
+#include "common/options.h"
+#include "common/output.h"
+#include "common/plot.h"
 
 enum { LINKS = 2, GAUGE = 1, TIP = 2 }; /* nodes of a link: end of the strain gauge, tip */
 static const double pi = 3.14159265358979324, gravity = 9.81;

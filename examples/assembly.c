@@ -5,7 +5,7 @@
 #define FB_MAX_ELEMENTS 12
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
-#include "output.h"
+#include "common/output.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

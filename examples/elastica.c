@@ -8,10 +8,10 @@
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
 #define PROGRAM "elastica"
-#include "options.h"
-#include "output.h"
-#include "mixed_beam.h"
-#include "plot.h"
+#include "common/options.h"
+#include "common/output.h"
+#include "common/mixed_beam.h"
+#include "common/plot.h"
 
 typedef struct options {
   double length, EI, EA, GA, moment, force, follower, elements;

@@ -9,10 +9,10 @@
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
 #define PROGRAM "flap"
-#include "options.h"
-#include "output.h"
-#include "mixed_beam.h"
-#include "plot.h"
+#include "common/options.h"
+#include "common/output.h"
+#include "common/mixed_beam.h"
+#include "common/plot.h"
 
 typedef struct options {
   double length, width, height, E, soft, density, nu, amplitude, hz, seconds, dt, elements, dissipation;

@@ -10,9 +10,9 @@
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
 #define PROGRAM "fourbar"
-#include "options.h"
-#include "output.h"
-#include "plot.h"
+#include "common/options.h"
+#include "common/output.h"
+#include "common/plot.h"
 
 enum { CRANK, COUPLER, ROCKER, BARS };
 enum { TIP = 1, MIDDLE = 2 }; /* nodes of a bar */

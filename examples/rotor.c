@@ -15,9 +15,9 @@
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
 #define PROGRAM "rotor"
-#include "options.h"
-#include "output.h"
-#include "plot.h"
+#include "common/options.h"
+#include "common/output.h"
+#include "common/plot.h"
 
 #define MAX_ROWS 8192
 static const double pi = 3.14159265358979324, degree = 3.14159265358979324 / 180.0;

@@ -11,11 +11,11 @@
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
 #define PROGRAM "spacecraft"
-#include "filter.h"
-#include "options.h"
-#include "output.h"
-#include "plot.h"
-#include "solar_array.h"
+#include "common/filter.h"
+#include "common/options.h"
+#include "common/output.h"
+#include "common/plot.h"
+#include "common/solar_array.h"
 
 #define MAX_ROWS 4096
 #define PERIOD 0.01 /* [s] of the controller */

@@ -1,6 +1,6 @@
 /* tutorial_firmware - what flies: a model in ROM, a state in RAM, one step per period, and what to do when a step fails.
    It shows: a model that `reduce` wrote (examples/satellite.txt, single precision), its check word, snapshots, statuses.
-   Nothing that builds models is linked; the target compiles the same lines (examples/FIRMWARE.md).
+   Nothing that builds models is linked; the target compiles the same lines (examples/firmware/README.md).
    Check: a replay from a snapshot gives the same bits, a flipped bit of the model is detected, a refused step changes
    nothing, and the angular momentum is what the torque brought, 10 N m s, and stays. Exit: 0 well, 1 a check failed. */
 #define FLEXBEAM_IMPLEMENTATION

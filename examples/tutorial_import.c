@@ -1,5 +1,5 @@
 /* tutorial_import - a solar array wing from a finite-element program, on a satellite that a thruster pushes.
-   It shows: a component from a text file (node masses, mode shapes, frequencies: examples/TOOLS.md), its use as a body,
+   It shows: a component from a text file (node masses, mode shapes, frequencies: examples/tools/README.md), its use as a body,
    and the frequencies of the free satellite, which are not those of the wing on a fixed interface.
    Check: on a fixed interface the frequencies of the file; free ones above them, mode by mode; a push changes momentum by
    its impulse. Run it at the top of the project, or name the file. Exit: 0 well, 1 a check failed, 2 a bad file. */
@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include "model.h" /* reads the file: model, model_body and so on are its variables */
+#include "tools/model.h" /* reads the file: model, model_body and so on are its variables */
 
 static fb_analyse_work work;
 static fb_spectrum spectrum;
@@ -34,7 +34,7 @@ static fb_status frequencies(double *hz, fb_base base)
       hz[found++] = f;
     }
   }
-  return status || found == model.n_mode ? status : FB_ERR_KIND;
+  return status || found == model.n_mode ? status : FB_ERR_MODES;
 }
 
 int main(int argc, char **argv)

@@ -1,4 +1,4 @@
-/* The lines of C that examples/advise prints for examples/boom.txt, compiled and run: LINES is the file that holds
+/* The lines of C that flexbeam advise prints for examples/boom.txt, compiled and run: LINES is the file that holds
    them, WORK the scratch of their scheme. */
 #define FLEXBEAM_IMPLEMENTATION
 #include "flexbeam.h"

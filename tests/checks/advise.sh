@@ -1,10 +1,10 @@
 #!/bin/sh
-# examples/advise: on bases of every kind what it finds by simulation meets the tolerance when it is run again (its
+# flexbeam advise: on bases of every kind what it finds by simulation meets the tolerance when it is run again (its
 # exit status); its lines of a description give a model that takes the configuration it prints, its lines of C compile
 # and run; what makes no sense is refused.
 . tests/checks/common.sh
 for program in advise reduce; do
-  try ${CC:-cc} $c99 -O1 -o "$out/$program" examples/$program.c -lm
+  try ${CC:-cc} $c99 -O1 -o "$out/$program" -D${program}_main=main examples/tools/$program.c -lm
 done
 
 scenes=0
@@ -31,7 +31,7 @@ sed -e "s/^modes .*/$(word modes)/" -e "s/^effects .*/$(word effects)/" examples
 try "$out/reduce" "$out/body.txt" --out "$out/body.h"
 grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$out/advice" > "$out/flags"
 sed '/^#/,$d' "$out/body.h" | grep -o -e '-DFB_[A-Z_]*=[0-9]*' | cmp - "$out/flags" ||
-  fail "the flags are not those of examples/reduce"
+  fail "the flags are not those of flexbeam reduce"
 sed '1,/^lines of C/d' "$out/advice" > "$out/lines.h"
 case $(cat "$out/lines.h") in
 *fb_rk4*) work=fb_rk4_work ;;

@@ -16,7 +16,7 @@ for precision in single double; do
   options="$configuration $library_small -DBODY_HEADER=\"satellite_rom.h\" -DBODY=satellite"
   for cc in gcc clang; do
     for opt in -O0 -O2 -O3; do
-      try $cc $c99 $opt $options -DSTEPS=$few -o "$out/target" bench/target.c examples/board/desktop.c -lm
+      try $cc $c99 $opt $options -DSTEPS=$few -o "$out/target" bench/target.c examples/firmware/board/desktop.c -lm
       for run in first second; do
         "$out/target" > "$out/bits.txt" || fail "$precision $cc $opt: $(tail -n 1 "$out/bits.txt")"
         [ -f "$model/bits.txt" ] || cp "$out/bits.txt" "$model/bits.txt"
@@ -24,7 +24,7 @@ for precision in single double; do
       done
     done
   done
-  try mips-linux-gnu-gcc $c99 -O2 -static $options -DSTEPS=$few -o "$out/target" bench/target.c examples/board/desktop.c -lm
+  try mips-linux-gnu-gcc $c99 -O2 -static $options -DSTEPS=$few -o "$out/target" bench/target.c examples/firmware/board/desktop.c -lm
   qemu-mips "$out/target" | cmp -s - "$model/bits.txt" || fail "$precision, MIPS: other bits"
   configuration=$options
   image "$out/target.elf" bench/target.c -O2 -DSTEPS=$few

@@ -17,7 +17,7 @@ precision() {
 # rom single|double: the satellite's header and the configuration it takes
 rom() {
   precision "$1"
-  [ -x "$out/reduce" ] || try gcc $c99 -O2 -o "$out/reduce" examples/reduce.c -lm
+  [ -x "$out/reduce" ] || try gcc $c99 -O2 -o "$out/reduce" -Dreduce_main=main examples/tools/reduce.c -lm
   try "$out/reduce" examples/satellite.txt $([ "$1" = double ] || echo --single) --out "$model/satellite_rom.h"
   configuration="-I$model $(grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$model/satellite_rom.h")"
 }
@@ -28,8 +28,8 @@ image() {
   source=$2
   shift 2
   try arm-none-eabi-gcc -std=c99 $base $WARNINGS_C $processor -mthumb -mfloat-abi=hard -fno-math-errno -ffunction-sections \
-    -fdata-sections -nostartfiles -Wl,--gc-sections -T examples/board/mps2.ld $configuration "$@" \
-    -o "$image" "$source" examples/board/mps2.c -lm
+    -fdata-sections -nostartfiles -Wl,--gc-sections -T examples/firmware/board/mps2.ld $configuration "$@" \
+    -o "$image" "$source" examples/firmware/board/mps2.c -lm
 }
 
 # emulate IMAGE OUTPUT: its exit status

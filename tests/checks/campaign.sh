@@ -4,7 +4,7 @@
 . tests/checks/common.sh
 need gcc gcc
 need pgrep procps
-campaign="build/examples/campaign"
+campaign="build/flexbeam campaign"
 quick="$out/quick.txt"
 running=
 trap '[ -z "$running" ] || kill -9 $running 2> /dev/null || true' EXIT
@@ -48,7 +48,7 @@ begin() {
   run=$1
   least=$2
   shift 2
-  "$campaign" "$@" --out "$out/$run.csv" > "$out/$run.log" 2>&1 &
+  $campaign "$@" --out "$out/$run.csv" > "$out/$run.log" 2>&1 &
   running=$!
   waited=0
   while [ "$(rows $run)" -lt "$least" ]; do
@@ -201,7 +201,7 @@ expect 0 $campaign --scene "$out/beam.txt" --vary "work list 0.1 2 0.2" --cpu_li
 expect 0 $campaign --scene "$out/beam.txt" --vary "work list 0.1 2 0.2" --cpu_limit 7200 --out "$out/more.csv" --pictures 0
 says "3 of 3 runs are in"
 # another build is another campaign
-try gcc $c99 -O1 -DFB_MAX_LUMPS=9 -o "$out/other_build" examples/campaign.c -lm
+try gcc $c99 -O1 -DFB_MAX_LUMPS=9 -o "$out/other_build" -Dcampaign_main=main examples/campaign/campaign.c -lm
 expect 2 "$out/other_build" "$quick" --out "$out/one.csv"
 says 'it says `campaign journal 1 of flexbeam'
 
@@ -316,7 +316,7 @@ says "none.txt: No such file"
 mpi="MPI not looked at: no mpicc (apt-get install openmpi-bin libopenmpi-dev)"
 if command -v mpicc > /dev/null && command -v mpirun > /dev/null; then
   run_mpi="mpirun --allow-run-as-root --oversubscribe"
-  try mpicc $c99 -fsyntax-only examples/campaign_mpi.c
+  try mpicc $c99 -fsyntax-only examples/campaign/campaign_mpi.c
   for ranks in 1 2 3; do
     expect 1 $run_mpi -n $ranks build/examples/campaign_mpi "$quick" --out "$out/mpi$ranks.csv" --pictures 0
     same mpi$ranks

@@ -8,9 +8,9 @@ need gcc gcc
 need g++ g++
 need clang clang
 count=0
-programs=$(ls examples/*.c bench/*.c tests/hard/*.c | grep -v -e firmware.c -e target.c -e step_cost.c -e bench_peers -e campaign_mpi)
-inside="bench/bench_mixed.c bench/bench_system.c bench/sizes.c examples/advise.c examples/analyse.c examples/reduce.c examples/scene.c examples/campaign.c examples/tutorial_import.c"
-try gcc -std=c99 -I. -o "$out/reduce" examples/reduce.c -lm
+programs=$(ls examples/*.c examples/*/*.c bench/*.c tests/hard/*.c | grep -v -e firmware.c -e target.c -e step_cost.c -e bench_peers -e campaign_mpi)
+inside="bench/bench_mixed.c bench/bench_system.c bench/sizes.c examples/tools/advise.c examples/tools/analyse.c examples/tools/reduce.c examples/tools/beam3d.c examples/tools/campbell.c examples/scene/scene.c examples/campaign/campaign.c examples/tutorial_import.c"
+try gcc -std=c99 -I. -o "$out/reduce" -Dreduce_main=main examples/tools/reduce.c -lm
 try "$out/reduce" examples/satellite.txt --single --out "$out/satellite_rom.h"
 rom="-I$out $(grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$out/satellite_rom.h")"
 body='-DBODY=satellite -DBODY_HEADER="satellite_rom.h"'
@@ -31,7 +31,7 @@ for single in 0 1; do
   done
 done
 for cc in "gcc -c -O2" "clang -fsyntax-only"; do
-  for file in examples/firmware.c examples/tutorial_firmware.c "bench/target.c $body" "bench/step_cost.c -DDESKTOP $body" examples/board/desktop.c; do
+  for file in examples/firmware/firmware.c examples/tutorial_firmware.c "bench/target.c $body" "bench/step_cost.c -DDESKTOP $body" examples/firmware/board/desktop.c; do
     compile $cc -std=c99 $WARNINGS_C $rom $file
   done
 done

@@ -8,14 +8,14 @@ need gcc gcc
 need riscv64-unknown-elf-gcc "gcc-riscv64-unknown-elf picolibc-riscv64-unknown-elf"
 bound_code=29952 # 24576 before momenta were relative to the mass center: what places O and turns onto L costs the rest
 bound_ram=12288
-bound_step=31300 # 12000 was the goal, see examples/FIRMWARE.md: this keeps what was reached since momenta are relative to the mass center (29000 before)
+bound_step=31300 # 12000 was the goal, see its README.md: this keeps what was reached since momenta are relative to the mass center (29000 before)
 report=
 for precision in single double; do
   rom $precision
-  try gcc $c99 -O2 $configuration -o "$out/desktop" examples/firmware.c examples/board/desktop.c -lm
+  try gcc $c99 -O2 $configuration -o "$out/desktop" examples/firmware/firmware.c examples/firmware/board/desktop.c -lm
   "$out/desktop" > "$out/desktop.txt" || fail "the desktop's run, $precision: $(tail -n 1 "$out/desktop.txt")"
   for opt in -O2 -Os; do
-    image "$out/firmware.elf" examples/firmware.c $opt
+    image "$out/firmware.elf" examples/firmware/firmware.c $opt
     emulate "$out/firmware.elf" "$out/board_$precision$opt.txt" || fail "$precision $opt: $(tail -n 1 "$out/board_$precision$opt.txt")"
     grep -v '^instructions\|^stack' "$out/board_$precision$opt.txt" | cmp -s - "$out/desktop.txt" ||
       fail "$precision $opt: the board's numbers are not the desktop's"
@@ -36,7 +36,7 @@ for precision in single double; do
 done
 rom single
 try riscv64-unknown-elf-gcc --specs=picolibc.specs -march=rv32imafc -mabi=ilp32f -std=c99 $base \
-  -fno-math-errno -Os $configuration -DFLEXBEAM_STATIC -c -o "$out/riscv.o" examples/firmware.c
+  -fno-math-errno -Os $configuration -DFLEXBEAM_STATIC -c -o "$out/riscv.o" examples/firmware/firmware.c
 riscv=$(riscv64-unknown-elf-size "$out/riscv.o" | awk 'NR == 2 { print $1 }')
 printf '#include "flexbeam.h"\nint main(void)\n{\n  return fb_version_string()[0];\n}\n' > "$out/user.c"
 cross="arm-none-eabi-gcc -std=c99 -I. $processor -mthumb -mfloat-abi=hard -O2 -ffunction-sections -fdata-sections"

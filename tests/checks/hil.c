@@ -1,4 +1,4 @@
-/* hil - the packets of examples/hil.h: their bytes, their tag by the published vectors, and that nothing else is accepted.
+/* hil - the packets of examples/hil/hil.h: their bytes, their tag by the published vectors, and that nothing else is accepted.
    The key of a plant is that of HIL_KEY. Then, as PORT MODE says,
      hil PORT attack    commands the plant that listens there, sends it each kind of malformed, forged, repeated, late
                         packet before every good one, says how many of which kind the plant has to have refused, and a
@@ -8,9 +8,9 @@
    Exit: 0 well, 1 something was not as it must be, 2 the plant did not answer. */
 #define _POSIX_C_SOURCE 200809L
 #define PROGRAM "hil"
-#include "../../examples/hil_link.h"
-#include "../../examples/options.h"
-#include "../../examples/hil_key.h"
+#include "../../examples/hil/hil_link.h"
+#include "../../examples/common/options.h"
+#include "../../examples/hil/hil_key.h"
 #include <time.h>
 
 enum { ROUNDS = 300 };

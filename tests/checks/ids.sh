@@ -25,7 +25,7 @@ missing=$(awk 'NR == FNR { known[$1] = 1; next } !($2 in known) { print $1 " " $
   echo "$missing"
   fail "$(echo "$missing" | wc -l) tests named by equations do not exist"
 }
-grep -ohE '\bE[0-9]+\.[0-9]+\b' flexbeam.h flexbeam_impl.h tests/*.[ch] examples/*.c bench/*.[ch] | sort -u > "$out/cited"
+grep -ohE '\bE[0-9]+\.[0-9]+\b' flexbeam.h flexbeam_impl.h tests/*.[ch] examples/*.c examples/*/*.c bench/*.[ch] | sort -u > "$out/cited"
 unknown=$(comm -23 "$out/cited" "$out/defined" | tr '\n' ' ')
 [ -z "$unknown" ] || fail "cited but not defined: $unknown"
 # tests/reference/THEORY.md derives every equation under its id, and nothing else; its tests exist.
@@ -60,7 +60,7 @@ unknown=$(comm -23 "$out/theory_keys" "$out/keys" | tr '\n' ' ')
 [ -z "$unknown" ] || fail "$theory cites sources that it does not list: $unknown"
 unknown=$(sort -u "$out/cited_keys" "$out/theory_keys" | comm -13 - "$out/keys" | tr '\n' ' ')
 [ -z "$unknown" ] || fail "$theory lists sources that nothing cites: $unknown"
-cites="flexbeam.h flexbeam_impl.h tests/*.[ch] examples/*.[ch] examples/scenes/*.txt bench/*.[ch] $theory"
+cites="flexbeam.h flexbeam_impl.h tests/*.[ch] examples/*.c examples/*/*.[ch] examples/scenes/*.txt bench/*.[ch] $theory"
 sed -n 's/^###* \([0-9]*\(\.[0-9]*\)*\) .*/\1/p' "$theory" | sort > "$out/sections"
 unknown=$(grep -ohE 'THEORY\.md [0-9]+(\.[0-9]+)?((,| and) [0-9]+(\.[0-9]+)?)*' $cites | grep -oE '[0-9]+(\.[0-9]+)?' | sort -u |
           comm -23 - "$out/sections" | tr '\n' ' ')

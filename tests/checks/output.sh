@@ -1,7 +1,22 @@
 #!/bin/sh
-# A program that cannot write all that it prints, or a file, does not end well: every example into a disk that is full.
+# A program that cannot write all that it prints, or a file, does not end well: every example, and every word of build/flexbeam,
+# into a disk that is full. A word that there is not is refused.
 . tests/checks/common.sh
 bin=build/examples
+words=" $(build/flexbeam --help | sed -n 's/^  \([a-z0-9]*\) .*/\1/p' | tr '\n' ' ')"
+
+# run PROGRAM OPTION...: an example, or a word of build/flexbeam
+run() {
+  case "$words" in
+  *" $1 "*) build/flexbeam "$@" ;;
+  *)
+    of=$bin/$1
+    [ "$1" != flexbeam ] || of=build/flexbeam
+    shift
+    "$of" "$@"
+    ;;
+  esac
+}
 ln -s /dev/full "$out/full.csv"
 printf 'parameter force 1\nduration 1\nbody b rigid\n  hub 1  0 0 0  1 1 1\nend\nload b dead force $force 0 0\n' > "$out/push.txt"
 printf 'output v velocity b x\nmeasure v final v\n' >> "$out/push.txt"
@@ -13,12 +28,12 @@ unprinted() {
   program=$1
   shift
   status=0
-  "$bin/$program" "$@" > /dev/full 2> "$out/log" || status=$?
+  run $program "$@" > /dev/full 2> "$out/log" || status=$?
   [ $status = 1 ] && grep -q "^$program: cannot write all of the standard output: No space left on device\$" "$out/log" || {
     cat "$out/log"
     fail "$program $* > /dev/full: exit status $status"
   }
-  try "$bin/$program" "$@"
+  try run $program "$@"
   printed=$((printed + 1))
 }
 
@@ -28,7 +43,7 @@ unfiled() {
   program=$2
   shift 2
   status=0
-  "$bin/$program" "$@" > "$out/printed" 2> "$out/log" || status=$?
+  run $program "$@" > "$out/printed" 2> "$out/log" || status=$?
   [ $status != 0 ] && grep -q "^$program: .*$file" "$out/log" || {
     cat "$out/log"
     fail "$program $*: exit status $status"
@@ -36,7 +51,7 @@ unfiled() {
   filed=$((filed + 1))
 }
 
-for program in $(basename -s .c examples/*.c); do
+for program in $(basename -s .c examples/*.c examples/*/*.c); do
   case $program in
   quickstart | tutorial_*) # they have no header but the library's: they are the first texts that somebody reads
     ! "$bin/$program" > /dev/full || fail "$program > /dev/full ends well"
@@ -48,6 +63,10 @@ for program in $(basename -s .c examples/*.c); do
   *) unprinted $program --help ;;
   esac
 done
+status=0
+build/flexbeam reduc > "$out/printed" 2> "$out/log" || status=$?
+[ $status = 2 ] && grep -q 'unknown word: reduc$' "$out/log" && grep -q '^  reduce ' "$out/log" && [ ! -s "$out/printed" ] ||
+  fail "flexbeam reduc: exit status $status"
 # results, more than a buffer of them, and pictures
 unprinted scene examples/scenes/double_pendulum.txt
 unprinted campaign --scene "$out/push.txt" --vary "force list 1 2" --out "$out/top.csv" --pictures 0 --fresh

@@ -2,7 +2,7 @@
 #define FLEXBEAM_IMPLEMENTATION
 #include "flexbeam.h"
 #include "rom.h"
-#include "../../examples/rom.h"
+#include "../../examples/tools/rom.h"
 
 int main(void)
 {

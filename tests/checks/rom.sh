@@ -4,7 +4,7 @@
 . tests/checks/common.sh
 need gcc gcc
 need g++ g++
-try gcc $c99 -O2 -o "$out/reduce" examples/reduce.c -lm
+try gcc $c99 -O2 -o "$out/reduce" -Dreduce_main=main examples/tools/reduce.c -lm
 for model in blade panel satellite; do
   for single in 0 1; do
     precision=$([ $single = 1 ] && echo --single || true)
@@ -17,14 +17,14 @@ for model in blade panel satellite; do
   done
 done
 for capacity in FB_MAX_LAMBDA=20 FB_MAX_S=40 FB_MAX_RUNS=5; do # 48, 111 and 16 are wanted
-  try gcc $c99 -O0 -g -fsanitize=address,undefined -D$capacity -o "$out/small" examples/reduce.c -lm
+  try gcc $c99 -O0 -g -fsanitize=address,undefined -D$capacity -o "$out/small" -Dreduce_main=main examples/tools/reduce.c -lm
   ! "$out/small" examples/satellite.txt --out "$out/small.h" 2> "$out/log" || fail "$capacity takes the satellite"
   grep -q "the body: more than the compile-time capacity" "$out/log" || fail "$capacity: $(cat "$out/log")"
 done
 try "$out/reduce" examples/satellite.txt --single --out "$out/satellite_rom.h"
 flags=$(grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$out/satellite_rom.h")
-try gcc $c99 -Os -I"$out" $flags -ffunction-sections -fdata-sections -Wl,--gc-sections -o "$out/firmware" examples/firmware.c \
-  examples/board/desktop.c -lm
+try gcc $c99 -Os -I"$out" $flags -ffunction-sections -fdata-sections -Wl,--gc-sections -o "$out/firmware" examples/firmware/firmware.c \
+  examples/firmware/board/desktop.c -lm
 try "$out/firmware"
 nm "$out/firmware" | sed -n 's/.* [TtRr] \(fbi*_[a-z0-9_]*\)$/\1/p' | grep -v "^fb_config_is" | sort > "$out/linked"
 grep -E 'beam|modes|shape|matri|body_init|eig|chol_factor|element|section' "$out/linked" && fail "model building is linked into the firmware"

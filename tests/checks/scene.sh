@@ -1,9 +1,9 @@
 #!/bin/sh
-# examples/scene: every scene of examples/scenes meets its references; scenes run again and again in one process give the
+# flexbeam scene: every scene of examples/scenes meets its references; scenes run again and again in one process give the
 # same bits, and write nothing unless asked to; pictures are well-formed; malformed files are refused with the right line
 # and reason, by a program under the sanitizers.
 . tests/checks/common.sh
-try ${CC:-cc} $c99 -O1 -o "$out/scene" examples/scene.c -lm
+try ${CC:-cc} $c99 -O1 -o "$out/scene" -Dscene_main=main examples/scene/scene.c -lm
 try ${CC:-cc} $c99 -O0 -o "$out/again" tests/checks/scene.c -lm
 
 scenes=0
@@ -209,7 +209,7 @@ for run in '1e7 1 0.1' '1 1 1'; do
   [ $status = 1 ] && grep -q 'cannot write /dev/full: No space left' "$out/log" || fail "a full disk: status $status, $(cat "$out/log")"
 done
 
-try ${CC:-cc} $c99 -O0 -g -fsanitize=address,undefined -fno-sanitize-recover -o "$out/careful" examples/scene.c -lm
+try ${CC:-cc} $c99 -O0 -g -fsanitize=address,undefined -fno-sanitize-recover -o "$out/careful" -Dscene_main=main examples/scene/scene.c -lm
 # meets < FILE: it runs, and its answers are those that it expects
 met=0
 meets() {

@@ -2,6 +2,7 @@
    (FLEXBEAM_STATIC), and the two spin-ups of a beam are compared. */
 #define FLEXBEAM_STATIC
 #include "flexbeam.h"
+#include "../../examples/common/boom.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -15,7 +16,8 @@ int double_run(double tip[SAMPLES]);
    30 s. 0 if a call failed. */
 static int run(double tip[SAMPLES])
 {
-  static fb_beam_desc boom;
+  static const boom reference = {BOOM_LENGTH, BOOM_MASS, BOOM_EI, BOOM_EA, 2, 0, 0, 0, 0};
+  static fb_beam_desc beam_desc;
   static fb_beam beam;
   static fb_modes modes;
   static fb_modes_work modes_work;
@@ -29,19 +31,15 @@ static int run(double tip[SAMPLES])
   int status, node = 0;
   memset(&keep, 0, sizeof keep);
   memset(&desc, 0, sizeof desc);
-  boom.length = 10; /* [m] */
-  boom.n_element = 5;
-  boom.n_station = 1;
-  boom.station[0].mass = FB_R(1.2);                            /* [kg/m] */
-  boom.station[0].EI_y = boom.station[0].EI_z = FB_R(14004.0); /* [N m^2] */
+  boom_beam(&beam_desc, &reference, 5);
   keep.count[FB_KIND_BEND_Y] = 3;
   desc.effects = FB_EFFECTS_FULL;
   desc.base = FB_BASE_PRESCRIBED;
-  status = fb_beam_init(&beam, &boom);
+  status = fb_beam_init(&beam, &beam_desc);
   status |= fb_modes_solve(&modes, &modes_work, &beam, &keep);
   status |= fb_shape_init(&shape, modes.n);
   status |= fb_shape_add_beam(&shape, 0, &beam, &modes);
-  status |= fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, 10);
+  status |= fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, beam_desc.length);
   status |= fb_body_init(&body, &body_work, &shape, &desc);
   status |= fb_state_init(&body, &state);
   for (int k = 0; k < 10 * SAMPLES && status == FB_OK; k++) {

@@ -1,4 +1,4 @@
-/* The readers of text files: of examples/reduce (model.h, with the body it builds and the header it writes), beam3d and
+/* The readers of text files: of flexbeam reduce (model.h, with the body it builds and the header it writes), beam3d and
    elastodyn. The first byte says which, what follows is the file. */
 #define _POSIX_C_SOURCE 200809L /* fmemopen, popen */
 #define FB_MAX_MODES 5
@@ -12,20 +12,14 @@
 
 static FILE *fuzz_file(const char *name, const char *mode); /* in place of fopen */
 #define fopen fuzz_file
-#include "../../examples/model.h"
-#define main beam3d_main
-int beam3d_main(int argc, char **argv);
-#include "../../examples/beam3d.c"
-#undef main
-#define main elastodyn_main
+#include "../../examples/tools/model.h"
+#include "../../examples/tools/beam3d.c"
 #define fail elastodyn_fail
 #define help elastodyn_help
-int elastodyn_main(int argc, char **argv);
-#include "../../examples/elastodyn.c"
+#include "../../examples/tools/elastodyn.c"
 #undef fail
 #undef help
-#undef main
-#include "../../examples/rom.h"
+#include "../../examples/tools/rom.h"
 #undef fopen
 #include "fuzz.h"
 

@@ -1,4 +1,4 @@
-/* The readers of scenes (examples/scene.h, with the CSV files they name) and of campaigns (examples/campaign.h), and what
+/* The readers of scenes (examples/scene/scene.h, with the CSV files they name) and of campaigns (examples/campaign/campaign.h), and what
    is done with a scene that was read: its first few steps, or the choice of a step, its pictures. The first byte says
    which reader: s a scene that runs, r one that is read alone, c a campaign, j rows of a journal. What follows is the file;
    what stands behind a zero byte is any other file that it names. */
@@ -7,8 +7,8 @@
 
 static FILE *fuzz_file(const char *name, const char *mode); /* in place of fopen */
 #define fopen fuzz_file
-#include "../../examples/scene_run.h"
-#include "../../examples/campaign_ledger.h"
+#include "../../examples/scene/scene_run.h"
+#include "../../examples/campaign/campaign_ledger.h"
 #undef fopen
 #include "fuzz.h"
 

@@ -1,8 +1,8 @@
 /* endure.c - very many steps: conservation, resonance, sums in single precision, decay to nothing. */
 #define _POSIX_C_SOURCE 200112L /* clock_gettime */
 #include "hard.h"
-#include "../../bench/clock.h"
-#include "../../examples/stepper.h"
+#include "../../examples/common/clock.h"
+#include "../../examples/common/stepper.h"
 
 /* A boom with bending modes of both planes on a hub that is not much heavier, tumbling. */
 static void tumbler(fb_body *body, fb_state *state)
@@ -11,7 +11,7 @@ static void tumbler(fb_body *body, fb_state *state)
   static const double w[3] = {0.4, 0.8, -0.6};
   double v[3];
   fb_real q_dot[FB_MAX_MODES] = {FB_R(2.0), -FB_R(1.0)}; /* 1.5 % of the energy */
-  hard_craft_init(&craft, 10.0, 1.2, 14004.0);
+  hard_craft_init(&craft, BOOM_LENGTH, BOOM_LINE, BOOM_EI);
   craft.keep.count[FB_KIND_BEND_Y] = craft.keep.count[FB_KIND_BEND_Z] = 1;
   craft.hub_mass = 20.0;
   craft.hub_inertia[0] = 40.0;
@@ -204,7 +204,7 @@ static double resonance(fb_scheme scheme, double zeta, double cycles)
   const double amplitude = 0.05; /* [m] of the tip */
   double omega, psi, force, re = 0.0, im = 0.0, dt;
   fb_state state;
-  hard_craft_init(&craft, 10.0, 1.2, 14004.0);
+  hard_craft_init(&craft, BOOM_LENGTH, BOOM_LINE, BOOM_EI);
   craft.keep.count[FB_KIND_BEND_Y] = 1;
   craft.level.base = FB_BASE_PRESCRIBED;
   craft.level.effects = FB_EFFECTS_LINEAR | FB_EFFECT_DAMPING;
@@ -331,7 +331,7 @@ static double block_time(const fb_body *body, const fb_state *from, const recurs
     fb_state state = *from;
     fb_rk4_work work;
     recursion copy = *r;
-    const double start = fbb_now_ns();
+    const double start = clock_ns();
     for (int i = 0; i < BLOCK; i++) {
       if (body) {
         (void)fb_rk4_step(body, &state, &work, NULL, NULL, NULL, (fb_real)dt);
@@ -339,9 +339,9 @@ static double block_time(const fb_body *body, const fb_state *from, const recurs
         recursion_step(&copy);
       }
     }
-    sample[k] = fbb_now_ns() - start + 1e-30 * (double)(state.q[0] + copy.x[0]);
+    sample[k] = clock_ns() - start + 1e-30 * (double)(state.q[0] + copy.x[0]);
   }
-  return fbb_timing_of(sample, BLOCKS).lowest;
+  return clock_timing_of(sample, BLOCKS).lowest;
 }
 
 void hard_decay(int brief)
@@ -361,7 +361,7 @@ void hard_decay(int brief)
                   .measure = "subnormal numbers in its state",
                   .bound = 0.5,
                   .naive = "the modes' linear recursion as it is"};
-  hard_craft_init(&craft, 10.0, 1.2, 14004.0);
+  hard_craft_init(&craft, BOOM_LENGTH, BOOM_LINE, BOOM_EI);
   craft.keep.count[FB_KIND_BEND_Y] = craft.keep.count[FB_KIND_BEND_Z] = MODES;
   craft.level.base = FB_BASE_PRESCRIBED;
   craft.level.effects = FB_EFFECTS_FULL | FB_EFFECT_DAMPING;

@@ -108,7 +108,7 @@ void hard_flight(int brief)
                   .bound = HARD_TOL(1e-9, 2e-5),
                   .naive = "classical Runge-Kutta, elastic momenta against inertial space"};
   double rest[3], tip[3], dt;
-  hard_craft_init(&craft, 10.0, 1.2, 14004.0);
+  hard_craft_init(&craft, BOOM_LENGTH, BOOM_LINE, BOOM_EI);
   craft.keep.count[FB_KIND_BEND_Y] = craft.keep.count[FB_KIND_BEND_Z] = 2;
   craft.hub_mass = 40.0;
   craft.hub_inertia[0] = craft.hub_inertia[1] = craft.hub_inertia[2] = 100.0;

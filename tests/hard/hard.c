@@ -4,11 +4,11 @@
 #define _POSIX_C_SOURCE 200112L /* clock_gettime, isatty */
 #define FLEXBEAM_IMPLEMENTATION
 #include "hard.h"
-#include "../../bench/clock.h"
+#include "../../examples/common/clock.h"
 #include <unistd.h>
 #define PROGRAM "hard"
-#include "../../examples/options.h"
-#include "../../examples/output.h"
+#include "../../examples/common/options.h"
+#include "../../examples/common/output.h"
 
 static const char help[] =
     "hard - the hard cases: what holds, by how much, and what a naive treatment gives\n"
@@ -58,7 +58,7 @@ void hard_must(fb_status status, const char *what)
 
 void hard_progress(double done, double whole)
 {
-  const double now = told++ % 1024 == 0 ? fbb_now_ns() : said;
+  const double now = told++ % 1024 == 0 ? clock_ns() : said;
   if (now > said + 5e8 && isatty(2)) {
     fprintf(stderr, "\r%-12s %3.0f %%, %.0f s ", running->name, 100.0 * done / whole, 1e-9 * (now - began));
     said = now;
@@ -272,11 +272,10 @@ static int read_option(void *target, const char *name, const char *text)
 static void run(const hard_case *c, int brief)
 {
   running = c;
-  began = said = fbb_now_ns();
+  began = said = clock_ns();
   fprintf(stderr, "%s%s ...%s", isatty(2) ? "\r" : "", c->name, isatty(2) ? "" : "\n");
   c->run(brief);
-  fprintf(stderr, "%s%-12s %.1f s                    \n", isatty(2) ? "\r" : "", c->name,
-          1e-9 * (fbb_now_ns() - began));
+  fprintf(stderr, "%s%-12s %.1f s                    \n", isatty(2) ? "\r" : "", c->name, 1e-9 * (clock_ns() - began));
 }
 
 int main(int argc, char **argv)

@@ -8,6 +8,7 @@
 #define FB_MAX_MODES 40
 #define FB_MAX_STRAINS 64
 #include "../../flexbeam.h"
+#include "../../examples/common/boom.h"
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
@@ -15,7 +16,7 @@
 #include <string.h>
 
 #define HARD_PI 3.14159265358979323846
-#define HARD_FIRST 3.798 /* [rad/s] first bending frequency of the boom of 10 m, 1.2 kg/m, 14004 N m^2 */
+#define HARD_FIRST 3.798 /* [rad/s] first bending frequency of the reference boom */
 #define HARD_COUNT(array) ((int)(sizeof(array) / sizeof((array)[0])))
 #define HARD_EPSILON (FB_SINGLE ? (double)FLT_EPSILON : DBL_EPSILON)
 /* A bound, or a number of steps, for double and one for single precision. */

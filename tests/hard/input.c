@@ -12,8 +12,8 @@ static void unit_body(fb_body *body, const units *u)
 {
   static hard_craft craft;
   const double inertia = u->mass * u->length * u->length;
-  hard_craft_init(&craft, 10.0 * u->length, 1.2 * u->mass / u->length,
-                  14004.0 * inertia * u->length / (u->time * u->time));
+  hard_craft_init(&craft, BOOM_LENGTH * u->length, BOOM_LINE * u->mass / u->length,
+                  BOOM_EI * inertia * u->length / (u->time * u->time));
   craft.beam.n_element = 4; /* best in single precision */
   craft.keep.count[FB_KIND_BEND_Y] = craft.keep.count[FB_KIND_BEND_Z] = 2;
   craft.hub_mass = 20.0 * u->mass;

@@ -1,6 +1,6 @@
 /* spinup.c - booms whose base spins up: to ten times the first bending frequency; very stiff along their axis. */
 #include "hard.h"
-#include "../../examples/stepper.h"
+#include "../../examples/common/stepper.h"
 
 #define SAMPLES 100
 
@@ -96,7 +96,7 @@ static double modal_apart(const spinup *s, const fb_body *body, fb_scheme scheme
    the spin reached and the mean of w_dot. */
 void hard_fast_spin(int brief)
 {
-  static spinup s = {.length = 10.0, .mass = 1.2, .EI = 14004.0};
+  static spinup s = {.length = BOOM_LENGTH, .mass = BOOM_LINE, .EI = BOOM_EI};
   static hard_craft craft;
   static fb_body body;
   const double first = 3.51602 * sqrt(s.EI / (s.mass * pow(s.length, 4.0))), dt = 0.002;
@@ -176,7 +176,8 @@ static double chain_apart(const spinup *s, int n, double dt)
    once in each element. */
 void hard_axial(int brief)
 {
-  static spinup s = {.length = 10.0, .mass = 1.2, .EI = 14004.0, .spin = 6.0, .ramp = 15.0, .duration = 20.0};
+  static spinup s = {
+      .length = BOOM_LENGTH, .mass = BOOM_LINE, .EI = BOOM_EI, .spin = 6.0, .ramp = 15.0, .duration = 20.0};
   static hard_craft craft;
   static fb_body body;
   static double rigid[SAMPLES];

@@ -1,6 +1,6 @@
 /* stiff.c - steps of a thousand times the explicit limit; many modes on a hub that is next to nothing. */
 #include "hard.h"
-#include "../../examples/stepper.h"
+#include "../../examples/common/stepper.h"
 
 /* ---- long steps */
 
@@ -22,7 +22,7 @@ static outcome struck(fb_scheme scheme, int allow, double factor, int steps)
   fb_state state;
   outcome out = {0.0, 0.0, 0.0};
   double energy;
-  hard_craft_init(&craft, 10.0, 1.2, 14004.0);
+  hard_craft_init(&craft, BOOM_LENGTH, BOOM_LINE, BOOM_EI);
   hard_craft_stretch(&craft, 3e7, 3);
   craft.level.allow_long_step = allow;
   hard_craft_build(&body, &craft);
@@ -78,7 +78,7 @@ void hard_long_steps(int brief)
 
 enum { IN_A_PLANE = HARD_TOL(20, 6), ELEMENTS = HARD_TOL(14, 5), SAMPLES = 40 };
 
-static const double length = 10.0, line = 1.2, stiffness = 14004.0; /* [m], [kg/m], [N m^2] */
+static const double length = BOOM_LENGTH, line = BOOM_LINE, stiffness = BOOM_EI; /* [m], [kg/m], [N m^2] */
 
 static void light_hub_init(hard_craft *craft, double part)
 {

@@ -43,6 +43,11 @@ run() { (ulimit -t "$1" && shift && exec "$@" > "$out/log" 2>&1) 2> "$out/crash"
 # command_of SUITE: its tests, or a check
 command_of() { case $1 in check-*) echo "$out/${1#check-}" ;; *) echo "$out/runner $1/" ;; esac; }
 
+# tests_of SECTION: the suite that is first asked
+tests_of() {
+  case $1 in solve | eigen) echo linalg ;; exact) echo mixed ;; assemble) echo body ;; trim | linear) echo analyse ;; *) echo "$1" ;; esac
+}
+
 # seen_by SECTION FUNCTION: prints which of those that call the function notices the mutant that the environment names; nothing
 # if none does. Five times what the longest takes is too much.
 seen_by() {
@@ -116,13 +121,13 @@ while [ "$n" -lt "$count" ] && IFS="$tab" read -r MUTANT hash kind section name 
     "$out/caught"); then
     verdict=caught
   else
-    by=$(seen_by "$section" "$name")
+    by=$(seen_by "$(tests_of "$section")" "$name")
     if [ -z "$by" ]; then
       text="$text" awk -v line="$line" 'NR == line { match($0, /^ */); $0 = substr($0, 1, RLENGTH) ENVIRON["text"] } { print }' \
         "$out/original.h" > "$out/alone.h"
       tree "$out/alone.h"
       ! same_code || continue
-      sanitized "$section" || by=sanitize
+      sanitized "$(tests_of "$section")" || by=sanitize
     fi
     verdict=$([ -n "$by" ] && echo caught || echo survived)
     [ -z "$by" ] || printf '%s\t%s\t%s\n' "$by" "$times" "$key" >> "$out/caught"

@@ -1,0 +1,246 @@
+/* scene - runs a scene from a text file: bodies, joints, loads; to CSV, pictures and an animation. scenes/README.md
+   lists the words; examples/scenes/ holds scenes. Exit: 0 well; 1 a reference is missed, the motion left the model or a
+   file could not be written; 2 bad options, or a file that makes no sense. */
+#define _POSIX_C_SOURCE 200809L /* popen, for gnuplot */
+#define FLEXBEAM_STATIC
+#include "scene_run.h"
+#define PROGRAM "scene"
+#include "../common/options.h"
+#include "../tools/words.h"
+#include "../common/output.h"
+#include "../common/plot.h"
+#include "scene_files.h"
+#include <unistd.h>
+
+static const char help[] =
+    "scene - runs a scene from a text file (words and scenes: examples/scenes/)\n"
+    "usage: flexbeam scene FILE [options]\n"
+    "  --set NAME=VALUE  another value of a parameter of the file; may be there many times\n"
+    "  --out FILE        outputs as CSV, FILE.part until the run ends; curves beside it as SVG where gnuplot is there\n"
+    "  --picture FILE    SVG of a few positions over each other\n"
+    "  --animation FILE  SVG that moves, for a browser\n"
+    "  --frames FOLDER   numbered SVG files frame_0001.svg, ... (the folder is made where it is not there; its old\n"
+    "                    frames go)\n"
+    "  --frame-count N   of frames and animation, 2 to 480 (120)\n"
+    "  --quiet           says nothing but what is missed or wrong\n"
+    "  --help            this text\n"
+    "prints what was chosen, the measures and the largest differences from references; exit 1: one is missed\n"
+    "a file, to begin with (a body that spins and is pushed):\n"
+    "  duration 10\n"
+    "  body boom beam\n"
+    "    length 10\n"
+    "    stations x mass EI_y EI_z\n"
+    "      0 1.2 14004 14004\n"
+    "    end\n"
+    "    hub 500  0 0 0  80 80 80\n"
+    "    modes bend_y 3 bend_z 3\n"
+    "    node tip tip\n"
+    "    start_spin 0 0 1\n"
+    "  end\n"
+    "  load boom.tip base force 0 0 1 pulse 5 1 2\n"
+    "  output tip displacement boom.tip\n"
+    "  output hub spin boom z\n";
+
+typedef struct command {
+  scene_options options;
+  int n_set;
+  char name[SCENE_PARAMETERS][TEXT_NAME];
+  scene_setting set[SCENE_PARAMETERS];
+} command;
+
+static scene the_scene;
+
+/* NAME=VALUE */
+static int read_setting(command *c, const char *text)
+{
+  const size_t n = strcspn(text, "=");
+  char *end;
+  if (c->n_set == SCENE_PARAMETERS) {
+    return fail("more --set than a scene has parameters", text);
+  }
+  if (n == 0 || n >= TEXT_NAME || text[n] != '=') {
+    return fail("--set wants NAME=VALUE", text);
+  }
+  memcpy(c->name[c->n_set], text, n);
+  c->set[c->n_set].name = c->name[c->n_set];
+  c->set[c->n_set].value = strtod(text + n + 1, &end);
+  if (*end || end == text + n + 1 || !isfinite(c->set[c->n_set].value)) {
+    return fail("--set wants NAME=NUMBER", text);
+  }
+  c->n_set++;
+  return 0;
+}
+
+static int read_option(void *to, const char *name, const char *text)
+{
+  command *const c = (command *)to;
+  if (strcmp(name, "--set") == 0) {
+    return read_setting(c, text);
+  }
+  if (strcmp(name, "--frame-count") == 0) {
+    double n = 0;
+    const number_option list[] = {{name, &n, 2, SCENE_FRAMES}};
+    const int status = read_number(list, 1, name, text);
+    c->options.n_frame = (int)n;
+    return status || n == floor(n) ? status : fail("a whole number is wanted", name);
+  }
+  for (int k = 0; k < 4; k++) {
+    const struct {
+      const char *name, **file;
+    } files[] = {{"--out", &c->options.csv},
+                 {"--picture", &c->options.picture},
+                 {"--animation", &c->options.animation},
+                 {"--frames", &c->options.frames}};
+    if (strcmp(name, files[k].name) == 0) {
+      return read_out(files[k].file, text);
+    }
+  }
+  return NO_SUCH_OPTION;
+}
+
+/* What was measured, and how far it is from what is known. */
+static void tell(const scene *s, int quiet)
+{
+  for (int k = 0; k < s->n_measure && !quiet; k++) {
+    printf("%s = %.9g\n", s->measure[k].label, s->measured[k]);
+  }
+  for (int k = 0; k < s->n_expectation; k++) {
+    const scene_expectation *const e = &s->expectation[k];
+    const double allowed = scene_allowed(e->tolerance, e->relative, fabs(e->value));
+    if (quiet && e->difference <= allowed) {
+      continue;
+    }
+    printf("%s: %.3g from %.9g, allowed %.3g%s\n", s->measure[e->measure].label, e->difference, e->value, allowed,
+           e->difference <= allowed ? "" : "  MISSED");
+  }
+  for (int k = 0; k < s->n_reference; k++) {
+    const scene_reference *const r = &s->reference[k];
+    const double allowed = scene_allowed(r->tolerance, r->relative, r->largest);
+    if (quiet && r->compared > 0 && r->difference <= allowed) {
+      continue;
+    }
+    if (r->compared == 0) {
+      printf("%s: no row of the reference is at the time of a row of the run  MISSED\n", s->output[r->output].label);
+      continue;
+    }
+    printf("%s: %.3g at most from %d rows of the reference, of which the largest is %.6g; allowed %.3g%s\n",
+           s->output[r->output].label, r->difference, r->compared, r->largest, allowed,
+           r->difference <= allowed ? "" : "  MISSED");
+  }
+}
+
+/* The outputs of that unit, below those of the units before. */
+static void draw_panel(FILE *gnuplot, const scene *s, const char *csv, const char *unit)
+{
+  static curve curves[SCENE_OUTPUTS];
+  static char columns[SCENE_OUTPUTS][16];
+  int n = 0;
+  for (int k = 0; k < s->n_output; k++) {
+    if (strcmp(s->output[k].unit, unit) == 0) {
+      snprintf(columns[n], sizeof columns[n], "1:%d", k + 2);
+      curves[n] = (curve){csv, columns[n], "with lines", s->output[k].label};
+      n++;
+    }
+  }
+  fputs("set ylabel ", gnuplot);
+  put_quoted(gnuplot, unit);
+  fputs(" noenhanced\n", gnuplot);
+  plot_curves(gnuplot, curves, n);
+}
+
+/* Curves of the outputs, a panel for each unit. */
+static void draw_curves(const scene *s, const char *csv)
+{
+  const char *units[SCENE_OUTPUTS];
+  char svg[512];
+  size_t longest = 0;
+  int n = 0;
+  FILE *gnuplot;
+  for (int k = 0; k < s->n_output; k++) {
+    int at = 0;
+    while (at < n && strcmp(units[at], s->output[k].unit) != 0) {
+      at++;
+    }
+    units[at] = s->output[k].unit;
+    n += at == n;
+    longest = strlen(s->output[k].label) > longest ? strlen(s->output[k].label) : longest;
+  }
+  other_name(svg, sizeof svg, csv, ".svg");
+  gnuplot = plot_begin(svg, n > 1 ? 80 + 240 * n : 520, stdout);
+  if (gnuplot) {
+    fprintf(gnuplot,
+            "set key outside right top noenhanced\nset lmargin 12\nset rmargin %d\nset multiplot layout %d,1\n",
+            (int)longest + 8, n);
+    for (int k = 0; k < n; k++) {
+      draw_panel(gnuplot, s, csv, units[k]);
+    }
+    plot_end(gnuplot, svg, stdout);
+  }
+}
+
+/* Runs the scene; a status of main. The rows get their name when the run has ended, well or with a reason. */
+static int run_scene(scene *s, const scene_options *o)
+{
+  char part[512];
+  scene_options to = *o;
+  int failed, renamed, lock = 0;
+  to.csv = o->csv ? scene_part_name(part, o->csv) : NULL;
+  renamed = to.csv != o->csv;
+  if (renamed) {
+    lock = scene_part_lock(part);
+  }
+  if (lock < 0) {
+    s->message[0] = 0; /* it was told */
+    return 2;
+  }
+  failed = !scene_run(s, &to) ? 0 : s->began ? 1 : 2;
+  if (failed == 2 && renamed) {
+    remove(part); /* it has no row */
+  } else if (renamed && rename(part, o->csv) != 0) {
+    failed = scene_fail(s, "cannot write %s: %s", o->csv, strerror(errno));
+  }
+  if (renamed) {
+    close(lock);
+  }
+  return failed;
+}
+
+static int has_curves(const scene *s, const scene_options *o)
+{
+  return o->csv && o->talk && s->n_output > 0 && s->duration > 0 && scene_is_plain(o->csv);
+}
+
+int scene_main(int argc, char **argv)
+{
+  static command c;
+  scene *const s = &the_scene;
+  const int quiet = take_flag(&argc, argv, "--quiet");
+  int failed;
+  output_begin(PROGRAM);
+  if (argc < 2 || strcmp(argv[1], "--help") == 0) {
+    fputs(help, argc < 2 ? stderr : stdout);
+    return argc < 2 ? 2 : 0;
+  }
+  if (read_all(argc - 1, argv + 1, help, read_option, &c) != 0) {
+    return 2;
+  }
+  c.options.talk = quiet ? NULL : stdout;
+  c.options.warn = stderr;
+  c.options.progress = quiet || !isatty(2) ? NULL : stderr;
+  failed = scene_read(s, argv[1], c.set, c.n_set) ? 2 : 0;
+  if (!failed && scene_files_check(argv[1], &c.options, has_curves(s, &c.options)) != 0) {
+    return 2;
+  }
+  failed = failed ? failed : run_scene(s, &c.options);
+  if (failed) {
+    if (s->message[0]) {
+      fprintf(stderr, "scene: %s\n", s->message);
+    }
+    return failed;
+  }
+  tell(s, quiet);
+  if (has_curves(s, &c.options)) {
+    draw_curves(s, c.options.csv);
+  }
+  return s->missed > 0 ? 1 : 0;
+}

@@ -1,0 +1,378 @@
+/* scene_engine.h - what moves a scene: one body alone, bodies on joints, an exact beam. Each way has the same calls:
+   start, step, look. See scene.h. */
+#ifndef SCENE_ENGINE_H
+#define SCENE_ENGINE_H
+#include "scene_time.h"
+#include "../common/stepper.h"
+
+static struct scene_engine { /* one scene at a time */
+  fb_body body[FB_MAX_BODIES];
+  fb_body_work body_work;
+  int place[FB_MAX_BODIES][FB_MAX_MODES]; /* in it, of the modes that the file has; -1: left out */
+  fb_scheme scheme;
+  int long_step;  /* steps beyond the limit are not refused */
+  fb_state state; /* one body alone */
+  fb_input at[3]; /* start, middle, end of the step */
+  stepper by;
+  double by_step; /* [s] that it is made for; 0: none yet */
+  fb_analyse_work analyse;
+  fb_system system; /* bodies on joints */
+  fb_system_work system_work;
+  fb_system_state system_state;
+  fb_system_input system_at[3];
+  double origin[SCENE_JOINTS][3]; /* of the axes of joints: from where a rate goes on */
+  fb_system_analyse_work system_analyse;
+  fb_spectrum spectrum;
+  scene_view view;
+} engine;
+
+/* Modal coordinates at the start, of the modes that are kept. */
+static void scene_start_modes(int k, fb_real *q, fb_real *q_dot, const scene_body *b)
+{
+  for (int a = 0; a < FB_MAX_MODES; a++) {
+    const int at = engine.place[k][a];
+    if (at >= 0 && at < engine.body[k].n) {
+      q[at] = (fb_real)b->q[a];
+      q_dot[at] = (fb_real)b->q_dot[a];
+    }
+  }
+}
+
+/* ---- one body alone */
+
+static void single_input(const scene *s, fb_input *input, double t, double side)
+{
+  memset(input, 0, sizeof *input);
+  input->n_load = s->n_load;
+  for (int k = 0; k < s->n_load; k++) {
+    input->load[k] = scene_load_at(s, &s->load[k], t, side);
+  }
+  for (int k = 0; k < s->n_motion; k++) {
+    const scene_motion *const m = &s->motion[k];
+    const function_value f = function_eval(&m->f, &s->tables, t, side);
+    for (int i = 0; i < 3; i++) {
+      (m->rate ? input->w : input->v)[i] += (fb_real)(f.value * m->vector[i]);
+      (m->rate ? input->w_dot : input->v_dot)[i] += (fb_real)(f.rate * m->vector[i]);
+    }
+  }
+}
+
+/* Pose, velocities and modal deflection at the start, or the steady state. */
+static fb_status single_start(const scene *s)
+{
+  const scene_body *const b = &s->body[0];
+  const int held = b->level.base == FB_BASE_PRESCRIBED;
+  fb_real v[3], w[3], q_dot[FB_MAX_MODES];
+  fb_state *const x = &engine.state;
+  fb_input *const input = &engine.at[0];
+  fb_status status = fb_state_init(&engine.body[0], x);
+  single_input(s, input, 0, 0);
+  scene_reals(x->rho, b->position, 3);
+  scene_reals(x->quat, b->attitude, 4);
+  scene_reals(v, b->velocity, 3);
+  scene_reals(w, b->spin, 3);
+  scene_start_modes(0, x->q, q_dot, b);
+  status = status ? status : fb_quat_normalize(x->quat);
+  if (s->trim) {
+    if (!held) {
+      memcpy(input->w, w, sizeof w);
+    }
+    return status ? status : fb_body_trim(&engine.body[0], x, &engine.analyse, input);
+  }
+  return status ? status : fb_state_from_velocity(&engine.body[0], x, held ? input->v : v, held ? input->w : w, q_dot);
+}
+
+static fb_status single_step(const scene *s, double t, double dt)
+{
+  fb_input *const at = engine.at;
+  if (dt != engine.by_step) {
+    const fb_status status = stepper_init(&engine.by, &engine.body_work, &engine.body[0], engine.scheme, dt);
+    if (status != FB_OK) {
+      return status;
+    }
+    engine.by_step = dt;
+  }
+  single_input(s, &at[0], t, t + 0.5 * dt);
+  single_input(s, &at[1], t + 0.5 * dt, t + 0.5 * dt);
+  single_input(s, &at[2], t + dt, t + 0.5 * dt);
+  return stepper_step(&engine.by, &engine.body[0], &engine.state, at, (fb_real)dt);
+}
+
+static fb_status single_look(const scene *s, double t)
+{
+  scene_view *const view = &engine.view;
+  const fb_body *const body = &engine.body[0];
+  fb_status status;
+  single_input(s, &engine.at[0], t, t + timing.slack);
+  view->motion.pose[0] = engine.state;
+  status = fb_body_motion(body, &view->motion.motion[0], &engine.state, &engine.at[0]);
+  status = status ? status : fb_body_energy(body, &view->energy, &engine.state, &engine.at[0]);
+  return status ? status : fb_body_momentum(body, &view->momentum, &engine.state, &engine.at[0]);
+}
+
+/* ---- bodies on joints */
+
+static void system_drive(const scene *s, fb_system_input *input, const scene_drive *d, double t, double side)
+{
+  const scene_joint *const joint = &s->joint[d->joint];
+  fb_drive *const drive = &input->drive[joint->at];
+  const function_value f = function_eval(&d->f, &s->tables, t, side);
+  if (d->kind == SCENE_MOTOR) {
+    drive->torque[d->axis] += (fb_real)f.value;
+  } else if (d->kind == SCENE_VALUE) {
+    drive->value[d->axis] += (fb_real)f.value;
+    drive->rate[d->axis] += (fb_real)f.rate;
+    drive->acceleration[d->axis] += (fb_real)f.acceleration;
+  } else {
+    drive->rate[d->axis] += (fb_real)f.value;
+    drive->acceleration[d->axis] += (fb_real)f.rate;
+    if (scene_axes(joint) < 3) {
+      drive->value[d->axis] += (fb_real)f.sum;
+    }
+  }
+}
+
+static void system_input(const scene *s, fb_system_input *input, double t, double side)
+{
+  memset(input, 0, sizeof *input);
+  input->n_load = s->n_load;
+  for (int k = 0; k < s->n_load; k++) {
+    input->load[k].body = s->load[k].body;
+    input->load[k].load = scene_load_at(s, &s->load[k], t, side);
+  }
+  for (int k = 0; k < s->n_joint; k++) {
+    for (int i = 0; i < 3 && scene_axes(&s->joint[k]) < 3; i++) {
+      input->drive[s->joint[k].at].value[i] = (fb_real)engine.origin[k][i];
+    }
+  }
+  for (int k = 0; k < s->n_drive; k++) {
+    system_drive(s, input, &s->drive[k], t, side);
+  }
+}
+
+/* A body without a joint is free. */
+static fb_status system_init(const scene *s)
+{
+  static fb_system_desc desc;
+  memset(&desc, 0, sizeof desc);
+  desc.n_body = s->n_body;
+  desc.n_loop = s->n_loop;
+  desc.method = s->method;
+  desc.allow_long_step = engine.long_step;
+  for (int k = 0; k < s->n_body; k++) {
+    desc.model[k] = k;
+    desc.joint[k].parent = FB_GROUND;
+  }
+  for (int k = 0; k < s->n_joint; k++) {
+    const scene_joint *const joint = &s->joint[k];
+    *(joint->loop ? &desc.loop[joint->at - s->n_body] : &desc.joint[joint->at]) = joint->desc;
+  }
+  return fb_system_init(&engine.system, &engine.system_work, engine.body, s->n_body, &desc);
+}
+
+/* Turn and spin of a body on a spherical joint: from the body's axes to the joint's. */
+static void system_start_ball(fb_link_motion *start, const fb_real joint_axes[4], const scene_body *b)
+{
+  const fb_real back[4] = {joint_axes[0], -joint_axes[1], -joint_axes[2], -joint_axes[3]};
+  fb_real spin[3], R[9], turn[4], half[4];
+  scene_reals(turn, b->attitude, 4);
+  scene_reals(spin, b->spin, 3);
+  fb_quat_mul(half, back, turn);
+  fb_quat_mul(start->quat, half, joint_axes);
+  fb_quat_to_mat33(R, joint_axes);
+  fb_mat33_mulT_vec3(start->speed, R, spin);
+}
+
+static fb_status system_start(const scene *s)
+{
+  static fb_link_motion start[FB_MAX_BODIES];
+  fb_system_input *const input = &engine.system_at[0];
+  fb_status status = system_init(s);
+  memset(start, 0, sizeof start);
+  for (int k = 0; k < s->n_body; k++) {
+    const scene_body *const b = &s->body[k];
+    scene_reals(start[k].quat, b->attitude, 4);
+    scene_start_modes(k, start[k].q, start[k].q_dot, b);
+    if (engine.system.joint[k].kind == FB_JOINT_FREE) {
+      scene_reals(start[k].value, b->position, 3);
+      scene_reals(start[k].speed, b->velocity, 3);
+      scene_reals(start[k].speed + 3, b->spin, 3);
+    } else if (engine.system.joint[k].kind == FB_JOINT_SPHERICAL) {
+      system_start_ball(&start[k], scene_joint_under(s, k)->desc.child_attitude, b);
+    }
+  }
+  for (int k = 0; k < s->n_joint; k++) {
+    const scene_joint *const joint = &s->joint[k];
+    memcpy(engine.origin[k], joint->start, sizeof engine.origin[k]);
+    if (!joint->loop && scene_axes(joint) < 3) {
+      scene_reals(start[joint->at].value, joint->start, 3);
+      scene_reals(start[joint->at].speed, joint->speed, 3);
+    }
+  }
+  system_input(s, input, 0, 0);
+  for (int k = 0; k < s->n_body && s->trim; k++) { /* what the steady state spins about */
+    const fb_joint *const joint = &engine.system.joint[k];
+    if (joint->kind == FB_JOINT_FREE && joint->mode[0] == FB_AXIS_FREE) {
+      scene_reals(input->drive[k].rate + 3, s->body[k].spin, 3);
+    }
+  }
+  status = status ? status
+                  : fb_system_state_init(&engine.system, engine.body, &engine.system_work, &engine.system_state, start,
+                                         input);
+  if (s->trim) {
+    return status ? status
+                  : fb_system_trim(&engine.system, engine.body, &engine.system_state, &engine.system_analyse, input);
+  }
+  return status;
+}
+
+static fb_status system_step(const scene *s, double t, double dt)
+{
+  fb_system_input *const at = engine.system_at;
+  system_input(s, &at[0], t, t + 0.5 * dt);
+  system_input(s, &at[1], t + 0.5 * dt, t + 0.5 * dt);
+  system_input(s, &at[2], t + dt, t + 0.5 * dt);
+  return engine.scheme == FB_SCHEME_SDIRK
+             ? fb_system_sdirk_step(&engine.system, engine.body, &engine.system_state, &engine.system_work, &at[0],
+                                    &at[2], (fb_real)dt, 0)
+             : fb_system_rk4_step(&engine.system, engine.body, &engine.system_state, &engine.system_work, &at[0],
+                                  &at[1], &at[2], (fb_real)dt);
+}
+
+/* A rate that takes an axis over goes on from where it is; a value has to be there, whole turns aside. */
+static fb_status system_take_over(const scene *s, const scene_event *e, double t)
+{
+  const scene_joint *const joint = &s->joint[e->joint];
+  const fb_real *const value = &engine.view.motion.joint[joint->at].value[e->axis];
+  fb_system_input *const input = &engine.system_at[0];
+  double ahead;
+  fb_status status;
+  if (e->mode != FB_AXIS_PRESCRIBED || scene_axes(joint) > 2) {
+    return FB_OK;
+  }
+  status = fb_system_motion_eval(&engine.system, engine.body, &engine.system_work, &engine.view.motion,
+                                 &engine.system_state, input);
+  ahead = (double)(*value - input->drive[joint->at].value[e->axis]);
+  if (status == FB_OK && !scene_has_drive(s, e->joint, e->axis, SCENE_VALUE)) {
+    engine.origin[e->joint][e->axis] += ahead;
+    system_input(s, input, t, t + timing.slack);
+  } else if (status == FB_OK) {
+    ahead = scene_axis_slides(joint, e->axis) ? ahead : remainder(ahead, 2 * function_pi);
+    engine.system_work.joint = joint->at;
+    status = fabs(ahead) <= 1e-6 * (1 + fabs((double)*value)) ? FB_OK : FB_ERR_CONTRADICTION;
+  }
+  return status;
+}
+
+/* Events up to t, a step ends at each. */
+static fb_status system_events(const scene *s, int *next, double t)
+{
+  fb_status status = FB_OK;
+  for (; *next < s->n_event && s->event[*next].t <= t + timing.slack && status == FB_OK; (*next)++) {
+    const scene_event *const e = &s->event[*next];
+    system_input(s, &engine.system_at[0], t, t + timing.slack);
+    status = system_take_over(s, e, t);
+    status = status ? status
+                    : fb_system_axis_set(&engine.system, engine.body, &engine.system_work, &engine.system_state,
+                                         s->joint[e->joint].at, e->axis, e->mode, &engine.system_at[0]);
+  }
+  return status;
+}
+
+static fb_status system_look(const scene *s, double t)
+{
+  scene_view *const view = &engine.view;
+  fb_system_input *const input = &engine.system_at[0];
+  fb_status status;
+  system_input(s, input, t, t + timing.slack);
+  status = fb_system_motion_eval(&engine.system, engine.body, &engine.system_work, &view->motion, &engine.system_state,
+                                 input);
+  status = status ? status
+                  : fb_system_energy(&engine.system, engine.body, &engine.system_work, &view->energy,
+                                     &engine.system_state, input);
+  return status ? status
+                : fb_system_momentum(&engine.system, engine.body, &engine.system_work, &view->momentum,
+                                     &engine.system_state, input);
+}
+
+/* ---- any of the three */
+
+static fb_status scene_start(const scene *s)
+{
+  return s->is_exact ? exact_start(s) : scene_is_system(s) ? system_start(s) : single_start(s);
+}
+
+static fb_status scene_step(const scene *s, double t, double dt)
+{
+  return s->is_exact ? exact_step(s, t, dt) : scene_is_system(s) ? system_step(s, t, dt) : single_step(s, t, dt);
+}
+
+static fb_status scene_look(const scene *s, double t)
+{
+  return s->is_exact ? exact_look(&engine.view) : scene_is_system(s) ? system_look(s, t) : single_look(s, t);
+}
+
+/* fall[b]: the ground does not hold body b, not through any joint or loop. */
+static void scene_falling(int *fall, const scene *s)
+{
+  const fb_system *const system = &engine.system;
+  const int n_joint = scene_is_system(s) ? system->n_body + system->n_loop : 0;
+  for (int b = 0; b < s->n_body; b++) {
+    fall[b] = scene_is_system(s) || s->body[b].level.base == FB_BASE_FREE;
+  }
+  for (int sweep = 0; sweep < s->n_body; sweep++) {
+    for (int j = 0; j < n_joint; j++) {
+      const fb_joint *const joint = &system->joint[j];
+      const int free = joint->kind == FB_JOINT_FREE && engine.system_state.mode[j][0] == FB_AXIS_FREE;
+      int *const child = &fall[j < system->n_body ? j : joint->child];
+      int *const parent = joint->parent == FB_GROUND ? NULL : &fall[joint->parent];
+      *child = *child && (free || (parent && *parent));
+      if (parent) {
+        *parent = *parent && *child;
+      }
+    }
+  }
+}
+
+/* Modes about the present state. What falls, falls as it would without weight: the modes of its rigid motion are zeros
+   then, and not what rounding makes of falling where it leans to. */
+static fb_status scene_spectrum(const scene *s)
+{
+  fb_real weight[FB_MAX_BODIES][3];
+  int fall[FB_MAX_BODIES];
+  fb_status status;
+  scene_falling(fall, s);
+  for (int b = 0; b < s->n_body; b++) {
+    memcpy(weight[b], engine.body[b].gravity, sizeof weight[b]);
+    for (int i = 0; i < 3 && fall[b]; i++) {
+      engine.body[b].gravity[i] = 0;
+    }
+  }
+  if (scene_is_system(s)) {
+    system_input(s, &engine.system_at[0], 0, 0);
+    status = fb_system_spectrum(&engine.spectrum, &engine.system_analyse, &engine.system, engine.body,
+                                &engine.system_state, &engine.system_at[0]);
+  } else {
+    single_input(s, &engine.at[0], 0, 0);
+    status = fb_body_spectrum(&engine.spectrum, &engine.analyse, &engine.body[0], &engine.state, &engine.at[0]);
+  }
+  for (int b = 0; b < s->n_body; b++) {
+    memcpy(engine.body[b].gravity, weight[b], sizeof weight[b]);
+  }
+  return status;
+}
+
+/* Which joint a failure is about, for a message. */
+static const char *scene_at_fault(const scene *s)
+{
+  static char text[64];
+  const int at = scene_is_system(s) ? engine.system_work.joint : -1;
+  text[0] = 0;
+  for (int k = 0; k < s->n_joint && at >= 0; k++) {
+    if (s->joint[k].at == at) {
+      snprintf(text, sizeof text, " (joint %s)", s->joint[k].name);
+    }
+  }
+  return text;
+}
+#endif

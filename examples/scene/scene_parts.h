@@ -1,0 +1,318 @@
+/* scene_parts.h - what a scene is made of. See scene.h. */
+#ifndef SCENE_PARTS_H
+#define SCENE_PARTS_H
+#define FB_MAX_MODES 24
+#define FB_MAX_NODES 24
+#define FB_MAX_LOADS 32
+#define FB_MAX_ELEMENTS 40
+#define FB_MAX_STATIONS 200
+#define FB_MAX_STRAINS 60
+#define FB_MAX_BODIES 12
+#define FB_MAX_LOOPS 4
+#define FB_MAX_MIXED 100
+#define FB_WITH_FORMS 1
+#define FLEXBEAM_IMPLEMENTATION
+#include "../../flexbeam.h"
+#include "../tools/model.h"
+#include "../common/csv.h"
+#include "function.h"
+#include "../tools/mixed_text.h"
+
+#define SCENE_NODES 11 /* of a body, with names; the rest is for drawing */
+#define SCENE_PARAMETERS 64
+#define SCENE_OUTPUTS 64
+#define SCENE_MEASURES 64
+#define SCENE_LOADS FB_MAX_LOADS
+#define SCENE_MOTIONS 12
+#define SCENE_GAUGES 4
+#define SCENE_JOINTS (FB_MAX_BODIES + FB_MAX_LOOPS)
+#define SCENE_DRIVES 64
+#define SCENE_EVENTS 32
+
+typedef struct scene_setting { /* a parameter that is not to have the file's value */
+  const char *name;
+  double value;
+} scene_setting;
+
+typedef struct scene_body {
+  char name[TEXT_NAME];
+  int line, base_line; /* where it begins; `base`, 0: not here */
+  text_words seen;     /* of its words, those that are the scene's */
+  model_kind kind;
+  fb_shape shape; /* of all its modes */
+  fb_body_desc level;
+  int n_node; /* with node 0; further ones of the shape are drawn */
+  char node_name[FB_MAX_NODES][TEXT_NAME];
+  double node_x[FB_MAX_NODES];    /* of an exact beam, and.. */
+  int element_node[FB_MAX_NODES]; /* ..which of its nodes */
+  double tolerance;               /* of `auto`; 0: effects as given */
+  double position[3], attitude[4], velocity[3], spin[3], q[FB_MAX_MODES], q_dot[FB_MAX_MODES]; /* at the start */
+  int n_gauge;
+  char gauge_name[SCENE_GAUGES][TEXT_NAME];
+  fb_gauge gauge[SCENE_GAUGES];
+} scene_body;
+
+typedef struct scene_load { /* vector times function */
+  int body, node, torque;
+  int nudge; /* it acts while the steady state is looked for */
+  fb_axes axes;
+  double vector[3];
+  function f;
+} scene_load;
+
+typedef struct scene_motion { /* of a prescribed base, body axes */
+  int rate;                   /* [rad/s], else a velocity [m/s] */
+  double vector[3];
+  function f;
+} scene_motion;
+
+typedef struct scene_joint {
+  char name[TEXT_NAME];
+  int line;
+  text_words seen;
+  int loop; /* it closes one */
+  int at;   /* its number in the system: that of the body it carries, of a loop the number of bodies and its own */
+  fb_joint_desc desc;
+  double orientation[4]; /* of the child at zero coordinates, to the axes of the parent's node */
+  double start[3], speed[3];
+} scene_joint;
+
+typedef enum scene_drive_kind { SCENE_MOTOR, SCENE_VALUE, SCENE_SPEED } scene_drive_kind;
+
+typedef struct scene_drive { /* of an axis of a joint */
+  scene_drive_kind kind;
+  int line, joint, axis;
+  function f;
+} scene_drive;
+
+typedef struct scene_event { /* an axis is locked, freed or prescribed */
+  double t;
+  int line, joint, axis;
+  fb_axis_mode mode;
+} scene_event;
+
+typedef enum scene_place {
+  SCENE_AT_NODE,
+  SCENE_AT_BODY,
+  SCENE_AT_MODE,
+  SCENE_AT_GAUGE,
+  SCENE_AT_JOINT, /* x, y, z */
+  SCENE_AT_AXIS,  /* of a joint */
+  SCENE_AT_ALL
+} scene_place;
+
+typedef enum scene_quantity {
+  SCENE_DISPLACEMENT,
+  SCENE_ROTATION,
+  SCENE_POSITION,
+  SCENE_VELOCITY,
+  SCENE_ACCELERATION,
+  SCENE_RATE,
+  SCENE_RATE_DOT,
+  SCENE_SPECIFIC_FORCE,
+  SCENE_GYRO,
+  SCENE_INTERNAL_FORCE, /* of exact beams: */
+  SCENE_INTERNAL_MOMENT,
+  SCENE_SPIN,
+  SCENE_ATTITUDE,
+  SCENE_REACTION_FORCE,
+  SCENE_REACTION_TORQUE,
+  SCENE_MODE,
+  SCENE_MODE_RATE,
+  SCENE_STRAIN,
+  SCENE_JOINT_FORCE,
+  SCENE_JOINT_TORQUE,
+  SCENE_COORDINATE,
+  SCENE_COORDINATE_RATE,
+  SCENE_COORDINATE_ACCELERATION,
+  SCENE_DRIVE,
+  SCENE_ENERGY,
+  SCENE_MOMENTUM,
+  SCENE_ANGULAR_MOMENTUM,
+  SCENE_POWER
+} scene_quantity;
+
+static const struct scene_quantity_row {
+  const char *name, *unit;
+  scene_place place;
+  const char *axes[5];
+} scene_quantities[] = {{"displacement", "m", SCENE_AT_NODE, {"x", "y", "z"}},
+                        {"rotation", "rad", SCENE_AT_NODE, {"x", "y", "z"}},
+                        {"position", "m", SCENE_AT_NODE, {"x", "y", "z"}},
+                        {"velocity", "m/s", SCENE_AT_NODE, {"x", "y", "z"}},
+                        {"acceleration", "m/s^2", SCENE_AT_NODE, {"x", "y", "z"}},
+                        {"rate", "rad/s", SCENE_AT_NODE, {"x", "y", "z"}},
+                        {"rate_dot", "rad/s^2", SCENE_AT_NODE, {"x", "y", "z"}},
+                        {"specific_force", "m/s^2", SCENE_AT_NODE, {"x", "y", "z"}},
+                        {"gyro", "rad/s", SCENE_AT_NODE, {"x", "y", "z"}},
+                        {"internal_force", "N", SCENE_AT_NODE, {"x", "y", "z"}},
+                        {"internal_moment", "N m", SCENE_AT_NODE, {"x", "y", "z"}},
+                        {"spin", "rad/s", SCENE_AT_BODY, {"x", "y", "z"}},
+                        {"attitude", "-", SCENE_AT_BODY, {"w", "x", "y", "z"}},
+                        {"reaction_force", "N", SCENE_AT_BODY, {"x", "y", "z"}},
+                        {"reaction_torque", "N m", SCENE_AT_BODY, {"x", "y", "z"}},
+                        {"mode", "sqrt(kg) m", SCENE_AT_MODE, {NULL}},
+                        {"mode_rate", "sqrt(kg) m/s", SCENE_AT_MODE, {NULL}},
+                        {"strain", "-", SCENE_AT_GAUGE, {NULL}},
+                        {"joint_force", "N", SCENE_AT_JOINT, {"x", "y", "z"}},
+                        {"joint_torque", "N m", SCENE_AT_JOINT, {"x", "y", "z"}},
+                        {"coordinate", "rad", SCENE_AT_AXIS, {NULL}},
+                        {"speed", "rad/s", SCENE_AT_AXIS, {NULL}},
+                        {"joint_acceleration", "rad/s^2", SCENE_AT_AXIS, {NULL}},
+                        {"drive", "N m", SCENE_AT_AXIS, {NULL}},
+                        {"energy", "J", SCENE_AT_ALL, {"total", "kinetic", "strain", "gravity"}},
+                        {"momentum", "N s", SCENE_AT_ALL, {"x", "y", "z"}},
+                        {"angular_momentum", "N m s", SCENE_AT_ALL, {"x", "y", "z"}},
+                        {"power", "W", SCENE_AT_ALL, {NULL}}};
+#define SCENE_QUANTITIES ((int)(sizeof scene_quantities / sizeof scene_quantities[0]))
+
+typedef struct scene_output {
+  char label[TEXT_NAME];
+  scene_quantity quantity;
+  int body, at, axis; /* at: node, mode, gauge or joint */
+  char unit[32];
+} scene_output;
+
+typedef enum scene_kind {
+  SCENE_MAX,
+  SCENE_MIN,
+  SCENE_MEAN,
+  SCENE_RMS,
+  SCENE_FINAL,
+  SCENE_FREQUENCY, /* of the spectrum about the start: */
+  SCENE_GROWTH     /* the fastest of so many */
+} scene_kind;
+static const char *const scene_kinds[] = {"max", "min", "mean", "rms", "final", "frequency", "growth", NULL};
+
+typedef struct scene_measure {
+  char label[TEXT_NAME];
+  int line;
+  scene_kind kind;
+  int output;   /* or mode, of the spectrum */
+  double after; /* [s] */
+} scene_measure;
+
+typedef struct scene_expectation { /* of a measure */
+  int line, measure, relative;
+  double value, tolerance, difference; /* difference: by scene_run */
+} scene_expectation;
+
+typedef struct scene_reference { /* of an output, rows of a table */
+  int line, output, relative;
+  function table;
+  double factor, tolerance, from, to, difference, largest;
+  int next, compared; /* difference, largest of the table: by scene_run */
+} scene_reference;
+
+typedef enum scene_view_from { /* which axes are right and up on a page */
+                               SCENE_VIEW_ANY,
+                               SCENE_VIEW_TOP,   /* x, y */
+                               SCENE_VIEW_FRONT, /* x, z */
+                               SCENE_VIEW_SIDE,  /* y, z */
+                               SCENE_VIEW_ASLANT
+} scene_view_from;
+
+typedef struct scene {
+  char warning[TEXT_MESSAGE]; /* by scene_run: the first one; empty: none */
+  char message[TEXT_MESSAGE], path[512], title[128], length_unit[8], force_unit[8];
+  int n_parameter;
+  text_named parameter[SCENE_PARAMETERS];
+  double duration, interval, step, dt; /* [s]; step 0: chosen; dt: by scene_run */
+  fb_scheme scheme;
+  int scheme_auto;
+  double gravity[3];
+  int trim; /* starts in its steady state */
+  scene_view_from view;
+  int view_of; /* body in whose frame it is seen; -1: at rest */
+  fb_method method;
+  int n_body, n_load, n_motion, n_output, n_measure, n_joint, n_loop, n_drive, n_event, n_expectation, n_reference;
+  scene_body body[FB_MAX_BODIES];
+  scene_load load[SCENE_LOADS];
+  scene_motion motion[SCENE_MOTIONS];
+  scene_output output[SCENE_OUTPUTS];
+  scene_measure measure[SCENE_MEASURES];
+  double measured[SCENE_MEASURES]; /* by scene_run */
+  scene_joint joint[SCENE_JOINTS];
+  scene_drive drive[SCENE_DRIVES];
+  scene_event event[SCENE_EVENTS];
+  scene_expectation expectation[SCENE_MEASURES];
+  scene_reference reference[SCENE_OUTPUTS];
+  int missed;          /* expectations, references and estimates of auto beyond their tolerance, by scene_run */
+  int exact, is_exact; /* elements of `exact` for a beam of modes, 0: none; the body is an exact beam */
+  mixed_text mixed;
+  function_tables tables;
+  text_words seen;
+  const scene_setting *set;
+  int n_set;
+  int began; /* by scene_run: the start was found; what failed before is in the file */
+} scene;
+
+/* A reason in the scene's message, about a line of it; line 0: about the whole. Returns 1. */
+static int scene_fail_list(scene *s, int line, const char *format, va_list list)
+{
+  const int n = snprintf(s->message, sizeof s->message, line > 0 ? "%.400s:%d: " : "%.400s: ", s->path, line);
+  vsnprintf(s->message + n, sizeof s->message - (size_t)n, format, list);
+  return 1;
+}
+
+static int scene_fail_at(scene *s, int line, const char *format, ...)
+{
+  va_list list;
+  va_start(list, format);
+  scene_fail_list(s, line, format, list);
+  va_end(list);
+  return 1;
+}
+
+static int scene_fail(scene *s, const char *format, ...)
+{
+  va_list list;
+  va_start(list, format);
+  scene_fail_list(s, 0, format, list);
+  va_end(list);
+  return 1;
+}
+
+/* What may be wrong with a run that goes on: to `warn`, if that is asked for. */
+static void scene_warn(scene *s, FILE *warn, const char *format, ...)
+{
+  char text[TEXT_MESSAGE];
+  va_list list;
+  va_start(list, format);
+  vsnprintf(text, sizeof text, format, list);
+  va_end(list);
+  if (warn) {
+    fprintf(warn, "%s: %s\n", s->path, text);
+  }
+  if (!s->warning[0]) {
+    memcpy(s->warning, text, sizeof text);
+  }
+}
+
+typedef struct scene_view { /* what outputs are taken from; of one body: pose[0], motion[0] */
+  fb_system_motion motion;
+  fb_energy energy;
+  fb_momentum momentum;
+} scene_view;
+
+static void scene_reals(fb_real *x, const double *value, int n)
+{
+  for (int i = 0; i < n; i++) {
+    x[i] = (fb_real)value[i];
+  }
+}
+
+/* A load at t, of the piece that holds `side`. */
+static fb_load scene_load_at(const scene *s, const scene_load *l, double t, double side)
+{
+  const double f = function_eval(&l->f, &s->tables, t, side).value;
+  fb_load load;
+  memset(&load, 0, sizeof load);
+  load.node = l->node;
+  load.axes = l->axes;
+  for (int i = 0; i < 3; i++) {
+    (l->torque ? load.torque : load.force)[i] = (fb_real)(f * l->vector[i]);
+  }
+  return load;
+}
+#endif

@@ -1,0 +1,822 @@
+/* scene_run.h - runs a scene that scene.h has read. */
+#ifndef SCENE_RUN_H
+#define SCENE_RUN_H
+#include "scene_auto.h"
+#include "scene_draw.h"
+#include <time.h>
+
+typedef struct scene_options { /* all zero: no files, no talk */
+  const char *csv;             /* name of the file that the outputs go to */
+  const char *picture;         /* a few frames over each other, SVG */
+  const char *animation;       /* SVG that moves */
+  const char *frames;          /* folder for numbered frames, SVG */
+  int n_frame;                 /* of them and of the animation, 0: 120 */
+  FILE *talk;                  /* what was chosen */
+  FILE *warn;                  /* what may be wrong */
+  FILE *progress;              /* a line on long runs */
+} scene_options;
+
+/* ---- outputs */
+
+static double node_output(const scene *s, const scene_output *o)
+{
+  fb_node_motion node;
+  fb_imu imu;
+  const fb_real *const value[] = {node.displacement,
+                                  node.rotation,
+                                  node.position,
+                                  node.velocity,
+                                  node.acceleration,
+                                  node.angular_rate,
+                                  node.angular_acceleration,
+                                  imu.specific_force,
+                                  imu.angular_rate};
+  if (fb_body_node_motion(&engine.body[o->body], &node, &engine.view.motion.pose[o->body],
+                          &engine.view.motion.motion[o->body], o->at) != FB_OK) {
+    return (double)NAN;
+  }
+  fb_imu_eval(&imu, &node, s->body[o->body].level.gravity);
+  return (double)value[o->quantity - SCENE_DISPLACEMENT][o->axis];
+}
+
+/* A strain, of the modes that are kept. */
+static double gauge_output(const scene *s, const scene_output *o)
+{
+  const fb_gauge *const all = &s->body[o->body].gauge[o->at];
+  double strain = 0;
+  for (int a = 0; a < all->n; a++) {
+    const int at = engine.place[o->body][a];
+    strain += at < 0 ? 0 : (double)(all->gain[a] * engine.view.motion.pose[o->body].q[at]);
+  }
+  return strain;
+}
+
+static double body_output(const scene *s, const scene_output *o)
+{
+  const fb_motion *const m = &engine.view.motion.motion[o->body];
+  const fb_state *const pose = &engine.view.motion.pose[o->body];
+  const int place = o->quantity == SCENE_STRAIN ? 0 : engine.place[o->body][o->at];
+  switch (o->quantity) {
+  case SCENE_SPIN:
+    return (double)m->w[o->axis];
+  case SCENE_ATTITUDE:
+    return (double)pose->quat[o->axis];
+  case SCENE_REACTION_FORCE:
+    return (double)m->reaction_force[o->axis];
+  case SCENE_REACTION_TORQUE:
+    return (double)m->reaction_torque[o->axis];
+  case SCENE_MODE:
+    return place < 0 ? 0 : (double)pose->q[place];
+  case SCENE_MODE_RATE:
+    return place < 0 ? 0 : (double)m->q_dot[place];
+  default:
+    return gauge_output(s, o);
+  }
+}
+
+/* Position and quaternion; what prescribes a velocity or a spin is along axes of the body. */
+static double free_joint_output(const scene_output *o, int body)
+{
+  const fb_state *const pose = &engine.view.motion.pose[body];
+  const fb_joint_motion *const m = &engine.view.motion.joint[body];
+  fb_real R[9], along[3];
+  if (o->quantity == SCENE_COORDINATE) {
+    return (double)(o->axis < 3 ? pose->rho[o->axis] : pose->quat[o->axis - 2]);
+  }
+  fb_quat_to_mat33(R, pose->quat);
+  fb_mat33_mulT_vec3(along, R, o->axis < 3 ? m->force : m->torque);
+  return (double)along[o->axis % 3];
+}
+
+static double joint_output(const scene *s, const scene_output *o)
+{
+  const int at = s->joint[o->at].at;
+  const fb_joint_motion *const m = &engine.view.motion.joint[at];
+  if (s->joint[o->at].desc.kind == FB_JOINT_FREE && (o->quantity == SCENE_COORDINATE || o->quantity == SCENE_DRIVE)) {
+    return free_joint_output(o, at);
+  }
+  switch (o->quantity) {
+  case SCENE_JOINT_FORCE:
+    return (double)m->force[o->axis];
+  case SCENE_JOINT_TORQUE:
+    return (double)m->torque[o->axis];
+  case SCENE_COORDINATE:
+    return (double)m->value[o->axis];
+  case SCENE_COORDINATE_RATE:
+    return (double)m->speed[o->axis];
+  case SCENE_COORDINATE_ACCELERATION:
+    return (double)m->acceleration[o->axis];
+  default:
+    return (double)m->drive[o->axis];
+  }
+}
+
+static double whole_output(const scene_output *o)
+{
+  const fb_energy *const e = &engine.view.energy;
+  const fb_real energy[] = {e->kinetic + e->strain + e->gravity, e->kinetic, e->strain, e->gravity};
+  switch (o->quantity) {
+  case SCENE_ENERGY:
+    return (double)energy[o->axis];
+  case SCENE_MOMENTUM:
+    return (double)engine.view.momentum.linear[o->axis];
+  case SCENE_ANGULAR_MOMENTUM:
+    return (double)engine.view.momentum.angular[o->axis];
+  default:
+    return (double)engine.view.motion.power;
+  }
+}
+
+static double scene_value(const scene *s, const scene_output *o)
+{
+  if (s->is_exact && scene_quantities[o->quantity].place != SCENE_AT_ALL) {
+    return exact_value(s, &engine.view, o);
+  }
+  switch (scene_quantities[o->quantity].place) {
+  case SCENE_AT_NODE:
+    return node_output(s, o);
+  case SCENE_AT_JOINT:
+  case SCENE_AT_AXIS:
+    return joint_output(s, o);
+  case SCENE_AT_ALL:
+    return whole_output(o);
+  default:
+    return body_output(s, o);
+  }
+}
+
+/* ---- measures: rows are at equal intervals */
+
+typedef struct scene_tally {
+  int n;
+  double sum, most, least, last;
+} scene_tally;
+
+static void scene_tally_add(scene_tally *tally, scene_kind kind, double x)
+{
+  tally->sum += kind == SCENE_RMS ? x * x : x;
+  tally->most = tally->n == 0 ? x : fmax(tally->most, x);
+  tally->least = tally->n == 0 ? x : fmin(tally->least, x);
+  tally->last = x;
+  tally->n++;
+}
+
+static double scene_tally_end(const scene_tally *tally, scene_kind kind)
+{
+  switch (kind) {
+  case SCENE_MAX:
+    return tally->most;
+  case SCENE_MIN:
+    return tally->least;
+  case SCENE_MEAN:
+    return tally->sum / tally->n;
+  case SCENE_RMS:
+    return sqrt(tally->sum / tally->n);
+  default:
+    return tally->last;
+  }
+}
+
+/* ---- comparison with what is known */
+
+/* The largest difference of the output from a table between its rows: those that lie on rows of the run. */
+static void scene_compare(const scene *s, scene_reference *r, double t, double value)
+{
+  const function *const table = &r->table;
+  const function_row *const row = s->tables.row + table->first;
+  const double first = fmax(row[0].t, r->from), last = fmin(row[table->n - 1].t, r->to), slack = 1e-6 * s->interval;
+  if (t < first - slack || t > last + slack) {
+    return;
+  }
+  while (r->next < table->n && row[r->next].t < t - slack) {
+    r->next++;
+  }
+  if (r->next < table->n && row[r->next].t <= t + slack) {
+    const double known = r->factor * row[r->next].value;
+    r->largest = fmax(r->largest, fabs(known));
+    r->difference = fabs(value - known) <= r->difference ? r->difference : fabs(value - known);
+    r->compared++;
+  }
+}
+
+static double scene_allowed(double tolerance, int relative, double size)
+{
+  return relative ? tolerance * size : tolerance;
+}
+
+/* Counts what is beyond its tolerance. */
+static void scene_judge(scene *s)
+{
+  for (int k = 0; k < s->n_expectation; k++) {
+    scene_expectation *const e = &s->expectation[k];
+    e->difference = fabs(s->measured[e->measure] - e->value);
+    s->missed += !(e->difference <= scene_allowed(e->tolerance, e->relative, fabs(e->value)));
+  }
+  for (int k = 0; k < s->n_reference; k++) {
+    const scene_reference *const r = &s->reference[k];
+    s->missed += !(r->compared > 0 && r->difference <= scene_allowed(r->tolerance, r->relative, r->largest));
+  }
+}
+
+/* ---- pictures */
+
+/* A point as it is seen: inertial, or in the frame of a body. */
+static void scene_seen(const scene *s, double out[3], const fb_real position[3])
+{
+  const fb_state *const pose = &engine.view.motion.pose[s->view_of < 0 ? 0 : s->view_of];
+  fb_real R[9];
+  if (s->view_of < 0) {
+    for (int i = 0; i < 3; i++) {
+      out[i] = (double)position[i];
+    }
+    return;
+  }
+  fb_quat_to_mat33(R, pose->quat);
+  for (int i = 0; i < 3; i++) {
+    out[i] = 0;
+    for (int j = 0; j < 3; j++) {
+      out[i] += (double)(R[3 * j + i] * (position[j] - pose->rho[j]));
+    }
+  }
+}
+
+static void scene_add_point(const scene *s, scene_line *line, int body, int node)
+{
+  fb_node_motion at;
+  if (line->n < SCENE_POINTS && fb_body_node_motion(&engine.body[body], &at, &engine.view.motion.pose[body],
+                                                    &engine.view.motion.motion[body], node) == FB_OK) {
+    scene_seen(s, line->x[line->n++], at.position);
+  }
+}
+
+/* A place that the ground holds, as it is seen; clamped: and that of what it holds, which goes on along the line. */
+static void scene_add_mark(scene_frame *frame, const double at[3], const scene_line *clamped)
+{
+  scene_line *const mark = &frame->line[film.n_line];
+  if (film.n_line == SCENE_LINES) {
+    return;
+  }
+  memcpy(mark->x[0], at, sizeof mark->x[0]);
+  mark->n = 1;
+  for (int p = 0; clamped && p < clamped->n && mark->n < 2; p++) {
+    const double *const x = clamped->x[p];
+    if (fabs(x[0] - at[0]) + fabs(x[1] - at[1]) + fabs(x[2] - at[2]) > 0) {
+      memcpy(mark->x[mark->n++], x, sizeof mark->x[0]);
+    }
+  }
+  film.n_line++;
+}
+
+/* Is it more than nothing? */
+static int scene_moves(const fb_real x[3])
+{
+  return FB_FABS(x[0]) + FB_FABS(x[1]) + FB_FABS(x[2]) > FB_R(0.0);
+}
+
+/* How the base of a body alone moves: bit 0, it turns; bit 1, it travels, and nothing is held by the ground. */
+static int scene_base_motion(const scene *s)
+{
+  int moves = s->is_exact ? scene_moves(s->mixed.input.w) + 2 * scene_moves(s->mixed.input.v) : 0;
+  for (int k = 0; k < s->n_motion; k++) {
+    moves |= s->motion[k].rate ? 1 : 2;
+  }
+  return moves;
+}
+
+/* Root, tip and supports of an exact beam. */
+static void scene_mark_exact(const scene *s, scene_frame *frame)
+{
+  const fb_mixed_desc *const d = &s->mixed.desc;
+  const int moves = scene_base_motion(s), root = d->root == FB_END_DEFAULT ? FB_END_CLAMPED : d->root;
+  for (int k = 0; k < d->n_support + 2 && moves < 2; k++) {
+    const int held = k == 0 ? root : k == 1 ? d->tip : d->support[k - 2].held;
+    const int node = k == 0 ? 0 : k == 1 ? d->n_element : d->support[k - 2].node;
+    scene_line next = {1, {{0}}};
+    double at[3];
+    scene_seen(s, at, exact.node[node].position);
+    scene_seen(s, next.x[0], exact.node[node > 0 ? node - 1 : 1].position);
+    if (held != FB_END_FREE && held != FB_END_DEFAULT) {
+      scene_add_mark(frame, at, (held & FB_END_GUIDED) == FB_END_GUIDED && moves == 0 ? &next : NULL);
+    }
+  }
+}
+
+/* The base of a body alone. */
+static void scene_mark_base(const scene *s, scene_frame *frame)
+{
+  const fb_base base = s->body[0].level.base;
+  const int moves = scene_base_motion(s), clamped = base == FB_BASE_PRESCRIBED && moves == 0;
+  const scene_line *const line = &frame->line[0];
+  double at[3];
+  scene_seen(s, at, engine.view.motion.pose[0].rho);
+  if (base != FB_BASE_FREE && moves < 2) {
+    scene_add_mark(frame, clamped && line->n > 0 ? line->x[0] : at, clamped ? line : NULL);
+  }
+}
+
+/* A joint to the ground: its place, or that of what slides along it. */
+static void scene_mark_joint(const scene *s, scene_frame *frame, const fb_joint_desc *d)
+{
+  scene_line at = {0, {{0}}};
+  if (d->kind == FB_JOINT_PRISMATIC || d->kind == FB_JOINT_CYLINDRICAL || d->kind == FB_JOINT_SCREW) {
+    scene_add_point(s, &at, d->child, d->child_node);
+  } else {
+    scene_seen(s, at.x[0], d->position);
+  }
+  scene_add_mark(frame, at.x[0], d->kind == FB_JOINT_RIGID ? &frame->line[d->child] : NULL);
+}
+
+/* What the ground holds. */
+static void scene_mark_ground(const scene *s, scene_frame *frame)
+{
+  film.n_line = 2 * s->n_body;
+  if (s->is_exact) {
+    scene_mark_exact(s, frame);
+  } else if (!scene_is_system(s)) {
+    scene_mark_base(s, frame);
+  }
+  for (int j = 0; j < s->n_joint; j++) {
+    const fb_joint_desc *const d = &s->joint[j].desc;
+    if (d->parent == FB_GROUND && d->kind != FB_JOINT_FREE) {
+      scene_mark_joint(s, frame, d);
+    }
+  }
+}
+
+/* A beam as its line, other bodies as lines from the origin to their nodes; joints from node to origin. */
+static void scene_film_frame(const scene *s, double t)
+{
+  scene_frame *const frame = &film.frame[film.n];
+  memset(frame, 0, sizeof *frame);
+  frame->t = t;
+  film.n_body = s->n_body;
+  for (int k = 0; k < SCENE_POINTS && s->is_exact; k++) {
+    const int node = k * exact.beam.n / (SCENE_POINTS - 1);
+    scene_seen(s, frame->line[0].x[frame->line[0].n++], exact.node[node].position);
+  }
+  for (int b = 0; b < s->n_body && !s->is_exact; b++) {
+    const int drawn = s->body[b].kind == MODEL_BEAM;
+    scene_add_point(s, &frame->line[b], b, drawn ? s->body[b].n_node : 0);
+    for (int k = drawn ? s->body[b].n_node + 1 : 1; k < engine.body[b].n_node; k++) {
+      scene_add_point(s, &frame->line[b], b, k);
+      if (!drawn && k + 1 < engine.body[b].n_node) {
+        scene_add_point(s, &frame->line[b], b, 0);
+      }
+    }
+    if (frame->line[b].n == 1) {
+      scene_add_point(s, &frame->line[b], b, 0); /* a dot */
+    }
+  }
+  for (int j = 0; j < s->n_joint; j++) {
+    const fb_joint_desc *const d = &s->joint[j].desc;
+    scene_line *const line = &frame->line[s->n_body + d->child];
+    if (!s->joint[j].loop && d->parent != FB_GROUND) {
+      if (s->body[d->parent].kind != MODEL_BEAM) {
+        scene_add_point(s, line, d->parent, 0);
+      }
+      scene_add_point(s, line, d->parent, d->parent_node);
+      scene_add_point(s, line, d->child, 0);
+    }
+  }
+  scene_mark_ground(s, frame);
+  film.n++;
+}
+
+static int scene_write_pictures(scene *s, const scene_options *o)
+{
+  int failed = 0;
+  if (film.n == 0) {
+    return 0;
+  }
+  scene_project(s->view);
+  for (int k = 0; k < film.n && o->frames && !failed; k++) {
+    failed = scene_write_frame(s, o->frames, k);
+  }
+  if (o->animation && !failed) {
+    failed = scene_write_animation(s, o->animation);
+  }
+  return failed || !o->picture ? failed : scene_write_picture(s, o->picture);
+}
+
+/* ---- a run */
+
+#define SCENE_HALVINGS 30 /* at most, of a chosen step */
+
+typedef struct scene_run_state {
+  FILE *csv;
+  scene_tally tally[SCENE_MEASURES];
+  time_t begin, told;
+  int event, halved, broken; /* halved: how often the step was; broken: errno of the file of outputs */
+  long row, frames;          /* frames: wanted; 0: no pictures */
+} scene_run_state;
+
+static void scene_header(const scene *s, FILE *csv)
+{
+  fputs("t [s]", csv);
+  for (int k = 0; k < s->n_output; k++) {
+    fprintf(csv, ",%s [%s]", s->output[k].label, s->output[k].unit);
+  }
+  fputs("\n", csv);
+}
+
+/* What a row says: to the file, the measures and the references. */
+static fb_status scene_row(scene *s, scene_run_state *run, double t)
+{
+  double value[SCENE_OUTPUTS];
+  const fb_status status = scene_look(s, t);
+  if (status != FB_OK) {
+    return status;
+  }
+  for (int k = 0; k < s->n_output; k++) {
+    value[k] = scene_value(s, &s->output[k]);
+  }
+  if (run->csv) {
+    fprintf(run->csv, "%.12g", t);
+    for (int k = 0; k < s->n_output; k++) {
+      fprintf(run->csv, ",%.12g", value[k]);
+    }
+    fputs("\n", run->csv);
+    run->broken = ferror(run->csv) ? errno : 0;
+  }
+  for (int k = 0; k < s->n_measure; k++) {
+    const scene_measure *const m = &s->measure[k];
+    if (m->kind < SCENE_FREQUENCY && t >= m->after * (1 - 1e-12)) {
+      scene_tally_add(&run->tally[k], m->kind, value[m->output]);
+    }
+  }
+  for (int k = 0; k < s->n_reference; k++) {
+    scene_compare(s, &s->reference[k], t, value[s->reference[k].output]);
+  }
+  if (film.n < run->frames && run->row * (run->frames - 1) >= film.n * timing.rows) {
+    scene_film_frame(s, t);
+  }
+  return FB_OK;
+}
+
+/* Once a second rows go to their file, to be there if the run is killed, and a line tells how far it is. */
+static void scene_progress(const scene *s, const scene_options *o, scene_run_state *run, double t)
+{
+  const time_t now = time(NULL);
+  if (now <= run->told) {
+    return;
+  }
+  run->told = now;
+  if (run->csv && fflush(run->csv) != 0) {
+    run->broken = errno;
+  }
+  if (o->progress && now > run->begin + 1) {
+    fprintf(o->progress, "\r%3.0f %%, %.4g of %.4g s", 100 * t / s->duration, t, s->duration);
+    fflush(o->progress);
+  }
+}
+
+/* At the line of the joint that it is about. */
+static int scene_failed(scene *s, const char *when, fb_status status)
+{
+  const int at = scene_is_system(s) ? engine.system_work.joint : -1;
+  int line = 0;
+  for (int k = 0; k < s->n_joint && at >= 0; k++) {
+    line = s->joint[k].at == at ? s->joint[k].line : line;
+  }
+  return scene_fail_at(s, line, "%s: %s%s%s", when, fb_status_string(status), scene_at_fault(s),
+                       status == FB_ERR_STEP ? "; give a shorter step, or none" : "");
+}
+
+/* The joint with an axis that nothing holds: where it is locked, and nothing else, there is a steady state. NULL: none. */
+static const scene_joint *scene_loose(scene *s, int *axis)
+{
+  for (int k = 0; k < s->n_joint; k++) {
+    const int axes = scene_axes(&s->joint[k]);
+    for (*axis = 0; *axis < (axes > 2 ? 1 : axes); (*axis)++) { /* more than two are one */
+      fb_axis_mode *const mode = &s->joint[k].desc.mode[*axis], was = *mode;
+      fb_status status;
+      *mode = FB_AXIS_LOCKED;
+      status = was == FB_AXIS_FREE ? scene_start(s) : FB_ERR_CONTRADICTION;
+      *mode = was;
+      if (status == FB_OK) {
+        return &s->joint[k];
+      }
+    }
+  }
+  return NULL;
+}
+
+static int scene_no_start(scene *s, fb_status status)
+{
+  int axis = 0;
+  const scene_joint *const loose = s->trim && status == FB_ERR_SINGULAR ? scene_loose(s, &axis) : NULL;
+  char which[24] = "some axis";
+  if (loose && scene_axes(loose) < 3) {
+    snprintf(which, sizeof which, "axis %d", axis + 1);
+  }
+  if (loose) {
+    return scene_fail_at(s, loose->line, "no steady state: nothing holds %s of joint %s: lock it, or give it a spring",
+                         which, loose->name);
+  }
+  return scene_failed(s, s->trim ? "no steady state" : "start", status);
+}
+
+/* Steps of a piece; ends before the one that fails. */
+static fb_status scene_take(scene *s, scene_run_state *run, scene_piece *p)
+{
+  const double begin = p->begin;
+  fb_status status = system_events(s, &run->event, begin);
+  for (long long k = 0; (double)k < p->steps && status == FB_OK; k++) {
+    p->begin = begin + (double)k * p->dt;
+    status = scene_step(s, p->begin, p->dt);
+  }
+  p->begin = status == FB_OK ? p->end : p->begin;
+  return status;
+}
+
+/* From a row to the next. A chosen step that turns out to be too long is halved; one that is given is not. */
+static fb_status scene_interval(scene *s, scene_run_state *run, char when[96])
+{
+  double t = (double)run->row * timing.interval;
+  const long row = run->row;
+  fb_status status = FB_OK;
+  while (t < (double)(row + 1) * timing.interval && status == FB_OK) {
+    scene_piece p = scene_piece_from(s, row, t);
+    status = scene_take(s, run, &p);
+    snprintf(when, 96, "at %.6g s, step of %.4g s", p.begin, p.dt);
+    t = p.begin;
+    if (status == FB_ERR_STEP && !(s->step > 0) && run->halved < SCENE_HALVINGS) {
+      timing.longest = 0.5 * p.dt;
+      run->halved++;
+      status = FB_OK;
+    }
+  }
+  return status;
+}
+
+/* From row to row. */
+static int scene_loop(scene *s, const scene_options *o, scene_run_state *run)
+{
+  char when[96] = "at the start";
+  fb_status status = FB_OK;
+  engine.by_step = 0;
+  while (run->row < timing.rows && status == FB_OK && !run->broken) {
+    status = scene_interval(s, run, when);
+    if (status == FB_OK) {
+      run->row++;
+      status = scene_row(s, run, (double)run->row * timing.interval);
+      scene_progress(s, o, run, (double)run->row * timing.interval);
+    }
+  }
+  if (run->told > run->begin + 1 && o->progress) {
+    fputs("\r                                        \r", o->progress);
+  }
+  if (run->halved > 0 && o->talk) {
+    fprintf(o->talk, "some steps had to be shorter: %.3g s at most\n", timing.longest);
+  }
+  return status != FB_OK ? scene_failed(s, when, status)
+         : run->broken   ? scene_fail(s, "cannot write %s: %s", o->csv, strerror(run->broken))
+                         : 0;
+}
+
+/* Is the run short enough, and is what acts resolved by a step that is given? Tells of one that is not. */
+static int scene_check_steps(scene *s, const scene_options *o)
+{
+  scene_steps steps = {HUGE_VAL, 0, 0};
+  timing.longest = s->dt;
+  timing.part = s->step > 0 ? HUGE_VAL : scene_part[s->is_exact ? FB_SCHEME_MIDPOINT : engine.scheme];
+  if (s->dt > 0) {
+    steps = scene_count_steps(s);
+  }
+  if (!(steps.count <= SCENE_STEPS)) {
+    const double dt = fmin(s->dt, timing.part / scene_fastest(s));
+    return scene_fail(s, "steps of %.3g s%s are %.3g or more in %g s; %g at most", dt,
+                      dt < s->dt ? " for the fastest that acts" : "", s->duration / dt, s->duration, SCENE_STEPS);
+  }
+  if (s->step > 0 && steps.turn > 1) {
+    scene_warn(s, o->warn,
+               "warning: the fastest that acts goes through %.2g rad in a step of at most %.3g s; it wants less than 1",
+               steps.turn, steps.longest);
+  }
+  if (!(s->step > 0) && o->talk) {
+    if (!s->is_exact) {
+      fprintf(o->talk, "scheme %s, ", scene_schemes[engine.scheme]);
+    }
+    fprintf(o->talk, "step at most %.3g s\n", steps.longest);
+  }
+  return 0;
+}
+
+static void scene_warn_placed(scene *s, const char *what, double x, int node, FILE *warn)
+{
+  const double length = (double)s->mixed.desc.length, at = length * node / s->mixed.desc.n_element;
+  if (fabs(fmin(x, length) - at) > 1e-6 * length) {
+    scene_warn(s, warn, "warning: %s at %.6g is taken at %.6g, the nearest node of %d elements", what, x, at,
+               s->mixed.desc.n_element);
+  }
+}
+
+/* What an exact beam has not where it is asked for. */
+static void scene_warn_exact(scene *s, FILE *warn)
+{
+  const scene_body *const body = &s->body[0];
+  for (int k = 1; k < body->n_node; k++) {
+    scene_warn_placed(s, "a node", body->node_x[k], body->element_node[k], warn);
+  }
+  for (int k = 0; k < s->mixed.n_lump; k++) {
+    scene_warn_placed(s, "a lump", s->mixed.lump_at[k], s->mixed.desc.lump[k].node, warn);
+  }
+  for (int k = 0; k < s->mixed.n_load; k++) {
+    scene_warn_placed(s, "a load", s->mixed.load_at[k], s->mixed.input.load[k].node, warn);
+  }
+  for (int k = 0; k < s->mixed.n_support; k++) {
+    scene_warn_placed(s, "a support", s->mixed.support_at[k], s->mixed.desc.support[k].node, warn);
+  }
+}
+
+/* An exact beam takes forces at its nodes, of which the origin of its body is one where it begins there. */
+static int scene_check_exact(scene *s)
+{
+  const fb_real *const at = s->mixed.desc.position;
+  const int elsewhere = FB_FABS(at[0]) + FB_FABS(at[1]) + FB_FABS(at[2]) > 0;
+  if (s->mixed.input.n_load + s->n_load > FB_MAX_LOADS) {
+    return scene_fail(s, "body %s of line %d: more than %d loads, those of the body among them", s->body[0].name,
+                      s->body[0].line, FB_MAX_LOADS);
+  }
+  for (int k = 0; k < s->n_load && elsewhere; k++) {
+    if (s->load[k].node == 0 && !s->load[k].torque) {
+      return scene_fail(s,
+                        "body %s of line %d: a force on its origin, and the exact beam begins elsewhere: give a node",
+                        s->body[0].name, s->body[0].line);
+    }
+  }
+  return 0;
+}
+
+/* Bodies of the effects and modes that are given or advised; what happens at most, where that is asked for. */
+static int scene_build(scene *s, const scene_options *o)
+{
+  int asked = s->duration > 0 && !(s->step > 0);
+  fb_status status;
+  automatic.doubted = 0;
+  if (s->is_exact) {
+    scene_warn_exact(s, o->warn);
+    return scene_check_exact(s);
+  }
+  for (int k = 0; k < s->n_body; k++) {
+    asked |= s->body[k].tolerance > 0;
+  }
+  if (asked) {
+    scene_run_rigid(s);
+  }
+  for (int k = 0; k < s->n_body; k++) {
+    const int advised = s->body[k].tolerance > 0;
+    if (advised && scene_advise(s, k, o->talk)) {
+      return 1;
+    }
+    if (advised && !((double)automatic.advice[k].error <= s->body[k].tolerance)) {
+      scene_tell_missed(s, k, o->warn);
+    }
+    status = scene_init_body(s, k, advised ? &automatic.advice[k] : NULL);
+    if (status != FB_OK) {
+      return scene_fail_at(s, s->body[k].line, "body %s: %s", s->body[k].name, fb_status_string(status));
+    }
+  }
+  return 0;
+}
+
+/* The fastest growth [1/s] among the n slowest of `all` modes, and those that are as slow as the last: of a pair +-growth
+   neither comes before the other. */
+static double scene_growth(const fb_real *re, const fb_real *im, int n, int all)
+{
+  const double last = hypot((double)re[n - 1], (double)im[n - 1]);
+  while (n < all && hypot((double)re[n], (double)im[n]) <= 1.001 * last) {
+    n++;
+  }
+  return -(double)fb_spectrum_margin(re, NULL, n);
+}
+
+/* Frequencies and growth about the start, where they are to be measured. */
+static int scene_measure_spectrum(scene *s)
+{
+  const fb_real *const re = s->is_exact ? exact.spectrum.re : engine.spectrum.re;
+  const fb_real *const im = s->is_exact ? exact.spectrum.im : engine.spectrum.im;
+  int wanted = 0, n;
+  fb_status status;
+  for (int k = 0; k < s->n_measure; k++) {
+    wanted =
+        s->measure[k].kind >= SCENE_FREQUENCY && s->measure[k].output >= wanted ? s->measure[k].output + 1 : wanted;
+  }
+  if (wanted == 0) {
+    return 0;
+  }
+  status = s->is_exact ? exact_spectrum(s, wanted) : scene_spectrum(s);
+  n = s->is_exact ? exact.spectrum.n : engine.spectrum.n;
+  if (status != FB_OK || n < wanted) {
+    return status ? scene_failed(s, "spectrum at the start", status)
+                  : scene_fail(s, "the spectrum has %d modes, mode %d is to be measured", n, wanted);
+  }
+  for (int k = 0; k < s->n_measure; k++) {
+    const scene_measure *const m = &s->measure[k];
+    if (m->kind == SCENE_FREQUENCY) {
+      s->measured[k] = fabs((double)im[m->output]);
+    } else if (m->kind == SCENE_GROWTH) {
+      s->measured[k] = scene_growth(re, im, m->output + 1, n);
+    }
+  }
+  return 0;
+}
+
+/* A loop closes near the start that is asked for, or elsewhere. */
+static void scene_tell_moved(const scene *s, FILE *talk)
+{
+  for (int k = 0; k < s->n_joint && s->n_loop > 0 && !s->trim; k++) {
+    const scene_joint *const joint = &s->joint[k];
+    for (int axis = 0; axis < 2; axis++) {
+      const double value = (double)engine.view.motion.joint[joint->at].value[axis], asked = joint->start[axis];
+      if (scene_seen_numbered(&joint->seen, "start", axis + 1) && fabs(value - asked) > 1e-6 * (1 + fabs(asked))) {
+        fprintf(talk, "joint %s starts at %.6g instead of %.6g, where its loop is closed\n", joint->name, value, asked);
+      }
+    }
+  }
+}
+
+static int scene_run_rows(scene *s, const scene_options *o, scene_run_state *run)
+{
+  fb_status status = scene_row(s, run, 0);
+  if (status != FB_OK) {
+    return scene_failed(s, "at the start", status);
+  }
+  s->began = 1;
+  if (o->talk) {
+    scene_tell_moved(s, o->talk);
+  }
+  return s->duration > 0 ? scene_loop(s, o, run) : 0;
+}
+
+/* Nothing measured or compared yet. */
+static void scene_reset(scene *s)
+{
+  s->began = s->missed = 0;
+  s->warning[0] = 0;
+  for (int k = 0; k < s->n_measure; k++) {
+    s->measured[k] = (double)NAN;
+  }
+  for (int k = 0; k < s->n_reference; k++) {
+    scene_reference *const r = &s->reference[k];
+    r->next = r->compared = 0;
+    r->difference = r->largest = 0;
+  }
+}
+
+/* 0: it ran, s->missed says how many references it missed; 1: the reason is in s->message, and s->began says whether it
+   ran up to there or was refused. */
+static int scene_run(scene *s, const scene_options *o)
+{
+  static scene_run_state run;
+  fb_status status;
+  int failed;
+  memset(&run, 0, sizeof run);
+  memset(&engine, 0, sizeof engine);
+  film.n = 0;
+  run.frames = o->picture || o->animation || o->frames ? (o->n_frame > 0 ? o->n_frame : 120) : 0;
+  run.begin = time(NULL);
+  scene_reset(s);
+  if (scene_build(s, o)) {
+    return 1;
+  }
+  status = scene_start(s);
+  if (status != FB_OK) {
+    return scene_no_start(s, status);
+  }
+  if (automatic.doubted) {
+    (void)scene_note(s, 0);
+    scene_warn(s, o->warn,
+               "warning: no run with rigid bodies tells what happens at most; what is chosen fits the start");
+  }
+  if (scene_measure_spectrum(s)) {
+    return 1;
+  }
+  scene_clock_init(s, scene_rows(s));
+  if (s->duration > 0) {
+    scene_choose(s);
+    if (scene_check_steps(s, o)) {
+      return 1;
+    }
+  }
+  if (o->csv) {
+    run.csv = fopen(o->csv, "w");
+    if (!run.csv) {
+      return scene_fail(s, "cannot write %s: %s", o->csv, strerror(errno));
+    }
+    scene_header(s, run.csv);
+  }
+  failed = scene_run_rows(s, o, &run);
+  failed = failed ? failed : scene_write_pictures(s, o);
+  if (run.csv && !output_is_whole(run.csv) && !failed) {
+    failed = scene_fail(s, "cannot write %s: %s", o->csv, strerror(errno));
+  }
+  for (int k = 0; k < s->n_measure && !failed; k++) {
+    if (run.tally[k].n > 0) {
+      s->measured[k] = scene_tally_end(&run.tally[k], s->measure[k].kind);
+    }
+  }
+  scene_judge(s);
+  return failed;
+}
+#endif

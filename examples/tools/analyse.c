@@ -1,0 +1,320 @@
+/* analyse - what a body does about a steady spin: deflection, complex modes, stability margin, Campbell table, steps.
+   The body is one of those flexbeam reduce reads; its base is free, pinned, hinged or prescribed as the file says.
+   Exit: 0 well, 1 it cannot be analyzed, 2 bad options or input. */
+#define _POSIX_C_SOURCE 200809L
+#define FB_MAX_MODES 24
+#define FB_MAX_ELEMENTS 40
+#define FB_MAX_STATIONS 200
+#define FB_WITH_NONLINEAR_STRAIN 0
+#define FLEXBEAM_STATIC
+#include "../../flexbeam.h"
+#include "model.h"
+#define PROGRAM "analyse"
+#include "../common/options.h"
+#include "words.h"
+#include "../common/output.h"
+#include "../common/plot.h"
+
+static const char help[] =
+    "analyse - steady spin of a body from a text file, and the motion about it\n"
+    "usage: flexbeam analyse [FILE] [options]\n"
+    "  FILE              description (examples/satellite.txt; words: examples/tools/README.md)\n"
+    "  --spin X,Y,Z|Z    steady spin [rad/s], body axes; one value: about z (0)\n"
+    "  --rpm X,Y,Z|Z     the same [rpm]\n"
+    "  --to SPIN         Campbell table from standstill to this spin [rad/s] along that axis, below 0: against it\n"
+    "  --steps N         its rows but the first, 1 to 400 (20)\n"
+    "  --modes N         modes that are printed, 1 to 12 (8)\n"
+    "  --tolerance E     error wanted of every mode of amplitude 1, by all of them together (0.001)\n"
+    "  --duration T      over this time [s] (60)\n"
+    "  --out NAME        writes NAME.csv and, where gnuplot is there, NAME.svg (analyse)\n"
+    "  --help            this text\n"
+    "A free or pinned body spins about the principal axis of its deformed shape nearest to the one wanted, a hinged "
+    "one\n"
+    "about z; rigid motion is among the modes. A free body falls with its gravity, which is left out. Steps are those\n"
+    "advised, and no longer than the steppers accept at that spin.\n";
+
+typedef struct options {
+  const char *file, *out;
+  double spin[3], to, steps, modes, tolerance, duration;
+} options;
+
+static fb_analyse_work work;
+static fb_spectrum spectrum;
+static fb_state state;
+static fb_input input;
+static double least_growth; /* [1/s] that is not rounding */
+
+static int read_option(void *to, const char *name, const char *text)
+{
+  options *o = (options *)to;
+  const number_option list[] = {{"--to", &o->to, -1e6, 1e6},
+                                {"--steps", &o->steps, 1, 400},
+                                {"--modes", &o->modes, 1, 12},
+                                {"--tolerance", &o->tolerance, 1e-15, 10},
+                                {"--duration", &o->duration, 1e-9, 1e12}};
+  if (strcmp(name, "--spin") == 0 || strcmp(name, "--rpm") == 0) {
+    const int status = read_vector(o->spin, name, text);
+    for (int i = 0; i < 3; i++) {
+      o->spin[i] *= name[2] == 's' ? 1 : 2 * model_pi / 60;
+    }
+    return status;
+  }
+  return strcmp(name, "--out") == 0 ? read_out(&o->out, text)
+                                    : read_number(list, (int)(sizeof list / sizeof *list), name, text);
+}
+
+/* What of the spectrum is rounding becomes zero: growth of modes that are undamped; and motions at the root of
+   rounding, as which double eigenvalues at zero (rigid motion, two equal moments of inertia) come out. */
+static void drop_rounding(void)
+{
+  double fastest = 0;
+  for (int k = 0; k < spectrum.n; k++) {
+    fastest = fmax(fastest, hypot((double)spectrum.re[k], (double)spectrum.im[k]));
+  }
+  least_growth = 4096 * (double)FB_EPSILON * fastest;
+  for (int k = 0; k < spectrum.n; k++) {
+    const int still = hypot((double)spectrum.re[k], (double)spectrum.im[k]) < 16 * sqrt((double)FB_EPSILON) * fastest;
+    if (still || fabs((double)spectrum.re[k]) < least_growth) {
+      spectrum.re[k] = FB_R(0.0);
+    }
+    if (still) {
+      spectrum.im[k] = FB_R(0.0);
+    }
+  }
+}
+
+/* Steady state and spectrum at a spin along an axis; state goes on from the last one. */
+static fb_status solve(const double axis[3], double spin)
+{
+  fb_status status;
+  for (int i = 0; i < 3; i++) {
+    input.w[i] = (fb_real)(spin * axis[i]);
+  }
+  status = fb_body_trim(&model_body, &state, &work, &input);
+  status = status ? status : fb_body_spectrum(&spectrum, &work, &model_body, &state, &input);
+  if (status == FB_OK) {
+    drop_rounding();
+  }
+  return status;
+}
+
+static int is_unstable(int *mode)
+{
+  return fb_spectrum_margin(spectrum.re, mode, spectrum.n) < FB_R(0.0);
+}
+
+static int fail_at(double spin, fb_status status)
+{
+  fprintf(stderr, PROGRAM ": at %.6g rad/s: %s\n", spin,
+          status == FB_ERR_VALUE && model_body.base == FB_BASE_HINGED ? "a hinged base turns about z alone"
+                                                                      : fb_status_string(status));
+  return 1;
+}
+
+/* Where the body takes an axis of its own it is said. */
+static void print_spin(const fb_motion *motion)
+{
+  double spin = 0, turn = 0;
+  for (int i = 0; i < 3; i++) {
+    spin = hypot(spin, (double)motion->w[i]);
+    turn = hypot(turn, (double)(motion->w[i] - input.w[i]));
+  }
+  if (turn > 1e-3 * spin) {
+    printf("it spins at %.6g rad/s about (%.4g, %.4g, %.4g), the principal axis nearest to that\n", spin,
+           (double)motion->w[0] / spin, (double)motion->w[1] / spin, (double)motion->w[2] / spin);
+  }
+}
+
+/* Seen from a base that spins, gravity across its axis turns: there is no steady state. */
+static void print_gravity(void)
+{
+  fb_real across[3];
+  fb_vec3_cross(across, model_body.gravity, input.w);
+  if ((model_body.effects & FB_EFFECT_GRAVITY) && fb_vec3_dot(across, across) > FB_R(0.0)) {
+    printf("gravity is not along the axis: what follows is for it standing still in the turning frame\n");
+  }
+}
+
+static void print_trim(void)
+{
+  fb_motion motion;
+  fb_status status = fb_body_motion(&model_body, &motion, &state, &input);
+  if (status == FB_OK) {
+    print_spin(&motion);
+    print_gravity();
+  }
+  printf("steady deflection: elastic coordinates");
+  for (int a = 0; a < model_body.n; a++) {
+    printf(" %.4g", (double)state.q[a]);
+  }
+  printf("\n");
+  for (int node = 1; node < model_body.n_node && status == FB_OK; node++) {
+    fb_node_motion at;
+    status = fb_body_node_motion(&model_body, &at, &state, &motion, node);
+    if (status == FB_OK) {
+      printf("  node %d: displacement %.6g %.6g %.6g m\n", node, (double)at.displacement[0], (double)at.displacement[1],
+             (double)at.displacement[2]);
+    }
+  }
+}
+
+static void print_modes(int count)
+{
+  int worst;
+  const double margin = (double)fb_spectrum_margin(spectrum.re, &worst, spectrum.n) + 0.0; /* no -0 */
+  printf("mode     re [1/s]   im [rad/s]          Hz     damping\n");
+  for (int k = 0; k < spectrum.n && k < count; k++) {
+    printf("%4d %12.5g %12.6g %11.6g %11.4g\n", k + 1, (double)spectrum.re[k], (double)spectrum.im[k],
+           (double)spectrum.im[k] / (2 * model_pi), (double)fb_spectrum_damping(&spectrum, k) + 0.0);
+  }
+  printf("stability margin: %.4g 1/s, of mode %d of %d%s\n", margin, worst + 1, spectrum.n,
+         is_unstable(NULL) ? ": UNSTABLE" : "");
+}
+
+static void print_steps(const options *o, double spin)
+{
+  static const char *const name[3] = {"rk4", "implicit midpoint", "SDIRK2"};
+  printf("steps for an error of %g over %g s, modes of amplitude 1:\n", o->tolerance, o->duration);
+  for (int k = 0; k < 3; k++) {
+    const double limit = (double)fb_spectrum_limit(&spectrum, (fb_scheme)k);
+    const double accepted = (double)(k == FB_SCHEME_RK4 ? fb_rk4_limit(&model_body, (fb_real)spin, FB_R(0.0))
+                                                        : fb_implicit_limit(&model_body, (fb_real)spin, FB_R(0.0)));
+    const double step =
+        (double)fb_spectrum_step(&spectrum, (fb_scheme)k, NULL, (fb_real)o->duration, (fb_real)o->tolerance);
+    printf("  %-18s %.4g s", name[k], fmin(step, accepted));
+    printf(limit < (double)FB_HUGE / 2 ? ", stable to %.4g s" : ", no limit of stability", limit);
+    printf(accepted < (double)FB_HUGE / 2 ? ", accepted to %.4g s\n" : "\n", accepted);
+  }
+}
+
+/* The spin between two at which the body becomes unstable. */
+static fb_status bisect(double *at, const double axis[3], double stable, double unstable)
+{
+  fb_status status = FB_OK;
+  for (int k = 0; k < 40 && status == FB_OK; k++) {
+    const double middle = 0.5 * (stable + unstable);
+    status = solve(axis, middle);
+    *(is_unstable(NULL) ? &unstable : &stable) = middle;
+  }
+  *at = unstable;
+  return status;
+}
+
+static int draw(const options *o, const char *csv, double critical)
+{
+  static char svg[512], column[12][32], title[12][32], settings[256];
+  curve curves[12];
+  int n = 0, used = 0;
+  for (; n < (int)o->modes; n++) {
+    snprintf(column[n], sizeof column[n], "1:%d", n + 3);
+    snprintf(title[n], sizeof title[n], "mode %d", n + 1);
+    curves[n].file = csv;
+    curves[n].columns = column[n];
+    curves[n].style = "with points pointtype 7 pointsize 0.4";
+    curves[n].title = title[n];
+  }
+  snprintf(svg, sizeof svg, "%s.svg", o->out);
+  used = snprintf(settings, sizeof settings,
+                  "set xlabel 'spin [rad/s]'\nset ylabel 'frequency [rad/s]'\nset key outside right\n");
+  if (critical > 0 || critical < 0) {
+    snprintf(settings + used, sizeof settings - (size_t)used,
+             "set arrow from %.9g, graph 0 to %.9g, graph 1 nohead dashtype 2\n", critical, critical);
+  }
+  plot(svg, settings, curves, n, stdout);
+  return 0;
+}
+
+/* Rows of spin, margin [1/s] and frequencies; where the margin first becomes negative is bisected. */
+static int campbell(const options *o, const double axis[3])
+{
+  static char csv[512];
+  double before = 0, critical = 0;
+  int found = 0;
+  FILE *out;
+  snprintf(csv, sizeof csv, "%s.csv", o->out);
+  out = fopen(csv, "w");
+  if (!out) {
+    return fail("cannot write", csv);
+  }
+  fprintf(out, "# spin [rad/s], stability margin [1/s], frequencies of %d modes [rad/s]\n", (int)o->modes);
+  (void)fb_state_init(&model_body, &state);
+  for (int s = 0; s <= (int)o->steps; s++) {
+    const double spin = o->to * s / o->steps;
+    const fb_status status = solve(axis, spin);
+    int mode;
+    if (status != FB_OK) {
+      fclose(out);
+      return fail_at(spin, status);
+    }
+    fprintf(out, "%.10g,%.10g", spin, (double)fb_spectrum_margin(spectrum.re, &mode, spectrum.n));
+    for (int k = 0; k < (int)o->modes; k++) {
+      fprintf(out, k < spectrum.n ? ",%.10g" : ",nan", k < spectrum.n ? (double)spectrum.im[k] : 0.0);
+    }
+    fputs("\n", out);
+    if (!found && is_unstable(&mode)) {
+      const fb_state here = state;
+      found = 1;
+      critical = spin;
+      if (s > 0 && bisect(&critical, axis, before, spin) != FB_OK) {
+        printf("the onset of instability lies between %.6g and %.6g rad/s\n", before, spin);
+      } else {
+        printf("first unstable at %.8g rad/s (%.6g rpm), mode %d, growing faster than %.2g 1/s\n", critical,
+               critical * 30 / model_pi, mode + 1, least_growth);
+      }
+      state = here;
+    }
+    before = spin;
+  }
+  if (!found) {
+    printf("no instability at %d spins up to %.6g rad/s\n", (int)o->steps + 1, o->to);
+  }
+  if (output_close(out, csv)) {
+    return 2;
+  }
+  printf("table: %s\n", csv);
+  return draw(o, csv, critical);
+}
+
+int analyse_main(int argc, char **argv)
+{
+  static options o = {"examples/satellite.txt", "analyse", {0, 0, 0}, 0, 20, 8, 1e-3, 60};
+  const char *what;
+  double axis[3] = {0, 0, 1}, spin;
+  const int named = argc > 1 && argv[1][0] != '-';
+  int bad;
+  fb_status status;
+  output_begin(PROGRAM);
+  bad = read_all(argc - named, argv + named, help, read_option, &o);
+  o.file = named ? argv[1] : o.file;
+  if (bad) {
+    return bad;
+  }
+  o.steps = floor(o.steps);
+  o.modes = floor(o.modes);
+  if (!model_read(PROGRAM, o.file)) {
+    return 2;
+  }
+  status = model_build(&what);
+  status = status ? status : fb_state_init(&model_body, &state);
+  if (status != FB_OK) {
+    fprintf(stderr, PROGRAM ": %s: %s: %s\n", o.file, what, fb_status_string(status));
+    return 1;
+  }
+  if (model_body.base == FB_BASE_FREE) {
+    model_body.effects &= ~(unsigned)FB_EFFECT_GRAVITY;
+  }
+  spin = sqrt(o.spin[0] * o.spin[0] + o.spin[1] * o.spin[1] + o.spin[2] * o.spin[2]);
+  for (int i = 0; i < 3 && spin > 0; i++) {
+    axis[i] = o.spin[i] / spin;
+  }
+  printf("%s: %s, %d modes, mass %.6g kg, spin %.6g rad/s about (%.4g, %.4g, %.4g)\n", o.file, model.name, model_body.n,
+         (double)model_body.mass, spin, axis[0], axis[1], axis[2]);
+  status = solve(axis, spin);
+  if (status != FB_OK) {
+    return fail_at(spin, status);
+  }
+  print_trim();
+  print_modes((int)o.modes);
+  print_steps(&o, spin);
+  return o.to > 0 || o.to < 0 ? campbell(&o, axis) : 0;
+}

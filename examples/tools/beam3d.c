@@ -1,0 +1,178 @@
+/* beam3d - reads a beam from a small text file and says how it stands under its loads, and how it vibrates about that.
+   examples/tools/README.md lists the words; examples/bend45.txt is one.
+   Exit: 0 well, 1 no such state, 2 bad options or file. */
+#define _POSIX_C_SOURCE 200809L /* popen, for gnuplot */
+#define FB_MAX_MIXED 400
+#define FLEXBEAM_STATIC
+#include "../../flexbeam.h"
+#define PROGRAM "beam3d"
+#include "../common/options.h"
+#include "words.h"
+#include "../common/output.h"
+#include "../common/mixed_beam.h"
+#include "../common/plot.h"
+#include "mixed_text.h"
+
+static const char help[] =
+    "beam3d - a geometrically exact beam from a text file: deflection, root loads, frequencies; any consistent units\n"
+    "usage: flexbeam beam3d FILE [--out SHAPE.csv]\n"
+    "  the file, one word and its numbers a line, # begins a comment:\n"
+    "    length L                      of the line\n"
+    "    elements N                    equal ones, 1 to 400 (20)\n"
+    "    station X                     the lines that follow, up to the next station, are of the section at X\n"
+    "      stiffness ...               6 (axial, shear y, shear z, twist, bending about y, about z), 21 (upper "
+    "triangle\n"
+    "                                  by rows) or 36 numbers; 0 on the diagonal: rigid\n"
+    "      inertia ...                 the same of (momentum; angular momentum) per length by (velocity; rate)\n"
+    "      mass M [Y Z]                per length, its center off the line: instead of inertia\n"
+    "      twist DEGREES               of the section axes about the line\n"
+    "      curvature KX KY KZ          of the unloaded line, section axes\n"
+    "    position X Y Z                of the root (0 0 0)\n"
+    "    attitude RX RY RZ             rotation vector of the root in degrees (0 0 0)\n"
+    "    root END, tip END             clamped, pinned, guided, sliding, free, or any of x y z rx ry rz (root "
+    "clamped,\n"
+    "                                  tip free)\n"
+    "    support X END                 at the node nearest to X\n"
+    "    lump X MASS [CX CY CZ [IXX IYY IZZ]]   rigid body on the node nearest to X\n"
+    "    gravity GX GY GZ, dissipation D\n"
+    "    velocity VX VY VZ, spin WX WY WZ       steady motion of the base\n"
+    "    load X AXES FX FY FZ [MX MY MZ]        at the node nearest to X; AXES: dead, follower or base\n"
+    "    line A B AXES FX FY FZ [MX MY MZ]      per length, from the node nearest to A to that nearest to B\n"
+    "    modes N                       slowest motions to print, 0 to 24 (6)\n"
+    "  --out FILE  x, y, z of 201 points along the deformed line; three views beside it as .svg\n"
+    "  --help      this text\n";
+
+/* The description, to the beam of mixed_beam.h; 0, or 2 after a message. */
+static int read_file(const char *name, int *modes)
+{
+  static mixed_text m;
+  text_file t;
+  mixed_begin(&m);
+  if (!text_open(&t, PROGRAM, name)) {
+    return 2;
+  }
+  while (text_line(&t)) {
+    mixed_line(&t, &m, text_word(&t));
+  }
+  t.line = 0; /* what is missing has no line */
+  if (!t.failed) {
+    mixed_places(&t, &m);
+  }
+  text_close(&t);
+  beam_desc = m.desc;
+  beam_input = m.input;
+  *modes = m.modes;
+  return t.failed ? 2 : 0;
+}
+
+/* ---- telling */
+
+static void row(const char *what, const fb_real x[3], double unit)
+{
+  printf("%-28s %14.7g %14.7g %14.7g\n", what, (double)x[0] * unit, (double)x[1] * unit, (double)x[2] * unit);
+}
+
+static void tell_state(void)
+{
+  const fb_mixed_node *const tip = &beam_node[beam_desc.n_element], *const root = &beam_node[0];
+  fb_energy energy;
+  printf("%d elements, %d iterations, %d load increments\n", beam_desc.n_element, beam_work.iterations,
+         beam_work.increments);
+  printf("%-28s %14s %14s %14s\n", "", "x", "y", "z");
+  row("tip position", tip->position, 1);
+  row("tip displacement", tip->displacement, 1);
+  row("tip rotation [degrees]", tip->rotation, 180 / pi);
+  row("  Wiener-Milenkovic", tip->wiener_milenkovic, 1);
+  row("force on the root, section", root->force, 1);
+  row("moment on the root, section", root->moment, 1);
+  for (int k = 1; k <= beam_desc.n_element; k++) {
+    if (beam.held[k]) {
+      printf("support at node %d, on the beam, its section axes\n", k);
+      row("  force", beam_node[k].reaction_force, 1);
+      row("  moment", beam_node[k].reaction_moment, 1);
+      row("  inner moment, inboard", beam_node[k].moment, 1);
+    }
+  }
+  (void)fb_mixed_energy(&beam, &energy, &beam_state);
+  printf("%-28s %14.7g\n", "strain energy", (double)energy.strain);
+}
+
+static fb_status tell_modes(int count)
+{
+  static fb_mixed_spectrum spectrum;
+  static fb_mixed_spectrum_work work;
+  const fb_status status = fb_mixed_spectrum_solve(&beam, &spectrum, &work, &beam_state, &beam_input, count);
+  if (status != FB_OK) {
+    return status;
+  }
+  printf("mode   frequency [1/s]   rate [rad/s]   growth [1/s]\n");
+  for (int k = 0; k < spectrum.n; k++) {
+    const double re = (double)spectrum.re[k], im = (double)spectrum.im[k];
+    const int still = fabs(re) < 1e-6 * fabs(im); /* what is left of rounding */
+    printf("%4d  %16.7g  %13.7g  %13.4g%s\n", k + 1, im / (2 * pi), im, still ? 0 : re,
+           !still && re > 0 ? "  unstable" : "");
+  }
+  return FB_OK;
+}
+
+static int draw(const char *out)
+{
+  char svg[512];
+  FILE *const csv = beam_open(out);
+  const curve views[] = {{out, "1:2", "with lines", "y over x"},
+                         {out, "1:3", "with lines", "z over x"},
+                         {out, "2:3", "with lines", "z over y"}};
+  if (!csv) {
+    return 2;
+  }
+  fputs("x,y,z\n", csv);
+  beam_write_shape(csv, 200);
+  if (output_close(csv, out)) {
+    return 2;
+  }
+  beam_file_name(svg, sizeof svg, out, ".svg");
+  plot(svg, "set size ratio -1\nset xlabel ''\nset key top right\n", views, 3, stdout);
+  return 0;
+}
+
+static int read_option(void *target, const char *name, const char *text)
+{
+  return strcmp(name, "--out") == 0 ? read_out((const char **)target, text) : NO_SUCH_OPTION;
+}
+
+int beam3d_main(int argc, char **argv)
+{
+  int modes = 0;
+  const char *out = NULL;
+  fb_status status;
+  output_begin(PROGRAM);
+  if (argc < 2 || strcmp(argv[1], "--help") == 0) {
+    fputs(help, argc < 2 ? stderr : stdout);
+    return argc < 2 ? 2 : 0;
+  }
+  if (read_all(argc - 1, argv + 1, help, read_option, &out) != 0 || read_file(argv[1], &modes) != 0) {
+    return 2;
+  }
+  status = beam_start();
+  if (status != FB_OK) {
+    fprintf(stderr, "beam3d: %s: %s\n", argv[1], fb_status_string(status));
+    return 2;
+  }
+  status = beam_settle();
+  if (status == FB_OK) {
+    tell_state();
+    status = modes > 0 ? tell_modes(modes) : FB_OK;
+    if (status != FB_OK) {
+      fprintf(stderr, "beam3d: modes: %s\n", fb_status_string(status));
+      return 1;
+    }
+  } else {
+    fprintf(stderr, "beam3d: no steady state found: %s (%d load increments tried)%s\n", fb_status_string(status),
+            beam_work.increments,
+            status == FB_ERR_SINGULAR
+                ? "; is it held against every motion, and the root, not the tip, where it is rigid?"
+                : "");
+    return 1;
+  }
+  return out ? draw(out) : 0;
+}

@@ -1,0 +1,107 @@
+/* reduce - a beam or a finite-element component from a text file becomes one static const body in a C header, for ROM.
+   The desktop does the model building; the target includes the header and steps.
+   Exit: 0 well, 1 the model cannot be built, 2 bad options or input. */
+#define FB_MAX_MODES 24
+#define FB_MAX_ELEMENTS 40
+#define FB_MAX_STATIONS 200
+#define FB_WITH_NONLINEAR_STRAIN 0
+#define FLEXBEAM_STATIC
+#include "../../flexbeam.h"
+#include "model.h"
+#include "rom.h"
+#define PROGRAM "reduce"
+#include "words.h"
+#include "../common/options.h"
+#include "../common/output.h"
+
+static const char help[] =
+    "reduce - a body in ROM: from a beam or component description to a C header\n"
+    "usage: flexbeam reduce FILE [options]\n"
+    "  --out FILE   where to write the header (standard output)\n"
+    "  --single     for single precision (double)\n"
+    "  --name NAME  of the body (that in the file, or flexible_body)\n"
+    "  --help       this text\n"
+    "A summary goes to the standard error: mass, frequencies, effective mass, what the model takes.\n"
+    "The descriptions are explained in examples/tools/README.md; examples/blade.txt and examples/panel.txt are "
+    "two.\n";
+
+static void summarize(const char *file)
+{
+  fprintf(stderr, "%s: %s, %d modes, %d nodes, mass %.6g kg\n", file, model.name, model_body.n, model_body.n_node,
+          (double)model_body.mass);
+  for (int k = 0; k < model_body.n; k++) {
+    const double omega = sqrt((double)(model_shape.K[k * (model_body.n + 1)] / model_shape.M[k * (model_body.n + 1)]));
+    fprintf(stderr, "  mode %2d  %10.5g Hz  damping %.3g\n", k + 1, omega / (2.0 * model_pi),
+            (double)model.level.zeta[k]);
+  }
+  if (fabs((double)model.modes.spin) > 0) {
+    fprintf(stderr,
+            "  (Ritz modes shaped for the spin: frequencies at rest, the higher ones not those of modes at rest)\n");
+  }
+  if (model.kind == MODEL_COMPONENT) {
+    double largest = 0;
+    for (int a = 0; a < model_body.n; a++) {
+      for (int b = 0; b < a; b++) {
+        largest = fmax(largest, fabs((double)model_shape.M[a * model_body.n + b]));
+      }
+    }
+    fprintf(stderr, "  modes are orthogonal against the nodes' masses to %.2g%s\n", largest,
+            largest > 1e-3 ? ": masses and shapes do not quite belong together" : "");
+  } else {
+    fprintf(stderr, "  effective mass: x %.3f  y %.3f  z %.3f, inertia about the root: x %.3f  y %.3f  z %.3f\n",
+            (double)model_modes.effective[0], (double)model_modes.effective[1], (double)model_modes.effective[2],
+            (double)model_modes.effective[3], (double)model_modes.effective[4], (double)model_modes.effective[5]);
+  }
+  fprintf(stderr, "  %d terms of Lambda, %d of S\n", model_body.n_lambda, model_body.n_S);
+}
+
+typedef struct options {
+  const char *out, *name;
+} options;
+
+static int read_option(void *to, const char *name, const char *text)
+{
+  options *const o = (options *)to;
+  if (strcmp(name, "--out") == 0) {
+    return read_out(&o->out, text);
+  }
+  if (strcmp(name, "--name") == 0) {
+    o->name = text;
+    return model_is_name(text) ? 0 : fail("not a C identifier", text);
+  }
+  return NO_SUCH_OPTION;
+}
+
+int reduce_main(int argc, char **argv)
+{
+  const int single = take_flag(&argc, argv, "--single"), named = argc > 1 && argv[1][0] != '-';
+  const char *const file = named ? argv[1] : "", *what;
+  options o = {NULL, NULL};
+  FILE *out = stdout;
+  fb_status status;
+  output_begin(PROGRAM);
+  if (read_all(argc - named, argv + named, help, read_option, &o) != 0) {
+    return 2;
+  }
+  if (!named) {
+    return fail("a description is missing", "");
+  }
+  if (!model_read(PROGRAM, file)) {
+    return 2;
+  }
+  if (o.name) {
+    strcpy(model.name, o.name);
+  }
+  status = model_build(&what);
+  if (status != FB_OK) {
+    fprintf(stderr, "reduce: %s: %s: %s\n", file, what, fb_status_string(status));
+    return 1;
+  }
+  summarize(file);
+  if (o.out && !(out = fopen(o.out, "w"))) {
+    fprintf(stderr, "reduce: %s: %s\n", o.out, strerror(errno));
+    return 2;
+  }
+  rom_write(out, &model_body, model.name, file, single);
+  return o.out ? output_close(out, o.out) : 0;
+}

@@ -1,0 +1,20 @@
+/* words.h - the words of build/flexbeam. Each is a translation unit with a main of its own and a private copy of the library
+   (FLEXBEAM_STATIC) with the capacities that it needs; -Dreduce_main=main compiles `reduce` alone. */
+#ifndef WORDS_H
+#define WORDS_H
+
+#define WORDS(X)                                                                                 \
+  X(scene, "runs a scene from a text file: bodies, joints, loads; to CSV, pictures, animations") \
+  X(campaign, "runs one scene over many sets of parameters on all cores")                        \
+  X(reduce, "a body from a text file to a C header: a model in ROM")                             \
+  X(elastodyn, "a blade of OpenFAST to a text file for reduce")                                  \
+  X(analyse, "steady spin of a body: deflection, modes, damping, stability margin, step")        \
+  X(advise, "which effects, modes, integrator and step a body needs")                            \
+  X(beam3d, "a geometrically exact beam: deflection, root loads, frequencies")                   \
+  X(campbell, "frequencies of a rotating cantilever or blade over spin")
+
+#define WORD_PROTOTYPE(name, what) int name##_main(int argc, char **argv);
+WORDS(WORD_PROTOTYPE)
+#undef WORD_PROTOTYPE
+
+#endif
