@@ -224,6 +224,7 @@
      flutter, whirl, buckling      fb_mixed_spectrum_solve about a steady state, fb_spectrum_margin; fb_buckling_solve
      snap-through, beyond buckling fb_mixed_path_step: steady states along their path; fb_mixed_work.unstable
      control of a bent beam        fb_mixed_linearize: its slow modes as A, B, C, D with inputs and outputs
+     hub, booms, nodes in one call fb_body_build; joints by their axes: fb_joint_desc.axis
      a model in ROM                build/flexbeam reduce: text file to C header with a static const fb_body
 
    WHICH SCHEME? (all fixed work; a step beyond its limit is refused)
@@ -1869,6 +1870,44 @@ typedef struct fb_body_work {
    FB_ERR_VALUE (no mass, negative damping), FB_ERR_NOT_FINITE, FB_ERR_NULL. body is written only on FB_OK. */
 FB_API fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc);
 
+/* A body from one description: a rigid hub, beams on it, nodes. The chain fb_beam_init, fb_modes_solve, fb_shape_...,
+   fb_body_init in one call; components that are joined and imported finite-element models take the chain itself. */
+#define FB_MAX_PARTS 8
+typedef struct fb_part {
+  int beam;                   /* its place in the arrays of beams and of their modes; parts may share one */
+  fb_real position[3];        /* [m] of the origin of the beam's description, body axes */
+  fb_real attitude[4];        /* that description's axes to body axes; all zero: identity */
+  int n_node;                 /* nodes along the beam, numbered on from those of the parts before, the first one 1 */
+  fb_real node[FB_MAX_NODES]; /* [m] from the root */
+} fb_part;
+
+typedef struct fb_build_desc {
+  fb_real mass, center[3],
+      inertia[6];             /* [kg], [m], [kg m^2] about its center: the hub, as fb_shape_add_rigid; all 0: none */
+  int n_part;                 /* 0..FB_MAX_PARTS */
+  fb_part part[FB_MAX_PARTS]; /* their modes are the coordinates of the body, in this order */
+  fb_real zeta;               /* damping ratio of every mode, with FB_EFFECT_DAMPING; 0: those of body.zeta */
+  fb_body_desc body;
+} fb_build_desc;
+
+typedef struct fb_build_work { /* scratch; large: make it static */
+  int part;                    /* after a failure: the part at fault; -1: the hub, n_part: the body as a whole */
+  int n;                       /* coordinates so far */
+  fb_beam_desc placed;
+  fb_beam beam;
+  fb_modes modes;
+  fb_modes_work modes_work;
+  fb_shape all, shape; /* with room for every coordinate; what the body is made of */
+  fb_body_desc desc;
+  fb_body_work body_work;
+} fb_build_work;
+
+/* beam, modes: n_beam descriptions and which modes of each to keep. FB_ERR_CAPACITY: n_part, n_node, a place beyond n_beam,
+   more than FB_MAX_MODES coordinates or FB_MAX_NODES nodes; FB_ERR_VALUE: zeta and body.zeta both; else as the functions
+   of the chain. body is written only on FB_OK. */
+FB_API fb_status fb_body_build(fb_body *body, fb_build_work *work, const fb_build_desc *desc, const fb_beam_desc *beam,
+                               const fb_modes_desc *modes, int n_beam);
+
 #if FB_WITH_SYSTEM
 typedef struct fb_joint_desc {
   fb_joint_kind kind;
@@ -1882,6 +1921,10 @@ typedef struct fb_joint_desc {
   fb_axis_mode mode[3];  /* of each axis to begin with; spherical and free: mode[0] is that of all */
   fb_real stiffness[3], rest[3],
       damping[3]; /* [N m/rad, N/m], [rad, m], [N m s/rad, N s/m]; spherical: the first holds for all, rest is zero */
+  /* In place of attitude and child_attitude, which are then zero: the joint's z axis, about which or along which it moves,
+     in the parent's and in the child's axes, of any length; its x axis is turned along by the smallest rotation from z.
+     child_axis all zero (and child_attitude): the same as axis, so that both bodies' axes coincide at zero coordinates */
+  fb_real axis[3], child_axis[3];
 } fb_joint_desc;
 
 typedef struct fb_system_desc {
@@ -1899,7 +1942,7 @@ typedef struct fb_system_desc {
    form; their base does not matter: FB_BASE_PRESCRIBED takes bodies without mass, or without inertia about some axis.
    */
 
-/* FB_ERR_VALUE: a parent that is no earlier body, a free joint as loop or with springs, negative stiffness or damping,
+/* FB_ERR_VALUE: a parent that is no earlier body, an axis and an attitude on the same side, a free joint as loop or with springs, negative stiffness or damping,
    a mode that is none, form or base of a body; FB_ERR_CAPACITY: numbers of bodies, loops, models, nodes;
    FB_ERR_SINGULAR: a mass matrix that is singular undeformed at zero coordinates. work->joint names the joint. */
 FB_API fb_status fb_system_init(fb_system *system, fb_system_work *work, const fb_body *body, int n_model,

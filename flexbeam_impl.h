@@ -14984,6 +14984,92 @@ FB_DEF fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape 
   return status;
 }
 
+/* The description of a beam as part of a body: its own position and attitude follow those of the part. */
+static fb_status fbi_part_place(fb_beam_desc *placed, const fb_part *part, const fb_beam_desc *beam)
+{
+  fb_real frame[4], own[4], R[9], offset[3];
+  fb_status status = fbi_quat_from_attitude(frame, part->attitude);
+  status = status ? status : fbi_quat_from_attitude(own, beam->attitude);
+  if (status != FB_OK) {
+    return status;
+  }
+  *placed = *beam;
+  fb_quat_mul(placed->attitude, frame, own);
+  fb_quat_to_mat33(R, frame);
+  fb_mat33_mul_vec3(offset, R, beam->position);
+  fbi_vec3_copy(placed->position, part->position);
+  fbi_vec3_add(placed->position, FB_R(1.0), offset);
+  return FB_OK;
+}
+
+/* One beam of the body: its modes are the next coordinates, its nodes the next nodes. */
+static fb_status fbi_part_add(fb_build_work *work, const fb_part *part, const fb_beam_desc *beam,
+                              const fb_modes_desc *modes, unsigned effects)
+{
+  const int first = work->n;
+  int node;
+  fb_status status = fbi_part_place(&work->placed, part, beam);
+  status = status ? status : fb_beam_init(&work->beam, &work->placed);
+  status = status ? status : fb_modes_solve(&work->modes, &work->modes_work, &work->beam, modes);
+  status = status ? status : fb_shape_add_beam(&work->all, first, &work->beam, &work->modes);
+  for (int k = 0; k < part->n_node && status == FB_OK; k++) {
+    status = fb_shape_add_beam_node(&work->all, &node, first, &work->beam, &work->modes, part->node[k]);
+  }
+#if FB_WITH_NONLINEAR_STRAIN
+  if (status == FB_OK && fbi_has(effects, FB_EFFECT_NONLINEAR_STRAIN)) {
+    status = fb_shape_add_beam_strain(&work->all, first, &work->beam, &work->modes);
+  }
+#else
+  (void)effects;
+#endif
+  work->n += status == FB_OK ? work->modes.n : 0;
+  return status;
+}
+
+FB_DEF fb_status fb_body_build(fb_body *body, fb_build_work *work, const fb_build_desc *desc, const fb_beam_desc *beam,
+                               const fb_modes_desc *modes, int n_beam)
+{
+  int coordinate[FB_MAX_MODES];
+  fb_status status;
+  FBI_REQUIRE(body && work && desc && ((beam && modes) || n_beam == 0), FB_ERR_NULL);
+  FBI_REQUIRE(desc->n_part >= 0 && desc->n_part <= FB_MAX_PARTS, FB_ERR_CAPACITY);
+  work->part = -1;
+  work->n = 0;
+
+  /* hub and parts, in a shape with room for every coordinate */
+  status = fb_shape_init(&work->all, FB_MAX_MODES);
+  if (!fbi_is_zero(&desc->mass, 1) || !fbi_is_zero(desc->inertia, 6)) {
+    status = status ? status : fb_shape_add_rigid(&work->all, desc->mass, desc->center, desc->inertia);
+  }
+  for (int k = 0; k < desc->n_part && status == FB_OK; k++) {
+    const fb_part *const part = &desc->part[k];
+    work->part = k;
+    FBI_REQUIRE(part->beam >= 0 && part->beam < n_beam, FB_ERR_CAPACITY);
+    FBI_REQUIRE(part->n_node >= 0 && part->n_node <= FB_MAX_NODES, FB_ERR_CAPACITY);
+    status = fbi_part_add(work, part, &beam[part->beam], &modes[part->beam], desc->body.effects);
+  }
+  if (status != FB_OK) {
+    return status;
+  }
+
+  /* the coordinates that there are */
+  work->part = desc->n_part;
+  for (int k = 0; k < work->n; k++) {
+    coordinate[k] = k;
+  }
+  status = fb_shape_select(&work->shape, &work->all, coordinate, work->n);
+
+  /* one damping ratio for all */
+  work->desc = desc->body;
+  if (status == FB_OK && !fbi_is_zero(&desc->zeta, 1)) {
+    status = fbi_is_zero(desc->body.zeta, work->n) ? FB_OK : FB_ERR_VALUE;
+    for (int k = 0; k < work->n; k++) {
+      work->desc.zeta[k] = desc->zeta;
+    }
+  }
+  return status ? status : fb_body_init(body, &work->body_work, &work->shape, &work->desc);
+}
+
 #if FB_WITH_SYSTEM
 /* ---- joints of systems */
 
@@ -15016,17 +15102,37 @@ static void fbi_attitude_axes(fb_real R[9], const fb_real quat[4])
   fb_quat_to_mat33(R, fbi_vec3_norm(quat + 1) == FB_R(0.0) ? identity : quat);
 }
 
+/* Axes of a joint whose z axis lies along `axis`: z is turned onto it by the smallest rotation; about x where it is -z. */
+static void fbi_axis_frame(fb_real R[9], const fb_real axis[3])
+{
+  const fb_real size = fbi_vec3_norm(axis), w = FB_R(1.0) + axis[2] / size;
+  fb_real quat[4] = {w, -axis[1] / size, axis[0] / size, FB_R(0.0)};
+  if (w <= FBI_ROUNDING || fb_quat_normalize(quat) != FB_OK) {
+    fbi_zero(quat, 4);
+    quat[1] = FB_R(1.0);
+  }
+  fb_quat_to_mat33(R, quat);
+}
+
+/* A side of a joint has an axis, which is one, or an attitude, or neither. */
+static int fbi_is_side(const fb_real axis[3], const fb_real attitude[4])
+{
+  return fbi_is_zero(axis, 3) || (fbi_is_zero(attitude, 4) && fbi_vec3_norm(axis) > FB_TINY);
+}
+
 static fb_status fbi_joint_check(const fb_system_desc *desc, const fb_body *body, int j)
 {
   const int loop = j >= desc->n_body, last = loop ? desc->n_body : j;
   const fb_joint_desc *d = loop ? &desc->loop[j - desc->n_body] : &desc->joint[j];
   if (!fbi_is_finite(d->position, 3) || !fbi_is_finite(d->child_position, 3) || !fbi_is_finite(&d->pitch, 1) ||
       !fbi_is_finite(d->stiffness, 3) || !fbi_is_finite(d->rest, 3) || !fbi_is_finite(d->damping, 3) ||
-      !fbi_is_finite(d->attitude, 4) || !fbi_is_finite(d->child_attitude, 4)) {
+      !fbi_is_finite(d->attitude, 4) || !fbi_is_finite(d->child_attitude, 4) || !fbi_is_finite(d->axis, 3) ||
+      !fbi_is_finite(d->child_axis, 3)) {
     return FB_ERR_NOT_FINITE;
   }
   if (!fbi_is_choice((int)d->kind, (int)FB_JOINT_SPHERICAL) || !fbi_is_attitude(d->attitude) ||
-      !fbi_is_attitude(d->child_attitude) || (d->kind == FB_JOINT_FREE && loop)) {
+      !fbi_is_attitude(d->child_attitude) || !fbi_is_side(d->axis, d->attitude) ||
+      !fbi_is_side(d->child_axis, d->child_attitude) || (d->kind == FB_JOINT_FREE && loop)) {
     return FB_ERR_VALUE;
   }
   for (int i = 0; i < 3; i++) {
@@ -15050,6 +15156,23 @@ static fb_status fbi_joint_check(const fb_system_desc *desc, const fb_body *body
   return FB_OK;
 }
 
+/* The joint's frame on both sides, by its axes where they are given. turned: is that on the child not the child's own? */
+static void fbi_joint_frames(fb_joint *joint, const fb_joint_desc *d)
+{
+  const int alike = fbi_is_zero(d->child_axis, 3) && fbi_is_zero(d->child_attitude, 4);
+  const fb_real *const child_axis = alike ? d->axis : d->child_axis;
+  fbi_attitude_axes(joint->axes, d->attitude);
+  fbi_attitude_axes(joint->child_axes, d->child_attitude);
+  joint->turned = fbi_vec3_norm(d->child_attitude + 1) > FB_R(0.0);
+  if (!fbi_is_zero(d->axis, 3)) {
+    fbi_axis_frame(joint->axes, d->axis);
+  }
+  if (!fbi_is_zero(child_axis, 3)) {
+    fbi_axis_frame(joint->child_axes, child_axis);
+    joint->turned = !fbi_is_zero(child_axis, 2) || child_axis[2] < FB_R(0.0);
+  }
+}
+
 static void fbi_joint_fill(fb_joint *joint, const fb_system_desc *desc, const fb_body *body, int j)
 {
   const int loop = j >= desc->n_body;
@@ -15066,10 +15189,8 @@ static void fbi_joint_fill(fb_joint *joint, const fb_system_desc *desc, const fb
   if (joint->parent >= 0 && !joint->moves) {
     fbi_vec3_add(joint->position, FB_R(1.0), body[desc->model[joint->parent]].node[joint->parent_node].r);
   }
-  fbi_attitude_axes(joint->axes, d->attitude);
   fbi_vec3_copy(joint->child_position, d->child_position);
-  fbi_attitude_axes(joint->child_axes, d->child_attitude);
-  joint->turned = fbi_vec3_norm(d->child_attitude + 1) > FB_R(0.0);
+  fbi_joint_frames(joint, d);
   joint->pitch = d->pitch;
   fbi_joint_twists(joint);
   for (int i = 0; i < 3; i++) {

@@ -1,5 +1,5 @@
 /* tutorial_satellite - a satellite with two flexible booms is turned by 30 degrees by three reaction wheels.
-   It shows: two beams on one body, rigid bodies on hinges, a controller that runs between the steps.
+   It shows: a body with two beams in one call, wheels on hinges, a controller that runs between the steps.
    Check: the pointing error at the end, and the angular momentum, which stays zero. Exit: 0 well, 1 a check failed. */
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
@@ -9,65 +9,47 @@
 enum { HUB, WHEEL }; /* models; body 0 is the hub, bodies 1 to 3 are the wheels */
 
 static fb_body model[2];
-static int tip[2]; /* nodes of the hub at the ends of the booms */
+static fb_build_work build_work;
 static fb_system craft;
 static fb_system_work work;
 static fb_system_state state;
 static fb_system_input input;
 static fb_system_motion motion;
 
-/* A hub with booms along x and -x. A boom is described along its own x axis; position and attitude place its root. */
+/* A hub with booms along x and -x. A boom is described along its own x axis; each part says where its root is. */
 static fb_status make_hub(void)
 {
-  static fb_beam beam;
-  static fb_modes modes;
-  static fb_modes_work modes_work;
-  static fb_shape shape;
-  static fb_body_work body_work;
   const fb_section tube = {.mass = FB_R(0.5), .EI_y = 400, .EI_z = 400}; // [kg/m], [N m^2]
-  const fb_real center[3] = {0}, inertia[6] = {60, 60, 80};              // [m], [kg m^2]
-  const fb_modes_desc keep = {.count = {2, 2}};                          // bending modes along y, along z
-  fb_beam_desc boom = {.length = 5, .n_element = 8, .n_station = 1, .station = {tube}};
-  fb_body_desc level = {.effects = FB_EFFECTS_FULL | FB_EFFECT_DAMPING};
-  fb_status status = fb_shape_init(&shape, 8);
-  status = status ? status : fb_shape_add_rigid(&shape, 300, center, inertia);
-  for (int side = 0; side < 2; side++) {
-    boom.position[0] = side ? -FB_R(0.5) : FB_R(0.5);
-    boom.attitude[side ? 3 : 0] = 1; // none; half a turn about z
-    boom.attitude[side ? 0 : 3] = 0;
-    status = status ? status : fb_beam_init(&beam, &boom);
-    status = status ? status : fb_modes_solve(&modes, &modes_work, &beam, &keep);
-    status = status ? status : fb_shape_add_beam(&shape, 4 * side, &beam, &modes);
-    status = status ? status : fb_shape_add_beam_node(&shape, &tip[side], 4 * side, &beam, &modes, boom.length);
-  }
-  for (int k = 0; k < 8; k++) {
-    level.zeta[k] = FB_R(0.005);
-  }
-  return status ? status : fb_body_init(&model[HUB], &body_work, &shape, &level);
+  const fb_beam_desc boom = {.length = 5, .n_element = 8, .n_station = 1, .station = {tube}};
+  const fb_modes_desc keep = {.count = {2, 2}}; // bending modes along y, along z
+  const fb_build_desc hub = {
+      .mass = 300,
+      .inertia = {60, 60, 80}, // [kg], [kg m^2]
+      .n_part = 2,
+      .part = {{.position = {FB_R(0.5)}, .n_node = 1, .node = {5}},                             // node 1: its tip
+               {.position = {-FB_R(0.5)}, .attitude = {0, 0, 0, 1}, .n_node = 1, .node = {5}}}, // half a turn about z
+      .zeta = FB_R(0.005),
+      .body = {.effects = FB_EFFECTS_FULL | FB_EFFECT_DAMPING}};
+  return fb_body_build(&model[HUB], &build_work, &hub, &boom, &keep, 1);
 }
 
 static fb_status make_wheel(void)
 {
-  static fb_shape shape;
-  static fb_body_work body_work;
-  const fb_body_desc level = {.effects = FB_EFFECTS_RIGID};
-  const fb_real center[3] = {0}, inertia[6] = {FB_R(0.03), FB_R(0.03), FB_R(0.05)}; // [m], [kg m^2]
-  fb_status status = fb_shape_init(&shape, 0);
-  status = status ? status : fb_shape_add_rigid(&shape, 5, center, inertia);
-  return status ? status : fb_body_init(&model[WHEEL], &body_work, &shape, &level);
+  const fb_build_desc wheel = {.mass = 5, // [kg]
+                               .inertia = {FB_R(0.03), FB_R(0.03), FB_R(0.05)},
+                               .body = {.effects = FB_EFFECTS_RIGID}};
+  return fb_body_build(&model[WHEEL], &build_work, &wheel, NULL, NULL, 0);
 }
 
-/* The wheels turn about the z axes of their joints, which lie along x, y and z of the hub. */
+/* The wheels lie along x, y and z of the hub and turn about their own z axes. */
 static fb_status make_craft(void)
 {
-  const fb_real h = FB_R(0.70710678118654752), attitude[3][4] = {{h, 0, h, 0}, {h, -h, 0, 0}, {1, 0, 0, 0}};
   fb_system_desc desc = {.n_body = 4, .model = {HUB, WHEEL, WHEEL, WHEEL}, .joint = {{.kind = FB_JOINT_FREE}}};
   desc.joint[0].parent = FB_GROUND;
   for (int i = 0; i < 3; i++) {
-    desc.joint[1 + i].kind = FB_JOINT_REVOLUTE; // its parent is body 0 where nothing else is said
-    for (int k = 0; k < 4; k++) {
-      desc.joint[1 + i].attitude[k] = attitude[i][k];
-    }
+    fb_joint_desc *const joint = &desc.joint[1 + i]; // its parent is body 0 where nothing else is said
+    joint->kind = FB_JOINT_REVOLUTE;
+    joint->axis[i] = joint->child_axis[2] = 1;
   }
   return fb_system_init(&craft, &work, model, 2, &desc);
 }
@@ -108,7 +90,7 @@ int main(void)
     wheel = fmax(wheel, 0.05 * fabs((double)motion.joint[3].speed[0]));
     for (int side = 0; side < 2 && status == FB_OK; side++) {
       fb_node_motion node;
-      status = fb_body_node_motion(&model[HUB], &node, &motion.pose[0], &motion.motion[0], tip[side]);
+      status = fb_body_node_motion(&model[HUB], &node, &motion.pose[0], &motion.motion[0], 1 + side);
       bend = fmax(bend, fabs((double)node.displacement[1]));
     }
   }

@@ -534,7 +534,73 @@ TEST(reactions_are_the_sum_of_joint_forces)
   }
 }
 
-SUITE(system_joints, RUN(springs_and_dampers_balance_energy), RUN(joint_forces_carry_what_hangs_on_them),
+/* A hinge with an axis of length `size` at an angle: the child's rotation matrix, which turns about the axis. */
+static void hinged_by(fb_real R[9], const fb_real axis[3], const fb_real child_axis[3], double angle)
+{
+  fresh();
+  rigid(&model[0], 2.0, 0, 0, 0, 1.0, 1.0, 1.0);
+  hang(0, 0, FB_JOINT_REVOLUTE, FB_GROUND, 0);
+  memcpy(desc.joint[0].axis, axis, sizeof desc.joint[0].axis);
+  memcpy(desc.joint[0].child_axis, child_axis, sizeof desc.joint[0].child_axis);
+  start[0].value[0] = (fb_real)angle;
+  start[0].speed[0] = FB_R(2.0);
+  init(FB_METHOD_RECURSIVE);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+  FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, NULL), FB_OK);
+  fb_quat_to_mat33(R, motion.pose[0].quat);
+}
+
+/* E9.1: the child's axis lies on the parent's, and the child turns about it by the coordinate, of whatever length both
+   are; without an axis of its own the child lies as the parent does. */
+TEST(joints_turn_about_the_axes_that_they_are_given)
+{
+  static const fb_real upside[3] = {0, 0, -FB_R(1.0)}, none[3] = {0, 0, 0};
+  fbt_seed(31);
+  for (int run = 0; run < 20; run++) {
+    fb_real a[3], b[3], R0[9], R[9], turn_quat[4], phi[3], turned[9], expected[9], on[3];
+    double size[2];
+    fbt_fill(a, 3, run % 3 ? 3.0 : 0.01);
+    fbt_fill(b, 3, 1.0);
+    memcpy(run % 5 == 1 ? a : b, run % 5 == 1 || run % 5 == 2 ? upside : run % 5 == 3 ? none : b, sizeof b);
+    hinged_by(R0, a, b, 0.0);
+    hinged_by(R, a, b, 0.7);
+    size[0] = sqrt((double)fb_vec3_dot(a, a));
+    size[1] = sqrt((double)fb_vec3_dot(b, b));
+    for (int i = 0; i < 3; i++) {
+      phi[i] = (fb_real)(0.7 * (double)a[i] / size[0]);
+    }
+    fb_quat_from_rotvec(turn_quat, phi);
+    fb_quat_to_mat33(turned, turn_quat);
+    fb_mat33_mul(expected, turned, R0);
+    FBT_BELOW(fbt_difference(R, expected, 9), FBT_TOL(1e-14, 1e-5));
+    fb_mat33_mul_vec3(on, R, run % 5 == 3 ? a : b); /* and the angular velocity, child axes to inertial ones */
+    for (int i = 0; i < 3; i++) {
+      FBT_NEAR_ABS((double)on[i] / (run % 5 == 3 ? size[0] : size[1]), (double)a[i] / size[0], FBT_TOL(1e-14, 1e-5));
+    }
+    fb_mat33_mul_vec3(on, R, motion.motion[0].w);
+    for (int i = 0; i < 3; i++) {
+      FBT_NEAR_ABS(on[i], 2.0 * (double)a[i] / size[0], FBT_TOL(1e-13, 1e-5));
+      FBT_TRUE(run % 5 != 3 || fabs((double)R0[4 * i] - 1.0) < FBT_TOL(1e-15, 1e-6));
+    }
+  }
+}
+
+/* An axis and an attitude on one side contradict each other; an axis is a number and not nothing. */
+TEST(axes_that_are_none_are_refused)
+{
+  for (int run = 0; run < 6; run++) {
+    fb_joint_desc *const j = &desc.joint[0];
+    fresh();
+    rigid(&model[0], 2.0, 0, 0, 0, 1.0, 1.0, 1.0);
+    hang(0, 0, FB_JOINT_REVOLUTE, FB_GROUND, 0);
+    (run % 2 ? j->child_axis : j->axis)[1] = run / 2 == 1 ? (fb_real)NAN : run / 2 == 2 ? FB_TINY / 2 : FB_R(1.0);
+    (run % 2 ? j->child_attitude : j->attitude)[0] = run / 2 == 0 ? FB_R(1.0) : FB_R(0.0);
+    FBT_INT_EQ(fb_system_init(&mechanism, &work, model, 1, &desc), run / 2 == 1 ? FB_ERR_NOT_FINITE : FB_ERR_VALUE);
+  }
+}
+
+SUITE(system_joints, RUN(joints_turn_about_the_axes_that_they_are_given), RUN(axes_that_are_none_are_refused),
+      RUN(springs_and_dampers_balance_energy), RUN(joint_forces_carry_what_hangs_on_them),
       RUN(locked_axes_need_no_inertia), RUN(reactions_are_the_sum_of_joint_forces), RUN(every_joint_moves_as_it_should),
       RUN(joint_frames_may_be_half_a_turn_off), RUN(a_node_that_only_turns_carries_its_body),
       RUN(attitudes_come_back_as_they_were), RUN(nodes_that_move_in_one_way_carry_their_bodies),

@@ -29,6 +29,7 @@ static struct world {
   fb_material material;
   fb_profile from, to;
   fb_section section;
+  fb_build_desc build_desc;
   fb_beam_desc beam_desc, taper;
   fb_beam beam[2];
   fb_modes_desc modes_desc, buckling_desc, component_desc;
@@ -71,6 +72,7 @@ static struct world {
 static fb_modes_work modes_work;
 static fb_join_work join_work;
 static fb_body_work body_work;
+static fb_build_work build_work;
 static fb_rk4_work rk4_work;
 static fb_implicit_work implicit_work;
 static fb_exponential_work exponential_work;
@@ -233,6 +235,8 @@ typedef fb_mixed_node nodes[FB_MAX_MIXED + 1];
   F(fb_shape_select, fb_shape_select(p[0], p[1], p[2], i[0]), 1, OUT(fb_shape), MODEL(natural), IN(coordinate),        \
     WHOLE(2))                                                                                                          \
   F(fb_body_init, fb_body_init(p[0], p[1], p[2], p[3]), 1, OUT(fb_body), WORK(body_work), IN(shape), IN(body_desc))    \
+  F(fb_body_build, fb_body_build(p[0], p[1], p[2], p[3], p[4], i[0]), 1, OUT(fb_body), WORK(build_work),               \
+    IN(build_desc), IN(beam_desc), IN(modes_desc), WHOLE(1))                                                           \
   F(fb_body_check, fb_body_check(p[0]), 1, MODEL(body))                                                                \
   F(fb_body_crc, give((fb_real)fb_body_crc(p[0])), 0, MODEL(body))                                                     \
   F(fb_state_init, fb_state_init(p[0], p[1]), 1, MODEL(body), OUT(fb_state))                                           \
@@ -471,6 +475,12 @@ static void body_fill(void)
   w.body_desc.gravity[2] = -FB_R(1.0);
   w.body_desc.zeta[0] = w.body_desc.zeta[1] = FB_R(0.01);
   need(fb_body_init(&w.body, &body_work, &w.natural, &w.body_desc), "body");
+  w.build_desc.mass = FB_R(5.0);
+  w.build_desc.inertia[0] = w.build_desc.inertia[1] = w.build_desc.inertia[2] = FB_R(2.0);
+  w.build_desc.n_part = w.build_desc.part[0].n_node = 1;
+  w.build_desc.part[0].node[0] = w.beam_desc.length;
+  w.build_desc.body = w.body_desc;
+  need(fb_body_build(&w.held, &build_work, &w.build_desc, &w.beam_desc, &w.modes_desc, 1), "body in one call");
   w.scene_desc = w.body_desc;
   w.scene_desc.base = FB_BASE_PRESCRIBED;
   need(fb_body_init(&w.held, &body_work, &w.natural, &w.scene_desc), "held body");
