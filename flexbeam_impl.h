@@ -12870,6 +12870,10 @@ static void fbi_effective_fill(fb_modes_work *work)
 {
   fb_modes *out = &work->found;
   const int n = out->n;
+  for (int k = 0; k < 6 * n; k++) {
+    out->momentum[k] =
+        fbi_modal_product(out->shape + k / 6 * out->ndof, work->M, work->rigid + k % 6 * out->ndof, out->ndof);
+  }
   fbi_copy(work->Kc, out->M, n * n);
   if (fb_chol_factor(work->Kc, n) != FB_OK) { /* coordinates without inertia */
     return;
@@ -12877,8 +12881,7 @@ static void fbi_effective_fill(fb_modes_work *work)
   for (int i = 0; i < 6; i++) {
     fb_real *const momentum = work->Mc, *const x = work->omega2;
     for (int a = 0; a < n; a++) {
-      momentum[a] = fbi_modal_product(out->shape + a * out->ndof, work->M, work->rigid + i * out->ndof, out->ndof);
-      out->momentum[6 * a + i] = momentum[a];
+      momentum[a] = out->momentum[6 * a + i];
     }
     fb_chol_solve(x, work->Kc, momentum, n);
     out->effective[i] = out->rigid_mass[i] > FB_R(0.0) ? fbi_dot(x, momentum, n) / out->rigid_mass[i] : FB_R(0.0);

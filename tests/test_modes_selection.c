@@ -687,7 +687,36 @@ TEST(functions_of_one_direction_are_its_lowest_modes)
   }
 }
 
-SUITE(modes_selection, RUN(the_lowest_modes_are_the_lowest_of_all_kinds),
+/* E7.7: a body of mass m at the tip of a beam without mass: its coordinate has the momentum m and the angular momentum
+   m L, the others have none, whatever the work held. There is no effective mass: the mass matrix is singular. */
+TEST(momenta_are_told_of_beams_without_mass)
+{
+  for (int byte = 0; byte < 256; byte += 255) {
+    static fb_modes_desc keep;
+    double tip = 0.0, rest = 0.0;
+    uniform_desc(2, FB_ROOT_CLAMPED);
+    memset(&keep, 0, sizeof keep);
+    keep.basis = FB_BASIS_ELEMENTS;
+    keep.count[FB_KIND_BEND_Y] = 1;
+    desc.station[0].mass = FB_R(0.0);
+    desc.n_lump = 1;
+    desc.lump[0].node = 2;
+    desc.lump[0].mass = FB_R(3.0);
+    FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+    memset(&work, byte, sizeof work);
+    FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, &keep), FB_OK);
+    for (int a = 0; a < modes.n; a++) {
+      const fb_real *const p = modes.momentum + 6 * a;
+      tip = fmax(tip, fabs((double)p[1]));
+      rest += fabs((double)p[1]) + fabs((double)(p[5] - p[1] * desc.length)) + fabs((double)p[0]) + fabs((double)p[2]);
+      rest += fabs((double)p[3]) + fabs((double)p[4]) + fabs((double)modes.effective[a % 6]);
+    }
+    FBT_NEAR_REL(tip, 3.0, FBT_TOL(1e-14, 1e-6));
+    FBT_NEAR_REL(rest, 3.0, FBT_TOL(1e-13, 1e-5)); /* that coordinate alone */
+  }
+}
+
+SUITE(modes_selection, RUN(momenta_are_told_of_beams_without_mass), RUN(the_lowest_modes_are_the_lowest_of_all_kinds),
       RUN(functions_are_orthonormal_and_as_smooth_as_they_claim), RUN(functions_of_one_direction_are_its_lowest_modes),
       RUN(functions_carry_the_lumped_bodies), RUN(the_lowest_modes_below_a_limit_are_all_below_it),
       RUN(modes_are_orthonormal_with_a_fixed_sign), RUN(a_held_tip_does_not_choose_the_sign),
