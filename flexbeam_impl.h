@@ -10876,6 +10876,9 @@ FB_DEF fb_status fb_eig_general_solve(fb_real *re, fb_real *im, fb_real *X, fb_r
 /* ---------------------------------------------------------------------------------------------------------------
    BUILD >>beam: sections, stations, lumped bodies, element matrices (uses config, status, vec3, rotation, solve) */
 
+/* Names: station, a place with given section properties, linear in between; lump, a rigid (lumped) body fixed to a
+   node; cell, an integration interval; chain, a beam along a polygon of points. */
+
 /* Unit quaternion of a desc's attitude; all zeros mean identity. */
 static fb_status fbi_quat_from_attitude(fb_real q[4], const fb_real attitude[4])
 {
@@ -11197,8 +11200,8 @@ FB_DEF fb_status fb_section_init(fb_section *section, const fb_material *materia
   return FB_OK;
 }
 
-/* [E6.14] Stations of a linear taper: p(x) lowered by h^2/12 p'', so that the chords between stations hold the integral
-   of p.
+/* [E6.14] Stations of a linear taper: properties p(x) lowered by h^2/12 p'', so that linear interpolation between
+   stations has the integral of p.
    Source: error of the trapezoidal rule.  Fails: see the header.  Test: tapered_beam_has_the_published_frequencies. */
 FB_DEF fb_status fb_beam_desc_add_taper(fb_beam_desc *desc, const fb_material *material, const fb_profile *from,
                                         const fb_profile *to, int n)
@@ -11320,9 +11323,9 @@ static void fbi_second_moments(fb_real S[9], const fb_real inertia[6])
   S[5] = S[7] = -inertia[5];
 }
 
-/* [E6.2] Spread of a rigid body: three vectors s_k with int r r^T dm = sum s_k s_k^T (semidefinite Cholesky, the
-   largest diagonal element first), so that integrals over the body become sums. Rods and plates are the semidefinite
-   cases.
+/* [E6.2] Directions of spread of a rigid body: three vectors s_k with int r r^T dm = sum s_k s_k^T (semidefinite
+   Cholesky, the largest diagonal element first), so that integrals of degree 2 over the body become sums. Rods and
+   plates are the semidefinite cases.
    Source: [GV] 4.2.  Fails: the inertia is not one of a distribution of positive mass.
    Test: lumped_bodies_must_have_a_physical_inertia. */
 static fb_status fbi_spread(fb_real s[3][3], const fb_real inertia[6])
@@ -11406,7 +11409,7 @@ static fb_status fbi_stations_check(const fb_beam_desc *desc)
   return FB_OK;
 }
 
-/* [E6.11] The shortest rotation that takes the unit vector a to b, R = 1 + v^ + v^ v^ / (1 + a.b), v = a x b.
+/* [E6.11] Shortest rotation that takes the unit vector a to b, R = 1 + v^ + v^ v^ / (1 + a.b), v = a x b.
    Source: Rodrigues.  Cost: 40 flops.  Fails: opposite vectors.  Test: a_chain_follows_its_points. */
 static void fbi_shortest_turn(fb_real R[9], const fb_real a[3], const fb_real b[3])
 {
@@ -11632,6 +11635,7 @@ static void fbi_turn_yz(fb_real *y_out, fb_real *z_out, fb_real y, fb_real z, fb
   *z_out = c * z - s * y;
 }
 
+/* Section strains and displacements of a field (E6.12). */
 static void fbi_section_eval(fbi_section_field *out, const fbi_field *f, const fb_section *s)
 {
   const fb_real offset[3] = {FB_R(0.0), s->mass_y, s->mass_z};
@@ -11865,6 +11869,10 @@ FB_DEF void fb_beam_matrices(fb_real *K, fb_real *M, const fb_beam *beam)
 /* ---------------------------------------------------------------------------------------------------------------
    BUILD >>modes: natural modes, components, buckling, synthesis (uses config, status, vec3, solve, eigen, beam) */
 
+/* The coordinates of a beam are those of an assumed-modes (Ritz) basis: natural and attachment modes, Craig-Bampton
+   component modes, finite-element coordinates or scalar functions. Names: kind, bending in a plane, axial or torsion;
+   group, kinds that are coupled; held, constrained; work.found, the basis so far; weld, a rigid connection. */
+
 /* Kind of motion (bending in two planes, axial, torsion) that a degree of freedom belongs to. */
 static fb_kind fbi_dof_kind(const fb_beam *beam, int dof)
 {
@@ -12081,7 +12089,7 @@ static fb_real fbi_modal_product(const fb_real *a, const fb_real *M, const fb_re
   return sum;
 }
 
-/* The kind with the largest share of a shape's kinetic energy. */
+/* Kind with the largest share of a shape's kinetic energy. */
 static fb_kind fbi_shape_kind(const fb_beam *beam, const fb_real *shape, const fb_real *M, int ndof)
 {
   fb_real share[FB_KIND_COUNT] = {0};
@@ -12595,7 +12603,7 @@ static fb_status fbi_static_take(const fb_modes_desc *desc, fb_modes_work *work,
   return status;
 }
 
-/* Were as many modes found as the desc asks for? */
+/* Are there as many modes as the desc asks for? */
 static fb_status fbi_count_check(const fb_modes_desc *desc, const int taken[FB_KIND_COUNT], int n)
 {
   if (desc->lowest > 0) {
@@ -12886,9 +12894,8 @@ static void fbi_functions_matrices(fb_modes_work *work, const fb_beam *beam, con
   }
 }
 
-/* [E7.5] Functions of x that serve u_x, u_y and u_z alike: the bending modes of the smooth element functions,
-   orthonormal against the mass. ups_ab of a function with another one vanishes then, and S(q) is constant for equal
-   counts.
+/* [E7.5] One set of functions of x for u_x, u_y and u_z: the bending modes of the smooth element functions, orthonormal
+   with respect to the mass. Then ups_ab of two different functions vanishes, and S(q) is constant for equal counts.
    Source: [DB] 4.3 (the same basis functions in each direction), orthonormalized.  Shapes: m functions of ndof.
    Fails: no mass, not clamped, more modes asked for than there are.
    Test: functions_are_orthonormal_and_as_smooth_as_they_claim, functions_close_the_basis. */
@@ -13434,7 +13441,7 @@ static fb_status fbi_join_solve(fb_join_work *work, int m, int *found)
   for (int k = 0; k < *found; k++) {
     const fb_real mu = work->d[rigid + k];
     fb_real scale;
-    if (!(mu > (fb_real)m * FB_EPSILON * largest)) { /* massless from here on */
+    if (!(mu > (fb_real)m * FB_EPSILON * largest)) { /* round-off: massless from here on */
       *found = k;
       break;
     }
@@ -13577,7 +13584,7 @@ FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
    BUILD >>assemble: shape integrals, effects to terms, every _init of a model
    (uses config, status, vec3, rotation, solve, body, system, exact, eigen, beam, modes) */
 
-/* ---- shape integrals */
+/* ---- shape integrals: an fb_shape holds the inertia shape integrals of a body, its modal stiffness and its nodes */
 
 FB_DEF fb_status fb_shape_init(fb_shape *shape, int n)
 {
@@ -13618,7 +13625,7 @@ static void fbi_shape_add_quadratic(fb_shape *shape, fb_real m1, fb_real m2, con
   (void)shape, (void)m1, (void)m2, (void)r, (void)chi, (void)ab;
 }
 
-/* [E8.1] Shape integrals of one mass element.
+/* [E8.1] Inertia shape integrals (constants of the floating frame of reference formulation) of one mass element.
    m, c = int r, J = -int r^ r^, p_a = int psi_a, h_a = int r x psi_a, M_ab = int psi_a.psi_b, ups_ab = -int psi_a x
    psi_b, Gam_a = -int psi_a^ r^, Pi_ab = -int psi_a^ psi_b^, p^chi_ab = int chi_ab, h^chi_ab = int r x chi_ab,
    Gam^chi_ab = -int chi_ab^ r^.  The linear integrals are weighted by m1, the bilinear ones by m2: a particle has both,
@@ -13745,6 +13752,7 @@ typedef struct fbi_cell_fields { /* linear fields of all modes at the quadrature
   fbi_field at[FB_MAX_MODES][FBI_GAUSS];
 } fbi_cell_fields;
 
+/* Fields of all modes at the quadrature points of an interval. */
 static void fbi_cell_fields_init(fbi_cell_fields *c, const fb_beam *beam, const fb_modes *modes, const fbi_cell *cell)
 {
   c->cell = *cell;
@@ -13828,7 +13836,7 @@ static void fbi_station_eval(fbi_station *st, const fb_beam *beam, const fb_mode
   }
 }
 
-/* [E8.3] Displacement of a point d off the reference line, which turns with the section:
+/* [E8.3] Displacement of a point d off the reference line, which rotates with the section:
    psi_a += theta_a x d,  chi_ab += chi_theta_ab x d + 1/2 (theta_a x (theta_b x d) + theta_b x (theta_a x d)).
    With linear = 0 only these parts are formed (a direction of spread, E6.2).
    Source: exponential map to second degree.  Shapes: psi n x 3, chi n x n x 3.  Fails: never.
@@ -14065,6 +14073,7 @@ FB_DEF fb_status fb_shape_add_pair(fb_shape *shape, int a, int b, const fb_real 
   return FB_OK;
 }
 
+/* Is there room for the modes of a beam from coordinate `first` on, and are they modes of this beam? */
 static fb_status fbi_beam_fits(const fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes)
 {
   FBI_REQUIRE(shape && beam && modes, FB_ERR_NULL);
@@ -14327,7 +14336,7 @@ static void fbi_torque_station(fb_shape *shape, int first, const fb_beam *beam, 
 {
   const int n = modes->n;
   fbi_field f[FB_MAX_MODES];
-  shape->torque_unknown |= /* section and beam axes differ */
+  shape->torque_unknown |= /* not covered: section axes that differ from the beam's */
       FB_FABS(section->twist) + FB_FABS(section->tension_y) + FB_FABS(section->tension_z) > FB_R(0.0);
   for (int a = 0; a < n; a++) {
     fbi_mode_field(&f[a], beam, modes, a, element, s);
@@ -14444,8 +14453,8 @@ FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_b
 
 /* [E8.4] Coupling matrices Lambda(q) = Lambda_0 + sum_a q_a Lambda_a (6 x n each), a = 0 first:
    Lambda_0 = [P; H],  Lambda_a = [P^chi_a ; H^chi_a - Ups_a],  Ups_a = row_b{ups_ab}:
-   what the second-order form calls M_re(q), the momenta of the modes on the deformed body. ups enters with the spin
-   coupling, chi with the acceleration stiffening.
+   M_re(q) of the second-order form, the momenta of the modes on the deformed body. ups enters with the spin
+   (gyroscopic, Coriolis) coupling, chi with the acceleration stiffening.
    Source: THEORY.md 8.2, 8.3; [DB] (7), (25).  Shapes: Lambda (n+1) x 6 x n.  Fails: never.
    Test: accelerations_agree_with_a_particle_model. */
 static void fbi_lambda_fill(fb_real *Lambda, const fb_shape *shape, int n, int with_ups, int with_chi)
@@ -14578,8 +14587,8 @@ static void fbi_vec9_add(fb_real A[9], fb_real s, const fb_real B[9])
 
 /* [E8.5] Rigid part of S: M_rr(q) = [m 1, -c(q)^; c(q)^, J(q)], coefficient of the monomial (1,q)_a (1,q)_b, a >= b:
    c(q) = c + p_a q_a + 1/2 p^chi_ab q_a q_b,  J(q) = J + (Gam_a + Gam_a^T) q_a + (Pi_ab + 1/2 (Gam^chi_ab + ^T)) q_a
-   q_b. p_a, Gam_a, Pi_ab belong to the residual inertia, Gam^chi to the spin stiffening, p^chi to the acceleration
-   stiffening.
+   q_b. p_a, Gam_a, Pi_ab belong to the residual (configuration-dependent) inertia, Gam^chi to the spin (centrifugal)
+   stiffening, p^chi to the acceleration stiffening.
    Source: [DB] after (4), THEORY.md 8.3.  Shapes: S packed 21.  Fails: never.
    Test: accelerations_agree_with_a_particle_model. */
 static void fbi_rigid_term(fb_real S[21], const fb_shape *shape, unsigned effects, int a, int b)
@@ -14766,7 +14775,7 @@ static void fbi_sparse_fill(fb_sparse *out, const fb_real *A, int n)
 
 #if FB_WITH_DAMPING
 /* [E8.7] Damping force C q_dot with the modal ratios zeta_k: C = sum_k 2 zeta_k omega_k (M x_k)(M x_k)^T.
-   For normalized modes C = diag(2 zeta omega). It acts on the rate of deformation, so it takes no momentum.
+   For normalized modes C = diag(2 zeta omega). It depends on the deformation rate alone and takes no momentum.
    Source: textbook.  Shapes: C n x n.  Fails: K indefinite.  Test: damped_free_decay_has_the_given_ratio. */
 static fb_status fbi_damping_fill(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_real *zeta)
 {
@@ -14910,7 +14919,7 @@ static void fbi_slope_matrix(fb_real *A, const fb_body *body)
 static fb_status fbi_tension_fill(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_real *reduced)
 {
   const int n = body->n;
-  fb_real largest = FB_R(0.0), size = FB_R(0.0); /* of S, whose squares may be too large */
+  fb_real largest = FB_R(0.0), size = FB_R(0.0); /* largest element of S, whose squares may overflow */
   fb_status status;
   body->limit_tension = FB_R(0.0);
   if (body->n_strain == 0 || n == 0) {
@@ -14951,9 +14960,9 @@ static fb_status fbi_tension_fill(fb_body *body, fb_body_work *work, const fb_sh
 
 /* [E8.8] Bounds of the body's highest frequency |lambda| <= g + sqrt(g^2 + k) with g = |w| + limit_damping / 2,
    k = limit_elastic + limit_spin w^2 + limit_acceleration |a|: the largest eigenvalues of K, C and the stiffening
-   against the elastic mass that is left when the body is free, M - M_re^T M_rr^-1 M_re. The gyroscopic part is |N(w)
-   q| <= |w| |q| against M, a bound for a prescribed base, for a free one confirmed by trials only. At rest the
-   bound is the frequency itself.
+   against the elastic mass of the free body, M - M_re^T M_rr^-1 M_re. The gyroscopic part is |N(w) q| <= |w| |q|
+   against M, a bound for a prescribed base, for a free one confirmed by trials only. At rest the bound is the frequency
+   itself.
    Source: quadratic eigenvalue bound |lambda|^2 <= 2 g |lambda| + k.  Fails: M or S_0 not positive definite.
    Test: the_step_limit_is_the_stability_boundary. */
 static fb_status fbi_limits_fill(fb_body *body, fb_body_work *work, const fb_shape *shape)
@@ -15414,7 +15423,7 @@ static void fbi_joint_twists(fb_joint *joint)
     if (kind == FB_JOINT_CYLINDRICAL) {
       fbi_axis_twist(joint->A + 6, joint, z, none, one);
     } else {
-      fbi_axis_twist(joint->A + 6, joint, x, one, none); /* universal */
+      fbi_axis_twist(joint->A + 6, joint, x, one, none); /* universal joint */
     }
   }
 }
@@ -15589,7 +15598,7 @@ static fb_status fbi_kept_limits(fb_system *system, fb_system_work *w, const fb_
       if (status == FB_OK) {
         /* Mobility: speed along the axis by a unit impulse on it */
         fbi_frames_axis(force, torque, &f, joint, i);
-        (void)fbi_row_new(w, &f, j, force, torque, FB_R(0.0)); /* the first of FB_MAX_ROWS */
+        (void)fbi_row_new(w, &f, j, force, torque, FB_R(0.0)); /* cannot fail: the list is empty */
         fbi_rhs_clear(w, system, body);
         fbi_row_impulse(w, system, body, 0, FB_R(1.0));
         status = fbi_speeds_solve(w, system, body);
@@ -15668,6 +15677,8 @@ static void fbi_system_fill(fb_system *out, const fb_body *body, const fb_system
   for (int k = 0; k < desc->n_body; k++) {
     out->model[k] = desc->model[k];
   }
+
+  /* Joints, and what the constraints connect */
   for (int j = 0; j < desc->n_body + desc->n_loop; j++) {
     fbi_joint_fill(&out->joint[j], desc, body, j);
     if (j < desc->n_body && out->joint[j].moves) {
@@ -15678,6 +15689,8 @@ static void fbi_system_fill(fb_system *out, const fb_body *body, const fb_system
     const int tied = fbi_joint_ties(out, j);
     out->tied = tied > out->tied ? tied : out->tied;
   }
+
+  /* The joint of every body when multipliers enforce all joints */
   out->free.kind = FB_JOINT_FREE;
   out->free.parent = FB_GROUND;
   out->free.n_axis = fbi_joint_axes(FB_JOINT_FREE);
@@ -15735,7 +15748,7 @@ FB_DEF fb_status fb_system_init(fb_system *system, fb_system_work *work, const f
 
   /* Limits of the step */
   fbi_rhs_clear(work, out, body);
-  status = status == FB_OK ? fbi_speeds_solve(work, out, body) : status; /* free bodies, too */
+  status = status == FB_OK ? fbi_speeds_solve(work, out, body) : status; /* checks free bodies, too */
   status = status == FB_OK ? fbi_system_limit(&out->limit_elastic, work, out, body, 0) : status;
   status = status == FB_OK ? fbi_system_limit(&out->limit_damping, work, out, body, 1) : status;
   status = status == FB_OK ? fbi_kept_limits(out, work, body) : status;
@@ -15765,8 +15778,9 @@ static void fbi_section_add(fb_real K[36], const fb_real force[3], const fb_real
   }
 }
 
-/* [E10.4] A section by its engineering properties: K = T_t^T diag(EA, 0, 0, 0, EI_y, EI_z) T_t + T_s^T diag(0, GA_y,
-   GA_z, GJ, 0, 0) T_s, inertia T_m^T diag(m, m, m, i_y + i_z, i_y, i_z) T_m, of tension, shear and mass center.
+/* [E10.4] Section matrices from engineering properties: K = T_t^T diag(EA, 0, 0, 0, EI_y, EI_z) T_t +
+   T_s^T diag(0, GA_y, GA_z, GJ, 0, 0) T_s, inertia T_m^T diag(m, m, m, i_y + i_z, i_y, i_z) T_m, with T_t, T_s, T_m of
+   tension, shear and mass center.
    Source: [L] 3.64, 3.67, 3.68; centers by their definition.  Cost: 1 kflop.  Fails: see the header.
    Test: offsets_of_a_section_are_those_of_the_forces. */
 FB_DEF fb_status fb_mixed_station_init(fb_mixed_station *station, const fb_section *s)
