@@ -10384,19 +10384,25 @@ FB_DEF fb_status fb_build_check(void)
 /* ---------------------------------------------------------------------------------------------------------------
    BUILD >>eigen: symmetric, generalized and general eigenproblems (uses config, status, solve) */
 
-/* Turns rows and columns p, q of the symmetric A and rows p, q of V so that A_pq becomes zero. */
+/* Jacobi rotation of rows and columns p, q of the symmetric A that makes A_pq zero; rows p, q of V rotate along. */
 static void fbi_jacobi_rotate(fb_real *A, fb_real *V, int n, int p, int q)
 {
   const fb_real apq = A[p * n + q];
+
+  /* t, c, s: tangent, cosine, sine of the angle; t is the smaller root of t^2 + 2 theta t - 1 = 0 */
   const fb_real theta = (A[q * n + q] - A[p * n + p]) / (FB_R(2.0) * apq);
   const fb_real root = FB_FABS(theta) < FB_HUGE ? FB_SQRT(theta * theta + FB_R(1.0)) : FB_FABS(theta);
   const fb_real t = (theta < FB_R(0.0) ? -FB_R(1.0) : FB_R(1.0)) / (FB_FABS(theta) + root);
   const fb_real c = FB_R(1.0) / FB_SQRT(t * t + FB_R(1.0));
   const fb_real s = t * c;
+
+  /* The 2x2 block of p and q becomes diagonal */
   A[p * n + p] -= t * apq;
   A[q * n + q] += t * apq;
   A[p * n + q] = FB_R(0.0);
   A[q * n + p] = FB_R(0.0);
+
+  /* The other elements of the two rows and columns, and V */
   for (int i = 0; i < n; i++) {
     const fb_real vp = V[p * n + i], vq = V[q * n + i];
     V[p * n + i] = c * vp - s * vq;
@@ -10426,7 +10432,7 @@ static void fbi_eig_sort(fb_real *d, fb_real *V, int n)
   }
 }
 
-/* [E5.3] Symmetric eigenvalues by cyclic Jacobi rotations until every off-diagonal element is below rounding of its two
+/* [E5.3] Symmetric eigenvalues by cyclic Jacobi rotations until every off-diagonal element is round-off of its two
    diagonal ones (or of 1e-9 of the norm, where those vanish): small eigenvalues of graded matrices keep their digits.
    Source: [GV] 8.5.  Shapes: A n x n, V rows.  Cost: about 6 n^3 flops a sweep, 5 to 10 sweeps.
    Fails: not finite; more than 60 sweeps.  Test: jacobi_diagonalizes_random_graded_and_degenerate_matrices. */
@@ -10436,6 +10442,8 @@ FB_DEF fb_status fb_eig_sym_solve(fb_real *d, fb_real *V, fb_real *A, int n)
   int rotated = 1;
   FBI_REQUIRE(d && V && A, FB_ERR_NULL);
   FBI_REQUIRE(n >= 0, FB_ERR_VALUE);
+
+  /* V = 1; norm is the largest element of A */
   for (int i = 0; i < n; i++) {
     if (!fbi_is_finite(A + i * n, n)) {
       return FB_ERR_NOT_FINITE;
@@ -10445,6 +10453,8 @@ FB_DEF fb_status fb_eig_sym_solve(fb_real *d, fb_real *V, fb_real *A, int n)
       norm = fbi_larger(norm, FB_FABS(A[i * n + j]));
     }
   }
+
+  /* Sweeps until no element needs a rotation */
   for (int sweep = 0; sweep < 60 && rotated; sweep++) {
     rotated = 0;
     for (int p = 0; p < n - 1; p++) {
@@ -10460,6 +10470,8 @@ FB_DEF fb_status fb_eig_sym_solve(fb_real *d, fb_real *V, fb_real *A, int n)
   if (rotated) {
     return FB_ERR_CONVERGENCE;
   }
+
+  /* Eigenvalues from the diagonal, ascending */
   for (int i = 0; i < n; i++) {
     d[i] = A[i * n + i];
   }
@@ -10474,11 +10486,15 @@ FB_DEF fb_status fb_eig_gen_solve(fb_real *d, fb_real *X, fb_real *K, fb_real *M
 {
   fb_status status;
   FBI_REQUIRE(d && X && K && M, FB_ERR_NULL);
+
+  /* M = L L^T */
   status = fb_chol_factor(M, n);
   if (status != FB_OK) {
     return status;
   }
-  for (int pass = 0; pass < 2; pass++) { /* rows, transpose, rows again */
+
+  /* K becomes L^-1 K L^-T: solve with the rows, transpose, solve again; then its symmetric part */
+  for (int pass = 0; pass < 2; pass++) {
     for (int i = 0; i < n; i++) {
       fbi_chol_forward(K + i * n, M, K + i * n, n);
     }
@@ -10490,6 +10506,8 @@ FB_DEF fb_status fb_eig_gen_solve(fb_real *d, fb_real *X, fb_real *K, fb_real *M
       }
     }
   }
+
+  /* Eigenvectors y of that, and x = L^-T y */
   status = fb_eig_sym_solve(d, X, K, n);
   if (status != FB_OK) {
     return status;
@@ -10518,7 +10536,7 @@ static fb_real fbi_complex_abs(fbi_complex a)
   return large * FB_SQRT(FB_R(1.0) + ratio * ratio);
 }
 
-/* a / b by Smith's way, which does not overflow */
+/* a / b by Smith's method, which avoids overflow */
 static fbi_complex fbi_complex_div(fbi_complex a, fbi_complex b)
 {
   fbi_complex c;
@@ -10534,6 +10552,7 @@ static fbi_complex fbi_complex_div(fbi_complex a, fbi_complex b)
   return c;
 }
 
+/* Principal square root */
 static fbi_complex fbi_complex_sqrt(fbi_complex a)
 {
   const fb_real size = fbi_complex_abs(a);
@@ -10548,7 +10567,8 @@ static fbi_complex fbi_complex_sqrt(fbi_complex a)
   return c;
 }
 
-/* Scales A to D^-1 A D with powers of two so that rows and columns are of like size: a state matrix mixes units. */
+/* Balancing: A becomes D^-1 A D, D diagonal with powers of two, so that row i and column i have like norms. A state
+   matrix mixes units. */
 static void fbi_balance(fb_real *A, fb_real *D, int n)
 {
   int changed = 1;
@@ -10558,6 +10578,7 @@ static void fbi_balance(fb_real *A, fb_real *D, int n)
   for (int sweep = 0; sweep < 100 && changed; sweep++) {
     changed = 0;
     for (int i = 0; i < n; i++) {
+      /* Norms of row and column i without the diagonal */
       fb_real row = FB_R(0.0), column = FB_R(0.0), f = FB_R(1.0), s;
       for (int j = 0; j < n; j++) {
         row += j != i ? FB_FABS(A[i * n + j]) : FB_R(0.0);
@@ -10566,6 +10587,8 @@ static void fbi_balance(fb_real *A, fb_real *D, int n)
       if (!(row > FB_R(0.0) && column > FB_R(0.0))) {
         continue;
       }
+
+      /* Power of two f that brings column f and row / f together */
       s = row + column;
       for (int k = 0; k < 200 && column * f < FB_R(0.5) * row / f; k++) {
         f *= FB_R(2.0);
@@ -10573,6 +10596,8 @@ static void fbi_balance(fb_real *A, fb_real *D, int n)
       for (int k = 0; k < 200 && column * f > FB_R(2.0) * row / f; k++) {
         f *= FB_R(0.5);
       }
+
+      /* Scaled only where that lowers the sum by 5 % or more */
       if (column * f + row / f < FB_R(0.95) * s) {
         changed = 1;
         D[i] *= f;
@@ -10587,13 +10612,15 @@ static void fbi_balance(fb_real *A, fb_real *D, int n)
   }
 }
 
-/* A = Q H Q^T with H zero below the first subdiagonal, by Householder reflections; A is overwritten by H, Q built. */
+/* Hessenberg form A = Q H Q^T (H zero below the first subdiagonal) by Householder reflections; H overwrites A. */
 static void fbi_hessenberg(fb_real *A, fb_real *Q, int n)
 {
+  /* Q = 1 */
   for (int i = 0; i < n * n; i++) {
     Q[i] = i / n == i % n ? FB_R(1.0) : FB_R(0.0);
   }
   for (int k = 0; k + 2 < n; k++) {
+    /* Householder vector v of column k, scaled and stored in that column */
     fb_real scale = FB_R(0.0), norm2 = FB_R(0.0), alpha;
     for (int i = k + 1; i < n; i++) {
       scale = fbi_larger(scale, FB_FABS(A[i * n + k]));
@@ -10601,14 +10628,16 @@ static void fbi_hessenberg(fb_real *A, fb_real *Q, int n)
     if (!(scale > FB_R(0.0))) {
       continue;
     }
-    for (int i = k + 1; i < n; i++) { /* the reflection's vector stays in the column, scaled */
+    for (int i = k + 1; i < n; i++) {
       A[i * n + k] /= scale;
       norm2 += A[i * n + k] * A[i * n + k];
     }
     alpha = FB_SQRT(norm2) * (A[(k + 1) * n + k] > FB_R(0.0) ? -FB_R(1.0) : FB_R(1.0));
     norm2 -= alpha * A[(k + 1) * n + k]; /* v^T v / 2 */
     A[(k + 1) * n + k] -= alpha;
-    for (int j = k + 1; j < n; j++) { /* from the left */
+
+    /* A from the left: A -= v (v^T A) / norm2 */
+    for (int j = k + 1; j < n; j++) {
       fb_real sum = FB_R(0.0);
       for (int i = k + 1; i < n; i++) {
         sum += A[i * n + k] * A[i * n + j];
@@ -10617,7 +10646,9 @@ static void fbi_hessenberg(fb_real *A, fb_real *Q, int n)
         A[i * n + j] -= sum / norm2 * A[i * n + k];
       }
     }
-    for (int i = 0; i < 2 * n; i++) { /* from the right, A and Q */
+
+    /* A and Q from the right */
+    for (int i = 0; i < 2 * n; i++) {
       fb_real *row = i < n ? A + i * n : Q + (i - n) * n, sum = FB_R(0.0);
       for (int j = k + 1; j < n; j++) {
         sum += A[j * n + k] * row[j];
@@ -10626,6 +10657,8 @@ static void fbi_hessenberg(fb_real *A, fb_real *Q, int n)
         row[j] -= sum / norm2 * A[j * n + k];
       }
     }
+
+    /* Column k of H */
     A[(k + 1) * n + k] = alpha * scale;
     for (int i = k + 2; i < n; i++) {
       A[i * n + k] = FB_R(0.0);
@@ -10633,7 +10666,7 @@ static void fbi_hessenberg(fb_real *A, fb_real *Q, int n)
   }
 }
 
-/* (x, y) becomes (c x + s y, c y - s* x): a rotation in two rows; with s* for s, in two columns. */
+/* Givens rotation: (x, y) becomes (c x + s y, c y - s* x); for two rows with s, for two columns with s*. */
 static void fbi_complex_turn(fbi_complex *x, fbi_complex *y, fb_real c, fbi_complex s)
 {
   const fbi_complex conjugate = {s.re, -s.im};
@@ -10644,13 +10677,15 @@ static void fbi_complex_turn(fbi_complex *x, fbi_complex *y, fb_real c, fbi_comp
   y->im = c * y->im - sx.im;
 }
 
-/* One step of the QR iteration with a shift on rows and columns low..high of H, the bulge chased down; Q follows. */
+/* One QR step with a shift on rows and columns low..high of H by Givens rotations (bulge chasing); Q accumulates
+   them. */
 static void fbi_qr_step(fbi_complex *H, fbi_complex *Q, int low, int high, fbi_complex shift, int n)
 {
   fbi_complex x = H[low * n + low], y = H[(low + 1) * n + low];
   x.re -= shift.re;
   x.im -= shift.im;
   for (int k = low; k < high; k++) {
+    /* Rotation (c, s) that takes (x, y) to (r, 0) */
     const fb_real ax = fbi_complex_abs(x), ay = fbi_complex_abs(y);
     const fb_real norm = FB_SQRT(ax * ax + ay * ay), c = norm > FB_R(0.0) ? ax / norm : FB_R(1.0);
     fbi_complex s = {y.re, -y.im}, conjugate;
@@ -10662,6 +10697,8 @@ static void fbi_qr_step(fbi_complex *H, fbi_complex *Q, int low, int high, fbi_c
     s.im = norm > FB_R(0.0) ? s.im / norm : FB_R(0.0);
     conjugate.re = s.re;
     conjugate.im = -s.im;
+
+    /* H = G H G^H, Q = Q G^H */
     for (int j = k > low ? k - 1 : low; j < n; j++) {
       fbi_complex_turn(&H[k * n + j], &H[(k + 1) * n + j], c, s);
     }
@@ -10671,6 +10708,8 @@ static void fbi_qr_step(fbi_complex *H, fbi_complex *Q, int low, int high, fbi_c
     for (int i = 0; i < n; i++) {
       fbi_complex_turn(&Q[i * n + k], &Q[i * n + k + 1], c, conjugate);
     }
+
+    /* The next pair: subdiagonal element and the bulge below it */
     if (k + 1 < high) {
       x = H[(k + 1) * n + k];
       y = H[(k + 2) * n + k];
@@ -10678,7 +10717,7 @@ static void fbi_qr_step(fbi_complex *H, fbi_complex *Q, int low, int high, fbi_c
   }
 }
 
-/* Wilkinson's shift: the eigenvalue of the last 2x2 that is nearer to its last element. */
+/* Wilkinson's shift: the eigenvalue of the last 2x2 block that is nearer to its last element. */
 static fbi_complex fbi_qr_shift(const fbi_complex *H, int high, int n)
 {
   const fbi_complex a = H[(high - 1) * n + high - 1], d = H[high * n + high];
@@ -10702,11 +10741,12 @@ static fbi_complex fbi_qr_shift(const fbi_complex *H, int high, int n)
   return shift;
 }
 
-/* Triangularizes the complex Hessenberg H; 0 if it does not converge. */
+/* Triangularizes the complex Hessenberg matrix H by QR steps with deflation; returns 0 if it does not converge. */
 static int fbi_qr_iterate(fbi_complex *H, fbi_complex *Q, int n)
 {
   int high = n - 1, since = 0;
   for (int step = 0; step < 60 * n && high > 0; step++) {
+    /* Active block low..high; a negligible subdiagonal element is set to zero */
     int low = high;
     for (; low > 0; low--) {
       const fb_real near = fbi_complex_abs(H[low * n + low]) + fbi_complex_abs(H[(low - 1) * n + low - 1]);
@@ -10715,12 +10755,14 @@ static int fbi_qr_iterate(fbi_complex *H, fbi_complex *Q, int n)
         break;
       }
     }
+
+    /* A block of one row has converged (deflation), another one gets a QR step */
     if (low == high) {
       high--;
       since = 0;
     } else {
       fbi_complex shift = fbi_qr_shift(H, high, n);
-      if (++since % 12 == 0) { /* out of a cycle */
+      if (++since % 12 == 0) { /* exceptional shift, breaks cycles */
         shift.re += fbi_complex_abs(H[high * n + high - 1]);
       }
       fbi_qr_step(H, Q, low, high, shift, n);
@@ -10729,7 +10771,7 @@ static int fbi_qr_iterate(fbi_complex *H, fbi_complex *Q, int n)
   return high == 0 || n == 0;
 }
 
-/* Eigenvector k of the triangular H in x, elements 0..k. */
+/* Eigenvector k of the upper triangular H by back-substitution: elements 0..k of x. */
 static void fbi_triangular_vector(fbi_complex *x, const fbi_complex *H, fb_real norm, int k, int n)
 {
   const fbi_complex lambda = H[k * n + k];
@@ -10743,11 +10785,13 @@ static void fbi_triangular_vector(fbi_complex *x, const fbi_complex *H, fb_real 
       sum.re += p.re;
       sum.im += p.im;
     }
-    if (!(fbi_complex_abs(d) > FB_EPSILON * norm)) { /* a multiple eigenvalue */
+    if (!(fbi_complex_abs(d) > FB_EPSILON * norm)) { /* multiple eigenvalue: perturbed by round-off */
       d.re = FB_EPSILON * norm;
       d.im = FB_R(0.0);
     }
     x[j] = fbi_complex_div(sum, d);
+
+    /* Scaled down against overflow */
     size = fbi_complex_abs(x[j]);
     for (int i = j; i <= k && size > FB_R(1e6); i++) {
       x[i].re /= size;
@@ -10759,7 +10803,7 @@ static void fbi_triangular_vector(fbi_complex *x, const fbi_complex *H, fb_real 
 /* [E5.6] Eigenvalues and vectors of a general real matrix: balanced, Hessenberg form, shifted QR iteration in complex
    numbers, back substitution.
    Source: [GV] 7.4-7.6.  Shapes: see the header.  Cost: about 25 n^3 complex multiplications.
-   least: what is below is zero, as far as can be told.
+   least: round-off of the eigenvalues; imaginary parts below it are set to zero.
    Fails: not finite; 60 n steps.  Test: general_eigenvectors_satisfy_their_equation. */
 static fb_status fbi_eig_general(fb_real *re, fb_real *im, fb_real *X, fb_real *least, fb_real *A, fb_real *work, int n)
 {
@@ -10778,6 +10822,8 @@ static fb_status fbi_eig_general(fb_real *re, fb_real *im, fb_real *X, fb_real *
       X[0] = FB_R(1.0);
       return FB_OK;
     }
+
+    /* A = D Q H Q^T D^-1: re holds D, the complex Q starts as D Q */
     fbi_balance(A, re, n);
     fbi_hessenberg(A, X, n);
     for (int i = 0; i < n * n; i++) {
@@ -10786,10 +10832,14 @@ static fb_status fbi_eig_general(fb_real *re, fb_real *im, fb_real *X, fb_real *
       Q[i].re = re[i / n] * X[i];
       norm = fbi_larger(norm, FB_FABS(A[i]));
     }
+
+    /* Triangular form */
     if (!fbi_qr_iterate(H, Q, n)) {
       return FB_ERR_CONVERGENCE;
     }
     *least = (fb_real)n * FB_EPSILON * norm;
+
+    /* Eigenvectors (D Q) x of unit length; eigenvalues from the diagonal */
     for (int k = 0; k < n; k++) {
       fb_real *row = X + 2 * n * k, length = FB_R(0.0);
       fbi_triangular_vector(x, H, norm > FB_R(0.0) ? norm : FB_R(1.0), k, n);
@@ -10826,7 +10876,10 @@ FB_DEF fb_status fb_eig_general_solve(fb_real *re, fb_real *im, fb_real *X, fb_r
 /* ---------------------------------------------------------------------------------------------------------------
    BUILD >>beam: sections, stations, lumped bodies, element matrices (uses config, status, vec3, rotation, solve) */
 
-/* The unit quaternion of a desc's attitude, all zero: identity. */
+/* Names: station, a place with given section properties, linear in between; lump, a rigid (lumped) body fixed to a
+   node; cell, an integration interval; chain, a beam along a polygon of points. */
+
+/* Unit quaternion of a desc's attitude; all zeros mean identity. */
 static fb_status fbi_quat_from_attitude(fb_real q[4], const fb_real attitude[4])
 {
   for (int i = 0; i < 4; i++) {
@@ -10836,7 +10889,7 @@ static fb_status fbi_quat_from_attitude(fb_real q[4], const fb_real attitude[4])
   return fb_quat_normalize(q);
 }
 
-/* Nine Gauss points on 0..1: integrals exact to degree 17, running integrals (fbi_cumulative) to degree 8. */
+/* Nine Gauss quadrature points on 0..1: integrals exact to degree 17, partial ones (fbi_partial_weights) to 8. */
 #define FBI_GAUSS 9
 static const fb_real fbi_gauss_x[FBI_GAUSS] = {FB_R(0.01591988024618695),
                                                FB_R(0.08198444633668210),
@@ -10861,9 +10914,11 @@ static const fb_real fbi_gauss_w[FBI_GAUSS] = {
 static void fbi_gauss_rule(fb_real *x, fb_real *w, int n)
 {
   for (int i = 0; i < n; i++) {
+    /* r: zero i of P_n on -1..1, started at its asymptotic value */
     fb_real r = -FB_COS(FB_R(3.14159265358979324) * ((fb_real)i + FB_R(0.75)) / ((fb_real)n + FB_R(0.5)));
     fb_real slope = FB_R(1.0);
     for (int newton = 0; newton < 6; newton++) {
+      /* P_n by the three-term recurrence, then one Newton step */
       fb_real P = FB_R(1.0), Q = FB_R(0.0); /* P_j, P_(j-1) */
       for (int j = 0; j < n; j++) {
         const fb_real N = ((fb_real)(2 * j + 1) * r * P - (fb_real)j * Q) / (fb_real)(j + 1);
@@ -10873,6 +10928,8 @@ static void fbi_gauss_rule(fb_real *x, fb_real *w, int n)
       slope = (fb_real)n * (Q - r * P) / (FB_R(1.0) - r * r);
       r -= P / slope;
     }
+
+    /* From -1..1 to 0..1 */
     x[i] = FB_R(0.5) * (FB_R(1.0) + r);
     w[i] = FB_R(1.0) / ((FB_R(1.0) - r * r) * slope * slope);
   }
@@ -10914,10 +10971,10 @@ static void fbi_field_eval(fbi_field *f, const fb_real e[12], fb_real s, fb_real
   f->curvature[2] = c3 * (e[7] - e[1]) + c2 * e[5] + c4 * e[11];
 }
 
-/* [E6.5] Internal shapes that vanish at both nodes (with their slopes, in bending), two per kind of motion: bending
-   16 s^2 (1-s)^2 (1, 4 (2s-1)), axial and torsion 4 s (1-s) (1, 2 (2s-1)). With them the frequencies converge with
-   order 8 instead of 4 (bending) and 6 instead of 2: ten elements give the first modes to 1e-8, which cubics alone do
-   not.
+/* [E6.5] Internal (bubble) shapes that vanish at both nodes (with their slopes, in bending), two per kind of motion:
+   bending 16 s^2 (1-s)^2 (1, 4 (2s-1)), axial and torsion 4 s (1-s) (1, 2 (2s-1)). With them the frequencies converge
+   with order 8 instead of 4 (bending) and 6 instead of 2: ten elements give the first modes to 1e-8, which cubics alone
+   do not.
    Source: hierarchic (p-version) elements.  Shapes: b 8 amplitudes, two each of u_y, u_z, u_x, theta_x.
    Cost: 70 flops.  Fails: never.  Test: beam_frequencies_match_the_closed_form. */
 static void fbi_field_add_internal(fbi_field *f, const fb_real b[8], fb_real s, fb_real l)
@@ -10958,6 +11015,8 @@ static void fbi_field_add_shear(fbi_field *f, const fb_real g[8], fb_real s, fb_
   const fb_real N2 = l * s * (FB_R(1.0) + s * (s - FB_R(2.0))), N4 = l * s * s * (s - FB_R(1.0));
   const fb_real d2 = FB_R(1.0) + s * (FB_R(3.0) * s - FB_R(4.0)), d4 = s * (FB_R(3.0) * s - FB_R(2.0));
   const fb_real c2 = (FB_R(6.0) * s - FB_R(4.0)) / l, c4 = (FB_R(6.0) * s - FB_R(2.0)) / l;
+
+  /* u, d, c: Hermite shapes that carry the end values of P_k; section rotation = slope - gamma */
   for (int k = 0; k < 4; k++) {
     const fb_real sign = k % 2 ? -FB_R(1.0) : FB_R(1.0); /* P_k(-1) */
     const fb_real u = sign * N2 + N4, d = sign * d2 + d4, c = sign * c2 + c4;
@@ -10973,9 +11032,9 @@ static void fbi_field_add_shear(fbi_field *f, const fb_real g[8], fb_real s, fb_
   }
 }
 
-#define FBI_DEGREE 8 /* of the element functions, at most: the 9 Gauss points are exact for their mass */
+#define FBI_DEGREE 8 /* highest degree of element functions: their mass is exact with 9 Gauss points */
 #define FBI_FUNCTIONS (FBI_DEGREE + 1) /* functions in an element: 4 Hermite cubics and degree - 3 bubbles */
-typedef struct fbi_functions {         /* of an element at a point */
+typedef struct fbi_functions {         /* element functions at a point, derivatives in x */
   fb_real value[FBI_FUNCTIONS], slope[FBI_FUNCTIONS], curvature[FBI_FUNCTIONS];
 } fbi_functions;
 
@@ -10989,6 +11048,8 @@ static void fbi_functions_eval(fbi_functions *f, fb_real s, fb_real l, int degre
   const fb_real b = FB_R(16.0) * p * p, b1 = -FB_R(32.0) * p * r, b2 = FB_R(32.0) * (r * r - FB_R(2.0) * p);
   fb_real P = FB_R(1.0), P1 = FB_R(0.0), P2 = FB_R(0.0); /* P_j and its derivatives */
   fb_real Q = FB_R(0.0), Q1 = FB_R(0.0), Q2 = FB_R(0.0); /* those of P_(j-1) */
+
+  /* Hermite cubics */
   f->value[2] = s * s * (FB_R(3.0) - FB_R(2.0) * s);
   f->value[0] = FB_R(1.0) - f->value[2];
   f->value[1] = l * s * (FB_R(1.0) + s * (s - FB_R(2.0)));
@@ -11001,6 +11062,8 @@ static void fbi_functions_eval(fbi_functions *f, fb_real s, fb_real l, int degre
   f->curvature[0] = -f->curvature[2];
   f->curvature[1] = (FB_R(6.0) * s - FB_R(4.0)) / l;
   f->curvature[3] = (FB_R(6.0) * s - FB_R(2.0)) / l;
+
+  /* Bubbles b P_j by the three-term recurrence; N is P_(j+1) */
   for (int j = 0; j + 3 < degree; j++) {
     const fb_real a = (fb_real)(2 * j + 1) / (fb_real)(j + 1), c = (fb_real)j / (fb_real)(j + 1);
     const fb_real N = a * r * P - c * Q, N1 = a * (P + r * P1) - c * Q1, N2 = a * (FB_R(2.0) * P1 + r * P2) - c * Q2;
@@ -11012,7 +11075,7 @@ static void fbi_functions_eval(fbi_functions *f, fb_real s, fb_real l, int degre
   }
 }
 
-/* Place of function k of an element among all: value and slope per node, then the bubbles. */
+/* Index of element function k among all: values and slopes of the nodes first, then the bubbles of each element. */
 static int fbi_function_dof(int n_element, int degree, int element, int k)
 {
   return k < 4 ? 2 * element + k : 2 * (n_element + 1) + (degree - 3) * element + k - 4;
@@ -11031,6 +11094,8 @@ FB_DEF void fb_beam_section(fb_section *section, const fb_beam *beam, fb_real x)
   const int last = beam->desc.n_station - 1;
   int k = 0;
   fb_real s, a[FBI_SECTION], b[FBI_SECTION];
+
+  /* Stations k and k + 1 around x; constant beyond the ends */
   while (k < last && x > st[k + 1].x) {
     k++;
   }
@@ -11039,6 +11104,8 @@ FB_DEF void fb_beam_section(fb_section *section, const fb_beam *beam, fb_real x)
     section->x = x;
     return;
   }
+
+  /* Linear interpolation of all members */
   s = (x - st[k].x) / (st[k + 1].x - st[k].x);
   memcpy(a, &st[k], sizeof a);
   memcpy(b, &st[k + 1], sizeof b);
@@ -11071,8 +11138,8 @@ static void fbi_rectangle_fill(fb_section *s, const fb_material *m, fb_real y, f
 {
   const fb_real pi = FB_R(3.14159265358979324), nu = FB_R(0.5) * m->E / m->G - FB_R(1.0);
   const fb_real a = fbi_larger(y, z), b = y + z - a, A = a * b;
-  fb_real sum = FB_R(1.00452376279513962); /* of 1/k^5 */
-  for (int k = 1; k < 12; k += 2) {        /* and of tanh - 1, which vanishes beyond */
+  fb_real sum = FB_R(1.00452376279513962); /* sum of 1/k^5, k odd */
+  for (int k = 1; k < 12; k += 2) {        /* adds (tanh - 1)/k^5, negligible from k = 13 on */
     const fb_real q = FB_EXP(-(fb_real)k * pi * a / b), k2 = (fb_real)(k * k);
     sum -= FB_R(2.0) * q / ((FB_R(1.0) + q) * k2 * k2 * (fb_real)k);
   }
@@ -11122,6 +11189,8 @@ FB_DEF fb_status fb_section_init(fb_section *section, const fb_material *materia
       return FB_ERR_VALUE;
     }
   }
+
+  /* The results are checked, too: they may overflow */
   fbi_profile_fill(&out, material, profile);
   memcpy(all, &out, sizeof all);
   if (!fbi_is_finite(all, FBI_SECTION)) {
@@ -11131,8 +11200,8 @@ FB_DEF fb_status fb_section_init(fb_section *section, const fb_material *materia
   return FB_OK;
 }
 
-/* [E6.14] Stations of a linear taper: p(x) lowered by h^2/12 p'', so that the chords between stations hold the integral
-   of p.
+/* [E6.14] Stations of a linear taper: properties p(x) lowered by h^2/12 p'', so that linear interpolation between
+   stations has the integral of p.
    Source: error of the trapezoidal rule.  Fails: see the header.  Test: tapered_beam_has_the_published_frequencies. */
 FB_DEF fb_status fb_beam_desc_add_taper(fb_beam_desc *desc, const fb_material *material, const fb_profile *from,
                                         const fb_profile *to, int n)
@@ -11141,6 +11210,8 @@ FB_DEF fb_status fb_beam_desc_add_taper(fb_beam_desc *desc, const fb_material *m
   fb_status status;
   int at;
   FBI_REQUIRE(desc && material && from && to, FB_ERR_NULL);
+
+  /* Both profiles are valid, of one kind and in order */
   status = fb_section_init(&first, material, from);
   status = status ? status : fb_section_init(&last, material, to);
   if (status != FB_OK) {
@@ -11149,6 +11220,8 @@ FB_DEF fb_status fb_beam_desc_add_taper(fb_beam_desc *desc, const fb_material *m
   if (n < 2 || from->kind != to->kind || !(to->x > from->x) || desc->n_station < 0) {
     return FB_ERR_VALUE;
   }
+
+  /* The first new station replaces a last one at or beyond its place */
   at = desc->n_station;
   if (at > 0 && at <= FB_MAX_STATIONS && desc->station[at - 1].x >= from->x) {
     at--;
@@ -11156,8 +11229,10 @@ FB_DEF fb_status fb_beam_desc_add_taper(fb_beam_desc *desc, const fb_material *m
   if (n > FB_MAX_STATIONS || at > FB_MAX_STATIONS - n) {
     return FB_ERR_CAPACITY;
   }
+
+  /* Station k: p[3] is the section there; p[0..2] give the second difference h^2 p'' */
   for (int k = 0; k < n; k++) {
-    const int middle = n < 3 ? k : k == 0 ? 1 : k == n - 1 ? n - 2 : k; /* the ends take the p'' of their neighbors */
+    const int middle = n < 3 ? k : k == 0 ? 1 : k == n - 1 ? n - 2 : k; /* at the ends, that of the neighbor */
     fb_real p[4][FBI_SECTION];
     for (int i = 0; i < 4; i++) {
       const int there = i == 3 ? k : n < 3 ? k : middle + i - 1;
@@ -11170,9 +11245,11 @@ FB_DEF fb_status fb_beam_desc_add_taper(fb_beam_desc *desc, const fb_material *m
       fbi_profile_fill(&section, material, there == n - 1 ? to : &profile);
       memcpy(p[i], &section, sizeof section);
     }
+
+    /* Lowered by h^2/12 p'', a thin end by half at most */
     for (int j = 0; j < FBI_SECTION; j++) {
       const fb_real less = (p[0][j] - FB_R(2.0) * p[1][j] + p[2][j]) / FB_R(12.0);
-      p[3][j] -= less < FB_R(0.5) * p[3][j] ? less : FB_R(0.5) * p[3][j]; /* a thin end keeps half */
+      p[3][j] -= less < FB_R(0.5) * p[3][j] ? less : FB_R(0.5) * p[3][j];
     }
     memcpy(&desc->station[at + k], p[3], sizeof p[3]);
     desc->station[at + k].x = from->x + (fb_real)k / (fb_real)(n - 1) * (to->x - from->x);
@@ -11187,21 +11264,21 @@ static fb_real fbi_element_length(const fb_beam *beam, int element)
   return beam->start[element + 1] - beam->start[element];
 }
 
-/* Element axes to body axes. */
+/* Rotation matrix from element axes to body axes. */
 static void fbi_element_axes(fb_real axes[9], const fb_beam *beam, int element)
 {
   fb_mat33_mul(axes, beam->axes, beam->frame + 9 * element);
 }
 
-typedef struct fbi_cell { /* a stretch of beam inside one element and between two stations: polynomial properties */
+typedef struct fbi_cell { /* integration interval: in one element, between two stations (sections linear in x) */
   int element;
   fb_real x0, x1; /* [m] */
 } fbi_cell;
 
-/* The next cell; 0 after the last. Begin with {0, 0, 0}. */
+/* Next integration interval, starting from {0, 0, 0}; returns 0 after the last. */
 static int fbi_cell_next(fbi_cell *cell, const fb_beam *beam)
 {
-  fb_real gap = FB_R(1e-6) * fbi_element_length(beam, cell->element); /* slivers are not worth an integral */
+  fb_real gap = FB_R(1e-6) * fbi_element_length(beam, cell->element); /* shorter intervals are skipped */
   fb_real end;
   cell->x0 = cell->x1;
   if (cell->x0 >= beam->start[cell->element + 1] - gap) {
@@ -11228,14 +11305,13 @@ static int fbi_cell_is_last(const fbi_cell *cell, const fb_beam *beam)
   return !fbi_cell_next(&next, beam);
 }
 
-/* Position in its element (0..1) of the fraction t of a cell. */
+/* Element coordinate s = 0..1 of the fraction t of an integration interval. */
 static fb_real fbi_cell_s(const fbi_cell *cell, const fb_beam *beam, fb_real t)
 {
   return (cell->x0 + t * (cell->x1 - cell->x0) - beam->start[cell->element]) / fbi_element_length(beam, cell->element);
 }
 
-/* Matrix entries (xx, yy, zz, xy, xz, yz) of an inertia to the second moments of mass int r r^T dm = 1/2 tr(J) 1 -
-   J. */
+/* Second moments of mass int r r^T dm = 1/2 tr(J) 1 - J; inertia holds the entries xx, yy, zz, xy, xz, yz of J. */
 static void fbi_second_moments(fb_real S[9], const fb_real inertia[6])
 {
   const fb_real half = FB_R(0.5) * (inertia[0] + inertia[1] + inertia[2]);
@@ -11247,9 +11323,9 @@ static void fbi_second_moments(fb_real S[9], const fb_real inertia[6])
   S[5] = S[7] = -inertia[5];
 }
 
-/* [E6.2] Spread of a rigid body: three vectors s_k with int r r^T dm = sum s_k s_k^T (semidefinite Cholesky, the
-   largest diagonal element first), so that integrals over the body become sums. Rods and plates are the semidefinite
-   cases.
+/* [E6.2] Directions of spread of a rigid body: three vectors s_k with int r r^T dm = sum s_k s_k^T (semidefinite
+   Cholesky, the largest diagonal element first), so that integrals of degree 2 over the body become sums. Rods and
+   plates are the semidefinite cases.
    Source: [GV] 4.2.  Fails: the inertia is not one of a distribution of positive mass.
    Test: lumped_bodies_must_have_a_physical_inertia. */
 static fb_status fbi_spread(fb_real s[3][3], const fb_real inertia[6])
@@ -11258,8 +11334,11 @@ static fb_status fbi_spread(fb_real s[3][3], const fb_real inertia[6])
   fbi_second_moments(S, inertia);
   tol = FBI_ROUNDING * (FB_FABS(inertia[0]) + FB_FABS(inertia[1]) + FB_FABS(inertia[2]));
   for (int k = 0; k < 3; k++) {
+    /* Pivot: the largest diagonal element left */
     const int p = S[0] >= S[4] ? (S[0] >= S[8] ? 0 : 2) : (S[4] >= S[8] ? 1 : 2);
     const fb_real pivot = S[4 * p];
+
+    /* s_k, then S -= s_k s_k^T */
     for (int i = 0; i < 3; i++) {
       s[k][i] = pivot > tol ? S[3 * p + i] / FB_SQRT(pivot) : FB_R(0.0);
     }
@@ -11269,7 +11348,7 @@ static fb_status fbi_spread(fb_real s[3][3], const fb_real inertia[6])
       }
     }
   }
-  for (int i = 0; i < 9; i++) { /* what is left is rounding, or the inertia was not physical */
+  for (int i = 0; i < 9; i++) { /* what is left is round-off, or the inertia was unphysical */
     if (!(FB_FABS(S[i]) <= FB_R(4.0) * tol)) {
       return FB_ERR_VALUE;
     }
@@ -11277,6 +11356,7 @@ static fb_status fbi_spread(fb_real s[3][3], const fb_real inertia[6])
   return FB_OK;
 }
 
+/* Values of a section: finite, not negative, consistent. bent: the beam is a chain of points. */
 static fb_status fbi_section_check(const fb_section *s, int bent)
 {
   const fb_real *const zero_or_more[] = {&s->mass, &s->EA,  &s->GJ,   &s->EI_y, &s->EI_z,
@@ -11292,12 +11372,16 @@ static fb_status fbi_section_check(const fb_section *s, int bent)
       return FB_ERR_VALUE;
     }
   }
-  if (turned && (s->EI_y > FB_R(0.0)) != (s->EI_z > FB_R(0.0))) { /* rigid about an axis that turns */
+  if (turned && (s->EI_y > FB_R(0.0)) != (s->EI_z > FB_R(0.0))) { /* rigid in one plane only, but twisted */
     return FB_ERR_VALUE;
   }
+
+  /* In a chain all kinds of motion are coupled: none may be rigid */
   if (bent && !(s->EA > FB_R(0.0) && s->GJ > FB_R(0.0) && s->EI_y > FB_R(0.0) && s->EI_z > FB_R(0.0))) {
     return FB_ERR_VALUE;
   }
+
+  /* Shear stiffness in both directions or in none; without it no shear center */
   if (sheared != (s->GA_z > FB_R(0.0)) || (!sheared && FB_FABS(s->shear_y) + FB_FABS(s->shear_z) > FB_R(0.0))) {
     return FB_ERR_VALUE;
   }
@@ -11316,7 +11400,7 @@ static fb_status fbi_stations_check(const fb_beam_desc *desc)
       return FB_ERR_VALUE;
     }
   }
-  if (desc->n_station > 1) { /* the length of a bent line is a sum of roots: nobody gives it to the last digit */
+  if (desc->n_station > 1) { /* slack: the length of a chain is a sum of square roots */
     const fb_real slack = (desc->n_point > 0 ? FB_R(1e-5) : FBI_ROUNDING) * desc->length;
     if (FB_FABS(desc->station[0].x) > slack || FB_FABS(desc->station[desc->n_station - 1].x - desc->length) > slack) {
       return FB_ERR_VALUE;
@@ -11325,7 +11409,7 @@ static fb_status fbi_stations_check(const fb_beam_desc *desc)
   return FB_OK;
 }
 
-/* [E6.11] The shortest rotation that takes the unit vector a to b, R = 1 + v^ + v^ v^ / (1 + a.b), v = a x b.
+/* [E6.11] Shortest rotation that takes the unit vector a to b, R = 1 + v^ + v^ v^ / (1 + a.b), v = a x b.
    Source: Rodrigues.  Cost: 40 flops.  Fails: opposite vectors.  Test: a_chain_follows_its_points. */
 static void fbi_shortest_turn(fb_real R[9], const fb_real a[3], const fb_real b[3])
 {
@@ -11345,7 +11429,7 @@ static void fbi_shortest_turn(fb_real R[9], const fb_real a[3], const fb_real b[
   R[7] += v[0];
 }
 
-/* Nodes, lengths and axes of the elements: equal ones in a row, or the chain of the desc's points. */
+/* Nodes, lengths and axes of the elements: equal elements along x, or the chain through the desc's points. */
 static fb_status fbi_line_fill(fb_beam *beam)
 {
   const fb_beam_desc *desc = &beam->desc;
@@ -11364,6 +11448,8 @@ static fb_status fbi_line_fill(fb_beam *beam)
       fbi_copy(beam->node + 3 * (e + 1), desc->point[e + 1], 3);
       fbi_copy(chord, desc->point[e + 1], 3);
       fbi_vec3_add(chord, -FB_R(1.0), desc->point[e]);
+
+      /* Unit chord; kinks of 90 deg and more are refused, as is a first chord (nearly) opposite to x */
       length = fbi_vec3_norm(chord);
       if (!(length > FB_R(0.0))) {
         return FB_ERR_VALUE;
@@ -11374,6 +11460,8 @@ static fb_status fbi_line_fill(fb_beam *beam)
       if (!(fb_vec3_dot(along, chord) > (e == 0 ? -FB_R(0.99) : FB_R(0.0)))) {
         return FB_ERR_VALUE;
       }
+
+      /* Frame: that of the previous element, rotated by the shortest rotation */
       fbi_shortest_turn(turn, along, chord);
       fb_mat33_mul(beam->frame + 9 * e, turn, frame);
       fbi_copy(frame, beam->frame + 9 * e, 9);
@@ -11403,7 +11491,7 @@ static fb_status fbi_lumps_check(const fb_lump *lumps, int n, int last_node)
   return FB_OK;
 }
 
-/* Sizes and ranges of a desc, before its line and stations are looked at. */
+/* Counts, finite values and ranges of a desc; its line and stations are checked later. */
 static fb_status fbi_beam_desc_check(const fb_beam_desc *desc)
 {
   if (desc->n_element > FB_MAX_ELEMENTS || desc->n_station > FB_MAX_STATIONS || desc->n_lump > FB_MAX_LUMPS ||
@@ -11445,7 +11533,7 @@ static fb_real fbi_beam_mass(const fb_beam *beam)
   return mass;
 }
 
-/* What lies beyond the counts goes nowhere. */
+/* Zeroes the table entries beyond the counts. */
 static void fbi_desc_clear(fb_beam_desc *desc)
 {
   memset(desc->station + desc->n_station, 0, sizeof desc->station[0] * (size_t)(FB_MAX_STATIONS - desc->n_station));
@@ -11464,6 +11552,8 @@ FB_DEF fb_status fb_beam_init(fb_beam *beam, const fb_beam_desc *desc)
   if (status != FB_OK) {
     return status;
   }
+
+  /* Elements along the line */
   memset(&checked, 0, sizeof checked);
   checked.desc = *desc;
   fbi_desc_clear(&checked.desc);
@@ -11473,6 +11563,8 @@ FB_DEF fb_status fb_beam_init(fb_beam *beam, const fb_beam_desc *desc)
   if (status != FB_OK) {
     return status;
   }
+
+  /* Stations and lumped bodies, against the length of the line */
   checked.desc.length = desc->n_point > 0 ? checked.start[desc->n_element] : desc->length;
   if (desc->n_station == 1) {
     checked.desc.station[0].x = FB_R(0.0);
@@ -11482,6 +11574,8 @@ FB_DEF fb_status fb_beam_init(fb_beam *beam, const fb_beam_desc *desc)
   if (status != FB_OK) {
     return status;
   }
+
+  /* Axes and mass */
   fb_quat_to_mat33(checked.axes, quat);
   checked.mass = fbi_beam_mass(&checked);
   if (!(checked.mass > FB_R(0.0))) {
@@ -11491,7 +11585,7 @@ FB_DEF fb_status fb_beam_init(fb_beam *beam, const fb_beam_desc *desc)
   return FB_OK;
 }
 
-/* Degrees of freedom of a beam: six per node, then eight internal ones per element, then eight of shear, if any. */
+/* Number of degrees of freedom: six per node, then eight internal ones per element, then eight of shear, if any. */
 static int fbi_beam_ndof(const fb_beam *beam)
 {
   return 6 * (beam->desc.n_element + 1) + (beam->has_shear ? 16 : 8) * beam->desc.n_element;
@@ -11499,14 +11593,14 @@ static int fbi_beam_ndof(const fb_beam *beam)
 
 /* Coordinates of an element: 12 nodal (beam axes), 8 internal and 8 of shear (element axes). */
 #define FBI_LOCAL 28
-/* Their place in the assembly. */
+/* Index of element coordinate k in the assembled matrices. */
 static int fbi_element_dof(const fb_beam *beam, int element, int k)
 {
   const int n = beam->desc.n_element;
   return k < 12 ? 6 * element + k : 6 * (n + 1) + (k < 20 ? 8 * element + k - 12 : 8 * n + 8 * element + k - 20);
 }
 
-/* Field of an element at s from its coordinates. */
+/* Displacement field of an element at s from its coordinates v. */
 static void fbi_element_field(fbi_field *f, const fb_beam *beam, int element, const fb_real v[FBI_LOCAL], fb_real s)
 {
   const fb_real l = fbi_element_length(beam, element);
@@ -11521,8 +11615,8 @@ static void fbi_element_field(fbi_field *f, const fb_beam *beam, int element, co
   }
 }
 
-/* [E6.12] What a section does, section axes (turned by the twist): strain at the tension center, shear at the shear
-   center, displacement of the mass center,
+/* [E6.12] Generalized strains and displacements of a section in section axes (rotated by the twist): strain at the
+   tension center, shear at the shear center, displacement of the mass center,
    eps_t = eps + z_t k_y - y_t k_z,  g_y = gamma_y - z_s k_x,  g_z = gamma_z + y_s k_x,  u_m = u + theta x (0, y_m,
    z_m).
    Source: u(x, y, z) = u + theta x (0, y, z).  Cost: 50 flops, sin, cos.  Fails: never.
@@ -11533,6 +11627,7 @@ typedef struct fbi_section_field {
   fb_real slope[2]; /* element axes */
 } fbi_section_field;
 
+/* Components of (y, z) in axes rotated by the twist. */
 static void fbi_turn_yz(fb_real *y_out, fb_real *z_out, fb_real y, fb_real z, fb_real twist)
 {
   const fb_real c = FB_COS(twist), s = FB_SIN(twist);
@@ -11540,6 +11635,7 @@ static void fbi_turn_yz(fb_real *y_out, fb_real *z_out, fb_real y, fb_real z, fb
   *z_out = c * z - s * y;
 }
 
+/* Section strains and displacements of a field (E6.12). */
 static void fbi_section_eval(fbi_section_field *out, const fbi_field *f, const fb_section *s)
 {
   const fb_real offset[3] = {FB_R(0.0), s->mass_y, s->mass_z};
@@ -11557,7 +11653,7 @@ static void fbi_section_eval(fbi_section_field *out, const fbi_field *f, const f
   fbi_copy(out->slope, f->slope, 2);
 }
 
-/* Stiffness and mass per length of two fields at a section, under a tension. */
+/* Integrands of stiffness k and mass m of two fields at a section under a tension, per length (E6.3). */
 static void fbi_field_products(fb_real *k, fb_real *m, const fbi_section_field *a, const fbi_section_field *b,
                                const fb_section *section, fb_real tension)
 {
@@ -11617,7 +11713,7 @@ static void fbi_lump_add(fb_real *M, const fb_lump *lump, int ndof)
   }
 }
 
-/* [E6.6] Tension of a preload: the pull at the tip, a field a along x and a steady spin on all mass beyond x,
+/* [E6.6] Tension of a preload: a tip force F, a field of acceleration a along x and a steady spin on all mass beyond x,
    T(x) = F + int_x^L mass (a + spin^2 (radius + xi)) dxi + the same of the lumped bodies beyond x.
    Source: [H] C.1 (static preload); equilibrium.  Cost: 30 flops a cell and Gauss point.  Fails: never.
    Test: spinning_beams_stiffen_as_published, columns_buckle_under_the_published_loads. */
@@ -11648,8 +11744,8 @@ static int fbi_is_loaded(const fb_preload *load)
   return FB_FABS(load->force) + FB_FABS(load->acceleration) + FB_FABS(load->spin) > FB_R(0.0);
 }
 
-/* Element coordinates that follow the nodal ones without inertia: shear, and the quadratic stretch with which bending
-   about a tension center off the line must not be resisted. */
+/* Element coordinates that static condensation eliminates (E6.13): the shear amplitudes, and the quadratic axial shape,
+   without which bending about an offset tension center would be too stiff. */
 #define FBI_CONDENSED 9
 static int fbi_condensed_dofs(int dof[FBI_CONDENSED], const fb_beam *beam)
 {
@@ -11668,7 +11764,7 @@ static int fbi_condensed_dofs(int dof[FBI_CONDENSED], const fb_beam *beam)
   return n;
 }
 
-/* [E6.13] Nodal coordinates of an element, each with the internal ones that follow it, g = -K_gg^-1 K_ge e: the
+/* [E6.13] Static condensation: each nodal coordinate e of an element with the internal ones g = -K_gg^-1 K_ge e: the
    classical Timoshenko element, whose stiffness is exact for loads at its nodes.
    Source: static condensation; Przemieniecki 5.6.  Shapes: v 12 x FBI_LOCAL, row k for nodal coordinate k.
    Fails: never.
@@ -11680,6 +11776,8 @@ static void fbi_nodal_values(fb_real v[12 * FBI_LOCAL], const fb_beam *beam, int
   const int m = fbi_condensed_dofs(internal, beam), n = 12 + m;
   fb_real K[N * N] = {FB_R(0.0)}, M[N * N] = {FB_R(0.0)}, Kgg[FBI_CONDENSED * FBI_CONDENSED], g[FBI_CONDENSED];
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
+
+  /* Stiffness of the nodal and the condensed coordinates */
   while (m > 0 && fbi_cell_next(&cell, beam)) {
     for (int at = 0; at < FBI_GAUSS && cell.element == element; at++) {
       fb_section section;
@@ -11694,11 +11792,15 @@ static void fbi_nodal_values(fb_real v[12 * FBI_LOCAL], const fb_beam *beam, int
       fbi_element_add(K, M, f, dof, &section, fbi_gauss_w[at] * (cell.x1 - cell.x0), FB_R(0.0), n, n);
     }
   }
+
+  /* K_gg = L L^T */
   for (int i = 0; i < m * m; i++) {
     Kgg[i] = K[n * (12 + i / m) + 12 + i % m];
   }
   fbi_zero(v, 12 * FBI_LOCAL);
   (void)fb_chol_factor(Kgg, m); /* positive: GA > 0, EA > 0 */
+
+  /* g = -K_gg^-1 K_ge e for each unit e */
   for (int k = 0; k < 12; k++) {
     v[k * FBI_LOCAL + k] = FB_R(1.0);
     for (int i = 0; i < m; i++) {
@@ -11711,7 +11813,7 @@ static void fbi_nodal_values(fb_real v[12 * FBI_LOCAL], const fb_beam *beam, int
   }
 }
 
-/* Assembled K and M under a preload: nodal coordinates alone, or all. */
+/* Assembled K and M under a preload, of the nodal coordinates after condensation (nodal) or of all coordinates. */
 static void fbi_matrices(fb_real *K, fb_real *M, const fb_beam *beam, int nodal, const fb_preload *load)
 {
   const int loaded = fbi_is_loaded(load);
@@ -11723,6 +11825,7 @@ static void fbi_matrices(fb_real *K, fb_real *M, const fb_beam *beam, int nodal,
   fbi_zero(K, ndof * ndof);
   fbi_zero(M, ndof * ndof);
   while (fbi_cell_next(&cell, beam)) {
+    /* New element: indices, condensed shapes */
     if (cell.element != element) {
       element = cell.element;
       for (int i = 0; i < n; i++) {
@@ -11732,6 +11835,8 @@ static void fbi_matrices(fb_real *K, fb_real *M, const fb_beam *beam, int nodal,
         fbi_nodal_values(values, beam, element);
       }
     }
+
+    /* Quadrature: fields of unit coordinates, their products added */
     for (int g = 0; g < FBI_GAUSS; g++) {
       const fb_real x = cell.x0 + fbi_gauss_x[g] * (cell.x1 - cell.x0), dx = fbi_gauss_w[g] * (cell.x1 - cell.x0);
       const fb_real tension = loaded ? fbi_tension(beam, x, load) : FB_R(0.0);
@@ -11747,6 +11852,8 @@ static void fbi_matrices(fb_real *K, fb_real *M, const fb_beam *beam, int nodal,
       fbi_element_add(K, M, f, dof, &section, dx, tension, n, ndof);
     }
   }
+
+  /* Lumped bodies */
   for (int k = 0; k < beam->desc.n_lump; k++) {
     fbi_lump_add(M, &beam->desc.lump[k], ndof);
   }
@@ -11762,7 +11869,11 @@ FB_DEF void fb_beam_matrices(fb_real *K, fb_real *M, const fb_beam *beam)
 /* ---------------------------------------------------------------------------------------------------------------
    BUILD >>modes: natural modes, components, buckling, synthesis (uses config, status, vec3, solve, eigen, beam) */
 
-/* The kind of motion that a degree of freedom belongs to, and the nodal displacement that shows a kind. */
+/* The coordinates of a beam are those of an assumed-modes (Ritz) basis: natural and attachment modes, Craig-Bampton
+   component modes, finite-element coordinates or scalar functions. Names: kind, bending in a plane, axial or torsion;
+   group, kinds that are coupled; held, constrained; work.found, the basis so far; weld, a rigid connection. */
+
+/* Kind of motion (bending in two planes, axial, torsion) that a degree of freedom belongs to. */
 static fb_kind fbi_dof_kind(const fb_beam *beam, int dof)
 {
   static const fb_kind nodal[6] = {FB_KIND_AXIAL,   FB_KIND_BEND_Y, FB_KIND_BEND_Z,
@@ -11772,9 +11883,10 @@ static fb_kind fbi_dof_kind(const fb_beam *beam, int dof)
   return at < 0 ? nodal[dof % 6] : at < 8 * n ? internal[at % 8 / 2] : internal[at % 8 / 4];
 }
 
+/* The nodal displacement that represents each kind. */
 static const int fbi_kind_dof[FB_KIND_COUNT] = {1, 2, 0, 3};
 
-/* Does the beam have stiffness and inertia of this kind at all? Otherwise it is rigid in that way; a chain never is. */
+/* Does the beam have stiffness and inertia of this kind? Otherwise it is rigid in that way. A chain has all kinds. */
 static int fbi_kind_exists(const fb_beam *beam, fb_kind kind, const fb_real *M, int ndof)
 {
   int stiff = 0, inert = 0;
@@ -11792,8 +11904,8 @@ static int fbi_kind_exists(const fb_beam *beam, fb_kind kind, const fb_real *M, 
   return stiff && inert;
 }
 
-/* Kinds that the matrices couple (twist, centers and lumped bodies off the axis, kinks) share a group number; -1: the
-   kind does not exist. */
+/* Groups of kinds that K or M couple (twist, centers and lumped bodies off the axis, kinks), numbered by their first
+   kind; -1: the kind does not exist. */
 static void fbi_kind_groups(int group[FB_KIND_COUNT], const fb_beam *beam, const fb_real *K, const fb_real *M, int ndof)
 {
   for (int k = 0; k < FB_KIND_COUNT; k++) {
@@ -11811,7 +11923,7 @@ static void fbi_kind_groups(int group[FB_KIND_COUNT], const fb_beam *beam, const
   }
 }
 
-/* Does the root condition hold this degree of freedom? */
+/* Does the root condition constrain this degree of freedom? */
 static int fbi_is_held(const fb_beam *beam, int dof)
 {
   return dof < 6 && (beam->desc.root == FB_ROOT_CLAMPED || (beam->desc.root == FB_ROOT_PINNED && dof < 4));
@@ -11822,7 +11934,7 @@ static int fbi_coordinate_dof(const fb_coordinate *c)
   return 6 * c->node + c->axis;
 }
 
-/* Free degrees of freedom of a group; their number. */
+/* Degrees of freedom of a group that are not constrained; returns their number. */
 static int fbi_group_dofs(int *dof, const fb_beam *beam, const int *held, const int group[FB_KIND_COUNT], int id)
 {
   const int ndof = fbi_beam_ndof(beam);
@@ -11835,7 +11947,7 @@ static int fbi_group_dofs(int *dof, const fb_beam *beam, const int *held, const 
   return n;
 }
 
-/* The six rigid motions about the root, rows of ndof. */
+/* The six rigid-body displacements about the root, three translations and three rotations, in rows of ndof. */
 static void fbi_rigid_fill(fb_real *rigid, const fb_beam *beam)
 {
   const int ndof = fbi_beam_ndof(beam);
@@ -11851,8 +11963,8 @@ static void fbi_rigid_fill(fb_real *rigid, const fb_beam *beam)
   }
 }
 
-/* [E7.6] Rigid motions that the free coordinates of a group allow: null space of the values that the six motions have
-   at all the other coordinates (rotations taken with the length). Row k of motion combines the six.
+/* [E7.6] Rigid-body modes of a group: combinations of the six rigid motions that vanish at all coordinates but the free
+   ones of the group, null space of their values there (rotations times the length). Row k of motion combines the six.
    Source: linear algebra.  Shapes: motion 6 x 6.  Cost: E5.3 with n = 6.  Fails: never.
    Test: beam_frequencies_match_the_closed_form (free and pinned roots), components_keep_their_rigid_motions. */
 static int fbi_rigid_motions(fb_real motion[36], const fb_modes_work *work, const fb_beam *beam,
@@ -11862,6 +11974,8 @@ static int fbi_rigid_motions(fb_real motion[36], const fb_modes_work *work, cons
   const fb_real L = beam->desc.length;
   fb_real G[36] = {FB_R(0.0)}, d[6];
   int n = 0;
+
+  /* G: Gram matrix of the six motions at the coordinates that must not move */
   for (int i = 0; i < nodal; i++) {
     const fb_real unit = i % 6 < 3 ? FB_R(1.0) : L;
     if (group[fbi_dof_kind(beam, i)] == id && !work->held[i]) {
@@ -11874,6 +11988,8 @@ static int fbi_rigid_motions(fb_real motion[36], const fb_modes_work *work, cons
       G[ab] += unit * unit * x * y;
     }
   }
+
+  /* Null space: eigenvalues of zero, rotations scaled back */
   (void)fb_eig_sym_solve(d, motion, G, 6);
   while (n < 6 && d[n] < FBI_ROUNDING) {
     for (int a = 3; a < 6; a++) {
@@ -11884,8 +12000,8 @@ static int fbi_rigid_motions(fb_real motion[36], const fb_modes_work *work, cons
   return n;
 }
 
-/* [E7.1] Shift of the eigenproblem: the Rayleigh quotient of the field (x/L)^2 in all its kinds, a fraction of the
-   lowest elastic eigenvalue.
+/* [E7.1] Shift of an eigenproblem with rigid-body modes: the Rayleigh quotient of the displacement (x/L)^2 in all kinds
+   of the group, a fraction of the lowest elastic eigenvalue.
    Source: own.  Fails: never.  Test: beam_frequencies_match_the_closed_form (free and pinned roots). */
 static fb_real fbi_shift(const fb_beam *beam, const fb_real *Kc, const fb_real *Mc, const int *dof, int n)
 {
@@ -11906,7 +12022,7 @@ static fb_real fbi_shift(const fb_beam *beam, const fb_real *Kc, const fb_real *
   return k / m;
 }
 
-/* Turns the order of n eigenvalues and rows of eigenvectors: largest first. */
+/* Reverses the order of n eigenvalues and rows of eigenvectors. */
 static void fbi_eig_turn(fb_real *d, fb_real *X, int n)
 {
   for (int k = 0; k < n / 2; k++) {
@@ -11924,6 +12040,8 @@ static fb_status fbi_group_solve(const fb_beam *beam, fb_modes_work *work, const
   const int ndof = fbi_beam_ndof(beam);
   fb_real shift;
   fb_status status;
+
+  /* K and M of the group, K shifted where there are rigid-body modes */
   for (int i = 0; i < n; i++) {
     for (int j = 0; j < n; j++) {
       work->Kc[i * n + j] = work->K[dof[i] * ndof + dof[j]];
@@ -11934,14 +12052,20 @@ static fb_status fbi_group_solve(const fb_beam *beam, fb_modes_work *work, const
   for (int i = 0; i < n * n; i++) {
     work->Kc[i] += shift * work->Mc[i];
   }
+
+  /* M x = mu (K + shift M) x */
   status = fb_eig_gen_solve(work->omega2, work->X, work->Mc, work->Kc, n);
   if (status != FB_OK) {
     return status;
   }
+
+  /* Modes with inertia: mu above round-off */
   *found = 0;
   for (int k = n - 1; k >= 0 && work->omega2[k] > (fb_real)n * FB_EPSILON * work->omega2[n - 1]; k--) {
     (*found)++;
   }
+
+  /* omega^2 = 1/mu - shift, ascending */
   fbi_eig_turn(work->omega2, work->X, n);
   for (int k = 0; k < *found; k++) {
     work->omega2[k] = FB_R(1.0) / work->omega2[k] - shift;
@@ -11949,7 +12073,7 @@ static fb_status fbi_group_solve(const fb_beam *beam, fb_modes_work *work, const
   return FB_OK;
 }
 
-/* a^T M b for full-length shapes; M may be the stiffness */
+/* a^T M b of full-length shapes; M may be the stiffness matrix. */
 static fb_real fbi_modal_product(const fb_real *a, const fb_real *M, const fb_real *b, int ndof)
 {
   fb_real sum = FB_R(0.0);
@@ -11965,7 +12089,7 @@ static fb_real fbi_modal_product(const fb_real *a, const fb_real *M, const fb_re
   return sum;
 }
 
-/* The kind with the largest share of a shape's kinetic energy. */
+/* Kind with the largest share of a shape's kinetic energy. */
 static fb_kind fbi_shape_kind(const fb_beam *beam, const fb_real *shape, const fb_real *M, int ndof)
 {
   fb_real share[FB_KIND_COUNT] = {0};
@@ -11983,10 +12107,10 @@ static fb_kind fbi_shape_kind(const fb_beam *beam, const fb_real *shape, const f
   return (fb_kind)best;
 }
 
-/* Makes x orthogonal to the m orthonormal rows of f. */
+/* Makes x M-orthogonal to the m M-orthonormal rows of f (Gram-Schmidt). */
 static void fbi_orthogonalize(fb_real *x, const fb_real *f, const fb_real *M, int m, int ndof)
 {
-  for (int twice = 0; twice < 2; twice++) { /* once more takes off what rounding left */
+  for (int twice = 0; twice < 2; twice++) { /* the second pass removes round-off */
     for (int k = 0; k < m; k++) {
       const fb_real share = fbi_modal_product(f + k * ndof, M, x, ndof);
       for (int i = 0; i < ndof; i++) {
@@ -11996,7 +12120,7 @@ static void fbi_orthogonalize(fb_real *x, const fb_real *f, const fb_real *M, in
   }
 }
 
-/* Scales shape k to unit modal mass, the tip displacement of its kind positive. */
+/* Scales shape k, whose modal mass is given, to modal mass 1 and a positive tip displacement of its kind. */
 static void fbi_shape_scale(fb_modes *modes, int k, fb_real mass, int n_element)
 {
   const int main_dof = fbi_kind_dof[modes->kind[k]];
@@ -12005,7 +12129,7 @@ static void fbi_shape_scale(fb_modes *modes, int k, fb_real mass, int n_element)
   for (int i = main_dof; i < 6 * (n_element + 1); i += 6) {
     largest = FB_FABS(x[i]) > FB_FABS(largest) ? x[i] : largest;
   }
-  if (FB_FABS(sign) < FB_R(1e-3) * FB_FABS(largest)) { /* a node of the shape at the tip: heavy tip body */
+  if (FB_FABS(sign) < FB_R(1e-3) * FB_FABS(largest)) { /* tip at a node (heavy tip body): largest value */
     sign = largest;
   }
   scale = (sign < FB_R(0.0) ? -FB_R(1.0) : FB_R(1.0)) / FB_SQRT(mass);
@@ -12015,7 +12139,7 @@ static void fbi_shape_scale(fb_modes *modes, int k, fb_real mass, int n_element)
 }
 
 /* [E7.3] Mass normalization, x^T M x = 1, orthogonal to the shapes before it, tip displacement of its kind positive.
-   Returns 0 if the shape is a combination of those before it but for that share of its modal mass.
+   Returns 0 if no more than `share` of its modal mass remains then: it depends linearly on those before.
    Source: convention.  Shapes: rows of ndof.  Fails: never.  Test: modes_are_orthonormal_with_a_fixed_sign. */
 static int fbi_shape_normalize(fb_modes *modes, int k, const fb_real *M, int n_element, fb_real share)
 {
@@ -12032,7 +12156,7 @@ static int fbi_shape_normalize(fb_modes *modes, int k, const fb_real *M, int n_e
   return 1;
 }
 
-/* Shape of mode k of a solved group, n coordinates dof. */
+/* Full-length shape of mode k of a solved group with the n coordinates dof. */
 static void fbi_group_shape(fb_real *shape, const fb_modes_work *work, const int *dof, int k, int n, int ndof)
 {
   fbi_zero(shape, ndof);
@@ -12041,9 +12165,9 @@ static void fbi_group_shape(fb_real *shape, const fb_modes_work *work, const int
   }
 }
 
-/* [E7.7] Effective mass of a mode along a rigid motion r of the root, (x^T M r)^2 / (r^T M r): all modes of a clamped
-   beam together have the beam's mass but for that at the root ([DB] (43)). Does the group's part of the modes found
-   reach the fraction along each motion that its free coordinates take part in and whose kind is asked for?
+/* [E7.7] Effective mass of a mode along a rigid motion r of the root, (x^T M r)^2 / (r^T M r): those of all modes
+   of a clamped beam add up to its mass but for that at the root ([DB] (43)). Returns whether the modes found reach the
+   fraction asked for along each motion that the group's free coordinates take part in and whose kind is asked for.
    Source: Hughes, by [DB] 5.1.  Cost: 2 ndof^2 flops a mode and motion.  Fails: never.
    Test: effective_masses_add_up_to_the_beam. */
 static int fbi_mass_is_reached(const fb_modes_desc *desc, const fb_modes_work *work, const fb_beam *beam,
@@ -12055,15 +12179,21 @@ static int fbi_mass_is_reached(const fb_modes_desc *desc, const fb_modes_work *w
   for (int i = 0; i < 6; i++) {
     const fb_real *r = work->rigid + i * found->ndof;
     fb_real sum = FB_R(0.0), root[36] = {FB_R(0.0)};
+
+    /* Does the group take part in motion i? */
     int moves = 0;
     for (int j = 0; j < n; j++) {
       moves = moves || FB_FABS(r[dof[j]]) > FB_R(0.0);
     }
-    for (int k = 0; k < beam->desc.n_lump; k++) { /* bodies on the clamped root do not move */
+
+    /* Inertia of lumped bodies at the clamped root, which modes cannot move */
+    for (int k = 0; k < beam->desc.n_lump; k++) {
       if (beam->desc.lump[k].node == 0) {
         fbi_lump_add(root, &beam->desc.lump[k], 6);
       }
     }
+
+    /* Effective mass of the modes found against that of the beam without the root */
     for (int k = 0; k < found->n && moves && desc->count[kind[i]] > 0; k++) {
       const fb_real share = fbi_modal_product(found->shape + k * found->ndof, work->M, r, found->ndof);
       sum += share * share;
@@ -12081,8 +12211,8 @@ typedef struct fbi_choice { /* which modes to take */
   fb_real limit;            /* [rad/s] 0: none */
 } fbi_choice;
 
-/* Takes the modes of a solved group, n coordinates dof, behind its rigid ones into work.found, up to what the choice
-   and the fraction of the mass allow. A shape that the earlier ones already span (modes at a spin) is passed over. */
+/* Takes modes first..last - 1 of a solved group with the n coordinates dof into work.found, as far as the choice and
+   the mass fraction allow. A shape in the span of earlier ones (modes at a spin) is skipped. */
 static fb_status fbi_group_take(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam, const int *dof,
                                 int n, int first, int last, int taken[FB_KIND_COUNT], const fbi_choice *choice)
 {
@@ -12092,15 +12222,21 @@ static fb_status fbi_group_take(const fb_modes_desc *desc, fb_modes_work *work, 
   for (int k = first; k < last && out->n < choice->most; k++) {
     const fb_real omega = FB_SQRT(fbi_larger(work->omega2[k], FB_R(0.0)));
     fb_kind kind;
+
+    /* Frequency limit or mass fraction reached */
     if ((choice->limit > FB_R(0.0) && omega > choice->limit) ||
         (by_mass && fbi_mass_is_reached(desc, work, beam, dof, n))) {
       return FB_OK;
     }
+
+    /* Candidate shape; skipped if there are enough of its kind */
     fbi_group_shape(spare, work, dof, k, n, out->ndof);
     kind = fbi_shape_kind(beam, spare, work->M, out->ndof);
     if (taken[kind] >= choice->count[kind]) {
       continue;
     }
+
+    /* Taken unless it depends linearly on the others */
     if (out->n == FB_MAX_MODES) {
       return FB_ERR_CAPACITY;
     }
@@ -12115,7 +12251,7 @@ static fb_status fbi_group_take(const fb_modes_desc *desc, fb_modes_work *work, 
   return by_mass && !fbi_mass_is_reached(desc, work, beam, dof, n) ? FB_ERR_MODES : FB_OK;
 }
 
-/* Ascending frequency; a tie in the order of the kinds. */
+/* Sorts modes by frequency, equal ones by kind. */
 static void fbi_modes_sort(fb_modes *modes)
 {
   for (int i = 1; i < modes->n && i < FB_MAX_MODES; i++) {
@@ -12137,13 +12273,16 @@ static void fbi_modes_sort(fb_modes *modes)
   }
 }
 
-/* The finite-element coordinates of the kinds asked for, as they are, with what follows them (E6.13). */
+/* Basis of finite-element coordinates: unit nodal displacements of the kinds asked for, with the condensed internal
+   coordinates (E6.13). */
 static fb_status fbi_elements_take(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam,
                                    const int group[FB_KIND_COUNT])
 {
   const int nodal = 6 * (beam->desc.n_element + 1);
   fb_modes *out = &work->found;
   int dof[FBI_MAX_DOF];
+
+  /* One coordinate per free nodal displacement */
   for (int i = 0; i < nodal; i++) {
     const fb_kind kind = fbi_dof_kind(beam, i);
     if (desc->count[kind] > 0 && group[kind] >= 0 && !work->held[i]) {
@@ -12158,6 +12297,8 @@ static fb_status fbi_elements_take(const fb_modes_desc *desc, fb_modes_work *wor
       out->n++;
     }
   }
+
+  /* Internal coordinates that follow it in each element */
   for (int e = 0; e < beam->desc.n_element; e++) {
     fb_real v[12 * FBI_LOCAL];
     fbi_nodal_values(v, beam, e);
@@ -12168,6 +12309,8 @@ static fb_status fbi_elements_take(const fb_modes_desc *desc, fb_modes_work *wor
       }
     }
   }
+
+  /* M and K of the condensed elements; then the full matrices again */
   fbi_matrices(work->K, work->M, beam, 1, &desc->preload);
   for (int i = 0; i < out->n; i++) {
     for (int j = 0; j < out->n; j++) {
@@ -12179,7 +12322,7 @@ static fb_status fbi_elements_take(const fb_modes_desc *desc, fb_modes_work *wor
   return FB_OK;
 }
 
-/* Solves group id, n coordinates dof, of whose modes the first are rigid. */
+/* Solves group id, with n coordinates dof: `found` modes, the first `rigid` of which are rigid-body modes. */
 static fb_status fbi_group_open(int *dof, int *n, int *rigid, int *found, fb_modes_work *work, const fb_beam *beam,
                                 const int group[FB_KIND_COUNT], int id)
 {
@@ -12193,7 +12336,7 @@ static fb_status fbi_group_open(int *dof, int *n, int *rigid, int *found, fb_mod
   return fbi_group_solve(beam, work, dof, *n, *rigid, found);
 }
 
-/* Frequency of the n-th lowest mode of all groups; limit stays where there are fewer. */
+/* Lowers limit to the frequency of the n-th lowest elastic mode of all groups; unchanged if there are fewer modes. */
 static fb_status fbi_lowest_limit(fb_real *limit, fb_modes_work *work, const fb_beam *beam,
                                   const int group[FB_KIND_COUNT], int lowest)
 {
@@ -12205,6 +12348,8 @@ static fb_status fbi_lowest_limit(fb_real *limit, fb_modes_work *work, const fb_
     if (status != FB_OK) {
       return status;
     }
+
+    /* Insertion into the list of the lowest frequencies */
     for (int k = rigid; k < found; k++) {
       const fb_real omega = FB_SQRT(fbi_larger(work->omega2[k], FB_R(0.0)));
       int at = filled < lowest ? filled : lowest;
@@ -12219,13 +12364,15 @@ static fb_status fbi_lowest_limit(fb_real *limit, fb_modes_work *work, const fb_
       }
     }
   }
+
+  /* Limit, where the list is full */
   if (filled == lowest && (!(*limit > FB_R(0.0)) || list[lowest - 1] < *limit)) {
     *limit = list[lowest - 1];
   }
   return FB_OK;
 }
 
-/* Solves every group with work.K and work.M as they are and takes modes up to count per kind, or the lowest of all. */
+/* Solves every group with the present work.K and work.M; takes up to count modes per kind, or the lowest of all. */
 static fb_status fbi_modes_take(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam,
                                 const int group[FB_KIND_COUNT], int taken[FB_KIND_COUNT],
                                 const int count[FB_KIND_COUNT])
@@ -12233,6 +12380,8 @@ static fb_status fbi_modes_take(const fb_modes_desc *desc, fb_modes_work *work, 
   static const int all[FB_KIND_COUNT] = {FB_ALL_MODES, FB_ALL_MODES, FB_ALL_MODES, FB_ALL_MODES};
   fbi_choice choice = {count, FB_MAX_MODES + 1, desc->omega_limit};
   int dof[FBI_MAX_DOF];
+
+  /* The lowest of all kinds: a frequency limit in place of counts */
   if (desc->lowest > 0) {
     fb_status status;
     if (desc->lowest > FB_MAX_MODES - work->found.n) {
@@ -12245,6 +12394,8 @@ static fb_status fbi_modes_take(const fb_modes_desc *desc, fb_modes_work *work, 
     choice.count = all;
     choice.most = work->found.n + desc->lowest;
   }
+
+  /* Modes of each group */
   for (int id = 0; id < FB_KIND_COUNT; id++) {
     int n, rigid, found;
     fb_status status = fbi_group_open(dof, &n, &rigid, &found, work, beam, group, id);
@@ -12266,6 +12417,8 @@ static fb_status fbi_modes_ritz(fb_modes_work *work, const fb_beam *beam)
   fb_modes *out = &work->found;
   const int n = out->n, ndof = out->ndof;
   fb_status status;
+
+  /* Eigenvectors of the reduced stiffness Phi^T K Phi */
   for (int i = 0; i < n; i++) {
     for (int j = 0; j < n; j++) {
       work->Kc[i * n + j] = fbi_modal_product(out->shape + i * ndof, work->K, out->shape + j * ndof, ndof);
@@ -12275,6 +12428,8 @@ static fb_status fbi_modes_ritz(fb_modes_work *work, const fb_beam *beam)
   if (status != FB_OK) {
     return status;
   }
+
+  /* Ritz modes Phi X */
   fbi_zero(work->Mc, n * ndof);
   for (int k = 0; k < n; k++) {
     for (int j = 0; j < n; j++) {
@@ -12283,6 +12438,8 @@ static fb_status fbi_modes_ritz(fb_modes_work *work, const fb_beam *beam)
       }
     }
   }
+
+  /* In place of the shapes found */
   for (int k = 0; k < n; k++) {
     fbi_copy(out->shape + k * ndof, work->Mc + k * ndof, ndof);
     out->omega[k] = FB_SQRT(fbi_larger(work->omega2[k], FB_R(0.0)));
@@ -12292,7 +12449,8 @@ static fb_status fbi_modes_ritz(fb_modes_work *work, const fb_beam *beam)
   return FB_OK;
 }
 
-/* Factors the stiffness of all elastic coordinates that are not held; their number. */
+/* Cholesky factor, in work.Kc, of the stiffness of all elastic coordinates that are not constrained; returns their
+   number. */
 static int fbi_static_factor(fb_status *status, int *dof, fb_modes_work *work, const fb_beam *beam,
                              const int group[FB_KIND_COUNT])
 {
@@ -12310,7 +12468,7 @@ static int fbi_static_factor(fb_status *status, int *dof, fb_modes_work *work, c
   return n;
 }
 
-/* x = K^-1 x over those coordinates; zero elsewhere. */
+/* x = K^-1 x over the n coordinates dof, zero elsewhere. */
 static void fbi_static_solve(fb_real *x, const fb_modes_work *work, const int *dof, int n, int ndof)
 {
   fb_real f[FBI_MAX_DOF] = {FB_R(0.0)};
@@ -12332,7 +12490,7 @@ static void fbi_shape_move(fb_modes *modes, int to, int from)
   modes->omega[to] = modes->omega[from];
 }
 
-/* Takes a shape of full length behind those found; 0 if it is a combination of them. */
+/* Appends a full-length shape to those found; returns 0 if it depends linearly on them. */
 static int fbi_shape_take(fb_modes_work *work, const fb_beam *beam, const fb_real *shape, fb_real omega)
 {
   fb_modes *out = &work->found;
@@ -12346,7 +12504,7 @@ static int fbi_shape_take(fb_modes_work *work, const fb_beam *beam, const fb_rea
   return 1;
 }
 
-/* Makes x orthogonal to the m rows of f and normalizes it. */
+/* Makes x M-orthogonal to the m rows of f and scales it to modal mass 1. */
 static void fbi_orthonormalize(fb_real *x, const fb_real *f, const fb_real *M, int m, int ndof)
 {
   fb_real norm;
@@ -12357,7 +12515,8 @@ static void fbi_orthonormalize(fb_real *x, const fb_real *f, const fb_real *M, i
   }
 }
 
-/* Orthonormal shapes of the rigid motions that the root leaves, to work.free; a motion without inertia is none. */
+/* Orthonormal rigid-body modes that the root condition allows, in work.free; returns their number. A motion without
+   inertia is skipped. */
 static int fbi_free_fill(fb_modes_work *work, const fb_beam *beam)
 {
   static const int all[FB_KIND_COUNT] = {0, 0, 0, 0};
@@ -12381,7 +12540,7 @@ static int fbi_free_fill(fb_modes_work *work, const fb_beam *beam)
   return n;
 }
 
-/* Puts the n shapes of work.free before those found. */
+/* Puts the n rigid-body modes of work.free in front of the modes found. */
 static fb_status fbi_free_take(fb_modes_work *work, const fb_beam *beam, int n)
 {
   fb_modes *out = &work->found;
@@ -12401,9 +12560,9 @@ static fb_status fbi_free_take(fb_modes_work *work, const fb_beam *beam, int n)
   return FB_OK;
 }
 
-/* [E7.8] Static correction modes: x = K^-1 (f - M R (R^T M R)^-1 R^T f) with the root held, f a unit load, R the rigid
-   motions that the root leaves; the reaction of the root vanishes. Normalized behind the modes kept they are what those
-   miss of the deflection (residual flexibility).
+/* [E7.8] Attachment modes with inertia relief: x = K^-1 (f - M R (R^T M R)^-1 R^T f) with the root clamped, f a unit
+   load, R the rigid-body modes that the root allows; the root's reaction vanishes. Orthogonal to the modes kept, they
+   are the residual flexibility: the deflection that those modes miss.
    Source: [H] 2.5; Craig, Structural Dynamics, 1981, 19 (inertia relief).  Fails: capacity; no stiffness there.
    Test: static_corrections_make_loads_exact. */
 static fb_status fbi_static_take(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam,
@@ -12412,11 +12571,14 @@ static fb_status fbi_static_take(const fb_modes_desc *desc, fb_modes_work *work,
   fb_modes *out = &work->found;
   int dof[FBI_MAX_DOF], n;
   fb_status status;
-  for (int i = 0; i < 6; i++) { /* nobody asks for the root afterwards */
+
+  /* Stiffness with the root clamped, whatever its condition; work.held is not needed afterwards */
+  for (int i = 0; i < 6; i++) {
     work->held[i] = 1;
   }
   n = fbi_static_factor(&status, dof, work, beam, group);
   for (int k = 0; k < desc->n_load && status == FB_OK; k++) {
+    /* Unit load f at the coordinate, less the inertia forces M R R^T f (R orthonormal) */
     const int at = fbi_coordinate_dof(&desc->load[k]);
     fb_real x[FBI_MAX_DOF] = {FB_R(0.0)};
     x[at] = FB_R(1.0);
@@ -12426,18 +12588,22 @@ static fb_status fbi_static_take(const fb_modes_desc *desc, fb_modes_work *work,
         x[i] -= shape[at] * fbi_dot(work->M + i * out->ndof, shape, out->ndof);
       }
     }
+
+    /* Deflection without rigid-body motion */
     fbi_static_solve(x, work, dof, n, out->ndof);
-    fbi_orthogonalize(x, work->free, work->M, n_free, out->ndof); /* to the rigid motions, as the modes are */
+    fbi_orthogonalize(x, work->free, work->M, n_free, out->ndof);
+
+    /* Taken unless the modes span it */
     if (out->n == FB_MAX_MODES) {
       status = FB_ERR_CAPACITY;
     } else {
-      (void)fbi_shape_take(work, beam, x, FB_R(0.0)); /* the modes may hold it already */
+      (void)fbi_shape_take(work, beam, x, FB_R(0.0));
     }
   }
   return status;
 }
 
-/* Were as many modes found as the desc asks for? */
+/* Are there as many modes as the desc asks for? */
 static fb_status fbi_count_check(const fb_modes_desc *desc, const int taken[FB_KIND_COUNT], int n)
 {
   if (desc->lowest > 0) {
@@ -12452,7 +12618,8 @@ static fb_status fbi_count_check(const fb_modes_desc *desc, const int taken[FB_K
   return FB_OK;
 }
 
-/* Natural modes; with a spin the first half of the bending modes at rest, the others under the spin's tension. */
+/* Natural modes. With a spin the first half of the bending modes is taken at rest, the others under centrifugal
+   tension. */
 static fb_status fbi_natural_modes(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam,
                                    const int group[FB_KIND_COUNT])
 {
@@ -12461,6 +12628,8 @@ static fb_status fbi_natural_modes(const fb_modes_desc *desc, fb_modes_work *wor
   const int n_free = fbi_free_fill(work, beam);
   int taken[FB_KIND_COUNT] = {0}, count[FB_KIND_COUNT];
   fb_status status;
+
+  /* Modes at rest, then those at the spin */
   for (int k = 0; k < FB_KIND_COUNT; k++) {
     const int bending = k == FB_KIND_BEND_Y || k == FB_KIND_BEND_Z;
     count[k] = spinning && bending ? (desc->count[k] + 1) / 2 : desc->count[k];
@@ -12472,17 +12641,23 @@ static fb_status fbi_natural_modes(const fb_modes_desc *desc, fb_modes_work *wor
     status = fbi_modes_take(desc, work, beam, group, taken, desc->count);
     fbi_matrices(work->K, work->M, beam, 0, &desc->preload);
   }
+
+  /* Attachment modes; Ritz modes of all of them */
   status = status ? status : fbi_count_check(desc, taken, out->n);
   status = status || desc->n_load == 0 ? status : fbi_static_take(desc, work, beam, group, n_free);
   status = status || (!spinning && desc->n_load == 0) ? status : fbi_modes_ritz(work, beam);
   if (status != FB_OK) {
     return status;
   }
+
+  /* Ascending, rigid-body modes first */
   fbi_modes_sort(out);
   status = desc->rigid ? fbi_free_take(work, beam, n_free) : FB_OK;
   if (status != FB_OK) {
     return status;
   }
+
+  /* M = 1, K = omega^2 */
   fbi_zero(out->M, out->n * out->n);
   fbi_zero(out->K, out->n * out->n);
   for (int k = 0; k < out->n; k++) {
@@ -12492,7 +12667,7 @@ static fb_status fbi_natural_modes(const fb_modes_desc *desc, fb_modes_work *wor
   return FB_OK;
 }
 
-/* M and K of the shapes found. */
+/* Modal M and K of the shapes found. */
 static void fbi_shapes_matrices(fb_modes_work *work)
 {
   fb_modes *out = &work->found;
@@ -12505,14 +12680,14 @@ static void fbi_shapes_matrices(fb_modes_work *work)
   }
 }
 
-/* The first m shapes may move as rigid bodies: what rounding leaves below zero of their stiffness is none. A body
-   refuses a stiffness below zero, as of what has buckled. */
+/* Zeroes rows of K for those of the first m shapes whose stiffness is below zero by round-off: they move as rigid
+   bodies. A body refuses a stiffness below zero as buckled. */
 static void fbi_rigid_clear(fb_modes_work *work, int m)
 {
   fb_modes *out = &work->found;
   for (int k = 0; k < m; k++) {
     const fb_real *x = out->shape + k * out->ndof, own = out->K[k * (out->n + 1)];
-    fb_real size = FB_R(0.0); /* of what it is made of */
+    fb_real size = FB_R(0.0); /* sum of the magnitudes of its terms */
     for (int ij = 0; ij < out->ndof * out->ndof; ij++) {
       size += FB_FABS(x[ij / out->ndof] * work->K[ij] * x[ij % out->ndof]);
     }
@@ -12523,9 +12698,9 @@ static void fbi_rigid_clear(fb_modes_work *work, int m)
 }
 
 /* [E7.9] Hurty (Craig-Bampton) component: constraint modes, x_i = 1 at one boundary coordinate, 0 at the others, and K
-   x = 0 elsewhere; then natural modes with the boundary held. K has no terms between the two kinds. The inertia of a
-   moving boundary adds K^-1 M x: k modes of a cantilever held at its tip miss the k-th frequency by 1.6e-3 without,
-   2e-7 with.
+   x = 0 elsewhere; then fixed-interface natural modes. K has no terms between the two kinds. boundary_inertia adds the
+   boundary-acceleration modes K^-1 M x: with k modes of a cantilever held at its tip the k-th frequency is off by
+   1.6e-3 without them, by 2e-7 with them.
    Source: [H] 2.5, C.3 with ERRATA.md H15.  Shapes: n_boundary constraint modes first.
    Fails: capacity; the boundary leaves rigid motion.
    Test: hurty_example_has_the_printed_numbers, components_deflect_exactly_at_their_boundary. */
@@ -12541,10 +12716,12 @@ static fb_status fbi_component_take(const fb_modes_desc *desc, fb_modes_work *wo
   if (status != FB_OK) {
     return status;
   }
+
+  /* Constraint modes x, for now at the end of the table */
   if (out->n > FB_MAX_MODES - (desc->boundary_inertia ? 2 : 1) * m) {
     return FB_ERR_CAPACITY;
   }
-  constraint = out->shape + (FB_MAX_MODES - m) * out->ndof; /* behind all others */
+  constraint = out->shape + (FB_MAX_MODES - m) * out->ndof;
   n = fbi_static_factor(&status, dof, work, beam, group);
   for (int k = 0; k < m && status == FB_OK; k++) {
     const int at = fbi_coordinate_dof(&desc->boundary[k]);
@@ -12555,6 +12732,8 @@ static fb_status fbi_component_take(const fb_modes_desc *desc, fb_modes_work *wo
     fbi_static_solve(x, work, dof, n, out->ndof);
     x[at] = FB_R(1.0);
   }
+
+  /* Boundary-acceleration modes K^-1 M x */
   for (int k = 0; k < m && status == FB_OK && desc->boundary_inertia; k++) {
     fb_real x[FBI_MAX_DOF];
     for (int i = 0; i < out->ndof; i++) {
@@ -12567,8 +12746,10 @@ static fb_status fbi_component_take(const fb_modes_desc *desc, fb_modes_work *wo
   if (status != FB_OK) {
     return status;
   }
+
+  /* Constraint modes in front of the others */
   fbi_modes_sort(out);
-  fbi_copy(work->X, constraint, m * out->ndof); /* and in front of them */
+  fbi_copy(work->X, constraint, m * out->ndof);
   for (int k = out->n - 1; k >= 0; k--) {
     fbi_shape_move(out, k + m, k);
   }
@@ -12578,26 +12759,32 @@ static fb_status fbi_component_take(const fb_modes_desc *desc, fb_modes_work *wo
     out->kind[k] = fbi_dof_kind(beam, fbi_coordinate_dof(&desc->boundary[k]));
     out->omega[k] = FB_R(0.0);
   }
+
+  /* M and K */
   fbi_shapes_matrices(work);
   fbi_rigid_clear(work, m);
   return FB_OK;
 }
 
-/* The field of one coordinate at a point s of an element, element axes. */
+/* Displacement field of a mode (one coordinate) at s of an element, element axes. */
 static void fbi_mode_field(fbi_field *f, const fb_beam *beam, const fb_modes *modes, int mode, int element, fb_real s)
 {
   const fb_real *shape = modes->shape + mode * modes->ndof;
   fbi_functions local;
   fb_real value = FB_R(0.0), slope = FB_R(0.0), curvature = FB_R(0.0);
+
+  /* Shape in finite-element coordinates */
   if (modes->degree == 0) {
     fb_real v[FBI_LOCAL] = {FB_R(0.0)};
     for (int i = 0; i < (beam->has_shear ? FBI_LOCAL : 20); i++) {
       v[i] = shape[fbi_element_dof(beam, element, i)];
     }
     fbi_element_field(f, beam, element, v, s);
-    f->strain_slope = FB_R(0.0); /* the torque that it is for is not known of such modes */
+    f->strain_slope = FB_R(0.0); /* used by E8.24 alone, which does not cover such modes */
     return;
   }
+
+  /* Scalar element functions: value, slope, curvature */
   fbi_functions_eval(&local, s, fbi_element_length(beam, element), modes->degree);
   for (int k = 0; k <= modes->degree; k++) {
     const fb_real c = shape[fbi_function_dof(beam->desc.n_element, modes->degree, element, k)];
@@ -12605,6 +12792,8 @@ static void fbi_mode_field(fbi_field *f, const fb_beam *beam, const fb_modes *mo
     slope += c * local.slope[k];
     curvature += c * local.curvature[k];
   }
+
+  /* Displacement of the mode's kind */
   memset(f, 0, sizeof *f);
   if (modes->kind[mode] == FB_KIND_AXIAL) {
     f->u[0] = value;
@@ -12619,7 +12808,7 @@ static void fbi_mode_field(fbi_field *f, const fb_beam *beam, const fb_modes *mo
   }
 }
 
-/* M and K of the coordinates from their fields. */
+/* Modal M and K from the fields of the modes, by quadrature. */
 static void fbi_modes_matrices(fb_modes *modes, const fb_beam *beam)
 {
   const int n = modes->n, last = beam->desc.n_element - 1;
@@ -12628,6 +12817,8 @@ static void fbi_modes_matrices(fb_modes *modes, const fb_beam *beam)
   fbi_section_field at[FB_MAX_MODES];
   fbi_zero(modes->M, n * n);
   fbi_zero(modes->K, n * n);
+
+  /* Beam */
   while (fbi_cell_next(&cell, beam)) {
     for (int g = 0; g < FBI_GAUSS; g++) {
       fb_section section;
@@ -12644,7 +12835,9 @@ static void fbi_modes_matrices(fb_modes *modes, const fb_beam *beam)
       }
     }
   }
-  for (int i = 0; i < beam->desc.n_lump; i++) { /* E6.4 */
+
+  /* Lumped bodies (E6.4) */
+  for (int i = 0; i < beam->desc.n_lump; i++) {
     const fb_lump *lump = &beam->desc.lump[i];
     const fb_real *J = lump->inertia;
     const int element = lump->node < last ? lump->node : last;
@@ -12653,14 +12846,15 @@ static void fbi_modes_matrices(fb_modes *modes, const fb_beam *beam)
       fbi_vec3_add_cross(f[a].u, f[a].theta, lump->center);
     }
     for (int ab = 0; ab < n * n; ab++) {
-      const fb_real *const a = f[ab / n].theta, *const b = f[ab % n].theta; /* no function twists */
+      const fb_real *const a = f[ab / n].theta, *const b = f[ab % n].theta; /* theta_x = 0: no torsion */
       const fb_real turn = a[1] * (J[1] * b[1] + J[5] * b[2]) + a[2] * (J[5] * b[1] + J[2] * b[2]);
       modes->M[ab] += lump->mass * fb_vec3_dot(f[ab / n].u, f[ab % n].u) + turn;
     }
   }
 }
 
-/* Scalar mass and bending stiffness (axial, where there is none) of all element functions, to work.M and work.K. */
+/* Mass and bending stiffness (axial stiffness, where there is no bending) of the scalar element functions, to work.M
+   and work.K. */
 static void fbi_functions_matrices(fb_modes_work *work, const fb_beam *beam, const int group[FB_KIND_COUNT], int degree)
 {
   const int ne = beam->desc.n_element, ndof = fbi_function_ndof(ne, degree);
@@ -12676,8 +12870,12 @@ static void fbi_functions_matrices(fb_modes_work *work, const fb_beam *beam, con
       fb_section section;
       const fb_real *d = bends ? f.curvature : f.slope;
       fb_real stiffness;
+
+      /* Bending stiffness, or axial stiffness */
       fb_beam_section(&section, beam, cell.x0 + fbi_gauss_x[g] * (cell.x1 - cell.x0));
       stiffness = group[FB_KIND_BEND_Y] >= 0 ? section.EI_z : bends ? section.EI_y : section.EA;
+
+      /* Added to the assembled matrices */
       fbi_functions_eval(&f, fbi_cell_s(&cell, beam, fbi_gauss_x[g]), l, degree);
       for (int i = 0; i <= degree; i++) {
         for (int j = 0; j <= degree; j++) {
@@ -12689,16 +12887,17 @@ static void fbi_functions_matrices(fb_modes_work *work, const fb_beam *beam, con
       }
     }
   }
+
+  /* Masses of lumped bodies */
   for (int i = 0; i < beam->desc.n_lump; i++) {
     work->M[2 * beam->desc.lump[i].node * (ndof + 1)] += beam->desc.lump[i].mass;
   }
 }
 
-/* [E7.5] Functions of x that serve u_x, u_y and u_z alike: the bending modes of the smooth element functions,
-   orthonormal against the mass. ups_ab of a function with another one vanishes then, and S(q) is constant for equal
-   counts.
+/* [E7.5] One set of functions of x for u_x, u_y and u_z: the bending modes of the smooth element functions, orthonormal
+   with respect to the mass. Then ups_ab of two different functions vanishes, and S(q) is constant for equal counts.
    Source: [DB] 4.3 (the same basis functions in each direction), orthonormalized.  Shapes: m functions of ndof.
-   Fails: no mass, not clamped, more asked than there are.
+   Fails: no mass, not clamped, more modes asked for than there are.
    Test: functions_are_orthonormal_and_as_smooth_as_they_claim, functions_close_the_basis. */
 static fb_status fbi_functions_take(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam,
                                     const int group[FB_KIND_COUNT])
@@ -12707,9 +12906,11 @@ static fb_status fbi_functions_take(const fb_modes_desc *desc, fb_modes_work *wo
   fb_modes *out = &work->found;
   const int degree = desc->degree > 0 ? desc->degree : 3;
   const int ndof = fbi_function_ndof(beam->desc.n_element, degree), m = ndof - 2;
-  fb_real *f = work->Mc; /* m x ndof; the reduced matrices are spent by then */
+  fb_real *f = work->Mc; /* m x ndof; work.Mc is free after the eigensolution */
   int count[3];
   fb_status status;
+
+  /* What this basis cannot do */
   if (beam->desc.root != FB_ROOT_CLAMPED || beam->desc.n_point > 0 || desc->degree < 0 || degree < 3 ||
       degree > FBI_DEGREE) {
     return FB_ERR_VALUE;
@@ -12717,6 +12918,8 @@ static fb_status fbi_functions_take(const fb_modes_desc *desc, fb_modes_work *wo
   if (beam->has_shear || desc->count[FB_KIND_TORSION] > 0 || (desc->root_strain && desc->count[FB_KIND_AXIAL] == 0)) {
     return FB_ERR_UNSUPPORTED;
   }
+
+  /* Clamped bending modes: the first two functions, value and slope at the root, are left out */
   fbi_functions_matrices(work, beam, group, degree);
   for (int i = 0; i < m * m; i++) {
     work->Kc[i] = work->K[(i / m + 2) * ndof + i % m + 2];
@@ -12726,6 +12929,8 @@ static fb_status fbi_functions_take(const fb_modes_desc *desc, fb_modes_work *wo
   if (status != FB_OK) {
     return status;
   }
+
+  /* Full-length functions f, positive at the tip */
   for (int k = 0; k < m; k++) {
     const fb_real sign = work->X[k * m + 2 * beam->desc.n_element - 2] < FB_R(0.0) ? -FB_R(1.0) : FB_R(1.0);
     f[k * ndof] = f[k * ndof + 1] = FB_R(0.0);
@@ -12733,6 +12938,8 @@ static fb_status fbi_functions_take(const fb_modes_desc *desc, fb_modes_work *wo
       f[k * ndof + 2 + i] = sign * work->X[k * m + i];
     }
   }
+
+  /* Counts per direction; FB_ALL_MODES takes all of a direction that exists */
   out->degree = degree;
   out->ndof = ndof;
   for (int d = 0; d < 3; d++) {
@@ -12744,7 +12951,9 @@ static fb_status fbi_functions_take(const fb_modes_desc *desc, fb_modes_work *wo
   if (count[0] + count[1] + count[2] + (desc->root_strain != 0) > FB_MAX_MODES) {
     return FB_ERR_CAPACITY;
   }
-  for (int k = 0; k < m; k++) { /* y, z and x in turn: sums over the coordinates then do not wait for each other */
+
+  /* y, z and x alternate, so that successive terms of sums over coordinates are independent */
+  for (int k = 0; k < m; k++) {
     for (int d = 0; d < 3; d++) {
       if (k < count[d]) {
         out->kind[out->n] = order[d];
@@ -12752,19 +12961,23 @@ static fb_status fbi_functions_take(const fb_modes_desc *desc, fb_modes_work *wo
       }
     }
   }
+
+  /* Axial function with a strain at the root, orthogonal to the others */
   if (desc->root_strain && count[2] > 0) {
     fb_real *shape = out->shape + out->n * ndof;
     fbi_zero(shape, ndof);
-    shape[1] = FB_R(1.0); /* a slope at the root */
+    shape[1] = FB_R(1.0);
     fbi_orthonormalize(shape, f, work->M, m, ndof);
     out->kind[out->n++] = FB_KIND_AXIAL;
   }
+
+  /* M and K */
   fbi_zero(out->omega, out->n);
   fbi_modes_matrices(out, beam);
   return FB_OK;
 }
 
-/* A list of coordinates: there, not held, of a kind that exists, each named once. */
+/* Checks a list of nodal coordinates: existing, not constrained, of an existing kind, each named once. */
 static fb_status fbi_coordinates_check(const fb_coordinate *list, int n, const fb_beam *beam,
                                        const int group[FB_KIND_COUNT])
 {
@@ -12799,6 +13012,8 @@ static fb_status fbi_modes_desc_check(const fb_modes_desc *desc, const fb_beam *
   const fb_real all[8] = {desc->omega_limit, desc->spin,         desc->spin_radius, desc->mass_fraction,
                           load->force,       load->acceleration, load->spin,        load->spin_radius};
   const int spinning = FB_FABS(desc->spin) > FB_R(0.0), by_mass = desc->mass_fraction > FB_R(0.0);
+
+  /* Finite values in range */
   if (!fbi_is_finite(all, 8)) {
     return FB_ERR_NOT_FINITE;
   }
@@ -12811,12 +13026,16 @@ static fb_status fbi_modes_desc_check(const fb_modes_desc *desc, const fb_beam *
       desc->mass_fraction > FB_R(1.0) || !fbi_is_choice((int)desc->basis, (int)FB_BASIS_COMPONENT)) {
     return FB_ERR_VALUE;
   }
+
+  /* Options that need a clamped root or natural modes */
   if ((spinning || by_mass) && (beam->desc.root != FB_ROOT_CLAMPED || desc->basis != FB_BASIS_MODES)) {
     return FB_ERR_VALUE;
   }
   if (fbi_is_loaded(load) && desc->basis == FB_BASIS_MODES && beam->desc.root != FB_ROOT_CLAMPED && !hold_boundary) {
-    return FB_ERR_VALUE; /* it pulls at rigid motion, too */
+    return FB_ERR_VALUE; /* a preload acts on rigid-body motion, too */
   }
+
+  /* Options that exclude each other */
   if ((spinning && desc->lowest > 0) || ((spinning || fbi_is_loaded(load)) && beam->desc.n_point > 0) ||
       (spinning && fbi_is_loaded(load)) || (fbi_is_loaded(load) && desc->basis == FB_BASIS_FUNCTIONS) ||
       (by_mass && desc->lowest > 0)) {
@@ -12825,7 +13044,7 @@ static fb_status fbi_modes_desc_check(const fb_modes_desc *desc, const fb_beam *
   return FB_OK;
 }
 
-/* Matrices, groups, rigid motions and what is held: all that the bases and buckling begin with. */
+/* Matrices, groups, rigid motions and constrained coordinates: the common beginning of all bases and of buckling. */
 static fb_status fbi_modes_prepare(int group[FB_KIND_COUNT], fb_modes_work *work, const fb_beam *beam,
                                    const fb_modes_desc *desc, int hold_boundary)
 {
@@ -12834,6 +13053,8 @@ static fb_status fbi_modes_prepare(int group[FB_KIND_COUNT], fb_modes_work *work
   if (status != FB_OK) {
     return status;
   }
+
+  /* Matrices under the preload, kinds and coordinates that they have */
   out->n = 0;
   out->degree = out->joined = 0;
   out->ndof = fbi_beam_ndof(beam);
@@ -12849,13 +13070,17 @@ static fb_status fbi_modes_prepare(int group[FB_KIND_COUNT], fb_modes_work *work
   if (status != FB_OK) {
     return status;
   }
+
+  /* Constrained: root condition, internal coordinates of cubic elements, boundary */
   for (int i = 0; i < out->ndof; i++) {
-    const int internal = i - 6 * (beam->desc.n_element + 1); /* the shear behind them stays */
+    const int internal = i - 6 * (beam->desc.n_element + 1); /* shear coordinates come after these */
     work->held[i] = fbi_is_held(beam, i) || (desc->cubic && internal >= 0 && internal < 8 * beam->desc.n_element);
   }
   for (int k = 0; k < desc->n_boundary && hold_boundary; k++) {
     work->held[fbi_coordinate_dof(&desc->boundary[k])] = 1;
   }
+
+  /* Rigid motions and their inertia */
   fbi_rigid_fill(work->rigid, beam);
   for (int i = 0; i < 6; i++) {
     const fb_real *r = work->rigid + i * out->ndof;
@@ -12865,7 +13090,8 @@ static fb_status fbi_modes_prepare(int group[FB_KIND_COUNT], fb_modes_work *work
   return FB_OK;
 }
 
-/* Momenta of the coordinates and the part of the beam's inertia that they move, L^T M^-1 L of E7.7. */
+/* Momenta x^T M r of the coordinates x under each rigid motion r of the root, and the fraction of the beam's inertia
+   that they carry: L^T M^-1 L / (r^T M r), L the momenta (E7.7). */
 static void fbi_effective_fill(fb_modes_work *work)
 {
   fb_modes *out = &work->found;
@@ -12897,6 +13123,8 @@ FB_DEF fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_b
   if (status != FB_OK) {
     return status;
   }
+
+  /* The basis */
   switch (desc->basis) {
   case FB_BASIS_ELEMENTS:
     status = fbi_elements_take(desc, work, beam, group);
@@ -12913,6 +13141,8 @@ FB_DEF fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_b
   if (status != FB_OK) {
     return status;
   }
+
+  /* Effective masses */
   if (desc->basis != FB_BASIS_FUNCTIONS) {
     fbi_effective_fill(work);
   }
@@ -12936,13 +13166,19 @@ FB_DEF fb_status fb_buckling_solve(fb_modes *modes, fb_modes_work *work, const f
   if (status != FB_OK) {
     return status;
   }
+
+  /* Number of factors; a preload must be there */
   wanted = desc->lowest > 0 ? desc->lowest : 1;
   if (!fbi_is_loaded(&desc->preload) || wanted > FB_MAX_MODES) {
     return wanted > FB_MAX_MODES ? FB_ERR_CAPACITY : FB_ERR_VALUE;
   }
-  fbi_copy(work->Mc, work->K, out->ndof * out->ndof); /* K + K_G */
+
+  /* K + K_G of the preload, then K alone, which must be definite */
+  fbi_copy(work->Mc, work->K, out->ndof * out->ndof);
   fbi_matrices(work->K, work->M, beam, 0, &none);
   n = fbi_static_factor(&status, dof, work, beam, group);
+
+  /* -K_G x = (1/factor) K x */
   for (int i = 0; i < n * n && status == FB_OK; i++) {
     const int at = dof[i / n] * out->ndof + dof[i % n];
     work->X[i] = work->K[at] - work->Mc[at];
@@ -12950,6 +13186,8 @@ FB_DEF fb_status fb_buckling_solve(fb_modes *modes, fb_modes_work *work, const f
   }
   fbi_copy(work->Mc, work->X, n * n);
   status = status ? status : fb_eig_gen_solve(work->omega2, work->X, work->Mc, work->Kc, n);
+
+  /* Positive factors from the smallest on */
   for (int k = n - 1; k >= 0 && out->n < wanted && status == FB_OK; k--) {
     fb_real *shape = out->shape + out->n * out->ndof;
     if (!(work->omega2[k] > (fb_real)n * FB_EPSILON * fbi_larger(work->omega2[n - 1], -work->omega2[0]))) {
@@ -12964,13 +13202,15 @@ FB_DEF fb_status fb_buckling_solve(fb_modes *modes, fb_modes_work *work, const f
   if (status != FB_OK || out->n < wanted) {
     return status != FB_OK ? status : FB_ERR_MODES;
   }
+
+  /* M and K of the shapes */
   fbi_shapes_matrices(work);
   fbi_effective_fill(work);
   *modes = work->found;
   return FB_OK;
 }
 
-/* Displacement and rotation of node, body axes, that coordinate a of a component has. */
+/* Displacement and rotation of an element node, body axes, by a unit of coordinate a of a component. */
 static void fbi_weld_motion(fb_real motion[6], const fb_beam *beam, const fb_modes *modes, int a, int node)
 {
   const fb_real *value = modes->shape + a * modes->ndof + 6 * node;
@@ -12978,6 +13218,7 @@ static void fbi_weld_motion(fb_real motion[6], const fb_beam *beam, const fb_mod
   fb_mat33_mul_vec3(motion + 3, beam->axes, value + 3);
 }
 
+/* Position of an element node, body axes. */
 static void fbi_weld_place(fb_real place[3], const fb_beam *beam, int node)
 {
   fb_mat33_mul_vec3(place, beam->axes, beam->node + 3 * node);
@@ -12993,6 +13234,8 @@ static fb_status fbi_join_check(const fb_beam *beam, const fb_modes *component, 
   if (n_component > FB_MAX_COMPONENTS || n_weld > FB_MAX_COMPONENTS + 4) {
     return FB_ERR_CAPACITY;
   }
+
+  /* Components: modes of these beams */
   for (int c = 0; c < n_component; c++) {
     if (component[c].n < 0 || component[c].n > FB_MAX_MODES) {
       return FB_ERR_CAPACITY;
@@ -13001,6 +13244,8 @@ static fb_status fbi_join_check(const fb_beam *beam, const fb_modes *component, 
       return FB_ERR_VALUE;
     }
   }
+
+  /* Rigid connections: nodes of two components at the same place */
   for (int k = 0; k < n_weld; k++) {
     fb_real place[2][3], size = FB_R(0.0);
     for (int side = 0; side < 2; side++) {
@@ -13019,8 +13264,9 @@ static fb_status fbi_join_check(const fb_beam *beam, const fb_modes *component, 
   return FB_OK;
 }
 
-/* Block-diagonal K and M of the components and the constraints T q = 0 of the welds; columns scaled by modal mass,
-   rotations by length. Returns the number of coordinates. */
+/* Block-diagonal K and M of the components and the constraints T q = 0 of the rigid connections (welds). Coordinates
+   are scaled to modal mass 1 (without mass: stiffness 1), rows of rotations by the length. Returns the number of
+   coordinates. */
 static int fbi_join_assemble(fb_join_work *work, const fb_beam *beam, const fb_modes *component, int n_component,
                              const fb_weld *weld, int n_weld)
 {
@@ -13033,15 +13279,21 @@ static int fbi_join_assemble(fb_join_work *work, const fb_beam *beam, const fb_m
   fbi_zero(work->T, 6 * n_weld * N);
   for (int c = 0; c < n_component; c++) {
     const int n = component[c].n;
+
+    /* Scales */
     for (int a = 0; a < n; a++) {
       const fb_real m = component[c].M[a * n + a], k = component[c].K[a * n + a];
       work->scale[at + a] = m > FB_R(0.0) ? FB_R(1.0) / FB_SQRT(m) : k > FB_R(0.0) ? FB_R(1.0) / FB_SQRT(k) : FB_R(1.0);
     }
+
+    /* Blocks of K and M */
     for (int ab = 0; ab < n * n; ab++) {
       const int i = at + ab / n, j = at + ab % n;
       work->K[i * N + j] = component[c].K[ab] * work->scale[i] * work->scale[j];
       work->M[i * N + j] = component[c].M[ab] * work->scale[i] * work->scale[j];
     }
+
+    /* Rows of T: motion of side 0 less that of side 1 */
     for (int w = 0; w < 2 * n_weld; w++) {
       const fb_weld *joint = &weld[w / 2];
       for (int a = 0; a < n && joint->component[w % 2] == c; a++) {
@@ -13059,7 +13311,7 @@ static int fbi_join_assemble(fb_join_work *work, const fb_beam *beam, const fb_m
 }
 
 /* [E7.11] Null space of T (rows x N) by Gauss-Jordan elimination with complete pivoting: T [B N] = [1 0] up to the
-   order of columns, so that Z = [-B; 1] spans it. Rows that are combinations of others fall out. Z is N x (N - rank),
+   order of columns, so that Z = [-B; 1] spans it. Rows that depend on others are dropped. Z is N x (N - rank),
    the rank is returned.
    Source: [H] 3.6-10; [GV] 3.4.  Fails: never.  Test: joined_halves_are_the_whole. */
 static int fbi_null_space(fb_real *Z, fb_real *T, int *pivot, int rows, int N)
@@ -13070,6 +13322,7 @@ static int fbi_null_space(fb_real *Z, fb_real *T, int *pivot, int rows, int N)
     pivot[j] = -1; /* the row that column j was eliminated with */
   }
   for (; rank < rows; rank++) {
+    /* Complete pivoting: largest element of the rows and columns left */
     fb_real best = FB_R(0.0), swap;
     int r = rank, p = 0;
     for (int ij = rank * N; ij < rows * N; ij++) {
@@ -13083,6 +13336,8 @@ static int fbi_null_space(fb_real *Z, fb_real *T, int *pivot, int rows, int N)
     if (!(best > FBI_ROUNDING * first)) {
       break;
     }
+
+    /* Its row becomes row `rank`, is scaled to pivot 1 and eliminates the column from all others */
     for (int j = 0; j < N; j++) {
       swap = T[r * N + j];
       T[r * N + j] = T[rank * N + j];
@@ -13099,6 +13354,8 @@ static int fbi_null_space(fb_real *Z, fb_real *T, int *pivot, int rows, int N)
       }
     }
   }
+
+  /* Z: one column for each column without a pivot */
   for (int j = 0; j < N; j++) {
     if (pivot[j] >= 0) {
       continue;
@@ -13133,19 +13390,23 @@ static void fbi_congruence(fb_real *A, const fb_real *Z, fb_real *scratch, int N
   }
 }
 
-/* Elastic modes of the m common coordinates, rows of X with unit modal mass, d = omega^2 ascending, as in E7.2. Where
-   the stiffness alone is not definite, a first solution tells rigid modes (nothing against the stiffest) from the
-   lowest elastic one, which is the shift of the second. */
+/* Elastic modes of the m independent coordinates as in E7.2: rows of X with modal mass 1, d = omega^2 ascending. If K
+   is not positive definite, a first solution separates rigid-body modes (omega^2 is round-off of the largest) from
+   the lowest elastic mode, whose omega^2 is the shift of the second. */
 static fb_status fbi_join_solve(fb_join_work *work, int m, int *found)
 {
   fb_real shift = FB_R(0.0), largest;
   int rigid = 0, definite;
   fb_status status;
+
+  /* Is K definite, with pivots well above round-off? */
   fbi_copy(work->A, work->K, m * m);
   definite = fb_chol_factor(work->A, m) == FB_OK;
-  for (int i = 0; i < m * (m + 1) && definite; i += m + 1) { /* pivots well above what rounding leaves of zero */
+  for (int i = 0; i < m * (m + 1) && definite; i += m + 1) {
     definite = work->A[i] * work->A[i] > FB_R(16.0) * FBI_ROUNDING * work->K[i];
   }
+
+  /* Number of rigid-body modes and shift */
   if (!definite) {
     const fb_real noise = FB_R(8.0) * (fb_real)m * FB_EPSILON;
     fbi_copy(work->A, work->K, m * m);
@@ -13162,6 +13423,8 @@ static fb_status fbi_join_solve(fb_join_work *work, int m, int *found)
     }
     shift = rigid < m ? work->d[rigid] : FB_R(0.0);
   }
+
+  /* M x = mu (K + shift M) x, largest mu first */
   *found = m - rigid;
   if (rigid == m) {
     return FB_OK;
@@ -13175,11 +13438,13 @@ static fb_status fbi_join_solve(fb_join_work *work, int m, int *found)
     return status;
   }
   fbi_eig_turn(work->d, work->X, m);
+
+  /* omega^2 = 1/mu - shift, modal mass 1 */
   largest = work->d[0];
   for (int k = 0; k < *found; k++) {
     const fb_real mu = work->d[rigid + k];
     fb_real scale;
-    if (!(mu > (fb_real)m * FB_EPSILON * largest)) { /* massless from here on */
+    if (!(mu > (fb_real)m * FB_EPSILON * largest)) { /* round-off: massless from here on */
       *found = k;
       break;
     }
@@ -13192,8 +13457,8 @@ static fb_status fbi_join_solve(fb_join_work *work, int m, int *found)
   return FB_OK;
 }
 
-/* Shapes of component c in the first n common modes: those of its coordinates, at in the row of all, combined by scale
-   Z x; its share of M and K. */
+/* Shapes of a component in the first n common modes: its coordinates (rows `at`.. of all) are q = scale Z x. Then its
+   share of the common M and K, q^T M q and q^T K q. */
 static void fbi_join_expand(fb_modes *out, fb_join_work *work, const fb_modes *component, int at, int n, int m)
 {
   fb_real *const q = work->A, *const half = work->B; /* component->n x n each */
@@ -13202,6 +13467,8 @@ static void fbi_join_expand(fb_modes *out, fb_join_work *work, const fb_modes *c
   out->n = n;
   out->ndof = component->ndof;
   out->joined = 1;
+
+  /* q, and the shapes combined by it */
   for (int a = 0; a < nc; a++) {
     for (int k = 0; k < n; k++) {
       fb_real sum = FB_R(0.0);
@@ -13214,6 +13481,8 @@ static void fbi_join_expand(fb_modes *out, fb_join_work *work, const fb_modes *c
       }
     }
   }
+
+  /* Share of M and K */
   for (int matrix = 0; matrix < 2; matrix++) {
     const fb_real *const A = matrix ? component->K : component->M;
     fb_real *const to = matrix ? out->K : out->M;
@@ -13231,8 +13500,7 @@ static void fbi_join_expand(fb_modes *out, fb_join_work *work, const fb_modes *c
   }
 }
 
-/* The kind of the component coordinate with the largest share in common mode k, and a sign: that coordinate
-   positive. */
+/* Kind of the component coordinate with the largest share in common mode k; that coordinate is made positive. */
 static fb_kind fbi_join_kind(fb_join_work *work, const fb_modes *component, int n_component, int k, int m)
 {
   fb_real best = FB_R(0.0), sign = FB_R(1.0);
@@ -13257,7 +13525,8 @@ static fb_kind fbi_join_kind(fb_join_work *work, const fb_modes *component, int 
   return kind;
 }
 
-/* [E7.12] Synthesis: the welds T q = 0 are solved by q = Z y, the common modes are those of Z^T K Z, Z^T M Z.
+/* [E7.12] Component mode synthesis: the rigid connections (welds) T q = 0 are solved by q = Z y; the common modes are
+   those of Z^T K Z, Z^T M Z.
    Source: [H] 3.6-14.  Cost: E5.4 twice with the number of free coordinates.  Fails: see the header.
    Test: joined_halves_are_the_whole, joined_components_converge_and_refuse. */
 FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_beam *beam, const fb_modes *component,
@@ -13266,6 +13535,8 @@ FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
   int N, m, at = 0, found = 0, n = 0;
   fb_status status;
   FBI_REQUIRE(joined && work && beam && component && (weld || n_weld == 0), FB_ERR_NULL);
+
+  /* Arguments */
   if (!(FB_FABS(omega_limit) <= FB_HUGE)) {
     return FB_ERR_NOT_FINITE;
   }
@@ -13274,10 +13545,14 @@ FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
   if (status != FB_OK) {
     return status;
   }
+
+  /* Constraints eliminated: K = Z^T K Z, M = Z^T M Z */
   N = fbi_join_assemble(work, beam, component, n_component, weld, n_weld);
   m = N - fbi_null_space(work->Z, work->T, work->pivot, 6 * n_weld, N);
   fbi_congruence(work->K, work->Z, work->A, N, m);
   fbi_congruence(work->M, work->Z, work->A, N, m);
+
+  /* Common modes, n of them up to the limits */
   status = fbi_join_solve(work, m, &found);
   if (status != FB_OK) {
     return status;
@@ -13289,6 +13564,8 @@ FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
   if (n > FB_MAX_MODES || (n < lowest && !(omega_limit > FB_R(0.0)))) {
     return n > FB_MAX_MODES ? FB_ERR_CAPACITY : FB_ERR_MODES;
   }
+
+  /* Kinds and signs, shapes of each component */
   for (int k = 0; k < n; k++) {
     work->joined[0].kind[k] = fbi_join_kind(work, component, n_component, k, m);
   }
@@ -13310,7 +13587,7 @@ FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
    BUILD >>assemble: shape integrals, effects to terms, every _init of a model
    (uses config, status, vec3, rotation, solve, body, system, exact, eigen, beam, modes) */
 
-/* ---- shape integrals */
+/* ---- shape integrals: an fb_shape holds the inertia shape integrals of a body, its modal stiffness and its nodes */
 
 FB_DEF fb_status fb_shape_init(fb_shape *shape, int n)
 {
@@ -13335,7 +13612,7 @@ static void fbi_add_minus_cross_cross(fb_real A[9], fb_real w, const fb_real a[3
   }
 }
 
-/* The part of E8.1 with the quadratic displacement chi of the pair ab. */
+/* The terms of E8.1 with the quadratic (second-order) displacement chi of the pair ab. */
 static void fbi_shape_add_quadratic(fb_shape *shape, fb_real m1, fb_real m2, const fb_real r[3], const fb_real chi[3],
                                     int ab)
 {
@@ -13351,7 +13628,7 @@ static void fbi_shape_add_quadratic(fb_shape *shape, fb_real m1, fb_real m2, con
   (void)shape, (void)m1, (void)m2, (void)r, (void)chi, (void)ab;
 }
 
-/* [E8.1] Shape integrals of one mass element.
+/* [E8.1] Inertia shape integrals (constants of the floating frame of reference formulation) of one mass element.
    m, c = int r, J = -int r^ r^, p_a = int psi_a, h_a = int r x psi_a, M_ab = int psi_a.psi_b, ups_ab = -int psi_a x
    psi_b, Gam_a = -int psi_a^ r^, Pi_ab = -int psi_a^ psi_b^, p^chi_ab = int chi_ab, h^chi_ab = int r x chi_ab,
    Gam^chi_ab = -int chi_ab^ r^.  The linear integrals are weighted by m1, the bilinear ones by m2: a particle has both,
@@ -13362,9 +13639,13 @@ static void fbi_shape_add(fb_shape *shape, fb_real m1, fb_real m2, const fb_real
                           const fb_real *chi, int first, int nb)
 {
   const int n = shape->n;
+
+  /* Rigid body */
   shape->mass += m1;
   fbi_vec3_add(shape->c, m1, r);
   fbi_add_minus_cross_cross(shape->J, m2, r, r);
+
+  /* Integrals of one coordinate, then of pairs */
   for (int a = 0; a < nb; a++) {
     const int at = first + a;
     fb_real cross[3];
@@ -13391,7 +13672,7 @@ static void fbi_shape_add(fb_shape *shape, fb_real m1, fb_real m2, const fb_real
   }
 }
 
-/* Extent of the body and of its modes, for the deflection limit. */
+/* Updates the body's largest radius and each mode's largest displacement, for the deflection limit. */
 static void fbi_shape_extend(fb_shape *shape, const fb_real r[3], const fb_real *psi, int first, int nb)
 {
   shape->size = fbi_larger(shape->size, fbi_vec3_norm(r));
@@ -13434,8 +13715,9 @@ FB_DEF fb_status fb_shape_add_rigid(fb_shape *shape, fb_real mass, const fb_real
   return FB_OK;
 }
 
-/* [E8.2] Quadratic field, u = psi q + 1/2 chi q q and rotation vector theta q + 1/2 chi_theta q q, of a section whose
-   tangent has the transverse components u_y', u_z' exactly and whose stretch and twist rate stay LINEAR in q:
+/* [E8.2] Quadratic (second-order) displacement field, u = psi q + 1/2 chi q q and rotation vector theta q + 1/2
+   chi_theta q q, of a section whose tangent has the transverse components u_y', u_z' exactly and whose stretch and
+   twist rate stay LINEAR in q:
    chi_ab = -int (u_y,a' u_y,b' + u_z,a' u_z,b') dx e  (foreshortening),
    chi_theta_ab = 1/2 int (theta_a x theta_b' + theta_b x theta_a').e dx e - 1/2 (phi_a e x theta_b + phi_b e x
    theta_a), phi = theta.e the torsion, e the beam's axis. The strain energy then has no terms of degree 3 but the
@@ -13450,7 +13732,8 @@ static void fbi_quadratic_slope(fb_real *shift, fb_real *twist, const fbi_field 
                         b->theta[2] * a->curvature[1]);
 }
 
-/* Weights of the integral over the fraction t of a cell, int_0^t f = sum_j w_j f(x_j), exact to degree 8. */
+/* Weights of the partial integral over an interval, int_0^t f = sum_j w_j f(x_j), from its quadrature points: exact
+   to degree 8. */
 static void fbi_partial_weights(fb_real w[FBI_GAUSS], fb_real t)
 {
   for (int j = 0; j < FBI_GAUSS; j++) {
@@ -13466,12 +13749,13 @@ static void fbi_partial_weights(fb_real w[FBI_GAUSS], fb_real t)
   }
 }
 
-typedef struct fbi_cell_fields { /* the linear fields of all modes at the Gauss points of a cell, element axes */
+typedef struct fbi_cell_fields { /* linear fields of all modes at the quadrature points of an interval, element axes */
   fbi_cell cell;
   fb_real axes[9]; /* element axes to body axes */
   fbi_field at[FB_MAX_MODES][FBI_GAUSS];
 } fbi_cell_fields;
 
+/* Fields of all modes at the quadrature points of an interval. */
 static void fbi_cell_fields_init(fbi_cell_fields *c, const fb_beam *beam, const fb_modes *modes, const fbi_cell *cell)
 {
   c->cell = *cell;
@@ -13489,8 +13773,8 @@ typedef struct fbi_station { /* the displacement fields of all modes at a point 
   fb_real chi[3 * FB_MAX_MODES * FB_MAX_MODES], chi_theta[3 * FB_MAX_MODES * FB_MAX_MODES]; /* n x n x 3 */
 } fbi_station;
 
-/* The quadratic field of a pair of modes at a fraction t of a cell (weights of its partial integral) from that at the
-   cell's beginning. */
+/* Advances the quadratic field (chi, turn = chi_theta) of modes a, b from the beginning of an interval to its
+   fraction t, whose partial integral has the weights w (E8.2). */
 static void fbi_pair_eval(fb_real chi[3], fb_real turn[3], const fbi_station *st, const fbi_cell_fields *c,
                           const fb_real w[FBI_GAUSS], int a, int b)
 {
@@ -13498,12 +13782,16 @@ static void fbi_pair_eval(fb_real chi[3], fb_real turn[3], const fbi_station *st
   const fb_real *ta = st->theta + 3 * a, *tb = st->theta + 3 * b;
   const fb_real phi_a = fb_vec3_dot(ta, e), phi_b = fb_vec3_dot(tb, e), dx = c->cell.x1 - c->cell.x0;
   fb_real shift = FB_R(0.0), twist = fb_vec3_dot(turn, e), ea[3], eb[3];
+
+  /* Integrals along the axis e */
   for (int g = 0; g < FBI_GAUSS; g++) {
     fb_real s, r;
     fbi_quadratic_slope(&s, &r, &c->at[a][g], &c->at[b][g]);
     shift += dx * w[g] * s;
     twist += dx * w[g] * r;
   }
+
+  /* Transverse part of the rotation */
   fb_vec3_cross(ea, e, ta);
   fb_vec3_cross(eb, e, tb);
   for (int i = 0; i < 3; i++) {
@@ -13512,24 +13800,30 @@ static void fbi_pair_eval(fb_real chi[3], fb_real turn[3], const fbi_station *st
   }
 }
 
-/* Fields at the fraction t of a cell from those at its beginning; st may be start. */
+/* Fields at the fraction t of an interval from those at its beginning, start, which may be st itself. */
 static void fbi_station_eval(fbi_station *st, const fb_beam *beam, const fb_modes *modes, const fbi_cell_fields *c,
                              fb_real t, const fbi_station *start)
 {
   const int n = modes->n, element = c->cell.element;
   const fb_real x[3] = {c->cell.x0 + t * (c->cell.x1 - c->cell.x0) - beam->start[element], FB_R(0.0), FB_R(0.0)};
   fb_real w[FBI_GAUSS], root[3];
+
+  /* Position */
   fbi_partial_weights(w, t);
   fb_mat33_mul_vec3(st->r, c->axes, x);
   fb_mat33_mul_vec3(root, beam->axes, beam->node + 3 * element);
   fbi_vec3_add(st->r, FB_R(1.0), root);
   fbi_vec3_add(st->r, FB_R(1.0), beam->desc.position);
+
+  /* Linear fields */
   for (int a = 0; a < n; a++) {
     fbi_field f;
     fbi_mode_field(&f, beam, modes, a, element, fbi_cell_s(&c->cell, beam, t));
     fb_mat33_mul_vec3(st->u + 3 * a, c->axes, f.u);
     fb_mat33_mul_vec3(st->theta + 3 * a, c->axes, f.theta);
   }
+
+  /* Quadratic fields, symmetric in a and b */
   for (int a = 0; a < n; a++) {
     for (int b = 0; b <= a; b++) {
       const int ab = 3 * (a * n + b), ba = 3 * (b * n + a);
@@ -13545,7 +13839,7 @@ static void fbi_station_eval(fbi_station *st, const fb_beam *beam, const fb_mode
   }
 }
 
-/* [E8.3] Displacement of a point d off the reference line, which turns with the section:
+/* [E8.3] Displacement of a point d off the reference line, which rotates with the section:
    psi_a += theta_a x d,  chi_ab += chi_theta_ab x d + 1/2 (theta_a x (theta_b x d) + theta_b x (theta_a x d)).
    With linear = 0 only these parts are formed (a direction of spread, E6.2).
    Source: exponential map to second degree.  Shapes: psi n x 3, chi n x n x 3.  Fails: never.
@@ -13571,7 +13865,8 @@ static void fbi_offset_field(fb_real *psi, fb_real *chi, const fbi_station *st, 
   }
 }
 
-/* A rigid slice at a station: mass with its center d, and directions of spread s_k (weights w_k), body axes. */
+/* Adds a rigid slice at a point of the reference line: a mass at the offset d and directions of spread s_k with
+   weights w_k (E6.2), body axes. */
 static void fbi_slice_add(fb_shape *shape, const fbi_station *st, int first, int n, fb_real mass, const fb_real d[3],
                           fb_real spread[3][3], const fb_real w[3])
 {
@@ -13589,7 +13884,7 @@ static void fbi_slice_add(fb_shape *shape, const fbi_station *st, int first, int
   }
 }
 
-/* Lumped bodies at the element node that a station lies on. */
+/* Adds the lumped bodies of an element node; st holds the fields there. */
 static void fbi_lumps_to_shape(fb_shape *shape, const fb_beam *beam, const fbi_station *st, int node, int first, int n)
 {
   for (int k = 0; k < beam->desc.n_lump; k++) {
@@ -13606,8 +13901,8 @@ static void fbi_lumps_to_shape(fb_shape *shape, const fb_beam *beam, const fbi_s
   }
 }
 
-/* A length dx of beam: its mass at the mass center, spread along the section axes (columns y, z of the axes turned by
-   the twist). */
+/* Adds a length dx of beam: its mass at the mass center, its rotary inertia as spread along the section axes (element
+   axes y, z rotated by the twist). */
 static void fbi_section_to_shape(fb_shape *shape, const fbi_station *st, const fb_section *section,
                                  const fb_real axes[9], fb_real dx, int first, int n)
 {
@@ -13715,7 +14010,9 @@ FB_DEF fb_status fb_shape_select(fb_shape *selected, const fb_shape *shape, cons
     FBI_REQUIRE(coordinate[k] >= 0 && coordinate[k] < shape->n, FB_ERR_CAPACITY);
     FBI_REQUIRE(k == 0 || coordinate[k] > coordinate[k - 1], FB_ERR_VALUE);
   }
-  *selected = *shape; /* what belongs to no coordinate */
+
+  /* Tables of one coordinate and of pairs; the rest belongs to no coordinate */
+  *selected = *shape;
   selected->n = n;
   fbi_select_rows(selected->P, shape->P, 3, coordinate, n);
   fbi_select_rows(selected->H, shape->H, 3, coordinate, n);
@@ -13743,6 +14040,8 @@ FB_DEF fb_status fb_shape_select(fb_shape *selected, const fb_shape *shape, cons
   fbi_select_pairs(selected->torque_boundary, shape->torque_boundary, 3, coordinate, n, shape->n);
 #endif
 #endif
+
+  /* Nodes */
   for (int j = 0; j < shape->n_node; j++) {
     fbi_node_select(&selected->node[j], &shape->node[j], coordinate, n);
   }
@@ -13759,6 +14058,8 @@ FB_DEF fb_status fb_shape_add_pair(fb_shape *shape, int a, int b, const fb_real 
   if (!fbi_is_finite(p, 3) || !fbi_is_finite(h, 3) || !fbi_is_finite(G, 9)) {
     return FB_ERR_NOT_FINITE;
   }
+
+  /* Both orders of the pair: the tables are symmetric */
   for (int side = 0; side < (a == b ? 1 : 2); side++) {
     const int ab = side ? b * shape->n + a : a * shape->n + b;
 #if FB_WITH_ACCELERATION_STIFFENING
@@ -13775,6 +14076,7 @@ FB_DEF fb_status fb_shape_add_pair(fb_shape *shape, int a, int b, const fb_real 
   return FB_OK;
 }
 
+/* Is there room for the modes of a beam from coordinate `first` on, and are they modes of this beam? */
 static fb_status fbi_beam_fits(const fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes)
 {
   FBI_REQUIRE(shape && beam && modes, FB_ERR_NULL);
@@ -13786,11 +14088,11 @@ static fb_status fbi_beam_fits(const fb_shape *shape, int first, const fb_beam *
 }
 
 #if FBI_WITH_QUADRATIC
-/* [E8.32] Where the quadratic field of a beam that nothing holds begins: such that it moves neither the mass of the
-   line nor, on average, the sections about it (mass centers off the line add what is small). The terms of degree 4 that
-   the kinetic energy leaves out are then as small as they can be; a field that begins with zero at the root takes the
-   mass center along, whose recoil is of that degree and much larger. Source: int chi dm = 0, the second degree of a
-   mean axis; to some 1e-4 of chi by the cells' points.  Fails: never.
+/* [E8.32] Start of the quadratic field of a free beam: such that over the mass of the line chi and the rotation about
+   the line are zero on average (mass centers off the line add little). The terms of degree 4 that the kinetic energy
+   leaves out are then smallest; a field that starts with zero at the root would move the mass center, whose recoil is
+   of that degree and much larger.
+   Source: int chi dm = 0, the second degree of a mean axis; to some 1e-4 of chi by the quadrature.  Fails: never.
    Test: a_free_beam_swings_as_the_exact_one. */
 static void fbi_station_center(fbi_station *st, fbi_cell_fields *fields, const fb_beam *beam, const fb_modes *modes)
 {
@@ -13798,11 +14100,14 @@ static void fbi_station_center(fbi_station *st, fbi_cell_fields *fields, const f
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
   fb_real outboard = beam->mass; /* int chi dm = int chi' (mass outboard) dx */
   while (fbi_cell_next(&cell, beam)) {
+    /* Lumped bodies passed at the beginning of an element */
     fbi_cell_fields_init(fields, beam, modes, &cell);
     for (int k = 0; k < beam->desc.n_lump; k++) {
       const int passed = beam->desc.lump[k].node == cell.element && !(cell.x0 > beam->start[cell.element]);
       outboard -= passed ? beam->desc.lump[k].mass : FB_R(0.0);
     }
+
+    /* Half of the point's mass lies outboard of it */
     for (int g = 0; g < FBI_GAUSS; g++) {
       fb_section section;
       const fb_real e[3] = {fields->axes[0], fields->axes[3], fields->axes[6]},
@@ -13821,14 +14126,16 @@ static void fbi_station_center(fbi_station *st, fbi_cell_fields *fields, const f
 }
 #endif
 
-/* Where the quadratic field of a beam begins: zero; for a root that moves with the modes, at the node of the shape that
-   is there and moves with it (E7.12); for a free beam by itself, about its mass center (E8.32). */
+/* Start of the quadratic field of a beam: zero at a fixed root; at a root that moves with the modes, the field of the
+   shape's node that is there and moves with it (E7.12); for a free beam by itself, E8.32. */
 static fb_status fbi_station_start(fbi_station *st, fbi_cell_fields *scratch, const fb_shape *shape, int first,
                                    const fb_beam *beam, const fb_modes *modes)
 {
   int hangs = 0;
   fb_real u[3 * FB_MAX_MODES], theta[3 * FB_MAX_MODES], size = FB_R(0.0);
   memset(st, 0, sizeof *st);
+
+  /* Motion of the root in each mode, and its size */
   for (int a = 0; a < modes->n; a++) {
     fb_real motion[6] = {FB_R(0.0)};
     if (modes->degree == 0) {
@@ -13840,6 +14147,8 @@ static fb_status fbi_station_start(fbi_station *st, fbi_cell_fields *scratch, co
   for (int i = 0; i < 3 * modes->n; i++) {
     size = fbi_larger(size, fbi_larger(FB_FABS(u[i]), beam->desc.length * FB_FABS(theta[i])));
   }
+
+  /* Node of the shape at the root that moves with it: the field goes on from there */
 #if FBI_WITH_QUADRATIC
   for (int k = 1; k < shape->n_node && size > FB_R(0.0); k++) {
     const fb_node *node = &shape->node[k];
@@ -13882,25 +14191,35 @@ FB_DEF fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *be
   if (fbi_station_start(&start, &fields, shape, first, beam, modes) != FB_OK) {
     return FB_ERR_VALUE;
   }
+
+  /* Interval by interval; `start` holds the fields at its beginning */
   while (fbi_cell_next(&cell, beam)) {
     fbi_cell_fields_init(&fields, beam, modes, &cell);
+
+    /* Lumped bodies at the first node of an element */
     if (cell.element == node) {
       fbi_station_eval(&st, beam, modes, &fields, FB_R(0.0), &start);
       fbi_lumps_to_shape(shape, beam, &st, node, first, modes->n);
       node++;
     }
+
+    /* Sections at the quadrature points */
     for (int g = 0; g < FBI_GAUSS; g++) {
       fb_section section;
       fb_beam_section(&section, beam, cell.x0 + fbi_gauss_x[g] * (cell.x1 - cell.x0));
       fbi_station_eval(&st, beam, modes, &fields, fbi_gauss_x[g], &start);
       fbi_section_to_shape(shape, &st, &section, fields.axes, fbi_gauss_w[g] * (cell.x1 - cell.x0), first, modes->n);
     }
+
+    /* End of the interval; lumped bodies and reach of the tip */
     fbi_station_eval(&start, beam, modes, &fields, FB_R(1.0), &start);
     if (fbi_cell_is_last(&cell, beam)) {
       fbi_lumps_to_shape(shape, beam, &start, node, first, modes->n);
       fbi_shape_extend(shape, start.r, start.u, first, modes->n);
     }
   }
+
+  /* Stiffness */
   for (int a = 0; a < modes->n; a++) {
     for (int b = 0; b < modes->n; b++) {
       shape->K[(first + a) * shape->n + first + b] += modes->K[a * modes->n + b];
@@ -13926,13 +14245,17 @@ FB_DEF fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, c
   if (x < FB_R(0.0) || x > beam->desc.length * (FB_R(1.0) + FB_R(1e-5))) {
     return FB_ERR_VALUE;
   }
-  x = x < beam->desc.length ? x : beam->desc.length; /* the tip of a bent line, nearly */
+
+  /* A little beyond the length (a chain's is rounded) is the tip */
+  x = x < beam->desc.length ? x : beam->desc.length;
   if (shape->n_node >= FB_MAX_NODES) {
     return FB_ERR_CAPACITY;
   }
   if (fbi_station_start(&st, &fields, shape, first, beam, modes) != FB_OK) {
     return FB_ERR_VALUE;
   }
+
+  /* Fields at the beginning of the interval with x, then at x */
   while (fbi_cell_next(&cell, beam)) {
     fbi_cell_fields_init(&fields, beam, modes, &cell);
     if (x <= cell.x1 || fbi_cell_is_last(&cell, beam)) {
@@ -13941,6 +14264,8 @@ FB_DEF fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, c
     fbi_station_eval(&st, beam, modes, &fields, FB_R(1.0), &st);
   }
   fbi_station_eval(&st, beam, modes, &fields, (x - cell.x0) / (cell.x1 - cell.x0), &st);
+
+  /* The node */
   {
     fb_node *out = &shape->node[shape->n_node];
     memset(out, 0, sizeof *out);
@@ -13961,7 +14286,7 @@ FB_DEF fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, c
   return FB_OK;
 }
 
-/* [E8.31] Strain along the beam at a point y, z of its section, linear in the coordinates: u_x' + z theta_y' - y
+/* [E8.31] Axial strain at a point y, z of a section, linear in the coordinates: u_x' + z theta_y' - y
    theta_z'.
    Source: plane sections.  Shapes: gain n.  Fails: see the header.  Test: a_strain_gauge_reads_the_bending_moment. */
 FB_DEF fb_status fb_gauge_init(fb_gauge *gauge, int first, const fb_beam *beam, const fb_modes *modes, fb_real x,
@@ -13977,8 +14302,12 @@ FB_DEF fb_status fb_gauge_init(fb_gauge *gauge, int first, const fb_beam *beam, 
   if (x < FB_R(0.0) || x > beam->desc.length * (FB_R(1.0) + FB_R(1e-5))) {
     return FB_ERR_VALUE;
   }
+
+  /* Interval with x */
   while (fbi_cell_next(&cell, beam) && x > cell.x1 && !fbi_cell_is_last(&cell, beam)) {
   }
+
+  /* Strain by each mode */
   memset(gauge, 0, sizeof *gauge);
   gauge->n = first + modes->n;
   for (int a = 0; a < modes->n; a++) {
@@ -13991,7 +14320,7 @@ FB_DEF fb_status fb_gauge_init(fb_gauge *gauge, int first, const fb_beam *beam, 
 }
 
 #if FB_WITH_FORMS && FB_WITH_NONLINEAR_STRAIN
-/* [E8.24] The part of degree 1 of the stiffness torque as printed: g_s,3 = int (EA u_x' u_y' - EI_z u_x'' u_y'') dx,
+/* [E8.24] Stiffness torque as printed, its part of degree 1: g_s,3 = int (EA u_x' u_y' - EI_z u_x'' u_y'') dx,
    g_s,2 = -int (EA u_x' u_z' - EI_y u_x'' u_z'') dx; different EI add g_s,1 = (EI_z - EI_y) int u_y'' u_z'' dx.
    At the root of a clamped beam the integration by parts leaves -u_x'(0) EI_z u_y''(0) in g_s,3, + .. u_z''(0) in
    g_s,2.
@@ -14004,12 +14333,13 @@ static void fbi_torque_add(fb_real g[3], const fbi_field *x, const fbi_field *b,
   g[2] += EA * x->strain * b->theta[2] - EI_z * x->strain_slope * b->curvature[2];
 }
 
+/* Adds E8.24 at a quadrature point; torque_unknown: the printed torque does not cover this beam. */
 static void fbi_torque_station(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes,
                                const fb_section *section, int element, fb_real s, fb_real dx)
 {
   const int n = modes->n;
   fbi_field f[FB_MAX_MODES];
-  shape->torque_unknown |= /* section and beam axes differ */
+  shape->torque_unknown |= /* not covered: section axes that differ from the beam's */
       FB_FABS(section->twist) + FB_FABS(section->tension_y) + FB_FABS(section->tension_z) > FB_R(0.0);
   for (int a = 0; a < n; a++) {
     fbi_mode_field(&f[a], beam, modes, a, element, s);
@@ -14021,6 +14351,7 @@ static void fbi_torque_station(fb_shape *shape, int first, const fb_beam *beam, 
   }
 }
 
+/* Adds the boundary term of E8.24 at the root. */
 static void fbi_torque_root(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes)
 {
   const int n = modes->n;
@@ -14036,7 +14367,7 @@ static void fbi_torque_root(fb_shape *shape, int first, const fb_beam *beam, con
     g[2] -= f[ab / n].strain * section.EI_z * f[ab % n].curvature[2];
   }
   shape->torque_unknown |= modes->degree == 0;
-  for (int i = 0; i < 9; i++) { /* the terms of higher degree are not turned into body axes */
+  for (int i = 0; i < 9; i++) { /* terms of higher degree are not rotated to body axes */
     shape->torque_unknown |= FB_FABS(beam->axes[i] - (i % 4 == 0 ? FB_R(1.0) : FB_R(0.0))) > FBI_ROUNDING;
   }
 }
@@ -14046,13 +14377,15 @@ static void fbi_torque_root(fb_shape *shape, int first, const fb_beam *beam, con
 FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes)
 {
   const fb_status status = fbi_beam_fits(shape, first, beam, modes);
-  const int points = modes && modes->degree > 0 ? 2 * modes->degree - 1 : FBI_GAUSS; /* slopes to the fourth power */
+  const int points = modes && modes->degree > 0 ? 2 * modes->degree - 1 : FBI_GAUSS; /* exact for slopes^4 */
   fb_real x[FBI_RULE], w[FBI_RULE], moment = FB_R(0.0), softest = FB_HUGE;
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
   int n = 0;
   if (status != FB_OK) {
     return status;
   }
+
+  /* Number of quadrature points; every section needs axial stiffness */
   while (fbi_cell_next(&cell, beam)) {
     fb_section ends[2];
     fb_beam_section(&ends[0], beam, cell.x0);
@@ -14065,6 +14398,8 @@ FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_b
   if (shape->n_strain + (n + 3) / 4 * 4 > FBI_MAX_STRAINS) {
     return FB_ERR_CAPACITY;
   }
+
+  /* Quadrature points of every interval */
   fbi_gauss_rule(x, w, points);
   memset(&cell, 0, sizeof cell);
   n = shape->n_strain;
@@ -14073,11 +14408,15 @@ FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_b
       fb_section section;
       fb_beam_section(&section, beam, cell.x0 + x[g] * (cell.x1 - cell.x0));
       const fb_real at[3] = {section.x - beam->start[cell.element], FB_R(0.0), FB_R(0.0)};
+
+      /* Point r in body axes */
       fb_real r[3], local[3];
       fb_mat33_mul_vec3(local, beam->frame + 9 * cell.element, at);
       fbi_vec3_add(local, FB_R(1.0), beam->node + 3 * cell.element);
       fb_mat33_mul_vec3(r, beam->axes, local);
       fbi_vec3_add(r, FB_R(1.0), beam->desc.position);
+
+      /* Bound of the centrifugal strain: int mass |r| dx over the least EA; weight of the point */
       moment += w[g] * (cell.x1 - cell.x0) * section.mass * fbi_vec3_norm(r);
       softest = section.EA < softest ? section.EA : softest;
       shape->strain_weight[n] = w[g] * (cell.x1 - cell.x0) * section.EA;
@@ -14085,6 +14424,8 @@ FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_b
       fbi_torque_station(shape, first, beam, modes, &section, cell.element, fbi_cell_s(&cell, beam, x[g]),
                          w[g] * (cell.x1 - cell.x0));
 #endif
+
+      /* Strain and slopes of each mode */
       for (int a = 0; a < modes->n; a++) {
         fb_real *slope = shape->slope + 3 * (first + a) * FBI_MAX_STRAINS + n;
         fbi_field f;
@@ -14097,6 +14438,8 @@ FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_b
       }
     }
   }
+
+  /* Bound with the lumped bodies */
   for (int k = 0; k < beam->desc.n_lump; k++) {
     moment += beam->desc.lump[k].mass * (fbi_vec3_norm(beam->desc.position) + beam->desc.length);
   }
@@ -14104,7 +14447,7 @@ FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_b
 #if FB_WITH_FORMS
   fbi_torque_root(shape, first, beam, modes);
 #endif
-  shape->n_strain = (n + 3) / 4 * 4; /* the rest of a group of four has no weight */
+  shape->n_strain = (n + 3) / 4 * 4; /* padded to groups of four with weight 0 */
   return FB_OK;
 }
 #endif
@@ -14113,8 +14456,8 @@ FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_b
 
 /* [E8.4] Coupling matrices Lambda(q) = Lambda_0 + sum_a q_a Lambda_a (6 x n each), a = 0 first:
    Lambda_0 = [P; H],  Lambda_a = [P^chi_a ; H^chi_a - Ups_a],  Ups_a = row_b{ups_ab}:
-   what the second-order form calls M_re(q), the momenta of the modes on the deformed body. ups enters with the spin
-   coupling, chi with the acceleration stiffening.
+   M_re(q) of the second-order form, the momenta of the modes on the deformed body. ups enters with the spin
+   (gyroscopic, Coriolis) coupling, chi with the acceleration stiffening.
    Source: THEORY.md 8.2, 8.3; [DB] (7), (25).  Shapes: Lambda (n+1) x 6 x n.  Fails: never.
    Test: accelerations_agree_with_a_particle_model. */
 static void fbi_lambda_fill(fb_real *Lambda, const fb_shape *shape, int n, int with_ups, int with_chi)
@@ -14141,7 +14484,7 @@ static void fbi_lambda_fill(fb_real *Lambda, const fb_shape *shape, int n, int w
 }
 
 #if FB_WITH_ACCELERATION_STIFFENING
-/* What an integral of the quadratic field is small against, n x n x 3 of them. */
+/* Magnitude against which element ab of a quadratic-field integral x (n x n x 3) is judged as round-off. */
 static fb_real fbi_chi_size(const fb_real *x, int n, int a, int b)
 {
   return fbi_vec3_norm(x + 3 * (a * n + b)) +
@@ -14149,7 +14492,7 @@ static fb_real fbi_chi_size(const fb_real *x, int n, int a, int b)
 }
 #endif
 
-/* What the element i of Lambda_a for mode b is small against: bounds of the integrals that it is made of. */
+/* Magnitude against which element i of Lambda_a for mode b is judged as round-off: bounds of the integrals in it. */
 static fb_real fbi_lambda_size(const fb_shape *shape, int i, int a, int b)
 {
   const int n = shape->n;
@@ -14166,7 +14509,7 @@ static fb_real fbi_lambda_size(const fb_shape *shape, int i, int a, int b)
   return size;
 }
 
-/* Appends element (i, b) of -Lambda_a to the list where it is not zero to rounding. */
+/* Appends element (i, b) of -Lambda_a to the list unless it is round-off. */
 static void fbi_lambda_list_term(fb_body *body, const fb_shape *shape, const fb_real *Lambda, int i, int a, int b)
 {
   const fb_real value = Lambda[(a * 6 + i) * body->n + b];
@@ -14178,16 +14521,19 @@ static void fbi_lambda_list_term(fb_body *body, const fb_shape *shape, const fb_
       term->a = (unsigned short)a;
       term->b = (unsigned short)b;
     }
-    body->n_lambda++; /* the caller looks whether all found room */
+    body->n_lambda++; /* counted beyond the capacity, too: the caller checks it */
   }
 }
 
-/* The constant terms: those of the linear momentum first, rows in turn, so that sums do not wait for each other. Then
-   the terms linear in q, row by row: there are more of them, and a row's sum stays in a register. */
+/* Lists the terms of -Lambda. Constant ones first, those of the linear momentum before those of the angular one, with
+   alternating rows so that successive sums are independent. Then those linear in q, row by row: there are more of
+   them, and a row's sum stays in a register. */
 static void fbi_lambda_list(fb_body *body, const fb_shape *shape, const fb_real *Lambda)
 {
   const int n = body->n;
   body->n_lambda = body->n_linear_constant = body->n_linear = body->n_row = 0;
+
+  /* Constant terms */
   for (int half = 0; half < 6; half += 3) {
     for (int b = 0; b < n; b++) {
       for (int i = half; i < half + 3; i++) {
@@ -14197,6 +14543,8 @@ static void fbi_lambda_list(fb_body *body, const fb_shape *shape, const fb_real 
     body->n_linear_constant = half == 0 ? body->n_lambda : body->n_linear_constant;
   }
   body->n_lambda_constant = body->n_lambda;
+
+  /* Terms linear in q */
   for (int i = 0; i < 6; i++) {
     const int before = body->n_lambda;
     for (int a = 1; a <= n; a++) {
@@ -14212,7 +14560,7 @@ static void fbi_lambda_list(fb_body *body, const fb_shape *shape, const fb_real 
   }
 }
 
-/* A 6x6 of blocks [m 1, -c^; c^, J] from m, c and J, packed; the symmetric part of J counts. */
+/* Packed 6x6 of blocks [m 1, -c^; c^, J] from m, c and the symmetric part of J. */
 static void fbi_rigid_matrix(fb_real S[21], fb_real m, const fb_real c[3], const fb_real J[9])
 {
   fbi_zero(S, 21);
@@ -14242,8 +14590,8 @@ static void fbi_vec9_add(fb_real A[9], fb_real s, const fb_real B[9])
 
 /* [E8.5] Rigid part of S: M_rr(q) = [m 1, -c(q)^; c(q)^, J(q)], coefficient of the monomial (1,q)_a (1,q)_b, a >= b:
    c(q) = c + p_a q_a + 1/2 p^chi_ab q_a q_b,  J(q) = J + (Gam_a + Gam_a^T) q_a + (Pi_ab + 1/2 (Gam^chi_ab + ^T)) q_a
-   q_b. p_a, Gam_a, Pi_ab belong to the residual inertia, Gam^chi to the spin stiffening, p^chi to the acceleration
-   stiffening.
+   q_b. p_a, Gam_a, Pi_ab belong to the residual (configuration-dependent) inertia, Gam^chi to the spin (centrifugal)
+   stiffening, p^chi to the acceleration stiffening.
    Source: [DB] after (4), THEORY.md 8.3.  Shapes: S packed 21.  Fails: never.
    Test: accelerations_agree_with_a_particle_model. */
 static void fbi_rigid_term(fb_real S[21], const fb_shape *shape, unsigned effects, int a, int b)
@@ -14251,6 +14599,8 @@ static void fbi_rigid_term(fb_real S[21], const fb_shape *shape, unsigned effect
   const int ab = (a - 1) * shape->n + b - 1;
   const fb_real twice = a == b ? FB_R(1.0) : FB_R(2.0); /* ab and ba */
   fb_real c[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, J[9] = {0}, m = FB_R(0.0);
+
+  /* Degree 0, then what each effect adds */
   if (a == 0) {
     m = shape->mass;
     fbi_copy(c, shape->c, 3);
@@ -14279,8 +14629,8 @@ static void fbi_rigid_term(fb_real S[21], const fb_shape *shape, unsigned effect
   fbi_rigid_matrix(S, m, c, J);
 }
 
-/* What the rigid and elastic contributions to element (i, j) of S of a pair are made of: below rounding of this it is
-   zero. */
+/* Magnitude against which element (i, j) of S of a pair is judged as round-off: bounds of its rigid and elastic
+   parts. */
 static fb_real fbi_S_size(const fb_shape *shape, const fb_real *Z, int a, int b, int i, int j)
 {
   const int n = shape->n;
@@ -14303,8 +14653,8 @@ static fb_real fbi_S_size(const fb_shape *shape, const fb_real *Z, int a, int b,
 }
 
 /* [E8.6] Coefficient of a pair in the Schur complement S(q) = M_rr(q) - Lambda(q) M^-1 Lambda(q)^T. With M = L L^T and
-   Z_a = Lambda_a L^-T it is the pair's part of M_rr less Z_a Z_b^T + Z_b Z_a^T (once for a = b); what is zero to
-   rounding is zero. It is S_0 + [0 D1; D1^T D2] of THEORY.md 8.2 in one polynomial. Without residual inertia the caller
+   Z_a = Lambda_a L^-T it is the pair's part of M_rr less Z_a Z_b^T + Z_b Z_a^T (once for a = b); round-off
+   is set to zero. It is S_0 + [0 D1; D1^T D2] of THEORY.md 8.2 in one polynomial. Without residual inertia the caller
    leaves ups out of Z. Returns 1 where anything is left.
    Source: THEORY.md 8.2, 8.3.  Shapes: S packed 21, Z (n+1) x 6 x n.  Cost: 42 n.  Fails: never.
    Test: residual_inertia_vanishes_on_a_rotation_closed_basis, accelerations_agree_with_a_particle_model. */
@@ -14330,7 +14680,7 @@ static int fbi_S_coefficient(fb_real S[21], const fb_body *body, const fb_shape 
 }
 
 #if FBI_WITH_SHAPE_INERTIA
-/* Which elements a coefficient has, as a number. */
+/* Bit pattern of the elements of a coefficient that are not zero. */
 static unsigned long fbi_S_pattern(const fb_real S[21])
 {
   unsigned long pattern = 0;
@@ -14340,7 +14690,8 @@ static unsigned long fbi_S_pattern(const fb_real S[21])
   return pattern;
 }
 
-/* Takes a pair in behind those from `first` on whose pattern is not larger: elements then run through many pairs. */
+/* Inserts a pair among those from `first` on, in the order of their patterns: an element then runs through many
+   consecutive pairs. */
 static void fbi_S_insert(fb_body *body, fb_real S[][21], int first, const fb_real coefficient[21], int a, int b)
 {
   int at = body->n_pair++;
@@ -14353,7 +14704,7 @@ static void fbi_S_insert(fb_body *body, fb_real S[][21], int first, const fb_rea
   body->pair[at].b = (unsigned short)b;
 }
 
-/* Lists the coefficients of the pairs from `first` on, element by element. */
+/* Lists the coefficients of the pairs from `first` on element by element, as runs of consecutive pairs. */
 static void fbi_S_list_runs(fb_body *body, fb_real S[][21], int first)
 {
   for (int i = 0; i < 21; i++) {
@@ -14369,12 +14720,12 @@ static void fbi_S_list_runs(fb_body *body, fb_real S[][21], int first)
         run->pair = begins ? (unsigned short)k : run->pair;
         run->n = (unsigned short)(begins ? 1 : run->n + 1);
         body->S[body->n_S - 1] = S[k][i];
-      } /* the caller looks whether all found room */
+      } /* counted beyond the capacity, too: the caller checks it */
     }
   }
 }
 
-/* The pairs a0 (degree 1) or ab (degree 2), and their runs. */
+/* Lists the pairs a0 (degree 1) or ab (degree 2) that are not zero, and their runs. */
 static void fbi_S_list_degree(fb_body *body, fb_body_work *work, const fb_shape *shape, int degree)
 {
   const int first = body->n_pair;
@@ -14390,7 +14741,8 @@ static void fbi_S_list_degree(fb_body *body, fb_body_work *work, const fb_shape 
 }
 #endif
 
-/* Ascending in degree: the constant part, the pairs a0, the pairs ab. Returns how many runs have degree 1. */
+/* Lists S(q), ascending in degree: the constant part, the pairs a0, the pairs ab. Returns the number of runs of
+   degree 1. */
 static int fbi_S_list(fb_body *body, fb_body_work *work, const fb_shape *shape)
 {
   int linear = 0;
@@ -14406,7 +14758,7 @@ static int fbi_S_list(fb_body *body, fb_body_work *work, const fb_shape *shape)
   return linear;
 }
 
-/* The elements of the symmetric A (n x n) that are not zero to rounding. */
+/* Sparse form of the symmetric A (n x n): its diagonal and the elements that are not round-off against it. */
 static void fbi_sparse_fill(fb_sparse *out, const fb_real *A, int n)
 {
   out->n_term = 0;
@@ -14426,7 +14778,7 @@ static void fbi_sparse_fill(fb_sparse *out, const fb_real *A, int n)
 
 #if FB_WITH_DAMPING
 /* [E8.7] Damping force C q_dot with the modal ratios zeta_k: C = sum_k 2 zeta_k omega_k (M x_k)(M x_k)^T.
-   For normalized modes C = diag(2 zeta omega). It acts on the rate of deformation, so it takes no momentum.
+   For normalized modes C = diag(2 zeta omega). It depends on the deformation rate alone and takes no momentum.
    Source: textbook.  Shapes: C n x n.  Fails: K indefinite.  Test: damped_free_decay_has_the_given_ratio. */
 static fb_status fbi_damping_fill(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_real *zeta)
 {
@@ -14436,16 +14788,22 @@ static fb_status fbi_damping_fill(fb_body *body, fb_body_work *work, const fb_sh
   if (!fbi_has(body->effects, FB_EFFECT_DAMPING)) {
     return FB_OK;
   }
+
+  /* Normalized modes: C is diagonal */
   if (body->unit_mass && body->K.n_term == 0) {
     for (int k = 0; k < n; k++) {
       body->C.diagonal[k] = FB_R(2.0) * zeta[k] * FB_SQRT(body->K.diagonal[k]);
     }
     return FB_OK;
   }
+
+  /* Modes x_k of M and K */
   fbi_zero(C, n * n);
   fbi_copy(work->A, shape->K, n * n);
   fbi_copy(work->B, shape->M, n * n);
   status = fb_eig_gen_solve(work->d, work->X, work->A, work->B, n);
+
+  /* Sum over the modes */
   for (int k = 0; status == FB_OK && k < n; k++) {
     const fb_real factor = FB_R(2.0) * zeta[k] * FB_SQRT(fbi_larger(work->d[k], FB_R(0.0)));
     for (int i = 0; i < n; i++) { /* row k of A: M x_k */
@@ -14463,7 +14821,7 @@ static fb_status fbi_damping_fill(fb_body *body, fb_body_work *work, const fb_sh
 }
 #endif
 
-/* Largest eigenvalue of A x = d B x; B is kept, A is not. */
+/* Largest eigenvalue of A x = d B x, or 0, with A = work.A, which is overwritten; B is kept. */
 static fb_status fbi_largest_eigenvalue(fb_real *largest, fb_body_work *work, const fb_real *B, int n)
 {
   fb_status status = FB_OK;
@@ -14477,16 +14835,20 @@ static fb_status fbi_largest_eigenvalue(fb_real *largest, fb_body_work *work, co
 }
 
 #if FBI_WITH_QUADRATIC
-/* sqrt of the largest eigenvalue of sum_i T_i^T B^-1 T_i against B, T_i(a,b) = table[m (a n + b) + i], i < m: a bound
-   of the norm of sum_i x_i T_i for a unit vector x. */
+/* Bound of the norm against B of sum_i x_i T_i for unit vectors x: the root of the largest eigenvalue of sum_i T_i^T
+   B^-1 T_i against B, T_i(a,b) = table[m (a n + b) + i], i < m. */
 static fb_status fbi_table_norm(fb_real *norm, fb_body_work *work, const fb_real *table, int m, const fb_real *B, int n)
 {
   fb_status status = FB_OK;
   fb_real largest = FB_R(0.0);
+
+  /* B = L L^T */
   fbi_copy(work->L, B, n * n);
   if (n > 0) {
     status = fb_chol_factor(work->L, n);
   }
+
+  /* A = sum_i T_i^T B^-1 T_i */
   fbi_zero(work->A, n * n);
   for (int i = 0; status == FB_OK && i < m; i++) {
     for (int a = 0; a < n; a++) { /* row a of X: L^-1 T_i e_a */
@@ -14501,6 +14863,8 @@ static fb_status fbi_table_norm(fb_real *norm, fb_body_work *work, const fb_real
       }
     }
   }
+
+  /* Largest eigenvalue against B */
   if (status == FB_OK) {
     status = fbi_largest_eigenvalue(&largest, work, B, n);
   }
@@ -14510,7 +14874,8 @@ static fb_status fbi_table_norm(fb_real *norm, fb_body_work *work, const fb_real
 #endif
 
 #if FB_WITH_NONLINEAR_STRAIN
-/* The rows of strain slopes that are not zero, and what is left of the strain energy. */
+/* Strain and slopes at the quadrature points for the nonlinear axial strain: the rows that are not zero, and the
+   degrees of the strain energy that truncation keeps. */
 static void fbi_strain_fill(fb_body *body, const fb_shape *shape, fb_truncation truncation)
 {
   body->n_strain = 0;
@@ -14519,6 +14884,8 @@ static void fbi_strain_fill(fb_body *body, const fb_shape *shape, fb_truncation 
   if (!fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
     return;
   }
+
+  /* Rows of all coordinates */
   body->n_strain = shape->n_strain;
   fbi_copy(body->strain_weight, shape->strain_weight, FBI_MAX_STRAINS);
   for (int i = 0; i < 3 * body->n; i++) {
@@ -14550,17 +14917,19 @@ static void fbi_slope_matrix(fb_real *A, const fb_body *body)
   }
 }
 
-/* Change of a frequency by a tension, 1/2 T S / omega with S = int psi' psi' dx: half the square root of the largest
-   eigenvalue of S M^-1 S against K, times the tension of the beam's own mass per spin squared. */
+/* Largest change of a frequency by centrifugal tension T per squared spin, 1/2 T S / omega with S = int psi' psi' dx:
+   half the root of the largest eigenvalue of S M^-1 S against K, times the tension of the beam's own mass. */
 static fb_status fbi_tension_fill(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_real *reduced)
 {
   const int n = body->n;
-  fb_real largest = FB_R(0.0), size = FB_R(0.0); /* of S, whose squares may be too large */
+  fb_real largest = FB_R(0.0), size = FB_R(0.0); /* largest element of S, whose squares may overflow */
   fb_status status;
   body->limit_tension = FB_R(0.0);
   if (body->n_strain == 0 || n == 0) {
     return FB_OK;
   }
+
+  /* S, scaled to largest element 1 */
   fbi_zero(work->A, n * n);
   fbi_slope_matrix(work->A, body);
   for (int ab = 0; ab < n * n; ab++) {
@@ -14569,6 +14938,8 @@ static fb_status fbi_tension_fill(fb_body *body, fb_body_work *work, const fb_sh
   for (int ab = 0; ab < n * n && size > FB_R(0.0); ab++) {
     work->A[ab] /= size;
   }
+
+  /* S M^-1 S */
   fbi_copy(work->L, reduced, n * n);
   status = fb_chol_factor(work->L, n);
   for (int a = 0; a < n && status == FB_OK; a++) {
@@ -14577,8 +14948,10 @@ static fb_status fbi_tension_fill(fb_body *body, fb_body_work *work, const fb_sh
   for (int ab = 0; ab < n * n; ab++) {
     work->A[ab] = fbi_dot(work->X + ab / n * n, work->X + ab % n * n, n);
   }
+
+  /* Against K, made definite */
   fbi_copy(work->L, shape->K, n * n);
-  for (int a = 0; a < n; a++) { /* a little of its own for each, of the stiffest for one that has none */
+  for (int a = 0; a < n; a++) { /* a small part of its own or, without one, of the stiffest */
     const fb_real own = shape->K[a * n + a], other = body->limit_elastic * reduced[a * n + a];
     work->L[a * n + a] += (FB_SINGLE ? FB_R(1e-6) : FB_R(1e-9)) * (own > FB_R(0.0) ? own : other);
   }
@@ -14590,9 +14963,9 @@ static fb_status fbi_tension_fill(fb_body *body, fb_body_work *work, const fb_sh
 
 /* [E8.8] Bounds of the body's highest frequency |lambda| <= g + sqrt(g^2 + k) with g = |w| + limit_damping / 2,
    k = limit_elastic + limit_spin w^2 + limit_acceleration |a|: the largest eigenvalues of K, C and the stiffening
-   against the elastic mass that is left when the body is free, M - M_re^T M_rr^-1 M_re. The gyroscopic part is |N(w)
-   q| <= |w| |q| against M, which is a bound for a prescribed base; for a free one it rests on trials. At rest the
-   bound is the frequency itself.
+   against the elastic mass of the free body, M - M_re^T M_rr^-1 M_re. The gyroscopic part is |N(w) q| <= |w| |q|
+   against M, a bound for a prescribed base, for a free one confirmed by trials only. At rest the bound is the frequency
+   itself.
    Source: quadratic eigenvalue bound |lambda|^2 <= 2 g |lambda| + k.  Fails: M or S_0 not positive definite.
    Test: the_step_limit_is_the_stability_boundary. */
 static fb_status fbi_limits_fill(fb_body *body, fb_body_work *work, const fb_shape *shape)
@@ -14600,6 +14973,8 @@ static fb_status fbi_limits_fill(fb_body *body, fb_body_work *work, const fb_sha
   const int n = body->n;
   fb_real *reduced = work->Lambda; /* free until Lambda is filled */
   fb_status status = FB_OK;
+
+  /* Elastic mass of the free body, M - M_re^T M_rr^-1 M_re */
   fbi_copy(reduced, shape->M, n * n);
   {
     fb_real S[21];
@@ -14614,6 +14989,8 @@ static fb_status fbi_limits_fill(fb_body *body, fb_body_work *work, const fb_sha
       }
     }
   }
+
+  /* Stiffness */
   fbi_copy(work->A, shape->K, n * n);
   status = status == FB_OK ? fbi_largest_eigenvalue(&body->limit_elastic, work, reduced, n) : status;
 #if FB_WITH_NONLINEAR_STRAIN
@@ -14622,6 +14999,8 @@ static fb_status fbi_limits_fill(fb_body *body, fb_body_work *work, const fb_sha
   status = status == FB_OK ? fbi_largest_eigenvalue(&body->limit_slope, work, reduced, n) : status;
   status = status == FB_OK ? fbi_tension_fill(body, work, shape, reduced) : status;
 #endif
+
+  /* Damping and geometric stiffening, where they are on */
   body->limit_damping = FB_R(0.0);
   body->limit_spin = FB_R(0.0);
   body->limit_acceleration = FB_R(0.0);
@@ -14642,7 +15021,7 @@ static fb_status fbi_limits_fill(fb_body *body, fb_body_work *work, const fb_sha
   return status;
 }
 
-/* Is it the unit matrix to rounding? */
+/* Is A the unit matrix to round-off? */
 static int fbi_is_unit(const fb_sparse *A, int n)
 {
   for (int a = 0; a < n; a++) {
@@ -14653,7 +15032,8 @@ static int fbi_is_unit(const fb_sparse *A, int n)
   return A->n_term == 0;
 }
 
-/* sqrt of the largest eigenvalue of M_rr x = lambda S_0 x over the rows that the base leaves free. */
+/* Base mobility `recoil`: the root of the largest eigenvalue of M_rr x = lambda S_0 x over the rows that the base
+   leaves free; radius of gyration about O. */
 static fb_status fbi_recoil_fill(fb_body *body, const fb_shape *shape)
 {
   const int first = fbi_first_free(body->base), rows = 6 - first;
@@ -14663,6 +15043,8 @@ static fb_status fbi_recoil_fill(fb_body *body, const fb_shape *shape)
   body->gyration = shape->mass > FB_R(0.0)
                        ? FB_SQRT((shape->J[0] + shape->J[4] + shape->J[8]) / (FB_R(2.0) * shape->mass))
                        : FB_R(0.0);
+
+  /* Free rows of both matrices */
   fbi_rigid_matrix(M_rr, shape->mass, shape->c, shape->J);
   for (int i = 0; i < rows * rows; i++) {
     const int at = fb_sym6_index(first + i / rows, first + i % rows);
@@ -14676,16 +15058,21 @@ static fb_status fbi_recoil_fill(fb_body *body, const fb_shape *shape)
   return status;
 }
 
+/* M^-1 and S_0^-1. */
 static fb_status fbi_inverses_fill(fb_body *body, fb_body_work *work)
 {
   const int n = body->n;
   fb_real reference[6];
-  for (int j = 0; j < n; j++) { /* work.L holds the factor of M */
+
+  /* M^-1; work.L holds the factor of M */
+  for (int j = 0; j < n; j++) {
     fbi_zero(work->d, n);
     work->d[j] = FB_R(1.0);
     fb_chol_solve(work->A + j * n, work->L, work->d, n);
   }
   fbi_sparse_fill(&body->Minv, work->A, n);
+
+  /* S_0^-1 over the free rows, if S_0 is not singular to round-off */
   fbi_sym6_reference(reference, body->S0, FB_R(0.0), FB_R(0.0));
   if (!fbi_sym6_stands_out(body->S0, fbi_first_free(body->base), reference, FBI_ROUNDING)) {
     return FB_ERR_SINGULAR;
@@ -14700,7 +15087,8 @@ static fb_status fbi_inverses_fill(fb_body *body, fb_body_work *work)
   return FB_OK;
 }
 
-/* A free origin accelerates; stiffening by spin alone then depends on where in the body it was put. */
+/* Do the equations depend on where in the body O lies? A free origin accelerates, which spin stiffening without
+   acceleration stiffening ignores. */
 static int fbi_depends_on_origin(unsigned effects, fb_base base)
 {
   return base == FB_BASE_FREE && fbi_has(effects, FB_EFFECT_SPIN_STIFFENING) &&
@@ -14708,8 +15096,9 @@ static int fbi_depends_on_origin(unsigned effects, fb_base base)
 }
 
 #if FB_WITH_FORMS
-/* A mass matrix that follows the shape wants J(q) and h(q) together (ERRATA.md DBe); the printed first-order
-   form has no quadratic field, and its printed torque belongs to one kind of basis. */
+/* Effects that a form needs or excludes: the second-order form with its configuration-dependent mass matrix needs
+   J(q) and h(q) together (ERRATA.md DBe); the printed first-order form has no quadratic field, and its printed torque
+   belongs to one kind of basis. */
 static fb_status fbi_form_check(const fb_shape *shape, const fb_body_desc *desc)
 {
   const int spin = fbi_has(desc->effects, FB_EFFECT_SPIN_COUPLING);
@@ -14717,6 +15106,8 @@ static fb_status fbi_form_check(const fb_shape *shape, const fb_body_desc *desc)
       !fbi_is_choice((int)desc->stiffness_torque, (int)FB_TORQUE_BOUNDARY)) {
     return FB_ERR_VALUE;
   }
+
+  /* Effects */
   if (desc->form == FB_FORM_SECOND && !desc->allow_split_effects &&
       spin != fbi_has(desc->effects, FB_EFFECT_RESIDUAL_INERTIA)) {
     return FB_ERR_EFFECTS;
@@ -14739,12 +15130,14 @@ static fb_status fbi_form_check(const fb_shape *shape, const fb_body_desc *desc)
 }
 #endif
 
-/* Counts within the tables, all that they count finite: the caller may write into a shape. */
+/* Counts within the tables and all values finite: the caller may write into a shape. */
 static fb_status fbi_shape_check(const fb_shape *shape)
 {
   const int n = shape->n;
   int nn, finite;
   FBI_REQUIRE(n >= 0 && n <= FB_MAX_MODES && shape->n_node >= 1 && shape->n_node <= FB_MAX_NODES, FB_ERR_CAPACITY);
+
+  /* Finite values, table by table */
   nn = n * n;
   finite = fbi_is_finite(&shape->mass, 1) && fbi_is_finite(&shape->size, 1) && fbi_is_finite(shape->c, 3) &&
            fbi_is_finite(shape->J, 9) && fbi_is_finite(shape->P, 3 * n) && fbi_is_finite(shape->H, 3 * n) &&
@@ -14783,10 +15176,14 @@ static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *
   if (status != FB_OK) {
     return status;
   }
+
+  /* Finite values */
   if (!fbi_is_finite(desc->zeta, shape->n) || !fbi_is_finite(desc->gravity, 3) ||
       !fbi_is_finite(&desc->deflection_limit, 1)) {
     return FB_ERR_NOT_FINITE;
   }
+
+  /* Ranges */
   for (int k = 0; k < shape->n; k++) {
     if (desc->zeta[k] < FB_R(0.0) || shape->K[k * shape->n + k] < FB_R(0.0)) {
       return FB_ERR_VALUE;
@@ -14799,9 +15196,11 @@ static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *
   if (!fbi_is_choice((int)desc->truncation, (int)FB_TRUNCATE_ABOVE_2)) {
     return FB_ERR_VALUE;
   }
+
+  /* Effects: no value without its effect, none excluded by the build, none without its partner */
   if ((!fbi_has(desc->effects, FB_EFFECT_DAMPING) && !fbi_is_zero(desc->zeta, shape->n)) ||
       (!fbi_has(desc->effects, FB_EFFECT_GRAVITY) && !fbi_is_zero(desc->gravity, 3))) {
-    return FB_ERR_EFFECTS; /* a value that nothing would use */
+    return FB_ERR_EFFECTS;
   }
   if (fbi_is_excluded(desc->effects) ||
       (!desc->allow_split_effects &&
@@ -14821,7 +15220,7 @@ static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *
 #endif
 }
 
-/* As far as there are coordinates. */
+/* Copies a node for n coordinates. */
 static void fbi_node_copy(fb_node *to, const fb_node *from, int n)
 {
   fbi_copy(to->r, from->r, 3);
@@ -14833,10 +15232,12 @@ static void fbi_node_copy(fb_node *to, const fb_node *from, int n)
 #endif
 }
 
-/* Everything but matrices and terms. */
+/* Fills a body but for damping, limits, inverses and the terms of Lambda and S. */
 static void fbi_body_fill(fb_body *body, const fb_shape *shape, const fb_body_desc *desc)
 {
   memset(body, 0, sizeof *body);
+
+  /* Effects and form */
   body->effects = desc->effects & FB_EFFECT_ELASTIC ? desc->effects : desc->effects & FB_EFFECT_GRAVITY;
   if (desc->truncation == FB_TRUNCATE_ABOVE_0) {
     body->effects &= ~(unsigned)FB_EFFECT_NONLINEAR_STRAIN;
@@ -14849,14 +15250,20 @@ static void fbi_body_fill(fb_body *body, const fb_shape *shape, const fb_body_de
     body->effects &= ~(unsigned)FB_EFFECT_RESIDUAL_INERTIA;
   }
 #endif
+
+  /* Sizes and options */
   body->n = desc->effects & FB_EFFECT_ELASTIC ? shape->n : 0;
   body->n_node = shape->n_node;
   body->base = desc->base;
   body->allow_long_step = desc->allow_long_step != 0;
+
+  /* M and K, and what follows from them */
   fbi_sparse_fill(&body->M, shape->M, body->n);
   fbi_sparse_fill(&body->K, shape->K, body->n);
   body->unit_mass = fbi_is_unit(&body->M, body->n);
   body->constant_S = body->n == 0 || !fbi_has(body->effects, FB_EFFECT_RESIDUAL_INERTIA | FBI_QUADRATIC_EFFECTS);
+
+  /* Rigid body, deflection limit, nodes */
   body->mass = shape->mass;
   fbi_copy(body->c, shape->c, 3);
   body->deflection_limit = desc->deflection_limit > FB_R(0.0) ? desc->deflection_limit : FB_R(0.5) * shape->size;
@@ -14875,7 +15282,8 @@ static void fbi_body_fill(fb_body *body, const fb_shape *shape, const fb_body_de
 }
 
 #if FB_WITH_FORMS
-/* Elements of a table (n x m, element i of coordinate or pair k at table[m k + i]) that are not zero, with factor c. */
+/* Appends the elements of a table (n x m, element i of coordinate or pair k at table[m k + i]) that are not
+   round-off, times c. */
 static void fbi_table_list(fb_lambda_term *list, int *n_list, const fb_real *table, int m, int n, int bilinear,
                            fb_real c)
 {
@@ -14895,17 +15303,21 @@ static void fbi_table_list(fb_lambda_term *list, int *n_list, const fb_real *tab
   }
 }
 
-/* The tables of the form: S(q), or for the second-order form M_rr(q) in its place, with the terms that truncation
-   leaves; rates and gradients keep one degree more, Gamma^(Q) belongs to J^(Q+1). */
+/* Tables of the form: S(q), or M_rr(q) in its place for the second-order form, with the terms that truncation leaves.
+   Rates and gradients keep one degree more than values: Gamma^(Q) belongs to J^(Q+1). */
 static void fbi_form_fill(fb_body *body, fb_body_work *work, const fb_shape *shape)
 {
   const int n = body->n;
   int linear;
+
+  /* S(q), or with Lambda = 0 M_rr(q) */
   fbi_rigid_matrix(body->M_rr, shape->mass, shape->c, shape->J);
   if (body->form == FB_FORM_SECOND) {
     fbi_zero(work->Lambda, (n + 1) * 6 * n);
   }
   linear = fbi_S_list(body, work, shape);
+
+  /* Number of terms that the values keep */
   body->n_run_value = body->n_run;
   body->n_lambda_value = body->form == FB_FORM_FIRST ? body->n_lambda_constant : body->n_lambda;
   if (body->form == FB_FORM_SECOND && body->torque_degree < 2) {
@@ -14913,6 +15325,8 @@ static void fbi_form_fill(fb_body *body, fb_body_work *work, const fb_shape *sha
     body->n_run = body->torque_degree == 0 ? linear : body->n_run;
     body->n_lambda_value = body->torque_degree == 0 ? body->n_lambda_constant : body->n_lambda;
   }
+
+  /* First-order form: Gam_a and the printed stiffness torque */
   body->n_gam = body->n_torque = 0;
   if (body->form != FB_FORM_FIRST) {
     return;
@@ -14920,7 +15334,7 @@ static void fbi_form_fill(fb_body *body, fb_body_work *work, const fb_shape *sha
   fbi_table_list(body->gam, &body->n_gam, shape->Gam, 9, n, 0, FB_R(1.0));
 #if FB_WITH_NONLINEAR_STRAIN
   if (body->stiffness_torque != FB_TORQUE_IDENTITY && body->torque_degree > 0) {
-    fb_real *table = work->Lambda; /* is spent */
+    fb_real *table = work->Lambda; /* free by now */
     for (int k = 0; k < 3 * n * n; k++) {
       const fb_real boundary = body->stiffness_torque == FB_TORQUE_BOUNDARY ? shape->torque_boundary[k] : FB_R(0.0);
       table[k] = shape->torque[k] + boundary;
@@ -14938,11 +15352,15 @@ static fb_status fbi_terms_fill(fb_body *body, fb_body_work *work, const fb_shap
   const int ups = fbi_has(body->effects, FB_EFFECT_SPIN_COUPLING);
   const int chi = fbi_has(body->effects, FB_EFFECT_ACCELERATION_STIFFENING);
   fb_status status = FB_OK;
+
+  /* Lambda */
   fbi_lambda_fill(work->Lambda, shape, n, ups, chi);
   fbi_lambda_list(body, shape, work->Lambda);
   if (body->n_lambda > FBI_MAX_LAMBDA) {
     return FB_ERR_CAPACITY;
   }
+
+  /* S from Z = Lambda L^-T, row by row, M = L L^T */
   fbi_lambda_fill(work->Lambda, shape, n, ups && fbi_has(body->effects, FB_EFFECT_RESIDUAL_INERTIA), chi);
   fbi_copy(work->L, shape->M, n * n);
   if (n > 0) {
@@ -14951,7 +15369,7 @@ static fb_status fbi_terms_fill(fb_body *body, fb_body_work *work, const fb_shap
   if (status != FB_OK) {
     return status;
   }
-  for (int row = 0; row < (n + 1) * 6; row++) { /* Z = Lambda L^-T, row by row */
+  for (int row = 0; row < (n + 1) * 6; row++) {
     fbi_chol_forward(work->Lambda + row * n, work->L, work->Lambda + row * n, n);
   }
 #if FB_WITH_FORMS
@@ -15076,6 +15494,7 @@ FB_DEF fb_status fb_body_build(fb_body *body, fb_build_work *work, const fb_buil
 #if FB_WITH_SYSTEM
 /* ---- joints of systems */
 
+/* Unit twists of the axes of a joint, six numbers each, in joint.A. */
 static void fbi_joint_twists(fb_joint *joint)
 {
   static const fb_real x[3] = {FB_R(1.0), FB_R(0.0), FB_R(0.0)}, y[3] = {FB_R(0.0), FB_R(1.0), FB_R(0.0)};
@@ -15093,12 +15512,12 @@ static void fbi_joint_twists(fb_joint *joint)
     if (kind == FB_JOINT_CYLINDRICAL) {
       fbi_axis_twist(joint->A + 6, joint, z, none, one);
     } else {
-      fbi_axis_twist(joint->A + 6, joint, x, one, none); /* universal */
+      fbi_axis_twist(joint->A + 6, joint, x, one, none); /* universal joint */
     }
   }
 }
 
-/* Rotation matrix of a quaternion of a desc, all zero: identity. */
+/* Rotation matrix of a quaternion of a desc; all zeros mean identity. */
 static void fbi_attitude_axes(fb_real R[9], const fb_real quat[4])
 {
   const fb_real identity[4] = {FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
@@ -15123,10 +15542,13 @@ static int fbi_is_side(const fb_real axis[3], const fb_real attitude[4])
   return fbi_is_zero(axis, 3) || (fbi_is_zero(attitude, 4) && fbi_vec3_norm(axis) > FB_TINY);
 }
 
+/* Checks joint j of a desc: those from n_body on close loops. */
 static fb_status fbi_joint_check(const fb_system_desc *desc, const fb_body *body, int j)
 {
   const int loop = j >= desc->n_body, last = loop ? desc->n_body : j;
   const fb_joint_desc *d = loop ? &desc->loop[j - desc->n_body] : &desc->joint[j];
+
+  /* Finite values and ranges */
   if (!fbi_is_finite(d->position, 3) || !fbi_is_finite(d->child_position, 3) || !fbi_is_finite(&d->pitch, 1) ||
       !fbi_is_finite(d->stiffness, 3) || !fbi_is_finite(d->rest, 3) || !fbi_is_finite(d->damping, 3) ||
       !fbi_is_finite(d->attitude, 4) || !fbi_is_finite(d->child_attitude, 4) || !fbi_is_finite(d->axis, 3) ||
@@ -15138,6 +15560,8 @@ static fb_status fbi_joint_check(const fb_system_desc *desc, const fb_body *body
       !fbi_is_side(d->child_axis, d->child_attitude) || (d->kind == FB_JOINT_FREE && loop)) {
     return FB_ERR_VALUE;
   }
+
+  /* Axes */
   for (int i = 0; i < 3; i++) {
     if (d->stiffness[i] < FB_R(0.0) || d->damping[i] < FB_R(0.0) ||
         !fbi_is_choice((int)d->mode[i], (int)FB_AXIS_PRESCRIBED) ||
@@ -15148,6 +15572,8 @@ static fb_status fbi_joint_check(const fb_system_desc *desc, const fb_body *body
   if (d->kind == FB_JOINT_FREE) {
     return FB_OK;
   }
+
+  /* Bodies and nodes; parents of a tree come first */
   if (d->parent < FB_GROUND || d->parent >= last ||
       (loop && (d->child < 0 || d->child >= desc->n_body || d->child == d->parent))) {
     return FB_ERR_VALUE;
@@ -15176,11 +15602,14 @@ static void fbi_joint_frames(fb_joint *joint, const fb_joint_desc *d)
   }
 }
 
+/* Fills joint j from its desc; those from n_body on close loops. */
 static void fbi_joint_fill(fb_joint *joint, const fb_system_desc *desc, const fb_body *body, int j)
 {
   const int loop = j >= desc->n_body;
   const fb_joint_desc *d = loop ? &desc->loop[j - desc->n_body] : &desc->joint[j];
   memset(joint, 0, sizeof *joint);
+
+  /* Bodies and nodes that it connects */
   joint->kind = d->kind;
   joint->parent = d->kind == FB_JOINT_FREE ? FB_GROUND : d->parent;
   joint->parent_node = d->kind == FB_JOINT_FREE ? 0 : d->parent_node;
@@ -15188,6 +15617,8 @@ static void fbi_joint_fill(fb_joint *joint, const fb_system_desc *desc, const fb
   joint->child_node = loop ? d->child_node : 0;
   joint->n_axis = fbi_joint_axes(d->kind);
   joint->moves = joint->parent >= 0 && fbi_node_moves(&body[desc->model[joint->parent]], joint->parent_node);
+
+  /* Frames on both bodies; a parent's node that no mode moves is part of the position */
   fbi_vec3_copy(joint->position, d->position);
   if (joint->parent >= 0 && !joint->moves) {
     fbi_vec3_add(joint->position, FB_R(1.0), body[desc->model[joint->parent]].node[joint->parent_node].r);
@@ -15196,13 +15627,15 @@ static void fbi_joint_fill(fb_joint *joint, const fb_system_desc *desc, const fb
   fbi_joint_frames(joint, d);
   joint->pitch = d->pitch;
   fbi_joint_twists(joint);
+
+  /* Axes; spherical and free joints have one value for all */
   for (int i = 0; i < 3; i++) {
     joint->mode[i] = d->mode[i];
     joint->stiffness[i] = d->stiffness[i];
     joint->rest[i] = d->kind == FB_JOINT_SPHERICAL ? FB_R(0.0) : d->rest[i];
     joint->damping[i] = d->damping[i];
   }
-  if (d->kind == FB_JOINT_SPHERICAL || d->kind == FB_JOINT_FREE) { /* one for all */
+  if (d->kind == FB_JOINT_SPHERICAL || d->kind == FB_JOINT_FREE) {
     for (int i = 1; i < 3; i++) {
       joint->mode[i] = d->mode[0];
       joint->stiffness[i] = d->stiffness[0];
@@ -15213,9 +15646,9 @@ static void fbi_joint_fill(fb_joint *joint, const fb_system_desc *desc, const fb
 
 /* ---- systems */
 
-/* Largest eigenvalue of springs and modes (which = 0) or dampers (1) against the mass, undeformed, at zero coordinates:
-   60 steps of the power method, which comes from below; 5 % are added. The right-hand side is clear but for what is set
-   here. */
+/* Largest eigenvalue of the stiffness of springs and modes (which = 0) or of dampers (1) against the mass,
+   undeformed, at joint coordinates of zero: 60 steps of the power method, which approaches it from below, and 5 %.
+   Everything else in the right-hand side is zero. */
 static fb_status fbi_system_limit(fb_real *limit, fb_system_work *w, const fb_system *system, const fb_body *body,
                                   int which)
 {
@@ -15224,6 +15657,7 @@ static fb_status fbi_system_limit(fb_real *limit, fb_system_work *w, const fb_sy
   for (int step = 0; step < 60 && size > FB_R(0.0) && status == FB_OK; step++) {
     size = FB_R(0.0);
     for (int k = 0; k < system->n_body; k++) {
+      /* Start vector x in the first step; right-hand side p = K x, and x^T K x */
       const fb_body *model = fbi_model(system, body, k);
       const fb_joint *joint = fbi_link_joint(system, w, k);
       fbi_link_work *L = &w->link[k];
@@ -15246,7 +15680,9 @@ static fb_status fbi_system_limit(fb_real *limit, fb_system_work *w, const fb_sy
         size += L->p[i] * L->u[i];
       }
     }
-    size = size > FB_R(0.0) ? FB_R(1.0) / FB_SQRT(size) : size; /* to unit energy */
+
+    /* Scaled to x^T K x = 1 */
+    size = size > FB_R(0.0) ? FB_R(1.0) / FB_SQRT(size) : size;
     for (int k = 0; k < system->n_body; k++) {
       for (int a = 0; a < fbi_model(system, body, k)->n; a++) {
         w->link[k].pi[a] *= size;
@@ -15255,6 +15691,8 @@ static fb_status fbi_system_limit(fb_real *limit, fb_system_work *w, const fb_sy
         w->link[k].p[i] *= size;
       }
     }
+
+    /* x = M^-1 p; the estimate is p^T M^-1 p */
     status = size > FB_R(0.0) ? fbi_speeds_solve(w, system, body) : status;
     *limit = FB_R(0.0);
     for (int k = 0; k < system->n_body && size > FB_R(0.0); k++) { /* p^T M^-1 p of p = K x, x^T K x = 1 */
@@ -15269,7 +15707,8 @@ static fb_status fbi_system_limit(fb_real *limit, fb_system_work *w, const fb_sy
   return status;
 }
 
-/* Springs and dampers of kept joints: each adds its stiffness against the motion that it causes, an upper bound. */
+/* Limits by springs and dampers of joints that multipliers enforce (kept): each axis adds its stiffness times the
+   mobility along it; the sum is an upper bound. */
 static fb_status fbi_kept_limits(fb_system *system, fb_system_work *w, const fb_body *body)
 {
   fb_status status = FB_OK;
@@ -15281,8 +15720,9 @@ static fb_status fbi_kept_limits(fb_system *system, fb_system_work *w, const fb_
       w->n_row = w->n_end = 0;
       status = fbi_frames_eval(&f, w, system, body, j);
       if (status == FB_OK) {
+        /* Mobility: speed along the axis by a unit impulse on it */
         fbi_frames_axis(force, torque, &f, joint, i);
-        (void)fbi_row_new(w, &f, j, force, torque, FB_R(0.0)); /* the first of FB_MAX_ROWS */
+        (void)fbi_row_new(w, &f, j, force, torque, FB_R(0.0)); /* cannot fail: the list is empty */
         fbi_rhs_clear(w, system, body);
         fbi_row_impulse(w, system, body, 0, FB_R(1.0));
         status = fbi_speeds_solve(w, system, body);
@@ -15296,7 +15736,7 @@ static fb_status fbi_kept_limits(fb_system *system, fb_system_work *w, const fb_
   return status;
 }
 
-/* Is k the first body of its model? */
+/* Is k the first body with its model? */
 static int fbi_is_first(const int *model, int k)
 {
   int i = 0;
@@ -15321,11 +15761,11 @@ static fb_status fbi_system_desc_check(const fb_body *body, int n_model, const f
       return FB_ERR_VALUE;
     }
   }
-  /* a model for each body, and one that no body has: desc->model was forgotten */
+  /* an unused model though there are bodies enough: desc->model was forgotten */
   return n_model > desc->n_body || used == n_model ? FB_OK : FB_ERR_VALUE;
 }
 
-/* The joint that a body's tree hangs by: is it free? */
+/* Is the joint at the root of body k's tree free? */
 static int fbi_tree_is_free(const fb_system *system, int k)
 {
   int root = k;
@@ -15335,8 +15775,8 @@ static int fbi_tree_is_free(const fb_system *system, int k)
   return root >= 0 && system->joint[root].kind == FB_JOINT_FREE;
 }
 
-/* Does joint j, a constraint, tie free trees or, as all joints may be, free bodies: 2 to the ground, 1 to each other?
-   */
+/* What the constraint of joint j connects: 2 a free tree to the ground (or to a tree on it), 1 free trees to each
+   other, 0 neither. With multipliers every joint is a constraint and every body a tree. */
 static int fbi_joint_ties(const fb_system *system, int j)
 {
   const fb_joint *joint = &system->joint[j];
@@ -15349,7 +15789,8 @@ static int fbi_joint_ties(const fb_system *system, int j)
   return fbi_tree_is_free(system, joint->child) && fbi_tree_is_free(system, joint->parent) ? 1 : 2;
 }
 
-/* Bodies on nodes that modes move, and all that a step asks of the tree as it is built. */
+/* Fills a system: joints, `coupled` (bodies that carry others on nodes that modes move) and `tied` (what its
+   constraints connect). */
 static void fbi_system_fill(fb_system *out, const fb_body *body, const fb_system_desc *desc)
 {
   memset(out, 0, sizeof *out);
@@ -15360,6 +15801,8 @@ static void fbi_system_fill(fb_system *out, const fb_body *body, const fb_system
   for (int k = 0; k < desc->n_body; k++) {
     out->model[k] = desc->model[k];
   }
+
+  /* Joints, and what the constraints connect */
   for (int j = 0; j < desc->n_body + desc->n_loop; j++) {
     fbi_joint_fill(&out->joint[j], desc, body, j);
     if (j < desc->n_body && out->joint[j].moves) {
@@ -15370,6 +15813,8 @@ static void fbi_system_fill(fb_system *out, const fb_body *body, const fb_system
     const int tied = fbi_joint_ties(out, j);
     out->tied = tied > out->tied ? tied : out->tied;
   }
+
+  /* The joint of every body when multipliers enforce all joints */
   out->free.kind = FB_JOINT_FREE;
   out->free.parent = FB_GROUND;
   out->free.n_axis = fbi_joint_axes(FB_JOINT_FREE);
@@ -15383,6 +15828,8 @@ FB_DEF fb_status fb_system_init(fb_system *system, fb_system_work *work, const f
   fb_status status;
   FBI_REQUIRE(system && work && body && desc, FB_ERR_NULL);
   FBI_REQUIRE_EXACT();
+
+  /* The desc; work.joint names a joint that is refused */
   status = fbi_system_desc_check(body, n_model, desc);
   work->joint = -1;
   for (int j = 0; status == FB_OK && j < desc->n_body + desc->n_loop; j++) {
@@ -15392,19 +15839,25 @@ FB_DEF fb_status fb_system_init(fb_system *system, fb_system_work *work, const f
   if (status != FB_OK) {
     return status;
   }
+
+  /* Joints, room for speeds */
   out = &work->system;
   fbi_system_fill(out, body, desc);
   fbi_system_enter(work, out);
   FBI_REQUIRE(out->method != FB_METHOD_DENSE || fbi_speed_offset(out, work, body, out->n_body) <= FB_MAX_SPEEDS,
               FB_ERR_CAPACITY);
+
+  /* State of zero coordinates at rest, locked axes freed */
   zero = &work->stage;
   memset(zero, 0, sizeof *zero);
   for (int k = 0; k < out->n_body; k++) {
     zero->link[k].quat[0] = FB_R(1.0);
-    for (int i = 0; i < 3; i++) { /* what is locked may be freed: limits of the free one, if it has inertia */
+    for (int i = 0; i < 3; i++) { /* a lock may be released later */
       zero->mode[k][i] = out->joint[k].mode[i] == FB_AXIS_LOCKED ? FB_AXIS_FREE : out->joint[k].mode[i];
     }
   }
+
+  /* Mass matrix; where freed axes have no inertia, that with the locks */
   fbi_links_place(work, out, body, zero, zero);
   status = fbi_mass_factor(work, out, body, FB_R(0.0));
   if (status != FB_OK) {
@@ -15416,8 +15869,10 @@ FB_DEF fb_status fb_system_init(fb_system *system, fb_system_work *work, const f
     fbi_links_place(work, out, body, zero, zero);
     status = fbi_mass_factor(work, out, body, FB_R(0.0));
   }
+
+  /* Limits of the step */
   fbi_rhs_clear(work, out, body);
-  status = status == FB_OK ? fbi_speeds_solve(work, out, body) : status; /* free bodies, too */
+  status = status == FB_OK ? fbi_speeds_solve(work, out, body) : status; /* checks free bodies, too */
   status = status == FB_OK ? fbi_system_limit(&out->limit_elastic, work, out, body, 0) : status;
   status = status == FB_OK ? fbi_system_limit(&out->limit_damping, work, out, body, 1) : status;
   status = status == FB_OK ? fbi_kept_limits(out, work, body) : status;
@@ -15431,7 +15886,7 @@ FB_DEF fb_status fb_system_init(fb_system *system, fb_system_work *work, const f
 #if FB_WITH_EXACT
 /* ---- the geometrically exact beam */
 
-/* K += T^T D T of D = (diagonal of the forces, symmetric xx, yy, zz, xy, xz, yz of the moments), T: force strain (or
+/* K += T^T D T, D = (diagonal of the forces, symmetric xx, yy, zz, xy, xz, yz of the moments); T: force strain (or
    velocity) at the point c from that at the node. */
 static void fbi_section_add(fb_real K[36], const fb_real force[3], const fb_real moment[6], const fb_real c[3])
 {
@@ -15447,8 +15902,9 @@ static void fbi_section_add(fb_real K[36], const fb_real force[3], const fb_real
   }
 }
 
-/* [E10.4] A section by its engineering properties: K = T_t^T diag(EA, 0, 0, 0, EI_y, EI_z) T_t + T_s^T diag(0, GA_y,
-   GA_z, GJ, 0, 0) T_s, inertia T_m^T diag(m, m, m, i_y + i_z, i_y, i_z) T_m, of tension, shear and mass center.
+/* [E10.4] Section matrices from engineering properties: K = T_t^T diag(EA, 0, 0, 0, EI_y, EI_z) T_t +
+   T_s^T diag(0, GA_y, GA_z, GJ, 0, 0) T_s, inertia T_m^T diag(m, m, m, i_y + i_z, i_y, i_z) T_m, with T_t, T_s, T_m of
+   tension, shear and mass center.
    Source: [L] 3.64, 3.67, 3.68; centers by their definition.  Cost: 1 kflop.  Fails: see the header.
    Test: offsets_of_a_section_are_those_of_the_forces. */
 FB_DEF fb_status fb_mixed_station_init(fb_mixed_station *station, const fb_section *s)
@@ -15464,6 +15920,8 @@ FB_DEF fb_status fb_mixed_station_init(fb_mixed_station *station, const fb_secti
     const fb_real all[15] = {s->x,    s->mass, s->EA,    s->GJ,     s->EI_y,   s->EI_z,      s->i_y,      s->i_z,
                              s->GA_y, s->GA_z, s->twist, s->mass_y, s->mass_z, s->tension_y, s->tension_z};
     const fb_real offset[2] = {s->shear_y, s->shear_z};
+
+    /* Finite values in range */
     if (!fbi_is_finite(all, 15) || !fbi_is_finite(offset, 2)) {
       return FB_ERR_NOT_FINITE;
     }
@@ -15472,13 +15930,15 @@ FB_DEF fb_status fb_mixed_station_init(fb_mixed_station *station, const fb_secti
         return FB_ERR_VALUE;
       }
     }
+
+    /* Matrices about tension, shear and mass center */
     memset(station, 0, sizeof *station);
     station->x = s->x;
     station->twist = s->twist;
     fbi_section_add(station->stiffness, pull, bend, tension_center);
     fbi_section_add(station->stiffness, shear, twist, shear_center);
     fbi_section_add(station->inertia, mass, rotary, mass_center);
-    for (int i = 0; i < 6; i++) { /* rigid stays rigid, whatever offset adds to it */
+    for (int i = 0; i < 6; i++) { /* rigid (zero) rows stay zero whatever the offsets add */
       for (int j = 0; j < 6 && rigid[i] <= FB_R(0.0); j++) {
         station->stiffness[6 * i + j] = station->stiffness[6 * j + i] = FB_R(0.0);
       }
@@ -15540,12 +16000,12 @@ static int fbi_is_symmetric6(const fb_real A[36])
   return 1;
 }
 
-/* Inertia is that of masses: positive semidefinite. */
+/* Is M positive semidefinite to round-off, as an inertia of masses is? */
 static int fbi_is_inertia(const fb_real M[36])
 {
   fb_real A[36], V[36], d[6];
   fbi_copy(A, M, 36);
-  for (int i = 0; i < 36; i++) { /* in units in which both halves are alike */
+  for (int i = 0; i < 36; i++) { /* length unit that makes both halves comparable */
     const fb_real u = M[0] > FB_R(0.0) && M[21] > FB_R(0.0) ? FB_SQRT(M[0] / M[21]) : FB_R(1.0);
     A[i] *= (i / 6 > 2 ? u : FB_R(1.0)) * (i % 6 > 2 ? u : FB_R(1.0));
   }
@@ -15560,6 +16020,8 @@ static fb_status fbi_mixed_station_check(const fb_mixed_desc *desc, int k)
       !fbi_is_finite(&s->twist, 1) || !fbi_is_finite(&s->x, 1)) {
     return FB_ERR_NOT_FINITE;
   }
+
+  /* Stiffness zero (rigid) in the same directions at all stations */
   for (int i = 0; i < 6; i++) {
     if (s->stiffness[7 * i] < FB_R(0.0) ||
         (s->stiffness[7 * i] > FB_R(0.0) && s->stiffness[7 * i] < FB_R(1.0) / FB_HUGE) ||
@@ -15568,6 +16030,8 @@ static fb_status fbi_mixed_station_check(const fb_mixed_desc *desc, int k)
       return FB_ERR_VALUE;
     }
   }
+
+  /* Matrices, order of the stations */
   if (!fbi_is_symmetric6(s->stiffness) || !fbi_is_symmetric6(s->inertia) || !fbi_is_inertia(s->inertia)) {
     return FB_ERR_VALUE;
   }
@@ -15577,7 +16041,7 @@ static fb_status fbi_mixed_station_check(const fb_mixed_desc *desc, int k)
   return fbi_compliance(C, s->stiffness);
 }
 
-/* a + (b - a) s of stations around x */
+/* Linear interpolation between the stations around x. */
 static void fbi_mixed_station_eval(fb_mixed_station *out, const fb_mixed_desc *desc, fb_real x)
 {
   const fb_mixed_station *a = desc->station, *b = a;
@@ -15589,9 +16053,11 @@ static void fbi_mixed_station_eval(fb_mixed_station *out, const fb_mixed_desc *d
     b = a + 1;
     s = x < b->x ? (x - a->x) / (b->x - a->x) : FB_R(1.0);
   }
+
+  /* Symmetric parts: the rest is round-off of the input */
   out->x = x;
   out->twist = a->twist + (b->twist - a->twist) * s;
-  for (int i = 0; i < 36; i++) { /* what is not symmetric is rounding of the file it came from */
+  for (int i = 0; i < 36; i++) {
     const int t = i % 6 * 6 + i / 6;
     const fb_real Ka = a->stiffness[i] + a->stiffness[t], Kb = b->stiffness[i] + b->stiffness[t];
     const fb_real Ma = a->inertia[i] + a->inertia[t], Mb = b->inertia[i] + b->inertia[t];
@@ -15603,14 +16069,15 @@ static void fbi_mixed_station_eval(fb_mixed_station *out, const fb_mixed_desc *d
   }
 }
 
+/* Position of a node along the line: as given, or of equal elements. */
 static fb_real fbi_mixed_place(const fb_mixed_desc *desc, int node)
 {
   const int n = desc->n_element;
   return desc->place[n] != FB_R(0.0) ? desc->place[node] : desc->length * (fb_real)node / (fb_real)n;
 }
 
-/* Neighbors are turned against each other by less than pi: curvature as it is between the stations, wherever they lie.
-   */
+/* The ends of element k must be rotated against each other by less than 3 rad (pi is the limit) before anything acts:
+   integral of the initial curvature from station to station, and the twist. */
 static fb_status fbi_mixed_turn_check(const fb_mixed_desc *desc, int k)
 {
   const fb_real end = fbi_mixed_place(desc, k + 1);
@@ -15642,19 +16109,27 @@ static fb_status fbi_mixed_check(const fb_mixed_desc *desc)
 {
   const int n = desc->n_element;
   fb_status status = FB_OK;
+
+  /* Counts */
   if (n < 1 || n > FB_MAX_MIXED || desc->n_station < 1 || desc->n_station > FB_MAX_STATIONS || desc->n_support < 0 ||
       desc->n_support > FB_MAX_LUMPS || desc->n_lump < 0 || desc->n_lump > FB_MAX_LUMPS) {
     return FB_ERR_CAPACITY;
   }
+
+  /* Finite values */
   if (!fbi_is_finite(&desc->length, 1) || !fbi_is_finite(desc->place, n + 1) || !fbi_is_finite(desc->position, 3) ||
       !fbi_is_finite(desc->attitude, 4) || !fbi_is_finite(desc->gravity, 3) || !fbi_is_finite(&desc->dissipation, 1)) {
     return FB_ERR_NOT_FINITE;
   }
+
+  /* Ranges */
   if (!(desc->length > FB_R(1.0) / FB_HUGE) || desc->dissipation < FB_R(0.0) ||
       desc->dissipation > FB_R(2.0) / FB_R(3.0) || !fbi_is_choice(desc->iterations, 20) ||
       !fbi_is_choice(desc->factorizations, 20) || !fbi_is_end(desc->root) || !fbi_is_end(desc->tip)) {
     return FB_ERR_VALUE;
   }
+
+  /* Places of the nodes, ascending to the length */
   for (int k = 0; k <= n && !fbi_is_zero(desc->place, n + 1); k++) {
     if (k == 0 ? desc->place[0] != FB_R(0.0) : !(desc->place[k] > desc->place[k - 1])) {
       return FB_ERR_VALUE;
@@ -15663,6 +16138,8 @@ static fb_status fbi_mixed_check(const fb_mixed_desc *desc)
   if (desc->place[n] != FB_R(0.0) && FB_FABS(desc->place[n] - desc->length) > FB_R(1e-5) * desc->length) {
     return FB_ERR_VALUE;
   }
+
+  /* Stations to the length */
   for (int k = 0; k < desc->n_station && status == FB_OK; k++) {
     status = fbi_mixed_station_check(desc, k);
   }
@@ -15670,6 +16147,8 @@ static fb_status fbi_mixed_check(const fb_mixed_desc *desc)
       FB_FABS(desc->station[desc->n_station - 1].x - desc->length) > FB_R(1e-5) * desc->length) {
     status = FB_ERR_VALUE;
   }
+
+  /* Supports, lumped bodies, initial rotations */
   for (int k = 0; k < desc->n_support && status == FB_OK; k++) {
     const fb_support *s = &desc->support[k];
     status = s->node < 0 || s->node > n ? FB_ERR_CAPACITY : fbi_is_end(s->held) ? FB_OK : FB_ERR_VALUE;
@@ -15683,10 +16162,10 @@ static fb_status fbi_mixed_check(const fb_mixed_desc *desc)
 
 /* [E10.6] Compliance and inertia of an element, X = h ad(1, 0, 0, curvature):
      C + 1/12 (X C X^T + X C1 + C1 X^T)     M + 1/12 (X^T M X - X^T M1 - M1 X)
-   The first holds what the linear variation of the strain over the element, which equilibrium and taper force on it,
-   adds to the motion of one end against the other (for a uniform straight beam h^2/(12 EI) of shear); the second what
-   the element's turning adds to the energy of its mean velocity (h^2 m/12 of rotary inertia). Stretch and twist of a
-   uniform straight beam have neither: their waves are those of the box scheme.
+   Equilibrium and taper make the strain vary linearly over the element: the terms added to C are the relative motion of
+   the ends by that (for a uniform straight beam h^2/(12 EI) of shear). The terms added to M are the energy of the
+   element's rotation besides that of its mean velocity (h^2 m/12 of rotary inertia). Stretch and twist of a uniform
+   straight beam have neither: their waves are those of the box scheme.
    Source: own, Magnus expansion and variance; [MN] has the straight beam's flexibility.  Cost: init only.
    Fails: never.  Test: linear_cantilevers_are_exact_at_the_nodes, a_rigid_beam_has_its_inertia,
    tapered_beams_converge_fast. */
@@ -15698,6 +16177,8 @@ static void fbi_mixed_refine(fb_mixed *m, int k, const fb_real M1[36])
   for (int i = 0; i < 6; i++) {
     X[i] = m->h[k] * m->xi[6 * k + i];
   }
+
+  /* C + 1/12 (X C X^T + X C1 + C1 X^T) */
   fbi_ad_mul(Y, X, C);
   for (int i = 0; i < 6; i++) {
     fbi_ad(Z + 6 * i, X, Y + 6 * i); /* X Y^T, Y^T = C X^T */
@@ -15707,6 +16188,8 @@ static void fbi_mixed_refine(fb_mixed *m, int k, const fb_real M1[36])
     const int transposed = i % 6 * 6 + i / 6;
     m->C[36 * k + i] = C[i] + (FB_R(0.5) * (Z[i] + Z[transposed]) + Y[i] + Y[transposed]) / FB_R(12.0);
   }
+
+  /* M + 1/12 (X^T M X - X^T M1 - M1 X) */
   fbi_mul_ad(Y, M, X);
   fbi_adT_mul(Z, X, Y);
   fbi_mul_ad(Y, M1, X);
@@ -15716,9 +16199,9 @@ static void fbi_mixed_refine(fb_mixed *m, int k, const fb_real M1[36])
   }
 }
 
-/* [E10.5] Means over an element: of compliance (so that a rod of any taper is exact), inertia, curvature, and what the
-   first two change by over it (taper, M1: 12 times their first moments about the middle); stations lie anywhere, each
-   stretch between them by Gauss.
+/* [E10.5] Means over an element of compliance (so that a rod of any taper is exact), inertia and curvature, and the
+   change of the first two over it (taper, M1: 12 times their first moments about the middle). Stations lie anywhere;
+   each stretch between them has its own Gauss quadrature.
    Source: definition.  Cost: init only.  Fails: never on a checked desc.  Test: tapered_rods_are_exact_at_the_nodes. */
 static void fbi_mixed_element_fill(fb_mixed *m, const fb_mixed_desc *desc, int k)
 {
@@ -15728,9 +16211,13 @@ static void fbi_mixed_element_fill(fb_mixed *m, const fb_mixed_desc *desc, int k
   fb_real C[36], M1[36], a = start;
   m->h[k] = h;
   fbi_zero(M1, 36);
+
+  /* Stretches a..b between stations */
   for (int s = 0; s < desc->n_station && a < end; s++) {
     const fb_real x = desc->n_station == 1 ? end : desc->station[s].x;
     const fb_real b = x < end && s + 1 < desc->n_station ? x : end;
+
+    /* Means and 12 times the first moments */
     for (int g = 0; g < FBI_GAUSS && b > a; g++) {
       const fb_real weight = fbi_gauss_w[g] * (b - a) / h;
       const fb_real place = a + fbi_gauss_x[g] * (b - a);
@@ -15747,6 +16234,8 @@ static void fbi_mixed_element_fill(fb_mixed *m, const fb_mixed_desc *desc, int k
     }
     a = b > a ? b : a;
   }
+
+  /* xi = (1, 0, 0, curvature with the rate of twist) */
   fbi_mixed_station_eval(&at, desc, start);
   fbi_mixed_station_eval(&last, desc, end);
   m->xi[6 * k] = FB_R(1.0);
@@ -15754,8 +16243,8 @@ static void fbi_mixed_element_fill(fb_mixed *m, const fb_mixed_desc *desc, int k
   fbi_mixed_refine(m, k, M1);
 }
 
-/* Units of the beam's own: its length, the force that bends it by about that, the time in which its mass would move by
-   it. In them slenderness is the only number left, and it is the physics'. */
+/* The beam's own units: its length, the force that bends it by about its length, the time in which that force moves
+   its mass by about its length. Slenderness is then the only scale left. */
 static void fbi_mixed_units(fb_mixed *m, const fb_mixed_desc *desc)
 {
   fb_real bend = FB_R(0.0), twist = FB_R(0.0), stretch = FB_R(0.0), mass = FB_R(0.0);
@@ -15778,7 +16267,7 @@ static void fbi_mixed_units(fb_mixed *m, const fb_mixed_desc *desc)
   m->time = mass > FB_R(0.0) ? FB_SQRT(mass * m->length / m->force) : FB_R(1.0);
 }
 
-/* A 6x6 of the line in the beam's units: blocks by unit, unit * length, unit * length^2. */
+/* Scales a 6x6 of the line to the beam's units: its blocks times unit, unit * length, unit * length^2. */
 static void fbi_mixed_scale(fb_real A[36], fb_real unit, fb_real length)
 {
   for (int i = 0; i < 36; i++) {
@@ -15786,10 +16275,12 @@ static void fbi_mixed_scale(fb_real A[36], fb_real unit, fb_real length)
   }
 }
 
-/* From the desc's units to the beam's own. */
+/* Rescales a beam to its own units and fills the inverse matrices. */
 static void fbi_mixed_rescale(fb_mixed *m, const fb_mixed_desc *desc)
 {
   const fb_real L = m->length, mass = m->force * m->time * m->time / L;
+
+  /* Elements */
   for (int k = 0; k < m->n; k++) {
     m->h[k] /= L;
     for (int i = 3; i < 6; i++) {
@@ -15799,11 +16290,13 @@ static void fbi_mixed_rescale(fb_mixed *m, const fb_mixed_desc *desc)
     fbi_mixed_scale(m->taper + 36 * k, m->force, L);
     fbi_mixed_scale(m->C + 36 * k, m->force, L);
     fbi_mixed_scale(m->M + 36 * k, L / mass, FB_R(1.0) / L);
-    if (fbi_compliance(m->S + 36 * k, m->C + 36 * k) != FB_OK) { /* rigid in a direction across the axes */
+    if (fbi_compliance(m->S + 36 * k, m->C + 36 * k) != FB_OK) { /* rigid in a direction that is no axis */
       fbi_pseudo_inverse(m->S + 36 * k, m->C + 36 * k);
     }
     fbi_pseudo_inverse(m->M_inverse + 36 * k, m->M + 36 * k);
   }
+
+  /* Lumped bodies */
   for (int k = 0; k < m->n_lump; k++) {
     const fb_real one = desc->lump[k].mass, mass3[3] = {one, one, one};
     m->lump_node[k] = desc->lump[k].node;
@@ -15811,13 +16304,16 @@ static void fbi_mixed_rescale(fb_mixed *m, const fb_mixed_desc *desc)
     fbi_mixed_scale(m->lump + 36 * k, FB_R(1.0) / mass, FB_R(1.0) / L);
     fbi_pseudo_inverse(m->lump_inverse + 36 * k, m->lump + 36 * k);
   }
+
+  /* Gravity and position */
   for (int i = 0; i < 3; i++) {
     m->gravity[i] = desc->gravity[i] * m->time * m->time / L;
     m->r[i] = desc->position[i] / L;
   }
 }
 
-/* What holds the nodes, and where they are before anything acts: the root's attitude with its twist, then the line. */
+/* Constrained directions of the nodes and their poses before anything acts: the root's attitude with its twist, then
+   along the line. */
 static void fbi_mixed_nodes_fill(fb_mixed *m, const fb_mixed_desc *desc, const fb_real attitude[4])
 {
   fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, quat[4];
@@ -15825,6 +16321,8 @@ static void fbi_mixed_nodes_fill(fb_mixed *m, const fb_mixed_desc *desc, const f
   fb_quat_from_rotvec(quat, turn);
   fb_quat_mul(m->quat, attitude, quat);
   fbi_mixed_poses(m->r, m->quat, m, NULL, NULL);
+
+  /* Constraints; floating: no node has any */
   m->held[0] = desc->root == FB_END_DEFAULT ? FB_END_CLAMPED : desc->root % FB_END_FREE;
   m->held[m->n] = desc->tip % FB_END_FREE;
   for (int k = 0; k < desc->n_support; k++) {
@@ -15847,6 +16345,8 @@ FB_DEF fb_status fb_mixed_init(fb_mixed *m, const fb_mixed_desc *desc)
   if (status != FB_OK) {
     return status;
   }
+
+  /* Sizes and options */
   memset(m, 0, sizeof *m);
   m->n = desc->n_element;
   m->n_lump = desc->n_lump;
@@ -15854,6 +16354,8 @@ FB_DEF fb_status fb_mixed_init(fb_mixed *m, const fb_mixed_desc *desc)
   m->factorizations = desc->factorizations > 0 ? desc->factorizations : 1;
   rho = FB_R(1.0) - desc->dissipation;
   m->beta = rho * (FB_R(1.0) - rho) / ((FB_R(1.0) + rho) * (FB_R(1.0) + rho));
+
+  /* Elements, units, nodes */
   for (int k = 0; k < m->n; k++) {
     fbi_mixed_element_fill(m, desc, k);
   }
@@ -15865,10 +16367,10 @@ FB_DEF fb_status fb_mixed_init(fb_mixed *m, const fb_mixed_desc *desc)
 #endif
 
 #if FB_WITH_NONLINEAR_STRAIN
-/* ---- exponential scheme */
+/* ---- exponential integrator */
 
-/* Displacement of the coordinates by a unit of r at station g: K^-1 Psi_x^T EA to work.d; work.L holds the factor of
-   K. */
+/* Displacement of the coordinates by a unit of r at quadrature point g, K^-1 Psi_x^T EA, to work.d; work.L holds the
+   factor of K. */
 static void fbi_membrane_column(fb_body_work *work, const fb_body *body, int g)
 {
   fbi_zero(work->d, body->n);
@@ -15880,9 +16382,9 @@ static void fbi_membrane_column(fb_body_work *work, const fb_body *body, int g)
 }
 
 /* [E11.9] Membrane coordinates s = q + G(q), G_a = sum_g G_ag r_g with r = 1/2 (u_y'^2 + u_z'^2) at the strain
-   stations and G = K^-1 Psi_x^T EA: then dU/dq_a of E8.23 is K s but for what the axial functions cannot follow. G
-   does not depend on the coordinates that it moves, so q = s - G(s). Momenta: sigma = (1 - G'^T) pi.
-   Source: point transformation of [DB] (27).  Shapes: G n_axial x stations.  Fails: K singular; axial coordinates
+   quadrature points and G = K^-1 Psi_x^T EA: then dU/dq_a of E8.23 is K s but for what the axial functions cannot
+   follow. G does not depend on the coordinates that it moves, so q = s - G(s). Momenta: sigma = (1 - G'^T) pi.
+   Source: point transformation of [DB] (27).  Shapes: G n_axial x points.  Fails: K singular; axial coordinates
    that bend.
    Test: membrane_coordinates_make_the_strain_linear. */
 static fb_status fbi_membrane_fill(fb_exponential *scheme, fb_body_work *work, const fb_body *body)
@@ -15890,6 +16392,8 @@ static fb_status fbi_membrane_fill(fb_exponential *scheme, fb_body_work *work, c
   const int n = body->n;
   fb_real *moved = work->A, largest = FB_R(0.0);
   fb_status status;
+
+  /* Largest displacement of each coordinate by any r_g */
   fbi_sparse_to_dense(work->L, &body->K, n);
   status = fb_chol_factor(work->L, n);
   fbi_zero(moved, n);
@@ -15900,6 +16404,8 @@ static fb_status fbi_membrane_fill(fb_exponential *scheme, fb_body_work *work, c
       largest = fbi_larger(largest, moved[a]);
     }
   }
+
+  /* Axial coordinates are those that move; they must not bend */
   for (int a = 0; a < n && status == FB_OK; a++) {
     if (moved[a] > FBI_ROUNDING * largest) {
       scheme->axial[scheme->n_axial++] = a;
@@ -15909,6 +16415,8 @@ static fb_status fbi_membrane_fill(fb_exponential *scheme, fb_body_work *work, c
       status = bends && moved[a] > FBI_ROUNDING * largest ? FB_ERR_EFFECTS : status;
     }
   }
+
+  /* Their rows of G */
   for (int g = 0; g < body->n_strain && status == FB_OK; g++) {
     fbi_membrane_column(work, body, g);
     for (int k = 0; k < scheme->n_axial; k++) {
@@ -15919,8 +16427,8 @@ static fb_status fbi_membrane_fill(fb_exponential *scheme, fb_body_work *work, c
 }
 #endif
 
-/* Stumpff functions c_j = sum_k (-t^2)^k / (2k + j)!, j = 0..4; by c_j = 1/j! - t^2 c_(j+2) from the series where
-   closed forms cancel. */
+/* Stumpff functions c_j = sum_k (-t^2)^k / (2k + j)!, j = 0..4: closed forms, or for small t, where those cancel, the
+   series of c_3 and c_4 and c_j = 1/j! - t^2 c_(j+2). */
 static void fbi_stumpff(fb_real c[5], fb_real t)
 {
   const fb_real x = t * t;
@@ -15953,13 +16461,15 @@ static void fbi_stumpff_fill(fb_real table[5][FB_MAX_MODES], int k, fb_real t)
   }
 }
 
-/* Modes of the linear part: K x = omega^2 M_free x with the mass that a base which may recoil leaves to the modes. */
+/* Modes of the linear part: K x = omega^2 M_free x, M_free the mass of the modes of a base that may recoil. */
 static fb_status fbi_exponential_modes(fb_exponential *scheme, fb_body_work *work, const fb_body *body)
 {
   const int n = body->n, first = fbi_first_free(body->base);
   fb_real *rows = work->Lambda, *M = work->Lambda + 6 * n; /* M_free = (M^-1 + B^T S_0^-1 B)^-1, B = Lambda_0 M^-1 */
   fb_real unit[FB_MAX_MODES + 1] = {FB_R(1.0)};
   fb_status status;
+
+  /* M^-1, and the free rows of B = Lambda_0 M^-1 */
   fbi_lambda_rows(rows, body, unit, 0, body->n_lambda_constant);
   fbi_sparse_to_dense(work->A, &body->M, n);
   if (body->unit_mass) {
@@ -15971,6 +16481,8 @@ static fb_status fbi_exponential_modes(fb_exponential *scheme, fb_body_work *wor
     fbi_mass_solve(work->d, body, rows + i * n);
     fbi_copy(rows + i * n, work->d, n);
   }
+
+  /* M^-1 + B^T S_0^-1 B */
   for (int i = first; i < 6; i++) {
     for (int j = first; j < 6; j++) {
       for (int a = 0; a < n; a++) {
@@ -15978,6 +16490,8 @@ static fb_status fbi_exponential_modes(fb_exponential *scheme, fb_body_work *wor
       }
     }
   }
+
+  /* M_free, the inverse of that */
   status = fb_chol_factor(work->B, n);
   for (int a = 0; a < n && status == FB_OK; a++) {
     fbi_zero(work->d, n);
@@ -15987,6 +16501,8 @@ static fb_status fbi_exponential_modes(fb_exponential *scheme, fb_body_work *wor
   if (status != FB_OK) {
     return status;
   }
+
+  /* Modes X and M_free X */
   fbi_sparse_to_dense(work->A, &body->K, n);
   fbi_copy(work->B, M, n * n);
   status = fb_eig_gen_solve(scheme->omega2, scheme->X, work->A, work->B, n);
@@ -16009,6 +16525,8 @@ FB_DEF fb_status fb_exponential_init(fb_exponential *scheme, fb_body_work *work,
   if (!(dt > FB_R(0.0) && dt < FB_HUGE) || fbi_form(body) != 0) {
     return FB_ERR_VALUE;
   }
+
+  /* Modes, membrane coordinates, Stumpff functions of half and full steps */
   memset(&out, 0, sizeof out);
   out.dt = dt;
   if (body->n > 0) {
