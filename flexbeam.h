@@ -1929,8 +1929,8 @@ typedef struct fb_joint_desc {
 
 typedef struct fb_system_desc {
   int n_body;
-  int model[FB_MAX_BODIES]; /* of each: its place in the array of models; several may share one. FB_ERR_VALUE: with no
-                                         more models than bodies, one that no body has */
+  int model[FB_MAX_BODIES]; /* of each: its place in the array of models; several may share one. FB_ERR_VALUE: with as
+                                         many models as bodies, one that no body has */
   fb_joint_desc joint[FB_MAX_BODIES]; /* by which it hangs; parent below its own number */
   int n_loop;
   fb_joint_desc loop[FB_MAX_LOOPS]; /* between bodies of the tree, or one of them and the ground */

@@ -15762,7 +15762,7 @@ static fb_status fbi_system_desc_check(const fb_body *body, int n_model, const f
     }
   }
   /* an unused model though there are bodies enough: desc->model was forgotten */
-  return n_model > desc->n_body || used == n_model ? FB_OK : FB_ERR_VALUE;
+  return n_model != desc->n_body || used == n_model ? FB_OK : FB_ERR_VALUE;
 }
 
 /* Is the joint at the root of body k's tree free? */

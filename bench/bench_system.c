@@ -54,9 +54,9 @@ static void finish(fb_body *body, unsigned effects)
   memset(&level, 0, sizeof level);
   level.effects = effects;
   level.base = FB_BASE_PRESCRIBED; /* a slender beam alone has no inertia about its axis */
-  level.gravity[2] = FB_R(-9.81);
+  level.gravity[2] = effects & FB_EFFECT_GRAVITY ? FB_R(-9.81) : FB_R(0.0);
   for (int k = 0; k < FB_MAX_MODES; k++) {
-    level.zeta[k] = FB_R(0.005);
+    level.zeta[k] = effects & FB_EFFECT_DAMPING ? FB_R(0.005) : FB_R(0.0);
   }
   fbb_check(fb_body_init(body, &body_work, &shape, &level), "body");
 }
@@ -213,7 +213,7 @@ static void measure(clock_timing *out, int methods)
   int n = 0;
   for (int method = 0; method < methods; method++) {
     desc.method = (fb_method)method;
-    fbb_check(fb_system_init(&mechanism[method], &work, model, 2, &desc), "system");
+    fbb_check(fb_system_init(&mechanism[method], &work, model, fbb_models(&desc), &desc), "system");
     for (int s = 0; s < STATES; s++) {
       moving(&start[method][s], &mechanism[method], s);
     }

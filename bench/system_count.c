@@ -115,7 +115,7 @@ int main(int argc, char **argv)
     return 2;
   }
   models(3, 3);
-  fbb_check(fb_system_init(&mechanism, &work, model, 2, &desc), "system");
+  fbb_check(fb_system_init(&mechanism, &work, model, fbb_models(&desc), &desc), "system");
   moving();
   for (int k = atoi(argv[3]); k > 0; k--) {
     fbb_check(strcmp(argv[2], "fb_system_sdirk_step") == 0

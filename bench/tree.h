@@ -19,4 +19,14 @@ static void fbb_turn(fb_joint_desc *joint, fb_real x, fb_real y, fb_real z)
   fb_quat_from_rotvec(joint->attitude, phi);
 }
 
+/* Number of models that its bodies have. */
+static int fbb_models(const fb_system_desc *desc)
+{
+  int n = 0;
+  for (int k = 0; k < desc->n_body; k++) {
+    n = desc->model[k] >= n ? desc->model[k] + 1 : n;
+  }
+  return n;
+}
+
 #endif

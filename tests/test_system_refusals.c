@@ -392,8 +392,8 @@ TEST(systems_refuse_what_is_not_right)
   FBT_NEAR_ABS(motion.pose[0].quat[1], -0.5e-9, 1e-13);
 }
 
-/* A model that no body has, of no more models than bodies: desc.model was forgotten, and the default, 0, would double
-   another body. An array of more models than bodies may hold spare ones. */
+/* A model that no body has, of as many models as bodies: desc.model was forgotten, and the default, 0, would double
+   another body. An array of more or fewer models may hold spare ones. */
 TEST(forgotten_models_are_refused)
 {
   couple(FB_JOINT_REVOLUTE, 0, FB_AXIS_FREE);

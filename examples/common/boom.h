@@ -87,10 +87,10 @@ static inline fb_status boom_craft(fb_body *body, fb_base base, int y, int z, in
   keep.count[FB_KIND_AXIAL] = axial;
   desc.effects = effects;
   desc.base = base;
-  desc.allow_split_effects = 1;  /* to time residual inertia alone */
-  desc.gravity[2] = FB_R(-9.81); /* [m/s^2] */
+  desc.allow_split_effects = 1;                                            /* to time residual inertia alone */
+  desc.gravity[2] = effects & FB_EFFECT_GRAVITY ? FB_R(-9.81) : FB_R(0.0); /* [m/s^2] */
   for (int k = 0; k < FB_MAX_MODES; k++) {
-    desc.zeta[k] = zeta;
+    desc.zeta[k] = effects & FB_EFFECT_DAMPING ? zeta : FB_R(0.0);
   }
   status = fb_beam_init(&beam, &beam_desc);
   status = status ? status : fb_modes_solve(&modes, &modes_work, &beam, &keep);

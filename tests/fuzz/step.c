@@ -72,6 +72,12 @@ static int build_body(bytes *b, int plain)
   level.allow_long_step = take_byte(b) & 1;
   level.zeta[0] = level.zeta[1] = take_byte(b) & 1 ? FB_R(0.02) : FB_R(1.5);
   level.gravity[2] = take_real(b);
+  if (!(level.effects & FB_EFFECT_DAMPING)) {
+    level.zeta[0] = level.zeta[1] = FB_R(0.0);
+  }
+  if (!(level.effects & FB_EFFECT_GRAVITY)) {
+    level.gravity[2] = FB_R(0.0);
+  }
   if (level.effects & FB_EFFECT_NONLINEAR_STRAIN) {
     desc.n_element = 1;
     keep.basis = FB_BASIS_FUNCTIONS;
