@@ -3417,7 +3417,7 @@ static void fbi_link_place(fbi_link_work *L, const fb_joint *joint, const fbi_li
     fbi_vec3_add(L->arm, -FB_R(1.0), L->n);
   }
 
-  /* pose from the ground, or from the parent's */
+  /* R, rho: on the ground as they are, else by the parent's pose */
   if (!parent) {
     fbi_mat33_copy(L->k.R, L->C);
     fbi_vec3_copy(L->rho, L->s);
@@ -3709,7 +3709,7 @@ static FBI_NOINLINE void fbi_link_open(fbi_link_work *L, const fb_body *body, fb
   fb_real sum[21];
   const int n = body->n;
 
-  /* E */
+  /* E = (1 + heavy) M + g C + g^2 K_t */
   fbi_zero(L->E, n * n);
   if (g > FB_R(0.0)) {
     fbi_sparse_add(L->E, FB_R(1.0), &body->K, n);
@@ -4374,7 +4374,7 @@ static fb_status fbi_frames_eval(fbi_frames *f, fb_system_work *w, const fb_syst
   axes[0] = joint->axes;
   axes[1] = joint->child_axes;
   if (!joint->moves) {
-    parent_node = 0; /* the position is from the origin */
+    parent_node = 0; /* the position is from O, node 0 */
   }
 
   /* ends */
@@ -4455,7 +4455,7 @@ static fbi_row *fbi_row_new(fb_system_work *w, const fbi_frames *f, int j, const
     return NULL;
   }
 
-  /* empty row, holonomic with this value */
+  /* a holonomic row with this value */
   row = &w->row[w->n_row++];
   memset(row, 0, sizeof *row);
   row->joint = j;
@@ -4693,14 +4693,14 @@ static FBI_NOINLINE fb_status fbi_rows_fill(fb_system_work *w, const fb_system *
   }
   w->n_joint_row = w->n_row;
 
-  /* the caller's */
+  /* rows of the caller */
   if (status == FB_OK && input && input->rows) {
     const int count = fbi_user_rows(w->ahead, w, system, input, FB_R(0.0));
     if (count < 0 || count > FB_MAX_ROWS - w->n_row) {
       return count < 0 ? (fb_status)count : FB_ERR_CAPACITY;
     }
 
-    /* their ends; all finite? */
+    /* ends and finite values of each */
     for (int k = 0; k < count && status == FB_OK; k++) {
       const fb_real rest[2] = {w->ahead[k].b, w->ahead[k].value};
       fbi_row *row = &w->row[w->n_row++];
@@ -4985,7 +4985,7 @@ static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_
     return status;
   }
 
-  /* multipliers; the saved right-hand side with their impulses */
+  /* multipliers; the solution again, with their impulses on the saved right-hand side */
   fbi_rows_multipliers(w);
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
@@ -4996,8 +4996,6 @@ static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_
   for (int r = 0; r < w->n_row; r++) {
     fbi_row_impulse(w, system, body, r, w->mu[r]);
   }
-
-  /* speeds */
   status = fbi_speeds_solve(w, system, body);
 
   /* rows left out: met as well? */
@@ -5152,7 +5150,7 @@ static fb_status fbi_system_velocity(fb_system_work *w, const fb_system *system,
     return status == FB_OK ? fbi_rows_rate(w, system, body, input) : status;
   }
 
-  /* without */
+  /* without constraint rows */
   for (int k = 0; k < system->n_body; k++) {
     w->link[k].has_speeds = w->link[k].open || !lazy || system->method == FB_METHOD_DENSE;
   }
@@ -5336,7 +5334,7 @@ static FBI_NOINLINE void fbi_node_take(fb_real *x, const fbi_node_field *f, cons
     load[i] = F[i] - turn[i];
   }
 
-  /* each mode; rate: its J_dot of the rotation */
+  /* J_a.(F - turning) + J_dot_a.G; rate: J_dot_a of the rotation */
   for (int a = 0; a < body->n; a++) {
     fb_real rate[3];
     fb_vec3_cross(rate, phi_dot, f->turn + 3 * a);
@@ -5537,7 +5535,7 @@ static void fbi_system_enter(fb_system_work *w, const fb_system *system)
    Source: definition of the conjugate momenta.  Fails: never.  Test: momenta_give_back_the_speeds. */
 static void fbi_momenta_fill(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body)
 {
-  /* each body's own */
+  /* momenta of each body by itself */
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     const fb_body *model = fbi_model(system, body, k);
@@ -5622,7 +5620,7 @@ static void fbi_drift_momenta(fb_real F[6], fb_real *e, fb_real c[3], const fbi_
    Source: definition.  Cost: 60 flops a body, 8 a term.  Test: flight_speed_changes_nothing. */
 static void fbi_trees_weigh(fb_system_work *w, const fb_system *system, int change)
 {
-  /* each body's own */
+  /* each body by itself */
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     const fb_body *model = L->model;
@@ -5662,7 +5660,7 @@ static void fbi_momenta_reframe(fb_system_state *into, fb_system_work *w, const 
     fb_link_state *x = &into->link[k], change;
     fb_real p[6];
 
-    /* joint and modes */
+    /* off the momenta of joint and modes */
     fbi_vec6_copy(p, L->b);
     for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
       p[i] = fbi_vec6_dot(L->A + 6 * i, L->b);
@@ -5671,7 +5669,7 @@ static void fbi_momenta_reframe(fb_system_state *into, fb_system_work *w, const 
     fbi_row_sub(x->p, FB_R(1.0), change.p, joint->n_axis);
     fbi_row_sub(x->pi, FB_R(1.0), L->e, w->link[k].model->n);
 
-    /* to the parent */
+    /* subtree: to the parent and its modes */
     if (parent && joint->moves) {
       fb_real b[6] = {0};
       fbi_to_parent_add(b, L, L->b);
@@ -5743,7 +5741,7 @@ static void fbi_trees_sum(fb_system_work *w, const fb_system *system, const fb_s
     fbi_vec3_zero(w->link[k].change);
   }
 
-  /* sums */
+  /* masses of bodies, momenta of free roots */
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *root = &w->link[w->link[k].root];
     root->total += w->link[k].model->mass;
@@ -5785,7 +5783,7 @@ static void fbi_frames_choose(fb_system_work *w, const fb_system *system, const 
       fb_mat33_mul_vec3(given, w->link[driven].k.R, input->drive[driven].rate);
     }
 
-    /* change */
+    /* velocity change of the frame */
     for (int i = 0; i < 3; i++) {
       const fb_real own = L->total > FB_R(0.0) ? L->impulse[i] / L->total : FB_R(0.0);
       L->change[i] = stands || driven >= 0 ? given[i] - state->link[k].u[i] - state->link[k].lost_u[i] : own;
@@ -5970,7 +5968,7 @@ static fb_real fbi_rows_miss(int *worst, const fb_system_work *w, const fb_syste
     away = fbi_larger(away, FB_R(1.0) + fbi_vec3_norm(x));
   }
 
-  /* largest; rows within a tree relative to the former */
+  /* largest violation; of rows within a tree relative to the first of these sizes */
   for (int r = 0; r < w->n_row; r++) {
     const fb_real of = fbi_row_is_inner(w, &w->row[r]) ? size : away;
     const fb_real value = w->row[r].r.holonomic ? FB_FABS(w->row[r].r.value) / of : FB_R(0.0);
@@ -6220,7 +6218,7 @@ static fb_status fbi_loops_close(fb_system_work *w, const fb_system *system, con
   fb_status status = FB_OK;
   int worst = -1;
 
-  /* axes of loops that are locked: free */
+  /* locked axes of loops are free during the iteration */
   fb_system_state *modes = &w->base;
   *modes = *state;
   for (int j = system->n_body; j < system->n_body + system->n_loop; j++) {
@@ -6229,10 +6227,10 @@ static fb_status fbi_loops_close(fb_system_work *w, const fb_system *system, con
     }
   }
 
-  /* iterate */
+  /* Newton steps, at first with modes held by a large mass */
   for (int step = 0; step < 50 && status == FB_OK && !(miss <= FB_R(8.0) * FB_EPSILON); step++) {
     const int before = worst;
-    w->heavy = step < 20 ? FB_R(1e6) : FB_R(0.0); /* joints move and modes do not, until the last steps */
+    w->heavy = step < 20 ? FB_R(1e6) : FB_R(0.0);
     status = fbi_positions_close(&miss, &worst, w, system, body, state, modes, input);
     if (step > 0 && (status == FB_ERR_UNDETERMINED || status == FB_ERR_RANGE)) { /* diverged */
       w->joint = before;
@@ -6315,7 +6313,7 @@ FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *bo
     fbi_places_settle(out, system, work);
   }
 
-  /* valid: to the caller */
+  /* range check; result */
   status = status == FB_OK ? fbi_system_range(system, body, out) : status;
   if (status == FB_OK) {
     *state = *out;
@@ -6600,9 +6598,9 @@ static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *sy
     }
   }
 
-  /* solve */
+  /* solution, in the place of the velocities */
   for (int k = 0; k < system->n_body; k++) {
-    fbi_vec6_copy(w->link[k].twist, w->link[k].V); /* the solution takes the place of V */
+    fbi_vec6_copy(w->link[k].twist, w->link[k].V);
   }
   return w->n_row > 0 ? fbi_constrained_solve(w, system, body, 0) : fbi_speeds_solve(w, system, body);
 }
@@ -6714,7 +6712,7 @@ static void fbi_link_motion(fb_system_motion *motion, fb_system_work *w, const f
   fbi_quat_from_mat33(pose->quat, L->k.R);
   fbi_copy(pose->q, L->k.qx + 1, model->n);
 
-  /* joint */
+  /* joint of the tree */
   if (!fbi_is_kept(system, w, k)) {
     fbi_tree_joint_motion(&motion->joint[k], L, fbi_link_joint(system, w, k), &state->link[k]);
   }
@@ -6809,7 +6807,7 @@ FB_DEF fb_status fb_system_energy(const fb_system *system, const fb_body *body, 
     return status;
   }
 
-  /* bodies */
+  /* kinetic energy and potentials of the bodies */
   for (int k = 0; k < system->n_body; k++) {
     const fb_body *model = fbi_model(system, body, k);
     fbi_link_work *L = &work->link[k];
