@@ -3269,20 +3269,21 @@ static int fbi_joint_axes(fb_joint_kind kind)
   return count[(int)kind];
 }
 
-/* The joint by which a body hangs; with all joints kept as constraints it is free. */
+/* Joint that connects body k to its parent. With multipliers all joints are constraints and every body is free. */
 static const fb_joint *fbi_link_joint(const fb_system *system, const fb_system_work *w, int k)
 {
   return w->kept ? &system->free : &system->joint[k];
 }
 
-/* Is joint j a set of constraints? */
+/* Is joint j enforced by multipliers ("kept" as constraint rows)? Loop joints always are. */
 static int fbi_is_kept(const fb_system *system, const fb_system_work *w, int j)
 {
   return j >= system->n_body || (w->kept && system->joint[j].kind != FB_JOINT_FREE);
 }
 
-/* [E9.1] Twist of an axis a of the joint, child's axes about its origin: a turn about a through d moves the origin by
-   d x a. Source: kinematics.  Shapes: A 6.  Test: every_joint_moves_as_it_should. */
+/* [E9.1] Unit twist of an axis a of the joint, child's axes about its origin: a rotation about a through the point d
+   moves the origin by d x a, a translation by a. turns, slides: the factors of the two.
+   Source: kinematics.  Shapes: A 6.  Test: every_joint_moves_as_it_should. */
 static void fbi_axis_twist(fb_real A[6], const fb_joint *joint, const fb_real axis[3], fb_real turns, fb_real slides)
 {
   fb_real a[3];
@@ -3294,6 +3295,7 @@ static void fbi_axis_twist(fb_real A[6], const fb_joint *joint, const fb_real ax
   }
 }
 
+/* Is quat an attitude, or all zero (not given)? */
 static int fbi_is_attitude(const fb_real quat[4])
 {
   fb_real copy[4];
@@ -3313,15 +3315,20 @@ static int fbi_node_moves(const fb_body *body, int node)
 
 /* ---- positions */
 
-/* C = axes, turned by the joint's coordinates; slide [m] along z of the axes; universal: twist of its first axis. */
+/* C = axes rotated by the joint coordinates x; slide [m]: translation along z of the axes. Universal joint: also the
+   twists of its axes, of which the first depends on the second angle, and the derivative A_dot by that angle. */
 static void fbi_joint_turn(fb_real C[9], fb_real *slide, fbi_link_work *L, const fb_joint *joint, const fb_real axes[9],
                            const fb_link_state *x)
 {
   const fb_joint_kind kind = joint->kind;
+
+  /* translation along z */
   *slide = kind == FB_JOINT_PRISMATIC     ? x->x[0]
            : kind == FB_JOINT_CYLINDRICAL ? x->x[1]
            : kind == FB_JOINT_SCREW       ? joint->pitch * x->x[0]
                                           : FB_R(0.0);
+
+  /* rotation: by a quaternion, none, or by an angle about z */
   if (kind == FB_JOINT_SPHERICAL) {
     fb_real turn[9];
     fb_quat_to_mat33(turn, x->quat);
@@ -3337,6 +3344,8 @@ static void fbi_joint_turn(fb_real C[9], fb_real *slide, fbi_link_work *L, const
       C[i + 2] = axes[i + 2];
     }
   }
+
+  /* universal: then by the second angle about the rotated x; first axis seen from the child */
   if (kind == FB_JOINT_UNIVERSAL) {
     const fb_real c = FB_COS(x->x[1]), s = FB_SIN(x->x[1]);
     const fb_real first[3] = {FB_R(0.0), s, c}, rate[3] = {FB_R(0.0), c, -s};
@@ -3365,6 +3374,8 @@ static void fbi_link_place(fbi_link_work *L, const fb_joint *joint, const fbi_li
     fb_quat_to_mat33(L->k.R, x->quat); /* rho: fbi_root_place */
     return;
   }
+
+  /* joint frame on the parent, displaced and rotated with its node where modes move that */
   fbi_vec3_copy(origin, joint->position);
   if (joint->moves && parent) {
     fb_real quat[4], R[9];
@@ -3380,6 +3391,8 @@ static void fbi_link_place(fbi_link_work *L, const fb_joint *joint, const fbi_li
       origin[i] += L->n[i];
     }
   }
+
+  /* child: axes C and origin s in the parent's axes */
   fbi_joint_turn(C, &slide, L, joint, axes, x);
   FBI_UNROLL
   for (int i = 0; i < 3; i++) {
@@ -3397,10 +3410,14 @@ static void fbi_link_place(fbi_link_work *L, const fb_joint *joint, const fbi_li
   for (int i = 0; i < 3; i++) {
     L->s[i] = origin[i] - L->s[i];
   }
+
+  /* arm: from the node to the child's origin */
   fbi_vec3_copy(L->arm, L->s);
   if (joint->moves) {
     fbi_vec3_add(L->arm, -FB_R(1.0), L->n);
   }
+
+  /* R, rho: on the ground as they are, else by the parent's pose */
   if (!parent) {
     fbi_mat33_copy(L->k.R, L->C);
     fbi_vec3_copy(L->rho, L->s);
@@ -3421,15 +3438,17 @@ static const fb_body *fbi_model(const fb_system *system, const fb_body *body, in
   return &body[system->model[k]];
 }
 
-/* [E9.21] The frame of a tree: its momenta are relative to a frame that moves with the velocity u of its root, within a
-   step at constant u from where the root was, and positions rho of its bodies are from the origin of that frame. Of
-   that the equations know nothing (Galilei); but positions and velocities against the ground or another tree do. Free
-   trees that are tied have one frame.
+/* [E9.21] Frame of a tree: an inertial frame; its velocity u, constant within a step, is in the state of the tree's
+   free root. Momenta of the tree are relative to it, and positions rho of its bodies are measured from its origin, the
+   position of the root at the start of the step. The equations of motion are the same in every such frame; positions
+   and velocities relative to the ground or to another tree are not. Free trees that constraints tie share one frame.
    Source: Galilean invariance.  Test: flight_speed_changes_nothing. */
 static void fbi_root_place(fb_system_work *w, const fb_system *system, const fb_joint *joint, int k,
                            const fb_link_state *x, const fb_link_state *start)
 {
   fbi_link_work *L = &w->link[k];
+
+  /* not free: the frame of the root, which on the ground is at rest in the origin */
   if (joint->kind != FB_JOINT_FREE) {
     L->root = joint->parent >= 0 ? w->link[joint->parent].root : k;
     if (L->root == k) {
@@ -3438,14 +3457,18 @@ static void fbi_root_place(fb_system_work *w, const fb_system *system, const fb_
     }
     return;
   }
+
+  /* free: a tree of its own, or of the first free root if constraints tie the trees */
   L->root = k;
   for (int i = 0; i < k && system->tied && L->root == k; i++) {
     L->root = fbi_link_joint(system, w, i)->kind == FB_JOINT_FREE ? i : k;
   }
+
+  /* origin and velocity of the frame; position in it */
   if (L->root == k) {
     fbi_vec3_copy(L->origin, start->x);
     fbi_vec3_copy(L->frame, start->u);
-    fbi_vec3_copy(L->rho, x->lost_x); /* from where it was */
+    fbi_vec3_copy(L->rho, x->lost_x); /* from its start */
   } else {
     const fb_real *origin = w->link[L->root].origin;
     FBI_UNROLL
@@ -3455,15 +3478,15 @@ static void fbi_root_place(fb_system_work *w, const fb_system *system, const fb_
   }
 }
 
-/* From the ground, inertial axes: where a point of a body at rho is. */
+/* Coordinate i, from the ground, of a body's point at rho in its tree's frame. */
 static fb_real fbi_true_position(const fb_system_work *w, int link, const fb_real rho[3], int i)
 {
   const fbi_link_work *root = &w->link[w->link[link].root];
   return root->origin[i] + (w->clock * root->frame[i] + rho[i]);
 }
 
-/* y += s times how far the frame of link b is from that of a (FB_GROUND: at rest in the origin), or (moves) its
-   velocity against that. */
+/* y += s times the position of the frame of link b relative to that of link a (FB_GROUND: at rest in the origin), or
+   (moves) its velocity. */
 static void fbi_frames_apart_add(fb_real y[3], fb_real s, const fb_system_work *w, int a, int b, int moves)
 {
   const fbi_link_work *from = a >= 0 ? &w->link[w->link[a].root] : NULL;
@@ -3478,7 +3501,7 @@ static void fbi_frames_apart_add(fb_real y[3], fb_real s, const fb_system_work *
   }
 }
 
-/* Poses of all bodies, S(q) of each. modes: whose axes are locked, and the frames of the trees. */
+/* Poses of all bodies, and the joint, model and parent of each. modes: the state whose axis modes and frames count. */
 static void fbi_links_place(fb_system_work *w, const fb_system *system, const fb_body *body,
                             const fb_system_state *state, const fb_system_state *modes)
 {
@@ -3486,10 +3509,14 @@ static void fbi_links_place(fb_system_work *w, const fb_system *system, const fb
     const fb_body *model = fbi_model(system, body, k);
     const fb_joint *joint = fbi_link_joint(system, w, k);
     fbi_link_work *L = &w->link[k];
+
+    /* (1, q) */
     L->k.qx[0] = FB_R(1.0);
     for (int a = 0; a < model->n; a++) {
       L->k.qx[a + 1] = state->link[k].q[a];
     }
+
+    /* axis modes; a body whose joint is enforced by multipliers is free */
     if (fbi_is_kept(system, w, k)) {
       L->mode[0] = L->mode[1] = L->mode[2] = FB_AXIS_FREE;
     } else {
@@ -3497,12 +3524,16 @@ static void fbi_links_place(fb_system_work *w, const fb_system *system, const fb
       L->mode[1] = modes->mode[k][1];
       L->mode[2] = modes->mode[k][2];
     }
+
+    /* what belongs to the link */
     L->joint = joint;
     L->model = model;
     L->parent = fbi_parent(w, joint);
     L->coupled = !w->kept && system->coupled[k];
     L->has_speeds = 1;
     L->A = joint->A;
+
+    /* frame of the tree, pose in it */
     fbi_root_place(w, system, joint, k, &state->link[k], &modes->link[k]);
     fbi_link_place(L, joint, L->parent, joint->parent >= 0 ? fbi_model(system, body, joint->parent) : NULL,
                    &state->link[k]);
@@ -3511,7 +3542,7 @@ static void fbi_links_place(fb_system_work *w, const fb_system *system, const fb
 
 /* ---- trees: M u = p */
 
-/* Mode of speed i of a joint; the six of a free one share theirs. */
+/* Mode of axis i of a joint; the six axes of a free joint share one. */
 static fb_axis_mode fbi_axis_mode(const fbi_link_work *L, const fb_joint *joint, int i)
 {
   return L->mode[joint->kind == FB_JOINT_FREE ? 0 : i];
@@ -3530,7 +3561,7 @@ static void fbi_mat33_turn(fb_real Y[9], const fb_real C[9], const fb_real X[9])
   }
 }
 
-/* The same of a symmetric X. */
+/* The same for symmetric X. */
 static void fbi_sym3_turn(fb_real Y[9], const fb_real C[9], const fb_real X[9])
 {
   fb_real T[9];
@@ -3543,11 +3574,14 @@ static void fbi_sym3_turn(fb_real Y[9], const fb_real C[9], const fb_real X[9])
   Y[8] = fb_vec3_dot(T + 6, C + 6);
 }
 
-/* T += X^T S X for the velocities X V = (v + w x arm, w): a 6x6 inertia about another point. */
+/* T += X^T S X for the velocity transform X V = (v + w x arm, w): the 6x6 inertia S = [A B; B^T D] about another
+   point. */
 static void fbi_sym6_shift_add(fb_real T[21], const fb_real A[9], const fb_real B[9], const fb_real D[9],
                                const fb_real arm[3])
 {
   fb_real BA[9], sB[9], sBA[9]; /* B - A arm^, arm^ B, arm^ (B - A arm^) */
+
+  /* B - A arm^ */
   FBI_UNROLL
   for (int i = 0; i < 3; i++) {
     fb_real row[3];
@@ -3557,6 +3591,8 @@ static void fbi_sym6_shift_add(fb_real T[21], const fb_real A[9], const fb_real 
       BA[3 * i + j] = B[3 * i + j] - row[j];
     }
   }
+
+  /* arm^ B and arm^ (B - A arm^) */
   FBI_UNROLL
   for (int j = 0; j < 3; j++) {
     const fb_real x[3] = {B[j], B[3 + j], B[6 + j]}, y[3] = {BA[j], BA[3 + j], BA[6 + j]};
@@ -3569,6 +3605,8 @@ static void fbi_sym6_shift_add(fb_real T[21], const fb_real A[9], const fb_real 
       sBA[3 * i + j] = q[i];
     }
   }
+
+  /* blocks v-v, v-w, w-w */
   T[0] += A[0];
   T[1] += A[1];
   T[2] += A[2];
@@ -3589,7 +3627,7 @@ static void fbi_sym6_shift_add(fb_real T[21], const fb_real A[9], const fb_real 
   T[20] += D[8] + sB[8] + sBA[8];
 }
 
-/* The blocks of a packed 6x6: v-v, v-w, w-w. */
+/* Blocks of a packed symmetric 6x6: A = v-v, B = v-w, D = w-w. */
 static void fbi_sym6_blocks(fb_real A[9], fb_real B[9], fb_real D[9], const fb_real S[21])
 {
   A[0] = S[0];
@@ -3615,7 +3653,7 @@ static void fbi_sym6_blocks(fb_real A[9], fb_real B[9], fb_real D[9], const fb_r
   D[8] = S[20];
 }
 
-/* [E9.3] The inertia of a child as the parent feels it: turned by C, moved by arm, added to T.
+/* [E9.3] Inertia of a child as seen by the parent: rotated by C, shifted by arm, added to T.
    Source: congruence.  Cost: 350 flops.  Test: the_three_methods_agree. */
 static void fbi_sym6_to_parent_add(fb_real T[21], const fb_real S[21], const fb_real C[9], const fb_real arm[3])
 {
@@ -3627,7 +3665,8 @@ static void fbi_sym6_to_parent_add(fb_real T[21], const fb_real S[21], const fb_
   fbi_sym6_shift_add(T, A, B, D, arm);
 }
 
-/* y += the momentum or load x of a child, parent's axes, about the node it hangs on or the parent's origin */
+/* y += momentum or load x of a child in the parent's axes, about the node that carries it (the parent's origin where
+   modes do not move the node). */
 static void fbi_to_parent_add(fb_real y[6], const fbi_link_work *L, const fb_real x[6])
 {
   fb_real p[3], h[3];
@@ -3638,7 +3677,7 @@ static void fbi_to_parent_add(fb_real y[6], const fbi_link_work *L, const fb_rea
   fbi_vec3_add_cross(y + 3, L->arm, p);
 }
 
-/* Velocity of the node that a child hangs on (parent's origin where it does not move), parent's axes. */
+/* Velocity of the node that carries a child (the parent's origin where modes do not move it), parent's axes. */
 static void fbi_node_velocity(fb_real V[6], const fbi_link_work *L, const fb_joint *joint, const fb_body *on,
                               const fb_real parent[6], const fb_real *q_dot)
 {
@@ -3652,7 +3691,7 @@ static void fbi_node_velocity(fb_real V[6], const fbi_link_work *L, const fb_joi
   }
 }
 
-/* V of the child from that of the node: (C^T (v + w x arm), C^T w). */
+/* V of a child at zero joint speeds from the velocity of the node: (C^T (v + w x arm), C^T w). */
 static void fbi_from_node(fb_real V[6], const fbi_link_work *L, const fb_real node[6])
 {
   fb_real v[3];
@@ -3662,12 +3701,15 @@ static void fbi_from_node(fb_real V[6], const fbi_link_work *L, const fb_real no
   fb_mat33_mulT_vec3(V + 3, L->C, node + 3);
 }
 
-/* What joints feel of a body whose modes carry others, or are stiff for the step, or heavy: E = (1 + heavy) M + g C +
-   g^2 K_t, X = Lambda^T, 6 of each mode, S = M_rr = S + Lambda M^-1 Lambda^T. */
+/* Elastic block of the articulated-body inertia, for bodies whose nodes carry children or whose modes are integrated
+   implicitly: E = (1 + heavy) M + g C + g^2 K_t, X = Lambda^T (6 per mode), S = M_rr = S + Lambda M^-1 Lambda^T.
+   heavy: extra modal mass while loops are closed. */
 static FBI_NOINLINE void fbi_link_open(fbi_link_work *L, const fb_body *body, fb_real g, fb_real heavy)
 {
   fb_real sum[21];
   const int n = body->n;
+
+  /* E = (1 + heavy) M + g C + g^2 K_t */
   fbi_zero(L->E, n * n);
   if (g > FB_R(0.0)) {
     fbi_sparse_add(L->E, FB_R(1.0), &body->K, n);
@@ -3687,10 +3729,14 @@ static FBI_NOINLINE void fbi_link_open(fbi_link_work *L, const fb_body *body, fb
 #endif
   }
   fbi_sparse_add(L->E, FB_R(1.0) + heavy, &body->M, n);
+
+  /* X = Lambda^T */
   fbi_zero(L->X, 6 * n);
   for (const fb_lambda_term *t = body->lambda; t < body->lambda + body->n_lambda; t++) {
     L->X[6 * t->b + t->i] -= t->c * L->k.qx[t->a];
   }
+
+  /* S + Lambda M^-1 Lambda^T */
   fbi_zero(sum, 21);
   for (int a = 0; a < n && body->unit_mass; a++) {
     fbi_sym6_rank1_sub(sum, -FB_R(1.0), L->X + 6 * a);
@@ -3707,11 +3753,12 @@ static FBI_NOINLINE void fbi_link_open(fbi_link_work *L, const fb_body *body, fb
       }
     }
   }
-  fbi_row_sub(L->S, -FB_R(1.0), sum, 21); /* at once: S is rounded once */
+  fbi_row_sub(L->S, -FB_R(1.0), sum, 21); /* the sum first: S is rounded once */
 }
 
-/* A child with the inertia S on a node that moves: E += J^T I J (its lower triangle, which is factored), X += J^T I V,
-   S += V^T I V with I its inertia about the node and V = (v + w x n, w) the node's velocity by the parent's. */
+/* Adds a child of inertia S on a node that modes move: E += J^T I J (the lower triangle, which is factored),
+   X += J^T I V, S += V^T I V with I the child's inertia about the node and V = (v + w x n, w) the node's velocity by
+   the parent's. */
 static FBI_NOINLINE void fbi_link_carry(fbi_link_work *P, const fbi_link_work *L, const fb_real S[21], int n)
 {
   fb_real I[21], A[9], B[9], D[9], column[6];
@@ -3731,7 +3778,7 @@ static FBI_NOINLINE void fbi_link_carry(fbi_link_work *P, const fbi_link_work *L
   fbi_sym6_shift_add(P->S, A, B, D, L->n);
 }
 
-/* E = L L^T and X = L^-1 X; S -= X^T X: the modes follow. */
+/* Eliminates the modes: E = L L^T, X = L^-1 X, S -= X^T X. */
 static FBI_NOINLINE fb_status fbi_link_close(fbi_link_work *L, int n)
 {
   if (fb_chol_factor(L->E, n) != FB_OK) {
@@ -3752,26 +3799,32 @@ static FBI_NOINLINE fb_status fbi_link_close(fbi_link_work *L, int n)
   return FB_OK;
 }
 
-/* [E9.4] Articulated inertia: each free axis takes its direction out, S -= U U^T / D, U = S A, D = A.U + g c + g^2 k.
-   Axes of one joint go one after the other, as if massless bodies were between them. D is small against what it is made
-   of, or against the most that an axis further out has taken: the axis moves no inertia.
+/* [E9.4] Articulated-body inertia: each free axis is eliminated, S -= U U^T / D, U = S A, D = A.U + g c + g^2 k. Axes
+   of one joint are eliminated one after the other, as if massless bodies were between them. An axis moves no inertia
+   where D is round-off, of its own summands or of the largest inertia that an axis further out has eliminated.
    Source: block elimination of M u = p from the tips; [FE] 7.
    Cost: 80 flops an axis.  Fails: no inertia.  Test: the_three_methods_agree. */
 static fb_status fbi_link_release(fbi_link_work *L, const fb_joint *joint, fb_real g)
 {
   const fb_real own[6] = {L->S[0], L->S[6], L->S[11], L->S[15], L->S[18], L->S[20]};
+
+  /* free joint: solved by fbi_free_solve; here only whether there is inertia */
   if (joint->kind == FB_JOINT_FREE) {
     const fb_real mass = fbi_smaller(FB_FABS(own[0]), fbi_smaller(FB_FABS(own[1]), FB_FABS(own[2])));
     const fb_real moment = fbi_smaller(FB_FABS(own[3]), fbi_smaller(FB_FABS(own[4]), FB_FABS(own[5])));
     const int nothing = mass < FB_R(16.0) * FB_EPSILON * L->mass || moment < FB_R(16.0) * FB_EPSILON * L->moment;
     return L->mode[0] == FB_AXIS_FREE && nothing ? FB_ERR_UNDETERMINED : FB_OK;
   }
+
+  /* prescribed axes: U by the inertia before elimination */
   for (int i = 0; i < joint->n_axis; i++) {
     if (L->mode[i] == FB_AXIS_PRESCRIBED) {
       fb_sym6_mul_vec6(L->U + 6 * i, L->S, L->A + 6 * i);
     }
   }
-  const fb_real mass = L->mass, moment = L->moment; /* before */
+
+  /* free axes */
+  const fb_real mass = L->mass, moment = L->moment; /* eliminated further out */
   for (int i = 0; i < joint->n_axis; i++) {
     const fb_real *A = L->A + 6 * i;
     fb_real *U = L->U + 6 * i, D = g * joint->damping[i] + g * g * joint->stiffness[i], reference = D;
@@ -3782,7 +3835,7 @@ static fb_status fbi_link_release(fbi_link_work *L, const fb_joint *joint, fb_re
     D += fbi_vec6_dot(A, U);
     reference += A[0] * A[0] * (own[0] + mass) + A[1] * A[1] * (own[1] + mass) + A[2] * A[2] * (own[2] + mass) +
                  A[3] * A[3] * (own[3] + moment) + A[4] * A[4] * (own[4] + moment) + A[5] * A[5] * (own[5] + moment);
-    if (!(D > FB_R(16.0) * FB_EPSILON * reference)) { /* well below zero: deflected beyond the model */
+    if (!(D > FB_R(16.0) * FB_EPSILON * reference)) { /* well below zero: deflection beyond the model's range */
       return D < -FB_R(1e-3) * reference ? FB_ERR_RANGE : FB_ERR_UNDETERMINED;
     }
     L->D[i] = FB_R(1.0) / D;
@@ -3796,6 +3849,7 @@ static fb_status fbi_link_release(fbi_link_work *L, const fb_joint *joint, fb_re
 /* Factors M + g C + g^2 K of a tree from the tips to the ground; w->joint names the joint on failure. */
 static FBI_FLATTEN fb_status fbi_tree_factor(fb_system_work *w, const fb_system *system, fb_real g)
 {
+  /* each body by itself; open: its modes are eliminated together with its joint */
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     const fb_body *model = L->model;
@@ -3810,6 +3864,8 @@ static FBI_FLATTEN fb_status fbi_tree_factor(fb_system_work *w, const fb_system 
     }
     L->mass = L->moment = FB_R(0.0);
   }
+
+  /* from the tips: modes and joint eliminated, the rest added to the parent */
   for (int k = system->n_body - 1; k >= 0; k--) {
     fbi_link_work *L = &w->link[k], *parent = L->parent;
     const fb_joint *joint = L->joint;
@@ -3819,6 +3875,8 @@ static FBI_FLATTEN fb_status fbi_tree_factor(fb_system_work *w, const fb_system 
       w->joint = k;
       return status;
     }
+
+    /* largest eliminated inertia, whose round-off S contains */
     if (parent) {
       parent->mass = fbi_larger(parent->mass, L->mass);
       parent->moment = fbi_larger(parent->moment, L->moment + L->mass * fb_vec3_dot(L->s, L->s));
@@ -3832,10 +3890,13 @@ static FBI_FLATTEN fb_status fbi_tree_factor(fb_system_work *w, const fb_system 
   return FB_OK;
 }
 
-/* The right-hand side's way in: what the body and all that hangs on it hand to the joint, b; e of the modes. */
+/* Forward elimination in one body: b is the momentum that the body and its subtree transmit to the joint, e the
+   right-hand side of the modes. */
 static void fbi_link_in(fbi_link_work *L, const fb_joint *joint, const fb_body *body)
 {
   const int n = body->n;
+
+  /* modes */
   if (L->open) {
     fb_real b[6];
     fbi_vec6_copy(b, L->b);
@@ -3851,6 +3912,8 @@ static void fbi_link_in(fbi_link_work *L, const fb_joint *joint, const fb_body *
     fbi_lambda_sub(own, body, L->k.qx, L->e);
     fbi_vec6_add(L->b, -FB_R(1.0), own);
   }
+
+  /* joint: prescribed axes, then free ones */
   if (joint->kind == FB_JOINT_FREE) {
     return;
   }
@@ -3867,8 +3930,8 @@ static void fbi_link_in(fbi_link_work *L, const fb_joint *joint, const fb_body *
   }
 }
 
-/* V = S^-1 y of a free joint. What joints outward have taken leaves its rounding in every direction, of which pivots in
-   fixed order show no more than the root: where one is below that, E3.2 decides. */
+/* V = S^-1 y of a free joint. The elimination of joints further out leaves round-off in all directions of S; pivots in
+   fixed order resolve only the square root of that. Where a pivot is below it, E3.2 decides. */
 static fb_status fbi_free_solve(fb_real V[6], const fbi_link_work *L, const fb_real y[6])
 {
   const fb_real tol = 64 * FB_EPSILON, root = FB_SINGLE ? FB_R(4e-3) : FB_R(2e-7);
@@ -3880,12 +3943,14 @@ static fb_status fbi_free_solve(fb_real V[6], const fbi_link_work *L, const fb_r
   return fbi_sym6_stands_out(L->S, 0, reference, tol) ? fbi_sym6_solve(V, L->S, y) : FB_ERR_SINGULAR;
 }
 
-/* Velocities outward: V of the body from that of the node it hangs on, the speeds of its joint and modes; momentum G of
-   the subtree. */
+/* Back-substitution in one body: V from the velocity of the node that carries it (NULL: the ground), the speeds of its
+   joint and modes, and the momentum G of the subtree. */
 static fb_status fbi_link_out(fbi_link_work *L, const fb_joint *joint, const fb_body *body, const fb_real node[6])
 {
   const int n = body->n;
   fb_real V[6] = {0};
+
+  /* V, u: of a free joint by S V = p - b, else by the eliminated axes from the last to the first */
   if (joint->kind == FB_JOINT_FREE) {
     fb_real y[6];
     fbi_vec6_copy(y, L->p);
@@ -3921,8 +3986,12 @@ static fb_status fbi_link_out(fbi_link_work *L, const fb_joint *joint, const fb_
       }
     }
   }
+
+  /* G = S V + b at the joint */
   fbi_vec6_copy(L->V, V);
   fbi_vec6_add(L->G, FB_R(1.0), L->b);
+
+  /* q_dot of the modes */
   if (L->open) {
     for (int a = 0; a < n; a++) {
       L->q_dot[a] = L->e[a] - fbi_vec6_dot(L->X + 6 * a, V);
@@ -3940,7 +4009,7 @@ static fb_status fbi_link_out(fbi_link_work *L, const fb_joint *joint, const fb_
   return FB_OK;
 }
 
-/* b of a body goes to the parent (NULL: none), and what it does to the parent's n modes is taken off their e. */
+/* Transmits b of a body to its parent (NULL: none) and subtracts its projection on the parent's n modes from e. */
 static void fbi_hand_in(fbi_link_work *parent, const fbi_link_work *L, const fb_joint *joint, int n)
 {
   if (parent && joint->moves) {
@@ -3956,7 +4025,7 @@ static void fbi_hand_in(fbi_link_work *parent, const fbi_link_work *L, const fb_
   }
 }
 
-/* The same of body k, before it is placed. */
+/* The same for body k, without the pointers that fbi_links_place sets. */
 static void fbi_hand_in_at(fb_system_work *w, const fb_system *system, const fb_body *body, int k)
 {
   const fb_joint *joint = fbi_link_joint(system, w, k);
@@ -3964,23 +4033,28 @@ static void fbi_hand_in_at(fb_system_work *w, const fb_system *system, const fb_
               joint->parent >= 0 ? fbi_model(system, body, joint->parent)->n : 0);
 }
 
-/* [E9.5] Solution of M u = p with the factors of E9.4: in from the tips, b = momentum of the subtree at V = 0, out from
-   the ground. p of a prescribed axis is its speed; y is a momentum (or load) on the body itself, about O, that p and pi
-   do not hold. b and G become what the subtree's momentum is, less y.
+/* [E9.5] Solution of M u = p with the factors of E9.4: in from the tips, b = momentum of the subtree at V = 0, out
+   from the ground. p of a prescribed axis is its speed; y is a momentum (or load) on the body itself, about O, that p
+   and pi do not contain. b and G become the momentum of the subtree less y.
    Source: back-substitution.  Cost: 200 flops a body.  Test: the_three_methods_agree, momenta_give_back_the_speeds. */
 static FBI_FLATTEN fb_status fbi_tree_solve(fb_system_work *w, const fb_system *system)
 {
+  /* right-hand side */
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     fbi_vec6_zero(L->b);
     fbi_vec6_add(L->b, -FB_R(1.0), L->y);
     fbi_copy(L->e, L->pi, L->model->n);
   }
+
+  /* in from the tips */
   for (int k = system->n_body - 1; k >= 0; k--) {
     fbi_link_work *L = &w->link[k], *parent = L->parent;
     fbi_link_in(L, L->joint, L->model);
     fbi_hand_in(parent, L, L->joint, parent ? parent->model->n : 0);
   }
+
+  /* out from the ground */
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     const fbi_link_work *parent = L->parent;
@@ -4000,7 +4074,7 @@ static FBI_FLATTEN fb_status fbi_tree_solve(fb_system_work *w, const fb_system *
 
 /* ---- the same by one dense matrix */
 
-/* Place of a body's speeds among all of them: those of its joint, then of its modes. */
+/* Index of the first speed of body k; the speeds of its joint come first, then those of its modes. */
 static int fbi_speed_offset(const fb_system *system, const fb_system_work *w, const fb_body *body, int k)
 {
   int at = 0;
@@ -4010,7 +4084,7 @@ static int fbi_speed_offset(const fb_system *system, const fb_system_work *w, co
   return at;
 }
 
-/* Row c of T: the velocity V of body k per unit of speed c. */
+/* T of body k: row c is its velocity V per unit of speed c. */
 static void fbi_velocity_map(fb_system_work *w, const fb_system *system, const fb_body *body, int k, int N)
 {
   const fbi_link_work *L = &w->link[k];
@@ -4018,6 +4092,8 @@ static void fbi_velocity_map(fb_system_work *w, const fb_system *system, const f
   const int at = fbi_speed_offset(system, w, body, k);
   fb_real *T = w->T + 6 * k * N;
   fbi_zero(T, 6 * N);
+
+  /* speeds further in: by the parent and the node */
   if (joint->parent >= 0) {
     const fb_body *on = fbi_model(system, body, joint->parent);
     const fb_real *parent = w->T + 6 * joint->parent * N;
@@ -4031,6 +4107,8 @@ static void fbi_velocity_map(fb_system_work *w, const fb_system *system, const f
       fbi_from_node(T + 6 * c, L, node);
     }
   }
+
+  /* speeds of its own joint */
   for (int i = 0; i < joint->n_axis; i++) {
     if (joint->kind == FB_JOINT_FREE) {
       T[6 * (at + i) + i] = FB_R(1.0);
@@ -4040,14 +4118,16 @@ static void fbi_velocity_map(fb_system_work *w, const fb_system *system, const f
   }
 }
 
-/* [E9.6] Mass matrix of a tree, M = sum of (T, 1)^T [M_rr Lambda; Lambda^T E] (T, 1) over the bodies, V = T u, with the
-   given speeds as they are; LU.
+/* [E9.6] Mass matrix of a tree, M = sum of (T, 1)^T [M_rr Lambda; Lambda^T E] (T, 1) over the bodies, V = T u, with
+   identity rows for axes that are locked or prescribed; LU factors.
    Source: THEORY.md 9.1; [H] 3.3.  Cost: bodies N^2 and 2/3 N^3 flops.  Fails: singular.
    Test: the_three_methods_agree. */
 static FBI_NOINLINE fb_status fbi_dense_factor(fb_system_work *w, const fb_system *system, const fb_body *body,
                                                fb_real g)
 {
   const int N = fbi_speed_offset(system, w, body, system->n_body);
+
+  /* lower triangle */
   fbi_zero(w->M, N * N);
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
@@ -4055,9 +4135,13 @@ static FBI_NOINLINE fb_status fbi_dense_factor(fb_system_work *w, const fb_syste
     const fb_joint *joint = fbi_link_joint(system, w, k);
     const int axes = fbi_speed_offset(system, w, body, k), at = axes + joint->n_axis;
     const fb_real *T = w->T + 6 * k * N;
+
+    /* own inertia and velocity map */
     fbi_S_eval(L->S, model, L->k.qx, model->n_run);
     fbi_link_open(L, model, g, w->heavy);
     fbi_velocity_map(w, system, body, k, N);
+
+    /* T^T M_rr T and Lambda^T T */
     for (int c = 0; c < at; c++) {
       fb_real h[6];
       fb_sym6_mul_vec6(h, L->S, T + 6 * c);
@@ -4068,6 +4152,8 @@ static FBI_NOINLINE fb_status fbi_dense_factor(fb_system_work *w, const fb_syste
         w->M[(at + a) * N + c] += fbi_vec6_dot(L->X + 6 * a, T + 6 * c);
       }
     }
+
+    /* E of its modes; damping and stiffness of its joint */
     for (int a = 0; a < model->n; a++) {
       fbi_row_sub(w->M + (at + a) * N + at, -FB_R(1.0), L->E + a * model->n, a + 1);
     }
@@ -4075,11 +4161,15 @@ static FBI_NOINLINE fb_status fbi_dense_factor(fb_system_work *w, const fb_syste
       w->M[(axes + i) * (N + 1)] += g * joint->damping[i] + g * g * joint->stiffness[i];
     }
   }
+
+  /* upper triangle */
   for (int c = 0; c < N; c++) {
     for (int d = 0; d < c; d++) {
       w->M[d * N + c] = w->M[c * N + d];
     }
   }
+
+  /* identity rows */
   for (int k = 0; k < system->n_body; k++) {
     const fb_joint *joint = fbi_link_joint(system, w, k);
     for (int i = 0; i < joint->n_axis; i++) {
@@ -4090,6 +4180,8 @@ static FBI_NOINLINE fb_status fbi_dense_factor(fb_system_work *w, const fb_syste
       }
     }
   }
+
+  /* factors */
   {
     const fb_status status = fb_lu_factor(w->M, w->perm, w->z, N);
     return status == FB_ERR_SINGULAR ? FB_ERR_UNDETERMINED : status;
@@ -4100,12 +4192,16 @@ static FBI_NOINLINE fb_status fbi_dense_factor(fb_system_work *w, const fb_syste
 static FBI_NOINLINE void fbi_dense_solve(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
   const int N = fbi_speed_offset(system, w, body, system->n_body);
+
+  /* loads on the bodies */
   for (int k = 0; k < system->n_body; k++) {
     for (int i = 0; i < 6; i++) {
       w->link[k].b[i] = -w->link[k].y[i];
     }
     fbi_copy(w->link[k].e, w->link[k].pi, fbi_model(system, body, k)->n);
   }
+
+  /* right-hand side, summed from the tips */
   for (int k = system->n_body - 1; k >= 0; k--) {
     fbi_link_work *L = &w->link[k];
     const fb_joint *joint = fbi_link_joint(system, w, k);
@@ -4118,6 +4214,8 @@ static FBI_NOINLINE void fbi_dense_solve(fb_system_work *w, const fb_system *sys
     fbi_copy(w->z + at + joint->n_axis, L->e, fbi_model(system, body, k)->n);
     fbi_hand_in_at(w, system, body, k);
   }
+
+  /* speeds, velocities and momenta of the bodies */
   fb_lu_solve(w->speed, w->M, w->perm, w->z, N);
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
@@ -4136,6 +4234,8 @@ static FBI_NOINLINE void fbi_dense_solve(fb_system_work *w, const fb_system *sys
     }
     fbi_vec6_add(L->b, -FB_R(1.0), L->y);
   }
+
+  /* momenta G of the subtrees */
   for (int k = system->n_body - 1; k >= 0; k--) {
     fbi_vec6_copy(w->link[k].G, w->link[k].b);
     fbi_hand_in_at(w, system, body, k);
@@ -4148,7 +4248,7 @@ static fb_status fbi_mass_factor(fb_system_work *w, const fb_system *system, con
   if (system->method == FB_METHOD_DENSE) {
     const fb_status status = fbi_dense_factor(w, system, body, g);
     if (status == FB_ERR_UNDETERMINED) {
-      (void)fbi_tree_factor(w, system, g); /* knows the joint */
+      (void)fbi_tree_factor(w, system, g); /* finds the joint at fault */
     }
     return status;
   }
@@ -4166,24 +4266,30 @@ static fb_status fbi_speeds_solve(fb_system_work *w, const fb_system *system, co
 
 /* ---- constraints */
 
-/* The end of a constraint at a node of a body: found among those there are, or a new one. */
+/* End of a constraint, a node of a body or the ground: its index among the ends found so far, or a new one. */
 static fb_status fbi_end_find(int *at, fb_system_work *w, const fb_system *system, const fb_body *body, int link,
                               int node)
 {
   fbi_end *end = w->end;
   FBI_REQUIRE(link >= FB_GROUND && link < system->n_body, FB_ERR_CAPACITY);
   FBI_REQUIRE(node >= 0 && node < (link < 0 ? 1 : fbi_model(system, body, link)->n_node), FB_ERR_CAPACITY);
+
+  /* known already? */
   for (*at = 0; *at < w->n_end; ++*at, end++) {
     if (end->link == link && end->node == node) {
       return FB_OK;
     }
   }
+
+  /* new, on the ground */
   FBI_REQUIRE(w->n_end < FBI_MAX_ENDS, FB_ERR_CAPACITY);
   w->n_end++;
   memset(end, 0, sizeof *end);
   end->link = link;
   end->node = node;
   end->R[0] = end->R[4] = end->R[8] = FB_R(1.0);
+
+  /* on a body: position and section axes of the node */
   if (link >= 0) {
     const fb_body *model = fbi_model(system, body, link);
     const fbi_link_work *L = &w->link[link];
@@ -4201,7 +4307,7 @@ static fb_status fbi_end_find(int *at, fb_system_work *w, const fb_system *syste
   return FB_OK;
 }
 
-/* v, w of an end, inertial axes, from the solution V, q_dot. */
+/* Velocity v and angular velocity w of an end, inertial axes, from the solution V, q_dot. */
 static void fbi_end_velocity(fb_real v[3], fb_real w_I[3], const fb_system_work *w, const fb_system *system,
                              const fb_body *body, const fbi_end *end)
 {
@@ -4222,7 +4328,8 @@ static void fbi_end_velocity(fb_real v[3], fb_real w_I[3], const fb_system_work 
   }
 }
 
-/* s times a force and torque (inertial axes) on the node of an end: y about its body's origin, e of the modes. */
+/* Adds s times a force and torque (inertial axes) on the node of an end, to y about its body's origin and to e of the
+   modes. */
 static void fbi_end_push(fb_real y[6], fb_real *e, const fbi_link_work *L, const fbi_end *end, int n, fb_real s,
                          const fb_real force[3], const fb_real torque[3])
 {
@@ -4237,15 +4344,25 @@ static void fbi_end_push(fb_real y[6], fb_real *e, const fbi_link_work *L, const
   fbi_vec3_add(y + 3, s, t);
 }
 
-typedef struct fbi_frames { /* of a kept joint on its parent a and child b, inertial axes */
+typedef struct fbi_frames { /* joint frames, inertial axes: sketch at fbi_frames_eval */
   fbi_end *end[2];
-  int at[2];
-  fb_real a[3][3], b[3][3]; /* axes x, y, z */
-  fb_real x[2][3];          /* origins */
-  fb_real arm[2][3];        /* from the ends: to the child's origin */
-  fb_real step[3];          /* from the parent's origin to the child's */
+  int at[2];                /* indices of the ends */
+  fb_real a[3][3], b[3][3]; /* axes x, y, z on the parent, on the child */
+  fb_real x[2][3];          /* origins on the parent, on the child */
+  fb_real arm[2][3];        /* from each end to x[1] */
+  fb_real step[3];          /* from x[0] to x[1] */
 } fbi_frames;
 
+/* Joint frames of joint j on its parent (origin x[0], axes a[i]) and child (origin x[1], axes b[i]), of a joint that is
+   enforced by multipliers. Ends are the nodes that carry them; rows exert their forces at x[1].
+
+                       step
+          x[0] o----------------> o x[1]
+               ^               .^ ^
+      position |        arm[0]    | arm[1] = child_position
+               |       .          |
+        end[0] o . '              o end[1]
+        parent's node             child's node */
 static fb_status fbi_frames_eval(fbi_frames *f, fb_system_work *w, const fb_system *system, const fb_body *body, int j)
 {
   const fb_joint *joint = &system->joint[j];
@@ -4257,13 +4374,17 @@ static fb_status fbi_frames_eval(fbi_frames *f, fb_system_work *w, const fb_syst
   axes[0] = joint->axes;
   axes[1] = joint->child_axes;
   if (!joint->moves) {
-    parent_node = 0; /* the position is from the origin */
+    parent_node = 0; /* the position is from O, node 0 */
   }
+
+  /* ends */
   status = fbi_end_find(&f->at[0], w, system, body, joint->parent, parent_node);
   status = status == FB_OK ? fbi_end_find(&f->at[1], w, system, body, joint->child, joint->child_node) : status;
   if (status != FB_OK) {
     return status;
   }
+
+  /* origins and axes */
   for (int s = 0; s < 2; s++) {
     f->end[s] = &w->end[f->at[s]];
     fb_mat33_mul_vec3(f->x[s], f->end[s]->R, local[s]);
@@ -4273,6 +4394,8 @@ static fb_status fbi_frames_eval(fbi_frames *f, fb_system_work *w, const fb_syst
       fb_mat33_mul_vec3(s == 0 ? f->a[i] : f->b[i], f->end[s]->R, column);
     }
   }
+
+  /* vectors to the child's origin, which may be in the frame of another tree */
   for (int i = 0; i < 3; i++) {
     f->step[i] = f->x[1][i] - f->x[0][i];
     f->arm[0][i] = f->x[1][i] - f->end[0]->x[i];
@@ -4283,7 +4406,7 @@ static fb_status fbi_frames_eval(fbi_frames *f, fb_system_work *w, const fb_syst
   return FB_OK;
 }
 
-/* [E9.7] Coordinates of a joint from its frames; angles within half a turn. rotation: those of a rotation vector.
+/* [E9.7] Coordinates of a joint from its frames; angles within half a revolution. Spherical: the rotation vector.
    Source: [H] 3.1.  Test: the_three_methods_agree. */
 static void fbi_frames_value(fb_real value[3], const fbi_frames *f, const fb_joint *joint)
 {
@@ -4308,7 +4431,7 @@ static void fbi_frames_value(fb_real value[3], const fbi_frames *f, const fb_joi
   }
 }
 
-/* The direction (force, torque) in which axis i of a joint pushes its child at the child's frame. */
+/* Direction (force, torque) in which an effort on axis i of a joint acts on the child, at the child's joint frame. */
 static void fbi_frames_axis(fb_real force[3], fb_real torque[3], const fbi_frames *f, const fb_joint *joint, int i)
 {
   const fb_joint_kind kind = joint->kind;
@@ -4323,7 +4446,7 @@ static void fbi_frames_axis(fb_real force[3], fb_real torque[3], const fbi_frame
   }
 }
 
-/* A new row of joint j that pushes along (force, torque) at the child's origin, and back on the parent. */
+/* New row of joint j: (force, torque) on the child at its joint frame, the reaction on the parent. NULL: no room. */
 static fbi_row *fbi_row_new(fb_system_work *w, const fbi_frames *f, int j, const fb_real force[3],
                             const fb_real torque[3], fb_real value)
 {
@@ -4331,11 +4454,15 @@ static fbi_row *fbi_row_new(fb_system_work *w, const fbi_frames *f, int j, const
   if (w->n_row >= FB_MAX_ROWS) {
     return NULL;
   }
+
+  /* a holonomic row with this value */
   row = &w->row[w->n_row++];
   memset(row, 0, sizeof *row);
   row->joint = j;
   row->r.holonomic = 1;
   row->r.value = value;
+
+  /* force and torque at both ends */
   for (int s = 0; s < 2; s++) {
     const fb_real sign = s == 0 ? -FB_R(1.0) : FB_R(1.0);
     row->end[s] = f->at[s];
@@ -4350,8 +4477,8 @@ static fbi_row *fbi_row_new(fb_system_work *w, const fbi_frames *f, int j, const
   return row;
 }
 
-/* Which of its frame's directions a joint holds: translations 0..2, then the angles between axis i of the parent and j
-   of the child at 90 degrees, as 3 + 3 i + j; -1 ends the list. */
+/* Directions that a joint constrains: translations 0..2, then right angles between axis i of the parent and j of the
+   child, as 3 + 3 i + j; -1 ends the list. */
 static const signed char *fbi_joint_holds(fb_joint_kind kind)
 {
   static const signed char list[8][7] = {{-1},
@@ -4370,13 +4497,13 @@ static fb_real fbi_angle_wrap(fb_real angle)
   return FB_ATAN2(FB_SIN(angle), FB_COS(angle));
 }
 
-/* Does axis i of the joint slide? */
+/* Is axis i of the joint a translation? */
 static int fbi_axis_slides(const fb_joint *joint, int i)
 {
   return joint->kind == FB_JOINT_PRISMATIC || (joint->kind == FB_JOINT_CYLINDRICAL && i == 1);
 }
 
-/* Rows of the axes that are locked or prescribed. */
+/* Rows of the axes that are locked or prescribed; 0: no room. */
 static int fbi_given_rows(fb_system_work *w, const fb_system *system, const fbi_frames *f, int j,
                           const fb_system_state *modes, const fb_system_input *input)
 {
@@ -4391,8 +4518,10 @@ static int fbi_given_rows(fb_system_work *w, const fb_system *system, const fbi_
     if (modes->mode[j][i] == FB_AXIS_FREE) {
       continue;
     }
+
+    /* direction of the axis; miss: the constraint violation */
     fbi_frames_axis(force, torque, f, joint, i);
-    if (joint->kind == FB_JOINT_SPHERICAL && !prescribed) { /* against the axes as they were when it was locked */
+    if (joint->kind == FB_JOINT_SPHERICAL && !prescribed) { /* relative to the axes when it was locked */
       fb_real hold[9], b[3] = {0};
       const int next = (i + 1) % 3;
       fb_quat_to_mat33(hold, modes->hold_quat[j]);
@@ -4404,6 +4533,8 @@ static int fbi_given_rows(fb_system_work *w, const fb_system *system, const fbi_
     } else if (!fbi_axis_slides(joint, i)) {
       miss = fbi_angle_wrap(miss);
     }
+
+    /* row; a prescribed axis moves at the rate of its drive */
     row = fbi_row_new(w, f, j, force, torque, miss);
     if (!row) {
       return 0;
@@ -4418,9 +4549,9 @@ static int fbi_given_rows(fb_system_work *w, const fb_system *system, const fbi_
   return 1;
 }
 
-/* [E9.8] Rows of a joint that is kept: force and torque on the child at its joint frame, the opposite on the parent.
-   Translation along a_i: force a_i, value a_i.(x_b - x_a). Right angle of a_i and b_j: torque b_j x a_i, value a_i.b_j.
-   Screw: force a_z, torque -pitch a_z, value slide - pitch angle. Each is the exact gradient of its value.
+/* [E9.8] Constraint rows of a joint: force and torque on the child at its joint frame, the reaction on the parent.
+   Translation along a_i: force a_i, value a_i.(x_b - x_a). Right angle of a_i and b_j: torque b_j x a_i, value
+   a_i.b_j. Screw: force a_z, torque -pitch a_z, value slide - pitch angle. Each is the exact gradient of its value.
    Source: [H] 3.4; direction cosines.  Fails: more than FB_MAX_ROWS.  Test: the_three_methods_agree. */
 static fb_status fbi_joint_rows(fb_system_work *w, const fb_system *system, const fb_body *body, int j,
                                 const fb_system_state *modes, const fb_system_input *input)
@@ -4433,6 +4564,8 @@ static fb_status fbi_joint_rows(fb_system_work *w, const fb_system *system, cons
   if (status != FB_OK) {
     return status;
   }
+
+  /* translations and right angles */
   for (const signed char *hold = fbi_joint_holds(joint->kind); *hold >= 0 && room; hold++) {
     const fb_real *a = f.a[*hold < 3 ? *hold : (*hold - 3) / 3];
     fbi_row *row;
@@ -4449,6 +4582,8 @@ static fb_status fbi_joint_rows(fb_system_work *w, const fb_system *system, cons
       row->axis = -1 - *hold;
     }
   }
+
+  /* screw: slide - pitch angle, modulo whole revolutions */
   if (joint->kind == FB_JOINT_SCREW && room) {
     const fb_real slide = fb_vec3_dot(f.a[2], f.step);
     fb_real value[3], torque[3] = {0};
@@ -4462,12 +4597,15 @@ static fb_status fbi_joint_rows(fb_system_work *w, const fb_system *system, cons
       row->axis = 0;
     }
   }
+
+  /* locked and prescribed axes */
   return room && fbi_given_rows(w, system, &f, j, modes, input) ? FB_OK : FB_ERR_CAPACITY;
 }
 
-/* Rates of a joint's rows along the motion of its ends: axes of the parent turn with it, those of the child with the
-   child; given axes with either: what is between them is a torque that the joint bears, and across its motion. The
-   frames are where they were. */
+/* Time derivatives of a joint's row along the motion of its ends: axes of the parent rotate with the parent, those of
+   the child with the child. Rows of locked and prescribed axes rotate with the parent; with the child would do as
+   well, as the difference is a torque perpendicular to the motion, which the joint bears. Positions are those of the
+   rows, so that fbi_frames_eval finds its ends and cannot fail. */
 static void fbi_joint_row_rates(fbi_row *row, fb_system_work *w, const fb_system *system, const fb_body *body)
 {
   const int hold = -1 - row->axis;
@@ -4475,6 +4613,8 @@ static void fbi_joint_row_rates(fbi_row *row, fb_system_work *w, const fb_system
   fb_real force[3] = {0}, force_dot[3] = {0}, torque_dot[3] = {0}, at_child[3];
   (void)fbi_frames_eval(&f, w, system, body, row->joint);
   fbi_vec3_copy(force, row->r.force[1]);
+
+  /* force_dot, torque_dot at the child's joint frame */
   if (row->axis >= 0) {
     fb_real torque[3], moment[3];
     fb_vec3_cross(moment, f.arm[1], force);
@@ -4493,9 +4633,13 @@ static void fbi_joint_row_rates(fbi_row *row, fb_system_work *w, const fb_system
     fb_vec3_cross(torque_dot, b_dot, a);
     fbi_vec3_add_cross(torque_dot, b, a_dot);
   }
+
+  /* velocity of the child's joint origin */
   fbi_vec3_copy(at_child, f.end[1]->v);
   fbi_vec3_add_cross(at_child, f.end[1]->w, f.arm[1]);
-  for (int s = 0; s < 2; s++) { /* arm_dot x force + arm x force_dot */
+
+  /* both ends: the moment of the force changes by arm_dot x force + arm x force_dot */
+  for (int s = 0; s < 2; s++) {
     const fb_real sign = s == 0 ? -FB_R(1.0) : FB_R(1.0);
     fb_real arm_dot[3], moment[3];
     for (int i = 0; i < 3; i++) {
@@ -4511,7 +4655,8 @@ static void fbi_joint_row_rates(fbi_row *row, fb_system_work *w, const fb_system
   }
 }
 
-/* The caller's rows, at time t and the poses of the bodies moved on by h [s]; rows go to `row`. */
+/* The caller's rows at time t + h [s], with the poses of the bodies moved on at their velocities; written to `row`.
+   Returns their number or a negative status. */
 static int fbi_user_rows(fb_row *row, fb_system_work *w, const fb_system *system, const fb_system_input *input,
                          fb_real h)
 {
@@ -4532,12 +4677,14 @@ static int fbi_user_rows(fb_row *row, fb_system_work *w, const fb_system *system
   return input->rows(row, FB_MAX_ROWS - w->n_joint_row, w->pose, input->t + h, input->user);
 }
 
-/* All rows at the present positions. */
+/* All constraint rows at the present positions: those of joints, then those of the caller. */
 static FBI_NOINLINE fb_status fbi_rows_fill(fb_system_work *w, const fb_system *system, const fb_body *body,
                                             const fb_system_state *modes, const fb_system_input *input)
 {
   fb_status status = FB_OK;
   w->n_row = w->n_end = 0;
+
+  /* joints that are enforced by multipliers */
   for (int j = 0; j < system->n_body + system->n_loop && status == FB_OK; j++) {
     if (fbi_is_kept(system, w, j)) {
       status = fbi_joint_rows(w, system, body, j, modes, input);
@@ -4545,11 +4692,15 @@ static FBI_NOINLINE fb_status fbi_rows_fill(fb_system_work *w, const fb_system *
     }
   }
   w->n_joint_row = w->n_row;
+
+  /* rows of the caller */
   if (status == FB_OK && input && input->rows) {
     const int count = fbi_user_rows(w->ahead, w, system, input, FB_R(0.0));
     if (count < 0 || count > FB_MAX_ROWS - w->n_row) {
       return count < 0 ? (fb_status)count : FB_ERR_CAPACITY;
     }
+
+    /* ends and finite values of each */
     for (int k = 0; k < count && status == FB_OK; k++) {
       const fb_real rest[2] = {w->ahead[k].b, w->ahead[k].value};
       fbi_row *row = &w->row[w->n_row++];
@@ -4570,18 +4721,22 @@ static FBI_NOINLINE fb_status fbi_rows_fill(fb_system_work *w, const fb_system *
   return status;
 }
 
-/* Motion of the ends from the solution, then how the rows change with it: those of the caller by differences over a
-   small part of a turn. */
+/* Velocities of the ends from the solution, then the time derivatives of the rows; those of the caller's by central
+   differences over a small angle. */
 static FBI_NOINLINE fb_status fbi_rows_rate(fb_system_work *w, const fb_system *system, const fb_body *body,
                                             const fb_system_input *input)
 {
   const int count = w->n_row - w->n_joint_row;
+
+  /* ends and rows of joints */
   for (int e = 0; e < w->n_end; e++) {
     fbi_end_velocity(w->end[e].v, w->end[e].w, w, system, body, &w->end[e]);
   }
   for (int r = 0; r < w->n_joint_row; r++) {
     fbi_joint_row_rates(&w->row[r], w, system, body);
   }
+
+  /* rows of the caller; in h the fastest body rotates by at most 1e-5 rad (single: 5e-3) */
   if (count > 0 && input) {
     fb_real spin = FB_R(1.0), h;
     for (int k = 0; k < system->n_body; k++) {
@@ -4608,7 +4763,7 @@ static FBI_NOINLINE fb_status fbi_rows_rate(fb_system_work *w, const fb_system *
   return FB_OK;
 }
 
-/* Velocities of all ends by the solution, for the sums of rows. */
+/* Velocities of all ends by the solution, for fbi_row_eval. */
 static void fbi_ends_move(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
   for (int e = 0; e < w->n_end; e++) {
@@ -4616,7 +4771,7 @@ static void fbi_ends_move(fb_system_work *w, const fb_system *system, const fb_b
   }
 }
 
-/* The sum force.v + torque.w of a row over these velocities. */
+/* Row times velocities, A u: force.v + torque.w over both ends. */
 static fb_real fbi_row_eval(const fbi_row *row, const fb_system_work *w)
 {
   const fb_real *a = w->end[row->end[0]].move, *b = w->end[row->end[1]].move;
@@ -4624,7 +4779,7 @@ static fb_real fbi_row_eval(const fbi_row *row, const fb_system_work *w)
          fb_vec3_dot(row->r.torque[1], b + 3);
 }
 
-/* What that would be if all were along. */
+/* Upper bound of fbi_row_eval: its value if all vectors were parallel. */
 static fb_real fbi_row_size(const fbi_row *row, const fb_system_work *w)
 {
   fb_real size = FB_R(0.0);
@@ -4636,8 +4791,8 @@ static fb_real fbi_row_size(const fbi_row *row, const fb_system_work *w)
   return size;
 }
 
-/* What the frames of its trees give to the sum of a row: force.u of each, a couple within a tree none. size: as above.
-   */
+/* Contribution of the velocities u of the tree frames to a row: the sum of force.u; opposite forces within a tree
+   contribute nothing. size: its upper bound as above. */
 static fb_real fbi_row_drift(fb_real *size, const fb_system_work *w, const fbi_row *row, const fb_real force[2][3])
 {
   fb_real sum = FB_R(0.0);
@@ -4646,6 +4801,8 @@ static fb_real fbi_row_drift(fb_real *size, const fb_system_work *w, const fbi_r
     link[s] = w->end[row->end[s]].link;
   }
   *size = FB_R(0.0);
+
+  /* both ends in one tree: the resultant alone */
   if (link[0] >= 0 && link[1] >= 0 && w->link[link[0]].root == w->link[link[1]].root) {
     const fb_real *u = w->link[w->link[link[0]].root].frame;
     for (int i = 0; i < 3; i++) {
@@ -4654,6 +4811,8 @@ static fb_real fbi_row_drift(fb_real *size, const fb_system_work *w, const fbi_r
     *size = FB_FABS(sum);
     return sum;
   }
+
+  /* different trees, or the ground */
   for (int s = 0; s < 2; s++) {
     const fb_real *u = link[s] >= 0 ? w->link[w->link[link[s]].root].frame : NULL;
     sum += u ? fb_vec3_dot(force[s], u) : FB_R(0.0);
@@ -4662,7 +4821,7 @@ static fb_real fbi_row_drift(fb_real *size, const fb_system_work *w, const fbi_r
   return sum;
 }
 
-/* The right-hand side to zero: no momenta, no given speeds. */
+/* Clears the right-hand side: no momenta, prescribed speeds zero. */
 static void fbi_rhs_clear(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
   for (int k = 0; k < system->n_body; k++) {
@@ -4672,6 +4831,7 @@ static void fbi_rhs_clear(fb_system_work *w, const fb_system *system, const fb_b
   }
 }
 
+/* Adds s times row r, as an impulse on its ends, to the right-hand side. */
 static void fbi_row_impulse(fb_system_work *w, const fb_system *system, const fb_body *body, int r, fb_real s)
 {
   const fbi_row *row = &w->row[r];
@@ -4685,7 +4845,7 @@ static void fbi_row_impulse(fb_system_work *w, const fb_system *system, const fb
   }
 }
 
-/* Of the same joint (or the caller), and both with a force or both without? */
+/* Are two rows of the same joint (or both the caller's), and both with a force or both without? */
 static int fbi_rows_alike(const fbi_row *a, const fbi_row *b)
 {
   const int force_a = fbi_vec3_norm(a->r.force[0]) + fbi_vec3_norm(a->r.force[1]) > FB_R(0.0);
@@ -4693,10 +4853,10 @@ static int fbi_rows_alike(const fbi_row *a, const fbi_row *b)
   return force_a == force_b && (a->joint == b->joint || (a->joint < -1 && b->joint < -1));
 }
 
-/* [E9.9] Q = A M^-1 A^T of the rows and its pivoted Cholesky factors: rows that depend on others are left out, w->rank
-   of them stay. A pivot is the square of how far a row stands out of the others: below 1e-8 of its diagonal, 1e-4 rad
-   before a singular position (single precision: 0.01 rad), the impulses would be made of the errors of a stage's
-   position.
+/* [E9.9] Q = A M^-1 A^T of the constraint rows and its pivoted Cholesky factors; rows that depend on others are left
+   out, w->rank of them remain. A pivot is the square of a row's distance from the span of the others: below 1e-8 of
+   its diagonal, 1e-4 rad before a singular position (single precision: 0.01 rad), the impulses would be dominated by
+   the position errors of a stage.
    Source: [GV] 4.2.8.  Shapes: Q n_row x n_row.  Cost: n_row solutions E9.5, n_row^3/3 flops.
    Fails: never.  Test: redundant_loops_are_accepted. */
 static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, const fb_body *body)
@@ -4704,6 +4864,8 @@ static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, con
   const int m = w->n_row;
   const fb_real tol = FB_SINGLE ? FB_R(1e-4) : FB_R(1e-8), across = FB_SINGLE ? FB_R(1e-5) : FB_R(1e-10);
   fb_real *Q = w->Q;
+
+  /* Q by columns: one solution for a unit impulse on each row */
   for (int r = 0; r < m; r++) {
     fb_status status;
     fbi_rhs_clear(w, system, body);
@@ -4719,8 +4881,10 @@ static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, con
     w->column[r] = fbi_row_size(&w->row[r], w);
     w->order[r] = r;
   }
-  for (int i = 0; i < m; i++) { /* a row is weighed with those of its kind at the same joint; one that moves across its
-                                   own direction, if at all, is not counted on */
+
+  /* Scale of a row's pivot, in w->column: the largest diagonal of rows of its kind at the same joint; infinite, so that
+     the row is left out, where its impulse moves its own ends across the row's direction or not at all. */
+  for (int i = 0; i < m; i++) {
     fb_real largest = FB_R(0.0);
     for (int r = 0; r < m; r++) {
       largest = fbi_rows_alike(&w->row[i], &w->row[r]) ? fbi_larger(largest, Q[r * (m + 1)]) : largest;
@@ -4728,11 +4892,14 @@ static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, con
     w->diagonal[i] = Q[i * (m + 1)];
     w->column[i] = w->diagonal[i] > across * w->column[i] ? largest : FB_HUGE;
   }
-  for (w->rank = 0; w->rank < m;
-       w->rank++) { /* rows in the order of w->order; L in the lower triangle of their indices */
+
+  /* Cholesky: w->order[k] is the row of pivot k, w->L[r m + k] the factor of row r. */
+  for (w->rank = 0; w->rank < m; w->rank++) {
     const int k = w->rank;
     int best = k;
     fb_real pivot;
+
+    /* pivot: the largest relative to its scale */
     for (int i = k + 1; i < m; i++) {
       const int a = w->order[i], b = w->order[best];
       best = w->diagonal[a] * w->column[b] > w->diagonal[b] * w->column[a] ? i : best;
@@ -4745,7 +4912,9 @@ static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, con
       w->order[best] = w->order[k];
       w->order[k] = p;
       pivot = FB_R(1.0) / FB_SQRT(w->diagonal[p]);
-      w->diagonal[p] = pivot; /* of L, the reciprocal */
+      w->diagonal[p] = pivot; /* reciprocal of the diagonal of L */
+
+      /* column of L; remaining diagonals */
       for (int i = k + 1; i < m; i++) {
         const int r = w->order[i];
         fb_real sum = Q[r * m + p];
@@ -4760,7 +4929,7 @@ static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, con
   return FB_OK;
 }
 
-/* mu with Q mu = -c on the independent rows, zero on the others. */
+/* Multipliers mu: Q mu = -c on the independent rows, zero on the others. */
 static void fbi_rows_multipliers(fb_system_work *w)
 {
   const int m = w->n_row, n = w->rank;
@@ -4780,17 +4949,19 @@ static void fbi_rows_multipliers(fb_system_work *w)
   }
 }
 
-/* [E9.10] Speeds under constraints, M u = p + A^T mu with A u + c = 0: solves for the right-hand side there is, then
-   with the impulses mu on it. c: what the rows have besides A u. check: speeds that
-   are given, or a c other than zero, may contradict the rows.
+/* [E9.10] Speeds under constraints, M u = p + A^T mu with A u + c = 0: solves with the right-hand side as it is, then
+   with the impulses mu added. c: terms of the rows other than A u. check: tests rows that were left out, which
+   prescribed speeds or a c other than zero may contradict.
    Source: Lagrange multipliers of the momenta; [H] 3.5.  Fails: FB_ERR_CONTRADICTION, the joint of a row left out
-   whose velocity does not come out.  Test: the_three_methods_agree, contradictions_name_their_joint. */
+   whose velocity constraint is not met.  Test: the_three_methods_agree, contradictions_name_their_joint. */
 static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_system *system, const fb_body *body,
                                                     int check)
 {
   fb_real drift;
   int given = 0;
   fb_status status = FB_OK;
+
+  /* save the right-hand side; given: are there prescribed speeds? */
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     fbi_vec6_copy(L->y0, L->y);
@@ -4801,16 +4972,20 @@ static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_
       given |= drives && FB_FABS(L->p[i]) > FB_R(0.0);
     }
   }
+
+  /* without impulses: c + A u */
   status = fbi_speeds_solve(w, system, body);
   fbi_ends_move(w, system, body);
   for (int r = 0; r < w->n_row; r++) {
-    given |= FB_FABS(w->c[r]) > FB_R(0.0); /* no shortcut: work does not depend on values */
+    given |= FB_FABS(w->c[r]) > FB_R(0.0); /* no shortcut if zero: the work must not depend on values */
     w->c[r] += fbi_row_eval(&w->row[r], w);
   }
   status = status == FB_OK ? fbi_rows_factor(w, system, body) : status;
   if (status != FB_OK) {
     return status;
   }
+
+  /* multipliers; the solution again, with their impulses on the saved right-hand side */
   fbi_rows_multipliers(w);
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
@@ -4822,6 +4997,8 @@ static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_
     fbi_row_impulse(w, system, body, r, w->mu[r]);
   }
   status = fbi_speeds_solve(w, system, body);
+
+  /* rows left out: met as well? */
   if (w->rank < w->n_row && given && check) {
     fbi_ends_move(w, system, body);
   }
@@ -4833,7 +5010,7 @@ static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_
     }
     (void)fbi_row_drift(&drift, w, &w->row[r], (const fb_real(*)[3])w->row[r].r.force);
     if (FB_FABS(miss) > (FB_SINGLE ? FB_R(0.1) : FB_R(0.01)) *
-                            (fbi_row_size(&w->row[r], w) + drift)) { /* near singular positions some is left */
+                            (fbi_row_size(&w->row[r], w) + drift)) { /* tolerance for near-singular positions */
       w->joint = w->row[r].joint;
       status = FB_ERR_CONTRADICTION;
     }
@@ -4843,7 +5020,7 @@ static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_
 
 /* ---- rates */
 
-/* Momenta of a joint along its axes: free and spherical joints keep theirs in inertial axes. */
+/* Joint momenta along the joint's axes; the state of a free or spherical joint has them in inertial axes. */
 static void fbi_joint_momenta(fb_real p[6], const fbi_link_work *L, const fb_joint *joint, const fb_link_state *x)
 {
   if (joint->kind == FB_JOINT_FREE) {
@@ -4858,7 +5035,7 @@ static void fbi_joint_momenta(fb_real p[6], const fbi_link_work *L, const fb_joi
   }
 }
 
-/* The same back into the state. */
+/* The inverse: joint momenta into the state. */
 static void fbi_joint_momenta_set(fb_link_state *x, const fbi_link_work *L, const fb_joint *joint, const fb_real p[6])
 {
   if (joint->kind == FB_JOINT_FREE) {
@@ -4873,7 +5050,7 @@ static void fbi_joint_momenta_set(fb_link_state *x, const fbi_link_work *L, cons
   }
 }
 
-/* y += s times the velocity of a link's frame, body axes */
+/* y += s times the velocity of the link's tree frame, body axes. */
 static void fbi_own_frame_add(fb_real y[3], fb_real s, const fb_system_work *w, int k)
 {
   const fbi_link_work *L = &w->link[k];
@@ -4882,7 +5059,7 @@ static void fbi_own_frame_add(fb_real y[3], fb_real s, const fb_system_work *w, 
   fbi_vec3_add(y, s, v);
 }
 
-/* Momenta of the state as the right-hand side, given speeds in their place. */
+/* Right-hand side of E9.5: the momenta of the state, or the speeds of axes that are prescribed. */
 static void fbi_rhs_momenta(fb_system_work *w, const fb_system *system, const fb_system_state *state,
                             const fb_system_input *input)
 {
@@ -4891,6 +5068,8 @@ static void fbi_rhs_momenta(fb_system_work *w, const fb_system *system, const fb
     fbi_link_work *L = &w->link[k];
     const fb_joint *joint = L->joint;
     const fb_link_state *x = &state->link[k];
+
+    /* momenta; w->owns: the angular momentum of free roots in body axes, from L->own */
     fbi_vec6_zero(L->y);
     fbi_copy(L->pi, x->pi, L->model->n);
     if (w->owns && joint->kind == FB_JOINT_FREE) {
@@ -4899,6 +5078,8 @@ static void fbi_rhs_momenta(fb_system_work *w, const fb_system *system, const fb
     } else {
       fbi_joint_momenta(L->p, L, joint, x);
     }
+
+    /* prescribed speeds, of a free joint relative to the tree's frame */
     if (joint->kind == FB_JOINT_FREE && L->mode[0] == FB_AXIS_PRESCRIBED) {
       fbi_copy(L->p, input ? input->drive[k].rate : none, 6);
       fbi_own_frame_add(L->p, -FB_R(1.0), w, k);
@@ -4911,7 +5092,7 @@ static void fbi_rhs_momenta(fb_system_work *w, const fb_system *system, const fb
   }
 }
 
-/* Prescribed values go into the coordinates before they are used. */
+/* Sets prescribed coordinates to their values. */
 static void fbi_prescribe(fb_system_state *state, const fb_system *system, const fb_system_work *w,
                           const fb_system_state *modes, const fb_system_input *input)
 {
@@ -4941,36 +5122,42 @@ static fb_status fbi_system_input_check(const fb_system *system, const fb_body *
   return FB_OK;
 }
 
-/* Positions, velocities and impulses at a state: E9.2, E9.5, E9.10. lazy: the speeds of modes that carry nothing are
+/* Positions, velocities and impulses at a state: E9.2, E9.5, E9.10. lazy: q_dot of modes that carry no children is
    left to fbi_link_inertia. */
 static fb_status fbi_system_velocity(fb_system_work *w, const fb_system *system, const fb_body *body,
                                      const fb_system_state *state, const fb_system_state *modes,
                                      const fb_system_input *input, int lazy)
 {
   fb_status status;
+
+  /* poses, factors, right-hand side */
   fbi_links_place(w, system, body, state, modes);
   status = fbi_mass_factor(w, system, body, FB_R(0.0));
   if (status != FB_OK) {
     return status;
   }
   fbi_rhs_momenta(w, system, state, input);
+
+  /* with constraint rows */
   w->n_row = w->n_end = 0;
   if (system->n_loop > 0 || w->kept || (input && input->rows)) {
     status = fbi_rows_fill(w, system, body, modes, input);
-    for (int r = 0; r < w->n_row && status == FB_OK; r++) { /* else the last one may have no end */
+    for (int r = 0; r < w->n_row && status == FB_OK; r++) { /* after a failure the last one may have no end */
       fb_real size;
       w->c[r] = w->row[r].r.b + fbi_row_drift(&size, w, &w->row[r], (const fb_real(*)[3])w->row[r].r.force);
     }
     status = status == FB_OK ? fbi_constrained_solve(w, system, body, 1) : status;
     return status == FB_OK ? fbi_rows_rate(w, system, body, input) : status;
   }
+
+  /* without constraint rows */
   for (int k = 0; k < system->n_body; k++) {
     w->link[k].has_speeds = w->link[k].open || !lazy || system->method == FB_METHOD_DENSE;
   }
   return fbi_speeds_solve(w, system, body);
 }
 
-/* What a body's own kernels want to know: V, and pb = M^-1 pi of the body alone, q_dot + M^-1 Lambda^T V. */
+/* Input of a body's own kernels: k.V, and k.pb = M^-1 pi of the body alone, q_dot + M^-1 Lambda^T V. */
 static void fbi_link_kinetics(fbi_link_work *L, const fb_body *body)
 {
   fbi_vec6_copy(L->k.V, L->V);
@@ -4986,8 +5173,8 @@ static void fbi_link_kinetics(fbi_link_work *L, const fb_body *body)
   }
 }
 
-/* k.x, the forces of the body's own inertia on its modes (E8.17); kinetics as above. A body whose modes carry nothing
-   has its pb from the solution already, and q_dot comes along. */
+/* k.x, the forces of the body's own inertia on its modes (E8.17), and its kinetics as above. For modes that carry no
+   children the solution has left pb in L->e; q_dot is then found here. */
 static void fbi_link_inertia(fbi_link_work *L, const fb_body *body)
 {
   if (body->n > 0) {
@@ -4996,9 +5183,13 @@ static void fbi_link_inertia(fbi_link_work *L, const fb_body *body)
     } else {
       L->k.pb = L->e;
     }
+
+    /* forces by Lambda */
     fbi_zero(L->k.x, body->n + 1);
     fbi_zero(L->k.e, body->n);
     fbi_lambda_gradients(L->k.e, L->k.x, body, L->V, L->k.qx, L->k.pb);
+
+    /* q_dot, if not known */
     if (!L->has_speeds) {
       fbi_mass_solve(L->q_dot, body, L->k.e);
       for (int a = 0; a < body->n; a++) {
@@ -5013,7 +5204,7 @@ static void fbi_link_inertia(fbi_link_work *L, const fb_body *body)
   }
 }
 
-/* What acts on all bodies, their own inertia, gravity and loads: k.fg and k.x. */
+/* Forces on all bodies by their own inertia, gravity and loads: k.fg and k.x. */
 static void fbi_system_loads(fb_system_work *w, const fb_system *system, const fb_body *body,
                              const fb_system_input *input)
 {
@@ -5033,8 +5224,8 @@ static void fbi_system_loads(fb_system_work *w, const fb_system *system, const f
   }
 }
 
-/* [E9.11] Motor, spring and damper of axis i: tau = motor - k (x - rest) - c u; on a spherical joint -k times the
-   rotation vector, the gradient of k phi.phi/2.
+/* [E9.11] Effort of motor, spring and damper on axis i: tau = motor - k (x - rest) - c u; on a spherical joint -k
+   times the rotation vector, the gradient of k phi.phi/2.
    Source: definition.  Test: springs_and_dampers_balance_energy. */
 static fb_real fbi_axis_torque(const fb_joint *joint, const fb_system_input *input, int j, int i, fb_real value,
                                fb_real speed)
@@ -5043,6 +5234,7 @@ static fb_real fbi_axis_torque(const fb_joint *joint, const fb_system_input *inp
   return motor - joint->stiffness[i] * (value - joint->rest[i]) - joint->damping[i] * speed;
 }
 
+/* Has joint j a spring, a damper or a motor at work? */
 static int fbi_is_sprung(const fb_joint *joint, const fb_system_input *input, int j)
 {
   fb_real sum = FB_R(0.0);
@@ -5052,7 +5244,7 @@ static int fbi_is_sprung(const fb_joint *joint, const fb_system_input *input, in
   return sum > FB_R(0.0);
 }
 
-/* Speed of axis i of a kept joint: relative motion along its direction. */
+/* Speed of a joint from its frames: relative motion of the child in the direction (force, torque). */
 static fb_real fbi_frames_speed(const fbi_frames *f, const fb_system_work *w, const fb_real force[3],
                                 const fb_real torque[3])
 {
@@ -5068,7 +5260,7 @@ static fb_real fbi_frames_speed(const fbi_frames *f, const fb_system_work *w, co
   return fb_vec3_dot(force, v) + fb_vec3_dot(torque, turn);
 }
 
-/* Loads of the springs, dampers and motors of the joints that are kept; returns the power of the motors. */
+/* Loads of springs, dampers and motors of joints enforced by multipliers; returns the power of the motors. */
 static FBI_NOINLINE fb_real fbi_kept_springs(fb_system_work *w, const fb_system *system, const fb_body *body,
                                              const fb_system_state *modes, const fb_system_input *input)
 {
@@ -5080,6 +5272,8 @@ static FBI_NOINLINE fb_real fbi_kept_springs(fb_system_work *w, const fb_system 
     if (!fbi_is_kept(system, w, j) || !fbi_is_sprung(joint, input, j)) {
       continue;
     }
+
+    /* coordinates */
     (void)fbi_frames_eval(&f, w, system, body, j);
     fbi_frames_value(value, &f, joint);
     for (int i = 0; i < joint->n_axis; i++) {
@@ -5087,10 +5281,14 @@ static FBI_NOINLINE fb_real fbi_kept_springs(fb_system_work *w, const fb_system 
       if (modes->mode[j][i] != FB_AXIS_FREE) {
         continue;
       }
+
+      /* effort and power */
       fbi_frames_axis(force, torque, &f, joint, i);
       speed = fbi_frames_speed(&f, w, force, torque);
       tau = fbi_axis_torque(joint, input, j, i, value[i], speed);
       power += (input ? input->drive[j].torque[i] : FB_R(0.0)) * speed;
+
+      /* on the child, and the reaction on the parent */
       for (int s = 0; s < 2; s++) {
         fb_real moment[3];
         fb_vec3_cross(moment, f.arm[s], force);
@@ -5106,10 +5304,10 @@ static FBI_NOINLINE fb_real fbi_kept_springs(fb_system_work *w, const fb_system 
   return power;
 }
 
-/* [E9.12] What a body hands its modes where something hangs on a node that they move: of its momentum G and load F
-   about the node, body axes,
-   pi_dot_a += J_a.(F - turning of G) + J_dot_a.G,  turning (w x p, w x h + v_n x p) with v_n of the node, w of the
-   body.
+/* [E9.12] Generalized force on the modes of a body by what a node carries that they move: with the momentum G and load
+   F of that about the node, body axes,
+   pi_dot_a += J_a.(F - turning of G) + J_dot_a.G,  turning: the transport term (w x p, w x h + v_n x p) with v_n of
+   the node, w of the body.
    Source: d/dt of pi_a = pi_own,a + J_a.G.  Cost: 40 n flops, with a quadratic field 24 n^2.  Fails: never.
    Test: systems_keep_energy_and_momentum. */
 static FBI_NOINLINE void fbi_node_take(fb_real *x, const fbi_node_field *f, const fb_body *body, const fb_node *node,
@@ -5118,6 +5316,8 @@ static FBI_NOINLINE void fbi_node_take(fb_real *x, const fbi_node_field *f, cons
 {
   const fb_real scale = FB_R(1.0) / (FB_R(1.0) + FB_R(0.25) * fb_vec3_dot(f->phi, f->phi));
   fb_real Ju_dot[3 * FB_MAX_MODES], turn_dot[3 * FB_MAX_MODES], at[6], turn[6], load[6], phi_dot[3], shrink;
+
+  /* velocity of the node, rates of its rotation parameters phi and of their gradients */
   fbi_vec6_copy(at, V);
   fbi_vec3_add_cross(at, V + 3, n);
   fbi_node_rates(Ju_dot, turn_dot, body, node, q_dot);
@@ -5127,10 +5327,14 @@ static FBI_NOINLINE void fbi_node_take(fb_real *x, const fbi_node_field *f, cons
     fbi_vec3_add(phi_dot, q_dot[a], f->turn + 3 * a);
   }
   shrink = FB_R(0.5) * fb_vec3_dot(f->phi, phi_dot);
+
+  /* F - turning */
   fbi_turning(turn, at, G);
   for (int i = 0; i < 6; i++) {
     load[i] = F[i] - turn[i];
   }
+
+  /* J_a.(F - turning) + J_dot_a.G; rate: J_dot_a of the rotation */
   for (int a = 0; a < body->n; a++) {
     fb_real rate[3];
     fb_vec3_cross(rate, phi_dot, f->turn + 3 * a);
@@ -5143,8 +5347,8 @@ static FBI_NOINLINE void fbi_node_take(fb_real *x, const fbi_node_field *f, cons
   }
 }
 
-/* [E9.13] The rows' impulses are momentum that the tree does not see, -(f, t) at the ends; with mu constant it changes
-   by the directions alone: loads -(f_dot, t_dot + v x f), p_dot loses A_dot^T mu.
+/* [E9.13] Loads by the rows' impulses, which are momentum outside of the tree's, -(f, t) at the ends. With mu constant
+   it changes by the directions alone: loads -(f_dot, t_dot + v x f); p_dot loses A_dot^T mu.
    Source: d/dt of p + A^T mu.  Fails: never.  Test: the_three_methods_agree. */
 static FBI_NOINLINE void fbi_rows_loads(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
@@ -5158,6 +5362,8 @@ static FBI_NOINLINE void fbi_rows_loads(fb_system_work *w, const fb_system *syst
       if (!L) {
         continue;
       }
+
+      /* momentum G and load F at the node, body axes */
       fbi_vec3_copy(twist, row->torque_dot[s]);
       fbi_vec3_add_cross(twist, end->v, row->r.force[s]);
       fb_mat33_mulT_vec3(G, L->k.R, row->r.force[s]);
@@ -5168,6 +5374,8 @@ static FBI_NOINLINE void fbi_rows_loads(fb_system_work *w, const fb_system *syst
         G[i] *= -mu;
         F[i] *= -mu;
       }
+
+      /* on the modes; on the body about O */
       if (end->moves) {
         const fb_body *model = fbi_model(system, body, end->link);
         fbi_node_take(L->k.x + 1, &end->f, model, &model->node[end->node], L->q_dot, L->V, end->n, G, F);
@@ -5178,7 +5386,7 @@ static FBI_NOINLINE void fbi_rows_loads(fb_system_work *w, const fb_system *syst
   }
 }
 
-/* Rates of a joint's coordinates. A free joint moves in the frame of its tree: lost_x takes that. */
+/* Rates of a joint's coordinates. The position of a free joint, relative to the tree's frame, is in lost_x. */
 static void fbi_coordinate_rates(fb_link_state *rate, const fbi_link_work *L, const fb_joint *joint,
                                  const fb_link_state *x)
 {
@@ -5194,14 +5402,17 @@ static void fbi_coordinate_rates(fb_link_state *rate, const fbi_link_work *L, co
   }
 }
 
-/* [E9.14] Rates of a joint's momenta, p_i = A_i.G: p_i_dot = tau_i + A_i.(F - turning of G) + A_dot_i.G in body axes;
-   those kept in inertial axes lose the turning: P_dot = R F, L_dot = R T - v x P. Returns the power of the motors.
-   Source: d/dt of A_i.G, G_dot = F - turning + what the joint bears.  Cost: 60 flops.  Fails: never.
+/* [E9.14] Rates of a joint's momenta, p_i = A_i.G: p_i_dot = tau_i + A_i.(F - turning of G) + A_dot_i.G in body axes,
+   turning: the transport term (w x p, w x h + v x p). Momenta in inertial axes have none:
+   P_dot = R F, L_dot = R T - v x P. Returns the power of the motors.
+   Source: d/dt of A_i.G, G_dot = F - turning + joint reaction.  Cost: 60 flops.  Fails: never.
    Test: systems_keep_energy_and_momentum, every_joint_moves_as_it_should. */
 static fb_real fbi_momentum_rate(fb_link_state *rate, const fbi_link_work *L, const fb_joint *joint,
                                  const fb_link_state *x, const fb_system_input *input, int k)
 {
   fb_real turn[6], load[6], tau[3] = {0}, power = FB_R(0.0);
+
+  /* free joint: inertial axes */
   if (joint->kind == FB_JOINT_FREE) {
     if (L->mode[0] == FB_AXIS_FREE) {
       fb_mat33_mul_vec3(rate->p, L->k.R, L->F);
@@ -5212,9 +5423,13 @@ static fb_real fbi_momentum_rate(fb_link_state *rate, const fbi_link_work *L, co
     }
     return power;
   }
+
+  /* F - turning */
   fbi_turning(turn, L->V, L->G);
   fbi_vec6_copy(load, L->F);
   fbi_vec6_add(load, -FB_R(1.0), turn);
+
+  /* effort and load along each free axis */
   for (int i = 0; i < joint->n_axis; i++) {
     const fb_real *A = L->A + 6 * i;
     rate->p[i] = FB_R(0.0);
@@ -5229,9 +5444,13 @@ static fb_real fbi_momentum_rate(fb_link_state *rate, const fbi_link_work *L, co
       rate->p[i] = tau[i];
     }
   }
+
+  /* universal: A_dot of the first axis */
   if (joint->kind == FB_JOINT_UNIVERSAL && L->mode[0] == FB_AXIS_FREE) {
     rate->p[0] += L->u[1] * fbi_vec6_dot(L->A_dot, L->G);
   }
+
+  /* spherical: inertial axes */
   if (joint->kind == FB_JOINT_SPHERICAL && L->mode[0] == FB_AXIS_FREE) {
     fb_real body[3], h[3];
     fb_mat33_mul_vec3(body, joint->child_axes, tau);
@@ -5242,7 +5461,7 @@ static fb_real fbi_momentum_rate(fb_link_state *rate, const fbi_link_work *L, co
   return power;
 }
 
-/* F and G of a body go to its parent: all of F to its load, and both to the modes that move the node. */
+/* Transmits F and G of a body to its parent: F to its load, both to the modes that move the node. */
 static void fbi_load_hand_in(const fbi_link_work *L)
 {
   const fb_joint *joint = L->joint;
@@ -5274,12 +5493,16 @@ static FBI_FLATTEN fb_status fbi_system_rates(fb_system_work *w, const fb_system
   if (status != FB_OK) {
     return status;
   }
+
+  /* forces on the bodies: loads, springs, impulses of the rows */
   fbi_system_loads(w, system, body, input);
   rate->motor_work = w->kept || system->n_loop > 0 ? fbi_kept_springs(w, system, body, modes, input) : FB_R(0.0);
   for (int k = 0; k < system->n_body; k++) {
     fbi_vec6_copy(w->link[k].F, w->link[k].k.fg);
   }
   fbi_rows_loads(w, system, body);
+
+  /* from the tips: rates of joint and modes, loads to the parent */
   for (int k = system->n_body - 1; k >= 0; k--) {
     fbi_link_work *L = &w->link[k];
     const fb_body *model = L->model;
@@ -5297,6 +5520,7 @@ static FBI_FLATTEN fb_status fbi_system_rates(fb_system_work *w, const fb_system
 
 /* ---- states, motion, energy, momentum */
 
+/* Prepares the work struct at the start of a call. */
 static void fbi_system_enter(fb_system_work *w, const fb_system *system)
 {
   w->kept = system->method == FB_METHOD_MULTIPLIERS;
@@ -5306,11 +5530,12 @@ static void fbi_system_enter(fb_system_work *w, const fb_system *system)
   w->n_row = w->n_end = 0;
 }
 
-/* [E9.16] Momenta of the velocities there are: each body's own (p, h) and pi, those of the subtrees G by summation, p_i
-   = A_i.G, pi_a + J_a.G.
+/* [E9.16] Momenta at the present velocities: each body's own (p, h) and pi; G of the subtrees by summation; p_i =
+   A_i.G, pi_a + J_a.G.
    Source: definition of the conjugate momenta.  Fails: never.  Test: momenta_give_back_the_speeds. */
 static void fbi_momenta_fill(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body)
 {
+  /* momenta of each body by itself */
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     const fb_body *model = fbi_model(system, body, k);
@@ -5319,9 +5544,11 @@ static void fbi_momenta_fill(fb_system_state *state, fb_system_work *w, const fb
     fbi_vec6_copy(L->b, L->k.ph);
     fbi_mass_mul(L->e, model, L->k.pb);
     for (int a = 0; a < model->n; a++) {
-      L->e[a] = -L->e[a]; /* what is handed in is taken off */
+      L->e[a] = -L->e[a]; /* fbi_hand_in subtracts from e */
     }
   }
+
+  /* sums from the tips, along the joint's axes */
   for (int k = system->n_body - 1; k >= 0; k--) {
     fbi_link_work *L = &w->link[k];
     const fb_joint *joint = fbi_link_joint(system, w, k);
@@ -5352,7 +5579,7 @@ static int fbi_flies(const fb_system *system, const fb_system_work *w)
   return flies;
 }
 
-/* x += d, and lost keeps what x loses, the larger part in x. Source: Knuth's two-sum. */
+/* x += d with compensation: lost collects the round-off and passes on to x what x can hold. Source: Knuth's two-sum. */
 static void fbi_keep(fb_real *x, fb_real *lost, const fb_real *d, int n)
 {
   for (int i = 0; i < n; i++) {
@@ -5362,9 +5589,9 @@ static void fbi_keep(fb_real *x, fb_real *lost, const fb_real *d, int n)
   }
 }
 
-/* [E9.24] What a velocity d of the whole (body axes) gives to the momenta of a body: linear m d and angular c(q) x d to
-   F, Lambda^T d to e of its modes; c: its first moment. Without residual inertia c in the angular one is the model's,
-   by which the same velocities follow.
+/* [E9.24] Momenta of a body by a velocity d of the whole tree (body axes): linear m d and angular c(q) x d in F,
+   Lambda^T d in e of its modes; c: its first moment. Without residual inertia F follows from S0 and Lambda as in the
+   equations of motion, so that solving them returns the velocity d.
    Source: definition of the momenta, E8.16 with g = d.  Cost: 8 flops a term.  Test: flight_speed_changes_nothing. */
 static void fbi_drift_momenta(fb_real F[6], fb_real *e, fb_real c[3], const fbi_link_work *L, const fb_body *body,
                               const fb_real d[3])
@@ -5388,11 +5615,12 @@ static void fbi_drift_momenta(fb_real F[6], fb_real *e, fb_real c[3], const fbi_
   }
 }
 
-/* [E9.22] Mass and first moment of all that hangs on each joint, L->bulk and first, of the placed system, and, where
-   the frames change, what that gives to the momenta (E9.24) of the body, L->b and L->e.
+/* [E9.22] Mass and first moment of the subtree of each joint, L->bulk and first, of the placed system; change: also
+   the momenta of each body by the change of its tree's frame (E9.24), in L->b and L->e.
    Source: definition.  Cost: 60 flops a body, 8 a term.  Test: flight_speed_changes_nothing. */
 static void fbi_trees_weigh(fb_system_work *w, const fb_system *system, int change)
 {
+  /* each body by itself */
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     const fb_body *model = L->model;
@@ -5405,6 +5633,8 @@ static void fbi_trees_weigh(fb_system_work *w, const fb_system *system, int chan
       fbi_center_eval(L->first, model, L->k.qx + 1);
     }
   }
+
+  /* sums from the tips */
   for (int k = system->n_body - 1; k >= 0; k--) {
     const fbi_link_work *L = &w->link[k];
     fbi_link_work *parent = L->parent;
@@ -5418,8 +5648,8 @@ static void fbi_trees_weigh(fb_system_work *w, const fb_system *system, int chan
   }
 }
 
-/* [E9.23] The change of the frames off all momenta, A.(m d, c x d) of all that hangs on a joint: what the impulse of
-   uniform gravity would do. After E9.22.
+/* [E9.23] Subtracts the change of the tree frames from all momenta, A.(m d, c x d) of each joint's subtree: the same
+   as the impulse of a uniform gravity field. After E9.22.
    Source: p = M u, linear in velocities.  Cost: 80 flops a body.  Test: flight_speed_changes_nothing. */
 static void fbi_momenta_reframe(fb_system_state *into, fb_system_work *w, const fb_system *system)
 {
@@ -5429,6 +5659,8 @@ static void fbi_momenta_reframe(fb_system_state *into, fb_system_work *w, const 
     fbi_link_work *parent = L->parent;
     fb_link_state *x = &into->link[k], change;
     fb_real p[6];
+
+    /* off the momenta of joint and modes */
     fbi_vec6_copy(p, L->b);
     for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
       p[i] = fbi_vec6_dot(L->A + 6 * i, L->b);
@@ -5436,6 +5668,8 @@ static void fbi_momenta_reframe(fb_system_state *into, fb_system_work *w, const 
     fbi_joint_momenta_set(&change, L, joint, p);
     fbi_row_sub(x->p, FB_R(1.0), change.p, joint->n_axis);
     fbi_row_sub(x->pi, FB_R(1.0), L->e, w->link[k].model->n);
+
+    /* subtree: to the parent and its modes */
     if (parent && joint->moves) {
       fb_real b[6] = {0};
       fbi_to_parent_add(b, L, L->b);
@@ -5450,22 +5684,24 @@ static void fbi_momenta_reframe(fb_system_state *into, fb_system_work *w, const 
   }
 }
 
-/* Do both sides of a row belong to the same tree? */
+/* Are both ends of a row on the same tree? */
 static int fbi_row_is_inner(const fb_system_work *w, const fbi_row *row)
 {
   const int a = w->end[row->end[0]].link, b = w->end[row->end[1]].link;
   return a >= 0 && b >= 0 && w->link[a].root == w->link[b].root;
 }
 
-/* Trees that constraints, or what holds or drives their root, push from outside: held; from the ground, or from a tree
-   on it: 2, their frames stand still. So do those of trees with bodies that bend without residual inertia: their
-   momenta do not know how the mass center moves, and their equations keep the angular momentum in a frame at rest
-   alone. */
+/* Sets held of each tree's root. 1: constraint forces from outside act on the tree, or its root is locked or
+   prescribed. 2: they come from the ground or a tree on it; the tree's frame stands still. 2 also where a flexible
+   body lacks residual inertia: its momenta do not contain the motion of the mass center, and its equations conserve
+   angular momentum only in a frame at rest. */
 static void fbi_trees_hold(fb_system_work *w, const fb_system *system, const fb_system_state *modes)
 {
   for (int k = 0; k < system->n_body; k++) {
     w->link[k].held = 0;
   }
+
+  /* missing residual inertia; locked or prescribed roots */
   for (int k = 0; k < system->n_body; k++) {
     const fb_body *model = w->link[k].model;
     fbi_link_work *root = &w->link[w->link[k].root];
@@ -5475,6 +5711,8 @@ static void fbi_trees_hold(fb_system_work *w, const fb_system *system, const fb_
       root->held = root->held == 2 ? 2 : 1;
     }
   }
+
+  /* constraint rows with a force from outside the tree */
   for (int r = 0; r < w->n_row; r++) {
     const fbi_row *row = &w->row[r];
     fb_real sum[3];
@@ -5493,7 +5731,7 @@ static void fbi_trees_hold(fb_system_work *w, const fb_system *system, const fb_
   }
 }
 
-/* Mass and momentum of each free tree, of a state whose momenta are to grow by those of more (NULL: by none). */
+/* Mass and linear momentum of each free tree, of a state whose momenta are to grow by those of more (NULL: by none). */
 static void fbi_trees_sum(fb_system_work *w, const fb_system *system, const fb_system_state *state,
                           const fb_system_state *more)
 {
@@ -5502,6 +5740,8 @@ static void fbi_trees_sum(fb_system_work *w, const fb_system *system, const fb_s
     fbi_vec3_zero(w->link[k].impulse);
     fbi_vec3_zero(w->link[k].change);
   }
+
+  /* masses of bodies, momenta of free roots */
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *root = &w->link[w->link[k].root];
     root->total += w->link[k].model->mass;
@@ -5517,8 +5757,8 @@ static void fbi_trees_sum(fb_system_work *w, const fb_system *system, const fb_s
   }
 }
 
-/* By how much the frame of each free tree changes its velocity: it takes the momentum along; where the root is driven
-   it moves with it, where it is locked or constraints tie it to the ground the frame stands still. */
+/* Velocity change of the frame of each free tree: such that the tree has no linear momentum in it. Where the root is
+   prescribed the frame moves with the root; where it is locked or tied to the ground the frame stands still. */
 static void fbi_frames_choose(fb_system_work *w, const fb_system *system, const fb_system_state *state,
                               const fb_system_state *modes, const fb_system_input *input)
 {
@@ -5529,15 +5769,21 @@ static void fbi_frames_choose(fb_system_work *w, const fb_system *system, const 
     if (w->link[k].joint->kind != FB_JOINT_FREE || L->root != k) {
       continue;
     }
+
+    /* locked and prescribed roots of the tree */
     for (int i = 0; i < system->n_body; i++) {
       if (system->joint[i].kind == FB_JOINT_FREE && w->link[i].root == k) {
         stands |= modes->mode[i][0] == FB_AXIS_LOCKED;
         driven = modes->mode[i][0] == FB_AXIS_PRESCRIBED && driven < 0 ? i : driven;
       }
     }
+
+    /* velocity of the prescribed root */
     if (driven >= 0 && input && !stands) {
       fb_mat33_mul_vec3(given, w->link[driven].k.R, input->drive[driven].rate);
     }
+
+    /* velocity change of the frame */
     for (int i = 0; i < 3; i++) {
       const fb_real own = L->total > FB_R(0.0) ? L->impulse[i] / L->total : FB_R(0.0);
       L->change[i] = stands || driven >= 0 ? given[i] - state->link[k].u[i] - state->link[k].lost_u[i] : own;
@@ -5545,8 +5791,8 @@ static void fbi_frames_choose(fb_system_work *w, const fb_system *system, const 
   }
 }
 
-/* Momenta to what they are in the frames as they are chosen: of the state, or (more) of the increments that it is to
-   grow by. Of a free root's linear momentum nothing is left. */
+/* Transforms momenta to the chosen frames: those of the state, or (more) the increments that it is to grow by. The
+   linear momentum of a free root becomes exactly zero. */
 static void fbi_frames_take(fb_system_work *w, const fb_system *system, fb_system_state *state, fb_system_state *more,
                             const fb_system_state *modes, const fb_system_input *input)
 {
@@ -5555,6 +5801,8 @@ static void fbi_frames_take(fb_system_work *w, const fb_system *system, fb_syste
   fbi_frames_choose(w, system, state, modes, input);
   fbi_trees_weigh(w, system, 1);
   fbi_momenta_reframe(more ? more : state, w, system);
+
+  /* free roots: exactly zero */
   for (int k = 0; k < system->n_body; k++) {
     fb_real *P = more ? more->link[k].p : state->link[k].p;
     const int rests = !system->tied && system->joint[k].kind == FB_JOINT_FREE && modes->mode[k][0] == FB_AXIS_FREE &&
@@ -5568,7 +5816,7 @@ static void fbi_frames_take(fb_system_work *w, const fb_system *system, fb_syste
   }
 }
 
-/* u of the state becomes that of the frames as they are chosen. */
+/* Updates u of the state to the velocities of the chosen frames. */
 static void fbi_frames_set(fb_system_state *state, fb_system_work *w, const fb_system *system)
 {
   fb_real rest[3];
@@ -5581,14 +5829,16 @@ static void fbi_frames_set(fb_system_state *state, fb_system_work *w, const fb_s
         rest[i] = FBI_FAINT + FB_R(4.0) * FB_EPSILON * FB_FABS(w->link[w->link[k].root].change[i]);
         x->lost_u[i] = FB_FABS(x->u[i]) < rest[i] ? FB_R(0.0) : lost;
       }
-      for (int i = 0; i < 3; i++) { /* what came to a stop, stops; apart from the loop above, to be selections, too */
+
+      /* velocities below round-off become zero; a loop of its own, that it compiles to selections, not branches */
+      for (int i = 0; i < 3; i++) {
         x->u[i] = FB_FABS(x->u[i]) < rest[i] ? FB_R(0.0) : x->u[i];
       }
     }
   }
 }
 
-/* Positions as near to what they are as they go. */
+/* Moves as much of lost_x into the positions x as they can hold. */
 static void fbi_places_settle(fb_system_state *state, const fb_system *system, const fb_system_work *w)
 {
   const fb_real none[3] = {0};
@@ -5599,7 +5849,7 @@ static void fbi_places_settle(fb_system_state *state, const fb_system *system, c
   }
 }
 
-/* s times m times the mass centers of the weighed trees, in their frames. */
+/* Adds s times m c, mass times mass center in the frame, of each tree after E9.22 to its center. */
 static void fbi_centers_add(fb_system_work *w, const fb_system *system, fb_real s)
 {
   for (int k = 0; k < system->n_body; k++) {
@@ -5613,7 +5863,7 @@ static void fbi_centers_add(fb_system_work *w, const fb_system *system, fb_real 
   }
 }
 
-/* What begins a step of trees that fly, the system placed at its state: their mass centers. */
+/* Start of a step of free trees, the system placed at its state: records their mass centers. */
 static void fbi_flight_begin(fb_system_work *w, const fb_system *system)
 {
   for (int k = 0; k < system->n_body; k++) {
@@ -5626,10 +5876,10 @@ static void fbi_flight_begin(fb_system_work *w, const fb_system *system)
   fbi_centers_add(w, system, FB_R(1.0));
 }
 
-/* The roots of a placed tree to where its mass center is led by its momentum, m c + P dt, unless it is held. */
+/* Shifts the roots of each placed tree to where momentum takes its mass center, m c + P dt, unless it is held. */
 static void fbi_centers_lead(fb_system_state *next, fb_system_work *w, const fb_system *system)
 {
-  fbi_centers_add(w, system, -FB_R(1.0)); /* leaves by how much it moved */
+  fbi_centers_add(w, system, -FB_R(1.0)); /* m c before less m c now */
   for (int k = 0; k < system->n_body; k++) {
     const fbi_link_work *root = &w->link[w->link[k].root];
     fb_link_state *x = &next->link[k];
@@ -5666,7 +5916,7 @@ static void fbi_speeds_out(fb_system_work *w, const fb_system *system, const fb_
   }
 }
 
-/* Moves a state along the solution, once: what closes a loop. */
+/* Displaces the coordinates by the solution (u, q_dot), to close loops. */
 static void fbi_state_displace(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body)
 {
   for (int k = 0; k < system->n_body; k++) {
@@ -5674,20 +5924,26 @@ static void fbi_state_displace(fb_system_state *state, fb_system_work *w, const 
     const fb_joint *joint = fbi_link_joint(system, w, k);
     fb_link_state *x = &state->link[k], move;
     fbi_coordinate_rates(&move, L, joint, x);
+
+    /* rotation */
     if (joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL) {
       for (int i = 0; i < 4; i++) {
         x->quat[i] += move.quat[i];
       }
       (void)fb_quat_normalize(x->quat);
     }
+
+    /* position or axes */
     if (joint->kind == FB_JOINT_FREE) {
       fbi_vec3_add(x->lost_x, FB_R(1.0), move.lost_x);
-      fbi_vec3_add_cross(x->p + 3, x->p, move.lost_x); /* L about O that moved */
+      fbi_vec3_add_cross(x->p + 3, x->p, move.lost_x); /* L about the displaced O */
     } else if (joint->kind != FB_JOINT_SPHERICAL) {
       for (int i = 0; i < joint->n_axis; i++) {
         x->x[i] += move.x[i];
       }
     }
+
+    /* modes */
     fbi_row_sub(x->q, -FB_R(1.0), L->q_dot, fbi_model(system, body, k)->n);
   }
 }
@@ -5697,11 +5953,13 @@ static int fbi_has_rows(const fb_system *system, const fb_system_work *w, const 
   return w->kept || system->n_loop > 0 || (input && input->rows);
 }
 
-/* Largest value of the holonomic rows as they were filled last, relative to the size of the system; its joint. */
+/* Largest violation of the holonomic rows as last filled, relative to the size of the system; its joint. */
 static fb_real fbi_rows_miss(int *worst, const fb_system_work *w, const fb_system *system)
 {
   fb_real size = FB_R(1.0), away = FB_R(1.0), miss = FB_R(0.0);
   int joint = -1;
+
+  /* sizes: within the frames, and from the ground */
   for (int k = 0; k < system->n_body; k++) {
     const fbi_link_work *L = &w->link[k];
     const fb_real x[3] = {fbi_true_position(w, k, L->rho, 0), fbi_true_position(w, k, L->rho, 1),
@@ -5709,6 +5967,8 @@ static fb_real fbi_rows_miss(int *worst, const fb_system_work *w, const fb_syste
     size = fbi_larger(size, FB_R(1.0) + fbi_vec3_norm(L->rho));
     away = fbi_larger(away, FB_R(1.0) + fbi_vec3_norm(x));
   }
+
+  /* largest violation; of rows within a tree relative to the first of these sizes */
   for (int r = 0; r < w->n_row; r++) {
     const fb_real of = fbi_row_is_inner(w, &w->row[r]) ? size : away;
     const fb_real value = w->row[r].r.holonomic ? FB_FABS(w->row[r].r.value) / of : FB_R(0.0);
@@ -5719,8 +5979,9 @@ static fb_real fbi_rows_miss(int *worst, const fb_system_work *w, const fb_syste
   return miss;
 }
 
-/* [E9.17] One Newton step of the positions onto the constraints, along M^-1 A^T: the shortest way by the kinetic
-   energy. miss: the largest value that there was, relative to the size of the system; its row to *worst.
+/* [E9.17] One Newton step of the positions onto the constraints, along M^-1 A^T: the shortest in the metric of the
+   kinetic energy. miss: the largest violation before the step, relative to the size of the system; its joint to
+   *worst.
    Source: projection, THEORY.md 9.2.  Cost: E9.9.  Fails: as E9.4.  Test: redundant_loops_are_accepted. */
 static fb_status fbi_positions_close(fb_real *miss, int *worst, fb_system_work *w, const fb_system *system,
                                      const fb_body *body, fb_system_state *state, const fb_system_state *modes,
@@ -5742,7 +6003,7 @@ static fb_status fbi_positions_close(fb_real *miss, int *worst, fb_system_work *
   return status;
 }
 
-/* Momenta of free axes and of modes as they were before. */
+/* Restores the momenta of free axes and of modes from before. */
 static void fbi_free_momenta_keep(fb_system_state *state, const fb_system_state *before, const fb_system *system,
                                   const fb_system_state *modes)
 {
@@ -5758,9 +6019,9 @@ static void fbi_free_momenta_keep(fb_system_state *state, const fb_system_state 
   }
 }
 
-/* Velocities onto the constraints: the impulses go into the momenta, and those of given axes become what they are.
-   Without constraints the others stay, to the last bit: latches that close and open again and again do not wear them
-   out. */
+/* Projects the velocities onto the constraints: impulses go into the momenta, and axes that are locked or prescribed
+   get the momenta of their motion. Without constraints the other momenta stay bit for bit, so that repeated locking
+   and release accumulates no round-off. */
 static fb_status fbi_momenta_close(fb_system_work *w, const fb_system *system, const fb_body *body,
                                    fb_system_state *state, const fb_system_state *modes, const fb_system_input *input)
 {
@@ -5804,7 +6065,7 @@ static fb_status fbi_system_range(const fb_system *system, const fb_body *body, 
   return FB_OK;
 }
 
-/* Speeds of a placed tree: those of motion (NULL: none) where axes are free, the input's where they are prescribed. */
+/* Speeds of a placed tree: of motion (NULL: none) where axes are free, of the input where they are prescribed. */
 static void fbi_speeds_take(fb_system_work *w, const fb_system *system, const fb_body *body,
                             const fb_system_state *state, const fb_link_motion *motion, const fb_system_input *input)
 {
@@ -5826,11 +6087,13 @@ static void fbi_speeds_take(fb_system_work *w, const fb_system *system, const fb
   fbi_speeds_out(w, system, body);
 }
 
-/* The frames of the trees move with their roots to begin with; those of tied ones with the first. */
+/* Initial velocities of the tree frames: those of their free roots; trees that are tied share the first one's. */
 static void fbi_frames_init(fb_system_state *state, const fb_system *system, const fb_link_motion *motion,
                             const fb_system_input *input)
 {
   const fb_real *common = NULL;
+
+  /* each free root */
   for (int k = 0; k < system->n_body; k++) {
     const fb_axis_mode mode = state->mode[k][0];
     fb_real R[9];
@@ -5845,6 +6108,8 @@ static void fbi_frames_init(fb_system_state *state, const fb_system *system, con
       common = common ? common : state->link[k].u;
     }
   }
+
+  /* tied trees */
   for (int k = 0; k < system->n_body && system->tied && common; k++) {
     if (state->link[k].u != common) {
       fbi_vec3_copy(state->link[k].u, common);
@@ -5852,11 +6117,13 @@ static void fbi_frames_init(fb_system_state *state, const fb_system *system, con
   }
 }
 
-/* Coordinates and speeds of the tree as it is built: poses and velocities of all bodies. */
+/* Poses and velocities of all bodies from the coordinates and speeds of the tree (no joint of it as constraint). */
 static fb_status fbi_motion_place(fb_system_work *w, const fb_system *system, const fb_body *body,
                                   fb_system_state *state, const fb_link_motion *motion, const fb_system_input *input)
 {
   w->kept = 0;
+
+  /* coordinates */
   for (int k = 0; k < system->n_body; k++) {
     const fb_link_motion *m = motion ? &motion[k] : NULL;
     const fb_body *model = fbi_model(system, body, k);
@@ -5879,6 +6146,8 @@ static fb_status fbi_motion_place(fb_system_work *w, const fb_system *system, co
       (void)fb_quat_normalize(x->quat);
     }
   }
+
+  /* frames, poses, speeds */
   fbi_frames_init(state, system, motion, input);
   fbi_prescribe(state, system, w, state, input);
   fbi_links_place(w, system, body, state, state);
@@ -5886,7 +6155,7 @@ static fb_status fbi_motion_place(fb_system_work *w, const fb_system *system, co
   return FB_OK;
 }
 
-/* With all joints kept the coordinates are the poses. */
+/* With all joints as constraints the coordinates of each body are its pose. */
 static void fbi_poses_to_state(fb_system_state *state, const fb_system_work *w, const fb_system *system)
 {
   for (int k = 0; k < system->n_body; k++) {
@@ -5898,7 +6167,7 @@ static void fbi_poses_to_state(fb_system_state *state, const fb_system_work *w, 
   }
 }
 
-/* Where the locked axes of joint j are, if it is kept. */
+/* Stores the present value of an axis of joint j, enforced by multipliers, as that where it is locked. */
 static fb_status fbi_hold_set(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body,
                               int j, int axis)
 {
@@ -5916,7 +6185,7 @@ static fb_status fbi_hold_set(fb_system_state *state, fb_system_work *w, const f
   return FB_OK;
 }
 
-/* Where locked axes are: of all kept joints from the first one on. */
+/* The same for all axes of joints enforced by multipliers, from joint `first` on. */
 static fb_status fbi_holds_set(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body,
                                int first)
 {
@@ -5929,7 +6198,7 @@ static fb_status fbi_holds_set(fb_system_state *state, fb_system_work *w, const 
   return status;
 }
 
-/* Is a joint closed the right way round? The right angles of its rows are there half a turn off, too. */
+/* Is a joint assembled the right way round? Its perpendicularity constraints also hold when it is rotated by pi. */
 static int fbi_is_upright(fb_system_work *w, const fb_system *system, const fb_body *body, int j)
 {
   const fb_joint_kind kind = system->joint[j].kind;
@@ -5941,13 +6210,15 @@ static int fbi_is_upright(fb_system_work *w, const fb_system *system, const fb_b
   return fb_vec3_dot(f.a[2], f.b[2]) > FB_R(0.0) && (!all || fb_vec3_dot(f.a[0], f.b[0]) > FB_R(0.0));
 }
 
-/* Newton steps of E9.17 from a rough guess; locked axes of loops take the place they come to. */
+/* Newton steps of E9.17 from a rough guess; locked axes of loops are free meanwhile and locked where they end. */
 static fb_status fbi_loops_close(fb_system_work *w, const fb_system *system, const fb_body *body,
                                  fb_system_state *state, const fb_system_input *input)
 {
   fb_real miss = FB_R(1.0);
   fb_status status = FB_OK;
   int worst = -1;
+
+  /* locked axes of loops are free during the iteration */
   fb_system_state *modes = &w->base;
   *modes = *state;
   for (int j = system->n_body; j < system->n_body + system->n_loop; j++) {
@@ -5955,15 +6226,19 @@ static fb_status fbi_loops_close(fb_system_work *w, const fb_system *system, con
       modes->mode[j][i] = state->mode[j][i] == FB_AXIS_LOCKED ? FB_AXIS_FREE : state->mode[j][i];
     }
   }
+
+  /* Newton steps, at first with modes held by a large mass */
   for (int step = 0; step < 50 && status == FB_OK && !(miss <= FB_R(8.0) * FB_EPSILON); step++) {
     const int before = worst;
-    w->heavy = step < 20 ? FB_R(1e6) : FB_R(0.0); /* joints move, modes do not; but at last */
+    w->heavy = step < 20 ? FB_R(1e6) : FB_R(0.0);
     status = fbi_positions_close(&miss, &worst, w, system, body, state, modes, input);
-    if (step > 0 && (status == FB_ERR_UNDETERMINED || status == FB_ERR_RANGE)) { /* lost on the way */
+    if (step > 0 && (status == FB_ERR_UNDETERMINED || status == FB_ERR_RANGE)) { /* diverged */
       w->joint = before;
       status = FB_ERR_CONTRADICTION;
     }
   }
+
+  /* converged, and on the right branch? */
   w->heavy = FB_R(0.0);
   if (status == FB_OK && !(miss <= (FB_SINGLE ? FB_R(1e-4) : FB_R(1e-10)))) {
     w->joint = worst;
@@ -5986,6 +6261,8 @@ FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *bo
   fb_status status;
   FBI_REQUIRE(system && body && work && state, FB_ERR_NULL);
   FBI_REQUIRE_EXACT();
+
+  /* axis modes */
   status = fbi_system_input_check(system, body, input);
   fbi_system_enter(work, system);
   out = &work->stage;
@@ -5995,6 +6272,8 @@ FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *bo
       out->mode[j][i] = system->joint[j].mode[i];
     }
   }
+
+  /* poses, velocities and momenta of the tree; with multipliers, of free bodies */
   status = status == FB_OK ? fbi_motion_place(work, system, body, out, motion, input) : status;
   if (status != FB_OK) {
     return status;
@@ -6005,6 +6284,8 @@ FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *bo
   }
   status = fbi_holds_set(out, work, system, body, 0);
   fbi_momenta_fill(out, work, system, body);
+
+  /* constraints: close the loops, then project the velocities */
   if (status == FB_OK && fbi_has_rows(system, work, input)) {
     fbi_links_place(work, system, body, out, out);
     if (system->tied < 2) {
@@ -6015,7 +6296,7 @@ FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *bo
     }
     fbi_flight_begin(work, system);
     status = fbi_loops_close(work, system, body, out, input);
-    if (status == FB_OK) { /* mass centers stay, too: they carry momentum */
+    if (status == FB_OK) { /* mass centers stay: they carry momentum */
       fbi_trees_sum(work, system, out, NULL);
       fbi_trees_hold(work, system, out);
       fbi_links_place(work, system, body, out, out);
@@ -6024,11 +6305,15 @@ FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *bo
     }
     status = status == FB_OK ? fbi_momenta_close(work, system, body, out, out, input) : status;
   }
+
+  /* frames of free trees */
   if (status == FB_OK && fbi_flies(system, work)) {
     fbi_frames_take(work, system, out, NULL, out, input);
     fbi_frames_set(out, work, system);
     fbi_places_settle(out, system, work);
   }
+
+  /* range check; result */
   status = status == FB_OK ? fbi_system_range(system, body, out) : status;
   if (status == FB_OK) {
     *state = *out;
@@ -6050,19 +6335,25 @@ FB_DEF fb_status fb_system_axis_set(const fb_system *system, const fb_body *body
   if (status != FB_OK) {
     return status;
   }
+
+  /* momenta and position of the axis as it is now */
   fbi_system_enter(work, system);
   out = &work->stage;
   *out = *state;
-  status = fbi_momenta_close(work, system, body, out, out, input); /* momenta of what is given now */
+  status = fbi_momenta_close(work, system, body, out, out, input); /* momenta of locked and prescribed axes */
   if (status == FB_OK && fbi_is_kept(system, work, joint)) {
     status = fbi_hold_set(out, work, system, body, joint, axis);
   }
+
+  /* new mode; free and spherical joints have one for all axes */
   for (int i = 0; i < 3; i++) {
     const int all = system->joint[joint].kind == FB_JOINT_SPHERICAL || system->joint[joint].kind == FB_JOINT_FREE;
     if (all || i == axis) {
       out->mode[joint][i] = mode;
     }
   }
+
+  /* frames, momenta in the new mode */
   if (status == FB_OK && system->joint[joint].kind == FB_JOINT_FREE) {
     fbi_frames_take(work, system, out, NULL, out, input);
     fbi_frames_set(out, work, system);
@@ -6083,12 +6374,16 @@ FB_DEF fb_status fb_system_rates(const fb_system *system, const fb_body *body, f
   FBI_REQUIRE(system && body && work && rate && state, FB_ERR_NULL);
   out = &work->rate;
   memset(out, 0, sizeof *out);
+
+  /* rates in the frames of the trees */
   status = fbi_system_input_check(system, body, input);
   fbi_system_enter(work, system);
   status = status == FB_OK ? fbi_system_rates(work, system, body, out, state, state, input) : status;
+
+  /* free roots: velocity from the ground */
   for (int k = 0; k < system->n_body && status == FB_OK; k++) {
     fb_link_state *x = &out->link[k];
-    if (fbi_link_joint(system, work, k)->kind == FB_JOINT_FREE) { /* from the ground */
+    if (fbi_link_joint(system, work, k)->kind == FB_JOINT_FREE) {
       fbi_vec3_copy(x->x, x->lost_x);
       fbi_vec3_add(x->x, FB_R(1.0), work->link[work->link[k].root].frame);
       fbi_vec3_zero(x->lost_x);
@@ -6103,12 +6398,14 @@ FB_DEF fb_status fb_system_rates(const fb_system *system, const fb_body *body, f
 
 /* ---- accelerations */
 
-/* Rates of a body's own momenta: G_dot to L->b, pi_dot to L->e, for V_dot and q_ddot. */
+/* Rates of a body's own momenta at the accelerations V_dot, q_ddot: G_dot to L->b, pi_dot to L->e. */
 static void fbi_own_momentum_rates(fbi_link_work *L, const fb_body *body, const fb_real V_dot[6], const fb_real *q_ddot)
 {
   const int n = body->n;
   fb_real xd[FB_MAX_MODES + 1], e[FB_MAX_MODES], pb_dot[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0};
   fb_real SV[6], elastic[6] = {0};
+
+  /* pi_dot = d/dt (M q_dot + Lambda^T V) */
   xd[0] = FB_R(0.0);
   fbi_copy(xd + 1, L->q_dot, n);
   fbi_zero(e, n);
@@ -6117,6 +6414,8 @@ static void fbi_own_momentum_rates(fbi_link_work *L, const fb_body *body, const 
   fbi_mass_mul(L->e, body, q_ddot);
   fbi_row_sub(L->e, FB_R(1.0), e, n);
   fbi_mass_solve(pb_dot, body, L->e);
+
+  /* G_dot = d/dt (S V + Lambda pb) */
   fbi_S_rate(L->k.dS, body, L->k.qx, xd);
   fb_sym6_mul_vec6(L->b, L->k.S, V_dot);
   fb_sym6_mul_vec6(SV, L->k.dS, L->V);
@@ -6127,7 +6426,7 @@ static void fbi_own_momentum_rates(fbi_link_work *L, const fb_body *body, const 
   }
 }
 
-/* y = V x T, the rate of a twist T carried along by V */
+/* y += V x T, the rate of a twist T transported by V. */
 static void fbi_twist_cross_add(fb_real y[6], const fb_real V[6], const fb_real T[6])
 {
   fbi_vec3_add_cross(y, V + 3, T);
@@ -6135,9 +6434,9 @@ static void fbi_twist_cross_add(fb_real y[6], const fb_real V[6], const fb_real 
   fbi_vec3_add_cross(y + 3, V + 3, T + 3);
 }
 
-/* [E9.18] V_dot of a body with its joint's and its parent's modes' accelerations zero (but for given ones): with the
-   node's twist T = (u_dot + n x phi_rate, phi_rate) about the parent's origin, V_dot = X (V_p_dot + T_dot + V_p x T) +
-   A u_dot + A_dot u + V x A u.
+/* [E9.18] Bias acceleration: V_dot of a body at zero accelerations of its joint (prescribed ones as given) and of its
+   parent's modes. With the node's twist T = (u_dot + n x phi_rate, phi_rate) about the parent's origin,
+   V_dot = X (V_p_dot + T_dot + V_p x T) + A u_dot + A_dot u + V x A u.
    Source: rates of twists; [FE] 5.  Test: accelerations_are_the_rates_of_velocities. */
 static void fbi_bias_acceleration(fbi_link_work *L, const fb_joint *joint, const fbi_link_work *parent,
                                   const fb_body *on, const fb_real *given)
@@ -6148,6 +6447,8 @@ static void fbi_bias_acceleration(fbi_link_work *L, const fb_joint *joint, const
     fbi_vec6_copy(L->V_dot, given);
     return;
   }
+
+  /* X (V_p_dot + T_dot + V_p x T) */
   if (parent) {
     fb_real a[6], v[3];
     fbi_vec6_copy(a, parent->V_dot);
@@ -6163,11 +6464,15 @@ static void fbi_bias_acceleration(fbi_link_work *L, const fb_joint *joint, const
       fbi_vec3_add_cross(T, L->n, T + 3);
       fbi_twist_cross_add(a, parent->V, T);
     }
+
+    /* X: to the child's origin and axes */
     fbi_vec3_copy(v, a);
     fbi_vec3_add_cross(v, a + 3, L->s);
     fb_mat33_mulT_vec3(L->V_dot, L->C, v);
     fb_mat33_mulT_vec3(L->V_dot + 3, L->C, a + 3);
   }
+
+  /* A u_dot + A_dot u + V x A u */
   for (int i = 0; i < joint->n_axis; i++) {
     fbi_vec6_add(own, L->u[i], L->A + 6 * i);
     fbi_vec6_add(L->V_dot, given[i], L->A + 6 * i);
@@ -6179,7 +6484,7 @@ static void fbi_bias_acceleration(fbi_link_work *L, const fb_joint *joint, const
   fbi_vec6_add(L->V_dot, FB_R(1.0), turn);
 }
 
-/* Acceleration of an end for V_dot of its body and q_ddot = 0, as E8.20. */
+/* Acceleration of an end at V_dot of its body and q_ddot = 0, as E8.20. */
 static void fbi_end_acceleration(fbi_end *end, const fb_system_work *w, const fb_system *system, const fb_body *body)
 {
   if (end->link >= 0) { /* the ground's are zero from the start */
@@ -6189,6 +6494,8 @@ static void fbi_end_acceleration(fbi_end *end, const fb_system_work *w, const fb
     fbi_vec3_sum(ud, end->f.Ju, L->q_dot, model->n);
     fbi_vec3_sum(pd, end->f.Jphi, L->q_dot, model->n);
     fbi_node_convection(u_dd, turn_dd, &end->f, model, &model->node[end->node], L->q_dot);
+
+    /* a = v_dot + u_dd + w_dot x n + w x (w x n + 2 u_dot + v), alpha = w_dot + phi_dd + w x phi_dot */
     fb_vec3_cross(inner, L->V + 3, end->n);
     for (int i = 0; i < 3; i++) {
       a[i] = L->V_dot[i] + u_dd[i];
@@ -6203,8 +6510,8 @@ static void fbi_end_acceleration(fbi_end *end, const fb_system_work *w, const fb
   }
 }
 
-/* What a body lacks to move as it does: y = F - turning of G - G_dot, e of its modes; the whole must come from joints.
-   */
+/* Residual of a body's equations of motion, to be balanced by its joints: y = F - turning of G - G_dot; pi_dot to
+   L->e. */
 static void fbi_own_residual(fbi_link_work *L, const fb_body *body, const fb_real V_dot[6], const fb_real *q_ddot)
 {
   fb_real turn[6];
@@ -6215,40 +6522,50 @@ static void fbi_own_residual(fbi_link_work *L, const fb_body *body, const fb_rea
   }
 }
 
-/* [E9.19] Accelerations: what each body lacks of force with joints and modes at constant speed, solved with the factors
-   of the momenta, M u_dot = tau + sum of X^T (F - turning - G_dot); joint forces come out as the solution's G.
+/* [E9.19] Accelerations: the residuals of the bodies with joints and modes at constant speed, solved with the factors
+   of the momenta, M u_dot = tau + sum of X^T (F - turning - G_dot); G of the solution are the joint forces.
    Source: Newton-Euler; THEORY.md 8.5, acceleration form.  Fails: as the rates.
    Test: accelerations_are_the_rates_of_velocities, joint_forces_carry_what_hangs_on_them. */
 static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *system, const fb_body *body,
                                           const fb_system_state *state, const fb_system_input *input)
 {
   const fb_real none[6] = {0}, still[FB_MAX_MODES] = {0};
+
+  /* forces on the bodies, then the efforts of joints enforced by multipliers */
   fbi_system_loads(w, system, body, input);
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     fbi_vec6_copy(L->F, L->k.fg); /* without the joints */
   }
   (void)fbi_kept_springs(w, system, body, state, input);
+
+  /* right-hand side of each body */
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     const fb_body *model = fbi_model(system, body, k);
     const fb_joint *joint = fbi_link_joint(system, w, k);
     const fbi_link_work *parent = fbi_parent(w, joint);
     fb_real given[6] = {0};
+
+    /* accelerations of prescribed axes, of a free joint less d/dt of R^T u, the velocity of the tree's frame */
     for (int i = 0; i < joint->n_axis; i++) {
       const fb_axis_mode mode = fbi_axis_mode(L, joint, i);
       given[i] = mode == FB_AXIS_PRESCRIBED && input ? input->drive[k].acceleration[i] : FB_R(0.0);
     }
-    if (joint->kind == FB_JOINT_FREE && L->mode[0] == FB_AXIS_PRESCRIBED) { /* in the frame: R^T u turns in body axes */
+    if (joint->kind == FB_JOINT_FREE && L->mode[0] == FB_AXIS_PRESCRIBED) {
       fb_real u[3] = {0};
       fbi_own_frame_add(u, FB_R(1.0), w, k);
       fbi_vec3_add_cross(given, L->V + 3, u);
     }
+
+    /* residual at constant speeds, of the body and its modes */
     fbi_vec6_copy(L->given, given);
     fbi_bias_acceleration(L, joint, parent, parent ? fbi_model(system, body, joint->parent) : NULL, given);
     fbi_elastic_forces(L->pi, &L->k, model, state->link[k].q, L->q_dot);
     fbi_own_residual(L, model, L->V_dot, still);
     fbi_row_sub(L->pi, FB_R(1.0), L->e, model->n);
+
+    /* efforts on free axes */
     fbi_vec6_copy(L->p, none);
     for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
       if (L->mode[i] == FB_AXIS_FREE) {
@@ -6260,9 +6577,13 @@ static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *sy
         L->p[i] = fbi_axis_torque(joint, input, k, i, value[i], L->u[i]);
       }
     }
+
+    /* speeds; the solution takes their place */
     fbi_vec6_copy(L->speed, L->u);
     fbi_copy(L->q_speed, L->q_dot, model->n);
   }
+
+  /* rows: c = b_dot + A_dot u + A times the accelerations of the ends so far */
   for (int e = 0; e < w->n_end; e++) {
     fbi_end_acceleration(&w->end[e], w, system, body);
   }
@@ -6276,27 +6597,35 @@ static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *sy
                  fb_vec3_dot(row->force_dot[s], end->v) + fb_vec3_dot(row->torque_dot[s], end->w);
     }
   }
+
+  /* solution, in the place of the velocities */
   for (int k = 0; k < system->n_body; k++) {
-    fbi_vec6_copy(w->link[k].twist, w->link[k].V); /* the velocities; the solution takes their place */
+    fbi_vec6_copy(w->link[k].twist, w->link[k].V);
   }
   return w->n_row > 0 ? fbi_constrained_solve(w, system, body, 0) : fbi_speeds_solve(w, system, body);
 }
 
-/* Force, torque and coordinates of a joint of the tree. */
+/* Reaction force and torque, coordinates, speeds, accelerations and efforts of a joint of the tree. */
 static void fbi_tree_joint_motion(fb_joint_motion *out, const fbi_link_work *L, const fb_joint *joint,
                                   const fb_link_state *x)
 {
   fb_real torque[3], moment[3];
+
+  /* reaction, torque about the joint frame, inertial axes */
   fb_vec3_cross(moment, joint->child_position, L->G);
   for (int i = 0; i < 3; i++) {
     torque[i] = L->G[3 + i] - moment[i];
   }
   fb_mat33_mul_vec3(out->force, L->k.R, L->G);
   fb_mat33_mul_vec3(out->torque, L->k.R, torque);
+
+  /* coordinates */
   fbi_copy(out->value, x->x, joint->n_axis < 3 ? joint->n_axis : 3);
   if (joint->kind == FB_JOINT_SPHERICAL) {
     fb_quat_to_rotvec(out->value, x->quat);
   }
+
+  /* speeds, accelerations, efforts */
   for (int i = 0; i < joint->n_axis; i++) {
     out->speed[i] = L->speed[i];
     out->acceleration[i] = L->given[i] + L->u[i];
@@ -6306,15 +6635,18 @@ static void fbi_tree_joint_motion(fb_joint_motion *out, const fbi_link_work *L, 
   }
 }
 
-/* The same of a joint that is kept: the multipliers of its rows, its springs and motors; accelerations are not formed.
-   */
+/* The same for a joint enforced by multipliers, from its rows, springs and motors; without accelerations. */
 static void fbi_kept_joint_motion(fb_joint_motion *out, fb_system_work *w, const fb_system *system, const fb_body *body,
                                   const fb_system_state *state, const fb_system_input *input, int j)
 {
   const fb_joint *joint = &system->joint[j];
   fbi_frames f;
+
+  /* coordinates */
   (void)fbi_frames_eval(&f, w, system, body, j);
   fbi_frames_value(out->value, &f, joint);
+
+  /* forces of its rows */
   for (int r = 0; r < w->n_joint_row; r++) {
     const fbi_row *row = &w->row[r];
     if (row->joint == j) {
@@ -6325,6 +6657,8 @@ static void fbi_kept_joint_motion(fb_joint_motion *out, fb_system_work *w, const
       fbi_vec3_add(out->torque, -w->mu[r], moment);
     }
   }
+
+  /* speeds; efforts of springs, dampers and motors */
   for (int i = 0; i < joint->n_axis; i++) {
     fb_real force[3], torque[3];
     fbi_frames_axis(force, torque, &f, joint, i);
@@ -6341,7 +6675,7 @@ static void fbi_kept_joint_motion(fb_joint_motion *out, fb_system_work *w, const
   }
 }
 
-/* Power of the motors of a joint and of what prescribes its axes; springs and dampers keep theirs. */
+/* Power of the motors of a joint and of what prescribes its axes, without springs and dampers. */
 static fb_real fbi_joint_power(const fb_system_work *w, const fb_joint_motion *at, const fb_joint *joint,
                                const fb_system_state *state, const fb_system_input *input, int j)
 {
@@ -6360,7 +6694,7 @@ static fb_real fbi_joint_power(const fb_system_work *w, const fb_joint_motion *a
   return power;
 }
 
-/* Pose and motion of a body, and what its joint bears if it is of the tree; the velocities take the solution's place
+/* Pose and motion of a body, and the reaction of its joint if that is of the tree; V and q_dot become velocities
    again. */
 static void fbi_link_motion(fb_system_motion *motion, fb_system_work *w, const fb_system *system, const fb_body *body,
                             const fb_system_state *state, int k)
@@ -6370,27 +6704,37 @@ static void fbi_link_motion(fb_system_motion *motion, fb_system_work *w, const f
   fb_state *pose = &motion->pose[k];
   fb_motion *out = &motion->motion[k];
   fb_real u[3] = {0}, turn[3];
+
+  /* pose */
   for (int i = 0; i < 3; i++) {
     pose->rho[i] = fbi_true_position(w, k, L->rho, i);
   }
   fbi_quat_from_mat33(pose->quat, L->k.R);
   fbi_copy(pose->q, L->k.qx + 1, model->n);
+
+  /* joint of the tree */
   if (!fbi_is_kept(system, w, k)) {
     fbi_tree_joint_motion(&motion->joint[k], L, fbi_link_joint(system, w, k), &state->link[k]);
   }
+
+  /* velocities and accelerations */
   fbi_vec6_add(L->V_dot, FB_R(1.0), L->V);
   fbi_vec6_copy(L->V, L->twist);
   fbi_vec3_copy(out->v, L->V);
   fbi_vec3_copy(out->w, L->V + 3);
-  fb_vec3_cross(out->acceleration, L->V + 3, L->V); /* the frame does not accelerate */
+  fb_vec3_cross(out->acceleration, L->V + 3, L->V); /* the tree's frame does not accelerate */
   fbi_vec3_add(out->acceleration, FB_R(1.0), L->V_dot);
   fbi_vec3_copy(out->w_dot, L->V_dot + 3);
   fbi_copy(out->q_ddot, L->q_dot, model->n);
   fbi_copy(L->q_dot, L->q_speed, model->n);
   fbi_copy(out->q_dot, L->q_dot, model->n);
+
+  /* reaction on the body */
   fbi_vec6_copy(L->k.fg, L->F);
   fbi_own_residual(L, model, L->V_dot, out->q_ddot);
-  fbi_own_frame_add(u, FB_R(1.0), w, k); /* from the ground: v + R^T u, which turns in body axes */
+
+  /* velocities from the ground; R^T u rotates in body axes */
+  fbi_own_frame_add(u, FB_R(1.0), w, k); /* v + R^T u */
   fb_vec3_cross(turn, L->V + 3, u);
   for (int i = 0; i < 3; i++) {
     out->reaction_force[i] = -L->y[i];
@@ -6409,6 +6753,8 @@ FB_DEF fb_status fb_system_motion_eval(const fb_system *system, const fb_body *b
 {
   fb_status status;
   FBI_REQUIRE(system && body && work && motion && state, FB_ERR_NULL);
+
+  /* velocities and momenta */
   status = fbi_system_input_check(system, body, input);
   fbi_system_enter(work, system);
   status = status == FB_OK ? fbi_system_velocity(work, system, body, state, state, input, 0) : status;
@@ -6416,6 +6762,8 @@ FB_DEF fb_status fb_system_motion_eval(const fb_system *system, const fb_body *b
     fbi_link_kinetics(&work->link[k], fbi_model(system, body, k));
     fbi_momenta(&work->link[k].k, fbi_model(system, body, k));
   }
+
+  /* accelerations; all finite? */
   status = status == FB_OK ? fbi_system_accelerations(work, system, body, state, input) : status;
   for (int k = 0; k < system->n_body && status == FB_OK; k++) {
     const fbi_link_work *L = &work->link[k];
@@ -6425,10 +6773,14 @@ FB_DEF fb_status fb_system_motion_eval(const fb_system *system, const fb_body *b
   if (status != FB_OK) {
     return status;
   }
+
+  /* bodies */
   memset(motion, 0, sizeof *motion);
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_motion(motion, work, system, body, state, k);
   }
+
+  /* joints enforced by multipliers; power of all */
   for (int j = 0; j < system->n_body + system->n_loop; j++) {
     fb_joint_motion *at = &motion->joint[j];
     const fb_joint *joint = &system->joint[j];
@@ -6446,12 +6798,16 @@ FB_DEF fb_status fb_system_energy(const fb_system *system, const fb_body *body, 
   fb_energy out = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_status status;
   FBI_REQUIRE(system && body && work && energy && state, FB_ERR_NULL);
+
+  /* velocities */
   status = fbi_system_input_check(system, body, input);
   fbi_system_enter(work, system);
   status = status == FB_OK ? fbi_system_velocity(work, system, body, state, state, input, 0) : status;
   if (status != FB_OK) {
     return status;
   }
+
+  /* kinetic energy and potentials of the bodies */
   for (int k = 0; k < system->n_body; k++) {
     const fb_body *model = fbi_model(system, body, k);
     fbi_link_work *L = &work->link[k];
@@ -6460,6 +6816,8 @@ FB_DEF fb_status fb_system_energy(const fb_system *system, const fb_body *body, 
     fbi_momenta(&L->k, model);
     fbi_mass_mul(L->e, model, L->k.pb);
     out.kinetic += FB_R(0.5) * (fbi_vec6_dot(L->k.ph, L->V) + fbi_dot(L->e, L->q_dot, model->n));
+
+    /* kinetic energy by the velocity of the tree's frame */
     fbi_own_frame_add(u, FB_R(1.0), work, k);
     out.kinetic += fb_vec3_dot(L->k.ph, u) + FB_R(0.5) * model->mass * fb_vec3_dot(u, u);
     for (int i = 0; i < 3; i++) {
@@ -6467,6 +6825,8 @@ FB_DEF fb_status fb_system_energy(const fb_system *system, const fb_body *body, 
     }
     fbi_potential_add(&out, &L->k, model, state->link[k].q, rho);
   }
+
+  /* springs of joints */
   for (int j = 0; j < system->n_body + system->n_loop; j++) {
     const fb_joint *joint = &system->joint[j];
     fb_real value[3];
@@ -6494,13 +6854,15 @@ FB_DEF fb_status fb_system_energy(const fb_system *system, const fb_body *body, 
   return FB_OK;
 }
 
-/* Sums over the bodies. */
+/* Sums over the bodies, about the origin of the ground. */
 FB_DEF fb_status fb_system_momentum(const fb_system *system, const fb_body *body, fb_system_work *work,
                                     fb_momentum *momentum, const fb_system_state *state, const fb_system_input *input)
 {
   fb_momentum out;
   fb_status status;
   FBI_REQUIRE(system && body && work && momentum && state, FB_ERR_NULL);
+
+  /* velocities */
   status = fbi_system_input_check(system, body, input);
   fbi_system_enter(work, system);
   status = status == FB_OK ? fbi_system_velocity(work, system, body, state, state, input, 0) : status;
@@ -6508,6 +6870,8 @@ FB_DEF fb_status fb_system_momentum(const fb_system *system, const fb_body *body
     return status;
   }
   memset(&out, 0, sizeof out);
+
+  /* own momentum, and that by the velocity of the tree's frame */
   for (int k = 0; k < system->n_body; k++) {
     const fb_body *model = fbi_model(system, body, k);
     fbi_link_work *L = &work->link[k];
@@ -6543,10 +6907,14 @@ static int fbi_joint_is_sound(const fb_system *system, const fb_body *body, int 
               joint->parent < most && fbi_is_within(joint->child, system->n_body - 1) && (loop || joint->child == j) &&
               joint->parent_node >= 0 && joint->child_node >= 0 && fbi_is_flag(joint->moves) &&
               fbi_is_flag(joint->turned);
+
+  /* axes and nodes */
   sound = sound && joint->n_axis == fbi_joint_axes(joint->kind) &&
           (joint->parent < 0 ? joint->parent_node == 0
                              : joint->parent_node < fbi_model(system, body, joint->parent)->n_node) &&
           joint->child_node < fbi_model(system, body, joint->child)->n_node;
+
+  /* values */
   sound = sound && fbi_is_finite(joint->position, 3) && fbi_is_finite(joint->axes, 9) &&
           fbi_is_finite(joint->child_position, 3) && fbi_is_finite(joint->child_axes, 9) &&
           fbi_is_finite(joint->A, 18) && fbi_is_finite(&joint->pitch, 1) && fbi_is_finite(joint->stiffness, 3) &&
@@ -6573,6 +6941,8 @@ FB_DEF fb_status fb_system_check(const fb_system *system, const fb_body *body, i
             fbi_is_within(system->tied, 2) && fbi_is_finite(limit, 4) && system->free.kind == FB_JOINT_FREE &&
             system->free.n_axis == 6 && system->free.parent == FB_GROUND;
   }
+
+  /* models and joints */
   for (int k = 0; sound && k < system->n_body; k++) {
     sound = fbi_is_within(system->model[k], n_model - 1) && fbi_is_flag(system->coupled[k]) &&
             fb_body_check(fbi_model(system, body, k)) == FB_OK;
@@ -6583,7 +6953,7 @@ FB_DEF fb_status fb_system_check(const fb_system *system, const fb_body *body, i
   return sound ? FB_OK : FB_ERR_VALUE;
 }
 
-/* The joint by E8.40. */
+/* CRC of a joint (E8.40). */
 static unsigned fbi_crc_joint(unsigned crc, const fb_joint *joint)
 {
   const int whole[] = {(int)joint->kind,    joint->parent,       joint->parent_node, joint->child,
@@ -6604,12 +6974,16 @@ FB_DEF unsigned fb_system_crc(const fb_system *system, const fb_body *body, int 
   if (n_model < 1 || !fbi_is_within(system->n_body, FB_MAX_BODIES) || !fbi_is_within(system->n_loop, FB_MAX_LOOPS)) {
     return 0;
   }
+
+  /* options and limits */
   {
     const int whole[5] = {system->n_body, system->n_loop, (int)system->method, system->allow_long_step, system->tied};
     const fb_real limit[4] = {system->limit_elastic, system->limit_damping, system->limit_kept_elastic,
                               system->limit_kept_damping};
     crc = fbi_crc_reals(fbi_crc_ints(0xFFFFFFFFu, whole, 5), limit, 4, FB_SINGLE);
   }
+
+  /* models */
   crc = fbi_crc_ints(fbi_crc_ints(crc, system->model, system->n_body), system->coupled, system->n_body);
   for (int k = 0; k < system->n_body; k++) {
     unsigned word = 0;
@@ -6621,6 +6995,8 @@ FB_DEF unsigned fb_system_crc(const fb_system *system, const fb_body *body, int 
     }
     crc = fbi_crc_word(crc, word);
   }
+
+  /* joints */
   for (int j = 0; j < system->n_body + system->n_loop; j++) {
     crc = fbi_crc_joint(crc, &system->joint[j]);
   }
@@ -6631,6 +7007,8 @@ FB_DEF fb_status fb_system_state_check(const fb_system *system, const fb_body *b
 {
   fb_status status;
   FBI_REQUIRE(system && body && state, FB_ERR_NULL);
+
+  /* each joint: axis modes, quaternions */
   status = fbi_system_range(system, body, state);
   for (int j = 0; status == FB_OK && j < system->n_body + system->n_loop; j++) {
     fb_real quat[4] = {FB_R(1.0)};
