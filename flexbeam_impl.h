@@ -6654,6 +6654,7 @@ FB_DEF fb_status fb_system_state_check(const fb_system *system, const fb_body *b
 /* ---------------------------------------------------------------------------------------------------------------
    RUN >>exact: the geometrically exact beam (uses config, status, vec3, rotation, solve, body) */
 
+/* y = ad(x) v, the commutator of the twists x = (u, w) and v: (u x v_w + w x v_u, w x v_w) */
 static void fbi_ad(fb_real y[6], const fb_real x[6], const fb_real v[6])
 {
   fb_vec3_cross(y, x + 3, v);
@@ -6661,6 +6662,7 @@ static void fbi_ad(fb_real y[6], const fb_real x[6], const fb_real v[6])
   fb_vec3_cross(y + 3, x + 3, v + 3);
 }
 
+/* y = ad(x)^T F of a wrench F = (f, m): (f x w, f x u + m x w) */
 static void fbi_adT(fb_real y[6], const fb_real x[6], const fb_real F[6])
 {
   fb_vec3_cross(y, F, x + 3);
@@ -6668,7 +6670,7 @@ static void fbi_adT(fb_real y[6], const fb_real x[6], const fb_real F[6])
   fbi_vec3_add_cross(y + 3, F + 3, x + 3);
 }
 
-/* Y = ad(x) M for 6x6 M, rows of which are long enough to be worth a vector unit. */
+/* Y = ad(x) M for 6x6 M, row by row so that compilers vectorize it. */
 static void fbi_ad_mul(fb_real Y[36], const fb_real x[6], const fb_real M[36])
 {
   for (int j = 0; j < 6; j++) {
@@ -6704,7 +6706,7 @@ static void fbi_mul_ad(fb_real Y[36], const fb_real M[36], const fb_real x[6])
   }
 }
 
-/* A += s v^ where the rows of A are n apart */
+/* A += s v^ (cross-product matrix) on a 3x3 block of a matrix with n columns */
 static void fbi_add_skew(fb_real *A, int n, fb_real s, const fb_real v[3])
 {
   for (int k = 0; k < 3; k++) {
@@ -6714,7 +6716,7 @@ static void fbi_add_skew(fb_real *A, int n, fb_real s, const fb_real v[3])
   }
 }
 
-/* Y += ad(x)^T F by x: [0 f^; f^ m^] */
+/* Y += scale d(ad(x)^T F)/dx = scale [0 f^; f^ m^] */
 static void fbi_adT_turn(fb_real Y[36], const fb_real F[6], fb_real scale)
 {
   fbi_add_skew(Y + 3, 6, scale, F);
@@ -6739,7 +6741,7 @@ static void fbi_mat66_add_mul(fb_real C[36], const fb_real A[36], const fb_real 
   }
 }
 
-/* r_c, quat_c = pose a, then b in its axes */
+/* Composition of poses: c = a b, b given in the axes of a. */
 static void fbi_pose_mul(fb_real r_c[3], fb_real quat_c[4], const fb_real r_a[3], const fb_real quat_a[4],
                          const fb_real r_b[3], const fb_real quat_b[4])
 {
@@ -6754,7 +6756,7 @@ static void fbi_pose_mul(fb_real r_c[3], fb_real quat_c[4], const fb_real r_a[3]
   fbi_copy(quat_c, q, 4);
 }
 
-/* The pose r, quat goes on by a twist. */
+/* Pose times the exponential of the twist x. */
 static void fbi_pose_add(fb_real r[3], fb_real quat[4], const fb_real x[6])
 {
   fb_real step[3], turn[4];
@@ -6762,7 +6764,7 @@ static void fbi_pose_add(fb_real r[3], fb_real quat[4], const fb_real x[6])
   fbi_pose_mul(r, quat, r, quat, step, turn);
 }
 
-/* r_c, quat_c: pose b as seen from pose a */
+/* Pose b relative to pose a, in the axes of a. */
 static void fbi_pose_relative(fb_real r_c[3], fb_real quat_c[4], const fb_real r_a[3], const fb_real quat_a[4],
                               const fb_real r_b[3], const fb_real quat_b[4])
 {
@@ -6776,7 +6778,7 @@ static void fbi_pose_relative(fb_real r_c[3], fb_real quat_c[4], const fb_real r
   fbi_copy(quat_c, q, 4);
 }
 
-/* Twist from pose a to pose b, axes of a. */
+/* Logarithm of the relative pose: twist from pose a to pose b, axes of a. */
 static void fbi_pose_difference(fb_real x[6], const fb_real r_a[3], const fb_real quat_a[4], const fb_real r_b[3],
                                 const fb_real quat_b[4])
 {
@@ -6787,7 +6789,7 @@ static void fbi_pose_difference(fb_real x[6], const fb_real r_a[3], const fb_rea
 
 /* ---- model */
 
-/* Poses of the nodes from that of the root, the strains and their offsets (NULL: none). */
+/* Poses of the nodes by integrating the strains from the root; offset: E10.15; strain NULL: undeformed. */
 static void fbi_mixed_poses(fb_real *r, fb_real *quat, const fb_mixed *m, const fb_real *strain, const fb_real *offset)
 {
   for (int k = 0; k < m->n; k++) {
@@ -6803,7 +6805,7 @@ static void fbi_mixed_poses(fb_real *r, fb_real *quat, const fb_mixed *m, const 
 
 /* ---- one element */
 
-/* y = A1 a + A2 b, A = 1/2 -+ ad(theta)/12: the mean over the element of a field that moves with the frame. */
+/* y = A1 a + A2 b, A = 1/2 -+ ad(theta)/12: the mean over the element of a twist in section axes; d = b - a. */
 static void fbi_mixed_mean(fb_real y[6], fb_real d[6], const fb_real theta[6], const fb_real a[6], const fb_real b[6])
 {
   for (int i = 0; i < 6; i++) {
@@ -6815,7 +6817,7 @@ static void fbi_mixed_mean(fb_real y[6], fb_real d[6], const fb_real theta[6], c
   }
 }
 
-/* The same of a vector that only turns. */
+/* The same mean of a vector, by the rotational part of theta alone. */
 static void fbi_mixed_mean3(fb_real y[3], const fb_real theta[6], const fb_real a[3], const fb_real b[3])
 {
   const fb_real d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
@@ -6826,8 +6828,8 @@ static void fbi_mixed_mean3(fb_real y[3], const fb_real theta[6], const fb_real 
 }
 
 /* [E10.7] Balance of an element: dF = ad(theta)^T s - h f, f = load + M g - momentum_t + ad(V)^T P, and the loads at
-   its ends, F = s + (ad(theta)^T dF - h df)/12 -+ dF/2, so that the stress s is the mean of F over the element; df: by
-   which loads with directions of their own differ between its ends.
+   its ends, F = s + (ad(theta)^T dF - h df)/12 -+ dF/2, so that the stress s is the mean of F over the element; df:
+   difference of the dead loads and gravity between its ends.
    Source: [L] 3.92-3.95, 3.89 with Euler and Maclaurin's correction of the mean.  Cost: about 300 flops.  Fails: never.
    Test: elastica_is_of_order_four, steady_openfast_cantilever_hangs_as_shooting_says. */
 static void fbi_mixed_cell_eval(fbi_mixed_cell *c, const fb_mixed_work *work, const fb_mixed *m, int k)
@@ -6835,6 +6837,8 @@ static void fbi_mixed_cell_eval(fbi_mixed_cell *c, const fb_mixed_work *work, co
   const fbi_mixed_motion *motion = &work->motion;
   const fb_real *const s = work->s + 6 * k, *const M = m->M + 36 * k;
   fb_real f[6], df[6], y[6];
+
+  /* Strain from the stress, twist over the element */
   c->h = m->h[k];
   fbi_vec6_zero(c->P);
   fbi_vec6_zero(df);
@@ -6842,6 +6846,8 @@ static void fbi_mixed_cell_eval(fbi_mixed_cell *c, const fb_mixed_work *work, co
   for (int i = 0; i < 6; i++) {
     c->theta[i] = c->h * (m->xi[6 * k + i] + c->strain[i] + work->offset[6 * k + i]);
   }
+
+  /* Line loads: follower loads, then dead loads turned to section axes */
   fbi_vec6_copy(f, work->line + 6 * k);
   if (motion->dead) {
     const fb_real *const a = work->R + 9 * k, *const b = a + 9, *const n = work->line_dead + 6 * k;
@@ -6855,6 +6861,8 @@ static void fbi_mixed_cell_eval(fbi_mixed_cell *c, const fb_mixed_work *work, co
       fbi_vec3_add(df + i, FB_R(1.0), q);
     }
   }
+
+  /* Gravity and inertia */
   if (motion->gravity) {
     fbi_mixed_mean(y, c->dG, c->theta, work->G + 6 * k, work->G + 6 * k + 6);
     for (int i = 0; i < 6; i++) {
@@ -6870,6 +6878,8 @@ static void fbi_mixed_cell_eval(fbi_mixed_cell *c, const fb_mixed_work *work, co
       f[i] += y[i] - motion->shift * (c->P[i] - work->momentum[6 * k + i]);
     }
   }
+
+  /* Change of the internal load over the element, and its values at both ends */
   fbi_adT(c->dF, c->theta, s);
   fbi_vec6_add(c->dF, -c->h, f);
   fbi_adT(y, c->theta, c->dF);
@@ -6881,7 +6891,7 @@ static void fbi_mixed_cell_eval(fbi_mixed_cell *c, const fb_mixed_work *work, co
 }
 
 /* [E10.8] Compatibility of an element. Marching: h strain_t = V2 - V1 + ad(theta) V (= D1 V1 + D2 V2). Steady: theta is
-   the twist between the poses of its ends. c: what is missing.
+   the twist between the poses of its ends. r: residual.
    Source: [L] 3.96-3.105 differentiated in time, with E10.7's mean (its adjoint).  Cost: 60 flops.  Fails: never.
    Test: energy_is_kept_whatever_the_step, steady_and_marching_agree. */
 static void fbi_mixed_compatibility(fb_real r[6], const fbi_mixed_cell *c, const fb_mixed_work *work, int k)
@@ -6900,7 +6910,7 @@ static void fbi_mixed_compatibility(fb_real r[6], const fbi_mixed_cell *c, const
   }
 }
 
-/* D = -+1 + ad/2 -+ ad^2/12, and their transposes in F1s, F2s */
+/* D1, D2 = -+1 + ad(theta)/2 -+ ad(theta)^2/12, and -D1^T, D2^T in F1s, F2s. */
 static void fbi_mixed_strain_matrices(fbi_mixed_jacobian *j, const fb_real theta[6])
 {
   fb_real X[36], X2[36];
@@ -6920,7 +6930,8 @@ static void fbi_mixed_strain_matrices(fbi_mixed_jacobian *j, const fb_real theta
   }
 }
 
-/* Q = h df/dV T + pose h df/d(pose), by a node (sign: -1 first, 1 second) of the mean load; D: of h df/12. */
+/* Derivatives by the unknowns of one end node (sign: -1 first, 1 second): Q of the mean load h f, by velocity (through
+   T) and by pose; D of the end-to-end difference h df/12. N, NX: df/dV and N ad(theta). */
 static void fbi_mixed_load_by_node(fb_real Q[36], fb_real D[36], const fb_real N[36], const fb_real NX[36],
                                    fb_real sign, const fbi_mixed_cell *c, const fb_mixed_work *work, const fb_mixed *m,
                                    int k, int node)
@@ -6928,6 +6939,8 @@ static void fbi_mixed_load_by_node(fb_real Q[36], fb_real D[36], const fb_real N
   const fbi_mixed_motion *motion = &work->motion;
   fbi_zero(Q, 36);
   fbi_zero(D, 36);
+
+  /* Inertia */
   if (motion->inertia) {
     fb_real A[36];
     for (int i = 0; i < 36; i++) {
@@ -6935,13 +6948,15 @@ static void fbi_mixed_load_by_node(fb_real Q[36], fb_real D[36], const fb_real N
     }
     if (motion->march) {
       fbi_copy(Q, A, 36);
-    } else { /* the velocity of a node that is displaced: T = shift + ad(V) */
+    } else { /* steady: velocity by displacement, T = shift + ad(V) */
       fbi_mul_ad(Q, A, work->V + 6 * node);
       for (int i = 0; i < 36; i++) {
         Q[i] += motion->shift * A[i];
       }
     }
   }
+
+  /* Gravity */
   if (motion->gravity) {
     fb_real A[36], B[36];
     fbi_mul_ad(A, m->M + 36 * k, c->theta);
@@ -6955,11 +6970,13 @@ static void fbi_mixed_load_by_node(fb_real Q[36], fb_real D[36], const fb_real N
       D[i] *= sign * c->h * motion->pose / FB_R(12.0);
     }
   }
+
+  /* Dead line loads */
   if (motion->dead) {
     for (int i = 0; i < 6; i += 3) {
       fb_real f[3];
       fb_mat33_mulT_vec3(f, work->R + 9 * node, work->line_dead + 6 * k + i);
-      for (int a = 0; a < 3; a++) { /* column: a turn about axis a */
+      for (int a = 0; a < 3; a++) { /* column: rotation about axis a */
         fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, df[3], y[3];
         turn[a] = FB_R(1.0);
         fb_vec3_cross(df, f, turn);
@@ -6973,7 +6990,7 @@ static void fbi_mixed_load_by_node(fb_real Q[36], fb_real D[36], const fb_real N
   }
 }
 
-/* F1 and F2 by a node: F2d = -A2^T Q - D, F1d = A1^T Q - D. */
+/* Derivatives of the end loads F1, F2 by a node: F2d = -A2^T Q - D, F1d = A1^T Q - D. */
 static void fbi_mixed_end_loads(fb_real F1d[36], fb_real F2d[36], const fb_real Q[36], const fb_real D[36],
                                 const fb_real theta[6])
 {
@@ -6986,14 +7003,16 @@ static void fbi_mixed_end_loads(fb_real F1d[36], fb_real F2d[36], const fb_real 
   }
 }
 
-/* N = df/dV of the mean load, ad(V)^T M + (ad^T P by V) - shift M, and G = d(dF)/dtheta = (ad^T s by theta) + h/12 (N
-   ad(dV) + M ad(dG)). */
+/* N = df/dV = ad(V)^T M + d(ad(V)^T P)/dV - shift M, P fixed, and
+   G = d(dF)/dtheta = d(ad(theta)^T s)/dtheta + h/12 (N ad(dV) + M ad(dG)), s fixed. */
 static void fbi_mixed_load_matrices(fb_real N[36], fb_real G[36], const fbi_mixed_cell *c, const fb_mixed_work *work,
                                     const fb_mixed *m, int k)
 {
   const fbi_mixed_motion *motion = &work->motion;
   const fb_real *const M = m->M + 36 * k;
   fb_real Y[36];
+
+  /* Stress, then inertia, gravity and dead loads */
   fbi_zero(N, 36);
   fbi_zero(G, 36);
   fbi_adT_turn(G, work->s + 6 * k, FB_R(1.0));
@@ -7010,7 +7029,7 @@ static void fbi_mixed_load_matrices(fb_real N[36], fb_real G[36], const fbi_mixe
     fbi_mul_ad(Y, M, c->dG);
     fbi_row_sub(G, -c->h / FB_R(12.0), Y, 36);
   }
-  if (motion->dead) { /* -h (turn x d)/12 of the loads' difference d between the ends */
+  if (motion->dead) { /* -h (rotation x d)/12, d the difference of the dead loads between the ends */
     for (int i = 0; i < 6; i += 3) {
       fb_real p[3], q[3], d[3];
       fb_mat33_mulT_vec3(p, work->R + 9 * k, work->line_dead + 6 * k + i);
@@ -7023,7 +7042,7 @@ static void fbi_mixed_load_matrices(fb_real N[36], fb_real G[36], const fbi_mixe
   }
 }
 
-/* E = (rate + ad(V) + ad(theta) ad(dV)/12) h C: compatibility by the stress. */
+/* E = (rate + ad(V) + ad(theta) ad(dV)/12) h C: derivative of the compatibility E10.8 by the stress. */
 static void fbi_mixed_compliance_rate(fb_real E[36], const fbi_mixed_cell *c, const fb_mixed_work *work,
                                       const fb_real hC[36])
 {
@@ -7057,6 +7076,8 @@ static void fbi_mixed_cell_jacobian(fbi_mixed_jacobian *j, const fbi_mixed_cell 
   for (int i = 0; i < 36; i++) {
     hC[i] = c->h * m->C[36 * k + i];
   }
+
+  /* Derivatives by the motion of the two nodes */
   fbi_mixed_strain_matrices(j, c->theta);
   fbi_mixed_load_matrices(N, G, c, work, m, k);
   if (motion->inertia || motion->gravity || motion->dead) {
@@ -7071,10 +7092,12 @@ static void fbi_mixed_cell_jacobian(fbi_mixed_jacobian *j, const fbi_mixed_cell 
     fbi_zero(j->F2d1, 36);
     fbi_zero(j->F2d2, 36);
   }
+
+  /* Derivatives of F1, F2 by theta (N, G), then through theta by the stress */
   fbi_adT_mul(Y, c->theta, G);
   fbi_zero(Q, 36);
   fbi_adT_turn(Q, c->dF, FB_R(1.0) / FB_R(12.0));
-  for (int i = 0; i < 36; i++) { /* by theta, then by the stress */
+  for (int i = 0; i < 36; i++) {
     const fb_real mean = Q[i] + Y[i] / FB_R(12.0);
     N[i] = mean - FB_R(0.5) * G[i];
     G[i] = mean + FB_R(0.5) * G[i];
@@ -7086,20 +7109,24 @@ static void fbi_mixed_cell_jacobian(fbi_mixed_jacobian *j, const fbi_mixed_cell 
 
 /* ---- the chain */
 
-/* [E10.18] What acts on a node itself, section axes: loads, and of its lumped bodies M g - momentum_t + ad(V)^T P, as
-   of an element.
+/* [E10.18] Load on a node, section axes: applied loads and, for each lumped body, M g - momentum_t + ad(V)^T P as for
+   an element.
    Source: [L] 3.92, 3.93.  Cost: 200 flops a body.  Fails: never.
    Test: becks_column_flutters_at_its_load, newton_converges_quadratically. */
 static void fbi_mixed_node_eval(fb_real F[6], const fb_mixed_work *work, const fb_mixed *m, int node)
 {
   const fbi_mixed_motion *motion = &work->motion;
   const fb_real *const V = work->V + 6 * node;
+
+  /* Follower and dead loads */
   fbi_vec6_copy(F, work->follower + 6 * node);
   for (int i = 0; i < 6; i += 3) {
     fb_real f[3];
     fb_mat33_mulT_vec3(f, work->R + 9 * node, work->dead + 6 * node + i);
     fbi_vec3_add(F + i, FB_R(1.0), f);
   }
+
+  /* Gravity and inertia of the lumped bodies */
   for (int l = 0; l < m->n_lump; l++) {
     const fb_real *const M = m->lump + 36 * l;
     fb_real P[6], y[6];
@@ -7120,17 +7147,21 @@ static void fbi_mixed_node_eval(fb_real F[6], const fb_mixed_work *work, const f
   }
 }
 
-/* Its derivative by the node's unknowns, subtracted from K. */
+/* Derivative of E10.18 by the node's unknowns, subtracted from K. */
 static void fbi_mixed_node_jacobian(fb_real K[36], const fb_mixed_work *work, const fb_mixed *m, int node)
 {
   const fbi_mixed_motion *motion = &work->motion;
   const fb_real *const V = work->V + 6 * node;
   fb_real f[6], N[36], Q[36];
+
+  /* Dead loads: -f x rotation */
   for (int i = 0; i < 6; i += 3) {
     fb_mat33_mulT_vec3(f + i, work->R + 9 * node, work->dead + 6 * node + i);
   }
-  fbi_add_skew(K + 3, 6, -motion->pose, f); /* - f x turn */
+  fbi_add_skew(K + 3, 6, -motion->pose, f);
   fbi_add_skew(K + 21, 6, -motion->pose, f + 3);
+
+  /* Gravity and inertia of the lumped bodies */
   for (int l = 0; l < m->n_lump; l++) {
     const fb_real *const M = m->lump + 36 * l;
     if (m->lump_node[l] != node) {
@@ -7158,13 +7189,13 @@ static void fbi_mixed_node_jacobian(fb_real K[36], const fb_mixed_work *work, co
   }
 }
 
-/* Directions of the base in which a node is held in part: its rows then are in base axes. */
+/* Is a node constrained in some, but not all translations? Its force rows are then in base axes. */
 static int fbi_mixed_turned(int held)
 {
   return (held & FB_END_PINNED) != 0 && (held & FB_END_PINNED) != FB_END_PINNED;
 }
 
-/* Three rows of n columns to base axes. */
+/* Rotates three rows of n columns to base axes. */
 static void fbi_mixed_rows_turn(fb_real *A, const fb_real R[9], int n)
 {
   for (int j = 0; j < n; j++) {
@@ -7177,12 +7208,13 @@ static void fbi_mixed_rows_turn(fb_real *A, const fb_real R[9], int n)
   }
 }
 
-/* The rows of a node (6 x n, its own unknowns from column `own` on): directions in which it is held say d = wanted. */
+/* Puts the constraints d = want in place of the balance rows of the constrained directions of a node. A: its rows, 6 x
+   n, its own unknowns from column `own` on. */
 static void fbi_mixed_hold(fb_real *A, const fb_mixed_work *work, const fb_mixed *m, int node, int n, int own)
 {
   const int held = m->held[node], turned = fbi_mixed_turned(held);
   const fb_real *const R = work->R + 9 * node, *const B = work->B + 6 * node;
-  if (turned) { /* R (F + turn x F) */
+  if (turned) { /* d(R F) = R (dF + rotation x F) */
     fbi_add_skew(A + own + 3, n, -work->motion.pose, B);
     fbi_mixed_rows_turn(A, R, n);
   }
@@ -7196,7 +7228,7 @@ static void fbi_mixed_hold(fb_real *A, const fb_mixed_work *work, const fb_mixed
   }
 }
 
-/* The same of a right-hand side: b (6) of the node. */
+/* The same for the right-hand side b of the node. */
 static void fbi_mixed_hold_rhs(fb_real b[6], const fb_mixed_work *work, const fb_mixed *m, int node)
 {
   const int held = m->held[node];
@@ -7208,9 +7240,9 @@ static void fbi_mixed_hold_rhs(fb_real b[6], const fb_mixed_work *work, const fb
   }
 }
 
-/* [E10.10] Elimination from the tip to the root, (ds, dd2) = y - W dd1 of each element: its compatibility and the
-   balance of its outer node make one 12x12, in which rows are exchanged; what is outboard enters by
-   K = -(F1d1 - (F1s, F1d2) W).
+/* [E10.10] Block elimination from the tip to the root, (ds, dd2) = y - W dd1 for each element: its compatibility and
+   the balance of its outer node form one 12x12 block, factored with row pivoting; the outboard part enters the balance
+   of the inner node by the Schur complement K = -(F1d1 - (F1s, F1d2) W).
    Source: own; block elimination ([GV] 4.5).  Cost: E10.9 and 7 kflops an element.  Fails: singular (free of load, or
    at a limit point).  Test: supports_are_those_of_the_textbook, newton_converges_quadratically. */
 static fb_status fbi_mixed_factor(fb_mixed_work *work, const fb_mixed *m)
@@ -7223,9 +7255,13 @@ static fb_status fbi_mixed_factor(fb_mixed_work *work, const fb_mixed *m)
   for (int k = m->n - 1; k >= 0 && status == FB_OK; k--) {
     fb_real *const A = work->LU + 144 * k, *const W = work->W + 72 * k, *const L = work->L + 72 * k;
     fb_real rows[6 * 18];
+
+    /* Jacobian of the element and of its outer node */
     fbi_mixed_cell_eval(c, work, m, k);
     fbi_mixed_cell_jacobian(j, c, work, m, k);
     fbi_mixed_node_jacobian(K, work, m, k + 1);
+
+    /* Compatibility rows [E, -D2 | -D1], balance rows of the outer node [F2s, F2d2 + K | F2d1], L = [F1s, F1d2] */
     for (int r = 0; r < 6; r++) {
       for (int i = 0; i < 6; i++) {
         A[12 * r + i] = j->E[6 * r + i];
@@ -7238,11 +7274,15 @@ static fb_status fbi_mixed_factor(fb_mixed_work *work, const fb_mixed *m)
         L[12 * r + 6 + i] = j->F1d2[6 * r + i];
       }
     }
+
+    /* Constraints, then the balance rows below the compatibility rows */
     fbi_mixed_hold(rows, work, m, k + 1, 18, 6);
     for (int r = 0; r < 6; r++) {
       fbi_copy(A + 12 * (r + 6), rows + 18 * r, 12);
       fbi_copy(W + 6 * (r + 6), rows + 18 * r + 12, 6);
     }
+
+    /* Eliminate the element: W = A^-1 W, and K = -F1d1 + L W for the inner node */
     status = fb_lu_factor(A, work->perm + 12 * k, scale, 12);
     if (status == FB_OK) {
       fbi_lu_solve_rows(W, work->column, A, work->perm + 12 * k, 12, 6);
@@ -7256,6 +7296,8 @@ static fb_status fbi_mixed_factor(fb_mixed_work *work, const fb_mixed *m)
       }
     }
   }
+
+  /* Remaining 6x6 block of the root */
   if (status == FB_OK) {
     fbi_mixed_node_jacobian(K, work, m, 0);
     fbi_mixed_hold(K, work, m, 0, 6, 0);
@@ -7265,10 +7307,12 @@ static fb_status fbi_mixed_factor(fb_mixed_work *work, const fb_mixed *m)
   return status;
 }
 
-/* Corrections dd, ds that answer -c of the elements and -B of the nodes. */
+/* Newton corrections dd, ds for the residuals c of the elements and B of the nodes. */
 static void fbi_mixed_solve(fb_mixed_work *work, const fb_mixed *m)
 {
-  fb_real z[6], b[12], x[6] = {FB_R(0.0)}; /* gcc -O3 takes an empty read for one */
+  fb_real z[6], b[12], x[6] = {FB_R(0.0)}; /* zeroed: gcc -O3 warns of an uninitialized read that cannot happen */
+
+  /* Forward elimination from the tip to the root */
   fbi_vec6_zero(z);
   for (int k = m->n; k >= 0; k--) {
     fb_real *const y = work->y + 12 * k;
@@ -7288,6 +7332,8 @@ static void fbi_mixed_solve(fb_mixed_work *work, const fb_mixed *m)
       z[i] = fbi_dot(work->L + 72 * (k - 1) + 12 * i, y, 12);
     }
   }
+
+  /* Back-substitution from the root: (ds, dd2) = y - W dd1 */
   fbi_vec6_copy(work->dd, x);
   for (int k = 0; k < m->n; k++) {
     const fb_real *const y = work->y + 12 * (k + 1), *const d = work->dd + 6 * k;
@@ -7298,16 +7344,20 @@ static void fbi_mixed_solve(fb_mixed_work *work, const fb_mixed *m)
   }
 }
 
-/* Residuals c of the elements, B of the nodes, and the loads between elements. */
+/* Residuals c (compatibility of the elements) and B (balance of the nodes), and internal loads F at the nodes. */
 static void fbi_mixed_residual(fb_mixed_work *work, const fb_mixed *m)
 {
   fbi_mixed_cell *const c = &work->cell;
+
+  /* Loads on the nodes */
   for (int j = 0; j <= m->n; j++) {
     fbi_mixed_node_eval(work->F + 6 * j, work, m, j);
     for (int i = 0; i < 6; i++) {
       work->B[6 * j + i] = -work->F[6 * j + i];
     }
   }
+
+  /* Elements: compatibility, and their end loads on the nodes */
   for (int k = 0; k < m->n; k++) {
     fbi_mixed_cell_eval(c, work, m, k);
     fbi_mixed_compatibility(work->c + 6 * k, c, work, k);
@@ -7321,9 +7371,9 @@ static void fbi_mixed_residual(fb_mixed_work *work, const fb_mixed *m)
   }
 }
 
-/* ---- what acts, how the nodes stand and move */
+/* ---- loads, poses and velocities of the nodes */
 
-/* y += a load in the beam's units, in base axes or, of a follower, section axes. */
+/* Adds a load in the beam's units to dead (base axes) or follower (section axes). */
 static void fbi_mixed_load_add(fb_real *dead, fb_real *follower, fb_axes axes, const fb_real force[3],
                                const fb_real torque[3], fb_real unit, fb_real length, const fb_real base[9])
 {
@@ -7338,9 +7388,9 @@ static void fbi_mixed_load_add(fb_real *dead, fb_real *follower, fb_axes axes, c
   fbi_vec6_add(axes == FB_AXES_NODE ? follower : dead, FB_R(1.0), axes == FB_AXES_INERTIAL ? g : f);
 }
 
-/* [E10.15] Strain that the loads on the elements add from end to end, by the linear change they make in the internal
-   load: -h/12 (ad(h (1, 0, 0, curvature)) C + C1) f, the part of E10.6 that is not the stress's. Follower loads only:
-   those with directions of their own would want its derivative by the rotation.
+/* [E10.15] Mean strain due to the linear variation of the internal load under a line load f:
+   -h/12 (ad(h (1, 0, 0, curvature)) C + C1) f, the part of E10.6 that does not depend on the stress. Follower loads
+   only: for dead loads its derivative by the rotation would be needed.
    Source: own, as E10.6.  Cost: 200 flops an element that is loaded.  Fails: never.
    Test: line_loads_are_exact_at_the_nodes. */
 static void fbi_mixed_offset(fb_mixed_work *work, const fb_mixed *m)
@@ -7360,12 +7410,14 @@ static void fbi_mixed_offset(fb_mixed_work *work, const fb_mixed *m)
   }
 }
 
-/* A part of the loads, gravity and motion of the base, in the beam's units and the axes of the base half a step on. */
+/* Loads, gravity and motion of the base, times `part`, in the beam's units and the axes of the base at mid-step. */
 static void fbi_mixed_input_take(fb_mixed_work *work, const fb_mixed *m, const fb_real base_quat[4],
                                  const fb_mixed_input *input, fb_real part, fb_real dt)
 {
   fb_real base[9], turn[3], half[4], quat[4];
   fbi_mixed_motion *const motion = &work->motion;
+
+  /* Twist of the base, its attitude half a step ahead, gravity in its axes */
   for (int i = 0; i < 3; i++) {
     work->twist[i] = m->floating ? FB_R(0.0) : part * input->v[i] * m->time / m->length;
     work->twist[i + 3] = m->floating ? FB_R(0.0) : part * input->w[i] * m->time;
@@ -7376,6 +7428,8 @@ static void fbi_mixed_input_take(fb_mixed_work *work, const fb_mixed *m, const f
   fb_quat_mul(quat, base_quat, half);
   fb_quat_to_mat33(base, quat);
   fb_mat33_mulT_vec3(work->gravity, base, m->gravity);
+
+  /* Loads on nodes and elements */
   fbi_zero(work->dead, 6 * (m->n + 1));
   fbi_zero(work->follower, 6 * (m->n + 1));
   fbi_zero(work->line, 6 * m->n);
@@ -7390,6 +7444,8 @@ static void fbi_mixed_input_take(fb_mixed_work *work, const fb_mixed *m, const f
     fbi_mixed_load_add(work->line_dead + 6 * k, work->line + 6 * k, line->axes, line->force, line->torque,
                        part * m->length / m->force, m->length, base);
   }
+
+  /* Strain offset (E10.15), flags of the kinds of load, scaled gravity */
   fbi_mixed_offset(work, m);
   motion->dead = !fbi_is_zero(work->line_dead, 6 * m->n);
   motion->gravity = !m->floating && !fbi_is_zero(m->gravity, 3); /* E11.35 */
@@ -7398,7 +7454,7 @@ static void fbi_mixed_input_take(fb_mixed_work *work, const fb_mixed *m, const f
   }
 }
 
-/* Twist of the base at a node that stands still in it. */
+/* Twist of a node fixed in the base, section axes. */
 static void fbi_mixed_carried(fb_real V[6], const fb_mixed_work *work, const fb_real r[3], const fb_real R[9])
 {
   fb_real v[3];
@@ -7408,8 +7464,8 @@ static void fbi_mixed_carried(fb_real V[6], const fb_mixed_work *work, const fb_
   fb_mat33_mulT_vec3(V + 3, R, work->twist + 3);
 }
 
-/* Rotation against the base, velocity and gravity at the nodes. Steady: everything moves with the base. Marching: half
-   a step on, by the velocity sought and the base's. */
+/* Rotation relative to the base, velocity and gravity at the nodes. Steady: all nodes move with the base. Marching: at
+   mid-step, rotated by the unknown velocity of the node and by the base's. */
 static void fbi_mixed_nodes_eval(fb_mixed_work *work, const fb_mixed *m)
 {
   const fbi_mixed_motion *motion = &work->motion;
@@ -7436,18 +7492,22 @@ static void fbi_mixed_nodes_eval(fb_mixed_work *work, const fb_mixed *m)
   }
 }
 
-/* Pose error of a held node: place in base axes, rotation in section axes. With one axis free (a hinge) the rotation is
-   that which turns this axis into its place: the rotation vector would mix the hinge's own angle in. */
+/* Pose error of a constrained node: position in base axes, rotation in section axes. With one axis free (a hinge) the
+   rotation error is the misalignment of this axis, since the rotation vector would contain the hinge angle. */
 static void fbi_mixed_pose_error(fb_real e[6], const fb_mixed *m, const fb_real *r, const fb_real *quat, int node)
 {
   const fb_real *const q = quat + 4 * node;
   const fb_real back[4] = {q[0], -q[1], -q[2], -q[3]};
   fb_real turn[4];
+
+  /* Position and rotation vector */
   for (int i = 0; i < 3; i++) {
     e[i] = m->r[3 * node + i] - r[3 * node + i];
   }
   fb_quat_mul(turn, back, m->quat + 4 * node);
   fb_quat_to_rotvec(e + 3, turn);
+
+  /* Hinge about axis i */
   for (int i = 0; i < 3; i++) {
     if ((m->held[node] & FB_END_GUIDED) == (FB_END_GUIDED & ~(FB_HOLD_RX << i))) {
       fb_real R[9], place[3], own[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
@@ -7459,8 +7519,8 @@ static void fbi_mixed_pose_error(fb_real e[6], const fb_mixed *m, const fb_real 
   }
 }
 
-/* [E10.16] The way back of a held node, in the axes of its rows, less what it has along the reaction F: e - F (F.e)/F.F
-   does no work. What e has in free directions nobody reads.
+/* [E10.16] Drift correction of a constrained node, in the axes of its rows, projected orthogonally to the constraint
+   force F so that it does no work: e - F (F.e)/F.F. Components of e in free directions are unused.
    Source: own.  Cost: 40 flops.  Fails: never.  Test: a_beam_held_twice_keeps_energy_and_place. */
 static void fbi_mixed_close(fb_real e[6], const fb_mixed_work *work, const fb_mixed *m, int node)
 {
@@ -7479,13 +7539,15 @@ static void fbi_mixed_close(fb_real e[6], const fb_mixed_work *work, const fb_mi
   }
 }
 
-/* [E10.17] Velocity of the base where the node is, v + w x r, less its own, in the axes of its rows. Where it is: held
-   directions in their place, free ones half a step on.
+/* [E10.17] Velocity of the base at the node, v + w x r, minus the node's own, in the axes of its rows. r: prescribed
+   position in constrained directions, position at mid-step in free ones.
    Source: [L] 3.18.  Cost: 80 flops.  Fails: never.  Test: a_beam_slides_out_of_a_spinning_slot. */
 static void fbi_mixed_slip(fb_real y[6], const fb_mixed_work *work, const fb_mixed *m, int node)
 {
   const fb_real *const R = work->R + 9 * node, *const V = work->V + 6 * node, *const w = work->twist + 3;
   fb_real own[3], carried[3], r[3];
+
+  /* Position r */
   fb_mat33_mul_vec3(own, R, V);
   fbi_copy(carried, work->twist, 3);
   fbi_vec3_add_cross(carried, w, work->r + 3 * node);
@@ -7493,6 +7555,8 @@ static void fbi_mixed_slip(fb_real y[6], const fb_mixed_work *work, const fb_mix
     r[i] =
         m->held[node] >> i & 1 ? m->r[3 * node + i] : work->r[3 * node + i] + work->motion.pose * (own[i] - carried[i]);
   }
+
+  /* Relative velocity */
   fbi_copy(carried, work->twist, 3);
   fbi_vec3_add_cross(carried, w, r);
   fbi_vec3_add(carried, -FB_R(1.0), own);
@@ -7504,9 +7568,9 @@ static void fbi_mixed_slip(fb_real y[6], const fb_mixed_work *work, const fb_mix
   fbi_vec3_add(y + 3, -FB_R(1.0), V + 3);
 }
 
-/* What held directions want. Steady: back to their place. Marching: the base's velocity, and back within the step (but
-   for the root, which is put where it belongs after the step). aim: the way back turns aside of the present reaction,
-   else it stays as it was: where the reaction is small, the two would chase each other. */
+/* Right-hand side of the constraints. Steady: pose error. Marching: velocity of the base plus drift correction / dt
+   (not for the root, which is placed exactly after the step). aim: recompute the drift correction for the present reaction
+   (E10.16); otherwise keep it, because with a small reaction the iteration on both would not converge. */
 static void fbi_mixed_want(fb_mixed_work *work, const fb_mixed *m, fb_real dt, int aim)
 {
   for (int j = 0; j <= m->n; j++) {
@@ -7514,6 +7578,8 @@ static void fbi_mixed_want(fb_mixed_work *work, const fb_mixed *m, fb_real dt, i
     if (m->held[j] == 0) {
       continue;
     }
+
+    /* Drift correction, in the axes of the rows */
     if (aim) {
       fbi_mixed_pose_error(e, m, work->r, work->quat, j);
       fbi_vec6_copy(back, e);
@@ -7521,6 +7587,8 @@ static void fbi_mixed_want(fb_mixed_work *work, const fb_mixed *m, fb_real dt, i
         fb_mat33_mulT_vec3(back, work->R + 9 * j, e);
       }
     }
+
+    /* Constraint values */
     if (work->motion.march) {
       if (aim) {
         fbi_mixed_close(back, work, m, j);
@@ -7535,8 +7603,8 @@ static void fbi_mixed_want(fb_mixed_work *work, const fb_mixed *m, fb_real dt, i
 
 /* ---- steady states */
 
-/* Size of the last correction: lengths by the beam's, radians, loads by the largest, but for what the rounding of the
-   nodes' places (0: not counted) makes of a stiff strain. */
+/* Relative size of the last correction: lengths over the beam's, rotations in radians, stresses over the largest one.
+   The part of a stress correction explained by the round-off `rounding` of node positions is left out. */
 static fb_real fbi_mixed_change(const fb_mixed_work *work, const fb_mixed *m, fb_real step, fb_real rounding)
 {
   fb_real pose = FB_R(0.0), stress = FB_R(0.0), largest = FB_R(1.0);
@@ -7570,7 +7638,7 @@ static void fbi_mixed_pose_take(fb_mixed_work *work, const fb_mixed_state *from,
   fbi_copy(work->s, from->stress[0], 6 * m->n);
 }
 
-/* Counts of the model that the loops over a state rest on. */
+/* Are the counts that bound loops over a state within the capacities? */
 static int fbi_mixed_is_sized(const fb_mixed *m)
 {
   return m->n >= 1 && m->n <= FB_MAX_MIXED && m->n_lump >= 0 && m->n_lump <= FB_MAX_LUMPS;
@@ -7695,7 +7763,7 @@ static fb_status fbi_mixed_input_check(const fb_mixed *m, const fb_mixed_input *
   return FB_OK;
 }
 
-/* What the balance of the held nodes lacks. */
+/* Reactions: residual of the balance at constrained nodes. */
 static void fbi_mixed_reactions(fb_real *reaction, const fb_mixed_work *work, const fb_mixed *m)
 {
   for (int j = 0; j <= m->n; j++) {
@@ -7705,14 +7773,18 @@ static void fbi_mixed_reactions(fb_real *reaction, const fb_mixed_work *work, co
   }
 }
 
-/* The state whose velocity, stress and loads between elements are those in work, in motion without change. */
+/* State from the velocities, stresses and internal loads in work, with all rates zero. */
 static void fbi_mixed_state_take(fb_mixed_state *state, fb_mixed_work *work, const fb_mixed *m)
 {
   fbi_mixed_cell *const c = &work->cell;
+
+  /* Poses; no rates */
   fbi_mixed_pose_copy(state, work, m);
   fbi_zero(state->strain_rate, 6 * m->n);
   fbi_zero(state->momentum_rate, 6 * m->n);
   fbi_zero(state->lump_rate, 6 * m->n_lump);
+
+  /* Strains and momenta */
   for (int k = 0; k < m->n; k++) {
     fbi_mat66_mul_vec6(state->strain + 6 * k, m->C + 36 * k, work->s + 6 * k);
     fbi_mixed_cell_eval(c, work, m, k);
@@ -7722,6 +7794,8 @@ static void fbi_mixed_state_take(fb_mixed_state *state, fb_mixed_work *work, con
   for (int l = 0; l < m->n_lump; l++) {
     fbi_mat66_mul_vec6(state->lump + 6 * l, m->lump + 36 * l, work->V + 6 * m->lump_node[l]);
   }
+
+  /* Reactions, internal loads and the first known velocity */
   fbi_copy(state->offset, work->offset, 6 * m->n);
   fbi_mixed_reactions(state->reaction, work, m);
   fbi_copy(state->V[0], work->V, 6 * (m->n + 1));
@@ -7742,7 +7816,7 @@ static void fbi_mixed_frame(fb_real u[3], const fb_mixed *m, const fb_mixed_stat
   }
 }
 
-/* That of the middle of the last step: the frame of what nothing holds falls (E11.35). */
+/* The same at the middle of the last step: the frame of a floating beam falls freely (E11.35). */
 static void fbi_mixed_frame_middle(fb_real u[3], const fb_mixed *m, const fb_mixed_state *state)
 {
   fb_real base[9], g[3];
@@ -7752,7 +7826,7 @@ static void fbi_mixed_frame_middle(fb_real u[3], const fb_mixed *m, const fb_mix
   fbi_vec3_add(u, m->floating ? -FB_R(0.5) * state->step : FB_R(0.0), g);
 }
 
-/* A velocity of all nodes, as a node sees it: section axes. */
+/* Twist of a node for a common translational velocity u: section axes. */
 static void fbi_mixed_seen(fb_real V[6], const fb_mixed_state *state, int node, const fb_real u[3])
 {
   fb_real R[9];
@@ -7761,7 +7835,7 @@ static void fbi_mixed_seen(fb_real V[6], const fb_mixed_state *state, int node, 
   fbi_zero(V + 3, 3);
 }
 
-/* And as element k has it, by the mean of E10.7. */
+/* The same for element k, by the mean of E10.7. */
 static void fbi_mixed_seen_mean(fb_real V[6], const fb_mixed *m, const fb_mixed_state *state, int k, const fb_real u[3])
 {
   fb_real a[6], b[6], theta[6], d[6];
@@ -7773,7 +7847,7 @@ static void fbi_mixed_seen_mean(fb_real V[6], const fb_mixed *m, const fb_mixed_
   fbi_mixed_mean(V, d, theta, a, b);
 }
 
-/* A wrench in section axes of a node adds to force and moment about the origin of the base. */
+/* Adds a wrench in section axes of a node to force p and moment h about the origin of the base, base axes. */
 static void fbi_mixed_wrench_add(fb_real p[3], fb_real h[3], const fb_mixed_state *state, int node, const fb_real F[6])
 {
   fb_real R[9], y[3];
@@ -7791,6 +7865,8 @@ static void fbi_mixed_momenta(fb_real p[3], fb_real h[3], const fb_mixed *m, con
                               const fb_real *u)
 {
   fb_real P[6], V[6];
+
+  /* Elements: h A^T P at both nodes */
   fbi_zero(p, 3);
   fbi_zero(h, 3);
   for (int k = 0; k < m->n; k++) {
@@ -7811,6 +7887,8 @@ static void fbi_mixed_momenta(fb_real p[3], fb_real h[3], const fb_mixed *m, con
     fbi_mixed_wrench_add(p, h, state, k, first);
     fbi_mixed_wrench_add(p, h, state, k + 1, second);
   }
+
+  /* Lumped bodies */
   for (int l = 0; l < m->n_lump; l++) {
     fbi_vec6_copy(P, state->lump + 6 * l);
     if (u) {
@@ -7834,11 +7912,13 @@ static fb_real fbi_mixed_mass(const fb_mixed *m)
   return mass;
 }
 
-/* Another u, by du (beam's units, base axes): what the nodes, as they turn, and by the mean of E10.7 the elements have
-   of it goes out of the velocities, momenta and rates; of du what is left of it by the rounding of u. */
+/* Changes the frame velocity u by `more` (beam's units, base axes) and subtracts its contribution from the velocities
+   of the nodes, the momenta and their rates. du is the change of u that round-off left. */
 static void fbi_mixed_reframe(fb_mixed_state *state, const fb_mixed *m, const fb_real more[3], fb_real step)
 {
   fb_real V[6], P[6], base[9], y[3], du[3];
+
+  /* New u, and its change du after round-off */
   fb_quat_to_mat33(base, state->base_quat);
   fb_mat33_mul_vec3(y, base, more);
   for (int i = 0; i < 3; i++) {
@@ -7847,6 +7927,8 @@ static void fbi_mixed_reframe(fb_mixed_state *state, const fb_mixed *m, const fb
     y[i] = (state->u[i] - before) * (m->time / m->length);
   }
   fb_mat33_mulT_vec3(du, base, y);
+
+  /* Momenta of the elements, and their rates as the sections rotate */
   for (int k = 0; k < m->n; k++) {
     const fb_real *const a = state->V[0] + 6 * k, *const M = m->M + 36 * k;
     fb_real turn[3], rate[6];
@@ -7861,6 +7943,8 @@ static void fbi_mixed_reframe(fb_mixed_state *state, const fb_mixed *m, const fb
     fbi_mat66_mul_vec6(P, M, rate);
     fbi_vec6_add(state->momentum_rate + 6 * k, -FB_R(1.0), P);
   }
+
+  /* Lumped bodies */
   for (int l = 0; l < m->n_lump; l++) {
     const int j = m->lump_node[l];
     fb_real rate[6];
@@ -7872,10 +7956,12 @@ static void fbi_mixed_reframe(fb_mixed_state *state, const fb_mixed *m, const fb
     fbi_mat66_mul_vec6(P, m->lump + 36 * l, rate);
     fbi_vec6_add(state->lump_rate + 6 * l, -FB_R(1.0), P);
   }
+
+  /* Velocities of the nodes at this and the earlier steps */
   for (int j = 0; j <= m->n; j++) {
     fb_real turn[3];
     fbi_mixed_seen(V, state, j, du);
-    fb_vec3_cross(turn, state->V[0] + 6 * j + 3, V); /* back in time */
+    fb_vec3_cross(turn, state->V[0] + 6 * j + 3, V); /* minus the rate: earlier steps */
     for (int k = 0; k < 3; k++) {
       fbi_vec3_add(state->V[k] + 6 * j, -FB_R(1.0), V);
       fbi_vec3_add(state->V[k] + 6 * j, -step * ((fb_real)k + FB_R(0.5)), turn);
@@ -7892,11 +7978,15 @@ FB_DEF fb_status fb_mixed_state_init(const fb_mixed *m, fb_mixed_state *state, f
   if (input && (!fbi_is_finite(input->v, 3) || !fbi_is_finite(input->w, 3))) {
     return FB_ERR_NOT_FINITE;
   }
+
+  /* Undeformed poses */
   memset(state, 0, sizeof *state);
   state->base_quat[0] = FB_R(1.0);
   fbi_copy(state->r, m->r, 3 * (m->n + 1));
   fbi_copy(state->quat, m->quat, 4 * (m->n + 1));
   fbi_mixed_pose_take(work, state, m);
+
+  /* No loads, prescribed velocity */
   work->motion = still;
   fbi_zero(work->gravity, 3);
   fbi_zero(work->line, 6 * m->n);
@@ -7908,9 +7998,11 @@ FB_DEF fb_status fb_mixed_state_init(const fb_mixed *m, fb_mixed_state *state, f
     work->twist[i] = FB_R(0.0);
     work->twist[i + 3] = input ? input->w[i] * m->time : FB_R(0.0);
   }
+
+  /* Velocities and momenta */
   fbi_mixed_nodes_eval(work, m);
   fbi_mixed_state_take(state, work, m);
-  if (m->floating && fbi_mixed_mass(m) > FB_R(0.0)) { /* what the spin about O gives the mass center */
+  if (m->floating && fbi_mixed_mass(m) > FB_R(0.0)) { /* u = velocity of the mass center by the spin about O */
     fb_real du[3], h[3];
     fbi_mixed_momenta(du, h, m, state, NULL);
     for (int i = 0; i < 3; i++) {
@@ -7923,7 +8015,7 @@ FB_DEF fb_status fb_mixed_state_init(const fb_mixed *m, fb_mixed_state *state, f
   return FB_OK;
 }
 
-/* ---- what comes out */
+/* ---- outputs */
 
 /* Nearest whole number. */
 static fb_real fbi_round(fb_real x)
@@ -7931,7 +8023,7 @@ static fb_real fbi_round(fb_real x)
   return (fb_real)(int)(x + (x < FB_R(0.0) ? -FB_R(0.5) : FB_R(0.5)));
 }
 
-/* Rotation vector of quat next to phi: of all that differ by whole turns the nearest. */
+/* Rotation vector of quat nearest to the given phi among all that differ by full turns. */
 static void fbi_rotvec_near(fb_real phi[3], const fb_real quat[4])
 {
   const fb_real near_to[3] = {phi[0], phi[1], phi[2]};
@@ -7939,7 +8031,7 @@ static void fbi_rotvec_near(fb_real phi[3], const fb_real quat[4])
   fb_real size;
   fb_quat_to_rotvec(phi, quat);
   size = fbi_vec3_norm(phi);
-  if (size < FB_R(1e-3) && axis > FB_R(3.0)) { /* whole turns: the axis is that of the neighbor */
+  if (size < FB_R(1e-3) && axis > FB_R(3.0)) { /* near full turns: take the axis of the given vector */
     fbi_vec3_add(phi, fbi_round(axis / turn) * turn / axis, near_to);
   } else if (size > FB_R(0.0)) {
     const fb_real turns = fbi_round((fb_vec3_dot(near_to, phi) / size - size) / turn);
@@ -7956,8 +8048,12 @@ FB_DEF fb_status fb_mixed_nodes_eval(const fb_mixed *m, fb_mixed_node *node, con
   if (status != FB_OK) {
     return status;
   }
+
+  /* Attitude of the base, velocity of the frame */
   fb_quat_to_mat33(base, state->base_quat);
   fbi_mixed_frame_middle(u, m, state);
+
+  /* Outputs in SI units */
   for (int j = 0; j <= m->n; j++) {
     fb_mixed_node *const out = &node[j];
     const fb_real *const q0 = m->quat + 4 * j, *const V = state->V[0] + 6 * j, *const F = state->force + 6 * j;
@@ -7998,6 +8094,8 @@ FB_DEF fb_status fb_mixed_element_eval(const fb_mixed *m, fb_mixed_element *out,
     const fb_real *const s = state->stress[0] + 6 * k;
     const fb_real mass = m->force * m->time * m->time / m->length; /* of the beam */
     fb_real strain[6], V[6], P[6], u[3], frame[6];
+
+    /* Strain, and velocity and momentum with those of the frame */
     fbi_mat66_mul_vec6(strain, m->section + 36 * k, s);
     fbi_mat66_mul_vec6(V, m->M_inverse + 36 * k, state->momentum + 6 * k);
     fbi_mixed_frame(u, m, state);
@@ -8005,6 +8103,8 @@ FB_DEF fb_status fb_mixed_element_eval(const fb_mixed *m, fb_mixed_element *out,
     fbi_mat66_mul_vec6(P, m->M + 36 * k, frame);
     fbi_vec6_add(P, FB_R(1.0), state->momentum + 6 * k);
     fbi_vec6_add(V, FB_R(1.0), frame);
+
+    /* SI units */
     for (int i = 0; i < 3; i++) {
       out->force[i] = s[i] * m->force;
       out->moment[i] = s[i + 3] * m->force * m->length;
@@ -8019,8 +8119,8 @@ FB_DEF fb_status fb_mixed_element_eval(const fb_mixed *m, fb_mixed_element *out,
   return FB_OK;
 }
 
-/* [E10.12] Place and rotation in an element, a part s (0..1) of it along: exp(s theta), then what the change of the
-   strain from end to end adds, (s^2 - s)/2 h (C (F2 - F1) + taper stress).
+/* [E10.12] Pose at the fraction s (0..1) of an element: exp(s theta), then the contribution of the linear variation of
+   the strain, (s^2 - s)/2 h (C (F2 - F1) + taper stress).
    Source: own; the strain is linear to this order.  Cost: 200 flops.  Fails: never.
    Test: points_between_nodes_lie_on_the_curve. */
 static void fbi_mixed_point(fb_real r[3], fb_real quat[4], const fb_mixed *m, const fb_mixed_state *state, int k,
@@ -8056,11 +8156,15 @@ FB_DEF fb_status fb_mixed_point_eval(const fb_mixed *m, fb_real position[3], fb_
   if (status != FB_OK) {
     return status;
   }
+
+  /* Element that contains x */
   x /= m->length;
   while (k + 1 < m->n && place + m->h[k] < x) {
     place += m->h[k];
     k++;
   }
+
+  /* Pose in the base, then in inertial axes */
   fbi_mixed_point(r, turn, m, state, k, (x - place) / m->h[k]);
   fb_quat_to_mat33(R, state->base_quat);
   fb_mat33_mul_vec3(position, R, r);
@@ -8071,7 +8175,7 @@ FB_DEF fb_status fb_mixed_point_eval(const fb_mixed *m, fb_real position[3], fb_
   return FB_OK;
 }
 
-/* 1/2 x A x + part x_rate A x_rate */
+/* 1/2 x.A x + part rate.A rate */
 static fb_real fbi_mixed_quadratic(const fb_real A[36], const fb_real x[6], const fb_real rate[6], fb_real part)
 {
   fb_real y[6], z[6];
@@ -8080,8 +8184,8 @@ static fb_real fbi_mixed_quadratic(const fb_real A[36], const fb_real x[6], cons
   return FB_R(0.5) * fbi_vec6_dot(x, y) + part * fbi_vec6_dot(rate, z);
 }
 
-/* mass (origin + g . r) + g . R moment of an inertia matrix at a place in the base frame; of a curved element E10.6 has
-   made mass and moment differ from axis to axis: their means, which do not depend on how the axes lie */
+/* mass (origin + g . r) + g . R moment for the inertia matrix M at the pose r, quat; moment: first moment of mass. For
+   curved elements E10.6 makes mass and moment differ between axes: their means are used, which are invariant. */
 static fb_real fbi_mixed_weight(const fb_real M[36], const fb_real g[3], fb_real origin, const fb_real r[3],
                                 const fb_real quat[4])
 {
@@ -8102,11 +8206,15 @@ FB_DEF fb_status fb_mixed_energy(const fb_mixed *m, fb_energy *energy, const fb_
   fb_energy out = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_real base[9], g[3], u[3], p[3], turning[3], origin, last, unit;
   FBI_REQUIRE(m && energy && state, FB_ERR_NULL);
+
+  /* Units, gravity in base axes */
   last = FB_R(0.25) * m->beta * state->step * state->step;
   unit = m->force * m->length;
   fb_quat_to_mat33(base, state->base_quat);
   fb_mat33_mulT_vec3(g, base, m->gravity);
   origin = fb_vec3_dot(m->gravity, state->base_position) / m->length;
+
+  /* Elements */
   for (int k = 0; k < m->n; k++) {
     const fb_real h = m->h[k], *const M = m->M + 36 * k, *const r = state->r + 3 * k, *const quat = state->quat + 4 * k;
     fb_real middle[3], turn[4];
@@ -8120,6 +8228,8 @@ FB_DEF fb_status fb_mixed_energy(const fb_mixed *m, fb_energy *energy, const fb_
                    (fbi_mixed_weight(M, g, origin, r, quat) + fbi_mixed_weight(M, g, origin, r + 3, quat + 4) +
                     FB_R(4.0) * fbi_mixed_weight(M, g, origin, middle, turn));
   }
+
+  /* Lumped bodies */
   for (int l = 0; l < m->n_lump; l++) {
     const fb_real *const M = m->lump + 36 * l;
     const int j = m->lump_node[l];
@@ -8127,6 +8237,8 @@ FB_DEF fb_status fb_mixed_energy(const fb_mixed *m, fb_energy *energy, const fb_
         unit * fbi_mixed_quadratic(m->lump_inverse + 36 * l, state->lump + 6 * l, state->lump_rate + 6 * l, last);
     out.gravity -= unit * fbi_mixed_weight(M, g, origin, state->r + 3 * j, state->quat + 4 * j);
   }
+
+  /* Kinetic energy of the frame velocity */
   fbi_mixed_frame(u, m, state);
   fbi_mixed_momenta(p, turning, m, state, NULL);
   out.kinetic += unit * (fb_vec3_dot(u, p) + FB_R(0.5) * fbi_mixed_mass(m) * fb_vec3_dot(u, u));
@@ -8137,19 +8249,23 @@ FB_DEF fb_status fb_mixed_energy(const fb_mixed *m, fb_energy *energy, const fb_
   return FB_OK;
 }
 
-/* [E10.14] Momentum and angular momentum about the inertial origin: h A^T P of each element at its two nodes, which is
-   what their velocities see of it; on top m u, and what a velocity u of all nodes has of angular momentum.
+/* [E10.14] Momentum and angular momentum about the inertial origin: h A^T P of each element at its two nodes
+   (the adjoint of the mean velocity), plus m u and the angular momentum of a common velocity u of all nodes.
    Source: [L] 3.62, E10.7.  Cost: 200 flops an element.  Fails: never.  Test: free_flight_keeps_momentum. */
 FB_DEF fb_status fb_mixed_momentum(const fb_mixed *m, fb_momentum *momentum, const fb_mixed_state *state)
 {
   fb_momentum out;
   fb_real base[9], u[3], p[3], h[3], carried[3], turning[3], unit;
   FBI_REQUIRE(m && momentum && state, FB_ERR_NULL);
+
+  /* Base axes, about the origin of the base */
   fbi_mixed_frame(u, m, state);
   fbi_mixed_momenta(p, h, m, state, NULL);
   fbi_mixed_momenta(carried, turning, m, state, u);
   fbi_vec3_add(p, fbi_mixed_mass(m), u);
   fbi_vec3_add(h, FB_R(1.0), turning);
+
+  /* Inertial axes, SI units, about the inertial origin */
   unit = m->force * m->time; /* of momentum */
   fb_quat_to_mat33(base, state->base_quat);
   fb_mat33_mul_vec3(out.linear, base, p);
