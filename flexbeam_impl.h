@@ -7569,8 +7569,8 @@ static void fbi_mixed_slip(fb_real y[6], const fb_mixed_work *work, const fb_mix
 }
 
 /* Right-hand side of the constraints. Steady: pose error. Marching: velocity of the base plus drift correction / dt
-   (not for the root, which is placed exactly after the step). aim: recompute the drift correction for the present reaction
-   (E10.16); otherwise keep it, because with a small reaction the iteration on both would not converge. */
+   (not for the root, which is placed exactly after the step). aim: recompute the drift correction for the present
+   reaction (E10.16); otherwise keep it, because with a small reaction the iteration on both would not converge. */
 static void fbi_mixed_want(fb_mixed_work *work, const fb_mixed *m, fb_real dt, int aim)
 {
   for (int j = 0; j <= m->n; j++) {
@@ -8286,7 +8286,7 @@ FB_DEF fb_status fb_mixed_momentum(const fb_mixed *m, fb_momentum *momentum, con
 /* ---------------------------------------------------------------------------------------------------------------
    RUN >>integrate: every step and its limit (uses config, status, vec3, rotation, solve, body, system, exact) */
 
-/* Bound of the highest frequency (E8.8) with deflected, stretched beams: of a slope s and a strain e
+/* Bound of the highest frequency (E8.8) of deflected, stretched beams: with slope s and strain e
    k <= (sqrt(limit_elastic) + s sqrt(limit_slope))^2 + e limit_slope, the triangle inequality for u_x' + s u_y'. */
 static fb_real fbi_frequency_bound(const fb_body *body, fb_real spin, fb_real acceleration, fb_real slope,
                                    fb_real strain)
@@ -8303,7 +8303,7 @@ static fb_real fbi_frequency_bound(const fb_body *body, fb_real spin, fb_real ac
   return g + FB_SQRT(g * g + k);
 }
 
-/* radius / bound: the step that a scheme stable up to |lambda| dt = radius may take */
+/* radius / bound: largest step of an integrator that is stable up to |lambda| dt = radius */
 static fb_real fbi_step_limit(fb_real radius, fb_real bound)
 {
   if (!(bound >= FB_R(0.0))) { /* not a number: no step is stable */
@@ -8360,7 +8360,7 @@ static void fbi_state_scale(fb_state *out, fb_real s, const fb_state *rate, int 
   }
 }
 
-/* A stage, state + s rate: all that rates depend on, L in the other forms alone. */
+/* Stage value out = state + s rate of all that rates depend on; L only in forms other than the momentum form. */
 static void fbi_stage_advance(fb_state *out, const fb_body *body, const fb_state *state, fb_real s,
                               const fb_state *rate)
 {
@@ -8405,19 +8405,23 @@ static void fbi_largest_slopes(fb_real *slope, fb_real *strain, const fbi_kineti
 }
 #endif
 
-/* What step limits depend on: spin, and acceleration of O by the base's motion or, free, by spin about the mass
-   center and by the loads, with gravity. */
+/* Arguments of the step limits: spin, and acceleration of O from the prescribed motion and gravity or, of a free base,
+   from the rotation about the mass center and the loads. */
 static void fbi_step_conditions(fb_real *spin, fb_real *acceleration, const fb_body *body, const fbi_kinetics *k,
                                 const fb_input *input)
 {
   fb_real a[3];
   *spin = fbi_vec3_norm(k->V + 3);
+
+  /* Free base */
   if (body->base == FB_BASE_FREE) {
     fb_real by_loads = fbi_vec3_norm(fbi_is_flying(body) ? k->a : k->fg);
     by_loads = fbi_is_flying(body) ? by_loads : by_loads / body->mass;
     *acceleration = *spin * *spin * fbi_vec3_norm(body->c) / body->mass + by_loads;
     return;
   }
+
+  /* Other bases */
   fbi_zero(a, 3);
   if (input && body->base == FB_BASE_PRESCRIBED) {
     fbi_given_acceleration(a, input);
@@ -8441,8 +8445,8 @@ static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const
   return dt <= fbi_step_limit(FBI_RK4_RADIUS, bound) ? FB_OK : FB_ERR_STEP;
 }
 
-/* [E11.26] Does a body turn faster or slower at a stage than at the start, by more than half a radian in the step? Then
-   no scheme follows it, whatever the springs: an rk4 step, which sees the start alone, could not know.
+/* [E11.26] Refuses a step in which the angular velocity at a stage differs from that at the start by more than half a
+   radian per step: no integrator resolves this motion, and the step limits of rk4 are evaluated at the start alone.
    Source: w = const over a step is what attitudes are summed by.
    Test: steps_that_turn_too_far_are_refused, slender_bodies_keep_their_energy. */
 static fb_status fbi_turn_check(const fb_real start[3], const fb_real w[3], fb_real dt)
@@ -8451,9 +8455,9 @@ static fb_status fbi_turn_check(const fb_real start[3], const fb_real w[3], fb_r
   return x * x + y * y + z * z <= FB_R(0.25) ? FB_OK : FB_ERR_STEP;
 }
 
-/* [E11.22] The increment d becomes the sum x + d, and what that loses by rounding is kept for the next: in single
-   precision a step's increment is often below it. In double precision it is kept of positions, far from the origin,
-   and of u, in fast flight.
+/* [E11.22] Kahan (compensated) summation: d becomes the sum x + d, and `lost` its round-off error, which the next step
+   adds: in single precision the increment of a step is often below the round-off of the sum. In double precision only
+   positions (far from the origin) and u (in fast flight) are compensated.
    Source: W. Kahan, Comm. ACM 8, 1965.  Shapes: n.  Cost: 4 n flops.  Fails: never.
    Test: short_steps_lose_nothing, systems_lose_nothing_by_short_steps, positions_are_sums_without_loss,
    the_faintest_loads_add_up. */
@@ -8490,7 +8494,7 @@ static void fbi_sum_flushed(fb_real *d, const fb_real *x, int n)
 #define FBI_SUM_FLUSHED(d, x, what, n) fbi_sum_flushed((d)->what, (x)->what, n)
 #endif
 
-/* What a body uses of a state after a step. */
+/* Copies the part of a state that a body uses, with its compensation terms. */
 static void fbi_state_take(fb_state *state, const fb_state *next, int n)
 {
   fbi_frame_copy(state, next);
@@ -8506,7 +8510,7 @@ static void fbi_state_take(fb_state *state, const fb_state *next, int n)
 #endif
 }
 
-/* d so that quat + d has unit length: (1/|quat + d| - 1) (quat + d) more. */
+/* Corrects d so that quat + d has unit length: adds (1/|quat + d| - 1) (quat + d). */
 static fb_status fbi_quat_increment(fb_real d[4], const fb_real quat[4])
 {
   fb_real sum[4], norm2 = FB_R(0.0), norm, s;
@@ -8525,9 +8529,9 @@ static fb_status fbi_quat_increment(fb_real d[4], const fb_real quat[4])
   return FB_OK;
 }
 
-/* [E11.29] The increment d of the attitude quat, by the smallest rotation that brings a onto b: the same angular
-   momentum by the body axes and in inertial ones. The inertial one is exact, that of the body is where it is along thin
-   axes. Where it has changed by more than what it is the two tell nothing about the attitude.
+/* [E11.29] Corrects the increment d of the attitude quat by the smallest rotation that takes a to b, the angular
+   momentum integrated in body axes and in inertial axes: the inertial one is exact, the body one is exact about thin
+   axes. No correction where the angular momentum changed by more than its own size.
    Source: L = R h.  Cost: 80 flops.  Fails: never.  Test: thin_tubes_keep_calm, slender_bodies_keep_their_energy. */
 static void fbi_attitude_onto(fb_real d[4], const fb_real quat[4], const fb_real a[3], const fb_real b[3],
                               fb_real change)
@@ -8535,21 +8539,25 @@ static void fbi_attitude_onto(fb_real d[4], const fb_real quat[4], const fb_real
   static const fb_real known[2] = {FB_R(0.0), FB_R(1.0)};
   const fb_real sizes = fbi_vec3_norm(a) * fbi_vec3_norm(b);
   fb_real theta[4] = {FB_R(0.0)}, more[4], told;
+
+  /* Rotation vector a x b/(|a||b|), or zero */
   fb_vec3_cross(theta + 1, a, b);
-  told = known[sizes > change * change]; /* no turn by the same work as any other: looked up, never branched */
+  told = known[sizes > change * change]; /* table instead of a branch: same instruction count */
 #if FB_SINGLE
-  told *= known[fbi_vec3_norm(theta + 1) >= FB_R(16.0) * FB_EPSILON * sizes]; /* below: rounding of a and b alone */
+  told *= known[fbi_vec3_norm(theta + 1) >= FB_R(16.0) * FB_EPSILON * sizes]; /* below: round-off of a and b */
 #endif
   for (int i = 1; i < 4; i++) {
     theta[i] *= FB_R(0.5) * told / (sizes + (FB_R(1.0) - told));
   }
+
+  /* Increment of the quaternion */
   fb_quat_mul(more, theta, quat);
   for (int i = 0; i < 4; i++) {
     d[i] += more[i];
   }
 }
 
-/* The attitude after the increments d of a free or pinned body by E11.29. */
+/* Applies E11.29 to the increments d of a free or pinned body. */
 static FBI_NOINLINE void fbi_state_align(fb_state *d, const fb_body *body, const fb_state *start)
 {
   fb_real quat[4], a[3], b[3], h[3];
@@ -8563,9 +8571,9 @@ static FBI_NOINLINE void fbi_state_align(fb_state *d, const fb_body *body, const
   fbi_attitude_onto(d->quat, quat, a, b, fbi_vec3_norm(d->L));
 }
 
-/* [E11.30] O comes to where the mass center leads it, rho + int u dt + (R c/m)_old - (R c/m)_new: the angular momentum
-   about the inertial origin is then what it was, whatever the step. rho: int u dt; next: the rest of the state after
-   it. Both places come from the same operations: what does not move leaves no rounding.
+/* [E11.30] Position of O from that of the mass center, rho + int u dt + (R c/m)_old - (R c/m)_new: the angular momentum
+   about the inertial origin is then conserved for any step. rho: int u dt; next: the rest of the state after the step.
+   Old and new terms use the same operations, so that a body at rest leaves no round-off.
    Source: Newton.  Cost: 16 flops a term.  Fails: never.  Test: the_mass_center_goes_where_momentum_leads_it. */
 static FBI_NOINLINE void fbi_origin_lead(fb_real rho[3], const fb_body *body, const fb_state *start,
                                          const fb_state *next)
@@ -8580,8 +8588,8 @@ static FBI_NOINLINE void fbi_origin_lead(fb_real rho[3], const fb_body *body, co
   }
 }
 
-/* [E11.31] Elastic momenta of a prescribed base become relative to v (body axes at the attitude of at), its last known
-   velocity. next: the state after the step, but u is its change and pi its increment.
+/* [E11.31] Makes the elastic momenta of a body on a prescribed base relative to v, the last known velocity of the base
+   (body axes at the attitude `at`). next: the state after the step, except that u is its change and pi its increment.
    Source: E8.35.  Cost: 5 flops a term.  Test: the_speed_of_a_prescribed_base_does_not_matter. */
 static FBI_NOINLINE void fbi_frame_follow(fb_state *next, const fb_body *body, const fb_state *start,
                                           const fb_real at[4], const fb_real v[3])
@@ -8597,14 +8605,16 @@ static FBI_NOINLINE void fbi_frame_follow(fb_state *next, const fb_body *body, c
   fbi_frame_shift(next->pi, body, next->q, R, next->u);
 }
 
-/* What ends every step: its increments are summed up, small values become zero, the quaternion is of unit length, and
-   the motion is still within the model. start: the state with its h; last: the input at the attitude at (NULL: that of
-   the end). FB_ERR_STEP: turns in one step of which the attitude keeps no digits. */
+/* Common end of every step: sums the increments, flushes small values, normalizes the quaternion and checks the range
+   of the model. start: the state with its h; last: the input at the attitude `at` (NULL: that of the end). FB_ERR_STEP:
+   a rotation in one step so large that the attitude is lost to round-off. */
 static fb_status fbi_step_end(fb_state *state, fb_state *next, const fb_state *start, const fb_body *body,
                               const fb_input *last, const fb_real at[4])
 {
   const int n = body->n;
   fb_status status;
+
+  /* Attitude and modes */
   fbi_state_align(next, body, start);
   status = fbi_quat_increment(next->quat, state->quat);
   FBI_SUM_4(next, state, quat);
@@ -8612,6 +8622,8 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, const fb_state *s
   if (fbi_is_following(body)) {
     fbi_frame_follow(next, body, start, at, last ? last->v : fbi_origin);
   }
+
+  /* Momenta and velocity */
   FBI_SUM_FLUSHED(next, state, pi, n);
   FBI_SUM_KEPT(next, state, u, 3);
   FBI_SUM_3(next, state, L);
@@ -8621,10 +8633,14 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, const fb_state *s
   fbi_turning_keep(next, state, body, next->h);
 #endif
   fbi_vec3_add(next->h, FB_R(1.0), start->h);
+
+  /* Position */
   if (fbi_is_flying(body)) {
     fbi_origin_lead(next->rho, body, start, next);
   }
   FBI_SUM_KEPT(next, state, rho, 3);
+
+  /* Range, then commit */
   status = status ? status : fbi_state_range(body, next);
   if (status == FB_OK && !fbi_quat_is_unit(next->quat)) {
     status = FB_ERR_STEP;
@@ -8651,16 +8667,23 @@ FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, f
   if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
     return FB_ERR_VALUE;
   }
+
+  /* Inputs of the four stages */
   input[0] = start;
   input[1] = input[2] = middle;
   input[3] = end;
   at = &work->start;
   fbi_state_enter(&work->start, k.R, body, state);
+
+  /* Stages */
   for (int stage = 0; stage < 4; stage++) {
+    /* Rates */
     status = fbi_input_check(body, input[stage]);
     if (status == FB_OK) {
       status = fbi_rates(&work->rate, &k, body, at, input[stage]);
     }
+
+    /* Step limit at the start, rotation at the last stage */
     if (status == FB_OK && stage == 0 && !body->allow_long_step) {
       status = fbi_rk4_check(body, &k, start, dt);
       fbi_vec3_copy(spin, k.V + 3);
@@ -8671,6 +8694,8 @@ FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, f
     if (status != FB_OK) {
       return status;
     }
+
+    /* Weighted sum of rates, value of the next stage */
     if (stage == 0) {
       fbi_state_scale(&work->sum, dt * weight[stage], &work->rate, body->n);
     } else {
@@ -8687,10 +8712,10 @@ FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, f
   return fbi_step_end(state, &work->sum, &work->start, body, end, NULL);
 }
 
-/* ---- implicit steppers */
+/* ---- implicit integrators */
 
 #define FBI_MAX_ITERATIONS 50
-/* Tangent stiffness to w.K. */
+/* Tangent stiffness matrix at q to w.K. */
 static void fbi_tangent(fb_implicit_work *w, const fb_body *body, const fb_real *q)
 {
   fbi_sparse_to_dense(w->K, &body->K, body->n);
@@ -8729,18 +8754,22 @@ static void fbi_pairs_gradient(fb_real *D, fb_real s, const fb_real *c, const fb
   }
 }
 
-/* D_a = d/dq_a (Lambda(q) pb + S(q) V) of the free rows, rows x n: how momenta change with the shape. */
+/* D_a = d/dq_a (Lambda(q) pb + S(q) V) of the free rows, rows x n: derivative of the rigid momenta by the modes. */
 static void fbi_shape_rates(fb_real *D, const fbi_kinetics *k, const fb_body *body, int first)
 {
   const int n = body->n;
   const fb_real *c = body->S;
   fbi_zero(D, (6 - first) * n);
+
+  /* Lambda(q) pb */
   for (int t = body->n_lambda_constant; t < body->n_lambda; t++) {
     const fb_lambda_term *term = &body->lambda[t];
     if (term->i >= first) {
       D[(term->i - first) * n + term->a - 1] -= term->c * k->pb[term->b];
     }
   }
+
+  /* S(q) V, S symmetric */
   for (const fb_S_run *r = body->run; r < body->run + body->n_run; r++) {
     const int i = fbi_sym6_row[r->i], j = fbi_sym6_column[r->i];
     if (i >= first) {
@@ -8771,7 +8800,7 @@ static void fbi_rows_solve(fb_real *X, const fb_real *A, int rows, int n)
   }
 }
 
-/* y = (1 + g w^)^-1 x: what h_dot = g - w x h makes of a residual. */
+/* y = (1 + g w^)^-1 x: solves with the Newton matrix of the gyroscopic term w x h. */
 static void fbi_turning_solve(fb_real y[3], fb_real g, const fb_real w[3], const fb_real x[3])
 {
   const fb_real a[3] = {g * w[0], g * w[1], g * w[2]}, s = FB_R(1.0) / (FB_R(1.0) + fb_vec3_dot(a, a));
@@ -8783,8 +8812,8 @@ static void fbi_turning_solve(fb_real y[3], fb_real g, const fb_real w[3], const
   }
 }
 
-/* X <- (1 + g w^) X on the three rows of turning, rows x n; a hinge has one, which w does not turn. Multiplied so the
-   matrix of a slender body keeps its pivots positive. */
+/* X <- (1 + g w^) X on the three rotational rows, rows x n; nothing for a hinge, whose one row w does not rotate.
+   Multiplying instead of dividing keeps the pivots of a slender body positive. */
 static void fbi_turning_mul(fb_real *X, fb_real g, const fb_real w[3], int first, int n)
 {
   for (int a = 0; a < n && first <= 3; a++) {
@@ -8798,7 +8827,7 @@ static void fbi_turning_mul(fb_real *X, fb_real g, const fb_real w[3], int first
   }
 }
 
-/* A -= g h^ on the rows of turning: momenta in body axes change with it. */
+/* A -= g h^ on the rotational rows: derivative of w x h by w. */
 static void fbi_turning_sub(fb_real *A, fb_real g, const fb_real h[3], int first)
 {
   const fb_real cross[9] = {FB_R(0.0), -h[2], h[1], h[2], FB_R(0.0), -h[0], -h[1], h[0], FB_R(0.0)};
@@ -8808,27 +8837,31 @@ static void fbi_turning_sub(fb_real *A, fb_real g, const fb_real h[3], int first
   }
 }
 
-/* Coupling of the free rigid rows to the modes at the present shape: X = Lambda, Y = D - Lambda M^-1 N^T, Z = A^-1 (X
-   + g Y) with the rigid mass matrix A, which for the momentum form is (1 + g w^) (S + Lambda M^-1 Lambda^T) - g h^, as
-   are X + g Y then. */
+/* Coupling of the free rigid rows to the modes at the present deformation: X = Lambda, Y = D - Lambda M^-1 N^T, Z =
+   A^-1 (X + g Y) with the rigid mass matrix A, which for the momentum form is (1 + g w^) (S + Lambda M^-1 Lambda^T) - g
+   h^, as are X + g Y then. */
 static fb_status fbi_coupling(fb_implicit_work *w, const fbi_kinetics *k, const fb_body *body)
 {
   const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first, momentum = fbi_form(body) == 0;
   const fb_real *S = body->constant_S ? body->S0 : k->S;
   int terms = body->n_lambda;
-  if (rows == 0) { /* nothing recoils */
+  if (rows == 0) { /* no free rigid row */
     return FB_OK;
   }
 #if FB_WITH_FORMS
   terms = momentum ? terms : body->n_lambda_value;
   S = body->form == FB_FORM_FIRST ? body->M_rr : S;
 #endif
+
+  /* X and Y */
   fbi_lambda_rows(w->X, body, k->qx, first, terms);
   if (momentum) {
     fbi_shape_rates(w->Y, k, body, first);
   } else {
     fbi_zero(w->Y, rows * n);
   }
+
+  /* Y -= Lambda M^-1 N^T, rigid mass matrix A */
   S += 21 - rows * (rows + 1) / 2; /* of the free rows */
   for (int i = 0; i < rows; i++) {
     fb_real a[FB_MAX_MODES];
@@ -8841,6 +8874,8 @@ static fb_status fbi_coupling(fb_implicit_work *w, const fbi_kinetics *k, const 
       w->A[i * rows + j] = w->A[j * rows + i] = *S++ + elastic;
     }
   }
+
+  /* Gyroscopic terms of A, then its LU factors */
   if (momentum) {
     fbi_turning_mul(w->A, w->g, w->V + 3, first, rows);
     fbi_turning_sub(w->A, w->g, k->ph + 3, first);
@@ -8848,6 +8883,8 @@ static fb_status fbi_coupling(fb_implicit_work *w, const fbi_kinetics *k, const 
   if (fbi_lu_plain_factor(w->A, rows) != FB_OK) {
     return FB_ERR_RANGE;
   }
+
+  /* Z = A^-1 (X + g Y) */
   for (int i = 0; i < rows * n; i++) {
     w->Z[i] = w->X[i] + w->g * w->Y[i];
   }
@@ -8858,12 +8895,11 @@ static fb_status fbi_coupling(fb_implicit_work *w, const fbi_kinetics *k, const 
   return FB_OK;
 }
 
-/* [E11.4] Matrix of the implicit steppers: k = (I - g W)^-1 r with g = gamma dt and W the Jacobian of the momentum
-   form, q' = M^-1 (pi - Lambda^T V),  pi' = -K_t q - C q' + .., V = S^-1 (y - Lambda M^-1 pi),
-   without the second derivatives of S and the products g^2 of gyroscopic terms, eliminated down to the n modes:
-   E = M + g (C + N - N^T) + g^2 K_t - (X - g Y)^T Z. What is left, M - Lambda^T M_rr^-1 Lambda, is the mass of the
-   modes when the base may recoil.
-   The other forms do without N and Y.
+/* [E11.4] Iteration matrix of the implicit integrators: k = (I - g W)^-1 r with g = gamma dt and W the Jacobian of the
+   momentum form, q' = M^-1 (pi - Lambda^T V),  pi' = -K_t q - C q' + .., V = S^-1 (y - Lambda M^-1 pi),
+   without the second derivatives of S and the products g^2 of gyroscopic terms, reduced to the n modes:
+   E = M + g (C + N - N^T) + g^2 K_t - (X - g Y)^T Z. At g = 0 it is M - Lambda^T M_rr^-1 Lambda, the modal mass with a
+   free base. The other forms have no N and Y.
    Source: block elimination; Newmark's effective stiffness is the case of a held base.  Shapes: n x n.  Cost: 2/3 n^3
    flops.
    Fails: M_rr or E singular.  Test: each_scheme_converges_at_its_order, steps_may_be_a_thousand_periods_long. */
@@ -8871,12 +8907,16 @@ static fb_status fbi_implicit_factor(fb_implicit_work *w, const fbi_kinetics *k,
 {
   const int n = body->n, rows = 6 - fbi_first_free(body->base);
   fb_status status;
+
+  /* X, Y, Z and A of the free base */
   w->g = g;
   fbi_copy(w->V, k->V, 6);
   status = fbi_coupling(w, k, body);
   if (status != FB_OK) {
     return status;
   }
+
+  /* E = M + g^2 K_t + g (N - N^T) */
   fbi_tangent(w, body, k->qx + 1);
   fbi_sparse_to_dense(w->E, &body->M, n);
   fbi_row_sub(w->E, -g * g, w->K, n * n);
@@ -8886,6 +8926,8 @@ static fb_status fbi_implicit_factor(fb_implicit_work *w, const fbi_kinetics *k,
     w->E[a * n + b] += g * term->c * w->V[term->i];
     w->E[b * n + a] -= g * term->c * w->V[term->i];
   }
+
+  /* Schur complement of the base, damping, LU factors */
   for (int i = 0; i < rows; i++) {
     for (int a = 0; a < n; a++) {
       fbi_row_sub(w->E + a * n, w->X[i * n + a] - g * w->Y[i * n + a], w->Z + i * n, n);
@@ -8908,8 +8950,8 @@ static void fbi_symmetric_sub(fb_real *y, fb_real s, const fb_real *A, const fb_
   }
 }
 
-/* t = A^-1 ((1 + g w^) X u + g (0, r_h)): velocities that the base takes up before the modes answer; momenta in the
-   momentum form only. */
+/* t = A^-1 ((1 + g w^) X u + g (0, r_h)): increments of the base velocity with the modes fixed; the gyroscopic
+   terms in the momentum form only. */
 static void fbi_base_answer(fb_real t[6], const fb_implicit_work *w, const fb_body *body, const fb_state *r,
                             const fb_real *u)
 {
@@ -8928,7 +8970,7 @@ static void fbi_base_answer(fb_real t[6], const fb_implicit_work *w, const fb_bo
   fbi_lu_plain_solve(t, w->A, rows);
 }
 
-/* (1 - g w/2)^-1, by which a quaternion's rate k = r + 1/2 g k o w is solved for. */
+/* Quaternion (1 - g w/2)^-1, which solves the implicit rate k = r + 1/2 g k o w of an attitude. */
 static void fbi_turn_inverse(fb_real own[4], fb_real g, const fb_real w[3])
 {
   const fb_real half = FB_R(0.5) * g, s = FB_R(1.0) / (FB_R(1.0) + half * half * fb_vec3_dot(w, w));
@@ -8938,7 +8980,8 @@ static void fbi_turn_inverse(fb_real own[4], fb_real g, const fb_real w[3])
   }
 }
 
-/* The attitude and h take part by the recoil V (times g), so that they are integrated as stiffly as what moves them. */
+/* Solution for attitude and h, which depend on the increment V (times g) of the base velocity: as implicit as the
+   modes. */
 static void fbi_recoil_pose(fb_state *r, const fb_implicit_work *w, const fb_body *body, const fbi_kinetics *k,
                             const fb_state *state, const fb_real V[6])
 {
@@ -8968,6 +9011,8 @@ static void fbi_implicit_solve(fb_state *r, const fb_implicit_work *w, const fb_
   const fb_real g = w->g;
   fb_real b[FB_MAX_MODES], d[FB_MAX_MODES], t[6], V[6] = {0};
   fb_real *u = momentum ? r->q : r->pi;
+
+  /* Right-hand side of the modes */
   fbi_copy(d, u, n);
   fbi_mass_mul(b, body, u);
   fbi_base_answer(t, w, body, r, u);
@@ -8982,6 +9027,8 @@ static void fbi_implicit_solve(fb_state *r, const fb_implicit_work *w, const fb_
   } else {
     fbi_symmetric_sub(b, g, w->K, r->q, n);
   }
+
+  /* Modes k_q (or k_u), velocity increment V of the base */
   fbi_lu_plain_solve(b, w->E, n);
   fbi_copy(u, b, n);
   for (int i = 0; i < rows; i++) {
@@ -8990,6 +9037,8 @@ static void fbi_implicit_solve(fb_state *r, const fb_implicit_work *w, const fb_
   for (int a = 0; a < n; a++) {
     d[a] = u[a] - d[a];
   }
+
+  /* Momenta, or displacements and base velocity */
   if (momentum) {
     fbi_symmetric_sub(r->pi, g, w->K, r->q, n);
     fbi_damping_add(r->pi, -FB_R(1.0), body, d);
@@ -9007,18 +9056,20 @@ static void fbi_implicit_solve(fb_state *r, const fb_implicit_work *w, const fb_
       V[3 + i] = g * r->L[i];
     }
   }
+
+  /* Position, attitude and h */
   fbi_vec3_add(r->rho, g, r->u);
   fbi_recoil_pose(r, w, body, k, state, V);
 }
 
-/* Frequency of the stiffening by the quadratic field. */
+/* Frequency of the geometric stiffening by the quadratic displacement field. */
 static fb_real fbi_stiffening(const fb_body *body, fb_real spin, fb_real acceleration)
 {
   return FB_SQRT(body->limit_spin * spin * spin + body->limit_acceleration * FB_FABS(acceleration));
 }
 
-/* [E11.6] Largest step of the implicit schemes: what their matrix leaves out, products of the spin and the stiffening
-   of the quadratic field; |w| dt <= 1/10, the frequency of the latter times dt <= 1.
+/* [E11.6] Largest step of the implicit integrators, set by the terms that their matrix leaves out, products of the spin
+   and geometric stiffening by the quadratic displacement field: |w| dt <= 1/10, frequency of the latter times dt <= 1.
    Source: trials.  Fails: never.  Test: steps_within_the_limit_are_stable. */
 FB_DEF fb_real fb_implicit_limit(const fb_body *body, fb_real spin, fb_real acceleration)
 {
@@ -9036,7 +9087,7 @@ static fb_status fbi_implicit_check(const fb_body *body, const fbi_kinetics *k, 
   return dt <= fb_implicit_limit(body, spin, acceleration) ? FB_OK : FB_ERR_STEP;
 }
 
-/* Start of an implicit step: rates at the state, checked step, factored iteration matrix. */
+/* Start of an implicit step: rates at the state, step limit, factored iteration matrix. */
 static fb_status fbi_implicit_start(fb_implicit_work *w, fbi_kinetics *k, const fb_body *body, const fb_state *state,
                                     const fb_input *input, fb_real dt, fb_real g)
 {
@@ -9049,10 +9100,10 @@ static fb_status fbi_implicit_start(fb_implicit_work *w, fbi_kinetics *k, const 
   return status == FB_OK ? fbi_implicit_factor(w, k, body, g) : status;
 }
 
-/* [E11.25] Has a stage converged? Not where the last correction is above a tenth of the first one and a hundredth of
-   what the stage leads to, and is no rounding: Newton's corrections shrink to less than a tenth where a step is short
-   enough for what it is to follow. Squares; one iteration alone cannot be judged.
-   What bends is judged by a tenth of its own change, in systems.
+/* [E11.25] Convergence of a stage. It fails if the last Newton correction exceeds a tenth of the first one, a hundredth
+   of the increment of the stage, and round-off: corrections shrink to less than a tenth if the step resolves the
+   motion. Arguments are squares; a single iteration cannot be judged.
+   In systems modes are checked separately, against a tenth of their own increment.
    Source: contraction of Newton's method.  Test: steps_that_have_not_converged_say_so,
    a_fast_sled_does_not_hide_what_bends. */
 static fb_status fbi_stage_check(fb_real first, fb_real last, fb_real change)
@@ -9062,8 +9113,8 @@ static fb_status fbi_stage_check(fb_real first, fb_real last, fb_real change)
   return last > bound ? FB_ERR_CONVERGENCE : FB_OK;
 }
 
-/* [E11.32] Square of how far rates k lead within g [rad], for E11.25: turn of the attitude, modes by the radius of
-   gyration.
+/* [E11.32] Squared size of the increment g k [rad^2], for E11.25: rotation of the attitude, modal displacements over
+   the radius of gyration.
    Source: definition.  Cost: 2 n flops.  Test: implicit_steps_that_have_not_converged_say_so. */
 static fb_real fbi_rate_size(const fb_state *k, const fb_body *body, fb_real g)
 {
@@ -9076,7 +9127,7 @@ static fb_real fbi_rate_size(const fb_state *k, const fb_body *body, fb_real g)
   return g * g * (FB_R(4.0) * turn + bent * bent);
 }
 
-/* Simplified Newton iterations for k = f(base + g k), k given a guess: (I - g W) dk = f - k. */
+/* Simplified Newton iterations for k = f(base + g k), k holds the first guess: (I - g W) dk = f - k. */
 static fb_status fbi_stage_solve(fb_implicit_work *w, fb_state *k, const fb_body *body, const fbi_kinetics *at,
                                  const fb_state *base, const fb_input *input, int iterations, fb_real dt)
 {
@@ -9084,6 +9135,8 @@ static fb_status fbi_stage_solve(fb_implicit_work *w, fb_state *k, const fb_body
   fb_real first = FB_R(0.0), last = FB_R(0.0);
   for (int i = 0; i < iterations && status == FB_OK; i++) {
     fbi_kinetics here;
+
+    /* Residual f - k */
     fbi_stage_advance(&w->stage, body, base, w->g, k);
     if (fbi_is_oriented(body, input)) {
       fb_quat_to_mat33(here.R, w->stage.quat);
@@ -9093,6 +9146,8 @@ static fb_status fbi_stage_solve(fb_implicit_work *w, fb_state *k, const fb_body
       status = fbi_turn_check(at->V + 3, here.V + 3, dt);
     }
     fbi_state_advance(&w->rate, &w->rate, -FB_R(1.0), k, body->n);
+
+    /* Correction */
     fbi_implicit_solve(&w->rate, w, body, at, &w->start);
     fbi_state_advance(k, k, FB_R(1.0), &w->rate, body->n);
     last = fbi_rate_size(&w->rate, body, w->g);
@@ -9101,7 +9156,7 @@ static fb_status fbi_stage_solve(fb_implicit_work *w, fb_state *k, const fb_body
   return status == FB_OK && iterations > 1 ? fbi_stage_check(first, last, fbi_rate_size(k, body, w->g)) : status;
 }
 
-/* The velocity of a prescribed base at the middle of E11.7 in the axes of the start, where the first guess needs it. */
+/* Velocity of a prescribed base at the midpoint of E11.7 in the axes of the start, for the first guess. */
 static void fbi_base_guess(fb_real v[3], const fb_input *middle, fb_real g)
 {
   fb_real own[4], R[9];
@@ -9121,12 +9176,16 @@ FB_DEF fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_impli
   fb_status status;
   FBI_REQUIRE(body && state && work, FB_ERR_NULL);
   FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
+
+  /* Iteration matrix at the start */
   if (fbi_is_following(body) && middle) {
     work->between = *middle;
     fbi_base_guess(work->between.v, middle, FB_R(0.5) * dt);
     first = &work->between;
   }
   status = fbi_implicit_start(work, &at, body, state, first, dt, FB_R(0.5) * dt);
+
+  /* Stage k */
   if (status == FB_OK) {
     work->first = work->rate;
     fbi_implicit_solve(&work->first, work, body, &at, &work->start);
@@ -9135,22 +9194,28 @@ FB_DEF fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_impli
   if (status != FB_OK) {
     return status;
   }
+
+  /* dt k */
   fbi_state_scale(&work->sum, dt, &work->first, body->n);
   return fbi_step_end(state, &work->sum, &work->start, body, middle, work->stage.quat);
 }
 
-/* The input at the fraction s between two; loads must be at the same nodes in the same axes. */
+/* Input interpolated at the fraction s; loads must be at the same nodes in the same axes. */
 static fb_status fbi_input_between(fb_input *out, const fb_input *a, const fb_input *b, fb_real s)
 {
   *out = *a;
   if (a->n_load != b->n_load) {
     return FB_ERR_VALUE;
   }
+
+  /* Same nodes and axes? */
   for (int k = 0; k < a->n_load; k++) {
     if (a->load[k].node != b->load[k].node || a->load[k].axes != b->load[k].axes) {
       return FB_ERR_VALUE;
     }
   }
+
+  /* Linear interpolation */
   for (int i = 0; i < 3; i++) {
     for (int k = 0; k < a->n_load; k++) {
       out->load[k].force[i] += s * (b->load[k].force[i] - a->load[k].force[i]);
@@ -9164,14 +9229,16 @@ static fb_status fbi_input_between(fb_input *out, const fb_input *a, const fb_in
   return FB_OK;
 }
 
-/* [E11.34] Velocity v of a prescribed base at the first stage of E11.8, in its axes: between those at the ends in
-   inertial axes, where a base that goes straight on has one velocity, by the attitudes that the scheme gives it.
+/* [E11.34] Velocity v of a prescribed base at the first stage of E11.8, in its axes: interpolated in inertial axes,
+   where a straight uniform motion has one velocity, with the attitudes that the integrator computes.
    Source: E11.8 of the attitude alone.  Cost: 250 flops.  Fails: never.
    Test: the_speed_of_a_prescribed_base_does_not_matter. */
 static void fbi_base_between(fb_real v[3], const fb_state *start, const fb_input *a, const fb_input *stage,
                              const fb_input *b, fb_real c, fb_real dt)
 {
   fb_real own[4], middle[4], end[4], rate[4], R[9], first[3], last[3];
+
+  /* Attitudes at the stage and at the end, by E11.8 */
   fbi_turn_inverse(own, c * dt, stage->w);
   fb_quat_mul(middle, start->quat, own);
   fbi_quat_rate(rate, middle, stage->w);
@@ -9180,6 +9247,8 @@ static void fbi_base_between(fb_real v[3], const fb_state *start, const fb_input
   }
   fbi_turn_inverse(own, c * dt, b->w);
   fb_quat_mul(end, rate, own);
+
+  /* Velocities in inertial axes, interpolated */
   fb_quat_to_mat33(R, start->quat);
   fb_mat33_mul_vec3(first, R, a->v);
   fb_quat_to_mat33(R, end);
@@ -9191,7 +9260,7 @@ static void fbi_base_between(fb_real v[3], const fb_state *start, const fb_input
   fb_mat33_mulT_vec3(v, R, first);
 }
 
-/* [E11.8] Two-stage SDIRK scheme of order 2, L-stable and stiffly accurate, c = 1 - 1/sqrt(2):
+/* [E11.8] Two-stage SDIRK integrator of order 2, L-stable and stiffly accurate, c = 1 - 1/sqrt(2):
    k_1 = f(t + c dt, y + c dt k_1),  k_2 = f(t + dt, y + (1-c) dt k_1 + c dt k_2),  y <- its last stage.
    Source: [AL].  Cost: 1 + 2 iterations evaluations, one LU.
    Fails: as E11.4.  Test: each_scheme_converges_at_its_order, steps_may_be_a_thousand_periods_long. */
@@ -9206,6 +9275,8 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
   FBI_REQUIRE(body && state && work, FB_ERR_NULL);
   FBI_REQUIRE((start != NULL) == (end != NULL), FB_ERR_NULL);
   FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
+
+  /* Iteration matrix at the start, input at the first stage */
   status = fbi_implicit_start(work, &at, body, state, start, dt, c * dt);
   if (status == FB_OK && start != end) {
     status = fbi_input_between(&work->between, start, end, c);
@@ -9214,11 +9285,15 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
       fbi_base_between(work->between.v, &work->start, start, &work->between, end, c, dt);
     }
   }
+
+  /* First stage */
   if (status == FB_OK) {
     work->first = work->rate;
     fbi_implicit_solve(&work->first, work, body, &at, &work->start);
     status = fbi_stage_solve(work, &work->first, body, &at, &work->start, first, count, dt);
   }
+
+  /* Second stage */
   if (status == FB_OK) {
     fbi_state_scale(&work->sum, (FB_R(1.0) - c) * dt, &work->first, body->n);
     fbi_stage_advance(&work->base, body, &work->start, (FB_R(1.0) - c) * dt, &work->first);
@@ -9227,20 +9302,22 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
   if (status != FB_OK) {
     return status;
   }
+
+  /* (1-c) dt k_1 + c dt k_2 */
   fbi_state_advance(&work->sum, &work->sum, c * dt, &work->first, body->n);
   return fbi_step_end(state, &work->sum, &work->start, body, end, NULL);
 }
 
-/* ---- exponential scheme */
+/* ---- exponential integrator */
 
-/* [E11.11] Largest step of the exponential scheme: gyroscopic terms 2 |w|, faster by the recoil of a light base
-   (squared: it turns the faster what bends it), the quadratic field, the change of frequencies by the tension of a
+/* [E11.11] Largest step of the exponential integrator: gyroscopic terms 2 |w|, increased by the recoil of a light base
+   (squared), geometric stiffening by the quadratic displacement field, change of frequencies by the tension of a
    spinning beam, heavy damping; the largest of them times dt <= 1.
    Source: trials.  Fails: never.  Test: steps_within_the_limit_are_stable. */
 FB_DEF fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real acceleration)
 {
   FBI_REQUIRE(body, FB_R(0.0));
-  const fb_real lightness = body->recoil * body->recoil - FB_R(1.0); /* 0: nothing recoils */
+  const fb_real lightness = body->recoil * body->recoil - FB_R(1.0); /* 0: no recoil */
   const fb_real turning = (FB_R(2.0) * body->recoil + FB_R(15.0) * lightness) * FB_FABS(spin);
   const int heavy = body->limit_damping > FB_R(0.5) * FB_SQRT(body->limit_elastic);
   fb_real bound = fbi_larger(turning, fbi_stiffening(body, spin, acceleration));
@@ -9251,7 +9328,7 @@ FB_DEF fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real a
 }
 
 #if FB_WITH_NONLINEAR_STRAIN
-/* s = q + sign G(q), sign 1, or -1 to go back; slope is that of q and of s. */
+/* Membrane coordinates s = q + sign G(q), sign -1 for the inverse; slope: of q, the same as of s. */
 static void fbi_membrane_shift(fb_real *q, fb_real slope[3][FBI_MAX_STRAINS], const fb_exponential *scheme,
                                const fb_body *body, fb_real sign)
 {
@@ -9308,6 +9385,7 @@ static void fbi_modal_from(fb_state *z, const fb_exponential *scheme, const fb_b
   }
 }
 
+/* Inverse of fbi_modal_from. */
 static void fbi_modal_to(fb_state *state, const fb_exponential *scheme, const fb_body *body, const fb_state *z)
 {
   const int n = body->n;
@@ -9331,12 +9409,14 @@ static void fbi_modal_to(fb_state *state, const fb_exponential *scheme, const fb
 #endif
 }
 
-/* What is left of the rates of z without the linear elastic part: N = (X M s_dot - p, X sigma_dot + omega^2 x). */
+/* Rates of z minus the linear elastic part: N = (X M s_dot - p, X sigma_dot + omega^2 x). */
 static fb_status fbi_modal_rates(fb_state *N, fbi_kinetics *k, fb_exponential_work *w, const fb_exponential *scheme,
                                  const fb_body *body, const fb_state *z, const fb_input *input)
 {
   const int n = body->n;
   fb_status status = fbi_input_check(body, input);
+
+  /* Rates of the body */
   fbi_modal_to(&w->at, scheme, body, z);
   if (fbi_is_oriented(body, input)) {
     fb_quat_to_mat33(k->R, z->quat);
@@ -9360,6 +9440,8 @@ static fb_status fbi_modal_rates(fb_state *N, fbi_kinetics *k, fb_exponential_wo
     fbi_membrane_sub(w->rate.pi, body, h_dot, k->slope, h, rate);
   }
 #endif
+
+  /* Modal coordinates, less L z */
   fbi_frame_copy(N, &w->rate);
   for (int i = 0; i < n; i++) {
     N->q[i] = fbi_dot(scheme->MX + i * n, w->rate.q, n) - z->pi[i];
@@ -9368,7 +9450,7 @@ static fb_status fbi_modal_rates(fb_state *N, fbi_kinetics *k, fb_exponential_wo
   return FB_OK;
 }
 
-/* y += s phi_j(h L) v: on modes c_j + h L c_(j+1) with L = [0 1; -omega^2 0], on the rest 1/j!. */
+/* y += s phi_j(h L) v: c_j + h L c_(j+1) with L = [0 1; -omega^2 0] for modes, 1/j! for the rest. */
 static void fbi_phi_add(fb_state *y, fb_real s, const fb_real c[5][FB_MAX_MODES], int j, const fb_exponential *scheme,
                         fb_real h, const fb_state *v, int n)
 {
@@ -9380,7 +9462,7 @@ static void fbi_phi_add(fb_state *y, fb_real s, const fb_real c[5][FB_MAX_MODES]
   }
 }
 
-/* y += (e^(h L) - 1) v on modes, by c_0 - 1 = -(omega h)^2 c_2: what a short step adds is not lost in 1. */
+/* y += (e^(h L) - 1) v for modes, with c_0 - 1 = -(omega h)^2 c_2, free of cancellation for short steps. */
 static void fbi_phi_increment(fb_state *y, const fb_exponential *scheme, const fb_state *v, int n)
 {
   const fb_real h = scheme->dt;
@@ -9391,8 +9473,8 @@ static void fbi_phi_increment(fb_state *y, const fb_exponential *scheme, const f
   }
 }
 
-/* The increments of a step in work->full, from modal coordinates to work->at; membrane coordinates are not linear in
-   them. */
+/* Transforms the increments of a step from modal coordinates (work->full) to work->at; with membrane coordinates the
+   map is nonlinear, and increments are differences of states. */
 static void fbi_modal_increments(fb_exponential_work *w, const fb_exponential *scheme, const fb_body *body,
                                  const fb_state *state)
 {
@@ -9444,11 +9526,11 @@ static fb_status fbi_exponential_limited(const fb_body *body, const fbi_kinetics
   return h <= fb_exponential_limit(body, spin, acceleration) ? FB_OK : FB_ERR_STEP;
 }
 
-/* [E11.10] Exponential Runge-Kutta scheme of order 4 for z' = L z + N(t, z), stages at 0, 1/2, 1/2, 1:
+/* [E11.10] Exponential Runge-Kutta integrator of order 4 for z' = L z + N(t, z), stages at 0, 1/2, 1/2, 1:
    z_2 = e^(hL/2) z + h/2 phi_1(hL/2) N_1,  z_3 = z_2 + h phi_2(hL/2) (N_2 - N_1),
    z_4 = e^(hL) z + h phi_1(hL) N_1 + 2h phi_2(hL) (N_3 - N_1),
    z <- e^(hL) z + h phi_1 N_1 + h phi_2 (-3 N_1 + 2 N_2 + 2 N_3 - N_4) + 4h phi_3 (N_1 - N_2 - N_3 + N_4).
-   Where L = 0 this is the classical Runge-Kutta scheme.
+   For L = 0 this is the classical Runge-Kutta integrator.
    Source: [KR].  Cost: 4 evaluations, 16 n^2 flops each.  Fails: as the rates.
    Test: each_scheme_converges_at_its_order, the_exponential_scheme_is_exact_for_linear_bodies. */
 FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *scheme, fb_state *state,
@@ -9466,6 +9548,8 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   sum = &work->sum;
   n = body->n;
   h = scheme->dt;
+
+  /* N_1, step limit */
   fbi_state_enter(&work->start, k.R, body, state);
   fbi_frame_copy(&work->at, &work->start);
   fbi_elastic_copy(&work->at, &work->start, n);
@@ -9473,17 +9557,23 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   status = fbi_modal_rates(&N[0], &k, work, scheme, body, z, start);
   status = status == FB_OK ? fbi_exponential_limited(body, &k, start, h) : status;
   fbi_vec3_copy(turn, k.V + 3);
+
+  /* z_2, N_2 */
   if (status == FB_OK) {
     memset(&work->half, 0, sizeof work->half);
     fbi_phi_add(&work->half, FB_R(1.0), scheme->half, 0, scheme, FB_R(0.5) * h, z, n);
     fbi_phi_add(&work->half, FB_R(0.5) * h, scheme->half, 1, scheme, FB_R(0.5) * h, &N[0], n);
     status = fbi_modal_rates(&N[1], &k, work, scheme, body, &work->half, middle);
   }
+
+  /* z_3, N_3 */
   if (status == FB_OK) {
     fbi_state_advance(sum, &N[1], -FB_R(1.0), &N[0], n);
     fbi_phi_add(&work->half, h, scheme->half, 2, scheme, FB_R(0.5) * h, sum, n);
     status = fbi_modal_rates(&N[2], &k, work, scheme, body, &work->half, middle);
   }
+
+  /* z_4, N_4 */
   if (status == FB_OK) {
     memset(&work->full, 0, sizeof work->full);
     fbi_phi_increment(&work->full, scheme, z, n);
@@ -9497,6 +9587,8 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   if (status != FB_OK) {
     return status;
   }
+
+  /* Increments, in z and in the state */
   fbi_state_advance(&N[1], &N[1], FB_R(1.0), &N[2], n); /* N_2 + N_3 */
   fbi_state_advance(sum, &N[0], -FB_R(1.0), &N[1], n);
   fbi_state_advance(sum, sum, FB_R(1.0), &N[3], n);
