@@ -9603,7 +9603,7 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
 #if FB_WITH_SYSTEM
 /* ---- systems */
 
-/* y = a + s b, straight */
+/* y = a + s b for the coordinates and momenta of a joint; the quaternion is not normalized. */
 static void fbi_link_advance(fb_link_state *y, const fb_link_state *a, fb_real s, const fb_link_state *b,
                              const fb_joint *joint)
 {
@@ -9640,7 +9640,7 @@ static void fbi_system_advance(fb_system_state *out, const fb_system_state *stat
   }
 }
 
-/* All of a state but modes and holds. */
+/* Copies the links and the motor work of a state, not the modes of its axes. */
 static void fbi_links_copy(fb_system_state *out, const fb_system_state *state, const fb_system *system)
 {
   for (int k = 0; k < system->n_body; k++) {
@@ -9664,7 +9664,7 @@ static void fbi_system_clear(fb_system_state *rate, const fb_system *system, con
   }
 }
 
-/* E11.26 of all bodies. begin: keeps the start's. */
+/* E11.26 for all bodies. begin: stores the angular velocities of the start. */
 static fb_status fbi_turns_check(fb_system_work *w, const fb_system *system, fb_real dt, int begin)
 {
   fb_status status = FB_OK;
@@ -9678,15 +9678,15 @@ static fb_status fbi_turns_check(fb_system_work *w, const fb_system *system, fb_
   return status;
 }
 
-/* Bound of the highest frequency of a system: E8.8 with springs and modes of the whole. */
+/* Bound of the highest frequency of a system: E8.8 with the springs and modes of the whole system. */
 static fb_real fbi_system_frequency(const fb_system *system, fb_real spin, fb_real stiffening)
 {
   const fb_real g = spin + FB_R(0.5) * (system->limit_damping + system->limit_kept_damping);
   return g + FB_SQRT(g * g + system->limit_elastic + system->limit_kept_elastic + stiffening);
 }
 
-/* [E11.15] Largest step of rk4 for a system: the frequency bound of E8.8 with the springs and modes of the whole,
-   undeformed, at zero joint coordinates, the fastest spin and the stiffening of the bodies.
+/* [E11.15] Largest step of rk4 for a system: the frequency bound of E8.8 with the springs and modes of the whole
+   system, undeformed at zero joint coordinates, the fastest spin and the largest geometric stiffening of the bodies.
    Source: E8.8, E11.1.  Fails: never.  Test: system_steps_beyond_the_limit_are_refused. */
 FB_DEF fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body, fb_real spin, fb_real acceleration)
 {
@@ -9699,8 +9699,8 @@ FB_DEF fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body,
   return fbi_step_limit(FBI_RK4_RADIUS, fbi_system_frequency(system, FB_FABS(spin), stiff));
 }
 
-/* The fastest spin there is and the largest stiffening k [1/s^2]; O accelerates by the spin of the bodies on the way
-   and by what acts on the whole. */
+/* Fastest spin of the bodies and largest geometric stiffening k [1/s^2]; the acceleration of O is estimated from the
+   spin of the bodies between it and the root, and from the force on the tree. */
 static void fbi_system_conditions(fb_real *spin, fb_real *stiffening, fb_system_work *w, const fb_system *system)
 {
   *spin = *stiffening = FB_R(0.0);
@@ -9726,16 +9726,20 @@ static void fbi_system_conditions(fb_real *spin, fb_real *stiffening, fb_system_
 #define FBI_ADD(x, d, what, n) fbi_row_sub((x)->what, -FB_R(1.0), (d)->what, n)
 #endif
 
-/* Positions += increment by E11.22, a quaternion stays of unit length; a free joint's, in the frame of its tree.
-   FB_ERR_STEP: an increment of so many turns that nothing is left of the attitude's digits. */
+/* Positions += increment by E11.22, quaternions normalized; the position of a free joint is relative to the frame of
+   its tree. FB_ERR_STEP: a rotation so large that the attitude is lost to round-off. */
 static fb_status fbi_link_move(fb_link_state *x, fb_link_state *increment, const fb_joint *joint, int n)
 {
   fb_status status = FB_OK;
+
+  /* Attitude */
   if (joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL) {
     status = fbi_quat_increment(increment->quat, x->quat);
     FBI_ADD(x, increment, quat, 4);
     status = status == FB_OK && !fbi_quat_is_unit(x->quat) ? FB_ERR_STEP : status;
   }
+
+  /* Position, joint coordinates, modes */
   if (joint->kind == FB_JOINT_FREE) {
     fbi_vec3_add(x->lost_x, FB_R(1.0), increment->lost_x);
   } else if (joint->kind != FB_JOINT_SPHERICAL) {
@@ -9748,7 +9752,7 @@ static fb_status fbi_link_move(fb_link_state *x, fb_link_state *increment, const
   return status;
 }
 
-/* Momenta += increment, small values become zero. */
+/* Momenta += increment, small values flushed. */
 static void fbi_link_push(fb_link_state *x, fb_link_state *increment, const fb_joint *joint, int n)
 {
   FBI_ADD(x, increment, p, joint->n_axis);
@@ -9766,12 +9770,13 @@ static void fbi_links_push(fb_system_state *next, fb_system_work *w, const fb_sy
   }
 }
 
+/* Is link k a free root whose body angular momentum is integrated too (E11.27)? */
 static int fbi_owns(const fb_system *system, const fb_system_state *modes, int k)
 {
   return system->joint[k].kind == FB_JOINT_FREE && modes->mode[k][0] == FB_AXIS_FREE;
 }
 
-/* What begins a step of free roots without constraints: their L in body axes. */
+/* Start of a step of free roots without constraints: angular momentum in body axes. */
 static void fbi_own_begin(fb_system_work *w, const fb_system *system, const fb_system_state *state)
 {
   w->owns = 1;
@@ -9787,8 +9792,9 @@ static void fbi_own_begin(fb_system_work *w, const fb_system *system, const fb_s
   }
 }
 
-/* [E11.27] A stage of them: h_dot = R^T L_dot - w x h; the sum of increments grows by weight, the next stage is at
-   ahead. L in inertial axes alone would take an attitude's error for spin about a thin axis, I_t/I_x times as fast.
+/* [E11.27] Stage of the angular momentum h of a free root in body axes: h_dot = R^T L_dot - w x h; weight: in the sum
+   of increments, ahead: of the next stage. With L in inertial axes alone an attitude error would appear as spin about a
+   thin axis, magnified by I_t/I_x.
    Source: Euler's equations.  Cost: 40 flops a root.  Test: thin_tubes_keep_calm. */
 static void fbi_own_stage(fbi_link_work *L, const fb_link_state *rate, fb_real weight, fb_real ahead)
 {
@@ -9800,19 +9806,23 @@ static void fbi_own_stage(fbi_link_work *L, const fb_link_state *rate, fb_real w
   fbi_vec3_add(L->own, ahead, h_dot);
 }
 
-/* [E11.28] The attitude of a free root by the smallest rotation that brings R h onto L, both about the mass center: L
-   is exact, so is h along thin axes. increment: of the step, its quaternion takes half the rotation vector times the
-   attitude. Where L has changed by more than what it is the two tell nothing about the attitude.
+/* [E11.28] Corrects the attitude of a free root by the smallest rotation that takes R h to L, both about the mass
+   center (E11.29): L is exact, h is exact about thin axes. increment: of the step; half the rotation vector times the
+   attitude is added to its quaternion.
    Source: L = R h.  Cost: 120 flops a root.  Test: thin_tubes_keep_calm. */
 static void fbi_own_end(fb_link_state *increment, const fbi_link_work *L, const fb_link_state *x)
 {
   fb_real quat[4], R[9], a[3], b[3], moment[3], P[3];
+
+  /* Attitude after the step */
   for (int i = 0; i < 4; i++) {
     quat[i] = x->quat[i] + increment->quat[i];
   }
   if (fb_quat_normalize(quat) != FB_OK || !(L->bulk > FB_R(0.0))) {
     return;
   }
+
+  /* R h in a and L in b, moved to the mass center */
   fb_quat_to_mat33(R, quat);
   fb_mat33_mul_vec3(moment, R, L->first);
   for (int i = 0; i < 3; i++) {
@@ -9826,10 +9836,12 @@ static void fbi_own_end(fb_link_state *increment, const fbi_link_work *L, const 
   }
   fbi_vec3_add_cross(a, P, moment);
   fbi_vec3_add_cross(b, P, moment);
+
+  /* Correction */
   fbi_attitude_onto(increment->quat, quat, a, b, fbi_vec3_norm(increment->p + 3));
 }
 
-/* The integral of the momenta P in the frames goes on by s times those of a stage, x + g rate. */
+/* Adds s times the momenta P of a stage, x + g rate, to their time integral in the frames. */
 static void fbi_flight_add(fb_system_work *w, const fb_system *system, const fb_system_state *x, fb_real g,
                            const fb_system_state *rate, fb_real s)
 {
@@ -9842,9 +9854,9 @@ static void fbi_flight_add(fb_system_work *w, const fb_system *system, const fb_
   }
 }
 
-/* [E11.23] What ends a step of trees that fly: O comes to where the mass center is led by its momentum, m c + P dt, so
-   that the angular momentum about the inertial origin is what it was, and moves on with the frame, u dt; then frames
-   take their new velocities.
+/* [E11.23] End of a step of free-flying trees: O is placed so that the mass center moves by the momentum, m c + P dt,
+   which conserves the angular momentum about the inertial origin; then it moves with the frame, u dt, and the frames
+   get their new velocities.
    Source: momentum of the whole.  Cost: 60 flops a body.  Test: flight_speed_changes_nothing,
    fast_systems_keep_their_angular_momentum. */
 static void fbi_flight_end(fb_system_state *next, fb_system_work *w, const fb_system *system, fb_real dt)
@@ -9864,8 +9876,8 @@ static void fbi_flight_end(fb_system_state *next, fb_system_work *w, const fb_sy
   fbi_frames_set(next, w, system);
 }
 
-/* A stage's rates into the increments of the step, by weight, and into the next stage (last: there is none), which is
-   at start + ahead rates. */
+/* Adds weight times the rates of a stage to the increments of the step and sets the next stage to start + ahead rates
+   (last: no next stage). */
 static void fbi_rk4_take(fb_system_work *w, const fb_system *system, const fb_system_state *at,
                          const fb_system_state *start, fb_real weight, fb_real ahead, int last)
 {
@@ -9875,12 +9887,16 @@ static void fbi_rk4_take(fb_system_work *w, const fb_system *system, const fb_sy
     const fb_link_state *rate = &w->rate.link[k], *from = &start->link[k];
     fb_link_state *sum = &w->sum.link[k], *next = &w->stage.link[k];
     const int n = L->model->n, free = L->joint->kind == FB_JOINT_FREE;
+
+    /* Free root: integral of P, angular momentum in body axes */
     if (free) {
       fbi_vec3_add(w->link[L->root].glide, weight, at->link[k].p);
     }
     if (free && w->owns && L->mode[0] == FB_AXIS_FREE) {
       fbi_own_stage(L, rate, weight, ahead);
     }
+
+    /* Joint coordinates and momenta, modes */
     fbi_link_advance(sum, sum, weight, rate, L->joint);
     if (!last) {
       fbi_link_advance(next, from, ahead, rate, L->joint);
@@ -9894,7 +9910,7 @@ static void fbi_rk4_take(fb_system_work *w, const fb_system *system, const fb_sy
   }
 }
 
-/* Loops closed and velocities onto the constraints. */
+/* Projects positions and velocities onto the constraints. */
 static fb_status fbi_rows_end(fb_system_state *next, fb_system_work *w, const fb_system *system, const fb_body *body,
                               const fb_system_state *state, const fb_system_input *input)
 {
@@ -9904,21 +9920,23 @@ static fb_status fbi_rows_end(fb_system_state *next, fb_system_work *w, const fb
   status = status == FB_OK ? fbi_momenta_close(w, system, body, next, state, input) : status;
   miss = status == FB_OK ? fbi_rows_miss(&worst, w, system) : FB_R(0.0);
   if (status == FB_OK &&
-      !(miss <= (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-5)))) { /* cannot be closed, or far too long a step */
+      !(miss <= (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-5)))) { /* contradictory constraints, or far too long a step */
     w->joint = worst;
     return FB_ERR_CONTRADICTION;
   }
   return status;
 }
 
-/* What ends every step: increments (work.sum) summed up, given coordinates, loops closed, frames of what flies, all
-   within range. */
+/* Common end of every step: sums the increments (work.sum), sets prescribed coordinates, projects onto the constraints,
+   updates the frames of free-flying trees, checks the range of the model. */
 static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body,
                                 const fb_system_input *input, fb_real dt)
 {
   fb_system_state *const next = &w->stage;
   const int flies = fbi_flies(system, w), rows = fbi_has_rows(system, w, input);
   fb_status status = FB_OK;
+
+  /* Attitude of free roots (E11.28), positions */
   w->clock = dt;
   fbi_links_copy(next, state, system);
   next->motor_work += w->sum.motor_work;
@@ -9934,21 +9952,29 @@ static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const
   if (status != FB_OK) {
     return status;
   }
+
+  /* Prescribed coordinates, momenta */
   fbi_prescribe(next, system, w, state, input);
   if (flies && !rows) {
     fbi_links_place(w, system, body, next, state);
     fbi_frames_take(w, system, next, &w->sum, state, input);
   }
   fbi_links_push(next, w, system);
+
+  /* Constraints */
   if (rows) {
     status = fbi_rows_end(next, w, system, body, state, input);
   }
+
+  /* Frames of free-flying trees */
   if (flies && rows && status == FB_OK) {
     fbi_frames_take(w, system, next, NULL, state, input);
   }
   if (flies && status == FB_OK) {
     fbi_flight_end(next, w, system, dt);
   }
+
+  /* Range, then commit */
   status = status == FB_OK ? fbi_system_range(system, body, next) : status;
   if (status == FB_OK) {
     fbi_links_copy(state, next, system);
@@ -9962,8 +9988,8 @@ static fb_status fbi_system_step_check(const fb_system *system, const fb_body *b
   return dt > FB_R(0.0) && dt < FB_HUGE ? fbi_system_input_check(system, body, input) : FB_ERR_VALUE;
 }
 
-/* [E11.12] Classical Runge-Kutta on a system. Impulses of constraints start at zero in each step, so that what is
-   integrated is an ordinary differential equation; after the step positions and velocities go onto the constraints.
+/* [E11.12] Classical Runge-Kutta on a system. Constraint impulses start at zero in each step, so that an ordinary
+   differential equation is integrated; after the step positions and velocities are projected onto the constraints.
    Source: textbook, E9.15, E9.17.  Cost: 4 evaluations, with constraints 2 solutions more.
    Test: systems_converge_with_the_order_of_the_scheme, redundant_loops_are_accepted. */
 FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body, fb_system_state *state,
@@ -9979,6 +10005,8 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
   FBI_REQUIRE(system && body && state && work, FB_ERR_NULL);
   fbi_system_enter(work, system);
   flies = fbi_flies(system, work);
+
+  /* Inputs of the four stages; E11.27 for free flight without constraints */
   input[0] = start;
   input[1] = input[2] = middle;
   input[3] = end;
@@ -9986,15 +10014,21 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
       !fbi_has_rows(system, work, end)) {
     fbi_own_begin(work, system, state);
   }
+
+  /* Stages */
   fbi_system_clear(&work->sum, system, body);
   for (int stage = 0; stage < 4 && status == FB_OK; stage++) {
     const fb_system_state *at = stage == 0 ? state : &work->stage;
+
+    /* Rates */
     status = fbi_system_step_check(system, body, input[stage], dt);
     if (status == FB_OK && stage > 0) {
       fbi_prescribe(&work->stage, system, work, state, input[stage]);
       work->clock = dt * node[stage - 1];
     }
     status = status == FB_OK ? fbi_system_rates(work, system, body, &work->rate, at, state, input[stage]) : status;
+
+    /* Step limit at the start, rotation at every stage */
     if (status == FB_OK && stage == 0 && !system->allow_long_step) {
       fb_real spin, stiff;
       fbi_system_conditions(&spin, &stiff, work, system);
@@ -10003,6 +10037,8 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
     if (status == FB_OK && !system->allow_long_step) {
       status = fbi_turns_check(work, system, dt, stage == 0);
     }
+
+    /* Weighted sum of rates, next stage */
     if (status == FB_OK) {
       if (stage == 0 && flies) {
         fbi_flight_begin(work, system);
@@ -10013,7 +10049,7 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
   return status == FB_OK ? fbi_system_end(state, work, system, body, end, dt) : status;
 }
 
-/* Turning rate [rad/s] of a quaternion's rate, in the axes that turn. */
+/* Angular velocity [rad/s], body axes, of a quaternion and its rate: 2 quat^* o rate. */
 static void fbi_turn_of_rate(fb_real w[3], const fb_real quat[4], const fb_real rate[4])
 {
   const fb_real back[4] = {FB_R(2.0) * quat[0], -FB_R(2.0) * quat[1], -FB_R(2.0) * quat[2], -FB_R(2.0) * quat[3]};
@@ -10022,7 +10058,7 @@ static void fbi_turn_of_rate(fb_real w[3], const fb_real quat[4], const fb_real 
   fbi_vec3_copy(w, turn + 1);
 }
 
-/* y -= s K_t x of the modes, about where the link is. */
+/* y -= s K_t x, tangent stiffness of the modes at the present deflection of the link. */
 static void fbi_stiffness_sub(fb_real *y, fb_real s, fbi_link_work *L, const fb_body *body, const fb_real *x)
 {
   fbi_sparse_eval(y, y, -s, &body->K, x, body->n);
@@ -10044,12 +10080,18 @@ static void fbi_newton_fill(fb_system_work *w, const fb_system *system, const fb
     const fb_body *model = fbi_model(system, body, k);
     const fb_link_state *x = &r->link[k];
     fbi_link_work *L = &w->link[k];
+
+    /* Modes */
     fbi_stiffness_sub(L->pi, g * g, L, model, x->q);
     fbi_row_sub(L->pi, -g, x->pi, model->n);
+
+    /* Momenta of the joint on its free axes */
     fbi_joint_momenta(L->p, L, joint, x);
     for (int i = 0; i < joint->n_axis; i++) {
       L->p[i] = fbi_axis_mode(L, joint, i) == FB_AXIS_FREE ? g * L->p[i] : FB_R(0.0);
     }
+
+    /* Springs of the joint */
     if (joint->kind == FB_JOINT_SPHERICAL) {
       fb_real turn[3];
       fbi_turn_of_rate(turn, at->link[k].quat, x->quat);
@@ -10073,9 +10115,13 @@ static void fbi_newton_take(fb_system_state *r, fb_system_work *w, const fb_syst
     fbi_link_work *L = &w->link[k];
     fb_link_state *x = &r->link[k], move;
     fbi_coordinate_rates(&move, L, joint, &at->link[k]);
+
+    /* Modes */
     fbi_row_sub(x->q, -FB_R(1.0), L->q_dot, model->n);
     fbi_stiffness_sub(x->pi, g, L, model, x->q);
     fbi_damping_add(x->pi, -FB_R(1.0), model, L->q_dot);
+
+    /* Coordinates of the joint, then its momenta by springs and dampers */
     if (joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL) {
       fbi_row_sub(x->quat, -FB_R(1.0), move.quat, 4);
     }
@@ -10102,8 +10148,8 @@ static void fbi_newton_take(fb_system_state *r, fb_system_work *w, const fb_syst
   }
 }
 
-/* [E11.24] Squares of how far the rates k lead within s [rad]: turns of joints and attitudes, and slides by the radius
-   of gyration of their body; bent: modes, by that radius.
+/* [E11.24] Squared size of the increment s k [rad^2]: rotations of joints and attitudes, translations of joints over
+   the radius of gyration of their body; deformed: modal displacements over that radius.
    Source: definition.  Cost: 20 flops a body, 2 a mode.  Test: steps_that_have_not_converged_say_so. */
 static fb_real fbi_rates_size(fb_real *deformed, const fb_system_state *k, const fb_system *system,
                               const fb_system_work *w, const fb_body *body, fb_real s)
@@ -10115,6 +10161,8 @@ static fb_real fbi_rates_size(fb_real *deformed, const fb_system_state *k, const
     const fb_link_state *x = &k->link[i];
     const fb_real size = model->gyration > FB_R(0.0) ? FB_R(1.0) / model->gyration : FB_R(1.0);
     fb_real bent = FB_R(0.0);
+
+    /* Joint */
     if (joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL) {
       sum += FB_R(4.0) * (x->quat[0] * x->quat[0] + fb_vec3_dot(x->quat + 1, x->quat + 1));
     } else {
@@ -10123,6 +10171,8 @@ static fb_real fbi_rates_size(fb_real *deformed, const fb_system_state *k, const
         sum += move * move;
       }
     }
+
+    /* Modes */
     for (int a = 0; a < model->n; a++) {
       bent += model->reach[a] * FB_FABS(x->q[a]);
     }
@@ -10145,16 +10195,21 @@ static fb_status fbi_system_stage(fb_system_work *w, fb_system_state *k, const f
   fb_status status = FB_OK;
   fb_real first = FB_R(0.0), last = FB_R(0.0), bent = FB_R(0.0), change, bent_change;
   for (int i = 0; i < iterations && status == FB_OK; i++) {
+    /* Rates f at base + g k */
     fbi_system_advance(&w->stage, base, g, k, system, w, body);
     fbi_prescribe(&w->stage, system, w, modes, input);
     status = fbi_system_rates(w, system, body, &w->rate, &w->stage, modes, input);
     if (status == FB_OK && i == iterations - 1 && !system->allow_long_step) {
       status = fbi_turns_check(w, system, dt, 0);
     }
+
+    /* Residual f - k and iteration matrix */
     if (status == FB_OK) {
       fbi_system_advance(&w->rate, &w->rate, -FB_R(1.0), k, system, w, body);
       status = fbi_mass_factor(w, system, body, g);
     }
+
+    /* Correction */
     if (status == FB_OK) {
       fbi_newton_fill(w, system, body, &w->rate, &w->stage, g);
       fbi_zero(w->c, w->n_row);
@@ -10167,23 +10222,27 @@ static fb_status fbi_system_stage(fb_system_work *w, fb_system_state *k, const f
       first = i == 0 ? last : first;
     }
   }
+
+  /* Convergence (E11.25) */
   if (status == FB_OK && iterations > 1) {
     change = fbi_rates_size(&bent_change, k, system, w, body, g);
     status = fbi_stage_check(first, last, change);
     if (bent > fbi_larger(FB_R(0.01) * bent_change, FB_R(16.0) * FB_EPSILON * FB_EPSILON)) {
-      status = FB_ERR_CONVERGENCE; /* by itself: beside the way of what flies it is nothing */
+      status = FB_ERR_CONVERGENCE; /* separately: small against a free-flying body's motion */
     }
   }
   return status;
 }
 
-/* The input at the fraction s between two; loads on the same nodes in the same axes. */
+/* Input interpolated at the fraction s; loads must be at the same nodes in the same axes. */
 static fb_status fbi_system_between(fb_system_input *out, const fb_system_input *a, const fb_system_input *b, fb_real s)
 {
   *out = *a;
   if (a->n_load != b->n_load || a->rows != b->rows) {
     return FB_ERR_VALUE;
   }
+
+  /* Time and loads */
   out->t += s * (b->t - a->t);
   for (int k = 0; k < a->n_load; k++) {
     const fb_load *x = &a->load[k].load, *y = &b->load[k].load;
@@ -10195,6 +10254,8 @@ static fb_status fbi_system_between(fb_system_input *out, const fb_system_input 
       out->load[k].load.torque[i] += s * (y->torque[i] - x->torque[i]);
     }
   }
+
+  /* Drives */
   for (int j = 0; j < FBI_MAX_JOINTS; j++) {
     for (int i = 0; i < 6; i++) {
       out->drive[j].rate[i] += s * (b->drive[j].rate[i] - a->drive[j].rate[i]);
@@ -10207,12 +10268,12 @@ static fb_status fbi_system_between(fb_system_input *out, const fb_system_input 
   return FB_OK;
 }
 
-/* [E11.14] Two-stage SDIRK scheme of order 2 (E11.8) on a system, L-stable: stiff joints and modes die out.
-   L of a free root is the inertial one alone, without E11.27 and E11.28: a thin body that spins about its axis
-   converges only in short steps. Measured, a tube of 8.3 kg m^2 across that turns by 0.1 rad/s and about its axis by
-   0.01 rad/s: with 1e-4 of that inertia about the axis the energy is held to 8e-8 in 20000 steps of 0.01 s, the spin is
-   off by 4 %; steps of 0.1 s, and with 1e-6 those of 0.01 s, end in FB_ERR_CONVERGENCE, nothing changed. Across alone,
-   without that spin, 1e-6 is held to rounding at either step.
+/* [E11.14] Two-stage SDIRK integrator of order 2 (E11.8) on a system, L-stable: damps stiff joints and modes.
+   A free root has its angular momentum in inertial axes only, without E11.27 and E11.28: a thin body that spins about
+   its axis converges only with short steps. Measured, a tube of 8.3 kg m^2 across that turns by 0.1 rad/s and about its
+   axis by 0.01 rad/s: with 1e-4 of that inertia about the axis the energy is held to 8e-8 in 20000 steps of 0.01 s, the
+   spin is off by 4 %; steps of 0.1 s, and with 1e-6 those of 0.01 s, end in FB_ERR_CONVERGENCE, nothing changed. Across
+   alone, without that spin, 1e-6 is held to rounding at either step.
    Source: [AL].  Cost: 2 + 2 iterations evaluations, 2 iterations solutions.
    Test: systems_converge_with_the_order_of_the_scheme, stiff_joints_take_long_steps. */
 FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *body, fb_system_state *state,
@@ -10229,12 +10290,16 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
   FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
   fbi_system_enter(work, system);
   flies = fbi_flies(system, work);
+
+  /* Inputs */
   status = fbi_system_step_check(system, body, start, dt);
   status = status == FB_OK ? fbi_system_step_check(system, body, end, dt) : status;
   if (status == FB_OK && start != end) {
     status = fbi_system_between(&work->between, start, end, c);
     first = &work->between;
   }
+
+  /* Step limit at the start */
   if (status == FB_OK && !system->allow_long_step) {
     fb_real spin, stiff;
     status = fbi_system_rates(work, system, body, &work->first, state, state, start);
@@ -10248,6 +10313,8 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
   if (status != FB_OK) {
     return status;
   }
+
+  /* First stage */
   if (flies) {
     fbi_links_place(work, system, body, state, state);
     fbi_flight_begin(work, system);
@@ -10257,6 +10324,8 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
   fbi_system_clear(&work->first, system, body);
   work->clock = c * dt;
   status = fbi_system_stage(work, &work->first, system, body, state, state, first, c * dt, dt, count + 1);
+
+  /* Second stage */
   if (status == FB_OK) {
     if (flies) {
       fbi_flight_add(work, system, &work->base, c * dt, &work->first, (FB_R(1.0) - c) * dt);
@@ -10269,6 +10338,8 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
   if (status != FB_OK) {
     return status;
   }
+
+  /* Increments (1-c) dt k_1 + c dt k_2 */
   if (flies) {
     fbi_flight_add(work, system, &work->base, c * dt, &work->first, c * dt);
   }
@@ -10278,9 +10349,9 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
 #endif
 
 #if FB_WITH_EXACT
-/* ---- mixed beam */
+/* ---- geometrically exact beam */
 
-/* x_(n+1) = 3 x_n - 3 x_(n-1) + x_(n-2), or what fewer steps allow ([L] 3.107, 3.108). */
+/* Extrapolation x_(n+1) = 3 x_n - 3 x_(n-1) + x_(n-2), of lower order in the first steps ([L] 3.107, 3.108). */
 static void fbi_mixed_extrapolate(fb_real *next, const fb_real *a, const fb_real *b, const fb_real *c, int known, int n)
 {
   for (int i = 0; i < n; i++) {
@@ -10289,7 +10360,7 @@ static void fbi_mixed_extrapolate(fb_real *next, const fb_real *a, const fb_real
   }
 }
 
-/* The present x comes first, the older ones move up. */
+/* Shifts the history a, b, c and puts x first. */
 static void fbi_mixed_remember(fb_real *a, fb_real *b, fb_real *c, const fb_real *x, int n)
 {
   fbi_copy(c, b, n);
@@ -10297,9 +10368,8 @@ static void fbi_mixed_remember(fb_real *a, fb_real *b, fb_real *c, const fb_real
   fbi_copy(a, x, n);
 }
 
-/* Where a rate starts from: x - beta/2 dt rate_old, dt the shorter of the old step and the new (no more than was
-   there); with the dissipative rule x_alpha = x + dx/2 + beta/2 (dx - dx_old) the rate is 2/((1 + beta) dt) (x_alpha -
-   that). */
+/* base = x - beta/2 dt rate_old, dt the shorter of the old step and the new one. With the dissipative rule
+   x_alpha = x + dx/2 + beta/2 (dx - dx_old) the rate is 2/((1 + beta) dt) (x_alpha - base). */
 static void fbi_mixed_rate_base(fb_real *base, const fb_real *x, const fb_real *rate, fb_real beta_dt, int n)
 {
   for (int i = 0; i < n; i++) {
@@ -10307,6 +10377,7 @@ static void fbi_mixed_rate_base(fb_real *base, const fb_real *x, const fb_real *
   }
 }
 
+/* Rate from the value x_alpha at mid-step (middle), and x after the step, small values flushed. */
 static void fbi_mixed_rate_take(fb_real *x, fb_real *rate, const fb_real *middle, const fb_real *base, fb_real shift,
                                 fb_real dt, int n)
 {
@@ -10317,10 +10388,10 @@ static void fbi_mixed_rate_take(fb_real *x, fb_real *rate, const fb_real *middle
   }
 }
 
-/* [E11.21] The pose goes on by a twist as the momenta do that the midpoint rule turns, by Cayley's transform of ad(x):
-   the turn is (1 - w^/2)^-1 (1 + w^/2), the way its derivative along v, (v + w/2 x v)/(1 + w.w/4). A free beam's
-   momentum then stays where it is in space, and so does its angular momentum about any point: all ways are short by
-   w.w/4, those along the axis, too, so that together they lead along the momentum.
+/* [E11.21] Pose increment by Cayley's transform of ad(x), x = (v, w), as the midpoint rule rotates the momenta:
+   rotation (1 - w^/2)^-1 (1 + w^/2), translation (v + w/2 x v)/(1 + w.w/4). A free beam then conserves momentum and
+   angular momentum in space: all translations, including those along the axis w, are short by the same factor 1 +
+   w.w/4, so that the mass center moves along the momentum.
    Source: Cayley's transform of 6x6.  Cost: 60 flops.  Fails: never.
    Test: free_flight_keeps_momentum, rigid_flight_is_straight. */
 static void fbi_pose_add_midpoint(fb_real r[3], fb_real quat[4], const fb_real x[6])
@@ -10335,8 +10406,8 @@ static void fbi_pose_add_midpoint(fb_real r[3], fb_real quat[4], const fb_real x
   fbi_pose_mul(r, quat, r, quat, step, turn);
 }
 
-/* [E11.35] What nothing holds falls freely: its frame takes gravity, u_t = g, and relative to u there is none. The way
-   of the frame in a step, u dt + g dt^2/2, is added to y.
+/* [E11.35] The frame of an unsupported beam falls freely, u_t = g, so that no gravity acts relative to u. Adds the
+   displacement of the frame in a step, u dt + g dt^2/2, to y.
    Source: Galilean invariance.  Cost: 20 flops.  Fails: never.  Test: free_fall_is_not_felt. */
 static void fbi_mixed_fall(fb_real y[3], fb_mixed_state *state, const fb_mixed *m, fb_real dt)
 {
@@ -10346,19 +10417,21 @@ static void fbi_mixed_fall(fb_real y[3], fb_mixed_state *state, const fb_mixed *
   fbi_vec3_add(state->u, half, m->gravity);
 }
 
-/* The base moves on, by u and relative to it; so does the root against it, and all nodes by their strains. A base that
-   nothing holds is that of the root. */
+/* Moves the base (by u and relative to it), the root relative to the base, and all nodes by their strains. The base of
+   an unsupported beam moves with its root. */
 static void fbi_mixed_move(fb_mixed_state *state, fb_mixed_work *work, const fb_mixed *m, fb_real dt)
 {
   const fb_real origin[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, one[4] = {FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_real x[6], base[6], r[3], quat[4], R[9], y[3], turned[4];
+
+  /* Pose increment r, quat of the base */
   for (int i = 0; i < 6; i++) {
     x[i] = dt * work->V[i];
     base[i] = dt * work->twist[i];
   }
   fbi_copy(r, m->floating ? m->r : origin, 3);
   fbi_copy(quat, m->floating ? m->quat : one, 4);
-  if (m->floating) { /* the root, moved, and from it back to the base */
+  if (m->floating) { /* root after the step, then back to the base */
     fb_real back[3], back_quat[4];
     fbi_pose_add_midpoint(r, quat, x);
     fbi_pose_relative(back, back_quat, m->r, m->quat, origin, one);
@@ -10366,6 +10439,8 @@ static void fbi_mixed_move(fb_mixed_state *state, fb_mixed_work *work, const fb_
   } else {
     fbi_pose_add(r, quat, base);
   }
+
+  /* Root relative to the new base; constrained coordinates exactly in place */
   if (!m->floating && m->held[0] != FB_END_CLAMPED) {
     fbi_pose_add(state->r, state->quat, x);
     fbi_pose_relative(state->r, state->quat, r, quat, state->r, state->quat);
@@ -10373,7 +10448,9 @@ static void fbi_mixed_move(fb_mixed_state *state, fb_mixed_work *work, const fb_
       state->r[i] = m->held[0] >> i & 1 ? m->r[i] : state->r[i];
     }
   }
-  if (!m->floating) { /* whatever u is, the base goes by its own velocity */
+
+  /* Position of the base, compensated sum */
+  if (!m->floating) { /* by its full velocity, independent of u */
     fb_real turn[4];
     fbi_vec3_add(base, dt, work->drift);
     fb_pose_from_twist(r, turn, base);
@@ -10388,16 +10465,18 @@ static void fbi_mixed_move(fb_mixed_state *state, fb_mixed_work *work, const fb_
   }
   fbi_sum_kept(y, state->lost, state->base_position, state->lost, 3);
   fbi_copy(state->base_position, y, 3);
+
+  /* Attitude of the base, poses of the nodes */
   fb_quat_mul(turned, state->base_quat, quat);
   (void)fb_quat_normalize(turned);
   fbi_copy(state->base_quat, turned, 4);
   fbi_mixed_poses(state->r, state->quat, m, state->strain, state->offset);
 }
 
-/* [E11.33] The frame's velocity u goes with the beam: after each step in which it came to differ from that of the mass
-   center by more than a thousandth of the beam's length in its unit of time it becomes that; from that of a base that
-   holds the beam by more than that length. The way of the mass center is then u dt; what it goes relative to u is short
-   by E11.21's w.w/4.
+/* [E11.33] The velocity u of the frame follows the beam. Unsupported beam: u is set to the velocity of the mass center
+   after a step in which they differ by more than a thousandth of the beam's length per unit of its time. Supported
+   beam: u is set to the velocity of the base if they differ by more than that length per unit of time. Only motion
+   relative to u is affected by the factor 1 + w.w/4 of E11.21.
    Source: Galilean invariance.  Cost: 250 flops an element of a free beam, 400 more when it happens.  Fails: never.
    Test: thrust_takes_the_frame_along, flight_at_any_speed_moves_as_rest_does. */
 static void fbi_mixed_follow(fb_mixed_state *state, const fb_mixed_work *work, const fb_mixed *m, fb_real step)
@@ -10418,10 +10497,13 @@ static void fbi_mixed_follow(fb_mixed_state *state, const fb_mixed_work *work, c
 }
 
 #define FBI_MIXED_STEP_TOLERANCE (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-6)) /* of a step's last correction */
+/* Strains, momenta, reactions and histories after the step, from the values at mid-step. */
 static void fbi_mixed_commit(fb_mixed_state *next, fb_mixed_work *work, const fb_mixed *m, fb_real dt)
 {
   const fb_real shift = work->motion.shift;
   fb_real strain[6], P[6];
+
+  /* Strains and momenta */
   for (int k = 0; k < m->n; k++) {
     fbi_mat66_mul_vec6(strain, m->C + 36 * k, work->s + 6 * k);
     fbi_mixed_rate_take(next->strain + 6 * k, next->strain_rate + 6 * k, strain, work->strain + 6 * k, shift, dt, 6);
@@ -10432,6 +10514,8 @@ static void fbi_mixed_commit(fb_mixed_state *next, fb_mixed_work *work, const fb
     fbi_mat66_mul_vec6(P, m->lump + 36 * l, work->V + 6 * m->lump_node[l]);
     fbi_mixed_rate_take(next->lump + 6 * l, next->lump_rate + 6 * l, P, work->lump + 6 * l, shift, dt, 6);
   }
+
+  /* Reactions, histories for the extrapolation, internal loads */
   fbi_copy(next->offset, work->offset, 6 * m->n);
   fbi_mixed_reactions(next->reaction, work, m);
   fbi_mixed_remember(next->V[0], next->V[1], next->V[2], work->V, 6 * (m->n + 1));
@@ -10439,7 +10523,7 @@ static void fbi_mixed_commit(fb_mixed_state *next, fb_mixed_work *work, const fb
   fbi_copy(next->force, work->F, 6 * (m->n + 1));
 }
 
-/* What the step starts from: base values of the rates, a first guess of the middle. */
+/* Start of a step: loads, base values of the rates, first guess of the mid-step values. */
 static void fbi_mixed_begin(fb_mixed_work *work, const fb_mixed *m, const fb_mixed_state *state,
                             const fb_mixed_input *middle, fb_real step)
 {
@@ -10460,7 +10544,7 @@ static void fbi_mixed_begin(fb_mixed_work *work, const fb_mixed *m, const fb_mix
   fbi_mixed_extrapolate(work->s, state->stress[0], state->stress[1], state->stress[2], state->known, 6 * m->n);
 }
 
-/* Residuals at the present guess of the middle. */
+/* Residuals at the present mid-step values. */
 static void fbi_mixed_middle(fb_mixed_work *work, const fb_mixed *m, fb_real step, int aim)
 {
   fbi_mixed_nodes_eval(work, m);
@@ -10468,6 +10552,7 @@ static void fbi_mixed_middle(fb_mixed_work *work, const fb_mixed *m, fb_real ste
   fbi_mixed_want(work, m, step, aim);
 }
 
+/* Adds the Newton corrections. */
 static void fbi_mixed_correct(fb_mixed_work *work, const fb_mixed *m)
 {
   for (int i = 0; i < 6 * (m->n + 1); i++) {
@@ -10478,7 +10563,7 @@ static void fbi_mixed_correct(fb_mixed_work *work, const fb_mixed *m)
   }
 }
 
-/* Factorizations at the middle; between them a correction each. */
+/* Newton iterations with a factorization each; the last factors are kept for the corrections that follow. */
 static fb_status fbi_mixed_approach(fb_mixed_work *work, const fb_mixed *m, fb_real step)
 {
   fb_status status = fbi_mixed_factor(work, m);
@@ -10491,8 +10576,8 @@ static fb_status fbi_mixed_approach(fb_mixed_work *work, const fb_mixed *m, fb_r
   return status;
 }
 
-/* Largest residual, as a load: a gap of an element's ends by its stiffness. Where a node is held its balance gives the
-   reaction, and its own condition is kept by every correction. */
+/* Largest residual as a load: compatibility residuals times the stiffness of the element. Constrained nodes are left
+   out: their balance gives the reaction, and every correction satisfies their constraints. */
 static fb_real fbi_mixed_unbalance(const fb_mixed_work *work, const fb_mixed *m, fb_real step)
 {
   fb_real size = FB_R(0.0);
@@ -10510,7 +10595,7 @@ static fb_real fbi_mixed_unbalance(const fb_mixed_work *work, const fb_mixed *m,
   return size;
 }
 
-/* The state after the step, from the middle. */
+/* State after the step from the mid-step values. */
 static void fbi_mixed_end(fb_mixed_state *state, fb_mixed_work *work, const fb_mixed *m, fb_real step)
 {
   fbi_mixed_commit(state, work, m, step);
@@ -10520,10 +10605,10 @@ static void fbi_mixed_end(fb_mixed_state *state, fb_mixed_work *work, const fb_m
   state->step = step;
 }
 
-/* [E11.20] A step of the mixed beam: E10.7 and E10.8 at the middle of the step, one factorization and a fixed number of
-   corrections by it. With z of strains and momenta, z_alpha = z + dz/2 + beta/2 (dz - dz_old) in place of the middle:
+/* [E11.20] Step of the geometrically exact beam: E10.7 and E10.8 at mid-step, a fixed number of factorizations and of
+   Newton corrections. With z of strains and momenta, z_alpha = z + dz/2 + beta/2 (dz - dz_old) in place of the middle:
    the energy with beta/4 dz.dz then falls by beta/4 (dz - dz_old).(dz - dz_old), and what oscillates much faster than
-   the step shrinks by 1 - dissipation in it; beta = rho (1 - rho)/(1 + rho)^2, rho = 1 - dissipation.
+   the step is multiplied by 1 - dissipation in it; beta = rho (1 - rho)/(1 + rho)^2, rho = 1 - dissipation.
    Source: [L] 3.15, 3.107, 3.108; dissipation: own.  Cost: E10.10 and 1.5 kflops an element for each correction.
    Fails: see the header.  Test: energy_is_kept_whatever_the_step, dissipation_takes_energy_in_every_step. */
 FB_DEF fb_status fb_mixed_step(const fb_mixed *m, fb_mixed_state *state, fb_mixed_work *work,
@@ -10532,6 +10617,8 @@ FB_DEF fb_status fb_mixed_step(const fb_mixed *m, fb_mixed_state *state, fb_mixe
   fb_real step, change = FB_HUGE, before = FB_HUGE;
   fb_status status;
   FBI_REQUIRE(m && state && work, FB_ERR_NULL);
+
+  /* Checks */
   middle = middle ? middle : fbi_mixed_no_input(work);
   status = fb_mixed_state_check(m, state);
   status = status ? status : fbi_mixed_input_check(m, middle);
@@ -10541,10 +10628,14 @@ FB_DEF fb_status fb_mixed_step(const fb_mixed *m, fb_mixed_state *state, fb_mixe
   if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
     return FB_ERR_VALUE;
   }
+
+  /* Residual and factors at mid-step */
   step = dt / m->time;
   fbi_mixed_begin(work, m, state, middle, step);
   fbi_mixed_middle(work, m, step, 1);
   status = fbi_mixed_approach(work, m, step);
+
+  /* Corrections with these factors */
   for (int it = 0; it < m->iterations && status == FB_OK; it++) {
     before = it + 1 == m->iterations ? fbi_mixed_unbalance(work, m, step) : before;
     fbi_mixed_solve(work, m);
@@ -10552,9 +10643,11 @@ FB_DEF fb_status fb_mixed_step(const fb_mixed *m, fb_mixed_state *state, fb_mixe
     change = fbi_mixed_change(work, m, step, FB_R(0.0));
     fbi_mixed_middle(work, m, step, it + 3 < m->iterations);
   }
+
+  /* Convergence: last correction and the expected next one */
   if (status == FB_OK) {
     const fb_real after = fbi_mixed_unbalance(work, m, step);
-    const fb_real next = change * (after / (fbi_larger(before, after) + FB_TINY)); /* were there one correction more */
+    const fb_real next = change * (after / (fbi_larger(before, after) + FB_TINY)); /* expected next correction */
     status = fbi_larger(change, FB_R(10.0) * next) < FBI_MIXED_STEP_TOLERANCE ? FB_OK : FB_ERR_CONVERGENCE;
   }
   if (status == FB_OK) {
