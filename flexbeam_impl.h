@@ -7472,6 +7472,8 @@ static void fbi_mixed_nodes_eval(fb_mixed_work *work, const fb_mixed *m)
   for (int j = 0; j <= m->n; j++) {
     fb_real *const R = work->R + 9 * j, *const G = work->G + 6 * j;
     fb_quat_to_mat33(R, work->quat + 4 * j);
+
+    /* Rotation, and velocity in the steady case */
     if (motion->march) {
       fb_real turn[3], quat[4], own[9], ahead[9];
       for (int i = 0; i < 3; i++) {
@@ -7487,6 +7489,8 @@ static void fbi_mixed_nodes_eval(fb_mixed_work *work, const fb_mixed *m)
     } else {
       fbi_mixed_carried(work->V + 6 * j, work, work->r + 3 * j, R);
     }
+
+    /* Gravity, section axes */
     fb_mat33_mulT_vec3(G, R, work->gravity);
     fbi_zero(G + 3, 3);
   }
@@ -7651,15 +7655,21 @@ FB_DEF fb_status fb_mixed_check(const fb_mixed *m)
   if (!fbi_mixed_is_sized(m)) {
     return FB_ERR_CAPACITY;
   }
+
+  /* Settings and units */
   sound = m->iterations >= 1 && m->iterations <= 20 && m->factorizations >= 1 && m->factorizations <= 20 &&
           m->length > FB_R(0.0) && m->length <= FB_HUGE && m->force > FB_R(0.0) && m->force <= FB_HUGE &&
           m->time > FB_R(0.0) && m->time <= FB_HUGE && m->beta >= FB_R(0.0) && m->beta <= FB_R(0.125) &&
           fbi_is_finite(m->gravity, 3);
+
+  /* Tables */
   sound = sound && fbi_is_finite(m->xi, 6 * m->n) && fbi_is_finite(m->C, 36 * m->n) && fbi_is_finite(m->S, 36 * m->n) &&
           fbi_is_finite(m->section, 36 * m->n) && fbi_is_finite(m->taper, 36 * m->n) &&
           fbi_is_finite(m->M, 36 * m->n) && fbi_is_finite(m->M_inverse, 36 * m->n) &&
           fbi_is_finite(m->r, 3 * (m->n + 1)) && fbi_is_finite(m->quat, 4 * (m->n + 1)) &&
           fbi_is_finite(m->lump, 36 * m->n_lump) && fbi_is_finite(m->lump_inverse, 36 * m->n_lump);
+
+  /* Ranges */
   for (int k = 0; sound && k <= m->n; k++) {
     sound = fbi_is_within(m->held[k], 127) && (k == m->n || (m->h[k] > FB_R(0.0) && m->h[k] <= FB_R(1.0)));
   }
@@ -7739,6 +7749,8 @@ static fb_status fbi_mixed_input_check(const fb_mixed *m, const fb_mixed_input *
   if (!fbi_is_finite(input->v, 3) || !fbi_is_finite(input->w, 3)) {
     return FB_ERR_NOT_FINITE;
   }
+
+  /* Loads on nodes */
   for (int l = 0; l < input->n_load; l++) {
     const fb_load *load = &input->load[l];
     if (load->node < 0 || load->node > m->n) {
@@ -7751,6 +7763,8 @@ static fb_status fbi_mixed_input_check(const fb_mixed *m, const fb_mixed_input *
       return FB_ERR_NOT_FINITE;
     }
   }
+
+  /* Line loads */
   for (int k = 0; k < m->n; k++) {
     const fb_line_load *line = &input->line[k];
     if (!fbi_is_choice((int)line->axes, (int)FB_AXES_BODY)) {
@@ -8900,7 +8914,7 @@ static fb_status fbi_coupling(fb_implicit_work *w, const fbi_kinetics *k, const 
    without the second derivatives of S and the products g^2 of gyroscopic terms, reduced to the n modes:
    E = M + g (C + N - N^T) + g^2 K_t - (X - g Y)^T Z. At g = 0 it is M - Lambda^T M_rr^-1 Lambda, the modal mass with a
    free base. The other forms have no N and Y.
-   Source: block elimination; Newmark's effective stiffness is the case of a held base.  Shapes: n x n.  Cost: 2/3 n^3
+   Source: block elimination; Newmark's effective stiffness is the case of a fixed base.  Shapes: n x n.  Cost: 2/3 n^3
    flops.
    Fails: M_rr or E singular.  Test: each_scheme_converges_at_its_order, steps_may_be_a_thousand_periods_long. */
 static fb_status fbi_implicit_factor(fb_implicit_work *w, const fbi_kinetics *k, const fb_body *body, fb_real g)
@@ -9493,6 +9507,8 @@ FB_DEF fb_status fb_exponential_check(const fb_exponential *scheme, const fb_bod
 {
   int n, sound;
   FBI_REQUIRE(scheme && body, FB_ERR_NULL);
+
+  /* Capacities */
   n = body->n;
   if (!fbi_is_within(n, FB_MAX_MODES) || !fbi_is_within(scheme->n_axial, n)) {
     return FB_ERR_CAPACITY;
@@ -9502,6 +9518,8 @@ FB_DEF fb_status fb_exponential_check(const fb_exponential *scheme, const fb_bod
     return FB_ERR_CAPACITY;
   }
 #endif
+
+  /* Values */
   sound = scheme->dt > FB_R(0.0) && scheme->dt < FB_HUGE && fbi_is_finite(scheme->X, n * n) &&
           fbi_is_finite(scheme->MX, n * n) && fbi_is_finite(scheme->omega2, n);
   for (int k = 0; sound && k < 5; k++) {
@@ -10273,7 +10291,7 @@ static fb_status fbi_system_between(fb_system_input *out, const fb_system_input 
    its axis converges only with short steps. Measured, a tube of 8.3 kg m^2 across that turns by 0.1 rad/s and about its
    axis by 0.01 rad/s: with 1e-4 of that inertia about the axis the energy is held to 8e-8 in 20000 steps of 0.01 s, the
    spin is off by 4 %; steps of 0.1 s, and with 1e-6 those of 0.01 s, end in FB_ERR_CONVERGENCE, nothing changed. Across
-   alone, without that spin, 1e-6 is held to rounding at either step.
+   alone, without that spin, 1e-6 is held to round-off at either step.
    Source: [AL].  Cost: 2 + 2 iterations evaluations, 2 iterations solutions.
    Test: systems_converge_with_the_order_of_the_scheme, stiff_joints_take_long_steps. */
 FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *body, fb_system_state *state,
