@@ -7032,6 +7032,7 @@ FB_DEF fb_status fb_system_state_check(const fb_system *system, const fb_body *b
 /* ---------------------------------------------------------------------------------------------------------------
    RUN >>exact: the geometrically exact beam (uses config, status, vec3, rotation, solve, body) */
 
+/* y = ad(x) v, the commutator of the twists x = (u, w) and v: (u x v_w + w x v_u, w x v_w) */
 static void fbi_ad(fb_real y[6], const fb_real x[6], const fb_real v[6])
 {
   fb_vec3_cross(y, x + 3, v);
@@ -7039,6 +7040,7 @@ static void fbi_ad(fb_real y[6], const fb_real x[6], const fb_real v[6])
   fb_vec3_cross(y + 3, x + 3, v + 3);
 }
 
+/* y = ad(x)^T F of a wrench F = (f, m): (f x w, f x u + m x w) */
 static void fbi_adT(fb_real y[6], const fb_real x[6], const fb_real F[6])
 {
   fb_vec3_cross(y, F, x + 3);
@@ -7046,7 +7048,7 @@ static void fbi_adT(fb_real y[6], const fb_real x[6], const fb_real F[6])
   fbi_vec3_add_cross(y + 3, F + 3, x + 3);
 }
 
-/* Y = ad(x) M for 6x6 M, rows of which are long enough to be worth a vector unit. */
+/* Y = ad(x) M for 6x6 M, row by row so that compilers vectorize it. */
 static void fbi_ad_mul(fb_real Y[36], const fb_real x[6], const fb_real M[36])
 {
   for (int j = 0; j < 6; j++) {
@@ -7082,7 +7084,7 @@ static void fbi_mul_ad(fb_real Y[36], const fb_real M[36], const fb_real x[6])
   }
 }
 
-/* A += s v^ where the rows of A are n apart */
+/* A += s v^ (cross-product matrix) on a 3x3 block of a matrix with n columns */
 static void fbi_add_skew(fb_real *A, int n, fb_real s, const fb_real v[3])
 {
   for (int k = 0; k < 3; k++) {
@@ -7092,7 +7094,7 @@ static void fbi_add_skew(fb_real *A, int n, fb_real s, const fb_real v[3])
   }
 }
 
-/* Y += ad(x)^T F by x: [0 f^; f^ m^] */
+/* Y += scale d(ad(x)^T F)/dx = scale [0 f^; f^ m^] */
 static void fbi_adT_turn(fb_real Y[36], const fb_real F[6], fb_real scale)
 {
   fbi_add_skew(Y + 3, 6, scale, F);
@@ -7117,7 +7119,7 @@ static void fbi_mat66_add_mul(fb_real C[36], const fb_real A[36], const fb_real 
   }
 }
 
-/* r_c, quat_c = pose a, then b in its axes */
+/* Composition of poses: c = a b, b given in the axes of a. */
 static void fbi_pose_mul(fb_real r_c[3], fb_real quat_c[4], const fb_real r_a[3], const fb_real quat_a[4],
                          const fb_real r_b[3], const fb_real quat_b[4])
 {
@@ -7132,7 +7134,7 @@ static void fbi_pose_mul(fb_real r_c[3], fb_real quat_c[4], const fb_real r_a[3]
   fbi_copy(quat_c, q, 4);
 }
 
-/* The pose r, quat goes on by a twist. */
+/* Pose times the exponential of the twist x. */
 static void fbi_pose_add(fb_real r[3], fb_real quat[4], const fb_real x[6])
 {
   fb_real step[3], turn[4];
@@ -7140,7 +7142,7 @@ static void fbi_pose_add(fb_real r[3], fb_real quat[4], const fb_real x[6])
   fbi_pose_mul(r, quat, r, quat, step, turn);
 }
 
-/* r_c, quat_c: pose b as seen from pose a */
+/* Pose b relative to pose a, in the axes of a. */
 static void fbi_pose_relative(fb_real r_c[3], fb_real quat_c[4], const fb_real r_a[3], const fb_real quat_a[4],
                               const fb_real r_b[3], const fb_real quat_b[4])
 {
@@ -7154,7 +7156,7 @@ static void fbi_pose_relative(fb_real r_c[3], fb_real quat_c[4], const fb_real r
   fbi_copy(quat_c, q, 4);
 }
 
-/* Twist from pose a to pose b, axes of a. */
+/* Logarithm of the relative pose: twist from pose a to pose b, axes of a. */
 static void fbi_pose_difference(fb_real x[6], const fb_real r_a[3], const fb_real quat_a[4], const fb_real r_b[3],
                                 const fb_real quat_b[4])
 {
@@ -7165,7 +7167,7 @@ static void fbi_pose_difference(fb_real x[6], const fb_real r_a[3], const fb_rea
 
 /* ---- model */
 
-/* Poses of the nodes from that of the root, the strains and their offsets (NULL: none). */
+/* Poses of the nodes by integrating the strains from the root; offset: E10.15; strain NULL: undeformed. */
 static void fbi_mixed_poses(fb_real *r, fb_real *quat, const fb_mixed *m, const fb_real *strain, const fb_real *offset)
 {
   for (int k = 0; k < m->n; k++) {
@@ -7181,7 +7183,7 @@ static void fbi_mixed_poses(fb_real *r, fb_real *quat, const fb_mixed *m, const 
 
 /* ---- one element */
 
-/* y = A1 a + A2 b, A = 1/2 -+ ad(theta)/12: the mean over the element of a field that moves with the frame. */
+/* y = A1 a + A2 b, A = 1/2 -+ ad(theta)/12: the mean over the element of a twist in section axes; d = b - a. */
 static void fbi_mixed_mean(fb_real y[6], fb_real d[6], const fb_real theta[6], const fb_real a[6], const fb_real b[6])
 {
   for (int i = 0; i < 6; i++) {
@@ -7193,7 +7195,7 @@ static void fbi_mixed_mean(fb_real y[6], fb_real d[6], const fb_real theta[6], c
   }
 }
 
-/* The same of a vector that only turns. */
+/* The same mean of a vector, by the rotational part of theta alone. */
 static void fbi_mixed_mean3(fb_real y[3], const fb_real theta[6], const fb_real a[3], const fb_real b[3])
 {
   const fb_real d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
@@ -7204,8 +7206,8 @@ static void fbi_mixed_mean3(fb_real y[3], const fb_real theta[6], const fb_real 
 }
 
 /* [E10.7] Balance of an element: dF = ad(theta)^T s - h f, f = load + M g - momentum_t + ad(V)^T P, and the loads at
-   its ends, F = s + (ad(theta)^T dF - h df)/12 -+ dF/2, so that the stress s is the mean of F over the element; df: by
-   which loads with directions of their own differ between its ends.
+   its ends, F = s + (ad(theta)^T dF - h df)/12 -+ dF/2, so that the stress s is the mean of F over the element; df:
+   difference of the dead loads and gravity between its ends.
    Source: [L] 3.92-3.95, 3.89 with Euler and Maclaurin's correction of the mean.  Cost: about 300 flops.  Fails: never.
    Test: elastica_is_of_order_four, steady_openfast_cantilever_hangs_as_shooting_says. */
 static void fbi_mixed_cell_eval(fbi_mixed_cell *c, const fb_mixed_work *work, const fb_mixed *m, int k)
@@ -7213,6 +7215,8 @@ static void fbi_mixed_cell_eval(fbi_mixed_cell *c, const fb_mixed_work *work, co
   const fbi_mixed_motion *motion = &work->motion;
   const fb_real *const s = work->s + 6 * k, *const M = m->M + 36 * k;
   fb_real f[6], df[6], y[6];
+
+  /* Strain from the stress, twist over the element */
   c->h = m->h[k];
   fbi_vec6_zero(c->P);
   fbi_vec6_zero(df);
@@ -7220,6 +7224,8 @@ static void fbi_mixed_cell_eval(fbi_mixed_cell *c, const fb_mixed_work *work, co
   for (int i = 0; i < 6; i++) {
     c->theta[i] = c->h * (m->xi[6 * k + i] + c->strain[i] + work->offset[6 * k + i]);
   }
+
+  /* Line loads: follower loads, then dead loads turned to section axes */
   fbi_vec6_copy(f, work->line + 6 * k);
   if (motion->dead) {
     const fb_real *const a = work->R + 9 * k, *const b = a + 9, *const n = work->line_dead + 6 * k;
@@ -7233,6 +7239,8 @@ static void fbi_mixed_cell_eval(fbi_mixed_cell *c, const fb_mixed_work *work, co
       fbi_vec3_add(df + i, FB_R(1.0), q);
     }
   }
+
+  /* Gravity and inertia */
   if (motion->gravity) {
     fbi_mixed_mean(y, c->dG, c->theta, work->G + 6 * k, work->G + 6 * k + 6);
     for (int i = 0; i < 6; i++) {
@@ -7248,6 +7256,8 @@ static void fbi_mixed_cell_eval(fbi_mixed_cell *c, const fb_mixed_work *work, co
       f[i] += y[i] - motion->shift * (c->P[i] - work->momentum[6 * k + i]);
     }
   }
+
+  /* Change of the internal load over the element, and its values at both ends */
   fbi_adT(c->dF, c->theta, s);
   fbi_vec6_add(c->dF, -c->h, f);
   fbi_adT(y, c->theta, c->dF);
@@ -7259,7 +7269,7 @@ static void fbi_mixed_cell_eval(fbi_mixed_cell *c, const fb_mixed_work *work, co
 }
 
 /* [E10.8] Compatibility of an element. Marching: h strain_t = V2 - V1 + ad(theta) V (= D1 V1 + D2 V2). Steady: theta is
-   the twist between the poses of its ends. c: what is missing.
+   the twist between the poses of its ends. r: residual.
    Source: [L] 3.96-3.105 differentiated in time, with E10.7's mean (its adjoint).  Cost: 60 flops.  Fails: never.
    Test: energy_is_kept_whatever_the_step, steady_and_marching_agree. */
 static void fbi_mixed_compatibility(fb_real r[6], const fbi_mixed_cell *c, const fb_mixed_work *work, int k)
@@ -7278,7 +7288,7 @@ static void fbi_mixed_compatibility(fb_real r[6], const fbi_mixed_cell *c, const
   }
 }
 
-/* D = -+1 + ad/2 -+ ad^2/12, and their transposes in F1s, F2s */
+/* D1, D2 = -+1 + ad(theta)/2 -+ ad(theta)^2/12, and -D1^T, D2^T in F1s, F2s. */
 static void fbi_mixed_strain_matrices(fbi_mixed_jacobian *j, const fb_real theta[6])
 {
   fb_real X[36], X2[36];
@@ -7298,7 +7308,8 @@ static void fbi_mixed_strain_matrices(fbi_mixed_jacobian *j, const fb_real theta
   }
 }
 
-/* Q = h df/dV T + pose h df/d(pose), by a node (sign: -1 first, 1 second) of the mean load; D: of h df/12. */
+/* Derivatives by the unknowns of one end node (sign: -1 first, 1 second): Q of the mean load h f, by velocity (through
+   T) and by pose; D of the end-to-end difference h df/12. N, NX: df/dV and N ad(theta). */
 static void fbi_mixed_load_by_node(fb_real Q[36], fb_real D[36], const fb_real N[36], const fb_real NX[36],
                                    fb_real sign, const fbi_mixed_cell *c, const fb_mixed_work *work, const fb_mixed *m,
                                    int k, int node)
@@ -7306,6 +7317,8 @@ static void fbi_mixed_load_by_node(fb_real Q[36], fb_real D[36], const fb_real N
   const fbi_mixed_motion *motion = &work->motion;
   fbi_zero(Q, 36);
   fbi_zero(D, 36);
+
+  /* Inertia */
   if (motion->inertia) {
     fb_real A[36];
     for (int i = 0; i < 36; i++) {
@@ -7313,13 +7326,15 @@ static void fbi_mixed_load_by_node(fb_real Q[36], fb_real D[36], const fb_real N
     }
     if (motion->march) {
       fbi_copy(Q, A, 36);
-    } else { /* the velocity of a node that is displaced: T = shift + ad(V) */
+    } else { /* steady: velocity by displacement, T = shift + ad(V) */
       fbi_mul_ad(Q, A, work->V + 6 * node);
       for (int i = 0; i < 36; i++) {
         Q[i] += motion->shift * A[i];
       }
     }
   }
+
+  /* Gravity */
   if (motion->gravity) {
     fb_real A[36], B[36];
     fbi_mul_ad(A, m->M + 36 * k, c->theta);
@@ -7333,11 +7348,13 @@ static void fbi_mixed_load_by_node(fb_real Q[36], fb_real D[36], const fb_real N
       D[i] *= sign * c->h * motion->pose / FB_R(12.0);
     }
   }
+
+  /* Dead line loads */
   if (motion->dead) {
     for (int i = 0; i < 6; i += 3) {
       fb_real f[3];
       fb_mat33_mulT_vec3(f, work->R + 9 * node, work->line_dead + 6 * k + i);
-      for (int a = 0; a < 3; a++) { /* column: a turn about axis a */
+      for (int a = 0; a < 3; a++) { /* column: rotation about axis a */
         fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, df[3], y[3];
         turn[a] = FB_R(1.0);
         fb_vec3_cross(df, f, turn);
@@ -7351,7 +7368,7 @@ static void fbi_mixed_load_by_node(fb_real Q[36], fb_real D[36], const fb_real N
   }
 }
 
-/* F1 and F2 by a node: F2d = -A2^T Q - D, F1d = A1^T Q - D. */
+/* Derivatives of the end loads F1, F2 by a node: F2d = -A2^T Q - D, F1d = A1^T Q - D. */
 static void fbi_mixed_end_loads(fb_real F1d[36], fb_real F2d[36], const fb_real Q[36], const fb_real D[36],
                                 const fb_real theta[6])
 {
@@ -7364,14 +7381,16 @@ static void fbi_mixed_end_loads(fb_real F1d[36], fb_real F2d[36], const fb_real 
   }
 }
 
-/* N = df/dV of the mean load, ad(V)^T M + (ad^T P by V) - shift M, and G = d(dF)/dtheta = (ad^T s by theta) + h/12 (N
-   ad(dV) + M ad(dG)). */
+/* N = df/dV = ad(V)^T M + d(ad(V)^T P)/dV - shift M, P fixed, and
+   G = d(dF)/dtheta = d(ad(theta)^T s)/dtheta + h/12 (N ad(dV) + M ad(dG)), s fixed. */
 static void fbi_mixed_load_matrices(fb_real N[36], fb_real G[36], const fbi_mixed_cell *c, const fb_mixed_work *work,
                                     const fb_mixed *m, int k)
 {
   const fbi_mixed_motion *motion = &work->motion;
   const fb_real *const M = m->M + 36 * k;
   fb_real Y[36];
+
+  /* Stress, then inertia, gravity and dead loads */
   fbi_zero(N, 36);
   fbi_zero(G, 36);
   fbi_adT_turn(G, work->s + 6 * k, FB_R(1.0));
@@ -7388,7 +7407,7 @@ static void fbi_mixed_load_matrices(fb_real N[36], fb_real G[36], const fbi_mixe
     fbi_mul_ad(Y, M, c->dG);
     fbi_row_sub(G, -c->h / FB_R(12.0), Y, 36);
   }
-  if (motion->dead) { /* -h (turn x d)/12 of the loads' difference d between the ends */
+  if (motion->dead) { /* -h (rotation x d)/12, d the difference of the dead loads between the ends */
     for (int i = 0; i < 6; i += 3) {
       fb_real p[3], q[3], d[3];
       fb_mat33_mulT_vec3(p, work->R + 9 * k, work->line_dead + 6 * k + i);
@@ -7401,7 +7420,7 @@ static void fbi_mixed_load_matrices(fb_real N[36], fb_real G[36], const fbi_mixe
   }
 }
 
-/* E = (rate + ad(V) + ad(theta) ad(dV)/12) h C: compatibility by the stress. */
+/* E = (rate + ad(V) + ad(theta) ad(dV)/12) h C: derivative of the compatibility E10.8 by the stress. */
 static void fbi_mixed_compliance_rate(fb_real E[36], const fbi_mixed_cell *c, const fb_mixed_work *work,
                                       const fb_real hC[36])
 {
@@ -7435,6 +7454,8 @@ static void fbi_mixed_cell_jacobian(fbi_mixed_jacobian *j, const fbi_mixed_cell 
   for (int i = 0; i < 36; i++) {
     hC[i] = c->h * m->C[36 * k + i];
   }
+
+  /* Derivatives by the motion of the two nodes */
   fbi_mixed_strain_matrices(j, c->theta);
   fbi_mixed_load_matrices(N, G, c, work, m, k);
   if (motion->inertia || motion->gravity || motion->dead) {
@@ -7449,10 +7470,12 @@ static void fbi_mixed_cell_jacobian(fbi_mixed_jacobian *j, const fbi_mixed_cell 
     fbi_zero(j->F2d1, 36);
     fbi_zero(j->F2d2, 36);
   }
+
+  /* Derivatives of F1, F2 by theta (N, G), then through theta by the stress */
   fbi_adT_mul(Y, c->theta, G);
   fbi_zero(Q, 36);
   fbi_adT_turn(Q, c->dF, FB_R(1.0) / FB_R(12.0));
-  for (int i = 0; i < 36; i++) { /* by theta, then by the stress */
+  for (int i = 0; i < 36; i++) {
     const fb_real mean = Q[i] + Y[i] / FB_R(12.0);
     N[i] = mean - FB_R(0.5) * G[i];
     G[i] = mean + FB_R(0.5) * G[i];
@@ -7464,20 +7487,24 @@ static void fbi_mixed_cell_jacobian(fbi_mixed_jacobian *j, const fbi_mixed_cell 
 
 /* ---- the chain */
 
-/* [E10.18] What acts on a node itself, section axes: loads, and of its lumped bodies M g - momentum_t + ad(V)^T P, as
-   of an element.
+/* [E10.18] Load on a node, section axes: applied loads and, for each lumped body, M g - momentum_t + ad(V)^T P as for
+   an element.
    Source: [L] 3.92, 3.93.  Cost: 200 flops a body.  Fails: never.
    Test: becks_column_flutters_at_its_load, newton_converges_quadratically. */
 static void fbi_mixed_node_eval(fb_real F[6], const fb_mixed_work *work, const fb_mixed *m, int node)
 {
   const fbi_mixed_motion *motion = &work->motion;
   const fb_real *const V = work->V + 6 * node;
+
+  /* Follower and dead loads */
   fbi_vec6_copy(F, work->follower + 6 * node);
   for (int i = 0; i < 6; i += 3) {
     fb_real f[3];
     fb_mat33_mulT_vec3(f, work->R + 9 * node, work->dead + 6 * node + i);
     fbi_vec3_add(F + i, FB_R(1.0), f);
   }
+
+  /* Gravity and inertia of the lumped bodies */
   for (int l = 0; l < m->n_lump; l++) {
     const fb_real *const M = m->lump + 36 * l;
     fb_real P[6], y[6];
@@ -7498,17 +7525,21 @@ static void fbi_mixed_node_eval(fb_real F[6], const fb_mixed_work *work, const f
   }
 }
 
-/* Its derivative by the node's unknowns, subtracted from K. */
+/* Derivative of E10.18 by the node's unknowns, subtracted from K. */
 static void fbi_mixed_node_jacobian(fb_real K[36], const fb_mixed_work *work, const fb_mixed *m, int node)
 {
   const fbi_mixed_motion *motion = &work->motion;
   const fb_real *const V = work->V + 6 * node;
   fb_real f[6], N[36], Q[36];
+
+  /* Dead loads: -f x rotation */
   for (int i = 0; i < 6; i += 3) {
     fb_mat33_mulT_vec3(f + i, work->R + 9 * node, work->dead + 6 * node + i);
   }
-  fbi_add_skew(K + 3, 6, -motion->pose, f); /* - f x turn */
+  fbi_add_skew(K + 3, 6, -motion->pose, f);
   fbi_add_skew(K + 21, 6, -motion->pose, f + 3);
+
+  /* Gravity and inertia of the lumped bodies */
   for (int l = 0; l < m->n_lump; l++) {
     const fb_real *const M = m->lump + 36 * l;
     if (m->lump_node[l] != node) {
@@ -7536,13 +7567,13 @@ static void fbi_mixed_node_jacobian(fb_real K[36], const fb_mixed_work *work, co
   }
 }
 
-/* Directions of the base in which a node is held in part: its rows then are in base axes. */
+/* Is a node constrained in some, but not all translations? Its force rows are then in base axes. */
 static int fbi_mixed_turned(int held)
 {
   return (held & FB_END_PINNED) != 0 && (held & FB_END_PINNED) != FB_END_PINNED;
 }
 
-/* Three rows of n columns to base axes. */
+/* Rotates three rows of n columns to base axes. */
 static void fbi_mixed_rows_turn(fb_real *A, const fb_real R[9], int n)
 {
   for (int j = 0; j < n; j++) {
@@ -7555,12 +7586,13 @@ static void fbi_mixed_rows_turn(fb_real *A, const fb_real R[9], int n)
   }
 }
 
-/* The rows of a node (6 x n, its own unknowns from column `own` on): directions in which it is held say d = wanted. */
+/* Puts the constraints d = want in place of the balance rows of the constrained directions of a node. A: its rows, 6 x
+   n, its own unknowns from column `own` on. */
 static void fbi_mixed_hold(fb_real *A, const fb_mixed_work *work, const fb_mixed *m, int node, int n, int own)
 {
   const int held = m->held[node], turned = fbi_mixed_turned(held);
   const fb_real *const R = work->R + 9 * node, *const B = work->B + 6 * node;
-  if (turned) { /* R (F + turn x F) */
+  if (turned) { /* d(R F) = R (dF + rotation x F) */
     fbi_add_skew(A + own + 3, n, -work->motion.pose, B);
     fbi_mixed_rows_turn(A, R, n);
   }
@@ -7574,7 +7606,7 @@ static void fbi_mixed_hold(fb_real *A, const fb_mixed_work *work, const fb_mixed
   }
 }
 
-/* The same of a right-hand side: b (6) of the node. */
+/* The same for the right-hand side b of the node. */
 static void fbi_mixed_hold_rhs(fb_real b[6], const fb_mixed_work *work, const fb_mixed *m, int node)
 {
   const int held = m->held[node];
@@ -7586,9 +7618,9 @@ static void fbi_mixed_hold_rhs(fb_real b[6], const fb_mixed_work *work, const fb
   }
 }
 
-/* [E10.10] Elimination from the tip to the root, (ds, dd2) = y - W dd1 of each element: its compatibility and the
-   balance of its outer node make one 12x12, in which rows are exchanged; what is outboard enters by
-   K = -(F1d1 - (F1s, F1d2) W).
+/* [E10.10] Block elimination from the tip to the root, (ds, dd2) = y - W dd1 for each element: its compatibility and
+   the balance of its outer node form one 12x12 block, factored with row pivoting; the outboard part enters the balance
+   of the inner node by the Schur complement K = -(F1d1 - (F1s, F1d2) W).
    Source: own; block elimination ([GV] 4.5).  Cost: E10.9 and 7 kflops an element.  Fails: singular (free of load, or
    at a limit point).  Test: supports_are_those_of_the_textbook, newton_converges_quadratically. */
 static fb_status fbi_mixed_factor(fb_mixed_work *work, const fb_mixed *m)
@@ -7601,9 +7633,13 @@ static fb_status fbi_mixed_factor(fb_mixed_work *work, const fb_mixed *m)
   for (int k = m->n - 1; k >= 0 && status == FB_OK; k--) {
     fb_real *const A = work->LU + 144 * k, *const W = work->W + 72 * k, *const L = work->L + 72 * k;
     fb_real rows[6 * 18];
+
+    /* Jacobian of the element and of its outer node */
     fbi_mixed_cell_eval(c, work, m, k);
     fbi_mixed_cell_jacobian(j, c, work, m, k);
     fbi_mixed_node_jacobian(K, work, m, k + 1);
+
+    /* Compatibility rows [E, -D2 | -D1], balance rows of the outer node [F2s, F2d2 + K | F2d1], L = [F1s, F1d2] */
     for (int r = 0; r < 6; r++) {
       for (int i = 0; i < 6; i++) {
         A[12 * r + i] = j->E[6 * r + i];
@@ -7616,11 +7652,15 @@ static fb_status fbi_mixed_factor(fb_mixed_work *work, const fb_mixed *m)
         L[12 * r + 6 + i] = j->F1d2[6 * r + i];
       }
     }
+
+    /* Constraints, then the balance rows below the compatibility rows */
     fbi_mixed_hold(rows, work, m, k + 1, 18, 6);
     for (int r = 0; r < 6; r++) {
       fbi_copy(A + 12 * (r + 6), rows + 18 * r, 12);
       fbi_copy(W + 6 * (r + 6), rows + 18 * r + 12, 6);
     }
+
+    /* Eliminate the element: W = A^-1 W, and K = -F1d1 + L W for the inner node */
     status = fb_lu_factor(A, work->perm + 12 * k, scale, 12);
     if (status == FB_OK) {
       fbi_lu_solve_rows(W, work->column, A, work->perm + 12 * k, 12, 6);
@@ -7634,6 +7674,8 @@ static fb_status fbi_mixed_factor(fb_mixed_work *work, const fb_mixed *m)
       }
     }
   }
+
+  /* Remaining 6x6 block of the root */
   if (status == FB_OK) {
     fbi_mixed_node_jacobian(K, work, m, 0);
     fbi_mixed_hold(K, work, m, 0, 6, 0);
@@ -7643,10 +7685,12 @@ static fb_status fbi_mixed_factor(fb_mixed_work *work, const fb_mixed *m)
   return status;
 }
 
-/* Corrections dd, ds that answer -c of the elements and -B of the nodes. */
+/* Newton corrections dd, ds for the residuals c of the elements and B of the nodes. */
 static void fbi_mixed_solve(fb_mixed_work *work, const fb_mixed *m)
 {
-  fb_real z[6], b[12], x[6] = {FB_R(0.0)}; /* gcc -O3 takes an empty read for one */
+  fb_real z[6], b[12], x[6] = {FB_R(0.0)}; /* zeroed: gcc -O3 warns of an uninitialized read that cannot happen */
+
+  /* Forward elimination from the tip to the root */
   fbi_vec6_zero(z);
   for (int k = m->n; k >= 0; k--) {
     fb_real *const y = work->y + 12 * k;
@@ -7666,6 +7710,8 @@ static void fbi_mixed_solve(fb_mixed_work *work, const fb_mixed *m)
       z[i] = fbi_dot(work->L + 72 * (k - 1) + 12 * i, y, 12);
     }
   }
+
+  /* Back-substitution from the root: (ds, dd2) = y - W dd1 */
   fbi_vec6_copy(work->dd, x);
   for (int k = 0; k < m->n; k++) {
     const fb_real *const y = work->y + 12 * (k + 1), *const d = work->dd + 6 * k;
@@ -7676,16 +7722,20 @@ static void fbi_mixed_solve(fb_mixed_work *work, const fb_mixed *m)
   }
 }
 
-/* Residuals c of the elements, B of the nodes, and the loads between elements. */
+/* Residuals c (compatibility of the elements) and B (balance of the nodes), and internal loads F at the nodes. */
 static void fbi_mixed_residual(fb_mixed_work *work, const fb_mixed *m)
 {
   fbi_mixed_cell *const c = &work->cell;
+
+  /* Loads on the nodes */
   for (int j = 0; j <= m->n; j++) {
     fbi_mixed_node_eval(work->F + 6 * j, work, m, j);
     for (int i = 0; i < 6; i++) {
       work->B[6 * j + i] = -work->F[6 * j + i];
     }
   }
+
+  /* Elements: compatibility, and their end loads on the nodes */
   for (int k = 0; k < m->n; k++) {
     fbi_mixed_cell_eval(c, work, m, k);
     fbi_mixed_compatibility(work->c + 6 * k, c, work, k);
@@ -7699,9 +7749,9 @@ static void fbi_mixed_residual(fb_mixed_work *work, const fb_mixed *m)
   }
 }
 
-/* ---- what acts, how the nodes stand and move */
+/* ---- loads, poses and velocities of the nodes */
 
-/* y += a load in the beam's units, in base axes or, of a follower, section axes. */
+/* Adds a load in the beam's units to dead (base axes) or follower (section axes). */
 static void fbi_mixed_load_add(fb_real *dead, fb_real *follower, fb_axes axes, const fb_real force[3],
                                const fb_real torque[3], fb_real unit, fb_real length, const fb_real base[9])
 {
@@ -7716,9 +7766,9 @@ static void fbi_mixed_load_add(fb_real *dead, fb_real *follower, fb_axes axes, c
   fbi_vec6_add(axes == FB_AXES_NODE ? follower : dead, FB_R(1.0), axes == FB_AXES_INERTIAL ? g : f);
 }
 
-/* [E10.15] Strain that the loads on the elements add from end to end, by the linear change they make in the internal
-   load: -h/12 (ad(h (1, 0, 0, curvature)) C + C1) f, the part of E10.6 that is not the stress's. Follower loads only:
-   those with directions of their own would want its derivative by the rotation.
+/* [E10.15] Mean strain due to the linear variation of the internal load under a line load f:
+   -h/12 (ad(h (1, 0, 0, curvature)) C + C1) f, the part of E10.6 that does not depend on the stress. Follower loads
+   only: for dead loads its derivative by the rotation would be needed.
    Source: own, as E10.6.  Cost: 200 flops an element that is loaded.  Fails: never.
    Test: line_loads_are_exact_at_the_nodes. */
 static void fbi_mixed_offset(fb_mixed_work *work, const fb_mixed *m)
@@ -7738,12 +7788,14 @@ static void fbi_mixed_offset(fb_mixed_work *work, const fb_mixed *m)
   }
 }
 
-/* A part of the loads, gravity and motion of the base, in the beam's units and the axes of the base half a step on. */
+/* Loads, gravity and motion of the base, times `part`, in the beam's units and the axes of the base at mid-step. */
 static void fbi_mixed_input_take(fb_mixed_work *work, const fb_mixed *m, const fb_real base_quat[4],
                                  const fb_mixed_input *input, fb_real part, fb_real dt)
 {
   fb_real base[9], turn[3], half[4], quat[4];
   fbi_mixed_motion *const motion = &work->motion;
+
+  /* Twist of the base, its attitude half a step ahead, gravity in its axes */
   for (int i = 0; i < 3; i++) {
     work->twist[i] = m->floating ? FB_R(0.0) : part * input->v[i] * m->time / m->length;
     work->twist[i + 3] = m->floating ? FB_R(0.0) : part * input->w[i] * m->time;
@@ -7754,6 +7806,8 @@ static void fbi_mixed_input_take(fb_mixed_work *work, const fb_mixed *m, const f
   fb_quat_mul(quat, base_quat, half);
   fb_quat_to_mat33(base, quat);
   fb_mat33_mulT_vec3(work->gravity, base, m->gravity);
+
+  /* Loads on nodes and elements */
   fbi_zero(work->dead, 6 * (m->n + 1));
   fbi_zero(work->follower, 6 * (m->n + 1));
   fbi_zero(work->line, 6 * m->n);
@@ -7768,6 +7822,8 @@ static void fbi_mixed_input_take(fb_mixed_work *work, const fb_mixed *m, const f
     fbi_mixed_load_add(work->line_dead + 6 * k, work->line + 6 * k, line->axes, line->force, line->torque,
                        part * m->length / m->force, m->length, base);
   }
+
+  /* Strain offset (E10.15), flags of the kinds of load, scaled gravity */
   fbi_mixed_offset(work, m);
   motion->dead = !fbi_is_zero(work->line_dead, 6 * m->n);
   motion->gravity = !m->floating && !fbi_is_zero(m->gravity, 3); /* E11.35 */
@@ -7776,7 +7832,7 @@ static void fbi_mixed_input_take(fb_mixed_work *work, const fb_mixed *m, const f
   }
 }
 
-/* Twist of the base at a node that stands still in it. */
+/* Twist of a node fixed in the base, section axes. */
 static void fbi_mixed_carried(fb_real V[6], const fb_mixed_work *work, const fb_real r[3], const fb_real R[9])
 {
   fb_real v[3];
@@ -7786,14 +7842,16 @@ static void fbi_mixed_carried(fb_real V[6], const fb_mixed_work *work, const fb_
   fb_mat33_mulT_vec3(V + 3, R, work->twist + 3);
 }
 
-/* Rotation against the base, velocity and gravity at the nodes. Steady: everything moves with the base. Marching: half
-   a step on, by the velocity sought and the base's. */
+/* Rotation relative to the base, velocity and gravity at the nodes. Steady: all nodes move with the base. Marching: at
+   mid-step, rotated by the unknown velocity of the node and by the base's. */
 static void fbi_mixed_nodes_eval(fb_mixed_work *work, const fb_mixed *m)
 {
   const fbi_mixed_motion *motion = &work->motion;
   for (int j = 0; j <= m->n; j++) {
     fb_real *const R = work->R + 9 * j, *const G = work->G + 6 * j;
     fb_quat_to_mat33(R, work->quat + 4 * j);
+
+    /* Rotation, and velocity in the steady case */
     if (motion->march) {
       fb_real turn[3], quat[4], own[9], ahead[9];
       for (int i = 0; i < 3; i++) {
@@ -7809,23 +7867,29 @@ static void fbi_mixed_nodes_eval(fb_mixed_work *work, const fb_mixed *m)
     } else {
       fbi_mixed_carried(work->V + 6 * j, work, work->r + 3 * j, R);
     }
+
+    /* Gravity, section axes */
     fb_mat33_mulT_vec3(G, R, work->gravity);
     fbi_zero(G + 3, 3);
   }
 }
 
-/* Pose error of a held node: place in base axes, rotation in section axes. With one axis free (a hinge) the rotation is
-   that which turns this axis into its place: the rotation vector would mix the hinge's own angle in. */
+/* Pose error of a constrained node: position in base axes, rotation in section axes. With one axis free (a hinge) the
+   rotation error is the misalignment of this axis, since the rotation vector would contain the hinge angle. */
 static void fbi_mixed_pose_error(fb_real e[6], const fb_mixed *m, const fb_real *r, const fb_real *quat, int node)
 {
   const fb_real *const q = quat + 4 * node;
   const fb_real back[4] = {q[0], -q[1], -q[2], -q[3]};
   fb_real turn[4];
+
+  /* Position and rotation vector */
   for (int i = 0; i < 3; i++) {
     e[i] = m->r[3 * node + i] - r[3 * node + i];
   }
   fb_quat_mul(turn, back, m->quat + 4 * node);
   fb_quat_to_rotvec(e + 3, turn);
+
+  /* Hinge about axis i */
   for (int i = 0; i < 3; i++) {
     if ((m->held[node] & FB_END_GUIDED) == (FB_END_GUIDED & ~(FB_HOLD_RX << i))) {
       fb_real R[9], place[3], own[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
@@ -7837,8 +7901,8 @@ static void fbi_mixed_pose_error(fb_real e[6], const fb_mixed *m, const fb_real 
   }
 }
 
-/* [E10.16] The way back of a held node, in the axes of its rows, less what it has along the reaction F: e - F (F.e)/F.F
-   does no work. What e has in free directions nobody reads.
+/* [E10.16] Drift correction of a constrained node, in the axes of its rows, projected orthogonally to the constraint
+   force F so that it does no work: e - F (F.e)/F.F. Components of e in free directions are unused.
    Source: own.  Cost: 40 flops.  Fails: never.  Test: a_beam_held_twice_keeps_energy_and_place. */
 static void fbi_mixed_close(fb_real e[6], const fb_mixed_work *work, const fb_mixed *m, int node)
 {
@@ -7857,13 +7921,15 @@ static void fbi_mixed_close(fb_real e[6], const fb_mixed_work *work, const fb_mi
   }
 }
 
-/* [E10.17] Velocity of the base where the node is, v + w x r, less its own, in the axes of its rows. Where it is: held
-   directions in their place, free ones half a step on.
+/* [E10.17] Velocity of the base at the node, v + w x r, minus the node's own, in the axes of its rows. r: prescribed
+   position in constrained directions, position at mid-step in free ones.
    Source: [L] 3.18.  Cost: 80 flops.  Fails: never.  Test: a_beam_slides_out_of_a_spinning_slot. */
 static void fbi_mixed_slip(fb_real y[6], const fb_mixed_work *work, const fb_mixed *m, int node)
 {
   const fb_real *const R = work->R + 9 * node, *const V = work->V + 6 * node, *const w = work->twist + 3;
   fb_real own[3], carried[3], r[3];
+
+  /* Position r */
   fb_mat33_mul_vec3(own, R, V);
   fbi_copy(carried, work->twist, 3);
   fbi_vec3_add_cross(carried, w, work->r + 3 * node);
@@ -7871,6 +7937,8 @@ static void fbi_mixed_slip(fb_real y[6], const fb_mixed_work *work, const fb_mix
     r[i] =
         m->held[node] >> i & 1 ? m->r[3 * node + i] : work->r[3 * node + i] + work->motion.pose * (own[i] - carried[i]);
   }
+
+  /* Relative velocity */
   fbi_copy(carried, work->twist, 3);
   fbi_vec3_add_cross(carried, w, r);
   fbi_vec3_add(carried, -FB_R(1.0), own);
@@ -7882,9 +7950,9 @@ static void fbi_mixed_slip(fb_real y[6], const fb_mixed_work *work, const fb_mix
   fbi_vec3_add(y + 3, -FB_R(1.0), V + 3);
 }
 
-/* What held directions want. Steady: back to their place. Marching: the base's velocity, and back within the step (but
-   for the root, which is put where it belongs after the step). aim: the way back turns aside of the present reaction,
-   else it stays as it was: where the reaction is small, the two would chase each other. */
+/* Right-hand side of the constraints. Steady: pose error. Marching: velocity of the base plus drift correction / dt
+   (not for the root, which is placed exactly after the step). aim: recompute the drift correction for the present
+   reaction (E10.16); otherwise keep it, because with a small reaction the iteration on both would not converge. */
 static void fbi_mixed_want(fb_mixed_work *work, const fb_mixed *m, fb_real dt, int aim)
 {
   for (int j = 0; j <= m->n; j++) {
@@ -7892,6 +7960,8 @@ static void fbi_mixed_want(fb_mixed_work *work, const fb_mixed *m, fb_real dt, i
     if (m->held[j] == 0) {
       continue;
     }
+
+    /* Drift correction, in the axes of the rows */
     if (aim) {
       fbi_mixed_pose_error(e, m, work->r, work->quat, j);
       fbi_vec6_copy(back, e);
@@ -7899,6 +7969,8 @@ static void fbi_mixed_want(fb_mixed_work *work, const fb_mixed *m, fb_real dt, i
         fb_mat33_mulT_vec3(back, work->R + 9 * j, e);
       }
     }
+
+    /* Constraint values */
     if (work->motion.march) {
       if (aim) {
         fbi_mixed_close(back, work, m, j);
@@ -7913,8 +7985,8 @@ static void fbi_mixed_want(fb_mixed_work *work, const fb_mixed *m, fb_real dt, i
 
 /* ---- steady states */
 
-/* Size of the last correction: lengths by the beam's, radians, loads by the largest, but for what the rounding of the
-   nodes' places (0: not counted) makes of a stiff strain. */
+/* Relative size of the last correction: lengths over the beam's, rotations in radians, stresses over the largest one.
+   The part of a stress correction explained by the round-off `rounding` of node positions is left out. */
 static fb_real fbi_mixed_change(const fb_mixed_work *work, const fb_mixed *m, fb_real step, fb_real rounding)
 {
   fb_real pose = FB_R(0.0), stress = FB_R(0.0), largest = FB_R(1.0);
@@ -7948,7 +8020,7 @@ static void fbi_mixed_pose_take(fb_mixed_work *work, const fb_mixed_state *from,
   fbi_copy(work->s, from->stress[0], 6 * m->n);
 }
 
-/* Counts of the model that the loops over a state rest on. */
+/* Are the counts that bound loops over a state within the capacities? */
 static int fbi_mixed_is_sized(const fb_mixed *m)
 {
   return m->n >= 1 && m->n <= FB_MAX_MIXED && m->n_lump >= 0 && m->n_lump <= FB_MAX_LUMPS;
@@ -7961,15 +8033,21 @@ FB_DEF fb_status fb_mixed_check(const fb_mixed *m)
   if (!fbi_mixed_is_sized(m)) {
     return FB_ERR_CAPACITY;
   }
+
+  /* Settings and units */
   sound = m->iterations >= 1 && m->iterations <= 20 && m->factorizations >= 1 && m->factorizations <= 20 &&
           m->length > FB_R(0.0) && m->length <= FB_HUGE && m->force > FB_R(0.0) && m->force <= FB_HUGE &&
           m->time > FB_R(0.0) && m->time <= FB_HUGE && m->beta >= FB_R(0.0) && m->beta <= FB_R(0.125) &&
           fbi_is_finite(m->gravity, 3);
+
+  /* Tables */
   sound = sound && fbi_is_finite(m->xi, 6 * m->n) && fbi_is_finite(m->C, 36 * m->n) && fbi_is_finite(m->S, 36 * m->n) &&
           fbi_is_finite(m->section, 36 * m->n) && fbi_is_finite(m->taper, 36 * m->n) &&
           fbi_is_finite(m->M, 36 * m->n) && fbi_is_finite(m->M_inverse, 36 * m->n) &&
           fbi_is_finite(m->r, 3 * (m->n + 1)) && fbi_is_finite(m->quat, 4 * (m->n + 1)) &&
           fbi_is_finite(m->lump, 36 * m->n_lump) && fbi_is_finite(m->lump_inverse, 36 * m->n_lump);
+
+  /* Ranges */
   for (int k = 0; sound && k <= m->n; k++) {
     sound = fbi_is_within(m->held[k], 127) && (k == m->n || (m->h[k] > FB_R(0.0) && m->h[k] <= FB_R(1.0)));
   }
@@ -8049,6 +8127,8 @@ static fb_status fbi_mixed_input_check(const fb_mixed *m, const fb_mixed_input *
   if (!fbi_is_finite(input->v, 3) || !fbi_is_finite(input->w, 3)) {
     return FB_ERR_NOT_FINITE;
   }
+
+  /* Loads on nodes */
   for (int l = 0; l < input->n_load; l++) {
     const fb_load *load = &input->load[l];
     if (load->node < 0 || load->node > m->n) {
@@ -8061,6 +8141,8 @@ static fb_status fbi_mixed_input_check(const fb_mixed *m, const fb_mixed_input *
       return FB_ERR_NOT_FINITE;
     }
   }
+
+  /* Line loads */
   for (int k = 0; k < m->n; k++) {
     const fb_line_load *line = &input->line[k];
     if (!fbi_is_choice((int)line->axes, (int)FB_AXES_BODY)) {
@@ -8073,7 +8155,7 @@ static fb_status fbi_mixed_input_check(const fb_mixed *m, const fb_mixed_input *
   return FB_OK;
 }
 
-/* What the balance of the held nodes lacks. */
+/* Reactions: residual of the balance at constrained nodes. */
 static void fbi_mixed_reactions(fb_real *reaction, const fb_mixed_work *work, const fb_mixed *m)
 {
   for (int j = 0; j <= m->n; j++) {
@@ -8083,14 +8165,18 @@ static void fbi_mixed_reactions(fb_real *reaction, const fb_mixed_work *work, co
   }
 }
 
-/* The state whose velocity, stress and loads between elements are those in work, in motion without change. */
+/* State from the velocities, stresses and internal loads in work, with all rates zero. */
 static void fbi_mixed_state_take(fb_mixed_state *state, fb_mixed_work *work, const fb_mixed *m)
 {
   fbi_mixed_cell *const c = &work->cell;
+
+  /* Poses; no rates */
   fbi_mixed_pose_copy(state, work, m);
   fbi_zero(state->strain_rate, 6 * m->n);
   fbi_zero(state->momentum_rate, 6 * m->n);
   fbi_zero(state->lump_rate, 6 * m->n_lump);
+
+  /* Strains and momenta */
   for (int k = 0; k < m->n; k++) {
     fbi_mat66_mul_vec6(state->strain + 6 * k, m->C + 36 * k, work->s + 6 * k);
     fbi_mixed_cell_eval(c, work, m, k);
@@ -8100,6 +8186,8 @@ static void fbi_mixed_state_take(fb_mixed_state *state, fb_mixed_work *work, con
   for (int l = 0; l < m->n_lump; l++) {
     fbi_mat66_mul_vec6(state->lump + 6 * l, m->lump + 36 * l, work->V + 6 * m->lump_node[l]);
   }
+
+  /* Reactions, internal loads and the first known velocity */
   fbi_copy(state->offset, work->offset, 6 * m->n);
   fbi_mixed_reactions(state->reaction, work, m);
   fbi_copy(state->V[0], work->V, 6 * (m->n + 1));
@@ -8120,7 +8208,7 @@ static void fbi_mixed_frame(fb_real u[3], const fb_mixed *m, const fb_mixed_stat
   }
 }
 
-/* That of the middle of the last step: the frame of what nothing holds falls (E11.35). */
+/* The same at the middle of the last step: the frame of a floating beam falls freely (E11.35). */
 static void fbi_mixed_frame_middle(fb_real u[3], const fb_mixed *m, const fb_mixed_state *state)
 {
   fb_real base[9], g[3];
@@ -8130,7 +8218,7 @@ static void fbi_mixed_frame_middle(fb_real u[3], const fb_mixed *m, const fb_mix
   fbi_vec3_add(u, m->floating ? -FB_R(0.5) * state->step : FB_R(0.0), g);
 }
 
-/* A velocity of all nodes, as a node sees it: section axes. */
+/* Twist of a node for a common translational velocity u: section axes. */
 static void fbi_mixed_seen(fb_real V[6], const fb_mixed_state *state, int node, const fb_real u[3])
 {
   fb_real R[9];
@@ -8139,7 +8227,7 @@ static void fbi_mixed_seen(fb_real V[6], const fb_mixed_state *state, int node, 
   fbi_zero(V + 3, 3);
 }
 
-/* And as element k has it, by the mean of E10.7. */
+/* The same for element k, by the mean of E10.7. */
 static void fbi_mixed_seen_mean(fb_real V[6], const fb_mixed *m, const fb_mixed_state *state, int k, const fb_real u[3])
 {
   fb_real a[6], b[6], theta[6], d[6];
@@ -8151,7 +8239,7 @@ static void fbi_mixed_seen_mean(fb_real V[6], const fb_mixed *m, const fb_mixed_
   fbi_mixed_mean(V, d, theta, a, b);
 }
 
-/* A wrench in section axes of a node adds to force and moment about the origin of the base. */
+/* Adds a wrench in section axes of a node to force p and moment h about the origin of the base, base axes. */
 static void fbi_mixed_wrench_add(fb_real p[3], fb_real h[3], const fb_mixed_state *state, int node, const fb_real F[6])
 {
   fb_real R[9], y[3];
@@ -8169,6 +8257,8 @@ static void fbi_mixed_momenta(fb_real p[3], fb_real h[3], const fb_mixed *m, con
                               const fb_real *u)
 {
   fb_real P[6], V[6];
+
+  /* Elements: h A^T P at both nodes */
   fbi_zero(p, 3);
   fbi_zero(h, 3);
   for (int k = 0; k < m->n; k++) {
@@ -8189,6 +8279,8 @@ static void fbi_mixed_momenta(fb_real p[3], fb_real h[3], const fb_mixed *m, con
     fbi_mixed_wrench_add(p, h, state, k, first);
     fbi_mixed_wrench_add(p, h, state, k + 1, second);
   }
+
+  /* Lumped bodies */
   for (int l = 0; l < m->n_lump; l++) {
     fbi_vec6_copy(P, state->lump + 6 * l);
     if (u) {
@@ -8212,11 +8304,13 @@ static fb_real fbi_mixed_mass(const fb_mixed *m)
   return mass;
 }
 
-/* Another u, by du (beam's units, base axes): what the nodes, as they turn, and by the mean of E10.7 the elements have
-   of it goes out of the velocities, momenta and rates; of du what is left of it by the rounding of u. */
+/* Changes the frame velocity u by `more` (beam's units, base axes) and subtracts its contribution from the velocities
+   of the nodes, the momenta and their rates. du is the change of u that round-off left. */
 static void fbi_mixed_reframe(fb_mixed_state *state, const fb_mixed *m, const fb_real more[3], fb_real step)
 {
   fb_real V[6], P[6], base[9], y[3], du[3];
+
+  /* New u, and its change du after round-off */
   fb_quat_to_mat33(base, state->base_quat);
   fb_mat33_mul_vec3(y, base, more);
   for (int i = 0; i < 3; i++) {
@@ -8225,6 +8319,8 @@ static void fbi_mixed_reframe(fb_mixed_state *state, const fb_mixed *m, const fb
     y[i] = (state->u[i] - before) * (m->time / m->length);
   }
   fb_mat33_mulT_vec3(du, base, y);
+
+  /* Momenta of the elements, and their rates as the sections rotate */
   for (int k = 0; k < m->n; k++) {
     const fb_real *const a = state->V[0] + 6 * k, *const M = m->M + 36 * k;
     fb_real turn[3], rate[6];
@@ -8239,6 +8335,8 @@ static void fbi_mixed_reframe(fb_mixed_state *state, const fb_mixed *m, const fb
     fbi_mat66_mul_vec6(P, M, rate);
     fbi_vec6_add(state->momentum_rate + 6 * k, -FB_R(1.0), P);
   }
+
+  /* Lumped bodies */
   for (int l = 0; l < m->n_lump; l++) {
     const int j = m->lump_node[l];
     fb_real rate[6];
@@ -8250,10 +8348,12 @@ static void fbi_mixed_reframe(fb_mixed_state *state, const fb_mixed *m, const fb
     fbi_mat66_mul_vec6(P, m->lump + 36 * l, rate);
     fbi_vec6_add(state->lump_rate + 6 * l, -FB_R(1.0), P);
   }
+
+  /* Velocities of the nodes at this and the earlier steps */
   for (int j = 0; j <= m->n; j++) {
     fb_real turn[3];
     fbi_mixed_seen(V, state, j, du);
-    fb_vec3_cross(turn, state->V[0] + 6 * j + 3, V); /* back in time */
+    fb_vec3_cross(turn, state->V[0] + 6 * j + 3, V); /* minus the rate: earlier steps */
     for (int k = 0; k < 3; k++) {
       fbi_vec3_add(state->V[k] + 6 * j, -FB_R(1.0), V);
       fbi_vec3_add(state->V[k] + 6 * j, -step * ((fb_real)k + FB_R(0.5)), turn);
@@ -8270,11 +8370,15 @@ FB_DEF fb_status fb_mixed_state_init(const fb_mixed *m, fb_mixed_state *state, f
   if (input && (!fbi_is_finite(input->v, 3) || !fbi_is_finite(input->w, 3))) {
     return FB_ERR_NOT_FINITE;
   }
+
+  /* Undeformed poses */
   memset(state, 0, sizeof *state);
   state->base_quat[0] = FB_R(1.0);
   fbi_copy(state->r, m->r, 3 * (m->n + 1));
   fbi_copy(state->quat, m->quat, 4 * (m->n + 1));
   fbi_mixed_pose_take(work, state, m);
+
+  /* No loads, prescribed velocity */
   work->motion = still;
   fbi_zero(work->gravity, 3);
   fbi_zero(work->line, 6 * m->n);
@@ -8286,9 +8390,11 @@ FB_DEF fb_status fb_mixed_state_init(const fb_mixed *m, fb_mixed_state *state, f
     work->twist[i] = FB_R(0.0);
     work->twist[i + 3] = input ? input->w[i] * m->time : FB_R(0.0);
   }
+
+  /* Velocities and momenta */
   fbi_mixed_nodes_eval(work, m);
   fbi_mixed_state_take(state, work, m);
-  if (m->floating && fbi_mixed_mass(m) > FB_R(0.0)) { /* what the spin about O gives the mass center */
+  if (m->floating && fbi_mixed_mass(m) > FB_R(0.0)) { /* u = velocity of the mass center by the spin about O */
     fb_real du[3], h[3];
     fbi_mixed_momenta(du, h, m, state, NULL);
     for (int i = 0; i < 3; i++) {
@@ -8301,7 +8407,7 @@ FB_DEF fb_status fb_mixed_state_init(const fb_mixed *m, fb_mixed_state *state, f
   return FB_OK;
 }
 
-/* ---- what comes out */
+/* ---- outputs */
 
 /* Nearest whole number. */
 static fb_real fbi_round(fb_real x)
@@ -8309,7 +8415,7 @@ static fb_real fbi_round(fb_real x)
   return (fb_real)(int)(x + (x < FB_R(0.0) ? -FB_R(0.5) : FB_R(0.5)));
 }
 
-/* Rotation vector of quat next to phi: of all that differ by whole turns the nearest. */
+/* Rotation vector of quat nearest to the given phi among all that differ by full turns. */
 static void fbi_rotvec_near(fb_real phi[3], const fb_real quat[4])
 {
   const fb_real near_to[3] = {phi[0], phi[1], phi[2]};
@@ -8317,7 +8423,7 @@ static void fbi_rotvec_near(fb_real phi[3], const fb_real quat[4])
   fb_real size;
   fb_quat_to_rotvec(phi, quat);
   size = fbi_vec3_norm(phi);
-  if (size < FB_R(1e-3) && axis > FB_R(3.0)) { /* whole turns: the axis is that of the neighbor */
+  if (size < FB_R(1e-3) && axis > FB_R(3.0)) { /* near full turns: take the axis of the given vector */
     fbi_vec3_add(phi, fbi_round(axis / turn) * turn / axis, near_to);
   } else if (size > FB_R(0.0)) {
     const fb_real turns = fbi_round((fb_vec3_dot(near_to, phi) / size - size) / turn);
@@ -8334,8 +8440,12 @@ FB_DEF fb_status fb_mixed_nodes_eval(const fb_mixed *m, fb_mixed_node *node, con
   if (status != FB_OK) {
     return status;
   }
+
+  /* Attitude of the base, velocity of the frame */
   fb_quat_to_mat33(base, state->base_quat);
   fbi_mixed_frame_middle(u, m, state);
+
+  /* Outputs in SI units */
   for (int j = 0; j <= m->n; j++) {
     fb_mixed_node *const out = &node[j];
     const fb_real *const q0 = m->quat + 4 * j, *const V = state->V[0] + 6 * j, *const F = state->force + 6 * j;
@@ -8376,6 +8486,8 @@ FB_DEF fb_status fb_mixed_element_eval(const fb_mixed *m, fb_mixed_element *out,
     const fb_real *const s = state->stress[0] + 6 * k;
     const fb_real mass = m->force * m->time * m->time / m->length; /* of the beam */
     fb_real strain[6], V[6], P[6], u[3], frame[6];
+
+    /* Strain, and velocity and momentum with those of the frame */
     fbi_mat66_mul_vec6(strain, m->section + 36 * k, s);
     fbi_mat66_mul_vec6(V, m->M_inverse + 36 * k, state->momentum + 6 * k);
     fbi_mixed_frame(u, m, state);
@@ -8383,6 +8495,8 @@ FB_DEF fb_status fb_mixed_element_eval(const fb_mixed *m, fb_mixed_element *out,
     fbi_mat66_mul_vec6(P, m->M + 36 * k, frame);
     fbi_vec6_add(P, FB_R(1.0), state->momentum + 6 * k);
     fbi_vec6_add(V, FB_R(1.0), frame);
+
+    /* SI units */
     for (int i = 0; i < 3; i++) {
       out->force[i] = s[i] * m->force;
       out->moment[i] = s[i + 3] * m->force * m->length;
@@ -8397,8 +8511,8 @@ FB_DEF fb_status fb_mixed_element_eval(const fb_mixed *m, fb_mixed_element *out,
   return FB_OK;
 }
 
-/* [E10.12] Place and rotation in an element, a part s (0..1) of it along: exp(s theta), then what the change of the
-   strain from end to end adds, (s^2 - s)/2 h (C (F2 - F1) + taper stress).
+/* [E10.12] Pose at the fraction s (0..1) of an element: exp(s theta), then the contribution of the linear variation of
+   the strain, (s^2 - s)/2 h (C (F2 - F1) + taper stress).
    Source: own; the strain is linear to this order.  Cost: 200 flops.  Fails: never.
    Test: points_between_nodes_lie_on_the_curve. */
 static void fbi_mixed_point(fb_real r[3], fb_real quat[4], const fb_mixed *m, const fb_mixed_state *state, int k,
@@ -8434,11 +8548,15 @@ FB_DEF fb_status fb_mixed_point_eval(const fb_mixed *m, fb_real position[3], fb_
   if (status != FB_OK) {
     return status;
   }
+
+  /* Element that contains x */
   x /= m->length;
   while (k + 1 < m->n && place + m->h[k] < x) {
     place += m->h[k];
     k++;
   }
+
+  /* Pose in the base, then in inertial axes */
   fbi_mixed_point(r, turn, m, state, k, (x - place) / m->h[k]);
   fb_quat_to_mat33(R, state->base_quat);
   fb_mat33_mul_vec3(position, R, r);
@@ -8449,7 +8567,7 @@ FB_DEF fb_status fb_mixed_point_eval(const fb_mixed *m, fb_real position[3], fb_
   return FB_OK;
 }
 
-/* 1/2 x A x + part x_rate A x_rate */
+/* 1/2 x.A x + part rate.A rate */
 static fb_real fbi_mixed_quadratic(const fb_real A[36], const fb_real x[6], const fb_real rate[6], fb_real part)
 {
   fb_real y[6], z[6];
@@ -8458,8 +8576,8 @@ static fb_real fbi_mixed_quadratic(const fb_real A[36], const fb_real x[6], cons
   return FB_R(0.5) * fbi_vec6_dot(x, y) + part * fbi_vec6_dot(rate, z);
 }
 
-/* mass (origin + g . r) + g . R moment of an inertia matrix at a place in the base frame; of a curved element E10.6 has
-   made mass and moment differ from axis to axis: their means, which do not depend on how the axes lie */
+/* mass (origin + g . r) + g . R moment for the inertia matrix M at the pose r, quat; moment: first moment of mass. For
+   curved elements E10.6 makes mass and moment differ between axes: their means are used, which are invariant. */
 static fb_real fbi_mixed_weight(const fb_real M[36], const fb_real g[3], fb_real origin, const fb_real r[3],
                                 const fb_real quat[4])
 {
@@ -8480,11 +8598,15 @@ FB_DEF fb_status fb_mixed_energy(const fb_mixed *m, fb_energy *energy, const fb_
   fb_energy out = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_real base[9], g[3], u[3], p[3], turning[3], origin, last, unit;
   FBI_REQUIRE(m && energy && state, FB_ERR_NULL);
+
+  /* Units, gravity in base axes */
   last = FB_R(0.25) * m->beta * state->step * state->step;
   unit = m->force * m->length;
   fb_quat_to_mat33(base, state->base_quat);
   fb_mat33_mulT_vec3(g, base, m->gravity);
   origin = fb_vec3_dot(m->gravity, state->base_position) / m->length;
+
+  /* Elements */
   for (int k = 0; k < m->n; k++) {
     const fb_real h = m->h[k], *const M = m->M + 36 * k, *const r = state->r + 3 * k, *const quat = state->quat + 4 * k;
     fb_real middle[3], turn[4];
@@ -8498,6 +8620,8 @@ FB_DEF fb_status fb_mixed_energy(const fb_mixed *m, fb_energy *energy, const fb_
                    (fbi_mixed_weight(M, g, origin, r, quat) + fbi_mixed_weight(M, g, origin, r + 3, quat + 4) +
                     FB_R(4.0) * fbi_mixed_weight(M, g, origin, middle, turn));
   }
+
+  /* Lumped bodies */
   for (int l = 0; l < m->n_lump; l++) {
     const fb_real *const M = m->lump + 36 * l;
     const int j = m->lump_node[l];
@@ -8505,6 +8629,8 @@ FB_DEF fb_status fb_mixed_energy(const fb_mixed *m, fb_energy *energy, const fb_
         unit * fbi_mixed_quadratic(m->lump_inverse + 36 * l, state->lump + 6 * l, state->lump_rate + 6 * l, last);
     out.gravity -= unit * fbi_mixed_weight(M, g, origin, state->r + 3 * j, state->quat + 4 * j);
   }
+
+  /* Kinetic energy of the frame velocity */
   fbi_mixed_frame(u, m, state);
   fbi_mixed_momenta(p, turning, m, state, NULL);
   out.kinetic += unit * (fb_vec3_dot(u, p) + FB_R(0.5) * fbi_mixed_mass(m) * fb_vec3_dot(u, u));
@@ -8515,19 +8641,23 @@ FB_DEF fb_status fb_mixed_energy(const fb_mixed *m, fb_energy *energy, const fb_
   return FB_OK;
 }
 
-/* [E10.14] Momentum and angular momentum about the inertial origin: h A^T P of each element at its two nodes, which is
-   what their velocities see of it; on top m u, and what a velocity u of all nodes has of angular momentum.
+/* [E10.14] Momentum and angular momentum about the inertial origin: h A^T P of each element at its two nodes
+   (the adjoint of the mean velocity), plus m u and the angular momentum of a common velocity u of all nodes.
    Source: [L] 3.62, E10.7.  Cost: 200 flops an element.  Fails: never.  Test: free_flight_keeps_momentum. */
 FB_DEF fb_status fb_mixed_momentum(const fb_mixed *m, fb_momentum *momentum, const fb_mixed_state *state)
 {
   fb_momentum out;
   fb_real base[9], u[3], p[3], h[3], carried[3], turning[3], unit;
   FBI_REQUIRE(m && momentum && state, FB_ERR_NULL);
+
+  /* Base axes, about the origin of the base */
   fbi_mixed_frame(u, m, state);
   fbi_mixed_momenta(p, h, m, state, NULL);
   fbi_mixed_momenta(carried, turning, m, state, u);
   fbi_vec3_add(p, fbi_mixed_mass(m), u);
   fbi_vec3_add(h, FB_R(1.0), turning);
+
+  /* Inertial axes, SI units, about the inertial origin */
   unit = m->force * m->time; /* of momentum */
   fb_quat_to_mat33(base, state->base_quat);
   fb_mat33_mul_vec3(out.linear, base, p);
@@ -8548,7 +8678,7 @@ FB_DEF fb_status fb_mixed_momentum(const fb_mixed *m, fb_momentum *momentum, con
 /* ---------------------------------------------------------------------------------------------------------------
    RUN >>integrate: every step and its limit (uses config, status, vec3, rotation, solve, body, system, exact) */
 
-/* Bound of the highest frequency (E8.8) with deflected, stretched beams: of a slope s and a strain e
+/* Bound of the highest frequency (E8.8) of deflected, stretched beams: with slope s and strain e
    k <= (sqrt(limit_elastic) + s sqrt(limit_slope))^2 + e limit_slope, the triangle inequality for u_x' + s u_y'. */
 static fb_real fbi_frequency_bound(const fb_body *body, fb_real spin, fb_real acceleration, fb_real slope,
                                    fb_real strain)
@@ -8565,7 +8695,7 @@ static fb_real fbi_frequency_bound(const fb_body *body, fb_real spin, fb_real ac
   return g + FB_SQRT(g * g + k);
 }
 
-/* radius / bound: the step that a scheme stable up to |lambda| dt = radius may take */
+/* radius / bound: largest step of an integrator that is stable up to |lambda| dt = radius */
 static fb_real fbi_step_limit(fb_real radius, fb_real bound)
 {
   if (!(bound >= FB_R(0.0))) { /* not a number: no step is stable */
@@ -8622,7 +8752,7 @@ static void fbi_state_scale(fb_state *out, fb_real s, const fb_state *rate, int 
   }
 }
 
-/* A stage, state + s rate: all that rates depend on, L in the other forms alone. */
+/* Stage value out = state + s rate of all that rates depend on; L only in forms other than the momentum form. */
 static void fbi_stage_advance(fb_state *out, const fb_body *body, const fb_state *state, fb_real s,
                               const fb_state *rate)
 {
@@ -8667,19 +8797,23 @@ static void fbi_largest_slopes(fb_real *slope, fb_real *strain, const fbi_kineti
 }
 #endif
 
-/* What step limits depend on: spin, and acceleration of O by the base's motion or, free, by spin about the mass
-   center and by the loads, with gravity. */
+/* Arguments of the step limits: spin, and acceleration of O from the prescribed motion and gravity or, of a free base,
+   from the rotation about the mass center and the loads. */
 static void fbi_step_conditions(fb_real *spin, fb_real *acceleration, const fb_body *body, const fbi_kinetics *k,
                                 const fb_input *input)
 {
   fb_real a[3];
   *spin = fbi_vec3_norm(k->V + 3);
+
+  /* Free base */
   if (body->base == FB_BASE_FREE) {
     fb_real by_loads = fbi_vec3_norm(fbi_is_flying(body) ? k->a : k->fg);
     by_loads = fbi_is_flying(body) ? by_loads : by_loads / body->mass;
     *acceleration = *spin * *spin * fbi_vec3_norm(body->c) / body->mass + by_loads;
     return;
   }
+
+  /* Other bases */
   fbi_zero(a, 3);
   if (input && body->base == FB_BASE_PRESCRIBED) {
     fbi_given_acceleration(a, input);
@@ -8703,8 +8837,8 @@ static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const
   return dt <= fbi_step_limit(FBI_RK4_RADIUS, bound) ? FB_OK : FB_ERR_STEP;
 }
 
-/* [E11.26] Does a body turn faster or slower at a stage than at the start, by more than half a radian in the step? Then
-   no scheme follows it, whatever the springs: an rk4 step, which sees the start alone, could not know.
+/* [E11.26] Refuses a step in which the angular velocity at a stage differs from that at the start by more than half a
+   radian per step: no integrator resolves this motion, and the step limits of rk4 are evaluated at the start alone.
    Source: w = const over a step is what attitudes are summed by.
    Test: steps_that_turn_too_far_are_refused, slender_bodies_keep_their_energy. */
 static fb_status fbi_turn_check(const fb_real start[3], const fb_real w[3], fb_real dt)
@@ -8713,9 +8847,9 @@ static fb_status fbi_turn_check(const fb_real start[3], const fb_real w[3], fb_r
   return x * x + y * y + z * z <= FB_R(0.25) ? FB_OK : FB_ERR_STEP;
 }
 
-/* [E11.22] The increment d becomes the sum x + d, and what that loses by rounding is kept for the next: in single
-   precision a step's increment is often below it. In double precision it is kept of positions, far from the origin,
-   and of u, in fast flight.
+/* [E11.22] Kahan (compensated) summation: d becomes the sum x + d, and `lost` its round-off error, which the next step
+   adds: in single precision the increment of a step is often below the round-off of the sum. In double precision only
+   positions (far from the origin) and u (in fast flight) are compensated.
    Source: W. Kahan, Comm. ACM 8, 1965.  Shapes: n.  Cost: 4 n flops.  Fails: never.
    Test: short_steps_lose_nothing, systems_lose_nothing_by_short_steps, positions_are_sums_without_loss,
    the_faintest_loads_add_up. */
@@ -8752,7 +8886,7 @@ static void fbi_sum_flushed(fb_real *d, const fb_real *x, int n)
 #define FBI_SUM_FLUSHED(d, x, what, n) fbi_sum_flushed((d)->what, (x)->what, n)
 #endif
 
-/* What a body uses of a state after a step. */
+/* Copies the part of a state that a body uses, with its compensation terms. */
 static void fbi_state_take(fb_state *state, const fb_state *next, int n)
 {
   fbi_frame_copy(state, next);
@@ -8768,7 +8902,7 @@ static void fbi_state_take(fb_state *state, const fb_state *next, int n)
 #endif
 }
 
-/* d so that quat + d has unit length: (1/|quat + d| - 1) (quat + d) more. */
+/* Corrects d so that quat + d has unit length: adds (1/|quat + d| - 1) (quat + d). */
 static fb_status fbi_quat_increment(fb_real d[4], const fb_real quat[4])
 {
   fb_real sum[4], norm2 = FB_R(0.0), norm, s;
@@ -8787,9 +8921,9 @@ static fb_status fbi_quat_increment(fb_real d[4], const fb_real quat[4])
   return FB_OK;
 }
 
-/* [E11.29] The increment d of the attitude quat, by the smallest rotation that brings a onto b: the same angular
-   momentum by the body axes and in inertial ones. The inertial one is exact, that of the body is where it is along thin
-   axes. Where it has changed by more than what it is the two tell nothing about the attitude.
+/* [E11.29] Corrects the increment d of the attitude quat by the smallest rotation that takes a to b, the angular
+   momentum integrated in body axes and in inertial axes: the inertial one is exact, the body one is exact about thin
+   axes. No correction where the angular momentum changed by more than its own size.
    Source: L = R h.  Cost: 80 flops.  Fails: never.  Test: thin_tubes_keep_calm, slender_bodies_keep_their_energy. */
 static void fbi_attitude_onto(fb_real d[4], const fb_real quat[4], const fb_real a[3], const fb_real b[3],
                               fb_real change)
@@ -8797,21 +8931,25 @@ static void fbi_attitude_onto(fb_real d[4], const fb_real quat[4], const fb_real
   static const fb_real known[2] = {FB_R(0.0), FB_R(1.0)};
   const fb_real sizes = fbi_vec3_norm(a) * fbi_vec3_norm(b);
   fb_real theta[4] = {FB_R(0.0)}, more[4], told;
+
+  /* Rotation vector a x b/(|a||b|), or zero */
   fb_vec3_cross(theta + 1, a, b);
-  told = known[sizes > change * change]; /* no turn by the same work as any other: looked up, never branched */
+  told = known[sizes > change * change]; /* table instead of a branch: same instruction count */
 #if FB_SINGLE
-  told *= known[fbi_vec3_norm(theta + 1) >= FB_R(16.0) * FB_EPSILON * sizes]; /* below: rounding of a and b alone */
+  told *= known[fbi_vec3_norm(theta + 1) >= FB_R(16.0) * FB_EPSILON * sizes]; /* below: round-off of a and b */
 #endif
   for (int i = 1; i < 4; i++) {
     theta[i] *= FB_R(0.5) * told / (sizes + (FB_R(1.0) - told));
   }
+
+  /* Increment of the quaternion */
   fb_quat_mul(more, theta, quat);
   for (int i = 0; i < 4; i++) {
     d[i] += more[i];
   }
 }
 
-/* The attitude after the increments d of a free or pinned body by E11.29. */
+/* Applies E11.29 to the increments d of a free or pinned body. */
 static FBI_NOINLINE void fbi_state_align(fb_state *d, const fb_body *body, const fb_state *start)
 {
   fb_real quat[4], a[3], b[3], h[3];
@@ -8825,9 +8963,9 @@ static FBI_NOINLINE void fbi_state_align(fb_state *d, const fb_body *body, const
   fbi_attitude_onto(d->quat, quat, a, b, fbi_vec3_norm(d->L));
 }
 
-/* [E11.30] O comes to where the mass center leads it, rho + int u dt + (R c/m)_old - (R c/m)_new: the angular momentum
-   about the inertial origin is then what it was, whatever the step. rho: int u dt; next: the rest of the state after
-   it. Both places come from the same operations: what does not move leaves no rounding.
+/* [E11.30] Position of O from that of the mass center, rho + int u dt + (R c/m)_old - (R c/m)_new: the angular momentum
+   about the inertial origin is then conserved for any step. rho: int u dt; next: the rest of the state after the step.
+   Old and new terms use the same operations, so that a body at rest leaves no round-off.
    Source: Newton.  Cost: 16 flops a term.  Fails: never.  Test: the_mass_center_goes_where_momentum_leads_it. */
 static FBI_NOINLINE void fbi_origin_lead(fb_real rho[3], const fb_body *body, const fb_state *start,
                                          const fb_state *next)
@@ -8842,8 +8980,8 @@ static FBI_NOINLINE void fbi_origin_lead(fb_real rho[3], const fb_body *body, co
   }
 }
 
-/* [E11.31] Elastic momenta of a prescribed base become relative to v (body axes at the attitude of at), its last known
-   velocity. next: the state after the step, but u is its change and pi its increment.
+/* [E11.31] Makes the elastic momenta of a body on a prescribed base relative to v, the last known velocity of the base
+   (body axes at the attitude `at`). next: the state after the step, except that u is its change and pi its increment.
    Source: E8.35.  Cost: 5 flops a term.  Test: the_speed_of_a_prescribed_base_does_not_matter. */
 static FBI_NOINLINE void fbi_frame_follow(fb_state *next, const fb_body *body, const fb_state *start,
                                           const fb_real at[4], const fb_real v[3])
@@ -8859,14 +8997,16 @@ static FBI_NOINLINE void fbi_frame_follow(fb_state *next, const fb_body *body, c
   fbi_frame_shift(next->pi, body, next->q, R, next->u);
 }
 
-/* What ends every step: its increments are summed up, small values become zero, the quaternion is of unit length, and
-   the motion is still within the model. start: the state with its h; last: the input at the attitude at (NULL: that of
-   the end). FB_ERR_STEP: turns in one step of which the attitude keeps no digits. */
+/* Common end of every step: sums the increments, flushes small values, normalizes the quaternion and checks the range
+   of the model. start: the state with its h; last: the input at the attitude `at` (NULL: that of the end). FB_ERR_STEP:
+   a rotation in one step so large that the attitude is lost to round-off. */
 static fb_status fbi_step_end(fb_state *state, fb_state *next, const fb_state *start, const fb_body *body,
                               const fb_input *last, const fb_real at[4])
 {
   const int n = body->n;
   fb_status status;
+
+  /* Attitude and modes */
   fbi_state_align(next, body, start);
   status = fbi_quat_increment(next->quat, state->quat);
   FBI_SUM_4(next, state, quat);
@@ -8874,6 +9014,8 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, const fb_state *s
   if (fbi_is_following(body)) {
     fbi_frame_follow(next, body, start, at, last ? last->v : fbi_origin);
   }
+
+  /* Momenta and velocity */
   FBI_SUM_FLUSHED(next, state, pi, n);
   FBI_SUM_KEPT(next, state, u, 3);
   FBI_SUM_3(next, state, L);
@@ -8883,10 +9025,14 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, const fb_state *s
   fbi_turning_keep(next, state, body, next->h);
 #endif
   fbi_vec3_add(next->h, FB_R(1.0), start->h);
+
+  /* Position */
   if (fbi_is_flying(body)) {
     fbi_origin_lead(next->rho, body, start, next);
   }
   FBI_SUM_KEPT(next, state, rho, 3);
+
+  /* Range, then commit */
   status = status ? status : fbi_state_range(body, next);
   if (status == FB_OK && !fbi_quat_is_unit(next->quat)) {
     status = FB_ERR_STEP;
@@ -8913,16 +9059,23 @@ FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, f
   if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
     return FB_ERR_VALUE;
   }
+
+  /* Inputs of the four stages */
   input[0] = start;
   input[1] = input[2] = middle;
   input[3] = end;
   at = &work->start;
   fbi_state_enter(&work->start, k.R, body, state);
+
+  /* Stages */
   for (int stage = 0; stage < 4; stage++) {
+    /* Rates */
     status = fbi_input_check(body, input[stage]);
     if (status == FB_OK) {
       status = fbi_rates(&work->rate, &k, body, at, input[stage]);
     }
+
+    /* Step limit at the start, rotation at the last stage */
     if (status == FB_OK && stage == 0 && !body->allow_long_step) {
       status = fbi_rk4_check(body, &k, start, dt);
       fbi_vec3_copy(spin, k.V + 3);
@@ -8933,6 +9086,8 @@ FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, f
     if (status != FB_OK) {
       return status;
     }
+
+    /* Weighted sum of rates, value of the next stage */
     if (stage == 0) {
       fbi_state_scale(&work->sum, dt * weight[stage], &work->rate, body->n);
     } else {
@@ -8949,10 +9104,10 @@ FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, f
   return fbi_step_end(state, &work->sum, &work->start, body, end, NULL);
 }
 
-/* ---- implicit steppers */
+/* ---- implicit integrators */
 
 #define FBI_MAX_ITERATIONS 50
-/* Tangent stiffness to w.K. */
+/* Tangent stiffness matrix at q to w.K. */
 static void fbi_tangent(fb_implicit_work *w, const fb_body *body, const fb_real *q)
 {
   fbi_sparse_to_dense(w->K, &body->K, body->n);
@@ -8991,18 +9146,22 @@ static void fbi_pairs_gradient(fb_real *D, fb_real s, const fb_real *c, const fb
   }
 }
 
-/* D_a = d/dq_a (Lambda(q) pb + S(q) V) of the free rows, rows x n: how momenta change with the shape. */
+/* D_a = d/dq_a (Lambda(q) pb + S(q) V) of the free rows, rows x n: derivative of the rigid momenta by the modes. */
 static void fbi_shape_rates(fb_real *D, const fbi_kinetics *k, const fb_body *body, int first)
 {
   const int n = body->n;
   const fb_real *c = body->S;
   fbi_zero(D, (6 - first) * n);
+
+  /* Lambda(q) pb */
   for (int t = body->n_lambda_constant; t < body->n_lambda; t++) {
     const fb_lambda_term *term = &body->lambda[t];
     if (term->i >= first) {
       D[(term->i - first) * n + term->a - 1] -= term->c * k->pb[term->b];
     }
   }
+
+  /* S(q) V, S symmetric */
   for (const fb_S_run *r = body->run; r < body->run + body->n_run; r++) {
     const int i = fbi_sym6_row[r->i], j = fbi_sym6_column[r->i];
     if (i >= first) {
@@ -9033,7 +9192,7 @@ static void fbi_rows_solve(fb_real *X, const fb_real *A, int rows, int n)
   }
 }
 
-/* y = (1 + g w^)^-1 x: what h_dot = g - w x h makes of a residual. */
+/* y = (1 + g w^)^-1 x: solves with the Newton matrix of the gyroscopic term w x h. */
 static void fbi_turning_solve(fb_real y[3], fb_real g, const fb_real w[3], const fb_real x[3])
 {
   const fb_real a[3] = {g * w[0], g * w[1], g * w[2]}, s = FB_R(1.0) / (FB_R(1.0) + fb_vec3_dot(a, a));
@@ -9045,8 +9204,8 @@ static void fbi_turning_solve(fb_real y[3], fb_real g, const fb_real w[3], const
   }
 }
 
-/* X <- (1 + g w^) X on the three rows of turning, rows x n; a hinge has one, which w does not turn. Multiplied so the
-   matrix of a slender body keeps its pivots positive. */
+/* X <- (1 + g w^) X on the three rotational rows, rows x n; nothing for a hinge, whose one row w does not rotate.
+   Multiplying instead of dividing keeps the pivots of a slender body positive. */
 static void fbi_turning_mul(fb_real *X, fb_real g, const fb_real w[3], int first, int n)
 {
   for (int a = 0; a < n && first <= 3; a++) {
@@ -9060,7 +9219,7 @@ static void fbi_turning_mul(fb_real *X, fb_real g, const fb_real w[3], int first
   }
 }
 
-/* A -= g h^ on the rows of turning: momenta in body axes change with it. */
+/* A -= g h^ on the rotational rows: derivative of w x h by w. */
 static void fbi_turning_sub(fb_real *A, fb_real g, const fb_real h[3], int first)
 {
   const fb_real cross[9] = {FB_R(0.0), -h[2], h[1], h[2], FB_R(0.0), -h[0], -h[1], h[0], FB_R(0.0)};
@@ -9070,27 +9229,31 @@ static void fbi_turning_sub(fb_real *A, fb_real g, const fb_real h[3], int first
   }
 }
 
-/* Coupling of the free rigid rows to the modes at the present shape: X = Lambda, Y = D - Lambda M^-1 N^T, Z = A^-1 (X
-   + g Y) with the rigid mass matrix A, which for the momentum form is (1 + g w^) (S + Lambda M^-1 Lambda^T) - g h^, as
-   are X + g Y then. */
+/* Coupling of the free rigid rows to the modes at the present deformation: X = Lambda, Y = D - Lambda M^-1 N^T, Z =
+   A^-1 (X + g Y) with the rigid mass matrix A, which for the momentum form is (1 + g w^) (S + Lambda M^-1 Lambda^T) - g
+   h^, as are X + g Y then. */
 static fb_status fbi_coupling(fb_implicit_work *w, const fbi_kinetics *k, const fb_body *body)
 {
   const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first, momentum = fbi_form(body) == 0;
   const fb_real *S = body->constant_S ? body->S0 : k->S;
   int terms = body->n_lambda;
-  if (rows == 0) { /* nothing recoils */
+  if (rows == 0) { /* no free rigid row */
     return FB_OK;
   }
 #if FB_WITH_FORMS
   terms = momentum ? terms : body->n_lambda_value;
   S = body->form == FB_FORM_FIRST ? body->M_rr : S;
 #endif
+
+  /* X and Y */
   fbi_lambda_rows(w->X, body, k->qx, first, terms);
   if (momentum) {
     fbi_shape_rates(w->Y, k, body, first);
   } else {
     fbi_zero(w->Y, rows * n);
   }
+
+  /* Y -= Lambda M^-1 N^T, rigid mass matrix A */
   S += 21 - rows * (rows + 1) / 2; /* of the free rows */
   for (int i = 0; i < rows; i++) {
     fb_real a[FB_MAX_MODES];
@@ -9103,6 +9266,8 @@ static fb_status fbi_coupling(fb_implicit_work *w, const fbi_kinetics *k, const 
       w->A[i * rows + j] = w->A[j * rows + i] = *S++ + elastic;
     }
   }
+
+  /* Gyroscopic terms of A, then its LU factors */
   if (momentum) {
     fbi_turning_mul(w->A, w->g, w->V + 3, first, rows);
     fbi_turning_sub(w->A, w->g, k->ph + 3, first);
@@ -9110,6 +9275,8 @@ static fb_status fbi_coupling(fb_implicit_work *w, const fbi_kinetics *k, const 
   if (fbi_lu_plain_factor(w->A, rows) != FB_OK) {
     return FB_ERR_RANGE;
   }
+
+  /* Z = A^-1 (X + g Y) */
   for (int i = 0; i < rows * n; i++) {
     w->Z[i] = w->X[i] + w->g * w->Y[i];
   }
@@ -9120,25 +9287,28 @@ static fb_status fbi_coupling(fb_implicit_work *w, const fbi_kinetics *k, const 
   return FB_OK;
 }
 
-/* [E11.4] Matrix of the implicit steppers: k = (I - g W)^-1 r with g = gamma dt and W the Jacobian of the momentum
-   form, q' = M^-1 (pi - Lambda^T V),  pi' = -K_t q - C q' + .., V = S^-1 (y - Lambda M^-1 pi),
-   without the second derivatives of S and the products g^2 of gyroscopic terms, eliminated down to the n modes:
-   E = M + g (C + N - N^T) + g^2 K_t - (X - g Y)^T Z. What is left, M - Lambda^T M_rr^-1 Lambda, is the mass of the
-   modes when the base may recoil.
-   The other forms do without N and Y.
-   Source: block elimination; Newmark's effective stiffness is the case of a held base.  Shapes: n x n.  Cost: 2/3 n^3
+/* [E11.4] Iteration matrix of the implicit integrators: k = (I - g W)^-1 r with g = gamma dt and W the Jacobian of the
+   momentum form, q' = M^-1 (pi - Lambda^T V),  pi' = -K_t q - C q' + .., V = S^-1 (y - Lambda M^-1 pi),
+   without the second derivatives of S and the products g^2 of gyroscopic terms, reduced to the n modes:
+   E = M + g (C + N - N^T) + g^2 K_t - (X - g Y)^T Z. At g = 0 it is M - Lambda^T M_rr^-1 Lambda, the modal mass with a
+   free base. The other forms have no N and Y.
+   Source: block elimination; Newmark's effective stiffness is the case of a fixed base.  Shapes: n x n.  Cost: 2/3 n^3
    flops.
    Fails: M_rr or E singular.  Test: each_scheme_converges_at_its_order, steps_may_be_a_thousand_periods_long. */
 static fb_status fbi_implicit_factor(fb_implicit_work *w, const fbi_kinetics *k, const fb_body *body, fb_real g)
 {
   const int n = body->n, rows = 6 - fbi_first_free(body->base);
   fb_status status;
+
+  /* X, Y, Z and A of the free base */
   w->g = g;
   fbi_copy(w->V, k->V, 6);
   status = fbi_coupling(w, k, body);
   if (status != FB_OK) {
     return status;
   }
+
+  /* E = M + g^2 K_t + g (N - N^T) */
   fbi_tangent(w, body, k->qx + 1);
   fbi_sparse_to_dense(w->E, &body->M, n);
   fbi_row_sub(w->E, -g * g, w->K, n * n);
@@ -9148,6 +9318,8 @@ static fb_status fbi_implicit_factor(fb_implicit_work *w, const fbi_kinetics *k,
     w->E[a * n + b] += g * term->c * w->V[term->i];
     w->E[b * n + a] -= g * term->c * w->V[term->i];
   }
+
+  /* Schur complement of the base, damping, LU factors */
   for (int i = 0; i < rows; i++) {
     for (int a = 0; a < n; a++) {
       fbi_row_sub(w->E + a * n, w->X[i * n + a] - g * w->Y[i * n + a], w->Z + i * n, n);
@@ -9170,8 +9342,8 @@ static void fbi_symmetric_sub(fb_real *y, fb_real s, const fb_real *A, const fb_
   }
 }
 
-/* t = A^-1 ((1 + g w^) X u + g (0, r_h)): velocities that the base takes up before the modes answer; momenta in the
-   momentum form only. */
+/* t = A^-1 ((1 + g w^) X u + g (0, r_h)): increments of the base velocity with the modes fixed; the gyroscopic
+   terms in the momentum form only. */
 static void fbi_base_answer(fb_real t[6], const fb_implicit_work *w, const fb_body *body, const fb_state *r,
                             const fb_real *u)
 {
@@ -9190,7 +9362,7 @@ static void fbi_base_answer(fb_real t[6], const fb_implicit_work *w, const fb_bo
   fbi_lu_plain_solve(t, w->A, rows);
 }
 
-/* (1 - g w/2)^-1, by which a quaternion's rate k = r + 1/2 g k o w is solved for. */
+/* Quaternion (1 - g w/2)^-1, which solves the implicit rate k = r + 1/2 g k o w of an attitude. */
 static void fbi_turn_inverse(fb_real own[4], fb_real g, const fb_real w[3])
 {
   const fb_real half = FB_R(0.5) * g, s = FB_R(1.0) / (FB_R(1.0) + half * half * fb_vec3_dot(w, w));
@@ -9200,7 +9372,8 @@ static void fbi_turn_inverse(fb_real own[4], fb_real g, const fb_real w[3])
   }
 }
 
-/* The attitude and h take part by the recoil V (times g), so that they are integrated as stiffly as what moves them. */
+/* Solution for attitude and h, which depend on the increment V (times g) of the base velocity: as implicit as the
+   modes. */
 static void fbi_recoil_pose(fb_state *r, const fb_implicit_work *w, const fb_body *body, const fbi_kinetics *k,
                             const fb_state *state, const fb_real V[6])
 {
@@ -9230,6 +9403,8 @@ static void fbi_implicit_solve(fb_state *r, const fb_implicit_work *w, const fb_
   const fb_real g = w->g;
   fb_real b[FB_MAX_MODES], d[FB_MAX_MODES], t[6], V[6] = {0};
   fb_real *u = momentum ? r->q : r->pi;
+
+  /* Right-hand side of the modes */
   fbi_copy(d, u, n);
   fbi_mass_mul(b, body, u);
   fbi_base_answer(t, w, body, r, u);
@@ -9244,6 +9419,8 @@ static void fbi_implicit_solve(fb_state *r, const fb_implicit_work *w, const fb_
   } else {
     fbi_symmetric_sub(b, g, w->K, r->q, n);
   }
+
+  /* Modes k_q (or k_u), velocity increment V of the base */
   fbi_lu_plain_solve(b, w->E, n);
   fbi_copy(u, b, n);
   for (int i = 0; i < rows; i++) {
@@ -9252,6 +9429,8 @@ static void fbi_implicit_solve(fb_state *r, const fb_implicit_work *w, const fb_
   for (int a = 0; a < n; a++) {
     d[a] = u[a] - d[a];
   }
+
+  /* Momenta, or displacements and base velocity */
   if (momentum) {
     fbi_symmetric_sub(r->pi, g, w->K, r->q, n);
     fbi_damping_add(r->pi, -FB_R(1.0), body, d);
@@ -9269,18 +9448,20 @@ static void fbi_implicit_solve(fb_state *r, const fb_implicit_work *w, const fb_
       V[3 + i] = g * r->L[i];
     }
   }
+
+  /* Position, attitude and h */
   fbi_vec3_add(r->rho, g, r->u);
   fbi_recoil_pose(r, w, body, k, state, V);
 }
 
-/* Frequency of the stiffening by the quadratic field. */
+/* Frequency of the geometric stiffening by the quadratic displacement field. */
 static fb_real fbi_stiffening(const fb_body *body, fb_real spin, fb_real acceleration)
 {
   return FB_SQRT(body->limit_spin * spin * spin + body->limit_acceleration * FB_FABS(acceleration));
 }
 
-/* [E11.6] Largest step of the implicit schemes: what their matrix leaves out, products of the spin and the stiffening
-   of the quadratic field; |w| dt <= 1/10, the frequency of the latter times dt <= 1.
+/* [E11.6] Largest step of the implicit integrators, set by the terms that their matrix leaves out, products of the spin
+   and geometric stiffening by the quadratic displacement field: |w| dt <= 1/10, frequency of the latter times dt <= 1.
    Source: trials.  Fails: never.  Test: steps_within_the_limit_are_stable. */
 FB_DEF fb_real fb_implicit_limit(const fb_body *body, fb_real spin, fb_real acceleration)
 {
@@ -9298,7 +9479,7 @@ static fb_status fbi_implicit_check(const fb_body *body, const fbi_kinetics *k, 
   return dt <= fb_implicit_limit(body, spin, acceleration) ? FB_OK : FB_ERR_STEP;
 }
 
-/* Start of an implicit step: rates at the state, checked step, factored iteration matrix. */
+/* Start of an implicit step: rates at the state, step limit, factored iteration matrix. */
 static fb_status fbi_implicit_start(fb_implicit_work *w, fbi_kinetics *k, const fb_body *body, const fb_state *state,
                                     const fb_input *input, fb_real dt, fb_real g)
 {
@@ -9311,10 +9492,10 @@ static fb_status fbi_implicit_start(fb_implicit_work *w, fbi_kinetics *k, const 
   return status == FB_OK ? fbi_implicit_factor(w, k, body, g) : status;
 }
 
-/* [E11.25] Has a stage converged? Not where the last correction is above a tenth of the first one and a hundredth of
-   what the stage leads to, and is no rounding: Newton's corrections shrink to less than a tenth where a step is short
-   enough for what it is to follow. Squares; one iteration alone cannot be judged.
-   What bends is judged by a tenth of its own change, in systems.
+/* [E11.25] Convergence of a stage. It fails if the last Newton correction exceeds a tenth of the first one, a hundredth
+   of the increment of the stage, and round-off: corrections shrink to less than a tenth if the step resolves the
+   motion. Arguments are squares; a single iteration cannot be judged.
+   In systems modes are checked separately, against a tenth of their own increment.
    Source: contraction of Newton's method.  Test: steps_that_have_not_converged_say_so,
    a_fast_sled_does_not_hide_what_bends. */
 static fb_status fbi_stage_check(fb_real first, fb_real last, fb_real change)
@@ -9324,8 +9505,8 @@ static fb_status fbi_stage_check(fb_real first, fb_real last, fb_real change)
   return last > bound ? FB_ERR_CONVERGENCE : FB_OK;
 }
 
-/* [E11.32] Square of how far rates k lead within g [rad], for E11.25: turn of the attitude, modes by the radius of
-   gyration.
+/* [E11.32] Squared size of the increment g k [rad^2], for E11.25: rotation of the attitude, modal displacements over
+   the radius of gyration.
    Source: definition.  Cost: 2 n flops.  Test: implicit_steps_that_have_not_converged_say_so. */
 static fb_real fbi_rate_size(const fb_state *k, const fb_body *body, fb_real g)
 {
@@ -9338,7 +9519,7 @@ static fb_real fbi_rate_size(const fb_state *k, const fb_body *body, fb_real g)
   return g * g * (FB_R(4.0) * turn + bent * bent);
 }
 
-/* Simplified Newton iterations for k = f(base + g k), k given a guess: (I - g W) dk = f - k. */
+/* Simplified Newton iterations for k = f(base + g k), k holds the first guess: (I - g W) dk = f - k. */
 static fb_status fbi_stage_solve(fb_implicit_work *w, fb_state *k, const fb_body *body, const fbi_kinetics *at,
                                  const fb_state *base, const fb_input *input, int iterations, fb_real dt)
 {
@@ -9346,6 +9527,8 @@ static fb_status fbi_stage_solve(fb_implicit_work *w, fb_state *k, const fb_body
   fb_real first = FB_R(0.0), last = FB_R(0.0);
   for (int i = 0; i < iterations && status == FB_OK; i++) {
     fbi_kinetics here;
+
+    /* Residual f - k */
     fbi_stage_advance(&w->stage, body, base, w->g, k);
     if (fbi_is_oriented(body, input)) {
       fb_quat_to_mat33(here.R, w->stage.quat);
@@ -9355,6 +9538,8 @@ static fb_status fbi_stage_solve(fb_implicit_work *w, fb_state *k, const fb_body
       status = fbi_turn_check(at->V + 3, here.V + 3, dt);
     }
     fbi_state_advance(&w->rate, &w->rate, -FB_R(1.0), k, body->n);
+
+    /* Correction */
     fbi_implicit_solve(&w->rate, w, body, at, &w->start);
     fbi_state_advance(k, k, FB_R(1.0), &w->rate, body->n);
     last = fbi_rate_size(&w->rate, body, w->g);
@@ -9363,7 +9548,7 @@ static fb_status fbi_stage_solve(fb_implicit_work *w, fb_state *k, const fb_body
   return status == FB_OK && iterations > 1 ? fbi_stage_check(first, last, fbi_rate_size(k, body, w->g)) : status;
 }
 
-/* The velocity of a prescribed base at the middle of E11.7 in the axes of the start, where the first guess needs it. */
+/* Velocity of a prescribed base at the midpoint of E11.7 in the axes of the start, for the first guess. */
 static void fbi_base_guess(fb_real v[3], const fb_input *middle, fb_real g)
 {
   fb_real own[4], R[9];
@@ -9383,12 +9568,16 @@ FB_DEF fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_impli
   fb_status status;
   FBI_REQUIRE(body && state && work, FB_ERR_NULL);
   FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
+
+  /* Iteration matrix at the start */
   if (fbi_is_following(body) && middle) {
     work->between = *middle;
     fbi_base_guess(work->between.v, middle, FB_R(0.5) * dt);
     first = &work->between;
   }
   status = fbi_implicit_start(work, &at, body, state, first, dt, FB_R(0.5) * dt);
+
+  /* Stage k */
   if (status == FB_OK) {
     work->first = work->rate;
     fbi_implicit_solve(&work->first, work, body, &at, &work->start);
@@ -9397,22 +9586,28 @@ FB_DEF fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_impli
   if (status != FB_OK) {
     return status;
   }
+
+  /* dt k */
   fbi_state_scale(&work->sum, dt, &work->first, body->n);
   return fbi_step_end(state, &work->sum, &work->start, body, middle, work->stage.quat);
 }
 
-/* The input at the fraction s between two; loads must be at the same nodes in the same axes. */
+/* Input interpolated at the fraction s; loads must be at the same nodes in the same axes. */
 static fb_status fbi_input_between(fb_input *out, const fb_input *a, const fb_input *b, fb_real s)
 {
   *out = *a;
   if (a->n_load != b->n_load) {
     return FB_ERR_VALUE;
   }
+
+  /* Same nodes and axes? */
   for (int k = 0; k < a->n_load; k++) {
     if (a->load[k].node != b->load[k].node || a->load[k].axes != b->load[k].axes) {
       return FB_ERR_VALUE;
     }
   }
+
+  /* Linear interpolation */
   for (int i = 0; i < 3; i++) {
     for (int k = 0; k < a->n_load; k++) {
       out->load[k].force[i] += s * (b->load[k].force[i] - a->load[k].force[i]);
@@ -9426,14 +9621,16 @@ static fb_status fbi_input_between(fb_input *out, const fb_input *a, const fb_in
   return FB_OK;
 }
 
-/* [E11.34] Velocity v of a prescribed base at the first stage of E11.8, in its axes: between those at the ends in
-   inertial axes, where a base that goes straight on has one velocity, by the attitudes that the scheme gives it.
+/* [E11.34] Velocity v of a prescribed base at the first stage of E11.8, in its axes: interpolated in inertial axes,
+   where a straight uniform motion has one velocity, with the attitudes that the integrator computes.
    Source: E11.8 of the attitude alone.  Cost: 250 flops.  Fails: never.
    Test: the_speed_of_a_prescribed_base_does_not_matter. */
 static void fbi_base_between(fb_real v[3], const fb_state *start, const fb_input *a, const fb_input *stage,
                              const fb_input *b, fb_real c, fb_real dt)
 {
   fb_real own[4], middle[4], end[4], rate[4], R[9], first[3], last[3];
+
+  /* Attitudes at the stage and at the end, by E11.8 */
   fbi_turn_inverse(own, c * dt, stage->w);
   fb_quat_mul(middle, start->quat, own);
   fbi_quat_rate(rate, middle, stage->w);
@@ -9442,6 +9639,8 @@ static void fbi_base_between(fb_real v[3], const fb_state *start, const fb_input
   }
   fbi_turn_inverse(own, c * dt, b->w);
   fb_quat_mul(end, rate, own);
+
+  /* Velocities in inertial axes, interpolated */
   fb_quat_to_mat33(R, start->quat);
   fb_mat33_mul_vec3(first, R, a->v);
   fb_quat_to_mat33(R, end);
@@ -9453,7 +9652,7 @@ static void fbi_base_between(fb_real v[3], const fb_state *start, const fb_input
   fb_mat33_mulT_vec3(v, R, first);
 }
 
-/* [E11.8] Two-stage SDIRK scheme of order 2, L-stable and stiffly accurate, c = 1 - 1/sqrt(2):
+/* [E11.8] Two-stage SDIRK integrator of order 2, L-stable and stiffly accurate, c = 1 - 1/sqrt(2):
    k_1 = f(t + c dt, y + c dt k_1),  k_2 = f(t + dt, y + (1-c) dt k_1 + c dt k_2),  y <- its last stage.
    Source: [AL].  Cost: 1 + 2 iterations evaluations, one LU.
    Fails: as E11.4.  Test: each_scheme_converges_at_its_order, steps_may_be_a_thousand_periods_long. */
@@ -9468,6 +9667,8 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
   FBI_REQUIRE(body && state && work, FB_ERR_NULL);
   FBI_REQUIRE((start != NULL) == (end != NULL), FB_ERR_NULL);
   FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
+
+  /* Iteration matrix at the start, input at the first stage */
   status = fbi_implicit_start(work, &at, body, state, start, dt, c * dt);
   if (status == FB_OK && start != end) {
     status = fbi_input_between(&work->between, start, end, c);
@@ -9476,11 +9677,15 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
       fbi_base_between(work->between.v, &work->start, start, &work->between, end, c, dt);
     }
   }
+
+  /* First stage */
   if (status == FB_OK) {
     work->first = work->rate;
     fbi_implicit_solve(&work->first, work, body, &at, &work->start);
     status = fbi_stage_solve(work, &work->first, body, &at, &work->start, first, count, dt);
   }
+
+  /* Second stage */
   if (status == FB_OK) {
     fbi_state_scale(&work->sum, (FB_R(1.0) - c) * dt, &work->first, body->n);
     fbi_stage_advance(&work->base, body, &work->start, (FB_R(1.0) - c) * dt, &work->first);
@@ -9489,20 +9694,22 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
   if (status != FB_OK) {
     return status;
   }
+
+  /* (1-c) dt k_1 + c dt k_2 */
   fbi_state_advance(&work->sum, &work->sum, c * dt, &work->first, body->n);
   return fbi_step_end(state, &work->sum, &work->start, body, end, NULL);
 }
 
-/* ---- exponential scheme */
+/* ---- exponential integrator */
 
-/* [E11.11] Largest step of the exponential scheme: gyroscopic terms 2 |w|, faster by the recoil of a light base
-   (squared: it turns the faster what bends it), the quadratic field, the change of frequencies by the tension of a
+/* [E11.11] Largest step of the exponential integrator: gyroscopic terms 2 |w|, increased by the recoil of a light base
+   (squared), geometric stiffening by the quadratic displacement field, change of frequencies by the tension of a
    spinning beam, heavy damping; the largest of them times dt <= 1.
    Source: trials.  Fails: never.  Test: steps_within_the_limit_are_stable. */
 FB_DEF fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real acceleration)
 {
   FBI_REQUIRE(body, FB_R(0.0));
-  const fb_real lightness = body->recoil * body->recoil - FB_R(1.0); /* 0: nothing recoils */
+  const fb_real lightness = body->recoil * body->recoil - FB_R(1.0); /* 0: no recoil */
   const fb_real turning = (FB_R(2.0) * body->recoil + FB_R(15.0) * lightness) * FB_FABS(spin);
   const int heavy = body->limit_damping > FB_R(0.5) * FB_SQRT(body->limit_elastic);
   fb_real bound = fbi_larger(turning, fbi_stiffening(body, spin, acceleration));
@@ -9513,7 +9720,7 @@ FB_DEF fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real a
 }
 
 #if FB_WITH_NONLINEAR_STRAIN
-/* s = q + sign G(q), sign 1, or -1 to go back; slope is that of q and of s. */
+/* Membrane coordinates s = q + sign G(q), sign -1 for the inverse; slope: of q, the same as of s. */
 static void fbi_membrane_shift(fb_real *q, fb_real slope[3][FBI_MAX_STRAINS], const fb_exponential *scheme,
                                const fb_body *body, fb_real sign)
 {
@@ -9570,6 +9777,7 @@ static void fbi_modal_from(fb_state *z, const fb_exponential *scheme, const fb_b
   }
 }
 
+/* Inverse of fbi_modal_from. */
 static void fbi_modal_to(fb_state *state, const fb_exponential *scheme, const fb_body *body, const fb_state *z)
 {
   const int n = body->n;
@@ -9593,12 +9801,14 @@ static void fbi_modal_to(fb_state *state, const fb_exponential *scheme, const fb
 #endif
 }
 
-/* What is left of the rates of z without the linear elastic part: N = (X M s_dot - p, X sigma_dot + omega^2 x). */
+/* Rates of z minus the linear elastic part: N = (X M s_dot - p, X sigma_dot + omega^2 x). */
 static fb_status fbi_modal_rates(fb_state *N, fbi_kinetics *k, fb_exponential_work *w, const fb_exponential *scheme,
                                  const fb_body *body, const fb_state *z, const fb_input *input)
 {
   const int n = body->n;
   fb_status status = fbi_input_check(body, input);
+
+  /* Rates of the body */
   fbi_modal_to(&w->at, scheme, body, z);
   if (fbi_is_oriented(body, input)) {
     fb_quat_to_mat33(k->R, z->quat);
@@ -9622,6 +9832,8 @@ static fb_status fbi_modal_rates(fb_state *N, fbi_kinetics *k, fb_exponential_wo
     fbi_membrane_sub(w->rate.pi, body, h_dot, k->slope, h, rate);
   }
 #endif
+
+  /* Modal coordinates, less L z */
   fbi_frame_copy(N, &w->rate);
   for (int i = 0; i < n; i++) {
     N->q[i] = fbi_dot(scheme->MX + i * n, w->rate.q, n) - z->pi[i];
@@ -9630,7 +9842,7 @@ static fb_status fbi_modal_rates(fb_state *N, fbi_kinetics *k, fb_exponential_wo
   return FB_OK;
 }
 
-/* y += s phi_j(h L) v: on modes c_j + h L c_(j+1) with L = [0 1; -omega^2 0], on the rest 1/j!. */
+/* y += s phi_j(h L) v: c_j + h L c_(j+1) with L = [0 1; -omega^2 0] for modes, 1/j! for the rest. */
 static void fbi_phi_add(fb_state *y, fb_real s, const fb_real c[5][FB_MAX_MODES], int j, const fb_exponential *scheme,
                         fb_real h, const fb_state *v, int n)
 {
@@ -9642,7 +9854,7 @@ static void fbi_phi_add(fb_state *y, fb_real s, const fb_real c[5][FB_MAX_MODES]
   }
 }
 
-/* y += (e^(h L) - 1) v on modes, by c_0 - 1 = -(omega h)^2 c_2: what a short step adds is not lost in 1. */
+/* y += (e^(h L) - 1) v for modes, with c_0 - 1 = -(omega h)^2 c_2, free of cancellation for short steps. */
 static void fbi_phi_increment(fb_state *y, const fb_exponential *scheme, const fb_state *v, int n)
 {
   const fb_real h = scheme->dt;
@@ -9653,8 +9865,8 @@ static void fbi_phi_increment(fb_state *y, const fb_exponential *scheme, const f
   }
 }
 
-/* The increments of a step in work->full, from modal coordinates to work->at; membrane coordinates are not linear in
-   them. */
+/* Transforms the increments of a step from modal coordinates (work->full) to work->at; with membrane coordinates the
+   map is nonlinear, and increments are differences of states. */
 static void fbi_modal_increments(fb_exponential_work *w, const fb_exponential *scheme, const fb_body *body,
                                  const fb_state *state)
 {
@@ -9673,6 +9885,8 @@ FB_DEF fb_status fb_exponential_check(const fb_exponential *scheme, const fb_bod
 {
   int n, sound;
   FBI_REQUIRE(scheme && body, FB_ERR_NULL);
+
+  /* Capacities */
   n = body->n;
   if (!fbi_is_within(n, FB_MAX_MODES) || !fbi_is_within(scheme->n_axial, n)) {
     return FB_ERR_CAPACITY;
@@ -9682,6 +9896,8 @@ FB_DEF fb_status fb_exponential_check(const fb_exponential *scheme, const fb_bod
     return FB_ERR_CAPACITY;
   }
 #endif
+
+  /* Values */
   sound = scheme->dt > FB_R(0.0) && scheme->dt < FB_HUGE && fbi_is_finite(scheme->X, n * n) &&
           fbi_is_finite(scheme->MX, n * n) && fbi_is_finite(scheme->omega2, n);
   for (int k = 0; sound && k < 5; k++) {
@@ -9706,11 +9922,11 @@ static fb_status fbi_exponential_limited(const fb_body *body, const fbi_kinetics
   return h <= fb_exponential_limit(body, spin, acceleration) ? FB_OK : FB_ERR_STEP;
 }
 
-/* [E11.10] Exponential Runge-Kutta scheme of order 4 for z' = L z + N(t, z), stages at 0, 1/2, 1/2, 1:
+/* [E11.10] Exponential Runge-Kutta integrator of order 4 for z' = L z + N(t, z), stages at 0, 1/2, 1/2, 1:
    z_2 = e^(hL/2) z + h/2 phi_1(hL/2) N_1,  z_3 = z_2 + h phi_2(hL/2) (N_2 - N_1),
    z_4 = e^(hL) z + h phi_1(hL) N_1 + 2h phi_2(hL) (N_3 - N_1),
    z <- e^(hL) z + h phi_1 N_1 + h phi_2 (-3 N_1 + 2 N_2 + 2 N_3 - N_4) + 4h phi_3 (N_1 - N_2 - N_3 + N_4).
-   Where L = 0 this is the classical Runge-Kutta scheme.
+   For L = 0 this is the classical Runge-Kutta integrator.
    Source: [KR].  Cost: 4 evaluations, 16 n^2 flops each.  Fails: as the rates.
    Test: each_scheme_converges_at_its_order, the_exponential_scheme_is_exact_for_linear_bodies. */
 FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *scheme, fb_state *state,
@@ -9728,6 +9944,8 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   sum = &work->sum;
   n = body->n;
   h = scheme->dt;
+
+  /* N_1, step limit */
   fbi_state_enter(&work->start, k.R, body, state);
   fbi_frame_copy(&work->at, &work->start);
   fbi_elastic_copy(&work->at, &work->start, n);
@@ -9735,17 +9953,23 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   status = fbi_modal_rates(&N[0], &k, work, scheme, body, z, start);
   status = status == FB_OK ? fbi_exponential_limited(body, &k, start, h) : status;
   fbi_vec3_copy(turn, k.V + 3);
+
+  /* z_2, N_2 */
   if (status == FB_OK) {
     memset(&work->half, 0, sizeof work->half);
     fbi_phi_add(&work->half, FB_R(1.0), scheme->half, 0, scheme, FB_R(0.5) * h, z, n);
     fbi_phi_add(&work->half, FB_R(0.5) * h, scheme->half, 1, scheme, FB_R(0.5) * h, &N[0], n);
     status = fbi_modal_rates(&N[1], &k, work, scheme, body, &work->half, middle);
   }
+
+  /* z_3, N_3 */
   if (status == FB_OK) {
     fbi_state_advance(sum, &N[1], -FB_R(1.0), &N[0], n);
     fbi_phi_add(&work->half, h, scheme->half, 2, scheme, FB_R(0.5) * h, sum, n);
     status = fbi_modal_rates(&N[2], &k, work, scheme, body, &work->half, middle);
   }
+
+  /* z_4, N_4 */
   if (status == FB_OK) {
     memset(&work->full, 0, sizeof work->full);
     fbi_phi_increment(&work->full, scheme, z, n);
@@ -9759,6 +9983,8 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   if (status != FB_OK) {
     return status;
   }
+
+  /* Increments, in z and in the state */
   fbi_state_advance(&N[1], &N[1], FB_R(1.0), &N[2], n); /* N_2 + N_3 */
   fbi_state_advance(sum, &N[0], -FB_R(1.0), &N[1], n);
   fbi_state_advance(sum, sum, FB_R(1.0), &N[3], n);
@@ -9773,7 +9999,7 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
 #if FB_WITH_SYSTEM
 /* ---- systems */
 
-/* y = a + s b, straight */
+/* y = a + s b for the coordinates and momenta of a joint; the quaternion is not normalized. */
 static void fbi_link_advance(fb_link_state *y, const fb_link_state *a, fb_real s, const fb_link_state *b,
                              const fb_joint *joint)
 {
@@ -9810,7 +10036,7 @@ static void fbi_system_advance(fb_system_state *out, const fb_system_state *stat
   }
 }
 
-/* All of a state but modes and holds. */
+/* Copies the links and the motor work of a state, not the modes of its axes. */
 static void fbi_links_copy(fb_system_state *out, const fb_system_state *state, const fb_system *system)
 {
   for (int k = 0; k < system->n_body; k++) {
@@ -9834,7 +10060,7 @@ static void fbi_system_clear(fb_system_state *rate, const fb_system *system, con
   }
 }
 
-/* E11.26 of all bodies. begin: keeps the start's. */
+/* E11.26 for all bodies. begin: stores the angular velocities of the start. */
 static fb_status fbi_turns_check(fb_system_work *w, const fb_system *system, fb_real dt, int begin)
 {
   fb_status status = FB_OK;
@@ -9848,15 +10074,15 @@ static fb_status fbi_turns_check(fb_system_work *w, const fb_system *system, fb_
   return status;
 }
 
-/* Bound of the highest frequency of a system: E8.8 with springs and modes of the whole. */
+/* Bound of the highest frequency of a system: E8.8 with the springs and modes of the whole system. */
 static fb_real fbi_system_frequency(const fb_system *system, fb_real spin, fb_real stiffening)
 {
   const fb_real g = spin + FB_R(0.5) * (system->limit_damping + system->limit_kept_damping);
   return g + FB_SQRT(g * g + system->limit_elastic + system->limit_kept_elastic + stiffening);
 }
 
-/* [E11.15] Largest step of rk4 for a system: the frequency bound of E8.8 with the springs and modes of the whole,
-   undeformed, at zero joint coordinates, the fastest spin and the stiffening of the bodies.
+/* [E11.15] Largest step of rk4 for a system: the frequency bound of E8.8 with the springs and modes of the whole
+   system, undeformed at zero joint coordinates, the fastest spin and the largest geometric stiffening of the bodies.
    Source: E8.8, E11.1.  Fails: never.  Test: system_steps_beyond_the_limit_are_refused. */
 FB_DEF fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body, fb_real spin, fb_real acceleration)
 {
@@ -9869,8 +10095,8 @@ FB_DEF fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body,
   return fbi_step_limit(FBI_RK4_RADIUS, fbi_system_frequency(system, FB_FABS(spin), stiff));
 }
 
-/* The fastest spin there is and the largest stiffening k [1/s^2]; O accelerates by the spin of the bodies on the way
-   and by what acts on the whole. */
+/* Fastest spin of the bodies and largest geometric stiffening k [1/s^2]; the acceleration of O is estimated from the
+   spin of the bodies between it and the root, and from the force on the tree. */
 static void fbi_system_conditions(fb_real *spin, fb_real *stiffening, fb_system_work *w, const fb_system *system)
 {
   *spin = *stiffening = FB_R(0.0);
@@ -9896,16 +10122,20 @@ static void fbi_system_conditions(fb_real *spin, fb_real *stiffening, fb_system_
 #define FBI_ADD(x, d, what, n) fbi_row_sub((x)->what, -FB_R(1.0), (d)->what, n)
 #endif
 
-/* Positions += increment by E11.22, a quaternion stays of unit length; a free joint's, in the frame of its tree.
-   FB_ERR_STEP: an increment of so many turns that nothing is left of the attitude's digits. */
+/* Positions += increment by E11.22, quaternions normalized; the position of a free joint is relative to the frame of
+   its tree. FB_ERR_STEP: a rotation so large that the attitude is lost to round-off. */
 static fb_status fbi_link_move(fb_link_state *x, fb_link_state *increment, const fb_joint *joint, int n)
 {
   fb_status status = FB_OK;
+
+  /* Attitude */
   if (joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL) {
     status = fbi_quat_increment(increment->quat, x->quat);
     FBI_ADD(x, increment, quat, 4);
     status = status == FB_OK && !fbi_quat_is_unit(x->quat) ? FB_ERR_STEP : status;
   }
+
+  /* Position, joint coordinates, modes */
   if (joint->kind == FB_JOINT_FREE) {
     fbi_vec3_add(x->lost_x, FB_R(1.0), increment->lost_x);
   } else if (joint->kind != FB_JOINT_SPHERICAL) {
@@ -9918,7 +10148,7 @@ static fb_status fbi_link_move(fb_link_state *x, fb_link_state *increment, const
   return status;
 }
 
-/* Momenta += increment, small values become zero. */
+/* Momenta += increment, small values flushed. */
 static void fbi_link_push(fb_link_state *x, fb_link_state *increment, const fb_joint *joint, int n)
 {
   FBI_ADD(x, increment, p, joint->n_axis);
@@ -9936,12 +10166,13 @@ static void fbi_links_push(fb_system_state *next, fb_system_work *w, const fb_sy
   }
 }
 
+/* Is link k a free root whose body angular momentum is integrated too (E11.27)? */
 static int fbi_owns(const fb_system *system, const fb_system_state *modes, int k)
 {
   return system->joint[k].kind == FB_JOINT_FREE && modes->mode[k][0] == FB_AXIS_FREE;
 }
 
-/* What begins a step of free roots without constraints: their L in body axes. */
+/* Start of a step of free roots without constraints: angular momentum in body axes. */
 static void fbi_own_begin(fb_system_work *w, const fb_system *system, const fb_system_state *state)
 {
   w->owns = 1;
@@ -9957,8 +10188,9 @@ static void fbi_own_begin(fb_system_work *w, const fb_system *system, const fb_s
   }
 }
 
-/* [E11.27] A stage of them: h_dot = R^T L_dot - w x h; the sum of increments grows by weight, the next stage is at
-   ahead. L in inertial axes alone would take an attitude's error for spin about a thin axis, I_t/I_x times as fast.
+/* [E11.27] Stage of the angular momentum h of a free root in body axes: h_dot = R^T L_dot - w x h; weight: in the sum
+   of increments, ahead: of the next stage. With L in inertial axes alone an attitude error would appear as spin about a
+   thin axis, magnified by I_t/I_x.
    Source: Euler's equations.  Cost: 40 flops a root.  Test: thin_tubes_keep_calm. */
 static void fbi_own_stage(fbi_link_work *L, const fb_link_state *rate, fb_real weight, fb_real ahead)
 {
@@ -9970,19 +10202,23 @@ static void fbi_own_stage(fbi_link_work *L, const fb_link_state *rate, fb_real w
   fbi_vec3_add(L->own, ahead, h_dot);
 }
 
-/* [E11.28] The attitude of a free root by the smallest rotation that brings R h onto L, both about the mass center: L
-   is exact, so is h along thin axes. increment: of the step, its quaternion takes half the rotation vector times the
-   attitude. Where L has changed by more than what it is the two tell nothing about the attitude.
+/* [E11.28] Corrects the attitude of a free root by the smallest rotation that takes R h to L, both about the mass
+   center (E11.29): L is exact, h is exact about thin axes. increment: of the step; half the rotation vector times the
+   attitude is added to its quaternion.
    Source: L = R h.  Cost: 120 flops a root.  Test: thin_tubes_keep_calm. */
 static void fbi_own_end(fb_link_state *increment, const fbi_link_work *L, const fb_link_state *x)
 {
   fb_real quat[4], R[9], a[3], b[3], moment[3], P[3];
+
+  /* Attitude after the step */
   for (int i = 0; i < 4; i++) {
     quat[i] = x->quat[i] + increment->quat[i];
   }
   if (fb_quat_normalize(quat) != FB_OK || !(L->bulk > FB_R(0.0))) {
     return;
   }
+
+  /* R h in a and L in b, moved to the mass center */
   fb_quat_to_mat33(R, quat);
   fb_mat33_mul_vec3(moment, R, L->first);
   for (int i = 0; i < 3; i++) {
@@ -9996,10 +10232,12 @@ static void fbi_own_end(fb_link_state *increment, const fbi_link_work *L, const 
   }
   fbi_vec3_add_cross(a, P, moment);
   fbi_vec3_add_cross(b, P, moment);
+
+  /* Correction */
   fbi_attitude_onto(increment->quat, quat, a, b, fbi_vec3_norm(increment->p + 3));
 }
 
-/* The integral of the momenta P in the frames goes on by s times those of a stage, x + g rate. */
+/* Adds s times the momenta P of a stage, x + g rate, to their time integral in the frames. */
 static void fbi_flight_add(fb_system_work *w, const fb_system *system, const fb_system_state *x, fb_real g,
                            const fb_system_state *rate, fb_real s)
 {
@@ -10012,9 +10250,9 @@ static void fbi_flight_add(fb_system_work *w, const fb_system *system, const fb_
   }
 }
 
-/* [E11.23] What ends a step of trees that fly: O comes to where the mass center is led by its momentum, m c + P dt, so
-   that the angular momentum about the inertial origin is what it was, and moves on with the frame, u dt; then frames
-   take their new velocities.
+/* [E11.23] End of a step of free-flying trees: O is placed so that the mass center moves by the momentum, m c + P dt,
+   which conserves the angular momentum about the inertial origin; then it moves with the frame, u dt, and the frames
+   get their new velocities.
    Source: momentum of the whole.  Cost: 60 flops a body.  Test: flight_speed_changes_nothing,
    fast_systems_keep_their_angular_momentum. */
 static void fbi_flight_end(fb_system_state *next, fb_system_work *w, const fb_system *system, fb_real dt)
@@ -10034,8 +10272,8 @@ static void fbi_flight_end(fb_system_state *next, fb_system_work *w, const fb_sy
   fbi_frames_set(next, w, system);
 }
 
-/* A stage's rates into the increments of the step, by weight, and into the next stage (last: there is none), which is
-   at start + ahead rates. */
+/* Adds weight times the rates of a stage to the increments of the step and sets the next stage to start + ahead rates
+   (last: no next stage). */
 static void fbi_rk4_take(fb_system_work *w, const fb_system *system, const fb_system_state *at,
                          const fb_system_state *start, fb_real weight, fb_real ahead, int last)
 {
@@ -10045,12 +10283,16 @@ static void fbi_rk4_take(fb_system_work *w, const fb_system *system, const fb_sy
     const fb_link_state *rate = &w->rate.link[k], *from = &start->link[k];
     fb_link_state *sum = &w->sum.link[k], *next = &w->stage.link[k];
     const int n = L->model->n, free = L->joint->kind == FB_JOINT_FREE;
+
+    /* Free root: integral of P, angular momentum in body axes */
     if (free) {
       fbi_vec3_add(w->link[L->root].glide, weight, at->link[k].p);
     }
     if (free && w->owns && L->mode[0] == FB_AXIS_FREE) {
       fbi_own_stage(L, rate, weight, ahead);
     }
+
+    /* Joint coordinates and momenta, modes */
     fbi_link_advance(sum, sum, weight, rate, L->joint);
     if (!last) {
       fbi_link_advance(next, from, ahead, rate, L->joint);
@@ -10064,7 +10306,7 @@ static void fbi_rk4_take(fb_system_work *w, const fb_system *system, const fb_sy
   }
 }
 
-/* Loops closed and velocities onto the constraints. */
+/* Projects positions and velocities onto the constraints. */
 static fb_status fbi_rows_end(fb_system_state *next, fb_system_work *w, const fb_system *system, const fb_body *body,
                               const fb_system_state *state, const fb_system_input *input)
 {
@@ -10074,21 +10316,23 @@ static fb_status fbi_rows_end(fb_system_state *next, fb_system_work *w, const fb
   status = status == FB_OK ? fbi_momenta_close(w, system, body, next, state, input) : status;
   miss = status == FB_OK ? fbi_rows_miss(&worst, w, system) : FB_R(0.0);
   if (status == FB_OK &&
-      !(miss <= (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-5)))) { /* cannot be closed, or far too long a step */
+      !(miss <= (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-5)))) { /* contradictory constraints, or far too long a step */
     w->joint = worst;
     return FB_ERR_CONTRADICTION;
   }
   return status;
 }
 
-/* What ends every step: increments (work.sum) summed up, given coordinates, loops closed, frames of what flies, all
-   within range. */
+/* Common end of every step: sums the increments (work.sum), sets prescribed coordinates, projects onto the constraints,
+   updates the frames of free-flying trees, checks the range of the model. */
 static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body,
                                 const fb_system_input *input, fb_real dt)
 {
   fb_system_state *const next = &w->stage;
   const int flies = fbi_flies(system, w), rows = fbi_has_rows(system, w, input);
   fb_status status = FB_OK;
+
+  /* Attitude of free roots (E11.28), positions */
   w->clock = dt;
   fbi_links_copy(next, state, system);
   next->motor_work += w->sum.motor_work;
@@ -10104,21 +10348,29 @@ static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const
   if (status != FB_OK) {
     return status;
   }
+
+  /* Prescribed coordinates, momenta */
   fbi_prescribe(next, system, w, state, input);
   if (flies && !rows) {
     fbi_links_place(w, system, body, next, state);
     fbi_frames_take(w, system, next, &w->sum, state, input);
   }
   fbi_links_push(next, w, system);
+
+  /* Constraints */
   if (rows) {
     status = fbi_rows_end(next, w, system, body, state, input);
   }
+
+  /* Frames of free-flying trees */
   if (flies && rows && status == FB_OK) {
     fbi_frames_take(w, system, next, NULL, state, input);
   }
   if (flies && status == FB_OK) {
     fbi_flight_end(next, w, system, dt);
   }
+
+  /* Range, then commit */
   status = status == FB_OK ? fbi_system_range(system, body, next) : status;
   if (status == FB_OK) {
     fbi_links_copy(state, next, system);
@@ -10132,8 +10384,8 @@ static fb_status fbi_system_step_check(const fb_system *system, const fb_body *b
   return dt > FB_R(0.0) && dt < FB_HUGE ? fbi_system_input_check(system, body, input) : FB_ERR_VALUE;
 }
 
-/* [E11.12] Classical Runge-Kutta on a system. Impulses of constraints start at zero in each step, so that what is
-   integrated is an ordinary differential equation; after the step positions and velocities go onto the constraints.
+/* [E11.12] Classical Runge-Kutta on a system. Constraint impulses start at zero in each step, so that an ordinary
+   differential equation is integrated; after the step positions and velocities are projected onto the constraints.
    Source: textbook, E9.15, E9.17.  Cost: 4 evaluations, with constraints 2 solutions more.
    Test: systems_converge_with_the_order_of_the_scheme, redundant_loops_are_accepted. */
 FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body, fb_system_state *state,
@@ -10149,6 +10401,8 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
   FBI_REQUIRE(system && body && state && work, FB_ERR_NULL);
   fbi_system_enter(work, system);
   flies = fbi_flies(system, work);
+
+  /* Inputs of the four stages; E11.27 for free flight without constraints */
   input[0] = start;
   input[1] = input[2] = middle;
   input[3] = end;
@@ -10156,15 +10410,21 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
       !fbi_has_rows(system, work, end)) {
     fbi_own_begin(work, system, state);
   }
+
+  /* Stages */
   fbi_system_clear(&work->sum, system, body);
   for (int stage = 0; stage < 4 && status == FB_OK; stage++) {
     const fb_system_state *at = stage == 0 ? state : &work->stage;
+
+    /* Rates */
     status = fbi_system_step_check(system, body, input[stage], dt);
     if (status == FB_OK && stage > 0) {
       fbi_prescribe(&work->stage, system, work, state, input[stage]);
       work->clock = dt * node[stage - 1];
     }
     status = status == FB_OK ? fbi_system_rates(work, system, body, &work->rate, at, state, input[stage]) : status;
+
+    /* Step limit at the start, rotation at every stage */
     if (status == FB_OK && stage == 0 && !system->allow_long_step) {
       fb_real spin, stiff;
       fbi_system_conditions(&spin, &stiff, work, system);
@@ -10173,6 +10433,8 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
     if (status == FB_OK && !system->allow_long_step) {
       status = fbi_turns_check(work, system, dt, stage == 0);
     }
+
+    /* Weighted sum of rates, next stage */
     if (status == FB_OK) {
       if (stage == 0 && flies) {
         fbi_flight_begin(work, system);
@@ -10183,7 +10445,7 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
   return status == FB_OK ? fbi_system_end(state, work, system, body, end, dt) : status;
 }
 
-/* Turning rate [rad/s] of a quaternion's rate, in the axes that turn. */
+/* Angular velocity [rad/s], body axes, of a quaternion and its rate: 2 quat^* o rate. */
 static void fbi_turn_of_rate(fb_real w[3], const fb_real quat[4], const fb_real rate[4])
 {
   const fb_real back[4] = {FB_R(2.0) * quat[0], -FB_R(2.0) * quat[1], -FB_R(2.0) * quat[2], -FB_R(2.0) * quat[3]};
@@ -10192,7 +10454,7 @@ static void fbi_turn_of_rate(fb_real w[3], const fb_real quat[4], const fb_real 
   fbi_vec3_copy(w, turn + 1);
 }
 
-/* y -= s K_t x of the modes, about where the link is. */
+/* y -= s K_t x, tangent stiffness of the modes at the present deflection of the link. */
 static void fbi_stiffness_sub(fb_real *y, fb_real s, fbi_link_work *L, const fb_body *body, const fb_real *x)
 {
   fbi_sparse_eval(y, y, -s, &body->K, x, body->n);
@@ -10214,12 +10476,18 @@ static void fbi_newton_fill(fb_system_work *w, const fb_system *system, const fb
     const fb_body *model = fbi_model(system, body, k);
     const fb_link_state *x = &r->link[k];
     fbi_link_work *L = &w->link[k];
+
+    /* Modes */
     fbi_stiffness_sub(L->pi, g * g, L, model, x->q);
     fbi_row_sub(L->pi, -g, x->pi, model->n);
+
+    /* Momenta of the joint on its free axes */
     fbi_joint_momenta(L->p, L, joint, x);
     for (int i = 0; i < joint->n_axis; i++) {
       L->p[i] = fbi_axis_mode(L, joint, i) == FB_AXIS_FREE ? g * L->p[i] : FB_R(0.0);
     }
+
+    /* Springs of the joint */
     if (joint->kind == FB_JOINT_SPHERICAL) {
       fb_real turn[3];
       fbi_turn_of_rate(turn, at->link[k].quat, x->quat);
@@ -10243,9 +10511,13 @@ static void fbi_newton_take(fb_system_state *r, fb_system_work *w, const fb_syst
     fbi_link_work *L = &w->link[k];
     fb_link_state *x = &r->link[k], move;
     fbi_coordinate_rates(&move, L, joint, &at->link[k]);
+
+    /* Modes */
     fbi_row_sub(x->q, -FB_R(1.0), L->q_dot, model->n);
     fbi_stiffness_sub(x->pi, g, L, model, x->q);
     fbi_damping_add(x->pi, -FB_R(1.0), model, L->q_dot);
+
+    /* Coordinates of the joint, then its momenta by springs and dampers */
     if (joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL) {
       fbi_row_sub(x->quat, -FB_R(1.0), move.quat, 4);
     }
@@ -10272,8 +10544,8 @@ static void fbi_newton_take(fb_system_state *r, fb_system_work *w, const fb_syst
   }
 }
 
-/* [E11.24] Squares of how far the rates k lead within s [rad]: turns of joints and attitudes, and slides by the radius
-   of gyration of their body; bent: modes, by that radius.
+/* [E11.24] Squared size of the increment s k [rad^2]: rotations of joints and attitudes, translations of joints over
+   the radius of gyration of their body; deformed: modal displacements over that radius.
    Source: definition.  Cost: 20 flops a body, 2 a mode.  Test: steps_that_have_not_converged_say_so. */
 static fb_real fbi_rates_size(fb_real *deformed, const fb_system_state *k, const fb_system *system,
                               const fb_system_work *w, const fb_body *body, fb_real s)
@@ -10285,6 +10557,8 @@ static fb_real fbi_rates_size(fb_real *deformed, const fb_system_state *k, const
     const fb_link_state *x = &k->link[i];
     const fb_real size = model->gyration > FB_R(0.0) ? FB_R(1.0) / model->gyration : FB_R(1.0);
     fb_real bent = FB_R(0.0);
+
+    /* Joint */
     if (joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL) {
       sum += FB_R(4.0) * (x->quat[0] * x->quat[0] + fb_vec3_dot(x->quat + 1, x->quat + 1));
     } else {
@@ -10293,6 +10567,8 @@ static fb_real fbi_rates_size(fb_real *deformed, const fb_system_state *k, const
         sum += move * move;
       }
     }
+
+    /* Modes */
     for (int a = 0; a < model->n; a++) {
       bent += model->reach[a] * FB_FABS(x->q[a]);
     }
@@ -10315,16 +10591,21 @@ static fb_status fbi_system_stage(fb_system_work *w, fb_system_state *k, const f
   fb_status status = FB_OK;
   fb_real first = FB_R(0.0), last = FB_R(0.0), bent = FB_R(0.0), change, bent_change;
   for (int i = 0; i < iterations && status == FB_OK; i++) {
+    /* Rates f at base + g k */
     fbi_system_advance(&w->stage, base, g, k, system, w, body);
     fbi_prescribe(&w->stage, system, w, modes, input);
     status = fbi_system_rates(w, system, body, &w->rate, &w->stage, modes, input);
     if (status == FB_OK && i == iterations - 1 && !system->allow_long_step) {
       status = fbi_turns_check(w, system, dt, 0);
     }
+
+    /* Residual f - k and iteration matrix */
     if (status == FB_OK) {
       fbi_system_advance(&w->rate, &w->rate, -FB_R(1.0), k, system, w, body);
       status = fbi_mass_factor(w, system, body, g);
     }
+
+    /* Correction */
     if (status == FB_OK) {
       fbi_newton_fill(w, system, body, &w->rate, &w->stage, g);
       fbi_zero(w->c, w->n_row);
@@ -10337,23 +10618,27 @@ static fb_status fbi_system_stage(fb_system_work *w, fb_system_state *k, const f
       first = i == 0 ? last : first;
     }
   }
+
+  /* Convergence (E11.25) */
   if (status == FB_OK && iterations > 1) {
     change = fbi_rates_size(&bent_change, k, system, w, body, g);
     status = fbi_stage_check(first, last, change);
     if (bent > fbi_larger(FB_R(0.01) * bent_change, FB_R(16.0) * FB_EPSILON * FB_EPSILON)) {
-      status = FB_ERR_CONVERGENCE; /* by itself: beside the way of what flies it is nothing */
+      status = FB_ERR_CONVERGENCE; /* separately: small against a free-flying body's motion */
     }
   }
   return status;
 }
 
-/* The input at the fraction s between two; loads on the same nodes in the same axes. */
+/* Input interpolated at the fraction s; loads must be at the same nodes in the same axes. */
 static fb_status fbi_system_between(fb_system_input *out, const fb_system_input *a, const fb_system_input *b, fb_real s)
 {
   *out = *a;
   if (a->n_load != b->n_load || a->rows != b->rows) {
     return FB_ERR_VALUE;
   }
+
+  /* Time and loads */
   out->t += s * (b->t - a->t);
   for (int k = 0; k < a->n_load; k++) {
     const fb_load *x = &a->load[k].load, *y = &b->load[k].load;
@@ -10365,6 +10650,8 @@ static fb_status fbi_system_between(fb_system_input *out, const fb_system_input 
       out->load[k].load.torque[i] += s * (y->torque[i] - x->torque[i]);
     }
   }
+
+  /* Drives */
   for (int j = 0; j < FBI_MAX_JOINTS; j++) {
     for (int i = 0; i < 6; i++) {
       out->drive[j].rate[i] += s * (b->drive[j].rate[i] - a->drive[j].rate[i]);
@@ -10377,12 +10664,12 @@ static fb_status fbi_system_between(fb_system_input *out, const fb_system_input 
   return FB_OK;
 }
 
-/* [E11.14] Two-stage SDIRK scheme of order 2 (E11.8) on a system, L-stable: stiff joints and modes die out.
-   L of a free root is the inertial one alone, without E11.27 and E11.28: a thin body that spins about its axis
-   converges only in short steps. Measured, a tube of 8.3 kg m^2 across that turns by 0.1 rad/s and about its axis by
-   0.01 rad/s: with 1e-4 of that inertia about the axis the energy is held to 8e-8 in 20000 steps of 0.01 s, the spin is
-   off by 4 %; steps of 0.1 s, and with 1e-6 those of 0.01 s, end in FB_ERR_CONVERGENCE, nothing changed. Across alone,
-   without that spin, 1e-6 is held to rounding at either step.
+/* [E11.14] Two-stage SDIRK integrator of order 2 (E11.8) on a system, L-stable: damps stiff joints and modes.
+   A free root has its angular momentum in inertial axes only, without E11.27 and E11.28: a thin body that spins about
+   its axis converges only with short steps. Measured, a tube of 8.3 kg m^2 across that turns by 0.1 rad/s and about its
+   axis by 0.01 rad/s: with 1e-4 of that inertia about the axis the energy is held to 8e-8 in 20000 steps of 0.01 s, the
+   spin is off by 4 %; steps of 0.1 s, and with 1e-6 those of 0.01 s, end in FB_ERR_CONVERGENCE, nothing changed. Across
+   alone, without that spin, 1e-6 is held to round-off at either step.
    Source: [AL].  Cost: 2 + 2 iterations evaluations, 2 iterations solutions.
    Test: systems_converge_with_the_order_of_the_scheme, stiff_joints_take_long_steps. */
 FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *body, fb_system_state *state,
@@ -10399,12 +10686,16 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
   FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
   fbi_system_enter(work, system);
   flies = fbi_flies(system, work);
+
+  /* Inputs */
   status = fbi_system_step_check(system, body, start, dt);
   status = status == FB_OK ? fbi_system_step_check(system, body, end, dt) : status;
   if (status == FB_OK && start != end) {
     status = fbi_system_between(&work->between, start, end, c);
     first = &work->between;
   }
+
+  /* Step limit at the start */
   if (status == FB_OK && !system->allow_long_step) {
     fb_real spin, stiff;
     status = fbi_system_rates(work, system, body, &work->first, state, state, start);
@@ -10418,6 +10709,8 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
   if (status != FB_OK) {
     return status;
   }
+
+  /* First stage */
   if (flies) {
     fbi_links_place(work, system, body, state, state);
     fbi_flight_begin(work, system);
@@ -10427,6 +10720,8 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
   fbi_system_clear(&work->first, system, body);
   work->clock = c * dt;
   status = fbi_system_stage(work, &work->first, system, body, state, state, first, c * dt, dt, count + 1);
+
+  /* Second stage */
   if (status == FB_OK) {
     if (flies) {
       fbi_flight_add(work, system, &work->base, c * dt, &work->first, (FB_R(1.0) - c) * dt);
@@ -10439,6 +10734,8 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
   if (status != FB_OK) {
     return status;
   }
+
+  /* Increments (1-c) dt k_1 + c dt k_2 */
   if (flies) {
     fbi_flight_add(work, system, &work->base, c * dt, &work->first, c * dt);
   }
@@ -10448,9 +10745,9 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
 #endif
 
 #if FB_WITH_EXACT
-/* ---- mixed beam */
+/* ---- geometrically exact beam */
 
-/* x_(n+1) = 3 x_n - 3 x_(n-1) + x_(n-2), or what fewer steps allow ([L] 3.107, 3.108). */
+/* Extrapolation x_(n+1) = 3 x_n - 3 x_(n-1) + x_(n-2), of lower order in the first steps ([L] 3.107, 3.108). */
 static void fbi_mixed_extrapolate(fb_real *next, const fb_real *a, const fb_real *b, const fb_real *c, int known, int n)
 {
   for (int i = 0; i < n; i++) {
@@ -10459,7 +10756,7 @@ static void fbi_mixed_extrapolate(fb_real *next, const fb_real *a, const fb_real
   }
 }
 
-/* The present x comes first, the older ones move up. */
+/* Shifts the history a, b, c and puts x first. */
 static void fbi_mixed_remember(fb_real *a, fb_real *b, fb_real *c, const fb_real *x, int n)
 {
   fbi_copy(c, b, n);
@@ -10467,9 +10764,8 @@ static void fbi_mixed_remember(fb_real *a, fb_real *b, fb_real *c, const fb_real
   fbi_copy(a, x, n);
 }
 
-/* Where a rate starts from: x - beta/2 dt rate_old, dt the shorter of the old step and the new (no more than was
-   there); with the dissipative rule x_alpha = x + dx/2 + beta/2 (dx - dx_old) the rate is 2/((1 + beta) dt) (x_alpha -
-   that). */
+/* base = x - beta/2 dt rate_old, dt the shorter of the old step and the new one. With the dissipative rule
+   x_alpha = x + dx/2 + beta/2 (dx - dx_old) the rate is 2/((1 + beta) dt) (x_alpha - base). */
 static void fbi_mixed_rate_base(fb_real *base, const fb_real *x, const fb_real *rate, fb_real beta_dt, int n)
 {
   for (int i = 0; i < n; i++) {
@@ -10477,6 +10773,7 @@ static void fbi_mixed_rate_base(fb_real *base, const fb_real *x, const fb_real *
   }
 }
 
+/* Rate from the value x_alpha at mid-step (middle), and x after the step, small values flushed. */
 static void fbi_mixed_rate_take(fb_real *x, fb_real *rate, const fb_real *middle, const fb_real *base, fb_real shift,
                                 fb_real dt, int n)
 {
@@ -10487,10 +10784,10 @@ static void fbi_mixed_rate_take(fb_real *x, fb_real *rate, const fb_real *middle
   }
 }
 
-/* [E11.21] The pose goes on by a twist as the momenta do that the midpoint rule turns, by Cayley's transform of ad(x):
-   the turn is (1 - w^/2)^-1 (1 + w^/2), the way its derivative along v, (v + w/2 x v)/(1 + w.w/4). A free beam's
-   momentum then stays where it is in space, and so does its angular momentum about any point: all ways are short by
-   w.w/4, those along the axis, too, so that together they lead along the momentum.
+/* [E11.21] Pose increment by Cayley's transform of ad(x), x = (v, w), as the midpoint rule rotates the momenta:
+   rotation (1 - w^/2)^-1 (1 + w^/2), translation (v + w/2 x v)/(1 + w.w/4). A free beam then conserves momentum and
+   angular momentum in space: all translations, including those along the axis w, are short by the same factor 1 +
+   w.w/4, so that the mass center moves along the momentum.
    Source: Cayley's transform of 6x6.  Cost: 60 flops.  Fails: never.
    Test: free_flight_keeps_momentum, rigid_flight_is_straight. */
 static void fbi_pose_add_midpoint(fb_real r[3], fb_real quat[4], const fb_real x[6])
@@ -10505,8 +10802,8 @@ static void fbi_pose_add_midpoint(fb_real r[3], fb_real quat[4], const fb_real x
   fbi_pose_mul(r, quat, r, quat, step, turn);
 }
 
-/* [E11.35] What nothing holds falls freely: its frame takes gravity, u_t = g, and relative to u there is none. The way
-   of the frame in a step, u dt + g dt^2/2, is added to y.
+/* [E11.35] The frame of an unsupported beam falls freely, u_t = g, so that no gravity acts relative to u. Adds the
+   displacement of the frame in a step, u dt + g dt^2/2, to y.
    Source: Galilean invariance.  Cost: 20 flops.  Fails: never.  Test: free_fall_is_not_felt. */
 static void fbi_mixed_fall(fb_real y[3], fb_mixed_state *state, const fb_mixed *m, fb_real dt)
 {
@@ -10516,19 +10813,21 @@ static void fbi_mixed_fall(fb_real y[3], fb_mixed_state *state, const fb_mixed *
   fbi_vec3_add(state->u, half, m->gravity);
 }
 
-/* The base moves on, by u and relative to it; so does the root against it, and all nodes by their strains. A base that
-   nothing holds is that of the root. */
+/* Moves the base (by u and relative to it), the root relative to the base, and all nodes by their strains. The base of
+   an unsupported beam moves with its root. */
 static void fbi_mixed_move(fb_mixed_state *state, fb_mixed_work *work, const fb_mixed *m, fb_real dt)
 {
   const fb_real origin[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, one[4] = {FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_real x[6], base[6], r[3], quat[4], R[9], y[3], turned[4];
+
+  /* Pose increment r, quat of the base */
   for (int i = 0; i < 6; i++) {
     x[i] = dt * work->V[i];
     base[i] = dt * work->twist[i];
   }
   fbi_copy(r, m->floating ? m->r : origin, 3);
   fbi_copy(quat, m->floating ? m->quat : one, 4);
-  if (m->floating) { /* the root, moved, and from it back to the base */
+  if (m->floating) { /* root after the step, then back to the base */
     fb_real back[3], back_quat[4];
     fbi_pose_add_midpoint(r, quat, x);
     fbi_pose_relative(back, back_quat, m->r, m->quat, origin, one);
@@ -10536,6 +10835,8 @@ static void fbi_mixed_move(fb_mixed_state *state, fb_mixed_work *work, const fb_
   } else {
     fbi_pose_add(r, quat, base);
   }
+
+  /* Root relative to the new base; constrained coordinates exactly in place */
   if (!m->floating && m->held[0] != FB_END_CLAMPED) {
     fbi_pose_add(state->r, state->quat, x);
     fbi_pose_relative(state->r, state->quat, r, quat, state->r, state->quat);
@@ -10543,7 +10844,9 @@ static void fbi_mixed_move(fb_mixed_state *state, fb_mixed_work *work, const fb_
       state->r[i] = m->held[0] >> i & 1 ? m->r[i] : state->r[i];
     }
   }
-  if (!m->floating) { /* whatever u is, the base goes by its own velocity */
+
+  /* Position of the base, compensated sum */
+  if (!m->floating) { /* by its full velocity, independent of u */
     fb_real turn[4];
     fbi_vec3_add(base, dt, work->drift);
     fb_pose_from_twist(r, turn, base);
@@ -10558,16 +10861,18 @@ static void fbi_mixed_move(fb_mixed_state *state, fb_mixed_work *work, const fb_
   }
   fbi_sum_kept(y, state->lost, state->base_position, state->lost, 3);
   fbi_copy(state->base_position, y, 3);
+
+  /* Attitude of the base, poses of the nodes */
   fb_quat_mul(turned, state->base_quat, quat);
   (void)fb_quat_normalize(turned);
   fbi_copy(state->base_quat, turned, 4);
   fbi_mixed_poses(state->r, state->quat, m, state->strain, state->offset);
 }
 
-/* [E11.33] The frame's velocity u goes with the beam: after each step in which it came to differ from that of the mass
-   center by more than a thousandth of the beam's length in its unit of time it becomes that; from that of a base that
-   holds the beam by more than that length. The way of the mass center is then u dt; what it goes relative to u is short
-   by E11.21's w.w/4.
+/* [E11.33] The velocity u of the frame follows the beam. Unsupported beam: u is set to the velocity of the mass center
+   after a step in which they differ by more than a thousandth of the beam's length per unit of its time. Supported
+   beam: u is set to the velocity of the base if they differ by more than that length per unit of time. Only motion
+   relative to u is affected by the factor 1 + w.w/4 of E11.21.
    Source: Galilean invariance.  Cost: 250 flops an element of a free beam, 400 more when it happens.  Fails: never.
    Test: thrust_takes_the_frame_along, flight_at_any_speed_moves_as_rest_does. */
 static void fbi_mixed_follow(fb_mixed_state *state, const fb_mixed_work *work, const fb_mixed *m, fb_real step)
@@ -10588,10 +10893,13 @@ static void fbi_mixed_follow(fb_mixed_state *state, const fb_mixed_work *work, c
 }
 
 #define FBI_MIXED_STEP_TOLERANCE (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-6)) /* of a step's last correction */
+/* Strains, momenta, reactions and histories after the step, from the values at mid-step. */
 static void fbi_mixed_commit(fb_mixed_state *next, fb_mixed_work *work, const fb_mixed *m, fb_real dt)
 {
   const fb_real shift = work->motion.shift;
   fb_real strain[6], P[6];
+
+  /* Strains and momenta */
   for (int k = 0; k < m->n; k++) {
     fbi_mat66_mul_vec6(strain, m->C + 36 * k, work->s + 6 * k);
     fbi_mixed_rate_take(next->strain + 6 * k, next->strain_rate + 6 * k, strain, work->strain + 6 * k, shift, dt, 6);
@@ -10602,6 +10910,8 @@ static void fbi_mixed_commit(fb_mixed_state *next, fb_mixed_work *work, const fb
     fbi_mat66_mul_vec6(P, m->lump + 36 * l, work->V + 6 * m->lump_node[l]);
     fbi_mixed_rate_take(next->lump + 6 * l, next->lump_rate + 6 * l, P, work->lump + 6 * l, shift, dt, 6);
   }
+
+  /* Reactions, histories for the extrapolation, internal loads */
   fbi_copy(next->offset, work->offset, 6 * m->n);
   fbi_mixed_reactions(next->reaction, work, m);
   fbi_mixed_remember(next->V[0], next->V[1], next->V[2], work->V, 6 * (m->n + 1));
@@ -10609,7 +10919,7 @@ static void fbi_mixed_commit(fb_mixed_state *next, fb_mixed_work *work, const fb
   fbi_copy(next->force, work->F, 6 * (m->n + 1));
 }
 
-/* What the step starts from: base values of the rates, a first guess of the middle. */
+/* Start of a step: loads, base values of the rates, first guess of the mid-step values. */
 static void fbi_mixed_begin(fb_mixed_work *work, const fb_mixed *m, const fb_mixed_state *state,
                             const fb_mixed_input *middle, fb_real step)
 {
@@ -10630,7 +10940,7 @@ static void fbi_mixed_begin(fb_mixed_work *work, const fb_mixed *m, const fb_mix
   fbi_mixed_extrapolate(work->s, state->stress[0], state->stress[1], state->stress[2], state->known, 6 * m->n);
 }
 
-/* Residuals at the present guess of the middle. */
+/* Residuals at the present mid-step values. */
 static void fbi_mixed_middle(fb_mixed_work *work, const fb_mixed *m, fb_real step, int aim)
 {
   fbi_mixed_nodes_eval(work, m);
@@ -10638,6 +10948,7 @@ static void fbi_mixed_middle(fb_mixed_work *work, const fb_mixed *m, fb_real ste
   fbi_mixed_want(work, m, step, aim);
 }
 
+/* Adds the Newton corrections. */
 static void fbi_mixed_correct(fb_mixed_work *work, const fb_mixed *m)
 {
   for (int i = 0; i < 6 * (m->n + 1); i++) {
@@ -10648,7 +10959,7 @@ static void fbi_mixed_correct(fb_mixed_work *work, const fb_mixed *m)
   }
 }
 
-/* Factorizations at the middle; between them a correction each. */
+/* Newton iterations with a factorization each; the last factors are kept for the corrections that follow. */
 static fb_status fbi_mixed_approach(fb_mixed_work *work, const fb_mixed *m, fb_real step)
 {
   fb_status status = fbi_mixed_factor(work, m);
@@ -10661,8 +10972,8 @@ static fb_status fbi_mixed_approach(fb_mixed_work *work, const fb_mixed *m, fb_r
   return status;
 }
 
-/* Largest residual, as a load: a gap of an element's ends by its stiffness. Where a node is held its balance gives the
-   reaction, and its own condition is kept by every correction. */
+/* Largest residual as a load: compatibility residuals times the stiffness of the element. Constrained nodes are left
+   out: their balance gives the reaction, and every correction satisfies their constraints. */
 static fb_real fbi_mixed_unbalance(const fb_mixed_work *work, const fb_mixed *m, fb_real step)
 {
   fb_real size = FB_R(0.0);
@@ -10680,7 +10991,7 @@ static fb_real fbi_mixed_unbalance(const fb_mixed_work *work, const fb_mixed *m,
   return size;
 }
 
-/* The state after the step, from the middle. */
+/* State after the step from the mid-step values. */
 static void fbi_mixed_end(fb_mixed_state *state, fb_mixed_work *work, const fb_mixed *m, fb_real step)
 {
   fbi_mixed_commit(state, work, m, step);
@@ -10690,10 +11001,10 @@ static void fbi_mixed_end(fb_mixed_state *state, fb_mixed_work *work, const fb_m
   state->step = step;
 }
 
-/* [E11.20] A step of the mixed beam: E10.7 and E10.8 at the middle of the step, one factorization and a fixed number of
-   corrections by it. With z of strains and momenta, z_alpha = z + dz/2 + beta/2 (dz - dz_old) in place of the middle:
+/* [E11.20] Step of the geometrically exact beam: E10.7 and E10.8 at mid-step, a fixed number of factorizations and of
+   Newton corrections. With z of strains and momenta, z_alpha = z + dz/2 + beta/2 (dz - dz_old) in place of the middle:
    the energy with beta/4 dz.dz then falls by beta/4 (dz - dz_old).(dz - dz_old), and what oscillates much faster than
-   the step shrinks by 1 - dissipation in it; beta = rho (1 - rho)/(1 + rho)^2, rho = 1 - dissipation.
+   the step is multiplied by 1 - dissipation in it; beta = rho (1 - rho)/(1 + rho)^2, rho = 1 - dissipation.
    Source: [L] 3.15, 3.107, 3.108; dissipation: own.  Cost: E10.10 and 1.5 kflops an element for each correction.
    Fails: see the header.  Test: energy_is_kept_whatever_the_step, dissipation_takes_energy_in_every_step. */
 FB_DEF fb_status fb_mixed_step(const fb_mixed *m, fb_mixed_state *state, fb_mixed_work *work,
@@ -10702,6 +11013,8 @@ FB_DEF fb_status fb_mixed_step(const fb_mixed *m, fb_mixed_state *state, fb_mixe
   fb_real step, change = FB_HUGE, before = FB_HUGE;
   fb_status status;
   FBI_REQUIRE(m && state && work, FB_ERR_NULL);
+
+  /* Checks */
   middle = middle ? middle : fbi_mixed_no_input(work);
   status = fb_mixed_state_check(m, state);
   status = status ? status : fbi_mixed_input_check(m, middle);
@@ -10711,10 +11024,14 @@ FB_DEF fb_status fb_mixed_step(const fb_mixed *m, fb_mixed_state *state, fb_mixe
   if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
     return FB_ERR_VALUE;
   }
+
+  /* Residual and factors at mid-step */
   step = dt / m->time;
   fbi_mixed_begin(work, m, state, middle, step);
   fbi_mixed_middle(work, m, step, 1);
   status = fbi_mixed_approach(work, m, step);
+
+  /* Corrections with these factors */
   for (int it = 0; it < m->iterations && status == FB_OK; it++) {
     before = it + 1 == m->iterations ? fbi_mixed_unbalance(work, m, step) : before;
     fbi_mixed_solve(work, m);
@@ -10722,9 +11039,11 @@ FB_DEF fb_status fb_mixed_step(const fb_mixed *m, fb_mixed_state *state, fb_mixe
     change = fbi_mixed_change(work, m, step, FB_R(0.0));
     fbi_mixed_middle(work, m, step, it + 3 < m->iterations);
   }
+
+  /* Convergence: last correction and the expected next one */
   if (status == FB_OK) {
     const fb_real after = fbi_mixed_unbalance(work, m, step);
-    const fb_real next = change * (after / (fbi_larger(before, after) + FB_TINY)); /* were there one correction more */
+    const fb_real next = change * (after / (fbi_larger(before, after) + FB_TINY)); /* expected next correction */
     status = fbi_larger(change, FB_R(10.0) * next) < FBI_MIXED_STEP_TOLERANCE ? FB_OK : FB_ERR_CONVERGENCE;
   }
   if (status == FB_OK) {
