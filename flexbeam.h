@@ -1,16 +1,17 @@
 /* flexbeam.h - 0.1.0 - flexible bodies in real time, a header-only C99 library
 
-   A beam given by its section properties becomes modes, the modes become a flexible body, and the body moves:
-   fixed step, bounded and data-independent work, no allocation, nothing beyond libc and libm.
+   Floating frame of reference formulation: section properties of a beam give its assumed modes, the modes give a
+   flexible body, and the body is integrated in time: fixed step, bounded and data-independent work, no allocation,
+   nothing beyond libc and libm.
 
      q_dot  = M^-1 ( pi - Lambda(q)^T V )                           V = (v, w) = S(q)^-1 y
      pi_dot = f_e - K q - C q_dot + d/dq ( V^T Lambda pbar + 1/2 V^T S V )       pbar = M^-1 pi
      m u_dot = R f,   L_dot = R g                                   y = (0, R^T L) - Lambda(q) pbar
 
-   The state is the MOMENTA: m u of the mass center, L about it, pi elastic and relative to u, as V is here; so the
-   speed of flight does not matter. The only matrix that depends on the shape is the 6x6 Schur complement S(q) = M_rr(q)
-   - Lambda(q) M^-1 Lambda(q)^T: a polynomial of degree 2 in q whose terms are collected once, at init, for just the
-   effects the scene calls for.
+   The state holds momenta (Hamiltonian form): m u of the mass center, L about it, and the elastic momenta pi. Here
+   pi and V are relative to u, so the speed of flight does not matter. The only matrix that depends on the generalized
+   coordinates q is the 6x6 Schur complement S(q) = M_rr(q) - Lambda(q) M^-1 Lambda(q)^T, a polynomial of degree 2
+   in q. Its terms are collected once, at init, for the selected effects only.
 
    QUICK START (examples/quickstart.c; do this in ONE file, the others include flexbeam.h alone)
 
@@ -163,7 +164,8 @@
        out of its range, no such enumerator      FB_ERR_VALUE; FB_ERR_EFFECTS, FB_ERR_STEP, FB_ERR_RANGE: see there
        what contradicts itself                   FB_ERR_SINGULAR, FB_ERR_KIND, FB_ERR_UNDETERMINED, FB_ERR_CONTRADICTION
        what is not there, or not available       FB_ERR_MODES, FB_ERR_UNREST, FB_ERR_UNSUPPORTED
-     Not FB_OK: what was to be changed is as before; work structs are scratch. FB_OK: all that was written is finite.
+     On failure no output is modified; the contents of work structs are undefined, except fields documented as set
+     on failure. On FB_OK all that was written is finite.
      Functions without a status do nothing, or give 0, where a pointer is NULL or an index does not exist; numbers go
      through them as arithmetic has it. Those of >>vec3 and >>rotation, fb_lu_solve and fb_chol_solve are the innermost
      loops: pointers and sizes are taken as valid, as memcpy does. Nobody can test the sizes of the caller's arrays.
@@ -248,9 +250,10 @@
      second-order form are the same equations (but for rotary inertia); that basis has no axial strain at the root,
      where it is largest.
 
-   AXIAL STRAIN, in which order: fb_modes_solve with basis FB_BASIS_FUNCTIONS, count FB_ALL_MODES for bend_y, bend_z and
-     axial, root_strain 1; fb_shape_add_beam, then fb_shape_add_beam_strain, once per beam; effects FB_EFFECTS_STRAIN.
-     One cubic element in space has 6 coordinates, root_strain one more: set FB_MAX_MODES. Then not fb_rk4_step.
+   AXIAL STRAIN: call sequence for nonlinear axial strain. fb_modes_solve with basis FB_BASIS_FUNCTIONS, count
+     FB_ALL_MODES for bend_y, bend_z and axial, root_strain 1; fb_shape_add_beam, then fb_shape_add_beam_strain, once
+     per beam; effects FB_EFFECTS_STRAIN. One cubic element in space has 6 coordinates, root_strain adds one: set
+     FB_MAX_MODES. Use an implicit or exponential integrator (axial modes are too stiff for fb_rk4_step).
 
    REFERENCES (derivations by id: tests/reference/THEORY.md; misprints of the papers: tests/reference/ERRATA.md)
      [DB] G.M.T. D'Eleuterio and T.D. Barfoot, "Just a second, we'd like to go first: a first-order discretized
@@ -779,7 +782,7 @@ typedef struct fb_state {
                       along the hinge; prescribed: zero */
   fb_real q[FB_MAX_MODES], pi[FB_MAX_MODES]; /* elastic coordinates; momenta int psi_a . (velocity - u) dm */
   fb_real h[3];                              /* [N m s] L in body axes, as the last step had it: written, not read */
-  /* by rounding of the last step's sums; the next one adds it. Zero when you set a state */
+  /* Kahan compensation terms of the last update. Set to zero when you write a state. */
   fb_real lost_rho[3], lost_u[3];
 #if FB_SINGLE
   fb_real lost_quat[4], lost_L[3], lost_h[3], lost_q[FB_MAX_MODES], lost_pi[FB_MAX_MODES];
@@ -927,8 +930,8 @@ typedef enum fb_method {
   FB_METHOD_RECURSIVE = 0,  /* tree in joint coordinates, work linear in the number of bodies */
   FB_METHOD_DENSE = 1,      /* the same by one dense LU of all speeds (FB_MAX_SPEEDS) */
   FB_METHOD_MULTIPLIERS = 2 /* every body free, every joint a set of constraints (FB_MAX_ROWS): the state has poses,
-                               angles are within half a turn, also for springs; each body must keep a positive definite
-                               S(q) by itself: a clamped beam without a body at its root soon does not */
+                               angles are within half a turn, also for springs; every body needs a positive definite
+                               S(q) of its own; a bare clamped beam loses it at small deflections: add a hub */
 } fb_method;
 
 #define FBI_MAX_JOINTS (FB_MAX_BODIES + FB_MAX_LOOPS) /* joints of the tree, then loops */
@@ -1089,7 +1092,7 @@ typedef struct fbi_row {
 typedef struct fb_system_work { /* scratch; large: make it static */
   int joint; /* after a failure: the joint at fault (loops after the bodies), -1: none, -2 - k: row k of the caller's */
   int kept;  /* bodies are free, all joints are constraints */
-  fb_real heavy; /* by how much the mass of the modes is larger than it is, to hold them still */
+  fb_real heavy; /* modal mass is scaled by 1 + heavy while loops are closed, so that joints move, modes do not */
   fb_real clock; /* [s] since the frames were at their origins */
   int owns;      /* roots that are free take L in body axes from link.own */
   int n_row, n_joint_row, n_end;
@@ -2456,7 +2459,8 @@ typedef struct fb_trial { /* how a scene is simulated */
 } fb_trial;
 
 /* The cheapest set found to meet the tolerance: candidates are simulated in the order of their estimated cost, up to
-   that of the reference's run; so what is cheaper was seen to miss it, or its body to miss it alike by two steps.
+   that of the reference's run. Every cheaper candidate was simulated and rejected, or the error of its effects and
+   modes no longer depended on the step.
    error: largest distance from the reference, of its largest sample. FB_ERR_CONVERGENCE: none does, or all modes and
    effects in short steps miss twice the tolerance; FB_ERR_VALUE, FB_ERR_NOT_FINITE: also of a reference; what run
    returns for all modes and effects; else as fb_body_advise. Desktop: tens to thousands of simulations, at most 1 + 640

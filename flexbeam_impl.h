@@ -17776,7 +17776,7 @@ static fb_status fbi_body_residual(fb_real *f, const fbi_subject *s, int j, fb_r
   return status;
 }
 
-/* The part of an inertial vector that a body which spins at w sees turn. */
+/* Magnitude of the component of x perpendicular to the spin axis w; 0 without spin. */
 static fb_real fbi_across(const fb_real w[3], const fb_real x[3])
 {
   const fb_real spin = fbi_vec3_norm(w);
@@ -19250,7 +19250,7 @@ FB_DEF fb_status fb_body_spectrum(fb_spectrum *spectrum, fb_analyse_work *work, 
   return fbi_spectrum_fill(spectrum, &work->common, size, body->n, body->n);
 }
 
-/* What the motors of a joint do, as a force [N]. */
+/* Sum of the actuator efforts of a joint, torques divided by the length `size` [N]. */
 static fb_real fbi_drive_size(const fb_joint *joint, const fb_drive *drive, fb_real size)
 {
   fb_real force = FB_R(0.0);
@@ -20195,6 +20195,8 @@ FB_DEF fb_status fb_mixed_linearize(const fb_mixed *m, fb_mixed_linear *linear, 
   fb_mixed_linear *out;
   fb_status status;
   int found = 0;
+
+  /* Check the arguments and linearize about the state. */
   FBI_REQUIRE(m && linear && w && state, FB_ERR_NULL);
   desc = desc ? desc : &none;
   out = &w->linear;
@@ -20206,6 +20208,8 @@ FB_DEF fb_status fb_mixed_linearize(const fb_mixed *m, fb_mixed_linear *linear, 
   if (status != FB_OK) {
     return status;
   }
+
+  /* Static gain of every pair of channels, into D. */
   memset(out, 0, sizeof *out);
   out->n_in = desc->n_in;
   out->n_out = desc->n_out;
@@ -20216,6 +20220,8 @@ FB_DEF fb_status fb_mixed_linearize(const fb_mixed *m, fb_mixed_linear *linear, 
       out->D[o * desc->n_in + k] = fbi_mixed_port_read(&w->spectrum.mixed, m, w->answer, &desc->out[o]);
     }
   }
+
+  /* Complex modes: their eigenvalues, 2 states for a pair and 1 for a real one. */
   status = fbi_mixed_modes(&found, w->order, &w->spectrum, m, state, input, count);
   out->n_mode = status ? 0 : fbi_mixed_keep(&w->spectrum, w->order, found, count);
   if (status != FB_OK || out->n_mode > FB_MIXED_MODES) {
@@ -20226,6 +20232,8 @@ FB_DEF fb_status fb_mixed_linearize(const fb_mixed *m, fb_mixed_linear *linear, 
     out->im[k] = w->spectrum.im[w->order[k]] / m->time;
     out->n += out->im[k] > FB_R(0.0) ? 2 : 1;
   }
+
+  /* Modal A and C, then B of each input; D keeps the static gain beyond that of the modes. */
   status = fbi_mixed_linear_modes(w, m, desc, fbi_mixed_basis(m, count));
   for (int k = 0; k < desc->n_in && status == FB_OK; k++) {
     fbi_mixed_port_answer(w->answer, w, m, &desc->in[k]);
@@ -20415,8 +20423,8 @@ static int fbi_advice_holds(const fb_advise_work *work, const fb_real *K, const 
   return holds;
 }
 
-/* How much more a mode answers than at rest: twice after a jump, as an oscillator below its frequency; near it at most
-   what builds up in the time, or stays of it by damping. */
+/* Dynamic amplification factor of a mode: 1/|1-r^2| for harmonic excitation, at least 2 (step load) from r = 1 on;
+   limited at resonance by duration and damping. */
 static fb_real fbi_advice_gain(const fb_advise_work *work, const fb_envelope *e, int a, fb_real omega)
 {
   const fb_real r = e->frequency / omega, grown = fbi_larger(FB_R(3.0), FB_R(0.5) * omega * e->duration);
