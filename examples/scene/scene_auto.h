@@ -62,6 +62,7 @@ static fb_status scene_build_rigid(const scene *s)
   for (int k = 0; k < s->n_body && status == FB_OK; k++) {
     fb_body_desc level = s->body[k].level;
     level.effects &= FB_EFFECT_GRAVITY;
+    memset(level.zeta, 0, sizeof level.zeta);
     level.base = scene_is_system(s) ? FB_BASE_PRESCRIBED : level.base;
     level.allow_long_step = 1;
     for (int a = 0; a < FB_MAX_MODES; a++) {

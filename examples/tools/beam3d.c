@@ -75,7 +75,7 @@ static void row(const char *what, const fb_real x[3], double unit)
 static void tell_state(void)
 {
   const fb_mixed_node *const tip = &beam_node[beam_desc.n_element], *const root = &beam_node[0];
-  fb_energy energy;
+  fb_energy energy = {0};
   printf("%d elements, %d iterations, %d load increments\n", beam_desc.n_element, beam_work.iterations,
          beam_work.increments);
   printf("%-28s %14s %14s %14s\n", "", "x", "y", "z");

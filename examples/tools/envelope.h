@@ -205,6 +205,7 @@ static fb_status scene_envelope(fb_envelope *e, const scene *s, const fb_shape *
   fb_body_desc level = s->level;
   fb_status status;
   level.effects = FB_EFFECTS_RIGID | (level.effects & FB_EFFECT_GRAVITY);
+  memset(level.zeta, 0, sizeof level.zeta);
   level.allow_long_step = 1;
   memset(e, 0, sizeof *e);
   status = fb_body_init(&body, &work, shape, &level);
