@@ -1,7 +1,7 @@
 /* flexbeam_impl.h - implementation of flexbeam.h, included by it where FLEXBEAM_IMPLEMENTATION is defined.
    One equation, one function, one id: [E8.2] defines, E8.2 cites; tests/reference/THEORY.md derives it and names its test.
-   In the order of its life: RUN is what flies, BUILD makes models, ANALYSE looks at them. Nothing uses what stands below
-   it: RUN compiles alone (FB_WITH_BUILD 0), and RUN with BUILD (FB_WITH_ANALYSE 0). */
+   Sections follow the life cycle of a model: RUN is the code that flies, BUILD makes models, ANALYSE examines them. A
+   section uses only those above it: RUN compiles alone (FB_WITH_BUILD 0), and RUN with BUILD (FB_WITH_ANALYSE 0). */
 
 /* ---------------------------------------------------------------------------------------------------------------
    RUN >>config: libm hooks, configuration symbol, requirements, unrolling */
@@ -40,7 +40,7 @@
 extern "C" {
 #endif
 #if defined(__GNUC__) && !defined(__clang__)
-__attribute__((externally_visible)) /* the notes name it where -flto does not look */
+__attribute__((externally_visible)) /* referenced by the .note sections, which -flto does not see */
 #endif
 extern const char FBI_CONFIG_SYMBOL[]; /* a const object of C++ has internal linkage without this */
 #if defined(__GNUC__)
@@ -68,15 +68,16 @@ const char FBI_CONFIG_SYMBOL[] = FBI_STRING_(FBI_CONFIG_SYMBOL);
     }                                  \
   } while (0)
 
-/* What is smaller than this against what it is made of is rounding: a few hundred operations' worth. */
+/* Relative tolerance: a result below this fraction of its summands is treated as round-off, that of a few hundred
+   operations. */
 #define FBI_ROUNDING ((FB_SINGLE ? FB_R(64.0) : FB_R(1024.0)) * FB_EPSILON)
 
-/* Momenta and velocities of frames below this become zero: those of a body of a gram that hardly turns are far above
-   it. */
+/* Momenta and frame velocities below this magnitude become zero in a step; those of a slowly rotating body of one gram
+   are far larger. */
 #define FBI_FAINT (FB_TINY * FB_R(1e-6))
 
-/* Unroll the short loops over terms: a third of their instructions is counting, and -O2 does not do it by itself. Loops
-   of a few passes are unrolled by two: entering one that is unrolled by four costs as much as it saves. */
+/* Unrolling of the short loops over terms, where loop control is a third of the instructions; -O2 does not unroll them.
+   FBI_UNROLL_2 is for loops of few iterations: entering one unrolled by four costs as much as it saves. */
 #if defined(__clang__)
 #define FBI_UNROLL _Pragma("unroll 4")
 #define FBI_UNROLL_2 _Pragma("unroll 2")
@@ -88,7 +89,7 @@ const char FBI_CONFIG_SYMBOL[] = FBI_STRING_(FBI_CONFIG_SYMBOL);
 #define FBI_UNROLL_2
 #endif
 
-/* The step is one piece of code: its small functions go in line. Loads are the exception, they would be large. */
+/* FBI_FLATTEN compiles a step with all its callees in line, except those marked FBI_NOINLINE to limit code size. */
 #if defined(__GNUC__)
 #define FBI_FLATTEN __attribute__((flatten))
 #define FBI_NOINLINE __attribute__((noinline))
@@ -112,7 +113,7 @@ FB_DEF const char *fb_status_string(fb_status status)
 }
 #undef FBI_STATUS_TEXT
 
-/* 1 if x[0..n-1] is finite and its squares are, too (false for NaN). */
+/* 1 if sum |x[i]| <= FB_HUGE: x and its squares are finite; 0 for NaN. */
 static int fbi_is_finite(const fb_real *x, int n)
 {
   fb_real sum = FB_R(0.0);
@@ -122,7 +123,7 @@ static int fbi_is_finite(const fb_real *x, int n)
   return sum <= FB_HUGE;
 }
 
-/* 1 if the compiler has kept sums as they are written, and NaN: what flags allow that no macro tells of. */
+/* 1 if sums are evaluated in the order written and NaN differs from itself: detects fast-math flags that set no macro. */
 static int fbi_is_exact(void)
 {
   volatile fb_real one = FB_R(1.0), little = FB_R(1e-30), x;
@@ -131,7 +132,7 @@ static int fbi_is_exact(void)
   x = a;
   a = one;
   b = little;
-  if (!((a + b) - a <= FB_R(0.0))) { /* rounded to zero in any precision; in another order it is b */
+  if (!((a + b) - a <= FB_R(0.0))) { /* zero by rounding in any precision; b if reordered */
     return 0;
   }
   a = x;
@@ -158,8 +159,8 @@ static void fbi_copy(fb_real *y, const fb_real *x, int n)
   }
 }
 
-/* Whether an enumerator is one of 0 .. last: a function, because compilers for ARM take small enums as unsigned and
-   warn of the comparison. */
+/* 1 if an enumerator is one of 0 .. last. A function, because compilers for ARM make small enums unsigned and would warn
+   of value >= 0. */
 static int fbi_is_choice(int value, int last)
 {
   return value >= 0 && value <= last;
@@ -233,7 +234,7 @@ FB_DEF void fb_mat33_mul(fb_real C[9], const fb_real A[9], const fb_real B[9])
   }
 }
 
-/* y = x: of known size, because -O2 leaves short loops as they are */
+/* y = x, a copy of constant size: -O2 does not unroll a loop */
 static void fbi_vec3_copy(fb_real y[3], const fb_real x[3])
 {
   memcpy(y, x, 3 * sizeof *y);
@@ -253,7 +254,7 @@ static void fbi_mat33_copy(fb_real C[9], const fb_real A[9])
 }
 #endif
 
-/* y = x + s d; y may be x: all is read before anything is written, so that compilers take two at a time */
+/* y = x + s d; y may be x. All reads precede all writes, so that compilers can vectorize. */
 static void fbi_vec3_advance(fb_real y[3], const fb_real x[3], fb_real s, const fb_real d[3])
 {
   const fb_real a = x[0] + s * d[0], b = x[1] + s * d[1], c = x[2] + s * d[2];
@@ -300,7 +301,7 @@ static void fbi_vec6_zero(fb_real y[6])
   y[0] = y[1] = y[2] = y[3] = y[4] = y[5] = FB_R(0.0);
 }
 
-/* y = x, straight, because -O2 leaves short loops as they are */
+/* y = x, written out: -O2 does not unroll a loop */
 static void fbi_vec6_copy(fb_real y[6], const fb_real x[6])
 {
   const fb_real a = x[0], b = x[1], c = x[2], d = x[3], e = x[4], f = x[5];
@@ -331,6 +332,7 @@ static void fbi_vec6_add(fb_real y[6], fb_real s, const fb_real x[6])
 }
 #endif
 
+/* Index in the packed upper triangle, row by row: 0..5, 6..10, 11..14, 15..17, 18..19, 20. */
 FB_DEF int fb_sym6_index(int i, int j)
 {
   const int row = i < j ? i : j;
@@ -389,7 +391,7 @@ static void fbi_sym6_rank1_sub(fb_real S[21], fb_real s, const fb_real u[6])
 }
 #endif
 
-/* Row and column of the packed elements. */
+/* Row and column of each packed element. */
 static const int fbi_sym6_row[21] = {0, 0, 0, 0, 0, 0, 1, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 4, 4, 5};
 
 static const int fbi_sym6_column[21] = {0, 1, 2, 3, 4, 5, 1, 2, 3, 4, 5, 2, 3, 4, 5, 3, 4, 5, 4, 5, 5};
@@ -399,17 +401,21 @@ static fb_real fbi_vec6_dot(const fb_real a[6], const fb_real b[6])
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4] + a[5] * b[5];
 }
 
-/* A = L D L^T of the symmetric 3x3 (xx, xy, xz, yy, yz, zz), no square roots; L keeps the reciprocals of D on its unit
-   diagonal. Positive definite means that each pivot stands out of the rounding of what it is made of, reference[k]. */
+/* A = L D L^T of the symmetric 3x3 (xx, xy, xz, yy, yz, zz), without square roots; L holds 1/D in place of its unit
+   diagonal. Returns 0 unless each pivot exceeds tol * reference[k], the round-off of its summands. */
 static int fbi_chol3_factor(fb_real L[6], const fb_real A[6], const fb_real reference[3], fb_real tol)
 {
   fb_real d, c;
+
+  /* first column */
   if (!(A[0] > tol * reference[0])) {
     return 0;
   }
   L[0] = FB_R(1.0) / A[0];
   L[1] = A[1] * L[0];
   L[2] = A[2] * L[0];
+
+  /* second column */
   d = A[3] - L[1] * A[1];
   if (!(d > tol * reference[1])) {
     return 0;
@@ -417,6 +423,8 @@ static int fbi_chol3_factor(fb_real L[6], const fb_real A[6], const fb_real refe
   L[3] = FB_R(1.0) / d;
   c = A[4] - L[1] * A[2];
   L[4] = c * L[3];
+
+  /* last pivot */
   d = A[5] - L[2] * A[2] - L[4] * c;
   if (!(d > tol * reference[2])) {
     return 0;
@@ -449,10 +457,10 @@ static void fbi_chol3_scale(fb_real y[3], const fb_real L[6], const fb_real x[3]
   y[2] = x[2] * L[5];
 }
 
-/* [E3.1] Solution with a symmetric positive definite 6x6 by blocks of 3.
-   S = [A B; B^T D], A = L E L^T, Z = L^-1 B, D - Z^T E^-1 Z = G H G^T: straight code without index arithmetic.
+/* [E3.1] Solves S x = y for a symmetric positive definite 6x6 by blocks of 3, written out without index arithmetic.
+   S = [A B; B^T D], A = L E L^T, Z = L^-1 B, D - Z^T E^-1 Z = G H G^T.
    Source: [GV] 4.1, 4.2.  Shapes: S packed 21.  Cost: about 160 flops, 6 divisions.
-   Fails: a pivot is not above tol * reference, what it is made of.
+   Fails: a pivot is not above tol * reference, the size of its summands.
    Test: sym6_solve_inverts_random_and_graded_matrices. */
 static fb_status fbi_sym6_solve_above(fb_real x[6], const fb_real S[21], const fb_real y[6], const fb_real reference[6],
                                       fb_real tol)
@@ -460,6 +468,8 @@ static fb_status fbi_sym6_solve_above(fb_real x[6], const fb_real S[21], const f
   const fb_real A[6] = {S[0], S[1], S[2], S[6], S[7], S[11]};
   const fb_real b0[3] = {S[3], S[8], S[12]}, b1[3] = {S[4], S[9], S[13]}, b2[3] = {S[5], S[10], S[14]};
   fb_real L[6], G[6], D[6], z0[3], z1[3], z2[3], w0[3], w1[3], w2[3], s[3], t[3];
+
+  /* A = L E L^T, Z = L^-1 B, W = E^-1 Z */
   if (!fbi_chol3_factor(L, A, reference, tol)) {
     return FB_ERR_SINGULAR;
   }
@@ -469,6 +479,8 @@ static fb_status fbi_sym6_solve_above(fb_real x[6], const fb_real S[21], const f
   fbi_chol3_scale(w0, L, z0);
   fbi_chol3_scale(w1, L, z1);
   fbi_chol3_scale(w2, L, z2);
+
+  /* Schur complement D - Z^T W = G H G^T */
   D[0] = S[15] - fb_vec3_dot(z0, w0);
   D[1] = S[16] - fb_vec3_dot(z0, w1);
   D[2] = S[17] - fb_vec3_dot(z0, w2);
@@ -478,11 +490,15 @@ static fb_status fbi_sym6_solve_above(fb_real x[6], const fb_real S[21], const f
   if (!fbi_chol3_factor(G, D, reference + 3, tol)) {
     return FB_ERR_SINGULAR;
   }
+
+  /* forward substitution */
   fbi_chol3_forward(s, L, y);
   t[0] = y[3] - fb_vec3_dot(w0, s);
   t[1] = y[4] - fb_vec3_dot(w1, s);
   t[2] = y[5] - fb_vec3_dot(w2, s);
   fbi_chol3_forward(t, G, t);
+
+  /* back substitution */
   fbi_chol3_back(x + 3, G, t);
   fbi_vec3_add(s, -x[3], z0);
   fbi_vec3_add(s, -x[4], z1);
@@ -492,8 +508,8 @@ static fb_status fbi_sym6_solve_above(fb_real x[6], const fb_real S[21], const f
 }
 
 #if FB_WITH_SYSTEM || FB_WITH_BUILD
-/* What the mass and inertia about an axis are compared with when they may be rounding: the largest of all axes, for
-   axes are turned; mass, moment: and what has been taken off. */
+/* Reference sizes of the pivots of S in a round-off test: the largest mass and inertia of all axes, because rotations mix
+   axes, plus mass and moment, the most that elimination has subtracted from S. */
 static void fbi_sym6_reference(fb_real reference[6], const fb_real S[21], fb_real mass, fb_real moment)
 {
   const fb_real most = mass + fbi_larger(S[0], fbi_larger(S[6], S[11]));
@@ -503,9 +519,9 @@ static void fbi_sym6_reference(fb_real reference[6], const fb_real S[21], fb_rea
   }
 }
 
-/* [E3.2] Is S positive definite beyond rounding in its rows first..5? By elimination with diagonal pivoting, each row
-   in parts of its reference: a small pivot taken first would let the rounding of the others grow, and an axis without
-   inertia then counts as one in some attitudes.
+/* [E3.2] Is S positive definite beyond round-off in its rows first..5? Gaussian elimination with diagonal pivoting, the
+   pivots relative to their reference. Without pivoting a small pivot amplifies the round-off of the others, and an axis
+   without inertia passes in some attitudes.
    Source: [GV] 4.2.  Shapes: S packed 21.  Cost: 100 flops.  Fails: never.
    Test: rods_without_thickness_are_refused_in_every_attitude. */
 static int fbi_sym6_stands_out(const fb_real S[21], int first, const fb_real reference[6], fb_real tol)
@@ -515,8 +531,10 @@ static int fbi_sym6_stands_out(const fb_real S[21], int first, const fb_real ref
   for (int i = 0; i < 36; i++) {
     A[i] = S[fb_sym6_index(i / 6, i % 6)];
   }
+
+  /* eliminate; done: rows already eliminated */
   for (int k = first; k < 6; k++) {
-    int at = first;
+    int at = first; /* row of the largest remaining pivot */
     for (int i = first; i < 6; i++) {
       if (!done[i] && (done[at] || A[7 * i] * reference[at] > A[7 * at] * reference[i])) {
         at = i;
@@ -525,6 +543,8 @@ static int fbi_sym6_stands_out(const fb_real S[21], int first, const fb_real ref
     if (!(A[7 * at] > tol * reference[at])) {
       return 0;
     }
+
+    /* A_ij -= A_ip A_pj / A_pp in the remaining rows */
     done[at] = 1;
     for (int i = first; i < 6; i++) {
       for (int j = first; j < 6; j++) {
@@ -536,7 +556,7 @@ static int fbi_sym6_stands_out(const fb_real S[21], int first, const fb_real ref
 }
 #endif
 
-/* The least pivot of a step, in parts of the diagonal. */
+/* Least admissible pivot in a step, relative to the diagonal element. */
 #define FBI_PIVOT (8 * FB_EPSILON)
 static fb_status fbi_sym6_solve(fb_real x[6], const fb_real S[21], const fb_real y[6])
 {
@@ -570,9 +590,9 @@ FB_DEF void fb_quat_mul(fb_real r[4], const fb_real p[4], const fb_real q[4])
   r[3] = p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0];
 }
 
-/* [E4.1] Rotation matrix of a quaternion of any length, x_I = R x_B.
-   R = ((w^2 - u.u) 1 + 2 u u^T + 2 w u^) / |q|^2: orthogonal also for the stages of a stepper, which are not unit, so
-   that a turned frame gives the same motion to rounding.
+/* [E4.1] Rotation matrix of a quaternion of any nonzero length, x_I = R x_B.
+   R = ((w^2 - u.u) 1 + 2 u u^T + 2 w u^) / |q|^2: orthogonal also at the stages of an integrator, whose quaternions are
+   not unit, so that a rotated inertial frame gives the same motion up to round-off.
    Source: textbook.  Cost: 40 flops, a division.  Fails: q = 0.  Test: quaternion_and_matrix_rotate_alike. */
 FB_DEF void fb_quat_to_mat33(fb_real R[9], const fb_real q[4])
 {
@@ -592,7 +612,7 @@ FB_DEF void fb_quat_to_mat33(fb_real R[9], const fb_real q[4])
   R[8] = FB_R(1.0) - (xx + yy);
 }
 
-/* y = R x without R. */
+/* y = R(q) x without forming R. */
 static void fbi_quat_turn(fb_real y[3], const fb_real q[4], const fb_real x[3])
 {
   const fb_real two = FB_R(2.0) / (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]);
@@ -615,8 +635,8 @@ static void fbi_quat_rate(fb_real rate[4], const fb_real q[4], const fb_real w[3
   rate[3] = q[0] * z + q[1] * y - q[2] * x;
 }
 
-/* [E4.2] Exponential: q = (cos(phi/2), s phi_vector), s = sin(phi/2)/phi; returns s. An angle of zero is taken as tiny.
-   Source: textbook.  Cost: 15 flops, sin, cos, sqrt, whatever phi.  Fails: never.
+/* [E4.2] Exponential: q = (cos(phi/2), s phi_vector), s = sin(phi/2)/phi; returns s. A zero angle is replaced by a tiny one.
+   Source: textbook.  Cost: 15 flops, sin, cos, sqrt for every phi.  Fails: never.
    Test: exponential_and_logarithm_are_inverse. */
 static fb_real fbi_quat_exp(fb_real q[4], const fb_real phi[3])
 {
@@ -634,8 +654,8 @@ FB_DEF void fb_quat_from_rotvec(fb_real q[4], const fb_real phi[3])
   (void)fbi_quat_exp(q, phi);
 }
 
-/* [E4.3] Logarithm of q = (w, u), the shorter way round: phi = 2 atan2(|u|, w) u/|u|, |phi| <= pi; returns |phi|/|u|.
-   Source: textbook.  Cost: 20 flops, sqrt, atan2, whatever q.  Fails: never.
+/* [E4.3] Logarithm of q = (w, u), the shorter rotation: phi = 2 atan2(|u|, w) u/|u|, |phi| <= pi; returns |phi|/|u|.
+   Source: textbook.  Cost: 20 flops, sqrt, atan2 for every q.  Fails: never.
    Test: exponential_and_logarithm_are_inverse. */
 static fb_real fbi_quat_log(fb_real phi[3], const fb_real q[4])
 {
@@ -654,12 +674,12 @@ FB_DEF void fb_quat_to_rotvec(fb_real phi[3], const fb_real q[4])
 }
 
 #if FB_WITH_SYSTEM
-/* [E4.5] Quaternion of a rotation matrix, from its largest component, so that nothing small is divided by; w >= 0.
+/* [E4.5] Quaternion of a rotation matrix, from its largest component, so that no divisor is small; w >= 0.
    Source: S.W. Shepperd, Quaternion from rotation matrix, J. Guidance 1(3), 1978.  Cost: 25 flops, a square root.
    Fails: never.  Test: attitudes_come_back_as_they_were. */
 static void fbi_quat_from_mat33(fb_real q[4], const fb_real R[9])
 {
-  const fb_real x = R[7] - R[5], y = R[2] - R[6], z = R[3] - R[1]; /* 4 wx, .. */
+  const fb_real x = R[7] - R[5], y = R[2] - R[6], z = R[3] - R[1]; /* 4 w x, 4 w y, 4 w z */
   const fb_real yz = R[5] + R[7], xz = R[2] + R[6], xy = R[1] + R[3];
   const fb_real four[4][4] = {{FB_R(1.0) + R[0] + R[4] + R[8], x, y, z}, /* 4 q q^T */
                               {x, FB_R(1.0) + R[0] - R[4] - R[8], xy, xz},
@@ -677,23 +697,24 @@ static void fbi_quat_from_mat33(fb_real q[4], const fb_real R[9])
 }
 #endif
 
-/* x/t^2, or where t is small and x cancels, its series. Both are known, and a sum with one of the two weights zero
-   takes the same time whatever t: a step's work does not depend on its angles. */
+/* Branch-free: x/t^2, or its Taylor series for t^2 < 0.01, where x cancels, so that the instruction count does not depend
+   on the angle. */
 static fb_real fbi_quotient(fb_real x, fb_real t2, fb_real series)
 {
   const fb_real small = (fb_real)(t2 < FB_R(1e-2));
   return small * series + (FB_R(1.0) - small) * x / fbi_larger(t2, FB_R(1e-2));
 }
 
-/* [E4.6] Pose of the end of a line with constant twist per length: r = V(k) e, rotation exp(k), of x = (e, k).
-   V(k) = 1 + b k^ + c k^2, b = (1 - cos t)/t^2 = 2 s^2, c = (t - sin t)/t^3 = (1 - 2 s w)/t^2, t = |k|; a helix.
-   Source: textbook (screw motion).  Cost: 80 flops, sin, cos, sqrt, whatever k.  Fails: never.
+/* [E4.6] SE(3) exponential, the pose at the end of a line with constant twist per length (a helix): r = V(k) e, rotation
+   exp(k), x = (e, k).
+   V(k) = 1 + b k^ + c k^2, b = (1 - cos t)/t^2 = 2 s^2, c = (t - sin t)/t^3 = (1 - 2 s w)/t^2, t = |k|.
+   Source: textbook (screw motion).  Cost: 80 flops, sin, cos, sqrt for every k.  Fails: never.
    Test: twist_and_pose_are_inverse. */
 FB_DEF void fb_pose_from_twist(fb_real r[3], fb_real quat[4], const fb_real x[6])
 {
   const fb_real *const e = x, *const k = x + 3;
   const fb_real s = fbi_quat_exp(quat, k), t2 = fb_vec3_dot(k, k), b = FB_R(2.0) * s * s;
-  const fb_real near2 = t2 < FB_R(1.0) ? t2 : FB_R(1.0); /* beyond, any finite value does */
+  const fb_real near2 = t2 < FB_R(1.0) ? t2 : FB_R(1.0); /* the series of larger t is not used */
   const fb_real series =                                 /* remainder t^8/39916800 */
       FB_R(1.0) / FB_R(6.0) - near2 / FB_R(120.0) * (FB_R(1.0) - near2 / FB_R(42.0) * (FB_R(1.0) - near2 / FB_R(72.0)));
   const fb_real c = fbi_quotient(FB_R(1.0) - FB_R(2.0) * s * quat[0], t2, series);
@@ -705,9 +726,9 @@ FB_DEF void fb_pose_from_twist(fb_real r[3], fb_real quat[4], const fb_real x[6]
   }
 }
 
-/* [E4.7] Its inverse: k = log quat, e = V(k)^-1 r = r - k x r / 2 + g k x (k x r), g = (1 - t/2 cot(t/2))/t^2, where
-   t/2 cot(t/2) = t w/(2 |u|) of the quaternion (w, u).
-   Source: textbook.  Cost: 60 flops, sqrt, atan2, whatever quat.  Fails: never; |k| <= pi.
+/* [E4.7] SE(3) logarithm, the inverse of E4.6: k = log quat, e = V(k)^-1 r = r - k x r / 2 + g k x (k x r),
+   g = (1 - t/2 cot(t/2))/t^2, where t/2 cot(t/2) = t w/(2 |u|) of the quaternion (w, u).
+   Source: textbook.  Cost: 60 flops, sqrt, atan2 for every quat.  Fails: never; |k| <= pi.
    Test: twist_and_pose_are_inverse. */
 FB_DEF void fb_pose_to_twist(fb_real x[6], const fb_real r[3], const fb_real quat[4])
 {
@@ -724,8 +745,8 @@ FB_DEF void fb_pose_to_twist(fb_real x[6], const fb_real r[3], const fb_real qua
 }
 
 /* [E4.8] Wiener-Milenkovic parameters, c = 4 tan(phi/4) along the axis = 4 u/(1 + w) of the quaternion (w, u).
-   Of the two rotations that end alike, phi and phi - 2 pi, the one below pi is taken (w >= 0): the parameters stay
-   below 4 and cross pi by a change of sign, so that no rotation is out of reach.
+   Of the equivalent rotations phi and phi - 2 pi the one up to pi is taken (w >= 0): |c| does not exceed 4, c changes
+   sign at pi, and no rotation is singular.
    Source: [L] 3.4-3.6, 3.10-3.13.  Cost: 6 flops.  Fails: never.  Test: wiener_milenkovic_parameters_rescale. */
 FB_DEF void fb_quat_to_wiener_milenkovic(fb_real c[3], const fb_real quat[4])
 {
@@ -764,7 +785,7 @@ FB_DEF fb_status fb_quat_normalize(fb_real q[4])
 /* ---------------------------------------------------------------------------------------------------------------
    RUN >>solve: LU and Cholesky factors (uses config, status) */
 
-/* y -= s x; groups of four, which compilers turn into vectors; the rows do not overlap */
+/* y -= s x for rows that do not overlap; compilers vectorize the groups of four */
 static void fbi_row_sub(fb_real *y, fb_real s, const fb_real *x, int n)
 {
   int j = 0;
@@ -782,7 +803,7 @@ static void fbi_row_sub(fb_real *y, fb_real s, const fb_real *x, int n)
   }
 }
 
-/* Sum of x y: four sums, which compilers turn into vectors */
+/* x.y by four partial sums, which compilers vectorize */
 static fb_real fbi_dot(const fb_real *x, const fb_real *y, int n)
 {
   fb_real a = FB_R(0.0), b = FB_R(0.0), c = FB_R(0.0), d = FB_R(0.0);
@@ -800,18 +821,20 @@ static fb_real fbi_dot(const fb_real *x, const fb_real *y, int n)
   return (a + b) + (c + d);
 }
 
-/* The same where an end of x is an unknown just found: it enters last, the other products do not wait for it. */
+/* Dot product that adds the product of the newest unknown last: in forward substitution x[n-1] was computed just before,
+   and the other products need not wait for it. */
 static fb_real fbi_dot_new_last(const fb_real *x, const fb_real *y, int n)
 {
   return n > 0 ? fbi_dot(x, y, n - 1) + x[n - 1] * y[n - 1] : FB_R(0.0);
 }
 
+/* The same for back substitution, where x[0] is the newest unknown. */
 static fb_real fbi_dot_new_first(const fb_real *x, const fb_real *y, int n)
 {
   return n > 0 ? fbi_dot(x + 1, y + 1, n - 1) + x[0] * y[0] : FB_R(0.0);
 }
 
-/* Exchanges x and y, which may be the same. */
+/* Exchanges x and y, which may be the same row. */
 static void fbi_swap(fb_real *x, fb_real *y, int n)
 {
   for (int i = 0; i < n; i++) {
@@ -823,13 +846,15 @@ static void fbi_swap(fb_real *x, fb_real *y, int n)
 
 /* [E5.1] LU with scaled partial pivoting, P A = L U.
    A pivot counts as zero when it is below n epsilon of its column's largest element, both taken relative to their rows'
-   largest elements: neither row nor column scaling changes the verdict.
+   largest elements: neither row nor column scaling changes the result of the test.
    Source: [GV] 3.4.  Shapes: A n x n.  Cost: 2/3 n^3 flops.  Fails: singular, not finite.
    Test: lu_solves_random_graded_and_refuses_singular_matrices. */
 FB_DEF fb_status fb_lu_factor(fb_real *A, int *perm, fb_real *scale, int n)
 {
   FBI_REQUIRE(A && perm && scale, FB_ERR_NULL);
   FBI_REQUIRE(n >= 0, FB_ERR_VALUE);
+
+  /* row scales */
   for (int i = 0; i < n; i++) {
     fb_real largest = FB_R(0.0);
     if (!fbi_is_finite(A + i * n, n)) {
@@ -844,10 +869,13 @@ FB_DEF fb_status fb_lu_factor(fb_real *A, int *perm, fb_real *scale, int n)
     scale[i] = FB_R(1.0) / largest;
     perm[i] = i;
   }
+
   for (int k = 0; k < n; k++) {
     fb_real best = FB_R(0.0), column = FB_R(0.0), pivot;
     int row = k, p;
-    for (int i = 0; i < n; i++) { /* rows above k hold U: the column as it was, up to pivot growth */
+
+    /* pivot: largest scaled element of the column, from row k on */
+    for (int i = 0; i < n; i++) { /* rows above k hold U, in place of the original column */
       const fb_real size = FB_FABS(A[i * n + k]) * scale[i];
       column = fbi_larger(column, size);
       row = i >= k && size > best ? i : row;
@@ -856,11 +884,15 @@ FB_DEF fb_status fb_lu_factor(fb_real *A, int *perm, fb_real *scale, int n)
     if (!(best > (fb_real)n * FB_EPSILON * column)) {
       return FB_ERR_SINGULAR;
     }
-    p = perm[k]; /* be it the same row: the work does not depend on the matrix */
+
+    /* row exchange */
+    p = perm[k]; /* also for row == k: constant instruction count */
     perm[k] = perm[row];
     perm[row] = p;
     fbi_swap(scale + k, scale + row, 1);
     fbi_swap(A + k * n, A + row * n, n);
+
+    /* column k of L; rows below: A_i -= L_ik U_k */
     pivot = FB_R(1.0) / A[k * n + k];
     for (int i = k + 1; i < n; i++) {
       const fb_real factor = A[i * n + k] * pivot;
@@ -877,13 +909,13 @@ FB_DEF void fb_lu_solve(fb_real *x, const fb_real *LU, const int *perm, const fb
     x[i] = b[perm[i]] - fbi_dot_new_last(x, LU + i * n, i);
   }
   for (int i = n - 1; i >= 0; i--) {
-    const fb_real pivot = FB_R(1.0) / LU[i * n + i]; /* nothing waits for the division */
+    const fb_real pivot = FB_R(1.0) / LU[i * n + i]; /* overlaps with the sum */
     x[i] = (x[i] - fbi_dot_new_first(x + i + 1, LU + i * n + i + 1, n - i - 1)) * pivot;
   }
 }
 
 #if FB_WITH_EXACT
-/* X = A^-1 X of n x c right-hand sides (in rows of c); y: scratch of their size. */
+/* X = A^-1 X for n x c right-hand sides, row-major; y: scratch of the same size. */
 static void fbi_lu_solve_rows(fb_real *X, fb_real *y, const fb_real *LU, const int *perm, int n, int c)
 {
   fbi_copy(y, X, n * c);
@@ -905,8 +937,8 @@ static void fbi_lu_solve_rows(fb_real *X, fb_real *y, const fb_real *LU, const i
 }
 #endif
 
-/* [E5.5] LU without pivoting, for matrices whose symmetric part is positive definite: growth is then bounded.
-   Reciprocals of the pivots stand on the diagonal.
+/* [E5.5] LU without pivoting, for matrices whose symmetric part is positive definite: element growth is then
+   bounded. The diagonal holds the reciprocals of the pivots.
    Source: [GV] 4.3.2.  Shapes: A n x n.  Cost: 2/3 n^3 flops.  Fails: a pivot that is not positive.
    Test: each_scheme_converges_at_its_order. */
 static fb_status fbi_lu_plain_factor(fb_real *A, int n)
@@ -924,7 +956,7 @@ static fb_status fbi_lu_plain_factor(fb_real *A, int n)
   return FB_OK;
 }
 
-/* x = A^-1 x with those factors */
+/* x = A^-1 x by the factors of E5.5 */
 static void fbi_lu_plain_solve(fb_real *x, const fb_real *A, int n)
 {
   for (int i = 1; i < n; i++) {
@@ -999,7 +1031,7 @@ FB_DEF fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q)
   return fbi_dot(gauge->gain, q, gauge->n);
 }
 
-/* ---- effects to terms */
+/* ---- effects, sparse matrices, the base */
 
 #define FBI_EFFECTS_BUILT                                                                  \
   (FB_EFFECT_ELASTIC | (FB_WITH_SPIN_COUPLING ? FB_EFFECT_SPIN_COUPLING : 0) |             \
@@ -1009,13 +1041,14 @@ FB_DEF fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q)
    (FB_WITH_DAMPING ? FB_EFFECT_DAMPING : 0) | (FB_WITH_GRAVITY ? FB_EFFECT_GRAVITY : 0) | \
    (FB_WITH_NONLINEAR_STRAIN ? FB_EFFECT_NONLINEAR_STRAIN : 0))
 #define FBI_QUADRATIC_EFFECTS (FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING)
-/* Is one of these effects on? 0 at compile time where they were removed. */
+/* 1 if one of these effects is on; a compile-time 0 where they were removed. */
 static int fbi_has(unsigned effects, int effect)
 {
   return (effects & (unsigned)effect & (unsigned)FBI_EFFECTS_BUILT) != 0;
 }
 
-/* Removed at compile time, or foreshortening counted twice: never right. */
+/* 1 if an effect was removed at compile time, or foreshortening would be counted twice: by the nonlinear strain and by the
+   second-order displacement field. */
 static int fbi_is_excluded(unsigned effects)
 {
   return (effects & ~(unsigned)FBI_EFFECTS_BUILT) ||
@@ -1052,7 +1085,7 @@ static void fbi_sparse_to_dense(fb_real *A, const fb_sparse *sparse, int n)
   fbi_sparse_add(A, FB_R(1.0), sparse, n);
 }
 
-/* Of a vector in body axes the part about the axes that the base lets turn; a hinge keeps z. */
+/* Of a vector g in body axes, drops the components about which a hinged base cannot rotate: all but z. */
 static void fbi_turning_part(fb_real g[3], fb_base base)
 {
   if (base == FB_BASE_HINGED) {
@@ -1065,14 +1098,14 @@ static int fbi_holds_origin(fb_base base)
   return base == FB_BASE_PINNED || base == FB_BASE_HINGED;
 }
 
-/* First of the six rigid rows that the base leaves free. */
+/* First of the six rigid-body rows (v, w) that the base leaves free; 6 if none. */
 static int fbi_first_free(fb_base base)
 {
   return base == FB_BASE_FREE ? 0 : base == FB_BASE_PINNED ? 3 : base == FB_BASE_HINGED ? 5 : 6;
 }
 
-/* [E8.22] Solution with a symmetric 6x6 for what the base leaves free, the rest zero: all of V, the three of w
-   (pinned), that about z (hinged), nothing (prescribed).
+/* [E8.22] Solves S x = y in the rows that the base leaves free, with x = 0 in the others: all of V (free), w (pinned),
+   w_z (hinged), none (prescribed).
    Source: rows of E8.13 whose reactions are zero.  Shapes: S packed 21.  Cost: at most 150 flops.
    Fails: not positive definite.  Test: pinned_and_hinged_bodies_swing_as_rigid_pendulums. */
 static fb_status fbi_base_solve(fb_real x[6], fb_base base, const fb_real S[21], const fb_real y[6])
@@ -1080,6 +1113,8 @@ static fb_status fbi_base_solve(fb_real x[6], fb_base base, const fb_real S[21],
   if (base == FB_BASE_FREE) {
     return fbi_sym6_solve(x, S, y);
   }
+
+  /* pinned: the 3x3 block of w */
   for (int i = 0; i < 6; i++) {
     x[i] = i >= 3 ? y[i] : FB_R(0.0);
   }
@@ -1093,6 +1128,8 @@ static fb_status fbi_base_solve(fb_real x[6], fb_base base, const fb_real S[21],
     fbi_chol3_back(x + 3, L, x + 3);
     return FB_OK;
   }
+
+  /* prescribed, hinged */
   x[3] = x[4] = FB_R(0.0);
   if (base == FB_BASE_PRESCRIBED) {
     x[5] = FB_R(0.0);
@@ -1130,7 +1167,7 @@ static void fbi_sparse_eval(fb_real *y, const fb_real *f, fb_real s, const fb_sp
   }
 }
 
-/* The form of the equations; a constant where there is but one. */
+/* Form of the equations of motion; the constant 0, momentum (Hamiltonian) form, where no other is compiled. */
 static int fbi_form(const fb_body *body)
 {
 #if FB_WITH_FORMS
@@ -1141,7 +1178,7 @@ static int fbi_form(const fb_body *body)
 #endif
 }
 
-/* y = M^-1 x; normalized modes: a copy */
+/* y = M^-1 x; mass-normalized modes: a copy */
 static void fbi_mass_solve(fb_real *y, const fb_body *body, const fb_real *x)
 {
   if (body->unit_mass) {
@@ -1161,7 +1198,7 @@ static void fbi_mass_mul(fb_real *y, const fb_body *body, const fb_real *x)
   fbi_sparse_eval(y, NULL, FB_R(1.0), &body->M, x, body->n);
 }
 
-/* y -= sum_a q_a Lambda_a pb, the part of E8.9 that is linear in q; q by (1, q). Row by row: sums stay in registers. */
+/* y -= sum_a q_a Lambda_a pb, the part of E8.9 that is linear in q; qx = (1, q). By rows: sums stay in registers. */
 static void fbi_lambda_linear_sub(fb_real y[6], const fb_body *body, const fb_real *qx, const fb_real *pb)
 {
   const fb_lambda_term *t = body->lambda + body->n_lambda_constant;
@@ -1174,7 +1211,7 @@ static void fbi_lambda_linear_sub(fb_real y[6], const fb_body *body, const fb_re
   }
 }
 
-/* [E8.9] y -= Lambda(q) pb, the elastic share of the momenta.
+/* [E8.9] y -= Lambda(q) pb, the contribution of the modes to the momenta (p, h).
    Source: THEORY.md 8.2.  Cost: 3 n_lambda flops.  Test: momenta_agree_with_a_particle_model. */
 static void fbi_lambda_sub(fb_real y[6], const fb_body *body, const fb_real *qx, const fb_real *pb)
 {
@@ -1201,8 +1238,8 @@ static void fbi_lambda_linear_gradients(fb_real *e, fb_real *x, const fb_body *b
   }
 }
 
-/* [E8.10] Both gradients of the trilinear form V^T Lambda(q) pb: e -= Lambda(q)^T V (elastic velocities),
-   x += d/dq (V^T Lambda pb) (elastic forces: gyroscopic, E8.4); x by (1, q), x[0] is left alone.
+/* [E8.10] Gradients of the trilinear form V^T Lambda(q) pb: e -= Lambda(q)^T V (elastic velocities),
+   x += d/dq (V^T Lambda pb) (elastic forces: gyroscopic (Coriolis), E8.4); x is indexed as (1, q), x[0] is not written.
    Source: THEORY.md 8.2; -N(w)^T pi_e.  Cost: 5 n_lambda flops.  Test: accelerations_agree_with_a_particle_model. */
 static void fbi_lambda_gradients(fb_real *e, fb_real *x, const fb_body *body, const fb_real V[6], const fb_real *qx,
                                  const fb_real *pb)
@@ -1215,7 +1252,7 @@ static void fbi_lambda_gradients(fb_real *e, fb_real *x, const fb_body *body, co
   fbi_lambda_linear_gradients(e, x, body, V, qx, pb);
 }
 
-/* S += its first n runs with the monomials m of the pairs.
+/* S += its first n runs with the monomials m of the pairs; a run: consecutive pairs of one element of S.
    Cost: 2 n_S flops. */
 static void fbi_S_add(fb_real S[21], const fb_body *body, const fb_real *m, int n)
 {
@@ -1226,12 +1263,12 @@ static void fbi_S_add(fb_real S[21], const fb_body *body, const fb_real *m, int 
   }
 }
 
-/* [E8.11] S(q) from the monomials (1,q)_a (1,q)_b and the first n of its runs: all, but in a truncated second-order
-   form.
+/* [E8.11] Reduced rigid-body inertia S(q) from the monomials (1,q)_a (1,q)_b and its first n runs: fewer than all only in
+   a truncated second-order form.
    Source: E8.6.  Cost: 2 n_S + n_pair flops.  Test: momenta_agree_with_a_particle_model. */
 static void fbi_S_eval(fb_real S[21], const fb_body *body, const fb_real *qx, int n)
 {
-  fb_real m[FBI_MAX_PAIRS_S + 3]; /* room for a group of four: gcc warns of those that a single mode has not */
+  fb_real m[FBI_MAX_PAIRS_S + 3]; /* padded to groups of four: with one mode gcc warns otherwise */
   const fb_S_pair *const last = body->pair + body->n_pair;
   fb_real *to = m;
   FBI_UNROLL_2
@@ -1244,10 +1281,10 @@ static void fbi_S_eval(fb_real S[21], const fb_body *body, const fb_real *qx, in
   fbi_S_add(S, body, m, n);
 }
 
-/* Rate of S(q) along the rate xd of (1, q). */
+/* dS = rate of S(q) for the rate xd of (1, q). */
 static void fbi_S_rate(fb_real dS[21], const fb_body *body, const fb_real *qx, const fb_real *xd)
 {
-  fb_real m[FBI_MAX_PAIRS_S + 3]; /* room for a group of four: gcc warns of those that a single mode has not */
+  fb_real m[FBI_MAX_PAIRS_S + 3]; /* padded to groups of four: with one mode gcc warns otherwise */
   for (int k = 0; k < body->n_pair; k++) {
     const int a = body->pair[k].a, b = body->pair[k].b;
     m[k] = qx[a] * xd[b] + xd[a] * qx[b];
@@ -1281,7 +1318,7 @@ static void fbi_S_gradient(fb_real *x, const fb_body *body, const fb_real V[6], 
 }
 #endif
 
-/* Lambda(q) of the free rigid rows, rows x n; n_terms of its list. */
+/* X = rows first..5 of Lambda(q), (6 - first) x n, from the first n_terms of its list. */
 static void fbi_lambda_rows(fb_real *X, const fb_body *body, const fb_real *qx, int first, int n_terms)
 {
   fbi_zero(X, (6 - first) * body->n);
@@ -1294,7 +1331,7 @@ static void fbi_lambda_rows(fb_real *X, const fb_body *body, const fb_real *qx, 
 }
 
 #if FB_WITH_NONLINEAR_STRAIN
-/* u_x', u_y', u_z' at the strain stations. */
+/* Slopes u_x', u_y', u_z' at the strain stations (quadrature points). */
 static void fbi_slopes_eval(fb_real slope[3][FBI_MAX_STRAINS], const fb_body *body, const fb_real *q)
 {
   const fb_strain_row *row = body->strain_row;
@@ -1308,7 +1345,7 @@ static void fbi_slopes_eval(fb_real slope[3][FBI_MAX_STRAINS], const fb_body *bo
   }
 }
 
-/* x -= sum of slope_a f over the stations, f for each axis */
+/* x_a -= sum over the stations of the slopes of mode a times f, per axis */
 static void fbi_slopes_sub(fb_real *x, const fb_body *body, fb_real f[3][FBI_MAX_STRAINS])
 {
   const fb_strain_row *row = body->strain_row;
@@ -1317,10 +1354,10 @@ static void fbi_slopes_sub(fb_real *x, const fb_body *body, fb_real f[3][FBI_MAX
   }
 }
 
-/* [E8.23] Forces of the nonlinear axial strain e = u_x' + 1/2 (u_y'^2 + u_z'^2), what K q leaves of
+/* [E8.23] Generalized forces of the nonlinear axial strain e = u_x' + 1/2 (u_y'^2 + u_z'^2), x -= dU/dq without K q,
    dU/dq_a = int EA e (psi_x,a' + u_y' psi_y,a' + u_z' psi_z,a') dx, by quadrature over the strain stations instead of
-   tensors with three and four indices: 2 sums over the stations per coordinate. x -= dU/dq; with quartic = 0 instead
-   of 1 the part of U of degree 4 is left out.
+   third- and fourth-order stiffness tensors: 2 sums over the stations per coordinate. quartic = 0 instead of 1 omits the
+   part of U of degree 4.
    Source: [DB] (27), (29)-(31) with ERRATA.md DB5 to DB10.  Shapes: x n.  Cost: (4 n + 12) stations.  Fails: never.
    Test: strain_forces_are_the_gradient_of_the_energy, spin_up_follows_the_references_of_each_form. */
 static FBI_NOINLINE void fbi_strain_sub(fb_real *x, fb_real slope[3][FBI_MAX_STRAINS], const fb_body *body,
@@ -1339,7 +1376,7 @@ static FBI_NOINLINE void fbi_strain_sub(fb_real *x, fb_real slope[3][FBI_MAX_STR
   fbi_slopes_sub(x, body, f);
 }
 
-/* t = x y, element by element, whole groups of four */
+/* t_j = x_j y_j; n is a multiple of four */
 static void fbi_products(fb_real *t, const fb_real *x, const fb_real *y, int n)
 {
   FBI_UNROLL
@@ -1352,8 +1389,8 @@ static void fbi_products(fb_real *t, const fb_real *x, const fb_real *y, int n)
   }
 }
 
-/* [E8.29] Tangent stiffness d2U/dq2 of the strain energy beyond K, A += ..; of tensile strain e alone in the
-   geometric part, so that it is never indefinite:
+/* [E8.29] A += tangent stiffness d2U/dq2 of the strain energy, without K. Its geometric part takes tensile strain e alone,
+   so that it is never indefinite:
    K + int EA (psi_x (u_y' psi_y + u_z' psi_z) + .. + (u_y' psi_y + u_z' psi_z)^2 + max(e, 0) (psi_y psi_y + psi_z
    psi_z)) dx.
    Source: second derivative of [DB] (27).  Shapes: n x n.  Cost: n^2 stations.  Fails: never.
@@ -1362,6 +1399,8 @@ static void fbi_strain_tangent_add(fb_real *A, const fb_body *body, fb_real slop
 {
   const int n = body->n;
   fb_real w[3][3][FBI_MAX_STRAINS], t[3][FBI_MAX_STRAINS];
+
+  /* weights of the products of slopes, by axes */
   for (int g = 0; g < body->n_strain; g++) {
     const fb_real EA = body->strain_weight[g], y = slope[1][g], z = slope[2][g];
     const fb_real e = slope[0][g] + FB_R(0.5) * (y * y + z * z), tension = EA * fbi_larger(e, FB_R(0.0));
@@ -1372,6 +1411,8 @@ static void fbi_strain_tangent_add(fb_real *A, const fb_body *body, fb_real slop
     w[1][2][g] = w[2][1][g] = EA * y * z;
     w[2][2][g] = EA * z * z + tension;
   }
+
+  /* A_ab += sum of slope_a w slope_b */
   for (int i = 0; i < body->n_strain_row; i++) {
     const fb_strain_row *a = &body->strain_row[i];
     for (int axis = 0; axis < 3; axis++) {
@@ -1391,7 +1432,7 @@ static void fbi_strain_tangent_add(fb_real *A, const fb_body *body, fb_real slop
 
 #if FB_WITH_SYSTEM
 #if FB_WITH_NONLINEAR_STRAIN
-/* y -= s A x with that A. */
+/* y -= s A x, A of E8.29, without forming it. */
 static void fbi_strain_tangent_sub(fb_real *y, fb_real s, const fb_body *body, fb_real slope[3][FBI_MAX_STRAINS],
                                    const fb_real *x)
 {
@@ -1411,7 +1452,7 @@ static void fbi_strain_tangent_sub(fb_real *y, fb_real s, const fb_body *body, f
 #endif
 
 #if FB_WITH_NONLINEAR_STRAIN
-/* What the strain energy has beyond 1/2 q^T K q: 1/2 int EA (u_x' r + r^2/4), r = u_y'^2 + u_z'^2. */
+/* Strain energy without 1/2 q^T K q: 1/2 int EA (u_x' r + r^2/4), r = u_y'^2 + u_z'^2. */
 static fb_real fbi_strain_energy(const fb_body *body, const fb_real *q)
 {
   fb_real slope[3][FBI_MAX_STRAINS], energy = FB_R(0.0);
@@ -1424,7 +1465,8 @@ static fb_real fbi_strain_energy(const fb_body *body, const fb_real *q)
 }
 #endif
 
-/* Of a prescribed base, relative to the frame of state.pi; in the other forms relative to O itself. */
+/* V of a prescribed base: v relative to the frame of state.pi, which moves at state.u (momentum form), or to O, zero (the
+   other forms). */
 static void fbi_given_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
 {
   fbi_vec6_zero(k->V);
@@ -1439,14 +1481,16 @@ static void fbi_given_velocity(fbi_kinetics *k, const fb_body *body, const fb_st
   }
 }
 
-/* [E8.13] Velocities from momenta, S(q) V = (0, h) - Lambda(q) pb, relative to the mass center; given ones when the
-   base is prescribed. k.R is that of state.quat where fbi_is_oriented.
-   Source: THEORY.md 8.4, where p = 0.  Fails: S(q) not positive definite (the deflection has left the model).
+/* [E8.13] Velocities from momenta, S(q) V = (0, h) - Lambda(q) pb, relative to the mass center; the prescribed ones of a
+   prescribed base. On entry k.R is that of state.quat where fbi_is_oriented.
+   Source: THEORY.md 8.4, where p = 0.  Fails: S(q) not positive definite (deflection beyond the model's range).
    Test: momenta_agree_with_a_particle_model. */
 static fb_status fbi_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
 {
   fb_real y[6];
   const int n = body->n;
+
+  /* (1, q), M^-1 pi */
   k->qx[0] = FB_R(1.0);
   k->x[0] = FB_R(0.0);
   for (int a = 0; a < n; a++) {
@@ -1458,19 +1502,25 @@ static fb_status fbi_velocity(fbi_kinetics *k, const fb_body *body, const fb_sta
     fbi_mass_solve(k->Minv_pi, body, state->pi);
     k->pb = k->Minv_pi;
   }
+
+  /* velocities that need no solution */
   if (body->base == FB_BASE_PRESCRIBED) {
     fbi_given_velocity(k, body, state, input);
     return FB_OK;
   }
   fbi_vec3_zero(k->V);
-  if (fbi_form(body) != 0) { /* relative to O, which moves at u */
+  if (fbi_form(body) != 0) { /* v relative to O, which moves at u; L holds w */
     fbi_vec3_copy(k->V + 3, state->L);
     return FB_OK;
   }
+
+  /* y = (0, h) - Lambda(q) pb */
   fbi_vec3_zero(k->ph);
   fbi_vec3_copy(k->ph + 3, state->h);
   fbi_vec6_copy(y, k->ph);
   fbi_lambda_sub(y, body, k->qx, k->pb);
+
+  /* V = S(q)^-1 y */
 #if FBI_WITH_SHAPE_INERTIA
   if (!body->constant_S) {
     fbi_S_eval(k->S, body, k->qx, body->n_run);
@@ -1492,15 +1542,15 @@ static fb_status fbi_velocity(fbi_kinetics *k, const fb_body *body, const fb_sta
 #if FBI_WITH_QUADRATIC
 /* ---- nodes and loads */
 
-/* Where the 3-vector of the pair of modes a, b stands in a node's table. */
+/* Index of the 3-vector of modes a, b in a node's table of the second-order displacement field. */
 static int fbi_pair(int a, int b)
 {
   return 3 * (a > b ? a * (a + 1) / 2 + b : b * (b + 1) / 2 + a);
 }
 #endif
 
-/* [E8.14] Position and rotation of a node, u = psi q + 1/2 chi q q, phi = theta q + 1/2 chi_theta q q, and their
-   variations J_u,a = psi_a + chi_ab q_b,  J_phi,a = (t_a + 1/2 phi x t_a) / (1 + phi.phi/4),  t_a = d phi/dq_a =
+/* [E8.14] Displacement and rotation of a node, u = psi q + 1/2 chi q q, phi = theta q + 1/2 chi_theta q q (chi:
+   second-order displacement field), and their variations J_u,a = psi_a + chi_ab q_b,  J_phi,a = (t_a + 1/2 phi x t_a) / (1 + phi.phi/4),  t_a = d phi/dq_a =
    theta_a + chi_theta_ab q_b. phi are the parameters 2 tan(angle/2) axis of the rotation (1, phi/2)/|(1, phi/2)|: to
    second degree they are the rotation vector, and J_phi is the exact rate of that rotation, without sine and cosine.
    Source: THEORY.md 8.3; Rodrigues parameters.  Cost: 12 n (n+1) flops.  Fails: never.
@@ -1509,6 +1559,8 @@ static FBI_NOINLINE void fbi_node_eval(fbi_node_field *f, const fb_body *body, c
 {
   const int n = body->n;
   fb_real scale;
+
+  /* J_u,a and t_a */
   fbi_zero(f->u, 3);
   fbi_zero(f->phi, 3);
   for (int i = 0; i < 3 * n; i++) {
@@ -1526,12 +1578,16 @@ static FBI_NOINLINE void fbi_node_eval(fbi_node_field *f, const fb_body *body, c
     }
   }
 #endif
+
+  /* u = 1/2 (psi + J_u) q, phi = 1/2 (theta + t) q */
   for (int a = 0; a < n; a++) {
     for (int i = 0; i < 3; i++) {
       f->u[i] += FB_R(0.5) * q[a] * (node->psi[3 * a + i] + f->Ju[3 * a + i]);
       f->phi[i] += FB_R(0.5) * q[a] * (node->theta[3 * a + i] + f->turn[3 * a + i]);
     }
   }
+
+  /* J_phi,a */
   scale = FB_R(1.0) / (FB_R(1.0) + FB_R(0.25) * fb_vec3_dot(f->phi, f->phi));
   for (int a = 0; a < n; a++) {
     const fb_real *t = f->turn + 3 * a;
@@ -1542,14 +1598,14 @@ static FBI_NOINLINE void fbi_node_eval(fbi_node_field *f, const fb_body *body, c
   }
 }
 
-/* The quaternion of a node's rotation in its body. */
+/* Quaternion of a node's rotation in its body. */
 static void fbi_node_quat(fb_real quat[4], const fbi_node_field *f)
 {
   quat[0] = FB_R(1.0);
   for (int i = 0; i < 3; i++) {
     quat[1 + i] = FB_R(0.5) * f->phi[i];
   }
-  (void)fb_quat_normalize(quat); /* is 1 at least */
+  (void)fb_quat_normalize(quat); /* never fails: the norm is at least 1 */
 }
 
 /* Rates of J_u,a and t_a along q_dot: sum_b chi_ab q_dot_b. */
@@ -1573,7 +1629,7 @@ static void fbi_node_rates(fb_real *Ju_dot, fb_real *turn_dot, const fb_body *bo
   (void)node, (void)q_dot;
 }
 
-/* y = sum_a q_dot_a x_a of n vectors */
+/* y = sum_a q_dot_a x_a over n vectors */
 static void fbi_vec3_sum(fb_real y[3], const fb_real *x, const fb_real *q_dot, int n)
 {
   fbi_zero(y, 3);
@@ -1582,7 +1638,7 @@ static void fbi_vec3_sum(fb_real y[3], const fb_real *x, const fb_real *q_dot, i
   }
 }
 
-/* [E8.30] What accelerates a node in its body beside J q_ddot: Ju_dot q_dot and the rate of J_phi q_dot,
+/* [E8.30] Velocity-dependent acceleration of a node in its body, beside J q_ddot: Ju_dot q_dot and Jphi_dot q_dot =
    (phi_dd + 1/2 phi x phi_dd - 1/2 (phi.phi_dot) J_phi q_dot) / (1 + phi.phi/4),  phi_dd = turn_dot q_dot.
    Source: derivative of E8.14.  Shapes: u_dd, turn_dd 3.  Fails: never.
    Test: node_kinematics_match_finite_differences. */
@@ -1611,19 +1667,25 @@ static FBI_NOINLINE void fbi_load_add(fbi_kinetics *k, const fb_body *body, cons
   const fb_node *node = &body->node[load->node];
   fbi_node_field f;
   fb_real F[3], T[3], arm[3];
+
+  /* F, T in body axes */
   fbi_copy(F, load->force, 3);
   fbi_copy(T, load->torque, 3);
   if (load->axes == FB_AXES_INERTIAL) {
     fb_mat33_mulT_vec3(F, k->R, load->force);
     fb_mat33_mulT_vec3(T, k->R, load->torque);
   }
-  if (load->node == 0) { /* O neither moves nor turns in the frame */
+
+  /* node 0: force and torque alone */
+  if (load->node == 0) { /* O neither moves nor rotates in the frame */
     for (int i = 0; i < 3; i++) {
       k->fg[i] += F[i];
       k->fg[3 + i] += T[i];
     }
     return;
   }
+
+  /* rotate from the axes of the section */
   fbi_node_eval(&f, body, node, q);
   if (load->axes == FB_AXES_NODE) {
     fb_real turn[4], section[9];
@@ -1632,6 +1694,8 @@ static FBI_NOINLINE void fbi_load_add(fbi_kinetics *k, const fb_body *body, cons
     fb_mat33_mul_vec3(F, section, load->force);
     fb_mat33_mul_vec3(T, section, load->torque);
   }
+
+  /* force and torque about O; generalized forces */
   for (int i = 0; i < 3; i++) {
     arm[i] = node->r[i] + f.u[i];
     k->fg[i] += F[i];
@@ -1643,9 +1707,9 @@ static FBI_NOINLINE void fbi_load_add(fbi_kinetics *k, const fb_body *body, cons
   }
 }
 
-/* [E8.16] A uniform field g, from V = -m g.rho - g.R c(q), c(q) = c + P q + 1/2 p^chi q q the first moment of mass:
-   force m g, torque c(q) x g, modal forces x += (dc/dq)^T g by (1, q), all from the terms of the linear momentum; g in
-   body axes.
+/* [E8.16] Forces of a uniform acceleration field g, of potential -m g.rho - g.R c(q), c(q) = c + P q + 1/2 p^chi q q the
+   first moment of mass: force m g, torque c(q) x g, modal forces x += (dc/dq)^T g, x indexed as (1, q). c and its
+   gradient come from the terms of the linear momentum in Lambda. g in body axes; yields c and x.
    Source: potential energy.  Cost: 8 flops a term.  Fails: never.
    Test: a_falling_body_does_not_deform, power_of_loads_is_the_rate_of_energy. */
 static void fbi_pull_eval(fb_real c[3], fb_real *x, const fb_body *body, const fb_real *qx, const fb_real g[3])
@@ -1685,19 +1749,19 @@ static fb_status fbi_input_check(const fb_body *body, const fb_input *input)
     FBI_REQUIRE(input->load[i].node >= 0 && input->load[i].node < body->n_node, FB_ERR_CAPACITY);
     FBI_REQUIRE((int)input->load[i].axes >= 0 && (int)input->load[i].axes <= (int)FB_AXES_BODY, FB_ERR_VALUE);
     if (!fbi_vec3_is_finite(input->load[i].force) || !fbi_vec3_is_finite(input->load[i].torque)) {
-      return FB_ERR_NOT_FINITE; /* on a held base nothing else would see it */
+      return FB_ERR_NOT_FINITE; /* no other check sees loads on a prescribed base */
     }
   }
   return FB_OK;
 }
 
-/* The frame moves with the mass center (momentum form). */
+/* 1 if the frame of the momenta moves with the mass center: free bodies in momentum form. */
 static int fbi_is_flying(const fb_body *body)
 {
   return body->base == FB_BASE_FREE && fbi_form(body) == 0;
 }
 
-/* Do rates depend on the attitude? Not those of a body that flies, or turns about a pin, without loads. */
+/* 1 if the rates depend on the attitude: not those of a free body without loads, or of a pinned one without gravity, too. */
 static int fbi_is_oriented(const fb_body *body, const fb_input *input)
 {
   return fbi_form(body) != 0 || body->base == FB_BASE_PRESCRIBED || (input && input->n_load > 0) ||
@@ -1706,7 +1770,7 @@ static int fbi_is_oriented(const fb_body *body, const fb_input *input)
 
 /* [E8.33] Loads in the frame of the mass center, which they accelerate by a = f/m: there every mass element feels the
    uniform field -a, so that the force vanishes, the torque is that about the mass center, g - c(q) x f/m, and modes
-   get -(dc/dq)^T a. Gravity accelerates all alike and is felt by none.
+   get -(dc/dq)^T a. Gravity accelerates all mass elements alike and drops out.
    Source: Newton-Euler in the frame of the mass center (Koenig).  Cost: 8 flops a term.  Fails: never.
    Test: flight_speed_does_not_matter, power_of_loads_is_the_rate_of_energy. */
 static void fbi_fall(fbi_kinetics *k, const fb_body *body)
@@ -1721,6 +1785,7 @@ static void fbi_fall(fbi_kinetics *k, const fb_body *body)
   fbi_vec3_add_cross(k->fg + 3, c, field);
 }
 
+/* k.fg, k.x, k.a of gravity and loads; relative to the mass center (E8.33) for a free body in momentum form. */
 static void fbi_forces(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
 {
   const int n_load = input ? input->n_load : 0, flying = fbi_is_flying(body);
@@ -1751,7 +1816,7 @@ static void fbi_damping_add(fb_real *y, fb_real s, const fb_body *body, const fb
   (void)y, (void)s, (void)body, (void)x;
 }
 
-/* f = x - dU/dq - C q_dot, the elastic forces; the strain energy is E8.23's and 1/2 q^T K q. */
+/* f = x - dU/dq - C q_dot; U = 1/2 q^T K q and the strain energy of E8.23. */
 static void fbi_elastic_forces(fb_real *f, fbi_kinetics *k, const fb_body *body, const fb_real *q, const fb_real *q_dot)
 {
 #if FB_WITH_NONLINEAR_STRAIN
@@ -1763,7 +1828,7 @@ static void fbi_elastic_forces(fb_real *f, fbi_kinetics *k, const fb_body *body,
   fbi_damping_add(f, -FB_R(1.0), body, q_dot);
 }
 
-/* (w x p, w x h + v x p): what turning axes add to the rate of momenta */
+/* turn = (w x p, w x h + v x p), the transport term of momenta in rotating axes */
 static void fbi_turning(fb_real turn[6], const fb_real V[6], const fb_real ph[6])
 {
   fb_vec3_cross(turn, V + 3, ph);
@@ -1773,7 +1838,7 @@ static void fbi_turning(fb_real turn[6], const fb_real V[6], const fb_real ph[6]
 
 /* [E8.17] Elastic equations.
    q_dot = M^-1 (pi - Lambda(q)^T V),  pi_dot = f_e - K q - C q_dot + d/dq (V^T Lambda(q) pb + 1/2 V^T S(q) V).
-   These are Hamilton's equations of 1/2 y^T S^-1 y + 1/2 pi^T M^-1 pi + U, so any set of terms conserves energy.
+   These are Hamilton's equations of 1/2 y^T S^-1 y + 1/2 pi^T M^-1 pi + U, so every choice of terms conserves energy.
    Source: THEORY.md 8.2; [DB] (23), (25).  Fails: never.  Test: accelerations_agree_with_a_particle_model. */
 static void fbi_elastic_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state)
 {
@@ -1791,17 +1856,21 @@ static void fbi_elastic_rates(fb_state *rate, fbi_kinetics *k, const fb_body *bo
   fbi_elastic_forces(rate->pi, k, body, state->q, rate->q);
 }
 
-/* [E8.18] Rigid equations: quat_dot = 1/2 quat o (0, w), u_dot = R a + gravity, L_dot = R g in inertial axes, and
-   beside it h_dot = g - w x h in body axes, from which velocities come: w = S^-1 h magnifies what R^T L inherits from
-   an error of the attitude by the ratio of a slender body's inertias, without end. E11.29 brings both together.
-   Unloaded, u and L are constant to rounding with ANY Runge-Kutta step. rho is that of the mass center (free), less its
-   place in the body at the start: E11.30.
+/* [E8.18] Rigid-body equations: quat_dot = 1/2 quat o (0, w), u_dot = R a + gravity, L_dot = R g in inertial axes, and
+   redundantly h_dot = g - w x h in body axes. Velocities follow from h: with h = R^T L, w = S^-1 h would amplify an error
+   of the attitude by the ratio of inertias of a slender body, again and again. E11.29 reconciles h and L.
+   Without loads u and L are constant up to round-off for ANY Runge-Kutta step. rho of a free body moves with the mass
+   center; E11.30 then recovers that of O.
    Source: Newton-Euler about the mass center; THEORY.md 8.4.  Cost: 60 flops.  Fails: never.
    Test: tumbling_conserves_momentum_and_energy, slender_bodies_keep_their_energy. */
 static void fbi_rigid_rates(fb_state *rate, const fbi_kinetics *k, const fb_body *body, const fb_state *state)
 {
+
+  /* pose */
   fbi_vec3_copy(rate->rho, state->u);
   fbi_quat_rate(rate->quat, state->quat, k->V + 3);
+
+  /* a prescribed base has no momentum equations */
   fbi_vec3_zero(rate->u);
   fbi_vec3_zero(rate->L);
   fbi_vec3_zero(rate->h);
@@ -1811,6 +1880,8 @@ static void fbi_rigid_rates(fb_state *rate, const fbi_kinetics *k, const fb_body
     fbi_vec3_add(rate->rho, FB_R(1.0), v);
     return;
   }
+
+  /* momenta */
   if (k->loaded) {
     fbi_copy(rate->h, k->fg + 3, 3);
     fbi_turning_part(rate->h, body->base);
@@ -1832,11 +1903,11 @@ static fb_status fbi_momentum_rates(fb_state *rate, fbi_kinetics *k, const fb_bo
   return FB_OK;
 }
 
-/* ---- the other forms */
+/* ---- second-order and first-order forms */
 
 static const fb_real fbi_origin[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
 
-/* Of O, body axes: v_dot + w x v. */
+/* Acceleration of O of a prescribed base, body axes: v_dot + w x v. */
 static void fbi_given_acceleration(fb_real a[3], const fb_input *input)
 {
   fb_vec3_cross(a, input->w, input->v);
@@ -1844,7 +1915,7 @@ static void fbi_given_acceleration(fb_real a[3], const fb_input *input)
 }
 
 #if FB_WITH_FORMS
-/* (p, h) = S V + Lambda pb by the mass matrix of the form, which goes to k.S: M_rr(q), Lambda(q), or constant ones. */
+/* (p, h) = M_rr V + Lambda pb by the mass matrix of the form: of q (second order) or constant (first); M_rr goes to k.S. */
 static void fbi_form_momenta(fbi_kinetics *k, const fb_body *body)
 {
   if (body->form == FB_FORM_SECOND) {
@@ -1859,7 +1930,7 @@ static void fbi_form_momenta(fbi_kinetics *k, const fb_body *body)
   }
 }
 
-/* e -= Lambda^T V by the mass matrix of the form */
+/* e -= Lambda^T V, Lambda of the mass matrix of the form */
 static void fbi_form_lambda_sub(fb_real *e, const fb_body *body, const fb_real V[6], const fb_real *qx)
 {
   for (int t = 0; t < body->n_lambda_value; t++) {
@@ -1868,7 +1939,7 @@ static void fbi_form_lambda_sub(fb_real *e, const fb_body *body, const fb_real V
   }
 }
 
-/* Rates of the pose; accelerations of what the base holds. */
+/* Rates of the pose; V_dot of a prescribed base, else zero. */
 static void fbi_form_pose(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
                           const fb_input *input)
 {
@@ -1883,7 +1954,7 @@ static void fbi_form_pose(fb_state *rate, fbi_kinetics *k, const fb_body *body, 
   }
 }
 
-/* Rates of the velocities that the state keeps, that of O in inertial axes: none where they are given. */
+/* Rates of the velocities in the state, u of O in inertial axes and L = w in body axes; zero for a prescribed base. */
 static void fbi_form_velocity_rates(fb_state *rate, const fbi_kinetics *k, const fb_body *body)
 {
   fbi_zero(rate->u, 3);
@@ -1895,16 +1966,20 @@ static void fbi_form_velocity_rates(fb_state *rate, const fbi_kinetics *k, const
   }
 }
 
-/* Mass matrix of the second-order form: the rigid rows from first on, then the elastic ones; size x size. */
+/* A = mass matrix of the second-order form, size x size: the rigid-body rows from first on, then the elastic ones. */
 static void fbi_second_matrix(fb_real *A, const fbi_kinetics *k, const fb_body *body, int first, int size)
 {
   const int rigid = 6 - first;
   fbi_zero(A, size * size);
+
+  /* M_rr(q) */
   for (int i = first; i < 6; i++) {
     for (int j = first; j < 6; j++) {
       A[(i - first) * size + j - first] = k->S[fb_sym6_index(i, j)];
     }
   }
+
+  /* Lambda(q) and its transpose */
   for (int t = 0; t < body->n_lambda_value; t++) {
     const fb_lambda_term *term = &body->lambda[t];
     const int row = term->i - first, column = rigid + term->b;
@@ -1913,6 +1988,8 @@ static void fbi_second_matrix(fb_real *A, const fbi_kinetics *k, const fb_body *
       A[column * size + row] -= term->c * k->qx[term->a];
     }
   }
+
+  /* M */
   for (int a = 0; a < body->n; a++) {
     A[(rigid + a) * (size + 1)] = body->M.diagonal[a];
   }
@@ -1922,7 +1999,7 @@ static void fbi_second_matrix(fb_real *A, const fbi_kinetics *k, const fb_body *
   }
 }
 
-/* [E8.25] Second-order form. With y = (f, g) - turning of (p, h) - M_rr_dot V - Lambda_dot q_dot
+/* [E8.25] Second-order form. With y = (f, g) - transport term of (p, h) - M_rr_dot V - Lambda_dot q_dot
    [M_rr(q) Lambda(q); Lambda(q)^T M] (V_dot; q_ddot) =
      (y; f_e - dU/dq - C q_dot - Lambda_dot^T V + d/dq (V^T Lambda q_dot + 1/2 V^T M_rr V)),
    solved by dense LU at every evaluation. Written out for a linear displacement field these are the printed equations:
@@ -1936,6 +2013,8 @@ static fb_status fbi_second_rates(fb_state *rate, fbi_kinetics *k, const fb_body
   fb_real xd[FB_MAX_MODES + 1], turn[6], SV[6], *f = b + 6 - first;
   int perm[FB_MAX_MODES + 6];
   fb_status status;
+
+  /* y: right-hand side of the rigid-body rows */
   xd[0] = FB_R(0.0);
   fbi_copy(xd + 1, k->pb, n);
   fbi_form_momenta(k, body);
@@ -1947,8 +2026,10 @@ static fb_status fbi_second_rates(fb_state *rate, fbi_kinetics *k, const fb_body
   }
   fbi_lambda_linear_sub(k->y, body, xd, k->pb);
   fbi_copy(b, k->y + first, 6 - first);
+
+  /* f: right-hand side of the elastic rows; k.e = -Lambda_dot^T V */
   fbi_zero(k->e, n);
-  fbi_lambda_linear_gradients(k->e, k->x, body, k->V, xd, k->pb); /* k.e = -Lambda_dot^T V */
+  fbi_lambda_linear_gradients(k->e, k->x, body, k->V, xd, k->pb);
   fbi_S_gradient(k->x, body, k->V, k->qx);
   if (first == 6) {
     fbi_form_lambda_sub(k->e, body, k->V_dot, k->qx);
@@ -1957,6 +2038,8 @@ static fb_status fbi_second_rates(fb_state *rate, fbi_kinetics *k, const fb_body
   for (int a = 0; a < n; a++) {
     f[a] += k->e[a];
   }
+
+  /* accelerations */
   fbi_second_matrix(A, k, body, first, size);
   status = fb_lu_factor(A, perm, scale, size);
   if (status != FB_OK) {
@@ -1970,8 +2053,8 @@ static fb_status fbi_second_rates(fb_state *rate, fbi_kinetics *k, const fb_body
 }
 
 #if FB_WITH_NONLINEAR_STRAIN
-/* [E8.26] Stiffness torque as printed, degrees 2 and 3 from the slopes at the strain stations, degree 1 from E8.24's
-   table: g_s,3 = .. + int EA (-u_x'^2 + 1/2 r - 1/2 u_x' r) u_y' dx, g_s,2 the same with -u_z', r = u_y'^2 + u_z'^2.
+/* [E8.26] Stiffness torque as printed, degrees 2 and 3 by quadrature of the slopes at the strain stations, degree 1 from
+   the table of E8.24: g_s,3 = .. + int EA (-u_x'^2 + 1/2 r - 1/2 u_x' r) u_y' dx, g_s,2 the same with -u_z', r = u_y'^2 + u_z'^2.
    g -= g_s.
    Source: [DB] (34)-(36) with ERRATA.md DB10 and DB11.  Cost: 10 flops a station.  Fails: never.
    Test: stiffness_torques_agree_on_a_closed_basis, spin_up_follows_the_references_of_each_form. */
@@ -1993,9 +2076,8 @@ static void fbi_printed_torque_sub(fb_real g[3], const fbi_kinetics *k, const fb
 #endif
 
 /* [E8.27] Stiffness and load torque by the identities q_b Upsilon_b M^-1 dU/dq = K_re q, q_b Upsilon_b M^-1 f_e =
-   F_re q: what acts on the modes acts on the frame through the v_e that it turns. y += F_re q - K_re q; loads are
-   f_e, the elastic forces -dU/dq and damping. With a printed K_re the elastic forces are left out; of them those are
-   in it whose degree truncation leaves.
+   F_re q: forces on the modes act on the frame through the v_e that rotate with it. y += F_re q - K_re q; loads: f_e,
+   elastic: -dU/dq and damping. With a printed K_re dU/dq is left out; otherwise its terms up to torque_degree are in.
    Source: [DB] (49), (50).  Cost: 3 n_lambda flops.  Fails: never.
    Test: stiffness_torques_agree_on_a_closed_basis, spin_up_follows_the_references_of_each_form. */
 static void fbi_identity_torque_add(fb_real y[6], const fbi_kinetics *k, const fb_body *body, const fb_real *q,
@@ -2023,11 +2105,14 @@ static void fbi_identity_torque_add(fb_real y[6], const fbi_kinetics *k, const f
   fbi_lambda_linear_sub(y, body, k->qx, acceleration);
 }
 
-/* Inertia forces of the first-order form: y = (f, g) less [DB] (23)'s rigid rows, f less its elastic ones. */
+/* Velocity-dependent inertia forces of the first-order form, [DB] (23): y = (f, g) less those of the rigid-body rows; f and
+   k.x take those of the elastic rows. */
 static void fbi_first_inertia(fb_real *f, fbi_kinetics *k, const fb_body *body)
 {
   const fb_real *w = k->V + 3;
   fb_real wv[6] = {0}, wp[3], cwv[3], Jw[3], wJw[3], G[9] = {0}, Gw[3];
+
+  /* w x v, w x p, c x (w x v), w x J w */
   fbi_form_momenta(k, body);
   fb_vec3_cross(wv, w, k->V);
   fb_vec3_cross(wp, w, k->ph);
@@ -2036,12 +2121,16 @@ static void fbi_first_inertia(fb_real *f, fbi_kinetics *k, const fb_body *body)
   Jw[1] = k->S[16] * w[0] + k->S[18] * w[1] + k->S[19] * w[2];
   Jw[2] = k->S[17] * w[0] + k->S[19] * w[1] + k->S[20] * w[2];
   fb_vec3_cross(wJw, w, Jw);
+
+  /* Gamma: sum_a v_a Gamma_a^T w; k.x += w^T Gamma_a w */
   for (int t = 0; t < body->n_gam; t++) {
     const fb_lambda_term *term = &body->gam[t];
     G[term->i] += term->c * k->pb[term->a - 1];
     k->x[term->a] += term->c * w[term->i / 3] * w[term->i % 3];
   }
   fb_mat33_mulT_vec3(Gw, G, w);
+
+  /* y, f */
   for (int i = 0; i < 3; i++) {
     k->y[i] = k->fg[i] - wp[i];
     k->y[3 + i] = k->fg[3 + i] - cwv[i] - wJw[i] - Gw[i];
@@ -2050,7 +2139,7 @@ static void fbi_first_inertia(fb_real *f, fbi_kinetics *k, const fb_body *body)
   fbi_form_lambda_sub(f, body, wv, k->qx);
 }
 
-/* q_dot = v_e + M^-1 q_b Ups_b^T w, and the gyroscopic forces -ups_ab.w v_b to k.x. */
+/* q_dot = v_e + M^-1 q_b Ups_b^T w; adds the gyroscopic (Coriolis) forces -ups_ab.w v_b to k.x. */
 static void fbi_elastic_rotation(fb_real *q_dot, fbi_kinetics *k, const fb_body *body)
 {
   fbi_zero(k->e, body->n);
@@ -2066,13 +2155,15 @@ static void fbi_elastic_rotation(fb_real *q_dot, fbi_kinetics *k, const fb_body 
    c^ v_dot + J w_dot + H v_e_dot + c^ (w x v) + w x J w + sum_a v_a Gamma_a^T w + g_s(q) = g + F_re q
    P^T v_dot + H^T w_dot + M v_e_dot + P^T (w x v) - w^T Gamma_a w + w^T ups_ab v_b + dU/dq = f_e
    q_dot = v_e + M^-1 q_b Ups_b^T w
-   solved by the Schur complement of M, a constant 6x6 whose inverse is at hand.
+   solved by the Schur complement of M, a constant 6x6 whose inverse is part of the model.
    Source: [DB] (23)-(25); F_re q by E8.27.  Cost: 4 n_lambda + 300 flops.
    Fails: never.  Test: forms_agree_on_a_closed_basis, spin_up_follows_the_references_of_each_form. */
 static void fbi_first_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state)
 {
   const int n = body->n;
   fb_real f[FB_MAX_MODES] = {0}, loads[FB_MAX_MODES] = {0}, elastic[FB_MAX_MODES], a[FB_MAX_MODES], y[6];
+
+  /* q_dot; inertia forces and loads */
   fbi_copy(loads, k->x + 1, n);
   fbi_zero(k->x + 1, n);
   fbi_elastic_rotation(rate->q, k, body);
@@ -2081,6 +2172,8 @@ static void fbi_first_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body
     f[i] += loads[i] + k->x[i + 1];
     k->x[i + 1] = FB_R(0.0);
   }
+
+  /* elastic forces; their torque and that of the loads on the frame */
   fbi_elastic_forces(elastic, k, body, state->q, rate->q);
 #if FB_WITH_NONLINEAR_STRAIN
   if (body->stiffness_torque != FB_TORQUE_IDENTITY) {
@@ -2091,6 +2184,8 @@ static void fbi_first_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body
   for (int i = 0; i < n; i++) {
     f[i] += elastic[i];
   }
+
+  /* V_dot = S_0^-1 (y - Lambda M^-1 f) */
   if (body->base != FB_BASE_PRESCRIBED) {
     fbi_copy(y, k->y, 6);
     fbi_mass_solve(a, body, f);
@@ -2101,6 +2196,8 @@ static void fbi_first_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body
       k->V_dot[i] = fbi_vec6_dot(body->S0_inverse + 6 * i, y);
     }
   }
+
+  /* v_e_dot = M^-1 (f - Lambda^T V_dot) */
   fbi_form_lambda_sub(f, body, k->V_dot, k->qx);
   fbi_mass_solve(rate->pi, body, f);
 }
@@ -2145,7 +2242,7 @@ static int fbi_state_is_finite(const fb_state *state, int n)
          fbi_is_finite(state->pi, n);
 }
 
-/* The pose and the momenta of the frame, which have no stiff part. */
+/* Copies the pose and the momenta of the frame, which are not stiff. */
 static void fbi_frame_copy(fb_state *out, const fb_state *in)
 {
   fbi_vec3_copy(out->rho, in->rho);
@@ -2156,13 +2253,14 @@ static void fbi_frame_copy(fb_state *out, const fb_state *in)
   fbi_vec3_copy(out->h, in->h);
 }
 
-/* Does the angular momentum turn the attitude about all axes? */
+/* 1 if the attitude follows from the angular momentum about all axes: free and pinned bodies in momentum form. */
 static int fbi_is_turned(const fb_body *body)
 {
   return fbi_form(body) == 0 && (body->base == FB_BASE_FREE || body->base == FB_BASE_PINNED);
 }
 
 #if FB_SINGLE
+/* h = R^T L */
 static void fbi_turning_back(fb_real h[3], const fb_state *state)
 {
   fb_real R[9];
@@ -2170,8 +2268,8 @@ static void fbi_turning_back(fb_real h[3], const fb_state *state)
   fb_mat33_mulT_vec3(h, R, state->L);
 }
 
-/* What R^T L, rounded, has lost of h across it: eps of L is much spin about a thin axis. more: by how much h has grown
-   since `from`; the differences are small and lose nothing.
+/* Updates lost_h, the part of h across R^T L that the rounding of R^T L has lost: eps of L is much spin about an axis of
+   little inertia. more: increment of h since `from`; the differences are small and lose nothing.
    Test: slender_bodies_keep_their_energy. */
 static FBI_NOINLINE void fbi_turning_keep(fb_state *next, const fb_state *from, const fb_body *body,
                                           const fb_real more[3])
@@ -2202,7 +2300,7 @@ static void fbi_elastic_copy(fb_state *out, const fb_state *in, int n)
   }
 }
 
-/* All of a state that a body uses, with h = R^T L, in single precision by what that has lost, and R. */
+/* Copies the part of a state that a body uses; sets R and h = R^T L, plus lost_h in single precision. */
 static FBI_NOINLINE void fbi_state_enter(fb_state *out, fb_real R[9], const fb_body *body, const fb_state *state)
 {
   fbi_vec3_copy(out->rho, state->rho);
@@ -2218,14 +2316,14 @@ static FBI_NOINLINE void fbi_state_enter(fb_state *out, fb_real R[9], const fb_b
 #endif
 }
 
-/* A prescribed base in momentum form, whose elastic momenta are relative to it. */
+/* 1 for a prescribed base in momentum form: its elastic momenta are relative to a frame that follows the base. */
 static int fbi_is_following(const fb_body *body)
 {
   return body->base == FB_BASE_PRESCRIBED && fbi_form(body) == 0;
 }
 
-/* [E8.35] Elastic momenta in a frame that is faster by du (inertial axes): pi -= (dc/dq)^T R^T du, an impulse of
-   gravity.
+/* [E8.35] Elastic momenta relative to a frame that is faster by du (inertial axes): pi -= (dc/dq)^T R^T du, the impulse of
+   a uniform field.
    Source: E8.16.  Cost: 5 flops a term.  Fails: never.  Test: flight_speed_does_not_matter,
    the_speed_of_a_prescribed_base_does_not_matter. */
 static void fbi_frame_shift(fb_real *pi, const fb_body *body, const fb_real *q, const fb_real R[9], const fb_real du[3])
@@ -2257,7 +2355,7 @@ static void fbi_center_eval(fb_real c[3], const fb_body *body, const fb_real *q)
   }
 }
 
-/* Both before and after a step: the terms are gone through once, a row's sums stay in registers. */
+/* c(q) before and after a step by one pass over the terms; the sums of a row stay in registers. */
 static void fbi_center_pair(fb_real before[3], fb_real after[3], const fb_body *body, const fb_real *q,
                             const fb_real *next)
 {
@@ -2280,7 +2378,7 @@ static void fbi_center_pair(fb_real before[3], fb_real after[3], const fb_body *
   }
 }
 
-/* Its rate in the body, (dc/dq) q_dot. */
+/* Rate of c(q) in body axes, (dc/dq) q_dot. */
 static void fbi_center_rate(fb_real c_dot[3], const fb_body *body, const fb_real *q, const fb_real *q_dot)
 {
   const fb_lambda_term *t = body->lambda;
@@ -2294,7 +2392,7 @@ static void fbi_center_rate(fb_real c_dot[3], const fb_body *body, const fb_real
   }
 }
 
-/* Velocity of O, inertial axes: that of the mass center less (w x c + c_dot)/m (free), else of the frame and in it. */
+/* Velocity of O, inertial axes: u - R (w x c + c_dot)/m where u is that of the mass center, else u + R v. */
 static void fbi_origin_velocity(fb_real v[3], const fbi_kinetics *k, const fb_body *body, const fb_state *state,
                                 const fb_real *q_dot)
 {
@@ -2343,14 +2441,14 @@ FB_DEF fb_status fb_state_init(const fb_body *body, fb_state *state)
   return FB_OK;
 }
 
-/* Is a quaternion of a state one of unit length, to 1e-3? */
+/* 1 if quat has unit length to 1e-3. */
 static int fbi_quat_is_unit(const fb_real quat[4])
 {
   const fb_real norm2 = quat[0] * quat[0] + fb_vec3_dot(quat + 1, quat + 1);
   return FB_FABS(norm2 - FB_R(1.0)) <= FB_R(2e-3);
 }
 
-/* Finite and within the deflection limit. */
+/* Checks that a state is finite and within the deflection limit. */
 static fb_status fbi_state_range(const fb_body *body, const fb_state *state)
 {
   fb_real deflection = FB_R(0.0), momenta = FB_R(0.0);
@@ -2370,7 +2468,7 @@ static fb_status fbi_state_range(const fb_body *body, const fb_state *state)
 }
 
 #if FB_SINGLE
-/* What E11.22 keeps is finite, and of the attitude no more than rounding: else it was never set. */
+/* Checks the compensation terms of E11.22 (Kahan): finite, those of the attitude of round-off size, or they were not set. */
 static fb_status fbi_lost_check(const fb_body *body, const fb_state *state)
 {
   const fb_real *const turn = state->lost_quat;
@@ -2396,7 +2494,7 @@ FB_DEF fb_status fb_state_check(const fb_body *body, const fb_state *state)
   return status == FB_OK && !fbi_quat_is_unit(state->quat) ? FB_ERR_VALUE : status;
 }
 
-/* Momenta of the prescribed or known velocities V: (p, h) = S(q) V + Lambda(q) pb; S(q) goes to k. */
+/* Momenta of known velocities V: (p, h) = S(q) V + Lambda(q) pb; S(q) goes to k.S. */
 static void fbi_momenta(fbi_kinetics *k, const fb_body *body)
 {
   fb_real elastic[6] = {0};
@@ -2424,7 +2522,8 @@ static void fbi_momenta_from(fbi_kinetics *k, fb_real *pi, const fb_body *body, 
 }
 
 #if FB_WITH_FORMS
-/* The state of a form from pose, v, w and q_dot (in state.pi): velocities of what is free, and q_dot or v_e (E8.28). */
+/* State of the second- or first-order form from pose, v, w and q_dot (in state.pi): velocities of a base that is not
+   prescribed, and in state.pi q_dot or v_e (E8.28). */
 static void fbi_form_state(fb_state *state, fbi_kinetics *k, const fb_body *body, const fb_real velocity[3])
 {
   fb_real v[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0};
@@ -2444,7 +2543,7 @@ static void fbi_form_state(fb_state *state, fbi_kinetics *k, const fb_body *body
   }
 }
 
-/* True momenta: of the first-order form by those of the momentum form, pi = M v_e + M_re^T V. */
+/* (p, h) of the two forms; of the first-order form through the momentum form, pi = M v_e + M_re^T V. */
 static void fbi_form_true_momenta(fbi_kinetics *k, const fb_body *body)
 {
   fb_real pi[FB_MAX_MODES];
@@ -2471,6 +2570,8 @@ FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, co
   fbi_kinetics k;
   fb_real zero[FB_MAX_MODES] = {0}, held[3];
   FBI_REQUIRE(body && state && v && w, FB_ERR_NULL);
+
+  /* checks: finite, allowed by the base */
   if (!fbi_is_finite(v, 3) || !fbi_is_finite(w, 3) || !fbi_is_finite(q_dot ? q_dot : zero, n) ||
       !fbi_is_finite(state->q, n) || !fbi_is_finite(state->quat, 4)) {
     return FB_ERR_NOT_FINITE;
@@ -2482,12 +2583,16 @@ FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, co
       (body->base == FB_BASE_HINGED && fbi_vec3_norm(held) < fbi_vec3_norm(w))) {
     return FB_ERR_VALUE;
   }
-  fbi_copy(out.quat, state->quat, 4); /* as it was; only zero is refused */
+
+  /* R, (1, q), V = (0, w) */
+  fbi_copy(out.quat, state->quat, 4); /* unscaled; only zero is refused */
   fb_quat_to_mat33(k.R, state->quat);
   k.qx[0] = FB_R(1.0);
   fbi_copy(k.qx + 1, state->q, n);
   fbi_zero(k.V, 3);
   fbi_copy(k.V + 3, w, 3);
+
+  /* other forms: velocities are the state */
 #if FB_WITH_FORMS
   if (body->form != FB_FORM_MOMENTUM) {
     fbi_copy(out.pi, q_dot ? q_dot : zero, n);
@@ -2496,10 +2601,12 @@ FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, co
     return FB_OK;
   }
 #endif
+
+  /* momenta; free: u of the mass center, v = -p/m relative to it */
   fbi_momenta_from(&k, out.pi, body, q_dot ? q_dot : zero);
   fb_mat33_mul_vec3(out.u, k.R, v);
   fbi_zero(out.L, 3);
-  if (body->base == FB_BASE_FREE) { /* that of the mass center; no momentum against it */
+  if (body->base == FB_BASE_FREE) {
     fb_real c[3], moved[3], own[3];
     for (int i = 0; i < 3; i++) {
       k.V[i] = -k.ph[i] / body->mass;
@@ -2511,6 +2618,8 @@ FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, co
     fb_mat33_mul_vec3(own, k.R, moved);
     fbi_vec3_add(out.u, FB_R(1.0) / body->mass, own);
   }
+
+  /* angular momentum; no compensation terms */
   if (body->base != FB_BASE_PRESCRIBED) {
     fbi_turning_part(k.ph + 3, body->base);
     fb_mat33_mul_vec3(out.L, k.R, k.ph + 3);
@@ -2522,6 +2631,8 @@ FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, co
   fbi_zero(out.lost_pi, n);
   fbi_zero(out.lost_h, 3);
 #endif
+
+  /* result */
   if (!fbi_state_is_finite(&out, n)) {
     return FB_ERR_NOT_FINITE;
   }
@@ -2529,7 +2640,7 @@ FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, co
   return FB_OK;
 }
 
-/* What the base must add to y for the accelerations: S V_dot - y where an axis is held. */
+/* Reactions of the base: S V_dot - y in the rows that it constrains, else zero. */
 static void fbi_reactions(fb_motion *m, const fb_body *body, const fb_real S[21], const fb_real V_dot[6],
                           const fb_real y[6])
 {
@@ -2543,8 +2654,8 @@ static void fbi_reactions(fb_motion *m, const fb_body *body, const fb_real S[21]
 }
 
 #if FB_WITH_FORMS
-/* Accelerations of the other forms: the rates are accelerations already, but that of q_dot = v_e + M^-1 q_b Ups_b^T
-   w. */
+/* Accelerations of the second- and first-order forms: the rates of the state, to which the first-order form adds the rate
+   of M^-1 q_b Ups_b^T w in q_dot. */
 static void fbi_form_motion(fb_motion *m, fbi_kinetics *k, const fb_body *body, const fb_state *rate)
 {
   fb_real xd[FB_MAX_MODES + 1], y[6], unused[FB_MAX_MODES + 1] = {0};
@@ -2569,8 +2680,8 @@ static void fbi_form_motion(fb_motion *m, fbi_kinetics *k, const fb_body *body, 
 }
 #endif
 
-/* Of O from that of the mass center, body axes: a - (w_dot x c + w x (w x c + 2 c_dot) + c_ddot)/m, xd the rate of
-   (1, q). */
+/* Acceleration of O from that of the mass center, body axes: a - (w_dot x c + w x (w x c + 2 c_dot) + c_ddot)/m, xd the
+   rate of (1, q). */
 static void fbi_origin_acceleration(fb_real out[3], const fb_real a[3], const fb_body *body, const fbi_kinetics *k,
                                     const fb_real *xd, const fb_motion *m)
 {
@@ -2594,7 +2705,7 @@ static void fbi_origin_acceleration(fb_real out[3], const fb_real a[3], const fb
 /* [E8.19] Accelerations from the rates of the state: differentiate E8.13 and E8.17,
    S V_dot = d/dt(p, h) - S_dot V - Lambda_dot pb - Lambda pb_dot, all relative to the frame of the momenta,
    q_ddot = M^-1 (pi_dot - Lambda^T V_dot - Lambda_dot^T V);
-   for what the base holds V_dot is given and the first line yields the reaction (force, torque) instead.
+   in rows that the base constrains V_dot is given and the first line yields the reaction (force, torque) instead.
    Source: THEORY.md 8.5, acceleration form.  Fails: S(q) not positive definite.
    Test: accelerations_agree_with_a_particle_model, reactions_balance_the_momentum. */
 static fb_status fbi_accelerations(fb_motion *m, fbi_kinetics *k, const fb_body *body, const fb_state *rate,
@@ -2602,6 +2713,8 @@ static fb_status fbi_accelerations(fb_motion *m, fbi_kinetics *k, const fb_body 
 {
   const int n = body->n;
   fb_real xd[FB_MAX_MODES + 1], pb_dot[FB_MAX_MODES], y[6], V_dot[6], turn[6], SV[6];
+
+  /* y: right-hand side of the rigid-body rows */
   xd[0] = FB_R(0.0);
   fbi_copy(xd + 1, rate->q, n);
   fbi_mass_solve(pb_dot, body, rate->pi);
@@ -2614,21 +2727,27 @@ static fb_status fbi_accelerations(fb_motion *m, fbi_kinetics *k, const fb_body 
   }
   fbi_lambda_linear_sub(y, body, xd, k->pb);
   fbi_lambda_sub(y, body, k->qx, pb_dot);
+
+  /* V_dot by solution or prescribed, then the reactions */
   if (fbi_base_solve(V_dot, body->base, k->S, y) != FB_OK) {
     return FB_ERR_RANGE;
   }
   fbi_zero(m->acceleration, 3);
-  if (body->base == FB_BASE_PRESCRIBED && input) { /* of v less that of R^T u, which turns by -w x R^T u */
+  if (body->base == FB_BASE_PRESCRIBED && input) { /* V = v - R^T u: V_dot = v_dot + w x R^T u */
     fbi_given_acceleration(m->acceleration, input);
     fb_vec3_cross(V_dot, k->V, k->V + 3);
     fbi_vec3_add(V_dot, FB_R(1.0), m->acceleration);
     fbi_copy(V_dot + 3, input->w_dot, 3);
   }
   fbi_reactions(m, body, k->S, V_dot, y);
+
+  /* q_ddot */
   fbi_copy(k->e, rate->pi, n);
-  fbi_lambda_gradients(k->e, k->x, body, V_dot, k->qx, k->pb); /* k.x is spent */
+  fbi_lambda_gradients(k->e, k->x, body, V_dot, k->qx, k->pb); /* k.x: scratch by now */
   fbi_lambda_linear_gradients(k->e, k->x, body, k->V, xd, k->pb);
   fbi_mass_solve(m->q_ddot, body, k->e);
+
+  /* w_dot, acceleration of O */
   fbi_copy(m->w_dot, V_dot + 3, 3);
   if (body->base == FB_BASE_FREE) {
     fb_real a[3];
@@ -2646,6 +2765,8 @@ FB_DEF fb_status fb_body_motion(const fb_body *body, fb_motion *motion, const fb
   fb_real velocity[3];
   fb_status status;
   FBI_REQUIRE(body && motion && state, FB_ERR_NULL);
+
+  /* rates of the state */
   status = fbi_input_check(body, input);
   fbi_state_enter(&at, k.R, body, state);
   if (status == FB_OK) {
@@ -2654,14 +2775,18 @@ FB_DEF fb_status fb_body_motion(const fb_body *body, fb_motion *motion, const fb
   if (status != FB_OK) {
     return status;
   }
+
+  /* velocities */
   memset(&out, 0, sizeof out);
   fbi_origin_velocity(velocity, &k, body, &at, rate.q);
   fb_mat33_mulT_vec3(out.v, k.R, velocity);
-  if (body->base == FB_BASE_PRESCRIBED) { /* as it was given */
+  if (body->base == FB_BASE_PRESCRIBED) { /* exactly as prescribed */
     fbi_copy(out.v, input ? input->v : fbi_origin, 3);
   }
   fbi_copy(out.w, k.V + 3, 3);
   fbi_copy(out.q_dot, rate.q, body->n);
+
+  /* accelerations */
 #if FB_WITH_FORMS
   if (body->form != FB_FORM_MOMENTUM) {
     fbi_form_motion(&out, &k, body, &rate);
@@ -2670,6 +2795,8 @@ FB_DEF fb_status fb_body_motion(const fb_body *body, fb_motion *motion, const fb
   if (fbi_form(body) == 0) {
     status = fbi_accelerations(&out, &k, body, &rate, input);
   }
+
+  /* result, if finite */
   if (status == FB_OK &&
       (!fbi_is_finite(out.v, 3) || !fbi_is_finite(out.w, 3) || !fbi_is_finite(out.acceleration, 3) ||
        !fbi_is_finite(out.w_dot, 3) || !fbi_is_finite(out.q_dot, body->n) || !fbi_is_finite(out.q_ddot, body->n))) {
@@ -2694,6 +2821,8 @@ static void fbi_node_motion(fb_node_motion *out, const fb_body *body, const fb_s
   fb_real R[9], turn[4], s[3], ud[3] = {0}, pd[3] = {0}, ws[3], a[3], alpha[3], vel[3], rate[3], u_dd[3], turn_dd[3];
   fbi_node_eval(&f, body, &body->node[node], state->q);
   fb_quat_to_mat33(R, state->quat);
+
+  /* node in the body frame: u_dot, J_phi q_dot, and the elastic part of the accelerations */
   fbi_copy(a, motion->acceleration, 3);
   fbi_copy(alpha, motion->w_dot, 3);
   for (int k = 0; k < body->n; k++) {
@@ -2705,6 +2834,8 @@ static void fbi_node_motion(fb_node_motion *out, const fb_body *body, const fb_s
   fbi_node_convection(u_dd, turn_dd, &f, body, &body->node[node], motion->q_dot);
   fbi_vec3_add(a, FB_R(1.0), u_dd);
   fbi_vec3_add(alpha, FB_R(1.0), turn_dd);
+
+  /* motion of the frame; ws = w x s, then w x s + 2 u_dot */
   fbi_copy(s, body->node[node].r, 3);
   fbi_vec3_add(s, FB_R(1.0), f.u);
   fb_vec3_cross(ws, motion->w, s);
@@ -2716,6 +2847,8 @@ static void fbi_node_motion(fb_node_motion *out, const fb_body *body, const fb_s
   fbi_vec3_add_cross(a, motion->w_dot, s);
   fbi_vec3_add_cross(a, motion->w, ws);
   fbi_vec3_add_cross(alpha, motion->w, pd);
+
+  /* inertial axes */
   fb_mat33_mul_vec3(out->position, R, s);
   fbi_vec3_add(out->position, FB_R(1.0), state->rho);
   fbi_node_quat(turn, &f);
@@ -2772,7 +2905,7 @@ static int fbi_energy_is_finite(const fb_energy *energy)
   return fbi_is_finite(part, 3);
 }
 
-/* Strain energy and gravity's; spoils k.e and k.x. */
+/* energy += strain energy and potential of gravity; overwrites k.e and k.x. */
 static void fbi_potential_add(fb_energy *energy, fbi_kinetics *k, const fb_body *body, const fb_real *q,
                               const fb_real rho[3])
 {
@@ -2797,7 +2930,7 @@ static void fbi_potential_add(fb_energy *energy, fbi_kinetics *k, const fb_body 
   (void)rho;
 }
 
-/* The frame that k's velocities are relative to, inertial axes. */
+/* Velocity u of the frame to which k.V is relative, inertial axes. */
 static void fbi_frame_velocity(fb_real u[3], const fbi_kinetics *k, const fb_body *body, const fb_state *state,
                                const fb_input *input)
 {
@@ -2807,7 +2940,7 @@ static void fbi_frame_velocity(fb_real u[3], const fbi_kinetics *k, const fb_bod
   }
 }
 
-/* (p, h) in that frame, from the velocities; a free body's are those of the state. */
+/* (p, h) relative to that frame, from the velocities; a free body in momentum form has them from fbi_velocity. */
 static void fbi_true_momenta(fbi_kinetics *k, const fb_body *body)
 {
 #if FB_WITH_FORMS
@@ -2821,8 +2954,8 @@ static void fbi_true_momenta(fbi_kinetics *k, const fb_body *body)
   }
 }
 
-/* [E8.21] T = 1/2 m u.u + u.R p + 1/2 V^T S V + 1/2 pi^T M^-1 pi (the square completed), u the velocity of the frame, U
-   = 1/2 q^T K q, gravity -m g.rho - g.R c(q).
+/* [E8.21] T = 1/2 m u.u + u.R p + 1/2 V^T S V + 1/2 pi^T M^-1 pi (square completed in q_dot), u the velocity of the frame,
+   U = 1/2 q^T K q, gravity -m g.rho - g.R c(q).
    Source: THEORY.md 8.2, 8.4.  Fails: as the rates.
    Test: momenta_agree_with_a_particle_model, tumbling_conserves_momentum_and_energy. */
 FB_DEF fb_status fb_body_energy(const fb_body *body, fb_energy *energy, const fb_state *state, const fb_input *input)
@@ -2833,17 +2966,23 @@ FB_DEF fb_status fb_body_energy(const fb_body *body, fb_energy *energy, const fb
   fb_real u[3], p[3];
   fb_status status;
   FBI_REQUIRE(body && energy && state, FB_ERR_NULL);
+
+  /* velocities */
   fbi_state_enter(&at, k.R, body, state);
   status = fbi_velocity(&k, body, &at, input);
   if (status != FB_OK) {
     return status;
   }
+
+  /* kinetic energy in the frame, then of its motion: u.(R p + 1/2 m u) */
   out.kinetic = fbi_kinetic_energy(&k, body, &at);
   fbi_true_momenta(&k, body);
   fbi_frame_velocity(u, &k, body, &at, input);
   fb_mat33_mul_vec3(p, k.R, k.ph);
   fbi_vec3_add(p, FB_R(0.5) * body->mass, u);
   out.kinetic += fb_vec3_dot(u, p);
+
+  /* potentials */
   out.strain = FB_R(0.0);
   out.gravity = FB_R(0.0);
   fbi_potential_add(&out, &k, body, state->q, state->rho);
@@ -2864,6 +3003,8 @@ FB_DEF fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, co
   fb_real u[3], c[3], arm[3];
   fb_status status;
   FBI_REQUIRE(body && momentum && state, FB_ERR_NULL);
+
+  /* velocities, (p, h) */
   fbi_state_enter(&at, k.R, body, state);
   status = fbi_velocity(&k, body, &at, input);
   if (status != FB_OK) {
@@ -2871,12 +3012,16 @@ FB_DEF fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, co
   }
   fbi_true_momenta(&k, body);
   fbi_frame_velocity(u, &k, body, &at, input);
+
+  /* linear; angular about O, in the frame */
   fb_mat33_mul_vec3(out.linear, k.R, k.ph);
   fbi_vec3_add(out.linear, body->mass, u);
   fb_mat33_mul_vec3(out.angular, k.R, k.ph + 3);
   if (fbi_is_flying(body)) {
     fbi_copy(out.angular, at.L, 3);
   }
+
+  /* angular about the inertial origin */
   fbi_center_eval(c, body, at.q);
   fb_mat33_mul_vec3(arm, k.R, c);
   fbi_vec3_add_cross(out.angular, arm, u);
@@ -2888,7 +3033,7 @@ FB_DEF fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, co
   return FB_OK;
 }
 
-/* ---- checks of a model in memory that may have changed by itself */
+/* ---- checks of a model whose memory may be corrupted */
 
 static int fbi_is_flag(int value)
 {
@@ -2910,14 +3055,14 @@ static int fbi_sparse_is_sound(const fb_sparse *m, int n)
   return sound;
 }
 
-/* Terms of Lambda: the constant ones, then row by row those linear in q (fbi_lambda_list). */
+/* Checks the terms of Lambda: the constant ones, then row by row those linear in q (fbi_lambda_list). */
 static int fbi_lambda_is_sound(const fb_body *body)
 {
   int row = 0,
       sound = fbi_is_within(body->n_lambda, FBI_MAX_LAMBDA) && fbi_is_within(body->n_lambda_constant, body->n_lambda) &&
               fbi_is_within(body->n_linear_constant, body->n_lambda_constant) &&
               fbi_is_within(body->n_linear, body->n_lambda - body->n_lambda_constant) && fbi_is_within(body->n_row, 6);
-  for (int k = 0; sound && k < body->n_row; k++) { /* each has a term */
+  for (int k = 0; sound && k < body->n_row; k++) { /* no row is empty */
     sound = body->lambda_row[k].i < 6 &&
             body->lambda_row[k].end > (k > 0 ? body->lambda_row[k - 1].end : body->n_lambda_constant);
   }
@@ -2933,7 +3078,7 @@ static int fbi_lambda_is_sound(const fb_body *body)
   return sound && (body->n_row == 0 || (row == body->n_row - 1 && body->lambda_row[row].end == body->n_lambda));
 }
 
-/* Terms of S: runs of pairs that follow each other. */
+/* Checks the terms of S: runs of consecutive pairs. */
 static int fbi_S_is_sound(const fb_body *body)
 {
   int terms = 0, sound = fbi_is_within(body->n_S, FBI_MAX_S) && fbi_is_within(body->n_run, FBI_MAX_RUNS) &&
@@ -2994,7 +3139,7 @@ static int fbi_matrices_are_sound(const fb_body *body)
   return sound;
 }
 
-/* Numbers that stand alone, and S_0: positive definite where all of it is free, with its inverse beside it. */
+/* Checks the scalars and S_0, which is positive definite for a free body, and that its inverse is finite. */
 static int fbi_rigid_is_sound(const fb_body *body)
 {
   const fb_real number[8] = {body->mass,          body->deflection_limit, body->recoil,     body->gyration,
@@ -3015,9 +3160,13 @@ FB_DEF fb_status fb_body_check(const fb_body *body)
 {
   int sound;
   FBI_REQUIRE(body, FB_ERR_NULL);
+
+  /* counts first: the other checks read by them */
   if (!fbi_is_within(body->n, FB_MAX_MODES) || body->n_node < 1 || body->n_node > FB_MAX_NODES) {
     return FB_ERR_CAPACITY;
   }
+
+  /* values */
   sound = !fbi_is_excluded(body->effects) && fbi_is_choice((int)body->base, (int)FB_BASE_HINGED) &&
           fbi_is_flag(body->unit_mass) && fbi_is_flag(body->constant_S) && fbi_is_flag(body->allow_long_step) &&
           fbi_rigid_is_sound(body) && fbi_matrices_are_sound(body) && fbi_lambda_is_sound(body) && fbi_S_is_sound(body);
@@ -3038,7 +3187,7 @@ FB_DEF fb_status fb_body_check(const fb_body *body)
 
 /* ---- check word */
 
-/* [E8.40] CRC-32 of whole numbers and reals, four bytes at a time, low byte first: polynomial x^32 + x^26 + x^23 + x^22
+/* [E8.40] CRC-32 of integers and reals, four bytes at a time, low byte first: polynomial x^32 + x^26 + x^23 + x^22
    + x^16 + x^12 + x^11 + x^10 + x^8 + x^7 + x^5 + x^4 + x^2 + x + 1, reflected (0xEDB88320).
    Source: IEEE 802.3, 3.2.9.  Cost: 32 shifts a word.  Fails: never.
    Test: the_check_word_sees_every_flipped_bit, the_check_word_sees_every_form. */
@@ -3061,7 +3210,7 @@ static FBI_NOINLINE unsigned fbi_crc_ints(unsigned crc, const int *x, int n)
   return crc;
 }
 
-/* In the precision of the target, whichever the program's. Not in line, here as above: flight code has little room. */
+/* Reals enter in the precision of the target, which may differ from the program's. FBI_NOINLINE keeps the code small. */
 static FBI_NOINLINE unsigned fbi_crc_reals(unsigned crc, const fb_real *x, int n, int single)
 {
   for (int i = 0; i < n; i++) {
@@ -3158,7 +3307,7 @@ static unsigned fbi_crc_strain(unsigned crc, const fb_body *body, int single)
 }
 #endif
 
-/* What only some bodies have; nothing of bodies that have none of it. */
+/* Data of optional effects and forms; a body without them adds nothing. */
 static unsigned fbi_crc_further(unsigned crc, const fb_body *body, int single)
 {
 #if FB_WITH_DAMPING
@@ -3181,7 +3330,7 @@ static unsigned fbi_crc_further(unsigned crc, const fb_body *body, int single)
     crc = fbi_crc_strain(crc, body, single);
   }
 #endif
-  (void)body, (void)single; /* with all of it removed */
+  (void)body, (void)single; /* all of it may be removed at compile time */
   return crc;
 }
 
@@ -3214,7 +3363,7 @@ static unsigned fbi_body_crc(const fb_body *body, int single)
   return ~fbi_crc_nodes(fbi_crc_terms(crc, body, single), body, single);
 }
 
-/* The walk stays within the tables. */
+/* 1 if every count is within its table, so that the CRC reads nothing beyond. */
 static int fbi_counts_are_sound(const fb_body *body)
 {
   int sound = fbi_is_within(body->n, FB_MAX_MODES) && fbi_is_within(body->n_node, FB_MAX_NODES) &&
@@ -3241,7 +3390,7 @@ FB_DEF unsigned fb_body_crc(const fb_body *body)
   return fbi_counts_are_sound(body) ? fbi_body_crc(body, FB_SINGLE) : 0;
 }
 
-/* ---- nodes and loads */
+/* ---- sensors */
 
 /* [E9.20] Specific force R^T (a - g) and angular rate R^T w in the section's axes.
    Source: definition of an accelerometer.  Test: joint_forces_carry_what_hangs_on_them. */

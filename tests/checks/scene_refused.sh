@@ -275,7 +275,7 @@ csv " has no rows" 't,x\n'
 csv ":1: is no text" '\000\001\002t,x\n0,1\n'
 csv ":2: is no text" 't,x\n0\000,1\n'
 csv ":2: the line is longer than 16382 characters" "t,x\\n$(printf '%020000d' 0),1\\n"
-refuse 7 "its modes: none of that kind: too few modes" << END
+refuse 7 "its modes: a kind of deformation has no stiffness or no inertia" << END
 body a beam
   length 1
   stations x mass EI_z
