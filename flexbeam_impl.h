@@ -1,5 +1,6 @@
 /* flexbeam_impl.h - implementation of flexbeam.h, included by it where FLEXBEAM_IMPLEMENTATION is defined.
-   One equation, one function, one id: [E8.2] defines, E8.2 cites; tests/reference/THEORY.md derives it and names its test.
+   One equation, one function, one id: [E8.2] defines, E8.2 cites; tests/reference/THEORY.md derives it and names its
+   test.
    Sections follow the life cycle of a model: RUN is the code that flies, BUILD makes models, ANALYSE examines them. A
    section uses only those above it: RUN compiles alone (FB_WITH_BUILD 0), and RUN with BUILD (FB_WITH_ANALYSE 0). */
 
@@ -123,7 +124,7 @@ static int fbi_is_finite(const fb_real *x, int n)
   return sum <= FB_HUGE;
 }
 
-/* 1 if sums are evaluated in the order written and NaN differs from itself: detects fast-math flags that set no macro. */
+/* 1 if sums are evaluated in the order written and NaN differs from itself: detects fast-math flags without a macro. */
 static int fbi_is_exact(void)
 {
   volatile fb_real one = FB_R(1.0), little = FB_R(1e-30), x;
@@ -159,8 +160,8 @@ static void fbi_copy(fb_real *y, const fb_real *x, int n)
   }
 }
 
-/* 1 if an enumerator is one of 0 .. last. A function, because compilers for ARM make small enums unsigned and would warn
-   of value >= 0. */
+/* 1 if an enumerator is one of 0 .. last. A function, because compilers for ARM make small enums unsigned and would
+   warn of value >= 0. */
 static int fbi_is_choice(int value, int last)
 {
   return value >= 0 && value <= last;
@@ -508,8 +509,8 @@ static fb_status fbi_sym6_solve_above(fb_real x[6], const fb_real S[21], const f
 }
 
 #if FB_WITH_SYSTEM || FB_WITH_BUILD
-/* Reference sizes of the pivots of S in a round-off test: the largest mass and inertia of all axes, because rotations mix
-   axes, plus mass and moment, the most that elimination has subtracted from S. */
+/* Reference sizes of the pivots of S in a round-off test: the largest mass and inertia of all axes, because rotations
+   mix axes, plus mass and moment, the most that elimination has subtracted from S. */
 static void fbi_sym6_reference(fb_real reference[6], const fb_real S[21], fb_real mass, fb_real moment)
 {
   const fb_real most = mass + fbi_larger(S[0], fbi_larger(S[6], S[11]));
@@ -635,7 +636,7 @@ static void fbi_quat_rate(fb_real rate[4], const fb_real q[4], const fb_real w[3
   rate[3] = q[0] * z + q[1] * y - q[2] * x;
 }
 
-/* [E4.2] Exponential: q = (cos(phi/2), s phi_vector), s = sin(phi/2)/phi; returns s. A zero angle is replaced by a tiny one.
+/* [E4.2] Exponential: q = (cos(phi/2), s phi_vector), s = sin(phi/2)/phi; returns s. A zero angle becomes a tiny one.
    Source: textbook.  Cost: 15 flops, sin, cos, sqrt for every phi.  Fails: never.
    Test: exponential_and_logarithm_are_inverse. */
 static fb_real fbi_quat_exp(fb_real q[4], const fb_real phi[3])
@@ -697,16 +698,16 @@ static void fbi_quat_from_mat33(fb_real q[4], const fb_real R[9])
 }
 #endif
 
-/* Branch-free: x/t^2, or its Taylor series for t^2 < 0.01, where x cancels, so that the instruction count does not depend
-   on the angle. */
+/* Branch-free: x/t^2, or its Taylor series for t^2 < 0.01, where x cancels, so that the instruction count does not
+   depend on the angle. */
 static fb_real fbi_quotient(fb_real x, fb_real t2, fb_real series)
 {
   const fb_real small = (fb_real)(t2 < FB_R(1e-2));
   return small * series + (FB_R(1.0) - small) * x / fbi_larger(t2, FB_R(1e-2));
 }
 
-/* [E4.6] SE(3) exponential, the pose at the end of a line with constant twist per length (a helix): r = V(k) e, rotation
-   exp(k), x = (e, k).
+/* [E4.6] SE(3) exponential, the pose at the end of a line with constant twist per length (a helix): r = V(k) e,
+   rotation exp(k), x = (e, k).
    V(k) = 1 + b k^ + c k^2, b = (1 - cos t)/t^2 = 2 s^2, c = (t - sin t)/t^3 = (1 - 2 s w)/t^2, t = |k|.
    Source: textbook (screw motion).  Cost: 80 flops, sin, cos, sqrt for every k.  Fails: never.
    Test: twist_and_pose_are_inverse. */
@@ -821,8 +822,8 @@ static fb_real fbi_dot(const fb_real *x, const fb_real *y, int n)
   return (a + b) + (c + d);
 }
 
-/* Dot product that adds the product of the newest unknown last: in forward substitution x[n-1] was computed just before,
-   and the other products need not wait for it. */
+/* Dot product that adds the product of the newest unknown last: in forward substitution x[n-1] was computed just
+   before, and the other products need not wait for it. */
 static fb_real fbi_dot_new_last(const fb_real *x, const fb_real *y, int n)
 {
   return n > 0 ? fbi_dot(x, y, n - 1) + x[n - 1] * y[n - 1] : FB_R(0.0);
@@ -1047,8 +1048,8 @@ static int fbi_has(unsigned effects, int effect)
   return (effects & (unsigned)effect & (unsigned)FBI_EFFECTS_BUILT) != 0;
 }
 
-/* 1 if an effect was removed at compile time, or foreshortening would be counted twice: by the nonlinear strain and by the
-   second-order displacement field. */
+/* 1 if an effect was removed at compile time, or foreshortening would be counted twice: by the nonlinear strain and by
+   the second-order displacement field. */
 static int fbi_is_excluded(unsigned effects)
 {
   return (effects & ~(unsigned)FBI_EFFECTS_BUILT) ||
@@ -1263,8 +1264,8 @@ static void fbi_S_add(fb_real S[21], const fb_body *body, const fb_real *m, int 
   }
 }
 
-/* [E8.11] Reduced rigid-body inertia S(q) from the monomials (1,q)_a (1,q)_b and its first n runs: fewer than all only in
-   a truncated second-order form.
+/* [E8.11] Reduced rigid-body inertia S(q) from the monomials (1,q)_a (1,q)_b and its first n runs: fewer than all only
+   in a truncated second-order form.
    Source: E8.6.  Cost: 2 n_S + n_pair flops.  Test: momenta_agree_with_a_particle_model. */
 static void fbi_S_eval(fb_real S[21], const fb_body *body, const fb_real *qx, int n)
 {
@@ -1356,8 +1357,8 @@ static void fbi_slopes_sub(fb_real *x, const fb_body *body, fb_real f[3][FBI_MAX
 
 /* [E8.23] Generalized forces of the nonlinear axial strain e = u_x' + 1/2 (u_y'^2 + u_z'^2), x -= dU/dq without K q,
    dU/dq_a = int EA e (psi_x,a' + u_y' psi_y,a' + u_z' psi_z,a') dx, by quadrature over the strain stations instead of
-   third- and fourth-order stiffness tensors: 2 sums over the stations per coordinate. quartic = 0 instead of 1 omits the
-   part of U of degree 4.
+   third- and fourth-order stiffness tensors: 2 sums over the stations per coordinate. quartic = 0 instead of 1 omits
+   the part of U of degree 4.
    Source: [DB] (27), (29)-(31) with ERRATA.md DB5 to DB10.  Shapes: x n.  Cost: (4 n + 12) stations.  Fails: never.
    Test: strain_forces_are_the_gradient_of_the_energy, spin_up_follows_the_references_of_each_form. */
 static FBI_NOINLINE void fbi_strain_sub(fb_real *x, fb_real slope[3][FBI_MAX_STRAINS], const fb_body *body,
@@ -1389,8 +1390,8 @@ static void fbi_products(fb_real *t, const fb_real *x, const fb_real *y, int n)
   }
 }
 
-/* [E8.29] A += tangent stiffness d2U/dq2 of the strain energy, without K. Its geometric part takes tensile strain e alone,
-   so that it is never indefinite:
+/* [E8.29] A += tangent stiffness d2U/dq2 of the strain energy, without K. Its geometric part takes tensile strain e
+   alone, so that it is never indefinite:
    K + int EA (psi_x (u_y' psi_y + u_z' psi_z) + .. + (u_y' psi_y + u_z' psi_z)^2 + max(e, 0) (psi_y psi_y + psi_z
    psi_z)) dx.
    Source: second derivative of [DB] (27).  Shapes: n x n.  Cost: n^2 stations.  Fails: never.
@@ -1465,8 +1466,8 @@ static fb_real fbi_strain_energy(const fb_body *body, const fb_real *q)
 }
 #endif
 
-/* V of a prescribed base: v relative to the frame of state.pi, which moves at state.u (momentum form), or to O, zero (the
-   other forms). */
+/* V of a prescribed base: v relative to the frame of state.pi, which moves at state.u (momentum form), or to O and zero
+   (the other forms). */
 static void fbi_given_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
 {
   fbi_vec6_zero(k->V);
@@ -1481,8 +1482,8 @@ static void fbi_given_velocity(fbi_kinetics *k, const fb_body *body, const fb_st
   }
 }
 
-/* [E8.13] Velocities from momenta, S(q) V = (0, h) - Lambda(q) pb, relative to the mass center; the prescribed ones of a
-   prescribed base. On entry k.R is that of state.quat where fbi_is_oriented.
+/* [E8.13] Velocities from momenta, S(q) V = (0, h) - Lambda(q) pb, relative to the mass center; the prescribed ones of
+   a prescribed base. On entry k.R is that of state.quat where fbi_is_oriented.
    Source: THEORY.md 8.4, where p = 0.  Fails: S(q) not positive definite (deflection beyond the model's range).
    Test: momenta_agree_with_a_particle_model. */
 static fb_status fbi_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
@@ -1550,9 +1551,10 @@ static int fbi_pair(int a, int b)
 #endif
 
 /* [E8.14] Displacement and rotation of a node, u = psi q + 1/2 chi q q, phi = theta q + 1/2 chi_theta q q (chi:
-   second-order displacement field), and their variations J_u,a = psi_a + chi_ab q_b,  J_phi,a = (t_a + 1/2 phi x t_a) / (1 + phi.phi/4),  t_a = d phi/dq_a =
-   theta_a + chi_theta_ab q_b. phi are the parameters 2 tan(angle/2) axis of the rotation (1, phi/2)/|(1, phi/2)|: to
-   second degree they are the rotation vector, and J_phi is the exact rate of that rotation, without sine and cosine.
+   second-order displacement field), and their variations J_u,a = psi_a + chi_ab q_b,
+   J_phi,a = (t_a + 1/2 phi x t_a) / (1 + phi.phi/4),  t_a = d phi/dq_a = theta_a + chi_theta_ab q_b. phi are the
+   parameters 2 tan(angle/2) axis of the rotation (1, phi/2)/|(1, phi/2)|: to second degree they are the rotation
+   vector, and J_phi is the exact rate of that rotation, without sine and cosine.
    Source: THEORY.md 8.3; Rodrigues parameters.  Cost: 12 n (n+1) flops.  Fails: never.
    Test: node_kinematics_match_finite_differences. */
 static FBI_NOINLINE void fbi_node_eval(fbi_node_field *f, const fb_body *body, const fb_node *node, const fb_real *q)
@@ -1707,8 +1709,8 @@ static FBI_NOINLINE void fbi_load_add(fbi_kinetics *k, const fb_body *body, cons
   }
 }
 
-/* [E8.16] Forces of a uniform acceleration field g, of potential -m g.rho - g.R c(q), c(q) = c + P q + 1/2 p^chi q q the
-   first moment of mass: force m g, torque c(q) x g, modal forces x += (dc/dq)^T g, x indexed as (1, q). c and its
+/* [E8.16] Forces of a uniform acceleration field g, of potential -m g.rho - g.R c(q), c(q) = c + P q + 1/2 p^chi q q
+   the first moment of mass: force m g, torque c(q) x g, modal forces x += (dc/dq)^T g, x indexed as (1, q). c and its
    gradient come from the terms of the linear momentum in Lambda. g in body axes; yields c and x.
    Source: potential energy.  Cost: 8 flops a term.  Fails: never.
    Test: a_falling_body_does_not_deform, power_of_loads_is_the_rate_of_energy. */
@@ -1761,7 +1763,8 @@ static int fbi_is_flying(const fb_body *body)
   return body->base == FB_BASE_FREE && fbi_form(body) == 0;
 }
 
-/* 1 if the rates depend on the attitude: not those of a free body without loads, or of a pinned one without gravity, too. */
+/* 1 if the rates depend on the attitude: in momentum form not without loads, if the body is free, or pinned or hinged
+   without gravity. */
 static int fbi_is_oriented(const fb_body *body, const fb_input *input)
 {
   return fbi_form(body) != 0 || body->base == FB_BASE_PRESCRIBED || (input && input->n_load > 0) ||
@@ -1857,8 +1860,8 @@ static void fbi_elastic_rates(fb_state *rate, fbi_kinetics *k, const fb_body *bo
 }
 
 /* [E8.18] Rigid-body equations: quat_dot = 1/2 quat o (0, w), u_dot = R a + gravity, L_dot = R g in inertial axes, and
-   redundantly h_dot = g - w x h in body axes. Velocities follow from h: with h = R^T L, w = S^-1 h would amplify an error
-   of the attitude by the ratio of inertias of a slender body, again and again. E11.29 reconciles h and L.
+   redundantly h_dot = g - w x h in body axes. Velocities follow from h: with h = R^T L, w = S^-1 h would amplify an
+   error of the attitude by the ratio of inertias of a slender body, without bound. E11.29 reconciles h and L.
    Without loads u and L are constant up to round-off for ANY Runge-Kutta step. rho of a free body moves with the mass
    center; E11.30 then recovers that of O.
    Source: Newton-Euler about the mass center; THEORY.md 8.4.  Cost: 60 flops.  Fails: never.
@@ -1915,7 +1918,7 @@ static void fbi_given_acceleration(fb_real a[3], const fb_input *input)
 }
 
 #if FB_WITH_FORMS
-/* (p, h) = M_rr V + Lambda pb by the mass matrix of the form: of q (second order) or constant (first); M_rr goes to k.S. */
+/* (p, h) = M_rr V + Lambda pb by the mass matrix of the form, of q (second order) or constant (first); k.S = M_rr. */
 static void fbi_form_momenta(fbi_kinetics *k, const fb_body *body)
 {
   if (body->form == FB_FORM_SECOND) {
@@ -2053,8 +2056,9 @@ static fb_status fbi_second_rates(fb_state *rate, fbi_kinetics *k, const fb_body
 }
 
 #if FB_WITH_NONLINEAR_STRAIN
-/* [E8.26] Stiffness torque as printed, degrees 2 and 3 by quadrature of the slopes at the strain stations, degree 1 from
-   the table of E8.24: g_s,3 = .. + int EA (-u_x'^2 + 1/2 r - 1/2 u_x' r) u_y' dx, g_s,2 the same with -u_z', r = u_y'^2 + u_z'^2.
+/* [E8.26] Stiffness torque as printed, degrees 2 and 3 by quadrature of the slopes at the strain stations, degree 1
+   from the table of E8.24: g_s,3 = .. + int EA (-u_x'^2 + 1/2 r - 1/2 u_x' r) u_y' dx, g_s,2 the same with -u_z',
+   r = u_y'^2 + u_z'^2.
    g -= g_s.
    Source: [DB] (34)-(36) with ERRATA.md DB10 and DB11.  Cost: 10 flops a station.  Fails: never.
    Test: stiffness_torques_agree_on_a_closed_basis, spin_up_follows_the_references_of_each_form. */
@@ -2105,8 +2109,8 @@ static void fbi_identity_torque_add(fb_real y[6], const fbi_kinetics *k, const f
   fbi_lambda_linear_sub(y, body, k->qx, acceleration);
 }
 
-/* Velocity-dependent inertia forces of the first-order form, [DB] (23): y = (f, g) less those of the rigid-body rows; f and
-   k.x take those of the elastic rows. */
+/* Velocity-dependent inertia forces of the first-order form, [DB] (23): y = (f, g) less those of the rigid-body rows; f
+   and k.x take those of the elastic rows. */
 static void fbi_first_inertia(fb_real *f, fbi_kinetics *k, const fb_body *body)
 {
   const fb_real *w = k->V + 3;
@@ -2268,8 +2272,8 @@ static void fbi_turning_back(fb_real h[3], const fb_state *state)
   fb_mat33_mulT_vec3(h, R, state->L);
 }
 
-/* Updates lost_h, the part of h across R^T L that the rounding of R^T L has lost: eps of L is much spin about an axis of
-   little inertia. more: increment of h since `from`; the differences are small and lose nothing.
+/* Updates lost_h, the part of h across R^T L that the rounding of R^T L has lost: eps of L is much spin about an axis
+   of little inertia. more: increment of h since `from`; the differences are small and lose nothing.
    Test: slender_bodies_keep_their_energy. */
 static FBI_NOINLINE void fbi_turning_keep(fb_state *next, const fb_state *from, const fb_body *body,
                                           const fb_real more[3])
@@ -2322,8 +2326,8 @@ static int fbi_is_following(const fb_body *body)
   return body->base == FB_BASE_PRESCRIBED && fbi_form(body) == 0;
 }
 
-/* [E8.35] Elastic momenta relative to a frame that is faster by du (inertial axes): pi -= (dc/dq)^T R^T du, the impulse of
-   a uniform field.
+/* [E8.35] Elastic momenta relative to a frame that is faster by du (inertial axes): pi -= (dc/dq)^T R^T du, the impulse
+   of a uniform field.
    Source: E8.16.  Cost: 5 flops a term.  Fails: never.  Test: flight_speed_does_not_matter,
    the_speed_of_a_prescribed_base_does_not_matter. */
 static void fbi_frame_shift(fb_real *pi, const fb_body *body, const fb_real *q, const fb_real R[9], const fb_real du[3])
@@ -2468,7 +2472,7 @@ static fb_status fbi_state_range(const fb_body *body, const fb_state *state)
 }
 
 #if FB_SINGLE
-/* Checks the compensation terms of E11.22 (Kahan): finite, those of the attitude of round-off size, or they were not set. */
+/* Checks the Kahan compensation terms of E11.22: finite, and for the attitude of round-off size, else they were not set. */
 static fb_status fbi_lost_check(const fb_body *body, const fb_state *state)
 {
   const fb_real *const turn = state->lost_quat;
@@ -2654,8 +2658,8 @@ static void fbi_reactions(fb_motion *m, const fb_body *body, const fb_real S[21]
 }
 
 #if FB_WITH_FORMS
-/* Accelerations of the second- and first-order forms: the rates of the state, to which the first-order form adds the rate
-   of M^-1 q_b Ups_b^T w in q_dot. */
+/* Accelerations of the second- and first-order forms: the rates of the state, to which the first-order form adds the
+   rate of M^-1 q_b Ups_b^T w in q_dot. */
 static void fbi_form_motion(fb_motion *m, fbi_kinetics *k, const fb_body *body, const fb_state *rate)
 {
   fb_real xd[FB_MAX_MODES + 1], y[6], unused[FB_MAX_MODES + 1] = {0};
@@ -2954,8 +2958,8 @@ static void fbi_true_momenta(fbi_kinetics *k, const fb_body *body)
   }
 }
 
-/* [E8.21] T = 1/2 m u.u + u.R p + 1/2 V^T S V + 1/2 pi^T M^-1 pi (square completed in q_dot), u the velocity of the frame,
-   U = 1/2 q^T K q, gravity -m g.rho - g.R c(q).
+/* [E8.21] T = 1/2 m u.u + u.R p + 1/2 V^T S V + 1/2 pi^T M^-1 pi (square completed in q_dot), u the velocity of the
+   frame, U = 1/2 q^T K q, gravity -m g.rho - g.R c(q).
    Source: THEORY.md 8.2, 8.4.  Fails: as the rates.
    Test: momenta_agree_with_a_particle_model, tumbling_conserves_momentum_and_energy. */
 FB_DEF fb_status fb_body_energy(const fb_body *body, fb_energy *energy, const fb_state *state, const fb_input *input)
@@ -3210,7 +3214,7 @@ static FBI_NOINLINE unsigned fbi_crc_ints(unsigned crc, const int *x, int n)
   return crc;
 }
 
-/* Reals enter in the precision of the target, which may differ from the program's. FBI_NOINLINE keeps the code small. */
+/* Reals enter in the precision of the target, which may differ from the program's. FBI_NOINLINE: smaller code. */
 static FBI_NOINLINE unsigned fbi_crc_reals(unsigned crc, const fb_real *x, int n, int single)
 {
   for (int i = 0; i < n; i++) {
