@@ -2472,7 +2472,7 @@ static fb_status fbi_state_range(const fb_body *body, const fb_state *state)
 }
 
 #if FB_SINGLE
-/* Checks the Kahan compensation terms of E11.22: finite, and for the attitude of round-off size, else they were not set. */
+/* Checks the Kahan terms of E11.22: finite, and for the attitude of round-off size, else they were not set. */
 static fb_status fbi_lost_check(const fb_body *body, const fb_state *state)
 {
   const fb_real *const turn = state->lost_quat;
