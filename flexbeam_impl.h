@@ -170,7 +170,7 @@ static int fbi_is_choice(int value, int last)
 static int fbi_is_zero(const fb_real *x, int n)
 {
   for (int i = 0; i < n; i++) {
-    if (x[i] < FB_R(0.0) || x[i] > FB_R(0.0)) {
+    if (!(x[i] == FB_R(0.0))) { /* NaN is not zero */
       return 0;
     }
   }
@@ -7063,7 +7063,7 @@ static int fbi_joint_is_sound(const fb_system *system, const fb_body *body, int 
 
   /* axes and nodes */
   sound = sound && joint->n_axis == fbi_joint_axes(joint->kind) &&
-          (joint->parent < 0 ? joint->parent_node == 0
+          (joint->parent < 0 ? joint->parent_node == 0 && !joint->moves
                              : joint->parent_node < fbi_model(system, body, joint->parent)->n_node) &&
           joint->child_node < fbi_model(system, body, joint->child)->n_node;
 
@@ -10060,7 +10060,9 @@ FB_DEF fb_status fb_exponential_check(const fb_exponential *scheme, const fb_bod
     sound = fbi_is_within(scheme->axial[k], n - 1);
   }
 #if FB_WITH_NONLINEAR_STRAIN
-  sound = sound && fbi_is_finite(scheme->G, scheme->n_axial * body->n_strain);
+  for (int k = 0; sound && k < scheme->n_axial; k++) {
+    sound = fbi_is_finite(scheme->G + k * FBI_MAX_STRAINS, body->n_strain);
+  }
 #endif
   return sound ? FB_OK : FB_ERR_VALUE;
 }
@@ -16259,7 +16261,11 @@ FB_DEF fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape 
 static fb_status fbi_part_place(fb_beam_desc *placed, const fb_part *part, const fb_beam_desc *beam)
 {
   fb_real frame[4], own[4], R[9], offset[3];
-  fb_status status = fbi_quat_from_attitude(frame, part->attitude);
+  fb_status status;
+  if (!fbi_is_finite(part->attitude, 4) || !fbi_is_finite(beam->attitude, 4)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  status = fbi_quat_from_attitude(frame, part->attitude);
   status = status ? status : fbi_quat_from_attitude(own, beam->attitude);
   if (status != FB_OK) {
     return status;
@@ -16374,15 +16380,17 @@ static void fbi_attitude_axes(fb_real R[9], const fb_real quat[4])
   fb_quat_to_mat33(R, fbi_vec3_norm(quat + 1) == FB_R(0.0) ? identity : quat);
 }
 
-/* Axes of a joint whose z axis lies along `axis`: z is turned onto it by the smallest rotation; about x where it is -z. */
+/* Axes of a joint whose z axis lies along `axis`: the smallest rotation of z onto it, by atan2(|z x axis|, z . axis)
+   about z x axis; about x where it is -z. */
 static void fbi_axis_frame(fb_real R[9], const fb_real axis[3])
 {
-  const fb_real size = fbi_vec3_norm(axis), w = FB_R(1.0) + axis[2] / size;
-  fb_real quat[4] = {w, -axis[1] / size, axis[0] / size, FB_R(0.0)};
-  if (w <= FBI_ROUNDING || fb_quat_normalize(quat) != FB_OK) {
-    fbi_zero(quat, 4);
-    quat[1] = FB_R(1.0);
+  const fb_real across = FB_SQRT(axis[0] * axis[0] + axis[1] * axis[1]), angle = FB_ATAN2(across, axis[2]);
+  fb_real phi[3] = {angle, FB_R(0.0), FB_R(0.0)}, quat[4];
+  if (across > FB_R(0.0)) {
+    phi[0] = -angle * (axis[1] / across);
+    phi[1] = angle * (axis[0] / across);
   }
+  fb_quat_from_rotvec(quat, phi);
   fb_quat_to_mat33(R, quat);
 }
 

@@ -1,4 +1,4 @@
-/* Section >>assemble: a body from one description is the body of the chain. */
+/* >>assemble: a body from one description is the body of the chain. */
 #include "fbt.h"
 
 #include <math.h>
@@ -130,6 +130,14 @@ TEST(the_part_at_fault_is_told)
   desc.n_part = FB_MAX_PARTS + 1;
   FBT_INT_EQ(fb_body_build(&body, &work, &desc, &boom, &keep, 1), FB_ERR_CAPACITY);
   FBT_INT_EQ(fb_body_build(&body, &work, NULL, &boom, &keep, 1), FB_ERR_NULL);
+  for (int what = 0; what < 3; what++) { /* what is no number is not nothing */
+    two_booms();
+    memset(desc.inertia, 0, sizeof desc.inertia);
+    memset(desc.part[0].attitude, 0, sizeof desc.part[0].attitude);
+    *(what == 0 ? &desc.mass : what == 1 ? &desc.part[0].attitude[0] : &desc.zeta) = (fb_real)NAN;
+    FBT_INT_EQ(fb_body_build(&body, &work, &desc, &boom, &keep, 1), FB_ERR_NOT_FINITE);
+    FBT_INT_EQ(work.part, what - 1 + (what == 2));
+  }
   FBT_TRUE(memcmp(&body, &before, sizeof body) == 0);
 }
 

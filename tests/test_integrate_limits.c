@@ -1,4 +1,4 @@
-/* Section 11: the step limits of the schemes; what is refused. */
+/* >>integrate: the step limits of the schemes; what is refused. */
 #include "integrate.h"
 
 /* Largest deflection in the last quarter of many steps over that in the first; huge if a step failed. The body spins
@@ -158,8 +158,8 @@ TEST(steps_within_the_limit_are_stable)
   }
 }
 
-/* E11.11: without a quadratic field and without strain stations the exponential scheme's limit is the same part of a turn
-   at every spin. */
+/* E11.11: without a quadratic field and without strain stations the exponential scheme's limit is the same part of a
+   turn at every spin. */
 TEST(the_exponential_limit_is_a_part_of_a_turn)
 {
   static const fb_base base[] = {FB_BASE_FREE, FB_BASE_PRESCRIBED, FB_BASE_PINNED};
@@ -170,9 +170,9 @@ TEST(the_exponential_limit_is_a_part_of_a_turn)
   }
 }
 
-/* E11.11: by how much the tension of its own mass changes the frequency of a spinning cantilever's first mode, T S/(2 w)
-   per spin squared with T = m L^2/2 and S = int psi' psi' dx = sigma b (2 + sigma b L)/(m L), in the softer plane; above
-   some spin that alone sets the limit.
+/* E11.11: by how much the tension of its own mass changes the frequency of a spinning cantilever's first mode, T S/(2
+   w) per spin squared with T = m L^2/2 and S = int psi' psi' dx = sigma b (2 + sigma b L)/(m L), in the softer plane;
+   above some spin that alone sets the limit.
    Source: Blevins, Formulas for natural frequency and mode shape, table C-1. */
 TEST(the_exponential_limit_knows_the_tension)
 {
@@ -343,9 +343,10 @@ typedef struct scene { /* what a base does, its limits' spin and acceleration of
   double push, circle, spin, drift, force, gravity;
 } scene;
 
-/* E11.1, E11.6, E11.11: the limits are asked at the spin there is and at the acceleration of O: of a held base that of its
-   motion, v' + w x v, of a free one what a force gives it, or w^2 r about a mass center at the distance r; gravity with
-   it where it does not fall. The speed at which a free body drifts counts for nothing. A step just below is taken, one just above refused; along each axis. */
+/* E11.1, E11.6, E11.11: the limits are asked at the spin there is and at the acceleration of O: of a held base that of
+   its motion, v' + w x v, of a free one what a force gives it, or w^2 r about a mass center at the distance r; gravity
+   with it where it does not fall. The speed at which a free body drifts counts for nothing. A step just below is taken,
+   one just above refused; along each axis. */
 TEST(steps_are_limited_by_what_the_base_does)
 {
   static const scene scenes[] = {{FB_BASE_PRESCRIBED, 200, 0, 0, 0, 0, 100}, {FB_BASE_PRESCRIBED, 0, 3, 3, 0, 0, 0},
@@ -389,8 +390,8 @@ TEST(steps_are_limited_by_what_the_base_does)
   }
 }
 
-/* E11.11: on a pin or a hinge, too, a hub lighter than its boom lets the exponential scheme gain no energy: it keeps it, or
-   says that the step is too long. */
+/* E11.11: on a pin or a hinge, too, a hub lighter than its boom lets the exponential scheme gain no energy: it keeps
+   it, or says that the step is too long. */
 TEST(light_hubs_on_pins_and_hinges_gain_no_energy)
 {
   int kept = 0, refused = 0;
@@ -468,6 +469,13 @@ TEST(the_check_of_a_scheme_stays_within_its_tables)
     body.n_strain = n;
   }
   exponential.axial[0] = body.n;
+  FBT_INT_EQ(fb_exponential_check(&exponential, &body), FB_ERR_VALUE);
+  strained_beam(1, 1e4, 0.0, 1); /* more than one axial coordinate, a row of G each */
+  strained_body(FB_BASE_PRESCRIBED, FBT_MOMENTUM);
+  prepare(EXPONENTIAL, 0.01);
+  FBT_TRUE(exponential.n_axial > 1 && body.n_strain < FBI_MAX_STRAINS);
+  FBT_INT_EQ(fb_exponential_check(&exponential, &body), FB_OK);
+  exponential.G[FBI_MAX_STRAINS + body.n_strain - 1] = (fb_real)NAN;
   FBT_INT_EQ(fb_exponential_check(&exponential, &body), FB_ERR_VALUE);
 }
 

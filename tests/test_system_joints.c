@@ -1,4 +1,4 @@
-/* Section 9: joints: how each moves, what it carries, axes that are locked or driven, nodes that hold bodies. */
+/* >>system: joints: how each moves, what it carries, axes that are locked or driven, nodes that hold bodies. */
 #include "system.h"
 
 static fb_system_state kept, rate;
@@ -396,8 +396,8 @@ TEST(nodes_that_move_in_one_way_carry_their_bodies)
   }
 }
 
-/* E4.5: a body's attitude comes back from its matrix as the unit quaternion with w >= 0, whichever component is largest;
-   from the tree and from the poses of a system that keeps all joints. */
+/* E4.5: a body's attitude comes back from its matrix as the unit quaternion with w >= 0, whichever component is
+   largest; from the tree and from the poses of a system that keeps all joints. */
 TEST(attitudes_come_back_as_they_were)
 {
   for (int method = 0; method < 3; method += 2) {
@@ -585,6 +585,22 @@ TEST(joints_turn_about_the_axes_that_they_are_given)
   }
 }
 
+/* E9.1: also axes that are all but opposite to z: the child's z axis lies on them to rounding, however small the angle. */
+TEST(axes_near_the_opposite_of_z_are_met)
+{
+  static const fb_real z[3] = {0, 0, FB_R(1.0)};
+  for (int k = 0; k < 8; k++) {
+    const double tilt = pow(10.0, -1.0 - 2.0 * k);
+    const fb_real axis[3] = {(fb_real)(0.6 * tilt), (fb_real)(-0.8 * tilt), -FB_R(1.0)};
+    fb_real R[9], on[3];
+    hinged_by(R, axis, z, 0.3);
+    fb_mat33_mul_vec3(on, R, z);
+    for (int i = 0; i < 2; i++) {
+      FBT_NEAR_ABS(on[i], (double)axis[i] / sqrt(1.0 + tilt * tilt), FBT_TOL(1e-15, 5e-7));
+    }
+  }
+}
+
 /* An axis and an attitude on one side contradict each other; an axis is a number and not nothing. */
 TEST(axes_that_are_none_are_refused)
 {
@@ -600,8 +616,9 @@ TEST(axes_that_are_none_are_refused)
 }
 
 SUITE(system_joints, RUN(joints_turn_about_the_axes_that_they_are_given), RUN(axes_that_are_none_are_refused),
-      RUN(springs_and_dampers_balance_energy), RUN(joint_forces_carry_what_hangs_on_them),
-      RUN(locked_axes_need_no_inertia), RUN(reactions_are_the_sum_of_joint_forces), RUN(every_joint_moves_as_it_should),
+      RUN(axes_near_the_opposite_of_z_are_met), RUN(springs_and_dampers_balance_energy),
+      RUN(joint_forces_carry_what_hangs_on_them), RUN(locked_axes_need_no_inertia),
+      RUN(reactions_are_the_sum_of_joint_forces), RUN(every_joint_moves_as_it_should),
       RUN(joint_frames_may_be_half_a_turn_off), RUN(a_node_that_only_turns_carries_its_body),
       RUN(attitudes_come_back_as_they_were), RUN(nodes_that_move_in_one_way_carry_their_bodies),
       RUN(a_ball_joint_has_one_spring_and_one_damper), RUN(an_imu_reads_in_its_own_axes),

@@ -1,4 +1,4 @@
-/* Section 9: what is refused of systems, their states and inputs, and what memory has changed. */
+/* >>system: what is refused of systems, their states and inputs, and what memory has changed. */
 #include "system.h"
 
 static fb_system_state kept;
@@ -139,7 +139,8 @@ TEST(systems_that_memory_has_changed_are_refused)
   refused_without(&mechanism.limit_kept_elastic, 1);
   refused_without(&mechanism.limit_kept_damping, 1);
   refused_with(&joint[0].parent, 0);      /* a body hangs on an earlier one */
-  refused_with(&joint[0].parent_node, 1); /* the ground has one node */
+  refused_with(&joint[0].parent_node, 1); /* the ground has one node, */
+  refused_with(&joint[0].moves, 1);       /* which does not bend */
   refused_with(&joint[1].parent, 1);
   refused_with(&joint[1].child, 0);
   for (int j = 1; j < 3; j++) {
