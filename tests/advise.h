@@ -1,4 +1,4 @@
-/* advise.h - booms, envelopes of what acts on them, shared by the tests of section 13. Section 13: what a scene calls
+/* advise.h - booms, envelopes of what acts on them, shared by the tests of >>advise: what a scene calls
    for: against statics, complex modes, the exact beam, a search that is looked at, and a scene that is simulated. */
 #ifndef FBT_ADVISE_H
 #define FBT_ADVISE_H

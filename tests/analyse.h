@@ -1,6 +1,6 @@
-/* analyse.h - particles on springs, ports and units, shared by the tests of section 12. Section 12: steady states,
-   linearization, complex modes: against characteristic polynomials in closed form, statics, the modes they are made
-   of, and published frequencies of a rotor blade. */
+/* analyse.h - particles on springs, ports and units, shared by the tests of >>trim and >>linear:
+   steady states, linearization, complex modes: against characteristic polynomials in closed form, statics, the modes
+   they are made of, and published frequencies of a rotor blade. */
 #ifndef FBT_ANALYSE_H
 #define FBT_ANALYSE_H
 
@@ -124,8 +124,8 @@ static inline double linear_output(const fb_linear *linear, const double *x, con
   return y;
 }
 
-/* Largest |a_ij s_j/s_i - b_ij| of n x m, in parts of the largest element of the row and of a thousandth of that of all: a
-   in other units, s those of rows and columns. */
+/* Largest |a_ij s_j/s_i - b_ij| of n x m, in parts of the largest element of the row and of a thousandth of that of
+   all: a in other units, s those of rows and columns. */
 static inline double units_apart(const fb_real *a, const fb_real *b, const double *row, const double *column, int n,
                                  int m)
 {

@@ -1,4 +1,4 @@
-/* body.h - bodies of random particles and a boom with everything on it, shared by the tests of section 8. Section 8:
+/* body.h - bodies of random particles and a boom with everything on it, shared by the tests of >>body and >>assemble:
    shape integrals, momentum form, effects, loads, nodes, energy. The judge is a brute-force model of particles that
    knows nothing of momenta or shape integrals: positions r + psi q + 1/2 chi q q, Newton's law per particle. */
 #ifndef FBT_BODY_H
@@ -210,8 +210,8 @@ static inline void boom_body(unsigned effects, fb_base base, int node[2])
 
 #define LARGE FB_MAX_MODES
 
-/* Rows of `width` numbers, one of each of as many coordinates as there can be, for other coordinates: a mirror image in all
-   of them, each in a unit of its own. */
+/* Rows of `width` numbers, one of each of as many coordinates as there can be, for other coordinates: a mirror image in
+   all of them, each in a unit of its own. */
 static inline void combine(fb_real *x, int width)
 {
   for (int j = 0; j < width; j++) {

@@ -1,5 +1,5 @@
-/* integrate.h - the schemes, and booms and strained beams that they step, shared by the tests of section 11. Section
-   11: the schemes, their limits and orders, conservation over long runs, the spin-up. */
+/* integrate.h - the schemes, and booms and strained beams that they step, shared by the tests of >>integrate:
+   the schemes, their limits and orders, conservation over long runs, the spin-up. */
 #ifndef FBT_INTEGRATE_H
 #define FBT_INTEGRATE_H
 

@@ -1,4 +1,4 @@
-/* mixed.h - exact beams as their tests describe, settle and load them, shared by the tests of section 10. Section 10:
+/* mixed.h - exact beams as their tests describe, settle and load them, shared by the tests of >>exact:
    the geometrically exact mixed beam against closed forms, the elastica, published cases, other solvers, the
    dispersion relation of its own scheme, and what must be constant. */
 #ifndef FBT_MIXED_H
@@ -91,8 +91,8 @@ static inline fb_status steps(int count, double dt)
   return status;
 }
 
-/* ---- the same beam seen another way: 1: with y for z, turned by a right angle about its line, 2: from its other end, turned
-   by half a turn about z */
+/* ---- the same beam seen another way: 1: with y for z, turned by a right angle about its line, 2: from its other end,
+   turned by half a turn about z */
 
 static inline void seen(fb_real v[3], int way)
 {

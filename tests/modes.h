@@ -1,4 +1,4 @@
-/* modes.h - uniform beams and choices of their modes, shared by the tests of section 7. Section 7: natural modes,
+/* modes.h - uniform beams and choices of their modes, shared by the tests of >>modes: natural modes,
    against closed forms and published tables, and against element matrices integrated here in double from the
    polynomials of the shapes. Needs the default capacities or larger ones. */
 #ifndef FBT_MODES_H

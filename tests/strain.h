@@ -3,9 +3,9 @@
 #ifndef FBT_STRAIN_H
 #define FBT_STRAIN_H
 
-/* Section 8: nonlinear axial strain and the equations of D'Eleuterio and Barfoot [DB] beside the momentum form, on
-   their spin-up of a beam. Basis C is closed under rotation (the same functions in every direction), H has strain at
-   the root as well. */
+/* >>body and >>assemble: nonlinear axial strain and the equations of D'Eleuterio and Barfoot [DB] beside the momentum
+   form, on their spin-up of a beam. Basis C is closed under rotation (the same functions in every direction), H has
+   strain at the root as well. */
 #include "fbt.h"
 
 #define LENGTH 10.0

@@ -1,4 +1,4 @@
-/* system.h - bodies, joints and trees of them, shared by the tests of section 9. Section 9: joints, trees, loops: the
+/* system.h - bodies, joints and trees of them, shared by the tests of >>system: joints, trees, loops: the
    same motion by eliminated and by kept constraints, conservation, closed forms and references of rigid and flexible
    mechanisms. */
 #ifndef FBT_SYSTEM_H

@@ -1,4 +1,4 @@
-/* Section 13: selection of modes, what the advice estimates, in closed form. */
+/* >>advise: selection of modes, what the advice estimates, in closed form. */
 #include "advise.h"
 
 static fb_shape other;
@@ -207,8 +207,8 @@ TEST(modes_answer_as_oscillators)
   }
 }
 
-/* A rate and an acceleration so small that they matter to nothing leave the advice about a spin askew as it is, though it
-   is no longer steady; of the acceleration either sign. */
+/* A rate and an acceleration so small that they matter to nothing leave the advice about a spin askew as it is, though
+   it is no longer steady; of the acceleration either sign. */
 TEST(a_rate_too_small_to_matter_changes_no_advice)
 {
   static fb_advice steady;
@@ -233,8 +233,8 @@ TEST(a_rate_too_small_to_matter_changes_no_advice)
   }
 }
 
-/* E13.1: where the second mode has its node, at 0.7834 L, it gives nothing of the output: the third is taken before it. An
-   acceleration bends the boom there by m a x^2 (6 L^2 - 4 L x + x^2)/(24 EI). */
+/* E13.1: where the second mode has its node, at 0.7834 L, it gives nothing of the output: the third is taken before it.
+   An acceleration bends the boom there by m a x^2 (6 L^2 - 4 L x + x^2)/(24 EI). */
 TEST(modes_are_taken_by_what_they_give)
 {
   const double x = 3.0 * 0.783445;
@@ -249,8 +249,8 @@ TEST(modes_are_taken_by_what_they_give)
   boom_output = FB_R(1.0);
 }
 
-/* As many modes as a body can have, the last of them damped: E13.1 near its frequency adds its part c of the force's work
-   times 1/(2 zeta), so that half the damping adds as much again. */
+/* As many modes as a body can have, the last of them damped: E13.1 near its frequency adds its part c of the force's
+   work times 1/(2 zeta), so that half the damping adds as much again. */
 TEST(advice_takes_as_many_modes_as_there_can_be)
 {
   const fb_real push[2] = {FB_R(0.5), FB_R(0.0)}; /* in the stiffer plane */
@@ -394,9 +394,9 @@ static void loaded_frequencies(double *squared)
   }
 }
 
-/* E13.2, E13.3: the first mode alone of a compressed boom is off by what the second adds to the deflection, and by the part
-   K_12^2/(K_11 K_22) by which the second gives way. K_11 is the square of the frequency that the first has alone, trace
-   and determinant of K are those of both. */
+/* E13.2, E13.3: the first mode alone of a compressed boom is off by what the second adds to the deflection, and by the
+   part K_12^2/(K_11 K_22) by which the second gives way. K_11 is the square of the frequency that the first has alone,
+   trace and determinant of K are those of both. */
 TEST(modes_err_by_what_gives_way)
 {
   const double P = 0.6 * 9.8696044 * 500.0 / 36.0; /* of what buckles it */
@@ -520,8 +520,8 @@ TEST(sets_err_by_what_they_lack)
   FBT_NEAR_REL(work.error[0], 0.6 * 0.05, 0.05);
 }
 
-/* E13.3: a boom that swings about its own spin s in one plane is off without the effects of spin by s^2/omega_z^2 there,
-   where it is bent the most, and by 2 s f/omega_y^2 across, where it moves the fastest: not both at once. */
+/* E13.3: a boom that swings about its own spin s in one plane is off without the effects of spin by s^2/omega_z^2
+   there, where it is bent the most, and by 2 s f/omega_y^2 across, where it moves the fastest: not both at once. */
 TEST(bending_and_speed_have_their_phases)
 {
   const double f = 0.2, T = 10.0;
@@ -553,8 +553,8 @@ TEST(model_error_is_its_formula)
   FBT_NEAR_REL(advice.error_model, 0.3 * bend * bend, 0.01);
 }
 
-/* E13.3: an acceleration a along the boom is m a L^3/(7.837 EI) of what buckles it, or the same stiffer, and by that part
-   is off what leaves the acceleration's stiffening out. */
+/* E13.3: an acceleration a along the boom is m a L^3/(7.837 EI) of what buckles it, or the same stiffer, and by that
+   part is off what leaves the acceleration's stiffening out. */
 TEST(accelerations_stiffen_and_soften)
 {
   for (int way = -1; way <= 1; way += 2) {
@@ -677,8 +677,8 @@ TEST(advice_knows_no_units)
   metre = kilogram = second = FB_R(1.0);
 }
 
-/* E13.1, E13.3: a base that moves at v and spins feels w x v. Every set knows it from v as from an acceleration: momenta
-   are relative to the base (E11.31). */
+/* E13.1, E13.3: a base that moves at v and spins feels w x v. Every set knows it from v as from an acceleration:
+   momenta are relative to the base (E11.31). */
 TEST(velocities_of_a_spinning_base_are_loads)
 {
   double felt, linear;

@@ -1,4 +1,4 @@
-/* Section 13: the search for the cheapest model by simulation; what is refused. */
+/* >>advise: the search for the cheapest model by simulation; what is refused. */
 #include "advise.h"
 
 static fb_shape other;
@@ -44,8 +44,9 @@ TEST(advised_steps_are_within_the_limit)
   }
 }
 
-/* E12.7 of the mode, with the share f/omega of it that swings (all above it), and of the drive f gives the step, up to the scheme's
-   limit and an eighth of the duration; of the exponential scheme as rk4, of what the linear set is off by. */
+/* E12.7 of the mode, with the share f/omega of it that swings (all above it), and of the drive f gives the step, up to
+   the scheme's limit and an eighth of the duration; of the exponential scheme as rk4, of what the linear set is off by.
+   */
 TEST(advised_steps_are_those_of_the_spectrum)
 {
   static fb_spectrum spectrum;
@@ -79,8 +80,8 @@ TEST(advised_steps_are_those_of_the_spectrum)
   FBT_TRUE(exponential > 0);
 }
 
-/* What is slow takes an implicit scheme, which has no limit; what swings rk4, or the exponential scheme where it is nearly
-   linear. */
+/* What is slow takes an implicit scheme, which has no limit; what swings rk4, or the exponential scheme where it is
+   nearly linear. */
 TEST(schemes_have_their_scenes)
 {
   const fb_scheme expected[3] = {FB_SCHEME_MIDPOINT, FB_SCHEME_RK4, FB_SCHEME_EXPONENTIAL};
@@ -136,8 +137,8 @@ TEST(steps_are_the_longest_parts_of_a_frame)
   }
 }
 
-/* The cheapest whose errors add up to the tolerance, though they leave little of it to the step: under a steady force one
-   mode, which lacks 1 - 0.9707, as soon as that may be missed. */
+/* The cheapest whose errors add up to the tolerance, though they leave little of it to the step: under a steady force
+   one mode, which lacks 1 - 0.9707, as soon as that may be missed. */
 TEST(advice_is_the_cheapest_that_adds_up)
 {
   for (int k = 0; k < 4; k++) {
@@ -159,7 +160,8 @@ typedef struct looked_at { /* a scene of which everything is known */
             [FB_SCHEME_EXPONENTIAL + 1]; /* last tried, by set, modes and scheme */
 } looked_at;
 
-/* Off by 0.2 without spin stiffening, by 0.05 without the second mode, by the square of the step; `floor` or twice that at least. */
+/* Off by 0.2 without spin stiffening, by 0.05 without the second mode, by the square of the step; `floor` or twice that
+   at least. */
 static fb_status look_at(void *user, fb_real *out, const fb_advice *candidate)
 {
   looked_at *const seen = (looked_at *)user;
@@ -315,8 +317,8 @@ static void new_judge(picky *p, unsigned effects, int n, int scheme)
   envelope.spin[2] = FB_R(0.5);
 }
 
-/* The estimated costs of steps are those of counted instructions (step_instructions.csv): each scheme, a base that flies and
-   one that is held, without and with terms of second degree, 2 to 12 modes. */
+/* The estimated costs of steps are those of counted instructions (step_instructions.csv): each scheme, a base that
+   flies and one that is held, without and with terms of second degree, 2 to 12 modes. */
 TEST(costs_are_those_of_counted_instructions)
 {
   static const char *const scheme[4] = {"rk4", "midpoint", "sdirk", "exponential"};
@@ -357,8 +359,8 @@ TEST(gravity_shortens_no_step_of_a_free_body)
                FBT_TOL(1e-12, 1e-6));
 }
 
-/* Whatever alone will do is found: any set of effects, number of modes and scheme; in a step that is not beyond rk4's limit.
-   The cost of a step, and what does not come of the simulations, is what it is without them. */
+/* Whatever alone will do is found: any set of effects, number of modes and scheme; in a step that is not beyond rk4's
+   limit. The cost of a step, and what does not come of the simulations, is what it is without them. */
 TEST(search_finds_what_alone_will_do)
 {
   static const unsigned set[4] = {FB_EFFECTS_LINEAR, FB_EFFECTS_SPIN, FB_EFFECTS_LINEAR | FB_EFFECT_SPIN_STIFFENING,
@@ -405,8 +407,8 @@ TEST(search_ends_with_the_run_of_the_reference)
   FBT_NEAR_ABS(advice.error, 0.25, 0.0);
 }
 
-/* A body that misses it alike by two steps of a scheme is tried no more, one that does not is: by each of its schemes for
-   itself. Steps are parts of the frame, half as long every second time. */
+/* A body that misses it alike by two steps of a scheme is tried no more, one that does not is: by each of its schemes
+   for itself. Steps are parts of the frame, half as long every second time. */
 TEST(search_gives_up_bodies_that_miss_alike)
 {
   static picky p;

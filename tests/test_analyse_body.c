@@ -1,4 +1,4 @@
-/* Section 12: states of rest, spectra and linear models of a body. */
+/* >>trim and >>linear: states of rest, spectra and linear models of a body. */
 #include "analyse.h"
 
 static fb_analyse_work work;
@@ -41,8 +41,8 @@ TEST(spectrum_of_a_spinning_oscillator_is_closed_form)
   }
 }
 
-/* E12.2: what moves the base as an input: the state of rest q = w^2 R/(k_x - w^2) + w v_y/(k_x - w^2) of that particle, of
-   which pi = (v_x, w (R + q) + v_y), follows v and w; A dx + B du = 0. The force on it as an input does so, too. */
+/* E12.2: what moves the base as an input: the state of rest q = w^2 R/(k_x - w^2) + w v_y/(k_x - w^2) of that particle,
+   of which pi = (v_x, w (R + q) + v_y), follows v and w; A dx + B du = 0. The force on it as an input does so, too. */
 TEST(bases_that_move_move_the_state_of_rest)
 {
   const double w = 1.2, R = 0.5, kx = 4.0, a = kx - w * w, q = w * w * R / a;
@@ -170,8 +170,8 @@ TEST(free_tops_nutate_as_euler_says)
 }
 
 /* E12.1: a body that turns on a hinge is at rest under a weight or a force along its axis, and not under one across it,
-   though at this instant nothing turns it: in space a torque does so, too, in the body it goes round with it. In every unit
-   of length alike, and what is off by rounding is along. */
+   though at this instant nothing turns it: in space a torque does so, too, in the body it goes round with it. In every
+   unit of length alike, and what is off by rounding is along. */
 TEST(a_weight_across_the_axis_is_no_rest)
 {
   static const double unit[3] = {1e-4, 1.0, 1e4};
@@ -212,8 +212,8 @@ TEST(a_weight_across_the_axis_is_no_rest)
   }
 }
 
-/* E12.1: a body that turns on a hinge about no principal axis rests: the hinge bears what turns its angular momentum, and
-   a torque across that goes round with it; not one about the hinge. */
+/* E12.1: a body that turns on a hinge about no principal axis rests: the hinge bears what turns its angular momentum,
+   and a torque across that goes round with it; not one about the hinge. */
 TEST(a_hinge_turns_what_spins_about_no_axis_of_its_own)
 {
   for (int run = 0; run < 3; run++) { /* no torque, across, about */
@@ -273,8 +273,8 @@ TEST(equal_inertias_spin_about_any_of_their_axes)
   }
 }
 
-/* E12.1 to E12.3: a free axisymmetric body (A, A, C) that spins about z and carries a nutation damper: a particle at R on
-   the x axis, sprung and damped along z. Euler's equations and the particle's, linear in w_1, w_2 and its z, mu the
+/* E12.1 to E12.3: a free axisymmetric body (A, A, C) that spins about z and carries a nutation damper: a particle at R
+   on the x axis, sprung and damped along z. Euler's equations and the particle's, linear in w_1, w_2 and its z, mu the
    reduced mass: A w_1' + s (C - A) w_2 = 0,  (A + mu R^2) w_2' + s (A - C - mu R^2) w_1 - mu R (z'' + s^2 z) = 0,
    mu (z'' - R w_2' + s R w_1) + c z' + k z = 0. The eigenvalues are the roots of their determinant. The damper calms a
    spin about the major axis and drives one about the minor axis away (Kelvin, Bracewell). */
@@ -411,8 +411,8 @@ static const fb_linear_desc all_ports = {4,
                                           {FB_PORT_RATE, 0, 1, 0},
                                           {FB_PORT_ACCELERATION, 0, 0, 0}}};
 
-/* The linear model of a deflected beam on a hub that turns, drifts and hangs in gravity, in units of u meters, m kilograms,
-   and in size those of x, of the inputs and of the outputs. */
+/* The linear model of a deflected beam on a hub that turns, drifts and hangs in gravity, in units of u meters, m
+   kilograms, and in size those of x, of the inputs and of the outputs. */
 static void linear_in_units(fb_linear *linear, double size[3][FB_MAX_LINEAR], fb_base base, double u, double m)
 {
   const fb_real center[3] = {(fb_real)(0.2 * u), -(fb_real)(0.1 * u), (fb_real)(0.3 * u)}, J = (fb_real)(m * u * u);
@@ -458,8 +458,8 @@ static void linear_in_units(fb_linear *linear, double size[3][FB_MAX_LINEAR], fb
   memcpy(size[2], out, sizeof out);
 }
 
-/* E12.2: the linear model is the same in every unit of length and of mass: of rates of momenta and pose, of loads and motions
-   of the base as inputs, of what gyros and accelerometers read; every base. */
+/* E12.2: the linear model is the same in every unit of length and of mass: of rates of momenta and pose, of loads and
+   motions of the base as inputs, of what gyros and accelerometers read; every base. */
 TEST(linear_models_do_not_depend_on_units)
 {
   static const fb_base bases[] = {FB_BASE_FREE, FB_BASE_PRESCRIBED, FB_BASE_PINNED, FB_BASE_HINGED};
@@ -558,8 +558,9 @@ TEST(nrel_blade_has_the_published_figures)
 
 /* ---- a disk (4 kg, with the radii of gyration 0.15 m and 0.112 m on 0.6 m) that spins at the tip of a clamped shaft */
 
-/* E12.3, E12.16: where shafts are so light, long and finely resolved that rounding takes the slow whirls away, the spectrum
-   says so: each is within the error of a mode that is there, or the whole is refused. The lightest are beyond use. */
+/* E12.3, E12.16: where shafts are so light, long and finely resolved that rounding takes the slow whirls away, the
+   spectrum says so: each is within the error of a mode that is there, or the whole is refused. The lightest are beyond
+   use. */
 TEST(errors_of_spectra_are_told)
 {
   int lost = 0, good = 0;
@@ -599,7 +600,7 @@ TEST(errors_of_spectra_are_told)
   FBT_TRUE(lost > 0);
 }
 
-/* Section 12: what cannot be linearized is refused, the state kept. */
+/* >>trim and >>linear: what cannot be linearized is refused, the state kept. */
 TEST(analysis_refuses_bad_input)
 {
   static fb_linear linear;

@@ -1,4 +1,4 @@
-/* Section 12: analysis of systems with loops; what is refused of systems. */
+/* >>trim and >>linear: analysis of systems with loops; what is refused of systems. */
 #include "analyse.h"
 
 /* ---- a disk (4 kg, with the radii of gyration 0.15 m and 0.112 m on 0.6 m) that spins at the tip of a clamped shaft */
@@ -243,8 +243,8 @@ static int no_rows(fb_row *row, int capacity, const fb_pose *pose, fb_real t, vo
   return 0;
 }
 
-/* Section 12: the same of systems: what is missing, ports that are not there, what has no linear model of this kind,
-   what cannot rest; nothing given is changed. */
+/* >>trim and >>linear: the same of systems: what is missing, ports that are not there, what has no linear model of this
+   kind, what cannot rest; nothing given is changed. */
 TEST(analysis_of_systems_refuses_bad_input)
 {
   static const struct {

@@ -1,10 +1,11 @@
-/* Section 12: advised steps and step limits of spectra. */
+/* >>trim and >>linear: advised steps and step limits of spectra. */
 #include "analyse.h"
 
 static fb_analyse_work work;
 
-/* E12.6, E12.7: limits, advised steps and damping ratios follow the unit of time: modes slower by 2^20 want steps longer by
-   as much, fast, slow, damped, stiff and still ones; what stands still has no damping. Without amplitudes they are 1. */
+/* E12.6, E12.7: limits, advised steps and damping ratios follow the unit of time: modes slower by 2^20 want steps
+   longer by as much, fast, slow, damped, stiff and still ones; what stands still has no damping. Without amplitudes
+   they are 1. */
 TEST(advised_steps_follow_the_unit_of_time)
 {
   static const double re[4] = {-0.3, -40.0, 0.0, -0.02}, im[4] = {5.0, 0.0, 0.0, 0.7};
@@ -57,8 +58,8 @@ TEST(advised_steps_are_those_whose_errors_add_up)
   }
 }
 
-/* E12.6: at 0.99 of the limit a damped, spinning oscillator comes to rest, at 1.01 it runs away; where the limit is that of
-   the real axis (2.785), of the imaginary one (2.828) and between. */
+/* E12.6: at 0.99 of the limit a damped, spinning oscillator comes to rest, at 1.01 it runs away; where the limit is
+   that of the real axis (2.785), of the imaginary one (2.828) and between. */
 TEST(step_limits_are_those_of_the_spectrum)
 {
   static const double zeta[4] = {0.0, 0.05, 0.4, 3.0};
@@ -89,8 +90,8 @@ TEST(step_limits_are_those_of_the_spectrum)
   }
 }
 
-/* E12.6: a mode that grows, by rounding or slowly of itself, limits the step as one that just swings: at 2 sqrt 2 of rk4's
-   imaginary axis; one that only grows does not. What makes no sense has no step. */
+/* E12.6: a mode that grows, by rounding or slowly of itself, limits the step as one that just swings: at 2 sqrt 2 of
+   rk4's imaginary axis; one that only grows does not. What makes no sense has no step. */
 TEST(step_limits_hold_for_modes_that_grow)
 {
   static const double growth[3] = {1e-12, 1e-6, 0.2};
@@ -202,9 +203,9 @@ TEST(advice_resolves_modes_that_die_out)
   }
 }
 
-/* E12.7: the fastest mode of a stiff spring with a stiff dashpot, exp(l t) with l = -9899/s, has gone before a step of the
-   implicit schemes ends: what is left of it then counts (the midpoint rule turns its sign and keeps nearly all). The
-   advice holds what is wanted, and where it is less than all of the duration, by no more than a factor of 5. */
+/* E12.7: the fastest mode of a stiff spring with a stiff dashpot, exp(l t) with l = -9899/s, has gone before a step of
+   the implicit schemes ends: what is left of it then counts (the midpoint rule turns its sign and keeps nearly all).
+   The advice holds what is wanted, and where it is less than all of the duration, by no more than a factor of 5. */
 TEST(advised_steps_bear_stiff_damping)
 {
   for (int run = 0; run < 9; run++) {

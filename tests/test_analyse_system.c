@@ -1,4 +1,4 @@
-/* Section 12: states of rest, spectra and linear models of systems. */
+/* >>trim and >>linear: states of rest, spectra and linear models of systems. */
 #include "analyse.h"
 
 static fb_analyse_work work;
@@ -93,9 +93,10 @@ TEST(blades_cone_under_a_moment)
   }
 }
 
-/* E12.1, E12.8: a free, pinned or hinged body rests where what acts on it is in balance: a beam that hangs from its hinge,
-   straight, or hovers by a force and a torque on its hub, bent as one whose hub is held. Gravity or thrust alone leaves
-   no state of rest, nor do wheels with momentum across the spin but under a torque that turns it; as a body and as what hangs on a free joint. */
+/* E12.1, E12.8: a free, pinned or hinged body rests where what acts on it is in balance: a beam that hangs from its
+   hinge, straight, or hovers by a force and a torque on its hub, bent as one whose hub is held. Gravity or thrust alone
+   leaves no state of rest, nor do wheels with momentum across the spin but under a torque that turns it; as a body and
+   as what hangs on a free joint. */
 TEST(bases_that_are_pushed_have_no_state_of_rest)
 {
   const fb_real center[3] = {0}, J[6] = {FB_R(0.8), FB_R(0.5), FB_R(0.9), 0, 0, 0};
@@ -199,8 +200,8 @@ TEST(double_pendulum_swings_in_closed_form)
   }
 }
 
-/* E12.3, E12.10: two forces F that pull a free body apart at its ends, a distance l from its center, and stay along x of
-   inertial axes turn it back with 2 F l: omega^2 = 2 F l/J about y and about z. As a body and as a system of one. */
+/* E12.3, E12.10: two forces F that pull a free body apart at its ends, a distance l from its center, and stay along x
+   of inertial axes turn it back with 2 F l: omega^2 = 2 F l/J about y and about z. As a body and as a system of one. */
 TEST(opposite_pulls_hold_a_free_body)
 {
   const double F = 3.0, l = 0.8, J_y = 0.5, J_z = 0.9;
@@ -429,10 +430,10 @@ static int nearest_mode(double want)
   return at;
 }
 
-/* E12.9, E12.10, E12.12, E12.16: a disk that spins on a light shaft whirls forward and back at the roots of (k11 - m l^2)
-   (k22 - Id l^2 + Ip s l) = k12^2, and nothing grows: shafts of 6 cm to 6 m and of a tenth to a ten thousandth of the disk's
-   mass, spins from 0 to 600 rad/s. The shaft's own mass is worth at most its part of the disk's. The rest is within the
-   errors that the spectrum tells, and these are small. */
+/* E12.9, E12.10, E12.12, E12.16: a disk that spins on a light shaft whirls forward and back at the roots of (k11 - m
+   l^2) (k22 - Id l^2 + Ip s l) = k12^2, and nothing grows: shafts of 6 cm to 6 m and of a tenth to a ten thousandth of
+   the disk's mass, spins from 0 to 600 rad/s. The shaft's own mass is worth at most its part of the disk's. The rest is
+   within the errors that the spectrum tells, and these are small. */
 TEST(shafts_with_disks_whirl_in_closed_form)
 {
   double largest = 0.0;
@@ -533,9 +534,9 @@ TEST(linear_models_answer_as_the_system_does)
   }
 }
 
-/* A free hub that spins about z, off its mass center, with a flexible blade on a sprung hinge, a body on a slide out along x
-   and one on a sprung ball joint, in units of u meters and m kilograms: its linear model about the trimmed state, and in
-   size those of x, of the inputs and of the outputs. */
+/* A free hub that spins about z, off its mass center, with a flexible blade on a sprung hinge, a body on a slide out
+   along x and one on a sprung ball joint, in units of u meters and m kilograms: its linear model about the trimmed
+   state, and in size those of x, of the inputs and of the outputs. */
 static void system_in_units(fb_linear *linear, double size[3][FB_MAX_LINEAR], double u, double m)
 {
   static const fb_linear_desc ports = {
@@ -598,8 +599,8 @@ TEST(linear_models_of_systems_do_not_depend_on_units)
   }
 }
 
-/* E12.2, E12.9: a base that flies and spins fast: the acceleration w x v of its node has the derivatives w by v and v by w;
-   of a body and of a system of one. */
+/* E12.2, E12.9: a base that flies and spins fast: the acceleration w x v of its node has the derivatives w by v and v
+   by w; of a body and of a system of one. */
 TEST(fast_bases_have_linear_models)
 {
   static const fb_linear_desc ports = {
@@ -629,7 +630,8 @@ TEST(fast_bases_have_linear_models)
   }
 }
 
-/* E12.9: a motor that pulls hard, on a hinge or a slide: a torque or force more is that much more of the momentum's rate. */
+/* E12.9: a motor that pulls hard, on a hinge or a slide: a torque or force more is that much more of the momentum's
+   rate. */
 TEST(motors_that_pull_have_linear_models)
 {
   static const fb_linear_desc ports = {1, 0, {{FB_PORT_DRIVE, 0, 0, 0}}, {{FB_PORT_FORCE, 0, 0, 0}}};
@@ -645,8 +647,8 @@ TEST(motors_that_pull_have_linear_models)
   }
 }
 
-/* E12.9, E12.10: a pendulum and a top have their closed forms whatever the unit of time, and force, speed and rate of turn as
-   inputs their derivatives: steps are those of what moves, not of a second. */
+/* E12.9, E12.10: a pendulum and a top have their closed forms whatever the unit of time, and force, speed and rate of
+   turn as inputs their derivatives: steps are those of what moves, not of a second. */
 TEST(linear_models_follow_the_unit_of_time)
 {
   static const fb_linear_desc motor = {1, 0, {{FB_PORT_DRIVE, 0, 0, 0}}, {{FB_PORT_FORCE, 0, 0, 0}}};
@@ -686,8 +688,8 @@ TEST(linear_models_follow_the_unit_of_time)
   }
 }
 
-/* E12.9: a system with as many speeds, inputs and outputs as there is room for has a linear model: the torque of an axis is
-   the rate of the momentum conjugate to it and of nothing else, what a coordinate reads is that coordinate. */
+/* E12.9: a system with as many speeds, inputs and outputs as there is room for has a linear model: the torque of an
+   axis is the rate of the momentum conjugate to it and of nothing else, what a coordinate reads is that coordinate. */
 TEST(full_systems_have_linear_models)
 {
   static const fb_joint_kind kinds[7] = {FB_JOINT_FREE,      FB_JOINT_REVOLUTE,  FB_JOINT_REVOLUTE, FB_JOINT_REVOLUTE,
@@ -727,8 +729,8 @@ TEST(full_systems_have_linear_models)
   }
 }
 
-/* E12.8: two free bodies on a sprung slide, pulled apart by F, rest with the spring F/k longer, however they are turned: what
-   pushes each is much, what pushes both is nothing. One of the pulls alone is no rest. */
+/* E12.8: two free bodies on a sprung slide, pulled apart by F, rest with the spring F/k longer, however they are
+   turned: what pushes each is much, what pushes both is nothing. One of the pulls alone is no rest. */
 TEST(pulled_apart_free_bodies_rest)
 {
   for (int run = 0; run < 6; run++) {

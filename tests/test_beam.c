@@ -1,4 +1,4 @@
-/* Section 6: sections, stations, lumped bodies, element matrices. References are written out in double or summed in
+/* >>beam: sections, stations, lumped bodies, element matrices. References are written out in double or summed in
    long double from the very numbers of the desc; bounds are units of the epsilon of fb_real. */
 #include "fbt.h"
 
@@ -318,7 +318,7 @@ TEST(tapered_stations_integrate_exactly)
   }
 }
 
-/* Section 6: properties are linear between stations and keep the end values outside. */
+/* >>beam: properties are linear between stations and keep the end values outside. */
 TEST(sections_are_interpolated_between_stations)
 {
   fb_section s;
@@ -619,7 +619,7 @@ static int numbers_of_desc(fb_real *list[128])
   return n;
 }
 
-/* Section 6: whatever is wrong with a desc is refused with its status, and the beam is not written. */
+/* >>beam: whatever is wrong with a desc is refused with its status, and the beam is not written. */
 TEST(bad_beams_are_refused_and_leave_the_output_alone)
 {
   const fb_real bad[4] = {(fb_real)NAN, (fb_real)INFINITY, -(fb_real)INFINITY, (fb_real)(4.0 * (double)FB_HUGE)};
@@ -654,7 +654,7 @@ TEST(bad_beams_are_refused_and_leave_the_output_alone)
   FBT_TRUE(memcmp(&beam, &pattern, sizeof beam) == 0);
 }
 
-/* Section 6: the largest desc is accepted; a beam without mass of its own may carry bodies; the attitude is
+/* >>beam: the largest desc is accepted; a beam without mass of its own may carry bodies; the attitude is
    normalized, and all zero means none. */
 TEST(good_beams_keep_their_desc)
 {
@@ -843,7 +843,7 @@ TEST(a_thin_end_keeps_half)
   }
 }
 
-/* Section 6: what is wrong with a material or a profile is refused, the output kept. */
+/* >>beam: what is wrong with a material or a profile is refused, the output kept. */
 TEST(bad_profiles_are_refused)
 {
   const fb_material good = {FB_R(2.0), FB_R(1.0), FB_R(1.0)};

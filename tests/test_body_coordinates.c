@@ -1,4 +1,4 @@
-/* Section 8: bodies in other coordinates, with as many of them, nodes and loads as there can be. */
+/* >>body and >>assemble: bodies in other coordinates, with as many of them, nodes and loads as there can be. */
 #include "body.h"
 
 static fb_shape other;
@@ -150,9 +150,9 @@ static void large_outcome(outcome *out, int combined)
   out->limit[5] = body.gyration;
 }
 
-/* E8.1 to E8.22, E8.25, E8.28: any combination of the coordinates describes the same body, in every form and on every base,
-   with as many coordinates, nodes and loads as there can be: bounds, accelerations, reactions, energies, momenta and the
-   motion of every node. */
+/* E8.1 to E8.22, E8.25, E8.28: any combination of the coordinates describes the same body, in every form and on every
+   base, with as many coordinates, nodes and loads as there can be: bounds, accelerations, reactions, energies, momenta
+   and the motion of every node. */
 TEST(combined_coordinates_are_the_same_body)
 {
   double worst = 0.0;
@@ -170,7 +170,8 @@ TEST(combined_coordinates_are_the_same_body)
   }
 }
 
-/* E8.15 to E8.18, E8.25, E8.27: that body, free and without damping: the work of all its loads is the change of its energy. */
+/* E8.15 to E8.18, E8.25, E8.27: that body, free and without damping: the work of all its loads is the change of its
+   energy. */
 TEST(power_of_all_loads_is_the_rate_of_energy)
 {
   for (int form = 0; form < FBT_FORMS; form++) {
@@ -315,8 +316,8 @@ static void count_terms(int count[3], int n)
   }
 }
 
-/* E8.4 to E8.6: what is zero by a symmetry is no term, in any unit, whichever effects are on; with all of them everything else
-   is one. */
+/* E8.4 to E8.6: what is zero by a symmetry is no term, in any unit, whichever effects are on; with all of them
+   everything else is one. */
 TEST(what_a_symmetry_makes_zero_is_no_term)
 {
   const double far = FBT_TOL(ldexp(1.0, 30), 64.0), alike[4] = {1.0, 1.0, 1.0, 1.0};
@@ -437,7 +438,8 @@ static void full_beam_outcome(outcome *out)
   memcpy(out->w_dot, motion.w_dot, sizeof out->w_dot);
 }
 
-/* E8.1 to E8.3, E8.14, E8.31: any combination of a beam's coordinates is the same body, with as many of them as there can be.
+/* E8.1 to E8.3, E8.14, E8.31: any combination of a beam's coordinates is the same body, with as many of them as there
+   can be.
  */
 TEST(combined_coordinates_of_a_beam_are_the_same_body)
 {
@@ -453,9 +455,9 @@ TEST(combined_coordinates_of_a_beam_are_the_same_body)
   }
 }
 
-/* E8.8: a particle on a spring beside a heavy hub (mass m0, inertia I0, at the distance L along x) leaves the frame the hub's
-   inertia alone where it moves: the largest ratio is 1 + m/m0 + m L^2/I0 of a free body, 1 + m L^2/I0 where O is held and it
-   moves about an axis that is free, else 1; in any unit. */
+/* E8.8: a particle on a spring beside a heavy hub (mass m0, inertia I0, at the distance L along x) leaves the frame the
+   hub's inertia alone where it moves: the largest ratio is 1 + m/m0 + m L^2/I0 of a free body, 1 + m L^2/I0 where O is
+   held and it moves about an axis that is free, else 1; in any unit. */
 TEST(recoil_is_what_springs_leave_the_frame)
 {
   const double m0 = 3.0, I0 = 2.0, m = 0.5, L = 1.5;

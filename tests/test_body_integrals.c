@@ -1,4 +1,4 @@
-/* Section 8: shape integrals of beams, lumps and finite-element models; the quadratic field. */
+/* >>body and >>assemble: shape integrals of beams, lumps and finite-element models; the quadratic field. */
 #include "body.h"
 
 static fb_shape other;
@@ -476,8 +476,8 @@ TEST(lumped_bodies_are_the_particles_they_stand_for)
   FBT_BELOW(shape_difference(&shape, &other, 0), FBT_TOL(1e-12, 1e-4));
 }
 
-/* E8.1, E8.3: a lump on a node that moves by psi and turns by theta has M_ab = m psi_a.psi_b + theta_a.I theta_b, h_a = m
-   r x psi_a + I theta_a, J = I + m (r.r - r r^T), I any tensor of inertia. */
+/* E8.1, E8.3: a lump on a node that moves by psi and turns by theta has M_ab = m psi_a.psi_b + theta_a.I theta_b, h_a =
+   m r x psi_a + I theta_a, J = I + m (r.r - r r^T), I any tensor of inertia. */
 TEST(lumps_have_the_inertia_of_their_node)
 {
   static const fb_real inertia[6] = {FB_R(0.5), FB_R(0.6), FB_R(0.7), FB_R(0.1), -FB_R(0.05), FB_R(0.08)};

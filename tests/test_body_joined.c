@@ -1,4 +1,5 @@
-/* Section 8: bodies whose components were joined, and finite-element models, are the beams they came from. */
+/* >>body and >>assemble: bodies whose components were joined, and finite-element models, are the beams they came from.
+   */
 #include "body.h"
 
 /* ---- as many coordinates, nodes and loads as there can be */
@@ -192,8 +193,8 @@ TEST(joined_modes_are_of_the_kind_of_their_largest_share)
   half_turn = 0.0;
 }
 
-/* E7.12: a beam of two halves that are each other's mirror image: every mode has an equal share in both, and the same sign
-   whatever rounding makes of them. */
+/* E7.12: a beam of two halves that are each other's mirror image: every mode has an equal share in both, and the same
+   sign whatever rounding makes of them. */
 TEST(joined_twins_have_a_sign_that_rounding_does_not_choose)
 {
   static fb_beam part[2];

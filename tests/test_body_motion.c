@@ -1,4 +1,4 @@
-/* Section 8: loads, nodes, bases, energy, damping, spinning beams. */
+/* >>body and >>assemble: loads, nodes, bases, energy, damping, spinning beams. */
 #include "body.h"
 
 /* ---- a boom with everything on it */
@@ -144,8 +144,8 @@ static void node_defects(double defect[4], double h, int node)
   }
 }
 
-/* E8.16, E8.21: the energy of gravity is that of the particles in their places, and so is that of the strain, whatever else
-   moves; without gravity there is none. */
+/* E8.16, E8.21: the energy of gravity is that of the particles in their places, and so is that of the strain, whatever
+   else moves; without gravity there is none. */
 TEST(potential_energies_agree_with_a_particle_model)
 {
   const int n = 5;
@@ -192,8 +192,8 @@ TEST(potential_energies_agree_with_a_particle_model)
   }
 }
 
-/* E8.7: a particle on a spring: the damping force is 2 zeta sqrt(k m) times its speed, soft or stiff, in any unit of its
-   coordinate. */
+/* E8.7: a particle on a spring: the damping force is 2 zeta sqrt(k m) times its speed, soft or stiff, in any unit of
+   its coordinate. */
 TEST(damping_is_that_of_a_particle_on_a_spring)
 {
   for (int run = 0; run < 9; run++) {
@@ -636,9 +636,9 @@ TEST(spinning_beams_stiffen_as_published)
   FBT_BELOW(tapered, FBT_TOL(1e-5, 2e-3));
 }
 
-/* Worst relative error of the first four flap and lag frequencies, eta = 0..50 and three hub radii, of the eigenvalues of
-   the linear model about the steady spin: 20 bending modes of 20 elements (the mesh errs by 1e-6 at eta = 50), one body
-   for all spins. */
+/* Worst relative error of the first four flap and lag frequencies, eta = 0..50 and three hub radii, of the eigenvalues
+   of the linear model about the steady spin: 20 bending modes of 20 elements (the mesh errs by 1e-6 at eta = 50), one
+   body for all spins. */
 static double linear_spinning_error(const char *file, int tapered)
 {
   static fb_analyse_work analyse_work;

@@ -1,4 +1,4 @@
-/* Section 8: bodies against brute-force models of particles, without shape integrals. */
+/* >>body and >>assemble: bodies against brute-force models of particles, without shape integrals. */
 #include "body.h"
 
 /* Orthonormalizes the modes so that M = 1 (Gram-Schmidt). */
@@ -554,8 +554,8 @@ static void particles_in_units(const particles *p, velocity *s, const double *un
   }
 }
 
-/* E8.4 to E8.6, E8.17, E8.19: each coordinate may have a unit of its own, so that the modal masses are all 2 kg, or as far
-   apart as numbers go: the body moves as before, for every set of effects, with stiffness and damping. */
+/* E8.4 to E8.6, E8.17, E8.19: each coordinate may have a unit of its own, so that the modal masses are all 2 kg, or as
+   far apart as numbers go: the body moves as before, for every set of effects, with stiffness and damping. */
 TEST(coordinates_have_any_unit)
 {
   static const int n = 3;
@@ -690,8 +690,8 @@ TEST(each_set_of_effects_follows_its_own_lagrangian)
 
 /* ---- as many coordinates, nodes and loads as there can be */
 
-/* Section 8: what limits a deflection: how far out the farthest particle is, and how far each mode moves the one that it
-   moves most. */
+/* >>body and >>assemble: what limits a deflection: how far out the farthest particle is, and how far each mode moves
+   the one that it moves most. */
 TEST(size_and_reach_are_those_of_the_particles)
 {
   static const fb_real center[3] = {3, 4, 12}, inertia[6] = {1, 1, 1};

@@ -1,10 +1,10 @@
-/* Section 8: what is refused of bodies; check words. */
+/* >>body and >>assemble: what is refused of bodies; check words. */
 #include "body.h"
 
 /* ---- as many coordinates, nodes and loads as there can be */
 
-/* E8.22: two particles on a line through O have no inertia about it: refused, but for a base that holds that turn, in any
-   direction and unit; with a little inertia about it they are a body. */
+/* E8.22: two particles on a line through O have no inertia about it: refused, but for a base that holds that turn, in
+   any direction and unit; with a little inertia about it they are a body. */
 TEST(lines_of_particles_are_refused)
 {
   for (int run = 0; run < 60; run++) {
@@ -186,7 +186,8 @@ static int numbers_unseen(fb_real *x, int n)
   return word == 0 ? n : unseen;
 }
 
-/* E8.40: every number of a body with a quadratic field, damping and gravity: those of its nodes, of S and of the matrices. */
+/* E8.40: every number of a body with a quadratic field, damping and gravity: those of its nodes, of S and of the
+   matrices. */
 TEST(the_check_word_sees_every_number)
 {
   const int n = BOOM_MODES;
@@ -212,8 +213,8 @@ TEST(the_check_word_sees_every_number)
   }
 }
 
-/* E8.40: of changes of 33 bits in a row the word sees all but the one by its polynomial, x^32 first (IEEE 802.3, 3.2.9),
-   wherever in eight bytes it begins. */
+/* E8.40: of changes of 33 bits in a row the word sees all but the one by its polynomial, x^32 first (IEEE 802.3,
+   3.2.9), wherever in eight bytes it begins. */
 TEST(the_check_word_is_that_of_its_polynomial)
 {
   const unsigned long long polynomial = 0x1DB710641ull; /* the lowest bit comes first */
@@ -310,9 +311,9 @@ TEST(rows_without_terms_are_refused)
   FBT_INT_EQ(fb_body_check(&spoiled), FB_ERR_VALUE);
 }
 
-/* E3.2, E8.22: a rod of particles, or an inertia with nothing about its axis, turned anyhow, has no inertia about that axis:
-   free or pinned it is refused, in units of mass and length of any size. With 1e-8 of the inertia across (single 1e-4) it
-   is a body. */
+/* E3.2, E8.22: a rod of particles, or an inertia with nothing about its axis, turned anyhow, has no inertia about that
+   axis: free or pinned it is refused, in units of mass and length of any size. With 1e-8 of the inertia across (single
+   1e-4) it is a body. */
 TEST(rods_without_thickness_are_refused_in_every_attitude)
 {
   static const double units[5] = {1.0, 1e-6, 1e6, 1e-12, 1e12};

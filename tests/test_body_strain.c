@@ -1,5 +1,5 @@
-/* Section 8: nonlinear axial strain: its energy, forces and limits, the spin-up of D'Eleuterio and Barfoot [DB], what
-   is refused in such bodies; with FB_WITH_FORMS in every form of the equations. */
+/* >>body and >>assemble: nonlinear axial strain: its energy, forces and limits, the spin-up of D'Eleuterio and Barfoot
+   [DB], what is refused in such bodies; with FB_WITH_FORMS in every form of the equations. */
 #include "strain.h"
 
 /* ---- strain */
@@ -84,8 +84,8 @@ static double energy_slope(const fb_state *state, int a, double h)
   return sum / (12.0 * h);
 }
 
-/* E8.23: the energy is that of [DB] (27), the forces are its gradient, also without the terms of degree 4: functions and
-   natural modes, both planes, EI_y != EI_z. */
+/* E8.23: the energy is that of [DB] (27), the forces are its gradient, also without the terms of degree 4: functions
+   and natural modes, both planes, EI_y != EI_z. */
 TEST(strain_forces_are_the_gradient_of_the_energy)
 {
   static const scene scenes[] = {{1, 3, 1, 2, 0}, {2, 3, 0, 2, 0}, {2, 5, 0, 2, 0}, {1, 0, 0, 2, 1},
@@ -157,8 +157,8 @@ static void bending_alone(int degree, int planes)
   scene_body(FBT_MOMENTUM, FBT_IDENTITY, FB_BASE_PRESCRIBED, FB_EFFECTS_STRAIN);
 }
 
-/* E6.8: u_y = (x/L)^d of a beam whose axial stiffness falls evenly to half of it has a strain energy with x^(4 d - 3), the
-   highest degree that the 2 d - 1 points integrate exactly. */
+/* E6.8: u_y = (x/L)^d of a beam whose axial stiffness falls evenly to half of it has a strain energy with x^(4 d - 3),
+   the highest degree that the 2 d - 1 points integrate exactly. */
 TEST(gauss_rules_integrate_polynomials)
 {
   double worst = 0.0;
@@ -183,9 +183,9 @@ TEST(gauss_rules_integrate_polynomials)
   FBT_BELOW(worst, FBT_TOL(1e-12, 1e-5));
 }
 
-/* Section 8: the strain that a spinning beam's own mass causes at its root, per spin squared, int r dm/EA with r from O:
-   on the line through O whatever its attitude, mass that falls evenly, cells between elements and stations, a body that
-   counts as if at the tip. */
+/* >>body and >>assemble: the strain that a spinning beam's own mass causes at its root, per spin squared, int r dm/EA
+   with r from O: on the line through O whatever its attitude, mass that falls evenly, cells between elements and
+   stations, a body that counts as if at the tip. */
 TEST(own_mass_stretches_a_spinning_beam)
 {
   const scene three = {3, 3, 0, 1, 0};
@@ -381,8 +381,8 @@ TEST(two_elements_of_degree_6_are_converged)
   }
 }
 
-/* E8.25, E8.27, ERRATA.md DBc: the work of the torque is the energy in every form on basis H; the printed stiffness torque
-   leaks. */
+/* E8.25, E8.27, ERRATA.md DBc: the work of the torque is the energy in every form on basis H; the printed stiffness
+   torque leaks. */
 TEST(work_of_the_torque_is_the_energy)
 {
   static const int form[] = {FBT_MOMENTUM, FBT_SECOND, FBT_FIRST, FBT_FIRST, FBT_FIRST};
@@ -463,8 +463,8 @@ TEST(what_is_held_keeps_no_momentum)
 
 /* ---- as many coordinates as there can be */
 
-/* The beam on its hub, with pairs of particles at the same place: each pair that is a coordinate, of the first before the
-   beam's, moves apart against a spring, the others are fixed. */
+/* The beam on its hub, with pairs of particles at the same place: each pair that is a coordinate, of the first before
+   the beam's, moves apart against a spring, the others are fixed. */
 static void shape_with_pairs(int first)
 {
   static const fb_real center[3] = {FB_R(0.3), -FB_R(0.2), FB_R(0.1)};
@@ -489,8 +489,8 @@ static void shape_with_pairs(int first)
   }
 }
 
-/* Accelerations under a load at the tip, and after ten steps of each scheme position, attitude and coordinates of the beam,
-   bent and in motion; what the pairs do of it. */
+/* Accelerations under a load at the tip, and after ten steps of each scheme position, attitude and coordinates of the
+   beam, bent and in motion; what the pairs do of it. */
 static int moved_with_pairs(fb_real *moved, double *pairs, int first, int form)
 {
   static fb_implicit_work implicit;
@@ -539,8 +539,8 @@ static int moved_with_pairs(fb_real *moved, double *pairs, int first, int form)
   return count;
 }
 
-/* E8.13, E8.24, E8.25, E8.28: coordinates at rest which nothing pushes do not count: in every form and scheme a beam whose
-   coordinates are the last of as many as there can be moves as one that has no others. */
+/* E8.13, E8.24, E8.25, E8.28: coordinates at rest which nothing pushes do not count: in every form and scheme a beam
+   whose coordinates are the last of as many as there can be moves as one that has no others. */
 TEST(coordinates_at_rest_do_not_count)
 {
   for (int form = 0; form < FBT_FORMS; form++) {
@@ -799,8 +799,8 @@ static void walks_refused(void)
 #endif
 }
 
-/* A body's tables may change in memory: every count beyond its table and below zero, every number that is none, what may
-   not be negative, in each form; E8.40: with such a count there is no word. */
+/* A body's tables may change in memory: every count beyond its table and below zero, every number that is none, what
+   may not be negative, in each form; E8.40: with such a count there is no word. */
 TEST(what_memory_has_spoiled_is_refused)
 {
   static const scene natural = {2, 0, 0, 2, 1};
@@ -970,8 +970,8 @@ static int padding(void)
          4 * (int)(sizeof(fb_real) - sizeof(int));
 }
 
-/* E8.40: one bit of every byte of every form flipped, in long tables of one in 61. The word sees all but what is listed and
-   padding; all that at once changes nothing of a motion. */
+/* E8.40: one bit of every byte of every form flipped, in long tables of one in 61. The word sees all but what is listed
+   and padding; all that at once changes nothing of a motion. */
 TEST(the_check_word_sees_every_form)
 {
   static const scene short_one = {1, 3, 0, 1, 0};

@@ -1,4 +1,4 @@
-/* Section 8: the equations of D'Eleuterio and Barfoot [DB] beside the momentum form: FB_WITH_FORMS. */
+/* >>body and >>assemble: the equations of D'Eleuterio and Barfoot [DB] beside the momentum form: FB_WITH_FORMS. */
 #include "strain.h"
 
 #if FB_WITH_FORMS
@@ -93,8 +93,8 @@ static double energy_leak(const fb_state *state, const fb_state *rate, const fb_
   return fabs(change - power) / fabs(strain);
 }
 
-/* E8.24, E8.26, E8.27: the three stiffness torques are one on a closed basis, EI_y != EI_z; on an open one (ERRATA.md DBc)
-   they differ, and that of the identity alone does the work that the strain energy stores. */
+/* E8.24, E8.26, E8.27: the three stiffness torques are one on a closed basis, EI_y != EI_z; on an open one (ERRATA.md
+   DBc) they differ, and that of the identity alone does the work that the strain energy stores. */
 TEST(stiffness_torques_agree_on_a_closed_basis)
 {
   for (int open = 0; open < 2; open++) {
@@ -126,9 +126,9 @@ TEST(stiffness_torques_agree_on_a_closed_basis)
   }
 }
 
-/* E8.24: so they do of a beam whose sections fall to 0.4 at the tip: the parts that integration by parts leaves belong to the
-   ends. That at the root, of functions with strain there, is EI u_x' u_y'' of the root's section, which a uniform beam has,
-   too. */
+/* E8.24: so they do of a beam whose sections fall to 0.4 at the tip: the parts that integration by parts leaves belong
+   to the ends. That at the root, of functions with strain there, is EI u_x' u_y'' of the root's section, which a
+   uniform beam has, too. */
 TEST(stiffness_torques_are_those_of_tapered_beams)
 {
   const int later = 2;
@@ -425,8 +425,8 @@ static int truncation_row(spin_up *s, const fbt_table *table, int row)
   return (n == 1 || (n == 2 && s->beam.root_strain)) && strcmp(form, "first_nokin") != 0;
 }
 
-/* E8.23 to E8.28 with terms left out, [DB] figures 4 and 5, ERRATA.md DBd: Q = 1 diverges for want of a lower bound of the
-   strain energy, Q = 0 where softening is not outweighed; all else has the reference's largest deflection. */
+/* E8.23 to E8.28 with terms left out, [DB] figures 4 and 5, ERRATA.md DBd: Q = 1 diverges for want of a lower bound of
+   the strain energy, Q = 0 where softening is not outweighed; all else has the reference's largest deflection. */
 TEST(truncation_does_what_the_paper_shows)
 {
   double worst = 0.0, late = 0.0;

@@ -1,4 +1,4 @@
-/* Section 11: schemes in the second-order and the first-order form: FB_WITH_FORMS. */
+/* >>integrate: schemes in the second-order and the first-order form: FB_WITH_FORMS. */
 #include "integrate.h"
 
 #if FB_WITH_FORMS

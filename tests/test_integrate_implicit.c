@@ -1,4 +1,4 @@
-/* Section 11: the implicit and the exponential scheme: iterations, tangent, stiff modes, drift. */
+/* >>integrate: the implicit and the exponential scheme: iterations, tangent, stiff modes, drift. */
 #include "integrate.h"
 
 /* ---- all schemes */
@@ -44,8 +44,8 @@ TEST(steps_may_be_a_thousand_periods_long)
   }
 }
 
-/* What one iteration of the midpoint rule leaves of q, pi, position and h, deflected, spinning and drifting as far as the
-   base lets it. */
+/* What one iteration of the midpoint rule leaves of q, pi, position and h, deflected, spinning and drifting as far as
+   the base lets it. */
 static void left_by_one(double left[4], double dt)
 {
   fb_state end[2];
@@ -66,9 +66,9 @@ static void left_by_one(double left[4], double dt)
   left[3] = fbt_difference(end[0].h, end[1].h, 3);
 }
 
-/* E11.4, E11.5: of the equations without a quadratic field the matrix is the Jacobian, and what an iteration leaves is of
-   order 5 in q and of order 4 in what forces change first: by any other matrix it is of one order less. Mass off the line
-   in every direction, a base that may move and one that may turn. */
+/* E11.4, E11.5: of the equations without a quadratic field the matrix is the Jacobian, and what an iteration leaves is
+   of order 5 in q and of order 4 in what forces change first: by any other matrix it is of one order less. Mass off the
+   line in every direction, a base that may move and one that may turn. */
 TEST(iterations_are_newtons)
 {
   static const fb_base base[] = {FB_BASE_FREE, FB_BASE_PINNED};
@@ -242,8 +242,8 @@ TEST(the_exponential_scheme_is_exact_for_constant_loads)
   FBT_BELOW(largest, FBT_TOL(1e-12, 1e-4));
 }
 
-/* E11.10: the tables of the exponential scheme are the series sum (-t^2)^k/(2k + j)! of t = omega dt and half of that, in
-   steps short and long. */
+/* E11.10: the tables of the exponential scheme are the series sum (-t^2)^k/(2k + j)! of t = omega dt and half of that,
+   in steps short and long. */
 TEST(the_exponential_scheme_knows_its_functions)
 {
   boom(FB_EFFECTS_LINEAR, FB_BASE_PRESCRIBED, 2, 2, 0, 0.0);
@@ -339,8 +339,8 @@ TEST(one_iteration_steps_linear_bodies_of_every_form)
   }
 }
 
-/* E11.4, E11.5: small motion of a free body at rest, or a pinned one, is linear: one iteration leaves next to nothing, in
-   every form. */
+/* E11.4, E11.5: small motion of a free body at rest, or a pinned one, is linear: one iteration leaves next to nothing,
+   in every form. */
 TEST(one_iteration_steps_small_motion_of_every_form)
 {
   for (int k = 0; k < 4 * FBT_FORMS; k++) {

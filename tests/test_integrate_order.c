@@ -1,4 +1,4 @@
-/* Section 11: orders, sums and what each scheme keeps: energy, momentum, phase. */
+/* >>integrate: orders, sums and what each scheme keeps: energy, momentum, phase. */
 #include "integrate.h"
 
 /* The load and the motion of the base at time t. */
@@ -437,8 +437,8 @@ static void turned_run(fb_state *state, scheme which, fb_base base, int form, in
   }
 }
 
-/* Section 11: no axis is better than another: the same body, motion and loads with x, y, z called y, z, x give the same
-   motion, called so, by every scheme; of the implicit ones one iteration, whose matrix leaves its trace in it. */
+/* >>integrate: no axis is better than another: the same body, motion and loads with x, y, z called y, z, x give the
+   same motion, called so, by every scheme; of the implicit ones one iteration, whose matrix leaves its trace in it. */
 TEST(schemes_know_no_axes)
 {
   for (int run = 0; run < 2 * FBT_FORMS * SCHEMES; run++) {
@@ -477,8 +477,8 @@ static void turned_fill(fb_real *x, int k, double size)
   turned(x, y, k);
 }
 
-/* Two of the bodies, the first free or on a ball joint, the second on a ball joint on it, askew, with springs and dampers,
-   pushed, after ten steps of dt = 0.02 s by SDIRK with one iteration, or by rk4. */
+/* Two of the bodies, the first free or on a ball joint, the second on a ball joint on it, askew, with springs and
+   dampers, pushed, after ten steps of dt = 0.02 s by SDIRK with one iteration, or by rk4. */
 static void turned_system_run(fb_system_state *state, int rk4, fb_joint_kind kind, int k)
 {
   static fb_system_desc tree;
@@ -522,7 +522,7 @@ static void turned_system_run(fb_system_state *state, int rk4, fb_joint_kind kin
   }
 }
 
-/* Section 11: nor is one for systems. */
+/* >>integrate: nor is one for systems. */
 TEST(schemes_of_systems_know_no_axes)
 {
   for (int run = 0; run < 4; run++) {
@@ -548,8 +548,8 @@ TEST(schemes_of_systems_know_no_axes)
   }
 }
 
-/* E11.2: coordinates below FB_TINY and momenta below a millionth of it are zero after a step of any scheme, of a body and of
-   a system, every one of them; momenta above stay as they are. */
+/* E11.2: coordinates below FB_TINY and momenta below a millionth of it are zero after a step of any scheme, of a body
+   and of a system, every one of them; momenta above stay as they are. */
 TEST(what_is_tiny_becomes_zero)
 {
   static fb_system_desc tree;
@@ -659,8 +659,8 @@ static void straight_on(fb_input *input, const fb_real quat[4], const fb_real v[
   fb_vec3_cross(input->v_dot, input->v, input->w);
 }
 
-/* A tumbling, bending body with a thruster on its tip, at a speed along some direction: what it does relative to its mass
-   center after 2 s, and where O is against the way at that speed. */
+/* A tumbling, bending body with a thruster on its tip, at a speed along some direction: what it does relative to its
+   mass center after 2 s, and where O is against the way at that speed. */
 static void fly(fb_state *state, fb_node_motion *tip, scheme which, fb_base base, const fb_body_desc *desc,
                 double speed)
 {
@@ -747,9 +747,9 @@ TEST(flight_speed_does_not_matter)
   fbt_figure("bending at 30 km/s", "the same at rest", worst);
 }
 
-/* E8.35, E11.31, E11.34: a base that is prescribed to turn and to go straight on bends what hangs on it as one that turns
-   in place. The caller rounds v in body axes, by eps of the speed, and turns it by the exact attitude, which implicit
-   schemes have but for (w dt)^3/12: 2e-11 of the speed. */
+/* E8.35, E11.31, E11.34: a base that is prescribed to turn and to go straight on bends what hangs on it as one that
+   turns in place. The caller rounds v in body axes, by eps of the speed, and turns it by the exact attitude, which
+   implicit schemes have but for (w dt)^3/12: 2e-11 of the speed. */
 TEST(the_speed_of_a_prescribed_base_does_not_matter)
 {
   static const double speeds[] = {250.0, 7500.0, 30000.0};
@@ -818,8 +818,8 @@ TEST(the_mass_center_goes_where_momentum_leads_it)
   FBT_BELOW(worst, FBT_TOL(1e-14, 1e-6));
 }
 
-/* E11.22: in both precisions a position is the sum of its increments, however far from the origin: 1e5 steps of 0.1 um at
-   7e6 m (1e12 m in double) are 1 cm. */
+/* E11.22: in both precisions a position is the sum of its increments, however far from the origin: 1e5 steps of 0.1 um
+   at 7e6 m (1e12 m in double) are 1 cm. */
 TEST(positions_are_sums_without_loss)
 {
   const double far = FBT_TOL(1e12, 7e6);
@@ -837,8 +837,8 @@ TEST(positions_are_sums_without_loss)
                FBT_TOL(1e-8, 5e-5)); /* 1e5 roundings of what is kept, 0.01 at most */
 }
 
-/* E11.22: a force of 0.4 uN adds up in 100 kg that fly at 7.5 km/s, and a torque of 10 pN m in a body of a gram, step by
-   step, in both precisions. */
+/* E11.22: a force of 0.4 uN adds up in 100 kg that fly at 7.5 km/s, and a torque of 10 pN m in a body of a gram, step
+   by step, in both precisions. */
 TEST(the_faintest_loads_add_up)
 {
   const double dt = 1e-3;
@@ -890,7 +890,8 @@ static void tube(fb_state *state, double ratio)
 }
 
 /* E8.18, E11.29: rods whose inertia about their axis is 1e-4 to 1e-8 of that across (single precision: 1e-2 to 1e-4; a
-   thinner one is refused by the pivots of its S) keep their energy and their angular momentum, by every scheme: the attitude's error does not become spin about the axis, however many steps there are. */
+   thinner one is refused by the pivots of its S) keep their energy and their angular momentum, by every scheme: the
+   attitude's error does not become spin about the axis, however many steps there are. */
 TEST(slender_bodies_keep_their_energy)
 {
   for (int run = 0; run < 4 * 5; run++) {

@@ -1,7 +1,7 @@
-/* Section 5: LU, Cholesky, symmetric and generalized eigenvalues. Residuals are sums in long double, in units of the
-   epsilon of fb_real. Graded: D1 A D2 with diagonals of powers of two from 1 to 1e-6 in random order, so that row
-   and column scaling together raise the condition number by 1e12, the same in both precisions (LU: columns to 1e-18, single
-   precision 1e-9: beyond rounding). */
+/* >>solve and >>eigen: LU, Cholesky, symmetric and generalized eigenvalues. Residuals are sums in long double, in units
+   of the epsilon of fb_real. Graded: D1 A D2 with diagonals of powers of two from 1 to 1e-6 in random order, so that
+   row and column scaling together raise the condition number by 1e12, the same in both precisions (LU: columns to
+   1e-18, single precision 1e-9: beyond rounding). */
 #include "fbt.h"
 
 #define EPS FBT_TOL(2.2204460492503131e-16, 1.19209290e-7)
@@ -377,9 +377,9 @@ TEST(jacobi_diagonalizes_random_graded_and_degenerate_matrices)
   FBT_INT_EQ(fb_eig_sym_solve(d, V, F, 0), FB_OK);
 }
 
-/* E5.3: zeros on the diagonal and b off it have the eigenvalues -b and b, however small beside another pair -1, 1, down to
-   1e-9 epsilon; what is below, and an eigenvalue that rests on it, counts as zero; in any unit. What is diagonal and in
-   order stays as it is. */
+/* E5.3: zeros on the diagonal and b off it have the eigenvalues -b and b, however small beside another pair -1, 1, down
+   to 1e-9 epsilon; what is below, and an eigenvalue that rests on it, counts as zero; in any unit. What is diagonal and
+   in order stays as it is. */
 TEST(small_pairs_keep_their_digits_down_to_the_bound)
 {
   for (int k = 0; k < 90; k++) {
@@ -592,7 +592,8 @@ TEST(general_eigenvectors_satisfy_their_equation)
   FBT_INT_EQ(fb_eig_general_solve(re, im, V2, A, NULL, 2), FB_ERR_NULL);
 }
 
-/* n x n of one kind, not balanced, not of full rank, of one cycle: 0 random, 1 upper triangle, 2 its transpose, 3 integers
+/* n x n of one kind, not balanced, not of full rank, of one cycle: 0 random, 1 upper triangle, 2 its transpose, 3
+   integers
    -1, 0, 1, 4 rank n/2, 5 the cyclic permutation, 6 a chain of integrators, 7 two blocks, one of them zero. */
 static void kind_random(fb_real *X, int n, int kind)
 {
@@ -620,8 +621,8 @@ static void general_of_A(int n)
   FBT_INT_EQ(fb_eig_general_solve(re, im, V2, A, general_work, n), FB_OK);
 }
 
-/* E5.6: whatever the matrix has of zeros, in any unit: its equation, vectors of unit length, the trace; the cyclic permutation
-   has the roots of 1. */
+/* E5.6: whatever the matrix has of zeros, in any unit: its equation, vectors of unit length, the trace; the cyclic
+   permutation has the roots of 1. */
 TEST(general_eigenvectors_of_matrices_with_zeros)
 {
   for (int trial = 0; trial < 3 * 8 * 12; trial++) {
@@ -653,8 +654,8 @@ TEST(general_eigenvectors_of_matrices_with_zeros)
   }
 }
 
-/* E5.6: a state matrix mixes units: D^-1 S D with a symmetric S and powers of two from 1 to 2^-50 (single precision: 2^-20) in D, in any unit, has the
-   eigenvalues of S, and D times its vectors are those of S, as if D were 1. */
+/* E5.6: a state matrix mixes units: D^-1 S D with a symmetric S and powers of two from 1 to 2^-50 (single precision:
+   2^-20) in D, in any unit, has the eigenvalues of S, and D times its vectors are those of S, as if D were 1. */
 TEST(general_eigenvalues_do_not_depend_on_units)
 {
   for (int trial = 0; trial < 3 * 12; trial++) {

@@ -1,11 +1,11 @@
-/* Section 10: the exact beam in free flight: momentum, rigid motion, falls. */
+/* >>exact: the exact beam in free flight: momentum, rigid motion, falls. */
 #include "mixed.h"
 
-/* ---- the same beam seen another way: 1: with y for z, turned by a right angle about its line, 2: from its other end, turned
-   by half a turn about z */
+/* ---- the same beam seen another way: 1: with y for z, turned by a right angle about its line, 2: from its other end,
+   turned by half a turn about z */
 
-/* A beam that tumbles, or is held at its root, pushed across at its tip for a second, at a speed along (0.6, 0.8, 0): two
-   seconds. */
+/* A beam that tumbles, or is held at its root, pushed across at its tip for a second, at a speed along (0.6, 0.8, 0):
+   two seconds. */
 static void fly(int held, double speed)
 {
   const double stiffness[6] = {1e4, 4e3, 4e3, 80.0, 100.0, 100.0}, inertia[6] = {1.0, 1.0, 1.0, 2e-2, 1e-2, 1e-2};
@@ -30,8 +30,8 @@ static void fly(int held, double speed)
   FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
 }
 
-/* E10.13, E10.14, E11.33: the equations know no speed: the same motion beside a constant velocity, on top of which place,
-   velocities, momenta and energy stand. */
+/* E10.13, E10.14, E11.33: the equations know no speed: the same motion beside a constant velocity, on top of which
+   place, velocities, momenta and energy stand. */
 TEST(flight_at_any_speed_moves_as_rest_does)
 {
   const double speed[4] = {100.0, 250.0, 7500.0, 30000.0};
@@ -82,8 +82,8 @@ TEST(flight_at_any_speed_moves_as_rest_does)
   }
 }
 
-/* E11.33: a tumbling beam falls for ten seconds, a held one on a base that does: the frame comes along, so that no velocity
-   of the state grows, and momentum and way are those of the fall. */
+/* E11.33: a tumbling beam falls for ten seconds, a held one on a base that does: the frame comes along, so that no
+   velocity of the state grows, and momentum and way are those of the fall. */
 TEST(thrust_takes_the_frame_along)
 {
   const double stiffness[6] = {1e4, 4e3, 4e3, 80.0, 100.0, 100.0}, inertia[6] = {1.0, 1.0, 1.0, 2e-2, 1e-2, 1e-2};
@@ -115,8 +115,8 @@ TEST(thrust_takes_the_frame_along)
   }
 }
 
-/* E10.14, E11.33: a free beam that is pushed across at its tip takes up the impulse of the push, and of its moment, as far as
-   the header says. */
+/* E10.14, E11.33: a free beam that is pushed across at its tip takes up the impulse of the push, and of its moment, as
+   far as the header says. */
 TEST(pushed_beams_take_up_the_impulse)
 {
   const double stiffness[6] = {1e4, 4e3, 4e3, 80.0, 100.0, 100.0}, inertia[6] = {1.0, 1.0, 1.0, 2e-2, 1e-2, 1e-2};
@@ -237,8 +237,8 @@ TEST(free_fall_is_not_felt)
   }
 }
 
-/* E10.13, E10.14: what moves as one has p v + L w = 2 T about the origin, in every shape: bent far, carried along by its
-   base, under a load that follows the line, with a body on it. */
+/* E10.13, E10.14: what moves as one has p v + L w = 2 T about the origin, in every shape: bent far, carried along by
+   its base, under a load that follows the line, with a body on it. */
 TEST(momenta_of_a_rigid_motion_are_those_of_its_energy)
 {
   const double stiffness[6] = {300.0, 150.0, 200.0, 8.0, 5.0, 6.0}, inertia[6] = {1.3, 1.3, 1.3, 0.02, 0.03, 0.04};
@@ -269,8 +269,8 @@ TEST(momenta_of_a_rigid_motion_are_those_of_its_energy)
   }
 }
 
-/* E10.8, E11.21: a rigid beam that turns about a principal axis and flies across and along it, or tumbles, keeps momentum
-   and angular momentum about a point of space in large steps, too: its center goes along a straight line. */
+/* E10.8, E11.21: a rigid beam that turns about a principal axis and flies across and along it, or tumbles, keeps
+   momentum and angular momentum about a point of space in large steps, too: its center goes along a straight line. */
 TEST(rigid_flight_is_straight)
 {
   const double stiffness[6] = {0.0}, inertia[6] = {1.5, 1.5, 1.5, 0.3, 0.1, 0.2};
@@ -299,8 +299,8 @@ TEST(rigid_flight_is_straight)
   }
 }
 
-/* E10.6: rotary inertia counts, however little it is, down to the rounding of the largest inertia there is: a thread that turns
-   about itself. Below that there is none, and no rate comes out of rounding. */
+/* E10.6: rotary inertia counts, however little it is, down to the rounding of the largest inertia there is: a thread
+   that turns about itself. Below that there is none, and no rate comes out of rounding. */
 TEST(threads_turn_about_themselves)
 {
   const double stiffness[6] = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0}, rounding = FBT_TOL(1e-12, 1e-6);

@@ -1,4 +1,4 @@
-/* Section 12: linear models of the exact beam; what is refused of it. */
+/* >>trim and >>linear: linear models of the exact beam; what is refused of it. */
 #include "mixed.h"
 
 /* ---- linear models */
@@ -17,8 +17,9 @@ static void port(fb_mixed_port *list, int *n, fb_mixed_port_kind kind, int at, i
   p->axes = axes;
 }
 
-/* Beams about whose steady states motion is small: clamped and straight, thinner at its tip; such a one spinning, set at an angle, pulled,
-   with bodies on it; a shaft that whirls; a column under a follower load below flutter. Inputs and outputs of every kind. */
+/* Beams about whose steady states motion is small: clamped and straight, thinner at its tip; such a one spinning, set
+   at an angle, pulled, with bodies on it; a shaft that whirls; a column under a follower load below flutter. Inputs and
+   outputs of every kind. */
 static void linear_case(int which, int n)
 {
   const double stiffness[4][6] = {{1e4, 3e3, 3e3, 2.0, 5.0, 7.0},
@@ -203,8 +204,8 @@ TEST(linear_beams_rest_where_the_beam_does)
   fbt_figure("linear model of the exact beam, answers at rest", "differences of steady states", largest);
 }
 
-/* E12.15: the linear model of a beam follows the unit of time: of a heavier one, slower by 2^-12, the eigenvalues are as much
-   less, each mode is a pair all the same, and the answer at rest is the same. */
+/* E12.15: the linear model of a beam follows the unit of time: of a heavier one, slower by 2^-12, the eigenvalues are
+   as much less, each mode is a pair all the same, and the answer at rest is the same. */
 TEST(linear_beams_follow_the_unit_of_time)
 {
   double re[3], im[3], rest[2][2];
@@ -295,8 +296,9 @@ static void linear_step(double *middle, double *x, int in, double u, double dt)
   }
 }
 
-/* Largest difference of model and beam in each output, and the largest output, after a push u(t) = sin^4 half a period of
-   the third mode long and as long again: both by the midpoint rule; half the difference of a push and its opposite. */
+/* Largest difference of model and beam in each output, and the largest output, after a push u(t) = sin^4 half a period
+   of the third mode long and as long again: both by the midpoint rule; half the difference of a push and its opposite.
+   */
 static void compare_push(double worst[FB_MAX_PORTS], double most[FB_MAX_PORTS], int in)
 {
   static fb_mixed_state both[2];
@@ -328,8 +330,8 @@ static void compare_push(double worst[FB_MAX_PORTS], double most[FB_MAX_PORTS], 
   }
 }
 
-/* E12.14, E12.15: pushed by each input, the linear model with all modes of four elements moves as fb_mixed_step moves the
-   beam: both by the middle of the step, so that little of the step's own error is left. */
+/* E12.14, E12.15: pushed by each input, the linear model with all modes of four elements moves as fb_mixed_step moves
+   the beam: both by the middle of the step, so that little of the step's own error is left. */
 TEST(linear_beams_move_as_the_beam_does)
 {
   double largest[2] = {0.0, 0.0};
@@ -480,7 +482,7 @@ TEST(margins_are_those_of_the_worst_mode)
   FBT_TRUE(fb_spectrum_margin(NULL, NULL, 3) >= FB_HUGE);
 }
 
-/* Section 10: bad input is refused and changes nothing. */
+/* >>exact: bad input is refused and changes nothing. */
 TEST(mixed_beam_refuses_bad_input)
 {
   static fb_mixed_state before;

@@ -1,11 +1,11 @@
-/* Section 10: the exact beam in motion: energy, momentum, dissipation, what is held. */
+/* >>exact: the exact beam in motion: energy, momentum, dissipation, what is held. */
 #include "mixed.h"
 
-/* ---- the same beam seen another way: 1: with y for z, turned by a right angle about its line, 2: from its other end, turned
-   by half a turn about z */
+/* ---- the same beam seen another way: 1: with y for z, turned by a right angle about its line, 2: from its other end,
+   turned by half a turn about z */
 
-/* What is seen of it: per node place, rotation, velocity and reaction; momenta; strain and kinetic energy; a point between
-   nodes and the energy of gravity, which rests on such. */
+/* What is seen of it: per node place, rotation, velocity and reaction; momenta; strain and kinetic energy; a point
+   between nodes and the energy of gravity, which rests on such. */
 #define SEEN (7 + 1 + 1 + 1)
 
 static void look(fb_real all[SEEN][12])
@@ -32,9 +32,9 @@ static void look(fb_real all[SEEN][12])
   all[9][3] = energy.gravity;
 }
 
-/* E10.4 to E10.18, E11.20: the same beam, seen with other axes or from its other end, bends alike under all that can act, and
-   with other axes moves alike. From the other end points between nodes are next to the same alone, and a tip that is
-   clamped is closed within a step, a root after it. */
+/* E10.4 to E10.18, E11.20: the same beam, seen with other axes or from its other end, bends alike under all that can
+   act, and with other axes moves alike. From the other end points between nodes are next to the same alone, and a tip
+   that is clamped is closed within a step, a root after it. */
 TEST(a_beam_is_the_same_however_it_is_seen)
 {
   static fb_real first[SEEN][12], other[SEEN][12];
@@ -102,8 +102,8 @@ TEST(one_correction_does_in_short_steps)
             FBT_TOL(1e-10, 1e-4) * fbt_largest(many.stress[0], 12));
 }
 
-/* E10.11, E10.16, E11.20: a beam pinned or on two slides amid its length is found at rest and steps on from there, by equal
-   steps and by steps that vary by half; its energy stays. */
+/* E10.11, E10.16, E11.20: a beam pinned or on two slides amid its length is found at rest and steps on from there, by
+   equal steps and by steps that vary by half; its energy stays. */
 TEST(a_support_amid_the_beam_holds_at_rest_and_in_motion)
 {
   const double stiffness[6] = {1e5, 4e4, 4e4, 80.0, 100.0, 150.0}, inertia[6] = {1.0, 1.0, 1.0, 1e-2, 5e-3, 5e-3};
@@ -133,8 +133,8 @@ TEST(a_support_amid_the_beam_holds_at_rest_and_in_motion)
   }
 }
 
-/* E11.20: a stiff beam, clamped, and pinned amid its length, whose stretch between the two its bending makes: steps that one
-   factorization does not bear three do, equal or varying by half. */
+/* E11.20: a stiff beam, clamped, and pinned amid its length, whose stretch between the two its bending makes: steps
+   that one factorization does not bear three do, equal or varying by half. */
 TEST(stiff_supported_beams_want_factorizations)
 {
   for (int run = 0; run < 12; run++) {
@@ -168,8 +168,8 @@ TEST(stiff_supported_beams_want_factorizations)
   }
 }
 
-/* E11.20: a step that is not refused is, to the last correction's tolerance, that of twenty iterations, however few there are
-   and however long it is; many are refused. */
+/* E11.20: a step that is not refused is, to the last correction's tolerance, that of twenty iterations, however few
+   there are and however long it is; many are refused. */
 TEST(steps_that_have_not_converged_say_so)
 {
   const double stiffness[6] = {1e5, 4e4, 4e4, 80.0, 100.0, 150.0}, inertia[6] = {1.0, 1.0, 1.0, 1e-3, 5e-4, 5e-4};
@@ -262,8 +262,8 @@ static double energy_of_change(const fb_mixed_state *a, const fb_mixed_state *b,
   return (double)e.strain + (double)e.kinetic;
 }
 
-/* E11.20: whatever moves, whatever the steps, the energy falls by beta/4 of that of dz - dz_old: of a longer last step the
-   change in the time of this one, and what that leaves out is lost, too. */
+/* E11.20: whatever moves, whatever the steps, the energy falls by beta/4 of that of dz - dz_old: of a longer last step
+   the change in the time of this one, and what that leaves out is lost, too. */
 TEST(dissipation_takes_what_its_rule_says)
 {
   const double rho = 0.6, beta = rho * (1.0 - rho) / ((1.0 + rho) * (1.0 + rho));
@@ -331,8 +331,8 @@ TEST(dissipation_is_that_of_its_formula)
 }
 
 /* E10.6: reactions are in balance with what acts, forces and, of loads at nodes, moments about the origin, but for what
-   an element loses by its turn, of order 4 at least: a beam clamped at its root and propped at its tip, bent far. A node
-   that nothing holds has no reaction. */
+   an element loses by its turn, of order 4 at least: a beam clamped at its root and propped at its tip, bent far. A
+   node that nothing holds has no reaction. */
 TEST(reactions_balance_what_acts)
 {
   const double stiffness[6] = {1e4, 4e3, 4e3, 80.0, 100.0, 100.0};
@@ -384,8 +384,8 @@ TEST(reactions_balance_what_acts)
   }
 }
 
-/* E10.7, E11.20: internal loads of a free rigid rod at rest that is pushed at its root and twisted and bent at its tip: what
-   the part outboard takes to be accelerated, in closed form. */
+/* E10.7, E11.20: internal loads of a free rigid rod at rest that is pushed at its root and twisted and bent at its tip:
+   what the part outboard takes to be accelerated, in closed form. */
 TEST(internal_loads_of_a_pushed_rod_are_the_closed_form)
 {
   const double stiffness[6] = {0.0}, inertia[6] = {1.5, 1.5, 1.5, 0.3, 0.0, 0.0}, L = 2.0, f = 3.0, tau = 0.4;
@@ -520,7 +520,7 @@ static double ring(int axis, double dt)
   return acos(c / weight) / (2.0 * pi * dt);
 }
 
-/* Section 10: [L] 4.7's shift of one element's frequency is the dispersion of the scheme, 2/dt atan(c dt/L). */
+/* >>exact: [L] 4.7's shift of one element's frequency is the dispersion of the scheme, 2/dt atan(c dt/L). */
 TEST(one_element_rings_at_the_predicted_frequency)
 {
   const fbt_table *t = fbt_reference("p08_box_scheme.csv");
@@ -596,8 +596,8 @@ TEST(a_beam_held_twice_keeps_energy_and_place)
   }
 }
 
-/* E10.16: what is held away from its place comes back to it within a step, but for the part that the reaction would do work
-   along: a tip on two slides, off in z, that is pushed in y. */
+/* E10.16: what is held away from its place comes back to it within a step, but for the part that the reaction would do
+   work along: a tip on two slides, off in z, that is pushed in y. */
 TEST(what_is_held_comes_back_to_its_place)
 {
   const double stiffness[6] = {1e4, 4e3, 4e3, 80.0, 100.0, 100.0}, inertia[6] = {1.0, 1.0, 1.0, 1e-2, 5e-3, 5e-3};
@@ -622,7 +622,8 @@ TEST(what_is_held_comes_back_to_its_place)
   }
 }
 
-/* E10.16: nor does the reaction do work on the way back, however little it is: a tip off in y and z that is pushed aslant. */
+/* E10.16: nor does the reaction do work on the way back, however little it is: a tip off in y and z that is pushed
+   aslant. */
 TEST(reactions_do_no_work_on_the_way_back)
 {
   const double stiffness[6] = {1e4, 4e3, 4e3, 80.0, 100.0, 100.0}, inertia[6] = {1.0, 1.0, 1.0, 1e-2, 5e-3, 5e-3};
@@ -647,8 +648,8 @@ TEST(reactions_do_no_work_on_the_way_back)
   }
 }
 
-/* E11.20: a stiff bar on a hinge at its far end, across it or along it, turns as one on a hinge at its root, beyond half a
-   turn, and stays in line beside a push across. */
+/* E11.20: a stiff bar on a hinge at its far end, across it or along it, turns as one on a hinge at its root, beyond
+   half a turn, and stays in line beside a push across. */
 TEST(a_far_hinge_turns_as_one_at_the_root)
 {
   const double stiffness[6] = {1e6, 1e6, 1e6, 1e5, 1e5, 1e5}, inertia[6] = {1.0, 1.0, 1.0, 1e-3, 1e-3, 1e-3};

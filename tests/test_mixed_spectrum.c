@@ -1,9 +1,9 @@
-/* Sections 10 and 12: frequencies, buckling and paths of the exact beam. */
+/* >>exact, >>trim and >>linear: frequencies, buckling and paths of the exact beam. */
 #include "mixed.h"
 
 /* ---- sections, ends, units */
 
-/* E10.4 to E10.9 and section 6: a twisted, tapered blade with every center off the line has the frequencies that the
+/* E10.4 to E10.9 and >>beam: a twisted, tapered blade with every center off the line has the frequencies that the
    beam's natural modes have, which are made another way. */
 TEST(spectrum_is_that_of_the_natural_modes)
 {
@@ -51,7 +51,7 @@ TEST(spectrum_is_that_of_the_natural_modes)
   }
 }
 
-/* Section 10, E12.4: frequencies follow the units of time and length, however far from the beam's own they are: of a beam
+/* >>exact, E12.4: frequencies follow the units of time and length, however far from the beam's own they are: of a beam
    that gives way in every direction, in one alone, and of one without mass that carries a body. */
 TEST(any_unit_gives_the_same_frequency)
 {
@@ -118,8 +118,8 @@ TEST(spectrum_of_a_straight_beam_is_the_textbooks)
   }
 }
 
-/* Section 10: stations that lie anywhere within an element do not count as more than what they turn it: a line that starts to
-   bend just before a node, and one that hardly stops in between. */
+/* >>exact: stations that lie anywhere within an element do not count as more than what they turn it: a line that starts
+   to bend just before a node, and one that hardly stops in between. */
 TEST(curvature_may_jump_beside_a_node)
 {
   const double place[2][4] = {{0.0, 0.4999, 0.5, 1.0}, {0.0, 0.5, 0.5001, 1.0}};
@@ -211,8 +211,8 @@ TEST(frequencies_of_a_straight_beam_are_of_order_four)
   FBT_NEAR_REL(error[0] / error[1], 16.0, FBT_TOL(0.1, 0.3)); /* order 3 or 5: 8, 32 */
 }
 
-/* E12.4, E10.14: a body with products of mass and place at the tip of a beam without mass has the six frequencies of its
-   6x6 stiffness and inertia: det(K - omega^2 M) = 0 by 2x2 blocks, K of the tip of a cantilever. */
+/* E12.4, E10.14: a body with products of mass and place at the tip of a beam without mass has the six frequencies of
+   its 6x6 stiffness and inertia: det(K - omega^2 M) = 0 by 2x2 blocks, K of the tip of a cantilever. */
 TEST(a_body_on_a_light_beam_rings_in_closed_form)
 {
   const double L = 1.5, EA = 300.0, GJ = 4.0, EI[2] = {7.0, 5.0}, m = 0.8, J[3] = {0.05, 0.04, 0.06};
@@ -249,9 +249,9 @@ TEST(a_body_on_a_light_beam_rings_in_closed_form)
   }
 }
 
-/* E12.4, E10.10: two bodies off the line of a stiff bar, on its middle, which slides along the axis of its spin W and swings
-   about z: omega^2 = W^2 (sum m c^2 - J)/(sum m c^2 + J - (sum m c)^2/mass), J of the bar. Their loads on what holds the
-   node turn with it, and have no part in this. */
+/* E12.4, E10.10: two bodies off the line of a stiff bar, on its middle, which slides along the axis of its spin W and
+   swings about z: omega^2 = W^2 (sum m c^2 - J)/(sum m c^2 + J - (sum m c)^2/mass), J of the bar. Their loads on what
+   holds the node turn with it, and have no part in this. */
 TEST(bodies_swing_on_a_spinning_slide_in_closed_form)
 {
   const double k = FBT_TOL(1e7, 1e3), stiffness[6] = {k, k, k, k, k, k}, inertia[6] = {0.4, 0.4, 0.4, 0.0, 0.0, 0.0};
@@ -373,7 +373,8 @@ TEST(shaft_whirls_as_in_closed_form)
   }
 }
 
-/* E12.4: a shaft that spins whirls on circles: in every mode each node moves along y as far as along z, a quarter turn apart. */
+/* E12.4: a shaft that spins whirls on circles: in every mode each node moves along y as far as along z, a quarter turn
+   apart. */
 TEST(whirling_shafts_move_on_circles)
 {
   const double stiffness[6] = {0.0, 0.0, 0.0, 0.0, 1.0, 1.0}, inertia[6] = {1.0, 1.0, 1.0, 0.02, 0.01, 0.01};
@@ -495,8 +496,8 @@ static void free_body(fb_body *body, fb_state *at_rest, double length, int modes
   }
 }
 
-/* E8.32: a free beam that is pushed aside at its tip for half a second: its modes with the quadratic field about the mass
-   center bend as the exact beam does (with a field from the root on they are off by half of it). */
+/* E8.32: a free beam that is pushed aside at its tip for half a second: its modes with the quadratic field about the
+   mass center bend as the exact beam does (with a field from the root on they are off by half of it). */
 static double free_beam_apart(int elsewhere)
 {
   static fb_body body;
@@ -585,9 +586,9 @@ TEST(columns_buckle_at_eulers_load)
   }
 }
 
-/* E10.19, E10.20: a straight column under a dead load at its tip is left in as many ways as it has buckling loads below: in
-   two planes, with its ends held as may be, rigid in stretch and shear or as stiff as its bending wants; under a follower load,
-   in none. */
+/* E10.19, E10.20: a straight column under a dead load at its tip is left in as many ways as it has buckling loads
+   below: in two planes, with its ends held as may be, rigid in stretch and shear or as stiff as its bending wants;
+   under a follower load, in none. */
 TEST(columns_have_as_many_unstable_directions_as_loads_exceeded)
 {
   static const int root[3] = {FB_END_CLAMPED, FB_END_PINNED | FB_HOLD_RX, FB_END_CLAMPED};
@@ -622,8 +623,8 @@ TEST(columns_have_as_many_unstable_directions_as_loads_exceeded)
   FBT_INT_EQ(most, 14);
 }
 
-/* E10.19, E10.20: so is one that bends in one plane alone, its other strains rigid or some of them, whose blocks have zeros
-   and rounding on their diagonal. */
+/* E10.19, E10.20: so is one that bends in one plane alone, its other strains rigid or some of them, whose blocks have
+   zeros and rounding on their diagonal. */
 TEST(rigid_strains_are_no_unstable_directions)
 {
   for (int run = 0; run < 64; run++) {
@@ -662,8 +663,8 @@ static fb_status path_on(double arc)
   return status;
 }
 
-/* E12.17, E10.20: a column that is nudged to one side bends to that side, stable, beyond its buckling load; solved in one go
-   the state may be another, and then says that it is unstable. */
+/* E12.17, E10.20: a column that is nudged to one side bends to that side, stable, beyond its buckling load; solved in
+   one go the state may be another, and then says that it is unstable. */
 TEST(columns_bend_to_the_side_they_are_nudged_to)
 {
   const fbt_table *t = fbt_reference("p06_postbuckling.csv");
@@ -697,9 +698,9 @@ TEST(columns_bend_to_the_side_they_are_nudged_to)
   FBT_BELOW(0, against);
 }
 
-/* E12.17, E10.20: a bar that rises by 0.8 of its length, between hinges, the upper of which slides up and down and is pressed
-   down: P = EA (1 - l) h/l, up to the limit load, where l^3 = span^2, down through the flat state and as far below,
-   unstable while it falls; and all the way back. */
+/* E12.17, E10.20: a bar that rises by 0.8 of its length, between hinges, the upper of which slides up and down and is
+   pressed down: P = EA (1 - l) h/l, up to the limit load, where l^3 = span^2, down through the flat state and as far
+   below, unstable while it falls; and all the way back. */
 TEST(a_stiff_truss_snaps_in_closed_form)
 {
   const double rise = 0.8, span = sqrt(1.0 - rise * rise), EA = 100.0, l_limit = pow(span, 2.0 / 3.0);
@@ -738,8 +739,8 @@ TEST(a_stiff_truss_snaps_in_closed_form)
   FBT_NEAR_ABS(least, -1.0, 1e-3);
 }
 
-/* E12.17, E10.20: a circular arch of 215 degrees, clamped at one end and on a hinge at the other, pressed down at its crown:
-   snaps at P = 8.97 EI/R^2 (D.A. DaDeppo and R. Schmidt, J. Appl. Mech. 42 (1975) 311-316). */
+/* E12.17, E10.20: a circular arch of 215 degrees, clamped at one end and on a hinge at the other, pressed down at its
+   crown: snaps at P = 8.97 EI/R^2 (D.A. DaDeppo and R. Schmidt, J. Appl. Mech. 42 (1975) 311-316). */
 TEST(arches_snap_at_their_limit_load)
 {
   const double arc = 215.0 * pi / 180.0;
@@ -767,8 +768,8 @@ TEST(arches_snap_at_their_limit_load)
              fabs(most / 8.97 - 1.0));
 }
 
-/* E12.17: whatever acts, on nodes and elements, dead or following, on a spinning base: what lies on the path is a steady state
-   under the loads of its factor. */
+/* E12.17: whatever acts, on nodes and elements, dead or following, on a spinning base: what lies on the path is a
+   steady state under the loads of its factor. */
 TEST(paths_lead_through_steady_states)
 {
   elastica(8);
@@ -809,7 +810,7 @@ TEST(paths_lead_through_steady_states)
   }
 }
 
-/* Section 12: a path refuses what makes no sense, and is left as it was. */
+/* >>trim and >>linear: a path refuses what makes no sense, and is left as it was. */
 TEST(paths_refuse_bad_input)
 {
   fb_mixed_path before;

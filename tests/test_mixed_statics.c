@@ -1,4 +1,4 @@
-/* Section 10: the exact beam at rest: loads, large deflection, sections, ends, units. */
+/* >>exact: the exact beam at rest: loads, large deflection, sections, ends, units. */
 #include "mixed.h"
 
 /* ---- statics */
@@ -84,8 +84,8 @@ TEST(tapered_rods_are_exact_at_the_nodes)
   FBT_NEAR_REL(node[3].rotation[0], 10.0 / 1e4 * (0.5 + log(2.0)), FBT_TOL(1e-9, 1e-4));
 }
 
-/* E10.15: loads and couples f along a line of which the compliance 1/(c (4 - x)) rises to its double: stretch and turns of
-   L = 2 by f/c (2 - 2 log 2). */
+/* E10.15: loads and couples f along a line of which the compliance 1/(c (4 - x)) rises to its double: stretch and turns
+   of L = 2 by f/c (2 - 2 log 2). */
 TEST(loads_on_tapered_lines_are_exact_at_the_nodes)
 {
   const double stiffness[6] = {2e6, 0.0, 0.0, 2e4, 4e4, 6e4}, part = 2.0 - 2.0 * log(2.0);
@@ -227,7 +227,7 @@ TEST(points_between_nodes_lie_on_the_curve)
   }
 }
 
-/* Section 10: rotation vectors follow the beam through any number of whole turns, about any axis either way, from coarse
+/* >>exact: rotation vectors follow the beam through any number of whole turns, about any axis either way, from coarse
    nodes, too. */
 TEST(rotations_follow_the_beam_through_whole_turns)
 {
@@ -253,7 +253,7 @@ TEST(rotations_follow_the_beam_through_whole_turns)
   }
 }
 
-/* Section 10: the root's own rotation is within half a turn, either way about any axis. */
+/* >>exact: the root's own rotation is within half a turn, either way about any axis. */
 TEST(the_roots_rotation_is_within_half_a_turn)
 {
   elastica(1);
@@ -267,8 +267,8 @@ TEST(the_roots_rotation_is_within_half_a_turn)
   }
 }
 
-/* Section 10: three elements wind a beam by a whole turn, but for a little about another axis: while that is very little, the
-   rotation vector is next to the whole turn; in any case it is that of the attitude to a thousandth of a radian. */
+/* >>exact: three elements wind a beam by a whole turn, but for a little about another axis: while that is very little,
+   the rotation vector is next to the whole turn; in any case it is that of the attitude to a thousandth of a radian. */
 TEST(rotations_next_to_a_whole_turn_are_those_of_the_attitude)
 {
   elastica(3);
@@ -647,7 +647,8 @@ TEST(twist_is_that_of_the_stations)
   }
 }
 
-/* E10.5: at the nodes a beam has turned by the integral of its curvature, which is linear between stations, about each axis. */
+/* E10.5: at the nodes a beam has turned by the integral of its curvature, which is linear between stations, about each
+   axis. */
 TEST(curves_are_those_of_the_stations)
 {
   const double at[3] = {0.0, 0.7, 2.0}, curvature[3] = {0.3, -0.5, 0.8};
@@ -674,7 +675,7 @@ TEST(curves_are_those_of_the_stations)
   }
 }
 
-/* Section 10: the same beam in other units of length, force and time gives the same motion. */
+/* >>exact: the same beam in other units of length, force and time gives the same motion. */
 TEST(any_units_give_the_same_solution)
 {
   const double units[4][3] = {
@@ -706,7 +707,7 @@ TEST(any_units_give_the_same_solution)
   }
 }
 
-/* Section 10: the units of a beam's own are its length, the force that bends it (twists, stretches, where it does nothing
+/* >>exact: the units of a beam's own are its length, the force that bends it (twists, stretches, where it does nothing
    else) by its length, and the time in which that force moves its mass with its bodies. */
 TEST(units_are_the_beams_own)
 {
@@ -868,8 +869,8 @@ TEST(newton_converges_quadratically)
   }
 }
 
-/* E10.11: neighbors do not turn by more than a radian against each other at once: a moment at the tip bends or twists the one
-   long element of five by a little more, which takes increments of the load, or a little less. */
+/* E10.11: neighbors do not turn by more than a radian against each other at once: a moment at the tip bends or twists
+   the one long element of five by a little more, which takes increments of the load, or a little less. */
 TEST(large_turns_take_increments)
 {
   for (int k = 0; k < 5; k++) {
@@ -889,11 +890,11 @@ TEST(large_turns_take_increments)
   }
 }
 
-/* ---- the same beam seen another way: 1: with y for z, turned by a right angle about its line, 2: from its other end, turned
-   by half a turn about z */
+/* ---- the same beam seen another way: 1: with y for z, turned by a right angle about its line, 2: from its other end,
+   turned by half a turn about z */
 
-/* Section 10: rotations are those from the undeformed section, of a curved and twisted beam, too; held in the attitude that it
-   was made with, at the tip, too, it stays so. */
+/* >>exact: rotations are those from the undeformed section, of a curved and twisted beam, too; held in the attitude
+   that it was made with, at the tip, too, it stays so. */
 TEST(undeformed_nodes_have_not_turned)
 {
   for (int held = 0; held < 2; held++) {
@@ -916,7 +917,7 @@ TEST(undeformed_nodes_have_not_turned)
   }
 }
 
-/* Section 10: fields of an element in units that are not the beam's own; dead loads on a base that is turned. */
+/* >>exact: fields of an element in units that are not the beam's own; dead loads on a base that is turned. */
 TEST(element_fields_have_their_units)
 {
   const double stiffness[6] = {200.0, 80.0, 80.0, 30.0, 50.0, 70.0}, inertia[6] = {3.0, 3.0, 3.0, 0.1, 0.2, 0.3};

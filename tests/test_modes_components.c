@@ -1,11 +1,11 @@
-/* Section 7: components with a boundary, attachment modes, parts that were joined. */
+/* >>modes: components with a boundary, attachment modes, parts that were joined. */
 #include "modes.h"
 
 static fb_modes modes, other;
 
-/* E7.9: Hopkins' example of Hurty's method (C.3, p09_hurty.csv, ERRATA.md): one cubic element l, M, EI, the boundary q1 =
-   u_x and q3 = u_y, q5 = theta_z at one end, q2 = u_x at the other, one fixed-interface mode eta kept, scaled to phi4^2
-   + (l phi6)^2 = 1. */
+/* E7.9: Hopkins' example of Hurty's method (C.3, p09_hurty.csv, ERRATA.md): one cubic element l, M, EI, the boundary q1
+   = u_x and q3 = u_y, q5 = theta_z at one end, q2 = u_x at the other, one fixed-interface mode eta kept, scaled to
+   phi4^2 + (l phi6)^2 = 1. */
 TEST(hurty_example_has_the_printed_numbers)
 {
   static const char *const name[5] = {"q1", "q2", "q3", "lq5", "eta"};
@@ -207,8 +207,8 @@ static double tip_sum(const fb_modes *in, int axis)
 
 /* E7.8: two modes and the static correction of a tip force: the sum of psi^2/omega^2 is the tip flexibility, L^3/3EI of
    the cantilever; of the free beam in its accelerated frame L^3/105EI (sum 4/(beta L)^4 over cos cosh = 1). Shear adds
-   L/GA, and 2L/15GA: int V^2/GA of V = 3 s^2 - 2 s. Without the correction some percent are missing. A second load at the
-   same place changes nothing. */
+   L/GA, and 2L/15GA: int V^2/GA of V = 3 s^2 - 2 s. Without the correction some percent are missing. A second load at
+   the same place changes nothing. */
 TEST(static_corrections_make_loads_exact)
 {
   for (int run = 0; run < 12; run++) {
@@ -266,8 +266,8 @@ TEST(a_component_of_all_nodes_has_the_stiffness_of_the_elements)
   }
 }
 
-/* E7.8: one mode and the correction are at the tip as flexible as all modes of a beam of few elements, whatever its shear,
-   taper and root: what its inertia does to a free one is of third degree along it. */
+/* E7.8: one mode and the correction are at the tip as flexible as all modes of a beam of few elements, whatever its
+   shear, taper and root: what its inertia does to a free one is of third degree along it. */
 TEST(one_mode_and_its_correction_are_as_good_as_all)
 {
   for (int run = 0; run < 8; run++) {

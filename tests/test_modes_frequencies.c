@@ -1,4 +1,4 @@
-/* Section 7: frequencies, buckling and tension against closed forms and published figures. */
+/* >>modes: frequencies, buckling and tension against closed forms and published figures. */
 #include "modes.h"
 
 #define ROUNDING FBT_TOL(1e-11, 1e-4)
@@ -521,7 +521,7 @@ static fb_status modes_in_units(fb_modes *out, int component, double l, double m
   return fb_modes_solve(out, &work, &beam, keep);
 }
 
-/* Section 7, E7.8, E7.9: a beam in other units of length, mass and time, powers of two, has the same frequencies,
+/* >>modes, E7.8, E7.9: a beam in other units of length, mass and time, powers of two, has the same frequencies,
    those of static corrections, too, and a component the same stiffness at its boundary, below zero where it buckles:
    no threshold has a unit. Free and pinned roots, where the shift of E7.1 must follow, with all kinds coupled and
    with none. */

@@ -1,10 +1,10 @@
-/* Section 7: which modes are chosen, their signs, masses and units; functions; what is refused. */
+/* >>modes: which modes are chosen, their signs, masses and units; functions; what is refused. */
 #include "modes.h"
 
 static fb_modes modes, other, pattern;
 
-/* E7.2: the lowest modes of all kinds are those that counts find, of a clamped and, behind its rigid ones, of a free beam;
-   also where it is soft along its axis, or about it. */
+/* E7.2: the lowest modes of all kinds are those that counts find, of a clamped and, behind its rigid ones, of a free
+   beam; also where it is soft along its axis, or about it. */
 TEST(the_lowest_modes_are_the_lowest_of_all_kinds)
 {
   for (int run = 0; run < 6; run++) {
@@ -246,7 +246,7 @@ TEST(a_round_beam_has_pairs_of_unmixed_modes)
   }
 }
 
-/* Section 7: counts and the frequency limit select from one ordered list. */
+/* >>modes: counts and the frequency limit select from one ordered list. */
 TEST(modes_are_selected_by_count_and_frequency)
 {
   static fb_modes_desc keep;
@@ -296,7 +296,7 @@ TEST(modes_are_selected_by_count_and_frequency)
   FBT_INT_EQ(other.n, 0);
 }
 
-/* Section 7: finite-element coordinates are unit shapes, M and K those of fb_beam_matrices without the held and the
+/* >>modes: finite-element coordinates are unit shapes, M and K those of fb_beam_matrices without the held and the
    unwanted rows. */
 TEST(element_coordinates_keep_the_element_matrices)
 {
@@ -353,7 +353,7 @@ static void refused(const fb_modes_desc *keep, fb_status expected)
   FBT_TRUE(memcmp(&modes, &pattern, sizeof modes) == 0);
 }
 
-/* Section 7: what a beam cannot have is refused: kinds without stiffness or inertia, more modes than coordinates or
+/* >>modes: what a beam cannot have is refused: kinds without stiffness or inertia, more modes than coordinates or
    capacity, numbers out of range; the output is left alone. */
 TEST(modes_that_do_not_exist_are_refused)
 {
@@ -467,7 +467,7 @@ TEST(modes_that_do_not_exist_are_refused)
   FBT_TRUE(memcmp(&modes, &pattern, sizeof modes) == 0);
 }
 
-/* Section 7: as many coordinates as there is room for, and no more: natural modes, with corrections behind them or
+/* >>modes: as many coordinates as there is room for, and no more: natural modes, with corrections behind them or
    rigid modes before, and boundaries before modes and what their inertia bends. */
 TEST(modes_may_fill_all_their_room)
 {

@@ -1,4 +1,4 @@
-/* Section 4: unit quaternions, exponential and logarithm. */
+/* >>rotation: unit quaternions, exponential and logarithm. */
 #include "fbt.h"
 
 #define EPS FBT_TOL(2.2204460492503131e-16, 1.19209290e-7)
@@ -196,7 +196,7 @@ TEST(exponential_is_smooth_where_its_series_ends)
   }
 }
 
-/* Section 4: the length becomes one and the direction stays; nothing to normalize is refused and left alone. */
+/* >>rotation: the length becomes one and the direction stays; nothing to normalize is refused and left alone. */
 TEST(normalize_refuses_what_has_no_direction)
 {
   for (int trial = 0; trial < 200; trial++) {
@@ -263,8 +263,8 @@ TEST(twist_and_pose_are_inverse)
 }
 
 /* E4.6, E4.7: a line of constant curvature is the arc L (sin t, 1 - cos t)/t, and the arc that line, on both sides of
-   where the series of c and g hand over, at t = 0.1: within some units in the last place. What stands beside the twist is
-   no number. */
+   where the series of c and g hand over, at t = 0.1: within some units in the last place. What stands beside the twist
+   is no number. */
 TEST(arcs_are_exact_where_the_series_end)
 {
   for (int k = 1; k <= 60; k++) {

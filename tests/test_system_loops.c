@@ -1,4 +1,4 @@
-/* Section 9: joints that close loops: where and how they close, their springs, what contradicts itself. */
+/* >>system: joints that close loops: where and how they close, their springs, what contradicts itself. */
 #include "system.h"
 
 static fb_system_analyse_work analyse_work;
@@ -86,8 +86,8 @@ static void tilt_ground(double x, double y, double z)
   }
 }
 
-/* E12.11: a linkage with a spring at its crank, in any plane, swings with k/(2 T) of a crank that turns with 1 rad/s, and
-   with as many periods a second whatever the unit of length; redundant rows come first or last. */
+/* E12.11: a linkage with a spring at its crank, in any plane, swings with k/(2 T) of a crank that turns with 1 rad/s,
+   and with as many periods a second whatever the unit of length; redundant rows come first or last. */
 TEST(linkages_swing_alike_in_any_unit_of_length)
 {
   for (int run = 0; run < 9; run++) {
@@ -428,8 +428,8 @@ TEST(contradictions_name_their_joint)
   }
 }
 
-/* E3.2, E9.4: a free body without mass moves as it likes along a slide that it carries, and about a hinge, however the joint
-   is turned: refused, in units of any size. With a hundred thousandth of the child's mass and inertia (single: a
+/* E3.2, E9.4: a free body without mass moves as it likes along a slide that it carries, and about a hinge, however the
+   joint is turned: refused, in units of any size. With a hundred thousandth of the child's mass and inertia (single: a
    hundredth) it is a body. */
 TEST(free_bodies_without_mass_are_refused_in_every_attitude)
 {

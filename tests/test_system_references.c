@@ -1,4 +1,4 @@
-/* Section 9: systems with a published or closed-form motion. */
+/* >>system: systems with a published or closed-form motion. */
 #include "system.h"
 
 static fb_system_analyse_work analyse_work;

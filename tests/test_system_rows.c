@@ -1,4 +1,4 @@
-/* Section 9: constraints of the caller's own, ranks and weights of rows. */
+/* >>system: constraints of the caller's own, ranks and weights of rows. */
 #include "system.h"
 
 static fb_system_state kept;
@@ -109,8 +109,8 @@ static int knife_rows(fb_row *row, int capacity, const fb_pose *pose, fb_real t,
   return 1;
 }
 
-/* E9.10, E9.4: a knife edge on a slope, on two massless slides and a hinge or on nothing: heading w t, x = g/(2 w^2) sin^2 w t,
-   y = g/(2 w^2) (w t - sin(2 w t)/2), it does not slide down; slowly or a thousand times as fast. */
+/* E9.10, E9.4: a knife edge on a slope, on two massless slides and a hinge or on nothing: heading w t, x = g/(2 w^2)
+   sin^2 w t, y = g/(2 w^2) (w t - sin(2 w t)/2), it does not slide down; slowly or a thousand times as fast. */
 TEST(a_knife_edge_draws_a_cycloid)
 {
   for (int run = 0; run < 4; run++) {

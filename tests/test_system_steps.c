@@ -1,4 +1,4 @@
-/* Section 9: steps of systems: order, limits, iterations, sums. */
+/* >>system: steps of systems: order, limits, iterations, sums. */
 #include "system.h"
 
 static fb_system_state kept;
@@ -41,8 +41,8 @@ static double driven_step(fb_status *status, double torque, int iterations, int 
   return off / way;
 }
 
-/* E11.24, E11.25: torques that lead an arm from rest to turn by radians within one step: Newton's iterations do not follow,
-   and the step says so instead of giving what is off by a third; gentle ones go through, and are right. */
+/* E11.24, E11.25: torques that lead an arm from rest to turn by radians within one step: Newton's iterations do not
+   follow, and the step says so instead of giving what is off by a third; gentle ones go through, and are right. */
 TEST(steps_that_have_not_converged_say_so)
 {
   static const double gentle[] = {1.0, 8.0, 32.0}, wild[] = {512.0, 1024.0};
@@ -59,7 +59,8 @@ TEST(steps_that_have_not_converged_say_so)
   }
 }
 
-/* A rod that turns and bends on a sled, which runs along x at a speed: its modes after 0.4 s; 0 where a step is refused. */
+/* A rod that turns and bends on a sled, which runs along x at a speed: its modes after 0.4 s; 0 where a step is
+   refused. */
 static int on_sled(fb_real q[3], double speed, double dt, int iterations)
 {
   fb_status status = FB_OK;
@@ -82,8 +83,8 @@ static int on_sled(fb_real q[3], double speed, double dt, int iterations)
   return status == FB_OK;
 }
 
-/* E11.24, E11.25: on a sled that runs at up to 300 m/s two iterations either bend the rod as thirty do or say that they do
-   not: what bends is judged by itself, for beside the way of the sled it is nothing. */
+/* E11.24, E11.25: on a sled that runs at up to 300 m/s two iterations either bend the rod as thirty do or say that they
+   do not: what bends is judged by itself, for beside the way of the sled it is nothing. */
 TEST(a_fast_sled_does_not_hide_what_bends)
 {
   int taken = 0, refused = 0;
@@ -101,8 +102,8 @@ TEST(a_fast_sled_does_not_hide_what_bends)
   FBT_TRUE(taken > 2 && refused > 2);
 }
 
-/* E11.27, E11.28: a thin tube, 10 m long, as the only body of a system, tumbling with a little spin about its axis, in steps
-   of a tenth of the limit: spin about the axis and energy stay, down to inertias of 1e-8 (single 1e-4) to one,
+/* E11.27, E11.28: a thin tube, 10 m long, as the only body of a system, tumbling with a little spin about its axis, in
+   steps of a tenth of the limit: spin about the axis and energy stay, down to inertias of 1e-8 (single 1e-4) to one,
    but for rounding of L times what the thin axis makes of it. */
 TEST(thin_tubes_keep_calm)
 {
@@ -128,8 +129,8 @@ TEST(thin_tubes_keep_calm)
   }
 }
 
-/* E11.26: a step in which a body comes to turn by radians is refused by either scheme, though nothing turns at its start
-   and no spring bounds it; half of that goes through, and is right. */
+/* E11.26: a step in which a body comes to turn by radians is refused by either scheme, though nothing turns at its
+   start and no spring bounds it; half of that goes through, and is right. */
 TEST(steps_that_turn_too_far_are_refused)
 {
   for (int iterations = 0; iterations < 4; iterations += 3) {
@@ -177,8 +178,8 @@ TEST(systems_converge_with_the_order_of_the_scheme)
   }
 }
 
-/* E11.14: between the ends of a step inputs are linear: what they give a round body at rest is the mean of both times dt,
-   forces momentum, torques and motors spin, prescribed rates path and turn, each in all its components. */
+/* E11.14: between the ends of a step inputs are linear: what they give a round body at rest is the mean of both times
+   dt, forces momentum, torques and motors spin, prescribed rates path and turn, each in all its components. */
 TEST(inputs_are_linear_between_the_ends_of_a_step)
 {
   static const fb_real ramp[6] = {FB_R(0.3), FB_R(-0.5), FB_R(0.7), FB_R(0.2), FB_R(0.4), FB_R(-0.6)};
@@ -261,7 +262,8 @@ static void nearly(const fb_real *got, const fb_real *after, const fb_real *befo
 }
 
 /* E9.4, E9.6, E11.13: the matrix of an implicit step is that of the linear system, with springs and dampers of joints
-   and of modes, and locked axes: about the undeformed shape one iteration of a step of many periods is as good as twenty. */
+   and of modes, and locked axes: about the undeformed shape one iteration of a step of many periods is as good as
+   twenty. */
 TEST(one_iteration_is_enough_for_a_linear_system)
 {
   static fb_system_state end[2];
@@ -310,8 +312,8 @@ TEST(one_iteration_is_enough_for_a_linear_system)
   }
 }
 
-/* E11.12: the limit is that of the undeformed linkage at zero coordinates: a body on a sprung ball joint, its center c further
-   out, on one that turns freely about z, det(K - omega^2 M) = 0 with M of the two angles about z. */
+/* E11.12: the limit is that of the undeformed linkage at zero coordinates: a body on a sprung ball joint, its center c
+   further out, on one that turns freely about z, det(K - omega^2 M) = 0 with M of the two angles about z. */
 TEST(the_limit_of_a_linkage_is_in_closed_form)
 {
   const double k = 300.0, L = 0.4, h = 0.5, c = 0.3, m = 2.0, J = 0.02, J0 = 0.1;
@@ -501,8 +503,8 @@ static void strained(fb_body *body, int n_element, int y, int z)
   FBT_INT_EQ(fb_body_init(body, &body_work, &shape, &d), FB_OK);
 }
 
-/* E11.13, E8.29: about a beam that a load at its tip pulls, bent and straight, the matrix of a step has the stiffness of
-   that state: one iteration of a step of half a period is as good as twenty. */
+/* E11.13, E8.29: about a beam that a load at its tip pulls, bent and straight, the matrix of a step has the stiffness
+   of that state: one iteration of a step of half a period is as good as twenty. */
 TEST(one_iteration_is_enough_about_a_stretched_beam)
 {
   static fb_system_state end[2];
@@ -563,9 +565,9 @@ static void strained_left(double left[2], int n_element, int y, int z)
   }
 }
 
-/* E11.13, E8.29: Newton's iterations of a step with the tangent of the nonlinear strain, bent in both planes or one: the second
-   leaves less than a two hundredth, a fiftieth of what the first leaves; where that tangent is in the matrix alone it was a
-   sixth. */
+/* E11.13, E8.29: Newton's iterations of a step with the tangent of the nonlinear strain, bent in both planes or one:
+   the second leaves less than a two hundredth, a fiftieth of what the first leaves; where that tangent is in the matrix
+   alone it was a sixth. */
 TEST(strained_bodies_converge_in_a_system)
 {
   for (int run = 0; run < 3; run++) {

@@ -1,4 +1,4 @@
-/* Section 9: trees of bodies: energy, momentum and accelerations, the same by every method and in any unit. */
+/* >>system: trees of bodies: energy, momentum and accelerations, the same by every method and in any unit. */
 #include "system.h"
 
 static fb_system_state kept, rate;
@@ -30,8 +30,8 @@ TEST(systems_keep_energy_and_momentum)
 }
 
 /* E9.3 to E9.10, E9.13, E9.15, E9.19: joint coordinates by recursion and by one dense matrix, and every body free with
-   all joints kept, give the same positions, velocities, accelerations, joint forces and energy: at one instant to rounding,
-   after a while to 1e-9 (kept constraints integrate other coordinates, with an error of the same order). */
+   all joints kept, give the same positions, velocities, accelerations, joint forces and energy: at one instant to
+   rounding, after a while to 1e-9 (kept constraints integrate other coordinates, with an error of the same order). */
 TEST(the_three_methods_agree)
 {
   static fb_system_motion recursive, first;
@@ -192,8 +192,8 @@ TEST(driven_roots_fly_as_they_stand)
   }
 }
 
-/* E11.23: momentum and angular momentum about the inertial origin of a free tree in fast flight far from that origin are
-   those of the start, to rounding. */
+/* E11.23: momentum and angular momentum about the inertial origin of a free tree in fast flight far from that origin
+   are those of the start, to rounding. */
 TEST(fast_systems_keep_their_angular_momentum)
 {
   for (int scheme = 0; scheme < 2; scheme++) {
