@@ -14,7 +14,7 @@ EXAMPLES = quickstart spinup table1 assembly firmware spacecraft rotor arm fourb
            elastica follower flap whirl leigh hil_plant hil_controller \
            tutorial_satellite tutorial_blade tutorial_import tutorial_firmware
 EXAMPLES += $(if $(shell command -v mpicc),campaign_mpi)
-WORDS    = scene campaign reduce elastodyn analyse advise beam3d campbell
+WORDS    = scene campaign reduce elastodyn analyse advise exact campbell
 HEADERS  = $(wildcard examples/*/*.h)
 # long ones first, so that the two jobs of `make ci` end together
 CHECKS   = sanitize hostile fuzz faults suite long tidy coverage bits instructions firmware compile rooms removed single advise rom mismatch stack symbols threads \
@@ -40,12 +40,12 @@ help:
 	@echo "make campaign-mpi  the same for clusters: build/examples/campaign_mpi"
 	@echo "make hard      the hard cases in both precisions, beside what a naive treatment gives (2 minutes): build/hard.csv"
 	@echo "make examples  $(EXAMPLES:%=build/examples/%)"
-	@echo "make bench     time per step by modes and effects, by form and scheme, of systems, of the exact beam: build/bench_*.csv"
-	@echo "make bench-accuracy  error and time of eight scenes by effects, modes, scheme and step (2 minutes): build/accuracy/"
+	@echo "make bench     time per step by modes and effects, by form and integrator, of systems, of the exact beam: build/bench_*.csv"
+	@echo "make bench-accuracy  error and time of eight scenes by effects, modes, integrator and step (2 minutes): build/accuracy/"
 	@echo "make bench-advice  what the library advises for those scenes and variations of them, against all runs (2 minutes)"
 	@echo "make bench-flags  time of a step and code of the library by compiler flags (2 minutes)"
 	@echo "make bench-campaign  runs per second of a campaign by number of processes and of MPI ranks"
-	@echo "make bench-peers  the LU beside LAPACK's, the schemes beside SUNDIALS': needs both; build/bench_peers_*.csv"
+	@echo "make bench-peers  the LU beside LAPACK's, the integrators beside SUNDIALS': needs both; build/bench_peers_*.csv"
 	@echo "make sizes     instructions, code, RAM and time of a step by modes and effects on two boards; bytes of all structs"
 	@echo "make fuzz      hostile input at random, by libFuzzer: FUZZ_SECONDS=60 for each of four harnesses (tests/fuzz)"
 	@echo "make readme    regenerate the tables, program and pictures of the documents (wants gnuplot, valgrind)"
@@ -124,7 +124,7 @@ mutants:
 
 examples: tool $(EXAMPLES:%=build/examples/%)
 
-bench: build/bench/bench_step_double build/bench/bench_step_single build/bench/bench_forms_double build/bench/bench_system_double build/bench/bench_mixed_double
+bench: build/bench/bench_step_double build/bench/bench_step_single build/bench/bench_forms_double build/bench/bench_system_double build/bench/bench_exact_double
 	@for p in double single; do \
 	  echo "$$p:" && build/bench/bench_step_$$p > build/bench_step_$$p.csv && \
 	  awk -F, '/^#/ { print; next } { printf "%-9s %5s  %-13s %9s %9s %9s %9s %7s %15s\n", $$1, $$2, $$3, $$4, $$5, $$6, $$7, $$8, $$9 }' \
@@ -133,7 +133,7 @@ bench: build/bench/bench_step_double build/bench/bench_step_single build/bench/b
 	@build/bench/bench_forms_double > build/bench_forms.csv && \
 	awk -F, '/^#/ { print; next } { printf "%-9s %8s %3s %9s %8s %8s %16s %15s\n", $$1, $$2, $$3, $$4, $$5, $$6, $$7, $$8 }' build/bench_forms.csv
 	@build/bench/bench_system_double > build/bench_system.csv && awk -F, -f bench/system.awk build/bench_system.csv
-	@build/bench/bench_mixed_double > build/bench_mixed.csv && awk -F, -f bench/mixed.awk build/bench_mixed.csv
+	@build/bench/bench_exact_double > build/bench_exact.csv && awk -F, -f bench/exact.awk build/bench_exact.csv
 
 bench-accuracy: build/bench/bench_accuracy_double
 	@mkdir -p build/accuracy
@@ -159,7 +159,7 @@ sizes: build/flexbeam
 fuzz:
 	@sh tests/fuzz/fuzz.sh
 
-readme: examples build/bench/bench_mixed_double build/bench/bench_system_double build/bench/bench_forms_double build/bench/identities_double build/readme/figures_double build/readme/figures_single
+readme: examples build/bench/bench_exact_double build/bench/bench_system_double build/bench/bench_forms_double build/bench/identities_double build/readme/figures_double build/readme/figures_single
 	sh bench/readme.sh
 
 build/readme/figures_double build/readme/figures_single: $(wildcard tests/*.[ch]) $(LIBRARY) | build/readme

@@ -1,4 +1,4 @@
-/* flexbeam.h - 0.1.0 - flexible bodies in real time, a header-only C99 library
+/* flexbeam.h - 0.2.0 - flexible bodies in real time, a header-only C99 library
 
    Floating frame of reference formulation: section properties of a beam give its assumed modes, the modes give a
    flexible body, and the body is integrated in time: fixed step, bounded and data-independent work, no allocation,
@@ -50,8 +50,8 @@
        for (int k = 0; k < 1000 && status == FB_OK; k++) { // run: one step of 1 ms
          status = fb_rk4_step(&body, &state, &work, &torque, &torque, &torque, FB_R(0.001));
        }
-       status = status ? status : fb_body_motion(&body, &motion, &state, &torque);
-       status = status ? status : fb_body_node_motion(&body, &tip, &state, &motion, node);
+       status = status ? status : fb_body_motion_eval(&body, &motion, &state, &torque);
+       status = status ? status : fb_body_node_motion_eval(&body, &tip, &state, &motion, node);
        if (status != FB_OK) {
          printf("%s\n", fb_status_string(status));
          return 1;
@@ -66,23 +66,23 @@
          .n_body = 2, // both of model 0; z of a joint is its axis
          .joint = {{.kind = FB_JOINT_REVOLUTE, .parent = FB_GROUND},
                    {.kind = FB_JOINT_REVOLUTE, .parent = 0, .parent_node = 1, .damping = {FB_R(0.1)}}}};
-     status = fb_system_init(&system, &work, &body, 1, &arm);
-     status = status ? status : fb_system_state_init(&system, &body, &work, &state, NULL, NULL); // or angles, speeds
+     status = fb_system_init(&system, &work, &body, &arm, 1);
+     status = status ? status : fb_system_state_init(&system, &body, &state, &work, NULL, NULL); // or angles, speeds
      input.drive[1].torque[0] = FB_R(2.0); // [N m] at the elbow
      status = status ? status : fb_system_rk4_step(&system, &body, &state, &work, &input, &input, &input, dt);
      status = status ? status : fb_system_motion_eval(&system, &body, &work, &motion, &state, &input); // joint forces
 
    A GEOMETRICALLY EXACT BEAM, for any deflection (examples/elastica.c, follower.c, flap.c, whirl.c)
 
-     desc = (fb_mixed_desc){.length = 10, .n_element = 20, .n_station = 1};   // clamped root, free tip
-     status = fb_mixed_station_init(&desc.station[0], &uniform);               // or 6x6 stiffness and inertia
-     status = status ? status : fb_mixed_init(&mixed, &desc);
-     status = status ? status : fb_mixed_state_init(&mixed, &state, &work, &input);
+     desc = (fb_exact_desc){.length = 10, .n_element = 20, .n_station = 1};   // clamped root, free tip
+     status = fb_exact_station_init(&desc.station[0], &uniform);               // or 6x6 stiffness and inertia
+     status = status ? status : fb_exact_init(&exact, &desc);
+     status = status ? status : fb_exact_state_init(&exact, &state, &work, &input);
      input.w[2] = FB_R(6.0);                                                   // the base spins: steady state, ..
-     status = status ? status : fb_mixed_steady_solve(&mixed, &state, &work, &input);
-     status = status ? status : fb_mixed_step(&mixed, &state, &work, &input, dt);         // ..or motion, ..
-     status = status ? status : fb_mixed_nodes_eval(&mixed, node, &state);                // ..what is where, ..
-     status = status ? status : fb_mixed_spectrum_solve(&mixed, &spectrum, &spectrum_work, &state, &input, 6); // modes
+     status = status ? status : fb_exact_trim(&exact, &state, &work, &input);
+     status = status ? status : fb_exact_step(&exact, &state, &work, &input, dt);         // ..or motion, ..
+     status = status ? status : fb_exact_nodes_eval(&exact, node, &state);                // ..what is where, ..
+     status = status ? status : fb_exact_spectrum_solve(&exact, &spectrum_work, &spectrum, &state, &input, 6); // modes
 
    CONTENTS (search for the anchor; the same anchors divide flexbeam_impl.h. What stands above uses nothing of what
    stands below: RUN flies, BUILD makes models of bodies, systems and exact beams, ANALYSE looks at them)
@@ -102,7 +102,7 @@
                 >>assemble   shape integrals; every _init of a model: bodies, systems, exact beams
      ANALYSE    >>trim       steady states and their paths
                 >>linear     linear models, complex modes, step advice
-                >>advise     which effects, modes, scheme and step a scene calls for
+                >>advise     which effects, modes, integrator and step a scene calls for
 
    OPTIONS (define before the include, the same in every file: a mismatch does not link. Best in one file that every
    compiler call names: -DFLEXBEAM_CONFIG='"my_flexbeam_config.h"'. Values are bare numbers.)
@@ -120,7 +120,7 @@
      FB_MAX_LOOPS                     2        1..99   joints that close its loops
      FB_MAX_ROWS                      24       1..999  its constraints: loops, the caller's, FB_METHOD_MULTIPLIERS
      FB_MAX_SPEEDS                    64       6..999  its speeds, FB_METHOD_DENSE and linear models only
-     FB_MAX_MIXED                     40       1..999  elements of a mixed beam
+     FB_MAX_EXACT                     40       1..999  elements of a exact beam
      FB_WITH_SPIN_COUPLING            1        0, 1    0 removes the effect's code and tables at compile time
      FB_WITH_RESIDUAL_INERTIA         1        0, 1    "
      FB_WITH_SPIN_STIFFENING          1        0, 1    "
@@ -149,10 +149,12 @@
      FB_SQRT FB_SIN FB_COS FB_ATAN2 FB_FABS FB_EXP     replace libm; declare what they call before, in FLEXBEAM_CONFIG
 
    CONVENTIONS
+     Arguments: context (models, then the state that changes, then work), outputs, inputs, sizes. An _init has what it
+     makes first. Kernels read as an assignment: fb_mat33_mul(C, A, B). A function that fills a struct ends with a verb:
+     _init, _check, _step, _solve, _eval, _trim, _linearize; one that returns its number is named by it: fb_rk4_limit.
      Compile: cc -std=c99 program.c -lm. Constants of type fb_real are written FB_R(1.0), with a decimal point.
      SI units and radians. Matrices are flat and row-major, packed with the run-time n. Quaternions are (w,x,y,z), unit,
-     and map body components to inertial ones. Arguments: context, outputs, inputs, sizes. Outputs may not overlap
-     inputs unless a function says so. Zero means default in a desc struct. A failing call changes nothing
+     and map body components to inertial ones. Outputs may not overlap inputs unless a function says so. Zero means default in a desc struct. A failing call changes nothing
      that it was given to change.
 
      WHAT BAD ARGUMENTS GIVE (every function, tests/checks/hostile.c; below stands only what departs from it)
@@ -169,9 +171,9 @@
      Functions without a status do nothing, or give 0, where a pointer is NULL or an index does not exist; numbers go
      through them as arithmetic has it. Those of >>vec3 and >>rotation, fb_lu_solve and fb_chol_solve are the innermost
      loops: pointers and sizes are taken as valid, as memcpy does. Nobody can test the sizes of the caller's arrays.
-     What the library has made (beams, modes, shapes, bodies, systems, schemes) is taken as it was made; where memory
-     may change by itself: fb_body_check, fb_system_check, fb_exponential_check, fb_mixed_check; words that tell of any
-     changed bit: fb_body_crc, fb_system_crc, fb_mixed_crc.
+     What the library has made (beams, modes, shapes, bodies, systems, integrators) is taken as it was made; where
+     memory may change by itself: fb_body_check, fb_system_check, fb_exponential_check, fb_exact_check; words that tell
+     of any changed bit: fb_body_crc, fb_system_crc, fb_exact_crc.
 
      paper          code                     shape      unit          meaning
      m, c, J        shape.mass, .c, .J       1, 3, 3x3  kg, kg m, kg m^2   moments of mass about O
@@ -208,12 +210,12 @@
      several parts                 fb_modes_join, then one fb_shape_add_beam per part
      a finite-element model        fb_shape_add_lump, fb_shape_add_node, fb_shape_add_pair; shape.K
      preload, buckling             fb_modes_desc.preload, fb_buckling_solve
-     a spinning, damped beam       fb_body_trim, fb_body_spectrum: complex modes; fb_system_trim, fb_system_spectrum
-     A, B, C, D for a controller   fb_body_linearize, fb_system_linearize, fb_mixed_linearize
-     which time step?              fb_spectrum_limit, fb_spectrum_step
-     which effects, how many modes? fb_body_advise from what a scene does at most, fb_advice_search by simulations
+     a spinning, damped beam       fb_body_trim, fb_body_spectrum_solve: complex modes; fb_system_trim, ..
+     A, B, C, D for a controller   fb_body_linearize, fb_system_linearize, fb_exact_linearize
+     which time step?              fb_spectrum_limit, fb_spectrum_dt
+     which effects, how many modes? fb_advice_solve from what a scene does at most, fb_advice_search by simulations
      bodies on joints at rest or   fb_system_trim, fb_system_linearize (to design a controller by),
-     turning steadily              fb_system_spectrum: a rotor with hinged blades, an arm, a satellite with its wheels
+     turning steadily              fb_system_spectrum_solve: a rotor with hinged blades, an arm, a satellite
      bodies on joints              fb_system_desc: a tree of joints, loops; the caller's own constraints by fb_rows
      a beam on a hinge             a clamped root with a rigid body on it (the fitting): a bare one leaves the hinge
                                    next to no inertia. FB_ROOT_PINNED frees the slopes of both planes: for a spherical
@@ -222,22 +224,22 @@
                                    and moment
      what is locked or latched     fb_system_axis_set
      an IMU, a strain gauge        fb_imu_eval, fb_gauge_init
-     a beam that bends far         fb_mixed_desc: any deflection, curved, twisted, full 6x6 sections; steady and moving
-     flutter, whirl, buckling      fb_mixed_spectrum_solve about a steady state, fb_spectrum_margin; fb_buckling_solve
-     snap-through, beyond buckling fb_mixed_path_step: steady states along their path; fb_mixed_work.unstable
-     control of a bent beam        fb_mixed_linearize: its slow modes as A, B, C, D with inputs and outputs
+     a beam that bends far         fb_exact_desc: any deflection, curved, twisted, full 6x6 sections; steady and moving
+     flutter, whirl, buckling      fb_exact_spectrum_solve about a steady state, fb_spectrum_margin; fb_buckling_solve
+     snap-through, beyond buckling fb_exact_path_step: steady states along their path; fb_exact_work.unstable
+     control of a bent beam        fb_exact_linearize: its slow modes as A, B, C, D with inputs and outputs
      hub, booms, nodes in one call fb_body_build; joints by their axes: fb_joint_desc.axis
      a model in ROM                build/flexbeam reduce: text file to C header with a static const fb_body
 
-   WHICH SCHEME? (all fixed work; a step beyond its limit is refused)
-     scheme                order  limit               a step costs            takes
+   WHICH INTEGRATOR? (all fixed work; a step beyond its limit is refused)
+     integrator                order  limit               a step costs            takes
      fb_rk4_step           4      stiffest mode       4 evaluations           any body, any form
      fb_midpoint_step      2      spin                3 evaluations, one LU   stiff bodies; keeps energy
      fb_sdirk_step         2      spin                5 evaluations, one LU   stiff bodies; L-stable: fast modes die out
      fb_system_rk4_step    4      stiffest mode       4 evaluations           systems; loops are closed after each step
      fb_system_sdirk_step  2      spin                6 evaluations           systems with stiff joints; L-stable
      fb_exponential_step   4      spin, light bases   4 evaluations           stiff elasticity, exactly; momentum form
-     fb_mixed_step         2      -                   one factorization       the exact beam; keeps energy, or damps
+     fb_exact_step         2      -                   one factorization       the exact beam; keeps energy, or damps
                                                                               what is too fast for the step
 
    HALF AN EFFECT IS WORSE THAN NONE (the papers' equations taken apart; refused unless allow_split_effects)
@@ -309,8 +311,8 @@
 #ifndef FB_MAX_SPEEDS
 #define FB_MAX_SPEEDS 64
 #endif
-#ifndef FB_MAX_MIXED
-#define FB_MAX_MIXED 40
+#ifndef FB_MAX_EXACT
+#define FB_MAX_EXACT 40
 #endif
 #ifndef FB_WITH_SPIN_COUPLING
 #define FB_WITH_SPIN_COUPLING 1
@@ -381,8 +383,8 @@
     FB_MAX_ROWS > 999 || FB_MAX_SPEEDS < 6 || FB_MAX_SPEEDS > 999
 #error "flexbeam: FB_MAX_BODIES and FB_MAX_LOOPS are 1..99, FB_MAX_ROWS 1..999, FB_MAX_SPEEDS 6..999"
 #endif
-#if FB_MAX_MIXED < 1 || FB_MAX_MIXED > 999
-#error "flexbeam: FB_MAX_MIXED is 1..999"
+#if FB_MAX_EXACT < 1 || FB_MAX_EXACT > 999
+#error "flexbeam: FB_MAX_EXACT is 1..999"
 #endif
 #if (FB_WITH_SPIN_COUPLING | FB_WITH_RESIDUAL_INERTIA | FB_WITH_SPIN_STIFFENING | FB_WITH_ACCELERATION_STIFFENING |  \
      FB_WITH_DAMPING | FB_WITH_GRAVITY | FB_WITH_NONLINEAR_STRAIN | FB_WITH_FORMS | FB_WITH_SYSTEM | FB_WITH_EXACT | \
@@ -449,13 +451,13 @@ typedef double fb_real;
 #define FBI_PRECISION double
 #endif
 #define FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D) \
-  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_lambda##v##_s##w##_runs##y##_bodies##i##_loops##j##_rows##k##_speeds##r##_mixed##x##_with##a##b##c##d##f##g##h##_forms##o##_rooms##A##B##C##D
+  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_lambda##v##_s##w##_runs##y##_bodies##i##_loops##j##_rows##k##_speeds##r##_exact##x##_with##a##b##c##d##f##g##h##_forms##o##_rooms##A##B##C##D
 #define FBI_CAT_(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D) \
   FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D)
 #define FBI_CONFIG_SYMBOL                                                                                              \
   FBI_CAT_(FBI_PRECISION, FB_MAX_MODES, FB_MAX_NODES, FB_MAX_LOADS, FB_MAX_ELEMENTS, FB_MAX_STATIONS, FB_MAX_LUMPS,    \
            FB_MAX_STRAINS, FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_RUNS, FB_MAX_BODIES, FB_MAX_LOOPS, FB_MAX_ROWS,             \
-           FB_MAX_SPEEDS, FB_MAX_MIXED, FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA, FB_WITH_SPIN_STIFFENING,      \
+           FB_MAX_SPEEDS, FB_MAX_EXACT, FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA, FB_WITH_SPIN_STIFFENING,      \
            FB_WITH_ACCELERATION_STIFFENING, FB_WITH_DAMPING, FB_WITH_GRAVITY, FB_WITH_NONLINEAR_STRAIN, FB_WITH_FORMS, \
            FB_WITH_SYSTEM, FB_WITH_EXACT, FB_WITH_BUILD, FB_WITH_ANALYSE)
 #define FBI_STRING(x) #x
@@ -504,7 +506,7 @@ static const char *const fbi_config_reference = FBI_CONFIG_SYMBOL;
   X(FB_ERR_KIND, -7, "a kind of deformation has no stiffness or no inertia there")                                   \
   X(FB_ERR_EFFECTS, -8,                                                                                              \
     "effects are split, excluded, removed at compile time or lack data; zeta or gravity lacks its effect")           \
-  X(FB_ERR_STEP, -9, "the step is longer than the stability limit of the scheme")                                    \
+  X(FB_ERR_STEP, -9, "the step is longer than the stability limit of the integrator")                                \
   X(FB_ERR_RANGE, -10, "the deflection has left the range of the model")                                             \
   X(FB_ERR_UNDETERMINED, -11, "a joint or a mode moves no inertia: the acceleration is not determined")              \
   X(FB_ERR_CONTRADICTION, -12, "constraints contradict each other, or a loop cannot be closed")                      \
@@ -596,7 +598,7 @@ typedef enum fb_effect {
    Without residual inertia the inertia does not follow the shape, and with few modes the centrifugal loads on them
    (products of w) are missing, too: such sets are for a body that turns slowly, however fast it flies by itself. In a
    system they are for bodies whose O is slow, too: the loads w x v of O on their modes are missing there. On a
-   prescribed base that turns and whose v changes every scheme is of order 1 with them. */
+   prescribed base that turns and whose v changes every integrator is of order 1 with them. */
 FB_API fb_status fb_effects_check(unsigned effects);
 
 /* A point of a body that carries loads or is looked at. Node 0 is the origin O of the body frame. */
@@ -771,8 +773,8 @@ FB_API fb_status fb_body_check(const fb_body *body);
 FB_API unsigned fb_body_crc(const fb_body *body);
 
 /* All that changes; assignment is a snapshot. Momenta are relative to the mass center, which moves at u: rho alone
-   depends on the speed of flight, and a body at 30 km/s bends as one at rest. fb_body_motion and fb_body_momentum give
-   totals. */
+   depends on the speed of flight, and a body at 30 km/s bends as one at rest. fb_body_motion_eval and
+   fb_body_momentum_eval give totals. */
 typedef struct fb_state {
   fb_real rho[3];  /* [m] position of O, inertial axes; steps add to it without loss (lost_rho) */
   fb_real quat[4]; /* attitude of the body frame */
@@ -805,9 +807,9 @@ typedef struct fb_load {
 typedef struct fb_input { /* what acts on a body at one instant; all zero: nothing */
   int n_load;
   fb_load load[FB_MAX_LOADS];
-  /* [m/s], [rad/s] prescribed base: velocity of O and angular velocity, body axes. What the attitude of the scheme errs
-     by within a step times v is felt as a velocity: let a base that flies fast and turns unsteadily fly against a frame
-     that flies along (any velocity that does not change may be left out) */
+  /* [m/s], [rad/s] prescribed base: velocity of O and angular velocity, body axes. What the attitude of the integrator
+     errs by within a step times v is felt as a velocity: let a base that flies fast and turns unsteadily fly against a
+     frame that flies along (any velocity that does not change may be left out) */
   fb_real v[3], w[3];
   fb_real v_dot[3], w_dot[3]; /* [m/s^2], [rad/s^2] their rates in body axes: accelerations, reactions, step limit, and
                                  the equations of motion of the second- and first-order forms */
@@ -846,15 +848,17 @@ FB_API fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, co
 FB_API fb_status fb_state_check(const fb_body *body, const fb_state *state);
 /* Time derivative of state under input (NULL: nothing acts). rate may not be state. FB_ERR_RANGE: S(q) is no longer
    positive definite, the deflection has left the model. FB_ERR_CAPACITY: a load names a node that does not exist. */
-FB_API fb_status fb_body_rates(const fb_body *body, fb_state *rate, const fb_state *state, const fb_input *input);
+FB_API fb_status fb_body_rates_eval(const fb_body *body, fb_state *rate, const fb_state *state, const fb_input *input);
 /* Velocities, accelerations and reactions at state under input (NULL: nothing acts). */
-FB_API fb_status fb_body_motion(const fb_body *body, fb_motion *motion, const fb_state *state, const fb_input *input);
+FB_API fb_status fb_body_motion_eval(const fb_body *body, fb_motion *motion, const fb_state *state,
+                                     const fb_input *input);
 /* Pose, velocity and acceleration of a node, from the motion at the same state. */
-FB_API fb_status fb_body_node_motion(const fb_body *body, fb_node_motion *out, const fb_state *state,
-                                     const fb_motion *motion, int node);
-FB_API fb_status fb_body_energy(const fb_body *body, fb_energy *energy, const fb_state *state, const fb_input *input);
-FB_API fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, const fb_state *state,
-                                  const fb_input *input);
+FB_API fb_status fb_body_node_motion_eval(const fb_body *body, fb_node_motion *out, const fb_state *state,
+                                          const fb_motion *motion, int node);
+FB_API fb_status fb_body_energy_eval(const fb_body *body, fb_energy *energy, const fb_state *state,
+                                     const fb_input *input);
+FB_API fb_status fb_body_momentum_eval(const fb_body *body, fb_momentum *momentum, const fb_state *state,
+                                       const fb_input *input);
 
 /* ---- parts of the work: not to be looked at */
 
@@ -889,8 +893,8 @@ typedef struct fbi_node_field {   /* a node on the deformed body, body axes */
 } fbi_node_field;
 
 /* ---- functions; body is the caller's array of models, the same in every call. Bodies of a system are of the momentum
-   form; their base does not matter: FB_BASE_PRESCRIBED takes bodies without mass, or without inertia about some axis.
-   */
+   form; their base does not matter: FB_BASE_PRESCRIBED takes bodies without mass, or without inertia about some
+   axis. */
 
 typedef struct fb_imu {                       /* section axes of the node */
   fb_real specific_force[3], angular_rate[3]; /* [m/s^2] acceleration less gravity, [rad/s] */
@@ -1113,8 +1117,8 @@ typedef struct fb_system_work { /* scratch; large: make it static */
 } fb_system_work;
 
 /* ---- functions; body is the caller's array of models, the same in every call. Bodies of a system are of the momentum
-   form; their base does not matter: FB_BASE_PRESCRIBED takes bodies without mass, or without inertia about some axis.
-   */
+   form; their base does not matter: FB_BASE_PRESCRIBED takes bodies without mass, or without inertia about some
+   axis. */
 
 /* As fb_body_check, the models among it. */
 FB_API fb_status fb_system_check(const fb_system *system, const fb_body *body, int n_model);
@@ -1130,19 +1134,19 @@ FB_API fb_status fb_system_state_check(const fb_system *system, const fb_body *b
    give values that fit. Locked axes of loops stay where that leaves them.
    FB_ERR_CONTRADICTION: a loop cannot be closed, or closes half a turn off, work->joint; FB_ERR_NOT_FINITE;
    FB_ERR_RANGE. */
-FB_API fb_status fb_system_state_init(const fb_system *system, const fb_body *body, fb_system_work *work,
-                                      fb_system_state *state, const fb_link_motion *motion,
-                                      const fb_system_input *input);
+FB_API fb_status fb_system_state_init(const fb_system *system, const fb_body *body, fb_system_state *state,
+                                      fb_system_work *work, const fb_link_motion *motion, const fb_system_input *input);
 /* Locks, frees or hands over to the input an axis of a joint (of a loop: n_body + its number; spherical and free: all
    axes). Momenta are what is kept: locking a moving axis is a plastic impact within the system. */
-FB_API fb_status fb_system_axis_set(const fb_system *system, const fb_body *body, fb_system_work *work,
-                                    fb_system_state *state, int joint, int axis, fb_axis_mode mode,
+FB_API fb_status fb_system_axis_set(const fb_system *system, const fb_body *body, fb_system_state *state,
+                                    fb_system_work *work, int joint, int axis, fb_axis_mode mode,
                                     const fb_system_input *input);
 /* Time derivative of a state; mode and hold of rate are zero. FB_ERR_UNDETERMINED: an axis that moves no inertia,
    FB_ERR_CONTRADICTION: constraints against each other, work->joint says which; FB_ERR_RANGE, FB_ERR_CAPACITY (also
    more than 2 (FB_MAX_BODIES + FB_MAX_LOOPS) nodes in constraints), FB_ERR_NOT_FINITE. On failure rate is as before. */
-FB_API fb_status fb_system_rates(const fb_system *system, const fb_body *body, fb_system_work *work,
-                                 fb_system_state *rate, const fb_system_state *state, const fb_system_input *input);
+FB_API fb_status fb_system_rates_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
+                                      fb_system_state *rate, const fb_system_state *state,
+                                      const fb_system_input *input);
 
 typedef struct fb_joint_motion {
   /* of the axes; spherical: value is the rotation vector. Of joints that are kept angles are within half a turn, and
@@ -1154,21 +1158,23 @@ typedef struct fb_joint_motion {
 } fb_joint_motion;
 
 typedef struct fb_system_motion {
-  fb_state pose[FB_MAX_BODIES];    /* rho, quat, q of every body, for fb_body_node_motion with.. */
+  fb_state pose[FB_MAX_BODIES];    /* rho, quat, q of every body, for fb_body_node_motion_eval with.. */
   fb_motion motion[FB_MAX_BODIES]; /* ..this; reactions: resultant of all joints on the body about O, body axes */
   fb_joint_motion joint[FBI_MAX_JOINTS];
   fb_real power; /* [W] of motors and of what prescribes axes */
 } fb_system_motion;
 
-/* Motion of all bodies and joints at a state: velocities, accelerations, joint forces. Errors as fb_system_rates. */
+/* Motion of all bodies and joints at a state: velocities, accelerations, joint forces. Errors as
+   fb_system_rates_eval. */
 FB_API fb_status fb_system_motion_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
                                        fb_system_motion *motion, const fb_system_state *state,
                                        const fb_system_input *input);
 /* strain holds the joint springs, too. */
-FB_API fb_status fb_system_energy(const fb_system *system, const fb_body *body, fb_system_work *work, fb_energy *energy,
-                                  const fb_system_state *state, const fb_system_input *input);
-FB_API fb_status fb_system_momentum(const fb_system *system, const fb_body *body, fb_system_work *work,
-                                    fb_momentum *momentum, const fb_system_state *state, const fb_system_input *input);
+FB_API fb_status fb_system_energy_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
+                                       fb_energy *energy, const fb_system_state *state, const fb_system_input *input);
+FB_API fb_status fb_system_momentum_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
+                                         fb_momentum *momentum, const fb_system_state *state,
+                                         const fb_system_input *input);
 
 #endif /* FB_WITH_SYSTEM */
 
@@ -1207,51 +1213,51 @@ FB_API fb_status fb_system_momentum(const fb_system *system, const fb_body *body
 #define FB_END_GUIDED 56  /* rotation */
 #define FB_END_SLIDING 62 /* all but its place along x */
 
-typedef struct fb_mixed { /* a checked desc, in units of the beam's own; constant after init, may live in ROM */
+typedef struct fb_exact { /* a checked desc, in units of the beam's own; constant after init, may live in ROM */
   int n, n_lump, iterations, floating;
   fb_real length, force, time; /* [m], [N], [s] its units: length, EI/length^2, and what makes its mass 1 */
   fb_real beta;                /* of dissipation */
   fb_real gravity[3];
-  int held[FB_MAX_MIXED + 1], factorizations;
-  fb_real h[FB_MAX_MIXED];
-  fb_real xi[6 * FB_MAX_MIXED]; /* (1, 0, 0, initial curvature) */
-  fb_real C[36 * FB_MAX_MIXED]; /* compliance with that by the strain's variation in the element */
-  fb_real S[36 * FB_MAX_MIXED]; /* its inverse, zero where rigid */
-  fb_real section[36 * FB_MAX_MIXED],
-      taper[36 * FB_MAX_MIXED]; /* the section's own compliance, its change over the element */
-  fb_real M[36 * FB_MAX_MIXED], M_inverse[36 * FB_MAX_MIXED];
-  fb_real r[3 * (FB_MAX_MIXED + 1)], quat[4 * (FB_MAX_MIXED + 1)]; /* undeformed nodes in the base frame */
+  int held[FB_MAX_EXACT + 1], factorizations;
+  fb_real h[FB_MAX_EXACT];
+  fb_real xi[6 * FB_MAX_EXACT]; /* (1, 0, 0, initial curvature) */
+  fb_real C[36 * FB_MAX_EXACT]; /* compliance with that by the strain's variation in the element */
+  fb_real S[36 * FB_MAX_EXACT]; /* its inverse, zero where rigid */
+  fb_real section[36 * FB_MAX_EXACT],
+      taper[36 * FB_MAX_EXACT]; /* the section's own compliance, its change over the element */
+  fb_real M[36 * FB_MAX_EXACT], M_inverse[36 * FB_MAX_EXACT];
+  fb_real r[3 * (FB_MAX_EXACT + 1)], quat[4 * (FB_MAX_EXACT + 1)]; /* undeformed nodes in the base frame */
   int lump_node[FB_MAX_LUMPS];
   fb_real lump[36 * FB_MAX_LUMPS], lump_inverse[36 * FB_MAX_LUMPS];
-} fb_mixed;
+} fb_exact;
 
 /* As fb_body_check: counts and indexes within the tables, all numbers finite, units and lengths positive. */
-FB_API fb_status fb_mixed_check(const fb_mixed *mixed);
+FB_API fb_status fb_exact_check(const fb_exact *exact);
 /* Check word as fb_body_crc. 0: counts beyond the tables. */
-FB_API unsigned fb_mixed_crc(const fb_mixed *mixed);
+FB_API unsigned fb_exact_crc(const fb_exact *exact);
 
 typedef struct fb_line_load {  /* per length of the undeformed line */
   fb_axes axes;                /* inertial: dead; node: follower, section axes; body: base axes */
   fb_real force[3], torque[3]; /* [N/m], [N m/m] */
 } fb_line_load;
 
-typedef struct fb_mixed_input { /* all zero: nothing acts, the base rests */
+typedef struct fb_exact_input { /* all zero: nothing acts, the base rests */
   int n_load;
   fb_load load[FB_MAX_LOADS];      /* at nodes */
-  fb_line_load line[FB_MAX_MIXED]; /* on elements */
+  fb_line_load line[FB_MAX_EXACT]; /* on elements */
   fb_real v[3], w[3];              /* [m/s], [rad/s] of the base frame, base axes; nothing held: of the start alone */
-} fb_mixed_input;
+} fb_exact_input;
 
-typedef struct fb_mixed_state {           /* all that changes, in the beam's own units; assignment is a snapshot */
+typedef struct fb_exact_state {           /* all that changes, in the beam's own units; assignment is a snapshot */
   fb_real base_position[3], base_quat[4]; /* base frame, inertial; [m]. Nothing held: the frame of the root section */
-  fb_real r[3 * (FB_MAX_MIXED + 1)], quat[4 * (FB_MAX_MIXED + 1)]; /* nodes in the base frame */
-  fb_real strain[6 * FB_MAX_MIXED], momentum[6 * FB_MAX_MIXED], lump[6 * FB_MAX_LUMPS];
-  fb_real strain_rate[6 * FB_MAX_MIXED], momentum_rate[6 * FB_MAX_MIXED], lump_rate[6 * FB_MAX_LUMPS];
+  fb_real r[3 * (FB_MAX_EXACT + 1)], quat[4 * (FB_MAX_EXACT + 1)]; /* nodes in the base frame */
+  fb_real strain[6 * FB_MAX_EXACT], momentum[6 * FB_MAX_EXACT], lump[6 * FB_MAX_LUMPS];
+  fb_real strain_rate[6 * FB_MAX_EXACT], momentum_rate[6 * FB_MAX_EXACT], lump_rate[6 * FB_MAX_LUMPS];
   /* of the middle of the last step, or steady: node velocities and stress of the elements, with those of the two steps
      before it; loads between elements */
-  fb_real V[3][6 * (FB_MAX_MIXED + 1)], stress[3][6 * FB_MAX_MIXED], force[6 * (FB_MAX_MIXED + 1)];
-  fb_real reaction[6 * (FB_MAX_MIXED + 1)]; /* of what holds the nodes */
-  fb_real offset[6 * FB_MAX_MIXED];         /* of the strain, by loads on the elements */
+  fb_real V[3][6 * (FB_MAX_EXACT + 1)], stress[3][6 * FB_MAX_EXACT], force[6 * (FB_MAX_EXACT + 1)];
+  fb_real reaction[6 * (FB_MAX_EXACT + 1)]; /* of what holds the nodes */
+  fb_real offset[6 * FB_MAX_EXACT];         /* of the strain, by loads on the elements */
   int known;                                /* of them */
   fb_real step;                             /* length of the last step */
   /* [m/s] inertial axes: velocities and momenta above are relative to it, so that flight at any constant speed, and
@@ -1259,64 +1265,64 @@ typedef struct fb_mixed_state {           /* all that changes, in the beam's own
      near the base's. */
   fb_real u[3];
   fb_real lost[3]; /* [m] of base_position: what rounding took from it, given back with the next step */
-} fb_mixed_state;
+} fb_exact_state;
 
 /* ---- parts of the work: not to be looked at */
 
-typedef struct fbi_mixed_motion { /* how pose, velocity and momentum hang on the unknowns d of the nodes */
+typedef struct fbi_exact_motion { /* how pose, velocity and momentum hang on the unknowns d of the nodes */
   int march;                      /* d is the velocity; else a change of pose */
   int inertia, gravity, dead;     /* velocities, gravity, dead loads on elements are there */
   fb_real pose;                   /* change of pose by d */
   fb_real shift;                  /* rate of a strain, momentum or pose by itself */
-} fbi_mixed_motion;
+} fbi_exact_motion;
 
 /* What an element knows about itself, and the derivatives of it. */
-typedef struct fbi_mixed_cell {
+typedef struct fbi_exact_cell {
   fb_real h;
   fb_real strain[6], theta[6]; /* strain, twist from end to end */
   fb_real V[6], dV[6], dG[6];  /* mean velocity; differences between the ends of velocity and gravity */
   fb_real P[6];                /* momentum per length */
   fb_real dF[6], F1[6], F2[6]; /* internal load: difference, at the ends */
-} fbi_mixed_cell;
+} fbi_exact_cell;
 
-typedef struct fbi_mixed_jacobian {
+typedef struct fbi_exact_jacobian {
   fb_real D1[36], D2[36], E[36]; /* of the compatibility by the nodes, by the stress */
   fb_real F1d1[36], F1d2[36], F1s[36], F2d1[36], F2d2[36], F2s[36];
-} fbi_mixed_jacobian;
+} fbi_exact_jacobian;
 
-typedef struct fb_mixed_work { /* scratch; large: make it static */
-  int iterations, increments;  /* of fb_mixed_steady_solve: Newton iterations, load increments tried */
+typedef struct fb_exact_work { /* scratch; large: make it static */
+  int iterations, increments;  /* of fb_exact_trim: Newton iterations, load increments tried */
   int unstable;                /* number of unstable directions of the steady state; 0: stable */
-  fbi_mixed_motion motion;
+  fbi_exact_motion motion;
   fb_real gravity[3], twist[6], half[9]; /* in base axes; motion of the base, its turn in half a step */
   fb_real drift[3];                      /* velocity u there, in base axes of the middle */
-  fb_real line[6 * FB_MAX_MIXED], line_dead[6 * FB_MAX_MIXED], offset[6 * FB_MAX_MIXED];
-  fb_real follower[6 * (FB_MAX_MIXED + 1)], dead[6 * (FB_MAX_MIXED + 1)];
-  fb_real r[3 * (FB_MAX_MIXED + 1)], quat[4 * (FB_MAX_MIXED + 1)], R[9 * (FB_MAX_MIXED + 1)];
-  fb_real V[6 * (FB_MAX_MIXED + 1)], G[6 * (FB_MAX_MIXED + 1)], s[6 * FB_MAX_MIXED];
-  fb_real strain[6 * FB_MAX_MIXED], momentum[6 * FB_MAX_MIXED], lump[6 * FB_MAX_LUMPS]; /* where rates start from */
-  fb_real B[6 * (FB_MAX_MIXED + 1)], c[6 * FB_MAX_MIXED], want[6 * (FB_MAX_MIXED + 1)]; /* residuals */
-  fb_real back[6 * (FB_MAX_MIXED + 1)]; /* way of held nodes back to their place */
-  fb_real F[6 * (FB_MAX_MIXED + 1)], P[6 * FB_MAX_MIXED];
-  fb_real dd[6 * (FB_MAX_MIXED + 1)], ds[6 * FB_MAX_MIXED]; /* corrections */
-  fb_real LU[144 * FB_MAX_MIXED], W[72 * FB_MAX_MIXED], L[72 * FB_MAX_MIXED], root[36], column[72];
-  fb_real y[12 * (FB_MAX_MIXED + 1)];
-  int perm[12 * FB_MAX_MIXED + 6];
-  fbi_mixed_cell cell;
-  fbi_mixed_jacobian jacobian;
-  fb_mixed_input input;
-  fb_mixed_state state; /* of the last increment that converged */
-} fb_mixed_work;
+  fb_real line[6 * FB_MAX_EXACT], line_dead[6 * FB_MAX_EXACT], offset[6 * FB_MAX_EXACT];
+  fb_real follower[6 * (FB_MAX_EXACT + 1)], dead[6 * (FB_MAX_EXACT + 1)];
+  fb_real r[3 * (FB_MAX_EXACT + 1)], quat[4 * (FB_MAX_EXACT + 1)], R[9 * (FB_MAX_EXACT + 1)];
+  fb_real V[6 * (FB_MAX_EXACT + 1)], G[6 * (FB_MAX_EXACT + 1)], s[6 * FB_MAX_EXACT];
+  fb_real strain[6 * FB_MAX_EXACT], momentum[6 * FB_MAX_EXACT], lump[6 * FB_MAX_LUMPS]; /* where rates start from */
+  fb_real B[6 * (FB_MAX_EXACT + 1)], c[6 * FB_MAX_EXACT], want[6 * (FB_MAX_EXACT + 1)]; /* residuals */
+  fb_real back[6 * (FB_MAX_EXACT + 1)]; /* way of held nodes back to their place */
+  fb_real F[6 * (FB_MAX_EXACT + 1)], P[6 * FB_MAX_EXACT];
+  fb_real dd[6 * (FB_MAX_EXACT + 1)], ds[6 * FB_MAX_EXACT]; /* corrections */
+  fb_real LU[144 * FB_MAX_EXACT], W[72 * FB_MAX_EXACT], L[72 * FB_MAX_EXACT], root[36], column[72];
+  fb_real y[12 * (FB_MAX_EXACT + 1)];
+  int perm[12 * FB_MAX_EXACT + 6];
+  fbi_exact_cell cell;
+  fbi_exact_jacobian jacobian;
+  fb_exact_input input;
+  fb_exact_state state; /* of the last increment that converged */
+} fb_exact_work;
 
 /* Undeformed, at the inertial origin, in rigid motion with the v, w of the input (NULL: at rest); u is the velocity
    of the mass center, of a beam that is held v. FB_ERR_NOT_FINITE. */
-FB_API fb_status fb_mixed_state_init(const fb_mixed *mixed, fb_mixed_state *state, fb_mixed_work *work,
-                                     const fb_mixed_input *input);
+FB_API fb_status fb_exact_state_init(const fb_exact *exact, fb_exact_state *state, fb_exact_work *work,
+                                     const fb_exact_input *input);
 
 /* Finite, no quaternion zero. FB_ERR_NOT_FINITE, FB_ERR_VALUE; FB_ERR_CAPACITY: counts of the model. */
-FB_API fb_status fb_mixed_state_check(const fb_mixed *mixed, const fb_mixed_state *state);
+FB_API fb_status fb_exact_state_check(const fb_exact *exact, const fb_exact_state *state);
 
-typedef struct fb_mixed_node {
+typedef struct fb_exact_node {
   fb_real position[3], quat[4];         /* [m], section to inertial axes, after the last step */
   fb_real displacement[3];              /* [m] base axes */
   fb_real rotation[3];                  /* [rad] rotation vector from the undeformed section; whole turns along the beam
@@ -1326,31 +1332,31 @@ typedef struct fb_mixed_node {
   /* [N], [N m] section axes, in the middle of the last step: of what is outboard on what is inboard, on the inboard
      side of the node (at the root: of the beam on the root); of what holds the node on the beam. */
   fb_real force[3], moment[3], reaction_force[3], reaction_moment[3];
-} fb_mixed_node;
+} fb_exact_node;
 /* All n + 1 nodes. */
-FB_API fb_status fb_mixed_nodes_eval(const fb_mixed *mixed, fb_mixed_node *node, const fb_mixed_state *state);
+FB_API fb_status fb_exact_nodes_eval(const fb_exact *exact, fb_exact_node *node, const fb_exact_state *state);
 
 /* Means over element k, section axes; loads and strains in the middle of the last step, velocities and momenta after
    it. */
-typedef struct fb_mixed_element {
+typedef struct fb_exact_element {
   fb_real force[3], moment[3];               /* [N], [N m] */
   fb_real force_strain[3], moment_strain[3]; /* -, [1/m] */
   fb_real velocity[3], angular_rate[3];
   fb_real momentum[3], angular_momentum[3]; /* [kg/s], [N s] per length */
-} fb_mixed_element;
-FB_API fb_status fb_mixed_element_eval(const fb_mixed *mixed, fb_mixed_element *element, const fb_mixed_state *state,
+} fb_exact_element;
+FB_API fb_status fb_exact_element_eval(const fb_exact *exact, fb_exact_element *element, const fb_exact_state *state,
                                        int k);
 /* Point of the deformed line that was x [m] along it, and its section: inertial axes. FB_ERR_VALUE: not on the beam. */
-FB_API fb_status fb_mixed_point_eval(const fb_mixed *mixed, fb_real position[3], fb_real quat[4],
-                                     const fb_mixed_state *state, fb_real x);
+FB_API fb_status fb_exact_point_eval(const fb_exact *exact, fb_real position[3], fb_real quat[4],
+                                     const fb_exact_state *state, fb_real x);
 /* With dissipation kinetic and strain energy hold beta/4 of that of the last step's change, too: their sum then falls
    in every step of a conservative beam. */
-FB_API fb_status fb_mixed_energy(const fb_mixed *mixed, fb_energy *energy, const fb_mixed_state *state);
+FB_API fb_status fb_exact_energy_eval(const fb_exact *exact, fb_energy *energy, const fb_exact_state *state);
 /* A free beam's own momenta drift with the mesh and the step, order 2, by what turns differently within an element (the
    mean of w x p is not that of the means): 5 m, 1 kg/m, EI 100 N m^2, pushed across at its tip by 50 N for 1 s, steps
    of 5 ms, six seconds: by 2e-3, 5e-4, 1.1e-4 of the linear and 7.3e-3, 2e-3, 9e-4 of the angular with 10, 20, 40
    elements; by 10 N, which bends it less, 1.2e-4, 3e-5, 5e-6 and 3e-4, 8e-5, 1.6e-5. Rigid flight keeps them. */
-FB_API fb_status fb_mixed_momentum(const fb_mixed *mixed, fb_momentum *momentum, const fb_mixed_state *state);
+FB_API fb_status fb_exact_momentum_eval(const fb_exact *exact, fb_momentum *momentum, const fb_exact_state *state);
 
 #endif /* FB_WITH_EXACT */
 
@@ -1388,7 +1394,7 @@ typedef struct fb_implicit_work {
   fb_real X[6 * FB_MAX_MODES], Y[6 * FB_MAX_MODES], Z[6 * FB_MAX_MODES], A[36]; /* recoil of the base */
 } fb_implicit_work;
 
-/* Largest step [s] of the implicit schemes at a spin |w| [rad/s] and an acceleration of O [m/s^2]: |w| dt <= 1/10,
+/* Largest step [s] of the implicit integrators at a spin |w| [rad/s] and an acceleration of O [m/s^2]: |w| dt <= 1/10,
    less where the quadratic field stiffens much. FB_HUGE at rest, 0 for input that is not a number. */
 FB_API fb_real fb_implicit_limit(const fb_body *body, fb_real spin, fb_real acceleration);
 
@@ -1432,8 +1438,8 @@ FB_API fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
 /* Largest step [s] of the exponential scheme: |w| dt <= 1/2 for a held base, less where the quadratic field or the
    tension of a spinning beam stiffens much, where the base is lighter than its modes and trembles with them (recoil
    of fb_body, 1 for a heavy hub; it counts squared), and with damping ratios above 1/4: choose a heavy hub, or an
-   implicit scheme. The limit holds for any motion; a smooth one may be stepped further (allow_long_step). Order 4 is
-   seen where omega dt is below about 5 for the modes that move. */
+   implicit integrator. The limit holds for any motion; a smooth one may be stepped further (allow_long_step). Order 4
+   is seen where omega dt is below about 5 for the modes that move. */
 FB_API fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real acceleration);
 
 #if FB_WITH_SYSTEM
@@ -1462,7 +1468,7 @@ FB_API fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body,
 #endif
 
 #if FB_WITH_EXACT
-/* ---- mixed beam */
+/* ---- exact beam */
 
 /* One step under loads and motion of the base of its middle. Order 2; without dissipation the energy of a conservative
    beam is constant but for the last correction of the iteration, whatever the step: a limit of stability does not
@@ -1476,16 +1482,16 @@ FB_API fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body,
    0.2 s at 1e8 N. FB_ERR_CONVERGENCE: the last correction is not small, or the residual after it not so much smaller
    that the next one would be below a tenth of its bound (1e-6 of the length, a radian, the largest load; single
    precision 1e-3): take a shorter step, more iterations or factorizations; FB_ERR_SINGULAR: a node without inertia and
-   stiffness; else as fb_mixed_steady_solve. On failure state is as before. */
-FB_API fb_status fb_mixed_step(const fb_mixed *mixed, fb_mixed_state *state, fb_mixed_work *work,
-                               const fb_mixed_input *middle, fb_real dt);
+   stiffness; else as fb_exact_trim. On failure state is as before. */
+FB_API fb_status fb_exact_step(const fb_exact *exact, fb_exact_state *state, fb_exact_work *work,
+                               const fb_exact_input *middle, fb_real dt);
 #endif
 
 /* ---------------------------------------------------------------------------------------------------------------
    RUN >>version */
 
-#define FB_VERSION "0.1.0"
-FB_API const char *fb_version_string(void); /* "0.1.0" */
+#define FB_VERSION "0.2.0"
+FB_API const char *fb_version_string(void); /* "0.2.0" */
 FB_API const char *fb_config_string(void);  /* the configuration symbol's name */
 /* FB_OK when the caller's configuration is the implementation's: pass FB_CONFIG. */
 #define FB_CONFIG FBI_STRING_(FBI_CONFIG_SYMBOL)
@@ -1597,10 +1603,10 @@ typedef struct fb_beam { /* a checked desc */
 /* FB_ERR_VALUE, FB_ERR_NOT_FINITE, FB_ERR_CAPACITY, FB_ERR_NULL; the beam is written only on FB_OK. */
 FB_API fb_status fb_beam_init(fb_beam *beam, const fb_beam_desc *desc);
 /* Section properties at x (linear between stations, the end values outside). */
-FB_API void fb_beam_section(fb_section *section, const fb_beam *beam, fb_real x);
+FB_API void fb_beam_section_eval(const fb_beam *beam, fb_section *section, fb_real x);
 /* Finite-element stiffness and consistent mass of the beam without root condition, K and M (ndof x ndof),
    ndof = 6 (n_element + 1), per node (u_x, u_y, u_z, theta_x, theta_y, theta_z) in beam axes; shear condensed. */
-FB_API void fb_beam_matrices(fb_real *K, fb_real *M, const fb_beam *beam);
+FB_API void fb_beam_matrices_eval(const fb_beam *beam, fb_real *K, fb_real *M);
 
 /* ---------------------------------------------------------------------------------------------------------------
    BUILD >>modes: the basis in which a beam deforms */
@@ -1720,10 +1726,18 @@ FB_API fb_status fb_buckling_solve(fb_modes *modes, fb_modes_work *work, const f
 
 /* Synthesis: components joined rigidly, node to node, their common modes the coordinates of one body. */
 #define FB_MAX_COMPONENTS 8
+#define FB_MAX_WELDS (FB_MAX_COMPONENTS + 4)
 
 typedef struct fb_weld { /* element nodes of two components at the same place of the body frame */
   int component[2], node[2];
 } fb_weld;
+
+typedef struct fb_join_desc {
+  int n_weld; /* 0..FB_MAX_WELDS */
+  fb_weld weld[FB_MAX_WELDS];
+  int lowest;          /* common modes to keep; 0: all */
+  fb_real omega_limit; /* [rad/s] modes above are left out; 0: no limit */
+} fb_join_desc;
 
 typedef struct fb_join_work { /* scratch; large: make it static */
   fb_real K[FB_MAX_COMPONENTS * FB_MAX_COMPONENTS * FB_MAX_MODES * FB_MAX_MODES];
@@ -1732,7 +1746,7 @@ typedef struct fb_join_work { /* scratch; large: make it static */
   fb_real X[FB_MAX_COMPONENTS * FB_MAX_COMPONENTS * FB_MAX_MODES * FB_MAX_MODES];
   fb_real A[FB_MAX_COMPONENTS * FB_MAX_COMPONENTS * FB_MAX_MODES * FB_MAX_MODES];
   fb_real B[FB_MAX_COMPONENTS * FB_MAX_COMPONENTS * FB_MAX_MODES * FB_MAX_MODES];
-  fb_real T[6 * (FB_MAX_COMPONENTS + 4) * FB_MAX_COMPONENTS * FB_MAX_MODES];
+  fb_real T[6 * FB_MAX_WELDS * FB_MAX_COMPONENTS * FB_MAX_MODES];
   fb_real d[FB_MAX_COMPONENTS * FB_MAX_MODES], scale[FB_MAX_COMPONENTS * FB_MAX_MODES];
   int pivot[FB_MAX_COMPONENTS * FB_MAX_MODES];
   fb_modes joined[FB_MAX_COMPONENTS];
@@ -1741,16 +1755,15 @@ typedef struct fb_join_work { /* scratch; large: make it static */
 /* joined, beam and component are arrays of n_component. A component that hangs on another one has a free root and rigid
    modes (fb_modes_desc.rigid), all coordinates of FB_BASIS_ELEMENTS, or its root among the boundary; what both sides of
    a weld cannot move in is stiff; a clamped root stays with the frame. Natural modes alone converge slowly at a weld:
-   add static corrections there (load), or take its node for a boundary. Keeps the `lowest` common modes (0: all) up to
-   omega_limit [rad/s] (0: no limit); rigid-body modes of the whole are left out. Then build the shape as for one beam,
-   all with first = 0 and n = joined->n: add beam 0, a node at each weld of it, then the beams that hang there (their
-   quadratic field goes on from that node: a part hangs by its root), and so on. joined[k].M and K are the share of
-   component k. Redundant welds do no harm. FB_ERR_CONVERGENCE: slow elastic modes cannot be told from rigid ones in
-   this precision (keep fewer, or use double); FB_ERR_CAPACITY: counts, a node, more than FB_MAX_MODES; FB_ERR_VALUE:
-   nodes of a weld more than 1e-4 of the beams' length apart, FB_BASIS_FUNCTIONS; FB_ERR_MODES: fewer modes than asked
-   for; FB_ERR_SINGULAR: no mass somewhere. */
+   add static corrections there (load), or take its node for a boundary. Rigid-body modes of the whole are left out.
+   Then build the shape as for one beam, all with first = 0 and n = joined->n: add beam 0, a node at each weld of it,
+   then the beams that hang there (their quadratic field goes on from that node: a part hangs by its root), and so on.
+   joined[k].M and K are the share of component k. Redundant welds do no harm. FB_ERR_CONVERGENCE: slow elastic modes
+   cannot be told from rigid ones in this precision (keep fewer, or use double); FB_ERR_CAPACITY: counts, a node, more
+   than FB_MAX_MODES; FB_ERR_VALUE: nodes of a weld more than 1e-4 of the beams' length apart, FB_BASIS_FUNCTIONS;
+   FB_ERR_MODES: fewer modes than asked for; FB_ERR_SINGULAR: no mass somewhere. */
 FB_API fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_beam *beam, const fb_modes *component,
-                               int n_component, const fb_weld *weld, int n_weld, int lowest, fb_real omega_limit);
+                               const fb_join_desc *desc, int n_component);
 
 /* ---------------------------------------------------------------------------------------------------------------
    BUILD >>assemble: shape integrals; every _init of a model */
@@ -1905,9 +1918,9 @@ typedef struct fb_build_work { /* scratch; large: make it static */
   fb_body_work body_work;
 } fb_build_work;
 
-/* beam, modes: n_beam descriptions and which modes of each to keep. FB_ERR_CAPACITY: n_part, n_node, a place beyond n_beam,
-   more than FB_MAX_MODES coordinates or FB_MAX_NODES nodes; FB_ERR_VALUE: zeta and body.zeta both; else as the functions
-   of the chain. body is written only on FB_OK. */
+/* beam, modes: n_beam descriptions and which modes of each to keep. FB_ERR_CAPACITY: n_part, n_node, a place beyond
+   n_beam, more than FB_MAX_MODES coordinates or FB_MAX_NODES nodes; FB_ERR_VALUE: zeta and body.zeta both; else as the
+   functions of the chain. body is written only on FB_OK. */
 FB_API fb_status fb_body_build(fb_body *body, fb_build_work *work, const fb_build_desc *desc, const fb_beam_desc *beam,
                                const fb_modes_desc *modes, int n_beam);
 
@@ -1924,9 +1937,10 @@ typedef struct fb_joint_desc {
   fb_axis_mode mode[3];  /* of each axis to begin with; spherical and free: mode[0] is that of all */
   fb_real stiffness[3], rest[3],
       damping[3]; /* [N m/rad, N/m], [rad, m], [N m s/rad, N s/m]; spherical: the first holds for all, rest is zero */
-  /* In place of attitude and child_attitude, which are then zero: the joint's z axis, about which or along which it moves,
-     in the parent's and in the child's axes, of any length; its x axis is turned along by the smallest rotation from z.
-     child_axis all zero (and child_attitude): the same as axis, so that both bodies' axes coincide at zero coordinates */
+  /* In place of attitude and child_attitude, which are then zero: the joint's z axis, about which or along which it
+     moves, in the parent's and in the child's axes, of any length; its x axis is turned along by the smallest rotation
+     from z. child_axis all zero (and child_attitude): the same as axis, so that both bodies' axes coincide at zero
+     coordinates */
   fb_real axis[3], child_axis[3];
 } fb_joint_desc;
 
@@ -1942,18 +1956,19 @@ typedef struct fb_system_desc {
 } fb_system_desc;
 
 /* ---- functions; body is the caller's array of models, the same in every call. Bodies of a system are of the momentum
-   form; their base does not matter: FB_BASE_PRESCRIBED takes bodies without mass, or without inertia about some axis.
-   */
+   form; their base does not matter: FB_BASE_PRESCRIBED takes bodies without mass, or without inertia about some
+   axis. */
 
-/* FB_ERR_VALUE: a parent that is no earlier body, an axis and an attitude on the same side, a free joint as loop or with springs, negative stiffness or damping,
-   a mode that is none, form or base of a body; FB_ERR_CAPACITY: numbers of bodies, loops, models, nodes;
-   FB_ERR_SINGULAR: a mass matrix that is singular undeformed at zero coordinates. work->joint names the joint. */
-FB_API fb_status fb_system_init(fb_system *system, fb_system_work *work, const fb_body *body, int n_model,
-                                const fb_system_desc *desc);
+/* FB_ERR_VALUE: a parent that is no earlier body, an axis and an attitude on the same side, a free joint as loop or
+   with springs, negative stiffness or damping, a mode that is none, form or base of a body; FB_ERR_CAPACITY: numbers of
+   bodies, loops, models, nodes; FB_ERR_SINGULAR: a mass matrix that is singular undeformed at zero coordinates.
+   work->joint names the joint. */
+FB_API fb_status fb_system_init(fb_system *system, fb_system_work *work, const fb_body *body,
+                                const fb_system_desc *desc, int n_model);
 #endif
 
 #if FB_WITH_EXACT
-typedef struct fb_mixed_station { /* section of the undeformed beam; linear between stations */
+typedef struct fb_exact_station { /* section of the undeformed beam; linear between stations */
   fb_real x;                      /* [m] along the reference line, from 0; ignored for one station (uniform) */
   /* 6x6, symmetric, of (force; moment) by (force strain; curvature), section axes, x along the line: [N], [N m],
      [N m^2]. A zero on the diagonal: rigid in that strain, its row and column are ignored; then hold the root, not the
@@ -1962,28 +1977,28 @@ typedef struct fb_mixed_station { /* section of the undeformed beam; linear betw
   fb_real inertia[36];  /* 6x6 of (momentum; angular momentum) by (velocity; rate): [kg/m], [kg], [kg m]; may be 0 */
   fb_real twist;        /* [rad] section axes turn with it about x; relative to.. */
   fb_real curvature[3]; /* [rad/m] ..those that turn with this initial curvature; in section axes */
-} fb_mixed_station;
+} fb_exact_station;
 
 /* Stiffness and inertia of a section by its engineering properties (its x and twist go along): centers off the line,
    shear, rotary inertia. Zero stiffness: rigid. FB_ERR_VALUE, FB_ERR_NOT_FINITE. */
-FB_API fb_status fb_mixed_station_init(fb_mixed_station *station, const fb_section *section);
+FB_API fb_status fb_exact_station_init(fb_exact_station *station, const fb_section *section);
 
 typedef struct fb_support {
   int node, held; /* FB_HOLD_... or-ed, or FB_END_... */
 } fb_support;
 
-typedef struct fb_mixed_desc {
+typedef struct fb_exact_desc {
   fb_real length;     /* [m] along the line > 0 */
-  int n_element;      /* 1..FB_MAX_MIXED; nodes are 0 root .. n_element tip */
+  int n_element;      /* 1..FB_MAX_EXACT; nodes are 0 root .. n_element tip */
   int n_station;      /* 1 or 2..FB_MAX_STATIONS, the first at 0, the last at length, ascending */
   int root, tip;      /* FB_END_... */
   int n_support;      /* further nodes */
   int n_lump;         /* rigid bodies on nodes, in section axes there */
   int iterations;     /* of a time step, 1..20; 0: 6 */
-  int factorizations; /* of a step, 1..20, each further one with an iteration of its own; 0: 1, see fb_mixed_step */
+  int factorizations; /* of a step, 1..20, each further one with an iteration of its own; 0: 1, see fb_exact_step */
   fb_real
-      place[FB_MAX_MIXED + 1]; /* [m] of the nodes along the line, ascending from 0 to length; all 0: equal elements */
-  fb_mixed_station station[FB_MAX_STATIONS];
+      place[FB_MAX_EXACT + 1]; /* [m] of the nodes along the line, ascending from 0 to length; all 0: equal elements */
+  fb_exact_station station[FB_MAX_STATIONS];
   fb_support support[FB_MAX_LUMPS];
   fb_lump lump[FB_MAX_LUMPS];
   fb_real position[3], attitude[4]; /* root in the base frame [m], section axes before
@@ -1993,11 +2008,11 @@ typedef struct fb_mixed_desc {
      Order 2 stays: a resolved oscillation gets the damping ratio beta (omega dt)^3/4, beta = rho (1 - rho)/(1 + rho)^2,
      at most 1/8. */
   fb_real dissipation;
-} fb_mixed_desc;
+} fb_exact_desc;
 
 /* FB_ERR_VALUE: also a stiffness that is not positive definite where it is not rigid, rigid at some stations only, an
    inertia that is not positive semidefinite; FB_ERR_CAPACITY; FB_ERR_NOT_FINITE; FB_ERR_NULL. */
-FB_API fb_status fb_mixed_init(fb_mixed *mixed, const fb_mixed_desc *desc);
+FB_API fb_status fb_exact_init(fb_exact *exact, const fb_exact_desc *desc);
 #endif
 
 /* FB_ERR_VALUE: dt, or a body of another form; FB_ERR_SINGULAR: K or the mass is not positive definite;
@@ -2024,12 +2039,12 @@ FB_API fb_status fb_shape_select(fb_shape *selected, const fb_shape *shape, cons
    Beyond a buckling load there are several: work->unstable tells whether this one is stable, by the inertia of the
    tangent stiffness (E10.20), which for dead loads, gravity and what turns with the base is Lagrange's and Dirichlet's
    criterion: 0 stable, k > 0 with k ways to leave, as k buckling loads are exceeded. Of follower loads it sees
-   divergence, not flutter, and of a spinning base not what the spin may hold by itself: fb_mixed_spectrum_solve does.
-   The stable state on the nudge's side, and what lies beyond a limit point: fb_mixed_path_step.
+   divergence, not flutter, and of a spinning base not what the spin may hold by itself: fb_exact_spectrum_solve does.
+   The stable state on the nudge's side, and what lies beyond a limit point: fb_exact_path_step.
    FB_ERR_CONVERGENCE; FB_ERR_SINGULAR: not held, or at a limit point; FB_ERR_CAPACITY: a node that does not exist;
    FB_ERR_VALUE; FB_ERR_NOT_FINITE. On failure state is as before. */
-FB_API fb_status fb_mixed_steady_solve(const fb_mixed *mixed, fb_mixed_state *state, fb_mixed_work *work,
-                                       const fb_mixed_input *input);
+FB_API fb_status fb_exact_trim(const fb_exact *exact, fb_exact_state *state, fb_exact_work *work,
+                               const fb_exact_input *input);
 #endif
 
 /* states of a linear model: of one body, or of a system with as many speeds as FB_METHOD_DENSE takes */
@@ -2150,53 +2165,53 @@ typedef struct fb_system_analyse_work { /* scratch; large: make it static */
    rate, as with fb_body_trim. It finds unstable positions as well as stable ones, not always the nearest.
    FB_ERR_UNREST: also where wheels have momentum across that axis, which turns it; FB_ERR_SINGULAR: also an axis that
    nothing holds, a hinge at standstill or a wheel: lock it; FB_ERR_CONVERGENCE: also from too far away, such as a
-   pendulum held out level; FB_ERR_CONTRADICTION: a loop stays open. Errors else as fb_body_trim and fb_system_rates.
-   An arm's posture: lock its joints, trim, give what held them (fb_joint_motion.drive) as torque of their motors, free
-   them. Wheels: prescribe their rates, trim, free them. fb_system_axis_set does it and keeps the momenta; the state is
-   then ready for fb_system_linearize. */
+   pendulum held out level; FB_ERR_CONTRADICTION: a loop stays open. Errors else as fb_body_trim and
+   fb_system_rates_eval. An arm's posture: lock its joints, trim, give what held them (fb_joint_motion.drive) as torque
+   of their motors, free them. Wheels: prescribe their rates, trim, free them. fb_system_axis_set does it and keeps the
+   momenta; the state is then ready for fb_system_linearize. */
 FB_API fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb_system_state *state,
                                 fb_system_analyse_work *work, const fb_system_input *input);
 #endif
 
 #if FB_WITH_EXACT
-/* ---- mixed beam */
+/* ---- exact beam */
 
-typedef struct fb_mixed_path {           /* where on a path of steady states; all zero: its start */
+typedef struct fb_exact_path {           /* where on a path of steady states; all zero: its start */
   fb_real factor;                        /* part of the varied loads that acts */
   fb_real rise;                          /* change of factor by arc length, -1..1; its sign changes at a limit point */
   fb_real arc;                           /* length of the last step */
-  int unstable;                          /* as in fb_mixed_work */
+  int unstable;                          /* as in fb_exact_work */
   int iterations;                        /* of the last step, all tries */
-  fb_real ahead[6 * (FB_MAX_MIXED + 1)]; /* direction of the path: not to be looked at */
-} fb_mixed_path;
+  fb_real ahead[6 * (FB_MAX_EXACT + 1)]; /* direction of the path: not to be looked at */
+} fb_exact_path;
 
-typedef struct fbi_mixed_loads {
-  fb_real line[6 * FB_MAX_MIXED], line_dead[6 * FB_MAX_MIXED], offset[6 * FB_MAX_MIXED];
-  fb_real follower[6 * (FB_MAX_MIXED + 1)], dead[6 * (FB_MAX_MIXED + 1)];
-} fbi_mixed_loads;
+typedef struct fbi_exact_loads {
+  fb_real line[6 * FB_MAX_EXACT], line_dead[6 * FB_MAX_EXACT], offset[6 * FB_MAX_EXACT];
+  fb_real follower[6 * (FB_MAX_EXACT + 1)], dead[6 * (FB_MAX_EXACT + 1)];
+} fbi_exact_loads;
 
-typedef struct fb_mixed_path_work { /* scratch; large: make it static */
-  fb_mixed_work mixed;
-  fbi_mixed_loads constant, varied;
-  fb_real B[6 * (FB_MAX_MIXED + 1)], c[6 * FB_MAX_MIXED];   /* residuals by the factor */
-  fb_real dd[6 * (FB_MAX_MIXED + 1)], ds[6 * FB_MAX_MIXED]; /* correction at this factor */
-  fb_real ahead[6 * (FB_MAX_MIXED + 1)];
-} fb_mixed_path_work;
+typedef struct fb_exact_path_work { /* scratch; large: make it static */
+  fb_exact_work exact;
+  fbi_exact_loads constant, varied;
+  fb_real B[6 * (FB_MAX_EXACT + 1)], c[6 * FB_MAX_EXACT];   /* residuals by the factor */
+  fb_real dd[6 * (FB_MAX_EXACT + 1)], ds[6 * FB_MAX_EXACT]; /* correction at this factor */
+  fb_real ahead[6 * (FB_MAX_EXACT + 1)];
+} fb_exact_path_work;
 
 /* One step along the path of steady states under `constant` (NULL: nothing but gravity) and path->factor times the
    loads of `varied`, past limit points, where a load that only grows would jump (snap-through, snap-back), and around
-   buckling loads, where a constant nudge decides the side. state: in (of fb_mixed_steady_solve under constant, with a
+   buckling loads, where a constant nudge decides the side. state: in (of fb_exact_trim under constant, with a
    path all zero; then of the step before) and out. arc: length of the step, shortened where the path bends; its square
    is the mean over the nodes of displacement^2/length^2 + rotation^2, plus the change of factor^2: let the loads of
    `varied` be about those of interest, and arc 0.02 to 0.1. The factor rises at the start, or with arc < 0 falls; the
    path keeps its direction, arc < 0 goes back. A nudge too small for the arc is stepped over, along the path that is
-   unstable there: path->unstable tells. Afterwards fb_mixed_steady_solve finds, from this state, that at a factor of
+   unstable there: path->unstable tells. Afterwards fb_exact_trim finds, from this state, that at a factor of
    one's choice. Bounded: at most 11 tries, each half as long as the one before, of 12 iterations (one factorization
-   each). FB_ERR_CONVERGENCE; FB_ERR_VALUE: arc zero, or not finite; else as fb_mixed_steady_solve. The motion v, w of
+   each). FB_ERR_CONVERGENCE; FB_ERR_VALUE: arc zero, or not finite; else as fb_exact_trim. The motion v, w of
    the base is that of constant. On failure path and state are as before. */
-FB_API fb_status fb_mixed_path_step(const fb_mixed *mixed, fb_mixed_path *path, fb_mixed_state *state,
-                                    fb_mixed_path_work *work, const fb_mixed_input *constant,
-                                    const fb_mixed_input *varied, fb_real arc);
+FB_API fb_status fb_exact_path_step(const fb_exact *exact, fb_exact_path *path, fb_exact_state *state,
+                                    fb_exact_path_work *work, const fb_exact_input *constant,
+                                    const fb_exact_input *varied, fb_real arc);
 #endif
 
 /* ---------------------------------------------------------------------------------------------------------------
@@ -2211,7 +2226,7 @@ FB_API fb_status fb_mixed_path_step(const fb_mixed *mixed, fb_mixed_path *path, 
    FB_ERR_CAPACITY: a port of a node, or of a body, that does not exist, no room in input for one more load;
    FB_ERR_VALUE: an axis, an input among the outputs, base motion of a base that is not prescribed, a port of systems.
    On failure linear is as before. */
-FB_API fb_status fb_body_linearize(const fb_body *body, fb_linear *linear, fb_analyse_work *work, const fb_state *state,
+FB_API fb_status fb_body_linearize(const fb_body *body, fb_analyse_work *work, fb_linear *linear, const fb_state *state,
                                    const fb_input *input, const fb_linear_desc *desc);
 #endif
 
@@ -2231,145 +2246,147 @@ typedef struct fb_spectrum { /* ascending by |re + i im|; of a conjugate pair th
    a base that is not prescribed the momenta are among them (nutation), the pose only where it acts on the motion
    (gravity on a pinned base, loads in inertial axes). FB_ERR_CONVERGENCE: as fb_body_linearize, or the error of a mode
    is above 0.01 of the fastest. */
-FB_API fb_status fb_body_spectrum(fb_spectrum *spectrum, fb_analyse_work *work, const fb_body *body,
-                                  const fb_state *state, const fb_input *input);
+FB_API fb_status fb_body_spectrum_solve(const fb_body *body, fb_analyse_work *work, fb_spectrum *spectrum,
+                                        const fb_state *state, const fb_input *input);
 /* Prescribed and locked axes are no states; what moves at a constant rate stays where it is in the state (a prescribed
    axis with gravity across has no constant A). FB_ERR_CAPACITY: also an axis that the joint does not
    have, more than FB_MAX_LINEAR states; FB_ERR_VALUE: also FB_PORT_DRIVE of an axis that is not free. */
-FB_API fb_status fb_system_linearize(const fb_system *system, const fb_body *body, fb_linear *linear,
-                                     fb_system_analyse_work *work, const fb_system_state *state,
-                                     const fb_system_input *input, const fb_linear_desc *desc);
+FB_API fb_status fb_system_linearize(const fb_system *system, const fb_body *body, fb_system_analyse_work *work,
+                                     fb_linear *linear, const fb_system_state *state, const fb_system_input *input,
+                                     const fb_linear_desc *desc);
 /* Position and attitude of free joints are left out (zero in the shapes) where they do not act on the motion. */
-FB_API fb_status fb_system_spectrum(fb_spectrum *spectrum, fb_system_analyse_work *work, const fb_system *system,
-                                    const fb_body *body, const fb_system_state *state, const fb_system_input *input);
+FB_API fb_status fb_system_spectrum_solve(const fb_system *system, const fb_body *body, fb_system_analyse_work *work,
+                                          fb_spectrum *spectrum, const fb_system_state *state,
+                                          const fb_system_input *input);
 #endif
 
 /* -re/|re + i im| of mode k: 1 aperiodic, 0 undamped (or no such mode), negative unstable. */
 FB_API fb_real fb_spectrum_damping(const fb_spectrum *spectrum, int k);
 /* Stability margin [1/s] of n modes: the least -re, negative where one grows; and which mode has it (NULL: not asked
-   for). n = 0: FB_HUGE, mode -1; where an re is not finite, that one. For fb_spectrum, fb_mixed_spectrum and
-   fb_mixed_linear alike. Without damping it is rounding, and a root of it where two modes are one (free to move: 0). */
-FB_API fb_real fb_spectrum_margin(const fb_real *re, int *mode, int n);
+   for). n = 0: FB_HUGE, mode -1; where an re is not finite, that one. For fb_spectrum, fb_exact_spectrum and
+   fb_exact_linear alike. Without damping it is rounding, and a root of it where two modes are one (free to move: 0). */
+FB_API fb_real fb_spectrum_margin(int *mode, const fb_real *re, int n);
 
-typedef enum fb_scheme {
-  FB_SCHEME_RK4 = 0,
-  FB_SCHEME_MIDPOINT = 1,
-  FB_SCHEME_SDIRK = 2,
-  FB_SCHEME_EXPONENTIAL = 3 /* of fb_advice alone: a spectrum does not say what it errs by */
-} fb_scheme;
+typedef enum fb_integrator {
+  FB_INTEGRATOR_RK4 = 0,
+  FB_INTEGRATOR_MIDPOINT = 1,
+  FB_INTEGRATOR_SDIRK = 2,
+  FB_INTEGRATOR_EXPONENTIAL = 3 /* of fb_advice alone: a spectrum does not say what it errs by */
+} fb_integrator;
 /* Largest step [s] at which no mode grows that should not, and none that grows does so by its frequency, too; FB_HUGE
-   where there is none (the implicit schemes); 0 where scheme or spectrum make no sense. Where the base spins freely it
-   is rough: some 3 % too long at |w| dt = 0.3, up to 25 % at 0.7. The steppers refuse what is beyond their own, quicker
-   bounds, most of them shorter (fb_rk4_limit and fb_implicit_limit at that spin, fb_system_rk4_limit): take the smaller
-   step, or set allow_long_step. */
-FB_API fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_scheme scheme);
+   where there is none (the implicit integrators); 0 where integrator or spectrum make no sense. Where the base spins
+   freely it is rough: some 3 % too long at |w| dt = 0.3, up to 25 % at 0.7. The steppers refuse what is beyond their
+   own, quicker bounds, most of them shorter (fb_rk4_limit and fb_implicit_limit at that spin, fb_system_rk4_limit):
+   take the smaller step, or set allow_long_step. */
+FB_API fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_integrator integrator);
 /* Step [s] at which the errors of the modes, each at its worst within `duration` [s], add up to `tolerance`, mode k
    with amplitude[k] (NULL: 1 each, so that the fastest mode decides), in the same unit; at most 0.9 of the limit, and
-   the duration. 0 where scheme, duration, tolerance or amplitudes make no sense, or no step is short enough (a mode
+   the duration. 0 where integrator, duration, tolerance or amplitudes make no sense, or no step is short enough (a mode
    that grows too far). The modes are of the motion about a state: the wider the motion, the rougher the estimate; what
    a step errs in the steady motion itself (the turn of a body that spins freely) is not in it. */
-FB_API fb_real fb_spectrum_step(const fb_spectrum *spectrum, fb_scheme scheme, const fb_real *amplitude,
-                                fb_real duration, fb_real tolerance);
+FB_API fb_real fb_spectrum_dt(const fb_spectrum *spectrum, fb_integrator integrator, const fb_real *amplitude,
+                              fb_real duration, fb_real tolerance);
 
 #if FB_WITH_EXACT
-/* ---- mixed beam */
+/* ---- exact beam */
 
-#define FB_MIXED_MODES 24 /* most that a call gives */
-#define FBI_MIXED_BASIS 120
-#define FBI_MIXED_DIM (12 * FB_MAX_MIXED + 6 + 6 * FB_MAX_LUMPS)
+#define FB_EXACT_MODES 24 /* most that a call gives */
+#define FBI_EXACT_BASIS 120
+#define FBI_EXACT_DIM (12 * FB_MAX_EXACT + 6 + 6 * FB_MAX_LUMPS)
 
-typedef struct fb_mixed_spectrum { /* ascending by |re + i im|; of a conjugate pair the one with im > 0 */
+typedef struct fb_exact_spectrum { /* ascending by |re + i im|; of a conjugate pair the one with im > 0 */
   int n;
   /* [1/s], [rad/s]; unstable where re > 0, by more than the mesh's error: with spin some 1e-5 of im at 10 elements */
-  fb_real re[FB_MIXED_MODES], im[FB_MIXED_MODES];
-  fb_real error[FB_MIXED_MODES]; /* estimated relative error of the iteration (not of the mesh) */
+  fb_real re[FB_EXACT_MODES], im[FB_EXACT_MODES];
+  fb_real error[FB_EXACT_MODES]; /* estimated relative error of the iteration (not of the mesh) */
   /* Motion of the nodes against the steady state, section axes, per mode 6 (n_element + 1): displacement [m] and
      rotation [rad], the largest of displacement and rotation * length 1 m. */
-  fb_real shape_re[FB_MIXED_MODES * 6 * (FB_MAX_MIXED + 1)], shape_im[FB_MIXED_MODES * 6 * (FB_MAX_MIXED + 1)];
-} fb_mixed_spectrum;
+  fb_real shape_re[FB_EXACT_MODES * 6 * (FB_MAX_EXACT + 1)], shape_im[FB_EXACT_MODES * 6 * (FB_MAX_EXACT + 1)];
+} fb_exact_spectrum;
 
-typedef struct fb_mixed_spectrum_work { /* scratch; large: make it static */
-  fb_mixed_work mixed;
-  fb_real Q[(FBI_MIXED_BASIS + 2) * FBI_MIXED_DIM], x[FBI_MIXED_DIM];
-  fb_real H[(FBI_MIXED_BASIS + 2) * FBI_MIXED_BASIS], A[FBI_MIXED_BASIS * FBI_MIXED_BASIS];
-  fb_real X[2 * FBI_MIXED_BASIS * FBI_MIXED_BASIS], eig[4 * FBI_MIXED_BASIS * FBI_MIXED_BASIS];
-  fb_real re[FBI_MIXED_BASIS], im[FBI_MIXED_BASIS], missing[FBI_MIXED_BASIS];
-} fb_mixed_spectrum_work;
+typedef struct fb_exact_spectrum_work { /* scratch; large: make it static */
+  fb_exact_work exact;
+  fb_real Q[(FBI_EXACT_BASIS + 2) * FBI_EXACT_DIM], x[FBI_EXACT_DIM];
+  fb_real H[(FBI_EXACT_BASIS + 2) * FBI_EXACT_BASIS], A[FBI_EXACT_BASIS * FBI_EXACT_BASIS];
+  fb_real X[2 * FBI_EXACT_BASIS * FBI_EXACT_BASIS], eig[4 * FBI_EXACT_BASIS * FBI_EXACT_BASIS];
+  fb_real re[FBI_EXACT_BASIS], im[FBI_EXACT_BASIS], missing[FBI_EXACT_BASIS];
+} fb_exact_spectrum_work;
 
-/* The `count` (1..FB_MIXED_MODES) slowest motions exp(lambda t) about a steady state of fb_mixed_steady_solve with the
+/* The `count` (1..FB_EXACT_MODES) slowest motions exp(lambda t) about a steady state of fb_exact_trim with the
    same input: vibration, whirl, flutter, buckling (lambda = 0); as the base that moves with the input sees them. A beam
    that nothing holds has its rigid motions among them, zero to rounding's root. FB_ERR_CONVERGENCE: fewer than asked
    for have converged (without inertia there are none); FB_ERR_MODES: it has not so many. */
-FB_API fb_status fb_mixed_spectrum_solve(const fb_mixed *mixed, fb_mixed_spectrum *spectrum,
-                                         fb_mixed_spectrum_work *work, const fb_mixed_state *state,
-                                         const fb_mixed_input *input, int count);
+FB_API fb_status fb_exact_spectrum_solve(const fb_exact *exact, fb_exact_spectrum_work *work,
+                                         fb_exact_spectrum *spectrum, const fb_exact_state *state,
+                                         const fb_exact_input *input, int count);
 
-typedef enum fb_mixed_port_kind {
-  FB_MIXED_PORT_FORCE = 0,           /* input [N] at a node */
-  FB_MIXED_PORT_TORQUE = 1,          /* input [N m] */
-  FB_MIXED_PORT_BASE_VELOCITY = 2,   /* input [m/s], base axes */
-  FB_MIXED_PORT_BASE_RATE = 3,       /* input [rad/s] */
-  FB_MIXED_PORT_DISPLACEMENT = 4,    /* output [m] of a node, base axes */
-  FB_MIXED_PORT_ROTATION = 5,        /* output [rad], section axes in the steady state */
-  FB_MIXED_PORT_VELOCITY = 6,        /* output [m/s], section axes, as fb_mixed_node.velocity */
-  FB_MIXED_PORT_RATE = 7,            /* output [rad/s], a gyro there */
-  FB_MIXED_PORT_INTERNAL_FORCE = 8,  /* output [N], mean over an element, section axes */
-  FB_MIXED_PORT_INTERNAL_MOMENT = 9, /* output [N m] */
-  FB_MIXED_PORT_FORCE_STRAIN = 10,   /* output [-], of the section */
-  FB_MIXED_PORT_MOMENT_STRAIN = 11   /* output [1/m] */
-} fb_mixed_port_kind;
+typedef enum fb_exact_port_kind {
+  FB_EXACT_PORT_FORCE = 0,           /* input [N] at a node */
+  FB_EXACT_PORT_TORQUE = 1,          /* input [N m] */
+  FB_EXACT_PORT_BASE_VELOCITY = 2,   /* input [m/s], base axes */
+  FB_EXACT_PORT_BASE_RATE = 3,       /* input [rad/s] */
+  FB_EXACT_PORT_DISPLACEMENT = 4,    /* output [m] of a node, base axes */
+  FB_EXACT_PORT_ROTATION = 5,        /* output [rad], section axes in the steady state */
+  FB_EXACT_PORT_VELOCITY = 6,        /* output [m/s], section axes, as fb_exact_node.velocity */
+  FB_EXACT_PORT_RATE = 7,            /* output [rad/s], a gyro there */
+  FB_EXACT_PORT_INTERNAL_FORCE = 8,  /* output [N], mean over an element, section axes */
+  FB_EXACT_PORT_INTERNAL_MOMENT = 9, /* output [N m] */
+  FB_EXACT_PORT_FORCE_STRAIN = 10,   /* output [-], of the section */
+  FB_EXACT_PORT_MOMENT_STRAIN = 11   /* output [1/m] */
+} fb_exact_port_kind;
 
-typedef struct fb_mixed_port {
-  fb_mixed_port_kind kind;
+typedef struct fb_exact_port {
+  fb_exact_port_kind kind;
   int at, axis; /* node or element; axis 0..2 */
   fb_axes axes; /* of a force or torque: as fb_load; inertial axes as they stand in the steady state */
-} fb_mixed_port;
+} fb_exact_port;
 
-typedef struct fb_mixed_linear_desc {
+typedef struct fb_exact_linear_desc {
   int n_in, n_out;
-  fb_mixed_port in[FB_MAX_PORTS], out[FB_MAX_PORTS];
-} fb_mixed_linear_desc;
+  fb_exact_port in[FB_MAX_PORTS], out[FB_MAX_PORTS];
+} fb_exact_linear_desc;
 
-#define FB_MIXED_STATES (2 * FB_MIXED_MODES)
+#define FB_EXACT_STATES (2 * FB_EXACT_MODES)
 
 /* d/dt x = A x + B u, y = C x + D u of changes against the steady state. Mode k has one state where it is aperiodic,
    else two, a and b, with the block [re -im; im re] in A and the motion Re(shape (a + i b)), shape as in
-   fb_mixed_spectrum. D: what all faster modes answer at once; at rest y = (D - C A^-1 B) u is that of the whole
+   fb_exact_spectrum. D: what all faster modes answer at once; at rest y = (D - C A^-1 B) u is that of the whole
    beam. */
-typedef struct fb_mixed_linear {
+typedef struct fb_exact_linear {
   int n, n_in, n_out, n_mode;
-  fb_real re[FB_MIXED_MODES], im[FB_MIXED_MODES]; /* as fb_mixed_spectrum */
-  fb_real A[FB_MIXED_STATES * FB_MIXED_STATES];   /* n x n */
-  fb_real B[FB_MIXED_STATES * FB_MAX_PORTS];      /* n x n_in */
-  fb_real C[FB_MAX_PORTS * FB_MIXED_STATES];      /* n_out x n */
+  fb_real re[FB_EXACT_MODES], im[FB_EXACT_MODES]; /* as fb_exact_spectrum */
+  fb_real A[FB_EXACT_STATES * FB_EXACT_STATES];   /* n x n */
+  fb_real B[FB_EXACT_STATES * FB_MAX_PORTS];      /* n x n_in */
+  fb_real C[FB_MAX_PORTS * FB_EXACT_STATES];      /* n_out x n */
   fb_real D[FB_MAX_PORTS * FB_MAX_PORTS];         /* n_out x n_in */
-} fb_mixed_linear;
+} fb_exact_linear;
 
-typedef struct fb_mixed_linear_work { /* scratch; large: make it static */
-  fb_mixed_spectrum_work spectrum;
-  fb_real base_quat[4], answer[FBI_MIXED_DIM], other[FBI_MIXED_DIM];
-  fb_real basis[FB_MIXED_STATES * FBI_MIXED_DIM], R[FB_MIXED_STATES * FB_MIXED_STATES];
-  fb_real right[FB_MIXED_STATES * FBI_MIXED_BASIS], left[FB_MIXED_STATES * FBI_MIXED_BASIS];
-  fb_real G[FB_MIXED_STATES * FB_MIXED_STATES], scale[FB_MIXED_STATES], part[FB_MIXED_STATES], sum[FB_MIXED_STATES];
-  int perm[FB_MIXED_STATES], order[FBI_MIXED_BASIS];
-  fb_mixed_linear linear;
-} fb_mixed_linear_work;
+typedef struct fb_exact_linear_work { /* scratch; large: make it static */
+  fb_exact_spectrum_work spectrum;
+  fb_real base_quat[4], answer[FBI_EXACT_DIM], other[FBI_EXACT_DIM];
+  fb_real basis[FB_EXACT_STATES * FBI_EXACT_DIM], R[FB_EXACT_STATES * FB_EXACT_STATES];
+  fb_real right[FB_EXACT_STATES * FBI_EXACT_BASIS], left[FB_EXACT_STATES * FBI_EXACT_BASIS];
+  fb_real G[FB_EXACT_STATES * FB_EXACT_STATES], scale[FB_EXACT_STATES], part[FB_EXACT_STATES], sum[FB_EXACT_STATES];
+  int perm[FB_EXACT_STATES], order[FBI_EXACT_BASIS];
+  fb_exact_linear linear;
+} fb_exact_linear_work;
 
 /* Linear model of the `count` slowest modes (of equal ones none is left out: one or two more then) about a steady state
-   of fb_mixed_steady_solve with the same input, for the inputs and outputs of desc (NULL: none). Its eigenvalues are
-   those of fb_mixed_spectrum_solve, its answer at rest is exact. Base velocity and rate move the frame the beam is seen
+   of fb_exact_trim with the same input, for the inputs and outputs of desc (NULL: none). Its eigenvalues are
+   those of fb_exact_spectrum_solve, its answer at rest is exact. Base velocity and rate move the frame the beam is seen
    from; what does not turn with it (gravity, dead loads) is taken as it stands.
    FB_ERR_SINGULAR: no answer at rest (free to move, at a limit point), or two modes are one (the onset of flutter);
-   FB_ERR_VALUE, FB_ERR_CAPACITY: count, or a port that does not exist; else as fb_mixed_spectrum_solve. On failure
+   FB_ERR_VALUE, FB_ERR_CAPACITY: count, or a port that does not exist; else as fb_exact_spectrum_solve. On failure
    linear is as before. */
-FB_API fb_status fb_mixed_linearize(const fb_mixed *mixed, fb_mixed_linear *linear, fb_mixed_linear_work *work,
-                                    const fb_mixed_state *state, const fb_mixed_input *input,
-                                    const fb_mixed_linear_desc *desc, int count);
+FB_API fb_status fb_exact_linearize(const fb_exact *exact, fb_exact_linear_work *work, fb_exact_linear *linear,
+                                    const fb_exact_state *state, const fb_exact_input *input,
+                                    const fb_exact_linear_desc *desc, int count);
 #endif
 
 /* ---------------------------------------------------------------------------------------------------------------
-   ANALYSE >>advise: which effects, modes, scheme and step a scene calls for; offline. For bodies in the momentum form with
-   every effect compiled in. Of a system ask for each body, with the motion of its root as a prescribed base. */
+   ANALYSE >>advise: which effects, modes, integrator and step a scene calls for; offline. For bodies in the momentum
+   form with every effect compiled in. Of a system ask for each body, with the motion of its root as a prescribed
+   base. */
 
 typedef struct fb_envelope {     /* the most that happens in a scene; what has a sign goes together */
   fb_real velocity[3];           /* [m/s] of O of a prescribed base, body axes */
@@ -2390,7 +2407,7 @@ typedef struct fb_advice {
   unsigned effects;             /* for fb_body_desc: damping and gravity where the desc has them */
   int n;                        /* modes, and */
   int coordinate[FB_MAX_MODES]; /* which, ascending: for fb_shape_select */
-  fb_scheme scheme;
+  fb_integrator integrator;
   int long_step;      /* 1: dt is longer than its own limit (found by simulation): set fb_body_desc.allow_long_step */
   fb_real dt;         /* [s] */
   fb_real cost;       /* of a simulated second: about so many instructions of a 64-bit processor */
@@ -2406,9 +2423,9 @@ typedef struct fb_advice {
 #define FBI_ADVICE_SETS 10
 #define FBI_ADVICE_INSTANTS 5
 #define FBI_ADVICE_PHASES 3
-#define FBI_ADVICE_PARTS 16 /* steps tried per scheme */
+#define FBI_ADVICE_PARTS 16 /* steps tried per integrator */
 
-typedef struct fb_advise_work { /* scratch; large: make it static */
+typedef struct fb_advice_work { /* scratch; large: make it static */
   fb_body_work body_work;
   fb_body body, full;
   fb_shape shape;
@@ -2434,20 +2451,20 @@ typedef struct fb_advise_work { /* scratch; large: make it static */
   fb_real step_cost[FBI_ADVICE_SETS][FB_MAX_MODES][4], longest[FBI_ADVICE_SETS][FB_MAX_MODES][4];
   fb_real last[FBI_ADVICE_SETS][FB_MAX_MODES][4];
   int part[FBI_ADVICE_SETS][FB_MAX_MODES][4];
-} fb_advise_work;
+} fb_advice_work;
 
-/* The cheapest set of effects, modes, scheme and step whose estimated errors add up to the tolerance (a part of the
+/* The cheapest set of effects, modes, integrator and step whose estimated errors add up to the tolerance (a part of the
    largest output) or less; error_model takes at most half of it, and what is more stays on top. From the accelerations
    that each set gives where the scene is at its most: bounded work, no simulation. Estimates: a factor of three is
    common. shape: natural modes, more than will be needed. FB_ERR_EFFECTS: an effect was removed at compile time;
    FB_ERR_VALUE: negative frequency or frame, duration or tolerance not positive, no modes, no output; FB_ERR_CAPACITY:
-   a node; FB_ERR_UNSUPPORTED: the coordinates are not natural modes; FB_ERR_STEP: no scheme has a step for this; else as
-   fb_body_init and fb_body_motion. advice is written only on FB_OK. */
-FB_API fb_status fb_body_advise(fb_advice *advice, fb_advise_work *work, const fb_shape *shape,
-                                const fb_body_desc *desc, const fb_envelope *envelope, fb_real tolerance);
+   a node; FB_ERR_UNSUPPORTED: the coordinates are not natural modes; FB_ERR_STEP: no integrator has a step for this;
+   else as fb_body_init and fb_body_motion_eval. advice is written only on FB_OK. */
+FB_API fb_status fb_advice_solve(fb_advice *advice, fb_advice_work *work, const fb_shape *shape,
+                                 const fb_body_desc *desc, const fb_envelope *envelope, fb_real tolerance);
 
 typedef struct fb_trial { /* how a scene is simulated */
-  /* output[0..n-1] of the scene by a body of the candidate's effects, modes (fb_shape_select), scheme and step; any
+  /* output[0..n-1] of the scene by a body of the candidate's effects, modes (fb_shape_select), integrator and step; any
      status but FB_OK: it cannot be, the next is tried */
   fb_status (*run)(void *user, fb_real *output, const fb_advice *candidate);
   void *user;
@@ -2463,9 +2480,9 @@ typedef struct fb_trial { /* how a scene is simulated */
    modes no longer depended on the step.
    error: largest distance from the reference, of its largest sample. FB_ERR_CONVERGENCE: none does, or all modes and
    effects in short steps miss twice the tolerance; FB_ERR_VALUE, FB_ERR_NOT_FINITE: also of a reference; what run
-   returns for all modes and effects; else as fb_body_advise. Desktop: tens to thousands of simulations, at most 1 + 640
-   n of n modes. */
-FB_API fb_status fb_advice_search(fb_advice *advice, fb_advise_work *work, const fb_shape *shape,
+   returns for all modes and effects; else as fb_advice_solve. Desktop: tens to thousands of simulations, at most 1 +
+   640 n of n modes. */
+FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const fb_shape *shape,
                                   const fb_body_desc *desc, const fb_envelope *envelope, fb_real tolerance,
                                   const fb_trial *trial);
 
@@ -2479,9 +2496,30 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advise_work *work, const
 #endif
 
 /* HISTORY
+   0.2.0  one grammar: arguments are context (models, the state that changes, work), outputs, inputs, sizes; a function
+          that fills a struct ends with a verb, one that returns its number is named by it. RUN, BUILD and ANALYSE with
+          switches that remove them; fb_stepper; fb_body_build; axes of joints; fb_detail. Old names:
+            fb_mixed..., FB_MAX_MIXED, FB_MIXED_...       fb_exact..., FB_MAX_EXACT, FB_EXACT_...
+            fb_mixed_steady_solve                         fb_exact_trim
+            fb_body_motion, _node_motion, _rates,         the same with _eval: fb_body_motion_eval, ...
+            _energy, _momentum; fb_system_rates,
+            _energy, _momentum; fb_mixed_energy, _momentum
+            fb_beam_section, fb_beam_matrices             fb_beam_section_eval, fb_beam_matrices_eval; the beam first
+            fb_body_spectrum, fb_system_spectrum          fb_..._spectrum_solve; models, work, spectrum, state, input
+            fb_body_linearize, fb_system_, fb_mixed_      the same; models, work, linear, state, input, desc
+            fb_mixed_spectrum_solve                       fb_exact_spectrum_solve; exact, work, spectrum, state, ...
+            fb_system_state_init, fb_system_axis_set      the same; state before work
+            fb_system_init(.., body, n_model, desc)       fb_system_init(.., body, desc, n_model)
+            fb_modes_join(.., 9 arguments)                fb_modes_join(joined, work, beam, component, desc,
+                                                          n_component) with fb_join_desc
+            fb_body_advise, fb_advise_work                fb_advice_solve, fb_advice_work
+            fb_scheme, FB_SCHEME_..., advice.scheme       fb_integrator, FB_INTEGRATOR_..., advice.integrator
+            fb_spectrum_step                              fb_spectrum_dt
+            fb_spectrum_margin(re, mode, n)               fb_spectrum_margin(mode, re, n)
+            FB_ERR_KIND                                   split: FB_ERR_KIND, _MODES, _UNREST, _UNSUPPORTED
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,
           pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme; sections with shear, twist and
           centers off the line, bent lines, component modes, buckling, synthesis, finite-element models, complex
           modes; systems of bodies: joints, trees, loops, constraints, strain gauges; the geometrically exact beam;
           steady states, linear models and complex modes of bodies and of systems; paths by arc length; advice on
-          effects, modes, scheme and step */
+          effects, modes, integrator and step */

@@ -941,7 +941,7 @@ static void fbi_lu_solve_rows(fb_real *X, fb_real *y, const fb_real *LU, const i
 /* [E5.5] LU without pivoting, for matrices whose symmetric part is positive definite: element growth is then
    bounded. The diagonal holds the reciprocals of the pivots.
    Source: [GV] 4.3.2.  Shapes: A n x n.  Cost: 2/3 n^3 flops.  Fails: a pivot that is not positive.
-   Test: each_scheme_converges_at_its_order. */
+   Test: each_integrator_converges_at_its_order. */
 static fb_status fbi_lu_plain_factor(fb_real *A, int n)
 {
   for (int k = 0; k < n; k++) {
@@ -2414,7 +2414,7 @@ static void fbi_origin_velocity(fb_real v[3], const fbi_kinetics *k, const fb_bo
   fbi_vec3_add(v, FB_R(1.0), state->u);
 }
 
-FB_DEF fb_status fb_body_rates(const fb_body *body, fb_state *rate, const fb_state *state, const fb_input *input)
+FB_DEF fb_status fb_body_rates_eval(const fb_body *body, fb_state *rate, const fb_state *state, const fb_input *input)
 {
   fbi_kinetics k;
   fb_state out, at;
@@ -2761,7 +2761,8 @@ static fb_status fbi_accelerations(fb_motion *m, fbi_kinetics *k, const fb_body 
   return FB_OK;
 }
 
-FB_DEF fb_status fb_body_motion(const fb_body *body, fb_motion *motion, const fb_state *state, const fb_input *input)
+FB_DEF fb_status fb_body_motion_eval(const fb_body *body, fb_motion *motion, const fb_state *state,
+                                     const fb_input *input)
 {
   fbi_kinetics k;
   fb_state rate, at;
@@ -2865,8 +2866,8 @@ static void fbi_node_motion(fb_node_motion *out, const fb_body *body, const fb_s
   fb_quat_to_rotvec(out->rotation, turn);
 }
 
-FB_DEF fb_status fb_body_node_motion(const fb_body *body, fb_node_motion *out, const fb_state *state,
-                                     const fb_motion *motion, int node)
+FB_DEF fb_status fb_body_node_motion_eval(const fb_body *body, fb_node_motion *out, const fb_state *state,
+                                          const fb_motion *motion, int node)
 {
   fb_node_motion found;
   fb_real all[FBI_NODE_MOTION];
@@ -2962,7 +2963,8 @@ static void fbi_true_momenta(fbi_kinetics *k, const fb_body *body)
    frame, U = 1/2 q^T K q, gravity -m g.rho - g.R c(q).
    Source: THEORY.md 8.2, 8.4.  Fails: as the rates.
    Test: momenta_agree_with_a_particle_model, tumbling_conserves_momentum_and_energy. */
-FB_DEF fb_status fb_body_energy(const fb_body *body, fb_energy *energy, const fb_state *state, const fb_input *input)
+FB_DEF fb_status fb_body_energy_eval(const fb_body *body, fb_energy *energy, const fb_state *state,
+                                     const fb_input *input)
 {
   fbi_kinetics k;
   fb_energy out;
@@ -2998,8 +3000,8 @@ FB_DEF fb_status fb_body_energy(const fb_body *body, fb_energy *energy, const fb
 }
 
 /* Linear momentum R p + m u and, about the inertial origin, angular momentum R h + R c x u + rho x (R p + m u). */
-FB_DEF fb_status fb_body_momentum(const fb_body *body, fb_momentum *momentum, const fb_state *state,
-                                  const fb_input *input)
+FB_DEF fb_status fb_body_momentum_eval(const fb_body *body, fb_momentum *momentum, const fb_state *state,
+                                       const fb_input *input)
 {
   fbi_kinetics k;
   fb_momentum out;
@@ -6406,9 +6408,8 @@ static fb_status fbi_loops_close(fb_system_work *w, const fb_system *system, con
   return status == FB_OK ? fbi_holds_set(state, w, system, body, system->n_body) : status;
 }
 
-FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *body, fb_system_work *work,
-                                      fb_system_state *state, const fb_link_motion *motion,
-                                      const fb_system_input *input)
+FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *body, fb_system_state *state,
+                                      fb_system_work *work, const fb_link_motion *motion, const fb_system_input *input)
 {
   fb_system_state *out;
   fb_status status;
@@ -6474,8 +6475,8 @@ FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *bo
   return status;
 }
 
-FB_DEF fb_status fb_system_axis_set(const fb_system *system, const fb_body *body, fb_system_work *work,
-                                    fb_system_state *state, int joint, int axis, fb_axis_mode mode,
+FB_DEF fb_status fb_system_axis_set(const fb_system *system, const fb_body *body, fb_system_state *state,
+                                    fb_system_work *work, int joint, int axis, fb_axis_mode mode,
                                     const fb_system_input *input)
 {
   fb_system_state *out;
@@ -6519,8 +6520,8 @@ FB_DEF fb_status fb_system_axis_set(const fb_system *system, const fb_body *body
   return status;
 }
 
-FB_DEF fb_status fb_system_rates(const fb_system *system, const fb_body *body, fb_system_work *work,
-                                 fb_system_state *rate, const fb_system_state *state, const fb_system_input *input)
+FB_DEF fb_status fb_system_rates_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
+                                      fb_system_state *rate, const fb_system_state *state, const fb_system_input *input)
 {
   fb_system_state *out;
   fb_status status;
@@ -6945,8 +6946,8 @@ FB_DEF fb_status fb_system_motion_eval(const fb_system *system, const fb_body *b
   return FB_OK;
 }
 
-FB_DEF fb_status fb_system_energy(const fb_system *system, const fb_body *body, fb_system_work *work, fb_energy *energy,
-                                  const fb_system_state *state, const fb_system_input *input)
+FB_DEF fb_status fb_system_energy_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
+                                       fb_energy *energy, const fb_system_state *state, const fb_system_input *input)
 {
   fb_energy out = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_status status;
@@ -7008,8 +7009,9 @@ FB_DEF fb_status fb_system_energy(const fb_system *system, const fb_body *body, 
 }
 
 /* Sums over the bodies, about the origin of the ground. */
-FB_DEF fb_status fb_system_momentum(const fb_system *system, const fb_body *body, fb_system_work *work,
-                                    fb_momentum *momentum, const fb_system_state *state, const fb_system_input *input)
+FB_DEF fb_status fb_system_momentum_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
+                                         fb_momentum *momentum, const fb_system_state *state,
+                                         const fb_system_input *input)
 {
   fb_momentum out;
   fb_status status;
@@ -7321,7 +7323,7 @@ static void fbi_pose_difference(fb_real x[6], const fb_real r_a[3], const fb_rea
 /* ---- model */
 
 /* Poses of the nodes by integrating the strains from the root; offset: E10.15; strain NULL: undeformed. */
-static void fbi_mixed_poses(fb_real *r, fb_real *quat, const fb_mixed *m, const fb_real *strain, const fb_real *offset)
+static void fbi_exact_poses(fb_real *r, fb_real *quat, const fb_exact *m, const fb_real *strain, const fb_real *offset)
 {
   for (int k = 0; k < m->n; k++) {
     fb_real x[6];
@@ -7337,7 +7339,7 @@ static void fbi_mixed_poses(fb_real *r, fb_real *quat, const fb_mixed *m, const 
 /* ---- one element */
 
 /* y = A1 a + A2 b, A = 1/2 -+ ad(theta)/12: the mean over the element of a twist in section axes; d = b - a. */
-static void fbi_mixed_mean(fb_real y[6], fb_real d[6], const fb_real theta[6], const fb_real a[6], const fb_real b[6])
+static void fbi_exact_mean(fb_real y[6], fb_real d[6], const fb_real theta[6], const fb_real a[6], const fb_real b[6])
 {
   for (int i = 0; i < 6; i++) {
     d[i] = b[i] - a[i];
@@ -7349,7 +7351,7 @@ static void fbi_mixed_mean(fb_real y[6], fb_real d[6], const fb_real theta[6], c
 }
 
 /* The same mean of a vector, by the rotational part of theta alone. */
-static void fbi_mixed_mean3(fb_real y[3], const fb_real theta[6], const fb_real a[3], const fb_real b[3])
+static void fbi_exact_mean3(fb_real y[3], const fb_real theta[6], const fb_real a[3], const fb_real b[3])
 {
   const fb_real d[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]};
   fb_vec3_cross(y, theta + 3, d);
@@ -7363,9 +7365,9 @@ static void fbi_mixed_mean3(fb_real y[3], const fb_real theta[6], const fb_real 
    difference of the dead loads and gravity between its ends.
    Source: [L] 3.92-3.95, 3.89 with Euler and Maclaurin's correction of the mean.  Cost: about 300 flops.  Fails: never.
    Test: elastica_is_of_order_four, steady_openfast_cantilever_hangs_as_shooting_says. */
-static void fbi_mixed_cell_eval(fbi_mixed_cell *c, const fb_mixed_work *work, const fb_mixed *m, int k)
+static void fbi_exact_cell_eval(fbi_exact_cell *c, const fb_exact_work *work, const fb_exact *m, int k)
 {
-  const fbi_mixed_motion *motion = &work->motion;
+  const fbi_exact_motion *motion = &work->motion;
   const fb_real *const s = work->s + 6 * k, *const M = m->M + 36 * k;
   fb_real f[6], df[6], y[6];
 
@@ -7386,7 +7388,7 @@ static void fbi_mixed_cell_eval(fbi_mixed_cell *c, const fb_mixed_work *work, co
       fb_real p[3], q[3], mean[3];
       fb_mat33_mulT_vec3(p, a, n + i);
       fb_mat33_mulT_vec3(q, b, n + i);
-      fbi_mixed_mean3(mean, c->theta, p, q);
+      fbi_exact_mean3(mean, c->theta, p, q);
       fbi_vec3_add(f + i, FB_R(1.0), mean);
       fbi_vec3_add(df + i, -FB_R(1.0), p);
       fbi_vec3_add(df + i, FB_R(1.0), q);
@@ -7395,14 +7397,14 @@ static void fbi_mixed_cell_eval(fbi_mixed_cell *c, const fb_mixed_work *work, co
 
   /* Gravity and inertia */
   if (motion->gravity) {
-    fbi_mixed_mean(y, c->dG, c->theta, work->G + 6 * k, work->G + 6 * k + 6);
+    fbi_exact_mean(y, c->dG, c->theta, work->G + 6 * k, work->G + 6 * k + 6);
     for (int i = 0; i < 6; i++) {
       f[i] += fbi_vec6_dot(M + 6 * i, y);
       df[i] += fbi_vec6_dot(M + 6 * i, c->dG);
     }
   }
   if (motion->inertia) {
-    fbi_mixed_mean(c->V, c->dV, c->theta, work->V + 6 * k, work->V + 6 * k + 6);
+    fbi_exact_mean(c->V, c->dV, c->theta, work->V + 6 * k, work->V + 6 * k + 6);
     fbi_mat66_mul_vec6(c->P, M, c->V);
     fbi_adT(y, c->V, c->P);
     for (int i = 0; i < 6; i++) {
@@ -7425,7 +7427,7 @@ static void fbi_mixed_cell_eval(fbi_mixed_cell *c, const fb_mixed_work *work, co
    the twist between the poses of its ends. r: residual.
    Source: [L] 3.96-3.105 differentiated in time, with E10.7's mean (its adjoint).  Cost: 60 flops.  Fails: never.
    Test: energy_is_kept_whatever_the_step, steady_and_marching_agree. */
-static void fbi_mixed_compatibility(fb_real r[6], const fbi_mixed_cell *c, const fb_mixed_work *work, int k)
+static void fbi_exact_compatibility(fb_real r[6], const fbi_exact_cell *c, const fb_exact_work *work, int k)
 {
   fb_real y[6];
   if (!work->motion.march) {
@@ -7442,7 +7444,7 @@ static void fbi_mixed_compatibility(fb_real r[6], const fbi_mixed_cell *c, const
 }
 
 /* D1, D2 = -+1 + ad(theta)/2 -+ ad(theta)^2/12, and -D1^T, D2^T in F1s, F2s. */
-static void fbi_mixed_strain_matrices(fbi_mixed_jacobian *j, const fb_real theta[6])
+static void fbi_exact_strain_matrices(fbi_exact_jacobian *j, const fb_real theta[6])
 {
   fb_real X[36], X2[36];
   fbi_zero(X2, 36);
@@ -7463,11 +7465,11 @@ static void fbi_mixed_strain_matrices(fbi_mixed_jacobian *j, const fb_real theta
 
 /* Derivatives by the unknowns of one end node (sign: -1 first, 1 second): Q of the mean load h f, by velocity (through
    T) and by pose; D of the end-to-end difference h df/12. N, NX: df/dV and N ad(theta). */
-static void fbi_mixed_load_by_node(fb_real Q[36], fb_real D[36], const fb_real N[36], const fb_real NX[36],
-                                   fb_real sign, const fbi_mixed_cell *c, const fb_mixed_work *work, const fb_mixed *m,
+static void fbi_exact_load_by_node(fb_real Q[36], fb_real D[36], const fb_real N[36], const fb_real NX[36],
+                                   fb_real sign, const fbi_exact_cell *c, const fb_exact_work *work, const fb_exact *m,
                                    int k, int node)
 {
-  const fbi_mixed_motion *motion = &work->motion;
+  const fbi_exact_motion *motion = &work->motion;
   fbi_zero(Q, 36);
   fbi_zero(D, 36);
 
@@ -7522,7 +7524,7 @@ static void fbi_mixed_load_by_node(fb_real Q[36], fb_real D[36], const fb_real N
 }
 
 /* Derivatives of the end loads F1, F2 by a node: F2d = -A2^T Q - D, F1d = A1^T Q - D. */
-static void fbi_mixed_end_loads(fb_real F1d[36], fb_real F2d[36], const fb_real Q[36], const fb_real D[36],
+static void fbi_exact_end_loads(fb_real F1d[36], fb_real F2d[36], const fb_real Q[36], const fb_real D[36],
                                 const fb_real theta[6])
 {
   fb_real Y[36];
@@ -7536,10 +7538,10 @@ static void fbi_mixed_end_loads(fb_real F1d[36], fb_real F2d[36], const fb_real 
 
 /* N = df/dV = ad(V)^T M + d(ad(V)^T P)/dV - shift M, P fixed, and
    G = d(dF)/dtheta = d(ad(theta)^T s)/dtheta + h/12 (N ad(dV) + M ad(dG)), s fixed. */
-static void fbi_mixed_load_matrices(fb_real N[36], fb_real G[36], const fbi_mixed_cell *c, const fb_mixed_work *work,
-                                    const fb_mixed *m, int k)
+static void fbi_exact_load_matrices(fb_real N[36], fb_real G[36], const fbi_exact_cell *c, const fb_exact_work *work,
+                                    const fb_exact *m, int k)
 {
-  const fbi_mixed_motion *motion = &work->motion;
+  const fbi_exact_motion *motion = &work->motion;
   const fb_real *const M = m->M + 36 * k;
   fb_real Y[36];
 
@@ -7574,7 +7576,7 @@ static void fbi_mixed_load_matrices(fb_real N[36], fb_real G[36], const fbi_mixe
 }
 
 /* E = (rate + ad(V) + ad(theta) ad(dV)/12) h C: derivative of the compatibility E10.8 by the stress. */
-static void fbi_mixed_compliance_rate(fb_real E[36], const fbi_mixed_cell *c, const fb_mixed_work *work,
+static void fbi_exact_compliance_rate(fb_real E[36], const fbi_exact_cell *c, const fb_exact_work *work,
                                       const fb_real hC[36])
 {
   fb_real X[36], Y[36], one[36];
@@ -7599,24 +7601,24 @@ static void fbi_mixed_compliance_rate(fb_real E[36], const fbi_mixed_cell *c, co
      dF = ad(theta)^T ds + G dtheta - h (N A dV + ...),  F = s + ad(theta)^T dF/12 -+ dF/2.
    Source: derivation.  Cost: 5 kflops marching, 3 at rest.  Fails: never.
    Test: newton_converges_quadratically, shaft_whirls_as_in_closed_form, becks_column_flutters_at_its_load. */
-static void fbi_mixed_cell_jacobian(fbi_mixed_jacobian *j, const fbi_mixed_cell *c, const fb_mixed_work *work,
-                                    const fb_mixed *m, int k)
+static void fbi_exact_cell_jacobian(fbi_exact_jacobian *j, const fbi_exact_cell *c, const fb_exact_work *work,
+                                    const fb_exact *m, int k)
 {
-  const fbi_mixed_motion *motion = &work->motion;
+  const fbi_exact_motion *motion = &work->motion;
   fb_real N[36], Q[36], D[36], G[36], Y[36], hC[36];
   for (int i = 0; i < 36; i++) {
     hC[i] = c->h * m->C[36 * k + i];
   }
 
   /* Derivatives by the motion of the two nodes */
-  fbi_mixed_strain_matrices(j, c->theta);
-  fbi_mixed_load_matrices(N, G, c, work, m, k);
+  fbi_exact_strain_matrices(j, c->theta);
+  fbi_exact_load_matrices(N, G, c, work, m, k);
   if (motion->inertia || motion->gravity || motion->dead) {
     fbi_mul_ad(Y, N, c->theta);
-    fbi_mixed_load_by_node(Q, D, N, Y, -FB_R(1.0), c, work, m, k, k);
-    fbi_mixed_end_loads(j->F1d1, j->F2d1, Q, D, c->theta);
-    fbi_mixed_load_by_node(Q, D, N, Y, FB_R(1.0), c, work, m, k, k + 1);
-    fbi_mixed_end_loads(j->F1d2, j->F2d2, Q, D, c->theta);
+    fbi_exact_load_by_node(Q, D, N, Y, -FB_R(1.0), c, work, m, k, k);
+    fbi_exact_end_loads(j->F1d1, j->F2d1, Q, D, c->theta);
+    fbi_exact_load_by_node(Q, D, N, Y, FB_R(1.0), c, work, m, k, k + 1);
+    fbi_exact_end_loads(j->F1d2, j->F2d2, Q, D, c->theta);
   } else {
     fbi_zero(j->F1d1, 36);
     fbi_zero(j->F1d2, 36);
@@ -7635,7 +7637,7 @@ static void fbi_mixed_cell_jacobian(fbi_mixed_jacobian *j, const fbi_mixed_cell 
   }
   fbi_mat66_add_mul(j->F1s, N, hC);
   fbi_mat66_add_mul(j->F2s, G, hC);
-  fbi_mixed_compliance_rate(j->E, c, work, hC);
+  fbi_exact_compliance_rate(j->E, c, work, hC);
 }
 
 /* ---- the chain */
@@ -7644,9 +7646,9 @@ static void fbi_mixed_cell_jacobian(fbi_mixed_jacobian *j, const fbi_mixed_cell 
    an element.
    Source: [L] 3.92, 3.93.  Cost: 200 flops a body.  Fails: never.
    Test: becks_column_flutters_at_its_load, newton_converges_quadratically. */
-static void fbi_mixed_node_eval(fb_real F[6], const fb_mixed_work *work, const fb_mixed *m, int node)
+static void fbi_exact_node_eval(fb_real F[6], const fb_exact_work *work, const fb_exact *m, int node)
 {
-  const fbi_mixed_motion *motion = &work->motion;
+  const fbi_exact_motion *motion = &work->motion;
   const fb_real *const V = work->V + 6 * node;
 
   /* Follower and dead loads */
@@ -7679,9 +7681,9 @@ static void fbi_mixed_node_eval(fb_real F[6], const fb_mixed_work *work, const f
 }
 
 /* Derivative of E10.18 by the node's unknowns, subtracted from K. */
-static void fbi_mixed_node_jacobian(fb_real K[36], const fb_mixed_work *work, const fb_mixed *m, int node)
+static void fbi_exact_node_jacobian(fb_real K[36], const fb_exact_work *work, const fb_exact *m, int node)
 {
-  const fbi_mixed_motion *motion = &work->motion;
+  const fbi_exact_motion *motion = &work->motion;
   const fb_real *const V = work->V + 6 * node;
   fb_real f[6], N[36], Q[36];
 
@@ -7721,13 +7723,13 @@ static void fbi_mixed_node_jacobian(fb_real K[36], const fb_mixed_work *work, co
 }
 
 /* Is a node constrained in some, but not all translations? Its force rows are then in base axes. */
-static int fbi_mixed_turned(int held)
+static int fbi_exact_turned(int held)
 {
   return (held & FB_END_PINNED) != 0 && (held & FB_END_PINNED) != FB_END_PINNED;
 }
 
 /* Rotates three rows of n columns to base axes. */
-static void fbi_mixed_rows_turn(fb_real *A, const fb_real R[9], int n)
+static void fbi_exact_rows_turn(fb_real *A, const fb_real R[9], int n)
 {
   for (int j = 0; j < n; j++) {
     const fb_real x[3] = {A[j], A[n + j], A[2 * n + j]};
@@ -7741,13 +7743,13 @@ static void fbi_mixed_rows_turn(fb_real *A, const fb_real R[9], int n)
 
 /* Puts the constraints d = want in place of the balance rows of the constrained directions of a node. A: its rows, 6 x
    n, its own unknowns from column `own` on. */
-static void fbi_mixed_hold(fb_real *A, const fb_mixed_work *work, const fb_mixed *m, int node, int n, int own)
+static void fbi_exact_hold(fb_real *A, const fb_exact_work *work, const fb_exact *m, int node, int n, int own)
 {
-  const int held = m->held[node], turned = fbi_mixed_turned(held);
+  const int held = m->held[node], turned = fbi_exact_turned(held);
   const fb_real *const R = work->R + 9 * node, *const B = work->B + 6 * node;
   if (turned) { /* d(R F) = R (dF + rotation x F) */
     fbi_add_skew(A + own + 3, n, -work->motion.pose, B);
-    fbi_mixed_rows_turn(A, R, n);
+    fbi_exact_rows_turn(A, R, n);
   }
   for (int i = 0; i < 6; i++) {
     if (held >> i & 1) {
@@ -7760,11 +7762,11 @@ static void fbi_mixed_hold(fb_real *A, const fb_mixed_work *work, const fb_mixed
 }
 
 /* The same for the right-hand side b of the node. */
-static void fbi_mixed_hold_rhs(fb_real b[6], const fb_mixed_work *work, const fb_mixed *m, int node)
+static void fbi_exact_hold_rhs(fb_real b[6], const fb_exact_work *work, const fb_exact *m, int node)
 {
   const int held = m->held[node];
-  if (fbi_mixed_turned(held)) {
-    fbi_mixed_rows_turn(b, work->R + 9 * node, 1);
+  if (fbi_exact_turned(held)) {
+    fbi_exact_rows_turn(b, work->R + 9 * node, 1);
   }
   for (int i = 0; i < 6; i++) {
     b[i] = held >> i & 1 ? work->want[6 * node + i] : b[i];
@@ -7776,10 +7778,10 @@ static void fbi_mixed_hold_rhs(fb_real b[6], const fb_mixed_work *work, const fb
    of the inner node by the Schur complement K = -(F1d1 - (F1s, F1d2) W).
    Source: own; block elimination ([GV] 4.5).  Cost: E10.9 and 7 kflops an element.  Fails: singular (free of load, or
    at a limit point).  Test: supports_are_those_of_the_textbook, newton_converges_quadratically. */
-static fb_status fbi_mixed_factor(fb_mixed_work *work, const fb_mixed *m)
+static fb_status fbi_exact_factor(fb_exact_work *work, const fb_exact *m)
 {
-  fbi_mixed_cell *const c = &work->cell;
-  fbi_mixed_jacobian *const j = &work->jacobian;
+  fbi_exact_cell *const c = &work->cell;
+  fbi_exact_jacobian *const j = &work->jacobian;
   fb_real K[36], scale[12];
   fb_status status = FB_OK;
   fbi_zero(K, 36);
@@ -7788,9 +7790,9 @@ static fb_status fbi_mixed_factor(fb_mixed_work *work, const fb_mixed *m)
     fb_real rows[6 * 18];
 
     /* Jacobian of the element and of its outer node */
-    fbi_mixed_cell_eval(c, work, m, k);
-    fbi_mixed_cell_jacobian(j, c, work, m, k);
-    fbi_mixed_node_jacobian(K, work, m, k + 1);
+    fbi_exact_cell_eval(c, work, m, k);
+    fbi_exact_cell_jacobian(j, c, work, m, k);
+    fbi_exact_node_jacobian(K, work, m, k + 1);
 
     /* Compatibility rows [E, -D2 | -D1], balance rows of the outer node [F2s, F2d2 + K | F2d1], L = [F1s, F1d2] */
     for (int r = 0; r < 6; r++) {
@@ -7807,7 +7809,7 @@ static fb_status fbi_mixed_factor(fb_mixed_work *work, const fb_mixed *m)
     }
 
     /* Constraints, then the balance rows below the compatibility rows */
-    fbi_mixed_hold(rows, work, m, k + 1, 18, 6);
+    fbi_exact_hold(rows, work, m, k + 1, 18, 6);
     for (int r = 0; r < 6; r++) {
       fbi_copy(A + 12 * (r + 6), rows + 18 * r, 12);
       fbi_copy(W + 6 * (r + 6), rows + 18 * r + 12, 6);
@@ -7830,8 +7832,8 @@ static fb_status fbi_mixed_factor(fb_mixed_work *work, const fb_mixed *m)
 
   /* Remaining 6x6 block of the root */
   if (status == FB_OK) {
-    fbi_mixed_node_jacobian(K, work, m, 0);
-    fbi_mixed_hold(K, work, m, 0, 6, 0);
+    fbi_exact_node_jacobian(K, work, m, 0);
+    fbi_exact_hold(K, work, m, 0, 6, 0);
     fbi_copy(work->root, K, 36);
     status = fb_lu_factor(work->root, work->perm + 12 * m->n, scale, 6);
   }
@@ -7839,7 +7841,7 @@ static fb_status fbi_mixed_factor(fb_mixed_work *work, const fb_mixed *m)
 }
 
 /* Newton corrections dd, ds for the residuals c of the elements and B of the nodes. */
-static void fbi_mixed_solve(fb_mixed_work *work, const fb_mixed *m)
+static void fbi_exact_solve(fb_exact_work *work, const fb_exact *m)
 {
   fb_real z[6], b[12], x[6] = {FB_R(0.0)}; /* zeroed: gcc -O3 warns of an uninitialized read that cannot happen */
 
@@ -7850,7 +7852,7 @@ static void fbi_mixed_solve(fb_mixed_work *work, const fb_mixed *m)
     for (int i = 0; i < 6; i++) {
       b[6 + i] = z[i] - work->B[6 * k + i];
     }
-    fbi_mixed_hold_rhs(b + 6, work, m, k);
+    fbi_exact_hold_rhs(b + 6, work, m, k);
     if (k == 0) {
       fb_lu_solve(x, work->root, work->perm + 12 * m->n, b + 6, 6);
       break;
@@ -7876,13 +7878,13 @@ static void fbi_mixed_solve(fb_mixed_work *work, const fb_mixed *m)
 }
 
 /* Residuals c (compatibility of the elements) and B (balance of the nodes), and internal loads F at the nodes. */
-static void fbi_mixed_residual(fb_mixed_work *work, const fb_mixed *m)
+static void fbi_exact_residual(fb_exact_work *work, const fb_exact *m)
 {
-  fbi_mixed_cell *const c = &work->cell;
+  fbi_exact_cell *const c = &work->cell;
 
   /* Loads on the nodes */
   for (int j = 0; j <= m->n; j++) {
-    fbi_mixed_node_eval(work->F + 6 * j, work, m, j);
+    fbi_exact_node_eval(work->F + 6 * j, work, m, j);
     for (int i = 0; i < 6; i++) {
       work->B[6 * j + i] = -work->F[6 * j + i];
     }
@@ -7890,8 +7892,8 @@ static void fbi_mixed_residual(fb_mixed_work *work, const fb_mixed *m)
 
   /* Elements: compatibility, and their end loads on the nodes */
   for (int k = 0; k < m->n; k++) {
-    fbi_mixed_cell_eval(c, work, m, k);
-    fbi_mixed_compatibility(work->c + 6 * k, c, work, k);
+    fbi_exact_cell_eval(c, work, m, k);
+    fbi_exact_compatibility(work->c + 6 * k, c, work, k);
     fbi_vec6_copy(work->P + 6 * k, c->P);
     fbi_vec6_add(work->B + 6 * k, -FB_R(1.0), c->F1);
     fbi_vec6_add(work->B + 6 * k + 6, FB_R(1.0), c->F2);
@@ -7905,7 +7907,7 @@ static void fbi_mixed_residual(fb_mixed_work *work, const fb_mixed *m)
 /* ---- loads, poses and velocities of the nodes */
 
 /* Adds a load in the beam's units to dead (base axes) or follower (section axes). */
-static void fbi_mixed_load_add(fb_real *dead, fb_real *follower, fb_axes axes, const fb_real force[3],
+static void fbi_exact_load_add(fb_real *dead, fb_real *follower, fb_axes axes, const fb_real force[3],
                                const fb_real torque[3], fb_real unit, fb_real length, const fb_real base[9])
 {
   fb_real f[6], g[6];
@@ -7924,7 +7926,7 @@ static void fbi_mixed_load_add(fb_real *dead, fb_real *follower, fb_axes axes, c
    only: for dead loads its derivative by the rotation would be needed.
    Source: own, as E10.6.  Cost: 200 flops an element that is loaded.  Fails: never.
    Test: line_loads_are_exact_at_the_nodes. */
-static void fbi_mixed_offset(fb_mixed_work *work, const fb_mixed *m)
+static void fbi_exact_offset(fb_exact_work *work, const fb_exact *m)
 {
   fbi_zero(work->offset, 6 * m->n);
   for (int k = 0; k < m->n && !fbi_is_zero(work->line, 6 * m->n); k++) {
@@ -7942,11 +7944,11 @@ static void fbi_mixed_offset(fb_mixed_work *work, const fb_mixed *m)
 }
 
 /* Loads, gravity and motion of the base, times `part`, in the beam's units and the axes of the base at mid-step. */
-static void fbi_mixed_input_take(fb_mixed_work *work, const fb_mixed *m, const fb_real base_quat[4],
-                                 const fb_mixed_input *input, fb_real part, fb_real dt)
+static void fbi_exact_input_take(fb_exact_work *work, const fb_exact *m, const fb_real base_quat[4],
+                                 const fb_exact_input *input, fb_real part, fb_real dt)
 {
   fb_real base[9], turn[3], half[4], quat[4];
-  fbi_mixed_motion *const motion = &work->motion;
+  fbi_exact_motion *const motion = &work->motion;
 
   /* Twist of the base, its attitude half a step ahead, gravity in its axes */
   for (int i = 0; i < 3; i++) {
@@ -7967,17 +7969,17 @@ static void fbi_mixed_input_take(fb_mixed_work *work, const fb_mixed *m, const f
   fbi_zero(work->line_dead, 6 * m->n);
   for (int l = 0; l < input->n_load; l++) {
     const fb_load *load = &input->load[l];
-    fbi_mixed_load_add(work->dead + 6 * load->node, work->follower + 6 * load->node, load->axes, load->force,
+    fbi_exact_load_add(work->dead + 6 * load->node, work->follower + 6 * load->node, load->axes, load->force,
                        load->torque, part / m->force, m->length, base);
   }
   for (int k = 0; k < m->n; k++) {
     const fb_line_load *line = &input->line[k];
-    fbi_mixed_load_add(work->line_dead + 6 * k, work->line + 6 * k, line->axes, line->force, line->torque,
+    fbi_exact_load_add(work->line_dead + 6 * k, work->line + 6 * k, line->axes, line->force, line->torque,
                        part * m->length / m->force, m->length, base);
   }
 
   /* Strain offset (E10.15), flags of the kinds of load, scaled gravity */
-  fbi_mixed_offset(work, m);
+  fbi_exact_offset(work, m);
   motion->dead = !fbi_is_zero(work->line_dead, 6 * m->n);
   motion->gravity = !m->floating && !fbi_is_zero(m->gravity, 3); /* E11.35 */
   for (int i = 0; i < 3; i++) {
@@ -7986,7 +7988,7 @@ static void fbi_mixed_input_take(fb_mixed_work *work, const fb_mixed *m, const f
 }
 
 /* Twist of a node fixed in the base, section axes. */
-static void fbi_mixed_carried(fb_real V[6], const fb_mixed_work *work, const fb_real r[3], const fb_real R[9])
+static void fbi_exact_carried(fb_real V[6], const fb_exact_work *work, const fb_real r[3], const fb_real R[9])
 {
   fb_real v[3];
   fbi_copy(v, work->twist, 3);
@@ -7997,9 +7999,9 @@ static void fbi_mixed_carried(fb_real V[6], const fb_mixed_work *work, const fb_
 
 /* Rotation relative to the base, velocity and gravity at the nodes. Steady: all nodes move with the base. Marching: at
    mid-step, rotated by the unknown velocity of the node and by the base's. */
-static void fbi_mixed_nodes_eval(fb_mixed_work *work, const fb_mixed *m)
+static void fbi_exact_nodes_eval(fb_exact_work *work, const fb_exact *m)
 {
-  const fbi_mixed_motion *motion = &work->motion;
+  const fbi_exact_motion *motion = &work->motion;
   for (int j = 0; j <= m->n; j++) {
     fb_real *const R = work->R + 9 * j, *const G = work->G + 6 * j;
     fb_quat_to_mat33(R, work->quat + 4 * j);
@@ -8018,7 +8020,7 @@ static void fbi_mixed_nodes_eval(fb_mixed_work *work, const fb_mixed *m)
         fb_mat33_mulT_vec3(R + 3 * i, ahead, row);
       }
     } else {
-      fbi_mixed_carried(work->V + 6 * j, work, work->r + 3 * j, R);
+      fbi_exact_carried(work->V + 6 * j, work, work->r + 3 * j, R);
     }
 
     /* Gravity, section axes */
@@ -8029,7 +8031,7 @@ static void fbi_mixed_nodes_eval(fb_mixed_work *work, const fb_mixed *m)
 
 /* Pose error of a constrained node: position in base axes, rotation in section axes. With one axis free (a hinge) the
    rotation error is the misalignment of this axis, since the rotation vector would contain the hinge angle. */
-static void fbi_mixed_pose_error(fb_real e[6], const fb_mixed *m, const fb_real *r, const fb_real *quat, int node)
+static void fbi_exact_pose_error(fb_real e[6], const fb_exact *m, const fb_real *r, const fb_real *quat, int node)
 {
   const fb_real *const q = quat + 4 * node;
   const fb_real back[4] = {q[0], -q[1], -q[2], -q[3]};
@@ -8057,13 +8059,13 @@ static void fbi_mixed_pose_error(fb_real e[6], const fb_mixed *m, const fb_real 
 /* [E10.16] Drift correction of a constrained node, in the axes of its rows, projected orthogonally to the constraint
    force F so that it does no work: e - F (F.e)/F.F. Components of e in free directions are unused.
    Source: own.  Cost: 40 flops.  Fails: never.  Test: a_beam_held_twice_keeps_energy_and_place. */
-static void fbi_mixed_close(fb_real e[6], const fb_mixed_work *work, const fb_mixed *m, int node)
+static void fbi_exact_close(fb_real e[6], const fb_exact_work *work, const fb_exact *m, int node)
 {
   const int held = m->held[node];
   fb_real F[6], size;
   fbi_vec6_copy(F, work->B + 6 * node);
-  if (fbi_mixed_turned(held)) {
-    fbi_mixed_rows_turn(F, work->R + 9 * node, 1);
+  if (fbi_exact_turned(held)) {
+    fbi_exact_rows_turn(F, work->R + 9 * node, 1);
   }
   for (int i = 0; i < 6; i++) {
     F[i] = held >> i & 1 ? F[i] : FB_R(0.0);
@@ -8077,7 +8079,7 @@ static void fbi_mixed_close(fb_real e[6], const fb_mixed_work *work, const fb_mi
 /* [E10.17] Velocity of the base at the node, v + w x r, minus the node's own, in the axes of its rows. r: prescribed
    position in constrained directions, position at mid-step in free ones.
    Source: [L] 3.18.  Cost: 80 flops.  Fails: never.  Test: a_beam_slides_out_of_a_spinning_slot. */
-static void fbi_mixed_slip(fb_real y[6], const fb_mixed_work *work, const fb_mixed *m, int node)
+static void fbi_exact_slip(fb_real y[6], const fb_exact_work *work, const fb_exact *m, int node)
 {
   const fb_real *const R = work->R + 9 * node, *const V = work->V + 6 * node, *const w = work->twist + 3;
   fb_real own[3], carried[3], r[3];
@@ -8096,7 +8098,7 @@ static void fbi_mixed_slip(fb_real y[6], const fb_mixed_work *work, const fb_mix
   fbi_vec3_add_cross(carried, w, r);
   fbi_vec3_add(carried, -FB_R(1.0), own);
   fb_mat33_mulT_vec3(y, R, carried);
-  if (fbi_mixed_turned(m->held[node])) {
+  if (fbi_exact_turned(m->held[node])) {
     fbi_copy(y, carried, 3);
   }
   fb_mat33_mulT_vec3(y + 3, R, w);
@@ -8106,7 +8108,7 @@ static void fbi_mixed_slip(fb_real y[6], const fb_mixed_work *work, const fb_mix
 /* Right-hand side of the constraints. Steady: pose error. Marching: velocity of the base plus drift correction / dt
    (not for the root, which is placed exactly after the step). aim: recompute the drift correction for the present
    reaction (E10.16); otherwise keep it, because with a small reaction the iteration on both would not converge. */
-static void fbi_mixed_want(fb_mixed_work *work, const fb_mixed *m, fb_real dt, int aim)
+static void fbi_exact_want(fb_exact_work *work, const fb_exact *m, fb_real dt, int aim)
 {
   for (int j = 0; j <= m->n; j++) {
     fb_real e[6], *const want = work->want + 6 * j, *const back = work->back + 6 * j;
@@ -8116,9 +8118,9 @@ static void fbi_mixed_want(fb_mixed_work *work, const fb_mixed *m, fb_real dt, i
 
     /* Drift correction, in the axes of the rows */
     if (aim) {
-      fbi_mixed_pose_error(e, m, work->r, work->quat, j);
+      fbi_exact_pose_error(e, m, work->r, work->quat, j);
       fbi_vec6_copy(back, e);
-      if (!fbi_mixed_turned(m->held[j])) {
+      if (!fbi_exact_turned(m->held[j])) {
         fb_mat33_mulT_vec3(back, work->R + 9 * j, e);
       }
     }
@@ -8126,9 +8128,9 @@ static void fbi_mixed_want(fb_mixed_work *work, const fb_mixed *m, fb_real dt, i
     /* Constraint values */
     if (work->motion.march) {
       if (aim) {
-        fbi_mixed_close(back, work, m, j);
+        fbi_exact_close(back, work, m, j);
       }
-      fbi_mixed_slip(want, work, m, j);
+      fbi_exact_slip(want, work, m, j);
       fbi_vec6_add(want, j > 0 ? FB_R(1.0) / dt : FB_R(0.0), back);
     } else {
       fbi_vec6_copy(want, back);
@@ -8140,7 +8142,7 @@ static void fbi_mixed_want(fb_mixed_work *work, const fb_mixed *m, fb_real dt, i
 
 /* Relative size of the last correction: lengths over the beam's, rotations in radians, stresses over the largest one.
    The part of a stress correction explained by the round-off `rounding` of node positions is left out. */
-static fb_real fbi_mixed_change(const fb_mixed_work *work, const fb_mixed *m, fb_real step, fb_real rounding)
+static fb_real fbi_exact_change(const fb_exact_work *work, const fb_exact *m, fb_real step, fb_real rounding)
 {
   fb_real pose = FB_R(0.0), stress = FB_R(0.0), largest = FB_R(1.0);
   for (int i = 0; i < 6 * (m->n + 1); i++) {
@@ -8159,14 +8161,14 @@ static fb_real fbi_mixed_change(const fb_mixed_work *work, const fb_mixed *m, fb
   return fbi_larger(step * pose, stress / largest);
 }
 
-static void fbi_mixed_pose_copy(fb_mixed_state *to, const fb_mixed_work *work, const fb_mixed *m)
+static void fbi_exact_pose_copy(fb_exact_state *to, const fb_exact_work *work, const fb_exact *m)
 {
   fbi_copy(to->r, work->r, 3 * (m->n + 1));
   fbi_copy(to->quat, work->quat, 4 * (m->n + 1));
   fbi_copy(to->stress[0], work->s, 6 * m->n);
 }
 
-static void fbi_mixed_pose_take(fb_mixed_work *work, const fb_mixed_state *from, const fb_mixed *m)
+static void fbi_exact_pose_take(fb_exact_work *work, const fb_exact_state *from, const fb_exact *m)
 {
   fbi_copy(work->r, from->r, 3 * (m->n + 1));
   fbi_copy(work->quat, from->quat, 4 * (m->n + 1));
@@ -8174,16 +8176,16 @@ static void fbi_mixed_pose_take(fb_mixed_work *work, const fb_mixed_state *from,
 }
 
 /* Are the counts that bound loops over a state within the capacities? */
-static int fbi_mixed_is_sized(const fb_mixed *m)
+static int fbi_exact_is_sized(const fb_exact *m)
 {
-  return m->n >= 1 && m->n <= FB_MAX_MIXED && m->n_lump >= 0 && m->n_lump <= FB_MAX_LUMPS;
+  return m->n >= 1 && m->n <= FB_MAX_EXACT && m->n_lump >= 0 && m->n_lump <= FB_MAX_LUMPS;
 }
 
-FB_DEF fb_status fb_mixed_check(const fb_mixed *m)
+FB_DEF fb_status fb_exact_check(const fb_exact *m)
 {
   int sound;
   FBI_REQUIRE(m, FB_ERR_NULL);
-  if (!fbi_mixed_is_sized(m)) {
+  if (!fbi_exact_is_sized(m)) {
     return FB_ERR_CAPACITY;
   }
 
@@ -8211,11 +8213,11 @@ FB_DEF fb_status fb_mixed_check(const fb_mixed *m)
 }
 
 /* By E8.40. */
-FB_DEF unsigned fb_mixed_crc(const fb_mixed *m)
+FB_DEF unsigned fb_exact_crc(const fb_exact *m)
 {
   unsigned crc;
   FBI_REQUIRE(m, 0);
-  if (!fbi_mixed_is_sized(m)) {
+  if (!fbi_exact_is_sized(m)) {
     return 0;
   }
   {
@@ -8234,7 +8236,7 @@ FB_DEF unsigned fb_mixed_crc(const fb_mixed *m)
   return ~fbi_crc_reals(crc, m->lump_inverse, 36 * m->n_lump, FB_SINGLE);
 }
 
-static int fbi_mixed_rates_are_finite(const fb_mixed *m, const fb_mixed_state *state)
+static int fbi_exact_rates_are_finite(const fb_exact *m, const fb_exact_state *state)
 {
   int finite = fbi_is_finite(state->strain_rate, 6 * m->n) && fbi_is_finite(state->momentum_rate, 6 * m->n) &&
                fbi_is_finite(state->lump_rate, 6 * m->n_lump) && fbi_is_finite(state->offset, 6 * m->n);
@@ -8245,15 +8247,15 @@ static int fbi_mixed_rates_are_finite(const fb_mixed *m, const fb_mixed_state *s
          fbi_is_finite(&state->step, 1) && fbi_is_finite(state->u, 3) && fbi_is_finite(state->lost, 3);
 }
 
-FB_DEF fb_status fb_mixed_state_check(const fb_mixed *m, const fb_mixed_state *state)
+FB_DEF fb_status fb_exact_state_check(const fb_exact *m, const fb_exact_state *state)
 {
   fb_real quat[4];
   FBI_REQUIRE(m && state, FB_ERR_NULL);
-  FBI_REQUIRE(fbi_mixed_is_sized(m), FB_ERR_CAPACITY);
+  FBI_REQUIRE(fbi_exact_is_sized(m), FB_ERR_CAPACITY);
   if (!fbi_is_finite(state->base_position, 3) || !fbi_is_finite(state->base_quat, 4) ||
       !fbi_is_finite(state->r, 3 * (m->n + 1)) || !fbi_is_finite(state->quat, 4 * (m->n + 1)) ||
       !fbi_is_finite(state->strain, 6 * m->n) || !fbi_is_finite(state->momentum, 6 * m->n) ||
-      !fbi_is_finite(state->lump, 6 * m->n_lump) || !fbi_mixed_rates_are_finite(m, state)) {
+      !fbi_is_finite(state->lump, 6 * m->n_lump) || !fbi_exact_rates_are_finite(m, state)) {
     return FB_ERR_NOT_FINITE;
   }
   for (int j = 0; j <= m->n; j++) {
@@ -8266,13 +8268,13 @@ FB_DEF fb_status fb_mixed_state_check(const fb_mixed *m, const fb_mixed_state *s
   return fb_quat_normalize(quat) == FB_OK && state->known >= 0 && state->known <= 3 ? FB_OK : FB_ERR_VALUE;
 }
 
-static const fb_mixed_input *fbi_mixed_no_input(fb_mixed_work *work)
+static const fb_exact_input *fbi_exact_no_input(fb_exact_work *work)
 {
   memset(&work->input, 0, sizeof work->input);
   return &work->input;
 }
 
-static fb_status fbi_mixed_input_check(const fb_mixed *m, const fb_mixed_input *input)
+static fb_status fbi_exact_input_check(const fb_exact *m, const fb_exact_input *input)
 {
   if (input->n_load < 0 || input->n_load > FB_MAX_LOADS) {
     return FB_ERR_CAPACITY;
@@ -8309,7 +8311,7 @@ static fb_status fbi_mixed_input_check(const fb_mixed *m, const fb_mixed_input *
 }
 
 /* Reactions: residual of the balance at constrained nodes. */
-static void fbi_mixed_reactions(fb_real *reaction, const fb_mixed_work *work, const fb_mixed *m)
+static void fbi_exact_reactions(fb_real *reaction, const fb_exact_work *work, const fb_exact *m)
 {
   for (int j = 0; j <= m->n; j++) {
     for (int i = 0; i < 6; i++) {
@@ -8319,12 +8321,12 @@ static void fbi_mixed_reactions(fb_real *reaction, const fb_mixed_work *work, co
 }
 
 /* State from the velocities, stresses and internal loads in work, with all rates zero. */
-static void fbi_mixed_state_take(fb_mixed_state *state, fb_mixed_work *work, const fb_mixed *m)
+static void fbi_exact_state_take(fb_exact_state *state, fb_exact_work *work, const fb_exact *m)
 {
-  fbi_mixed_cell *const c = &work->cell;
+  fbi_exact_cell *const c = &work->cell;
 
   /* Poses; no rates */
-  fbi_mixed_pose_copy(state, work, m);
+  fbi_exact_pose_copy(state, work, m);
   fbi_zero(state->strain_rate, 6 * m->n);
   fbi_zero(state->momentum_rate, 6 * m->n);
   fbi_zero(state->lump_rate, 6 * m->n_lump);
@@ -8332,8 +8334,8 @@ static void fbi_mixed_state_take(fb_mixed_state *state, fb_mixed_work *work, con
   /* Strains and momenta */
   for (int k = 0; k < m->n; k++) {
     fbi_mat66_mul_vec6(state->strain + 6 * k, m->C + 36 * k, work->s + 6 * k);
-    fbi_mixed_cell_eval(c, work, m, k);
-    fbi_mixed_mean(c->V, c->dV, c->theta, work->V + 6 * k, work->V + 6 * k + 6);
+    fbi_exact_cell_eval(c, work, m, k);
+    fbi_exact_mean(c->V, c->dV, c->theta, work->V + 6 * k, work->V + 6 * k + 6);
     fbi_mat66_mul_vec6(state->momentum + 6 * k, m->M + 36 * k, c->V);
   }
   for (int l = 0; l < m->n_lump; l++) {
@@ -8342,7 +8344,7 @@ static void fbi_mixed_state_take(fb_mixed_state *state, fb_mixed_work *work, con
 
   /* Reactions, internal loads and the first known velocity */
   fbi_copy(state->offset, work->offset, 6 * m->n);
-  fbi_mixed_reactions(state->reaction, work, m);
+  fbi_exact_reactions(state->reaction, work, m);
   fbi_copy(state->V[0], work->V, 6 * (m->n + 1));
   fbi_copy(state->force, work->F, 6 * (m->n + 1));
   state->known = 1;
@@ -8351,7 +8353,7 @@ static void fbi_mixed_state_take(fb_mixed_state *state, fb_mixed_work *work, con
 /* ---- the velocity u of the frame */
 
 /* The velocity u of a state in its base axes, in the beam's units. */
-static void fbi_mixed_frame(fb_real u[3], const fb_mixed *m, const fb_mixed_state *state)
+static void fbi_exact_frame(fb_real u[3], const fb_exact *m, const fb_exact_state *state)
 {
   fb_real base[9];
   fb_quat_to_mat33(base, state->base_quat);
@@ -8362,17 +8364,17 @@ static void fbi_mixed_frame(fb_real u[3], const fb_mixed *m, const fb_mixed_stat
 }
 
 /* The same at the middle of the last step: the frame of a floating beam falls freely (E11.35). */
-static void fbi_mixed_frame_middle(fb_real u[3], const fb_mixed *m, const fb_mixed_state *state)
+static void fbi_exact_frame_middle(fb_real u[3], const fb_exact *m, const fb_exact_state *state)
 {
   fb_real base[9], g[3];
-  fbi_mixed_frame(u, m, state);
+  fbi_exact_frame(u, m, state);
   fb_quat_to_mat33(base, state->base_quat);
   fb_mat33_mulT_vec3(g, base, m->gravity);
   fbi_vec3_add(u, m->floating ? -FB_R(0.5) * state->step : FB_R(0.0), g);
 }
 
 /* Twist of a node for a common translational velocity u: section axes. */
-static void fbi_mixed_seen(fb_real V[6], const fb_mixed_state *state, int node, const fb_real u[3])
+static void fbi_exact_seen(fb_real V[6], const fb_exact_state *state, int node, const fb_real u[3])
 {
   fb_real R[9];
   fb_quat_to_mat33(R, state->quat + 4 * node);
@@ -8381,19 +8383,19 @@ static void fbi_mixed_seen(fb_real V[6], const fb_mixed_state *state, int node, 
 }
 
 /* The same for element k, by the mean of E10.7. */
-static void fbi_mixed_seen_mean(fb_real V[6], const fb_mixed *m, const fb_mixed_state *state, int k, const fb_real u[3])
+static void fbi_exact_seen_mean(fb_real V[6], const fb_exact *m, const fb_exact_state *state, int k, const fb_real u[3])
 {
   fb_real a[6], b[6], theta[6], d[6];
   for (int i = 0; i < 6; i++) {
     theta[i] = m->h[k] * (m->xi[6 * k + i] + state->strain[6 * k + i] + state->offset[6 * k + i]);
   }
-  fbi_mixed_seen(a, state, k, u);
-  fbi_mixed_seen(b, state, k + 1, u);
-  fbi_mixed_mean(V, d, theta, a, b);
+  fbi_exact_seen(a, state, k, u);
+  fbi_exact_seen(b, state, k + 1, u);
+  fbi_exact_mean(V, d, theta, a, b);
 }
 
 /* Adds a wrench in section axes of a node to force p and moment h about the origin of the base, base axes. */
-static void fbi_mixed_wrench_add(fb_real p[3], fb_real h[3], const fb_mixed_state *state, int node, const fb_real F[6])
+static void fbi_exact_wrench_add(fb_real p[3], fb_real h[3], const fb_exact_state *state, int node, const fb_real F[6])
 {
   fb_real R[9], y[3];
   fb_quat_to_mat33(R, state->quat + 4 * node);
@@ -8406,7 +8408,7 @@ static void fbi_mixed_wrench_add(fb_real p[3], fb_real h[3], const fb_mixed_stat
 
 /* Momentum and angular momentum about the origin of the base, base axes: of the state relative to its frame (u NULL),
    or of all nodes moving by u. */
-static void fbi_mixed_momenta(fb_real p[3], fb_real h[3], const fb_mixed *m, const fb_mixed_state *state,
+static void fbi_exact_momenta(fb_real p[3], fb_real h[3], const fb_exact *m, const fb_exact_state *state,
                               const fb_real *u)
 {
   fb_real P[6], V[6];
@@ -8418,7 +8420,7 @@ static void fbi_mixed_momenta(fb_real p[3], fb_real h[3], const fb_mixed *m, con
     fb_real theta[6], y[6], first[6], second[6];
     fbi_vec6_copy(P, state->momentum + 6 * k);
     if (u) {
-      fbi_mixed_seen_mean(V, m, state, k, u);
+      fbi_exact_seen_mean(V, m, state, k, u);
       fbi_mat66_mul_vec6(P, m->M + 36 * k, V);
     }
     for (int i = 0; i < 6; i++) {
@@ -8429,22 +8431,22 @@ static void fbi_mixed_momenta(fb_real p[3], fb_real h[3], const fb_mixed *m, con
       first[i] = m->h[k] * (FB_R(0.5) * P[i] - y[i] / FB_R(12.0));
       second[i] = m->h[k] * (FB_R(0.5) * P[i] + y[i] / FB_R(12.0));
     }
-    fbi_mixed_wrench_add(p, h, state, k, first);
-    fbi_mixed_wrench_add(p, h, state, k + 1, second);
+    fbi_exact_wrench_add(p, h, state, k, first);
+    fbi_exact_wrench_add(p, h, state, k + 1, second);
   }
 
   /* Lumped bodies */
   for (int l = 0; l < m->n_lump; l++) {
     fbi_vec6_copy(P, state->lump + 6 * l);
     if (u) {
-      fbi_mixed_seen(V, state, m->lump_node[l], u);
+      fbi_exact_seen(V, state, m->lump_node[l], u);
       fbi_mat66_mul_vec6(P, m->lump + 36 * l, V);
     }
-    fbi_mixed_wrench_add(p, h, state, m->lump_node[l], P);
+    fbi_exact_wrench_add(p, h, state, m->lump_node[l], P);
   }
 }
 
-static fb_real fbi_mixed_mass(const fb_mixed *m)
+static fb_real fbi_exact_mass(const fb_exact *m)
 {
   fb_real mass = FB_R(0.0);
   for (int k = 0; k < m->n; k++) {
@@ -8459,7 +8461,7 @@ static fb_real fbi_mixed_mass(const fb_mixed *m)
 
 /* Changes the frame velocity u by `more` (beam's units, base axes) and subtracts its contribution from the velocities
    of the nodes, the momenta and their rates. du is the change of u that round-off left. */
-static void fbi_mixed_reframe(fb_mixed_state *state, const fb_mixed *m, const fb_real more[3], fb_real step)
+static void fbi_exact_reframe(fb_exact_state *state, const fb_exact *m, const fb_real more[3], fb_real step)
 {
   fb_real V[6], P[6], base[9], y[3], du[3];
 
@@ -8477,7 +8479,7 @@ static void fbi_mixed_reframe(fb_mixed_state *state, const fb_mixed *m, const fb
   for (int k = 0; k < m->n; k++) {
     const fb_real *const a = state->V[0] + 6 * k, *const M = m->M + 36 * k;
     fb_real turn[3], rate[6];
-    fbi_mixed_seen_mean(V, m, state, k, du);
+    fbi_exact_seen_mean(V, m, state, k, du);
     fbi_mat66_mul_vec6(P, M, V);
     fbi_vec6_add(state->momentum + 6 * k, -FB_R(1.0), P);
     for (int i = 0; i < 3; i++) {
@@ -8493,7 +8495,7 @@ static void fbi_mixed_reframe(fb_mixed_state *state, const fb_mixed *m, const fb
   for (int l = 0; l < m->n_lump; l++) {
     const int j = m->lump_node[l];
     fb_real rate[6];
-    fbi_mixed_seen(V, state, j, du);
+    fbi_exact_seen(V, state, j, du);
     fbi_mat66_mul_vec6(P, m->lump + 36 * l, V);
     fbi_vec6_add(state->lump + 6 * l, -FB_R(1.0), P);
     fbi_vec6_zero(rate);
@@ -8505,7 +8507,7 @@ static void fbi_mixed_reframe(fb_mixed_state *state, const fb_mixed *m, const fb
   /* Velocities of the nodes at this and the earlier steps */
   for (int j = 0; j <= m->n; j++) {
     fb_real turn[3];
-    fbi_mixed_seen(V, state, j, du);
+    fbi_exact_seen(V, state, j, du);
     fb_vec3_cross(turn, state->V[0] + 6 * j + 3, V); /* minus the rate: earlier steps */
     for (int k = 0; k < 3; k++) {
       fbi_vec3_add(state->V[k] + 6 * j, -FB_R(1.0), V);
@@ -8514,10 +8516,10 @@ static void fbi_mixed_reframe(fb_mixed_state *state, const fb_mixed *m, const fb
   }
 }
 
-FB_DEF fb_status fb_mixed_state_init(const fb_mixed *m, fb_mixed_state *state, fb_mixed_work *work,
-                                     const fb_mixed_input *input)
+FB_DEF fb_status fb_exact_state_init(const fb_exact *m, fb_exact_state *state, fb_exact_work *work,
+                                     const fb_exact_input *input)
 {
-  const fbi_mixed_motion still = {0, 0, 0, 0, 0, 0};
+  const fbi_exact_motion still = {0, 0, 0, 0, 0, 0};
   FBI_REQUIRE(m && state && work, FB_ERR_NULL);
   FBI_REQUIRE_EXACT();
   if (input && (!fbi_is_finite(input->v, 3) || !fbi_is_finite(input->w, 3))) {
@@ -8529,7 +8531,7 @@ FB_DEF fb_status fb_mixed_state_init(const fb_mixed *m, fb_mixed_state *state, f
   state->base_quat[0] = FB_R(1.0);
   fbi_copy(state->r, m->r, 3 * (m->n + 1));
   fbi_copy(state->quat, m->quat, 4 * (m->n + 1));
-  fbi_mixed_pose_take(work, state, m);
+  fbi_exact_pose_take(work, state, m);
 
   /* No loads, prescribed velocity */
   work->motion = still;
@@ -8545,15 +8547,15 @@ FB_DEF fb_status fb_mixed_state_init(const fb_mixed *m, fb_mixed_state *state, f
   }
 
   /* Velocities and momenta */
-  fbi_mixed_nodes_eval(work, m);
-  fbi_mixed_state_take(state, work, m);
-  if (m->floating && fbi_mixed_mass(m) > FB_R(0.0)) { /* u = velocity of the mass center by the spin about O */
+  fbi_exact_nodes_eval(work, m);
+  fbi_exact_state_take(state, work, m);
+  if (m->floating && fbi_exact_mass(m) > FB_R(0.0)) { /* u = velocity of the mass center by the spin about O */
     fb_real du[3], h[3];
-    fbi_mixed_momenta(du, h, m, state, NULL);
+    fbi_exact_momenta(du, h, m, state, NULL);
     for (int i = 0; i < 3; i++) {
-      du[i] /= fbi_mixed_mass(m);
+      du[i] /= fbi_exact_mass(m);
     }
-    fbi_mixed_reframe(state, m, du, FB_R(0.0));
+    fbi_exact_reframe(state, m, du, FB_R(0.0));
     fbi_zero(state->momentum_rate, 6 * m->n);
     fbi_zero(state->lump_rate, 6 * m->n_lump);
   }
@@ -8584,23 +8586,23 @@ static void fbi_rotvec_near(fb_real phi[3], const fb_real quat[4])
   }
 }
 
-FB_DEF fb_status fb_mixed_nodes_eval(const fb_mixed *m, fb_mixed_node *node, const fb_mixed_state *state)
+FB_DEF fb_status fb_exact_nodes_eval(const fb_exact *m, fb_exact_node *node, const fb_exact_state *state)
 {
   fb_real base[9], phi[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, u[3], frame[6];
   fb_status status;
   FBI_REQUIRE(m && node && state, FB_ERR_NULL);
-  status = fb_mixed_state_check(m, state);
+  status = fb_exact_state_check(m, state);
   if (status != FB_OK) {
     return status;
   }
 
   /* Attitude of the base, velocity of the frame */
   fb_quat_to_mat33(base, state->base_quat);
-  fbi_mixed_frame_middle(u, m, state);
+  fbi_exact_frame_middle(u, m, state);
 
   /* Outputs in SI units */
   for (int j = 0; j <= m->n; j++) {
-    fb_mixed_node *const out = &node[j];
+    fb_exact_node *const out = &node[j];
     const fb_real *const q0 = m->quat + 4 * j, *const V = state->V[0] + 6 * j, *const F = state->force + 6 * j;
     const fb_real *const B = state->reaction + 6 * j;
     const fb_real back[4] = {q0[0], -q0[1], -q0[2], -q0[3]};
@@ -8610,7 +8612,7 @@ FB_DEF fb_status fb_mixed_nodes_eval(const fb_mixed *m, fb_mixed_node *node, con
     fb_quat_mul(turn, back, state->quat + 4 * j);
     fbi_rotvec_near(phi, turn);
     fb_quat_to_wiener_milenkovic(out->wiener_milenkovic, turn);
-    fbi_mixed_seen(frame, state, j, u);
+    fbi_exact_seen(frame, state, j, u);
     for (int i = 0; i < 3; i++) {
       out->position[i] = state->base_position[i] + m->length * r[i];
       out->displacement[i] = m->length * (state->r[3 * j + i] - m->r[3 * j + i]);
@@ -8626,12 +8628,12 @@ FB_DEF fb_status fb_mixed_nodes_eval(const fb_mixed *m, fb_mixed_node *node, con
   return FB_OK;
 }
 
-FB_DEF fb_status fb_mixed_element_eval(const fb_mixed *m, fb_mixed_element *out, const fb_mixed_state *state, int k)
+FB_DEF fb_status fb_exact_element_eval(const fb_exact *m, fb_exact_element *out, const fb_exact_state *state, int k)
 {
   fb_status status;
   FBI_REQUIRE(m && out && state, FB_ERR_NULL);
   FBI_REQUIRE(k >= 0 && k < m->n, FB_ERR_CAPACITY);
-  status = fb_mixed_state_check(m, state);
+  status = fb_exact_state_check(m, state);
   if (status != FB_OK) {
     return status;
   }
@@ -8643,8 +8645,8 @@ FB_DEF fb_status fb_mixed_element_eval(const fb_mixed *m, fb_mixed_element *out,
     /* Strain, and velocity and momentum with those of the frame */
     fbi_mat66_mul_vec6(strain, m->section + 36 * k, s);
     fbi_mat66_mul_vec6(V, m->M_inverse + 36 * k, state->momentum + 6 * k);
-    fbi_mixed_frame(u, m, state);
-    fbi_mixed_seen_mean(frame, m, state, k, u);
+    fbi_exact_frame(u, m, state);
+    fbi_exact_seen_mean(frame, m, state, k, u);
     fbi_mat66_mul_vec6(P, m->M + 36 * k, frame);
     fbi_vec6_add(P, FB_R(1.0), state->momentum + 6 * k);
     fbi_vec6_add(V, FB_R(1.0), frame);
@@ -8668,7 +8670,7 @@ FB_DEF fb_status fb_mixed_element_eval(const fb_mixed *m, fb_mixed_element *out,
    the strain, (s^2 - s)/2 h (C (F2 - F1) + taper stress).
    Source: own; the strain is linear to this order.  Cost: 200 flops.  Fails: never.
    Test: points_between_nodes_lie_on_the_curve. */
-static void fbi_mixed_point(fb_real r[3], fb_real quat[4], const fb_mixed *m, const fb_mixed_state *state, int k,
+static void fbi_exact_point(fb_real r[3], fb_real quat[4], const fb_exact *m, const fb_exact_state *state, int k,
                             fb_real s)
 {
   fb_real x[6], dF[6], bend[6], taper[6];
@@ -8687,8 +8689,8 @@ static void fbi_mixed_point(fb_real r[3], fb_real quat[4], const fb_mixed *m, co
   fbi_pose_add(r, quat, bend);
 }
 
-FB_DEF fb_status fb_mixed_point_eval(const fb_mixed *m, fb_real position[3], fb_real quat[4],
-                                     const fb_mixed_state *state, fb_real x)
+FB_DEF fb_status fb_exact_point_eval(const fb_exact *m, fb_real position[3], fb_real quat[4],
+                                     const fb_exact_state *state, fb_real x)
 {
   fb_status status;
   fb_real r[3], turn[4], R[9], place = FB_R(0.0);
@@ -8697,7 +8699,7 @@ FB_DEF fb_status fb_mixed_point_eval(const fb_mixed *m, fb_real position[3], fb_
   if (!(x >= FB_R(0.0) && x <= m->length * (FB_R(1.0) + FB_R(1e-5)))) {
     return FB_ERR_VALUE;
   }
-  status = fb_mixed_state_check(m, state);
+  status = fb_exact_state_check(m, state);
   if (status != FB_OK) {
     return status;
   }
@@ -8710,7 +8712,7 @@ FB_DEF fb_status fb_mixed_point_eval(const fb_mixed *m, fb_real position[3], fb_
   }
 
   /* Pose in the base, then in inertial axes */
-  fbi_mixed_point(r, turn, m, state, k, (x - place) / m->h[k]);
+  fbi_exact_point(r, turn, m, state, k, (x - place) / m->h[k]);
   fb_quat_to_mat33(R, state->base_quat);
   fb_mat33_mul_vec3(position, R, r);
   fb_quat_mul(quat, state->base_quat, turn);
@@ -8721,7 +8723,7 @@ FB_DEF fb_status fb_mixed_point_eval(const fb_mixed *m, fb_real position[3], fb_
 }
 
 /* 1/2 x.A x + part rate.A rate */
-static fb_real fbi_mixed_quadratic(const fb_real A[36], const fb_real x[6], const fb_real rate[6], fb_real part)
+static fb_real fbi_exact_quadratic(const fb_real A[36], const fb_real x[6], const fb_real rate[6], fb_real part)
 {
   fb_real y[6], z[6];
   fbi_mat66_mul_vec6(y, A, x);
@@ -8731,7 +8733,7 @@ static fb_real fbi_mixed_quadratic(const fb_real A[36], const fb_real x[6], cons
 
 /* mass (origin + g . r) + g . R moment for the inertia matrix M at the pose r, quat; moment: first moment of mass. For
    curved elements E10.6 makes mass and moment differ between axes: their means are used, which are invariant. */
-static fb_real fbi_mixed_weight(const fb_real M[36], const fb_real g[3], fb_real origin, const fb_real r[3],
+static fb_real fbi_exact_weight(const fb_real M[36], const fb_real g[3], fb_real origin, const fb_real r[3],
                                 const fb_real quat[4])
 {
   const fb_real mass = (M[0] + M[7] + M[14]) / FB_R(3.0);
@@ -8746,7 +8748,7 @@ static fb_real fbi_mixed_weight(const fb_real M[36], const fb_real g[3], fb_real
    with the mass center's r, by Simpson's rule along each element.
    Source: [L] 3.57-3.61.  Cost: 400 flops an element.  Fails: never.
    Test: energy_is_kept_whatever_the_step, a_pendulum_keeps_its_energy, flight_at_any_speed_moves_as_rest_does. */
-FB_DEF fb_status fb_mixed_energy(const fb_mixed *m, fb_energy *energy, const fb_mixed_state *state)
+FB_DEF fb_status fb_exact_energy_eval(const fb_exact *m, fb_energy *energy, const fb_exact_state *state)
 {
   fb_energy out = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_real base[9], g[3], u[3], p[3], turning[3], origin, last, unit;
@@ -8763,15 +8765,15 @@ FB_DEF fb_status fb_mixed_energy(const fb_mixed *m, fb_energy *energy, const fb_
   for (int k = 0; k < m->n; k++) {
     const fb_real h = m->h[k], *const M = m->M + 36 * k, *const r = state->r + 3 * k, *const quat = state->quat + 4 * k;
     fb_real middle[3], turn[4];
-    fbi_mixed_point(middle, turn, m, state, k, FB_R(0.5));
+    fbi_exact_point(middle, turn, m, state, k, FB_R(0.5));
     out.strain +=
-        h * fbi_mixed_quadratic(m->S + 36 * k, state->strain + 6 * k, state->strain_rate + 6 * k, last) * unit;
+        h * fbi_exact_quadratic(m->S + 36 * k, state->strain + 6 * k, state->strain_rate + 6 * k, last) * unit;
     out.kinetic +=
         h * unit *
-        fbi_mixed_quadratic(m->M_inverse + 36 * k, state->momentum + 6 * k, state->momentum_rate + 6 * k, last);
+        fbi_exact_quadratic(m->M_inverse + 36 * k, state->momentum + 6 * k, state->momentum_rate + 6 * k, last);
     out.gravity -= h * unit / FB_R(6.0) *
-                   (fbi_mixed_weight(M, g, origin, r, quat) + fbi_mixed_weight(M, g, origin, r + 3, quat + 4) +
-                    FB_R(4.0) * fbi_mixed_weight(M, g, origin, middle, turn));
+                   (fbi_exact_weight(M, g, origin, r, quat) + fbi_exact_weight(M, g, origin, r + 3, quat + 4) +
+                    FB_R(4.0) * fbi_exact_weight(M, g, origin, middle, turn));
   }
 
   /* Lumped bodies */
@@ -8779,14 +8781,14 @@ FB_DEF fb_status fb_mixed_energy(const fb_mixed *m, fb_energy *energy, const fb_
     const fb_real *const M = m->lump + 36 * l;
     const int j = m->lump_node[l];
     out.kinetic +=
-        unit * fbi_mixed_quadratic(m->lump_inverse + 36 * l, state->lump + 6 * l, state->lump_rate + 6 * l, last);
-    out.gravity -= unit * fbi_mixed_weight(M, g, origin, state->r + 3 * j, state->quat + 4 * j);
+        unit * fbi_exact_quadratic(m->lump_inverse + 36 * l, state->lump + 6 * l, state->lump_rate + 6 * l, last);
+    out.gravity -= unit * fbi_exact_weight(M, g, origin, state->r + 3 * j, state->quat + 4 * j);
   }
 
   /* Kinetic energy of the frame velocity */
-  fbi_mixed_frame(u, m, state);
-  fbi_mixed_momenta(p, turning, m, state, NULL);
-  out.kinetic += unit * (fb_vec3_dot(u, p) + FB_R(0.5) * fbi_mixed_mass(m) * fb_vec3_dot(u, u));
+  fbi_exact_frame(u, m, state);
+  fbi_exact_momenta(p, turning, m, state, NULL);
+  out.kinetic += unit * (fb_vec3_dot(u, p) + FB_R(0.5) * fbi_exact_mass(m) * fb_vec3_dot(u, u));
   if (!fbi_energy_is_finite(&out)) {
     return FB_ERR_NOT_FINITE;
   }
@@ -8797,17 +8799,17 @@ FB_DEF fb_status fb_mixed_energy(const fb_mixed *m, fb_energy *energy, const fb_
 /* [E10.14] Momentum and angular momentum about the inertial origin: h A^T P of each element at its two nodes
    (the adjoint of the mean velocity), plus m u and the angular momentum of a common velocity u of all nodes.
    Source: [L] 3.62, E10.7.  Cost: 200 flops an element.  Fails: never.  Test: free_flight_keeps_momentum. */
-FB_DEF fb_status fb_mixed_momentum(const fb_mixed *m, fb_momentum *momentum, const fb_mixed_state *state)
+FB_DEF fb_status fb_exact_momentum_eval(const fb_exact *m, fb_momentum *momentum, const fb_exact_state *state)
 {
   fb_momentum out;
   fb_real base[9], u[3], p[3], h[3], carried[3], turning[3], unit;
   FBI_REQUIRE(m && momentum && state, FB_ERR_NULL);
 
   /* Base axes, about the origin of the base */
-  fbi_mixed_frame(u, m, state);
-  fbi_mixed_momenta(p, h, m, state, NULL);
-  fbi_mixed_momenta(carried, turning, m, state, u);
-  fbi_vec3_add(p, fbi_mixed_mass(m), u);
+  fbi_exact_frame(u, m, state);
+  fbi_exact_momenta(p, h, m, state, NULL);
+  fbi_exact_momenta(carried, turning, m, state, u);
+  fbi_vec3_add(p, fbi_exact_mass(m), u);
   fbi_vec3_add(h, FB_R(1.0), turning);
 
   /* Inertial axes, SI units, about the inertial origin */
@@ -9447,7 +9449,7 @@ static fb_status fbi_coupling(fb_implicit_work *w, const fbi_kinetics *k, const 
    free base. The other forms have no N and Y.
    Source: block elimination; Newmark's effective stiffness is the case of a fixed base.  Shapes: n x n.  Cost: 2/3 n^3
    flops.
-   Fails: M_rr or E singular.  Test: each_scheme_converges_at_its_order, steps_may_be_a_thousand_periods_long. */
+   Fails: M_rr or E singular.  Test: each_integrator_converges_at_its_order, steps_may_be_a_thousand_periods_long. */
 static fb_status fbi_implicit_factor(fb_implicit_work *w, const fbi_kinetics *k, const fb_body *body, fb_real g)
 {
   const int n = body->n, rows = 6 - fbi_first_free(body->base);
@@ -9548,7 +9550,7 @@ static void fbi_recoil_pose(fb_state *r, const fb_implicit_work *w, const fb_bod
    Momentum form: E k_q = (M + g C + g N) r_q + g r_pi - (X - g Y)^T t,  g dV = t - Z k_q,  d = k_q - r_q,
    k_pi = r_pi - g K_t k_q - (C + N) d + Y^T g dV.
    The others, elastic velocities u:  E k_u = M r_u - X^T t - g K_t r_q,  k_q = r_q + g k_u,  k_V = r_V + t - Z k_u.
-   Source: E11.4.  Cost: 4 n^2 + 50 n flops.  Fails: never.  Test: each_scheme_converges_at_its_order. */
+   Source: E11.4.  Cost: 4 n^2 + 50 n flops.  Fails: never.  Test: each_integrator_converges_at_its_order. */
 static void fbi_implicit_solve(fb_state *r, const fb_implicit_work *w, const fb_body *body, const fbi_kinetics *k,
                                const fb_state *state)
 {
@@ -9712,7 +9714,7 @@ static void fbi_base_guess(fb_real v[3], const fb_input *middle, fb_real g)
 
 /* [E11.7] Implicit midpoint, y += dt k with k = f(t + dt/2, y + dt/2 k).
    Source: textbook; conserves quadratic invariants, symmetric.  Cost: 1 + iterations evaluations, one LU.
-   Fails: as E11.4.  Test: each_scheme_converges_at_its_order, midpoint_keeps_energy_and_momentum. */
+   Fails: as E11.4.  Test: each_integrator_converges_at_its_order, midpoint_keeps_energy_and_momentum. */
 FB_DEF fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *middle,
                                   fb_real dt, int iterations)
 {
@@ -9808,7 +9810,7 @@ static void fbi_base_between(fb_real v[3], const fb_state *start, const fb_input
 /* [E11.8] Two-stage SDIRK integrator of order 2, L-stable and stiffly accurate, c = 1 - 1/sqrt(2):
    k_1 = f(t + c dt, y + c dt k_1),  k_2 = f(t + dt, y + (1-c) dt k_1 + c dt k_2),  y <- its last stage.
    Source: [AL].  Cost: 1 + 2 iterations evaluations, one LU.
-   Fails: as E11.4.  Test: each_scheme_converges_at_its_order, steps_may_be_a_thousand_periods_long. */
+   Fails: as E11.4.  Test: each_integrator_converges_at_its_order, steps_may_be_a_thousand_periods_long. */
 FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit_work *work, const fb_input *start,
                                const fb_input *end, fb_real dt, int iterations)
 {
@@ -10083,7 +10085,7 @@ static fb_status fbi_exponential_limited(const fb_body *body, const fbi_kinetics
    z <- e^(hL) z + h phi_1 N_1 + h phi_2 (-3 N_1 + 2 N_2 + 2 N_3 - N_4) + 4h phi_3 (N_1 - N_2 - N_3 + N_4).
    For L = 0 this is the classical Runge-Kutta integrator.
    Source: [KR].  Cost: 4 evaluations, 16 n^2 flops each.  Fails: as the rates.
-   Test: each_scheme_converges_at_its_order, the_exponential_scheme_is_exact_for_linear_bodies. */
+   Test: each_integrator_converges_at_its_order, the_exponential_integrator_is_exact_for_linear_bodies. */
 FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *scheme, fb_state *state,
                                      fb_exponential_work *work, const fb_input *start, const fb_input *middle,
                                      const fb_input *end)
@@ -10542,7 +10544,7 @@ static fb_status fbi_system_step_check(const fb_system *system, const fb_body *b
 /* [E11.12] Classical Runge-Kutta on a system. Constraint impulses start at zero in each step, so that an ordinary
    differential equation is integrated; after the step positions and velocities are projected onto the constraints.
    Source: textbook, E9.15, E9.17.  Cost: 4 evaluations, with constraints 2 solutions more.
-   Test: systems_converge_with_the_order_of_the_scheme, redundant_loops_are_accepted. */
+   Test: systems_converge_with_the_order_of_the_integrator, redundant_loops_are_accepted. */
 FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body, fb_system_state *state,
                                     fb_system_work *work, const fb_system_input *start, const fb_system_input *middle,
                                     const fb_system_input *end, fb_real dt)
@@ -10738,7 +10740,7 @@ static fb_real fbi_rates_size(fb_real *deformed, const fb_system_state *k, const
    K, C: modes, springs and dampers of the tree's joints; M at the present positions.
    Source: block elimination of q' = M^-1 p, p' = -K q - C q'.  Cost: an evaluation and a solution each.
    Fails: as E9.15; FB_ERR_CONVERGENCE (E11.25).
-   Test: systems_converge_with_the_order_of_the_scheme, stiff_joints_take_long_steps. */
+   Test: systems_converge_with_the_order_of_the_integrator, stiff_joints_take_long_steps. */
 static fb_status fbi_system_stage(fb_system_work *w, fb_system_state *k, const fb_system *system, const fb_body *body,
                                   const fb_system_state *base, const fb_system_state *modes,
                                   const fb_system_input *input, fb_real g, fb_real dt, int iterations)
@@ -10826,7 +10828,7 @@ static fb_status fbi_system_between(fb_system_input *out, const fb_system_input 
    spin is off by 4 %; steps of 0.1 s, and with 1e-6 those of 0.01 s, end in FB_ERR_CONVERGENCE, nothing changed. Across
    alone, without that spin, 1e-6 is held to round-off at either step.
    Source: [AL].  Cost: 2 + 2 iterations evaluations, 2 iterations solutions.
-   Test: systems_converge_with_the_order_of_the_scheme, stiff_joints_take_long_steps. */
+   Test: systems_converge_with_the_order_of_the_integrator, stiff_joints_take_long_steps. */
 FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *body, fb_system_state *state,
                                       fb_system_work *work, const fb_system_input *start, const fb_system_input *end,
                                       fb_real dt, int iterations)
@@ -10903,7 +10905,7 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
 /* ---- geometrically exact beam */
 
 /* Extrapolation x_(n+1) = 3 x_n - 3 x_(n-1) + x_(n-2), of lower order in the first steps ([L] 3.107, 3.108). */
-static void fbi_mixed_extrapolate(fb_real *next, const fb_real *a, const fb_real *b, const fb_real *c, int known, int n)
+static void fbi_exact_extrapolate(fb_real *next, const fb_real *a, const fb_real *b, const fb_real *c, int known, int n)
 {
   for (int i = 0; i < n; i++) {
     const fb_real line = FB_R(2.0) * a[i] - b[i];
@@ -10912,7 +10914,7 @@ static void fbi_mixed_extrapolate(fb_real *next, const fb_real *a, const fb_real
 }
 
 /* Shifts the history a, b, c and puts x first. */
-static void fbi_mixed_remember(fb_real *a, fb_real *b, fb_real *c, const fb_real *x, int n)
+static void fbi_exact_remember(fb_real *a, fb_real *b, fb_real *c, const fb_real *x, int n)
 {
   fbi_copy(c, b, n);
   fbi_copy(b, a, n);
@@ -10921,7 +10923,7 @@ static void fbi_mixed_remember(fb_real *a, fb_real *b, fb_real *c, const fb_real
 
 /* base = x - beta/2 dt rate_old, dt the shorter of the old step and the new one. With the dissipative rule
    x_alpha = x + dx/2 + beta/2 (dx - dx_old) the rate is 2/((1 + beta) dt) (x_alpha - base). */
-static void fbi_mixed_rate_base(fb_real *base, const fb_real *x, const fb_real *rate, fb_real beta_dt, int n)
+static void fbi_exact_rate_base(fb_real *base, const fb_real *x, const fb_real *rate, fb_real beta_dt, int n)
 {
   for (int i = 0; i < n; i++) {
     base[i] = x[i] - FB_R(0.5) * beta_dt * rate[i];
@@ -10929,7 +10931,7 @@ static void fbi_mixed_rate_base(fb_real *base, const fb_real *x, const fb_real *
 }
 
 /* Rate from the value x_alpha at mid-step (middle), and x after the step, small values flushed. */
-static void fbi_mixed_rate_take(fb_real *x, fb_real *rate, const fb_real *middle, const fb_real *base, fb_real shift,
+static void fbi_exact_rate_take(fb_real *x, fb_real *rate, const fb_real *middle, const fb_real *base, fb_real shift,
                                 fb_real dt, int n)
 {
   for (int i = 0; i < n; i++) {
@@ -10960,7 +10962,7 @@ static void fbi_pose_add_midpoint(fb_real r[3], fb_real quat[4], const fb_real x
 /* [E11.35] The frame of an unsupported beam falls freely, u_t = g, so that no gravity acts relative to u. Adds the
    displacement of the frame in a step, u dt + g dt^2/2, to y.
    Source: Galilean invariance.  Cost: 20 flops.  Fails: never.  Test: free_fall_is_not_felt. */
-static void fbi_mixed_fall(fb_real y[3], fb_mixed_state *state, const fb_mixed *m, fb_real dt)
+static void fbi_exact_fall(fb_real y[3], fb_exact_state *state, const fb_exact *m, fb_real dt)
 {
   const fb_real time = dt * m->time, half = FB_R(0.5) * dt * m->length / m->time;
   fbi_vec3_add(state->u, half, m->gravity);
@@ -10970,7 +10972,7 @@ static void fbi_mixed_fall(fb_real y[3], fb_mixed_state *state, const fb_mixed *
 
 /* Moves the base (by u and relative to it), the root relative to the base, and all nodes by their strains. The base of
    an unsupported beam moves with its root. */
-static void fbi_mixed_move(fb_mixed_state *state, fb_mixed_work *work, const fb_mixed *m, fb_real dt)
+static void fbi_exact_move(fb_exact_state *state, fb_exact_work *work, const fb_exact *m, fb_real dt)
 {
   const fb_real origin[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, one[4] = {FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_real x[6], base[6], r[3], quat[4], R[9], y[3], turned[4];
@@ -11012,7 +11014,7 @@ static void fbi_mixed_move(fb_mixed_state *state, fb_mixed_work *work, const fb_
     y[i] *= m->length;
   }
   if (m->floating) {
-    fbi_mixed_fall(y, state, m, dt);
+    fbi_exact_fall(y, state, m, dt);
   }
   fbi_sum_kept(y, state->lost, state->base_position, state->lost, 3);
   fbi_copy(state->base_position, y, 3);
@@ -11021,7 +11023,7 @@ static void fbi_mixed_move(fb_mixed_state *state, fb_mixed_work *work, const fb_
   fb_quat_mul(turned, state->base_quat, quat);
   (void)fb_quat_normalize(turned);
   fbi_copy(state->base_quat, turned, 4);
-  fbi_mixed_poses(state->r, state->quat, m, state->strain, state->offset);
+  fbi_exact_poses(state->r, state->quat, m, state->strain, state->offset);
 }
 
 /* [E11.33] The velocity u of the frame follows the beam. Unsupported beam: u is set to the velocity of the mass center
@@ -11030,12 +11032,12 @@ static void fbi_mixed_move(fb_mixed_state *state, fb_mixed_work *work, const fb_
    relative to u is affected by the factor 1 + w.w/4 of E11.21.
    Source: Galilean invariance.  Cost: 250 flops an element of a free beam, 400 more when it happens.  Fails: never.
    Test: thrust_takes_the_frame_along, flight_at_any_speed_moves_as_rest_does. */
-static void fbi_mixed_follow(fb_mixed_state *state, const fb_mixed_work *work, const fb_mixed *m, fb_real step)
+static void fbi_exact_follow(fb_exact_state *state, const fb_exact_work *work, const fb_exact *m, fb_real step)
 {
   fb_real du[3], h[3];
   if (m->floating) {
-    const fb_real mass = fbi_mixed_mass(m);
-    fbi_mixed_momenta(du, h, m, state, NULL);
+    const fb_real mass = fbi_exact_mass(m);
+    fbi_exact_momenta(du, h, m, state, NULL);
     for (int i = 0; i < 3; i++) {
       du[i] = mass > FB_R(0.0) ? du[i] / mass : FB_R(0.0);
     }
@@ -11043,13 +11045,13 @@ static void fbi_mixed_follow(fb_mixed_state *state, const fb_mixed_work *work, c
     fb_mat33_mulT_vec3(du, work->half, work->twist); /* half a step on */
   }
   if (fb_vec3_dot(du, du) > (m->floating ? FB_R(1e-6) : FB_R(1.0))) {
-    fbi_mixed_reframe(state, m, du, step);
+    fbi_exact_reframe(state, m, du, step);
   }
 }
 
-#define FBI_MIXED_STEP_TOLERANCE (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-6)) /* of a step's last correction */
+#define FBI_EXACT_STEP_TOLERANCE (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-6)) /* of a step's last correction */
 /* Strains, momenta, reactions and histories after the step, from the values at mid-step. */
-static void fbi_mixed_commit(fb_mixed_state *next, fb_mixed_work *work, const fb_mixed *m, fb_real dt)
+static void fbi_exact_commit(fb_exact_state *next, fb_exact_work *work, const fb_exact *m, fb_real dt)
 {
   const fb_real shift = work->motion.shift;
   fb_real strain[6], P[6];
@@ -11057,54 +11059,54 @@ static void fbi_mixed_commit(fb_mixed_state *next, fb_mixed_work *work, const fb
   /* Strains and momenta */
   for (int k = 0; k < m->n; k++) {
     fbi_mat66_mul_vec6(strain, m->C + 36 * k, work->s + 6 * k);
-    fbi_mixed_rate_take(next->strain + 6 * k, next->strain_rate + 6 * k, strain, work->strain + 6 * k, shift, dt, 6);
-    fbi_mixed_rate_take(next->momentum + 6 * k, next->momentum_rate + 6 * k, work->P + 6 * k, work->momentum + 6 * k,
+    fbi_exact_rate_take(next->strain + 6 * k, next->strain_rate + 6 * k, strain, work->strain + 6 * k, shift, dt, 6);
+    fbi_exact_rate_take(next->momentum + 6 * k, next->momentum_rate + 6 * k, work->P + 6 * k, work->momentum + 6 * k,
                         shift, dt, 6);
   }
   for (int l = 0; l < m->n_lump; l++) {
     fbi_mat66_mul_vec6(P, m->lump + 36 * l, work->V + 6 * m->lump_node[l]);
-    fbi_mixed_rate_take(next->lump + 6 * l, next->lump_rate + 6 * l, P, work->lump + 6 * l, shift, dt, 6);
+    fbi_exact_rate_take(next->lump + 6 * l, next->lump_rate + 6 * l, P, work->lump + 6 * l, shift, dt, 6);
   }
 
   /* Reactions, histories for the extrapolation, internal loads */
   fbi_copy(next->offset, work->offset, 6 * m->n);
-  fbi_mixed_reactions(next->reaction, work, m);
-  fbi_mixed_remember(next->V[0], next->V[1], next->V[2], work->V, 6 * (m->n + 1));
-  fbi_mixed_remember(next->stress[0], next->stress[1], next->stress[2], work->s, 6 * m->n);
+  fbi_exact_reactions(next->reaction, work, m);
+  fbi_exact_remember(next->V[0], next->V[1], next->V[2], work->V, 6 * (m->n + 1));
+  fbi_exact_remember(next->stress[0], next->stress[1], next->stress[2], work->s, 6 * m->n);
   fbi_copy(next->force, work->F, 6 * (m->n + 1));
 }
 
 /* Start of a step: loads, base values of the rates, first guess of the mid-step values. */
-static void fbi_mixed_begin(fb_mixed_work *work, const fb_mixed *m, const fb_mixed_state *state,
-                            const fb_mixed_input *middle, fb_real step)
+static void fbi_exact_begin(fb_exact_work *work, const fb_exact *m, const fb_exact_state *state,
+                            const fb_exact_input *middle, fb_real step)
 {
-  const fbi_mixed_motion march = {1, 1, 0, 0, FB_R(0.5) * step, FB_R(2.0) / ((FB_R(1.0) + m->beta) * step)};
+  const fbi_exact_motion march = {1, 1, 0, 0, FB_R(0.5) * step, FB_R(2.0) / ((FB_R(1.0) + m->beta) * step)};
   const fb_real last = m->beta * (state->step > FB_R(0.0) && state->step < step ? state->step : step);
   fb_real u[3];
   work->motion = march;
-  fbi_mixed_input_take(work, m, state->base_quat, middle, FB_R(1.0), step);
-  fbi_mixed_frame(u, m, state);
+  fbi_exact_input_take(work, m, state->base_quat, middle, FB_R(1.0), step);
+  fbi_exact_frame(u, m, state);
   fb_mat33_mulT_vec3(work->drift, work->half, u);
   fbi_vec3_add(work->twist, m->floating ? FB_R(0.0) : -FB_R(1.0), work->drift);
   fbi_copy(work->r, state->r, 3 * (m->n + 1));
   fbi_copy(work->quat, state->quat, 4 * (m->n + 1));
-  fbi_mixed_rate_base(work->strain, state->strain, state->strain_rate, last, 6 * m->n);
-  fbi_mixed_rate_base(work->momentum, state->momentum, state->momentum_rate, last, 6 * m->n);
-  fbi_mixed_rate_base(work->lump, state->lump, state->lump_rate, last, 6 * m->n_lump);
-  fbi_mixed_extrapolate(work->V, state->V[0], state->V[1], state->V[2], state->known, 6 * (m->n + 1));
-  fbi_mixed_extrapolate(work->s, state->stress[0], state->stress[1], state->stress[2], state->known, 6 * m->n);
+  fbi_exact_rate_base(work->strain, state->strain, state->strain_rate, last, 6 * m->n);
+  fbi_exact_rate_base(work->momentum, state->momentum, state->momentum_rate, last, 6 * m->n);
+  fbi_exact_rate_base(work->lump, state->lump, state->lump_rate, last, 6 * m->n_lump);
+  fbi_exact_extrapolate(work->V, state->V[0], state->V[1], state->V[2], state->known, 6 * (m->n + 1));
+  fbi_exact_extrapolate(work->s, state->stress[0], state->stress[1], state->stress[2], state->known, 6 * m->n);
 }
 
 /* Residuals at the present mid-step values. */
-static void fbi_mixed_middle(fb_mixed_work *work, const fb_mixed *m, fb_real step, int aim)
+static void fbi_exact_middle(fb_exact_work *work, const fb_exact *m, fb_real step, int aim)
 {
-  fbi_mixed_nodes_eval(work, m);
-  fbi_mixed_residual(work, m);
-  fbi_mixed_want(work, m, step, aim);
+  fbi_exact_nodes_eval(work, m);
+  fbi_exact_residual(work, m);
+  fbi_exact_want(work, m, step, aim);
 }
 
 /* Adds the Newton corrections. */
-static void fbi_mixed_correct(fb_mixed_work *work, const fb_mixed *m)
+static void fbi_exact_correct(fb_exact_work *work, const fb_exact *m)
 {
   for (int i = 0; i < 6 * (m->n + 1); i++) {
     work->V[i] += work->dd[i];
@@ -11115,21 +11117,21 @@ static void fbi_mixed_correct(fb_mixed_work *work, const fb_mixed *m)
 }
 
 /* Newton iterations with a factorization each; the last factors are kept for the corrections that follow. */
-static fb_status fbi_mixed_approach(fb_mixed_work *work, const fb_mixed *m, fb_real step)
+static fb_status fbi_exact_approach(fb_exact_work *work, const fb_exact *m, fb_real step)
 {
-  fb_status status = fbi_mixed_factor(work, m);
+  fb_status status = fbi_exact_factor(work, m);
   for (int it = 1; it < m->factorizations && status == FB_OK; it++) {
-    fbi_mixed_solve(work, m);
-    fbi_mixed_correct(work, m);
-    fbi_mixed_middle(work, m, step, 1);
-    status = fbi_mixed_factor(work, m);
+    fbi_exact_solve(work, m);
+    fbi_exact_correct(work, m);
+    fbi_exact_middle(work, m, step, 1);
+    status = fbi_exact_factor(work, m);
   }
   return status;
 }
 
 /* Largest residual as a load: compatibility residuals times the stiffness of the element. Constrained nodes are left
    out: their balance gives the reaction, and every correction satisfies their constraints. */
-static fb_real fbi_mixed_unbalance(const fb_mixed_work *work, const fb_mixed *m, fb_real step)
+static fb_real fbi_exact_unbalance(const fb_exact_work *work, const fb_exact *m, fb_real step)
 {
   fb_real size = FB_R(0.0);
   for (int j = 0; j <= m->n; j++) {
@@ -11147,11 +11149,11 @@ static fb_real fbi_mixed_unbalance(const fb_mixed_work *work, const fb_mixed *m,
 }
 
 /* State after the step from the mid-step values. */
-static void fbi_mixed_end(fb_mixed_state *state, fb_mixed_work *work, const fb_mixed *m, fb_real step)
+static void fbi_exact_end(fb_exact_state *state, fb_exact_work *work, const fb_exact *m, fb_real step)
 {
-  fbi_mixed_commit(state, work, m, step);
-  fbi_mixed_move(state, work, m, step);
-  fbi_mixed_follow(state, work, m, step);
+  fbi_exact_commit(state, work, m, step);
+  fbi_exact_move(state, work, m, step);
+  fbi_exact_follow(state, work, m, step);
   state->known = state->known < 3 ? state->known + 1 : 3;
   state->step = step;
 }
@@ -11162,17 +11164,17 @@ static void fbi_mixed_end(fb_mixed_state *state, fb_mixed_work *work, const fb_m
    the step is multiplied by 1 - dissipation in it; beta = rho (1 - rho)/(1 + rho)^2, rho = 1 - dissipation.
    Source: [L] 3.15, 3.107, 3.108; dissipation: own.  Cost: E10.10 and 1.5 kflops an element for each correction.
    Fails: see the header.  Test: energy_is_kept_whatever_the_step, dissipation_takes_energy_in_every_step. */
-FB_DEF fb_status fb_mixed_step(const fb_mixed *m, fb_mixed_state *state, fb_mixed_work *work,
-                               const fb_mixed_input *middle, fb_real dt)
+FB_DEF fb_status fb_exact_step(const fb_exact *m, fb_exact_state *state, fb_exact_work *work,
+                               const fb_exact_input *middle, fb_real dt)
 {
   fb_real step, change = FB_HUGE, before = FB_HUGE;
   fb_status status;
   FBI_REQUIRE(m && state && work, FB_ERR_NULL);
 
   /* Checks */
-  middle = middle ? middle : fbi_mixed_no_input(work);
-  status = fb_mixed_state_check(m, state);
-  status = status ? status : fbi_mixed_input_check(m, middle);
+  middle = middle ? middle : fbi_exact_no_input(work);
+  status = fb_exact_state_check(m, state);
+  status = status ? status : fbi_exact_input_check(m, middle);
   if (status != FB_OK) {
     return status;
   }
@@ -11182,27 +11184,27 @@ FB_DEF fb_status fb_mixed_step(const fb_mixed *m, fb_mixed_state *state, fb_mixe
 
   /* Residual and factors at mid-step */
   step = dt / m->time;
-  fbi_mixed_begin(work, m, state, middle, step);
-  fbi_mixed_middle(work, m, step, 1);
-  status = fbi_mixed_approach(work, m, step);
+  fbi_exact_begin(work, m, state, middle, step);
+  fbi_exact_middle(work, m, step, 1);
+  status = fbi_exact_approach(work, m, step);
 
   /* Corrections with these factors */
   for (int it = 0; it < m->iterations && status == FB_OK; it++) {
-    before = it + 1 == m->iterations ? fbi_mixed_unbalance(work, m, step) : before;
-    fbi_mixed_solve(work, m);
-    fbi_mixed_correct(work, m);
-    change = fbi_mixed_change(work, m, step, FB_R(0.0));
-    fbi_mixed_middle(work, m, step, it + 3 < m->iterations);
+    before = it + 1 == m->iterations ? fbi_exact_unbalance(work, m, step) : before;
+    fbi_exact_solve(work, m);
+    fbi_exact_correct(work, m);
+    change = fbi_exact_change(work, m, step, FB_R(0.0));
+    fbi_exact_middle(work, m, step, it + 3 < m->iterations);
   }
 
   /* Convergence: last correction and the expected next one */
   if (status == FB_OK) {
-    const fb_real after = fbi_mixed_unbalance(work, m, step);
+    const fb_real after = fbi_exact_unbalance(work, m, step);
     const fb_real next = change * (after / (fbi_larger(before, after) + FB_TINY)); /* expected next correction */
-    status = fbi_larger(change, FB_R(10.0) * next) < FBI_MIXED_STEP_TOLERANCE ? FB_OK : FB_ERR_CONVERGENCE;
+    status = fbi_larger(change, FB_R(10.0) * next) < FBI_EXACT_STEP_TOLERANCE ? FB_OK : FB_ERR_CONVERGENCE;
   }
   if (status == FB_OK) {
-    fbi_mixed_end(state, work, m, step);
+    fbi_exact_end(state, work, m, step);
   }
   return status;
 }
@@ -11939,7 +11941,7 @@ static int fbi_function_ndof(int n_element, int degree)
 }
 
 #define FBI_SECTION ((int)(sizeof(fb_section) / sizeof(fb_real))) /* all its members are reals */
-FB_DEF void fb_beam_section(fb_section *section, const fb_beam *beam, fb_real x)
+FB_DEF void fb_beam_section_eval(const fb_beam *beam, fb_section *section, fb_real x)
 {
   FBI_REQUIRE(section && beam, );
   const fb_section *st = beam->desc.station;
@@ -12375,7 +12377,7 @@ static fb_real fbi_beam_mass(const fb_beam *beam)
   while (fbi_cell_next(&cell, beam)) {
     for (int g = 0; g < FBI_GAUSS; g++) {
       fb_section section;
-      fb_beam_section(&section, beam, cell.x0 + fbi_gauss_x[g] * (cell.x1 - cell.x0));
+      fb_beam_section_eval(beam, &section, cell.x0 + fbi_gauss_x[g] * (cell.x1 - cell.x0));
       mass += fbi_gauss_w[g] * (cell.x1 - cell.x0) * section.mass;
     }
   }
@@ -12578,7 +12580,7 @@ static fb_real fbi_tension(const fb_beam *beam, fb_real x, const fb_preload *loa
     const fb_real x0 = fbi_larger(cell.x0, x);
     for (int g = 0; g < FBI_GAUSS && x0 < cell.x1; g++) {
       fb_section section;
-      fb_beam_section(&section, beam, x0 + fbi_gauss_x[g] * (cell.x1 - x0));
+      fb_beam_section_eval(beam, &section, x0 + fbi_gauss_x[g] * (cell.x1 - x0));
       sum += fbi_gauss_w[g] * (cell.x1 - x0) * section.mass *
              (load->acceleration + spin2 * (load->spin_radius + section.x));
     }
@@ -12640,7 +12642,7 @@ static void fbi_nodal_values(fb_real v[12 * FBI_LOCAL], const fb_beam *beam, int
         unit[i < 12 ? i : internal[i - 12]] = FB_R(1.0);
         fbi_element_field(&f[i], beam, element, unit, fbi_cell_s(&cell, beam, fbi_gauss_x[at]));
       }
-      fb_beam_section(&section, beam, cell.x0 + fbi_gauss_x[at] * (cell.x1 - cell.x0));
+      fb_beam_section_eval(beam, &section, cell.x0 + fbi_gauss_x[at] * (cell.x1 - cell.x0));
       fbi_element_add(K, M, f, dof, &section, fbi_gauss_w[at] * (cell.x1 - cell.x0), FB_R(0.0), n, n);
     }
   }
@@ -12700,7 +12702,7 @@ static void fbi_matrices(fb_real *K, fb_real *M, const fb_beam *beam, int nodal,
         fbi_element_field(&f[i], beam, element, nodal ? values + i * FBI_LOCAL : unit,
                           fbi_cell_s(&cell, beam, fbi_gauss_x[g]));
       }
-      fb_beam_section(&section, beam, x);
+      fb_beam_section_eval(beam, &section, x);
       fbi_element_add(K, M, f, dof, &section, dx, tension, n, ndof);
     }
   }
@@ -12711,7 +12713,7 @@ static void fbi_matrices(fb_real *K, fb_real *M, const fb_beam *beam, int nodal,
   }
 }
 
-FB_DEF void fb_beam_matrices(fb_real *K, fb_real *M, const fb_beam *beam)
+FB_DEF void fb_beam_matrices_eval(const fb_beam *beam, fb_real *K, fb_real *M)
 {
   const fb_preload none = {FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   FBI_REQUIRE(K && M && beam, );
@@ -13674,7 +13676,7 @@ static void fbi_modes_matrices(fb_modes *modes, const fb_beam *beam)
   while (fbi_cell_next(&cell, beam)) {
     for (int g = 0; g < FBI_GAUSS; g++) {
       fb_section section;
-      fb_beam_section(&section, beam, cell.x0 + fbi_gauss_x[g] * (cell.x1 - cell.x0));
+      fb_beam_section_eval(beam, &section, cell.x0 + fbi_gauss_x[g] * (cell.x1 - cell.x0));
       for (int a = 0; a < n; a++) {
         fbi_mode_field(&f[a], beam, modes, a, cell.element, fbi_cell_s(&cell, beam, fbi_gauss_x[g]));
         fbi_section_eval(&at[a], &f[a], &section);
@@ -13724,7 +13726,7 @@ static void fbi_functions_matrices(fb_modes_work *work, const fb_beam *beam, con
       fb_real stiffness;
 
       /* Bending stiffness, or axial stiffness */
-      fb_beam_section(&section, beam, cell.x0 + fbi_gauss_x[g] * (cell.x1 - cell.x0));
+      fb_beam_section_eval(beam, &section, cell.x0 + fbi_gauss_x[g] * (cell.x1 - cell.x0));
       stiffness = group[FB_KIND_BEND_Y] >= 0 ? section.EI_z : bends ? section.EI_y : section.EA;
 
       /* Added to the assembled matrices */
@@ -14077,13 +14079,16 @@ static void fbi_weld_place(fb_real place[3], const fb_beam *beam, int node)
   fbi_vec3_add(place, FB_R(1.0), beam->desc.position);
 }
 
-static fb_status fbi_join_check(const fb_beam *beam, const fb_modes *component, int n_component, const fb_weld *weld,
-                                int n_weld)
+static fb_status fbi_join_check(const fb_beam *beam, const fb_modes *component, const fb_join_desc *desc,
+                                int n_component)
 {
-  if (n_component < 1 || n_weld < 0) {
+  if (!(FB_FABS(desc->omega_limit) <= FB_HUGE)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  if (desc->lowest < 0 || desc->omega_limit < FB_R(0.0) || n_component < 1 || desc->n_weld < 0) {
     return FB_ERR_VALUE;
   }
-  if (n_component > FB_MAX_COMPONENTS || n_weld > FB_MAX_COMPONENTS + 4) {
+  if (n_component > FB_MAX_COMPONENTS || desc->n_weld > FB_MAX_WELDS) {
     return FB_ERR_CAPACITY;
   }
 
@@ -14098,18 +14103,19 @@ static fb_status fbi_join_check(const fb_beam *beam, const fb_modes *component, 
   }
 
   /* Rigid connections: nodes of two components at the same place */
-  for (int k = 0; k < n_weld; k++) {
+  for (int k = 0; k < desc->n_weld; k++) {
+    const fb_weld *const weld = &desc->weld[k];
     fb_real place[2][3], size = FB_R(0.0);
     for (int side = 0; side < 2; side++) {
-      const int c = weld[k].component[side];
-      if (c < 0 || c >= n_component || weld[k].node[side] < 0 || weld[k].node[side] > beam[c].desc.n_element) {
+      const int c = weld->component[side];
+      if (c < 0 || c >= n_component || weld->node[side] < 0 || weld->node[side] > beam[c].desc.n_element) {
         return FB_ERR_CAPACITY;
       }
-      fbi_weld_place(place[side], &beam[c], weld[k].node[side]);
+      fbi_weld_place(place[side], &beam[c], weld->node[side]);
       size = fbi_larger(size, beam[c].desc.length);
     }
     fbi_vec3_add(place[0], -FB_R(1.0), place[1]);
-    if (weld[k].component[0] == weld[k].component[1] || fbi_vec3_norm(place[0]) > FB_R(1e-4) * size) {
+    if (weld->component[0] == weld->component[1] || fbi_vec3_norm(place[0]) > FB_R(1e-4) * size) {
       return FB_ERR_VALUE;
     }
   }
@@ -14119,8 +14125,8 @@ static fb_status fbi_join_check(const fb_beam *beam, const fb_modes *component, 
 /* Block-diagonal K and M of the components and the constraints T q = 0 of the rigid connections (welds). Coordinates
    are scaled to modal mass 1 (without mass: stiffness 1), rows of rotations by the length. Returns the number of
    coordinates. */
-static int fbi_join_assemble(fb_join_work *work, const fb_beam *beam, const fb_modes *component, int n_component,
-                             const fb_weld *weld, int n_weld)
+static int fbi_join_assemble(fb_join_work *work, const fb_beam *beam, const fb_modes *component,
+                             const fb_join_desc *desc, int n_component)
 {
   int N = 0, at = 0;
   for (int c = 0; c < n_component; c++) {
@@ -14128,7 +14134,7 @@ static int fbi_join_assemble(fb_join_work *work, const fb_beam *beam, const fb_m
   }
   fbi_zero(work->K, N * N);
   fbi_zero(work->M, N * N);
-  fbi_zero(work->T, 6 * n_weld * N);
+  fbi_zero(work->T, 6 * desc->n_weld * N);
   for (int c = 0; c < n_component; c++) {
     const int n = component[c].n;
 
@@ -14146,8 +14152,8 @@ static int fbi_join_assemble(fb_join_work *work, const fb_beam *beam, const fb_m
     }
 
     /* Rows of T: motion of side 0 less that of side 1 */
-    for (int w = 0; w < 2 * n_weld; w++) {
-      const fb_weld *joint = &weld[w / 2];
+    for (int w = 0; w < 2 * desc->n_weld; w++) {
+      const fb_weld *joint = &desc->weld[w / 2];
       for (int a = 0; a < n && joint->component[w % 2] == c; a++) {
         fb_real motion[6];
         fbi_weld_motion(motion, &beam[c], &component[c], a, joint->node[w % 2]);
@@ -14382,25 +14388,20 @@ static fb_kind fbi_join_kind(fb_join_work *work, const fb_modes *component, int 
    Source: [H] 3.6-14.  Cost: E5.4 twice with the number of free coordinates.  Fails: see the header.
    Test: joined_halves_are_the_whole, joined_components_converge_and_refuse. */
 FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_beam *beam, const fb_modes *component,
-                               int n_component, const fb_weld *weld, int n_weld, int lowest, fb_real omega_limit)
+                               const fb_join_desc *desc, int n_component)
 {
   int N, m, at = 0, found = 0, n = 0;
+  fb_real limit;
   fb_status status;
-  FBI_REQUIRE(joined && work && beam && component && (weld || n_weld == 0), FB_ERR_NULL);
-
-  /* Arguments */
-  if (!(FB_FABS(omega_limit) <= FB_HUGE)) {
-    return FB_ERR_NOT_FINITE;
-  }
-  status =
-      lowest < 0 || omega_limit < FB_R(0.0) ? FB_ERR_VALUE : fbi_join_check(beam, component, n_component, weld, n_weld);
+  FBI_REQUIRE(joined && work && beam && component && desc, FB_ERR_NULL);
+  status = fbi_join_check(beam, component, desc, n_component);
   if (status != FB_OK) {
     return status;
   }
 
   /* Constraints eliminated: K = Z^T K Z, M = Z^T M Z */
-  N = fbi_join_assemble(work, beam, component, n_component, weld, n_weld);
-  m = N - fbi_null_space(work->Z, work->T, work->pivot, 6 * n_weld, N);
+  N = fbi_join_assemble(work, beam, component, desc, n_component);
+  m = N - fbi_null_space(work->Z, work->T, work->pivot, 6 * desc->n_weld, N);
   fbi_congruence(work->K, work->Z, work->A, N, m);
   fbi_congruence(work->M, work->Z, work->A, N, m);
 
@@ -14409,11 +14410,11 @@ FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
   if (status != FB_OK) {
     return status;
   }
-  while (n < found && (lowest == 0 || n < lowest) &&
-         (!(omega_limit > FB_R(0.0)) || work->d[n] <= omega_limit * omega_limit)) {
+  limit = desc->omega_limit > FB_R(0.0) ? desc->omega_limit * desc->omega_limit : FB_HUGE;
+  while (n < found && (desc->lowest == 0 || n < desc->lowest) && work->d[n] <= limit) {
     n++;
   }
-  if (n > FB_MAX_MODES || (n < lowest && !(omega_limit > FB_R(0.0)))) {
+  if (n > FB_MAX_MODES || (n < desc->lowest && !(desc->omega_limit > FB_R(0.0)))) {
     return n > FB_MAX_MODES ? FB_ERR_CAPACITY : FB_ERR_MODES;
   }
 
@@ -14964,7 +14965,7 @@ static void fbi_station_center(fbi_station *st, fbi_cell_fields *fields, const f
       fb_section section;
       const fb_real e[3] = {fields->axes[0], fields->axes[3], fields->axes[6]},
                     dx = fbi_gauss_w[g] * (cell.x1 - cell.x0);
-      fb_beam_section(&section, beam, cell.x0 + fbi_gauss_x[g] * (cell.x1 - cell.x0));
+      fb_beam_section_eval(beam, &section, cell.x0 + fbi_gauss_x[g] * (cell.x1 - cell.x0));
       outboard -= FB_R(0.5) * dx * section.mass;
       for (int ab = 0; ab < n * n; ab++) {
         fb_real slope, twist;
@@ -15058,7 +15059,7 @@ FB_DEF fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *be
     /* Sections at the quadrature points */
     for (int g = 0; g < FBI_GAUSS; g++) {
       fb_section section;
-      fb_beam_section(&section, beam, cell.x0 + fbi_gauss_x[g] * (cell.x1 - cell.x0));
+      fb_beam_section_eval(beam, &section, cell.x0 + fbi_gauss_x[g] * (cell.x1 - cell.x0));
       fbi_station_eval(&st, beam, modes, &fields, fbi_gauss_x[g], &start);
       fbi_section_to_shape(shape, &st, &section, fields.axes, fbi_gauss_w[g] * (cell.x1 - cell.x0), first, modes->n);
     }
@@ -15209,7 +15210,7 @@ static void fbi_torque_root(fb_shape *shape, int first, const fb_beam *beam, con
   const int n = modes->n;
   fb_section section;
   fbi_field f[FB_MAX_MODES];
-  fb_beam_section(&section, beam, FB_R(0.0));
+  fb_beam_section_eval(beam, &section, FB_R(0.0));
   for (int a = 0; a < n; a++) {
     fbi_mode_field(&f[a], beam, modes, a, 0, FB_R(0.0));
   }
@@ -15240,8 +15241,8 @@ FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_b
   /* Number of quadrature points; every section needs axial stiffness */
   while (fbi_cell_next(&cell, beam)) {
     fb_section ends[2];
-    fb_beam_section(&ends[0], beam, cell.x0);
-    fb_beam_section(&ends[1], beam, cell.x1);
+    fb_beam_section_eval(beam, &ends[0], cell.x0);
+    fb_beam_section_eval(beam, &ends[1], cell.x1);
     if (!(ends[0].EA > FB_R(0.0) && ends[1].EA > FB_R(0.0))) {
       return FB_ERR_KIND;
     }
@@ -15258,7 +15259,7 @@ FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_b
   while (fbi_cell_next(&cell, beam)) {
     for (int g = 0; g < points; g++, n++) {
       fb_section section;
-      fb_beam_section(&section, beam, cell.x0 + x[g] * (cell.x1 - cell.x0));
+      fb_beam_section_eval(beam, &section, cell.x0 + x[g] * (cell.x1 - cell.x0));
       const fb_real at[3] = {section.x - beam->start[cell.element], FB_R(0.0), FB_R(0.0)};
 
       /* Point r in body axes */
@@ -16443,7 +16444,8 @@ static fb_status fbi_joint_check(const fb_system_desc *desc, const fb_body *body
   return FB_OK;
 }
 
-/* The joint's frame on both sides, by its axes where they are given. turned: is that on the child not the child's own? */
+/* The joint's frame on both sides, by its axes where they are given. turned: the one on the child differs from the
+   child's own. */
 static void fbi_joint_frames(fb_joint *joint, const fb_joint_desc *d)
 {
   const int alike = fbi_is_zero(d->child_axis, 3) && fbi_is_zero(d->child_attitude, 4);
@@ -16678,8 +16680,8 @@ static void fbi_system_fill(fb_system *out, const fb_body *body, const fb_system
   out->free.n_axis = fbi_joint_axes(FB_JOINT_FREE);
 }
 
-FB_DEF fb_status fb_system_init(fb_system *system, fb_system_work *work, const fb_body *body, int n_model,
-                                const fb_system_desc *desc)
+FB_DEF fb_status fb_system_init(fb_system *system, fb_system_work *work, const fb_body *body,
+                                const fb_system_desc *desc, int n_model)
 {
   fb_system *out;
   fb_system_state *zero;
@@ -16765,7 +16767,7 @@ static void fbi_section_add(fb_real K[36], const fb_real force[3], const fb_real
    tension, shear and mass center.
    Source: [L] 3.64, 3.67, 3.68; centers by their definition.  Cost: 1 kflop.  Fails: see the header.
    Test: offsets_of_a_section_are_those_of_the_forces. */
-FB_DEF fb_status fb_mixed_station_init(fb_mixed_station *station, const fb_section *s)
+FB_DEF fb_status fb_exact_station_init(fb_exact_station *station, const fb_section *s)
 {
   FBI_REQUIRE(station && s, FB_ERR_NULL);
   {
@@ -16870,9 +16872,9 @@ static int fbi_is_inertia(const fb_real M[36])
   return fb_eig_sym_solve(d, V, A, 6) == FB_OK && d[0] >= -FB_R(1e-5) * fbi_larger(d[5], FB_R(0.0));
 }
 
-static fb_status fbi_mixed_station_check(const fb_mixed_desc *desc, int k)
+static fb_status fbi_exact_station_check(const fb_exact_desc *desc, int k)
 {
-  const fb_mixed_station *s = &desc->station[k];
+  const fb_exact_station *s = &desc->station[k];
   fb_real C[36];
   if (!fbi_is_finite(s->stiffness, 36) || !fbi_is_finite(s->inertia, 36) || !fbi_is_finite(s->curvature, 3) ||
       !fbi_is_finite(&s->twist, 1) || !fbi_is_finite(&s->x, 1)) {
@@ -16900,9 +16902,9 @@ static fb_status fbi_mixed_station_check(const fb_mixed_desc *desc, int k)
 }
 
 /* Linear interpolation between the stations around x. */
-static void fbi_mixed_station_eval(fb_mixed_station *out, const fb_mixed_desc *desc, fb_real x)
+static void fbi_exact_station_eval(fb_exact_station *out, const fb_exact_desc *desc, fb_real x)
 {
-  const fb_mixed_station *a = desc->station, *b = a;
+  const fb_exact_station *a = desc->station, *b = a;
   fb_real s = FB_R(0.0);
   if (desc->n_station > 1) {
     while (a + 2 < desc->station + desc->n_station && a[1].x < x) {
@@ -16928,7 +16930,7 @@ static void fbi_mixed_station_eval(fb_mixed_station *out, const fb_mixed_desc *d
 }
 
 /* Position of a node along the line: as given, or of equal elements. */
-static fb_real fbi_mixed_place(const fb_mixed_desc *desc, int node)
+static fb_real fbi_exact_place(const fb_exact_desc *desc, int node)
 {
   const int n = desc->n_element;
   return desc->place[n] != FB_R(0.0) ? desc->place[node] : desc->length * (fb_real)node / (fb_real)n;
@@ -16936,17 +16938,17 @@ static fb_real fbi_mixed_place(const fb_mixed_desc *desc, int node)
 
 /* The ends of element k must be rotated against each other by less than 3 rad (pi is the limit) before anything acts:
    integral of the initial curvature from station to station, and the twist. */
-static fb_status fbi_mixed_turn_check(const fb_mixed_desc *desc, int k)
+static fb_status fbi_exact_turn_check(const fb_exact_desc *desc, int k)
 {
-  const fb_real end = fbi_mixed_place(desc, k + 1);
-  fb_real at = fbi_mixed_place(desc, k), turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-  fb_mixed_station a, b;
-  fbi_mixed_station_eval(&a, desc, at);
+  const fb_real end = fbi_exact_place(desc, k + 1);
+  fb_real at = fbi_exact_place(desc, k), turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_exact_station a, b;
+  fbi_exact_station_eval(&a, desc, at);
   turn[0] = -a.twist;
   for (int s = 0; s < desc->n_station && at < end; s++) {
     const fb_real x = s + 1 < desc->n_station ? desc->station[s].x : end, next = x < end ? x : end;
     if (next > at) {
-      fbi_mixed_station_eval(&b, desc, next);
+      fbi_exact_station_eval(&b, desc, next);
       for (int i = 0; i < 3; i++) {
         turn[i] += FB_R(0.5) * (a.curvature[i] + b.curvature[i]) * (next - at);
       }
@@ -16963,13 +16965,13 @@ static int fbi_is_end(int held)
   return held == FB_END_FREE || (held >= 0 && held <= FB_END_CLAMPED);
 }
 
-static fb_status fbi_mixed_check(const fb_mixed_desc *desc)
+static fb_status fbi_exact_check(const fb_exact_desc *desc)
 {
   const int n = desc->n_element;
   fb_status status = FB_OK;
 
   /* Counts */
-  if (n < 1 || n > FB_MAX_MIXED || desc->n_station < 1 || desc->n_station > FB_MAX_STATIONS || desc->n_support < 0 ||
+  if (n < 1 || n > FB_MAX_EXACT || desc->n_station < 1 || desc->n_station > FB_MAX_STATIONS || desc->n_support < 0 ||
       desc->n_support > FB_MAX_LUMPS || desc->n_lump < 0 || desc->n_lump > FB_MAX_LUMPS) {
     return FB_ERR_CAPACITY;
   }
@@ -16999,7 +17001,7 @@ static fb_status fbi_mixed_check(const fb_mixed_desc *desc)
 
   /* Stations to the length */
   for (int k = 0; k < desc->n_station && status == FB_OK; k++) {
-    status = fbi_mixed_station_check(desc, k);
+    status = fbi_exact_station_check(desc, k);
   }
   if (status == FB_OK && desc->n_station > 1 &&
       FB_FABS(desc->station[desc->n_station - 1].x - desc->length) > FB_R(1e-5) * desc->length) {
@@ -17013,7 +17015,7 @@ static fb_status fbi_mixed_check(const fb_mixed_desc *desc)
   }
   status = status ? status : fbi_lumps_check(desc->lump, desc->n_lump, n);
   for (int k = 0; k < n && status == FB_OK; k++) {
-    status = fbi_mixed_turn_check(desc, k);
+    status = fbi_exact_turn_check(desc, k);
   }
   return status;
 }
@@ -17027,7 +17029,7 @@ static fb_status fbi_mixed_check(const fb_mixed_desc *desc)
    Source: own, Magnus expansion and variance; [MN] has the straight beam's flexibility.  Cost: init only.
    Fails: never.  Test: linear_cantilevers_are_exact_at_the_nodes, a_rigid_beam_has_its_inertia,
    tapered_beams_converge_fast. */
-static void fbi_mixed_refine(fb_mixed *m, int k, const fb_real M1[36])
+static void fbi_exact_refine(fb_exact *m, int k, const fb_real M1[36])
 {
   const fb_real *const C = m->section + 36 * k, *const C1 = m->taper + 36 * k;
   fb_real *const M = m->M + 36 * k;
@@ -17061,11 +17063,11 @@ static void fbi_mixed_refine(fb_mixed *m, int k, const fb_real M1[36])
    change of the first two over it (taper, M1: 12 times their first moments about the middle). Stations lie anywhere;
    each stretch between them has its own Gauss quadrature.
    Source: definition.  Cost: init only.  Fails: never on a checked desc.  Test: tapered_rods_are_exact_at_the_nodes. */
-static void fbi_mixed_element_fill(fb_mixed *m, const fb_mixed_desc *desc, int k)
+static void fbi_exact_element_fill(fb_exact *m, const fb_exact_desc *desc, int k)
 {
   fb_real *const C1 = m->taper + 36 * k;
-  const fb_real start = fbi_mixed_place(desc, k), end = fbi_mixed_place(desc, k + 1), h = end - start;
-  fb_mixed_station at, last;
+  const fb_real start = fbi_exact_place(desc, k), end = fbi_exact_place(desc, k + 1), h = end - start;
+  fb_exact_station at, last;
   fb_real C[36], M1[36], a = start;
   m->h[k] = h;
   fbi_zero(M1, 36);
@@ -17080,7 +17082,7 @@ static void fbi_mixed_element_fill(fb_mixed *m, const fb_mixed_desc *desc, int k
       const fb_real weight = fbi_gauss_w[g] * (b - a) / h;
       const fb_real place = a + fbi_gauss_x[g] * (b - a);
       const fb_real slope = FB_R(12.0) * weight * ((place - start) / h - FB_R(0.5));
-      fbi_mixed_station_eval(&at, desc, place);
+      fbi_exact_station_eval(&at, desc, place);
       (void)fbi_compliance(C, at.stiffness);
       for (int i = 0; i < 36; i++) {
         m->section[36 * k + i] += weight * C[i];
@@ -17094,16 +17096,16 @@ static void fbi_mixed_element_fill(fb_mixed *m, const fb_mixed_desc *desc, int k
   }
 
   /* xi = (1, 0, 0, curvature with the rate of twist) */
-  fbi_mixed_station_eval(&at, desc, start);
-  fbi_mixed_station_eval(&last, desc, end);
+  fbi_exact_station_eval(&at, desc, start);
+  fbi_exact_station_eval(&last, desc, end);
   m->xi[6 * k] = FB_R(1.0);
   m->xi[6 * k + 3] += (last.twist - at.twist) / h;
-  fbi_mixed_refine(m, k, M1);
+  fbi_exact_refine(m, k, M1);
 }
 
 /* The beam's own units: its length, the force that bends it by about its length, the time in which that force moves
    its mass by about its length. Slenderness is then the only scale left. */
-static void fbi_mixed_units(fb_mixed *m, const fb_mixed_desc *desc)
+static void fbi_exact_units(fb_exact *m, const fb_exact_desc *desc)
 {
   fb_real bend = FB_R(0.0), twist = FB_R(0.0), stretch = FB_R(0.0), mass = FB_R(0.0);
   for (int k = 0; k < m->n; k++) {
@@ -17126,7 +17128,7 @@ static void fbi_mixed_units(fb_mixed *m, const fb_mixed_desc *desc)
 }
 
 /* Scales a 6x6 of the line to the beam's units: its blocks times unit, unit * length, unit * length^2. */
-static void fbi_mixed_scale(fb_real A[36], fb_real unit, fb_real length)
+static void fbi_exact_scale(fb_real A[36], fb_real unit, fb_real length)
 {
   for (int i = 0; i < 36; i++) {
     A[i] *= unit * (i / 6 > 2 ? length : FB_R(1.0)) * (i % 6 > 2 ? length : FB_R(1.0));
@@ -17134,7 +17136,7 @@ static void fbi_mixed_scale(fb_real A[36], fb_real unit, fb_real length)
 }
 
 /* Rescales a beam to its own units and fills the inverse matrices. */
-static void fbi_mixed_rescale(fb_mixed *m, const fb_mixed_desc *desc)
+static void fbi_exact_rescale(fb_exact *m, const fb_exact_desc *desc)
 {
   const fb_real L = m->length, mass = m->force * m->time * m->time / L;
 
@@ -17144,10 +17146,10 @@ static void fbi_mixed_rescale(fb_mixed *m, const fb_mixed_desc *desc)
     for (int i = 3; i < 6; i++) {
       m->xi[6 * k + i] *= L;
     }
-    fbi_mixed_scale(m->section + 36 * k, m->force, L);
-    fbi_mixed_scale(m->taper + 36 * k, m->force, L);
-    fbi_mixed_scale(m->C + 36 * k, m->force, L);
-    fbi_mixed_scale(m->M + 36 * k, L / mass, FB_R(1.0) / L);
+    fbi_exact_scale(m->section + 36 * k, m->force, L);
+    fbi_exact_scale(m->taper + 36 * k, m->force, L);
+    fbi_exact_scale(m->C + 36 * k, m->force, L);
+    fbi_exact_scale(m->M + 36 * k, L / mass, FB_R(1.0) / L);
     if (fbi_compliance(m->S + 36 * k, m->C + 36 * k) != FB_OK) { /* rigid in a direction that is no axis */
       fbi_pseudo_inverse(m->S + 36 * k, m->C + 36 * k);
     }
@@ -17159,7 +17161,7 @@ static void fbi_mixed_rescale(fb_mixed *m, const fb_mixed_desc *desc)
     const fb_real one = desc->lump[k].mass, mass3[3] = {one, one, one};
     m->lump_node[k] = desc->lump[k].node;
     fbi_section_add(m->lump + 36 * k, mass3, desc->lump[k].inertia, desc->lump[k].center);
-    fbi_mixed_scale(m->lump + 36 * k, FB_R(1.0) / mass, FB_R(1.0) / L);
+    fbi_exact_scale(m->lump + 36 * k, FB_R(1.0) / mass, FB_R(1.0) / L);
     fbi_pseudo_inverse(m->lump_inverse + 36 * k, m->lump + 36 * k);
   }
 
@@ -17172,13 +17174,13 @@ static void fbi_mixed_rescale(fb_mixed *m, const fb_mixed_desc *desc)
 
 /* Constrained directions of the nodes and their poses before anything acts: the root's attitude with its twist, then
    along the line. */
-static void fbi_mixed_nodes_fill(fb_mixed *m, const fb_mixed_desc *desc, const fb_real attitude[4])
+static void fbi_exact_nodes_fill(fb_exact *m, const fb_exact_desc *desc, const fb_real attitude[4])
 {
   fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, quat[4];
   turn[0] = desc->station[0].twist;
   fb_quat_from_rotvec(quat, turn);
   fb_quat_mul(m->quat, attitude, quat);
-  fbi_mixed_poses(m->r, m->quat, m, NULL, NULL);
+  fbi_exact_poses(m->r, m->quat, m, NULL, NULL);
 
   /* Constraints; floating: no node has any */
   m->held[0] = desc->root == FB_END_DEFAULT ? FB_END_CLAMPED : desc->root % FB_END_FREE;
@@ -17192,13 +17194,13 @@ static void fbi_mixed_nodes_fill(fb_mixed *m, const fb_mixed_desc *desc, const f
   }
 }
 
-FB_DEF fb_status fb_mixed_init(fb_mixed *m, const fb_mixed_desc *desc)
+FB_DEF fb_status fb_exact_init(fb_exact *m, const fb_exact_desc *desc)
 {
   fb_status status;
   fb_real attitude[4], rho;
   FBI_REQUIRE(m && desc, FB_ERR_NULL);
   FBI_REQUIRE_EXACT();
-  status = fbi_mixed_check(desc);
+  status = fbi_exact_check(desc);
   status = status ? status : fbi_quat_from_attitude(attitude, desc->attitude);
   if (status != FB_OK) {
     return status;
@@ -17215,11 +17217,11 @@ FB_DEF fb_status fb_mixed_init(fb_mixed *m, const fb_mixed_desc *desc)
 
   /* Elements, units, nodes */
   for (int k = 0; k < m->n; k++) {
-    fbi_mixed_element_fill(m, desc, k);
+    fbi_exact_element_fill(m, desc, k);
   }
-  fbi_mixed_units(m, desc);
-  fbi_mixed_rescale(m, desc);
-  fbi_mixed_nodes_fill(m, desc, attitude);
+  fbi_exact_units(m, desc);
+  fbi_exact_rescale(m, desc);
+  fbi_exact_nodes_fill(m, desc, attitude);
   return FB_OK;
 }
 #endif
@@ -17470,7 +17472,8 @@ static void fbi_equilibrate(fb_real *A, int n)
 /* [E10.19] Negative eigenvalues of a symmetric A (n <= 12), which is overwritten: as many as its pivots have, 1x1 or
    2x2 on the diagonal (Sylvester; Bunch and Parlett), those of the first rows before the others. Of one that is not
    quite symmetric: as many, but for pairs, as it has real ones.
-   Source: [GV] 4.4.  Cost: n^3 flops.  Fails: never.  Test: columns_have_as_many_unstable_directions_as_loads_exceeded. */
+   Source: [GV] 4.4.  Cost: n^3 flops.  Fails: never.
+   Test: columns_have_as_many_unstable_directions_as_loads_exceeded. */
 static int fbi_negatives(fb_real *A, int n, int first)
 {
   int left[12], count = 0, size, row, column;
@@ -17507,8 +17510,8 @@ static int fbi_negatives(fb_real *A, int n, int first)
 
 /* A again, of its factors, with the columns of a node (from `own` on) turned to base axes where E10.10's rows are. Of
    what is held the row is that of 1, and the column does not matter. */
-static void fbi_mixed_unfactor(fb_real *A, const fb_real *LU, const int *perm, const fb_mixed_work *work,
-                               const fb_mixed *m, int node, int n, int own)
+static void fbi_exact_unfactor(fb_real *A, const fb_real *LU, const int *perm, const fb_exact_work *work,
+                               const fb_exact *m, int node, int n, int own)
 {
   for (int i = 0; i < n; i++) {
     fb_real *const row = A + n * perm[i];
@@ -17518,8 +17521,8 @@ static void fbi_mixed_unfactor(fb_real *A, const fb_real *LU, const int *perm, c
         row[j] += LU[n * i + k] * LU[n * k + j];
       }
     }
-    if (fbi_mixed_turned(m->held[node])) {
-      fbi_mixed_rows_turn(row + own, work->R + 9 * node, 1);
+    if (fbi_exact_turned(m->held[node])) {
+      fbi_exact_rows_turn(row + own, work->R + 9 * node, 1);
     }
   }
 }
@@ -17531,25 +17534,25 @@ static void fbi_mixed_unfactor(fb_real *A, const fb_real *LU, const int *perm, c
    Source: [GV] 4.4; [HY].  Cost: 4 kflops an element.
    Fails: never, once factored.
    Test: columns_have_as_many_unstable_directions_as_loads_exceeded, arches_snap_at_their_limit_load. */
-static int fbi_mixed_unstable(const fb_mixed_work *work, const fb_mixed *m)
+static int fbi_exact_unstable(const fb_exact_work *work, const fb_exact *m)
 {
   fb_real A[144];
   int count = 0;
   for (int k = 0; k < m->n; k++) {
-    fbi_mixed_unfactor(A, work->LU + 144 * k, work->perm + 12 * k, work, m, k + 1, 12, 6);
+    fbi_exact_unfactor(A, work->LU + 144 * k, work->perm + 12 * k, work, m, k + 1, 12, 6);
     for (int i = 0; i < 72; i++) {
       A[i] = -A[i];
     }
     count += fbi_negatives(A, 12, 6) - 6;
   }
-  fbi_mixed_unfactor(A, work->root, work->perm + 12 * m->n, work, m, 0, 6, 0);
+  fbi_exact_unfactor(A, work->root, work->perm + 12 * m->n, work, m, 0, 6, 0);
   return count + fbi_negatives(A, 6, 0);
 }
 
 /* Of a last correction: the next is about its square. */
-#define FBI_MIXED_TOLERANCE (FB_SINGLE ? FB_R(1e-4) : FB_R(1e-9))
+#define FBI_EXACT_TOLERANCE (FB_SINGLE ? FB_R(1e-4) : FB_R(1e-9))
 /* The correction is added, unless it is as large as `change` says or neighbors turn by more than a radian by it. */
-static fb_status fbi_mixed_turn_add(fb_mixed_work *work, const fb_mixed *m, fb_real change)
+static fb_status fbi_exact_turn_add(fb_exact_work *work, const fb_exact *m, fb_real change)
 {
   fb_status status = change < FB_R(100.0) ? FB_OK : FB_ERR_CONVERGENCE;
   for (int k = 0; k < m->n; k++) {
@@ -17570,40 +17573,40 @@ static fb_status fbi_mixed_turn_add(fb_mixed_work *work, const fb_mixed *m, fb_r
 /* [E10.11] Newton's method for a steady state: the base moves by its twist, and everything with it.
    Source: [L] 3.106.  Cost: E10.10 an iteration.  Fails: 25 iterations; neighbors turned by more than a radian against
    each other at once.  Test: newton_converges_quadratically, steady_bend_of_an_arc_matches_the_published_tip. */
-static fb_status fbi_mixed_newton(fb_mixed_work *work, const fb_mixed *m, const fb_real base_quat[4],
-                                  const fb_mixed_input *input, fb_real part)
+static fb_status fbi_exact_newton(fb_exact_work *work, const fb_exact *m, const fb_real base_quat[4],
+                                  const fb_exact_input *input, fb_real part)
 {
   fb_status status = FB_OK;
   fb_real change = FB_R(1.0), before = FB_HUGE;
-  const fbi_mixed_motion steady = {0, 0, 0, 0, FB_R(1.0), FB_R(0.0)};
+  const fbi_exact_motion steady = {0, 0, 0, 0, FB_R(1.0), FB_R(0.0)};
   work->motion = steady;
-  fbi_mixed_input_take(work, m, base_quat, input, part, FB_R(0.0));
+  fbi_exact_input_take(work, m, base_quat, input, part, FB_R(0.0));
   work->motion.inertia = !fbi_is_zero(work->twist + 3, 3); /* a velocity alone takes no forces */
   fbi_zero(work->momentum, 6 * m->n);
   fbi_zero(work->lump, 6 * m->n_lump);
-  for (int it = 0; it < 25 && change > FBI_MIXED_TOLERANCE && status == FB_OK; it++) {
-    fbi_mixed_nodes_eval(work, m);
-    fbi_mixed_residual(work, m);
-    fbi_mixed_want(work, m, FB_R(0.0), 1);
-    status = fbi_mixed_factor(work, m);
+  for (int it = 0; it < 25 && change > FBI_EXACT_TOLERANCE && status == FB_OK; it++) {
+    fbi_exact_nodes_eval(work, m);
+    fbi_exact_residual(work, m);
+    fbi_exact_want(work, m, FB_R(0.0), 1);
+    status = fbi_exact_factor(work, m);
     if (status != FB_OK) {
       break;
     }
-    fbi_mixed_solve(work, m);
+    fbi_exact_solve(work, m);
     work->iterations++;
-    change = fbi_mixed_change(work, m, FB_R(1.0), it > 3 ? FB_EPSILON : FB_R(0.0)); /* no further one takes it away */
-    status = it > 8 && change > before ? FB_ERR_CONVERGENCE : fbi_mixed_turn_add(work, m, change);
+    change = fbi_exact_change(work, m, FB_R(1.0), it > 3 ? FB_EPSILON : FB_R(0.0)); /* no further one takes it away */
+    status = it > 8 && change > before ? FB_ERR_CONVERGENCE : fbi_exact_turn_add(work, m, change);
     before = change;
   }
-  if (status == FB_OK && change > FBI_MIXED_TOLERANCE) {
+  if (status == FB_OK && change > FBI_EXACT_TOLERANCE) {
     status = FB_ERR_CONVERGENCE;
   }
   return status;
 }
 
 /* Load increments from the undeformed beam on, each as large as converges. */
-static fb_status fbi_mixed_increments(fb_mixed_work *work, const fb_mixed *m, const fb_real base_quat[4],
-                                      const fb_mixed_input *input)
+static fb_status fbi_exact_increments(fb_exact_work *work, const fb_exact *m, const fb_real base_quat[4],
+                                      const fb_exact_input *input)
 {
   fb_real part = FB_R(0.0), step = FB_R(0.5);
   fb_status status = FB_OK;
@@ -17613,13 +17616,13 @@ static fb_status fbi_mixed_increments(fb_mixed_work *work, const fb_mixed *m, co
   while (part < FB_R(1.0)) {
     const fb_real next = part + step < FB_R(0.999) ? part + step : FB_R(1.0);
     const int before = work->iterations;
-    fbi_mixed_pose_take(work, &work->state, m);
-    status = fbi_mixed_newton(work, m, base_quat, input, next);
+    fbi_exact_pose_take(work, &work->state, m);
+    status = fbi_exact_newton(work, m, base_quat, input, next);
     work->increments++;
     if (status == FB_OK) {
       part = next;
       step *= work->iterations - before < 6 ? FB_R(2.0) : FB_R(1.0);
-      fbi_mixed_pose_copy(&work->state, work, m);
+      fbi_exact_pose_copy(&work->state, work, m);
     } else {
       step *= FB_R(0.25);
     }
@@ -17633,16 +17636,16 @@ static fb_status fbi_mixed_increments(fb_mixed_work *work, const fb_mixed *m, co
 /* ---- trees against the ground */
 
 /* What Newton's method has found: its stability, and the state. */
-static void fbi_mixed_rest(fb_mixed_state *state, fb_mixed_work *work, const fb_mixed *m)
+static void fbi_exact_rest(fb_exact_state *state, fb_exact_work *work, const fb_exact *m)
 {
   fb_real base[9];
-  fbi_mixed_nodes_eval(work, m);
-  fbi_mixed_residual(work, m);
-  work->unstable = fbi_mixed_unstable(work, m);
+  fbi_exact_nodes_eval(work, m);
+  fbi_exact_residual(work, m);
+  work->unstable = fbi_exact_unstable(work, m);
   fbi_copy(work->drift, work->twist, 3);
   fbi_zero(work->twist, 3); /* from here on relative to the base's velocity of this instant */
-  fbi_mixed_nodes_eval(work, m);
-  fbi_mixed_state_take(state, work, m);
+  fbi_exact_nodes_eval(work, m);
+  fbi_exact_state_take(state, work, m);
   fb_quat_to_mat33(base, state->base_quat);
   fb_mat33_mul_vec3(state->u, base, work->drift);
   for (int i = 0; i < 3; i++) {
@@ -17650,26 +17653,26 @@ static void fbi_mixed_rest(fb_mixed_state *state, fb_mixed_work *work, const fb_
   }
 }
 
-FB_DEF fb_status fb_mixed_steady_solve(const fb_mixed *m, fb_mixed_state *state, fb_mixed_work *work,
-                                       const fb_mixed_input *input)
+FB_DEF fb_status fb_exact_trim(const fb_exact *m, fb_exact_state *state, fb_exact_work *work,
+                               const fb_exact_input *input)
 {
   fb_status status;
   FBI_REQUIRE(m && state && work, FB_ERR_NULL);
-  input = input ? input : fbi_mixed_no_input(work);
-  status = fb_mixed_state_check(m, state);
-  status = status ? status : fbi_mixed_input_check(m, input);
+  input = input ? input : fbi_exact_no_input(work);
+  status = fb_exact_state_check(m, state);
+  status = status ? status : fbi_exact_input_check(m, input);
   if (status != FB_OK) {
     return status;
   }
   work->iterations = 0;
   work->increments = 1;
-  fbi_mixed_pose_take(work, state, m);
-  status = fbi_mixed_newton(work, m, state->base_quat, input, FB_R(1.0));
+  fbi_exact_pose_take(work, state, m);
+  status = fbi_exact_newton(work, m, state->base_quat, input, FB_R(1.0));
   if (status != FB_OK) {
-    status = fbi_mixed_increments(work, m, state->base_quat, input);
+    status = fbi_exact_increments(work, m, state->base_quat, input);
   }
   if (status == FB_OK) {
-    fbi_mixed_rest(state, work, m);
+    fbi_exact_rest(state, work, m);
   }
   return status;
 }
@@ -17839,7 +17842,7 @@ static fb_status fbi_port_read(fb_real *y, const fb_body *body, const fb_state *
   const fb_real *gravity = NULL;
   fb_node_motion node;
   fb_imu imu;
-  const fb_status status = fb_body_node_motion(body, &node, state, motion, port->node);
+  const fb_status status = fb_body_node_motion_eval(body, &node, state, motion, port->node);
 #if FB_WITH_GRAVITY
   gravity = fbi_has(body->effects, FB_EFFECT_GRAVITY) ? body->gravity : NULL;
 #endif
@@ -17930,7 +17933,7 @@ static fb_status fbi_body_residual(fb_real *f, const fbi_subject *s, int j, fb_r
     status = fbi_body_spin(V, &work->moved, s->body, s->input->w);
   }
   status = status ? status : fbi_state_of(s->body, &work->moved, V, V + 3, NULL);
-  status = status ? status : fb_body_rates(s->body, &work->rate, &work->moved, s->input);
+  status = status ? status : fb_body_rates_eval(s->body, &work->rate, &work->moved, s->input);
   if (status == FB_OK) {
     fbi_copy(f, work->rate.pi, s->body->n);
   }
@@ -17952,7 +17955,7 @@ static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const
 {
   const fb_real length = body->gyration, none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_real w[3], push[3], R[9], torque = FB_R(0.0), across = FB_R(0.0);
-  const fb_status status = fb_body_motion(body, &work->motion, &work->moved, input);
+  const fb_status status = fb_body_motion_eval(body, &work->motion, &work->moved, input);
   if (status != FB_OK || body->base == FB_BASE_PRESCRIBED) {
     return status;
   }
@@ -18070,8 +18073,8 @@ static fb_status fbi_body_response(fb_real *f, const fbi_subject *s, int j, fb_r
   } else {
     fbi_port_drive(&work->input, &s->desc->in[j - states], h);
   }
-  status = status ? status : fb_body_rates(body, &work->rate, &work->moved, &work->input);
-  status = status ? status : fb_body_motion(body, &work->motion, &work->moved, &work->input);
+  status = status ? status : fb_body_rates_eval(body, &work->rate, &work->moved, &work->input);
+  status = status ? status : fb_body_motion_eval(body, &work->motion, &work->moved, &work->input);
   if (status != FB_OK) {
     return status;
   }
@@ -18437,7 +18440,7 @@ static fb_status fbi_system_residual(fb_real *f, const fbi_subject *s, int j, fb
   status = status ? status : fbi_roots_spin(s);
   fbi_speeds_take(w, s->system, s->body, &work->moved, work->rest, s->system_input);
   fbi_momenta_fill(&work->moved, w, s->system, s->body);
-  status = status ? status : fb_system_rates(s->system, s->body, w, &work->rate, &work->moved, s->system_input);
+  status = status ? status : fb_system_rates_eval(s->system, s->body, w, &work->rate, &work->moved, s->system_input);
   if (status == FB_OK) {
     fbi_system_linear_rates(f, s);
     fbi_copy(f, f + work->n_independent, work->n_independent);
@@ -18549,8 +18552,8 @@ static fb_status fbi_system_response(fb_real *f, const fbi_subject *s, int j, fb
     fbi_system_port_drive(&work->input, &s->desc->in[j - states], h);
   }
   status = fbi_system_linear_move(s, j, h);
-  status =
-      status ? status : fb_system_rates(s->system, s->body, &work->system, &work->rate, &work->moved, &work->input);
+  status = status ? status
+                  : fb_system_rates_eval(s->system, s->body, &work->system, &work->rate, &work->moved, &work->input);
   if (status != FB_OK) {
     return status;
   }
@@ -18739,7 +18742,7 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
 #if FB_WITH_EXACT
 /* ---- paths of steady states */
 
-static void fbi_mixed_loads_take(fbi_mixed_loads *to, const fb_mixed_work *work, const fb_mixed *m)
+static void fbi_exact_loads_take(fbi_exact_loads *to, const fb_exact_work *work, const fb_exact *m)
 {
   fbi_copy(to->line, work->line, 6 * m->n);
   fbi_copy(to->line_dead, work->line_dead, 6 * m->n);
@@ -18748,7 +18751,7 @@ static void fbi_mixed_loads_take(fbi_mixed_loads *to, const fb_mixed_work *work,
   fbi_copy(to->dead, work->dead, 6 * (m->n + 1));
 }
 
-static void fbi_mixed_sum(fb_real *x, const fb_real *a, fb_real factor, const fb_real *b, int n)
+static void fbi_exact_sum(fb_real *x, const fb_real *a, fb_real factor, const fb_real *b, int n)
 {
   for (int i = 0; i < n; i++) {
     x[i] = a[i] + factor * b[i];
@@ -18756,32 +18759,32 @@ static void fbi_mixed_sum(fb_real *x, const fb_real *a, fb_real factor, const fb
 }
 
 /* Residuals under the constant loads and a part of the varied ones. */
-static void fbi_mixed_path_residual(fb_mixed_path_work *w, const fb_mixed *m, fb_real factor)
+static void fbi_exact_path_residual(fb_exact_path_work *w, const fb_exact *m, fb_real factor)
 {
-  const fbi_mixed_loads *const a = &w->constant, *const b = &w->varied;
-  fb_mixed_work *const work = &w->mixed;
-  fbi_mixed_sum(work->line, a->line, factor, b->line, 6 * m->n);
-  fbi_mixed_sum(work->line_dead, a->line_dead, factor, b->line_dead, 6 * m->n);
-  fbi_mixed_sum(work->offset, a->offset, factor, b->offset, 6 * m->n);
-  fbi_mixed_sum(work->follower, a->follower, factor, b->follower, 6 * (m->n + 1));
-  fbi_mixed_sum(work->dead, a->dead, factor, b->dead, 6 * (m->n + 1));
-  fbi_mixed_nodes_eval(work, m);
-  fbi_mixed_residual(work, m);
+  const fbi_exact_loads *const a = &w->constant, *const b = &w->varied;
+  fb_exact_work *const work = &w->exact;
+  fbi_exact_sum(work->line, a->line, factor, b->line, 6 * m->n);
+  fbi_exact_sum(work->line_dead, a->line_dead, factor, b->line_dead, 6 * m->n);
+  fbi_exact_sum(work->offset, a->offset, factor, b->offset, 6 * m->n);
+  fbi_exact_sum(work->follower, a->follower, factor, b->follower, 6 * (m->n + 1));
+  fbi_exact_sum(work->dead, a->dead, factor, b->dead, 6 * (m->n + 1));
+  fbi_exact_nodes_eval(work, m);
+  fbi_exact_residual(work, m);
 }
 
 /* Loads and motion of the base, in steady motion. */
-static void fbi_mixed_path_begin(fb_mixed_path_work *w, const fb_mixed *m, const fb_mixed_state *state,
-                                 const fb_mixed_input *constant, const fb_mixed_input *varied)
+static void fbi_exact_path_begin(fb_exact_path_work *w, const fb_exact *m, const fb_exact_state *state,
+                                 const fb_exact_input *constant, const fb_exact_input *varied)
 {
-  const fbi_mixed_motion steady = {0, 0, 0, 0, FB_R(1.0), FB_R(0.0)};
-  fb_mixed_work *const work = &w->mixed;
+  const fbi_exact_motion steady = {0, 0, 0, 0, FB_R(1.0), FB_R(0.0)};
+  fb_exact_work *const work = &w->exact;
   int dead;
   work->motion = steady;
-  fbi_mixed_input_take(work, m, state->base_quat, varied, FB_R(1.0), FB_R(0.0));
-  fbi_mixed_loads_take(&w->varied, work, m);
+  fbi_exact_input_take(work, m, state->base_quat, varied, FB_R(1.0), FB_R(0.0));
+  fbi_exact_loads_take(&w->varied, work, m);
   dead = work->motion.dead;
-  fbi_mixed_input_take(work, m, state->base_quat, constant, FB_R(1.0), FB_R(0.0));
-  fbi_mixed_loads_take(&w->constant, work, m);
+  fbi_exact_input_take(work, m, state->base_quat, constant, FB_R(1.0), FB_R(0.0));
+  fbi_exact_loads_take(&w->constant, work, m);
   work->motion.dead |= dead;
   work->motion.inertia = !fbi_is_zero(work->twist + 3, 3);
   fbi_zero(work->momentum, 6 * m->n);
@@ -18789,26 +18792,26 @@ static void fbi_mixed_path_begin(fb_mixed_path_work *w, const fb_mixed *m, const
 }
 
 /* Corrections at this factor in w->dd and ds, and those that a change of it by one brings in the work's. */
-static fb_status fbi_mixed_path_solve(fb_mixed_path_work *w, const fb_mixed *m, fb_real factor)
+static fb_status fbi_exact_path_solve(fb_exact_path_work *w, const fb_exact *m, fb_real factor)
 {
-  fb_mixed_work *const work = &w->mixed;
+  fb_exact_work *const work = &w->exact;
   fb_status status;
-  fbi_mixed_path_residual(w, m, factor + FB_R(1.0));
+  fbi_exact_path_residual(w, m, factor + FB_R(1.0));
   fbi_copy(w->B, work->B, 6 * (m->n + 1));
   fbi_copy(w->c, work->c, 6 * m->n);
-  fbi_mixed_path_residual(w, m, factor);
-  fbi_mixed_want(work, m, FB_R(0.0), 1);
-  status = fbi_mixed_factor(work, m);
+  fbi_exact_path_residual(w, m, factor);
+  fbi_exact_want(work, m, FB_R(0.0), 1);
+  status = fbi_exact_factor(work, m);
   if (status != FB_OK) {
     return status;
   }
-  fbi_mixed_solve(work, m);
+  fbi_exact_solve(work, m);
   fbi_copy(w->dd, work->dd, 6 * (m->n + 1));
   fbi_copy(w->ds, work->ds, 6 * m->n);
-  fbi_mixed_sum(work->B, w->B, -FB_R(1.0), work->B, 6 * (m->n + 1));
-  fbi_mixed_sum(work->c, w->c, -FB_R(1.0), work->c, 6 * m->n);
+  fbi_exact_sum(work->B, w->B, -FB_R(1.0), work->B, 6 * (m->n + 1));
+  fbi_exact_sum(work->c, w->c, -FB_R(1.0), work->c, 6 * m->n);
   fbi_zero(work->want, 6 * (m->n + 1));
-  fbi_mixed_solve(work, m);
+  fbi_exact_solve(work, m);
   return FB_OK;
 }
 
@@ -18819,16 +18822,16 @@ static fb_status fbi_mixed_path_solve(fb_mixed_path_work *w, const fb_mixed *m, 
    Source: [RI], [CF].
    Cost: E10.10, and two solutions, an iteration.  Fails: 12 iterations; neighbors turned by more than a radian against
    each other at once.  Test: arches_snap_at_their_limit_load, a_stiff_truss_snaps_in_closed_form. */
-static fb_status fbi_mixed_path_try(fb_mixed_path_work *w, const fb_mixed *m, fb_mixed_path *path, fb_real arc)
+static fb_status fbi_exact_path_try(fb_exact_path_work *w, const fb_exact *m, fb_exact_path *path, fb_real arc)
 {
-  fb_mixed_work *const work = &w->mixed;
+  fb_exact_work *const work = &w->exact;
   const int n = 6 * (m->n + 1);
   const fb_real part = FB_R(1.0) / (fb_real)(m->n + 1);
   fb_real change = FB_R(1.0), rise = path->rise, slope = FB_R(1.0), size, cosine;
   fb_status status = FB_OK;
-  for (int it = 0; it < 12 && status == FB_OK && change > FBI_MIXED_TOLERANCE; it++) {
+  for (int it = 0; it < 12 && status == FB_OK && change > FBI_EXACT_TOLERANCE; it++) {
     fb_real more;
-    status = fbi_mixed_path_solve(w, m, path->factor);
+    status = fbi_exact_path_solve(w, m, path->factor);
     path->iterations++;
     if (status != FB_OK) {
       return status;
@@ -18848,13 +18851,13 @@ static fb_status fbi_mixed_path_try(fb_mixed_path_work *w, const fb_mixed *m, fb
       work->dd[i] = w->dd[i] + more * tangent;
       w->dd[i] = tangent;
     }
-    fbi_mixed_sum(work->ds, w->ds, more, work->ds, 6 * m->n);
-    change = fbi_larger(fbi_mixed_change(work, m, FB_R(1.0), it > 3 ? FB_EPSILON : FB_R(0.0)),
+    fbi_exact_sum(work->ds, w->ds, more, work->ds, 6 * m->n);
+    change = fbi_larger(fbi_exact_change(work, m, FB_R(1.0), it > 3 ? FB_EPSILON : FB_R(0.0)),
                         FB_FABS(more) / (FB_R(1.0) + FB_FABS(path->factor)));
-    status = fbi_mixed_turn_add(work, m, change);
+    status = fbi_exact_turn_add(work, m, change);
     path->factor += more;
   }
-  if (status != FB_OK || change > FBI_MIXED_TOLERANCE) {
+  if (status != FB_OK || change > FBI_EXACT_TOLERANCE) {
     return FB_ERR_CONVERGENCE;
   }
   cosine = slope / size;
@@ -18865,17 +18868,17 @@ static fb_status fbi_mixed_path_try(fb_mixed_path_work *w, const fb_mixed *m, fb
   return FB_FABS(cosine) > FB_R(0.5) ? FB_OK : FB_ERR_CONVERGENCE;
 }
 
-FB_DEF fb_status fb_mixed_path_step(const fb_mixed *m, fb_mixed_path *path, fb_mixed_state *state,
-                                    fb_mixed_path_work *w, const fb_mixed_input *constant, const fb_mixed_input *varied,
+FB_DEF fb_status fb_exact_path_step(const fb_exact *m, fb_exact_path *path, fb_exact_state *state,
+                                    fb_exact_path_work *w, const fb_exact_input *constant, const fb_exact_input *varied,
                                     fb_real arc)
 {
-  fb_mixed_path next;
+  fb_exact_path next;
   fb_status status;
   FBI_REQUIRE(m && path && state && w && varied, FB_ERR_NULL);
-  constant = constant ? constant : fbi_mixed_no_input(&w->mixed);
-  status = fb_mixed_state_check(m, state);
-  status = status ? status : fbi_mixed_input_check(m, constant);
-  status = status ? status : fbi_mixed_input_check(m, varied);
+  constant = constant ? constant : fbi_exact_no_input(&w->exact);
+  status = fb_exact_state_check(m, state);
+  status = status ? status : fbi_exact_input_check(m, constant);
+  status = status ? status : fbi_exact_input_check(m, varied);
   if (status != FB_OK) {
     return status;
   }
@@ -18886,21 +18889,21 @@ FB_DEF fb_status fb_mixed_path_step(const fb_mixed *m, fb_mixed_path *path, fb_m
   if (!(FB_FABS(arc) > FB_R(0.0) && FB_FABS(arc) < FB_HUGE)) {
     return FB_ERR_VALUE;
   }
-  fbi_mixed_path_begin(w, m, state, constant, varied);
+  fbi_exact_path_begin(w, m, state, constant, varied);
   status = FB_ERR_CONVERGENCE;
   for (int k = 0, iterations = 0; k < 11 && status != FB_OK; k++) {
     next = *path;
     next.iterations = iterations;
     next.arc = arc;
-    fbi_mixed_pose_take(&w->mixed, state, m);
-    status = fbi_mixed_path_try(w, m, &next, arc);
+    fbi_exact_pose_take(&w->exact, state, m);
+    status = fbi_exact_path_try(w, m, &next, arc);
     iterations = next.iterations;
     arc *= FB_R(0.5);
   }
   if (status == FB_OK) {
-    fbi_mixed_path_residual(w, m, next.factor);
-    fbi_mixed_rest(state, &w->mixed, m);
-    next.unstable = w->mixed.unstable;
+    fbi_exact_path_residual(w, m, next.factor);
+    fbi_exact_rest(state, &w->exact, m);
+    next.unstable = w->exact.unstable;
     *path = next;
   }
   return status;
@@ -19078,7 +19081,7 @@ static fb_status fbi_system_steady(fb_real *rate, const fbi_subject *s)
   const fb_real size = fbi_system_size(s->system, s->body);
   fb_system_analyse_work *const work = s->system_work;
   const fb_status status =
-      fb_system_rates(s->system, s->body, &work->system, &work->rate, s->system_state, s->system_input);
+      fb_system_rates_eval(s->system, s->body, &work->system, &work->rate, s->system_state, s->system_input);
   *rate = FB_R(0.0);
   for (int k = 0; k < s->system->n_body && status == FB_OK; k++) {
     const fbi_link_work *const L = &work->system.link[k];
@@ -19349,7 +19352,7 @@ static fb_status fbi_body_linearize(const fb_body *body, fb_analyse_work *work, 
   FBI_REQUIRE(work, FB_ERR_NULL);
   s = fbi_subject_body(body, work, state, input, desc ? desc : fbi_no_ports(&work->common));
   status = status ? status : fbi_linear_desc_check(body, input, s.desc);
-  status = status ? status : fb_body_motion(body, &work->steady, state, input);
+  status = status ? status : fb_body_motion_eval(body, &work->steady, state, input);
   if (status == FB_OK && body->base == FB_BASE_PRESCRIBED) {
     work->state = *state;
     status = fbi_state_of(body, &work->state, work->steady.v, work->steady.w, work->steady.q_dot);
@@ -19372,7 +19375,7 @@ static fb_status fbi_body_linearize(const fb_body *body, fb_analyse_work *work, 
    Source: definition.  Shapes: see fb_linear.  Cost: 20 (n + n_in) evaluations.  Fails: see the header.
    Test: spectrum_of_a_spinning_oscillator_is_closed_form, free_tops_nutate_as_euler_says,
    linear_models_answer_as_the_body_does. */
-FB_DEF fb_status fb_body_linearize(const fb_body *body, fb_linear *linear, fb_analyse_work *work, const fb_state *state,
+FB_DEF fb_status fb_body_linearize(const fb_body *body, fb_analyse_work *work, fb_linear *linear, const fb_state *state,
                                    const fb_input *input, const fb_linear_desc *desc)
 {
   fb_status status;
@@ -19394,8 +19397,8 @@ static int fbi_pose_acts(const fb_body *body, const fb_input *input)
   return acts;
 }
 
-FB_DEF fb_status fb_body_spectrum(fb_spectrum *spectrum, fb_analyse_work *work, const fb_body *body,
-                                  const fb_state *state, const fb_input *input)
+FB_DEF fb_status fb_body_spectrum_solve(const fb_body *body, fb_analyse_work *work, fb_spectrum *spectrum,
+                                        const fb_state *state, const fb_input *input)
 {
   fb_status status;
   int size;
@@ -19421,8 +19424,8 @@ static fb_real fbi_drive_size(const fb_joint *joint, const fb_drive *drive, fb_r
   return force;
 }
 
-/* Force [N] of what acts on a system at the rate k [1/s^2]: every body, load and motor counts, for each is felt by all.
- */
+/* Force [N] of what acts on a system at the rate k [1/s^2]: every body, load and motor counts, for each is felt by
+ all. */
 static fb_real fbi_system_force(const fbi_subject *s, fb_real k)
 {
   const fb_real size = fbi_system_size(s->system, s->body);
@@ -19533,9 +19536,9 @@ static fb_status fbi_system_linearize(const fb_system *system, const fb_body *bo
 /* [E12.9] Linear model of a system by differences of the rates and outputs.
    Source: definition.  Shapes: see fb_linear.  Cost: 20 (n + n_in) evaluations, with outputs twice.
    Fails: see the header.  Test: linear_models_answer_as_the_system_does, gimbal_has_the_published_eigenvalues. */
-FB_DEF fb_status fb_system_linearize(const fb_system *system, const fb_body *body, fb_linear *linear,
-                                     fb_system_analyse_work *work, const fb_system_state *state,
-                                     const fb_system_input *input, const fb_linear_desc *desc)
+FB_DEF fb_status fb_system_linearize(const fb_system *system, const fb_body *body, fb_system_analyse_work *work,
+                                     fb_linear *linear, const fb_system_state *state, const fb_system_input *input,
+                                     const fb_linear_desc *desc)
 {
   fb_status status;
   FBI_REQUIRE(linear, FB_ERR_NULL);
@@ -19575,8 +19578,9 @@ static int fbi_system_pose_acts(const fb_system *system, const fb_body *body, co
 /* [E12.10] E12.3 of a system, without the poses that nothing depends on.
    Source: as E12.3.  Cost: E12.9 and E5.6.  Fails: as those.
    Test: a_free_body_is_a_system_of_one, gimbal_has_the_published_eigenvalues. */
-FB_DEF fb_status fb_system_spectrum(fb_spectrum *spectrum, fb_system_analyse_work *work, const fb_system *system,
-                                    const fb_body *body, const fb_system_state *state, const fb_system_input *input)
+FB_DEF fb_status fb_system_spectrum_solve(const fb_system *system, const fb_body *body, fb_system_analyse_work *work,
+                                          fb_spectrum *spectrum, const fb_system_state *state,
+                                          const fb_system_input *input)
 {
   fb_status status;
   int size = 0, acts, n;
@@ -19613,7 +19617,7 @@ FB_DEF fb_real fb_spectrum_damping(const fb_spectrum *spectrum, int k)
   return size > FB_R(0.0) ? -value.re / size : FB_R(0.0);
 }
 
-FB_DEF fb_real fb_spectrum_margin(const fb_real *re, int *mode, int n)
+FB_DEF fb_real fb_spectrum_margin(int *mode, const fb_real *re, int n)
 {
   fb_real margin = FB_HUGE;
   int worst = -1;
@@ -19634,12 +19638,12 @@ FB_DEF fb_real fb_spectrum_margin(const fb_real *re, int *mode, int n)
 
 /* What a step of |lambda| dt = r multiplies a motion along exp(lambda t) by, lambda = |lambda| d.
    Source: [HW] IV.3.  Fails: never.  Test: step_limits_are_those_of_the_spectrum. */
-static fbi_complex fbi_amplification(fb_scheme scheme, fbi_complex d, fb_real r)
+static fbi_complex fbi_amplification(fb_integrator integrator, fbi_complex d, fb_real r)
 {
   const fb_real c = FB_R(1.0) - FB_SQRT(FB_R(0.5));
   const fbi_complex z = {r * d.re, r * d.im};
   fbi_complex up = {FB_R(1.0), FB_R(0.0)}, down = up;
-  if (scheme == FB_SCHEME_RK4) {
+  if (integrator == FB_INTEGRATOR_RK4) {
     for (int k = 4; k > 0; k--) { /* 1 + z (1 + z/2 (1 + z/3 (1 + z/4))) */
       up = fbi_complex_mul(z, up);
       up.re = FB_R(1.0) + up.re / (fb_real)k;
@@ -19647,7 +19651,7 @@ static fbi_complex fbi_amplification(fb_scheme scheme, fbi_complex d, fb_real r)
     }
     return up;
   }
-  if (scheme == FB_SCHEME_MIDPOINT) {
+  if (integrator == FB_INTEGRATOR_MIDPOINT) {
     up.re += FB_R(0.5) * z.re;
     up.im += FB_R(0.5) * z.im;
     down.re -= FB_R(0.5) * z.re;
@@ -19662,18 +19666,18 @@ static fbi_complex fbi_amplification(fb_scheme scheme, fbi_complex d, fb_real r)
 }
 
 /* Whether it grows, by more than rounding. */
-static int fbi_step_grows(fb_scheme scheme, fbi_complex d, fb_real r)
+static int fbi_step_grows(fb_integrator integrator, fbi_complex d, fb_real r)
 {
-  return fbi_complex_abs(fbi_amplification(scheme, d, r)) > FB_R(1.0) + FBI_ROUNDING;
+  return fbi_complex_abs(fbi_amplification(integrator, d, r)) > FB_R(1.0) + FBI_ROUNDING;
 }
 
 /* Largest r up to which rk4's motion along d does not grow: the only crossing, by bisection. */
-static fb_real fbi_stable_radius(fb_scheme scheme, fbi_complex d)
+static fb_real fbi_stable_radius(fb_integrator integrator, fbi_complex d)
 {
   fb_real low = FB_R(0.0), high = FB_R(0.0);
   for (int k = 1; k <= 64 && !(high > FB_R(0.0)); k++) { /* beyond 3.2 rk4 is unstable in every direction */
     const fb_real r = FB_R(0.05) * (fb_real)k;
-    if (fbi_step_grows(scheme, d, r)) {
+    if (fbi_step_grows(integrator, d, r)) {
       high = r;
     } else {
       low = r;
@@ -19681,7 +19685,7 @@ static fb_real fbi_stable_radius(fb_scheme scheme, fbi_complex d)
   }
   for (int k = 0; k < 40; k++) {
     const fb_real r = FB_R(0.5) * (low + high);
-    const int grows = fbi_step_grows(scheme, d, r);
+    const int grows = fbi_step_grows(integrator, d, r);
     low = grows ? low : r;
     high = grows ? r : high;
   }
@@ -19692,11 +19696,12 @@ static fb_real fbi_stable_radius(fb_scheme scheme, fbi_complex d)
    taken for one that does not: G must not add to it what its frequency has no part in.
    Source: [HW] IV.2.  Cost: 100 complex polynomials a mode.  Fails: see the header.
    Test: step_limits_are_those_of_the_spectrum, step_limits_hold_for_modes_that_grow. */
-FB_DEF fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_scheme scheme)
+FB_DEF fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_integrator integrator)
 {
   fb_real limit = FB_HUGE;
-  FBI_REQUIRE(spectrum && spectrum->n <= FB_MAX_LINEAR && fbi_is_choice((int)scheme, (int)FB_SCHEME_SDIRK), FB_R(0.0));
-  for (int k = 0; k < spectrum->n && scheme == FB_SCHEME_RK4; k++) {
+  FBI_REQUIRE(spectrum && spectrum->n <= FB_MAX_LINEAR && fbi_is_choice((int)integrator, (int)FB_INTEGRATOR_SDIRK),
+              FB_R(0.0));
+  for (int k = 0; k < spectrum->n && integrator == FB_INTEGRATOR_RK4; k++) {
     const fbi_complex value = {fbi_smaller(spectrum->re[k], FB_R(0.0)), spectrum->im[k]};
     const fb_real size = fbi_complex_abs(value);
     if (!fbi_is_finite(&spectrum->re[k], 1) || !fbi_is_finite(&size, 1)) {
@@ -19704,7 +19709,7 @@ FB_DEF fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_scheme scheme)
     }
     if (size > FB_R(0.0)) {
       const fbi_complex d = {value.re / size, value.im / size};
-      const fb_real step = fbi_stable_radius(scheme, d) / size;
+      const fb_real step = fbi_stable_radius(integrator, d) / size;
       limit = step < limit ? step : limit;
     }
   }
@@ -19712,16 +19717,16 @@ FB_DEF fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_scheme scheme)
 }
 
 /* |G(z) - exp(z)| along d, |z| = r: what a step errs by. Of a short one the leading term, for the difference rounds. */
-static fb_real fbi_step_error(fb_scheme scheme, fbi_complex d, fb_real r)
+static fb_real fbi_step_error(fb_integrator integrator, fbi_complex d, fb_real r)
 {
   static const fb_real leading[3] = {FB_R(8.3333333333333333e-3), FB_R(8.3333333333333333e-2),
                                      FB_R(4.0440114519881e-2)};
   const fb_real grown = FB_EXP(d.re * r);
   fbi_complex G;
   if (r < FB_R(0.3)) { /* of z^5, of z^3 */
-    return leading[scheme] * r * r * r * (scheme == FB_SCHEME_RK4 ? r * r : FB_R(1.0));
+    return leading[integrator] * r * r * r * (integrator == FB_INTEGRATOR_RK4 ? r * r : FB_R(1.0));
   }
-  G = fbi_amplification(scheme, d, r);
+  G = fbi_amplification(integrator, d, r);
   G.re -= grown * FB_COS(d.im * r);
   G.im -= grown * FB_SIN(d.im * r);
   return fbi_complex_abs(G);
@@ -19730,49 +19735,50 @@ static fb_real fbi_step_error(fb_scheme scheme, fbi_complex d, fb_real r)
 /* Error that mode k, of amplitude 1, has at worst within the duration when steps are dt long: each of n steps errs by
    G - exp(lambda dt) of what is left of it, and the sum has decayed over n - 1 of them: it is largest after 1/|re| of a
    damped one, but not before the first step. */
-static fb_real fbi_mode_error(const fb_spectrum *spectrum, int k, fb_scheme scheme, fb_real dt, fb_real duration)
+static fb_real fbi_mode_error(const fb_spectrum *spectrum, int k, fb_integrator integrator, fb_real dt,
+                              fb_real duration)
 {
   const fbi_complex value = {spectrum->re[k], spectrum->im[k]};
   const fb_real size = fbi_complex_abs(value), decay = -value.re * duration;
   const fb_real longest = fbi_larger(decay > FB_R(1.0) ? duration / decay : duration, dt);
   const fbi_complex d = {size > FB_R(0.0) ? value.re / size : FB_R(0.0),
                          size > FB_R(0.0) ? value.im / size : FB_R(0.0)};
-  return fbi_step_error(scheme, d, size * dt) * longest / dt * FB_EXP(value.re * (longest - dt));
+  return fbi_step_error(integrator, d, size * dt) * longest / dt * FB_EXP(value.re * (longest - dt));
 }
 
-static fb_real fbi_spectrum_error(const fb_spectrum *spectrum, fb_scheme scheme, const fb_real *amplitude, fb_real dt,
-                                  fb_real duration)
+static fb_real fbi_spectrum_error(const fb_spectrum *spectrum, fb_integrator integrator, const fb_real *amplitude,
+                                  fb_real dt, fb_real duration)
 {
   fb_real sum = FB_R(0.0);
   for (int k = 0; k < spectrum->n; k++) {
     const fb_real size = amplitude ? FB_FABS(amplitude[k]) : FB_R(1.0);
-    sum += size == FB_R(0.0) ? size : size * fbi_mode_error(spectrum, k, scheme, dt, duration);
+    sum += size == FB_R(0.0) ? size : size * fbi_mode_error(spectrum, k, integrator, dt, duration);
   }
   return sum;
 }
 
 /* [E12.7] Step for a wanted accuracy: sum of amplitude_k error_k(dt) = tolerance. The least such dt: where one step
-   outlasts a damped mode, an L-stable scheme errs less again. Upwards by doubling, then bisection.
+   outlasts a damped mode, an L-stable integrator errs less again. Upwards by doubling, then bisection.
    Source: definition.  Cost: 100 errors a mode.  Fails: see the header.
    Test: advised_steps_err_as_wanted, advised_steps_bear_stiff_damping, advice_resolves_modes_that_die_out. */
-FB_DEF fb_real fb_spectrum_step(const fb_spectrum *spectrum, fb_scheme scheme, const fb_real *amplitude,
-                                fb_real duration, fb_real tolerance)
+FB_DEF fb_real fb_spectrum_dt(const fb_spectrum *spectrum, fb_integrator integrator, const fb_real *amplitude,
+                              fb_real duration, fb_real tolerance)
 {
-  const fb_real most = fbi_smaller(FB_R(0.9) * fb_spectrum_limit(spectrum, scheme), duration);
+  const fb_real most = fbi_smaller(FB_R(0.9) * fb_spectrum_limit(spectrum, integrator), duration);
   fb_real low = FB_R(0.0), high = FB_R(8.6736173798840355e-19) * most; /* 2^-60 */
-  if (!spectrum || spectrum->n > FB_MAX_LINEAR || !fbi_is_choice((int)scheme, (int)FB_SCHEME_SDIRK) ||
+  if (!spectrum || spectrum->n > FB_MAX_LINEAR || !fbi_is_choice((int)integrator, (int)FB_INTEGRATOR_SDIRK) ||
       !(duration > FB_R(0.0)) || !(tolerance > FB_R(0.0)) || !(most > FB_R(0.0)) ||
-      !(fbi_spectrum_error(spectrum, scheme, amplitude, high, duration) >= FB_R(0.0))) { /* not a number */
+      !(fbi_spectrum_error(spectrum, integrator, amplitude, high, duration) >= FB_R(0.0))) { /* not a number */
     return FB_R(0.0);
   }
-  for (int pass = 0; pass <= 60 && fbi_spectrum_error(spectrum, scheme, amplitude, high, duration) <= tolerance;
+  for (int pass = 0; pass <= 60 && fbi_spectrum_error(spectrum, integrator, amplitude, high, duration) <= tolerance;
        pass++) {
     low = high;
     high *= FB_R(2.0);
   }
   for (int pass = 0; pass < 40 && low < most; pass++) {
     const fb_real dt = FB_R(0.5) * (low + high);
-    const int errs = fbi_spectrum_error(spectrum, scheme, amplitude, dt, duration) > tolerance;
+    const int errs = fbi_spectrum_error(spectrum, integrator, amplitude, dt, duration) > tolerance;
     low = errs ? low : dt;
     high = errs ? dt : high;
   }
@@ -19780,15 +19786,15 @@ FB_DEF fb_real fb_spectrum_step(const fb_spectrum *spectrum, fb_scheme scheme, c
 }
 
 #if FB_WITH_EXACT
-/* ---- mixed beam: a perturbation x holds the change d of the nodes' poses, then the momenta of elements and lumps */
+/* ---- exact beam: a perturbation x holds the change d of the nodes' poses, then the momenta of elements and lumps */
 
-static int fbi_mixed_dim(const fb_mixed *m)
+static int fbi_exact_dim(const fb_exact *m)
 {
   return 6 * (m->n + 1) + 6 * m->n + 6 * m->n_lump;
 }
 
 /* y = N v of an element or lump: change of its load by velocity, shift P included */
-static void fbi_mixed_load_rate(fb_real y[6], const fb_real M[36], const fb_real V[6], const fb_real P[6],
+static void fbi_exact_load_rate(fb_real y[6], const fb_real M[36], const fb_real V[6], const fb_real P[6],
                                 fb_real shift, const fb_real v[6])
 {
   fb_real p[6], a[6];
@@ -19805,9 +19811,9 @@ static void fbi_mixed_load_rate(fb_real y[6], const fb_real M[36], const fb_real
    is the Jacobian of a steady state with inertia. Velocities of the nodes remain in dd, stresses in ds.
    Source: E10.7 to E10.10, linearized.  Cost: 1 kflop an element.  Fails: never, once factored.
    Test: spectrum_of_a_straight_beam_is_the_textbooks. */
-static void fbi_mixed_respond(fb_real *x, fb_mixed_work *work, const fb_mixed *m, const fb_real *b)
+static void fbi_exact_respond(fb_real *x, fb_exact_work *work, const fb_exact *m, const fb_real *b)
 {
-  fbi_mixed_cell *const c = &work->cell;
+  fbi_exact_cell *const c = &work->cell;
   const fb_real shift = work->motion.shift;
   const int n = m->n;
   const fb_real *const b_P = b + 6 * (n + 1), *const b_L = b_P + 6 * n;
@@ -19816,9 +19822,9 @@ static void fbi_mixed_respond(fb_real *x, fb_mixed_work *work, const fb_mixed *m
   fbi_zero(work->c, 6 * n);
   fbi_zero(work->want, 6 * (n + 1));
   for (int k = 0; k < n; k++) {
-    fbi_mixed_cell_eval(c, work, m, k);
-    fbi_mixed_mean(v, d, c->theta, b + 6 * k, b + 6 * k + 6);
-    fbi_mixed_load_rate(f, m->M + 36 * k, c->V, c->P, shift, v);
+    fbi_exact_cell_eval(c, work, m, k);
+    fbi_exact_mean(v, d, c->theta, b + 6 * k, b + 6 * k + 6);
+    fbi_exact_load_rate(f, m->M + 36 * k, c->V, c->P, shift, v);
     for (int i = 0; i < 6; i++) {
       f[i] = -c->h * (b_P[6 * k + i] - f[i]);
     }
@@ -19832,12 +19838,12 @@ static void fbi_mixed_respond(fb_real *x, fb_mixed_work *work, const fb_mixed *m
     const int j = m->lump_node[l];
     fb_real p[6];
     fbi_mat66_mul_vec6(p, m->lump + 36 * l, work->V + 6 * j);
-    fbi_mixed_load_rate(f, m->lump + 36 * l, work->V + 6 * j, p, shift, b + 6 * j);
+    fbi_exact_load_rate(f, m->lump + 36 * l, work->V + 6 * j, p, shift, b + 6 * j);
     for (int i = 0; i < 6; i++) {
       work->B[6 * j + i] -= b_L[6 * l + i] - f[i];
     }
   }
-  fbi_mixed_solve(work, m);
+  fbi_exact_solve(work, m);
   fbi_copy(x, work->dd, 6 * (n + 1));
   for (int j = 0; j <= n; j++) { /* velocities, in dd */
     fbi_ad(y, work->V + 6 * j, x + 6 * j);
@@ -19847,8 +19853,8 @@ static void fbi_mixed_respond(fb_real *x, fb_mixed_work *work, const fb_mixed *m
   }
   for (int k = 0; k < n; k++) {
     fb_real turn[6];
-    fbi_mixed_cell_eval(c, work, m, k);
-    fbi_mixed_mean(v, d, c->theta, work->dd + 6 * k, work->dd + 6 * k + 6);
+    fbi_exact_cell_eval(c, work, m, k);
+    fbi_exact_mean(v, d, c->theta, work->dd + 6 * k, work->dd + 6 * k + 6);
     fbi_mat66_mul_vec6(turn, m->C + 36 * k, work->ds + 6 * k);
     fbi_ad(y, turn, c->dV);
     fbi_vec6_add(v, c->h / FB_R(12.0), y);
@@ -19859,31 +19865,31 @@ static void fbi_mixed_respond(fb_real *x, fb_mixed_work *work, const fb_mixed *m
   }
 }
 
-static void fbi_mixed_invert(fb_real *x, fb_mixed_work *work, const fb_mixed *m, const fb_real *b)
+static void fbi_exact_invert(fb_real *x, fb_exact_work *work, const fb_exact *m, const fb_real *b)
 {
   fbi_zero(work->B, 6 * (m->n + 1));
-  fbi_mixed_respond(x, work, m, b);
+  fbi_exact_respond(x, work, m, b);
 }
 
 /* The linearized beam about a steady state, factored at a shift of its own unit of time. */
-static fb_status fbi_mixed_linearize(fb_mixed_work *work, const fb_mixed *m, const fb_mixed_state *state,
-                                     const fb_mixed_input *input, fb_real shift)
+static fb_status fbi_exact_linearize(fb_exact_work *work, const fb_exact *m, const fb_exact_state *state,
+                                     const fb_exact_input *input, fb_real shift)
 {
-  const fbi_mixed_motion motion = {0, 1, 0, 0, FB_R(1.0), shift};
-  fbi_mixed_cell *const c = &work->cell;
+  const fbi_exact_motion motion = {0, 1, 0, 0, FB_R(1.0), shift};
+  fbi_exact_cell *const c = &work->cell;
   work->motion = motion;
-  fbi_mixed_pose_take(work, state, m);
-  fbi_mixed_input_take(work, m, state->base_quat, input, FB_R(1.0), FB_R(0.0));
-  fbi_mixed_nodes_eval(work, m);
+  fbi_exact_pose_take(work, state, m);
+  fbi_exact_input_take(work, m, state->base_quat, input, FB_R(1.0), FB_R(0.0));
+  fbi_exact_nodes_eval(work, m);
   for (int k = 0; k < m->n; k++) {
-    fbi_mixed_cell_eval(c, work, m, k);
+    fbi_exact_cell_eval(c, work, m, k);
     fbi_vec6_copy(work->momentum + 6 * k, c->P);
   }
   for (int l = 0; l < m->n_lump; l++) {
     fbi_mat66_mul_vec6(work->lump + 6 * l, m->lump + 36 * l, work->V + 6 * m->lump_node[l]);
   }
-  fbi_mixed_residual(work, m);
-  return fbi_mixed_factor(work, m);
+  fbi_exact_residual(work, m);
+  return fbi_exact_factor(work, m);
 }
 
 /* x less its parts along the rows of Q, twice, and scaled to 1; returns the length it had then. What is rounding is set
@@ -19910,13 +19916,13 @@ static fb_real fbi_krylov_add(fb_real *x, fb_real *h, const fb_real *Q, int rows
    operator on it (block Arnoldi). The first start is given, or any (NULL).
    Source: [GV] 10.5.  Cost: size * (E12.4 + 4 size dim).  Fails: never.
    Test: spectrum_of_a_straight_beam_is_the_textbooks. */
-static void fbi_mixed_arnoldi(fb_mixed_spectrum_work *work, const fb_mixed *m, int size, const fb_real *first)
+static void fbi_exact_arnoldi(fb_exact_spectrum_work *work, const fb_exact *m, int size, const fb_real *first)
 {
-  const int n = fbi_mixed_dim(m), s = FBI_MIXED_BASIS;
+  const int n = fbi_exact_dim(m), s = FBI_EXACT_BASIS;
   unsigned seed = 12345u;
   fb_real *const start = work->x;
   int rows = 0;
-  fbi_zero(work->H, (FBI_MIXED_BASIS + 2) * FBI_MIXED_BASIS);
+  fbi_zero(work->H, (FBI_EXACT_BASIS + 2) * FBI_EXACT_BASIS);
   for (int k = 0; k < 2; k++) { /* any displacements, momenta of any velocities; then in the operator's range */
     fb_real none[2] = {FB_R(0.0), FB_R(0.0)}, v[6];
     for (int i = 0; i < n; i++) {
@@ -19928,7 +19934,7 @@ static void fbi_mixed_arnoldi(fb_mixed_spectrum_work *work, const fb_mixed *m, i
       fbi_vec6_copy(v, P);
       fbi_mat66_mul_vec6(P, i < m->n ? m->M + 36 * i : m->lump + 36 * (i - m->n), v);
     }
-    fbi_mixed_invert(work->Q + rows * n, &work->mixed, m, start);
+    fbi_exact_invert(work->Q + rows * n, &work->exact, m, start);
     if (k == 0 && first) {
       fbi_copy(work->Q, first, n);
     }
@@ -19938,7 +19944,7 @@ static void fbi_mixed_arnoldi(fb_mixed_spectrum_work *work, const fb_mixed *m, i
   for (int k = 0; k < size; k++) {
     fb_real *const q = work->Q + rows * n;
     fb_real left;
-    fbi_mixed_invert(q, &work->mixed, m, work->Q + k * n);
+    fbi_exact_invert(q, &work->exact, m, work->Q + k * n);
     left = fbi_krylov_add(q, work->H + k, work->Q, rows, n, s);
     work->H[rows * s + k] = left;
     rows++;
@@ -19946,7 +19952,7 @@ static void fbi_mixed_arnoldi(fb_mixed_spectrum_work *work, const fb_mixed *m, i
 }
 
 /* What the basis misses of eigenvector k, relative to its eigenvalue mu. */
-static fb_real fbi_mixed_missing(const fb_mixed_spectrum_work *work, int k, int size)
+static fb_real fbi_exact_missing(const fb_exact_spectrum_work *work, int k, int size)
 {
   const fb_real *const y = work->X + 2 * size * k;
   const fbi_complex mu = {work->re[k], work->im[k]};
@@ -19954,8 +19960,8 @@ static fb_real fbi_mixed_missing(const fb_mixed_spectrum_work *work, int k, int 
   for (int row = size; row < size + 2; row++) {
     fbi_complex r = {FB_R(0.0), FB_R(0.0)};
     for (int i = 0; i < size; i++) {
-      r.re += work->H[row * FBI_MIXED_BASIS + i] * y[i];
-      r.im += work->H[row * FBI_MIXED_BASIS + i] * y[size + i];
+      r.re += work->H[row * FBI_EXACT_BASIS + i] * y[i];
+      r.im += work->H[row * FBI_EXACT_BASIS + i] * y[size + i];
     }
     sum += fbi_complex_abs(r);
   }
@@ -19964,26 +19970,26 @@ static fb_real fbi_mixed_missing(const fb_mixed_spectrum_work *work, int k, int 
 
 /* Eigenvalues mu of the operator to those of the beam, lambda = shift - 1/mu. What has not converged (they do from the
    slowest on; single ones in between are artefacts of the basis) gets im = -1, so that it is left out. */
-static void fbi_mixed_lambda(fb_mixed_spectrum_work *work, int size)
+static void fbi_exact_lambda(fb_exact_spectrum_work *work, int size)
 {
   const fbi_complex one = {FB_R(1.0), FB_R(0.0)};
   for (int k = 0; k < size; k++) {
     const fbi_complex mu = {work->re[k], work->im[k]};
-    work->missing[k] = fbi_complex_abs(mu) > FBI_ROUNDING ? fbi_mixed_missing(work, k, size) : FB_HUGE;
+    work->missing[k] = fbi_complex_abs(mu) > FBI_ROUNDING ? fbi_exact_missing(work, k, size) : FB_HUGE;
     work->im[k] = -FB_R(1.0);
     if (work->missing[k] < (FB_SINGLE ? FB_R(1e-2) : FB_R(1e-6))) {
       const fbi_complex inverse = fbi_complex_div(one, mu);
-      work->re[k] = work->mixed.motion.shift - inverse.re;
+      work->re[k] = work->exact.motion.shift - inverse.re;
       work->im[k] = -inverse.im;
     }
   }
 }
 
 /* Eigenvector k, its first `rows`, the largest displacement or rotation of a node scaled to 1, own units. */
-static void fbi_mixed_vector(fb_real *re, fb_real *im, const fb_mixed_spectrum_work *work, const fb_mixed *m, int k,
+static void fbi_exact_vector(fb_real *re, fb_real *im, const fb_exact_spectrum_work *work, const fb_exact *m, int k,
                              int size, int rows)
 {
-  const int n = fbi_mixed_dim(m), nodes = 6 * (m->n + 1);
+  const int n = fbi_exact_dim(m), nodes = 6 * (m->n + 1);
   const fb_real *const y = work->X + 2 * size * k;
   fb_real largest = FB_R(0.0);
   fbi_complex top = {FB_R(1.0), FB_R(0.0)};
@@ -20008,11 +20014,11 @@ static void fbi_mixed_vector(fb_real *re, fb_real *im, const fb_mixed_spectrum_w
 }
 
 /* Its shape at the nodes, the largest displacement or rotation * length 1 m. */
-static void fbi_mixed_shape(fb_real *re, fb_real *im, const fb_mixed_spectrum_work *work, const fb_mixed *m, int k,
+static void fbi_exact_shape(fb_real *re, fb_real *im, const fb_exact_spectrum_work *work, const fb_exact *m, int k,
                             int size)
 {
   const int nodes = 6 * (m->n + 1);
-  fbi_mixed_vector(re, im, work, m, k, size, nodes);
+  fbi_exact_vector(re, im, work, m, k, size, nodes);
   for (int i = 0; i < nodes; i++) {
     re[i] /= i % 6 < 3 ? FB_R(1.0) : m->length;
     im[i] /= i % 6 < 3 ? FB_R(1.0) : m->length;
@@ -20020,65 +20026,65 @@ static void fbi_mixed_shape(fb_real *re, fb_real *im, const fb_mixed_spectrum_wo
 }
 
 /* The beam factored at a shift that is none of its eigenvalues. */
-static fb_status fbi_mixed_shifted(fb_mixed_work *work, const fb_mixed *m, const fb_mixed_state *state,
-                                   const fb_mixed_input *input)
+static fb_status fbi_exact_shifted(fb_exact_work *work, const fb_exact *m, const fb_exact_state *state,
+                                   const fb_exact_input *input)
 {
   fb_status status = FB_ERR_SINGULAR;
   for (int k = 0; k < 3 && status == FB_ERR_SINGULAR; k++) {
-    status = fbi_mixed_linearize(work, m, state, input, FB_R(1.0) + FB_R(0.37) * (fb_real)k);
+    status = fbi_exact_linearize(work, m, state, input, FB_R(1.0) + FB_R(0.37) * (fb_real)k);
   }
   return status;
 }
 
 /* Eigenvalues mu of the operator on its basis, with their vectors: of its transpose, the left ones. */
-static fb_status fbi_mixed_eigen(fb_mixed_spectrum_work *work, int size, int transpose)
+static fb_status fbi_exact_eigen(fb_exact_spectrum_work *work, int size, int transpose)
 {
   for (int i = 0; i < size; i++) {
     for (int j = 0; j < size; j++) {
-      work->A[i * size + j] = transpose ? work->H[j * FBI_MIXED_BASIS + i] : work->H[i * FBI_MIXED_BASIS + j];
+      work->A[i * size + j] = transpose ? work->H[j * FBI_EXACT_BASIS + i] : work->H[i * FBI_EXACT_BASIS + j];
     }
   }
   return fb_eig_general_solve(work->re, work->im, work->X, work->A, work->eig, size);
 }
 
 /* Dimension of the basis for so many modes. */
-static int fbi_mixed_basis(const fb_mixed *m, int count)
+static int fbi_exact_basis(const fb_exact *m, int count)
 {
-  const int size = 6 * count + 24 < FBI_MIXED_BASIS ? 6 * count + 24 : FBI_MIXED_BASIS;
-  return size < fbi_mixed_dim(m) ? size : fbi_mixed_dim(m);
+  const int size = 6 * count + 24 < FBI_EXACT_BASIS ? 6 * count + 24 : FBI_EXACT_BASIS;
+  return size < fbi_exact_dim(m) ? size : fbi_exact_dim(m);
 }
 
 /* All that has converged of the linearized beam, lambda and vectors on the basis, ascending; returns how many. */
-static fb_status fbi_mixed_modes(int *found, int order[FBI_MIXED_BASIS], fb_mixed_spectrum_work *work,
-                                 const fb_mixed *m, const fb_mixed_state *state, const fb_mixed_input *input, int count)
+static fb_status fbi_exact_modes(int *found, int order[FBI_EXACT_BASIS], fb_exact_spectrum_work *work,
+                                 const fb_exact *m, const fb_exact_state *state, const fb_exact_input *input, int count)
 {
-  const int size = fbi_mixed_basis(m, count);
-  fb_status status = fbi_mixed_shifted(&work->mixed, m, state, input);
+  const int size = fbi_exact_basis(m, count);
+  fb_status status = fbi_exact_shifted(&work->exact, m, state, input);
   if (status == FB_OK) {
-    fbi_mixed_arnoldi(work, m, size, NULL);
-    status = fbi_mixed_eigen(work, size, 0);
+    fbi_exact_arnoldi(work, m, size, NULL);
+    status = fbi_exact_eigen(work, size, 0);
   }
   if (status != FB_OK) {
     return status;
   }
-  fbi_mixed_lambda(work, size);
+  fbi_exact_lambda(work, size);
   *found = fbi_spectrum_order(order, work->re, work->im, size);
-  return *found >= count ? FB_OK : size < fbi_mixed_dim(m) ? FB_ERR_CONVERGENCE : FB_ERR_MODES;
+  return *found >= count ? FB_OK : size < fbi_exact_dim(m) ? FB_ERR_CONVERGENCE : FB_ERR_MODES;
 }
 
-FB_DEF fb_status fb_mixed_spectrum_solve(const fb_mixed *m, fb_mixed_spectrum *spectrum, fb_mixed_spectrum_work *work,
-                                         const fb_mixed_state *state, const fb_mixed_input *input, int count)
+FB_DEF fb_status fb_exact_spectrum_solve(const fb_exact *m, fb_exact_spectrum_work *work, fb_exact_spectrum *spectrum,
+                                         const fb_exact_state *state, const fb_exact_input *input, int count)
 {
-  int found, order[FBI_MIXED_BASIS], nodes;
+  int found, order[FBI_EXACT_BASIS], nodes;
   fb_status status;
   FBI_REQUIRE(m && spectrum && work && state, FB_ERR_NULL);
-  if (count < 1 || count > FB_MIXED_MODES) {
+  if (count < 1 || count > FB_EXACT_MODES) {
     return FB_ERR_VALUE;
   }
-  input = input ? input : fbi_mixed_no_input(&work->mixed);
-  status = fb_mixed_state_check(m, state);
-  status = status ? status : fbi_mixed_input_check(m, input);
-  status = status ? status : fbi_mixed_modes(&found, order, work, m, state, input, count);
+  input = input ? input : fbi_exact_no_input(&work->exact);
+  status = fb_exact_state_check(m, state);
+  status = status ? status : fbi_exact_input_check(m, input);
+  status = status ? status : fbi_exact_modes(&found, order, work, m, state, input, count);
   if (status != FB_OK) {
     return status;
   }
@@ -20089,28 +20095,28 @@ FB_DEF fb_status fb_mixed_spectrum_solve(const fb_mixed *m, fb_mixed_spectrum *s
     spectrum->re[k] = work->re[order[k]] / m->time;
     spectrum->im[k] = work->im[order[k]] / m->time;
     spectrum->error[k] = work->missing[order[k]];
-    fbi_mixed_shape(spectrum->shape_re + nodes * k, spectrum->shape_im + nodes * k, work, m, order[k],
-                    fbi_mixed_basis(m, count));
+    fbi_exact_shape(spectrum->shape_re + nodes * k, spectrum->shape_im + nodes * k, work, m, order[k],
+                    fbi_exact_basis(m, count));
   }
   return FB_OK;
 }
 
 /* ---- paths of steady states */
 
-static fb_status fbi_mixed_ports_check(const fb_mixed *m, const fb_mixed_linear_desc *desc)
+static fb_status fbi_exact_ports_check(const fb_exact *m, const fb_exact_linear_desc *desc)
 {
   if (!fbi_is_choice(desc->n_in, FB_MAX_PORTS) || !fbi_is_choice(desc->n_out, FB_MAX_PORTS)) {
     return FB_ERR_CAPACITY;
   }
   for (int k = 0; k < desc->n_in + desc->n_out; k++) {
     const int is_in = k < desc->n_in;
-    const fb_mixed_port *const port = is_in ? &desc->in[k] : &desc->out[k - desc->n_in];
+    const fb_exact_port *const port = is_in ? &desc->in[k] : &desc->out[k - desc->n_in];
     const int kind = (int)port->kind, base = kind == 2 || kind == 3;
-    if (!fbi_is_choice(port->axis, 2) || !fbi_is_choice(kind, (int)FB_MIXED_PORT_MOMENT_STRAIN) ||
-        !fbi_is_choice((int)port->axes, (int)FB_AXES_BODY) || (kind <= (int)FB_MIXED_PORT_BASE_RATE) != is_in) {
+    if (!fbi_is_choice(port->axis, 2) || !fbi_is_choice(kind, (int)FB_EXACT_PORT_MOMENT_STRAIN) ||
+        !fbi_is_choice((int)port->axes, (int)FB_AXES_BODY) || (kind <= (int)FB_EXACT_PORT_BASE_RATE) != is_in) {
       return FB_ERR_VALUE;
     }
-    if (!base && !fbi_is_choice(port->at, kind >= (int)FB_MIXED_PORT_INTERNAL_FORCE ? m->n - 1 : m->n)) {
+    if (!base && !fbi_is_choice(port->at, kind >= (int)FB_EXACT_PORT_INTERNAL_FORCE ? m->n - 1 : m->n)) {
       return FB_ERR_CAPACITY;
     }
   }
@@ -20121,21 +20127,21 @@ static fb_status fbi_mixed_ports_check(const fb_mixed *m, const fb_mixed_linear_
    of its node; a base that moves carries the nodes along, v = d_t + ad(V) d + carried. Poses and momenta in x.
    Source: E12.4.  Cost: as that.  Fails: never, once factored.
    Test: linear_beams_rest_where_the_beam_does, linear_beams_move_as_the_beam_does. */
-static void fbi_mixed_port_answer(fb_real *x, fb_mixed_linear_work *w, const fb_mixed *m, const fb_mixed_port *port)
+static void fbi_exact_port_answer(fb_real *x, fb_exact_linear_work *w, const fb_exact *m, const fb_exact_port *port)
 {
-  fb_mixed_work *const work = &w->spectrum.mixed;
+  fb_exact_work *const work = &w->spectrum.exact;
   const fb_real none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_real unit[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, *const b = w->other;
-  fbi_zero(b, fbi_mixed_dim(m));
+  fbi_zero(b, fbi_exact_dim(m));
   fbi_zero(work->B, 6 * (m->n + 1));
   unit[port->axis] = FB_R(1.0);
-  if (port->kind == FB_MIXED_PORT_FORCE || port->kind == FB_MIXED_PORT_TORQUE) {
+  if (port->kind == FB_EXACT_PORT_FORCE || port->kind == FB_EXACT_PORT_TORQUE) {
     fb_real dead[6], follower[6], base[9], f[3], *const B = work->B + 6 * port->at;
     fbi_vec6_zero(dead);
     fbi_vec6_zero(follower);
     fb_quat_to_mat33(base, w->base_quat);
-    fbi_mixed_load_add(dead, follower, port->axes, port->kind == FB_MIXED_PORT_FORCE ? unit : none,
-                       port->kind == FB_MIXED_PORT_FORCE ? none : unit, FB_R(1.0) / m->force, m->length, base);
+    fbi_exact_load_add(dead, follower, port->axes, port->kind == FB_EXACT_PORT_FORCE ? unit : none,
+                       port->kind == FB_EXACT_PORT_FORCE ? none : unit, FB_R(1.0) / m->force, m->length, base);
     for (int i = 0; i < 6; i += 3) {
       fb_mat33_mulT_vec3(f, work->R + 9 * port->at, dead + i);
       fbi_vec3_add(B + i, -FB_R(1.0), f);
@@ -20143,36 +20149,36 @@ static void fbi_mixed_port_answer(fb_real *x, fb_mixed_linear_work *w, const fb_
     }
   } else {
     fbi_zero(work->twist, 6);
-    fbi_vec3_add(work->twist + (port->kind == FB_MIXED_PORT_BASE_VELOCITY ? 0 : 3),
-                 port->kind == FB_MIXED_PORT_BASE_VELOCITY ? m->time / m->length : m->time, unit);
+    fbi_vec3_add(work->twist + (port->kind == FB_EXACT_PORT_BASE_VELOCITY ? 0 : 3),
+                 port->kind == FB_EXACT_PORT_BASE_VELOCITY ? m->time / m->length : m->time, unit);
     for (int j = 0; j <= m->n; j++) {
       fb_real carried[6];
-      fbi_mixed_carried(carried, work, work->r + 3 * j, work->R + 9 * j);
+      fbi_exact_carried(carried, work, work->r + 3 * j, work->R + 9 * j);
       fbi_vec6_add(b + 6 * j, -FB_R(1.0), carried);
     }
   }
-  fbi_mixed_respond(x, work, m, b);
+  fbi_exact_respond(x, work, m, b);
 }
 
 /* What an output reads of poses x, velocities and stresses that E12.4 gave. */
-static fb_real fbi_mixed_port_read(const fb_mixed_work *work, const fb_mixed *m, const fb_real *x,
-                                   const fb_mixed_port *port)
+static fb_real fbi_exact_port_read(const fb_exact_work *work, const fb_exact *m, const fb_real *x,
+                                   const fb_exact_port *port)
 {
   const int i = port->axis, at = 6 * port->at;
   switch (port->kind) {
-  case FB_MIXED_PORT_DISPLACEMENT:
+  case FB_EXACT_PORT_DISPLACEMENT:
     return fb_vec3_dot(work->R + 9 * port->at + 3 * i, x + at) * m->length;
-  case FB_MIXED_PORT_ROTATION:
+  case FB_EXACT_PORT_ROTATION:
     return x[at + 3 + i];
-  case FB_MIXED_PORT_VELOCITY:
+  case FB_EXACT_PORT_VELOCITY:
     return work->dd[at + i] * m->length / m->time;
-  case FB_MIXED_PORT_RATE:
+  case FB_EXACT_PORT_RATE:
     return work->dd[at + 3 + i] / m->time;
-  case FB_MIXED_PORT_INTERNAL_FORCE:
+  case FB_EXACT_PORT_INTERNAL_FORCE:
     return work->ds[at + i] * m->force;
-  case FB_MIXED_PORT_INTERNAL_MOMENT:
+  case FB_EXACT_PORT_INTERNAL_MOMENT:
     return work->ds[at + 3 + i] * m->force * m->length;
-  case FB_MIXED_PORT_FORCE_STRAIN:
+  case FB_EXACT_PORT_FORCE_STRAIN:
     return fbi_vec6_dot(m->section + 36 * port->at + 6 * i, work->ds + at);
   default:
     return fbi_vec6_dot(m->section + 36 * port->at + 18 + 6 * i, work->ds + at) / m->length;
@@ -20180,14 +20186,14 @@ static fb_real fbi_mixed_port_read(const fb_mixed_work *work, const fb_mixed *m,
 }
 
 /* shift - lambda of mode k, own units */
-static fbi_complex fbi_mixed_distance(const fb_mixed_linear_work *w, const fb_mixed *m, int k)
+static fbi_complex fbi_exact_distance(const fb_exact_linear_work *w, const fb_exact *m, int k)
 {
-  const fbi_complex d = {w->spectrum.mixed.motion.shift - w->linear.re[k] * m->time, -w->linear.im[k] * m->time};
+  const fbi_complex d = {w->spectrum.exact.motion.shift - w->linear.re[k] * m->time, -w->linear.im[k] * m->time};
   return d;
 }
 
 /* How many modes to keep: those of equal eigenvalues together. */
-static int fbi_mixed_keep(const fb_mixed_spectrum_work *work, const int *order, int found, int count)
+static int fbi_exact_keep(const fb_exact_spectrum_work *work, const int *order, int found, int count)
 {
   while (count < found) {
     const int a = order[count - 1], b = order[count];
@@ -20203,26 +20209,26 @@ static int fbi_mixed_keep(const fb_mixed_spectrum_work *work, const int *order, 
 /* A and C of the modes, and their vectors as an orthonormal basis and the triangle R that they are on it. What an
    output reads of a vector: (shift - A)^-1 gives it back times mu = 1/(shift - lambda), with its velocities and
    stresses. */
-static fb_status fbi_mixed_linear_modes(fb_mixed_linear_work *w, const fb_mixed *m, const fb_mixed_linear_desc *desc,
+static fb_status fbi_exact_linear_modes(fb_exact_linear_work *w, const fb_exact *m, const fb_exact_linear_desc *desc,
                                         int size)
 {
-  fb_mixed_linear *const out = &w->linear;
-  const int dim = fbi_mixed_dim(m), n = out->n, stride = FB_MIXED_STATES;
-  fbi_zero(w->R, FB_MIXED_STATES * FB_MIXED_STATES);
+  fb_exact_linear *const out = &w->linear;
+  const int dim = fbi_exact_dim(m), n = out->n, stride = FB_EXACT_STATES;
+  fbi_zero(w->R, FB_EXACT_STATES * FB_EXACT_STATES);
   for (int k = 0, at = 0; k < out->n_mode; k++) {
     const int pair = out->im[k] > FB_R(0.0);
-    const fbi_complex distance = fbi_mixed_distance(w, m, k);
+    const fbi_complex distance = fbi_exact_distance(w, m, k);
     fb_real *const re = w->basis + at * dim, *const im = pair ? re + dim : w->other;
     fb_real read[2][FB_MAX_PORTS];
-    fbi_mixed_vector(re, im, &w->spectrum, m, w->order[k], size, dim);
+    fbi_exact_vector(re, im, &w->spectrum, m, w->order[k], size, dim);
     for (int i = 0; i < dim; i++) { /* of 1 m; Re(x (a + i b)) = Re x a - Im x b */
       re[i] /= m->length;
       im[i] /= -m->length;
     }
     for (int part = 0; part <= pair; part++) {
-      fbi_mixed_invert(w->answer, &w->spectrum.mixed, m, part ? im : re);
+      fbi_exact_invert(w->answer, &w->spectrum.exact, m, part ? im : re);
       for (int o = 0; o < desc->n_out; o++) {
-        read[part][o] = fbi_mixed_port_read(&w->spectrum.mixed, m, w->answer, &desc->out[o]);
+        read[part][o] = fbi_exact_port_read(&w->spectrum.exact, m, w->answer, &desc->out[o]);
       }
       out->A[(at + part) * n + at + part] = out->re[k];
     }
@@ -20251,11 +20257,11 @@ static fb_status fbi_mixed_linear_modes(fb_mixed_linear_work *w, const fb_mixed 
 }
 
 /* Vectors, right or left, on the basis of those eigenvalues that are the modes' own: the nearest to each. */
-static fb_status fbi_mixed_pick(fb_real *out, fb_mixed_linear_work *w, const fb_mixed *m, int size)
+static fb_status fbi_exact_pick(fb_real *out, fb_exact_linear_work *w, const fb_exact *m, int size)
 {
-  fb_mixed_spectrum_work *const work = &w->spectrum;
+  fb_exact_spectrum_work *const work = &w->spectrum;
   for (int k = 0; k < w->linear.n_mode; k++) {
-    const fbi_complex distance = fbi_mixed_distance(w, m, k);
+    const fbi_complex distance = fbi_exact_distance(w, m, k);
     const int pair = w->linear.im[k] > FB_R(0.0);
     fb_real nearest = FB_SINGLE ? FB_R(3e-2) : FB_R(1e-4);
     int best = -1;
@@ -20283,21 +20289,21 @@ static fb_status fbi_mixed_pick(fb_real *out, fb_mixed_linear_work *w, const fb_
    vectors R^-1 basis^T P f.
    Source: own; spectral projector.  Cost: E12.5 and two general eigenproblems of its size.  Fails: not all modes found.
    Test: linear_beams_move_as_the_beam_does, linear_beams_answer_at_every_frequency. */
-static fb_status fbi_mixed_project(fb_mixed_linear_work *w, const fb_mixed *m, int size)
+static fb_status fbi_exact_project(fb_exact_linear_work *w, const fb_exact *m, int size)
 {
-  fb_mixed_spectrum_work *const work = &w->spectrum;
-  const int n = w->linear.n, dim = fbi_mixed_dim(m);
+  fb_exact_spectrum_work *const work = &w->spectrum;
+  const int n = w->linear.n, dim = fbi_exact_dim(m);
   const fb_real length = FB_SQRT(fbi_dot(w->answer, w->answer, dim));
   fb_status status;
   fbi_zero(w->part, n);
   if (!(length > FB_R(0.0))) {
     return FB_OK;
   }
-  fbi_mixed_arnoldi(work, m, size, w->answer);
-  status = fbi_mixed_eigen(work, size, 0);
-  status = status ? status : fbi_mixed_pick(w->right, w, m, size);
-  status = status ? status : fbi_mixed_eigen(work, size, 1);
-  status = status ? status : fbi_mixed_pick(w->left, w, m, size);
+  fbi_exact_arnoldi(work, m, size, w->answer);
+  status = fbi_exact_eigen(work, size, 0);
+  status = status ? status : fbi_exact_pick(w->right, w, m, size);
+  status = status ? status : fbi_exact_eigen(work, size, 1);
+  status = status ? status : fbi_exact_pick(w->left, w, m, size);
   for (int i = 0; i < n && status == FB_OK; i++) {
     w->sum[i] = w->left[i * size] * length;
     for (int j = 0; j < n; j++) {
@@ -20318,21 +20324,21 @@ static fb_status fbi_mixed_project(fb_mixed_linear_work *w, const fb_mixed *m, i
   for (int i = n - 1; i >= 0; i--) {
     w->part[i] = fbi_dot(w->basis + i * dim, w->other, dim);
     for (int j = i + 1; j < n; j++) {
-      w->part[i] -= w->R[i * FB_MIXED_STATES + j] * w->part[j];
+      w->part[i] -= w->R[i * FB_EXACT_STATES + j] * w->part[j];
     }
-    w->part[i] /= w->R[i * FB_MIXED_STATES + i];
+    w->part[i] /= w->R[i * FB_EXACT_STATES + i];
   }
   return FB_OK;
 }
 
 /* Column of B, (shift - lambda) times the part of the answer; the modes' answer at rest, -b/lambda, is taken off D. */
-static void fbi_mixed_linear_input(fb_mixed_linear_work *w, const fb_mixed *m, int input)
+static void fbi_exact_linear_input(fb_exact_linear_work *w, const fb_exact *m, int input)
 {
-  fb_mixed_linear *const out = &w->linear;
+  fb_exact_linear *const out = &w->linear;
   for (int k = 0, at = 0; k < out->n_mode; k++) {
     const int pair = out->im[k] > FB_R(0.0);
     const fbi_complex part = {w->part[at], pair ? w->part[at + 1] : FB_R(0.0)}, lambda = {out->re[k], out->im[k]};
-    const fbi_complex b = fbi_complex_mul(fbi_mixed_distance(w, m, k), part), rest = fbi_complex_div(b, lambda);
+    const fbi_complex b = fbi_complex_mul(fbi_exact_distance(w, m, k), part), rest = fbi_complex_div(b, lambda);
     const fb_real both[2][2] = {{b.re, rest.re}, {b.im, rest.im}};
     for (int i = 0; i <= pair; i++, at++) {
       out->B[at * out->n_in + input] = both[i][0] / m->time;
@@ -20347,13 +20353,13 @@ static void fbi_mixed_linear_input(fb_mixed_linear_work *w, const fb_mixed *m, i
    without shift) has beyond that of the modes.
    Source: modal truncation with its static correction.  Cost: E12.14 for each input.  Fails: see the header.
    Test: linear_beams_rest_where_the_beam_does, linear_beams_move_as_the_beam_does. */
-FB_DEF fb_status fb_mixed_linearize(const fb_mixed *m, fb_mixed_linear *linear, fb_mixed_linear_work *w,
-                                    const fb_mixed_state *state, const fb_mixed_input *input,
-                                    const fb_mixed_linear_desc *desc, int count)
+FB_DEF fb_status fb_exact_linearize(const fb_exact *m, fb_exact_linear_work *w, fb_exact_linear *linear,
+                                    const fb_exact_state *state, const fb_exact_input *input,
+                                    const fb_exact_linear_desc *desc, int count)
 {
-  static const fb_mixed_linear_desc none = {
-      0, 0, {{FB_MIXED_PORT_FORCE, 0, 0, FB_AXES_INERTIAL}}, {{FB_MIXED_PORT_FORCE, 0, 0, FB_AXES_INERTIAL}}};
-  fb_mixed_linear *out;
+  static const fb_exact_linear_desc none = {
+      0, 0, {{FB_EXACT_PORT_FORCE, 0, 0, FB_AXES_INERTIAL}}, {{FB_EXACT_PORT_FORCE, 0, 0, FB_AXES_INERTIAL}}};
+  fb_exact_linear *out;
   fb_status status;
   int found = 0;
 
@@ -20361,11 +20367,11 @@ FB_DEF fb_status fb_mixed_linearize(const fb_mixed *m, fb_mixed_linear *linear, 
   FBI_REQUIRE(m && linear && w && state, FB_ERR_NULL);
   desc = desc ? desc : &none;
   out = &w->linear;
-  input = input ? input : fbi_mixed_no_input(&w->spectrum.mixed);
-  status = count < 1 || count > FB_MIXED_MODES ? FB_ERR_VALUE : fbi_mixed_ports_check(m, desc);
-  status = status ? status : fb_mixed_state_check(m, state);
-  status = status ? status : fbi_mixed_input_check(m, input);
-  status = status ? status : fbi_mixed_linearize(&w->spectrum.mixed, m, state, input, FB_R(0.0));
+  input = input ? input : fbi_exact_no_input(&w->spectrum.exact);
+  status = count < 1 || count > FB_EXACT_MODES ? FB_ERR_VALUE : fbi_exact_ports_check(m, desc);
+  status = status ? status : fb_exact_state_check(m, state);
+  status = status ? status : fbi_exact_input_check(m, input);
+  status = status ? status : fbi_exact_linearize(&w->spectrum.exact, m, state, input, FB_R(0.0));
   if (status != FB_OK) {
     return status;
   }
@@ -20376,16 +20382,16 @@ FB_DEF fb_status fb_mixed_linearize(const fb_mixed *m, fb_mixed_linear *linear, 
   out->n_out = desc->n_out;
   fbi_copy(w->base_quat, state->base_quat, 4);
   for (int k = 0; k < desc->n_in; k++) {
-    fbi_mixed_port_answer(w->answer, w, m, &desc->in[k]);
+    fbi_exact_port_answer(w->answer, w, m, &desc->in[k]);
     for (int o = 0; o < desc->n_out; o++) {
-      out->D[o * desc->n_in + k] = fbi_mixed_port_read(&w->spectrum.mixed, m, w->answer, &desc->out[o]);
+      out->D[o * desc->n_in + k] = fbi_exact_port_read(&w->spectrum.exact, m, w->answer, &desc->out[o]);
     }
   }
 
   /* Complex modes: their eigenvalues, 2 states for a pair and 1 for a real one. */
-  status = fbi_mixed_modes(&found, w->order, &w->spectrum, m, state, input, count);
-  out->n_mode = status ? 0 : fbi_mixed_keep(&w->spectrum, w->order, found, count);
-  if (status != FB_OK || out->n_mode > FB_MIXED_MODES) {
+  status = fbi_exact_modes(&found, w->order, &w->spectrum, m, state, input, count);
+  out->n_mode = status ? 0 : fbi_exact_keep(&w->spectrum, w->order, found, count);
+  if (status != FB_OK || out->n_mode > FB_EXACT_MODES) {
     return status ? status : FB_ERR_VALUE;
   }
   for (int k = 0; k < out->n_mode; k++) {
@@ -20395,12 +20401,12 @@ FB_DEF fb_status fb_mixed_linearize(const fb_mixed *m, fb_mixed_linear *linear, 
   }
 
   /* Modal A and C, then B of each input; D keeps the static gain beyond that of the modes. */
-  status = fbi_mixed_linear_modes(w, m, desc, fbi_mixed_basis(m, count));
+  status = fbi_exact_linear_modes(w, m, desc, fbi_exact_basis(m, count));
   for (int k = 0; k < desc->n_in && status == FB_OK; k++) {
-    fbi_mixed_port_answer(w->answer, w, m, &desc->in[k]);
-    status = fbi_mixed_project(w, m, fbi_mixed_basis(m, count));
+    fbi_exact_port_answer(w->answer, w, m, &desc->in[k]);
+    status = fbi_exact_project(w, m, fbi_exact_basis(m, count));
     if (status == FB_OK) {
-      fbi_mixed_linear_input(w, m, k);
+      fbi_exact_linear_input(w, m, k);
     }
   }
   if (status == FB_OK) {
@@ -20477,7 +20483,7 @@ static fb_status fbi_advise_check(const fb_shape *shape, const fb_body_desc *des
 }
 
 /* A body of a set of effects, under a gravity that stands for all accelerations of the origin. */
-static fb_status fbi_advise_body(fb_body *body, fb_advise_work *work, const fb_shape *shape, const fb_body_desc *desc,
+static fb_status fbi_advise_body(fb_body *body, fb_advice_work *work, const fb_shape *shape, const fb_body_desc *desc,
                                  const int *coordinate, unsigned effects)
 {
   work->desc = *desc;
@@ -20490,7 +20496,7 @@ static fb_status fbi_advise_body(fb_body *body, fb_advise_work *work, const fb_s
 }
 
 /* Accelerations (work.motion) and place of the output (work.node) at an instant, at q, q_dot. */
-static fb_status fbi_advise_motion(fb_advise_work *work, fb_body *body, const fb_envelope *e, int instant,
+static fb_status fbi_advise_motion(fb_advice_work *work, fb_body *body, const fb_envelope *e, int instant,
                                    const fb_real *q, const fb_real *q_dot)
 {
   const signed char *const on = fbi_advice_instant[instant];
@@ -20523,12 +20529,12 @@ static fb_status fbi_advise_motion(fb_advise_work *work, fb_body *body, const fb
   work->input.n_load = on[3] ? e->n_load : 0;
   memcpy(work->input.load, e->load, sizeof e->load);
   status = fb_state_from_velocity(body, &work->state, v, w, q_dot);
-  status = status ? status : fb_body_motion(body, &work->motion, &work->state, &work->input);
-  return status ? status : fb_body_node_motion(body, &work->node, &work->state, &work->motion, e->node);
+  status = status ? status : fb_body_motion_eval(body, &work->motion, &work->state, &work->input);
+  return status ? status : fb_body_node_motion_eval(body, &work->node, &work->state, &work->motion, e->node);
 }
 
 /* K = -d(q_ddot)/dq at q = 0 by central differences. */
-static fb_status fbi_advise_tangent(fb_real *K, fb_advise_work *work, fb_body *body, const fb_envelope *e, int instant)
+static fb_status fbi_advise_tangent(fb_real *K, fb_advice_work *work, fb_body *body, const fb_envelope *e, int instant)
 {
   const int n = body->n;
   fb_real q[FB_MAX_MODES];
@@ -20549,7 +20555,7 @@ static fb_status fbi_advise_tangent(fb_real *K, fb_advise_work *work, fb_body *b
 }
 
 /* q = K^-1 f of the coordinates order[0..n-1], the others zero. */
-static fb_status fbi_advise_solve(fb_real *q, fb_advise_work *work, const fb_real *K, const fb_real *f, int n)
+static fb_status fbi_advise_solve(fb_real *q, fb_advice_work *work, const fb_real *K, const fb_real *f, int n)
 {
   const int size = work->full.n;
   fb_real rhs[FB_MAX_MODES], x[FB_MAX_MODES];
@@ -20574,7 +20580,7 @@ static fb_status fbi_advise_solve(fb_real *q, fb_advise_work *work, const fb_rea
 }
 
 /* Whether an answer q of K is one: K is stable and the deflection within its limit; else buckled, or nearly. */
-static int fbi_advice_holds(const fb_advise_work *work, const fb_real *K, const fb_real *q)
+static int fbi_advice_holds(const fb_advice_work *work, const fb_real *K, const fb_real *q)
 {
   const fb_body *const body = &work->full;
   int holds = 1;
@@ -20586,7 +20592,7 @@ static int fbi_advice_holds(const fb_advise_work *work, const fb_real *K, const 
 
 /* Dynamic amplification factor of a mode: 1/|1-r^2| for harmonic excitation, at least 2 (step load) from r = 1 on;
    limited at resonance by duration and damping. */
-static fb_real fbi_advice_gain(const fb_advise_work *work, const fb_envelope *e, int a, fb_real omega)
+static fb_real fbi_advice_gain(const fb_advice_work *work, const fb_envelope *e, int a, fb_real omega)
 {
   const fb_real r = e->frequency / omega, grown = fbi_larger(FB_R(3.0), FB_R(0.5) * omega * e->duration);
   const fb_real near = fbi_larger(FB_FABS(FB_R(1.0) - r * r), FB_R(1.0) / grown);
@@ -20609,13 +20615,13 @@ static fb_real fbi_advice_bound(fb_real *q, const fb_body *body)
 }
 
 /* Frequency [rad/s] of a mode at an instant. */
-static fb_real fbi_advice_omega(const fb_advise_work *work, int instant, int a)
+static fb_real fbi_advice_omega(const fb_advice_work *work, int instant, int a)
 {
   return FB_SQRT(work->tangent[instant][a * work->full.n + a]);
 }
 
 /* Displacement of the output by coordinates q. */
-static void fbi_advice_output(fb_real y[3], const fb_advise_work *work, const fb_envelope *e, const fb_real *q)
+static void fbi_advice_output(fb_real y[3], const fb_advice_work *work, const fb_envelope *e, const fb_real *q)
 {
   fbi_zero(y, 3);
   for (int a = 0; a < work->full.n; a++) {
@@ -20624,7 +20630,7 @@ static void fbi_advice_output(fb_real y[3], const fb_advise_work *work, const fb
 }
 
 /* What the modes give of the output at an instant, `tip`. */
-static void fbi_advise_note(fb_advise_work *work, const fb_envelope *e, int i, fb_real tip)
+static void fbi_advise_note(fb_advice_work *work, const fb_envelope *e, int i, fb_real tip)
 {
   for (int a = 0; a < work->full.n; a++) {
     const fb_real omega = fbi_advice_omega(work, i, a);
@@ -20641,8 +20647,8 @@ static void fbi_advise_note(fb_advise_work *work, const fb_envelope *e, int i, f
 /* [E13.1] What the modes answer at an instant: at rest K q = f, K the tangent of the full set (where that is not
    stable: at rest), times the gain of the frequency.
    Source: own; quasi-static answer with dynamic magnification.  Cost: 2 n evaluations and a LU.
-   Fails: as fb_body_motion.  Test: advice_estimates_the_deflection. */
-static fb_status fbi_advise_answer(fb_advise_work *work, const fb_envelope *e, int i)
+   Fails: as fb_body_motion_eval.  Test: advice_estimates_the_deflection. */
+static fb_status fbi_advise_answer(fb_advice_work *work, const fb_envelope *e, int i)
 {
   const int n = work->full.n;
   fb_real *const q = work->q[i], *const K = work->tangent[i], tip, beyond;
@@ -20672,7 +20678,7 @@ static fb_status fbi_advise_answer(fb_advise_work *work, const fb_envelope *e, i
   return status;
 }
 
-static fb_status fbi_advise_answers(fb_advise_work *work, const fb_envelope *e)
+static fb_status fbi_advise_answers(fb_advice_work *work, const fb_envelope *e)
 {
   fb_status status = fbi_advise_tangent(work->tangent[FBI_ADVICE_REST], work, &work->body, e, FBI_ADVICE_REST);
   work->deflection = work->bend = work->drawn = FB_R(0.0);
@@ -20688,19 +20694,19 @@ static fb_status fbi_advise_answers(fb_advise_work *work, const fb_envelope *e)
 }
 
 /* How fast a mode moves when it is driven at a frequency. */
-static fb_real fbi_advice_rate(const fb_advise_work *work, const fb_envelope *e, int a)
+static fb_real fbi_advice_rate(const fb_advice_work *work, const fb_envelope *e, int a)
 {
   return fbi_smaller(e->frequency, work->omega[a]);
 }
 
 /* How much of what a mode gives swings at its own frequency: what a drive excites whose slope begins with a jump. */
-static fb_real fbi_advice_share(const fb_advise_work *work, const fb_envelope *e, int a)
+static fb_real fbi_advice_share(const fb_advice_work *work, const fb_envelope *e, int a)
 {
   return fbi_advice_rate(work, e, a) / work->omega[a];
 }
 
 /* Modes by what they give, and how far what swings of the answer turns in half the duration [rad]. */
-static void fbi_advise_order(fb_advise_work *work, const fb_envelope *e)
+static void fbi_advise_order(fb_advice_work *work, const fb_envelope *e)
 {
   const int n = work->full.n;
   fb_real turn = FB_R(0.0), sum = FB_R(0.0);
@@ -20719,13 +20725,13 @@ static void fbi_advise_order(fb_advise_work *work, const fb_envelope *e)
 /* [E13.2] What the output is off by when accelerations are off by what at rest would be a part r of it: r, and as the
    frequency is off by r/2, the phase of what swings; at most twice the output.
    Source: own.  Fails: never.  Test: sets_err_by_the_change_of_frequency. */
-static fb_real fbi_advice_error(const fb_advise_work *work, fb_real r)
+static fb_real fbi_advice_error(const fb_advice_work *work, fb_real r)
 {
   return r + fbi_smaller(r * work->ringing, FB_R(2.0));
 }
 
 /* Relative change of the first mode's stiffness by those that follow the first n: they give way as it bends. */
-static fb_real fbi_advise_condensed(const fb_advise_work *work, int instant, int n)
+static fb_real fbi_advise_condensed(const fb_advice_work *work, int instant, int n)
 {
   const int size = work->full.n, a = work->order[0];
   const fb_real *const K = work->tangent[instant];
@@ -20739,7 +20745,7 @@ static fb_real fbi_advise_condensed(const fb_advise_work *work, int instant, int
 
 /* What the output is off by with the first n modes alone: their answers at rest against those of all, times the gain
    of the first, for near resonance the output follows its frequency; and the phase of what swings. */
-static fb_real fbi_advise_modes(fb_advise_work *work, const fb_envelope *e, int n)
+static fb_real fbi_advise_modes(fb_advice_work *work, const fb_envelope *e, int n)
 {
   fb_real worst = FB_R(0.0), all[FB_MAX_MODES], some[FB_MAX_MODES], y[3];
   const int first = work->order[0];
@@ -20761,7 +20767,7 @@ static fb_real fbi_advise_modes(fb_advise_work *work, const fb_envelope *e, int 
 
 /* Accelerations and place of the output of a body of the modes coordinate[0..] at phase `phase` of what instant `at`
    makes it do. */
-static fb_status fbi_advise_phase(fb_advise_work *work, fb_body *body, const fb_envelope *e, const int *coordinate,
+static fb_status fbi_advise_phase(fb_advice_work *work, fb_body *body, const fb_envelope *e, const int *coordinate,
                                   int at, int phase)
 {
   fb_real q[FB_MAX_MODES], q_dot[FB_MAX_MODES];
@@ -20774,7 +20780,7 @@ static fb_status fbi_advise_phase(fb_advise_work *work, fb_body *body, const fb_
 }
 
 /* Those of the full set with all modes, to compare with. */
-static fb_status fbi_advise_full(fb_advise_work *work, const fb_envelope *e, const int *all)
+static fb_status fbi_advise_full(fb_advice_work *work, const fb_envelope *e, const int *all)
 {
   fb_status status = FB_OK;
   for (int k = 0; k < FBI_ADVICE_INSTANTS * FBI_ADVICE_PHASES && status == FB_OK; k++) {
@@ -20791,7 +20797,7 @@ static fb_status fbi_advise_full(fb_advise_work *work, const fb_envelope *e, con
    with all modes, along its own.
    Source: own.  Cost: 15 evaluations.  Fails: never (FB_HUGE: it has no motion).
    Test: sets_err_by_the_change_of_frequency. */
-static fb_real fbi_advise_set(fb_advise_work *work, const fb_envelope *e, const int *coordinate, int whole)
+static fb_real fbi_advise_set(fb_advice_work *work, const fb_envelope *e, const int *coordinate, int whole)
 {
   const int n = work->body.n;
   fb_real off[FB_MAX_MODES], q[FB_MAX_MODES], place = FB_R(0.0), motion = FB_R(0.0);
@@ -20818,10 +20824,10 @@ static fb_real fbi_advise_set(fb_advise_work *work, const fb_envelope *e, const 
 /* ---- cost and step of a candidate */
 
 /* Instructions of a step, about: so that times have the right ratio. Of rates; of a solution of the linear system of an
-   implicit scheme; of the begin and end of the step; of its matrix and LU; a base that may recoil has 6 rows more.
+   implicit integrator; of the begin and end of the step; of its matrix and LU; a base that may recoil has 6 rows more.
    Source: counted, tests/reference/step_instructions.csv.  Fails: never.
    Test: costs_are_those_of_counted_instructions. */
-static fb_real fbi_step_instructions(const fb_body *body, fb_scheme scheme)
+static fb_real fbi_step_instructions(const fb_body *body, fb_integrator integrator)
 {
   const int held = body->base == FB_BASE_PRESCRIBED;
   const fb_real n = (fb_real)body->n, quadratic = (fb_real)(body->n_S > 0),
@@ -20831,12 +20837,12 @@ static fb_real fbi_step_instructions(const fb_body *body, fb_scheme scheme)
   const fb_real solve = held ? 460 + 255 * n : 1900 + 360 * n;
   const fb_real ends = held ? 250 + 90 * n : 150 + 30 * n; /* where O is, what momenta are relative to */
   const fb_real factor = held ? 30 * terms + 130 * n : 85 * terms + 3900 + 830 * n;
-  switch (scheme) {
-  case FB_SCHEME_RK4:
+  switch (integrator) {
+  case FB_INTEGRATOR_RK4:
     return 4 * rates + ends;
-  case FB_SCHEME_MIDPOINT:
+  case FB_INTEGRATOR_MIDPOINT:
     return 3 * (rates + solve) + factor + ends;
-  case FB_SCHEME_SDIRK:
+  case FB_INTEGRATOR_SDIRK:
     return 5 * (rates + solve) + factor + ends;
   default:
     return 4 * rates + 1500 + 1500 * n + ends;
@@ -20849,14 +20855,14 @@ static fb_real fbi_longest_step(const fb_envelope *e)
   return e->frame > FB_R(0.0) ? fbi_smaller(e->frame, e->duration) : FB_R(0.125) * e->duration;
 }
 
-/* Largest step [s] that a scheme takes. */
-static fb_real fbi_scheme_limit(const fb_body *body, fb_scheme scheme, const fb_envelope *e)
+/* Largest step [s] that an integrator takes. */
+static fb_real fbi_integrator_limit(const fb_body *body, fb_integrator integrator, const fb_envelope *e)
 {
   const fb_real spin = fbi_vec3_norm(e->spin);
   const fb_real acceleration = body->base == FB_BASE_FREE ? FB_R(0.0) : fbi_vec3_norm(e->acceleration);
   fb_real limit = fb_implicit_limit(body, spin, acceleration);
-  limit = scheme == FB_SCHEME_RK4 ? fb_rk4_limit(body, spin, acceleration) : limit;
-  limit = scheme == FB_SCHEME_EXPONENTIAL ? fb_exponential_limit(body, spin, acceleration) : limit;
+  limit = integrator == FB_INTEGRATOR_RK4 ? fb_rk4_limit(body, spin, acceleration) : limit;
+  limit = integrator == FB_INTEGRATOR_EXPONENTIAL ? fb_exponential_limit(body, spin, acceleration) : limit;
   return fbi_smaller(limit, fbi_longest_step(e));
 }
 
@@ -20872,10 +20878,11 @@ static fb_real fbi_frame_part(fb_real dt, fb_real frame)
 
 /* Step [s] for a tolerance: E12.7 of what swings of each mode, at its frequency, and of what is driven and turns. The
    exponential scheme errs by what is not its linear part, at the order of rk4. */
-static fb_real fbi_advice_step(fb_advise_work *work, const fb_envelope *e, fb_scheme scheme, int n, fb_real tolerance)
+static fb_real fbi_advice_step(fb_advice_work *work, const fb_envelope *e, fb_integrator integrator, int n,
+                               fb_real tolerance)
 {
   fb_spectrum *const s = &work->spectrum;
-  const int exponential = scheme == FB_SCHEME_EXPONENTIAL;
+  const int exponential = integrator == FB_INTEGRATOR_EXPONENTIAL;
   const fb_real spin = fbi_vec3_norm(e->spin), inertial = exponential ? work->error[0] : 1;
   fb_real amplitude[FB_MAX_MODES + 1];
   s->n = 0;
@@ -20890,13 +20897,13 @@ static fb_real fbi_advice_step(fb_advise_work *work, const fb_envelope *e, fb_sc
     s->re[s->n] = FB_R(0.0);
     s->im[s->n++] = e->frequency;
   }
-  return fb_spectrum_step(s, exponential ? FB_SCHEME_RK4 : scheme, amplitude, e->duration, tolerance);
+  return fb_spectrum_dt(s, exponential ? FB_INTEGRATOR_RK4 : integrator, amplitude, e->duration, tolerance);
 }
 
 /* ---- advice */
 
 /* Answers, errors of the sets, modes in their order. */
-static fb_status fbi_advise_prepare(fb_advise_work *work, const fb_shape *shape, const fb_body_desc *desc,
+static fb_status fbi_advise_prepare(fb_advice_work *work, const fb_shape *shape, const fb_body_desc *desc,
                                     const fb_envelope *e, fb_real tolerance)
 {
   int all[FB_MAX_MODES];
@@ -20926,7 +20933,7 @@ static fb_status fbi_advise_prepare(fb_advise_work *work, const fb_shape *shape,
 }
 
 /* A candidate's mask, coordinates and what they err by. */
-static void fbi_advice_fill(fb_advice *advice, const fb_advise_work *work, const fb_body_desc *desc, int set, int n)
+static void fbi_advice_fill(fb_advice *advice, const fb_advice_work *work, const fb_body_desc *desc, int set, int n)
 {
   memset(advice, 0, sizeof *advice);
   advice->effects = fbi_advice_set[set] | (desc->effects & (FB_EFFECT_DAMPING | FB_EFFECT_GRAVITY));
@@ -20943,7 +20950,7 @@ static void fbi_advice_fill(fb_advice *advice, const fb_advise_work *work, const
 }
 
 /* The candidate's body, in work.body; FB_ERR_EFFECTS: there is none. */
-static fb_status fbi_candidate(fb_advise_work *work, const fb_shape *shape, const fb_body_desc *desc,
+static fb_status fbi_candidate(fb_advice_work *work, const fb_shape *shape, const fb_body_desc *desc,
                                const fb_advice *advice)
 {
   const fb_status status = fb_shape_select(&work->shape, shape, advice->coordinate, advice->n);
@@ -20957,25 +20964,25 @@ static fb_status fbi_candidate(fb_advise_work *work, const fb_shape *shape, cons
    it; and 0.3 (delta/L)^2, whose phase grows with a quarter of the turn, as amplitudes are seldom the largest.
    Source: own; the 0.3 and the quarter from trials against the exact beam.  Fails: never.
    Test: advice_knows_where_modes_end. */
-static fb_real fbi_advice_model_error(const fb_advise_work *work, const fb_shape *shape)
+static fb_real fbi_advice_model_error(const fb_advice_work *work, const fb_shape *shape)
 {
   const fb_real bend = work->bend / shape->size;
   const fb_real phase = FB_R(0.3) * bend * bend * (FB_R(1.0) + FB_R(0.25) * work->ringing);
   return work->buckled ? FB_HUGE : fbi_smaller(FB_R(1.2) * work->drawn / shape->size + phase, FB_HUGE);
 }
 
-/* Scheme and step that cost least with the rest of the tolerance. */
-static void fbi_advise_scheme(fb_advice *advice, fb_advise_work *work, const fb_envelope *e, fb_real tolerance)
+/* Integrator and step that cost least with the rest of the tolerance. */
+static void fbi_advise_integrator(fb_advice *advice, fb_advice_work *work, const fb_envelope *e, fb_real tolerance)
 {
   advice->cost = FB_HUGE;
-  for (int s = 0; s <= (int)FB_SCHEME_EXPONENTIAL; s++) {
-    const fb_scheme scheme = (fb_scheme)s;
-    const fb_real limit = fbi_scheme_limit(&work->body, scheme, e);
-    const fb_real step = fbi_advice_step(work, e, scheme, advice->n, tolerance);
+  for (int s = 0; s <= (int)FB_INTEGRATOR_EXPONENTIAL; s++) {
+    const fb_integrator integrator = (fb_integrator)s;
+    const fb_real limit = fbi_integrator_limit(&work->body, integrator, e);
+    const fb_real step = fbi_advice_step(work, e, integrator, advice->n, tolerance);
     const fb_real dt = fbi_frame_part(fbi_smaller(limit, step), e->frame);
-    const fb_real cost = fbi_step_instructions(&work->body, scheme) / dt;
+    const fb_real cost = fbi_step_instructions(&work->body, integrator) / dt;
     if (step > FB_R(0.0) && limit > FB_R(0.0) && cost < advice->cost) {
-      advice->scheme = scheme;
+      advice->integrator = integrator;
       advice->dt = dt;
       advice->cost = cost;
     }
@@ -20984,7 +20991,7 @@ static void fbi_advise_scheme(fb_advice *advice, fb_advise_work *work, const fb_
 }
 
 /* Estimates that do not depend on the candidate, and its sum. */
-static void fbi_advice_finish(fb_advice *advice, const fb_advise_work *work, const fb_shape *shape)
+static void fbi_advice_finish(fb_advice *advice, const fb_advice_work *work, const fb_shape *shape)
 {
   for (int i = 0; i < FB_ADVICE_EFFECTS; i++) {
     advice->without[i] = i == 0 ? FB_R(1.0) : FB_HUGE; /* rigid: nothing of the output */
@@ -20999,8 +21006,8 @@ static void fbi_advice_finish(fb_advice *advice, const fb_advise_work *work, con
   advice->error = advice->error_effects + advice->error_modes + advice->error_step + advice->error_model;
 }
 
-FB_DEF fb_status fb_body_advise(fb_advice *advice, fb_advise_work *work, const fb_shape *shape,
-                                const fb_body_desc *desc, const fb_envelope *envelope, fb_real tolerance)
+FB_DEF fb_status fb_advice_solve(fb_advice *advice, fb_advice_work *work, const fb_shape *shape,
+                                 const fb_body_desc *desc, const fb_envelope *envelope, fb_real tolerance)
 {
   fb_advice best, candidate;
   fb_real left; /* of the tolerance by what all modal bodies err, if they can meet it */
@@ -21021,7 +21028,7 @@ FB_DEF fb_status fb_body_advise(fb_advice *advice, fb_advise_work *work, const f
       candidate.error_effects = fbi_larger(candidate.error_effects, own);
       rest = left - candidate.error_effects - candidate.error_modes;
       if (rest > FB_R(0.0)) {
-        fbi_advise_scheme(&candidate, work, envelope, rest);
+        fbi_advise_integrator(&candidate, work, envelope, rest);
         best = candidate.cost < best.cost ? candidate : best;
       }
     }
@@ -21047,7 +21054,7 @@ static fb_real fbi_trial_step(fb_real longest, fb_real frame, int part)
 }
 
 /* Costs and longest steps of all candidates; those that cannot be have no part left. */
-static fb_status fbi_search_prepare(fb_advise_work *work, const fb_shape *shape, const fb_body_desc *desc,
+static fb_status fbi_search_prepare(fb_advice_work *work, const fb_shape *shape, const fb_body_desc *desc,
                                     const fb_envelope *e)
 {
   fb_advice candidate;
@@ -21062,16 +21069,16 @@ static fb_status fbi_search_prepare(fb_advise_work *work, const fb_shape *shape,
     for (int s = 0; s < 4; s++) {
       work->last[set][i][s] = FB_HUGE;
       work->part[set][i][s] = status == FB_OK ? 0 : FBI_ADVICE_PARTS;
-      work->step_cost[set][i][s] = status == FB_OK ? fbi_step_instructions(&work->body, (fb_scheme)s) : FB_R(0.0);
+      work->step_cost[set][i][s] = status == FB_OK ? fbi_step_instructions(&work->body, (fb_integrator)s) : FB_R(0.0);
       work->longest[set][i][s] =
-          s == (int)FB_SCHEME_RK4 ? fbi_scheme_limit(&work->body, FB_SCHEME_RK4, e) : fbi_longest_step(e);
+          s == (int)FB_INTEGRATOR_RK4 ? fbi_integrator_limit(&work->body, FB_INTEGRATOR_RK4, e) : fbi_longest_step(e);
     }
   }
   return FB_OK;
 }
 
 /* The cheapest candidate that was not tried; 0: none is left. */
-static int fbi_search_next(int at[3], fb_advice *advice, const fb_advise_work *work, const fb_envelope *e, int n)
+static int fbi_search_next(int at[3], fb_advice *advice, const fb_advice_work *work, const fb_envelope *e, int n)
 {
   fb_real best = FB_HUGE;
   for (int k = 0; k < FBI_ADVICE_SETS * n * 4; k++) {
@@ -21114,8 +21121,8 @@ static fb_real fbi_trial_error(const fb_trial *trial)
 }
 
 #define FBI_ADVICE_SHORT 4 /* of rk4's steps: a quarter of its limit */
-/* Shorter steps next; none where they no longer help, neither of this scheme nor of the others. */
-static void fbi_search_note(fb_advise_work *work, const fb_envelope *e, const int at[3], fb_real error,
+/* Shorter steps next; none where they no longer help, neither of this integrator nor of the others. */
+static void fbi_search_note(fb_advice_work *work, const fb_envelope *e, const int at[3], fb_real error,
                             fb_real tolerance)
 {
   int *const part = work->part[at[0]][at[1]];
@@ -21132,7 +21139,7 @@ static void fbi_search_note(fb_advise_work *work, const fb_envelope *e, const in
 }
 
 /* All modes and effects in short steps: the reference, or how far off it is. Its cost is the most that makes sense. */
-static fb_status fbi_search_fullest(fb_advice *fullest, fb_advise_work *work, const fb_shape *shape,
+static fb_status fbi_search_fullest(fb_advice *fullest, fb_advice_work *work, const fb_shape *shape,
                                     const fb_body_desc *desc, const fb_envelope *e, const fb_trial *trial)
 {
   const int n = shape->n;
@@ -21154,7 +21161,7 @@ static fb_status fbi_search_fullest(fb_advice *fullest, fb_advise_work *work, co
 }
 
 /* Simulates candidates by their cost, up to `most`; FB_ERR_CONVERGENCE: none meets the tolerance. */
-static fb_status fbi_search_run(fb_advice *found, fb_advise_work *work, const fb_body_desc *desc, const fb_envelope *e,
+static fb_status fbi_search_run(fb_advice *found, fb_advice_work *work, const fb_body_desc *desc, const fb_envelope *e,
                                 fb_real tolerance, const fb_trial *trial, fb_real most)
 {
   int at[3] = {0, 0, 0}, n_trial = 1;
@@ -21164,7 +21171,7 @@ static fb_status fbi_search_run(fb_advice *found, fb_advise_work *work, const fb
     fbi_advice_fill(found, work, desc, at[0], at[1] + 1);
     found->dt = next.dt;
     found->cost = next.cost;
-    found->scheme = (fb_scheme)at[2];
+    found->integrator = (fb_integrator)at[2];
     found->n_trial = ++n_trial;
     found->error = trial->run(trial->user, trial->output, found) == FB_OK ? fbi_trial_error(trial) : FB_HUGE;
     if (found->error <= tolerance) {
@@ -21175,7 +21182,7 @@ static fb_status fbi_search_run(fb_advice *found, fb_advise_work *work, const fb
   return FB_ERR_CONVERGENCE;
 }
 
-FB_DEF fb_status fb_advice_search(fb_advice *advice, fb_advise_work *work, const fb_shape *shape,
+FB_DEF fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const fb_shape *shape,
                                   const fb_body_desc *desc, const fb_envelope *envelope, fb_real tolerance,
                                   const fb_trial *trial)
 {
@@ -21198,7 +21205,7 @@ FB_DEF fb_status fb_advice_search(fb_advice *advice, fb_advise_work *work, const
     status = fbi_candidate(work, shape, desc, &found);
   }
   if (status == FB_OK) {
-    found.long_step = found.dt > fbi_scheme_limit(&work->body, found.scheme, envelope);
+    found.long_step = found.dt > fbi_integrator_limit(&work->body, found.integrator, envelope);
     *advice = found;
   }
   return status;

@@ -75,7 +75,7 @@ static fb_status fbb_trial_run(void *user, fb_real *output, const fb_advice *can
   if (status != FB_OK) {
     return status;
   }
-  fbb_body_run(&history, trial->c, &body, candidate->scheme, steps);
+  fbb_body_run(&history, trial->c, &body, candidate->integrator, steps);
   trial->ns_per_s = history.ns_per_s;
   for (int k = 0; k < 3 * FBB_SAMPLES; k++) {
     output[k] = (fb_real)history.out[k / 3][k % 3];

@@ -1,9 +1,9 @@
 /* bench_advice.c - whether what the library advises is right: the eight scenes of case.h, as they are and with sizes
    drawn at random, each with three tolerances. Judged against all runs of ladder.h: is the tolerance met, how does the
    time compare with the cheapest run that meets it, and does leaving out an effect, or a mode, miss it. Advised: by
-   fb_body_advise, without simulation; found: by fb_advice_search against the same reference. */
+   fb_advice_solve, without simulation; found: by fb_advice_search against the same reference. */
 #define _POSIX_C_SOURCE 200112L
-#define FB_MAX_MIXED 64
+#define FB_MAX_EXACT 64
 #define FB_MAX_MODES 20
 #define FLEXBEAM_IMPLEMENTATION
 #include "flexbeam.h"
@@ -25,7 +25,7 @@ typedef struct fbb_tally { /* of one kind of advice */
   double ratio[FBB_RATIOS]; /* of time to the cheapest run */
 } fbb_tally;
 
-static fb_advise_work work;
+static fb_advice_work work;
 static fb_real output[3 * FBB_SAMPLES], target[3 * FBB_SAMPLES];
 static fbb_history history;
 
@@ -119,7 +119,7 @@ static void judge(fbb_tally *tally, fbb_trial *trial, const fb_advice *a, double
   printf("    %-8s %s%s%s%s%s %d modes, %s, %.3g ms: error %.2g %%, time %.2f\n", name,
          a->effects & FB_EFFECT_SPIN_COUPLING ? "C" : "", a->effects & FB_EFFECT_RESIDUAL_INERTIA ? "R" : "",
          a->effects & FB_EFFECT_SPIN_STIFFENING ? "S" : "", a->effects & FB_EFFECT_ACCELERATION_STIFFENING ? "A" : "",
-         a->effects & FB_EFFECTS_FULL & ~FB_EFFECTS_LINEAR ? "," : "linear,", a->n, fbb_scheme_name[a->scheme],
+         a->effects & FB_EFFECTS_FULL & ~FB_EFFECTS_LINEAR ? "," : "linear,", a->n, fbb_integrator_name[a->integrator],
          1e3 * (double)a->dt, 100 * error, best ? fastest / best->ns_per_s : 0.0);
 }
 
@@ -142,11 +142,11 @@ static void ask(fbb_tally tally[2], const fbb_case *c, const fb_shape *shape, do
   fbb_body_desc_make(&desc, c, FB_EFFECTS_FULL | (fbb_has_gravity(c) ? (unsigned)FB_EFFECT_GRAVITY : 0u));
   if (modes_do(best)) {
     printf("  %5g %%  cheapest: %s, %d + %d modes, %s, %.3g ms: error %.2g %%\n", 100 * tolerance, best->level,
-           best->basis.y, best->basis.z, best->scheme, 1e3 * best->dt, 100 * best->error);
+           best->basis.y, best->basis.z, best->integrator, 1e3 * best->dt, 100 * best->error);
   } else {
     printf("  %5g %%  cheapest: %s\n", 100 * tolerance, best ? "exact beam" : "none");
   }
-  fbb_check(fb_body_advise(&advice, &work, shape, &desc, &envelope, (fb_real)tolerance), c->name);
+  fbb_check(fb_advice_solve(&advice, &work, shape, &desc, &envelope, (fb_real)tolerance), c->name);
   if ((double)advice.error_model > tolerance) {
     printf("    advised  exact beam: modal bodies err by %.2g %%\n", 100 * (double)advice.error_model);
     tally[0].beyond += !modes_do(best);

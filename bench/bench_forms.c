@@ -1,8 +1,8 @@
-/* bench_forms - time of one step of each form of the equations of motion, by scheme and number of elements, CSV on
+/* bench_forms - time of one step of each form of the equations of motion, by integrator and number of elements, CSV on
    stdout. The beam of [DB] 4.3 turned by a constant torque on its hinged root: 1, 2, 3 cubic elements, bending in both
    planes, axial coordinates with nonlinear strain, u_x' free at the root. The forms take turns, so that they share what
    disturbs the machine; the quietest of several runs counts. Equal steps: 0.1 ms with rk4, 0.5 ms with the implicit
-   schemes. */
+   integrators. */
 #define _POSIX_C_SOURCE 200112L /* clock_gettime, uname */
 #define FB_WITH_FORMS 1
 #define FB_MAX_MODES 24
@@ -13,9 +13,9 @@
 
 #define STEPS 2000
 #define RUNS 9
-enum { FORMS = 3, SCHEMES = 3 };
+enum { FORMS = 3, INTEGRATORS = 3 };
 
-static const char *const scheme_name[SCHEMES] = {"rk4", "midpoint", "sdirk"};
+static const char *const integrator_name[INTEGRATORS] = {"rk4", "midpoint", "sdirk"};
 static fb_body body[FORMS]; /* by fb_form */
 
 static void build(int n_element)
@@ -36,7 +36,7 @@ static void build(int n_element)
 }
 
 /* Microseconds of a step, all of them from rest. */
-static double run(int form, int scheme)
+static double run(int form, int integrator)
 {
   static fb_rk4_work rk4;
   static fb_implicit_work implicit;
@@ -50,9 +50,9 @@ static double run(int form, int scheme)
   fbb_check(fb_state_init(b, &state), "state");
   start = clock_ns();
   for (int k = 0; k < STEPS; k++) {
-    if (scheme == 0) {
+    if (integrator == 0) {
       fbb_check(fb_rk4_step(b, &state, &rk4, &torque, &torque, &torque, FB_R(0.0001)), "rk4");
-    } else if (scheme == 1) {
+    } else if (integrator == 1) {
       fbb_check(fb_midpoint_step(b, &state, &implicit, &torque, FB_R(0.0005), 0), "midpoint");
     } else {
       fbb_check(fb_sdirk_step(b, &state, &implicit, &torque, &torque, FB_R(0.0005), 0), "sdirk");
@@ -76,20 +76,21 @@ int main(void)
   printf("# us per step, the quietest and the median of %d runs of %d steps; ratios, of the quietest, to the momentum "
          "form\n",
          RUNS, STEPS);
-  printf("scheme,elements,n,momentum,first,second,second/momentum,first/momentum,momentum median,first median,second "
-         "median\n");
-  for (int scheme = 0; scheme < SCHEMES; scheme++) {
+  printf(
+      "integrator,elements,n,momentum,first,second,second/momentum,first/momentum,momentum median,first median,second "
+      "median\n");
+  for (int integrator = 0; integrator < INTEGRATORS; integrator++) {
     for (int n_element = 1; n_element <= 3; n_element++) {
       static double sample[FORMS][RUNS];
       clock_timing t[FORMS];
       build(n_element);
       for (int k = 0; k < RUNS * FORMS; k++) {
-        sample[k % FORMS][k / FORMS] = run(k % FORMS, scheme);
+        sample[k % FORMS][k / FORMS] = run(k % FORMS, integrator);
       }
       for (int form = 0; form < FORMS; form++) {
         t[form] = clock_timing_of(sample[form], RUNS);
       }
-      print(scheme_name[scheme], n_element, t);
+      print(integrator_name[integrator], n_element, t);
     }
   }
   return 0;

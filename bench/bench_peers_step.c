@@ -4,10 +4,10 @@
    modal   3 bending modes with the quadratic displacement
    strain  2 cubic elements, axial coordinates with nonlinear strain: stiff
    The peers are given q and pi alone, ours carry the pose, too. Their tolerance is relative, the absolute one is that
-   of the largest coordinate. Steps beyond the limits of our schemes are allowed: the error judges them, too. Creating
-   their memory is not timed. Every configuration runs once, then they take turns; the least time of each counts.
-   Error: of the tip deflection, every 0.25 s, by its peak, against ARKODE's Fehlberg 7(8) with tolerance 1e-13, which
-   CVODE's Adams with 1e-12 confirms. bench/peers.sh builds and runs it.
+   of the largest coordinate. Steps beyond the limits of our integrators are allowed: the error judges them, too.
+   Creating their memory is not timed. Every configuration runs once, then they take turns; the least time of each
+   counts. Error: of the tip deflection, every 0.25 s, by its peak, against ARKODE's Fehlberg 7(8) with tolerance 1e-13,
+   which CVODE's Adams with 1e-12 confirms. bench/peers.sh builds and runs it.
    Exit: 0, 1 when an integrator fails or results differ. */
 #define _POSIX_C_SOURCE 200112L /* clock_gettime, uname */
 #define FLEXBEAM_IMPLEMENTATION
@@ -133,7 +133,7 @@ static int run_ours(double *ns, int method, int steps)
   memset(input, 0, sizeof input);
   fbb_check(fb_state_init(&body, &state), "state");
   if (method == EXPONENTIAL) {
-    fbb_check(fb_exponential_init(&scheme, &body_work, &body, dt), "exponential");
+    fbb_check(fb_exponential_init(&integrator, &body_work, &body, dt), "exponential");
   }
   start = processor_ns();
   drive(&input[0], 0.0);
@@ -149,7 +149,7 @@ static int run_ours(double *ns, int method, int steps)
     } else if (method == SDIRK) {
       status = fb_sdirk_step(&body, &state, &implicit, &input[0], &input[2], dt, 0);
     } else {
-      status = fb_exponential_step(&body, &scheme, &state, &exponential, &input[0], &input[1], &input[2]);
+      status = fb_exponential_step(&body, &integrator, &state, &exponential, &input[0], &input[1], &input[2]);
     }
     input[0] = input[2];
     if (k % steps == 0) {
@@ -182,7 +182,7 @@ static int right_hand_side(sunrealtype t, N_Vector y, N_Vector y_dot, void *user
   drive(&input, t);
   memcpy(state->q, N_VGetArrayPointer(y), bytes);
   memcpy(state->pi, N_VGetArrayPointer(y) + body.n, bytes);
-  if (fb_body_rates(&body, &rate, state, &input) != FB_OK) {
+  if (fb_body_rates_eval(&body, &rate, state, &input) != FB_OK) {
     return 1; /* a shorter step may help */
   }
   memcpy(N_VGetArrayPointer(y_dot), rate.q, bytes);
@@ -285,8 +285,8 @@ static double deflection(int row)
   fb_node_motion node;
   fbb_check(fb_state_init(&body, &state), "state");
   memcpy(state.q, q[row], sizeof state.q);
-  fbb_check(fb_body_motion(&body, &motion, &state, NULL), "motion");
-  fbb_check(fb_body_node_motion(&body, &node, &state, &motion, tip), "tip");
+  fbb_check(fb_body_motion_eval(&body, &motion, &state, NULL), "motion");
+  fbb_check(fb_body_node_motion_eval(&body, &node, &state, &motion, tip), "tip");
   return (double)node.displacement[1];
 }
 
@@ -329,7 +329,7 @@ static int run(double *ns, const configuration *c)
 }
 
 /* Longest steps, largest tolerances first: a step is two thirds of the one before, a tolerance a tenth. ERKStep's main
-   scheme is stable where rk4 is. */
+   integrator is stable where rk4 is. */
 static void climb(int method)
 {
   static const int per_step[PEERS] = {4, 3, 5, 4};

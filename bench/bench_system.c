@@ -183,7 +183,7 @@ static void moving(fb_system_state *out, const fb_system *system, int s)
       m->q[a] = FB_R(0.05) * body->deflection_limit / body->reach[a] / (fb_real)body->n * fbb_random(next++);
     }
   }
-  fbb_check(fb_system_state_init(system, model, &work, out, motion, NULL), "state");
+  fbb_check(fb_system_state_init(system, model, out, &work, motion, NULL), "state");
 }
 
 /* ---- timing */
@@ -213,7 +213,7 @@ static void measure(clock_timing *out, int methods)
   int n = 0;
   for (int method = 0; method < methods; method++) {
     desc.method = (fb_method)method;
-    fbb_check(fb_system_init(&mechanism[method], &work, model, fbb_models(&desc), &desc), "system");
+    fbb_check(fb_system_init(&mechanism[method], &work, model, &desc, fbb_models(&desc)), "system");
     for (int s = 0; s < STATES; s++) {
       moving(&start[method][s], &mechanism[method], s);
     }

@@ -294,9 +294,9 @@ static double fbb_difference(const fbb_history *a, const fbb_history *b)
 
 /* ---- the exact beam */
 
-static void fbb_exact_init(fb_mixed *mixed, const fbb_case *c, int n_element)
+static void fbb_exact_init(fb_exact *exact, const fbb_case *c, int n_element)
 {
-  static fb_mixed_desc desc;
+  static fb_exact_desc desc;
   const fb_section section = fbb_section(c);
   memset(&desc, 0, sizeof desc);
   desc.length = (fb_real)c->length;
@@ -314,16 +314,16 @@ static void fbb_exact_init(fb_mixed *mixed, const fbb_case *c, int n_element)
   for (int i = 0; i < 3; i++) {
     desc.gravity[i] = (fb_real)c->gravity[i];
   }
-  fbb_check(fb_mixed_station_init(&desc.station[0], &section), "section");
-  fbb_check(fb_mixed_init(mixed, &desc), "exact beam");
+  fbb_check(fb_exact_station_init(&desc.station[0], &section), "section");
+  fbb_check(fb_exact_init(exact, &desc), "exact beam");
 }
 
-static void fbb_exact_input(fb_mixed_input *input, const fbb_case *c, const fb_mixed *mixed, double t)
+static void fbb_exact_input(fb_exact_input *input, const fbb_case *c, const fb_exact *exact, double t)
 {
   fbb_drive drive;
   fbb_drive_at(&drive, c, t);
   input->n_load = 1;
-  fbb_load_set(&input->load[0], c, &drive, c->at * mixed->n / 2);
+  fbb_load_set(&input->load[0], c, &drive, c->at * exact->n / 2);
   for (int i = 0; i < 3; i++) {
     input->v[i] = (fb_real)(c->base == FB_BASE_FREE ? 0.0 : drive.v[i]);
     input->w[i] = (fb_real)(c->base == FB_BASE_FREE ? c->spin[i] : drive.w[i]);
@@ -333,36 +333,36 @@ static void fbb_exact_input(fb_mixed_input *input, const fbb_case *c, const fb_m
 /* Runs it with n_element elements (even) and `steps` steps between samples. */
 static void fbb_exact_run(fbb_history *history, const fbb_case *c, int n_element, int steps)
 {
-  static fb_mixed mixed;
-  static fb_mixed_state state;
-  static fb_mixed_work work;
-  static fb_mixed_input input;
-  static fb_mixed_node node[FB_MAX_MIXED + 1];
+  static fb_exact exact;
+  static fb_exact_state state;
+  static fb_exact_work work;
+  static fb_exact_input input;
+  static fb_exact_node node[FB_MAX_EXACT + 1];
   const double dt = c->duration / (FBB_SAMPLES * steps);
   fb_real x[FBB_NODES][3], quat[FBB_NODES][4];
   double time = 0.0;
   memset(&input, 0, sizeof input);
-  fbb_exact_init(&mixed, c, n_element);
-  fbb_exact_input(&input, c, &mixed, 0.0);
+  fbb_exact_init(&exact, c, n_element);
+  fbb_exact_input(&input, c, &exact, 0.0);
   if (c->base == FB_BASE_FREE) { /* of the root: the mass center rests */
     for (int i = 0; i < 3; i++) {
       const double arm[3] = {0.5 * c->length, 0.0, 0.0};
       input.v[i] = (fb_real)(-(c->spin[(i + 1) % 3] * arm[(i + 2) % 3] - c->spin[(i + 2) % 3] * arm[(i + 1) % 3]));
     }
   }
-  fbb_check(fb_mixed_state_init(&mixed, &state, &work, &input), "exact beam");
+  fbb_check(fb_exact_state_init(&exact, &state, &work, &input), "exact beam");
   if (c->steady) {
-    fbb_check(fb_mixed_steady_solve(&mixed, &state, &work, &input), "exact beam's steady state");
+    fbb_check(fb_exact_trim(&exact, &state, &work, &input), "exact beam's steady state");
   }
   history->status = FB_OK;
   for (int k = 0; k < FBB_SAMPLES && history->status == FB_OK; k++) {
     const double start = clock_ns();
     for (int i = 0; i < steps && history->status == FB_OK; i++) {
-      fbb_exact_input(&input, c, &mixed, (k * steps + i + 0.5) * dt);
-      history->status = fb_mixed_step(&mixed, &state, &work, &input, (fb_real)dt);
+      fbb_exact_input(&input, c, &exact, (k * steps + i + 0.5) * dt);
+      history->status = fb_exact_step(&exact, &state, &work, &input, (fb_real)dt);
     }
     time += clock_ns() - start;
-    fbb_check(fb_mixed_nodes_eval(&mixed, node, &state), "exact beam");
+    fbb_check(fb_exact_nodes_eval(&exact, node, &state), "exact beam");
     for (int j = 0; j < FBB_NODES; j++) {
       memcpy(x[j], node[j * n_element / 2].position, sizeof x[j]);
       memcpy(quat[j], node[j * n_element / 2].quat, sizeof quat[j]);
@@ -374,8 +374,8 @@ static void fbb_exact_run(fbb_history *history, const fbb_case *c, int n_element
 
 /* ---- modal bodies */
 
-#define FBB_SCHEMES 4 /* those of fb_scheme */
-static const char *const fbb_scheme_name[] = {"rk4", "midpoint", "sdirk", "exponential"};
+#define FBB_INTEGRATORS 4 /* those of fb_integrator */
+static const char *const fbb_integrator_name[] = {"rk4", "midpoint", "sdirk", "exponential"};
 
 /* What deforms: bending modes along y and z, or with `elements` > 0 their cubic functions in both directions and along
    the beam, for nonlinear strain. */
@@ -475,7 +475,7 @@ static void fbb_body_output(double out[3], const fbb_case *c, const fb_body *bod
   fb_real x[FBB_NODES][3], quat[FBB_NODES][4];
   fb_node_motion node;
   for (int j = 0; j < FBB_NODES; j++) {
-    fbb_check(fb_body_node_motion(body, &node, state, &rest, j + 1), "node");
+    fbb_check(fb_body_node_motion_eval(body, &node, state, &rest, j + 1), "node");
     memcpy(x[j], node.position, sizeof x[j]);
     memcpy(quat[j], node.quat, sizeof quat[j]);
   }
@@ -483,7 +483,8 @@ static void fbb_body_output(double out[3], const fbb_case *c, const fb_body *bod
 }
 
 /* Runs the body with `steps` steps between samples; its status says whether it came to the end. */
-static void fbb_body_run(fbb_history *history, const fbb_case *c, const fb_body *body, fb_scheme scheme, int steps)
+static void fbb_body_run(fbb_history *history, const fbb_case *c, const fb_body *body, fb_integrator integrator,
+                         int steps)
 {
   static fb_body_work body_work;
   static stepper by;
@@ -499,7 +500,7 @@ static void fbb_body_run(fbb_history *history, const fbb_case *c, const fb_body 
   history->status =
       c->steady ? fb_body_trim(body, &state, &work, &input[2]) : fb_state_from_velocity(body, &state, zero, spin, NULL);
   if (history->status == FB_OK) {
-    history->status = stepper_init(&by, &body_work, body, scheme, dt);
+    history->status = stepper_init(&by, &body_work, body, integrator, dt);
   }
   start = clock_ns();
   for (int k = 0; k < FBB_SAMPLES * steps && history->status == FB_OK; k++) {

@@ -1,5 +1,5 @@
-/* ladder.h - a scene by the exact beam and by modal bodies of every set of effects, number of modes, scheme and step:
-   error and time of each. */
+/* ladder.h - a scene by the exact beam and by modal bodies of every set of effects, number of modes, integrator and
+   step: error and time of each. */
 #ifndef FBB_LADDER_H
 #define FBB_LADDER_H
 
@@ -12,7 +12,7 @@ enum { FBB_RIGID = 0, FBB_LINEAR = 1, FBB_SOME = 2, FBB_FULL = 3, FBB_STRAIN = 4
 static const char *const fbb_rung_name[] = {"rigid", "linear", "some", "full", "strain", "exact"};
 
 typedef struct fbb_entry {
-  const char *level, *scheme;
+  const char *level, *integrator;
   int rung, effects; /* of the exact beam: no mask */
   fbb_basis basis;
   double dt, error, ns_per_s;
@@ -72,7 +72,7 @@ static void fbb_extrapolate(fbb_history *out, const fbb_history *coarse, const f
 static double fbb_reference_make(const fbb_case *c)
 {
   static fbb_history run[3], rough;
-  fbb_entry e = {"exact", "mixed", FBB_EXACT, 0, {0, 0, 0}, 0, 0, 0};
+  fbb_entry e = {"exact", "exact", FBB_EXACT, 0, {0, 0, 0}, 0, 0, 0};
   for (int k = 0; k < 3; k++) {
     fbb_exact_run(&run[k], c, 16 << k, 8 << k);
     fbb_check(run[k].status, c->name);
@@ -90,7 +90,7 @@ static double fbb_reference_make(const fbb_case *c)
 static void fbb_climb_exact(const fbb_case *c)
 {
   static fbb_history h;
-  fbb_entry e = {"exact", "mixed", FBB_EXACT, 0, {0, 0, 0}, 0, 0, 0};
+  fbb_entry e = {"exact", "exact", FBB_EXACT, 0, {0, 0, 0}, 0, 0, 0};
   for (int n = 4; n <= 16; n *= 2) {
     for (int steps = 1; steps <= 4; steps *= 2) {
       fbb_exact_run(&h, c, n, steps);
@@ -118,13 +118,14 @@ static void fbb_climb_steps(const fbb_case *c, const fb_body *body, fbb_entry *e
   static fbb_history h;
   const double sample = c->duration / FBB_SAMPLES, limit = (double)fb_rk4_limit(body, (fb_real)fbb_largest_spin(c), 0);
   const int fewest = limit < sample ? (int)ceil(sample / limit) : 1;
-  for (int scheme = 0; scheme < FBB_SCHEMES; scheme++) {
-    for (int k = 0, steps = scheme == FB_SCHEME_RK4 ? fewest : 1; k < 4 && steps <= 4 * fewest; k++, steps *= 2) {
-      if (scheme == FB_SCHEME_RK4 && e->basis.elements && k > 0) {
+  for (int integrator = 0; integrator < FBB_INTEGRATORS; integrator++) {
+    for (int k = 0, steps = integrator == FB_INTEGRATOR_RK4 ? fewest : 1; k < 4 && steps <= 4 * fewest;
+         k++, steps *= 2) {
+      if (integrator == FB_INTEGRATOR_RK4 && e->basis.elements && k > 0) {
         break; /* its steps are short enough */
       }
-      fbb_body_run(&h, c, body, (fb_scheme)scheme, steps);
-      e->scheme = fbb_scheme_name[scheme];
+      fbb_body_run(&h, c, body, (fb_integrator)integrator, steps);
+      e->integrator = fbb_integrator_name[integrator];
       e->dt = sample / steps;
       fbb_record(e, &h);
     }

@@ -17,7 +17,7 @@ END {
   printf "%-24s%s\n", "n", head
   for (i = 1; i <= rows; i++) { split(order[i], part, SUBSEP); printf "%-16s %-7s%s\n", part[1], part[2], row[order[i]] }
   print ""
-  print "spin-up by SUNDIALS, time at equal error to that of the cheapest scheme of flexbeam"
+  print "spin-up by SUNDIALS, time at equal error to that of the cheapest integrator of flexbeam"
   printf "%-15s %-12s%10s%10s%10s%10s%10s%10s\n", "", "", "CVODE", "CVODE", "CVODE", "ARKODE", "ARKODE", "ARKODE"
   printf "%-7s %6s  %-12s%10s%10s%10s%10s%10s%10s\n", "scene", "error", "flexbeam", "Adams", "BDF", "BDF 1-2", "ERK 4", "DIRK 4", "ERK fixed"
   for (i = 1; i <= lines; i++) print line[i]

@@ -1,5 +1,5 @@
 #!/bin/sh
-# make bench-peers: the LU beside LAPACK's, the schemes beside SUNDIALS' with the same right-hand side, on one thread,
+# make bench-peers: the LU beside LAPACK's, the integrators beside SUNDIALS' with the same right-hand side, on one thread,
 # as ratios. Every LAPACK that Debian's alternatives know is measured, elsewhere the one that the linker finds.
 # CSV: build/bench_peers_lu.csv, build/bench_peers_step.csv; the table on stdout. Exit: 0, 1 without the libraries.
 set -eu

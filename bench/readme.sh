@@ -224,10 +224,10 @@ system() {
 }
 
 # The geometrically exact beam: time, the tables of [L], two pictures.
-mixed() {
-  make -s build/bench/bench_mixed_double build/examples/elastica build/examples/follower
-  build/bench/bench_mixed_double > "$out/mixed"
-  { echo '```'; awk -F, -f bench/mixed.awk "$out/mixed" | sed 's/ *$//'; echo '```'; } | block mixed
+exact() {
+  make -s build/bench/bench_exact_double build/examples/elastica build/examples/follower
+  build/bench/bench_exact_double > "$out/exact"
+  { echo '```'; awk -F, -f bench/exact.awk "$out/exact" | sed 's/ *$//'; echo '```'; } | block exact
   build/examples/elastica --out build/elastica.csv > "$out/elastica"
   picture build/elastica.svg examples/elastica.svg
   build/examples/follower --out build/follower.csv > "$out/follower"
@@ -295,7 +295,7 @@ if [ $# -gt 0 ]; then # one part alone
   exit
 fi
 for part in hil accuracy advice advise flags hard campaign speedup scene hostile program figures spinup forms table1 system \
-  mixed leigh blade identities peers instructions single sizes; do
+  exact leigh blade identities peers instructions single sizes; do
   "$part"
 done
 echo "tables, program and pictures of the documents regenerated"

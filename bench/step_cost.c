@@ -1,5 +1,5 @@
-/* step_cost - what a step of rk4 takes of the machine it runs on, for the body of a ROM header and no more than it needs:
-   on a board instructions and stack, on the desktop nanoseconds. bench/sizes.sh makes a table of it.
+/* step_cost - what a step of rk4 takes of the machine it runs on, for the body of a ROM header and no more than it
+   needs: on a board instructions and stack, on the desktop nanoseconds. bench/sizes.sh makes a table of it.
    Compile with -DBODY_HEADER, a header that reduce made, and -DBODY, the name in it; on the desktop -DDESKTOP. */
 #ifdef DESKTOP
 #define _POSIX_C_SOURCE 199309L /* clock_gettime */

@@ -1,25 +1,26 @@
 /* step_count - steps one body, for a counter of instructions (tests/checks/instructions.sh).
-   usage: step_count Y Z AXIAL EFFECTS STEPS [SCHEME [decayed | held]]
-   Y, Z, AXIAL: modes of each kind; EFFECTS: mask of FB_EFFECT_...; SCHEME: fb_rk4_step (default), fb_midpoint_step,
-   fb_sdirk_step, fb_exponential_step; decayed: the elastic motion is about to vanish; held: so is the hub, else it flies. */
+   usage: step_count Y Z AXIAL EFFECTS STEPS [INTEGRATOR [decayed | held]]
+   Y, Z, AXIAL: modes of each kind; EFFECTS: mask of FB_EFFECT_...; INTEGRATOR: fb_rk4_step (default), fb_midpoint_step,
+   fb_sdirk_step, fb_exponential_step; decayed: the elastic motion is about to vanish; held: so is the hub, else it
+   flies. */
 #include "sets.h"
 
 static fb_body body;
 static fb_body_work body_work;
 static fb_exponential exponential;
 
-static fb_status step(const char *scheme, fb_state *state, fb_real dt)
+static fb_status step(const char *integrator, fb_state *state, fb_real dt)
 {
   static fb_rk4_work rk4;
   static fb_implicit_work implicit;
   static fb_exponential_work work;
-  if (strcmp(scheme, "fb_midpoint_step") == 0) {
+  if (strcmp(integrator, "fb_midpoint_step") == 0) {
     return fb_midpoint_step(&body, state, &implicit, NULL, dt, 0);
   }
-  if (strcmp(scheme, "fb_sdirk_step") == 0) {
+  if (strcmp(integrator, "fb_sdirk_step") == 0) {
     return fb_sdirk_step(&body, state, &implicit, NULL, NULL, dt, 0);
   }
-  if (strcmp(scheme, "fb_exponential_step") == 0) {
+  if (strcmp(integrator, "fb_exponential_step") == 0) {
     return fb_exponential_step(&body, &exponential, state, &work, NULL, NULL, NULL);
   }
   return fb_rk4_step(&body, state, &rk4, NULL, NULL, NULL, dt);
@@ -29,10 +30,10 @@ int main(int argc, char **argv)
 {
   fb_state state;
   const int decayed = argc == 8 && strcmp(argv[7], "decayed") == 0, held = argc == 8 && strcmp(argv[7], "held") == 0;
-  const char *scheme = argc > 6 ? argv[6] : "fb_rk4_step";
+  const char *integrator = argc > 6 ? argv[6] : "fb_rk4_step";
   fb_real dt;
   if (argc < 6 || argc > 8 || (argc == 8 && !decayed && !held)) {
-    fprintf(stderr, "usage: step_count Y Z AXIAL EFFECTS STEPS [SCHEME [decayed | held]]\n");
+    fprintf(stderr, "usage: step_count Y Z AXIAL EFFECTS STEPS [INTEGRATOR [decayed | held]]\n");
     return 2;
   }
   fbb_check(boom_craft(&body, held ? FB_BASE_PRESCRIBED : FB_BASE_FREE, atoi(argv[1]), atoi(argv[2]), atoi(argv[3]),
@@ -43,7 +44,7 @@ int main(int argc, char **argv)
   dt = dt < FB_R(0.01) ? dt : FB_R(0.01);
   fbb_check(fb_exponential_init(&exponential, &body_work, &body, dt), "exponential scheme");
   for (int k = atoi(argv[5]); k > 0; k--) {
-    fbb_check(step(scheme, &state, dt), "step");
+    fbb_check(step(integrator, &state, dt), "step");
   }
   printf("n = %d, q[0] = %g, n_lambda = %d, n_S = %d\n", body.n, (double)state.q[0], body.n_lambda, body.n_S);
   return 0;

@@ -1,8 +1,8 @@
 /* system_count - steps one system, for a counter of instructions (tests/checks/instructions.sh).
-   usage: system_count CASE SCHEME STEPS
-   CASE: rigid, a free body; hinge, a free hub and a rigid arm; booms, two bending booms on it; chain, five bending bodies,
-   the first of them free; ground, the same, the first one on a hinge; dense, hub and boom by the dense method; ring, two
-   arms of a free hub that a loop ties; rows, hub and arm with multipliers. SCHEME: fb_system_rk4_step,
+   usage: system_count CASE INTEGRATOR STEPS
+   CASE: rigid, a free body; hinge, a free hub and a rigid arm; booms, two bending booms on it; chain, five bending
+   bodies, the first of them free; ground, the same, the first one on a hinge; dense, hub and boom by the dense method;
+   ring, two arms of a free hub that a loop ties; rows, hub and arm with multipliers. INTEGRATOR: fb_system_rk4_step,
    fb_system_sdirk_step. */
 #include "check.h"
 #include "random.h"
@@ -104,18 +104,18 @@ static void moving(void)
       motion[k].q[a] = FB_R(0.05) * body->deflection_limit / body->reach[a] / (fb_real)body->n * fbb_random(50 * k + a);
     }
   }
-  fbb_check(fb_system_state_init(&mechanism, model, &work, &state, motion, NULL), "state");
+  fbb_check(fb_system_state_init(&mechanism, model, &state, &work, motion, NULL), "state");
 }
 
 int main(int argc, char **argv)
 {
   const fb_real dt = FB_R(0.001);
   if (argc != 4 || !build(argv[1])) {
-    fprintf(stderr, "usage: system_count CASE SCHEME STEPS\n");
+    fprintf(stderr, "usage: system_count CASE INTEGRATOR STEPS\n");
     return 2;
   }
   models(3, 3);
-  fbb_check(fb_system_init(&mechanism, &work, model, fbb_models(&desc), &desc), "system");
+  fbb_check(fb_system_init(&mechanism, &work, model, &desc, fbb_models(&desc)), "system");
   moving();
   for (int k = atoi(argv[3]); k > 0; k--) {
     fbb_check(strcmp(argv[2], "fb_system_sdirk_step") == 0

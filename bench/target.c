@@ -1,8 +1,8 @@
 /* target - every stepper under random loads, on the desktop or on a board: the digest of all states, which must be the
    same wherever it runs, and the fewest and most instructions of a step, which must be the same number.
    Compile with -DBODY_HEADER, a header that reduce made, and -DBODY, the name in it; -DSTEPS (1000) of 1 ms,
-   -DSCHEMES, a mask of the lines below (all). sin, cos and atan2 are its own: those of C libraries differ in the last
-   bit, and in the work they do. Exit: 0, 1 when a step fails or the counts differ. */
+   -DINTEGRATORS, a mask of the lines below (all). sin, cos and atan2 are its own: those of C libraries differ in the
+   last bit, and in the work they do. Exit: 0, 1 when a step fails or the counts differ. */
 #include "../examples/firmware/board/board.h"
 #define FB_SIN(x) target_sin(x)
 #define FB_COS(x) target_cos(x)
@@ -22,8 +22,8 @@ static NUMBER target_atan2(NUMBER y, NUMBER x);
 #ifndef STEPS
 #define STEPS 1000
 #endif
-#ifndef SCHEMES
-#define SCHEMES 0x1ff
+#ifndef INTEGRATORS
+#define INTEGRATORS 0x1ff
 #endif
 
 /* sin(x + quarter pi/2): pi/2 in two parts, series to x^21/21!. */
@@ -89,9 +89,9 @@ static void digest_reals(const fb_real *x, int n)
   }
 }
 
-static void begin(const char *scheme)
+static void begin(const char *integrator)
 {
-  board_print(scheme);
+  board_print(integrator);
   seed = 1;
   digest = BOARD_DIGEST;
   fewest = 0xFFFFFFFFu;
@@ -158,9 +158,9 @@ static fb_exponential exponential;
 static fb_exponential_work exponential_work;
 static fb_body_work body_work;
 
-static fb_status body_step(int scheme)
+static fb_status body_step(int integrator)
 {
-  switch (scheme) {
+  switch (integrator) {
   case 0:
     return fb_rk4_step(&BODY, &state, &rk4, &input[0], &input[1], &input[2], dt);
   case 1:
@@ -172,18 +172,18 @@ static fb_status body_step(int scheme)
   }
 }
 
-static int run_body(const char *name, int scheme)
+static int run_body(const char *name, int integrator)
 {
   fb_status status = fb_state_init(&BODY, &state);
   int step = 0;
   begin(name);
-  status = status || scheme < 3 ? status : fb_exponential_init(&exponential, &body_work, &BODY, dt);
+  status = status || integrator < 3 ? status : fb_exponential_init(&exponential, &body_work, &BODY, dt);
   memset(input, 0, sizeof input);
   body_inputs();
   while (step < STEPS && status == FB_OK) {
     body_inputs();
     board_count_start();
-    status = body_step(scheme);
+    status = body_step(integrator);
     counted();
     digest_reals(state.rho, 3);
     digest_reals(state.quat, 4);
@@ -230,8 +230,8 @@ static int run_system(const char *name, fb_method method, int sdirk)
   system_desc.joint[1].parent_node = BODY.n_node - 1;
   system_desc.joint[1].stiffness[0] = FB_R(500.0);
   system_inputs();
-  status = fb_system_init(&pair, &system_work, &BODY, 1, &system_desc);
-  status = status ? status : fb_system_state_init(&pair, &BODY, &system_work, &system_state, NULL, system_input);
+  status = fb_system_init(&pair, &system_work, &BODY, &system_desc, 1);
+  status = status ? status : fb_system_state_init(&pair, &BODY, &system_state, &system_work, NULL, system_input);
   while (step < STEPS && status == FB_OK) {
     const fb_system_input *const in = system_input;
     system_inputs();
@@ -253,43 +253,43 @@ static int run_system(const char *name, fb_method method, int sdirk)
 
 /* ---- the exact beam: a clamped boom on a moving base */
 
-static fb_mixed_desc mixed_desc;
-static fb_mixed mixed;
-static fb_mixed_state mixed_state;
-static fb_mixed_work mixed_work;
-static fb_mixed_input mixed_input;
+static fb_exact_desc exact_desc;
+static fb_exact exact;
+static fb_exact_state exact_state;
+static fb_exact_work exact_work;
+static fb_exact_input exact_input;
 
-static int run_mixed(const char *name)
+static int run_exact(const char *name)
 {
   fb_section section;
   fb_status status;
   int step = 0;
   begin(name);
   memset(&section, 0, sizeof section);
-  memset(&mixed_desc, 0, sizeof mixed_desc);
+  memset(&exact_desc, 0, sizeof exact_desc);
   section.mass = FB_R(1.2);
   section.EA = FB_R(1e6);
   section.EI_y = section.EI_z = section.GJ = FB_R(1000.0);
   section.i_y = section.i_z = FB_R(0.01);
-  mixed_desc.length = FB_R(5.0);
-  mixed_desc.n_element = FB_MAX_MIXED;
-  mixed_desc.n_station = 1;
-  status = fb_mixed_station_init(&mixed_desc.station[0], &section);
-  status = status ? status : fb_mixed_init(&mixed, &mixed_desc);
-  status = status ? status : fb_mixed_state_init(&mixed, &mixed_state, &mixed_work, &mixed_input);
-  mixed_input.n_load = 1;
+  exact_desc.length = FB_R(5.0);
+  exact_desc.n_element = FB_MAX_EXACT;
+  exact_desc.n_station = 1;
+  status = fb_exact_station_init(&exact_desc.station[0], &section);
+  status = status ? status : fb_exact_init(&exact, &exact_desc);
+  status = status ? status : fb_exact_state_init(&exact, &exact_state, &exact_work, &exact_input);
+  exact_input.n_load = 1;
   while (step < STEPS && status == FB_OK) {
-    mixed_input.w[2] = FB_R(0.1) * random_number();
-    random_load(&mixed_input.load[0], FB_MAX_MIXED, FB_AXES_INERTIAL, FB_R(10.0));
+    exact_input.w[2] = FB_R(0.1) * random_number();
+    random_load(&exact_input.load[0], FB_MAX_EXACT, FB_AXES_INERTIAL, FB_R(10.0));
     board_count_start();
-    status = fb_mixed_step(&mixed, &mixed_state, &mixed_work, &mixed_input, dt);
+    status = fb_exact_step(&exact, &exact_state, &exact_work, &exact_input, dt);
     if (step >= 2) { /* the first two have less to extrapolate from */
       counted();
     }
-    digest_reals(mixed_state.r, 3 * (FB_MAX_MIXED + 1));
-    digest_reals(mixed_state.quat, 4 * (FB_MAX_MIXED + 1));
-    digest_reals(mixed_state.strain, 6 * FB_MAX_MIXED);
-    digest_reals(mixed_state.momentum, 6 * FB_MAX_MIXED);
+    digest_reals(exact_state.r, 3 * (FB_MAX_EXACT + 1));
+    digest_reals(exact_state.quat, 4 * (FB_MAX_EXACT + 1));
+    digest_reals(exact_state.strain, 6 * FB_MAX_EXACT);
+    digest_reals(exact_state.momentum, 6 * FB_MAX_EXACT);
     step++;
   }
   return end(status, step);
@@ -301,12 +301,12 @@ int main(void)
                                        "exponential       "};
   int well = 1;
   for (int k = 0; k < 4; k++) {
-    well &= SCHEMES >> k & 1 ? run_body(names[k], k) : 1;
+    well &= INTEGRATORS >> k & 1 ? run_body(names[k], k) : 1;
   }
-  well &= SCHEMES >> 4 & 1 ? run_system("system rk4        ", FB_METHOD_RECURSIVE, 0) : 1;
-  well &= SCHEMES >> 5 & 1 ? run_system("system dense      ", FB_METHOD_DENSE, 0) : 1;
-  well &= SCHEMES >> 6 & 1 ? run_system("system multipliers", FB_METHOD_MULTIPLIERS, 0) : 1;
-  well &= SCHEMES >> 7 & 1 ? run_system("system sdirk      ", FB_METHOD_RECURSIVE, 1) : 1;
-  well &= SCHEMES >> 8 & 1 ? run_mixed("mixed             ") : 1;
+  well &= INTEGRATORS >> 4 & 1 ? run_system("system rk4        ", FB_METHOD_RECURSIVE, 0) : 1;
+  well &= INTEGRATORS >> 5 & 1 ? run_system("system dense      ", FB_METHOD_DENSE, 0) : 1;
+  well &= INTEGRATORS >> 6 & 1 ? run_system("system multipliers", FB_METHOD_MULTIPLIERS, 0) : 1;
+  well &= INTEGRATORS >> 7 & 1 ? run_system("system sdirk      ", FB_METHOD_RECURSIVE, 1) : 1;
+  well &= INTEGRATORS >> 8 & 1 ? run_exact("exact             ") : 1;
   return !well;
 }

@@ -136,7 +136,7 @@ static fb_status build(void)
     joint->parent_node = i == 0 ? 0 : TIP;
     joint->damping[0] = (fb_real)arm[i].friction;
   }
-  return status ? status : fb_system_init(&mechanism, &work, model, LINKS, &desc);
+  return status ? status : fb_system_init(&mechanism, &work, model, &desc, LINKS);
 }
 
 /* ---- what the controller knows: the rigid arm and the profile */
@@ -189,8 +189,8 @@ static void rigid_tip(double tip[2], const double angle[LINKS])
 }
 
 /* Where the tip hangs at rest: each link a cantilever under its own weight q, the force F and moment T at its tip,
-     u = (F/3 + M/(2 L) + q L/8) L^3/EI,  phi = (F/2 + M/L + q L/6) L^2/EI;  across the bent link, which turns the next.
-     */
+     u = (F/3 + M/(2 L) + q L/8) L^3/EI,  phi = (F/2 + M/L + q L/6) L^2/EI;  across the bent link, which turns the
+     next. */
 static void sagging_tip(double tip[2], const double angle[LINKS])
 {
   double direction = 0;
@@ -224,8 +224,8 @@ static double encoder(double angle)
   return count * floor(angle / count + 0.5);
 }
 
-/* r' = g (M - slow M) - w r: the moment's band around w and above, integrated; at rest r is zero and the demand holds.
-   */
+/* r' = g (M - slow M) - w r: the moment's band around w and above, integrated; at rest r is zero and the demand
+   holds. */
 static double give_way(controller *c, int i, double moment, double gain)
 {
   const double w = 2 * pi * 0.5; /* [rad/s] well below the vibration */
@@ -279,9 +279,9 @@ static fb_status sense(sensors *s, const plant *p)
   for (int i = 0; i < LINKS && status == FB_OK; i++) {
     s->angle[i] = encoder((double)p->state.link[i].x[0]);
     s->speed[i] = (double)motion.joint[i].speed[0];
-    status = fb_body_node_motion(&model[i], &node, &motion.pose[i], &motion.motion[i], GAUGE);
+    status = fb_body_node_motion_eval(&model[i], &node, &motion.pose[i], &motion.motion[i], GAUGE);
     s->moment[i] = arm[i].EI * (double)node.rotation[2] / gauge_length;
-    status = status ? status : fb_body_node_motion(&model[i], &node, &motion.pose[i], &motion.motion[i], TIP);
+    status = status ? status : fb_body_node_motion_eval(&model[i], &node, &motion.pose[i], &motion.motion[i], TIP);
   }
   if (status == FB_OK) {
     rigid_tip(rigid, s->angle);
@@ -307,7 +307,7 @@ static fb_status advance(plant *p, sensors *s, int steps)
       p->loss += dt * arm[i].friction * (before[i] * before[i] + s->speed[i] * s->speed[i]) / 2;
     }
   }
-  status = status ? status : fb_system_energy(&mechanism, model, &work, &e, &p->state, &p->input);
+  status = status ? status : fb_system_energy_eval(&mechanism, model, &work, &e, &p->state, &p->input);
   p->energy = (double)(e.kinetic + e.strain + e.gravity);
   return status;
 }
@@ -363,9 +363,9 @@ static fb_status start(plant *p, sensors *s)
   for (int i = 0; i < LINKS; i++) {
     motion[i].value[0] = (fb_real)arm[i].from;
   }
-  status = fb_system_state_init(&mechanism, model, &work, &p->state, motion, &p->input);
+  status = fb_system_state_init(&mechanism, model, &p->state, &work, motion, &p->input);
   status = status ? status : sense(s, p);
-  status = status ? status : fb_system_energy(&mechanism, model, &work, &e, &p->state, &p->input);
+  status = status ? status : fb_system_energy_eval(&mechanism, model, &work, &e, &p->state, &p->input);
   p->first = p->energy = (double)(e.kinetic + e.strain + e.gravity);
   return status;
 }

@@ -1,6 +1,6 @@
-/* assembly - from parts to a whole: two beams joined to a frame (synthesis), the same frame as one bent line, a column that
-   buckles, a component whose tip is a boundary, a damped spinning blade. Each against its closed form or its other form.
-   Exit: 0 when all agree. */
+/* assembly - from parts to a whole: two beams joined to a frame (synthesis), the same frame as one bent line, a column
+   that buckles, a component whose tip is a boundary, a damped spinning blade. Each against its closed form or its other
+   form. Exit: 0 when all agree. */
 #define FB_MAX_MODES 24
 #define FB_MAX_ELEMENTS 12
 #define FLEXBEAM_IMPLEMENTATION
@@ -54,7 +54,7 @@ static void frame(void)
 {
   static fb_beam_desc desc;
   static fb_modes_desc keep;
-  const fb_weld weld = {{0, 1}, {6, 0}};
+  const fb_join_desc join = {.n_weld = 1, .weld = {{{0, 1}, {6, 0}}}, .lowest = 6};
   const double c = 0.5, s = sqrt(0.75);
   char what[64];
   int node;
@@ -81,7 +81,7 @@ static void frame(void)
     keep.boundary[k].axis = k;
   }
   need(fb_modes_solve(&basis[1], &work, &beam[1], &keep), "modes of the arm");
-  need(fb_modes_join(joined, &join_work, beam, basis, 2, &weld, 1, 6, FB_R(0.0)), "joining");
+  need(fb_modes_join(joined, &join_work, beam, basis, &join, 2), "joining");
   need(fb_shape_init(&shape, joined->n), "shape");
   need(fb_shape_add_beam(&shape, 0, &beam[0], &joined[0]), "mast");
   need(fb_shape_add_beam_node(&shape, &node, 0, &beam[0], &joined[0], FB_R(2.0)), "weld");
@@ -188,7 +188,7 @@ static void blade(void)
   input.w[2] = (fb_real)spin;
   need(fb_state_init(&body, &state), "state");
   need(fb_body_trim(&body, &state, &analyse_work, &input), "steady state");
-  need(fb_body_spectrum(&spectrum, &analyse_work, &body, &state, &input), "complex modes");
+  need(fb_body_spectrum_solve(&body, &analyse_work, &spectrum, &state, &input), "complex modes");
   printf("damped blade at %.0f rad/s; Southwell: lag and flap\n", spin);
   compare("frequency of lag [rad/s]", (double)spectrum.im[0], sqrt(rest * rest + 0.193 * spin * spin), 5e-3);
   compare("frequency of flap [rad/s]", (double)spectrum.im[1], sqrt(rest * rest + 1.193 * spin * spin), 5e-3);

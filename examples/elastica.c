@@ -4,13 +4,13 @@
    constant along any such beam, M^2/2EI + N^2/2EA + Q^2/2GA + N of the internal loads, whatever its shape.
    Exit: 0 well, 1 a check failed or there is no such state, 2 bad options. */
 #define _POSIX_C_SOURCE 200809L /* popen, for gnuplot */
-#define FB_MAX_MIXED 200
+#define FB_MAX_EXACT 200
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
 #define PROGRAM "elastica"
 #include "common/options.h"
 #include "common/output.h"
-#include "common/mixed_beam.h"
+#include "common/exact_beam.h"
 #include "common/plot.h"
 
 typedef struct options {
@@ -42,7 +42,7 @@ static int read_option(void *target, const char *name, const char *text)
                                    {"--moment", &o->moment, -1e30, 1e30},
                                    {"--force", &o->force, -1e30, 1e30},
                                    {"--follower", &o->follower, 0, 1},
-                                   {"--elements", &o->elements, 1, FB_MAX_MIXED}};
+                                   {"--elements", &o->elements, 1, FB_MAX_EXACT}};
   return strcmp(name, "--out") == 0 ? read_out(&o->out, text) : read_number(numbers, 8, name, text);
 }
 

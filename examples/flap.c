@@ -5,13 +5,13 @@
    twice the elements.
    Exit: 0 well, 1 a check failed or a step was too long, 2 bad options. */
 #define _POSIX_C_SOURCE 200809L /* popen, for gnuplot */
-#define FB_MAX_MIXED 200
+#define FB_MAX_EXACT 200
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
 #define PROGRAM "flap"
 #include "common/options.h"
 #include "common/output.h"
-#include "common/mixed_beam.h"
+#include "common/exact_beam.h"
 #include "common/plot.h"
 
 typedef struct options {
@@ -101,13 +101,13 @@ static fb_status run(const options *o, double E, int elements, double dt, double
 /* First frequency of the wing at rest, of its closed form. */
 static double frequency_ratio(const options *o, double E, double *hz)
 {
-  static fb_mixed_spectrum spectrum;
-  static fb_mixed_spectrum_work work;
+  static fb_exact_spectrum spectrum;
+  static fb_exact_spectrum_work work;
   const double euler = 3.5160152685 * o->height * sqrt(E / (12 * o->density)) / (o->length * o->length);
   fb_status status = build(o, E, (int)o->elements);
   beam_desc.tip = FB_HOLD_Y;
   status = status ? status : beam_start();
-  status = status ? status : fb_mixed_spectrum_solve(&beam, &spectrum, &work, &beam_state, NULL, 1);
+  status = status ? status : fb_exact_spectrum_solve(&beam, &work, &spectrum, &beam_state, NULL, 1);
   *hz = status == FB_OK ? (double)spectrum.im[0] / (2 * pi) : 0;
   return *hz * 2 * pi / euler;
 }

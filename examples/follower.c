@@ -5,13 +5,13 @@
    Checks: the bent beam against its own differential equation, integrated from the tip; Beck's load.
    Exit: 0 well, 1 a check failed, 2 bad options. */
 #define _POSIX_C_SOURCE 200809L /* popen, for gnuplot */
-#define FB_MAX_MIXED 200
+#define FB_MAX_EXACT 200
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
 #define PROGRAM "follower"
 #include "common/options.h"
 #include "common/output.h"
-#include "common/mixed_beam.h"
+#include "common/exact_beam.h"
 #include "common/plot.h"
 
 typedef struct options {
@@ -42,7 +42,7 @@ static int read_option(void *target, const char *name, const char *text)
                                    {"--ga", &o->GA, 0, 1e30},
                                    {"--mass", &o->mass, 1e-30, 1e30},
                                    {"--force", &o->force, 0, 1e30},
-                                   {"--elements", &o->elements, 2, FB_MAX_MIXED}};
+                                   {"--elements", &o->elements, 2, FB_MAX_EXACT}};
   return strcmp(name, "--out") == 0 ? read_out(&o->out, text) : read_number(numbers, 7, name, text);
 }
 
@@ -105,7 +105,7 @@ static fb_status bend(const options *o, FILE *csv)
     beam_tip_load(FB_AXES_NODE)->force[1] = (fb_real)(o->force * tenth / 10);
     status = beam_settle();
     if (status == FB_OK) {
-      const fb_mixed_node *const root = &beam_node[0], *const tip = &beam_node[n];
+      const fb_exact_node *const root = &beam_node[0], *const tip = &beam_node[n];
       printf("%-11.6g  %-11.6g  %-11.6g  %-14.6g  %-11.6g  %-11.6g  %-11.6g\n", o->force * tenth / 10,
              (double)tip->position[0], (double)tip->position[1], (double)tip->rotation[2], (double)root->force[0],
              (double)root->force[1], (double)root->moment[2]);
@@ -117,8 +117,8 @@ static fb_status bend(const options *o, FILE *csv)
 
 /* ---- flutter */
 
-static fb_mixed_spectrum spectrum;
-static fb_mixed_spectrum_work spectrum_work;
+static fb_exact_spectrum spectrum;
+static fb_exact_spectrum_work spectrum_work;
 
 /* Slowest motions of the straight column in its plane. */
 static fb_status press(const options *o, double force)
@@ -129,7 +129,7 @@ static fb_status press(const options *o, double force)
   beam_tip_load(FB_AXES_NODE)->force[0] = (fb_real)-force;
   status = beam_start();
   status = status ? status : beam_settle();
-  return status ? status : fb_mixed_spectrum_solve(&beam, &spectrum, &spectrum_work, &beam_state, &beam_input, 2);
+  return status ? status : fb_exact_spectrum_solve(&beam, &spectrum_work, &spectrum, &beam_state, &beam_input, 2);
 }
 
 static double growth(void)
@@ -222,7 +222,7 @@ int main(int argc, char **argv)
     return 1;
   }
   {
-    const fb_mixed_node *const tip = &beam_node[beam_desc.n_element];
+    const fb_exact_node *const tip = &beam_node[beam_desc.n_element];
     double exact[3], error;
     exact_tip(exact, &o);
     error = hypot((double)tip->position[0] - exact[0], (double)tip->position[1] - exact[1]) / o.length;

@@ -141,7 +141,7 @@ static fb_status build(const linkage *l, double EI)
   desc.loop[0].parent_node = TIP;
   desc.loop[0].child = ROCKER;
   desc.loop[0].child_node = TIP;
-  return status ? status : fb_system_init(&mechanism, &work, model, BARS, &desc);
+  return status ? status : fb_system_init(&mechanism, &work, model, &desc, BARS);
 }
 
 /* ---- closed form */
@@ -216,7 +216,7 @@ static fb_status start(fb_system_state *state, const linkage *l, const fb_system
   at[CRANK].value[0] = (fb_real)first_angle;
   at[COUPLER].value[0] = (fb_real)(coupler_angle(l, first_angle) - first_angle);
   at[ROCKER].value[0] = (fb_real)rocker_angle(l, first_angle);
-  return fb_system_state_init(&mechanism, model, &work, state, at, input);
+  return fb_system_state_init(&mechanism, model, state, &work, at, input);
 }
 
 static fb_status look(sample *s, const fb_system_state *state, const fb_system_input *input)
@@ -226,10 +226,10 @@ static fb_status look(sample *s, const fb_system_state *state, const fb_system_i
   fb_status status = fb_system_motion_eval(&mechanism, model, &work, &motion, state, input);
   const fb_state *pose = motion.pose;
   const fb_motion *m = motion.motion;
-  status = status ? status : fb_body_node_motion(&model[COUPLER], &tip, &pose[COUPLER], &m[COUPLER], TIP);
-  status = status ? status : fb_body_node_motion(&model[COUPLER], &middle, &pose[COUPLER], &m[COUPLER], MIDDLE);
-  status = status ? status : fb_body_node_motion(&model[ROCKER], &other, &pose[ROCKER], &m[ROCKER], TIP);
-  status = status ? status : fb_system_energy(&mechanism, model, &work, &e, state, input);
+  status = status ? status : fb_body_node_motion_eval(&model[COUPLER], &tip, &pose[COUPLER], &m[COUPLER], TIP);
+  status = status ? status : fb_body_node_motion_eval(&model[COUPLER], &middle, &pose[COUPLER], &m[COUPLER], MIDDLE);
+  status = status ? status : fb_body_node_motion_eval(&model[ROCKER], &other, &pose[ROCKER], &m[ROCKER], TIP);
+  status = status ? status : fb_system_energy_eval(&mechanism, model, &work, &e, state, input);
   s->gap = 0;
   for (int i = 0; i < 3; i++) {
     s->gap = fmax(s->gap, fabs((double)(tip.position[i] - other.position[i])));

@@ -34,8 +34,8 @@ int main(void)
   for (int k = 0; k < 1000 && status == FB_OK; k++) { // run: one step of 1 ms
     status = fb_rk4_step(&body, &state, &work, &torque, &torque, &torque, FB_R(0.001));
   }
-  status = status ? status : fb_body_motion(&body, &motion, &state, &torque);
-  status = status ? status : fb_body_node_motion(&body, &tip, &state, &motion, node);
+  status = status ? status : fb_body_motion_eval(&body, &motion, &state, &torque);
+  status = status ? status : fb_body_node_motion_eval(&body, &tip, &state, &motion, node);
   if (status != FB_OK) {
     printf("%s\n", fb_status_string(status));
     return 1;

@@ -303,7 +303,7 @@ static void make_rotor(const options *o, const fidelity *f)
     make_hinge(o, f, &desc.joint[CROSS(k)], k);
     make_bearing(&desc.joint[BLADE(k)], k);
   }
-  need(fb_system_init(&rotor, &work, model, MODELS, &desc), "system");
+  need(fb_system_init(&rotor, &work, model, &desc, MODELS), "system");
 }
 
 /* ---- a run */
@@ -362,7 +362,7 @@ static void set_loads(fb_system_input *input, const scene *s, double ahead)
 static void node_motion(fb_node_motion *at, const scene *s, int blade, int node)
 {
   const int body = BLADE(blade);
-  need(fb_body_node_motion(&model[BLADE_MODEL], at, &s->motion.pose[body], &s->motion.motion[body], node), "node");
+  need(fb_body_node_motion_eval(&model[BLADE_MODEL], at, &s->motion.pose[body], &s->motion.motion[body], node), "node");
 }
 
 /* A thin airfoil that moves with u = (u_y, u_z) through the air has the circulation Gamma = -a c u_z / 2; lift
@@ -420,8 +420,8 @@ static void totals(const scene *s, double *energy, double *momentum)
 {
   fb_energy e;
   fb_momentum m;
-  need(fb_system_energy(&rotor, model, &work, &e, &s->state, &s->input), "energy");
-  need(fb_system_momentum(&rotor, model, &work, &m, &s->state, &s->input), "momentum");
+  need(fb_system_energy_eval(&rotor, model, &work, &e, &s->state, &s->input), "energy");
+  need(fb_system_momentum_eval(&rotor, model, &work, &m, &s->state, &s->input), "momentum");
   *energy = (double)(e.kinetic + e.strain);
   *momentum = (double)m.angular[2];
 }
@@ -441,7 +441,7 @@ static void begin(scene *s, const options *o, const fidelity *f, double flap)
     start[BLADE(k)].value[0] = s->input.drive[BLADE(k)].value[0];
     start[BLADE(k)].speed[0] = s->input.drive[BLADE(k)].rate[0];
   }
-  need(fb_system_state_init(&rotor, model, &work, &s->state, start, &s->input), "initial state");
+  need(fb_system_state_init(&rotor, model, &s->state, &work, start, &s->input), "initial state");
   look(s, 0);
   s->before = s->loads;
   totals(s, &s->energy, &s->momentum);

@@ -151,7 +151,7 @@ static void make_craft(const options *o)
     desc.model[k] = ARRAY_MODEL;
     make_drive(o, &desc.joint[k], k);
   }
-  need(fb_system_init(&craft, &work, model, MODELS, &desc), "system");
+  need(fb_system_init(&craft, &work, model, &desc, MODELS), "system");
 }
 
 /* Moments of inertia of the whole about the hub's axes, undeformed. */
@@ -295,9 +295,9 @@ static void begin(scene *s, const options *o, int deflected)
       }
     }
   }
-  need(fb_system_state_init(&craft, model, &work, &s->state, start, &s->input), "initial state");
-  need(fb_system_energy(&craft, model, &work, &e, &s->state, &s->input), "energy");
-  need(fb_system_momentum(&craft, model, &work, &m, &s->state, &s->input), "momentum");
+  need(fb_system_state_init(&craft, model, &s->state, &work, start, &s->input), "initial state");
+  need(fb_system_energy_eval(&craft, model, &work, &e, &s->state, &s->input), "energy");
+  need(fb_system_momentum_eval(&craft, model, &work, &m, &s->state, &s->input), "momentum");
   s->energy = (double)(e.kinetic + e.strain);
   for (int i = 0; i < 3; i++) {
     s->momentum[i] = (double)m.angular[i];
@@ -370,8 +370,8 @@ static void balance(scene *s, history *h)
   fb_energy e;
   fb_momentum m;
   double miss = 0;
-  need(fb_system_energy(&craft, model, &work, &e, &s->state, &s->input), "energy");
-  need(fb_system_momentum(&craft, model, &work, &m, &s->state, &s->input), "momentum");
+  need(fb_system_energy_eval(&craft, model, &work, &e, &s->state, &s->input), "energy");
+  need(fb_system_momentum_eval(&craft, model, &work, &m, &s->state, &s->input), "momentum");
   for (int i = 0; i < 3; i++) {
     miss = fmax(miss, fabs((double)m.angular[i] - s->momentum[i] - s->impulse[i]));
   }
@@ -383,7 +383,7 @@ static void balance(scene *s, history *h)
 static double tip_deflection(const scene *s, int body)
 {
   fb_node_motion at;
-  need(fb_body_node_motion(&model[ARRAY_MODEL], &at, &s->motion.pose[body], &s->motion.motion[body], tip), "tip");
+  need(fb_body_node_motion_eval(&model[ARRAY_MODEL], &at, &s->motion.pose[body], &s->motion.motion[body], tip), "tip");
   return (double)at.displacement[2];
 }
 
@@ -413,7 +413,8 @@ static void run(history *h, const options *o, int with_notch)
     fb_node_motion sensors;
     fb_imu imu;
     double torque[3];
-    need(fb_body_node_motion(&model[HUB_MODEL], &sensors, &s.motion.pose[HUB], &s.motion.motion[HUB], 0), "sensors");
+    need(fb_body_node_motion_eval(&model[HUB_MODEL], &sensors, &s.motion.pose[HUB], &s.motion.motion[HUB], 0),
+         "sensors");
     fb_imu_eval(&imu, &sensors, NULL);
     controller_step(&c, o, t, sensors.quat, &imu, torque);
     if (k % stride == 0) {

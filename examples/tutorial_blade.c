@@ -1,7 +1,7 @@
 /* tutorial_blade - a rotor blade that rotates steadily: its frequencies over spin, then a gust on its tip.
    It shows: modes that converge under centrifugal tension, steady states, complex modes, the choice of a step.
-   Check: frequencies of a uniform blade as published (Wright et al. 1982; tests/reference/p02_rotating_uniform.csv), and
-   the blade comes to rest where the steady state under the gust says. Exit: 0 well, 1 a check failed. */
+   Check: frequencies of a uniform blade as published (Wright et al. 1982; tests/reference/p02_rotating_uniform.csv),
+   and the blade comes to rest where the steady state under the gust says. Exit: 0 well, 1 a check failed. */
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
 #include <math.h>
@@ -39,7 +39,7 @@ static fb_status first_flap(double *flap, fb_state *state, const fb_input *input
   static fb_analyse_work work;
   static fb_spectrum spectrum;
   fb_status status = fb_body_trim(&body, state, &work, input);
-  status = status ? status : fb_body_spectrum(&spectrum, &work, &body, state, input);
+  status = status ? status : fb_body_spectrum_solve(&body, &work, &spectrum, state, input);
   *flap = 0;
   for (int a = 0; a < 2 && status == FB_OK; a++) { // of the two slowest modes the flap mode is the faster one
     *flap = fmax(*flap, hypot((double)spectrum.re[a], (double)spectrum.im[a]));
@@ -51,8 +51,8 @@ static fb_status flap_of_tip(double *z, const fb_state *state, const fb_input *i
 {
   fb_motion motion;
   fb_node_motion node;
-  fb_status status = fb_body_motion(&body, &motion, state, input);
-  status = status ? status : fb_body_node_motion(&body, &node, state, &motion, tip);
+  fb_status status = fb_body_motion_eval(&body, &motion, state, input);
+  status = status ? status : fb_body_node_motion_eval(&body, &node, state, &motion, tip);
   *z = status ? 0 : (double)node.displacement[2];
   return status;
 }
@@ -78,7 +78,7 @@ int main(void)
   }
   input.n_load = 1; // the gust: a force on the tip, axes of the body, from now on
   input.load[0] = (fb_load){.node = tip, .axes = FB_AXES_BODY, .force = {0, 0, 2000}};
-  dt = FB_R(0.5) * fb_rk4_limit(&body, input.w[2], 0); // the limit of stability; fb_spectrum_step is for an accuracy
+  dt = FB_R(0.5) * fb_rk4_limit(&body, input.w[2], 0); // the limit of stability; fb_spectrum_dt is for an accuracy
   for (int k = 0; k < (int)(30 / dt) && status == FB_OK; k++) {
     status = fb_rk4_step(&body, &state, &rk4, &input, &input, &input, dt);
   }

@@ -1,6 +1,6 @@
-/* tutorial_firmware - what flies: a model in ROM, a state in RAM, one step per period, and what to do when a step fails.
-   It shows: a model that `reduce` wrote (examples/satellite.txt, single precision), its check word, snapshots, statuses.
-   Nothing that builds models is linked; the target compiles the same lines (examples/firmware/README.md).
+/* tutorial_firmware - what flies: a model in ROM, a state in RAM, one step per period, and what to do when a step
+   fails. It shows: a model that `reduce` wrote (examples/satellite.txt, single precision), its check word, snapshots,
+   statuses. Nothing that builds models is linked; the target compiles the same lines (examples/firmware/README.md).
    Check: a replay from a snapshot gives the same bits, a flipped bit of the model is detected, a refused step changes
    nothing, and the angular momentum is what the torque brought, 10 N m s, and stays. Exit: 0 well, 1 a check failed. */
 #define FLEXBEAM_IMPLEMENTATION
@@ -61,12 +61,12 @@ int main(void)
   damaged.K.diagonal[2] = -damaged.K.diagonal[2]; // one bit: the sign of a stiffness
   detected = fb_body_crc(&damaged) != satellite_crc && fb_body_check(&damaged) != FB_OK;
 
-  status = status ? status : fb_body_momentum(&satellite, &before, &state, NULL);
+  status = status ? status : fb_body_momentum_eval(&satellite, &before, &state, NULL);
   for (int k = 0; k < 10000 && status == FB_OK; k++) { // ten seconds without any torque
     const fb_real none[3] = {0};
     status = on_tick(none);
   }
-  status = status ? status : fb_body_momentum(&satellite, &after, &state, NULL);
+  status = status ? status : fb_body_momentum_eval(&satellite, &after, &state, NULL);
   if (status != FB_OK) {
     printf("%s\n", fb_status_string(status));
     return 1;

@@ -1,8 +1,8 @@
 /* tutorial_import - a solar array wing from a finite-element program, on a satellite that a thruster pushes.
-   It shows: a component from a text file (node masses, mode shapes, frequencies: examples/tools/README.md), its use as a body,
-   and the frequencies of the free satellite, which are not those of the wing on a fixed interface.
-   Check: on a fixed interface the frequencies of the file; free ones above them, mode by mode; a push changes momentum by
-   its impulse. Run it at the top of the project, or name the file. Exit: 0 well, 1 a check failed, 2 a bad file. */
+   It shows: a component from a text file (node masses, mode shapes, frequencies: examples/tools/README.md), its use as
+   a body, and the frequencies of the free satellite, which are not those of the wing on a fixed interface.
+   Check: on a fixed interface the frequencies of the file; free ones above them, mode by mode; a push changes momentum
+   by its impulse. Run it at the top of the project, or name the file. Exit: 0 well, 1 a check failed, 2 a bad file. */
 #define FB_MAX_NODES 16
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
@@ -27,7 +27,7 @@ static fb_status frequencies(double *hz, fb_base base)
   model.level.base = base;
   status = model_build(&what);
   status = status ? status : fb_state_init(&model_body, &state);
-  status = status ? status : fb_body_spectrum(&spectrum, &work, &model_body, &state, &input);
+  status = status ? status : fb_body_spectrum_solve(&model_body, &work, &spectrum, &state, &input);
   for (int k = 0; k < spectrum.n && status == FB_OK && found < model.n_mode; k++) {
     const double f = hypot((double)spectrum.re[k], (double)spectrum.im[k]) / (2 * model_pi);
     if (f > 0.01) { // the modes of a free body that come before are rigid ones, at zero
@@ -64,7 +64,7 @@ int main(int argc, char **argv)
   for (int k = 0; k < 5000 && status == FB_OK; k++) { // the thruster, in steps of 1 ms
     status = fb_rk4_step(&model_body, &state, &rk4, &input, &input, &input, (fb_real)(duration / 5000));
   }
-  status = status ? status : fb_body_momentum(&model_body, &momentum, &state, &input);
+  status = status ? status : fb_body_momentum_eval(&model_body, &momentum, &state, &input);
   if (status != FB_OK) {
     printf("%s: %s\n", file, fb_status_string(status));
     return 1;

@@ -51,7 +51,7 @@ static fb_status make_craft(void)
     joint->kind = FB_JOINT_REVOLUTE;
     joint->axis[i] = joint->child_axis[2] = 1;
   }
-  return fb_system_init(&craft, &work, model, 2, &desc);
+  return fb_system_init(&craft, &work, model, &desc, 2);
 }
 
 /* Torques of the wheels from attitude and rate of the hub: proportional and differential. Returns the error [rad]. */
@@ -77,7 +77,7 @@ int main(void)
   fb_status status = make_hub();
   status = status ? status : make_wheel();
   status = status ? status : make_craft();
-  status = status ? status : fb_system_state_init(&craft, model, &work, &state, NULL, NULL); // at rest
+  status = status ? status : fb_system_state_init(&craft, model, &state, &work, NULL, NULL); // at rest
   fb_quat_from_rotvec(wanted, turn);
   for (int k = 0; k < 120 * 100 && status == FB_OK; k++) { // 120 s, steps of 10 ms
     if (k % steps_per_period == 0) {
@@ -85,12 +85,12 @@ int main(void)
       error = control(wanted);
     }
     status = status ? status : fb_system_rk4_step(&craft, model, &state, &work, &input, &input, &input, FB_R(0.01));
-    status = status ? status : fb_system_momentum(&craft, model, &work, &momentum, &state, &input);
+    status = status ? status : fb_system_momentum_eval(&craft, model, &work, &momentum, &state, &input);
     total = fmax(total, sqrt((double)fb_vec3_dot(momentum.angular, momentum.angular)));
     wheel = fmax(wheel, 0.05 * fabs((double)motion.joint[3].speed[0]));
     for (int side = 0; side < 2 && status == FB_OK; side++) {
       fb_node_motion node;
-      status = fb_body_node_motion(&model[HUB], &node, &motion.pose[0], &motion.motion[0], 1 + side);
+      status = fb_body_node_motion_eval(&model[HUB], &node, &motion.pose[0], &motion.motion[0], 1 + side);
       bend = fmax(bend, fabs((double)node.displacement[1]));
     }
   }

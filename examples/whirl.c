@@ -5,13 +5,13 @@
    of the beam without stretch and shear, at three rates, against the table of rotating cantilevers.
    Exit: 0 well, 1 a check failed or a step was too long, 2 bad options. */
 #define _POSIX_C_SOURCE 200809L /* popen, for gnuplot */
-#define FB_MAX_MIXED 200
+#define FB_MAX_EXACT 200
 #define FLEXBEAM_IMPLEMENTATION
 #include "../flexbeam.h"
 #define PROGRAM "whirl"
 #include "common/options.h"
 #include "common/output.h"
-#include "common/mixed_beam.h"
+#include "common/exact_beam.h"
 #include "common/plot.h"
 
 typedef struct options {
@@ -49,7 +49,7 @@ static int read_option(void *target, const char *name, const char *text)
                                    {"--ramp", &o->ramp, 1e-6, 1e6},
                                    {"--seconds", &o->seconds, 1e-6, 1e6},
                                    {"--dt", &o->dt, 1e-9, 1},
-                                   {"--elements", &o->elements, 2, FB_MAX_MIXED},
+                                   {"--elements", &o->elements, 2, FB_MAX_EXACT},
                                    {"--dissipation", &o->dissipation, 0, 0.66}};
   return strcmp(name, "--out") == 0 ? read_out(&o->out, text) : read_number(numbers, 11, name, text);
 }
@@ -93,7 +93,7 @@ static fb_status run(const options *o, ringing *r, double *peak, FILE *csv)
     if (status == FB_OK) {
       const double along = (double)beam_node[n].displacement[0], across = (double)beam_node[n].displacement[1];
       fb_energy e;
-      (void)fb_mixed_energy(&beam, &e, &beam_state);
+      (void)fb_exact_energy_eval(&beam, &e, &beam_state);
       fprintf(csv, "%.7g,%.7g,%.9g,%.9g,%.7g,%.7g,%.9g\n", t, rate, along, across, (double)beam_node[0].force[0],
               (double)beam_node[0].moment[2], (double)(e.kinetic + e.strain));
       *peak = fabs(across) > fabs(*peak) ? across : *peak;
@@ -113,15 +113,15 @@ static fb_status run(const options *o, ringing *r, double *peak, FILE *csv)
 /* Steady state at full rate, and the slowest motion about it. */
 static fb_status steady(const options *o, double *stretch, double *omega)
 {
-  static fb_mixed_spectrum spectrum;
-  static fb_mixed_spectrum_work spectrum_work;
+  static fb_exact_spectrum spectrum;
+  static fb_exact_spectrum_work spectrum_work;
   fb_status status;
   build(o);
   beam_desc.tip = o->GA > 0 ? FB_HOLD_Z : FB_END_FREE; /* rigid out of the plane without it */
   status = beam_start();
   beam_input.w[2] = (fb_real)(2 * pi * o->hz);
   status = status ? status : beam_settle();
-  status = status ? status : fb_mixed_spectrum_solve(&beam, &spectrum, &spectrum_work, &beam_state, &beam_input, 1);
+  status = status ? status : fb_exact_spectrum_solve(&beam, &spectrum_work, &spectrum, &beam_state, &beam_input, 1);
   *stretch = (double)beam_node[beam_desc.n_element].displacement[0];
   *omega = (double)spectrum.im[0];
   return status;

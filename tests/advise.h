@@ -6,7 +6,7 @@
 #include "fbt.h"
 
 static fb_shape shape;
-static fb_advise_work work;
+static fb_advice_work work;
 static fb_envelope envelope;
 static fb_body_desc level;
 static fb_advice advice;
@@ -60,7 +60,7 @@ static inline void boom_under_a_force(double force, int along_y, int along_z)
 /* Advice for the envelope must succeed; returns its deflection. */
 static inline double deflection(void)
 {
-  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
   return (double)advice.deflection;
 }
 

@@ -200,14 +200,14 @@ static inline fb_joint_desc *hang(int k, int model, fb_joint_kind kind, int pare
 
 static inline void build(void)
 {
-  FBT_INT_EQ(fb_system_init(&mechanism, &tree_work.system, part, fbt_models(&tree), &tree), FB_OK);
-  FBT_INT_EQ(fb_system_state_init(&mechanism, part, &tree_work.system, &tree_state, start, &drive), FB_OK);
+  FBT_INT_EQ(fb_system_init(&mechanism, &tree_work.system, part, &tree, fbt_models(&tree)), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, part, &tree_state, &tree_work.system, start, &drive), FB_OK);
 }
 
 static inline void trim_and_modes(void)
 {
   FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), FB_OK);
-  FBT_INT_EQ(fb_system_spectrum(&spectrum, &tree_work, &mechanism, part, &tree_state, &drive), FB_OK);
+  FBT_INT_EQ(fb_system_spectrum_solve(&mechanism, part, &tree_work, &spectrum, &tree_state, &drive), FB_OK);
   FBT_BELOW((double)tree_work.common.linear.error, FBT_TOL(1e-10, 1e-3)); /* as examples/MODELS.md says */
 }
 
@@ -257,7 +257,8 @@ static inline void boom_loop(fb_axis_mode base)
   drive.drive[0].rate[5] = FB_R(2.0);
 }
 
-/* ---- a disk (4 kg, with the radii of gyration 0.15 m and 0.112 m on 0.6 m) that spins at the tip of a clamped shaft */
+/* ---- a disk (4 kg, with the radii of gyration 0.15 m and 0.112 m on 0.6 m) that spins at the tip of a clamped
+   shaft */
 
 static const double shaft_EI = 800.0; /* [N m^2] */
 
@@ -376,7 +377,8 @@ static inline double port_reads(const fb_port *port, const fb_system_motion *mot
   const int b = port->body;
   fb_node_motion at;
   fb_imu imu;
-  FBT_INT_EQ(fb_body_node_motion(&part[tree.model[b]], &at, &motion->pose[b], &motion->motion[b], port->node), FB_OK);
+  FBT_INT_EQ(fb_body_node_motion_eval(&part[tree.model[b]], &at, &motion->pose[b], &motion->motion[b], port->node),
+             FB_OK);
   fb_imu_eval(&imu, &at, NULL);
   return (double)(port->kind == FB_PORT_COORDINATE     ? motion->joint[b].value
                   : port->kind == FB_PORT_SPEED        ? motion->joint[b].speed
@@ -402,7 +404,7 @@ static inline double answers_apart(const fb_port in[5], const fb_port out[8], co
   memcpy(ports.in, in, 5 * sizeof *in);
   memcpy(ports.out, out, 8 * sizeof *out);
   FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), FB_OK);
-  FBT_INT_EQ(fb_system_linearize(&mechanism, part, &linear, &tree_work, &tree_state, &drive, &ports), FB_OK);
+  FBT_INT_EQ(fb_system_linearize(&mechanism, part, &tree_work, &linear, &tree_state, &drive, &ports), FB_OK);
   FBT_INT_EQ(linear.n_free, n_free);
   FBT_INT_EQ(linear.n, 2 * n);
   for (int step = -1; step < 1500; step++) {

@@ -288,12 +288,12 @@ static inline double power_of(const fb_state *state, const fb_input *input)
 {
   fb_motion motion;
   double power = 0.0;
-  FBT_INT_EQ(fb_body_motion(&body, &motion, state, input), FB_OK);
+  FBT_INT_EQ(fb_body_motion_eval(&body, &motion, state, input), FB_OK);
   for (int i = 0; i < input->n_load; i++) {
     const fb_load *load = &input->load[i];
     fb_real R[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, F[3], T[3];
     fb_node_motion at;
-    FBT_INT_EQ(fb_body_node_motion(&body, &at, state, &motion, load->node), FB_OK);
+    FBT_INT_EQ(fb_body_node_motion_eval(&body, &at, state, &motion, load->node), FB_OK);
     if (load->axes != FB_AXES_INERTIAL) {
       fb_quat_to_mat33(R, load->axes == FB_AXES_NODE ? at.quat : state->quat);
     }
@@ -309,11 +309,11 @@ static inline double energy_rate(const fb_state *state, const fb_input *input, d
 {
   fb_state rate, ahead, behind;
   fb_energy up, down;
-  FBT_INT_EQ(fb_body_rates(&body, &rate, state, input), FB_OK);
+  FBT_INT_EQ(fb_body_rates_eval(&body, &rate, state, input), FB_OK);
   state_along(&ahead, state, &rate, h);
   state_along(&behind, state, &rate, -h);
-  FBT_INT_EQ(fb_body_energy(&body, &up, &ahead, NULL), FB_OK);
-  FBT_INT_EQ(fb_body_energy(&body, &down, &behind, NULL), FB_OK);
+  FBT_INT_EQ(fb_body_energy_eval(&body, &up, &ahead, NULL), FB_OK);
+  FBT_INT_EQ(fb_body_energy_eval(&body, &down, &behind, NULL), FB_OK);
   return ((double)(up.kinetic - down.kinetic) + (double)(up.strain - down.strain) +
           (double)(up.gravity - down.gravity)) /
          (2.0 * h);

@@ -1,7 +1,7 @@
 /* fbt.h - the test harness: nothing but a C compiler.
    Each tests/test_<section>.c or test_<section>_<topic>.c defines static tests with TEST(name) and lists them in
-   SUITE(section, ...) or SUITE(section_topic, ...); a test that is not listed fails the build (-Wunused-function). Every
-   test file is a translation unit of its own and sees only flexbeam.h; the code itself is in test_main.c. */
+   SUITE(section, ...) or SUITE(section_topic, ...); a test that is not listed fails the build (-Wunused-function).
+   Every test file is a translation unit of its own and sees only flexbeam.h; the code itself is in test_main.c. */
 #ifndef FBT_H
 #define FBT_H
 
@@ -53,8 +53,8 @@ typedef struct fbt_case {
 /* A tolerance for double and one for single precision. */
 #define FBT_TOL(in_double, in_single) (FB_SINGLE ? (in_single) : (in_double))
 
-/* The forms of the equations of motion and the stiffness torques, by number: of the forms the first FBT_FORMS are there. The
-   library as shipped has one, and no members to choose it by. */
+/* The forms of the equations of motion and the stiffness torques, by number: of the forms the first FBT_FORMS are
+   there. The library as shipped has one, and no members to choose it by. */
 #if FB_WITH_FORMS
 enum { FBT_MOMENTUM = FB_FORM_MOMENTUM, FBT_SECOND = FB_FORM_SECOND, FBT_FIRST = FB_FORM_FIRST, FBT_FORMS = 3 };
 enum { FBT_IDENTITY = FB_TORQUE_IDENTITY, FBT_PRINTED = FB_TORQUE_PRINTED, FBT_BOUNDARY = FB_TORQUE_BOUNDARY };
@@ -67,8 +67,8 @@ enum { FBT_IDENTITY, FBT_PRINTED, FBT_BOUNDARY };
 #define FBT_SET_TORQUE(desc, number) ((void)(number))
 #endif
 
-/* Steps or seconds of a long run. Sanitizers (tests/checks/sanitize.sh) set FBT_SHORT: the code that a step runs through is
-   the same in every step, a short run shows them all of it, under the same bounds. */
+/* Steps or seconds of a long run. Sanitizers (tests/checks/sanitize.sh) set FBT_SHORT: the code that a step runs
+   through is the same in every step, a short run shows them all of it, under the same bounds. */
 #ifndef FBT_SHORT
 #define FBT_SHORT 0
 #endif
@@ -90,7 +90,8 @@ enum { FBT_IDENTITY, FBT_PRINTED, FBT_BOUNDARY };
            #got " ~ " #expected " (relative)")
 #define FBT_BELOW(got, limit) fbt_below((double)(got), (double)(limit), __FILE__, __LINE__, #got " < " #limit)
 
-/* A measured figure for the table of tests/VERIFICATION.md (test_runner --figures): what, against which source, how much. */
+/* A measured figure for the table of tests/VERIFICATION.md (test_runner --figures): what, against which source, how
+   much. */
 void fbt_figure(const char *what, const char *source, double value);
 
 void fbt_run(const char *section, const fbt_case *cases, int n);
@@ -110,7 +111,8 @@ double fbt_largest(const fb_real *a, int n);
 /* Rates of v in body axes, from the acceleration of O: a - w x v. Static: until the next call. */
 const fb_real *fbt_v_dot(const fb_motion *motion);
 
-/* Bytes of a struct of which one bit can flip without a change of its check word; more than all of them: the word is 0. */
+/* Bytes of a struct of which one bit can flip without a change of its check word; more than all of them: the word is
+   0. */
 int fbt_unseen(void *at, size_t size, unsigned (*word)(void));
 
 /* A reference CSV: '#' lines skipped, header line, rows of numbers or words. */
@@ -143,6 +145,21 @@ static inline int fbt_models(const fb_system_desc *desc)
     n = desc->model[k] >= n ? desc->model[k] + 1 : n;
   }
   return n;
+}
+
+/* fb_modes_join with its description by arguments. */
+static inline fb_status joined_by(fb_modes *joined, fb_join_work *work, const fb_beam *beam, const fb_modes *component,
+                                  int n_component, const fb_weld *weld, int n_weld, int lowest, fb_real omega_limit)
+{
+  fb_join_desc desc;
+  memset(&desc, 0, sizeof desc);
+  desc.n_weld = n_weld;
+  for (int k = 0; k < n_weld; k++) {
+    desc.weld[k] = weld[k];
+  }
+  desc.lowest = lowest;
+  desc.omega_limit = omega_limit;
+  return fb_modes_join(joined, work, beam, component, &desc, n_component);
 }
 
 #endif

@@ -1,5 +1,5 @@
-/* integrate.h - the schemes, and booms and strained beams that they step, shared by the tests of >>integrate:
-   the schemes, their limits and orders, conservation over long runs, the spin-up. */
+/* integrate.h - the integrators, and booms and strained beams that they step, shared by the tests of >>integrate:
+   the integrators, their limits and orders, conservation over long runs, the spin-up. */
 #ifndef FBT_INTEGRATE_H
 #define FBT_INTEGRATE_H
 
@@ -64,19 +64,19 @@ static inline void start(fb_state *state, double deflection, double spin)
 static inline double energy_of(const fb_state *state)
 {
   fb_energy e;
-  FBT_INT_EQ(fb_body_energy(&body, &e, state, NULL), FB_OK);
+  FBT_INT_EQ(fb_body_energy_eval(&body, &e, state, NULL), FB_OK);
   return (double)e.kinetic + (double)e.strain + (double)e.gravity;
 }
 
-/* ---- all schemes */
+/* ---- all integrators */
 
-typedef enum scheme { RK4, MIDPOINT, SDIRK, EXPONENTIAL, SCHEMES } scheme;
+typedef enum integrator { RK4, MIDPOINT, SDIRK, EXPONENTIAL, INTEGRATORS } integrator;
 static fb_exponential exponential;
 static fb_implicit_work implicit_work;
 static fb_exponential_work exponential_work;
 
-/* One step of a scheme; the exponential one is prepared for dt. */
-static inline fb_status step(scheme which, fb_state *state, const fb_input *in0, const fb_input *in1,
+/* One step of an integrator; the exponential one is prepared for dt. */
+static inline fb_status step(integrator which, fb_state *state, const fb_input *in0, const fb_input *in1,
                              const fb_input *in2, double dt)
 {
   fb_rk4_work work;
@@ -92,7 +92,7 @@ static inline fb_status step(scheme which, fb_state *state, const fb_input *in0,
   }
 }
 
-static inline void prepare(scheme which, double dt)
+static inline void prepare(integrator which, double dt)
 {
   if (which == EXPONENTIAL) {
     FBT_INT_EQ(fb_exponential_init(&exponential, &body_work, &body, (fb_real)dt), FB_OK);

@@ -136,7 +136,7 @@ static inline void accelerations(fb_real *acc, fb_state *state, const fb_input *
 {
   fb_motion motion;
   moving_state(state);
-  FBT_INT_EQ(fb_body_motion(&body, &motion, state, input), FB_OK);
+  FBT_INT_EQ(fb_body_motion_eval(&body, &motion, state, input), FB_OK);
   memcpy(acc, fbt_v_dot(&motion), 3 * sizeof *acc);
   memcpy(acc + 3, motion.w_dot, sizeof motion.w_dot);
   for (int a = 0; a < modes.n; a++) {
@@ -214,10 +214,10 @@ static inline void account(track *out, const fb_state *state, const fb_input *in
   const double g = (double)input->load[0].torque[2];
   fb_motion motion;
   fb_energy e;
-  FBT_INT_EQ(fb_body_motion(&body, &motion, state, input), FB_OK);
+  FBT_INT_EQ(fb_body_motion_eval(&body, &motion, state, input), FB_OK);
   out->work += (step % 2 ? 4.0 : 1.0) * g * (double)motion.w[2] * dt / 3.0;
   if (step % 2 == 0) {
-    FBT_INT_EQ(fb_body_energy(&body, &e, state, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_energy_eval(&body, &e, state, NULL), FB_OK);
     out->energy = fmax(out->energy, (double)e.kinetic + (double)e.strain);
     out->balance = fmax(out->balance, fabs((double)e.kinetic + (double)e.strain - out->work));
     out->work += g * (double)motion.w[2] * dt / 3.0; /* begins the next pair */

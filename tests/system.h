@@ -115,7 +115,7 @@ static inline void turn_anyhow(fb_real quat[4], double size)
 static inline void init(fb_method method)
 {
   desc.method = method;
-  FBT_INT_EQ(fb_system_init(&mechanism, &work, model, fbt_models(&desc), &desc), FB_OK);
+  FBT_INT_EQ(fb_system_init(&mechanism, &work, model, &desc, fbt_models(&desc)), FB_OK);
   FBT_INT_EQ(fb_system_check(&mechanism, model, FB_MAX_BODIES), FB_OK);
 }
 
@@ -167,7 +167,7 @@ static inline void tree(unsigned effects, int damped)
 static inline double energy_of(const fb_system_state *s)
 {
   fb_energy e;
-  FBT_INT_EQ(fb_system_energy(&mechanism, model, &work, &e, s, &input), FB_OK);
+  FBT_INT_EQ(fb_system_energy_eval(&mechanism, model, &work, &e, s, &input), FB_OK);
   return (double)(e.kinetic + e.strain + e.gravity);
 }
 
@@ -255,7 +255,7 @@ static inline void drives(void)
 static inline void stepped(fb_system_state *s, int n, double dt)
 {
   fb_system_input middle = input, end = input;
-  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, s, start, &input), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, s, &work, start, &input), FB_OK);
   for (int step = 0; step < n; step++) {
     const double t[3] = {dt * step, dt * (step + 0.5), dt * (step + 1)};
     fb_system_input *at[3];
@@ -481,7 +481,8 @@ static inline void node_at(double x[3], const fb_system_state *s, int body, int 
 {
   fb_node_motion at;
   FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, s, &input), FB_OK);
-  FBT_INT_EQ(fb_body_node_motion(&model[desc.model[body]], &at, &motion.pose[body], &motion.motion[body], node), FB_OK);
+  FBT_INT_EQ(fb_body_node_motion_eval(&model[desc.model[body]], &at, &motion.pose[body], &motion.motion[body], node),
+             FB_OK);
   for (int i = 0; i < 3; i++) {
     x[i] = (double)at.position[i];
   }

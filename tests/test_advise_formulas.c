@@ -92,12 +92,12 @@ TEST(selected_modes_move_as_a_body_of_their_own)
   for (int k = 0; k < 3; k++) {
     state.q[k] = FB_R(0.02) * (fb_real)(k + 1);
   }
-  FBT_INT_EQ(fb_body_motion(&body, &a, &state, &input), FB_OK);
-  FBT_INT_EQ(fb_body_motion(&twin, &b, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_body_motion_eval(&body, &a, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_body_motion_eval(&twin, &b, &state, &input), FB_OK);
   FBT_BELOW(fbt_difference(a.q_ddot, b.q_ddot, 3), FBT_TOL(1e-9, 2e-2));
   FBT_BELOW(fbt_difference(a.reaction_torque, b.reaction_torque, 3), FBT_TOL(1e-9, 1e-2));
-  FBT_INT_EQ(fb_body_node_motion(&body, &at, &state, &a, 1), FB_OK);
-  FBT_INT_EQ(fb_body_node_motion(&twin, &bt, &state, &b, 1), FB_OK);
+  FBT_INT_EQ(fb_body_node_motion_eval(&body, &at, &state, &a, 1), FB_OK);
+  FBT_INT_EQ(fb_body_node_motion_eval(&twin, &bt, &state, &b, 1), FB_OK);
   FBT_BELOW(fbt_difference(at.displacement, bt.displacement, 3), FBT_TOL(1e-12, 1e-5));
   FBT_BELOW(fbt_difference(at.rotation, bt.rotation, 3), FBT_TOL(1e-12, 1e-5));
 }
@@ -130,17 +130,17 @@ TEST(advice_estimates_the_deflection)
   fb_motion motion;
   fb_node_motion tip;
   boom_under_a_force(0.5, 0, 6);
-  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
   FBT_NEAR_REL(advice.deflection, rest, 3e-4); /* what six modes have of it */
   envelope.frequency = FB_HUGE;
-  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
   FBT_NEAR_REL(advice.deflection, 2.0 * rest, 1e-3);
   envelope.frequency = FB_R(0.5) * (fb_real)sqrt((double)shape.K[0]);
-  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
   FBT_NEAR_REL(advice.deflection, rest / 0.75, 1e-2);
   envelope.frequency = FB_R(0.0);
   envelope.spin[1] = FB_R(6.0); /* about y: bends in the plane of rotation */
-  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
   memset(&input, 0, sizeof input);
   input.n_load = 1;
   input.load[0] = envelope.load[0];
@@ -148,8 +148,8 @@ TEST(advice_estimates_the_deflection)
   FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
   FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
   FBT_INT_EQ(fb_body_trim(&body, &state, &analyse, &input), FB_OK);
-  FBT_INT_EQ(fb_body_motion(&body, &motion, &state, &input), FB_OK);
-  FBT_INT_EQ(fb_body_node_motion(&body, &tip, &state, &motion, 1), FB_OK);
+  FBT_INT_EQ(fb_body_motion_eval(&body, &motion, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_body_node_motion_eval(&body, &tip, &state, &motion, 1), FB_OK);
   FBT_NEAR_REL(advice.deflection, fabs((double)tip.displacement[2]), FBT_TOL(1e-4, 1e-3));
   FBT_BELOW(advice.deflection, 0.95 * rest);
 }
@@ -241,7 +241,7 @@ TEST(modes_are_taken_by_what_they_give)
   boom_output = FB_R(0.783445);
   boom_under_a_force(0.0, 0, 6);
   envelope.acceleration[2] = FB_R(1e-3);
-  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(4e-4)), FB_OK);
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(4e-4)), FB_OK);
   FBT_NEAR_REL(advice.deflection, 2.0 * 1e-3 * x * x * (54.0 - 12.0 * x + x * x) / (24.0 * 500.0), 1e-3);
   FBT_INT_EQ(advice.n, 2);
   FBT_INT_EQ(advice.coordinate[0], 0);
@@ -313,7 +313,7 @@ TEST(advice_knows_no_axes)
     }
     FBT_INT_EQ(advice.effects, first.effects);
     FBT_INT_EQ(advice.n, first.n);
-    FBT_INT_EQ(advice.scheme, first.scheme);
+    FBT_INT_EQ(advice.integrator, first.integrator);
     FBT_NEAR_REL(advice.deflection, first.deflection, FBT_TOL(1e-6, 1e-3));
     FBT_NEAR_REL(advice.dt, first.dt, FBT_TOL(1e-6, 1e-2));
     FBT_NEAR_REL(advice.error_model, first.error_model, FBT_TOL(1e-6, 1e-2));
@@ -370,7 +370,7 @@ static double squared_frequency(unsigned effects, const fb_real w[3])
   FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
   FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
   FBT_INT_EQ(fb_body_trim(&body, &state, &analyse, &input), FB_OK);
-  FBT_INT_EQ(fb_body_spectrum(&spectrum, &analyse, &body, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_body_spectrum_solve(&body, &analyse, &spectrum, &state, &input), FB_OK);
   return (double)(spectrum.im[0] * spectrum.im[0]);
 }
 
@@ -387,7 +387,7 @@ static void loaded_frequencies(double *squared)
   FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
   FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
   FBT_INT_EQ(fb_body_trim(&body, &state, &analyse, &input), FB_OK);
-  FBT_INT_EQ(fb_body_spectrum(&spectrum, &analyse, &body, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_body_spectrum_solve(&body, &analyse, &spectrum, &state, &input), FB_OK);
   FBT_INT_EQ(spectrum.n, shape.n);
   for (int k = 0; k < spectrum.n; k++) {
     squared[k] = (double)(spectrum.im[k] * spectrum.im[k]);
@@ -428,7 +428,7 @@ TEST(sets_err_by_the_change_of_frequency)
     full = squared_frequency(FB_EFFECTS_FULL, envelope.spin);
     linear = squared_frequency(FB_EFFECTS_LINEAR, envelope.spin);
     split = squared_frequency(with_spin, envelope.spin);
-    FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.001)), FB_OK);
+    FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.001)), FB_OK);
     FBT_NEAR_ABS(linear, rest, FBT_TOL(1e-8, 0.1));
     FBT_NEAR_REL(advice.without[3], (full - linear) / rest, FBT_TOL(1e-3, 1e-2));
     FBT_NEAR_ABS(work.error[4], fabs(full - split) / rest, FBT_TOL(1e-3, 1e-2)); /* the fifth set */
@@ -438,7 +438,7 @@ TEST(sets_err_by_the_change_of_frequency)
     FBT_NEAR_ABS(advice.without[4], 0.0, 1e-4); /* nothing accelerates */
     steady = (double)advice.without[3];
     envelope.frequency = FB_R(0.1);
-    FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.001)), FB_OK);
+    FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.001)), FB_OK);
     FBT_TRUE((double)advice.without[3] > 1.2 * steady);
   }
 }
@@ -447,12 +447,12 @@ TEST(sets_err_by_the_change_of_frequency)
    that bends the boom by a tenth and a fifth of its length. */
 TEST(advice_knows_where_modes_end)
 {
-  static fb_mixed mixed;
-  static fb_mixed_desc desc;
-  static fb_mixed_state exact;
-  static fb_mixed_work mixed_work;
-  static fb_mixed_input load;
-  static fb_mixed_node node[21];
+  static fb_exact exact;
+  static fb_exact_desc desc;
+  static fb_exact_state bent;
+  static fb_exact_work exact_work;
+  static fb_exact_input load;
+  static fb_exact_node node[21];
   static fb_analyse_work analyse;
   static fb_section section;
   desc.length = FB_R(3.0);
@@ -461,8 +461,8 @@ TEST(advice_knows_where_modes_end)
   section.mass = FB_R(2.0);
   section.EI_y = FB_R(500.0);
   section.EI_z = FB_R(900.0);
-  FBT_INT_EQ(fb_mixed_station_init(&desc.station[0], &section), FB_OK);
-  FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_OK);
+  FBT_INT_EQ(fb_exact_station_init(&desc.station[0], &section), FB_OK);
+  FBT_INT_EQ(fb_exact_init(&exact, &desc), FB_OK);
   for (int run = 1; run <= 2; run++) {
     const double force = 0.1 * run * 3.0 * 500.0 / 9.0;
     fb_state state;
@@ -471,22 +471,22 @@ TEST(advice_knows_where_modes_end)
     fb_node_motion tip;
     double off = 0.0;
     boom_under_a_force(force, 0, 6);
-    FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.1)), FB_OK);
+    FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.1)), FB_OK);
     FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
     FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
     memset(&input, 0, sizeof input);
     input.n_load = 1;
     input.load[0] = envelope.load[0];
     FBT_INT_EQ(fb_body_trim(&body, &state, &analyse, &input), FB_OK);
-    FBT_INT_EQ(fb_body_motion(&body, &motion, &state, &input), FB_OK);
-    FBT_INT_EQ(fb_body_node_motion(&body, &tip, &state, &motion, 1), FB_OK);
+    FBT_INT_EQ(fb_body_motion_eval(&body, &motion, &state, &input), FB_OK);
+    FBT_INT_EQ(fb_body_node_motion_eval(&body, &tip, &state, &motion, 1), FB_OK);
     memset(&load, 0, sizeof load);
     load.n_load = 1;
     load.load[0].node = 20;
     load.load[0].force[2] = (fb_real)force;
-    FBT_INT_EQ(fb_mixed_state_init(&mixed, &exact, &mixed_work, &load), FB_OK);
-    FBT_INT_EQ(fb_mixed_steady_solve(&mixed, &exact, &mixed_work, &load), FB_OK);
-    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &exact), FB_OK);
+    FBT_INT_EQ(fb_exact_state_init(&exact, &bent, &exact_work, &load), FB_OK);
+    FBT_INT_EQ(fb_exact_trim(&exact, &bent, &exact_work, &load), FB_OK);
+    FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &bent), FB_OK);
     for (int i = 0; i < 3; i++) {
       const double d = (double)(tip.displacement[i] - node[20].position[i]) + (i == 0 ? 3.0 : 0.0);
       off += d * d;
@@ -589,7 +589,7 @@ TEST(gravity_is_nothing_to_a_free_body)
     FBT_NEAR_REL(deflection(), weak.deflection, FBT_TOL(1e-6, 1e-2));
     FBT_INT_EQ(advice.effects, FB_EFFECTS_FULL);
     FBT_TRUE(!same ||
-             (advice.scheme == weak.scheme && fabs((double)(advice.dt / weak.dt) - 1.0) < FBT_TOL(1e-6, 1e-2)));
+             (advice.integrator == weak.integrator && fabs((double)(advice.dt / weak.dt) - 1.0) < FBT_TOL(1e-6, 1e-2)));
     weak = advice;
   }
 }
@@ -600,23 +600,23 @@ TEST(damping_goes_with_its_mode)
   fb_real dt, cost;
   boom_under_a_force(0.0, 1, 1);
   envelope.load[0].force[1] = FB_R(0.5);
-  envelope.spin[2] = FB_R(3.0); /* keeps the implicit schemes, which bear any damping, from long steps */
+  envelope.spin[2] = FB_R(3.0); /* keeps the implicit integrators, which bear any damping, from long steps */
   envelope.duration = FB_R(50.0);
   level.effects |= (unsigned)FB_EFFECT_DAMPING;
-  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.1)), FB_OK);
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.1)), FB_OK);
   FBT_INT_EQ(advice.n, 1);
   FBT_INT_EQ(advice.coordinate[0], 1);
   dt = advice.dt;
   cost = advice.cost;
   level.zeta[0] = FB_R(1e4);
-  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.1)), FB_OK);
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.1)), FB_OK);
   FBT_NEAR_REL(advice.dt, dt, 1e-6);
   FBT_NEAR_REL(advice.cost, cost, 1e-6);
   FBT_INT_EQ(advice.n, 1);
   level.zeta[1] = FB_R(1e4); /* but of the one that is */
-  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.1)), FB_OK);
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.1)), FB_OK);
   FBT_TRUE(advice.cost > FB_R(1.01) * cost || advice.dt < FB_R(0.99) * dt);
-  FBT_TRUE(advice.dt > FB_R(0.01) && advice.scheme != FB_SCHEME_RK4); /* what bears it is cheapest */
+  FBT_TRUE(advice.dt > FB_R(0.01) && advice.integrator != FB_INTEGRATOR_RK4); /* what bears it is cheapest */
 }
 
 /* E13.4: a load a hundred times what the limit of the deflection lets through bends the boom as far, but what no modal
@@ -625,11 +625,11 @@ TEST(advice_does_not_hide_what_is_out_of_range)
 {
   fb_real modes[3], model;
   boom_under_a_force(0.5 * 0.5 * 3.0 * 500.0 / 9.0, 0, 3);
-  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.1)), FB_OK);
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.1)), FB_OK);
   memcpy(modes, work.error_modes, sizeof modes);
   model = advice.error_model;
   envelope.load[0].force[2] *= FB_R(100.0);
-  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.1)), FB_OK);
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.1)), FB_OK);
   FBT_BELOW(advice.deflection, 1.1 * 0.5 * 3.0);
   FBT_NEAR_REL(advice.error_model, 1e4 * (double)model, 0.1); /* the tip comes in, too */
   FBT_NEAR_REL(work.error_modes[0], modes[0], 0.1);
@@ -662,7 +662,7 @@ TEST(advice_knows_no_units)
       envelope.frame = drive == 3 ? FB_R(0.125) * second : FB_R(0.0);
       level.effects |= drive == 2 ? (unsigned)FB_EFFECT_DAMPING : 0u;
       level.zeta[0] = drive == 2 ? FB_R(0.01) : FB_R(0.0);
-      FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
+      FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
       first = k == 0 ? advice : first;
       FBT_NEAR_REL(advice.dt / second, first.dt, FBT_TOL(1e-5, 3e-2));
       FBT_NEAR_REL(advice.deflection / metre, first.deflection, FBT_TOL(1e-6, 1e-2));
@@ -670,7 +670,7 @@ TEST(advice_knows_no_units)
       FBT_NEAR_ABS(advice.error_modes, first.error_modes, FBT_TOL(1e-6, 1e-3));
       FBT_NEAR_ABS(advice.error_effects, first.error_effects, FBT_TOL(1e-6, 1e-3));
       FBT_INT_EQ(advice.effects, first.effects);
-      FBT_INT_EQ(advice.scheme, first.scheme);
+      FBT_INT_EQ(advice.integrator, first.integrator);
       FBT_INT_EQ(advice.n, first.n);
     }
   }
@@ -702,7 +702,7 @@ TEST(advice_counts_loads_through_other_modes)
   boom_under_a_force(0.0, 3, 3);
   envelope.spin[0] = FB_R(0.2);
   envelope.spin[2] = -FB_R(4.0);
-  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
   FBT_INT_EQ(fb_shape_select(&other, &shape, advice.coordinate, advice.n), FB_OK);
   for (int run = 0; run < 2; run++) {
     fb_body_desc desc = level;
@@ -716,8 +716,8 @@ TEST(advice_counts_loads_through_other_modes)
     FBT_INT_EQ(fb_body_init(&body, &body_work, run ? &shape : &other, &desc), FB_OK);
     FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
     FBT_INT_EQ(fb_body_trim(&body, &state, &analyse, &input), FB_OK);
-    FBT_INT_EQ(fb_body_motion(&body, &motion, &state, &input), FB_OK);
-    FBT_INT_EQ(fb_body_node_motion(&body, &tip, &state, &motion, 1), FB_OK);
+    FBT_INT_EQ(fb_body_motion_eval(&body, &motion, &state, &input), FB_OK);
+    FBT_INT_EQ(fb_body_node_motion_eval(&body, &tip, &state, &motion, 1), FB_OK);
     z[run] = (double)tip.displacement[2];
   }
   FBT_TRUE(fabs(z[1]) > 1e-3);

@@ -5,7 +5,7 @@ static fb_shape other;
 static fb_body body, twin;
 static fb_body_work body_work;
 
-/* Largest step of the scheme that is advised, of the body that is advised. */
+/* Largest step of the integrator that is advised, of the body that is advised. */
 static double limit_of_advice(void)
 {
   const fb_real spin = (fb_real)sqrt((double)fb_vec3_dot(envelope.spin, envelope.spin));
@@ -18,12 +18,12 @@ static double limit_of_advice(void)
   }
   FBT_INT_EQ(fb_shape_select(&other, &shape, advice.coordinate, advice.n), FB_OK);
   FBT_INT_EQ(fb_body_init(&body, &body_work, &other, &desc), FB_OK);
-  return (double)(advice.scheme == FB_SCHEME_RK4           ? fb_rk4_limit(&body, spin, most)
-                  : advice.scheme == FB_SCHEME_EXPONENTIAL ? fb_exponential_limit(&body, spin, most)
-                                                           : fb_implicit_limit(&body, spin, most));
+  return (double)(advice.integrator == FB_INTEGRATOR_RK4           ? fb_rk4_limit(&body, spin, most)
+                  : advice.integrator == FB_INTEGRATOR_EXPONENTIAL ? fb_exponential_limit(&body, spin, most)
+                                                                   : fb_implicit_limit(&body, spin, most));
 }
 
-/* However much may be missed, a step is within the limit of its scheme. */
+/* However much may be missed, a step is within the limit of its integrator. */
 TEST(advised_steps_are_within_the_limit)
 {
   const fb_real center[3] = {0, 0, 0}, inertia[6] = {5, 5, 5, 0, 0, 0};
@@ -36,7 +36,7 @@ TEST(advised_steps_are_within_the_limit)
     envelope.duration = k % 3 == 0 ? FB_R(2.0) : FB_R(50.0);
     level.effects |= (unsigned)FB_EFFECT_DAMPING;
     level.zeta[0] = k == 1 || k > 4 ? FB_R(3.0) : FB_R(0.01); /* heavy, along the force */
-    FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(3.0)), FB_OK);
+    FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(3.0)), FB_OK);
     FBT_TRUE((advice.effects & FB_EFFECT_DAMPING) != 0);
     if (k == 1 || k > 5) { /* as long as that allows, with accelerations, too */
       FBT_NEAR_REL(advice.dt, limit_of_advice(), FBT_TOL(1e-9, 1e-5));
@@ -45,8 +45,8 @@ TEST(advised_steps_are_within_the_limit)
 }
 
 /* E12.7 of the mode, with the share f/omega of it that swings (all above it), and of the drive f gives the step, up to
-   the scheme's limit and an eighth of the duration; of the exponential scheme as rk4, of what the linear set is off by.
-   */
+   the integrator's limit and an eighth of the duration; of the exponential scheme as rk4, of what the linear set is off
+   by. */
 TEST(advised_steps_are_those_of_the_spectrum)
 {
   static fb_spectrum spectrum;
@@ -60,9 +60,9 @@ TEST(advised_steps_are_those_of_the_spectrum)
     boom_under_a_force(0.5, run / 9, 1);
     envelope.frequency = f;
     envelope.spin[0] = s;
-    FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, (fb_real)tolerance[k % 3]), FB_OK);
-    exponential += advice.scheme == FB_SCHEME_EXPONENTIAL;
-    drive = advice.scheme == FB_SCHEME_EXPONENTIAL ? work.error[0] : FB_R(1.0);
+    FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, (fb_real)tolerance[k % 3]), FB_OK);
+    exponential += advice.integrator == FB_INTEGRATOR_EXPONENTIAL;
+    drive = advice.integrator == FB_INTEGRATOR_EXPONENTIAL ? work.error[0] : FB_R(1.0);
     spectrum.n = advice.n + 1;
     for (int m = 0; m < advice.n; m++) {
       const int a = advice.coordinate[m];
@@ -71,8 +71,9 @@ TEST(advised_steps_are_those_of_the_spectrum)
     }
     amplitude[advice.n] = drive;
     spectrum.im[advice.n] = f;
-    dt = (double)fb_spectrum_step(&spectrum, advice.scheme == FB_SCHEME_EXPONENTIAL ? FB_SCHEME_RK4 : advice.scheme,
-                                  amplitude, envelope.duration, advice.error_step);
+    dt = (double)fb_spectrum_dt(&spectrum,
+                                advice.integrator == FB_INTEGRATOR_EXPONENTIAL ? FB_INTEGRATOR_RK4 : advice.integrator,
+                                amplitude, envelope.duration, advice.error_step);
     dt = fmin(dt, fmin(limit_of_advice(), 10.0 / 8.0));
     FBT_NEAR_REL(advice.dt, dt, 0.03);
     FBT_NEAR_REL(work.omega[0] * work.omega[0], shape.K[0], 0.05);
@@ -80,17 +81,17 @@ TEST(advised_steps_are_those_of_the_spectrum)
   FBT_TRUE(exponential > 0);
 }
 
-/* What is slow takes an implicit scheme, which has no limit; what swings rk4, or the exponential scheme where it is
+/* What is slow takes an implicit integrator, which has no limit; what swings rk4, or the exponential scheme where it is
    nearly linear. */
-TEST(schemes_have_their_scenes)
+TEST(integrators_have_their_scenes)
 {
-  const fb_scheme expected[3] = {FB_SCHEME_MIDPOINT, FB_SCHEME_RK4, FB_SCHEME_EXPONENTIAL};
+  const fb_integrator expected[3] = {FB_INTEGRATOR_MIDPOINT, FB_INTEGRATOR_RK4, FB_INTEGRATOR_EXPONENTIAL};
   for (int k = 0; k < 3; k++) {
     boom_under_a_force(0.5, 0, 1);
     envelope.frequency = k ? FB_R(20.0) : FB_R(0.0);
     envelope.spin[0] = k == 1 ? FB_R(2.0) : FB_R(0.0);
     (void)deflection();
-    FBT_INT_EQ(advice.scheme, expected[k]);
+    FBT_INT_EQ(advice.integrator, expected[k]);
   }
 }
 
@@ -106,7 +107,7 @@ TEST(errors_and_steps_add_up)
       envelope.frequency = FB_R(20.0);
       envelope.spin[1] = FB_R(0.5);
       envelope.frame = frame[k];
-      FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, (fb_real)tolerance[j]), FB_OK);
+      FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, (fb_real)tolerance[j]), FB_OK);
       FBT_BELOW(advice.error, tolerance[j] * (1.0 + 1e-5));
       FBT_NEAR_REL(advice.error, advice.error_effects + advice.error_modes + advice.error_step + advice.error_model,
                    1e-5);
@@ -132,7 +133,7 @@ TEST(steps_are_the_longest_parts_of_a_frame)
     const double frame = ratio[k] * (double)any.dt;
     envelope.frame = (fb_real)ratio[k] * any.dt;
     (void)deflection();
-    FBT_INT_EQ(advice.scheme, any.scheme);
+    FBT_INT_EQ(advice.integrator, any.integrator);
     FBT_NEAR_REL(advice.dt, frame / ceil(ratio[k]), FBT_TOL(1e-12, 1e-5));
   }
 }
@@ -144,7 +145,7 @@ TEST(advice_is_the_cheapest_that_adds_up)
   for (int k = 0; k < 4; k++) {
     const double part[4] = {0.98, 1.02, 1.15, 1.3};
     boom_under_a_force(1e-3, 0, 6);
-    FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, (fb_real)((1.0 - 0.9707) * part[k])), FB_OK);
+    FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, (fb_real)((1.0 - 0.9707) * part[k])), FB_OK);
     FBT_INT_EQ(advice.n == 1, k > 0);
     FBT_INT_EQ(advice.effects, FB_EFFECTS_LINEAR);
   }
@@ -157,7 +158,7 @@ typedef struct looked_at { /* a scene of which everything is known */
   fb_real last_cost, floor, most, shortest; /* the first run's cost and step */
   int in_order;
   fb_real dt[FB_EFFECTS_FULL + 1][FB_MAX_MODES + 1]
-            [FB_SCHEME_EXPONENTIAL + 1]; /* last tried, by set, modes and scheme */
+            [FB_INTEGRATOR_EXPONENTIAL + 1]; /* last tried, by set, modes and integrator */
 } looked_at;
 
 /* Off by 0.2 without spin stiffening, by 0.05 without the second mode, by the square of the step; `floor` or twice that
@@ -175,7 +176,7 @@ static fb_status look_at(void *user, fb_real *out, const fb_advice *candidate)
   } else {
     seen->in_order &= candidate->cost >= seen->last_cost && candidate->cost <= seen->most;
     seen->last_cost = candidate->cost;
-    fb_real *const last = &seen->dt[candidate->effects & FB_EFFECTS_FULL][candidate->n][candidate->scheme];
+    fb_real *const last = &seen->dt[candidate->effects & FB_EFFECTS_FULL][candidate->n][candidate->integrator];
     FBT_TRUE(!(*last > FB_R(0.0)) ||
              (dt < FB_R(0.99) * *last && dt > FB_R(0.49) * *last)); /* none twice, none left out */
     *last = dt;
@@ -184,7 +185,7 @@ static fb_status look_at(void *user, fb_real *out, const fb_advice *candidate)
   out[1] = reference ? FB_R(0.0) : (fb_real)(1 + seen->n_run % 2) * seen->floor + FB_R(20.0) * dt * dt;
   out[1] += candidate->effects & FB_EFFECT_SPIN_STIFFENING ? FB_R(0.0) : FB_R(0.2);
   out[1] += candidate->n >= 2 ? FB_R(0.0) : FB_R(0.05);
-  return seen->diverges && !reference && candidate->scheme == FB_SCHEME_RK4 ? FB_ERR_RANGE : FB_OK;
+  return seen->diverges && !reference && candidate->integrator == FB_INTEGRATOR_RK4 ? FB_ERR_RANGE : FB_OK;
 }
 
 /* The search goes through candidates by their cost, and stops at the first that will do. */
@@ -212,7 +213,7 @@ TEST(search_stops_at_the_cheapest_that_will_do)
     FBT_INT_EQ(advice.effects, FB_EFFECTS_LINEAR | FB_EFFECT_SPIN_STIFFENING);
     FBT_NEAR_REL(advice.error, 20.0 * (double)(advice.dt * advice.dt), FBT_TOL(1e-9, 1e-3));
     FBT_BELOW(advice.error, 0.01);
-    FBT_TRUE(!diverges || advice.scheme != FB_SCHEME_RK4);
+    FBT_TRUE(!diverges || advice.integrator != FB_INTEGRATOR_RK4);
     FBT_INT_EQ(advice.long_step, (double)advice.dt > limit_of_advice());
     FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
     FBT_NEAR_REL(seen.shortest, 0.25 * (double)fb_rk4_limit(&body, FB_R(3.0), 0), 1e-3);
@@ -232,7 +233,8 @@ TEST(search_stops_at_the_cheapest_that_will_do)
   }
 }
 
-/* Parts of the frame are tried once each, and none is passed over, though rk4's longest step differs from set to set. */
+/* Parts of the frame are tried once each, and none is passed over, though rk4's longest step differs from set to
+   set. */
 TEST(search_tries_each_part_of_a_frame_once)
 {
   for (int k = 0; k < 6; k++) {
@@ -257,10 +259,10 @@ TEST(search_tries_each_part_of_a_frame_once)
   }
 }
 
-typedef struct picky { /* takes one kind of candidate alone: effects, modes, scheme, steps up to the longest */
+typedef struct picky { /* takes one kind of candidate alone: effects, modes, integrator, steps up to the longest */
   unsigned effects;
-  int n, scheme;
-  fb_real longest, miss[4]; /* what all others are off by, by scheme */
+  int n, integrator;
+  fb_real longest, miss[4]; /* what all others are off by, by integrator */
   int n_run;
   fb_advice first;
   int tries[FB_EFFECTS_FULL + 1][FB_MAX_MODES + 1][4];
@@ -270,20 +272,20 @@ typedef struct picky { /* takes one kind of candidate alone: effects, modes, sch
 static fb_status pick(void *user, fb_real *out, const fb_advice *candidate)
 {
   picky *const p = (picky *)user;
-  const int scheme = (int)candidate->scheme;
+  const int integrator = (int)candidate->integrator;
   const unsigned effects = candidate->effects & FB_EFFECTS_FULL;
   out[0] = FB_R(1.0);
   if (p->n_run++ == 0) {
     p->first = *candidate;
     return FB_OK;
   }
-  p->tries[effects][candidate->n][scheme]++;
-  if (effects == FB_EFFECTS_LINEAR && candidate->n == 1 && scheme == (int)FB_SCHEME_MIDPOINT) {
+  p->tries[effects][candidate->n][integrator]++;
+  if (effects == FB_EFFECTS_LINEAR && candidate->n == 1 && integrator == (int)FB_INTEGRATOR_MIDPOINT) {
     const long parts = lround((double)(envelope.frame / candidate->dt));
     p->parts |= parts < 32 ? 1u << parts : 0u;
   }
-  if (effects != p->effects || candidate->n != p->n || scheme != p->scheme || candidate->dt > p->longest) {
-    out[0] += p->miss[scheme];
+  if (effects != p->effects || candidate->n != p->n || integrator != p->integrator || candidate->dt > p->longest) {
+    out[0] += p->miss[integrator];
   }
   return FB_OK;
 }
@@ -303,12 +305,12 @@ static fb_status search_for(picky *p)
   return fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.25), &trial);
 }
 
-static void new_judge(picky *p, unsigned effects, int n, int scheme)
+static void new_judge(picky *p, unsigned effects, int n, int integrator)
 {
   memset(p, 0, sizeof *p);
   p->effects = effects;
   p->n = n;
-  p->scheme = scheme;
+  p->integrator = integrator;
   p->longest = FB_HUGE;
   for (int s = 0; s < 4; s++) {
     p->miss[s] = FB_R(2.0);
@@ -317,11 +319,11 @@ static void new_judge(picky *p, unsigned effects, int n, int scheme)
   envelope.spin[2] = FB_R(0.5);
 }
 
-/* The estimated costs of steps are those of counted instructions (step_instructions.csv): each scheme, a base that
+/* The estimated costs of steps are those of counted instructions (step_instructions.csv): each integrator, a base that
    flies and one that is held, without and with terms of second degree, 2 to 12 modes. */
 TEST(costs_are_those_of_counted_instructions)
 {
-  static const char *const scheme[4] = {"rk4", "midpoint", "sdirk", "exponential"};
+  static const char *const integrator[4] = {"rk4", "midpoint", "sdirk", "exponential"};
   static picky p; /* takes anything */
   const fb_real center[3] = {0, 0, 0}, inertia[6] = {80, 80, 80, 0, 0, 0};
   const fbt_table *table = fbt_reference("step_instructions.csv");
@@ -337,7 +339,7 @@ TEST(costs_are_those_of_counted_instructions)
     memset(&p, 0, sizeof p);
     FBT_INT_EQ(search_for(&p), FB_OK);
     for (int s = 0; s < 4; s++) {
-      FBT_NEAR_REL(work.step_cost[set][shape.n - 1][s], fbt_value(table, row, scheme[s]), 0.12);
+      FBT_NEAR_REL(work.step_cost[set][shape.n - 1][s], fbt_value(table, row, integrator[s]), 0.12);
     }
   }
 }
@@ -355,12 +357,12 @@ TEST(gravity_shortens_no_step_of_a_free_body)
   envelope.acceleration[0] = FB_R(100.0);
   FBT_INT_EQ(search_for(&p), FB_OK);
   FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
-  FBT_NEAR_REL(work.longest[FBI_ADVICE_SETS - 1][1][FB_SCHEME_RK4], fb_rk4_limit(&body, FB_R(0.5), FB_R(0.0)),
+  FBT_NEAR_REL(work.longest[FBI_ADVICE_SETS - 1][1][FB_INTEGRATOR_RK4], fb_rk4_limit(&body, FB_R(0.5), FB_R(0.0)),
                FBT_TOL(1e-12, 1e-6));
 }
 
-/* Whatever alone will do is found: any set of effects, number of modes and scheme; in a step that is not beyond rk4's
-   limit. The cost of a step, and what does not come of the simulations, is what it is without them. */
+/* Whatever alone will do is found: any set of effects, number of modes and integrator; in a step that is not beyond
+   rk4's limit. The cost of a step, and what does not come of the simulations, is what it is without them. */
 TEST(search_finds_what_alone_will_do)
 {
   static const unsigned set[4] = {FB_EFFECTS_LINEAR, FB_EFFECTS_SPIN, FB_EFFECTS_LINEAR | FB_EFFECT_SPIN_STIFFENING,
@@ -372,14 +374,14 @@ TEST(search_finds_what_alone_will_do)
     FBT_INT_EQ(search_for(&p), FB_OK);
     FBT_INT_EQ(advice.effects, p.effects);
     FBT_INT_EQ(advice.n, p.n);
-    FBT_INT_EQ(advice.scheme, p.scheme);
+    FBT_INT_EQ(advice.integrator, p.integrator);
     FBT_INT_EQ(advice.n_trial, p.n_run);
     FBT_NEAR_ABS(advice.error, 0.0, 0.0);
-    FBT_TRUE(advice.scheme != FB_SCHEME_RK4 || advice.long_step == 0);
+    FBT_TRUE(advice.integrator != FB_INTEGRATOR_RK4 || advice.long_step == 0);
   }
   new_judge(&p, 0u, 0, 0);
-  FBT_INT_EQ(fb_body_advise(&without, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
-  new_judge(&p, without.effects, without.n, (int)without.scheme);
+  FBT_INT_EQ(fb_advice_solve(&without, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
+  new_judge(&p, without.effects, without.n, (int)without.integrator);
   FBT_INT_EQ(search_for(&p), FB_OK);
   FBT_NEAR_REL(advice.cost * advice.dt, without.cost * without.dt, FBT_TOL(1e-12, 1e-5));
   FBT_NEAR_REL(advice.deflection, without.deflection, FBT_TOL(1e-12, 1e-5));
@@ -391,9 +393,9 @@ TEST(search_finds_what_alone_will_do)
 TEST(search_ends_with_the_run_of_the_reference)
 {
   static picky p;
-  new_judge(&p, FB_EFFECTS_FULL, 2, (int)FB_SCHEME_RK4);
+  new_judge(&p, FB_EFFECTS_FULL, 2, (int)FB_INTEGRATOR_RK4);
   FBT_INT_EQ(search_for(&p), FB_OK);
-  new_judge(&p, FB_EFFECTS_FULL, 2, (int)FB_SCHEME_RK4);
+  new_judge(&p, FB_EFFECTS_FULL, 2, (int)FB_INTEGRATOR_RK4);
   p.longest = FB_R(1.0001) * advice.dt / 4; /* a quarter of the longest, as the reference has it */
   FBT_INT_EQ(search_for(&p), FB_OK);
   FBT_NEAR_REL(advice.dt, p.first.dt, FBT_TOL(1e-12, 1e-5));
@@ -407,8 +409,8 @@ TEST(search_ends_with_the_run_of_the_reference)
   FBT_NEAR_ABS(advice.error, 0.25, 0.0);
 }
 
-/* A body that misses it alike by two steps of a scheme is tried no more, one that does not is: by each of its schemes
-   for itself. Steps are parts of the frame, half as long every second time. */
+/* A body that misses it alike by two steps of an integrator is tried no more, one that does not is: by each of its
+   integrators for itself. Steps are parts of the frame, half as long every second time. */
 TEST(search_gives_up_bodies_that_miss_alike)
 {
   static picky p;
@@ -542,7 +544,7 @@ static fb_status spin_up(void *user, fb_real *out, const fb_advice *candidate)
   memset(input, 0, sizeof input);
   status = status ? status : fb_body_init(&twin, &body_work, &other, &desc);
   status = status ? status : fb_state_init(&twin, &state);
-  if (status == FB_OK && candidate->scheme == FB_SCHEME_EXPONENTIAL) {
+  if (status == FB_OK && candidate->integrator == FB_INTEGRATOR_EXPONENTIAL) {
     status = fb_exponential_init(&exponential, &body_work, &twin, candidate->dt);
   }
   for (int k = 0; k < 80 * steps && status == FB_OK; k++) {
@@ -551,18 +553,18 @@ static fb_status spin_up(void *user, fb_real *out, const fb_advice *candidate)
       input[j].w[2] = (fb_real)(t < 6.0 ? 8.0 * (t / 6.0 - sin(2 * pi * t / 6.0) / (2 * pi)) : 8.0);
       input[j].w_dot[2] = (fb_real)(t < 6.0 ? 8.0 / 6.0 * (1.0 - cos(2 * pi * t / 6.0)) : 0.0);
     }
-    status = candidate->scheme == FB_SCHEME_RK4
+    status = candidate->integrator == FB_INTEGRATOR_RK4
                  ? fb_rk4_step(&twin, &state, &rk4, input, input + 1, input + 2, candidate->dt)
-             : candidate->scheme == FB_SCHEME_MIDPOINT
+             : candidate->integrator == FB_INTEGRATOR_MIDPOINT
                  ? fb_midpoint_step(&twin, &state, &implicit, input + 1, candidate->dt, 0)
-             : candidate->scheme == FB_SCHEME_SDIRK
+             : candidate->integrator == FB_INTEGRATOR_SDIRK
                  ? fb_sdirk_step(&twin, &state, &implicit, input, input + 2, candidate->dt, 0)
                  : fb_exponential_step(&twin, &exponential, &state, &scratch, input, input + 1, input + 2);
     if ((k + 1) % steps == 0) {
       fb_motion motion;
       fb_node_motion tip;
       memset(&motion, 0, sizeof motion);
-      status = status ? status : fb_body_node_motion(&twin, &tip, &state, &motion, 1);
+      status = status ? status : fb_body_node_motion_eval(&twin, &tip, &state, &motion, 1);
       out[(k + 1) / steps - 1] = status == FB_OK ? tip.displacement[1] : FB_R(0.0);
     }
   }
@@ -600,7 +602,7 @@ TEST(advice_meets_its_tolerance)
     }
     FBT_INT_EQ(spin_up(NULL, output, &advice), FB_OK);
     FBT_TRUE(fbt_difference(output, reference, 80) > tolerance[k] * size);
-    FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, (fb_real)tolerance[k]), FB_OK);
+    FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, (fb_real)tolerance[k]), FB_OK);
     FBT_INT_EQ(advice.effects & needed, needed);
     FBT_INT_EQ(spin_up(NULL, output, &advice), FB_OK);
     FBT_BELOW(fbt_difference(output, reference, 80), tolerance[k] * size);
@@ -613,24 +615,24 @@ TEST(advice_refuses_nonsense)
   fb_trial trial;
   boom_under_a_force(0.5, 2, 2);
   advice.n = -7;
-  FBT_INT_EQ(fb_body_advise(NULL, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_NULL);
-  FBT_INT_EQ(fb_body_advise(&advice, NULL, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_NULL);
-  FBT_INT_EQ(fb_body_advise(&advice, &work, NULL, &level, &envelope, FB_R(0.01)), FB_ERR_NULL);
-  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.0)), FB_ERR_VALUE);
-  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, (fb_real)NAN), FB_ERR_NOT_FINITE);
+  FBT_INT_EQ(fb_advice_solve(NULL, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_NULL);
+  FBT_INT_EQ(fb_advice_solve(&advice, NULL, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_NULL);
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, NULL, &level, &envelope, FB_R(0.01)), FB_ERR_NULL);
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.0)), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, (fb_real)NAN), FB_ERR_NOT_FINITE);
   envelope.spin[1] = (fb_real)INFINITY;
-  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_NOT_FINITE);
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_NOT_FINITE);
   envelope.spin[1] = FB_R(0.0);
   envelope.frequency = -FB_R(1.0);
-  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_VALUE);
   envelope.frequency = FB_R(0.0);
   envelope.duration = FB_R(0.0);
-  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_VALUE);
   envelope.duration = FB_R(10.0);
   envelope.frame = -FB_R(1.0);
-  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_VALUE);
   envelope.frame = FB_R(1.0) / FB_HUGE; /* no step so short is worth its cost */
-  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_STEP);
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_STEP);
   memset(&trial, 0, sizeof trial);
   trial.run = look_at;
   trial.n = trial.width = 1;
@@ -638,27 +640,27 @@ TEST(advice_refuses_nonsense)
   FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.01), &trial), FB_ERR_STEP);
   envelope.frame = FB_R(0.0);
   envelope.node = 2;
-  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_CAPACITY);
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_CAPACITY);
   envelope.node = 1;
   envelope.load[0].node = 5;
-  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_CAPACITY);
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_CAPACITY);
   envelope.load[0].node = 1;
   envelope.load[0].force[2] = (fb_real)NAN;
-  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_NOT_FINITE);
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_NOT_FINITE);
   envelope.load[0].force[2] = FB_R(0.0); /* nothing drives the output */
-  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_VALUE);
   envelope.load[0].force[2] = FB_R(0.5);
   memset(&trial, 0, sizeof trial);
   FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.01), NULL), FB_ERR_NULL);
   FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.01), &trial), FB_ERR_NULL);
   make_boom(&shape, &modes, 2, 2);
   shape.M[1] = shape.M[shape.n] = FB_R(0.5);
-  FBT_INT_EQ(fb_body_advise(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_UNSUPPORTED);
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_ERR_UNSUPPORTED);
   FBT_INT_EQ(advice.n, -7);
 }
 
 SUITE(advise_search, RUN(steps_are_the_longest_parts_of_a_frame), RUN(advice_is_the_cheapest_that_adds_up),
-      RUN(schemes_have_their_scenes), RUN(advised_steps_are_within_the_limit),
+      RUN(integrators_have_their_scenes), RUN(advised_steps_are_within_the_limit),
       RUN(advised_steps_are_those_of_the_spectrum), RUN(errors_and_steps_add_up),
       RUN(search_stops_at_the_cheapest_that_will_do), RUN(search_tries_each_part_of_a_frame_once),
       RUN(costs_are_those_of_counted_instructions), RUN(gravity_shortens_no_step_of_a_free_body),

@@ -25,7 +25,7 @@ TEST(spectrum_of_a_spinning_oscillator_is_closed_form)
     FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_OK);
     FBT_NEAR_ABS(state.q[0], w * w * 0.5 / a, FBT_TOL(1e-12, 1e-4));
     FBT_NEAR_ABS(state.q[1], 0.0, FBT_TOL(1e-12, 1e-4));
-    FBT_INT_EQ(fb_body_spectrum(&spectrum, &work, &body, &state, &input), FB_OK);
+    FBT_INT_EQ(fb_body_spectrum_solve(&body, &work, &spectrum, &state, &input), FB_OK);
     for (int k = 0; k < spectrum.n; k++) {
       const double x = (double)spectrum.re[k], y = (double)spectrum.im[k];
       const double s = x * x - y * y, t = 2.0 * x * y; /* l^2 */
@@ -76,7 +76,7 @@ TEST(bases_that_move_move_the_state_of_rest)
   ports.in[1].axis = 2;
   ports.in[2].kind = FB_PORT_FORCE;
   ports.in[2].node = node;
-  FBT_INT_EQ(fb_body_linearize(&body, &linear, &work, &state, &input, &ports), FB_OK);
+  FBT_INT_EQ(fb_body_linearize(&body, &work, &linear, &state, &input, &ports), FB_OK);
   FBT_INT_EQ(linear.n, 4);
   for (int k = 0; k < 3; k++) {
     for (int i = 0; i < 4; i++) {
@@ -104,7 +104,7 @@ TEST(damped_modes_have_their_ratios)
   memset(&input, 0, sizeof input);
   beam_body(&body, 0.0, NULL, NULL);
   FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
-  FBT_INT_EQ(fb_body_spectrum(&spectrum, &work, &body, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_body_spectrum_solve(&body, &work, &spectrum, &state, &input), FB_OK);
   FBT_INT_EQ(spectrum.n, 6);
   for (int k = 0; k < 6; k++) {
     const double re = (double)spectrum.re[k], im = (double)spectrum.im[k];
@@ -157,7 +157,7 @@ TEST(free_tops_nutate_as_euler_says)
     FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
     fb_quat_from_rotvec(state.quat, turn);
     FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_OK);
-    FBT_INT_EQ(fb_body_spectrum(&spectrum, &work, &body, &state, &input), FB_OK);
+    FBT_INT_EQ(fb_body_spectrum_solve(&body, &work, &spectrum, &state, &input), FB_OK);
     for (int k = 0; k < spectrum.n; k++) {
       const double re = (double)spectrum.re[k], im = (double)spectrum.im[k];
       const double square = re * re - im * im, tol = FBT_TOL(1e-9, 2e-3);
@@ -238,7 +238,8 @@ TEST(a_hinge_turns_what_spins_about_no_axis_of_its_own)
 }
 
 /* E12.1: about any axis in the span of equal inertias a body spins freely, so it does about the one that is wanted: a
-   sphere about all, a disc about all in its plane; from other directions about the nearest of them, or about its own. */
+   sphere about all, a disc about all in its plane; from other directions about the nearest of them, or about its
+   own. */
 TEST(equal_inertias_spin_about_any_of_their_axes)
 {
   static const double wanted[5][3] = {
@@ -266,7 +267,7 @@ TEST(equal_inertias_spin_about_any_of_their_axes)
     }
     FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
     FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_OK);
-    FBT_INT_EQ(fb_body_motion(&body, &motion, &state, &input), FB_OK);
+    FBT_INT_EQ(fb_body_motion_eval(&body, &motion, &state, &input), FB_OK);
     for (int i = 0; i < 3; i++) {
       FBT_NEAR_ABS(motion.w[i], stretch * share[i], FBT_TOL(1e-13, 1e-5));
     }
@@ -304,7 +305,7 @@ TEST(damped_spinning_satellite_has_its_closed_form)
     input.w[2] = (fb_real)spin;
     FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
     FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_OK);
-    FBT_INT_EQ(fb_body_spectrum(&spectrum, &work, &body, &state, &input), FB_OK);
+    FBT_INT_EQ(fb_body_spectrum_solve(&body, &work, &spectrum, &state, &input), FB_OK);
     for (int i = 0; i < spectrum.n; i++) {
       const number l = {(double)spectrum.re[i], (double)spectrum.im[i]}, one = {1.0, 0.0}, zero = {0.0, 0.0};
       const number l2 = times(l, l), s = plus(l2, spin * spin, one), D = plus(plus(plus(zero, mu, l2), c, l), k, one);
@@ -361,7 +362,7 @@ TEST(linear_models_answer_as_the_body_does)
     ports.out[k].node = k < 2 ? 0 : node;
     ports.out[k].axis = k < 2 ? k + 1 : 1 + k % 2;
   }
-  FBT_INT_EQ(fb_body_linearize(&body, &linear, &work, &steady, &input, &ports), FB_OK);
+  FBT_INT_EQ(fb_body_linearize(&body, &work, &linear, &steady, &input, &ports), FB_OK);
   FBT_INT_EQ(linear.n, 2 * (4 + 6));
   state = steady;
   for (int step = -1; step < 2000; step++) {
@@ -377,12 +378,12 @@ TEST(linear_models_answer_as_the_body_does)
       FBT_INT_EQ(fb_rk4_step(&body, &state, &rk4, &loads, &loads, &loads, (fb_real)dt), FB_OK);
       linear_step(x, &linear, u, dt);
     }
-    FBT_INT_EQ(fb_body_motion(&body, &motion, &state, &loads), FB_OK);
+    FBT_INT_EQ(fb_body_motion_eval(&body, &motion, &state, &loads), FB_OK);
     for (int k = 0; k < 8; k++) {
       fb_node_motion at;
       fb_imu imu;
       double y;
-      FBT_INT_EQ(fb_body_node_motion(&body, &at, &state, &motion, ports.out[k].node), FB_OK);
+      FBT_INT_EQ(fb_body_node_motion_eval(&body, &at, &state, &motion, ports.out[k].node), FB_OK);
       fb_imu_eval(&imu, &at, NULL);
       y = (double)(k < 3   ? imu.angular_rate
                    : k < 5 ? at.displacement
@@ -444,7 +445,7 @@ static void linear_in_units(fb_linear *linear, double size[3][FB_MAX_LINEAR], fb
   fb_quat_from_rotvec(state.quat, turn);
   FBT_INT_EQ(fb_state_from_velocity(&body, &state, input.v, input.w, NULL), FB_OK);
   ports.n_in = base == FB_BASE_PRESCRIBED ? 4 : 2;
-  FBT_INT_EQ(fb_body_linearize(&body, linear, &work, &state, &input, &ports), FB_OK);
+  FBT_INT_EQ(fb_body_linearize(&body, &work, linear, &state, &input, &ports), FB_OK);
   for (; n < 2 * body.n; n++) {
     size[0][n] = mode;
   }
@@ -488,7 +489,7 @@ TEST(margins_name_the_worst_mode_wherever_it_stands)
         fb_real re[4] = {-FB_R(3.0), -FB_R(2.0), -FB_R(4.0), -FB_R(2.0)};
         int mode = -1;
         re[worst] = re[twin] = -FB_R(0.25);
-        FBT_NEAR_ABS(fb_spectrum_margin(re, &mode, n), 0.25, 0.0);
+        FBT_NEAR_ABS(fb_spectrum_margin(&mode, re, n), 0.25, 0.0);
         FBT_INT_EQ(mode, worst);
       }
     }
@@ -523,7 +524,7 @@ TEST(nrel_blade_has_the_published_figures)
     const double x = (node + 0.5) / 17.0 * length;
     fb_section s;
     beam.desc = line;
-    fb_beam_section(&s, &beam, (fb_real)x);
+    fb_beam_section_eval(&beam, &s, (fb_real)x);
     for (int power = 0; power < 3; power++) {
       sum[power] += (double)s.mass * pow(x, power) * length / 17.0;
     }
@@ -545,7 +546,7 @@ TEST(nrel_blade_has_the_published_figures)
     input.w[2] = (fb_real)(run * 12.1 * 2.0 * pi / 60.0);
     FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
     FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_OK);
-    FBT_INT_EQ(fb_body_spectrum(&spectrum, &work, &body, &state, &input), FB_OK);
+    FBT_INT_EQ(fb_body_spectrum_solve(&body, &work, &spectrum, &state, &input), FB_OK);
     for (int k = 0; k < 3; k++) {
       const double ratio = (double)spectrum.im[k] / (2.0 * pi) / figure[run][k] - 1.0;
       largest = fmax(largest, fabs(ratio));
@@ -556,7 +557,8 @@ TEST(nrel_blade_has_the_published_figures)
   fbt_figure("NREL 5-MW blade, flap, edge, flap at 0 and 12.1 rpm", "ElastoDyn", largest);
 }
 
-/* ---- a disk (4 kg, with the radii of gyration 0.15 m and 0.112 m on 0.6 m) that spins at the tip of a clamped shaft */
+/* ---- a disk (4 kg, with the radii of gyration 0.15 m and 0.112 m on 0.6 m) that spins at the tip of a clamped
+   shaft */
 
 /* E12.3, E12.16: where shafts are so light, long and finely resolved that rounding takes the slow whirls away, the
    spectrum says so: each is within the error of a mode that is there, or the whole is refused. The lightest are beyond
@@ -574,7 +576,7 @@ TEST(errors_of_spectra_are_told)
     }
     whirls(want, length, disk, spin);
     memset(&spectrum, 0xff, sizeof spectrum);
-    status = fb_system_spectrum(&spectrum, &tree_work, &mechanism, part, &tree_state, &drive);
+    status = fb_system_spectrum_solve(&mechanism, part, &tree_work, &spectrum, &tree_state, &drive);
     if (status != FB_OK) {
       FBT_INT_EQ(status, FB_ERR_CONVERGENCE);
       FBT_TRUE(spectrum.n == -1); /* as before */
@@ -615,36 +617,36 @@ TEST(analysis_refuses_bad_input)
   FBT_INT_EQ(fb_body_trim(&body, NULL, &work, &input), FB_ERR_NULL);
   FBT_INT_EQ(fb_body_trim(&body, &state, NULL, &input), FB_ERR_NULL);
   FBT_INT_EQ(fb_body_trim(&body, &state, &work, NULL), FB_ERR_NULL);
-  FBT_INT_EQ(fb_body_linearize(&body, NULL, &work, &state, &input, NULL), FB_ERR_NULL);
-  FBT_INT_EQ(fb_body_linearize(&body, &linear, NULL, &state, &input, NULL), FB_ERR_NULL);
+  FBT_INT_EQ(fb_body_linearize(&body, &work, NULL, &state, &input, NULL), FB_ERR_NULL);
+  FBT_INT_EQ(fb_body_linearize(&body, NULL, &linear, &state, &input, NULL), FB_ERR_NULL);
   input.n_load = 1;
   input.load[0].node = 99;
   linear.A[0] = FB_R(7.0);
-  FBT_INT_EQ(fb_body_linearize(&body, &linear, &work, &state, &input, NULL), FB_ERR_CAPACITY);
+  FBT_INT_EQ(fb_body_linearize(&body, &work, &linear, &state, &input, NULL), FB_ERR_CAPACITY);
   FBT_NEAR_ABS(linear.A[0], 7.0, 0.0);
   input.n_load = 0;
   memset(&ports, 0, sizeof ports);
   ports.n_in = FB_MAX_PORTS + 1;
-  FBT_INT_EQ(fb_body_linearize(&body, &linear, &work, &state, &input, &ports), FB_ERR_CAPACITY);
+  FBT_INT_EQ(fb_body_linearize(&body, &work, &linear, &state, &input, &ports), FB_ERR_CAPACITY);
   ports.n_in = 1;
   ports.in[0].axis = 3;
-  FBT_INT_EQ(fb_body_linearize(&body, &linear, &work, &state, &input, &ports), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_body_linearize(&body, &work, &linear, &state, &input, &ports), FB_ERR_VALUE);
   ports.in[0].axis = 0;
   ports.in[0].node = 1;
-  FBT_INT_EQ(fb_body_linearize(&body, &linear, &work, &state, &input, &ports), FB_ERR_CAPACITY);
+  FBT_INT_EQ(fb_body_linearize(&body, &work, &linear, &state, &input, &ports), FB_ERR_CAPACITY);
   ports.in[0].kind = FB_PORT_RATE;
-  FBT_INT_EQ(fb_body_linearize(&body, &linear, &work, &state, &input, &ports), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_body_linearize(&body, &work, &linear, &state, &input, &ports), FB_ERR_VALUE);
   ports.n_in = 0;
   ports.n_out = 1;
   ports.out[0].kind = FB_PORT_BASE_RATE;
-  FBT_INT_EQ(fb_body_linearize(&body, &linear, &work, &state, &input, &ports), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_body_linearize(&body, &work, &linear, &state, &input, &ports), FB_ERR_VALUE);
   ports.out[0].kind = FB_PORT_COORDINATE; /* of joints */
-  FBT_INT_EQ(fb_body_linearize(&body, &linear, &work, &state, &input, &ports), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_body_linearize(&body, &work, &linear, &state, &input, &ports), FB_ERR_VALUE);
   ports.out[0].kind = FB_PORT_RATE;
   ports.out[0].body = 1;
-  FBT_INT_EQ(fb_body_linearize(&body, &linear, &work, &state, &input, &ports), FB_ERR_CAPACITY);
-  FBT_INT_EQ(fb_body_spectrum(NULL, &work, &body, &state, &input), FB_ERR_NULL);
-  FBT_INT_EQ(fb_body_spectrum(&spectrum, &work, &body, NULL, &input), FB_ERR_NULL);
+  FBT_INT_EQ(fb_body_linearize(&body, &work, &linear, &state, &input, &ports), FB_ERR_CAPACITY);
+  FBT_INT_EQ(fb_body_spectrum_solve(&body, &work, NULL, &state, &input), FB_ERR_NULL);
+  FBT_INT_EQ(fb_body_spectrum_solve(&body, &work, &spectrum, NULL, &input), FB_ERR_NULL);
   input.w[2] = (fb_real)NAN;
   FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_ERR_NOT_FINITE);
   body.base = FB_BASE_PINNED;
@@ -655,7 +657,7 @@ TEST(analysis_refuses_bad_input)
   FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), FB_ERR_RANGE);
   FBT_TRUE(memcmp(&state, &kept, sizeof state) == 0);
   state.q[0] = (fb_real)NAN;
-  FBT_INT_EQ(fb_body_spectrum(&spectrum, &work, &body, &state, &input), FB_ERR_NOT_FINITE);
+  FBT_INT_EQ(fb_body_spectrum_solve(&body, &work, &spectrum, &state, &input), FB_ERR_NOT_FINITE);
 }
 
 SUITE(analyse_body, RUN(margins_name_the_worst_mode_wherever_it_stands), RUN(linear_models_do_not_depend_on_units),

@@ -1,11 +1,12 @@
 /* >>trim and >>linear: analysis of systems with loops; what is refused of systems. */
 #include "analyse.h"
 
-/* ---- a disk (4 kg, with the radii of gyration 0.15 m and 0.112 m on 0.6 m) that spins at the tip of a clamped shaft */
+/* ---- a disk (4 kg, with the radii of gyration 0.15 m and 0.112 m on 0.6 m) that spins at the tip of a clamped
+   shaft */
 
 static fb_status linearized(fb_linear *linear, const fb_linear_desc *ports)
 {
-  return fb_system_linearize(&mechanism, part, linear, &tree_work, &tree_state, &drive, ports);
+  return fb_system_linearize(&mechanism, part, &tree_work, linear, &tree_state, &drive, ports);
 }
 
 /* A trapezoid of rods in a plane that turns about x at Omega (flat: in itself, about a point e above): two of length L
@@ -278,12 +279,12 @@ TEST(analysis_of_systems_refuses_bad_input)
   FBT_INT_EQ(fb_system_trim(&mechanism, NULL, &tree_state, &tree_work, &drive), FB_ERR_NULL);
   FBT_INT_EQ(fb_system_trim(&mechanism, part, NULL, &tree_work, &drive), FB_ERR_NULL);
   FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, NULL, &drive), FB_ERR_NULL);
-  FBT_INT_EQ(fb_system_linearize(&mechanism, part, NULL, &tree_work, &tree_state, &drive, NULL), FB_ERR_NULL);
-  FBT_INT_EQ(fb_system_linearize(&mechanism, part, &linear, NULL, &tree_state, &drive, NULL), FB_ERR_NULL);
-  FBT_INT_EQ(fb_system_linearize(&mechanism, part, &linear, &tree_work, NULL, &drive, NULL), FB_ERR_NULL);
-  FBT_INT_EQ(fb_system_spectrum(NULL, &tree_work, &mechanism, part, &tree_state, &drive), FB_ERR_NULL);
-  FBT_INT_EQ(fb_system_spectrum(&spectrum, NULL, &mechanism, part, &tree_state, &drive), FB_ERR_NULL);
-  FBT_INT_EQ(fb_system_spectrum(&spectrum, &tree_work, NULL, part, &tree_state, &drive), FB_ERR_NULL);
+  FBT_INT_EQ(fb_system_linearize(&mechanism, part, &tree_work, NULL, &tree_state, &drive, NULL), FB_ERR_NULL);
+  FBT_INT_EQ(fb_system_linearize(&mechanism, part, NULL, &linear, &tree_state, &drive, NULL), FB_ERR_NULL);
+  FBT_INT_EQ(fb_system_linearize(&mechanism, part, &tree_work, &linear, NULL, &drive, NULL), FB_ERR_NULL);
+  FBT_INT_EQ(fb_system_spectrum_solve(&mechanism, part, &tree_work, NULL, &tree_state, &drive), FB_ERR_NULL);
+  FBT_INT_EQ(fb_system_spectrum_solve(&mechanism, part, NULL, &spectrum, &tree_state, &drive), FB_ERR_NULL);
+  FBT_INT_EQ(fb_system_spectrum_solve(NULL, part, &tree_work, &spectrum, &tree_state, &drive), FB_ERR_NULL);
   for (int k = 0; k < FBT_COUNT(wrong); k++) {
     memset(&ports, 0, sizeof ports);
     ports.n_in = wrong[k].input;
@@ -316,7 +317,7 @@ TEST(analysis_of_systems_refuses_bad_input)
   FBT_TRUE(memcmp(&before, &tree_state, sizeof before) == 0);
   tree_state.link[1].q[0] = (fb_real)NAN;
   FBT_INT_EQ(linearized(&linear, NULL), FB_ERR_NOT_FINITE);
-  FBT_INT_EQ(fb_system_spectrum(&spectrum, &tree_work, &mechanism, part, &tree_state, &drive), FB_ERR_NOT_FINITE);
+  FBT_INT_EQ(fb_system_spectrum_solve(&mechanism, part, &tree_work, &spectrum, &tree_state, &drive), FB_ERR_NOT_FINITE);
   spinner(FB_AXIS_LOCKED, 0.0);
   memset(&ports, 0, sizeof ports);
   ports.n_in = 1;
@@ -335,7 +336,8 @@ TEST(analysis_of_systems_refuses_bad_input)
   FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), FB_ERR_UNSUPPORTED);
   FBT_INT_EQ(tree_work.system.joint, -1);
   FBT_INT_EQ(linearized(&linear, NULL), FB_ERR_UNSUPPORTED);
-  FBT_INT_EQ(fb_system_spectrum(&spectrum, &tree_work, &mechanism, part, &tree_state, &drive), FB_ERR_UNSUPPORTED);
+  FBT_INT_EQ(fb_system_spectrum_solve(&mechanism, part, &tree_work, &spectrum, &tree_state, &drive),
+             FB_ERR_UNSUPPORTED);
   tree.method = FB_METHOD_RECURSIVE;
   build();
   drive.rows = no_rows;

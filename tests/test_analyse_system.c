@@ -119,7 +119,7 @@ TEST(bases_that_are_pushed_have_no_state_of_rest)
     FBT_INT_EQ(fb_body_trim(&body, &state, &work, &input), base ? FB_ERR_UNREST : FB_OK);
     if (base == 0) {
       memcpy(sag, state.q, sizeof sag);
-      FBT_INT_EQ(fb_body_motion(&body, &held, &state, &input), FB_OK);
+      FBT_INT_EQ(fb_body_motion_eval(&body, &held, &state, &input), FB_OK);
       FBT_TRUE(fbt_largest(sag, 4) > 0.01);
       continue;
     }
@@ -229,9 +229,9 @@ TEST(opposite_pulls_hold_a_free_body)
   for (int system = 0; system < 2; system++) {
     int swings = 0;
     if (system) {
-      FBT_INT_EQ(fb_system_spectrum(&spectrum, &tree_work, &mechanism, part, &tree_state, &drive), FB_OK);
+      FBT_INT_EQ(fb_system_spectrum_solve(&mechanism, part, &tree_work, &spectrum, &tree_state, &drive), FB_OK);
     } else {
-      FBT_INT_EQ(fb_body_spectrum(&spectrum, &work, &part[0], &state, &input), FB_OK);
+      FBT_INT_EQ(fb_body_spectrum_solve(&part[0], &work, &spectrum, &state, &input), FB_OK);
     }
     for (int k = 0; k < spectrum.n; k++) {
       if (spectrum.im[k] > FB_R(0.1)) { /* the others drift */
@@ -261,8 +261,8 @@ TEST(a_free_body_is_a_system_of_one)
     flexible_part(0, 2.0, 2, FB_BASE_FREE, FB_EFFECTS_FULL | FB_EFFECT_DAMPING);
     FBT_INT_EQ(fb_state_init(&part[0], &state), FB_OK);
     FBT_INT_EQ(fb_body_trim(&part[0], &state, &work, &input), FB_OK);
-    FBT_INT_EQ(fb_body_spectrum(&own, &work, &part[0], &state, &input), FB_OK);
-    FBT_INT_EQ(fb_body_motion(&part[0], &motion, &state, &input), FB_OK);
+    FBT_INT_EQ(fb_body_spectrum_solve(&part[0], &work, &own, &state, &input), FB_OK);
+    FBT_INT_EQ(fb_body_motion_eval(&part[0], &motion, &state, &input), FB_OK);
     hang(0, 0, FB_JOINT_FREE, FB_GROUND)->mode[0] = freed ? FB_AXIS_PRESCRIBED : FB_AXIS_FREE;
     frame_turn(start[0].quat, 0.3, -0.5, 0.2);
     for (int i = 0; i < 3; i++) {
@@ -273,8 +273,8 @@ TEST(a_free_body_is_a_system_of_one)
     build();
     FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), FB_OK);
     FBT_BELOW(fbt_difference(tree_state.link[0].q, state.q, 4), FBT_TOL(1e-12, 1e-5));
-    FBT_INT_EQ(fb_system_axis_set(&mechanism, part, &tree_work.system, &tree_state, 0, 0, FB_AXIS_FREE, &drive), FB_OK);
-    FBT_INT_EQ(fb_system_spectrum(&spectrum, &tree_work, &mechanism, part, &tree_state, &drive), FB_OK);
+    FBT_INT_EQ(fb_system_axis_set(&mechanism, part, &tree_state, &tree_work.system, 0, 0, FB_AXIS_FREE, &drive), FB_OK);
+    FBT_INT_EQ(fb_system_spectrum_solve(&mechanism, part, &tree_work, &spectrum, &tree_state, &drive), FB_OK);
     for (int i = 0; i < own.n; i++) {
       const double re = (double)own.re[i], im = (double)own.im[i];
       double miss = 1.0;
@@ -334,7 +334,7 @@ TEST(a_driven_base_is_a_system_of_one)
     flexible_part(0, 2.0, 2, FB_BASE_PRESCRIBED, FB_EFFECTS_FULL | FB_EFFECT_DAMPING);
     FBT_INT_EQ(fb_state_init(&part[0], &state), FB_OK);
     FBT_INT_EQ(fb_body_trim(&part[0], &state, &work, &input), FB_OK);
-    FBT_INT_EQ(fb_body_spectrum(&own, &work, &part[0], &state, &input), FB_OK);
+    FBT_INT_EQ(fb_body_spectrum_solve(&part[0], &work, &own, &state, &input), FB_OK);
     hang(0, 0, FB_JOINT_FREE, FB_GROUND)->mode[0] = FB_AXIS_PRESCRIBED;
     frame_turn(start[0].quat, 0.3, -0.5, 0.2);
     memcpy(start[0].q, state.q, sizeof start[0].q);
@@ -345,7 +345,7 @@ TEST(a_driven_base_is_a_system_of_one)
       FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), FB_OK);
     }
     FBT_BELOW(fbt_difference(tree_state.link[0].q, state.q, 4), FBT_TOL(1e-10, 1e-5));
-    FBT_INT_EQ(fb_system_spectrum(&spectrum, &tree_work, &mechanism, part, &tree_state, &drive), FB_OK);
+    FBT_INT_EQ(fb_system_spectrum_solve(&mechanism, part, &tree_work, &spectrum, &tree_state, &drive), FB_OK);
     FBT_INT_EQ(spectrum.n, own.n);
     for (int i = 0; i < own.n && i < spectrum.n; i++) {
       FBT_NEAR_ABS(spectrum.re[i], own.re[i], FBT_TOL(1e-8, 3e-3) * fabs((double)own.im[i]));
@@ -383,7 +383,7 @@ TEST(sleeping_tops_tilt_in_closed_form)
       FBT_INT_EQ(fb_state_init(&part[0], &state), FB_OK);
       frame_turn(state.quat, 0.0, 0.0, 0.9);
       FBT_INT_EQ(fb_state_from_velocity(&part[0], &state, v, w, NULL), FB_OK);
-      FBT_INT_EQ(fb_body_spectrum(&spectrum, &work, &part[0], &state, &input), FB_OK);
+      FBT_INT_EQ(fb_body_spectrum_solve(&part[0], &work, &spectrum, &state, &input), FB_OK);
     } else { /* R = attitude quat child_attitude^T = 1; speeds about the child's joint axes */
       fb_joint_desc *j;
       fb_real R[9];
@@ -404,7 +404,7 @@ TEST(sleeping_tops_tilt_in_closed_form)
       fb_quat_to_mat33(R, j->child_attitude);
       fb_mat33_mulT_vec3(start[0].speed, R, w);
       build();
-      FBT_INT_EQ(fb_system_spectrum(&spectrum, &tree_work, &mechanism, part, &tree_state, &drive), FB_OK);
+      FBT_INT_EQ(fb_system_spectrum_solve(&mechanism, part, &tree_work, &spectrum, &tree_state, &drive), FB_OK);
     }
     for (int k = 0; k < spectrum.n; k++) {
       for (int side = 0; side < 2; side++) {
@@ -418,7 +418,8 @@ TEST(sleeping_tops_tilt_in_closed_form)
   }
 }
 
-/* ---- a disk (4 kg, with the radii of gyration 0.15 m and 0.112 m on 0.6 m) that spins at the tip of a clamped shaft */
+/* ---- a disk (4 kg, with the radii of gyration 0.15 m and 0.112 m on 0.6 m) that spins at the tip of a clamped
+   shaft */
 
 /* The mode of the spectrum whose frequency is nearest. */
 static int nearest_mode(double want)
@@ -444,7 +445,7 @@ TEST(shafts_with_disks_whirl_in_closed_form)
     double want[4];
     FBT_TRUE(shaft_with_disk(length, shaft, disk, spin, natural));
     whirls(want, length, disk, spin);
-    FBT_INT_EQ(fb_system_spectrum(&spectrum, &tree_work, &mechanism, part, &tree_state, &drive), FB_OK);
+    FBT_INT_EQ(fb_system_spectrum_solve(&mechanism, part, &tree_work, &spectrum, &tree_state, &drive), FB_OK);
     FBT_BELOW((double)tree_work.common.linear.error, FBT_TOL(1e-10, 1e-3));
     FBT_TRUE(spectrum.n >= 6 + 2 * natural); /* the disk's angle is free: a pair of zeros may split either way */
     for (int k = 0; k < spectrum.n; k++) {
@@ -486,7 +487,7 @@ TEST(poses_drift_as_the_frame_goes_on)
   for (int system = 0; system < 2; system++) {
     const int at = system ? 0 : 10;
     if (system) {
-      FBT_INT_EQ(fb_system_linearize(&mechanism, part, &linear, &tree_work, &tree_state, &drive, NULL), FB_OK);
+      FBT_INT_EQ(fb_system_linearize(&mechanism, part, &tree_work, &linear, &tree_state, &drive, NULL), FB_OK);
       fb_quat_to_mat33(R, state.quat); /* momenta, and what turns with them, are relative to the frame of the state */
       fb_mat33_mulT_vec3(u, R, tree_state.link[0].u);
       for (int i = 0; i < 3; i++) {
@@ -494,7 +495,7 @@ TEST(poses_drift_as_the_frame_goes_on)
         v[i] -= u[i];
       }
     } else {
-      FBT_INT_EQ(fb_body_linearize(&part[0], &linear, &work, &state, &input, NULL), FB_OK);
+      FBT_INT_EQ(fb_body_linearize(&part[0], &work, &linear, &state, &input, NULL), FB_OK);
     }
     FBT_INT_EQ(linear.n, 16);
     for (int j = 0; j < 3; j++) {
@@ -573,7 +574,7 @@ static void system_in_units(fb_linear *linear, double size[3][FB_MAX_LINEAR], do
   drive.drive[0].rate[5] = FB_R(0.8);
   build();
   FBT_INT_EQ(fb_system_trim(&mechanism, part, &tree_state, &tree_work, &drive), FB_OK);
-  FBT_INT_EQ(fb_system_linearize(&mechanism, part, linear, &tree_work, &tree_state, &drive, &ports), FB_OK);
+  FBT_INT_EQ(fb_system_linearize(&mechanism, part, &tree_work, linear, &tree_state, &drive, &ports), FB_OK);
   FBT_INT_EQ(linear->n, 26);
   for (int i = 0; i < 13; i++) {
     size[0][i] = z[i];
@@ -617,13 +618,13 @@ TEST(fast_bases_have_linear_models)
       memcpy(input.v, v, sizeof v);
       memcpy(input.w, w, sizeof w);
       FBT_INT_EQ(fb_state_init(&part[0], &state), FB_OK);
-      FBT_INT_EQ(fb_body_linearize(&part[0], &linear, &work, &state, &input, &ports), FB_OK);
+      FBT_INT_EQ(fb_body_linearize(&part[0], &work, &linear, &state, &input, &ports), FB_OK);
     } else {
       hang(0, 0, FB_JOINT_FREE, FB_GROUND)->mode[0] = FB_AXIS_PRESCRIBED;
       memcpy(drive.drive[0].rate, v, sizeof v);
       memcpy(drive.drive[0].rate + 3, w, sizeof w);
       build();
-      FBT_INT_EQ(fb_system_linearize(&mechanism, part, &linear, &tree_work, &tree_state, &drive, &ports), FB_OK);
+      FBT_INT_EQ(fb_system_linearize(&mechanism, part, &tree_work, &linear, &tree_state, &drive, &ports), FB_OK);
     }
     FBT_NEAR_REL(linear.D[0], w[2], FBT_TOL(1e-13, 1e-5));
     FBT_NEAR_REL(linear.D[1], v[0], FBT_TOL(1e-13, 1e-5));
@@ -642,7 +643,7 @@ TEST(motors_that_pull_have_linear_models)
     hang(0, 0, k ? FB_JOINT_PRISMATIC : FB_JOINT_REVOLUTE, FB_GROUND);
     drive.drive[0].torque[0] = FB_R(-1e7);
     build();
-    FBT_INT_EQ(fb_system_linearize(&mechanism, part, &linear, &tree_work, &tree_state, &drive, &ports), FB_OK);
+    FBT_INT_EQ(fb_system_linearize(&mechanism, part, &tree_work, &linear, &tree_state, &drive, &ports), FB_OK);
     FBT_NEAR_ABS(linear.B[1], 1.0, FBT_TOL(1e-14, 1e-5));
   }
 }
@@ -666,7 +667,7 @@ TEST(linear_models_follow_the_unit_of_time)
     rigid_part(0, m, c, 0.1, J, J, 9.81 * rate * rate); /* gravity along x */
     hang(0, 0, FB_JOINT_REVOLUTE, FB_GROUND);
     build();
-    FBT_INT_EQ(fb_system_linearize(&mechanism, part, &linear, &tree_work, &tree_state, &drive, &motor), FB_OK);
+    FBT_INT_EQ(fb_system_linearize(&mechanism, part, &tree_work, &linear, &tree_state, &drive, &motor), FB_OK);
     FBT_NEAR_REL(linear.B[1], 1.0, tol);
     FBT_NEAR_REL(linear.A[1], 1.0 / J, tol);
     FBT_NEAR_REL(linear.A[2], -m * 9.81 * c * rate * rate, tol);
@@ -680,7 +681,7 @@ TEST(linear_models_follow_the_unit_of_time)
     FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
     frame_turn(state.quat, 0.4, -0.3, 0.8);
     FBT_INT_EQ(fb_state_from_velocity(&body, &state, still, turn, NULL), FB_OK);
-    FBT_INT_EQ(fb_body_spectrum(&spectrum, &work, &body, &state, &input), FB_OK);
+    FBT_INT_EQ(fb_body_spectrum_solve(&body, &work, &spectrum, &state, &input), FB_OK);
     for (int k = 0; k < spectrum.n; k++) { /* (C/A - 1) s */
       nutation = fmin(nutation, hypot((double)spectrum.re[k], (double)spectrum.im[k] - 0.5 * s) / s);
     }
@@ -719,7 +720,7 @@ TEST(full_systems_have_linear_models)
   }
   FBT_INT_EQ(at + 4 * part[0].n, FB_MAX_SPEEDS);
   build();
-  FBT_INT_EQ(fb_system_linearize(&mechanism, part, &linear, &tree_work, &tree_state, &drive, &ports), FB_OK);
+  FBT_INT_EQ(fb_system_linearize(&mechanism, part, &tree_work, &linear, &tree_state, &drive, &ports), FB_OK);
   FBT_INT_EQ(linear.n, FB_MAX_LINEAR);
   for (int port = 0; port < 10; port++) {
     for (int i = 0; i < FB_MAX_LINEAR; i++) {

@@ -119,7 +119,7 @@ TEST(element_matrices_match_the_textbook_ones)
     FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
     fbt_fill(K, MAX_DOF * MAX_DOF, 1e9);
     fbt_fill(M, MAX_DOF * MAX_DOF, 1e9);
-    fb_beam_matrices(K, M, &beam);
+    fb_beam_matrices_eval(&beam, K, M);
     for (int i = 0; i < ndof; i++) {
       for (int j = 0; j < ndof; j++) {
         double k = 0.0, m = 0.0;
@@ -231,7 +231,7 @@ TEST(rigid_motion_of_an_element_gives_no_strain)
     tapered_desc(&desc, mesh[k]);
     lumps_add(&desc);
     FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
-    fb_beam_matrices(K, M, &beam);
+    fb_beam_matrices_eval(&beam, K, M);
     rigid_mass(R);
     FBT_NEAR_REL(beam.mass, R[0], 4.0 * EPS);
     for (int a = 0; a < 6; a++) {
@@ -294,7 +294,7 @@ TEST(tapered_stations_integrate_exactly)
     fbt_seed(1);
     tapered_desc(&desc, mesh);
     FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
-    fb_beam_matrices(K, M, &beam);
+    fb_beam_matrices_eval(&beam, K, M);
     FBT_NEAR_REL(beam.mass, moment(MASS, 0), 4.0 * EPS);
     for (int kind = 0; kind < 4; kind++) {
       const int degree = kind == 1 || kind == 2 ? 3 : 1;
@@ -328,7 +328,7 @@ TEST(sections_are_interpolated_between_stations)
     const fb_section *a = &desc.station[k], *b = a + (k + 1 < desc.n_station);
     for (int i = 0; i <= 4; i++) {
       const double t = 0.25 * i, x = (double)a->x + t * ((double)b->x - (double)a->x);
-      fb_beam_section(&s, &beam, (fb_real)x);
+      fb_beam_section_eval(&beam, &s, (fb_real)x);
       FBT_NEAR_ABS(s.x, x, 2.0 * EPS);
       FBT_NEAR_REL(s.mass, (1.0 - t) * (double)a->mass + t * (double)b->mass, 16.0 * EPS);
       FBT_NEAR_REL(s.EA, (1.0 - t) * (double)a->EA + t * (double)b->EA, 16.0 * EPS);
@@ -339,9 +339,9 @@ TEST(sections_are_interpolated_between_stations)
       FBT_NEAR_REL(s.i_z, (1.0 - t) * (double)a->i_z + t * (double)b->i_z, 16.0 * EPS);
     }
   }
-  fb_beam_section(&s, &beam, -FB_R(1.0));
+  fb_beam_section_eval(&beam, &s, -FB_R(1.0));
   FBT_NEAR_ABS(s.EI_z, desc.station[0].EI_z, 0.0);
-  fb_beam_section(&s, &beam, FB_R(2.0) * desc.length);
+  fb_beam_section_eval(&beam, &s, FB_R(2.0) * desc.length);
   FBT_NEAR_ABS(s.EI_z, desc.station[4].EI_z, 0.0);
   uniform_desc(&desc, 3);
   desc.station[0].x = FB_R(77.0); /* one station: its place is ignored */
@@ -349,7 +349,7 @@ TEST(sections_are_interpolated_between_stations)
   FBT_NEAR_ABS(beam.desc.station[0].x, 0.0, 0.0);
   FBT_NEAR_REL(beam.mass, (double)desc.length * (double)desc.station[0].mass, 4.0 * EPS);
   for (int i = 0; i <= 4; i++) {
-    fb_beam_section(&s, &beam, FB_R(0.25) * (fb_real)i * desc.length);
+    fb_beam_section_eval(&beam, &s, FB_R(0.25) * (fb_real)i * desc.length);
     FBT_NEAR_ABS(s.mass, desc.station[0].mass, 0.0);
   }
 }
@@ -906,7 +906,7 @@ static double tip_flexibility(int response, int force)
   static int perm[MAX_DOF];
   const int ndof = 6 * (desc.n_element + 1), n = ndof - 6;
   FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
-  fb_beam_matrices(K, M, &beam);
+  fb_beam_matrices_eval(&beam, K, M);
   for (int i = 0; i < n * n; i++) {
     A[i] = K[(6 + i / n) * ndof + 6 + i % n];
   }

@@ -124,11 +124,11 @@ static void large_outcome(outcome *out, int combined)
   moving_state(&state, 0.05, combined);
   large_input(&input);
   FBT_INT_EQ(fb_state_check(&body, &state), FB_OK);
-  FBT_INT_EQ(fb_body_motion(&body, &motion, &state, &input), FB_OK);
-  FBT_INT_EQ(fb_body_energy(&body, &out->energy, &state, &input), FB_OK);
-  FBT_INT_EQ(fb_body_momentum(&body, &out->momentum, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_body_motion_eval(&body, &motion, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_body_energy_eval(&body, &out->energy, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_body_momentum_eval(&body, &out->momentum, &state, &input), FB_OK);
   for (int k = 0; k < FB_MAX_NODES; k++) {
-    FBT_INT_EQ(fb_body_node_motion(&body, &out->node[k], &state, &motion, k), FB_OK);
+    FBT_INT_EQ(fb_body_node_motion_eval(&body, &out->node[k], &state, &motion, k), FB_OK);
   }
   if (!combined) {
     combine_state(motion.q_ddot);
@@ -211,10 +211,10 @@ static void some_move(outcome *out, const fb_shape *of, const int *place, int n)
     out->q_ddot[k] = body.reach[place[k]];
   }
   FBT_INT_EQ(fb_state_from_velocity(&body, &state, motion.v, motion.w, motion.q_dot), FB_OK);
-  FBT_INT_EQ(fb_body_energy(&body, &out->energy, &state, NULL), FB_OK);
-  FBT_INT_EQ(fb_body_momentum(&body, &out->momentum, &state, NULL), FB_OK);
+  FBT_INT_EQ(fb_body_energy_eval(&body, &out->energy, &state, NULL), FB_OK);
+  FBT_INT_EQ(fb_body_momentum_eval(&body, &out->momentum, &state, NULL), FB_OK);
   for (int k = 0; k < FB_MAX_NODES; k++) {
-    FBT_INT_EQ(fb_body_node_motion(&body, &out->node[k], &state, &motion, k), FB_OK);
+    FBT_INT_EQ(fb_body_node_motion_eval(&body, &out->node[k], &state, &motion, k), FB_OK);
   }
 }
 
@@ -425,11 +425,11 @@ static void full_beam_outcome(outcome *out)
   memcpy(state.q, q, sizeof(fb_real) * (size_t)modes.n);
   FBT_INT_EQ(fb_state_from_velocity(&body, &state, v, w, q), FB_OK);
   memset(out, 0, sizeof *out);
-  FBT_INT_EQ(fb_body_motion(&body, &motion, &state, NULL), FB_OK);
-  FBT_INT_EQ(fb_body_energy(&body, &out->energy, &state, NULL), FB_OK);
-  FBT_INT_EQ(fb_body_momentum(&body, &out->momentum, &state, NULL), FB_OK);
+  FBT_INT_EQ(fb_body_motion_eval(&body, &motion, &state, NULL), FB_OK);
+  FBT_INT_EQ(fb_body_energy_eval(&body, &out->energy, &state, NULL), FB_OK);
+  FBT_INT_EQ(fb_body_momentum_eval(&body, &out->momentum, &state, NULL), FB_OK);
   for (int k = 0; k < FB_MAX_NODES; k++) {
-    FBT_INT_EQ(fb_body_node_motion(&body, &out->node[k], &state, &motion, k), FB_OK);
+    FBT_INT_EQ(fb_body_node_motion_eval(&body, &out->node[k], &state, &motion, k), FB_OK);
     FBT_INT_EQ(fb_gauge_init(&gauge, 0, &beam, &modes, (fb_real)(2.0 * k / (FB_MAX_NODES - 1)), FB_R(0.1), FB_R(0.2)),
                FB_OK);
     out->q_ddot[k] = fb_gauge_eval(&gauge, state.q);
@@ -439,8 +439,7 @@ static void full_beam_outcome(outcome *out)
 }
 
 /* E8.1 to E8.3, E8.14, E8.31: any combination of a beam's coordinates is the same body, with as many of them as there
-   can be.
- */
+   can be. */
 TEST(combined_coordinates_of_a_beam_are_the_same_body)
 {
   outcome plain, other_way;

@@ -153,7 +153,7 @@ TEST(beam_integrals_hold_for_any_section_and_line)
     while (x > (double)beam.start[e + 1]) {
       e++;
     }
-    fb_beam_section(&s, &beam, (fb_real)x);
+    fb_beam_section_eval(&beam, &s, (fb_real)x);
     t = (double)s.twist;
     local[0] = x - (double)beam.start[e];
     local[1] = cos(t) * (double)s.mass_y - sin(t) * (double)s.mass_z;

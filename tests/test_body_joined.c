@@ -1,5 +1,5 @@
-/* >>body and >>assemble: bodies whose components were joined, and finite-element models, are the beams they came from.
-   */
+/* >>body and >>assemble: bodies whose components were joined, and finite-element models, are the beams they came
+   from. */
 #include "body.h"
 
 /* ---- as many coordinates, nodes and loads as there can be */
@@ -59,7 +59,7 @@ TEST(joined_halves_are_the_whole)
   half_beam(&part[0], &basis[0], 0, 2, FB_ROOT_CLAMPED, FB_BASIS_ELEMENTS);
   half_beam(&part[1], &basis[1], 1, 4, FB_ROOT_FREE, FB_BASIS_ELEMENTS);
   for (int redundant = 0; redundant < 2; redundant++) {
-    FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, weld, 1 + redundant, 7, FB_R(0.0)), FB_OK);
+    FBT_INT_EQ(joined_by(joined, &join_work, part, basis, 2, weld, 1 + redundant, 7, FB_R(0.0)), FB_OK);
     for (int k = 0; k < 7; k++) {
       largest = fmax(largest, fabs((double)(joined[0].omega[k] / modes.omega[k]) - 1.0));
       FBT_INT_EQ(joined[1].kind[k], modes.kind[k]);
@@ -117,7 +117,7 @@ TEST(joints_know_no_unit_of_mass)
     half_unit = (fb_real)ldexp(1.0, k == 0 ? 0 : k == 1 ? 40 : -40);
     half_beam(&part[0], &basis[0], 0, 2, FB_ROOT_CLAMPED, FB_BASIS_ELEMENTS);
     half_beam(&part[1], &basis[1], 1, 3, FB_ROOT_FREE, FB_BASIS_ELEMENTS);
-    FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, weld, 2, 4, FB_R(0.0)), FB_OK);
+    FBT_INT_EQ(joined_by(joined, &join_work, part, basis, 2, weld, 2, 4, FB_R(0.0)), FB_OK);
     for (int a = 0; a < 4; a++) {
       omega[a] = k == 0 ? (double)joined[0].omega[a] : omega[a];
       FBT_NEAR_REL(joined[0].omega[a], omega[a], FBT_TOL(1e-9, 1e-3));
@@ -170,7 +170,7 @@ TEST(joined_modes_are_of_the_kind_of_their_largest_share)
     half_turn = 0.25 * turn;
     half_beam(&part[0], &basis[0], 0, 2, FB_ROOT_CLAMPED, FB_BASIS_ELEMENTS);
     half_beam(&part[1], &basis[1], 1, 4, FB_ROOT_FREE, FB_BASIS_ELEMENTS);
-    FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, 7, FB_R(0.0)), FB_OK);
+    FBT_INT_EQ(joined_by(joined, &join_work, part, basis, 2, &weld, 1, 7, FB_R(0.0)), FB_OK);
     for (int k = 0; k < 7; k++) {
       double best = 0.0, of_kind[FB_KIND_COUNT] = {0.0};
       for (int ca = 0; ca < basis[0].n + basis[1].n; ca++) {
@@ -219,7 +219,7 @@ TEST(joined_twins_have_a_sign_that_rounding_does_not_choose)
       FBT_INT_EQ(fb_beam_init(&part[half], &beam_desc), FB_OK);
       FBT_INT_EQ(fb_modes_solve(&basis[half], &modes_work, &part[half], &keep), FB_OK);
     }
-    FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, &tips, 1, 5, FB_R(0.0)), FB_OK);
+    FBT_INT_EQ(joined_by(joined, &join_work, part, basis, 2, &tips, 1, 5, FB_R(0.0)), FB_OK);
     for (int k = 0; k < 5; k++) {
       const double middle = (double)joined[1].shape[k * joined[1].ndof + 7], sign = middle < 0.0 ? -1.0 : 1.0;
       FBT_NEAR_ABS(fabs((double)joined[0].shape[k * joined[0].ndof + 7]), fabs(middle), FBT_TOL(1e-9, 1e-3));
@@ -289,7 +289,7 @@ TEST(joined_rods_hang_from_their_weld)
     FBT_INT_EQ(fb_beam_init(&part[c], &beam_desc), FB_OK);
     FBT_INT_EQ(fb_modes_solve(&basis[c], &modes_work, &part[c], &keep), FB_OK);
   }
-  FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, 1, FB_R(0.0)), FB_OK);
+  FBT_INT_EQ(joined_by(joined, &join_work, part, basis, 2, &weld, 1, 1, FB_R(0.0)), FB_OK);
   FBT_INT_EQ(joined[1].kind[0], FB_KIND_AXIAL);
   FBT_NEAR_REL(joined[0].omega[0], 1.5707963267948966 / 2.0 * sqrt(7.0 / 2.0), 0.03); /* two elements of first degree */
   FBT_INT_EQ(fb_shape_init(&shape, 1), FB_OK);
@@ -326,7 +326,7 @@ TEST(joined_components_converge_and_refuse)
       }
       FBT_INT_EQ(fb_modes_solve(&basis[c], &modes_work, &part[c], &keep), FB_OK);
     }
-    status = fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, 4, FB_R(0.0));
+    status = joined_by(joined, &join_work, part, basis, 2, &weld, 1, 4, FB_R(0.0));
     FBT_TRUE(status == FB_OK || (FB_SINGLE && status == FB_ERR_CONVERGENCE)); /* or it says that it cannot tell */
     for (int k = 0; k < 4 && status == FB_OK; k++) {
       largest = fmax(largest, fabs((double)(joined[0].omega[k] / modes.omega[k]) - 1.0));
@@ -334,7 +334,7 @@ TEST(joined_components_converge_and_refuse)
     FBT_BELOW(largest, count == 1 ? 2e-2 : before);
     before = fmax(largest, FBT_TOL(1e-9, 3e-2));
   }
-  FBT_TRUE(fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, 23, FB_R(0.0)) ==
+  FBT_TRUE(joined_by(joined, &join_work, part, basis, 2, &weld, 1, 23, FB_R(0.0)) ==
            (FB_SINGLE ? FB_ERR_CONVERGENCE : FB_ERR_MODES));
   if (!FB_SINGLE) { /* all of them, whatever the unit of time; single precision has no room for the fast ones */
     const int all = basis[0].n + basis[1].n - 6 - 6; /* less the weld and rigid motion */
@@ -344,29 +344,29 @@ TEST(joined_components_converge_and_refuse)
           basis[c].K[i] *= FB_R(1e6);
         }
       }
-      FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, 0, FB_R(0.0)), FB_OK);
+      FBT_INT_EQ(joined_by(joined, &join_work, part, basis, 2, &weld, 1, 0, FB_R(0.0)), FB_OK);
       FBT_INT_EQ(joined[0].n, all);
       FBT_NEAR_REL(joined[0].omega[0], pow(1e3, fast + 1) * (double)modes.omega[0], 1e-6);
     }
   }
   basis[1].n = FB_MAX_MODES + 1;
-  FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, 4, FB_R(0.0)), FB_ERR_CAPACITY);
+  FBT_INT_EQ(joined_by(joined, &join_work, part, basis, 2, &weld, 1, 4, FB_R(0.0)), FB_ERR_CAPACITY);
   basis[1].n = -3;
-  FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, 4, FB_R(0.0)), FB_ERR_CAPACITY);
+  FBT_INT_EQ(joined_by(joined, &join_work, part, basis, 2, &weld, 1, 4, FB_R(0.0)), FB_ERR_CAPACITY);
   FBT_INT_EQ(fb_modes_solve(&basis[1], &modes_work, &part[1], &keep), FB_OK);
-  FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, -1, FB_R(0.0)), FB_ERR_VALUE);
-  FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, FB_MAX_COMPONENTS + 1, &weld, 1, 0, FB_R(0.0)),
+  FBT_INT_EQ(joined_by(joined, &join_work, part, basis, 2, &weld, 1, -1, FB_R(0.0)), FB_ERR_VALUE);
+  FBT_INT_EQ(joined_by(joined, &join_work, part, basis, FB_MAX_COMPONENTS + 1, &weld, 1, 0, FB_R(0.0)),
              FB_ERR_CAPACITY);
-  FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, NULL, 1, 0, FB_R(0.0)), FB_ERR_NULL);
-  FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, 0, (fb_real)NAN), FB_ERR_NOT_FINITE);
+  FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, NULL, 2), FB_ERR_NULL);
+  FBT_INT_EQ(joined_by(joined, &join_work, part, basis, 2, &weld, 1, 0, (fb_real)NAN), FB_ERR_NOT_FINITE);
   weld.node[0] = 1; /* not at the same place */
-  FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, 4, FB_R(0.0)), FB_ERR_VALUE);
+  FBT_INT_EQ(joined_by(joined, &join_work, part, basis, 2, &weld, 1, 4, FB_R(0.0)), FB_ERR_VALUE);
   weld.node[0] = 3;
-  FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, 4, FB_R(0.0)), FB_ERR_CAPACITY);
+  FBT_INT_EQ(joined_by(joined, &join_work, part, basis, 2, &weld, 1, 4, FB_R(0.0)), FB_ERR_CAPACITY);
   weld.node[0] = 2;
   weld.component[1] = 0; /* with itself */
   weld.node[1] = 2;
-  FBT_INT_EQ(fb_modes_join(joined, &join_work, part, basis, 2, &weld, 1, 4, FB_R(0.0)), FB_ERR_VALUE);
+  FBT_INT_EQ(joined_by(joined, &join_work, part, basis, 2, &weld, 1, 4, FB_R(0.0)), FB_ERR_VALUE);
 }
 
 /* E8.1, E6.2: the boom's beam rebuilt as a finite-element model: lumped masses at nodes with displacements, rotations
@@ -390,7 +390,7 @@ TEST(finite_element_models_are_the_beams_they_came_from)
     const fb_node *n = &shape.node[2];
     shape.n_node = 2;
     FBT_INT_EQ(fb_shape_add_beam_node(&shape, &at, 0, &beam, &modes, x), FB_OK);
-    fb_beam_section(&s, &beam, x);
+    fb_beam_section_eval(&beam, &s, x);
     local[0] = dx * (s.i_y + s.i_z);
     local[4] = dx * s.i_y;
     local[8] = dx * s.i_z;

@@ -43,7 +43,7 @@ TEST(a_held_body_is_a_free_one_with_its_reactions)
     input.n_load = 1;
     input.load[0].node = node[0];
     fbt_fill(input.load[0].force, 3, 2.0);
-    FBT_INT_EQ(fb_body_motion(&body, &motion, &held, &input), FB_OK);
+    FBT_INT_EQ(fb_body_motion_eval(&body, &motion, &held, &input), FB_OK);
     FBT_TRUE(fbt_largest(motion.reaction_force, 3) > 0.1 && fbt_largest(motion.acceleration, 3) == 0.0);
     FBT_TRUE((fbt_largest(motion.reaction_torque, 3) > 0.1) == (base[k] == FB_BASE_HINGED));
     FBT_TRUE(motion.reaction_torque[2] == FB_R(0.0)); /* what is free has none, not even rounding */
@@ -58,7 +58,7 @@ TEST(a_held_body_is_a_free_one_with_its_reactions)
     input.load[1].axes = FB_AXES_BODY;
     memcpy(input.load[1].force, motion.reaction_force, sizeof input.load[1].force);
     memcpy(input.load[1].torque, motion.reaction_torque, sizeof input.load[1].torque);
-    FBT_INT_EQ(fb_body_motion(&body, &free_motion, &loose, &input), FB_OK);
+    FBT_INT_EQ(fb_body_motion_eval(&body, &free_motion, &loose, &input), FB_OK);
     FBT_TRUE(fbt_largest(free_motion.reaction_force, 3) == 0.0 && fbt_largest(free_motion.reaction_torque, 3) == 0.0);
     FBT_BELOW(fbt_difference(free_motion.acceleration, motion.acceleration, 3), FBT_TOL(1e-12, 1e-3));
     FBT_BELOW(fbt_difference(free_motion.w_dot, motion.w_dot, 3), FBT_TOL(1e-12, 1e-3));
@@ -97,7 +97,7 @@ TEST(pinned_and_hinged_bodies_swing_as_rigid_pendulums)
     for (int i = 0; i < 1000; i++) {
       FBT_INT_EQ(fb_rk4_step(&body, &state, &work, NULL, NULL, NULL, (fb_real)(quarter / 1000.0)), FB_OK);
     }
-    FBT_INT_EQ(fb_body_motion(&body, &motion, &state, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_motion_eval(&body, &motion, &state, NULL), FB_OK);
     FBT_NEAR_ABS(state.quat[3], 0.0, FBT_TOL(1e-12, 1e-5));
     FBT_NEAR_REL(motion.w[2], -2.0 * omega * sin(0.5 * start), FBT_TOL(1e-11, 1e-5));
     FBT_NEAR_REL(motion.reaction_force[0], -(2.0 * 9.0 + 2.0 * 0.5 * pow(2.0 * omega * sin(0.5 * start), 2.0)),
@@ -124,8 +124,8 @@ static void node_defects(double defect[4], double h, int node)
     FBT_INT_EQ(fb_rk4_step(&body, &state, &work, NULL, NULL, NULL, (fb_real)((0.1 - h) / 40.0)), FB_OK);
   }
   for (int k = 0; k < 3; k++) {
-    FBT_INT_EQ(fb_body_motion(&body, &motion, &state, NULL), FB_OK);
-    FBT_INT_EQ(fb_body_node_motion(&body, &at[k], &state, &motion, node), FB_OK);
+    FBT_INT_EQ(fb_body_motion_eval(&body, &motion, &state, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_node_motion_eval(&body, &at[k], &state, &motion, node), FB_OK);
     FBT_INT_EQ(fb_rk4_step(&body, &state, &work, NULL, NULL, NULL, (fb_real)h), FB_OK);
   }
   {
@@ -186,7 +186,7 @@ TEST(potential_energies_agree_with_a_particle_model)
     for (int ab = 0; ab < n * n; ab++) {
       strain += 0.5 * s.q[ab / n] * (double)shape.K[ab] * s.q[ab % n];
     }
-    FBT_INT_EQ(fb_body_energy(&body, &energy, &state, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_energy_eval(&body, &energy, &state, NULL), FB_OK);
     FBT_NEAR_ABS(energy.gravity, gravity, FBT_TOL(1e-11, 1e-2));
     FBT_NEAR_ABS(energy.strain, strain, FBT_TOL(1e-14, 1e-6));
   }
@@ -211,7 +211,7 @@ TEST(damping_is_that_of_a_particle_on_a_spring)
     FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
     FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
     FBT_INT_EQ(fb_state_from_velocity(&body, &state, none, none, &q_dot), FB_OK);
-    FBT_INT_EQ(fb_body_rates(&body, &rate, &state, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_rates_eval(&body, &rate, &state, NULL), FB_OK);
     FBT_NEAR_REL(rate.pi[0], -2.0 * zeta * sqrt(k * m) * 2.0, FBT_TOL(1e-13, 1e-5));
     FBT_NEAR_REL(body.limit_damping, 2.0 * zeta * sqrt(k / m), FBT_TOL(1e-13, 1e-5));
     FBT_NEAR_REL(body.limit_elastic, k / m, FBT_TOL(1e-13, 1e-5));
@@ -280,7 +280,7 @@ TEST(nodes_that_turn_far_have_the_rates_of_their_pose)
         then.q[a] += (fb_real)(t * (double)motion.q_dot[a] + 0.5 * t * t * (double)motion.q_ddot[a]);
         moves.q_dot[a] += (fb_real)(t * (double)motion.q_ddot[a]);
       }
-      FBT_INT_EQ(fb_body_node_motion(&body, &at[k], &then, &moves, node), FB_OK);
+      FBT_INT_EQ(fb_body_node_motion_eval(&body, &at[k], &then, &moves, node), FB_OK);
     }
     for (int i = 0; i < 4; i++) {
       back[i] = i ? -at[0].quat[i] : at[0].quat[0];
@@ -354,7 +354,7 @@ TEST(reactions_balance_the_momentum)
     input[k].load[0].force[1] = -FB_R(0.4);
     input[k].load[0].torque[2] = FB_R(0.1);
   }
-  FBT_INT_EQ(fb_body_momentum(&body, &momentum[0], &state, &input[0]), FB_OK);
+  FBT_INT_EQ(fb_body_momentum_eval(&body, &momentum[0], &state, &input[0]), FB_OK);
   {
     fb_input half[3]; /* two steps of h: ends and middles of the motion */
     for (int s = 0; s < 2; s++) {
@@ -367,8 +367,8 @@ TEST(reactions_balance_the_momentum)
       }
       if (s == 1) {
         center_state = state;
-        FBT_INT_EQ(fb_body_motion(&body, &motion, &state, &input[1]), FB_OK);
-        FBT_INT_EQ(fb_body_node_motion(&body, &at, &state, &motion, node[0]), FB_OK);
+        FBT_INT_EQ(fb_body_motion_eval(&body, &motion, &state, &input[1]), FB_OK);
+        FBT_INT_EQ(fb_body_node_motion_eval(&body, &at, &state, &motion, node[0]), FB_OK);
         fb_quat_to_mat33(R, state.quat);
         fb_mat33_mul_vec3(F, R, motion.reaction_force);
         fb_mat33_mul_vec3(T, R, motion.reaction_torque);
@@ -385,7 +385,7 @@ TEST(reactions_balance_the_momentum)
       FBT_INT_EQ(fb_rk4_step(&body, &state, &work, &half[0], &half[1], &half[2], (fb_real)h), FB_OK);
     }
   }
-  FBT_INT_EQ(fb_body_momentum(&body, &momentum[1], &state, &input[2]), FB_OK);
+  FBT_INT_EQ(fb_body_momentum_eval(&body, &momentum[1], &state, &input[2]), FB_OK);
   for (int i = 0; i < 3; i++) {
     rate[i] = (momentum[1].linear[i] - momentum[0].linear[i]) / (fb_real)(2.0 * h);
   }
@@ -404,8 +404,8 @@ TEST(reactions_balance_the_momentum)
         fb_quat_to_mat33(Q, quat);
         fb_mat33_mul_vec3(turned[s].rho, Q, center_state.rho);
       }
-      FBT_INT_EQ(fb_body_energy(&body, &down, &turned[0], &input[1]), FB_OK);
-      FBT_INT_EQ(fb_body_energy(&body, &up, &turned[1], &input[1]), FB_OK);
+      FBT_INT_EQ(fb_body_energy_eval(&body, &down, &turned[0], &input[1]), FB_OK);
+      FBT_INT_EQ(fb_body_energy_eval(&body, &up, &turned[1], &input[1]), FB_OK);
       T[i] -= (up.gravity - down.gravity) / FBT_TOL(FB_R(2e-4), FB_R(2e-2));
       rate[i] = (momentum[1].angular[i] - momentum[0].angular[i]) / (fb_real)(2.0 * h);
     }
@@ -449,7 +449,7 @@ static double frame_difference(double speed, double dt)
   fb_quat_mul(state[1].quat, turn, state[0].quat);
   fb_mat33_mul_vec3(state[1].rho, Q, state[0].rho);
   state[1].rho[1] += FB_R(5.0);
-  FBT_INT_EQ(fb_body_motion(&body, &motion, &state[0], NULL), FB_OK);
+  FBT_INT_EQ(fb_body_motion_eval(&body, &motion, &state[0], NULL), FB_OK);
   fb_quat_to_mat33(R, state[1].quat);
   fb_mat33_mulT_vec3(v, R, drift);
   for (int i = 0; i < 3; i++) {
@@ -472,7 +472,7 @@ static double frame_difference(double speed, double dt)
 }
 
 /* E8.13 to E8.18: in a turned and displaced frame the elastic response is the same to rounding with any step; in one
-   that moves, to the truncation error of the scheme, which at a small step is rounding, too. */
+   that moves, to the truncation error of the integrator, which at a small step is rounding, too. */
 TEST(elastic_response_is_frame_indifferent)
 {
   int node[2];
@@ -606,7 +606,7 @@ static double spinning_error(const char *file, int tapered)
             FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
             state.q[b] = side ? FB_R(0.5) : -FB_R(0.5);
             FBT_INT_EQ(fb_state_from_velocity(&body, &state, input.v, input.w, NULL), FB_OK);
-            FBT_INT_EQ(fb_body_rates(&body, &rate[side], &state, &input), FB_OK);
+            FBT_INT_EQ(fb_body_rates_eval(&body, &rate[side], &state, &input), FB_OK);
           }
           for (int a = 0; a < 8; a++) {
             K[a * 8 + b] = rate[0].pi[a] - rate[1].pi[a];
@@ -677,7 +677,7 @@ static double linear_spinning_error(const char *file, int tapered)
       input.w[2] = (fb_real)eta;
       FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
       FBT_INT_EQ(fb_body_trim(&body, &state, &analyse_work, &input), FB_OK);
-      FBT_INT_EQ(fb_body_spectrum(&spectrum, &analyse_work, &body, &state, &input), FB_OK);
+      FBT_INT_EQ(fb_body_spectrum_solve(&body, &analyse_work, &spectrum, &state, &input), FB_OK);
     }
     if (want > 0.0) { /* the mode's own number: of one plane there are no others */
       worst = fmax(worst, fabs((double)spectrum.im[mode - 1] / want - 1.0));
@@ -720,7 +720,7 @@ TEST(a_rigid_body_is_the_case_of_no_modes)
     for (int i = 0; i < 4000; i++) {
       FBT_INT_EQ(fb_rk4_step(&body, &state, &work, NULL, NULL, NULL, FB_R(0.00025)), FB_OK);
     }
-    FBT_INT_EQ(fb_body_motion(&body, &motion, &state, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_motion_eval(&body, &motion, &state, NULL), FB_OK);
     error = fmax(error, fabs((double)motion.w[0] - fbt_value(table, k, "w1")));
     error = fmax(error, fabs((double)motion.w[1] - fbt_value(table, k, "w2")));
     error = fmax(error, fabs((double)motion.w[2] - fbt_value(table, k, "w3")));

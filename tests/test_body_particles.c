@@ -175,7 +175,7 @@ TEST(accelerations_agree_with_a_particle_model)
         F[6 + a] = -(3.0 + a) * s.q[a];
       }
       particles_accelerate(acc, &cloud, &s, F);
-      FBT_INT_EQ(fb_body_motion(&body, &motion, &state, &input), FB_OK);
+      FBT_INT_EQ(fb_body_motion_eval(&body, &motion, &state, &input), FB_OK);
       for (int a = 0; a < 6 + n; a++) {
         const double got = (double)(a < 3 ? fbt_v_dot(&motion)[a] : a < 6 ? motion.w_dot[a - 3] : motion.q_ddot[a - 6]);
         scale = fmax(scale, fabs(acc[a]));
@@ -191,7 +191,8 @@ TEST(accelerations_agree_with_a_particle_model)
   fbt_figure("accelerations, n = 1..8, normalized and general M", "Newton's law of 30 particles", worst);
 }
 
-/* Total momenta of a state in body axes: (p, h) about O, then pi = those relative to the mass center + (dc/dq)^T R^T u. */
+/* Total momenta of a state in body axes: (p, h) about O, then pi = those relative to the mass center + (dc/dq)^T R^T
+   u. */
 static double momentum_of(const fb_state *state, int a)
 {
   fb_real R[9], u[3], h[3], c[3] = {0};
@@ -249,9 +250,9 @@ TEST(momenta_agree_with_a_particle_model)
     }
     worst = fmax(worst, error);
     FBT_BELOW(error, FBT_TOL(1e-12, 1e-4));
-    FBT_INT_EQ(fb_body_energy(&body, &energy, &state, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_energy_eval(&body, &energy, &state, NULL), FB_OK);
     FBT_NEAR_REL(energy.kinetic, particles_energy_2(&cloud, &s), FBT_TOL(1e-12, 1e-5));
-    FBT_INT_EQ(fb_body_motion(&body, &motion, &state, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_motion_eval(&body, &motion, &state, NULL), FB_OK);
     for (int a = 0; a < n; a++) {
       FBT_NEAR_ABS(motion.q_dot[a], s.qd[a], FBT_TOL(1e-12, 1e-4));
     }
@@ -275,7 +276,7 @@ TEST(elastic_forces_agree_with_a_particle_model)
     FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
     velocity_random(&s, n, 0.2);
     state_from(&state, &body, &s);
-    FBT_INT_EQ(fb_body_rates(&body, &rate, &state, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_rates_eval(&body, &rate, &state, NULL), FB_OK);
     fb_quat_to_mat33(R, state.quat);
     fb_mat33_mulT_vec3(u, R, state.u);
     for (int i = 0; i < 3; i++) { /* in the frame of the mass center */
@@ -523,7 +524,7 @@ TEST(bodies_do_not_depend_on_the_units)
       desc.deflection_limit = (fb_real)(100.0 * m);
       FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
       state_from(&state, &body, &scaled);
-      FBT_INT_EQ(fb_body_motion(&body, &motion[unit], &state, NULL), FB_OK);
+      FBT_INT_EQ(fb_body_motion_eval(&body, &motion[unit], &state, NULL), FB_OK);
       for (int k = 0; k < 3; k++) {
         motion[unit].v[k] /= (fb_real)m;
         motion[unit].acceleration[k] /= (fb_real)m;
@@ -588,7 +589,7 @@ TEST(coordinates_have_any_unit)
       memset(&body_work, 0xff, sizeof body_work); /* what is in it means nothing */
       FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);
       state_from(&state, &body, &scaled);
-      FBT_INT_EQ(fb_body_motion(&body, &motion[run], &state, NULL), FB_OK);
+      FBT_INT_EQ(fb_body_motion_eval(&body, &motion[run], &state, NULL), FB_OK);
       for (int a = 0; a < n; a++) {
         motion[run].q_ddot[a] *= (fb_real)unit[a];
       }
@@ -619,7 +620,8 @@ static void set_center(double c[3], const particles *p, const velocity *s, const
 }
 
 /* Accelerations of a free body by a set of effects: Lagrange's equations in the frame of its mass center, where the
-   momentum is zero, for sets of few effects are not the same in frames that fly; O is where the mass center leaves it. */
+   momentum is zero, for sets of few effects are not the same in frames that fly; O is where the mass center leaves
+   it. */
 static void set_fall(double *acc, const particles *p, const velocity *s, unsigned effects)
 {
   velocity fall = *s;
@@ -675,7 +677,7 @@ TEST(each_set_of_effects_follows_its_own_lagrangian)
       velocity_random(&s, n, 0.1);
       state_from(&state, &body, &s);
       set_fall(acc, &cloud, &s, effect_sets[set]);
-      FBT_INT_EQ(fb_body_motion(&body, &motion, &state, NULL), FB_OK);
+      FBT_INT_EQ(fb_body_motion_eval(&body, &motion, &state, NULL), FB_OK);
       for (int a = 0; a < 6 + n; a++) {
         const double got = (double)(a < 3 ? fbt_v_dot(&motion)[a] : a < 6 ? motion.w_dot[a - 3] : motion.q_ddot[a - 6]);
         scale = fmax(scale, fabs(acc[a]));

@@ -87,16 +87,16 @@ TEST(bodies_refuse_bad_input)
   FBT_TRUE(memcmp(&same, &state, sizeof state) == 0);
   memset(&input, 0, sizeof input);
   input.n_load = FB_MAX_LOADS + 1;
-  FBT_INT_EQ(fb_body_rates(&body, &same, &state, &input), FB_ERR_CAPACITY);
+  FBT_INT_EQ(fb_body_rates_eval(&body, &same, &state, &input), FB_ERR_CAPACITY);
   input.n_load = 1;
   input.load[0].node = 3;
-  FBT_INT_EQ(fb_body_rates(&body, &same, &state, &input), FB_ERR_CAPACITY);
+  FBT_INT_EQ(fb_body_rates_eval(&body, &same, &state, &input), FB_ERR_CAPACITY);
   input.load[0].node = 1;
   input.load[0].axes = (fb_axes)3;
-  FBT_INT_EQ(fb_body_rates(&body, &same, &state, &input), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_body_rates_eval(&body, &same, &state, &input), FB_ERR_VALUE);
   input.load[0].axes = FB_AXES_BODY;
   input.load[0].force[0] = (fb_real)NAN;
-  FBT_INT_EQ(fb_body_rates(&body, &same, &state, &input), FB_ERR_NOT_FINITE);
+  FBT_INT_EQ(fb_body_rates_eval(&body, &same, &state, &input), FB_ERR_NOT_FINITE);
   memset(&same, 0, sizeof same);
   FBT_INT_EQ(fb_state_from_velocity(&body, &same, v, w, NULL), FB_ERR_VALUE); /* no attitude */
   FBT_TRUE(fb_rk4_limit(&body, (fb_real)NAN, 0) == FB_R(0.0));
@@ -166,12 +166,13 @@ TEST(the_check_word_sees_every_flipped_bit)
   FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
   state.L[2] = state.u[0] = FB_R(3.0);
   state.q[0] = state.pi[1] = FB_R(0.1);
-  FBT_INT_EQ(fb_body_rates(&body, &rate, &state, NULL), FB_OK);
-  FBT_INT_EQ(fb_body_rates(&unseen, &again, &state, NULL), FB_OK);
+  FBT_INT_EQ(fb_body_rates_eval(&body, &rate, &state, NULL), FB_OK);
+  FBT_INT_EQ(fb_body_rates_eval(&unseen, &again, &state, NULL), FB_OK);
   FBT_INT_EQ(memcmp(&rate, &again, sizeof rate), 0);
 }
 
-/* Of n numbers of the body those that may change by one bit, another one in each, without a change of its check word. */
+/* Of n numbers of the body those that may change by one bit, another one in each, without a change of its check
+   word. */
 static int numbers_unseen(fb_real *x, int n)
 {
   const unsigned word = fb_body_crc(&body);
@@ -375,7 +376,7 @@ TEST(loads_that_are_no_numbers_are_refused_on_held_bases)
     FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(1.0), center, inertia), FB_OK);
     FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &held), FB_OK);
     FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
-    FBT_INT_EQ(fb_body_motion(&body, &motion, &state, &input), FB_ERR_NOT_FINITE);
+    FBT_INT_EQ(fb_body_motion_eval(&body, &motion, &state, &input), FB_ERR_NOT_FINITE);
     FBT_INT_EQ(fb_rk4_step(&body, &state, &rk4, &input, &input, &input, FB_R(1e-3)), FB_ERR_NOT_FINITE);
   }
 }

@@ -67,7 +67,7 @@ static double integrated_energy(const fb_real *q, double EI_y)
 static double strain_energy(const fb_state *state)
 {
   fb_energy energy;
-  FBT_INT_EQ(fb_body_energy(&body, &energy, state, NULL), FB_OK);
+  FBT_INT_EQ(fb_body_energy_eval(&body, &energy, state, NULL), FB_OK);
   return (double)energy.strain;
 }
 
@@ -104,7 +104,7 @@ TEST(strain_forces_are_the_gradient_of_the_energy)
     bend(state.q);
     energy = integrated_energy(state.q, 2.0 * BENDING);
     worst_energy = truncated ? worst_energy : fmax(worst_energy, fabs(strain_energy(&state) / energy - 1.0));
-    FBT_INT_EQ(fb_body_rates(&body, &rate, &state, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_rates_eval(&body, &rate, &state, NULL), FB_OK);
     for (int a = 0; a < modes.n; a++) {
       force[a] = -energy_slope(&state, a, modes.kind[a] == FB_KIND_AXIAL ? 0.05 : 0.2);
       scale = fmax(scale, fabs(force[a]));
@@ -412,7 +412,8 @@ TEST(work_of_the_torque_is_the_energy)
   }
 }
 
-/* Of P and L, or their rates, what a base that is held lets be: in body axes L about the hinge or all of it, both free. */
+/* Of P and L, or their rates, what a base that is held lets be: in body axes L about the hinge or all of it, both
+   free. */
 static void held_are_zero(const fb_state *at, const fb_real quat[4], fb_base base, int inertial)
 {
   fb_real R[9], L[3];
@@ -454,7 +455,7 @@ TEST(what_is_held_keeps_no_momentum)
     loads_at_O(&input);
     memcpy(input.v, v, sizeof v);
     memcpy(input.w, w, sizeof w);
-    FBT_INT_EQ(fb_body_rates(&body, &rate, &state, &input), FB_OK);
+    FBT_INT_EQ(fb_body_rates_eval(&body, &rate, &state, &input), FB_OK);
     held_are_zero(&rate, state.quat, base, form == FBT_MOMENTUM);
     FBT_TRUE(base == FB_BASE_FREE || fbt_largest(rate.u, 3) == 0.0);
     FBT_TRUE(base == FB_BASE_PRESCRIBED || fbt_largest(rate.L, 3) > 0.1);
@@ -489,8 +490,8 @@ static void shape_with_pairs(int first)
   }
 }
 
-/* Accelerations under a load at the tip, and after ten steps of each scheme position, attitude and coordinates of the
-   beam, bent and in motion; what the pairs do of it. */
+/* Accelerations under a load at the tip, and after ten steps of each integrator position, attitude and coordinates of
+   the beam, bent and in motion; what the pairs do of it. */
 static int moved_with_pairs(fb_real *moved, double *pairs, int first, int form)
 {
   static fb_implicit_work implicit;
@@ -512,20 +513,20 @@ static int moved_with_pairs(fb_real *moved, double *pairs, int first, int form)
   FBT_INT_EQ(fb_state_from_velocity(&body, &start, v, w, q_dot), FB_OK);
   loads_at_O(&input);
   input.load[0].node = 1;
-  FBT_INT_EQ(fb_body_motion(&body, &motion, &start, &input), FB_OK);
+  FBT_INT_EQ(fb_body_motion_eval(&body, &motion, &start, &input), FB_OK);
   memcpy(moved, fbt_v_dot(&motion), 3 * sizeof *moved);
   memcpy(moved + 3, motion.w_dot, sizeof motion.w_dot);
   memcpy(moved + count, motion.q_ddot + first, sizeof(fb_real) * (size_t)modes.n);
   *pairs = fbt_largest(motion.q_ddot, first);
   count += modes.n;
   FBT_INT_EQ(form == FBT_MOMENTUM ? fb_exponential_init(&exponential, &body_work, &body, dt) : FB_OK, FB_OK);
-  for (int scheme = 0; scheme < (form == FBT_MOMENTUM ? 4 : 3); scheme++) {
+  for (int integrator = 0; integrator < (form == FBT_MOMENTUM ? 4 : 3); integrator++) {
     fb_state state = start;
     fb_rk4_work work;
     for (int k = 0; k < 10; k++) {
-      FBT_INT_EQ(scheme == 0   ? fb_rk4_step(&body, &state, &work, &input, &input, &input, dt)
-                 : scheme == 1 ? fb_midpoint_step(&body, &state, &implicit, &input, dt, 0)
-                 : scheme == 2
+      FBT_INT_EQ(integrator == 0   ? fb_rk4_step(&body, &state, &work, &input, &input, &input, dt)
+                 : integrator == 1 ? fb_midpoint_step(&body, &state, &implicit, &input, dt, 0)
+                 : integrator == 2
                      ? fb_sdirk_step(&body, &state, &implicit, &input, &input, dt, 0)
                      : fb_exponential_step(&body, &exponential, &state, &exponential_work, &input, &input, &input),
                  FB_OK);
@@ -539,8 +540,8 @@ static int moved_with_pairs(fb_real *moved, double *pairs, int first, int form)
   return count;
 }
 
-/* E8.13, E8.24, E8.25, E8.28: coordinates at rest which nothing pushes do not count: in every form and scheme a beam
-   whose coordinates are the last of as many as there can be moves as one that has no others. */
+/* E8.13, E8.24, E8.25, E8.28: coordinates at rest which nothing pushes do not count: in every form and integrator a
+   beam whose coordinates are the last of as many as there can be moves as one that has no others. */
 TEST(coordinates_at_rest_do_not_count)
 {
   for (int form = 0; form < FBT_FORMS; form++) {
@@ -1012,8 +1013,8 @@ TEST(the_check_word_sees_every_form)
     FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
     state.L[2] = state.u[0] = FB_R(0.3);
     state.q[0] = state.pi[1] = FB_R(0.001);
-    FBT_INT_EQ(fb_body_rates(&body, &rate, &state, NULL), FB_OK);
-    FBT_INT_EQ(fb_body_rates(&unseen, &again, &state, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_rates_eval(&body, &rate, &state, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_rates_eval(&unseen, &again, &state, NULL), FB_OK);
     FBT_INT_EQ(memcmp(&rate, &again, sizeof rate), 0);
   }
 }

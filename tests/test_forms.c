@@ -30,7 +30,7 @@ TEST(forms_agree_on_a_closed_basis)
     for (int form = 0; form < 3; form++) {
       scene_body(form, FBT_IDENTITY, FB_BASE_FREE, effects);
       accelerations(acc[form], &state, &input);
-      FBT_INT_EQ(fb_body_momentum(&body, &momentum[form], &state, &input), FB_OK);
+      FBT_INT_EQ(fb_body_momentum_eval(&body, &momentum[form], &state, &input), FB_OK);
       if (form != FBT_FIRST || !open) {
         FBT_BELOW(fbt_difference(momentum[form].linear, momentum[0].linear, 3), FBT_TOL(1e-11, 1e-3));
         FBT_BELOW(fbt_difference(momentum[form].angular, momentum[0].angular, 3), FBT_TOL(1e-10, 1e-2));
@@ -55,7 +55,7 @@ static void first_order_rates(fb_real *acc, fb_state *rate, fb_state *state, int
   fb_real R[9];
   scene_body(FBT_FIRST, torque, FB_BASE_FREE, FB_EFFECTS_STRAIN);
   moving_state(state);
-  FBT_INT_EQ(fb_body_rates(&body, rate, state, input), FB_OK);
+  FBT_INT_EQ(fb_body_rates_eval(&body, rate, state, input), FB_OK);
   fb_quat_to_mat33(R, state->quat);
   fb_mat33_mulT_vec3(acc, R, rate->u); /* the acceleration of O: v_dot + w x v, of both torques alike */
   memcpy(acc + 3, rate->L, sizeof rate->L);
@@ -86,7 +86,7 @@ static double energy_leak(const fb_state *state, const fb_state *rate, const fb_
       at.q[a] += dt * rate->q[a];
       at.pi[a] += dt * rate->pi[a];
     }
-    FBT_INT_EQ(fb_body_energy(&body, &energy, &at, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_energy_eval(&body, &energy, &at, NULL), FB_OK);
     change += c[k] * ((double)energy.kinetic + (double)energy.strain) / (12.0 * h);
     strain += c[k] * (double)energy.strain / (12.0 * h);
   }
@@ -384,7 +384,7 @@ TEST(second_order_form_is_the_printed_one)
     scene_body(FBT_SECOND, FBT_IDENTITY, base[i],
                FB_EFFECT_ELASTIC | FB_EFFECT_SPIN_COUPLING | FB_EFFECT_RESIDUAL_INERTIA);
     moving_random(&s, &state, &input);
-    FBT_INT_EQ(fb_body_motion(&body, &motion, &state, &input), FB_OK);
+    FBT_INT_EQ(fb_body_motion_eval(&body, &motion, &state, &input), FB_OK);
     moving_from(&s, &motion);
     printed_from(&e, &particles, s.q);
     printed_rigid(f, g, &e, &s);

@@ -1,12 +1,12 @@
-/* >>integrate: schemes in the second-order and the first-order form: FB_WITH_FORMS. */
+/* >>integrate: integrators in the second-order and the first-order form: FB_WITH_FORMS. */
 #include "integrate.h"
 
 #if FB_WITH_FORMS
 
-/* ---- all schemes */
+/* ---- all integrators */
 
-/* E11.4, E11.5: the implicit schemes advance each form; on a closed basis all arrive at the same place. */
-TEST(implicit_schemes_advance_every_form)
+/* E11.4, E11.5: the implicit integrators advance each form; on a closed basis all arrive at the same place. */
+TEST(implicit_integrators_advance_every_form)
 {
   fb_state end[3];
   for (int form = 0; form < FBT_FORMS; form++) {
@@ -29,6 +29,6 @@ TEST(implicit_schemes_advance_every_form)
   }
 }
 
-SUITE(integrate_forms, RUN_FORMS(implicit_schemes_advance_every_form))
+SUITE(integrate_forms, RUN_FORMS(implicit_integrators_advance_every_form))
 
 #endif

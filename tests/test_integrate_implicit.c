@@ -1,13 +1,13 @@
 /* >>integrate: the implicit and the exponential scheme: iterations, tangent, stiff modes, drift. */
 #include "integrate.h"
 
-/* ---- all schemes */
+/* ---- all integrators */
 
 /* E11.4, E11.6, E11.8, E11.10: a step of 1000 periods of the stiffest mode, slow motion and all modes struck: every
-   scheme stays finite or says why not, the L-stable one lets no energy grow. */
+   integrator stays finite or says why not, the L-stable one lets no energy grow. */
 TEST(steps_may_be_a_thousand_periods_long)
 {
-  for (int which = RK4; which < SCHEMES; which++) {
+  for (int which = RK4; which < INTEGRATORS; which++) {
     for (int base = 0; base < 2; base++) {
       const fb_real v[3] = {0}, w[3] = {0, 0, base ? 0 : FB_R(0.01)};
       fb_real qd[FB_MAX_MODES];
@@ -17,14 +17,14 @@ TEST(steps_may_be_a_thousand_periods_long)
       strained(base ? FB_BASE_PRESCRIBED : FB_BASE_FREE, FBT_MOMENTUM, 3e7, 1);
       dt = 1000.0 * 2.0 * 3.14159265358979 / sqrt((double)body.limit_elastic);
       body.allow_long_step = which == EXPONENTIAL;
-      prepare((scheme)which, dt);
+      prepare((integrator)which, dt);
       FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
       fbt_fill(qd, body.n, FBT_TOL(1e-3, 1e-3));
       FBT_INT_EQ(fb_state_from_velocity(&body, &state, v, w, qd), FB_OK);
       energy = last = energy_of(&state);
       before = state;
       for (int k = 0; k < 300 && status == FB_OK; k++) {
-        status = step((scheme)which, &state, NULL, NULL, NULL, dt);
+        status = step((integrator)which, &state, NULL, NULL, NULL, dt);
         if (which == SDIRK) {
           /* the spin of the free body is no mode: (w dt)^3 */
           FBT_TRUE(energy_of(&state) <=
@@ -89,7 +89,7 @@ TEST(iterations_are_newtons)
 
 /* E11.4, E11.5: a free body on a light hub that drifts at 20 m/s, three iterations of the midpoint rule at 2 ms:
    energy as at rest; the same motion however it is turned. */
-TEST(implicit_schemes_do_not_mind_drift)
+TEST(implicit_integrators_do_not_mind_drift)
 {
   const fb_real v[3] = {0, 0, FB_R(20.0)}, w[3] = {0};
   strained(FB_BASE_FREE, FBT_MOMENTUM, 1e5, 1);
@@ -106,7 +106,7 @@ TEST(implicit_schemes_do_not_mind_drift)
     }
     state.q[0] = state.q[1] = FB_R(0.01);
     FBT_INT_EQ(fb_state_from_velocity(&body, &state, v, w, NULL), FB_OK);
-    FBT_INT_EQ(fb_body_energy(&body, &e, &state, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_energy_eval(&body, &e, &state, NULL), FB_OK);
     elastic = (double)e.strain; /* 1.2e-3 of 6400 J: single precision keeps its order alone */
     energy = energy_of(&state);
     for (int k = 0; k < 1000; k++) {
@@ -129,7 +129,7 @@ TEST(membrane_coordinates_make_the_strain_linear)
   FBT_INT_EQ(exponential.n_axial, 5); /* two cubic elements and the root function */
   FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
   fbt_fill(state.q, body.n, 0.3);
-  FBT_INT_EQ(fb_body_rates(&body, &rate, &state, NULL), FB_OK);
+  FBT_INT_EQ(fb_body_rates_eval(&body, &rate, &state, NULL), FB_OK);
   for (int i = 0; i < exponential.n_axial; i++) {
     const int a = exponential.axial[i];
     double force = 0.0;
@@ -169,9 +169,9 @@ TEST(the_tangent_is_the_derivative_of_the_forces)
   for (int b = 0; b < body.n; b++) {
     moved = state;
     moved.q[b] = state.q[b] + (fb_real)h;
-    FBT_INT_EQ(fb_body_rates(&body, &up, &moved, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_rates_eval(&body, &up, &moved, NULL), FB_OK);
     moved.q[b] = state.q[b] - (fb_real)h;
-    FBT_INT_EQ(fb_body_rates(&body, &down, &moved, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_rates_eval(&body, &down, &moved, NULL), FB_OK);
     for (int a = 0; a < body.n; a++) {
       const double K = ((double)down.pi[a] - (double)up.pi[a]) / (2.0 * h);
       worst = fmax(worst, fabs(K - (double)implicit_work.K[a * body.n + b]));
@@ -182,7 +182,7 @@ TEST(the_tangent_is_the_derivative_of_the_forces)
 }
 
 /* E11.10: a linear body without loads is propagated exactly by any step, free or held. */
-TEST(the_exponential_scheme_is_exact_for_linear_bodies)
+TEST(the_exponential_integrator_is_exact_for_linear_bodies)
 {
   for (int k = 0; k < 4; k++) {
     static const fb_base base[] = {FB_BASE_FREE, FB_BASE_PRESCRIBED, FB_BASE_PINNED, FB_BASE_FREE};
@@ -217,7 +217,7 @@ TEST(the_exponential_scheme_is_exact_for_linear_bodies)
 }
 
 /* E11.10: so it is under a load that stays, whatever part of a period a step is: one step of dt is four of dt/4. */
-TEST(the_exponential_scheme_is_exact_for_constant_loads)
+TEST(the_exponential_integrator_is_exact_for_constant_loads)
 {
   double largest = 0.0;
   boom(FB_EFFECTS_LINEAR, FB_BASE_PRESCRIBED, 2, 2, 0, 0.0);
@@ -244,7 +244,7 @@ TEST(the_exponential_scheme_is_exact_for_constant_loads)
 
 /* E11.10: the tables of the exponential scheme are the series sum (-t^2)^k/(2k + j)! of t = omega dt and half of that,
    in steps short and long. */
-TEST(the_exponential_scheme_knows_its_functions)
+TEST(the_exponential_integrator_knows_its_functions)
 {
   boom(FB_EFFECTS_LINEAR, FB_BASE_PRESCRIBED, 2, 2, 0, 0.0);
   for (double t = 0.05; t < 4.0; t += 0.15) {
@@ -266,7 +266,7 @@ TEST(the_exponential_scheme_knows_its_functions)
 
 /* The spin-up by a prescribed hub, three cubic elements: largest error of the tip's deflection every 0.5 s against
    rk4 at 0.125 ms, both relative to the peak. */
-static double spin_up_tip(scheme which, double dt, double t_end, double *tip)
+static double spin_up_tip(integrator which, double dt, double t_end, double *tip)
 {
   const int steps = (int)floor(t_end / dt + 0.5), stride = (int)floor(0.5 / dt + 0.5);
   const double turn = 2.0 * 3.14159265358979323846 / 15.0;
@@ -287,8 +287,8 @@ static double spin_up_tip(scheme which, double dt, double t_end, double *tip)
     FBT_INT_EQ(step(which, &state, &input[0], &input[1], &input[2], dt), FB_OK);
     if ((k + 1) % stride == 0) {
       double *reference = &tip[(k + 1) / stride];
-      FBT_INT_EQ(fb_body_motion(&body, &motion, &state, &input[2]), FB_OK);
-      FBT_INT_EQ(fb_body_node_motion(&body, &at, &state, &motion, 1), FB_OK);
+      FBT_INT_EQ(fb_body_motion_eval(&body, &motion, &state, &input[2]), FB_OK);
+      FBT_INT_EQ(fb_body_node_motion_eval(&body, &at, &state, &motion, 1), FB_OK);
       *reference = which == RK4 ? (double)at.displacement[1] : *reference;
       peak = fmax(peak, fabs(*reference));
       worst = fmax(worst, fabs((double)at.displacement[1] - *reference));
@@ -373,7 +373,7 @@ TEST(implicit_steps_that_have_not_converged_say_so)
 {
   int refused = 0, taken = 0;
   for (int run = 0; run < 60; run++) {
-    const scheme which = run % 2 ? MIDPOINT : SDIRK;
+    const integrator which = run % 2 ? MIDPOINT : SDIRK;
     const double dt = 0.02 * (1 + run % 10), spin = 1.0 + run / 10;
     fb_state state, fine;
     fb_status status;
@@ -400,9 +400,9 @@ TEST(implicit_steps_that_have_not_converged_say_so)
 }
 
 SUITE(integrate_implicit, RUN(implicit_steps_that_have_not_converged_say_so), RUN(steps_may_be_a_thousand_periods_long),
-      RUN(implicit_schemes_do_not_mind_drift), RUN(iterations_are_newtons),
+      RUN(implicit_integrators_do_not_mind_drift), RUN(iterations_are_newtons),
       RUN(membrane_coordinates_make_the_strain_linear), RUN(the_tangent_is_the_derivative_of_the_forces),
-      RUN(the_exponential_scheme_is_exact_for_linear_bodies), RUN(the_exponential_scheme_knows_its_functions),
-      RUN(the_exponential_scheme_is_exact_for_constant_loads), RUN(stiff_axial_modes_do_not_set_the_step),
+      RUN(the_exponential_integrator_is_exact_for_linear_bodies), RUN(the_exponential_integrator_knows_its_functions),
+      RUN(the_exponential_integrator_is_exact_for_constant_loads), RUN(stiff_axial_modes_do_not_set_the_step),
       RUN_FORMS(one_iteration_steps_linear_bodies_of_every_form),
       RUN_FORMS(one_iteration_steps_small_motion_of_every_form))

@@ -1,4 +1,4 @@
-/* >>integrate: the step limits of the schemes; what is refused. */
+/* >>integrate: the step limits of the integrators; what is refused. */
 #include "integrate.h"
 
 /* Largest deflection in the last quarter of many steps over that in the first; huge if a step failed. The body spins
@@ -121,15 +121,15 @@ TEST(rk4_refuses_bad_input_and_repeats_itself)
   FBT_TRUE(memcmp(&twin, &state, sizeof state) == 0);
 }
 
-/* ---- all schemes */
+/* ---- all integrators */
 
-/* E11.6, E11.11: steps just within the limits on light hubs, spinning, tension and all: no scheme leaves the model or
-   blows up. A step may be refused when the motion has come to spin or drift faster. */
+/* E11.6, E11.11: steps just within the limits on light hubs, spinning, tension and all: no integrator leaves the model
+   or blows up. A step may be refused when the motion has come to spin or drift faster. */
 TEST(steps_within_the_limit_are_stable)
 {
   static const fb_base base[] = {FB_BASE_FREE, FB_BASE_PRESCRIBED, FB_BASE_PINNED, FB_BASE_HINGED};
   for (int k = 0; k < 24; k++) {
-    const scheme which = (scheme)(MIDPOINT + k % 3);
+    const integrator which = (integrator)(MIDPOINT + k % 3);
     const double spin = k / 3 % 2 ? 2.0 : 0.5;
     const fb_real v[3] = {0}, w[3] = {0, 0, (fb_real)spin};
     fb_state state;
@@ -224,7 +224,7 @@ TEST(the_tension_limit_counts_all_modes)
   FBT_TRUE(fabs((double)S[0 * 4 + 1]) + fabs((double)S[0 * 4 + 2]) + fabs((double)S[0 * 4 + 3]) > 0.1 * (double)S[0]);
 }
 
-static int is_too_long(scheme which, const fb_state *state, const fb_input *input, double dt)
+static int is_too_long(integrator which, const fb_state *state, const fb_input *input, double dt)
 {
   fb_state moved = *state;
   prepare(which, dt);
@@ -291,7 +291,7 @@ static double fastest(const fb_state *state, const fb_input *input)
 {
   static fb_analyse_work work;
   static fb_spectrum spectrum;
-  FBT_INT_EQ(fb_body_spectrum(&spectrum, &work, &body, state, input), FB_OK);
+  FBT_INT_EQ(fb_body_spectrum_solve(&body, &work, &spectrum, state, input), FB_OK);
   return hypot((double)spectrum.re[spectrum.n - 1], (double)spectrum.im[spectrum.n - 1]);
 }
 
@@ -329,8 +329,8 @@ TEST(deflection_and_stretch_shorten_the_step)
   FBT_NEAR_REL(pow(1.0 / bent - 1.0 / h0, 2.0), 2.0 * (pow(stretched, -2.0) - pow(h0, -2.0)), FBT_TOL(1e-8, 1e-3));
 }
 
-/* The step that a scheme's limit allows at this spin and this acceleration of O. */
-static double limit_of(scheme which, double spin, double acceleration)
+/* The step that an integrator's limit allows at this spin and this acceleration of O. */
+static double limit_of(integrator which, double spin, double acceleration)
 {
   const fb_real w = (fb_real)spin, a = (fb_real)acceleration;
   return (double)(which == RK4           ? fb_rk4_limit(&body, w, a)
@@ -381,8 +381,8 @@ TEST(steps_are_limited_by_what_the_base_does)
     }
     FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
     FBT_INT_EQ(fb_state_from_velocity(&body, &state, input.v, w, NULL), FB_OK);
-    for (int m = 0; m < SCHEMES; m++) {
-      const scheme which = (scheme)m;
+    for (int m = 0; m < INTEGRATORS; m++) {
+      const integrator which = (integrator)m;
       const double limit = limit_of(which, s->spin, acceleration), part = 64.0 * (double)FB_EPSILON;
       FBT_TRUE(!is_too_long(which, &state, &input, fmin(limit, 1e3) * (1.0 - part)));
       FBT_TRUE(limit > 1e3 || is_too_long(which, &state, &input, limit * (1.0 + part)));
@@ -440,8 +440,8 @@ TEST(loads_shorten_the_steps_of_systems)
     mass_unit = light ? FB_R(1e-3) : FB_R(1.0);
     boom(FB_EFFECTS_FULL, FB_BASE_FREE, 2, 2, 0, 0.0);
     mass_unit = FB_R(1.0);
-    FBT_INT_EQ(fb_system_init(&system, &system_work, &body, 1, &tree), FB_OK);
-    FBT_INT_EQ(fb_system_state_init(&system, &body, &system_work, &first, NULL, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_init(&system, &system_work, &body, &tree, 1), FB_OK);
+    FBT_INT_EQ(fb_system_state_init(&system, &body, &first, &system_work, NULL, NULL), FB_OK);
     limit = fb_system_rk4_limit(&system, &body, 0, (fb_real)acceleration);
     FBT_BELOW(limit, 0.98 * (double)fb_system_rk4_limit(&system, &body, 0, 0));
     push.n_load = 1;
@@ -454,8 +454,9 @@ TEST(loads_shorten_the_steps_of_systems)
   }
 }
 
-/* fb_exponential_check walks G by the body's number of strain stations: a count beyond the tables is told before that. */
-TEST(the_check_of_a_scheme_stays_within_its_tables)
+/* fb_exponential_check walks G by the body's number of strain stations: a count beyond the tables is told before
+   that. */
+TEST(the_check_of_a_integrator_stays_within_its_tables)
 {
   static const int counts[] = {-1, FBI_MAX_STRAINS + 1, 1 << 30};
   strained_beam(1, 1e4, 0.0, 0);
@@ -491,15 +492,15 @@ TEST(steps_of_a_rigid_system_have_no_limit)
   tree.n_body = 1;
   tree.joint[0].kind = FB_JOINT_FREE;
   tree.joint[0].parent = FB_GROUND;
-  FBT_INT_EQ(fb_system_init(&system, &work, &body, 1, &tree), FB_OK);
-  FBT_INT_EQ(fb_system_state_init(&system, &body, &work, &state, NULL, NULL), FB_OK);
+  FBT_INT_EQ(fb_system_init(&system, &work, &body, &tree, 1), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&system, &body, &state, &work, NULL, NULL), FB_OK);
   FBT_TRUE(fb_system_rk4_limit(&system, &body, 0, 0) == FB_HUGE);
   FBT_INT_EQ(fb_system_rk4_step(&system, &body, &state, &work, NULL, NULL, NULL, FB_R(100.0)), FB_OK);
   FBT_INT_EQ(fb_system_sdirk_step(&system, &body, &state, &work, NULL, NULL, FB_R(100.0), 0), FB_OK);
 }
 
 /* E11.4 to E11.10: what a stepper cannot do is refused, and the state is as before. */
-TEST(every_scheme_refuses_bad_input)
+TEST(every_integrator_refuses_bad_input)
 {
   fb_state state, before;
   fb_input one, other;
@@ -531,12 +532,12 @@ TEST(every_scheme_refuses_bad_input)
     prepare(EXPONENTIAL, 0.001);
     memset(&exponential_work, 0, sizeof exponential_work);
     memset(&implicit_work, 0, sizeof implicit_work);
-    for (int which = MIDPOINT; which < SCHEMES; which++) {
+    for (int which = MIDPOINT; which < INTEGRATORS; which++) {
       clean = dirty = before;
-      FBT_INT_EQ(step((scheme)which, &clean, NULL, NULL, NULL, 0.001), FB_OK);
+      FBT_INT_EQ(step((integrator)which, &clean, NULL, NULL, NULL, 0.001), FB_OK);
       memset(&exponential_work, 0xff, sizeof exponential_work);
       memset(&implicit_work, 0xff, sizeof implicit_work);
-      FBT_INT_EQ(step((scheme)which, &dirty, NULL, NULL, NULL, 0.001), FB_OK);
+      FBT_INT_EQ(step((integrator)which, &dirty, NULL, NULL, NULL, 0.001), FB_OK);
       FBT_TRUE(memcmp(&clean, &dirty, sizeof clean) == 0);
     }
   }
@@ -564,6 +565,6 @@ SUITE(integrate_limits, RUN(light_hubs_on_pins_and_hinges_gain_no_energy), RUN(s
       RUN(deflection_and_stretch_shorten_the_step), RUN(steps_within_the_limit_are_stable),
       RUN(the_exponential_limit_is_a_part_of_a_turn), RUN(the_exponential_limit_knows_the_tension),
       RUN(the_tension_limit_counts_all_modes), RUN(loads_shorten_the_steps_of_systems),
-      RUN(steps_of_a_rigid_system_have_no_limit), RUN_FORMS(every_scheme_refuses_bad_input),
+      RUN(steps_of_a_rigid_system_have_no_limit), RUN_FORMS(every_integrator_refuses_bad_input),
       RUN(the_step_limit_is_the_stability_boundary), RUN(the_step_limit_knows_the_acceleration_of_a_far_origin),
-      RUN(the_check_of_a_scheme_stays_within_its_tables), RUN(rk4_refuses_bad_input_and_repeats_itself))
+      RUN(the_check_of_a_integrator_stays_within_its_tables), RUN(rk4_refuses_bad_input_and_repeats_itself))

@@ -1,4 +1,4 @@
-/* >>integrate: orders, sums and what each scheme keeps: energy, momentum, phase. */
+/* >>integrate: orders, sums and what each integrator keeps: energy, momentum, phase. */
 #include "integrate.h"
 
 /* The load and the motion of the base at time t. */
@@ -62,14 +62,14 @@ TEST(tumbling_conserves_momentum_and_energy)
   double drift[2];
   boom(FB_EFFECTS_FULL, FB_BASE_FREE, 1, 1, 0, 0.0);
   start(&state, 0.3, 0.5);
-  FBT_INT_EQ(fb_body_momentum(&body, &before, &state, NULL), FB_OK);
+  FBT_INT_EQ(fb_body_momentum_eval(&body, &before, &state, NULL), FB_OK);
   for (int k = 0; k < FBT_LONG(1000000, 10000); k++) {
     if (fb_rk4_step(&body, &state, &work, NULL, NULL, NULL, FB_R(0.01)) != FB_OK) {
       FBT_FAIL("every step is ok");
       break;
     }
   }
-  FBT_INT_EQ(fb_body_momentum(&body, &after, &state, NULL), FB_OK);
+  FBT_INT_EQ(fb_body_momentum_eval(&body, &after, &state, NULL), FB_OK);
   fbt_figure("tumbling, 1e6 steps, linear momentum", "conservation",
              fbt_difference(before.linear, after.linear, 3) / fbt_largest(before.linear, 3));
   fbt_figure("tumbling, 1e6 steps, angular momentum", "conservation",
@@ -142,8 +142,8 @@ static fb_status spin_up_run(double *tip, int n, unsigned effects)
       return status;
     }
     if ((k + 1) % per_row == 0) {
-      FBT_INT_EQ(fb_body_motion(&body, &motion, &state, &input[2]), FB_OK);
-      FBT_INT_EQ(fb_body_node_motion(&body, &node, &state, &motion, 1), FB_OK);
+      FBT_INT_EQ(fb_body_motion_eval(&body, &motion, &state, &input[2]), FB_OK);
+      FBT_INT_EQ(fb_body_node_motion_eval(&body, &node, &state, &motion, 1), FB_OK);
       tip[(k + 1) / per_row] = (double)node.displacement[1];
     }
   }
@@ -173,12 +173,12 @@ TEST(spin_up_follows_the_geometrically_exact_beam)
   FBT_INT_EQ(spin_up_run(many, 3, FB_EFFECTS_SPIN | FB_EFFECT_RESIDUAL_INERTIA), FB_ERR_RANGE);
 }
 
-/* ---- all schemes */
+/* ---- all integrators */
 
-static const char *const scheme_name[SCHEMES] = {"rk4", "implicit midpoint", "SDIRK2", "exponential"};
+static const char *const integrator_name[INTEGRATORS] = {"rk4", "implicit midpoint", "SDIRK2", "exponential"};
 
 /* Error of q, the attitude [rad] and the position [m] at t_end = 1 s with so many steps, against fine. */
-static double error_of(scheme which, int steps, const fb_state *fine)
+static double error_of(integrator which, int steps, const fb_state *fine)
 {
   const double dt = 1.0 / steps;
   fb_state state;
@@ -196,12 +196,12 @@ static double error_of(scheme which, int steps, const fb_state *fine)
               fbt_difference(state.rho, fine->rho, 3));
 }
 
-static void order_of(scheme which, const fb_state *fine, double order, int steps, const char *what)
+static void order_of(integrator which, const fb_state *fine, double order, int steps, const char *what)
 {
   const double coarse = error_of(which, steps, fine), half = error_of(which, 2 * steps, fine);
   if (!FB_SINGLE) {
     char text[96];
-    snprintf(text, sizeof text, "order of %s, %s", scheme_name[which], what);
+    snprintf(text, sizeof text, "order of %s, %s", integrator_name[which], what);
     fbt_figure(text, order > 3 ? "4" : "2", log2(coarse / half));
     FBT_NEAR_ABS(log2(coarse / half), order, 0.35);
   } else {
@@ -211,7 +211,7 @@ static void order_of(scheme which, const fb_state *fine, double order, int steps
 
 /* E11.4 to E11.8, E11.10: halving the step divides the error by 2^order; free and prescribed base, modes with the
    quadratic field and nonlinear strain, follower loads and base motion that vary within the step. */
-TEST(each_scheme_converges_at_its_order)
+TEST(each_integrator_converges_at_its_order)
 {
   for (int k = 0; k < 4; k++) {
     const fb_base base = k % 2 ? FB_BASE_PRESCRIBED : FB_BASE_FREE;
@@ -248,19 +248,19 @@ TEST(short_steps_lose_nothing)
 {
   const double dt = 1e-4;
   const int steps = FBT_LONG(100000, 10000);
-  for (int which = RK4; which < SCHEMES; which++) {
+  for (int which = RK4; which < INTEGRATORS; which++) {
     const fb_real v[3] = {FB_R(3.0), FB_R(0.0), FB_R(0.0)}, w[3] = {FB_R(0.0), FB_R(0.0), FB_R(2.0)};
     const fb_real rest[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, slow[3] = {FB_R(0.0), FB_R(0.0), FB_R(1e-5)};
     fb_state state;
     fb_input input;
     fb_momentum before, after;
     boom(FB_EFFECTS_LINEAR, FB_BASE_FREE, 1, 1, 0, 0.0);
-    prepare((scheme)which, dt);
+    prepare((integrator)which, dt);
     FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
     FBT_INT_EQ(fb_state_from_velocity(&body, &state, v, rest, NULL), FB_OK);
     state.rho[0] = FB_R(7e6);
     for (int k = 0; k < steps; k++) {
-      FBT_INT_EQ(step((scheme)which, &state, NULL, NULL, NULL, dt), FB_OK);
+      FBT_INT_EQ(step((integrator)which, &state, NULL, NULL, NULL, dt), FB_OK);
     }
     FBT_NEAR_ABS(state.rho[0] - FB_R(7e6), 3.0 * dt * steps, FBT_TOL(1e-4, 0.51)); /* floats are 0.5 m apart there */
     FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
@@ -268,27 +268,27 @@ TEST(short_steps_lose_nothing)
     memset(&input, 0, sizeof input);
     input.n_load = 1;
     input.load[0].torque[2] = FB_R(1e-3);
-    FBT_INT_EQ(fb_body_momentum(&body, &before, &state, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_momentum_eval(&body, &before, &state, NULL), FB_OK);
     for (int k = 0; k < steps; k++) {
-      FBT_INT_EQ(step((scheme)which, &state, &input, &input, &input, dt), FB_OK);
+      FBT_INT_EQ(step((integrator)which, &state, &input, &input, &input, dt), FB_OK);
     }
-    FBT_INT_EQ(fb_body_momentum(&body, &after, &state, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_momentum_eval(&body, &after, &state, NULL), FB_OK);
     FBT_NEAR_ABS(after.angular[2] - before.angular[2], 1e-3 * dt * steps, FBT_TOL(1e-8, 3e-4));
     FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
     FBT_INT_EQ(fb_state_from_velocity(&body, &state, rest, slow, NULL), FB_OK);
     for (int k = 0; k < steps; k++) {
-      FBT_INT_EQ(step((scheme)which, &state, NULL, NULL, NULL, dt), FB_OK);
+      FBT_INT_EQ(step((integrator)which, &state, NULL, NULL, NULL, dt), FB_OK);
     }
     FBT_NEAR_ABS(2.0 * (double)state.quat[3], 1e-5 * dt * steps, FBT_TOL(1e-9, 1e-7));
     FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
     FBT_INT_EQ(fb_state_from_velocity(&body, &state, v, rest, NULL), FB_OK);
-    FBT_INT_EQ(fb_body_momentum(&body, &before, &state, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_momentum_eval(&body, &before, &state, NULL), FB_OK);
     input.load[0].force[0] = FB_R(1e-2);
     input.load[0].torque[2] = FB_R(0.0);
     for (int k = 0; k < steps; k++) {
-      FBT_INT_EQ(step((scheme)which, &state, &input, &input, &input, dt), FB_OK);
+      FBT_INT_EQ(step((integrator)which, &state, &input, &input, &input, dt), FB_OK);
     }
-    FBT_INT_EQ(fb_body_momentum(&body, &after, &state, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_momentum_eval(&body, &after, &state, NULL), FB_OK);
     FBT_NEAR_ABS(after.linear[0] - before.linear[0], 1e-2 * dt * steps, FBT_TOL(1e-8, 5e-4));
   }
 }
@@ -298,18 +298,18 @@ TEST(slow_modes_keep_their_phase)
 {
   const double dt = 1e-4;
   const int steps = FBT_LONG(100000, 10000);
-  for (int which = RK4; which < SCHEMES; which++) {
+  for (int which = RK4; which < INTEGRATORS; which++) {
     fb_state state;
     fb_input input;
     double omega, phase;
     boom(FB_EFFECTS_LINEAR, FB_BASE_PRESCRIBED, 1, 0, 0, 0.0);
     omega = sqrt((double)body.K.diagonal[0]);
-    prepare((scheme)which, dt);
+    prepare((integrator)which, dt);
     memset(&input, 0, sizeof input);
     FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
     state.q[0] = FB_R(0.1);
     for (int k = 0; k < steps; k++) {
-      FBT_INT_EQ(step((scheme)which, &state, &input, &input, &input, dt), FB_OK);
+      FBT_INT_EQ(step((integrator)which, &state, &input, &input, &input, dt), FB_OK);
     }
     phase = omega * dt * steps;
     FBT_NEAR_ABS(state.q[0], 0.1 * cos(phase), FBT_TOL(2e-7, 2e-7));
@@ -357,7 +357,7 @@ TEST(midpoint_keeps_energy_and_momentum)
   fbt_seed(1);
   start(&state, 0.02, 0.2);
   energy = energy_of(&state);
-  FBT_INT_EQ(fb_body_momentum(&body, &before, &state, NULL), FB_OK);
+  FBT_INT_EQ(fb_body_momentum_eval(&body, &before, &state, NULL), FB_OK);
   for (int k = 0; k < steps; k++) {
     if (fb_midpoint_step(&body, &state, &implicit_work, NULL, FBT_TOL(FB_R(0.0005), FB_R(0.005)), FBT_TOL(4, 3)) !=
         FB_OK) {
@@ -366,7 +366,7 @@ TEST(midpoint_keeps_energy_and_momentum)
     }
     worst = k % 100 == 0 ? fmax(worst, fabs(energy_of(&state) / energy - 1.0)) : worst;
   }
-  FBT_INT_EQ(fb_body_momentum(&body, &after, &state, NULL), FB_OK);
+  FBT_INT_EQ(fb_body_momentum_eval(&body, &after, &state, NULL), FB_OK);
   momentum = fmax(fbt_difference(before.linear, after.linear, 3) / fbt_largest(before.linear, 3),
                   fbt_difference(before.angular, after.angular, 3) / fbt_largest(before.angular, 3));
   fbt_figure(FBT_TOL(1, 0) ? "midpoint, 1e6 steps, energy" : "midpoint, 1e4 steps, energy", "conservation", worst);
@@ -410,7 +410,7 @@ static void turned_body(fb_base base, int form, int k)
 }
 
 /* A free or pinned one that drifts, spins and is pushed, after ten steps. */
-static void turned_run(fb_state *state, scheme which, fb_base base, int form, int k)
+static void turned_run(fb_state *state, integrator which, fb_base base, int form, int k)
 {
   fb_real x[3], v[3], w[3];
   fb_input input;
@@ -438,13 +438,14 @@ static void turned_run(fb_state *state, scheme which, fb_base base, int form, in
 }
 
 /* >>integrate: no axis is better than another: the same body, motion and loads with x, y, z called y, z, x give the
-   same motion, called so, by every scheme; of the implicit ones one iteration, whose matrix leaves its trace in it. */
-TEST(schemes_know_no_axes)
+   same motion, called so, by every integrator; of the implicit ones one iteration, whose matrix leaves its trace in
+   it. */
+TEST(integrators_know_no_axes)
 {
-  for (int run = 0; run < 2 * FBT_FORMS * SCHEMES; run++) {
+  for (int run = 0; run < 2 * FBT_FORMS * INTEGRATORS; run++) {
     const fb_base base = run % 2 ? FB_BASE_PINNED : FB_BASE_FREE;
     const int form = run / 2 % FBT_FORMS;
-    const scheme which = (scheme)(run / (2 * FBT_FORMS));
+    const integrator which = (integrator)(run / (2 * FBT_FORMS));
     fb_state first;
     if (which == EXPONENTIAL && form != FBT_MOMENTUM) {
       continue;
@@ -505,8 +506,8 @@ static void turned_system_run(fb_system_state *state, int rk4, fb_joint_kind kin
     turned_fill(push.load[j].load.force, k, 5.0);
     turned_fill(push.load[j].load.torque, k, 5.0);
   }
-  FBT_INT_EQ(fb_system_init(&system, &system_work, &body, 1, &tree), FB_OK);
-  FBT_INT_EQ(fb_system_state_init(&system, &body, &system_work, state, NULL, NULL), FB_OK);
+  FBT_INT_EQ(fb_system_init(&system, &system_work, &body, &tree, 1), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&system, &body, state, &system_work, NULL, NULL), FB_OK);
   for (int j = 0; j < 2; j++) {
     fb_link_state *const link = &state->link[j];
     fbt_fill(link->q, 2, 0.2);
@@ -523,7 +524,7 @@ static void turned_system_run(fb_system_state *state, int rk4, fb_joint_kind kin
 }
 
 /* >>integrate: nor is one for systems. */
-TEST(schemes_of_systems_know_no_axes)
+TEST(integrators_of_systems_know_no_axes)
 {
   for (int run = 0; run < 4; run++) {
     const fb_joint_kind kind = run % 2 ? FB_JOINT_SPHERICAL : FB_JOINT_FREE;
@@ -548,8 +549,8 @@ TEST(schemes_of_systems_know_no_axes)
   }
 }
 
-/* E11.2: coordinates below FB_TINY and momenta below a millionth of it are zero after a step of any scheme, of a body
-   and of a system, every one of them; momenta above stay as they are. */
+/* E11.2: coordinates below FB_TINY and momenta below a millionth of it are zero after a step of any integrator, of a
+   body and of a system, every one of them; momenta above stay as they are. */
 TEST(what_is_tiny_becomes_zero)
 {
   static fb_system_desc tree;
@@ -560,34 +561,35 @@ TEST(what_is_tiny_becomes_zero)
   tree.n_body = 1;
   tree.joint[0].kind = FB_JOINT_FREE;
   tree.joint[0].parent = FB_GROUND;
-  FBT_INT_EQ(fb_system_init(&system, &system_work, &body, 1, &tree), FB_OK);
-  for (int k = 0; k < 2 * (SCHEMES + 2); k++) {
+  FBT_INT_EQ(fb_system_init(&system, &system_work, &body, &tree, 1), FB_OK);
+  for (int k = 0; k < 2 * (INTEGRATORS + 2); k++) {
     const int which = k / 2, above = k % 2;
     const fb_real size = (above ? FB_R(4.0) * (FB_R(1.0) + body.mass) : FB_R(0.25)) * FB_TINY * FB_R(1e-6); /* u, too */
     fb_state state;
     fb_link_state *const link = &tree_state.link[0];
     fb_momentum total;
-    const fb_real *const P = which < SCHEMES ? state.u : above ? total.linear : link->p;
-    const fb_real *const L = which < SCHEMES ? state.L : above ? total.angular : link->p + 3;
-    const fb_real *const q = which < SCHEMES ? state.q : link->q, *const pi = which < SCHEMES ? state.pi : link->pi;
+    const fb_real *const P = which < INTEGRATORS ? state.u : above ? total.linear : link->p;
+    const fb_real *const L = which < INTEGRATORS ? state.L : above ? total.angular : link->p + 3;
+    const fb_real *const q = which < INTEGRATORS ? state.q : link->q, *const pi =
+                                                                          which < INTEGRATORS ? state.pi : link->pi;
     FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
-    FBT_INT_EQ(fb_system_state_init(&system, &body, &system_work, &tree_state, NULL, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_state_init(&system, &body, &tree_state, &system_work, NULL, NULL), FB_OK);
     for (int i = 0; i < 3; i++) {
       state.u[i] = state.L[i] = link->p[i] = link->p[3 + i] = size;
     }
     for (int a = 0; a < body.n && !above; a++) {
       state.q[a] = state.pi[a] = link->q[a] = link->pi[a] = size * FB_R(1e3); /* they swing by 100/s */
     }
-    if (which < SCHEMES) {
-      prepare((scheme)which, 1e-3);
-      FBT_INT_EQ(step((scheme)which, &state, NULL, NULL, NULL, 1e-3), FB_OK);
+    if (which < INTEGRATORS) {
+      prepare((integrator)which, 1e-3);
+      FBT_INT_EQ(step((integrator)which, &state, NULL, NULL, NULL, 1e-3), FB_OK);
     } else {
-      FBT_INT_EQ(which == SCHEMES
+      FBT_INT_EQ(which == INTEGRATORS
                      ? fb_system_rk4_step(&system, &body, &tree_state, &system_work, NULL, NULL, NULL, FB_R(1e-3))
                      : fb_system_sdirk_step(&system, &body, &tree_state, &system_work, NULL, NULL, FB_R(1e-3), 0),
                  FB_OK);
       FBT_TRUE(above == (fbt_largest(link->u, 3) > 0.0)); /* that is where linear momentum goes */
-      FBT_INT_EQ(fb_system_momentum(&system, &body, &system_work, &total, &tree_state, NULL), FB_OK);
+      FBT_INT_EQ(fb_system_momentum_eval(&system, &body, &system_work, &total, &tree_state, NULL), FB_OK);
     }
     for (int i = 0; i < 3; i++) {
       FBT_NEAR_REL(P[i], above ? size : FB_R(0.0), 8.0 * (double)FB_EPSILON);
@@ -661,7 +663,7 @@ static void straight_on(fb_input *input, const fb_real quat[4], const fb_real v[
 
 /* A tumbling, bending body with a thruster on its tip, at a speed along some direction: what it does relative to its
    mass center after 2 s, and where O is against the way at that speed. */
-static void fly(fb_state *state, fb_node_motion *tip, scheme which, fb_base base, const fb_body_desc *desc,
+static void fly(fb_state *state, fb_node_motion *tip, integrator which, fb_base base, const fb_body_desc *desc,
                 double speed)
 {
   const double dt = 0.002;
@@ -701,8 +703,8 @@ static void fly(fb_state *state, fb_node_motion *tip, scheme which, fb_base base
   if (base == FB_BASE_PRESCRIBED) {
     straight_on(&input, state->quat, still, 0.0);
   }
-  FBT_INT_EQ(fb_body_motion(&body, &motion, state, &input), FB_OK);
-  FBT_INT_EQ(fb_body_node_motion(&body, tip, state, &motion, 1), FB_OK);
+  FBT_INT_EQ(fb_body_motion_eval(&body, &motion, state, &input), FB_OK);
+  FBT_INT_EQ(fb_body_node_motion_eval(&body, tip, state, &motion, 1), FB_OK);
 }
 
 /* Bending and deflection of the tip are those at rest, to tol; returns by how much of the bending they are not. */
@@ -717,18 +719,18 @@ static double bends_alike(const fb_state *state, const fb_node_motion *tip, cons
 }
 
 /* E8.33, E8.35, E11.31: Galileo's principle: at 100 m/s to 30 km/s a free body bends and turns as one at rest, by every
-   scheme; what an accelerometer on it reads is the same, too. */
+   integrator; what an accelerometer on it reads is the same, too. */
 TEST(flight_speed_does_not_matter)
 {
   static const double speeds[] = {100.0, 250.0, 7500.0, 30000.0};
   static const unsigned sets[] = {FB_EFFECTS_FULL, FB_EFFECTS_LINEAR};
   double worst = 0.0;
-  for (int run = 0; run < 2 * SCHEMES; run++) {
-    const scheme which = (scheme)(run % SCHEMES);
+  for (int run = 0; run < 2 * INTEGRATORS; run++) {
+    const integrator which = (integrator)(run % INTEGRATORS);
     fb_body_desc desc;
     fb_state rest;
     fb_node_motion tip_rest;
-    boom(sets[run / SCHEMES], FB_BASE_FREE, 2, 2, 0, 0.0);
+    boom(sets[run / INTEGRATORS], FB_BASE_FREE, 2, 2, 0, 0.0);
     desc = body_desc;
     desc.allow_long_step = 1; /* the exponential scheme's limit is that of any motion */
     fly(&rest, &tip_rest, which, FB_BASE_FREE, &desc, 0.0);
@@ -749,17 +751,17 @@ TEST(flight_speed_does_not_matter)
 
 /* E8.35, E11.31, E11.34: a base that is prescribed to turn and to go straight on bends what hangs on it as one that
    turns in place. The caller rounds v in body axes, by eps of the speed, and turns it by the exact attitude, which
-   implicit schemes have but for (w dt)^3/12: 2e-11 of the speed. */
+   implicit integrators have but for (w dt)^3/12: 2e-11 of the speed. */
 TEST(the_speed_of_a_prescribed_base_does_not_matter)
 {
   static const double speeds[] = {250.0, 7500.0, 30000.0};
   double worst = 0.0;
-  for (int run = 0; run < 2 * SCHEMES; run++) {
-    const scheme which = (scheme)(run % SCHEMES);
+  for (int run = 0; run < 2 * INTEGRATORS; run++) {
+    const integrator which = (integrator)(run % INTEGRATORS);
     fb_body_desc desc;
     fb_state rest;
     fb_node_motion tip_rest;
-    boom(run < SCHEMES ? FB_EFFECTS_FULL : FB_EFFECTS_LINEAR, FB_BASE_PRESCRIBED, 2, 2, 0, 0.0);
+    boom(run < INTEGRATORS ? FB_EFFECTS_FULL : FB_EFFECTS_LINEAR, FB_BASE_PRESCRIBED, 2, 2, 0, 0.0);
     desc = body_desc;
     fly(&rest, &tip_rest, which, FB_BASE_PRESCRIBED, &desc, 0.0);
     for (int k = 0; k < FBT_COUNT(speeds); k++) {
@@ -863,7 +865,7 @@ TEST(the_faintest_loads_add_up)
     for (int k = 0; k < 10000; k++) {
       FBT_INT_EQ(fb_rk4_step(&body, &state, &work, &input, &input, &input, (fb_real)dt), FB_OK);
     }
-    FBT_INT_EQ(fb_body_motion(&body, &motion, &state, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_motion_eval(&body, &motion, &state, NULL), FB_OK);
     if (light) {
       FBT_NEAR_REL(motion.w[2], 1e-11 * 10.0 / 1.5e-7, FBT_TOL(1e-9, 1e-4));
     } else {
@@ -890,12 +892,12 @@ static void tube(fb_state *state, double ratio)
 }
 
 /* E8.18, E11.29: rods whose inertia about their axis is 1e-4 to 1e-8 of that across (single precision: 1e-2 to 1e-4; a
-   thinner one is refused by the pivots of its S) keep their energy and their angular momentum, by every scheme: the
+   thinner one is refused by the pivots of its S) keep their energy and their angular momentum, by every integrator: the
    attitude's error does not become spin about the axis, however many steps there are. */
 TEST(slender_bodies_keep_their_energy)
 {
   for (int run = 0; run < 4 * 5; run++) {
-    const scheme which = (scheme)(run % 4);
+    const integrator which = (integrator)(run % 4);
     const double ratio = pow(10.0, FBT_TOL(-4 - run / 4, -2 - 0.5 * (run / 4))), dt = which == RK4 ? 0.85 : 0.1;
     const int n = FBT_LONG(100000, 2000);
     double energy, spin = 0.0;
@@ -905,12 +907,12 @@ TEST(slender_bodies_keep_their_energy)
     tube(&state, ratio);
     prepare(which, dt);
     energy = energy_of(&state);
-    FBT_INT_EQ(fb_body_momentum(&body, &before, &state, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_momentum_eval(&body, &before, &state, NULL), FB_OK);
     for (int k = 0; k < n; k++) {
       FBT_INT_EQ(step(which, &state, NULL, NULL, NULL, dt), FB_OK);
     }
-    FBT_INT_EQ(fb_body_momentum(&body, &after, &state, NULL), FB_OK);
-    FBT_INT_EQ(fb_body_motion(&body, &motion, &state, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_momentum_eval(&body, &after, &state, NULL), FB_OK);
+    FBT_INT_EQ(fb_body_motion_eval(&body, &motion, &state, NULL), FB_OK);
     spin = fabs((double)motion.w[0]);
     FBT_NEAR_REL(energy_of(&state), energy, FBT_TOL(1e-9, 1e-5));
     FBT_BELOW(fbt_difference(after.angular, before.angular, 3), FBT_TOL(1e-14, 1e-6) * fbt_largest(before.angular, 3));
@@ -920,9 +922,10 @@ TEST(slender_bodies_keep_their_energy)
 
 SUITE(integrate_order, RUN(flight_speed_does_not_matter), RUN(the_speed_of_a_prescribed_base_does_not_matter),
       RUN(the_mass_center_goes_where_momentum_leads_it), RUN(positions_are_sums_without_loss),
-      RUN(the_faintest_loads_add_up), RUN(slender_bodies_keep_their_energy), RUN_FORMS(schemes_know_no_axes),
-      RUN(schemes_of_systems_know_no_axes), RUN_FORMS(inputs_between_two_are_on_the_way),
-      RUN(what_is_tiny_becomes_zero), RUN(each_scheme_converges_at_its_order), RUN(midpoint_keeps_energy_and_momentum),
-      RUN(rk4_converges_with_order_four), RUN(tumbling_conserves_momentum_and_energy), RUN(short_steps_lose_nothing),
-      RUN(slow_modes_keep_their_phase), RUN(bodies_stepped_in_turn_do_not_meet),
-      RUN(decay_reaches_zero_without_subnormals), RUN(spin_up_follows_the_geometrically_exact_beam))
+      RUN(the_faintest_loads_add_up), RUN(slender_bodies_keep_their_energy), RUN_FORMS(integrators_know_no_axes),
+      RUN(integrators_of_systems_know_no_axes), RUN_FORMS(inputs_between_two_are_on_the_way),
+      RUN(what_is_tiny_becomes_zero), RUN(each_integrator_converges_at_its_order),
+      RUN(midpoint_keeps_energy_and_momentum), RUN(rk4_converges_with_order_four),
+      RUN(tumbling_conserves_momentum_and_energy), RUN(short_steps_lose_nothing), RUN(slow_modes_keep_their_phase),
+      RUN(bodies_stepped_in_turn_do_not_meet), RUN(decay_reaches_zero_without_subnormals),
+      RUN(spin_up_follows_the_geometrically_exact_beam))

@@ -512,7 +512,7 @@ TEST(welded_limbs_are_the_chain_of_their_elements)
     weld[0].component[0] = at[0];
     weld[0].component[1] = weld[1].component[1] = at[1];
     weld[1].component[0] = at[2];
-    status = fb_modes_join(common, &join_work, limb, limb_basis, 3, weld, 2, 9, FB_R(0.0));
+    status = joined_by(common, &join_work, limb, limb_basis, 3, weld, 2, 9, FB_R(0.0));
     /* a free one's slow modes cannot be told from rigid ones in single precision, as the header says */
     FBT_INT_EQ(status, FB_SINGLE && root == FB_ROOT_FREE ? FB_ERR_CONVERGENCE : FB_OK);
     for (int a = 0; a < 9 && status == FB_OK; a++) {
@@ -538,7 +538,7 @@ TEST(a_part_alone_keeps_its_modes)
   fbt_seed(1);
   coupled_desc(2, FB_ROOT_CLAMPED);
   FBT_INT_EQ(solve(&modes, 2, 2, 2, 3), FB_OK);
-  FBT_INT_EQ(fb_modes_join(common, &join_work, &beam, &modes, 1, NULL, 0, 0, FB_R(0.0)), FB_OK);
+  FBT_INT_EQ(joined_by(common, &join_work, &beam, &modes, 1, NULL, 0, 0, FB_R(0.0)), FB_OK);
   FBT_INT_EQ(common[0].n, modes.n);
   FBT_INT_EQ(common[0].ndof, modes.ndof);
   for (int a = 0; a < modes.n; a++) {
@@ -567,7 +567,7 @@ TEST(rigid_parts_have_no_common_modes)
     FBT_INT_EQ(limb_basis[c].n, 6);
     limb[c] = beam;
   }
-  FBT_INT_EQ(fb_modes_join(common, &join_work, limb, limb_basis, 2, &weld, 1, 0, FB_R(0.0)), FB_OK);
+  FBT_INT_EQ(joined_by(common, &join_work, limb, limb_basis, 2, &weld, 1, 0, FB_R(0.0)), FB_OK);
   FBT_INT_EQ(common[0].n + common[1].n, 0);
 }
 

@@ -220,7 +220,7 @@ TEST(a_held_tip_does_not_choose_the_sign)
 
 /* E7.2, E7.3: a round section bends alike in both planes, to the bit but for the sign of the slopes, and its planes
    do not mix; equal frequencies come in the order of the kinds. */
-TEST(a_round_beam_has_pairs_of_unmixed_modes)
+TEST(a_round_beam_has_pairs_of_unexact_modes)
 {
   for (int root = 0; root < 3; root++) {
     uniform_desc(5, (fb_root)root);
@@ -296,7 +296,7 @@ TEST(modes_are_selected_by_count_and_frequency)
   FBT_INT_EQ(other.n, 0);
 }
 
-/* >>modes: finite-element coordinates are unit shapes, M and K those of fb_beam_matrices without the held and the
+/* >>modes: finite-element coordinates are unit shapes, M and K those of fb_beam_matrices_eval without the held and the
    unwanted rows. */
 TEST(element_coordinates_keep_the_element_matrices)
 {
@@ -325,7 +325,7 @@ TEST(element_coordinates_keep_the_element_matrices)
         continue;
       }
       FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, &keep), FB_OK);
-      fb_beam_matrices(K, M, &beam);
+      fb_beam_matrices_eval(&beam, K, M);
       FBT_INT_EQ(modes.n, n);
       FBT_INT_EQ(modes.ndof, full_dofs());
       for (int a = 0; a < n; a++) {
@@ -720,7 +720,7 @@ SUITE(modes_selection, RUN(momenta_are_told_of_beams_without_mass), RUN(the_lowe
       RUN(functions_are_orthonormal_and_as_smooth_as_they_claim), RUN(functions_of_one_direction_are_its_lowest_modes),
       RUN(functions_carry_the_lumped_bodies), RUN(the_lowest_modes_below_a_limit_are_all_below_it),
       RUN(modes_are_orthonormal_with_a_fixed_sign), RUN(a_held_tip_does_not_choose_the_sign),
-      RUN(a_round_beam_has_pairs_of_unmixed_modes), RUN(modes_may_fill_all_their_room),
+      RUN(a_round_beam_has_pairs_of_unexact_modes), RUN(modes_may_fill_all_their_room),
       RUN(functions_of_a_changing_beam_are_its_own), RUN(momenta_and_effective_masses_are_those_of_the_whole_beam),
       RUN(bodies_couple_the_kinds_that_they_should), RUN(modes_are_selected_by_count_and_frequency),
       RUN(element_coordinates_keep_the_element_matrices), RUN(modes_that_do_not_exist_are_refused))

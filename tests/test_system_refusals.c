@@ -13,7 +13,7 @@ TEST(work_means_nothing_between_calls)
     fb_momentum momentum[2];
     couple(FB_JOINT_REVOLUTE, 0, FB_AXIS_FREE);
     init(FB_METHOD_RECURSIVE);
-    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
     FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
     if (form == 3) {
       couple_by_a_loop(&motion, 0);
@@ -22,18 +22,18 @@ TEST(work_means_nothing_between_calls)
     for (int k = 0; k < 2; k++) {
       const int byte = k ? 0xff : 0;
       memset(&work, byte, sizeof work);
-      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &begin[k], start, &input), FB_OK);
+      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &begin[k], &work, start, &input), FB_OK);
       memset(&work, byte, sizeof work);
       FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &at[k], &begin[k], &input), FB_OK);
       memset(&work, byte, sizeof work);
-      FBT_INT_EQ(fb_system_rates(&mechanism, model, &work, &slope[k], &begin[k], &input), FB_OK);
+      FBT_INT_EQ(fb_system_rates_eval(&mechanism, model, &work, &slope[k], &begin[k], &input), FB_OK);
       memset(&work, byte, sizeof work);
-      FBT_INT_EQ(fb_system_energy(&mechanism, model, &work, &energy[k], &begin[k], &input), FB_OK);
+      FBT_INT_EQ(fb_system_energy_eval(&mechanism, model, &work, &energy[k], &begin[k], &input), FB_OK);
       memset(&work, byte, sizeof work);
-      FBT_INT_EQ(fb_system_momentum(&mechanism, model, &work, &momentum[k], &begin[k], &input), FB_OK);
+      FBT_INT_EQ(fb_system_momentum_eval(&mechanism, model, &work, &momentum[k], &begin[k], &input), FB_OK);
       after[k] = begin[k];
       memset(&work, byte, sizeof work);
-      FBT_INT_EQ(fb_system_axis_set(&mechanism, model, &work, &after[k], form < 3 ? 1 : 2, 0, FB_AXIS_LOCKED, &input),
+      FBT_INT_EQ(fb_system_axis_set(&mechanism, model, &after[k], &work, form < 3 ? 1 : 2, 0, FB_AXIS_LOCKED, &input),
                  FB_OK);
       memset(&work, byte, sizeof work);
       init(form < 3 ? (fb_method)form : FB_METHOD_RECURSIVE);
@@ -62,7 +62,7 @@ TEST(no_input_is_an_input_of_zeros)
     memset(&input, 0, sizeof input);
     if (form == 3) {
       init(FB_METHOD_RECURSIVE);
-      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
       FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, NULL), FB_OK);
       couple_by_a_loop(&motion, 0);
     }
@@ -70,14 +70,14 @@ TEST(no_input_is_an_input_of_zeros)
     for (int zeros = 0; zeros < 2; zeros++) {
       const fb_system_input *in = zeros ? &input : NULL;
       fb_system_state *s = &end[zeros];
-      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &begin[zeros], start, in), FB_OK);
+      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &begin[zeros], &work, start, in), FB_OK);
       FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &at[zeros], &begin[zeros], in), FB_OK);
-      FBT_INT_EQ(fb_system_rates(&mechanism, model, &work, &slope[zeros], &begin[zeros], in), FB_OK);
+      FBT_INT_EQ(fb_system_rates_eval(&mechanism, model, &work, &slope[zeros], &begin[zeros], in), FB_OK);
       *s = begin[zeros];
       memset(&work, 0xff, sizeof work); /* and what is in it means nothing */
       FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, s, &work, in, in, in, FB_R(2e-4)), FB_OK);
       FBT_INT_EQ(fb_system_sdirk_step(&mechanism, model, s, &work, in, in, FB_R(2e-4), 2), FB_OK);
-      FBT_INT_EQ(fb_system_axis_set(&mechanism, model, &work, s, form < 3 ? 1 : 2, 0, FB_AXIS_LOCKED, in), FB_OK);
+      FBT_INT_EQ(fb_system_axis_set(&mechanism, model, s, &work, form < 3 ? 1 : 2, 0, FB_AXIS_LOCKED, in), FB_OK);
     }
     FBT_TRUE(memcmp(&begin[0], &begin[1], sizeof begin[0]) == 0);
     FBT_TRUE(memcmp(&at[0], &at[1], sizeof at[0]) == 0);
@@ -188,7 +188,7 @@ TEST(states_out_of_range_are_refused)
     couple(FB_JOINT_SPHERICAL, 0, FB_AXIS_FREE);
     hang(2, 0, FB_JOINT_REVOLUTE, 1, 1);
     init(FB_METHOD_RECURSIVE);
-    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
     FBT_INT_EQ(fb_system_state_check(&mechanism, model, &state), FB_OK);
     kept = state;
     memset(kept.link[j].quat, 0, sizeof kept.link[j].quat);
@@ -211,7 +211,7 @@ TEST(states_out_of_range_are_refused)
       start[j].q[0] = (fb_real)(0.6 * limit / (double)model[0].reach[0]);
       start[j].q[1] = -(fb_real)((over ? 0.42 : 0.38) * limit / (double)model[0].reach[1]);
       start[j].q[2] = FB_R(0.0);
-      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &kept, start, NULL), over ? FB_ERR_RANGE : FB_OK);
+      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &kept, &work, start, NULL), over ? FB_ERR_RANGE : FB_OK);
     }
   }
 }
@@ -228,7 +228,7 @@ TEST(every_mode_is_within_its_range)
     const int k = run / 8, a = run / 2 % 4, over = run % 2;
     memset(start, 0, sizeof start);
     start[k].q[a] = (fb_real)(over ? 1.01 : 0.99) * model[0].deflection_limit / model[0].reach[a];
-    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), over ? FB_ERR_RANGE : FB_OK);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), over ? FB_ERR_RANGE : FB_OK);
   }
 }
 
@@ -310,7 +310,7 @@ TEST(systems_refuse_what_is_not_right)
   fb_real limit;
   tree(FB_EFFECTS_FULL, 0); /* the work means nothing between calls */
   init(FB_METHOD_RECURSIVE);
-  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
   kept = state;
   FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &kept, &work, &input, &input, &input, FB_R(2e-4)), FB_OK);
   memset(&work, 0xff, sizeof work);
@@ -326,7 +326,7 @@ TEST(systems_refuse_what_is_not_right)
   input.drive[2].value[0] = (fb_real)rocker_angle(0.4, 1.0, 0.8, 1.1, 0.7);
   start[1].value[0] = -FB_R(0.3);
   init(FB_METHOD_RECURSIVE);
-  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
   input.drive[2].value[0] += FB_R(0.02);
   FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, FB_R(1e-3)),
              FB_ERR_CONTRADICTION);
@@ -337,7 +337,7 @@ TEST(systems_refuse_what_is_not_right)
   close_loop(FB_JOINT_REVOLUTE, FB_GROUND, 0, 0, 0);
   turn(start[0].quat, 3.0, 0, 0);
   init(FB_METHOD_RECURSIVE);
-  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_ERR_CONTRADICTION);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_ERR_CONTRADICTION);
   FBT_INT_EQ(work.joint, 1);
   desc.loop[0].stiffness[0] =
       FB_R(400.0); /* and its spring in the limit: sqrt(400/(0.1 + 0.04)), 5 % more of the tree's */
@@ -345,7 +345,7 @@ TEST(systems_refuse_what_is_not_right)
   limit = fb_system_rk4_limit(&mechanism, model, 0, 0);
   FBT_NEAR_REL(limit, 2.785 / sqrt(400.0 / 0.14), FBT_TOL(1e-9, 1e-4));
   turn(start[0].quat, 0, 0, 0.1);
-  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
   FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, NULL, NULL, NULL, FB_R(1.01) * limit), FB_ERR_STEP);
   FBT_INT_EQ(fb_system_sdirk_step(&mechanism, model, &state, &work, NULL, NULL, FB_R(1.01) * limit, 0), FB_ERR_STEP);
   fresh(); /* prescribed from the start: the other joint's speed stays what it was asked to be */
@@ -359,7 +359,7 @@ TEST(systems_refuse_what_is_not_right)
   start[1].speed[0] = FB_R(0.25);
   for (int method = 0; method < 3; method++) {
     init((fb_method)method);
-    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
     FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
     FBT_NEAR_ABS(motion.joint[1].speed[0], 0.25, FBT_TOL(1e-12, 1e-5));
     FBT_NEAR_ABS(motion.joint[1].value[0], 0.5, FBT_TOL(1e-12, 1e-5));
@@ -370,7 +370,7 @@ TEST(systems_refuse_what_is_not_right)
   input.rows = many_rows;
   input.user = &many;
   init(FB_METHOD_RECURSIVE);
-  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, NULL, &input), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, NULL, &input), FB_OK);
   FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, FB_R(1e-3)), FB_OK);
   FBT_INT_EQ(work.rank, 1);
   many = -7;
@@ -381,14 +381,14 @@ TEST(systems_refuse_what_is_not_right)
   input.drive[0].rate[0] = FB_R(3.0);
   input.drive[0].acceleration[0] = FB_R(5.0);
   init(FB_METHOD_RECURSIVE);
-  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, NULL, &input), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, NULL, &input), FB_OK);
   FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
   FBT_NEAR_ABS(motion.power, 2.0 * 5.0 * 3.0, FBT_TOL(1e-12, 1e-4));
   fresh(); /* an attitude of a hundred-millionth of a turn is one */
   hang(0, 0, FB_JOINT_RIGID, FB_GROUND, 0);
   turn(desc.joint[0].child_attitude, 1e-9, 0, 0);
   init(FB_METHOD_RECURSIVE);
-  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, NULL, NULL), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, NULL, NULL), FB_OK);
   FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, NULL), FB_OK);
   FBT_NEAR_ABS(motion.pose[0].quat[1], -0.5e-9, 1e-13);
 }
@@ -401,9 +401,9 @@ TEST(forgotten_models_are_refused)
   model[1] = model[2] = model[0];
   for (int k = 0; k < 2; k++) {
     desc.model[1] = k;
-    FBT_INT_EQ(fb_system_init(&mechanism, &work, model, 1 + k, &desc), FB_OK);
-    FBT_INT_EQ(fb_system_init(&mechanism, &work, model, 2, &desc), k ? FB_OK : FB_ERR_VALUE);
-    FBT_INT_EQ(fb_system_init(&mechanism, &work, model, 3, &desc), FB_OK);
+    FBT_INT_EQ(fb_system_init(&mechanism, &work, model, &desc, 1 + k), FB_OK);
+    FBT_INT_EQ(fb_system_init(&mechanism, &work, model, &desc, 2), k ? FB_OK : FB_ERR_VALUE);
+    FBT_INT_EQ(fb_system_init(&mechanism, &work, model, &desc, 3), FB_OK);
   }
 }
 

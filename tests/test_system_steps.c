@@ -17,15 +17,15 @@ static void driven_arm(double torque)
   input.drive[2].torque[0] = -(fb_real)(torque / 4.0);
 }
 
-/* A step of 0.1 s of the driven arm by either scheme (0 iterations: rk4); how far its joints then are from where 2000
-   short steps lead, by how far those lead. */
+/* A step of 0.1 s of the driven arm by either integrator (0 iterations: rk4); how far its joints then are from where
+   2000 short steps lead, by how far those lead. */
 static double driven_step(fb_status *status, double torque, int iterations, int allow)
 {
   double off = 0.0, way = 0.0;
   driven_arm(torque);
   desc.allow_long_step = allow;
   init(FB_METHOD_RECURSIVE);
-  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
   kept = state;
   *status = iterations ? fb_system_sdirk_step(&mechanism, model, &state, &work, &input, &input, FB_R(0.1), iterations)
                        : fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, FB_R(0.1));
@@ -74,7 +74,7 @@ static int on_sled(fb_real q[3], double speed, double dt, int iterations)
   start[0].speed[0] = (fb_real)speed;
   start[1].speed[0] = FB_R(2.0);
   init(FB_METHOD_RECURSIVE);
-  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
   input.drive[1].torque[0] = FB_R(1.0);
   for (int k = 0; k < (int)(0.4 / dt + 0.5) && status == FB_OK; k++) {
     status = fb_system_sdirk_step(&mechanism, model, &state, &work, &input, &input, (fb_real)dt, iterations);
@@ -117,7 +117,7 @@ TEST(thin_tubes_keep_calm)
     start[0].speed[4] = FB_R(0.1);
     start[0].speed[5] = FB_R(0.02);
     init(FB_METHOD_RECURSIVE);
-    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
     before = energy_of(&state);
     dt = 0.1 * (double)fb_system_rk4_limit(&mechanism, model, FB_R(0.1), FB_R(0.0));
     for (int step = 0; step < 2000; step++) {
@@ -129,7 +129,7 @@ TEST(thin_tubes_keep_calm)
   }
 }
 
-/* E11.26: a step in which a body comes to turn by radians is refused by either scheme, though nothing turns at its
+/* E11.26: a step in which a body comes to turn by radians is refused by either integrator, though nothing turns at its
    start and no spring bounds it; half of that goes through, and is right. */
 TEST(steps_that_turn_too_far_are_refused)
 {
@@ -144,7 +144,7 @@ TEST(steps_that_turn_too_far_are_refused)
 
 /* E11.12 to E11.14, E9.13: halving the step divides the error by 2^order, with all joints, eliminated or kept, motors,
    loads and prescribed axes; the reference is rk4 with a much shorter step. */
-TEST(systems_converge_with_the_order_of_the_scheme)
+TEST(systems_converge_with_the_order_of_the_integrator)
 {
   static fb_system_motion exact;
   for (int run = 0; run < 3; run++) { /* rk4 on the tree, rk4 with constraints, sdirk */
@@ -209,7 +209,7 @@ TEST(inputs_are_linear_between_the_ends_of_a_step)
       end.drive[0].rate[3 + i] = 3 * input.drive[0].rate[3 + i];
     }
     init(FB_METHOD_RECURSIVE);
-    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
     FBT_INT_EQ(fb_system_sdirk_step(&mechanism, model, &state, &work, &input, &end, (fb_real)dt, 4), FB_OK);
     FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &end), FB_OK);
     fb_quat_to_rotvec(turned, motion.pose[0].quat);
@@ -242,7 +242,7 @@ TEST(systems_lose_nothing_by_short_steps)
     start[1].value[0] = FB_R(1.0);
     start[1].speed[0] = FB_R(1e-5);
     init(FB_METHOD_RECURSIVE);
-    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
     for (int k = 0; k < n; k++) {
       FBT_INT_EQ(implicit ? fb_system_sdirk_step(&mechanism, model, &state, &work, NULL, NULL, (fb_real)dt, implicit)
                           : fb_system_rk4_step(&mechanism, model, &state, &work, NULL, NULL, NULL, (fb_real)dt),
@@ -294,7 +294,7 @@ TEST(one_iteration_is_enough_for_a_linear_system)
     }
     desc.allow_long_step = 1;
     init((fb_method)(run / 2 % 2));
-    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
     for (int k = 0; k < 2; k++) {
       end[k] = state;
       FBT_INT_EQ(fb_system_sdirk_step(&mechanism, model, &end[k], &work, NULL, NULL, FB_R(0.5), k ? 20 : 1), FB_OK);
@@ -446,7 +446,7 @@ TEST(system_steps_beyond_the_limit_are_refused)
   limit = fb_system_rk4_limit(&mechanism, model, 0, 0);
   FBT_NEAR_REL(limit, 2.785 / omega, 0.05);
   FBT_BELOW(limit, 2.785 / omega);
-  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
   kept = state;
   FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, NULL, NULL, NULL, FB_R(1.05) * limit), FB_ERR_STEP);
   FBT_TRUE(memcmp(&kept, &state, sizeof state) == 0);
@@ -520,7 +520,7 @@ TEST(one_iteration_is_enough_about_a_stretched_beam)
     input.load[0].load.force[0] = FB_R(300.0);
     input.load[0].load.force[1] = (fb_real)(40.0 * aside);
     input.load[0].load.force[2] = (fb_real)(25.0 * aside);
-    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, NULL, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, NULL, NULL), FB_OK);
     for (int step = 0; step < 400; step++) {
       FBT_INT_EQ(fb_system_sdirk_step(&mechanism, model, &state, &work, &input, &input, FB_R(0.05), 20), FB_OK);
     }
@@ -551,7 +551,7 @@ static void strained_left(double left[2], int n_element, int y, int z)
     const double bend = modes.kind[a] == FB_KIND_BEND_Y ? 0.02 : 0.015;
     start[0].q[a] = (fb_real)(modes.kind[a] == FB_KIND_AXIAL ? 0.0 : bend / n_element);
   }
-  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
   for (int step = 0; step < 100; step++) { /* until the stretch that does not fit the slopes has died out */
     FBT_INT_EQ(fb_system_sdirk_step(&mechanism, model, &state, &work, NULL, NULL, FB_R(0.002), 20), FB_OK);
   }
@@ -580,7 +580,7 @@ TEST(strained_bodies_converge_in_a_system)
   start[0].value[0] = FB_R(0.3);
   init(FB_METHOD_RECURSIVE);
   memset(&work, 0xff, sizeof work);
-  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
   FBT_NEAR_ABS(state.link[0].x[0], 0.0, FBT_TOL(1e-12, 1e-5));
 }
 
@@ -600,7 +600,7 @@ TEST(stiff_joints_take_long_steps)
     desc.joint[1].mode[0] = FB_AXIS_LOCKED;
     start[0].value[0] = FB_R(0.8);
     init(FB_METHOD_RECURSIVE);
-    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &whole, start, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &whole, &work, start, NULL), FB_OK);
     for (int step = 0; step < 4000; step++) {
       FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &whole, &work, NULL, NULL, NULL, FB_R(0.0005)), FB_OK);
     }
@@ -608,7 +608,7 @@ TEST(stiff_joints_take_long_steps)
     desc.joint[1].stiffness[0] = (fb_real)FBT_TOL(1e10, 1e6);
     desc.joint[1].damping[0] = run ? FB_R(1e4) : 0;
     init(FB_METHOD_RECURSIVE);
-    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
     FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, NULL, NULL, NULL, (fb_real)dt), FB_ERR_STEP);
     for (int step = 0; step < 400; step++) {
       FBT_INT_EQ(fb_system_sdirk_step(&mechanism, model, &state, &work, NULL, NULL, (fb_real)dt, 0), FB_OK);
@@ -646,6 +646,6 @@ SUITE(system_steps, RUN(inputs_are_linear_between_the_ends_of_a_step),
       RUN(the_limit_of_a_linkage_is_in_closed_form), RUN(a_stretching_rod_carries_its_neighbor),
       RUN(stiff_joints_take_long_steps), RUN(one_iteration_is_enough_for_a_linear_system),
       RUN(the_limit_finds_the_fastest_body), RUN(strained_bodies_converge_in_a_system),
-      RUN(one_iteration_is_enough_about_a_stretched_beam), RUN(systems_converge_with_the_order_of_the_scheme),
+      RUN(one_iteration_is_enough_about_a_stretched_beam), RUN(systems_converge_with_the_order_of_the_integrator),
       RUN(steps_that_have_not_converged_say_so), RUN(a_fast_sled_does_not_hide_what_bends),
       RUN(steps_that_turn_too_far_are_refused), RUN(thin_tubes_keep_calm), RUN(systems_lose_nothing_by_short_steps))

@@ -14,15 +14,15 @@ TEST(systems_keep_energy_and_momentum)
     fb_momentum at, before;
     tree(sets[run / 2], 0);
     init(run % 2 ? FB_METHOD_DENSE : FB_METHOD_RECURSIVE);
-    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
     memset(&rate, 0, sizeof rate);
-    FBT_INT_EQ(fb_system_rates(&mechanism, model, &work, &rate, &state, &input), FB_OK);
-    FBT_INT_EQ(fb_system_momentum(&mechanism, model, &work, &before, &state, &input), FB_OK);
+    FBT_INT_EQ(fb_system_rates_eval(&mechanism, model, &work, &rate, &state, &input), FB_OK);
+    FBT_INT_EQ(fb_system_momentum_eval(&mechanism, model, &work, &before, &state, &input), FB_OK);
     for (int side = -2; side <= 2; side++) {
       static const double weight[5] = {1.0 / 12, -2.0 / 3, 0, 2.0 / 3, -1.0 / 12};
       moved(&kept, &state, &rate, side * h);
       slope += weight[side + 2] / h * energy_of(&kept);
-      FBT_INT_EQ(fb_system_momentum(&mechanism, model, &work, &at, &kept, &input), FB_OK);
+      FBT_INT_EQ(fb_system_momentum_eval(&mechanism, model, &work, &at, &kept, &input), FB_OK);
       FBT_BELOW(fbt_difference(at.linear, before.linear, 3), FBT_TOL(1e-13, 1e-4) * 10.0);
     }
     FBT_NEAR_ABS(slope, 0.0, FBT_TOL(1e-9, 1e-1));
@@ -41,7 +41,7 @@ TEST(the_three_methods_agree)
       tree(run ? FB_EFFECTS_SPIN : FB_EFFECTS_FULL, 1);
       drives();
       init((fb_method)method);
-      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
       FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
       if (method == 0) {
         first = motion;
@@ -93,7 +93,7 @@ static int flight_steps(int loop)
 
 /* The tree that tree() makes, pushed in all axes, with a loop or without, from its start at a speed along an inertial
    direction; its motion after a while. */
-static void fly(fb_system_motion *out, fb_method method, int scheme, int loop, double speed)
+static void fly(fb_system_motion *out, fb_method method, int integrator, int loop, double speed)
 {
   const fb_real U[3] = {(fb_real)(speed / 3.0), (fb_real)(2.0 * speed / 3.0), -(fb_real)(2.0 * speed / 3.0)};
   fb_real R[9], u[3];
@@ -110,7 +110,7 @@ static void fly(fb_system_motion *out, fb_method method, int scheme, int loop, d
     fb_joint_desc *j = &desc.loop[0];
     fb_real away[3];
     init(FB_METHOD_RECURSIVE);
-    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
     FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, out, &state, &input), FB_OK);
     desc.n_loop = 1;
     j->kind = FB_JOINT_SPHERICAL;
@@ -127,10 +127,10 @@ static void fly(fb_system_motion *out, fb_method method, int scheme, int loop, d
   for (int i = 0; i < 3; i++) {
     start[0].speed[i] = u[i] + (fb_real)0.25 * (fb_real)(1 + i);
   }
-  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
   for (int step = 0; step < flight_steps(loop); step++) {
-    FBT_INT_EQ(scheme ? fb_system_sdirk_step(&mechanism, model, &state, &work, &input, &input, FB_R(2e-3), 3)
-                      : fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, FB_R(2e-3)),
+    FBT_INT_EQ(integrator ? fb_system_sdirk_step(&mechanism, model, &state, &work, &input, &input, FB_R(2e-3), 3)
+                          : fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, FB_R(2e-3)),
                FB_OK);
   }
   FBT_INT_EQ(fb_system_state_check(&mechanism, model, &state), FB_OK);
@@ -138,18 +138,18 @@ static void fly(fb_system_motion *out, fb_method method, int scheme, int loop, d
 }
 
 /* E9.21 to E9.24, E11.23: a system that flies at up to 30 km/s, pushed on the way, moves as the one that does not, by
-   every method and scheme, with a loop and without (the equations are invariant, the arithmetic must be). */
+   every method and integrator, with a loop and without (the equations are invariant, the arithmetic must be). */
 TEST(flight_speed_changes_nothing)
 {
   static const double speed[] = {100.0, 250.0, 7500.0, 30000.0};
   static fb_system_motion rest;
   for (int run = 0; run < 12; run++) {
-    const int method = run / 4, scheme = run / 2 % 2, loop = run % 2;
-    fly(&rest, (fb_method)method, scheme, loop, 0.0);
+    const int method = run / 4, integrator = run / 2 % 2, loop = run % 2;
+    fly(&rest, (fb_method)method, integrator, loop, 0.0);
     for (int k = 0; k < FBT_COUNT(speed); k++) {
       const double time = 2e-3 * flight_steps(loop);
       double far = 0.0;
-      fly(&motion, (fb_method)method, scheme, loop, speed[k]);
+      fly(&motion, (fb_method)method, integrator, loop, speed[k]);
       FBT_BELOW(flight_difference(&motion, &rest), FBT_TOL(1e-9, 2e-5));
       for (int i = 0; i < 3; i++) { /* and gets where it should */
         const double U[3] = {speed[k] / 3.0, 2.0 * speed[k] / 3.0, -2.0 * speed[k] / 3.0};
@@ -168,7 +168,7 @@ TEST(driven_roots_fly_as_they_stand)
 {
   static fb_system_motion rest;
   for (int run = 0; run < 4; run++) {
-    const int scheme = run / 2, fast = run % 2;
+    const int integrator = run / 2, fast = run % 2;
     fb_real R[9];
     const fb_real U[3] = {FB_R(2500.0) * (fb_real)fast, -FB_R(5000.0) * (fb_real)fast, FB_R(5000.0) * (fb_real)fast};
     tree(FB_EFFECTS_FULL, 1);
@@ -176,18 +176,18 @@ TEST(driven_roots_fly_as_they_stand)
     init(FB_METHOD_RECURSIVE);
     fb_quat_to_mat33(R, start[0].quat);
     fb_mat33_mulT_vec3(input.drive[0].rate, R, U);
-    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
     for (int step = 0; step < 40; step++) {
-      FBT_INT_EQ(step == 20 ? fb_system_axis_set(&mechanism, model, &work, &state, 0, 0, FB_AXIS_FREE, &input) : FB_OK,
+      FBT_INT_EQ(step == 20 ? fb_system_axis_set(&mechanism, model, &state, &work, 0, 0, FB_AXIS_FREE, &input) : FB_OK,
                  FB_OK);
-      FBT_INT_EQ(scheme ? fb_system_sdirk_step(&mechanism, model, &state, &work, &input, &input, FB_R(2e-3), 3)
-                        : fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, FB_R(2e-3)),
+      FBT_INT_EQ(integrator ? fb_system_sdirk_step(&mechanism, model, &state, &work, &input, &input, FB_R(2e-3), 3)
+                            : fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, FB_R(2e-3)),
                  FB_OK);
     }
     FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, fast ? &motion : &rest, &state, &input), FB_OK);
     FBT_BELOW(fast ? flight_difference(&motion, &rest) : 0.0, FBT_TOL(1e-9, 2e-5));
     FBT_TRUE(!fast || fbt_largest(state.link[0].u, 3) > 4000.0);
-    FBT_INT_EQ(fb_system_axis_set(&mechanism, model, &work, &state, 0, 0, FB_AXIS_LOCKED, &input), FB_OK);
+    FBT_INT_EQ(fb_system_axis_set(&mechanism, model, &state, &work, 0, 0, FB_AXIS_LOCKED, &input), FB_OK);
     FBT_TRUE(fbt_largest(state.link[0].u, 3) == 0.0);
   }
 }
@@ -196,26 +196,27 @@ TEST(driven_roots_fly_as_they_stand)
    are those of the start, to rounding. */
 TEST(fast_systems_keep_their_angular_momentum)
 {
-  for (int scheme = 0; scheme < 2; scheme++) {
+  for (int integrator = 0; integrator < 2; integrator++) {
     fb_momentum first, now;
     tree(FB_EFFECTS_FULL, 0);
     init(FB_METHOD_RECURSIVE);
     start[0].value[1] = FB_R(5000.0);
     start[0].speed[0] += FB_R(30000.0);
-    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
-    FBT_INT_EQ(fb_system_momentum(&mechanism, model, &work, &first, &state, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_momentum_eval(&mechanism, model, &work, &first, &state, NULL), FB_OK);
     for (int step = 0; step < 200; step++) {
-      FBT_INT_EQ(scheme ? fb_system_sdirk_step(&mechanism, model, &state, &work, NULL, NULL, FB_R(1e-3), 0)
-                        : fb_system_rk4_step(&mechanism, model, &state, &work, NULL, NULL, NULL, FB_R(1e-3)),
+      FBT_INT_EQ(integrator ? fb_system_sdirk_step(&mechanism, model, &state, &work, NULL, NULL, FB_R(1e-3), 0)
+                            : fb_system_rk4_step(&mechanism, model, &state, &work, NULL, NULL, NULL, FB_R(1e-3)),
                  FB_OK);
     }
-    FBT_INT_EQ(fb_system_momentum(&mechanism, model, &work, &now, &state, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_momentum_eval(&mechanism, model, &work, &now, &state, NULL), FB_OK);
     FBT_BELOW(fbt_difference(now.linear, first.linear, 3), 4.0 * (double)FB_EPSILON * fbt_largest(first.linear, 3));
     FBT_BELOW(fbt_difference(now.angular, first.angular, 3), 32.0 * (double)FB_EPSILON * fbt_largest(first.angular, 3));
   }
 }
 
-/* E9.21: every set of effects keeps the momenta of what flies and spins, in small steps to the error of the scheme. */
+/* E9.21: every set of effects keeps the momenta of what flies and spins, in small steps to the error of the
+   integrator. */
 TEST(every_set_keeps_the_momenta_of_free_systems)
 {
   static const unsigned sets[] = {FB_EFFECTS_LINEAR, FB_EFFECTS_SPIN, FB_EFFECTS_FULL};
@@ -224,12 +225,12 @@ TEST(every_set_keeps_the_momenta_of_free_systems)
     tree(sets[run / 2], 0);
     init(FB_METHOD_RECURSIVE);
     start[0].speed[0] += run % 2 ? FB_R(10.0) : FB_R(0.0);
-    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
-    FBT_INT_EQ(fb_system_momentum(&mechanism, model, &work, &first, &state, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_momentum_eval(&mechanism, model, &work, &first, &state, NULL), FB_OK);
     for (int step = 0; step < 500; step++) {
       FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, NULL, NULL, NULL, FB_R(1e-3)), FB_OK);
     }
-    FBT_INT_EQ(fb_system_momentum(&mechanism, model, &work, &now, &state, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_momentum_eval(&mechanism, model, &work, &now, &state, NULL), FB_OK);
     FBT_BELOW(fbt_difference(now.linear, first.linear, 3), FBT_TOL(1e-12, 1e-5) * fbt_largest(first.linear, 3));
     FBT_BELOW(fbt_difference(now.angular, first.angular, 3), FBT_TOL(1e-9, 1e-5) * fbt_largest(first.linear, 3));
   }
@@ -280,7 +281,7 @@ TEST(methods_agree_on_as_many_modes_as_there_can_be)
   }
   for (int method = 0; method < 3; method++) {
     init((fb_method)method);
-    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
     FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, method ? &motion : &first, &state, NULL), FB_OK);
     FBT_BELOW(method ? motion_difference(&motion, &first) : 0.0, FBT_TOL(1e-10, 1e-2));
   }
@@ -297,8 +298,8 @@ TEST(accelerations_are_the_rates_of_velocities)
   tree(FB_EFFECTS_FULL, 1);
   drives();
   init(FB_METHOD_RECURSIVE);
-  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
-  FBT_INT_EQ(fb_system_rates(&mechanism, model, &work, &rate, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+  FBT_INT_EQ(fb_system_rates_eval(&mechanism, model, &work, &rate, &state, &input), FB_OK);
   FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &at, &state, &input), FB_OK);
   for (int k = 0; k < desc.n_body; k++) {
     fb_vec3_cross(v_dot[k], at.motion[k].w, at.motion[k].v);
@@ -341,8 +342,8 @@ static void couple_eval(fb_system_motion *at, fb_real whole[3], int j, int backw
   memset(&work, 0xff, sizeof work);
   FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, at, &state, &input), FB_OK);
   memset(&work, 0xff, sizeof work);
-  FBT_INT_EQ(fb_system_rates(&mechanism, model, &work, &rate, &state, &input), FB_OK);
-  FBT_INT_EQ(fb_system_energy(&mechanism, model, &work, &energy, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_system_rates_eval(&mechanism, model, &work, &rate, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_system_energy_eval(&mechanism, model, &work, &energy, &state, &input), FB_OK);
   whole[0] = at->power;
   whole[1] = rate.motor_work;
   whole[2] = energy.kinetic + energy.strain;
@@ -453,13 +454,13 @@ static void motion_in_units(fb_system_motion *out, double whole[5], int method, 
   system_in_units();
   init((fb_method)method);
   memset(&work, 0xff, sizeof work); /* what is in it means nothing */
-  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
   if (!at) {
     stepped(&state, 3, FBT_TOL(2e-4, 2e-3) * second);
   }
   FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, out, &state, &input), FB_OK);
-  FBT_INT_EQ(fb_system_energy(&mechanism, model, &work, &energy, &state, &input), FB_OK);
-  FBT_INT_EQ(fb_system_momentum(&mechanism, model, &work, &momentum, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_system_energy_eval(&mechanism, model, &work, &energy, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_system_momentum_eval(&mechanism, model, &work, &momentum, &state, &input), FB_OK);
   whole[0] = (double)out->power * second / joule;
   whole[1] = (double)energy.kinetic / joule;
   whole[2] = (double)energy.strain / joule;
@@ -480,7 +481,7 @@ TEST(systems_know_no_units)
     if (run >= 3) {
       couple((fb_joint_kind)kind, 0, FB_AXIS_FREE);
       init(FB_METHOD_RECURSIVE);
-      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
       FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &apart, &state, NULL), FB_OK);
     }
     for (int u = 0; u < 3; u++) {
@@ -516,13 +517,13 @@ TEST(every_joint_is_the_same_eliminated_kept_or_closing_a_loop)
           couple_by_a_loop(&first[0], form == 4);
         }
         init(form < 3 ? (fb_method)form : FB_METHOD_RECURSIVE);
-        FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+        FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
         for (int instant = 0; instant < 3; instant++) {
           fb_system_motion *tree_motion = &first[instant];
           couple_steps(instant > 0 ? 10 : 0, FBT_TOL(2e-4, 1e-3));
           if (instant == 2 && axes > 0) {
             memset(&work, 0xff, sizeof work);
-            FBT_INT_EQ(fb_system_axis_set(&mechanism, model, &work, &state, joint, axes - 1, FB_AXIS_LOCKED, &input),
+            FBT_INT_EQ(fb_system_axis_set(&mechanism, model, &state, &work, joint, axes - 1, FB_AXIS_LOCKED, &input),
                        FB_OK);
             couple_steps(5, FBT_TOL(2e-4, 1e-3));
           }
@@ -607,7 +608,7 @@ static void full_house(void)
     fbt_fill(input.load[i].load.torque, 3, 0.3);
   }
   init(FB_METHOD_RECURSIVE);
-  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
   for (int j = 0; j < FB_MAX_LOOPS; j++) {
     double x[3];
     fb_joint_desc *loop = close_loop(FB_JOINT_SPHERICAL, FB_GROUND, 0, FB_MAX_BODIES - 1 - j, FB_MAX_NODES - 4);
@@ -627,7 +628,7 @@ static double power_of(const fb_system_motion *at)
     const int k = input.load[i].body;
     fb_real R[9], v[3], w[3];
     fb_node_motion node;
-    FBT_INT_EQ(fb_body_node_motion(&model[desc.model[k]], &node, &at->pose[k], &at->motion[k], load->node), FB_OK);
+    FBT_INT_EQ(fb_body_node_motion_eval(&model[desc.model[k]], &node, &at->pose[k], &at->motion[k], load->node), FB_OK);
     memcpy(v, node.velocity, sizeof v);
     memcpy(w, node.angular_rate, sizeof w);
     if (load->axes != FB_AXES_INERTIAL) {
@@ -646,7 +647,7 @@ static double energy_rate(void)
   static const double weight[5] = {1.0 / 12, -2.0 / 3, 0, 2.0 / 3, -1.0 / 12};
   const double h = FBT_TOL(1e-4, 1e-2);
   double slope = 0.0;
-  FBT_INT_EQ(fb_system_rates(&mechanism, model, &work, &rate, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_system_rates_eval(&mechanism, model, &work, &rate, &state, &input), FB_OK);
   for (int side = -2; side <= 2; side++) {
     moved(&kept, &state, &rate, side * h);
     slope += weight[side + 2] / h * energy_of(&kept);
@@ -654,8 +655,8 @@ static double energy_rate(void)
   return slope;
 }
 
-/* From the state on: a step by either scheme does the work of the mean power; both end alike; it may be looked at, an
-   axis freed and locked again. */
+/* From the state on: a step by either integrator does the work of the mean power; both end alike; it may be looked at,
+   an axis freed and locked again. */
 static void full_step(double dt)
 {
   static fb_system_motion first;
@@ -663,23 +664,23 @@ static void full_step(double dt)
   const double before = energy_of(&state);
   const fb_real h = (fb_real)dt;
   begin = state;
-  for (int scheme = 0; scheme < 2; scheme++) {
+  for (int integrator = 0; integrator < 2; integrator++) {
     double power;
     state = begin;
     FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
     power = power_of(&motion);
-    FBT_INT_EQ(scheme ? fb_system_sdirk_step(&mechanism, model, &state, &work, &input, &input, h, 0)
-                      : fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, h),
+    FBT_INT_EQ(integrator ? fb_system_sdirk_step(&mechanism, model, &state, &work, &input, &input, h, 0)
+                          : fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, h),
                FB_OK);
-    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, scheme ? &motion : &first, &state, &input), FB_OK);
-    power = 0.5 * (power + power_of(scheme ? &motion : &first));
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, integrator ? &motion : &first, &state, &input), FB_OK);
+    power = 0.5 * (power + power_of(integrator ? &motion : &first));
     FBT_NEAR_REL(energy_of(&state) - before, power * dt, FBT_TOL(1e-3, 1e-1));
   }
   FBT_BELOW(motion_difference(&motion, &first), FBT_TOL(1e-7, 1e-4));
   FBT_INT_EQ(fb_system_state_check(&mechanism, model, &state), FB_OK);
   FBT_TRUE(fb_system_crc(&mechanism, model, FB_MAX_BODIES) != 0);
-  FBT_INT_EQ(fb_system_axis_set(&mechanism, model, &work, &state, 4, 1, FB_AXIS_FREE, &input), FB_OK);
-  FBT_INT_EQ(fb_system_axis_set(&mechanism, model, &work, &state, 4, 1, FB_AXIS_LOCKED, &input), FB_OK);
+  FBT_INT_EQ(fb_system_axis_set(&mechanism, model, &state, &work, 4, 1, FB_AXIS_FREE, &input), FB_OK);
+  FBT_INT_EQ(fb_system_axis_set(&mechanism, model, &state, &work, 4, 1, FB_AXIS_LOCKED, &input), FB_OK);
   FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &first, &state, &input), FB_OK);
   FBT_BELOW(motion_difference(&motion, &first), FBT_TOL(1e-10, 1e-2));
 }
@@ -701,11 +702,11 @@ TEST(a_full_system_balances_its_energy)
     tied.rows = run == 1 ? tied.rows : 0;
     tied.ends = run == 1 ? tied.ends : ends - joints;
     init(run == 0 ? FB_METHOD_MULTIPLIERS : FB_METHOD_RECURSIVE);
-    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
     FBT_TRUE(run == 1 || (work.n_row == FB_MAX_ROWS && work.n_end == ends));
     FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, at, &state, &input), FB_OK);
     FBT_NEAR_ABS(energy_rate(), power_of(at), FBT_TOL(1e-9, 2e-2));
-    FBT_INT_EQ(fb_system_momentum(&mechanism, model, &work, &momentum[run], &state, &input), FB_OK);
+    FBT_INT_EQ(fb_system_momentum_eval(&mechanism, model, &work, &momentum[run], &state, &input), FB_OK);
     FBT_BELOW(run == 1 ? motion_difference(at, &first) : 0.0, FBT_TOL(1e-10, 1e-3));
     FBT_BELOW(run == 1 ? fbt_difference(momentum[1].linear, momentum[0].linear, 3) : 0.0, FBT_TOL(1e-10, 1e-3));
     FBT_BELOW(run == 1 ? fbt_difference(momentum[1].angular, momentum[0].angular, 3) : 0.0, FBT_TOL(1e-10, 1e-3));
@@ -748,13 +749,13 @@ TEST(a_dense_matrix_may_be_full)
   }
   for (int method = 0; method < 2; method++) {
     init((fb_method)method);
-    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
     FBT_INT_EQ(fb_system_sdirk_step(&mechanism, model, &state, &work, NULL, NULL, FB_R(1e-2), 0), FB_OK);
     FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, method ? &motion : &first, &state, NULL), FB_OK);
   }
   FBT_BELOW(motion_difference(&motion, &first), FBT_TOL(1e-10, 1e-2));
   hang(n, 1, FB_JOINT_REVOLUTE, 0, 1);
-  FBT_INT_EQ(fb_system_init(&mechanism, &work, model, 2, &desc), FB_ERR_CAPACITY);
+  FBT_INT_EQ(fb_system_init(&mechanism, &work, model, &desc, 2), FB_ERR_CAPACITY);
 }
 
 /* E9.16: speeds in, momenta out, the same speeds again; freed axes too. */
@@ -762,7 +763,7 @@ TEST(momenta_give_back_the_speeds)
 {
   tree(FB_EFFECTS_FULL, 0);
   init(FB_METHOD_RECURSIVE);
-  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
   FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
   for (int k = 0; k < desc.n_body; k++) {
     const int axes = mechanism.joint[k].n_axis;
@@ -788,7 +789,7 @@ static void system_frequencies(double *omega, int count)
       for (int b = 0; b < modes.n; b++) {
         K[c * N + c - a + b] = modes.K[a * modes.n + b];
       }
-      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+      FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
       for (int j = 0, r = 0; j < desc.n_body; j++) {
         for (int b = 0; b < model[desc.model[j]].n; b++, r++) {
           M[r * N + c] = state.link[j].pi[b];
@@ -852,7 +853,7 @@ static double cut_transient(int parts)
   pull.load[0].body = parts - 1;
   pull.load[0].load.node = 1;
   pull.load[0].load.force[1] = (fb_real)F;
-  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, NULL, NULL), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, NULL, NULL), FB_OK);
   for (int step = 1; step <= 4000; step++) { /* the force comes on at t = 0: y = sum a_k (1 - cos) */
     FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &pull, &pull, &pull, (fb_real)dt), FB_OK);
     if (step % 20 == 0) {
@@ -914,8 +915,8 @@ TEST(a_chain_in_free_flight_keeps_its_momenta)
   }
   start[0].speed[4] = FB_R(0.2);
   init(FB_METHOD_RECURSIVE);
-  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, &input), FB_OK);
-  FBT_INT_EQ(fb_system_momentum(&mechanism, model, &work, &before, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+  FBT_INT_EQ(fb_system_momentum_eval(&mechanism, model, &work, &before, &state, &input), FB_OK);
   energy = energy_of(&state);
   for (int step = 0; step < steps; step++) {
     for (int k = 1; k < 6; k++) {
@@ -923,7 +924,7 @@ TEST(a_chain_in_free_flight_keeps_its_momenta)
     }
     FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, FB_R(5e-4)), FB_OK);
   }
-  FBT_INT_EQ(fb_system_momentum(&mechanism, model, &work, &after, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_system_momentum_eval(&mechanism, model, &work, &after, &state, &input), FB_OK);
   FBT_BELOW(fbt_difference(after.linear, before.linear, 3), FBT_TOL(1e-12, 1e-4));
   FBT_BELOW(fbt_difference(after.angular, before.angular, 3), FBT_TOL(1e-12, 1e-3));
   FBT_NEAR_ABS(energy_of(&state) - energy, state.motor_work, FBT_TOL(1e-8, 1e-3));
@@ -967,7 +968,7 @@ TEST(heavy_loads_hang_on_light_chains)
     x[k] = 0.1 * (k + 1);
   }
   init(FB_METHOD_RECURSIVE);
-  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &work, &state, start, NULL), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
   FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, NULL), FB_OK);
   pendulum_rates(dx, x, n, load);
   for (int k = 0; k < n; k++) {

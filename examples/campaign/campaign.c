@@ -2,8 +2,8 @@
 
      build/flexbeam campaign examples/campaigns/NAME.txt --runs 1000
 
-   As many runs at a time as there are processors, each in a worker process, so that one that crashes is a row like any other;
-   a worker that is free gets the next run. campaigns/README.md. */
+   As many runs at a time as there are processors, each in a worker process, so that one that crashes is a row like any
+   other; a worker that is free gets the next run. campaigns/README.md. */
 #define _POSIX_C_SOURCE 200809L
 #define FLEXBEAM_STATIC
 #define PROGRAM "campaign"
@@ -104,7 +104,8 @@ static int work(int jobs)
   return status;
 }
 
-/* One run for a closer look, with a debugger if need be, and how `flexbeam scene` runs it, to a CSV file and pictures. */
+/* One run for a closer look, with a debugger if need be, and how `flexbeam scene` runs it, to a CSV file and
+   pictures. */
 static int run_one(int run)
 {
   static campaign_row row;

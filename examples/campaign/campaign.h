@@ -136,8 +136,8 @@ static inline double campaign_value(const campaign_vary *v, double u, double z, 
   }
 }
 
-/* The parameters of run 0, 1, ...: those that vary, in their order. Lists and grids go through all their combinations, the
-   first of them fastest. */
+/* The parameters of run 0, 1, ...: those that vary, in their order. Lists and grids go through all their combinations,
+   the first of them fastest. */
 static inline void campaign_draw(const campaign *c, double *value, int run)
 {
   double z[CAMPAIGN_VARY] = {0};
@@ -231,7 +231,8 @@ static inline int campaign_find_set(const campaign *c, const char *name)
   return -1;
 }
 
-/* The place for a parameter of which there are n, or -1 after a complaint. The command line replaces what a file says. */
+/* The place for a parameter of which there are n, or -1 after a complaint. The command line replaces what a file
+   says. */
 static inline int campaign_place(text_file *t, const char *name, int found, int found_in_other, int *n)
 {
   if (found_in_other >= 0 || (found >= 0 && t->line > 0)) {

@@ -1,6 +1,6 @@
-/* campaign_case.h - the runs of a campaign, in worker processes: a worker that dies by a run that crashes or does not end makes
-   a row like any other, and gets a successor. POSIX (fork, pipe, waitpid, setitimer). Not a process for each run: that would
-   cost the pages of the scene each time. */
+/* campaign_case.h - the runs of a campaign, in worker processes: a worker that dies by a run that crashes or does not
+   end makes a row like any other, and gets a successor. POSIX (fork, pipe, waitpid, setitimer). Not a process for each
+   run: that would cost the pages of the scene each time. */
 #ifndef CAMPAIGN_CASE_H
 #define CAMPAIGN_CASE_H
 #include "../scene/scene_run.h"
@@ -179,8 +179,8 @@ static void worker_limit(double seconds)
   setitimer(ITIMER_PROF, &limit, NULL);
 }
 
-/* What a worker does, as long as it is told the numbers of runs. It does not heed interrupts from the keyboard, so that rows
-   in hand are finished, and leaves no core file. */
+/* What a worker does, as long as it is told the numbers of runs. It does not heed interrupts from the keyboard, so that
+   rows in hand are finished, and leaves no core file. */
 static void worker_loop(const campaign *c, int from, int to)
 {
   static campaign_row row;
@@ -201,8 +201,8 @@ static void worker_loop(const campaign *c, int from, int to)
   _exit(0);
 }
 
-/* Waits for the end of one that has died or been killed. Returns how, as waitpid does. Workers forked later hold copies of the
-   pipes of those before them: when the program dies, they end one after the other, the youngest first. */
+/* Waits for the end of one that has died or been killed. Returns how, as waitpid does. Workers forked later hold copies
+   of the pipes of those before them: when the program dies, they end one after the other, the youngest first. */
 static int worker_end(campaign_worker *w)
 {
   int status = 0;
@@ -245,7 +245,8 @@ static int worker_begin(const campaign *c, campaign_worker *w)
   return 1;
 }
 
-/* Hands out a run, to a new worker if there is none or it died when it had nothing to do; 0 when none can be started. */
+/* Hands out a run, to a new worker if there is none or it died when it had nothing to do; 0 when none can be
+   started. */
 static int worker_give(const campaign *c, campaign_worker *w, int run)
 {
   w->run = run;

@@ -1,7 +1,8 @@
-/* campaign_ledger.h - which runs of a campaign are done, and with what result: in memory, and in a journal beside the results,
-   one line per run, written when the run ends. A campaign that was killed goes on where its journal ends. The journal begins
-   with what determines the results; that of another campaign is refused. Every line ends with a check word, so that a line
-   that was torn or damaged counts as not written. Only one process writes (rank 0 of an MPI program). */
+/* campaign_ledger.h - which runs of a campaign are done, and with what result: in memory, and in a journal beside the
+   results, one line per run, written when the run ends. A campaign that was killed goes on where its journal ends. The
+   journal begins with what determines the results; that of another campaign is refused. Every line ends with a check
+   word, so that a line that was torn or damaged counts as not written. Only one process writes (rank 0 of an MPI
+   program). */
 #ifndef CAMPAIGN_LEDGER_H
 #define CAMPAIGN_LEDGER_H
 #include "../common/clock.h"
@@ -72,8 +73,8 @@ static void ledger_add_vary(ledger *l, const campaign_vary *v)
   ledger_add_head(l, "\n");
 }
 
-/* The number of runs is part of it only where it matters: more runs later keep those that are done. The limit of processor
-   time is not: rows that met it are done again by --retry, under another. */
+/* The number of runs is part of it only where it matters: more runs later keep those that are done. The limit of
+   processor time is not: rows that met it are done again by --retry, under another. */
 static void ledger_make_head(ledger *l)
 {
   const campaign *c = l->c;
@@ -211,8 +212,8 @@ static void ledger_write_row(const ledger *l, int run)
 
 static const char ledger_in_use[] = "another process is at work on this campaign";
 
-/* A new one: under a name that no other process has until its head is whole; in place of the old one, which is locked, or
-   where there is none, if nobody else was faster. */
+/* A new one: under a name that no other process has until its head is whole; in place of the old one, which is locked,
+   or where there is none, if nobody else was faster. */
 static int ledger_create(ledger *l, int replaces)
 {
   char fresh[CAMPAIGN_PATH + 64];

@@ -2,9 +2,10 @@
 
      mpirun -n 64 build/examples/campaign_mpi examples/campaigns/NAME.txt --runs 10000
 
-   Every rank runs, rank 0 besides gives out the runs one by one and writes the journal. What runs is not the rank but a worker
-   process (campaign_case.h) of a runner, which the rank has forked before MPI began: a run that crashes is a row, where a rank
-   that crashed would end the whole job, and no process is forked that knows of MPI. campaigns/README.md. */
+   Every rank runs, rank 0 besides gives out the runs one by one and writes the journal. What runs is not the rank but a
+   worker process (campaign_case.h) of a runner, which the rank has forked before MPI began: a run that crashes is a
+   row, where a rank that crashed would end the whole job, and no process is forked that knows of MPI.
+   campaigns/README.md. */
 #define _POSIX_C_SOURCE 200809L
 #define PROGRAM "campaign_mpi"
 #define CAMPAIGN_COMMAND "campaign_mpi"
@@ -148,7 +149,8 @@ static int answer(int others, int *status)
   return others;
 }
 
-/* Is the row of rank 0's own runner there? Waits 0.2 ms at most while there are others to answer: no core is kept busy. */
+/* Is the row of rank 0's own runner there? Waits 0.2 ms at most while there are others to answer: no core is kept
+   busy. */
 static int own_row(const runner *own, int others)
 {
   struct timeval time = {others ? 0 : 1, others ? 200 : 0};

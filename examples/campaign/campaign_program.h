@@ -1,5 +1,6 @@
-/* campaign_program.h - what the campaign on one machine (campaign.c) and that by MPI (campaign_mpi.c) share: their options,
-   their beginning and their end. Define PROGRAM, CAMPAIGN_COMMAND, and CAMPAIGN_HELP, the lines of --help that are its own. */
+/* campaign_program.h - what the campaign on one machine (campaign.c) and that by MPI (campaign_mpi.c) share: their
+   options, their beginning and their end. Define PROGRAM, CAMPAIGN_COMMAND, and CAMPAIGN_HELP, the lines of --help that
+   are its own. */
 #ifndef CAMPAIGN_PROGRAM_H
 #define CAMPAIGN_PROGRAM_H
 #include "campaign_report.h"

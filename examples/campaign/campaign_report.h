@@ -1,5 +1,5 @@
-/* campaign_report.h - what a campaign has found: a CSV file with a row per run, moments and quantiles of every measure, their
-   rank correlation with every parameter, and pictures of the strongest. */
+/* campaign_report.h - what a campaign has found: a CSV file with a row per run, moments and quantiles of every measure,
+   their rank correlation with every parameter, and pictures of the strongest. */
 #ifndef CAMPAIGN_REPORT_H
 #define CAMPAIGN_REPORT_H
 #include "campaign_ledger.h"
@@ -248,8 +248,8 @@ static void report_extremes(const report *r)
   }
 }
 
-/* The part of the runs that are ok that meets a requirement, with the limits between which it is in 19 of 20 cases (Wilson,
-   1927). What the others would have measured nobody knows: they are counted apart. */
+/* The part of the runs that are ok that meets a requirement, with the limits between which it is in 19 of 20 cases
+   (Wilson, 1927). What the others would have measured nobody knows: they are counted apart. */
 static void report_requirement(const report *r, int k)
 {
   const campaign *c = r->l->c;

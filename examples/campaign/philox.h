@@ -1,5 +1,5 @@
-/* philox.h - Philox4x32-10: four random words of a counter and a key. It has no state, so that a draw depends on nothing
-   but its own name.
+/* philox.h - Philox4x32-10: four random words of a counter and a key. It has no state, so that a draw depends on
+   nothing but its own name.
    J.K. Salmon, M.A. Moraes, R.O. Dror and D.E. Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC 2011. */
 #ifndef PHILOX_H
 #define PHILOX_H

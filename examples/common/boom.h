@@ -1,5 +1,5 @@
-/* boom.h - the reference boom, that of [DB] 4.3 and of the spin-up: uniform, slender, alike in both planes, first bending
-   frequency 3.798 rad/s. Its numbers, its beam, and what programs make of it. Include flexbeam.h first. */
+/* boom.h - the reference boom, that of [DB] 4.3 and of the spin-up: uniform, slender, alike in both planes, first
+   bending frequency 3.798 rad/s. Its numbers, its beam, and what programs make of it. Include flexbeam.h first. */
 #ifndef BOOM_H
 #define BOOM_H
 #include <string.h>
@@ -64,8 +64,8 @@ static inline fb_status boom_shape(fb_shape *shape, int *tip, const boom *b)
   return status ? status : fb_shape_add_beam_node(shape, tip, 0, &beam, &basis, desc.length);
 }
 
-/* The reference boom on a rigid hub of 500 kg: natural modes along y, z and x, each damped by zeta where damping is among
-   the effects. */
+/* The reference boom on a rigid hub of 500 kg: natural modes along y, z and x, each damped by zeta where damping is
+   among the effects. */
 static inline fb_status boom_craft(fb_body *body, fb_base base, int y, int z, int axial, unsigned effects, fb_real zeta)
 {
   static const fb_real center[3] = {0}, inertia[6] = {80, 80, 80}; /* [m], [kg m^2] of the hub */

@@ -1,5 +1,5 @@
-/* csv.h - columns of a CSV file: # begins a line of comment, the first other line names the columns. Commas or, where the
-   names have none, semicolons stand between entries, which may be quoted. Include text.h first. */
+/* csv.h - columns of a CSV file: # begins a line of comment, the first other line names the columns. Commas or, where
+   the names have none, semicolons stand between entries, which may be quoted. Include text.h first. */
 #ifndef CSV_H
 #define CSV_H
 

@@ -1,5 +1,5 @@
-/* output.h - a program that ends with exit 0 has written all that it printed, and all of its files: a disk that is full,
-   or a reader that has gone, is told, and makes another exit status. */
+/* output.h - a program that ends with exit 0 has written all that it printed, and all of its files: a disk that is
+   full, or a reader that has gone, is told, and makes another exit status. */
 #ifndef OUTPUT_H
 #define OUTPUT_H
 #include <errno.h>

@@ -1,9 +1,9 @@
-/* stepper.h - one body, by whichever scheme. Include flexbeam.h first. */
+/* stepper.h - one body, by whichever integrator. Include flexbeam.h first. */
 #ifndef STEPPER_H
 #define STEPPER_H
 
 typedef struct stepper {
-  fb_scheme scheme;
+  fb_integrator integrator;
   fb_exponential exponential;
   fb_rk4_work rk4;
   fb_implicit_work implicit;
@@ -11,21 +11,23 @@ typedef struct stepper {
 } stepper;
 
 /* For steps of dt. */
-static inline fb_status stepper_init(stepper *s, fb_body_work *work, const fb_body *body, fb_scheme scheme, double dt)
+static inline fb_status stepper_init(stepper *s, fb_body_work *work, const fb_body *body, fb_integrator integrator,
+                                     double dt)
 {
-  s->scheme = scheme;
-  return scheme == FB_SCHEME_EXPONENTIAL ? fb_exponential_init(&s->exponential, work, body, (fb_real)dt) : FB_OK;
+  s->integrator = integrator;
+  return integrator == FB_INTEGRATOR_EXPONENTIAL ? fb_exponential_init(&s->exponential, work, body, (fb_real)dt)
+                                                 : FB_OK;
 }
 
 /* at: the inputs at the start, the middle and the end. */
 static inline fb_status stepper_step(stepper *s, const fb_body *body, fb_state *state, const fb_input *at, fb_real dt)
 {
-  switch (s->scheme) {
-  case FB_SCHEME_MIDPOINT:
+  switch (s->integrator) {
+  case FB_INTEGRATOR_MIDPOINT:
     return fb_midpoint_step(body, state, &s->implicit, at + 1, dt, 0);
-  case FB_SCHEME_SDIRK:
+  case FB_INTEGRATOR_SDIRK:
     return fb_sdirk_step(body, state, &s->implicit, at, at + 2, dt, 0);
-  case FB_SCHEME_EXPONENTIAL:
+  case FB_INTEGRATOR_EXPONENTIAL:
     return fb_exponential_step(body, &s->exponential, state, &s->scratch, at, at + 1, at + 2);
   default:
     return fb_rk4_step(body, state, &s->rk4, at, at + 1, at + 2, dt);

@@ -37,7 +37,7 @@ static fb_real random_number(void)
 static fb_status sense(sensors *out, const fb_input *input)
 {
   fb_motion motion;
-  const fb_status status = fb_body_motion(&satellite, &motion, &plant, input);
+  const fb_status status = fb_body_motion_eval(&satellite, &motion, &plant, input);
   for (int i = 0; i < 3; i++) {
     out->rate[i] = motion.w[i] + FB_R(2e-5) * random_number();
     out->attitude[i + 1] = plant.quat[i + 1] + FB_R(1e-5) * random_number();
@@ -91,7 +91,7 @@ static fb_status control(fb_real torque[3], const sensors *seen, fb_real t, int 
   fb_input input = {0};
   fb_motion estimated;
   fb_real wanted[4], error[3], lag[3], rate, acceleration;
-  fb_status status = fb_body_motion(&satellite, &estimated, &estimate, NULL);
+  fb_status status = fb_body_motion_eval(&satellite, &estimated, &estimate, NULL);
   if (status != FB_OK) {
     return status;
   }

@@ -17,16 +17,16 @@
    Types: 1 hello (controller to plant, no values), 2 sensors (plant to controller), 3 command (controller to plant), 4
    end of the run (plant to controller, no values), 5 challenge (plant to controller, no values).
 
-   A session begins by a hello to receiver 0. The plant answers with a challenge: its sender is a number that the plant has
-   drawn for the next session and for no other. The hello to that receiver makes its sender the one that commands, and
-   uses the number up. So nothing that was recorded fits another session: it names other numbers.
+   A session begins by a hello to receiver 0. The plant answers with a challenge: its sender is a number that the plant
+   has drawn for the next session and for no other. The hello to that receiver makes its sender the one that commands,
+   and uses the number up. So nothing that was recorded fits another session: it names other numbers.
 
    WHAT THE TAG IS GOOD FOR. Somebody who can send packets to both ports and read all that are exchanged, but has not
    the key, cannot command the plant, nor deceive the controller: a packet that is made up, changed, shortened, sent
    twice, sent later or kept from another run is refused and counted. What he can do: read (nothing is secret),
    flood a port, or hold packets back; the plant reads a bounded number in a period, and the watchdog ends in the safe
-   command. Who has the key is trusted: keep its file unreadable for others (the programs refuse it else). Root, or whoever
-   may read this user's files or memory, is beyond what packets can be protected from. */
+   command. Who has the key is trusted: keep its file unreadable for others (the programs refuse it else). Root, or
+   whoever may read this user's files or memory, is beyond what packets can be protected from. */
 #ifndef HIL_H
 #define HIL_H
 #include "hil_hash.h"

@@ -1,7 +1,7 @@
 /* hil_control.h - the flight software: attitude and gyro bias estimated from gyros and star tracker, a slew with
    feedforward, PD with roll-off and a notch at the frequency at which hub and arrays swing, the array drives' loops.
-   It sees sensor values and gives a command; hil_controller calls it behind packets, hil_plant, if asked to, directly.
-   */
+   It sees sensor values and gives a command; hil_controller calls it behind packets, hil_plant, if asked to,
+   directly. */
 #ifndef HIL_CONTROL_H
 #define HIL_CONTROL_H
 #include "../common/filter.h"

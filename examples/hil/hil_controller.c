@@ -1,7 +1,7 @@
 /* hil_controller - the flight software of hil_plant's spacecraft as a process of its own: sensors come in and commands
    go out as packets (hil.h) over UDP on the loopback address. It says hello until the plant sends, answers every sensor
-   packet, and ends with the plant's run. What it does with them is in hil_control.h: attitude estimated, a slew, pointing
-   with a notch. Both have the same key (hil_key.h): who has it not is not answered to.
+   packet, and ends with the plant's run. What it does with them is in hil_control.h: attitude estimated, a slew,
+   pointing with a notch. Both have the same key (hil_key.h): who has it not is not answered to.
    Exit: 0 the plant's run ended, 1 no plant came, it has another key, or it fell silent, 2 bad options or no key. */
 #define _POSIX_C_SOURCE 200809L /* sockets, clocks */
 #define FLEXBEAM_IMPLEMENTATION
@@ -119,8 +119,8 @@ static void answer(session *s, controller *c, const hil_packet *sensors)
   keep_watch(s, c, sensors);
 }
 
-/* What the plant sent: its challenge, until it sends sensors. In lock-step it asks again when an answer was lost, with the
-   same number: the same answer. */
+/* What the plant sent: its challenge, until it sends sensors. In lock-step it asks again when an answer was lost, with
+   the same number: the same answer. */
 static hil_verdict take(session *s, controller *c, const hil_packet *p, const struct sockaddr_in *from)
 {
   if (!link_same(from, &s->plant)) {

@@ -1,6 +1,6 @@
 /* hil_hash.h - SipHash-2-4 with a tag of 128 bits: a digest that only who has the key can make or check.
-   Source: J.-P. Aumasson and D. J. Bernstein, "SipHash: a fast short-input PRF", 2012, and their reference implementation
-   for the tag of 128 bits. Test: its 64 vectors (tests/checks/hil.c). */
+   Source: J.-P. Aumasson and D. J. Bernstein, "SipHash: a fast short-input PRF", 2012, and their reference
+   implementation for the tag of 128 bits. Test: its 64 vectors (tests/checks/hil.c). */
 #ifndef HIL_HASH_H
 #define HIL_HASH_H
 #include <stdint.h>

@@ -1,5 +1,6 @@
 /* hil_line.h - the plant's end of the line: who commands, what is refused and why, the watchdog, lock-step. Include
-   ../examples/common/clock.h and hil_link.h before, and define PROGRAM. What is guarded against, and what not: hil.h. */
+   ../examples/common/clock.h and hil_link.h before, and define PROGRAM. What is guarded against, and what not:
+   hil.h. */
 #ifndef HIL_LINE_H
 #define HIL_LINE_H
 #include <signal.h>
@@ -83,8 +84,8 @@ static void send_challenge(line *l, uint64_t to, const struct sockaddr_in *at)
   l->traffic.unsent += !sent;
 }
 
-/* A hello to the number that was drawn for the next session makes a partner of its sender; one to no number gets to know
-   that number; unless another one commands. */
+/* A hello to the number that was drawn for the next session makes a partner of its sender; one to no number gets to
+   know that number; unless another one commands. */
 static hil_verdict take_hello(line *l, const hil_packet *p, const struct sockaddr_in *from)
 {
   const int known = l->partner && link_same(from, &l->at) && p->sender == l->partner_session;
@@ -141,8 +142,8 @@ static hil_verdict take_command(line *l, const hil_packet *p, const struct socka
   return HIL_ACCEPTED;
 }
 
-/* A hello by another key is told so, by a challenge that its sender cannot check: one at a time, so that this is no way to
-   take the plant's time. */
+/* A hello by another key is told so, by a challenge that its sender cannot check: one at a time, so that this is no way
+   to take the plant's time. */
 static void answer_stranger(line *l, const struct sockaddr_in *from, const unsigned char *bytes, int n, int *answered)
 {
   const uint64_t sender = hil_hello_sender(bytes, n);

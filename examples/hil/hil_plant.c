@@ -1,19 +1,19 @@
-/* hil_plant - a spacecraft in real time, for a controller in another process: hub, three reaction wheels and two flexible
-   arrays on drives are stepped at 1 kHz; sensors go out and commands come in as packets (hil.h) over UDP on the loopback
-   address. hil_controller is its partner: start it before or after, `make hil` starts both.
+/* hil_plant - a spacecraft in real time, for a controller in another process: hub, three reaction wheels and two
+   flexible arrays on drives are stepped at 1 kHz; sensors go out and commands come in as packets (hil.h) over UDP on
+   the loopback address. hil_controller is its partner: start it before or after, `make hil` starts both.
    Every period, at an instant counted from the first: the commands that have come are read, the sensors of this instant
    are sent, the step to the next one is made. A command thus acts a period after the sensors it answers.
    Both have the same key (hil_key.h): what is not signed by it, or comes a second time or late, is refused and counted.
    Safe command, when no valid command has come for the time of the watchdog, and before the first one: no torque on the
    wheels, the drives' motors short-circuited, which damps the arrays. The next valid command ends it.
    Lateness has a budget (--late-ms): a period that begins or ends later than that is no real time any more, the safe
-   command is given and the run ends. Within it the plant catches up, and a command acts no longer than the watchdog lets.
-   In lock-step (--simulated-time) the plant waits for the answer instead of the clock: the same packets, the same bits
-   each time. With `direct` the controller is a function call and no packet is sent: again the same bits.
+   command is given and the run ends. Within it the plant catches up, and a command acts no longer than the watchdog
+   lets. In lock-step (--simulated-time) the plant waits for the answer instead of the clock: the same packets, the same
+   bits each time. With `direct` the controller is a function call and no packet is sent: again the same bits.
    Checks: no step that computes longer than the period; the hub within 0.01 degrees of its aim in the last 5 s of a run
    long enough for that; angular momentum as it was; at the end a controller that commands.
-   Exit: 0 well, 1 a check failed, no controller came, the plant was too late, or the motion left the model, 2 bad options, a port or a file
-   that cannot be had. */
+   Exit: 0 well, 1 a check failed, no controller came, the plant was too late, or the motion left the model, 2 bad
+   options, a port or a file that cannot be had. */
 #define _POSIX_C_SOURCE 200809L /* sockets, clocks, popen */
 #define FLEXBEAM_IMPLEMENTATION
 #include "../../flexbeam.h"
@@ -154,7 +154,7 @@ static fb_status make_craft(void)
     solar_array_hang(&desc.joint[k], &arrays, k == RIGHT ? 1 : -1);
     desc.joint[k].damping[0] = (fb_real)drive_friction;
   }
-  return status ? status : fb_system_init(&craft, &work, model, MODELS, &desc);
+  return status ? status : fb_system_init(&craft, &work, model, &desc, MODELS);
 }
 
 /* ---- the plant: state, sensors, a period */
@@ -193,9 +193,9 @@ static fb_status sense(plant *p, long k)
   fb_node_motion node;
   fb_imu imu;
   fb_status status = fb_system_motion_eval(&craft, model, &work, &p->motion, &p->state, &p->input);
-  status = status
-               ? status
-               : fb_body_node_motion(&model[HUB_MODEL], &node, &p->motion.pose[HUB], &p->motion.motion[HUB], imu_node);
+  status = status ? status
+                  : fb_body_node_motion_eval(&model[HUB_MODEL], &node, &p->motion.pose[HUB], &p->motion.motion[HUB],
+                                             imu_node);
   if (status != FB_OK) {
     return status;
   }
@@ -233,8 +233,8 @@ static fb_status plant_begin(plant *p, const options *o)
   }
   limit = 0.5 * (double)fb_system_rk4_limit(&craft, model, 0, 0);
   p->steps = (int)ceil(p->period / limit);
-  status = fb_system_state_init(&craft, model, &work, &p->state, start, &p->input);
-  status = status ? status : fb_system_momentum(&craft, model, &work, &m, &p->state, &p->input);
+  status = fb_system_state_init(&craft, model, &p->state, &work, start, &p->input);
+  status = status ? status : fb_system_momentum_eval(&craft, model, &work, &m, &p->state, &p->input);
   for (int i = 0; i < 3; i++) {
     p->momentum[i] = (double)m.angular[i];
   }
@@ -297,7 +297,7 @@ static double tip_deflection(const plant *p, int body)
 {
   fb_node_motion at;
   const fb_status status =
-      fb_body_node_motion(&model[ARRAY_MODEL], &at, &p->motion.pose[body], &p->motion.motion[body], tip);
+      fb_body_node_motion_eval(&model[ARRAY_MODEL], &at, &p->motion.pose[body], &p->motion.motion[body], tip);
   return status == FB_OK ? (double)at.displacement[2] : (double)NAN;
 }
 
@@ -398,8 +398,8 @@ static void record_row(record *r, const plant *p, const line *l, long k)
   memset(r->worst, 0, sizeof r->worst);
 }
 
-/* What the period cost, in real time [ns]. A deadline was missed by the scheduler if the processor did not work that long:
-   it woke the plant late or took the processor away. If it did, the step is suspect. */
+/* What the period cost, in real time [ns]. A deadline was missed by the scheduler if the processor did not work that
+   long: it woke the plant late or took the processor away. If it did, the step is suspect. */
 static void record_time(record *r, const plant *before, long k, double release, double woke, double computed)
 {
   const double end = clock_ns() - release, period = 1e9 * before->period;
@@ -421,9 +421,10 @@ static void record_time(record *r, const plant *before, long k, double release, 
   }
 }
 
-/* After the run: a suspect step is made again, several times from the same state. It does the same work, so the shortest
-   time is its own; what it took longer before was taken from it by what a process cannot see, as on a virtual machine.
-   To be acquitted it must leave room for what else a period does, at most the median of all that periods took. */
+/* After the run: a suspect step is made again, several times from the same state. It does the same work, so the
+   shortest time is its own; what it took longer before was taken from it by what a process cannot see, as on a virtual
+   machine. To be acquitted it must leave room for what else a period does, at most the median of all that periods
+   took. */
 static void try_suspects(record *r)
 {
   static plant again;
@@ -641,7 +642,7 @@ static void judge(const record *r, const plant *p, const line *l)
   const double end = (double)r->done * p->period;
   fb_momentum m = {{0}, {0}};
   double miss = 0, error = 0;
-  const fb_status status = fb_system_momentum(&craft, model, &work, &m, &p->state, &p->input);
+  const fb_status status = fb_system_momentum_eval(&craft, model, &work, &m, &p->state, &p->input);
   for (int i = 0; i < 3; i++) {
     miss = fmax(miss, fabs((double)m.angular[i] - p->momentum[i]) / (wheel_inertia * wheel_start));
   }

@@ -1,4 +1,4 @@
-/* leigh - every case of Leigh's thesis, chapter 4, with the mixed beam: rods, beams, elastica, follower loads, steady
+/* leigh - every case of Leigh's thesis, chapter 4, with the exact beam: rods, beams, elastica, follower loads, steady
    rotation, vibration, spin-up and flapping, our figures beside the printed ones of the same mesh.
    Everything is in inches, pounds and seconds as printed, and nothing is tuned to a case: no units, no tolerances, no
    increments. A comparison fails where our error is above the printed one by more than its rounding.
@@ -10,7 +10,7 @@
 #define PROGRAM "leigh"
 #include "../common/options.h"
 #include "../common/output.h"
-#include "../common/mixed_beam.h"
+#include "../common/exact_beam.h"
 #include "../common/plot.h"
 
 typedef struct options {
@@ -18,7 +18,7 @@ typedef struct options {
 } options;
 
 static const char help[] =
-    "leigh - Leigh's thesis, chapter 4, case by case, with the geometrically exact mixed beam\n"
+    "leigh - Leigh's thesis, chapter 4, case by case, with the geometrically exact beam\n"
     "usage: leigh [options] > tables.txt\n"
     "  --out DIR        existing directory for CSV and pictures (none is written)\n"
     "  --reference DIR  where p03_*.csv, p04_*.csv and p08_box_scheme.csv are (tests/reference)\n"
@@ -186,7 +186,7 @@ static double middle_x(int k)
 static void displacement_at(double u[3], double x)
 {
   fb_real p[3], q[4];
-  must(fb_mixed_point_eval(&beam, p, q, &beam_state, (fb_real)x), "a point on the beam");
+  must(fb_exact_point_eval(&beam, p, q, &beam_state, (fb_real)x), "a point on the beam");
   for (int i = 0; i < 3; i++) {
     u[i] = (double)p[i] - (i == 0 ? x : 0);
   }
@@ -197,7 +197,7 @@ static double rotation_at(double x, int axis, double about)
 {
   fb_real p[3], q[4];
   double angle;
-  must(fb_mixed_point_eval(&beam, p, q, &beam_state, (fb_real)x), "a point on the beam");
+  must(fb_exact_point_eval(&beam, p, q, &beam_state, (fb_real)x), "a point on the beam");
   angle = 2 * atan2((double)q[1 + axis], (double)q[0]);
   return angle + 2 * pi * floor((about - angle) / (2 * pi) + 0.5);
 }
@@ -266,7 +266,7 @@ static void rod_solve(const rod *r, int n)
   beam_desc.n_station = r->taper > 0 ? FB_MAX_STATIONS : 1;
   for (int s = 0; s < beam_desc.n_station && r->taper > 0; s++) {
     const double h = r->length / (FB_MAX_STATIONS - 1);
-    fb_mixed_station *const station = &beam_desc.station[s];
+    fb_exact_station *const station = &beam_desc.station[s];
     station->x = (fb_real)(h * s);
     for (int i = 0; i < 6; i++) {
       const double part = station_value(r, i < 3 ? 2 : 4, h * s, h);
@@ -304,9 +304,9 @@ static void rod_errors(double *out, const rod *r, int n)
     const double x = middle_x(k), f = r->force + r->line * (r->length - x), m = r->torque + r->twist * (r->length - x);
     const double gamma = (rod_stretch(r, x + 0.5 * h) - rod_stretch(r, x - 0.5 * h)) / h;
     const double kappa = (rod_twist(r, x + 0.5 * h) - rod_twist(r, x - 0.5 * h)) / h;
-    fb_mixed_element element;
+    fb_exact_element element;
     double at[3];
-    must(fb_mixed_element_eval(&beam, &element, &beam_state, k), "an element");
+    must(fb_exact_element_eval(&beam, &element, &beam_state, k), "an element");
     displacement_at(at, x);
     mean_add(&e[U_BAR], at[0] - rod_stretch(r, x), rod_stretch(r, x), u);
     mean_add(&e[RHO_BAR], rotation_at(x, 0, 0) - rod_twist(r, x), rod_twist(r, x), rho);
@@ -359,7 +359,7 @@ static void rods_uniform(void)
   rods_table(&tip, exact);
   printf(
       "Table 4.1: rod under distributed loads, 83.33 lb/in, 83.33 lb in/in. Ends of elements, strains and loads are\n"
-      "exact in [L]'s scheme, too, but for the tolerance of his solver\n\n");
+      "exact in [L]'s integrator, too, but for the tolerance of his solver\n\n");
   rods_table(&line, printed);
 }
 
@@ -418,7 +418,7 @@ static void rods(void)
 {
   printf(
       "Mean errors by (4.2) of [L]. -bar: at the middle of elements; for displacement and rotation [L] takes the mean "
-      "of their\nends, we the point on the curve (fb_mixed_point_eval); strains and loads are means over elements. "
+      "of their\nends, we the point on the curve (fb_exact_point_eval); strains and loads are means over elements. "
       "-hat: at nodes.\n!: above the printed figure by more than its rounding, a failure; a letter: see the note.\n\n");
   rods_uniform();
   rods_tapered();
@@ -771,7 +771,7 @@ static double true_error(const options *o, const steady_case *c)
 static void steady_changes(double *change, double *error, const options *o, const steady_case *c, const int *mesh,
                            int n)
 {
-  double coarse[FB_MAX_MIXED + 1][3];
+  double coarse[FB_MAX_EXACT + 1][3];
   for (int i = 0; i <= n; i++) {
     mean e = {0, 0};
     steady_solve(c, mesh[i]);
@@ -911,7 +911,7 @@ enum { STEPS = 10000, ROD_STEPS = 2500 }; /* [L]: 10000 of every motion; the rod
 /* What is seen of a motion: nodes' displacement or rotation, each by its weight. */
 typedef struct view {
   int axis, turns;
-  double weight[FB_MAX_MIXED + 1];
+  double weight[FB_MAX_EXACT + 1];
 } view;
 
 static double seen(const view *v)
@@ -926,7 +926,7 @@ static double seen(const view *v)
 static double energy_now(void)
 {
   fb_energy e;
-  must(fb_mixed_energy(&beam, &e, &beam_state), "energy");
+  must(fb_exact_energy_eval(&beam, &e, &beam_state), "energy");
   return (double)(e.kinetic + e.strain);
 }
 
@@ -957,7 +957,7 @@ static double frequency_of(const double *signal, int steps, double dt, double ab
   return acos(c / weight) / (2 * pi * m * dt);
 }
 
-/* What the scheme, and [L]'s, makes of a frequency by the length of its steps; and back. */
+/* What the integrator, and [L]'s, makes of a frequency by the length of its steps; and back. */
 static double in_steps(double f, double dt)
 {
   return atan(pi * f * dt) / (pi * dt);
@@ -985,7 +985,7 @@ static char frequency_mark(double f, double dt, const char *printed)
 static void print_note_c(void)
 {
   printf("[L]'s figures are peaks of a transform of 8192 samples: the bin is its width, and equal means within one.\n"
-         "c: not counted: equal but for the factor of the step, atan(pi f dt)/(pi f dt), which [L]'s scheme has as "
+         "c: not counted: equal but for the factor of the step, atan(pi f dt)/(pi f dt), which [L]'s integrator has as "
          "well\n\n");
 }
 
@@ -1065,7 +1065,7 @@ static void rod_vibrations(const options *o)
   FILE *const csv = open_csv(path, o, "dispersion");
   printf(
       "4.7, 4.8: free vibration of the 12-in rod, 100 lb or 100 lb in let go, %d steps. predicted: dispersion of the "
-      "scheme,\n2/dt atan(c dt/dx tan(pi/4N)); energy: its largest change\n\n"
+      "integrator,\n2/dt atan(c dt/dx tan(pi/4N)); energy: its largest change\n\n"
       "motion   elements   dt [ms]   c dt/dx   f [Hz]       [L]   predicted  relative  off exact    energy\n",
       ROD_STEPS);
   if (csv) {
@@ -1092,10 +1092,10 @@ static void rod_vibrations(const options *o)
    frequency [Hz], and weights that see it. */
 static double mode_along(view *v, int axis)
 {
-  static fb_mixed_spectrum spectrum;
-  static fb_mixed_spectrum_work work;
+  static fb_exact_spectrum spectrum;
+  static fb_exact_spectrum_work work;
   const int n = beam_desc.n_element, modes = 3;
-  must(fb_mixed_spectrum_solve(&beam, &spectrum, &work, &beam_state, &beam_input, modes), "spectrum");
+  must(fb_exact_spectrum_solve(&beam, &work, &spectrum, &beam_state, &beam_input, modes), "spectrum");
   for (int k = 0; k < modes; k++) {
     const fb_real *const re = spectrum.shape_re + 6 * (n + 1) * k, *const im = spectrum.shape_im + 6 * (n + 1) * k;
     const double a = (double)re[6 * n + axis], b = (double)im[6 * n + axis], size = hypot(a, b);

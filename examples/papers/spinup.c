@@ -17,7 +17,7 @@ typedef struct options {
   scene scene;
   int alone;                                               /* an option that chooses a model was given */
   int modes, effects, elements, polynomial, basis, planes; /* as given */
-  int form, torque_form, degree, scheme, drive, after;
+  int form, torque_form, degree, integrator, drive, after;
   double spin, torque;
   const char *out, *reference;
 } options;
@@ -68,8 +68,9 @@ static const char help[] =
     "  --form momentum|second|first  equations of motion (momentum)\n"
     "  --torque-form identity|printed|boundary  stiffness torque of the first-order form, with --elements (identity)\n"
     "the computation\n"
-    "  --scheme NAME     one of %s (rk4)\n"
-    "  --dt DT           [s] step, refused beyond the limit of the scheme (rk4 0.001, midpoint 0.0025, others 0.005, "
+    "  --integrator NAME     one of %s (rk4)\n"
+    "  --dt DT           [s] step, refused beyond the limit of the integrator (rk4 0.001, midpoint 0.0025, others "
+    "0.005, "
     "or 0.8 of "
     "the\n"
     "                    stability limit of the undeflected body if that is less; with --elements 0.7)\n"
@@ -77,7 +78,7 @@ static const char help[] =
     "                    (spinup.csv)\n"
     "  --reference FILE  CSV with columns t, GE_u2 to compare with (none: the richest model here)\n"
     "  --help            this text\n"
-    "Without --modes, --effects, --elements, --planes, --form, --scheme, --drive: a table of models, the CSV of 3 "
+    "Without --modes, --effects, --elements, --planes, --form, --integrator, --drive: a table of models, the CSV of 3 "
     "modes with\n"
     "all effects (and beside it _linear.csv and _split.csv), and a picture (SVG) when gnuplot is installed. With one "
     "of them:\n"
@@ -125,13 +126,13 @@ static int read_effects(int *mask, const char *text)
   return 0;
 }
 
-static const char *scheme_names(void)
+static const char *integrator_names(void)
 {
   static char names[128];
   names[0] = 0;
-  for (int k = 0; k < SCHEMES; k++) {
+  for (int k = 0; k < INTEGRATORS; k++) {
     const size_t length = strlen(names);
-    snprintf(names + length, sizeof names - length, "%s%s", k ? "|" : "", schemes[k].name);
+    snprintf(names + length, sizeof names - length, "%s%s", k ? "|" : "", integrators[k].name);
   }
   return names;
 }
@@ -158,7 +159,7 @@ static int read_option(options *o, const char *name, const char *text)
                  {"--planes", "1|2", &o->planes},
                  {"--form", "momentum|second|first", &o->form},
                  {"--torque-form", "identity|printed|boundary", &o->torque_form},
-                 {"--scheme", scheme_names(), &o->scheme}};
+                 {"--integrator", integrator_names(), &o->integrator}};
   for (int k = 0; k < (int)(sizeof numbers / sizeof numbers[0]); k++) {
     if (strcmp(name, numbers[k].name) == 0) {
       return read_bounded(numbers[k].value, name, text, numbers[k].least, numbers[k].open);
@@ -206,9 +207,9 @@ static int check_options(const options *o)
        "--torque-form wants --form first and --elements"},
       {o->torque_form != NOT_GIVEN && !torque,
        "--torque-form turns a hinged beam, a prescribed hub does not feel it: add --drive torque"},
-      {o->scheme != NOT_GIVEN && o->scheme == FB_SCHEME_EXPONENTIAL && o->form != NOT_GIVEN &&
+      {o->integrator != NOT_GIVEN && o->integrator == FB_INTEGRATOR_EXPONENTIAL && o->form != NOT_GIVEN &&
            o->form != FB_FORM_MOMENTUM,
-       "--scheme exponential is for --form momentum"},
+       "--integrator exponential is for --form momentum"},
       {!torque && !isnan(o->torque), "--torque wants --drive torque; the hub has --spin"},
       {!torque && o->after != NOT_GIVEN, "--after wants --drive torque"},
       {torque && !isnan(o->spin), "--spin wants --drive hub; the torque has --torque"},
@@ -239,10 +240,10 @@ static void take_options(options *o)
                {o->planes == NOT_GIVEN ? NOT_GIVEN : o->planes + 1, &s->planes},
                {o->form, &s->form},
                {o->torque_form, &s->torque_form},
-               {o->scheme, &s->scheme},
+               {o->integrator, &s->integrator},
                {o->drive, &s->drive},
                {o->after, &s->after}};
-  const int alone[] = {o->modes, o->effects, o->elements, o->planes, o->form, o->scheme, o->drive};
+  const int alone[] = {o->modes, o->effects, o->elements, o->planes, o->form, o->integrator, o->drive};
   for (int k = 0; k < (int)(sizeof taken / sizeof taken[0]); k++) {
     *taken[k].value = taken[k].given == NOT_GIVEN ? *taken[k].value : taken[k].given;
   }
@@ -259,7 +260,7 @@ static int read_options(options *o, int argc, char **argv)
   int status;
   for (int i = 1; i < argc; i += 2) {
     if (strcmp(argv[i], "--help") == 0) {
-      printf(help, scheme_names());
+      printf(help, integrator_names());
       exit(0);
     }
     if (i + 1 == argc) {
@@ -343,7 +344,7 @@ static int simulate(const scene *s, int timed)
   }
   if (s->dt > step_limit(s)) {
     char message[96], limit[64];
-    snprintf(message, sizeof message, "--dt is longer than the stability limit of %s", schemes[s->scheme].name);
+    snprintf(message, sizeof message, "--dt is longer than the stability limit of %s", integrators[s->integrator].name);
     snprintf(limit, sizeof limit, "%.4g s for %d %s", step_limit(s), model.body.n,
              s->elements ? "coordinates" : "modes");
     return fail(message, limit);
@@ -394,7 +395,7 @@ static void print_run(const options *o)
     printf("%d mode(s): ", s->modes);
   }
   printf("%.0f ns per step, %.0f times real time; CSV: %s\n", result.ns, real_time_factor(&result, s), o->out);
-  printf("%s, step %g s; largest tip deflection %.6f m at %.3f s\n", schemes[s->scheme].name,
+  printf("%s, step %g s; largest tip deflection %.6f m at %.3f s\n", integrators[s->integrator].name,
          s->t_end / (double)steps_of(s), peak, t);
   if (o->reference) {
     printf("tip deflection: largest error %.4f %% of the reference's peak\n", 100 * tip_error(&result, &target));
@@ -423,9 +424,9 @@ static int run_one(const options *o)
   if (result.status == FB_ERR_STEP) {
     printf("the limit of %s is %.4g s undeflected at %.3g rad/s; slopes, stretch and faster rates lower it: try --dt "
            "%.3g\n",
-           schemes[s->scheme].name, step_limit(s), final_spin(s), 0.5 * fmin(s->dt, step_limit(s)));
+           integrators[s->integrator].name, step_limit(s), final_spin(s), 0.5 * fmin(s->dt, step_limit(s)));
   } else if (result.status == FB_ERR_RANGE && !model.split) {
-    printf("a shorter --dt or another --scheme shows whether it was the step or the model\n");
+    printf("a shorter --dt or another --integrator shows whether it was the step or the model\n");
   }
   return 1;
 }
@@ -506,7 +507,7 @@ static int run_table(const options *o)
     memcpy(target.y, result.tip_y, sizeof target.y);
   }
   printf("Spin-up to %g rad/s in %g s, beam %g m, %g kg, EI %g N m^2; %s, step %g s\n", s.spin, s.ramp, s.length,
-         s.mass, s.ei, schemes[s.scheme].name, s.t_end / (double)steps_of(&s));
+         s.mass, s.ei, integrators[s.integrator].name, s.t_end / (double)steps_of(&s));
   printf("Error of the tip deflection in percent of the peak, against %s\n\n",
          o->reference ? "the geometrically exact reference" : "6 modes with all effects");
   printf("modes  effects                                        error   ns/step  x real time\n");
@@ -536,7 +537,7 @@ int main(int argc, char **argv)
                .form = NOT_GIVEN,
                .torque_form = NOT_GIVEN,
                .degree = NOT_GIVEN,
-               .scheme = NOT_GIVEN,
+               .integrator = NOT_GIVEN,
                .drive = NOT_GIVEN,
                .after = NOT_GIVEN,
                .spin = (double)NAN,

@@ -1,7 +1,7 @@
 /* spinup_model.h - the scene of spinup.c and table1.c: a flexible beam about z, by the rate of its hub or by a torque.
    Models: bending modes with the quadratic displacement, or axial coordinates with nonlinear strain ([DB] section 4),
-   in any form of the equations of motion and any scheme. Define PROGRAM, the name in messages, and include it in one
-   file. */
+   in any form of the equations of motion and any integrator. Define PROGRAM, the name in messages, and include it in
+   one file. */
 #ifndef SPINUP_MODEL_H
 #define SPINUP_MODEL_H
 #define FB_WITH_FORMS 1
@@ -37,7 +37,7 @@ typedef struct scene {
   int basis, degree;           /* BASIS_..., highest degree Q of the terms kept */
   int planes;                  /* of bending: 1 or 2 */
   int form, torque_form;       /* FB_FORM_..., FB_TORQUE_... */
-  int scheme;                  /* row of schemes */
+  int integrator;              /* row of integrators */
 } scene;
 
 static const scene default_scene = {.length = BOOM_LENGTH,
@@ -70,21 +70,21 @@ static int read_whole(int *n, const char *name, const char *text, int least, int
   return 0;
 }
 
-/* ---- the schemes: one row each, in the order of fb_scheme */
+/* ---- the integrators: one row each, in the order of fb_integrator */
 
-typedef struct scheme {
+typedef struct integrator {
   const char *name;
   double dt; /* [s] where none is asked for, unless the limit is shorter */
   fb_real (*limit)(const fb_body *body, fb_real spin, fb_real acceleration);
-} scheme;
+} integrator;
 
-static const scheme schemes[] = {
+static const integrator integrators[] = {
     {"rk4", 0.001, fb_rk4_limit},
     {"midpoint", 0.005, fb_implicit_limit},
     {"sdirk", 0.005, fb_implicit_limit},
     {"exponential", 0.005, fb_exponential_limit},
 };
-#define SCHEMES ((int)(sizeof schemes / sizeof schemes[0]))
+#define INTEGRATORS ((int)(sizeof integrators / sizeof integrators[0]))
 
 /* ---- the model */
 
@@ -142,17 +142,17 @@ static double final_spin(const scene *s)
   return s->drive == DRIVE_HUB ? s->spin : s->torque * (s->ramp + hold) / inertia;
 }
 
-/* The longest step [s] of the scheme for the undeflected body at its final rate. */
+/* The longest step [s] of the integrator for the undeflected body at its final rate. */
 static double step_limit(const scene *s)
 {
-  return (double)schemes[s->scheme].limit(&model.body, (fb_real)final_spin(s), 0);
+  return (double)integrators[s->integrator].limit(&model.body, (fb_real)final_spin(s), 0);
 }
 
 /* A step [s] with some room below the limit (slopes of the beam lower it where strain is nonlinear); a whole number of
    them makes a hundredth of a second, so that rows of all runs are at the same times. */
 static double default_step(const scene *s)
 {
-  const double dt = fmin(schemes[s->scheme].dt, (s->elements ? 0.7 : 0.8) * step_limit(s));
+  const double dt = fmin(integrators[s->integrator].dt, (s->elements ? 0.7 : 0.8) * step_limit(s));
   return 0.01 / ceil(0.01 / dt * (1 - 1e-9));
 }
 
@@ -217,7 +217,7 @@ static power power_of(const fb_state *state, const fb_input *input, double g_dot
   const double g = (double)input->load[0].torque[2];
   power out = {0, 0};
   fb_motion motion;
-  if (input->n_load > 0 && fb_body_motion(&model.body, &motion, state, input) == FB_OK) {
+  if (input->n_load > 0 && fb_body_motion_eval(&model.body, &motion, state, input) == FB_OK) {
     out.p = g * (double)motion.w[2];
     out.p_dot = g_dot * (double)motion.w[2] + g * (double)motion.w_dot[2];
   }
@@ -229,9 +229,9 @@ static void record(history *h, const fb_state *state, const fb_input *input, dou
   fb_motion motion;
   fb_node_motion node;
   fb_energy energy;
-  if (fb_body_motion(&model.body, &motion, state, input) == FB_OK &&
-      fb_body_node_motion(&model.body, &node, state, &motion, model.tip) == FB_OK &&
-      fb_body_energy(&model.body, &energy, state, input) == FB_OK) {
+  if (fb_body_motion_eval(&model.body, &motion, state, input) == FB_OK &&
+      fb_body_node_motion_eval(&model.body, &node, state, &motion, model.tip) == FB_OK &&
+      fb_body_energy_eval(&model.body, &energy, state, input) == FB_OK) {
     h->t[h->rows] = t;
     h->tip_x[h->rows] = (double)node.displacement[0];
     h->tip_y[h->rows] = (double)node.displacement[1];
@@ -253,7 +253,7 @@ static void run(history *h, const scene *s, long stride)
   fb_input input[3];
   power start, end;
   clock_t begin;
-  h->status = stepper_init(&by, &model.body_work, &model.body, (fb_scheme)s->scheme, dt);
+  h->status = stepper_init(&by, &model.body_work, &model.body, (fb_integrator)s->integrator, dt);
   if (h->status != FB_OK) {
     h->rows = 0;
     h->t_stop = 0;

@@ -36,11 +36,11 @@ static void check(int ok, const char *what)
   }
 }
 
-/* The row of a scheme. */
-static int scheme_of(const char *name)
+/* The row of an integrator. */
+static int integrator_of(const char *name)
 {
   int k = 0;
-  while (k + 1 < SCHEMES && strcmp(schemes[k].name, name) != 0) {
+  while (k + 1 < INTEGRATORS && strcmp(integrators[k].name, name) != 0) {
     k++;
   }
   return k;
@@ -116,12 +116,12 @@ static int print_times(const scene *s, int repeat)
   if (status != 0) {
     return status;
   }
-  printf("%-10s %3d %3d %6.3f %8.3f %7.3f %9.3f %9.1f %6.1f %13.1f %13.1e %13.1e\n", schemes[s->scheme].name,
+  printf("%-10s %3d %3d %6.3f %8.3f %7.3f %9.3f %9.1f %6.1f %13.1f %13.1e %13.1e\n", integrators[s->integrator].name,
          s->elements, model.body.n, 1e3 * s->dt, t.seconds[0], t.seconds[1], t.seconds[2], saving(&t, 1),
          paper[s->elements - 1], saving(&t, 2), t.difference, t.leak);
   fflush(stdout);
   check(t.status == FB_OK, "every form runs to the end");
-  if (s->scheme == scheme_of("rk4")) {
+  if (s->integrator == integrator_of("rk4")) {
     check(t.difference < 1e-5, "rk4: the first- and the second-order form agree to 1 part in 1e5");
     check(t.leak < 1e-3, "rk4: energy and work agree to 1e-3 of the peak energy");
     check(t.seconds[1] < t.seconds[0], "rk4: the first-order form is faster than the second-order form");
@@ -143,12 +143,13 @@ static int table1(const options *o)
          "against the second-order form, in percent, beside the first-order form in the paper; the largest difference "
          "of the\n"
          "first- from the second-order tip deflection and of energy from work, relative to the peaks\n\n"
-         "scheme     N_e   n   step   second   first  momentum  first -%%  paper    momentum -%%  first-second   "
+         "integrator     N_e   n   step   second   first  momentum  first -%%  paper    momentum -%%  first-second   "
          "energy-work\n",
          s.t_end);
-  for (s.scheme = 0; s.scheme < scheme_of("exponential") && status == 0; s.scheme++) { /* that one has one form */
+  for (s.integrator = 0; s.integrator < integrator_of("exponential") && status == 0;
+       s.integrator++) { /* that one has one form */
     for (s.elements = 1; s.elements <= 3 && status == 0; s.elements++) {
-      fprintf(stderr, "table 1: %s, N_e = %d\n", schemes[s.scheme].name, s.elements);
+      fprintf(stderr, "table 1: %s, N_e = %d\n", integrators[s.integrator].name, s.elements);
       status = build_or_say(&s);
       s.dt = fmin(0.00025, default_step(&s)); /* the stiffness torque of the first-order form is explicit */
       status = status ? status : print_times(&s, o->repeat);
@@ -277,10 +278,10 @@ static int figures(const options *o)
 
 typedef struct accuracy_row {
   const char *name;
-  int elements, polynomial, scheme;
+  int elements, polynomial, integrator;
   const char *same; /* model of p07_peaks.csv that has this peak; NULL: none */
   double tolerance; /* of it */
-  double dt;        /* [s]; 0: the scheme's default */
+  double dt;        /* [s]; 0: the integrator's default */
 } accuracy_row;
 
 static int print_accuracy(const options *o, scene *s, const accuracy_row *row, const series *target, double exact)
@@ -291,7 +292,7 @@ static int print_accuracy(const options *o, scene *s, const accuracy_row *row, c
   fprintf(stderr, "accuracy: %s, %s\n", s->drive == DRIVE_HUB ? "hub" : "torque", row->name);
   s->elements = row->elements;
   s->polynomial = row->polynomial;
-  s->scheme = row->scheme;
+  s->integrator = row->integrator;
   status = build_or_say(s);
   if (status == 0 && row->same) {
     snprintf(begin, sizeof begin, "%c,%s,", s->drive == DRIVE_HUB ? 'C' : 'A', row->same);
@@ -307,7 +308,7 @@ static int print_accuracy(const options *o, scene *s, const accuracy_row *row, c
   run_timed(&result, s, o->repeat);
   peak = tip_peak(&result, &t);
   printf("%-6s  %-33s %3d  %-10s %7.3f %8.3f %12.0f %7.3f %8.3f\n", s->drive == DRIVE_HUB ? "hub" : "torque", row->name,
-         model.body.n, schemes[s->scheme].name, 1e3 * s->dt, 1e-3 * result.ns, real_time_factor(&result, s),
+         model.body.n, integrators[s->integrator].name, 1e3 * s->dt, 1e-3 * result.ns, real_time_factor(&result, s),
          100 * (peak / exact - 1), 100 * tip_error(&result, target));
   fflush(stdout);
   check(result.status == FB_OK, "every model runs to the end");
@@ -319,22 +320,24 @@ static int print_accuracy(const options *o, scene *s, const accuracy_row *row, c
 static int accuracy(const options *o)
 {
   static series target;
-  const accuracy_row rows[] = {{"3 modes, quadratic displacement", 0, 3, scheme_of("rk4"), NULL, 0, 0},
-                               {"3 modes, quadratic displacement", 0, 3, scheme_of("exponential"), NULL, 0, 0.01},
-                               {"1 element, axial strain", 1, 3, scheme_of("rk4"), "H1", 1e-5, 0},
-                               {"2 elements, axial strain", 2, 3, scheme_of("rk4"), "H2", 1e-5, 0},
-                               {"3 elements, axial strain", 3, 3, scheme_of("rk4"), "H3", 1e-5, 0},
-                               {"3 elements, axial strain", 3, 3, scheme_of("midpoint"), "H3", 1e-3, 0},
-                               {"3 elements, axial strain", 3, 3, scheme_of("sdirk"), "H3", 5e-3, 0.005},
-                               {"3 elements, axial strain", 3, 3, scheme_of("exponential"), "H3", 1e-3, 0},
-                               {"3 elements, axial strain", 3, 3, scheme_of("exponential"), "H3", 1e-3, 0.01},
-                               {"1 element of degree 8 (converged)", 1, 8, scheme_of("rk4"), "LC", 1e-4, 0},
-                               {"1 element of degree 8 (converged)", 1, 8, scheme_of("exponential"), "LC", 1e-3, 0.01}};
+  const accuracy_row rows[] = {
+      {"3 modes, quadratic displacement", 0, 3, integrator_of("rk4"), NULL, 0, 0},
+      {"3 modes, quadratic displacement", 0, 3, integrator_of("exponential"), NULL, 0, 0.01},
+      {"1 element, axial strain", 1, 3, integrator_of("rk4"), "H1", 1e-5, 0},
+      {"2 elements, axial strain", 2, 3, integrator_of("rk4"), "H2", 1e-5, 0},
+      {"3 elements, axial strain", 3, 3, integrator_of("rk4"), "H3", 1e-5, 0},
+      {"3 elements, axial strain", 3, 3, integrator_of("midpoint"), "H3", 1e-3, 0},
+      {"3 elements, axial strain", 3, 3, integrator_of("sdirk"), "H3", 5e-3, 0.005},
+      {"3 elements, axial strain", 3, 3, integrator_of("exponential"), "H3", 1e-3, 0},
+      {"3 elements, axial strain", 3, 3, integrator_of("exponential"), "H3", 1e-3, 0.01},
+      {"1 element of degree 8 (converged)", 1, 8, integrator_of("rk4"), "LC", 1e-4, 0},
+      {"1 element of degree 8 (converged)", 1, 8, integrator_of("exponential"), "LC", 1e-3, 0.01}};
   int status = 0;
-  printf("Accuracy: errors of the tip deflection in percent of its peak, against the geometrically exact beam: of the "
-         "peak,\n"
-         "and the largest; momentum form, open basis, n coordinates, steps in ms, time of a step in us\n\n"
-         "drive   model                               n  scheme        step  us/step  x real time   peak   largest\n");
+  printf(
+      "Accuracy: errors of the tip deflection in percent of its peak, against the geometrically exact beam: of the "
+      "peak,\n"
+      "and the largest; momentum form, open basis, n coordinates, steps in ms, time of a step in us\n\n"
+      "drive   model                               n  integrator        step  us/step  x real time   peak   largest\n");
   for (int drive_by = DRIVE_HUB; drive_by <= DRIVE_TORQUE && status == 0; drive_by++) {
     char path[512];
     double exact = 0;

@@ -59,7 +59,7 @@ static void scene_build_body(text_file *t, scene *s, scene_body *body, const sce
     text_fail(t, "%s: %s", what, fb_status_string(status));
   }
   body->shape = model_shape;
-  if (s->exact > 0 && !t->failed) {
+  if (s->exact_elements > 0 && !t->failed) {
     s->is_exact = 1;
     scene_convert_exact(t, s, body);
   }
@@ -103,7 +103,7 @@ static void scene_begin_exact(text_file *t, scene *s, scene_body *body)
   s->is_exact = 1;
   body->kind = MODEL_BEAM;
   body->n_node = 1;
-  mixed_begin(&s->mixed);
+  exact_begin(&s->exact);
 }
 
 static void scene_name_body(text_file *t, const scene *s, scene_body *body)
@@ -243,7 +243,7 @@ static void scene_read_motion(text_file *t, scene *s)
 
 /* ---- the file */
 
-static const char *const scene_schemes[] = {"rk4", "midpoint", "sdirk", "exponential", "auto", NULL};
+static const char *const scene_integrators[] = {"rk4", "midpoint", "sdirk", "exponential", "auto", NULL};
 
 static void scene_read_step(text_file *t, scene *s)
 {
@@ -307,11 +307,11 @@ static void scene_read_interval(text_file *t, scene *s)
   s->interval = scene_read_positive(t, "interval");
 }
 
-static void scene_read_scheme(text_file *t, scene *s)
+static void scene_read_integrator(text_file *t, scene *s)
 {
-  const int k = text_choice(t, "scheme", scene_schemes);
-  s->scheme_auto = strcmp(scene_schemes[k], "auto") == 0;
-  s->scheme = s->scheme_auto ? FB_SCHEME_RK4 : (fb_scheme)k;
+  const int k = text_choice(t, "integrator", scene_integrators);
+  s->integrator_auto = strcmp(scene_integrators[k], "auto") == 0;
+  s->integrator = s->integrator_auto ? FB_INTEGRATOR_RK4 : (fb_integrator)k;
 }
 
 static void scene_read_trim(text_file *t, scene *s)
@@ -331,7 +331,7 @@ static void scene_read_exact(text_file *t, scene *s)
   if (s->n_body > 0) {
     text_fail(t, "exact must stand before the body");
   }
-  s->exact = text_whole(t, "elements of the exact beam", 0, FB_MAX_MIXED);
+  s->exact_elements = text_whole(t, "elements of the exact beam", 0, FB_MAX_EXACT);
 }
 
 static void scene_read_line(text_file *t, scene *s, const char *word)
@@ -340,17 +340,28 @@ static void scene_read_line(text_file *t, scene *s, const char *word)
     const char *word;
     void (*read)(text_file *t, scene *s);
     int once;
-  } lines[] = {{"title", scene_read_title, 1},        {"duration", scene_read_duration, 1},
-               {"interval", scene_read_interval, 1},  {"step", scene_read_step, 1},
-               {"scheme", scene_read_scheme, 1},      {"method", scene_read_method, 1},
-               {"gravity", scene_read_gravity, 1},    {"trim", scene_read_trim, 1},
-               {"exact", scene_read_exact, 1},        {"view", scene_read_view, 1},
-               {"units", scene_read_units, 1},        {"parameter", scene_read_parameter, 0},
-               {"body", scene_read_body, 0},          {"joint", scene_read_joint, 0},
-               {"loop", scene_read_loop, 0},          {"event", scene_read_event, 0},
-               {"load", scene_read_load, 0},          {"nudge", scene_read_nudge, 0},
-               {"motion", scene_read_motion, 0},      {"output", scene_read_output, 0},
-               {"measure", scene_read_measure, 0},    {"expect", scene_read_expectation, 0},
+  } lines[] = {{"title", scene_read_title, 1},
+               {"duration", scene_read_duration, 1},
+               {"interval", scene_read_interval, 1},
+               {"step", scene_read_step, 1},
+               {"integrator", scene_read_integrator, 1},
+               {"method", scene_read_method, 1},
+               {"gravity", scene_read_gravity, 1},
+               {"trim", scene_read_trim, 1},
+               {"exact", scene_read_exact, 1},
+               {"view", scene_read_view, 1},
+               {"units", scene_read_units, 1},
+               {"parameter", scene_read_parameter, 0},
+               {"body", scene_read_body, 0},
+               {"joint", scene_read_joint, 0},
+               {"loop", scene_read_loop, 0},
+               {"event", scene_read_event, 0},
+               {"load", scene_read_load, 0},
+               {"nudge", scene_read_nudge, 0},
+               {"motion", scene_read_motion, 0},
+               {"output", scene_read_output, 0},
+               {"measure", scene_read_measure, 0},
+               {"expect", scene_read_expectation, 0},
                {"reference", scene_read_reference, 0}};
   int k = 0, n = (int)(sizeof lines / sizeof lines[0]);
   while (k < n && strcmp(lines[k].word, word) != 0) {
@@ -376,7 +387,7 @@ static int scene_read(scene *s, const char *path, const scene_setting *set, int 
   snprintf(s->path, sizeof s->path, "%s", path);
   s->set = set;
   s->n_set = n_set;
-  s->scheme_auto = 1;
+  s->integrator_auto = 1;
   s->view_of = -1;
   strcpy(s->length_unit, "m");
   strcpy(s->force_unit, "N");

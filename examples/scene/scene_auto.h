@@ -1,12 +1,12 @@
-/* scene_auto.h - what a scene leaves to the program: the effects and modes of its bodies by fb_body_advise, the scheme
-   and its step. What happens at most is taken from a run of rigid bodies. See scene.h. */
+/* scene_auto.h - what a scene leaves to the program: the effects and modes of its bodies by fb_advice_solve, the
+   integrator and its step. What happens at most is taken from a run of rigid bodies. See scene.h. */
 #ifndef SCENE_AUTO_H
 #define SCENE_AUTO_H
 #include "scene_engine.h"
 
 static const double scene_accuracy =
     1e-3; /* of the slowest mode at the end, where a step is chosen; exact beams: ten times */
-/* [rad] of the fastest that acts, by scheme: of order 4 and 2 its integral errs by less than that */
+/* [rad] of the fastest that acts, by integrator: of order 4 and 2 its integral errs by less than that */
 static const double scene_part[] = {0.3, 0.1, 0.1, 0.3};
 
 static long scene_rows(const scene *s)
@@ -45,7 +45,7 @@ static fb_status scene_init_body(const scene *s, int k, const fb_advice *advice)
 static struct scene_auto {
   fb_envelope envelope[FB_MAX_BODIES];
   fb_advice advice[FB_MAX_BODIES];
-  fb_advise_work work;
+  fb_advice_work work;
   double spin, acceleration; /* largest of all bodies [rad/s], [m/s^2] */
   int doubted;               /* no such run is to be believed: all this is of the start */
 } automatic;
@@ -211,12 +211,12 @@ static fb_status scene_run_rigid_once(const scene *s, double dt, int *rough)
   int event = 0;
   fb_status status;
   scene_note_nothing(s);
-  engine.scheme = FB_SCHEME_RK4;
+  engine.integrator = FB_INTEGRATOR_RK4;
   engine.by_step = 0;
   timing.longest = dt;
   status = scene_start(s);
   if (status == FB_OK && scene_is_system(s) && !(dt < (double)fb_system_rk4_limit(&engine.system, engine.body, 0, 0))) {
-    engine.scheme = FB_SCHEME_SDIRK;
+    engine.integrator = FB_INTEGRATOR_SDIRK;
   }
   for (long row = 0; row < timing.rows && status == FB_OK; row++) {
     double t = (double)row * timing.interval;
@@ -227,7 +227,7 @@ static fb_status scene_run_rigid_once(const scene *s, double dt, int *rough)
     }
   }
   status = status ? status : scene_note(s, s->duration);
-  *rough = engine.scheme == FB_SCHEME_SDIRK || automatic.spin * dt > 1;
+  *rough = engine.integrator == FB_INTEGRATOR_SDIRK || automatic.spin * dt > 1;
   return status;
 }
 
@@ -310,7 +310,7 @@ static int scene_advise(scene *s, int k, FILE *talk)
   e->frequency = frequency < HUGE_VAL ? (fb_real)frequency : FB_HUGE;
   e->duration = (fb_real)s->duration;
   e->node = b->n_node - 1;
-  status = fb_body_advise(&automatic.advice[k], &automatic.work, &b->shape, &level, e, (fb_real)b->tolerance);
+  status = fb_advice_solve(&automatic.advice[k], &automatic.work, &b->shape, &level, e, (fb_real)b->tolerance);
   if (status != FB_OK) {
     return scene_fail_at(s, b->line, "body %s: no advice by auto: %s", b->name,
                          status == FB_ERR_VALUE ? "nothing that acts moves its last node" : fb_status_string(status));
@@ -321,61 +321,64 @@ static int scene_advise(scene *s, int k, FILE *talk)
   return 0;
 }
 
-/* ---- scheme and step */
+/* ---- integrator and step */
 
-/* Longest step [s] that the scheme takes. */
-static double scene_limit(const scene *s, fb_scheme scheme)
+/* Longest step [s] that the integrator takes. */
+static double scene_limit(const scene *s, fb_integrator integrator)
 {
   const fb_real w = (fb_real)automatic.spin, a = (fb_real)automatic.acceleration;
   if (scene_is_system(s)) {
-    return scheme == FB_SCHEME_SDIRK ? 0.1 / automatic.spin
-                                     : (double)fb_system_rk4_limit(&engine.system, engine.body, w, a);
+    return integrator == FB_INTEGRATOR_SDIRK ? 0.1 / automatic.spin
+                                             : (double)fb_system_rk4_limit(&engine.system, engine.body, w, a);
   }
-  return (double)(scheme == FB_SCHEME_RK4           ? fb_rk4_limit(&engine.body[0], w, a)
-                  : scheme == FB_SCHEME_EXPONENTIAL ? fb_exponential_limit(&engine.body[0], w, a)
-                                                    : fb_implicit_limit(&engine.body[0], w, a));
+  return (double)(integrator == FB_INTEGRATOR_RK4           ? fb_rk4_limit(&engine.body[0], w, a)
+                  : integrator == FB_INTEGRATOR_EXPONENTIAL ? fb_exponential_limit(&engine.body[0], w, a)
+                                                            : fb_implicit_limit(&engine.body[0], w, a));
 }
 
-/* A step of a scheme: modes by their weight in a static deflection, (w_1/w_k)^2, from the first on that moves to and fro
-   in the run: what is slower drifts, like rigid motion, whose zeros rounding moves. A turn of the whole resolved. */
-static double scene_step_of(const scene *s, fb_scheme scheme, int has_spectrum)
+/* A step of an integrator: modes by their weight in a static deflection, (w_1/w_k)^2, from the first on that moves to
+   and fro in the run: what is slower drifts, like rigid motion, whose zeros rounding moves. A turn of the whole
+   resolved. */
+static double scene_step_of(const scene *s, fb_integrator integrator, int has_spectrum)
 {
   static fb_real amplitude[FB_MAX_LINEAR];
-  const double turn = (scheme == FB_SCHEME_RK4 || scheme == FB_SCHEME_EXPONENTIAL ? 0.03 : 0.01) / automatic.spin;
-  const double limit = scene_limit(s, scheme);
+  const double turn =
+      (integrator == FB_INTEGRATOR_RK4 || integrator == FB_INTEGRATOR_EXPONENTIAL ? 0.03 : 0.01) / automatic.spin;
+  const double limit = scene_limit(s, integrator);
   double lowest = 0, dt = fmin(fmin(s->interval, turn), 0.8 * limit);
   for (int k = 0; k < engine.spectrum.n && has_spectrum; k++) {
     const double w = (double)engine.spectrum.im[k];
     lowest = lowest > 0 || !(w * s->duration > 1) ? lowest : w;
     amplitude[k] = (fb_real)(lowest > 0 && w > 0 ? lowest * lowest / (w * w) : 0);
   }
-  if (lowest > 0 && scheme != FB_SCHEME_EXPONENTIAL) {
+  if (lowest > 0 && integrator != FB_INTEGRATOR_EXPONENTIAL) {
     const double fits =
-        (double)fb_spectrum_step(&engine.spectrum, scheme, amplitude, (fb_real)s->duration, (fb_real)scene_accuracy);
+        (double)fb_spectrum_dt(&engine.spectrum, integrator, amplitude, (fb_real)s->duration, (fb_real)scene_accuracy);
     return fits > 0 ? fmin(dt, fits) : dt;
   }
   return has_spectrum ? dt : fmin(dt, 0.2 * limit);
 }
 
-/* Is the scheme one to choose from? The stiffness torque of the first-order form is explicit in implicit schemes. */
-static int scene_may_choose(const scene *s, fb_scheme scheme)
+/* Is the integrator one to choose from? The stiffness torque of the first-order form is explicit in implicit
+   integrators. */
+static int scene_may_choose(const scene *s, fb_integrator integrator)
 {
-  if (!s->scheme_auto) {
-    return scheme == s->scheme;
+  if (!s->integrator_auto) {
+    return integrator == s->integrator;
   }
-  return scheme == FB_SCHEME_RK4 ||
+  return integrator == FB_INTEGRATOR_RK4 ||
          (s->body[0].level.form != FB_FORM_FIRST &&
-          (scheme == FB_SCHEME_SDIRK || (scheme == FB_SCHEME_MIDPOINT && !scene_is_system(s))));
+          (integrator == FB_INTEGRATOR_SDIRK || (integrator == FB_INTEGRATOR_MIDPOINT && !scene_is_system(s))));
 }
 
-/* Scheme and step where they are not asked for. */
+/* Integrator and step where they are not asked for. */
 static void scene_choose(scene *s)
 {
   static const double work[] = {4, 7, 11}; /* evaluations; twice as many where the order is 2 */
   const fb_advice *const advice = &automatic.advice[0];
   double least = HUGE_VAL;
   s->dt = s->step;
-  engine.scheme = s->scheme_auto ? FB_SCHEME_RK4 : s->scheme;
+  engine.integrator = s->integrator_auto ? FB_INTEGRATOR_RK4 : s->integrator;
   if (s->step > 0) {
     return;
   }
@@ -383,17 +386,17 @@ static void scene_choose(scene *s)
     s->dt = exact_choose(s, 10 * scene_accuracy);
     return;
   }
-  if (!scene_is_system(s) && s->body[0].tolerance > 0 && (s->scheme_auto || s->scheme == advice->scheme)) {
-    engine.scheme = advice->scheme;
+  if (!scene_is_system(s) && s->body[0].tolerance > 0 && (s->integrator_auto || s->integrator == advice->integrator)) {
+    engine.integrator = advice->integrator;
     s->dt = fmin(s->interval, (double)advice->dt);
   } else {
     const int has_spectrum = scene_spectrum(s) == FB_OK;
-    for (int scheme = 0; scheme < 4; scheme++) {
-      const int tried = scene_may_choose(s, (fb_scheme)scheme);
-      const double dt = tried ? scene_step_of(s, (fb_scheme)scheme, has_spectrum) : 0;
-      if (tried && work[scheme % 3] / dt < least) {
-        least = work[scheme % 3] / dt;
-        engine.scheme = (fb_scheme)scheme;
+    for (int integrator = 0; integrator < 4; integrator++) {
+      const int tried = scene_may_choose(s, (fb_integrator)integrator);
+      const double dt = tried ? scene_step_of(s, (fb_integrator)integrator, has_spectrum) : 0;
+      if (tried && work[integrator % 3] / dt < least) {
+        least = work[integrator % 3] / dt;
+        engine.integrator = (fb_integrator)integrator;
         s->dt = dt;
       }
     }

@@ -114,7 +114,7 @@ static void scene_check_exact_body(text_file *t, const scene *s, const scene_bod
     scene_refuse(t, &body->seen, "gravity", "of a body under that of the scene");
   }
   scene_check_modes(t, s, body);
-  if (s->mixed.desc.root == FB_END_CLAMPED || s->mixed.desc.root == FB_END_DEFAULT) {
+  if (s->exact.desc.root == FB_END_CLAMPED || s->exact.desc.root == FB_END_DEFAULT) {
     scene_refuse(t, &body->seen, "start_velocity", "of a clamped root: it moves as `motion` says");
     scene_refuse(t, &body->seen, "start_spin", "of a clamped root: it moves as `motion` says");
   }
@@ -128,8 +128,8 @@ static void scene_check_single(text_file *t, const scene *s)
   const fb_base base = body->level.base;
   const int modal = body->shape.n > 0 || !s->is_exact;
   scene_refuse(t, &s->seen, "method", "is that of bodies on joints");
-  if (body->level.form != FB_FORM_MOMENTUM && s->scheme == FB_SCHEME_EXPONENTIAL) {
-    scene_refuse(t, &s->seen, "scheme", "exponential moves the momentum form alone");
+  if (body->level.form != FB_FORM_MOMENTUM && s->integrator == FB_INTEGRATOR_EXPONENTIAL) {
+    scene_refuse(t, &s->seen, "integrator", "exponential moves the momentum form alone");
   }
   for (int k = 0; k < s->n_output; k++) {
     if (s->output[k].quantity == SCENE_POWER) {
@@ -243,8 +243,8 @@ static void scene_check_speeds(text_file *t, const scene_joint *joint)
 static void scene_check_system(text_file *t, const scene *s)
 {
   scene_refuse(t, &s->seen, "motion", "is that of a single body's base; prescribe a joint instead");
-  if (s->scheme != FB_SCHEME_RK4 && s->scheme != FB_SCHEME_SDIRK) {
-    scene_refuse(t, &s->seen, "scheme", "of bodies on joints is rk4 or sdirk");
+  if (s->integrator != FB_INTEGRATOR_RK4 && s->integrator != FB_INTEGRATOR_SDIRK) {
+    scene_refuse(t, &s->seen, "integrator", "of bodies on joints is rk4 or sdirk");
   }
   for (int k = 0; k < s->n_body; k++) {
     if (s->body[k].level.form != FB_FORM_MOMENTUM) {

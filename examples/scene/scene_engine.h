@@ -9,7 +9,7 @@ static struct scene_engine { /* one scene at a time */
   fb_body body[FB_MAX_BODIES];
   fb_body_work body_work;
   int place[FB_MAX_BODIES][FB_MAX_MODES]; /* in it, of the modes that the file has; -1: left out */
-  fb_scheme scheme;
+  fb_integrator integrator;
   int long_step;  /* steps beyond the limit are not refused */
   fb_state state; /* one body alone */
   fb_input at[3]; /* start, middle, end of the step */
@@ -86,7 +86,7 @@ static fb_status single_step(const scene *s, double t, double dt)
 {
   fb_input *const at = engine.at;
   if (dt != engine.by_step) {
-    const fb_status status = stepper_init(&engine.by, &engine.body_work, &engine.body[0], engine.scheme, dt);
+    const fb_status status = stepper_init(&engine.by, &engine.body_work, &engine.body[0], engine.integrator, dt);
     if (status != FB_OK) {
       return status;
     }
@@ -105,9 +105,9 @@ static fb_status single_look(const scene *s, double t)
   fb_status status;
   single_input(s, &engine.at[0], t, t + timing.slack);
   view->motion.pose[0] = engine.state;
-  status = fb_body_motion(body, &view->motion.motion[0], &engine.state, &engine.at[0]);
-  status = status ? status : fb_body_energy(body, &view->energy, &engine.state, &engine.at[0]);
-  return status ? status : fb_body_momentum(body, &view->momentum, &engine.state, &engine.at[0]);
+  status = fb_body_motion_eval(body, &view->motion.motion[0], &engine.state, &engine.at[0]);
+  status = status ? status : fb_body_energy_eval(body, &view->energy, &engine.state, &engine.at[0]);
+  return status ? status : fb_body_momentum_eval(body, &view->momentum, &engine.state, &engine.at[0]);
 }
 
 /* ---- bodies on joints */
@@ -167,7 +167,7 @@ static fb_status system_init(const scene *s)
     const scene_joint *const joint = &s->joint[k];
     *(joint->loop ? &desc.loop[joint->at - s->n_body] : &desc.joint[joint->at]) = joint->desc;
   }
-  return fb_system_init(&engine.system, &engine.system_work, engine.body, s->n_body, &desc);
+  return fb_system_init(&engine.system, &engine.system_work, engine.body, &desc, s->n_body);
 }
 
 /* Turn and spin of a body on a spherical joint: from the body's axes to the joint's. */
@@ -217,7 +217,7 @@ static fb_status system_start(const scene *s)
     }
   }
   status = status ? status
-                  : fb_system_state_init(&engine.system, engine.body, &engine.system_work, &engine.system_state, start,
+                  : fb_system_state_init(&engine.system, engine.body, &engine.system_state, &engine.system_work, start,
                                          input);
   if (s->trim) {
     return status ? status
@@ -232,7 +232,7 @@ static fb_status system_step(const scene *s, double t, double dt)
   system_input(s, &at[0], t, t + 0.5 * dt);
   system_input(s, &at[1], t + 0.5 * dt, t + 0.5 * dt);
   system_input(s, &at[2], t + dt, t + 0.5 * dt);
-  return engine.scheme == FB_SCHEME_SDIRK
+  return engine.integrator == FB_INTEGRATOR_SDIRK
              ? fb_system_sdirk_step(&engine.system, engine.body, &engine.system_state, &engine.system_work, &at[0],
                                     &at[2], (fb_real)dt, 0)
              : fb_system_rk4_step(&engine.system, engine.body, &engine.system_state, &engine.system_work, &at[0],
@@ -273,7 +273,7 @@ static fb_status system_events(const scene *s, int *next, double t)
     system_input(s, &engine.system_at[0], t, t + timing.slack);
     status = system_take_over(s, e, t);
     status = status ? status
-                    : fb_system_axis_set(&engine.system, engine.body, &engine.system_work, &engine.system_state,
+                    : fb_system_axis_set(&engine.system, engine.body, &engine.system_state, &engine.system_work,
                                          s->joint[e->joint].at, e->axis, e->mode, &engine.system_at[0]);
   }
   return status;
@@ -288,11 +288,11 @@ static fb_status system_look(const scene *s, double t)
   status = fb_system_motion_eval(&engine.system, engine.body, &engine.system_work, &view->motion, &engine.system_state,
                                  input);
   status = status ? status
-                  : fb_system_energy(&engine.system, engine.body, &engine.system_work, &view->energy,
-                                     &engine.system_state, input);
+                  : fb_system_energy_eval(&engine.system, engine.body, &engine.system_work, &view->energy,
+                                          &engine.system_state, input);
   return status ? status
-                : fb_system_momentum(&engine.system, engine.body, &engine.system_work, &view->momentum,
-                                     &engine.system_state, input);
+                : fb_system_momentum_eval(&engine.system, engine.body, &engine.system_work, &view->momentum,
+                                          &engine.system_state, input);
 }
 
 /* ---- any of the three */
@@ -350,11 +350,11 @@ static fb_status scene_spectrum(const scene *s)
   }
   if (scene_is_system(s)) {
     system_input(s, &engine.system_at[0], 0, 0);
-    status = fb_system_spectrum(&engine.spectrum, &engine.system_analyse, &engine.system, engine.body,
-                                &engine.system_state, &engine.system_at[0]);
+    status = fb_system_spectrum_solve(&engine.system, engine.body, &engine.system_analyse, &engine.spectrum,
+                                      &engine.system_state, &engine.system_at[0]);
   } else {
     single_input(s, &engine.at[0], 0, 0);
-    status = fb_body_spectrum(&engine.spectrum, &engine.analyse, &engine.body[0], &engine.state, &engine.at[0]);
+    status = fb_body_spectrum_solve(&engine.body[0], &engine.analyse, &engine.spectrum, &engine.state, &engine.at[0]);
   }
   for (int b = 0; b < s->n_body; b++) {
     memcpy(engine.body[b].gravity, weight[b], sizeof weight[b]);

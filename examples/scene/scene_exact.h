@@ -39,17 +39,17 @@ static void scene_read_exact_line(text_file *t, scene *s, scene_body *body, cons
   if (strcmp(word, "node") == 0) {
     scene_read_exact_node(t, body);
   } else {
-    mixed_line(t, &s->mixed, word);
+    exact_line(t, &s->exact, word);
   }
 }
 
 /* Nodes and what is missing, at the end of a body's lines. */
 static void scene_place_exact(text_file *t, scene *s, scene_body *body)
 {
-  mixed_places(t, &s->mixed);
+  exact_places(t, &s->exact);
   for (int k = 0; k < body->n_node && !t->failed; k++) {
-    const double x = fmin(body->node_x[k], (double)s->mixed.desc.length);
-    body->element_node[k] = mixed_nearest(t, &s->mixed, x, "a node");
+    const double x = fmin(body->node_x[k], (double)s->exact.desc.length);
+    body->element_node[k] = exact_nearest(t, &s->exact, x, "a node");
   }
 }
 
@@ -101,14 +101,14 @@ static void scene_section_axes(fb_real R[9], fb_real x)
 {
   fb_section section;
   fb_real turn[3] = {0, 0, 0}, quat[4];
-  fb_beam_section(&section, &model_beam, x);
+  fb_beam_section_eval(&model_beam, &section, x);
   turn[0] = section.twist;
   fb_quat_from_rotvec(quat, turn);
   fb_quat_to_mat33(R, quat);
 }
 
 /* Lumps, and the hub as one on the root: from axes of the beam or of its body to those of the section there. */
-static void scene_convert_lumps(text_file *t, mixed_text *m)
+static void scene_convert_lumps(text_file *t, exact_text *m)
 {
   const fb_beam_desc *const beam = &model.beam;
   fb_real R[9], section[9];
@@ -140,15 +140,15 @@ static void scene_convert_exact(text_file *t, scene *s, scene_body *body)
 {
   static const int held[] = {FB_END_FREE, FB_END_CLAMPED, FB_END_PINNED, FB_END_CLAMPED & ~FB_HOLD_RZ};
   const fb_beam_desc *const beam = &model.beam;
-  fb_mixed_desc *const d = &s->mixed.desc;
+  fb_exact_desc *const d = &s->exact.desc;
   fb_status status = FB_OK;
-  mixed_begin(&s->mixed);
+  exact_begin(&s->exact);
   scene_check_conversion(t);
   if (t->failed) {
     return;
   }
   d->length = beam->length;
-  d->n_element = s->exact;
+  d->n_element = s->exact_elements;
   d->n_station = beam->n_station;
   d->root = held[model.level.base];
   memcpy(d->position, beam->position, sizeof d->position);
@@ -157,11 +157,11 @@ static void scene_convert_exact(text_file *t, scene *s, scene_body *body)
     memcpy(d->gravity, model.level.gravity, sizeof d->gravity);
   }
   for (int k = 0; k < beam->n_station && status == FB_OK; k++) {
-    status = fb_mixed_station_init(&d->station[k], &beam->station[k]);
+    status = fb_exact_station_init(&d->station[k], &beam->station[k]);
     d->station[k].x = beam->station[k].x;
     d->station[k].twist = beam->station[k].twist;
   }
-  scene_convert_lumps(t, &s->mixed);
+  scene_convert_lumps(t, &s->exact);
   if (status != FB_OK) {
     text_fail(t, "the beam, exactly: %s", fb_status_string(status));
     return;
@@ -177,19 +177,19 @@ static void scene_convert_exact(text_file *t, scene *s, scene_body *body)
 #define EXACT_HALVINGS 24 /* ..of the nudge then */
 
 static struct scene_exact { /* one at a time */
-  fb_mixed beam;
-  fb_mixed_state state;
-  fb_mixed_work work;
-  fb_mixed_input input;
-  fb_mixed_node node[FB_MAX_MIXED + 1];
-  fb_mixed_spectrum spectrum;
-  fb_mixed_spectrum_work spectrum_work;
+  fb_exact beam;
+  fb_exact_state state;
+  fb_exact_work work;
+  fb_exact_input input;
+  fb_exact_node node[FB_MAX_EXACT + 1];
+  fb_exact_spectrum spectrum;
+  fb_exact_spectrum_work spectrum_work;
 } exact;
 
 /* Loads, or nudges, at t, of the pieces that hold `side`. */
 static void exact_add_loads(const scene *s, int nudges, double t, double side)
 {
-  fb_mixed_input *const input = &exact.input;
+  fb_exact_input *const input = &exact.input;
   for (int k = 0; k < s->n_load; k++) {
     if (s->load[k].nudge == nudges) {
       fb_load *const load = &input->load[input->n_load++];
@@ -202,8 +202,8 @@ static void exact_add_loads(const scene *s, int nudges, double t, double side)
 /* What acts at t. */
 static void exact_input(const scene *s, double t, double side)
 {
-  fb_mixed_input *const input = &exact.input;
-  *input = s->mixed.input;
+  fb_exact_input *const input = &exact.input;
+  *input = s->exact.input;
   exact_add_loads(s, 0, t, side);
   for (int k = 0; k < s->n_motion; k++) {
     const scene_motion *const m = &s->motion[k];
@@ -235,7 +235,7 @@ static void exact_scale(fb_real force[3], fb_real torque[3], double part)
 /* Parts of the loads and of the nudges at the start. */
 static void exact_nudged_input(const scene *s, double part, double nudge)
 {
-  fb_mixed_input *const input = &exact.input;
+  fb_exact_input *const input = &exact.input;
   int n;
   exact_start_input(s);
   n = input->n_load;
@@ -243,7 +243,7 @@ static void exact_nudged_input(const scene *s, double part, double nudge)
   for (int k = 0; k < input->n_load; k++) {
     exact_scale(input->load[k].force, input->load[k].torque, k < n ? part : nudge);
   }
-  for (int k = 0; k < s->mixed.desc.n_element; k++) {
+  for (int k = 0; k < s->exact.desc.n_element; k++) {
     exact_scale(input->line[k].force, input->line[k].torque, part);
   }
 }
@@ -256,27 +256,27 @@ static fb_status exact_trim(const scene *s)
   fb_status status = FB_OK;
   for (int k = 1; k <= EXACT_PARTS && nudged && status == FB_OK; k++) {
     exact_nudged_input(s, (double)k / EXACT_PARTS, 1);
-    status = fb_mixed_steady_solve(&exact.beam, &exact.state, &exact.work, &exact.input);
+    status = fb_exact_trim(&exact.beam, &exact.state, &exact.work, &exact.input);
   }
   for (int k = 1; k <= EXACT_HALVINGS && nudged && status == FB_OK; k++) {
     exact_nudged_input(s, 1, ldexp(1, -k));
-    status = fb_mixed_steady_solve(&exact.beam, &exact.state, &exact.work, &exact.input);
+    status = fb_exact_trim(&exact.beam, &exact.state, &exact.work, &exact.input);
   }
   exact_start_input(s);
-  return status ? status : fb_mixed_steady_solve(&exact.beam, &exact.state, &exact.work, &exact.input);
+  return status ? status : fb_exact_trim(&exact.beam, &exact.state, &exact.work, &exact.input);
 }
 
 static fb_status exact_start(const scene *s)
 {
   const scene_body *const b = &s->body[0];
-  fb_mixed_desc desc = s->mixed.desc;
+  fb_exact_desc desc = s->exact.desc;
   fb_status status;
   for (int i = 0; i < 3; i++) {
     desc.gravity[i] += (fb_real)s->gravity[i];
   }
-  status = fb_mixed_init(&exact.beam, &desc);
+  status = fb_exact_init(&exact.beam, &desc);
   exact_start_input(s);
-  status = status ? status : fb_mixed_state_init(&exact.beam, &exact.state, &exact.work, &exact.input);
+  status = status ? status : fb_exact_state_init(&exact.beam, &exact.state, &exact.work, &exact.input);
   if (status == FB_OK) {
     scene_reals(exact.state.base_position, b->position, 3);
     scene_reals(exact.state.base_quat, b->attitude, 4);
@@ -291,7 +291,7 @@ static fb_status exact_start(const scene *s)
 static fb_status exact_step(const scene *s, double t, double dt)
 {
   exact_input(s, t + 0.5 * dt, t + 0.5 * dt);
-  return fb_mixed_step(&exact.beam, &exact.state, &exact.work, &exact.input, (fb_real)dt);
+  return fb_exact_step(&exact.beam, &exact.state, &exact.work, &exact.input, (fb_real)dt);
 }
 
 /* The frame that the root carries along; the base frame where the root is clamped. */
@@ -312,9 +312,9 @@ static void exact_pose(fb_state *pose)
 
 static fb_status exact_look(scene_view *view)
 {
-  fb_status status = fb_mixed_nodes_eval(&exact.beam, exact.node, &exact.state);
-  status = status ? status : fb_mixed_energy(&exact.beam, &view->energy, &exact.state);
-  status = status ? status : fb_mixed_momentum(&exact.beam, &view->momentum, &exact.state);
+  fb_status status = fb_exact_nodes_eval(&exact.beam, exact.node, &exact.state);
+  status = status ? status : fb_exact_energy_eval(&exact.beam, &view->energy, &exact.state);
+  status = status ? status : fb_exact_momentum_eval(&exact.beam, &view->momentum, &exact.state);
   exact_pose(&view->motion.pose[0]);
   return status;
 }
@@ -357,7 +357,7 @@ static double exact_turned(const fb_real quat[4], const fb_real x[3], int axis)
 /* [m/s] of the body's origin, inertial axes: the root carries it along. */
 static double exact_origin_velocity(const fb_state *pose, int axis)
 {
-  const fb_mixed_node *const root = &exact.node[0];
+  const fb_exact_node *const root = &exact.node[0];
   fb_real d[3], w[3], across[3];
   for (int i = 0; i < 3; i++) {
     d[i] = pose->rho[i] - root->position[i];
@@ -370,7 +370,7 @@ static double exact_origin_velocity(const fb_state *pose, int axis)
 /* [N m] of what holds the root, about the body's origin, body axes. */
 static double exact_origin_torque(int axis)
 {
-  const fb_mixed_node *const root = &exact.node[0];
+  const fb_exact_node *const root = &exact.node[0];
   fb_real r[3], F[3], across[3];
   for (int i = 0; i < 3; i++) {
     r[i] = exact.beam.r[i] * exact.beam.length;
@@ -383,7 +383,7 @@ static double exact_origin_torque(int axis)
 static double exact_value(const scene *s, const scene_view *view, const scene_output *o)
 {
   const int at = scene_quantities[o->quantity].place == SCENE_AT_NODE ? s->body[0].element_node[o->at] : 0;
-  const fb_mixed_node *const node = &exact.node[at];
+  const fb_exact_node *const node = &exact.node[at];
   const fb_state *const pose = &view->motion.pose[0];
   const int origin = o->at == 0; /* of the body: the beam may begin elsewhere */
   switch (o->quantity) {
@@ -430,13 +430,13 @@ static int exact_has(scene_quantity quantity)
 /* The slowest modes about the present state, and one more where there is one: a pair +-growth is as slow. */
 static fb_status exact_spectrum(const scene *s, int count)
 {
-  const int more = count < FB_MIXED_MODES ? count + 1 : count;
+  const int more = count < FB_EXACT_MODES ? count + 1 : count;
   fb_status status;
   exact_input(s, 0, 0);
   status =
-      fb_mixed_spectrum_solve(&exact.beam, &exact.spectrum, &exact.spectrum_work, &exact.state, &exact.input, more);
+      fb_exact_spectrum_solve(&exact.beam, &exact.spectrum_work, &exact.spectrum, &exact.state, &exact.input, more);
   return status == FB_OK || more == count ? status
-                                          : fb_mixed_spectrum_solve(&exact.beam, &exact.spectrum, &exact.spectrum_work,
+                                          : fb_exact_spectrum_solve(&exact.beam, &exact.spectrum_work, &exact.spectrum,
                                                                     &exact.state, &exact.input, count);
 }
 

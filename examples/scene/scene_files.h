@@ -26,9 +26,9 @@ static const char *scene_part_name(char part[512], const char *csv)
   return scene_is_plain(csv) ? part : csv;
 }
 
-/* FILE.part for this run alone: until the file that this returns is closed, after it got its name, no other run takes it.
-   Negative: another one has it, of which a message tells, or it cannot be opened. flock, not fcntl: that would end with the
-   first close of the rows. Where the system knows no locks there is none. */
+/* FILE.part for this run alone: until the file that this returns is closed, after it got its name, no other run takes
+   it. Negative: another one has it, of which a message tells, or it cannot be opened. flock, not fcntl: that would end
+   with the first close of the rows. Where the system knows no locks there is none. */
 static int scene_part_lock(const char *part)
 {
   for (int attempt = 0; attempt < 10; attempt++) {

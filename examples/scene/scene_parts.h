@@ -9,14 +9,14 @@
 #define FB_MAX_STRAINS 60
 #define FB_MAX_BODIES 12
 #define FB_MAX_LOOPS 4
-#define FB_MAX_MIXED 100
+#define FB_MAX_EXACT 100
 #define FB_WITH_FORMS 1
 #define FLEXBEAM_IMPLEMENTATION
 #include "../../flexbeam.h"
 #include "../tools/model.h"
 #include "../common/csv.h"
 #include "function.h"
-#include "../tools/mixed_text.h"
+#include "../tools/exact_text.h"
 
 #define SCENE_NODES 11 /* of a body, with names; the rest is for drawing */
 #define SCENE_PARAMETERS 64
@@ -218,8 +218,8 @@ typedef struct scene {
   int n_parameter;
   text_named parameter[SCENE_PARAMETERS];
   double duration, interval, step, dt; /* [s]; step 0: chosen; dt: by scene_run */
-  fb_scheme scheme;
-  int scheme_auto;
+  fb_integrator integrator;
+  int integrator_auto;
   double gravity[3];
   int trim; /* starts in its steady state */
   scene_view_from view;
@@ -237,9 +237,9 @@ typedef struct scene {
   scene_event event[SCENE_EVENTS];
   scene_expectation expectation[SCENE_MEASURES];
   scene_reference reference[SCENE_OUTPUTS];
-  int missed;          /* expectations, references and estimates of auto beyond their tolerance, by scene_run */
-  int exact, is_exact; /* elements of `exact` for a beam of modes, 0: none; the body is an exact beam */
-  mixed_text mixed;
+  int missed; /* expectations, references and estimates of auto beyond their tolerance, by scene_run */
+  int exact_elements, is_exact; /* elements of `exact` for a beam of modes, 0: none; the body is an exact beam */
+  exact_text exact;
   function_tables tables;
   text_words seen;
   const scene_setting *set;

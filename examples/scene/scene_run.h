@@ -31,8 +31,8 @@ static double node_output(const scene *s, const scene_output *o)
                                   node.angular_acceleration,
                                   imu.specific_force,
                                   imu.angular_rate};
-  if (fb_body_node_motion(&engine.body[o->body], &node, &engine.view.motion.pose[o->body],
-                          &engine.view.motion.motion[o->body], o->at) != FB_OK) {
+  if (fb_body_node_motion_eval(&engine.body[o->body], &node, &engine.view.motion.pose[o->body],
+                               &engine.view.motion.motion[o->body], o->at) != FB_OK) {
     return (double)NAN;
   }
   fb_imu_eval(&imu, &node, s->body[o->body].level.gravity);
@@ -243,8 +243,8 @@ static void scene_seen(const scene *s, double out[3], const fb_real position[3])
 static void scene_add_point(const scene *s, scene_line *line, int body, int node)
 {
   fb_node_motion at;
-  if (line->n < SCENE_POINTS && fb_body_node_motion(&engine.body[body], &at, &engine.view.motion.pose[body],
-                                                    &engine.view.motion.motion[body], node) == FB_OK) {
+  if (line->n < SCENE_POINTS && fb_body_node_motion_eval(&engine.body[body], &at, &engine.view.motion.pose[body],
+                                                         &engine.view.motion.motion[body], node) == FB_OK) {
     scene_seen(s, line->x[line->n++], at.position);
   }
 }
@@ -276,7 +276,7 @@ static int scene_moves(const fb_real x[3])
 /* How the base of a body alone moves: bit 0, it turns; bit 1, it travels, and nothing is held by the ground. */
 static int scene_base_motion(const scene *s)
 {
-  int moves = s->is_exact ? scene_moves(s->mixed.input.w) + 2 * scene_moves(s->mixed.input.v) : 0;
+  int moves = s->is_exact ? scene_moves(s->exact.input.w) + 2 * scene_moves(s->exact.input.v) : 0;
   for (int k = 0; k < s->n_motion; k++) {
     moves |= s->motion[k].rate ? 1 : 2;
   }
@@ -286,7 +286,7 @@ static int scene_base_motion(const scene *s)
 /* Root, tip and supports of an exact beam. */
 static void scene_mark_exact(const scene *s, scene_frame *frame)
 {
-  const fb_mixed_desc *const d = &s->mixed.desc;
+  const fb_exact_desc *const d = &s->exact.desc;
   const int moves = scene_base_motion(s), root = d->root == FB_END_DEFAULT ? FB_END_CLAMPED : d->root;
   for (int k = 0; k < d->n_support + 2 && moves < 2; k++) {
     const int held = k == 0 ? root : k == 1 ? d->tip : d->support[k - 2].held;
@@ -482,7 +482,8 @@ static int scene_failed(scene *s, const char *when, fb_status status)
                        status == FB_ERR_STEP ? "; give a shorter step, or none" : "");
 }
 
-/* The joint with an axis that nothing holds: where it is locked, and nothing else, there is a steady state. NULL: none. */
+/* The joint with an axis that nothing holds: where it is locked, and nothing else, there is a steady state. NULL:
+   none. */
 static const scene_joint *scene_loose(scene *s, int *axis)
 {
   for (int k = 0; k < s->n_joint; k++) {
@@ -579,7 +580,7 @@ static int scene_check_steps(scene *s, const scene_options *o)
 {
   scene_steps steps = {HUGE_VAL, 0, 0};
   timing.longest = s->dt;
-  timing.part = s->step > 0 ? HUGE_VAL : scene_part[s->is_exact ? FB_SCHEME_MIDPOINT : engine.scheme];
+  timing.part = s->step > 0 ? HUGE_VAL : scene_part[s->is_exact ? FB_INTEGRATOR_MIDPOINT : engine.integrator];
   if (s->dt > 0) {
     steps = scene_count_steps(s);
   }
@@ -595,7 +596,7 @@ static int scene_check_steps(scene *s, const scene_options *o)
   }
   if (!(s->step > 0) && o->talk) {
     if (!s->is_exact) {
-      fprintf(o->talk, "scheme %s, ", scene_schemes[engine.scheme]);
+      fprintf(o->talk, "integrator %s, ", scene_integrators[engine.integrator]);
     }
     fprintf(o->talk, "step at most %.3g s\n", steps.longest);
   }
@@ -604,10 +605,10 @@ static int scene_check_steps(scene *s, const scene_options *o)
 
 static void scene_warn_placed(scene *s, const char *what, double x, int node, FILE *warn)
 {
-  const double length = (double)s->mixed.desc.length, at = length * node / s->mixed.desc.n_element;
+  const double length = (double)s->exact.desc.length, at = length * node / s->exact.desc.n_element;
   if (fabs(fmin(x, length) - at) > 1e-6 * length) {
     scene_warn(s, warn, "warning: %s at %.6g is taken at %.6g, the nearest node of %d elements", what, x, at,
-               s->mixed.desc.n_element);
+               s->exact.desc.n_element);
   }
 }
 
@@ -618,23 +619,23 @@ static void scene_warn_exact(scene *s, FILE *warn)
   for (int k = 1; k < body->n_node; k++) {
     scene_warn_placed(s, "a node", body->node_x[k], body->element_node[k], warn);
   }
-  for (int k = 0; k < s->mixed.n_lump; k++) {
-    scene_warn_placed(s, "a lump", s->mixed.lump_at[k], s->mixed.desc.lump[k].node, warn);
+  for (int k = 0; k < s->exact.n_lump; k++) {
+    scene_warn_placed(s, "a lump", s->exact.lump_at[k], s->exact.desc.lump[k].node, warn);
   }
-  for (int k = 0; k < s->mixed.n_load; k++) {
-    scene_warn_placed(s, "a load", s->mixed.load_at[k], s->mixed.input.load[k].node, warn);
+  for (int k = 0; k < s->exact.n_load; k++) {
+    scene_warn_placed(s, "a load", s->exact.load_at[k], s->exact.input.load[k].node, warn);
   }
-  for (int k = 0; k < s->mixed.n_support; k++) {
-    scene_warn_placed(s, "a support", s->mixed.support_at[k], s->mixed.desc.support[k].node, warn);
+  for (int k = 0; k < s->exact.n_support; k++) {
+    scene_warn_placed(s, "a support", s->exact.support_at[k], s->exact.desc.support[k].node, warn);
   }
 }
 
 /* An exact beam takes forces at its nodes, of which the origin of its body is one where it begins there. */
 static int scene_check_exact(scene *s)
 {
-  const fb_real *const at = s->mixed.desc.position;
+  const fb_real *const at = s->exact.desc.position;
   const int elsewhere = FB_FABS(at[0]) + FB_FABS(at[1]) + FB_FABS(at[2]) > 0;
-  if (s->mixed.input.n_load + s->n_load > FB_MAX_LOADS) {
+  if (s->exact.input.n_load + s->n_load > FB_MAX_LOADS) {
     return scene_fail(s, "body %s of line %d: more than %d loads, those of the body among them", s->body[0].name,
                       s->body[0].line, FB_MAX_LOADS);
   }
@@ -680,15 +681,15 @@ static int scene_build(scene *s, const scene_options *o)
   return 0;
 }
 
-/* The fastest growth [1/s] among the n slowest of `all` modes, and those that are as slow as the last: of a pair +-growth
-   neither comes before the other. */
+/* The fastest growth [1/s] among the n slowest of `all` modes, and those that are as slow as the last: of a pair
+   +-growth neither comes before the other. */
 static double scene_growth(const fb_real *re, const fb_real *im, int n, int all)
 {
   const double last = hypot((double)re[n - 1], (double)im[n - 1]);
   while (n < all && hypot((double)re[n], (double)im[n]) <= 1.001 * last) {
     n++;
   }
-  return -(double)fb_spectrum_margin(re, NULL, n);
+  return -(double)fb_spectrum_margin(NULL, re, n);
 }
 
 /* Frequencies and growth about the start, where they are to be measured. */

@@ -1,5 +1,5 @@
-/* scene_time.h - how the time of a run is cut into steps: they end at rows, at events and where a function of time jumps or
-   bends, so that each sees one piece of it. See scene.h. */
+/* scene_time.h - how the time of a run is cut into steps: they end at rows, at events and where a function of time
+   jumps or bends, so that each sees one piece of it. See scene.h. */
 #ifndef SCENE_TIME_H
 #define SCENE_TIME_H
 #include "scene.h"

@@ -1,4 +1,4 @@
-/* advise - which effects, how many modes, which scheme and which step a scene calls for, with the configuration to
+/* advise - which effects, how many modes, which integrator and which step a scene calls for, with the configuration to
    compile and the lines of C that follow. The body is one of those flexbeam reduce reads.
    Exit: 0 well, 1 no advice, or what was found misses the tolerance, 2 bad options or input. */
 #define _POSIX_C_SOURCE 200809L
@@ -19,7 +19,7 @@
 #include <time.h>
 
 static const char help[] =
-    "advise - effects, modes, scheme and step that a scene calls for\n"
+    "advise - effects, modes, integrator and step that a scene calls for\n"
     "usage: flexbeam advise [FILE] [options]\n"
     "  FILE                  description (words: examples/tools/README.md); without it examples/boom.txt is\n"
     "                        spun up to 6 rad/s at 0.63 rad/s^2, above its first frequency\n"
@@ -55,7 +55,7 @@ typedef struct options {
   scene scene;
 } options;
 
-static fb_advise_work work;
+static fb_advice_work work;
 
 /* ---- options */
 
@@ -291,7 +291,7 @@ static const char *letters(unsigned mask)
   return text;
 }
 
-static const char *const scheme_name[] = {"rk4", "midpoint", "sdirk", "exponential"};
+static const char *const integrator_name[] = {"rk4", "midpoint", "sdirk", "exponential"};
 
 /* Percent of a part, two digits; beyond tenfold: large. */
 static const char *percent(fb_real part)
@@ -341,12 +341,12 @@ static void print_table(const options *o, const fb_advice *advice)
 {
   printf("output: displacement of node %d, about %.3g m at most\n\n", o->scene.node, (double)advice[0].deflection);
   printf("                                                                       estimated errors [%%]\n");
-  printf(
-      "tolerance  effects  modes               scheme       step [s] instr/s  effects  modes   step  model    sum\n");
+  printf("tolerance  effects  modes               integrator       step [s] instr/s  effects  modes   step  model    "
+         "sum\n");
   for (int k = 0; k < o->n_tolerance; k++) {
     const fb_advice *const a = &advice[k];
     printf("%7g %%  %-7s  %-18s  %-11s %9.3g %7.1e %8s %6s %6s %6s %6s\n", o->tolerance[k], letters(a->effects),
-           kinds_text(a), scheme_name[a->scheme], (double)a->dt, (double)a->cost, percent(a->error_effects),
+           kinds_text(a), integrator_name[a->integrator], (double)a->dt, (double)a->cost, percent(a->error_effects),
            percent(a->error_modes), percent(a->error_step), percent(a->error_model), percent(a->error));
   }
 }
@@ -436,7 +436,7 @@ static void print_code(const fb_advice *a, const fb_body *body)
   static const char *const step[] = {"rk4_step(&body, &state, &work, &start, &middle, &end, dt);",
                                      "midpoint_step(&body, &state, &work, &middle, dt, 0);",
                                      "sdirk_step(&body, &state, &work, &start, &end, dt, 0);",
-                                     "exponential_step(&body, &scheme, &state, &work, &start, &middle, &end);"};
+                                     "exponential_step(&body, &integrator, &state, &work, &start, &middle, &end);"};
   printf("  static const int keep[%d] = {", a->n);
   for (int k = 0; k < a->n; k++) {
     printf("%s%d", k ? ", " : "", a->coordinate[k]);
@@ -453,10 +453,10 @@ static void print_code(const fb_advice *a, const fb_body *body)
   printf("};%s\n", a->effects & (FB_EFFECT_DAMPING | FB_EFFECT_GRAVITY) ? " // and .zeta, .gravity as called for" : "");
   printf("  status = fb_shape_select(&selected, &shape, keep, %d); // of the %d modes above\n", a->n, model_shape.n);
   printf("  status = status ? status : fb_body_init(&body, &body_work, &selected, &level);\n");
-  if (a->scheme == FB_SCHEME_EXPONENTIAL) {
-    printf("  status = status ? status : fb_exponential_init(&scheme, &body_work, &body, dt);\n");
+  if (a->integrator == FB_INTEGRATOR_EXPONENTIAL) {
+    printf("  status = status ? status : fb_exponential_init(&integrator, &body_work, &body, dt);\n");
   }
-  printf("  status = status ? status : fb_%s\n", step[a->scheme]);
+  printf("  status = status ? status : fb_%s\n", step[a->integrator]);
 }
 
 /* How to build and run the body of an advice, and what it takes. */
@@ -489,7 +489,7 @@ static int print_verdict(const fb_advice *a, double tolerance, int simulated)
   printf("\n%g %%: ", tolerance);
   if ((double)a->error_model > allowed) {
     printf("no modal body will do, whatever its modes and effects: it is off by some %s %%.\n"
-           "  Take the exact beam: fb_mixed (flexbeam beam3d).\n",
+           "  Take the exact beam: fb_exact (flexbeam exact).\n",
            percent(a->error_model));
     return 0;
   }
@@ -526,7 +526,7 @@ static fb_status run_trial(void *user, fb_real *output, const fb_advice *candida
   if ((double)(clock() - find->said) > 2.0 * CLOCKS_PER_SEC) {
     find->said = clock();
     fprintf(stderr, PROGRAM ": %g %%: %d simulations, now %s, %d modes, %s, step %.3g s\n", find->tolerance,
-            find->count, letters(candidate->effects), candidate->n, scheme_name[candidate->scheme],
+            find->count, letters(candidate->effects), candidate->n, integrator_name[candidate->integrator],
             (double)candidate->dt);
   }
   return scene_simulate(find->s, output, &model_shape, candidate);
@@ -564,7 +564,8 @@ static double distance(const search *find)
 static void print_trial(const char *what, const fb_advice *a, double error, fb_real estimate)
 {
   printf(" %-8s  %-7s  %-18s  %-11s %9.3g %7.1e  %9s  %9s\n", what, letters(a->effects), kinds_text(a),
-         scheme_name[a->scheme], (double)a->dt, (double)a->cost, percent((fb_real)fmin(error, 1e9)), percent(estimate));
+         integrator_name[a->integrator], (double)a->dt, (double)a->cost, percent((fb_real)fmin(error, 1e9)),
+         percent(estimate));
 }
 
 static fb_advice found[TOLERANCES];
@@ -669,7 +670,7 @@ static int simulate(const options *o, fb_envelope e, const fb_advice *advised)
   printf("\nsimulated: errors against all modes and effects in short steps (what is called model is not in them), at\n"
          "%d samples, steps of at most %.3g s; the estimate of what was found leaves out its step\n",
          o->scene.n_sample, (double)e.frame);
-  printf("           effects  modes               scheme       step [s] instr/s  error [%%]  estimated\n");
+  printf("           effects  modes               integrator       step [s] instr/s  error [%%]  estimated\n");
   for (int k = 0; k < o->n_tolerance; k++) {
     status |= simulate_one(&find, o, &e, &advised[k], k);
   }
@@ -710,7 +711,7 @@ static fb_status advise(fb_advice *advice, fb_envelope *e, const options *o, con
   e->frame = (fb_real)o->frame;
   for (int k = 0; k < o->n_tolerance && status == FB_OK; k++) {
     *what = "advice (does anything bend the body?)";
-    status = fb_body_advise(&advice[k], &work, &model_shape, &model.level, e, (fb_real)(0.01 * o->tolerance[k]));
+    status = fb_advice_solve(&advice[k], &work, &model_shape, &model.level, e, (fb_real)(0.01 * o->tolerance[k]));
   }
   return status;
 }

@@ -91,7 +91,7 @@ static fb_status solve(const double axis[3], double spin)
     input.w[i] = (fb_real)(spin * axis[i]);
   }
   status = fb_body_trim(&model_body, &state, &work, &input);
-  status = status ? status : fb_body_spectrum(&spectrum, &work, &model_body, &state, &input);
+  status = status ? status : fb_body_spectrum_solve(&model_body, &work, &spectrum, &state, &input);
   if (status == FB_OK) {
     drop_rounding();
   }
@@ -100,7 +100,7 @@ static fb_status solve(const double axis[3], double spin)
 
 static int is_unstable(int *mode)
 {
-  return fb_spectrum_margin(spectrum.re, mode, spectrum.n) < FB_R(0.0);
+  return fb_spectrum_margin(mode, spectrum.re, spectrum.n) < FB_R(0.0);
 }
 
 static int fail_at(double spin, fb_status status)
@@ -138,7 +138,7 @@ static void print_gravity(void)
 static void print_trim(void)
 {
   fb_motion motion;
-  fb_status status = fb_body_motion(&model_body, &motion, &state, &input);
+  fb_status status = fb_body_motion_eval(&model_body, &motion, &state, &input);
   if (status == FB_OK) {
     print_spin(&motion);
     print_gravity();
@@ -150,7 +150,7 @@ static void print_trim(void)
   printf("\n");
   for (int node = 1; node < model_body.n_node && status == FB_OK; node++) {
     fb_node_motion at;
-    status = fb_body_node_motion(&model_body, &at, &state, &motion, node);
+    status = fb_body_node_motion_eval(&model_body, &at, &state, &motion, node);
     if (status == FB_OK) {
       printf("  node %d: displacement %.6g %.6g %.6g m\n", node, (double)at.displacement[0], (double)at.displacement[1],
              (double)at.displacement[2]);
@@ -161,7 +161,7 @@ static void print_trim(void)
 static void print_modes(int count)
 {
   int worst;
-  const double margin = (double)fb_spectrum_margin(spectrum.re, &worst, spectrum.n) + 0.0; /* no -0 */
+  const double margin = (double)fb_spectrum_margin(&worst, spectrum.re, spectrum.n) + 0.0; /* no -0 */
   printf("mode     re [1/s]   im [rad/s]          Hz     damping\n");
   for (int k = 0; k < spectrum.n && k < count; k++) {
     printf("%4d %12.5g %12.6g %11.6g %11.4g\n", k + 1, (double)spectrum.re[k], (double)spectrum.im[k],
@@ -176,11 +176,11 @@ static void print_steps(const options *o, double spin)
   static const char *const name[3] = {"rk4", "implicit midpoint", "SDIRK2"};
   printf("steps for an error of %g over %g s, modes of amplitude 1:\n", o->tolerance, o->duration);
   for (int k = 0; k < 3; k++) {
-    const double limit = (double)fb_spectrum_limit(&spectrum, (fb_scheme)k);
-    const double accepted = (double)(k == FB_SCHEME_RK4 ? fb_rk4_limit(&model_body, (fb_real)spin, FB_R(0.0))
-                                                        : fb_implicit_limit(&model_body, (fb_real)spin, FB_R(0.0)));
+    const double limit = (double)fb_spectrum_limit(&spectrum, (fb_integrator)k);
+    const double accepted = (double)(k == FB_INTEGRATOR_RK4 ? fb_rk4_limit(&model_body, (fb_real)spin, FB_R(0.0))
+                                                            : fb_implicit_limit(&model_body, (fb_real)spin, FB_R(0.0)));
     const double step =
-        (double)fb_spectrum_step(&spectrum, (fb_scheme)k, NULL, (fb_real)o->duration, (fb_real)o->tolerance);
+        (double)fb_spectrum_dt(&spectrum, (fb_integrator)k, NULL, (fb_real)o->duration, (fb_real)o->tolerance);
     printf("  %-18s %.4g s", name[k], fmin(step, accepted));
     printf(limit < (double)FB_HUGE / 2 ? ", stable to %.4g s" : ", no limit of stability", limit);
     printf(accepted < (double)FB_HUGE / 2 ? ", accepted to %.4g s\n" : "\n", accepted);
@@ -246,7 +246,7 @@ static int campbell(const options *o, const double axis[3])
       fclose(out);
       return fail_at(spin, status);
     }
-    fprintf(out, "%.10g,%.10g", spin, (double)fb_spectrum_margin(spectrum.re, &mode, spectrum.n));
+    fprintf(out, "%.10g,%.10g", spin, (double)fb_spectrum_margin(&mode, spectrum.re, spectrum.n));
     for (int k = 0; k < (int)o->modes; k++) {
       fprintf(out, k < spectrum.n ? ",%.10g" : ",nan", k < spectrum.n ? (double)spectrum.im[k] : 0.0);
     }

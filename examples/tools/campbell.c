@@ -232,7 +232,7 @@ static fb_status solve(const options *o)
     input.w[2] = (fb_real)o->spin[s];
     status = fb_state_init(&body, &state);
     status = status ? status : fb_body_trim(&body, &state, &analyse_work, &input);
-    status = status ? status : fb_body_spectrum(&spectrum, &analyse_work, &body, &state, &input);
+    status = status ? status : fb_body_spectrum_solve(&body, &analyse_work, &spectrum, &state, &input);
     for (int k = 0; k < spectrum.n && status == FB_OK; k++) {
       const int flap = is_flap(k);
       if (count[flap] < o->modes) { /* an unstable one is printed as a negative frequency */

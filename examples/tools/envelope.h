@@ -1,5 +1,5 @@
-/* envelope.h - the most that happens to a body, and a scene made of it that any set of effects, modes, scheme and step
-   can run. Include flexbeam.h and model.h first. */
+/* envelope.h - the most that happens to a body, and a scene made of it that any set of effects, modes, integrator and
+   step can run. Include flexbeam.h and model.h first. */
 #ifndef ENVELOPE_H
 #define ENVELOPE_H
 #include "../common/stepper.h"
@@ -141,7 +141,7 @@ static fb_status scene_start(fb_state *state, const fb_body *body, const scene *
 
 /* Runs a body with `steps` steps between samples; each goes to `note`. FB_ERR_VALUE: more than SCENE_STEPS. */
 static fb_status
-scene_run(const scene *s, const fb_body *body, fb_scheme scheme, double steps_wanted,
+scene_run(const scene *s, const fb_body *body, fb_integrator integrator, double steps_wanted,
           fb_status (*note)(void *user, const fb_body *body, const fb_state *state, const fb_input *input), void *user)
 {
   static stepper by;
@@ -159,7 +159,7 @@ scene_run(const scene *s, const fb_body *body, fb_scheme scheme, double steps_wa
   memset(at, 0, sizeof at);
   scene_input(&at[2], &base, s, 0);
   status = scene_start(&state, body, s, &at[2]);
-  status = status ? status : stepper_init(&by, &work, body, scheme, dt);
+  status = status ? status : stepper_init(&by, &work, body, integrator, dt);
   for (int k = 0; k < s->n_sample * steps && status == FB_OK; k++) {
     at[0] = at[2];
     scene_input(&at[1], &base, s, (k + 0.5) * dt);
@@ -178,7 +178,7 @@ static fb_status scene_note_rigid(void *user, const fb_body *body, const fb_stat
   fb_envelope *const e = (fb_envelope *)user;
   fb_motion motion;
   fb_real R[9], felt;
-  const fb_status status = fb_body_motion(body, &motion, state, input);
+  const fb_status status = fb_body_motion_eval(body, &motion, state, input);
   fb_quat_to_mat33(R, state->quat);
   for (int i = 0; i < 3; i++) {
     felt = FB_R(0.0);
@@ -209,8 +209,9 @@ static fb_status scene_envelope(fb_envelope *e, const scene *s, const fb_shape *
   level.allow_long_step = 1;
   memset(e, 0, sizeof *e);
   status = fb_body_init(&body, &work, shape, &level);
-  status = status ? status
-                  : scene_run(s, &body, FB_SCHEME_RK4, 4 + (int)fmin(20 * spin * s->sample, 1e4), scene_note_rigid, e);
+  status = status
+               ? status
+               : scene_run(s, &body, FB_INTEGRATOR_RK4, 4 + (int)fmin(20 * spin * s->sample, 1e4), scene_note_rigid, e);
   for (int i = 0; i < 3; i++) {
     const fb_real a = (fb_real)s->acceleration[i];
     e->acceleration[i] += e->acceleration[i] * a < FB_R(0.0) ? -a : a;
@@ -237,7 +238,7 @@ static fb_status scene_note_output(void *user, const fb_body *body, const fb_sta
   static const fb_motion rest; /* displacements want no velocities */
   scene_record *const record = (scene_record *)user;
   fb_node_motion node;
-  const fb_status status = fb_body_node_motion(body, &node, state, &rest, record->s->node);
+  const fb_status status = fb_body_node_motion_eval(body, &node, state, &rest, record->s->node);
   (void)input;
   memcpy(record->out + 3 * record->n++, node.displacement, sizeof node.displacement);
   return status;
@@ -259,6 +260,6 @@ static fb_status scene_simulate(const scene *s, fb_real *out, const fb_shape *sh
   level.effects = advice->effects;
   level.allow_long_step = 1;
   status = status ? status : fb_body_init(&body, &work, &selected, &level);
-  return status ? status : scene_run(s, &body, advice->scheme, steps, scene_note_output, &record);
+  return status ? status : scene_run(s, &body, advice->integrator, steps, scene_note_output, &record);
 }
 #endif

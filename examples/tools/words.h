@@ -1,5 +1,5 @@
-/* words.h - the words of build/flexbeam. Each is a translation unit with a main of its own and a private copy of the library
-   (FLEXBEAM_STATIC) with the capacities that it needs; -Dreduce_main=main compiles `reduce` alone. */
+/* words.h - the words of build/flexbeam. Each is a translation unit with a main of its own and a private copy of the
+   library (FLEXBEAM_STATIC) with the capacities that it needs; -Dreduce_main=main compiles `reduce` alone. */
 #ifndef WORDS_H
 #define WORDS_H
 
@@ -10,7 +10,7 @@
   X(elastodyn, "a blade of OpenFAST to a text file for reduce")                                  \
   X(analyse, "steady spin of a body: deflection, modes, damping, stability margin, step")        \
   X(advise, "which effects, modes, integrator and step a body needs")                            \
-  X(beam3d, "a geometrically exact beam: deflection, root loads, frequencies")                   \
+  X(exact, "a geometrically exact beam: deflection, root loads, frequencies")                    \
   X(campbell, "frequencies of a rotating cantilever or blade over spin")
 
 #define WORD_PROTOTYPE(name, what) int name##_main(int argc, char **argv);

@@ -1,5 +1,5 @@
 /* The lines of C that flexbeam advise prints for examples/boom.txt, compiled and run: LINES is the file that holds
-   them, WORK the scratch of their scheme. */
+   them, WORK the scratch of their integrator. */
 #define FLEXBEAM_IMPLEMENTATION
 #include "flexbeam.h"
 #include <stdio.h>
@@ -29,7 +29,7 @@ int main(void)
   }
 #include LINES
   printf("%s: %d modes, %d terms of Lambda, %d of S\n", fb_status_string(status), body.n, body.n_lambda, body.n_S);
-  (void)scheme;
+  (void)integrator;
   (void)start;
   (void)end;
   (void)middle;

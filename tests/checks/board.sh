@@ -2,7 +2,7 @@
 need arm-none-eabi-gcc "gcc-arm-none-eabi libnewlib-arm-none-eabi"
 need qemu-system-arm qemu-system-arm
 emulator="-nographic -monitor none -serial none -semihosting-config enable=on,target=native -icount shift=8"
-library_small="-DFB_MAX_MIXED=2 -DFB_MAX_BODIES=2 -DFB_MAX_SPEEDS=32 -DFB_MAX_ROWS=12 -DFB_MAX_ELEMENTS=2 -DFB_MAX_STATIONS=2 -DFB_MAX_LUMPS=1"
+library_small="-DFB_MAX_EXACT=2 -DFB_MAX_BODIES=2 -DFB_MAX_SPEEDS=32 -DFB_MAX_ROWS=12 -DFB_MAX_ELEMENTS=2 -DFB_MAX_STATIONS=2 -DFB_MAX_LUMPS=1"
 mkdir -p "$out/single" "$out/double"
 
 # precision single|double: sets processor, machine, directory of the model

@@ -1,5 +1,5 @@
-/* The draws of a campaign: the generator's known answers, quantiles against erfc, moments and distributions of what is drawn
-   (Kolmogorov and Smirnov), independence, the strata of a Latin hypercube, correlations, full factorials. */
+/* The draws of a campaign: the generator's known answers, quantiles against erfc, moments and distributions of what is
+   drawn (Kolmogorov and Smirnov), independence, the strata of a Latin hypercube, correlations, full factorials. */
 #include "examples/campaign/campaign.h"
 
 #define RUNS 20000

@@ -9,7 +9,7 @@ need g++ g++
 need clang clang
 count=0
 programs=$(ls examples/*.c examples/*/*.c bench/*.c tests/hard/*.c | grep -v -e firmware.c -e target.c -e step_cost.c -e bench_peers -e campaign_mpi)
-inside="bench/bench_mixed.c bench/bench_system.c bench/sizes.c examples/tools/advise.c examples/tools/analyse.c examples/tools/reduce.c examples/tools/beam3d.c examples/tools/campbell.c examples/scene/scene.c examples/campaign/campaign.c examples/tutorial_import.c"
+inside="bench/bench_exact.c bench/bench_system.c bench/sizes.c examples/tools/advise.c examples/tools/analyse.c examples/tools/reduce.c examples/tools/exact.c examples/tools/campbell.c examples/scene/scene.c examples/campaign/campaign.c examples/tutorial_import.c"
 try gcc -std=c99 -I. -o "$out/reduce" -Dreduce_main=main examples/tools/reduce.c -lm
 try "$out/reduce" examples/satellite.txt --single --out "$out/satellite_rom.h"
 rom="-I$out $(grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$out/satellite_rom.h")"

@@ -1,5 +1,5 @@
-/* fast_math - what a build with the flags of fast_math.sh does: prints "exact" when fb_build_check and every _init take it,
-   "refused" when all refuse it, and fails where they differ. */
+/* fast_math - what a build with the flags of fast_math.sh does: prints "exact" when fb_build_check and every _init take
+   it, "refused" when all refuse it, and fails where they differ. */
 #define FLEXBEAM_STATIC
 #include "flexbeam.h"
 #include <stdio.h>
@@ -15,10 +15,10 @@ static fb_system a_system;
 static fb_system_desc system_desc;
 static fb_system_work system_work;
 static fb_system_state system_state;
-static fb_mixed mixed;
-static fb_mixed_desc mixed_desc;
-static fb_mixed_state mixed_state;
-static fb_mixed_work mixed_work;
+static fb_exact exact;
+static fb_exact_desc exact_desc;
+static fb_exact_state exact_state;
+static fb_exact_work exact_work;
 static fb_exponential exponential;
 
 int main(void)
@@ -29,10 +29,10 @@ int main(void)
                           fb_state_init(&body, &state),
                           fb_beam_init(&beam, &beam_desc),
                           fb_body_init(&body, &work, &shape, &body_desc),
-                          fb_system_init(&a_system, &system_work, &body, 1, &system_desc),
-                          fb_system_state_init(&a_system, &body, &system_work, &system_state, NULL, NULL),
-                          fb_mixed_init(&mixed, &mixed_desc),
-                          fb_mixed_state_init(&mixed, &mixed_state, &mixed_work, NULL),
+                          fb_system_init(&a_system, &system_work, &body, &system_desc, 1),
+                          fb_system_state_init(&a_system, &body, &system_state, &system_work, NULL, NULL),
+                          fb_exact_init(&exact, &exact_desc),
+                          fb_exact_state_init(&exact, &exact_state, &exact_work, NULL),
                           fb_exponential_init(&exponential, &work, &body, FB_R(0.0))};
   int refused = 0;
   for (int k = 0; k < (int)(sizeof of / sizeof of[0]); k++) {

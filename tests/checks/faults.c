@@ -1,7 +1,7 @@
-/* A single bit flipped: of models, schemes and states (all bits of small ones, a repeatable sample of large ones). Then the
-   struct's fb_..._check sees it, or what uses the struct (a step of every scheme, motion, energy) gives a status, or all
-   of it is finite: harmless here, though the numbers may be wrong. Never a crash, nor FB_OK with what is not finite.
-   The check word of a model sees every flip that gives a status.
+/* A single bit flipped: of models, integrators and states (all bits of small ones, a repeatable sample of large ones).
+   Then the struct's fb_..._check sees it, or what uses the struct (a step of every integrator, motion, energy) gives a
+   status, or all of it is finite: harmless here, though the numbers may be wrong. Never a crash, nor FB_OK with what is
+   not finite. The check word of a model sees every flip that gives a status.
    Prints a table; exit 1 when something is not finite, or unseen. */
 #include "hostile.h"
 
@@ -31,9 +31,9 @@ static unsigned system_word(void)
   return fb_system_crc(&w.system, &w.body, 1);
 }
 
-static unsigned mixed_word(void)
+static unsigned exact_word(void)
 {
-  return fb_mixed_crc(&w.mixed);
+  return fb_exact_crc(&w.exact);
 }
 
 static fb_status check_body(void)
@@ -61,17 +61,17 @@ static fb_status check_system_state(void)
   return fb_system_state_check(&w.system, &w.body, &w.system_state);
 }
 
-static fb_status check_mixed(void)
+static fb_status check_exact(void)
 {
-  return fb_mixed_check(&w.mixed);
+  return fb_exact_check(&w.exact);
 }
 
-static fb_status check_mixed_state(void)
+static fb_status check_exact_state(void)
 {
-  return fb_mixed_state_check(&w.mixed, &w.mixed_state);
+  return fb_exact_state_check(&w.exact, &w.exact_state);
 }
 
-/* The first status that is not FB_OK of a step by each scheme, motion, motion of a node, energy, momentum. */
+/* The first status that is not FB_OK of a step by each integrator, motion, motion of a node, energy, momentum. */
 static fb_status use_body(void)
 {
   const fb_real dt = FB_R(0.01);
@@ -92,13 +92,13 @@ static fb_status use_body(void)
                ? status
                : fb_exponential_step(&w.body, &w.exponential, &state, &exponential_work, &w.input, &w.input, &w.input);
   status = finite_or(status, &state, sizeof state);
-  status = status ? status : fb_body_motion(&w.body, &motion, &state, &w.input);
+  status = status ? status : fb_body_motion_eval(&w.body, &motion, &state, &w.input);
   status = finite_or(status, &motion, sizeof motion);
-  status = status ? status : fb_body_node_motion(&w.body, &node, &state, &motion, 1);
+  status = status ? status : fb_body_node_motion_eval(&w.body, &node, &state, &motion, 1);
   status = finite_or(status, &node, sizeof node);
-  status = status ? status : fb_body_energy(&w.body, &energy, &state, &w.input);
+  status = status ? status : fb_body_energy_eval(&w.body, &energy, &state, &w.input);
   status = finite_or(status, &energy, sizeof energy);
-  status = status ? status : fb_body_momentum(&w.body, &momentum, &state, &w.input);
+  status = status ? status : fb_body_momentum_eval(&w.body, &momentum, &state, &w.input);
   return finite_or(status, &momentum, sizeof momentum);
 }
 
@@ -118,22 +118,22 @@ static fb_status use_system(void)
   status = finite_or(status, &state, sizeof state);
   status = status ? status : fb_system_motion_eval(&w.system, &w.body, &system_work, &motion, &state, &w.system_input);
   status = finite_or(status, &motion, status == FB_OK ? sizeof motion : 0);
-  status = status ? status : fb_system_energy(&w.system, &w.body, &system_work, &energy, &state, &w.system_input);
+  status = status ? status : fb_system_energy_eval(&w.system, &w.body, &system_work, &energy, &state, &w.system_input);
   return finite_or(status, &energy, sizeof energy);
 }
 
-static fb_status use_mixed(void)
+static fb_status use_exact(void)
 {
-  static fb_mixed_state state;
-  static fb_mixed_node node[FB_MAX_MIXED + 1];
+  static fb_exact_state state;
+  static fb_exact_node node[FB_MAX_EXACT + 1];
   fb_energy energy;
   fb_status status;
-  state = w.mixed_state;
-  status = fb_mixed_step(&w.mixed, &state, &mixed_work, &w.mixed_input, FB_R(0.01));
+  state = w.exact_state;
+  status = fb_exact_step(&w.exact, &state, &exact_work, &w.exact_input, FB_R(0.01));
   status = finite_or(status, &state, sizeof state);
-  status = status ? status : fb_mixed_nodes_eval(&w.mixed, node, &state);
+  status = status ? status : fb_exact_nodes_eval(&w.exact, node, &state);
   status = finite_or(status, node, sizeof node);
-  status = status ? status : fb_mixed_energy(&w.mixed, &energy, &state);
+  status = status ? status : fb_exact_energy_eval(&w.exact, &energy, &state);
   return finite_or(status, &energy, sizeof energy);
 }
 
@@ -182,8 +182,8 @@ int main(void)
       {"fb_state", &w.state, sizeof w.state, check_state, use_body, NULL},
       {"fb_system", &w.system, sizeof w.system, check_system, use_system, system_word},
       {"fb_system_state", &w.system_state, sizeof w.system_state, check_system_state, use_system, NULL},
-      {"fb_mixed", &w.mixed, sizeof w.mixed, check_mixed, use_mixed, mixed_word},
-      {"fb_mixed_state", &w.mixed_state, sizeof w.mixed_state, check_mixed_state, use_mixed, NULL}};
+      {"fb_exact", &w.exact, sizeof w.exact, check_exact, use_exact, exact_word},
+      {"fb_exact_state", &w.exact_state, sizeof w.exact_state, check_exact_state, use_exact, NULL}};
   int silent = 0;
   world_fill();
   printf("%-16s %8s %7s %9s %7s %9s %11s %8s\n", "struct", "bits", "flips", "detected", "status", "harmless",

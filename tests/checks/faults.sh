@@ -1,5 +1,5 @@
 #!/bin/sh
-# One bit flipped in a model, a scheme or a state: tests/checks/faults.c, under the address and undefined-behavior
+# One bit flipped in a model, an integrator or a state: tests/checks/faults.c, under the address and undefined-behavior
 # sanitizers, in both precisions, in double with FB_WITH_FORMS, too. Each is detected, gives a status, or leaves finite results.
 . tests/checks/common.sh
 need gcc gcc

@@ -1,5 +1,5 @@
-/* hil - the packets of examples/hil/hil.h: their bytes, their tag by the published vectors, and that nothing else is accepted.
-   The key of a plant is that of HIL_KEY. Then, as PORT MODE says,
+/* hil - the packets of examples/hil/hil.h: their bytes, their tag by the published vectors, and that nothing else is
+   accepted. The key of a plant is that of HIL_KEY. Then, as PORT MODE says,
      hil PORT attack    commands the plant that listens there, sends it each kind of malformed, forged, repeated, late
                         packet before every good one, says how many of which kind the plant has to have refused, and a
                         digest of the sensors; at last it falls silent until the plant says that the safe command acts
@@ -52,8 +52,8 @@ static hil_packet command_of(uint64_t sender, uint64_t receiver, uint32_t sequen
 
 /* ---- the packets by themselves */
 
-/* J.-P. Aumasson, D. J. Bernstein: reference implementation, vectors.h, SipHash-2-4 with 128 bits: of the bytes 0, 1, ..
-   by the key 0, 1, .. 15; none of them, one, two, ... */
+/* J.-P. Aumasson, D. J. Bernstein: reference implementation, vectors.h, SipHash-2-4 with 128 bits: of the bytes 0, 1,
+   .. by the key 0, 1, .. 15; none of them, one, two, ... */
 static void tags_are_the_published_ones(void)
 {
   static const char *const published[] = {

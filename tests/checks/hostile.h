@@ -1,5 +1,5 @@
-/* hostile.h - a valid world of every kind of object, and every public function of flexbeam.h with what a valid call takes:
-   for tests/checks/hostile.c, which spoils it by a list, and tests/fuzz/api.c, which spoils it at random. */
+/* hostile.h - a valid world of every kind of object, and every public function of flexbeam.h with what a valid call
+   takes: for tests/checks/hostile.c, which spoils it by a list, and tests/fuzz/api.c, which spoils it at random. */
 #ifndef HOSTILE_H
 #define HOSTILE_H
 #define FB_MAX_MODES 8
@@ -12,7 +12,7 @@
 #define FB_MAX_LOOPS 1
 #define FB_MAX_ROWS 6
 #define FB_MAX_SPEEDS 20
-#define FB_MAX_MIXED 3
+#define FB_MAX_EXACT 3
 #define FLEXBEAM_IMPLEMENTATION
 #include "flexbeam.h"
 #include <limits.h>
@@ -34,7 +34,7 @@ static struct world {
   fb_beam beam[2];
   fb_modes_desc modes_desc, buckling_desc, component_desc;
   fb_modes modes, component[2];
-  fb_weld weld;
+  fb_join_desc join_desc;
   fb_shape shape, empty, natural;
   fb_real r[3], psi[3 * FB_MAX_MODES], theta[3 * FB_MAX_MODES], chi[3 * FB_MAX_MODES * FB_MAX_MODES];
   fb_real center[3], inertia[6], pchi[3], hchi[3], Gamchi[9];
@@ -54,14 +54,14 @@ static struct world {
   fb_link_motion link_motion[FB_MAX_BODIES];
   fb_system_state system_state;
   fb_system_input system_input;
-  fb_mixed_station mixed_station;
-  fb_mixed_desc mixed_desc;
-  fb_mixed mixed;
-  fb_mixed_state mixed_state;
-  fb_mixed_input mixed_input;
+  fb_exact_station exact_station;
+  fb_exact_desc exact_desc;
+  fb_exact exact;
+  fb_exact_state exact_state;
+  fb_exact_input exact_input;
   fb_linear_desc linear_desc, system_linear_desc;
-  fb_mixed_path mixed_path;
-  fb_mixed_linear_desc mixed_linear_desc;
+  fb_exact_path exact_path;
+  fb_exact_linear_desc exact_linear_desc;
   fb_spectrum spectrum;
   fb_real amplitude[FB_MAX_LINEAR], re[4];
   fb_envelope envelope;
@@ -77,13 +77,13 @@ static fb_rk4_work rk4_work;
 static fb_implicit_work implicit_work;
 static fb_exponential_work exponential_work;
 static fb_system_work system_work;
-static fb_mixed_work mixed_work;
+static fb_exact_work exact_work;
 static fb_analyse_work analyse_work;
 static fb_system_analyse_work system_analyse_work;
-static fb_mixed_spectrum_work spectrum_work;
-static fb_mixed_linear_work linear_work;
-static fb_mixed_path_work path_work;
-static fb_advise_work advise_work;
+static fb_exact_spectrum_work spectrum_work;
+static fb_exact_linear_work linear_work;
+static fb_exact_path_work path_work;
+static fb_advice_work advise_work;
 static fb_real eig_work[64], trial_output[3], trial_reference[3];
 
 /* ---- calls: pointers p, numbers x, whole numbers i, in the order of the arguments */
@@ -106,8 +106,8 @@ static int give(fb_real value)
   }
 
 /* Pointers: IN is data that anybody may have spoiled, STATE likewise and changed by the call, MODEL was made by the
-   library (a check of its own looks for flipped bits: faults.sh), BUILT is such a thing that the call goes on with, OUT is
-   written, WORK is scratch. OPTIONAL may be NULL. */
+   library (a check of its own looks for flipped bits: faults.sh), BUILT is such a thing that the call goes on with, OUT
+   is written, WORK is scratch. OPTIONAL may be NULL. */
 #define IN(field)                    \
   {                                  \
     &w.field, sizeof w.field, 'i', 0 \
@@ -164,7 +164,7 @@ static int give(fb_real value)
 
 typedef fb_real vec3[3], vec4[4], vec6[6], mat33[9], mat44[16], mat48[32];
 typedef fb_real matrices[36 * (FB_MAX_ELEMENTS + 1) * (FB_MAX_ELEMENTS + 1)];
-typedef fb_mixed_node nodes[FB_MAX_MIXED + 1];
+typedef fb_exact_node nodes[FB_MAX_EXACT + 1];
 
 /* F(function, call, has a status, arguments...) */
 #define SLOW 2       /* it has: few poisons */
@@ -203,14 +203,16 @@ typedef fb_mixed_node nodes[FB_MAX_MIXED + 1];
   F(fb_beam_desc_add_taper, fb_beam_desc_add_taper(p[0], p[1], p[2], p[3], i[0]), 1, STATE(taper), IN(material),       \
     IN(from), IN(to), WHOLE(2))                                                                                        \
   F(fb_beam_init, fb_beam_init(p[0], p[1]), 1, OUT(fb_beam), IN(beam_desc))                                            \
-  F(fb_beam_section, (fb_beam_section(p[0], p[1], x[0]), 0), 0, OUT(fb_section), MODEL(beam[0]), REAL(FB_R(0.5)))      \
-  F(fb_beam_matrices, (fb_beam_matrices(p[0], p[1], p[2]), 0), 0, OUT(matrices), OUT(matrices), MODEL(beam[0]))        \
+  F(fb_beam_section_eval, (fb_beam_section_eval(p[0], p[1], x[0]), 0), 0, MODEL(beam[0]), OUT(fb_section),             \
+    REAL(FB_R(0.5)))                                                                                                   \
+  F(fb_beam_matrices_eval, (fb_beam_matrices_eval(p[0], p[1], p[2]), 0), 0, MODEL(beam[0]), OUT(matrices),             \
+    OUT(matrices))                                                                                                     \
   F(fb_modes_solve, fb_modes_solve(p[0], p[1], p[2], p[3]), 1, OUT(fb_modes), WORK(modes_work), MODEL(beam[0]),        \
     IN(modes_desc))                                                                                                    \
   F(fb_buckling_solve, fb_buckling_solve(p[0], p[1], p[2], p[3]), 1, OUT(fb_modes), WORK(modes_work), MODEL(beam[0]),  \
     IN(buckling_desc))                                                                                                 \
-  F(fb_modes_join, fb_modes_join(p[0], p[1], p[2], p[3], i[0], p[4], i[1], i[2], x[0]), 1, OUT(fb_modes),              \
-    WORK(join_work), MODEL(beam), MODEL(component), WHOLE(2), IN(weld), WHOLE(1), WHOLE(2), REAL(0))                   \
+  F(fb_modes_join, fb_modes_join(p[0], p[1], p[2], p[3], p[4], i[0]), 1, OUT(fb_modes), WORK(join_work), MODEL(beam),  \
+    MODEL(component), IN(join_desc), WHOLE(2))                                                                         \
   F(fb_effects_check, fb_effects_check((unsigned)i[0]), 1, WHOLE(31))                                                  \
   F(fb_shape_init, fb_shape_init(p[0], i[0]), 1, OUT(fb_shape), WHOLE(2))                                              \
   F(fb_shape_add_particle, fb_shape_add_particle(p[0], x[0], p[1], p[2], p[3]), 1, BUILT(empty), REAL(FB_R(1.5)),      \
@@ -243,50 +245,52 @@ typedef fb_mixed_node nodes[FB_MAX_MIXED + 1];
   F(fb_state_from_velocity, fb_state_from_velocity(p[0], p[1], p[2], p[3], p[4]), 1, MODEL(body), STATE(state), IN(v), \
     IN(w), OPTIONAL(q_dot))                                                                                            \
   F(fb_state_check, fb_state_check(p[0], p[1]), 1, MODEL(body), IN(state))                                             \
-  F(fb_body_rates, fb_body_rates(p[0], p[1], p[2], p[3]), 1, MODEL(body), OUT(fb_state), IN(state), OPTIONAL(input))   \
-  F(fb_body_motion, fb_body_motion(p[0], p[1], p[2], p[3]), 1, MODEL(body), OUT(fb_motion), IN(state),                 \
+  F(fb_body_rates_eval, fb_body_rates_eval(p[0], p[1], p[2], p[3]), 1, MODEL(body), OUT(fb_state), IN(state),          \
     OPTIONAL(input))                                                                                                   \
-  F(fb_body_node_motion, fb_body_node_motion(p[0], p[1], p[2], p[3], i[0]), 1, MODEL(body), OUT(fb_node_motion),       \
-    IN(state), IN(motion), WHOLE(1))                                                                                   \
-  F(fb_body_energy, fb_body_energy(p[0], p[1], p[2], p[3]), 1, MODEL(body), OUT(fb_energy), IN(state),                 \
+  F(fb_body_motion_eval, fb_body_motion_eval(p[0], p[1], p[2], p[3]), 1, MODEL(body), OUT(fb_motion), IN(state),       \
     OPTIONAL(input))                                                                                                   \
-  F(fb_body_momentum, fb_body_momentum(p[0], p[1], p[2], p[3]), 1, MODEL(body), OUT(fb_momentum), IN(state),           \
+  F(fb_body_node_motion_eval, fb_body_node_motion_eval(p[0], p[1], p[2], p[3], i[0]), 1, MODEL(body),                  \
+    OUT(fb_node_motion), IN(state), IN(motion), WHOLE(1))                                                              \
+  F(fb_body_energy_eval, fb_body_energy_eval(p[0], p[1], p[2], p[3]), 1, MODEL(body), OUT(fb_energy), IN(state),       \
     OPTIONAL(input))                                                                                                   \
-  F(fb_system_init, fb_system_init(p[0], p[1], p[2], i[0], p[3]), 1, OUT(fb_system), WORK(system_work), MODEL(body),   \
-    WHOLE(1), IN(system_desc))                                                                                         \
+  F(fb_body_momentum_eval, fb_body_momentum_eval(p[0], p[1], p[2], p[3]), 1, MODEL(body), OUT(fb_momentum), IN(state), \
+    OPTIONAL(input))                                                                                                   \
+  F(fb_system_init, fb_system_init(p[0], p[1], p[2], p[3], i[0]), 1, OUT(fb_system), WORK(system_work), MODEL(body),   \
+    IN(system_desc), WHOLE(1))                                                                                         \
   F(fb_system_check, fb_system_check(p[0], p[1], i[0]), 1, MODEL(system), MODEL(body), WHOLE(1))                       \
   F(fb_system_crc, give((fb_real)fb_system_crc(p[0], p[1], i[0])), 0, MODEL(system), MODEL(body), WHOLE(1))            \
   F(fb_system_state_check, fb_system_state_check(p[0], p[1], p[2]), 1, MODEL(system), MODEL(body), IN(system_state))   \
   F(fb_system_state_init, fb_system_state_init(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(system), MODEL(body),     \
-    WORK(system_work), OUT(fb_system_state), OPTIONAL(link_motion), OPTIONAL(system_input))                            \
+    OUT(fb_system_state), WORK(system_work), OPTIONAL(link_motion), OPTIONAL(system_input))                            \
   F(fb_system_axis_set, fb_system_axis_set(p[0], p[1], p[2], p[3], i[0], i[1], (fb_axis_mode)i[2], p[4]), 1,           \
-    MODEL(system), MODEL(body), WORK(system_work), STATE(system_state), WHOLE(0), WHOLE(0), WHOLE(1),                  \
+    MODEL(system), MODEL(body), STATE(system_state), WORK(system_work), WHOLE(0), WHOLE(0), WHOLE(1),                  \
     OPTIONAL(system_input))                                                                                            \
-  F(fb_system_rates, fb_system_rates(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(system), MODEL(body),               \
+  F(fb_system_rates_eval, fb_system_rates_eval(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(system), MODEL(body),     \
     WORK(system_work), OUT(fb_system_state), IN(system_state), OPTIONAL(system_input))                                 \
   F(fb_system_motion_eval, fb_system_motion_eval(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(system), MODEL(body),   \
     WORK(system_work), OUT(fb_system_motion), IN(system_state), OPTIONAL(system_input))                                \
-  F(fb_system_energy, fb_system_energy(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(system), MODEL(body),             \
+  F(fb_system_energy_eval, fb_system_energy_eval(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(system), MODEL(body),   \
     WORK(system_work), OUT(fb_energy), IN(system_state), OPTIONAL(system_input))                                       \
-  F(fb_system_momentum, fb_system_momentum(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(system), MODEL(body),         \
-    WORK(system_work), OUT(fb_momentum), IN(system_state), OPTIONAL(system_input))                                     \
+  F(fb_system_momentum_eval, fb_system_momentum_eval(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(system),            \
+    MODEL(body), WORK(system_work), OUT(fb_momentum), IN(system_state), OPTIONAL(system_input))                        \
   F(fb_imu_eval, (fb_imu_eval(p[0], p[1], p[2]), 0), 0, OUT(fb_imu), IN(node_motion), OPTIONAL(gravity))               \
-  F(fb_mixed_station_init, fb_mixed_station_init(p[0], p[1]), 1, OUT(fb_mixed_station), IN(section))                   \
-  F(fb_mixed_init, fb_mixed_init(p[0], p[1]), 1, OUT(fb_mixed), IN(mixed_desc))                                        \
-  F(fb_mixed_crc, give((fb_real)fb_mixed_crc(p[0])), 0, MODEL(mixed))                                                  \
-  F(fb_mixed_check, fb_mixed_check(p[0]), 1, MODEL(mixed))                                                             \
-  F(fb_mixed_state_init, fb_mixed_state_init(p[0], p[1], p[2], p[3]), 1, MODEL(mixed), OUT(fb_mixed_state),            \
-    WORK(mixed_work), OPTIONAL(mixed_input))                                                                           \
-  F(fb_mixed_state_check, fb_mixed_state_check(p[0], p[1]), 1, MODEL(mixed), IN(mixed_state))                          \
-  F(fb_mixed_steady_solve, fb_mixed_steady_solve(p[0], p[1], p[2], p[3]), 1, MODEL(mixed), STATE(mixed_state),         \
-    WORK(mixed_work), OPTIONAL(mixed_input))                                                                           \
-  F(fb_mixed_nodes_eval, fb_mixed_nodes_eval(p[0], p[1], p[2]), 1, MODEL(mixed), OUT(nodes), IN(mixed_state))          \
-  F(fb_mixed_element_eval, fb_mixed_element_eval(p[0], p[1], p[2], i[0]), 1, MODEL(mixed), OUT(fb_mixed_element),      \
-    IN(mixed_state), WHOLE(1))                                                                                         \
-  F(fb_mixed_point_eval, fb_mixed_point_eval(p[0], p[1], p[2], p[3], x[0]), 1, MODEL(mixed), OUT(vec3), OUT(vec4),     \
-    IN(mixed_state), REAL(FB_R(0.5)))                                                                                  \
-  F(fb_mixed_energy, fb_mixed_energy(p[0], p[1], p[2]), 1, MODEL(mixed), OUT(fb_energy), IN(mixed_state))              \
-  F(fb_mixed_momentum, fb_mixed_momentum(p[0], p[1], p[2]), 1, MODEL(mixed), OUT(fb_momentum), IN(mixed_state))        \
+  F(fb_exact_station_init, fb_exact_station_init(p[0], p[1]), 1, OUT(fb_exact_station), IN(section))                   \
+  F(fb_exact_init, fb_exact_init(p[0], p[1]), 1, OUT(fb_exact), IN(exact_desc))                                        \
+  F(fb_exact_crc, give((fb_real)fb_exact_crc(p[0])), 0, MODEL(exact))                                                  \
+  F(fb_exact_check, fb_exact_check(p[0]), 1, MODEL(exact))                                                             \
+  F(fb_exact_state_init, fb_exact_state_init(p[0], p[1], p[2], p[3]), 1, MODEL(exact), OUT(fb_exact_state),            \
+    WORK(exact_work), OPTIONAL(exact_input))                                                                           \
+  F(fb_exact_state_check, fb_exact_state_check(p[0], p[1]), 1, MODEL(exact), IN(exact_state))                          \
+  F(fb_exact_trim, fb_exact_trim(p[0], p[1], p[2], p[3]), 1, MODEL(exact), STATE(exact_state), WORK(exact_work),       \
+    OPTIONAL(exact_input))                                                                                             \
+  F(fb_exact_nodes_eval, fb_exact_nodes_eval(p[0], p[1], p[2]), 1, MODEL(exact), OUT(nodes), IN(exact_state))          \
+  F(fb_exact_element_eval, fb_exact_element_eval(p[0], p[1], p[2], i[0]), 1, MODEL(exact), OUT(fb_exact_element),      \
+    IN(exact_state), WHOLE(1))                                                                                         \
+  F(fb_exact_point_eval, fb_exact_point_eval(p[0], p[1], p[2], p[3], x[0]), 1, MODEL(exact), OUT(vec3), OUT(vec4),     \
+    IN(exact_state), REAL(FB_R(0.5)))                                                                                  \
+  F(fb_exact_energy_eval, fb_exact_energy_eval(p[0], p[1], p[2]), 1, MODEL(exact), OUT(fb_energy), IN(exact_state))    \
+  F(fb_exact_momentum_eval, fb_exact_momentum_eval(p[0], p[1], p[2]), 1, MODEL(exact), OUT(fb_momentum),               \
+    IN(exact_state))                                                                                                   \
   F(fb_rk4_step, fb_rk4_step(p[0], p[1], p[2], p[3], p[4], p[5], x[0]), 1, MODEL(body), STATE(state), WORK(rk4_work),  \
     OPTIONAL(input), OPTIONAL(input), OPTIONAL(input), REAL(FB_R(0.01)))                                               \
   F(fb_rk4_limit, give(fb_rk4_limit(p[0], x[0], x[1])), 0, MODEL(body), REAL(1), REAL(1))                              \
@@ -309,33 +313,33 @@ typedef fb_mixed_node nodes[FB_MAX_MIXED + 1];
     WHOLE(2))                                                                                                          \
   F(fb_system_rk4_limit, give(fb_system_rk4_limit(p[0], p[1], x[0], x[1])), 0, MODEL(system), MODEL(body), REAL(1),    \
     REAL(1))                                                                                                           \
-  F(fb_mixed_step, fb_mixed_step(p[0], p[1], p[2], p[3], x[0]), 1, MODEL(mixed), STATE(mixed_state), WORK(mixed_work), \
-    OPTIONAL(mixed_input), REAL(FB_R(0.01)))                                                                           \
+  F(fb_exact_step, fb_exact_step(p[0], p[1], p[2], p[3], x[0]), 1, MODEL(exact), STATE(exact_state), WORK(exact_work), \
+    OPTIONAL(exact_input), REAL(FB_R(0.01)))                                                                           \
   F(fb_body_trim, fb_body_trim(p[0], p[1], p[2], p[3]), 1, MODEL(held), STATE(state), WORK(analyse_work), IN(input))   \
-  F(fb_body_linearize, fb_body_linearize(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(held), OUT(fb_linear),          \
-    WORK(analyse_work), IN(state), IN(input), OPTIONAL(linear_desc))                                                   \
-  F(fb_body_spectrum, fb_body_spectrum(p[0], p[1], p[2], p[3], p[4]), 1, OUT(fb_spectrum), WORK(analyse_work),         \
-    MODEL(held), IN(state), IN(input))                                                                                 \
+  F(fb_body_linearize, fb_body_linearize(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(held), WORK(analyse_work),      \
+    OUT(fb_linear), IN(state), IN(input), OPTIONAL(linear_desc))                                                       \
+  F(fb_body_spectrum_solve, fb_body_spectrum_solve(p[0], p[1], p[2], p[3], p[4]), 1, MODEL(held), WORK(analyse_work),  \
+    OUT(fb_spectrum), IN(state), IN(input))                                                                            \
   F(fb_system_trim, fb_system_trim(p[0], p[1], p[2], p[3], p[4]), SLOW, MODEL(system), MODEL(body),                    \
     STATE(system_state), WORK(system_analyse_work), OPTIONAL(system_input))                                            \
   F(fb_system_linearize, fb_system_linearize(p[0], p[1], p[2], p[3], p[4], p[5], p[6]), SLOW, MODEL(system),           \
-    MODEL(body), OUT(fb_linear), WORK(system_analyse_work), IN(system_state), OPTIONAL(system_input),                  \
+    MODEL(body), WORK(system_analyse_work), OUT(fb_linear), IN(system_state), OPTIONAL(system_input),                  \
     OPTIONAL(system_linear_desc))                                                                                      \
-  F(fb_system_spectrum, fb_system_spectrum(p[0], p[1], p[2], p[3], p[4], p[5]), SLOW, OUT(fb_spectrum),                \
-    WORK(system_analyse_work), MODEL(system), MODEL(body), IN(system_state), OPTIONAL(system_input))                   \
+  F(fb_system_spectrum_solve, fb_system_spectrum_solve(p[0], p[1], p[2], p[3], p[4], p[5]), SLOW, MODEL(system),       \
+    MODEL(body), WORK(system_analyse_work), OUT(fb_spectrum), IN(system_state), OPTIONAL(system_input))                \
   F(fb_spectrum_damping, give(fb_spectrum_damping(p[0], i[0])), 0, IN(spectrum), WHOLE(0))                             \
-  F(fb_spectrum_margin, give(fb_spectrum_margin(p[0], p[1], i[0])), 0, OPTIONAL(re), MAYBE(int), SIZE(4))              \
-  F(fb_spectrum_limit, give(fb_spectrum_limit(p[0], (fb_scheme)i[0])), 0, IN(spectrum), WHOLE(0))                      \
-  F(fb_spectrum_step, give(fb_spectrum_step(p[0], (fb_scheme)i[0], p[1], x[0], x[1])), 0, IN(spectrum), WHOLE(0),      \
+  F(fb_spectrum_margin, give(fb_spectrum_margin(p[0], p[1], i[0])), 0, MAYBE(int), OPTIONAL(re), SIZE(4))              \
+  F(fb_spectrum_limit, give(fb_spectrum_limit(p[0], (fb_integrator)i[0])), 0, IN(spectrum), WHOLE(0))                  \
+  F(fb_spectrum_dt, give(fb_spectrum_dt(p[0], (fb_integrator)i[0], p[1], x[0], x[1])), 0, IN(spectrum), WHOLE(0),      \
     OPTIONAL(amplitude), REAL(1), REAL(FB_R(0.01)))                                                                    \
-  F(fb_mixed_spectrum_solve, fb_mixed_spectrum_solve(p[0], p[1], p[2], p[3], p[4], i[0]), SLOW, MODEL(mixed),          \
-    OUT(fb_mixed_spectrum), WORK(spectrum_work), IN(mixed_state), OPTIONAL(mixed_input), WHOLE(2))                     \
-  F(fb_mixed_path_step, fb_mixed_path_step(p[0], p[1], p[2], p[3], p[4], p[5], x[0]), 1, MODEL(mixed),                 \
-    STATE(mixed_path), STATE(mixed_state), WORK(path_work), OPTIONAL(mixed_input), IN(mixed_input), REAL(FB_R(0.05)))  \
-  F(fb_mixed_linearize, fb_mixed_linearize(p[0], p[1], p[2], p[3], p[4], p[5], i[0]), SLOW, MODEL(mixed),              \
-    OUT(fb_mixed_linear), WORK(linear_work), IN(mixed_state), OPTIONAL(mixed_input), OPTIONAL(mixed_linear_desc),      \
+  F(fb_exact_spectrum_solve, fb_exact_spectrum_solve(p[0], p[1], p[2], p[3], p[4], i[0]), SLOW, MODEL(exact),          \
+    WORK(spectrum_work), OUT(fb_exact_spectrum), IN(exact_state), OPTIONAL(exact_input), WHOLE(2))                     \
+  F(fb_exact_path_step, fb_exact_path_step(p[0], p[1], p[2], p[3], p[4], p[5], x[0]), 1, MODEL(exact),                 \
+    STATE(exact_path), STATE(exact_state), WORK(path_work), OPTIONAL(exact_input), IN(exact_input), REAL(FB_R(0.05)))  \
+  F(fb_exact_linearize, fb_exact_linearize(p[0], p[1], p[2], p[3], p[4], p[5], i[0]), SLOW, MODEL(exact),              \
+    WORK(linear_work), OUT(fb_exact_linear), IN(exact_state), OPTIONAL(exact_input), OPTIONAL(exact_linear_desc),      \
     WHOLE(2))                                                                                                          \
-  F(fb_body_advise, fb_body_advise(p[0], p[1], p[2], p[3], p[4], x[0]), 1, OUT(fb_advice), WORK(advise_work),          \
+  F(fb_advice_solve, fb_advice_solve(p[0], p[1], p[2], p[3], p[4], x[0]), 1, OUT(fb_advice), WORK(advise_work),        \
     MODEL(natural), IN(scene_desc), IN(envelope), REAL(FB_R(0.1)))                                                     \
   F(fb_advice_search, fb_advice_search(p[0], p[1], p[2], p[3], p[4], x[0], p[5]), 1, OUT(fb_advice),                   \
     WORK(advise_work), MODEL(natural), IN(scene_desc), IN(envelope), REAL(FB_R(0.1)), IN(trial))                       \
@@ -458,8 +462,10 @@ static void beam_fill(void)
   w.component_desc.count[FB_KIND_BEND_Z] = 0;
   w.component_desc.count[FB_KIND_AXIAL] = 1;
   need(fb_modes_solve(&w.component[1], &modes_work, &w.beam[1], &w.component_desc), "component");
-  w.weld.component[1] = 1;
-  w.weld.node[0] = 2;
+  w.join_desc.n_weld = 1;
+  w.join_desc.lowest = 2;
+  w.join_desc.weld[0].component[1] = 1;
+  w.join_desc.weld[0].node[0] = 2;
 }
 
 static void body_fill(void)
@@ -490,13 +496,13 @@ static void body_fill(void)
   w.input.n_load = 1;
   w.input.load[0].node = 1;
   w.input.load[0].force[1] = FB_R(0.1);
-  need(fb_body_motion(&w.body, &w.motion, &w.state, &w.input), "motion");
-  need(fb_body_node_motion(&w.body, &w.node_motion, &w.state, &w.motion, 1), "motion of a node");
+  need(fb_body_motion_eval(&w.body, &w.motion, &w.state, &w.input), "motion");
+  need(fb_body_node_motion_eval(&w.body, &w.node_motion, &w.state, &w.motion, 1), "motion of a node");
   need(fb_exponential_init(&w.exponential, &body_work, &w.body, FB_R(0.01)), "exponential scheme");
   w.linear_desc.n_in = w.linear_desc.n_out = 1;
   w.linear_desc.in[0].node = w.linear_desc.out[0].node = 1;
   w.linear_desc.out[0].kind = FB_PORT_DISPLACEMENT;
-  need(fb_body_spectrum(&w.spectrum, &analyse_work, &w.held, &w.state, &w.input), "spectrum");
+  need(fb_body_spectrum_solve(&w.held, &analyse_work, &w.spectrum, &w.state, &w.input), "spectrum");
   w.envelope.n_load = 1;
   w.envelope.load[0] = w.input.load[0];
   w.envelope.duration = FB_R(1.0);
@@ -514,31 +520,31 @@ static void system_fill(void)
   w.system_desc.joint[0].parent = FB_GROUND;
   w.system_desc.joint[1].parent_node = 1;
   w.system_desc.joint[0].stiffness[0] = w.system_desc.joint[1].stiffness[0] = FB_R(1000.0);
-  need(fb_system_init(&w.system, &system_work, &w.body, 1, &w.system_desc), "system");
-  need(fb_system_state_init(&w.system, &w.body, &system_work, &w.system_state, NULL, NULL), "state of the system");
+  need(fb_system_init(&w.system, &system_work, &w.body, &w.system_desc, 1), "system");
+  need(fb_system_state_init(&w.system, &w.body, &w.system_state, &system_work, NULL, NULL), "state of the system");
   w.system_input.n_load = 1;
   w.system_input.load[0].load = w.input.load[0];
   w.system_linear_desc = w.linear_desc;
   w.system_linear_desc.in[0].kind = FB_PORT_DRIVE;
 }
 
-static void mixed_fill(void)
+static void exact_fill(void)
 {
-  need(fb_mixed_station_init(&w.mixed_station, &w.section), "station");
-  w.mixed_desc.length = FB_R(2.0);
-  w.mixed_desc.n_element = 3;
-  w.mixed_desc.n_station = 1;
-  w.mixed_desc.station[0] = w.mixed_station;
-  w.mixed_desc.gravity[2] = -FB_R(1.0);
-  need(fb_mixed_init(&w.mixed, &w.mixed_desc), "exact beam");
-  need(fb_mixed_state_init(&w.mixed, &w.mixed_state, &mixed_work, NULL), "its state");
-  w.mixed_input.n_load = 1;
-  w.mixed_input.load[0].node = 3;
-  w.mixed_input.load[0].force[1] = FB_R(1.0);
-  need(fb_mixed_steady_solve(&w.mixed, &w.mixed_state, &mixed_work, &w.mixed_input), "its steady state");
-  w.mixed_linear_desc.n_in = w.mixed_linear_desc.n_out = 1;
-  w.mixed_linear_desc.in[0].at = w.mixed_linear_desc.out[0].at = 2;
-  w.mixed_linear_desc.out[0].kind = FB_MIXED_PORT_VELOCITY;
+  need(fb_exact_station_init(&w.exact_station, &w.section), "station");
+  w.exact_desc.length = FB_R(2.0);
+  w.exact_desc.n_element = 3;
+  w.exact_desc.n_station = 1;
+  w.exact_desc.station[0] = w.exact_station;
+  w.exact_desc.gravity[2] = -FB_R(1.0);
+  need(fb_exact_init(&w.exact, &w.exact_desc), "exact beam");
+  need(fb_exact_state_init(&w.exact, &w.exact_state, &exact_work, NULL), "its state");
+  w.exact_input.n_load = 1;
+  w.exact_input.load[0].node = 3;
+  w.exact_input.load[0].force[1] = FB_R(1.0);
+  need(fb_exact_trim(&w.exact, &w.exact_state, &exact_work, &w.exact_input), "its steady state");
+  w.exact_linear_desc.n_in = w.exact_linear_desc.n_out = 1;
+  w.exact_linear_desc.in[0].at = w.exact_linear_desc.out[0].at = 2;
+  w.exact_linear_desc.out[0].kind = FB_EXACT_PORT_VELOCITY;
 }
 
 /* ---- calls and what they leave */
@@ -632,7 +638,7 @@ static void world_fill(void)
   beam_fill();
   body_fill();
   system_fill();
-  mixed_fill();
+  exact_fill();
   strcpy(w.config, FB_CONFIG);
   memcpy(&kept, &w, sizeof w);
 }

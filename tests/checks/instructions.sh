@@ -20,17 +20,17 @@ build() {
   try gcc -std=c99 -I. -O2 "$@" -o "$program" bench/step_count.c "$program.o" -lm -Wl,-z,now
 }
 
-# count PROGRAM Y Z AXIAL EFFECTS [SCHEME [decayed | held]]: sets per_step; the counter is written out and zeroed after every
+# count PROGRAM Y Z AXIAL EFFECTS [INTEGRATOR [decayed | held]]: sets per_step; the counter is written out and zeroed after every
 # step
 count() {
   program=$out/$1
   shift
   rm -f "$out"/count*
   modes="$1 $2 $3 $4"
-  scheme=${5:-fb_rk4_step}
+  integrator=${5:-fb_rk4_step}
   shift 4
-  try valgrind --tool=callgrind --callgrind-out-file="$out/count" --toggle-collect=$scheme \
-    --dump-after=$scheme "$program" $modes $steps "$@"
+  try valgrind --tool=callgrind --callgrind-out-file="$out/count" --toggle-collect=$integrator \
+    --dump-after=$integrator "$program" $modes $steps "$@"
   cat "$out"/count.* | sed -n 's/^summary: //p' | grep -v '^0$' | sort -n | uniq -c > "$out/counts"
   [ "$(wc -l < "$out/counts")" = 1 ] || {
     cat "$out/counts"
@@ -40,14 +40,14 @@ count() {
   [ "$n" = $steps ] || fail "$modes $*: $n steps counted instead of $steps"
 }
 
-# row NAME PROGRAM Y Z AXIAL EFFECTS BOUND [SCHEME [decayed]]
+# row NAME PROGRAM Y Z AXIAL EFFECTS BOUND [INTEGRATOR [decayed]]
 row() {
   count "$2" "$3" "$4" "$5" "$6" ${8:-} ${9:-}
   printf '  %-34s %s+%s+%s %8d %s\n' "$1" "$3" "$4" "$5" "$per_step" "$([ "$7" = 0 ] || echo "(bound $7)")"
   [ "$7" = 0 ] || [ "$per_step" -le "$7" ] || over="$over, $1 $per_step > $7"
 }
 
-# system CASE SCHEME BOUND: the most that a step of a system takes; with constraints, angles of libm's take a few more or less
+# system CASE INTEGRATOR BOUND: the most that a step of a system takes; with constraints, angles of libm's take a few more or less
 system() {
   rm -f "$out"/count*
   try valgrind --tool=callgrind --callgrind-out-file="$out/count" --toggle-collect=fb_system_$2_step \
@@ -87,7 +87,7 @@ row "full, SDIRK2" default 3 3 0 31 0 fb_sdirk_step
 row "full, exponential" default 3 3 0 31 0 fb_exponential_step
 row "full, exponential, decayed" default 3 3 0 63 0 fb_exponential_step decayed
 
-# systems (bench/system_count.c), CASE, scheme, bound: what was reached; after it what was counted before trees had a frame
+# systems (bench/system_count.c), CASE, integrator, bound: what was reached; after it what was counted before trees had a frame
 # that flies with them, which in sum must not cost more than 4 per cent
 try gcc -std=c99 -I. -O2 -o "$out/systems" bench/system_count.c "$out/default.o" -lm -Wl,-z,now
 system rigid rk4 9600 # 8326
@@ -123,10 +123,10 @@ reference=tests/reference/step_instructions.csv
 grep -v '^#' $reference | sed 1d | tr ',' ' ' > "$out/reference"
 while read -r base y z effects counted; do
   set -- $counted
-  for scheme in rk4 midpoint sdirk exponential; do
-    count default "$y" "$z" 0 "$effects" fb_${scheme}_step $([ "$base" = free ] || echo held)
+  for integrator in rk4 midpoint sdirk exponential; do
+    count default "$y" "$z" 0 "$effects" fb_${integrator}_step $([ "$base" = free ] || echo held)
     [ $((5 * per_step)) -ge $((4 * $1)) ] && [ $((5 * per_step)) -le $((6 * $1)) ] ||
-      over="$over, $base $y+$z modes, effects $effects, $scheme: $per_step instead of $1 in $reference"
+      over="$over, $base $y+$z modes, effects $effects, $integrator: $per_step instead of $1 in $reference"
     shift
   done
 done < "$out/reference"

@@ -1,8 +1,8 @@
-/* E10.9, E10.10: the Jacobian of the mixed beam against central differences of its residual, and the elimination along
+/* E10.9, E10.10: the Jacobian of the exact beam against central differences of its residual, and the elimination along
    the chain against one dense LU: random sections (full 6x6), curvature, poses, stresses and velocities, in every
    combination of what can act. Compatibility by the poses is a series, cut at theta^4/720: left out here, Newton's
    convergence shows it. Double precision. */
-#define FB_MAX_MIXED 4
+#define FB_MAX_EXACT 4
 #define FLEXBEAM_STATIC
 #include "flexbeam.h"
 #include <math.h>
@@ -12,13 +12,13 @@
 
 enum { GRAVITY = 1, DEAD_LINE = 2, FOLLOWER_LINE = 4, LUMPS = 8, SUPPORTS = 16, LOADS = 32, COMBINATIONS = 64 };
 enum { REST, SPIN, MARCH, LINEARIZED, WAYS };
-#define UNKNOWNS (12 * FB_MAX_MIXED + 6)
+#define UNKNOWNS (12 * FB_MAX_EXACT + 6)
 
-static fb_mixed_desc desc;
-static fb_mixed beam;
-static fb_mixed_state state;
-static fb_mixed_work work, moved;
-static fb_mixed_input input;
+static fb_exact_desc desc;
+static fb_exact beam;
+static fb_exact_state state;
+static fb_exact_work work, moved;
+static fb_exact_input input;
 static double numeric[UNKNOWNS * UNKNOWNS], analytic[UNKNOWNS * UNKNOWNS], right[UNKNOWNS], solution[UNKNOWNS];
 static double row_scale[UNKNOWNS];
 static int order[UNKNOWNS];
@@ -56,7 +56,7 @@ static void build(int what, int n)
   desc.length = 1.3;
   desc.n_element = n;
   desc.n_station = 1;
-  require(fb_mixed_station_init(&desc.station[0], &mass), "section");
+  require(fb_exact_station_init(&desc.station[0], &mass), "section");
   fill(A, 36, 1);
   for (int i = 0; i < 36; i++) { /* positive definite */
     desc.station[0].stiffness[i] = (i % 7 ? 0 : 2) + fbi_vec6_dot(A + i / 6 * 6, A + i % 6 * 6);
@@ -83,7 +83,7 @@ static void build(int what, int n)
     desc.support[0].held = FB_HOLD_X | FB_HOLD_Z | FB_HOLD_RZ;
   }
   desc.dissipation = 0.3;
-  require(fb_mixed_init(&beam, &desc), "beam");
+  require(fb_exact_init(&beam, &desc), "beam");
 }
 
 static void load(int what, int way)
@@ -107,21 +107,21 @@ static void load(int what, int way)
   }
 }
 
-/* A state in which the strains fit the poses, so that the residual of the compatibility vanishes. The turn of half a step is
-   taken to first order: where something acts in axes that do not turn along, what marches turns slowly. */
+/* A state in which the strains fit the poses, so that the residual of the compatibility vanishes. The turn of half a
+   step is taken to first order: where something acts in axes that do not turn along, what marches turns slowly. */
 static void scatter(int what, int way)
 {
   const double turning = what & (GRAVITY | DEAD_LINE | SUPPORTS | LOADS) ? 1e-6 : 1;
   const double rate = 2 / ((1 + beam.beta) * step);
-  const fbi_mixed_motion motion = {
+  const fbi_exact_motion motion = {
       way == MARCH, way != REST, 0, 0, way == MARCH ? step / 2 : 1, way == MARCH ? rate : way == LINEARIZED ? 1.37 : 0};
-  double strain[6 * FB_MAX_MIXED];
+  double strain[6 * FB_MAX_EXACT];
   memset(&work, 0, sizeof work);
-  require(fb_mixed_state_init(&beam, &state, &work, &input), "state");
+  require(fb_exact_state_init(&beam, &state, &work, &input), "state");
   fill(state.base_quat, 4, 1);
   require(fb_quat_normalize(state.base_quat), "attitude");
   work.motion = motion;
-  fbi_mixed_input_take(&work, &beam, state.base_quat, &input, 1, way == MARCH ? step : 0);
+  fbi_exact_input_take(&work, &beam, state.base_quat, &input, 1, way == MARCH ? step : 0);
   fill(work.s, 6 * beam.n, 0.7);
   fill(work.strain, 6 * beam.n, 0.1);
   fill(work.momentum, 6 * beam.n, 1);
@@ -129,13 +129,13 @@ static void scatter(int what, int way)
   for (int k = 0; k < beam.n; k++) {
     fbi_mat66_mul_vec6(strain + 6 * k, beam.C + 36 * k, work.s + 6 * k);
   }
-  fbi_mixed_poses(work.r, work.quat, &beam, strain, work.offset);
+  fbi_exact_poses(work.r, work.quat, &beam, strain, work.offset);
   for (int i = 0; i < 6 * (beam.n + 1) && way == MARCH; i++) {
     work.V[i] = random_number() * (i % 6 < 3 ? 1 : turning);
   }
-  fbi_mixed_nodes_eval(&work, &beam);
+  fbi_exact_nodes_eval(&work, &beam);
   for (int k = 0; k < beam.n && way == LINEARIZED; k++) {
-    fbi_mixed_cell_eval(&work.cell, &work, &beam, k);
+    fbi_exact_cell_eval(&work.cell, &work, &beam, k);
     fbi_vec6_copy(work.momentum + 6 * k, work.cell.P);
   }
   for (int l = 0; l < beam.n_lump && way == LINEARIZED; l++) {
@@ -152,19 +152,19 @@ static void residual(double *out, int unknown, double change)
     moved.s[unknown] += change;
   } else if (moved.motion.march) {
     moved.V[unknown - stress] += change;
-    fbi_mixed_nodes_eval(&moved, &beam);
+    fbi_exact_nodes_eval(&moved, &beam);
   } else {
     double x[6] = {0};
     x[(unknown - stress) % 6] = change;
     fbi_pose_add(moved.r + 3 * node, moved.quat + 4 * node, x);
-    fbi_mixed_nodes_eval(&moved, &beam);
+    fbi_exact_nodes_eval(&moved, &beam);
     moved.V[unknown - stress] += moved.motion.shift * change;
   }
-  fbi_mixed_residual(&moved, &beam);
+  fbi_exact_residual(&moved, &beam);
   memcpy(out, moved.c, sizeof *out * (size_t)stress);
   for (int j = 0; j <= beam.n; j++) {
-    if (fbi_mixed_turned(beam.held[j])) {
-      fbi_mixed_rows_turn(moved.B + 6 * j, moved.R + 9 * j, 1);
+    if (fbi_exact_turned(beam.held[j])) {
+      fbi_exact_rows_turn(moved.B + 6 * j, moved.R + 9 * j, 1);
     }
   }
   memcpy(out + stress, moved.B, sizeof *out * (size_t)(stress + 6));
@@ -182,13 +182,13 @@ static void put(int row, int column, const double block[36], double sign)
 static void assemble(void)
 {
   const int n = 12 * beam.n + 6, nodes = 6 * beam.n;
-  const fbi_mixed_jacobian *const j = &work.jacobian;
+  const fbi_exact_jacobian *const j = &work.jacobian;
   memset(analytic, 0, sizeof analytic);
-  fbi_mixed_residual(&work, &beam);
+  fbi_exact_residual(&work, &beam);
   for (int k = 0; k < beam.n; k++) {
     const int s = 6 * k, a = nodes + 6 * k, b = a + 6;
-    fbi_mixed_cell_eval(&work.cell, &work, &beam, k);
-    fbi_mixed_cell_jacobian(&work.jacobian, &work.cell, &work, &beam, k);
+    fbi_exact_cell_eval(&work.cell, &work, &beam, k);
+    fbi_exact_cell_jacobian(&work.jacobian, &work.cell, &work, &beam, k);
     put(s, s, j->E, 1);
     put(s, a, j->D1, -1);
     put(s, b, j->D2, -1);
@@ -202,11 +202,11 @@ static void assemble(void)
   for (int k = 0; k <= beam.n; k++) {
     double K[36] = {0};
     const int row = nodes + 6 * k;
-    fbi_mixed_node_jacobian(K, &work, &beam, k);
+    fbi_exact_node_jacobian(K, &work, &beam, k);
     put(row, row, K, 1);
-    if (fbi_mixed_turned(beam.held[k])) {
+    if (fbi_exact_turned(beam.held[k])) {
       fbi_add_skew(analytic + row * n + row + 3, n, -work.motion.pose, work.B + 6 * k);
-      fbi_mixed_rows_turn(analytic + row * n, work.R + 9 * k, n);
+      fbi_exact_rows_turn(analytic + row * n, work.R + 9 * k, n);
     }
   }
 }
@@ -239,9 +239,9 @@ static double compare_dense(void)
 {
   const int n = 12 * beam.n + 6, stress = 6 * beam.n;
   double most = 0, size = 1;
-  fbi_mixed_want(&work, &beam, step, 1);
-  require(fbi_mixed_factor(&work, &beam), "chain");
-  fbi_mixed_solve(&work, &beam);
+  fbi_exact_want(&work, &beam, step, 1);
+  require(fbi_exact_factor(&work, &beam), "chain");
+  fbi_exact_solve(&work, &beam);
   for (int i = 0; i < stress; i++) {
     right[i] = -work.c[i];
   }
@@ -250,9 +250,9 @@ static double compare_dense(void)
     for (int i = 0; i < 6; i++) {
       b[i] = -work.B[6 * k + i];
     }
-    fbi_mixed_hold_rhs(b, &work, &beam, k);
+    fbi_exact_hold_rhs(b, &work, &beam, k);
     for (int i = 0; i < 6; i++) {
-      const int row = stress + 6 * k + i, turned = i < 3 && fbi_mixed_turned(beam.held[k]);
+      const int row = stress + 6 * k + i, turned = i < 3 && fbi_exact_turned(beam.held[k]);
       right[row] = b[i];
       if (beam.held[k] >> i & 1) {
         memset(analytic + row * n, 0, sizeof *analytic * (size_t)n);
@@ -295,7 +295,7 @@ int main(void)
       dense = fmax(dense, e);
     }
   }
-  printf("Jacobian of the mixed beam in %d combinations within %.1e of differences, chain within %.1e of a dense LU\n",
+  printf("Jacobian of the exact beam in %d combinations within %.1e of differences, chain within %.1e of a dense LU\n",
          WAYS * COMBINATIONS, differences, dense);
   return 0;
 }

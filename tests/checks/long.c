@@ -69,10 +69,10 @@ static int chain_run(int steps)
     start[k].speed[0] = 0.1;
   }
   start[0].speed[4] = 0.2;
-  must(fb_system_init(&chain, &work, body, 1, &desc), "chain");
-  must(fb_system_state_init(&chain, body, &work, &state, start, NULL), "chain");
-  must(fb_system_momentum(&chain, body, &work, &first, &state, NULL), "momentum");
-  must(fb_system_energy(&chain, body, &work, &energy, &state, NULL), "energy");
+  must(fb_system_init(&chain, &work, body, &desc, 1), "chain");
+  must(fb_system_state_init(&chain, body, &state, &work, start, NULL), "chain");
+  must(fb_system_momentum_eval(&chain, body, &work, &first, &state, NULL), "momentum");
+  must(fb_system_energy_eval(&chain, body, &work, &energy, &state, NULL), "energy");
   before = energy.kinetic + energy.strain;
   for (int step = 1; step <= steps; step++) {
     for (int k = 1; k < 6; k++) {
@@ -80,8 +80,8 @@ static int chain_run(int steps)
     }
     must(fb_system_rk4_step(&chain, body, &state, &work, &input, &input, &input, 2.5e-4), "step");
     if (step % 1000 == 0) {
-      must(fb_system_momentum(&chain, body, &work, &now, &state, NULL), "momentum");
-      must(fb_system_energy(&chain, body, &work, &energy, &state, NULL), "energy");
+      must(fb_system_momentum_eval(&chain, body, &work, &now, &state, NULL), "momentum");
+      must(fb_system_energy_eval(&chain, body, &work, &energy, &state, NULL), "energy");
       for (int i = 0; i < 3; i++) {
         linear = larger(linear, fabs((double)(now.linear[i] - first.linear[i])));
         angular = larger(angular, fabs((double)(now.angular[i] - first.angular[i])));
@@ -127,16 +127,16 @@ static int fourbar_run(int steps)
   start[1].value[0] = 0.2;
   start[2].value[0] = 1.6;
   start[0].speed[0] = 2.0;
-  must(fb_system_init(&fourbar, &work, body, 3, &desc), "four-bar");
-  must(fb_system_state_init(&fourbar, body, &work, &state, start, NULL), "four-bar");
+  must(fb_system_init(&fourbar, &work, body, &desc, 3), "four-bar");
+  must(fb_system_state_init(&fourbar, body, &state, &work, start, NULL), "four-bar");
   for (int step = 1; step <= steps; step++) {
     must(fb_system_rk4_step(&fourbar, body, &state, &work, NULL, NULL, NULL, 2e-4), "step");
     if (step % 500 == 0) {
       fb_node_motion a, b;
       double gap = 0.0;
       must(fb_system_motion_eval(&fourbar, body, &work, &motion, &state, NULL), "motion");
-      must(fb_body_node_motion(&body[1], &a, &motion.pose[1], &motion.motion[1], 1), "node");
-      must(fb_body_node_motion(&body[2], &b, &motion.pose[2], &motion.motion[2], 1), "node");
+      must(fb_body_node_motion_eval(&body[1], &a, &motion.pose[1], &motion.motion[1], 1), "node");
+      must(fb_body_node_motion_eval(&body[2], &b, &motion.pose[2], &motion.motion[2], 1), "node");
       for (int i = 0; i < 3; i++) {
         gap = larger(gap, fabs((double)(a.position[i] - b.position[i])));
       }

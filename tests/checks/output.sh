@@ -72,14 +72,14 @@ unprinted scene examples/scenes/double_pendulum.txt
 unprinted campaign --scene "$out/push.txt" --vary "force list 1 2" --out "$out/top.csv" --pictures 0 --fresh
 unprinted reduce examples/boom.txt
 unprinted analyse examples/boom.txt
-unprinted beam3d examples/bend45.txt
+unprinted exact examples/bend45.txt
 unprinted campbell --spin 0,1
 unprinted elastica --out "$out/elastica.csv"
 unprinted hil_plant --simulated-time direct --seconds 0.1 --out "$out/hil.csv"
 full=$out/full.csv
 unfiled full.csv elastica --out "$full"
 unfiled full.csv follower --out "$full"
-unfiled full.csv beam3d examples/bend45.txt --out "$full"
+unfiled full.csv exact examples/bend45.txt --out "$full"
 unfiled full.csv flap --seconds 0.05 --out "$full"
 unfiled full.csv whirl --seconds 0.4 --ramp 0.1 --out "$full"
 unfiled full.csv reduce examples/boom.txt --out "$full"

@@ -1,4 +1,5 @@
-/* scene.c - scenes one after the other, twice, in one process: the measures have the same bits, and nothing is printed. */
+/* scene.c - scenes one after the other, twice, in one process: the measures have the same bits, and nothing is
+   printed. */
 #include "../../examples/scene/scene_run.h"
 
 #define RUNS 8

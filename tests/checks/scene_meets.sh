@@ -16,13 +16,13 @@ measure y final y
 expect vx 0.15 tolerance 1e-12
 expect y 0.1591549431 tolerance 1e-4 relative
 END
-# a step that is given, each scheme, and an exponential one, whose step is fixed: ends where the pulse, ramp and table bend
-for scheme in rk4 midpoint sdirk exponential; do
+# a step that is given, each integrator, and an exponential one, whose step is fixed: ends where the pulse, ramp and table bend
+for integrator in rk4 midpoint sdirk exponential; do
   meets << END
 duration 1
 interval 0.5
 step 0.25
-scheme $scheme
+integrator $integrator
 body b rigid
   hub 1  0 0 0  1 1 1
 end

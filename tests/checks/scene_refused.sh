@@ -43,8 +43,8 @@ END
 refuse 1 "the name of a parameter has letters" << END
 parameter 1a 1
 END
-refuse 1 "scheme must be one of rk4" << END
-scheme euler
+refuse 1 "integrator must be one of rk4" << END
+integrator euler
 END
 refuse 1 "a body must be one of beam" << END
 body a plate
@@ -223,11 +223,11 @@ end
 motion rate 0 0 1
 duration 1
 END
-refuse 7 "scheme of bodies on joints is rk4 or sdirk" << END
+refuse 7 "integrator of bodies on joints is rk4 or sdirk" << END
 $top
 joint j revolute ground top
 end
-scheme exponential
+integrator exponential
 duration 1
 END
 refuse 5 "gravity must stand before the bodies" << END
@@ -567,7 +567,7 @@ end
 load b dead force 0 1 0
 duration 1
 END
-# forms: their words, and the effects and schemes that they go with
+# forms: their words, and the effects and integrators that they go with
 # form LINE REASON LINES [OF THE SCENE]: of a beam, base prescribed, with those lines among its own
 form() {
   refuse "$1" "$2" << END
@@ -594,8 +594,8 @@ form 10 "truncate wants effects that are not half of something" "effects residua
 truncate 2"
 form 10 "auto chooses among effects of the momentum form, not truncated" "form second
 auto 0.01"
-form 11 "scheme exponential moves the momentum form alone" "form second" "
-scheme exponential"
+form 11 "integrator exponential moves the momentum form alone" "form second" "
+integrator exponential"
 refuse 4 "form is that of bodies with modes" << END
 body b exact
   length 1

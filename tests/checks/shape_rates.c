@@ -1,5 +1,5 @@
-/* How the momenta change with the shape, d/dq (Lambda(q) pb + S(q) V), which the implicit schemes solve with, against
-   central differences: a boom on a hub, modes of both planes, every base. Double precision. */
+/* How the momenta change with the shape, d/dq (Lambda(q) pb + S(q) V), which the implicit integrators solve with,
+   against central differences: a boom on a hub, modes of both planes, every base. Double precision. */
 #define FLEXBEAM_STATIC
 #include "flexbeam.h"
 #include <math.h>

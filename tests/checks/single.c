@@ -1,5 +1,5 @@
-/* A tumbling, swinging boom for 10 s: attitude rates and tip every 5 ms, printed for check-single to compare. Compile with
-   -DSTEP, [s] of a step. */
+/* A tumbling, swinging boom for 10 s: attitude rates and tip every 5 ms, printed for check-single to compare. Compile
+   with -DSTEP, [s] of a step. */
 #define FLEXBEAM_IMPLEMENTATION
 #include "flexbeam.h"
 #include "boom.h" /* static const fb_body boom, node 1 its tip */
@@ -19,8 +19,8 @@ int main(void)
     for (int k = (int)(0.005 / STEP + 0.5); k > 0; k--) {
       status = status ? status : fb_rk4_step(&boom, &state, &work, NULL, NULL, NULL, (fb_real)STEP);
     }
-    status = status ? status : fb_body_motion(&boom, &motion, &state, NULL);
-    status = status ? status : fb_body_node_motion(&boom, &tip, &state, &motion, 1);
+    status = status ? status : fb_body_motion_eval(&boom, &motion, &state, NULL);
+    status = status ? status : fb_body_node_motion_eval(&boom, &tip, &state, &motion, 1);
     printf("%.9g %.9g %.9g\n", (double)tip.displacement[1], (double)tip.displacement[2], (double)motion.w[2]);
   }
   printf("%s\n", fb_status_string(status));

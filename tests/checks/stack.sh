@@ -50,7 +50,7 @@ deepest() {
   awk -v kind="$1" -v pattern="$2" '$1 == kind && $2 ~ pattern { print $3 " in " $2; exit }' "$out/stack"
 }
 
-stepper='^fb_((system_)?rk4|midpoint|(system_)?sdirk|exponential|mixed)_step$'
+stepper='^fb_((system_)?rk4|midpoint|(system_)?sdirk|exponential|exact)_step$'
 step=$(deepest total $stepper) forms=$(deepest totalforms $stepper) build=$(deepest total .)
 worst=$(awk '$1 == "own" { print $3 " in " $2; exit }' "$out/stack")
 step=${step:-99999} forms=${forms:-99999}

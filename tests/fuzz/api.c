@@ -1,7 +1,7 @@
-/* Any sequence of calls of any public functions, of a valid world (tests/checks/hostile.h) whose descs, inputs and states
-   are spoiled word by word, with plausible and absurd numbers and counts, and a NULL pointer now and then. What a call
-   makes (a beam, modes, a shape, a state) goes into the world, and on into the calls that follow. Bytes: per call a
-   function, then how many words are spoiled, then which. */
+/* Any sequence of calls of any public functions, of a valid world (tests/checks/hostile.h) whose descs, inputs and
+   states are spoiled word by word, with plausible and absurd numbers and counts, and a NULL pointer now and then. What
+   a call makes (a beam, modes, a shape, a state) goes into the world, and on into the calls that follow. Bytes: per
+   call a function, then how many words are spoiled, then which. */
 #include "../checks/hostile.h"
 #include "fuzz.h"
 
@@ -16,14 +16,14 @@ static void go_on(const function *f, const call *c)
     size_t size;
   } list[] = {{"fb_beam_init", &w.beam[0], sizeof w.beam[0]},
               {"fb_state_init", &w.state, sizeof w.state},
-              {"fb_body_motion", &w.motion, sizeof w.motion},
-              {"fb_body_node_motion", &w.node_motion, sizeof w.node_motion},
+              {"fb_body_motion_eval", &w.motion, sizeof w.motion},
+              {"fb_body_node_motion_eval", &w.node_motion, sizeof w.node_motion},
               {"fb_section_init", &w.section, sizeof w.section},
-              {"fb_mixed_station_init", &w.mixed_station, sizeof w.mixed_station},
-              {"fb_body_spectrum", &w.spectrum, sizeof w.spectrum},
-              {"fb_system_spectrum", &w.spectrum, sizeof w.spectrum},
+              {"fb_exact_station_init", &w.exact_station, sizeof w.exact_station},
+              {"fb_body_spectrum_solve", &w.spectrum, sizeof w.spectrum},
+              {"fb_system_spectrum_solve", &w.spectrum, sizeof w.spectrum},
               {"fb_body_init", &w.held, sizeof w.held},
-              {"fb_mixed_state_init", &w.mixed_state, sizeof w.mixed_state},
+              {"fb_exact_state_init", &w.exact_state, sizeof w.exact_state},
               {"fb_system_state_init", &w.system_state, sizeof w.system_state}};
   for (size_t k = 0; k < sizeof list / sizeof *list; k++) {
     for (int j = 0; j < MOST && f->argument[j].role && strcmp(f->name, list[k].maker) == 0; j++) {

@@ -1,5 +1,5 @@
-/* fuzz.h - bytes become numbers, counts and spoiled words; broken promises abort. clang's -fsanitize=fuzzer brings the main
-   that calls LLVMFuzzerTestOneInput; given files, the program runs those alone. */
+/* fuzz.h - bytes become numbers, counts and spoiled words; broken promises abort. clang's -fsanitize=fuzzer brings the
+   main that calls LLVMFuzzerTestOneInput; given files, the program runs those alone. */
 #ifndef FUZZ_H
 #define FUZZ_H
 #include <limits.h>

@@ -1,11 +1,11 @@
-/* The readers of text files: of flexbeam reduce (model.h, with the body it builds and the header it writes), beam3d and
+/* The readers of text files: of flexbeam reduce (model.h, with the body it builds and the header it writes), exact and
    elastodyn. The first byte says which, what follows is the file. */
 #define _POSIX_C_SOURCE 200809L /* fmemopen, popen */
 #define FB_MAX_MODES 5
 #define FB_MAX_ELEMENTS 3
 #define FB_MAX_STATIONS 6
 #define FB_WITH_NONLINEAR_STRAIN 0
-#define FB_MAX_MIXED 400 /* as beam3d */
+#define FB_MAX_EXACT 400 /* as exact */
 #define FLEXBEAM_IMPLEMENTATION
 #include "flexbeam.h"
 #include <stdio.h>
@@ -13,7 +13,7 @@
 static FILE *fuzz_file(const char *name, const char *mode); /* in place of fopen */
 #define fopen fuzz_file
 #include "../../examples/tools/model.h"
-#include "../../examples/tools/beam3d.c"
+#include "../../examples/tools/exact.c"
 #define fail elastodyn_fail
 #define help elastodyn_help
 #include "../../examples/tools/elastodyn.c"
@@ -40,7 +40,7 @@ static void read_model(void)
     fb_state state;
     fb_motion motion;
     promise(fb_state_init(&model_body, &state) == FB_OK, "no state", "a body from a file");
-    if (fb_body_motion(&model_body, &motion, &state, NULL) == FB_OK) {
+    if (fb_body_motion_eval(&model_body, &motion, &state, NULL) == FB_OK) {
       promise(all_finite(motion.acceleration, 3) && all_finite(motion.w_dot, 3) &&
                   all_finite(motion.q_ddot, model_body.n),
               "accelerations", "a body from a file");
@@ -54,7 +54,7 @@ static void read_model(void)
 }
 
 /* Not its solution: tests/fuzz/api.c does that in small. */
-static void read_beam3d(void)
+static void read_exact(void)
 {
   int modes;
   if (read_file("FILE", &modes) == 0) {
@@ -78,7 +78,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
   file_size = size - 1;
   switch (data[0]) {
   case 'b':
-    read_beam3d();
+    read_exact();
     break;
   case 'e':
     read_elastodyn();

@@ -1,7 +1,7 @@
-/* The readers of scenes (examples/scene/scene.h, with the CSV files they name) and of campaigns (examples/campaign/campaign.h), and what
-   is done with a scene that was read: its first few steps, or the choice of a step, its pictures. The first byte says
-   which reader: s a scene that runs, r one that is read alone, c a campaign, j rows of a journal. What follows is the file;
-   what stands behind a zero byte is any other file that it names. */
+/* The readers of scenes (examples/scene/scene.h, with the CSV files they name) and of campaigns
+   (examples/campaign/campaign.h), and what is done with a scene that was read: its first few steps, or the choice of a
+   step, its pictures. The first byte says which reader: s a scene that runs, r one that is read alone, c a campaign, j
+   rows of a journal. What follows is the file; what stands behind a zero byte is any other file that it names. */
 #define _POSIX_C_SOURCE 200809L /* fmemopen */
 #include <stdio.h>
 

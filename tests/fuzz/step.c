@@ -1,6 +1,6 @@
-/* Every scheme on a valid body, system or exact beam of the bytes' choice, with plausible and absurd states, inputs and
-   steps. A step that fails leaves the state as it was, one that does not leaves it finite; then the motion is finite, or
-   a status says why not. */
+/* Every integrator on a valid body, system or exact beam of the bytes' choice, with plausible and absurd states, inputs
+   and steps. A step that fails leaves the state as it was, one that does not leaves it finite; then the motion is
+   finite, or a status says why not. */
 #define FB_MAX_MODES 7
 #define FB_MAX_NODES 3
 #define FB_MAX_LOADS 2
@@ -11,7 +11,7 @@
 #define FB_MAX_LOOPS 1
 #define FB_MAX_ROWS 20
 #define FB_MAX_SPEEDS 39
-#define FB_MAX_MIXED 4
+#define FB_MAX_EXACT 4
 #define FLEXBEAM_IMPLEMENTATION
 #include "flexbeam.h"
 #include "fuzz.h"
@@ -30,9 +30,9 @@ static fb_exponential_work exponential_work;
 static fb_system links;
 static fb_system_work system_work;
 static fb_system_state system_state;
-static fb_mixed mixed;
-static fb_mixed_state mixed_state;
-static fb_mixed_work mixed_work;
+static fb_exact exact;
+static fb_exact_state exact_state;
+static fb_exact_work exact_work;
 
 /* A beam on a hub, with the effects, base and form that the bytes say; 0: refused. */
 static int build_body(bytes *b, int plain)
@@ -136,7 +136,7 @@ static int state_is_finite(const fb_state *s, int n)
          all_finite(s->q, n) && all_finite(s->pi, n);
 }
 
-/* One step of a scheme: its name goes to *name. */
+/* One step of an integrator: its name goes to *name. */
 static fb_status step_body(const char **name, bytes *b, const fb_input *start, const fb_input *end)
 {
   const fb_real dt = take_step(b);
@@ -188,17 +188,18 @@ static void run_body(bytes *b)
     promise(status == FB_OK || memcmp(&before, &state, sizeof state) == 0, "a failure changed the state", name);
     promise(status != FB_OK || state_is_finite(&state, body.n), "the state is not finite", name);
     promise(status != FB_OK || fb_state_check(&body, &state) == FB_OK, "the state does not pass its check", name);
-    status = fb_body_motion(&body, &motion, &state, &start);
+    status = fb_body_motion_eval(&body, &motion, &state, &start);
     promise(status != FB_OK ||
                 (all_finite(motion.v, 3) && all_finite(motion.w, 3) && all_finite(motion.acceleration, 3) &&
                  all_finite(motion.w_dot, 3) && all_finite(motion.q_ddot, body.n) &&
                  all_finite(motion.reaction_force, 3) && all_finite(motion.reaction_torque, 3)),
-            "not finite", "fb_body_motion");
-    if (status == FB_OK && fb_body_node_motion(&body, &node, &state, &motion, 1) == FB_OK) {
-      promise(all_finite(node.acceleration, 3) && all_finite(node.quat, 4), "not finite", "fb_body_node_motion");
+            "not finite", "fb_body_motion_eval");
+    if (status == FB_OK && fb_body_node_motion_eval(&body, &node, &state, &motion, 1) == FB_OK) {
+      promise(all_finite(node.acceleration, 3) && all_finite(node.quat, 4), "not finite", "fb_body_node_motion_eval");
     }
-    status = fb_body_energy(&body, &energy, &state, &start);
-    promise(status != FB_OK || (isfinite(energy.kinetic) && isfinite(energy.strain)), "not finite", "fb_body_energy");
+    status = fb_body_energy_eval(&body, &energy, &state, &start);
+    promise(status != FB_OK || (isfinite(energy.kinetic) && isfinite(energy.strain)), "not finite",
+            "fb_body_energy_eval");
     if (fb_state_check(&body, &state) != FB_OK) {
       promise(fb_state_init(&body, &state) == FB_OK, "refused", "fb_state_init");
     }
@@ -238,8 +239,8 @@ static int build_system(bytes *b)
   if (take_byte(b) > 240) {
     spoil(&desc, sizeof desc, b);
   }
-  return fb_system_init(&links, &system_work, &body, 1, &desc) == FB_OK &&
-         fb_system_state_init(&links, &body, &system_work, &system_state, NULL, NULL) == FB_OK;
+  return fb_system_init(&links, &system_work, &body, &desc, 1) == FB_OK &&
+         fb_system_state_init(&links, &body, &system_state, &system_work, NULL, NULL) == FB_OK;
 }
 
 static int system_is_finite(const fb_system_state *s)
@@ -289,7 +290,7 @@ static void run_system(bytes *b)
     }
     before = system_state;
     if (way == 4) {
-      status = fb_system_axis_set(&links, &body, &system_work, &system_state, take_below(b, 4), take_below(b, 3),
+      status = fb_system_axis_set(&links, &body, &system_state, &system_work, take_below(b, 4), take_below(b, 3),
                                   (fb_axis_mode)take_below(b, 3), &input);
     } else if (way & 1) {
       status = fb_system_rk4_step(&links, &body, &system_state, &system_work, &input, &input, &input, dt);
@@ -307,15 +308,15 @@ static void run_system(bytes *b)
                   all_finite(motion.pose[j].rho, 3) && all_finite(motion.joint[j].force, 3) && isfinite(motion.power),
               "not finite", "fb_system_motion_eval");
     }
-    if (status != FB_OK && fb_system_state_init(&links, &body, &system_work, &system_state, NULL, NULL) != FB_OK) {
+    if (status != FB_OK && fb_system_state_init(&links, &body, &system_state, &system_work, NULL, NULL) != FB_OK) {
       return;
     }
   }
 }
 
-static int build_mixed(bytes *b)
+static int build_exact(bytes *b)
 {
-  static fb_mixed_desc desc;
+  static fb_exact_desc desc;
   fb_section section;
   memset(&desc, 0, sizeof desc);
   memset(&section, 0, sizeof section);
@@ -335,24 +336,24 @@ static int build_mixed(bytes *b)
   desc.lump[0].inertia[0] = desc.lump[0].inertia[1] = desc.lump[0].inertia[2] = FB_R(1.0);
   desc.gravity[2] = take_real(b);
   desc.dissipation = take_byte(b) & 1 ? FB_R(0.3) : FB_R(0.0);
-  if (fb_mixed_station_init(&desc.station[0], &section) != FB_OK) {
+  if (fb_exact_station_init(&desc.station[0], &section) != FB_OK) {
     return 0;
   }
   if (take_byte(b) > 220) {
     spoil(&desc, sizeof desc, b);
   }
-  return fb_mixed_init(&mixed, &desc) == FB_OK && fb_mixed_state_init(&mixed, &mixed_state, &mixed_work, NULL) == FB_OK;
+  return fb_exact_init(&exact, &desc) == FB_OK && fb_exact_state_init(&exact, &exact_state, &exact_work, NULL) == FB_OK;
 }
 
-static void run_mixed(bytes *b)
+static void run_exact(bytes *b)
 {
-  static fb_mixed_state before;
-  static fb_mixed_input input;
-  if (!build_mixed(b)) {
+  static fb_exact_state before;
+  static fb_exact_input input;
+  if (!build_exact(b)) {
     return;
   }
   for (int k = 0; k < 8 && b->left > 0; k++) {
-    fb_mixed_node node[FB_MAX_MIXED + 1];
+    fb_exact_node node[FB_MAX_EXACT + 1];
     fb_energy energy;
     const int steady = take_byte(b) > 200 && k == 0; /* up to 12500 iterations, if it does not converge */
     const fb_real dt = take_step(b);
@@ -365,26 +366,26 @@ static void run_mixed(bytes *b)
       spoil(&input, sizeof input, b);
     }
     if (take_byte(b) > 220) {
-      spoil(&mixed_state, sizeof mixed_state, b);
+      spoil(&exact_state, sizeof exact_state, b);
     }
-    before = mixed_state;
-    status = steady ? fb_mixed_steady_solve(&mixed, &mixed_state, &mixed_work, &input)
-                    : fb_mixed_step(&mixed, &mixed_state, &mixed_work, &input, dt);
-    promise(status == FB_OK || memcmp(&before, &mixed_state, sizeof before) == 0, "a failure changed the state",
+    before = exact_state;
+    status = steady ? fb_exact_trim(&exact, &exact_state, &exact_work, &input)
+                    : fb_exact_step(&exact, &exact_state, &exact_work, &input, dt);
+    promise(status == FB_OK || memcmp(&before, &exact_state, sizeof before) == 0, "a failure changed the state",
             "the exact beam");
     promise(status != FB_OK ||
-                (all_finite(mixed_state.r, 3 * (mixed.n + 1)) && all_finite(mixed_state.quat, 4 * (mixed.n + 1)) &&
-                 all_finite(mixed_state.strain, 6 * mixed.n) && all_finite(mixed_state.momentum, 6 * mixed.n)),
+                (all_finite(exact_state.r, 3 * (exact.n + 1)) && all_finite(exact_state.quat, 4 * (exact.n + 1)) &&
+                 all_finite(exact_state.strain, 6 * exact.n) && all_finite(exact_state.momentum, 6 * exact.n)),
             "the state is not finite", "the exact beam");
-    if (fb_mixed_nodes_eval(&mixed, node, &mixed_state) == FB_OK) {
-      promise(all_finite(node[mixed.n].position, 3) && all_finite(node[0].force, 3), "not finite",
-              "fb_mixed_nodes_eval");
+    if (fb_exact_nodes_eval(&exact, node, &exact_state) == FB_OK) {
+      promise(all_finite(node[exact.n].position, 3) && all_finite(node[0].force, 3), "not finite",
+              "fb_exact_nodes_eval");
     }
-    if (fb_mixed_energy(&mixed, &energy, &mixed_state) == FB_OK) {
-      promise(isfinite(energy.kinetic) && isfinite(energy.strain), "not finite", "fb_mixed_energy");
+    if (fb_exact_energy_eval(&exact, &energy, &exact_state) == FB_OK) {
+      promise(isfinite(energy.kinetic) && isfinite(energy.strain), "not finite", "fb_exact_energy_eval");
     }
-    if (fb_mixed_state_check(&mixed, &mixed_state) != FB_OK &&
-        fb_mixed_state_init(&mixed, &mixed_state, &mixed_work, NULL) != FB_OK) {
+    if (fb_exact_state_check(&exact, &exact_state) != FB_OK &&
+        fb_exact_state_init(&exact, &exact_state, &exact_work, NULL) != FB_OK) {
       return;
     }
   }
@@ -401,7 +402,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
     run_system(&b);
     break;
   default:
-    run_mixed(&b);
+    run_exact(&b);
   }
   return 0;
 }

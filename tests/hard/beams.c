@@ -1,33 +1,33 @@
 /* beams.c - the exact beam: flutter and buckling at the right load, a beam bent into full circles. */
 #include "hard.h"
 
-static fb_mixed mixed;
-static fb_mixed_state state;
-static fb_mixed_work work;
-static fb_mixed_input input;
-static fb_mixed_spectrum spectrum;
-static fb_mixed_spectrum_work spectrum_work;
+static fb_exact exact;
+static fb_exact_state state;
+static fb_exact_work work;
+static fb_exact_input input;
+static fb_exact_spectrum spectrum;
+static fb_exact_spectrum_work spectrum_work;
 
 /* A cantilever of 1 m, 1 kg/m and 1 N m^2 that bends in one plane and does not stretch. */
 static void cantilever(int elements)
 {
-  static fb_mixed_desc desc;
+  static fb_exact_desc desc;
   static const fb_section section = {.mass = 1, .EI_z = 1};
   memset(&desc, 0, sizeof desc);
   memset(&input, 0, sizeof input);
   desc.length = 1;
   desc.n_element = elements;
   desc.n_station = 1;
-  hard_must(fb_mixed_station_init(&desc.station[0], &section), "section");
-  hard_must(fb_mixed_init(&mixed, &desc), "exact beam");
+  hard_must(fb_exact_station_init(&desc.station[0], &section), "section");
+  hard_must(fb_exact_init(&exact, &desc), "exact beam");
   input.n_load = 1;
   input.load[0].node = elements;
 }
 
 static void settle(void)
 {
-  hard_must(fb_mixed_state_init(&mixed, &state, &work, NULL), "exact beam");
-  hard_must(fb_mixed_steady_solve(&mixed, &state, &work, &input), "steady state");
+  hard_must(fb_exact_state_init(&exact, &state, &work, NULL), "exact beam");
+  hard_must(fb_exact_trim(&exact, &state, &work, &input), "steady state");
 }
 
 /* 1: about the straight column under that push at its tip motions grow. */
@@ -36,7 +36,7 @@ static int grows(fb_axes axes, double load)
   input.load[0].axes = axes;
   input.load[0].force[0] = (fb_real)-load;
   settle();
-  hard_must(fb_mixed_spectrum_solve(&mixed, &spectrum, &spectrum_work, &state, &input, 4), "spectrum");
+  hard_must(fb_exact_spectrum_solve(&exact, &spectrum_work, &spectrum, &state, &input, 4), "spectrum");
   for (int k = 0; k < spectrum.n; k++) {
     if ((double)spectrum.re[k] > HARD_TOL(1e-4, 2e-2) * (1.0 + (double)spectrum.im[k])) {
       return 1;
@@ -117,7 +117,7 @@ void hard_column(int brief)
 void hard_circle(int brief)
 {
   static const int turns[] = {1, 5};
-  static fb_mixed_node node[FB_MAX_MIXED + 1];
+  static fb_exact_node node[FB_MAX_EXACT + 1];
   const int elements = 40;
   hard_row row = {.name = "circle",
                   .what = "a cantilever bent into full circles by a moment at its tip, static",
@@ -132,7 +132,7 @@ void hard_circle(int brief)
     input.load[0].axes = FB_AXES_NODE;
     input.load[0].torque[2] = (fb_real)moment;
     settle();
-    hard_must(fb_mixed_nodes_eval(&mixed, node, &state), "exact beam");
+    hard_must(fb_exact_nodes_eval(&exact, node, &state), "exact beam");
     row.hard = turns[k];
     row.figure = hard_length(node[elements].position);
     row.naive_figure = hypot(1.0, 0.5 * moment);

@@ -43,15 +43,15 @@ static void drift_note(drift *d, const fb_body *body, const fb_state *state, dou
   }
   d->energy = fmax(d->energy, fabs(hard_energy(body, state) / energy - 1.0));
   d->length = fmax(d->length, fabs(sqrt(length) - 1.0));
-  d->momentum = fb_body_momentum(body, &now, state, NULL) == FB_OK
+  d->momentum = fb_body_momentum_eval(body, &now, state, NULL) == FB_OK
                     ? fmax(d->momentum, hard_difference(now.angular, first->angular, 3) / hard_length(first->angular))
                     : HUGE_VAL;
 }
 
 typedef enum way { BY_MIDPOINT, BY_RK4, BY_FORGETFUL_RK4, BY_PLAIN_RK4, BY_VELOCITIES } way;
 
-/* What one would write: the state is place, attitude and q with their velocities v, w, q_dot, here in the members of the
-   momenta u, L, pi; their rates are the accelerations of the body. */
+/* What one would write: the state is place, attitude and q with their velocities v, w, q_dot, here in the members of
+   the momenta u, L, pi; their rates are the accelerations of the body. */
 static int velocity_rates(const fb_body *body, fb_state *rate, const fb_state *at)
 {
   fb_state momenta = *at;
@@ -59,7 +59,7 @@ static int velocity_rates(const fb_body *body, fb_state *rate, const fb_state *a
   fb_real R[9], turn[4] = {0};
   if (fb_quat_normalize(momenta.quat) != FB_OK ||
       fb_state_from_velocity(body, &momenta, at->u, at->L, at->pi) != FB_OK ||
-      fb_body_motion(body, &motion, &momenta, NULL) != FB_OK) {
+      fb_body_motion_eval(body, &motion, &momenta, NULL) != FB_OK) {
     return 0;
   }
   fb_quat_to_mat33(R, momenta.quat);
@@ -81,13 +81,13 @@ static int velocity_rates(const fb_body *body, fb_state *rate, const fb_state *a
   return 1;
 }
 
-/* A step of the classical scheme for them, from the state of momenta and back to it. */
+/* A step of the classical integrator for them, from the state of momenta and back to it. */
 static int velocity_rk4(const fb_body *body, fb_state *state, double dt)
 {
   static const double part[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0};
   static fb_state from, sum, rate;
   fb_motion motion;
-  if (fb_body_motion(body, &motion, state, NULL) != FB_OK) {
+  if (fb_body_motion_eval(body, &motion, state, NULL) != FB_OK) {
     return 0;
   }
   from = *state;
@@ -142,7 +142,7 @@ static drift conserve(way how, double dt, double steps)
   int well = 1;
   tumbler(&body, &state);
   energy = hard_energy(&body, &state);
-  hard_must(fb_body_momentum(&body, &first, &state, NULL), "momentum");
+  hard_must(fb_body_momentum_eval(&body, &first, &state, NULL), "momentum");
   for (double k = 1; k <= steps && well; k++) {
     well = advance(&body, &state, how, dt);
     if (fmod(k, 1000.0) < 0.5) {
@@ -181,7 +181,8 @@ void hard_long(int brief)
   row.periods = row.time * HARD_FIRST / (2.0 * HARD_PI);
   report(&row, "long energy", "change of the energy", ours.energy, 1e-3, "rk4 at the same step, 1e6 at most",
          plain.energy);
-  /* P and L are the state and nothing acts: what rounds is L + rho x P, three times, and its difference from the first */
+  /* P and L are the state and nothing acts: what rounds is L + rho x P, three times, and its difference from the
+     first */
   report(&row, "long momentum", "change of the angular momentum", ours.momentum, 4.0 * HARD_EPSILON,
          "velocities as state, rk4 at the same step, 1e6 at most", velocities.momentum);
   report(&row, "long quaternion", "length of the quaternion less 1", ours.length, HARD_TOL(1e-15, 1e-6),
@@ -192,9 +193,9 @@ void hard_long(int brief)
 
 enum { PER_CYCLE = 12 };
 
-/* A cantilever driven at the tip at its first frequency: amplitude and phase over the last cycle against F/(2 zeta omega^2),
-   a quarter behind, relative. */
-static double resonance(fb_scheme scheme, double zeta, double cycles)
+/* A cantilever driven at the tip at its first frequency: amplitude and phase over the last cycle against F/(2 zeta
+   omega^2), a quarter behind, relative. */
+static double resonance(fb_integrator integrator, double zeta, double cycles)
 {
   static hard_craft craft;
   static fb_body body;
@@ -221,7 +222,7 @@ static double resonance(fb_scheme scheme, double zeta, double cycles)
     input[i].load[0].force[1] = (fb_real)(force * sin(HARD_PI * (i % (2 * PER_CYCLE)) / PER_CYCLE));
   }
   hard_must(fb_state_init(&body, &state), "state");
-  hard_must(stepper_init(&by, &work, &body, scheme, dt), "scheme");
+  hard_must(stepper_init(&by, &work, &body, integrator, dt), "integrator");
   for (double cycle = 0; cycle < cycles; cycle++) {
     re = im = 0.0;
     for (int k = 0; k < PER_CYCLE; k++) {
@@ -250,8 +251,8 @@ void hard_resonance(int brief)
   row.steps = cycles * PER_CYCLE;
   row.periods = cycles;
   row.time = cycles * 2.0 * HARD_PI / HARD_FIRST;
-  row.figure = resonance(FB_SCHEME_EXPONENTIAL, zeta, cycles);
-  row.naive_figure = resonance(FB_SCHEME_RK4, zeta, cycles);
+  row.figure = resonance(FB_INTEGRATOR_EXPONENTIAL, zeta, cycles);
+  row.naive_figure = resonance(FB_INTEGRATOR_RK4, zeta, cycles);
   hard_report(&row);
 }
 

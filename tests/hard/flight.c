@@ -25,7 +25,7 @@ static int total_rates(fb_state *rate, const fb_body *body, const fb_state *tota
   fb_quat_to_mat33(R, at.quat);
   fb_mat33_mulT_vec3(v, R, at.u);
   carry(at.pi, -1.0, body, at.q, v);
-  if (fb_body_rates(body, rate, &at, input) != FB_OK || fb_body_motion(body, &motion, &at, input) != FB_OK) {
+  if (fb_body_rates_eval(body, rate, &at, input) != FB_OK || fb_body_motion_eval(body, &motion, &at, input) != FB_OK) {
     return 0;
   }
   fb_vec3_cross(turn, v, motion.w);
@@ -37,7 +37,7 @@ static int total_rates(fb_state *rate, const fb_body *body, const fb_state *tota
   return 1;
 }
 
-/* The classical scheme by the same equations with total momenta. */
+/* The classical integrator by the same equations with total momenta. */
 static int total_step(const fb_body *body, fb_state *state, const fb_input *input, double dt)
 {
   static const double part[4] = {0.0, 0.5, 0.5, 1.0}, weight[4] = {1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0};

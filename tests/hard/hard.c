@@ -182,15 +182,15 @@ void hard_start(const fb_body *body, fb_state *state, const double v[3], const d
 double hard_energy(const fb_body *body, const fb_state *state)
 {
   fb_energy energy;
-  return fb_body_energy(body, &energy, state, NULL) == FB_OK ? (double)energy.kinetic + (double)energy.strain
-                                                             : HUGE_VAL;
+  return fb_body_energy_eval(body, &energy, state, NULL) == FB_OK ? (double)energy.kinetic + (double)energy.strain
+                                                                  : HUGE_VAL;
 }
 
 void hard_tip(double u[3], const fb_body *body, const fb_state *state)
 {
   static fb_motion rest; /* positions want no velocities */
   fb_node_motion tip;
-  const fb_status status = fb_body_node_motion(body, &tip, state, &rest, HARD_TIP);
+  const fb_status status = fb_body_node_motion_eval(body, &tip, state, &rest, HARD_TIP);
   for (int i = 0; i < 3; i++) {
     u[i] = status == FB_OK ? (double)tip.displacement[i] : HUGE_VAL;
   }
@@ -230,7 +230,7 @@ void hard_advance(fb_state *state, double dt, const fb_state *rate, int n)
 int hard_euler(const fb_body *body, fb_state *state, const fb_input *input, double dt)
 {
   fb_state rate;
-  if (fb_body_rates(body, &rate, state, input) != FB_OK) {
+  if (fb_body_rates_eval(body, &rate, state, input) != FB_OK) {
     return 0;
   }
   hard_advance(state, dt, &rate, body->n);
@@ -245,7 +245,7 @@ int hard_rk4(const fb_body *body, fb_state *state, double dt)
   for (int stage = 0; stage < 4; stage++) {
     fb_state at = from;
     hard_advance(&at, part[stage] * dt, &rate, body->n);
-    if (fb_body_rates(body, &rate, &at, NULL) != FB_OK) {
+    if (fb_body_rates_eval(body, &rate, &at, NULL) != FB_OK) {
       return 0;
     }
     hard_advance(state, weight[stage] * dt, &rate, body->n);

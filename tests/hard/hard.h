@@ -1,7 +1,7 @@
 /* hard.h - the suite of hard cases: what a case reports, and what cases share.
-   A case is a function that runs the library where it is hard, measures one figure against its bound, and takes the same
-   measure of the naive treatment: what one would write first. The row says all of it. A case holds when the figure is
-   within the bound and the naive one is not: a test that the naive treatment passes tests nothing. */
+   A case is a function that runs the library where it is hard, measures one figure against its bound, and takes the
+   same measure of the naive treatment: what one would write first. The row says all of it. A case holds when the figure
+   is within the bound and the naive one is not: a test that the naive treatment passes tests nothing. */
 #ifndef HARD_H
 #define HARD_H
 
@@ -76,7 +76,8 @@ enum { HARD_TIP = 1 }; /* node */
 
 /* A uniform beam bending alike in both planes, cantilevered at O, full effects, free base, no hub, no modes yet. */
 void hard_craft_init(hard_craft *craft, double length, double mass_per_length, double EI);
-/* Axial coordinates beside those along y: three elements of functions of that degree, nonlinear strain, prescribed base. */
+/* Axial coordinates beside those along y: three elements of functions of that degree, nonlinear strain, prescribed
+   base. */
 void hard_craft_stretch(hard_craft *craft, double EA, int degree);
 void hard_craft_build(fb_body *body, const hard_craft *craft);
 extern fb_shape hard_shape; /* of the last body built */
@@ -91,10 +92,10 @@ double hard_length(const fb_real *x);                              /* of a 3-vec
 /* state += dt rate, nothing normalized. */
 void hard_advance(fb_state *state, double dt, const fb_state *rate, int n);
 
-/* The naive treatment of many cases: explicit Euler, state + dt rate, without a check, a limit or normalization. 0 where the
-   rates are not to be had any more. */
+/* The naive treatment of many cases: explicit Euler, state + dt rate, without a check, a limit or normalization. 0
+   where the rates are not to be had any more. */
 int hard_euler(const fb_body *body, fb_state *state, const fb_input *input, double dt);
-/* The better one: the classical scheme by the same sums, nothing normalized. */
+/* The better one: the classical integrator by the same sums, nothing normalized. */
 int hard_rk4(const fb_body *body, fb_state *state, double dt);
 
 #endif

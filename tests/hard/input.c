@@ -111,16 +111,16 @@ static fb_body body;
 static fb_exponential exponential;
 static fb_system mechanism;
 static fb_system_work system_work;
-static fb_mixed mixed;
-static fb_mixed_work mixed_work;
+static fb_exact exact;
+static fb_exact_work exact_work;
 
 typedef struct subject { /* all that a step takes and changes */
   fb_state state;
   fb_system_state system;
-  fb_mixed_state mixed;
+  fb_exact_state exact;
   fb_input input;
   fb_system_input system_input;
-  fb_mixed_input mixed_input;
+  fb_exact_input exact_input;
   fb_real dt;
 } subject;
 
@@ -147,7 +147,7 @@ static fb_status step(subject *s, int which)
   case 5:
     return fb_system_sdirk_step(&mechanism, &body, &s->system, &system_work, sin, sin, s->dt, 0);
   default:
-    return fb_mixed_step(&mixed, &s->mixed, &mixed_work, &s->mixed_input, s->dt);
+    return fb_exact_step(&exact, &s->exact, &exact_work, &s->exact_input, s->dt);
   }
 }
 
@@ -155,7 +155,7 @@ static void subject_init(subject *s)
 {
   static hard_craft craft;
   static fb_system_desc desc;
-  static fb_mixed_desc exact;
+  static fb_exact_desc exact_desc;
   static fb_body_work work;
   hard_craft_init(&craft, 2.0, 0.5, 50.0);
   craft.keep.count[FB_KIND_BEND_Y] = craft.keep.count[FB_KIND_BEND_Z] = 2;
@@ -169,15 +169,15 @@ static void subject_init(subject *s)
   desc.n_body = 2;
   desc.joint[1].kind = FB_JOINT_REVOLUTE;
   desc.joint[1].parent_node = HARD_TIP;
-  hard_must(fb_system_init(&mechanism, &system_work, &body, 1, &desc), "system");
-  hard_must(fb_system_state_init(&mechanism, &body, &system_work, &s->system, NULL, NULL), "system's state");
-  exact.length = 1;
-  exact.n_element = 4;
-  exact.n_station = 1;
-  hard_must(fb_mixed_station_init(&exact.station[0], &craft.beam.station[0]), "section");
-  hard_must(fb_mixed_init(&mixed, &exact), "exact beam");
-  hard_must(fb_mixed_state_init(&mixed, &s->mixed, &mixed_work, NULL), "exact beam");
-  s->input.n_load = s->system_input.n_load = s->mixed_input.n_load = 1;
+  hard_must(fb_system_init(&mechanism, &system_work, &body, &desc, 1), "system");
+  hard_must(fb_system_state_init(&mechanism, &body, &s->system, &system_work, NULL, NULL), "system's state");
+  exact_desc.length = 1;
+  exact_desc.n_element = 4;
+  exact_desc.n_station = 1;
+  hard_must(fb_exact_station_init(&exact_desc.station[0], &craft.beam.station[0]), "section");
+  hard_must(fb_exact_init(&exact, &exact_desc), "exact beam");
+  hard_must(fb_exact_state_init(&exact, &s->exact, &exact_work, NULL), "exact beam");
+  s->input.n_load = s->system_input.n_load = s->exact_input.n_load = 1;
 }
 
 enum { NUMBERS = 5, PLACES = 9, COUNTS = 4 };
@@ -187,14 +187,14 @@ static void spoil(subject *s, int place, fb_real x)
 {
   fb_real *const numbers[PLACES][3] = {
       {&s->dt, &s->dt, &s->dt},
-      {&s->input.load[0].force[1], &s->system_input.load[0].load.force[1], &s->mixed_input.load[0].force[1]},
-      {&s->input.load[0].torque[2], &s->system_input.load[0].load.torque[2], &s->mixed_input.load[0].torque[2]},
-      {&s->state.q[0], &s->system.link[0].q[0], &s->mixed.strain[5]},
-      {&s->state.pi[1], &s->system.link[1].pi[1], &s->mixed.momentum[1]},
-      {&s->state.quat[2], &s->system.link[0].quat[2], &s->mixed.quat[6]},
-      {&s->state.rho[0], &s->system.link[0].x[0], &s->mixed.r[3]},
-      {&s->state.u[1], &s->system.link[0].p[1], &s->mixed.momentum[0]},
-      {&s->state.L[2], &s->system.link[0].p[5], &s->mixed.strain[3]}};
+      {&s->input.load[0].force[1], &s->system_input.load[0].load.force[1], &s->exact_input.load[0].force[1]},
+      {&s->input.load[0].torque[2], &s->system_input.load[0].load.torque[2], &s->exact_input.load[0].torque[2]},
+      {&s->state.q[0], &s->system.link[0].q[0], &s->exact.strain[5]},
+      {&s->state.pi[1], &s->system.link[1].pi[1], &s->exact.momentum[1]},
+      {&s->state.quat[2], &s->system.link[0].quat[2], &s->exact.quat[6]},
+      {&s->state.rho[0], &s->system.link[0].x[0], &s->exact.r[3]},
+      {&s->state.u[1], &s->system.link[0].p[1], &s->exact.momentum[0]},
+      {&s->state.L[2], &s->system.link[0].p[5], &s->exact.strain[3]}};
   for (int i = 0; i < 3; i++) {
     *numbers[place][i] = x;
   }
@@ -204,9 +204,9 @@ static void spoil_count(subject *s, int which)
 {
   static const int count[] = {-1, 1000000};
   if (which < 2) {
-    s->input.n_load = s->system_input.n_load = s->mixed_input.n_load = count[which];
+    s->input.n_load = s->system_input.n_load = s->exact_input.n_load = count[which];
   } else {
-    s->input.load[0].node = s->system_input.load[0].load.node = s->mixed_input.load[0].node = count[which - 2];
+    s->input.load[0].node = s->system_input.load[0].load.node = s->exact_input.load[0].node = count[which - 2];
   }
 }
 

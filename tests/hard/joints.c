@@ -50,8 +50,8 @@ static void hang(int k, int which, fb_joint_kind kind, int parent, int node)
 
 static void launch(void)
 {
-  hard_must(fb_system_init(&mechanism, &work, model, 3, &desc), "system");
-  hard_must(fb_system_state_init(&mechanism, model, &work, &state, start, &input), "system's state");
+  hard_must(fb_system_init(&mechanism, &work, model, &desc, 3), "system");
+  hard_must(fb_system_state_init(&mechanism, model, &state, &work, start, &input), "system's state");
 }
 
 static void evaluate(void)
@@ -62,7 +62,7 @@ static void evaluate(void)
 static void end_of(double x[3], int body)
 {
   fb_node_motion node;
-  hard_must(fb_body_node_motion(&model[mechanism.model[body]], &node, &motion.pose[body], &motion.motion[body], 1),
+  hard_must(fb_body_node_motion_eval(&model[mechanism.model[body]], &node, &motion.pose[body], &motion.motion[body], 1),
             "node");
   for (int i = 0; i < 3; i++) {
     x[i] = (double)node.position[i];
@@ -107,7 +107,7 @@ static void chain(void)
   }
   start[0].speed[4] = FB_R(0.3);
   launch();
-  hard_must(fb_system_momentum(&mechanism, model, &work, &momentum, &state, &input), "momentum");
+  hard_must(fb_system_momentum_eval(&mechanism, model, &work, &momentum, &state, &input), "momentum");
   for (int i = 0; i < 3; i++) { /* the mass center rests, positions stay small */
     start[0].speed[i] = -momentum.linear[i] / mass;
   }
@@ -117,7 +117,7 @@ static void chain(void)
 static double energy_of(void)
 {
   fb_energy energy;
-  hard_must(fb_system_energy(&mechanism, model, &work, &energy, &state, &input), "energy");
+  hard_must(fb_system_energy_eval(&mechanism, model, &work, &energy, &state, &input), "energy");
   return (double)energy.kinetic + (double)energy.strain;
 }
 
@@ -139,7 +139,7 @@ static void stop(int joint)
 {
   take();
   start[joint].speed[0] = 0;
-  hard_must(fb_system_state_init(&mechanism, model, &work, &state, start, &input), "system's state");
+  hard_must(fb_system_state_init(&mechanism, model, &state, &work, start, &input), "system's state");
 }
 
 /* Speeds of the chain in a row: those of the joint and of the modes, link by link. The first of link k. */
@@ -165,13 +165,13 @@ static double kinetic_of(int i, int j)
       start[k].q_dot[a] = at == i || at == j ? FB_R(1.0) : FB_R(0.0);
     }
   }
-  hard_must(fb_system_state_init(&mechanism, model, &work, &moved, start, &input), "system's state");
-  hard_must(fb_system_energy(&mechanism, model, &work, &energy, &moved, &input), "energy");
+  hard_must(fb_system_state_init(&mechanism, model, &moved, &work, start, &input), "system's state");
+  hard_must(fb_system_energy_eval(&mechanism, model, &work, &energy, &moved, &input), "energy");
   return (double)energy.kinetic;
 }
 
-/* The mass that the speed s meets where all other momenta are kept, 1 / (M^-1)_ss: M by the energies of unit speeds, all but
-   s eliminated from it. *growth: M_ss over it, by which errors of M grow. */
+/* The mass that the speed s meets where all other momenta are kept, 1 / (M^-1)_ss: M by the energies of unit speeds,
+   all but s eliminated from it. *growth: M_ss over it, by which errors of M grow. */
 static double mass_met(int s, double *growth)
 {
   static double M[MOST][MOST];
@@ -204,13 +204,15 @@ static double mass_met(int s, double *growth)
   return M[s][s];
 }
 
-/* What latches did at worst, of what there was: momentum lost or energy won, the size of what the momentum is the sum of,
-   energy lost beside the closed form u^2 / (2 (M^-1)_ss) of a plastic impact at speed u, growth of errors in that. */
+/* What latches did at worst, of what there was: momentum lost or energy won, the size of what the momentum is the sum
+   of, energy lost beside the closed form u^2 / (2 (M^-1)_ss) of a plastic impact at speed u, growth of errors in
+   that. */
 typedef struct worn {
   double lost, size, apart, growth;
 } worn;
 
-/* Sum of what the bodies' angular momenta are at most, m |x| |v| and |J w|; link 0 is rigid, the others about as heavy. */
+/* Sum of what the bodies' angular momenta are at most, m |x| |v| and |J w|; link 0 is rigid, the others about as
+   heavy. */
 static double parts(void)
 {
   double sum = 0.0;
@@ -234,7 +236,7 @@ static void latch_once(worn *all, int joint, int naive, int compared)
   if (naive) {
     stop(joint);
   } else {
-    hard_must(fb_system_axis_set(&mechanism, model, &work, &state, joint, 0, FB_AXIS_LOCKED, &input), "latch");
+    hard_must(fb_system_axis_set(&mechanism, model, &state, &work, joint, 0, FB_AXIS_LOCKED, &input), "latch");
   }
   all->lost = fmax(all->lost, energy_of() / before - 1.0);
   if (compared) {
@@ -248,11 +250,11 @@ static worn latch(int latches, int naive)
   fb_momentum first, now;
   worn all = {0.0, 0.0, 0.0, 0.0};
   chain();
-  hard_must(fb_system_momentum(&mechanism, model, &work, &first, &state, &input), "momentum");
+  hard_must(fb_system_momentum_eval(&mechanism, model, &work, &first, &state, &input), "momentum");
   for (int k = 0; k < latches; k++) {
     const int joint = 1 + k % (LINKS - 1);
     latch_once(&all, joint, naive, naive || k % 100 < LINKS - 1);
-    hard_must(fb_system_momentum(&mechanism, model, &work, &now, &state, &input), "momentum");
+    hard_must(fb_system_momentum_eval(&mechanism, model, &work, &now, &state, &input), "momentum");
     all.lost = fmax(all.lost, hard_difference(now.angular, first.angular, 3) / hard_length(first.angular));
     all.size = fmax(all.size, parts() / hard_length(first.angular));
     for (int i = 0; i < STEPS_PER_LATCH; i++) {
@@ -261,15 +263,15 @@ static worn latch(int latches, int naive)
       }
       hard_must(step(0.001), "step");
     }
-    hard_must(fb_system_axis_set(&mechanism, model, &work, &state, joint, 0, FB_AXIS_FREE, &input), "latch");
+    hard_must(fb_system_axis_set(&mechanism, model, &state, &work, joint, 0, FB_AXIS_FREE, &input), "latch");
     hard_progress(k, latches);
   }
   return all;
 }
 
-/* Bounds by what rounds: one for each of the n speeds that are solved for and multiplied by. The momentum: in each of LINKS
-   parts, of the size of those; the number of latches is not in it, they leave momenta as they are. The energy lost, of what
-   there was: u^2 / (2 (M^-1)_ss) is no more than that, the errors of M grow in it by M_ss (M^-1)_ss. */
+/* Bounds by what rounds: one for each of the n speeds that are solved for and multiplied by. The momentum: in each of
+   LINKS parts, of the size of those; the number of latches is not in it, they leave momenta as they are. The energy
+   lost, of what there was: u^2 / (2 (M^-1)_ss) is no more than that, the errors of M grow in it by M_ss (M^-1)_ss. */
 void hard_latches(int brief)
 {
   const int latches = brief ? 1000 : 30000;
@@ -298,7 +300,8 @@ void hard_latches(int brief)
 
 /* ---- joints by way of massless bodies */
 
-/* A pendulum of 1 m that hangs along x, on a spherical joint or on three hinges z, y, x with bodies without mass between. */
+/* A pendulum of 1 m that hangs along x, on a spherical joint or on three hinges z, y, x with bodies without mass
+   between. */
 static void pendulum(int hinges, fb_method method)
 {
   static const fb_real speed[3] = {FB_R(0.5), FB_R(0.7), FB_R(1.5)}; /* [rad/s] about x, y, z */
@@ -359,7 +362,7 @@ void hard_massless(int brief)
     }
   }
   pendulum(1, FB_METHOD_MULTIPLIERS);
-  row.naive_figure = fb_system_init(&mechanism, &work, model, 3, &desc) == FB_ERR_SINGULAR ? HUGE_VAL : 0.0;
+  row.naive_figure = fb_system_init(&mechanism, &work, model, &desc, 3) == FB_ERR_SINGULAR ? HUGE_VAL : 0.0;
   hard_report(&row);
 }
 
@@ -370,8 +373,8 @@ static const double ground = 0.3,
                     gravity = 0.3; /* [rad] direction of the fourth side, as long as the coupler; [m/s^2] along x */
 enum { CRANK, COUPLER, ROCKER, ANGLES };
 
-/* What one would write: absolute angles x[0..2] and rates x[3..5], the loop's two constraints as accelerations, one LU of
-   mass and constraints. 0: it is singular. */
+/* What one would write: absolute angles x[0..2] and rates x[3..5], the loop's two constraints as accelerations, one LU
+   of mass and constraints. 0: it is singular. */
 static int loop_rates(double rate[6], const double x[6])
 {
   const double *l = side, *w = x + ANGLES, couple = 0.5 * l[COUPLER] * l[CRANK] * l[COUPLER];
@@ -429,9 +432,9 @@ static double naive_loop(double begin, double spin, double dt, int steps)
   return gap;
 }
 
-/* The bound: angles of a hundred turns round by half an eps of them, each moves the ends by its arms: 2.1e-13, in single
-   precision 1.1e-4. In double precision that holds but in the flat positions (7e-14), where the one step that closes the
-   loop leaves more, 5e-13, of what rk4 tore open: the 1e-12 is from experience, not derived. */
+/* The bound: angles of a hundred turns round by half an eps of them, each moves the ends by its arms: 2.1e-13, in
+   single precision 1.1e-4. In double precision that holds but in the flat positions (7e-14), where the one step that
+   closes the loop leaves more, 5e-13, of what rk4 tore open: the 1e-12 is from experience, not derived. */
 void hard_loop(int brief)
 {
   const double spin = 2.0, dt = HARD_PI / HARD_TOL(2048, 512), begin = -100.37 * dt;

@@ -10,7 +10,8 @@ static fb_system mechanism;
 static fb_system_analyse_work work;
 static fb_system_state state;
 
-/* A clamped shaft with `natural` modes each way and its deflections under loads at the tip, where the disk's bearing is. */
+/* A clamped shaft with `natural` modes each way and its deflections under loads at the tip, where the disk's bearing
+   is. */
 static void build(double shaft, int natural)
 {
   static fb_body_work body_work;
@@ -42,8 +43,8 @@ static void build(double shaft, int natural)
   fb_quat_from_rotvec(desc.joint[1].attitude, turn);
   fb_quat_from_rotvec(desc.joint[1].child_attitude, turn);
   start[1].speed[0] = (fb_real)spin;
-  hard_must(fb_system_init(&mechanism, &work.system, model, 2, &desc), "system");
-  hard_must(fb_system_state_init(&mechanism, model, &work.system, &state, start, NULL), "system");
+  hard_must(fb_system_init(&mechanism, &work.system, model, &desc, 2), "system");
+  hard_must(fb_system_state_init(&mechanism, model, &state, &work.system, start, NULL), "system");
 }
 
 /* What vanishes at a whirl of the massless shaft, y + i z = exp(i l t) at the tip. */
@@ -107,7 +108,7 @@ static double naive(void)
     for (int k = 0; k < 4; k++) {
       fb_system_state moved = state, rate;
       *element(&moved, j) += (fb_real)(at[k] * h);
-      hard_must(fb_system_rates(&mechanism, model, &work.system, &rate, &moved, NULL), "rates");
+      hard_must(fb_system_rates_eval(&mechanism, model, &work.system, &rate, &moved, NULL), "rates");
       for (int i = 0; i < size; i++) {
         A[i * size + j] += (fb_real)(weight[k] / h * (double)*element(&rate, i));
       }
@@ -129,7 +130,7 @@ void hard_rotor(int brief)
                   .naive = "differences at constant momenta, of one width"};
   (void)brief;
   build(shaft, HARD_TOL(10, 1));
-  hard_must(fb_system_spectrum(&spectrum, &work, &mechanism, model, &state, NULL), "spectrum");
+  hard_must(fb_system_spectrum_solve(&mechanism, model, &work, &spectrum, &state, NULL), "spectrum");
   row.hard = disk / shaft;
   row.bound = shaft / disk; /* what the mass of the shaft is worth at most */
   row.figure = miss(spectrum.re, spectrum.im, spectrum.n);

@@ -1,11 +1,12 @@
-/* spin.c - spinning bodies: energy lost inside turns a spin about the minor axis flat; a spin far above the first bending
-   frequency. */
+/* spin.c - spinning bodies: energy lost inside turns a spin about the minor axis flat; a spin far above the first
+   bending frequency. */
 #include "hard.h"
 
 /* ---- flat spin: a whip antenna along the axis x of a satellite with moments of inertia C about x and A across, and
    damping in its modes (frequency omega, angular momentum H). At constant |h|, with theta the angle of x from h,
    n = h cos(theta)/C and the nutation nu = n C/A, seen in the body as nu - n:
-     T = h^2/2 (sin^2/A + cos^2/C),  dT/dt = -sum of c (nu - n)^2 (nu H h sin(theta)/A)^2 / |omega^2 - nu^2 + i c (nu - n)|^2
+     T = h^2/2 (sin^2/A + cos^2/C),  dT/dt = -sum of c (nu - n)^2 (nu H h sin(theta)/A)^2 / |omega^2 - nu^2 + i c (nu -
+     n)|^2
    over the modes of one plane, c = 2 zeta omega. */
 
 #define ZETA 0.3
@@ -15,8 +16,8 @@ typedef struct satellite {
   double A, C, h; /* [kg m^2], of the whole as it is undeformed; [N m s] */
 } satellite;
 
-/* theta_dot by the energy it costs; hard_shape has the modes, two alike, one for each plane. A spin about an axis across the
-   antenna stiffens it by that part of its square, 0: as the argument leaves it out. */
+/* theta_dot by the energy it costs; hard_shape has the modes, two alike, one for each plane. A spin about an axis
+   across the antenna stiffens it by that part of its square, 0: as the argument leaves it out. */
 static double sink(const satellite *s, double theta, double stiffening)
 {
   const double across = s->h * sin(theta) / s->A;
@@ -59,8 +60,8 @@ static void satellite_build(satellite *s, double A, double C, unsigned effects)
   s->C = C;
 }
 
-/* A run: largest difference of the angle from the energy sink's [rad], the angle at the end, when 45 degrees were passed
-   (never: FB_HUGE) [s]. */
+/* A run: largest difference of the angle from the energy sink's [rad], the angle at the end, when 45 degrees were
+   passed (never: FB_HUGE) [s]. */
 typedef struct nutating {
   double apart, end, half;
 } nutating;
@@ -136,9 +137,9 @@ static double give(const satellite *s)
   return H * H * nu * nu / (s->A * (omega * omega - nu * nu));
 }
 
-/* The time to 45 degrees, bounded by what the argument leaves out: the spin across the antenna stiffens it where it bends,
-   in the plane of the two, by 1.193 of its square (Southwell's coefficient of the first mode of a cantilever); and A, which
-   is in the square of the force twice, in that of the beat and in dT/d theta with a factor C/(A - C). */
+/* The time to 45 degrees, bounded by what the argument leaves out: the spin across the antenna stiffens it where it
+   bends, in the plane of the two, by 1.193 of its square (Southwell's coefficient of the first mode of a cantilever);
+   and A, which is in the square of the force twice, in that of the beat and in dT/d theta with a factor C/(A - C). */
 static void half_report(hard_row *row, const satellite *s, double from, const nutating run[2])
 {
   const double dt = 0.05, half = sink_half(s, from, dt, 0.0);

@@ -21,12 +21,12 @@ static void base_at(const spinup *s, double t, double *angle, double *w, double 
 /* Fills s->tip. */
 static void exact_run(spinup *s, double EA, int elements, double dt)
 {
-  static fb_mixed_desc desc;
-  static fb_mixed mixed;
-  static fb_mixed_state state;
-  static fb_mixed_work work;
-  static fb_mixed_input input;
-  static fb_mixed_node node[FB_MAX_MIXED + 1];
+  static fb_exact_desc desc;
+  static fb_exact exact;
+  static fb_exact_state state;
+  static fb_exact_work work;
+  static fb_exact_input input;
+  static fb_exact_node node[FB_MAX_EXACT + 1];
   const int steps = (int)(s->duration / (SAMPLES * dt) + 0.5);
   const fb_section section = {
       .mass = (fb_real)s->mass, .EI_y = (fb_real)s->EI, .EI_z = (fb_real)s->EI, .EA = (fb_real)EA};
@@ -35,15 +35,15 @@ static void exact_run(spinup *s, double EA, int elements, double dt)
   desc.length = (fb_real)s->length;
   desc.n_element = elements;
   desc.n_station = 1;
-  hard_must(fb_mixed_station_init(&desc.station[0], &section), "section");
-  hard_must(fb_mixed_init(&mixed, &desc), "exact beam");
-  hard_must(fb_mixed_state_init(&mixed, &state, &work, NULL), "exact beam");
+  hard_must(fb_exact_station_init(&desc.station[0], &section), "section");
+  hard_must(fb_exact_init(&exact, &desc), "exact beam");
+  hard_must(fb_exact_state_init(&exact, &state, &work, NULL), "exact beam");
   for (int k = 0; k < SAMPLES * steps; k++) {
     base_at(s, (k + 0.5) * dt, &angle, &w, &w_dot);
     input.w[2] = (fb_real)w;
-    hard_must(fb_mixed_step(&mixed, &state, &work, &input, (fb_real)dt), "exact beam");
+    hard_must(fb_exact_step(&exact, &state, &work, &input, (fb_real)dt), "exact beam");
     if ((k + 1) % steps == 0) {
-      hard_must(fb_mixed_nodes_eval(&mixed, node, &state), "exact beam");
+      hard_must(fb_exact_nodes_eval(&exact, node, &state), "exact beam");
       s->tip[k / steps] = (double)node[elements].displacement[1];
     }
     hard_progress(k, SAMPLES * steps);
@@ -60,7 +60,7 @@ static double peak(const spinup *s)
 }
 
 /* A modal body beside s->tip: largest difference by the largest deflection. */
-static double modal_apart(const spinup *s, const fb_body *body, fb_scheme scheme, double dt)
+static double modal_apart(const spinup *s, const fb_body *body, fb_integrator integrator, double dt)
 {
   static fb_body_work work;
   static stepper by;
@@ -70,7 +70,7 @@ static double modal_apart(const spinup *s, const fb_body *body, fb_scheme scheme
   double apart = 0.0, u[3], angle, w, w_dot;
   memset(input, 0, sizeof input);
   hard_must(fb_state_init(body, &state), "state");
-  hard_must(stepper_init(&by, &work, body, scheme, dt), "scheme");
+  hard_must(stepper_init(&by, &work, body, integrator, dt), "integrator");
   for (int k = 0; k < SAMPLES * steps; k++) {
     for (int i = 0; i < 3; i++) {
       base_at(s, (k + 0.5 * i) * dt, &angle, &w, &w_dot);
@@ -91,9 +91,9 @@ static double modal_apart(const spinup *s, const fb_body *body, fb_scheme scheme
 
 /* ---- far above the first bending frequency */
 
-/* The bound: 2e-3 for the modes that are left out, and what rounds. That is the load per length across the boom: between the
-   centrifugal one, m w^2 x, and that of the spin-up, m w_dot x, eps w^2 / w_dot of the latter; in single precision 7e-4 at
-   the spin reached and the mean of w_dot. */
+/* The bound: 2e-3 for the modes that are left out, and what rounds. That is the load per length across the boom:
+   between the centrifugal one, m w^2 x, and that of the spin-up, m w_dot x, eps w^2 / w_dot of the latter; in single
+   precision 7e-4 at the spin reached and the mean of w_dot. */
 void hard_fast_spin(int brief)
 {
   static spinup s = {.length = BOOM_LENGTH, .mass = BOOM_LINE, .EI = BOOM_EI};
@@ -116,14 +116,14 @@ void hard_fast_spin(int brief)
   craft.keep.spin = (fb_real)s.spin;
   craft.level.base = FB_BASE_PRESCRIBED;
   hard_craft_build(&body, &craft);
-  row.figure = modal_apart(&s, &body, FB_SCHEME_RK4, dt);
+  row.figure = modal_apart(&s, &body, FB_INTEGRATOR_RK4, dt);
   row.time = s.duration;
   row.steps = s.duration / dt;
   row.periods = s.duration * first / (2.0 * HARD_PI);
   craft.level.effects = FB_EFFECTS_SPIN | FB_EFFECT_RESIDUAL_INERTIA;
   craft.level.allow_split_effects = 1;
   hard_craft_build(&body, &craft);
-  row.naive_figure = modal_apart(&s, &body, FB_SCHEME_RK4, dt);
+  row.naive_figure = modal_apart(&s, &body, FB_INTEGRATOR_RK4, dt);
   hard_report(&row);
 }
 
@@ -170,10 +170,10 @@ static double chain_apart(const spinup *s, int n, double dt)
   return apart / peak(s);
 }
 
-/* Bounds. Modal body: 1e-2 for the functions left out, and what rounds in the implicit scheme's solves: half an eps by the
-   condition of 1 + (gamma dt)^2 K, gamma = 1 - sqrt(1/2), K to the highest frequency there is. Exact beam: 100 times the
-   inverse of the ratio, by which it does stretch, and what rounds in both runs: the load as in fast-spin, and positions
-   once in each element. */
+/* Bounds. Modal body: 1e-2 for the functions left out, and what rounds in the implicit integrator's solves: half an eps
+   by the condition of 1 + (gamma dt)^2 K, gamma = 1 - sqrt(1/2), K to the highest frequency there is. Exact beam: 100
+   times the inverse of the ratio, by which it does stretch, and what rounds in both runs: the load as in fast-spin, and
+   positions once in each element. */
 void hard_axial(int brief)
 {
   static spinup s = {
@@ -188,37 +188,37 @@ void hard_axial(int brief)
                   .degree = "EA L^2/EI",
                   .measure = "tip against the exact beam, of the peak",
                   .naive = "rk4 at the same step (allow_long_step)"};
-  hard_row exact = {.name = "axial exact beam",
+  hard_row judge = {.name = "axial exact beam",
                     .what = "the same spin-up by the exact beam at 5 ms",
                     .degree = "EA L^2/EI",
                     .measure = "tip against the exact beam that cannot stretch, of the peak",
                     .naive = "point masses and springs, semi-implicit Euler at the same step"};
   (void)brief;
-  row.steps = exact.steps = s.duration / dt;
-  row.time = exact.time = s.duration;
-  row.periods = exact.periods = s.duration * HARD_FIRST / (2.0 * HARD_PI);
+  row.steps = judge.steps = s.duration / dt;
+  row.time = judge.time = s.duration;
+  row.periods = judge.periods = s.duration * HARD_FIRST / (2.0 * HARD_PI);
   exact_run(&s, 0.0, 20, dt);
   memcpy(rigid, s.tip, sizeof rigid);
   for (int k = 0; k < HARD_COUNT(ratio); k++) {
     double apart = 0.0;
-    row.hard = exact.hard = ratio[k];
+    row.hard = judge.hard = ratio[k];
     s.EA = ratio[k] * s.EI / (s.length * s.length);
     exact_run(&s, s.EA, 20, dt);
     for (int i = 0; i < SAMPLES; i++) {
       apart = fmax(apart, fabs(s.tip[i] - rigid[i]));
     }
-    exact.figure = apart / peak(&s);
-    exact.bound = 100.0 / ratio[k] + 2.0 * HARD_EPSILON * (s.spin * s.ramp + 20.0 * s.length / peak(&s));
-    exact.naive_figure = chain_apart(&s, 20, dt);
+    judge.figure = apart / peak(&s);
+    judge.bound = 100.0 / ratio[k] + 2.0 * HARD_EPSILON * (s.spin * s.ramp + 20.0 * s.length / peak(&s));
+    judge.naive_figure = chain_apart(&s, 20, dt);
     hard_craft_init(&craft, s.length, s.mass, s.EI);
     hard_craft_stretch(&craft, s.EA, 5);
     craft.level.allow_long_step = 1;
     hard_craft_build(&body, &craft);
     row.bound =
         1e-2 + 0.5 * HARD_EPSILON * pow((1.0 - sqrt(0.5)) * dt * 2.785 / (double)fb_rk4_limit(&body, 0, 0), 2.0);
-    row.figure = modal_apart(&s, &body, FB_SCHEME_SDIRK, dt);
-    row.naive_figure = modal_apart(&s, &body, FB_SCHEME_RK4, dt);
+    row.figure = modal_apart(&s, &body, FB_INTEGRATOR_SDIRK, dt);
+    row.naive_figure = modal_apart(&s, &body, FB_INTEGRATOR_RK4, dt);
     hard_report(&row);
-    hard_report(&exact);
+    hard_report(&judge);
   }
 }

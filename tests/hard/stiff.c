@@ -10,7 +10,7 @@ typedef struct outcome {
 } outcome;
 
 /* A boom with stiff axial coordinates on a base at rest, every coordinate struck. */
-static outcome struck(fb_scheme scheme, int allow, double factor, int steps)
+static outcome struck(fb_integrator integrator, int allow, double factor, int steps)
 {
   static const double rest[3] = {0};
   static const fb_input nothing[3];
@@ -31,7 +31,7 @@ static outcome struck(fb_scheme scheme, int allow, double factor, int steps)
     q_dot[a] = (fb_real)(1e-3 * cos(3.0 * a));
   }
   hard_start(&body, &state, rest, rest, q_dot);
-  hard_must(stepper_init(&by, &work, &body, scheme, out.dt), "scheme");
+  hard_must(stepper_init(&by, &work, &body, integrator, out.dt), "integrator");
   energy = hard_energy(&body, &state);
   for (int k = 0; k < steps; k++) {
     if (stepper_step(&by, &body, &state, nothing, (fb_real)out.dt) != FB_OK) {
@@ -48,11 +48,11 @@ void hard_long_steps(int brief)
 {
   const double factor = 1000.0;
   const int steps = 20000;
-  const outcome sdirk = struck(FB_SCHEME_SDIRK, 0, factor, steps);
-  const outcome midpoint = struck(FB_SCHEME_MIDPOINT, 0, factor, steps);
-  const outcome rk4 = struck(FB_SCHEME_RK4, 1, factor, steps);
+  const outcome sdirk = struck(FB_INTEGRATOR_SDIRK, 0, factor, steps);
+  const outcome midpoint = struck(FB_INTEGRATOR_MIDPOINT, 0, factor, steps);
+  const outcome rk4 = struck(FB_INTEGRATOR_RK4, 1, factor, steps);
   hard_row row = {.name = "long-steps SDIRK2",
-                  .what = "a boom with stiff axial coordinates, every one struck, L-stable scheme",
+                  .what = "a boom with stiff axial coordinates, every one struck, L-stable integrator",
                   .degree = "step / limit of rk4",
                   .measure = "energy at the end, of the first",
                   .bound = HARD_TOL(1e-6, 1e-3),
@@ -124,7 +124,7 @@ static void tip_position(double x[3], const fb_body *body, const fb_state *state
 {
   static fb_motion rest; /* positions want no velocities */
   fb_node_motion tip;
-  hard_must(fb_body_node_motion(body, &tip, state, &rest, HARD_TIP), "tip");
+  hard_must(fb_body_node_motion_eval(body, &tip, state, &rest, HARD_TIP), "tip");
   for (int i = 0; i < 3; i++) {
     x[i] = (double)tip.position[i];
   }
@@ -172,7 +172,7 @@ static double staggered_apart(double tip[SAMPLES][3], const hard_craft *whole, d
       input.w[i] = w[i] + (fb_real)(0.5 * dt) * w_dot[i];
     }
     if (fb_midpoint_step(&beam, &state, &work, &input, (fb_real)dt, 4) != FB_OK ||
-        fb_body_motion(&beam, &motion, &state, &input) != FB_OK) {
+        fb_body_motion_eval(&beam, &motion, &state, &input) != FB_OK) {
       return HUGE_VAL;
     }
     fb_vec3_cross(turn, w, v);

@@ -1,5 +1,5 @@
 /* >>exact: the exact beam at rest: loads, large deflection, sections, ends, units. */
-#include "mixed.h"
+#include "exact.h"
 
 /* ---- statics */
 
@@ -159,7 +159,7 @@ TEST(line_loads_are_exact_at_the_nodes)
    int s^2/EI ds, and a rigid turn's energy, of few elements. */
 TEST(tapered_beams_converge_fast)
 {
-  const double f = FBT_TOL(1e-8, 1e-3), exact = f * 2.0 * (log(2.0) - 0.5);
+  const double f = FBT_TOL(1e-8, 1e-3), closed_form = f * 2.0 * (log(2.0) - 0.5);
   for (int n = 1; n <= 4; n *= 2) {
     const double stiffness[6] = {0.0, 0.0, 0.0, 1.0, 1.0, 1.0}, inertia[6] = {1.0, 1.0, 1.0, 0.0, 0.0, 0.0};
     fb_energy energy;
@@ -173,11 +173,11 @@ TEST(tapered_beams_converge_fast)
     }
     load_tip(FB_AXES_INERTIAL, 0.0, f, 0.0);
     settle();
-    FBT_NEAR_REL(node[n].displacement[1], exact, FBT_TOL(n == 1 ? 2e-2 : n == 2 ? 2e-3 : 2e-4, 2e-2));
+    FBT_NEAR_REL(node[n].displacement[1], closed_form, FBT_TOL(n == 1 ? 2e-2 : n == 2 ? 2e-3 : 2e-4, 2e-2));
     memset(&input, 0, sizeof input);
     input.w[2] = FB_R(1.0);
     start();
-    FBT_INT_EQ(fb_mixed_energy(&mixed, &energy, &state), FB_OK);
+    FBT_INT_EQ(fb_exact_energy_eval(&exact, &energy, &state), FB_OK);
     FBT_NEAR_REL(energy.kinetic, 0.5 * (1.0 / 3.0 - 0.5 / 4.0), FBT_TOL(1e-12, 1e-5)); /* 1/2 int (1 - x/2) x^2 */
   }
 }
@@ -196,7 +196,7 @@ TEST(points_between_nodes_lie_on_the_curve)
     for (int j = 0; j <= 50; j++) {
       const double x = j / 50.0;
       fb_real p[3], q[4];
-      FBT_INT_EQ(fb_mixed_point_eval(&mixed, p, q, &state, (fb_real)x), FB_OK);
+      FBT_INT_EQ(fb_exact_point_eval(&exact, p, q, &state, (fb_real)x), FB_OK);
       FBT_BELOW(distance(p, sin(M * x) / M, (1.0 - cos(M * x)) / M, 0.0), FBT_TOL(1e-10, 1e-5));
     }
   }
@@ -210,7 +210,7 @@ TEST(points_between_nodes_lie_on_the_curve)
   for (int k = 1; k <= 4; k++) {
     const double before = 0.25 * k - FBT_TOL(1e-9, 1e-5);
     fb_real p[3], q[4];
-    FBT_INT_EQ(fb_mixed_point_eval(&mixed, p, q, &state, (fb_real)before), FB_OK);
+    FBT_INT_EQ(fb_exact_point_eval(&exact, p, q, &state, (fb_real)before), FB_OK);
     FBT_BELOW(distance(p, (double)node[k].position[0], (double)node[k].position[1], 0.0), FBT_TOL(2e-9, 3e-5));
     FBT_BELOW(1.0 - fabs((double)(q[0] * node[k].quat[0] + q[3] * node[k].quat[3])), FBT_TOL(1e-14, 1e-6));
   }
@@ -219,7 +219,7 @@ TEST(points_between_nodes_lie_on_the_curve)
   settle();
   {
     fb_real p[3], q[4];
-    FBT_INT_EQ(fb_mixed_point_eval(&mixed, p, q, &state, FB_R(0.5625)), FB_OK);
+    FBT_INT_EQ(fb_exact_point_eval(&exact, p, q, &state, FB_R(0.5625)), FB_OK);
     desc.n_element = 16;
     input.load[0].node = 16;
     settle();
@@ -231,23 +231,23 @@ TEST(points_between_nodes_lie_on_the_curve)
    nodes, too. */
 TEST(rotations_follow_the_beam_through_whole_turns)
 {
-  elastica(FB_MAX_MIXED);
+  elastica(FB_MAX_EXACT);
   start();
   fbt_seed(4);
   for (int run = 0; run < 12; run++) {
     const double step = run % 3 == 0 ? 0.5 * pi : run % 3 == 1 ? 0.4 : 2.3; /* [rad] from node to node */
-    fb_real axis[3], wound[FB_MAX_MIXED + 1][3];
+    fb_real axis[3], wound[FB_MAX_EXACT + 1][3];
     double size;
     fbt_fill(axis, 3, 1.0);
     size = sqrt((double)fb_vec3_dot(axis, axis));
-    for (int j = 0; j <= FB_MAX_MIXED; j++) {
+    for (int j = 0; j <= FB_MAX_EXACT; j++) {
       for (int i = 0; i < 3; i++) {
         wound[j][i] = (fb_real)(step * j / size) * axis[i];
       }
       fb_quat_from_rotvec(state.quat + 4 * j, wound[j]);
     }
-    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
-    for (int j = 0; j <= FB_MAX_MIXED; j++) {
+    FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
+    for (int j = 0; j <= FB_MAX_EXACT; j++) {
       FBT_BELOW(fbt_difference(node[j].rotation, wound[j], 3), FBT_TOL(1e-12, 1e-3));
     }
   }
@@ -262,7 +262,7 @@ TEST(the_roots_rotation_is_within_half_a_turn)
     fb_real turn[3] = {0, 0, 0};
     turn[k / 2] = k % 2 ? FB_R(3.0) : -FB_R(3.0);
     fb_quat_from_rotvec(state.quat, turn);
-    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+    FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
     FBT_BELOW(fbt_difference(node[0].rotation, turn, 3), FBT_TOL(1e-14, 1e-5));
   }
 }
@@ -283,7 +283,7 @@ TEST(rotations_next_to_a_whole_turn_are_those_of_the_attitude)
     fb_quat_from_rotvec(turn, off);
     memcpy(quat, state.quat + 12, sizeof quat);
     fb_quat_mul(state.quat + 12, quat, turn);
-    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+    FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
     FBT_TRUE(run == 1 || distance(node[3].rotation, 0.0, 0.0, 2.0 * pi) < 1e-3);
     fb_quat_from_rotvec(quat, node[3].rotation);
     for (int i = 0; i < 4; i++) {
@@ -305,7 +305,7 @@ TEST(turns_between_nodes_are_those_of_a_cantilever)
   for (int k = 1; k <= 8; k++) {
     const double x = k / 8.0;
     fb_real p[3], q[4];
-    FBT_INT_EQ(fb_mixed_point_eval(&mixed, p, q, &state, (fb_real)x), FB_OK);
+    FBT_INT_EQ(fb_exact_point_eval(&exact, p, q, &state, (fb_real)x), FB_OK);
     FBT_NEAR_REL(2.0 * atan2((double)q[3], (double)q[0]), f * (x - 0.5 * x * x), FBT_TOL(1e-6, 1e-3));
   }
 }
@@ -390,7 +390,7 @@ TEST(steady_stretch_of_a_spinning_rod_is_the_closed_form)
       input.w[2] = (fb_real)w;
       settle();
     }
-    FBT_INT_EQ(fb_mixed_point_eval(&mixed, p, q, &state, (fb_real)x), FB_OK);
+    FBT_INT_EQ(fb_exact_point_eval(&exact, p, q, &state, (fb_real)x), FB_OK);
     FBT_NEAR_ABS((double)p[0] - (double)desc.position[0] - x, u, FBT_TOL(5e-4 * u + 1e-14, 1e-2 * u + 3e-6 * L));
   }
 }
@@ -571,7 +571,7 @@ TEST(offsets_of_a_section_are_those_of_the_forces)
   section.mass_y = FB_R(0.3);
   section.mass_z = FB_R(-0.4);
   elastica(4);
-  FBT_INT_EQ(fb_mixed_station_init(&desc.station[0], &section), FB_OK);
+  FBT_INT_EQ(fb_exact_station_init(&desc.station[0], &section), FB_OK);
   FBT_NEAR_REL(desc.station[0].inertia[21], 0.5 + 2.0 * 0.25, FBT_TOL(1e-14, 1e-6)); /* polar */
   FBT_NEAR_REL(desc.station[0].inertia[28], 0.2 + 2.0 * 0.16, FBT_TOL(1e-14, 1e-6));
   FBT_NEAR_REL(desc.station[0].inertia[35], 0.3 + 2.0 * 0.09, FBT_TOL(1e-14, 1e-6));
@@ -590,7 +590,7 @@ TEST(offsets_of_a_section_are_those_of_the_forces)
   FBT_NEAR_ABS(node[4].rotation[0], 0.0, FBT_TOL(1e-9, 1e-5));
   FBT_NEAR_REL(node[4].rotation[2], 0.01 * f * 0.5 / 70.0, FBT_TOL(1e-3, 1e-2));
   section.EI_y = section.EI_z = FB_R(0.0); /* rigid in bending, though pulls off the line would bend */
-  FBT_INT_EQ(fb_mixed_station_init(&desc.station[0], &section), FB_OK);
+  FBT_INT_EQ(fb_exact_station_init(&desc.station[0], &section), FB_OK);
   FBT_TRUE(fbt_largest(desc.station[0].stiffness + 24, 12) == 0.0);
   for (int i = 0; i < 4; i++) { /* of what is not rigid nothing is lost */
     const double expected[4] = {1e4, 1e4, 1e4, 100.0 + 1e4 * (0.05 * 0.05 + 0.07 * 0.07)};
@@ -606,12 +606,12 @@ TEST(sections_below_zero_are_refused)
   fb_real *const field[] = {&section.mass, &section.EA,  &section.GJ,   &section.EI_y, &section.EI_z,
                             &section.i_y,  &section.i_z, &section.GA_y, &section.GA_z};
   for (int k = 0; k < FBT_COUNT(field); k++) {
-    fb_mixed_station station;
+    fb_exact_station station;
     memset(&section, 0, sizeof section);
     section.i_y = section.i_z = FB_R(2.0); /* so that their sum does not tell */
-    FBT_INT_EQ(fb_mixed_station_init(&station, &section), FB_OK);
+    FBT_INT_EQ(fb_exact_station_init(&station, &section), FB_OK);
     *field[k] = -FB_R(1.0);
-    FBT_INT_EQ(fb_mixed_station_init(&station, &section), FB_ERR_VALUE);
+    FBT_INT_EQ(fb_exact_station_init(&station, &section), FB_ERR_VALUE);
   }
 }
 
@@ -633,14 +633,14 @@ TEST(twist_is_that_of_the_stations)
       desc.place[k] = (fb_real)place[k - 1];
     }
     start();
-    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+    FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
     for (int k = 0; k <= 4; k++) {
       const double x = uneven ? (double)desc.place[k] : 0.5 * k;
       const int b = x > at[1] ? 2 : 1;
       const double expected = twist[b - 1] + (twist[b] - twist[b - 1]) * (x - at[b - 1]) / (at[b] - at[b - 1]);
       fb_real p[3], q[4];
       FBT_NEAR_ABS(2.0 * atan2((double)node[k].quat[1], (double)node[k].quat[0]), expected, FBT_TOL(1e-13, 1e-5));
-      FBT_INT_EQ(fb_mixed_point_eval(&mixed, p, q, &state, (fb_real)x), FB_OK);
+      FBT_INT_EQ(fb_exact_point_eval(&exact, p, q, &state, (fb_real)x), FB_OK);
       FBT_NEAR_ABS(2.0 * atan2((double)q[1], (double)q[0]), expected, FBT_TOL(1e-13, 1e-5));
       FBT_BELOW(distance(p, x, 0.0, 0.0), FBT_TOL(1e-13, 1e-5));
     }
@@ -662,7 +662,7 @@ TEST(curves_are_those_of_the_stations)
       desc.station[k].curvature[axis] = (fb_real)curvature[k];
     }
     start();
-    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+    FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
     for (int k = 0; k <= 4; k++) {
       const double x = 0.5 * k;
       double turned = 0.0;
@@ -699,9 +699,9 @@ TEST(any_units_give_the_same_solution)
     }
     input.n_load = 0;
     for (int k = 0; k < 50; k++) {
-      FBT_INT_EQ(fb_mixed_step(&mixed, &state, &work, &input, (fb_real)(0.01 * t)), FB_OK);
+      FBT_INT_EQ(fb_exact_step(&exact, &state, &work, &input, (fb_real)(0.01 * t)), FB_OK);
     }
-    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+    FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
     tip = u == 0 ? (double)node[10].displacement[2] : tip;
     FBT_NEAR_ABS(node[10].displacement[2] / (fb_real)l, tip, FBT_TOL(1e-9, 1e-2));
   }
@@ -721,13 +721,14 @@ TEST(units_are_the_beams_own)
     desc.lump[0].mass = FB_R(0.3);
     desc.lump[1].mass = FB_R(0.2);
     start();
-    FBT_NEAR_REL(mixed.length, 2.0, FBT_TOL(1e-14, 1e-6));
-    FBT_NEAR_REL(mixed.force, force[run], FBT_TOL(1e-14, 1e-6));
-    FBT_NEAR_REL(mixed.time, sqrt((2.0 * 0.1 + 0.5) * 2.0 / force[run]), FBT_TOL(1e-14, 1e-6));
+    FBT_NEAR_REL(exact.length, 2.0, FBT_TOL(1e-14, 1e-6));
+    FBT_NEAR_REL(exact.force, force[run], FBT_TOL(1e-14, 1e-6));
+    FBT_NEAR_REL(exact.time, sqrt((2.0 * 0.1 + 0.5) * 2.0 / force[run]), FBT_TOL(1e-14, 1e-6));
   }
 }
 
-/* E10.5, E10.12: the last station, and a point, are on the beam where they are off its end by rounding of their file. */
+/* E10.5, E10.12: the last station, and a point, are on the beam where they are off its end by rounding of their
+   file. */
 TEST(ends_are_met_to_rounding)
 {
   fb_real p[3], q[4];
@@ -740,11 +741,12 @@ TEST(ends_are_met_to_rounding)
   settle();
   FBT_NEAR_REL(node[3].displacement[1], FBT_TOL(1e-6, 1e-3) / 3.0, FBT_TOL(1e-10, 1e-3));
   FBT_NEAR_ABS(2.0 * atan2((double)node[3].quat[1], (double)node[3].quat[0]), 0.3, 1e-3);
-  FBT_INT_EQ(fb_mixed_point_eval(&mixed, p, q, &state, FB_R(1.000006)), FB_OK);
+  FBT_INT_EQ(fb_exact_point_eval(&exact, p, q, &state, FB_R(1.000006)), FB_OK);
   FBT_BELOW(distance(p, (double)node[3].position[0], (double)node[3].position[1], 0.0), 1e-5);
 }
 
-/* E10.11: loads in inertial axes are taken as they stand: of a beam without mass the spin of its base changes nothing. */
+/* E10.11: loads in inertial axes are taken as they stand: of a beam without mass the spin of its base changes
+   nothing. */
 TEST(dead_loads_do_not_spin_with_the_base)
 {
   const double stiffness[6] = {100.0, 50.0, 60.0, 2.0, 5.0, 7.0};
@@ -834,7 +836,7 @@ TEST(newton_converges_quadratically)
                               FB_R(-0.15), FB_R(0.02), FB_R(0.01),  FB_R(0.012), FB_R(0.008)};
   for (int run = 0; run < 2; run++) {
     elastica(8);
-    FBT_INT_EQ(fb_mixed_station_init(&desc.station[0], &section), FB_OK);
+    FBT_INT_EQ(fb_exact_station_init(&desc.station[0], &section), FB_OK);
     desc.station[0].curvature[0] = FB_R(0.5);
     desc.station[0].curvature[1] = FB_R(-0.3);
     desc.gravity[1] = FB_R(-1.0);
@@ -863,7 +865,7 @@ TEST(newton_converges_quadratically)
     }
     input.w[2] += FB_R(0.05);
     input.line[3].force[2] += FB_R(0.05);
-    FBT_INT_EQ(fb_mixed_steady_solve(&mixed, &state, &work, &input), FB_OK);
+    FBT_INT_EQ(fb_exact_trim(&exact, &state, &work, &input), FB_OK);
     FBT_INT_EQ(work.increments, 1);
     FBT_TRUE(work.iterations <= 4);
   }
@@ -908,7 +910,7 @@ TEST(undeformed_nodes_have_not_turned)
     if (held) {
       settle();
     }
-    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+    FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
     for (int j = 0; j <= 6; j++) {
       FBT_BELOW(fbt_largest(node[j].displacement, 3), FBT_TOL(1e-15, 1e-6));
       FBT_BELOW(fbt_largest(node[j].rotation, 3), FBT_TOL(1e-15, 1e-6));
@@ -921,11 +923,11 @@ TEST(undeformed_nodes_have_not_turned)
 TEST(element_fields_have_their_units)
 {
   const double stiffness[6] = {200.0, 80.0, 80.0, 30.0, 50.0, 70.0}, inertia[6] = {3.0, 3.0, 3.0, 0.1, 0.2, 0.3};
-  fb_mixed_element e;
+  fb_exact_element e;
   beam(4.0, 2, stiffness, inertia);
   input.w[2] = FB_R(0.5);
   start();
-  FBT_INT_EQ(fb_mixed_element_eval(&mixed, &e, &state, 1), FB_OK);
+  FBT_INT_EQ(fb_exact_element_eval(&exact, &e, &state, 1), FB_OK);
   FBT_NEAR_REL(e.velocity[1], 0.5 * 3.0, FBT_TOL(1e-12, 1e-5));
   FBT_NEAR_REL(e.angular_rate[2], 0.5, FBT_TOL(1e-12, 1e-5));
   FBT_NEAR_REL(e.momentum[1], 3.0 * 1.5, FBT_TOL(1e-12, 1e-5));
@@ -939,7 +941,7 @@ TEST(element_fields_have_their_units)
     }
     start();
     for (int k = 0; k < 2; k++) {
-      FBT_INT_EQ(fb_mixed_element_eval(&mixed, &e, &state, k), FB_OK);
+      FBT_INT_EQ(fb_exact_element_eval(&exact, &e, &state, k), FB_OK);
       FBT_NEAR_REL(e.velocity[1], 0.5 * (1.0 + 2.0 * k), FBT_TOL(1e-12, 1e-5));
       FBT_NEAR_REL(e.angular_rate[2], 0.5, FBT_TOL(1e-12, 1e-5));
       if (!taper) {
@@ -952,7 +954,7 @@ TEST(element_fields_have_their_units)
   load_tip(FB_AXES_NODE, 0.2, 0.0, 0.0);
   input.load[0].torque[2] = FB_R(0.7);
   settle();
-  FBT_INT_EQ(fb_mixed_element_eval(&mixed, &e, &state, 0), FB_OK);
+  FBT_INT_EQ(fb_exact_element_eval(&exact, &e, &state, 0), FB_OK);
   FBT_NEAR_REL(e.moment[2], 0.7, FBT_TOL(0.05, 0.05)); /* the pull follows the tip's section */
   FBT_NEAR_REL(e.moment_strain[2], (double)e.moment[2] / 70.0, FBT_TOL(1e-12, 1e-5));
   FBT_NEAR_REL(e.force_strain[0], (double)e.force[0] / 200.0, FBT_TOL(1e-12, 1e-5));
@@ -960,8 +962,8 @@ TEST(element_fields_have_their_units)
   load_tip(FB_AXES_INERTIAL, 0.0, 0.0, 0.5);
   start();
   state.base_quat[0] = state.base_quat[1] = FB_R(0.7071067811865476); /* y of the base is z of space */
-  FBT_INT_EQ(fb_mixed_steady_solve(&mixed, &state, &work, &input), FB_OK);
-  FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+  FBT_INT_EQ(fb_exact_trim(&exact, &state, &work, &input), FB_OK);
+  FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
   FBT_NEAR_REL(node[2].displacement[1], 0.5 * (64.0 / 210.0 + 4.0 / 80.0), 0.02);
   FBT_NEAR_ABS(node[2].displacement[2], 0.0, FBT_TOL(1e-12, 1e-5));
   FBT_NEAR_REL(node[2].position[2], (double)node[2].displacement[1], FBT_TOL(1e-12, 1e-5));
@@ -988,19 +990,19 @@ TEST(strain_energy_is_the_work_of_the_load)
   load_tip(FB_AXES_INERTIAL, 0.0, f, -2.0 * f);
   start();
   memset(&work, 0xff, sizeof work);
-  FBT_INT_EQ(fb_mixed_steady_solve(&mixed, &state, &work, &input), FB_OK);
-  FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
-  FBT_INT_EQ(fb_mixed_energy(&mixed, &energy, &state), FB_OK);
+  FBT_INT_EQ(fb_exact_trim(&exact, &state, &work, &input), FB_OK);
+  FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
+  FBT_INT_EQ(fb_exact_energy_eval(&exact, &energy, &state), FB_OK);
   FBT_NEAR_REL(energy.strain, 0.5 * f * ((double)node[6].displacement[1] - 2.0 * (double)node[6].displacement[2]),
                FBT_TOL(1e-5, 1e-2));
   memset(&work, 0xff, sizeof work);
   input.w[2] = FB_R(0.5);
-  FBT_INT_EQ(fb_mixed_steady_solve(&mixed, &state, &work, &input), FB_OK);
+  FBT_INT_EQ(fb_exact_trim(&exact, &state, &work, &input), FB_OK);
   memset(&work, 0xff, sizeof work);
-  FBT_INT_EQ(fb_mixed_step(&mixed, &state, &work, &input, FB_R(0.01)), FB_OK);
+  FBT_INT_EQ(fb_exact_step(&exact, &state, &work, &input, FB_R(0.01)), FB_OK);
 }
 
-SUITE(mixed_statics, RUN(rotations_follow_the_beam_through_whole_turns),
+SUITE(exact_statics, RUN(rotations_follow_the_beam_through_whole_turns),
       RUN(rotations_next_to_a_whole_turn_are_those_of_the_attitude), RUN(turns_between_nodes_are_those_of_a_cantilever),
       RUN(elastica_is_of_order_four), RUN(linear_cantilevers_are_exact_at_the_nodes),
       RUN(tapered_rods_are_exact_at_the_nodes), RUN(rigid_beams_do_not_deflect), RUN(tapered_beams_converge_fast),

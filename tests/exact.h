@@ -1,20 +1,20 @@
-/* mixed.h - exact beams as their tests describe, settle and load them, shared by the tests of >>exact:
-   the geometrically exact mixed beam against closed forms, the elastica, published cases, other solvers, the
-   dispersion relation of its own scheme, and what must be constant. */
-#ifndef FBT_MIXED_H
-#define FBT_MIXED_H
+/* exact.h - exact beams as their tests describe, settle and load them, shared by the tests of >>exact:
+   the geometrically exact beam against closed forms, the elastica, published cases, other solvers, the
+   dispersion relation of its own integrator, and what must be constant. */
+#ifndef FBT_EXACT_H
+#define FBT_EXACT_H
 
 #include "fbt.h"
 
 static const double pi = 3.14159265358979323846;
-static fb_mixed_desc desc;
-static fb_mixed mixed;
-static fb_mixed_state state;
-static fb_mixed_work work;
-static fb_mixed_input input;
-static fb_mixed_node node[FB_MAX_MIXED + 1];
-static fb_mixed_spectrum spectrum;
-static fb_mixed_spectrum_work spectrum_work;
+static fb_exact_desc desc;
+static fb_exact exact;
+static fb_exact_state state;
+static fb_exact_work work;
+static fb_exact_input input;
+static fb_exact_node node[FB_MAX_EXACT + 1];
+static fb_exact_spectrum spectrum;
+static fb_exact_spectrum_work spectrum_work;
 
 /* A uniform beam clamped at its root: stiffness and inertia by their diagonals; nothing acts. */
 static inline void beam(double length, int n, const double stiffness[6], const double inertia[6])
@@ -39,16 +39,16 @@ static inline void elastica(int n)
 
 static inline void start(void)
 {
-  FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_OK);
-  FBT_INT_EQ(fb_mixed_check(&mixed), FB_OK);
-  FBT_INT_EQ(fb_mixed_state_init(&mixed, &state, &work, &input), FB_OK);
+  FBT_INT_EQ(fb_exact_init(&exact, &desc), FB_OK);
+  FBT_INT_EQ(fb_exact_check(&exact), FB_OK);
+  FBT_INT_EQ(fb_exact_state_init(&exact, &state, &work, &input), FB_OK);
 }
 
 static inline void settle(void)
 {
   start();
-  FBT_INT_EQ(fb_mixed_steady_solve(&mixed, &state, &work, &input), FB_OK);
-  FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+  FBT_INT_EQ(fb_exact_trim(&exact, &state, &work, &input), FB_OK);
+  FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
 }
 
 static inline void load_tip(fb_axes axes, double fx, double fy, double fz)
@@ -69,7 +69,7 @@ static inline double distance(const fb_real *p, double x, double y, double z)
 
 static inline void spectrum_of(int count)
 {
-  FBT_INT_EQ(fb_mixed_spectrum_solve(&mixed, &spectrum, &spectrum_work, &state, &input, count), FB_OK);
+  FBT_INT_EQ(fb_exact_spectrum_solve(&exact, &spectrum_work, &spectrum, &state, &input, count), FB_OK);
 }
 
 /* ---- motion */
@@ -77,7 +77,7 @@ static inline void spectrum_of(int count)
 static inline double total_energy(void)
 {
   fb_energy e;
-  FBT_INT_EQ(fb_mixed_energy(&mixed, &e, &state), FB_OK);
+  FBT_INT_EQ(fb_exact_energy_eval(&exact, &e, &state), FB_OK);
   return (double)e.kinetic + (double)e.strain + (double)e.gravity;
 }
 
@@ -85,7 +85,7 @@ static inline fb_status steps(int count, double dt)
 {
   fb_status status = FB_OK;
   for (int k = 0; k < count && status == FB_OK; k++) {
-    status = fb_mixed_step(&mixed, &state, &work, &input, (fb_real)dt);
+    status = fb_exact_step(&exact, &state, &work, &input, (fb_real)dt);
   }
   FBT_INT_EQ(status, FB_OK);
   return status;
@@ -121,7 +121,7 @@ static inline void seen_section(fb_real A[36], int way, int strain)
 }
 
 /* Any section: stiffness without a zero, mass off the line. */
-static inline void any_section(fb_mixed_station *station)
+static inline void any_section(fb_exact_station *station)
 {
   const double m = 1.3, c[2] = {0.12, -0.07}, J[9] = {0.09, 0.004, -0.006, 0.004, 0.05, 0.003, -0.006, 0.003, 0.06};
   fb_real *const K = station->stiffness, *const M = station->inertia, B[36];
@@ -174,7 +174,8 @@ static inline void any_input(int way, int n)
   }
 }
 
-/* A tapered beam of any section with two bodies, clamped at one end, on a slide amid: of the way 1 curved, and askew. */
+/* A tapered beam of any section with two bodies, clamped at one end, on a slide amid: of the way 1 curved, and
+   askew. */
 static inline void any_beam(int way, int curved)
 {
   const int n = 6;

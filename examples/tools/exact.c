@@ -1,21 +1,21 @@
-/* beam3d - reads a beam from a small text file and says how it stands under its loads, and how it vibrates about that.
+/* exact - reads a beam from a small text file and says how it stands under its loads, and how it vibrates about that.
    examples/tools/README.md lists the words; examples/bend45.txt is one.
    Exit: 0 well, 1 no such state, 2 bad options or file. */
 #define _POSIX_C_SOURCE 200809L /* popen, for gnuplot */
-#define FB_MAX_MIXED 400
+#define FB_MAX_EXACT 400
 #define FLEXBEAM_STATIC
 #include "../../flexbeam.h"
-#define PROGRAM "beam3d"
+#define PROGRAM "exact"
 #include "../common/options.h"
 #include "words.h"
 #include "../common/output.h"
-#include "../common/mixed_beam.h"
+#include "../common/exact_beam.h"
 #include "../common/plot.h"
-#include "mixed_text.h"
+#include "exact_text.h"
 
 static const char help[] =
-    "beam3d - a geometrically exact beam from a text file: deflection, root loads, frequencies; any consistent units\n"
-    "usage: flexbeam beam3d FILE [--out SHAPE.csv]\n"
+    "exact - a geometrically exact beam from a text file: deflection, root loads, frequencies; any consistent units\n"
+    "usage: flexbeam exact FILE [--out SHAPE.csv]\n"
     "  the file, one word and its numbers a line, # begins a comment:\n"
     "    length L                      of the line\n"
     "    elements N                    equal ones, 1 to 400 (20)\n"
@@ -42,21 +42,21 @@ static const char help[] =
     "  --out FILE  x, y, z of 201 points along the deformed line; three views beside it as .svg\n"
     "  --help      this text\n";
 
-/* The description, to the beam of mixed_beam.h; 0, or 2 after a message. */
+/* The description, to the beam of exact_beam.h; 0, or 2 after a message. */
 static int read_file(const char *name, int *modes)
 {
-  static mixed_text m;
+  static exact_text m;
   text_file t;
-  mixed_begin(&m);
+  exact_begin(&m);
   if (!text_open(&t, PROGRAM, name)) {
     return 2;
   }
   while (text_line(&t)) {
-    mixed_line(&t, &m, text_word(&t));
+    exact_line(&t, &m, text_word(&t));
   }
   t.line = 0; /* what is missing has no line */
   if (!t.failed) {
-    mixed_places(&t, &m);
+    exact_places(&t, &m);
   }
   text_close(&t);
   beam_desc = m.desc;
@@ -74,7 +74,7 @@ static void row(const char *what, const fb_real x[3], double unit)
 
 static void tell_state(void)
 {
-  const fb_mixed_node *const tip = &beam_node[beam_desc.n_element], *const root = &beam_node[0];
+  const fb_exact_node *const tip = &beam_node[beam_desc.n_element], *const root = &beam_node[0];
   fb_energy energy = {0};
   printf("%d elements, %d iterations, %d load increments\n", beam_desc.n_element, beam_work.iterations,
          beam_work.increments);
@@ -93,15 +93,15 @@ static void tell_state(void)
       row("  inner moment, inboard", beam_node[k].moment, 1);
     }
   }
-  (void)fb_mixed_energy(&beam, &energy, &beam_state);
+  (void)fb_exact_energy_eval(&beam, &energy, &beam_state);
   printf("%-28s %14.7g\n", "strain energy", (double)energy.strain);
 }
 
 static fb_status tell_modes(int count)
 {
-  static fb_mixed_spectrum spectrum;
-  static fb_mixed_spectrum_work work;
-  const fb_status status = fb_mixed_spectrum_solve(&beam, &spectrum, &work, &beam_state, &beam_input, count);
+  static fb_exact_spectrum spectrum;
+  static fb_exact_spectrum_work work;
+  const fb_status status = fb_exact_spectrum_solve(&beam, &work, &spectrum, &beam_state, &beam_input, count);
   if (status != FB_OK) {
     return status;
   }
@@ -140,7 +140,7 @@ static int read_option(void *target, const char *name, const char *text)
   return strcmp(name, "--out") == 0 ? read_out((const char **)target, text) : NO_SUCH_OPTION;
 }
 
-int beam3d_main(int argc, char **argv)
+int exact_main(int argc, char **argv)
 {
   int modes = 0;
   const char *out = NULL;
@@ -155,7 +155,7 @@ int beam3d_main(int argc, char **argv)
   }
   status = beam_start();
   if (status != FB_OK) {
-    fprintf(stderr, "beam3d: %s: %s\n", argv[1], fb_status_string(status));
+    fprintf(stderr, "exact: %s: %s\n", argv[1], fb_status_string(status));
     return 2;
   }
   status = beam_settle();
@@ -163,11 +163,11 @@ int beam3d_main(int argc, char **argv)
     tell_state();
     status = modes > 0 ? tell_modes(modes) : FB_OK;
     if (status != FB_OK) {
-      fprintf(stderr, "beam3d: modes: %s\n", fb_status_string(status));
+      fprintf(stderr, "exact: modes: %s\n", fb_status_string(status));
       return 1;
     }
   } else {
-    fprintf(stderr, "beam3d: no steady state found: %s (%d load increments tried)%s\n", fb_status_string(status),
+    fprintf(stderr, "exact: no steady state found: %s (%d load increments tried)%s\n", fb_status_string(status),
             beam_work.increments,
             status == FB_ERR_SINGULAR
                 ? "; is it held against every motion, and the root, not the tip, where it is rigid?"

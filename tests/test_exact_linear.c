@@ -1,16 +1,16 @@
 /* >>trim and >>linear: linear models of the exact beam; what is refused of it. */
-#include "mixed.h"
+#include "exact.h"
 
 /* ---- linear models */
 
-static fb_mixed_linear linear;
-static fb_mixed_linear_work linear_work;
-static fb_mixed_linear_desc ports;
-static fb_mixed_state steady;
+static fb_exact_linear linear;
+static fb_exact_linear_work linear_work;
+static fb_exact_linear_desc ports;
+static fb_exact_state steady;
 
-static void port(fb_mixed_port *list, int *n, fb_mixed_port_kind kind, int at, int axis, fb_axes axes)
+static void port(fb_exact_port *list, int *n, fb_exact_port_kind kind, int at, int axis, fb_axes axes)
 {
-  fb_mixed_port *const p = &list[(*n)++];
+  fb_exact_port *const p = &list[(*n)++];
   p->kind = kind;
   p->at = at;
   p->axis = axis;
@@ -63,50 +63,50 @@ static void linear_case(int which, int n)
   steady = state;
   memset(&ports, 0, sizeof ports);
   for (int axis = 0; axis < 3; axis++) {
-    port(ports.in, &ports.n_in, FB_MIXED_PORT_FORCE, n - 3, axis,
+    port(ports.in, &ports.n_in, FB_EXACT_PORT_FORCE, n - 3, axis,
          axis != 1                             ? FB_AXES_NODE
          : input.w[0] + input.w[2] > FB_R(0.0) ? FB_AXES_BODY
                                                : FB_AXES_INERTIAL);
-    port(ports.in, &ports.n_in, FB_MIXED_PORT_TORQUE, n - 1, axis, axis == 1 ? FB_AXES_NODE : FB_AXES_BODY);
-    port(ports.in, &ports.n_in, FB_MIXED_PORT_BASE_RATE, 0, axis, FB_AXES_INERTIAL);
-    port(ports.out, &ports.n_out, FB_MIXED_PORT_DISPLACEMENT, n / 2, axis, FB_AXES_INERTIAL);
+    port(ports.in, &ports.n_in, FB_EXACT_PORT_TORQUE, n - 1, axis, axis == 1 ? FB_AXES_NODE : FB_AXES_BODY);
+    port(ports.in, &ports.n_in, FB_EXACT_PORT_BASE_RATE, 0, axis, FB_AXES_INERTIAL);
+    port(ports.out, &ports.n_out, FB_EXACT_PORT_DISPLACEMENT, n / 2, axis, FB_AXES_INERTIAL);
   }
-  port(ports.in, &ports.n_in, FB_MIXED_PORT_BASE_VELOCITY, 0, 1, FB_AXES_INERTIAL);
-  port(ports.out, &ports.n_out, FB_MIXED_PORT_ROTATION, n, 0, FB_AXES_INERTIAL);
-  port(ports.out, &ports.n_out, FB_MIXED_PORT_ROTATION, n, 2, FB_AXES_INERTIAL);
-  port(ports.out, &ports.n_out, FB_MIXED_PORT_VELOCITY, n / 3, 1, FB_AXES_INERTIAL);
-  port(ports.out, &ports.n_out, FB_MIXED_PORT_RATE, n - 2, 1, FB_AXES_INERTIAL);
+  port(ports.in, &ports.n_in, FB_EXACT_PORT_BASE_VELOCITY, 0, 1, FB_AXES_INERTIAL);
+  port(ports.out, &ports.n_out, FB_EXACT_PORT_ROTATION, n, 0, FB_AXES_INERTIAL);
+  port(ports.out, &ports.n_out, FB_EXACT_PORT_ROTATION, n, 2, FB_AXES_INERTIAL);
+  port(ports.out, &ports.n_out, FB_EXACT_PORT_VELOCITY, n / 3, 1, FB_AXES_INERTIAL);
+  port(ports.out, &ports.n_out, FB_EXACT_PORT_RATE, n - 2, 1, FB_AXES_INERTIAL);
   /* loads and strains along every axis in some case */
-  port(ports.out, &ports.n_out, FB_MIXED_PORT_INTERNAL_FORCE, 2, (1 + which) % 3, FB_AXES_INERTIAL);
-  port(ports.out, &ports.n_out, FB_MIXED_PORT_INTERNAL_MOMENT, 3, (2 + which) % 3, FB_AXES_INERTIAL);
-  port(ports.out, &ports.n_out, FB_MIXED_PORT_FORCE_STRAIN, 3, which % 3, FB_AXES_INERTIAL);
-  port(ports.out, &ports.n_out, FB_MIXED_PORT_MOMENT_STRAIN, n - 4, (1 + which) % 3, FB_AXES_INERTIAL);
+  port(ports.out, &ports.n_out, FB_EXACT_PORT_INTERNAL_FORCE, 2, (1 + which) % 3, FB_AXES_INERTIAL);
+  port(ports.out, &ports.n_out, FB_EXACT_PORT_INTERNAL_MOMENT, 3, (2 + which) % 3, FB_AXES_INERTIAL);
+  port(ports.out, &ports.n_out, FB_EXACT_PORT_FORCE_STRAIN, 3, which % 3, FB_AXES_INERTIAL);
+  port(ports.out, &ports.n_out, FB_EXACT_PORT_MOMENT_STRAIN, n - 4, (1 + which) % 3, FB_AXES_INERTIAL);
 }
 
 /* What the output reads of the state. */
-static double port_value(const fb_mixed_port *p, const fb_mixed_state *of)
+static double port_value(const fb_exact_port *p, const fb_exact_state *of)
 {
-  fb_mixed_element e;
+  fb_exact_element e;
   const fb_real *const q = steady.quat + 4 * p->at, back[4] = {q[0], -q[1], -q[2], -q[3]};
   fb_real turn[4], phi[3];
-  FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, of), FB_OK);
-  FBT_INT_EQ(fb_mixed_element_eval(&mixed, &e, of, p->at < mixed.n ? p->at : 0), FB_OK);
+  FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, of), FB_OK);
+  FBT_INT_EQ(fb_exact_element_eval(&exact, &e, of, p->at < exact.n ? p->at : 0), FB_OK);
   fb_quat_mul(turn, back, of->quat + 4 * p->at);
   fb_quat_to_rotvec(phi, turn);
   switch (p->kind) {
-  case FB_MIXED_PORT_DISPLACEMENT:
+  case FB_EXACT_PORT_DISPLACEMENT:
     return (double)node[p->at].displacement[p->axis];
-  case FB_MIXED_PORT_ROTATION:
+  case FB_EXACT_PORT_ROTATION:
     return (double)phi[p->axis];
-  case FB_MIXED_PORT_VELOCITY:
+  case FB_EXACT_PORT_VELOCITY:
     return (double)node[p->at].velocity[p->axis];
-  case FB_MIXED_PORT_RATE:
+  case FB_EXACT_PORT_RATE:
     return (double)node[p->at].angular_rate[p->axis];
-  case FB_MIXED_PORT_INTERNAL_FORCE:
+  case FB_EXACT_PORT_INTERNAL_FORCE:
     return (double)e.force[p->axis];
-  case FB_MIXED_PORT_INTERNAL_MOMENT:
+  case FB_EXACT_PORT_INTERNAL_MOMENT:
     return (double)e.moment[p->axis];
-  case FB_MIXED_PORT_FORCE_STRAIN:
+  case FB_EXACT_PORT_FORCE_STRAIN:
     return (double)e.force_strain[p->axis];
   default:
     return (double)e.moment_strain[p->axis];
@@ -114,17 +114,17 @@ static double port_value(const fb_mixed_port *p, const fb_mixed_state *of)
 }
 
 /* The input moved by h. */
-static void port_drive(fb_mixed_input *moved, const fb_mixed_port *p, double h)
+static void port_drive(fb_exact_input *moved, const fb_exact_port *p, double h)
 {
   *moved = input;
-  if (p->kind == FB_MIXED_PORT_BASE_VELOCITY || p->kind == FB_MIXED_PORT_BASE_RATE) {
-    (p->kind == FB_MIXED_PORT_BASE_RATE ? moved->w : moved->v)[p->axis] += (fb_real)h;
+  if (p->kind == FB_EXACT_PORT_BASE_VELOCITY || p->kind == FB_EXACT_PORT_BASE_RATE) {
+    (p->kind == FB_EXACT_PORT_BASE_RATE ? moved->w : moved->v)[p->axis] += (fb_real)h;
   } else {
     fb_load *const load = &moved->load[moved->n_load++];
     memset(load, 0, sizeof *load);
     load->node = p->at;
     load->axes = p->axes;
-    (p->kind == FB_MIXED_PORT_FORCE ? load->force : load->torque)[p->axis] = (fb_real)h;
+    (p->kind == FB_EXACT_PORT_FORCE ? load->force : load->torque)[p->axis] = (fb_real)h;
   }
 }
 
@@ -153,7 +153,7 @@ static void linear_response(double y[2], int out, int in, double omega)
   }
 }
 
-/* E12.13, E12.15: at rest the linear model answers as fb_mixed_steady_solve does to small changes of every input, with
+/* E12.13, E12.15: at rest the linear model answers as fb_exact_trim does to small changes of every input, with
    any number of modes; its eigenvalues are those of the spectrum, and of A. */
 TEST(linear_beams_rest_where_the_beam_does)
 {
@@ -166,23 +166,23 @@ TEST(linear_beams_rest_where_the_beam_does)
       steady = state;
     }
     for (int count = 1; count <= 12; count += 11) {
-      FBT_INT_EQ(fb_mixed_linearize(&mixed, &linear, &linear_work, &steady, &input, &ports, count), FB_OK);
+      FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &steady, &input, &ports, count), FB_OK);
       state = steady;
       spectrum_of(count);
       FBT_TRUE(linear.n_mode >= count && linear.n_mode <= count + 1 && linear.n <= 2 * linear.n_mode);
       FBT_TRUE(memcmp(linear.re, spectrum.re, (size_t)count * sizeof(fb_real)) == 0);
       FBT_TRUE(memcmp(linear.im, spectrum.im, (size_t)count * sizeof(fb_real)) == 0);
-      FBT_NEAR_ABS(fb_spectrum_margin(linear.re, NULL, count), fb_spectrum_margin(spectrum.re, NULL, count), 0.0);
+      FBT_NEAR_ABS(fb_spectrum_margin(NULL, linear.re, count), fb_spectrum_margin(NULL, spectrum.re, count), 0.0);
       for (int i = 0; i < ports.n_in; i++) {
-        const fb_mixed_port *const in = &ports.in[i];
-        const double h = (in->kind == FB_MIXED_PORT_BASE_RATE ? 1e-3 : 1e-2) * FBT_TOL(1.0, 10.0);
+        const fb_exact_port *const in = &ports.in[i];
+        const double h = (in->kind == FB_EXACT_PORT_BASE_RATE ? 1e-3 : 1e-2) * FBT_TOL(1.0, 10.0);
         const double weight[4] = {1.0 / 12.0, -2.0 / 3.0, 2.0 / 3.0, -1.0 / 12.0};
         double want[FB_MAX_PORTS] = {0.0}, most = 0.0;
         for (int step = 0; step < 4; step++) {
-          static fb_mixed_input moved;
+          static fb_exact_input moved;
           port_drive(&moved, in, h * (step < 2 ? step - 2 : step - 1));
           state = steady;
-          FBT_INT_EQ(fb_mixed_steady_solve(&mixed, &state, &work, &moved), FB_OK);
+          FBT_INT_EQ(fb_exact_trim(&exact, &state, &work, &moved), FB_OK);
           for (int o = 0; o < ports.n_out; o++) {
             want[o] += weight[step] / h * port_value(&ports.out[o], &state);
           }
@@ -217,10 +217,10 @@ TEST(linear_beams_follow_the_unit_of_time)
     input.w[2] = (fb_real)(0.5 / t);
     settle();
     memset(&ports, 0, sizeof ports);
-    port(ports.in, &ports.n_in, FB_MIXED_PORT_FORCE, 8, 1, FB_AXES_BODY);
-    port(ports.in, &ports.n_in, FB_MIXED_PORT_TORQUE, 4, 2, FB_AXES_BODY);
-    port(ports.out, &ports.n_out, FB_MIXED_PORT_DISPLACEMENT, 8, 1, FB_AXES_INERTIAL);
-    FBT_INT_EQ(fb_mixed_linearize(&mixed, &linear, &linear_work, &state, &input, &ports, 3), FB_OK);
+    port(ports.in, &ports.n_in, FB_EXACT_PORT_FORCE, 8, 1, FB_AXES_BODY);
+    port(ports.in, &ports.n_in, FB_EXACT_PORT_TORQUE, 4, 2, FB_AXES_BODY);
+    port(ports.out, &ports.n_out, FB_EXACT_PORT_DISPLACEMENT, 8, 1, FB_AXES_INERTIAL);
+    FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &state, &input, &ports, 3), FB_OK);
     FBT_INT_EQ(linear.n, 6);
     for (int k = 0; k < 3; k++) {
       re[k] = slow ? re[k] : (double)linear.re[k];
@@ -247,7 +247,7 @@ TEST(frequencies_are_equal_to_a_part_in_a_hundred_thousand)
     beam(2.0, 8, stiffness, inertia);
     settle();
     memset(&ports, 0, sizeof ports);
-    FBT_INT_EQ(fb_mixed_linearize(&mixed, &linear, &linear_work, &state, &input, &ports, 1), FB_OK);
+    FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &state, &input, &ports, 1), FB_OK);
     FBT_INT_EQ(linear.n_mode, k ? 1 : 2);
   }
 }
@@ -261,10 +261,10 @@ TEST(equal_frequencies_are_kept_together)
   settle();
   memset(&ports, 0, sizeof ports);
   for (int axis = 1; axis <= 2; axis++) {
-    port(ports.in, &ports.n_in, FB_MIXED_PORT_FORCE, 8, axis, FB_AXES_INERTIAL);
-    port(ports.out, &ports.n_out, FB_MIXED_PORT_DISPLACEMENT, 8, axis, FB_AXES_INERTIAL);
+    port(ports.in, &ports.n_in, FB_EXACT_PORT_FORCE, 8, axis, FB_AXES_INERTIAL);
+    port(ports.out, &ports.n_out, FB_EXACT_PORT_DISPLACEMENT, 8, axis, FB_AXES_INERTIAL);
   }
-  FBT_INT_EQ(fb_mixed_linearize(&mixed, &linear, &linear_work, &state, &input, &ports, 1), FB_OK);
+  FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &state, &input, &ports, 1), FB_OK);
   FBT_INT_EQ(linear.n_mode, 2);
   for (int k = 0; k < 4; k++) { /* up to close below their frequency */
     double y[2], z[2], across[2];
@@ -297,28 +297,28 @@ static void linear_step(double *middle, double *x, int in, double u, double dt)
 }
 
 /* Largest difference of model and beam in each output, and the largest output, after a push u(t) = sin^4 half a period
-   of the third mode long and as long again: both by the midpoint rule; half the difference of a push and its opposite.
-   */
+   of the third mode long and as long again: both by the midpoint rule; half the difference of a push and its
+   opposite. */
 static void compare_push(double worst[FB_MAX_PORTS], double most[FB_MAX_PORTS], int in)
 {
-  static fb_mixed_state both[2];
-  static fb_mixed_input moved;
-  const double size = (ports.in[in].kind == FB_MIXED_PORT_BASE_RATE ? 1e-4 : 1e-3) * FBT_TOL(1.0, 300.0);
+  static fb_exact_state both[2];
+  static fb_exact_input moved;
+  const double size = (ports.in[in].kind == FB_EXACT_PORT_BASE_RATE ? 1e-4 : 1e-3) * FBT_TOL(1.0, 300.0);
   const double length = pi / (double)linear.im[2], dt = length / 48.0;
-  double x[FB_MIXED_STATES] = {0.0};
+  double x[FB_EXACT_STATES] = {0.0};
   both[0] = both[1] = steady;
   for (int step = 0; step < 96; step++) {
     const double t = (step + 0.5) * dt, after = t + 0.5 * dt;
     const double u[2] = {t < length ? pow(sin(pi * t / length), 4.0) : 0.0,
                          after < length ? pow(sin(pi * after / length), 4.0) : 0.0};
-    double middle[FB_MIXED_STATES];
+    double middle[FB_EXACT_STATES];
     linear_step(middle, x, in, u[0], dt);
     for (int way = 0; way < 2; way++) {
       port_drive(&moved, &ports.in[in], way ? -u[0] * size : u[0] * size);
-      FBT_INT_EQ(fb_mixed_step(&mixed, &both[way], &work, &moved, (fb_real)dt), FB_OK);
+      FBT_INT_EQ(fb_exact_step(&exact, &both[way], &work, &moved, (fb_real)dt), FB_OK);
     }
     for (int o = 0; o < ports.n_out; o++) { /* poses are those after the step, all else that of its middle */
-      const int pose = ports.out[o].kind <= FB_MIXED_PORT_ROTATION;
+      const int pose = ports.out[o].kind <= FB_EXACT_PORT_ROTATION;
       const double y = 0.5 / size * (port_value(&ports.out[o], &both[0]) - port_value(&ports.out[o], &both[1]));
       double model = (double)linear.D[o * linear.n_in + in] * u[pose];
       for (int k = 0; k < linear.n; k++) {
@@ -330,7 +330,7 @@ static void compare_push(double worst[FB_MAX_PORTS], double most[FB_MAX_PORTS], 
   }
 }
 
-/* E12.14, E12.15: pushed by each input, the linear model with all modes of four elements moves as fb_mixed_step moves
+/* E12.14, E12.15: pushed by each input, the linear model with all modes of four elements moves as fb_exact_step moves
    the beam: both by the middle of the step, so that little of the step's own error is left. */
 TEST(linear_beams_move_as_the_beam_does)
 {
@@ -338,9 +338,9 @@ TEST(linear_beams_move_as_the_beam_does)
   for (int which = 0; which < 4; which++) {
     double worst[2][FB_MAX_PORTS] = {{0.0}}, most[2][FB_MAX_PORTS] = {{0.0}};
     linear_case(which, FBT_TOL(4, 12));
-    FBT_INT_EQ(fb_mixed_linearize(&mixed, &linear, &linear_work, &steady, &input, &ports, FBT_TOL(24, 12)), FB_OK);
+    FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &steady, &input, &ports, FBT_TOL(24, 12)), FB_OK);
     for (int i = 0; i < ports.n_in; i++) {
-      const int base = ports.in[i].kind > FB_MIXED_PORT_TORQUE;
+      const int base = ports.in[i].kind > FB_EXACT_PORT_TORQUE;
       compare_push(worst[base], most[base], i);
     }
     for (int base = 0; base < 2; base++) {
@@ -353,8 +353,8 @@ TEST(linear_beams_move_as_the_beam_does)
   }
   FBT_BELOW(largest[0], FBT_TOL(4e-3, 0.2));
   FBT_BELOW(largest[1], FBT_TOL(4e-3, 0.2));
-  fbt_figure("linear model of four elements with all its modes, pushed by loads", "fb_mixed_step", largest[0]);
-  fbt_figure("the same, its base moved", "fb_mixed_step", largest[1]);
+  fbt_figure("linear model of four elements with all its modes, pushed by loads", "fb_exact_step", largest[0]);
+  fbt_figure("the same, its base moved", "fb_exact_step", largest[1]);
 }
 
 /* E12.15: tip deflection by a tip force at any frequency, of a uniform cantilever: (sin cosh - cos sinh)/(b^3 (1 + cos
@@ -367,17 +367,17 @@ TEST(linear_beams_answer_at_every_frequency)
   desc.station[0].inertia[21] = FB_R(1e-5);
   settle();
   memset(&ports, 0, sizeof ports);
-  port(ports.in, &ports.n_in, FB_MIXED_PORT_FORCE, 40, 2, FB_AXES_BODY);
-  port(ports.out, &ports.n_out, FB_MIXED_PORT_DISPLACEMENT, 40, 2, FB_AXES_INERTIAL);
-  FBT_INT_EQ(fb_mixed_linearize(&mixed, &linear, &linear_work, &state, &input, &ports, 12), FB_OK);
+  port(ports.in, &ports.n_in, FB_EXACT_PORT_FORCE, 40, 2, FB_AXES_BODY);
+  port(ports.out, &ports.n_out, FB_EXACT_PORT_DISPLACEMENT, 40, 2, FB_AXES_INERTIAL);
+  FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &state, &input, &ports, 12), FB_OK);
   for (int k = 0; k <= 40; k++) {
     const double omega = 1.1 * k, b = sqrt(omega);
-    const double exact =
+    const double closed_form =
         k == 0 ? 1.0 / 3.0 : (sin(b) * cosh(b) - cos(b) * sinh(b)) / (b * b * b * (1.0 + cos(b) * cosh(b)));
     double y[2];
     linear_response(y, 0, 0, omega);
-    largest = fmax(largest, fabs(y[0] - exact) / (fabs(exact) + 1e-2));
-    FBT_NEAR_ABS(y[0], exact, FBT_TOL(2e-3, 0.3) * (fabs(exact) + 1e-2));
+    largest = fmax(largest, fabs(y[0] - closed_form) / (fabs(closed_form) + 1e-2));
+    FBT_NEAR_ABS(y[0], closed_form, FBT_TOL(2e-3, 0.3) * (fabs(closed_form) + 1e-2));
     FBT_NEAR_ABS(y[1], 0.0, FBT_TOL(1e-6, 5e-2));
   }
   fbt_figure("linear model of a cantilever, tip force to tip, to twice the second frequency", "closed form", largest);
@@ -396,10 +396,10 @@ TEST(linear_beams_flutter_and_whirl)
     load_tip(FB_AXES_NODE, beyond ? -20.2 : -19.9, 0.0, 0.0);
     settle();
     memset(&ports, 0, sizeof ports);
-    port(ports.in, &ports.n_in, FB_MIXED_PORT_FORCE, 12, 1, FB_AXES_NODE);
-    port(ports.out, &ports.n_out, FB_MIXED_PORT_RATE, 20, 2, FB_AXES_INERTIAL);
-    FBT_INT_EQ(fb_mixed_linearize(&mixed, &linear, &linear_work, &state, &input, &ports, 4), FB_OK);
-    margin = (double)fb_spectrum_margin(linear.re, NULL, linear.n_mode);
+    port(ports.in, &ports.n_in, FB_EXACT_PORT_FORCE, 12, 1, FB_AXES_NODE);
+    port(ports.out, &ports.n_out, FB_EXACT_PORT_RATE, 20, 2, FB_AXES_INERTIAL);
+    FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &state, &input, &ports, 4), FB_OK);
+    margin = (double)fb_spectrum_margin(NULL, linear.re, linear.n_mode);
     FBT_TRUE(beyond ? margin < -0.3 : margin > -FBT_TOL(1e-3, 0.1));
   }
   for (int run = 0; run < 3; run++) {
@@ -411,8 +411,8 @@ TEST(linear_beams_flutter_and_whirl)
     desc.tip = FB_HOLD_Y | FB_HOLD_Z;
     input.w[0] = (fb_real)spin[run];
     settle();
-    FBT_INT_EQ(fb_mixed_linearize(&mixed, &linear, &linear_work, &state, &input, NULL, 4), FB_OK);
-    margin = (double)fb_spectrum_margin(linear.re, NULL, linear.n_mode);
+    FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &state, &input, NULL, 4), FB_OK);
+    margin = (double)fb_spectrum_margin(NULL, linear.re, linear.n_mode);
     FBT_TRUE(run == 1 ? margin < -1.0 : margin > -FBT_TOL(1e-4, 0.3));
   }
 }
@@ -420,47 +420,47 @@ TEST(linear_beams_flutter_and_whirl)
 /* E12.15: what has no linear model is refused, and the model kept. */
 TEST(linear_beams_refuse_bad_input)
 {
-  static fb_mixed_linear before;
+  static fb_exact_linear before;
   linear_case(0, 4);
-  FBT_INT_EQ(fb_mixed_linearize(&mixed, &linear, &linear_work, &steady, NULL, NULL, 2), FB_OK);
+  FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &steady, NULL, NULL, 2), FB_OK);
   FBT_INT_EQ(linear.n_in + linear.n_out, 0);
   FBT_TRUE(linear.n_mode == 2 && linear.n == 4);
   before = linear;
-  FBT_INT_EQ(fb_mixed_linearize(NULL, &linear, &linear_work, &steady, &input, &ports, 2), FB_ERR_NULL);
-  FBT_INT_EQ(fb_mixed_linearize(&mixed, NULL, &linear_work, &steady, &input, &ports, 2), FB_ERR_NULL);
-  FBT_INT_EQ(fb_mixed_linearize(&mixed, &linear, NULL, &steady, &input, &ports, 2), FB_ERR_NULL);
-  FBT_INT_EQ(fb_mixed_linearize(&mixed, &linear, &linear_work, NULL, &input, &ports, 2), FB_ERR_NULL);
-  FBT_INT_EQ(fb_mixed_linearize(&mixed, &linear, &linear_work, &steady, &input, &ports, 0), FB_ERR_VALUE);
-  FBT_INT_EQ(fb_mixed_linearize(&mixed, &linear, &linear_work, &steady, &input, &ports, FB_MIXED_MODES + 1),
+  FBT_INT_EQ(fb_exact_linearize(NULL, &linear_work, &linear, &steady, &input, &ports, 2), FB_ERR_NULL);
+  FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, NULL, &steady, &input, &ports, 2), FB_ERR_NULL);
+  FBT_INT_EQ(fb_exact_linearize(&exact, NULL, &linear, &steady, &input, &ports, 2), FB_ERR_NULL);
+  FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, NULL, &input, &ports, 2), FB_ERR_NULL);
+  FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &steady, &input, &ports, 0), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &steady, &input, &ports, FB_EXACT_MODES + 1),
              FB_ERR_VALUE);
   input.w[1] = (fb_real)NAN;
-  FBT_INT_EQ(fb_mixed_linearize(&mixed, &linear, &linear_work, &steady, &input, &ports, 2), FB_ERR_NOT_FINITE);
+  FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &steady, &input, &ports, 2), FB_ERR_NOT_FINITE);
   input.w[1] = FB_R(0.0);
   steady.r[4] = (fb_real)NAN;
-  FBT_INT_EQ(fb_mixed_linearize(&mixed, &linear, &linear_work, &steady, &input, &ports, 2), FB_ERR_NOT_FINITE);
+  FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &steady, &input, &ports, 2), FB_ERR_NOT_FINITE);
   steady = state;
   for (int bad = 0; bad < 8; bad++) {
-    static fb_mixed_linear_desc wrong;
+    static fb_exact_linear_desc wrong;
     wrong = ports;
     wrong.n_in = bad == 0 ? FB_MAX_PORTS + 1 : wrong.n_in;
     wrong.n_out = bad == 1 ? -1 : wrong.n_out;
     wrong.in[0].at = bad == 2 ? 5 : bad == 3 ? -1 : wrong.in[0].at;
     wrong.out[7].at = bad == 4 ? 4 : wrong.out[7].at; /* a node is, an element is not */
     wrong.out[0].axis = bad == 5 ? 3 : 0;
-    wrong.in[0].kind = bad == 6 ? FB_MIXED_PORT_RATE : FB_MIXED_PORT_FORCE;
-    wrong.out[0].kind = bad == 7 ? (fb_mixed_port_kind)12 : FB_MIXED_PORT_DISPLACEMENT;
-    FBT_INT_EQ(fb_mixed_linearize(&mixed, &linear, &linear_work, &steady, &input, &wrong, 2),
+    wrong.in[0].kind = bad == 6 ? FB_EXACT_PORT_RATE : FB_EXACT_PORT_FORCE;
+    wrong.out[0].kind = bad == 7 ? (fb_exact_port_kind)12 : FB_EXACT_PORT_DISPLACEMENT;
+    FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &steady, &input, &wrong, 2),
                bad < 5 ? FB_ERR_CAPACITY : FB_ERR_VALUE);
   }
   elastica(4); /* nothing holds it */
   desc.root = FB_END_FREE;
   desc.station[0].inertia[21] = FB_R(0.01);
   start();
-  FBT_INT_EQ(fb_mixed_linearize(&mixed, &linear, &linear_work, &state, &input, &ports, 2), FB_ERR_SINGULAR);
+  FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &state, &input, &ports, 2), FB_ERR_SINGULAR);
   elastica(4); /* no mass */
   memset(desc.station[0].inertia, 0, sizeof desc.station[0].inertia);
   settle();
-  FBT_TRUE(fb_mixed_linearize(&mixed, &linear, &linear_work, &state, &input, &ports, 2) != FB_OK);
+  FBT_TRUE(fb_exact_linearize(&exact, &linear_work, &linear, &state, &input, &ports, 2) != FB_OK);
   FBT_TRUE(memcmp(&before, &linear, sizeof linear) == 0);
 }
 
@@ -470,74 +470,75 @@ TEST(margins_are_those_of_the_worst_mode)
   const fb_real re[4] = {-FB_R(2.0), -FB_R(0.25), FB_R(0.0), -FB_R(1.0)},
                 bad[3] = {-FB_R(1.0), (fb_real)NAN, FB_R(1.0)};
   int mode = 9;
-  FBT_NEAR_ABS(fb_spectrum_margin(re, &mode, 2), 0.25, 0.0);
+  FBT_NEAR_ABS(fb_spectrum_margin(&mode, re, 2), 0.25, 0.0);
   FBT_INT_EQ(mode, 1);
-  FBT_NEAR_ABS(fb_spectrum_margin(re, &mode, 4), 0.0, 0.0);
+  FBT_NEAR_ABS(fb_spectrum_margin(&mode, re, 4), 0.0, 0.0);
   FBT_INT_EQ(mode, 2);
-  FBT_NEAR_ABS(fb_spectrum_margin(bad, &mode, 1), 1.0, 0.0);
-  FBT_TRUE(!(fb_spectrum_margin(bad, &mode, 3) <= FB_HUGE)); /* not hidden by those after it */
+  FBT_NEAR_ABS(fb_spectrum_margin(&mode, bad, 1), 1.0, 0.0);
+  FBT_TRUE(!(fb_spectrum_margin(&mode, bad, 3) <= FB_HUGE)); /* not hidden by those after it */
   FBT_INT_EQ(mode, 1);
-  FBT_TRUE(fb_spectrum_margin(re, &mode, 0) >= FB_HUGE);
+  FBT_TRUE(fb_spectrum_margin(&mode, re, 0) >= FB_HUGE);
   FBT_INT_EQ(mode, -1);
   FBT_TRUE(fb_spectrum_margin(NULL, NULL, 3) >= FB_HUGE);
 }
 
 /* >>exact: bad input is refused and changes nothing. */
-TEST(mixed_beam_refuses_bad_input)
+TEST(exact_beam_refuses_bad_input)
 {
-  static fb_mixed_state before;
-  static fb_mixed other;
+  static fb_exact_state before;
+  static fb_exact other;
   elastica(4);
-  FBT_INT_EQ(fb_mixed_init(&mixed, NULL), FB_ERR_NULL);
-  desc.n_element = FB_MAX_MIXED + 1;
-  FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_ERR_CAPACITY);
+  FBT_INT_EQ(fb_exact_init(&exact, NULL), FB_ERR_NULL);
+  desc.n_element = FB_MAX_EXACT + 1;
+  FBT_INT_EQ(fb_exact_init(&exact, &desc), FB_ERR_CAPACITY);
   desc.n_element = 4;
   desc.length = FB_R(0.0);
-  FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_exact_init(&exact, &desc), FB_ERR_VALUE);
   desc.length = (fb_real)NAN;
-  FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_ERR_NOT_FINITE);
+  FBT_INT_EQ(fb_exact_init(&exact, &desc), FB_ERR_NOT_FINITE);
   desc.length = FB_R(1.0);
   desc.station[0].stiffness[28] = FB_R(-1.0);
-  FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_exact_init(&exact, &desc), FB_ERR_VALUE);
   desc.station[0].stiffness[28] = FB_R(1.0);
   desc.station[0].stiffness[29] = desc.station[0].stiffness[34] = FB_R(2.0); /* not positive definite */
-  FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_exact_init(&exact, &desc), FB_ERR_VALUE);
   desc.station[0].stiffness[29] = FB_R(0.5);
-  FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_ERR_VALUE); /* not symmetric */
+  FBT_INT_EQ(fb_exact_init(&exact, &desc), FB_ERR_VALUE); /* not symmetric */
   desc.station[0].stiffness[29] = desc.station[0].stiffness[34] = FB_R(0.0);
   desc.dissipation = FB_R(0.9);
-  FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_exact_init(&exact, &desc), FB_ERR_VALUE);
   desc.dissipation = FB_R(0.0);
   desc.tip = 99;
-  FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_exact_init(&exact, &desc), FB_ERR_VALUE);
   desc.tip = FB_END_DEFAULT;
   desc.factorizations = 21;
-  FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_exact_init(&exact, &desc), FB_ERR_VALUE);
   desc.factorizations = 0;
   start();
-  other = mixed;
+  other = exact;
   desc.root = -1;
-  FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_ERR_VALUE);
-  FBT_TRUE(memcmp(&other, &mixed, sizeof mixed) == 0);
+  FBT_INT_EQ(fb_exact_init(&exact, &desc), FB_ERR_VALUE);
+  FBT_TRUE(memcmp(&other, &exact, sizeof exact) == 0);
   before = state;
   input.n_load = 1;
   input.load[0].node = 5;
-  FBT_INT_EQ(fb_mixed_steady_solve(&mixed, &state, &work, &input), FB_ERR_CAPACITY);
-  FBT_INT_EQ(fb_mixed_step(&mixed, &state, &work, &input, FB_R(0.01)), FB_ERR_CAPACITY);
+  FBT_INT_EQ(fb_exact_trim(&exact, &state, &work, &input), FB_ERR_CAPACITY);
+  FBT_INT_EQ(fb_exact_step(&exact, &state, &work, &input, FB_R(0.01)), FB_ERR_CAPACITY);
   input.load[0].node = 4;
   input.load[0].force[1] = (fb_real)INFINITY;
-  FBT_INT_EQ(fb_mixed_steady_solve(&mixed, &state, &work, &input), FB_ERR_NOT_FINITE);
+  FBT_INT_EQ(fb_exact_trim(&exact, &state, &work, &input), FB_ERR_NOT_FINITE);
   input.load[0].force[1] = FB_R(1e6);
-  FBT_INT_EQ(fb_mixed_steady_solve(&mixed, &state, &work, &input), FB_ERR_CONVERGENCE);
-  FBT_INT_EQ(fb_mixed_step(&mixed, &state, &work, &input, FB_R(10.0)), FB_ERR_CONVERGENCE);
-  FBT_INT_EQ(fb_mixed_step(&mixed, &state, &work, &input, FB_R(0.0)), FB_ERR_VALUE);
-  FBT_INT_EQ(fb_mixed_step(&mixed, &state, &work, &input, (fb_real)NAN), FB_ERR_VALUE);
-  FBT_INT_EQ(fb_mixed_step(&mixed, &state, &work, &input, FB_R(2.0) * FB_HUGE), FB_ERR_VALUE);
-  FBT_INT_EQ(fb_mixed_spectrum_solve(&mixed, &spectrum, &spectrum_work, &state, NULL, 0), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_exact_trim(&exact, &state, &work, &input), FB_ERR_CONVERGENCE);
+  FBT_INT_EQ(fb_exact_step(&exact, &state, &work, &input, FB_R(10.0)), FB_ERR_CONVERGENCE);
+  FBT_INT_EQ(fb_exact_step(&exact, &state, &work, &input, FB_R(0.0)), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_exact_step(&exact, &state, &work, &input, (fb_real)NAN), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_exact_step(&exact, &state, &work, &input, FB_R(2.0) * FB_HUGE), FB_ERR_VALUE);
+  FBT_INT_EQ(fb_exact_spectrum_solve(&exact, &spectrum_work, &spectrum, &state, NULL, 0), FB_ERR_VALUE);
   FBT_TRUE(memcmp(&before, &state, sizeof state) == 0);
 }
 
-/* A state that came from elsewhere: one that is not a number, in the first or the last place of any field, is refused. */
+/* A state that came from elsewhere: one that is not a number, in the first or the last place of any field, is
+   refused. */
 TEST(states_that_are_not_numbers_are_refused)
 {
   fb_real *const field[] = {state.base_position, state.base_quat,   state.r,
@@ -558,24 +559,24 @@ TEST(states_that_are_not_numbers_are_refused)
     const int nodes = 6 * 5, cells = 6 * 4, lumps = 6 * 2;
     const int size[] = {3,     4,     3 * 5, 4 * 5, cells, cells, lumps, cells, cells, lumps, nodes,
                         nodes, nodes, cells, cells, cells, nodes, nodes, cells, 1,     3,     3};
-    FBT_INT_EQ(fb_mixed_state_check(&mixed, &state), FB_OK);
+    FBT_INT_EQ(fb_exact_state_check(&exact, &state), FB_OK);
     for (int k = 0; k < 2 * FBT_COUNT(size); k++) {
       fb_real *const x = field[k / 2] + (k % 2) * (size[k / 2] - 1), right = *x;
       *x = (fb_real)NAN;
-      FBT_INT_EQ(fb_mixed_state_check(&mixed, &state), FB_ERR_NOT_FINITE);
+      FBT_INT_EQ(fb_exact_state_check(&exact, &state), FB_ERR_NOT_FINITE);
       *x = right;
     }
-    FBT_INT_EQ(fb_mixed_state_check(&mixed, &state), FB_OK);
+    FBT_INT_EQ(fb_exact_state_check(&exact, &state), FB_OK);
   }
 }
 
 static unsigned beam_word(void)
 {
-  return fb_mixed_crc(&mixed);
+  return fb_exact_crc(&exact);
 }
 
 /* E8.40: of an exact beam the word sees all but the unused room of its tables. */
-TEST(the_check_word_of_a_mixed_beam_sees_every_byte)
+TEST(the_check_word_of_a_exact_beam_sees_every_byte)
 {
   int unused;
   elastica(2);
@@ -585,17 +586,17 @@ TEST(the_check_word_of_a_mixed_beam_sees_every_byte)
     desc.lump[l].mass = FB_R(2.0);
   }
   start();
-  FBT_INT_EQ(mixed.n_lump, 2);
-  unused = (FB_MAX_MIXED - 2) * ((1 + 6 + 6 * 36 + 3 + 4) * (int)sizeof(fb_real) + (int)sizeof(int)) +
+  FBT_INT_EQ(exact.n_lump, 2);
+  unused = (FB_MAX_EXACT - 2) * ((1 + 6 + 6 * 36 + 3 + 4) * (int)sizeof(fb_real) + (int)sizeof(int)) +
            (FB_MAX_LUMPS - 2) * (2 * 36 * (int)sizeof(fb_real) + (int)sizeof(int));
-  FBT_TRUE(fbt_unseen(&mixed, sizeof mixed, beam_word) <= unused + (int)(sizeof(fb_real) - sizeof(int)));
-  mixed.n_lump = FB_MAX_LUMPS + 1;
+  FBT_TRUE(fbt_unseen(&exact, sizeof exact, beam_word) <= unused + (int)(sizeof(fb_real) - sizeof(int)));
+  exact.n_lump = FB_MAX_LUMPS + 1;
   FBT_INT_EQ(beam_word() == 0, 1);
 }
 
-SUITE(mixed_linear, RUN(linear_beams_follow_the_unit_of_time), RUN(the_check_word_of_a_mixed_beam_sees_every_byte),
+SUITE(exact_linear, RUN(linear_beams_follow_the_unit_of_time), RUN(the_check_word_of_a_exact_beam_sees_every_byte),
       RUN(states_that_are_not_numbers_are_refused), RUN(linear_beams_rest_where_the_beam_does),
       RUN(equal_frequencies_are_kept_together), RUN(frequencies_are_equal_to_a_part_in_a_hundred_thousand),
       RUN(linear_beams_move_as_the_beam_does), RUN(linear_beams_answer_at_every_frequency),
       RUN(linear_beams_flutter_and_whirl), RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode),
-      RUN(mixed_beam_refuses_bad_input))
+      RUN(exact_beam_refuses_bad_input))

@@ -1,5 +1,5 @@
 /* >>exact: the exact beam in free flight: momentum, rigid motion, falls. */
-#include "mixed.h"
+#include "exact.h"
 
 /* ---- the same beam seen another way: 1: with y for z, turned by a right angle about its line, 2: from its other end,
    turned by half a turn about z */
@@ -24,10 +24,10 @@ static void fly(int held, double speed)
   load_tip(FB_AXES_NODE, 0.0, 2.0, 1.0);
   for (int k = 0; k < 400 && status == FB_OK; k++) {
     input.n_load = k < 200;
-    status = fb_mixed_step(&mixed, &state, &work, &input, FB_R(0.005));
+    status = fb_exact_step(&exact, &state, &work, &input, FB_R(0.005));
   }
   FBT_INT_EQ(status, FB_OK);
-  FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+  FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
 }
 
 /* E10.13, E10.14, E11.33: the equations know no speed: the same motion beside a constant velocity, on top of which
@@ -35,22 +35,22 @@ static void fly(int held, double speed)
 TEST(flight_at_any_speed_moves_as_rest_does)
 {
   const double speed[4] = {100.0, 250.0, 7500.0, 30000.0};
-  static fb_mixed_node rest[FB_MAX_MIXED + 1];
+  static fb_exact_node rest[FB_MAX_EXACT + 1];
   for (int run = 0; run < 8; run++) {
     const int held = run / 4;
     const double v = speed[run % 4], mass = 5.3, rounding = 8.0 * (double)FB_EPSILON;
     fb_momentum p[2];
     fb_energy energy[2];
-    fb_mixed_element element[2];
+    fb_exact_element element[2];
     fly(held, 0.0);
     memcpy(rest, node, sizeof rest);
-    FBT_INT_EQ(fb_mixed_momentum(&mixed, &p[0], &state), FB_OK);
-    FBT_INT_EQ(fb_mixed_energy(&mixed, &energy[0], &state), FB_OK);
-    FBT_INT_EQ(fb_mixed_element_eval(&mixed, &element[0], &state, 3), FB_OK);
+    FBT_INT_EQ(fb_exact_momentum_eval(&exact, &p[0], &state), FB_OK);
+    FBT_INT_EQ(fb_exact_energy_eval(&exact, &energy[0], &state), FB_OK);
+    FBT_INT_EQ(fb_exact_element_eval(&exact, &element[0], &state, 3), FB_OK);
     fly(held, v);
-    FBT_INT_EQ(fb_mixed_momentum(&mixed, &p[1], &state), FB_OK);
-    FBT_INT_EQ(fb_mixed_energy(&mixed, &energy[1], &state), FB_OK);
-    FBT_INT_EQ(fb_mixed_element_eval(&mixed, &element[1], &state, 3), FB_OK);
+    FBT_INT_EQ(fb_exact_momentum_eval(&exact, &p[1], &state), FB_OK);
+    FBT_INT_EQ(fb_exact_energy_eval(&exact, &energy[1], &state), FB_OK);
+    FBT_INT_EQ(fb_exact_element_eval(&exact, &element[1], &state, 3), FB_OK);
     for (int j = 0; j <= 8; j++) {
       fb_real R[9], seen[3], going[3] = {0};
       going[0] = (fb_real)(0.6 * v);
@@ -100,16 +100,16 @@ TEST(thrust_takes_the_frame_along)
     desc.dissipation = FB_R(0.3);
     input.w[2] = held ? FB_R(0.0) : FB_R(1.0);
     start();
-    FBT_INT_EQ(fb_mixed_momentum(&mixed, &p, &state), FB_OK);
+    FBT_INT_EQ(fb_exact_momentum_eval(&exact, &p, &state), FB_OK);
     start_p = (double)p.linear[2];
     for (int k = 0; k < 2000 && status == FB_OK; k++) {
       input.v[2] = held ? (fb_real)(-9.81 * 0.005 * (k + 0.5)) : FB_R(0.0);
-      status = fb_mixed_step(&mixed, &state, &work, &input, FB_R(0.005));
+      status = fb_exact_step(&exact, &state, &work, &input, FB_R(0.005));
       largest = fmax(largest, fbt_largest(state.V[0], 54));
     }
     FBT_INT_EQ(status, FB_OK);
     FBT_BELOW(largest, 6.0); /* of 5 m in 11 s, the spin among it */
-    FBT_INT_EQ(fb_mixed_momentum(&mixed, &p, &state), FB_OK);
+    FBT_INT_EQ(fb_exact_momentum_eval(&exact, &p, &state), FB_OK);
     FBT_NEAR_REL((double)p.linear[2] - start_p, -98.1 * 5.2, FBT_TOL(held ? 1e-3 : 2e-7, 1e-3));
     FBT_NEAR_REL(state.base_position[2], -490.5, FBT_TOL(2e-7, 2e-5));
   }
@@ -132,14 +132,14 @@ TEST(pushed_beams_take_up_the_impulse)
       fb_momentum p;
       double arm;
       input.n_load = k < 200;
-      FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+      FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
       arm = (double)node[n].position[0];
       if (steps(1, 0.005) != FB_OK) {
         return;
       }
-      FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+      FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
       angular += k < 200 ? 0.25 * 0.5 * (arm + (double)node[n].position[0]) : 0.0;
-      FBT_INT_EQ(fb_mixed_momentum(&mixed, &p, &state), FB_OK);
+      FBT_INT_EQ(fb_exact_momentum_eval(&exact, &p, &state), FB_OK);
       linear_off = fmax(linear_off, hypot((double)p.linear[0], (double)p.linear[1] - 0.25 * fmin(k + 1, 200)));
       angular_off = fmax(angular_off, fabs((double)p.angular[2] - angular));
     }
@@ -154,7 +154,7 @@ TEST(free_flight_keeps_momentum)
 {
   for (int fine = 0; fine < 2; fine++) {
     const double stiffness[6] = {1e4, 4e3, 4e3, 80.0, 100.0, 100.0}, inertia[6] = {1.0, 1.0, 1.0, 2e-2, 1e-2, 1e-2};
-    fb_mixed_state still;
+    fb_exact_state still;
     fb_momentum a, b;
     double worst = 0.0, scale;
     beam(5.0, 8, stiffness, inertia);
@@ -165,10 +165,10 @@ TEST(free_flight_keeps_momentum)
     input.w[1] = FB_R(0.4);
     input.w[2] = FB_R(1.0);
     start();
-    FBT_INT_EQ(fb_mixed_state_init(&mixed, &still, &work, NULL), FB_OK); /* one at rest has none */
-    FBT_INT_EQ(fb_mixed_momentum(&mixed, &b, &still), FB_OK);
+    FBT_INT_EQ(fb_exact_state_init(&exact, &still, &work, NULL), FB_OK); /* one at rest has none */
+    FBT_INT_EQ(fb_exact_momentum_eval(&exact, &b, &still), FB_OK);
     FBT_NEAR_ABS(fb_vec3_dot(b.linear, b.linear) + fb_vec3_dot(b.angular, b.angular), 0.0, 0.0);
-    FBT_INT_EQ(fb_mixed_momentum(&mixed, &a, &state), FB_OK);
+    FBT_INT_EQ(fb_exact_momentum_eval(&exact, &a, &state), FB_OK);
     FBT_NEAR_ABS(a.linear[1], 5.0 * (-2.0 + 2.5), FBT_TOL(1e-12, 1e-4));
     FBT_NEAR_REL(a.angular[2], 125.0 / 3.0 * 1.0 + 5e-2 - 2.0 * 12.5, FBT_TOL(1e-12, 1e-4));
     scale = sqrt((double)fb_vec3_dot(a.angular, a.angular));
@@ -176,7 +176,7 @@ TEST(free_flight_keeps_momentum)
       if (steps(fine ? 10 : 5, fine ? 0.005 : 0.01) != FB_OK) {
         return;
       }
-      FBT_INT_EQ(fb_mixed_momentum(&mixed, &b, &state), FB_OK);
+      FBT_INT_EQ(fb_exact_momentum_eval(&exact, &b, &state), FB_OK);
       worst = fmax(worst, fbt_difference(a.angular, b.angular, 3) / scale);
       worst = fmax(worst, fbt_difference(a.linear, b.linear, 3) / 5.0);
     }
@@ -188,8 +188,8 @@ TEST(free_flight_keeps_momentum)
    center falls by g t^2/2. */
 TEST(free_fall_is_not_felt)
 {
-  static fb_mixed_state without;
-  static fb_mixed_node still[FB_MAX_MIXED + 1];
+  static fb_exact_state without;
+  static fb_exact_node still[FB_MAX_EXACT + 1];
   const double stiffness[6] = {1e4, 4e3, 4e3, 80.0, 100.0, 100.0}, inertia[6] = {1.0, 1.0, 1.0, 2e-2, 1e-2, 1e-2};
   static const double g[3] = {1.0, -9.81, 3.0};
   double before = 0.0, bend = 0.0;
@@ -213,7 +213,7 @@ TEST(free_fall_is_not_felt)
       return;
     }
     without = falls ? without : state;
-    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, falls ? node : still, &state), FB_OK);
+    FBT_INT_EQ(fb_exact_nodes_eval(&exact, falls ? node : still, &state), FB_OK);
   }
   for (int k = 0; k < 8; k++) {
     bend = fmax(bend, fabs((double)without.strain[6 * k + 5]));
@@ -262,8 +262,8 @@ TEST(momenta_of_a_rigid_motion_are_those_of_its_energy)
     settle();
     FBT_BELOW(0.5, fbt_largest(node[3].displacement, 3));
     FBT_BELOW(1e-3, fbt_largest(state.offset, 18));
-    FBT_INT_EQ(fb_mixed_momentum(&mixed, &momentum, &state), FB_OK);
-    FBT_INT_EQ(fb_mixed_energy(&mixed, &energy, &state), FB_OK);
+    FBT_INT_EQ(fb_exact_momentum_eval(&exact, &momentum, &state), FB_OK);
+    FBT_INT_EQ(fb_exact_energy_eval(&exact, &energy, &state), FB_OK);
     FBT_NEAR_REL(fb_vec3_dot(momentum.linear, input.v) + fb_vec3_dot(momentum.angular, input.w),
                  2.0 * (double)energy.kinetic, FBT_TOL(1e-10, 1e-4));
   }
@@ -286,12 +286,12 @@ TEST(rigid_flight_is_straight)
     input.w[1] = tumbles ? FB_R(0.5) : FB_R(0.0);
     input.w[2] = FB_R(1.2);
     start();
-    FBT_INT_EQ(fb_mixed_momentum(&mixed, &a, &state), FB_OK);
+    FBT_INT_EQ(fb_exact_momentum_eval(&exact, &a, &state), FB_OK);
     for (int k = 0; k < 20; k++) {
       if (steps(5, 0.1) != FB_OK) {
         return;
       }
-      FBT_INT_EQ(fb_mixed_momentum(&mixed, &b, &state), FB_OK);
+      FBT_INT_EQ(fb_exact_momentum_eval(&exact, &b, &state), FB_OK);
       FBT_BELOW(fbt_difference(a.linear, b.linear, 3), FBT_TOL(1e-10, 1e-3));
       FBT_BELOW(fbt_difference(a.angular, b.angular, 3), FBT_TOL(1e-10, 1e-3));
     }
@@ -307,15 +307,15 @@ TEST(threads_turn_about_themselves)
   for (int less = 0; less < 2; less++) {
     const double i_z = 1e3, i_x = (less ? 0.6 : 1.6) * rounding * i_z;
     const double inertia[6] = {1.0, 1.0, 1.0, i_x, 1.0, i_z};
-    fb_mixed_element e;
+    fb_exact_element e;
     beam(1.0, 1, stiffness, inertia);
     input.w[0] = FB_R(2.0);
     start();
-    FBT_INT_EQ(fb_mixed_element_eval(&mixed, &e, &state, 0), FB_OK);
+    FBT_INT_EQ(fb_exact_element_eval(&exact, &e, &state, 0), FB_OK);
     FBT_NEAR_ABS(e.angular_rate[0], less ? 0.0 : 2.0, FBT_TOL(1e-2, 0.2));
   }
 }
 
-SUITE(mixed_flight, RUN(flight_at_any_speed_moves_as_rest_does), RUN(thrust_takes_the_frame_along),
+SUITE(exact_flight, RUN(flight_at_any_speed_moves_as_rest_does), RUN(thrust_takes_the_frame_along),
       RUN(pushed_beams_take_up_the_impulse), RUN(threads_turn_about_themselves), RUN(free_flight_keeps_momentum),
       RUN(free_fall_is_not_felt), RUN(rigid_flight_is_straight), RUN(momenta_of_a_rigid_motion_are_those_of_its_energy))

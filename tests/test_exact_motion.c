@@ -1,5 +1,5 @@
 /* >>exact: the exact beam in motion: energy, momentum, dissipation, what is held. */
-#include "mixed.h"
+#include "exact.h"
 
 /* ---- the same beam seen another way: 1: with y for z, turned by a right angle about its line, 2: from its other end,
    turned by half a turn about z */
@@ -14,11 +14,11 @@ static void look(fb_real all[SEEN][12])
   fb_energy energy;
   fb_real q[4];
   memset(all, 0, sizeof all[0] * SEEN);
-  FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
-  FBT_INT_EQ(fb_mixed_momentum(&mixed, &momentum, &state), FB_OK);
-  FBT_INT_EQ(fb_mixed_energy(&mixed, &energy, &state), FB_OK);
+  FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
+  FBT_INT_EQ(fb_exact_momentum_eval(&exact, &momentum, &state), FB_OK);
+  FBT_INT_EQ(fb_exact_energy_eval(&exact, &energy, &state), FB_OK);
   for (int k = 0; k <= 6; k++) {
-    const fb_mixed_node *const at = &node[desc.tip == FB_END_CLAMPED ? 6 - k : k];
+    const fb_exact_node *const at = &node[desc.tip == FB_END_CLAMPED ? 6 - k : k];
     memcpy(all[k], at->position, sizeof at->position);
     memcpy(all[k] + 3, at->rotation, sizeof at->rotation);
     memcpy(all[k] + 6, at->velocity, sizeof at->velocity);
@@ -28,7 +28,7 @@ static void look(fb_real all[SEEN][12])
   memcpy(all[7] + 3, momentum.angular, sizeof momentum.angular);
   all[8][0] = energy.strain;
   all[8][3] = energy.kinetic;
-  FBT_INT_EQ(fb_mixed_point_eval(&mixed, all[9], q, &state, FB_R(0.4)), FB_OK);
+  FBT_INT_EQ(fb_exact_point_eval(&exact, all[9], q, &state, FB_R(0.4)), FB_OK);
   all[9][3] = energy.gravity;
 }
 
@@ -79,23 +79,23 @@ static void pluck(double dissipation)
 TEST(one_correction_does_in_short_steps)
 {
   const double stiffness[6] = {50.0, 30.0, 30.0, 1.0, 1.0, 2.0}, inertia[6] = {1.0, 1.0, 1.0, 0.1, 0.05, 0.05};
-  static fb_mixed_state many;
-  static fb_mixed one;
+  static fb_exact_state many;
+  static fb_exact one;
   const fb_real dt = FBT_TOL(FB_R(5e-5), FB_R(1e-3));
   beam(1.0, 2, stiffness, inertia);
   load_tip(FB_AXES_INERTIAL, 0.3, 0.2, 0.4);
   settle();
   input.n_load = 0;
   desc.iterations = 1;
-  FBT_INT_EQ(fb_mixed_init(&one, &desc), FB_OK);
-  FBT_INT_EQ(fb_mixed_step(&one, &state, &work, &input, FB_R(0.01)), FB_ERR_CONVERGENCE);
+  FBT_INT_EQ(fb_exact_init(&one, &desc), FB_OK);
+  FBT_INT_EQ(fb_exact_step(&one, &state, &work, &input, FB_R(0.01)), FB_ERR_CONVERGENCE);
   for (int k = 0; k < 10; k++) {
-    FBT_INT_EQ(fb_mixed_step(&mixed, &state, &work, &input, dt), FB_OK);
+    FBT_INT_EQ(fb_exact_step(&exact, &state, &work, &input, dt), FB_OK);
   }
   many = state;
   for (int k = 0; k < 100; k++) {
-    FBT_INT_EQ(fb_mixed_step(&one, &state, &work, &input, dt), FB_OK);
-    FBT_INT_EQ(fb_mixed_step(&mixed, &many, &work, &input, dt), FB_OK);
+    FBT_INT_EQ(fb_exact_step(&one, &state, &work, &input, dt), FB_OK);
+    FBT_INT_EQ(fb_exact_step(&exact, &many, &work, &input, dt), FB_OK);
   }
   FBT_BELOW(fbt_difference(state.V[0], many.V[0], 18), FBT_TOL(1e-10, 1e-4) * fbt_largest(many.V[0], 18));
   FBT_BELOW(fbt_difference(state.stress[0], many.stress[0], 12),
@@ -124,11 +124,11 @@ TEST(a_support_amid_the_beam_holds_at_rest_and_in_motion)
     for (int k = 0; k < 300 && status == FB_OK; k++) {
       fb_real x;
       fbt_fill(&x, 1, varied);
-      status = fb_mixed_step(&mixed, &state, &work, &input, (fb_real)(dt * (1.0 + (double)x)));
+      status = fb_exact_step(&exact, &state, &work, &input, (fb_real)(dt * (1.0 + (double)x)));
     }
     FBT_INT_EQ(status, FB_OK);
     FBT_NEAR_REL(total_energy(), before, FBT_TOL(1e-9, 1e-4));
-    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+    FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
     FBT_BELOW(hypot((double)node[at].displacement[1], (double)node[at].displacement[2]), FBT_TOL(1e-8, 1e-5));
   }
 }
@@ -157,7 +157,7 @@ TEST(stiff_supported_beams_want_factorizations)
     for (int k = 0; k < FBT_LONG(300, 60) && status == FB_OK; k++) {
       fb_real x;
       fbt_fill(&x, 1, varied_by);
-      status = fb_mixed_step(&mixed, &state, &work, &input, (fb_real)(0.2 * (1.0 + (double)x)));
+      status = fb_exact_step(&exact, &state, &work, &input, (fb_real)(0.2 * (1.0 + (double)x)));
     }
     if (factorizations > 1) {
       FBT_INT_EQ(status, FB_OK);
@@ -173,8 +173,8 @@ TEST(stiff_supported_beams_want_factorizations)
 TEST(steps_that_have_not_converged_say_so)
 {
   const double stiffness[6] = {1e5, 4e4, 4e4, 80.0, 100.0, 150.0}, inertia[6] = {1.0, 1.0, 1.0, 1e-3, 5e-4, 5e-4};
-  static fb_mixed_state many;
-  static fb_mixed few;
+  static fb_exact_state many;
+  static fb_exact few;
   int taken = 0, refused = 0;
   for (int run = 0; run < 288; run++) {
     const double dt = 0.004 * pow(1.7, run / 6 % 12), f = 0.01 * pow(5.0, run / 72);
@@ -182,14 +182,14 @@ TEST(steps_that_have_not_converged_say_so)
     desc.iterations = 1 + run % 6;
     load_tip(run % 2 ? FB_AXES_NODE : FB_AXES_INERTIAL, 0.0, f, 0.5 * f);
     input.load[0].torque[0] = (fb_real)f;
-    FBT_INT_EQ(fb_mixed_init(&few, &desc), FB_OK);
+    FBT_INT_EQ(fb_exact_init(&few, &desc), FB_OK);
     desc.iterations = 20;
     start();
     for (int k = 0; k < 3; k++) {
       double largest;
       many = state;
-      if (fb_mixed_step(&mixed, &many, &work, &input, (fb_real)dt) != FB_OK ||
-          fb_mixed_step(&few, &state, &work, &input, (fb_real)dt) != FB_OK) {
+      if (fb_exact_step(&exact, &many, &work, &input, (fb_real)dt) != FB_OK ||
+          fb_exact_step(&few, &state, &work, &input, (fb_real)dt) != FB_OK) {
         refused++;
         break;
       }
@@ -245,20 +245,20 @@ TEST(dissipation_takes_energy_in_every_step)
 }
 
 /* Strain and kinetic energy of what strains and momenta change by from b to a, less a part of that from c to b. */
-static double energy_of_change(const fb_mixed_state *a, const fb_mixed_state *b, const fb_mixed_state *c, double part)
+static double energy_of_change(const fb_exact_state *a, const fb_exact_state *b, const fb_exact_state *c, double part)
 {
-  static fb_mixed_state z;
+  static fb_exact_state z;
   fb_energy e;
   z = *a;
-  for (int i = 0; i < 6 * mixed.n; i++) {
+  for (int i = 0; i < 6 * exact.n; i++) {
     z.strain[i] = a->strain[i] - b->strain[i] - (fb_real)part * (b->strain[i] - c->strain[i]);
     z.momentum[i] = a->momentum[i] - b->momentum[i] - (fb_real)part * (b->momentum[i] - c->momentum[i]);
   }
-  for (int i = 0; i < 6 * mixed.n_lump; i++) {
+  for (int i = 0; i < 6 * exact.n_lump; i++) {
     z.lump[i] = a->lump[i] - b->lump[i] - (fb_real)part * (b->lump[i] - c->lump[i]);
   }
   z.step = 0; /* the last change of z itself does not count */
-  FBT_INT_EQ(fb_mixed_energy(&mixed, &e, &z), FB_OK);
+  FBT_INT_EQ(fb_exact_energy_eval(&exact, &e, &z), FB_OK);
   return (double)e.strain + (double)e.kinetic;
 }
 
@@ -268,7 +268,7 @@ TEST(dissipation_takes_what_its_rule_says)
 {
   const double rho = 0.6, beta = rho * (1.0 - rho) / ((1.0 + rho) * (1.0 + rho));
   const double dt[4] = {0.02, 0.02, 0.03, 0.012};
-  static fb_mixed_state before, older;
+  static fb_exact_state before, older;
   double first, energy;
   any_beam(0, 1);
   desc.n_support = 0;
@@ -401,7 +401,7 @@ TEST(internal_loads_of_a_pushed_rod_are_the_closed_form)
   if (steps(1, 1e-4) != FB_OK) {
     return;
   }
-  FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+  FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
   for (int k = 0; k <= n; k++) {
     const double x = (double)k / n, shear = -(1.0 - x) * (1.0 - 3.0 * x), bend = L * x * (1.0 - x) * (1.0 - x);
     const fb_real force[3] = {(fb_real)(2.0 * (1.0 - x)), (fb_real)(f * shear - 6.0 * tau / L * x * (1.0 - x)),
@@ -423,7 +423,7 @@ TEST(a_rigid_beam_has_its_inertia)
     input.n_load = 1;
     input.load[0].torque[2] = FB_R(0.5);
     if (steps(100, 0.01) == FB_OK) {
-      FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+      FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
       FBT_NEAR_REL(node[0].rotation[2], 0.5 * 0.5 * 1.0 / (4.0 + 0.02), FBT_TOL(1e-6, 1e-3));
     }
   }
@@ -449,7 +449,7 @@ TEST(steady_and_marching_agree)
   if (steps(400, 0.01) != FB_OK) {
     return;
   }
-  FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+  FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
   FBT_BELOW(fbt_difference(before, node[10].displacement, 3), FBT_TOL(1e-7, 2e-2));
   turn = FB_R(2.0) * (fb_real)atan2((double)state.base_quat[3], (double)state.base_quat[0]);
   FBT_NEAR_ABS(turn, 1.2 * 4.0, FBT_TOL(1e-9, 1e-3));
@@ -488,7 +488,7 @@ TEST(spin_up_matches_the_exact_beam)
       }
       fb_quat_to_mat33(R, state.quat);
       for (int i = 0; i < 3; i++) {
-        x[i] = (state.r[60 + i] - state.r[i]) * mixed.length;
+        x[i] = (state.r[60 + i] - state.r[i]) * exact.length;
       }
       fb_mat33_mulT_vec3(y, R, x);
       worst = fmax(worst, fabs((double)y[1] - fbt_value(t, row, "GE_u2")));
@@ -508,7 +508,7 @@ static double ring(int axis, double dt)
     if (steps(1, dt) != FB_OK) {
       return 0.0;
     }
-    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+    FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
     x[0] = x[1];
     x[1] = x[2];
     x[2] = axis ? (double)node[1].rotation[0] : (double)node[1].displacement[0];
@@ -520,7 +520,7 @@ static double ring(int axis, double dt)
   return acos(c / weight) / (2.0 * pi * dt);
 }
 
-/* >>exact: [L] 4.7's shift of one element's frequency is the dispersion of the scheme, 2/dt atan(c dt/L). */
+/* >>exact: [L] 4.7's shift of one element's frequency is the dispersion of the integrator, 2/dt atan(c dt/L). */
 TEST(one_element_rings_at_the_predicted_frequency)
 {
   const fbt_table *t = fbt_reference("p08_box_scheme.csv");
@@ -555,7 +555,7 @@ TEST(a_beam_slides_out_of_a_spinning_slot)
   input.w[2] = FB_R(1.0);
   start();
   if (steps(200, 0.005) == FB_OK) {
-    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+    FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
     FBT_NEAR_ABS(node[0].displacement[0], 0.5 * (cosh(1.0) - 1.0), FBT_TOL(1e-5, 1e-4));
     FBT_NEAR_ABS(node[0].displacement[1], 0.0, FBT_TOL(1e-12, 1e-6));
     FBT_NEAR_ABS(node[4].displacement[1], 0.0, FBT_TOL(1e-5, 1e-4));
@@ -588,7 +588,7 @@ TEST(a_beam_held_twice_keeps_energy_and_place)
       if (steps(100, 0.001) != FB_OK) {
         return;
       }
-      FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+      FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
       gap = fmax(gap, distance(node[10].displacement, run < 2 ? 0.0 : (double)node[10].displacement[0], 0.0, 0.0));
       FBT_NEAR_REL(total_energy(), before, FBT_TOL(1e-9, 1e-3));
     }
@@ -609,7 +609,7 @@ TEST(what_is_held_comes_back_to_its_place)
   off = (double)node[4].displacement[2];
   FBT_BELOW(1e-5, off);
   desc.tip = FB_HOLD_Y | FB_HOLD_Z;
-  FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_OK);
+  FBT_INT_EQ(fb_exact_init(&exact, &desc), FB_OK);
   input.n_load = 0;
   load_tip(FB_AXES_INERTIAL, 0.0, 5.0, 0.0);
   input.load[0].node = 2;
@@ -617,7 +617,7 @@ TEST(what_is_held_comes_back_to_its_place)
     if (steps(1, 0.02) != FB_OK) {
       return;
     }
-    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+    FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
     FBT_BELOW(fabs((double)node[4].displacement[2]), FBT_TOL(0.01, 0.1) * off);
   }
 }
@@ -634,13 +634,13 @@ TEST(reactions_do_no_work_on_the_way_back)
   settle();
   memcpy(before, node[4].displacement, sizeof before);
   desc.tip = FB_HOLD_Y | FB_HOLD_Z;
-  FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_OK);
+  FBT_INT_EQ(fb_exact_init(&exact, &desc), FB_OK);
   load_tip(FB_AXES_INERTIAL, 0.0, 5.0, 1.0);
   input.load[1].node = 2;
   if (steps(1, 0.02) == FB_OK) {
     const fb_real *const F = node[4].reaction_force, *const at = node[4].displacement;
     double work_done, size;
-    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+    FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
     work_done = (double)(F[1] * (at[1] - before[1]) + F[2] * (at[2] - before[2]));
     size = hypot((double)F[1], (double)F[2]) * hypot((double)(at[1] - before[1]), (double)(at[2] - before[2]));
     FBT_BELOW(1e-6 * hypot((double)F[1], (double)F[2]), size);
@@ -667,7 +667,7 @@ TEST(a_far_hinge_turns_as_one_at_the_root)
     input.load[1].node = 2;
     input.load[1].force[2] = FB_R(1e-3);
     if (steps(1400, 0.001) == FB_OK) {
-      FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+      FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
       FBT_NEAR_REL(node[hinge].rotation[axis], 0.5 * 1.96 / (1.0 / 3.0 + 1e-3), FBT_TOL(2e-4, 5e-3));
       FBT_NEAR_ABS(node[hinge].rotation[2 - axis], 0.0, FBT_TOL(1e-6, 1e-3));
       FBT_NEAR_ABS(node[hinge].rotation[1], 0.0, FBT_TOL(1e-6, 1e-3));
@@ -748,8 +748,8 @@ TEST(a_lump_is_a_rigid_body)
     input.w[i] = (fb_real)w[i];
   }
   start();
-  FBT_INT_EQ(fb_mixed_energy(&mixed, &energy, &state), FB_OK);
-  FBT_INT_EQ(fb_mixed_momentum(&mixed, &momentum, &state), FB_OK);
+  FBT_INT_EQ(fb_exact_energy_eval(&exact, &energy, &state), FB_OK);
+  FBT_INT_EQ(fb_exact_momentum_eval(&exact, &momentum, &state), FB_OK);
   FBT_NEAR_REL(energy.gravity, -m * (g[0] * r[0] + g[1] * r[1] + g[2] * r[2]) - m1 * g[0] * x1, FBT_TOL(1e-12, 1e-5));
   FBT_NEAR_REL(energy.kinetic,
                0.5 * m * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]) + 0.5 * m1 * (v1[1] * v1[1] + v1[2] * v1[2]) +
@@ -762,7 +762,7 @@ TEST(a_lump_is_a_rigid_body)
   }
 }
 
-SUITE(mixed_motion, RUN(a_support_amid_the_beam_holds_at_rest_and_in_motion), RUN(steps_that_have_not_converged_say_so),
+SUITE(exact_motion, RUN(a_support_amid_the_beam_holds_at_rest_and_in_motion), RUN(steps_that_have_not_converged_say_so),
       RUN(stiff_supported_beams_want_factorizations), RUN(one_correction_does_in_short_steps),
       RUN(a_beam_is_the_same_however_it_is_seen), RUN(energy_is_kept_whatever_the_step),
       RUN(dissipation_takes_energy_in_every_step), RUN(dissipation_takes_what_its_rule_says),

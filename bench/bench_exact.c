@@ -1,4 +1,4 @@
-/* bench_mixed - time of the geometrically exact beam, CSV on stdout: a Newton iteration of a steady state, and a time
+/* bench_exact - time of the geometrically exact beam, CSV on stdout: a Newton iteration of a steady state, and a time
    step, by elements; beside them the same with one dense LU: of all 42 fields an element has in [L] (displacement and
    rotation, velocity, strain, momentum, stress, loads at both ends), and of the 12 that are left when the others are
    eliminated within the element. The ways take turns, so that they share what disturbs the machine, and are checked to
@@ -7,7 +7,7 @@
    the NREL blade. Each step starts from one of 16 states in turn; it is timed by itself, and the time of an empty
    measurement is taken off. */
 #define _POSIX_C_SOURCE 200112L /* clock_gettime, uname */
-#define FB_MAX_MIXED 80
+#define FB_MAX_EXACT 80
 #define FLEXBEAM_STATIC
 #include "report.h"
 #include "../examples/common/output.h"
@@ -23,11 +23,11 @@
 enum { CHAIN, DENSE, FIELDS, WAYS };
 static const char *const way_name[WAYS] = {"chain", "dense 12", "dense 42"};
 
-static fb_mixed_desc desc;
-static fb_mixed beam;
-static fb_mixed_state start[STATES], state;
-static fb_mixed_work work;
-static fb_mixed_input input;
+static fb_exact_desc desc;
+static fb_exact beam;
+static fb_exact_state start[STATES], state;
+static fb_exact_work work;
+static fb_exact_input input;
 static double sample[WAYS][SAMPLES];
 static double overhead; /* [us] of an empty measurement */
 
@@ -49,13 +49,13 @@ static void build(int n)
   input.load[0].node = n;
   input.load[0].force[1] = 3;
   input.w[2] = FB_R(0.2);
-  fbb_check(fb_mixed_init(&beam, &desc), "beam");
-  fbb_check(fb_mixed_state_init(&beam, &state, &work, &input), "state");
-  fbb_check(fb_mixed_steady_solve(&beam, &state, &work, &input), "steady state");
+  fbb_check(fb_exact_init(&beam, &desc), "beam");
+  fbb_check(fb_exact_state_init(&beam, &state, &work, &input), "state");
+  fbb_check(fb_exact_trim(&beam, &state, &work, &input), "steady state");
   input.n_load = 0;
   for (int k = 0; k < STATES; k++) {
     for (int i = 0; i < 20; i++) {
-      fbb_check(fb_mixed_step(&beam, &state, &work, &input, FB_R(0.002)), "step");
+      fbb_check(fb_exact_step(&beam, &state, &work, &input, FB_R(0.002)), "step");
     }
     start[k] = state;
   }
@@ -90,7 +90,7 @@ static void put_one(int n, int row, int column, fb_real value)
 /* Loads at the ends, strain, mean velocity and momentum of element k as unknowns of their own: F1, F2, e, v, p. */
 static void put_fields(int n, int k)
 {
-  const fbi_mixed_jacobian *const j = &work.jacobian;
+  const fbi_exact_jacobian *const j = &work.jacobian;
   const int a = 12 * k, s = a + 6, b = a + 12, F1 = 12 * beam.n + 6 + 30 * k, F2 = F1 + 6, e = F1 + 12, v = F1 + 18;
   for (int row = F1; row < F1 + 30; row += 6) {
     put_one(n, row, row, 1);
@@ -112,12 +112,12 @@ static void put_fields(int n, int k)
 static fb_status dense_factor(int way)
 {
   const int n = unknowns(way);
-  fbi_mixed_jacobian *const j = &work.jacobian;
+  fbi_exact_jacobian *const j = &work.jacobian;
   memset(matrix, 0, sizeof *matrix * (size_t)(n * n));
   for (int k = 0; k < beam.n; k++) {
     const int a = 12 * k, e = a + 6, b = a + 12;
-    fbi_mixed_cell_eval(&work.cell, &work, &beam, k);
-    fbi_mixed_cell_jacobian(j, &work.cell, &work, &beam, k);
+    fbi_exact_cell_eval(&work.cell, &work, &beam, k);
+    fbi_exact_cell_jacobian(j, &work.cell, &work, &beam, k);
     put(n, e, a, j->D1, -1);
     put(n, e, b, j->D2, -1);
     put(n, e, e, j->E, 1);
@@ -134,7 +134,7 @@ static fb_status dense_factor(int way)
   }
   for (int k = 0; k <= beam.n; k++) {
     fb_real K[36] = {0};
-    fbi_mixed_node_jacobian(K, &work, &beam, k);
+    fbi_exact_node_jacobian(K, &work, &beam, k);
     put(n, 12 * k, 12 * k, K, 1);
     if (beam.held[k]) { /* clamped: all of it */
       memset(matrix + 12 * k * n, 0, sizeof *matrix * (size_t)(6 * n));
@@ -167,13 +167,13 @@ static void dense_solve(int way)
 
 static fb_status factor(int way)
 {
-  return way == CHAIN ? fbi_mixed_factor(&work, &beam) : dense_factor(way);
+  return way == CHAIN ? fbi_exact_factor(&work, &beam) : dense_factor(way);
 }
 
 static void solve(int way)
 {
   if (way == CHAIN) {
-    fbi_mixed_solve(&work, &beam);
+    fbi_exact_solve(&work, &beam);
   } else {
     dense_solve(way);
   }
@@ -184,40 +184,40 @@ static void solve(int way)
 /* One Newton iteration of the steady state from a start. */
 static void iteration(int way, int at)
 {
-  const fbi_mixed_motion steady = {0, 1, 0, 0, 1, 0};
+  const fbi_exact_motion steady = {0, 1, 0, 0, 1, 0};
   work.motion = steady;
-  fbi_mixed_pose_take(&work, &start[at], &beam);
-  fbi_mixed_input_take(&work, &beam, start[at].base_quat, &input, 1, 0);
-  fbi_mixed_middle(&work, &beam, 0, 1);
+  fbi_exact_pose_take(&work, &start[at], &beam);
+  fbi_exact_input_take(&work, &beam, start[at].base_quat, &input, 1, 0);
+  fbi_exact_middle(&work, &beam, 0, 1);
   fbb_check(factor(way), "factors");
   solve(way);
 }
 
-/* A time step of 2 ms; the dense ones are fb_mixed_step with the other solver. */
+/* A time step of 2 ms; the dense ones are fb_exact_step with the other solver. */
 static void step(int way, int at)
 {
   const fb_real dt = FB_R(0.002), h = dt / beam.time;
   state = start[at];
   if (way == CHAIN) {
-    fbb_check(fb_mixed_step(&beam, &state, &work, &input, dt), "step");
+    fbb_check(fb_exact_step(&beam, &state, &work, &input, dt), "step");
     return;
   }
-  fbi_mixed_begin(&work, &beam, &state, &input, h);
-  fbi_mixed_middle(&work, &beam, h, 1);
+  fbi_exact_begin(&work, &beam, &state, &input, h);
+  fbi_exact_middle(&work, &beam, h, 1);
   fbb_check(factor(way), "factors");
   for (int it = 0; it < beam.iterations; it++) {
     solve(way);
-    fbi_mixed_correct(&work, &beam);
-    fbi_mixed_middle(&work, &beam, h, 1);
+    fbi_exact_correct(&work, &beam);
+    fbi_exact_middle(&work, &beam, h, 1);
   }
-  fbi_mixed_end(&state, &work, &beam, h);
+  fbi_exact_end(&state, &work, &beam, h);
 }
 
 /* All ways give the same. */
 static void compare(void)
 {
-  static fb_real dd[6 * (FB_MAX_MIXED + 1)];
-  static fb_mixed_state other;
+  static fb_real dd[6 * (FB_MAX_EXACT + 1)];
+  static fb_exact_state other;
   for (int way = DENSE; way < WAYS; way++) {
     double most = 0, size = 0;
     iteration(CHAIN, 3);
@@ -235,7 +235,7 @@ static void compare(void)
     }
     printf("# chain and %s differ by %.1e\n", way_name[way], most / size);
     if (!(most < (FB_SINGLE ? 1e-2 : 1e-8) * size)) {
-      fprintf(stderr, "bench_mixed: chain and %s differ\n", way_name[way]);
+      fprintf(stderr, "bench_exact: chain and %s differ\n", way_name[way]);
       exit(1);
     }
   }
@@ -304,10 +304,10 @@ static void decayed(void)
 
 int main(void)
 {
-  output_begin("bench_mixed");
+  output_begin("bench_exact");
   overhead = 1e-3 * fbb_begin();
   printf("# us (%.3f us of the clock taken off), up to %d samples, %d states in turn\n", overhead, SAMPLES, STATES);
-  printf("# work of fb_mixed_work %.1f kB, model %.1f kB, state %.1f kB for 80 elements: linear in them\n",
+  printf("# work of fb_exact_work %.1f kB, model %.1f kB, state %.1f kB for 80 elements: linear in them\n",
          (double)sizeof work / 1024, (double)sizeof beam / 1024, (double)sizeof state / 1024);
   printf("# proportional: least time per element to that of 10; dense/chain: of the least\n");
   printf("# mark, another machine: BeamDyn (OpenFAST) 157 us a step with 36 unknowns, 742 us for the NREL blade\n");

@@ -1,12 +1,12 @@
-/* mixed_text.h - text descriptions of a geometrically exact beam, read into a fb_mixed_desc and what acts on it.
+/* exact_text.h - text descriptions of a geometrically exact beam, read into a fb_exact_desc and what acts on it.
    README.md lists the words. Include flexbeam.h first. */
-#ifndef MIXED_TEXT_H
-#define MIXED_TEXT_H
+#ifndef EXACT_TEXT_H
+#define EXACT_TEXT_H
 #include "../common/text.h"
 
-typedef struct mixed_text { /* what was read; places want the whole file before they can be used */
-  fb_mixed_desc desc;
-  fb_mixed_input input;
+typedef struct exact_text { /* what was read; places want the whole file before they can be used */
+  fb_exact_desc desc;
+  fb_exact_input input;
   int modes, station_open;
   int n_load, n_line, n_support, n_lump;
   double load_at[FB_MAX_LOADS], support_at[FB_MAX_LUMPS], lump_at[FB_MAX_LUMPS];
@@ -14,10 +14,10 @@ typedef struct mixed_text { /* what was read; places want the whole file before 
     double a, b;
     fb_line_load load;
   } line[64];
-} mixed_text;
+} exact_text;
 
 /* 6, 21 or 36 numbers to a full 6x6. */
-static void mixed_matrix(text_file *t, const char *what, fb_real A[36])
+static void exact_matrix(text_file *t, const char *what, fb_real A[36])
 {
   double x[36];
   int n = 0;
@@ -41,7 +41,7 @@ static void mixed_matrix(text_file *t, const char *what, fb_real A[36])
   }
 }
 
-static int mixed_end(text_file *t)
+static int exact_end(text_file *t)
 {
   static const struct {
     const char *name;
@@ -66,7 +66,7 @@ static int mixed_end(text_file *t)
   return held;
 }
 
-static fb_axes mixed_axes(text_file *t)
+static fb_axes exact_axes(text_file *t)
 {
   const char *word = text_word(t);
   if (word && strcmp(word, "dead") == 0) {
@@ -81,7 +81,7 @@ static fb_axes mixed_axes(text_file *t)
   return FB_AXES_BODY;
 }
 
-static void mixed_force(text_file *t, fb_real force[3], fb_real torque[3])
+static void exact_force(text_file *t, fb_real force[3], fb_real torque[3])
 {
   text_reals(t, "force x y z", force, 3);
   if (text_more(t)) {
@@ -90,10 +90,10 @@ static void mixed_force(text_file *t, fb_real force[3], fb_real torque[3])
 }
 
 /* Words of a station; 0 if it is none of them. */
-static int mixed_section(text_file *t, mixed_text *m, const char *word)
+static int exact_section(text_file *t, exact_text *m, const char *word)
 {
   static const char *const words[] = {"stiffness", "inertia", "mass", "twist", "curvature"};
-  fb_mixed_station *const s = &m->desc.station[m->desc.n_station > 0 ? m->desc.n_station - 1 : 0];
+  fb_exact_station *const s = &m->desc.station[m->desc.n_station > 0 ? m->desc.n_station - 1 : 0];
   int k = 0;
   while (k < 5 && strcmp(word, words[k]) != 0) {
     k++;
@@ -101,19 +101,19 @@ static int mixed_section(text_file *t, mixed_text *m, const char *word)
   if (k < 5 && !m->station_open) {
     text_fail(t, "%s belongs to a station: begin it with \"station X\"", word);
   } else if (k == 0) {
-    mixed_matrix(t, word, s->stiffness);
+    exact_matrix(t, word, s->stiffness);
   } else if (k == 1) {
-    mixed_matrix(t, word, s->inertia);
+    exact_matrix(t, word, s->inertia);
   } else if (k == 2) {
     fb_section section;
-    fb_mixed_station made;
+    fb_exact_station made;
     memset(&section, 0, sizeof section);
     section.mass = (fb_real)text_number(t, word);
     if (text_more(t)) {
       section.mass_y = (fb_real)text_number(t, "y of the mass center");
       section.mass_z = (fb_real)text_number(t, "z of the mass center");
     }
-    if (fb_mixed_station_init(&made, &section) != FB_OK) {
+    if (fb_exact_station_init(&made, &section) != FB_OK) {
       text_fail(t, "mass is zero or more");
     }
     memcpy(s->inertia, made.inertia, sizeof s->inertia);
@@ -125,7 +125,7 @@ static int mixed_section(text_file *t, mixed_text *m, const char *word)
   return k < 5;
 }
 
-static void mixed_station_line(text_file *t, mixed_text *m)
+static void exact_station_line(text_file *t, exact_text *m)
 {
   if (m->desc.n_station == FB_MAX_STATIONS) {
     text_fail(t, "more than %d stations", FB_MAX_STATIONS);
@@ -138,7 +138,7 @@ static void mixed_station_line(text_file *t, mixed_text *m)
   m->station_open = 1;
 }
 
-static void mixed_lump(text_file *t, mixed_text *m)
+static void exact_lump(text_file *t, exact_text *m)
 {
   fb_lump *const lump = &m->desc.lump[m->n_lump];
   if (m->n_lump == FB_MAX_LUMPS) {
@@ -156,7 +156,7 @@ static void mixed_lump(text_file *t, mixed_text *m)
 }
 
 /* Loads, supports and lumps, which name places; 0 if it is none of them. */
-static int mixed_place(text_file *t, mixed_text *m, const char *word)
+static int exact_place(text_file *t, exact_text *m, const char *word)
 {
   if (strcmp(word, "load") == 0) {
     fb_load *const load = &m->input.load[m->n_load];
@@ -165,8 +165,8 @@ static int mixed_place(text_file *t, mixed_text *m, const char *word)
       return 1;
     }
     m->load_at[m->n_load++] = text_number(t, "x of the load");
-    load->axes = mixed_axes(t);
-    mixed_force(t, load->force, load->torque);
+    load->axes = exact_axes(t);
+    exact_force(t, load->force, load->torque);
   } else if (strcmp(word, "line") == 0) {
     if (m->n_line == 64) {
       text_fail(t, "more than 64 line loads");
@@ -174,8 +174,8 @@ static int mixed_place(text_file *t, mixed_text *m, const char *word)
     }
     m->line[m->n_line].a = text_number(t, "begin of the line load");
     m->line[m->n_line].b = text_number(t, "end of the line load");
-    m->line[m->n_line].load.axes = mixed_axes(t);
-    mixed_force(t, m->line[m->n_line].load.force, m->line[m->n_line].load.torque);
+    m->line[m->n_line].load.axes = exact_axes(t);
+    exact_force(t, m->line[m->n_line].load.force, m->line[m->n_line].load.torque);
     m->n_line++;
   } else if (strcmp(word, "support") == 0) {
     if (m->n_support == FB_MAX_LUMPS) {
@@ -183,9 +183,9 @@ static int mixed_place(text_file *t, mixed_text *m, const char *word)
       return 1;
     }
     m->support_at[m->n_support] = text_number(t, "x of the support");
-    m->desc.support[m->n_support++].held = mixed_end(t);
+    m->desc.support[m->n_support++].held = exact_end(t);
   } else if (strcmp(word, "lump") == 0) {
-    mixed_lump(t, m);
+    exact_lump(t, m);
   } else {
     return 0;
   }
@@ -193,7 +193,7 @@ static int mixed_place(text_file *t, mixed_text *m, const char *word)
 }
 
 /* Nothing is known yet. */
-static void mixed_begin(mixed_text *m)
+static void exact_begin(exact_text *m)
 {
   memset(m, 0, sizeof *m);
   m->desc.n_element = 20;
@@ -201,14 +201,14 @@ static void mixed_begin(mixed_text *m)
 }
 
 /* A line that begins with that word. */
-static void mixed_line(text_file *t, mixed_text *m, const char *word)
+static void exact_line(text_file *t, exact_text *m, const char *word)
 {
   if (strcmp(word, "length") == 0) {
     m->desc.length = (fb_real)text_number(t, word);
   } else if (strcmp(word, "elements") == 0) {
-    m->desc.n_element = text_whole(t, word, 1, FB_MAX_MIXED);
+    m->desc.n_element = text_whole(t, word, 1, FB_MAX_EXACT);
   } else if (strcmp(word, "station") == 0) {
-    mixed_station_line(t, m);
+    exact_station_line(t, m);
   } else if (strcmp(word, "position") == 0) {
     text_reals(t, word, m->desc.position, 3);
   } else if (strcmp(word, "attitude") == 0) {
@@ -218,9 +218,9 @@ static void mixed_line(text_file *t, mixed_text *m, const char *word)
     }
     fb_quat_from_rotvec(m->desc.attitude, turn);
   } else if (strcmp(word, "root") == 0) {
-    m->desc.root = mixed_end(t);
+    m->desc.root = exact_end(t);
   } else if (strcmp(word, "tip") == 0) {
-    m->desc.tip = mixed_end(t);
+    m->desc.tip = exact_end(t);
   } else if (strcmp(word, "gravity") == 0) {
     text_reals(t, word, m->desc.gravity, 3);
   } else if (strcmp(word, "velocity") == 0) {
@@ -228,16 +228,16 @@ static void mixed_line(text_file *t, mixed_text *m, const char *word)
   } else if (strcmp(word, "spin") == 0) {
     text_reals(t, word, m->input.w, 3);
   } else if (strcmp(word, "modes") == 0) {
-    m->modes = text_whole(t, word, 0, FB_MIXED_MODES);
+    m->modes = text_whole(t, word, 0, FB_EXACT_MODES);
   } else if (strcmp(word, "dissipation") == 0) {
     m->desc.dissipation = (fb_real)text_number(t, word);
-  } else if (!mixed_section(t, m, word) && !mixed_place(t, m, word)) {
+  } else if (!exact_section(t, m, word) && !exact_place(t, m, word)) {
     text_fail(t, "no such word for an exact beam: %s", word);
   }
   text_end_of_line(t);
 }
 
-static int mixed_nearest(text_file *t, const mixed_text *m, double x, const char *what)
+static int exact_nearest(text_file *t, const exact_text *m, double x, const char *what)
 {
   const double L = (double)m->desc.length;
   if (!(x >= -1e-9 * L && x <= L * (1 + 1e-9))) {
@@ -248,7 +248,7 @@ static int mixed_nearest(text_file *t, const mixed_text *m, double x, const char
 }
 
 /* Places to nodes, now that length and elements are known. */
-static void mixed_places(text_file *t, mixed_text *m)
+static void exact_places(text_file *t, exact_text *m)
 {
   const int n = m->desc.n_element;
   if (!(m->desc.length > 0)) {
@@ -263,17 +263,17 @@ static void mixed_places(text_file *t, mixed_text *m)
   m->desc.n_support = m->n_support;
   m->desc.n_lump = m->n_lump;
   for (int k = 0; k < m->n_load; k++) {
-    m->input.load[k].node = mixed_nearest(t, m, m->load_at[k], "a load");
+    m->input.load[k].node = exact_nearest(t, m, m->load_at[k], "a load");
   }
   for (int k = 0; k < m->n_support; k++) {
-    m->desc.support[k].node = mixed_nearest(t, m, m->support_at[k], "a support");
+    m->desc.support[k].node = exact_nearest(t, m, m->support_at[k], "a support");
   }
   for (int k = 0; k < m->n_lump; k++) {
-    m->desc.lump[k].node = mixed_nearest(t, m, m->lump_at[k], "a lump");
+    m->desc.lump[k].node = exact_nearest(t, m, m->lump_at[k], "a lump");
   }
   for (int l = 0; l < m->n_line; l++) {
-    const int a = mixed_nearest(t, m, m->line[l].a, "a line load"),
-              b = mixed_nearest(t, m, m->line[l].b, "a line load");
+    const int a = exact_nearest(t, m, m->line[l].a, "a line load"),
+              b = exact_nearest(t, m, m->line[l].b, "a line load");
     if (a >= b) {
       text_fail(t, "a line load from %g to %g covers no element", m->line[l].a, m->line[l].b);
     }

@@ -1,16 +1,16 @@
-/* mixed_beam.h - one geometrically exact beam, for the examples that bend one. Any consistent units. Include flexbeam.h
+/* exact_beam.h - one geometrically exact beam, for the examples that bend one. Any consistent units. Include flexbeam.h
    and options.h first. */
-#ifndef MIXED_BEAM_H
-#define MIXED_BEAM_H
+#ifndef EXACT_BEAM_H
+#define EXACT_BEAM_H
 
 static const double pi = 3.14159265358979324;
 
-static fb_mixed_desc beam_desc;
-static fb_mixed beam;
-static fb_mixed_work beam_work;
-static fb_mixed_state beam_state;
-static fb_mixed_input beam_input;
-static fb_mixed_node beam_node[FB_MAX_MIXED + 1];
+static fb_exact_desc beam_desc;
+static fb_exact beam;
+static fb_exact_work beam_work;
+static fb_exact_state beam_state;
+static fb_exact_input beam_input;
+static fb_exact_node beam_node[FB_MAX_EXACT + 1];
 
 /* Uniform, straight, clamped, nothing acts: stiffness and inertia by their diagonals (axial, shear, shear, twist,
    bending about y, about z). Zero stiffness: rigid. */
@@ -29,21 +29,21 @@ static inline void beam_uniform(double length, int elements, const double stiffn
 
 static inline fb_status beam_start(void)
 {
-  const fb_status status = fb_mixed_init(&beam, &beam_desc);
-  return status ? status : fb_mixed_state_init(&beam, &beam_state, &beam_work, &beam_input);
+  const fb_status status = fb_exact_init(&beam, &beam_desc);
+  return status ? status : fb_exact_state_init(&beam, &beam_state, &beam_work, &beam_input);
 }
 
 /* The steady state under beam_input, from the present one. */
 static inline fb_status beam_settle(void)
 {
-  const fb_status status = fb_mixed_steady_solve(&beam, &beam_state, &beam_work, &beam_input);
-  return status ? status : fb_mixed_nodes_eval(&beam, beam_node, &beam_state);
+  const fb_status status = fb_exact_trim(&beam, &beam_state, &beam_work, &beam_input);
+  return status ? status : fb_exact_nodes_eval(&beam, beam_node, &beam_state);
 }
 
 static inline fb_status beam_advance(double dt)
 {
-  const fb_status status = fb_mixed_step(&beam, &beam_state, &beam_work, &beam_input, (fb_real)dt);
-  return status ? status : fb_mixed_nodes_eval(&beam, beam_node, &beam_state);
+  const fb_status status = fb_exact_step(&beam, &beam_state, &beam_work, &beam_input, (fb_real)dt);
+  return status ? status : fb_exact_nodes_eval(&beam, beam_node, &beam_state);
 }
 
 /* Lag and flap, rotating Euler-Bernoulli cantilevers: mu = omega sqrt(m L^4 / EI) of the first mode at the rate
@@ -56,12 +56,12 @@ static const beam_spun beam_spun_table[] = {{0, 3.5160152685002, 3.5160152685002
                                             {2, 4.1373195730254, 3.6217969641241},
                                             {5, 6.4495447485687, 4.0738958582405}};
 
-/* How far the first frequency of a beam without stretch, shear and rotary inertia is from that table, at most; negative:
-   it has none. */
+/* How far the first frequency of a beam without stretch, shear and rotary inertia is from that table, at most;
+   negative: it has none. */
 static inline double beam_spun_error(double length, double mass, double EI, int elements, int flap)
 {
-  static fb_mixed_spectrum spectrum;
-  static fb_mixed_spectrum_work work;
+  static fb_exact_spectrum spectrum;
+  static fb_exact_spectrum_work work;
   const double unit = sqrt(EI / mass) / (length * length), inertia[6] = {mass, mass, mass, 0, 0, 0};
   const double stiffness[6] = {0, 0, 0, 0, flap ? EI : 0, flap ? 0 : EI};
   double worst = 0;
@@ -72,7 +72,7 @@ static inline double beam_spun_error(double length, double mass, double EI, int 
     status = beam_start();
     beam_input.w[2] = (fb_real)(known->eta * unit);
     status = status ? status : beam_settle();
-    status = status ? status : fb_mixed_spectrum_solve(&beam, &spectrum, &work, &beam_state, &beam_input, 1);
+    status = status ? status : fb_exact_spectrum_solve(&beam, &work, &spectrum, &beam_state, &beam_input, 1);
     if (status != FB_OK) {
       return -1;
     }
@@ -95,7 +95,7 @@ static inline void beam_write_shape(FILE *csv, int points)
 {
   for (int k = 0; k <= points; k++) {
     fb_real p[3], q[4];
-    if (fb_mixed_point_eval(&beam, p, q, &beam_state, beam_desc.length * (fb_real)k / (fb_real)points) == FB_OK) {
+    if (fb_exact_point_eval(&beam, p, q, &beam_state, beam_desc.length * (fb_real)k / (fb_real)points) == FB_OK) {
       fprintf(csv, "%.9g,%.9g,%.9g\n", (double)p[0], (double)p[1], (double)p[2]);
     }
   }

@@ -1,5 +1,5 @@
 /* >>exact, >>trim and >>linear: frequencies, buckling and paths of the exact beam. */
-#include "mixed.h"
+#include "exact.h"
 
 /* ---- sections, ends, units */
 
@@ -14,7 +14,7 @@ TEST(spectrum_is_that_of_the_natural_modes)
   static fb_modes_work modes_work;
   memset(&b, 0, sizeof b);
   memset(&m, 0, sizeof m);
-  elastica(FB_MAX_MIXED);
+  elastica(FB_MAX_EXACT);
   b.length = FB_R(1.0);
   b.n_element = FB_SINGLE ? 6 : 10;
   b.n_station = desc.n_station = 2;
@@ -38,7 +38,7 @@ TEST(spectrum_is_that_of_the_natural_modes)
                                 FB_R(0.008)};
     b.station[k] = section;
     b.station[k].twist = k ? FB_R(0.5) : FB_R(0.0);
-    FBT_INT_EQ(fb_mixed_station_init(&desc.station[k], &b.station[k]), FB_OK);
+    FBT_INT_EQ(fb_exact_station_init(&desc.station[k], &b.station[k]), FB_OK);
   }
   settle();
   spectrum_of(6);
@@ -131,7 +131,7 @@ TEST(curvature_may_jump_beside_a_node)
       desc.station[k].x = (fb_real)place[run][k];
       desc.station[k].curvature[2] = (k < 2) == run ? FB_R(16.0) : FB_R(0.0);
     }
-    FBT_INT_EQ(fb_mixed_init(&mixed, &desc), FB_ERR_VALUE); /* 4 rad in an element all the same */
+    FBT_INT_EQ(fb_exact_init(&exact, &desc), FB_ERR_VALUE); /* 4 rad in an element all the same */
     for (int k = 0; k < 4; k++) {
       desc.station[k].curvature[2] *= FB_R(0.7); /* 2.8 */
     }
@@ -159,16 +159,16 @@ TEST(an_element_that_turns_is_as_stiff_as_the_header_says)
   for (int run = 0; run < 12; run++) {
     const double phi = turn[run % 3] * pi / 180.0, f = FBT_TOL(1e-7, 1e-3);
     const int across = run / 3 % 2, n = 1 + run / 6;
-    double exact = 0.0, error;
+    double closed_form = 0.0, error;
     elastica(n);
     desc.station[0].curvature[2] = (fb_real)phi;
     load_tip(FB_AXES_INERTIAL, 0.0, across ? 0.0 : f, across ? f : 0.0);
     settle();
     for (int i = 0; i < 2000; i++) {
       const double s = (i + 0.5) / 2000.0, x = (sin(phi) - sin(phi * s)) / phi, y = (cos(phi * s) - cos(phi)) / phi;
-      exact += (x * x + (across ? y * y : 0.0)) / 2000.0;
+      closed_form += (x * x + (across ? y * y : 0.0)) / 2000.0;
     }
-    error = 1.0 - (double)node[n].displacement[across ? 2 : 1] / (f * exact);
+    error = 1.0 - (double)node[n].displacement[across ? 2 : 1] / (f * closed_form);
     if (n == 1) {
       FBT_BELOW(error, bound[run % 3] + FBT_TOL(0.0, 2e-3));
       FBT_BELOW(0.6 * bound[run % 3] - FBT_TOL(0.0, 2e-3), error);
@@ -244,8 +244,8 @@ TEST(a_body_on_a_light_beam_rings_in_closed_form)
     FBT_NEAR_ABS(spectrum.re[k], 0.0, FBT_TOL(1e-8, 1e-2));
     last = next;
   }
-  for (int count = 7; count <= FB_MIXED_MODES; count++) { /* there are no more */
-    FBT_INT_EQ(fb_mixed_spectrum_solve(&mixed, &spectrum, &spectrum_work, &state, &input, count), FB_ERR_MODES);
+  for (int count = 7; count <= FB_EXACT_MODES; count++) { /* there are no more */
+    FBT_INT_EQ(fb_exact_spectrum_solve(&exact, &spectrum_work, &spectrum, &state, &input, count), FB_ERR_MODES);
   }
 }
 
@@ -521,20 +521,20 @@ static double free_beam_apart(int elsewhere)
   push.load[0].force[1] = FB_R(3.0);
   for (int k = 1; k <= 800; k++) {
     fb_node_motion seen[3];
-    double exact, modal;
+    double judge, modal;
     input.n_load = push.n_load = k <= 200;
-    FBT_INT_EQ(fb_mixed_step(&mixed, &state, &work, &input, (fb_real)dt), FB_OK);
-    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+    FBT_INT_EQ(fb_exact_step(&exact, &state, &work, &input, (fb_real)dt), FB_OK);
+    FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
     for (int half = 0; half < 2; half++) {
       FBT_INT_EQ(fb_rk4_step(&body, &at, &rk4, &push, &push, &push, (fb_real)(0.5 * dt)), FB_OK);
     }
     for (int i = 0; i < 3; i++) {
-      FBT_INT_EQ(fb_body_node_motion(&body, &seen[i], &at, &rest, i + 1), FB_OK);
+      FBT_INT_EQ(fb_body_node_motion_eval(&body, &seen[i], &at, &rest, i + 1), FB_OK);
     }
-    exact = bow(node[0].position, node[10].position, node[20].position);
+    judge = bow(node[0].position, node[10].position, node[20].position);
     modal = bow(seen[0].position, seen[1].position, seen[2].position);
-    worst = fmax(worst, fabs(modal - exact));
-    most = fmax(most, fabs(exact));
+    worst = fmax(worst, fabs(modal - judge));
+    most = fmax(most, fabs(judge));
   }
   FBT_BELOW(0.01 * L, most);
   return worst / most;
@@ -578,9 +578,9 @@ TEST(columns_buckle_at_eulers_load)
     for (int k = 1; k <= 21; k++) { /* pressed, pushed aside a little, and at last let go */
       input.load[0].force[0] = (fb_real)(-P * (k < 20 ? k / 20.0 : 1.0));
       input.load[0].force[1] = k < 21 ? FB_R(0.05) : FB_R(0.0);
-      FBT_INT_EQ(fb_mixed_steady_solve(&mixed, &state, &work, &input), FB_OK);
+      FBT_INT_EQ(fb_exact_trim(&exact, &state, &work, &input), FB_OK);
     }
-    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+    FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
     FBT_NEAR_ABS(node[40].position[0], fbt_value(t, row, "x_tip"), FBT_TOL(1e-5, 2e-3));
     FBT_NEAR_ABS(fabs((double)node[40].position[1]), fbt_value(t, row, "y_tip"), FBT_TOL(1e-5, 2e-3)); /* either side */
   }
@@ -641,9 +641,9 @@ TEST(rigid_strains_are_no_unstable_directions)
   }
 }
 
-static fb_mixed_path path;
-static fb_mixed_path_work path_work;
-static fb_mixed_input varied;
+static fb_exact_path path;
+static fb_exact_path_work path_work;
+static fb_exact_input varied;
 
 /* From the steady state under `input`, nothing varied yet. */
 static void path_start(void)
@@ -657,9 +657,9 @@ static void path_start(void)
 
 static fb_status path_on(double arc)
 {
-  const fb_status status = fb_mixed_path_step(&mixed, &path, &state, &path_work, &input, &varied, (fb_real)arc);
+  const fb_status status = fb_exact_path_step(&exact, &path, &state, &path_work, &input, &varied, (fb_real)arc);
   FBT_INT_EQ(status, FB_OK);
-  FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+  FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
   return status;
 }
 
@@ -685,9 +685,9 @@ TEST(columns_bend_to_the_side_they_are_nudged_to)
     FBT_BELOW(1.0, path.factor);
     input.load[0].force[0] = -(fb_real)P;
     input.load[0].force[1] = FB_R(0.0);
-    FBT_INT_EQ(fb_mixed_steady_solve(&mixed, &state, &work, &input), FB_OK);
+    FBT_INT_EQ(fb_exact_trim(&exact, &state, &work, &input), FB_OK);
     FBT_INT_EQ(work.unstable, 0);
-    FBT_INT_EQ(fb_mixed_nodes_eval(&mixed, node, &state), FB_OK);
+    FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_OK);
     FBT_NEAR_ABS(node[40].position[0], fbt_value(t, row, "x_tip"), FBT_TOL(1e-5, 2e-3));
     FBT_NEAR_ABS(node[40].position[1], fbt_value(t, row, "y_tip"), FBT_TOL(1e-5, 2e-3));
     input.load[0].force[1] = FB_R(1e-2);
@@ -791,8 +791,8 @@ TEST(paths_lead_through_steady_states)
     varied.line[k].torque[0] = FB_R(0.3);
   }
   for (int k = 0; k < 10; k++) {
-    fb_mixed_input all = input;
-    static fb_mixed_state same;
+    fb_exact_input all = input;
+    static fb_exact_state same;
     if (path_on(0.1) != FB_OK) {
       return;
     }
@@ -805,7 +805,7 @@ TEST(paths_lead_through_steady_states)
       }
     }
     same = state;
-    FBT_INT_EQ(fb_mixed_steady_solve(&mixed, &same, &work, &all), FB_OK);
+    FBT_INT_EQ(fb_exact_trim(&exact, &same, &work, &all), FB_OK);
     FBT_BELOW(fbt_difference(same.r, state.r, 27), FBT_TOL(1e-8, 1e-3));
   }
 }
@@ -813,15 +813,15 @@ TEST(paths_lead_through_steady_states)
 /* >>trim and >>linear: a path refuses what makes no sense, and is left as it was. */
 TEST(paths_refuse_bad_input)
 {
-  fb_mixed_path before;
-  static fb_mixed_state then;
+  fb_exact_path before;
+  static fb_exact_state then;
   elastica(4);
   path_start();
   varied.load[0].force[1] = FB_R(1.0);
   FBT_INT_EQ(path_on(0.1), FB_OK);
   before = path;
   then = state;
-#define PATH(constant, arc) fb_mixed_path_step(&mixed, &path, &state, &path_work, constant, &varied, arc)
+#define PATH(constant, arc) fb_exact_path_step(&exact, &path, &state, &path_work, constant, &varied, arc)
   FBT_INT_EQ(PATH(NULL, FB_R(0.0)), FB_ERR_VALUE);
   FBT_INT_EQ(PATH(NULL, (fb_real)NAN), FB_ERR_VALUE);
   FBT_INT_EQ(PATH(NULL, FB_R(2.0) * FB_HUGE), FB_ERR_VALUE);
@@ -839,10 +839,10 @@ TEST(paths_refuse_bad_input)
   desc.root = FB_END_FREE;
   memset(&path, 0, sizeof path);
   start();
-  FBT_INT_EQ(fb_mixed_path_step(&mixed, &path, &state, &path_work, NULL, &varied, FB_R(0.1)), FB_ERR_SINGULAR);
+  FBT_INT_EQ(fb_exact_path_step(&exact, &path, &state, &path_work, NULL, &varied, FB_R(0.1)), FB_ERR_SINGULAR);
 }
 
-SUITE(mixed_spectrum, RUN(curvature_may_jump_beside_a_node), RUN(an_element_that_turns_is_as_stiff_as_the_header_says),
+SUITE(exact_spectrum, RUN(curvature_may_jump_beside_a_node), RUN(an_element_that_turns_is_as_stiff_as_the_header_says),
       RUN(shear_takes_frequencies_to_order_two), RUN(whirling_shafts_move_on_circles),
       RUN(spectrum_is_that_of_the_natural_modes), RUN(any_unit_gives_the_same_frequency),
       RUN(spectrum_of_a_straight_beam_is_the_textbooks), RUN(spectrum_does_not_depend_on_the_count),
