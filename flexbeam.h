@@ -232,7 +232,7 @@
      a model in ROM                build/flexbeam reduce: text file to C header with a static const fb_body
 
    WHICH INTEGRATOR? (all fixed work; a step beyond its limit is refused)
-     integrator                order  limit               a step costs            takes
+     integrator            order  limit               a step costs            takes
      fb_rk4_step           4      stiffest mode       4 evaluations           any body, any form
      fb_midpoint_step      2      spin                3 evaluations, one LU   stiff bodies; keeps energy
      fb_sdirk_step         2      spin                5 evaluations, one LU   stiff bodies; L-stable: fast modes die out
@@ -241,6 +241,7 @@
      fb_exponential_step   4      spin, light bases   4 evaluations           stiff elasticity, exactly; momentum form
      fb_exact_step         2      -                   one factorization       the exact beam; keeps energy, or damps
                                                                               what is too fast for the step
+     fb_stepper_step       one call for all of these: the integrator is a field of its description
 
    HALF AN EFFECT IS WORSE THAN NONE (the papers' equations taken apart; refused unless allow_split_effects)
      Inertia that follows the shape softens a spinning beam; without the stiffening that outweighs it a slender one
@@ -1487,6 +1488,57 @@ FB_API fb_status fb_exact_step(const fb_exact *exact, fb_exact_state *state, fb_
                                const fb_exact_input *middle, fb_real dt);
 #endif
 
+/* ---- one way to step: a body, a system or an exact beam, by an integrator chosen at run time */
+
+typedef enum fb_integrator {
+  FB_INTEGRATOR_RK4 = 0,
+  FB_INTEGRATOR_MIDPOINT = 1,
+  FB_INTEGRATOR_SDIRK = 2,
+  FB_INTEGRATOR_EXPONENTIAL = 3 /* a spectrum does not say what it errs by */
+} fb_integrator;
+
+/* What is stepped: a body (body, state), a system (system, its models body, system_state, system_work) or an exact beam
+   (exact, exact_state, exact_work). What belongs to the others stays NULL. All that the pointers name stays yours: read
+   states and change inputs between the steps. */
+typedef struct fb_stepper_desc {
+  const fb_body *body;
+  fb_state *state;
+  const fb_input *input; /* NULL: nothing acts */
+#if FB_WITH_SYSTEM
+  const fb_system *system;
+  fb_system_state *system_state;
+  fb_system_work *system_work;
+  const fb_system_input *system_input; /* NULL: nothing acts */
+#endif
+#if FB_WITH_EXACT
+  const fb_exact *exact;
+  fb_exact_state *exact_state;
+  fb_exact_work *exact_work;
+  const fb_exact_input *exact_input; /* NULL: nothing acts */
+#endif
+  int n_input;                       /* 1 (0): the input is held over a step; 3: an array, at t, t + dt/2 and t + dt */
+  fb_integrator integrator;          /* body: any; system: rk4, SDIRK; exact beam: its own, rk4 and midpoint name it */
+  const fb_exponential *exponential; /* of that integrator: from fb_exponential_init, for this body and dt */
+  fb_real dt;                        /* [s] > 0 */
+  int iterations;                    /* of the implicit ones, 0: 2 */
+} fb_stepper_desc;
+
+typedef struct fb_stepper {
+  fb_stepper_desc desc;
+  fb_real t, lost_t; /* [s] time stepped since fb_stepper_init, compensated */
+  union {
+    fb_rk4_work rk4;
+    fb_implicit_work implicit;
+    fb_exponential_work exponential;
+  } work;
+} fb_stepper;
+
+/* FB_ERR_NULL: none of the three, or one without its state and work; FB_ERR_UNSUPPORTED: an integrator that it does not
+   have; FB_ERR_VALUE: two of the three, dt, iterations (0..50), n_input, an exponential of another dt. */
+FB_API fb_status fb_stepper_init(fb_stepper *stepper, const fb_stepper_desc *desc);
+/* One step; status and failure as the step of that integrator, t is then as before. It costs what that one costs. */
+FB_API fb_status fb_stepper_step(fb_stepper *stepper);
+
 /* ---------------------------------------------------------------------------------------------------------------
    RUN >>version */
 
@@ -2267,12 +2319,6 @@ FB_API fb_real fb_spectrum_damping(const fb_spectrum *spectrum, int k);
    fb_exact_linear alike. Without damping it is rounding, and a root of it where two modes are one (free to move: 0). */
 FB_API fb_real fb_spectrum_margin(int *mode, const fb_real *re, int n);
 
-typedef enum fb_integrator {
-  FB_INTEGRATOR_RK4 = 0,
-  FB_INTEGRATOR_MIDPOINT = 1,
-  FB_INTEGRATOR_SDIRK = 2,
-  FB_INTEGRATOR_EXPONENTIAL = 3 /* of fb_advice alone: a spectrum does not say what it errs by */
-} fb_integrator;
 /* Largest step [s] at which no mode grows that should not, and none that grows does so by its frequency, too; FB_HUGE
    where there is none (the implicit integrators); 0 where integrator or spectrum make no sense. Where the base spins
    freely it is rough: some 3 % too long at |w| dt = 0.3, up to 25 % at 0.7. The steppers refuse what is beyond their

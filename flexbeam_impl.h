@@ -11210,6 +11210,124 @@ FB_DEF fb_status fb_exact_step(const fb_exact *m, fb_exact_state *state, fb_exac
 }
 #endif
 
+/* ---- any of them */
+
+/* Bodies, systems and exact beams that a description names. */
+static int fbi_stepper_count(const fb_stepper_desc *d)
+{
+  int count = 0;
+#if FB_WITH_SYSTEM
+  count += d->system != NULL || d->system_state != NULL;
+#endif
+#if FB_WITH_EXACT
+  count += d->exact != NULL || d->exact_state != NULL;
+#endif
+  return count + (d->state != NULL || (count == 0 && d->body != NULL));
+}
+
+/* What each of the three must have: FB_ERR_NULL, FB_ERR_UNSUPPORTED. */
+static fb_status fbi_stepper_kind(const fb_stepper_desc *d)
+{
+#if FB_WITH_EXACT
+  if (d->exact) {
+    FBI_REQUIRE(d->exact_state && d->exact_work, FB_ERR_NULL);
+    return d->integrator <= FB_INTEGRATOR_MIDPOINT ? FB_OK : FB_ERR_UNSUPPORTED;
+  }
+#endif
+#if FB_WITH_SYSTEM
+  if (d->system) {
+    FBI_REQUIRE(d->body && d->system_state && d->system_work, FB_ERR_NULL);
+    return d->integrator == FB_INTEGRATOR_RK4 || d->integrator == FB_INTEGRATOR_SDIRK ? FB_OK : FB_ERR_UNSUPPORTED;
+  }
+#endif
+  FBI_REQUIRE(d->body && d->state && (d->integrator != FB_INTEGRATOR_EXPONENTIAL || d->exponential), FB_ERR_NULL);
+  return FB_OK;
+}
+
+FB_DEF fb_status fb_stepper_init(fb_stepper *stepper, const fb_stepper_desc *desc)
+{
+  fb_status status;
+  FBI_REQUIRE(stepper && desc, FB_ERR_NULL);
+  if (!fbi_is_choice((int)desc->integrator, (int)FB_INTEGRATOR_EXPONENTIAL) || fbi_stepper_count(desc) > 1) {
+    return FB_ERR_VALUE;
+  }
+  status = fbi_stepper_kind(desc);
+  if (status != FB_OK) {
+    return status;
+  }
+  if (!(desc->dt > FB_R(0.0) && desc->dt < FB_HUGE) || desc->iterations < 0 || desc->iterations > 50 ||
+      (desc->n_input != 0 && desc->n_input != 1 && desc->n_input != 3) ||
+      (desc->integrator == FB_INTEGRATOR_EXPONENTIAL && !(desc->exponential->dt == desc->dt))) {
+    return FB_ERR_VALUE;
+  }
+  memset(stepper, 0, sizeof *stepper);
+  stepper->desc = *desc;
+  return FB_OK;
+}
+
+static fb_status fbi_stepper_body(fb_stepper *stepper)
+{
+  const fb_stepper_desc *const d = &stepper->desc;
+  const int apart = d->n_input == 3 && d->input;
+  const fb_input *const start = d->input, *const middle = apart ? start + 1 : start,
+                        *const end = apart ? start + 2 : start;
+  switch (d->integrator) {
+  case FB_INTEGRATOR_MIDPOINT:
+    return fb_midpoint_step(d->body, d->state, &stepper->work.implicit, middle, d->dt, d->iterations);
+  case FB_INTEGRATOR_SDIRK:
+    return fb_sdirk_step(d->body, d->state, &stepper->work.implicit, start, end, d->dt, d->iterations);
+  case FB_INTEGRATOR_EXPONENTIAL:
+    return fb_exponential_step(d->body, d->exponential, d->state, &stepper->work.exponential, start, middle, end);
+  case FB_INTEGRATOR_RK4:
+    return fb_rk4_step(d->body, d->state, &stepper->work.rk4, start, middle, end, d->dt);
+  }
+  return FB_ERR_VALUE;
+}
+
+#if FB_WITH_SYSTEM
+static fb_status fbi_stepper_system(const fb_stepper_desc *d)
+{
+  const int apart = d->n_input == 3 && d->system_input;
+  const fb_system_input *const start = d->system_input, *const middle = apart ? start + 1 : start;
+  const fb_system_input *const end = apart ? start + 2 : start;
+  if (d->integrator == FB_INTEGRATOR_SDIRK) {
+    return fb_system_sdirk_step(d->system, d->body, d->system_state, d->system_work, start, end, d->dt, d->iterations);
+  }
+  return fb_system_rk4_step(d->system, d->body, d->system_state, d->system_work, start, middle, end, d->dt);
+}
+#endif
+
+static fb_status fbi_stepper_advance(fb_stepper *stepper)
+{
+  const fb_stepper_desc *const d = &stepper->desc;
+#if FB_WITH_EXACT
+  if (d->exact) {
+    const fb_exact_input *const middle = d->exact_input && d->n_input == 3 ? d->exact_input + 1 : d->exact_input;
+    return fb_exact_step(d->exact, d->exact_state, d->exact_work, middle, d->dt);
+  }
+#endif
+#if FB_WITH_SYSTEM
+  if (d->system) {
+    return fbi_stepper_system(d);
+  }
+#endif
+  (void)d;
+  return fbi_stepper_body(stepper);
+}
+
+FB_DEF fb_status fb_stepper_step(fb_stepper *stepper)
+{
+  fb_status status;
+  FBI_REQUIRE(stepper, FB_ERR_NULL);
+  status = fbi_stepper_advance(stepper);
+  if (status == FB_OK) {
+    fb_real t = stepper->desc.dt;
+    fbi_sum_kept(&t, &stepper->lost_t, &stepper->t, &stepper->lost_t, 1);
+    stepper->t = t;
+  }
+  return status;
+}
+
 /* ---------------------------------------------------------------------------------------------------------------
    RUN >>version: version, configuration, build check (uses config, status) */
 

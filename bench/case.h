@@ -487,7 +487,8 @@ static void fbb_body_run(fbb_history *history, const fbb_case *c, const fb_body 
                          int steps)
 {
   static fb_body_work body_work;
-  static stepper by;
+  static fb_stepper by;
+  static fb_exponential exponential;
   static fb_analyse_work work;
   static fb_input input[3];
   static fb_state state, sample[FBB_SAMPLES];
@@ -500,14 +501,14 @@ static void fbb_body_run(fbb_history *history, const fbb_case *c, const fb_body 
   history->status =
       c->steady ? fb_body_trim(body, &state, &work, &input[2]) : fb_state_from_velocity(body, &state, zero, spin, NULL);
   if (history->status == FB_OK) {
-    history->status = stepper_init(&by, &body_work, body, integrator, dt);
+    history->status = body_stepper(&by, &exponential, &body_work, body, &state, input, integrator, dt);
   }
   start = clock_ns();
   for (int k = 0; k < FBB_SAMPLES * steps && history->status == FB_OK; k++) {
     input[0] = input[2];
     fbb_input_at(&input[1], c, (k + 0.5) * dt);
     fbb_input_at(&input[2], c, (k + 1) * dt);
-    history->status = stepper_step(&by, body, &state, input, (fb_real)dt);
+    history->status = fb_stepper_step(&by);
     if ((k + 1) % steps == 0) {
       sample[k / steps] = state;
     }

@@ -1,36 +1,22 @@
-/* stepper.h - one body, by whichever integrator. Include flexbeam.h first. */
+/* stepper.h - a stepper of one body with inputs for each instant of a step, the exponential integrator prepared. Include
+   flexbeam.h first. */
 #ifndef STEPPER_H
 #define STEPPER_H
 
-typedef struct stepper {
-  fb_integrator integrator;
-  fb_exponential exponential;
-  fb_rk4_work rk4;
-  fb_implicit_work implicit;
-  fb_exponential_work scratch;
-} stepper;
-
-/* For steps of dt. */
-static inline fb_status stepper_init(stepper *s, fb_body_work *work, const fb_body *body, fb_integrator integrator,
-                                     double dt)
+/* input: at the start, the middle and the end of a step; exponential: room for that integrator. */
+static inline fb_status body_stepper(fb_stepper *stepper, fb_exponential *exponential, fb_body_work *work,
+                                     const fb_body *body, fb_state *state, const fb_input *input,
+                                     fb_integrator integrator, double dt)
 {
-  s->integrator = integrator;
-  return integrator == FB_INTEGRATOR_EXPONENTIAL ? fb_exponential_init(&s->exponential, work, body, (fb_real)dt)
-                                                 : FB_OK;
-}
-
-/* at: the inputs at the start, the middle and the end. */
-static inline fb_status stepper_step(stepper *s, const fb_body *body, fb_state *state, const fb_input *at, fb_real dt)
-{
-  switch (s->integrator) {
-  case FB_INTEGRATOR_MIDPOINT:
-    return fb_midpoint_step(body, state, &s->implicit, at + 1, dt, 0);
-  case FB_INTEGRATOR_SDIRK:
-    return fb_sdirk_step(body, state, &s->implicit, at, at + 2, dt, 0);
-  case FB_INTEGRATOR_EXPONENTIAL:
-    return fb_exponential_step(body, &s->exponential, state, &s->scratch, at, at + 1, at + 2);
-  default:
-    return fb_rk4_step(body, state, &s->rk4, at, at + 1, at + 2, dt);
-  }
+  const fb_stepper_desc way = {.body = body,
+                               .state = state,
+                               .input = input,
+                               .n_input = 3,
+                               .integrator = integrator,
+                               .exponential = exponential,
+                               .dt = (fb_real)dt};
+  const fb_status status =
+      integrator == FB_INTEGRATOR_EXPONENTIAL ? fb_exponential_init(exponential, work, body, (fb_real)dt) : FB_OK;
+  return status ? status : fb_stepper_init(stepper, &way);
 }
 #endif

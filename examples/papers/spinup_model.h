@@ -246,14 +246,16 @@ static void run(history *h, const scene *s, long stride)
 {
   const long steps = steps_of(s);
   const double dt = s->t_end / (double)steps;
-  static stepper by;
+  static fb_stepper by;
+  static fb_exponential exponential;
   double sum = 0, g_dot;
   long k;
   fb_state state;
   fb_input input[3];
   power start, end;
   clock_t begin;
-  h->status = stepper_init(&by, &model.body_work, &model.body, (fb_integrator)s->integrator, dt);
+  h->status =
+      body_stepper(&by, &exponential, &model.body_work, &model.body, &state, input, (fb_integrator)s->integrator, dt);
   if (h->status != FB_OK) {
     h->rows = 0;
     h->t_stop = 0;
@@ -279,7 +281,7 @@ static void run(history *h, const scene *s, long stride)
     }
     (void)drive(&input[1], s, middle, middle);
     g_dot = drive(&input[2], s, t + dt, middle);
-    h->status = stepper_step(&by, &model.body, &state, input, (fb_real)dt);
+    h->status = fb_stepper_step(&by);
     if (h->status != FB_OK) {
       h->t_stop = t;
       break;

@@ -13,7 +13,8 @@ static struct scene_engine { /* one scene at a time */
   int long_step;  /* steps beyond the limit are not refused */
   fb_state state; /* one body alone */
   fb_input at[3]; /* start, middle, end of the step */
-  stepper by;
+  fb_stepper by;  /* of the body or the bodies on joints */
+  fb_exponential exponential;
   double by_step; /* [s] that it is made for; 0: none yet */
   fb_analyse_work analyse;
   fb_system system; /* bodies on joints */
@@ -86,7 +87,8 @@ static fb_status single_step(const scene *s, double t, double dt)
 {
   fb_input *const at = engine.at;
   if (dt != engine.by_step) {
-    const fb_status status = stepper_init(&engine.by, &engine.body_work, &engine.body[0], engine.integrator, dt);
+    const fb_status status = body_stepper(&engine.by, &engine.exponential, &engine.body_work, &engine.body[0],
+                                          &engine.state, at, engine.integrator, dt);
     if (status != FB_OK) {
       return status;
     }
@@ -95,7 +97,7 @@ static fb_status single_step(const scene *s, double t, double dt)
   single_input(s, &at[0], t, t + 0.5 * dt);
   single_input(s, &at[1], t + 0.5 * dt, t + 0.5 * dt);
   single_input(s, &at[2], t + dt, t + 0.5 * dt);
-  return stepper_step(&engine.by, &engine.body[0], &engine.state, at, (fb_real)dt);
+  return fb_stepper_step(&engine.by);
 }
 
 static fb_status single_look(const scene *s, double t)
@@ -229,14 +231,25 @@ static fb_status system_start(const scene *s)
 static fb_status system_step(const scene *s, double t, double dt)
 {
   fb_system_input *const at = engine.system_at;
+  if (dt != engine.by_step) {
+    const fb_stepper_desc way = {.body = engine.body,
+                                 .system = &engine.system,
+                                 .system_state = &engine.system_state,
+                                 .system_work = &engine.system_work,
+                                 .system_input = at,
+                                 .n_input = 3,
+                                 .integrator = engine.integrator,
+                                 .dt = (fb_real)dt};
+    const fb_status status = fb_stepper_init(&engine.by, &way);
+    if (status != FB_OK) {
+      return status;
+    }
+    engine.by_step = dt;
+  }
   system_input(s, &at[0], t, t + 0.5 * dt);
   system_input(s, &at[1], t + 0.5 * dt, t + 0.5 * dt);
   system_input(s, &at[2], t + dt, t + 0.5 * dt);
-  return engine.integrator == FB_INTEGRATOR_SDIRK
-             ? fb_system_sdirk_step(&engine.system, engine.body, &engine.system_state, &engine.system_work, &at[0],
-                                    &at[2], (fb_real)dt, 0)
-             : fb_system_rk4_step(&engine.system, engine.body, &engine.system_state, &engine.system_work, &at[0],
-                                  &at[1], &at[2], (fb_real)dt);
+  return fb_stepper_step(&engine.by);
 }
 
 /* A rate that takes an axis over goes on from where it is; a value has to be there, whole turns aside. */

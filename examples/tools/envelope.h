@@ -144,7 +144,8 @@ static fb_status
 scene_run(const scene *s, const fb_body *body, fb_integrator integrator, double steps_wanted,
           fb_status (*note)(void *user, const fb_body *body, const fb_state *state, const fb_input *input), void *user)
 {
-  static stepper by;
+  static fb_stepper by;
+  static fb_exponential exponential;
   static fb_body_work work;
   static fb_input at[3];
   fb_state state;
@@ -159,12 +160,12 @@ scene_run(const scene *s, const fb_body *body, fb_integrator integrator, double 
   memset(at, 0, sizeof at);
   scene_input(&at[2], &base, s, 0);
   status = scene_start(&state, body, s, &at[2]);
-  status = status ? status : stepper_init(&by, &work, body, integrator, dt);
+  status = status ? status : body_stepper(&by, &exponential, &work, body, &state, at, integrator, dt);
   for (int k = 0; k < s->n_sample * steps && status == FB_OK; k++) {
     at[0] = at[2];
     scene_input(&at[1], &base, s, (k + 0.5) * dt);
     scene_input(&at[2], &base, s, (k + 1) * dt);
-    status = stepper_step(&by, body, &state, at, (fb_real)dt);
+    status = fb_stepper_step(&by);
     if ((k + 1) % steps == 0) {
       status = status ? status : note(user, body, &state, &at[2]);
     }

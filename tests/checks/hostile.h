@@ -18,6 +18,7 @@
 #include <limits.h>
 #include <math.h>
 #include <stdint.h>
+#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -66,6 +67,8 @@ static struct world {
   fb_real amplitude[FB_MAX_LINEAR], re[4];
   fb_envelope envelope;
   fb_trial trial;
+  fb_stepper_desc stepper_desc;
+  fb_stepper stepper;
   char config[sizeof FB_CONFIG];
 } w, kept;
 
@@ -343,6 +346,8 @@ typedef fb_exact_node nodes[FB_MAX_EXACT + 1];
     MODEL(natural), IN(scene_desc), IN(envelope), REAL(FB_R(0.1)))                                                     \
   F(fb_advice_search, fb_advice_search(p[0], p[1], p[2], p[3], p[4], x[0], p[5]), 1, OUT(fb_advice),                   \
     WORK(advise_work), MODEL(natural), IN(scene_desc), IN(envelope), REAL(FB_R(0.1)), IN(trial))                       \
+  F(fb_stepper_init, fb_stepper_init(p[0], p[1]), 1, OUT(fb_stepper), IN(stepper_desc))                                \
+  F(fb_stepper_step, fb_stepper_step(p[0]), 1, BUILT(stepper))                                                         \
   F(fb_version_string, fb_version_string() ? 0 : -1, 0, REAL(0))                                                       \
   F(fb_config_string, fb_config_string() ? 0 : -1, 0, REAL(0))                                                         \
   F(fb_config_check, fb_config_check(p[0]), 1, MODEL(config))                                                          \
@@ -376,7 +381,10 @@ static const struct {
 } untouched[] = {{&w.system_input.rows, sizeof w.system_input.rows},
                  {&w.system_input.user, sizeof w.system_input.user},
                  {&w.trial, sizeof w.trial},
-                 {&w.beam_desc.n_point + 1, sizeof(int)}}; /* no member */
+                 {&w.stepper_desc, offsetof(fb_stepper_desc, n_input)},
+                 {&w.stepper_desc.exponential, sizeof w.stepper_desc.exponential},
+                 {&w.stepper_desc.iterations + 1, sizeof(int)}, /* no member */
+                 {&w.beam_desc.n_point + 1, sizeof(int)}};
 
 /* ---- the valid world */
 
@@ -499,6 +507,13 @@ static void body_fill(void)
   need(fb_body_motion_eval(&w.body, &w.motion, &w.state, &w.input), "motion");
   need(fb_body_node_motion_eval(&w.body, &w.node_motion, &w.state, &w.motion, 1), "motion of a node");
   need(fb_exponential_init(&w.exponential, &body_work, &w.body, FB_R(0.01)), "exponential scheme");
+  w.stepper_desc.body = &w.body;
+  w.stepper_desc.state = &w.state;
+  w.stepper_desc.input = &w.input;
+  w.stepper_desc.exponential = &w.exponential;
+  w.stepper_desc.dt = FB_R(0.01);
+  w.stepper_desc.integrator = FB_INTEGRATOR_EXPONENTIAL;
+  need(fb_stepper_init(&w.stepper, &w.stepper_desc), "stepper");
   w.linear_desc.n_in = w.linear_desc.n_out = 1;
   w.linear_desc.in[0].node = w.linear_desc.out[0].node = 1;
   w.linear_desc.out[0].kind = FB_PORT_DISPLACEMENT;

@@ -200,7 +200,8 @@ static double resonance(fb_integrator integrator, double zeta, double cycles)
   static hard_craft craft;
   static fb_body body;
   static fb_body_work work;
-  static stepper by;
+  static fb_stepper by;
+  static fb_exponential exponential;
   static fb_input input[2 * PER_CYCLE + 3];
   const double amplitude = 0.05; /* [m] of the tip */
   double omega, psi, force, re = 0.0, im = 0.0, dt;
@@ -222,12 +223,13 @@ static double resonance(fb_integrator integrator, double zeta, double cycles)
     input[i].load[0].force[1] = (fb_real)(force * sin(HARD_PI * (i % (2 * PER_CYCLE)) / PER_CYCLE));
   }
   hard_must(fb_state_init(&body, &state), "state");
-  hard_must(stepper_init(&by, &work, &body, integrator, dt), "integrator");
+  hard_must(body_stepper(&by, &exponential, &work, &body, &state, input, integrator, dt), "integrator");
   for (double cycle = 0; cycle < cycles; cycle++) {
     re = im = 0.0;
     for (int k = 0; k < PER_CYCLE; k++) {
       const double phase = 2.0 * HARD_PI * (k + 1) / PER_CYCLE;
-      if (stepper_step(&by, &body, &state, &input[2 * k], (fb_real)dt) != FB_OK) {
+      by.desc.input = &input[2 * k];
+      if (fb_stepper_step(&by) != FB_OK) {
         return HUGE_VAL;
       }
       re += 2.0 / PER_CYCLE * cos(phase) * psi * (double)state.q[0];

@@ -63,21 +63,22 @@ static double peak(const spinup *s)
 static double modal_apart(const spinup *s, const fb_body *body, fb_integrator integrator, double dt)
 {
   static fb_body_work work;
-  static stepper by;
+  static fb_stepper by;
+  static fb_exponential exponential;
   fb_state state;
   fb_input input[3];
   const int steps = (int)(s->duration / (SAMPLES * dt) + 0.5);
   double apart = 0.0, u[3], angle, w, w_dot;
   memset(input, 0, sizeof input);
   hard_must(fb_state_init(body, &state), "state");
-  hard_must(stepper_init(&by, &work, body, integrator, dt), "integrator");
+  hard_must(body_stepper(&by, &exponential, &work, body, &state, input, integrator, dt), "integrator");
   for (int k = 0; k < SAMPLES * steps; k++) {
     for (int i = 0; i < 3; i++) {
       base_at(s, (k + 0.5 * i) * dt, &angle, &w, &w_dot);
       input[i].w[2] = (fb_real)w;
       input[i].w_dot[2] = (fb_real)w_dot;
     }
-    if (stepper_step(&by, body, &state, input, (fb_real)dt) != FB_OK) {
+    if (fb_stepper_step(&by) != FB_OK) {
       return HUGE_VAL;
     }
     if ((k + 1) % steps == 0) {

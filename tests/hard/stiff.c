@@ -17,7 +17,8 @@ static outcome struck(fb_integrator integrator, int allow, double factor, int st
   static hard_craft craft;
   static fb_body_work work;
   static fb_body body;
-  static stepper by;
+  static fb_stepper by;
+  static fb_exponential exponential;
   fb_real q_dot[FB_MAX_MODES];
   fb_state state;
   outcome out = {0.0, 0.0, 0.0};
@@ -31,10 +32,10 @@ static outcome struck(fb_integrator integrator, int allow, double factor, int st
     q_dot[a] = (fb_real)(1e-3 * cos(3.0 * a));
   }
   hard_start(&body, &state, rest, rest, q_dot);
-  hard_must(stepper_init(&by, &work, &body, integrator, out.dt), "integrator");
+  hard_must(body_stepper(&by, &exponential, &work, &body, &state, nothing, integrator, out.dt), "integrator");
   energy = hard_energy(&body, &state);
   for (int k = 0; k < steps; k++) {
-    if (stepper_step(&by, &body, &state, nothing, (fb_real)out.dt) != FB_OK) {
+    if (fb_stepper_step(&by) != FB_OK) {
       out.most = out.last = HUGE_VAL;
       return out;
     }
