@@ -4098,55 +4098,51 @@ static fb_status fbi_free_solve(fb_real V[6], const fbi_link_work *L, const fb_r
   return fbi_sym6_stands_out(L->S, 0, reference, tol) ? fbi_sym6_solve(V, L->S, y) : FB_ERR_SINGULAR;
 }
 
-/* Back-substitution in one body: V from the velocity of the node that carries it (NULL: the ground), the speeds of its
-   joint and modes, and the momentum G of the subtree. */
-static fb_status fbi_link_out(fbi_link_work *L, const fb_joint *joint, const fb_body *body, const fb_real node[6])
+/* V of a body on a free joint: S V = p - b, or prescribed; G = S V. */
+static fb_status fbi_free_out(fb_real V[6], fbi_link_work *L, int n)
 {
-  const int n = body->n;
-  fb_real V[6] = {0};
-
-  /* V, u: of a free joint by S V = p - b, else by the eliminated axes from the last to the first */
-  if (joint->kind == FB_JOINT_FREE) {
-    fb_real y[6];
-    fbi_vec6_copy(y, L->p);
-    fbi_vec6_add(y, -FB_R(1.0), L->b);
+  if (L->mode[0] == FB_AXIS_FREE) {
+    fbi_vec6_copy(L->G, L->p);
+    fbi_vec6_add(L->G, -FB_R(1.0), L->b);
+    if (fbi_free_solve(V, L, L->G) != FB_OK) {
+      return !fbi_is_finite(L->S, 21) ? FB_ERR_NOT_FINITE : n > 0 ? FB_ERR_RANGE : FB_ERR_UNDETERMINED;
+    }
+  } else {
     if (L->mode[0] == FB_AXIS_PRESCRIBED) {
       fbi_vec6_copy(V, L->p);
     }
-    if (L->mode[0] == FB_AXIS_FREE && fbi_free_solve(V, L, y) != FB_OK) {
-      return !fbi_is_finite(L->S, 21) ? FB_ERR_NOT_FINITE : n > 0 ? FB_ERR_RANGE : FB_ERR_UNDETERMINED;
-    }
-    fbi_vec6_copy(L->u, V);
-    if (L->mode[0] == FB_AXIS_FREE) {
-      fbi_vec6_copy(L->G, y); /* S V */
-    } else {
-      fb_sym6_mul_vec6(L->G, L->S, V);
-    }
-  } else {
-    if (node) {
-      fbi_from_node(V, L, node);
-    }
     fb_sym6_mul_vec6(L->G, L->S, V);
-    for (int i = joint->n_axis - 1; i >= 0; i--) {
-      if (L->mode[i] == FB_AXIS_FREE) {
-        L->u[i] = L->r[i] - L->D[i] * fbi_vec6_dot(L->U + 6 * i, V);
-        fbi_vec6_add(V, L->u[i], L->A + 6 * i);
-      } else {
-        L->u[i] = L->mode[i] == FB_AXIS_PRESCRIBED ? L->p[i] : FB_R(0.0);
-      }
-    }
-    for (int i = 0; i < joint->n_axis; i++) {
-      if (L->mode[i] == FB_AXIS_PRESCRIBED) {
-        fbi_vec6_add(V, L->u[i], L->A + 6 * i);
-      }
+  }
+  fbi_vec6_copy(L->u, V);
+  return FB_OK;
+}
+
+/* G = S V, and V += A u of the axes of any other joint: the eliminated ones from the last to the first,
+   u_i = r_i - D_i U_i.V, with S A_i = 0 in the S that they leave; then the prescribed ones. V: as if the joint were
+   rigid. */
+static void fbi_axes_out(fb_real V[6], fbi_link_work *L, const fb_joint *joint)
+{
+  fb_sym6_mul_vec6(L->G, L->S, V);
+  for (int i = joint->n_axis - 1; i >= 0; i--) {
+    if (L->mode[i] == FB_AXIS_FREE) {
+      L->u[i] = L->r[i] - L->D[i] * fbi_vec6_dot(L->U + 6 * i, V);
+      fbi_vec6_add(V, L->u[i], L->A + 6 * i);
+    } else {
+      L->u[i] = L->mode[i] == FB_AXIS_PRESCRIBED ? L->p[i] : FB_R(0.0);
     }
   }
+  for (int i = 0; i < joint->n_axis; i++) {
+    if (L->mode[i] == FB_AXIS_PRESCRIBED) {
+      fbi_vec6_add(V, L->u[i], L->A + 6 * i);
+    }
+  }
+}
 
-  /* G = S V + b at the joint */
-  fbi_vec6_copy(L->V, V);
-  fbi_vec6_add(L->G, FB_R(1.0), L->b);
-
-  /* q_dot of the modes */
+/* q_dot of the modes at V of their body: L^T q_dot = e - X^T V with E = L L^T, e and X forward-substituted; where they
+   carry nothing q_dot = e - M^-1 Lambda^T V. */
+static void fbi_modes_out(fbi_link_work *L, const fb_body *body, const fb_real V[6])
+{
+  const int n = body->n;
   if (L->open) {
     for (int a = 0; a < n; a++) {
       L->q_dot[a] = L->e[a] - fbi_vec6_dot(L->X + 6 * a, V);
@@ -4161,6 +4157,27 @@ static fb_status fbi_link_out(fbi_link_work *L, const fb_joint *joint, const fb_
       L->q_dot[a] += L->e[a];
     }
   }
+}
+
+/* Back-substitution in one body: V from the velocity of the node that carries it (NULL: the ground), the speeds of its
+   joint and modes, and the momentum G = S V + b of the subtree. */
+static fb_status fbi_link_out(fbi_link_work *L, const fb_joint *joint, const fb_body *body, const fb_real node[6])
+{
+  fb_real V[6] = {0};
+  if (joint->kind == FB_JOINT_FREE) {
+    const fb_status status = fbi_free_out(V, L, body->n);
+    if (status != FB_OK) {
+      return status;
+    }
+  } else {
+    if (node) {
+      fbi_from_node(V, L, node);
+    }
+    fbi_axes_out(V, L, joint);
+  }
+  fbi_vec6_copy(L->V, V);
+  fbi_vec6_add(L->G, FB_R(1.0), L->b);
+  fbi_modes_out(L, body, V);
   return FB_OK;
 }
 
@@ -4273,6 +4290,55 @@ static void fbi_velocity_map(fb_system_work *w, const fb_system *system, const f
   }
 }
 
+/* Adds body k to the lower triangle of M: T^T M_rr T and Lambda^T T by the speeds up to those of its joint, E of its
+   modes, and g C + g^2 K of its joint. */
+static void fbi_dense_add(fb_system_work *w, const fb_system *system, const fb_body *body, fb_real g, int k, int N)
+{
+  fbi_link_work *L = &w->link[k];
+  const fb_body *model = fbi_model(system, body, k);
+  const fb_joint *joint = fbi_link_joint(system, w, k);
+  const int axes = fbi_speed_offset(system, w, body, k), modes = axes + joint->n_axis;
+  const fb_real *T = w->T + 6 * k * N;
+
+  /* own inertia and velocity map */
+  fbi_S_eval(L->S, model, L->k.qx, model->n_run);
+  fbi_link_open(L, model, g, w->heavy);
+  fbi_velocity_map(w, system, body, k, N);
+
+  /* T^T M_rr T and Lambda^T T */
+  for (int c = 0; c < modes; c++) {
+    fb_real momentum[6];
+    fb_sym6_mul_vec6(momentum, L->S, T + 6 * c);
+    for (int d = 0; d <= c; d++) {
+      w->M[c * N + d] += fbi_vec6_dot(T + 6 * d, momentum);
+    }
+    for (int a = 0; a < model->n; a++) {
+      w->M[(modes + a) * N + c] += fbi_vec6_dot(L->X + 6 * a, T + 6 * c);
+    }
+  }
+
+  /* E of its modes; damping and stiffness of its joint */
+  for (int a = 0; a < model->n; a++) {
+    fbi_row_sub(w->M + (modes + a) * N + modes, -FB_R(1.0), L->E + a * model->n, a + 1);
+  }
+  for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
+    w->M[(axes + i) * (N + 1)] += g * joint->damping[i] + g * g * joint->stiffness[i];
+  }
+}
+
+/* Identity rows of M for the axes of body k's joint that are locked or prescribed. */
+static void fbi_dense_hold(fb_system_work *w, const fb_system *system, const fb_body *body, int k, int N)
+{
+  const fb_joint *joint = fbi_link_joint(system, w, k);
+  const int axes = fbi_speed_offset(system, w, body, k);
+  for (int i = 0; i < joint->n_axis; i++) {
+    if (fbi_axis_mode(&w->link[k], joint, i) != FB_AXIS_FREE) {
+      fbi_zero(w->M + (axes + i) * N, N);
+      w->M[(axes + i) * (N + 1)] = FB_R(1.0);
+    }
+  }
+}
+
 /* [E9.6] Mass matrix of a tree, M = sum of (T, 1)^T [M_rr Lambda; Lambda^T E] (T, 1) over the bodies, V = T u, with
    identity rows for axes that are locked or prescribed; LU factors.
    Source: THEORY.md 9.1; [H] 3.3.  Cost: bodies N^2 and 2/3 N^3 flops.  Fails: singular.
@@ -4281,66 +4347,25 @@ static FBI_NOINLINE fb_status fbi_dense_factor(fb_system_work *w, const fb_syste
                                                fb_real g)
 {
   const int N = fbi_speed_offset(system, w, body, system->n_body);
+  fb_status status;
 
-  /* lower triangle */
+  /* lower triangle, mirrored to the upper one */
   fbi_zero(w->M, N * N);
   for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    const fb_body *model = fbi_model(system, body, k);
-    const fb_joint *joint = fbi_link_joint(system, w, k);
-    const int axes = fbi_speed_offset(system, w, body, k), at = axes + joint->n_axis;
-    const fb_real *T = w->T + 6 * k * N;
-
-    /* own inertia and velocity map */
-    fbi_S_eval(L->S, model, L->k.qx, model->n_run);
-    fbi_link_open(L, model, g, w->heavy);
-    fbi_velocity_map(w, system, body, k, N);
-
-    /* T^T M_rr T and Lambda^T T */
-    for (int c = 0; c < at; c++) {
-      fb_real h[6];
-      fb_sym6_mul_vec6(h, L->S, T + 6 * c);
-      for (int d = 0; d <= c; d++) {
-        w->M[c * N + d] += fbi_vec6_dot(T + 6 * d, h);
-      }
-      for (int a = 0; a < model->n; a++) {
-        w->M[(at + a) * N + c] += fbi_vec6_dot(L->X + 6 * a, T + 6 * c);
-      }
-    }
-
-    /* E of its modes; damping and stiffness of its joint */
-    for (int a = 0; a < model->n; a++) {
-      fbi_row_sub(w->M + (at + a) * N + at, -FB_R(1.0), L->E + a * model->n, a + 1);
-    }
-    for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
-      w->M[(axes + i) * (N + 1)] += g * joint->damping[i] + g * g * joint->stiffness[i];
-    }
+    fbi_dense_add(w, system, body, g, k, N);
   }
-
-  /* upper triangle */
   for (int c = 0; c < N; c++) {
     for (int d = 0; d < c; d++) {
       w->M[d * N + c] = w->M[c * N + d];
     }
   }
 
-  /* identity rows */
+  /* identity rows, factors */
   for (int k = 0; k < system->n_body; k++) {
-    const fb_joint *joint = fbi_link_joint(system, w, k);
-    for (int i = 0; i < joint->n_axis; i++) {
-      const int c = fbi_speed_offset(system, w, body, k) + i;
-      if (fbi_axis_mode(&w->link[k], joint, i) != FB_AXIS_FREE) {
-        fbi_zero(w->M + c * N, N);
-        w->M[c * (N + 1)] = FB_R(1.0);
-      }
-    }
+    fbi_dense_hold(w, system, body, k, N);
   }
-
-  /* factors */
-  {
-    const fb_status status = fb_lu_factor(w->M, w->perm, w->z, N);
-    return status == FB_ERR_SINGULAR ? FB_ERR_UNDETERMINED : status;
-  }
+  status = fb_lu_factor(w->M, w->perm, w->z, N);
+  return status == FB_ERR_SINGULAR ? FB_ERR_UNDETERMINED : status;
 }
 
 /* E9.5 with the factors of E9.6. */
@@ -5008,19 +5033,10 @@ static int fbi_rows_alike(const fbi_row *a, const fbi_row *b)
   return force_a == force_b && (a->joint == b->joint || (a->joint < -1 && b->joint < -1));
 }
 
-/* [E9.9] Q = A M^-1 A^T of the constraint rows and its pivoted Cholesky factors; rows that depend on others are left
-   out, w->rank of them remain. A pivot is the square of a row's distance from the span of the others: below 1e-8 of
-   its diagonal, 1e-4 rad before a singular position (single precision: 0.01 rad), the impulses would be dominated by
-   the position errors of a stage.
-   Source: [GV] 4.2.8.  Shapes: Q n_row x n_row.  Cost: n_row solutions E9.5, n_row^3/3 flops.
-   Fails: never.  Test: redundant_loops_are_accepted. */
-static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, const fb_body *body)
+/* Q = A M^-1 A^T by columns, one solution for a unit impulse on each row; w->column: upper bounds of its diagonal. */
+static fb_status fbi_rows_matrix(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
   const int m = w->n_row;
-  const fb_real tol = FB_SINGLE ? FB_R(1e-4) : FB_R(1e-8), across = FB_SINGLE ? FB_R(1e-5) : FB_R(1e-10);
-  fb_real *Q = w->Q;
-
-  /* Q by columns: one solution for a unit impulse on each row */
   for (int r = 0; r < m; r++) {
     fb_status status;
     fbi_rhs_clear(w, system, body);
@@ -5031,55 +5047,85 @@ static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, con
     }
     fbi_ends_move(w, system, body);
     for (int i = r; i < m; i++) {
-      Q[i * m + r] = Q[r * m + i] = fbi_row_eval(&w->row[i], w);
+      w->Q[i * m + r] = w->Q[r * m + i] = fbi_row_eval(&w->row[i], w);
     }
     w->column[r] = fbi_row_size(&w->row[r], w);
-    w->order[r] = r;
   }
+  return FB_OK;
+}
 
-  /* Scale of a row's pivot, in w->column: the largest diagonal of rows of its kind at the same joint; infinite, so that
-     the row is left out, where its impulse moves its own ends across the row's direction or not at all. */
+/* Scales of the pivots, from the upper bounds of the diagonal in their place: the largest diagonal of rows of the same
+   kind at the same joint; infinite, so that the row is left out, where its impulse moves its own ends across the row's
+   direction or not at all. */
+static void fbi_rows_scale(fb_real *scale, const fb_system_work *w)
+{
+  const int m = w->n_row;
+  const fb_real across = FB_SINGLE ? FB_R(1e-5) : FB_R(1e-10);
   for (int i = 0; i < m; i++) {
     fb_real largest = FB_R(0.0);
     for (int r = 0; r < m; r++) {
-      largest = fbi_rows_alike(&w->row[i], &w->row[r]) ? fbi_larger(largest, Q[r * (m + 1)]) : largest;
+      largest = fbi_rows_alike(&w->row[i], &w->row[r]) ? fbi_larger(largest, w->Q[r * (m + 1)]) : largest;
     }
-    w->diagonal[i] = Q[i * (m + 1)];
-    w->column[i] = w->diagonal[i] > across * w->column[i] ? largest : FB_HUGE;
+    scale[i] = w->Q[i * (m + 1)] > across * scale[i] ? largest : FB_HUGE;
   }
+}
 
-  /* Cholesky: w->order[k] is the row of pivot k, w->L[r m + k] the factor of row r. */
-  for (w->rank = 0; w->rank < m; w->rank++) {
-    const int k = w->rank;
-    int best = k;
-    fb_real pivot;
+/* Pivot k: where in w->order, from k on, the row is whose remaining diagonal is the largest relative to its scale. */
+static int fbi_rows_pivot(const fb_system_work *w, const fb_real *scale, int k)
+{
+  int best = k;
+  for (int i = k + 1; i < w->n_row; i++) {
+    const int a = w->order[i], b = w->order[best];
+    best = w->diagonal[a] * scale[b] > w->diagonal[b] * scale[a] ? i : best;
+  }
+  return best;
+}
 
-    /* pivot: the largest relative to its scale */
-    for (int i = k + 1; i < m; i++) {
-      const int a = w->order[i], b = w->order[best];
-      best = w->diagonal[a] * w->column[b] > w->diagonal[b] * w->column[a] ? i : best;
+/* Column k of L, with row p = w->order[k] as pivot: L_pk^2 = d_p, L_rk = (Q_rp - sum of L_rj L_pj) / L_pk, and the
+   diagonals d_r -= L_rk^2 that remain. w->diagonal of p becomes 1 / L_pk. */
+static void fbi_rows_eliminate(fb_system_work *w, int k)
+{
+  const int m = w->n_row, p = w->order[k];
+  const fb_real reciprocal = FB_R(1.0) / FB_SQRT(w->diagonal[p]);
+  w->diagonal[p] = reciprocal;
+  for (int i = k + 1; i < m; i++) {
+    const int r = w->order[i];
+    fb_real sum = w->Q[r * m + p];
+    for (int j = 0; j < k; j++) {
+      sum -= w->L[r * m + j] * w->L[p * m + j];
     }
-    {
-      const int p = w->order[best];
-      if (!(w->diagonal[p] > tol * w->column[p])) {
-        break;
-      }
-      w->order[best] = w->order[k];
-      w->order[k] = p;
-      pivot = FB_R(1.0) / FB_SQRT(w->diagonal[p]);
-      w->diagonal[p] = pivot; /* reciprocal of the diagonal of L */
+    w->L[r * m + k] = sum * reciprocal;
+    w->diagonal[r] -= w->L[r * m + k] * w->L[r * m + k];
+  }
+}
 
-      /* column of L; remaining diagonals */
-      for (int i = k + 1; i < m; i++) {
-        const int r = w->order[i];
-        fb_real sum = Q[r * m + p];
-        for (int j = 0; j < k; j++) {
-          sum -= w->L[r * m + j] * w->L[p * m + j];
-        }
-        w->L[r * m + k] = sum * pivot;
-        w->diagonal[r] -= w->L[r * m + k] * w->L[r * m + k];
-      }
+/* [E9.9] Q = A M^-1 A^T of the constraint rows and its pivoted Cholesky factors; rows that depend on others are left
+   out, w->rank of them remain. w->order[k] is the row of pivot k, w->L[r m + k] the factor of row r. A pivot is the
+   square of a row's distance from the span of the others: below 1e-8 of its scale, 1e-4 rad before a singular position
+   (single precision: 0.01 rad), the impulses would be dominated by the position errors of a stage.
+   Source: [GV] 4.2.8.  Shapes: Q n_row x n_row.  Cost: n_row solutions E9.5, n_row^3/3 flops.
+   Fails: never.  Test: redundant_loops_are_accepted. */
+static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  const fb_real tol = FB_SINGLE ? FB_R(1e-4) : FB_R(1e-8);
+  fb_real *scale = w->column;
+  const fb_status status = fbi_rows_matrix(w, system, body);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_rows_scale(scale, w);
+  for (int r = 0; r < w->n_row; r++) {
+    w->order[r] = r;
+    w->diagonal[r] = w->Q[r * (w->n_row + 1)];
+  }
+  for (w->rank = 0; w->rank < w->n_row; w->rank++) {
+    const int k = w->rank, best = fbi_rows_pivot(w, scale, k), p = w->order[best];
+    if (!(w->diagonal[p] > tol * scale[p])) {
+      break;
     }
+    w->order[best] = w->order[k];
+    w->order[k] = p;
+    fbi_rows_eliminate(w, k);
   }
   return FB_OK;
 }
@@ -6676,68 +6722,69 @@ static void fbi_own_residual(fbi_link_work *L, const fb_body *body, const fb_rea
   }
 }
 
-/* [E9.19] Accelerations: the residuals of the bodies with joints and modes at constant speed, solved with the factors
-   of the momenta, M u_dot = tau + sum of X^T (F - turning - G_dot); G of the solution are the joint forces.
-   Source: Newton-Euler; THEORY.md 8.5, acceleration form.  Fails: as the rates.
-   Test: accelerations_are_the_rates_of_velocities, joint_forces_carry_what_hangs_on_them. */
-static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *system, const fb_body *body,
-                                          const fb_system_state *state, const fb_system_input *input)
+/* L->given: accelerations of prescribed axes, of a free joint less d/dt of R^T u, the velocity of the tree's frame. */
+static void fbi_given_accelerations(fb_system_work *w, const fb_joint *joint, const fb_system_input *input, int k)
 {
-  const fb_real none[6] = {0}, still[FB_MAX_MODES] = {0};
-
-  /* forces on the bodies, then the efforts of joints enforced by multipliers */
-  fbi_system_loads(w, system, body, input);
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    fbi_vec6_copy(L->F, L->k.fg); /* without the joints */
+  fbi_link_work *L = &w->link[k];
+  fbi_vec6_zero(L->given);
+  for (int i = 0; i < joint->n_axis; i++) {
+    const fb_axis_mode mode = fbi_axis_mode(L, joint, i);
+    L->given[i] = mode == FB_AXIS_PRESCRIBED && input ? input->drive[k].acceleration[i] : FB_R(0.0);
   }
-  (void)fbi_kept_springs(w, system, body, state, input);
-
-  /* right-hand side of each body */
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    const fb_body *model = fbi_model(system, body, k);
-    const fb_joint *joint = fbi_link_joint(system, w, k);
-    const fbi_link_work *parent = fbi_parent(w, joint);
-    fb_real given[6] = {0};
-
-    /* accelerations of prescribed axes, of a free joint less d/dt of R^T u, the velocity of the tree's frame */
-    for (int i = 0; i < joint->n_axis; i++) {
-      const fb_axis_mode mode = fbi_axis_mode(L, joint, i);
-      given[i] = mode == FB_AXIS_PRESCRIBED && input ? input->drive[k].acceleration[i] : FB_R(0.0);
-    }
-    if (joint->kind == FB_JOINT_FREE && L->mode[0] == FB_AXIS_PRESCRIBED) {
-      fb_real u[3] = {0};
-      fbi_own_frame_add(u, FB_R(1.0), w, k);
-      fbi_vec3_add_cross(given, L->V + 3, u);
-    }
-
-    /* residual at constant speeds, of the body and its modes */
-    fbi_vec6_copy(L->given, given);
-    fbi_bias_acceleration(L, joint, parent, parent ? fbi_model(system, body, joint->parent) : NULL, given);
-    fbi_elastic_forces(L->pi, &L->k, model, state->link[k].q, L->q_dot);
-    fbi_own_residual(L, model, L->V_dot, still);
-    fbi_row_sub(L->pi, FB_R(1.0), L->e, model->n);
-
-    /* efforts on free axes */
-    fbi_vec6_copy(L->p, none);
-    for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
-      if (L->mode[i] == FB_AXIS_FREE) {
-        fb_real value[3];
-        fbi_vec3_copy(value, state->link[k].x);
-        if (joint->kind == FB_JOINT_SPHERICAL) {
-          fb_quat_to_rotvec(value, state->link[k].quat);
-        }
-        L->p[i] = fbi_axis_torque(joint, input, k, i, value[i], L->u[i]);
-      }
-    }
-
-    /* speeds; the solution takes their place */
-    fbi_vec6_copy(L->speed, L->u);
-    fbi_copy(L->q_speed, L->q_dot, model->n);
+  if (joint->kind == FB_JOINT_FREE && L->mode[0] == FB_AXIS_PRESCRIBED) {
+    fb_real u[3] = {0};
+    fbi_own_frame_add(u, FB_R(1.0), w, k);
+    fbi_vec3_add_cross(L->given, L->V + 3, u);
   }
+}
 
-  /* rows: c = b_dot + A_dot u + A times the accelerations of the ends so far */
+/* Coordinates of the axes of a joint of the tree, of a spherical one its rotation vector. */
+static void fbi_axis_values(fb_real value[3], const fb_joint *joint, const fb_link_state *x)
+{
+  fbi_vec3_copy(value, x->x);
+  if (joint->kind == FB_JOINT_SPHERICAL) {
+    fb_quat_to_rotvec(value, x->quat);
+  }
+}
+
+/* p = tau, the efforts of spring, damper and motor (E9.11) on the free axes of a joint; zero on the others. */
+static void fbi_free_efforts(fbi_link_work *L, const fb_joint *joint, const fb_link_state *x,
+                             const fb_system_input *input, int k)
+{
+  fb_real value[3];
+  fbi_vec6_zero(L->p);
+  if (joint->kind == FB_JOINT_FREE) {
+    return;
+  }
+  fbi_axis_values(value, joint, x);
+  for (int i = 0; i < joint->n_axis; i++) {
+    if (L->mode[i] == FB_AXIS_FREE) {
+      L->p[i] = fbi_axis_torque(joint, input, k, i, value[i], L->u[i]);
+    }
+  }
+}
+
+/* Right-hand side of E9.19 in body k: bias acceleration, the residuals there of body and modes, y = F - turning - G_dot
+   and pi = f - pi_dot, and the efforts of its joint. */
+static void fbi_acceleration_rhs(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                 const fb_link_state *x, const fb_system_input *input, int k)
+{
+  const fb_real still[FB_MAX_MODES] = {0};
+  fbi_link_work *L = &w->link[k];
+  const fb_body *model = fbi_model(system, body, k);
+  const fb_joint *joint = fbi_link_joint(system, w, k);
+  const fbi_link_work *parent = fbi_parent(w, joint);
+  fbi_given_accelerations(w, joint, input, k);
+  fbi_bias_acceleration(L, joint, parent, parent ? fbi_model(system, body, joint->parent) : NULL, L->given);
+  fbi_elastic_forces(L->pi, &L->k, model, x->q, L->q_dot);
+  fbi_own_residual(L, model, L->V_dot, still);
+  fbi_row_sub(L->pi, FB_R(1.0), L->e, model->n);
+  fbi_free_efforts(L, joint, x, input, k);
+}
+
+/* c = b_dot + A_dot u + A a of the rows, a: accelerations of their ends at the bias accelerations of the bodies. */
+static void fbi_rows_accelerate(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
   for (int e = 0; e < w->n_end; e++) {
     fbi_end_acceleration(&w->end[e], w, system, body);
   }
@@ -6751,10 +6798,34 @@ static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *sy
                  fb_vec3_dot(row->force_dot[s], end->v) + fb_vec3_dot(row->torque_dot[s], end->w);
     }
   }
+}
 
-  /* solution, in the place of the velocities */
+/* [E9.19] Accelerations: the residuals of the bodies with joints and modes at constant speed, solved with the factors
+   of the momenta, M u_dot = tau + sum of X^T (F - turning - G_dot); G of the solution are the joint forces.
+   Source: Newton-Euler; THEORY.md 8.5, acceleration form.  Fails: as the rates.
+   Test: accelerations_are_the_rates_of_velocities, joint_forces_carry_what_hangs_on_them. */
+static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                          const fb_system_state *state, const fb_system_input *input)
+{
+  /* forces on the bodies, then the efforts of joints enforced by multipliers */
+  fbi_system_loads(w, system, body, input);
   for (int k = 0; k < system->n_body; k++) {
-    fbi_vec6_copy(w->link[k].twist, w->link[k].V);
+    fbi_vec6_copy(w->link[k].F, w->link[k].k.fg); /* without the joints */
+  }
+  (void)fbi_kept_springs(w, system, body, state, input);
+
+  /* right-hand side of the bodies, then of the rows */
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_acceleration_rhs(w, system, body, &state->link[k], input, k);
+  }
+  fbi_rows_accelerate(w, system, body);
+
+  /* solution, in the place of the velocities, which are kept */
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    fbi_vec6_copy(L->twist, L->V);
+    fbi_vec6_copy(L->speed, L->u);
+    fbi_copy(L->q_speed, L->q_dot, fbi_model(system, body, k)->n);
   }
   return w->n_row > 0 ? fbi_constrained_solve(w, system, body, 0) : fbi_speeds_solve(w, system, body);
 }
