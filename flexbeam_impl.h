@@ -7534,72 +7534,92 @@ static void fbi_exact_strain_matrices(fbi_exact_jacobian *j, const fb_real theta
   }
 }
 
-/* Derivatives by the unknowns of one end node (sign: -1 first, 1 second): Q of the mean load h f, by velocity (through
-   T) and by pose; D of the end-to-end difference h df/12. N, NX: df/dV and N ad(theta). */
-static void fbi_exact_load_by_node(fb_real Q[36], fb_real D[36], const fb_real N[36], const fb_real NX[36],
-                                   fb_real sign, const fbi_exact_cell *c, const fb_exact_work *work, const fb_exact *m,
-                                   int k, int node)
+/* Y = s X A, the derivative by the value at one end of s X times the mean, A = 1/2 -+ ad(theta)/12 (fbi_exact_mean);
+   sign: -1 first end, 1 second. X_theta = X ad(theta); may be Y. */
+static void fbi_exact_mean_by_end(fb_real Y[36], fb_real s, fb_real sign, const fb_real X[36],
+                                  const fb_real X_theta[36])
+{
+  for (int i = 0; i < 36; i++) {
+    Y[i] = s * (FB_R(0.5) * X[i] + sign / FB_R(12.0) * X_theta[i]);
+  }
+}
+
+/* Inertia in the mean load h f by the unknowns d of an end node: Q = h N A marching; steady, where the velocity changes
+   by T = shift + ad(V) with the pose: Q = h N A T. N = df/dV, N_theta = N ad(theta). */
+static void fbi_exact_inertia_by_node(fb_real Q[36], const fb_real N[36], const fb_real N_theta[36],
+                                      const fb_exact_work *work, int node, fb_real sign)
 {
   const fbi_exact_motion *motion = &work->motion;
-  fbi_zero(Q, 36);
-  fbi_zero(D, 36);
-
-  /* Inertia */
-  if (motion->inertia) {
-    fb_real A[36];
-    for (int i = 0; i < 36; i++) {
-      A[i] = c->h * (FB_R(0.5) * N[i] + sign / FB_R(12.0) * NX[i]);
-    }
-    if (motion->march) {
-      fbi_copy(Q, A, 36);
-    } else { /* steady: velocity by displacement, T = shift + ad(V) */
-      fbi_mul_ad(Q, A, work->V + 6 * node);
-      for (int i = 0; i < 36; i++) {
-        Q[i] += motion->shift * A[i];
-      }
-    }
+  fb_real NA[36];
+  fbi_exact_mean_by_end(NA, work->cell.h, sign, N, N_theta);
+  if (motion->march) {
+    fbi_copy(Q, NA, 36);
+    return;
   }
-
-  /* Gravity */
-  if (motion->gravity) {
-    fb_real A[36], B[36];
-    fbi_mul_ad(A, m->M + 36 * k, c->theta);
-    for (int i = 0; i < 36; i++) {
-      A[i] = c->h * motion->pose * (FB_R(0.5) * m->M[36 * k + i] + sign / FB_R(12.0) * A[i]);
-    }
-    fbi_mul_ad(B, A, work->G + 6 * node);
-    fbi_mul_ad(D, m->M + 36 * k, work->G + 6 * node);
-    for (int i = 0; i < 36; i++) {
-      Q[i] += B[i];
-      D[i] *= sign * c->h * motion->pose / FB_R(12.0);
-    }
+  fbi_mul_ad(Q, NA, work->V + 6 * node);
+  for (int i = 0; i < 36; i++) {
+    Q[i] += motion->shift * NA[i];
   }
+}
 
-  /* Dead line loads */
-  if (motion->dead) {
-    for (int i = 0; i < 6; i += 3) {
-      fb_real f[3];
-      fb_mat33_mulT_vec3(f, work->R + 9 * node, work->line_dead + 6 * k + i);
-      for (int a = 0; a < 3; a++) { /* column: rotation about axis a */
-        fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, df[3], y[3];
-        turn[a] = FB_R(1.0);
-        fb_vec3_cross(df, f, turn);
-        fb_vec3_cross(y, c->theta + 3, df);
-        for (int b = 0; b < 3; b++) {
-          Q[6 * (i + b) + 3 + a] += c->h * motion->pose * (FB_R(0.5) * df[b] + sign / FB_R(12.0) * y[b]);
-          D[6 * (i + b) + 3 + a] += c->h * motion->pose * sign / FB_R(12.0) * df[b];
-        }
+/* Gravity in the mean load h f and in the difference h df/12, by the rotation of an end node, d times `pose`:
+   Q += h pose M A ad(G), D = -+h pose M ad(G)/12, G the gravity there. */
+static void fbi_exact_gravity_by_node(fb_real Q[36], fb_real D[36], const fb_real M[36], const fb_exact_work *work,
+                                      int node, fb_real sign)
+{
+  const fb_real h_pose = work->cell.h * work->motion.pose, *const G = work->G + 6 * node;
+  fb_real MA[36], MAG[36];
+  fbi_mul_ad(MA, M, work->cell.theta);
+  fbi_exact_mean_by_end(MA, h_pose, sign, M, MA);
+  fbi_mul_ad(MAG, MA, G);
+  fbi_mul_ad(D, M, G);
+  for (int i = 0; i < 36; i++) {
+    Q[i] += MAG[i];
+    D[i] *= sign * h_pose / FB_R(12.0);
+  }
+}
+
+/* The same of the dead line loads, d f = f x rotation: added to Q and D. line: force and torque, base axes. */
+static void fbi_exact_dead_by_node(fb_real Q[36], fb_real D[36], const fb_real line[6], const fb_exact_work *work,
+                                   int node, fb_real sign)
+{
+  const fb_real h_pose = work->cell.h * work->motion.pose;
+  for (int i = 0; i < 6; i += 3) {
+    fb_real f[3];
+    fb_mat33_mulT_vec3(f, work->R + 9 * node, line + i);
+    for (int a = 0; a < 3; a++) { /* column: rotation about axis a */
+      fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, df[3], theta_df[3];
+      turn[a] = FB_R(1.0);
+      fb_vec3_cross(df, f, turn);
+      fb_vec3_cross(theta_df, work->cell.theta + 3, df);
+      for (int b = 0; b < 3; b++) {
+        Q[6 * (i + b) + 3 + a] += h_pose * (FB_R(0.5) * df[b] + sign / FB_R(12.0) * theta_df[b]);
+        D[6 * (i + b) + 3 + a] += sign * h_pose / FB_R(12.0) * df[b];
       }
     }
   }
 }
 
-/* Derivatives of the end loads F1, F2 by a node: F2d = -A2^T Q - D, F1d = A1^T Q - D. */
-static void fbi_exact_end_loads(fb_real F1d[36], fb_real F2d[36], const fb_real Q[36], const fb_real D[36],
-                                const fb_real theta[6])
+/* Derivatives of the end loads F1, F2 of element k by the unknowns d of an end node: F1d = A1^T Q - D,
+   F2d = -A2^T Q - D, with Q of the mean load h f and D of the end-to-end difference h df/12. */
+static void fbi_exact_loads_by_node(fb_real F1d[36], fb_real F2d[36], const fb_real N[36], const fb_real N_theta[36],
+                                    const fb_exact_work *work, const fb_exact *m, int k, int node)
 {
-  fb_real Y[36];
-  fbi_adT_mul(Y, theta, Q);
+  const fbi_exact_motion *motion = &work->motion;
+  const fb_real sign = node == k ? -FB_R(1.0) : FB_R(1.0);
+  fb_real Q[36], D[36], Y[36];
+  fbi_zero(Q, 36);
+  fbi_zero(D, 36);
+  if (motion->inertia) {
+    fbi_exact_inertia_by_node(Q, N, N_theta, work, node, sign);
+  }
+  if (motion->gravity) {
+    fbi_exact_gravity_by_node(Q, D, m->M + 36 * k, work, node, sign);
+  }
+  if (motion->dead) {
+    fbi_exact_dead_by_node(Q, D, work->line_dead + 6 * k, work, node, sign);
+  }
+  fbi_adT_mul(Y, work->cell.theta, Q);
   for (int i = 0; i < 36; i++) {
     const fb_real half = FB_R(0.5) * Q[i], twelfth = Y[i] / FB_R(12.0) + D[i];
     F1d[i] = half - twelfth;
@@ -7672,11 +7692,11 @@ static void fbi_exact_compliance_rate(fb_real E[36], const fbi_exact_cell *c, co
      dF = ad(theta)^T ds + G dtheta - h (N A dV + ...),  F = s + ad(theta)^T dF/12 -+ dF/2.
    Source: derivation.  Cost: 5 kflops marching, 3 at rest.  Fails: never.
    Test: newton_converges_quadratically, shaft_whirls_as_in_closed_form, becks_column_flutters_at_its_load. */
-static void fbi_exact_cell_jacobian(fbi_exact_jacobian *j, const fbi_exact_cell *c, const fb_exact_work *work,
-                                    const fb_exact *m, int k)
+static void fbi_exact_cell_jacobian(fbi_exact_jacobian *j, const fb_exact_work *work, const fb_exact *m, int k)
 {
   const fbi_exact_motion *motion = &work->motion;
-  fb_real N[36], Q[36], D[36], G[36], Y[36], hC[36];
+  const fbi_exact_cell *c = &work->cell;
+  fb_real N[36], Q[36], G[36], Y[36], hC[36];
   for (int i = 0; i < 36; i++) {
     hC[i] = c->h * m->C[36 * k + i];
   }
@@ -7686,10 +7706,8 @@ static void fbi_exact_cell_jacobian(fbi_exact_jacobian *j, const fbi_exact_cell 
   fbi_exact_load_matrices(N, G, c, work, m, k);
   if (motion->inertia || motion->gravity || motion->dead) {
     fbi_mul_ad(Y, N, c->theta);
-    fbi_exact_load_by_node(Q, D, N, Y, -FB_R(1.0), c, work, m, k, k);
-    fbi_exact_end_loads(j->F1d1, j->F2d1, Q, D, c->theta);
-    fbi_exact_load_by_node(Q, D, N, Y, FB_R(1.0), c, work, m, k, k + 1);
-    fbi_exact_end_loads(j->F1d2, j->F2d2, Q, D, c->theta);
+    fbi_exact_loads_by_node(j->F1d1, j->F2d1, N, Y, work, m, k, k);
+    fbi_exact_loads_by_node(j->F1d2, j->F2d2, N, Y, work, m, k, k + 1);
   } else {
     fbi_zero(j->F1d1, 36);
     fbi_zero(j->F1d2, 36);
@@ -7844,6 +7862,53 @@ static void fbi_exact_hold_rhs(fb_real b[6], const fb_exact_work *work, const fb
   }
 }
 
+/* Rows of element k in E10.10, from its Jacobian and K of its outer node: compatibility [E, -D2 | -D1], balance of the
+   outer node [F2s, F2d2 + K | F2d1] under its constraints, as [LU | W]; balance of the inner node L = [F1s, F1d2]. */
+static void fbi_exact_rows_fill(fb_exact_work *work, const fb_exact *m, const fb_real K[36], int k)
+{
+  const fbi_exact_jacobian *const j = &work->jacobian;
+  fb_real *const A = work->LU + 144 * k, *const W = work->W + 72 * k, *const L = work->L + 72 * k;
+  fb_real balance[6 * 18];
+  for (int r = 0; r < 6; r++) {
+    for (int i = 0; i < 6; i++) {
+      A[12 * r + i] = j->E[6 * r + i];
+      A[12 * r + 6 + i] = -j->D2[6 * r + i];
+      W[6 * r + i] = -j->D1[6 * r + i];
+      balance[18 * r + i] = j->F2s[6 * r + i];
+      balance[18 * r + 6 + i] = j->F2d2[6 * r + i] + K[6 * r + i];
+      balance[18 * r + 12 + i] = j->F2d1[6 * r + i];
+      L[12 * r + i] = j->F1s[6 * r + i];
+      L[12 * r + 6 + i] = j->F1d2[6 * r + i];
+    }
+  }
+  fbi_exact_hold(balance, work, m, k + 1, 18, 6);
+  for (int r = 0; r < 6; r++) {
+    fbi_copy(A + 12 * (r + 6), balance + 18 * r, 12);
+    fbi_copy(W + 6 * (r + 6), balance + 18 * r + 12, 6);
+  }
+}
+
+/* Eliminates element k: W = A^-1 W, and K = -F1d1 + L W for the inner node. */
+static fb_status fbi_exact_eliminate(fb_real K[36], fb_exact_work *work, int k)
+{
+  fb_real *const A = work->LU + 144 * k, *const W = work->W + 72 * k, *const L = work->L + 72 * k;
+  fb_real scale[12];
+  const fb_status status = fb_lu_factor(A, work->perm + 12 * k, scale, 12);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_lu_solve_rows(W, work->column, A, work->perm + 12 * k, 12, 6);
+  for (int r = 0; r < 6; r++) {
+    for (int i = 0; i < 6; i++) {
+      K[6 * r + i] = -work->jacobian.F1d1[6 * r + i];
+    }
+    for (int i = 0; i < 12; i++) {
+      fbi_vec6_add(K + 6 * r, L[12 * r + i], W + 6 * i);
+    }
+  }
+  return FB_OK;
+}
+
 /* [E10.10] Block elimination from the tip to the root, (ds, dd2) = y - W dd1 for each element: its compatibility and
    the balance of its outer node form one 12x12 block, factored with row pivoting; the outboard part enters the balance
    of the inner node by the Schur complement K = -(F1d1 - (F1s, F1d2) W).
@@ -7851,64 +7916,25 @@ static void fbi_exact_hold_rhs(fb_real b[6], const fb_exact_work *work, const fb
    at a limit point).  Test: supports_are_those_of_the_textbook, newton_converges_quadratically. */
 static fb_status fbi_exact_factor(fb_exact_work *work, const fb_exact *m)
 {
-  fbi_exact_cell *const c = &work->cell;
-  fbi_exact_jacobian *const j = &work->jacobian;
-  fb_real K[36], scale[12];
-  fb_status status = FB_OK;
+  fb_real K[36], scale[6];
   fbi_zero(K, 36);
-  for (int k = m->n - 1; k >= 0 && status == FB_OK; k--) {
-    fb_real *const A = work->LU + 144 * k, *const W = work->W + 72 * k, *const L = work->L + 72 * k;
-    fb_real rows[6 * 18];
-
-    /* Jacobian of the element and of its outer node */
-    fbi_exact_cell_eval(c, work, m, k);
-    fbi_exact_cell_jacobian(j, c, work, m, k);
+  for (int k = m->n - 1; k >= 0; k--) {
+    fb_status status;
+    fbi_exact_cell_eval(&work->cell, work, m, k);
+    fbi_exact_cell_jacobian(&work->jacobian, work, m, k);
     fbi_exact_node_jacobian(K, work, m, k + 1);
-
-    /* Compatibility rows [E, -D2 | -D1], balance rows of the outer node [F2s, F2d2 + K | F2d1], L = [F1s, F1d2] */
-    for (int r = 0; r < 6; r++) {
-      for (int i = 0; i < 6; i++) {
-        A[12 * r + i] = j->E[6 * r + i];
-        A[12 * r + 6 + i] = -j->D2[6 * r + i];
-        W[6 * r + i] = -j->D1[6 * r + i];
-        rows[18 * r + i] = j->F2s[6 * r + i];
-        rows[18 * r + 6 + i] = j->F2d2[6 * r + i] + K[6 * r + i];
-        rows[18 * r + 12 + i] = j->F2d1[6 * r + i];
-        L[12 * r + i] = j->F1s[6 * r + i];
-        L[12 * r + 6 + i] = j->F1d2[6 * r + i];
-      }
-    }
-
-    /* Constraints, then the balance rows below the compatibility rows */
-    fbi_exact_hold(rows, work, m, k + 1, 18, 6);
-    for (int r = 0; r < 6; r++) {
-      fbi_copy(A + 12 * (r + 6), rows + 18 * r, 12);
-      fbi_copy(W + 6 * (r + 6), rows + 18 * r + 12, 6);
-    }
-
-    /* Eliminate the element: W = A^-1 W, and K = -F1d1 + L W for the inner node */
-    status = fb_lu_factor(A, work->perm + 12 * k, scale, 12);
-    if (status == FB_OK) {
-      fbi_lu_solve_rows(W, work->column, A, work->perm + 12 * k, 12, 6);
-      for (int r = 0; r < 6; r++) {
-        for (int i = 0; i < 6; i++) {
-          K[6 * r + i] = -j->F1d1[6 * r + i];
-        }
-        for (int i = 0; i < 12; i++) {
-          fbi_vec6_add(K + 6 * r, L[12 * r + i], W + 6 * i);
-        }
-      }
+    fbi_exact_rows_fill(work, m, K, k);
+    status = fbi_exact_eliminate(K, work, k);
+    if (status != FB_OK) {
+      return status;
     }
   }
 
-  /* Remaining 6x6 block of the root */
-  if (status == FB_OK) {
-    fbi_exact_node_jacobian(K, work, m, 0);
-    fbi_exact_hold(K, work, m, 0, 6, 0);
-    fbi_copy(work->root, K, 36);
-    status = fb_lu_factor(work->root, work->perm + 12 * m->n, scale, 6);
-  }
-  return status;
+  /* the 6x6 block of the root remains */
+  fbi_exact_node_jacobian(K, work, m, 0);
+  fbi_exact_hold(K, work, m, 0, 6, 0);
+  fbi_copy(work->root, K, 36);
+  return fb_lu_factor(work->root, work->perm + 12 * m->n, scale, 6);
 }
 
 /* Newton corrections dd, ds for the residuals c of the elements and B of the nodes. */
