@@ -2566,78 +2566,93 @@ static void fbi_form_true_momenta(fbi_kinetics *k, const fb_body *body)
 }
 #endif
 
+/* Velocities and the pose of a state: finite, attitude not zero, no motion that the base does not allow. */
+static fb_status fbi_velocity_check(const fb_body *body, const fb_state *state, const fb_real v[3], const fb_real w[3],
+                                    const fb_real *q_dot)
+{
+  fb_real quat[4], turning[3];
+  if (!fbi_is_finite(v, 3) || !fbi_is_finite(w, 3) || !fbi_is_finite(q_dot, body->n) ||
+      !fbi_is_finite(state->q, body->n) || !fbi_is_finite(state->quat, 4)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  fbi_copy(quat, state->quat, 4);
+  fbi_vec3_copy(turning, w);
+  fbi_turning_part(turning, body->base);
+  if (fb_quat_normalize(quat) != FB_OK || (fbi_holds_origin(body->base) && fbi_vec3_norm(v) > FB_R(0.0)) ||
+      (body->base == FB_BASE_HINGED && fbi_vec3_norm(turning) < fbi_vec3_norm(w))) {
+    return FB_ERR_VALUE;
+  }
+  return FB_OK;
+}
+
+/* Momenta at the velocity v of O. A free body: u = R (v + (c_dot + w x c)/m) of the mass center, c the first moment of
+   mass, and momenta at the velocity -p/m relative to it. Angular momentum L = R h, without the axes about which the base
+   cannot rotate. */
+static void fbi_momenta_set(fb_state *state, fbi_kinetics *k, const fb_body *body, const fb_real v[3],
+                            const fb_real *q_dot)
+{
+  fbi_momenta_from(k, state->pi, body, q_dot);
+  fb_mat33_mul_vec3(state->u, k->R, v);
+  fbi_zero(state->L, 3);
+  if (body->base == FB_BASE_FREE) {
+    fb_real c[3], moved[3], own[3];
+    for (int i = 0; i < 3; i++) {
+      k->V[i] = -k->ph[i] / body->mass;
+    }
+    fbi_momenta_from(k, state->pi, body, q_dot);
+    fbi_center_eval(c, body, state->q);
+    fbi_center_rate(moved, body, state->q, q_dot);
+    fbi_vec3_add_cross(moved, k->V + 3, c);
+    fb_mat33_mul_vec3(own, k->R, moved);
+    fbi_vec3_add(state->u, FB_R(1.0) / body->mass, own);
+  }
+  if (body->base != FB_BASE_PRESCRIBED) {
+    fbi_turning_part(k->ph + 3, body->base);
+    fb_mat33_mul_vec3(state->L, k->R, k->ph + 3);
+    fbi_copy(state->h, k->ph + 3, 3);
+  }
+}
+
 FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, const fb_real v[3], const fb_real w[3],
                                         const fb_real *q_dot)
 {
-  const int n = body ? body->n : 0;
+  const fb_real zero[FB_MAX_MODES] = {0}, *rates = q_dot ? q_dot : zero;
   fb_state out;
   fbi_kinetics k;
-  fb_real zero[FB_MAX_MODES] = {0}, held[3];
+  fb_status status;
   FBI_REQUIRE(body && state && v && w, FB_ERR_NULL);
-
-  /* checks: finite, allowed by the base */
-  if (!fbi_is_finite(v, 3) || !fbi_is_finite(w, 3) || !fbi_is_finite(q_dot ? q_dot : zero, n) ||
-      !fbi_is_finite(state->q, n) || !fbi_is_finite(state->quat, 4)) {
-    return FB_ERR_NOT_FINITE;
-  }
-  out = *state;
-  fbi_copy(held, w, 3);
-  fbi_turning_part(held, body->base);
-  if (fb_quat_normalize(out.quat) != FB_OK || (fbi_holds_origin(body->base) && fbi_vec3_norm(v) > FB_R(0.0)) ||
-      (body->base == FB_BASE_HINGED && fbi_vec3_norm(held) < fbi_vec3_norm(w))) {
-    return FB_ERR_VALUE;
+  status = fbi_velocity_check(body, state, v, w, rates);
+  if (status != FB_OK) {
+    return status;
   }
 
   /* R, (1, q), V = (0, w) */
-  fbi_copy(out.quat, state->quat, 4); /* unscaled; only zero is refused */
+  out = *state; /* its quaternion as it is, unscaled */
   fb_quat_to_mat33(k.R, state->quat);
   k.qx[0] = FB_R(1.0);
-  fbi_copy(k.qx + 1, state->q, n);
+  fbi_copy(k.qx + 1, state->q, body->n);
   fbi_zero(k.V, 3);
   fbi_copy(k.V + 3, w, 3);
 
   /* other forms: velocities are the state */
 #if FB_WITH_FORMS
   if (body->form != FB_FORM_MOMENTUM) {
-    fbi_copy(out.pi, q_dot ? q_dot : zero, n);
+    fbi_copy(out.pi, rates, body->n);
     fbi_form_state(&out, &k, body, v);
     *state = out;
     return FB_OK;
   }
 #endif
 
-  /* momenta; free: u of the mass center, v = -p/m relative to it */
-  fbi_momenta_from(&k, out.pi, body, q_dot ? q_dot : zero);
-  fb_mat33_mul_vec3(out.u, k.R, v);
-  fbi_zero(out.L, 3);
-  if (body->base == FB_BASE_FREE) {
-    fb_real c[3], moved[3], own[3];
-    for (int i = 0; i < 3; i++) {
-      k.V[i] = -k.ph[i] / body->mass;
-    }
-    fbi_momenta_from(&k, out.pi, body, q_dot ? q_dot : zero);
-    fbi_center_eval(c, body, state->q);
-    fbi_center_rate(moved, body, state->q, q_dot ? q_dot : zero);
-    fbi_vec3_add_cross(moved, w, c);
-    fb_mat33_mul_vec3(own, k.R, moved);
-    fbi_vec3_add(out.u, FB_R(1.0) / body->mass, own);
-  }
-
-  /* angular momentum; no compensation terms */
-  if (body->base != FB_BASE_PRESCRIBED) {
-    fbi_turning_part(k.ph + 3, body->base);
-    fb_mat33_mul_vec3(out.L, k.R, k.ph + 3);
-    fbi_copy(out.h, k.ph + 3, 3);
-  }
+  /* momenta; no compensation terms */
+  fbi_momenta_set(&out, &k, body, v, rates);
   fbi_zero(out.lost_u, 3);
 #if FB_SINGLE
   fbi_zero(out.lost_L, 3);
-  fbi_zero(out.lost_pi, n);
+  fbi_zero(out.lost_pi, body->n);
   fbi_zero(out.lost_h, 3);
 #endif
-
-  /* result */
-  if (!fbi_state_is_finite(&out, n)) {
+  if (!fbi_state_is_finite(&out, body->n)) {
     return FB_ERR_NOT_FINITE;
   }
   *state = out;
@@ -3516,6 +3531,51 @@ static void fbi_joint_turn(fb_real C[9], fb_real *slide, fbi_link_work *L, const
   }
 }
 
+/* Joint frame in the parent's axes: origin, and axes, which it returns: the joint's own, or `turned` where modes move
+   the node, at L->n, with which the frame is displaced and rotated. */
+static const fb_real *fbi_parent_frame(fb_real origin[3], fb_real turned[9], fbi_link_work *L, const fb_joint *joint,
+                                       const fbi_link_work *parent, const fb_body *on)
+{
+  const fb_node *node;
+  fb_real quat[4], R[9];
+  if (!joint->moves || !parent) {
+    fbi_vec3_copy(origin, joint->position);
+    return joint->axes;
+  }
+  node = &on->node[joint->parent_node];
+  fbi_node_eval(&L->node, on, node, parent->k.qx + 1);
+  fbi_node_quat(quat, &L->node);
+  fb_quat_to_mat33(R, quat);
+  fb_mat33_mul(turned, R, joint->axes);
+  fb_mat33_mul_vec3(origin, R, joint->position);
+  for (int i = 0; i < 3; i++) {
+    L->n[i] = node->r[i] + L->node.u[i];
+    origin[i] += L->n[i];
+  }
+  return turned;
+}
+
+/* Child in the parent's axes, from the joint frame there: axes L->C = J child_axes^T, J the joint frame rotated by the
+   coordinates, and position L->s = origin + slide z - C child_position. */
+static void fbi_child_place(fbi_link_work *L, const fb_joint *joint, const fb_real origin[3], const fb_real axes[9],
+                            const fb_link_state *x)
+{
+  fb_real J[9], slide;
+  fbi_joint_turn(J, &slide, L, joint, axes, x);
+  if (joint->turned) {
+    for (int i = 0; i < 9; i++) {
+      L->C[i] = fb_vec3_dot(J + i / 3 * 3, joint->child_axes + i % 3 * 3);
+    }
+  } else {
+    fbi_mat33_copy(L->C, J);
+  }
+  fb_mat33_mul_vec3(L->s, L->C, joint->child_position);
+  FBI_UNROLL
+  for (int i = 0; i < 3; i++) {
+    L->s[i] = origin[i] + slide * axes[3 * i + 2] - L->s[i];
+  }
+}
+
 /* [E9.2] Pose of a body from that of its parent: the node (E8.14), the joint frame on it, the joint's coordinates, the
    child's frame: R = R_p C,  rho = rho_p + R_p s.
    Source: kinematics of a chain; [H] 3.1.  Cost: 150 flops, a sine and a cosine an angle.  Fails: never.
@@ -3523,50 +3583,16 @@ static void fbi_joint_turn(fb_real C[9], fb_real *slide, fbi_link_work *L, const
 static void fbi_link_place(fbi_link_work *L, const fb_joint *joint, const fbi_link_work *parent, const fb_body *on,
                            const fb_link_state *x)
 {
-  const fb_real *axes = joint->axes;
-  fb_real turned[9], origin[3], C[9], slide;
+  const fb_real *axes;
+  fb_real turned[9], origin[3];
   if (joint->kind == FB_JOINT_FREE) {
     fb_quat_to_mat33(L->k.R, x->quat); /* rho: fbi_root_place */
     return;
   }
 
-  /* joint frame on the parent, displaced and rotated with its node where modes move that */
-  fbi_vec3_copy(origin, joint->position);
-  if (joint->moves && parent) {
-    fb_real quat[4], R[9];
-    const fb_node *node = &on->node[joint->parent_node];
-    fbi_node_eval(&L->node, on, node, parent->k.qx + 1);
-    fbi_node_quat(quat, &L->node);
-    fb_quat_to_mat33(R, quat);
-    fb_mat33_mul(turned, R, axes);
-    axes = turned;
-    fb_mat33_mul_vec3(origin, R, joint->position);
-    for (int i = 0; i < 3; i++) {
-      L->n[i] = node->r[i] + L->node.u[i];
-      origin[i] += L->n[i];
-    }
-  }
-
-  /* child: axes C and origin s in the parent's axes */
-  fbi_joint_turn(C, &slide, L, joint, axes, x);
-  FBI_UNROLL
-  for (int i = 0; i < 3; i++) {
-    origin[i] += slide * axes[3 * i + 2];
-  }
-  if (joint->turned) {
-    for (int i = 0; i < 9; i++) { /* C child_axes^T */
-      L->C[i] = fb_vec3_dot(C + i / 3 * 3, joint->child_axes + i % 3 * 3);
-    }
-  } else {
-    fbi_mat33_copy(L->C, C);
-  }
-  fb_mat33_mul_vec3(L->s, L->C, joint->child_position);
-  FBI_UNROLL
-  for (int i = 0; i < 3; i++) {
-    L->s[i] = origin[i] - L->s[i];
-  }
-
-  /* arm: from the node to the child's origin */
+  /* C, s; arm from the node to the child's origin */
+  axes = fbi_parent_frame(origin, turned, L, joint, parent, on);
+  fbi_child_place(L, joint, origin, axes, x);
   fbi_vec3_copy(L->arm, L->s);
   if (joint->moves) {
     fbi_vec3_add(L->arm, -FB_R(1.0), L->n);
@@ -4645,14 +4671,12 @@ static fbi_row *fbi_row_new(fb_system_work *w, const fbi_frames *f, int j, const
   /* force and torque at both ends */
   for (int s = 0; s < 2; s++) {
     const fb_real sign = s == 0 ? -FB_R(1.0) : FB_R(1.0);
+    fb_real moment[3];
     row->end[s] = f->at[s];
     fbi_vec3_add(row->r.force[s], sign, force);
     fbi_vec3_add(row->r.torque[s], sign, torque);
-    {
-      fb_real moment[3];
-      fb_vec3_cross(moment, f->arm[s], force);
-      fbi_vec3_add(row->r.torque[s], sign, moment);
-    }
+    fb_vec3_cross(moment, f->arm[s], force);
+    fbi_vec3_add(row->r.torque[s], sign, moment);
   }
   return row;
 }
@@ -5150,19 +5174,10 @@ static void fbi_rows_multipliers(fb_system_work *w)
   }
 }
 
-/* [E9.10] Speeds under constraints, M u = p + A^T mu with A u + c = 0: solves with the right-hand side as it is, then
-   with the impulses mu added. c: terms of the rows other than A u. check: tests rows that were left out, which
-   prescribed speeds or a c other than zero may contradict.
-   Source: Lagrange multipliers of the momenta; [H] 3.5.  Fails: FB_ERR_CONTRADICTION, the joint of a row left out
-   whose velocity constraint is not met.  Test: the_three_methods_agree, contradictions_name_their_joint. */
-static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_system *system, const fb_body *body,
-                                                    int check)
+/* Saves the right-hand side of all bodies; are there prescribed speeds in it? */
+static int fbi_rhs_save(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
-  fb_real drift;
   int given = 0;
-  fb_status status = FB_OK;
-
-  /* save the right-hand side; given: are there prescribed speeds? */
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     fbi_vec6_copy(L->y0, L->y);
@@ -5173,21 +5188,12 @@ static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_
       given |= drives && FB_FABS(L->p[i]) > FB_R(0.0);
     }
   }
+  return given;
+}
 
-  /* without impulses: c + A u */
-  status = fbi_speeds_solve(w, system, body);
-  fbi_ends_move(w, system, body);
-  for (int r = 0; r < w->n_row; r++) {
-    given |= FB_FABS(w->c[r]) > FB_R(0.0); /* no shortcut if zero: the work must not depend on values */
-    w->c[r] += fbi_row_eval(&w->row[r], w);
-  }
-  status = status == FB_OK ? fbi_rows_factor(w, system, body) : status;
-  if (status != FB_OK) {
-    return status;
-  }
-
-  /* multipliers; the solution again, with their impulses on the saved right-hand side */
-  fbi_rows_multipliers(w);
+/* Right-hand side with the impulses mu of the rows: the saved one and A^T mu. */
+static void fbi_rhs_push(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     fbi_vec6_copy(L->y, L->y0);
@@ -5197,26 +5203,59 @@ static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_
   for (int r = 0; r < w->n_row; r++) {
     fbi_row_impulse(w, system, body, r, w->mu[r]);
   }
-  status = fbi_speeds_solve(w, system, body);
+}
 
-  /* rows left out: met as well? */
-  if (w->rank < w->n_row && given && check) {
+/* Do the rows that were left out of the factors hold, c + Q mu = 0, to the tolerance of near-singular positions? */
+static fb_status fbi_rows_check(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  const fb_real tol = FB_SINGLE ? FB_R(0.1) : FB_R(0.01);
+  const int m = w->n_row;
+  if (w->rank < m) {
     fbi_ends_move(w, system, body);
   }
-  for (int k = w->rank; k < w->n_row && given && check && status == FB_OK; k++) {
+  for (int k = w->rank; k < m; k++) {
     const int r = w->order[k];
-    fb_real miss = w->c[r];
-    for (int i = 0; i < w->n_row; i++) {
-      miss += w->Q[r * w->n_row + i] * w->mu[i];
+    const fbi_row *row = &w->row[r];
+    fb_real miss = w->c[r], drift;
+    for (int i = 0; i < m; i++) {
+      miss += w->Q[r * m + i] * w->mu[i];
     }
-    (void)fbi_row_drift(&drift, w, &w->row[r], (const fb_real(*)[3])w->row[r].r.force);
-    if (FB_FABS(miss) > (FB_SINGLE ? FB_R(0.1) : FB_R(0.01)) *
-                            (fbi_row_size(&w->row[r], w) + drift)) { /* tolerance for near-singular positions */
-      w->joint = w->row[r].joint;
-      status = FB_ERR_CONTRADICTION;
+    (void)fbi_row_drift(&drift, w, row, (const fb_real(*)[3])row->r.force);
+    if (FB_FABS(miss) > tol * (fbi_row_size(row, w) + drift)) {
+      w->joint = row->joint;
+      return FB_ERR_CONTRADICTION;
     }
   }
-  return status;
+  return FB_OK;
+}
+
+/* [E9.10] Speeds under constraints, M u = p + A^T mu with A u + c = 0: solves with the right-hand side as it is, then
+   with the impulses mu added. c: terms of the rows other than A u. check: tests rows that were left out, which
+   prescribed speeds or a c other than zero may contradict.
+   Source: Lagrange multipliers of the momenta; [H] 3.5.  Fails: FB_ERR_CONTRADICTION, the joint of a row left out
+   whose velocity constraint is not met.  Test: the_three_methods_agree, contradictions_name_their_joint. */
+static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                                    int check)
+{
+  int given = fbi_rhs_save(w, system, body); /* a right-hand side that rows left out can contradict? */
+
+  /* c + A u without impulses */
+  fb_status status = fbi_speeds_solve(w, system, body);
+  fbi_ends_move(w, system, body);
+  for (int r = 0; r < w->n_row; r++) {
+    given |= FB_FABS(w->c[r]) > FB_R(0.0); /* no shortcut if zero: the work must not depend on values */
+    w->c[r] += fbi_row_eval(&w->row[r], w);
+  }
+
+  /* Q mu = -(c + A u); the solution again, with the impulses */
+  status = status == FB_OK ? fbi_rows_factor(w, system, body) : status;
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_rows_multipliers(w);
+  fbi_rhs_push(w, system, body);
+  status = fbi_speeds_solve(w, system, body);
+  return status == FB_OK && given && check ? fbi_rows_check(w, system, body) : status;
 }
 
 /* ---- rates */
@@ -6050,6 +6089,15 @@ static void fbi_places_settle(fb_system_state *state, const fb_system *system, c
   }
 }
 
+/* Transforms a state to newly chosen frames of its trees (E9.21): momenta, velocities of the frames, positions. */
+static void fbi_frames_renew(fb_system_state *state, fb_system_work *w, const fb_system *system,
+                             const fb_system_input *input)
+{
+  fbi_frames_take(w, system, state, NULL, state, input);
+  fbi_frames_set(state, w, system);
+  fbi_places_settle(state, system, w);
+}
+
 /* Adds s times m c, mass times mass center in the frame, of each tree after E9.22 to its center. */
 static void fbi_centers_add(fb_system_work *w, const fb_system *system, fb_real s)
 {
@@ -6454,6 +6502,34 @@ static fb_status fbi_loops_close(fb_system_work *w, const fb_system *system, con
   return status == FB_OK ? fbi_holds_set(state, w, system, body, system->n_body) : status;
 }
 
+/* Closes the loops of a state that is being initialized: positions, where the mass centers stay, as they carry the
+   momentum; then the velocities, projected to what the constraints allow. */
+static fb_status fbi_motion_close(fb_system_state *out, fb_system_work *w, const fb_system *system, const fb_body *body,
+                                  const fb_system_input *input)
+{
+  fb_status status;
+  fbi_links_place(w, system, body, out, out);
+  if (system->tied < 2) {
+    fbi_frames_renew(out, w, system, input);
+    fbi_links_place(w, system, body, out, out);
+  }
+
+  /* positions, mass centers back to where they were */
+  fbi_flight_begin(w, system);
+  status = fbi_loops_close(w, system, body, out, input);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_trees_sum(w, system, out, NULL);
+  fbi_trees_hold(w, system, out);
+  fbi_links_place(w, system, body, out, out);
+  fbi_trees_weigh(w, system, 0);
+  fbi_centers_lead(out, w, system);
+
+  /* velocities */
+  return fbi_momenta_close(w, system, body, out, out, input);
+}
+
 FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *body, fb_system_state *state,
                                       fb_system_work *work, const fb_link_motion *motion, const fb_system_input *input)
 {
@@ -6485,32 +6561,12 @@ FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *bo
   status = fbi_holds_set(out, work, system, body, 0);
   fbi_momenta_fill(out, work, system, body);
 
-  /* constraints: close the loops, then project the velocities */
+  /* constraints; frames of free trees */
   if (status == FB_OK && fbi_has_rows(system, work, input)) {
-    fbi_links_place(work, system, body, out, out);
-    if (system->tied < 2) {
-      fbi_frames_take(work, system, out, NULL, out, input);
-      fbi_frames_set(out, work, system);
-      fbi_places_settle(out, system, work);
-      fbi_links_place(work, system, body, out, out);
-    }
-    fbi_flight_begin(work, system);
-    status = fbi_loops_close(work, system, body, out, input);
-    if (status == FB_OK) { /* mass centers stay: they carry momentum */
-      fbi_trees_sum(work, system, out, NULL);
-      fbi_trees_hold(work, system, out);
-      fbi_links_place(work, system, body, out, out);
-      fbi_trees_weigh(work, system, 0);
-      fbi_centers_lead(out, work, system);
-    }
-    status = status == FB_OK ? fbi_momenta_close(work, system, body, out, out, input) : status;
+    status = fbi_motion_close(out, work, system, body, input);
   }
-
-  /* frames of free trees */
   if (status == FB_OK && fbi_flies(system, work)) {
-    fbi_frames_take(work, system, out, NULL, out, input);
-    fbi_frames_set(out, work, system);
-    fbi_places_settle(out, system, work);
+    fbi_frames_renew(out, work, system, input);
   }
 
   /* range check; result */
@@ -6555,9 +6611,7 @@ FB_DEF fb_status fb_system_axis_set(const fb_system *system, const fb_body *body
 
   /* frames, momenta in the new mode */
   if (status == FB_OK && system->joint[joint].kind == FB_JOINT_FREE) {
-    fbi_frames_take(work, system, out, NULL, out, input);
-    fbi_frames_set(out, work, system);
-    fbi_places_settle(out, system, work);
+    fbi_frames_renew(out, work, system, input);
   }
   status = status == FB_OK ? fbi_momenta_close(work, system, body, out, out, input) : status;
   if (status == FB_OK) {
@@ -7017,6 +7071,43 @@ FB_DEF fb_status fb_system_motion_eval(const fb_system *system, const fb_body *b
   return FB_OK;
 }
 
+/* Adds the energy of body k: kinetic in the tree's frame, (V.(p, h) + q_dot.M pb)/2, and by the velocity u of that
+   frame, p.u + m u.u/2; potentials. */
+static void fbi_link_energy_add(fb_energy *out, fb_system_work *w, const fb_body *model, const fb_real *q, int k)
+{
+  fbi_link_work *L = &w->link[k];
+  fb_real u[3] = {0}, rho[3];
+  fbi_link_kinetics(L, model);
+  fbi_momenta(&L->k, model);
+  fbi_mass_mul(L->e, model, L->k.pb);
+  out->kinetic += FB_R(0.5) * (fbi_vec6_dot(L->k.ph, L->V) + fbi_dot(L->e, L->q_dot, model->n));
+  fbi_own_frame_add(u, FB_R(1.0), w, k);
+  out->kinetic += fb_vec3_dot(L->k.ph, u) + FB_R(0.5) * model->mass * fb_vec3_dot(u, u);
+  for (int i = 0; i < 3; i++) {
+    rho[i] = fbi_true_position(w, k, L->rho, i);
+  }
+  fbi_potential_add(out, &L->k, model, q, rho);
+}
+
+/* Strain energy of the springs of joint j, sum of k (x - rest)^2/2. */
+static void fbi_spring_energy_add(fb_energy *out, fb_system_work *w, const fb_system *system, const fb_body *body,
+                                  const fb_system_state *state, int j)
+{
+  const fb_joint *joint = &system->joint[j];
+  fb_real value[3];
+  if (fbi_is_kept(system, w, j)) {
+    fbi_frames f;
+    (void)fbi_frames_eval(&f, w, system, body, j);
+    fbi_frames_value(value, &f, joint);
+  } else {
+    fbi_axis_values(value, joint, &state->link[j]);
+  }
+  for (int i = 0; i < joint->n_axis && i < 3; i++) {
+    const fb_real stretch = value[i] - joint->rest[i];
+    out->strain += FB_R(0.5) * joint->stiffness[i] * stretch * stretch;
+  }
+}
+
 FB_DEF fb_status fb_system_energy_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
                                        fb_energy *energy, const fb_system_state *state, const fb_system_input *input)
 {
@@ -7032,44 +7123,13 @@ FB_DEF fb_status fb_system_energy_eval(const fb_system *system, const fb_body *b
     return status;
   }
 
-  /* kinetic energy and potentials of the bodies */
+  /* bodies, springs of joints */
   for (int k = 0; k < system->n_body; k++) {
-    const fb_body *model = fbi_model(system, body, k);
-    fbi_link_work *L = &work->link[k];
-    fb_real u[3] = {0}, rho[3];
-    fbi_link_kinetics(L, model);
-    fbi_momenta(&L->k, model);
-    fbi_mass_mul(L->e, model, L->k.pb);
-    out.kinetic += FB_R(0.5) * (fbi_vec6_dot(L->k.ph, L->V) + fbi_dot(L->e, L->q_dot, model->n));
-
-    /* kinetic energy by the velocity of the tree's frame */
-    fbi_own_frame_add(u, FB_R(1.0), work, k);
-    out.kinetic += fb_vec3_dot(L->k.ph, u) + FB_R(0.5) * model->mass * fb_vec3_dot(u, u);
-    for (int i = 0; i < 3; i++) {
-      rho[i] = fbi_true_position(work, k, L->rho, i);
-    }
-    fbi_potential_add(&out, &L->k, model, state->link[k].q, rho);
+    fbi_link_energy_add(&out, work, fbi_model(system, body, k), state->link[k].q, k);
   }
-
-  /* springs of joints */
   for (int j = 0; j < system->n_body + system->n_loop; j++) {
-    const fb_joint *joint = &system->joint[j];
-    fb_real value[3];
-    if (!fbi_is_sprung(joint, NULL, j)) {
-      continue;
-    }
-    if (fbi_is_kept(system, work, j)) {
-      fbi_frames f;
-      (void)fbi_frames_eval(&f, work, system, body, j);
-      fbi_frames_value(value, &f, joint);
-    } else if (joint->kind == FB_JOINT_SPHERICAL) {
-      fb_quat_to_rotvec(value, state->link[j].quat);
-    } else {
-      fbi_vec3_copy(value, state->link[j].x);
-    }
-    for (int i = 0; i < joint->n_axis && i < 3; i++) {
-      const fb_real stretch = value[i] - joint->rest[i];
-      out.strain += FB_R(0.5) * joint->stiffness[i] * stretch * stretch;
+    if (fbi_is_sprung(&system->joint[j], NULL, j)) {
+      fbi_spring_energy_add(&out, work, system, body, state, j);
     }
   }
   if (!fbi_energy_is_finite(&out)) {
@@ -10176,6 +10236,21 @@ static fb_status fbi_exponential_limited(const fb_body *body, const fbi_kinetics
   return h <= fb_exponential_limit(body, spin, acceleration) ? FB_OK : FB_ERR_STEP;
 }
 
+/* Terms of E11.10 in all four N, added to w->full: h phi_2 (-3 N_1 + 2 N_2 + 2 N_3 - N_4) and
+   4h phi_3 (N_1 - N_2 - N_3 + N_4). */
+static void fbi_exponential_sum(fb_exponential_work *w, const fb_exponential *scheme, int n)
+{
+  const fb_real h = scheme->dt;
+  fb_state *N = w->N, *sum = &w->sum;
+  fbi_state_advance(&N[1], &N[1], FB_R(1.0), &N[2], n); /* N_2 + N_3 */
+  fbi_state_advance(sum, &N[0], -FB_R(1.0), &N[1], n);
+  fbi_state_advance(sum, sum, FB_R(1.0), &N[3], n); /* N_1 - N_2 - N_3 + N_4 */
+  fbi_phi_add(&w->full, FB_R(4.0) * h, scheme->full, 3, scheme, h, sum, n);
+  fbi_state_advance(sum, &N[1], -FB_R(1.0), sum, n); /* -N_1 + 2 N_2 + 2 N_3 - N_4 */
+  fbi_state_advance(sum, sum, -FB_R(2.0), &N[0], n);
+  fbi_phi_add(&w->full, h, scheme->full, 2, scheme, h, sum, n);
+}
+
 /* [E11.10] Exponential Runge-Kutta integrator of order 4 for z' = L z + N(t, z), stages at 0, 1/2, 1/2, 1:
    z_2 = e^(hL/2) z + h/2 phi_1(hL/2) N_1,  z_3 = z_2 + h phi_2(hL/2) (N_2 - N_1),
    z_4 = e^(hL) z + h phi_1(hL) N_1 + 2h phi_2(hL) (N_3 - N_1),
@@ -10239,13 +10314,7 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   }
 
   /* Increments, in z and in the state */
-  fbi_state_advance(&N[1], &N[1], FB_R(1.0), &N[2], n); /* N_2 + N_3 */
-  fbi_state_advance(sum, &N[0], -FB_R(1.0), &N[1], n);
-  fbi_state_advance(sum, sum, FB_R(1.0), &N[3], n);
-  fbi_phi_add(&work->full, FB_R(4.0) * h, scheme->full, 3, scheme, h, sum, n);
-  fbi_state_advance(sum, &N[1], -FB_R(1.0), sum, n); /* -N_1 + 2 N_2 + 2 N_3 - N_4 */
-  fbi_state_advance(sum, sum, -FB_R(2.0), &N[0], n);
-  fbi_phi_add(&work->full, h, scheme->full, 2, scheme, h, sum, n);
+  fbi_exponential_sum(work, scheme, n);
   fbi_modal_increments(work, scheme, body, state);
   return fbi_step_end(state, &work->at, &work->start, body, end, NULL);
 }
@@ -10918,6 +10987,21 @@ static fb_status fbi_system_between(fb_system_input *out, const fb_system_input 
   return FB_OK;
 }
 
+/* Step limit at the start of E11.14; stores the angular velocities there (E11.26). */
+static fb_status fbi_system_sdirk_limited(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                          const fb_system_state *state, const fb_system_input *start, fb_real dt)
+{
+  fb_real spin, stiff;
+  const fb_status status = fbi_system_rates(w, system, body, &w->first, state, state, start);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_system_conditions(&spin, &stiff, w, system);
+  spin = fbi_larger(FB_R(10.0) * spin, FB_SQRT(stiff + system->limit_kept_elastic));
+  (void)fbi_turns_check(w, system, dt, 1);
+  return dt <= fbi_step_limit(FB_R(1.0), fbi_larger(spin, system->limit_kept_damping)) ? FB_OK : FB_ERR_STEP;
+}
+
 /* [E11.14] Two-stage SDIRK integrator of order 2 (E11.8) on a system, L-stable: damps stiff joints and modes.
    A free root has its angular momentum in inertial axes only, without E11.27 and E11.28: a thin body that spins about
    its axis converges only with short steps. Measured, a tube of 8.3 kg m^2 across that turns by 0.1 rad/s and about its
@@ -10941,24 +11025,15 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
   fbi_system_enter(work, system);
   flies = fbi_flies(system, work);
 
-  /* Inputs */
+  /* Inputs, step limit at the start */
   status = fbi_system_step_check(system, body, start, dt);
   status = status == FB_OK ? fbi_system_step_check(system, body, end, dt) : status;
   if (status == FB_OK && start != end) {
     status = fbi_system_between(&work->between, start, end, c);
     first = &work->between;
   }
-
-  /* Step limit at the start */
   if (status == FB_OK && !system->allow_long_step) {
-    fb_real spin, stiff;
-    status = fbi_system_rates(work, system, body, &work->first, state, state, start);
-    if (status == FB_OK) {
-      fbi_system_conditions(&spin, &stiff, work, system);
-      spin = fbi_larger(FB_R(10.0) * spin, FB_SQRT(stiff + system->limit_kept_elastic));
-      status = dt <= fbi_step_limit(FB_R(1.0), fbi_larger(spin, system->limit_kept_damping)) ? FB_OK : FB_ERR_STEP;
-      (void)fbi_turns_check(work, system, dt, 1);
-    }
+    status = fbi_system_sdirk_limited(work, system, body, state, start, dt);
   }
   if (status != FB_OK) {
     return status;
