@@ -2566,78 +2566,93 @@ static void fbi_form_true_momenta(fbi_kinetics *k, const fb_body *body)
 }
 #endif
 
+/* Velocities and the pose of a state: finite, attitude not zero, no motion that the base does not allow. */
+static fb_status fbi_velocity_check(const fb_body *body, const fb_state *state, const fb_real v[3], const fb_real w[3],
+                                    const fb_real *q_dot)
+{
+  fb_real quat[4], turning[3];
+  if (!fbi_is_finite(v, 3) || !fbi_is_finite(w, 3) || !fbi_is_finite(q_dot, body->n) ||
+      !fbi_is_finite(state->q, body->n) || !fbi_is_finite(state->quat, 4)) {
+    return FB_ERR_NOT_FINITE;
+  }
+  fbi_copy(quat, state->quat, 4);
+  fbi_vec3_copy(turning, w);
+  fbi_turning_part(turning, body->base);
+  if (fb_quat_normalize(quat) != FB_OK || (fbi_holds_origin(body->base) && fbi_vec3_norm(v) > FB_R(0.0)) ||
+      (body->base == FB_BASE_HINGED && fbi_vec3_norm(turning) < fbi_vec3_norm(w))) {
+    return FB_ERR_VALUE;
+  }
+  return FB_OK;
+}
+
+/* Momenta at the velocity v of O. A free body: u = R (v + (c_dot + w x c)/m) of the mass center, c the first moment of
+   mass, and momenta at the velocity -p/m relative to it. Angular momentum L = R h, without the axes about which the base
+   cannot rotate. */
+static void fbi_momenta_set(fb_state *state, fbi_kinetics *k, const fb_body *body, const fb_real v[3],
+                            const fb_real *q_dot)
+{
+  fbi_momenta_from(k, state->pi, body, q_dot);
+  fb_mat33_mul_vec3(state->u, k->R, v);
+  fbi_zero(state->L, 3);
+  if (body->base == FB_BASE_FREE) {
+    fb_real c[3], moved[3], own[3];
+    for (int i = 0; i < 3; i++) {
+      k->V[i] = -k->ph[i] / body->mass;
+    }
+    fbi_momenta_from(k, state->pi, body, q_dot);
+    fbi_center_eval(c, body, state->q);
+    fbi_center_rate(moved, body, state->q, q_dot);
+    fbi_vec3_add_cross(moved, k->V + 3, c);
+    fb_mat33_mul_vec3(own, k->R, moved);
+    fbi_vec3_add(state->u, FB_R(1.0) / body->mass, own);
+  }
+  if (body->base != FB_BASE_PRESCRIBED) {
+    fbi_turning_part(k->ph + 3, body->base);
+    fb_mat33_mul_vec3(state->L, k->R, k->ph + 3);
+    fbi_copy(state->h, k->ph + 3, 3);
+  }
+}
+
 FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, const fb_real v[3], const fb_real w[3],
                                         const fb_real *q_dot)
 {
-  const int n = body ? body->n : 0;
+  const fb_real zero[FB_MAX_MODES] = {0}, *rates = q_dot ? q_dot : zero;
   fb_state out;
   fbi_kinetics k;
-  fb_real zero[FB_MAX_MODES] = {0}, held[3];
+  fb_status status;
   FBI_REQUIRE(body && state && v && w, FB_ERR_NULL);
-
-  /* checks: finite, allowed by the base */
-  if (!fbi_is_finite(v, 3) || !fbi_is_finite(w, 3) || !fbi_is_finite(q_dot ? q_dot : zero, n) ||
-      !fbi_is_finite(state->q, n) || !fbi_is_finite(state->quat, 4)) {
-    return FB_ERR_NOT_FINITE;
-  }
-  out = *state;
-  fbi_copy(held, w, 3);
-  fbi_turning_part(held, body->base);
-  if (fb_quat_normalize(out.quat) != FB_OK || (fbi_holds_origin(body->base) && fbi_vec3_norm(v) > FB_R(0.0)) ||
-      (body->base == FB_BASE_HINGED && fbi_vec3_norm(held) < fbi_vec3_norm(w))) {
-    return FB_ERR_VALUE;
+  status = fbi_velocity_check(body, state, v, w, rates);
+  if (status != FB_OK) {
+    return status;
   }
 
   /* R, (1, q), V = (0, w) */
-  fbi_copy(out.quat, state->quat, 4); /* unscaled; only zero is refused */
+  out = *state; /* its quaternion as it is, unscaled */
   fb_quat_to_mat33(k.R, state->quat);
   k.qx[0] = FB_R(1.0);
-  fbi_copy(k.qx + 1, state->q, n);
+  fbi_copy(k.qx + 1, state->q, body->n);
   fbi_zero(k.V, 3);
   fbi_copy(k.V + 3, w, 3);
 
   /* other forms: velocities are the state */
 #if FB_WITH_FORMS
   if (body->form != FB_FORM_MOMENTUM) {
-    fbi_copy(out.pi, q_dot ? q_dot : zero, n);
+    fbi_copy(out.pi, rates, body->n);
     fbi_form_state(&out, &k, body, v);
     *state = out;
     return FB_OK;
   }
 #endif
 
-  /* momenta; free: u of the mass center, v = -p/m relative to it */
-  fbi_momenta_from(&k, out.pi, body, q_dot ? q_dot : zero);
-  fb_mat33_mul_vec3(out.u, k.R, v);
-  fbi_zero(out.L, 3);
-  if (body->base == FB_BASE_FREE) {
-    fb_real c[3], moved[3], own[3];
-    for (int i = 0; i < 3; i++) {
-      k.V[i] = -k.ph[i] / body->mass;
-    }
-    fbi_momenta_from(&k, out.pi, body, q_dot ? q_dot : zero);
-    fbi_center_eval(c, body, state->q);
-    fbi_center_rate(moved, body, state->q, q_dot ? q_dot : zero);
-    fbi_vec3_add_cross(moved, w, c);
-    fb_mat33_mul_vec3(own, k.R, moved);
-    fbi_vec3_add(out.u, FB_R(1.0) / body->mass, own);
-  }
-
-  /* angular momentum; no compensation terms */
-  if (body->base != FB_BASE_PRESCRIBED) {
-    fbi_turning_part(k.ph + 3, body->base);
-    fb_mat33_mul_vec3(out.L, k.R, k.ph + 3);
-    fbi_copy(out.h, k.ph + 3, 3);
-  }
+  /* momenta; no compensation terms */
+  fbi_momenta_set(&out, &k, body, v, rates);
   fbi_zero(out.lost_u, 3);
 #if FB_SINGLE
   fbi_zero(out.lost_L, 3);
-  fbi_zero(out.lost_pi, n);
+  fbi_zero(out.lost_pi, body->n);
   fbi_zero(out.lost_h, 3);
 #endif
-
-  /* result */
-  if (!fbi_state_is_finite(&out, n)) {
+  if (!fbi_state_is_finite(&out, body->n)) {
     return FB_ERR_NOT_FINITE;
   }
   *state = out;
@@ -3516,6 +3531,51 @@ static void fbi_joint_turn(fb_real C[9], fb_real *slide, fbi_link_work *L, const
   }
 }
 
+/* Joint frame in the parent's axes: origin, and axes, which it returns: the joint's own, or `turned` where modes move
+   the node, at L->n, with which the frame is displaced and rotated. */
+static const fb_real *fbi_parent_frame(fb_real origin[3], fb_real turned[9], fbi_link_work *L, const fb_joint *joint,
+                                       const fbi_link_work *parent, const fb_body *on)
+{
+  const fb_node *node;
+  fb_real quat[4], R[9];
+  if (!joint->moves || !parent) {
+    fbi_vec3_copy(origin, joint->position);
+    return joint->axes;
+  }
+  node = &on->node[joint->parent_node];
+  fbi_node_eval(&L->node, on, node, parent->k.qx + 1);
+  fbi_node_quat(quat, &L->node);
+  fb_quat_to_mat33(R, quat);
+  fb_mat33_mul(turned, R, joint->axes);
+  fb_mat33_mul_vec3(origin, R, joint->position);
+  for (int i = 0; i < 3; i++) {
+    L->n[i] = node->r[i] + L->node.u[i];
+    origin[i] += L->n[i];
+  }
+  return turned;
+}
+
+/* Child in the parent's axes, from the joint frame there: axes L->C = J child_axes^T, J the joint frame rotated by the
+   coordinates, and position L->s = origin + slide z - C child_position. */
+static void fbi_child_place(fbi_link_work *L, const fb_joint *joint, const fb_real origin[3], const fb_real axes[9],
+                            const fb_link_state *x)
+{
+  fb_real J[9], slide;
+  fbi_joint_turn(J, &slide, L, joint, axes, x);
+  if (joint->turned) {
+    for (int i = 0; i < 9; i++) {
+      L->C[i] = fb_vec3_dot(J + i / 3 * 3, joint->child_axes + i % 3 * 3);
+    }
+  } else {
+    fbi_mat33_copy(L->C, J);
+  }
+  fb_mat33_mul_vec3(L->s, L->C, joint->child_position);
+  FBI_UNROLL
+  for (int i = 0; i < 3; i++) {
+    L->s[i] = origin[i] + slide * axes[3 * i + 2] - L->s[i];
+  }
+}
+
 /* [E9.2] Pose of a body from that of its parent: the node (E8.14), the joint frame on it, the joint's coordinates, the
    child's frame: R = R_p C,  rho = rho_p + R_p s.
    Source: kinematics of a chain; [H] 3.1.  Cost: 150 flops, a sine and a cosine an angle.  Fails: never.
@@ -3523,50 +3583,16 @@ static void fbi_joint_turn(fb_real C[9], fb_real *slide, fbi_link_work *L, const
 static void fbi_link_place(fbi_link_work *L, const fb_joint *joint, const fbi_link_work *parent, const fb_body *on,
                            const fb_link_state *x)
 {
-  const fb_real *axes = joint->axes;
-  fb_real turned[9], origin[3], C[9], slide;
+  const fb_real *axes;
+  fb_real turned[9], origin[3];
   if (joint->kind == FB_JOINT_FREE) {
     fb_quat_to_mat33(L->k.R, x->quat); /* rho: fbi_root_place */
     return;
   }
 
-  /* joint frame on the parent, displaced and rotated with its node where modes move that */
-  fbi_vec3_copy(origin, joint->position);
-  if (joint->moves && parent) {
-    fb_real quat[4], R[9];
-    const fb_node *node = &on->node[joint->parent_node];
-    fbi_node_eval(&L->node, on, node, parent->k.qx + 1);
-    fbi_node_quat(quat, &L->node);
-    fb_quat_to_mat33(R, quat);
-    fb_mat33_mul(turned, R, axes);
-    axes = turned;
-    fb_mat33_mul_vec3(origin, R, joint->position);
-    for (int i = 0; i < 3; i++) {
-      L->n[i] = node->r[i] + L->node.u[i];
-      origin[i] += L->n[i];
-    }
-  }
-
-  /* child: axes C and origin s in the parent's axes */
-  fbi_joint_turn(C, &slide, L, joint, axes, x);
-  FBI_UNROLL
-  for (int i = 0; i < 3; i++) {
-    origin[i] += slide * axes[3 * i + 2];
-  }
-  if (joint->turned) {
-    for (int i = 0; i < 9; i++) { /* C child_axes^T */
-      L->C[i] = fb_vec3_dot(C + i / 3 * 3, joint->child_axes + i % 3 * 3);
-    }
-  } else {
-    fbi_mat33_copy(L->C, C);
-  }
-  fb_mat33_mul_vec3(L->s, L->C, joint->child_position);
-  FBI_UNROLL
-  for (int i = 0; i < 3; i++) {
-    L->s[i] = origin[i] - L->s[i];
-  }
-
-  /* arm: from the node to the child's origin */
+  /* C, s; arm from the node to the child's origin */
+  axes = fbi_parent_frame(origin, turned, L, joint, parent, on);
+  fbi_child_place(L, joint, origin, axes, x);
   fbi_vec3_copy(L->arm, L->s);
   if (joint->moves) {
     fbi_vec3_add(L->arm, -FB_R(1.0), L->n);
@@ -4098,55 +4124,51 @@ static fb_status fbi_free_solve(fb_real V[6], const fbi_link_work *L, const fb_r
   return fbi_sym6_stands_out(L->S, 0, reference, tol) ? fbi_sym6_solve(V, L->S, y) : FB_ERR_SINGULAR;
 }
 
-/* Back-substitution in one body: V from the velocity of the node that carries it (NULL: the ground), the speeds of its
-   joint and modes, and the momentum G of the subtree. */
-static fb_status fbi_link_out(fbi_link_work *L, const fb_joint *joint, const fb_body *body, const fb_real node[6])
+/* V of a body on a free joint: S V = p - b, or prescribed; G = S V. */
+static fb_status fbi_free_out(fb_real V[6], fbi_link_work *L, int n)
 {
-  const int n = body->n;
-  fb_real V[6] = {0};
-
-  /* V, u: of a free joint by S V = p - b, else by the eliminated axes from the last to the first */
-  if (joint->kind == FB_JOINT_FREE) {
-    fb_real y[6];
-    fbi_vec6_copy(y, L->p);
-    fbi_vec6_add(y, -FB_R(1.0), L->b);
+  if (L->mode[0] == FB_AXIS_FREE) {
+    fbi_vec6_copy(L->G, L->p);
+    fbi_vec6_add(L->G, -FB_R(1.0), L->b);
+    if (fbi_free_solve(V, L, L->G) != FB_OK) {
+      return !fbi_is_finite(L->S, 21) ? FB_ERR_NOT_FINITE : n > 0 ? FB_ERR_RANGE : FB_ERR_UNDETERMINED;
+    }
+  } else {
     if (L->mode[0] == FB_AXIS_PRESCRIBED) {
       fbi_vec6_copy(V, L->p);
     }
-    if (L->mode[0] == FB_AXIS_FREE && fbi_free_solve(V, L, y) != FB_OK) {
-      return !fbi_is_finite(L->S, 21) ? FB_ERR_NOT_FINITE : n > 0 ? FB_ERR_RANGE : FB_ERR_UNDETERMINED;
-    }
-    fbi_vec6_copy(L->u, V);
-    if (L->mode[0] == FB_AXIS_FREE) {
-      fbi_vec6_copy(L->G, y); /* S V */
-    } else {
-      fb_sym6_mul_vec6(L->G, L->S, V);
-    }
-  } else {
-    if (node) {
-      fbi_from_node(V, L, node);
-    }
     fb_sym6_mul_vec6(L->G, L->S, V);
-    for (int i = joint->n_axis - 1; i >= 0; i--) {
-      if (L->mode[i] == FB_AXIS_FREE) {
-        L->u[i] = L->r[i] - L->D[i] * fbi_vec6_dot(L->U + 6 * i, V);
-        fbi_vec6_add(V, L->u[i], L->A + 6 * i);
-      } else {
-        L->u[i] = L->mode[i] == FB_AXIS_PRESCRIBED ? L->p[i] : FB_R(0.0);
-      }
-    }
-    for (int i = 0; i < joint->n_axis; i++) {
-      if (L->mode[i] == FB_AXIS_PRESCRIBED) {
-        fbi_vec6_add(V, L->u[i], L->A + 6 * i);
-      }
+  }
+  fbi_vec6_copy(L->u, V);
+  return FB_OK;
+}
+
+/* G = S V, and V += A u of the axes of any other joint: the eliminated ones from the last to the first,
+   u_i = r_i - D_i U_i.V, with S A_i = 0 in the S that they leave; then the prescribed ones. V: as if the joint were
+   rigid. */
+static void fbi_axes_out(fb_real V[6], fbi_link_work *L, const fb_joint *joint)
+{
+  fb_sym6_mul_vec6(L->G, L->S, V);
+  for (int i = joint->n_axis - 1; i >= 0; i--) {
+    if (L->mode[i] == FB_AXIS_FREE) {
+      L->u[i] = L->r[i] - L->D[i] * fbi_vec6_dot(L->U + 6 * i, V);
+      fbi_vec6_add(V, L->u[i], L->A + 6 * i);
+    } else {
+      L->u[i] = L->mode[i] == FB_AXIS_PRESCRIBED ? L->p[i] : FB_R(0.0);
     }
   }
+  for (int i = 0; i < joint->n_axis; i++) {
+    if (L->mode[i] == FB_AXIS_PRESCRIBED) {
+      fbi_vec6_add(V, L->u[i], L->A + 6 * i);
+    }
+  }
+}
 
-  /* G = S V + b at the joint */
-  fbi_vec6_copy(L->V, V);
-  fbi_vec6_add(L->G, FB_R(1.0), L->b);
-
-  /* q_dot of the modes */
+/* q_dot of the modes at V of their body: L^T q_dot = e - X^T V with E = L L^T, e and X forward-substituted; where they
+   carry nothing q_dot = e - M^-1 Lambda^T V. */
+static void fbi_modes_out(fbi_link_work *L, const fb_body *body, const fb_real V[6])
+{
+  const int n = body->n;
   if (L->open) {
     for (int a = 0; a < n; a++) {
       L->q_dot[a] = L->e[a] - fbi_vec6_dot(L->X + 6 * a, V);
@@ -4161,6 +4183,27 @@ static fb_status fbi_link_out(fbi_link_work *L, const fb_joint *joint, const fb_
       L->q_dot[a] += L->e[a];
     }
   }
+}
+
+/* Back-substitution in one body: V from the velocity of the node that carries it (NULL: the ground), the speeds of its
+   joint and modes, and the momentum G = S V + b of the subtree. */
+static fb_status fbi_link_out(fbi_link_work *L, const fb_joint *joint, const fb_body *body, const fb_real node[6])
+{
+  fb_real V[6] = {0};
+  if (joint->kind == FB_JOINT_FREE) {
+    const fb_status status = fbi_free_out(V, L, body->n);
+    if (status != FB_OK) {
+      return status;
+    }
+  } else {
+    if (node) {
+      fbi_from_node(V, L, node);
+    }
+    fbi_axes_out(V, L, joint);
+  }
+  fbi_vec6_copy(L->V, V);
+  fbi_vec6_add(L->G, FB_R(1.0), L->b);
+  fbi_modes_out(L, body, V);
   return FB_OK;
 }
 
@@ -4273,6 +4316,55 @@ static void fbi_velocity_map(fb_system_work *w, const fb_system *system, const f
   }
 }
 
+/* Adds body k to the lower triangle of M: T^T M_rr T and Lambda^T T by the speeds up to those of its joint, E of its
+   modes, and g C + g^2 K of its joint. */
+static void fbi_dense_add(fb_system_work *w, const fb_system *system, const fb_body *body, fb_real g, int k, int N)
+{
+  fbi_link_work *L = &w->link[k];
+  const fb_body *model = fbi_model(system, body, k);
+  const fb_joint *joint = fbi_link_joint(system, w, k);
+  const int axes = fbi_speed_offset(system, w, body, k), modes = axes + joint->n_axis;
+  const fb_real *T = w->T + 6 * k * N;
+
+  /* own inertia and velocity map */
+  fbi_S_eval(L->S, model, L->k.qx, model->n_run);
+  fbi_link_open(L, model, g, w->heavy);
+  fbi_velocity_map(w, system, body, k, N);
+
+  /* T^T M_rr T and Lambda^T T */
+  for (int c = 0; c < modes; c++) {
+    fb_real momentum[6];
+    fb_sym6_mul_vec6(momentum, L->S, T + 6 * c);
+    for (int d = 0; d <= c; d++) {
+      w->M[c * N + d] += fbi_vec6_dot(T + 6 * d, momentum);
+    }
+    for (int a = 0; a < model->n; a++) {
+      w->M[(modes + a) * N + c] += fbi_vec6_dot(L->X + 6 * a, T + 6 * c);
+    }
+  }
+
+  /* E of its modes; damping and stiffness of its joint */
+  for (int a = 0; a < model->n; a++) {
+    fbi_row_sub(w->M + (modes + a) * N + modes, -FB_R(1.0), L->E + a * model->n, a + 1);
+  }
+  for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
+    w->M[(axes + i) * (N + 1)] += g * joint->damping[i] + g * g * joint->stiffness[i];
+  }
+}
+
+/* Identity rows of M for the axes of body k's joint that are locked or prescribed. */
+static void fbi_dense_hold(fb_system_work *w, const fb_system *system, const fb_body *body, int k, int N)
+{
+  const fb_joint *joint = fbi_link_joint(system, w, k);
+  const int axes = fbi_speed_offset(system, w, body, k);
+  for (int i = 0; i < joint->n_axis; i++) {
+    if (fbi_axis_mode(&w->link[k], joint, i) != FB_AXIS_FREE) {
+      fbi_zero(w->M + (axes + i) * N, N);
+      w->M[(axes + i) * (N + 1)] = FB_R(1.0);
+    }
+  }
+}
+
 /* [E9.6] Mass matrix of a tree, M = sum of (T, 1)^T [M_rr Lambda; Lambda^T E] (T, 1) over the bodies, V = T u, with
    identity rows for axes that are locked or prescribed; LU factors.
    Source: THEORY.md 9.1; [H] 3.3.  Cost: bodies N^2 and 2/3 N^3 flops.  Fails: singular.
@@ -4281,66 +4373,25 @@ static FBI_NOINLINE fb_status fbi_dense_factor(fb_system_work *w, const fb_syste
                                                fb_real g)
 {
   const int N = fbi_speed_offset(system, w, body, system->n_body);
+  fb_status status;
 
-  /* lower triangle */
+  /* lower triangle, mirrored to the upper one */
   fbi_zero(w->M, N * N);
   for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    const fb_body *model = fbi_model(system, body, k);
-    const fb_joint *joint = fbi_link_joint(system, w, k);
-    const int axes = fbi_speed_offset(system, w, body, k), at = axes + joint->n_axis;
-    const fb_real *T = w->T + 6 * k * N;
-
-    /* own inertia and velocity map */
-    fbi_S_eval(L->S, model, L->k.qx, model->n_run);
-    fbi_link_open(L, model, g, w->heavy);
-    fbi_velocity_map(w, system, body, k, N);
-
-    /* T^T M_rr T and Lambda^T T */
-    for (int c = 0; c < at; c++) {
-      fb_real h[6];
-      fb_sym6_mul_vec6(h, L->S, T + 6 * c);
-      for (int d = 0; d <= c; d++) {
-        w->M[c * N + d] += fbi_vec6_dot(T + 6 * d, h);
-      }
-      for (int a = 0; a < model->n; a++) {
-        w->M[(at + a) * N + c] += fbi_vec6_dot(L->X + 6 * a, T + 6 * c);
-      }
-    }
-
-    /* E of its modes; damping and stiffness of its joint */
-    for (int a = 0; a < model->n; a++) {
-      fbi_row_sub(w->M + (at + a) * N + at, -FB_R(1.0), L->E + a * model->n, a + 1);
-    }
-    for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
-      w->M[(axes + i) * (N + 1)] += g * joint->damping[i] + g * g * joint->stiffness[i];
-    }
+    fbi_dense_add(w, system, body, g, k, N);
   }
-
-  /* upper triangle */
   for (int c = 0; c < N; c++) {
     for (int d = 0; d < c; d++) {
       w->M[d * N + c] = w->M[c * N + d];
     }
   }
 
-  /* identity rows */
+  /* identity rows, factors */
   for (int k = 0; k < system->n_body; k++) {
-    const fb_joint *joint = fbi_link_joint(system, w, k);
-    for (int i = 0; i < joint->n_axis; i++) {
-      const int c = fbi_speed_offset(system, w, body, k) + i;
-      if (fbi_axis_mode(&w->link[k], joint, i) != FB_AXIS_FREE) {
-        fbi_zero(w->M + c * N, N);
-        w->M[c * (N + 1)] = FB_R(1.0);
-      }
-    }
+    fbi_dense_hold(w, system, body, k, N);
   }
-
-  /* factors */
-  {
-    const fb_status status = fb_lu_factor(w->M, w->perm, w->z, N);
-    return status == FB_ERR_SINGULAR ? FB_ERR_UNDETERMINED : status;
-  }
+  status = fb_lu_factor(w->M, w->perm, w->z, N);
+  return status == FB_ERR_SINGULAR ? FB_ERR_UNDETERMINED : status;
 }
 
 /* E9.5 with the factors of E9.6. */
@@ -4620,14 +4671,12 @@ static fbi_row *fbi_row_new(fb_system_work *w, const fbi_frames *f, int j, const
   /* force and torque at both ends */
   for (int s = 0; s < 2; s++) {
     const fb_real sign = s == 0 ? -FB_R(1.0) : FB_R(1.0);
+    fb_real moment[3];
     row->end[s] = f->at[s];
     fbi_vec3_add(row->r.force[s], sign, force);
     fbi_vec3_add(row->r.torque[s], sign, torque);
-    {
-      fb_real moment[3];
-      fb_vec3_cross(moment, f->arm[s], force);
-      fbi_vec3_add(row->r.torque[s], sign, moment);
-    }
+    fb_vec3_cross(moment, f->arm[s], force);
+    fbi_vec3_add(row->r.torque[s], sign, moment);
   }
   return row;
 }
@@ -5008,19 +5057,10 @@ static int fbi_rows_alike(const fbi_row *a, const fbi_row *b)
   return force_a == force_b && (a->joint == b->joint || (a->joint < -1 && b->joint < -1));
 }
 
-/* [E9.9] Q = A M^-1 A^T of the constraint rows and its pivoted Cholesky factors; rows that depend on others are left
-   out, w->rank of them remain. A pivot is the square of a row's distance from the span of the others: below 1e-8 of
-   its diagonal, 1e-4 rad before a singular position (single precision: 0.01 rad), the impulses would be dominated by
-   the position errors of a stage.
-   Source: [GV] 4.2.8.  Shapes: Q n_row x n_row.  Cost: n_row solutions E9.5, n_row^3/3 flops.
-   Fails: never.  Test: redundant_loops_are_accepted. */
-static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, const fb_body *body)
+/* Q = A M^-1 A^T by columns, one solution for a unit impulse on each row; w->column: upper bounds of its diagonal. */
+static fb_status fbi_rows_matrix(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
   const int m = w->n_row;
-  const fb_real tol = FB_SINGLE ? FB_R(1e-4) : FB_R(1e-8), across = FB_SINGLE ? FB_R(1e-5) : FB_R(1e-10);
-  fb_real *Q = w->Q;
-
-  /* Q by columns: one solution for a unit impulse on each row */
   for (int r = 0; r < m; r++) {
     fb_status status;
     fbi_rhs_clear(w, system, body);
@@ -5031,55 +5071,85 @@ static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, con
     }
     fbi_ends_move(w, system, body);
     for (int i = r; i < m; i++) {
-      Q[i * m + r] = Q[r * m + i] = fbi_row_eval(&w->row[i], w);
+      w->Q[i * m + r] = w->Q[r * m + i] = fbi_row_eval(&w->row[i], w);
     }
     w->column[r] = fbi_row_size(&w->row[r], w);
-    w->order[r] = r;
   }
+  return FB_OK;
+}
 
-  /* Scale of a row's pivot, in w->column: the largest diagonal of rows of its kind at the same joint; infinite, so that
-     the row is left out, where its impulse moves its own ends across the row's direction or not at all. */
+/* Scales of the pivots, from the upper bounds of the diagonal in their place: the largest diagonal of rows of the same
+   kind at the same joint; infinite, so that the row is left out, where its impulse moves its own ends across the row's
+   direction or not at all. */
+static void fbi_rows_scale(fb_real *scale, const fb_system_work *w)
+{
+  const int m = w->n_row;
+  const fb_real across = FB_SINGLE ? FB_R(1e-5) : FB_R(1e-10);
   for (int i = 0; i < m; i++) {
     fb_real largest = FB_R(0.0);
     for (int r = 0; r < m; r++) {
-      largest = fbi_rows_alike(&w->row[i], &w->row[r]) ? fbi_larger(largest, Q[r * (m + 1)]) : largest;
+      largest = fbi_rows_alike(&w->row[i], &w->row[r]) ? fbi_larger(largest, w->Q[r * (m + 1)]) : largest;
     }
-    w->diagonal[i] = Q[i * (m + 1)];
-    w->column[i] = w->diagonal[i] > across * w->column[i] ? largest : FB_HUGE;
+    scale[i] = w->Q[i * (m + 1)] > across * scale[i] ? largest : FB_HUGE;
   }
+}
 
-  /* Cholesky: w->order[k] is the row of pivot k, w->L[r m + k] the factor of row r. */
-  for (w->rank = 0; w->rank < m; w->rank++) {
-    const int k = w->rank;
-    int best = k;
-    fb_real pivot;
+/* Pivot k: where in w->order, from k on, the row is whose remaining diagonal is the largest relative to its scale. */
+static int fbi_rows_pivot(const fb_system_work *w, const fb_real *scale, int k)
+{
+  int best = k;
+  for (int i = k + 1; i < w->n_row; i++) {
+    const int a = w->order[i], b = w->order[best];
+    best = w->diagonal[a] * scale[b] > w->diagonal[b] * scale[a] ? i : best;
+  }
+  return best;
+}
 
-    /* pivot: the largest relative to its scale */
-    for (int i = k + 1; i < m; i++) {
-      const int a = w->order[i], b = w->order[best];
-      best = w->diagonal[a] * w->column[b] > w->diagonal[b] * w->column[a] ? i : best;
+/* Column k of L, with row p = w->order[k] as pivot: L_pk^2 = d_p, L_rk = (Q_rp - sum of L_rj L_pj) / L_pk, and the
+   diagonals d_r -= L_rk^2 that remain. w->diagonal of p becomes 1 / L_pk. */
+static void fbi_rows_eliminate(fb_system_work *w, int k)
+{
+  const int m = w->n_row, p = w->order[k];
+  const fb_real reciprocal = FB_R(1.0) / FB_SQRT(w->diagonal[p]);
+  w->diagonal[p] = reciprocal;
+  for (int i = k + 1; i < m; i++) {
+    const int r = w->order[i];
+    fb_real sum = w->Q[r * m + p];
+    for (int j = 0; j < k; j++) {
+      sum -= w->L[r * m + j] * w->L[p * m + j];
     }
-    {
-      const int p = w->order[best];
-      if (!(w->diagonal[p] > tol * w->column[p])) {
-        break;
-      }
-      w->order[best] = w->order[k];
-      w->order[k] = p;
-      pivot = FB_R(1.0) / FB_SQRT(w->diagonal[p]);
-      w->diagonal[p] = pivot; /* reciprocal of the diagonal of L */
+    w->L[r * m + k] = sum * reciprocal;
+    w->diagonal[r] -= w->L[r * m + k] * w->L[r * m + k];
+  }
+}
 
-      /* column of L; remaining diagonals */
-      for (int i = k + 1; i < m; i++) {
-        const int r = w->order[i];
-        fb_real sum = Q[r * m + p];
-        for (int j = 0; j < k; j++) {
-          sum -= w->L[r * m + j] * w->L[p * m + j];
-        }
-        w->L[r * m + k] = sum * pivot;
-        w->diagonal[r] -= w->L[r * m + k] * w->L[r * m + k];
-      }
+/* [E9.9] Q = A M^-1 A^T of the constraint rows and its pivoted Cholesky factors; rows that depend on others are left
+   out, w->rank of them remain. w->order[k] is the row of pivot k, w->L[r m + k] the factor of row r. A pivot is the
+   square of a row's distance from the span of the others: below 1e-8 of its scale, 1e-4 rad before a singular position
+   (single precision: 0.01 rad), the impulses would be dominated by the position errors of a stage.
+   Source: [GV] 4.2.8.  Shapes: Q n_row x n_row.  Cost: n_row solutions E9.5, n_row^3/3 flops.
+   Fails: never.  Test: redundant_loops_are_accepted. */
+static fb_status fbi_rows_factor(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  const fb_real tol = FB_SINGLE ? FB_R(1e-4) : FB_R(1e-8);
+  fb_real *scale = w->column;
+  const fb_status status = fbi_rows_matrix(w, system, body);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_rows_scale(scale, w);
+  for (int r = 0; r < w->n_row; r++) {
+    w->order[r] = r;
+    w->diagonal[r] = w->Q[r * (w->n_row + 1)];
+  }
+  for (w->rank = 0; w->rank < w->n_row; w->rank++) {
+    const int k = w->rank, best = fbi_rows_pivot(w, scale, k), p = w->order[best];
+    if (!(w->diagonal[p] > tol * scale[p])) {
+      break;
     }
+    w->order[best] = w->order[k];
+    w->order[k] = p;
+    fbi_rows_eliminate(w, k);
   }
   return FB_OK;
 }
@@ -5104,19 +5174,10 @@ static void fbi_rows_multipliers(fb_system_work *w)
   }
 }
 
-/* [E9.10] Speeds under constraints, M u = p + A^T mu with A u + c = 0: solves with the right-hand side as it is, then
-   with the impulses mu added. c: terms of the rows other than A u. check: tests rows that were left out, which
-   prescribed speeds or a c other than zero may contradict.
-   Source: Lagrange multipliers of the momenta; [H] 3.5.  Fails: FB_ERR_CONTRADICTION, the joint of a row left out
-   whose velocity constraint is not met.  Test: the_three_methods_agree, contradictions_name_their_joint. */
-static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_system *system, const fb_body *body,
-                                                    int check)
+/* Saves the right-hand side of all bodies; are there prescribed speeds in it? */
+static int fbi_rhs_save(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
-  fb_real drift;
   int given = 0;
-  fb_status status = FB_OK;
-
-  /* save the right-hand side; given: are there prescribed speeds? */
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     fbi_vec6_copy(L->y0, L->y);
@@ -5127,21 +5188,12 @@ static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_
       given |= drives && FB_FABS(L->p[i]) > FB_R(0.0);
     }
   }
+  return given;
+}
 
-  /* without impulses: c + A u */
-  status = fbi_speeds_solve(w, system, body);
-  fbi_ends_move(w, system, body);
-  for (int r = 0; r < w->n_row; r++) {
-    given |= FB_FABS(w->c[r]) > FB_R(0.0); /* no shortcut if zero: the work must not depend on values */
-    w->c[r] += fbi_row_eval(&w->row[r], w);
-  }
-  status = status == FB_OK ? fbi_rows_factor(w, system, body) : status;
-  if (status != FB_OK) {
-    return status;
-  }
-
-  /* multipliers; the solution again, with their impulses on the saved right-hand side */
-  fbi_rows_multipliers(w);
+/* Right-hand side with the impulses mu of the rows: the saved one and A^T mu. */
+static void fbi_rhs_push(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     fbi_vec6_copy(L->y, L->y0);
@@ -5151,26 +5203,59 @@ static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_
   for (int r = 0; r < w->n_row; r++) {
     fbi_row_impulse(w, system, body, r, w->mu[r]);
   }
-  status = fbi_speeds_solve(w, system, body);
+}
 
-  /* rows left out: met as well? */
-  if (w->rank < w->n_row && given && check) {
+/* Do the rows that were left out of the factors hold, c + Q mu = 0, to the tolerance of near-singular positions? */
+static fb_status fbi_rows_check(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  const fb_real tol = FB_SINGLE ? FB_R(0.1) : FB_R(0.01);
+  const int m = w->n_row;
+  if (w->rank < m) {
     fbi_ends_move(w, system, body);
   }
-  for (int k = w->rank; k < w->n_row && given && check && status == FB_OK; k++) {
+  for (int k = w->rank; k < m; k++) {
     const int r = w->order[k];
-    fb_real miss = w->c[r];
-    for (int i = 0; i < w->n_row; i++) {
-      miss += w->Q[r * w->n_row + i] * w->mu[i];
+    const fbi_row *row = &w->row[r];
+    fb_real miss = w->c[r], drift;
+    for (int i = 0; i < m; i++) {
+      miss += w->Q[r * m + i] * w->mu[i];
     }
-    (void)fbi_row_drift(&drift, w, &w->row[r], (const fb_real(*)[3])w->row[r].r.force);
-    if (FB_FABS(miss) > (FB_SINGLE ? FB_R(0.1) : FB_R(0.01)) *
-                            (fbi_row_size(&w->row[r], w) + drift)) { /* tolerance for near-singular positions */
-      w->joint = w->row[r].joint;
-      status = FB_ERR_CONTRADICTION;
+    (void)fbi_row_drift(&drift, w, row, (const fb_real(*)[3])row->r.force);
+    if (FB_FABS(miss) > tol * (fbi_row_size(row, w) + drift)) {
+      w->joint = row->joint;
+      return FB_ERR_CONTRADICTION;
     }
   }
-  return status;
+  return FB_OK;
+}
+
+/* [E9.10] Speeds under constraints, M u = p + A^T mu with A u + c = 0: solves with the right-hand side as it is, then
+   with the impulses mu added. c: terms of the rows other than A u. check: tests rows that were left out, which
+   prescribed speeds or a c other than zero may contradict.
+   Source: Lagrange multipliers of the momenta; [H] 3.5.  Fails: FB_ERR_CONTRADICTION, the joint of a row left out
+   whose velocity constraint is not met.  Test: the_three_methods_agree, contradictions_name_their_joint. */
+static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                                    int check)
+{
+  int given = fbi_rhs_save(w, system, body); /* a right-hand side that rows left out can contradict? */
+
+  /* c + A u without impulses */
+  fb_status status = fbi_speeds_solve(w, system, body);
+  fbi_ends_move(w, system, body);
+  for (int r = 0; r < w->n_row; r++) {
+    given |= FB_FABS(w->c[r]) > FB_R(0.0); /* no shortcut if zero: the work must not depend on values */
+    w->c[r] += fbi_row_eval(&w->row[r], w);
+  }
+
+  /* Q mu = -(c + A u); the solution again, with the impulses */
+  status = status == FB_OK ? fbi_rows_factor(w, system, body) : status;
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_rows_multipliers(w);
+  fbi_rhs_push(w, system, body);
+  status = fbi_speeds_solve(w, system, body);
+  return status == FB_OK && given && check ? fbi_rows_check(w, system, body) : status;
 }
 
 /* ---- rates */
@@ -6004,6 +6089,15 @@ static void fbi_places_settle(fb_system_state *state, const fb_system *system, c
   }
 }
 
+/* Transforms a state to newly chosen frames of its trees (E9.21): momenta, velocities of the frames, positions. */
+static void fbi_frames_renew(fb_system_state *state, fb_system_work *w, const fb_system *system,
+                             const fb_system_input *input)
+{
+  fbi_frames_take(w, system, state, NULL, state, input);
+  fbi_frames_set(state, w, system);
+  fbi_places_settle(state, system, w);
+}
+
 /* Adds s times m c, mass times mass center in the frame, of each tree after E9.22 to its center. */
 static void fbi_centers_add(fb_system_work *w, const fb_system *system, fb_real s)
 {
@@ -6408,6 +6502,34 @@ static fb_status fbi_loops_close(fb_system_work *w, const fb_system *system, con
   return status == FB_OK ? fbi_holds_set(state, w, system, body, system->n_body) : status;
 }
 
+/* Closes the loops of a state that is being initialized: positions, where the mass centers stay, as they carry the
+   momentum; then the velocities, projected to what the constraints allow. */
+static fb_status fbi_motion_close(fb_system_state *out, fb_system_work *w, const fb_system *system, const fb_body *body,
+                                  const fb_system_input *input)
+{
+  fb_status status;
+  fbi_links_place(w, system, body, out, out);
+  if (system->tied < 2) {
+    fbi_frames_renew(out, w, system, input);
+    fbi_links_place(w, system, body, out, out);
+  }
+
+  /* positions, mass centers back to where they were */
+  fbi_flight_begin(w, system);
+  status = fbi_loops_close(w, system, body, out, input);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_trees_sum(w, system, out, NULL);
+  fbi_trees_hold(w, system, out);
+  fbi_links_place(w, system, body, out, out);
+  fbi_trees_weigh(w, system, 0);
+  fbi_centers_lead(out, w, system);
+
+  /* velocities */
+  return fbi_momenta_close(w, system, body, out, out, input);
+}
+
 FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *body, fb_system_state *state,
                                       fb_system_work *work, const fb_link_motion *motion, const fb_system_input *input)
 {
@@ -6439,32 +6561,12 @@ FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *bo
   status = fbi_holds_set(out, work, system, body, 0);
   fbi_momenta_fill(out, work, system, body);
 
-  /* constraints: close the loops, then project the velocities */
+  /* constraints; frames of free trees */
   if (status == FB_OK && fbi_has_rows(system, work, input)) {
-    fbi_links_place(work, system, body, out, out);
-    if (system->tied < 2) {
-      fbi_frames_take(work, system, out, NULL, out, input);
-      fbi_frames_set(out, work, system);
-      fbi_places_settle(out, system, work);
-      fbi_links_place(work, system, body, out, out);
-    }
-    fbi_flight_begin(work, system);
-    status = fbi_loops_close(work, system, body, out, input);
-    if (status == FB_OK) { /* mass centers stay: they carry momentum */
-      fbi_trees_sum(work, system, out, NULL);
-      fbi_trees_hold(work, system, out);
-      fbi_links_place(work, system, body, out, out);
-      fbi_trees_weigh(work, system, 0);
-      fbi_centers_lead(out, work, system);
-    }
-    status = status == FB_OK ? fbi_momenta_close(work, system, body, out, out, input) : status;
+    status = fbi_motion_close(out, work, system, body, input);
   }
-
-  /* frames of free trees */
   if (status == FB_OK && fbi_flies(system, work)) {
-    fbi_frames_take(work, system, out, NULL, out, input);
-    fbi_frames_set(out, work, system);
-    fbi_places_settle(out, system, work);
+    fbi_frames_renew(out, work, system, input);
   }
 
   /* range check; result */
@@ -6509,9 +6611,7 @@ FB_DEF fb_status fb_system_axis_set(const fb_system *system, const fb_body *body
 
   /* frames, momenta in the new mode */
   if (status == FB_OK && system->joint[joint].kind == FB_JOINT_FREE) {
-    fbi_frames_take(work, system, out, NULL, out, input);
-    fbi_frames_set(out, work, system);
-    fbi_places_settle(out, system, work);
+    fbi_frames_renew(out, work, system, input);
   }
   status = status == FB_OK ? fbi_momenta_close(work, system, body, out, out, input) : status;
   if (status == FB_OK) {
@@ -6676,68 +6776,69 @@ static void fbi_own_residual(fbi_link_work *L, const fb_body *body, const fb_rea
   }
 }
 
-/* [E9.19] Accelerations: the residuals of the bodies with joints and modes at constant speed, solved with the factors
-   of the momenta, M u_dot = tau + sum of X^T (F - turning - G_dot); G of the solution are the joint forces.
-   Source: Newton-Euler; THEORY.md 8.5, acceleration form.  Fails: as the rates.
-   Test: accelerations_are_the_rates_of_velocities, joint_forces_carry_what_hangs_on_them. */
-static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *system, const fb_body *body,
-                                          const fb_system_state *state, const fb_system_input *input)
+/* L->given: accelerations of prescribed axes, of a free joint less d/dt of R^T u, the velocity of the tree's frame. */
+static void fbi_given_accelerations(fb_system_work *w, const fb_joint *joint, const fb_system_input *input, int k)
 {
-  const fb_real none[6] = {0}, still[FB_MAX_MODES] = {0};
-
-  /* forces on the bodies, then the efforts of joints enforced by multipliers */
-  fbi_system_loads(w, system, body, input);
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    fbi_vec6_copy(L->F, L->k.fg); /* without the joints */
+  fbi_link_work *L = &w->link[k];
+  fbi_vec6_zero(L->given);
+  for (int i = 0; i < joint->n_axis; i++) {
+    const fb_axis_mode mode = fbi_axis_mode(L, joint, i);
+    L->given[i] = mode == FB_AXIS_PRESCRIBED && input ? input->drive[k].acceleration[i] : FB_R(0.0);
   }
-  (void)fbi_kept_springs(w, system, body, state, input);
-
-  /* right-hand side of each body */
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_link_work *L = &w->link[k];
-    const fb_body *model = fbi_model(system, body, k);
-    const fb_joint *joint = fbi_link_joint(system, w, k);
-    const fbi_link_work *parent = fbi_parent(w, joint);
-    fb_real given[6] = {0};
-
-    /* accelerations of prescribed axes, of a free joint less d/dt of R^T u, the velocity of the tree's frame */
-    for (int i = 0; i < joint->n_axis; i++) {
-      const fb_axis_mode mode = fbi_axis_mode(L, joint, i);
-      given[i] = mode == FB_AXIS_PRESCRIBED && input ? input->drive[k].acceleration[i] : FB_R(0.0);
-    }
-    if (joint->kind == FB_JOINT_FREE && L->mode[0] == FB_AXIS_PRESCRIBED) {
-      fb_real u[3] = {0};
-      fbi_own_frame_add(u, FB_R(1.0), w, k);
-      fbi_vec3_add_cross(given, L->V + 3, u);
-    }
-
-    /* residual at constant speeds, of the body and its modes */
-    fbi_vec6_copy(L->given, given);
-    fbi_bias_acceleration(L, joint, parent, parent ? fbi_model(system, body, joint->parent) : NULL, given);
-    fbi_elastic_forces(L->pi, &L->k, model, state->link[k].q, L->q_dot);
-    fbi_own_residual(L, model, L->V_dot, still);
-    fbi_row_sub(L->pi, FB_R(1.0), L->e, model->n);
-
-    /* efforts on free axes */
-    fbi_vec6_copy(L->p, none);
-    for (int i = 0; i < joint->n_axis && joint->kind != FB_JOINT_FREE; i++) {
-      if (L->mode[i] == FB_AXIS_FREE) {
-        fb_real value[3];
-        fbi_vec3_copy(value, state->link[k].x);
-        if (joint->kind == FB_JOINT_SPHERICAL) {
-          fb_quat_to_rotvec(value, state->link[k].quat);
-        }
-        L->p[i] = fbi_axis_torque(joint, input, k, i, value[i], L->u[i]);
-      }
-    }
-
-    /* speeds; the solution takes their place */
-    fbi_vec6_copy(L->speed, L->u);
-    fbi_copy(L->q_speed, L->q_dot, model->n);
+  if (joint->kind == FB_JOINT_FREE && L->mode[0] == FB_AXIS_PRESCRIBED) {
+    fb_real u[3] = {0};
+    fbi_own_frame_add(u, FB_R(1.0), w, k);
+    fbi_vec3_add_cross(L->given, L->V + 3, u);
   }
+}
 
-  /* rows: c = b_dot + A_dot u + A times the accelerations of the ends so far */
+/* Coordinates of the axes of a joint of the tree, of a spherical one its rotation vector. */
+static void fbi_axis_values(fb_real value[3], const fb_joint *joint, const fb_link_state *x)
+{
+  fbi_vec3_copy(value, x->x);
+  if (joint->kind == FB_JOINT_SPHERICAL) {
+    fb_quat_to_rotvec(value, x->quat);
+  }
+}
+
+/* p = tau, the efforts of spring, damper and motor (E9.11) on the free axes of a joint; zero on the others. */
+static void fbi_free_efforts(fbi_link_work *L, const fb_joint *joint, const fb_link_state *x,
+                             const fb_system_input *input, int k)
+{
+  fb_real value[3];
+  fbi_vec6_zero(L->p);
+  if (joint->kind == FB_JOINT_FREE) {
+    return;
+  }
+  fbi_axis_values(value, joint, x);
+  for (int i = 0; i < joint->n_axis; i++) {
+    if (L->mode[i] == FB_AXIS_FREE) {
+      L->p[i] = fbi_axis_torque(joint, input, k, i, value[i], L->u[i]);
+    }
+  }
+}
+
+/* Right-hand side of E9.19 in body k: bias acceleration, the residuals there of body and modes, y = F - turning - G_dot
+   and pi = f - pi_dot, and the efforts of its joint. */
+static void fbi_acceleration_rhs(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                 const fb_link_state *x, const fb_system_input *input, int k)
+{
+  const fb_real still[FB_MAX_MODES] = {0};
+  fbi_link_work *L = &w->link[k];
+  const fb_body *model = fbi_model(system, body, k);
+  const fb_joint *joint = fbi_link_joint(system, w, k);
+  const fbi_link_work *parent = fbi_parent(w, joint);
+  fbi_given_accelerations(w, joint, input, k);
+  fbi_bias_acceleration(L, joint, parent, parent ? fbi_model(system, body, joint->parent) : NULL, L->given);
+  fbi_elastic_forces(L->pi, &L->k, model, x->q, L->q_dot);
+  fbi_own_residual(L, model, L->V_dot, still);
+  fbi_row_sub(L->pi, FB_R(1.0), L->e, model->n);
+  fbi_free_efforts(L, joint, x, input, k);
+}
+
+/* c = b_dot + A_dot u + A a of the rows, a: accelerations of their ends at the bias accelerations of the bodies. */
+static void fbi_rows_accelerate(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
   for (int e = 0; e < w->n_end; e++) {
     fbi_end_acceleration(&w->end[e], w, system, body);
   }
@@ -6751,10 +6852,34 @@ static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *sy
                  fb_vec3_dot(row->force_dot[s], end->v) + fb_vec3_dot(row->torque_dot[s], end->w);
     }
   }
+}
 
-  /* solution, in the place of the velocities */
+/* [E9.19] Accelerations: the residuals of the bodies with joints and modes at constant speed, solved with the factors
+   of the momenta, M u_dot = tau + sum of X^T (F - turning - G_dot); G of the solution are the joint forces.
+   Source: Newton-Euler; THEORY.md 8.5, acceleration form.  Fails: as the rates.
+   Test: accelerations_are_the_rates_of_velocities, joint_forces_carry_what_hangs_on_them. */
+static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                          const fb_system_state *state, const fb_system_input *input)
+{
+  /* forces on the bodies, then the efforts of joints enforced by multipliers */
+  fbi_system_loads(w, system, body, input);
   for (int k = 0; k < system->n_body; k++) {
-    fbi_vec6_copy(w->link[k].twist, w->link[k].V);
+    fbi_vec6_copy(w->link[k].F, w->link[k].k.fg); /* without the joints */
+  }
+  (void)fbi_kept_springs(w, system, body, state, input);
+
+  /* right-hand side of the bodies, then of the rows */
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_acceleration_rhs(w, system, body, &state->link[k], input, k);
+  }
+  fbi_rows_accelerate(w, system, body);
+
+  /* solution, in the place of the velocities, which are kept */
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *L = &w->link[k];
+    fbi_vec6_copy(L->twist, L->V);
+    fbi_vec6_copy(L->speed, L->u);
+    fbi_copy(L->q_speed, L->q_dot, fbi_model(system, body, k)->n);
   }
   return w->n_row > 0 ? fbi_constrained_solve(w, system, body, 0) : fbi_speeds_solve(w, system, body);
 }
@@ -6946,6 +7071,43 @@ FB_DEF fb_status fb_system_motion_eval(const fb_system *system, const fb_body *b
   return FB_OK;
 }
 
+/* Adds the energy of body k: kinetic in the tree's frame, (V.(p, h) + q_dot.M pb)/2, and by the velocity u of that
+   frame, p.u + m u.u/2; potentials. */
+static void fbi_link_energy_add(fb_energy *out, fb_system_work *w, const fb_body *model, const fb_real *q, int k)
+{
+  fbi_link_work *L = &w->link[k];
+  fb_real u[3] = {0}, rho[3];
+  fbi_link_kinetics(L, model);
+  fbi_momenta(&L->k, model);
+  fbi_mass_mul(L->e, model, L->k.pb);
+  out->kinetic += FB_R(0.5) * (fbi_vec6_dot(L->k.ph, L->V) + fbi_dot(L->e, L->q_dot, model->n));
+  fbi_own_frame_add(u, FB_R(1.0), w, k);
+  out->kinetic += fb_vec3_dot(L->k.ph, u) + FB_R(0.5) * model->mass * fb_vec3_dot(u, u);
+  for (int i = 0; i < 3; i++) {
+    rho[i] = fbi_true_position(w, k, L->rho, i);
+  }
+  fbi_potential_add(out, &L->k, model, q, rho);
+}
+
+/* Strain energy of the springs of joint j, sum of k (x - rest)^2/2. */
+static void fbi_spring_energy_add(fb_energy *out, fb_system_work *w, const fb_system *system, const fb_body *body,
+                                  const fb_system_state *state, int j)
+{
+  const fb_joint *joint = &system->joint[j];
+  fb_real value[3];
+  if (fbi_is_kept(system, w, j)) {
+    fbi_frames f;
+    (void)fbi_frames_eval(&f, w, system, body, j);
+    fbi_frames_value(value, &f, joint);
+  } else {
+    fbi_axis_values(value, joint, &state->link[j]);
+  }
+  for (int i = 0; i < joint->n_axis && i < 3; i++) {
+    const fb_real stretch = value[i] - joint->rest[i];
+    out->strain += FB_R(0.5) * joint->stiffness[i] * stretch * stretch;
+  }
+}
+
 FB_DEF fb_status fb_system_energy_eval(const fb_system *system, const fb_body *body, fb_system_work *work,
                                        fb_energy *energy, const fb_system_state *state, const fb_system_input *input)
 {
@@ -6961,44 +7123,13 @@ FB_DEF fb_status fb_system_energy_eval(const fb_system *system, const fb_body *b
     return status;
   }
 
-  /* kinetic energy and potentials of the bodies */
+  /* bodies, springs of joints */
   for (int k = 0; k < system->n_body; k++) {
-    const fb_body *model = fbi_model(system, body, k);
-    fbi_link_work *L = &work->link[k];
-    fb_real u[3] = {0}, rho[3];
-    fbi_link_kinetics(L, model);
-    fbi_momenta(&L->k, model);
-    fbi_mass_mul(L->e, model, L->k.pb);
-    out.kinetic += FB_R(0.5) * (fbi_vec6_dot(L->k.ph, L->V) + fbi_dot(L->e, L->q_dot, model->n));
-
-    /* kinetic energy by the velocity of the tree's frame */
-    fbi_own_frame_add(u, FB_R(1.0), work, k);
-    out.kinetic += fb_vec3_dot(L->k.ph, u) + FB_R(0.5) * model->mass * fb_vec3_dot(u, u);
-    for (int i = 0; i < 3; i++) {
-      rho[i] = fbi_true_position(work, k, L->rho, i);
-    }
-    fbi_potential_add(&out, &L->k, model, state->link[k].q, rho);
+    fbi_link_energy_add(&out, work, fbi_model(system, body, k), state->link[k].q, k);
   }
-
-  /* springs of joints */
   for (int j = 0; j < system->n_body + system->n_loop; j++) {
-    const fb_joint *joint = &system->joint[j];
-    fb_real value[3];
-    if (!fbi_is_sprung(joint, NULL, j)) {
-      continue;
-    }
-    if (fbi_is_kept(system, work, j)) {
-      fbi_frames f;
-      (void)fbi_frames_eval(&f, work, system, body, j);
-      fbi_frames_value(value, &f, joint);
-    } else if (joint->kind == FB_JOINT_SPHERICAL) {
-      fb_quat_to_rotvec(value, state->link[j].quat);
-    } else {
-      fbi_vec3_copy(value, state->link[j].x);
-    }
-    for (int i = 0; i < joint->n_axis && i < 3; i++) {
-      const fb_real stretch = value[i] - joint->rest[i];
-      out.strain += FB_R(0.5) * joint->stiffness[i] * stretch * stretch;
+    if (fbi_is_sprung(&system->joint[j], NULL, j)) {
+      fbi_spring_energy_add(&out, work, system, body, state, j);
     }
   }
   if (!fbi_energy_is_finite(&out)) {
@@ -7463,72 +7594,92 @@ static void fbi_exact_strain_matrices(fbi_exact_jacobian *j, const fb_real theta
   }
 }
 
-/* Derivatives by the unknowns of one end node (sign: -1 first, 1 second): Q of the mean load h f, by velocity (through
-   T) and by pose; D of the end-to-end difference h df/12. N, NX: df/dV and N ad(theta). */
-static void fbi_exact_load_by_node(fb_real Q[36], fb_real D[36], const fb_real N[36], const fb_real NX[36],
-                                   fb_real sign, const fbi_exact_cell *c, const fb_exact_work *work, const fb_exact *m,
-                                   int k, int node)
+/* Y = s X A, the derivative by the value at one end of s X times the mean, A = 1/2 -+ ad(theta)/12 (fbi_exact_mean);
+   sign: -1 first end, 1 second. X_theta = X ad(theta); may be Y. */
+static void fbi_exact_mean_by_end(fb_real Y[36], fb_real s, fb_real sign, const fb_real X[36],
+                                  const fb_real X_theta[36])
+{
+  for (int i = 0; i < 36; i++) {
+    Y[i] = s * (FB_R(0.5) * X[i] + sign / FB_R(12.0) * X_theta[i]);
+  }
+}
+
+/* Inertia in the mean load h f by the unknowns d of an end node: Q = h N A marching; steady, where the velocity changes
+   by T = shift + ad(V) with the pose: Q = h N A T. N = df/dV, N_theta = N ad(theta). */
+static void fbi_exact_inertia_by_node(fb_real Q[36], const fb_real N[36], const fb_real N_theta[36],
+                                      const fb_exact_work *work, int node, fb_real sign)
 {
   const fbi_exact_motion *motion = &work->motion;
-  fbi_zero(Q, 36);
-  fbi_zero(D, 36);
-
-  /* Inertia */
-  if (motion->inertia) {
-    fb_real A[36];
-    for (int i = 0; i < 36; i++) {
-      A[i] = c->h * (FB_R(0.5) * N[i] + sign / FB_R(12.0) * NX[i]);
-    }
-    if (motion->march) {
-      fbi_copy(Q, A, 36);
-    } else { /* steady: velocity by displacement, T = shift + ad(V) */
-      fbi_mul_ad(Q, A, work->V + 6 * node);
-      for (int i = 0; i < 36; i++) {
-        Q[i] += motion->shift * A[i];
-      }
-    }
+  fb_real NA[36];
+  fbi_exact_mean_by_end(NA, work->cell.h, sign, N, N_theta);
+  if (motion->march) {
+    fbi_copy(Q, NA, 36);
+    return;
   }
-
-  /* Gravity */
-  if (motion->gravity) {
-    fb_real A[36], B[36];
-    fbi_mul_ad(A, m->M + 36 * k, c->theta);
-    for (int i = 0; i < 36; i++) {
-      A[i] = c->h * motion->pose * (FB_R(0.5) * m->M[36 * k + i] + sign / FB_R(12.0) * A[i]);
-    }
-    fbi_mul_ad(B, A, work->G + 6 * node);
-    fbi_mul_ad(D, m->M + 36 * k, work->G + 6 * node);
-    for (int i = 0; i < 36; i++) {
-      Q[i] += B[i];
-      D[i] *= sign * c->h * motion->pose / FB_R(12.0);
-    }
+  fbi_mul_ad(Q, NA, work->V + 6 * node);
+  for (int i = 0; i < 36; i++) {
+    Q[i] += motion->shift * NA[i];
   }
+}
 
-  /* Dead line loads */
-  if (motion->dead) {
-    for (int i = 0; i < 6; i += 3) {
-      fb_real f[3];
-      fb_mat33_mulT_vec3(f, work->R + 9 * node, work->line_dead + 6 * k + i);
-      for (int a = 0; a < 3; a++) { /* column: rotation about axis a */
-        fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, df[3], y[3];
-        turn[a] = FB_R(1.0);
-        fb_vec3_cross(df, f, turn);
-        fb_vec3_cross(y, c->theta + 3, df);
-        for (int b = 0; b < 3; b++) {
-          Q[6 * (i + b) + 3 + a] += c->h * motion->pose * (FB_R(0.5) * df[b] + sign / FB_R(12.0) * y[b]);
-          D[6 * (i + b) + 3 + a] += c->h * motion->pose * sign / FB_R(12.0) * df[b];
-        }
+/* Gravity in the mean load h f and in the difference h df/12, by the rotation of an end node, d times `pose`:
+   Q += h pose M A ad(G), D = -+h pose M ad(G)/12, G the gravity there. */
+static void fbi_exact_gravity_by_node(fb_real Q[36], fb_real D[36], const fb_real M[36], const fb_exact_work *work,
+                                      int node, fb_real sign)
+{
+  const fb_real h_pose = work->cell.h * work->motion.pose, *const G = work->G + 6 * node;
+  fb_real MA[36], MAG[36];
+  fbi_mul_ad(MA, M, work->cell.theta);
+  fbi_exact_mean_by_end(MA, h_pose, sign, M, MA);
+  fbi_mul_ad(MAG, MA, G);
+  fbi_mul_ad(D, M, G);
+  for (int i = 0; i < 36; i++) {
+    Q[i] += MAG[i];
+    D[i] *= sign * h_pose / FB_R(12.0);
+  }
+}
+
+/* The same of the dead line loads, d f = f x rotation: added to Q and D. line: force and torque, base axes. */
+static void fbi_exact_dead_by_node(fb_real Q[36], fb_real D[36], const fb_real line[6], const fb_exact_work *work,
+                                   int node, fb_real sign)
+{
+  const fb_real h_pose = work->cell.h * work->motion.pose;
+  for (int i = 0; i < 6; i += 3) {
+    fb_real f[3];
+    fb_mat33_mulT_vec3(f, work->R + 9 * node, line + i);
+    for (int a = 0; a < 3; a++) { /* column: rotation about axis a */
+      fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, df[3], theta_df[3];
+      turn[a] = FB_R(1.0);
+      fb_vec3_cross(df, f, turn);
+      fb_vec3_cross(theta_df, work->cell.theta + 3, df);
+      for (int b = 0; b < 3; b++) {
+        Q[6 * (i + b) + 3 + a] += h_pose * (FB_R(0.5) * df[b] + sign / FB_R(12.0) * theta_df[b]);
+        D[6 * (i + b) + 3 + a] += sign * h_pose / FB_R(12.0) * df[b];
       }
     }
   }
 }
 
-/* Derivatives of the end loads F1, F2 by a node: F2d = -A2^T Q - D, F1d = A1^T Q - D. */
-static void fbi_exact_end_loads(fb_real F1d[36], fb_real F2d[36], const fb_real Q[36], const fb_real D[36],
-                                const fb_real theta[6])
+/* Derivatives of the end loads F1, F2 of element k by the unknowns d of an end node: F1d = A1^T Q - D,
+   F2d = -A2^T Q - D, with Q of the mean load h f and D of the end-to-end difference h df/12. */
+static void fbi_exact_loads_by_node(fb_real F1d[36], fb_real F2d[36], const fb_real N[36], const fb_real N_theta[36],
+                                    const fb_exact_work *work, const fb_exact *m, int k, int node)
 {
-  fb_real Y[36];
-  fbi_adT_mul(Y, theta, Q);
+  const fbi_exact_motion *motion = &work->motion;
+  const fb_real sign = node == k ? -FB_R(1.0) : FB_R(1.0);
+  fb_real Q[36], D[36], Y[36];
+  fbi_zero(Q, 36);
+  fbi_zero(D, 36);
+  if (motion->inertia) {
+    fbi_exact_inertia_by_node(Q, N, N_theta, work, node, sign);
+  }
+  if (motion->gravity) {
+    fbi_exact_gravity_by_node(Q, D, m->M + 36 * k, work, node, sign);
+  }
+  if (motion->dead) {
+    fbi_exact_dead_by_node(Q, D, work->line_dead + 6 * k, work, node, sign);
+  }
+  fbi_adT_mul(Y, work->cell.theta, Q);
   for (int i = 0; i < 36; i++) {
     const fb_real half = FB_R(0.5) * Q[i], twelfth = Y[i] / FB_R(12.0) + D[i];
     F1d[i] = half - twelfth;
@@ -7601,11 +7752,11 @@ static void fbi_exact_compliance_rate(fb_real E[36], const fbi_exact_cell *c, co
      dF = ad(theta)^T ds + G dtheta - h (N A dV + ...),  F = s + ad(theta)^T dF/12 -+ dF/2.
    Source: derivation.  Cost: 5 kflops marching, 3 at rest.  Fails: never.
    Test: newton_converges_quadratically, shaft_whirls_as_in_closed_form, becks_column_flutters_at_its_load. */
-static void fbi_exact_cell_jacobian(fbi_exact_jacobian *j, const fbi_exact_cell *c, const fb_exact_work *work,
-                                    const fb_exact *m, int k)
+static void fbi_exact_cell_jacobian(fbi_exact_jacobian *j, const fb_exact_work *work, const fb_exact *m, int k)
 {
   const fbi_exact_motion *motion = &work->motion;
-  fb_real N[36], Q[36], D[36], G[36], Y[36], hC[36];
+  const fbi_exact_cell *c = &work->cell;
+  fb_real N[36], Q[36], G[36], Y[36], hC[36];
   for (int i = 0; i < 36; i++) {
     hC[i] = c->h * m->C[36 * k + i];
   }
@@ -7615,10 +7766,8 @@ static void fbi_exact_cell_jacobian(fbi_exact_jacobian *j, const fbi_exact_cell 
   fbi_exact_load_matrices(N, G, c, work, m, k);
   if (motion->inertia || motion->gravity || motion->dead) {
     fbi_mul_ad(Y, N, c->theta);
-    fbi_exact_load_by_node(Q, D, N, Y, -FB_R(1.0), c, work, m, k, k);
-    fbi_exact_end_loads(j->F1d1, j->F2d1, Q, D, c->theta);
-    fbi_exact_load_by_node(Q, D, N, Y, FB_R(1.0), c, work, m, k, k + 1);
-    fbi_exact_end_loads(j->F1d2, j->F2d2, Q, D, c->theta);
+    fbi_exact_loads_by_node(j->F1d1, j->F2d1, N, Y, work, m, k, k);
+    fbi_exact_loads_by_node(j->F1d2, j->F2d2, N, Y, work, m, k, k + 1);
   } else {
     fbi_zero(j->F1d1, 36);
     fbi_zero(j->F1d2, 36);
@@ -7773,6 +7922,53 @@ static void fbi_exact_hold_rhs(fb_real b[6], const fb_exact_work *work, const fb
   }
 }
 
+/* Rows of element k in E10.10, from its Jacobian and K of its outer node: compatibility [E, -D2 | -D1], balance of the
+   outer node [F2s, F2d2 + K | F2d1] under its constraints, as [LU | W]; balance of the inner node L = [F1s, F1d2]. */
+static void fbi_exact_rows_fill(fb_exact_work *work, const fb_exact *m, const fb_real K[36], int k)
+{
+  const fbi_exact_jacobian *const j = &work->jacobian;
+  fb_real *const A = work->LU + 144 * k, *const W = work->W + 72 * k, *const L = work->L + 72 * k;
+  fb_real balance[6 * 18];
+  for (int r = 0; r < 6; r++) {
+    for (int i = 0; i < 6; i++) {
+      A[12 * r + i] = j->E[6 * r + i];
+      A[12 * r + 6 + i] = -j->D2[6 * r + i];
+      W[6 * r + i] = -j->D1[6 * r + i];
+      balance[18 * r + i] = j->F2s[6 * r + i];
+      balance[18 * r + 6 + i] = j->F2d2[6 * r + i] + K[6 * r + i];
+      balance[18 * r + 12 + i] = j->F2d1[6 * r + i];
+      L[12 * r + i] = j->F1s[6 * r + i];
+      L[12 * r + 6 + i] = j->F1d2[6 * r + i];
+    }
+  }
+  fbi_exact_hold(balance, work, m, k + 1, 18, 6);
+  for (int r = 0; r < 6; r++) {
+    fbi_copy(A + 12 * (r + 6), balance + 18 * r, 12);
+    fbi_copy(W + 6 * (r + 6), balance + 18 * r + 12, 6);
+  }
+}
+
+/* Eliminates element k: W = A^-1 W, and K = -F1d1 + L W for the inner node. */
+static fb_status fbi_exact_eliminate(fb_real K[36], fb_exact_work *work, int k)
+{
+  fb_real *const A = work->LU + 144 * k, *const W = work->W + 72 * k, *const L = work->L + 72 * k;
+  fb_real scale[12];
+  const fb_status status = fb_lu_factor(A, work->perm + 12 * k, scale, 12);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_lu_solve_rows(W, work->column, A, work->perm + 12 * k, 12, 6);
+  for (int r = 0; r < 6; r++) {
+    for (int i = 0; i < 6; i++) {
+      K[6 * r + i] = -work->jacobian.F1d1[6 * r + i];
+    }
+    for (int i = 0; i < 12; i++) {
+      fbi_vec6_add(K + 6 * r, L[12 * r + i], W + 6 * i);
+    }
+  }
+  return FB_OK;
+}
+
 /* [E10.10] Block elimination from the tip to the root, (ds, dd2) = y - W dd1 for each element: its compatibility and
    the balance of its outer node form one 12x12 block, factored with row pivoting; the outboard part enters the balance
    of the inner node by the Schur complement K = -(F1d1 - (F1s, F1d2) W).
@@ -7780,64 +7976,25 @@ static void fbi_exact_hold_rhs(fb_real b[6], const fb_exact_work *work, const fb
    at a limit point).  Test: supports_are_those_of_the_textbook, newton_converges_quadratically. */
 static fb_status fbi_exact_factor(fb_exact_work *work, const fb_exact *m)
 {
-  fbi_exact_cell *const c = &work->cell;
-  fbi_exact_jacobian *const j = &work->jacobian;
-  fb_real K[36], scale[12];
-  fb_status status = FB_OK;
+  fb_real K[36], scale[6];
   fbi_zero(K, 36);
-  for (int k = m->n - 1; k >= 0 && status == FB_OK; k--) {
-    fb_real *const A = work->LU + 144 * k, *const W = work->W + 72 * k, *const L = work->L + 72 * k;
-    fb_real rows[6 * 18];
-
-    /* Jacobian of the element and of its outer node */
-    fbi_exact_cell_eval(c, work, m, k);
-    fbi_exact_cell_jacobian(j, c, work, m, k);
+  for (int k = m->n - 1; k >= 0; k--) {
+    fb_status status;
+    fbi_exact_cell_eval(&work->cell, work, m, k);
+    fbi_exact_cell_jacobian(&work->jacobian, work, m, k);
     fbi_exact_node_jacobian(K, work, m, k + 1);
-
-    /* Compatibility rows [E, -D2 | -D1], balance rows of the outer node [F2s, F2d2 + K | F2d1], L = [F1s, F1d2] */
-    for (int r = 0; r < 6; r++) {
-      for (int i = 0; i < 6; i++) {
-        A[12 * r + i] = j->E[6 * r + i];
-        A[12 * r + 6 + i] = -j->D2[6 * r + i];
-        W[6 * r + i] = -j->D1[6 * r + i];
-        rows[18 * r + i] = j->F2s[6 * r + i];
-        rows[18 * r + 6 + i] = j->F2d2[6 * r + i] + K[6 * r + i];
-        rows[18 * r + 12 + i] = j->F2d1[6 * r + i];
-        L[12 * r + i] = j->F1s[6 * r + i];
-        L[12 * r + 6 + i] = j->F1d2[6 * r + i];
-      }
-    }
-
-    /* Constraints, then the balance rows below the compatibility rows */
-    fbi_exact_hold(rows, work, m, k + 1, 18, 6);
-    for (int r = 0; r < 6; r++) {
-      fbi_copy(A + 12 * (r + 6), rows + 18 * r, 12);
-      fbi_copy(W + 6 * (r + 6), rows + 18 * r + 12, 6);
-    }
-
-    /* Eliminate the element: W = A^-1 W, and K = -F1d1 + L W for the inner node */
-    status = fb_lu_factor(A, work->perm + 12 * k, scale, 12);
-    if (status == FB_OK) {
-      fbi_lu_solve_rows(W, work->column, A, work->perm + 12 * k, 12, 6);
-      for (int r = 0; r < 6; r++) {
-        for (int i = 0; i < 6; i++) {
-          K[6 * r + i] = -j->F1d1[6 * r + i];
-        }
-        for (int i = 0; i < 12; i++) {
-          fbi_vec6_add(K + 6 * r, L[12 * r + i], W + 6 * i);
-        }
-      }
+    fbi_exact_rows_fill(work, m, K, k);
+    status = fbi_exact_eliminate(K, work, k);
+    if (status != FB_OK) {
+      return status;
     }
   }
 
-  /* Remaining 6x6 block of the root */
-  if (status == FB_OK) {
-    fbi_exact_node_jacobian(K, work, m, 0);
-    fbi_exact_hold(K, work, m, 0, 6, 0);
-    fbi_copy(work->root, K, 36);
-    status = fb_lu_factor(work->root, work->perm + 12 * m->n, scale, 6);
-  }
-  return status;
+  /* the 6x6 block of the root remains */
+  fbi_exact_node_jacobian(K, work, m, 0);
+  fbi_exact_hold(K, work, m, 0, 6, 0);
+  fbi_copy(work->root, K, 36);
+  return fb_lu_factor(work->root, work->perm + 12 * m->n, scale, 6);
 }
 
 /* Newton corrections dd, ds for the residuals c of the elements and B of the nodes. */
@@ -10079,6 +10236,21 @@ static fb_status fbi_exponential_limited(const fb_body *body, const fbi_kinetics
   return h <= fb_exponential_limit(body, spin, acceleration) ? FB_OK : FB_ERR_STEP;
 }
 
+/* Terms of E11.10 in all four N, added to w->full: h phi_2 (-3 N_1 + 2 N_2 + 2 N_3 - N_4) and
+   4h phi_3 (N_1 - N_2 - N_3 + N_4). */
+static void fbi_exponential_sum(fb_exponential_work *w, const fb_exponential *scheme, int n)
+{
+  const fb_real h = scheme->dt;
+  fb_state *N = w->N, *sum = &w->sum;
+  fbi_state_advance(&N[1], &N[1], FB_R(1.0), &N[2], n); /* N_2 + N_3 */
+  fbi_state_advance(sum, &N[0], -FB_R(1.0), &N[1], n);
+  fbi_state_advance(sum, sum, FB_R(1.0), &N[3], n); /* N_1 - N_2 - N_3 + N_4 */
+  fbi_phi_add(&w->full, FB_R(4.0) * h, scheme->full, 3, scheme, h, sum, n);
+  fbi_state_advance(sum, &N[1], -FB_R(1.0), sum, n); /* -N_1 + 2 N_2 + 2 N_3 - N_4 */
+  fbi_state_advance(sum, sum, -FB_R(2.0), &N[0], n);
+  fbi_phi_add(&w->full, h, scheme->full, 2, scheme, h, sum, n);
+}
+
 /* [E11.10] Exponential Runge-Kutta integrator of order 4 for z' = L z + N(t, z), stages at 0, 1/2, 1/2, 1:
    z_2 = e^(hL/2) z + h/2 phi_1(hL/2) N_1,  z_3 = z_2 + h phi_2(hL/2) (N_2 - N_1),
    z_4 = e^(hL) z + h phi_1(hL) N_1 + 2h phi_2(hL) (N_3 - N_1),
@@ -10142,13 +10314,7 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   }
 
   /* Increments, in z and in the state */
-  fbi_state_advance(&N[1], &N[1], FB_R(1.0), &N[2], n); /* N_2 + N_3 */
-  fbi_state_advance(sum, &N[0], -FB_R(1.0), &N[1], n);
-  fbi_state_advance(sum, sum, FB_R(1.0), &N[3], n);
-  fbi_phi_add(&work->full, FB_R(4.0) * h, scheme->full, 3, scheme, h, sum, n);
-  fbi_state_advance(sum, &N[1], -FB_R(1.0), sum, n); /* -N_1 + 2 N_2 + 2 N_3 - N_4 */
-  fbi_state_advance(sum, sum, -FB_R(2.0), &N[0], n);
-  fbi_phi_add(&work->full, h, scheme->full, 2, scheme, h, sum, n);
+  fbi_exponential_sum(work, scheme, n);
   fbi_modal_increments(work, scheme, body, state);
   return fbi_step_end(state, &work->at, &work->start, body, end, NULL);
 }
@@ -10821,6 +10987,21 @@ static fb_status fbi_system_between(fb_system_input *out, const fb_system_input 
   return FB_OK;
 }
 
+/* Step limit at the start of E11.14; stores the angular velocities there (E11.26). */
+static fb_status fbi_system_sdirk_limited(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                          const fb_system_state *state, const fb_system_input *start, fb_real dt)
+{
+  fb_real spin, stiff;
+  const fb_status status = fbi_system_rates(w, system, body, &w->first, state, state, start);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_system_conditions(&spin, &stiff, w, system);
+  spin = fbi_larger(FB_R(10.0) * spin, FB_SQRT(stiff + system->limit_kept_elastic));
+  (void)fbi_turns_check(w, system, dt, 1);
+  return dt <= fbi_step_limit(FB_R(1.0), fbi_larger(spin, system->limit_kept_damping)) ? FB_OK : FB_ERR_STEP;
+}
+
 /* [E11.14] Two-stage SDIRK integrator of order 2 (E11.8) on a system, L-stable: damps stiff joints and modes.
    A free root has its angular momentum in inertial axes only, without E11.27 and E11.28: a thin body that spins about
    its axis converges only with short steps. Measured, a tube of 8.3 kg m^2 across that turns by 0.1 rad/s and about its
@@ -10844,24 +11025,15 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
   fbi_system_enter(work, system);
   flies = fbi_flies(system, work);
 
-  /* Inputs */
+  /* Inputs, step limit at the start */
   status = fbi_system_step_check(system, body, start, dt);
   status = status == FB_OK ? fbi_system_step_check(system, body, end, dt) : status;
   if (status == FB_OK && start != end) {
     status = fbi_system_between(&work->between, start, end, c);
     first = &work->between;
   }
-
-  /* Step limit at the start */
   if (status == FB_OK && !system->allow_long_step) {
-    fb_real spin, stiff;
-    status = fbi_system_rates(work, system, body, &work->first, state, state, start);
-    if (status == FB_OK) {
-      fbi_system_conditions(&spin, &stiff, work, system);
-      spin = fbi_larger(FB_R(10.0) * spin, FB_SQRT(stiff + system->limit_kept_elastic));
-      status = dt <= fbi_step_limit(FB_R(1.0), fbi_larger(spin, system->limit_kept_damping)) ? FB_OK : FB_ERR_STEP;
-      (void)fbi_turns_check(work, system, dt, 1);
-    }
+    status = fbi_system_sdirk_limited(work, system, body, state, start, dt);
   }
   if (status != FB_OK) {
     return status;
