@@ -12054,6 +12054,39 @@ FB_DEF fb_status fb_section_init(fb_section *section, const fb_material *materia
   return FB_OK;
 }
 
+/* Section p at station k of the n of a taper: sizes interpolated linearly, the last of them those of `to` itself. */
+static void fbi_taper_section(fb_real p[FBI_SECTION], const fb_material *material, const fb_profile *from,
+                              const fb_profile *to, int k, int n)
+{
+  const fb_real s = (fb_real)k / (fb_real)(n - 1);
+  fb_profile profile = *from;
+  fb_section section;
+  for (int i = 0; i < 2; i++) {
+    profile.size[i] += s * (to->size[i] - from->size[i]);
+  }
+  fbi_profile_fill(&section, material, k == n - 1 ? to : &profile);
+  memcpy(p, &section, sizeof section);
+}
+
+/* p -= h^2/12 p'' at station k, h^2 p'' = p_m-1 - 2 p_m + p_m+1 with m = k, at an end its neighbor. A thin end is
+   lowered by half at most. Two stations have no second difference. */
+static void fbi_taper_lower(fb_real p[FBI_SECTION], const fb_material *material, const fb_profile *from,
+                            const fb_profile *to, int k, int n)
+{
+  const int m = k == 0 ? 1 : k == n - 1 ? n - 2 : k;
+  fb_real before[FBI_SECTION], middle[FBI_SECTION], after[FBI_SECTION];
+  if (n < 3) {
+    return;
+  }
+  fbi_taper_section(before, material, from, to, m - 1, n);
+  fbi_taper_section(middle, material, from, to, m, n);
+  fbi_taper_section(after, material, from, to, m + 1, n);
+  for (int i = 0; i < FBI_SECTION; i++) {
+    const fb_real less = (before[i] - FB_R(2.0) * middle[i] + after[i]) / FB_R(12.0), most = FB_R(0.5) * p[i];
+    p[i] -= less < most ? less : most;
+  }
+}
+
 /* [E6.14] Stations of a linear taper: properties p(x) lowered by h^2/12 p'', so that linear interpolation between
    stations has the integral of p.
    Source: error of the trapezoidal rule.  Fails: see the header.  Test: tapered_beam_has_the_published_frequencies. */
@@ -12084,28 +12117,12 @@ FB_DEF fb_status fb_beam_desc_add_taper(fb_beam_desc *desc, const fb_material *m
     return FB_ERR_CAPACITY;
   }
 
-  /* Station k: p[3] is the section there; p[0..2] give the second difference h^2 p'' */
+  /* New stations at equal distances */
   for (int k = 0; k < n; k++) {
-    const int middle = n < 3 ? k : k == 0 ? 1 : k == n - 1 ? n - 2 : k; /* at the ends, that of the neighbor */
-    fb_real p[4][FBI_SECTION];
-    for (int i = 0; i < 4; i++) {
-      const int there = i == 3 ? k : n < 3 ? k : middle + i - 1;
-      const fb_real s = (fb_real)there / (fb_real)(n - 1);
-      fb_profile profile = *from;
-      fb_section section;
-      for (int j = 0; j < 2; j++) {
-        profile.size[j] += s * (to->size[j] - from->size[j]);
-      }
-      fbi_profile_fill(&section, material, there == n - 1 ? to : &profile);
-      memcpy(p[i], &section, sizeof section);
-    }
-
-    /* Lowered by h^2/12 p'', a thin end by half at most */
-    for (int j = 0; j < FBI_SECTION; j++) {
-      const fb_real less = (p[0][j] - FB_R(2.0) * p[1][j] + p[2][j]) / FB_R(12.0);
-      p[3][j] -= less < FB_R(0.5) * p[3][j] ? less : FB_R(0.5) * p[3][j];
-    }
-    memcpy(&desc->station[at + k], p[3], sizeof p[3]);
+    fb_real p[FBI_SECTION];
+    fbi_taper_section(p, material, from, to, k, n);
+    fbi_taper_lower(p, material, from, to, k, n);
+    memcpy(&desc->station[at + k], p, sizeof p);
     desc->station[at + k].x = from->x + (fb_real)k / (fb_real)(n - 1) * (to->x - from->x);
   }
   desc->station[at + n - 1].x = to->x;
@@ -14122,9 +14139,45 @@ static fb_status fbi_join_check(const fb_beam *beam, const fb_modes *component, 
   return FB_OK;
 }
 
-/* Block-diagonal K and M of the components and the constraints T q = 0 of the rigid connections (welds). Coordinates
-   are scaled to modal mass 1 (without mass: stiffness 1), rows of rotations by the length. Returns the number of
-   coordinates. */
+/* Scales of a component's coordinates to modal mass 1, without mass to modal stiffness 1. */
+static void fbi_join_scale(fb_real *scale, const fb_modes *component)
+{
+  const int n = component->n;
+  for (int a = 0; a < n; a++) {
+    const fb_real mass = component->M[a * n + a], stiffness = component->K[a * n + a];
+    const fb_real unit = mass > FB_R(0.0) ? mass : stiffness;
+    scale[a] = unit > FB_R(0.0) ? FB_R(1.0) / FB_SQRT(unit) : FB_R(1.0);
+  }
+}
+
+/* Blocks of K and M of a component whose coordinates start at `at` of N. */
+static void fbi_join_block(fb_join_work *work, const fb_modes *component, int at, int N)
+{
+  const int n = component->n;
+  for (int ab = 0; ab < n * n; ab++) {
+    const int i = at + ab / n, j = at + ab % n;
+    work->K[i * N + j] = component->K[ab] * work->scale[i] * work->scale[j];
+    work->M[i * N + j] = component->M[ab] * work->scale[i] * work->scale[j];
+  }
+}
+
+/* rows (6 x n of N columns) += side times the motion of a node by each scaled coordinate of a component; rotations
+   times the length. */
+static void fbi_weld_add(fb_real *rows, const fb_beam *beam, const fb_modes *component, const fb_real *scale, int node,
+                         fb_real side, fb_real length, int N)
+{
+  for (int a = 0; a < component->n; a++) {
+    fb_real motion[6];
+    fbi_weld_motion(motion, beam, component, a, node);
+    for (int i = 0; i < 6; i++) {
+      const fb_real unit = i < 3 ? side : side * length;
+      rows[i * N + a] += unit * motion[i] * scale[a];
+    }
+  }
+}
+
+/* Block-diagonal K and M of the components and the constraints T q = 0 of the rigid connections (welds): motion of
+   side 0 less that of side 1. Returns the number of coordinates. */
 static int fbi_join_assemble(fb_join_work *work, const fb_beam *beam, const fb_modes *component,
                              const fb_join_desc *desc, int n_component)
 {
@@ -14135,93 +14188,101 @@ static int fbi_join_assemble(fb_join_work *work, const fb_beam *beam, const fb_m
   fbi_zero(work->K, N * N);
   fbi_zero(work->M, N * N);
   fbi_zero(work->T, 6 * desc->n_weld * N);
+
+  /* Blocks and columns of each component */
   for (int c = 0; c < n_component; c++) {
-    const int n = component[c].n;
-
-    /* Scales */
-    for (int a = 0; a < n; a++) {
-      const fb_real m = component[c].M[a * n + a], k = component[c].K[a * n + a];
-      work->scale[at + a] = m > FB_R(0.0) ? FB_R(1.0) / FB_SQRT(m) : k > FB_R(0.0) ? FB_R(1.0) / FB_SQRT(k) : FB_R(1.0);
-    }
-
-    /* Blocks of K and M */
-    for (int ab = 0; ab < n * n; ab++) {
-      const int i = at + ab / n, j = at + ab % n;
-      work->K[i * N + j] = component[c].K[ab] * work->scale[i] * work->scale[j];
-      work->M[i * N + j] = component[c].M[ab] * work->scale[i] * work->scale[j];
-    }
-
-    /* Rows of T: motion of side 0 less that of side 1 */
+    fbi_join_scale(work->scale + at, &component[c]);
+    fbi_join_block(work, &component[c], at, N);
     for (int w = 0; w < 2 * desc->n_weld; w++) {
-      const fb_weld *joint = &desc->weld[w / 2];
-      for (int a = 0; a < n && joint->component[w % 2] == c; a++) {
-        fb_real motion[6];
-        fbi_weld_motion(motion, &beam[c], &component[c], a, joint->node[w % 2]);
-        for (int i = 0; i < 6; i++) {
-          const fb_real unit = (i < 3 ? FB_R(1.0) : beam[0].desc.length) * (w % 2 ? -FB_R(1.0) : FB_R(1.0));
-          work->T[(6 * (w / 2) + i) * N + at + a] += unit * motion[i] * work->scale[at + a];
-        }
+      const fb_weld *weld = &desc->weld[w / 2];
+      if (weld->component[w % 2] == c) {
+        fbi_weld_add(work->T + 6 * (w / 2) * N + at, &beam[c], &component[c], work->scale + at, weld->node[w % 2],
+                     w % 2 ? -FB_R(1.0) : FB_R(1.0), beam[0].desc.length, N);
       }
     }
-    at += n;
+    at += component[c].n;
   }
   return N;
 }
 
+/* Complete pivoting: largest |T_rc| of the rows from `rank` on and the columns without a pivot; returns it. */
+static fb_real fbi_null_pivot(int *row, int *column, const fb_real *T, const int *pivot, int rank, int rows, int N)
+{
+  fb_real largest = FB_R(0.0);
+  for (int at = rank * N; at < rows * N; at++) {
+    if (pivot[at % N] < 0 && FB_FABS(T[at]) > largest) {
+      largest = FB_FABS(T[at]);
+      *row = at / N;
+      *column = at % N;
+    }
+  }
+  return largest;
+}
+
+/* Row `row` is exchanged with row `rank`, scaled to 1 in `column` and subtracted from all others, whose elements
+   in that column become 0. */
+static void fbi_null_eliminate(fb_real *T, int row, int column, int rank, int rows, int N)
+{
+  fb_real *const own = T + rank * N, *const other = T + row * N;
+  fb_real scale;
+  for (int j = 0; j < N; j++) {
+    const fb_real swap = other[j];
+    other[j] = own[j];
+    own[j] = swap;
+  }
+  scale = FB_R(1.0) / own[column];
+  for (int j = 0; j < N; j++) {
+    own[j] *= scale;
+  }
+  for (int i = 0; i < rows; i++) {
+    if (i != rank) {
+      fbi_row_sub(T + i * N, T[i * N + column], own, N);
+    }
+  }
+}
+
+/* Column of the null space for a column of T without a pivot: that coordinate is 1, those with a pivot follow from T,
+   all others are 0. */
+static void fbi_null_column(fb_real *Z, const fb_real *T, const int *pivot, int column, int N, int stride)
+{
+  for (int i = 0; i < N; i++) {
+    Z[i * stride] = i == column ? FB_R(1.0) : FB_R(0.0);
+    if (pivot[i] >= 0) {
+      Z[i * stride] = -T[pivot[i] * N + column];
+    }
+  }
+}
+
 /* [E7.11] Null space of T (rows x N) by Gauss-Jordan elimination with complete pivoting: T [B N] = [1 0] up to the
    order of columns, so that Z = [-B; 1] spans it. Rows that depend on others are dropped. Z is N x (N - rank),
-   the rank is returned.
+   the rank is returned. pivot: the row that a column was eliminated with, or -1.
    Source: [H] 3.6-10; [GV] 3.4.  Fails: never.  Test: joined_halves_are_the_whole. */
 static int fbi_null_space(fb_real *Z, fb_real *T, int *pivot, int rows, int N)
 {
   fb_real first = FB_R(0.0);
-  int rank = 0, column = 0;
+  int rank = 0, found = 0;
   for (int j = 0; j < N; j++) {
-    pivot[j] = -1; /* the row that column j was eliminated with */
+    pivot[j] = -1;
   }
+
+  /* Elimination, until what is left is round-off of the first pivot */
   for (; rank < rows; rank++) {
-    /* Complete pivoting: largest element of the rows and columns left */
-    fb_real best = FB_R(0.0), swap;
-    int r = rank, p = 0;
-    for (int ij = rank * N; ij < rows * N; ij++) {
-      if (pivot[ij % N] < 0 && FB_FABS(T[ij]) > best) {
-        best = FB_FABS(T[ij]);
-        r = ij / N;
-        p = ij % N;
-      }
-    }
-    first = rank == 0 ? best : first;
-    if (!(best > FBI_ROUNDING * first)) {
+    int row = rank, column = 0;
+    const fb_real largest = fbi_null_pivot(&row, &column, T, pivot, rank, rows, N);
+    first = rank == 0 ? largest : first;
+    if (!(largest > FBI_ROUNDING * first)) {
       break;
     }
-
-    /* Its row becomes row `rank`, is scaled to pivot 1 and eliminates the column from all others */
-    for (int j = 0; j < N; j++) {
-      swap = T[r * N + j];
-      T[r * N + j] = T[rank * N + j];
-      T[rank * N + j] = swap;
-    }
-    pivot[p] = rank;
-    swap = FB_R(1.0) / T[rank * N + p];
-    for (int j = 0; j < N; j++) {
-      T[rank * N + j] *= swap;
-    }
-    for (int i = 0; i < rows; i++) {
-      if (i != rank) {
-        fbi_row_sub(T + i * N, T[i * N + p], T + rank * N, N);
-      }
-    }
+    fbi_null_eliminate(T, row, column, rank, rows, N);
+    pivot[column] = rank;
   }
 
-  /* Z: one column for each column without a pivot */
+  /* One column of Z for each column without a pivot */
   for (int j = 0; j < N; j++) {
-    if (pivot[j] >= 0) {
-      continue;
+    if (pivot[j] < 0) {
+      fbi_null_column(Z + found, T, pivot, j, N, N - rank);
+      found++;
     }
-    for (int i = 0; i < N; i++) {
-      Z[i * (N - rank) + column] = pivot[i] >= 0 ? -T[pivot[i] * N + j] : i == j ? FB_R(1.0) : FB_R(0.0);
-    }
-    column++;
   }
   return rank;
 }
@@ -14248,61 +14309,84 @@ static void fbi_congruence(fb_real *A, const fb_real *Z, fb_real *scratch, int N
   }
 }
 
-/* Elastic modes of the m independent coordinates as in E7.2: rows of X with modal mass 1, d = omega^2 ascending. If K
-   is not positive definite, a first solution separates rigid-body modes (omega^2 is round-off of the largest) from
-   the lowest elastic mode, whose omega^2 is the shift of the second. */
-static fb_status fbi_join_solve(fb_join_work *work, int m, int *found)
+/* Is K (m x m) positive definite, with squared pivots well above the round-off of their diagonal elements? */
+static int fbi_join_is_definite(fb_join_work *work, int m)
 {
-  fb_real shift = FB_R(0.0), largest;
-  int rigid = 0, definite;
-  fb_status status;
-
-  /* Is K definite, with pivots well above round-off? */
+  int definite;
   fbi_copy(work->A, work->K, m * m);
   definite = fb_chol_factor(work->A, m) == FB_OK;
   for (int i = 0; i < m * (m + 1) && definite; i += m + 1) {
     definite = work->A[i] * work->A[i] > FB_R(16.0) * FBI_ROUNDING * work->K[i];
   }
+  return definite;
+}
 
-  /* Number of rigid-body modes and shift */
-  if (!definite) {
-    const fb_real noise = FB_R(8.0) * (fb_real)m * FB_EPSILON;
-    fbi_copy(work->A, work->K, m * m);
-    fbi_copy(work->B, work->M, m * m);
-    status = fb_eig_gen_solve(work->d, work->X, work->A, work->B, m);
-    if (status != FB_OK) {
-      return status;
-    }
-    while (rigid < m && work->d[rigid] <= noise * work->d[m - 1]) { /* all of them, where there is no stiffness */
-      rigid++;
-    }
-    if (rigid > 6 || (rigid < m && work->d[rigid] < FB_R(16.0) * noise * work->d[m - 1])) {
-      return FB_ERR_CONVERGENCE;
-    }
-    shift = rigid < m ? work->d[rigid] : FB_R(0.0);
+/* Number of rigid-body modes, whose omega^2 is round-off of the largest, and omega^2 of the lowest elastic mode as the
+   shift; both from K x = omega^2 M x. All modes are rigid where there is no stiffness: shift 0. */
+static fb_status fbi_join_rigid(fb_join_work *work, int *rigid, fb_real *shift, int m)
+{
+  const fb_real noise = FB_R(8.0) * (fb_real)m * FB_EPSILON;
+  fb_status status;
+  fbi_copy(work->A, work->K, m * m);
+  fbi_copy(work->B, work->M, m * m);
+  status = fb_eig_gen_solve(work->d, work->X, work->A, work->B, m);
+  if (status != FB_OK) {
+    return status;
+  }
+  while (*rigid < m && work->d[*rigid] <= noise * work->d[m - 1]) {
+    (*rigid)++;
   }
 
-  /* M x = mu (K + shift M) x, largest mu first */
-  *found = m - rigid;
-  if (rigid == m) {
-    return FB_OK;
+  /* The lowest elastic mode must stand out of the round-off */
+  if (*rigid > 6 || (*rigid < m && work->d[*rigid] < FB_R(16.0) * noise * work->d[m - 1])) {
+    return FB_ERR_CONVERGENCE;
   }
+  *shift = *rigid < m ? work->d[*rigid] : FB_R(0.0);
+  return FB_OK;
+}
+
+/* M x = mu (K + shift M) x: rows of X, d = mu, largest first. */
+static fb_status fbi_join_shifted(fb_join_work *work, fb_real shift, int m)
+{
+  fb_status status;
   for (int i = 0; i < m * m; i++) {
     work->A[i] = work->M[i];
     work->B[i] = work->K[i] + shift * work->M[i];
   }
   status = fb_eig_gen_solve(work->d, work->X, work->A, work->B, m);
-  if (status != FB_OK) {
+  if (status == FB_OK) {
+    fbi_eig_turn(work->d, work->X, m);
+  }
+  return status;
+}
+
+/* Elastic modes of the m independent coordinates as in E7.2: rows of X with modal mass 1, d = omega^2 ascending. If K
+   is not positive definite, a first solution separates rigid-body modes from the lowest elastic mode, whose omega^2 is
+   the shift of the second. */
+static fb_status fbi_join_solve(fb_join_work *work, int m, int *found)
+{
+  fb_real shift = FB_R(0.0), largest;
+  int rigid = 0;
+  fb_status status = FB_OK;
+
+  /* M x = mu (K + shift M) x */
+  if (!fbi_join_is_definite(work, m)) {
+    status = fbi_join_rigid(work, &rigid, &shift, m);
+  }
+  *found = m - rigid;
+  if (status == FB_OK && rigid < m) {
+    status = fbi_join_shifted(work, shift, m);
+  }
+  if (status != FB_OK || rigid == m) {
     return status;
   }
-  fbi_eig_turn(work->d, work->X, m);
 
-  /* omega^2 = 1/mu - shift, modal mass 1 */
+  /* omega^2 = 1/mu - shift, modal mass 1; where mu is round-off, modes are massless from there on */
   largest = work->d[0];
   for (int k = 0; k < *found; k++) {
     const fb_real mu = work->d[rigid + k];
     fb_real scale;
-    if (!(mu > (fb_real)m * FB_EPSILON * largest)) { /* round-off: massless from here on */
+    if (!(mu > (fb_real)m * FB_EPSILON * largest)) {
       *found = k;
       break;
     }
@@ -15227,18 +15311,11 @@ static void fbi_torque_root(fb_shape *shape, int first, const fb_beam *beam, con
 #endif
 
 #if FB_WITH_NONLINEAR_STRAIN
-FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes)
+/* Number of intervals between stations and elements; each needs axial stiffness at both ends. */
+static fb_status fbi_strain_intervals(int *intervals, const fb_beam *beam)
 {
-  const fb_status status = fbi_beam_fits(shape, first, beam, modes);
-  const int points = modes && modes->degree > 0 ? 2 * modes->degree - 1 : FBI_GAUSS; /* exact for slopes^4 */
-  fb_real x[FBI_RULE], w[FBI_RULE], moment = FB_R(0.0), softest = FB_HUGE;
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
-  int n = 0;
-  if (status != FB_OK) {
-    return status;
-  }
-
-  /* Number of quadrature points; every section needs axial stiffness */
+  *intervals = 0;
   while (fbi_cell_next(&cell, beam)) {
     fb_section ends[2];
     fb_beam_section_eval(beam, &ends[0], cell.x0);
@@ -15246,53 +15323,73 @@ FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_b
     if (!(ends[0].EA > FB_R(0.0) && ends[1].EA > FB_R(0.0))) {
       return FB_ERR_KIND;
     }
-    n += points;
+    (*intervals)++;
   }
-  if (shape->n_strain + (n + 3) / 4 * 4 > FBI_MAX_STRAINS) {
+  return FB_OK;
+}
+
+/* Distance |r| of a point of an element's axis from the body frame's origin. */
+static fb_real fbi_beam_distance(const fb_beam *beam, int element, fb_real x)
+{
+  const fb_real at[3] = {x - beam->start[element], FB_R(0.0), FB_R(0.0)};
+  fb_real r[3], local[3];
+  fb_mat33_mul_vec3(local, beam->frame + 9 * element, at);
+  fbi_vec3_add(local, FB_R(1.0), beam->node + 3 * element);
+  fb_mat33_mul_vec3(r, beam->axes, local);
+  fbi_vec3_add(r, FB_R(1.0), beam->desc.position);
+  return fbi_vec3_norm(r);
+}
+
+/* Axial strain u_x' and slopes u_y', u_z' by each mode at quadrature point n, at s in an element. */
+static void fbi_strain_point(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes,
+                             const fb_section *section, int element, fb_real s, int n)
+{
+  for (int a = 0; a < modes->n; a++) {
+    fb_real *slope = shape->slope + 3 * (first + a) * FBI_MAX_STRAINS + n;
+    fbi_field f;
+    fbi_section_field at_center;
+    fbi_mode_field(&f, beam, modes, a, element, s);
+    fbi_section_eval(&at_center, &f, section);
+    slope[0] = at_center.strain;
+    slope[FBI_MAX_STRAINS] = f.slope[0];
+    slope[2 * FBI_MAX_STRAINS] = f.slope[1];
+  }
+}
+
+FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes)
+{
+  const int points = modes && modes->degree > 0 ? 2 * modes->degree - 1 : FBI_GAUSS; /* exact for slopes^4 */
+  fb_real x[FBI_RULE], w[FBI_RULE], moment = FB_R(0.0), softest = FB_HUGE;
+  fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
+  int n, intervals;
+  fb_status status = fbi_beam_fits(shape, first, beam, modes);
+  status = status ? status : fbi_strain_intervals(&intervals, beam);
+  if (status != FB_OK) {
+    return status;
+  }
+  if (shape->n_strain + (intervals * points + 3) / 4 * 4 > FBI_MAX_STRAINS) {
     return FB_ERR_CAPACITY;
   }
 
-  /* Quadrature points of every interval */
+  /* Quadrature points of every interval: weight EA dx; int mass |r| dx and the least EA */
   fbi_gauss_rule(x, w, points);
-  memset(&cell, 0, sizeof cell);
   n = shape->n_strain;
   while (fbi_cell_next(&cell, beam)) {
     for (int g = 0; g < points; g++, n++) {
+      const fb_real dx = w[g] * (cell.x1 - cell.x0), s = fbi_cell_s(&cell, beam, x[g]);
       fb_section section;
       fb_beam_section_eval(beam, &section, cell.x0 + x[g] * (cell.x1 - cell.x0));
-      const fb_real at[3] = {section.x - beam->start[cell.element], FB_R(0.0), FB_R(0.0)};
-
-      /* Point r in body axes */
-      fb_real r[3], local[3];
-      fb_mat33_mul_vec3(local, beam->frame + 9 * cell.element, at);
-      fbi_vec3_add(local, FB_R(1.0), beam->node + 3 * cell.element);
-      fb_mat33_mul_vec3(r, beam->axes, local);
-      fbi_vec3_add(r, FB_R(1.0), beam->desc.position);
-
-      /* Bound of the centrifugal strain: int mass |r| dx over the least EA; weight of the point */
-      moment += w[g] * (cell.x1 - cell.x0) * section.mass * fbi_vec3_norm(r);
+      moment += dx * section.mass * fbi_beam_distance(beam, cell.element, section.x);
       softest = section.EA < softest ? section.EA : softest;
-      shape->strain_weight[n] = w[g] * (cell.x1 - cell.x0) * section.EA;
+      shape->strain_weight[n] = dx * section.EA;
+      fbi_strain_point(shape, first, beam, modes, &section, cell.element, s, n);
 #if FB_WITH_FORMS
-      fbi_torque_station(shape, first, beam, modes, &section, cell.element, fbi_cell_s(&cell, beam, x[g]),
-                         w[g] * (cell.x1 - cell.x0));
+      fbi_torque_station(shape, first, beam, modes, &section, cell.element, s, dx);
 #endif
-
-      /* Strain and slopes of each mode */
-      for (int a = 0; a < modes->n; a++) {
-        fb_real *slope = shape->slope + 3 * (first + a) * FBI_MAX_STRAINS + n;
-        fbi_field f;
-        fbi_section_field at_center;
-        fbi_mode_field(&f, beam, modes, a, cell.element, fbi_cell_s(&cell, beam, x[g]));
-        fbi_section_eval(&at_center, &f, &section);
-        slope[0] = at_center.strain;
-        slope[FBI_MAX_STRAINS] = f.slope[0];
-        slope[2 * FBI_MAX_STRAINS] = f.slope[1];
-      }
     }
   }
 
-  /* Bound with the lumped bodies */
+  /* Bound of the centrifugal strain by omega^2: (int mass |r| dx, with the lumped bodies) / least EA */
   for (int k = 0; k < beam->desc.n_lump; k++) {
     moment += beam->desc.lump[k].mass * (fbi_vec3_norm(beam->desc.position) + beam->desc.length);
   }
@@ -16506,62 +16603,95 @@ static void fbi_joint_fill(fb_joint *joint, const fb_system_desc *desc, const fb
 
 /* ---- systems */
 
-/* Largest eigenvalue of the stiffness of springs and modes (which = 0) or of dampers (1) against the mass,
-   undeformed, at joint coordinates of zero: 60 steps of the power method, which approaches it from below, and 5 %.
-   Everything else in the right-hand side is zero. */
-static fb_status fbi_system_limit(fb_real *limit, fb_system_work *w, const fb_system *system, const fb_body *body,
-                                  int which)
+typedef enum fbi_coefficient { FBI_STIFFNESS, FBI_DAMPING } fbi_coefficient; /* K or D of modes and joints */
+
+/* Start vector x of the power method: unequal speeds q_dot of the modes and u of the axes of every body. */
+static void fbi_power_start(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
-  fb_real size = FB_R(1.0);
+  for (int k = 0; k < system->n_body; k++) {
+    for (int a = 0; a < fbi_model(system, body, k)->n; a++) {
+      w->link[k].q_dot[a] = FB_R(1.0) / (fb_real)(1 + (7 * k + 3 * a) % 5);
+    }
+    for (int i = 0; i < 3; i++) {
+      w->link[k].u[i] = FB_R(1.0) / (fb_real)(1 + (5 * k + 2 * i) % 3);
+    }
+  }
+}
+
+/* p = A x of a body's modes and its joint's free axes, A = K or D; size += x^T A x. */
+static void fbi_power_multiply(fb_real *size, fbi_link_work *L, const fb_body *body, const fb_joint *joint,
+                               fbi_coefficient A)
+{
+  const fb_real *const axis = A == FBI_STIFFNESS ? joint->stiffness : joint->damping;
+
+  /* Modes */
+  fbi_zero(L->pi, body->n);
+  if (A == FBI_STIFFNESS) {
+    fbi_sparse_eval(L->pi, NULL, FB_R(1.0), &body->K, L->q_dot, body->n);
+  } else {
+    fbi_damping_add(L->pi, FB_R(1.0), body, L->q_dot);
+  }
+  *size += fbi_dot(L->pi, L->q_dot, body->n);
+
+  /* Axes; a free joint has neither springs nor dampers */
+  for (int i = 0; i < joint->n_axis && i < 3 && joint->kind != FB_JOINT_FREE; i++) {
+    L->p[i] = L->mode[i] == FB_AXIS_FREE ? axis[i] * L->u[i] : FB_R(0.0);
+    *size += L->p[i] * L->u[i];
+  }
+}
+
+/* p = A x / sqrt(x^T A x) of the system; 0 and p = A x where x^T A x = 0, else 1. */
+static int fbi_power_scaled(fb_system_work *w, const fb_system *system, const fb_body *body, fbi_coefficient A)
+{
+  fb_real size = FB_R(0.0);
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_power_multiply(&size, &w->link[k], fbi_model(system, body, k), fbi_link_joint(system, w, k), A);
+  }
+  if (!(size > FB_R(0.0))) {
+    return 0;
+  }
+  size = FB_R(1.0) / FB_SQRT(size);
+  for (int k = 0; k < system->n_body; k++) {
+    for (int a = 0; a < fbi_model(system, body, k)->n; a++) {
+      w->link[k].pi[a] *= size;
+    }
+    for (int i = 0; i < 3; i++) {
+      w->link[k].p[i] *= size;
+    }
+  }
+  return 1;
+}
+
+/* p^T x over modes and free axes. */
+static fb_real fbi_power_product(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  fb_real sum = FB_R(0.0);
+  for (int k = 0; k < system->n_body; k++) {
+    const fbi_link_work *L = &w->link[k];
+    sum += fbi_dot(L->pi, L->q_dot, fbi_model(system, body, k)->n);
+    for (int i = 0; i < fbi_link_joint(system, w, k)->n_axis && i < 3; i++) {
+      sum += L->mode[i] == FB_AXIS_FREE ? L->p[i] * L->u[i] : FB_R(0.0);
+    }
+  }
+  return sum;
+}
+
+/* Largest eigenvalue of A x = lambda M x, A the stiffness or damping of modes and joints, undeformed, at joint
+   coordinates of zero: 60 steps of the power method, x = M^-1 p with p = A x scaled to x^T A x = 1. The estimate
+   p^T M^-1 p approaches lambda from below: + 5 %. Everything else in the right-hand side is zero. */
+static fb_status fbi_system_limit(fb_real *limit, fb_system_work *w, const fb_system *system, const fb_body *body,
+                                  fbi_coefficient A)
+{
   fb_status status = FB_OK;
-  for (int step = 0; step < 60 && size > FB_R(0.0) && status == FB_OK; step++) {
-    size = FB_R(0.0);
-    for (int k = 0; k < system->n_body; k++) {
-      /* Start vector x in the first step; right-hand side p = K x, and x^T K x */
-      const fb_body *model = fbi_model(system, body, k);
-      const fb_joint *joint = fbi_link_joint(system, w, k);
-      fbi_link_work *L = &w->link[k];
-      for (int a = 0; step == 0 && a < model->n; a++) {
-        L->q_dot[a] = FB_R(1.0) / (fb_real)(1 + (7 * k + 3 * a) % 5);
-      }
-      for (int i = 0; step == 0 && i < 3; i++) {
-        L->u[i] = FB_R(1.0) / (fb_real)(1 + (5 * k + 2 * i) % 3);
-      }
-      fbi_zero(L->pi, model->n);
-      if (which == 0) {
-        fbi_sparse_eval(L->pi, NULL, FB_R(1.0), &model->K, L->q_dot, model->n);
-      } else {
-        fbi_damping_add(L->pi, FB_R(1.0), model, L->q_dot);
-      }
-      size += fbi_dot(L->pi, L->q_dot, model->n);
-      for (int i = 0; i < joint->n_axis && i < 3 && joint->kind != FB_JOINT_FREE; i++) {
-        L->p[i] =
-            L->mode[i] == FB_AXIS_FREE ? (which == 0 ? joint->stiffness[i] : joint->damping[i]) * L->u[i] : FB_R(0.0);
-        size += L->p[i] * L->u[i];
-      }
+  *limit = FB_R(0.0);
+  fbi_power_start(w, system, body);
+  for (int step = 0; step < 60 && status == FB_OK; step++) {
+    if (!fbi_power_scaled(w, system, body, A)) {
+      *limit = FB_R(0.0);
+      break;
     }
-
-    /* Scaled to x^T K x = 1 */
-    size = size > FB_R(0.0) ? FB_R(1.0) / FB_SQRT(size) : size;
-    for (int k = 0; k < system->n_body; k++) {
-      for (int a = 0; a < fbi_model(system, body, k)->n; a++) {
-        w->link[k].pi[a] *= size;
-      }
-      for (int i = 0; i < 3; i++) {
-        w->link[k].p[i] *= size;
-      }
-    }
-
-    /* x = M^-1 p; the estimate is p^T M^-1 p */
-    status = size > FB_R(0.0) ? fbi_speeds_solve(w, system, body) : status;
-    *limit = FB_R(0.0);
-    for (int k = 0; k < system->n_body && size > FB_R(0.0); k++) { /* p^T M^-1 p of p = K x, x^T K x = 1 */
-      const fbi_link_work *L = &w->link[k];
-      *limit += fbi_dot(L->pi, L->q_dot, fbi_model(system, body, k)->n);
-      for (int i = 0; i < fbi_link_joint(system, w, k)->n_axis && i < 3; i++) {
-        *limit += L->mode[i] == FB_AXIS_FREE ? L->p[i] * L->u[i] : FB_R(0.0);
-      }
-    }
+    status = fbi_speeds_solve(w, system, body);
+    *limit = fbi_power_product(w, system, body);
   }
   *limit *= FB_R(1.05);
   return status;
@@ -16733,8 +16863,8 @@ FB_DEF fb_status fb_system_init(fb_system *system, fb_system_work *work, const f
   /* Limits of the step */
   fbi_rhs_clear(work, out, body);
   status = status == FB_OK ? fbi_speeds_solve(work, out, body) : status; /* checks free bodies, too */
-  status = status == FB_OK ? fbi_system_limit(&out->limit_elastic, work, out, body, 0) : status;
-  status = status == FB_OK ? fbi_system_limit(&out->limit_damping, work, out, body, 1) : status;
+  status = status == FB_OK ? fbi_system_limit(&out->limit_elastic, work, out, body, FBI_STIFFNESS) : status;
+  status = status == FB_OK ? fbi_system_limit(&out->limit_damping, work, out, body, FBI_DAMPING) : status;
   status = status == FB_OK ? fbi_kept_limits(out, work, body) : status;
   if (status == FB_OK) {
     *system = *out;
@@ -20349,6 +20479,64 @@ static void fbi_exact_linear_input(fb_exact_linear_work *w, const fb_exact *m, i
   }
 }
 
+/* Arguments checked, and the beam linearized about the state. */
+static fb_status fbi_exact_linear_start(fb_exact_linear_work *w, const fb_exact *m, const fb_exact_state *state,
+                                        const fb_exact_input *input, const fb_exact_linear_desc *desc, int count)
+{
+  fb_status status = count < 1 || count > FB_EXACT_MODES ? FB_ERR_VALUE : fbi_exact_ports_check(m, desc);
+  status = status ? status : fb_exact_state_check(m, state);
+  status = status ? status : fbi_exact_input_check(m, input);
+  return status ? status : fbi_exact_linearize(&w->spectrum.exact, m, state, input, FB_R(0.0));
+}
+
+/* D = static gain of every pair of channels (E12.13 without shift). */
+static void fbi_exact_linear_gain(fb_exact_linear_work *w, const fb_exact *m, const fb_exact_linear_desc *desc)
+{
+  for (int k = 0; k < desc->n_in; k++) {
+    fbi_exact_port_answer(w->answer, w, m, &desc->in[k]);
+    for (int o = 0; o < desc->n_out; o++) {
+      w->linear.D[o * desc->n_in + k] = fbi_exact_port_read(&w->spectrum.exact, m, w->answer, &desc->out[o]);
+    }
+  }
+}
+
+/* Eigenvalues of the `count` modes that are kept, a second [1/s]: 2 states for a pair and 1 for a real one. */
+static fb_status fbi_exact_linear_poles(fb_exact_linear_work *w, const fb_exact *m, const fb_exact_state *state,
+                                        const fb_exact_input *input, int count)
+{
+  fb_exact_linear *const out = &w->linear;
+  int found = 0;
+  const fb_status status = fbi_exact_modes(&found, w->order, &w->spectrum, m, state, input, count);
+  if (status != FB_OK) {
+    return status;
+  }
+  out->n_mode = fbi_exact_keep(&w->spectrum, w->order, found, count);
+  if (out->n_mode > FB_EXACT_MODES) {
+    return FB_ERR_VALUE;
+  }
+  for (int k = 0; k < out->n_mode; k++) {
+    out->re[k] = w->spectrum.re[w->order[k]] / m->time;
+    out->im[k] = w->spectrum.im[w->order[k]] / m->time;
+    out->n += out->im[k] > FB_R(0.0) ? 2 : 1;
+  }
+  return FB_OK;
+}
+
+/* A and C of the modes, then B of each input; D keeps the static gain beyond that of the modes. */
+static fb_status fbi_exact_linear_gains(fb_exact_linear_work *w, const fb_exact *m, const fb_exact_linear_desc *desc,
+                                        int count)
+{
+  fb_status status = fbi_exact_linear_modes(w, m, desc, fbi_exact_basis(m, count));
+  for (int k = 0; k < desc->n_in && status == FB_OK; k++) {
+    fbi_exact_port_answer(w->answer, w, m, &desc->in[k]);
+    status = fbi_exact_project(w, m, fbi_exact_basis(m, count));
+    if (status == FB_OK) {
+      fbi_exact_linear_input(w, m, k);
+    }
+  }
+  return status;
+}
+
 /* [E12.15] Modal model of the beam: blocks of lambda, residues of E12.14, and in D what the answer at rest (E12.13
    without shift) has beyond that of the modes.
    Source: modal truncation with its static correction.  Cost: E12.14 for each input.  Fails: see the header.
@@ -20359,58 +20547,25 @@ FB_DEF fb_status fb_exact_linearize(const fb_exact *m, fb_exact_linear_work *w, 
 {
   static const fb_exact_linear_desc none = {
       0, 0, {{FB_EXACT_PORT_FORCE, 0, 0, FB_AXES_INERTIAL}}, {{FB_EXACT_PORT_FORCE, 0, 0, FB_AXES_INERTIAL}}};
-  fb_exact_linear *out;
   fb_status status;
-  int found = 0;
-
-  /* Check the arguments and linearize about the state. */
   FBI_REQUIRE(m && linear && w && state, FB_ERR_NULL);
   desc = desc ? desc : &none;
-  out = &w->linear;
   input = input ? input : fbi_exact_no_input(&w->spectrum.exact);
-  status = count < 1 || count > FB_EXACT_MODES ? FB_ERR_VALUE : fbi_exact_ports_check(m, desc);
-  status = status ? status : fb_exact_state_check(m, state);
-  status = status ? status : fbi_exact_input_check(m, input);
-  status = status ? status : fbi_exact_linearize(&w->spectrum.exact, m, state, input, FB_R(0.0));
+  status = fbi_exact_linear_start(w, m, state, input, desc, count);
   if (status != FB_OK) {
     return status;
   }
 
-  /* Static gain of every pair of channels, into D. */
-  memset(out, 0, sizeof *out);
-  out->n_in = desc->n_in;
-  out->n_out = desc->n_out;
+  /* Static gain, eigenvalues, then what the modes answer of that gain */
+  memset(&w->linear, 0, sizeof w->linear);
+  w->linear.n_in = desc->n_in;
+  w->linear.n_out = desc->n_out;
   fbi_copy(w->base_quat, state->base_quat, 4);
-  for (int k = 0; k < desc->n_in; k++) {
-    fbi_exact_port_answer(w->answer, w, m, &desc->in[k]);
-    for (int o = 0; o < desc->n_out; o++) {
-      out->D[o * desc->n_in + k] = fbi_exact_port_read(&w->spectrum.exact, m, w->answer, &desc->out[o]);
-    }
-  }
-
-  /* Complex modes: their eigenvalues, 2 states for a pair and 1 for a real one. */
-  status = fbi_exact_modes(&found, w->order, &w->spectrum, m, state, input, count);
-  out->n_mode = status ? 0 : fbi_exact_keep(&w->spectrum, w->order, found, count);
-  if (status != FB_OK || out->n_mode > FB_EXACT_MODES) {
-    return status ? status : FB_ERR_VALUE;
-  }
-  for (int k = 0; k < out->n_mode; k++) {
-    out->re[k] = w->spectrum.re[w->order[k]] / m->time;
-    out->im[k] = w->spectrum.im[w->order[k]] / m->time;
-    out->n += out->im[k] > FB_R(0.0) ? 2 : 1;
-  }
-
-  /* Modal A and C, then B of each input; D keeps the static gain beyond that of the modes. */
-  status = fbi_exact_linear_modes(w, m, desc, fbi_exact_basis(m, count));
-  for (int k = 0; k < desc->n_in && status == FB_OK; k++) {
-    fbi_exact_port_answer(w->answer, w, m, &desc->in[k]);
-    status = fbi_exact_project(w, m, fbi_exact_basis(m, count));
-    if (status == FB_OK) {
-      fbi_exact_linear_input(w, m, k);
-    }
-  }
+  fbi_exact_linear_gain(w, m, desc);
+  status = fbi_exact_linear_poles(w, m, state, input, count);
+  status = status ? status : fbi_exact_linear_gains(w, m, desc, count);
   if (status == FB_OK) {
-    *linear = *out;
+    *linear = w->linear;
   }
   return status;
 }
