@@ -17546,13 +17546,15 @@ FB_DEF fb_status fb_exponential_init(fb_exponential *scheme, fb_body_work *work,
 #if FB_WITH_EXACT
 /* ---- steady states of the geometrically exact beam */
 
-/* Where the next pivot is, by rows a and b (one: a) of the n in `left`: among rows below `first` as long as there are
-   any, on the diagonal where one is more than rounding there (rigid strains have no more), else beside it; then the
-   largest. What is on one side of the diagonal alone is no pivot. Returns how many rows it has. */
+/* Chooses the next pivot, 1x1 (a) or 2x2 (a, b), of the n rows listed in `left` and returns its size. Rows below
+   `first` are eliminated before the others: by the largest diagonal element that exceeds round-off (rigid strains have
+   none), else by the largest off-diagonal one. An off-diagonal pair counts as the smaller of its two elements. */
 static int fbi_pivot_find(int *a, int *b, const fb_real *A, int size, const int *left, int n, int first)
 {
   fb_real on = FB_R(0.0), early = FBI_ROUNDING, off[2] = {FB_R(0.0), FB_R(0.0)};
   int p = 0, is_early = 0, row[2] = {0, 0}, column[2] = {0, 0}, rigid, alone;
+
+  /* Largest diagonal element */
   for (int i = 0; i < n; i++) {
     const fb_real entry = FB_FABS(A[size * left[i] + left[i]]);
     if (left[i] < first && entry > early) {
@@ -17564,6 +17566,8 @@ static int fbi_pivot_find(int *a, int *b, const fb_real *A, int size, const int 
       p = i;
     }
   }
+
+  /* Largest off-diagonal pair: [1] with a row below `first`, [0] without */
   for (int i = 0; i < n && !is_early; i++) {
     for (int j = 0; j < i; j++) {
       const fb_real one = FB_FABS(A[size * left[i] + left[j]]), other = FB_FABS(A[size * left[j] + left[i]]);
@@ -17574,6 +17578,8 @@ static int fbi_pivot_find(int *a, int *b, const fb_real *A, int size, const int 
       off[k] = entry > off[k] ? entry : off[k];
     }
   }
+
+  /* 1x1 unless a pair is needed, or larger by the factor of Bunch and Parlett (1 + sqrt(17))/8 = 0.64 */
   rigid = off[1] > FBI_ROUNDING;
   alone = is_early || (!rigid && on >= FB_R(0.64) * off[0]);
   *a = alone ? p : row[rigid];
@@ -17581,7 +17587,7 @@ static int fbi_pivot_find(int *a, int *b, const fb_real *A, int size, const int 
   return alone ? 1 : 2;
 }
 
-/* Rows and columns scaled alike, so that the largest of each comes near 1. */
+/* Scales rows and columns of A by the same factors, A_ij s_i s_j, so that the largest element of each is near 1. */
 static void fbi_equilibrate(fb_real *A, int n)
 {
   for (int pass = 0; pass < 4; pass++) {
@@ -17599,9 +17605,9 @@ static void fbi_equilibrate(fb_real *A, int n)
   }
 }
 
-/* [E10.19] Negative eigenvalues of a symmetric A (n <= 12), which is overwritten: as many as its pivots have, 1x1 or
-   2x2 on the diagonal (Sylvester; Bunch and Parlett), those of the first rows before the others. Of one that is not
-   quite symmetric: as many, but for pairs, as it has real ones.
+/* [E10.19] Number of negative eigenvalues of a symmetric A (n <= 12, overwritten): that of its block-diagonal factor
+   with pivots of 1x1 and 2x2 (Sylvester's law of inertia; Bunch and Parlett). Rows below `first` are eliminated first.
+   Of a slightly unsymmetric A it counts the real negative eigenvalues, up to an even number.
    Source: [GV] 4.4.  Cost: n^3 flops.  Fails: never.
    Test: columns_have_as_many_unstable_directions_as_loads_exceeded. */
 static int fbi_negatives(fb_real *A, int n, int first)
@@ -17611,16 +17617,21 @@ static int fbi_negatives(fb_real *A, int n, int first)
     left[i] = i;
   }
   fbi_equilibrate(A, n);
+
+  /* Elimination, pivot by pivot */
   for (int rest = n; rest > 0; rest -= size) {
     fb_real det, trace;
     size = fbi_pivot_find(&row, &column, A, n, left, rest, first);
     {
+      /* Pivot P, with 1 for the missing row of a 1x1, and its negative eigenvalues */
       const int a = left[row], b = left[column];
       const fb_real P0 = A[n * a + a], P1 = size > 1 ? A[n * a + b] : FB_R(0.0);
       const fb_real P2 = size > 1 ? A[n * b + a] : FB_R(0.0), P3 = size > 1 ? A[n * b + b] : FB_R(1.0);
       det = P0 * P3 - P1 * P2;
       trace = P0 + P3;
       count += det < FB_R(0.0) ? 1 : size > 1 && trace < FB_R(0.0) ? 2 : 0;
+
+      /* Schur complement of the rows that are left: A -= x P^-1 x^T */
       left[row] = left[rest - 1];
       if (size > 1) { /* column < row: it has not moved */
         left[column] = left[rest - 2];
@@ -17638,8 +17649,9 @@ static int fbi_negatives(fb_real *A, int n, int first)
   return count;
 }
 
-/* A again, of its factors, with the columns of a node (from `own` on) turned to base axes where E10.10's rows are. Of
-   what is held the row is that of 1, and the column does not matter. */
+/* Multiplies the factors: A = P^T L U. Where the force rows of E10.10 are in base axes, the node's columns (from `own`
+   on) are rotated to base axes, too. Constrained components have the row of the identity: their columns have no
+   influence. */
 static void fbi_exact_unfactor(fb_real *A, const fb_real *LU, const int *perm, const fb_exact_work *work,
                                const fb_exact *m, int node, int n, int own)
 {
@@ -17657,10 +17669,11 @@ static void fbi_exact_unfactor(fb_real *A, const fb_real *LU, const int *perm, c
   }
 }
 
-/* [E10.20] Ways in which a steady state is unstable, after E10.10 has factored it: negative eigenvalues of its
-   stiffness by the nodes alone, K + D^T (h C)^-1 D, which are those of (-h C, D; D^T, K) less the six of each element's
-   stress, rigid or not; block by block of the elimination, for inertia adds up. What E10.9 has by the stress beside D^T
-   is a multiple of its h C, and goes with it.
+/* [E10.20] Number of unstable directions of a steady state that E10.10 has factored: negative eigenvalues of the
+   tangent stiffness condensed to the nodes, K + D^T (h C)^-1 D. They are those of (-h C, D; D^T, K) less six for the
+   internal forces of each element, rigid or not. The elimination gives them block by block, since inertia is additive
+   over Schur complements. What E10.9 adds to D^T in the columns of the internal forces is a multiple of h C and is
+   eliminated with it.
    Source: [GV] 4.4; [HY].  Cost: 4 kflops an element.
    Fails: never, once factored.
    Test: columns_have_as_many_unstable_directions_as_loads_exceeded, arches_snap_at_their_limit_load. */
@@ -17679,9 +17692,10 @@ static int fbi_exact_unstable(const fb_exact_work *work, const fb_exact *m)
   return count + fbi_negatives(A, 6, 0);
 }
 
-/* Of a last correction: the next is about its square. */
+/* Convergence tolerance on the last Newton correction; the next one would be about its square. */
 #define FBI_EXACT_TOLERANCE (FB_SINGLE ? FB_R(1e-4) : FB_R(1e-9))
-/* The correction is added, unless it is as large as `change` says or neighbors turn by more than a radian by it. */
+/* Adds the correction; FB_ERR_CONVERGENCE where `change`, its relative size, reaches 100 or it rotates neighboring
+   nodes by more than a radian against each other. */
 static fb_status fbi_exact_turn_add(fb_exact_work *work, const fb_exact *m, fb_real change)
 {
   fb_status status = change < FB_R(100.0) ? FB_OK : FB_ERR_CONVERGENCE;
@@ -17700,20 +17714,26 @@ static fb_status fbi_exact_turn_add(fb_exact_work *work, const fb_exact *m, fb_r
   return status;
 }
 
-/* [E10.11] Newton's method for a steady state: the base moves by its twist, and everything with it.
-   Source: [L] 3.106.  Cost: E10.10 an iteration.  Fails: 25 iterations; neighbors turned by more than a radian against
-   each other at once.  Test: newton_converges_quadratically, steady_bend_of_an_arc_matches_the_published_tip. */
+/* [E10.11] Newton's method for a steady state: the beam moves as a rigid body with the twist of its base, under `part`
+   of the loads.
+   Source: [L] 3.106.  Cost: E10.10 per iteration.  Fails: 25 iterations; neighboring nodes rotated by more than a
+   radian against each other in one.
+   Test: newton_converges_quadratically, steady_bend_of_an_arc_matches_the_published_tip. */
 static fb_status fbi_exact_newton(fb_exact_work *work, const fb_exact *m, const fb_real base_quat[4],
                                   const fb_exact_input *input, fb_real part)
 {
   fb_status status = FB_OK;
   fb_real change = FB_R(1.0), before = FB_HUGE;
   const fbi_exact_motion steady = {0, 0, 0, 0, FB_R(1.0), FB_R(0.0)};
+
+  /* Steady motion; without angular velocity there are no inertia forces */
   work->motion = steady;
   fbi_exact_input_take(work, m, base_quat, input, part, FB_R(0.0));
-  work->motion.inertia = !fbi_is_zero(work->twist + 3, 3); /* a velocity alone takes no forces */
+  work->motion.inertia = !fbi_is_zero(work->twist + 3, 3);
   fbi_zero(work->momentum, 6 * m->n);
   fbi_zero(work->lump, 6 * m->n_lump);
+
+  /* Corrections: residual, tangent, solution; from the tenth on they must decrease */
   for (int it = 0; it < 25 && change > FBI_EXACT_TOLERANCE && status == FB_OK; it++) {
     fbi_exact_nodes_eval(work, m);
     fbi_exact_residual(work, m);
@@ -17724,7 +17744,7 @@ static fb_status fbi_exact_newton(fb_exact_work *work, const fb_exact *m, const 
     }
     fbi_exact_solve(work, m);
     work->iterations++;
-    change = fbi_exact_change(work, m, FB_R(1.0), it > 3 ? FB_EPSILON : FB_R(0.0)); /* no further one takes it away */
+    change = fbi_exact_change(work, m, FB_R(1.0), it > 3 ? FB_EPSILON : FB_R(0.0)); /* round-off apart */
     status = it > 8 && change > before ? FB_ERR_CONVERGENCE : fbi_exact_turn_add(work, m, change);
     before = change;
   }
@@ -17734,15 +17754,20 @@ static fb_status fbi_exact_newton(fb_exact_work *work, const fb_exact *m, const 
   return status;
 }
 
-/* Load increments from the undeformed beam on, each as large as converges. */
+/* Load increments from the undeformed beam on: a step that converges quickly doubles the next, one that does not is
+   quartered. */
 static fb_status fbi_exact_increments(fb_exact_work *work, const fb_exact *m, const fb_real base_quat[4],
                                       const fb_exact_input *input)
 {
   fb_real part = FB_R(0.0), step = FB_R(0.5);
   fb_status status = FB_OK;
+
+  /* Undeformed beam */
   fbi_copy(work->state.r, m->r, 3 * (m->n + 1));
   fbi_copy(work->state.quat, m->quat, 4 * (m->n + 1));
   fbi_zero(work->state.stress[0], 6 * m->n);
+
+  /* Increments up to the full load */
   while (part < FB_R(1.0)) {
     const fb_real next = part + step < FB_R(0.999) ? part + step : FB_R(1.0);
     const int before = work->iterations;
@@ -17763,9 +17788,8 @@ static fb_status fbi_exact_increments(fb_exact_work *work, const fb_exact *m, co
   return FB_OK;
 }
 
-/* ---- trees against the ground */
-
-/* What Newton's method has found: its stability, and the state. */
+/* Writes the steady state of the work and the number of its unstable directions. Velocities are relative to the
+   translation of the base, which goes to state->u in inertial axes. */
 static void fbi_exact_rest(fb_exact_state *state, fb_exact_work *work, const fb_exact *m)
 {
   fb_real base[9];
@@ -17773,7 +17797,7 @@ static void fbi_exact_rest(fb_exact_state *state, fb_exact_work *work, const fb_
   fbi_exact_residual(work, m);
   work->unstable = fbi_exact_unstable(work, m);
   fbi_copy(work->drift, work->twist, 3);
-  fbi_zero(work->twist, 3); /* from here on relative to the base's velocity of this instant */
+  fbi_zero(work->twist, 3); /* from here on relative to the present velocity of the base */
   fbi_exact_nodes_eval(work, m);
   fbi_exact_state_take(state, work, m);
   fb_quat_to_mat33(base, state->base_quat);
@@ -17786,6 +17810,7 @@ static void fbi_exact_rest(fb_exact_state *state, fb_exact_work *work, const fb_
 FB_DEF fb_status fb_exact_trim(const fb_exact *m, fb_exact_state *state, fb_exact_work *work,
                                const fb_exact_input *input)
 {
+  /* Check the arguments */
   fb_status status;
   FBI_REQUIRE(m && state && work, FB_ERR_NULL);
   input = input ? input : fbi_exact_no_input(work);
@@ -17794,6 +17819,8 @@ FB_DEF fb_status fb_exact_trim(const fb_exact *m, fb_exact_state *state, fb_exac
   if (status != FB_OK) {
     return status;
   }
+
+  /* The full load at once, else in increments */
   work->iterations = 0;
   work->increments = 1;
   fbi_exact_pose_take(work, state, m);
@@ -17808,8 +17835,9 @@ FB_DEF fb_status fb_exact_trim(const fb_exact *m, fb_exact_state *state, fb_exac
 }
 #endif
 
-/* Velocities (v, w) of the free spin at |wanted| about the principal axis nearest to it, from the momenta (p, h) about
-   O at w = e_i: p = e_i x c, h = J e_i. mass > 0: its center at rest, 0: O is held. */
+/* Velocities V = (v, w) of a free body that spins steadily, at |wanted| about the principal axis nearest to `wanted`.
+   momenta: (p, h) about the origin O at w = e_i, i = 1 2 3: p = e_i x c, h = J e_i with c = mass times the center of
+   mass. mass > 0: the center of mass is at rest, J about it; 0: O is fixed. */
 static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], fb_real mass, const fb_real wanted[3])
 {
   const fb_real spin = FB_SQRT(fb_vec3_dot(wanted, wanted));
@@ -17819,6 +17847,8 @@ static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], fb_real 
   if (!fbi_is_finite(&spin, 1)) {
     return FB_ERR_NOT_FINITE;
   }
+
+  /* First moment c, and J about the center of mass: J_O - (c.c 1 - c c^T)/mass */
   for (int i = 0; i < 3; i++) {
     const fb_real *const p = momenta + 6 * i;
     fbi_copy(J + 3 * i, p + 3, 3);
@@ -17829,8 +17859,10 @@ static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], fb_real 
     const fb_real square = i % 4 == 0 ? fb_vec3_dot(c, c) : FB_R(0.0);
     J[i] -= (square - c[i / 3] * c[i % 3]) / mass;
   }
+
+  /* w along the projection of `wanted` on a principal axis, or on the space of all with the same inertia */
   status = fb_eig_sym_solve(value, axes, J, 3);
-  for (int k = 0; k < 3 && status == FB_OK; k++) { /* its part along the axis, or along all of the same inertia */
+  for (int k = 0; k < 3 && status == FB_OK; k++) {
     fb_real along[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, size;
     for (int i = 0; i < 3; i++) {
       if (FB_FABS(value[i] - value[k]) <= FBI_ROUNDING * value[2]) {
@@ -17844,7 +17876,9 @@ static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], fb_real 
       fbi_vec3_add(V + 3, spin / size, along);
     }
   }
-  if (mass > FB_R(0.0)) { /* m v + w x c = 0 */
+
+  /* Center of mass at rest: mass v + w x c = 0 */
+  if (mass > FB_R(0.0)) {
     fb_vec3_cross(V, c, V + 3);
     for (int i = 0; i < 3; i++) {
       V[i] /= mass;
@@ -17853,10 +17887,10 @@ static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], fb_real 
   return status;
 }
 
-/* Torque that counts for rounding, in parts of what acts at all. */
+/* Relative tolerance of equilibrium: a resultant below this part of the summed magnitudes counts as round-off. */
 #define FBI_UNREST (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-6))
-/* Whether momenta P, L of a base that nothing prescribes, inertial axes, turn with its spin w and do nothing else:
-   nothing pushes or turns it, against the torque [N m] that acts at all. */
+/* Is a base with momenta P, L (inertial axes) in steady rotation: P' = 0, L' = w x L, up to FBI_UNREST times `torque`,
+   the summed magnitudes of what acts [N m]? Forces count with the lever `length`. */
 static int fbi_is_balanced(const fb_real P_dot[3], const fb_real L_dot[3], const fb_real L[3], const fb_real w[3],
                            fb_real length, fb_real torque)
 {
@@ -17867,11 +17901,11 @@ static int fbi_is_balanced(const fb_real P_dot[3], const fb_real L_dot[3], const
          FBI_UNREST * (torque + fbi_vec3_norm(w) * fbi_vec3_norm(L));
 }
 
-/* How far a coordinate is moved for a difference, in parts of a body or of a radian. */
+/* Step of the finite differences, relative to the size of the body, or in radians. */
 #define FBI_DIFFERENCE (FB_SINGLE ? FB_R(1e-2) : FB_R(1e-3))
-/* Step of a coordinate for a difference: it moves no point by more than a small part of the body, less where the limit
-   is tighter, and turns no node by more than that part of a radian: what hangs on it, and loads in its axes, turn
-   along. */
+/* Finite-difference step of modal coordinate a: it moves no point by more than FBI_DIFFERENCE times the radius of
+   gyration (or the deflection limit, where that is smaller) and rotates no node by more than FBI_DIFFERENCE radians,
+   since bodies and loads on a node rotate with it. */
 static fb_real fbi_difference_step(const fb_body *body, int a)
 {
   const fb_real large =
@@ -17883,11 +17917,11 @@ static fb_real fbi_difference_step(const fb_body *body, int a)
   return most > FB_R(0.0) ? FBI_DIFFERENCE / most : FB_R(1.0);
 }
 
-/* ---- what is differentiated: a body or, with system, bodies on joints */
+/* ---- finite differences: the subject, a body or a system of bodies */
 
 typedef struct fbi_subject {
   const fb_body *body;        /* or the array of models */
-  const fb_linear_desc *desc; /* f is rates and outputs of this; NULL: what keeps it from rest (trim) */
+  const fb_linear_desc *desc; /* f: rates and the outputs of this; NULL: residual of the equilibrium (trim) */
   fb_analyse_work *work;
   const fb_state *state;
   const fb_input *input;
@@ -17899,7 +17933,7 @@ typedef struct fbi_subject {
 #endif
 } fbi_subject;
 
-/* Moves a frame along (i < 3) or turns it about (i >= 3) an axis of its own. */
+/* Displaces a frame by h along (i < 3), or rotates it by h about (i >= 3), one of its own axes. */
 static void fbi_frame_move(fb_real rho[3], fb_real quat[4], int i, fb_real h)
 {
   fb_real x[6] = {FB_R(0.0)}, R[9], shift[3], turn[4], before[4];
@@ -17912,8 +17946,8 @@ static void fbi_frame_move(fb_real rho[3], fb_real quat[4], int i, fb_real h)
   fb_quat_mul(quat, before, turn);
 }
 
-/* Rate of a frame's position against one at rho_0, quat_0 that moves with v_0, w_0, that one's axes: R_0^T rho' - v_0 -
-   w_0 x R_0^T (rho - rho_0). */
+/* Velocity of a frame relative to a reference frame at rho_0, quat_0 that moves with v_0, w_0, in axes of the
+   reference: R_0^T rho' - v_0 - w_0 x R_0^T (rho - rho_0). */
 static void fbi_shift_rate(fb_real rate[3], const fb_real quat0[4], const fb_real rho0[3], const fb_real V0[6],
                            const fb_real rho[3], const fb_real velocity[3])
 {
@@ -17930,7 +17964,8 @@ static void fbi_shift_rate(fb_real rate[3], const fb_real quat0[4], const fb_rea
   }
 }
 
-/* Rate of its attitude, small angles: w - (R_0^T R)^T w_0. */
+/* Angular velocity of the frame relative to the reference, in its own axes: w - (R_0^T R)^T w_0; to first order the
+   rate of the small angles between the two. */
 static void fbi_turn_rate(fb_real rate[3], const fb_real quat0[4], const fb_real w0[3], const fb_real quat[4],
                           const fb_real w[3])
 {
@@ -17944,7 +17979,7 @@ static void fbi_turn_rate(fb_real rate[3], const fb_real quat0[4], const fb_real
   }
 }
 
-/* Rate in body axes of what is kept in inertial ones: R^T P' - w x R^T P. */
+/* Rate of the body-axes components of a vector P given in inertial axes: R^T P' - w x R^T P. */
 static void fbi_turned_rate(fb_real rate[3], const fb_real R[9], const fb_real w[3], const fb_real P[3],
                             const fb_real P_dot[3])
 {
@@ -17955,7 +17990,7 @@ static void fbi_turned_rate(fb_real rate[3], const fb_real R[9], const fb_real w
   fbi_vec3_add(rate, -FB_R(1.0), turn);
 }
 
-/* ---- ports */
+/* ---- input and output channels (ports) */
 
 static void fbi_port_load(fb_load *load, const fb_port *port, fb_real h)
 {
@@ -17965,7 +18000,7 @@ static void fbi_port_load(fb_load *load, const fb_port *port, fb_real h)
   (port->kind == FB_PORT_FORCE ? load->force : load->torque)[port->axis] = h;
 }
 
-/* What the output reads at a node of a body in motion. */
+/* Output y at a node of a body. */
 static fb_status fbi_port_read(fb_real *y, const fb_body *body, const fb_state *state, const fb_motion *motion,
                                const fb_port *port)
 {
@@ -17986,18 +18021,18 @@ static fb_status fbi_port_read(fb_real *y, const fb_body *body, const fb_state *
   return status;
 }
 
-/* ---- of one body */
+/* ---- residual and response of one body */
 
 static fb_status fbi_analyse_check(const fb_body *body, const fb_state *state, const fb_input *input)
 {
   FBI_REQUIRE(body && state && input, FB_ERR_NULL);
-  if (fbi_form(body) != 0 && body->base != FB_BASE_PRESCRIBED) { /* its u, L are velocities */
+  if (fbi_form(body) != 0 && body->base != FB_BASE_PRESCRIBED) { /* in the other forms u, L are velocities */
     return FB_ERR_VALUE;
   }
   return fb_state_check(body, state);
 }
 
-/* (p, h) about O of a base that nothing prescribes, body axes. */
+/* Momenta (p, h) about O of a body whose base is not prescribed, body axes. */
 static void fbi_momenta_about_origin(fb_real ph[6], const fb_body *body, const fb_state *state, const fb_real R[9])
 {
   fb_real u[3], c[3];
@@ -18011,8 +18046,8 @@ static void fbi_momenta_about_origin(fb_real ph[6], const fb_body *body, const f
   }
 }
 
-/* A state of these velocities; of a prescribed base its elastic momenta are against the ground, which does not turn
-   with the base. */
+/* State with the given velocities. With a prescribed base the elastic momenta are those relative to the ground, which
+   does not move with the base. */
 static fb_status fbi_state_of(const fb_body *body, fb_state *state, const fb_real v[3], const fb_real w[3],
                               const fb_real *q_dot)
 {
@@ -18027,7 +18062,7 @@ static fb_status fbi_state_of(const fb_body *body, fb_state *state, const fb_rea
   return status;
 }
 
-/* Velocities of a base that spins freely, at the shape of state; its momenta are spoiled. */
+/* Velocities of a freely spinning base at the deformation q of the state, whose momenta are overwritten. */
 static fb_status fbi_body_spin(fb_real V[6], fb_state *state, const fb_body *body, const fb_real wanted[3])
 {
   const fb_real still[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
@@ -18038,6 +18073,8 @@ static fb_status fbi_body_spin(fb_real V[6], fb_state *state, const fb_body *bod
   if (body->base == FB_BASE_HINGED || !(fb_vec3_dot(wanted, wanted) > FB_R(0.0))) {
     return FB_OK;
   }
+
+  /* Momenta by a unit angular velocity about each axis */
   fb_quat_to_mat33(R, state->quat);
   for (int i = 0; i < 3 && status == FB_OK; i++) {
     fb_real w[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
@@ -18048,7 +18085,8 @@ static fb_status fbi_body_spin(fb_real V[6], fb_state *state, const fb_body *bod
   return status ? status : fbi_free_spin(V, momenta, body->base == FB_BASE_FREE ? body->mass : FB_R(0.0), wanted);
 }
 
-/* pi_dot at rest in the frame, which moves as the input says or spins freely, with q_j moved by h. */
+/* Residual of the trim: pi_dot at q_dot = 0, with q_j increased by h; the base moves as the input prescribes, or spins
+   freely. */
 static fb_status fbi_body_residual(fb_real *f, const fbi_subject *s, int j, fb_real h)
 {
   fb_analyse_work *const work = s->work;
@@ -18079,8 +18117,8 @@ static fb_real fbi_across(const fb_real w[3], const fb_real x[3])
   return spin > FB_R(0.0) ? fbi_vec3_norm(turn) / spin : FB_R(0.0);
 }
 
-/* Whether the base rests in the trimmed state of the work, too: FB_ERR_UNREST where it is pushed or turned, now or when
-   it has turned on. */
+/* Is the base of the trimmed state in equilibrium, too? FB_ERR_UNREST where force or torque accelerate it, now or after
+   it has rotated further: loads in inertial axes and gravity need to be along the spin axis. */
 static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const fb_input *input)
 {
   const fb_real length = body->gyration, none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
@@ -18089,6 +18127,8 @@ static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const
   if (status != FB_OK || body->base == FB_BASE_PRESCRIBED) {
     return status;
   }
+
+  /* Summed magnitudes of loads and gravity; `across`: of what rotates relative to the body */
   fb_quat_to_mat33(R, work->moved.quat);
   fb_mat33_mul_vec3(w, R, work->motion.w);
   for (int i = 0; i < input->n_load; i++) {
@@ -18103,6 +18143,8 @@ static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const
     across += body->mass * length * fbi_across(w, body->gravity);
   }
 #endif
+
+  /* P' = 0, L' = w x L, now and later */
   fbi_zero(push, 3);
   fbi_vec3_add(push, body->mass, work->rate.u);
   return fbi_is_balanced(push, work->rate.L, work->moved.L, w, length, torque) && across <= FBI_UNREST * torque
@@ -18110,8 +18152,9 @@ static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const
              : FB_ERR_UNREST;
 }
 
-/* The state with the element j of x moved by h. Where q is moved, the velocities stay and the momenta follow (E12.12);
-   when the attitude changes, momenta keep their components in body axes. */
+/* State with element j of x increased by h; x = (q, pi, momenta of the base, position and attitude). With q the
+   velocities stay constant and the momenta change (E12.12); with the attitude the momenta keep their components in body
+   axes. */
 static fb_status fbi_linear_move(fb_state *out, const fbi_subject *s, int j, fb_real h)
 {
   const fb_motion *const steady = &s->work->steady;
@@ -18121,10 +18164,14 @@ static fb_status fbi_linear_move(fb_state *out, const fbi_subject *s, int j, fb_
             pose = momentum - (6 - first);
   fb_real R[9], ph[6];
   *out = *state;
+
+  /* q */
   if (j < n) {
     out->q[j] += h;
     return fbi_state_of(body, out, steady->v, steady->w, steady->q_dot);
   }
+
+  /* pi, else momenta or pose of the base */
   if (j < 2 * n) {
     out->pi[j - n] += h;
   } else {
@@ -18143,7 +18190,7 @@ static fb_status fbi_linear_move(fb_state *out, const fbi_subject *s, int j, fb_
   return FB_OK;
 }
 
-/* Rates of the momenta and of the pose, body axes. */
+/* Rates of the momenta of the base and of its pose, body axes; the pose relative to the steady motion. */
 static void fbi_linear_frame(fb_real rate[12], const fb_analyse_work *work, const fb_state *state, fb_real mass)
 {
   const fb_state *const at = &work->moved;
@@ -18162,7 +18209,7 @@ static void fbi_linear_frame(fb_real rate[12], const fb_analyse_work *work, cons
   fbi_turn_rate(rate + 9, state->quat, V0 + 3, at->quat, w);
 }
 
-/* Moves an input by h. */
+/* Increases an input by h. */
 static void fbi_port_drive(fb_input *input, const fb_port *port, fb_real h)
 {
   if (port->kind == FB_PORT_BASE_VELOCITY || port->kind == FB_PORT_BASE_RATE) {
@@ -18173,7 +18220,7 @@ static void fbi_port_drive(fb_input *input, const fb_port *port, fb_real h)
   }
 }
 
-/* The momenta among x: of the modes, then of a base that is free to move, body axes. */
+/* Momenta of the linear model: those of the modes, then the free ones of the base, body axes. */
 static void fbi_linear_momenta(fb_real *p, const fb_body *body, const fb_state *state)
 {
   const int n = body->n, first = fbi_first_free(body->base);
@@ -18188,7 +18235,7 @@ static void fbi_linear_momenta(fb_real *p, const fb_body *body, const fb_state *
   fbi_copy(p + n, ph + first, 6 - first);
 }
 
-/* f: rates of x, the outputs, the momenta among x, with x_j or an input moved by h. */
+/* f = (rates of x, outputs, momenta of the linear model) with x_j, or from `states` on an input, increased by h. */
 static fb_status fbi_body_response(fb_real *f, const fbi_subject *s, int j, fb_real h)
 {
   fb_analyse_work *const work = s->work;
@@ -18196,6 +18243,8 @@ static fb_status fbi_body_response(fb_real *f, const fbi_subject *s, int j, fb_r
   const int n = body->n, first = fbi_first_free(body->base), n_free = 6 - first, states = 2 * (n + n_free);
   fb_real frame[12];
   fb_status status = FB_OK;
+
+  /* State and input, then rates and motion */
   work->moved = *s->state;
   work->input = *s->input;
   if (j < states) {
@@ -18208,6 +18257,8 @@ static fb_status fbi_body_response(fb_real *f, const fbi_subject *s, int j, fb_r
   if (status != FB_OK) {
     return status;
   }
+
+  /* Rates of x, outputs, momenta */
   fbi_copy(f, work->rate.q, n);
   fbi_copy(f + n, work->rate.pi, n);
   fbi_linear_frame(frame, work, s->state, body->mass);
@@ -18221,14 +18272,14 @@ static fb_status fbi_body_response(fb_real *f, const fbi_subject *s, int j, fb_r
 }
 
 #if FB_WITH_SYSTEM
-/* ---- of a system */
+/* ---- residual and response of a system */
 
 static fb_status fbi_system_analyse_check(fb_system_analyse_work *work, const fb_system *system, const fb_body *body,
                                           const fb_system_state *state, const fb_system_input *input)
 {
   fb_status status;
   FBI_REQUIRE(system && body && work && state, FB_ERR_NULL);
-  work->system.joint = -1; /* none is at fault yet */
+  work->system.joint = -1; /* no joint has failed yet */
   if (system->method == FB_METHOD_MULTIPLIERS || (input && input->rows)) {
     return FB_ERR_UNSUPPORTED;
   }
@@ -18236,12 +18287,13 @@ static fb_status fbi_system_analyse_check(fb_system_analyse_work *work, const fb
   return status ? status : fbi_system_range(system, body, state);
 }
 
-static int fbi_is_ball(fb_joint_kind kind) /* its coordinates are an attitude */
+static int fbi_is_ball(fb_joint_kind kind) /* the attitude is (part of) its coordinates */
 {
   return kind == FB_JOINT_FREE || kind == FB_JOINT_SPHERICAL;
 }
 
-/* Length [m] by which slides are judged: the largest body or offset of a joint. */
+/* Characteristic length of a system [m], the scale of sliding coordinates: the largest radius of gyration of a body or
+   offset of a joint; 1 m where all are zero. */
 static fb_real fbi_system_size(const fb_system *system, const fb_body *body)
 {
   fb_real size = FB_R(0.0);
@@ -18254,8 +18306,8 @@ static fb_real fbi_system_size(const fb_system *system, const fb_body *body)
   return size > FB_R(0.0) ? size : FB_R(1.0);
 }
 
-/* The coordinates of the linear model, free axes of the joints and then modes, and how far to move them; of the trim:
-   without free joints. */
+/* Lists the coordinates of the linear model, free axes of the joints and then modes, with their finite-difference
+   steps. The trim leaves the coordinates of free joints out. */
 static fb_status fbi_coordinates_find(fb_system_analyse_work *work, const fb_system *system, const fb_body *body,
                                       const fb_system_state *state, int trim)
 {
@@ -18294,7 +18346,7 @@ static void fbi_coordinate_move(fb_system_state *state, const fb_system *system,
   }
 }
 
-/* Velocities of all bodies when one coordinate has speed 1. The system is placed. */
+/* Velocities of all bodies per unit speed of one coordinate. The poses of the bodies are known. */
 static void fbi_unit_speeds(const fbi_subject *s, const fbi_coordinate *c)
 {
   fb_system_work *const w = &s->system_work->system;
@@ -18306,7 +18358,8 @@ static void fbi_unit_speeds(const fbi_subject *s, const fbi_coordinate *c)
   fbi_speeds_out(w, s->system, s->body);
 }
 
-/* Momenta along the axes of the joint of a body, and in `moved` those of all, when that one speed is 1. */
+/* Momenta along the axes of the coordinate's joint per unit speed of the coordinate; those of all bodies are left in
+   `moved`. */
 static void fbi_unit_momenta(fb_real p[6], const fbi_subject *s, const fbi_coordinate *c)
 {
   fb_system_work *const w = &s->system_work->system;
@@ -18315,15 +18368,18 @@ static void fbi_unit_momenta(fb_real p[6], const fbi_subject *s, const fbi_coord
   fbi_joint_momenta(p, &w->link[c->body], &s->system->joint[c->body], &s->system_work->moved.link[c->body]);
 }
 
-/* ---- loops: coordinates that the others give */
+/* ---- loops: dependent coordinates */
 
-/* Places the system and fills Z: what the rows of the loops have by coordinate, and by how much they are not met. */
+/* Evaluates the poses of the bodies and fills Z = (Jacobian of the loop constraints, their violation). row_size: scale
+   of a row, by which its elements are judged. */
 static fb_status fbi_loops_rows(const fbi_subject *s, const fb_system_state *state)
 {
   fb_system_analyse_work *const work = s->system_work;
   fb_system_work *const w = &work->system;
   const int n = work->n;
   fb_status status = FB_OK;
+
+  /* Constraint rows and their violation */
   fbi_system_enter(w, s->system);
   fbi_links_place(w, s->system, s->body, state, state);
   if (s->system->n_loop > 0) {
@@ -18334,6 +18390,8 @@ static fb_status fbi_loops_rows(const fbi_subject *s, const fb_system_state *sta
     work->row_size[r] = FB_R(0.0);
     w->order[r] = r;
   }
+
+  /* Jacobian, column by column */
   for (int j = 0; j < n && w->n_row > 0 && status == FB_OK; j++) {
     fbi_unit_speeds(s, &work->coordinate[j]);
     fbi_ends_move(w, s->system, s->body);
@@ -18345,7 +18403,8 @@ static fb_status fbi_loops_rows(const fbi_subject *s, const fb_system_state *sta
   return status;
 }
 
-/* The largest element that row k or a later one has in a column that may be its dependent coordinate. */
+/* Pivot: the largest scaled element of rows k and later, over all columns (choose) or in the column of the k-th
+   dependent coordinate. */
 static fb_real fbi_loops_pivot(int *row, int *column, const fb_system_analyse_work *work, int k, int choose)
 {
   const int n = work->n;
@@ -18363,10 +18422,11 @@ static fb_real fbi_loops_pivot(int *row, int *column, const fb_system_analyse_wo
   return best;
 }
 
-/* [E12.11] Z by Gauss and Jordan: coordinate dependent[k] moves by -Z_kj of each independent one, and is off by Z_kn.
-   choose: which depend is found first, with full pivoting; rows that say nothing new are left out.
-   Source: [GV] 3.4.  Cost: rows^2 n.  Fails: FB_ERR_SINGULAR, one that does not follow from the others any more, and a
-   joint whose row is left.
+/* [E12.11] Coordinate partitioning by Gauss-Jordan elimination of Z: coordinate dependent[k] changes by -Z_kj per unit
+   of independent coordinate j, and -Z_kn closes the loops. choose: full pivoting selects the dependent coordinates;
+   redundant rows are dropped. Otherwise the selection of before is kept.
+   Source: [GV] 3.4.  Cost: rows^2 n.  Fails: FB_ERR_SINGULAR, a dependent coordinate is no longer determined by the
+   others; work names the joint of a row that is left.
    Test: rods_in_a_loop_swing_as_one_pendulum, held_tips_take_a_mode_away. */
 static fb_status fbi_loops_reduce(fb_system_analyse_work *work, int choose)
 {
@@ -18375,6 +18435,8 @@ static fb_status fbi_loops_reduce(fb_system_analyse_work *work, int choose)
   for (int k = 0; k < count; k++) {
     int row = k, column = 0;
     fb_real scale;
+
+    /* Pivot; without one the rows that are left are redundant (choose), or the selection fails */
     if (!(fbi_loops_pivot(&row, &column, work, k, choose) > (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-8)))) {
       work->n_dependent = choose ? k : work->n_dependent;
       work->system.joint = choose ? work->system.joint : work->system.row[work->system.order[k]].joint;
@@ -18382,6 +18444,8 @@ static fb_status fbi_loops_reduce(fb_system_analyse_work *work, int choose)
     }
     work->dependent[k] = column;
     work->n_dependent = choose ? k + 1 : work->n_dependent;
+
+    /* Its row becomes row k, scaled to pivot 1, and eliminates the column from all others */
     scale = FB_R(1.0) / work->Z[row * width + column];
     for (int j = 0; j < width; j++) {
       const fb_real element = work->Z[row * width + j];
@@ -18399,7 +18463,7 @@ static fb_status fbi_loops_reduce(fb_system_analyse_work *work, int choose)
   return FB_OK;
 }
 
-/* Which coordinates are independent, in their order. */
+/* Selects the dependent coordinates and lists the independent ones in their order. */
 static fb_status fbi_loops_open(const fbi_subject *s, const fb_system_state *state)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -18419,7 +18483,7 @@ static fb_status fbi_loops_open(const fbi_subject *s, const fb_system_state *sta
   return status;
 }
 
-/* FB_ERR_CONTRADICTION: a loop of the placed system is open, also by what its rows leave out as said twice. */
+/* FB_ERR_CONTRADICTION: a loop is open at the present poses; redundant rows are checked, too. */
 static fb_status fbi_loops_check(fb_system_analyse_work *work)
 {
   for (int r = 0; r < work->system.n_row; r++) {
@@ -18432,8 +18496,8 @@ static fb_status fbi_loops_check(fb_system_analyse_work *work)
   return FB_OK;
 }
 
-/* Moves the dependent coordinates of a state to where the loops are closed, by Newton's method; leaves the system
-   placed and Z as it is there. */
+/* Closes the loops of a state by Newton's method on its dependent coordinates; poses and Z of the work are then those
+   of the closed loops. */
 static fb_status fbi_loops_shut(const fbi_subject *s, fb_system_state *state)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -18451,7 +18515,7 @@ static fb_status fbi_loops_shut(const fbi_subject *s, fb_system_state *state)
   return status;
 }
 
-/* What forces or momenta x of all coordinates are along independent one j: those of the dependent ones come with it. */
+/* Forces or momenta x of all coordinates reduced to independent coordinate j: x_j - sum_k Z_kj x_dependent(k). */
 static fb_real fbi_loops_reduced(const fb_system_analyse_work *work, const fb_real *x, int j)
 {
   const int at = work->independent[j];
@@ -18462,7 +18526,7 @@ static fb_real fbi_loops_reduced(const fb_system_analyse_work *work, const fb_re
   return sum;
 }
 
-/* Rates of a joint's coordinates z and momenta p along its axes, as fb_linear has them. */
+/* Rates of the coordinates z of a joint and of the momenta p along its axes, as defined for fb_linear. */
 static void fbi_joint_rates(fb_real z[6], fb_real p[6], const fbi_subject *s, int k)
 {
   const fb_system_analyse_work *const work = s->system_work;
@@ -18486,7 +18550,7 @@ static void fbi_joint_rates(fb_real z[6], fb_real p[6], const fbi_subject *s, in
   }
 }
 
-/* Rates of the independent coordinates, then of their momenta, from those of the moved state. */
+/* Rates of the independent coordinates, then of their momenta, from the rates of the state `moved`. */
 static void fbi_system_linear_rates(fb_real *f, const fbi_subject *s)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -18506,14 +18570,14 @@ static void fbi_system_linear_rates(fb_real *f, const fbi_subject *s)
   }
 }
 
-/* Is it a free joint that nothing moves? */
+/* Is it a free joint whose motion is not prescribed? */
 static int fbi_is_afloat(const fb_system *system, const fb_system_state *state, int k)
 {
   return system->joint[k].kind == FB_JOINT_FREE && state->mode[k][0] == FB_AXIS_FREE;
 }
 
-/* Speeds at rest of the free joints: all that hangs on one in a free spin about the input's rate. The system is
-   placed. */
+/* Steady speeds of the free joints: the tree on each spins freely at the rate that the input gives. The poses of the
+   bodies are known. */
 static fb_status fbi_roots_spin(const fbi_subject *s)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -18524,7 +18588,7 @@ static fb_status fbi_roots_spin(const fbi_subject *s)
     if (!fbi_is_afloat(s->system, &work->moved, k) || fb_vec3_dot(wanted, wanted) == FB_R(0.0)) {
       continue;
     }
-    for (int i = 0; i < 4; i++) { /* w = e_1, e_2, e_3; v = e_1 for the mass */
+    for (int i = 0; i < 4; i++) { /* w = e_1, e_2, e_3; v = e_1, whose momentum is the mass */
       const fbi_coordinate c = {k, 0, (3 + i) % 6};
       fbi_unit_momenta(momenta + 6 * i, s, &c);
     }
@@ -18533,7 +18597,7 @@ static fb_status fbi_roots_spin(const fbi_subject *s)
   return status;
 }
 
-/* Whether the free joints of the trimmed state rest, too: FB_ERR_UNREST where one is pushed or turned. */
+/* Are the free joints of the trimmed state in equilibrium, too? FB_ERR_UNREST where force or torque accelerate one. */
 static fb_status fbi_roots_rest(const fbi_subject *s)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -18556,7 +18620,8 @@ static fb_status fbi_roots_rest(const fbi_subject *s)
   return FB_OK;
 }
 
-/* Rates of the momenta at rest, given axes apart, with coordinate j moved by h. */
+/* Residual of the trim: rates of the momenta with independent coordinate j increased by h, at zero speeds but for
+   prescribed axes and free spins. */
 static fb_status fbi_system_residual(fb_real *f, const fbi_subject *s, int j, fb_real h)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -18578,7 +18643,7 @@ static fb_status fbi_system_residual(fb_real *f, const fbi_subject *s, int j, fb
   return status;
 }
 
-/* Momenta of the independent coordinates of a placed system; p of all. */
+/* Momenta of the independent coordinates (out) and of all (p); the poses of the bodies are known. */
 static void fbi_system_momenta(fb_real *out, fb_real *p, const fbi_subject *s, const fb_system_state *state)
 {
   const fb_system_analyse_work *const work = s->system_work;
@@ -18594,9 +18659,9 @@ static void fbi_system_momenta(fb_real *out, fb_real *p, const fbi_subject *s, c
   }
 }
 
-/* Momenta of the moved state, whose loops are shut, along the axes of the joints: as they are steadily, and h more of
-   the independent one j. In loops those of the dependent coordinates are zero: the others' have theirs in them, and
-   d/dt of what has is fbi_loops_reduced. */
+/* Sets the momenta of the state `moved`, whose loops are closed, along the axes of the joints: the steady ones, with h
+   added to that of independent coordinate j. In loops the momenta of dependent coordinates are set to zero, since the
+   reduced momenta of the independent ones contain them; fbi_loops_reduced gives the rates. */
 static void fbi_momenta_keep(const fbi_subject *s, int j, fb_real h)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -18614,15 +18679,16 @@ static void fbi_momenta_keep(const fbi_subject *s, int j, fb_real h)
   }
 }
 
-/* Is coordinate j of a free joint? No momentum in axes of the child's side depends on it. */
+/* Does coordinate j belong to a free joint? Momenta in axes of the child do not depend on it. */
 static int fbi_is_pose(const fbi_subject *s, int j)
 {
   const fbi_coordinate *const c = &s->system_work->coordinate[s->system_work->independent[j]];
   return !c->mode && s->system->joint[c->body].kind == FB_JOINT_FREE;
 }
 
-/* The state with element j of x (if it is one, not an input) moved by h. Of a tree that a coordinate moves the speeds
-   stay and the momenta follow (E12.12); else momenta keep their components along the axes of the joints. */
+/* State `moved` with element j of x increased by h (if j is not an input). In trees, with a coordinate the speeds stay
+   constant and the momenta change (E12.12); otherwise the momenta keep their components along the axes of the
+   joints. */
 static fb_status fbi_system_linear_move(const fbi_subject *s, int j, fb_real h)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -18667,12 +18733,14 @@ static fb_status fbi_system_port_read(fb_real *y, const fbi_subject *s, const fb
   return fbi_port_read(y, fbi_model(s->system, s->body, k), &motion->pose[k], &motion->motion[k], port);
 }
 
-/* f: rates of x, the outputs, the momenta among x, with x_j or an input moved by h. */
+/* f = (rates of x, outputs, momenta of the linear model) with x_j, or from `states` on an input, increased by h. */
 static fb_status fbi_system_response(fb_real *f, const fbi_subject *s, int j, fb_real h)
 {
   fb_system_analyse_work *const work = s->system_work;
   const int states = 2 * work->n_independent;
   fb_status status;
+
+  /* State and input, then rates */
   work->moved = *s->system_state;
   memset(&work->input, 0, sizeof work->input);
   if (s->system_input) {
@@ -18687,6 +18755,8 @@ static fb_status fbi_system_response(fb_real *f, const fbi_subject *s, int j, fb
   if (status != FB_OK) {
     return status;
   }
+
+  /* Rates of x, momenta, outputs */
   fbi_system_linear_rates(f, s);
   fbi_copy(f + states + s->desc->n_out, work->p_moved, work->n_independent);
   if (s->desc->n_out > 0) {
@@ -18699,7 +18769,7 @@ static fb_status fbi_system_response(fb_real *f, const fbi_subject *s, int j, fb
 }
 #endif
 
-/* ---- of both */
+/* ---- derivatives and Newton's method, of bodies and systems */
 
 static fb_status fbi_subject_eval(fb_real *f, const fbi_subject *s, int j, fb_real h)
 {
@@ -18711,7 +18781,7 @@ static fb_status fbi_subject_eval(fb_real *f, const fbi_subject *s, int j, fb_re
   return s->desc ? fbi_body_response(f, s, j, h) : fbi_body_residual(f, s, j, h);
 }
 
-/* Moves an unknown of the trim for good. */
+/* Corrects unknown j of the trim by h. */
 static fb_status fbi_subject_move(const fbi_subject *s, int j, fb_real h)
 {
 #if FB_WITH_SYSTEM
@@ -18725,7 +18795,8 @@ static fb_status fbi_subject_move(const fbi_subject *s, int j, fb_real h)
   return FB_OK;
 }
 
-/* Column j of the derivative of f: values at -2, -1, 1, 2 steps h, exact for polynomials of degree 4. */
+/* Column j of the Jacobian of f by central differences with the values at -2, -1, 1, 2 steps h; exact for polynomials
+   of degree 4. */
 static fb_status fbi_difference(fbi_analysis *work, const fbi_subject *s, int j, fb_real h, int count)
 {
   static const fb_real weight[4] = {FB_R(1.0) / FB_R(12.0), -FB_R(2.0) / FB_R(3.0), FB_R(2.0) / FB_R(3.0),
@@ -18742,13 +18813,14 @@ static fb_status fbi_difference(fbi_analysis *work, const fbi_subject *s, int j,
   return status;
 }
 
-/* Newton's method for f = 0 in n unknowns. change: the last step, in bodies or radians; below 1e-9 it leaves
-   rounding. */
+/* Newton's method for f = 0 in n unknowns. change: the last correction relative to the size of the body, or in radians;
+   the iteration ends when it is round-off. */
 static fb_status fbi_trim_newton(fb_real *change, fbi_analysis *work, const fbi_subject *s, int n)
 {
   fb_status status = FB_OK;
   *change = FB_R(1.0);
   for (int step = 0; step < 40 && *change > FB_R(64.0) * FB_EPSILON && status == FB_OK; step++) {
+    /* Jacobian by differences, and the residual */
     for (int j = 0; j < n && status == FB_OK; j++) {
       status = fbi_difference(work, s, j, work->step[j], n);
       for (int i = 0; i < n; i++) {
@@ -18756,6 +18828,8 @@ static fb_status fbi_trim_newton(fb_real *change, fbi_analysis *work, const fbi_
       }
     }
     status = status ? status : fbi_subject_eval(work->f, s, 0, FB_R(0.0));
+
+    /* Correction */
     status = status || n == 0 ? status : fb_lu_factor(work->A, work->perm, work->scale, n);
     *change = FB_R(0.0);
     if (status == FB_OK) {
@@ -18788,8 +18862,8 @@ static fbi_subject fbi_subject_body(const fb_body *body, fb_analyse_work *work, 
   return s;
 }
 
-/* [E12.1] Steady state by Newton's method: pi_dot(q) = 0 at q_dot = 0, the tangent by differences.
-   Source: definition.  Cost: 4 n evaluations and a LU an iteration.  Fails: see the header.
+/* [E12.1] Steady state by Newton's method: pi_dot(q) = 0 at q_dot = 0, the Jacobian by differences.
+   Source: definition.  Cost: 4 n evaluations and an LU factorization per iteration.  Fails: see the header.
    Test: spectrum_of_a_spinning_oscillator_is_closed_form, bases_that_are_pushed_have_no_state_of_rest. */
 FB_DEF fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_work *work, const fb_input *input)
 {
@@ -18800,6 +18874,8 @@ FB_DEF fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_w
   if (status != FB_OK) {
     return status;
   }
+
+  /* Newton's method from the given state */
   s = fbi_subject_body(body, work, &work->state, input, NULL);
   work->state = *state;
   for (int a = 0; a < body->n; a++) {
@@ -18810,6 +18886,8 @@ FB_DEF fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_w
   if (status == FB_OK && !fbi_is_settled(change)) {
     status = FB_ERR_CONVERGENCE;
   }
+
+  /* Equilibrium of the base; the momenta of a prescribed one as of any state */
   status = status ? status : fbi_body_rest(work, body, input);
   if (status == FB_OK && body->base == FB_BASE_PRESCRIBED) {
     status = fb_state_from_velocity(body, &work->moved, input->v, input->w, NULL);
@@ -18829,9 +18907,9 @@ static fbi_subject fbi_subject_system(const fb_system *system, const fb_body *bo
   return s;
 }
 
-/* [E12.8] Relative equilibrium of a system by Newton's method: the rates of the momenta of joints and modes, along the
-   axes of the joints, vanish with given axes at their rates, free joints in a free spin and the rest still.
-   Source: definition.  Cost: 8 n evaluations and a LU an iteration.  Fails: see the header.
+/* [E12.8] Relative equilibrium of a system by Newton's method: the momenta of modes, and of joints along their axes,
+   are constant while prescribed axes move at their rates, free joints spin freely and all other speeds are zero.
+   Source: definition.  Cost: 8 n evaluations and an LU factorization per iteration.  Fails: see the header.
    Test: hinged_blades_flap_and_lag_in_closed_form, blades_cone_under_a_moment,
    bases_that_are_pushed_have_no_state_of_rest. */
 FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb_system_state *state,
@@ -18844,9 +18922,12 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
   if (status != FB_OK) {
     return status;
   }
+
+  /* Initial state: prescribed axes at their rates; momenta of the trees relative to frames at rest, in which alone
+     those of a steady rotation are constant */
   s = fbi_subject_system(system, body, work, &work->state, input, NULL);
   work->state = *state;
-  for (int k = 0; k < system->n_body; k++) { /* what turns steadily has steady momenta in a frame at rest alone */
+  for (int k = 0; k < system->n_body; k++) {
     fbi_zero(work->state.link[k].u, 3);
     fbi_zero(work->state.link[k].lost_u, 3);
   }
@@ -18854,6 +18935,8 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
   memset(work->rest, 0, sizeof work->rest);
   fbi_system_enter(&work->system, system);
   fbi_prescribe(&work->state, system, &work->system, &work->state, input);
+
+  /* Newton's method with closed loops */
   status = fbi_loops_open(&s, &work->state);
   status = status ? status : fbi_loops_shut(&s, &work->state);
   status = status ? status : fbi_trim_newton(&change, &work->common, &s, work->n_independent);
@@ -18861,6 +18944,8 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
   if (status == FB_OK && !fbi_is_settled(change)) {
     status = FB_ERR_CONVERGENCE;
   }
+
+  /* Equilibrium of the free joints */
   status = status ? status : fbi_roots_rest(&s);
   if (status == FB_OK) {
     *state = work->moved;
@@ -18888,7 +18973,7 @@ static void fbi_exact_sum(fb_real *x, const fb_real *a, fb_real factor, const fb
   }
 }
 
-/* Residuals under the constant loads and a part of the varied ones. */
+/* Residuals under the constant loads and `factor` times the varied ones. */
 static void fbi_exact_path_residual(fb_exact_path_work *w, const fb_exact *m, fb_real factor)
 {
   const fbi_exact_loads *const a = &w->constant, *const b = &w->varied;
@@ -18902,7 +18987,7 @@ static void fbi_exact_path_residual(fb_exact_path_work *w, const fb_exact *m, fb
   fbi_exact_residual(work, m);
 }
 
-/* Loads and motion of the base, in steady motion. */
+/* Loads of both inputs, and the steady motion of the base. */
 static void fbi_exact_path_begin(fb_exact_path_work *w, const fb_exact *m, const fb_exact_state *state,
                                  const fb_exact_input *constant, const fb_exact_input *varied)
 {
@@ -18921,7 +19006,8 @@ static void fbi_exact_path_begin(fb_exact_path_work *w, const fb_exact *m, const
   fbi_zero(work->lump, 6 * m->n_lump);
 }
 
-/* Corrections at this factor in w->dd and ds, and those that a change of it by one brings in the work's. */
+/* Newton correction at a constant load factor, in w->dd and w->ds, and the tangent, the change per unit of the factor,
+   in dd and ds of w->exact. */
 static fb_status fbi_exact_path_solve(fb_exact_path_work *w, const fb_exact *m, fb_real factor)
 {
   fb_exact_work *const work = &w->exact;
@@ -18945,13 +19031,13 @@ static fb_status fbi_exact_path_solve(fb_exact_path_work *w, const fb_exact *m, 
   return FB_OK;
 }
 
-/* [E12.17] Steady states x(l) by arc length: of the tangent (x_l, 1) l_s with (x_l.x_l)/(n + 1) l_s^2 + l_s^2 = 1, x
-   the displacements and rotations of the nodes, the first correction goes by `arc`, the others go across it (Riks'
-   normal plane): with dx at constant l, dl = (arc or 0 - t.dx)/(t.x_l + t_l). The tangent at the end is less than 60
-   degrees from that at the start.
+/* [E12.17] Arc-length continuation of steady states x(l) in the load factor l; x are the displacements and rotations of
+   the nodes. The unit tangent is t = (x_l, 1) l_s, (x_l.x_l)/(n + 1) l_s^2 + l_s^2 = 1. The first correction has the
+   length `arc` along it, the others are normal to it (Riks' normal plane): with dx the correction at constant l,
+   dl = (arc or 0 - t.dx)/(t.x_l + t_l). The tangents at both ends differ by less than 60 degrees.
    Source: [RI], [CF].
-   Cost: E10.10, and two solutions, an iteration.  Fails: 12 iterations; neighbors turned by more than a radian against
-   each other at once.  Test: arches_snap_at_their_limit_load, a_stiff_truss_snaps_in_closed_form. */
+   Cost: E10.10 and two solutions per iteration.  Fails: 12 iterations; neighboring nodes rotated by more than a radian
+   against each other in one.  Test: arches_snap_at_their_limit_load, a_stiff_truss_snaps_in_closed_form. */
 static fb_status fbi_exact_path_try(fb_exact_path_work *w, const fb_exact *m, fb_exact_path *path, fb_real arc)
 {
   fb_exact_work *const work = &w->exact;
@@ -18961,22 +19047,28 @@ static fb_status fbi_exact_path_try(fb_exact_path_work *w, const fb_exact *m, fb
   fb_status status = FB_OK;
   for (int it = 0; it < 12 && status == FB_OK && change > FBI_EXACT_TOLERANCE; it++) {
     fb_real more;
+
+    /* Correction dx at constant l, tangent x_l */
     status = fbi_exact_path_solve(w, m, path->factor);
     path->iterations++;
     if (status != FB_OK) {
       return status;
     }
+
+    /* Unit tangent at the start, in the sense of the previous step */
     size = FB_SQRT(part * fbi_dot(work->dd, work->dd, n) + FB_R(1.0));
-    if (it == 0) { /* the way on is that of the step before */
+    if (it == 0) {
       cosine = part * fbi_dot(path->ahead, work->dd, n) + path->rise;
       rise = (cosine < FB_R(0.0) ? -FB_R(1.0) : FB_R(1.0)) / size;
       for (int i = 0; i < n; i++) {
         w->ahead[i] = rise * work->dd[i];
       }
     }
+
+    /* dl, and the correction dx + dl x_l; the tangent stays in w->dd */
     slope = part * fbi_dot(w->ahead, work->dd, n) + rise;
     more = ((it == 0 ? arc : FB_R(0.0)) - part * fbi_dot(w->ahead, w->dd, n)) / slope;
-    for (int i = 0; i < n; i++) { /* the tangent stays behind, in w->dd */
+    for (int i = 0; i < n; i++) {
       const fb_real tangent = work->dd[i];
       work->dd[i] = w->dd[i] + more * tangent;
       w->dd[i] = tangent;
@@ -18990,6 +19082,8 @@ static fb_status fbi_exact_path_try(fb_exact_path_work *w, const fb_exact *m, fb
   if (status != FB_OK || change > FBI_EXACT_TOLERANCE) {
     return FB_ERR_CONVERGENCE;
   }
+
+  /* Unit tangent at the end, and its angle to that at the start */
   cosine = slope / size;
   for (int i = 0; i < n; i++) {
     path->ahead[i] = (cosine < FB_R(0.0) ? -FB_R(1.0) : FB_R(1.0)) * w->dd[i] / size;
@@ -19004,6 +19098,8 @@ FB_DEF fb_status fb_exact_path_step(const fb_exact *m, fb_exact_path *path, fb_e
 {
   fb_exact_path next;
   fb_status status;
+
+  /* Check the arguments */
   FBI_REQUIRE(m && path && state && w && varied, FB_ERR_NULL);
   constant = constant ? constant : fbi_exact_no_input(&w->exact);
   status = fb_exact_state_check(m, state);
@@ -19019,6 +19115,8 @@ FB_DEF fb_status fb_exact_path_step(const fb_exact *m, fb_exact_path *path, fb_e
   if (!(FB_FABS(arc) > FB_R(0.0) && FB_FABS(arc) < FB_HUGE)) {
     return FB_ERR_VALUE;
   }
+
+  /* A step of the length `arc`, halved until it converges */
   fbi_exact_path_begin(w, m, state, constant, varied);
   status = FB_ERR_CONVERGENCE;
   for (int k = 0, iterations = 0; k < 11 && status != FB_OK; k++) {
@@ -19030,6 +19128,8 @@ FB_DEF fb_status fb_exact_path_step(const fb_exact *m, fb_exact_path *path, fb_e
     iterations = next.iterations;
     arc *= FB_R(0.5);
   }
+
+  /* The state, with the number of its unstable directions */
   if (status == FB_OK) {
     fbi_exact_path_residual(w, m, next.factor);
     fbi_exact_rest(state, &w->exact, m);
