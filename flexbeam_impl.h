@@ -19145,7 +19145,7 @@ FB_DEF fb_status fb_exact_path_step(const fb_exact *m, fb_exact_path *path, fb_e
    (uses config, status, vec3, rotation, solve, body, system, exact, eigen, trim) */
 
 #if FB_WITH_SYSTEM
-/* Force of the order of those that act on a body: its weight, and what moves it by `size` at the rate k [1/s^2]. */
+/* Order of magnitude of the forces on a body [N]: its weight, and mass times `size` times k [1/s^2]. */
 static fb_real fbi_force_size(const fb_body *body, fb_real size, fb_real k)
 {
   fb_real a = size * k;
@@ -19155,14 +19155,15 @@ static fb_real fbi_force_size(const fb_body *body, fb_real size, fb_real k)
   return body->mass * a;
 }
 
-/* A load as a force [N]: its torque on an arm of that size [m]. */
+/* Magnitude of a load as a force [N], torques divided by the length `size` [m]. */
 static fb_real fbi_load_size(const fb_load *load, fb_real size)
 {
   return fbi_vec3_norm(load->force) + fbi_vec3_norm(load->torque) / size;
 }
 
-/* How far an input is moved for a difference; V: motion of the base; rate [1/s]: of what moves. Rates are linear in
-   loads, of second degree in v, w: wide steps do not err, short ones round beside what acts already. */
+/* Finite-difference step of an input; V: velocities of the base; rate [1/s]: characteristic rate of the motion. Rates
+   are linear in loads and quadratic in v, w: large steps have no truncation error, small ones round-off beside the
+   forces that act already. */
 static fb_real fbi_port_step(fb_port_kind kind, int slides, fb_real force, fb_real size, fb_real rate,
                              const fb_real V[6])
 {
@@ -19173,22 +19174,23 @@ static fb_real fbi_port_step(fb_port_kind kind, int slides, fb_real force, fb_re
                                          : load * size;
 }
 
-/* Rate [1/s] at which a coordinate of stiffness k and inertia m moves that turns or flies at `steady`; both are
-   nothing: `other` or, without that, 1/s, for then rates are linear in momenta. */
+/* Characteristic rate of a coordinate [1/s]: sqrt(k/m) of its stiffness and inertia, plus the rate `steady` of rotation
+   and flight. Where both are zero: `other`, or without that 1/s, since rates are then linear in the momenta. */
 static fb_real fbi_own_rate(fb_real k, fb_real m, fb_real steady, fb_real other)
 {
   const fb_real rate = steady + (k > FB_R(0.0) && m > FB_R(0.0) ? FB_SQRT(k / m) : FB_R(0.0));
   return rate > FB_R(0.0) ? rate : other > FB_R(0.0) ? other : FB_R(1.0);
 }
 
-/* ---- ports */
+/* ---- input and output channels (ports) */
 
 static int fbi_port_is_input(fb_port_kind kind)
 {
   return kind <= FB_PORT_BASE_RATE || kind == FB_PORT_DRIVE;
 }
 
-/* One port: of those up to kind `last`; base: what moves it is prescribed; room: for one load more. */
+/* Checks a channel; last: last kind that the subject has; base: 1 if the motion of its base is prescribed; room: 1 if
+   the input has room for one more load. */
 static fb_status fbi_port_check(const fb_port *port, int is_input, fb_port_kind last, int base, int n_node, int room)
 {
   const int moves_base = port->kind == FB_PORT_BASE_VELOCITY || port->kind == FB_PORT_BASE_RATE;
@@ -19202,15 +19204,16 @@ static fb_status fbi_port_check(const fb_port *port, int is_input, fb_port_kind 
   return FB_OK;
 }
 
-/* ---- of one body */
+/* ---- finite-difference steps and channels of one body */
 
-/* Length [m] by which a body is judged. */
+/* Characteristic length of a body [m]. */
 static fb_real fbi_body_size(const fb_body *body)
 {
   return body->gyration > FB_R(0.0) ? body->gyration : FB_R(1.0);
 }
 
-/* Rates [1/s]: that at which the frame turns and flies, and of it with the loads and weight or the slowest mode. */
+/* Rate of rotation and flight of the body frame [1/s]. all: the characteristic rate with the slowest mode or, without
+   rotation and modes, with loads and weight. */
 static fb_real fbi_body_rates_find(fb_real *all, const fb_body *body, const fb_motion *steady, const fb_input *input)
 {
   const fb_real size = fbi_body_size(body), rate = fbi_vec3_norm(steady->w) + fbi_vec3_norm(steady->v) / size;
@@ -19226,7 +19229,8 @@ static fb_real fbi_body_rates_find(fb_real *all, const fb_body *body, const fb_m
   return rate;
 }
 
-/* How far x_j is moved for a difference: a small part of the body; momenta by what a tenth of it has at its rate. */
+/* Finite-difference step of x_j: a small part of the size of the body; of momenta 100 such steps times inertia and
+   characteristic rate. */
 static fb_real fbi_linear_step(const fbi_subject *s, int j)
 {
   const fb_body *const body = s->body;
@@ -19235,6 +19239,8 @@ static fb_real fbi_linear_step(const fbi_subject *s, int j)
   fb_real all;
   const fb_real rate = fbi_body_rates_find(&all, body, &s->work->steady, s->input);
   int moves;
+
+  /* q, pi */
   if (j < n) {
     return fbi_difference_step(body, j);
   }
@@ -19243,7 +19249,9 @@ static fb_real fbi_linear_step(const fbi_subject *s, int j)
     return FB_R(100.0) * fbi_difference_step(body, j - n) * inertia *
            fbi_own_rate(body->K.diagonal[j - n], body->M.diagonal[j - n], rate, all);
   }
-  moves = (j - 2 * n) % free + first < 3; /* the others turn */
+
+  /* Momenta and pose of the base */
+  moves = (j - 2 * n) % free + first < 3; /* the others are rotations */
   if (j < 2 * n + free) {
     return FB_R(100.0) * FBI_DIFFERENCE * body->mass * size * (moves ? FB_R(1.0) : size) * all;
   }
@@ -19270,7 +19278,7 @@ static fb_status fbi_linear_desc_check(const fb_body *body, const fb_input *inpu
   return FB_OK;
 }
 
-/* ---- loops: coordinates that the others give */
+/* ---- finite-difference steps and channels of a system */
 
 static fb_status fbi_system_port_check(const fbi_subject *s, const fb_port *port, int is_input)
 {
@@ -19305,7 +19313,8 @@ static fb_status fbi_system_ports_check(const fbi_subject *s)
   return status;
 }
 
-/* Steady speeds and momenta along the axes of the joints; largest rate [1/s] at which a body turns and flies. */
+/* Steady speeds and momenta along the axes of the joints. rate: the largest rate of rotation and flight of a body
+   [1/s]. */
 static fb_status fbi_system_steady(fb_real *rate, const fbi_subject *s)
 {
   const fb_real size = fbi_system_size(s->system, s->body);
@@ -19330,8 +19339,9 @@ static fb_status fbi_system_steady(fb_real *rate, const fbi_subject *s)
   return status;
 }
 
-/* How far momenta are moved: what a coordinate has that moves a hundred of its steps at its rate (rates are of second
-   degree in momenta: wide steps do not err, short ones round). The system is placed. */
+/* Finite-difference steps of the momenta: 100 steps of the coordinate times inertia and characteristic rate. Rates are
+   quadratic in the momenta: large steps have no truncation error, small ones round-off. The poses of the bodies are
+   known. */
 static void fbi_momenta_steps(const fbi_subject *s, fb_real rate, fb_real other)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -19351,17 +19361,17 @@ static void fbi_momenta_steps(const fbi_subject *s, fb_real rate, fb_real other)
   }
 }
 
-/* ---- of both */
+/* ---- derivatives with their errors, of bodies and systems */
 
-/* Widths of differences that are tried, each a quarter of the one before, and the first in parts of the step. */
+/* Number of difference widths, each a quarter of the one before, and the first relative to the step. */
 #define FBI_WIDTHS 5
 #define FBI_WIDEST FB_R(4.0)
-/* [E12.16] Column j with what it errs by: differences of five widths. The error of one goes down 256 times from width
-   to width where the rates are no polynomials of degree 4, and up 4 times where they are and it is rounding; what two
-   widths differ by is taken for the error of the wider. Each element is taken where that is least; a narrower width
-   must be 8 times better, so that rounding does not choose.
-   Source: the error term of the five-point formula, h^4/30 f^(5).  Cost: 20 evaluations.  Fails: as an evaluation, if
-   no two widths that follow each other can be had.
+/* [E12.16] Column j of the Jacobian with an estimate of its error, by differences of five widths. From width to width
+   the truncation error decreases 256 times (it is zero for polynomials of degree 4) and round-off increases 4 times.
+   The difference between two successive widths is the error estimate of the wider. Each element is taken from the width
+   with the least estimate; a narrower width must be 8 times better, so that accidents of round-off do not choose.
+   Source: the error term of the five-point formula, h^4/30 f^(5).  Cost: 20 evaluations.  Fails: as the evaluations, if
+   no two successive widths succeed.
    Test: shafts_with_disks_whirl_in_closed_form, errors_of_spectra_are_told. */
 static fb_status fbi_derivative(fbi_analysis *work, const fbi_subject *s, int j, int count)
 {
@@ -19383,12 +19393,12 @@ static fb_status fbi_derivative(fbi_analysis *work, const fbi_subject *s, int j,
   return found == FB_OK ? FB_OK : status ? status : found;
 }
 
-/* [E12.12] Derivatives by q at constant momenta from those at constant velocities, with P = dp/dq there: f_q|_p =
-   f_q|_V
-   - f_p P, for a row of A or C; miss: what it errs by, likewise. At constant velocities rates are next to polynomials
-   of q; at constant momenta they have the inverse of a mass matrix, which a small turn of a heavy body on a light beam
-   changes altogether. And what P errs by acts as a gyroscopic term of that size, whatever the inverse.
-   Source: chain rule.  Shapes: P n_p x n_q.  Cost: 2 n_p n_q a row.  Fails: never.
+/* [E12.12] Derivatives by q at constant momenta p from those at constant velocities V, with P = dp/dq at constant V:
+   f_q|_p = f_q|_V - f_p P
+   for a row of A or C; miss: its error estimate, likewise. At constant velocities the rates are nearly polynomials of
+   q; at constant momenta they contain the inverse of the mass matrix, which a small rotation of a heavy body on a light
+   beam changes completely. An error of P acts as a gyroscopic term of that size only, whatever the inverse.
+   Source: chain rule.  Shapes: P n_p x n_q.  Cost: 2 n_p n_q per row.  Fails: never.
    Test: shafts_with_disks_whirl_in_closed_form. */
 static void fbi_momenta_hold(fb_real *row, fb_real *miss, const fbi_analysis *work, int n_q, int n_p)
 {
@@ -19403,9 +19413,9 @@ static void fbi_momenta_hold(fb_real *row, fb_real *miss, const fbi_analysis *wo
   }
 }
 
-/* What the largest error may be, in parts of the largest of what it belongs to. */
+/* Tolerance of the largest error relative to the largest element (or eigenvalue). */
 #define FBI_USABLE FB_R(0.01)
-/* The largest element of the n x n matrix of a linear model, each state in its steps. */
+/* Largest element of the n x n matrix of a linear model with every state in units of its finite-difference step. */
 static fb_real fbi_linear_norm(const fb_real *A, const fb_real *step, int n)
 {
   fb_real norm = FB_R(0.0);
@@ -19415,8 +19425,8 @@ static fb_real fbi_linear_norm(const fb_real *A, const fb_real *step, int n)
   return norm;
 }
 
-/* The matrices of work->linear, whose sizes are set, by differences, and in E what A errs by. Behind n_q columns of q
-   come those of the n_p momenta. */
+/* Matrices of work->linear by differences, and E, the error estimates of A. The n_q columns of the coordinates come
+   before those of the n_p momenta. */
 static fb_status fbi_linear_fill(fbi_analysis *work, const fbi_subject *s, int n, int n_free)
 {
   fb_linear *const out = &work->linear;
@@ -19428,6 +19438,8 @@ static fb_status fbi_linear_fill(fbi_analysis *work, const fbi_subject *s, int n
   out->n_free = n_free;
   out->n_in = s->desc->n_in;
   out->n_out = s->desc->n_out;
+
+  /* Columns of A and C, then of B and D; P for the coordinates */
   for (int j = 0; j < n + out->n_in && status == FB_OK; j++) {
     status = fbi_derivative(work, s, j, j < n_q ? rows + n_p : rows);
     for (int i = 0; i < rows && status == FB_OK; i++) {
@@ -19443,6 +19455,8 @@ static fb_status fbi_linear_fill(fbi_analysis *work, const fbi_subject *s, int n
       work->P_miss[k * n_q + j] = work->miss[rows + k];
     }
   }
+
+  /* Derivatives at constant momenta, and the error relative to the largest element */
   for (int i = 0; i < rows && status == FB_OK; i++) {
     fbi_momenta_hold(i < n ? out->A + i * n : out->C + (i - n) * n, i < n ? work->E + i * n : NULL, work, n_q, n_p);
   }
@@ -19453,7 +19467,7 @@ static fb_status fbi_linear_fill(fbi_analysis *work, const fbi_subject *s, int n
 #endif
 
 #if FB_WITH_SYSTEM || FB_WITH_EXACT
-/* Indices of eigenvalues with im >= 0, ascending by size; returns their number. */
+/* Indices of the eigenvalues with im >= 0, ascending by |lambda|; returns their number. */
 static int fbi_spectrum_order(int *order, const fb_real *re, const fb_real *im, int n)
 {
   int found = 0;
@@ -19478,7 +19492,7 @@ static int fbi_spectrum_order(int *order, const fb_real *re, const fb_real *im, 
 #endif
 
 #if FB_WITH_SYSTEM
-/* A + part E of the states keep[0..size-1] */
+/* A + part E, rows and columns of the states keep[0..size-1]. */
 static void fbi_spectrum_take(fb_real *A, const fbi_analysis *work, int size, fb_real part)
 {
   const int n = work->linear.n, *const keep = work->keep;
@@ -19488,7 +19502,7 @@ static void fbi_spectrum_take(fb_real *A, const fbi_analysis *work, int size, fb
   }
 }
 
-/* How far eigenvalue k is from the nearest one of A + E. */
+/* Distance of eigenvalue k from the nearest one of A + E. */
 static fb_real fbi_spectrum_miss(const fbi_analysis *work, int k, int size)
 {
   const fbi_complex own = {work->re[k], work->im[k]};
@@ -19501,10 +19515,10 @@ static fb_real fbi_spectrum_miss(const fbi_analysis *work, int k, int size)
   return fbi_larger(miss, FB_R(4.0) * FB_EPSILON * fbi_complex_abs(own));
 }
 
-/* [E12.3] Complex modes, x = X exp(lambda t): of each conjugate pair the one with im > 0, ascending by |lambda|. Of the
-   states keep[0..size-1]; shapes of those among the first `shaped`, at their coordinates, of n_shape.
-   Their errors: by a second matrix that is off by what A may be.
-   Source: [H] A.15-3 in the coordinates (q, pi).  Cost: E5.6 with size, twice.  Fails: as that; an error beyond use.
+/* [E12.3] Complex modes x = X exp(lambda t) of the states keep[0..size-1]: of each conjugate pair the one with im > 0,
+   ascending by |lambda|. Shapes: the elements of states below `shaped`, at their coordinates among n_shape.
+   Errors: distances to the eigenvalues of A + E, with E the error estimate of A.
+   Source: [H] A.15-3 in the coordinates (q, pi).  Cost: E5.6 with size, twice.  Fails: as E5.6; an error > FBI_USABLE.
    Test: spectrum_of_a_spinning_oscillator_is_closed_form, damped_modes_have_their_ratios. */
 static fb_status fbi_spectrum_fill(fb_spectrum *spectrum, fbi_analysis *work, int size, int shaped, int n_shape)
 {
@@ -19512,16 +19526,20 @@ static fb_status fbi_spectrum_fill(fb_spectrum *spectrum, fbi_analysis *work, in
   fb_real least, largest = FB_R(0.0), worst = FB_R(0.0);
   int order[FB_MAX_LINEAR];
   fb_status status;
+
+  /* Eigenvalues of A + E, then of A */
   fbi_spectrum_take(work->A, work, size, FB_R(1.0));
   status = fbi_eig_general(work->other_re, work->other_im, work->X, &least, work->A, work->eig, size);
   fbi_spectrum_take(work->A, work, size, FB_R(0.0));
   status = status ? status : fbi_eig_general(work->re, work->im, work->X, &least, work->A, work->eig, size);
+
+  /* Errors; a double zero splits by the square root of round-off, in both matrices alike */
   for (int k = 0; k < size && status == FB_OK; k++) {
     const fbi_complex value = {work->re[k], work->im[k]};
     largest = fbi_larger(largest, fbi_complex_abs(value));
     work->miss[k] = fbi_spectrum_miss(work, k, size);
     worst = fbi_larger(worst, work->miss[k]);
-    if (fbi_complex_abs(value) < least) { /* two zeros that are one: the root of rounding, by either matrix alike */
+    if (fbi_complex_abs(value) < least) {
       work->miss[k] = fbi_larger(work->miss[k], least / FB_SQRT((fb_real)size * FB_EPSILON));
     }
   }
@@ -19531,6 +19549,8 @@ static fb_status fbi_spectrum_fill(fb_spectrum *spectrum, fbi_analysis *work, in
   if (status != FB_OK) {
     return status;
   }
+
+  /* Values and shapes in ascending order */
   memset(spectrum, 0, sizeof *spectrum);
   spectrum->n = fbi_spectrum_order(order, work->re, work->im, size);
   for (int k = 0; k < spectrum->n; k++) {
@@ -19552,7 +19572,7 @@ static const fb_linear_desc *fbi_no_ports(fbi_analysis *work)
   return &work->none;
 }
 
-/* Steps of the inputs, behind those of the n states. */
+/* Finite-difference steps of the inputs, stored behind those of the n states. */
 static void fbi_body_port_steps(const fbi_subject *s, int n)
 {
   const fb_body *const body = s->body;
@@ -19572,13 +19592,15 @@ static void fbi_body_port_steps(const fbi_subject *s, int n)
   }
 }
 
-/* The linear model, in work. */
+/* Linear model of a body, in work->common.linear. */
 static fb_status fbi_body_linearize(const fb_body *body, fb_analyse_work *work, const fb_state *state,
                                     const fb_input *input, const fb_linear_desc *desc)
 {
   fbi_subject s;
   fb_status status = fbi_analyse_check(body, state, input);
   const int n_free = body ? 6 - fbi_first_free(body->base) : 0, n = body ? 2 * (body->n + n_free) : 0;
+
+  /* Check the arguments; steady motion, with a prescribed base relative to the ground */
   FBI_REQUIRE(work, FB_ERR_NULL);
   s = fbi_subject_body(body, work, state, input, desc ? desc : fbi_no_ports(&work->common));
   status = status ? status : fbi_linear_desc_check(body, input, s.desc);
@@ -19588,6 +19610,8 @@ static fb_status fbi_body_linearize(const fb_body *body, fb_analyse_work *work, 
     status = fbi_state_of(body, &work->state, work->steady.v, work->steady.w, work->steady.q_dot);
     s.state = &work->state;
   }
+
+  /* Finite-difference steps, then the matrices */
   for (int j = 0; j < n && status == FB_OK; j++) {
     work->common.step[j] = fbi_linear_step(&s, j);
   }
@@ -19611,13 +19635,13 @@ FB_DEF fb_status fb_body_linearize(const fb_body *body, fb_analyse_work *work, f
   fb_status status;
   FBI_REQUIRE(linear, FB_ERR_NULL);
   status = fbi_body_linearize(body, work, state, input, desc);
-  if (status == FB_OK) { /* a failing call changes nothing */
+  if (status == FB_OK) {
     *linear = work->common.linear;
   }
   return status;
 }
 
-/* Whether where a body is and how it is turned acts on its motion. */
+/* Does the motion of a body depend on its position or attitude? */
 static int fbi_pose_acts(const fb_body *body, const fb_input *input)
 {
   int acts = fbi_has(body->effects, FB_EFFECT_GRAVITY);
@@ -19654,8 +19678,8 @@ static fb_real fbi_drive_size(const fb_joint *joint, const fb_drive *drive, fb_r
   return force;
 }
 
-/* Force [N] of what acts on a system at the rate k [1/s^2]: every body, load and motor counts, for each is felt by
- all. */
+/* Order of magnitude of the forces on a system [N], inertia forces at the rate k [1/s^2]: the sum over bodies, loads
+   and motors, since each can act on all bodies. */
 static fb_real fbi_system_force(const fbi_subject *s, fb_real k)
 {
   const fb_real size = fbi_system_size(s->system, s->body);
@@ -19676,7 +19700,8 @@ static fb_real fbi_system_force(const fbi_subject *s, fb_real k)
   return force;
 }
 
-/* Rate [1/s] of a system that does not turn or fly: of its slowest mode or, without that, of the forces on it. */
+/* Characteristic rate of a system without rotation and flight [1/s]: of its slowest mode or, without modes, of the
+   forces on it. */
 static fb_real fbi_system_rate(const fbi_subject *s)
 {
   const fb_real size = fbi_system_size(s->system, s->body);
@@ -19706,12 +19731,14 @@ static void fbi_system_port_steps(const fbi_subject *s, fb_real rate, fb_real ot
   }
 }
 
-/* The linear model, in work. */
-/* The frames of driven trees stand still: around a circle the momenta are steady against the ground alone. */
+/* Sets the reference frames of trees with a prescribed root to rest: on a circular path their momenta are constant
+   relative to the ground only. */
 static void fbi_frames_ground(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body)
 {
   fbi_system_enter(w, system);
   fbi_links_place(w, system, body, state, state);
+
+  /* Change of the frames' velocities */
   for (int k = 0; k < system->n_body; k++) {
     fbi_zero(w->link[k].change, 3);
   }
@@ -19723,11 +19750,14 @@ static void fbi_frames_ground(fb_system_state *state, fb_system_work *w, const f
       fbi_vec3_add(root->change, -FB_R(1.0), state->link[k].lost_u);
     }
   }
+
+  /* Momenta relative to the new frames */
   fbi_trees_weigh(w, system, 1);
   fbi_momenta_reframe(state, w, system);
   fbi_frames_set(state, w, system);
 }
 
+/* Linear model of a system, in work->common.linear. */
 static fb_status fbi_system_linearize(const fb_system *system, const fb_body *body, fb_system_analyse_work *work,
                                       const fb_system_state *state, const fb_system_input *input,
                                       const fb_linear_desc *desc)
@@ -19736,6 +19766,8 @@ static fb_status fbi_system_linearize(const fb_system *system, const fb_body *bo
   fb_real rate, other;
   int n_free = 0;
   fb_status status = fbi_system_analyse_check(work, system, body, state, input);
+
+  /* Check the arguments; steady motion, independent coordinates */
   FBI_REQUIRE(work, FB_ERR_NULL);
   s = fbi_subject_system(system, body, work, &work->state, input, desc ? desc : fbi_no_ports(&work->common));
   if (status == FB_OK) {
@@ -19750,9 +19782,13 @@ static fb_status fbi_system_linearize(const fb_system *system, const fb_body *bo
   if (status != FB_OK) {
     return status;
   }
+
+  /* Finite-difference steps */
   other = fbi_system_rate(&s);
   fbi_momenta_steps(&s, rate, other);
   fbi_system_port_steps(&s, rate, other);
+
+  /* Matrices */
   for (int j = 0; j < work->n_independent; j++) {
     n_free += !work->coordinate[work->independent[j]].mode;
   }
@@ -19760,7 +19796,7 @@ static fb_status fbi_system_linearize(const fb_system *system, const fb_body *bo
   for (int j = 0; j < work->n_independent; j++) {
     work->common.linear.coordinate[j] = work->independent[j];
   }
-  return status ? status : fbi_loops_open(&s, state); /* Z for the shapes, again */
+  return status ? status : fbi_loops_open(&s, state); /* Z of the steady state again, for the shapes */
 }
 
 /* [E12.9] Linear model of a system by differences of the rates and outputs.
@@ -19779,7 +19815,7 @@ FB_DEF fb_status fb_system_linearize(const fb_system *system, const fb_body *bod
   return status;
 }
 
-/* Motion of the dependent coordinates, by that of the others. */
+/* Adds the dependent coordinates to a shape z that holds the independent ones. */
 static void fbi_loops_shape(fb_real *z, const fb_system_analyse_work *work)
 {
   for (int k = 0; k < work->n_dependent; k++) {
@@ -19792,7 +19828,7 @@ static void fbi_loops_shape(fb_real *z, const fb_system_analyse_work *work)
   }
 }
 
-/* Whether where free bodies are acts on the motion of a system. */
+/* Does the motion of a system depend on the poses of its free joints? */
 static int fbi_system_pose_acts(const fb_system *system, const fb_body *body, const fb_system_input *input)
 {
   int acts = 0;
@@ -19805,7 +19841,7 @@ static int fbi_system_pose_acts(const fb_system *system, const fb_body *body, co
   return acts;
 }
 
-/* [E12.10] E12.3 of a system, without the poses that nothing depends on.
+/* [E12.10] Complex modes of a system as E12.3, without poses of free joints that the motion does not depend on.
    Source: as E12.3.  Cost: E12.9 and E5.6.  Fails: as those.
    Test: a_free_body_is_a_system_of_one, gimbal_has_the_published_eigenvalues. */
 FB_DEF fb_status fb_system_spectrum_solve(const fb_system *system, const fb_body *body, fb_system_analyse_work *work,
@@ -19819,6 +19855,8 @@ FB_DEF fb_status fb_system_spectrum_solve(const fb_system *system, const fb_body
   if (status != FB_OK) {
     return status;
   }
+
+  /* States that take part */
   acts = fbi_system_pose_acts(system, body, input);
   n = work->n_independent;
   for (int j = 0; j < 2 * n; j++) {
@@ -19827,6 +19865,8 @@ FB_DEF fb_status fb_system_spectrum_solve(const fb_system *system, const fb_body
       work->common.keep[size++] = j;
     }
   }
+
+  /* Modes; their shapes with the dependent coordinates */
   status = fbi_spectrum_fill(spectrum, &work->common, size, n, work->n);
   for (int k = 0; k < spectrum->n && status == FB_OK; k++) {
     fbi_loops_shape(spectrum->shape_re + k * work->n, work);
@@ -19856,7 +19896,7 @@ FB_DEF fb_real fb_spectrum_margin(int *mode, const fb_real *re, int n)
       margin = -re[k];
       worst = k;
     }
-    if (!fbi_is_finite(&re[k], 1)) { /* nothing is known of them */
+    if (!fbi_is_finite(&re[k], 1)) { /* NaN or infinite: that mode is the worst */
       break;
     }
   }
@@ -19866,21 +19906,25 @@ FB_DEF fb_real fb_spectrum_margin(int *mode, const fb_real *re, int n)
   return margin;
 }
 
-/* What a step of |lambda| dt = r multiplies a motion along exp(lambda t) by, lambda = |lambda| d.
+/* Stability function G(z) of an integrator, z = lambda dt = r d with |d| = 1: the factor of one step on exp(lambda t).
    Source: [HW] IV.3.  Fails: never.  Test: step_limits_are_those_of_the_spectrum. */
 static fbi_complex fbi_amplification(fb_integrator integrator, fbi_complex d, fb_real r)
 {
   const fb_real c = FB_R(1.0) - FB_SQRT(FB_R(0.5));
   const fbi_complex z = {r * d.re, r * d.im};
   fbi_complex up = {FB_R(1.0), FB_R(0.0)}, down = up;
+
+  /* rk4: 1 + z (1 + z/2 (1 + z/3 (1 + z/4))) */
   if (integrator == FB_INTEGRATOR_RK4) {
-    for (int k = 4; k > 0; k--) { /* 1 + z (1 + z/2 (1 + z/3 (1 + z/4))) */
+    for (int k = 4; k > 0; k--) {
       up = fbi_complex_mul(z, up);
       up.re = FB_R(1.0) + up.re / (fb_real)k;
       up.im /= (fb_real)k;
     }
     return up;
   }
+
+  /* Implicit midpoint: (1 + z/2)/(1 - z/2) */
   if (integrator == FB_INTEGRATOR_MIDPOINT) {
     up.re += FB_R(0.5) * z.re;
     up.im += FB_R(0.5) * z.im;
@@ -19888,6 +19932,8 @@ static fbi_complex fbi_amplification(fb_integrator integrator, fbi_complex d, fb
     down.im -= FB_R(0.5) * z.im;
     return fbi_complex_div(up, down);
   }
+
+  /* SDIRK2: (1 + (1 - 2 c) z)/(1 - c z)^2, c = 1 - sqrt(1/2) */
   up.re += (FB_R(1.0) - FB_R(2.0) * c) * z.re;
   up.im += (FB_R(1.0) - FB_R(2.0) * c) * z.im;
   down.re -= c * z.re;
@@ -19895,13 +19941,13 @@ static fbi_complex fbi_amplification(fb_integrator integrator, fbi_complex d, fb
   return fbi_complex_div(fbi_complex_div(up, down), down);
 }
 
-/* Whether it grows, by more than rounding. */
+/* |G(r d)| > 1 by more than round-off? */
 static int fbi_step_grows(fb_integrator integrator, fbi_complex d, fb_real r)
 {
   return fbi_complex_abs(fbi_amplification(integrator, d, r)) > FB_R(1.0) + FBI_ROUNDING;
 }
 
-/* Largest r up to which rk4's motion along d does not grow: the only crossing, by bisection. */
+/* Largest r with |G(r d)| <= 1 for rk4: steps of 0.05 to the only crossing, then bisection. */
 static fb_real fbi_stable_radius(fb_integrator integrator, fbi_complex d)
 {
   fb_real low = FB_R(0.0), high = FB_R(0.0);
@@ -19922,9 +19968,9 @@ static fb_real fbi_stable_radius(fb_integrator integrator, fbi_complex d)
   return low;
 }
 
-/* [E12.6] Largest stable step: |G(lambda dt)| <= 1 for every mode; one that grows by itself, if only by rounding, is
-   taken for one that does not: G must not add to it what its frequency has no part in.
-   Source: [HW] IV.2.  Cost: 100 complex polynomials a mode.  Fails: see the header.
+/* [E12.6] Largest stable step: |G(lambda dt)| <= 1 for every mode. A mode that grows by itself (re > 0, if only by
+   round-off) is treated as undamped: the integrator must not make an oscillation of its frequency grow further.
+   Source: [HW] IV.2.  Cost: 100 complex polynomials per mode.  Fails: see the header.
    Test: step_limits_are_those_of_the_spectrum, step_limits_hold_for_modes_that_grow. */
 FB_DEF fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_integrator integrator)
 {
@@ -19946,7 +19992,8 @@ FB_DEF fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_integrator inte
   return limit;
 }
 
-/* |G(z) - exp(z)| along d, |z| = r: what a step errs by. Of a short one the leading term, for the difference rounds. */
+/* Local error |G(z) - exp(z)| of a step, z = r d; for r < 0.3 the leading term of its series, since the difference
+   loses digits. */
 static fb_real fbi_step_error(fb_integrator integrator, fbi_complex d, fb_real r)
 {
   static const fb_real leading[3] = {FB_R(8.3333333333333333e-3), FB_R(8.3333333333333333e-2),
@@ -19962,9 +20009,9 @@ static fb_real fbi_step_error(fb_integrator integrator, fbi_complex d, fb_real r
   return fbi_complex_abs(G);
 }
 
-/* Error that mode k, of amplitude 1, has at worst within the duration when steps are dt long: each of n steps errs by
-   G - exp(lambda dt) of what is left of it, and the sum has decayed over n - 1 of them: it is largest after 1/|re| of a
-   damped one, but not before the first step. */
+/* Largest error of mode k with amplitude 1 within the duration, at a step of dt. After n steps it is
+   n |G - exp(lambda dt)| exp(re (n - 1) dt): the sum of their local errors, which decay with the mode. Of a damped mode
+   it is largest at n dt = 1/|re|, but not before the first step. */
 static fb_real fbi_mode_error(const fb_spectrum *spectrum, int k, fb_integrator integrator, fb_real dt,
                               fb_real duration)
 {
@@ -19987,9 +20034,10 @@ static fb_real fbi_spectrum_error(const fb_spectrum *spectrum, fb_integrator int
   return sum;
 }
 
-/* [E12.7] Step for a wanted accuracy: sum of amplitude_k error_k(dt) = tolerance. The least such dt: where one step
-   outlasts a damped mode, an L-stable integrator errs less again. Upwards by doubling, then bisection.
-   Source: definition.  Cost: 100 errors a mode.  Fails: see the header.
+/* [E12.7] Step for a given accuracy: sum_k amplitude_k error_k(dt) = tolerance. The smallest such dt, by doubling and
+   bisection: the error of an L-stable integrator decreases again where a step is longer than the decay of a damped
+   mode.
+   Source: definition.  Cost: 100 errors per mode.  Fails: see the header.
    Test: advised_steps_err_as_wanted, advised_steps_bear_stiff_damping, advice_resolves_modes_that_die_out. */
 FB_DEF fb_real fb_spectrum_dt(const fb_spectrum *spectrum, fb_integrator integrator, const fb_real *amplitude,
                               fb_real duration, fb_real tolerance)
@@ -19998,9 +20046,11 @@ FB_DEF fb_real fb_spectrum_dt(const fb_spectrum *spectrum, fb_integrator integra
   fb_real low = FB_R(0.0), high = FB_R(8.6736173798840355e-19) * most; /* 2^-60 */
   if (!spectrum || spectrum->n > FB_MAX_LINEAR || !fbi_is_choice((int)integrator, (int)FB_INTEGRATOR_SDIRK) ||
       !(duration > FB_R(0.0)) || !(tolerance > FB_R(0.0)) || !(most > FB_R(0.0)) ||
-      !(fbi_spectrum_error(spectrum, integrator, amplitude, high, duration) >= FB_R(0.0))) { /* not a number */
+      !(fbi_spectrum_error(spectrum, integrator, amplitude, high, duration) >= FB_R(0.0))) { /* NaN */
     return FB_R(0.0);
   }
+
+  /* Doubling to the first step whose error is too large, then bisection */
   for (int pass = 0; pass <= 60 && fbi_spectrum_error(spectrum, integrator, amplitude, high, duration) <= tolerance;
        pass++) {
     low = high;
@@ -20016,14 +20066,16 @@ FB_DEF fb_real fb_spectrum_dt(const fb_spectrum *spectrum, fb_integrator integra
 }
 
 #if FB_WITH_EXACT
-/* ---- exact beam: a perturbation x holds the change d of the nodes' poses, then the momenta of elements and lumps */
+/* ---- the linearized geometrically exact beam: a perturbation x holds the changes d of the nodes' poses, then those of
+   the momenta of elements and lumped bodies */
 
 static int fbi_exact_dim(const fb_exact *m)
 {
   return 6 * (m->n + 1) + 6 * m->n + 6 * m->n_lump;
 }
 
-/* y = N v of an element or lump: change of its load by velocity, shift P included */
+/* Change of the inertia force of an element or lumped body by a velocity change v:
+   y = ad(V)^T M v + ad(v)^T P - shift M v. */
 static void fbi_exact_load_rate(fb_real y[6], const fb_real M[36], const fb_real V[6], const fb_real P[6],
                                 fb_real shift, const fb_real v[6])
 {
@@ -20036,10 +20088,10 @@ static void fbi_exact_load_rate(fb_real y[6], const fb_real M[36], const fb_real
   }
 }
 
-/* [E12.4] x = (shift - A)^-1 b of the linearized beam: d_t = shift d - b_d, v = d_t + ad(V) d, P_t = shift P - b_P;
-   what b gives enters the balance of the nodes beside what B of the work says already (less the loads there), the rest
-   is the Jacobian of a steady state with inertia. Velocities of the nodes remain in dd, stresses in ds.
-   Source: E10.7 to E10.10, linearized.  Cost: 1 kflop an element.  Fails: never, once factored.
+/* [E12.4] x = (shift - A)^-1 b of the linearized beam: d_t = shift d - b_d, v = d_t + ad(V) d, P_t = shift P - b_P. The
+   terms in b are added to the right-hand side B of the nodes, which holds minus the loads on them; the matrix is the
+   Jacobian of a steady state with inertia. On return dd holds the velocities of the nodes, ds the internal forces.
+   Source: E10.7 to E10.10, linearized.  Cost: 1 kflop per element.  Fails: never, once factored.
    Test: spectrum_of_a_straight_beam_is_the_textbooks. */
 static void fbi_exact_respond(fb_real *x, fb_exact_work *work, const fb_exact *m, const fb_real *b)
 {
@@ -20051,6 +20103,8 @@ static void fbi_exact_respond(fb_real *x, fb_exact_work *work, const fb_exact *m
   fb_real v[6], d[6], f[6], y[6];
   fbi_zero(work->c, 6 * n);
   fbi_zero(work->want, 6 * (n + 1));
+
+  /* Right-hand side: b of the elements, shared between their nodes */
   for (int k = 0; k < n; k++) {
     fbi_exact_cell_eval(c, work, m, k);
     fbi_exact_mean(v, d, c->theta, b + 6 * k, b + 6 * k + 6);
@@ -20064,6 +20118,8 @@ static void fbi_exact_respond(fb_real *x, fb_exact_work *work, const fb_exact *m
       work->B[6 * k + 6 + i] += y[i] / FB_R(12.0) + FB_R(0.5) * f[i];
     }
   }
+
+  /* b of the lumped bodies */
   for (int l = 0; l < m->n_lump; l++) {
     const int j = m->lump_node[l];
     fb_real p[6];
@@ -20073,14 +20129,18 @@ static void fbi_exact_respond(fb_real *x, fb_exact_work *work, const fb_exact *m
       work->B[6 * j + i] -= b_L[6 * l + i] - f[i];
     }
   }
+
+  /* Poses d, and velocities of the nodes in dd */
   fbi_exact_solve(work, m);
   fbi_copy(x, work->dd, 6 * (n + 1));
-  for (int j = 0; j <= n; j++) { /* velocities, in dd */
+  for (int j = 0; j <= n; j++) {
     fbi_ad(y, work->V + 6 * j, x + 6 * j);
     for (int i = 0; i < 6; i++) {
       work->dd[6 * j + i] = shift * x[6 * j + i] + y[i] - b[6 * j + i];
     }
   }
+
+  /* Momenta */
   for (int k = 0; k < n; k++) {
     fb_real turn[6];
     fbi_exact_cell_eval(c, work, m, k);
@@ -20095,13 +20155,14 @@ static void fbi_exact_respond(fb_real *x, fb_exact_work *work, const fb_exact *m
   }
 }
 
+/* x = (shift - A)^-1 b without loads. */
 static void fbi_exact_invert(fb_real *x, fb_exact_work *work, const fb_exact *m, const fb_real *b)
 {
   fbi_zero(work->B, 6 * (m->n + 1));
   fbi_exact_respond(x, work, m, b);
 }
 
-/* The linearized beam about a steady state, factored at a shift of its own unit of time. */
+/* Linearizes the beam about a steady state and factors shift - A; shift in units of 1/m->time. */
 static fb_status fbi_exact_linearize(fb_exact_work *work, const fb_exact *m, const fb_exact_state *state,
                                      const fb_exact_input *input, fb_real shift)
 {
@@ -20122,8 +20183,8 @@ static fb_status fbi_exact_linearize(fb_exact_work *work, const fb_exact *m, con
   return fbi_exact_factor(work, m);
 }
 
-/* x less its parts along the rows of Q, twice, and scaled to 1; returns the length it had then. What is rounding is set
-   to zero: the space is exhausted. */
+/* Gram-Schmidt, twice: subtracts from x its projections on the rows of Q (added to h), normalizes it and returns the
+   norm it had before. If that is round-off, the Krylov space is exhausted and x is set to zero. */
 static fb_real fbi_krylov_add(fb_real *x, fb_real *h, const fb_real *Q, int rows, int n, int stride)
 {
   const fb_real before = FB_SQRT(fbi_dot(x, x, n));
@@ -20142,8 +20203,8 @@ static fb_real fbi_krylov_add(fb_real *x, fb_real *h, const fb_real *Q, int rows
   return size;
 }
 
-/* [E12.5] Krylov basis of (shift - A)^-1 from two starts, so that pairs of equal frequencies are found: Q, and in H the
-   operator on it (block Arnoldi). The first start is given, or any (NULL).
+/* [E12.5] Block Arnoldi method: Krylov basis Q of (shift - A)^-1 from two start vectors, so that pairs of equal
+   frequencies are found, and the operator H on it. first: the first start vector, or NULL for a random one.
    Source: [GV] 10.5.  Cost: size * (E12.4 + 4 size dim).  Fails: never.
    Test: spectrum_of_a_straight_beam_is_the_textbooks. */
 static void fbi_exact_arnoldi(fb_exact_spectrum_work *work, const fb_exact *m, int size, const fb_real *first)
@@ -20153,7 +20214,9 @@ static void fbi_exact_arnoldi(fb_exact_spectrum_work *work, const fb_exact *m, i
   fb_real *const start = work->x;
   int rows = 0;
   fbi_zero(work->H, (FBI_EXACT_BASIS + 2) * FBI_EXACT_BASIS);
-  for (int k = 0; k < 2; k++) { /* any displacements, momenta of any velocities; then in the operator's range */
+
+  /* Start vectors: random displacements and velocities, mapped into the range of the operator */
+  for (int k = 0; k < 2; k++) {
     fb_real none[2] = {FB_R(0.0), FB_R(0.0)}, v[6];
     for (int i = 0; i < n; i++) {
       seed = seed * 1664525u + 1013904223u;
@@ -20171,6 +20234,8 @@ static void fbi_exact_arnoldi(fb_exact_spectrum_work *work, const fb_exact *m, i
     (void)fbi_krylov_add(work->Q + rows * n, none, work->Q, rows, n, 1);
     rows++;
   }
+
+  /* Basis and H, column by column */
   for (int k = 0; k < size; k++) {
     fb_real *const q = work->Q + rows * n;
     fb_real left;
@@ -20181,7 +20246,7 @@ static void fbi_exact_arnoldi(fb_exact_spectrum_work *work, const fb_exact *m, i
   }
 }
 
-/* What the basis misses of eigenvector k, relative to its eigenvalue mu. */
+/* Residual of eigenvector k outside the basis, relative to its eigenvalue mu. */
 static fb_real fbi_exact_missing(const fb_exact_spectrum_work *work, int k, int size)
 {
   const fb_real *const y = work->X + 2 * size * k;
@@ -20198,8 +20263,8 @@ static fb_real fbi_exact_missing(const fb_exact_spectrum_work *work, int k, int 
   return sum / fbi_complex_abs(mu);
 }
 
-/* Eigenvalues mu of the operator to those of the beam, lambda = shift - 1/mu. What has not converged (they do from the
-   slowest on; single ones in between are artefacts of the basis) gets im = -1, so that it is left out. */
+/* Eigenvalues lambda = shift - 1/mu of the beam from those of the operator. Eigenvalues that have not converged (they
+   converge from the slowest on; single ones in between are artifacts of the basis) get im = -1 and are left out. */
 static void fbi_exact_lambda(fb_exact_spectrum_work *work, int size)
 {
   const fbi_complex one = {FB_R(1.0), FB_R(0.0)};
@@ -20215,7 +20280,8 @@ static void fbi_exact_lambda(fb_exact_spectrum_work *work, int size)
   }
 }
 
-/* Eigenvector k, its first `rows`, the largest displacement or rotation of a node scaled to 1, own units. */
+/* First `rows` elements of eigenvector k, scaled so that the largest displacement or rotation of a node is 1 in the
+   units of the beam. */
 static void fbi_exact_vector(fb_real *re, fb_real *im, const fb_exact_spectrum_work *work, const fb_exact *m, int k,
                              int size, int rows)
 {
@@ -20223,12 +20289,16 @@ static void fbi_exact_vector(fb_real *re, fb_real *im, const fb_exact_spectrum_w
   const fb_real *const y = work->X + 2 * size * k;
   fb_real largest = FB_R(0.0);
   fbi_complex top = {FB_R(1.0), FB_R(0.0)};
+
+  /* Q^T y */
   fbi_zero(re, rows);
   fbi_zero(im, rows);
   for (int i = 0; i < size; i++) {
     fbi_row_sub(re, -y[i], work->Q + i * n, rows);
     fbi_row_sub(im, -y[size + i], work->Q + i * n, rows);
   }
+
+  /* Divided by its largest element at the nodes */
   for (int i = 0; i < nodes; i++) {
     const fbi_complex z = {re[i], im[i]};
     if (fbi_complex_abs(z) > largest) {
@@ -20243,7 +20313,7 @@ static void fbi_exact_vector(fb_real *re, fb_real *im, const fb_exact_spectrum_w
   }
 }
 
-/* Its shape at the nodes, the largest displacement or rotation * length 1 m. */
+/* Shape of eigenvector k at the nodes, scaled so that the largest displacement, or rotation times length, is 1 m. */
 static void fbi_exact_shape(fb_real *re, fb_real *im, const fb_exact_spectrum_work *work, const fb_exact *m, int k,
                             int size)
 {
@@ -20255,7 +20325,7 @@ static void fbi_exact_shape(fb_real *re, fb_real *im, const fb_exact_spectrum_wo
   }
 }
 
-/* The beam factored at a shift that is none of its eigenvalues. */
+/* Linearizes and factors the beam at the first of three shifts that is not an eigenvalue. */
 static fb_status fbi_exact_shifted(fb_exact_work *work, const fb_exact *m, const fb_exact_state *state,
                                    const fb_exact_input *input)
 {
@@ -20266,7 +20336,7 @@ static fb_status fbi_exact_shifted(fb_exact_work *work, const fb_exact *m, const
   return status;
 }
 
-/* Eigenvalues mu of the operator on its basis, with their vectors: of its transpose, the left ones. */
+/* Eigenvalues mu of the operator on its basis, with the right eigenvectors or (transpose) the left ones. */
 static fb_status fbi_exact_eigen(fb_exact_spectrum_work *work, int size, int transpose)
 {
   for (int i = 0; i < size; i++) {
@@ -20277,14 +20347,15 @@ static fb_status fbi_exact_eigen(fb_exact_spectrum_work *work, int size, int tra
   return fb_eig_general_solve(work->re, work->im, work->X, work->A, work->eig, size);
 }
 
-/* Dimension of the basis for so many modes. */
+/* Dimension of the basis for `count` modes. */
 static int fbi_exact_basis(const fb_exact *m, int count)
 {
   const int size = 6 * count + 24 < FBI_EXACT_BASIS ? 6 * count + 24 : FBI_EXACT_BASIS;
   return size < fbi_exact_dim(m) ? size : fbi_exact_dim(m);
 }
 
-/* All that has converged of the linearized beam, lambda and vectors on the basis, ascending; returns how many. */
+/* Converged eigenvalues lambda of the linearized beam in ascending order, with their vectors on the basis; found: their
+   number. */
 static fb_status fbi_exact_modes(int *found, int order[FBI_EXACT_BASIS], fb_exact_spectrum_work *work,
                                  const fb_exact *m, const fb_exact_state *state, const fb_exact_input *input, int count)
 {
@@ -20307,6 +20378,8 @@ FB_DEF fb_status fb_exact_spectrum_solve(const fb_exact *m, fb_exact_spectrum_wo
 {
   int found, order[FBI_EXACT_BASIS], nodes;
   fb_status status;
+
+  /* Check the arguments; eigenvalues and vectors on the basis */
   FBI_REQUIRE(m && spectrum && work && state, FB_ERR_NULL);
   if (count < 1 || count > FB_EXACT_MODES) {
     return FB_ERR_VALUE;
@@ -20318,6 +20391,8 @@ FB_DEF fb_status fb_exact_spectrum_solve(const fb_exact *m, fb_exact_spectrum_wo
   if (status != FB_OK) {
     return status;
   }
+
+  /* Values and shapes in SI units */
   nodes = 6 * (m->n + 1);
   memset(spectrum, 0, sizeof *spectrum);
   spectrum->n = count;
@@ -20331,7 +20406,7 @@ FB_DEF fb_status fb_exact_spectrum_solve(const fb_exact *m, fb_exact_spectrum_wo
   return FB_OK;
 }
 
-/* ---- paths of steady states */
+/* ---- modal models of the geometrically exact beam */
 
 static fb_status fbi_exact_ports_check(const fb_exact *m, const fb_exact_linear_desc *desc)
 {
@@ -20353,9 +20428,9 @@ static fb_status fbi_exact_ports_check(const fb_exact *m, const fb_exact_linear_
   return FB_OK;
 }
 
-/* [E12.13] Answer of the linearized beam to an input of 1 that grows like exp(shift t): a load is less in the balance
-   of its node; a base that moves carries the nodes along, v = d_t + ad(V) d + carried. Poses and momenta in x.
-   Source: E12.4.  Cost: as that.  Fails: never, once factored.
+/* [E12.13] Response x (poses and momenta) of the linearized beam to a unit input that grows as exp(shift t): a load is
+   subtracted from the balance of its node; a moving base carries the nodes along, v = d_t + ad(V) d + carried.
+   Source: E12.4.  Cost: as E12.4.  Fails: never, once factored.
    Test: linear_beams_rest_where_the_beam_does, linear_beams_move_as_the_beam_does. */
 static void fbi_exact_port_answer(fb_real *x, fb_exact_linear_work *w, const fb_exact *m, const fb_exact_port *port)
 {
@@ -20365,6 +20440,8 @@ static void fbi_exact_port_answer(fb_real *x, fb_exact_linear_work *w, const fb_
   fbi_zero(b, fbi_exact_dim(m));
   fbi_zero(work->B, 6 * (m->n + 1));
   unit[port->axis] = FB_R(1.0);
+
+  /* Force or torque on a node, else a velocity of the base */
   if (port->kind == FB_EXACT_PORT_FORCE || port->kind == FB_EXACT_PORT_TORQUE) {
     fb_real dead[6], follower[6], base[9], f[3], *const B = work->B + 6 * port->at;
     fbi_vec6_zero(dead);
@@ -20390,7 +20467,7 @@ static void fbi_exact_port_answer(fb_real *x, fb_exact_linear_work *w, const fb_
   fbi_exact_respond(x, work, m, b);
 }
 
-/* What an output reads of poses x, velocities and stresses that E12.4 gave. */
+/* Output of a channel from the poses x, velocities dd and internal forces ds of E12.4. */
 static fb_real fbi_exact_port_read(const fb_exact_work *work, const fb_exact *m, const fb_real *x,
                                    const fb_exact_port *port)
 {
@@ -20415,14 +20492,14 @@ static fb_real fbi_exact_port_read(const fb_exact_work *work, const fb_exact *m,
   }
 }
 
-/* shift - lambda of mode k, own units */
+/* shift - lambda of mode k, in units of 1/m->time. */
 static fbi_complex fbi_exact_distance(const fb_exact_linear_work *w, const fb_exact *m, int k)
 {
   const fbi_complex d = {w->spectrum.exact.motion.shift - w->linear.re[k] * m->time, -w->linear.im[k] * m->time};
   return d;
 }
 
-/* How many modes to keep: those of equal eigenvalues together. */
+/* Number of modes to keep, at least `count`: those with equal eigenvalues stay together. */
 static int fbi_exact_keep(const fb_exact_spectrum_work *work, const int *order, int found, int count)
 {
   while (count < found) {
@@ -20436,9 +20513,9 @@ static int fbi_exact_keep(const fb_exact_spectrum_work *work, const int *order, 
   return count;
 }
 
-/* A and C of the modes, and their vectors as an orthonormal basis and the triangle R that they are on it. What an
-   output reads of a vector: (shift - A)^-1 gives it back times mu = 1/(shift - lambda), with its velocities and
-   stresses. */
+/* A and C of the modes, and the QR factors of their vectors, `basis` and R. The outputs of a vector come from
+   (shift - A)^-1, which returns it times mu = 1/(shift - lambda), with its velocities and internal forces:
+   c = output * (shift - lambda). */
 static fb_status fbi_exact_linear_modes(fb_exact_linear_work *w, const fb_exact *m, const fb_exact_linear_desc *desc,
                                         int size)
 {
@@ -20450,11 +20527,15 @@ static fb_status fbi_exact_linear_modes(fb_exact_linear_work *w, const fb_exact 
     const fbi_complex distance = fbi_exact_distance(w, m, k);
     fb_real *const re = w->basis + at * dim, *const im = pair ? re + dim : w->other;
     fb_real read[2][FB_MAX_PORTS];
+
+    /* Vector scaled to 1 m; as a pair of real states, Re(x (a + i b)) = Re x a - Im x b */
     fbi_exact_vector(re, im, &w->spectrum, m, w->order[k], size, dim);
-    for (int i = 0; i < dim; i++) { /* of 1 m; Re(x (a + i b)) = Re x a - Im x b */
+    for (int i = 0; i < dim; i++) {
       re[i] /= m->length;
       im[i] /= -m->length;
     }
+
+    /* Rows of C and block of A */
     for (int part = 0; part <= pair; part++) {
       fbi_exact_invert(w->answer, &w->spectrum.exact, m, part ? im : re);
       for (int o = 0; o < desc->n_out; o++) {
@@ -20473,10 +20554,12 @@ static fb_status fbi_exact_linear_modes(fb_exact_linear_work *w, const fb_exact 
       out->A[at * n + at + 1] = -out->im[k];
       out->A[(at + 1) * n + at] = out->im[k];
     }
+
+    /* QR factors */
     for (int part = 0; part <= pair; part++, at++) {
       fb_real *const R = w->R + at;
       R[at * stride] = fbi_krylov_add(w->basis + at * dim, R, w->basis, at, dim, stride);
-      for (int i = 0; i < at; i++) { /* two vectors are one */
+      for (int i = 0; i < at; i++) { /* parallel vectors */
         if (!(R[at * stride] > (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-7)) * FB_FABS(R[i * stride]))) {
           return FB_ERR_SINGULAR;
         }
@@ -20486,7 +20569,7 @@ static fb_status fbi_exact_linear_modes(fb_exact_linear_work *w, const fb_exact 
   return FB_OK;
 }
 
-/* Vectors, right or left, on the basis of those eigenvalues that are the modes' own: the nearest to each. */
+/* Eigenvectors (right or left) on the basis for the eigenvalues of the modes, the nearest to each. */
 static fb_status fbi_exact_pick(fb_real *out, fb_exact_linear_work *w, const fb_exact *m, int size)
 {
   fb_exact_spectrum_work *const work = &w->spectrum;
@@ -20495,6 +20578,8 @@ static fb_status fbi_exact_pick(fb_real *out, fb_exact_linear_work *w, const fb_
     const int pair = w->linear.im[k] > FB_R(0.0);
     fb_real nearest = FB_SINGLE ? FB_R(3e-2) : FB_R(1e-4);
     int best = -1;
+
+    /* mu (shift - lambda) nearest to 1 */
     for (int j = 0; j < size; j++) {
       const fbi_complex mu = {work->re[j], work->im[j]}, one = fbi_complex_mul(mu, distance);
       const fbi_complex off = {one.re - FB_R(1.0), one.im};
@@ -20506,17 +20591,19 @@ static fb_status fbi_exact_pick(fb_real *out, fb_exact_linear_work *w, const fb_
     if (best < 0) {
       return FB_ERR_CONVERGENCE;
     }
+
+    /* Its vector; an eigenvalue is taken once */
     fbi_copy(out, work->X + 2 * size * best, (1 + pair) * size);
-    work->im[best] = -FB_R(1.0); /* taken */
+    work->im[best] = -FB_R(1.0);
     out += (1 + pair) * size;
   }
   return FB_OK;
 }
 
-/* [E12.14] What an answer f to an input (E12.13) has of the modes. f = sum x_k b_k/(shift - lambda_k) + faster ones:
-   a Krylov basis Q that starts from f holds it, Q e1 |f|, and what the operator H on it makes of it; with its right and
-   left vectors Y, W of the modes' eigenvalues the part is P f = Q Y (W^T Y)^-1 W^T e1 |f|, and on the modes' own
-   vectors R^-1 basis^T P f.
+/* [E12.14] Modal part of the response f to an input (E12.13), f = sum_k x_k b_k/(shift - lambda_k) + faster modes. A
+   Krylov basis Q that starts from f contains it, f = Q e1 |f|, and H is the operator on that basis. With the right and
+   left eigenvectors Y, W of H for the eigenvalues of the modes, the modal part is P f = Q Y (W^T Y)^-1 W^T e1 |f| (a
+   spectral projection); its modal coordinates are R^-1 basis^T P f.
    Source: own; spectral projector.  Cost: E12.5 and two general eigenproblems of its size.  Fails: not all modes found.
    Test: linear_beams_move_as_the_beam_does, linear_beams_answer_at_every_frequency. */
 static fb_status fbi_exact_project(fb_exact_linear_work *w, const fb_exact *m, int size)
@@ -20529,11 +20616,15 @@ static fb_status fbi_exact_project(fb_exact_linear_work *w, const fb_exact *m, i
   if (!(length > FB_R(0.0))) {
     return FB_OK;
   }
+
+  /* Q, H, Y, W */
   fbi_exact_arnoldi(work, m, size, w->answer);
   status = fbi_exact_eigen(work, size, 0);
   status = status ? status : fbi_exact_pick(w->right, w, m, size);
   status = status ? status : fbi_exact_eigen(work, size, 1);
   status = status ? status : fbi_exact_pick(w->left, w, m, size);
+
+  /* (W^T Y)^-1 W^T e1 |f| */
   for (int i = 0; i < n && status == FB_OK; i++) {
     w->sum[i] = w->left[i * size] * length;
     for (int j = 0; j < n; j++) {
@@ -20545,6 +20636,8 @@ static fb_status fbi_exact_project(fb_exact_linear_work *w, const fb_exact *m, i
     return status;
   }
   fb_lu_solve(w->part, w->G, w->perm, w->sum, n);
+
+  /* P f, then its modal coordinates */
   fbi_zero(w->other, dim);
   for (int j = 0; j < n; j++) {
     for (int i = 0; i < size; i++) {
@@ -20561,7 +20654,8 @@ static fb_status fbi_exact_project(fb_exact_linear_work *w, const fb_exact *m, i
   return FB_OK;
 }
 
-/* Column of B, (shift - lambda) times the part of the answer; the modes' answer at rest, -b/lambda, is taken off D. */
+/* Column of B: b = (shift - lambda) times the modal part of the response. The static response of the modes, -b/lambda,
+   is subtracted from D. */
 static void fbi_exact_linear_input(fb_exact_linear_work *w, const fb_exact *m, int input)
 {
   fb_exact_linear *const out = &w->linear;
@@ -20579,7 +20673,7 @@ static void fbi_exact_linear_input(fb_exact_linear_work *w, const fb_exact *m, i
   }
 }
 
-/* Arguments checked, and the beam linearized about the state. */
+/* Checks the arguments and linearizes the beam about the state. */
 static fb_status fbi_exact_linear_start(fb_exact_linear_work *w, const fb_exact *m, const fb_exact_state *state,
                                         const fb_exact_input *input, const fb_exact_linear_desc *desc, int count)
 {
@@ -20600,7 +20694,7 @@ static void fbi_exact_linear_gain(fb_exact_linear_work *w, const fb_exact *m, co
   }
 }
 
-/* Eigenvalues of the `count` modes that are kept, a second [1/s]: 2 states for a pair and 1 for a real one. */
+/* Eigenvalues of the modes that are kept [1/s], and the number of states: 2 for a pair, 1 for a real eigenvalue. */
 static fb_status fbi_exact_linear_poles(fb_exact_linear_work *w, const fb_exact *m, const fb_exact_state *state,
                                         const fb_exact_input *input, int count)
 {
@@ -20637,8 +20731,8 @@ static fb_status fbi_exact_linear_gains(fb_exact_linear_work *w, const fb_exact 
   return status;
 }
 
-/* [E12.15] Modal model of the beam: blocks of lambda, residues of E12.14, and in D what the answer at rest (E12.13
-   without shift) has beyond that of the modes.
+/* [E12.15] Modal model of the beam: blocks of lambda, residues of E12.14, and in D the static response (E12.13 without
+   shift) less that of the modes.
    Source: modal truncation with its static correction.  Cost: E12.14 for each input.  Fails: see the header.
    Test: linear_beams_rest_where_the_beam_does, linear_beams_move_as_the_beam_does. */
 FB_DEF fb_status fb_exact_linearize(const fb_exact *m, fb_exact_linear_work *w, fb_exact_linear *linear,
@@ -20656,7 +20750,7 @@ FB_DEF fb_status fb_exact_linearize(const fb_exact *m, fb_exact_linear_work *w, 
     return status;
   }
 
-  /* Static gain, eigenvalues, then what the modes answer of that gain */
+  /* Static gain, eigenvalues, modal matrices */
   memset(&w->linear, 0, sizeof w->linear);
   w->linear.n_in = desc->n_in;
   w->linear.n_out = desc->n_out;
