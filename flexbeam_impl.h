@@ -20769,7 +20769,7 @@ FB_DEF fb_status fb_exact_linearize(const fb_exact *m, fb_exact_linear_work *w, 
    ANALYSE >>advise: which effects, modes, integrator and step a scene calls for
    (uses config, status, vec3, solve, body, integrate, assemble, trim, linear) */
 
-/* The sets there are, by what they cost; the last is the full one. */
+/* Candidate sets of effects, ascending in cost; the last is the full set. */
 static const unsigned fbi_advice_set[FBI_ADVICE_SETS] = {
     FB_EFFECTS_LINEAR,
     FB_EFFECTS_SPIN,
@@ -20783,16 +20783,17 @@ static const unsigned fbi_advice_set[FBI_ADVICE_SETS] = {
     FB_EFFECTS_FULL};
 
 #define FBI_ADVICE_FULL (FBI_ADVICE_SETS - 1)
-/* What of an envelope acts at an instant: spin, its rate, acceleration, loads. The largest do not fall together. */
-#define FBI_ADVICE_REST FBI_ADVICE_INSTANTS /* one more: nothing acts */
+/* Load cases ("instants") of an envelope: factors of spin, spin rate, acceleration and loads, since the extremes of all
+   do not occur together. */
+#define FBI_ADVICE_REST FBI_ADVICE_INSTANTS /* one more: at rest, without loads */
 static const signed char fbi_advice_instant[FBI_ADVICE_INSTANTS + 1][4] = {{1, 1, 1, 1}, {1, 1, -1, 1}, {0, 1, 1, 1},
                                                                            {1, 0, 0, 1}, {0, 0, 0, 1},  {0, 0, 0, 0}};
 
-/* Parts of an oscillation: of its deflection, of its speed. */
+/* Phases of an oscillation: factors of its deflection and of its speed. */
 static const fb_real fbi_advice_phase[FBI_ADVICE_PHASES][2] = {
     {FB_R(1.0), FB_R(0.0)}, {FB_R(0.70710678118654752), FB_R(0.70710678118654752)}, {FB_R(0.0), FB_R(1.0)}};
 
-/* Natural modes: M is 1, K a diagonal, about; FB_ERR_UNSUPPORTED. */
+/* FB_ERR_UNSUPPORTED unless the coordinates are natural modes: M = 1 and K diagonal, within 1e-3. */
 static fb_status fbi_advise_modes_check(const fb_shape *shape)
 {
   const int n = shape->n;
@@ -20831,7 +20832,8 @@ static fb_status fbi_advise_check(const fb_shape *shape, const fb_body_desc *des
   return fbi_advise_modes_check(shape);
 }
 
-/* A body of a set of effects, under a gravity that stands for all accelerations of the origin. */
+/* Body with a set of effects and the modes coordinate[] (NULL: all), with gravity, by which fbi_advise_motion applies
+   all accelerations of the origin. */
 static fb_status fbi_advise_body(fb_body *body, fb_advice_work *work, const fb_shape *shape, const fb_body_desc *desc,
                                  const int *coordinate, unsigned effects)
 {
@@ -20844,14 +20846,16 @@ static fb_status fbi_advise_body(fb_body *body, fb_advice_work *work, const fb_s
   return fb_body_init(body, &work->body_work, shape, &work->desc);
 }
 
-/* Accelerations (work.motion) and place of the output (work.node) at an instant, at q, q_dot. */
+/* Accelerations (work.motion) and displacement of the output (work.node) in a load case, at q, q_dot. */
 static fb_status fbi_advise_motion(fb_advice_work *work, fb_body *body, const fb_envelope *e, int instant,
                                    const fb_real *q, const fb_real *q_dot)
 {
   const signed char *const on = fbi_advice_instant[instant];
   fb_real v[3], w[3], turning[3];
-  const int spins = on[0] || (instant != FBI_ADVICE_REST && fbi_is_zero(e->spin_rate, 3)); /* always, if steadily */
+  const int spins = on[0] || (instant != FBI_ADVICE_REST && fbi_is_zero(e->spin_rate, 3)); /* a steady spin: always */
   fb_status status;
+
+  /* Motion of the base */
   memset(&work->state, 0, sizeof work->state);
   memset(&work->input, 0, sizeof work->input);
   work->state.quat[0] = FB_R(1.0);
@@ -20863,18 +20867,24 @@ static fb_status fbi_advise_motion(fb_advice_work *work, fb_body *body, const fb
     work->input.w[i] = w[i];
     work->input.w_dot[i] = (fb_real)on[1] * e->spin_rate[i];
   }
-  fb_vec3_cross(turning, w, v); /* of the acceleration of O what its velocity gives: the body knows it */
+
+  /* Gravity in place of the acceleration of O, less w x v, which the body accounts for itself */
+  fb_vec3_cross(turning, w, v);
 #if FB_WITH_GRAVITY
   for (int i = 0; i < 3; i++) {
     body->gravity[i] = turning[i] - (fb_real)on[2] * e->acceleration[i];
   }
 #endif
-  if (body->base == FB_BASE_FREE) { /* the mass center rests */
+
+  /* Center of mass of a free body at rest: v = -w x c/m */
+  if (body->base == FB_BASE_FREE) {
     fb_vec3_cross(v, body->c, w);
     for (int i = 0; i < 3; i++) {
       v[i] /= body->mass;
     }
   }
+
+  /* Loads, then accelerations and displacement */
   work->input.n_load = on[3] ? e->n_load : 0;
   memcpy(work->input.load, e->load, sizeof e->load);
   status = fb_state_from_velocity(body, &work->state, v, w, q_dot);
@@ -20882,7 +20892,7 @@ static fb_status fbi_advise_motion(fb_advice_work *work, fb_body *body, const fb
   return status ? status : fb_body_node_motion_eval(body, &work->node, &work->state, &work->motion, e->node);
 }
 
-/* K = -d(q_ddot)/dq at q = 0 by central differences. */
+/* Tangent stiffness K = -d(q_ddot)/dq at q = 0 by central differences. */
 static fb_status fbi_advise_tangent(fb_real *K, fb_advice_work *work, fb_body *body, const fb_envelope *e, int instant)
 {
   const int n = body->n;
@@ -20903,7 +20913,7 @@ static fb_status fbi_advise_tangent(fb_real *K, fb_advice_work *work, fb_body *b
   return status;
 }
 
-/* q = K^-1 f of the coordinates order[0..n-1], the others zero. */
+/* q = K^-1 f for the coordinates order[0..n-1]; the others are zero. */
 static fb_status fbi_advise_solve(fb_real *q, fb_advice_work *work, const fb_real *K, const fb_real *f, int n)
 {
   const int size = work->full.n;
@@ -20928,7 +20938,8 @@ static fb_status fbi_advise_solve(fb_real *q, fb_advice_work *work, const fb_rea
   return FB_OK;
 }
 
-/* Whether an answer q of K is one: K is stable and the deflection within its limit; else buckled, or nearly. */
+/* Is the quasi-static response q valid? The diagonal of the tangent K is positive and the deflection of each mode below
+   its limit; otherwise the body has buckled, or nearly so. */
 static int fbi_advice_holds(const fb_advice_work *work, const fb_real *K, const fb_real *q)
 {
   const fb_body *const body = &work->full;
@@ -20949,7 +20960,7 @@ static fb_real fbi_advice_gain(const fb_advice_work *work, const fb_envelope *e,
                        : fbi_larger(FB_R(1.0) / fbi_larger(near, 2 * work->zeta[a]), FB_R(2.0));
 }
 
-/* q back within the deflection limit; returns how many times beyond it was. */
+/* Scales q down to the deflection limit; returns the ratio to the limit if it was exceeded, else 1. */
 static fb_real fbi_advice_bound(fb_real *q, const fb_body *body)
 {
   fb_real sum = FB_R(0.0), beyond;
@@ -20963,7 +20974,7 @@ static fb_real fbi_advice_bound(fb_real *q, const fb_body *body)
   return beyond;
 }
 
-/* Frequency [rad/s] of a mode at an instant. */
+/* Frequency [rad/s] of a mode in a load case. */
 static fb_real fbi_advice_omega(const fb_advice_work *work, int instant, int a)
 {
   return FB_SQRT(work->tangent[instant][a * work->full.n + a]);
@@ -20978,7 +20989,7 @@ static void fbi_advice_output(fb_real y[3], const fb_advice_work *work, const fb
   }
 }
 
-/* What the modes give of the output at an instant, `tip`. */
+/* Records the contributions of the modes to the output in load case i, whose displacement is `tip`. */
 static void fbi_advise_note(fb_advice_work *work, const fb_envelope *e, int i, fb_real tip)
 {
   for (int a = 0; a < work->full.n; a++) {
@@ -20986,16 +20997,16 @@ static void fbi_advise_note(fb_advice_work *work, const fb_envelope *e, int i, f
     const fb_real give = FB_FABS(work->q[i][a]) * fbi_vec3_norm(work->full.node[e->node].psi + 3 * a);
     work->most[a] = fbi_larger(work->most[a], give);
     work->omega[a] = fbi_larger(work->omega[a], omega);
-    if (give > FB_R(0.5) * tip) { /* what bends the body: E13.4 */
+    if (give > FB_R(0.5) * tip) { /* the mode that dominates the deflection: E13.4 */
       const fb_real turn = fbi_vec3_norm(work->input.w) * fbi_smaller(e->frequency, omega) / (omega * omega);
       work->drawn = fbi_larger(work->drawn, tip * turn);
     }
   }
 }
 
-/* [E13.1] What the modes answer at an instant: at rest K q = f, K the tangent of the full set (where that is not
-   stable: at rest), times the gain of the frequency.
-   Source: own; quasi-static answer with dynamic magnification.  Cost: 2 n evaluations and a LU.
+/* [E13.1] Modal response in a load case: the quasi-static K q = f, K the tangent stiffness of the full set of effects
+   (if that is unstable: the one at rest), times the dynamic amplification factor of each mode.
+   Source: own; quasi-static response with dynamic amplification.  Cost: 2 n evaluations and an LU factorization.
    Fails: as fb_body_motion_eval.  Test: advice_estimates_the_deflection. */
 static fb_status fbi_advise_answer(fb_advice_work *work, const fb_envelope *e, int i)
 {
@@ -21007,16 +21018,22 @@ static fb_status fbi_advise_answer(fb_advice_work *work, const fb_envelope *e, i
   if (status != FB_OK) {
     return status;
   }
+
+  /* Quasi-static response */
   fbi_copy(work->f[i], work->motion.q_ddot, n);
   if (fbi_advise_solve(q, work, K, work->f[i], n) != FB_OK || !fbi_advice_holds(work, K, q)) {
     fbi_copy(K, work->tangent[FBI_ADVICE_REST], n * n);
     status = fbi_advise_solve(q, work, K, work->f[i], n);
-    work->buckled |= fbi_advice_holds(work, K, q); /* else the load is large */
+    work->buckled |= fbi_advice_holds(work, K, q); /* otherwise the load is too large even without preload */
   }
+
+  /* Dynamic amplification, within the deflection limit */
   for (int a = 0; a < n; a++) {
     q[a] *= fbi_advice_gain(work, e, a, fbi_advice_omega(work, i, a));
   }
   beyond = fbi_advice_bound(q, &work->full);
+
+  /* Deflection of the output */
   status = status ? status : fbi_advise_motion(work, &work->full, e, i, q, NULL);
   if (status == FB_OK) {
     tip = fbi_vec3_norm(work->node.displacement);
@@ -21042,19 +21059,21 @@ static fb_status fbi_advise_answers(fb_advice_work *work, const fb_envelope *e)
   return status;
 }
 
-/* How fast a mode moves when it is driven at a frequency. */
+/* Frequency at which a driven mode moves: that of the excitation, at most its own. */
 static fb_real fbi_advice_rate(const fb_advice_work *work, const fb_envelope *e, int a)
 {
   return fbi_smaller(e->frequency, work->omega[a]);
 }
 
-/* How much of what a mode gives swings at its own frequency: what a drive excites whose slope begins with a jump. */
+/* Part of a mode's contribution that oscillates at its natural frequency: the free vibration excited by a harmonic
+   drive that starts with a jump of its slope. */
 static fb_real fbi_advice_share(const fb_advice_work *work, const fb_envelope *e, int a)
 {
   return fbi_advice_rate(work, e, a) / work->omega[a];
 }
 
-/* Modes by what they give, and how far what swings of the answer turns in half the duration [rad]. */
+/* Orders the modes by their contribution to the output; ringing: mean phase that the free vibration runs through in
+   half the duration [rad], weighted by contribution. */
 static void fbi_advise_order(fb_advice_work *work, const fb_envelope *e)
 {
   const int n = work->full.n;
@@ -21071,15 +21090,16 @@ static void fbi_advise_order(fb_advice_work *work, const fb_envelope *e)
   work->ringing = sum > FB_R(0.0) ? turn / sum : FB_R(0.0);
 }
 
-/* [E13.2] What the output is off by when accelerations are off by what at rest would be a part r of it: r, and as the
-   frequency is off by r/2, the phase of what swings; at most twice the output.
+/* [E13.2] Relative error of the output when accelerations are wrong by what is statically a part r of the output: r
+   itself, and the phase error of the free vibration, whose frequency is wrong by r/2; at most twice the output.
    Source: own.  Fails: never.  Test: sets_err_by_the_change_of_frequency. */
 static fb_real fbi_advice_error(const fb_advice_work *work, fb_real r)
 {
   return r + fbi_smaller(r * work->ringing, FB_R(2.0));
 }
 
-/* Relative change of the first mode's stiffness by those that follow the first n: they give way as it bends. */
+/* Relative change of the stiffness of the first mode when the modes after the first n are condensed statically:
+   sum K_ab K_ba/K_bb / K_aa. */
 static fb_real fbi_advise_condensed(const fb_advice_work *work, int instant, int n)
 {
   const int size = work->full.n, a = work->order[0];
@@ -21092,8 +21112,9 @@ static fb_real fbi_advise_condensed(const fb_advice_work *work, int instant, int
   return FB_FABS(change / K[a * size + a]);
 }
 
-/* What the output is off by with the first n modes alone: their answers at rest against those of all, times the gain
-   of the first, for near resonance the output follows its frequency; and the phase of what swings. */
+/* Relative error of the output with the first n modes alone: the difference of the quasi-static responses, times the
+   amplification factor of the first mode (near resonance the output depends on its frequency), and E13.2 of the change
+   of its stiffness. */
 static fb_real fbi_advise_modes(fb_advice_work *work, const fb_envelope *e, int n)
 {
   fb_real worst = FB_R(0.0), all[FB_MAX_MODES], some[FB_MAX_MODES], y[3];
@@ -21114,8 +21135,8 @@ static fb_real fbi_advise_modes(fb_advice_work *work, const fb_envelope *e, int 
   return worst;
 }
 
-/* Accelerations and place of the output of a body of the modes coordinate[0..] at phase `phase` of what instant `at`
-   makes it do. */
+/* Accelerations and displacement of the output for a body with the modes coordinate[0..] at a phase of its oscillation
+   in load case `at`. */
 static fb_status fbi_advise_phase(fb_advice_work *work, fb_body *body, const fb_envelope *e, const int *coordinate,
                                   int at, int phase)
 {
@@ -21128,7 +21149,7 @@ static fb_status fbi_advise_phase(fb_advice_work *work, fb_body *body, const fb_
   return fbi_advise_motion(work, body, e, at, q, q_dot);
 }
 
-/* Those of the full set with all modes, to compare with. */
+/* The same for the full set of effects with all modes, as the reference. */
 static fb_status fbi_advise_full(fb_advice_work *work, const fb_envelope *e, const int *all)
 {
   fb_status status = FB_OK;
@@ -21141,10 +21162,10 @@ static fb_status fbi_advise_full(fb_advice_work *work, const fb_envelope *e, con
   return status;
 }
 
-/* [E13.3] What the candidate in work.body is off by for want of effects: at most by how its output lies at the same
-   coordinates (of all modes: `whole`), and by E13.2 of the difference of its accelerations from those of the full set
-   with all modes, along its own.
-   Source: own.  Cost: 15 evaluations.  Fails: never (FB_HUGE: it has no motion).
+/* [E13.3] Relative error of the candidate in work.body by its missing effects, at most over load cases and phases: the
+   difference of the output at the same coordinates (whole: only for a body with all modes), and E13.2 of the difference
+   of its accelerations from those of the full set with all modes.
+   Source: own.  Cost: 15 evaluations.  Fails: never (FB_HUGE: the motion cannot be evaluated).
    Test: sets_err_by_the_change_of_frequency. */
 static fb_real fbi_advise_set(fb_advice_work *work, const fb_envelope *e, const int *coordinate, int whole)
 {
@@ -21153,6 +21174,8 @@ static fb_real fbi_advise_set(fb_advice_work *work, const fb_envelope *e, const 
   for (int i = 0; i < FBI_ADVICE_INSTANTS * FBI_ADVICE_PHASES; i++) {
     const int at = i / FBI_ADVICE_PHASES, phase = i % FBI_ADVICE_PHASES;
     fb_real away[3];
+
+    /* Error of the accelerations, as a static displacement of the output */
     fb_status status = fbi_advise_phase(work, &work->body, e, coordinate, at, phase);
     for (int k = 0; k < n && status == FB_OK; k++) {
       off[coordinate[k]] = work->motion.q_ddot[k] - work->q_ddot[at][phase][coordinate[k]];
@@ -21163,6 +21186,8 @@ static fb_real fbi_advise_set(fb_advice_work *work, const fb_envelope *e, const 
     }
     fbi_advice_output(away, work, e, q);
     motion = fbi_larger(motion, fbi_vec3_norm(away));
+
+    /* Error of the displacement at the same coordinates */
     fbi_copy(away, work->node.displacement, 3);
     fbi_vec3_add(away, FB_R(-1.0), work->displacement[at][phase]);
     place = whole ? fbi_larger(place, fbi_vec3_norm(away)) : FB_R(0.0);
@@ -21172,8 +21197,9 @@ static fb_real fbi_advise_set(fb_advice_work *work, const fb_envelope *e, const 
 
 /* ---- cost and step of a candidate */
 
-/* Instructions of a step, about: so that times have the right ratio. Of rates; of a solution of the linear system of an
-   implicit integrator; of the begin and end of the step; of its matrix and LU; a base that may recoil has 6 rows more.
+/* Approximate number of instructions of a step, so that the times of candidates have the right ratio: evaluations of
+   the rates, solutions of the linear system of an implicit integrator, begin and end of the step, matrix and its LU
+   factors. The linear system of a base that is not prescribed has 6 more rows.
    Source: counted, tests/reference/step_instructions.csv.  Fails: never.
    Test: costs_are_those_of_counted_instructions. */
 static fb_real fbi_step_instructions(const fb_body *body, fb_integrator integrator)
@@ -21181,11 +21207,15 @@ static fb_real fbi_step_instructions(const fb_body *body, fb_integrator integrat
   const int held = body->base == FB_BASE_PRESCRIBED;
   const fb_real n = (fb_real)body->n, quadratic = (fb_real)(body->n_S > 0),
                 terms = (fb_real)(body->n_lambda + body->n_S);
+
+  /* Counts of each part */
   const fb_real sums = 490 + 28 * n + 12 * terms;
   const fb_real rates = held ? sums + 390 * quadratic : FB_R(1.4) * sums + 1200 * quadratic - 20;
   const fb_real solve = held ? 460 + 255 * n : 1900 + 360 * n;
-  const fb_real ends = held ? 250 + 90 * n : 150 + 30 * n; /* where O is, what momenta are relative to */
+  const fb_real ends = held ? 250 + 90 * n : 150 + 30 * n; /* position of O, frame of the momenta */
   const fb_real factor = held ? 30 * terms + 130 * n : 85 * terms + 3900 + 830 * n;
+
+  /* Stages of each integrator */
   switch (integrator) {
   case FB_INTEGRATOR_RK4:
     return 4 * rates + ends;
@@ -21198,13 +21228,13 @@ static fb_real fbi_step_instructions(const fb_body *body, fb_integrator integrat
   }
 }
 
-/* The longest step [s] that makes sense. */
+/* Longest step considered [s]: the frame, else an eighth of the duration. */
 static fb_real fbi_longest_step(const fb_envelope *e)
 {
   return e->frame > FB_R(0.0) ? fbi_smaller(e->frame, e->duration) : FB_R(0.125) * e->duration;
 }
 
-/* Largest step [s] that an integrator takes. */
+/* Largest step [s] that an integrator accepts for the body in this envelope. */
 static fb_real fbi_integrator_limit(const fb_body *body, fb_integrator integrator, const fb_envelope *e)
 {
   const fb_real spin = fbi_vec3_norm(e->spin);
@@ -21215,18 +21245,19 @@ static fb_real fbi_integrator_limit(const fb_body *body, fb_integrator integrato
   return fbi_smaller(limit, fbi_longest_step(e));
 }
 
-/* A step of at most dt, which is no longer than the frame, that divides it. */
+/* Largest step that divides the frame and is at most dt (dt <= frame). */
 static fb_real fbi_frame_part(fb_real dt, fb_real frame)
 {
   const fb_real parts = frame / dt;
-  if (!(parts > FB_R(1.0) && parts < FB_R(1e6))) { /* none wanted, one, or too many to matter */
+  if (!(parts > FB_R(1.0) && parts < FB_R(1e6))) { /* no frame, one step, or too many to matter */
     return dt;
   }
   return frame / (fb_real)((long)parts + ((fb_real)(long)parts < parts));
 }
 
-/* Step [s] for a tolerance: E12.7 of what swings of each mode, at its frequency, and of what is driven and turns. The
-   exponential scheme errs by what is not its linear part, at the order of rk4. */
+/* Step [s] for a tolerance by E12.7: the free vibration of each mode at its frequency plus the spin, and the driven
+   response at the frequency of the excitation. The exponential scheme is exact in its linear part; the error of the
+   rest is that of rk4. */
 static fb_real fbi_advice_step(fb_advice_work *work, const fb_envelope *e, fb_integrator integrator, int n,
                                fb_real tolerance)
 {
@@ -21234,6 +21265,8 @@ static fb_real fbi_advice_step(fb_advice_work *work, const fb_envelope *e, fb_in
   const int exponential = integrator == FB_INTEGRATOR_EXPONENTIAL;
   const fb_real spin = fbi_vec3_norm(e->spin), inertial = exponential ? work->error[0] : 1;
   fb_real amplitude[FB_MAX_MODES + 1];
+
+  /* Free vibration */
   s->n = 0;
   for (int k = 0; k < n; k++) {
     const int a = work->order[k];
@@ -21241,6 +21274,8 @@ static fb_real fbi_advice_step(fb_advice_work *work, const fb_envelope *e, fb_in
     s->re[s->n] = FB_R(0.0);
     s->im[s->n++] = work->omega[a] + spin;
   }
+
+  /* Driven response */
   if (e->frequency < FB_HUGE && e->frequency > FB_R(0.0)) {
     amplitude[s->n] = inertial;
     s->re[s->n] = FB_R(0.0);
@@ -21251,11 +21286,13 @@ static fb_real fbi_advice_step(fb_advice_work *work, const fb_envelope *e, fb_in
 
 /* ---- advice */
 
-/* Answers, errors of the sets, modes in their order. */
+/* Modal responses, order of the modes, errors of all sets of effects and numbers of modes. */
 static fb_status fbi_advise_prepare(fb_advice_work *work, const fb_shape *shape, const fb_body_desc *desc,
                                     const fb_envelope *e, fb_real tolerance)
 {
   int all[FB_MAX_MODES];
+
+  /* Bodies with all modes: full and linear set of effects */
   fb_status status = fbi_advise_check(shape, desc, e, tolerance);
   for (int a = 0; a < FB_MAX_MODES; a++) {
     all[a] = a;
@@ -21263,6 +21300,8 @@ static fb_status fbi_advise_prepare(fb_advice_work *work, const fb_shape *shape,
   }
   status = status ? status : fbi_advise_body(&work->full, work, shape, desc, NULL, FB_EFFECTS_FULL);
   status = status ? status : fbi_advise_body(&work->body, work, shape, desc, NULL, FB_EFFECTS_LINEAR);
+
+  /* Modal responses in all load cases */
   status = status ? status : fbi_advise_answers(work, e);
   if (status == FB_OK && !(work->deflection > (FB_SINGLE ? FB_R(1e-6) : FB_R(1e-9)) * shape->size)) {
     status = FB_ERR_VALUE; /* nothing drives the output */
@@ -21271,9 +21310,11 @@ static fb_status fbi_advise_prepare(fb_advice_work *work, const fb_shape *shape,
     fbi_advise_order(work, e);
     status = fbi_advise_full(work, e, all);
   }
+
+  /* Errors by missing effects, then by missing modes */
   for (int set = 0; set < FBI_ADVICE_SETS && status == FB_OK; set++) {
     const int is = fbi_advise_body(&work->body, work, shape, desc, NULL, fbi_advice_set[set]) == FB_OK;
-    work->error[set] = is ? fbi_advise_set(work, e, all, 1) : FB_HUGE; /* refused: half of something */
+    work->error[set] = is ? fbi_advise_set(work, e, all, 1) : FB_HUGE; /* incomplete sets are refused */
   }
   for (int k = 0; k < shape->n && status == FB_OK; k++) {
     work->error_modes[k] = fbi_advise_modes(work, e, k + 1);
@@ -21281,7 +21322,7 @@ static fb_status fbi_advise_prepare(fb_advice_work *work, const fb_shape *shape,
   return status;
 }
 
-/* A candidate's mask, coordinates and what they err by. */
+/* Effects, modes (in ascending order) and their errors of a candidate: the given set and the first n modes. */
 static void fbi_advice_fill(fb_advice *advice, const fb_advice_work *work, const fb_body_desc *desc, int set, int n)
 {
   memset(advice, 0, sizeof *advice);
@@ -21298,7 +21339,7 @@ static void fbi_advice_fill(fb_advice *advice, const fb_advice_work *work, const
   }
 }
 
-/* The candidate's body, in work.body; FB_ERR_EFFECTS: there is none. */
+/* Builds the body of a candidate in work.body; FB_ERR_EFFECTS: the set is not possible. */
 static fb_status fbi_candidate(fb_advice_work *work, const fb_shape *shape, const fb_body_desc *desc,
                                const fb_advice *advice)
 {
@@ -21308,10 +21349,11 @@ static fb_status fbi_candidate(fb_advice_work *work, const fb_shape *shape, cons
                                   advice->effects & FB_EFFECTS_FULL);
 }
 
-/* [E13.4] What every modal body is off by, of energies beyond the second degree in q: 1.2 delta^2/2L is how far a
-   bent beam's tip comes in, its speed times the spin a load of r = 1.2 (delta/L) |w| rate/omega^2 of that which bends
-   it; and 0.3 (delta/L)^2, whose phase grows with a quarter of the turn, as amplitudes are seldom the largest.
-   Source: own; the 0.3 and the quarter from trials against the exact beam.  Fails: never.
+/* [E13.4] Relative error of every modal body, by the energies above degree 2 in q that it leaves out. The tip of a beam
+   bent by delta moves inward by 1.2 delta^2/2L (foreshortening); the speed of that times the spin w is an acceleration
+   that the model lacks, a part r = 1.2 (delta/L) |w| rate/omega^2 of the load that bends the beam. In addition
+   0.3 (delta/L)^2, growing with a quarter of the phase of the free vibration, since amplitudes are seldom the largest.
+   Source: own; the 0.3 and the quarter fitted to simulations of the exact beam.  Fails: never.
    Test: advice_knows_where_modes_end. */
 static fb_real fbi_advice_model_error(const fb_advice_work *work, const fb_shape *shape)
 {
@@ -21320,7 +21362,7 @@ static fb_real fbi_advice_model_error(const fb_advice_work *work, const fb_shape
   return work->buckled ? FB_HUGE : fbi_smaller(FB_R(1.2) * work->drawn / shape->size + phase, FB_HUGE);
 }
 
-/* Integrator and step that cost least with the rest of the tolerance. */
+/* Integrator and step with the least cost within `tolerance`, what effects and modes have left. */
 static void fbi_advise_integrator(fb_advice *advice, fb_advice_work *work, const fb_envelope *e, fb_real tolerance)
 {
   advice->cost = FB_HUGE;
@@ -21339,11 +21381,11 @@ static void fbi_advise_integrator(fb_advice *advice, fb_advice_work *work, const
   advice->error_step = tolerance;
 }
 
-/* Estimates that do not depend on the candidate, and its sum. */
+/* Adds the estimates that do not depend on the candidate, and the sum of its errors. */
 static void fbi_advice_finish(fb_advice *advice, const fb_advice_work *work, const fb_shape *shape)
 {
   for (int i = 0; i < FB_ADVICE_EFFECTS; i++) {
-    advice->without[i] = i == 0 ? FB_R(1.0) : FB_HUGE; /* rigid: nothing of the output */
+    advice->without[i] = i == 0 ? FB_R(1.0) : FB_HUGE; /* a rigid body has no elastic displacement */
     for (int set = 0; set < FBI_ADVICE_SETS && i > 0; set++) {
       if (!(fbi_advice_set[set] & 1u << i)) {
         advice->without[i] = fbi_smaller(advice->without[i], work->error[set]);
@@ -21359,13 +21401,17 @@ FB_DEF fb_status fb_advice_solve(fb_advice *advice, fb_advice_work *work, const 
                                  const fb_body_desc *desc, const fb_envelope *envelope, fb_real tolerance)
 {
   fb_advice best, candidate;
-  fb_real left; /* of the tolerance by what all modal bodies err, if they can meet it */
+  fb_real left; /* tolerance less the error of every modal body, at least half of it */
   fb_status status;
+
+  /* Responses and error estimates */
   FBI_REQUIRE(advice && work && shape && desc && envelope, FB_ERR_NULL);
   status = fbi_advise_prepare(work, shape, desc, envelope, tolerance);
   if (status != FB_OK) {
     return status;
   }
+
+  /* The cheapest candidate whose errors add up to the tolerance */
   best.cost = FB_HUGE;
   left = tolerance - fbi_smaller(fbi_advice_model_error(work, shape), FB_R(0.5) * tolerance);
   for (int k = 0; k < FBI_ADVICE_SETS * shape->n; k++) {
@@ -21392,7 +21438,8 @@ FB_DEF fb_status fb_advice_solve(fb_advice *advice, fb_advice_work *work, const 
 
 /* ---- search by simulation */
 
-/* Step k of a candidate: the longest, and whole parts of it, or of the frame, about sqrt 2 apart. */
+/* Trial step number `part` of a candidate: the longest step divided by sqrt(2)^part, rounded to a whole part of the
+   frame. */
 static fb_real fbi_trial_step(fb_real longest, fb_real frame, int part)
 {
   fb_real ratio = FB_R(1.0);
@@ -21402,7 +21449,7 @@ static fb_real fbi_trial_step(fb_real longest, fb_real frame, int part)
   return fbi_smaller(longest, fbi_frame_part(longest / ratio * (FB_R(1.0) + FBI_ROUNDING), frame));
 }
 
-/* Costs and longest steps of all candidates; those that cannot be have no part left. */
+/* Costs and longest steps of all candidates; impossible ones get no trial steps. */
 static fb_status fbi_search_prepare(fb_advice_work *work, const fb_shape *shape, const fb_body_desc *desc,
                                     const fb_envelope *e)
 {
@@ -21426,7 +21473,7 @@ static fb_status fbi_search_prepare(fb_advice_work *work, const fb_shape *shape,
   return FB_OK;
 }
 
-/* The cheapest candidate that was not tried; 0: none is left. */
+/* Finds the cheapest candidate (set, number of modes - 1, integrator) not yet simulated; 0: none is left. */
 static int fbi_search_next(int at[3], fb_advice *advice, const fb_advice_work *work, const fb_envelope *e, int n)
 {
   fb_real best = FB_HUGE;
@@ -21448,7 +21495,7 @@ static int fbi_search_next(int at[3], fb_advice *advice, const fb_advice_work *w
   return best < FB_HUGE;
 }
 
-/* Length of the largest sample of a, less b unless NULL; FB_HUGE: of one that is not finite. */
+/* Norm of the largest sample of a, or of a - b; FB_HUGE if one is not finite. */
 static fb_real fbi_trial_largest(const fb_trial *trial, const fb_real *a, const fb_real *b)
 {
   fb_real most = FB_R(0.0), sum = FB_R(0.0);
@@ -21469,8 +21516,9 @@ static fb_real fbi_trial_error(const fb_trial *trial)
   return most < FB_HUGE ? most / fbi_trial_largest(trial, trial->reference, NULL) : FB_HUGE;
 }
 
-#define FBI_ADVICE_SHORT 4 /* of rk4's steps: a quarter of its limit */
-/* Shorter steps next; none where they no longer help, neither of this integrator nor of the others. */
+#define FBI_ADVICE_SHORT 4 /* trial step of the reference: a quarter of the limit of rk4 */
+/* Records the error of a simulated candidate: its next trial step is shorter. Where the error no longer depends on the
+   step, effects and modes cause it, and no integrator is tried with them any more. */
 static void fbi_search_note(fb_advice_work *work, const fb_envelope *e, const int at[3], fb_real error,
                             fb_real tolerance)
 {
@@ -21478,7 +21526,7 @@ static void fbi_search_note(fb_advice_work *work, const fb_envelope *e, const in
   fb_real *const last = &work->last[at[0]][at[1]][at[2]];
   const fb_real longest = work->longest[at[0]][at[1]][at[2]], dt = fbi_trial_step(longest, e->frame, part[at[2]]);
   const int same = error < FB_R(0.5) && FB_FABS(error - *last) < FB_R(0.05) * error;
-  do { /* to another step: of few parts of a frame some are the same */
+  do { /* the next different step; rounded to parts of the frame, some are equal */
     part[at[2]]++;
   } while (part[at[2]] < FBI_ADVICE_PARTS && !(fbi_trial_step(longest, e->frame, part[at[2]]) < FB_R(0.999) * dt));
   for (int s = 0; s < 4 && same && error > FB_R(1.2) * tolerance; s++) {
@@ -21487,7 +21535,8 @@ static void fbi_search_note(fb_advice_work *work, const fb_envelope *e, const in
   *last = error;
 }
 
-/* All modes and effects in short steps: the reference, or how far off it is. Its cost is the most that makes sense. */
+/* Simulates all modes and effects with a short step: the reference, or its error against a given one. Its cost is the
+   upper bound of the search. */
 static fb_status fbi_search_fullest(fb_advice *fullest, fb_advice_work *work, const fb_shape *shape,
                                     const fb_body_desc *desc, const fb_envelope *e, const fb_trial *trial)
 {
@@ -21502,14 +21551,14 @@ static fb_status fbi_search_fullest(fb_advice *fullest, fb_advice_work *work, co
   }
   status = trial->run(trial->user, trial->has_reference ? trial->output : trial->reference, fullest);
   size = fbi_trial_largest(trial, trial->reference, NULL);
-  if (status == FB_OK && !(size > FB_R(0.0) && size < FB_HUGE)) { /* no measure of an error */
+  if (status == FB_OK && !(size > FB_R(0.0) && size < FB_HUGE)) { /* errors are relative to it */
     status = size > FB_R(0.0) ? FB_ERR_NOT_FINITE : FB_ERR_VALUE;
   }
   fullest->error = status == FB_OK && trial->has_reference ? fbi_trial_error(trial) : FB_R(0.0);
   return status;
 }
 
-/* Simulates candidates by their cost, up to `most`; FB_ERR_CONVERGENCE: none meets the tolerance. */
+/* Simulates candidates in the order of their cost, up to `most`; FB_ERR_CONVERGENCE: none meets the tolerance. */
 static fb_status fbi_search_run(fb_advice *found, fb_advice_work *work, const fb_body_desc *desc, const fb_envelope *e,
                                 fb_real tolerance, const fb_trial *trial, fb_real most)
 {
@@ -21540,13 +21589,19 @@ FB_DEF fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
   FBI_REQUIRE(advice && work && shape && desc && envelope && trial, FB_ERR_NULL);
   FBI_REQUIRE(trial->run && trial->output && trial->reference, FB_ERR_NULL);
   FBI_REQUIRE(trial->n > 0 && trial->width > 0 && trial->n % trial->width == 0, FB_ERR_VALUE);
+
+  /* Estimates, then the reference */
   status = fbi_advise_prepare(work, shape, desc, envelope, tolerance);
   status = status ? status : fbi_search_prepare(work, shape, desc, envelope);
   status = status ? status : fbi_search_fullest(&found, work, shape, desc, envelope, trial);
-  if (status == FB_OK && found.error > 2 * tolerance) { /* fewer effects may err less by chance, not by much */
+  if (status == FB_OK && found.error > 2 * tolerance) { /* with fewer effects it could be smaller by chance only */
     status = FB_ERR_CONVERGENCE;
   }
+
+  /* Candidates, the cheapest first */
   status = status ? status : fbi_search_run(&found, work, desc, envelope, tolerance, trial, found.cost);
+
+  /* The estimates beside the error found */
   if (status == FB_OK) {
     const fb_real error = found.error;
     fbi_advice_finish(&found, work, shape);
