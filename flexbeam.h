@@ -1506,15 +1506,16 @@ FB_API fb_status fb_build_check(void);
    BUILD >>eigen: dense, run-time n */
 
 /* Eigenvalues d (n, ascending) and orthonormal eigenvectors (row k of V, n x n) of the symmetric A (n x n,
-   overwritten). Off the diagonal, 1e-9 epsilon of the largest element counts as zero. FB_ERR_NOT_FINITE;
+   overwritten). Off-diagonal elements below 1e-9 FB_EPSILON of the largest element count as zero. FB_ERR_NOT_FINITE;
    FB_ERR_CONVERGENCE after 60 Jacobi sweeps. */
 FB_API fb_status fb_eig_sym_solve(fb_real *d, fb_real *V, fb_real *A, int n);
-/* K x = d M x, K symmetric, M positive definite (both n x n, overwritten): d ascending, rows of X with X M X^T = 1.
-   FB_ERR_SINGULAR: M is not positive definite; else as fb_eig_sym_solve. */
+/* Generalized eigenproblem K x = d M x, K symmetric, M positive definite (both n x n, overwritten): d ascending, rows
+   of X with X M X^T = 1. FB_ERR_SINGULAR: M is not positive definite; else as fb_eig_sym_solve. */
 FB_API fb_status fb_eig_gen_solve(fb_real *d, fb_real *X, fb_real *K, fb_real *M, int n);
 /* Eigenvalues re + i im (n each) and eigenvectors of the real A (n x n, overwritten), symmetric or not. Row k of X (n x
-   2n) is the vector of eigenvalue k, n real then n imaginary parts, of unit length. work: 4 n^2 reals. A defective A
-   gives (nearly) parallel vectors. FB_ERR_NOT_FINITE; FB_ERR_CONVERGENCE after 60 n steps, re and X are spoiled. */
+   2n) is the eigenvector of eigenvalue k, n real then n imaginary parts, of unit length. work: 4 n^2 reals. A defective
+   A gives (nearly) parallel eigenvectors. FB_ERR_NOT_FINITE; FB_ERR_CONVERGENCE after 60 n steps: re, im and X are
+   undefined. */
 FB_API fb_status fb_eig_general_solve(fb_real *re, fb_real *im, fb_real *X, fb_real *A, fb_real *work, int n);
 
 /* ---------------------------------------------------------------------------------------------------------------
@@ -1523,18 +1524,18 @@ FB_API fb_status fb_eig_general_solve(fb_real *re, fb_real *im, fb_real *X, fb_r
 typedef struct fb_section { /* properties at a station; between stations they vary linearly */
   fb_real x;                /* [m] from the root; ignored when there is one station (uniform beam) */
   fb_real mass;             /* [kg/m]; the beam with its lumped bodies must have some */
-  fb_real EA;               /* [N] axial stiffness; 0 everywhere: rigid, no axial modes */
+  fb_real EA;               /* [N] axial stiffness; 0 everywhere: inextensible, no axial modes */
   fb_real GJ;               /* [N m^2] torsional stiffness; 0: rigid */
   fb_real EI_y;             /* [N m^2] bending about y (displacement along z); 0: rigid */
   fb_real EI_z;             /* [N m^2] bending about z (displacement along y); 0: rigid */
   fb_real i_y;              /* [kg m] rotary inertia about y per length, int z^2 dm/dx; 0: none */
   fb_real i_z;            /* [kg m] rotary inertia about z per length, int y^2 dm/dx; 0: none. Without both there is no
                                polar inertia: torsion has no modes */
-  fb_real GA_y, GA_z;     /* [N] shear stiffness with shear factor; 0: rigid; both and everywhere, or not at all */
-  fb_real twist;          /* [rad] structural twist: turns the section axes y, z about x from the beam's */
-  fb_real mass_y, mass_z; /* [m] mass center, to which i_y, i_z belong; offsets are in section axes */
-  fb_real tension_y, tension_z; /* [m] tension center, to which EA, EI_y, EI_z belong (without EA: no matter) */
-  fb_real shear_y, shear_z;     /* [m] shear center, to which GJ, GA_y, GA_z belong; other than 0 only with GA */
+  fb_real GA_y, GA_z;     /* [N] shear stiffness, shear factor included; 0: rigid. Both at every station, or none */
+  fb_real twist;          /* [rad] structural twist: rotation of the section axes y, z about x against the beam axes */
+  fb_real mass_y, mass_z; /* [m] center of mass, to which i_y, i_z refer; offsets are in section axes */
+  fb_real tension_y, tension_z; /* [m] tension center, to which EA, EI_y, EI_z refer; unused without EA */
+  fb_real shear_y, shear_z;     /* [m] shear center, to which GJ, GA_y, GA_z refer; nonzero only with GA */
 } fb_section;
 
 typedef struct fb_material {
@@ -1550,19 +1551,19 @@ typedef struct fb_profile { /* outline of a section */
   fb_real size[2]; /* [m] rectangle: widths along y and z; tube: outer and inner radius, 0: a full circle */
 } fb_profile;
 
-/* A section of one material about its center: mass, stiffness, rotary inertia; Saint-Venant torsion constant, Cowper's
-   shear factor. Set GA_y = GA_z = 0 for a beam rigid in shear. FB_ERR_VALUE: a size or modulus is not positive (inner
-   radius: negative, or not below the outer one); FB_ERR_NOT_FINITE. */
+/* Mass, stiffness and rotary inertia of a homogeneous section about its centroid, with the Saint-Venant torsion
+   constant and Cowper's shear factor. Set GA_y = GA_z = 0 for a beam rigid in shear. FB_ERR_VALUE: a size or modulus is
+   not positive (inner radius: negative, or not below the outer one); FB_ERR_NOT_FINITE. */
 FB_API fb_status fb_section_init(fb_section *section, const fb_material *material, const fb_profile *profile);
 
-typedef struct fb_lump { /* rigid body fixed to an element node */
+typedef struct fb_lump { /* lumped body: a rigid body fixed to an element node */
   int node;              /* 0 root .. n_element tip */
   fb_real mass;          /* [kg] >= 0 */
-  fb_real center[3];     /* [m] mass center from the node, beam axes */
-  fb_real inertia[6];    /* [kg m^2] about the mass center: xx, yy, zz, xy, xz, yz (matrix entries, not products) */
+  fb_real center[3];     /* [m] center of mass from the node, beam axes */
+  fb_real inertia[6];    /* [kg m^2] about the center of mass: xx, yy, zz, xy, xz, yz (matrix elements: xy = -int xy) */
 } fb_lump;
 
-typedef enum fb_root { FB_ROOT_CLAMPED = 0, FB_ROOT_PINNED = 1, FB_ROOT_FREE = 2 } fb_root; /* pinned: slopes free */
+typedef enum fb_root { FB_ROOT_CLAMPED = 0, FB_ROOT_PINNED = 1, FB_ROOT_FREE = 2 } fb_root; /* pinned: rotations free */
 
 typedef struct fb_beam_desc {
   fb_real length; /* [m] > 0 */
@@ -1574,19 +1575,19 @@ typedef struct fb_beam_desc {
   fb_lump lump[FB_MAX_LUMPS];
   fb_real position[3]; /* [m] root in the body frame */
   fb_real attitude[4]; /* quaternion, beam axes to body axes; all zero = identity */
-  /* A curved reference line, as a chain of straight elements: n_point = n_element + 1 element nodes [m] from the root
-     on, beam axes, the first at 0. Then length is theirs, x runs along the chain, and the section axes follow it
-     without twist of their own, from the first element, which takes the beam axes by the shortest way (less than 170
-     degrees). Neighbors turn by less than 90 degrees. EA, GJ and EI are positive; with a free root i_y, i_z, too. The
-     quadratic field (E8.2) takes the kinks as small. 0: straight. */
+  /* Curved reference line as a chain of straight elements: n_point = n_element + 1 element nodes [m] from the root on,
+     beam axes, the first at 0. length is that of the chain, and x runs along it. The section axes follow the chain
+     without twist: those of the first element are the beam axes rotated by the smallest rotation (less than 170
+     degrees), each further element's are rotated likewise, by less than 90 degrees. Requires positive EA, GJ and EI,
+     with a free root i_y and i_z, too. The second-order displacement field (E8.2) assumes small kinks. 0: straight. */
   int n_point;
   fb_real point[FB_MAX_ELEMENTS + 1][3];
 } fb_beam_desc;
 
-/* Appends n >= 2 stations of a stretch whose sizes vary linearly; between stations the chords hold, on average, what
-   the taper holds. Where the desc has a station at from->x, this one replaces it. FB_ERR_CAPACITY: more than
-   FB_MAX_STATIONS; FB_ERR_VALUE: also to->x <= from->x, different kinds; else as fb_section_init. desc is changed only
-   on FB_OK. */
+/* Appends n >= 2 stations of a taper whose sizes vary linearly from one profile to the other. Linear interpolation
+   between the stations has the same integrals as the taper. A last station of the desc at from->x or beyond is
+   replaced. FB_ERR_CAPACITY: more than FB_MAX_STATIONS; FB_ERR_VALUE: also to->x <= from->x, different kinds of
+   profile; else as fb_section_init. desc is changed only on FB_OK. */
 FB_API fb_status fb_beam_desc_add_taper(fb_beam_desc *desc, const fb_material *material, const fb_profile *from,
                                         const fb_profile *to, int n);
 
@@ -1595,21 +1596,21 @@ typedef struct fb_beam { /* a checked desc */
   fb_real axes[9];                         /* beam axes to body axes */
   fb_real mass;                            /* [kg] with lumped bodies */
   int has_shear;                           /* flexible in shear */
-  fb_real start[FB_MAX_ELEMENTS + 1];      /* [m] place of the element nodes along the line */
-  fb_real node[3 * (FB_MAX_ELEMENTS + 1)]; /* [m] the same from the root, beam axes */
+  fb_real start[FB_MAX_ELEMENTS + 1];      /* [m] x of the element nodes along the reference line */
+  fb_real node[3 * (FB_MAX_ELEMENTS + 1)]; /* [m] positions of the element nodes from the root, beam axes */
   fb_real frame[9 * FB_MAX_ELEMENTS];      /* element axes to beam axes */
 } fb_beam;
 
 /* FB_ERR_VALUE, FB_ERR_NOT_FINITE, FB_ERR_CAPACITY, FB_ERR_NULL; the beam is written only on FB_OK. */
 FB_API fb_status fb_beam_init(fb_beam *beam, const fb_beam_desc *desc);
-/* Section properties at x (linear between stations, the end values outside). */
+/* Section properties at x: linear between stations, constant beyond the first and the last. */
 FB_API void fb_beam_section_eval(const fb_beam *beam, fb_section *section, fb_real x);
-/* Finite-element stiffness and consistent mass of the beam without root condition, K and M (ndof x ndof),
-   ndof = 6 (n_element + 1), per node (u_x, u_y, u_z, theta_x, theta_y, theta_z) in beam axes; shear condensed. */
+/* Finite-element stiffness K and consistent mass M (ndof x ndof) of the unsupported beam, ndof = 6 (n_element + 1), per
+   node (u_x, u_y, u_z, theta_x, theta_y, theta_z) in beam axes. Shear deformation is condensed. */
 FB_API void fb_beam_matrices_eval(const fb_beam *beam, fb_real *K, fb_real *M);
 
 /* ---------------------------------------------------------------------------------------------------------------
-   BUILD >>modes: the basis in which a beam deforms */
+   BUILD >>modes: assumed modes, the Ritz basis of a beam's deformation */
 
 typedef enum fb_kind {                     /* what a mode mainly does */
                        FB_KIND_BEND_Y = 0, /* displacement along y, stiffness EI_z */
@@ -1619,18 +1620,18 @@ typedef enum fb_kind {                     /* what a mode mainly does */
                        FB_KIND_COUNT = 4
 } fb_kind;
 
-#define FB_ALL_MODES 1000 /* a count: as many as there are (below omega_limit) */
+#define FB_ALL_MODES 1000 /* a count: all modes that exist (below omega_limit) */
 
 typedef enum fb_basis {
   FB_BASIS_MODES = 0,    /* natural modes, mass-normalized (M = 1, K = omega^2) */
-  FB_BASIS_ELEMENTS = 1, /* finite-element coordinates kept as they are: M and K full */
-  /* The SAME functions of x for u_x, u_y and u_z, orthonormal against the mass: [DB]'s basis. Equal counts make it
-     closed under rotation: a turned deflection is a deflection again, the inertia that follows the shape (residual
-     inertia) vanishes and spin couples each function with itself alone. Smooth element functions (value and slope
-     continuous), clamped root. */
+  FB_BASIS_ELEMENTS = 1, /* nodal coordinates of the finite elements; M and K are full */
+  /* The SAME functions of x for u_x, u_y and u_z, orthonormal with respect to the mass: the basis of [DB]. With equal
+     counts it is closed under rotation: a rotated deflection is again in the basis, the configuration-dependent
+     (residual) inertia vanishes, and spin couples each function only with itself. Element functions with continuous
+     value and slope, clamped root. */
   FB_BASIS_FUNCTIONS = 2,
-  /* Hurty, Craig-Bampton: the displacements of boundary coordinates, each with the static shape of a unit displacement
-     (constraint modes), then natural modes with the boundary held. What loads the boundary deflects it exactly. */
+  /* Hurty, Craig-Bampton: constraint modes, the static shapes of unit displacements of the boundary coordinates, then
+     fixed-boundary natural modes. Exact for static loads on the boundary. */
   FB_BASIS_COMPONENT = 3
 } fb_basis;
 
@@ -1640,10 +1641,10 @@ typedef struct fb_coordinate { /* of an element node, beam axes */
 } fb_coordinate;
 #define FB_MAX_COORDINATES 24 /* boundary coordinates or load positions of a beam */
 
-typedef struct fb_preload {  /* what pulls a straight beam before it moves; all zero: nothing */
-  fb_real force;             /* [N] at the tip, along x: a pull is positive */
+typedef struct fb_preload {  /* axial preload of a straight beam; all zero: none */
+  fb_real force;             /* [N] at the tip, along x: tension is positive */
   fb_real acceleration;      /* [m/s^2] of a uniform field along x, acting on all mass: -9.81 for an upright column */
-  fb_real spin, spin_radius; /* [rad/s], [m] steady spin about an axis across the beam, that far before the root */
+  fb_real spin, spin_radius; /* [rad/s] steady spin about an axis normal to the beam, [m] from it to the root */
 } fb_preload;
 
 typedef struct fb_modes_desc {
@@ -1651,40 +1652,41 @@ typedef struct fb_modes_desc {
   int count
       [FB_KIND_COUNT]; /* lowest modes to keep per kind; FB_BASIS_ELEMENTS: nonzero keeps all coordinates of the kind */
   fb_real omega_limit; /* [rad/s] modes above are left out; 0: no limit */
-  /* Steady spin [rad/s] about an axis across the beam, spin_radius [m] before the clamped root: half of each plane's
-     bending modes are those at rest, half those under the spin's tension, combined to Ritz modes of the unloaded
-     beam. A few then do for every spin up to about this one, where modes at rest converge slowly. 0: modes at rest. */
+  /* Steady spin [rad/s] about an axis normal to the beam, at the distance spin_radius [m] from the clamped root. Of the
+     bending modes in each plane half are those at rest and half those under centrifugal tension, combined to Ritz modes
+     of the unloaded beam. Few of them suffice for every spin up to about this one, where modes at rest converge slowly.
+     0: modes at rest. */
   fb_real spin, spin_radius;
-  /* FB_BASIS_FUNCTIONS: polynomial degree in an element, 3..8 (0: 3, cubic Hermite; above 5 for double precision);
-     with n_element elements there are 2 n_element + (degree - 3) n_element functions, in the order of the bending
-     frequencies, and count says how many to keep in each direction; the coordinates are f_1 along y, z and x, f_2
-     along y, z and x, and so on. root_strain = 1: u_x gets one more function, with a slope at the root, where strain
-     is largest; without it the axial strain at the root is zero, with it the basis is not quite closed. */
+  /* FB_BASIS_FUNCTIONS: polynomial degree in an element, 3..8 (0: 3, cubic Hermite; above 5 in double precision only).
+     n_element elements have 2 n_element + (degree - 3) n_element functions, in the order of the bending frequencies;
+     count is the number to keep in each direction. The coordinates are f_1 along y, z and x, f_2 along y, z and x, and
+     so on. root_strain = 1 adds a function of u_x with a slope at the root, where strain is largest: without it the
+     axial strain at the root is zero, with it the basis is not exactly closed under rotation. */
   int degree, root_strain;
-  int lowest; /* natural modes: that many lowest ones of any kind that exists; count is ignored. Not with spin */
-  /* Natural modes, 0..1: as many as bring the effective mass to this part of the beam's (less bodies on its root) in
-     each direction in which the kinds asked for move; count is an upper bound. 0: no such choice. Wants a clamped
-     root. */
+  int lowest; /* natural modes: number of lowest ones of all kinds; count is then ignored. Not with spin */
+  /* Natural modes, 0..1: keeps as many modes as needed for this fraction of effective mass (of the beam without bodies
+     on its root) in each direction in which the selected kinds move; count is an upper bound. Requires a clamped root.
+     0: selection by count. */
   fb_real mass_fraction;
-  fb_preload preload; /* the modes are those under it, and K holds its geometric stiffness ([H] C.1): leave the load
-                         itself out of the body's effects. FB_BASIS_FUNCTIONS does without */
-  /* Natural modes: positions of loads to whose forces the deflection is right also at rest. Each adds a static
-     correction mode: the part of the deflection under a unit load that the kept modes miss (residual flexibility; of a
-     free beam in its accelerated frame). They come out as further modes, orthogonal to the others. */
+  fb_preload preload; /* modes are those under the preload, and K contains its geometric stiffness ([H] C.1): leave the
+                         load itself out of the effects of the body. Not for FB_BASIS_FUNCTIONS */
+  /* Natural modes: positions of loads for which the static deflection shall be exact. Each adds a residual-flexibility
+     attachment mode (static correction): the deflection under a unit load that the kept modes miss; of a free beam with
+     inertia relief. They are further modes, orthogonal to the others. */
   int n_load;
   fb_coordinate load[FB_MAX_COORDINATES];
   int n_boundary; /* FB_BASIS_COMPONENT */
   fb_coordinate boundary[FB_MAX_COORDINATES];
-  int boundary_inertia; /* 1: FB_BASIS_COMPONENT also holds the shapes into which the inertia of a moving boundary bends
-                           it, as further modes. They are worth more than as many natural ones */
+  int boundary_inertia; /* 1: FB_BASIS_COMPONENT adds the quasi-static shapes under the inertia forces of an accelerated
+                           boundary (inertia-relief modes); worth more than as many natural modes */
   int rigid;            /* 1: the rigid-body modes of a pinned or free root come first: for components to be joined */
   int cubic; /* 1: natural modes and components of the nodal (cubic Hermite) coordinates alone, no internal shapes */
 } fb_modes_desc;
 
 typedef struct fb_modes {
-  int n;      /* retained, ascending in frequency (a tie: in the order of the kinds) */
+  int n;      /* modes kept, ascending in frequency (equal ones in the order of the kinds) */
   int ndof;   /* length of a shape: 6 per node, then 8 internal ones per element, with shear 8 more */
-  int degree; /* 0, or that of FB_BASIS_FUNCTIONS: then a shape is value and slope per node, then bubbles */
+  int degree; /* 0, or that of FB_BASIS_FUNCTIONS: a shape then is value and slope per node, then internal functions */
   int joined; /* 1: from fb_modes_join */
   fb_kind kind[FB_MAX_MODES];  /* by the largest share of kinetic energy */
   fb_real omega[FB_MAX_MODES]; /* [rad/s]; 0 for coordinates that are not modes */
@@ -1692,50 +1694,52 @@ typedef struct fb_modes {
       shape[FB_MAX_MODES * FBI_MAX_DOF];  /* n x ndof nodal values; a mode's main displacement at the tip is positive */
   fb_real M[FB_MAX_MODES * FB_MAX_MODES]; /* n x n */
   fb_real K[FB_MAX_MODES * FB_MAX_MODES]; /* n x n */
-  /* Momentum and angular momentum about the root that a unit rate of a coordinate has, beam axes (n x 6), the beam's
-     mass and moments of inertia about the root, and the part of them that the coordinates together move (effective
-     mass). Not for FB_BASIS_FUNCTIONS and joined modes. */
+  /* Momentum and angular momentum about the root per unit rate of each coordinate, beam axes (n x 6); mass and moments
+     of inertia of the beam about the root; and the effective mass and inertia of all coordinates together. Not for
+     FB_BASIS_FUNCTIONS and joined modes. */
   fb_real momentum[6 * FB_MAX_MODES], rigid_mass[6], effective[6];
 } fb_modes;
 
 typedef struct fb_modes_work { /* scratch; large: make it static */
   int held[FBI_MAX_DOF];
   fb_real rigid[6 * FBI_MAX_DOF]; /* six rigid motions about the root, rows */
-  fb_real free[6 * FBI_MAX_DOF];  /* those that the root leaves, orthonormal */
+  fb_real free[6 * FBI_MAX_DOF];  /* those that the root permits, orthonormal */
   fb_real K[FBI_MAX_DOF * FBI_MAX_DOF], M[FBI_MAX_DOF * FBI_MAX_DOF];
   fb_real Kc[FBI_MAX_DOF * FBI_MAX_DOF], Mc[FBI_MAX_DOF * FBI_MAX_DOF], X[FBI_MAX_DOF * FBI_MAX_DOF];
   fb_real omega2[FBI_MAX_DOF];
   fb_modes found;
 } fb_modes_work;
 
-/* FB_ERR_KIND: a kind asked for has no stiffness or inertia; FB_ERR_MODES: fewer modes than asked for (or than
-   mass_fraction wants); FB_ERR_UNSUPPORTED: functions with shear, with torsion, a root strain without axial ones;
-   FB_ERR_CAPACITY: more than FB_MAX_MODES; FB_ERR_VALUE: also functions, spin or mass_fraction without a clamped root,
-   a preload on a chain or on natural modes of a
-   root that is not clamped, a coordinate that the root holds or that is named twice; FB_ERR_SINGULAR: the preload is
-   beyond buckling, or the boundary leaves rigid motion; FB_ERR_CONVERGENCE.
-   modes is written only on FB_OK. Rigid-body modes of pinned and free roots are not modes here: the body frame
-   carries that motion. */
+/* Modes of a beam. Rigid-body modes of pinned and free roots are left out (unless desc->rigid): the body frame carries
+   that motion. modes is written only on FB_OK.
+   FB_ERR_KIND: a requested kind has no stiffness or inertia; FB_ERR_MODES: fewer modes than requested, or than
+   mass_fraction needs; FB_ERR_UNSUPPORTED: FB_BASIS_FUNCTIONS with shear, with torsion, or with root_strain but no
+   axial functions; FB_ERR_CAPACITY: more than FB_MAX_MODES; FB_ERR_VALUE: also FB_BASIS_FUNCTIONS, spin or
+   mass_fraction without a clamped root, a preload on a curved line or on natural modes of a root that is not clamped, a
+   coordinate that the root constrains or that is named twice; FB_ERR_SINGULAR: the preload exceeds the buckling load,
+   or the boundary permits rigid-body motion; FB_ERR_CONVERGENCE. */
 FB_API fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_beam *beam, const fb_modes_desc *desc);
 
-/* Buckling: shapes and, in place of omega, the factors by which desc->preload buckles the beam, ascending (desc->lowest
-   of them; 0: one). The coordinates of desc->boundary are held: give u_y and u_z of the tip for a pinned one. The root
-   must leave no rigid motion. FB_ERR_MODES: no positive factor, or fewer; else as fb_modes_solve. */
+/* Linear buckling: buckling shapes and, in place of omega, the load factors of desc->preload, ascending (desc->lowest
+   of them; 0: one). The coordinates of desc->boundary are constrained: u_y and u_z of the tip for a pinned one. The
+   supports must permit no rigid-body motion. FB_ERR_MODES: fewer positive factors than requested; else as
+   fb_modes_solve. */
 FB_API fb_status fb_buckling_solve(fb_modes *modes, fb_modes_work *work, const fb_beam *beam,
                                    const fb_modes_desc *desc);
 
-/* Synthesis: components joined rigidly, node to node, their common modes the coordinates of one body. */
+/* Component mode synthesis: components connected rigidly at nodes; their common modes are the coordinates of one
+   body. */
 #define FB_MAX_COMPONENTS 8
 #define FB_MAX_WELDS (FB_MAX_COMPONENTS + 4)
 
-typedef struct fb_weld { /* element nodes of two components at the same place of the body frame */
+typedef struct fb_weld { /* rigid connection of element nodes of two components, at one position in the body frame */
   int component[2], node[2];
 } fb_weld;
 
 typedef struct fb_join_desc {
   int n_weld; /* 0..FB_MAX_WELDS */
   fb_weld weld[FB_MAX_WELDS];
-  int lowest;          /* common modes to keep; 0: all */
+  int lowest;          /* number of common modes to keep; 0: all */
   fb_real omega_limit; /* [rad/s] modes above are left out; 0: no limit */
 } fb_join_desc;
 
@@ -1752,16 +1756,18 @@ typedef struct fb_join_work { /* scratch; large: make it static */
   fb_modes joined[FB_MAX_COMPONENTS];
 } fb_join_work;
 
-/* joined, beam and component are arrays of n_component. A component that hangs on another one has a free root and rigid
-   modes (fb_modes_desc.rigid), all coordinates of FB_BASIS_ELEMENTS, or its root among the boundary; what both sides of
-   a weld cannot move in is stiff; a clamped root stays with the frame. Natural modes alone converge slowly at a weld:
-   add static corrections there (load), or take its node for a boundary. Rigid-body modes of the whole are left out.
-   Then build the shape as for one beam, all with first = 0 and n = joined->n: add beam 0, a node at each weld of it,
-   then the beams that hang there (their quadratic field goes on from that node: a part hangs by its root), and so on.
-   joined[k].M and K are the share of component k. Redundant welds do no harm. FB_ERR_CONVERGENCE: slow elastic modes
-   cannot be told from rigid ones in this precision (keep fewer, or use double); FB_ERR_CAPACITY: counts, a node, more
-   than FB_MAX_MODES; FB_ERR_VALUE: nodes of a weld more than 1e-4 of the beams' length apart, FB_BASIS_FUNCTIONS;
-   FB_ERR_MODES: fewer modes than asked for; FB_ERR_SINGULAR: no mass somewhere. */
+/* joined, beam and component are arrays of n_component. A component attached to another one needs a free root and
+   rigid-body modes (fb_modes_desc.rigid), all coordinates of FB_BASIS_ELEMENTS, or its root in the boundary; a clamped
+   root stays fixed to the body frame. Motion of a weld that one side does not have in its basis is locked on both.
+   Natural modes alone converge slowly at a weld: add attachment modes there (load), or make its node a boundary.
+   Rigid-body modes of the whole are left out. joined[k].M and K are the contribution of component k. Redundant welds do
+   no harm.
+   Build the shape as for one beam, all parts with first = 0 and n = joined->n: add beam 0, a node at each of its welds,
+   then the beams attached there by their roots (their second-order displacement continues from that node), and so on.
+   FB_ERR_CONVERGENCE: slow elastic modes cannot be distinguished from rigid-body modes in this precision (keep fewer,
+   or use double); FB_ERR_CAPACITY: counts, a node, more than FB_MAX_MODES; FB_ERR_VALUE: nodes of a weld more than 1e-4
+   of the beams' length apart, FB_BASIS_FUNCTIONS; FB_ERR_MODES: fewer modes than requested; FB_ERR_SINGULAR: a
+   coordinate without mass. */
 FB_API fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_beam *beam, const fb_modes *component,
                                const fb_join_desc *desc, int n_component);
 
