@@ -1774,7 +1774,7 @@ FB_API fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
 /* ---------------------------------------------------------------------------------------------------------------
    BUILD >>assemble: shape integrals; every _init of a model */
 
-/* Everything that is integrated over the undeformed body; built once, not needed by the step. */
+/* Inertia shape integrals over the undeformed body, M and K; built once, not used by the step. */
 typedef struct fb_shape {
   int n;      /* elastic coordinates */
   int n_node; /* nodes, node 0 included */
@@ -1794,91 +1794,94 @@ typedef struct fb_shape {
   fb_real pchi[3 * FB_MAX_MODES * FB_MAX_MODES], hchi[3 * FB_MAX_MODES * FB_MAX_MODES];
 #endif
 #if FB_WITH_NONLINEAR_STRAIN
-  int n_strain;                           /* strain stations, a multiple of four */
-  fb_real stretch;                        /* [s^2] largest strain that a beam's own mass causes per spin squared */
+  int n_strain;                           /* quadrature points of the axial strain, a multiple of four */
+  fb_real stretch;                        /* [s^2] bound of the centrifugal strain of a beam per spin squared */
   fb_real strain_weight[FBI_MAX_STRAINS]; /* [N m] EA dx */
   fb_real slope[3 * FB_MAX_MODES * FBI_MAX_STRAINS]; /* n x 3 x FBI_MAX_STRAINS: u_x', u_y', u_z' in beam axes */
 #if FB_WITH_FORMS
-  /* n x n x 3: bilinear part of the stiffness torque as printed and the boundary term that it lacks; and whether they
-     are complete: beams along x with FB_BASIS_FUNCTIONS only */
+  /* n x n x 3: bilinear part of the stiffness torque as printed, and the boundary term missing there;
+     torque_unknown: 1 if they are not complete, which they are only for beams along x with FB_BASIS_FUNCTIONS */
   fb_real torque[3 * FB_MAX_MODES * FB_MAX_MODES], torque_boundary[3 * FB_MAX_MODES * FB_MAX_MODES];
   int torque_unknown;
 #endif
 #endif
   fb_real size;                /* [m] largest distance of a mass from O */
-  fb_real reach[FB_MAX_MODES]; /* largest displacement shape of each mode */
+  fb_real reach[FB_MAX_MODES]; /* largest displacement of each mode shape */
   fb_node node[FB_MAX_NODES];
 } fb_shape;
 
 /* An empty body with n elastic coordinates and node 0. FB_ERR_CAPACITY, FB_ERR_NULL. */
 FB_API fb_status fb_shape_init(fb_shape *shape, int n);
-/* A point mass [kg] at r [m] with displacement shapes psi (n x 3) and chi (n x n x 3, symmetric in the modes, or
-   NULL). */
+/* Adds a point mass [kg] at r [m] with displacement shapes psi (n x 3) and second-order displacements chi (n x n x 3,
+   symmetric in the modes, or NULL). */
 FB_API fb_status fb_shape_add_particle(fb_shape *shape, fb_real mass, const fb_real r[3], const fb_real *psi,
                                        const fb_real *chi);
-/* A rigid body fixed to the body frame: mass [kg], mass center [m], inertia about it [kg m^2] (xx, yy, zz, xy, xz,
-   yz). */
+/* Adds a rigid body fixed to the body frame: mass [kg], center of mass [m], inertia about it [kg m^2] (xx, yy, zz, xy,
+   xz, yz). */
 FB_API fb_status fb_shape_add_rigid(fb_shape *shape, fb_real mass, const fb_real center[3], const fb_real inertia[6]);
-/* Of a finite-element model: a node with its lumped mass [kg] and inertia [kg m^2] about the node (xx, yy, zz, xy, xz,
-   yz; NULL: none), displacement and rotation shapes psi, theta (n x 3); a node to carry loads and sensors; and the
-   integrals of the quadratic displacement of a pair of coordinates (p^chi [kg/m], h^chi, Gamma^chi 3 x 3 [kg]; NULL:
-   none), which also set those of b, a. Set shape->K yourself: omega^2 times shape->M on the diagonal for modes. Errors
-   as for a particle; FB_ERR_CAPACITY: nodes, coordinates. */
+/* Import of a finite-element model. fb_shape_add_lump adds the mass of a node: lumped mass [kg], inertia [kg m^2] about
+   the node (xx, yy, zz, xy, xz, yz; NULL: none), displacement and rotation shapes psi, theta (n x 3).
+   fb_shape_add_node adds a node for loads and sensors. fb_shape_add_pair adds the integrals of the second-order
+   displacement of the coordinates a and b (p^chi [kg/m], h^chi, Gamma^chi 3 x 3 [kg]; NULL: none), which are symmetric
+   in a and b. Set shape->K yourself: for modes omega^2 times shape->M on the diagonal. Errors as fb_shape_add_particle;
+   FB_ERR_CAPACITY: nodes, coordinates. */
 FB_API fb_status fb_shape_add_lump(fb_shape *shape, fb_real mass, const fb_real r[3], const fb_real *inertia,
                                    const fb_real *psi, const fb_real *theta);
 FB_API fb_status fb_shape_add_node(fb_shape *shape, int *node, const fb_real r[3], const fb_real *psi,
                                    const fb_real *theta);
 FB_API fb_status fb_shape_add_pair(fb_shape *shape, int a, int b, const fb_real *pchi, const fb_real *hchi,
                                    const fb_real *Gamchi);
-/* A beam with its modes as coordinates first .. first + modes->n - 1: all integrals, M and K. Where its root moves with
-   the modes and a node of the shape is there and moves alike (fb_modes_join), the quadratic field goes on from it;
-   without that node joined modes are refused (FB_ERR_VALUE). */
+/* Adds a beam with its modes as coordinates first .. first + modes->n - 1: all integrals, M and K. If its root moves
+   with the modes, the second-order displacement continues from the node of the shape that has the same position and
+   motion (fb_modes_join); without such a node joined modes are refused (FB_ERR_VALUE). */
 FB_API fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes);
-/* A node on that beam at x [m] from the root; its number goes to *node. */
+/* Adds a node on that beam at x [m] from the root; *node is its number. */
 FB_API fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, const fb_beam *beam,
                                         const fb_modes *modes, fb_real x);
-/* A gauge along that beam (coordinates from first on) at x [m] from the root and y, z [m] off the line, beam axes:
-   linear strain. Errors as for a node. Natural modes give strains that converge more slowly than displacements: keep
-   more modes, or add static corrections for the loads. */
+/* Strain gauge along that beam (coordinates from first on) at x [m] from the root and y, z [m] off the reference line,
+   beam axes: linear strain. Errors as fb_shape_add_beam_node. With natural modes strains converge more slowly than
+   displacements: keep more modes, or add attachment modes for the loads (fb_modes_desc.load). */
 FB_API fb_status fb_gauge_init(fb_gauge *gauge, int first, const fb_beam *beam, const fb_modes *modes, fb_real x,
                                fb_real y, fb_real z);
 
 #if FB_WITH_NONLINEAR_STRAIN
-/* The strain stations of that beam, for FB_EFFECT_NONLINEAR_STRAIN; once per beam. As many Gauss points per element as
-   integrate the strain energy exactly, 2 degree - 1 (cubic functions: 5; natural modes: 9), rounded up to a multiple of
-   four per beam. The axial coordinates must be able to follow the foreshortening, or the beam is too stiff (membrane
-   locking): element functions with as many axial as bending ones (one cubic element 29 %, two 4 %, three 0.4 % of the
-   deflection in the spin-up); a few natural axial modes are far too stiff. FB_ERR_CAPACITY: more than FB_MAX_STRAINS;
-   FB_ERR_KIND: EA is zero somewhere; else as fb_shape_add_beam. */
+/* Adds the quadrature points of the axial strain of that beam, for FB_EFFECT_NONLINEAR_STRAIN; once per beam. The
+   Gauss points of each element integrate the strain energy exactly: 2 degree - 1 (cubic functions: 5; natural modes:
+   9), rounded up to a multiple of four per beam. The axial coordinates must be able to represent the foreshortening;
+   otherwise the beam is too stiff (membrane locking). Use FB_BASIS_FUNCTIONS with as many axial as bending functions
+   (error of the deflection in the spin-up: one cubic element 29 %, two 4 %, three 0.4 %); a few natural axial modes are
+   far too stiff. FB_ERR_CAPACITY: more than FB_MAX_STRAINS; FB_ERR_KIND: EA is zero somewhere; else as
+   fb_shape_add_beam. */
 FB_API fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes);
 #endif
 
 typedef enum fb_truncation {
   FB_TRUNCATE_NONE = 0,
   FB_TRUNCATE_ABOVE_0 = 1, /* [DB] Q = 0 */
-  FB_TRUNCATE_ABOVE_1 = 2, /* Q = 1: the strain energy has no lower bound, the motion diverges */
+  FB_TRUNCATE_ABOVE_1 = 2, /* Q = 1: the strain energy is not bounded below, the motion diverges */
   FB_TRUNCATE_ABOVE_2 = 3  /* Q = 2 */
 } fb_truncation;
 
 typedef struct fb_body_desc {
-  unsigned effects; /* FB_EFFECT_... or-ed; 0: rigid, the modes do not move */
+  unsigned effects; /* FB_EFFECT_... or-ed; 0: rigid body */
   fb_base base;
-  fb_real zeta[FB_MAX_MODES]; /* with FB_EFFECT_DAMPING: damping ratio of each mode (for a general M: of the k-th by
-                                 frequency); without that effect zero, or FB_ERR_EFFECTS */
-  fb_real gravity[3];         /* [m/s^2] inertial axes; with FB_EFFECT_GRAVITY, without it zero, or FB_ERR_EFFECTS */
+  fb_real zeta[FB_MAX_MODES]; /* damping ratio of each mode (for a general M: of the k-th mode by frequency); must be
+                                 zero without FB_EFFECT_DAMPING (FB_ERR_EFFECTS) */
+  fb_real gravity[3];         /* [m/s^2] inertial axes; must be zero without FB_EFFECT_GRAVITY (FB_ERR_EFFECTS) */
   fb_real
-      deflection_limit; /* [m] bound of the sum of modal deflections, beyond it FB_ERR_RANGE; 0: half the body's size.
-                                 The model is right to about 0.1 % at 6 % of the length, to some percent at 15 % */
-  /* Leaves out the terms whose degree in q (bracketed superscript in [DB]) is above this one, as in [DB] Figures 4
-     and 5, to see what they do: of the stiffness, of the stiffness torque and, second-order form, of the inertia.
-     Wants allow_split_effects. */
+      deflection_limit; /* [m] limit of the sum of modal deflections, beyond it FB_ERR_RANGE; 0: half the body's size.
+                                 The error of the model is about 0.1 % at deflections of 6 % of the length, some percent
+                                 at 15 % */
+  /* Leaves out terms of a higher degree in q (bracketed superscript in [DB]) than this, to study their influence as in
+     [DB] Figures 4 and 5: terms of the stiffness, of the stiffness torque and, in the second-order form, of the
+     inertia. Requires allow_split_effects. */
   fb_truncation truncation;
 #if FB_WITH_FORMS
   fb_form form;
   fb_stiffness_torque stiffness_torque;
 #endif
-  int allow_split_effects; /* 1: accept a set that fb_effects_check refuses for being half of something */
-  int allow_long_step;     /* 1: do not refuse steps beyond the stability limit */
+  int allow_split_effects; /* 1: accept an incomplete set of effects, which fb_effects_check refuses */
+  int allow_long_step;     /* 1: accept steps beyond the stability limit */
 } fb_body_desc;
 
 typedef struct fb_body_work {
@@ -1892,83 +1895,83 @@ typedef struct fb_body_work {
    FB_ERR_VALUE (no mass, negative damping), FB_ERR_NOT_FINITE, FB_ERR_NULL. body is written only on FB_OK. */
 FB_API fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc);
 
-/* A body from one description: a rigid hub, beams on it, nodes. The chain fb_beam_init, fb_modes_solve, fb_shape_...,
-   fb_body_init in one call; components that are joined and imported finite-element models take the chain itself. */
+/* Builds a body of a rigid hub, beams on it and nodes from one description: fb_beam_init, fb_modes_solve, fb_shape_...
+   and fb_body_init in one call. Joined components and imported finite-element models need these calls one by one. */
 #define FB_MAX_PARTS 8
 typedef struct fb_part {
-  int beam;                   /* its place in the arrays of beams and of their modes; parts may share one */
-  fb_real position[3];        /* [m] of the origin of the beam's description, body axes */
-  fb_real attitude[4];        /* that description's axes to body axes; all zero: identity */
-  int n_node;                 /* nodes along the beam, numbered on from those of the parts before, the first one 1 */
+  int beam;                   /* index in the arrays of beam and modes descriptions; parts may share one */
+  fb_real position[3];        /* [m] origin of the beam description, body axes */
+  fb_real attitude[4];        /* quaternion, axes of that description to body axes; all zero: identity */
+  int n_node;                 /* nodes along the beam, numbered after those of the parts before; the first one is 1 */
   fb_real node[FB_MAX_NODES]; /* [m] from the root */
 } fb_part;
 
 typedef struct fb_build_desc {
   fb_real mass, center[3],
-      inertia[6];             /* [kg], [m], [kg m^2] about its center: the hub, as fb_shape_add_rigid; all 0: none */
+      inertia[6];             /* hub [kg], [m], [kg m^2] about its center, as fb_shape_add_rigid; all 0: none */
   int n_part;                 /* 0..FB_MAX_PARTS */
   fb_part part[FB_MAX_PARTS]; /* their modes are the coordinates of the body, in this order */
-  fb_real zeta;               /* damping ratio of every mode, with FB_EFFECT_DAMPING; 0: those of body.zeta */
+  fb_real zeta;               /* damping ratio of all modes, with FB_EFFECT_DAMPING; 0: those of body.zeta */
   fb_body_desc body;
 } fb_build_desc;
 
 typedef struct fb_build_work { /* scratch; large: make it static */
-  int part;                    /* after a failure: the part at fault; -1: the hub, n_part: the body as a whole */
+  int part;                    /* after a failure: the part that failed; -1: the hub, n_part: the body as a whole */
   int n;                       /* coordinates so far */
   fb_beam_desc placed;
   fb_beam beam;
   fb_modes modes;
   fb_modes_work modes_work;
-  fb_shape all, shape; /* with room for every coordinate; what the body is made of */
+  fb_shape all, shape; /* with room for every coordinate; with those of the body */
   fb_body_desc desc;
   fb_body_work body_work;
 } fb_build_work;
 
-/* beam, modes: n_beam descriptions and which modes of each to keep. FB_ERR_CAPACITY: n_part, n_node, a place beyond
-   n_beam, more than FB_MAX_MODES coordinates or FB_MAX_NODES nodes; FB_ERR_VALUE: zeta and body.zeta both; else as the
-   functions of the chain. body is written only on FB_OK. */
+/* beam, modes: n_beam beam descriptions, and the modes to keep of each. FB_ERR_CAPACITY: n_part, n_node, an index from
+   n_beam on, more than FB_MAX_MODES coordinates or FB_MAX_NODES nodes; FB_ERR_VALUE: both zeta and body.zeta are set;
+   else as the functions it calls. body is written only on FB_OK. */
 FB_API fb_status fb_body_build(fb_body *body, fb_build_work *work, const fb_build_desc *desc, const fb_beam_desc *beam,
                                const fb_modes_desc *modes, int n_beam);
 
 #if FB_WITH_SYSTEM
 typedef struct fb_joint_desc {
   fb_joint_kind kind;
-  int parent, parent_node; /* body (0 if left out) or FB_GROUND; one of its nodes (of the ground: 0) */
-  int child, child_node;   /* loops only: a joint of the tree hangs its own body by node 0 and child_position */
-  fb_real position[3];     /* [m] joint frame on the parent, from the node in the axes of its section */
-  fb_real attitude[4];     /* joint axes to those, normalized; all zero: identity */
+  int parent, parent_node; /* body (default 0) or FB_GROUND; one of its nodes (of the ground: 0) */
+  int child, child_node;   /* loops only: a joint of the tree carries its own body at node 0 and child_position */
+  fb_real position[3];     /* [m] joint frame on the parent, relative to the node in the axes of its section */
+  fb_real attitude[4];     /* quaternion, joint axes to section axes, normalized; all zero: identity */
   fb_real child_position[3],
-      child_attitude[4]; /* the joint frame on the child, in its axes: both frames coincide at zero coordinates */
+      child_attitude[4]; /* joint frame on the child, in its axes: both frames coincide at zero coordinates */
   fb_real pitch;         /* [m/rad] screw */
-  fb_axis_mode mode[3];  /* of each axis to begin with; spherical and free: mode[0] is that of all */
+  fb_axis_mode mode[3];  /* initial mode of each axis; spherical and free: mode[0] applies to all */
   fb_real stiffness[3], rest[3],
-      damping[3]; /* [N m/rad, N/m], [rad, m], [N m s/rad, N s/m]; spherical: the first holds for all, rest is zero */
+      damping[3]; /* [N m/rad, N/m], [rad, m], [N m s/rad, N s/m]; spherical: the first applies to all, rest is zero */
   /* In place of attitude and child_attitude, which are then zero: the joint's z axis, about which or along which it
-     moves, in the parent's and in the child's axes, of any length; its x axis is turned along by the smallest rotation
-     from z. child_axis all zero (and child_attitude): the same as axis, so that both bodies' axes coincide at zero
-     coordinates */
+     moves, in axes of the parent and of the child, of any length. The joint axes are those of the body rotated by the
+     smallest rotation that takes z there. child_axis (and child_attitude) all zero: as axis, so that the axes of both
+     bodies coincide at zero coordinates */
   fb_real axis[3], child_axis[3];
 } fb_joint_desc;
 
 typedef struct fb_system_desc {
   int n_body;
-  int model[FB_MAX_BODIES]; /* of each: its place in the array of models; several may share one. FB_ERR_VALUE: with as
-                                         many models as bodies, one that no body has */
-  fb_joint_desc joint[FB_MAX_BODIES]; /* by which it hangs; parent below its own number */
+  int model[FB_MAX_BODIES]; /* index of each body in the array of models; bodies may share one. FB_ERR_VALUE: with as
+                                         many models as bodies, one is not used */
+  fb_joint_desc joint[FB_MAX_BODIES]; /* joint k connects body k to its parent, an earlier body or the ground */
   int n_loop;
-  fb_joint_desc loop[FB_MAX_LOOPS]; /* between bodies of the tree, or one of them and the ground */
+  fb_joint_desc loop[FB_MAX_LOOPS]; /* joints that close loops between bodies of the tree, or one and the ground */
   fb_method method;
-  int allow_long_step; /* 1: do not refuse steps beyond the stability limit */
+  int allow_long_step; /* 1: accept steps beyond the stability limit */
 } fb_system_desc;
 
 /* ---- functions; body is the caller's array of models, the same in every call. Bodies of a system are of the momentum
-   form; their base does not matter: FB_BASE_PRESCRIBED takes bodies without mass, or without inertia about some
-   axis. */
+   form. Their base has no influence, except that FB_BASE_PRESCRIBED also accepts bodies without mass, or without
+   inertia about some axis. */
 
-/* FB_ERR_VALUE: a parent that is no earlier body, an axis and an attitude on the same side, a free joint as loop or
-   with springs, negative stiffness or damping, a mode that is none, form or base of a body; FB_ERR_CAPACITY: numbers of
-   bodies, loops, models, nodes; FB_ERR_SINGULAR: a mass matrix that is singular undeformed at zero coordinates.
-   work->joint names the joint. */
+/* FB_ERR_VALUE: a parent that is not an earlier body, both axis and attitude on one side, a free joint as loop or with
+   springs, negative stiffness or damping, an invalid mode, form or base of a body; FB_ERR_CAPACITY: numbers of bodies,
+   loops, models, nodes; FB_ERR_SINGULAR: the mass matrix of the undeformed system at zero coordinates is singular.
+   work->joint is the joint that failed. */
 FB_API fb_status fb_system_init(fb_system *system, fb_system_work *work, const fb_body *body,
                                 const fb_system_desc *desc, int n_model);
 #endif
@@ -1976,17 +1979,18 @@ FB_API fb_status fb_system_init(fb_system *system, fb_system_work *work, const f
 #if FB_WITH_EXACT
 typedef struct fb_exact_station { /* section of the undeformed beam; linear between stations */
   fb_real x;                      /* [m] along the reference line, from 0; ignored for one station (uniform) */
-  /* 6x6, symmetric, of (force; moment) by (force strain; curvature), section axes, x along the line: [N], [N m],
-     [N m^2]. A zero on the diagonal: rigid in that strain, its row and column are ignored; then hold the root, not the
-     tip, against it */
+  /* 6x6, symmetric, (force; moment) by (force strain; curvature), section axes, x along the line: [N], [N m], [N m^2].
+     A zero on the diagonal: rigid in that strain, its row and column are ignored. Support the root, not the tip, in a
+     rigid direction */
   fb_real stiffness[36];
-  fb_real inertia[36];  /* 6x6 of (momentum; angular momentum) by (velocity; rate): [kg/m], [kg], [kg m]; may be 0 */
-  fb_real twist;        /* [rad] section axes turn with it about x; relative to.. */
-  fb_real curvature[3]; /* [rad/m] ..those that turn with this initial curvature; in section axes */
+  fb_real inertia[36];  /* 6x6, (momentum; angular momentum) by (velocity; angular velocity): [kg/m], [kg], [kg m]; may
+                          be 0 */
+  fb_real twist;        /* [rad] rotation of the section axes about x, relative to the axes that the curvature gives */
+  fb_real curvature[3]; /* [rad/m] initial curvature of the reference line, in section axes */
 } fb_exact_station;
 
-/* Stiffness and inertia of a section by its engineering properties (its x and twist go along): centers off the line,
-   shear, rotary inertia. Zero stiffness: rigid. FB_ERR_VALUE, FB_ERR_NOT_FINITE. */
+/* Stiffness and inertia matrices of a section from its engineering properties, with centers off the reference line,
+   shear and rotary inertia; x and twist are copied. Zero stiffness: rigid. FB_ERR_VALUE, FB_ERR_NOT_FINITE. */
 FB_API fb_status fb_exact_station_init(fb_exact_station *station, const fb_section *section);
 
 typedef struct fb_support {
@@ -1998,36 +2002,38 @@ typedef struct fb_exact_desc {
   int n_element;      /* 1..FB_MAX_EXACT; nodes are 0 root .. n_element tip */
   int n_station;      /* 1 or 2..FB_MAX_STATIONS, the first at 0, the last at length, ascending */
   int root, tip;      /* FB_END_... */
-  int n_support;      /* further nodes */
-  int n_lump;         /* rigid bodies on nodes, in section axes there */
-  int iterations;     /* of a time step, 1..20; 0: 6 */
+  int n_support;      /* further nodes that are supported */
+  int n_lump;         /* lumped bodies on nodes, in section axes there */
+  int iterations;     /* Newton iterations of a time step, 1..20; 0: 6 */
   int factorizations; /* of a step, 1..20, each further one with an iteration of its own; 0: 1, see fb_exact_step */
-  fb_real
-      place[FB_MAX_EXACT + 1]; /* [m] of the nodes along the line, ascending from 0 to length; all 0: equal elements */
+  fb_real place[FB_MAX_EXACT +
+                1]; /* [m] x of the nodes along the line, ascending from 0 to length; all 0: equal elements */
   fb_exact_station station[FB_MAX_STATIONS];
   fb_support support[FB_MAX_LUMPS];
   fb_lump lump[FB_MAX_LUMPS];
   fb_real position[3], attitude[4]; /* root in the base frame [m], section axes before
                                        their twist to base axes; all zero: identity */
   fb_real gravity[3];               /* [m/s^2] inertial axes */
-  /* Part by which a step shrinks what oscillates much too fast for it, 0 (energy is kept) to 2/3: 1 - rho_infinity.
-     Order 2 stays: a resolved oscillation gets the damping ratio beta (omega dt)^3/4, beta = rho (1 - rho)/(1 + rho)^2,
-     at most 1/8. */
+  /* Numerical dissipation 1 - rho_infinity, 0 (energy is conserved) to 2/3: the part by which a step reduces
+     oscillations much faster than it resolves. The order remains 2: a resolved oscillation gets the damping ratio
+     beta (omega dt)^3/4, beta = rho (1 - rho)/(1 + rho)^2, at most 1/8. */
   fb_real dissipation;
 } fb_exact_desc;
 
-/* FB_ERR_VALUE: also a stiffness that is not positive definite where it is not rigid, rigid at some stations only, an
-   inertia that is not positive semidefinite; FB_ERR_CAPACITY; FB_ERR_NOT_FINITE; FB_ERR_NULL. */
+/* FB_ERR_VALUE: also a stiffness that is not positive definite in the directions that are not rigid, a direction that
+   is rigid at some stations only, an inertia that is not positive semidefinite; FB_ERR_CAPACITY; FB_ERR_NOT_FINITE;
+   FB_ERR_NULL. */
 FB_API fb_status fb_exact_init(fb_exact *exact, const fb_exact_desc *desc);
 #endif
 
-/* FB_ERR_VALUE: dt, or a body of another form; FB_ERR_SINGULAR: K or the mass is not positive definite;
-   FB_ERR_EFFECTS: nonlinear strain whose axial coordinates bend, too. */
+/* Coefficients of fb_exponential_step for the step dt [s]. FB_ERR_VALUE: dt, or a body of another form than the
+   momentum form; FB_ERR_SINGULAR: K or the mass matrix is not positive definite; FB_ERR_EFFECTS: nonlinear strain with
+   axial coordinates that also bend. */
 FB_API fb_status fb_exponential_init(fb_exponential *scheme, fb_body_work *work, const fb_body *body, fb_real dt);
 
-/* The body of the modes coordinate[0..n-1] (ascending) of shape, which stays as it is. For natural modes: of other
-   coordinates the rest would be held. FB_ERR_CAPACITY: more than shape has; FB_ERR_VALUE: not ascending. selected is
-   written only on FB_OK and may not be shape. */
+/* Copies the shape with the modes coordinate[0..n-1] (ascending) alone. Meant for natural modes; of other bases the
+   coordinates left out are constrained to zero. FB_ERR_CAPACITY: more than shape has; FB_ERR_VALUE: not ascending.
+   selected is written only on FB_OK and may not be shape. */
 FB_API fb_status fb_shape_select(fb_shape *selected, const fb_shape *shape, const int *coordinate, int n);
 
 #endif /* FB_WITH_BUILD */
