@@ -2043,40 +2043,39 @@ FB_API fb_status fb_shape_select(fb_shape *selected, const fb_shape *shape, cons
    ANALYSE >>trim: steady states; offline work on bodies, systems and the geometrically exact beam */
 
 #if FB_WITH_EXACT
-/* ---- parts of the work: not to be looked at */
-
-/* Steady state under constant loads, gravity and motion of the base (static, or steady rotation; what does not turn
-   with a spinning base is taken as it stands at this instant), from state as first guess; where that is too far, from
-   the undeformed beam by load increments that it chooses itself. At most 500 increments of 25 iterations.
-   Beyond a buckling load there are several: work->unstable tells whether this one is stable, by the inertia of the
-   tangent stiffness (E10.20), which for dead loads, gravity and what turns with the base is Lagrange's and Dirichlet's
-   criterion: 0 stable, k > 0 with k ways to leave, as k buckling loads are exceeded. Of follower loads it sees
-   divergence, not flutter, and of a spinning base not what the spin may hold by itself: fb_exact_spectrum_solve does.
-   The stable state on the nudge's side, and what lies beyond a limit point: fb_exact_path_step.
-   FB_ERR_CONVERGENCE; FB_ERR_SINGULAR: not held, or at a limit point; FB_ERR_CAPACITY: a node that does not exist;
-   FB_ERR_VALUE; FB_ERR_NOT_FINITE. On failure state is as before. */
+/* Steady state under constant loads, gravity and motion of the base (at rest or in steady rotation; loads that do not
+   rotate with a spinning base are taken in their present direction). state is the first guess; if Newton's method does
+   not converge from it, load increments are applied to the undeformed beam. At most 500 increments of 25 iterations.
+   Beyond a buckling load there are several steady states. work->unstable is the number of unstable directions of this
+   one, the negative eigenvalues of the tangent stiffness (E10.20): 0 is stable, k > 0 as where k buckling loads are
+   exceeded. For dead loads, gravity and loads that rotate with the base this is the criterion of Lagrange and
+   Dirichlet. With follower loads it detects divergence but not flutter, and it ignores gyroscopic stabilization by a
+   spinning base: use fb_exact_spectrum_solve. To reach the stable state beyond buckling, or a state beyond a limit
+   point, use fb_exact_path_step.
+   FB_ERR_CONVERGENCE; FB_ERR_SINGULAR: not supported, or at a limit point; FB_ERR_CAPACITY: a node that does not exist;
+   FB_ERR_VALUE; FB_ERR_NOT_FINITE. On failure state is unchanged. */
 FB_API fb_status fb_exact_trim(const fb_exact *exact, fb_exact_state *state, fb_exact_work *work,
                                const fb_exact_input *input);
 #endif
 
-/* states of a linear model: of one body, or of a system with as many speeds as FB_METHOD_DENSE takes */
+/* Maximum number of states of a linear model: of one body, or of a system with the capacity of FB_METHOD_DENSE. */
 #define FB_MAX_LINEAR (2 * (FB_MAX_MODES + 6 > FB_MAX_SPEEDS ? FB_MAX_MODES + 6 : FB_MAX_SPEEDS))
-#define FB_MAX_PORTS 12 /* its inputs, and its outputs */
+#define FB_MAX_PORTS 12 /* maximum number of its inputs, and of its outputs */
 
 typedef enum fb_port_kind {
   FB_PORT_FORCE = 0,         /* input [N], at a node, body axes */
   FB_PORT_TORQUE = 1,        /* input [N m] */
-  FB_PORT_BASE_VELOCITY = 2, /* input [m/s] of a prescribed base (system: free joint), body axes; node is left out */
+  FB_PORT_BASE_VELOCITY = 2, /* input [m/s] of a prescribed base (system: free joint), body axes; node is not used */
   FB_PORT_BASE_RATE = 3,     /* input [rad/s] */
-  FB_PORT_DISPLACEMENT = 4,  /* output [m] of a node against the undeformed body, body axes */
-  FB_PORT_ROTATION = 5,      /* output [rad] of its section, likewise: the turn of the body is a state, see fb_linear */
+  FB_PORT_DISPLACEMENT = 4,  /* output [m], elastic displacement of a node, body axes */
+  FB_PORT_ROTATION = 5,      /* output [rad], elastic rotation of its section; attitude is a state, see fb_linear */
   FB_PORT_RATE = 6,          /* output [rad/s], a gyro at the node, axes of its section */
-  /* output [m/s^2], an accelerometer there: less gravity; of base motion as input without what the rate of the input
-     adds (u_dot is not in y = C x + D u) */
+  /* output [m/s^2], an accelerometer at the node: acceleration less gravity. With base motion as input the term in the
+     rate of the input is left out (y = C x + D u has no u_dot) */
   FB_PORT_ACCELERATION = 7,
-  /* systems only; body: which hangs by the joint, axis: of the joint; node is left out */
-  FB_PORT_DRIVE = 8,      /* input [N m], [N] of the motor of a free axis */
-  FB_PORT_COORDINATE = 9, /* output [rad], [m] as fb_joint_motion.value; */
+  /* systems only; body: the one carried by the joint, axis: of the joint; node is not used */
+  FB_PORT_DRIVE = 8,      /* input [N m], [N], motor of a free axis */
+  FB_PORT_COORDINATE = 9, /* output [rad], [m], joint coordinate as fb_joint_motion.value */
   FB_PORT_SPEED = 10      /* output [rad/s], [m/s], its speed */
 } fb_port_kind;
 
@@ -2091,34 +2090,34 @@ typedef struct fb_linear_desc {
   fb_port in[FB_MAX_PORTS], out[FB_MAX_PORTS];
 } fb_linear_desc;
 
-/* d/dt x = A x + B u, y = C x + D u. One body: x changes of q, of pi (prescribed base: against the ground), of the
-   momenta p = m u and h (body axes; free: about the mass center), of position and
-   attitude against a frame that goes on with the steady v, w (body axes); of both the free components: 6 of a free
-   base, 3 of a pinned one (angular), 1 of a hinged one (about the hinge), none of a prescribed one. So the attitude is
-   the last three states (hinged: the last), for a star tracker a row of C with a 1 there.
-   System: x changes of the free axes of all joints, of q of all bodies (both in the order of the bodies), then of the
-   momenta conjugate to them in the same order. Free and spherical joints: position and attitude in axes of the child's
-   side, against a frame that goes on with the steady speeds; momenta along the same axes, those of a free joint
-   relative to the velocity u that its frame has in the state (fb_link_state.u, constant here). With loops only of as
-   many of these coordinates as are independent, the others follow; momenta conjugate to the independent ones. A free
-   joint's attitude is x_3 to x_5 from its first axis on. */
+/* Linear model d/dt x = A x + B u, y = C x + D u of perturbations about a steady state.
+   One body: x = (q, pi, momenta, pose). pi: with a prescribed base relative to the ground. Momenta p = m u and h in
+   body axes (free base: h about the center of mass). Pose: position and attitude relative to a frame that moves on with
+   the steady v, w, body axes. Of momenta and pose only the free components: 6 for a free base, 3 for a pinned one
+   (angular), 1 for a hinged one (about the hinge), none for a prescribed one. So the attitude is the last three states
+   (hinged: the last); a star tracker is a row of C with a 1 there.
+   System: x = (free axes of all joints, q of all bodies, both in the order of the bodies, conjugate momenta in the same
+   order). Free and spherical joints: position and attitude in axes of the child, relative to a frame that moves on with
+   the steady speeds; momenta along the same axes, those of a free joint relative to the velocity fb_link_state.u of its
+   frame, which is constant here. The attitude of a free joint is x_3 to x_5 from its first axis on. With loops x has
+   the independent coordinates and their conjugate momenta only; the others depend on them. */
 typedef struct fb_linear {
   int n, n_in, n_out;
-  int n_free; /* of position and attitude, of free axes: n = 2 (modes + n_free) */
-  /* place of x_i, i < n/2 (one body: q alone) among all free axes and q: i but for loops */
+  int n_free; /* number of pose components, or of free axes: n = 2 (modes + n_free) */
+  /* index of x_i, i < n/2 (one body: q alone), among all free axes and q; equal to i without loops */
   int coordinate[FB_MAX_LINEAR / 2];
   fb_real A[FB_MAX_LINEAR * FB_MAX_LINEAR]; /* n x n */
   fb_real B[FB_MAX_LINEAR * FB_MAX_PORTS];  /* n x n_in */
   fb_real C[FB_MAX_PORTS * FB_MAX_LINEAR];  /* n_out x n */
   fb_real D[FB_MAX_PORTS * FB_MAX_PORTS];   /* n_out x n_in */
-  /* estimated, of A by its differences, in parts of its largest element, each in the size its states have: not of
-     rounding (a few FB_EPSILON), nor of the model */
+  /* estimated finite-difference error of A, relative to its largest element, with every state in units of its step.
+     Round-off (a few FB_EPSILON) and the error of the model are not included */
   fb_real error;
 } fb_linear;
 
 #define FBI_MAX_COLUMN (FB_MAX_LINEAR + FB_MAX_PORTS + FB_MAX_LINEAR / 2) /* rates, outputs, momenta */
 
-/* part of the work of both: not to be looked at */
+/* Internal: part of the work of bodies and systems. */
 typedef struct fbi_analysis {
   fb_real A[FB_MAX_LINEAR * FB_MAX_LINEAR], X[2 * FB_MAX_LINEAR * FB_MAX_LINEAR];
   fb_real eig[4 * FB_MAX_LINEAR * FB_MAX_LINEAR];
@@ -2138,63 +2137,65 @@ typedef struct fb_analyse_work { /* scratch; large: make it static */
   fb_input input;
 } fb_analyse_work;
 
-/* Sets q (and momenta to match) so that the body rests in its frame. Prescribed base: the frame moves with the v, w of
-   the input; what does not turn with it (gravity across the spin, loads in inertial axes) is taken as it stands. Else
-   it spins freely, at |input.w| about that principal axis of the deformed body which is nearest to input.w, the mass
-   center (or the pin) at rest; a hinged base at input.w, along the hinge. Gravity and loads count. state gives attitude
-   and first guess; at most 40 Newton iterations.
-   FB_ERR_UNREST: loads or gravity push or turn a base that is not prescribed: it falls or swings; FB_ERR_CONVERGENCE;
-   FB_ERR_RANGE: beyond the deflection limit (buckled, or the load is large); FB_ERR_SINGULAR: the stiffness vanishes
-   there; FB_ERR_VALUE: a w that the hinge does not allow; a body of another form than the momentum form whose base is
-   not prescribed. input is required, here and in what follows for one body. */
+/* Steady state of a body: sets q, with q_dot = 0, and the momenta to match. With a prescribed base the frame moves with
+   v, w of the input; gravity and loads in inertial axes, which do not rotate with it, are taken in their present
+   direction. Otherwise the body spins freely at |input.w| about the principal axis of the deformed body nearest to
+   input.w, with its center of mass (or the pin) at rest; a hinged body spins at input.w about the hinge. Gravity and
+   loads are included. state gives the attitude and the first guess; at most 40 Newton iterations. input is required,
+   here and in the following functions of one body.
+   FB_ERR_UNREST: loads or gravity accelerate a base that is not prescribed; FB_ERR_CONVERGENCE; FB_ERR_RANGE: beyond
+   the deflection limit (buckled, or a large load); FB_ERR_SINGULAR: the stiffness is zero in some direction;
+   FB_ERR_VALUE: a w that the hinge does not permit; another form than the momentum form with a base that is not
+   prescribed. */
 FB_API fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_work *work, const fb_input *input);
 
 #if FB_WITH_SYSTEM
-typedef struct fbi_coordinate { /* of a system's linear model */
+typedef struct fbi_coordinate { /* coordinate of a system's linear model */
   int body, mode, i;            /* mode: elastic coordinate i of the body, else axis i of its joint */
 } fbi_coordinate;
 
 typedef struct fb_system_analyse_work { /* scratch; large: make it static */
-  fb_system_work system;                /* .joint: after a failure the joint at fault */
+  fb_system_work system;                /* .joint: after a failure the joint that failed */
   fbi_analysis common;
-  int n; /* coordinates; of loops some follow from others: */
+  int n; /* number of coordinates; loops make some dependent: */
   int n_dependent, n_independent, dependent[FB_MAX_ROWS], independent[FB_MAX_LINEAR / 2];
   fbi_coordinate coordinate[FB_MAX_LINEAR / 2];
   fb_real size[FB_MAX_LINEAR / 2], z_dot[FB_MAX_LINEAR / 2], p_dot[FB_MAX_LINEAR / 2], p_moved[FB_MAX_LINEAR / 2];
   fb_real Z[FB_MAX_ROWS * (FB_MAX_LINEAR / 2 + 1)], row_size[FB_MAX_ROWS];
-  fb_real steady[FB_MAX_BODIES][6], momenta[FB_MAX_LINEAR / 2]; /* speeds of joints, momenta of what is independent */
+  fb_real steady[FB_MAX_BODIES][6], momenta[FB_MAX_LINEAR / 2]; /* steady speeds of joints, independent momenta */
   fb_link_motion rest[FB_MAX_BODIES];
   fb_system_state state, moved, rate;
   fb_system_motion motion;
   fb_system_input input;
 } fb_system_analyse_work;
 
-/* The same of systems, loops included, by FB_METHOD_RECURSIVE or FB_METHOD_DENSE; FB_METHOD_MULTIPLIERS and the
-   caller's own constraints give FB_ERR_UNSUPPORTED. body is the caller's array of models; input may be NULL.
-   Trim: prescribed axes have the value and rate of the input, locked ones stay, free ones and modes come to rest
-   against them: the rates must allow it (one axis that turns, or a prescribed free joint with constant v, w in body
-   axes). What hangs on a free joint that is free, too, spins about the principal axis nearest to the w of its drive's
-   rate, as with fb_body_trim. It finds unstable positions as well as stable ones, not always the nearest.
-   FB_ERR_UNREST: also where wheels have momentum across that axis, which turns it; FB_ERR_SINGULAR: also an axis that
-   nothing holds, a hinge at standstill or a wheel: lock it; FB_ERR_CONVERGENCE: also from too far away, such as a
-   pendulum held out level; FB_ERR_CONTRADICTION: a loop stays open. Errors else as fb_body_trim and
-   fb_system_rates_eval. An arm's posture: lock its joints, trim, give what held them (fb_joint_motion.drive) as torque
-   of their motors, free them. Wheels: prescribe their rates, trim, free them. fb_system_axis_set does it and keeps the
-   momenta; the state is then ready for fb_system_linearize. */
+/* Relative equilibrium of a system, loops included, by FB_METHOD_RECURSIVE or FB_METHOD_DENSE; FB_METHOD_MULTIPLIERS
+   and the caller's own constraints give FB_ERR_UNSUPPORTED. body is the caller's array of models; input may be NULL.
+   Prescribed axes have the value and rate of the input, locked axes stay, and free axes and modes are at rest relative
+   to them. Such a state must exist: one rotating axis, or a prescribed free joint with constant v, w in body axes. The
+   tree on a free joint whose motion is free spins about the principal axis nearest to the w in the rate of its drive,
+   as in fb_body_trim. The equilibrium may be unstable, and is not always the nearest.
+   FB_ERR_UNREST: also wheels with momentum normal to that axis, which make it precess; FB_ERR_SINGULAR: also an axis
+   without restoring torque, such as a hinge at standstill or a wheel (lock it); FB_ERR_CONVERGENCE: also a first guess
+   too far away, such as a horizontal pendulum; FB_ERR_CONTRADICTION: a loop cannot be closed; else as fb_body_trim and
+   fb_system_rates_eval.
+   For the posture of an arm lock its joints, trim, apply the torques that hold them (fb_joint_motion.drive) as motor
+   torques and free the joints. For wheels prescribe their rates, trim and free them. fb_system_axis_set changes the
+   mode of an axis and keeps the momenta; the state is then ready for fb_system_linearize. */
 FB_API fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb_system_state *state,
                                 fb_system_analyse_work *work, const fb_system_input *input);
 #endif
 
 #if FB_WITH_EXACT
-/* ---- exact beam */
+/* ---- geometrically exact beam: arc-length continuation */
 
-typedef struct fb_exact_path {           /* where on a path of steady states; all zero: its start */
-  fb_real factor;                        /* part of the varied loads that acts */
-  fb_real rise;                          /* change of factor by arc length, -1..1; its sign changes at a limit point */
+typedef struct fb_exact_path {           /* position on a path of steady states; all zero: its start */
+  fb_real factor;                        /* load factor of the varied loads */
+  fb_real rise;                          /* d factor/d arc, -1..1; its sign changes at a limit point */
   fb_real arc;                           /* length of the last step */
   int unstable;                          /* as in fb_exact_work */
-  int iterations;                        /* of the last step, all tries */
-  fb_real ahead[6 * (FB_MAX_EXACT + 1)]; /* direction of the path: not to be looked at */
+  int iterations;                        /* of the last step, over all trials */
+  fb_real ahead[6 * (FB_MAX_EXACT + 1)]; /* internal: tangent of the path */
 } fb_exact_path;
 
 typedef struct fbi_exact_loads {
@@ -2205,22 +2206,25 @@ typedef struct fbi_exact_loads {
 typedef struct fb_exact_path_work { /* scratch; large: make it static */
   fb_exact_work exact;
   fbi_exact_loads constant, varied;
-  fb_real B[6 * (FB_MAX_EXACT + 1)], c[6 * FB_MAX_EXACT];   /* residuals by the factor */
-  fb_real dd[6 * (FB_MAX_EXACT + 1)], ds[6 * FB_MAX_EXACT]; /* correction at this factor */
+  fb_real B[6 * (FB_MAX_EXACT + 1)], c[6 * FB_MAX_EXACT];   /* change of the residuals per unit of the factor */
+  fb_real dd[6 * (FB_MAX_EXACT + 1)], ds[6 * FB_MAX_EXACT]; /* correction at a constant factor */
   fb_real ahead[6 * (FB_MAX_EXACT + 1)];
 } fb_exact_path_work;
 
-/* One step along the path of steady states under `constant` (NULL: nothing but gravity) and path->factor times the
-   loads of `varied`, past limit points, where a load that only grows would jump (snap-through, snap-back), and around
-   buckling loads, where a constant nudge decides the side. state: in (of fb_exact_trim under constant, with a
-   path all zero; then of the step before) and out. arc: length of the step, shortened where the path bends; its square
-   is the mean over the nodes of displacement^2/length^2 + rotation^2, plus the change of factor^2: let the loads of
-   `varied` be about those of interest, and arc 0.02 to 0.1. The factor rises at the start, or with arc < 0 falls; the
-   path keeps its direction, arc < 0 goes back. A nudge too small for the arc is stepped over, along the path that is
-   unstable there: path->unstable tells. Afterwards fb_exact_trim finds, from this state, that at a factor of
-   one's choice. Bounded: at most 11 tries, each half as long as the one before, of 12 iterations (one factorization
-   each). FB_ERR_CONVERGENCE; FB_ERR_VALUE: arc zero, or not finite; else as fb_exact_trim. The motion v, w of
-   the base is that of constant. On failure path and state are as before. */
+/* One step of arc-length continuation along the path of steady states under `constant` (NULL: gravity alone) and
+   path->factor times the loads of `varied`. The path passes limit points, where a load that only grows would jump
+   (snap-through, snap-back), and buckling loads, where a small constant imperfection load selects the branch.
+   state: in and out; at first that of fb_exact_trim under `constant`, with a path all zero. The motion v, w of the base
+   is that of `constant`.
+   arc: length of the step, shortened where the path is strongly curved. arc^2 is the mean over the nodes of
+   displacement^2/length^2 + rotation^2, plus the square of the change of factor: scale `varied` to about the loads of
+   interest, and take arc 0.02 to 0.1. At the start the factor increases, with arc < 0 it decreases; later the path
+   keeps its direction, and arc < 0 goes back. An imperfection too small for the arc is stepped over, along the branch
+   that is unstable there, as path->unstable shows. To find the state at a given factor, call fb_exact_trim from a state
+   near it.
+   At most 11 trials, each half as long as the one before, of 12 iterations (one factorization each).
+   FB_ERR_CONVERGENCE; FB_ERR_VALUE: arc zero, or not finite; else as fb_exact_trim. On failure path and state are
+   unchanged. */
 FB_API fb_status fb_exact_path_step(const fb_exact *exact, fb_exact_path *path, fb_exact_state *state,
                                     fb_exact_path_work *work, const fb_exact_input *constant,
                                     const fb_exact_input *varied, fb_real arc);
