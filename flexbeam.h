@@ -2234,89 +2234,92 @@ FB_API fb_status fb_exact_path_step(const fb_exact *exact, fb_exact_path *path, 
    ANALYSE >>linear: linear models, complex modes, step advice */
 
 #if FB_WITH_SYSTEM
-/* The motion about a state (of fb_body_trim, or steady anyhow), with the inputs and outputs of desc (NULL: none). By
-   differences of several widths, of which each element takes the best: linear->error tells how good they are but for
-   rounding. It is below 1e-10 (single: 1e-3) but for bodies near the end of their range; inputs are moved by about as
-   much as acts already, in any unit of force.
-   FB_ERR_CONVERGENCE: the error is above 0.01;
-   FB_ERR_CAPACITY: a port of a node, or of a body, that does not exist, no room in input for one more load;
-   FB_ERR_VALUE: an axis, an input among the outputs, base motion of a base that is not prescribed, a port of systems.
-   On failure linear is as before. */
+/* Linearizes the motion of a body about a steady state (of fb_body_trim or otherwise), with the inputs and outputs of
+   desc (NULL: none). Each element is the best of finite differences of several widths; linear->error estimates their
+   error without round-off. It is below 1e-10 (single precision: 1e-3), except for bodies near the limit of their range.
+   The steps of the inputs are scaled by the forces that act already, so the unit of force has no influence.
+   FB_ERR_CONVERGENCE: the error is above 0.01; FB_ERR_CAPACITY: a port of a node or body that does not exist, no room
+   in input for one more load; FB_ERR_VALUE: an axis, an input kind among the outputs or the reverse, motion of a base
+   that is not prescribed, a port of systems. On failure linear is unchanged. */
 FB_API fb_status fb_body_linearize(const fb_body *body, fb_analyse_work *work, fb_linear *linear, const fb_state *state,
                                    const fb_input *input, const fb_linear_desc *desc);
 #endif
 
-typedef struct fb_spectrum { /* ascending by |re + i im|; of a conjugate pair the one with im > 0 */
+/* Complex eigensolution, ascending by |re + i im|; of a conjugate pair the one with im > 0 */
+typedef struct fb_spectrum {
   int n;
   fb_real re[FB_MAX_LINEAR], im[FB_MAX_LINEAR]; /* [1/s], [rad/s]; unstable where re > 0 */
-  /* [1/s] estimated, of re + i im, by the differences of A: unstable where re > error. The eigenvalues themselves round
-     by some FB_EPSILON of the fastest mode more: in single precision slow modes of light, stiff bodies that carry heavy
-     ones are the first to be lost. What is below either is zero, as far as can be told */
+  /* [1/s] estimated error of re + i im by the finite differences of A: unstable where re > error. The eigensolver adds
+     round-off of some FB_EPSILON of the fastest mode: in single precision the slow modes of light, stiff bodies that
+     carry heavy ones are lost first. Smaller eigenvalues cannot be distinguished from zero */
   fb_real error[FB_MAX_LINEAR];
-  /* of each the elastic coordinates, n x body.n; of a system all free axes, then all elastic coordinates */
+  /* mode shapes: elastic coordinates, n x body.n; of a system all free axes, then all elastic coordinates */
   fb_real shape_re[FB_MAX_LINEAR * FB_MAX_LINEAR / 2];
   fb_real shape_im[FB_MAX_LINEAR * FB_MAX_LINEAR / 2];
 } fb_spectrum;
 #if FB_WITH_SYSTEM
-/* Complex modes about a state (of fb_body_trim): spin, gyroscopic terms, preload and damping are in them ([H] A.15). Of
-   a base that is not prescribed the momenta are among them (nutation), the pose only where it acts on the motion
-   (gravity on a pinned base, loads in inertial axes). FB_ERR_CONVERGENCE: as fb_body_linearize, or the error of a mode
-   is above 0.01 of the fastest. */
+/* Complex modes about a steady state (of fb_body_trim), with spin, gyroscopic terms, preload and damping ([H] A.15).
+   The states include the momenta of a base that is not prescribed (nutation), and its pose only if the motion depends
+   on it (gravity, loads in inertial axes). FB_ERR_CONVERGENCE: as fb_body_linearize, or the error of a mode is above
+   0.01 of the fastest. */
 FB_API fb_status fb_body_spectrum_solve(const fb_body *body, fb_analyse_work *work, fb_spectrum *spectrum,
                                         const fb_state *state, const fb_input *input);
-/* Prescribed and locked axes are no states; what moves at a constant rate stays where it is in the state (a prescribed
-   axis with gravity across has no constant A). FB_ERR_CAPACITY: also an axis that the joint does not
-   have, more than FB_MAX_LINEAR states; FB_ERR_VALUE: also FB_PORT_DRIVE of an axis that is not free. */
+/* Linearizes the motion of a system, as fb_body_linearize. Prescribed and locked axes are not states; an axis that
+   moves at a constant rate is taken at its present position (for a prescribed axis with gravity normal to it A would
+   not be constant). FB_ERR_CAPACITY: also an axis that the joint does not have, more than FB_MAX_LINEAR states; FB_ERR_VALUE:
+   also FB_PORT_DRIVE of an axis that is not free. */
 FB_API fb_status fb_system_linearize(const fb_system *system, const fb_body *body, fb_system_analyse_work *work,
                                      fb_linear *linear, const fb_system_state *state, const fb_system_input *input,
                                      const fb_linear_desc *desc);
-/* Position and attitude of free joints are left out (zero in the shapes) where they do not act on the motion. */
+/* Complex modes of a system, as fb_body_spectrum_solve. Position and attitude of free joints are left out (zero in the
+   shapes) if the motion does not depend on them. */
 FB_API fb_status fb_system_spectrum_solve(const fb_system *system, const fb_body *body, fb_system_analyse_work *work,
                                           fb_spectrum *spectrum, const fb_system_state *state,
                                           const fb_system_input *input);
 #endif
 
-/* -re/|re + i im| of mode k: 1 aperiodic, 0 undamped (or no such mode), negative unstable. */
+/* Damping ratio -re/|re + i im| of mode k: 1 aperiodic, 0 undamped (or no such mode), negative unstable. */
 FB_API fb_real fb_spectrum_damping(const fb_spectrum *spectrum, int k);
-/* Stability margin [1/s] of n modes: the least -re, negative where one grows; and which mode has it (NULL: not asked
-   for). n = 0: FB_HUGE, mode -1; where an re is not finite, that one. For fb_spectrum, fb_exact_spectrum and
-   fb_exact_linear alike. Without damping it is rounding, and a root of it where two modes are one (free to move: 0). */
+/* Stability margin [1/s] of n modes: the smallest -re, negative if a mode grows; *mode is the mode that has it (NULL:
+   not requested). n = 0: FB_HUGE, mode -1; an re that is not finite: that mode. For re of fb_spectrum,
+   fb_exact_spectrum and fb_exact_linear. Without damping the margin is round-off, or its square root for a double
+   eigenvalue (rigid-body motion: 0). */
 FB_API fb_real fb_spectrum_margin(int *mode, const fb_real *re, int n);
 
 typedef enum fb_integrator {
   FB_INTEGRATOR_RK4 = 0,
   FB_INTEGRATOR_MIDPOINT = 1,
   FB_INTEGRATOR_SDIRK = 2,
-  FB_INTEGRATOR_EXPONENTIAL = 3 /* of fb_advice alone: a spectrum does not say what it errs by */
+  FB_INTEGRATOR_EXPONENTIAL = 3 /* fb_advice only: its error does not follow from a spectrum */
 } fb_integrator;
-/* Largest step [s] at which no mode grows that should not, and none that grows does so by its frequency, too; FB_HUGE
-   where there is none (the implicit integrators); 0 where integrator or spectrum make no sense. Where the base spins
-   freely it is rough: some 3 % too long at |w| dt = 0.3, up to 25 % at 0.7. The steppers refuse what is beyond their
-   own, quicker bounds, most of them shorter (fb_rk4_limit and fb_implicit_limit at that spin, fb_system_rk4_limit):
-   take the smaller step, or set allow_long_step. */
+/* Largest step [s] at which the integrator is stable for every mode; a mode that grows by itself counts as an undamped
+   one of its frequency. FB_HUGE for the implicit integrators, 0 for an invalid integrator or spectrum. For a freely
+   spinning base it is approximate: some 3 % too long at |w| dt = 0.3, up to 25 % at 0.7. The step functions refuse
+   steps beyond their own, quicker bounds, most of which are shorter (fb_rk4_limit and fb_implicit_limit at that spin,
+   fb_system_rk4_limit): take the smaller step, or set allow_long_step. */
 FB_API fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_integrator integrator);
-/* Step [s] at which the errors of the modes, each at its worst within `duration` [s], add up to `tolerance`, mode k
-   with amplitude[k] (NULL: 1 each, so that the fastest mode decides), in the same unit; at most 0.9 of the limit, and
-   the duration. 0 where integrator, duration, tolerance or amplitudes make no sense, or no step is short enough (a mode
-   that grows too far). The modes are of the motion about a state: the wider the motion, the rougher the estimate; what
-   a step errs in the steady motion itself (the turn of a body that spins freely) is not in it. */
+/* Step [s] at which the largest errors of the modes within `duration` [s] add up to `tolerance`; mode k has
+   amplitude[k] (NULL: 1 each, so that the fastest mode decides) in the unit of the tolerance. At most 0.9 of the
+   stability limit, and the duration. 0 for an invalid integrator, duration, tolerance or amplitude, or if no step is
+   short enough (a mode that grows too far). The estimate is linear about a state and becomes less accurate with larger
+   motion; the error in the steady motion itself (the attitude of a freely spinning body) is not included. */
 FB_API fb_real fb_spectrum_dt(const fb_spectrum *spectrum, fb_integrator integrator, const fb_real *amplitude,
                               fb_real duration, fb_real tolerance);
 
 #if FB_WITH_EXACT
-/* ---- exact beam */
+/* ---- geometrically exact beam */
 
-#define FB_EXACT_MODES 24 /* most that a call gives */
+#define FB_EXACT_MODES 24 /* maximum number of modes of a call */
 #define FBI_EXACT_BASIS 120
 #define FBI_EXACT_DIM (12 * FB_MAX_EXACT + 6 + 6 * FB_MAX_LUMPS)
 
 typedef struct fb_exact_spectrum { /* ascending by |re + i im|; of a conjugate pair the one with im > 0 */
   int n;
-  /* [1/s], [rad/s]; unstable where re > 0, by more than the mesh's error: with spin some 1e-5 of im at 10 elements */
+  /* [1/s], [rad/s]; unstable where re exceeds the error of the mesh: with spin some 1e-5 of im at 10 elements */
   fb_real re[FB_EXACT_MODES], im[FB_EXACT_MODES];
   fb_real error[FB_EXACT_MODES]; /* estimated relative error of the iteration (not of the mesh) */
-  /* Motion of the nodes against the steady state, section axes, per mode 6 (n_element + 1): displacement [m] and
-     rotation [rad], the largest of displacement and rotation * length 1 m. */
+  /* Motion of the nodes relative to the steady state, section axes, per mode 6 (n_element + 1): displacement [m] and
+     rotation [rad], scaled so that the largest displacement, or rotation times length, is 1 m. */
   fb_real shape_re[FB_EXACT_MODES * 6 * (FB_MAX_EXACT + 1)], shape_im[FB_EXACT_MODES * 6 * (FB_MAX_EXACT + 1)];
 } fb_exact_spectrum;
 
@@ -2328,10 +2331,11 @@ typedef struct fb_exact_spectrum_work { /* scratch; large: make it static */
   fb_real re[FBI_EXACT_BASIS], im[FBI_EXACT_BASIS], missing[FBI_EXACT_BASIS];
 } fb_exact_spectrum_work;
 
-/* The `count` (1..FB_EXACT_MODES) slowest motions exp(lambda t) about a steady state of fb_exact_trim with the
-   same input: vibration, whirl, flutter, buckling (lambda = 0); as the base that moves with the input sees them. A beam
-   that nothing holds has its rigid motions among them, zero to rounding's root. FB_ERR_CONVERGENCE: fewer than asked
-   for have converged (without inertia there are none); FB_ERR_MODES: it has not so many. */
+/* The `count` (1..FB_EXACT_MODES) complex modes with the smallest |lambda| about a steady state of fb_exact_trim with
+   the same input, in the frame of the base: vibration, whirl, flutter, buckling (lambda = 0). The rigid-body modes of
+   an unsupported beam are included; their eigenvalues are zero within the square root of round-off.
+   FB_ERR_CONVERGENCE: fewer than requested have converged (without inertia there are none); FB_ERR_MODES: the beam has
+   fewer. */
 FB_API fb_status fb_exact_spectrum_solve(const fb_exact *exact, fb_exact_spectrum_work *work,
                                          fb_exact_spectrum *spectrum, const fb_exact_state *state,
                                          const fb_exact_input *input, int count);
@@ -2344,7 +2348,7 @@ typedef enum fb_exact_port_kind {
   FB_EXACT_PORT_DISPLACEMENT = 4,    /* output [m] of a node, base axes */
   FB_EXACT_PORT_ROTATION = 5,        /* output [rad], section axes in the steady state */
   FB_EXACT_PORT_VELOCITY = 6,        /* output [m/s], section axes, as fb_exact_node.velocity */
-  FB_EXACT_PORT_RATE = 7,            /* output [rad/s], a gyro there */
+  FB_EXACT_PORT_RATE = 7,            /* output [rad/s], a gyro at the node */
   FB_EXACT_PORT_INTERNAL_FORCE = 8,  /* output [N], mean over an element, section axes */
   FB_EXACT_PORT_INTERNAL_MOMENT = 9, /* output [N m] */
   FB_EXACT_PORT_FORCE_STRAIN = 10,   /* output [-], of the section */
@@ -2354,7 +2358,7 @@ typedef enum fb_exact_port_kind {
 typedef struct fb_exact_port {
   fb_exact_port_kind kind;
   int at, axis; /* node or element; axis 0..2 */
-  fb_axes axes; /* of a force or torque: as fb_load; inertial axes as they stand in the steady state */
+  fb_axes axes; /* of a force or torque, as fb_load; inertial axes at the instant of the steady state */
 } fb_exact_port;
 
 typedef struct fb_exact_linear_desc {
@@ -2364,10 +2368,10 @@ typedef struct fb_exact_linear_desc {
 
 #define FB_EXACT_STATES (2 * FB_EXACT_MODES)
 
-/* d/dt x = A x + B u, y = C x + D u of changes against the steady state. Mode k has one state where it is aperiodic,
-   else two, a and b, with the block [re -im; im re] in A and the motion Re(shape (a + i b)), shape as in
-   fb_exact_spectrum. D: what all faster modes answer at once; at rest y = (D - C A^-1 B) u is that of the whole
-   beam. */
+/* Modal model d/dt x = A x + B u, y = C x + D u of perturbations about the steady state. An aperiodic mode has one
+   state; the others have two, a and b, with the block [re -im; im re] in A and the motion Re(shape (a + i b)), shape as
+   in fb_exact_spectrum. D contains the static response of the modes left out: the static gain D - C A^-1 B is that of
+   the whole beam. */
 typedef struct fb_exact_linear {
   int n, n_in, n_out, n_mode;
   fb_real re[FB_EXACT_MODES], im[FB_EXACT_MODES]; /* as fb_exact_spectrum */
@@ -2387,13 +2391,13 @@ typedef struct fb_exact_linear_work { /* scratch; large: make it static */
   fb_exact_linear linear;
 } fb_exact_linear_work;
 
-/* Linear model of the `count` slowest modes (of equal ones none is left out: one or two more then) about a steady state
-   of fb_exact_trim with the same input, for the inputs and outputs of desc (NULL: none). Its eigenvalues are
-   those of fb_exact_spectrum_solve, its answer at rest is exact. Base velocity and rate move the frame the beam is seen
-   from; what does not turn with it (gravity, dead loads) is taken as it stands.
-   FB_ERR_SINGULAR: no answer at rest (free to move, at a limit point), or two modes are one (the onset of flutter);
+/* Modal model with the `count` slowest modes (modes with equal eigenvalues stay together: one or two more) about a
+   steady state of fb_exact_trim with the same input, for the inputs and outputs of desc (NULL: none). Its eigenvalues
+   are those of fb_exact_spectrum_solve, and its static response is exact. Base velocity and rate move the frame in
+   which the beam is described; gravity and dead loads, which do not rotate with it, keep their present direction.
+   FB_ERR_SINGULAR: no static response (an unsupported beam, a limit point), or two parallel modes (onset of flutter);
    FB_ERR_VALUE, FB_ERR_CAPACITY: count, or a port that does not exist; else as fb_exact_spectrum_solve. On failure
-   linear is as before. */
+   linear is unchanged. */
 FB_API fb_status fb_exact_linearize(const fb_exact *exact, fb_exact_linear_work *work, fb_exact_linear *linear,
                                     const fb_exact_state *state, const fb_exact_input *input,
                                     const fb_exact_linear_desc *desc, int count);
