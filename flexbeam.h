@@ -2266,8 +2266,8 @@ FB_API fb_status fb_body_spectrum_solve(const fb_body *body, fb_analyse_work *wo
                                         const fb_state *state, const fb_input *input);
 /* Linearizes the motion of a system, as fb_body_linearize. Prescribed and locked axes are not states; an axis that
    moves at a constant rate is taken at its present position (for a prescribed axis with gravity normal to it A would
-   not be constant). FB_ERR_CAPACITY: also an axis that the joint does not have, more than FB_MAX_LINEAR states; FB_ERR_VALUE:
-   also FB_PORT_DRIVE of an axis that is not free. */
+   not be constant). FB_ERR_CAPACITY: also an axis that the joint does not have, more than FB_MAX_LINEAR states;
+   FB_ERR_VALUE: also FB_PORT_DRIVE of an axis that is not free. */
 FB_API fb_status fb_system_linearize(const fb_system *system, const fb_body *body, fb_system_analyse_work *work,
                                      fb_linear *linear, const fb_system_state *state, const fb_system_input *input,
                                      const fb_linear_desc *desc);
@@ -2405,45 +2405,46 @@ FB_API fb_status fb_exact_linearize(const fb_exact *exact, fb_exact_linear_work 
 
 /* ---------------------------------------------------------------------------------------------------------------
    ANALYSE >>advise: which effects, modes, integrator and step a scene calls for; offline. For bodies in the momentum
-   form with every effect compiled in. Of a system ask for each body, with the motion of its root as a prescribed
-   base. */
+   form with every effect compiled in. For a system ask about each body, with the motion of its root as that of a
+   prescribed base. */
 
-typedef struct fb_envelope {     /* the most that happens in a scene; what has a sign goes together */
+typedef struct fb_envelope {     /* the extremes of a scene; signs as they occur together */
   fb_real velocity[3];           /* [m/s] of O of a prescribed base, body axes */
   fb_real spin[3], spin_rate[3]; /* [rad/s], [rad/s^2] of the body frame, its axes; the rate: prescribed bases only */
-  fb_real acceleration[3];       /* [m/s^2] of O less gravity, body axes: what an accelerometer reads there; of a base
-                                     that is not prescribed: gravity alone, reversed; each axis at its most */
-  int n_load;                    /* at their most; axes of the body, or of the node */
+  fb_real acceleration[3];       /* [m/s^2] of O less gravity, body axes, as an accelerometer at O reads it; without a
+                                     prescribed base minus gravity; the extreme of each axis */
+  int n_load;                    /* extreme loads; in axes of the body or of the node */
   fb_load load[FB_MAX_LOADS];
-  fb_real frequency; /* [rad/s] of what drives the modes: 0 steady, FB_HUGE a jump, else the fastest that matters */
-  fb_real duration;  /* [s] that the answer is wanted for */
-  fb_real frame;     /* [s] a step is a whole part of it (or below a millionth): a controller's period; 0: any step */
-  int node;          /* whose elastic displacement is wanted */
+  fb_real frequency; /* [rad/s] of the excitation: 0 steady, FB_HUGE a step load, else the highest that matters */
+  fb_real duration;  /* [s] of the simulation */
+  fb_real frame;     /* [s] divided by whole steps (or steps below a millionth of it): a control period; 0: any step */
+  int node;          /* the output is the elastic displacement of this node */
 } fb_envelope;
 
-#define FB_ADVICE_EFFECTS 5 /* the inertial ones: bits 0..4 of fb_effect */
+#define FB_ADVICE_EFFECTS 5 /* inertial effects: bits 0..4 of fb_effect */
 
 typedef struct fb_advice {
-  unsigned effects;             /* for fb_body_desc: damping and gravity where the desc has them */
-  int n;                        /* modes, and */
-  int coordinate[FB_MAX_MODES]; /* which, ascending: for fb_shape_select */
+  unsigned effects;             /* for fb_body_desc; with damping and gravity if the desc has them */
+  int n;                        /* number of modes */
+  int coordinate[FB_MAX_MODES]; /* the modes, ascending: for fb_shape_select */
   fb_integrator integrator;
-  int long_step;      /* 1: dt is longer than its own limit (found by simulation): set fb_body_desc.allow_long_step */
+  int long_step;      /* 1: dt exceeds the integrator's limit (found by simulation): set fb_body_desc.allow_long_step */
   fb_real dt;         /* [s] */
-  fb_real cost;       /* of a simulated second: about so many instructions of a 64-bit processor */
-  fb_real deflection; /* [m] of the output, at most */
-  /* estimates, parts of that: what the output is off by for want of effects, of modes, by the step (at most; not of
-     fb_advice_search), and by what no modal body has (beyond the tolerance: take the exact beam) */
+  fb_real cost;       /* approximate number of instructions of a 64-bit processor per simulated second */
+  fb_real deflection; /* [m] estimated maximum of the output */
+  /* estimated errors of the output relative to deflection: by missing effects, by missing modes, by the step (an upper
+     bound; not from fb_advice_search), and by terms that no modal body has (above the tolerance: use the geometrically
+     exact beam) */
   fb_real error_effects, error_modes, error_step, error_model;
-  fb_real without[FB_ADVICE_EFFECTS]; /* by leaving out effect 1 << i, in the best set without it */
-  fb_real error;                      /* found by simulation (fb_advice_search); else the sum of the four */
-  int n_trial;                        /* simulations that took */
+  fb_real without[FB_ADVICE_EFFECTS]; /* the same without effect 1 << i, for the best set without it */
+  fb_real error;                      /* by simulation (fb_advice_search), else the sum of the four */
+  int n_trial;                        /* number of simulations */
 } fb_advice;
 
 #define FBI_ADVICE_SETS 10
 #define FBI_ADVICE_INSTANTS 5
 #define FBI_ADVICE_PHASES 3
-#define FBI_ADVICE_PARTS 16 /* steps tried per integrator */
+#define FBI_ADVICE_PARTS 16 /* trial steps per integrator */
 
 typedef struct fb_advice_work { /* scratch; large: make it static */
   fb_body_work body_work;
@@ -2457,51 +2458,54 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
   fb_spectrum spectrum;
   fb_real K[FB_MAX_MODES * FB_MAX_MODES], scale[FB_MAX_MODES];
   int perm[FB_MAX_MODES];
-  /* K q = f at instants, K also at rest; what the full set does in phases of them */
+  /* K q = f of the load cases, K also at rest; accelerations and output of the full set in phases of the load cases */
   fb_real tangent[FBI_ADVICE_INSTANTS + 1][FB_MAX_MODES * FB_MAX_MODES];
   fb_real f[FBI_ADVICE_INSTANTS][FB_MAX_MODES], q[FBI_ADVICE_INSTANTS][FB_MAX_MODES];
   fb_real q_ddot[FBI_ADVICE_INSTANTS][FBI_ADVICE_PHASES][FB_MAX_MODES];
   fb_real displacement[FBI_ADVICE_INSTANTS][FBI_ADVICE_PHASES][3];
-  fb_real omega[FB_MAX_MODES], most[FB_MAX_MODES]; /* of modes: highest frequency, most they give */
-  int order[FB_MAX_MODES];                         /* by that */
+  fb_real omega[FB_MAX_MODES], most[FB_MAX_MODES]; /* highest frequency and largest contribution of each mode */
+  int order[FB_MAX_MODES];                         /* modes in descending order of contribution */
   fb_real zeta[FB_MAX_MODES], deflection, drawn, ringing;
-  fb_real bend; /* the deflection as if it had no limit */
-  int buckled;  /* at some instant */
+  fb_real bend; /* [m] the deflection without its limit */
+  int buckled;  /* 1: in some load case */
   fb_real error[FBI_ADVICE_SETS], error_modes[FB_MAX_MODES];
   fb_real step_cost[FBI_ADVICE_SETS][FB_MAX_MODES][4], longest[FBI_ADVICE_SETS][FB_MAX_MODES][4];
   fb_real last[FBI_ADVICE_SETS][FB_MAX_MODES][4];
   int part[FBI_ADVICE_SETS][FB_MAX_MODES][4];
 } fb_advice_work;
 
-/* The cheapest set of effects, modes, integrator and step whose estimated errors add up to the tolerance (a part of the
-   largest output) or less; error_model takes at most half of it, and what is more stays on top. From the accelerations
-   that each set gives where the scene is at its most: bounded work, no simulation. Estimates: a factor of three is
-   common. shape: natural modes, more than will be needed. FB_ERR_EFFECTS: an effect was removed at compile time;
-   FB_ERR_VALUE: negative frequency or frame, duration or tolerance not positive, no modes, no output; FB_ERR_CAPACITY:
-   a node; FB_ERR_UNSUPPORTED: the coordinates are not natural modes; FB_ERR_STEP: no integrator has a step for this;
-   else as fb_body_init and fb_body_motion_eval. advice is written only on FB_OK. */
+/* Finds the cheapest set of effects, modes, integrator and step whose estimated errors add up to at most the tolerance
+   (relative to the largest output). error_model uses at most half of the tolerance; if it is larger, error exceeds the
+   tolerance.
+   The estimates compare the accelerations of each set at the extremes of the envelope: bounded work, no simulation.
+   They are often wrong by a factor of three. shape: natural modes, more than will be needed.
+   FB_ERR_EFFECTS: an effect was removed at compile time; FB_ERR_VALUE: negative frequency or frame, duration or
+   tolerance not positive, no modes, no output; FB_ERR_CAPACITY: a node; FB_ERR_UNSUPPORTED: the coordinates are not
+   natural modes; FB_ERR_STEP: no integrator meets the tolerance; else as fb_body_init and fb_body_motion_eval. advice
+   is written only on FB_OK. */
 FB_API fb_status fb_advice_solve(fb_advice *advice, fb_advice_work *work, const fb_shape *shape,
                                  const fb_body_desc *desc, const fb_envelope *envelope, fb_real tolerance);
 
-typedef struct fb_trial { /* how a scene is simulated */
-  /* output[0..n-1] of the scene by a body of the candidate's effects, modes (fb_shape_select), integrator and step; any
-     status but FB_OK: it cannot be, the next is tried */
+typedef struct fb_trial { /* simulation of a scene, by the caller */
+  /* simulates the scene with the effects, modes (fb_shape_select), integrator and step of the candidate and writes
+     output[0..n-1]; a status other than FB_OK rejects the candidate */
   fb_status (*run)(void *user, fb_real *output, const fb_advice *candidate);
   void *user;
-  int n;                       /* numbers of an output: */
-  int width;                   /* samples of so many: differences are their distances */
+  int n;                       /* length of an output, in samples of */
+  int width;                   /* this many numbers each: an error is the norm of the difference of two samples */
   fb_real *output, *reference; /* n each */
-  int has_reference; /* 0: the reference is run first, by all modes and effects in short steps; 1: it is there (of the
-                        exact beam, or measured) */
+  int has_reference; /* 0: the reference is simulated first, with all modes and effects and a short step; 1: it is given
+                        (by the geometrically exact beam, or measured) */
 } fb_trial;
 
-/* The cheapest set found to meet the tolerance: candidates are simulated in the order of their estimated cost, up to
-   that of the reference's run. Every cheaper candidate was simulated and rejected, or the error of its effects and
-   modes no longer depended on the step.
-   error: largest distance from the reference, of its largest sample. FB_ERR_CONVERGENCE: none does, or all modes and
-   effects in short steps miss twice the tolerance; FB_ERR_VALUE, FB_ERR_NOT_FINITE: also of a reference; what run
-   returns for all modes and effects; else as fb_advice_solve. Desktop: tens to thousands of simulations, at most 1 +
-   640 n of n modes. */
+/* Finds the cheapest set by simulation: candidates are simulated in the order of their estimated cost, up to that of
+   the reference, until one meets the tolerance. Every cheaper candidate was simulated and rejected, or the error of its
+   effects and modes no longer depended on the step.
+   error: largest distance from the reference, relative to its largest sample. For desktop use: tens to thousands of
+   simulations, with n modes at most 1 + 640 n.
+   FB_ERR_CONVERGENCE: no candidate meets the tolerance, or all modes and effects with a short step exceed twice the
+   tolerance; FB_ERR_VALUE, FB_ERR_NOT_FINITE: also a reference of zeros or that is not finite; a status of run for all
+   modes and effects; else as fb_advice_solve. */
 FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const fb_shape *shape,
                                   const fb_body_desc *desc, const fb_envelope *envelope, fb_real tolerance,
                                   const fb_trial *trial);
