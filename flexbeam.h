@@ -1494,7 +1494,7 @@ typedef enum fb_integrator {
   FB_INTEGRATOR_RK4 = 0,
   FB_INTEGRATOR_MIDPOINT = 1,
   FB_INTEGRATOR_SDIRK = 2,
-  FB_INTEGRATOR_EXPONENTIAL = 3 /* a spectrum does not say what it errs by */
+  FB_INTEGRATOR_EXPONENTIAL = 3 /* not for fb_spectrum_limit and _dt: its error does not follow from a spectrum */
 } fb_integrator;
 
 /* What is stepped: a body (body, state), a system (system, its models body, system_state, system_work) or an exact beam
@@ -1558,15 +1558,16 @@ FB_API fb_status fb_build_check(void);
    BUILD >>eigen: dense, run-time n */
 
 /* Eigenvalues d (n, ascending) and orthonormal eigenvectors (row k of V, n x n) of the symmetric A (n x n,
-   overwritten). Off the diagonal, 1e-9 epsilon of the largest element counts as zero. FB_ERR_NOT_FINITE;
+   overwritten). Off-diagonal elements below 1e-9 FB_EPSILON of the largest element count as zero. FB_ERR_NOT_FINITE;
    FB_ERR_CONVERGENCE after 60 Jacobi sweeps. */
 FB_API fb_status fb_eig_sym_solve(fb_real *d, fb_real *V, fb_real *A, int n);
-/* K x = d M x, K symmetric, M positive definite (both n x n, overwritten): d ascending, rows of X with X M X^T = 1.
-   FB_ERR_SINGULAR: M is not positive definite; else as fb_eig_sym_solve. */
+/* Generalized eigenproblem K x = d M x, K symmetric, M positive definite (both n x n, overwritten): d ascending, rows
+   of X with X M X^T = 1. FB_ERR_SINGULAR: M is not positive definite; else as fb_eig_sym_solve. */
 FB_API fb_status fb_eig_gen_solve(fb_real *d, fb_real *X, fb_real *K, fb_real *M, int n);
 /* Eigenvalues re + i im (n each) and eigenvectors of the real A (n x n, overwritten), symmetric or not. Row k of X (n x
-   2n) is the vector of eigenvalue k, n real then n imaginary parts, of unit length. work: 4 n^2 reals. A defective A
-   gives (nearly) parallel vectors. FB_ERR_NOT_FINITE; FB_ERR_CONVERGENCE after 60 n steps, re and X are spoiled. */
+   2n) is the eigenvector of eigenvalue k, n real then n imaginary parts, of unit length. work: 4 n^2 reals. A defective
+   A gives (nearly) parallel eigenvectors. FB_ERR_NOT_FINITE; FB_ERR_CONVERGENCE after 60 n steps: re, im and X are
+   undefined. */
 FB_API fb_status fb_eig_general_solve(fb_real *re, fb_real *im, fb_real *X, fb_real *A, fb_real *work, int n);
 
 /* ---------------------------------------------------------------------------------------------------------------
@@ -1575,18 +1576,18 @@ FB_API fb_status fb_eig_general_solve(fb_real *re, fb_real *im, fb_real *X, fb_r
 typedef struct fb_section { /* properties at a station; between stations they vary linearly */
   fb_real x;                /* [m] from the root; ignored when there is one station (uniform beam) */
   fb_real mass;             /* [kg/m]; the beam with its lumped bodies must have some */
-  fb_real EA;               /* [N] axial stiffness; 0 everywhere: rigid, no axial modes */
+  fb_real EA;               /* [N] axial stiffness; 0 everywhere: inextensible, no axial modes */
   fb_real GJ;               /* [N m^2] torsional stiffness; 0: rigid */
   fb_real EI_y;             /* [N m^2] bending about y (displacement along z); 0: rigid */
   fb_real EI_z;             /* [N m^2] bending about z (displacement along y); 0: rigid */
   fb_real i_y;              /* [kg m] rotary inertia about y per length, int z^2 dm/dx; 0: none */
   fb_real i_z;            /* [kg m] rotary inertia about z per length, int y^2 dm/dx; 0: none. Without both there is no
                                polar inertia: torsion has no modes */
-  fb_real GA_y, GA_z;     /* [N] shear stiffness with shear factor; 0: rigid; both and everywhere, or not at all */
-  fb_real twist;          /* [rad] structural twist: turns the section axes y, z about x from the beam's */
-  fb_real mass_y, mass_z; /* [m] mass center, to which i_y, i_z belong; offsets are in section axes */
-  fb_real tension_y, tension_z; /* [m] tension center, to which EA, EI_y, EI_z belong (without EA: no matter) */
-  fb_real shear_y, shear_z;     /* [m] shear center, to which GJ, GA_y, GA_z belong; other than 0 only with GA */
+  fb_real GA_y, GA_z;     /* [N] shear stiffness, shear factor included; 0: rigid. Both at every station, or none */
+  fb_real twist;          /* [rad] structural twist: rotation of the section axes y, z about x against the beam axes */
+  fb_real mass_y, mass_z; /* [m] center of mass, to which i_y, i_z refer; offsets are in section axes */
+  fb_real tension_y, tension_z; /* [m] tension center, to which EA, EI_y, EI_z refer; unused without EA */
+  fb_real shear_y, shear_z;     /* [m] shear center, to which GJ, GA_y, GA_z refer; nonzero only with GA */
 } fb_section;
 
 typedef struct fb_material {
@@ -1602,19 +1603,19 @@ typedef struct fb_profile { /* outline of a section */
   fb_real size[2]; /* [m] rectangle: widths along y and z; tube: outer and inner radius, 0: a full circle */
 } fb_profile;
 
-/* A section of one material about its center: mass, stiffness, rotary inertia; Saint-Venant torsion constant, Cowper's
-   shear factor. Set GA_y = GA_z = 0 for a beam rigid in shear. FB_ERR_VALUE: a size or modulus is not positive (inner
-   radius: negative, or not below the outer one); FB_ERR_NOT_FINITE. */
+/* Mass, stiffness and rotary inertia of a homogeneous section about its centroid, with the Saint-Venant torsion
+   constant and Cowper's shear factor. Set GA_y = GA_z = 0 for a beam rigid in shear. FB_ERR_VALUE: a size or modulus is
+   not positive (inner radius: negative, or not below the outer one); FB_ERR_NOT_FINITE. */
 FB_API fb_status fb_section_init(fb_section *section, const fb_material *material, const fb_profile *profile);
 
-typedef struct fb_lump { /* rigid body fixed to an element node */
+typedef struct fb_lump { /* lumped body: a rigid body fixed to an element node */
   int node;              /* 0 root .. n_element tip */
   fb_real mass;          /* [kg] >= 0 */
-  fb_real center[3];     /* [m] mass center from the node, beam axes */
-  fb_real inertia[6];    /* [kg m^2] about the mass center: xx, yy, zz, xy, xz, yz (matrix entries, not products) */
+  fb_real center[3];     /* [m] center of mass from the node, beam axes */
+  fb_real inertia[6];    /* [kg m^2] about the center of mass: xx, yy, zz, xy, xz, yz (matrix elements: xy = -int xy) */
 } fb_lump;
 
-typedef enum fb_root { FB_ROOT_CLAMPED = 0, FB_ROOT_PINNED = 1, FB_ROOT_FREE = 2 } fb_root; /* pinned: slopes free */
+typedef enum fb_root { FB_ROOT_CLAMPED = 0, FB_ROOT_PINNED = 1, FB_ROOT_FREE = 2 } fb_root; /* pinned: rotations free */
 
 typedef struct fb_beam_desc {
   fb_real length; /* [m] > 0 */
@@ -1626,19 +1627,19 @@ typedef struct fb_beam_desc {
   fb_lump lump[FB_MAX_LUMPS];
   fb_real position[3]; /* [m] root in the body frame */
   fb_real attitude[4]; /* quaternion, beam axes to body axes; all zero = identity */
-  /* A curved reference line, as a chain of straight elements: n_point = n_element + 1 element nodes [m] from the root
-     on, beam axes, the first at 0. Then length is theirs, x runs along the chain, and the section axes follow it
-     without twist of their own, from the first element, which takes the beam axes by the shortest way (less than 170
-     degrees). Neighbors turn by less than 90 degrees. EA, GJ and EI are positive; with a free root i_y, i_z, too. The
-     quadratic field (E8.2) takes the kinks as small. 0: straight. */
+  /* Curved reference line as a chain of straight elements: n_point = n_element + 1 element nodes [m] from the root on,
+     beam axes, the first at 0. length is that of the chain, and x runs along it. The section axes follow the chain
+     without twist: those of the first element are the beam axes rotated by the smallest rotation (less than 170
+     degrees), each further element's are rotated likewise, by less than 90 degrees. Requires positive EA, GJ and EI,
+     with a free root i_y and i_z, too. The second-order displacement field (E8.2) assumes small kinks. 0: straight. */
   int n_point;
   fb_real point[FB_MAX_ELEMENTS + 1][3];
 } fb_beam_desc;
 
-/* Appends n >= 2 stations of a stretch whose sizes vary linearly; between stations the chords hold, on average, what
-   the taper holds. Where the desc has a station at from->x, this one replaces it. FB_ERR_CAPACITY: more than
-   FB_MAX_STATIONS; FB_ERR_VALUE: also to->x <= from->x, different kinds; else as fb_section_init. desc is changed only
-   on FB_OK. */
+/* Appends n >= 2 stations of a taper whose sizes vary linearly from one profile to the other. Linear interpolation
+   between the stations has the same integrals as the taper. A last station of the desc at from->x or beyond is
+   replaced. FB_ERR_CAPACITY: more than FB_MAX_STATIONS; FB_ERR_VALUE: also to->x <= from->x, different kinds of
+   profile; else as fb_section_init. desc is changed only on FB_OK. */
 FB_API fb_status fb_beam_desc_add_taper(fb_beam_desc *desc, const fb_material *material, const fb_profile *from,
                                         const fb_profile *to, int n);
 
@@ -1647,21 +1648,21 @@ typedef struct fb_beam { /* a checked desc */
   fb_real axes[9];                         /* beam axes to body axes */
   fb_real mass;                            /* [kg] with lumped bodies */
   int has_shear;                           /* flexible in shear */
-  fb_real start[FB_MAX_ELEMENTS + 1];      /* [m] place of the element nodes along the line */
-  fb_real node[3 * (FB_MAX_ELEMENTS + 1)]; /* [m] the same from the root, beam axes */
+  fb_real start[FB_MAX_ELEMENTS + 1];      /* [m] x of the element nodes along the reference line */
+  fb_real node[3 * (FB_MAX_ELEMENTS + 1)]; /* [m] positions of the element nodes from the root, beam axes */
   fb_real frame[9 * FB_MAX_ELEMENTS];      /* element axes to beam axes */
 } fb_beam;
 
 /* FB_ERR_VALUE, FB_ERR_NOT_FINITE, FB_ERR_CAPACITY, FB_ERR_NULL; the beam is written only on FB_OK. */
 FB_API fb_status fb_beam_init(fb_beam *beam, const fb_beam_desc *desc);
-/* Section properties at x (linear between stations, the end values outside). */
+/* Section properties at x: linear between stations, constant beyond the first and the last. */
 FB_API void fb_beam_section_eval(const fb_beam *beam, fb_section *section, fb_real x);
-/* Finite-element stiffness and consistent mass of the beam without root condition, K and M (ndof x ndof),
-   ndof = 6 (n_element + 1), per node (u_x, u_y, u_z, theta_x, theta_y, theta_z) in beam axes; shear condensed. */
+/* Finite-element stiffness K and consistent mass M (ndof x ndof) of the unsupported beam, ndof = 6 (n_element + 1), per
+   node (u_x, u_y, u_z, theta_x, theta_y, theta_z) in beam axes. Shear deformation is condensed. */
 FB_API void fb_beam_matrices_eval(const fb_beam *beam, fb_real *K, fb_real *M);
 
 /* ---------------------------------------------------------------------------------------------------------------
-   BUILD >>modes: the basis in which a beam deforms */
+   BUILD >>modes: assumed modes, the Ritz basis of a beam's deformation */
 
 typedef enum fb_kind {                     /* what a mode mainly does */
                        FB_KIND_BEND_Y = 0, /* displacement along y, stiffness EI_z */
@@ -1671,18 +1672,18 @@ typedef enum fb_kind {                     /* what a mode mainly does */
                        FB_KIND_COUNT = 4
 } fb_kind;
 
-#define FB_ALL_MODES 1000 /* a count: as many as there are (below omega_limit) */
+#define FB_ALL_MODES 1000 /* a count: all modes that exist (below omega_limit) */
 
 typedef enum fb_basis {
   FB_BASIS_MODES = 0,    /* natural modes, mass-normalized (M = 1, K = omega^2) */
-  FB_BASIS_ELEMENTS = 1, /* finite-element coordinates kept as they are: M and K full */
-  /* The SAME functions of x for u_x, u_y and u_z, orthonormal against the mass: [DB]'s basis. Equal counts make it
-     closed under rotation: a turned deflection is a deflection again, the inertia that follows the shape (residual
-     inertia) vanishes and spin couples each function with itself alone. Smooth element functions (value and slope
-     continuous), clamped root. */
+  FB_BASIS_ELEMENTS = 1, /* nodal coordinates of the finite elements; M and K are full */
+  /* The SAME functions of x for u_x, u_y and u_z, orthonormal with respect to the mass: the basis of [DB]. With equal
+     counts it is closed under rotation: a rotated deflection is again in the basis, the configuration-dependent
+     (residual) inertia vanishes, and spin couples each function only with itself. Element functions with continuous
+     value and slope, clamped root. */
   FB_BASIS_FUNCTIONS = 2,
-  /* Hurty, Craig-Bampton: the displacements of boundary coordinates, each with the static shape of a unit displacement
-     (constraint modes), then natural modes with the boundary held. What loads the boundary deflects it exactly. */
+  /* Hurty, Craig-Bampton: constraint modes, the static shapes of unit displacements of the boundary coordinates, then
+     fixed-boundary natural modes. Exact for static loads on the boundary. */
   FB_BASIS_COMPONENT = 3
 } fb_basis;
 
@@ -1692,10 +1693,10 @@ typedef struct fb_coordinate { /* of an element node, beam axes */
 } fb_coordinate;
 #define FB_MAX_COORDINATES 24 /* boundary coordinates or load positions of a beam */
 
-typedef struct fb_preload {  /* what pulls a straight beam before it moves; all zero: nothing */
-  fb_real force;             /* [N] at the tip, along x: a pull is positive */
+typedef struct fb_preload {  /* axial preload of a straight beam; all zero: none */
+  fb_real force;             /* [N] at the tip, along x: tension is positive */
   fb_real acceleration;      /* [m/s^2] of a uniform field along x, acting on all mass: -9.81 for an upright column */
-  fb_real spin, spin_radius; /* [rad/s], [m] steady spin about an axis across the beam, that far before the root */
+  fb_real spin, spin_radius; /* [rad/s] steady spin about an axis normal to the beam, [m] from it to the root */
 } fb_preload;
 
 typedef struct fb_modes_desc {
@@ -1703,40 +1704,41 @@ typedef struct fb_modes_desc {
   int count
       [FB_KIND_COUNT]; /* lowest modes to keep per kind; FB_BASIS_ELEMENTS: nonzero keeps all coordinates of the kind */
   fb_real omega_limit; /* [rad/s] modes above are left out; 0: no limit */
-  /* Steady spin [rad/s] about an axis across the beam, spin_radius [m] before the clamped root: half of each plane's
-     bending modes are those at rest, half those under the spin's tension, combined to Ritz modes of the unloaded
-     beam. A few then do for every spin up to about this one, where modes at rest converge slowly. 0: modes at rest. */
+  /* Steady spin [rad/s] about an axis normal to the beam, at the distance spin_radius [m] from the clamped root. Of the
+     bending modes in each plane half are those at rest and half those under centrifugal tension, combined to Ritz modes
+     of the unloaded beam. Few of them suffice for every spin up to about this one, where modes at rest converge slowly.
+     0: modes at rest. */
   fb_real spin, spin_radius;
-  /* FB_BASIS_FUNCTIONS: polynomial degree in an element, 3..8 (0: 3, cubic Hermite; above 5 for double precision);
-     with n_element elements there are 2 n_element + (degree - 3) n_element functions, in the order of the bending
-     frequencies, and count says how many to keep in each direction; the coordinates are f_1 along y, z and x, f_2
-     along y, z and x, and so on. root_strain = 1: u_x gets one more function, with a slope at the root, where strain
-     is largest; without it the axial strain at the root is zero, with it the basis is not quite closed. */
+  /* FB_BASIS_FUNCTIONS: polynomial degree in an element, 3..8 (0: 3, cubic Hermite; above 5 in double precision only).
+     n_element elements have 2 n_element + (degree - 3) n_element functions, in the order of the bending frequencies;
+     count is the number to keep in each direction. The coordinates are f_1 along y, z and x, f_2 along y, z and x, and
+     so on. root_strain = 1 adds a function of u_x with a slope at the root, where strain is largest: without it the
+     axial strain at the root is zero, with it the basis is not exactly closed under rotation. */
   int degree, root_strain;
-  int lowest; /* natural modes: that many lowest ones of any kind that exists; count is ignored. Not with spin */
-  /* Natural modes, 0..1: as many as bring the effective mass to this part of the beam's (less bodies on its root) in
-     each direction in which the kinds asked for move; count is an upper bound. 0: no such choice. Wants a clamped
-     root. */
+  int lowest; /* natural modes: number of lowest ones of all kinds; count is then ignored. Not with spin */
+  /* Natural modes, 0..1: keeps as many modes as needed for this fraction of effective mass (of the beam without bodies
+     on its root) in each direction in which the selected kinds move; count is an upper bound. Requires a clamped root.
+     0: selection by count. */
   fb_real mass_fraction;
-  fb_preload preload; /* the modes are those under it, and K holds its geometric stiffness ([H] C.1): leave the load
-                         itself out of the body's effects. FB_BASIS_FUNCTIONS does without */
-  /* Natural modes: positions of loads to whose forces the deflection is right also at rest. Each adds a static
-     correction mode: the part of the deflection under a unit load that the kept modes miss (residual flexibility; of a
-     free beam in its accelerated frame). They come out as further modes, orthogonal to the others. */
+  fb_preload preload; /* modes are those under the preload, and K contains its geometric stiffness ([H] C.1): leave the
+                         load itself out of the effects of the body. Not for FB_BASIS_FUNCTIONS */
+  /* Natural modes: positions of loads for which the static deflection shall be exact. Each adds a residual-flexibility
+     attachment mode (static correction): the deflection under a unit load that the kept modes miss; of a free beam with
+     inertia relief. They are further modes, orthogonal to the others. */
   int n_load;
   fb_coordinate load[FB_MAX_COORDINATES];
   int n_boundary; /* FB_BASIS_COMPONENT */
   fb_coordinate boundary[FB_MAX_COORDINATES];
-  int boundary_inertia; /* 1: FB_BASIS_COMPONENT also holds the shapes into which the inertia of a moving boundary bends
-                           it, as further modes. They are worth more than as many natural ones */
+  int boundary_inertia; /* 1: FB_BASIS_COMPONENT adds the quasi-static shapes under the inertia forces of an accelerated
+                           boundary (inertia-relief modes); worth more than as many natural modes */
   int rigid;            /* 1: the rigid-body modes of a pinned or free root come first: for components to be joined */
   int cubic; /* 1: natural modes and components of the nodal (cubic Hermite) coordinates alone, no internal shapes */
 } fb_modes_desc;
 
 typedef struct fb_modes {
-  int n;      /* retained, ascending in frequency (a tie: in the order of the kinds) */
+  int n;      /* modes kept, ascending in frequency (equal ones in the order of the kinds) */
   int ndof;   /* length of a shape: 6 per node, then 8 internal ones per element, with shear 8 more */
-  int degree; /* 0, or that of FB_BASIS_FUNCTIONS: then a shape is value and slope per node, then bubbles */
+  int degree; /* 0, or that of FB_BASIS_FUNCTIONS: a shape then is value and slope per node, then internal functions */
   int joined; /* 1: from fb_modes_join */
   fb_kind kind[FB_MAX_MODES];  /* by the largest share of kinetic energy */
   fb_real omega[FB_MAX_MODES]; /* [rad/s]; 0 for coordinates that are not modes */
@@ -1744,50 +1746,52 @@ typedef struct fb_modes {
       shape[FB_MAX_MODES * FBI_MAX_DOF];  /* n x ndof nodal values; a mode's main displacement at the tip is positive */
   fb_real M[FB_MAX_MODES * FB_MAX_MODES]; /* n x n */
   fb_real K[FB_MAX_MODES * FB_MAX_MODES]; /* n x n */
-  /* Momentum and angular momentum about the root that a unit rate of a coordinate has, beam axes (n x 6), the beam's
-     mass and moments of inertia about the root, and the part of them that the coordinates together move (effective
-     mass). Not for FB_BASIS_FUNCTIONS and joined modes. */
+  /* Momentum and angular momentum about the root per unit rate of each coordinate, beam axes (n x 6); mass and moments
+     of inertia of the beam about the root; and the effective mass and inertia of all coordinates together. Not for
+     FB_BASIS_FUNCTIONS and joined modes. */
   fb_real momentum[6 * FB_MAX_MODES], rigid_mass[6], effective[6];
 } fb_modes;
 
 typedef struct fb_modes_work { /* scratch; large: make it static */
   int held[FBI_MAX_DOF];
   fb_real rigid[6 * FBI_MAX_DOF]; /* six rigid motions about the root, rows */
-  fb_real free[6 * FBI_MAX_DOF];  /* those that the root leaves, orthonormal */
+  fb_real free[6 * FBI_MAX_DOF];  /* those that the root permits, orthonormal */
   fb_real K[FBI_MAX_DOF * FBI_MAX_DOF], M[FBI_MAX_DOF * FBI_MAX_DOF];
   fb_real Kc[FBI_MAX_DOF * FBI_MAX_DOF], Mc[FBI_MAX_DOF * FBI_MAX_DOF], X[FBI_MAX_DOF * FBI_MAX_DOF];
   fb_real omega2[FBI_MAX_DOF];
   fb_modes found;
 } fb_modes_work;
 
-/* FB_ERR_KIND: a kind asked for has no stiffness or inertia; FB_ERR_MODES: fewer modes than asked for (or than
-   mass_fraction wants); FB_ERR_UNSUPPORTED: functions with shear, with torsion, a root strain without axial ones;
-   FB_ERR_CAPACITY: more than FB_MAX_MODES; FB_ERR_VALUE: also functions, spin or mass_fraction without a clamped root,
-   a preload on a chain or on natural modes of a
-   root that is not clamped, a coordinate that the root holds or that is named twice; FB_ERR_SINGULAR: the preload is
-   beyond buckling, or the boundary leaves rigid motion; FB_ERR_CONVERGENCE.
-   modes is written only on FB_OK. Rigid-body modes of pinned and free roots are not modes here: the body frame
-   carries that motion. */
+/* Modes of a beam. Rigid-body modes of pinned and free roots are left out (unless desc->rigid): the body frame carries
+   that motion. modes is written only on FB_OK.
+   FB_ERR_KIND: a requested kind has no stiffness or inertia; FB_ERR_MODES: fewer modes than requested, or than
+   mass_fraction needs; FB_ERR_UNSUPPORTED: FB_BASIS_FUNCTIONS with shear, with torsion, or with root_strain but no
+   axial functions; FB_ERR_CAPACITY: more than FB_MAX_MODES; FB_ERR_VALUE: also FB_BASIS_FUNCTIONS, spin or
+   mass_fraction without a clamped root, a preload on a curved line or on natural modes of a root that is not clamped, a
+   coordinate that the root constrains or that is named twice; FB_ERR_SINGULAR: the preload exceeds the buckling load,
+   or the boundary permits rigid-body motion; FB_ERR_CONVERGENCE. */
 FB_API fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_beam *beam, const fb_modes_desc *desc);
 
-/* Buckling: shapes and, in place of omega, the factors by which desc->preload buckles the beam, ascending (desc->lowest
-   of them; 0: one). The coordinates of desc->boundary are held: give u_y and u_z of the tip for a pinned one. The root
-   must leave no rigid motion. FB_ERR_MODES: no positive factor, or fewer; else as fb_modes_solve. */
+/* Linear buckling: buckling shapes and, in place of omega, the load factors of desc->preload, ascending (desc->lowest
+   of them; 0: one). The coordinates of desc->boundary are constrained: u_y and u_z of the tip for a pinned one. The
+   supports must permit no rigid-body motion. FB_ERR_MODES: fewer positive factors than requested; else as
+   fb_modes_solve. */
 FB_API fb_status fb_buckling_solve(fb_modes *modes, fb_modes_work *work, const fb_beam *beam,
                                    const fb_modes_desc *desc);
 
-/* Synthesis: components joined rigidly, node to node, their common modes the coordinates of one body. */
+/* Component mode synthesis: components connected rigidly at nodes; their common modes are the coordinates of one
+   body. */
 #define FB_MAX_COMPONENTS 8
 #define FB_MAX_WELDS (FB_MAX_COMPONENTS + 4)
 
-typedef struct fb_weld { /* element nodes of two components at the same place of the body frame */
+typedef struct fb_weld { /* rigid connection of element nodes of two components, at one position in the body frame */
   int component[2], node[2];
 } fb_weld;
 
 typedef struct fb_join_desc {
   int n_weld; /* 0..FB_MAX_WELDS */
   fb_weld weld[FB_MAX_WELDS];
-  int lowest;          /* common modes to keep; 0: all */
+  int lowest;          /* number of common modes to keep; 0: all */
   fb_real omega_limit; /* [rad/s] modes above are left out; 0: no limit */
 } fb_join_desc;
 
@@ -1804,23 +1808,25 @@ typedef struct fb_join_work { /* scratch; large: make it static */
   fb_modes joined[FB_MAX_COMPONENTS];
 } fb_join_work;
 
-/* joined, beam and component are arrays of n_component. A component that hangs on another one has a free root and rigid
-   modes (fb_modes_desc.rigid), all coordinates of FB_BASIS_ELEMENTS, or its root among the boundary; what both sides of
-   a weld cannot move in is stiff; a clamped root stays with the frame. Natural modes alone converge slowly at a weld:
-   add static corrections there (load), or take its node for a boundary. Rigid-body modes of the whole are left out.
-   Then build the shape as for one beam, all with first = 0 and n = joined->n: add beam 0, a node at each weld of it,
-   then the beams that hang there (their quadratic field goes on from that node: a part hangs by its root), and so on.
-   joined[k].M and K are the share of component k. Redundant welds do no harm. FB_ERR_CONVERGENCE: slow elastic modes
-   cannot be told from rigid ones in this precision (keep fewer, or use double); FB_ERR_CAPACITY: counts, a node, more
-   than FB_MAX_MODES; FB_ERR_VALUE: nodes of a weld more than 1e-4 of the beams' length apart, FB_BASIS_FUNCTIONS;
-   FB_ERR_MODES: fewer modes than asked for; FB_ERR_SINGULAR: no mass somewhere. */
+/* joined, beam and component are arrays of n_component. A component attached to another one needs a free root and
+   rigid-body modes (fb_modes_desc.rigid), all coordinates of FB_BASIS_ELEMENTS, or its root in the boundary; a clamped
+   root stays fixed to the body frame. Motion of a weld that one side does not have in its basis is locked on both.
+   Natural modes alone converge slowly at a weld: add attachment modes there (load), or make its node a boundary.
+   Rigid-body modes of the whole are left out. joined[k].M and K are the contribution of component k. Redundant welds do
+   no harm.
+   Build the shape as for one beam, all parts with first = 0 and n = joined->n: add beam 0, a node at each of its welds,
+   then the beams attached there by their roots (their second-order displacement continues from that node), and so on.
+   FB_ERR_CONVERGENCE: slow elastic modes cannot be distinguished from rigid-body modes in this precision (keep fewer,
+   or use double); FB_ERR_CAPACITY: counts, a node, more than FB_MAX_MODES; FB_ERR_VALUE: nodes of a weld more than 1e-4
+   of the beams' length apart, FB_BASIS_FUNCTIONS; FB_ERR_MODES: fewer modes than requested; FB_ERR_SINGULAR: a
+   coordinate without mass. */
 FB_API fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_beam *beam, const fb_modes *component,
                                const fb_join_desc *desc, int n_component);
 
 /* ---------------------------------------------------------------------------------------------------------------
    BUILD >>assemble: shape integrals; every _init of a model */
 
-/* Everything that is integrated over the undeformed body; built once, not needed by the step. */
+/* Inertia shape integrals over the undeformed body, M and K; built once, not used by the step. */
 typedef struct fb_shape {
   int n;      /* elastic coordinates */
   int n_node; /* nodes, node 0 included */
@@ -1840,91 +1846,94 @@ typedef struct fb_shape {
   fb_real pchi[3 * FB_MAX_MODES * FB_MAX_MODES], hchi[3 * FB_MAX_MODES * FB_MAX_MODES];
 #endif
 #if FB_WITH_NONLINEAR_STRAIN
-  int n_strain;                           /* strain stations, a multiple of four */
-  fb_real stretch;                        /* [s^2] largest strain that a beam's own mass causes per spin squared */
+  int n_strain;                           /* quadrature points of the axial strain, a multiple of four */
+  fb_real stretch;                        /* [s^2] bound of the centrifugal strain of a beam per spin squared */
   fb_real strain_weight[FBI_MAX_STRAINS]; /* [N m] EA dx */
   fb_real slope[3 * FB_MAX_MODES * FBI_MAX_STRAINS]; /* n x 3 x FBI_MAX_STRAINS: u_x', u_y', u_z' in beam axes */
 #if FB_WITH_FORMS
-  /* n x n x 3: bilinear part of the stiffness torque as printed and the boundary term that it lacks; and whether they
-     are complete: beams along x with FB_BASIS_FUNCTIONS only */
+  /* n x n x 3: bilinear part of the stiffness torque as printed, and the boundary term missing there;
+     torque_unknown: 1 if they are not complete, which they are only for beams along x with FB_BASIS_FUNCTIONS */
   fb_real torque[3 * FB_MAX_MODES * FB_MAX_MODES], torque_boundary[3 * FB_MAX_MODES * FB_MAX_MODES];
   int torque_unknown;
 #endif
 #endif
   fb_real size;                /* [m] largest distance of a mass from O */
-  fb_real reach[FB_MAX_MODES]; /* largest displacement shape of each mode */
+  fb_real reach[FB_MAX_MODES]; /* largest displacement of each mode shape */
   fb_node node[FB_MAX_NODES];
 } fb_shape;
 
 /* An empty body with n elastic coordinates and node 0. FB_ERR_CAPACITY, FB_ERR_NULL. */
 FB_API fb_status fb_shape_init(fb_shape *shape, int n);
-/* A point mass [kg] at r [m] with displacement shapes psi (n x 3) and chi (n x n x 3, symmetric in the modes, or
-   NULL). */
+/* Adds a point mass [kg] at r [m] with displacement shapes psi (n x 3) and second-order displacements chi (n x n x 3,
+   symmetric in the modes, or NULL). */
 FB_API fb_status fb_shape_add_particle(fb_shape *shape, fb_real mass, const fb_real r[3], const fb_real *psi,
                                        const fb_real *chi);
-/* A rigid body fixed to the body frame: mass [kg], mass center [m], inertia about it [kg m^2] (xx, yy, zz, xy, xz,
-   yz). */
+/* Adds a rigid body fixed to the body frame: mass [kg], center of mass [m], inertia about it [kg m^2] (xx, yy, zz, xy,
+   xz, yz). */
 FB_API fb_status fb_shape_add_rigid(fb_shape *shape, fb_real mass, const fb_real center[3], const fb_real inertia[6]);
-/* Of a finite-element model: a node with its lumped mass [kg] and inertia [kg m^2] about the node (xx, yy, zz, xy, xz,
-   yz; NULL: none), displacement and rotation shapes psi, theta (n x 3); a node to carry loads and sensors; and the
-   integrals of the quadratic displacement of a pair of coordinates (p^chi [kg/m], h^chi, Gamma^chi 3 x 3 [kg]; NULL:
-   none), which also set those of b, a. Set shape->K yourself: omega^2 times shape->M on the diagonal for modes. Errors
-   as for a particle; FB_ERR_CAPACITY: nodes, coordinates. */
+/* Import of a finite-element model. fb_shape_add_lump adds the mass of a node: lumped mass [kg], inertia [kg m^2] about
+   the node (xx, yy, zz, xy, xz, yz; NULL: none), displacement and rotation shapes psi, theta (n x 3).
+   fb_shape_add_node adds a node for loads and sensors. fb_shape_add_pair adds the integrals of the second-order
+   displacement of the coordinates a and b (p^chi [kg/m], h^chi, Gamma^chi 3 x 3 [kg]; NULL: none), which are symmetric
+   in a and b. Set shape->K yourself: for modes omega^2 times shape->M on the diagonal. Errors as fb_shape_add_particle;
+   FB_ERR_CAPACITY: nodes, coordinates. */
 FB_API fb_status fb_shape_add_lump(fb_shape *shape, fb_real mass, const fb_real r[3], const fb_real *inertia,
                                    const fb_real *psi, const fb_real *theta);
 FB_API fb_status fb_shape_add_node(fb_shape *shape, int *node, const fb_real r[3], const fb_real *psi,
                                    const fb_real *theta);
 FB_API fb_status fb_shape_add_pair(fb_shape *shape, int a, int b, const fb_real *pchi, const fb_real *hchi,
                                    const fb_real *Gamchi);
-/* A beam with its modes as coordinates first .. first + modes->n - 1: all integrals, M and K. Where its root moves with
-   the modes and a node of the shape is there and moves alike (fb_modes_join), the quadratic field goes on from it;
-   without that node joined modes are refused (FB_ERR_VALUE). */
+/* Adds a beam with its modes as coordinates first .. first + modes->n - 1: all integrals, M and K. If its root moves
+   with the modes, the second-order displacement continues from the node of the shape that has the same position and
+   motion (fb_modes_join); without such a node joined modes are refused (FB_ERR_VALUE). */
 FB_API fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes);
-/* A node on that beam at x [m] from the root; its number goes to *node. */
+/* Adds a node on that beam at x [m] from the root; *node is its number. */
 FB_API fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, const fb_beam *beam,
                                         const fb_modes *modes, fb_real x);
-/* A gauge along that beam (coordinates from first on) at x [m] from the root and y, z [m] off the line, beam axes:
-   linear strain. Errors as for a node. Natural modes give strains that converge more slowly than displacements: keep
-   more modes, or add static corrections for the loads. */
+/* Strain gauge along that beam (coordinates from first on) at x [m] from the root and y, z [m] off the reference line,
+   beam axes: linear strain. Errors as fb_shape_add_beam_node. With natural modes strains converge more slowly than
+   displacements: keep more modes, or add attachment modes for the loads (fb_modes_desc.load). */
 FB_API fb_status fb_gauge_init(fb_gauge *gauge, int first, const fb_beam *beam, const fb_modes *modes, fb_real x,
                                fb_real y, fb_real z);
 
 #if FB_WITH_NONLINEAR_STRAIN
-/* The strain stations of that beam, for FB_EFFECT_NONLINEAR_STRAIN; once per beam. As many Gauss points per element as
-   integrate the strain energy exactly, 2 degree - 1 (cubic functions: 5; natural modes: 9), rounded up to a multiple of
-   four per beam. The axial coordinates must be able to follow the foreshortening, or the beam is too stiff (membrane
-   locking): element functions with as many axial as bending ones (one cubic element 29 %, two 4 %, three 0.4 % of the
-   deflection in the spin-up); a few natural axial modes are far too stiff. FB_ERR_CAPACITY: more than FB_MAX_STRAINS;
-   FB_ERR_KIND: EA is zero somewhere; else as fb_shape_add_beam. */
+/* Adds the quadrature points of the axial strain of that beam, for FB_EFFECT_NONLINEAR_STRAIN; once per beam. The
+   Gauss points of each element integrate the strain energy exactly: 2 degree - 1 (cubic functions: 5; natural modes:
+   9), rounded up to a multiple of four per beam. The axial coordinates must be able to represent the foreshortening;
+   otherwise the beam is too stiff (membrane locking). Use FB_BASIS_FUNCTIONS with as many axial as bending functions
+   (error of the deflection in the spin-up: one cubic element 29 %, two 4 %, three 0.4 %); a few natural axial modes are
+   far too stiff. FB_ERR_CAPACITY: more than FB_MAX_STRAINS; FB_ERR_KIND: EA is zero somewhere; else as
+   fb_shape_add_beam. */
 FB_API fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes);
 #endif
 
 typedef enum fb_truncation {
   FB_TRUNCATE_NONE = 0,
   FB_TRUNCATE_ABOVE_0 = 1, /* [DB] Q = 0 */
-  FB_TRUNCATE_ABOVE_1 = 2, /* Q = 1: the strain energy has no lower bound, the motion diverges */
+  FB_TRUNCATE_ABOVE_1 = 2, /* Q = 1: the strain energy is not bounded below, the motion diverges */
   FB_TRUNCATE_ABOVE_2 = 3  /* Q = 2 */
 } fb_truncation;
 
 typedef struct fb_body_desc {
-  unsigned effects; /* FB_EFFECT_... or-ed; 0: rigid, the modes do not move */
+  unsigned effects; /* FB_EFFECT_... or-ed; 0: rigid body */
   fb_base base;
-  fb_real zeta[FB_MAX_MODES]; /* with FB_EFFECT_DAMPING: damping ratio of each mode (for a general M: of the k-th by
-                                 frequency); without that effect zero, or FB_ERR_EFFECTS */
-  fb_real gravity[3];         /* [m/s^2] inertial axes; with FB_EFFECT_GRAVITY, without it zero, or FB_ERR_EFFECTS */
+  fb_real zeta[FB_MAX_MODES]; /* damping ratio of each mode (for a general M: of the k-th mode by frequency); must be
+                                 zero without FB_EFFECT_DAMPING (FB_ERR_EFFECTS) */
+  fb_real gravity[3];         /* [m/s^2] inertial axes; must be zero without FB_EFFECT_GRAVITY (FB_ERR_EFFECTS) */
   fb_real
-      deflection_limit; /* [m] bound of the sum of modal deflections, beyond it FB_ERR_RANGE; 0: half the body's size.
-                                 The model is right to about 0.1 % at 6 % of the length, to some percent at 15 % */
-  /* Leaves out the terms whose degree in q (bracketed superscript in [DB]) is above this one, as in [DB] Figures 4
-     and 5, to see what they do: of the stiffness, of the stiffness torque and, second-order form, of the inertia.
-     Wants allow_split_effects. */
+      deflection_limit; /* [m] limit of the sum of modal deflections, beyond it FB_ERR_RANGE; 0: half the body's size.
+                                 The error of the model is about 0.1 % at deflections of 6 % of the length, some percent
+                                 at 15 % */
+  /* Leaves out terms of a higher degree in q (bracketed superscript in [DB]) than this, to study their influence as in
+     [DB] Figures 4 and 5: terms of the stiffness, of the stiffness torque and, in the second-order form, of the
+     inertia. Requires allow_split_effects. */
   fb_truncation truncation;
 #if FB_WITH_FORMS
   fb_form form;
   fb_stiffness_torque stiffness_torque;
 #endif
-  int allow_split_effects; /* 1: accept a set that fb_effects_check refuses for being half of something */
-  int allow_long_step;     /* 1: do not refuse steps beyond the stability limit */
+  int allow_split_effects; /* 1: accept an incomplete set of effects, which fb_effects_check refuses */
+  int allow_long_step;     /* 1: accept steps beyond the stability limit */
 } fb_body_desc;
 
 typedef struct fb_body_work {
@@ -1938,83 +1947,83 @@ typedef struct fb_body_work {
    FB_ERR_VALUE (no mass, negative damping), FB_ERR_NOT_FINITE, FB_ERR_NULL. body is written only on FB_OK. */
 FB_API fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc);
 
-/* A body from one description: a rigid hub, beams on it, nodes. The chain fb_beam_init, fb_modes_solve, fb_shape_...,
-   fb_body_init in one call; components that are joined and imported finite-element models take the chain itself. */
+/* Builds a body of a rigid hub, beams on it and nodes from one description: fb_beam_init, fb_modes_solve, fb_shape_...
+   and fb_body_init in one call. Joined components and imported finite-element models need these calls one by one. */
 #define FB_MAX_PARTS 8
 typedef struct fb_part {
-  int beam;                   /* its place in the arrays of beams and of their modes; parts may share one */
-  fb_real position[3];        /* [m] of the origin of the beam's description, body axes */
-  fb_real attitude[4];        /* that description's axes to body axes; all zero: identity */
-  int n_node;                 /* nodes along the beam, numbered on from those of the parts before, the first one 1 */
+  int beam;                   /* index in the arrays of beam and modes descriptions; parts may share one */
+  fb_real position[3];        /* [m] origin of the beam description, body axes */
+  fb_real attitude[4];        /* quaternion, axes of that description to body axes; all zero: identity */
+  int n_node;                 /* nodes along the beam, numbered after those of the parts before; the first one is 1 */
   fb_real node[FB_MAX_NODES]; /* [m] from the root */
 } fb_part;
 
 typedef struct fb_build_desc {
   fb_real mass, center[3],
-      inertia[6];             /* [kg], [m], [kg m^2] about its center: the hub, as fb_shape_add_rigid; all 0: none */
+      inertia[6];             /* hub [kg], [m], [kg m^2] about its center, as fb_shape_add_rigid; all 0: none */
   int n_part;                 /* 0..FB_MAX_PARTS */
   fb_part part[FB_MAX_PARTS]; /* their modes are the coordinates of the body, in this order */
-  fb_real zeta;               /* damping ratio of every mode, with FB_EFFECT_DAMPING; 0: those of body.zeta */
+  fb_real zeta;               /* damping ratio of all modes, with FB_EFFECT_DAMPING; 0: those of body.zeta */
   fb_body_desc body;
 } fb_build_desc;
 
 typedef struct fb_build_work { /* scratch; large: make it static */
-  int part;                    /* after a failure: the part at fault; -1: the hub, n_part: the body as a whole */
+  int part;                    /* after a failure: the part that failed; -1: the hub, n_part: the body as a whole */
   int n;                       /* coordinates so far */
   fb_beam_desc placed;
   fb_beam beam;
   fb_modes modes;
   fb_modes_work modes_work;
-  fb_shape all, shape; /* with room for every coordinate; what the body is made of */
+  fb_shape all, shape; /* with room for every coordinate; with those of the body */
   fb_body_desc desc;
   fb_body_work body_work;
 } fb_build_work;
 
-/* beam, modes: n_beam descriptions and which modes of each to keep. FB_ERR_CAPACITY: n_part, n_node, a place beyond
-   n_beam, more than FB_MAX_MODES coordinates or FB_MAX_NODES nodes; FB_ERR_VALUE: zeta and body.zeta both; else as the
-   functions of the chain. body is written only on FB_OK. */
+/* beam, modes: n_beam beam descriptions, and the modes to keep of each. FB_ERR_CAPACITY: n_part, n_node, an index from
+   n_beam on, more than FB_MAX_MODES coordinates or FB_MAX_NODES nodes; FB_ERR_VALUE: both zeta and body.zeta are set;
+   else as the functions it calls. body is written only on FB_OK. */
 FB_API fb_status fb_body_build(fb_body *body, fb_build_work *work, const fb_build_desc *desc, const fb_beam_desc *beam,
                                const fb_modes_desc *modes, int n_beam);
 
 #if FB_WITH_SYSTEM
 typedef struct fb_joint_desc {
   fb_joint_kind kind;
-  int parent, parent_node; /* body (0 if left out) or FB_GROUND; one of its nodes (of the ground: 0) */
-  int child, child_node;   /* loops only: a joint of the tree hangs its own body by node 0 and child_position */
-  fb_real position[3];     /* [m] joint frame on the parent, from the node in the axes of its section */
-  fb_real attitude[4];     /* joint axes to those, normalized; all zero: identity */
+  int parent, parent_node; /* body (default 0) or FB_GROUND; one of its nodes (of the ground: 0) */
+  int child, child_node;   /* loops only: a joint of the tree carries its own body at node 0 and child_position */
+  fb_real position[3];     /* [m] joint frame on the parent, relative to the node in the axes of its section */
+  fb_real attitude[4];     /* quaternion, joint axes to section axes, normalized; all zero: identity */
   fb_real child_position[3],
-      child_attitude[4]; /* the joint frame on the child, in its axes: both frames coincide at zero coordinates */
+      child_attitude[4]; /* joint frame on the child, in its axes: both frames coincide at zero coordinates */
   fb_real pitch;         /* [m/rad] screw */
-  fb_axis_mode mode[3];  /* of each axis to begin with; spherical and free: mode[0] is that of all */
+  fb_axis_mode mode[3];  /* initial mode of each axis; spherical and free: mode[0] applies to all */
   fb_real stiffness[3], rest[3],
-      damping[3]; /* [N m/rad, N/m], [rad, m], [N m s/rad, N s/m]; spherical: the first holds for all, rest is zero */
+      damping[3]; /* [N m/rad, N/m], [rad, m], [N m s/rad, N s/m]; spherical: the first applies to all, rest is zero */
   /* In place of attitude and child_attitude, which are then zero: the joint's z axis, about which or along which it
-     moves, in the parent's and in the child's axes, of any length; its x axis is turned along by the smallest rotation
-     from z. child_axis all zero (and child_attitude): the same as axis, so that both bodies' axes coincide at zero
-     coordinates */
+     moves, in axes of the parent and of the child, of any length. The joint axes are those of the body rotated by the
+     smallest rotation that takes z there. child_axis (and child_attitude) all zero: as axis, so that the axes of both
+     bodies coincide at zero coordinates */
   fb_real axis[3], child_axis[3];
 } fb_joint_desc;
 
 typedef struct fb_system_desc {
   int n_body;
-  int model[FB_MAX_BODIES]; /* of each: its place in the array of models; several may share one. FB_ERR_VALUE: with as
-                                         many models as bodies, one that no body has */
-  fb_joint_desc joint[FB_MAX_BODIES]; /* by which it hangs; parent below its own number */
+  int model[FB_MAX_BODIES]; /* index of each body in the array of models; bodies may share one. FB_ERR_VALUE: with as
+                                         many models as bodies, one is not used */
+  fb_joint_desc joint[FB_MAX_BODIES]; /* joint k connects body k to its parent, an earlier body or the ground */
   int n_loop;
-  fb_joint_desc loop[FB_MAX_LOOPS]; /* between bodies of the tree, or one of them and the ground */
+  fb_joint_desc loop[FB_MAX_LOOPS]; /* joints that close loops between bodies of the tree, or one and the ground */
   fb_method method;
-  int allow_long_step; /* 1: do not refuse steps beyond the stability limit */
+  int allow_long_step; /* 1: accept steps beyond the stability limit */
 } fb_system_desc;
 
 /* ---- functions; body is the caller's array of models, the same in every call. Bodies of a system are of the momentum
-   form; their base does not matter: FB_BASE_PRESCRIBED takes bodies without mass, or without inertia about some
-   axis. */
+   form. Their base has no influence, except that FB_BASE_PRESCRIBED also accepts bodies without mass, or without
+   inertia about some axis. */
 
-/* FB_ERR_VALUE: a parent that is no earlier body, an axis and an attitude on the same side, a free joint as loop or
-   with springs, negative stiffness or damping, a mode that is none, form or base of a body; FB_ERR_CAPACITY: numbers of
-   bodies, loops, models, nodes; FB_ERR_SINGULAR: a mass matrix that is singular undeformed at zero coordinates.
-   work->joint names the joint. */
+/* FB_ERR_VALUE: a parent that is not an earlier body, both axis and attitude on one side, a free joint as loop or with
+   springs, negative stiffness or damping, an invalid mode, form or base of a body; FB_ERR_CAPACITY: numbers of bodies,
+   loops, models, nodes; FB_ERR_SINGULAR: the mass matrix of the undeformed system at zero coordinates is singular.
+   work->joint is the joint that failed. */
 FB_API fb_status fb_system_init(fb_system *system, fb_system_work *work, const fb_body *body,
                                 const fb_system_desc *desc, int n_model);
 #endif
@@ -2022,17 +2031,18 @@ FB_API fb_status fb_system_init(fb_system *system, fb_system_work *work, const f
 #if FB_WITH_EXACT
 typedef struct fb_exact_station { /* section of the undeformed beam; linear between stations */
   fb_real x;                      /* [m] along the reference line, from 0; ignored for one station (uniform) */
-  /* 6x6, symmetric, of (force; moment) by (force strain; curvature), section axes, x along the line: [N], [N m],
-     [N m^2]. A zero on the diagonal: rigid in that strain, its row and column are ignored; then hold the root, not the
-     tip, against it */
+  /* 6x6, symmetric, (force; moment) by (force strain; curvature), section axes, x along the line: [N], [N m], [N m^2].
+     A zero on the diagonal: rigid in that strain, its row and column are ignored. Support the root, not the tip, in a
+     rigid direction */
   fb_real stiffness[36];
-  fb_real inertia[36];  /* 6x6 of (momentum; angular momentum) by (velocity; rate): [kg/m], [kg], [kg m]; may be 0 */
-  fb_real twist;        /* [rad] section axes turn with it about x; relative to.. */
-  fb_real curvature[3]; /* [rad/m] ..those that turn with this initial curvature; in section axes */
+  fb_real inertia[36];  /* 6x6, (momentum; angular momentum) by (velocity; angular velocity): [kg/m], [kg], [kg m]; may
+                          be 0 */
+  fb_real twist;        /* [rad] rotation of the section axes about x, relative to the axes that the curvature gives */
+  fb_real curvature[3]; /* [rad/m] initial curvature of the reference line, in section axes */
 } fb_exact_station;
 
-/* Stiffness and inertia of a section by its engineering properties (its x and twist go along): centers off the line,
-   shear, rotary inertia. Zero stiffness: rigid. FB_ERR_VALUE, FB_ERR_NOT_FINITE. */
+/* Stiffness and inertia matrices of a section from its engineering properties, with centers off the reference line,
+   shear and rotary inertia; x and twist are copied. Zero stiffness: rigid. FB_ERR_VALUE, FB_ERR_NOT_FINITE. */
 FB_API fb_status fb_exact_station_init(fb_exact_station *station, const fb_section *section);
 
 typedef struct fb_support {
@@ -2044,36 +2054,38 @@ typedef struct fb_exact_desc {
   int n_element;      /* 1..FB_MAX_EXACT; nodes are 0 root .. n_element tip */
   int n_station;      /* 1 or 2..FB_MAX_STATIONS, the first at 0, the last at length, ascending */
   int root, tip;      /* FB_END_... */
-  int n_support;      /* further nodes */
-  int n_lump;         /* rigid bodies on nodes, in section axes there */
-  int iterations;     /* of a time step, 1..20; 0: 6 */
+  int n_support;      /* further nodes that are supported */
+  int n_lump;         /* lumped bodies on nodes, in section axes there */
+  int iterations;     /* Newton iterations of a time step, 1..20; 0: 6 */
   int factorizations; /* of a step, 1..20, each further one with an iteration of its own; 0: 1, see fb_exact_step */
-  fb_real
-      place[FB_MAX_EXACT + 1]; /* [m] of the nodes along the line, ascending from 0 to length; all 0: equal elements */
+  fb_real place[FB_MAX_EXACT +
+                1]; /* [m] x of the nodes along the line, ascending from 0 to length; all 0: equal elements */
   fb_exact_station station[FB_MAX_STATIONS];
   fb_support support[FB_MAX_LUMPS];
   fb_lump lump[FB_MAX_LUMPS];
   fb_real position[3], attitude[4]; /* root in the base frame [m], section axes before
                                        their twist to base axes; all zero: identity */
   fb_real gravity[3];               /* [m/s^2] inertial axes */
-  /* Part by which a step shrinks what oscillates much too fast for it, 0 (energy is kept) to 2/3: 1 - rho_infinity.
-     Order 2 stays: a resolved oscillation gets the damping ratio beta (omega dt)^3/4, beta = rho (1 - rho)/(1 + rho)^2,
-     at most 1/8. */
+  /* Numerical dissipation 1 - rho_infinity, 0 (energy is conserved) to 2/3: the part by which a step reduces
+     oscillations much faster than it resolves. The order remains 2: a resolved oscillation gets the damping ratio
+     beta (omega dt)^3/4, beta = rho (1 - rho)/(1 + rho)^2, at most 1/8. */
   fb_real dissipation;
 } fb_exact_desc;
 
-/* FB_ERR_VALUE: also a stiffness that is not positive definite where it is not rigid, rigid at some stations only, an
-   inertia that is not positive semidefinite; FB_ERR_CAPACITY; FB_ERR_NOT_FINITE; FB_ERR_NULL. */
+/* FB_ERR_VALUE: also a stiffness that is not positive definite in the directions that are not rigid, a direction that
+   is rigid at some stations only, an inertia that is not positive semidefinite; FB_ERR_CAPACITY; FB_ERR_NOT_FINITE;
+   FB_ERR_NULL. */
 FB_API fb_status fb_exact_init(fb_exact *exact, const fb_exact_desc *desc);
 #endif
 
-/* FB_ERR_VALUE: dt, or a body of another form; FB_ERR_SINGULAR: K or the mass is not positive definite;
-   FB_ERR_EFFECTS: nonlinear strain whose axial coordinates bend, too. */
+/* Coefficients of fb_exponential_step for the step dt [s]. FB_ERR_VALUE: dt, or a body of another form than the
+   momentum form; FB_ERR_SINGULAR: K or the mass matrix is not positive definite; FB_ERR_EFFECTS: nonlinear strain with
+   axial coordinates that also bend. */
 FB_API fb_status fb_exponential_init(fb_exponential *scheme, fb_body_work *work, const fb_body *body, fb_real dt);
 
-/* The body of the modes coordinate[0..n-1] (ascending) of shape, which stays as it is. For natural modes: of other
-   coordinates the rest would be held. FB_ERR_CAPACITY: more than shape has; FB_ERR_VALUE: not ascending. selected is
-   written only on FB_OK and may not be shape. */
+/* Copies the shape with the modes coordinate[0..n-1] (ascending) alone. Meant for natural modes; of other bases the
+   coordinates left out are constrained to zero. FB_ERR_CAPACITY: more than shape has; FB_ERR_VALUE: not ascending.
+   selected is written only on FB_OK and may not be shape. */
 FB_API fb_status fb_shape_select(fb_shape *selected, const fb_shape *shape, const int *coordinate, int n);
 
 #endif /* FB_WITH_BUILD */
@@ -2083,40 +2095,39 @@ FB_API fb_status fb_shape_select(fb_shape *selected, const fb_shape *shape, cons
    ANALYSE >>trim: steady states; offline work on bodies, systems and the geometrically exact beam */
 
 #if FB_WITH_EXACT
-/* ---- parts of the work: not to be looked at */
-
-/* Steady state under constant loads, gravity and motion of the base (static, or steady rotation; what does not turn
-   with a spinning base is taken as it stands at this instant), from state as first guess; where that is too far, from
-   the undeformed beam by load increments that it chooses itself. At most 500 increments of 25 iterations.
-   Beyond a buckling load there are several: work->unstable tells whether this one is stable, by the inertia of the
-   tangent stiffness (E10.20), which for dead loads, gravity and what turns with the base is Lagrange's and Dirichlet's
-   criterion: 0 stable, k > 0 with k ways to leave, as k buckling loads are exceeded. Of follower loads it sees
-   divergence, not flutter, and of a spinning base not what the spin may hold by itself: fb_exact_spectrum_solve does.
-   The stable state on the nudge's side, and what lies beyond a limit point: fb_exact_path_step.
-   FB_ERR_CONVERGENCE; FB_ERR_SINGULAR: not held, or at a limit point; FB_ERR_CAPACITY: a node that does not exist;
-   FB_ERR_VALUE; FB_ERR_NOT_FINITE. On failure state is as before. */
+/* Steady state under constant loads, gravity and motion of the base (at rest or in steady rotation; loads that do not
+   rotate with a spinning base are taken in their present direction). state is the first guess; if Newton's method does
+   not converge from it, load increments are applied to the undeformed beam. At most 500 increments of 25 iterations.
+   Beyond a buckling load there are several steady states. work->unstable is the number of unstable directions of this
+   one, the negative eigenvalues of the tangent stiffness (E10.20): 0 is stable, k > 0 as where k buckling loads are
+   exceeded. For dead loads, gravity and loads that rotate with the base this is the criterion of Lagrange and
+   Dirichlet. With follower loads it detects divergence but not flutter, and it ignores gyroscopic stabilization by a
+   spinning base: use fb_exact_spectrum_solve. To reach the stable state beyond buckling, or a state beyond a limit
+   point, use fb_exact_path_step.
+   FB_ERR_CONVERGENCE; FB_ERR_SINGULAR: not supported, or at a limit point; FB_ERR_CAPACITY: a node that does not exist;
+   FB_ERR_VALUE; FB_ERR_NOT_FINITE. On failure state is unchanged. */
 FB_API fb_status fb_exact_trim(const fb_exact *exact, fb_exact_state *state, fb_exact_work *work,
                                const fb_exact_input *input);
 #endif
 
-/* states of a linear model: of one body, or of a system with as many speeds as FB_METHOD_DENSE takes */
+/* Maximum number of states of a linear model: of one body, or of a system with the capacity of FB_METHOD_DENSE. */
 #define FB_MAX_LINEAR (2 * (FB_MAX_MODES + 6 > FB_MAX_SPEEDS ? FB_MAX_MODES + 6 : FB_MAX_SPEEDS))
-#define FB_MAX_PORTS 12 /* its inputs, and its outputs */
+#define FB_MAX_PORTS 12 /* maximum number of its inputs, and of its outputs */
 
 typedef enum fb_port_kind {
   FB_PORT_FORCE = 0,         /* input [N], at a node, body axes */
   FB_PORT_TORQUE = 1,        /* input [N m] */
-  FB_PORT_BASE_VELOCITY = 2, /* input [m/s] of a prescribed base (system: free joint), body axes; node is left out */
+  FB_PORT_BASE_VELOCITY = 2, /* input [m/s] of a prescribed base (system: free joint), body axes; node is not used */
   FB_PORT_BASE_RATE = 3,     /* input [rad/s] */
-  FB_PORT_DISPLACEMENT = 4,  /* output [m] of a node against the undeformed body, body axes */
-  FB_PORT_ROTATION = 5,      /* output [rad] of its section, likewise: the turn of the body is a state, see fb_linear */
+  FB_PORT_DISPLACEMENT = 4,  /* output [m], elastic displacement of a node, body axes */
+  FB_PORT_ROTATION = 5,      /* output [rad], elastic rotation of its section; attitude is a state, see fb_linear */
   FB_PORT_RATE = 6,          /* output [rad/s], a gyro at the node, axes of its section */
-  /* output [m/s^2], an accelerometer there: less gravity; of base motion as input without what the rate of the input
-     adds (u_dot is not in y = C x + D u) */
+  /* output [m/s^2], an accelerometer at the node: acceleration less gravity. With base motion as input the term in the
+     rate of the input is left out (y = C x + D u has no u_dot) */
   FB_PORT_ACCELERATION = 7,
-  /* systems only; body: which hangs by the joint, axis: of the joint; node is left out */
-  FB_PORT_DRIVE = 8,      /* input [N m], [N] of the motor of a free axis */
-  FB_PORT_COORDINATE = 9, /* output [rad], [m] as fb_joint_motion.value; */
+  /* systems only; body: the one carried by the joint, axis: of the joint; node is not used */
+  FB_PORT_DRIVE = 8,      /* input [N m], [N], motor of a free axis */
+  FB_PORT_COORDINATE = 9, /* output [rad], [m], joint coordinate as fb_joint_motion.value */
   FB_PORT_SPEED = 10      /* output [rad/s], [m/s], its speed */
 } fb_port_kind;
 
@@ -2131,34 +2142,34 @@ typedef struct fb_linear_desc {
   fb_port in[FB_MAX_PORTS], out[FB_MAX_PORTS];
 } fb_linear_desc;
 
-/* d/dt x = A x + B u, y = C x + D u. One body: x changes of q, of pi (prescribed base: against the ground), of the
-   momenta p = m u and h (body axes; free: about the mass center), of position and
-   attitude against a frame that goes on with the steady v, w (body axes); of both the free components: 6 of a free
-   base, 3 of a pinned one (angular), 1 of a hinged one (about the hinge), none of a prescribed one. So the attitude is
-   the last three states (hinged: the last), for a star tracker a row of C with a 1 there.
-   System: x changes of the free axes of all joints, of q of all bodies (both in the order of the bodies), then of the
-   momenta conjugate to them in the same order. Free and spherical joints: position and attitude in axes of the child's
-   side, against a frame that goes on with the steady speeds; momenta along the same axes, those of a free joint
-   relative to the velocity u that its frame has in the state (fb_link_state.u, constant here). With loops only of as
-   many of these coordinates as are independent, the others follow; momenta conjugate to the independent ones. A free
-   joint's attitude is x_3 to x_5 from its first axis on. */
+/* Linear model d/dt x = A x + B u, y = C x + D u of perturbations about a steady state.
+   One body: x = (q, pi, momenta, pose). pi: with a prescribed base relative to the ground. Momenta p = m u and h in
+   body axes (free base: h about the center of mass). Pose: position and attitude relative to a frame that moves on with
+   the steady v, w, body axes. Of momenta and pose only the free components: 6 for a free base, 3 for a pinned one
+   (angular), 1 for a hinged one (about the hinge), none for a prescribed one. So the attitude is the last three states
+   (hinged: the last); a star tracker is a row of C with a 1 there.
+   System: x = (free axes of all joints, q of all bodies, both in the order of the bodies, conjugate momenta in the same
+   order). Free and spherical joints: position and attitude in axes of the child, relative to a frame that moves on with
+   the steady speeds; momenta along the same axes, those of a free joint relative to the velocity fb_link_state.u of its
+   frame, which is constant here. The attitude of a free joint is x_3 to x_5 from its first axis on. With loops x has
+   the independent coordinates and their conjugate momenta only; the others depend on them. */
 typedef struct fb_linear {
   int n, n_in, n_out;
-  int n_free; /* of position and attitude, of free axes: n = 2 (modes + n_free) */
-  /* place of x_i, i < n/2 (one body: q alone) among all free axes and q: i but for loops */
+  int n_free; /* number of pose components, or of free axes: n = 2 (modes + n_free) */
+  /* index of x_i, i < n/2 (one body: q alone), among all free axes and q; equal to i without loops */
   int coordinate[FB_MAX_LINEAR / 2];
   fb_real A[FB_MAX_LINEAR * FB_MAX_LINEAR]; /* n x n */
   fb_real B[FB_MAX_LINEAR * FB_MAX_PORTS];  /* n x n_in */
   fb_real C[FB_MAX_PORTS * FB_MAX_LINEAR];  /* n_out x n */
   fb_real D[FB_MAX_PORTS * FB_MAX_PORTS];   /* n_out x n_in */
-  /* estimated, of A by its differences, in parts of its largest element, each in the size its states have: not of
-     rounding (a few FB_EPSILON), nor of the model */
+  /* estimated finite-difference error of A, relative to its largest element, with every state in units of its step.
+     Round-off (a few FB_EPSILON) and the error of the model are not included */
   fb_real error;
 } fb_linear;
 
 #define FBI_MAX_COLUMN (FB_MAX_LINEAR + FB_MAX_PORTS + FB_MAX_LINEAR / 2) /* rates, outputs, momenta */
 
-/* part of the work of both: not to be looked at */
+/* Internal: part of the work of bodies and systems. */
 typedef struct fbi_analysis {
   fb_real A[FB_MAX_LINEAR * FB_MAX_LINEAR], X[2 * FB_MAX_LINEAR * FB_MAX_LINEAR];
   fb_real eig[4 * FB_MAX_LINEAR * FB_MAX_LINEAR];
@@ -2178,63 +2189,65 @@ typedef struct fb_analyse_work { /* scratch; large: make it static */
   fb_input input;
 } fb_analyse_work;
 
-/* Sets q (and momenta to match) so that the body rests in its frame. Prescribed base: the frame moves with the v, w of
-   the input; what does not turn with it (gravity across the spin, loads in inertial axes) is taken as it stands. Else
-   it spins freely, at |input.w| about that principal axis of the deformed body which is nearest to input.w, the mass
-   center (or the pin) at rest; a hinged base at input.w, along the hinge. Gravity and loads count. state gives attitude
-   and first guess; at most 40 Newton iterations.
-   FB_ERR_UNREST: loads or gravity push or turn a base that is not prescribed: it falls or swings; FB_ERR_CONVERGENCE;
-   FB_ERR_RANGE: beyond the deflection limit (buckled, or the load is large); FB_ERR_SINGULAR: the stiffness vanishes
-   there; FB_ERR_VALUE: a w that the hinge does not allow; a body of another form than the momentum form whose base is
-   not prescribed. input is required, here and in what follows for one body. */
+/* Steady state of a body: sets q, with q_dot = 0, and the momenta to match. With a prescribed base the frame moves with
+   v, w of the input; gravity and loads in inertial axes, which do not rotate with it, are taken in their present
+   direction. Otherwise the body spins freely at |input.w| about the principal axis of the deformed body nearest to
+   input.w, with its center of mass (or the pin) at rest; a hinged body spins at input.w about the hinge. Gravity and
+   loads are included. state gives the attitude and the first guess; at most 40 Newton iterations. input is required,
+   here and in the following functions of one body.
+   FB_ERR_UNREST: loads or gravity accelerate a base that is not prescribed; FB_ERR_CONVERGENCE; FB_ERR_RANGE: beyond
+   the deflection limit (buckled, or a large load); FB_ERR_SINGULAR: the stiffness is zero in some direction;
+   FB_ERR_VALUE: a w that the hinge does not permit; another form than the momentum form with a base that is not
+   prescribed. */
 FB_API fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_work *work, const fb_input *input);
 
 #if FB_WITH_SYSTEM
-typedef struct fbi_coordinate { /* of a system's linear model */
+typedef struct fbi_coordinate { /* coordinate of a system's linear model */
   int body, mode, i;            /* mode: elastic coordinate i of the body, else axis i of its joint */
 } fbi_coordinate;
 
 typedef struct fb_system_analyse_work { /* scratch; large: make it static */
-  fb_system_work system;                /* .joint: after a failure the joint at fault */
+  fb_system_work system;                /* .joint: after a failure the joint that failed */
   fbi_analysis common;
-  int n; /* coordinates; of loops some follow from others: */
+  int n; /* number of coordinates; loops make some dependent: */
   int n_dependent, n_independent, dependent[FB_MAX_ROWS], independent[FB_MAX_LINEAR / 2];
   fbi_coordinate coordinate[FB_MAX_LINEAR / 2];
   fb_real size[FB_MAX_LINEAR / 2], z_dot[FB_MAX_LINEAR / 2], p_dot[FB_MAX_LINEAR / 2], p_moved[FB_MAX_LINEAR / 2];
   fb_real Z[FB_MAX_ROWS * (FB_MAX_LINEAR / 2 + 1)], row_size[FB_MAX_ROWS];
-  fb_real steady[FB_MAX_BODIES][6], momenta[FB_MAX_LINEAR / 2]; /* speeds of joints, momenta of what is independent */
+  fb_real steady[FB_MAX_BODIES][6], momenta[FB_MAX_LINEAR / 2]; /* steady speeds of joints, independent momenta */
   fb_link_motion rest[FB_MAX_BODIES];
   fb_system_state state, moved, rate;
   fb_system_motion motion;
   fb_system_input input;
 } fb_system_analyse_work;
 
-/* The same of systems, loops included, by FB_METHOD_RECURSIVE or FB_METHOD_DENSE; FB_METHOD_MULTIPLIERS and the
-   caller's own constraints give FB_ERR_UNSUPPORTED. body is the caller's array of models; input may be NULL.
-   Trim: prescribed axes have the value and rate of the input, locked ones stay, free ones and modes come to rest
-   against them: the rates must allow it (one axis that turns, or a prescribed free joint with constant v, w in body
-   axes). What hangs on a free joint that is free, too, spins about the principal axis nearest to the w of its drive's
-   rate, as with fb_body_trim. It finds unstable positions as well as stable ones, not always the nearest.
-   FB_ERR_UNREST: also where wheels have momentum across that axis, which turns it; FB_ERR_SINGULAR: also an axis that
-   nothing holds, a hinge at standstill or a wheel: lock it; FB_ERR_CONVERGENCE: also from too far away, such as a
-   pendulum held out level; FB_ERR_CONTRADICTION: a loop stays open. Errors else as fb_body_trim and
-   fb_system_rates_eval. An arm's posture: lock its joints, trim, give what held them (fb_joint_motion.drive) as torque
-   of their motors, free them. Wheels: prescribe their rates, trim, free them. fb_system_axis_set does it and keeps the
-   momenta; the state is then ready for fb_system_linearize. */
+/* Relative equilibrium of a system, loops included, by FB_METHOD_RECURSIVE or FB_METHOD_DENSE; FB_METHOD_MULTIPLIERS
+   and the caller's own constraints give FB_ERR_UNSUPPORTED. body is the caller's array of models; input may be NULL.
+   Prescribed axes have the value and rate of the input, locked axes stay, and free axes and modes are at rest relative
+   to them. Such a state must exist: one rotating axis, or a prescribed free joint with constant v, w in body axes. The
+   tree on a free joint whose motion is free spins about the principal axis nearest to the w in the rate of its drive,
+   as in fb_body_trim. The equilibrium may be unstable, and is not always the nearest.
+   FB_ERR_UNREST: also wheels with momentum normal to that axis, which make it precess; FB_ERR_SINGULAR: also an axis
+   without restoring torque, such as a hinge at standstill or a wheel (lock it); FB_ERR_CONVERGENCE: also a first guess
+   too far away, such as a horizontal pendulum; FB_ERR_CONTRADICTION: a loop cannot be closed; else as fb_body_trim and
+   fb_system_rates_eval.
+   For the posture of an arm lock its joints, trim, apply the torques that hold them (fb_joint_motion.drive) as motor
+   torques and free the joints. For wheels prescribe their rates, trim and free them. fb_system_axis_set changes the
+   mode of an axis and keeps the momenta; the state is then ready for fb_system_linearize. */
 FB_API fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb_system_state *state,
                                 fb_system_analyse_work *work, const fb_system_input *input);
 #endif
 
 #if FB_WITH_EXACT
-/* ---- exact beam */
+/* ---- geometrically exact beam: arc-length continuation */
 
-typedef struct fb_exact_path {           /* where on a path of steady states; all zero: its start */
-  fb_real factor;                        /* part of the varied loads that acts */
-  fb_real rise;                          /* change of factor by arc length, -1..1; its sign changes at a limit point */
+typedef struct fb_exact_path {           /* position on a path of steady states; all zero: its start */
+  fb_real factor;                        /* load factor of the varied loads */
+  fb_real rise;                          /* d factor/d arc, -1..1; its sign changes at a limit point */
   fb_real arc;                           /* length of the last step */
   int unstable;                          /* as in fb_exact_work */
-  int iterations;                        /* of the last step, all tries */
-  fb_real ahead[6 * (FB_MAX_EXACT + 1)]; /* direction of the path: not to be looked at */
+  int iterations;                        /* of the last step, over all trials */
+  fb_real ahead[6 * (FB_MAX_EXACT + 1)]; /* internal: tangent of the path */
 } fb_exact_path;
 
 typedef struct fbi_exact_loads {
@@ -2245,22 +2258,25 @@ typedef struct fbi_exact_loads {
 typedef struct fb_exact_path_work { /* scratch; large: make it static */
   fb_exact_work exact;
   fbi_exact_loads constant, varied;
-  fb_real B[6 * (FB_MAX_EXACT + 1)], c[6 * FB_MAX_EXACT];   /* residuals by the factor */
-  fb_real dd[6 * (FB_MAX_EXACT + 1)], ds[6 * FB_MAX_EXACT]; /* correction at this factor */
+  fb_real B[6 * (FB_MAX_EXACT + 1)], c[6 * FB_MAX_EXACT];   /* change of the residuals per unit of the factor */
+  fb_real dd[6 * (FB_MAX_EXACT + 1)], ds[6 * FB_MAX_EXACT]; /* correction at a constant factor */
   fb_real ahead[6 * (FB_MAX_EXACT + 1)];
 } fb_exact_path_work;
 
-/* One step along the path of steady states under `constant` (NULL: nothing but gravity) and path->factor times the
-   loads of `varied`, past limit points, where a load that only grows would jump (snap-through, snap-back), and around
-   buckling loads, where a constant nudge decides the side. state: in (of fb_exact_trim under constant, with a
-   path all zero; then of the step before) and out. arc: length of the step, shortened where the path bends; its square
-   is the mean over the nodes of displacement^2/length^2 + rotation^2, plus the change of factor^2: let the loads of
-   `varied` be about those of interest, and arc 0.02 to 0.1. The factor rises at the start, or with arc < 0 falls; the
-   path keeps its direction, arc < 0 goes back. A nudge too small for the arc is stepped over, along the path that is
-   unstable there: path->unstable tells. Afterwards fb_exact_trim finds, from this state, that at a factor of
-   one's choice. Bounded: at most 11 tries, each half as long as the one before, of 12 iterations (one factorization
-   each). FB_ERR_CONVERGENCE; FB_ERR_VALUE: arc zero, or not finite; else as fb_exact_trim. The motion v, w of
-   the base is that of constant. On failure path and state are as before. */
+/* One step of arc-length continuation along the path of steady states under `constant` (NULL: gravity alone) and
+   path->factor times the loads of `varied`. The path passes limit points, where a load that only grows would jump
+   (snap-through, snap-back), and buckling loads, where a small constant imperfection load selects the branch.
+   state: in and out; at first that of fb_exact_trim under `constant`, with a path all zero. The motion v, w of the base
+   is that of `constant`.
+   arc: length of the step, shortened where the path is strongly curved. arc^2 is the mean over the nodes of
+   displacement^2/length^2 + rotation^2, plus the square of the change of factor: scale `varied` to about the loads of
+   interest, and take arc 0.02 to 0.1. At the start the factor increases, with arc < 0 it decreases; later the path
+   keeps its direction, and arc < 0 goes back. An imperfection too small for the arc is stepped over, along the branch
+   that is unstable there, as path->unstable shows. To find the state at a given factor, call fb_exact_trim from a state
+   near it.
+   At most 11 trials, each half as long as the one before, of 12 iterations (one factorization each).
+   FB_ERR_CONVERGENCE; FB_ERR_VALUE: arc zero, or not finite; else as fb_exact_trim. On failure path and state are
+   unchanged. */
 FB_API fb_status fb_exact_path_step(const fb_exact *exact, fb_exact_path *path, fb_exact_state *state,
                                     fb_exact_path_work *work, const fb_exact_input *constant,
                                     const fb_exact_input *varied, fb_real arc);
@@ -2270,83 +2286,86 @@ FB_API fb_status fb_exact_path_step(const fb_exact *exact, fb_exact_path *path, 
    ANALYSE >>linear: linear models, complex modes, step advice */
 
 #if FB_WITH_SYSTEM
-/* The motion about a state (of fb_body_trim, or steady anyhow), with the inputs and outputs of desc (NULL: none). By
-   differences of several widths, of which each element takes the best: linear->error tells how good they are but for
-   rounding. It is below 1e-10 (single: 1e-3) but for bodies near the end of their range; inputs are moved by about as
-   much as acts already, in any unit of force.
-   FB_ERR_CONVERGENCE: the error is above 0.01;
-   FB_ERR_CAPACITY: a port of a node, or of a body, that does not exist, no room in input for one more load;
-   FB_ERR_VALUE: an axis, an input among the outputs, base motion of a base that is not prescribed, a port of systems.
-   On failure linear is as before. */
+/* Linearizes the motion of a body about a steady state (of fb_body_trim or otherwise), with the inputs and outputs of
+   desc (NULL: none). Each element is the best of finite differences of several widths; linear->error estimates their
+   error without round-off. It is below 1e-10 (single precision: 1e-3), except for bodies near the limit of their range.
+   The steps of the inputs are scaled by the forces that act already, so the unit of force has no influence.
+   FB_ERR_CONVERGENCE: the error is above 0.01; FB_ERR_CAPACITY: a port of a node or body that does not exist, no room
+   in input for one more load; FB_ERR_VALUE: an axis, an input kind among the outputs or the reverse, motion of a base
+   that is not prescribed, a port of systems. On failure linear is unchanged. */
 FB_API fb_status fb_body_linearize(const fb_body *body, fb_analyse_work *work, fb_linear *linear, const fb_state *state,
                                    const fb_input *input, const fb_linear_desc *desc);
 #endif
 
-typedef struct fb_spectrum { /* ascending by |re + i im|; of a conjugate pair the one with im > 0 */
+/* Complex eigensolution, ascending by |re + i im|; of a conjugate pair the one with im > 0 */
+typedef struct fb_spectrum {
   int n;
   fb_real re[FB_MAX_LINEAR], im[FB_MAX_LINEAR]; /* [1/s], [rad/s]; unstable where re > 0 */
-  /* [1/s] estimated, of re + i im, by the differences of A: unstable where re > error. The eigenvalues themselves round
-     by some FB_EPSILON of the fastest mode more: in single precision slow modes of light, stiff bodies that carry heavy
-     ones are the first to be lost. What is below either is zero, as far as can be told */
+  /* [1/s] estimated error of re + i im by the finite differences of A: unstable where re > error. The eigensolver adds
+     round-off of some FB_EPSILON of the fastest mode: in single precision the slow modes of light, stiff bodies that
+     carry heavy ones are lost first. Smaller eigenvalues cannot be distinguished from zero */
   fb_real error[FB_MAX_LINEAR];
-  /* of each the elastic coordinates, n x body.n; of a system all free axes, then all elastic coordinates */
+  /* mode shapes: elastic coordinates, n x body.n; of a system all free axes, then all elastic coordinates */
   fb_real shape_re[FB_MAX_LINEAR * FB_MAX_LINEAR / 2];
   fb_real shape_im[FB_MAX_LINEAR * FB_MAX_LINEAR / 2];
 } fb_spectrum;
 #if FB_WITH_SYSTEM
-/* Complex modes about a state (of fb_body_trim): spin, gyroscopic terms, preload and damping are in them ([H] A.15). Of
-   a base that is not prescribed the momenta are among them (nutation), the pose only where it acts on the motion
-   (gravity on a pinned base, loads in inertial axes). FB_ERR_CONVERGENCE: as fb_body_linearize, or the error of a mode
-   is above 0.01 of the fastest. */
+/* Complex modes about a steady state (of fb_body_trim), with spin, gyroscopic terms, preload and damping ([H] A.15).
+   The states include the momenta of a base that is not prescribed (nutation), and its pose only if the motion depends
+   on it (gravity, loads in inertial axes). FB_ERR_CONVERGENCE: as fb_body_linearize, or the error of a mode is above
+   0.01 of the fastest. */
 FB_API fb_status fb_body_spectrum_solve(const fb_body *body, fb_analyse_work *work, fb_spectrum *spectrum,
                                         const fb_state *state, const fb_input *input);
-/* Prescribed and locked axes are no states; what moves at a constant rate stays where it is in the state (a prescribed
-   axis with gravity across has no constant A). FB_ERR_CAPACITY: also an axis that the joint does not
-   have, more than FB_MAX_LINEAR states; FB_ERR_VALUE: also FB_PORT_DRIVE of an axis that is not free. */
+/* Linearizes the motion of a system, as fb_body_linearize. Prescribed and locked axes are not states; an axis that
+   moves at a constant rate is taken at its present position (for a prescribed axis with gravity normal to it A would
+   not be constant). FB_ERR_CAPACITY: also an axis that the joint does not have, more than FB_MAX_LINEAR states;
+   FB_ERR_VALUE: also FB_PORT_DRIVE of an axis that is not free. */
 FB_API fb_status fb_system_linearize(const fb_system *system, const fb_body *body, fb_system_analyse_work *work,
                                      fb_linear *linear, const fb_system_state *state, const fb_system_input *input,
                                      const fb_linear_desc *desc);
-/* Position and attitude of free joints are left out (zero in the shapes) where they do not act on the motion. */
+/* Complex modes of a system, as fb_body_spectrum_solve. Position and attitude of free joints are left out (zero in the
+   shapes) if the motion does not depend on them. */
 FB_API fb_status fb_system_spectrum_solve(const fb_system *system, const fb_body *body, fb_system_analyse_work *work,
                                           fb_spectrum *spectrum, const fb_system_state *state,
                                           const fb_system_input *input);
 #endif
 
-/* -re/|re + i im| of mode k: 1 aperiodic, 0 undamped (or no such mode), negative unstable. */
+/* Damping ratio -re/|re + i im| of mode k: 1 aperiodic, 0 undamped (or no such mode), negative unstable. */
 FB_API fb_real fb_spectrum_damping(const fb_spectrum *spectrum, int k);
-/* Stability margin [1/s] of n modes: the least -re, negative where one grows; and which mode has it (NULL: not asked
-   for). n = 0: FB_HUGE, mode -1; where an re is not finite, that one. For fb_spectrum, fb_exact_spectrum and
-   fb_exact_linear alike. Without damping it is rounding, and a root of it where two modes are one (free to move: 0). */
+/* Stability margin [1/s] of n modes: the smallest -re, negative if a mode grows; *mode is the mode that has it (NULL:
+   not requested). n = 0: FB_HUGE, mode -1; an re that is not finite: that mode. For re of fb_spectrum,
+   fb_exact_spectrum and fb_exact_linear. Without damping the margin is round-off, or its square root for a double
+   eigenvalue (rigid-body motion: 0). */
 FB_API fb_real fb_spectrum_margin(int *mode, const fb_real *re, int n);
 
-/* Largest step [s] at which no mode grows that should not, and none that grows does so by its frequency, too; FB_HUGE
-   where there is none (the implicit integrators); 0 where integrator or spectrum make no sense. Where the base spins
-   freely it is rough: some 3 % too long at |w| dt = 0.3, up to 25 % at 0.7. The steppers refuse what is beyond their
-   own, quicker bounds, most of them shorter (fb_rk4_limit and fb_implicit_limit at that spin, fb_system_rk4_limit):
-   take the smaller step, or set allow_long_step. */
+/* Largest step [s] at which the integrator is stable for every mode; a mode that grows by itself counts as an undamped
+   one of its frequency. FB_HUGE for the implicit integrators, 0 for an invalid integrator or spectrum. For a freely
+   spinning base it is approximate: some 3 % too long at |w| dt = 0.3, up to 25 % at 0.7. The step functions refuse
+   steps beyond their own, quicker bounds, most of which are shorter (fb_rk4_limit and fb_implicit_limit at that spin,
+   fb_system_rk4_limit): take the smaller step, or set allow_long_step. */
 FB_API fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_integrator integrator);
-/* Step [s] at which the errors of the modes, each at its worst within `duration` [s], add up to `tolerance`, mode k
-   with amplitude[k] (NULL: 1 each, so that the fastest mode decides), in the same unit; at most 0.9 of the limit, and
-   the duration. 0 where integrator, duration, tolerance or amplitudes make no sense, or no step is short enough (a mode
-   that grows too far). The modes are of the motion about a state: the wider the motion, the rougher the estimate; what
-   a step errs in the steady motion itself (the turn of a body that spins freely) is not in it. */
+/* Step [s] at which the largest errors of the modes within `duration` [s] add up to `tolerance`; mode k has
+   amplitude[k] (NULL: 1 each, so that the fastest mode decides) in the unit of the tolerance. At most 0.9 of the
+   stability limit, and the duration. 0 for an invalid integrator, duration, tolerance or amplitude, or if no step is
+   short enough (a mode that grows too far). The estimate is linear about a state and becomes less accurate with larger
+   motion; the error in the steady motion itself (the attitude of a freely spinning body) is not included. */
 FB_API fb_real fb_spectrum_dt(const fb_spectrum *spectrum, fb_integrator integrator, const fb_real *amplitude,
                               fb_real duration, fb_real tolerance);
 
 #if FB_WITH_EXACT
-/* ---- exact beam */
+/* ---- geometrically exact beam */
 
-#define FB_EXACT_MODES 24 /* most that a call gives */
+#define FB_EXACT_MODES 24 /* maximum number of modes of a call */
 #define FBI_EXACT_BASIS 120
 #define FBI_EXACT_DIM (12 * FB_MAX_EXACT + 6 + 6 * FB_MAX_LUMPS)
 
 typedef struct fb_exact_spectrum { /* ascending by |re + i im|; of a conjugate pair the one with im > 0 */
   int n;
-  /* [1/s], [rad/s]; unstable where re > 0, by more than the mesh's error: with spin some 1e-5 of im at 10 elements */
+  /* [1/s], [rad/s]; unstable where re exceeds the error of the mesh: with spin some 1e-5 of im at 10 elements */
   fb_real re[FB_EXACT_MODES], im[FB_EXACT_MODES];
   fb_real error[FB_EXACT_MODES]; /* estimated relative error of the iteration (not of the mesh) */
-  /* Motion of the nodes against the steady state, section axes, per mode 6 (n_element + 1): displacement [m] and
-     rotation [rad], the largest of displacement and rotation * length 1 m. */
+  /* Motion of the nodes relative to the steady state, section axes, per mode 6 (n_element + 1): displacement [m] and
+     rotation [rad], scaled so that the largest displacement, or rotation times length, is 1 m. */
   fb_real shape_re[FB_EXACT_MODES * 6 * (FB_MAX_EXACT + 1)], shape_im[FB_EXACT_MODES * 6 * (FB_MAX_EXACT + 1)];
 } fb_exact_spectrum;
 
@@ -2358,10 +2377,11 @@ typedef struct fb_exact_spectrum_work { /* scratch; large: make it static */
   fb_real re[FBI_EXACT_BASIS], im[FBI_EXACT_BASIS], missing[FBI_EXACT_BASIS];
 } fb_exact_spectrum_work;
 
-/* The `count` (1..FB_EXACT_MODES) slowest motions exp(lambda t) about a steady state of fb_exact_trim with the
-   same input: vibration, whirl, flutter, buckling (lambda = 0); as the base that moves with the input sees them. A beam
-   that nothing holds has its rigid motions among them, zero to rounding's root. FB_ERR_CONVERGENCE: fewer than asked
-   for have converged (without inertia there are none); FB_ERR_MODES: it has not so many. */
+/* The `count` (1..FB_EXACT_MODES) complex modes with the smallest |lambda| about a steady state of fb_exact_trim with
+   the same input, in the frame of the base: vibration, whirl, flutter, buckling (lambda = 0). The rigid-body modes of
+   an unsupported beam are included; their eigenvalues are zero within the square root of round-off.
+   FB_ERR_CONVERGENCE: fewer than requested have converged (without inertia there are none); FB_ERR_MODES: the beam has
+   fewer. */
 FB_API fb_status fb_exact_spectrum_solve(const fb_exact *exact, fb_exact_spectrum_work *work,
                                          fb_exact_spectrum *spectrum, const fb_exact_state *state,
                                          const fb_exact_input *input, int count);
@@ -2374,7 +2394,7 @@ typedef enum fb_exact_port_kind {
   FB_EXACT_PORT_DISPLACEMENT = 4,    /* output [m] of a node, base axes */
   FB_EXACT_PORT_ROTATION = 5,        /* output [rad], section axes in the steady state */
   FB_EXACT_PORT_VELOCITY = 6,        /* output [m/s], section axes, as fb_exact_node.velocity */
-  FB_EXACT_PORT_RATE = 7,            /* output [rad/s], a gyro there */
+  FB_EXACT_PORT_RATE = 7,            /* output [rad/s], a gyro at the node */
   FB_EXACT_PORT_INTERNAL_FORCE = 8,  /* output [N], mean over an element, section axes */
   FB_EXACT_PORT_INTERNAL_MOMENT = 9, /* output [N m] */
   FB_EXACT_PORT_FORCE_STRAIN = 10,   /* output [-], of the section */
@@ -2384,7 +2404,7 @@ typedef enum fb_exact_port_kind {
 typedef struct fb_exact_port {
   fb_exact_port_kind kind;
   int at, axis; /* node or element; axis 0..2 */
-  fb_axes axes; /* of a force or torque: as fb_load; inertial axes as they stand in the steady state */
+  fb_axes axes; /* of a force or torque, as fb_load; inertial axes at the instant of the steady state */
 } fb_exact_port;
 
 typedef struct fb_exact_linear_desc {
@@ -2394,10 +2414,10 @@ typedef struct fb_exact_linear_desc {
 
 #define FB_EXACT_STATES (2 * FB_EXACT_MODES)
 
-/* d/dt x = A x + B u, y = C x + D u of changes against the steady state. Mode k has one state where it is aperiodic,
-   else two, a and b, with the block [re -im; im re] in A and the motion Re(shape (a + i b)), shape as in
-   fb_exact_spectrum. D: what all faster modes answer at once; at rest y = (D - C A^-1 B) u is that of the whole
-   beam. */
+/* Modal model d/dt x = A x + B u, y = C x + D u of perturbations about the steady state. An aperiodic mode has one
+   state; the others have two, a and b, with the block [re -im; im re] in A and the motion Re(shape (a + i b)), shape as
+   in fb_exact_spectrum. D contains the static response of the modes left out: the static gain D - C A^-1 B is that of
+   the whole beam. */
 typedef struct fb_exact_linear {
   int n, n_in, n_out, n_mode;
   fb_real re[FB_EXACT_MODES], im[FB_EXACT_MODES]; /* as fb_exact_spectrum */
@@ -2417,13 +2437,13 @@ typedef struct fb_exact_linear_work { /* scratch; large: make it static */
   fb_exact_linear linear;
 } fb_exact_linear_work;
 
-/* Linear model of the `count` slowest modes (of equal ones none is left out: one or two more then) about a steady state
-   of fb_exact_trim with the same input, for the inputs and outputs of desc (NULL: none). Its eigenvalues are
-   those of fb_exact_spectrum_solve, its answer at rest is exact. Base velocity and rate move the frame the beam is seen
-   from; what does not turn with it (gravity, dead loads) is taken as it stands.
-   FB_ERR_SINGULAR: no answer at rest (free to move, at a limit point), or two modes are one (the onset of flutter);
+/* Modal model with the `count` slowest modes (modes with equal eigenvalues stay together: one or two more) about a
+   steady state of fb_exact_trim with the same input, for the inputs and outputs of desc (NULL: none). Its eigenvalues
+   are those of fb_exact_spectrum_solve, and its static response is exact. Base velocity and rate move the frame in
+   which the beam is described; gravity and dead loads, which do not rotate with it, keep their present direction.
+   FB_ERR_SINGULAR: no static response (an unsupported beam, a limit point), or two parallel modes (onset of flutter);
    FB_ERR_VALUE, FB_ERR_CAPACITY: count, or a port that does not exist; else as fb_exact_spectrum_solve. On failure
-   linear is as before. */
+   linear is unchanged. */
 FB_API fb_status fb_exact_linearize(const fb_exact *exact, fb_exact_linear_work *work, fb_exact_linear *linear,
                                     const fb_exact_state *state, const fb_exact_input *input,
                                     const fb_exact_linear_desc *desc, int count);
@@ -2431,45 +2451,46 @@ FB_API fb_status fb_exact_linearize(const fb_exact *exact, fb_exact_linear_work 
 
 /* ---------------------------------------------------------------------------------------------------------------
    ANALYSE >>advise: which effects, modes, integrator and step a scene calls for; offline. For bodies in the momentum
-   form with every effect compiled in. Of a system ask for each body, with the motion of its root as a prescribed
-   base. */
+   form with every effect compiled in. For a system ask about each body, with the motion of its root as that of a
+   prescribed base. */
 
-typedef struct fb_envelope {     /* the most that happens in a scene; what has a sign goes together */
+typedef struct fb_envelope {     /* the extremes of a scene; signs as they occur together */
   fb_real velocity[3];           /* [m/s] of O of a prescribed base, body axes */
   fb_real spin[3], spin_rate[3]; /* [rad/s], [rad/s^2] of the body frame, its axes; the rate: prescribed bases only */
-  fb_real acceleration[3];       /* [m/s^2] of O less gravity, body axes: what an accelerometer reads there; of a base
-                                     that is not prescribed: gravity alone, reversed; each axis at its most */
-  int n_load;                    /* at their most; axes of the body, or of the node */
+  fb_real acceleration[3];       /* [m/s^2] of O less gravity, body axes, as an accelerometer at O reads it; without a
+                                     prescribed base minus gravity; the extreme of each axis */
+  int n_load;                    /* extreme loads; in axes of the body or of the node */
   fb_load load[FB_MAX_LOADS];
-  fb_real frequency; /* [rad/s] of what drives the modes: 0 steady, FB_HUGE a jump, else the fastest that matters */
-  fb_real duration;  /* [s] that the answer is wanted for */
-  fb_real frame;     /* [s] a step is a whole part of it (or below a millionth): a controller's period; 0: any step */
-  int node;          /* whose elastic displacement is wanted */
+  fb_real frequency; /* [rad/s] of the excitation: 0 steady, FB_HUGE a step load, else the highest that matters */
+  fb_real duration;  /* [s] of the simulation */
+  fb_real frame;     /* [s] divided by whole steps (or steps below a millionth of it): a control period; 0: any step */
+  int node;          /* the output is the elastic displacement of this node */
 } fb_envelope;
 
-#define FB_ADVICE_EFFECTS 5 /* the inertial ones: bits 0..4 of fb_effect */
+#define FB_ADVICE_EFFECTS 5 /* inertial effects: bits 0..4 of fb_effect */
 
 typedef struct fb_advice {
-  unsigned effects;             /* for fb_body_desc: damping and gravity where the desc has them */
-  int n;                        /* modes, and */
-  int coordinate[FB_MAX_MODES]; /* which, ascending: for fb_shape_select */
+  unsigned effects;             /* for fb_body_desc; with damping and gravity if the desc has them */
+  int n;                        /* number of modes */
+  int coordinate[FB_MAX_MODES]; /* the modes, ascending: for fb_shape_select */
   fb_integrator integrator;
-  int long_step;      /* 1: dt is longer than its own limit (found by simulation): set fb_body_desc.allow_long_step */
+  int long_step;      /* 1: dt exceeds the integrator's limit (found by simulation): set fb_body_desc.allow_long_step */
   fb_real dt;         /* [s] */
-  fb_real cost;       /* of a simulated second: about so many instructions of a 64-bit processor */
-  fb_real deflection; /* [m] of the output, at most */
-  /* estimates, parts of that: what the output is off by for want of effects, of modes, by the step (at most; not of
-     fb_advice_search), and by what no modal body has (beyond the tolerance: take the exact beam) */
+  fb_real cost;       /* approximate number of instructions of a 64-bit processor per simulated second */
+  fb_real deflection; /* [m] estimated maximum of the output */
+  /* estimated errors of the output relative to deflection: by missing effects, by missing modes, by the step (an upper
+     bound; not from fb_advice_search), and by terms that no modal body has (above the tolerance: use the geometrically
+     exact beam) */
   fb_real error_effects, error_modes, error_step, error_model;
-  fb_real without[FB_ADVICE_EFFECTS]; /* by leaving out effect 1 << i, in the best set without it */
-  fb_real error;                      /* found by simulation (fb_advice_search); else the sum of the four */
-  int n_trial;                        /* simulations that took */
+  fb_real without[FB_ADVICE_EFFECTS]; /* the same without effect 1 << i, for the best set without it */
+  fb_real error;                      /* by simulation (fb_advice_search), else the sum of the four */
+  int n_trial;                        /* number of simulations */
 } fb_advice;
 
 #define FBI_ADVICE_SETS 10
 #define FBI_ADVICE_INSTANTS 5
 #define FBI_ADVICE_PHASES 3
-#define FBI_ADVICE_PARTS 16 /* steps tried per integrator */
+#define FBI_ADVICE_PARTS 16 /* trial steps per integrator */
 
 typedef struct fb_advice_work { /* scratch; large: make it static */
   fb_body_work body_work;
@@ -2483,51 +2504,54 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
   fb_spectrum spectrum;
   fb_real K[FB_MAX_MODES * FB_MAX_MODES], scale[FB_MAX_MODES];
   int perm[FB_MAX_MODES];
-  /* K q = f at instants, K also at rest; what the full set does in phases of them */
+  /* K q = f of the load cases, K also at rest; accelerations and output of the full set in phases of the load cases */
   fb_real tangent[FBI_ADVICE_INSTANTS + 1][FB_MAX_MODES * FB_MAX_MODES];
   fb_real f[FBI_ADVICE_INSTANTS][FB_MAX_MODES], q[FBI_ADVICE_INSTANTS][FB_MAX_MODES];
   fb_real q_ddot[FBI_ADVICE_INSTANTS][FBI_ADVICE_PHASES][FB_MAX_MODES];
   fb_real displacement[FBI_ADVICE_INSTANTS][FBI_ADVICE_PHASES][3];
-  fb_real omega[FB_MAX_MODES], most[FB_MAX_MODES]; /* of modes: highest frequency, most they give */
-  int order[FB_MAX_MODES];                         /* by that */
+  fb_real omega[FB_MAX_MODES], most[FB_MAX_MODES]; /* highest frequency and largest contribution of each mode */
+  int order[FB_MAX_MODES];                         /* modes in descending order of contribution */
   fb_real zeta[FB_MAX_MODES], deflection, drawn, ringing;
-  fb_real bend; /* the deflection as if it had no limit */
-  int buckled;  /* at some instant */
+  fb_real bend; /* [m] the deflection without its limit */
+  int buckled;  /* 1: in some load case */
   fb_real error[FBI_ADVICE_SETS], error_modes[FB_MAX_MODES];
   fb_real step_cost[FBI_ADVICE_SETS][FB_MAX_MODES][4], longest[FBI_ADVICE_SETS][FB_MAX_MODES][4];
   fb_real last[FBI_ADVICE_SETS][FB_MAX_MODES][4];
   int part[FBI_ADVICE_SETS][FB_MAX_MODES][4];
 } fb_advice_work;
 
-/* The cheapest set of effects, modes, integrator and step whose estimated errors add up to the tolerance (a part of the
-   largest output) or less; error_model takes at most half of it, and what is more stays on top. From the accelerations
-   that each set gives where the scene is at its most: bounded work, no simulation. Estimates: a factor of three is
-   common. shape: natural modes, more than will be needed. FB_ERR_EFFECTS: an effect was removed at compile time;
-   FB_ERR_VALUE: negative frequency or frame, duration or tolerance not positive, no modes, no output; FB_ERR_CAPACITY:
-   a node; FB_ERR_UNSUPPORTED: the coordinates are not natural modes; FB_ERR_STEP: no integrator has a step for this;
-   else as fb_body_init and fb_body_motion_eval. advice is written only on FB_OK. */
+/* Finds the cheapest set of effects, modes, integrator and step whose estimated errors add up to at most the tolerance
+   (relative to the largest output). error_model uses at most half of the tolerance; if it is larger, error exceeds the
+   tolerance.
+   The estimates compare the accelerations of each set at the extremes of the envelope: bounded work, no simulation.
+   They are often wrong by a factor of three. shape: natural modes, more than will be needed.
+   FB_ERR_EFFECTS: an effect was removed at compile time; FB_ERR_VALUE: negative frequency or frame, duration or
+   tolerance not positive, no modes, no output; FB_ERR_CAPACITY: a node; FB_ERR_UNSUPPORTED: the coordinates are not
+   natural modes; FB_ERR_STEP: no integrator meets the tolerance; else as fb_body_init and fb_body_motion_eval. advice
+   is written only on FB_OK. */
 FB_API fb_status fb_advice_solve(fb_advice *advice, fb_advice_work *work, const fb_shape *shape,
                                  const fb_body_desc *desc, const fb_envelope *envelope, fb_real tolerance);
 
-typedef struct fb_trial { /* how a scene is simulated */
-  /* output[0..n-1] of the scene by a body of the candidate's effects, modes (fb_shape_select), integrator and step; any
-     status but FB_OK: it cannot be, the next is tried */
+typedef struct fb_trial { /* simulation of a scene, by the caller */
+  /* simulates the scene with the effects, modes (fb_shape_select), integrator and step of the candidate and writes
+     output[0..n-1]; a status other than FB_OK rejects the candidate */
   fb_status (*run)(void *user, fb_real *output, const fb_advice *candidate);
   void *user;
-  int n;                       /* numbers of an output: */
-  int width;                   /* samples of so many: differences are their distances */
+  int n;                       /* length of an output, in samples of */
+  int width;                   /* this many numbers each: an error is the norm of the difference of two samples */
   fb_real *output, *reference; /* n each */
-  int has_reference; /* 0: the reference is run first, by all modes and effects in short steps; 1: it is there (of the
-                        exact beam, or measured) */
+  int has_reference; /* 0: the reference is simulated first, with all modes and effects and a short step; 1: it is given
+                        (by the geometrically exact beam, or measured) */
 } fb_trial;
 
-/* The cheapest set found to meet the tolerance: candidates are simulated in the order of their estimated cost, up to
-   that of the reference's run. Every cheaper candidate was simulated and rejected, or the error of its effects and
-   modes no longer depended on the step.
-   error: largest distance from the reference, of its largest sample. FB_ERR_CONVERGENCE: none does, or all modes and
-   effects in short steps miss twice the tolerance; FB_ERR_VALUE, FB_ERR_NOT_FINITE: also of a reference; what run
-   returns for all modes and effects; else as fb_advice_solve. Desktop: tens to thousands of simulations, at most 1 +
-   640 n of n modes. */
+/* Finds the cheapest set by simulation: candidates are simulated in the order of their estimated cost, up to that of
+   the reference, until one meets the tolerance. Every cheaper candidate was simulated and rejected, or the error of its
+   effects and modes no longer depended on the step.
+   error: largest distance from the reference, relative to its largest sample. For desktop use: tens to thousands of
+   simulations, with n modes at most 1 + 640 n.
+   FB_ERR_CONVERGENCE: no candidate meets the tolerance, or all modes and effects with a short step exceed twice the
+   tolerance; FB_ERR_VALUE, FB_ERR_NOT_FINITE: also a reference of zeros or that is not finite; a status of run for all
+   modes and effects; else as fb_advice_solve. */
 FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const fb_shape *shape,
                                   const fb_body_desc *desc, const fb_envelope *envelope, fb_real tolerance,
                                   const fb_trial *trial);

@@ -12344,6 +12344,39 @@ FB_DEF fb_status fb_section_init(fb_section *section, const fb_material *materia
   return FB_OK;
 }
 
+/* Section p at station k of the n of a taper: sizes interpolated linearly, the last of them those of `to` itself. */
+static void fbi_taper_section(fb_real p[FBI_SECTION], const fb_material *material, const fb_profile *from,
+                              const fb_profile *to, int k, int n)
+{
+  const fb_real s = (fb_real)k / (fb_real)(n - 1);
+  fb_profile profile = *from;
+  fb_section section;
+  for (int i = 0; i < 2; i++) {
+    profile.size[i] += s * (to->size[i] - from->size[i]);
+  }
+  fbi_profile_fill(&section, material, k == n - 1 ? to : &profile);
+  memcpy(p, &section, sizeof section);
+}
+
+/* p -= h^2/12 p'' at station k, h^2 p'' = p_m-1 - 2 p_m + p_m+1 with m = k, at an end its neighbor. A thin end is
+   lowered by half at most. Two stations have no second difference. */
+static void fbi_taper_lower(fb_real p[FBI_SECTION], const fb_material *material, const fb_profile *from,
+                            const fb_profile *to, int k, int n)
+{
+  const int m = k == 0 ? 1 : k == n - 1 ? n - 2 : k;
+  fb_real before[FBI_SECTION], middle[FBI_SECTION], after[FBI_SECTION];
+  if (n < 3) {
+    return;
+  }
+  fbi_taper_section(before, material, from, to, m - 1, n);
+  fbi_taper_section(middle, material, from, to, m, n);
+  fbi_taper_section(after, material, from, to, m + 1, n);
+  for (int i = 0; i < FBI_SECTION; i++) {
+    const fb_real less = (before[i] - FB_R(2.0) * middle[i] + after[i]) / FB_R(12.0), most = FB_R(0.5) * p[i];
+    p[i] -= less < most ? less : most;
+  }
+}
+
 /* [E6.14] Stations of a linear taper: properties p(x) lowered by h^2/12 p'', so that linear interpolation between
    stations has the integral of p.
    Source: error of the trapezoidal rule.  Fails: see the header.  Test: tapered_beam_has_the_published_frequencies. */
@@ -12374,28 +12407,12 @@ FB_DEF fb_status fb_beam_desc_add_taper(fb_beam_desc *desc, const fb_material *m
     return FB_ERR_CAPACITY;
   }
 
-  /* Station k: p[3] is the section there; p[0..2] give the second difference h^2 p'' */
+  /* New stations at equal distances */
   for (int k = 0; k < n; k++) {
-    const int middle = n < 3 ? k : k == 0 ? 1 : k == n - 1 ? n - 2 : k; /* at the ends, that of the neighbor */
-    fb_real p[4][FBI_SECTION];
-    for (int i = 0; i < 4; i++) {
-      const int there = i == 3 ? k : n < 3 ? k : middle + i - 1;
-      const fb_real s = (fb_real)there / (fb_real)(n - 1);
-      fb_profile profile = *from;
-      fb_section section;
-      for (int j = 0; j < 2; j++) {
-        profile.size[j] += s * (to->size[j] - from->size[j]);
-      }
-      fbi_profile_fill(&section, material, there == n - 1 ? to : &profile);
-      memcpy(p[i], &section, sizeof section);
-    }
-
-    /* Lowered by h^2/12 p'', a thin end by half at most */
-    for (int j = 0; j < FBI_SECTION; j++) {
-      const fb_real less = (p[0][j] - FB_R(2.0) * p[1][j] + p[2][j]) / FB_R(12.0);
-      p[3][j] -= less < FB_R(0.5) * p[3][j] ? less : FB_R(0.5) * p[3][j];
-    }
-    memcpy(&desc->station[at + k], p[3], sizeof p[3]);
+    fb_real p[FBI_SECTION];
+    fbi_taper_section(p, material, from, to, k, n);
+    fbi_taper_lower(p, material, from, to, k, n);
+    memcpy(&desc->station[at + k], p, sizeof p);
     desc->station[at + k].x = from->x + (fb_real)k / (fb_real)(n - 1) * (to->x - from->x);
   }
   desc->station[at + n - 1].x = to->x;
@@ -14412,9 +14429,45 @@ static fb_status fbi_join_check(const fb_beam *beam, const fb_modes *component, 
   return FB_OK;
 }
 
-/* Block-diagonal K and M of the components and the constraints T q = 0 of the rigid connections (welds). Coordinates
-   are scaled to modal mass 1 (without mass: stiffness 1), rows of rotations by the length. Returns the number of
-   coordinates. */
+/* Scales of a component's coordinates to modal mass 1, without mass to modal stiffness 1. */
+static void fbi_join_scale(fb_real *scale, const fb_modes *component)
+{
+  const int n = component->n;
+  for (int a = 0; a < n; a++) {
+    const fb_real mass = component->M[a * n + a], stiffness = component->K[a * n + a];
+    const fb_real unit = mass > FB_R(0.0) ? mass : stiffness;
+    scale[a] = unit > FB_R(0.0) ? FB_R(1.0) / FB_SQRT(unit) : FB_R(1.0);
+  }
+}
+
+/* Blocks of K and M of a component whose coordinates start at `at` of N. */
+static void fbi_join_block(fb_join_work *work, const fb_modes *component, int at, int N)
+{
+  const int n = component->n;
+  for (int ab = 0; ab < n * n; ab++) {
+    const int i = at + ab / n, j = at + ab % n;
+    work->K[i * N + j] = component->K[ab] * work->scale[i] * work->scale[j];
+    work->M[i * N + j] = component->M[ab] * work->scale[i] * work->scale[j];
+  }
+}
+
+/* rows (6 x n of N columns) += side times the motion of a node by each scaled coordinate of a component; rotations
+   times the length. */
+static void fbi_weld_add(fb_real *rows, const fb_beam *beam, const fb_modes *component, const fb_real *scale, int node,
+                         fb_real side, fb_real length, int N)
+{
+  for (int a = 0; a < component->n; a++) {
+    fb_real motion[6];
+    fbi_weld_motion(motion, beam, component, a, node);
+    for (int i = 0; i < 6; i++) {
+      const fb_real unit = i < 3 ? side : side * length;
+      rows[i * N + a] += unit * motion[i] * scale[a];
+    }
+  }
+}
+
+/* Block-diagonal K and M of the components and the constraints T q = 0 of the rigid connections (welds): motion of
+   side 0 less that of side 1. Returns the number of coordinates. */
 static int fbi_join_assemble(fb_join_work *work, const fb_beam *beam, const fb_modes *component,
                              const fb_join_desc *desc, int n_component)
 {
@@ -14425,93 +14478,101 @@ static int fbi_join_assemble(fb_join_work *work, const fb_beam *beam, const fb_m
   fbi_zero(work->K, N * N);
   fbi_zero(work->M, N * N);
   fbi_zero(work->T, 6 * desc->n_weld * N);
+
+  /* Blocks and columns of each component */
   for (int c = 0; c < n_component; c++) {
-    const int n = component[c].n;
-
-    /* Scales */
-    for (int a = 0; a < n; a++) {
-      const fb_real m = component[c].M[a * n + a], k = component[c].K[a * n + a];
-      work->scale[at + a] = m > FB_R(0.0) ? FB_R(1.0) / FB_SQRT(m) : k > FB_R(0.0) ? FB_R(1.0) / FB_SQRT(k) : FB_R(1.0);
-    }
-
-    /* Blocks of K and M */
-    for (int ab = 0; ab < n * n; ab++) {
-      const int i = at + ab / n, j = at + ab % n;
-      work->K[i * N + j] = component[c].K[ab] * work->scale[i] * work->scale[j];
-      work->M[i * N + j] = component[c].M[ab] * work->scale[i] * work->scale[j];
-    }
-
-    /* Rows of T: motion of side 0 less that of side 1 */
+    fbi_join_scale(work->scale + at, &component[c]);
+    fbi_join_block(work, &component[c], at, N);
     for (int w = 0; w < 2 * desc->n_weld; w++) {
-      const fb_weld *joint = &desc->weld[w / 2];
-      for (int a = 0; a < n && joint->component[w % 2] == c; a++) {
-        fb_real motion[6];
-        fbi_weld_motion(motion, &beam[c], &component[c], a, joint->node[w % 2]);
-        for (int i = 0; i < 6; i++) {
-          const fb_real unit = (i < 3 ? FB_R(1.0) : beam[0].desc.length) * (w % 2 ? -FB_R(1.0) : FB_R(1.0));
-          work->T[(6 * (w / 2) + i) * N + at + a] += unit * motion[i] * work->scale[at + a];
-        }
+      const fb_weld *weld = &desc->weld[w / 2];
+      if (weld->component[w % 2] == c) {
+        fbi_weld_add(work->T + 6 * (w / 2) * N + at, &beam[c], &component[c], work->scale + at, weld->node[w % 2],
+                     w % 2 ? -FB_R(1.0) : FB_R(1.0), beam[0].desc.length, N);
       }
     }
-    at += n;
+    at += component[c].n;
   }
   return N;
 }
 
+/* Complete pivoting: largest |T_rc| of the rows from `rank` on and the columns without a pivot; returns it. */
+static fb_real fbi_null_pivot(int *row, int *column, const fb_real *T, const int *pivot, int rank, int rows, int N)
+{
+  fb_real largest = FB_R(0.0);
+  for (int at = rank * N; at < rows * N; at++) {
+    if (pivot[at % N] < 0 && FB_FABS(T[at]) > largest) {
+      largest = FB_FABS(T[at]);
+      *row = at / N;
+      *column = at % N;
+    }
+  }
+  return largest;
+}
+
+/* Row `row` is exchanged with row `rank`, scaled to 1 in `column` and subtracted from all others, whose elements
+   in that column become 0. */
+static void fbi_null_eliminate(fb_real *T, int row, int column, int rank, int rows, int N)
+{
+  fb_real *const own = T + rank * N, *const other = T + row * N;
+  fb_real scale;
+  for (int j = 0; j < N; j++) {
+    const fb_real swap = other[j];
+    other[j] = own[j];
+    own[j] = swap;
+  }
+  scale = FB_R(1.0) / own[column];
+  for (int j = 0; j < N; j++) {
+    own[j] *= scale;
+  }
+  for (int i = 0; i < rows; i++) {
+    if (i != rank) {
+      fbi_row_sub(T + i * N, T[i * N + column], own, N);
+    }
+  }
+}
+
+/* Column of the null space for a column of T without a pivot: that coordinate is 1, those with a pivot follow from T,
+   all others are 0. */
+static void fbi_null_column(fb_real *Z, const fb_real *T, const int *pivot, int column, int N, int stride)
+{
+  for (int i = 0; i < N; i++) {
+    Z[i * stride] = i == column ? FB_R(1.0) : FB_R(0.0);
+    if (pivot[i] >= 0) {
+      Z[i * stride] = -T[pivot[i] * N + column];
+    }
+  }
+}
+
 /* [E7.11] Null space of T (rows x N) by Gauss-Jordan elimination with complete pivoting: T [B N] = [1 0] up to the
    order of columns, so that Z = [-B; 1] spans it. Rows that depend on others are dropped. Z is N x (N - rank),
-   the rank is returned.
+   the rank is returned. pivot: the row that a column was eliminated with, or -1.
    Source: [H] 3.6-10; [GV] 3.4.  Fails: never.  Test: joined_halves_are_the_whole. */
 static int fbi_null_space(fb_real *Z, fb_real *T, int *pivot, int rows, int N)
 {
   fb_real first = FB_R(0.0);
-  int rank = 0, column = 0;
+  int rank = 0, found = 0;
   for (int j = 0; j < N; j++) {
-    pivot[j] = -1; /* the row that column j was eliminated with */
+    pivot[j] = -1;
   }
+
+  /* Elimination, until what is left is round-off of the first pivot */
   for (; rank < rows; rank++) {
-    /* Complete pivoting: largest element of the rows and columns left */
-    fb_real best = FB_R(0.0), swap;
-    int r = rank, p = 0;
-    for (int ij = rank * N; ij < rows * N; ij++) {
-      if (pivot[ij % N] < 0 && FB_FABS(T[ij]) > best) {
-        best = FB_FABS(T[ij]);
-        r = ij / N;
-        p = ij % N;
-      }
-    }
-    first = rank == 0 ? best : first;
-    if (!(best > FBI_ROUNDING * first)) {
+    int row = rank, column = 0;
+    const fb_real largest = fbi_null_pivot(&row, &column, T, pivot, rank, rows, N);
+    first = rank == 0 ? largest : first;
+    if (!(largest > FBI_ROUNDING * first)) {
       break;
     }
-
-    /* Its row becomes row `rank`, is scaled to pivot 1 and eliminates the column from all others */
-    for (int j = 0; j < N; j++) {
-      swap = T[r * N + j];
-      T[r * N + j] = T[rank * N + j];
-      T[rank * N + j] = swap;
-    }
-    pivot[p] = rank;
-    swap = FB_R(1.0) / T[rank * N + p];
-    for (int j = 0; j < N; j++) {
-      T[rank * N + j] *= swap;
-    }
-    for (int i = 0; i < rows; i++) {
-      if (i != rank) {
-        fbi_row_sub(T + i * N, T[i * N + p], T + rank * N, N);
-      }
-    }
+    fbi_null_eliminate(T, row, column, rank, rows, N);
+    pivot[column] = rank;
   }
 
-  /* Z: one column for each column without a pivot */
+  /* One column of Z for each column without a pivot */
   for (int j = 0; j < N; j++) {
-    if (pivot[j] >= 0) {
-      continue;
+    if (pivot[j] < 0) {
+      fbi_null_column(Z + found, T, pivot, j, N, N - rank);
+      found++;
     }
-    for (int i = 0; i < N; i++) {
-      Z[i * (N - rank) + column] = pivot[i] >= 0 ? -T[pivot[i] * N + j] : i == j ? FB_R(1.0) : FB_R(0.0);
-    }
-    column++;
   }
   return rank;
 }
@@ -14538,61 +14599,84 @@ static void fbi_congruence(fb_real *A, const fb_real *Z, fb_real *scratch, int N
   }
 }
 
-/* Elastic modes of the m independent coordinates as in E7.2: rows of X with modal mass 1, d = omega^2 ascending. If K
-   is not positive definite, a first solution separates rigid-body modes (omega^2 is round-off of the largest) from
-   the lowest elastic mode, whose omega^2 is the shift of the second. */
-static fb_status fbi_join_solve(fb_join_work *work, int m, int *found)
+/* Is K (m x m) positive definite, with squared pivots well above the round-off of their diagonal elements? */
+static int fbi_join_is_definite(fb_join_work *work, int m)
 {
-  fb_real shift = FB_R(0.0), largest;
-  int rigid = 0, definite;
-  fb_status status;
-
-  /* Is K definite, with pivots well above round-off? */
+  int definite;
   fbi_copy(work->A, work->K, m * m);
   definite = fb_chol_factor(work->A, m) == FB_OK;
   for (int i = 0; i < m * (m + 1) && definite; i += m + 1) {
     definite = work->A[i] * work->A[i] > FB_R(16.0) * FBI_ROUNDING * work->K[i];
   }
+  return definite;
+}
 
-  /* Number of rigid-body modes and shift */
-  if (!definite) {
-    const fb_real noise = FB_R(8.0) * (fb_real)m * FB_EPSILON;
-    fbi_copy(work->A, work->K, m * m);
-    fbi_copy(work->B, work->M, m * m);
-    status = fb_eig_gen_solve(work->d, work->X, work->A, work->B, m);
-    if (status != FB_OK) {
-      return status;
-    }
-    while (rigid < m && work->d[rigid] <= noise * work->d[m - 1]) { /* all of them, where there is no stiffness */
-      rigid++;
-    }
-    if (rigid > 6 || (rigid < m && work->d[rigid] < FB_R(16.0) * noise * work->d[m - 1])) {
-      return FB_ERR_CONVERGENCE;
-    }
-    shift = rigid < m ? work->d[rigid] : FB_R(0.0);
+/* Number of rigid-body modes, whose omega^2 is round-off of the largest, and omega^2 of the lowest elastic mode as the
+   shift; both from K x = omega^2 M x. All modes are rigid where there is no stiffness: shift 0. */
+static fb_status fbi_join_rigid(fb_join_work *work, int *rigid, fb_real *shift, int m)
+{
+  const fb_real noise = FB_R(8.0) * (fb_real)m * FB_EPSILON;
+  fb_status status;
+  fbi_copy(work->A, work->K, m * m);
+  fbi_copy(work->B, work->M, m * m);
+  status = fb_eig_gen_solve(work->d, work->X, work->A, work->B, m);
+  if (status != FB_OK) {
+    return status;
+  }
+  while (*rigid < m && work->d[*rigid] <= noise * work->d[m - 1]) {
+    (*rigid)++;
   }
 
-  /* M x = mu (K + shift M) x, largest mu first */
-  *found = m - rigid;
-  if (rigid == m) {
-    return FB_OK;
+  /* The lowest elastic mode must stand out of the round-off */
+  if (*rigid > 6 || (*rigid < m && work->d[*rigid] < FB_R(16.0) * noise * work->d[m - 1])) {
+    return FB_ERR_CONVERGENCE;
   }
+  *shift = *rigid < m ? work->d[*rigid] : FB_R(0.0);
+  return FB_OK;
+}
+
+/* M x = mu (K + shift M) x: rows of X, d = mu, largest first. */
+static fb_status fbi_join_shifted(fb_join_work *work, fb_real shift, int m)
+{
+  fb_status status;
   for (int i = 0; i < m * m; i++) {
     work->A[i] = work->M[i];
     work->B[i] = work->K[i] + shift * work->M[i];
   }
   status = fb_eig_gen_solve(work->d, work->X, work->A, work->B, m);
-  if (status != FB_OK) {
+  if (status == FB_OK) {
+    fbi_eig_turn(work->d, work->X, m);
+  }
+  return status;
+}
+
+/* Elastic modes of the m independent coordinates as in E7.2: rows of X with modal mass 1, d = omega^2 ascending. If K
+   is not positive definite, a first solution separates rigid-body modes from the lowest elastic mode, whose omega^2 is
+   the shift of the second. */
+static fb_status fbi_join_solve(fb_join_work *work, int m, int *found)
+{
+  fb_real shift = FB_R(0.0), largest;
+  int rigid = 0;
+  fb_status status = FB_OK;
+
+  /* M x = mu (K + shift M) x */
+  if (!fbi_join_is_definite(work, m)) {
+    status = fbi_join_rigid(work, &rigid, &shift, m);
+  }
+  *found = m - rigid;
+  if (status == FB_OK && rigid < m) {
+    status = fbi_join_shifted(work, shift, m);
+  }
+  if (status != FB_OK || rigid == m) {
     return status;
   }
-  fbi_eig_turn(work->d, work->X, m);
 
-  /* omega^2 = 1/mu - shift, modal mass 1 */
+  /* omega^2 = 1/mu - shift, modal mass 1; where mu is round-off, modes are massless from there on */
   largest = work->d[0];
   for (int k = 0; k < *found; k++) {
     const fb_real mu = work->d[rigid + k];
     fb_real scale;
-    if (!(mu > (fb_real)m * FB_EPSILON * largest)) { /* round-off: massless from here on */
+    if (!(mu > (fb_real)m * FB_EPSILON * largest)) {
       *found = k;
       break;
     }
@@ -15517,18 +15601,11 @@ static void fbi_torque_root(fb_shape *shape, int first, const fb_beam *beam, con
 #endif
 
 #if FB_WITH_NONLINEAR_STRAIN
-FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes)
+/* Number of intervals between stations and elements; each needs axial stiffness at both ends. */
+static fb_status fbi_strain_intervals(int *intervals, const fb_beam *beam)
 {
-  const fb_status status = fbi_beam_fits(shape, first, beam, modes);
-  const int points = modes && modes->degree > 0 ? 2 * modes->degree - 1 : FBI_GAUSS; /* exact for slopes^4 */
-  fb_real x[FBI_RULE], w[FBI_RULE], moment = FB_R(0.0), softest = FB_HUGE;
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
-  int n = 0;
-  if (status != FB_OK) {
-    return status;
-  }
-
-  /* Number of quadrature points; every section needs axial stiffness */
+  *intervals = 0;
   while (fbi_cell_next(&cell, beam)) {
     fb_section ends[2];
     fb_beam_section_eval(beam, &ends[0], cell.x0);
@@ -15536,53 +15613,73 @@ FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_b
     if (!(ends[0].EA > FB_R(0.0) && ends[1].EA > FB_R(0.0))) {
       return FB_ERR_KIND;
     }
-    n += points;
+    (*intervals)++;
   }
-  if (shape->n_strain + (n + 3) / 4 * 4 > FBI_MAX_STRAINS) {
+  return FB_OK;
+}
+
+/* Distance |r| of a point of an element's axis from the body frame's origin. */
+static fb_real fbi_beam_distance(const fb_beam *beam, int element, fb_real x)
+{
+  const fb_real at[3] = {x - beam->start[element], FB_R(0.0), FB_R(0.0)};
+  fb_real r[3], local[3];
+  fb_mat33_mul_vec3(local, beam->frame + 9 * element, at);
+  fbi_vec3_add(local, FB_R(1.0), beam->node + 3 * element);
+  fb_mat33_mul_vec3(r, beam->axes, local);
+  fbi_vec3_add(r, FB_R(1.0), beam->desc.position);
+  return fbi_vec3_norm(r);
+}
+
+/* Axial strain u_x' and slopes u_y', u_z' by each mode at quadrature point n, at s in an element. */
+static void fbi_strain_point(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes,
+                             const fb_section *section, int element, fb_real s, int n)
+{
+  for (int a = 0; a < modes->n; a++) {
+    fb_real *slope = shape->slope + 3 * (first + a) * FBI_MAX_STRAINS + n;
+    fbi_field f;
+    fbi_section_field at_center;
+    fbi_mode_field(&f, beam, modes, a, element, s);
+    fbi_section_eval(&at_center, &f, section);
+    slope[0] = at_center.strain;
+    slope[FBI_MAX_STRAINS] = f.slope[0];
+    slope[2 * FBI_MAX_STRAINS] = f.slope[1];
+  }
+}
+
+FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes)
+{
+  const int points = modes && modes->degree > 0 ? 2 * modes->degree - 1 : FBI_GAUSS; /* exact for slopes^4 */
+  fb_real x[FBI_RULE], w[FBI_RULE], moment = FB_R(0.0), softest = FB_HUGE;
+  fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
+  int n, intervals;
+  fb_status status = fbi_beam_fits(shape, first, beam, modes);
+  status = status ? status : fbi_strain_intervals(&intervals, beam);
+  if (status != FB_OK) {
+    return status;
+  }
+  if (shape->n_strain + (intervals * points + 3) / 4 * 4 > FBI_MAX_STRAINS) {
     return FB_ERR_CAPACITY;
   }
 
-  /* Quadrature points of every interval */
+  /* Quadrature points of every interval: weight EA dx; int mass |r| dx and the least EA */
   fbi_gauss_rule(x, w, points);
-  memset(&cell, 0, sizeof cell);
   n = shape->n_strain;
   while (fbi_cell_next(&cell, beam)) {
     for (int g = 0; g < points; g++, n++) {
+      const fb_real dx = w[g] * (cell.x1 - cell.x0), s = fbi_cell_s(&cell, beam, x[g]);
       fb_section section;
       fb_beam_section_eval(beam, &section, cell.x0 + x[g] * (cell.x1 - cell.x0));
-      const fb_real at[3] = {section.x - beam->start[cell.element], FB_R(0.0), FB_R(0.0)};
-
-      /* Point r in body axes */
-      fb_real r[3], local[3];
-      fb_mat33_mul_vec3(local, beam->frame + 9 * cell.element, at);
-      fbi_vec3_add(local, FB_R(1.0), beam->node + 3 * cell.element);
-      fb_mat33_mul_vec3(r, beam->axes, local);
-      fbi_vec3_add(r, FB_R(1.0), beam->desc.position);
-
-      /* Bound of the centrifugal strain: int mass |r| dx over the least EA; weight of the point */
-      moment += w[g] * (cell.x1 - cell.x0) * section.mass * fbi_vec3_norm(r);
+      moment += dx * section.mass * fbi_beam_distance(beam, cell.element, section.x);
       softest = section.EA < softest ? section.EA : softest;
-      shape->strain_weight[n] = w[g] * (cell.x1 - cell.x0) * section.EA;
+      shape->strain_weight[n] = dx * section.EA;
+      fbi_strain_point(shape, first, beam, modes, &section, cell.element, s, n);
 #if FB_WITH_FORMS
-      fbi_torque_station(shape, first, beam, modes, &section, cell.element, fbi_cell_s(&cell, beam, x[g]),
-                         w[g] * (cell.x1 - cell.x0));
+      fbi_torque_station(shape, first, beam, modes, &section, cell.element, s, dx);
 #endif
-
-      /* Strain and slopes of each mode */
-      for (int a = 0; a < modes->n; a++) {
-        fb_real *slope = shape->slope + 3 * (first + a) * FBI_MAX_STRAINS + n;
-        fbi_field f;
-        fbi_section_field at_center;
-        fbi_mode_field(&f, beam, modes, a, cell.element, fbi_cell_s(&cell, beam, x[g]));
-        fbi_section_eval(&at_center, &f, &section);
-        slope[0] = at_center.strain;
-        slope[FBI_MAX_STRAINS] = f.slope[0];
-        slope[2 * FBI_MAX_STRAINS] = f.slope[1];
-      }
     }
   }
 
-  /* Bound with the lumped bodies */
+  /* Bound of the centrifugal strain by omega^2: (int mass |r| dx, with the lumped bodies) / least EA */
   for (int k = 0; k < beam->desc.n_lump; k++) {
     moment += beam->desc.lump[k].mass * (fbi_vec3_norm(beam->desc.position) + beam->desc.length);
   }
@@ -16796,62 +16893,95 @@ static void fbi_joint_fill(fb_joint *joint, const fb_system_desc *desc, const fb
 
 /* ---- systems */
 
-/* Largest eigenvalue of the stiffness of springs and modes (which = 0) or of dampers (1) against the mass,
-   undeformed, at joint coordinates of zero: 60 steps of the power method, which approaches it from below, and 5 %.
-   Everything else in the right-hand side is zero. */
-static fb_status fbi_system_limit(fb_real *limit, fb_system_work *w, const fb_system *system, const fb_body *body,
-                                  int which)
+typedef enum fbi_coefficient { FBI_STIFFNESS, FBI_DAMPING } fbi_coefficient; /* K or D of modes and joints */
+
+/* Start vector x of the power method: unequal speeds q_dot of the modes and u of the axes of every body. */
+static void fbi_power_start(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
-  fb_real size = FB_R(1.0);
+  for (int k = 0; k < system->n_body; k++) {
+    for (int a = 0; a < fbi_model(system, body, k)->n; a++) {
+      w->link[k].q_dot[a] = FB_R(1.0) / (fb_real)(1 + (7 * k + 3 * a) % 5);
+    }
+    for (int i = 0; i < 3; i++) {
+      w->link[k].u[i] = FB_R(1.0) / (fb_real)(1 + (5 * k + 2 * i) % 3);
+    }
+  }
+}
+
+/* p = A x of a body's modes and its joint's free axes, A = K or D; size += x^T A x. */
+static void fbi_power_multiply(fb_real *size, fbi_link_work *L, const fb_body *body, const fb_joint *joint,
+                               fbi_coefficient A)
+{
+  const fb_real *const axis = A == FBI_STIFFNESS ? joint->stiffness : joint->damping;
+
+  /* Modes */
+  fbi_zero(L->pi, body->n);
+  if (A == FBI_STIFFNESS) {
+    fbi_sparse_eval(L->pi, NULL, FB_R(1.0), &body->K, L->q_dot, body->n);
+  } else {
+    fbi_damping_add(L->pi, FB_R(1.0), body, L->q_dot);
+  }
+  *size += fbi_dot(L->pi, L->q_dot, body->n);
+
+  /* Axes; a free joint has neither springs nor dampers */
+  for (int i = 0; i < joint->n_axis && i < 3 && joint->kind != FB_JOINT_FREE; i++) {
+    L->p[i] = L->mode[i] == FB_AXIS_FREE ? axis[i] * L->u[i] : FB_R(0.0);
+    *size += L->p[i] * L->u[i];
+  }
+}
+
+/* p = A x / sqrt(x^T A x) of the system; 0 and p = A x where x^T A x = 0, else 1. */
+static int fbi_power_scaled(fb_system_work *w, const fb_system *system, const fb_body *body, fbi_coefficient A)
+{
+  fb_real size = FB_R(0.0);
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_power_multiply(&size, &w->link[k], fbi_model(system, body, k), fbi_link_joint(system, w, k), A);
+  }
+  if (!(size > FB_R(0.0))) {
+    return 0;
+  }
+  size = FB_R(1.0) / FB_SQRT(size);
+  for (int k = 0; k < system->n_body; k++) {
+    for (int a = 0; a < fbi_model(system, body, k)->n; a++) {
+      w->link[k].pi[a] *= size;
+    }
+    for (int i = 0; i < 3; i++) {
+      w->link[k].p[i] *= size;
+    }
+  }
+  return 1;
+}
+
+/* p^T x over modes and free axes. */
+static fb_real fbi_power_product(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  fb_real sum = FB_R(0.0);
+  for (int k = 0; k < system->n_body; k++) {
+    const fbi_link_work *L = &w->link[k];
+    sum += fbi_dot(L->pi, L->q_dot, fbi_model(system, body, k)->n);
+    for (int i = 0; i < fbi_link_joint(system, w, k)->n_axis && i < 3; i++) {
+      sum += L->mode[i] == FB_AXIS_FREE ? L->p[i] * L->u[i] : FB_R(0.0);
+    }
+  }
+  return sum;
+}
+
+/* Largest eigenvalue of A x = lambda M x, A the stiffness or damping of modes and joints, undeformed, at joint
+   coordinates of zero: 60 steps of the power method, x = M^-1 p with p = A x scaled to x^T A x = 1. The estimate
+   p^T M^-1 p approaches lambda from below: + 5 %. Everything else in the right-hand side is zero. */
+static fb_status fbi_system_limit(fb_real *limit, fb_system_work *w, const fb_system *system, const fb_body *body,
+                                  fbi_coefficient A)
+{
   fb_status status = FB_OK;
-  for (int step = 0; step < 60 && size > FB_R(0.0) && status == FB_OK; step++) {
-    size = FB_R(0.0);
-    for (int k = 0; k < system->n_body; k++) {
-      /* Start vector x in the first step; right-hand side p = K x, and x^T K x */
-      const fb_body *model = fbi_model(system, body, k);
-      const fb_joint *joint = fbi_link_joint(system, w, k);
-      fbi_link_work *L = &w->link[k];
-      for (int a = 0; step == 0 && a < model->n; a++) {
-        L->q_dot[a] = FB_R(1.0) / (fb_real)(1 + (7 * k + 3 * a) % 5);
-      }
-      for (int i = 0; step == 0 && i < 3; i++) {
-        L->u[i] = FB_R(1.0) / (fb_real)(1 + (5 * k + 2 * i) % 3);
-      }
-      fbi_zero(L->pi, model->n);
-      if (which == 0) {
-        fbi_sparse_eval(L->pi, NULL, FB_R(1.0), &model->K, L->q_dot, model->n);
-      } else {
-        fbi_damping_add(L->pi, FB_R(1.0), model, L->q_dot);
-      }
-      size += fbi_dot(L->pi, L->q_dot, model->n);
-      for (int i = 0; i < joint->n_axis && i < 3 && joint->kind != FB_JOINT_FREE; i++) {
-        L->p[i] =
-            L->mode[i] == FB_AXIS_FREE ? (which == 0 ? joint->stiffness[i] : joint->damping[i]) * L->u[i] : FB_R(0.0);
-        size += L->p[i] * L->u[i];
-      }
+  *limit = FB_R(0.0);
+  fbi_power_start(w, system, body);
+  for (int step = 0; step < 60 && status == FB_OK; step++) {
+    if (!fbi_power_scaled(w, system, body, A)) {
+      *limit = FB_R(0.0);
+      break;
     }
-
-    /* Scaled to x^T K x = 1 */
-    size = size > FB_R(0.0) ? FB_R(1.0) / FB_SQRT(size) : size;
-    for (int k = 0; k < system->n_body; k++) {
-      for (int a = 0; a < fbi_model(system, body, k)->n; a++) {
-        w->link[k].pi[a] *= size;
-      }
-      for (int i = 0; i < 3; i++) {
-        w->link[k].p[i] *= size;
-      }
-    }
-
-    /* x = M^-1 p; the estimate is p^T M^-1 p */
-    status = size > FB_R(0.0) ? fbi_speeds_solve(w, system, body) : status;
-    *limit = FB_R(0.0);
-    for (int k = 0; k < system->n_body && size > FB_R(0.0); k++) { /* p^T M^-1 p of p = K x, x^T K x = 1 */
-      const fbi_link_work *L = &w->link[k];
-      *limit += fbi_dot(L->pi, L->q_dot, fbi_model(system, body, k)->n);
-      for (int i = 0; i < fbi_link_joint(system, w, k)->n_axis && i < 3; i++) {
-        *limit += L->mode[i] == FB_AXIS_FREE ? L->p[i] * L->u[i] : FB_R(0.0);
-      }
-    }
+    status = fbi_speeds_solve(w, system, body);
+    *limit = fbi_power_product(w, system, body);
   }
   *limit *= FB_R(1.05);
   return status;
@@ -17023,8 +17153,8 @@ FB_DEF fb_status fb_system_init(fb_system *system, fb_system_work *work, const f
   /* Limits of the step */
   fbi_rhs_clear(work, out, body);
   status = status == FB_OK ? fbi_speeds_solve(work, out, body) : status; /* checks free bodies, too */
-  status = status == FB_OK ? fbi_system_limit(&out->limit_elastic, work, out, body, 0) : status;
-  status = status == FB_OK ? fbi_system_limit(&out->limit_damping, work, out, body, 1) : status;
+  status = status == FB_OK ? fbi_system_limit(&out->limit_elastic, work, out, body, FBI_STIFFNESS) : status;
+  status = status == FB_OK ? fbi_system_limit(&out->limit_damping, work, out, body, FBI_DAMPING) : status;
   status = status == FB_OK ? fbi_kept_limits(out, work, body) : status;
   if (status == FB_OK) {
     *system = *out;
@@ -17706,13 +17836,15 @@ FB_DEF fb_status fb_exponential_init(fb_exponential *scheme, fb_body_work *work,
 #if FB_WITH_EXACT
 /* ---- steady states of the geometrically exact beam */
 
-/* Where the next pivot is, by rows a and b (one: a) of the n in `left`: among rows below `first` as long as there are
-   any, on the diagonal where one is more than rounding there (rigid strains have no more), else beside it; then the
-   largest. What is on one side of the diagonal alone is no pivot. Returns how many rows it has. */
+/* Chooses the next pivot, 1x1 (a) or 2x2 (a, b), of the n rows listed in `left` and returns its size. Rows below
+   `first` are eliminated before the others: by the largest diagonal element that exceeds round-off (rigid strains have
+   none), else by the largest off-diagonal one. An off-diagonal pair counts as the smaller of its two elements. */
 static int fbi_pivot_find(int *a, int *b, const fb_real *A, int size, const int *left, int n, int first)
 {
   fb_real on = FB_R(0.0), early = FBI_ROUNDING, off[2] = {FB_R(0.0), FB_R(0.0)};
   int p = 0, is_early = 0, row[2] = {0, 0}, column[2] = {0, 0}, rigid, alone;
+
+  /* Largest diagonal element */
   for (int i = 0; i < n; i++) {
     const fb_real entry = FB_FABS(A[size * left[i] + left[i]]);
     if (left[i] < first && entry > early) {
@@ -17724,6 +17856,8 @@ static int fbi_pivot_find(int *a, int *b, const fb_real *A, int size, const int 
       p = i;
     }
   }
+
+  /* Largest off-diagonal pair: [1] with a row below `first`, [0] without */
   for (int i = 0; i < n && !is_early; i++) {
     for (int j = 0; j < i; j++) {
       const fb_real one = FB_FABS(A[size * left[i] + left[j]]), other = FB_FABS(A[size * left[j] + left[i]]);
@@ -17734,6 +17868,8 @@ static int fbi_pivot_find(int *a, int *b, const fb_real *A, int size, const int 
       off[k] = entry > off[k] ? entry : off[k];
     }
   }
+
+  /* 1x1 unless a pair is needed, or larger by the factor of Bunch and Parlett (1 + sqrt(17))/8 = 0.64 */
   rigid = off[1] > FBI_ROUNDING;
   alone = is_early || (!rigid && on >= FB_R(0.64) * off[0]);
   *a = alone ? p : row[rigid];
@@ -17741,7 +17877,7 @@ static int fbi_pivot_find(int *a, int *b, const fb_real *A, int size, const int 
   return alone ? 1 : 2;
 }
 
-/* Rows and columns scaled alike, so that the largest of each comes near 1. */
+/* Scales rows and columns of A by the same factors, A_ij s_i s_j, so that the largest element of each is near 1. */
 static void fbi_equilibrate(fb_real *A, int n)
 {
   for (int pass = 0; pass < 4; pass++) {
@@ -17759,9 +17895,9 @@ static void fbi_equilibrate(fb_real *A, int n)
   }
 }
 
-/* [E10.19] Negative eigenvalues of a symmetric A (n <= 12), which is overwritten: as many as its pivots have, 1x1 or
-   2x2 on the diagonal (Sylvester; Bunch and Parlett), those of the first rows before the others. Of one that is not
-   quite symmetric: as many, but for pairs, as it has real ones.
+/* [E10.19] Number of negative eigenvalues of a symmetric A (n <= 12, overwritten): that of its block-diagonal factor
+   with pivots of 1x1 and 2x2 (Sylvester's law of inertia; Bunch and Parlett). Rows below `first` are eliminated first.
+   Of a slightly unsymmetric A it counts the real negative eigenvalues, up to an even number.
    Source: [GV] 4.4.  Cost: n^3 flops.  Fails: never.
    Test: columns_have_as_many_unstable_directions_as_loads_exceeded. */
 static int fbi_negatives(fb_real *A, int n, int first)
@@ -17771,16 +17907,21 @@ static int fbi_negatives(fb_real *A, int n, int first)
     left[i] = i;
   }
   fbi_equilibrate(A, n);
+
+  /* Elimination, pivot by pivot */
   for (int rest = n; rest > 0; rest -= size) {
     fb_real det, trace;
     size = fbi_pivot_find(&row, &column, A, n, left, rest, first);
     {
+      /* Pivot P, with 1 for the missing row of a 1x1, and its negative eigenvalues */
       const int a = left[row], b = left[column];
       const fb_real P0 = A[n * a + a], P1 = size > 1 ? A[n * a + b] : FB_R(0.0);
       const fb_real P2 = size > 1 ? A[n * b + a] : FB_R(0.0), P3 = size > 1 ? A[n * b + b] : FB_R(1.0);
       det = P0 * P3 - P1 * P2;
       trace = P0 + P3;
       count += det < FB_R(0.0) ? 1 : size > 1 && trace < FB_R(0.0) ? 2 : 0;
+
+      /* Schur complement of the rows that are left: A -= x P^-1 x^T */
       left[row] = left[rest - 1];
       if (size > 1) { /* column < row: it has not moved */
         left[column] = left[rest - 2];
@@ -17798,8 +17939,9 @@ static int fbi_negatives(fb_real *A, int n, int first)
   return count;
 }
 
-/* A again, of its factors, with the columns of a node (from `own` on) turned to base axes where E10.10's rows are. Of
-   what is held the row is that of 1, and the column does not matter. */
+/* Multiplies the factors: A = P^T L U. Where the force rows of E10.10 are in base axes, the node's columns (from `own`
+   on) are rotated to base axes, too. Constrained components have the row of the identity: their columns have no
+   influence. */
 static void fbi_exact_unfactor(fb_real *A, const fb_real *LU, const int *perm, const fb_exact_work *work,
                                const fb_exact *m, int node, int n, int own)
 {
@@ -17817,10 +17959,11 @@ static void fbi_exact_unfactor(fb_real *A, const fb_real *LU, const int *perm, c
   }
 }
 
-/* [E10.20] Ways in which a steady state is unstable, after E10.10 has factored it: negative eigenvalues of its
-   stiffness by the nodes alone, K + D^T (h C)^-1 D, which are those of (-h C, D; D^T, K) less the six of each element's
-   stress, rigid or not; block by block of the elimination, for inertia adds up. What E10.9 has by the stress beside D^T
-   is a multiple of its h C, and goes with it.
+/* [E10.20] Number of unstable directions of a steady state that E10.10 has factored: negative eigenvalues of the
+   tangent stiffness condensed to the nodes, K + D^T (h C)^-1 D. They are those of (-h C, D; D^T, K) less six for the
+   internal forces of each element, rigid or not. The elimination gives them block by block, since inertia is additive
+   over Schur complements. What E10.9 adds to D^T in the columns of the internal forces is a multiple of h C and is
+   eliminated with it.
    Source: [GV] 4.4; [HY].  Cost: 4 kflops an element.
    Fails: never, once factored.
    Test: columns_have_as_many_unstable_directions_as_loads_exceeded, arches_snap_at_their_limit_load. */
@@ -17839,9 +17982,10 @@ static int fbi_exact_unstable(const fb_exact_work *work, const fb_exact *m)
   return count + fbi_negatives(A, 6, 0);
 }
 
-/* Of a last correction: the next is about its square. */
+/* Convergence tolerance on the last Newton correction; the next one would be about its square. */
 #define FBI_EXACT_TOLERANCE (FB_SINGLE ? FB_R(1e-4) : FB_R(1e-9))
-/* The correction is added, unless it is as large as `change` says or neighbors turn by more than a radian by it. */
+/* Adds the correction; FB_ERR_CONVERGENCE where `change`, its relative size, reaches 100 or it rotates neighboring
+   nodes by more than a radian against each other. */
 static fb_status fbi_exact_turn_add(fb_exact_work *work, const fb_exact *m, fb_real change)
 {
   fb_status status = change < FB_R(100.0) ? FB_OK : FB_ERR_CONVERGENCE;
@@ -17860,20 +18004,26 @@ static fb_status fbi_exact_turn_add(fb_exact_work *work, const fb_exact *m, fb_r
   return status;
 }
 
-/* [E10.11] Newton's method for a steady state: the base moves by its twist, and everything with it.
-   Source: [L] 3.106.  Cost: E10.10 an iteration.  Fails: 25 iterations; neighbors turned by more than a radian against
-   each other at once.  Test: newton_converges_quadratically, steady_bend_of_an_arc_matches_the_published_tip. */
+/* [E10.11] Newton's method for a steady state: the beam moves as a rigid body with the twist of its base, under `part`
+   of the loads.
+   Source: [L] 3.106.  Cost: E10.10 per iteration.  Fails: 25 iterations; neighboring nodes rotated by more than a
+   radian against each other in one.
+   Test: newton_converges_quadratically, steady_bend_of_an_arc_matches_the_published_tip. */
 static fb_status fbi_exact_newton(fb_exact_work *work, const fb_exact *m, const fb_real base_quat[4],
                                   const fb_exact_input *input, fb_real part)
 {
   fb_status status = FB_OK;
   fb_real change = FB_R(1.0), before = FB_HUGE;
   const fbi_exact_motion steady = {0, 0, 0, 0, FB_R(1.0), FB_R(0.0)};
+
+  /* Steady motion; without angular velocity there are no inertia forces */
   work->motion = steady;
   fbi_exact_input_take(work, m, base_quat, input, part, FB_R(0.0));
-  work->motion.inertia = !fbi_is_zero(work->twist + 3, 3); /* a velocity alone takes no forces */
+  work->motion.inertia = !fbi_is_zero(work->twist + 3, 3);
   fbi_zero(work->momentum, 6 * m->n);
   fbi_zero(work->lump, 6 * m->n_lump);
+
+  /* Corrections: residual, tangent, solution; from the tenth on they must decrease */
   for (int it = 0; it < 25 && change > FBI_EXACT_TOLERANCE && status == FB_OK; it++) {
     fbi_exact_nodes_eval(work, m);
     fbi_exact_residual(work, m);
@@ -17884,7 +18034,7 @@ static fb_status fbi_exact_newton(fb_exact_work *work, const fb_exact *m, const 
     }
     fbi_exact_solve(work, m);
     work->iterations++;
-    change = fbi_exact_change(work, m, FB_R(1.0), it > 3 ? FB_EPSILON : FB_R(0.0)); /* no further one takes it away */
+    change = fbi_exact_change(work, m, FB_R(1.0), it > 3 ? FB_EPSILON : FB_R(0.0)); /* round-off apart */
     status = it > 8 && change > before ? FB_ERR_CONVERGENCE : fbi_exact_turn_add(work, m, change);
     before = change;
   }
@@ -17894,15 +18044,20 @@ static fb_status fbi_exact_newton(fb_exact_work *work, const fb_exact *m, const 
   return status;
 }
 
-/* Load increments from the undeformed beam on, each as large as converges. */
+/* Load increments from the undeformed beam on: a step that converges quickly doubles the next, one that does not is
+   quartered. */
 static fb_status fbi_exact_increments(fb_exact_work *work, const fb_exact *m, const fb_real base_quat[4],
                                       const fb_exact_input *input)
 {
   fb_real part = FB_R(0.0), step = FB_R(0.5);
   fb_status status = FB_OK;
+
+  /* Undeformed beam */
   fbi_copy(work->state.r, m->r, 3 * (m->n + 1));
   fbi_copy(work->state.quat, m->quat, 4 * (m->n + 1));
   fbi_zero(work->state.stress[0], 6 * m->n);
+
+  /* Increments up to the full load */
   while (part < FB_R(1.0)) {
     const fb_real next = part + step < FB_R(0.999) ? part + step : FB_R(1.0);
     const int before = work->iterations;
@@ -17923,9 +18078,8 @@ static fb_status fbi_exact_increments(fb_exact_work *work, const fb_exact *m, co
   return FB_OK;
 }
 
-/* ---- trees against the ground */
-
-/* What Newton's method has found: its stability, and the state. */
+/* Writes the steady state of the work and the number of its unstable directions. Velocities are relative to the
+   translation of the base, which goes to state->u in inertial axes. */
 static void fbi_exact_rest(fb_exact_state *state, fb_exact_work *work, const fb_exact *m)
 {
   fb_real base[9];
@@ -17933,7 +18087,7 @@ static void fbi_exact_rest(fb_exact_state *state, fb_exact_work *work, const fb_
   fbi_exact_residual(work, m);
   work->unstable = fbi_exact_unstable(work, m);
   fbi_copy(work->drift, work->twist, 3);
-  fbi_zero(work->twist, 3); /* from here on relative to the base's velocity of this instant */
+  fbi_zero(work->twist, 3); /* from here on relative to the present velocity of the base */
   fbi_exact_nodes_eval(work, m);
   fbi_exact_state_take(state, work, m);
   fb_quat_to_mat33(base, state->base_quat);
@@ -17946,6 +18100,7 @@ static void fbi_exact_rest(fb_exact_state *state, fb_exact_work *work, const fb_
 FB_DEF fb_status fb_exact_trim(const fb_exact *m, fb_exact_state *state, fb_exact_work *work,
                                const fb_exact_input *input)
 {
+  /* Check the arguments */
   fb_status status;
   FBI_REQUIRE(m && state && work, FB_ERR_NULL);
   input = input ? input : fbi_exact_no_input(work);
@@ -17954,6 +18109,8 @@ FB_DEF fb_status fb_exact_trim(const fb_exact *m, fb_exact_state *state, fb_exac
   if (status != FB_OK) {
     return status;
   }
+
+  /* The full load at once, else in increments */
   work->iterations = 0;
   work->increments = 1;
   fbi_exact_pose_take(work, state, m);
@@ -17968,8 +18125,9 @@ FB_DEF fb_status fb_exact_trim(const fb_exact *m, fb_exact_state *state, fb_exac
 }
 #endif
 
-/* Velocities (v, w) of the free spin at |wanted| about the principal axis nearest to it, from the momenta (p, h) about
-   O at w = e_i: p = e_i x c, h = J e_i. mass > 0: its center at rest, 0: O is held. */
+/* Velocities V = (v, w) of a free body that spins steadily, at |wanted| about the principal axis nearest to `wanted`.
+   momenta: (p, h) about the origin O at w = e_i, i = 1 2 3: p = e_i x c, h = J e_i with c = mass times the center of
+   mass. mass > 0: the center of mass is at rest, J about it; 0: O is fixed. */
 static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], fb_real mass, const fb_real wanted[3])
 {
   const fb_real spin = FB_SQRT(fb_vec3_dot(wanted, wanted));
@@ -17979,6 +18137,8 @@ static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], fb_real 
   if (!fbi_is_finite(&spin, 1)) {
     return FB_ERR_NOT_FINITE;
   }
+
+  /* First moment c, and J about the center of mass: J_O - (c.c 1 - c c^T)/mass */
   for (int i = 0; i < 3; i++) {
     const fb_real *const p = momenta + 6 * i;
     fbi_copy(J + 3 * i, p + 3, 3);
@@ -17989,8 +18149,10 @@ static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], fb_real 
     const fb_real square = i % 4 == 0 ? fb_vec3_dot(c, c) : FB_R(0.0);
     J[i] -= (square - c[i / 3] * c[i % 3]) / mass;
   }
+
+  /* w along the projection of `wanted` on a principal axis, or on the space of all with the same inertia */
   status = fb_eig_sym_solve(value, axes, J, 3);
-  for (int k = 0; k < 3 && status == FB_OK; k++) { /* its part along the axis, or along all of the same inertia */
+  for (int k = 0; k < 3 && status == FB_OK; k++) {
     fb_real along[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, size;
     for (int i = 0; i < 3; i++) {
       if (FB_FABS(value[i] - value[k]) <= FBI_ROUNDING * value[2]) {
@@ -18004,7 +18166,9 @@ static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], fb_real 
       fbi_vec3_add(V + 3, spin / size, along);
     }
   }
-  if (mass > FB_R(0.0)) { /* m v + w x c = 0 */
+
+  /* Center of mass at rest: mass v + w x c = 0 */
+  if (mass > FB_R(0.0)) {
     fb_vec3_cross(V, c, V + 3);
     for (int i = 0; i < 3; i++) {
       V[i] /= mass;
@@ -18013,10 +18177,10 @@ static fb_status fbi_free_spin(fb_real V[6], const fb_real momenta[18], fb_real 
   return status;
 }
 
-/* Torque that counts for rounding, in parts of what acts at all. */
+/* Relative tolerance of equilibrium: a resultant below this part of the summed magnitudes counts as round-off. */
 #define FBI_UNREST (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-6))
-/* Whether momenta P, L of a base that nothing prescribes, inertial axes, turn with its spin w and do nothing else:
-   nothing pushes or turns it, against the torque [N m] that acts at all. */
+/* Is a base with momenta P, L (inertial axes) in steady rotation: P' = 0, L' = w x L, up to FBI_UNREST times `torque`,
+   the summed magnitudes of what acts [N m]? Forces count with the lever `length`. */
 static int fbi_is_balanced(const fb_real P_dot[3], const fb_real L_dot[3], const fb_real L[3], const fb_real w[3],
                            fb_real length, fb_real torque)
 {
@@ -18027,11 +18191,11 @@ static int fbi_is_balanced(const fb_real P_dot[3], const fb_real L_dot[3], const
          FBI_UNREST * (torque + fbi_vec3_norm(w) * fbi_vec3_norm(L));
 }
 
-/* How far a coordinate is moved for a difference, in parts of a body or of a radian. */
+/* Step of the finite differences, relative to the size of the body, or in radians. */
 #define FBI_DIFFERENCE (FB_SINGLE ? FB_R(1e-2) : FB_R(1e-3))
-/* Step of a coordinate for a difference: it moves no point by more than a small part of the body, less where the limit
-   is tighter, and turns no node by more than that part of a radian: what hangs on it, and loads in its axes, turn
-   along. */
+/* Finite-difference step of modal coordinate a: it moves no point by more than FBI_DIFFERENCE times the radius of
+   gyration (or the deflection limit, where that is smaller) and rotates no node by more than FBI_DIFFERENCE radians,
+   since bodies and loads on a node rotate with it. */
 static fb_real fbi_difference_step(const fb_body *body, int a)
 {
   const fb_real large =
@@ -18043,11 +18207,11 @@ static fb_real fbi_difference_step(const fb_body *body, int a)
   return most > FB_R(0.0) ? FBI_DIFFERENCE / most : FB_R(1.0);
 }
 
-/* ---- what is differentiated: a body or, with system, bodies on joints */
+/* ---- finite differences: the subject, a body or a system of bodies */
 
 typedef struct fbi_subject {
   const fb_body *body;        /* or the array of models */
-  const fb_linear_desc *desc; /* f is rates and outputs of this; NULL: what keeps it from rest (trim) */
+  const fb_linear_desc *desc; /* f: rates and the outputs of this; NULL: residual of the equilibrium (trim) */
   fb_analyse_work *work;
   const fb_state *state;
   const fb_input *input;
@@ -18059,7 +18223,7 @@ typedef struct fbi_subject {
 #endif
 } fbi_subject;
 
-/* Moves a frame along (i < 3) or turns it about (i >= 3) an axis of its own. */
+/* Displaces a frame by h along (i < 3), or rotates it by h about (i >= 3), one of its own axes. */
 static void fbi_frame_move(fb_real rho[3], fb_real quat[4], int i, fb_real h)
 {
   fb_real x[6] = {FB_R(0.0)}, R[9], shift[3], turn[4], before[4];
@@ -18072,8 +18236,8 @@ static void fbi_frame_move(fb_real rho[3], fb_real quat[4], int i, fb_real h)
   fb_quat_mul(quat, before, turn);
 }
 
-/* Rate of a frame's position against one at rho_0, quat_0 that moves with v_0, w_0, that one's axes: R_0^T rho' - v_0 -
-   w_0 x R_0^T (rho - rho_0). */
+/* Velocity of a frame relative to a reference frame at rho_0, quat_0 that moves with v_0, w_0, in axes of the
+   reference: R_0^T rho' - v_0 - w_0 x R_0^T (rho - rho_0). */
 static void fbi_shift_rate(fb_real rate[3], const fb_real quat0[4], const fb_real rho0[3], const fb_real V0[6],
                            const fb_real rho[3], const fb_real velocity[3])
 {
@@ -18090,7 +18254,8 @@ static void fbi_shift_rate(fb_real rate[3], const fb_real quat0[4], const fb_rea
   }
 }
 
-/* Rate of its attitude, small angles: w - (R_0^T R)^T w_0. */
+/* Angular velocity of the frame relative to the reference, in its own axes: w - (R_0^T R)^T w_0; to first order the
+   rate of the small angles between the two. */
 static void fbi_turn_rate(fb_real rate[3], const fb_real quat0[4], const fb_real w0[3], const fb_real quat[4],
                           const fb_real w[3])
 {
@@ -18104,7 +18269,7 @@ static void fbi_turn_rate(fb_real rate[3], const fb_real quat0[4], const fb_real
   }
 }
 
-/* Rate in body axes of what is kept in inertial ones: R^T P' - w x R^T P. */
+/* Rate of the body-axes components of a vector P given in inertial axes: R^T P' - w x R^T P. */
 static void fbi_turned_rate(fb_real rate[3], const fb_real R[9], const fb_real w[3], const fb_real P[3],
                             const fb_real P_dot[3])
 {
@@ -18115,7 +18280,7 @@ static void fbi_turned_rate(fb_real rate[3], const fb_real R[9], const fb_real w
   fbi_vec3_add(rate, -FB_R(1.0), turn);
 }
 
-/* ---- ports */
+/* ---- input and output channels (ports) */
 
 static void fbi_port_load(fb_load *load, const fb_port *port, fb_real h)
 {
@@ -18125,7 +18290,7 @@ static void fbi_port_load(fb_load *load, const fb_port *port, fb_real h)
   (port->kind == FB_PORT_FORCE ? load->force : load->torque)[port->axis] = h;
 }
 
-/* What the output reads at a node of a body in motion. */
+/* Output y at a node of a body. */
 static fb_status fbi_port_read(fb_real *y, const fb_body *body, const fb_state *state, const fb_motion *motion,
                                const fb_port *port)
 {
@@ -18146,18 +18311,18 @@ static fb_status fbi_port_read(fb_real *y, const fb_body *body, const fb_state *
   return status;
 }
 
-/* ---- of one body */
+/* ---- residual and response of one body */
 
 static fb_status fbi_analyse_check(const fb_body *body, const fb_state *state, const fb_input *input)
 {
   FBI_REQUIRE(body && state && input, FB_ERR_NULL);
-  if (fbi_form(body) != 0 && body->base != FB_BASE_PRESCRIBED) { /* its u, L are velocities */
+  if (fbi_form(body) != 0 && body->base != FB_BASE_PRESCRIBED) { /* in the other forms u, L are velocities */
     return FB_ERR_VALUE;
   }
   return fb_state_check(body, state);
 }
 
-/* (p, h) about O of a base that nothing prescribes, body axes. */
+/* Momenta (p, h) about O of a body whose base is not prescribed, body axes. */
 static void fbi_momenta_about_origin(fb_real ph[6], const fb_body *body, const fb_state *state, const fb_real R[9])
 {
   fb_real u[3], c[3];
@@ -18171,8 +18336,8 @@ static void fbi_momenta_about_origin(fb_real ph[6], const fb_body *body, const f
   }
 }
 
-/* A state of these velocities; of a prescribed base its elastic momenta are against the ground, which does not turn
-   with the base. */
+/* State with the given velocities. With a prescribed base the elastic momenta are those relative to the ground, which
+   does not move with the base. */
 static fb_status fbi_state_of(const fb_body *body, fb_state *state, const fb_real v[3], const fb_real w[3],
                               const fb_real *q_dot)
 {
@@ -18187,7 +18352,7 @@ static fb_status fbi_state_of(const fb_body *body, fb_state *state, const fb_rea
   return status;
 }
 
-/* Velocities of a base that spins freely, at the shape of state; its momenta are spoiled. */
+/* Velocities of a freely spinning base at the deformation q of the state, whose momenta are overwritten. */
 static fb_status fbi_body_spin(fb_real V[6], fb_state *state, const fb_body *body, const fb_real wanted[3])
 {
   const fb_real still[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
@@ -18198,6 +18363,8 @@ static fb_status fbi_body_spin(fb_real V[6], fb_state *state, const fb_body *bod
   if (body->base == FB_BASE_HINGED || !(fb_vec3_dot(wanted, wanted) > FB_R(0.0))) {
     return FB_OK;
   }
+
+  /* Momenta by a unit angular velocity about each axis */
   fb_quat_to_mat33(R, state->quat);
   for (int i = 0; i < 3 && status == FB_OK; i++) {
     fb_real w[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
@@ -18208,7 +18375,8 @@ static fb_status fbi_body_spin(fb_real V[6], fb_state *state, const fb_body *bod
   return status ? status : fbi_free_spin(V, momenta, body->base == FB_BASE_FREE ? body->mass : FB_R(0.0), wanted);
 }
 
-/* pi_dot at rest in the frame, which moves as the input says or spins freely, with q_j moved by h. */
+/* Residual of the trim: pi_dot at q_dot = 0, with q_j increased by h; the base moves as the input prescribes, or spins
+   freely. */
 static fb_status fbi_body_residual(fb_real *f, const fbi_subject *s, int j, fb_real h)
 {
   fb_analyse_work *const work = s->work;
@@ -18239,8 +18407,8 @@ static fb_real fbi_across(const fb_real w[3], const fb_real x[3])
   return spin > FB_R(0.0) ? fbi_vec3_norm(turn) / spin : FB_R(0.0);
 }
 
-/* Whether the base rests in the trimmed state of the work, too: FB_ERR_UNREST where it is pushed or turned, now or when
-   it has turned on. */
+/* Is the base of the trimmed state in equilibrium, too? FB_ERR_UNREST where force or torque accelerate it, now or after
+   it has rotated further: loads in inertial axes and gravity need to be along the spin axis. */
 static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const fb_input *input)
 {
   const fb_real length = body->gyration, none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
@@ -18249,6 +18417,8 @@ static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const
   if (status != FB_OK || body->base == FB_BASE_PRESCRIBED) {
     return status;
   }
+
+  /* Summed magnitudes of loads and gravity; `across`: of what rotates relative to the body */
   fb_quat_to_mat33(R, work->moved.quat);
   fb_mat33_mul_vec3(w, R, work->motion.w);
   for (int i = 0; i < input->n_load; i++) {
@@ -18263,6 +18433,8 @@ static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const
     across += body->mass * length * fbi_across(w, body->gravity);
   }
 #endif
+
+  /* P' = 0, L' = w x L, now and later */
   fbi_zero(push, 3);
   fbi_vec3_add(push, body->mass, work->rate.u);
   return fbi_is_balanced(push, work->rate.L, work->moved.L, w, length, torque) && across <= FBI_UNREST * torque
@@ -18270,8 +18442,9 @@ static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const
              : FB_ERR_UNREST;
 }
 
-/* The state with the element j of x moved by h. Where q is moved, the velocities stay and the momenta follow (E12.12);
-   when the attitude changes, momenta keep their components in body axes. */
+/* State with element j of x increased by h; x = (q, pi, momenta of the base, position and attitude). With q the
+   velocities stay constant and the momenta change (E12.12); with the attitude the momenta keep their components in body
+   axes. */
 static fb_status fbi_linear_move(fb_state *out, const fbi_subject *s, int j, fb_real h)
 {
   const fb_motion *const steady = &s->work->steady;
@@ -18281,10 +18454,14 @@ static fb_status fbi_linear_move(fb_state *out, const fbi_subject *s, int j, fb_
             pose = momentum - (6 - first);
   fb_real R[9], ph[6];
   *out = *state;
+
+  /* q */
   if (j < n) {
     out->q[j] += h;
     return fbi_state_of(body, out, steady->v, steady->w, steady->q_dot);
   }
+
+  /* pi, else momenta or pose of the base */
   if (j < 2 * n) {
     out->pi[j - n] += h;
   } else {
@@ -18303,7 +18480,7 @@ static fb_status fbi_linear_move(fb_state *out, const fbi_subject *s, int j, fb_
   return FB_OK;
 }
 
-/* Rates of the momenta and of the pose, body axes. */
+/* Rates of the momenta of the base and of its pose, body axes; the pose relative to the steady motion. */
 static void fbi_linear_frame(fb_real rate[12], const fb_analyse_work *work, const fb_state *state, fb_real mass)
 {
   const fb_state *const at = &work->moved;
@@ -18322,7 +18499,7 @@ static void fbi_linear_frame(fb_real rate[12], const fb_analyse_work *work, cons
   fbi_turn_rate(rate + 9, state->quat, V0 + 3, at->quat, w);
 }
 
-/* Moves an input by h. */
+/* Increases an input by h. */
 static void fbi_port_drive(fb_input *input, const fb_port *port, fb_real h)
 {
   if (port->kind == FB_PORT_BASE_VELOCITY || port->kind == FB_PORT_BASE_RATE) {
@@ -18333,7 +18510,7 @@ static void fbi_port_drive(fb_input *input, const fb_port *port, fb_real h)
   }
 }
 
-/* The momenta among x: of the modes, then of a base that is free to move, body axes. */
+/* Momenta of the linear model: those of the modes, then the free ones of the base, body axes. */
 static void fbi_linear_momenta(fb_real *p, const fb_body *body, const fb_state *state)
 {
   const int n = body->n, first = fbi_first_free(body->base);
@@ -18348,7 +18525,7 @@ static void fbi_linear_momenta(fb_real *p, const fb_body *body, const fb_state *
   fbi_copy(p + n, ph + first, 6 - first);
 }
 
-/* f: rates of x, the outputs, the momenta among x, with x_j or an input moved by h. */
+/* f = (rates of x, outputs, momenta of the linear model) with x_j, or from `states` on an input, increased by h. */
 static fb_status fbi_body_response(fb_real *f, const fbi_subject *s, int j, fb_real h)
 {
   fb_analyse_work *const work = s->work;
@@ -18356,6 +18533,8 @@ static fb_status fbi_body_response(fb_real *f, const fbi_subject *s, int j, fb_r
   const int n = body->n, first = fbi_first_free(body->base), n_free = 6 - first, states = 2 * (n + n_free);
   fb_real frame[12];
   fb_status status = FB_OK;
+
+  /* State and input, then rates and motion */
   work->moved = *s->state;
   work->input = *s->input;
   if (j < states) {
@@ -18368,6 +18547,8 @@ static fb_status fbi_body_response(fb_real *f, const fbi_subject *s, int j, fb_r
   if (status != FB_OK) {
     return status;
   }
+
+  /* Rates of x, outputs, momenta */
   fbi_copy(f, work->rate.q, n);
   fbi_copy(f + n, work->rate.pi, n);
   fbi_linear_frame(frame, work, s->state, body->mass);
@@ -18381,14 +18562,14 @@ static fb_status fbi_body_response(fb_real *f, const fbi_subject *s, int j, fb_r
 }
 
 #if FB_WITH_SYSTEM
-/* ---- of a system */
+/* ---- residual and response of a system */
 
 static fb_status fbi_system_analyse_check(fb_system_analyse_work *work, const fb_system *system, const fb_body *body,
                                           const fb_system_state *state, const fb_system_input *input)
 {
   fb_status status;
   FBI_REQUIRE(system && body && work && state, FB_ERR_NULL);
-  work->system.joint = -1; /* none is at fault yet */
+  work->system.joint = -1; /* no joint has failed yet */
   if (system->method == FB_METHOD_MULTIPLIERS || (input && input->rows)) {
     return FB_ERR_UNSUPPORTED;
   }
@@ -18396,12 +18577,13 @@ static fb_status fbi_system_analyse_check(fb_system_analyse_work *work, const fb
   return status ? status : fbi_system_range(system, body, state);
 }
 
-static int fbi_is_ball(fb_joint_kind kind) /* its coordinates are an attitude */
+static int fbi_is_ball(fb_joint_kind kind) /* the attitude is (part of) its coordinates */
 {
   return kind == FB_JOINT_FREE || kind == FB_JOINT_SPHERICAL;
 }
 
-/* Length [m] by which slides are judged: the largest body or offset of a joint. */
+/* Characteristic length of a system [m], the scale of sliding coordinates: the largest radius of gyration of a body or
+   offset of a joint; 1 m where all are zero. */
 static fb_real fbi_system_size(const fb_system *system, const fb_body *body)
 {
   fb_real size = FB_R(0.0);
@@ -18414,8 +18596,8 @@ static fb_real fbi_system_size(const fb_system *system, const fb_body *body)
   return size > FB_R(0.0) ? size : FB_R(1.0);
 }
 
-/* The coordinates of the linear model, free axes of the joints and then modes, and how far to move them; of the trim:
-   without free joints. */
+/* Lists the coordinates of the linear model, free axes of the joints and then modes, with their finite-difference
+   steps. The trim leaves the coordinates of free joints out. */
 static fb_status fbi_coordinates_find(fb_system_analyse_work *work, const fb_system *system, const fb_body *body,
                                       const fb_system_state *state, int trim)
 {
@@ -18454,7 +18636,7 @@ static void fbi_coordinate_move(fb_system_state *state, const fb_system *system,
   }
 }
 
-/* Velocities of all bodies when one coordinate has speed 1. The system is placed. */
+/* Velocities of all bodies per unit speed of one coordinate. The poses of the bodies are known. */
 static void fbi_unit_speeds(const fbi_subject *s, const fbi_coordinate *c)
 {
   fb_system_work *const w = &s->system_work->system;
@@ -18466,7 +18648,8 @@ static void fbi_unit_speeds(const fbi_subject *s, const fbi_coordinate *c)
   fbi_speeds_out(w, s->system, s->body);
 }
 
-/* Momenta along the axes of the joint of a body, and in `moved` those of all, when that one speed is 1. */
+/* Momenta along the axes of the coordinate's joint per unit speed of the coordinate; those of all bodies are left in
+   `moved`. */
 static void fbi_unit_momenta(fb_real p[6], const fbi_subject *s, const fbi_coordinate *c)
 {
   fb_system_work *const w = &s->system_work->system;
@@ -18475,15 +18658,18 @@ static void fbi_unit_momenta(fb_real p[6], const fbi_subject *s, const fbi_coord
   fbi_joint_momenta(p, &w->link[c->body], &s->system->joint[c->body], &s->system_work->moved.link[c->body]);
 }
 
-/* ---- loops: coordinates that the others give */
+/* ---- loops: dependent coordinates */
 
-/* Places the system and fills Z: what the rows of the loops have by coordinate, and by how much they are not met. */
+/* Evaluates the poses of the bodies and fills Z = (Jacobian of the loop constraints, their violation). row_size: scale
+   of a row, by which its elements are judged. */
 static fb_status fbi_loops_rows(const fbi_subject *s, const fb_system_state *state)
 {
   fb_system_analyse_work *const work = s->system_work;
   fb_system_work *const w = &work->system;
   const int n = work->n;
   fb_status status = FB_OK;
+
+  /* Constraint rows and their violation */
   fbi_system_enter(w, s->system);
   fbi_links_place(w, s->system, s->body, state, state);
   if (s->system->n_loop > 0) {
@@ -18494,6 +18680,8 @@ static fb_status fbi_loops_rows(const fbi_subject *s, const fb_system_state *sta
     work->row_size[r] = FB_R(0.0);
     w->order[r] = r;
   }
+
+  /* Jacobian, column by column */
   for (int j = 0; j < n && w->n_row > 0 && status == FB_OK; j++) {
     fbi_unit_speeds(s, &work->coordinate[j]);
     fbi_ends_move(w, s->system, s->body);
@@ -18505,7 +18693,8 @@ static fb_status fbi_loops_rows(const fbi_subject *s, const fb_system_state *sta
   return status;
 }
 
-/* The largest element that row k or a later one has in a column that may be its dependent coordinate. */
+/* Pivot: the largest scaled element of rows k and later, over all columns (choose) or in the column of the k-th
+   dependent coordinate. */
 static fb_real fbi_loops_pivot(int *row, int *column, const fb_system_analyse_work *work, int k, int choose)
 {
   const int n = work->n;
@@ -18523,10 +18712,11 @@ static fb_real fbi_loops_pivot(int *row, int *column, const fb_system_analyse_wo
   return best;
 }
 
-/* [E12.11] Z by Gauss and Jordan: coordinate dependent[k] moves by -Z_kj of each independent one, and is off by Z_kn.
-   choose: which depend is found first, with full pivoting; rows that say nothing new are left out.
-   Source: [GV] 3.4.  Cost: rows^2 n.  Fails: FB_ERR_SINGULAR, one that does not follow from the others any more, and a
-   joint whose row is left.
+/* [E12.11] Coordinate partitioning by Gauss-Jordan elimination of Z: coordinate dependent[k] changes by -Z_kj per unit
+   of independent coordinate j, and -Z_kn closes the loops. choose: full pivoting selects the dependent coordinates;
+   redundant rows are dropped. Otherwise the selection of before is kept.
+   Source: [GV] 3.4.  Cost: rows^2 n.  Fails: FB_ERR_SINGULAR, a dependent coordinate is no longer determined by the
+   others; work names the joint of a row that is left.
    Test: rods_in_a_loop_swing_as_one_pendulum, held_tips_take_a_mode_away. */
 static fb_status fbi_loops_reduce(fb_system_analyse_work *work, int choose)
 {
@@ -18535,6 +18725,8 @@ static fb_status fbi_loops_reduce(fb_system_analyse_work *work, int choose)
   for (int k = 0; k < count; k++) {
     int row = k, column = 0;
     fb_real scale;
+
+    /* Pivot; without one the rows that are left are redundant (choose), or the selection fails */
     if (!(fbi_loops_pivot(&row, &column, work, k, choose) > (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-8)))) {
       work->n_dependent = choose ? k : work->n_dependent;
       work->system.joint = choose ? work->system.joint : work->system.row[work->system.order[k]].joint;
@@ -18542,6 +18734,8 @@ static fb_status fbi_loops_reduce(fb_system_analyse_work *work, int choose)
     }
     work->dependent[k] = column;
     work->n_dependent = choose ? k + 1 : work->n_dependent;
+
+    /* Its row becomes row k, scaled to pivot 1, and eliminates the column from all others */
     scale = FB_R(1.0) / work->Z[row * width + column];
     for (int j = 0; j < width; j++) {
       const fb_real element = work->Z[row * width + j];
@@ -18559,7 +18753,7 @@ static fb_status fbi_loops_reduce(fb_system_analyse_work *work, int choose)
   return FB_OK;
 }
 
-/* Which coordinates are independent, in their order. */
+/* Selects the dependent coordinates and lists the independent ones in their order. */
 static fb_status fbi_loops_open(const fbi_subject *s, const fb_system_state *state)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -18579,7 +18773,7 @@ static fb_status fbi_loops_open(const fbi_subject *s, const fb_system_state *sta
   return status;
 }
 
-/* FB_ERR_CONTRADICTION: a loop of the placed system is open, also by what its rows leave out as said twice. */
+/* FB_ERR_CONTRADICTION: a loop is open at the present poses; redundant rows are checked, too. */
 static fb_status fbi_loops_check(fb_system_analyse_work *work)
 {
   for (int r = 0; r < work->system.n_row; r++) {
@@ -18592,8 +18786,8 @@ static fb_status fbi_loops_check(fb_system_analyse_work *work)
   return FB_OK;
 }
 
-/* Moves the dependent coordinates of a state to where the loops are closed, by Newton's method; leaves the system
-   placed and Z as it is there. */
+/* Closes the loops of a state by Newton's method on its dependent coordinates; poses and Z of the work are then those
+   of the closed loops. */
 static fb_status fbi_loops_shut(const fbi_subject *s, fb_system_state *state)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -18611,7 +18805,7 @@ static fb_status fbi_loops_shut(const fbi_subject *s, fb_system_state *state)
   return status;
 }
 
-/* What forces or momenta x of all coordinates are along independent one j: those of the dependent ones come with it. */
+/* Forces or momenta x of all coordinates reduced to independent coordinate j: x_j - sum_k Z_kj x_dependent(k). */
 static fb_real fbi_loops_reduced(const fb_system_analyse_work *work, const fb_real *x, int j)
 {
   const int at = work->independent[j];
@@ -18622,7 +18816,7 @@ static fb_real fbi_loops_reduced(const fb_system_analyse_work *work, const fb_re
   return sum;
 }
 
-/* Rates of a joint's coordinates z and momenta p along its axes, as fb_linear has them. */
+/* Rates of the coordinates z of a joint and of the momenta p along its axes, as defined for fb_linear. */
 static void fbi_joint_rates(fb_real z[6], fb_real p[6], const fbi_subject *s, int k)
 {
   const fb_system_analyse_work *const work = s->system_work;
@@ -18646,7 +18840,7 @@ static void fbi_joint_rates(fb_real z[6], fb_real p[6], const fbi_subject *s, in
   }
 }
 
-/* Rates of the independent coordinates, then of their momenta, from those of the moved state. */
+/* Rates of the independent coordinates, then of their momenta, from the rates of the state `moved`. */
 static void fbi_system_linear_rates(fb_real *f, const fbi_subject *s)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -18666,14 +18860,14 @@ static void fbi_system_linear_rates(fb_real *f, const fbi_subject *s)
   }
 }
 
-/* Is it a free joint that nothing moves? */
+/* Is it a free joint whose motion is not prescribed? */
 static int fbi_is_afloat(const fb_system *system, const fb_system_state *state, int k)
 {
   return system->joint[k].kind == FB_JOINT_FREE && state->mode[k][0] == FB_AXIS_FREE;
 }
 
-/* Speeds at rest of the free joints: all that hangs on one in a free spin about the input's rate. The system is
-   placed. */
+/* Steady speeds of the free joints: the tree on each spins freely at the rate that the input gives. The poses of the
+   bodies are known. */
 static fb_status fbi_roots_spin(const fbi_subject *s)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -18684,7 +18878,7 @@ static fb_status fbi_roots_spin(const fbi_subject *s)
     if (!fbi_is_afloat(s->system, &work->moved, k) || fb_vec3_dot(wanted, wanted) == FB_R(0.0)) {
       continue;
     }
-    for (int i = 0; i < 4; i++) { /* w = e_1, e_2, e_3; v = e_1 for the mass */
+    for (int i = 0; i < 4; i++) { /* w = e_1, e_2, e_3; v = e_1, whose momentum is the mass */
       const fbi_coordinate c = {k, 0, (3 + i) % 6};
       fbi_unit_momenta(momenta + 6 * i, s, &c);
     }
@@ -18693,7 +18887,7 @@ static fb_status fbi_roots_spin(const fbi_subject *s)
   return status;
 }
 
-/* Whether the free joints of the trimmed state rest, too: FB_ERR_UNREST where one is pushed or turned. */
+/* Are the free joints of the trimmed state in equilibrium, too? FB_ERR_UNREST where force or torque accelerate one. */
 static fb_status fbi_roots_rest(const fbi_subject *s)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -18716,7 +18910,8 @@ static fb_status fbi_roots_rest(const fbi_subject *s)
   return FB_OK;
 }
 
-/* Rates of the momenta at rest, given axes apart, with coordinate j moved by h. */
+/* Residual of the trim: rates of the momenta with independent coordinate j increased by h, at zero speeds but for
+   prescribed axes and free spins. */
 static fb_status fbi_system_residual(fb_real *f, const fbi_subject *s, int j, fb_real h)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -18738,7 +18933,7 @@ static fb_status fbi_system_residual(fb_real *f, const fbi_subject *s, int j, fb
   return status;
 }
 
-/* Momenta of the independent coordinates of a placed system; p of all. */
+/* Momenta of the independent coordinates (out) and of all (p); the poses of the bodies are known. */
 static void fbi_system_momenta(fb_real *out, fb_real *p, const fbi_subject *s, const fb_system_state *state)
 {
   const fb_system_analyse_work *const work = s->system_work;
@@ -18754,9 +18949,9 @@ static void fbi_system_momenta(fb_real *out, fb_real *p, const fbi_subject *s, c
   }
 }
 
-/* Momenta of the moved state, whose loops are shut, along the axes of the joints: as they are steadily, and h more of
-   the independent one j. In loops those of the dependent coordinates are zero: the others' have theirs in them, and
-   d/dt of what has is fbi_loops_reduced. */
+/* Sets the momenta of the state `moved`, whose loops are closed, along the axes of the joints: the steady ones, with h
+   added to that of independent coordinate j. In loops the momenta of dependent coordinates are set to zero, since the
+   reduced momenta of the independent ones contain them; fbi_loops_reduced gives the rates. */
 static void fbi_momenta_keep(const fbi_subject *s, int j, fb_real h)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -18774,15 +18969,16 @@ static void fbi_momenta_keep(const fbi_subject *s, int j, fb_real h)
   }
 }
 
-/* Is coordinate j of a free joint? No momentum in axes of the child's side depends on it. */
+/* Does coordinate j belong to a free joint? Momenta in axes of the child do not depend on it. */
 static int fbi_is_pose(const fbi_subject *s, int j)
 {
   const fbi_coordinate *const c = &s->system_work->coordinate[s->system_work->independent[j]];
   return !c->mode && s->system->joint[c->body].kind == FB_JOINT_FREE;
 }
 
-/* The state with element j of x (if it is one, not an input) moved by h. Of a tree that a coordinate moves the speeds
-   stay and the momenta follow (E12.12); else momenta keep their components along the axes of the joints. */
+/* State `moved` with element j of x increased by h (if j is not an input). In trees, with a coordinate the speeds stay
+   constant and the momenta change (E12.12); otherwise the momenta keep their components along the axes of the
+   joints. */
 static fb_status fbi_system_linear_move(const fbi_subject *s, int j, fb_real h)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -18827,12 +19023,14 @@ static fb_status fbi_system_port_read(fb_real *y, const fbi_subject *s, const fb
   return fbi_port_read(y, fbi_model(s->system, s->body, k), &motion->pose[k], &motion->motion[k], port);
 }
 
-/* f: rates of x, the outputs, the momenta among x, with x_j or an input moved by h. */
+/* f = (rates of x, outputs, momenta of the linear model) with x_j, or from `states` on an input, increased by h. */
 static fb_status fbi_system_response(fb_real *f, const fbi_subject *s, int j, fb_real h)
 {
   fb_system_analyse_work *const work = s->system_work;
   const int states = 2 * work->n_independent;
   fb_status status;
+
+  /* State and input, then rates */
   work->moved = *s->system_state;
   memset(&work->input, 0, sizeof work->input);
   if (s->system_input) {
@@ -18847,6 +19045,8 @@ static fb_status fbi_system_response(fb_real *f, const fbi_subject *s, int j, fb
   if (status != FB_OK) {
     return status;
   }
+
+  /* Rates of x, momenta, outputs */
   fbi_system_linear_rates(f, s);
   fbi_copy(f + states + s->desc->n_out, work->p_moved, work->n_independent);
   if (s->desc->n_out > 0) {
@@ -18859,7 +19059,7 @@ static fb_status fbi_system_response(fb_real *f, const fbi_subject *s, int j, fb
 }
 #endif
 
-/* ---- of both */
+/* ---- derivatives and Newton's method, of bodies and systems */
 
 static fb_status fbi_subject_eval(fb_real *f, const fbi_subject *s, int j, fb_real h)
 {
@@ -18871,7 +19071,7 @@ static fb_status fbi_subject_eval(fb_real *f, const fbi_subject *s, int j, fb_re
   return s->desc ? fbi_body_response(f, s, j, h) : fbi_body_residual(f, s, j, h);
 }
 
-/* Moves an unknown of the trim for good. */
+/* Corrects unknown j of the trim by h. */
 static fb_status fbi_subject_move(const fbi_subject *s, int j, fb_real h)
 {
 #if FB_WITH_SYSTEM
@@ -18885,7 +19085,8 @@ static fb_status fbi_subject_move(const fbi_subject *s, int j, fb_real h)
   return FB_OK;
 }
 
-/* Column j of the derivative of f: values at -2, -1, 1, 2 steps h, exact for polynomials of degree 4. */
+/* Column j of the Jacobian of f by central differences with the values at -2, -1, 1, 2 steps h; exact for polynomials
+   of degree 4. */
 static fb_status fbi_difference(fbi_analysis *work, const fbi_subject *s, int j, fb_real h, int count)
 {
   static const fb_real weight[4] = {FB_R(1.0) / FB_R(12.0), -FB_R(2.0) / FB_R(3.0), FB_R(2.0) / FB_R(3.0),
@@ -18902,13 +19103,14 @@ static fb_status fbi_difference(fbi_analysis *work, const fbi_subject *s, int j,
   return status;
 }
 
-/* Newton's method for f = 0 in n unknowns. change: the last step, in bodies or radians; below 1e-9 it leaves
-   rounding. */
+/* Newton's method for f = 0 in n unknowns. change: the last correction relative to the size of the body, or in radians;
+   the iteration ends when it is round-off. */
 static fb_status fbi_trim_newton(fb_real *change, fbi_analysis *work, const fbi_subject *s, int n)
 {
   fb_status status = FB_OK;
   *change = FB_R(1.0);
   for (int step = 0; step < 40 && *change > FB_R(64.0) * FB_EPSILON && status == FB_OK; step++) {
+    /* Jacobian by differences, and the residual */
     for (int j = 0; j < n && status == FB_OK; j++) {
       status = fbi_difference(work, s, j, work->step[j], n);
       for (int i = 0; i < n; i++) {
@@ -18916,6 +19118,8 @@ static fb_status fbi_trim_newton(fb_real *change, fbi_analysis *work, const fbi_
       }
     }
     status = status ? status : fbi_subject_eval(work->f, s, 0, FB_R(0.0));
+
+    /* Correction */
     status = status || n == 0 ? status : fb_lu_factor(work->A, work->perm, work->scale, n);
     *change = FB_R(0.0);
     if (status == FB_OK) {
@@ -18948,8 +19152,8 @@ static fbi_subject fbi_subject_body(const fb_body *body, fb_analyse_work *work, 
   return s;
 }
 
-/* [E12.1] Steady state by Newton's method: pi_dot(q) = 0 at q_dot = 0, the tangent by differences.
-   Source: definition.  Cost: 4 n evaluations and a LU an iteration.  Fails: see the header.
+/* [E12.1] Steady state by Newton's method: pi_dot(q) = 0 at q_dot = 0, the Jacobian by differences.
+   Source: definition.  Cost: 4 n evaluations and an LU factorization per iteration.  Fails: see the header.
    Test: spectrum_of_a_spinning_oscillator_is_closed_form, bases_that_are_pushed_have_no_state_of_rest. */
 FB_DEF fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_work *work, const fb_input *input)
 {
@@ -18960,6 +19164,8 @@ FB_DEF fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_w
   if (status != FB_OK) {
     return status;
   }
+
+  /* Newton's method from the given state */
   s = fbi_subject_body(body, work, &work->state, input, NULL);
   work->state = *state;
   for (int a = 0; a < body->n; a++) {
@@ -18970,6 +19176,8 @@ FB_DEF fb_status fb_body_trim(const fb_body *body, fb_state *state, fb_analyse_w
   if (status == FB_OK && !fbi_is_settled(change)) {
     status = FB_ERR_CONVERGENCE;
   }
+
+  /* Equilibrium of the base; the momenta of a prescribed one as of any state */
   status = status ? status : fbi_body_rest(work, body, input);
   if (status == FB_OK && body->base == FB_BASE_PRESCRIBED) {
     status = fb_state_from_velocity(body, &work->moved, input->v, input->w, NULL);
@@ -18989,9 +19197,9 @@ static fbi_subject fbi_subject_system(const fb_system *system, const fb_body *bo
   return s;
 }
 
-/* [E12.8] Relative equilibrium of a system by Newton's method: the rates of the momenta of joints and modes, along the
-   axes of the joints, vanish with given axes at their rates, free joints in a free spin and the rest still.
-   Source: definition.  Cost: 8 n evaluations and a LU an iteration.  Fails: see the header.
+/* [E12.8] Relative equilibrium of a system by Newton's method: the momenta of modes, and of joints along their axes,
+   are constant while prescribed axes move at their rates, free joints spin freely and all other speeds are zero.
+   Source: definition.  Cost: 8 n evaluations and an LU factorization per iteration.  Fails: see the header.
    Test: hinged_blades_flap_and_lag_in_closed_form, blades_cone_under_a_moment,
    bases_that_are_pushed_have_no_state_of_rest. */
 FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb_system_state *state,
@@ -19004,9 +19212,12 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
   if (status != FB_OK) {
     return status;
   }
+
+  /* Initial state: prescribed axes at their rates; momenta of the trees relative to frames at rest, in which alone
+     those of a steady rotation are constant */
   s = fbi_subject_system(system, body, work, &work->state, input, NULL);
   work->state = *state;
-  for (int k = 0; k < system->n_body; k++) { /* what turns steadily has steady momenta in a frame at rest alone */
+  for (int k = 0; k < system->n_body; k++) {
     fbi_zero(work->state.link[k].u, 3);
     fbi_zero(work->state.link[k].lost_u, 3);
   }
@@ -19014,6 +19225,8 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
   memset(work->rest, 0, sizeof work->rest);
   fbi_system_enter(&work->system, system);
   fbi_prescribe(&work->state, system, &work->system, &work->state, input);
+
+  /* Newton's method with closed loops */
   status = fbi_loops_open(&s, &work->state);
   status = status ? status : fbi_loops_shut(&s, &work->state);
   status = status ? status : fbi_trim_newton(&change, &work->common, &s, work->n_independent);
@@ -19021,6 +19234,8 @@ FB_DEF fb_status fb_system_trim(const fb_system *system, const fb_body *body, fb
   if (status == FB_OK && !fbi_is_settled(change)) {
     status = FB_ERR_CONVERGENCE;
   }
+
+  /* Equilibrium of the free joints */
   status = status ? status : fbi_roots_rest(&s);
   if (status == FB_OK) {
     *state = work->moved;
@@ -19048,7 +19263,7 @@ static void fbi_exact_sum(fb_real *x, const fb_real *a, fb_real factor, const fb
   }
 }
 
-/* Residuals under the constant loads and a part of the varied ones. */
+/* Residuals under the constant loads and `factor` times the varied ones. */
 static void fbi_exact_path_residual(fb_exact_path_work *w, const fb_exact *m, fb_real factor)
 {
   const fbi_exact_loads *const a = &w->constant, *const b = &w->varied;
@@ -19062,7 +19277,7 @@ static void fbi_exact_path_residual(fb_exact_path_work *w, const fb_exact *m, fb
   fbi_exact_residual(work, m);
 }
 
-/* Loads and motion of the base, in steady motion. */
+/* Loads of both inputs, and the steady motion of the base. */
 static void fbi_exact_path_begin(fb_exact_path_work *w, const fb_exact *m, const fb_exact_state *state,
                                  const fb_exact_input *constant, const fb_exact_input *varied)
 {
@@ -19081,7 +19296,8 @@ static void fbi_exact_path_begin(fb_exact_path_work *w, const fb_exact *m, const
   fbi_zero(work->lump, 6 * m->n_lump);
 }
 
-/* Corrections at this factor in w->dd and ds, and those that a change of it by one brings in the work's. */
+/* Newton correction at a constant load factor, in w->dd and w->ds, and the tangent, the change per unit of the factor,
+   in dd and ds of w->exact. */
 static fb_status fbi_exact_path_solve(fb_exact_path_work *w, const fb_exact *m, fb_real factor)
 {
   fb_exact_work *const work = &w->exact;
@@ -19105,13 +19321,13 @@ static fb_status fbi_exact_path_solve(fb_exact_path_work *w, const fb_exact *m, 
   return FB_OK;
 }
 
-/* [E12.17] Steady states x(l) by arc length: of the tangent (x_l, 1) l_s with (x_l.x_l)/(n + 1) l_s^2 + l_s^2 = 1, x
-   the displacements and rotations of the nodes, the first correction goes by `arc`, the others go across it (Riks'
-   normal plane): with dx at constant l, dl = (arc or 0 - t.dx)/(t.x_l + t_l). The tangent at the end is less than 60
-   degrees from that at the start.
+/* [E12.17] Arc-length continuation of steady states x(l) in the load factor l; x are the displacements and rotations of
+   the nodes. The unit tangent is t = (x_l, 1) l_s, (x_l.x_l)/(n + 1) l_s^2 + l_s^2 = 1. The first correction has the
+   length `arc` along it, the others are normal to it (Riks' normal plane): with dx the correction at constant l,
+   dl = (arc or 0 - t.dx)/(t.x_l + t_l). The tangents at both ends differ by less than 60 degrees.
    Source: [RI], [CF].
-   Cost: E10.10, and two solutions, an iteration.  Fails: 12 iterations; neighbors turned by more than a radian against
-   each other at once.  Test: arches_snap_at_their_limit_load, a_stiff_truss_snaps_in_closed_form. */
+   Cost: E10.10 and two solutions per iteration.  Fails: 12 iterations; neighboring nodes rotated by more than a radian
+   against each other in one.  Test: arches_snap_at_their_limit_load, a_stiff_truss_snaps_in_closed_form. */
 static fb_status fbi_exact_path_try(fb_exact_path_work *w, const fb_exact *m, fb_exact_path *path, fb_real arc)
 {
   fb_exact_work *const work = &w->exact;
@@ -19121,22 +19337,28 @@ static fb_status fbi_exact_path_try(fb_exact_path_work *w, const fb_exact *m, fb
   fb_status status = FB_OK;
   for (int it = 0; it < 12 && status == FB_OK && change > FBI_EXACT_TOLERANCE; it++) {
     fb_real more;
+
+    /* Correction dx at constant l, tangent x_l */
     status = fbi_exact_path_solve(w, m, path->factor);
     path->iterations++;
     if (status != FB_OK) {
       return status;
     }
+
+    /* Unit tangent at the start, in the sense of the previous step */
     size = FB_SQRT(part * fbi_dot(work->dd, work->dd, n) + FB_R(1.0));
-    if (it == 0) { /* the way on is that of the step before */
+    if (it == 0) {
       cosine = part * fbi_dot(path->ahead, work->dd, n) + path->rise;
       rise = (cosine < FB_R(0.0) ? -FB_R(1.0) : FB_R(1.0)) / size;
       for (int i = 0; i < n; i++) {
         w->ahead[i] = rise * work->dd[i];
       }
     }
+
+    /* dl, and the correction dx + dl x_l; the tangent stays in w->dd */
     slope = part * fbi_dot(w->ahead, work->dd, n) + rise;
     more = ((it == 0 ? arc : FB_R(0.0)) - part * fbi_dot(w->ahead, w->dd, n)) / slope;
-    for (int i = 0; i < n; i++) { /* the tangent stays behind, in w->dd */
+    for (int i = 0; i < n; i++) {
       const fb_real tangent = work->dd[i];
       work->dd[i] = w->dd[i] + more * tangent;
       w->dd[i] = tangent;
@@ -19150,6 +19372,8 @@ static fb_status fbi_exact_path_try(fb_exact_path_work *w, const fb_exact *m, fb
   if (status != FB_OK || change > FBI_EXACT_TOLERANCE) {
     return FB_ERR_CONVERGENCE;
   }
+
+  /* Unit tangent at the end, and its angle to that at the start */
   cosine = slope / size;
   for (int i = 0; i < n; i++) {
     path->ahead[i] = (cosine < FB_R(0.0) ? -FB_R(1.0) : FB_R(1.0)) * w->dd[i] / size;
@@ -19164,6 +19388,8 @@ FB_DEF fb_status fb_exact_path_step(const fb_exact *m, fb_exact_path *path, fb_e
 {
   fb_exact_path next;
   fb_status status;
+
+  /* Check the arguments */
   FBI_REQUIRE(m && path && state && w && varied, FB_ERR_NULL);
   constant = constant ? constant : fbi_exact_no_input(&w->exact);
   status = fb_exact_state_check(m, state);
@@ -19179,6 +19405,8 @@ FB_DEF fb_status fb_exact_path_step(const fb_exact *m, fb_exact_path *path, fb_e
   if (!(FB_FABS(arc) > FB_R(0.0) && FB_FABS(arc) < FB_HUGE)) {
     return FB_ERR_VALUE;
   }
+
+  /* A step of the length `arc`, halved until it converges */
   fbi_exact_path_begin(w, m, state, constant, varied);
   status = FB_ERR_CONVERGENCE;
   for (int k = 0, iterations = 0; k < 11 && status != FB_OK; k++) {
@@ -19190,6 +19418,8 @@ FB_DEF fb_status fb_exact_path_step(const fb_exact *m, fb_exact_path *path, fb_e
     iterations = next.iterations;
     arc *= FB_R(0.5);
   }
+
+  /* The state, with the number of its unstable directions */
   if (status == FB_OK) {
     fbi_exact_path_residual(w, m, next.factor);
     fbi_exact_rest(state, &w->exact, m);
@@ -19205,7 +19435,7 @@ FB_DEF fb_status fb_exact_path_step(const fb_exact *m, fb_exact_path *path, fb_e
    (uses config, status, vec3, rotation, solve, body, system, exact, eigen, trim) */
 
 #if FB_WITH_SYSTEM
-/* Force of the order of those that act on a body: its weight, and what moves it by `size` at the rate k [1/s^2]. */
+/* Order of magnitude of the forces on a body [N]: its weight, and mass times `size` times k [1/s^2]. */
 static fb_real fbi_force_size(const fb_body *body, fb_real size, fb_real k)
 {
   fb_real a = size * k;
@@ -19215,14 +19445,15 @@ static fb_real fbi_force_size(const fb_body *body, fb_real size, fb_real k)
   return body->mass * a;
 }
 
-/* A load as a force [N]: its torque on an arm of that size [m]. */
+/* Magnitude of a load as a force [N], torques divided by the length `size` [m]. */
 static fb_real fbi_load_size(const fb_load *load, fb_real size)
 {
   return fbi_vec3_norm(load->force) + fbi_vec3_norm(load->torque) / size;
 }
 
-/* How far an input is moved for a difference; V: motion of the base; rate [1/s]: of what moves. Rates are linear in
-   loads, of second degree in v, w: wide steps do not err, short ones round beside what acts already. */
+/* Finite-difference step of an input; V: velocities of the base; rate [1/s]: characteristic rate of the motion. Rates
+   are linear in loads and quadratic in v, w: large steps have no truncation error, small ones round-off beside the
+   forces that act already. */
 static fb_real fbi_port_step(fb_port_kind kind, int slides, fb_real force, fb_real size, fb_real rate,
                              const fb_real V[6])
 {
@@ -19233,22 +19464,23 @@ static fb_real fbi_port_step(fb_port_kind kind, int slides, fb_real force, fb_re
                                          : load * size;
 }
 
-/* Rate [1/s] at which a coordinate of stiffness k and inertia m moves that turns or flies at `steady`; both are
-   nothing: `other` or, without that, 1/s, for then rates are linear in momenta. */
+/* Characteristic rate of a coordinate [1/s]: sqrt(k/m) of its stiffness and inertia, plus the rate `steady` of rotation
+   and flight. Where both are zero: `other`, or without that 1/s, since rates are then linear in the momenta. */
 static fb_real fbi_own_rate(fb_real k, fb_real m, fb_real steady, fb_real other)
 {
   const fb_real rate = steady + (k > FB_R(0.0) && m > FB_R(0.0) ? FB_SQRT(k / m) : FB_R(0.0));
   return rate > FB_R(0.0) ? rate : other > FB_R(0.0) ? other : FB_R(1.0);
 }
 
-/* ---- ports */
+/* ---- input and output channels (ports) */
 
 static int fbi_port_is_input(fb_port_kind kind)
 {
   return kind <= FB_PORT_BASE_RATE || kind == FB_PORT_DRIVE;
 }
 
-/* One port: of those up to kind `last`; base: what moves it is prescribed; room: for one load more. */
+/* Checks a channel; last: last kind that the subject has; base: 1 if the motion of its base is prescribed; room: 1 if
+   the input has room for one more load. */
 static fb_status fbi_port_check(const fb_port *port, int is_input, fb_port_kind last, int base, int n_node, int room)
 {
   const int moves_base = port->kind == FB_PORT_BASE_VELOCITY || port->kind == FB_PORT_BASE_RATE;
@@ -19262,15 +19494,16 @@ static fb_status fbi_port_check(const fb_port *port, int is_input, fb_port_kind 
   return FB_OK;
 }
 
-/* ---- of one body */
+/* ---- finite-difference steps and channels of one body */
 
-/* Length [m] by which a body is judged. */
+/* Characteristic length of a body [m]. */
 static fb_real fbi_body_size(const fb_body *body)
 {
   return body->gyration > FB_R(0.0) ? body->gyration : FB_R(1.0);
 }
 
-/* Rates [1/s]: that at which the frame turns and flies, and of it with the loads and weight or the slowest mode. */
+/* Rate of rotation and flight of the body frame [1/s]. all: the characteristic rate with the slowest mode or, without
+   rotation and modes, with loads and weight. */
 static fb_real fbi_body_rates_find(fb_real *all, const fb_body *body, const fb_motion *steady, const fb_input *input)
 {
   const fb_real size = fbi_body_size(body), rate = fbi_vec3_norm(steady->w) + fbi_vec3_norm(steady->v) / size;
@@ -19286,7 +19519,8 @@ static fb_real fbi_body_rates_find(fb_real *all, const fb_body *body, const fb_m
   return rate;
 }
 
-/* How far x_j is moved for a difference: a small part of the body; momenta by what a tenth of it has at its rate. */
+/* Finite-difference step of x_j: a small part of the size of the body; of momenta 100 such steps times inertia and
+   characteristic rate. */
 static fb_real fbi_linear_step(const fbi_subject *s, int j)
 {
   const fb_body *const body = s->body;
@@ -19295,6 +19529,8 @@ static fb_real fbi_linear_step(const fbi_subject *s, int j)
   fb_real all;
   const fb_real rate = fbi_body_rates_find(&all, body, &s->work->steady, s->input);
   int moves;
+
+  /* q, pi */
   if (j < n) {
     return fbi_difference_step(body, j);
   }
@@ -19303,7 +19539,9 @@ static fb_real fbi_linear_step(const fbi_subject *s, int j)
     return FB_R(100.0) * fbi_difference_step(body, j - n) * inertia *
            fbi_own_rate(body->K.diagonal[j - n], body->M.diagonal[j - n], rate, all);
   }
-  moves = (j - 2 * n) % free + first < 3; /* the others turn */
+
+  /* Momenta and pose of the base */
+  moves = (j - 2 * n) % free + first < 3; /* the others are rotations */
   if (j < 2 * n + free) {
     return FB_R(100.0) * FBI_DIFFERENCE * body->mass * size * (moves ? FB_R(1.0) : size) * all;
   }
@@ -19330,7 +19568,7 @@ static fb_status fbi_linear_desc_check(const fb_body *body, const fb_input *inpu
   return FB_OK;
 }
 
-/* ---- loops: coordinates that the others give */
+/* ---- finite-difference steps and channels of a system */
 
 static fb_status fbi_system_port_check(const fbi_subject *s, const fb_port *port, int is_input)
 {
@@ -19365,7 +19603,8 @@ static fb_status fbi_system_ports_check(const fbi_subject *s)
   return status;
 }
 
-/* Steady speeds and momenta along the axes of the joints; largest rate [1/s] at which a body turns and flies. */
+/* Steady speeds and momenta along the axes of the joints. rate: the largest rate of rotation and flight of a body
+   [1/s]. */
 static fb_status fbi_system_steady(fb_real *rate, const fbi_subject *s)
 {
   const fb_real size = fbi_system_size(s->system, s->body);
@@ -19390,8 +19629,9 @@ static fb_status fbi_system_steady(fb_real *rate, const fbi_subject *s)
   return status;
 }
 
-/* How far momenta are moved: what a coordinate has that moves a hundred of its steps at its rate (rates are of second
-   degree in momenta: wide steps do not err, short ones round). The system is placed. */
+/* Finite-difference steps of the momenta: 100 steps of the coordinate times inertia and characteristic rate. Rates are
+   quadratic in the momenta: large steps have no truncation error, small ones round-off. The poses of the bodies are
+   known. */
 static void fbi_momenta_steps(const fbi_subject *s, fb_real rate, fb_real other)
 {
   fb_system_analyse_work *const work = s->system_work;
@@ -19411,17 +19651,17 @@ static void fbi_momenta_steps(const fbi_subject *s, fb_real rate, fb_real other)
   }
 }
 
-/* ---- of both */
+/* ---- derivatives with their errors, of bodies and systems */
 
-/* Widths of differences that are tried, each a quarter of the one before, and the first in parts of the step. */
+/* Number of difference widths, each a quarter of the one before, and the first relative to the step. */
 #define FBI_WIDTHS 5
 #define FBI_WIDEST FB_R(4.0)
-/* [E12.16] Column j with what it errs by: differences of five widths. The error of one goes down 256 times from width
-   to width where the rates are no polynomials of degree 4, and up 4 times where they are and it is rounding; what two
-   widths differ by is taken for the error of the wider. Each element is taken where that is least; a narrower width
-   must be 8 times better, so that rounding does not choose.
-   Source: the error term of the five-point formula, h^4/30 f^(5).  Cost: 20 evaluations.  Fails: as an evaluation, if
-   no two widths that follow each other can be had.
+/* [E12.16] Column j of the Jacobian with an estimate of its error, by differences of five widths. From width to width
+   the truncation error decreases 256 times (it is zero for polynomials of degree 4) and round-off increases 4 times.
+   The difference between two successive widths is the error estimate of the wider. Each element is taken from the width
+   with the least estimate; a narrower width must be 8 times better, so that accidents of round-off do not choose.
+   Source: the error term of the five-point formula, h^4/30 f^(5).  Cost: 20 evaluations.  Fails: as the evaluations, if
+   no two successive widths succeed.
    Test: shafts_with_disks_whirl_in_closed_form, errors_of_spectra_are_told. */
 static fb_status fbi_derivative(fbi_analysis *work, const fbi_subject *s, int j, int count)
 {
@@ -19443,12 +19683,12 @@ static fb_status fbi_derivative(fbi_analysis *work, const fbi_subject *s, int j,
   return found == FB_OK ? FB_OK : status ? status : found;
 }
 
-/* [E12.12] Derivatives by q at constant momenta from those at constant velocities, with P = dp/dq there: f_q|_p =
-   f_q|_V
-   - f_p P, for a row of A or C; miss: what it errs by, likewise. At constant velocities rates are next to polynomials
-   of q; at constant momenta they have the inverse of a mass matrix, which a small turn of a heavy body on a light beam
-   changes altogether. And what P errs by acts as a gyroscopic term of that size, whatever the inverse.
-   Source: chain rule.  Shapes: P n_p x n_q.  Cost: 2 n_p n_q a row.  Fails: never.
+/* [E12.12] Derivatives by q at constant momenta p from those at constant velocities V, with P = dp/dq at constant V:
+   f_q|_p = f_q|_V - f_p P
+   for a row of A or C; miss: its error estimate, likewise. At constant velocities the rates are nearly polynomials of
+   q; at constant momenta they contain the inverse of the mass matrix, which a small rotation of a heavy body on a light
+   beam changes completely. An error of P acts as a gyroscopic term of that size only, whatever the inverse.
+   Source: chain rule.  Shapes: P n_p x n_q.  Cost: 2 n_p n_q per row.  Fails: never.
    Test: shafts_with_disks_whirl_in_closed_form. */
 static void fbi_momenta_hold(fb_real *row, fb_real *miss, const fbi_analysis *work, int n_q, int n_p)
 {
@@ -19463,9 +19703,9 @@ static void fbi_momenta_hold(fb_real *row, fb_real *miss, const fbi_analysis *wo
   }
 }
 
-/* What the largest error may be, in parts of the largest of what it belongs to. */
+/* Tolerance of the largest error relative to the largest element (or eigenvalue). */
 #define FBI_USABLE FB_R(0.01)
-/* The largest element of the n x n matrix of a linear model, each state in its steps. */
+/* Largest element of the n x n matrix of a linear model with every state in units of its finite-difference step. */
 static fb_real fbi_linear_norm(const fb_real *A, const fb_real *step, int n)
 {
   fb_real norm = FB_R(0.0);
@@ -19475,8 +19715,8 @@ static fb_real fbi_linear_norm(const fb_real *A, const fb_real *step, int n)
   return norm;
 }
 
-/* The matrices of work->linear, whose sizes are set, by differences, and in E what A errs by. Behind n_q columns of q
-   come those of the n_p momenta. */
+/* Matrices of work->linear by differences, and E, the error estimates of A. The n_q columns of the coordinates come
+   before those of the n_p momenta. */
 static fb_status fbi_linear_fill(fbi_analysis *work, const fbi_subject *s, int n, int n_free)
 {
   fb_linear *const out = &work->linear;
@@ -19488,6 +19728,8 @@ static fb_status fbi_linear_fill(fbi_analysis *work, const fbi_subject *s, int n
   out->n_free = n_free;
   out->n_in = s->desc->n_in;
   out->n_out = s->desc->n_out;
+
+  /* Columns of A and C, then of B and D; P for the coordinates */
   for (int j = 0; j < n + out->n_in && status == FB_OK; j++) {
     status = fbi_derivative(work, s, j, j < n_q ? rows + n_p : rows);
     for (int i = 0; i < rows && status == FB_OK; i++) {
@@ -19503,6 +19745,8 @@ static fb_status fbi_linear_fill(fbi_analysis *work, const fbi_subject *s, int n
       work->P_miss[k * n_q + j] = work->miss[rows + k];
     }
   }
+
+  /* Derivatives at constant momenta, and the error relative to the largest element */
   for (int i = 0; i < rows && status == FB_OK; i++) {
     fbi_momenta_hold(i < n ? out->A + i * n : out->C + (i - n) * n, i < n ? work->E + i * n : NULL, work, n_q, n_p);
   }
@@ -19513,7 +19757,7 @@ static fb_status fbi_linear_fill(fbi_analysis *work, const fbi_subject *s, int n
 #endif
 
 #if FB_WITH_SYSTEM || FB_WITH_EXACT
-/* Indices of eigenvalues with im >= 0, ascending by size; returns their number. */
+/* Indices of the eigenvalues with im >= 0, ascending by |lambda|; returns their number. */
 static int fbi_spectrum_order(int *order, const fb_real *re, const fb_real *im, int n)
 {
   int found = 0;
@@ -19538,7 +19782,7 @@ static int fbi_spectrum_order(int *order, const fb_real *re, const fb_real *im, 
 #endif
 
 #if FB_WITH_SYSTEM
-/* A + part E of the states keep[0..size-1] */
+/* A + part E, rows and columns of the states keep[0..size-1]. */
 static void fbi_spectrum_take(fb_real *A, const fbi_analysis *work, int size, fb_real part)
 {
   const int n = work->linear.n, *const keep = work->keep;
@@ -19548,7 +19792,7 @@ static void fbi_spectrum_take(fb_real *A, const fbi_analysis *work, int size, fb
   }
 }
 
-/* How far eigenvalue k is from the nearest one of A + E. */
+/* Distance of eigenvalue k from the nearest one of A + E. */
 static fb_real fbi_spectrum_miss(const fbi_analysis *work, int k, int size)
 {
   const fbi_complex own = {work->re[k], work->im[k]};
@@ -19561,10 +19805,10 @@ static fb_real fbi_spectrum_miss(const fbi_analysis *work, int k, int size)
   return fbi_larger(miss, FB_R(4.0) * FB_EPSILON * fbi_complex_abs(own));
 }
 
-/* [E12.3] Complex modes, x = X exp(lambda t): of each conjugate pair the one with im > 0, ascending by |lambda|. Of the
-   states keep[0..size-1]; shapes of those among the first `shaped`, at their coordinates, of n_shape.
-   Their errors: by a second matrix that is off by what A may be.
-   Source: [H] A.15-3 in the coordinates (q, pi).  Cost: E5.6 with size, twice.  Fails: as that; an error beyond use.
+/* [E12.3] Complex modes x = X exp(lambda t) of the states keep[0..size-1]: of each conjugate pair the one with im > 0,
+   ascending by |lambda|. Shapes: the elements of states below `shaped`, at their coordinates among n_shape.
+   Errors: distances to the eigenvalues of A + E, with E the error estimate of A.
+   Source: [H] A.15-3 in the coordinates (q, pi).  Cost: E5.6 with size, twice.  Fails: as E5.6; an error > FBI_USABLE.
    Test: spectrum_of_a_spinning_oscillator_is_closed_form, damped_modes_have_their_ratios. */
 static fb_status fbi_spectrum_fill(fb_spectrum *spectrum, fbi_analysis *work, int size, int shaped, int n_shape)
 {
@@ -19572,16 +19816,20 @@ static fb_status fbi_spectrum_fill(fb_spectrum *spectrum, fbi_analysis *work, in
   fb_real least, largest = FB_R(0.0), worst = FB_R(0.0);
   int order[FB_MAX_LINEAR];
   fb_status status;
+
+  /* Eigenvalues of A + E, then of A */
   fbi_spectrum_take(work->A, work, size, FB_R(1.0));
   status = fbi_eig_general(work->other_re, work->other_im, work->X, &least, work->A, work->eig, size);
   fbi_spectrum_take(work->A, work, size, FB_R(0.0));
   status = status ? status : fbi_eig_general(work->re, work->im, work->X, &least, work->A, work->eig, size);
+
+  /* Errors; a double zero splits by the square root of round-off, in both matrices alike */
   for (int k = 0; k < size && status == FB_OK; k++) {
     const fbi_complex value = {work->re[k], work->im[k]};
     largest = fbi_larger(largest, fbi_complex_abs(value));
     work->miss[k] = fbi_spectrum_miss(work, k, size);
     worst = fbi_larger(worst, work->miss[k]);
-    if (fbi_complex_abs(value) < least) { /* two zeros that are one: the root of rounding, by either matrix alike */
+    if (fbi_complex_abs(value) < least) {
       work->miss[k] = fbi_larger(work->miss[k], least / FB_SQRT((fb_real)size * FB_EPSILON));
     }
   }
@@ -19591,6 +19839,8 @@ static fb_status fbi_spectrum_fill(fb_spectrum *spectrum, fbi_analysis *work, in
   if (status != FB_OK) {
     return status;
   }
+
+  /* Values and shapes in ascending order */
   memset(spectrum, 0, sizeof *spectrum);
   spectrum->n = fbi_spectrum_order(order, work->re, work->im, size);
   for (int k = 0; k < spectrum->n; k++) {
@@ -19612,7 +19862,7 @@ static const fb_linear_desc *fbi_no_ports(fbi_analysis *work)
   return &work->none;
 }
 
-/* Steps of the inputs, behind those of the n states. */
+/* Finite-difference steps of the inputs, stored behind those of the n states. */
 static void fbi_body_port_steps(const fbi_subject *s, int n)
 {
   const fb_body *const body = s->body;
@@ -19632,13 +19882,15 @@ static void fbi_body_port_steps(const fbi_subject *s, int n)
   }
 }
 
-/* The linear model, in work. */
+/* Linear model of a body, in work->common.linear. */
 static fb_status fbi_body_linearize(const fb_body *body, fb_analyse_work *work, const fb_state *state,
                                     const fb_input *input, const fb_linear_desc *desc)
 {
   fbi_subject s;
   fb_status status = fbi_analyse_check(body, state, input);
   const int n_free = body ? 6 - fbi_first_free(body->base) : 0, n = body ? 2 * (body->n + n_free) : 0;
+
+  /* Check the arguments; steady motion, with a prescribed base relative to the ground */
   FBI_REQUIRE(work, FB_ERR_NULL);
   s = fbi_subject_body(body, work, state, input, desc ? desc : fbi_no_ports(&work->common));
   status = status ? status : fbi_linear_desc_check(body, input, s.desc);
@@ -19648,6 +19900,8 @@ static fb_status fbi_body_linearize(const fb_body *body, fb_analyse_work *work, 
     status = fbi_state_of(body, &work->state, work->steady.v, work->steady.w, work->steady.q_dot);
     s.state = &work->state;
   }
+
+  /* Finite-difference steps, then the matrices */
   for (int j = 0; j < n && status == FB_OK; j++) {
     work->common.step[j] = fbi_linear_step(&s, j);
   }
@@ -19671,13 +19925,13 @@ FB_DEF fb_status fb_body_linearize(const fb_body *body, fb_analyse_work *work, f
   fb_status status;
   FBI_REQUIRE(linear, FB_ERR_NULL);
   status = fbi_body_linearize(body, work, state, input, desc);
-  if (status == FB_OK) { /* a failing call changes nothing */
+  if (status == FB_OK) {
     *linear = work->common.linear;
   }
   return status;
 }
 
-/* Whether where a body is and how it is turned acts on its motion. */
+/* Does the motion of a body depend on its position or attitude? */
 static int fbi_pose_acts(const fb_body *body, const fb_input *input)
 {
   int acts = fbi_has(body->effects, FB_EFFECT_GRAVITY);
@@ -19714,8 +19968,8 @@ static fb_real fbi_drive_size(const fb_joint *joint, const fb_drive *drive, fb_r
   return force;
 }
 
-/* Force [N] of what acts on a system at the rate k [1/s^2]: every body, load and motor counts, for each is felt by
- all. */
+/* Order of magnitude of the forces on a system [N], inertia forces at the rate k [1/s^2]: the sum over bodies, loads
+   and motors, since each can act on all bodies. */
 static fb_real fbi_system_force(const fbi_subject *s, fb_real k)
 {
   const fb_real size = fbi_system_size(s->system, s->body);
@@ -19736,7 +19990,8 @@ static fb_real fbi_system_force(const fbi_subject *s, fb_real k)
   return force;
 }
 
-/* Rate [1/s] of a system that does not turn or fly: of its slowest mode or, without that, of the forces on it. */
+/* Characteristic rate of a system without rotation and flight [1/s]: of its slowest mode or, without modes, of the
+   forces on it. */
 static fb_real fbi_system_rate(const fbi_subject *s)
 {
   const fb_real size = fbi_system_size(s->system, s->body);
@@ -19766,12 +20021,14 @@ static void fbi_system_port_steps(const fbi_subject *s, fb_real rate, fb_real ot
   }
 }
 
-/* The linear model, in work. */
-/* The frames of driven trees stand still: around a circle the momenta are steady against the ground alone. */
+/* Sets the reference frames of trees with a prescribed root to rest: on a circular path their momenta are constant
+   relative to the ground only. */
 static void fbi_frames_ground(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body)
 {
   fbi_system_enter(w, system);
   fbi_links_place(w, system, body, state, state);
+
+  /* Change of the frames' velocities */
   for (int k = 0; k < system->n_body; k++) {
     fbi_zero(w->link[k].change, 3);
   }
@@ -19783,11 +20040,14 @@ static void fbi_frames_ground(fb_system_state *state, fb_system_work *w, const f
       fbi_vec3_add(root->change, -FB_R(1.0), state->link[k].lost_u);
     }
   }
+
+  /* Momenta relative to the new frames */
   fbi_trees_weigh(w, system, 1);
   fbi_momenta_reframe(state, w, system);
   fbi_frames_set(state, w, system);
 }
 
+/* Linear model of a system, in work->common.linear. */
 static fb_status fbi_system_linearize(const fb_system *system, const fb_body *body, fb_system_analyse_work *work,
                                       const fb_system_state *state, const fb_system_input *input,
                                       const fb_linear_desc *desc)
@@ -19796,6 +20056,8 @@ static fb_status fbi_system_linearize(const fb_system *system, const fb_body *bo
   fb_real rate, other;
   int n_free = 0;
   fb_status status = fbi_system_analyse_check(work, system, body, state, input);
+
+  /* Check the arguments; steady motion, independent coordinates */
   FBI_REQUIRE(work, FB_ERR_NULL);
   s = fbi_subject_system(system, body, work, &work->state, input, desc ? desc : fbi_no_ports(&work->common));
   if (status == FB_OK) {
@@ -19810,9 +20072,13 @@ static fb_status fbi_system_linearize(const fb_system *system, const fb_body *bo
   if (status != FB_OK) {
     return status;
   }
+
+  /* Finite-difference steps */
   other = fbi_system_rate(&s);
   fbi_momenta_steps(&s, rate, other);
   fbi_system_port_steps(&s, rate, other);
+
+  /* Matrices */
   for (int j = 0; j < work->n_independent; j++) {
     n_free += !work->coordinate[work->independent[j]].mode;
   }
@@ -19820,7 +20086,7 @@ static fb_status fbi_system_linearize(const fb_system *system, const fb_body *bo
   for (int j = 0; j < work->n_independent; j++) {
     work->common.linear.coordinate[j] = work->independent[j];
   }
-  return status ? status : fbi_loops_open(&s, state); /* Z for the shapes, again */
+  return status ? status : fbi_loops_open(&s, state); /* Z of the steady state again, for the shapes */
 }
 
 /* [E12.9] Linear model of a system by differences of the rates and outputs.
@@ -19839,7 +20105,7 @@ FB_DEF fb_status fb_system_linearize(const fb_system *system, const fb_body *bod
   return status;
 }
 
-/* Motion of the dependent coordinates, by that of the others. */
+/* Adds the dependent coordinates to a shape z that holds the independent ones. */
 static void fbi_loops_shape(fb_real *z, const fb_system_analyse_work *work)
 {
   for (int k = 0; k < work->n_dependent; k++) {
@@ -19852,7 +20118,7 @@ static void fbi_loops_shape(fb_real *z, const fb_system_analyse_work *work)
   }
 }
 
-/* Whether where free bodies are acts on the motion of a system. */
+/* Does the motion of a system depend on the poses of its free joints? */
 static int fbi_system_pose_acts(const fb_system *system, const fb_body *body, const fb_system_input *input)
 {
   int acts = 0;
@@ -19865,7 +20131,7 @@ static int fbi_system_pose_acts(const fb_system *system, const fb_body *body, co
   return acts;
 }
 
-/* [E12.10] E12.3 of a system, without the poses that nothing depends on.
+/* [E12.10] Complex modes of a system as E12.3, without poses of free joints that the motion does not depend on.
    Source: as E12.3.  Cost: E12.9 and E5.6.  Fails: as those.
    Test: a_free_body_is_a_system_of_one, gimbal_has_the_published_eigenvalues. */
 FB_DEF fb_status fb_system_spectrum_solve(const fb_system *system, const fb_body *body, fb_system_analyse_work *work,
@@ -19879,6 +20145,8 @@ FB_DEF fb_status fb_system_spectrum_solve(const fb_system *system, const fb_body
   if (status != FB_OK) {
     return status;
   }
+
+  /* States that take part */
   acts = fbi_system_pose_acts(system, body, input);
   n = work->n_independent;
   for (int j = 0; j < 2 * n; j++) {
@@ -19887,6 +20155,8 @@ FB_DEF fb_status fb_system_spectrum_solve(const fb_system *system, const fb_body
       work->common.keep[size++] = j;
     }
   }
+
+  /* Modes; their shapes with the dependent coordinates */
   status = fbi_spectrum_fill(spectrum, &work->common, size, n, work->n);
   for (int k = 0; k < spectrum->n && status == FB_OK; k++) {
     fbi_loops_shape(spectrum->shape_re + k * work->n, work);
@@ -19916,7 +20186,7 @@ FB_DEF fb_real fb_spectrum_margin(int *mode, const fb_real *re, int n)
       margin = -re[k];
       worst = k;
     }
-    if (!fbi_is_finite(&re[k], 1)) { /* nothing is known of them */
+    if (!fbi_is_finite(&re[k], 1)) { /* NaN or infinite: that mode is the worst */
       break;
     }
   }
@@ -19926,21 +20196,25 @@ FB_DEF fb_real fb_spectrum_margin(int *mode, const fb_real *re, int n)
   return margin;
 }
 
-/* What a step of |lambda| dt = r multiplies a motion along exp(lambda t) by, lambda = |lambda| d.
+/* Stability function G(z) of an integrator, z = lambda dt = r d with |d| = 1: the factor of one step on exp(lambda t).
    Source: [HW] IV.3.  Fails: never.  Test: step_limits_are_those_of_the_spectrum. */
 static fbi_complex fbi_amplification(fb_integrator integrator, fbi_complex d, fb_real r)
 {
   const fb_real c = FB_R(1.0) - FB_SQRT(FB_R(0.5));
   const fbi_complex z = {r * d.re, r * d.im};
   fbi_complex up = {FB_R(1.0), FB_R(0.0)}, down = up;
+
+  /* rk4: 1 + z (1 + z/2 (1 + z/3 (1 + z/4))) */
   if (integrator == FB_INTEGRATOR_RK4) {
-    for (int k = 4; k > 0; k--) { /* 1 + z (1 + z/2 (1 + z/3 (1 + z/4))) */
+    for (int k = 4; k > 0; k--) {
       up = fbi_complex_mul(z, up);
       up.re = FB_R(1.0) + up.re / (fb_real)k;
       up.im /= (fb_real)k;
     }
     return up;
   }
+
+  /* Implicit midpoint: (1 + z/2)/(1 - z/2) */
   if (integrator == FB_INTEGRATOR_MIDPOINT) {
     up.re += FB_R(0.5) * z.re;
     up.im += FB_R(0.5) * z.im;
@@ -19948,6 +20222,8 @@ static fbi_complex fbi_amplification(fb_integrator integrator, fbi_complex d, fb
     down.im -= FB_R(0.5) * z.im;
     return fbi_complex_div(up, down);
   }
+
+  /* SDIRK2: (1 + (1 - 2 c) z)/(1 - c z)^2, c = 1 - sqrt(1/2) */
   up.re += (FB_R(1.0) - FB_R(2.0) * c) * z.re;
   up.im += (FB_R(1.0) - FB_R(2.0) * c) * z.im;
   down.re -= c * z.re;
@@ -19955,13 +20231,13 @@ static fbi_complex fbi_amplification(fb_integrator integrator, fbi_complex d, fb
   return fbi_complex_div(fbi_complex_div(up, down), down);
 }
 
-/* Whether it grows, by more than rounding. */
+/* |G(r d)| > 1 by more than round-off? */
 static int fbi_step_grows(fb_integrator integrator, fbi_complex d, fb_real r)
 {
   return fbi_complex_abs(fbi_amplification(integrator, d, r)) > FB_R(1.0) + FBI_ROUNDING;
 }
 
-/* Largest r up to which rk4's motion along d does not grow: the only crossing, by bisection. */
+/* Largest r with |G(r d)| <= 1 for rk4: steps of 0.05 to the only crossing, then bisection. */
 static fb_real fbi_stable_radius(fb_integrator integrator, fbi_complex d)
 {
   fb_real low = FB_R(0.0), high = FB_R(0.0);
@@ -19982,9 +20258,9 @@ static fb_real fbi_stable_radius(fb_integrator integrator, fbi_complex d)
   return low;
 }
 
-/* [E12.6] Largest stable step: |G(lambda dt)| <= 1 for every mode; one that grows by itself, if only by rounding, is
-   taken for one that does not: G must not add to it what its frequency has no part in.
-   Source: [HW] IV.2.  Cost: 100 complex polynomials a mode.  Fails: see the header.
+/* [E12.6] Largest stable step: |G(lambda dt)| <= 1 for every mode. A mode that grows by itself (re > 0, if only by
+   round-off) is treated as undamped: the integrator must not make an oscillation of its frequency grow further.
+   Source: [HW] IV.2.  Cost: 100 complex polynomials per mode.  Fails: see the header.
    Test: step_limits_are_those_of_the_spectrum, step_limits_hold_for_modes_that_grow. */
 FB_DEF fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_integrator integrator)
 {
@@ -20006,7 +20282,8 @@ FB_DEF fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_integrator inte
   return limit;
 }
 
-/* |G(z) - exp(z)| along d, |z| = r: what a step errs by. Of a short one the leading term, for the difference rounds. */
+/* Local error |G(z) - exp(z)| of a step, z = r d; for r < 0.3 the leading term of its series, since the difference
+   loses digits. */
 static fb_real fbi_step_error(fb_integrator integrator, fbi_complex d, fb_real r)
 {
   static const fb_real leading[3] = {FB_R(8.3333333333333333e-3), FB_R(8.3333333333333333e-2),
@@ -20022,9 +20299,9 @@ static fb_real fbi_step_error(fb_integrator integrator, fbi_complex d, fb_real r
   return fbi_complex_abs(G);
 }
 
-/* Error that mode k, of amplitude 1, has at worst within the duration when steps are dt long: each of n steps errs by
-   G - exp(lambda dt) of what is left of it, and the sum has decayed over n - 1 of them: it is largest after 1/|re| of a
-   damped one, but not before the first step. */
+/* Largest error of mode k with amplitude 1 within the duration, at a step of dt. After n steps it is
+   n |G - exp(lambda dt)| exp(re (n - 1) dt): the sum of their local errors, which decay with the mode. Of a damped mode
+   it is largest at n dt = 1/|re|, but not before the first step. */
 static fb_real fbi_mode_error(const fb_spectrum *spectrum, int k, fb_integrator integrator, fb_real dt,
                               fb_real duration)
 {
@@ -20047,9 +20324,10 @@ static fb_real fbi_spectrum_error(const fb_spectrum *spectrum, fb_integrator int
   return sum;
 }
 
-/* [E12.7] Step for a wanted accuracy: sum of amplitude_k error_k(dt) = tolerance. The least such dt: where one step
-   outlasts a damped mode, an L-stable integrator errs less again. Upwards by doubling, then bisection.
-   Source: definition.  Cost: 100 errors a mode.  Fails: see the header.
+/* [E12.7] Step for a given accuracy: sum_k amplitude_k error_k(dt) = tolerance. The smallest such dt, by doubling and
+   bisection: the error of an L-stable integrator decreases again where a step is longer than the decay of a damped
+   mode.
+   Source: definition.  Cost: 100 errors per mode.  Fails: see the header.
    Test: advised_steps_err_as_wanted, advised_steps_bear_stiff_damping, advice_resolves_modes_that_die_out. */
 FB_DEF fb_real fb_spectrum_dt(const fb_spectrum *spectrum, fb_integrator integrator, const fb_real *amplitude,
                               fb_real duration, fb_real tolerance)
@@ -20058,9 +20336,11 @@ FB_DEF fb_real fb_spectrum_dt(const fb_spectrum *spectrum, fb_integrator integra
   fb_real low = FB_R(0.0), high = FB_R(8.6736173798840355e-19) * most; /* 2^-60 */
   if (!spectrum || spectrum->n > FB_MAX_LINEAR || !fbi_is_choice((int)integrator, (int)FB_INTEGRATOR_SDIRK) ||
       !(duration > FB_R(0.0)) || !(tolerance > FB_R(0.0)) || !(most > FB_R(0.0)) ||
-      !(fbi_spectrum_error(spectrum, integrator, amplitude, high, duration) >= FB_R(0.0))) { /* not a number */
+      !(fbi_spectrum_error(spectrum, integrator, amplitude, high, duration) >= FB_R(0.0))) { /* NaN */
     return FB_R(0.0);
   }
+
+  /* Doubling to the first step whose error is too large, then bisection */
   for (int pass = 0; pass <= 60 && fbi_spectrum_error(spectrum, integrator, amplitude, high, duration) <= tolerance;
        pass++) {
     low = high;
@@ -20076,14 +20356,16 @@ FB_DEF fb_real fb_spectrum_dt(const fb_spectrum *spectrum, fb_integrator integra
 }
 
 #if FB_WITH_EXACT
-/* ---- exact beam: a perturbation x holds the change d of the nodes' poses, then the momenta of elements and lumps */
+/* ---- the linearized geometrically exact beam: a perturbation x holds the changes d of the nodes' poses, then those of
+   the momenta of elements and lumped bodies */
 
 static int fbi_exact_dim(const fb_exact *m)
 {
   return 6 * (m->n + 1) + 6 * m->n + 6 * m->n_lump;
 }
 
-/* y = N v of an element or lump: change of its load by velocity, shift P included */
+/* Change of the inertia force of an element or lumped body by a velocity change v:
+   y = ad(V)^T M v + ad(v)^T P - shift M v. */
 static void fbi_exact_load_rate(fb_real y[6], const fb_real M[36], const fb_real V[6], const fb_real P[6],
                                 fb_real shift, const fb_real v[6])
 {
@@ -20096,10 +20378,10 @@ static void fbi_exact_load_rate(fb_real y[6], const fb_real M[36], const fb_real
   }
 }
 
-/* [E12.4] x = (shift - A)^-1 b of the linearized beam: d_t = shift d - b_d, v = d_t + ad(V) d, P_t = shift P - b_P;
-   what b gives enters the balance of the nodes beside what B of the work says already (less the loads there), the rest
-   is the Jacobian of a steady state with inertia. Velocities of the nodes remain in dd, stresses in ds.
-   Source: E10.7 to E10.10, linearized.  Cost: 1 kflop an element.  Fails: never, once factored.
+/* [E12.4] x = (shift - A)^-1 b of the linearized beam: d_t = shift d - b_d, v = d_t + ad(V) d, P_t = shift P - b_P. The
+   terms in b are added to the right-hand side B of the nodes, which holds minus the loads on them; the matrix is the
+   Jacobian of a steady state with inertia. On return dd holds the velocities of the nodes, ds the internal forces.
+   Source: E10.7 to E10.10, linearized.  Cost: 1 kflop per element.  Fails: never, once factored.
    Test: spectrum_of_a_straight_beam_is_the_textbooks. */
 static void fbi_exact_respond(fb_real *x, fb_exact_work *work, const fb_exact *m, const fb_real *b)
 {
@@ -20111,6 +20393,8 @@ static void fbi_exact_respond(fb_real *x, fb_exact_work *work, const fb_exact *m
   fb_real v[6], d[6], f[6], y[6];
   fbi_zero(work->c, 6 * n);
   fbi_zero(work->want, 6 * (n + 1));
+
+  /* Right-hand side: b of the elements, shared between their nodes */
   for (int k = 0; k < n; k++) {
     fbi_exact_cell_eval(c, work, m, k);
     fbi_exact_mean(v, d, c->theta, b + 6 * k, b + 6 * k + 6);
@@ -20124,6 +20408,8 @@ static void fbi_exact_respond(fb_real *x, fb_exact_work *work, const fb_exact *m
       work->B[6 * k + 6 + i] += y[i] / FB_R(12.0) + FB_R(0.5) * f[i];
     }
   }
+
+  /* b of the lumped bodies */
   for (int l = 0; l < m->n_lump; l++) {
     const int j = m->lump_node[l];
     fb_real p[6];
@@ -20133,14 +20419,18 @@ static void fbi_exact_respond(fb_real *x, fb_exact_work *work, const fb_exact *m
       work->B[6 * j + i] -= b_L[6 * l + i] - f[i];
     }
   }
+
+  /* Poses d, and velocities of the nodes in dd */
   fbi_exact_solve(work, m);
   fbi_copy(x, work->dd, 6 * (n + 1));
-  for (int j = 0; j <= n; j++) { /* velocities, in dd */
+  for (int j = 0; j <= n; j++) {
     fbi_ad(y, work->V + 6 * j, x + 6 * j);
     for (int i = 0; i < 6; i++) {
       work->dd[6 * j + i] = shift * x[6 * j + i] + y[i] - b[6 * j + i];
     }
   }
+
+  /* Momenta */
   for (int k = 0; k < n; k++) {
     fb_real turn[6];
     fbi_exact_cell_eval(c, work, m, k);
@@ -20155,13 +20445,14 @@ static void fbi_exact_respond(fb_real *x, fb_exact_work *work, const fb_exact *m
   }
 }
 
+/* x = (shift - A)^-1 b without loads. */
 static void fbi_exact_invert(fb_real *x, fb_exact_work *work, const fb_exact *m, const fb_real *b)
 {
   fbi_zero(work->B, 6 * (m->n + 1));
   fbi_exact_respond(x, work, m, b);
 }
 
-/* The linearized beam about a steady state, factored at a shift of its own unit of time. */
+/* Linearizes the beam about a steady state and factors shift - A; shift in units of 1/m->time. */
 static fb_status fbi_exact_linearize(fb_exact_work *work, const fb_exact *m, const fb_exact_state *state,
                                      const fb_exact_input *input, fb_real shift)
 {
@@ -20182,8 +20473,8 @@ static fb_status fbi_exact_linearize(fb_exact_work *work, const fb_exact *m, con
   return fbi_exact_factor(work, m);
 }
 
-/* x less its parts along the rows of Q, twice, and scaled to 1; returns the length it had then. What is rounding is set
-   to zero: the space is exhausted. */
+/* Gram-Schmidt, twice: subtracts from x its projections on the rows of Q (added to h), normalizes it and returns the
+   norm it had before. If that is round-off, the Krylov space is exhausted and x is set to zero. */
 static fb_real fbi_krylov_add(fb_real *x, fb_real *h, const fb_real *Q, int rows, int n, int stride)
 {
   const fb_real before = FB_SQRT(fbi_dot(x, x, n));
@@ -20202,8 +20493,8 @@ static fb_real fbi_krylov_add(fb_real *x, fb_real *h, const fb_real *Q, int rows
   return size;
 }
 
-/* [E12.5] Krylov basis of (shift - A)^-1 from two starts, so that pairs of equal frequencies are found: Q, and in H the
-   operator on it (block Arnoldi). The first start is given, or any (NULL).
+/* [E12.5] Block Arnoldi method: Krylov basis Q of (shift - A)^-1 from two start vectors, so that pairs of equal
+   frequencies are found, and the operator H on it. first: the first start vector, or NULL for a random one.
    Source: [GV] 10.5.  Cost: size * (E12.4 + 4 size dim).  Fails: never.
    Test: spectrum_of_a_straight_beam_is_the_textbooks. */
 static void fbi_exact_arnoldi(fb_exact_spectrum_work *work, const fb_exact *m, int size, const fb_real *first)
@@ -20213,7 +20504,9 @@ static void fbi_exact_arnoldi(fb_exact_spectrum_work *work, const fb_exact *m, i
   fb_real *const start = work->x;
   int rows = 0;
   fbi_zero(work->H, (FBI_EXACT_BASIS + 2) * FBI_EXACT_BASIS);
-  for (int k = 0; k < 2; k++) { /* any displacements, momenta of any velocities; then in the operator's range */
+
+  /* Start vectors: random displacements and velocities, mapped into the range of the operator */
+  for (int k = 0; k < 2; k++) {
     fb_real none[2] = {FB_R(0.0), FB_R(0.0)}, v[6];
     for (int i = 0; i < n; i++) {
       seed = seed * 1664525u + 1013904223u;
@@ -20231,6 +20524,8 @@ static void fbi_exact_arnoldi(fb_exact_spectrum_work *work, const fb_exact *m, i
     (void)fbi_krylov_add(work->Q + rows * n, none, work->Q, rows, n, 1);
     rows++;
   }
+
+  /* Basis and H, column by column */
   for (int k = 0; k < size; k++) {
     fb_real *const q = work->Q + rows * n;
     fb_real left;
@@ -20241,7 +20536,7 @@ static void fbi_exact_arnoldi(fb_exact_spectrum_work *work, const fb_exact *m, i
   }
 }
 
-/* What the basis misses of eigenvector k, relative to its eigenvalue mu. */
+/* Residual of eigenvector k outside the basis, relative to its eigenvalue mu. */
 static fb_real fbi_exact_missing(const fb_exact_spectrum_work *work, int k, int size)
 {
   const fb_real *const y = work->X + 2 * size * k;
@@ -20258,8 +20553,8 @@ static fb_real fbi_exact_missing(const fb_exact_spectrum_work *work, int k, int 
   return sum / fbi_complex_abs(mu);
 }
 
-/* Eigenvalues mu of the operator to those of the beam, lambda = shift - 1/mu. What has not converged (they do from the
-   slowest on; single ones in between are artefacts of the basis) gets im = -1, so that it is left out. */
+/* Eigenvalues lambda = shift - 1/mu of the beam from those of the operator. Eigenvalues that have not converged (they
+   converge from the slowest on; single ones in between are artifacts of the basis) get im = -1 and are left out. */
 static void fbi_exact_lambda(fb_exact_spectrum_work *work, int size)
 {
   const fbi_complex one = {FB_R(1.0), FB_R(0.0)};
@@ -20275,7 +20570,8 @@ static void fbi_exact_lambda(fb_exact_spectrum_work *work, int size)
   }
 }
 
-/* Eigenvector k, its first `rows`, the largest displacement or rotation of a node scaled to 1, own units. */
+/* First `rows` elements of eigenvector k, scaled so that the largest displacement or rotation of a node is 1 in the
+   units of the beam. */
 static void fbi_exact_vector(fb_real *re, fb_real *im, const fb_exact_spectrum_work *work, const fb_exact *m, int k,
                              int size, int rows)
 {
@@ -20283,12 +20579,16 @@ static void fbi_exact_vector(fb_real *re, fb_real *im, const fb_exact_spectrum_w
   const fb_real *const y = work->X + 2 * size * k;
   fb_real largest = FB_R(0.0);
   fbi_complex top = {FB_R(1.0), FB_R(0.0)};
+
+  /* Q^T y */
   fbi_zero(re, rows);
   fbi_zero(im, rows);
   for (int i = 0; i < size; i++) {
     fbi_row_sub(re, -y[i], work->Q + i * n, rows);
     fbi_row_sub(im, -y[size + i], work->Q + i * n, rows);
   }
+
+  /* Divided by its largest element at the nodes */
   for (int i = 0; i < nodes; i++) {
     const fbi_complex z = {re[i], im[i]};
     if (fbi_complex_abs(z) > largest) {
@@ -20303,7 +20603,7 @@ static void fbi_exact_vector(fb_real *re, fb_real *im, const fb_exact_spectrum_w
   }
 }
 
-/* Its shape at the nodes, the largest displacement or rotation * length 1 m. */
+/* Shape of eigenvector k at the nodes, scaled so that the largest displacement, or rotation times length, is 1 m. */
 static void fbi_exact_shape(fb_real *re, fb_real *im, const fb_exact_spectrum_work *work, const fb_exact *m, int k,
                             int size)
 {
@@ -20315,7 +20615,7 @@ static void fbi_exact_shape(fb_real *re, fb_real *im, const fb_exact_spectrum_wo
   }
 }
 
-/* The beam factored at a shift that is none of its eigenvalues. */
+/* Linearizes and factors the beam at the first of three shifts that is not an eigenvalue. */
 static fb_status fbi_exact_shifted(fb_exact_work *work, const fb_exact *m, const fb_exact_state *state,
                                    const fb_exact_input *input)
 {
@@ -20326,7 +20626,7 @@ static fb_status fbi_exact_shifted(fb_exact_work *work, const fb_exact *m, const
   return status;
 }
 
-/* Eigenvalues mu of the operator on its basis, with their vectors: of its transpose, the left ones. */
+/* Eigenvalues mu of the operator on its basis, with the right eigenvectors or (transpose) the left ones. */
 static fb_status fbi_exact_eigen(fb_exact_spectrum_work *work, int size, int transpose)
 {
   for (int i = 0; i < size; i++) {
@@ -20337,14 +20637,15 @@ static fb_status fbi_exact_eigen(fb_exact_spectrum_work *work, int size, int tra
   return fb_eig_general_solve(work->re, work->im, work->X, work->A, work->eig, size);
 }
 
-/* Dimension of the basis for so many modes. */
+/* Dimension of the basis for `count` modes. */
 static int fbi_exact_basis(const fb_exact *m, int count)
 {
   const int size = 6 * count + 24 < FBI_EXACT_BASIS ? 6 * count + 24 : FBI_EXACT_BASIS;
   return size < fbi_exact_dim(m) ? size : fbi_exact_dim(m);
 }
 
-/* All that has converged of the linearized beam, lambda and vectors on the basis, ascending; returns how many. */
+/* Converged eigenvalues lambda of the linearized beam in ascending order, with their vectors on the basis; found: their
+   number. */
 static fb_status fbi_exact_modes(int *found, int order[FBI_EXACT_BASIS], fb_exact_spectrum_work *work,
                                  const fb_exact *m, const fb_exact_state *state, const fb_exact_input *input, int count)
 {
@@ -20367,6 +20668,8 @@ FB_DEF fb_status fb_exact_spectrum_solve(const fb_exact *m, fb_exact_spectrum_wo
 {
   int found, order[FBI_EXACT_BASIS], nodes;
   fb_status status;
+
+  /* Check the arguments; eigenvalues and vectors on the basis */
   FBI_REQUIRE(m && spectrum && work && state, FB_ERR_NULL);
   if (count < 1 || count > FB_EXACT_MODES) {
     return FB_ERR_VALUE;
@@ -20378,6 +20681,8 @@ FB_DEF fb_status fb_exact_spectrum_solve(const fb_exact *m, fb_exact_spectrum_wo
   if (status != FB_OK) {
     return status;
   }
+
+  /* Values and shapes in SI units */
   nodes = 6 * (m->n + 1);
   memset(spectrum, 0, sizeof *spectrum);
   spectrum->n = count;
@@ -20391,7 +20696,7 @@ FB_DEF fb_status fb_exact_spectrum_solve(const fb_exact *m, fb_exact_spectrum_wo
   return FB_OK;
 }
 
-/* ---- paths of steady states */
+/* ---- modal models of the geometrically exact beam */
 
 static fb_status fbi_exact_ports_check(const fb_exact *m, const fb_exact_linear_desc *desc)
 {
@@ -20413,9 +20718,9 @@ static fb_status fbi_exact_ports_check(const fb_exact *m, const fb_exact_linear_
   return FB_OK;
 }
 
-/* [E12.13] Answer of the linearized beam to an input of 1 that grows like exp(shift t): a load is less in the balance
-   of its node; a base that moves carries the nodes along, v = d_t + ad(V) d + carried. Poses and momenta in x.
-   Source: E12.4.  Cost: as that.  Fails: never, once factored.
+/* [E12.13] Response x (poses and momenta) of the linearized beam to a unit input that grows as exp(shift t): a load is
+   subtracted from the balance of its node; a moving base carries the nodes along, v = d_t + ad(V) d + carried.
+   Source: E12.4.  Cost: as E12.4.  Fails: never, once factored.
    Test: linear_beams_rest_where_the_beam_does, linear_beams_move_as_the_beam_does. */
 static void fbi_exact_port_answer(fb_real *x, fb_exact_linear_work *w, const fb_exact *m, const fb_exact_port *port)
 {
@@ -20425,6 +20730,8 @@ static void fbi_exact_port_answer(fb_real *x, fb_exact_linear_work *w, const fb_
   fbi_zero(b, fbi_exact_dim(m));
   fbi_zero(work->B, 6 * (m->n + 1));
   unit[port->axis] = FB_R(1.0);
+
+  /* Force or torque on a node, else a velocity of the base */
   if (port->kind == FB_EXACT_PORT_FORCE || port->kind == FB_EXACT_PORT_TORQUE) {
     fb_real dead[6], follower[6], base[9], f[3], *const B = work->B + 6 * port->at;
     fbi_vec6_zero(dead);
@@ -20450,7 +20757,7 @@ static void fbi_exact_port_answer(fb_real *x, fb_exact_linear_work *w, const fb_
   fbi_exact_respond(x, work, m, b);
 }
 
-/* What an output reads of poses x, velocities and stresses that E12.4 gave. */
+/* Output of a channel from the poses x, velocities dd and internal forces ds of E12.4. */
 static fb_real fbi_exact_port_read(const fb_exact_work *work, const fb_exact *m, const fb_real *x,
                                    const fb_exact_port *port)
 {
@@ -20475,14 +20782,14 @@ static fb_real fbi_exact_port_read(const fb_exact_work *work, const fb_exact *m,
   }
 }
 
-/* shift - lambda of mode k, own units */
+/* shift - lambda of mode k, in units of 1/m->time. */
 static fbi_complex fbi_exact_distance(const fb_exact_linear_work *w, const fb_exact *m, int k)
 {
   const fbi_complex d = {w->spectrum.exact.motion.shift - w->linear.re[k] * m->time, -w->linear.im[k] * m->time};
   return d;
 }
 
-/* How many modes to keep: those of equal eigenvalues together. */
+/* Number of modes to keep, at least `count`: those with equal eigenvalues stay together. */
 static int fbi_exact_keep(const fb_exact_spectrum_work *work, const int *order, int found, int count)
 {
   while (count < found) {
@@ -20496,9 +20803,9 @@ static int fbi_exact_keep(const fb_exact_spectrum_work *work, const int *order, 
   return count;
 }
 
-/* A and C of the modes, and their vectors as an orthonormal basis and the triangle R that they are on it. What an
-   output reads of a vector: (shift - A)^-1 gives it back times mu = 1/(shift - lambda), with its velocities and
-   stresses. */
+/* A and C of the modes, and the QR factors of their vectors, `basis` and R. The outputs of a vector come from
+   (shift - A)^-1, which returns it times mu = 1/(shift - lambda), with its velocities and internal forces:
+   c = output * (shift - lambda). */
 static fb_status fbi_exact_linear_modes(fb_exact_linear_work *w, const fb_exact *m, const fb_exact_linear_desc *desc,
                                         int size)
 {
@@ -20510,11 +20817,15 @@ static fb_status fbi_exact_linear_modes(fb_exact_linear_work *w, const fb_exact 
     const fbi_complex distance = fbi_exact_distance(w, m, k);
     fb_real *const re = w->basis + at * dim, *const im = pair ? re + dim : w->other;
     fb_real read[2][FB_MAX_PORTS];
+
+    /* Vector scaled to 1 m; as a pair of real states, Re(x (a + i b)) = Re x a - Im x b */
     fbi_exact_vector(re, im, &w->spectrum, m, w->order[k], size, dim);
-    for (int i = 0; i < dim; i++) { /* of 1 m; Re(x (a + i b)) = Re x a - Im x b */
+    for (int i = 0; i < dim; i++) {
       re[i] /= m->length;
       im[i] /= -m->length;
     }
+
+    /* Rows of C and block of A */
     for (int part = 0; part <= pair; part++) {
       fbi_exact_invert(w->answer, &w->spectrum.exact, m, part ? im : re);
       for (int o = 0; o < desc->n_out; o++) {
@@ -20533,10 +20844,12 @@ static fb_status fbi_exact_linear_modes(fb_exact_linear_work *w, const fb_exact 
       out->A[at * n + at + 1] = -out->im[k];
       out->A[(at + 1) * n + at] = out->im[k];
     }
+
+    /* QR factors */
     for (int part = 0; part <= pair; part++, at++) {
       fb_real *const R = w->R + at;
       R[at * stride] = fbi_krylov_add(w->basis + at * dim, R, w->basis, at, dim, stride);
-      for (int i = 0; i < at; i++) { /* two vectors are one */
+      for (int i = 0; i < at; i++) { /* parallel vectors */
         if (!(R[at * stride] > (FB_SINGLE ? FB_R(1e-3) : FB_R(1e-7)) * FB_FABS(R[i * stride]))) {
           return FB_ERR_SINGULAR;
         }
@@ -20546,7 +20859,7 @@ static fb_status fbi_exact_linear_modes(fb_exact_linear_work *w, const fb_exact 
   return FB_OK;
 }
 
-/* Vectors, right or left, on the basis of those eigenvalues that are the modes' own: the nearest to each. */
+/* Eigenvectors (right or left) on the basis for the eigenvalues of the modes, the nearest to each. */
 static fb_status fbi_exact_pick(fb_real *out, fb_exact_linear_work *w, const fb_exact *m, int size)
 {
   fb_exact_spectrum_work *const work = &w->spectrum;
@@ -20555,6 +20868,8 @@ static fb_status fbi_exact_pick(fb_real *out, fb_exact_linear_work *w, const fb_
     const int pair = w->linear.im[k] > FB_R(0.0);
     fb_real nearest = FB_SINGLE ? FB_R(3e-2) : FB_R(1e-4);
     int best = -1;
+
+    /* mu (shift - lambda) nearest to 1 */
     for (int j = 0; j < size; j++) {
       const fbi_complex mu = {work->re[j], work->im[j]}, one = fbi_complex_mul(mu, distance);
       const fbi_complex off = {one.re - FB_R(1.0), one.im};
@@ -20566,17 +20881,19 @@ static fb_status fbi_exact_pick(fb_real *out, fb_exact_linear_work *w, const fb_
     if (best < 0) {
       return FB_ERR_CONVERGENCE;
     }
+
+    /* Its vector; an eigenvalue is taken once */
     fbi_copy(out, work->X + 2 * size * best, (1 + pair) * size);
-    work->im[best] = -FB_R(1.0); /* taken */
+    work->im[best] = -FB_R(1.0);
     out += (1 + pair) * size;
   }
   return FB_OK;
 }
 
-/* [E12.14] What an answer f to an input (E12.13) has of the modes. f = sum x_k b_k/(shift - lambda_k) + faster ones:
-   a Krylov basis Q that starts from f holds it, Q e1 |f|, and what the operator H on it makes of it; with its right and
-   left vectors Y, W of the modes' eigenvalues the part is P f = Q Y (W^T Y)^-1 W^T e1 |f|, and on the modes' own
-   vectors R^-1 basis^T P f.
+/* [E12.14] Modal part of the response f to an input (E12.13), f = sum_k x_k b_k/(shift - lambda_k) + faster modes. A
+   Krylov basis Q that starts from f contains it, f = Q e1 |f|, and H is the operator on that basis. With the right and
+   left eigenvectors Y, W of H for the eigenvalues of the modes, the modal part is P f = Q Y (W^T Y)^-1 W^T e1 |f| (a
+   spectral projection); its modal coordinates are R^-1 basis^T P f.
    Source: own; spectral projector.  Cost: E12.5 and two general eigenproblems of its size.  Fails: not all modes found.
    Test: linear_beams_move_as_the_beam_does, linear_beams_answer_at_every_frequency. */
 static fb_status fbi_exact_project(fb_exact_linear_work *w, const fb_exact *m, int size)
@@ -20589,11 +20906,15 @@ static fb_status fbi_exact_project(fb_exact_linear_work *w, const fb_exact *m, i
   if (!(length > FB_R(0.0))) {
     return FB_OK;
   }
+
+  /* Q, H, Y, W */
   fbi_exact_arnoldi(work, m, size, w->answer);
   status = fbi_exact_eigen(work, size, 0);
   status = status ? status : fbi_exact_pick(w->right, w, m, size);
   status = status ? status : fbi_exact_eigen(work, size, 1);
   status = status ? status : fbi_exact_pick(w->left, w, m, size);
+
+  /* (W^T Y)^-1 W^T e1 |f| */
   for (int i = 0; i < n && status == FB_OK; i++) {
     w->sum[i] = w->left[i * size] * length;
     for (int j = 0; j < n; j++) {
@@ -20605,6 +20926,8 @@ static fb_status fbi_exact_project(fb_exact_linear_work *w, const fb_exact *m, i
     return status;
   }
   fb_lu_solve(w->part, w->G, w->perm, w->sum, n);
+
+  /* P f, then its modal coordinates */
   fbi_zero(w->other, dim);
   for (int j = 0; j < n; j++) {
     for (int i = 0; i < size; i++) {
@@ -20621,7 +20944,8 @@ static fb_status fbi_exact_project(fb_exact_linear_work *w, const fb_exact *m, i
   return FB_OK;
 }
 
-/* Column of B, (shift - lambda) times the part of the answer; the modes' answer at rest, -b/lambda, is taken off D. */
+/* Column of B: b = (shift - lambda) times the modal part of the response. The static response of the modes, -b/lambda,
+   is subtracted from D. */
 static void fbi_exact_linear_input(fb_exact_linear_work *w, const fb_exact *m, int input)
 {
   fb_exact_linear *const out = &w->linear;
@@ -20639,8 +20963,66 @@ static void fbi_exact_linear_input(fb_exact_linear_work *w, const fb_exact *m, i
   }
 }
 
-/* [E12.15] Modal model of the beam: blocks of lambda, residues of E12.14, and in D what the answer at rest (E12.13
-   without shift) has beyond that of the modes.
+/* Checks the arguments and linearizes the beam about the state. */
+static fb_status fbi_exact_linear_start(fb_exact_linear_work *w, const fb_exact *m, const fb_exact_state *state,
+                                        const fb_exact_input *input, const fb_exact_linear_desc *desc, int count)
+{
+  fb_status status = count < 1 || count > FB_EXACT_MODES ? FB_ERR_VALUE : fbi_exact_ports_check(m, desc);
+  status = status ? status : fb_exact_state_check(m, state);
+  status = status ? status : fbi_exact_input_check(m, input);
+  return status ? status : fbi_exact_linearize(&w->spectrum.exact, m, state, input, FB_R(0.0));
+}
+
+/* D = static gain of every pair of channels (E12.13 without shift). */
+static void fbi_exact_linear_gain(fb_exact_linear_work *w, const fb_exact *m, const fb_exact_linear_desc *desc)
+{
+  for (int k = 0; k < desc->n_in; k++) {
+    fbi_exact_port_answer(w->answer, w, m, &desc->in[k]);
+    for (int o = 0; o < desc->n_out; o++) {
+      w->linear.D[o * desc->n_in + k] = fbi_exact_port_read(&w->spectrum.exact, m, w->answer, &desc->out[o]);
+    }
+  }
+}
+
+/* Eigenvalues of the modes that are kept [1/s], and the number of states: 2 for a pair, 1 for a real eigenvalue. */
+static fb_status fbi_exact_linear_poles(fb_exact_linear_work *w, const fb_exact *m, const fb_exact_state *state,
+                                        const fb_exact_input *input, int count)
+{
+  fb_exact_linear *const out = &w->linear;
+  int found = 0;
+  const fb_status status = fbi_exact_modes(&found, w->order, &w->spectrum, m, state, input, count);
+  if (status != FB_OK) {
+    return status;
+  }
+  out->n_mode = fbi_exact_keep(&w->spectrum, w->order, found, count);
+  if (out->n_mode > FB_EXACT_MODES) {
+    return FB_ERR_VALUE;
+  }
+  for (int k = 0; k < out->n_mode; k++) {
+    out->re[k] = w->spectrum.re[w->order[k]] / m->time;
+    out->im[k] = w->spectrum.im[w->order[k]] / m->time;
+    out->n += out->im[k] > FB_R(0.0) ? 2 : 1;
+  }
+  return FB_OK;
+}
+
+/* A and C of the modes, then B of each input; D keeps the static gain beyond that of the modes. */
+static fb_status fbi_exact_linear_gains(fb_exact_linear_work *w, const fb_exact *m, const fb_exact_linear_desc *desc,
+                                        int count)
+{
+  fb_status status = fbi_exact_linear_modes(w, m, desc, fbi_exact_basis(m, count));
+  for (int k = 0; k < desc->n_in && status == FB_OK; k++) {
+    fbi_exact_port_answer(w->answer, w, m, &desc->in[k]);
+    status = fbi_exact_project(w, m, fbi_exact_basis(m, count));
+    if (status == FB_OK) {
+      fbi_exact_linear_input(w, m, k);
+    }
+  }
+  return status;
+}
+
+/* [E12.15] Modal model of the beam: blocks of lambda, residues of E12.14, and in D the static response (E12.13 without
+   shift) less that of the modes.
    Source: modal truncation with its static correction.  Cost: E12.14 for each input.  Fails: see the header.
    Test: linear_beams_rest_where_the_beam_does, linear_beams_move_as_the_beam_does. */
 FB_DEF fb_status fb_exact_linearize(const fb_exact *m, fb_exact_linear_work *w, fb_exact_linear *linear,
@@ -20649,58 +21031,25 @@ FB_DEF fb_status fb_exact_linearize(const fb_exact *m, fb_exact_linear_work *w, 
 {
   static const fb_exact_linear_desc none = {
       0, 0, {{FB_EXACT_PORT_FORCE, 0, 0, FB_AXES_INERTIAL}}, {{FB_EXACT_PORT_FORCE, 0, 0, FB_AXES_INERTIAL}}};
-  fb_exact_linear *out;
   fb_status status;
-  int found = 0;
-
-  /* Check the arguments and linearize about the state. */
   FBI_REQUIRE(m && linear && w && state, FB_ERR_NULL);
   desc = desc ? desc : &none;
-  out = &w->linear;
   input = input ? input : fbi_exact_no_input(&w->spectrum.exact);
-  status = count < 1 || count > FB_EXACT_MODES ? FB_ERR_VALUE : fbi_exact_ports_check(m, desc);
-  status = status ? status : fb_exact_state_check(m, state);
-  status = status ? status : fbi_exact_input_check(m, input);
-  status = status ? status : fbi_exact_linearize(&w->spectrum.exact, m, state, input, FB_R(0.0));
+  status = fbi_exact_linear_start(w, m, state, input, desc, count);
   if (status != FB_OK) {
     return status;
   }
 
-  /* Static gain of every pair of channels, into D. */
-  memset(out, 0, sizeof *out);
-  out->n_in = desc->n_in;
-  out->n_out = desc->n_out;
+  /* Static gain, eigenvalues, modal matrices */
+  memset(&w->linear, 0, sizeof w->linear);
+  w->linear.n_in = desc->n_in;
+  w->linear.n_out = desc->n_out;
   fbi_copy(w->base_quat, state->base_quat, 4);
-  for (int k = 0; k < desc->n_in; k++) {
-    fbi_exact_port_answer(w->answer, w, m, &desc->in[k]);
-    for (int o = 0; o < desc->n_out; o++) {
-      out->D[o * desc->n_in + k] = fbi_exact_port_read(&w->spectrum.exact, m, w->answer, &desc->out[o]);
-    }
-  }
-
-  /* Complex modes: their eigenvalues, 2 states for a pair and 1 for a real one. */
-  status = fbi_exact_modes(&found, w->order, &w->spectrum, m, state, input, count);
-  out->n_mode = status ? 0 : fbi_exact_keep(&w->spectrum, w->order, found, count);
-  if (status != FB_OK || out->n_mode > FB_EXACT_MODES) {
-    return status ? status : FB_ERR_VALUE;
-  }
-  for (int k = 0; k < out->n_mode; k++) {
-    out->re[k] = w->spectrum.re[w->order[k]] / m->time;
-    out->im[k] = w->spectrum.im[w->order[k]] / m->time;
-    out->n += out->im[k] > FB_R(0.0) ? 2 : 1;
-  }
-
-  /* Modal A and C, then B of each input; D keeps the static gain beyond that of the modes. */
-  status = fbi_exact_linear_modes(w, m, desc, fbi_exact_basis(m, count));
-  for (int k = 0; k < desc->n_in && status == FB_OK; k++) {
-    fbi_exact_port_answer(w->answer, w, m, &desc->in[k]);
-    status = fbi_exact_project(w, m, fbi_exact_basis(m, count));
-    if (status == FB_OK) {
-      fbi_exact_linear_input(w, m, k);
-    }
-  }
+  fbi_exact_linear_gain(w, m, desc);
+  status = fbi_exact_linear_poles(w, m, state, input, count);
+  status = status ? status : fbi_exact_linear_gains(w, m, desc, count);
   if (status == FB_OK) {
-    *linear = *out;
+    *linear = w->linear;
   }
   return status;
 }
@@ -20710,7 +21059,7 @@ FB_DEF fb_status fb_exact_linearize(const fb_exact *m, fb_exact_linear_work *w, 
    ANALYSE >>advise: which effects, modes, integrator and step a scene calls for
    (uses config, status, vec3, solve, body, integrate, assemble, trim, linear) */
 
-/* The sets there are, by what they cost; the last is the full one. */
+/* Candidate sets of effects, ascending in cost; the last is the full set. */
 static const unsigned fbi_advice_set[FBI_ADVICE_SETS] = {
     FB_EFFECTS_LINEAR,
     FB_EFFECTS_SPIN,
@@ -20724,16 +21073,17 @@ static const unsigned fbi_advice_set[FBI_ADVICE_SETS] = {
     FB_EFFECTS_FULL};
 
 #define FBI_ADVICE_FULL (FBI_ADVICE_SETS - 1)
-/* What of an envelope acts at an instant: spin, its rate, acceleration, loads. The largest do not fall together. */
-#define FBI_ADVICE_REST FBI_ADVICE_INSTANTS /* one more: nothing acts */
+/* Load cases ("instants") of an envelope: factors of spin, spin rate, acceleration and loads, since the extremes of all
+   do not occur together. */
+#define FBI_ADVICE_REST FBI_ADVICE_INSTANTS /* one more: at rest, without loads */
 static const signed char fbi_advice_instant[FBI_ADVICE_INSTANTS + 1][4] = {{1, 1, 1, 1}, {1, 1, -1, 1}, {0, 1, 1, 1},
                                                                            {1, 0, 0, 1}, {0, 0, 0, 1},  {0, 0, 0, 0}};
 
-/* Parts of an oscillation: of its deflection, of its speed. */
+/* Phases of an oscillation: factors of its deflection and of its speed. */
 static const fb_real fbi_advice_phase[FBI_ADVICE_PHASES][2] = {
     {FB_R(1.0), FB_R(0.0)}, {FB_R(0.70710678118654752), FB_R(0.70710678118654752)}, {FB_R(0.0), FB_R(1.0)}};
 
-/* Natural modes: M is 1, K a diagonal, about; FB_ERR_UNSUPPORTED. */
+/* FB_ERR_UNSUPPORTED unless the coordinates are natural modes: M = 1 and K diagonal, within 1e-3. */
 static fb_status fbi_advise_modes_check(const fb_shape *shape)
 {
   const int n = shape->n;
@@ -20772,7 +21122,8 @@ static fb_status fbi_advise_check(const fb_shape *shape, const fb_body_desc *des
   return fbi_advise_modes_check(shape);
 }
 
-/* A body of a set of effects, under a gravity that stands for all accelerations of the origin. */
+/* Body with a set of effects and the modes coordinate[] (NULL: all), with gravity, by which fbi_advise_motion applies
+   all accelerations of the origin. */
 static fb_status fbi_advise_body(fb_body *body, fb_advice_work *work, const fb_shape *shape, const fb_body_desc *desc,
                                  const int *coordinate, unsigned effects)
 {
@@ -20785,14 +21136,16 @@ static fb_status fbi_advise_body(fb_body *body, fb_advice_work *work, const fb_s
   return fb_body_init(body, &work->body_work, shape, &work->desc);
 }
 
-/* Accelerations (work.motion) and place of the output (work.node) at an instant, at q, q_dot. */
+/* Accelerations (work.motion) and displacement of the output (work.node) in a load case, at q, q_dot. */
 static fb_status fbi_advise_motion(fb_advice_work *work, fb_body *body, const fb_envelope *e, int instant,
                                    const fb_real *q, const fb_real *q_dot)
 {
   const signed char *const on = fbi_advice_instant[instant];
   fb_real v[3], w[3], turning[3];
-  const int spins = on[0] || (instant != FBI_ADVICE_REST && fbi_is_zero(e->spin_rate, 3)); /* always, if steadily */
+  const int spins = on[0] || (instant != FBI_ADVICE_REST && fbi_is_zero(e->spin_rate, 3)); /* a steady spin: always */
   fb_status status;
+
+  /* Motion of the base */
   memset(&work->state, 0, sizeof work->state);
   memset(&work->input, 0, sizeof work->input);
   work->state.quat[0] = FB_R(1.0);
@@ -20804,18 +21157,24 @@ static fb_status fbi_advise_motion(fb_advice_work *work, fb_body *body, const fb
     work->input.w[i] = w[i];
     work->input.w_dot[i] = (fb_real)on[1] * e->spin_rate[i];
   }
-  fb_vec3_cross(turning, w, v); /* of the acceleration of O what its velocity gives: the body knows it */
+
+  /* Gravity in place of the acceleration of O, less w x v, which the body accounts for itself */
+  fb_vec3_cross(turning, w, v);
 #if FB_WITH_GRAVITY
   for (int i = 0; i < 3; i++) {
     body->gravity[i] = turning[i] - (fb_real)on[2] * e->acceleration[i];
   }
 #endif
-  if (body->base == FB_BASE_FREE) { /* the mass center rests */
+
+  /* Center of mass of a free body at rest: v = -w x c/m */
+  if (body->base == FB_BASE_FREE) {
     fb_vec3_cross(v, body->c, w);
     for (int i = 0; i < 3; i++) {
       v[i] /= body->mass;
     }
   }
+
+  /* Loads, then accelerations and displacement */
   work->input.n_load = on[3] ? e->n_load : 0;
   memcpy(work->input.load, e->load, sizeof e->load);
   status = fb_state_from_velocity(body, &work->state, v, w, q_dot);
@@ -20823,7 +21182,7 @@ static fb_status fbi_advise_motion(fb_advice_work *work, fb_body *body, const fb
   return status ? status : fb_body_node_motion_eval(body, &work->node, &work->state, &work->motion, e->node);
 }
 
-/* K = -d(q_ddot)/dq at q = 0 by central differences. */
+/* Tangent stiffness K = -d(q_ddot)/dq at q = 0 by central differences. */
 static fb_status fbi_advise_tangent(fb_real *K, fb_advice_work *work, fb_body *body, const fb_envelope *e, int instant)
 {
   const int n = body->n;
@@ -20844,7 +21203,7 @@ static fb_status fbi_advise_tangent(fb_real *K, fb_advice_work *work, fb_body *b
   return status;
 }
 
-/* q = K^-1 f of the coordinates order[0..n-1], the others zero. */
+/* q = K^-1 f for the coordinates order[0..n-1]; the others are zero. */
 static fb_status fbi_advise_solve(fb_real *q, fb_advice_work *work, const fb_real *K, const fb_real *f, int n)
 {
   const int size = work->full.n;
@@ -20869,7 +21228,8 @@ static fb_status fbi_advise_solve(fb_real *q, fb_advice_work *work, const fb_rea
   return FB_OK;
 }
 
-/* Whether an answer q of K is one: K is stable and the deflection within its limit; else buckled, or nearly. */
+/* Is the quasi-static response q valid? The diagonal of the tangent K is positive and the deflection of each mode below
+   its limit; otherwise the body has buckled, or nearly so. */
 static int fbi_advice_holds(const fb_advice_work *work, const fb_real *K, const fb_real *q)
 {
   const fb_body *const body = &work->full;
@@ -20890,7 +21250,7 @@ static fb_real fbi_advice_gain(const fb_advice_work *work, const fb_envelope *e,
                        : fbi_larger(FB_R(1.0) / fbi_larger(near, 2 * work->zeta[a]), FB_R(2.0));
 }
 
-/* q back within the deflection limit; returns how many times beyond it was. */
+/* Scales q down to the deflection limit; returns the ratio to the limit if it was exceeded, else 1. */
 static fb_real fbi_advice_bound(fb_real *q, const fb_body *body)
 {
   fb_real sum = FB_R(0.0), beyond;
@@ -20904,7 +21264,7 @@ static fb_real fbi_advice_bound(fb_real *q, const fb_body *body)
   return beyond;
 }
 
-/* Frequency [rad/s] of a mode at an instant. */
+/* Frequency [rad/s] of a mode in a load case. */
 static fb_real fbi_advice_omega(const fb_advice_work *work, int instant, int a)
 {
   return FB_SQRT(work->tangent[instant][a * work->full.n + a]);
@@ -20919,7 +21279,7 @@ static void fbi_advice_output(fb_real y[3], const fb_advice_work *work, const fb
   }
 }
 
-/* What the modes give of the output at an instant, `tip`. */
+/* Records the contributions of the modes to the output in load case i, whose displacement is `tip`. */
 static void fbi_advise_note(fb_advice_work *work, const fb_envelope *e, int i, fb_real tip)
 {
   for (int a = 0; a < work->full.n; a++) {
@@ -20927,16 +21287,16 @@ static void fbi_advise_note(fb_advice_work *work, const fb_envelope *e, int i, f
     const fb_real give = FB_FABS(work->q[i][a]) * fbi_vec3_norm(work->full.node[e->node].psi + 3 * a);
     work->most[a] = fbi_larger(work->most[a], give);
     work->omega[a] = fbi_larger(work->omega[a], omega);
-    if (give > FB_R(0.5) * tip) { /* what bends the body: E13.4 */
+    if (give > FB_R(0.5) * tip) { /* the mode that dominates the deflection: E13.4 */
       const fb_real turn = fbi_vec3_norm(work->input.w) * fbi_smaller(e->frequency, omega) / (omega * omega);
       work->drawn = fbi_larger(work->drawn, tip * turn);
     }
   }
 }
 
-/* [E13.1] What the modes answer at an instant: at rest K q = f, K the tangent of the full set (where that is not
-   stable: at rest), times the gain of the frequency.
-   Source: own; quasi-static answer with dynamic magnification.  Cost: 2 n evaluations and a LU.
+/* [E13.1] Modal response in a load case: the quasi-static K q = f, K the tangent stiffness of the full set of effects
+   (if that is unstable: the one at rest), times the dynamic amplification factor of each mode.
+   Source: own; quasi-static response with dynamic amplification.  Cost: 2 n evaluations and an LU factorization.
    Fails: as fb_body_motion_eval.  Test: advice_estimates_the_deflection. */
 static fb_status fbi_advise_answer(fb_advice_work *work, const fb_envelope *e, int i)
 {
@@ -20948,16 +21308,22 @@ static fb_status fbi_advise_answer(fb_advice_work *work, const fb_envelope *e, i
   if (status != FB_OK) {
     return status;
   }
+
+  /* Quasi-static response */
   fbi_copy(work->f[i], work->motion.q_ddot, n);
   if (fbi_advise_solve(q, work, K, work->f[i], n) != FB_OK || !fbi_advice_holds(work, K, q)) {
     fbi_copy(K, work->tangent[FBI_ADVICE_REST], n * n);
     status = fbi_advise_solve(q, work, K, work->f[i], n);
-    work->buckled |= fbi_advice_holds(work, K, q); /* else the load is large */
+    work->buckled |= fbi_advice_holds(work, K, q); /* otherwise the load is too large even without preload */
   }
+
+  /* Dynamic amplification, within the deflection limit */
   for (int a = 0; a < n; a++) {
     q[a] *= fbi_advice_gain(work, e, a, fbi_advice_omega(work, i, a));
   }
   beyond = fbi_advice_bound(q, &work->full);
+
+  /* Deflection of the output */
   status = status ? status : fbi_advise_motion(work, &work->full, e, i, q, NULL);
   if (status == FB_OK) {
     tip = fbi_vec3_norm(work->node.displacement);
@@ -20983,19 +21349,21 @@ static fb_status fbi_advise_answers(fb_advice_work *work, const fb_envelope *e)
   return status;
 }
 
-/* How fast a mode moves when it is driven at a frequency. */
+/* Frequency at which a driven mode moves: that of the excitation, at most its own. */
 static fb_real fbi_advice_rate(const fb_advice_work *work, const fb_envelope *e, int a)
 {
   return fbi_smaller(e->frequency, work->omega[a]);
 }
 
-/* How much of what a mode gives swings at its own frequency: what a drive excites whose slope begins with a jump. */
+/* Part of a mode's contribution that oscillates at its natural frequency: the free vibration excited by a harmonic
+   drive that starts with a jump of its slope. */
 static fb_real fbi_advice_share(const fb_advice_work *work, const fb_envelope *e, int a)
 {
   return fbi_advice_rate(work, e, a) / work->omega[a];
 }
 
-/* Modes by what they give, and how far what swings of the answer turns in half the duration [rad]. */
+/* Orders the modes by their contribution to the output; ringing: mean phase that the free vibration runs through in
+   half the duration [rad], weighted by contribution. */
 static void fbi_advise_order(fb_advice_work *work, const fb_envelope *e)
 {
   const int n = work->full.n;
@@ -21012,15 +21380,16 @@ static void fbi_advise_order(fb_advice_work *work, const fb_envelope *e)
   work->ringing = sum > FB_R(0.0) ? turn / sum : FB_R(0.0);
 }
 
-/* [E13.2] What the output is off by when accelerations are off by what at rest would be a part r of it: r, and as the
-   frequency is off by r/2, the phase of what swings; at most twice the output.
+/* [E13.2] Relative error of the output when accelerations are wrong by what is statically a part r of the output: r
+   itself, and the phase error of the free vibration, whose frequency is wrong by r/2; at most twice the output.
    Source: own.  Fails: never.  Test: sets_err_by_the_change_of_frequency. */
 static fb_real fbi_advice_error(const fb_advice_work *work, fb_real r)
 {
   return r + fbi_smaller(r * work->ringing, FB_R(2.0));
 }
 
-/* Relative change of the first mode's stiffness by those that follow the first n: they give way as it bends. */
+/* Relative change of the stiffness of the first mode when the modes after the first n are condensed statically:
+   sum K_ab K_ba/K_bb / K_aa. */
 static fb_real fbi_advise_condensed(const fb_advice_work *work, int instant, int n)
 {
   const int size = work->full.n, a = work->order[0];
@@ -21033,8 +21402,9 @@ static fb_real fbi_advise_condensed(const fb_advice_work *work, int instant, int
   return FB_FABS(change / K[a * size + a]);
 }
 
-/* What the output is off by with the first n modes alone: their answers at rest against those of all, times the gain
-   of the first, for near resonance the output follows its frequency; and the phase of what swings. */
+/* Relative error of the output with the first n modes alone: the difference of the quasi-static responses, times the
+   amplification factor of the first mode (near resonance the output depends on its frequency), and E13.2 of the change
+   of its stiffness. */
 static fb_real fbi_advise_modes(fb_advice_work *work, const fb_envelope *e, int n)
 {
   fb_real worst = FB_R(0.0), all[FB_MAX_MODES], some[FB_MAX_MODES], y[3];
@@ -21055,8 +21425,8 @@ static fb_real fbi_advise_modes(fb_advice_work *work, const fb_envelope *e, int 
   return worst;
 }
 
-/* Accelerations and place of the output of a body of the modes coordinate[0..] at phase `phase` of what instant `at`
-   makes it do. */
+/* Accelerations and displacement of the output for a body with the modes coordinate[0..] at a phase of its oscillation
+   in load case `at`. */
 static fb_status fbi_advise_phase(fb_advice_work *work, fb_body *body, const fb_envelope *e, const int *coordinate,
                                   int at, int phase)
 {
@@ -21069,7 +21439,7 @@ static fb_status fbi_advise_phase(fb_advice_work *work, fb_body *body, const fb_
   return fbi_advise_motion(work, body, e, at, q, q_dot);
 }
 
-/* Those of the full set with all modes, to compare with. */
+/* The same for the full set of effects with all modes, as the reference. */
 static fb_status fbi_advise_full(fb_advice_work *work, const fb_envelope *e, const int *all)
 {
   fb_status status = FB_OK;
@@ -21082,10 +21452,10 @@ static fb_status fbi_advise_full(fb_advice_work *work, const fb_envelope *e, con
   return status;
 }
 
-/* [E13.3] What the candidate in work.body is off by for want of effects: at most by how its output lies at the same
-   coordinates (of all modes: `whole`), and by E13.2 of the difference of its accelerations from those of the full set
-   with all modes, along its own.
-   Source: own.  Cost: 15 evaluations.  Fails: never (FB_HUGE: it has no motion).
+/* [E13.3] Relative error of the candidate in work.body by its missing effects, at most over load cases and phases: the
+   difference of the output at the same coordinates (whole: only for a body with all modes), and E13.2 of the difference
+   of its accelerations from those of the full set with all modes.
+   Source: own.  Cost: 15 evaluations.  Fails: never (FB_HUGE: the motion cannot be evaluated).
    Test: sets_err_by_the_change_of_frequency. */
 static fb_real fbi_advise_set(fb_advice_work *work, const fb_envelope *e, const int *coordinate, int whole)
 {
@@ -21094,6 +21464,8 @@ static fb_real fbi_advise_set(fb_advice_work *work, const fb_envelope *e, const 
   for (int i = 0; i < FBI_ADVICE_INSTANTS * FBI_ADVICE_PHASES; i++) {
     const int at = i / FBI_ADVICE_PHASES, phase = i % FBI_ADVICE_PHASES;
     fb_real away[3];
+
+    /* Error of the accelerations, as a static displacement of the output */
     fb_status status = fbi_advise_phase(work, &work->body, e, coordinate, at, phase);
     for (int k = 0; k < n && status == FB_OK; k++) {
       off[coordinate[k]] = work->motion.q_ddot[k] - work->q_ddot[at][phase][coordinate[k]];
@@ -21104,6 +21476,8 @@ static fb_real fbi_advise_set(fb_advice_work *work, const fb_envelope *e, const 
     }
     fbi_advice_output(away, work, e, q);
     motion = fbi_larger(motion, fbi_vec3_norm(away));
+
+    /* Error of the displacement at the same coordinates */
     fbi_copy(away, work->node.displacement, 3);
     fbi_vec3_add(away, FB_R(-1.0), work->displacement[at][phase]);
     place = whole ? fbi_larger(place, fbi_vec3_norm(away)) : FB_R(0.0);
@@ -21113,8 +21487,9 @@ static fb_real fbi_advise_set(fb_advice_work *work, const fb_envelope *e, const 
 
 /* ---- cost and step of a candidate */
 
-/* Instructions of a step, about: so that times have the right ratio. Of rates; of a solution of the linear system of an
-   implicit integrator; of the begin and end of the step; of its matrix and LU; a base that may recoil has 6 rows more.
+/* Approximate number of instructions of a step, so that the times of candidates have the right ratio: evaluations of
+   the rates, solutions of the linear system of an implicit integrator, begin and end of the step, matrix and its LU
+   factors. The linear system of a base that is not prescribed has 6 more rows.
    Source: counted, tests/reference/step_instructions.csv.  Fails: never.
    Test: costs_are_those_of_counted_instructions. */
 static fb_real fbi_step_instructions(const fb_body *body, fb_integrator integrator)
@@ -21122,11 +21497,15 @@ static fb_real fbi_step_instructions(const fb_body *body, fb_integrator integrat
   const int held = body->base == FB_BASE_PRESCRIBED;
   const fb_real n = (fb_real)body->n, quadratic = (fb_real)(body->n_S > 0),
                 terms = (fb_real)(body->n_lambda + body->n_S);
+
+  /* Counts of each part */
   const fb_real sums = 490 + 28 * n + 12 * terms;
   const fb_real rates = held ? sums + 390 * quadratic : FB_R(1.4) * sums + 1200 * quadratic - 20;
   const fb_real solve = held ? 460 + 255 * n : 1900 + 360 * n;
-  const fb_real ends = held ? 250 + 90 * n : 150 + 30 * n; /* where O is, what momenta are relative to */
+  const fb_real ends = held ? 250 + 90 * n : 150 + 30 * n; /* position of O, frame of the momenta */
   const fb_real factor = held ? 30 * terms + 130 * n : 85 * terms + 3900 + 830 * n;
+
+  /* Stages of each integrator */
   switch (integrator) {
   case FB_INTEGRATOR_RK4:
     return 4 * rates + ends;
@@ -21139,13 +21518,13 @@ static fb_real fbi_step_instructions(const fb_body *body, fb_integrator integrat
   }
 }
 
-/* The longest step [s] that makes sense. */
+/* Longest step considered [s]: the frame, else an eighth of the duration. */
 static fb_real fbi_longest_step(const fb_envelope *e)
 {
   return e->frame > FB_R(0.0) ? fbi_smaller(e->frame, e->duration) : FB_R(0.125) * e->duration;
 }
 
-/* Largest step [s] that an integrator takes. */
+/* Largest step [s] that an integrator accepts for the body in this envelope. */
 static fb_real fbi_integrator_limit(const fb_body *body, fb_integrator integrator, const fb_envelope *e)
 {
   const fb_real spin = fbi_vec3_norm(e->spin);
@@ -21156,18 +21535,19 @@ static fb_real fbi_integrator_limit(const fb_body *body, fb_integrator integrato
   return fbi_smaller(limit, fbi_longest_step(e));
 }
 
-/* A step of at most dt, which is no longer than the frame, that divides it. */
+/* Largest step that divides the frame and is at most dt (dt <= frame). */
 static fb_real fbi_frame_part(fb_real dt, fb_real frame)
 {
   const fb_real parts = frame / dt;
-  if (!(parts > FB_R(1.0) && parts < FB_R(1e6))) { /* none wanted, one, or too many to matter */
+  if (!(parts > FB_R(1.0) && parts < FB_R(1e6))) { /* no frame, one step, or too many to matter */
     return dt;
   }
   return frame / (fb_real)((long)parts + ((fb_real)(long)parts < parts));
 }
 
-/* Step [s] for a tolerance: E12.7 of what swings of each mode, at its frequency, and of what is driven and turns. The
-   exponential scheme errs by what is not its linear part, at the order of rk4. */
+/* Step [s] for a tolerance by E12.7: the free vibration of each mode at its frequency plus the spin, and the driven
+   response at the frequency of the excitation. The exponential scheme is exact in its linear part; the error of the
+   rest is that of rk4. */
 static fb_real fbi_advice_step(fb_advice_work *work, const fb_envelope *e, fb_integrator integrator, int n,
                                fb_real tolerance)
 {
@@ -21175,6 +21555,8 @@ static fb_real fbi_advice_step(fb_advice_work *work, const fb_envelope *e, fb_in
   const int exponential = integrator == FB_INTEGRATOR_EXPONENTIAL;
   const fb_real spin = fbi_vec3_norm(e->spin), inertial = exponential ? work->error[0] : 1;
   fb_real amplitude[FB_MAX_MODES + 1];
+
+  /* Free vibration */
   s->n = 0;
   for (int k = 0; k < n; k++) {
     const int a = work->order[k];
@@ -21182,6 +21564,8 @@ static fb_real fbi_advice_step(fb_advice_work *work, const fb_envelope *e, fb_in
     s->re[s->n] = FB_R(0.0);
     s->im[s->n++] = work->omega[a] + spin;
   }
+
+  /* Driven response */
   if (e->frequency < FB_HUGE && e->frequency > FB_R(0.0)) {
     amplitude[s->n] = inertial;
     s->re[s->n] = FB_R(0.0);
@@ -21192,11 +21576,13 @@ static fb_real fbi_advice_step(fb_advice_work *work, const fb_envelope *e, fb_in
 
 /* ---- advice */
 
-/* Answers, errors of the sets, modes in their order. */
+/* Modal responses, order of the modes, errors of all sets of effects and numbers of modes. */
 static fb_status fbi_advise_prepare(fb_advice_work *work, const fb_shape *shape, const fb_body_desc *desc,
                                     const fb_envelope *e, fb_real tolerance)
 {
   int all[FB_MAX_MODES];
+
+  /* Bodies with all modes: full and linear set of effects */
   fb_status status = fbi_advise_check(shape, desc, e, tolerance);
   for (int a = 0; a < FB_MAX_MODES; a++) {
     all[a] = a;
@@ -21204,6 +21590,8 @@ static fb_status fbi_advise_prepare(fb_advice_work *work, const fb_shape *shape,
   }
   status = status ? status : fbi_advise_body(&work->full, work, shape, desc, NULL, FB_EFFECTS_FULL);
   status = status ? status : fbi_advise_body(&work->body, work, shape, desc, NULL, FB_EFFECTS_LINEAR);
+
+  /* Modal responses in all load cases */
   status = status ? status : fbi_advise_answers(work, e);
   if (status == FB_OK && !(work->deflection > (FB_SINGLE ? FB_R(1e-6) : FB_R(1e-9)) * shape->size)) {
     status = FB_ERR_VALUE; /* nothing drives the output */
@@ -21212,9 +21600,11 @@ static fb_status fbi_advise_prepare(fb_advice_work *work, const fb_shape *shape,
     fbi_advise_order(work, e);
     status = fbi_advise_full(work, e, all);
   }
+
+  /* Errors by missing effects, then by missing modes */
   for (int set = 0; set < FBI_ADVICE_SETS && status == FB_OK; set++) {
     const int is = fbi_advise_body(&work->body, work, shape, desc, NULL, fbi_advice_set[set]) == FB_OK;
-    work->error[set] = is ? fbi_advise_set(work, e, all, 1) : FB_HUGE; /* refused: half of something */
+    work->error[set] = is ? fbi_advise_set(work, e, all, 1) : FB_HUGE; /* incomplete sets are refused */
   }
   for (int k = 0; k < shape->n && status == FB_OK; k++) {
     work->error_modes[k] = fbi_advise_modes(work, e, k + 1);
@@ -21222,7 +21612,7 @@ static fb_status fbi_advise_prepare(fb_advice_work *work, const fb_shape *shape,
   return status;
 }
 
-/* A candidate's mask, coordinates and what they err by. */
+/* Effects, modes (in ascending order) and their errors of a candidate: the given set and the first n modes. */
 static void fbi_advice_fill(fb_advice *advice, const fb_advice_work *work, const fb_body_desc *desc, int set, int n)
 {
   memset(advice, 0, sizeof *advice);
@@ -21239,7 +21629,7 @@ static void fbi_advice_fill(fb_advice *advice, const fb_advice_work *work, const
   }
 }
 
-/* The candidate's body, in work.body; FB_ERR_EFFECTS: there is none. */
+/* Builds the body of a candidate in work.body; FB_ERR_EFFECTS: the set is not possible. */
 static fb_status fbi_candidate(fb_advice_work *work, const fb_shape *shape, const fb_body_desc *desc,
                                const fb_advice *advice)
 {
@@ -21249,10 +21639,11 @@ static fb_status fbi_candidate(fb_advice_work *work, const fb_shape *shape, cons
                                   advice->effects & FB_EFFECTS_FULL);
 }
 
-/* [E13.4] What every modal body is off by, of energies beyond the second degree in q: 1.2 delta^2/2L is how far a
-   bent beam's tip comes in, its speed times the spin a load of r = 1.2 (delta/L) |w| rate/omega^2 of that which bends
-   it; and 0.3 (delta/L)^2, whose phase grows with a quarter of the turn, as amplitudes are seldom the largest.
-   Source: own; the 0.3 and the quarter from trials against the exact beam.  Fails: never.
+/* [E13.4] Relative error of every modal body, by the energies above degree 2 in q that it leaves out. The tip of a beam
+   bent by delta moves inward by 1.2 delta^2/2L (foreshortening); the speed of that times the spin w is an acceleration
+   that the model lacks, a part r = 1.2 (delta/L) |w| rate/omega^2 of the load that bends the beam. In addition
+   0.3 (delta/L)^2, growing with a quarter of the phase of the free vibration, since amplitudes are seldom the largest.
+   Source: own; the 0.3 and the quarter fitted to simulations of the exact beam.  Fails: never.
    Test: advice_knows_where_modes_end. */
 static fb_real fbi_advice_model_error(const fb_advice_work *work, const fb_shape *shape)
 {
@@ -21261,7 +21652,7 @@ static fb_real fbi_advice_model_error(const fb_advice_work *work, const fb_shape
   return work->buckled ? FB_HUGE : fbi_smaller(FB_R(1.2) * work->drawn / shape->size + phase, FB_HUGE);
 }
 
-/* Integrator and step that cost least with the rest of the tolerance. */
+/* Integrator and step with the least cost within `tolerance`, what effects and modes have left. */
 static void fbi_advise_integrator(fb_advice *advice, fb_advice_work *work, const fb_envelope *e, fb_real tolerance)
 {
   advice->cost = FB_HUGE;
@@ -21280,11 +21671,11 @@ static void fbi_advise_integrator(fb_advice *advice, fb_advice_work *work, const
   advice->error_step = tolerance;
 }
 
-/* Estimates that do not depend on the candidate, and its sum. */
+/* Adds the estimates that do not depend on the candidate, and the sum of its errors. */
 static void fbi_advice_finish(fb_advice *advice, const fb_advice_work *work, const fb_shape *shape)
 {
   for (int i = 0; i < FB_ADVICE_EFFECTS; i++) {
-    advice->without[i] = i == 0 ? FB_R(1.0) : FB_HUGE; /* rigid: nothing of the output */
+    advice->without[i] = i == 0 ? FB_R(1.0) : FB_HUGE; /* a rigid body has no elastic displacement */
     for (int set = 0; set < FBI_ADVICE_SETS && i > 0; set++) {
       if (!(fbi_advice_set[set] & 1u << i)) {
         advice->without[i] = fbi_smaller(advice->without[i], work->error[set]);
@@ -21300,13 +21691,17 @@ FB_DEF fb_status fb_advice_solve(fb_advice *advice, fb_advice_work *work, const 
                                  const fb_body_desc *desc, const fb_envelope *envelope, fb_real tolerance)
 {
   fb_advice best, candidate;
-  fb_real left; /* of the tolerance by what all modal bodies err, if they can meet it */
+  fb_real left; /* tolerance less the error of every modal body, at least half of it */
   fb_status status;
+
+  /* Responses and error estimates */
   FBI_REQUIRE(advice && work && shape && desc && envelope, FB_ERR_NULL);
   status = fbi_advise_prepare(work, shape, desc, envelope, tolerance);
   if (status != FB_OK) {
     return status;
   }
+
+  /* The cheapest candidate whose errors add up to the tolerance */
   best.cost = FB_HUGE;
   left = tolerance - fbi_smaller(fbi_advice_model_error(work, shape), FB_R(0.5) * tolerance);
   for (int k = 0; k < FBI_ADVICE_SETS * shape->n; k++) {
@@ -21333,7 +21728,8 @@ FB_DEF fb_status fb_advice_solve(fb_advice *advice, fb_advice_work *work, const 
 
 /* ---- search by simulation */
 
-/* Step k of a candidate: the longest, and whole parts of it, or of the frame, about sqrt 2 apart. */
+/* Trial step number `part` of a candidate: the longest step divided by sqrt(2)^part, rounded to a whole part of the
+   frame. */
 static fb_real fbi_trial_step(fb_real longest, fb_real frame, int part)
 {
   fb_real ratio = FB_R(1.0);
@@ -21343,7 +21739,7 @@ static fb_real fbi_trial_step(fb_real longest, fb_real frame, int part)
   return fbi_smaller(longest, fbi_frame_part(longest / ratio * (FB_R(1.0) + FBI_ROUNDING), frame));
 }
 
-/* Costs and longest steps of all candidates; those that cannot be have no part left. */
+/* Costs and longest steps of all candidates; impossible ones get no trial steps. */
 static fb_status fbi_search_prepare(fb_advice_work *work, const fb_shape *shape, const fb_body_desc *desc,
                                     const fb_envelope *e)
 {
@@ -21367,7 +21763,7 @@ static fb_status fbi_search_prepare(fb_advice_work *work, const fb_shape *shape,
   return FB_OK;
 }
 
-/* The cheapest candidate that was not tried; 0: none is left. */
+/* Finds the cheapest candidate (set, number of modes - 1, integrator) not yet simulated; 0: none is left. */
 static int fbi_search_next(int at[3], fb_advice *advice, const fb_advice_work *work, const fb_envelope *e, int n)
 {
   fb_real best = FB_HUGE;
@@ -21389,7 +21785,7 @@ static int fbi_search_next(int at[3], fb_advice *advice, const fb_advice_work *w
   return best < FB_HUGE;
 }
 
-/* Length of the largest sample of a, less b unless NULL; FB_HUGE: of one that is not finite. */
+/* Norm of the largest sample of a, or of a - b; FB_HUGE if one is not finite. */
 static fb_real fbi_trial_largest(const fb_trial *trial, const fb_real *a, const fb_real *b)
 {
   fb_real most = FB_R(0.0), sum = FB_R(0.0);
@@ -21410,8 +21806,9 @@ static fb_real fbi_trial_error(const fb_trial *trial)
   return most < FB_HUGE ? most / fbi_trial_largest(trial, trial->reference, NULL) : FB_HUGE;
 }
 
-#define FBI_ADVICE_SHORT 4 /* of rk4's steps: a quarter of its limit */
-/* Shorter steps next; none where they no longer help, neither of this integrator nor of the others. */
+#define FBI_ADVICE_SHORT 4 /* trial step of the reference: a quarter of the limit of rk4 */
+/* Records the error of a simulated candidate: its next trial step is shorter. Where the error no longer depends on the
+   step, effects and modes cause it, and no integrator is tried with them any more. */
 static void fbi_search_note(fb_advice_work *work, const fb_envelope *e, const int at[3], fb_real error,
                             fb_real tolerance)
 {
@@ -21419,7 +21816,7 @@ static void fbi_search_note(fb_advice_work *work, const fb_envelope *e, const in
   fb_real *const last = &work->last[at[0]][at[1]][at[2]];
   const fb_real longest = work->longest[at[0]][at[1]][at[2]], dt = fbi_trial_step(longest, e->frame, part[at[2]]);
   const int same = error < FB_R(0.5) && FB_FABS(error - *last) < FB_R(0.05) * error;
-  do { /* to another step: of few parts of a frame some are the same */
+  do { /* the next different step; rounded to parts of the frame, some are equal */
     part[at[2]]++;
   } while (part[at[2]] < FBI_ADVICE_PARTS && !(fbi_trial_step(longest, e->frame, part[at[2]]) < FB_R(0.999) * dt));
   for (int s = 0; s < 4 && same && error > FB_R(1.2) * tolerance; s++) {
@@ -21428,7 +21825,8 @@ static void fbi_search_note(fb_advice_work *work, const fb_envelope *e, const in
   *last = error;
 }
 
-/* All modes and effects in short steps: the reference, or how far off it is. Its cost is the most that makes sense. */
+/* Simulates all modes and effects with a short step: the reference, or its error against a given one. Its cost is the
+   upper bound of the search. */
 static fb_status fbi_search_fullest(fb_advice *fullest, fb_advice_work *work, const fb_shape *shape,
                                     const fb_body_desc *desc, const fb_envelope *e, const fb_trial *trial)
 {
@@ -21443,14 +21841,14 @@ static fb_status fbi_search_fullest(fb_advice *fullest, fb_advice_work *work, co
   }
   status = trial->run(trial->user, trial->has_reference ? trial->output : trial->reference, fullest);
   size = fbi_trial_largest(trial, trial->reference, NULL);
-  if (status == FB_OK && !(size > FB_R(0.0) && size < FB_HUGE)) { /* no measure of an error */
+  if (status == FB_OK && !(size > FB_R(0.0) && size < FB_HUGE)) { /* errors are relative to it */
     status = size > FB_R(0.0) ? FB_ERR_NOT_FINITE : FB_ERR_VALUE;
   }
   fullest->error = status == FB_OK && trial->has_reference ? fbi_trial_error(trial) : FB_R(0.0);
   return status;
 }
 
-/* Simulates candidates by their cost, up to `most`; FB_ERR_CONVERGENCE: none meets the tolerance. */
+/* Simulates candidates in the order of their cost, up to `most`; FB_ERR_CONVERGENCE: none meets the tolerance. */
 static fb_status fbi_search_run(fb_advice *found, fb_advice_work *work, const fb_body_desc *desc, const fb_envelope *e,
                                 fb_real tolerance, const fb_trial *trial, fb_real most)
 {
@@ -21481,13 +21879,19 @@ FB_DEF fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
   FBI_REQUIRE(advice && work && shape && desc && envelope && trial, FB_ERR_NULL);
   FBI_REQUIRE(trial->run && trial->output && trial->reference, FB_ERR_NULL);
   FBI_REQUIRE(trial->n > 0 && trial->width > 0 && trial->n % trial->width == 0, FB_ERR_VALUE);
+
+  /* Estimates, then the reference */
   status = fbi_advise_prepare(work, shape, desc, envelope, tolerance);
   status = status ? status : fbi_search_prepare(work, shape, desc, envelope);
   status = status ? status : fbi_search_fullest(&found, work, shape, desc, envelope, trial);
-  if (status == FB_OK && found.error > 2 * tolerance) { /* fewer effects may err less by chance, not by much */
+  if (status == FB_OK && found.error > 2 * tolerance) { /* with fewer effects it could be smaller by chance only */
     status = FB_ERR_CONVERGENCE;
   }
+
+  /* Candidates, the cheapest first */
   status = status ? status : fbi_search_run(&found, work, desc, envelope, tolerance, trial, found.cost);
+
+  /* The estimates beside the error found */
   if (status == FB_OK) {
     const fb_real error = found.error;
     fbi_advice_finish(&found, work, shape);
