@@ -491,6 +491,7 @@ static const char *const fbi_config_reference = FBI_CONFIG_SYMBOL;
 #define FBI_MAX_STRAINS ((FB_MAX_STRAINS + 3) / 4 * 4) /* whole groups of four */
 #define FBI_EXPONENTIAL_STRAINS (FB_WITH_NONLINEAR_STRAIN ? FBI_MAX_STRAINS : 1)
 #define FBI_MAX_DOF (6 * (FB_MAX_ELEMENTS + 1) + 16 * FB_MAX_ELEMENTS)
+#define FBI_MAX_ROW (3 * 6 + 2 * 16) /* of K and M of a beam */
 
 /* ---------------------------------------------------------------------------------------------------------------
    RUN >>status */
@@ -1700,10 +1701,11 @@ typedef struct fb_modes {
 
 typedef struct fb_modes_work { /* scratch; large: make it static */
   int held[FBI_MAX_DOF];
-  fb_real rigid[6 * FBI_MAX_DOF]; /* six rigid motions about the root, rows */
-  fb_real free[6 * FBI_MAX_DOF];  /* those that the root leaves, orthonormal */
-  fb_real K[FBI_MAX_DOF * FBI_MAX_DOF], M[FBI_MAX_DOF * FBI_MAX_DOF];
-  fb_real Kc[FBI_MAX_DOF * FBI_MAX_DOF], Mc[FBI_MAX_DOF * FBI_MAX_DOF], X[FBI_MAX_DOF * FBI_MAX_DOF];
+  fb_real rigid[6 * FBI_MAX_DOF];                                     /* six rigid motions about the root, rows */
+  fb_real free[6 * FBI_MAX_DOF];                                      /* those that the root leaves, orthonormal */
+  fb_real K[FBI_MAX_ROW * FBI_MAX_DOF], M[FBI_MAX_ROW * FBI_MAX_DOF]; /* assembled, what a row couples with */
+  /* Of an eigenproblem: one matrix above the diagonal of A, the factor of the other in the rest; the vectors */
+  fb_real A[FBI_MAX_DOF * FBI_MAX_DOF], X[FBI_MAX_DOF * FBI_MAX_DOF];
   fb_real omega2[FBI_MAX_DOF];
   fb_modes found;
 } fb_modes_work;
