@@ -1741,17 +1741,16 @@ typedef struct fb_join_desc {
   fb_real omega_limit; /* [rad/s] modes above are left out; 0: no limit */
 } fb_join_desc;
 
+#define FBI_MAX_JOINED (FB_MAX_COMPONENTS * FB_MAX_MODES)
+#define FBI_MAX_WELD_ROWS (6 * FB_MAX_WELDS)
 typedef struct fb_join_work { /* scratch; large: make it static */
-  fb_real K[FB_MAX_COMPONENTS * FB_MAX_COMPONENTS * FB_MAX_MODES * FB_MAX_MODES];
-  fb_real M[FB_MAX_COMPONENTS * FB_MAX_COMPONENTS * FB_MAX_MODES * FB_MAX_MODES];
-  fb_real Z[FB_MAX_COMPONENTS * FB_MAX_COMPONENTS * FB_MAX_MODES * FB_MAX_MODES];
-  fb_real X[FB_MAX_COMPONENTS * FB_MAX_COMPONENTS * FB_MAX_MODES * FB_MAX_MODES];
-  fb_real A[FB_MAX_COMPONENTS * FB_MAX_COMPONENTS * FB_MAX_MODES * FB_MAX_MODES];
-  fb_real B[FB_MAX_COMPONENTS * FB_MAX_COMPONENTS * FB_MAX_MODES * FB_MAX_MODES];
-  fb_real T[6 * FB_MAX_WELDS * FB_MAX_COMPONENTS * FB_MAX_MODES];
-  fb_real d[FB_MAX_COMPONENTS * FB_MAX_MODES], scale[FB_MAX_COMPONENTS * FB_MAX_MODES];
-  int pivot[FB_MAX_COMPONENTS * FB_MAX_MODES];
-  fb_modes joined[FB_MAX_COMPONENTS];
+  fb_real K[FBI_MAX_JOINED * FBI_MAX_JOINED], M[FBI_MAX_JOINED * FBI_MAX_JOINED];
+  fb_real Z[FBI_MAX_JOINED * FBI_MAX_JOINED], A[FBI_MAX_JOINED * FBI_MAX_JOINED];
+  fb_real X[FBI_MAX_JOINED *
+            (FBI_MAX_JOINED > FBI_MAX_WELD_ROWS ? FBI_MAX_JOINED : FBI_MAX_WELD_ROWS)]; /* constraints, modes */
+  fb_real d[FBI_MAX_JOINED], scale[FBI_MAX_JOINED];
+  int pivot[FBI_MAX_JOINED];
+  fb_modes joined;
 } fb_join_work;
 
 /* joined, beam and component are arrays of n_component. A component that hangs on another one has a free root and rigid

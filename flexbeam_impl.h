@@ -14324,19 +14324,20 @@ static fb_status fbi_join_check(const fb_beam *beam, const fb_modes *component, 
   return FB_OK;
 }
 
-/* Block-diagonal K and M of the components and the constraints T q = 0 of the rigid connections (welds). Coordinates
-   are scaled to modal mass 1 (without mass: stiffness 1), rows of rotations by the length. Returns the number of
-   coordinates. */
+/* Block-diagonal K and M of the components and the constraints T q = 0 of the rigid connections (welds), T in
+   work.X. Coordinates are scaled to modal mass 1 (without mass: stiffness 1), rows of rotations by the length. Returns
+   the number of coordinates. */
 static int fbi_join_assemble(fb_join_work *work, const fb_beam *beam, const fb_modes *component,
                              const fb_join_desc *desc, int n_component)
 {
+  fb_real *const T = work->X;
   int N = 0, at = 0;
   for (int c = 0; c < n_component; c++) {
     N += component[c].n;
   }
   fbi_zero(work->K, N * N);
   fbi_zero(work->M, N * N);
-  fbi_zero(work->T, 6 * desc->n_weld * N);
+  fbi_zero(T, 6 * desc->n_weld * N);
   for (int c = 0; c < n_component; c++) {
     const int n = component[c].n;
 
@@ -14361,7 +14362,7 @@ static int fbi_join_assemble(fb_join_work *work, const fb_beam *beam, const fb_m
         fbi_weld_motion(motion, &beam[c], &component[c], a, joint->node[w % 2]);
         for (int i = 0; i < 6; i++) {
           const fb_real unit = (i < 3 ? FB_R(1.0) : beam[0].desc.length) * (w % 2 ? -FB_R(1.0) : FB_R(1.0));
-          work->T[(6 * (w / 2) + i) * N + at + a] += unit * motion[i] * work->scale[at + a];
+          T[(6 * (w / 2) + i) * N + at + a] += unit * motion[i] * work->scale[at + a];
         }
       }
     }
@@ -14469,9 +14470,9 @@ static fb_status fbi_join_solve(fb_join_work *work, int m, int *found)
   /* Number of rigid-body modes and shift */
   if (!definite) {
     const fb_real noise = FB_R(8.0) * (fb_real)m * FB_EPSILON;
-    fbi_copy(work->A, work->K, m * m);
-    fbi_copy(work->B, work->M, m * m);
-    status = fb_eig_gen_solve(work->d, work->X, work->A, work->B, m);
+    fbi_copy(work->X, work->K, m * m);
+    fbi_copy(work->A, work->M, m * m);
+    status = fbi_eig_gen_solve(work->d, work->X, work->A, m);
     if (status != FB_OK) {
       return status;
     }
@@ -14490,10 +14491,10 @@ static fb_status fbi_join_solve(fb_join_work *work, int m, int *found)
     return FB_OK;
   }
   for (int i = 0; i < m * m; i++) {
-    work->A[i] = work->M[i];
-    work->B[i] = work->K[i] + shift * work->M[i];
+    work->X[i] = work->M[i];
+    work->A[i] = work->K[i] + shift * work->M[i];
   }
-  status = fb_eig_gen_solve(work->d, work->X, work->A, work->B, m);
+  status = fbi_eig_gen_solve(work->d, work->X, work->A, m);
   if (status != FB_OK) {
     return status;
   }
@@ -14521,7 +14522,7 @@ static fb_status fbi_join_solve(fb_join_work *work, int m, int *found)
    share of the common M and K, q^T M q and q^T K q. */
 static void fbi_join_expand(fb_modes *out, fb_join_work *work, const fb_modes *component, int at, int n, int m)
 {
-  fb_real *const q = work->A, *const half = work->B; /* component->n x n each */
+  fb_real *const q = work->K, *const half = work->M; /* component->n x n each; K and M are not needed any more */
   const int nc = component->n;
   memset(out, 0, sizeof *out);
   out->n = n;
@@ -14592,6 +14593,7 @@ static fb_kind fbi_join_kind(fb_join_work *work, const fb_modes *component, int 
 FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_beam *beam, const fb_modes *component,
                                const fb_join_desc *desc, int n_component)
 {
+  fb_kind kind[FB_MAX_MODES];
   int N, m, at = 0, found = 0, n = 0;
   fb_real limit;
   fb_status status;
@@ -14603,7 +14605,7 @@ FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
 
   /* Constraints eliminated: K = Z^T K Z, M = Z^T M Z */
   N = fbi_join_assemble(work, beam, component, desc, n_component);
-  m = N - fbi_null_space(work->Z, work->T, work->pivot, 6 * desc->n_weld, N);
+  m = N - fbi_null_space(work->Z, work->X, work->pivot, 6 * desc->n_weld, N);
   fbi_congruence(work->K, work->Z, work->A, N, m);
   fbi_congruence(work->M, work->Z, work->A, N, m);
 
@@ -14620,21 +14622,20 @@ FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
     return n > FB_MAX_MODES ? FB_ERR_CAPACITY : FB_ERR_MODES;
   }
 
-  /* Kinds and signs, shapes of each component */
+  /* Kinds and signs, shapes of each component; joined may be component */
   for (int k = 0; k < n; k++) {
-    work->joined[0].kind[k] = fbi_join_kind(work, component, n_component, k, m);
+    kind[k] = fbi_join_kind(work, component, n_component, k, m);
   }
   for (int c = 0; c < n_component; c++) {
-    fb_kind kind[FB_MAX_MODES];
-    memcpy(kind, work->joined[0].kind, sizeof kind);
-    fbi_join_expand(&work->joined[c], work, &component[c], at, n, m);
-    memcpy(work->joined[c].kind, kind, sizeof kind);
-    for (int k = 0; k < n; k++) {
-      work->joined[c].omega[k] = FB_SQRT(work->d[k]);
-    }
+    const int first = at;
     at += component[c].n;
+    fbi_join_expand(&work->joined, work, &component[c], first, n, m);
+    memcpy(work->joined.kind, kind, (size_t)n * sizeof *kind);
+    for (int k = 0; k < n; k++) {
+      work->joined.omega[k] = FB_SQRT(work->d[k]);
+    }
+    joined[c] = work->joined;
   }
-  memcpy(joined, work->joined, (size_t)n_component * sizeof *joined);
   return FB_OK;
 }
 
