@@ -8521,6 +8521,7 @@ FB_DEF fb_status fb_exact_state_init(const fb_exact *m, fb_exact_state *state, f
 {
   const fbi_exact_motion still = {0, 0, 0, 0, 0, 0};
   FBI_REQUIRE(m && state && work, FB_ERR_NULL);
+  FBI_REQUIRE(fbi_exact_is_sized(m), FB_ERR_CAPACITY);
   FBI_REQUIRE_EXACT();
   if (input && (!fbi_is_finite(input->v, 3) || !fbi_is_finite(input->w, 3))) {
     return FB_ERR_NOT_FINITE;
@@ -8746,13 +8747,18 @@ static fb_real fbi_exact_weight(const fb_real M[36], const fb_real g[3], fb_real
 
 /* [E10.13] Energy: 1/2 h strain S strain + 1/2 h P M^-1 P + u.p + 1/2 m u.u, p the momentum relative to u, and -m g.r
    with the mass center's r, by Simpson's rule along each element.
-   Source: [L] 3.57-3.61.  Cost: 400 flops an element.  Fails: never.
+   Source: [L] 3.57-3.61.  Cost: 400 flops an element.  Fails: state refused.
    Test: energy_is_kept_whatever_the_step, a_pendulum_keeps_its_energy, flight_at_any_speed_moves_as_rest_does. */
 FB_DEF fb_status fb_exact_energy_eval(const fb_exact *m, fb_energy *energy, const fb_exact_state *state)
 {
   fb_energy out = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_real base[9], g[3], u[3], p[3], turning[3], origin, last, unit;
+  fb_status status;
   FBI_REQUIRE(m && energy && state, FB_ERR_NULL);
+  status = fb_exact_state_check(m, state);
+  if (status != FB_OK) {
+    return status;
+  }
 
   /* Units, gravity in base axes */
   last = FB_R(0.25) * m->beta * state->step * state->step;
@@ -8798,12 +8804,17 @@ FB_DEF fb_status fb_exact_energy_eval(const fb_exact *m, fb_energy *energy, cons
 
 /* [E10.14] Momentum and angular momentum about the inertial origin: h A^T P of each element at its two nodes
    (the adjoint of the mean velocity), plus m u and the angular momentum of a common velocity u of all nodes.
-   Source: [L] 3.62, E10.7.  Cost: 200 flops an element.  Fails: never.  Test: free_flight_keeps_momentum. */
+   Source: [L] 3.62, E10.7.  Cost: 200 flops an element.  Fails: state refused.  Test: free_flight_keeps_momentum. */
 FB_DEF fb_status fb_exact_momentum_eval(const fb_exact *m, fb_momentum *momentum, const fb_exact_state *state)
 {
   fb_momentum out;
   fb_real base[9], u[3], p[3], h[3], carried[3], turning[3], unit;
+  fb_status status;
   FBI_REQUIRE(m && momentum && state, FB_ERR_NULL);
+  status = fb_exact_state_check(m, state);
+  if (status != FB_OK) {
+    return status;
+  }
 
   /* Base axes, about the origin of the base */
   fbi_exact_frame(u, m, state);
