@@ -14226,7 +14226,7 @@ FB_DEF fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_b
 FB_DEF fb_status fb_buckling_solve(fb_modes *modes, fb_modes_work *work, const fb_beam *beam, const fb_modes_desc *desc)
 {
   const fb_preload none = {FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-  int group[FB_KIND_COUNT], dof[FBI_MAX_DOF], n, wanted;
+  int group[FB_KIND_COUNT], dof[FBI_MAX_DOF] = {0}, n, wanted;
   fbi_rows rows;
   fb_modes *out;
   fb_status status;
