@@ -148,6 +148,14 @@
                                                        -ffp-contract=fast; -fno-math-errno, -fno-trapping-math: none
      FB_SQRT FB_SIN FB_COS FB_ATAN2 FB_FABS FB_EXP     replace libm; declare what they call before, in FLEXBEAM_CONFIG
 
+   MEMORY of the work structs [bytes], with the defaults above and double; in single precision about half
+     fb_rk4_work 1500, fb_implicit_work 7100, fb_exponential_work 4000, fb_system_work 182 000, fb_exact_work 174 000
+     fb_modes_work     3.6 million: (2 n + 113) n reals, n = 22 FB_MAX_ELEMENTS + 6 coordinates of a beam, one fb_modes
+     fb_join_work      417 000: 5 n^2 reals, n = 8 FB_MAX_MODES coordinates of the components, and one fb_modes
+     fb_body_work      117 000; fb_build_work 4.0 million, most of it an fb_modes_work
+     fb_analyse_work   1.3 million; fb_system_analyse_work 1.5, fb_exact_path_work 0.2, fb_exact_spectrum_work 1.6,
+                       fb_exact_linear_work 2.0, fb_advice_work 0.5 million
+
    CONVENTIONS
      Arguments: context (models, then the state that changes, then work), outputs, inputs, sizes. An _init has what it
      makes first. Kernels read as an assignment: fb_mat33_mul(C, A, B). A function that fills a struct ends with a verb:
@@ -492,6 +500,7 @@ static const char *const fbi_config_reference = FBI_CONFIG_SYMBOL;
 #define FBI_MAX_STRAINS ((FB_MAX_STRAINS + 3) / 4 * 4) /* whole groups of four */
 #define FBI_EXPONENTIAL_STRAINS (FB_WITH_NONLINEAR_STRAIN ? FBI_MAX_STRAINS : 1)
 #define FBI_MAX_DOF (6 * (FB_MAX_ELEMENTS + 1) + 16 * FB_MAX_ELEMENTS)
+#define FBI_MAX_ROW (3 * 6 + 2 * 16) /* of K and M of a beam */
 
 /* ---------------------------------------------------------------------------------------------------------------
    RUN >>status */
@@ -1316,7 +1325,7 @@ typedef struct fb_exact_work { /* scratch; large: make it static */
 } fb_exact_work;
 
 /* Undeformed, at the inertial origin, in rigid motion with the v, w of the input (NULL: at rest); u is the velocity
-   of the mass center, of a beam that is held v. FB_ERR_NOT_FINITE. */
+   of the mass center, of a beam that is held v. FB_ERR_NOT_FINITE; FB_ERR_CAPACITY: counts of the model. */
 FB_API fb_status fb_exact_state_init(const fb_exact *exact, fb_exact_state *state, fb_exact_work *work,
                                      const fb_exact_input *input);
 
@@ -1351,7 +1360,7 @@ FB_API fb_status fb_exact_element_eval(const fb_exact *exact, fb_exact_element *
 FB_API fb_status fb_exact_point_eval(const fb_exact *exact, fb_real position[3], fb_real quat[4],
                                      const fb_exact_state *state, fb_real x);
 /* With dissipation kinetic and strain energy hold beta/4 of that of the last step's change, too: their sum then falls
-   in every step of a conservative beam. */
+   in every step of a conservative beam. This and the momentum refuse what fb_exact_state_check refuses. */
 FB_API fb_status fb_exact_energy_eval(const fb_exact *exact, fb_energy *energy, const fb_exact_state *state);
 /* A free beam's own momenta drift with the mesh and the step, order 2, by what turns differently within an element (the
    mean of w x p is not that of the means): 5 m, 1 kg/m, EI 100 N m^2, pushed across at its tip by 50 N for 1 s, steps
@@ -1754,10 +1763,11 @@ typedef struct fb_modes {
 
 typedef struct fb_modes_work { /* scratch; large: make it static */
   int held[FBI_MAX_DOF];
-  fb_real rigid[6 * FBI_MAX_DOF]; /* six rigid motions about the root, rows */
-  fb_real free[6 * FBI_MAX_DOF];  /* those that the root permits, orthonormal */
-  fb_real K[FBI_MAX_DOF * FBI_MAX_DOF], M[FBI_MAX_DOF * FBI_MAX_DOF];
-  fb_real Kc[FBI_MAX_DOF * FBI_MAX_DOF], Mc[FBI_MAX_DOF * FBI_MAX_DOF], X[FBI_MAX_DOF * FBI_MAX_DOF];
+  fb_real rigid[6 * FBI_MAX_DOF];                                     /* six rigid motions about the root, rows */
+  fb_real free[6 * FBI_MAX_DOF];                                      /* those that the root permits, orthonormal */
+  fb_real K[FBI_MAX_ROW * FBI_MAX_DOF], M[FBI_MAX_ROW * FBI_MAX_DOF]; /* assembled, what a row couples with */
+  /* Of an eigenproblem: one matrix above the diagonal of A, the factor of the other in the rest; the vectors */
+  fb_real A[FBI_MAX_DOF * FBI_MAX_DOF], X[FBI_MAX_DOF * FBI_MAX_DOF];
   fb_real omega2[FBI_MAX_DOF];
   fb_modes found;
 } fb_modes_work;
@@ -1795,17 +1805,16 @@ typedef struct fb_join_desc {
   fb_real omega_limit; /* [rad/s] modes above are left out; 0: no limit */
 } fb_join_desc;
 
+#define FBI_MAX_JOINED (FB_MAX_COMPONENTS * FB_MAX_MODES)
+#define FBI_MAX_WELD_ROWS (6 * FB_MAX_WELDS)
 typedef struct fb_join_work { /* scratch; large: make it static */
-  fb_real K[FB_MAX_COMPONENTS * FB_MAX_COMPONENTS * FB_MAX_MODES * FB_MAX_MODES];
-  fb_real M[FB_MAX_COMPONENTS * FB_MAX_COMPONENTS * FB_MAX_MODES * FB_MAX_MODES];
-  fb_real Z[FB_MAX_COMPONENTS * FB_MAX_COMPONENTS * FB_MAX_MODES * FB_MAX_MODES];
-  fb_real X[FB_MAX_COMPONENTS * FB_MAX_COMPONENTS * FB_MAX_MODES * FB_MAX_MODES];
-  fb_real A[FB_MAX_COMPONENTS * FB_MAX_COMPONENTS * FB_MAX_MODES * FB_MAX_MODES];
-  fb_real B[FB_MAX_COMPONENTS * FB_MAX_COMPONENTS * FB_MAX_MODES * FB_MAX_MODES];
-  fb_real T[6 * FB_MAX_WELDS * FB_MAX_COMPONENTS * FB_MAX_MODES];
-  fb_real d[FB_MAX_COMPONENTS * FB_MAX_MODES], scale[FB_MAX_COMPONENTS * FB_MAX_MODES];
-  int pivot[FB_MAX_COMPONENTS * FB_MAX_MODES];
-  fb_modes joined[FB_MAX_COMPONENTS];
+  fb_real K[FBI_MAX_JOINED * FBI_MAX_JOINED], M[FBI_MAX_JOINED * FBI_MAX_JOINED];
+  fb_real Z[FBI_MAX_JOINED * FBI_MAX_JOINED], A[FBI_MAX_JOINED * FBI_MAX_JOINED];
+  fb_real X[FBI_MAX_JOINED *
+            (FBI_MAX_JOINED > FBI_MAX_WELD_ROWS ? FBI_MAX_JOINED : FBI_MAX_WELD_ROWS)]; /* constraints, modes */
+  fb_real d[FBI_MAX_JOINED], scale[FBI_MAX_JOINED];
+  int pivot[FBI_MAX_JOINED];
+  fb_modes joined;
 } fb_join_work;
 
 /* joined, beam and component are arrays of n_component. A component attached to another one needs a free root and

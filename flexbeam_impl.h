@@ -8678,6 +8678,7 @@ FB_DEF fb_status fb_exact_state_init(const fb_exact *m, fb_exact_state *state, f
 {
   const fbi_exact_motion still = {0, 0, 0, 0, 0, 0};
   FBI_REQUIRE(m && state && work, FB_ERR_NULL);
+  FBI_REQUIRE(fbi_exact_is_sized(m), FB_ERR_CAPACITY);
   FBI_REQUIRE_EXACT();
   if (input && (!fbi_is_finite(input->v, 3) || !fbi_is_finite(input->w, 3))) {
     return FB_ERR_NOT_FINITE;
@@ -8903,13 +8904,18 @@ static fb_real fbi_exact_weight(const fb_real M[36], const fb_real g[3], fb_real
 
 /* [E10.13] Energy: 1/2 h strain S strain + 1/2 h P M^-1 P + u.p + 1/2 m u.u, p the momentum relative to u, and -m g.r
    with the mass center's r, by Simpson's rule along each element.
-   Source: [L] 3.57-3.61.  Cost: 400 flops an element.  Fails: never.
+   Source: [L] 3.57-3.61.  Cost: 400 flops an element.  Fails: state refused.
    Test: energy_is_kept_whatever_the_step, a_pendulum_keeps_its_energy, flight_at_any_speed_moves_as_rest_does. */
 FB_DEF fb_status fb_exact_energy_eval(const fb_exact *m, fb_energy *energy, const fb_exact_state *state)
 {
   fb_energy out = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_real base[9], g[3], u[3], p[3], turning[3], origin, last, unit;
+  fb_status status;
   FBI_REQUIRE(m && energy && state, FB_ERR_NULL);
+  status = fb_exact_state_check(m, state);
+  if (status != FB_OK) {
+    return status;
+  }
 
   /* Units, gravity in base axes */
   last = FB_R(0.25) * m->beta * state->step * state->step;
@@ -8955,12 +8961,17 @@ FB_DEF fb_status fb_exact_energy_eval(const fb_exact *m, fb_energy *energy, cons
 
 /* [E10.14] Momentum and angular momentum about the inertial origin: h A^T P of each element at its two nodes
    (the adjoint of the mean velocity), plus m u and the angular momentum of a common velocity u of all nodes.
-   Source: [L] 3.62, E10.7.  Cost: 200 flops an element.  Fails: never.  Test: free_flight_keeps_momentum. */
+   Source: [L] 3.62, E10.7.  Cost: 200 flops an element.  Fails: state refused.  Test: free_flight_keeps_momentum. */
 FB_DEF fb_status fb_exact_momentum_eval(const fb_exact *m, fb_momentum *momentum, const fb_exact_state *state)
 {
   fb_momentum out;
   fb_real base[9], u[3], p[3], h[3], carried[3], turning[3], unit;
+  fb_status status;
   FBI_REQUIRE(m && momentum && state, FB_ERR_NULL);
+  status = fb_exact_state_check(m, state);
+  if (status != FB_OK) {
+    return status;
+  }
 
   /* Base axes, about the origin of the base */
   fbi_exact_frame(u, m, state);
@@ -11528,37 +11539,40 @@ FB_DEF fb_status fb_build_check(void)
 /* ---------------------------------------------------------------------------------------------------------------
    BUILD >>eigen: symmetric, generalized and general eigenproblems (uses config, status, solve) */
 
-/* Jacobi rotation of rows and columns p, q of the symmetric A that makes A_pq zero; rows p, q of V rotate along. */
-static void fbi_jacobi_rotate(fb_real *A, fb_real *V, int n, int p, int q)
+/* Plane rotation of n pairs: (x, y) becomes (c x - s y, s x + c y); x and y have strides. */
+static void fbi_pairs_rotate(fb_real *x, int x_stride, fb_real *y, int y_stride, fb_real c, fb_real s, int n)
 {
-  const fb_real apq = A[p * n + q];
+  for (int i = 0; i < n; i++) {
+    const fb_real a = x[i * x_stride], b = y[i * y_stride];
+    x[i * x_stride] = c * a - s * b;
+    y[i * y_stride] = s * a + c * b;
+  }
+}
+
+/* Jacobi rotation of rows and columns p < q of a symmetric matrix that makes A_pq zero; rows p, q of V rotate along.
+   d is the diagonal, A holds the elements above it. */
+static void fbi_jacobi_rotate(fb_real *d, fb_real *V, fb_real *A, int n, int p, int q)
+{
+  fb_real *const row_p = A + p * n, *const row_q = A + q * n;
+  const fb_real apq = row_p[q];
 
   /* t, c, s: tangent, cosine, sine of the angle; t is the smaller root of t^2 + 2 theta t - 1 = 0 */
-  const fb_real theta = (A[q * n + q] - A[p * n + p]) / (FB_R(2.0) * apq);
+  const fb_real theta = (d[q] - d[p]) / (FB_R(2.0) * apq);
   const fb_real root = FB_FABS(theta) < FB_HUGE ? FB_SQRT(theta * theta + FB_R(1.0)) : FB_FABS(theta);
   const fb_real t = (theta < FB_R(0.0) ? -FB_R(1.0) : FB_R(1.0)) / (FB_FABS(theta) + root);
   const fb_real c = FB_R(1.0) / FB_SQRT(t * t + FB_R(1.0));
   const fb_real s = t * c;
 
   /* The 2x2 block of p and q becomes diagonal */
-  A[p * n + p] -= t * apq;
-  A[q * n + q] += t * apq;
-  A[p * n + q] = FB_R(0.0);
-  A[q * n + p] = FB_R(0.0);
+  d[p] -= t * apq;
+  d[q] += t * apq;
+  row_p[q] = FB_R(0.0);
 
-  /* The other elements of the two rows and columns, and V */
-  for (int i = 0; i < n; i++) {
-    const fb_real vp = V[p * n + i], vq = V[q * n + i];
-    V[p * n + i] = c * vp - s * vq;
-    V[q * n + i] = s * vp + c * vq;
-    if (i != p && i != q) {
-      const fb_real ap = A[p * n + i], aq = A[q * n + i];
-      A[p * n + i] = c * ap - s * aq;
-      A[q * n + i] = s * ap + c * aq;
-      A[i * n + p] = A[p * n + i];
-      A[i * n + q] = A[q * n + i];
-    }
-  }
+  /* The other elements of the two rows and columns: above p, between p and q, beyond q; and V */
+  fbi_pairs_rotate(A + p, n, A + q, n, c, s, p);
+  fbi_pairs_rotate(row_p + p + 1, 1, row_p + n + q, n, c, s, q - p - 1);
+  fbi_pairs_rotate(row_p + q + 1, 1, row_q + q + 1, 1, c, s, n - q - 1);
+  fbi_pairs_rotate(V + p * n, 1, V + q * n, 1, c, s, n);
 }
 
 /* Sorts d and the rows of V ascending (selection: n exchanges at most). */
@@ -11578,22 +11592,20 @@ static void fbi_eig_sort(fb_real *d, fb_real *V, int n)
 
 /* [E5.3] Symmetric eigenvalues by cyclic Jacobi rotations until every off-diagonal element is round-off of its two
    diagonal ones (or of 1e-9 of the norm, where those vanish): small eigenvalues of graded matrices keep their digits.
-   Source: [GV] 8.5.  Shapes: A n x n, V rows.  Cost: about 6 n^3 flops a sweep, 5 to 10 sweeps.
-   Fails: not finite; more than 60 sweeps.  Test: jacobi_diagonalizes_random_graded_and_degenerate_matrices. */
-FB_DEF fb_status fb_eig_sym_solve(fb_real *d, fb_real *V, fb_real *A, int n)
+   Source: [GV] 8.5.  Shapes: d n, the diagonal before and the eigenvalues after; V rows; A n x n, the elements above
+   the diagonal, the others are neither read nor written.  Cost: about 6 n^3 flops a sweep, 5 to 10 sweeps.
+   Fails: more than 60 sweeps.  Test: jacobi_diagonalizes_random_graded_and_degenerate_matrices. */
+static fb_status fbi_jacobi_solve(fb_real *d, fb_real *V, fb_real *A, int n)
 {
   fb_real norm = FB_R(0.0);
   int rotated = 1;
-  FBI_REQUIRE(d && V && A, FB_ERR_NULL);
-  FBI_REQUIRE(n >= 0, FB_ERR_VALUE);
 
   /* V = 1; norm is the largest element of A */
   for (int i = 0; i < n; i++) {
-    if (!fbi_is_finite(A + i * n, n)) {
-      return FB_ERR_NOT_FINITE;
-    }
-    for (int j = 0; j < n; j++) {
-      V[i * n + j] = i == j ? FB_R(1.0) : FB_R(0.0);
+    fbi_zero(V + i * n, n);
+    V[i * n + i] = FB_R(1.0);
+    norm = fbi_larger(norm, FB_FABS(d[i]));
+    for (int j = i + 1; j < n; j++) {
       norm = fbi_larger(norm, FB_FABS(A[i * n + j]));
     }
   }
@@ -11603,9 +11615,9 @@ FB_DEF fb_status fb_eig_sym_solve(fb_real *d, fb_real *V, fb_real *A, int n)
     rotated = 0;
     for (int p = 0; p < n - 1; p++) {
       for (int q = p + 1; q < n; q++) {
-        const fb_real own = FB_SQRT(FB_FABS(A[p * n + p])) * FB_SQRT(FB_FABS(A[q * n + q]));
+        const fb_real own = FB_SQRT(FB_FABS(d[p])) * FB_SQRT(FB_FABS(d[q]));
         if (FB_FABS(A[p * n + q]) > FB_EPSILON * fbi_larger(own, FB_R(1e-9) * norm)) {
-          fbi_jacobi_rotate(A, V, n, p, q);
+          fbi_jacobi_rotate(d, V, A, n, p, q);
           rotated = 1;
         }
       }
@@ -11614,52 +11626,74 @@ FB_DEF fb_status fb_eig_sym_solve(fb_real *d, fb_real *V, fb_real *A, int n)
   if (rotated) {
     return FB_ERR_CONVERGENCE;
   }
-
-  /* Eigenvalues from the diagonal, ascending */
-  for (int i = 0; i < n; i++) {
-    d[i] = A[i * n + i];
-  }
   fbi_eig_sort(d, V, n);
   return FB_OK;
 }
 
-/* [E5.4] K x = d M x through M = L L^T, (L^-1 K L^-T) y = d y, x = L^-T y.
-   Source: [GV] 8.7.  Shapes: K, M n x n, X rows.  Cost: E5.3 and 2 n^3 flops.  Fails: M not positive definite.
-   Test: generalized_eigenvectors_diagonalize_both_matrices. */
-FB_DEF fb_status fb_eig_gen_solve(fb_real *d, fb_real *X, fb_real *K, fb_real *M, int n)
+FB_DEF fb_status fb_eig_sym_solve(fb_real *d, fb_real *V, fb_real *A, int n)
 {
-  fb_status status;
-  FBI_REQUIRE(d && X && K && M, FB_ERR_NULL);
+  FBI_REQUIRE(d && V && A, FB_ERR_NULL);
+  FBI_REQUIRE(n >= 0, FB_ERR_VALUE);
+  for (int i = 0; i < n; i++) {
+    if (!fbi_is_finite(A + i * n, n)) {
+      return FB_ERR_NOT_FINITE;
+    }
+  }
+  for (int i = 0; i < n; i++) {
+    d[i] = A[i * n + i];
+  }
+  return fbi_jacobi_solve(d, V, A, n);
+}
 
+/* [E5.4] K x = d M x through M = L L^T, (L^-1 K L^-T) y = d y, x = L^-T y.
+   Source: [GV] 8.7.  Shapes: X n x n, K before and the eigenvectors in rows after; A n x n, M in the lower triangle,
+   where L overwrites it, and scratch above.  Cost: E5.3 and 2 n^3 flops.  Fails: M not positive definite.
+   Test: generalized_eigenvectors_diagonalize_both_matrices. */
+static fb_status fbi_eig_gen_solve(fb_real *d, fb_real *X, fb_real *A, int n)
+{
   /* M = L L^T */
-  status = fb_chol_factor(M, n);
+  fb_status status = fb_chol_factor(A, n);
   if (status != FB_OK) {
     return status;
   }
 
-  /* K becomes L^-1 K L^-T: solve with the rows, transpose, solve again; then its symmetric part */
+  /* K becomes L^-1 K L^-T: solve with the rows, transpose, solve again */
   for (int pass = 0; pass < 2; pass++) {
     for (int i = 0; i < n; i++) {
-      fbi_chol_forward(K + i * n, M, K + i * n, n);
+      fbi_chol_forward(X + i * n, A, X + i * n, n);
     }
-    for (int i = 0; i < n; i++) {
+    for (int i = 0; i < n && pass == 0; i++) {
       for (int j = 0; j < i; j++) {
-        const fb_real a = K[i * n + j], b = K[j * n + i];
-        K[i * n + j] = pass ? FB_R(0.5) * (a + b) : b;
-        K[j * n + i] = pass ? K[i * n + j] : a;
+        fbi_swap(X + i * n + j, X + j * n + i, 1);
       }
     }
   }
 
+  /* Its symmetric part, above the diagonal of A and in d */
+  for (int i = 0; i < n; i++) {
+    if (!fbi_is_finite(X + i * n, n)) {
+      return FB_ERR_NOT_FINITE;
+    }
+    d[i] = X[i * n + i];
+    for (int j = i + 1; j < n; j++) {
+      A[i * n + j] = FB_R(0.5) * (X[j * n + i] + X[i * n + j]);
+    }
+  }
+
   /* Eigenvectors y of that, and x = L^-T y */
-  status = fb_eig_sym_solve(d, X, K, n);
-  if (status != FB_OK) {
-    return status;
+  status = fbi_jacobi_solve(d, X, A, n);
+  for (int k = 0; k < n && status == FB_OK; k++) {
+    fbi_chol_back(X + k * n, A, X + k * n, n);
   }
-  for (int k = 0; k < n; k++) {
-    fbi_chol_back(X + k * n, M, X + k * n, n);
-  }
-  return FB_OK;
+  return status;
+}
+
+FB_DEF fb_status fb_eig_gen_solve(fb_real *d, fb_real *X, fb_real *K, fb_real *M, int n)
+{
+  FBI_REQUIRE(d && X && K && M, FB_ERR_NULL);
+  FBI_REQUIRE(n >= 0, FB_ERR_VALUE);
+  fbi_copy(X, K, n * n);
+  return fbi_eig_gen_solve(d, X, M, n);
 }
 
 /* Complex numbers of the general eigenproblem. */
@@ -12752,6 +12786,116 @@ static int fbi_beam_ndof(const fb_beam *beam)
   return 6 * (beam->desc.n_element + 1) + (beam->has_shear ? 16 : 8) * beam->desc.n_element;
 }
 
+/* How K and M of a beam are stored. A coordinate is coupled with those of the nodes and elements next to it alone: a
+   row holds three runs of successive columns, nodal ones and those of two blocks of internal ones, and is `width` long.
+   Coordinates are numbered by nodes, then by the elements of block 0, then by those of block 1. */
+typedef struct fbi_rows {
+  int n_element, ndof, width;
+  int nodal;       /* coordinates of a node: 6, of scalar functions 2 */
+  int internal[2]; /* of an element, in each block */
+  int full;        /* 1: a row holds all columns */
+} fbi_rows;
+
+typedef struct fbi_run {
+  int first, n; /* columns first .. first + n - 1 */
+  int at;       /* place of the first one in the row */
+} fbi_run;
+
+static fbi_rows fbi_rows_of(int n_element, int nodal, int internal, int shear)
+{
+  fbi_rows rows = {0, 0, 0, 0, {0, 0}, 0};
+  rows.n_element = n_element;
+  rows.nodal = nodal;
+  rows.internal[0] = internal;
+  rows.internal[1] = shear;
+  rows.ndof = nodal * (n_element + 1) + (internal + shear) * n_element;
+  rows.width = 3 * nodal + 2 * (internal + shear); /* a node has two neighbors and two elements */
+  return rows;
+}
+
+/* All coordinates of a beam (fbi_beam_ndof). */
+static fbi_rows fbi_beam_rows(const fb_beam *beam)
+{
+  return fbi_rows_of(beam->desc.n_element, 6, 8, beam->has_shear ? 8 : 0);
+}
+
+/* The runs of row i. */
+static void fbi_row_runs(fbi_run run[3], const fbi_rows *rows, int i)
+{
+  const int n = rows->n_element, start = rows->nodal * (n + 1), second = start + rows->internal[0] * n;
+  int from, to; /* elements from .. to - 1 hold coordinate i */
+  if (i < start) {
+    const int node = i / rows->nodal;
+    from = node > 0 ? node - 1 : 0;
+    to = node < n ? node + 1 : n;
+  } else {
+    from = i < second ? (i - start) / rows->internal[0] : (i - second) / rows->internal[1];
+    to = from + 1;
+  }
+  memset(run, 0, 3 * sizeof *run);
+  if (rows->full) {
+    run[0].n = rows->ndof;
+    return;
+  }
+  run[0].first = rows->nodal * from;
+  run[0].n = rows->nodal * (to - from + 1);
+  for (int b = 0; b < 2; b++) {
+    run[b + 1].first = (b ? second : start) + rows->internal[b] * from;
+    run[b + 1].n = rows->internal[b] * (to - from);
+    run[b + 1].at = 3 * rows->nodal + 2 * b * rows->internal[0];
+  }
+}
+
+/* Place of element (i, j) of a stored matrix; i and j are coupled. */
+static int fbi_row_place(const fbi_rows *rows, int i, int j)
+{
+  fbi_run run[3];
+  int b = 2;
+  fbi_row_runs(run, rows, i);
+  while (b > 0 && (j < run[b].first || j >= run[b].first + run[b].n)) {
+    b--;
+  }
+  return i * rows->width + run[b].at + j - run[b].first;
+}
+
+/* Row i of A with all its columns. */
+static void fbi_row_get(fb_real *row, const fbi_rows *rows, const fb_real *A, int i)
+{
+  fbi_run run[3];
+  fbi_row_runs(run, rows, i);
+  fbi_zero(row, rows->ndof);
+  for (int b = 0; b < 3; b++) {
+    fbi_copy(row + run[b].first, A + i * rows->width + run[b].at, run[b].n);
+  }
+}
+
+/* (A x)_i */
+static fb_real fbi_row_dot(const fbi_rows *rows, const fb_real *A, int i, const fb_real *x)
+{
+  fbi_run run[3];
+  fb_real sum = FB_R(0.0);
+  fbi_row_runs(run, rows, i);
+  for (int b = 0; b < 3; b++) {
+    const fb_real *const a = A + i * rows->width + run[b].at;
+    for (int j = 0; j < run[b].n; j++) {
+      sum += a[j] * x[run[b].first + j];
+    }
+  }
+  return sum;
+}
+
+/* The n rows and columns dof of A as a full matrix. */
+static void fbi_rows_pick(fb_real *to, const fb_real *A, const fbi_rows *rows, const int *dof, int n)
+{
+  for (int i = 0; i < n; i++) {
+    fb_real row[FBI_MAX_DOF];
+    fbi_row_get(row, rows, A, dof[i]);
+    for (int j = 0; j < n; j++) {
+      to[i * n + j] = row[dof[j]];
+    }
+  }
+}
+
 /* Coordinates of an element: 12 nodal (beam axes), 8 internal and 8 of shear (element axes). */
 #define FBI_LOCAL 28
 /* Index of element coordinate k in the assembled matrices. */
@@ -12826,14 +12970,15 @@ static void fbi_field_products(fb_real *k, fb_real *m, const fbi_section_field *
        section->i_y * a->theta[1] * b->theta[1] + section->i_z * a->theta[2] * b->theta[2];
 }
 
-/* [E6.3] Element stiffness and consistent mass at one Gauss point, added to the assembled K and M.
+/* [E6.3] Element stiffness and consistent mass at one Gauss point, added to the assembled K and M; its term (i, j) is
+   at place[i * n + j] there.
    K_ij += dx (EA e_i e_j + GJ k_x k_x + EI_y k_y k_y + EI_z k_z k_z + GA_y g_y g_y + GA_z g_z g_z + T (u_y' u_y' + u_z'
    u_z')),  M_ij += dx (mass u_i.u_j + (i_y + i_z) th_x th_x + i_y th_y th_y + i_z th_z th_z);
    T is the tension of a preload (geometric stiffness), the fields are those of E6.12.
-   Source: [H] C.1-27, C.2-11.  Shapes: unit fields, n of them; K, M ndof x ndof.  Cost: n^2 x 30 flops.  Fails: never.
+   Source: [H] C.1-27, C.2-11.  Shapes: unit fields, n of them; place n x n.  Cost: n^2 x 30 flops.  Fails: never.
    Test: element_matrices_match_the_textbook_ones. */
-static void fbi_element_add(fb_real *K, fb_real *M, const fbi_field *f, const int *dof, const fb_section *section,
-                            fb_real dx, fb_real tension, int n, int ndof)
+static void fbi_element_add(fb_real *K, fb_real *M, const fbi_field *f, const int *place, const fb_section *section,
+                            fb_real dx, fb_real tension, int n)
 {
   fbi_section_field at[FBI_LOCAL];
   for (int i = 0; i < n; i++) {
@@ -12843,33 +12988,32 @@ static void fbi_element_add(fb_real *K, fb_real *M, const fbi_field *f, const in
     for (int j = 0; j < n; j++) {
       fb_real k, m;
       fbi_field_products(&k, &m, &at[i], &at[j], section, tension);
-      K[dof[i] * ndof + dof[j]] += dx * k;
-      M[dof[i] * ndof + dof[j]] += dx * m;
+      K[place[i * n + j]] += dx * k;
+      M[place[i * n + j]] += dx * m;
     }
   }
 }
 
 /* [E6.4] A lumped body in the mass matrix of its node: with u = u_n + theta x c,
    M += mass (u.u) + theta.J theta, J about the mass center.
-   Source: rigid-body kinetic energy.  Shapes: M ndof x ndof.  Fails: never.
+   Source: rigid-body kinetic energy.  Shapes: M, the node's 6 x 6 block, its rows `stride` apart.  Fails: never.
    Test: tip_mass_lowers_the_frequencies_as_published. */
-static void fbi_lump_add(fb_real *M, const fb_lump *lump, int ndof)
+static void fbi_lump_add(fb_real *M, const fb_lump *lump, int stride)
 {
   const fb_real *c = lump->center, *J = lump->inertia, m = lump->mass;
-  const int at = 6 * lump->node;
   const fb_real cross[9] = {FB_R(0.0), c[2], -c[1], -c[2],    FB_R(0.0),
                             c[0],      c[1], -c[0], FB_R(0.0)}; /* u += cross theta */
   const fb_real inertia[9] = {J[0], J[3], J[4], J[3], J[1], J[5], J[4], J[5], J[2]};
   for (int i = 0; i < 3; i++) {
-    M[(at + i) * ndof + at + i] += m;
+    M[i * stride + i] += m;
     for (int j = 0; j < 3; j++) {
       fb_real steiner = FB_R(0.0);
       for (int k = 0; k < 3; k++) {
         steiner += cross[3 * k + i] * cross[3 * k + j];
       }
-      M[(at + i) * ndof + at + 3 + j] += m * cross[3 * i + j];
-      M[(at + 3 + j) * ndof + at + i] += m * cross[3 * i + j];
-      M[(at + 3 + i) * ndof + at + 3 + j] += inertia[3 * i + j] + m * steiner;
+      M[i * stride + 3 + j] += m * cross[3 * i + j];
+      M[(3 + j) * stride + i] += m * cross[3 * i + j];
+      M[(3 + i) * stride + 3 + j] += inertia[3 * i + j] + m * steiner;
     }
   }
 }
@@ -12933,24 +13077,26 @@ static int fbi_condensed_dofs(int dof[FBI_CONDENSED], const fb_beam *beam)
 static void fbi_nodal_values(fb_real v[12 * FBI_LOCAL], const fb_beam *beam, int element)
 {
   enum { N = 12 + FBI_CONDENSED };
-  int internal[FBI_CONDENSED], dof[N];
+  int internal[FBI_CONDENSED], place[N * N];
   const int m = fbi_condensed_dofs(internal, beam), n = 12 + m;
   fb_real K[N * N] = {FB_R(0.0)}, M[N * N] = {FB_R(0.0)}, Kgg[FBI_CONDENSED * FBI_CONDENSED], g[FBI_CONDENSED];
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
 
   /* Stiffness of the nodal and the condensed coordinates */
+  for (int ij = 0; ij < n * n; ij++) {
+    place[ij] = ij;
+  }
   while (m > 0 && fbi_cell_next(&cell, beam)) {
     for (int at = 0; at < FBI_GAUSS && cell.element == element; at++) {
       fb_section section;
       fbi_field f[N];
       for (int i = 0; i < n; i++) {
         fb_real unit[FBI_LOCAL] = {FB_R(0.0)};
-        dof[i] = i;
         unit[i < 12 ? i : internal[i - 12]] = FB_R(1.0);
         fbi_element_field(&f[i], beam, element, unit, fbi_cell_s(&cell, beam, fbi_gauss_x[at]));
       }
       fb_beam_section_eval(beam, &section, cell.x0 + fbi_gauss_x[at] * (cell.x1 - cell.x0));
-      fbi_element_add(K, M, f, dof, &section, fbi_gauss_w[at] * (cell.x1 - cell.x0), FB_R(0.0), n, n);
+      fbi_element_add(K, M, f, place, &section, fbi_gauss_w[at] * (cell.x1 - cell.x0), FB_R(0.0), n);
     }
   }
 
@@ -12974,23 +13120,23 @@ static void fbi_nodal_values(fb_real v[12 * FBI_LOCAL], const fb_beam *beam, int
   }
 }
 
-/* Assembled K and M under a preload, of the nodal coordinates after condensation (nodal) or of all coordinates. */
-static void fbi_matrices(fb_real *K, fb_real *M, const fb_beam *beam, int nodal, const fb_preload *load)
+/* Assembled K and M under a preload, in these rows: of all coordinates, or of the nodal ones after condensation, where
+   the rows have no internal ones. */
+static void fbi_matrices(fb_real *K, fb_real *M, const fbi_rows *rows, const fb_beam *beam, const fb_preload *load)
 {
-  const int loaded = fbi_is_loaded(load);
-  const int ndof = nodal ? 6 * (beam->desc.n_element + 1) : fbi_beam_ndof(beam);
+  const int loaded = fbi_is_loaded(load), nodal = rows->internal[0] == 0;
   const int n = nodal ? 12 : beam->has_shear ? FBI_LOCAL : 20;
   fb_real values[12 * FBI_LOCAL];
-  int dof[FBI_LOCAL], element = -1;
+  int place[FBI_LOCAL * FBI_LOCAL], element = -1;
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
-  fbi_zero(K, ndof * ndof);
-  fbi_zero(M, ndof * ndof);
+  fbi_zero(K, rows->ndof * rows->width);
+  fbi_zero(M, rows->ndof * rows->width);
   while (fbi_cell_next(&cell, beam)) {
-    /* New element: indices, condensed shapes */
+    /* New element: places, condensed shapes */
     if (cell.element != element) {
       element = cell.element;
-      for (int i = 0; i < n; i++) {
-        dof[i] = fbi_element_dof(beam, element, i);
+      for (int ij = 0; ij < n * n; ij++) {
+        place[ij] = fbi_row_place(rows, fbi_element_dof(beam, element, ij / n), fbi_element_dof(beam, element, ij % n));
       }
       if (nodal) {
         fbi_nodal_values(values, beam, element);
@@ -13010,21 +13156,26 @@ static void fbi_matrices(fb_real *K, fb_real *M, const fb_beam *beam, int nodal,
                           fbi_cell_s(&cell, beam, fbi_gauss_x[g]));
       }
       fb_beam_section_eval(beam, &section, x);
-      fbi_element_add(K, M, f, dof, &section, dx, tension, n, ndof);
+      fbi_element_add(K, M, f, place, &section, dx, tension, n);
     }
   }
 
   /* Lumped bodies */
   for (int k = 0; k < beam->desc.n_lump; k++) {
-    fbi_lump_add(M, &beam->desc.lump[k], ndof);
+    const int at = 6 * beam->desc.lump[k].node;
+    fbi_lump_add(M + fbi_row_place(rows, at, at), &beam->desc.lump[k], rows->width);
   }
 }
 
 FB_DEF void fb_beam_matrices_eval(const fb_beam *beam, fb_real *K, fb_real *M)
 {
   const fb_preload none = {FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fbi_rows rows;
   FBI_REQUIRE(K && M && beam, );
-  fbi_matrices(K, M, beam, 1, &none);
+  rows = fbi_rows_of(beam->desc.n_element, 6, 0, 0);
+  rows.width = rows.ndof;
+  rows.full = 1;
+  fbi_matrices(K, M, &rows, beam, &none);
 }
 
 /* ---------------------------------------------------------------------------------------------------------------
@@ -13048,7 +13199,7 @@ static fb_kind fbi_dof_kind(const fb_beam *beam, int dof)
 static const int fbi_kind_dof[FB_KIND_COUNT] = {1, 2, 0, 3};
 
 /* Does the beam have stiffness and inertia of this kind? Otherwise it is rigid in that way. A chain has all kinds. */
-static int fbi_kind_exists(const fb_beam *beam, fb_kind kind, const fb_real *M, int ndof)
+static int fbi_kind_exists(const fb_beam *beam, fb_kind kind, const fb_real *M, const fbi_rows *rows)
 {
   int stiff = 0, inert = 0;
   if (beam->desc.n_point > 0) {
@@ -13059,23 +13210,27 @@ static int fbi_kind_exists(const fb_beam *beam, fb_kind kind, const fb_real *M, 
     const fb_real stiffness[FB_KIND_COUNT] = {s->EI_z, s->EI_y, s->EA, s->GJ};
     stiff = stiff || stiffness[kind] > FB_R(0.0);
   }
-  for (int i = 0; i < ndof; i++) {
-    inert = inert || (fbi_dof_kind(beam, i) == kind && M[i * ndof + i] > FB_R(0.0));
+  for (int i = 0; i < rows->ndof; i++) {
+    inert = inert || (fbi_dof_kind(beam, i) == kind && M[fbi_row_place(rows, i, i)] > FB_R(0.0));
   }
   return stiff && inert;
 }
 
 /* Groups of kinds that K or M couple (twist, centers and lumped bodies off the axis, kinks), numbered by their first
    kind; -1: the kind does not exist. */
-static void fbi_kind_groups(int group[FB_KIND_COUNT], const fb_beam *beam, const fb_real *K, const fb_real *M, int ndof)
+static void fbi_kind_groups(int group[FB_KIND_COUNT], const fb_beam *beam, const fb_real *K, const fb_real *M)
 {
+  const fbi_rows rows = fbi_beam_rows(beam);
   for (int k = 0; k < FB_KIND_COUNT; k++) {
-    group[k] = fbi_kind_exists(beam, (fb_kind)k, M, ndof) ? k : -1;
+    group[k] = fbi_kind_exists(beam, (fb_kind)k, M, &rows) ? k : -1;
   }
-  for (int i = 0; i < ndof; i++) {
-    for (int j = 0; j < ndof; j++) {
+  for (int i = 0; i < rows.ndof; i++) {
+    fb_real row_K[FBI_MAX_DOF], row_M[FBI_MAX_DOF];
+    fbi_row_get(row_K, &rows, K, i);
+    fbi_row_get(row_M, &rows, M, i);
+    for (int j = 0; j < rows.ndof; j++) {
       const int a = group[fbi_dof_kind(beam, i)], b = group[fbi_dof_kind(beam, j)];
-      if (a >= 0 && b >= 0 && a != b && FB_FABS(M[i * ndof + j]) + FB_FABS(K[i * ndof + j]) > FB_R(0.0)) {
+      if (a >= 0 && b >= 0 && a != b && FB_FABS(row_M[j]) + FB_FABS(row_K[j]) > FB_R(0.0)) {
         for (int k = 0; k < FB_KIND_COUNT; k++) {
           group[k] = group[k] == (a > b ? a : b) ? (a < b ? a : b) : group[k];
         }
@@ -13198,24 +13353,20 @@ static void fbi_eig_turn(fb_real *d, fb_real *X, int n)
    Test: beam_frequencies_match_the_closed_form. */
 static fb_status fbi_group_solve(const fb_beam *beam, fb_modes_work *work, const int *dof, int n, int rigid, int *found)
 {
-  const int ndof = fbi_beam_ndof(beam);
+  const fbi_rows rows = fbi_beam_rows(beam);
   fb_real shift;
   fb_status status;
 
   /* K and M of the group, K shifted where there are rigid-body modes */
-  for (int i = 0; i < n; i++) {
-    for (int j = 0; j < n; j++) {
-      work->Kc[i * n + j] = work->K[dof[i] * ndof + dof[j]];
-      work->Mc[i * n + j] = work->M[dof[i] * ndof + dof[j]];
-    }
-  }
-  shift = rigid > 0 ? fbi_shift(beam, work->Kc, work->Mc, dof, n) : FB_R(0.0);
+  fbi_rows_pick(work->A, work->K, &rows, dof, n);
+  fbi_rows_pick(work->X, work->M, &rows, dof, n);
+  shift = rigid > 0 ? fbi_shift(beam, work->A, work->X, dof, n) : FB_R(0.0);
   for (int i = 0; i < n * n; i++) {
-    work->Kc[i] += shift * work->Mc[i];
+    work->A[i] += shift * work->X[i];
   }
 
   /* M x = mu (K + shift M) x */
-  status = fb_eig_gen_solve(work->omega2, work->X, work->Mc, work->Kc, n);
+  status = fbi_eig_gen_solve(work->omega2, work->X, work->A, n);
   if (status != FB_OK) {
     return status;
   }
@@ -13235,32 +13386,25 @@ static fb_status fbi_group_solve(const fb_beam *beam, fb_modes_work *work, const
 }
 
 /* a^T M b of full-length shapes; M may be the stiffness matrix. */
-static fb_real fbi_modal_product(const fb_real *a, const fb_real *M, const fb_real *b, int ndof)
+static fb_real fbi_modal_product(const fb_real *a, const fb_real *M, const fb_real *b, const fbi_rows *rows)
 {
   fb_real sum = FB_R(0.0);
-  for (int i = 0; i < ndof; i++) {
-    fb_real row = FB_R(0.0);
+  for (int i = 0; i < rows->ndof; i++) {
     if (FB_FABS(a[i]) > FB_R(0.0)) {
-      for (int j = 0; j < ndof; j++) {
-        row += M[i * ndof + j] * b[j];
-      }
-      sum += a[i] * row;
+      sum += a[i] * fbi_row_dot(rows, M, i, b);
     }
   }
   return sum;
 }
 
 /* Kind with the largest share of a shape's kinetic energy. */
-static fb_kind fbi_shape_kind(const fb_beam *beam, const fb_real *shape, const fb_real *M, int ndof)
+static fb_kind fbi_shape_kind(const fb_beam *beam, const fb_real *shape, const fb_real *M)
 {
+  const fbi_rows rows = fbi_beam_rows(beam);
   fb_real share[FB_KIND_COUNT] = {0};
   int best = 0;
-  for (int i = 0; i < ndof; i++) {
-    fb_real row = FB_R(0.0);
-    for (int j = 0; j < ndof; j++) {
-      row += M[i * ndof + j] * shape[j];
-    }
-    share[fbi_dof_kind(beam, i)] += shape[i] * row;
+  for (int i = 0; i < rows.ndof; i++) {
+    share[fbi_dof_kind(beam, i)] += shape[i] * fbi_row_dot(&rows, M, i, shape);
   }
   for (int k = 1; k < FB_KIND_COUNT; k++) {
     best = share[k] > share[best] ? k : best;
@@ -13269,13 +13413,13 @@ static fb_kind fbi_shape_kind(const fb_beam *beam, const fb_real *shape, const f
 }
 
 /* Makes x M-orthogonal to the m M-orthonormal rows of f (Gram-Schmidt). */
-static void fbi_orthogonalize(fb_real *x, const fb_real *f, const fb_real *M, int m, int ndof)
+static void fbi_orthogonalize(fb_real *x, const fb_real *f, const fb_real *M, int m, const fbi_rows *rows)
 {
   for (int twice = 0; twice < 2; twice++) { /* the second pass removes round-off */
     for (int k = 0; k < m; k++) {
-      const fb_real share = fbi_modal_product(f + k * ndof, M, x, ndof);
-      for (int i = 0; i < ndof; i++) {
-        x[i] -= share * f[k * ndof + i];
+      const fb_real share = fbi_modal_product(f + k * rows->ndof, M, x, rows);
+      for (int i = 0; i < rows->ndof; i++) {
+        x[i] -= share * f[k * rows->ndof + i];
       }
     }
   }
@@ -13302,18 +13446,18 @@ static void fbi_shape_scale(fb_modes *modes, int k, fb_real mass, int n_element)
 /* [E7.3] Mass normalization, x^T M x = 1, orthogonal to the shapes before it, tip displacement of its kind positive.
    Returns 0 if no more than `share` of its modal mass remains then: it depends linearly on those before.
    Source: convention.  Shapes: rows of ndof.  Fails: never.  Test: modes_are_orthonormal_with_a_fixed_sign. */
-static int fbi_shape_normalize(fb_modes *modes, int k, const fb_real *M, int n_element, fb_real share)
+static int fbi_shape_normalize(fb_modes *modes, int k, const fb_real *M, const fb_beam *beam, fb_real share)
 {
-  const int ndof = modes->ndof;
-  fb_real *x = modes->shape + k * ndof;
-  const fb_real before = fbi_modal_product(x, M, x, ndof);
+  const fbi_rows rows = fbi_beam_rows(beam);
+  fb_real *x = modes->shape + k * rows.ndof;
+  const fb_real before = fbi_modal_product(x, M, x, &rows);
   fb_real mass;
-  fbi_orthogonalize(x, modes->shape, M, k, ndof);
-  mass = fbi_modal_product(x, M, x, ndof);
+  fbi_orthogonalize(x, modes->shape, M, k, &rows);
+  mass = fbi_modal_product(x, M, x, &rows);
   if (!(mass > share * before)) {
     return 0;
   }
-  fbi_shape_scale(modes, k, mass, n_element);
+  fbi_shape_scale(modes, k, mass, beam->desc.n_element);
   return 1;
 }
 
@@ -13337,6 +13481,7 @@ static int fbi_mass_is_reached(const fb_modes_desc *desc, const fb_modes_work *w
   static const fb_kind kind[6] = {FB_KIND_AXIAL,   FB_KIND_BEND_Y, FB_KIND_BEND_Z,
                                   FB_KIND_TORSION, FB_KIND_BEND_Z, FB_KIND_BEND_Y};
   const fb_modes *found = &work->found;
+  const fbi_rows rows = fbi_beam_rows(beam);
   for (int i = 0; i < 6; i++) {
     const fb_real *r = work->rigid + i * found->ndof;
     fb_real sum = FB_R(0.0), root[36] = {FB_R(0.0)};
@@ -13356,7 +13501,7 @@ static int fbi_mass_is_reached(const fb_modes_desc *desc, const fb_modes_work *w
 
     /* Effective mass of the modes found against that of the beam without the root */
     for (int k = 0; k < found->n && moves && desc->count[kind[i]] > 0; k++) {
-      const fb_real share = fbi_modal_product(found->shape + k * found->ndof, work->M, r, found->ndof);
+      const fb_real share = fbi_modal_product(found->shape + k * found->ndof, work->M, r, &rows);
       sum += share * share;
     }
     if (moves && desc->count[kind[i]] > 0 && sum < desc->mass_fraction * (found->rigid_mass[i] - root[7 * i])) {
@@ -13392,7 +13537,7 @@ static fb_status fbi_group_take(const fb_modes_desc *desc, fb_modes_work *work, 
 
     /* Candidate shape; skipped if there are enough of its kind */
     fbi_group_shape(spare, work, dof, k, n, out->ndof);
-    kind = fbi_shape_kind(beam, spare, work->M, out->ndof);
+    kind = fbi_shape_kind(beam, spare, work->M);
     if (taken[kind] >= choice->count[kind]) {
       continue;
     }
@@ -13404,7 +13549,7 @@ static fb_status fbi_group_take(const fb_modes_desc *desc, fb_modes_work *work, 
     fbi_copy(out->shape + out->n * out->ndof, spare, out->ndof);
     out->kind[out->n] = kind;
     out->omega[out->n] = omega;
-    if (fbi_shape_normalize(out, out->n, work->M, beam->desc.n_element, FB_SQRT(FB_EPSILON))) {
+    if (fbi_shape_normalize(out, out->n, work->M, beam, FB_SQRT(FB_EPSILON))) {
       taken[kind]++;
       out->n++;
     }
@@ -13439,12 +13584,12 @@ static void fbi_modes_sort(fb_modes *modes)
 static fb_status fbi_elements_take(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam,
                                    const int group[FB_KIND_COUNT])
 {
-  const int nodal = 6 * (beam->desc.n_element + 1);
+  const fbi_rows rows = fbi_rows_of(beam->desc.n_element, 6, 0, 0);
   fb_modes *out = &work->found;
   int dof[FBI_MAX_DOF];
 
   /* One coordinate per free nodal displacement */
-  for (int i = 0; i < nodal; i++) {
+  for (int i = 0; i < rows.ndof; i++) {
     const fb_kind kind = fbi_dof_kind(beam, i);
     if (desc->count[kind] > 0 && group[kind] >= 0 && !work->held[i]) {
       if (out->n == FB_MAX_MODES) {
@@ -13471,15 +13616,10 @@ static fb_status fbi_elements_take(const fb_modes_desc *desc, fb_modes_work *wor
     }
   }
 
-  /* M and K of the condensed elements; then the full matrices again */
-  fbi_matrices(work->K, work->M, beam, 1, &desc->preload);
-  for (int i = 0; i < out->n; i++) {
-    for (int j = 0; j < out->n; j++) {
-      out->M[i * out->n + j] = work->M[dof[i] * nodal + dof[j]];
-      out->K[i * out->n + j] = work->K[dof[i] * nodal + dof[j]];
-    }
-  }
-  fbi_matrices(work->K, work->M, beam, 0, &desc->preload);
+  /* M and K of the condensed elements, assembled where eigenproblems are solved */
+  fbi_matrices(work->A, work->X, &rows, beam, &desc->preload);
+  fbi_rows_pick(out->K, work->A, &rows, dof, out->n);
+  fbi_rows_pick(out->M, work->X, &rows, dof, out->n);
   return FB_OK;
 }
 
@@ -13575,6 +13715,7 @@ static fb_status fbi_modes_take(const fb_modes_desc *desc, fb_modes_work *work, 
    Source: Rayleigh-Ritz.  Shapes: n shapes of ndof.  Fails: as E5.3.  Test: spinning_beams_stiffen_as_published. */
 static fb_status fbi_modes_ritz(fb_modes_work *work, const fb_beam *beam)
 {
+  const fbi_rows rows = fbi_beam_rows(beam);
   fb_modes *out = &work->found;
   const int n = out->n, ndof = out->ndof;
   fb_status status;
@@ -13582,38 +13723,37 @@ static fb_status fbi_modes_ritz(fb_modes_work *work, const fb_beam *beam)
   /* Eigenvectors of the reduced stiffness Phi^T K Phi */
   for (int i = 0; i < n; i++) {
     for (int j = 0; j < n; j++) {
-      work->Kc[i * n + j] = fbi_modal_product(out->shape + i * ndof, work->K, out->shape + j * ndof, ndof);
+      work->A[i * n + j] = fbi_modal_product(out->shape + i * ndof, work->K, out->shape + j * ndof, &rows);
     }
   }
-  status = fb_eig_sym_solve(work->omega2, work->X, work->Kc, n);
+  status = fb_eig_sym_solve(work->omega2, work->X, work->A, n);
   if (status != FB_OK) {
     return status;
   }
 
-  /* Ritz modes Phi X */
-  fbi_zero(work->Mc, n * ndof);
-  for (int k = 0; k < n; k++) {
-    for (int j = 0; j < n; j++) {
-      for (int i = 0; i < ndof; i++) {
-        work->Mc[k * ndof + i] += work->X[k * n + j] * out->shape[j * ndof + i];
+  /* Ritz modes X Phi in place of Phi, by columns */
+  for (int i = 0; i < ndof; i++) {
+    fb_real column[FB_MAX_MODES];
+    for (int k = 0; k < n; k++) {
+      column[k] = FB_R(0.0);
+      for (int j = 0; j < n; j++) {
+        column[k] += work->X[k * n + j] * out->shape[j * ndof + i];
       }
     }
+    for (int k = 0; k < n; k++) {
+      out->shape[k * ndof + i] = column[k];
+    }
   }
-
-  /* In place of the shapes found */
   for (int k = 0; k < n; k++) {
-    fbi_copy(out->shape + k * ndof, work->Mc + k * ndof, ndof);
     out->omega[k] = FB_SQRT(fbi_larger(work->omega2[k], FB_R(0.0)));
-    out->kind[k] = fbi_shape_kind(beam, out->shape + k * ndof, work->M, ndof);
-    (void)fbi_shape_normalize(out, k, work->M, beam->desc.n_element, FB_R(0.0));
+    out->kind[k] = fbi_shape_kind(beam, out->shape + k * ndof, work->M);
+    (void)fbi_shape_normalize(out, k, work->M, beam, FB_R(0.0));
   }
   return FB_OK;
 }
 
-/* Cholesky factor, in work.Kc, of the stiffness of all elastic coordinates that are not constrained; returns their
-   number. */
-static int fbi_static_factor(fb_status *status, int *dof, fb_modes_work *work, const fb_beam *beam,
-                             const int group[FB_KIND_COUNT])
+/* All elastic coordinates that are not constrained; returns their number. */
+static int fbi_elastic_dofs(int *dof, const fb_modes_work *work, const fb_beam *beam, const int group[FB_KIND_COUNT])
 {
   const int ndof = fbi_beam_ndof(beam);
   int n = 0;
@@ -13622,10 +13762,18 @@ static int fbi_static_factor(fb_status *status, int *dof, fb_modes_work *work, c
       dof[n++] = i;
     }
   }
-  for (int i = 0; i < n * n; i++) {
-    work->Kc[i] = work->K[dof[i / n] * ndof + dof[i % n]];
-  }
-  *status = fb_chol_factor(work->Kc, n);
+  return n;
+}
+
+/* Cholesky factor, in work.A, of the stiffness of all elastic coordinates that are not constrained; returns their
+   number. */
+static int fbi_static_factor(fb_status *status, int *dof, fb_modes_work *work, const fb_beam *beam,
+                             const int group[FB_KIND_COUNT])
+{
+  const fbi_rows rows = fbi_beam_rows(beam);
+  const int n = fbi_elastic_dofs(dof, work, beam, group);
+  fbi_rows_pick(work->A, work->K, &rows, dof, n);
+  *status = fb_chol_factor(work->A, n);
   return n;
 }
 
@@ -13636,7 +13784,7 @@ static void fbi_static_solve(fb_real *x, const fb_modes_work *work, const int *d
   for (int i = 0; i < n; i++) {
     f[i] = x[dof[i]];
   }
-  fb_chol_solve(f, work->Kc, f, n);
+  fb_chol_solve(f, work->A, f, n);
   fbi_zero(x, ndof);
   for (int i = 0; i < n; i++) {
     x[dof[i]] = f[i];
@@ -13656,9 +13804,9 @@ static int fbi_shape_take(fb_modes_work *work, const fb_beam *beam, const fb_rea
 {
   fb_modes *out = &work->found;
   fbi_copy(out->shape + out->n * out->ndof, shape, out->ndof);
-  out->kind[out->n] = fbi_shape_kind(beam, shape, work->M, out->ndof);
+  out->kind[out->n] = fbi_shape_kind(beam, shape, work->M);
   out->omega[out->n] = omega;
-  if (!fbi_shape_normalize(out, out->n, work->M, beam->desc.n_element, FBI_ROUNDING)) { /* corrections may be small */
+  if (!fbi_shape_normalize(out, out->n, work->M, beam, FBI_ROUNDING)) { /* corrections may be small */
     return 0;
   }
   out->n++;
@@ -13666,12 +13814,12 @@ static int fbi_shape_take(fb_modes_work *work, const fb_beam *beam, const fb_rea
 }
 
 /* Makes x M-orthogonal to the m rows of f and scales it to modal mass 1. */
-static void fbi_orthonormalize(fb_real *x, const fb_real *f, const fb_real *M, int m, int ndof)
+static void fbi_orthonormalize(fb_real *x, const fb_real *f, const fb_real *M, int m, const fbi_rows *rows)
 {
   fb_real norm;
-  fbi_orthogonalize(x, f, M, m, ndof);
-  norm = FB_SQRT(fbi_modal_product(x, M, x, ndof));
-  for (int i = 0; i < ndof; i++) {
+  fbi_orthogonalize(x, f, M, m, rows);
+  norm = FB_SQRT(fbi_modal_product(x, M, x, rows));
+  for (int i = 0; i < rows->ndof; i++) {
     x[i] /= norm;
   }
 }
@@ -13681,7 +13829,8 @@ static void fbi_orthonormalize(fb_real *x, const fb_real *f, const fb_real *M, i
 static int fbi_free_fill(fb_modes_work *work, const fb_beam *beam)
 {
   static const int all[FB_KIND_COUNT] = {0, 0, 0, 0};
-  const int ndof = work->found.ndof;
+  const fbi_rows rows = fbi_beam_rows(beam);
+  const int ndof = rows.ndof;
   fb_real motion[36];
   const int m = fbi_rigid_motions(motion, work, beam, all, 0);
   int n = 0;
@@ -13691,11 +13840,11 @@ static int fbi_free_fill(fb_modes_work *work, const fb_beam *beam)
     for (int ai = 0; ai < 6 * ndof; ai++) {
       x[ai % ndof] += motion[6 * k + ai / ndof] * work->rigid[ai];
     }
-    before = fbi_modal_product(x, work->M, x, ndof);
+    before = fbi_modal_product(x, work->M, x, &rows);
     if (!(before > FB_R(0.0))) {
       continue;
     }
-    fbi_orthonormalize(x, work->free, work->M, n, ndof);
+    fbi_orthonormalize(x, work->free, work->M, n, &rows);
     n += fbi_is_finite(x, ndof);
   }
   return n;
@@ -13715,7 +13864,7 @@ static fb_status fbi_free_take(fb_modes_work *work, const fb_beam *beam, int n)
   for (int k = 0; k < n; k++) {
     fbi_copy(out->shape + k * out->ndof, work->free + k * out->ndof, out->ndof);
     out->omega[k] = FB_R(0.0);
-    out->kind[k] = fbi_shape_kind(beam, out->shape + k * out->ndof, work->M, out->ndof);
+    out->kind[k] = fbi_shape_kind(beam, out->shape + k * out->ndof, work->M);
     fbi_shape_scale(out, k, FB_R(1.0), beam->desc.n_element);
   }
   return FB_OK;
@@ -13729,6 +13878,7 @@ static fb_status fbi_free_take(fb_modes_work *work, const fb_beam *beam, int n)
 static fb_status fbi_static_take(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam,
                                  const int group[FB_KIND_COUNT], int n_free)
 {
+  const fbi_rows rows = fbi_beam_rows(beam);
   fb_modes *out = &work->found;
   int dof[FBI_MAX_DOF], n;
   fb_status status;
@@ -13741,18 +13891,19 @@ static fb_status fbi_static_take(const fb_modes_desc *desc, fb_modes_work *work,
   for (int k = 0; k < desc->n_load && status == FB_OK; k++) {
     /* Unit load f at the coordinate, less the inertia forces M R R^T f (R orthonormal) */
     const int at = fbi_coordinate_dof(&desc->load[k]);
-    fb_real x[FBI_MAX_DOF] = {FB_R(0.0)};
+    fb_real x[FBI_MAX_DOF] = {FB_R(0.0)}, row[FBI_MAX_DOF];
     x[at] = FB_R(1.0);
     for (int r = 0; r < n_free; r++) {
       const fb_real *shape = work->free + r * out->ndof;
       for (int i = 0; i < out->ndof; i++) {
-        x[i] -= shape[at] * fbi_dot(work->M + i * out->ndof, shape, out->ndof);
+        fbi_row_get(row, &rows, work->M, i);
+        x[i] -= shape[at] * fbi_dot(row, shape, out->ndof);
       }
     }
 
     /* Deflection without rigid-body motion */
     fbi_static_solve(x, work, dof, n, out->ndof);
-    fbi_orthogonalize(x, work->free, work->M, n_free, out->ndof);
+    fbi_orthogonalize(x, work->free, work->M, n_free, &rows);
 
     /* Taken unless the modes span it */
     if (out->n == FB_MAX_MODES) {
@@ -13784,6 +13935,7 @@ static fb_status fbi_count_check(const fb_modes_desc *desc, const int taken[FB_K
 static fb_status fbi_natural_modes(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam,
                                    const int group[FB_KIND_COUNT])
 {
+  const fbi_rows rows = fbi_beam_rows(beam);
   fb_modes *out = &work->found;
   const int spinning = FB_FABS(desc->spin) > FB_R(0.0);
   const int n_free = fbi_free_fill(work, beam);
@@ -13798,9 +13950,9 @@ static fb_status fbi_natural_modes(const fb_modes_desc *desc, fb_modes_work *wor
   status = fbi_modes_take(desc, work, beam, group, taken, count);
   if (status == FB_OK && spinning) {
     const fb_preload under = {FB_R(0.0), FB_R(0.0), desc->spin, desc->spin_radius};
-    fbi_matrices(work->K, work->M, beam, 0, &under);
+    fbi_matrices(work->K, work->M, &rows, beam, &under);
     status = fbi_modes_take(desc, work, beam, group, taken, desc->count);
-    fbi_matrices(work->K, work->M, beam, 0, &desc->preload);
+    fbi_matrices(work->K, work->M, &rows, beam, &desc->preload);
   }
 
   /* Attachment modes; Ritz modes of all of them */
@@ -13829,32 +13981,90 @@ static fb_status fbi_natural_modes(const fb_modes_desc *desc, fb_modes_work *wor
 }
 
 /* Modal M and K of the shapes found. */
-static void fbi_shapes_matrices(fb_modes_work *work)
+static void fbi_shapes_matrices(fb_modes_work *work, const fb_beam *beam)
 {
+  const fbi_rows rows = fbi_beam_rows(beam);
   fb_modes *out = &work->found;
   for (int a = 0; a < out->n; a++) {
     for (int b = 0; b < out->n; b++) {
       const fb_real *x = out->shape + a * out->ndof, *y = out->shape + b * out->ndof;
-      out->M[a * out->n + b] = fbi_modal_product(x, work->M, y, out->ndof);
-      out->K[a * out->n + b] = fbi_modal_product(x, work->K, y, out->ndof);
+      out->M[a * out->n + b] = fbi_modal_product(x, work->M, y, &rows);
+      out->K[a * out->n + b] = fbi_modal_product(x, work->K, y, &rows);
     }
   }
 }
 
 /* Zeroes rows of K for those of the first m shapes whose stiffness is below zero by round-off: they move as rigid
    bodies. A body refuses a stiffness below zero as buckled. */
-static void fbi_rigid_clear(fb_modes_work *work, int m)
+static void fbi_rigid_clear(fb_modes_work *work, const fb_beam *beam, int m)
 {
+  const fbi_rows rows = fbi_beam_rows(beam);
   fb_modes *out = &work->found;
   for (int k = 0; k < m; k++) {
     const fb_real *x = out->shape + k * out->ndof, own = out->K[k * (out->n + 1)];
     fb_real size = FB_R(0.0); /* sum of the magnitudes of its terms */
-    for (int ij = 0; ij < out->ndof * out->ndof; ij++) {
-      size += FB_FABS(x[ij / out->ndof] * work->K[ij] * x[ij % out->ndof]);
+    for (int i = 0; i < out->ndof; i++) {
+      fb_real row[FBI_MAX_DOF];
+      fbi_row_get(row, &rows, work->K, i);
+      for (int j = 0; j < out->ndof; j++) {
+        size += FB_FABS(x[i] * row[j] * x[j]);
+      }
     }
     for (int a = 0; a < out->n && own < FB_R(0.0) && -own <= FBI_ROUNDING * size; a++) {
       out->K[k * out->n + a] = out->K[a * out->n + k] = FB_R(0.0);
     }
+  }
+}
+
+/* Constraint modes of the boundary, x = 1 at one of its coordinates and 0 at the others, K x = 0 elsewhere; work.A holds
+   the factor of K over the n coordinates dof. */
+static void fbi_constraint_modes(fb_real *shape, const fb_modes_desc *desc, const fb_modes_work *work,
+                                 const fb_beam *beam, const int *dof, int n)
+{
+  const fbi_rows rows = fbi_beam_rows(beam);
+  for (int k = 0; k < desc->n_boundary; k++) {
+    const int at = fbi_coordinate_dof(&desc->boundary[k]);
+    fb_real *const x = shape + k * rows.ndof;
+    for (int i = 0; i < rows.ndof; i++) {
+      fb_real row[FBI_MAX_DOF];
+      fbi_row_get(row, &rows, work->K, i);
+      x[i] = -row[at];
+    }
+    fbi_static_solve(x, work, dof, n, rows.ndof);
+    x[at] = FB_R(1.0);
+  }
+}
+
+/* Boundary-acceleration modes K^-1 M x of the constraint modes x, added to the modes found. */
+static void fbi_acceleration_modes(const fb_real *constraint, const fb_modes_desc *desc, fb_modes_work *work,
+                                   const fb_beam *beam, const int *dof, int n)
+{
+  const fbi_rows rows = fbi_beam_rows(beam);
+  for (int k = 0; k < desc->n_boundary; k++) {
+    fb_real x[FBI_MAX_DOF];
+    for (int i = 0; i < rows.ndof; i++) {
+      fb_real row[FBI_MAX_DOF];
+      fbi_row_get(row, &rows, work->M, i);
+      x[i] = fbi_dot(row, constraint + k * rows.ndof, rows.ndof);
+    }
+    fbi_static_solve(x, work, dof, n, rows.ndof);
+    (void)fbi_shape_take(work, beam, x, FB_R(0.0));
+  }
+}
+
+/* Puts the m constraint modes, at the end of the table of shapes, in front of the modes found. */
+static void fbi_constraint_take(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam, int m)
+{
+  fb_modes *out = &work->found;
+  fbi_copy(work->X, out->shape + (FB_MAX_MODES - m) * out->ndof, m * out->ndof);
+  for (int k = out->n - 1; k >= 0; k--) {
+    fbi_shape_move(out, k + m, k);
+  }
+  out->n += m;
+  for (int k = 0; k < m; k++) {
+    fbi_copy(out->shape + k * out->ndof, work->X + k * out->ndof, out->ndof);
+    out->kind[k] = fbi_dof_kind(beam, fbi_coordinate_dof(&desc->boundary[k]));
+    out->omega[k] = FB_R(0.0);
   }
 }
 
@@ -13872,58 +14082,39 @@ static fb_status fbi_component_take(const fb_modes_desc *desc, fb_modes_work *wo
   const int m = desc->n_boundary;
   fb_real *constraint;
   int taken[FB_KIND_COUNT] = {0}, dof[FBI_MAX_DOF], n;
+
+  /* Fixed-interface modes */
   fb_status status = fbi_modes_take(desc, work, beam, group, taken, desc->count);
   status = status ? status : fbi_count_check(desc, taken, out->n);
   if (status != FB_OK) {
     return status;
   }
 
-  /* Constraint modes x, for now at the end of the table */
+  /* Constraint modes, for now at the end of the table */
   if (out->n > FB_MAX_MODES - (desc->boundary_inertia ? 2 : 1) * m) {
     return FB_ERR_CAPACITY;
   }
   constraint = out->shape + (FB_MAX_MODES - m) * out->ndof;
   n = fbi_static_factor(&status, dof, work, beam, group);
-  for (int k = 0; k < m && status == FB_OK; k++) {
-    const int at = fbi_coordinate_dof(&desc->boundary[k]);
-    fb_real *x = constraint + k * out->ndof;
-    for (int i = 0; i < out->ndof; i++) {
-      x[i] = -work->K[i * out->ndof + at];
-    }
-    fbi_static_solve(x, work, dof, n, out->ndof);
-    x[at] = FB_R(1.0);
-  }
-
-  /* Boundary-acceleration modes K^-1 M x */
-  for (int k = 0; k < m && status == FB_OK && desc->boundary_inertia; k++) {
-    fb_real x[FBI_MAX_DOF];
-    for (int i = 0; i < out->ndof; i++) {
-      x[i] = fbi_dot(work->M + i * out->ndof, constraint + k * out->ndof, out->ndof);
-    }
-    fbi_static_solve(x, work, dof, n, out->ndof);
-    (void)fbi_shape_take(work, beam, x, FB_R(0.0));
-  }
-  status = status || !desc->boundary_inertia ? status : fbi_modes_ritz(work, beam);
   if (status != FB_OK) {
     return status;
   }
+  fbi_constraint_modes(constraint, desc, work, beam, dof, n);
 
-  /* Constraint modes in front of the others */
+  /* Boundary-acceleration modes; Ritz modes of them and the fixed-interface ones */
+  if (desc->boundary_inertia) {
+    fbi_acceleration_modes(constraint, desc, work, beam, dof, n);
+    status = fbi_modes_ritz(work, beam);
+    if (status != FB_OK) {
+      return status;
+    }
+  }
+
+  /* Constraint modes in front of the others; M and K */
   fbi_modes_sort(out);
-  fbi_copy(work->X, constraint, m * out->ndof);
-  for (int k = out->n - 1; k >= 0; k--) {
-    fbi_shape_move(out, k + m, k);
-  }
-  out->n += m;
-  for (int k = 0; k < m; k++) {
-    fbi_copy(out->shape + k * out->ndof, work->X + k * out->ndof, out->ndof);
-    out->kind[k] = fbi_dof_kind(beam, fbi_coordinate_dof(&desc->boundary[k]));
-    out->omega[k] = FB_R(0.0);
-  }
-
-  /* M and K */
-  fbi_shapes_matrices(work);
-  fbi_rigid_clear(work, m);
+  fbi_constraint_take(desc, work, beam, m);
+  fbi_shapes_matrices(work, beam);
+  fbi_rigid_clear(work, beam, m);
   return FB_OK;
 }
 
@@ -14014,15 +14205,23 @@ static void fbi_modes_matrices(fb_modes *modes, const fb_beam *beam)
   }
 }
 
+/* Directions of the basis of functions, in the order of its coordinates, and its matrices. */
+static const fb_kind fbi_function_kind[3] = {FB_KIND_BEND_Y, FB_KIND_BEND_Z, FB_KIND_AXIAL};
+static fbi_rows fbi_function_rows(const fb_beam *beam, int degree)
+{
+  return fbi_rows_of(beam->desc.n_element, 2, degree - 3, 0);
+}
+
 /* Mass and bending stiffness (axial stiffness, where there is no bending) of the scalar element functions, to work.M
    and work.K. */
 static void fbi_functions_matrices(fb_modes_work *work, const fb_beam *beam, const int group[FB_KIND_COUNT], int degree)
 {
-  const int ne = beam->desc.n_element, ndof = fbi_function_ndof(ne, degree);
+  const int ne = beam->desc.n_element;
+  const fbi_rows rows = fbi_function_rows(beam, degree);
   const fb_real l = fbi_element_length(beam, 0);
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
-  fbi_zero(work->K, ndof * ndof);
-  fbi_zero(work->M, ndof * ndof);
+  fbi_zero(work->K, rows.ndof * rows.width);
+  fbi_zero(work->M, rows.ndof * rows.width);
   while (fbi_cell_next(&cell, beam)) {
     for (int g = 0; g < FBI_GAUSS; g++) {
       const fb_real dx = fbi_gauss_w[g] * (cell.x1 - cell.x0);
@@ -14040,8 +14239,8 @@ static void fbi_functions_matrices(fb_modes_work *work, const fb_beam *beam, con
       fbi_functions_eval(&f, fbi_cell_s(&cell, beam, fbi_gauss_x[g]), l, degree);
       for (int i = 0; i <= degree; i++) {
         for (int j = 0; j <= degree; j++) {
-          const int at =
-              fbi_function_dof(ne, degree, cell.element, i) * ndof + fbi_function_dof(ne, degree, cell.element, j);
+          const int at = fbi_row_place(&rows, fbi_function_dof(ne, degree, cell.element, i),
+                                       fbi_function_dof(ne, degree, cell.element, j));
           work->K[at] += dx * stiffness * d[i] * d[j];
           work->M[at] += dx * section.mass * f.value[i] * f.value[j];
         }
@@ -14051,8 +14250,59 @@ static void fbi_functions_matrices(fb_modes_work *work, const fb_beam *beam, con
 
   /* Masses of lumped bodies */
   for (int i = 0; i < beam->desc.n_lump; i++) {
-    work->M[2 * beam->desc.lump[i].node * (ndof + 1)] += beam->desc.lump[i].mass;
+    const int at = 2 * beam->desc.lump[i].node;
+    work->M[fbi_row_place(&rows, at, at)] += beam->desc.lump[i].mass;
   }
+}
+
+/* Refuses what this basis cannot do. Counts of functions along y, z and x: FB_ALL_MODES takes all of a direction that
+   exists. */
+static fb_status fbi_functions_check(int count[3], const fb_modes_desc *desc, const fb_beam *beam,
+                                     const int group[FB_KIND_COUNT], int degree)
+{
+  const int m = fbi_function_ndof(beam->desc.n_element, degree) - 2;
+  if (beam->desc.root != FB_ROOT_CLAMPED || beam->desc.n_point > 0 || desc->degree < 0 || degree < 3 ||
+      degree > FBI_DEGREE) {
+    return FB_ERR_VALUE;
+  }
+  if (beam->has_shear || desc->count[FB_KIND_TORSION] > 0 || (desc->root_strain && desc->count[FB_KIND_AXIAL] == 0)) {
+    return FB_ERR_UNSUPPORTED;
+  }
+  for (int d = 0; d < 3; d++) {
+    const fb_kind kind = fbi_function_kind[d];
+    count[d] = desc->count[kind] < FB_ALL_MODES ? desc->count[kind] : group[kind] >= 0 ? m : 0;
+    if (count[d] > m) {
+      return FB_ERR_MODES;
+    }
+  }
+  return count[0] + count[1] + count[2] + (desc->root_strain != 0) > FB_MAX_MODES ? FB_ERR_CAPACITY : FB_OK;
+}
+
+/* Clamped bending modes of the scalar element functions, K x = omega^2 M x without the first two of those, value and
+   slope at the root. Returns them, mass-normalized and positive at the tip, as full-length rows of work.A. */
+static fb_status fbi_functions_solve(fb_modes_work *work, const fb_beam *beam, const int group[FB_KIND_COUNT],
+                                     int degree)
+{
+  const fbi_rows rows = fbi_function_rows(beam, degree);
+  const int m = rows.ndof - 2, tip = 2 * beam->desc.n_element - 2;
+  int dof[FBI_MAX_DOF] = {0};
+  fb_status status;
+  fbi_functions_matrices(work, beam, group, degree);
+  for (int i = 0; i < m; i++) {
+    dof[i] = i + 2;
+  }
+  fbi_rows_pick(work->X, work->K, &rows, dof, m);
+  fbi_rows_pick(work->A, work->M, &rows, dof, m);
+  status = fbi_eig_gen_solve(work->omega2, work->X, work->A, m);
+  for (int k = 0; k < m && status == FB_OK; k++) {
+    const fb_real *const x = work->X + k * m, sign = x[tip] < FB_R(0.0) ? -FB_R(1.0) : FB_R(1.0);
+    fb_real *const f = work->A + k * rows.ndof;
+    f[0] = f[1] = FB_R(0.0);
+    for (int i = 0; i < m; i++) {
+      f[2 + i] = sign * x[i];
+    }
+  }
+  return status;
 }
 
 /* [E7.5] One set of functions of x for u_x, u_y and u_z: the bending modes of the smooth element functions, orthonormal
@@ -14063,62 +14313,25 @@ static void fbi_functions_matrices(fb_modes_work *work, const fb_beam *beam, con
 static fb_status fbi_functions_take(const fb_modes_desc *desc, fb_modes_work *work, const fb_beam *beam,
                                     const int group[FB_KIND_COUNT])
 {
-  static const fb_kind order[] = {FB_KIND_BEND_Y, FB_KIND_BEND_Z, FB_KIND_AXIAL};
-  fb_modes *out = &work->found;
   const int degree = desc->degree > 0 ? desc->degree : 3;
-  const int ndof = fbi_function_ndof(beam->desc.n_element, degree), m = ndof - 2;
-  fb_real *f = work->Mc; /* m x ndof; work.Mc is free after the eigensolution */
+  const fbi_rows rows = fbi_function_rows(beam, degree);
+  const int ndof = rows.ndof, m = ndof - 2;
+  fb_modes *out = &work->found;
   int count[3];
-  fb_status status;
-
-  /* What this basis cannot do */
-  if (beam->desc.root != FB_ROOT_CLAMPED || beam->desc.n_point > 0 || desc->degree < 0 || degree < 3 ||
-      degree > FBI_DEGREE) {
-    return FB_ERR_VALUE;
-  }
-  if (beam->has_shear || desc->count[FB_KIND_TORSION] > 0 || (desc->root_strain && desc->count[FB_KIND_AXIAL] == 0)) {
-    return FB_ERR_UNSUPPORTED;
-  }
-
-  /* Clamped bending modes: the first two functions, value and slope at the root, are left out */
-  fbi_functions_matrices(work, beam, group, degree);
-  for (int i = 0; i < m * m; i++) {
-    work->Kc[i] = work->K[(i / m + 2) * ndof + i % m + 2];
-    work->Mc[i] = work->M[(i / m + 2) * ndof + i % m + 2];
-  }
-  status = fb_eig_gen_solve(work->omega2, work->X, work->Kc, work->Mc, m);
+  fb_status status = fbi_functions_check(count, desc, beam, group, degree);
+  status = status ? status : fbi_functions_solve(work, beam, group, degree);
   if (status != FB_OK) {
     return status;
   }
 
-  /* Full-length functions f, positive at the tip */
-  for (int k = 0; k < m; k++) {
-    const fb_real sign = work->X[k * m + 2 * beam->desc.n_element - 2] < FB_R(0.0) ? -FB_R(1.0) : FB_R(1.0);
-    f[k * ndof] = f[k * ndof + 1] = FB_R(0.0);
-    for (int i = 0; i < m; i++) {
-      f[k * ndof + 2 + i] = sign * work->X[k * m + i];
-    }
-  }
-
-  /* Counts per direction; FB_ALL_MODES takes all of a direction that exists */
+  /* y, z and x alternate, so that successive terms of sums over coordinates are independent */
   out->degree = degree;
   out->ndof = ndof;
-  for (int d = 0; d < 3; d++) {
-    count[d] = desc->count[order[d]] < FB_ALL_MODES ? desc->count[order[d]] : group[order[d]] >= 0 ? m : 0;
-    if (count[d] > m) {
-      return FB_ERR_MODES;
-    }
-  }
-  if (count[0] + count[1] + count[2] + (desc->root_strain != 0) > FB_MAX_MODES) {
-    return FB_ERR_CAPACITY;
-  }
-
-  /* y, z and x alternate, so that successive terms of sums over coordinates are independent */
   for (int k = 0; k < m; k++) {
     for (int d = 0; d < 3; d++) {
       if (k < count[d]) {
-        out->kind[out->n] = order[d];
-        fbi_copy(out->shape + out->n++ * ndof, f + k * ndof, ndof);
+        out->kind[out->n] = fbi_function_kind[d];
+        fbi_copy(out->shape + out->n++ * ndof, work->A + k * ndof, ndof);
       }
     }
   }
@@ -14128,7 +14341,7 @@ static fb_status fbi_functions_take(const fb_modes_desc *desc, fb_modes_work *wo
     fb_real *shape = out->shape + out->n * ndof;
     fbi_zero(shape, ndof);
     shape[1] = FB_R(1.0);
-    fbi_orthonormalize(shape, f, work->M, m, ndof);
+    fbi_orthonormalize(shape, work->A, work->M, m, &rows);
     out->kind[out->n++] = FB_KIND_AXIAL;
   }
 
@@ -14209,6 +14422,7 @@ static fb_status fbi_modes_desc_check(const fb_modes_desc *desc, const fb_beam *
 static fb_status fbi_modes_prepare(int group[FB_KIND_COUNT], fb_modes_work *work, const fb_beam *beam,
                                    const fb_modes_desc *desc, int hold_boundary)
 {
+  const fbi_rows rows = fbi_beam_rows(beam);
   fb_modes *out = &work->found;
   fb_status status = fbi_modes_desc_check(desc, beam, hold_boundary);
   if (status != FB_OK) {
@@ -14218,9 +14432,9 @@ static fb_status fbi_modes_prepare(int group[FB_KIND_COUNT], fb_modes_work *work
   /* Matrices under the preload, kinds and coordinates that they have */
   out->n = 0;
   out->degree = out->joined = 0;
-  out->ndof = fbi_beam_ndof(beam);
-  fbi_matrices(work->K, work->M, beam, 0, &desc->preload);
-  fbi_kind_groups(group, beam, work->K, work->M, out->ndof);
+  out->ndof = rows.ndof;
+  fbi_matrices(work->K, work->M, &rows, beam, &desc->preload);
+  fbi_kind_groups(group, beam, work->K, work->M);
   for (int k = 0; k < FB_KIND_COUNT; k++) {
     if (desc->count[k] > 0 && desc->count[k] < FB_ALL_MODES && group[k] < 0) {
       return FB_ERR_KIND;
@@ -14245,7 +14459,7 @@ static fb_status fbi_modes_prepare(int group[FB_KIND_COUNT], fb_modes_work *work
   fbi_rigid_fill(work->rigid, beam);
   for (int i = 0; i < 6; i++) {
     const fb_real *r = work->rigid + i * out->ndof;
-    out->rigid_mass[i] = fbi_modal_product(r, work->M, r, out->ndof);
+    out->rigid_mass[i] = fbi_modal_product(r, work->M, r, &rows);
     out->effective[i] = FB_R(0.0);
   }
   return FB_OK;
@@ -14253,24 +14467,25 @@ static fb_status fbi_modes_prepare(int group[FB_KIND_COUNT], fb_modes_work *work
 
 /* Momenta x^T M r of the coordinates x under each rigid motion r of the root, and the fraction of the beam's inertia
    that they carry: L^T M^-1 L / (r^T M r), L the momenta (E7.7). */
-static void fbi_effective_fill(fb_modes_work *work)
+static void fbi_effective_fill(fb_modes_work *work, const fb_beam *beam)
 {
+  const fbi_rows rows = fbi_beam_rows(beam);
   fb_modes *out = &work->found;
   const int n = out->n;
   for (int k = 0; k < 6 * n; k++) {
     out->momentum[k] =
-        fbi_modal_product(out->shape + k / 6 * out->ndof, work->M, work->rigid + k % 6 * out->ndof, out->ndof);
+        fbi_modal_product(out->shape + k / 6 * out->ndof, work->M, work->rigid + k % 6 * out->ndof, &rows);
   }
-  fbi_copy(work->Kc, out->M, n * n);
-  if (fb_chol_factor(work->Kc, n) != FB_OK) { /* coordinates without inertia */
+  fbi_copy(work->A, out->M, n * n);
+  if (fb_chol_factor(work->A, n) != FB_OK) { /* coordinates without inertia */
     return;
   }
   for (int i = 0; i < 6; i++) {
-    fb_real *const momentum = work->Mc, *const x = work->omega2;
+    fb_real momentum[FB_MAX_MODES], x[FB_MAX_MODES];
     for (int a = 0; a < n; a++) {
       momentum[a] = out->momentum[6 * a + i];
     }
-    fb_chol_solve(x, work->Kc, momentum, n);
+    fb_chol_solve(x, work->A, momentum, n);
     out->effective[i] = out->rigid_mass[i] > FB_R(0.0) ? fbi_dot(x, momentum, n) / out->rigid_mass[i] : FB_R(0.0);
   }
 }
@@ -14305,7 +14520,7 @@ FB_DEF fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_b
 
   /* Effective masses */
   if (desc->basis != FB_BASIS_FUNCTIONS) {
-    fbi_effective_fill(work);
+    fbi_effective_fill(work, beam);
   }
   *modes = work->found;
   return FB_OK;
@@ -14318,10 +14533,12 @@ FB_DEF fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_b
 FB_DEF fb_status fb_buckling_solve(fb_modes *modes, fb_modes_work *work, const fb_beam *beam, const fb_modes_desc *desc)
 {
   const fb_preload none = {FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-  int group[FB_KIND_COUNT], dof[FBI_MAX_DOF], n, wanted;
+  int group[FB_KIND_COUNT], dof[FBI_MAX_DOF] = {0}, n, wanted;
+  fbi_rows rows;
   fb_modes *out;
   fb_status status;
   FBI_REQUIRE(modes && work && beam && desc, FB_ERR_NULL);
+  rows = fbi_beam_rows(beam);
   out = &work->found;
   status = fbi_modes_prepare(group, work, beam, desc, 1);
   if (status != FB_OK) {
@@ -14334,19 +14551,15 @@ FB_DEF fb_status fb_buckling_solve(fb_modes *modes, fb_modes_work *work, const f
     return wanted > FB_MAX_MODES ? FB_ERR_CAPACITY : FB_ERR_VALUE;
   }
 
-  /* K + K_G of the preload, then K alone, which must be definite */
-  fbi_copy(work->Mc, work->K, out->ndof * out->ndof);
-  fbi_matrices(work->K, work->M, beam, 0, &none);
-  n = fbi_static_factor(&status, dof, work, beam, group);
-
-  /* -K_G x = (1/factor) K x */
-  for (int i = 0; i < n * n && status == FB_OK; i++) {
-    const int at = dof[i / n] * out->ndof + dof[i % n];
-    work->X[i] = work->K[at] - work->Mc[at];
-    work->Kc[i] = work->K[at];
+  /* -K_G x = (1/factor) K x; K + K_G is that of the preload, K alone must be definite */
+  n = fbi_elastic_dofs(dof, work, beam, group);
+  fbi_rows_pick(work->X, work->K, &rows, dof, n);
+  fbi_matrices(work->K, work->M, &rows, beam, &none);
+  fbi_rows_pick(work->A, work->K, &rows, dof, n);
+  for (int i = 0; i < n * n; i++) {
+    work->X[i] = work->A[i] - work->X[i];
   }
-  fbi_copy(work->Mc, work->X, n * n);
-  status = status ? status : fb_eig_gen_solve(work->omega2, work->X, work->Mc, work->Kc, n);
+  status = fbi_eig_gen_solve(work->omega2, work->X, work->A, n);
 
   /* Positive factors from the smallest on */
   for (int k = n - 1; k >= 0 && out->n < wanted && status == FB_OK; k--) {
@@ -14355,9 +14568,9 @@ FB_DEF fb_status fb_buckling_solve(fb_modes *modes, fb_modes_work *work, const f
       break;
     }
     fbi_group_shape(shape, work, dof, k, n, out->ndof);
-    out->kind[out->n] = fbi_shape_kind(beam, shape, work->M, out->ndof);
+    out->kind[out->n] = fbi_shape_kind(beam, shape, work->M);
     out->omega[out->n] = FB_R(1.0) / work->omega2[k];
-    fbi_shape_scale(out, out->n, fbi_modal_product(shape, work->M, shape, out->ndof), beam->desc.n_element);
+    fbi_shape_scale(out, out->n, fbi_modal_product(shape, work->M, shape, &rows), beam->desc.n_element);
     out->n++;
   }
   if (status != FB_OK || out->n < wanted) {
@@ -14365,8 +14578,8 @@ FB_DEF fb_status fb_buckling_solve(fb_modes *modes, fb_modes_work *work, const f
   }
 
   /* M and K of the shapes */
-  fbi_shapes_matrices(work);
-  fbi_effective_fill(work);
+  fbi_shapes_matrices(work, beam);
+  fbi_effective_fill(work, beam);
   *modes = work->found;
   return FB_OK;
 }
@@ -14467,7 +14680,7 @@ static void fbi_weld_add(fb_real *rows, const fb_beam *beam, const fb_modes *com
 }
 
 /* Block-diagonal K and M of the components and the constraints T q = 0 of the rigid connections (welds): motion of
-   side 0 less that of side 1. Returns the number of coordinates. */
+   side 0 less that of side 1, T in work->X. Returns the number of coordinates. */
 static int fbi_join_assemble(fb_join_work *work, const fb_beam *beam, const fb_modes *component,
                              const fb_join_desc *desc, int n_component)
 {
@@ -14477,7 +14690,7 @@ static int fbi_join_assemble(fb_join_work *work, const fb_beam *beam, const fb_m
   }
   fbi_zero(work->K, N * N);
   fbi_zero(work->M, N * N);
-  fbi_zero(work->T, 6 * desc->n_weld * N);
+  fbi_zero(work->X, 6 * desc->n_weld * N);
 
   /* Blocks and columns of each component */
   for (int c = 0; c < n_component; c++) {
@@ -14486,7 +14699,7 @@ static int fbi_join_assemble(fb_join_work *work, const fb_beam *beam, const fb_m
     for (int w = 0; w < 2 * desc->n_weld; w++) {
       const fb_weld *weld = &desc->weld[w / 2];
       if (weld->component[w % 2] == c) {
-        fbi_weld_add(work->T + 6 * (w / 2) * N + at, &beam[c], &component[c], work->scale + at, weld->node[w % 2],
+        fbi_weld_add(work->X + 6 * (w / 2) * N + at, &beam[c], &component[c], work->scale + at, weld->node[w % 2],
                      w % 2 ? -FB_R(1.0) : FB_R(1.0), beam[0].desc.length, N);
       }
     }
@@ -14617,9 +14830,9 @@ static fb_status fbi_join_rigid(fb_join_work *work, int *rigid, fb_real *shift, 
 {
   const fb_real noise = FB_R(8.0) * (fb_real)m * FB_EPSILON;
   fb_status status;
-  fbi_copy(work->A, work->K, m * m);
-  fbi_copy(work->B, work->M, m * m);
-  status = fb_eig_gen_solve(work->d, work->X, work->A, work->B, m);
+  fbi_copy(work->X, work->K, m * m);
+  fbi_copy(work->A, work->M, m * m);
+  status = fbi_eig_gen_solve(work->d, work->X, work->A, m);
   if (status != FB_OK) {
     return status;
   }
@@ -14640,10 +14853,10 @@ static fb_status fbi_join_shifted(fb_join_work *work, fb_real shift, int m)
 {
   fb_status status;
   for (int i = 0; i < m * m; i++) {
-    work->A[i] = work->M[i];
-    work->B[i] = work->K[i] + shift * work->M[i];
+    work->X[i] = work->M[i];
+    work->A[i] = work->K[i] + shift * work->M[i];
   }
-  status = fb_eig_gen_solve(work->d, work->X, work->A, work->B, m);
+  status = fbi_eig_gen_solve(work->d, work->X, work->A, m);
   if (status == FB_OK) {
     fbi_eig_turn(work->d, work->X, m);
   }
@@ -14693,7 +14906,7 @@ static fb_status fbi_join_solve(fb_join_work *work, int m, int *found)
    share of the common M and K, q^T M q and q^T K q. */
 static void fbi_join_expand(fb_modes *out, fb_join_work *work, const fb_modes *component, int at, int n, int m)
 {
-  fb_real *const q = work->A, *const half = work->B; /* component->n x n each */
+  fb_real *const q = work->K, *const half = work->M; /* component->n x n each; K and M are not needed any more */
   const int nc = component->n;
   memset(out, 0, sizeof *out);
   out->n = n;
@@ -14764,6 +14977,7 @@ static fb_kind fbi_join_kind(fb_join_work *work, const fb_modes *component, int 
 FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_beam *beam, const fb_modes *component,
                                const fb_join_desc *desc, int n_component)
 {
+  fb_kind kind[FB_MAX_MODES];
   int N, m, at = 0, found = 0, n = 0;
   fb_real limit;
   fb_status status;
@@ -14775,7 +14989,7 @@ FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
 
   /* Constraints eliminated: K = Z^T K Z, M = Z^T M Z */
   N = fbi_join_assemble(work, beam, component, desc, n_component);
-  m = N - fbi_null_space(work->Z, work->T, work->pivot, 6 * desc->n_weld, N);
+  m = N - fbi_null_space(work->Z, work->X, work->pivot, 6 * desc->n_weld, N);
   fbi_congruence(work->K, work->Z, work->A, N, m);
   fbi_congruence(work->M, work->Z, work->A, N, m);
 
@@ -14792,21 +15006,20 @@ FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
     return n > FB_MAX_MODES ? FB_ERR_CAPACITY : FB_ERR_MODES;
   }
 
-  /* Kinds and signs, shapes of each component */
+  /* Kinds and signs, shapes of each component; joined may be component */
   for (int k = 0; k < n; k++) {
-    work->joined[0].kind[k] = fbi_join_kind(work, component, n_component, k, m);
+    kind[k] = fbi_join_kind(work, component, n_component, k, m);
   }
   for (int c = 0; c < n_component; c++) {
-    fb_kind kind[FB_MAX_MODES];
-    memcpy(kind, work->joined[0].kind, sizeof kind);
-    fbi_join_expand(&work->joined[c], work, &component[c], at, n, m);
-    memcpy(work->joined[c].kind, kind, sizeof kind);
-    for (int k = 0; k < n; k++) {
-      work->joined[c].omega[k] = FB_SQRT(work->d[k]);
-    }
+    const int first = at;
     at += component[c].n;
+    fbi_join_expand(&work->joined, work, &component[c], first, n, m);
+    memcpy(work->joined.kind, kind, (size_t)n * sizeof *kind);
+    for (int k = 0; k < n; k++) {
+      work->joined.omega[k] = FB_SQRT(work->d[k]);
+    }
+    joined[c] = work->joined;
   }
-  memcpy(joined, work->joined, (size_t)n_component * sizeof *joined);
   return FB_OK;
 }
 

@@ -570,6 +570,40 @@ TEST(states_that_are_not_numbers_are_refused)
   }
 }
 
+/* A model whose counts are beyond the tables, or below zero, is refused by every function that takes a state, and what
+   they fill is left alone. */
+TEST(models_with_impossible_counts_are_refused)
+{
+  static fb_exact_state before;
+  static const int count[5][2] = {{FB_MAX_EXACT + 1, 0}, {0, 0}, {-1, 0}, {4, FB_MAX_LUMPS + 1}, {4, -1}};
+  elastica(4);
+  start();
+  before = state;
+  for (int k = 0; k < FBT_COUNT(count); k++) {
+    fb_exact_element cell;
+    fb_energy energy = {FB_R(7.0), FB_R(7.0), FB_R(7.0)};
+    fb_momentum momentum = {{FB_R(7.0), FB_R(7.0), FB_R(7.0)}, {FB_R(7.0), FB_R(7.0), FB_R(7.0)}};
+    fb_real position[3], quat[4];
+    exact.n = count[k][0];
+    exact.n_lump = count[k][1];
+    FBT_INT_EQ(fb_exact_check(&exact), FB_ERR_CAPACITY);
+    FBT_INT_EQ(fb_exact_state_check(&exact, &state), FB_ERR_CAPACITY);
+    FBT_INT_EQ(fb_exact_state_init(&exact, &state, &work, NULL), FB_ERR_CAPACITY);
+    FBT_INT_EQ(fb_exact_nodes_eval(&exact, node, &state), FB_ERR_CAPACITY);
+    FBT_INT_EQ(fb_exact_element_eval(&exact, &cell, &state, 0), FB_ERR_CAPACITY);
+    FBT_INT_EQ(fb_exact_point_eval(&exact, position, quat, &state, FB_R(0.5)), FB_ERR_CAPACITY);
+    FBT_INT_EQ(fb_exact_energy_eval(&exact, &energy, &state), FB_ERR_CAPACITY);
+    FBT_INT_EQ(fb_exact_momentum_eval(&exact, &momentum, &state), FB_ERR_CAPACITY);
+    FBT_INT_EQ(fb_exact_step(&exact, &state, &work, NULL, FB_R(0.01)), FB_ERR_CAPACITY);
+    FBT_NEAR_ABS(energy.kinetic + energy.strain + energy.gravity, 21.0, 0.0);
+    for (int i = 0; i < 3; i++) {
+      FBT_NEAR_ABS(momentum.linear[i], 7.0, 0.0);
+      FBT_NEAR_ABS(momentum.angular[i], 7.0, 0.0);
+    }
+  }
+  FBT_TRUE(memcmp(&before, &state, sizeof state) == 0);
+}
+
 static unsigned beam_word(void)
 {
   return fb_exact_crc(&exact);
@@ -595,8 +629,8 @@ TEST(the_check_word_of_a_exact_beam_sees_every_byte)
 }
 
 SUITE(exact_linear, RUN(linear_beams_follow_the_unit_of_time), RUN(the_check_word_of_a_exact_beam_sees_every_byte),
-      RUN(states_that_are_not_numbers_are_refused), RUN(linear_beams_rest_where_the_beam_does),
-      RUN(equal_frequencies_are_kept_together), RUN(frequencies_are_equal_to_a_part_in_a_hundred_thousand),
-      RUN(linear_beams_move_as_the_beam_does), RUN(linear_beams_answer_at_every_frequency),
-      RUN(linear_beams_flutter_and_whirl), RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode),
-      RUN(exact_beam_refuses_bad_input))
+      RUN(states_that_are_not_numbers_are_refused), RUN(models_with_impossible_counts_are_refused),
+      RUN(linear_beams_rest_where_the_beam_does), RUN(equal_frequencies_are_kept_together),
+      RUN(frequencies_are_equal_to_a_part_in_a_hundred_thousand), RUN(linear_beams_move_as_the_beam_does),
+      RUN(linear_beams_answer_at_every_frequency), RUN(linear_beams_flutter_and_whirl),
+      RUN(linear_beams_refuse_bad_input), RUN(margins_are_those_of_the_worst_mode), RUN(exact_beam_refuses_bad_input))

@@ -338,26 +338,14 @@ TEST(effective_masses_add_up_to_the_beam)
   FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), FB_ERR_MODES);
 }
 
-/* x_a^T M x_b with the assembled mass that the solution leaves in work. */
-static double modal_mass(int a, int b)
-{
-  double sum = 0.0;
-  for (int i = 0; i < modes.ndof; i++) {
-    for (int j = 0; j < modes.ndof; j++) {
-      sum += (double)modes.shape[a * modes.ndof + i] * (double)work.M[i * modes.ndof + j] *
-             (double)modes.shape[b * modes.ndof + j];
-    }
-  }
-  return sum;
-}
-
 /* E7.6: a free beam as a component: its rigid motions first, with all of its mass and inertia, none of it in the
-   elastic modes; a pinned root leaves two rotations. */
+   elastic modes; a pinned root leaves two rotations. Modal masses by the matrices that are integrated here. */
 TEST(components_keep_their_rigid_motions)
 {
   static const int rigid[3] = {0, 2, 6};
   static const fb_kind kind[6] = {FB_KIND_AXIAL,   FB_KIND_BEND_Y, FB_KIND_BEND_Z,
                                   FB_KIND_TORSION, FB_KIND_BEND_Z, FB_KIND_BEND_Y};
+  static const double none[3];
   for (int root = 0; root < 3; root++) {
     fb_modes_desc *keep;
     uniform_desc(4, (fb_root)root);
@@ -368,6 +356,7 @@ TEST(components_keep_their_rigid_motions)
     keep->rigid = 1;
     FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), FB_OK);
     FBT_INT_EQ(modes.n, 6 + rigid[root]);
+    full_matrices(none);
     for (int a = 0; a < modes.n; a++) {
       FBT_TRUE((modes.omega[a] > FB_R(0.1)) == (a >= rigid[root]));
       FBT_TRUE(a >= rigid[root] ||
@@ -377,7 +366,8 @@ TEST(components_keep_their_rigid_motions)
         FBT_TRUE(a < 6 || share < FBT_TOL(1e-18, 1e-8));
       }
       for (int b = 0; b < modes.n; b++) {
-        FBT_NEAR_ABS(modal_mass(a, b), a == b, FBT_TOL(1e-12, 1e-4));
+        const fb_real *const x = modes.shape + a * modes.ndof, *const y = modes.shape + b * modes.ndof;
+        FBT_NEAR_ABS(form(full_M, x, y), a == b, FBT_TOL(1e-12, 1e-4));
       }
     }
     for (int i = 0; i < 6 && root == FB_ROOT_FREE; i++) {
@@ -571,6 +561,16 @@ TEST(rigid_parts_have_no_common_modes)
   FBT_INT_EQ(common[0].n + common[1].n, 0);
 }
 
+/* >>modes: the work of the modes of a beam is two full matrices and rows as long as a row couples with, that of a
+   synthesis five full matrices: with n coordinates 2 n^2 and 5 n^2 numbers, the rest grows with n. */
+TEST(work_structs_hold_no_more_than_their_matrices)
+{
+  const double n = 22.0 * FB_MAX_ELEMENTS + 6.0, joined = FB_MAX_COMPONENTS * FB_MAX_MODES;
+  const double rows = 6.0 * FB_MAX_WELDS > joined ? 6.0 * FB_MAX_WELDS : joined, real = sizeof(fb_real);
+  FBT_BELOW((sizeof(fb_modes_work) - sizeof(fb_modes)) / real, (2.0 * n + 115.0) * n);
+  FBT_BELOW((sizeof(fb_join_work) - sizeof(fb_modes)) / real, (4.0 * joined + rows + 4.0) * joined);
+}
+
 SUITE(modes_components, RUN(hurty_example_has_the_printed_numbers),
       RUN(boundaries_that_move_a_free_component_have_no_negative_stiffness),
       RUN(components_deflect_exactly_at_their_boundary), RUN(static_corrections_make_loads_exact),
@@ -578,4 +578,5 @@ SUITE(modes_components, RUN(hurty_example_has_the_printed_numbers),
       RUN(one_mode_and_its_correction_are_as_good_as_all),
       RUN(components_with_shear_deflect_exactly_in_every_direction), RUN(a_part_alone_keeps_its_modes),
       RUN(a_component_of_all_nodes_has_the_stiffness_of_the_elements), RUN(a_free_chain_has_the_inertia_of_its_rods),
-      RUN(welded_limbs_are_the_chain_of_their_elements), RUN(rigid_parts_have_no_common_modes))
+      RUN(welded_limbs_are_the_chain_of_their_elements), RUN(rigid_parts_have_no_common_modes),
+      RUN(work_structs_hold_no_more_than_their_matrices))
