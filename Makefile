@@ -46,7 +46,7 @@ help:
 	@echo "make bench-flags  time of a step and code of the library by compiler flags (2 minutes)"
 	@echo "make bench-campaign  runs per second of a campaign by number of processes and of MPI ranks"
 	@echo "make bench-peers  the LU beside LAPACK's, the integrators beside SUNDIALS': needs both; build/bench_peers_*.csv"
-	@echo "make sizes     instructions, code, RAM and time of a step by modes and effects on two boards; bytes of all structs"
+	@echo "make sizes     instructions, code, RAM and time of a step by modes and effects on two boards; bytes of all structs; compile time"
 	@echo "make fuzz      hostile input at random, by libFuzzer: FUZZ_SECONDS=60 for each of four harnesses (tests/fuzz)"
 	@echo "make readme    regenerate the tables, program and pictures of the documents (wants gnuplot, valgrind)"
 	@echo "make ci        every check beside make test: compilers, standards, sanitizers, symbols, stack, instructions, style, ..."
@@ -155,6 +155,7 @@ bench-peers:
 
 sizes: build/flexbeam
 	@CC='$(CC)' sh bench/sizes.sh
+	@echo && CC='$(CC)' sh bench/compile.sh
 
 fuzz:
 	@sh tests/fuzz/fuzz.sh
