@@ -38,4 +38,7 @@ printf '%-52s %9s %13s %10s\n' "${CC:-gcc} $(${CC:-gcc} -dumpversion) -O2" secon
 for k in $(seq $number); do
   echo "$(sort -n "$out/row$k.seconds" | head -n 1) $(cat "$out/row$k.bytes") $(cat "$out/row$k.name")"
 done | awk '{ seconds = $1; bytes = $2; sub(/^[^ ]+ [^ ]+ /, ""); if (NR == 1) whole = seconds
-  printf "%-52s %9.2f %11.1f %% %10.0f\n", $0, seconds, 100 * seconds / whole, bytes / 1000 }'
+  below = seconds < 0.01 # what the clock shows
+  seconds = below ? 0.01 : seconds
+  printf "%-52s %9s %11s %% %10.0f\n", $0, (below ? "< " : "") sprintf("%.2f", seconds), \
+    (below ? "< " : "") sprintf("%.1f", 100 * seconds / whole), bytes / 1000 }'
