@@ -333,11 +333,10 @@ static int accuracy(const options *o)
       {"1 element of degree 8 (converged)", 1, 8, integrator_of("rk4"), "LC", 1e-4, 0},
       {"1 element of degree 8 (converged)", 1, 8, integrator_of("exponential"), "LC", 1e-3, 0.01}};
   int status = 0;
-  printf(
-      "Accuracy: errors of the tip deflection in percent of its peak, against the geometrically exact beam: of the "
-      "peak,\n"
-      "and the largest; momentum form, open basis, n coordinates, steps in ms, time of a step in us\n\n"
-      "drive   model                               n  integrator     step  us/step  x real time   peak   largest\n");
+  printf("Accuracy: errors of the tip deflection in percent of its peak, against the geometrically exact beam: of the "
+         "peak,\n"
+         "and the largest; momentum form, open basis, n coordinates, steps in ms, time of a step in us\n\n"
+         "drive   model                               n  integrator     step  us/step  x real time   peak   largest\n");
   for (int drive_by = DRIVE_HUB; drive_by <= DRIVE_TORQUE && status == 0; drive_by++) {
     char path[512];
     double exact = 0;
