@@ -131,7 +131,7 @@ bench: build/bench/bench_step_double build/bench/bench_step_single build/bench/b
 	    build/bench_step_$$p.csv || exit 1; \
 	done
 	@build/bench/bench_forms_double > build/bench_forms.csv && \
-	awk -F, '/^#/ { print; next } { printf "%-9s %8s %3s %9s %8s %8s %16s %15s\n", $$1, $$2, $$3, $$4, $$5, $$6, $$7, $$8 }' build/bench_forms.csv
+	awk -F, '/^#/ { print; next } { printf "%-10s %8s %3s %9s %8s %8s %16s %15s\n", $$1, $$2, $$3, $$4, $$5, $$6, $$7, $$8 }' build/bench_forms.csv
 	@build/bench/bench_system_double > build/bench_system.csv && awk -F, -f bench/system.awk build/bench_system.csv
 	@build/bench/bench_exact_double > build/bench_exact.csv && awk -F, -f bench/exact.awk build/bench_exact.csv
 

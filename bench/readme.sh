@@ -206,7 +206,7 @@ ladder() {
 forms() {
   make -s build/bench/bench_forms_double
   build/bench/bench_forms_double > "$out/forms"
-  { echo '```'; awk -F, '!/^#/ { printf "%-9s %8s %3s %9s %8s %8s %16s %15s\n", $1, $2, $3, $4, $5, $6, $7, $8 }' "$out/forms"; echo '```'; } |
+  { echo '```'; awk -F, '!/^#/ { printf "%-10s %8s %3s %9s %8s %8s %16s %15s\n", $1, $2, $3, $4, $5, $6, $7, $8 }' "$out/forms"; echo '```'; } |
     block forms
 }
 
