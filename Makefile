@@ -46,7 +46,7 @@ help:
 	@echo "make bench-flags  time of a step and code of the library by compiler flags (2 minutes)"
 	@echo "make bench-campaign  runs per second of a campaign by number of processes and of MPI ranks"
 	@echo "make bench-peers  the LU beside LAPACK's, the integrators beside SUNDIALS': needs both; build/bench_peers_*.csv"
-	@echo "make sizes     instructions, code, RAM and time of a step by modes and effects on two boards; bytes of all structs"
+	@echo "make sizes     instructions, code, RAM and time of a step by modes and effects on two boards; bytes of all structs; compile time"
 	@echo "make fuzz      hostile input at random, by libFuzzer: FUZZ_SECONDS=60 for each of four harnesses (tests/fuzz)"
 	@echo "make readme    regenerate the tables, program and pictures of the documents (wants gnuplot, valgrind)"
 	@echo "make ci        every check beside make test: compilers, standards, sanitizers, symbols, stack, instructions, style, ..."
@@ -131,7 +131,7 @@ bench: build/bench/bench_step_double build/bench/bench_step_single build/bench/b
 	    build/bench_step_$$p.csv || exit 1; \
 	done
 	@build/bench/bench_forms_double > build/bench_forms.csv && \
-	awk -F, '/^#/ { print; next } { printf "%-9s %8s %3s %9s %8s %8s %16s %15s\n", $$1, $$2, $$3, $$4, $$5, $$6, $$7, $$8 }' build/bench_forms.csv
+	awk -F, '/^#/ { print; next } { printf "%-10s %8s %3s %9s %8s %8s %16s %15s\n", $$1, $$2, $$3, $$4, $$5, $$6, $$7, $$8 }' build/bench_forms.csv
 	@build/bench/bench_system_double > build/bench_system.csv && awk -F, -f bench/system.awk build/bench_system.csv
 	@build/bench/bench_exact_double > build/bench_exact.csv && awk -F, -f bench/exact.awk build/bench_exact.csv
 
@@ -155,6 +155,7 @@ bench-peers:
 
 sizes: build/flexbeam
 	@CC='$(CC)' sh bench/sizes.sh
+	@echo && CC='$(CC)' sh bench/compile.sh
 
 fuzz:
 	@sh tests/fuzz/fuzz.sh

@@ -1,17 +1,21 @@
 /* flexbeam.h - 0.2.0 - flexible bodies in real time, a header-only C99 library
 
-   Floating frame of reference formulation: section properties of a beam give its assumed modes, the modes give a
-   flexible body, and the body is integrated in time: fixed step, bounded and data-independent work, no allocation,
-   nothing beyond libc and libm.
+   Spacecraft with booms and solar arrays, rotor blades, robot links: the library computes the modes of a beam from its
+   section properties or takes them from a finite-element model, makes a flexible body of them, connects bodies by
+   joints, and integrates the motion with a fixed step. A step has bounded work that does not depend on the data,
+   allocates nothing, and needs nothing beyond libc and libm, on the desktop as on a microcontroller.
+
+   A body is described in a floating frame of reference with assumed modes, in momentum form:
 
      q_dot  = M^-1 ( pi - Lambda(q)^T V )                           V = (v, w) = S(q)^-1 y
      pi_dot = f_e - K q - C q_dot + d/dq ( V^T Lambda pbar + 1/2 V^T S V )       pbar = M^-1 pi
      m u_dot = R f,   L_dot = R g                                   y = (0, R^T L) - Lambda(q) pbar
 
-   The state holds momenta (Hamiltonian form): m u of the mass center, L about it, and the elastic momenta pi. Here
-   pi and V are relative to u, so the speed of flight does not matter. The only matrix that depends on the generalized
-   coordinates q is the 6x6 Schur complement S(q) = M_rr(q) - Lambda(q) M^-1 Lambda(q)^T, a polynomial of degree 2
-   in q. Its terms are collected once, at init, for the selected effects only.
+   q are the generalized coordinates of the modes, pi their conjugate momenta, u the velocity of the mass center and L
+   the angular momentum about it; f, g and f_e are force, moment and modal loads. V, the velocity of the frame, and pi
+   are relative to u, so that the speed of flight does not matter. The only matrix that depends on q is the 6x6 Schur
+   complement S(q) = M_rr(q) - Lambda(q) M^-1 Lambda(q)^T, a polynomial of degree 2 in q. Its terms are collected once,
+   at init, for the selected effects alone: an effect that is off costs nothing.
 
    QUICK START (examples/quickstart.c; do this in ONE file, the others include flexbeam.h alone)
 
@@ -60,7 +64,7 @@
        return fflush(stdout) == 0 ? 0 : 1;
      }
 
-   A SYSTEM of bodies (examples/arm.c, spacecraft.c, rotor.c, fourbar.c): two links like the one above, node 1 the tip
+   A SYSTEM of bodies (examples/arm.c, spacecraft.c, rotor.c, fourbar.c): two links like the body above, node 1 its tip
 
      static const fb_system_desc arm = {
          .n_body = 2, // both of model 0; z of a joint is its axis
@@ -74,18 +78,18 @@
 
    A GEOMETRICALLY EXACT BEAM, for any deflection (examples/elastica.c, follower.c, flap.c, whirl.c)
 
-     desc = (fb_exact_desc){.length = 10, .n_element = 20, .n_station = 1};   // clamped root, free tip
-     status = fb_exact_station_init(&desc.station[0], &uniform);               // or 6x6 stiffness and inertia
+     desc = (fb_exact_desc){.length = 10, .n_element = 20, .n_station = 1};      // clamped root, free tip
+     status = fb_exact_station_init(&desc.station[0], &uniform);                  // or 6x6 stiffness and inertia
      status = status ? status : fb_exact_init(&exact, &desc);
      status = status ? status : fb_exact_state_init(&exact, &state, &work, &input);
-     input.w[2] = FB_R(6.0);                                                   // the base spins: steady state, ..
-     status = status ? status : fb_exact_trim(&exact, &state, &work, &input);
-     status = status ? status : fb_exact_step(&exact, &state, &work, &input, dt);         // ..or motion, ..
-     status = status ? status : fb_exact_nodes_eval(&exact, node, &state);                // ..what is where, ..
+     input.w[2] = FB_R(6.0);                                                      // [rad/s] of the base
+     status = status ? status : fb_exact_trim(&exact, &state, &work, &input);     // steady state
+     status = status ? status : fb_exact_step(&exact, &state, &work, &input, dt); // motion from there
+     status = status ? status : fb_exact_nodes_eval(&exact, node, &state);        // displacements, rotations, loads
      status = status ? status : fb_exact_spectrum_solve(&exact, &spectrum_work, &spectrum, &state, &input, 6); // modes
 
-   CONTENTS (search for the anchor; the same anchors divide flexbeam_impl.h. What stands above uses nothing of what
-   stands below: RUN flies, BUILD makes models of bodies, systems and exact beams, ANALYSE looks at them)
+   CONTENTS (search for the anchor; flexbeam_impl.h has the same ones. A section uses only those above it: RUN is what
+   flies, BUILD makes models of bodies, systems and exact beams, ANALYSE computes steady states and linear models)
      RUN        >>config     options, real type, libm hooks, mismatch guard
                 >>status     status codes and their texts
                 >>vec3       3-vectors, 3x3 and symmetric 6x6 matrices
@@ -94,7 +98,7 @@
                 >>body       one body: effects, state, loads, motion, nodes, sensors, energy
                 >>system     bodies on joints: trees, loops, constraints
                 >>exact      the geometrically exact beam
-                >>integrate  every step and its limit: rk4, implicit midpoint, SDIRK2, exponential scheme
+                >>integrate  every step and its limit: rk4, implicit midpoint, SDIRK2, exponential, exact beam
                 >>version    version and configuration string
      BUILD      >>eigen      symmetric, generalized and general eigenproblems
                 >>beam       sections, tapers, stations, bent lines, lumped bodies, element matrices
@@ -104,8 +108,8 @@
                 >>linear     linear models, complex modes, step advice
                 >>advise     which effects, modes, integrator and step a scene calls for
 
-   OPTIONS (define before the include, the same in every file: a mismatch does not link. Best in one file that every
-   compiler call names: -DFLEXBEAM_CONFIG='"my_flexbeam_config.h"'. Values are bare numbers.)
+   OPTIONS (define them before the include, the same in every file: files with different options do not link. Best put
+   them into one file and name it in every compiler call: -DFLEXBEAM_CONFIG='"my_config.h"'. Values are bare numbers.)
      macro                            default  range   meaning
      FLEXBEAM_IMPLEMENTATION          -        -       defined in one file: the code is compiled there
      FLEXBEAM_STATIC                  -        -       private copy in this file (float and double in one program)

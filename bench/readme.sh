@@ -98,12 +98,14 @@ hard() {
         " | " v[1, k, "held"] " | " naive[k] " | " both(k, "gives") " |" } }' build/hard.csv | block hard
 }
 
-tests() {
-  make -s coverage | sed -n '/^section/,$p' > "$out/tests"
-  echo >> "$out/tests"
-  make -s mutants SEED=17 > "$out/mutants" || true # where it is below its bound the table says so
-  cat build/mutants/table-17.txt >> "$out/tests"
-  { echo '```'; cat "$out/tests"; echo '```'; } | block tests
+coverage() {
+  make -s check-coverage > "$out/coverage" || true # where it is below its bound the table says so
+  { echo '```'; cat build/coverage/table.txt; echo '```'; } | block coverage
+}
+
+mutants() { # half an hour: not in the list below
+  make -s mutants SEED=17 > "$out/mutants" || true
+  { echo '```'; cat build/mutants/table-17.txt; echo '```'; } | block mutants
 }
 
 # Of each scene its title and the largest relative difference from what it is compared with.
@@ -116,14 +118,15 @@ scene() {
   build/flexbeam scene examples/scenes/double_pendulum.txt --quiet --picture examples/scene/scene_pendulum.svg
 }
 
-# Calls of check-hostile, flips of check-faults; single precision behind a bar.
 hostile() {
   make -s check-hostile > "$out/calls"
-  make -s check-faults > "$out/faults"
-  { sed -e 's/^ok *hostile: /Calls of `check-hostile`: /' -e 's/: NULL is refused.*/./' "$out/calls"
-    echo "Bits of \`check-faults\`, double / single precision:"
-    echo
-    awk '
+  sed -e 's/^ok *hostile: /Calls of `check-hostile`: /' -e 's/: NULL is refused.*/./' "$out/calls" | block hostile
+}
+
+# Flips of check-faults without FB_WITH_FORMS; single precision behind a bar.
+faults() {
+  make -s check-faults CFLAGS='-O2 -Werror' > "$out/faults"
+  awk '
     FNR == 1 { table++; next }
     { for (i = 2; i <= 8; i++) cell[$1, i] = table == 1 ? $i : cell[$1, i] " / " $i }
     table == 1 { row[++rows] = $1 }
@@ -131,7 +134,7 @@ hostile() {
           print "|---|---:|---:|---:|---:|---:|---:|---:|"
           for (k = 1; k <= rows; k++) { line = "| `" row[k] "`"
             for (i = 2; i <= 8; i++) line = line " | " cell[row[k], i]
-            print line " |" } }' build/checks/faults/table0.txt build/checks/faults/table1.txt; } | block hostile
+            print line " |" } }' build/checks/faults/table00.txt build/checks/faults/table10.txt | block faults
 }
 
 # Figures of the tests, double and single side by side.
@@ -203,7 +206,7 @@ ladder() {
 forms() {
   make -s build/bench/bench_forms_double
   build/bench/bench_forms_double > "$out/forms"
-  { echo '```'; awk -F, '!/^#/ { printf "%-9s %8s %3s %9s %8s %8s %16s %15s\n", $1, $2, $3, $4, $5, $6, $7, $8 }' "$out/forms"; echo '```'; } |
+  { echo '```'; awk -F, '!/^#/ { printf "%-10s %8s %3s %9s %8s %8s %16s %15s\n", $1, $2, $3, $4, $5, $6, $7, $8 }' "$out/forms"; echo '```'; } |
     block forms
 }
 
@@ -280,8 +283,14 @@ single() {
 }
 
 sizes() {
-  { echo '```'; make -s sizes; echo '```'; } | block sizes
+  make -s build/flexbeam
+  { echo '```'; sh bench/sizes.sh; echo '```'; } | block sizes
   flight
+}
+
+compile() {
+  make -s build/flexbeam
+  { echo '```'; sh bench/compile.sh; echo '```'; } | block compile
 }
 
 # Of the sizes the rows of six modes on a Cortex-M4F.
@@ -294,8 +303,8 @@ if [ $# -gt 0 ]; then # one part alone
   "$1"
   exit
 fi
-for part in hil accuracy advice advise flags hard campaign speedup scene hostile program figures spinup forms table1 system \
-  exact leigh blade identities peers instructions single sizes; do
+for part in hil accuracy advice advise flags hard campaign speedup scene hostile faults coverage program figures spinup forms table1 system \
+  exact leigh blade identities peers instructions single sizes compile; do
   "$part"
 done
 echo "tables, program and pictures of the documents regenerated"

@@ -1,7 +1,7 @@
 #!/bin/sh
 # make sizes: what a step of rk4 costs on a Cortex-M4F (single precision) and Cortex-M7 (double), by modes and effects: the
-# satellite of examples/satellite.txt, unloaded, compiled with -O2 and no more than its model takes. Then compile time
-# and code by rooms, and the bytes of all structs by FB_MAX_MODES. Time is the desktop's, for ratios.
+# satellite of examples/satellite.txt, unloaded, compiled with -O2 and no more than its model takes. Then the
+# bytes of all structs by FB_MAX_MODES. Time is the desktop's, for ratios.
 set -eu
 out=build/sizes
 mkdir -p "$out"
@@ -50,29 +50,6 @@ if command -v arm-none-eabi-gcc > /dev/null && command -v qemu-system-arm > /dev
 else
   echo "instructions, code and stack on a Cortex-M want: apt-get install gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm"
 fi
-# compiled NAME FILE OPTIONS...: processor time of the compiler and text of its object
-compiled() {
-  label=$1
-  shift
-  sh -c '"$@" && times' sh ${CC:-cc} -std=c99 -I. -I"$out" -O2 -c -o "$out/compiled.o" "$@" > "$out/times"
-  seconds=$(awk 'NR == 2 { sub(/s$/, "", $1); split($1, part, "m"); print 60 * part[1] + part[2] }' "$out/times")
-  printf '%-58s %6.2f %7d\n' "$label" "$seconds" "$(size "$out/compiled.o" | awk 'NR == 2 { print $1 }')"
-}
-printf '#include "flexbeam.h"\n' > "$out/declarations.c"
-printf '#define FLEXBEAM_IMPLEMENTATION\n#include "flexbeam.h"\n' > "$out/whole.c"
-one_body="-DFB_WITH_SYSTEM=0 -DFB_WITH_EXACT=0"
-build/flexbeam reduce examples/satellite.txt --single --out "$out/satellite_rom.h" 2> "$out/log" || { cat "$out/log"; exit 1; }
-echo "Compile time by ${CC:-cc} -O2 (seconds of the processor) and bytes of code:"
-echo "what                                                      seconds    code"
-compiled "declarations alone" "$out/declarations.c"
-compiled "the whole library" "$out/whole.c"
-compiled "one body, RUN, BUILD and ANALYSE" $one_body "$out/whole.c"
-compiled "one body, RUN and BUILD (FB_WITH_ANALYSE=0)" $one_body -DFB_WITH_ANALYSE=0 "$out/whole.c"
-compiled "one body, RUN alone (FB_WITH_BUILD=0)" $one_body -DFB_WITH_BUILD=0 "$out/whole.c"
-compiled "examples/quickstart.c, FLEXBEAM_STATIC" -DFLEXBEAM_STATIC examples/quickstart.c
-compiled "examples/tutorial_firmware.c, FLEXBEAM_STATIC, RUN alone" -DFLEXBEAM_STATIC $one_body -DFB_WITH_BUILD=0 \
-  $(grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$out/satellite_rom.h") examples/tutorial_firmware.c
-echo
 echo "Bytes of the structs, all effects:"
 for single in 0 1; do
   for modes in 1 2 4 6 12; do

@@ -307,7 +307,7 @@ static int print_accuracy(const options *o, scene *s, const accuracy_row *row, c
   s->dt = row->dt > 0 ? row->dt : default_step(s);
   run_timed(&result, s, o->repeat);
   peak = tip_peak(&result, &t);
-  printf("%-6s  %-33s %3d  %-10s %7.3f %8.3f %12.0f %7.3f %8.3f\n", s->drive == DRIVE_HUB ? "hub" : "torque", row->name,
+  printf("%-6s  %-33s %3d  %-11s %7.3f %8.3f %12.0f %7.3f %8.3f\n", s->drive == DRIVE_HUB ? "hub" : "torque", row->name,
          model.body.n, integrators[s->integrator].name, 1e3 * s->dt, 1e-3 * result.ns, real_time_factor(&result, s),
          100 * (peak / exact - 1), 100 * tip_error(&result, target));
   fflush(stdout);
@@ -333,11 +333,10 @@ static int accuracy(const options *o)
       {"1 element of degree 8 (converged)", 1, 8, integrator_of("rk4"), "LC", 1e-4, 0},
       {"1 element of degree 8 (converged)", 1, 8, integrator_of("exponential"), "LC", 1e-3, 0.01}};
   int status = 0;
-  printf(
-      "Accuracy: errors of the tip deflection in percent of its peak, against the geometrically exact beam: of the "
-      "peak,\n"
-      "and the largest; momentum form, open basis, n coordinates, steps in ms, time of a step in us\n\n"
-      "drive   model                               n  integrator        step  us/step  x real time   peak   largest\n");
+  printf("Accuracy: errors of the tip deflection in percent of its peak, against the geometrically exact beam: of the "
+         "peak,\n"
+         "and the largest; momentum form, open basis, n coordinates, steps in ms, time of a step in us\n\n"
+         "drive   model                               n  integrator     step  us/step  x real time   peak   largest\n");
   for (int drive_by = DRIVE_HUB; drive_by <= DRIVE_TORQUE && status == 0; drive_by++) {
     char path[512];
     double exact = 0;

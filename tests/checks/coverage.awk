@@ -18,7 +18,7 @@ inside && /^ *[-#=0-9*]+: *[1-9][0-9]*:/ {
   text = substr(text, index(text, ":") + 1)
   if (match(text, /^   [A-Z]+ >>[a-z0-9]+/)) {
     section = substr(text, index(text, ">>") + 2)
-    sub(/ .*/, "", section)
+    sub(/[: ].*/, "", section)
     order[++sections] = section
   }
   if (field[1] !~ /-$/) {

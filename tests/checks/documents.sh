@@ -1,6 +1,6 @@
 #!/bin/sh
 # Every link of a document leads to a file of the project and to a heading of it; every generated table has one place; names
-# and ids of equations that a document uses exist.
+# and ids of equations that a document uses exist; counts that README.md repeats are right.
 . tests/checks/common.sh
 . tests/checks/documents.inc
 links=0
@@ -33,6 +33,11 @@ done < "$out/made"
 for document in $documents; do # each can be reached from README.md
   [ "$document" = README.md ] || grep -qF "]($document" README.md || fail "README.md does not lead to $document"
 done
+# Figures that README.md repeats in its sentences are those of the tables.
+mutants=$(sed -n '/^<!-- mutants -->$/,/^<!-- \/mutants -->$/s/^seed.*: \(.*\) caught$/\1/p' tests/VERIFICATION.md)
+grep -qF "notice $mutants random changes" README.md || fail "README.md does not say what tests/VERIFICATION.md does: $mutants of mutants"
+scenes=$(ls examples/scenes/*.txt | wc -l)
+grep -qF "text files with $scenes examples" README.md || fail "README.md counts other than $scenes scenes"
 cat $documents | tr '`' '\n' | grep -xE '(fb|fbi|FB|FBI)_[A-Za-z0-9_]*[A-Za-z0-9]' | sort -u > "$out/names"
 grep -ohE '\b(fb|fbi|FB|FBI)_[A-Za-z0-9_]+' flexbeam.h flexbeam_impl.h | sort -u > "$out/code"
 unknown=$(comm -23 "$out/names" "$out/code" | tr '\n' ' ')

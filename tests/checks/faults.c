@@ -122,6 +122,25 @@ static fb_status use_system(void)
   return finite_or(status, &energy, sizeof energy);
 }
 
+/* A path has no check of its own: its step refuses it. */
+static fb_status check_path(void)
+{
+  return FB_OK;
+}
+
+/* A step along the path of steady states. */
+static fb_status use_path(void)
+{
+  static fb_exact_state state;
+  static fb_exact_path path;
+  fb_status status;
+  state = w.exact_state;
+  path = w.exact_path;
+  status = fb_exact_path_step(&w.exact, &path, &state, &path_work, &w.exact_input, &w.exact_input, FB_R(0.05));
+  status = finite_or(status, &state, sizeof state);
+  return finite_or(status, &path, status == FB_OK ? sizeof path : 0);
+}
+
 static fb_status use_exact(void)
 {
   static fb_exact_state state;
@@ -134,7 +153,8 @@ static fb_status use_exact(void)
   status = status ? status : fb_exact_nodes_eval(&w.exact, node, &state);
   status = finite_or(status, node, sizeof node);
   status = status ? status : fb_exact_energy_eval(&w.exact, &energy, &state);
-  return finite_or(status, &energy, sizeof energy);
+  status = finite_or(status, &energy, sizeof energy);
+  return status ? status : use_path();
 }
 
 #define SAMPLE 40000 /* flips of a large struct */
@@ -183,9 +203,16 @@ int main(void)
       {"fb_system", &w.system, sizeof w.system, check_system, use_system, system_word},
       {"fb_system_state", &w.system_state, sizeof w.system_state, check_system_state, use_system, NULL},
       {"fb_exact", &w.exact, sizeof w.exact, check_exact, use_exact, exact_word},
-      {"fb_exact_state", &w.exact_state, sizeof w.exact_state, check_exact_state, use_exact, NULL}};
+      {"fb_exact_state", &w.exact_state, sizeof w.exact_state, check_exact_state, use_exact, NULL},
+      {"fb_exact_path", &w.exact_path, sizeof w.exact_path, check_path, use_path, NULL}};
+  static fb_exact_state state;
   int silent = 0;
   world_fill();
+  state = w.exact_state;
+  if (fb_exact_path_step(&w.exact, &w.exact_path, &state, &path_work, NULL, &w.exact_input, FB_R(0.05)) != FB_OK) {
+    printf("no path of steady states\n");
+    return 1;
+  }
   printf("%-16s %8s %7s %9s %7s %9s %11s %8s\n", "struct", "bits", "flips", "detected", "status", "harmless",
          "not finite", "by word");
   for (size_t k = 0; k < sizeof subjects / sizeof *subjects; k++) {

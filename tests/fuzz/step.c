@@ -1,6 +1,6 @@
-/* Every integrator on a valid body, system or exact beam of the bytes' choice, with plausible and absurd states, inputs
-   and steps. A step that fails leaves the state as it was, one that does not leaves it finite; then the motion is
-   finite, or a status says why not. */
+/* Every integrator on a valid body, system or exact beam of the bytes' choice, and the path of the beam's steady states,
+   with plausible and absurd states, inputs and steps. A step that fails leaves the state as it was, one that does not
+   leaves it finite; then the motion is finite, or a status says why not. */
 #define FB_MAX_MODES 7
 #define FB_MAX_NODES 3
 #define FB_MAX_LOADS 2
@@ -33,6 +33,8 @@ static fb_system_state system_state;
 static fb_exact exact;
 static fb_exact_state exact_state;
 static fb_exact_work exact_work;
+static fb_exact_path path;
+static fb_exact_path_work path_work;
 
 /* A beam on a hub, with the effects, base and form that the bytes say; 0: refused. */
 static int build_body(bytes *b, int plain)
@@ -345,6 +347,35 @@ static int build_exact(bytes *b)
   return fb_exact_init(&exact, &desc) == FB_OK && fb_exact_state_init(&exact, &exact_state, &exact_work, NULL) == FB_OK;
 }
 
+/* A step along the path of steady states under `constant`, from where the path is. */
+static fb_status step_path(bytes *b, const fb_exact_input *constant)
+{
+  static fb_exact_path before;
+  static fb_exact_input varied;
+  const fb_real arc = take_byte(b) < 200 ? take_part(b, 0.3) : take_real(b);
+  fb_status status;
+  memset(&varied, 0, sizeof varied);
+  varied.n_load = 1;
+  take_load(&varied.load[0], b);
+  if (take_byte(b) > 220) {
+    spoil(&varied, sizeof varied, b);
+  }
+  if (take_byte(b) > 220) {
+    spoil(&path, sizeof path, b);
+  }
+  before = path;
+  status =
+      fb_exact_path_step(&exact, &path, &exact_state, &path_work, take_byte(b) < 220 ? constant : NULL, &varied, arc);
+  promise(status == FB_OK || memcmp(&before, &path, sizeof before) == 0, "a failure changed the path",
+          "fb_exact_path_step");
+  promise(status != FB_OK || (all_finite(path.ahead, 6 * (exact.n + 1)) && isfinite(path.factor) &&
+                              isfinite(path.rise) && isfinite(path.arc)),
+          "the path is not finite", "fb_exact_path_step");
+  promise(status != FB_OK || fb_exact_state_check(&exact, &exact_state) == FB_OK, "the state does not pass its check",
+          "fb_exact_path_step");
+  return status;
+}
+
 static void run_exact(bytes *b)
 {
   static fb_exact_state before;
@@ -352,10 +383,13 @@ static void run_exact(bytes *b)
   if (!build_exact(b)) {
     return;
   }
+  memset(&path, 0, sizeof path);
   for (int k = 0; k < 8 && b->left > 0; k++) {
     fb_exact_node node[FB_MAX_EXACT + 1];
     fb_energy energy;
-    const int steady = take_byte(b) > 200 && k == 0; /* up to 12500 iterations, if it does not converge */
+    const int way = take_byte(b);
+    const int steady = way > 200 && k == 0; /* up to 12500 iterations, if it does not converge */
+    const int along = way > 150 && !steady;
     const fb_real dt = take_step(b);
     fb_status status;
     memset(&input, 0, sizeof input);
@@ -369,8 +403,9 @@ static void run_exact(bytes *b)
       spoil(&exact_state, sizeof exact_state, b);
     }
     before = exact_state;
-    status = steady ? fb_exact_trim(&exact, &exact_state, &exact_work, &input)
-                    : fb_exact_step(&exact, &exact_state, &exact_work, &input, dt);
+    status = steady  ? fb_exact_trim(&exact, &exact_state, &exact_work, &input)
+             : along ? step_path(b, &input)
+                     : fb_exact_step(&exact, &exact_state, &exact_work, &input, dt);
     promise(status == FB_OK || memcmp(&before, &exact_state, sizeof before) == 0, "a failure changed the state",
             "the exact beam");
     promise(status != FB_OK ||
