@@ -10247,6 +10247,41 @@ static fb_status fbi_exponential_limited(const fb_body *body, const fbi_kinetics
   return h <= fb_exponential_limit(body, spin, acceleration) ? FB_OK : FB_ERR_STEP;
 }
 
+/* Stages of E11.10 after the first: z_2, z_3, z_4 and their N; w->full = (e^(hL) - 1) z + h phi_1(hL) N_1. */
+static fb_status fbi_exponential_stages(fb_exponential_work *w, fbi_kinetics *k, const fb_exponential *scheme,
+                                        const fb_body *body, const fb_input *middle, const fb_input *end)
+{
+  const int n = body->n;
+  const fb_real h = scheme->dt;
+  fb_state *z = &w->z, *N = w->N, *sum = &w->sum;
+  fb_status status;
+
+  /* z_2, N_2 */
+  memset(&w->half, 0, sizeof w->half);
+  fbi_phi_add(&w->half, FB_R(1.0), scheme->half, 0, scheme, FB_R(0.5) * h, z, n);
+  fbi_phi_add(&w->half, FB_R(0.5) * h, scheme->half, 1, scheme, FB_R(0.5) * h, &N[0], n);
+  status = fbi_modal_rates(&N[1], k, w, scheme, body, &w->half, middle);
+
+  /* z_3, N_3 */
+  if (status == FB_OK) {
+    fbi_state_advance(sum, &N[1], -FB_R(1.0), &N[0], n);
+    fbi_phi_add(&w->half, h, scheme->half, 2, scheme, FB_R(0.5) * h, sum, n);
+    status = fbi_modal_rates(&N[2], k, w, scheme, body, &w->half, middle);
+  }
+
+  /* z_4, N_4 */
+  if (status == FB_OK) {
+    memset(&w->full, 0, sizeof w->full);
+    fbi_phi_increment(&w->full, scheme, z, n);
+    fbi_phi_add(&w->full, h, scheme->full, 1, scheme, h, &N[0], n);
+    fbi_state_advance(sum, &N[2], -FB_R(1.0), &N[0], n);
+    fbi_state_advance(&w->half, z, FB_R(1.0), &w->full, n);
+    fbi_phi_add(&w->half, FB_R(2.0) * h, scheme->full, 2, scheme, h, sum, n);
+    status = fbi_modal_rates(&N[3], k, w, scheme, body, &w->half, end);
+  }
+  return status;
+}
+
 /* Terms of E11.10 in all four N, added to w->full: h phi_2 (-3 N_1 + 2 N_2 + 2 N_3 - N_4) and
    4h phi_3 (N_1 - N_2 - N_3 + N_4). */
 static void fbi_exponential_sum(fb_exponential_work *w, const fb_exponential *scheme, int n)
@@ -10274,58 +10309,26 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
                                      const fb_input *end)
 {
   fbi_kinetics k;
-  fb_state *z, *N, *sum;
-  fb_real h, turn[3];
+  fb_real turn[3];
   fb_status status;
-  int n;
   FBI_REQUIRE(body && scheme && state && work, FB_ERR_NULL);
-  z = &work->z;
-  N = work->N;
-  sum = &work->sum;
-  n = body->n;
-  h = scheme->dt;
 
   /* N_1, step limit */
   fbi_state_enter(&work->start, k.R, body, state);
   fbi_frame_copy(&work->at, &work->start);
-  fbi_elastic_copy(&work->at, &work->start, n);
-  fbi_modal_from(z, scheme, body, &work->at);
-  status = fbi_modal_rates(&N[0], &k, work, scheme, body, z, start);
-  status = status == FB_OK ? fbi_exponential_limited(body, &k, start, h) : status;
+  fbi_elastic_copy(&work->at, &work->start, body->n);
+  fbi_modal_from(&work->z, scheme, body, &work->at);
+  status = fbi_modal_rates(&work->N[0], &k, work, scheme, body, &work->z, start);
+  status = status == FB_OK ? fbi_exponential_limited(body, &k, start, scheme->dt) : status;
   fbi_vec3_copy(turn, k.V + 3);
 
-  /* z_2, N_2 */
-  if (status == FB_OK) {
-    memset(&work->half, 0, sizeof work->half);
-    fbi_phi_add(&work->half, FB_R(1.0), scheme->half, 0, scheme, FB_R(0.5) * h, z, n);
-    fbi_phi_add(&work->half, FB_R(0.5) * h, scheme->half, 1, scheme, FB_R(0.5) * h, &N[0], n);
-    status = fbi_modal_rates(&N[1], &k, work, scheme, body, &work->half, middle);
-  }
-
-  /* z_3, N_3 */
-  if (status == FB_OK) {
-    fbi_state_advance(sum, &N[1], -FB_R(1.0), &N[0], n);
-    fbi_phi_add(&work->half, h, scheme->half, 2, scheme, FB_R(0.5) * h, sum, n);
-    status = fbi_modal_rates(&N[2], &k, work, scheme, body, &work->half, middle);
-  }
-
-  /* z_4, N_4 */
-  if (status == FB_OK) {
-    memset(&work->full, 0, sizeof work->full);
-    fbi_phi_increment(&work->full, scheme, z, n);
-    fbi_phi_add(&work->full, h, scheme->full, 1, scheme, h, &N[0], n);
-    fbi_state_advance(sum, &N[2], -FB_R(1.0), &N[0], n);
-    fbi_state_advance(&work->half, z, FB_R(1.0), &work->full, n);
-    fbi_phi_add(&work->half, FB_R(2.0) * h, scheme->full, 2, scheme, h, sum, n);
-    status = fbi_modal_rates(&N[3], &k, work, scheme, body, &work->half, end);
-    status = status == FB_OK && !body->allow_long_step ? fbi_turn_check(turn, k.V + 3, h) : status;
-  }
+  /* z_2, z_3, z_4 and their N; increments, in z and in the state */
+  status = status == FB_OK ? fbi_exponential_stages(work, &k, scheme, body, middle, end) : status;
+  status = status == FB_OK && !body->allow_long_step ? fbi_turn_check(turn, k.V + 3, scheme->dt) : status;
   if (status != FB_OK) {
     return status;
   }
-
-  /* Increments, in z and in the state */
-  fbi_exponential_sum(work, scheme, n);
+  fbi_exponential_sum(work, scheme, body->n);
   fbi_modal_increments(work, scheme, body, state);
   return fbi_step_end(state, &work->at, &work->start, body, end, NULL);
 }
