@@ -2059,7 +2059,7 @@ typedef struct fb_exact_station { /* section of the undeformed beam; linear betw
 FB_API fb_status fb_exact_station_init(fb_exact_station *station, const fb_section *section);
 
 typedef struct fb_support {
-  int node, held; /* FB_HOLD_... or-ed, or FB_END_... */
+  int node, held; /* node and its constrained components: FB_HOLD_... or-ed, or FB_END_... */
 } fb_support;
 
 typedef struct fb_exact_desc {

@@ -15867,7 +15867,7 @@ FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_b
   const int points = modes && modes->degree > 0 ? 2 * modes->degree - 1 : FBI_GAUSS; /* exact for slopes^4 */
   fb_real x[FBI_RULE], w[FBI_RULE], moment = FB_R(0.0), softest = FB_HUGE;
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
-  int n, intervals;
+  int n, intervals = 0;
   fb_status status = fbi_beam_fits(shape, first, beam, modes);
   status = status ? status : fbi_strain_intervals(&intervals, beam);
   if (status != FB_OK) {
