@@ -124,7 +124,7 @@
      FB_MAX_LOOPS                     2        1..99   joints that close its loops
      FB_MAX_ROWS                      24       1..999  its constraints: loops, the caller's, FB_METHOD_MULTIPLIERS
      FB_MAX_SPEEDS                    64       6..999  its speeds, FB_METHOD_DENSE and linear models only
-     FB_MAX_EXACT                     40       1..999  elements of a exact beam
+     FB_MAX_EXACT                     40       1..999  elements of an exact beam
      FB_WITH_SPIN_COUPLING            1        0, 1    0 removes the effect's code and tables at compile time
      FB_WITH_RESIDUAL_INERTIA         1        0, 1    "
      FB_WITH_SPIN_STIFFENING          1        0, 1    "
@@ -166,8 +166,8 @@
      _init, _check, _step, _solve, _eval, _trim, _linearize; one that returns its number is named by it: fb_rk4_limit.
      Compile: cc -std=c99 program.c -lm. Constants of type fb_real are written FB_R(1.0), with a decimal point.
      SI units and radians. Matrices are flat and row-major, packed with the run-time n. Quaternions are (w,x,y,z), unit,
-     and map body components to inertial ones. Outputs may not overlap inputs unless a function says so. Zero means default in a desc struct. A failing call changes nothing
-     that it was given to change.
+     and map body components to inertial ones. Outputs may not overlap inputs unless a function says so. Zero means
+     default in a desc struct. A failing call changes nothing that it was given to change.
 
      WHAT BAD ARGUMENTS GIVE (every function, tests/checks/hostile.c; below stands only what departs from it)
      A programmer's error, FB_ASSERT(0) and then:
@@ -803,8 +803,8 @@ typedef struct fb_state {
 #if FB_SINGLE
   fb_real lost_quat[4], lost_L[3], lost_h[3], lost_q[FB_MAX_MODES], lost_pi[FB_MAX_MODES];
 #endif
-} fb_state; /* other forms: u is that of O (but for a prescribed base), L is w (body axes), pi is q_dot (second-order) or
-               v_e (first-order) */
+} fb_state; /* other forms: u is that of O (but for a prescribed base), L is w (body axes), pi is q_dot (second-order)
+               or v_e (first-order) */
 
 typedef enum fb_axes {
   FB_AXES_INERTIAL = 0, /* dead load */
@@ -1574,9 +1574,9 @@ FB_API fb_status fb_build_check(void);
    overwritten). Off-diagonal elements below 1e-9 FB_EPSILON of the largest element count as zero. FB_ERR_NOT_FINITE;
    FB_ERR_CONVERGENCE after 60 Jacobi sweeps. */
 FB_API fb_status fb_eig_sym_solve(fb_real *d, fb_real *V, fb_real *A, int n);
-/* Generalized eigenproblem K x = d M x, K symmetric, M positive definite (both n x n, overwritten): d ascending, rows
-   of X with X M X^T = 1. FB_ERR_SINGULAR: M is not positive definite; else as fb_eig_sym_solve. */
-FB_API fb_status fb_eig_gen_solve(fb_real *d, fb_real *X, fb_real *K, fb_real *M, int n);
+/* Generalized eigenproblem K x = d M x, K symmetric, M positive definite (both n x n, M is overwritten): d ascending,
+   rows of X with X M X^T = 1. FB_ERR_SINGULAR: M is not positive definite; else as fb_eig_sym_solve. */
+FB_API fb_status fb_eig_gen_solve(fb_real *d, fb_real *X, const fb_real *K, fb_real *M, int n);
 /* Eigenvalues re + i im (n each) and eigenvectors of the real A (n x n, overwritten), symmetric or not. Row k of X (n x
    2n) is the eigenvector of eigenvalue k, n real then n imaginary parts, of unit length. work: 4 n^2 reals. A defective
    A gives (nearly) parallel eigenvectors. FB_ERR_NOT_FINITE; FB_ERR_CONVERGENCE after 60 n steps: re, im and X are

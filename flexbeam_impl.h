@@ -2586,8 +2586,8 @@ static fb_status fbi_velocity_check(const fb_body *body, const fb_state *state, 
 }
 
 /* Momenta at the velocity v of O. A free body: u = R (v + (c_dot + w x c)/m) of the mass center, c the first moment of
-   mass, and momenta at the velocity -p/m relative to it. Angular momentum L = R h, without the axes about which the base
-   cannot rotate. */
+   mass, and momenta at the velocity -p/m relative to it. Angular momentum L = R h, without the axes about which the
+   base cannot rotate. */
 static void fbi_momenta_set(fb_state *state, fbi_kinetics *k, const fb_body *body, const fb_real v[3],
                             const fb_real *q_dot)
 {
@@ -11691,7 +11691,7 @@ static fb_status fbi_eig_gen_solve(fb_real *d, fb_real *X, fb_real *A, int n)
   return status;
 }
 
-FB_DEF fb_status fb_eig_gen_solve(fb_real *d, fb_real *X, fb_real *K, fb_real *M, int n)
+FB_DEF fb_status fb_eig_gen_solve(fb_real *d, fb_real *X, const fb_real *K, fb_real *M, int n)
 {
   FBI_REQUIRE(d && X && K && M, FB_ERR_NULL);
   FBI_REQUIRE(n >= 0, FB_ERR_VALUE);
@@ -14019,8 +14019,8 @@ static void fbi_rigid_clear(fb_modes_work *work, const fb_beam *beam, int m)
   }
 }
 
-/* Constraint modes of the boundary, x = 1 at one of its coordinates and 0 at the others, K x = 0 elsewhere; work.A holds
-   the factor of K over the n coordinates dof. */
+/* Constraint modes of the boundary, x = 1 at one of its coordinates and 0 at the others, K x = 0 elsewhere; work.A
+   holds the factor of K over the n coordinates dof. */
 static void fbi_constraint_modes(fb_real *shape, const fb_modes_desc *desc, const fb_modes_work *work,
                                  const fb_beam *beam, const int *dof, int n)
 {

@@ -1,5 +1,5 @@
-/* stepper.h - a stepper of one body with inputs for each instant of a step, the exponential integrator prepared. Include
-   flexbeam.h first. */
+/* stepper.h - a stepper of one body with inputs for each instant of a step, the exponential integrator prepared.
+   Include flexbeam.h first. */
 #ifndef STEPPER_H
 #define STEPPER_H
 

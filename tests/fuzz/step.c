@@ -1,6 +1,6 @@
-/* Every integrator on a valid body, system or exact beam of the bytes' choice, and the path of the beam's steady states,
-   with plausible and absurd states, inputs and steps. A step that fails leaves the state as it was, one that does not
-   leaves it finite; then the motion is finite, or a status says why not. */
+/* Every integrator on a valid body, system or exact beam of the bytes' choice, and the path of the beam's steady
+   states, with plausible and absurd states, inputs and steps. A step that fails leaves the state as it was, one that
+   does not leaves it finite; then the motion is finite, or a status says why not. */
 #define FB_MAX_MODES 7
 #define FB_MAX_NODES 3
 #define FB_MAX_LOADS 2
