@@ -13190,12 +13190,13 @@ static fb_status fbi_group_open(int *dof, int *n, int *rigid, int *found, fb_mod
   return fbi_group_solve(beam, work, dof, *n, *rigid, found);
 }
 
-/* Lowers limit to the frequency of the n-th lowest elastic mode of all groups; unchanged if there are fewer modes. */
-static fb_status fbi_lowest_limit(fb_real *limit, fb_modes_work *work, const fb_beam *beam,
+/* How many of the n lowest elastic modes each group has; equal ones at the end of the list go to the first group. Lowers
+   limit to the frequency of the n-th; unchanged if there are fewer modes. */
+static fb_status fbi_lowest_limit(fb_real *limit, int share[FB_KIND_COUNT], fb_modes_work *work, const fb_beam *beam,
                                   const int group[FB_KIND_COUNT], int lowest)
 {
   fb_real list[FB_MAX_MODES] = {0};
-  int dof[FBI_MAX_DOF], filled = 0;
+  int owner[FB_MAX_MODES] = {0}, dof[FBI_MAX_DOF], filled = 0;
   for (int id = 0; id < FB_KIND_COUNT; id++) {
     int n, rigid, found;
     const fb_status status = fbi_group_open(dof, &n, &rigid, &found, work, beam, group, id);
@@ -13210,13 +13211,19 @@ static fb_status fbi_lowest_limit(fb_real *limit, fb_modes_work *work, const fb_
       for (; at > 0 && omega < list[at - 1]; at--) {
         if (at < lowest) {
           list[at] = list[at - 1];
+          owner[at] = owner[at - 1];
         }
       }
       if (at < lowest) {
         list[at] = omega;
+        owner[at] = id;
         filled += filled < lowest;
       }
     }
+  }
+
+  for (int k = 0; k < filled; k++) {
+    share[owner[k]]++;
   }
 
   /* Limit, where the list is full */
@@ -13233,26 +13240,26 @@ static fb_status fbi_modes_take(const fb_modes_desc *desc, fb_modes_work *work, 
 {
   static const int all[FB_KIND_COUNT] = {FB_ALL_MODES, FB_ALL_MODES, FB_ALL_MODES, FB_ALL_MODES};
   fbi_choice choice = {count, FB_MAX_MODES + 1, desc->omega_limit};
-  int dof[FBI_MAX_DOF];
+  int share[FB_KIND_COUNT] = {0}, dof[FBI_MAX_DOF];
 
-  /* The lowest of all kinds: a frequency limit in place of counts */
+  /* The lowest of all kinds: a share of each group and a frequency limit in place of counts */
   if (desc->lowest > 0) {
     fb_status status;
     if (desc->lowest > FB_MAX_MODES - work->found.n) {
       return FB_ERR_CAPACITY;
     }
-    status = fbi_lowest_limit(&choice.limit, work, beam, group, desc->lowest);
+    status = fbi_lowest_limit(&choice.limit, share, work, beam, group, desc->lowest);
     if (status != FB_OK) {
       return status;
     }
     choice.count = all;
-    choice.most = work->found.n + desc->lowest;
   }
 
   /* Modes of each group */
   for (int id = 0; id < FB_KIND_COUNT; id++) {
     int n, rigid, found;
     fb_status status = fbi_group_open(dof, &n, &rigid, &found, work, beam, group, id);
+    choice.most = desc->lowest > 0 ? work->found.n + share[id] : choice.most;
     if (status == FB_OK && n > 0) {
       status = fbi_group_take(desc, work, beam, dof, n, rigid, found, taken, &choice);
     }
