@@ -228,7 +228,7 @@
      flutter, whirl, buckling      fb_exact_spectrum_solve about a steady state, fb_spectrum_margin; fb_buckling_solve
      snap-through, beyond buckling fb_exact_path_step: steady states along their path; fb_exact_work.unstable
      control of a bent beam        fb_exact_linearize: its slow modes as A, B, C, D with inputs and outputs
-     hub, booms, nodes in one call fb_body_build; joints by their axes: fb_joint_desc.axis
+     hub, beams, nodes in one call fb_body_build, welds included; joints by their axes: fb_joint_desc.axis
      a model in ROM                build/flexbeam reduce: text file to C header with a static const fb_body
 
    WHICH INTEGRATOR? (all fixed work; a step beyond its limit is refused)
@@ -1752,7 +1752,7 @@ typedef struct fb_join_work { /* scratch; large: make it static */
   fb_modes joined[FB_MAX_COMPONENTS];
 } fb_join_work;
 
-/* joined, beam and component are arrays of n_component. A component that hangs on another one has a free root and rigid
+/* joined, beam and component are arrays of n_component; joined may be component. A component that hangs on another one has a free root and rigid
    modes (fb_modes_desc.rigid), all coordinates of FB_BASIS_ELEMENTS, or its root among the boundary; what both sides of
    a weld cannot move in is stiff; a clamped root stays with the frame. Natural modes alone converge slowly at a weld:
    add static corrections there (load), or take its node for a boundary. Rigid-body modes of the whole are left out.
@@ -1886,9 +1886,10 @@ typedef struct fb_body_work {
    FB_ERR_VALUE (no mass, negative damping), FB_ERR_NOT_FINITE, FB_ERR_NULL. body is written only on FB_OK. */
 FB_API fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc);
 
-/* A body from one description: a rigid hub, beams on it, nodes. The chain fb_beam_init, fb_modes_solve, fb_shape_...,
-   fb_body_init in one call; components that are joined and imported finite-element models take the chain itself. */
-#define FB_MAX_PARTS 8
+/* A body from one description: a rigid hub, beams on it or joined to each other, nodes. The chain fb_beam_init,
+   fb_modes_solve, fb_modes_join, fb_shape_..., fb_body_init in one call; imported finite-element models take the chain
+   itself. */
+#define FB_MAX_PARTS FB_MAX_COMPONENTS
 typedef struct fb_part {
   int beam;                   /* its place in the arrays of beams and of their modes; parts may share one */
   fb_real position[3];        /* [m] of the origin of the beam's description, body axes */
@@ -1902,25 +1903,34 @@ typedef struct fb_build_desc {
       inertia[6];             /* [kg], [m], [kg m^2] about its center: the hub, as fb_shape_add_rigid; all 0: none */
   int n_part;                 /* 0..FB_MAX_PARTS */
   fb_part part[FB_MAX_PARTS]; /* their modes are the coordinates of the body, in this order */
-  fb_real zeta;               /* damping ratio of every mode, with FB_EFFECT_DAMPING; 0: those of body.zeta */
+  /* Rigid connections between parts (weld.component: a part), as fb_modes_join: the common modes of all parts are then
+     the coordinates. A part that hangs on another one stands behind it, and that one has a node at the weld. All zero:
+     not joined */
+  fb_join_desc join;
+  fb_real zeta; /* damping ratio of every mode, with FB_EFFECT_DAMPING; 0: those of body.zeta */
   fb_body_desc body;
 } fb_build_desc;
 
+typedef union fb_build_scratch { /* one at a time */
+  fb_modes_work modes;
+  fb_join_work join;
+  fb_body_work body;
+} fb_build_scratch;
+
 typedef struct fb_build_work { /* scratch; large: make it static */
-  int part;                    /* after a failure: the part at fault; -1: the hub, n_part: the body as a whole */
-  int n;                       /* coordinates so far */
+  int part; /* after a failure: the part at fault; -1: the hub, n_part: joining, the body as a whole */
+  int n;    /* coordinates so far */
   fb_beam_desc placed;
-  fb_beam beam;
-  fb_modes modes;
-  fb_modes_work modes_work;
-  fb_shape all, shape; /* with room for every coordinate; what the body is made of */
+  fb_beam beam[FB_MAX_PARTS];
+  fb_modes modes[FB_MAX_PARTS];
+  fb_shape shape;
   fb_body_desc desc;
-  fb_body_work body_work;
+  fb_build_scratch scratch;
 } fb_build_work;
 
 /* beam, modes: n_beam descriptions and which modes of each to keep. FB_ERR_CAPACITY: n_part, n_node, a place beyond
-   n_beam, more than FB_MAX_MODES coordinates or FB_MAX_NODES nodes; FB_ERR_VALUE: zeta and body.zeta both; else as the
-   functions of the chain. body is written only on FB_OK. */
+   n_beam, more than FB_MAX_MODES coordinates or FB_MAX_NODES nodes; FB_ERR_VALUE: zeta and body.zeta both, no node where
+   a part hangs; else as the functions of the chain. body is written only on FB_OK. */
 FB_API fb_status fb_body_build(fb_body *body, fb_build_work *work, const fb_build_desc *desc, const fb_beam_desc *beam,
                                const fb_modes_desc *modes, int n_beam);
 
