@@ -5,6 +5,7 @@
 
 typedef struct balance {
   double energy, momentum[3];        /* [J], [N m s] about the origin, at the beginning */
+  double energy_now;                 /* [J] when it was last looked at */
   double work, impulse[3];           /* [J], [N m s] that went in since then */
   double energy_miss, momentum_miss; /* the largest that either was off */
 } balance;
@@ -27,14 +28,15 @@ static inline void balance_begin(balance *b, const fb_system *system, const fb_b
 {
   memset(b, 0, sizeof *b);
   balance_totals(&b->energy, b->momentum, system, model, work, state, input);
+  b->energy_now = b->energy;
 }
 
 static inline void balance_look(balance *b, const fb_system *system, const fb_body *model, fb_system_work *work,
                                 const fb_system_state *state, const fb_system_input *input)
 {
-  double energy, momentum[3];
-  balance_totals(&energy, momentum, system, model, work, state, input);
-  b->energy_miss = fmax(b->energy_miss, fabs(energy - b->energy - b->work));
+  double momentum[3];
+  balance_totals(&b->energy_now, momentum, system, model, work, state, input);
+  b->energy_miss = fmax(b->energy_miss, fabs(b->energy_now - b->energy - b->work));
   for (int i = 0; i < 3; i++) {
     b->momentum_miss = fmax(b->momentum_miss, fabs(momentum[i] - b->momentum[i] - b->impulse[i]));
   }
