@@ -288,8 +288,8 @@ int main(int argc, char **argv)
        2, stdout);
   check("swing frequency, closed form against model", fabs(measured / swing - 1), 5e-3);
   for (int k = 0; k < 2; k++) {
-    check("angular momentum less impulse, part of all impulses", s[k].balance.momentum_miss / s[k].turned,
-          FB_SINGLE ? 1e-4 : 1e-7);
+    const double *const H = s[k].balance.momentum_miss, part = FB_SINGLE ? 1e-4 : 1e-7;
+    check("angular momentum less impulse, part of all impulses", fmax(H[0], fmax(H[1], H[2])) / s[k].turned, part);
     check("energy less work and loss, part of all work", s[k].balance.energy_miss / s[k].passed,
           FB_SINGLE ? 1e-3 : 1e-5);
   }

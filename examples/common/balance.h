@@ -4,10 +4,10 @@
 #define BALANCE_H
 
 typedef struct balance {
-  double energy, momentum[3];        /* [J], [N m s] about the origin, at the beginning */
-  double energy_now;                 /* [J] when it was last looked at */
-  double work, impulse[3];           /* [J], [N m s] that went in since then */
-  double energy_miss, momentum_miss; /* the largest that either was off */
+  double energy, momentum[3];           /* [J], [N m s] about the origin, at the beginning */
+  double energy_now;                    /* [J] when it was last looked at */
+  double work, impulse[3];              /* [J], [N m s] that went in since then */
+  double energy_miss, momentum_miss[3]; /* the largest that either was off */
 } balance;
 
 static inline void balance_totals(double *energy, double momentum[3], const fb_system *system, const fb_body *model,
@@ -38,7 +38,7 @@ static inline void balance_look(balance *b, const fb_system *system, const fb_bo
   balance_totals(&b->energy_now, momentum, system, model, work, state, input);
   b->energy_miss = fmax(b->energy_miss, fabs(b->energy_now - b->energy - b->work));
   for (int i = 0; i < 3; i++) {
-    b->momentum_miss = fmax(b->momentum_miss, fabs(momentum[i] - b->momentum[i] - b->impulse[i]));
+    b->momentum_miss[i] = fmax(b->momentum_miss[i], fabs(momentum[i] - b->momentum[i] - b->impulse[i]));
   }
 }
 
