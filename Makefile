@@ -10,7 +10,7 @@ export WARNINGS WARNINGS_C
 
 LIBRARY  = flexbeam.h flexbeam_impl.h
 TESTS    = $(wildcard tests/test_*.c)
-EXAMPLES = quickstart spinup table1 assembly firmware spacecraft rotor arm fourbar \
+EXAMPLES = quickstart spinup table1 assembly firmware spacecraft rotor rotor_flap arm fourbar \
            elastica follower flap whirl leigh hil_plant hil_controller \
            tutorial_satellite tutorial_blade tutorial_import tutorial_firmware
 EXAMPLES += $(if $(shell command -v mpicc),campaign_mpi)

@@ -240,7 +240,7 @@
      flutter, whirl, buckling      fb_exact_spectrum_solve about a steady state, fb_spectrum_margin; fb_buckling_solve
      snap-through, beyond buckling fb_exact_path_step: steady states along their path; fb_exact_work.unstable
      control of a bent beam        fb_exact_linearize: its slow modes as A, B, C, D with inputs and outputs
-     hub, booms, nodes in one call fb_body_build; joints by their axes: fb_joint_desc.axis
+     hub, beams, nodes in one call fb_body_build, welds included; joints by their axes: fb_joint_desc.axis
      a model in ROM                build/flexbeam reduce: text file to C header with a static const fb_body
 
    WHICH INTEGRATOR? (all fixed work; a step beyond its limit is refused)
@@ -1821,7 +1821,7 @@ typedef struct fb_join_work { /* scratch; large: make it static */
   fb_modes joined;
 } fb_join_work;
 
-/* joined, beam and component are arrays of n_component. A component attached to another one needs a free root and
+/* joined, beam and component are arrays of n_component; joined may be component. A component attached to another one needs a free root and
    rigid-body modes (fb_modes_desc.rigid), all coordinates of FB_BASIS_ELEMENTS, or its root in the boundary; a clamped
    root stays fixed to the body frame. Motion of a weld that one side does not have in its basis is locked on both.
    Natural modes alone converge slowly at a weld: add attachment modes there (load), or make its node a boundary.
@@ -1960,9 +1960,10 @@ typedef struct fb_body_work {
    FB_ERR_VALUE (no mass, negative damping), FB_ERR_NOT_FINITE, FB_ERR_NULL. body is written only on FB_OK. */
 FB_API fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc);
 
-/* Builds a body of a rigid hub, beams on it and nodes from one description: fb_beam_init, fb_modes_solve, fb_shape_...
-   and fb_body_init in one call. Joined components and imported finite-element models need these calls one by one. */
-#define FB_MAX_PARTS 8
+/* Builds a body of a rigid hub, beams on it or joined to each other, and nodes from one description: fb_beam_init,
+   fb_modes_solve, fb_modes_join, fb_shape_... and fb_body_init in one call. Imported finite-element models need these
+   calls one by one. */
+#define FB_MAX_PARTS FB_MAX_COMPONENTS
 typedef struct fb_part {
   int beam;                   /* index in the arrays of beam and modes descriptions; parts may share one */
   fb_real position[3];        /* [m] origin of the beam description, body axes */
@@ -1976,25 +1977,34 @@ typedef struct fb_build_desc {
       inertia[6];             /* hub [kg], [m], [kg m^2] about its center, as fb_shape_add_rigid; all 0: none */
   int n_part;                 /* 0..FB_MAX_PARTS */
   fb_part part[FB_MAX_PARTS]; /* their modes are the coordinates of the body, in this order */
-  fb_real zeta;               /* damping ratio of all modes, with FB_EFFECT_DAMPING; 0: those of body.zeta */
+  /* Rigid connections between parts (weld.component: a part), as fb_modes_join: the common modes of all parts are then
+     the coordinates. A part attached to another one follows it in the list, and that one has a node at the weld. All
+     zero: not joined */
+  fb_join_desc join;
+  fb_real zeta; /* damping ratio of all modes, with FB_EFFECT_DAMPING; 0: those of body.zeta */
   fb_body_desc body;
 } fb_build_desc;
 
+typedef union fb_build_scratch { /* one at a time */
+  fb_modes_work modes;
+  fb_join_work join;
+  fb_body_work body;
+} fb_build_scratch;
+
 typedef struct fb_build_work { /* scratch; large: make it static */
-  int part;                    /* after a failure: the part that failed; -1: the hub, n_part: the body as a whole */
-  int n;                       /* coordinates so far */
+  int part; /* after a failure: the part that failed; -1: the hub, n_part: joining, the body as a whole */
+  int n;    /* coordinates so far */
   fb_beam_desc placed;
-  fb_beam beam;
-  fb_modes modes;
-  fb_modes_work modes_work;
-  fb_shape all, shape; /* with room for every coordinate; with those of the body */
+  fb_beam beam[FB_MAX_PARTS];
+  fb_modes modes[FB_MAX_PARTS];
+  fb_shape shape;
   fb_body_desc desc;
-  fb_body_work body_work;
+  fb_build_scratch scratch;
 } fb_build_work;
 
 /* beam, modes: n_beam beam descriptions, and the modes to keep of each. FB_ERR_CAPACITY: n_part, n_node, an index from
-   n_beam on, more than FB_MAX_MODES coordinates or FB_MAX_NODES nodes; FB_ERR_VALUE: both zeta and body.zeta are set;
-   else as the functions it calls. body is written only on FB_OK. */
+   n_beam on, more than FB_MAX_MODES coordinates or FB_MAX_NODES nodes; FB_ERR_VALUE: both zeta and body.zeta are set, no
+   node where a part is attached; else as the functions it calls. body is written only on FB_OK. */
 FB_API fb_status fb_body_build(fb_body *body, fb_build_work *work, const fb_build_desc *desc, const fb_beam_desc *beam,
                                const fb_modes_desc *modes, int n_beam);
 

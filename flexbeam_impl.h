@@ -13640,12 +13640,13 @@ static fb_status fbi_group_open(int *dof, int *n, int *rigid, int *found, fb_mod
   return fbi_group_solve(beam, work, dof, *n, *rigid, found);
 }
 
-/* Lowers limit to the frequency of the n-th lowest elastic mode of all groups; unchanged if there are fewer modes. */
-static fb_status fbi_lowest_limit(fb_real *limit, fb_modes_work *work, const fb_beam *beam,
+/* How many of the n lowest elastic modes each group has; equal ones at the end of the list go to the first group. Lowers
+   limit to the frequency of the n-th; unchanged if there are fewer modes. */
+static fb_status fbi_lowest_limit(fb_real *limit, int share[FB_KIND_COUNT], fb_modes_work *work, const fb_beam *beam,
                                   const int group[FB_KIND_COUNT], int lowest)
 {
   fb_real list[FB_MAX_MODES] = {0};
-  int dof[FBI_MAX_DOF], filled = 0;
+  int owner[FB_MAX_MODES] = {0}, dof[FBI_MAX_DOF], filled = 0;
   for (int id = 0; id < FB_KIND_COUNT; id++) {
     int n, rigid, found;
     const fb_status status = fbi_group_open(dof, &n, &rigid, &found, work, beam, group, id);
@@ -13660,13 +13661,19 @@ static fb_status fbi_lowest_limit(fb_real *limit, fb_modes_work *work, const fb_
       for (; at > 0 && omega < list[at - 1]; at--) {
         if (at < lowest) {
           list[at] = list[at - 1];
+          owner[at] = owner[at - 1];
         }
       }
       if (at < lowest) {
         list[at] = omega;
+        owner[at] = id;
         filled += filled < lowest;
       }
     }
+  }
+
+  for (int k = 0; k < filled; k++) {
+    share[owner[k]]++;
   }
 
   /* Limit, where the list is full */
@@ -13683,26 +13690,26 @@ static fb_status fbi_modes_take(const fb_modes_desc *desc, fb_modes_work *work, 
 {
   static const int all[FB_KIND_COUNT] = {FB_ALL_MODES, FB_ALL_MODES, FB_ALL_MODES, FB_ALL_MODES};
   fbi_choice choice = {count, FB_MAX_MODES + 1, desc->omega_limit};
-  int dof[FBI_MAX_DOF];
+  int share[FB_KIND_COUNT] = {0}, dof[FBI_MAX_DOF];
 
-  /* The lowest of all kinds: a frequency limit in place of counts */
+  /* The lowest of all kinds: a share of each group and a frequency limit in place of counts */
   if (desc->lowest > 0) {
     fb_status status;
     if (desc->lowest > FB_MAX_MODES - work->found.n) {
       return FB_ERR_CAPACITY;
     }
-    status = fbi_lowest_limit(&choice.limit, work, beam, group, desc->lowest);
+    status = fbi_lowest_limit(&choice.limit, share, work, beam, group, desc->lowest);
     if (status != FB_OK) {
       return status;
     }
     choice.count = all;
-    choice.most = work->found.n + desc->lowest;
   }
 
   /* Modes of each group */
   for (int id = 0; id < FB_KIND_COUNT; id++) {
     int n, rigid, found;
     fb_status status = fbi_group_open(dof, &n, &rigid, &found, work, beam, group, id);
+    choice.most = desc->lowest > 0 ? work->found.n + share[id] : choice.most;
     if (status == FB_OK && n > 0) {
       status = fbi_group_take(desc, work, beam, dof, n, rigid, found, taken, &choice);
     }
@@ -16883,72 +16890,93 @@ static fb_status fbi_part_place(fb_beam_desc *placed, const fb_part *part, const
   return FB_OK;
 }
 
-/* One beam of the body: its modes are the next coordinates, its nodes the next nodes. */
-static fb_status fbi_part_add(fb_build_work *work, const fb_part *part, const fb_beam_desc *beam,
-                              const fb_modes_desc *modes, unsigned effects)
+/* The beam of each part and its modes, common ones where parts are joined; work->n: how many coordinates they make. */
+static fb_status fbi_parts_solve(fb_build_work *work, const fb_build_desc *desc, const fb_beam_desc *beam,
+                                 const fb_modes_desc *modes, int n_beam)
 {
-  const int first = work->n;
+  const fb_join_desc *const join = &desc->join;
+  const int joined = join->n_weld != 0 || join->lowest != 0 || !fbi_is_zero(&join->omega_limit, 1);
+  fb_status status = FB_OK;
+  work->n = 0;
+  for (int k = 0; k < desc->n_part && status == FB_OK; k++) {
+    const fb_part *const part = &desc->part[k];
+    work->part = k;
+    FBI_REQUIRE(part->beam >= 0 && part->beam < n_beam, FB_ERR_CAPACITY);
+    FBI_REQUIRE(part->n_node >= 0 && part->n_node <= FB_MAX_NODES, FB_ERR_CAPACITY);
+    status = fbi_part_place(&work->placed, part, &beam[part->beam]);
+    status = status ? status : fb_beam_init(&work->beam[k], &work->placed);
+    status =
+        status ? status : fb_modes_solve(&work->modes[k], &work->scratch.modes, &work->beam[k], &modes[part->beam]);
+    work->n += status == FB_OK ? work->modes[k].n : 0;
+    status = status == FB_OK && work->n > FB_MAX_MODES && !joined ? FB_ERR_CAPACITY : status;
+  }
+  if (status == FB_OK && joined) {
+    work->part = desc->n_part;
+    status = fb_modes_join(work->modes, &work->scratch.join, work->beam, work->modes, join, desc->n_part);
+    work->n = status == FB_OK ? work->modes[0].n : 0;
+  }
+  return status;
+}
+
+/* One beam of the body, its coordinates from `first` on: its integrals, and its nodes as the next nodes. */
+static fb_status fbi_part_add(fb_shape *shape, const fb_part *part, int first, const fb_beam *beam,
+                              const fb_modes *modes, unsigned effects)
+{
   int node;
-  fb_status status = fbi_part_place(&work->placed, part, beam);
-  status = status ? status : fb_beam_init(&work->beam, &work->placed);
-  status = status ? status : fb_modes_solve(&work->modes, &work->modes_work, &work->beam, modes);
-  status = status ? status : fb_shape_add_beam(&work->all, first, &work->beam, &work->modes);
+  fb_status status = fb_shape_add_beam(shape, first, beam, modes);
   for (int k = 0; k < part->n_node && status == FB_OK; k++) {
-    status = fb_shape_add_beam_node(&work->all, &node, first, &work->beam, &work->modes, part->node[k]);
+    status = fb_shape_add_beam_node(shape, &node, first, beam, modes, part->node[k]);
   }
 #if FB_WITH_NONLINEAR_STRAIN
   if (status == FB_OK && fbi_has(effects, FB_EFFECT_NONLINEAR_STRAIN)) {
-    status = fb_shape_add_beam_strain(&work->all, first, &work->beam, &work->modes);
+    status = fb_shape_add_beam_strain(shape, first, beam, modes);
   }
 #else
   (void)effects;
 #endif
-  work->n += status == FB_OK ? work->modes.n : 0;
   return status;
 }
 
 FB_DEF fb_status fb_body_build(fb_body *body, fb_build_work *work, const fb_build_desc *desc, const fb_beam_desc *beam,
                                const fb_modes_desc *modes, int n_beam)
 {
-  int coordinate[FB_MAX_MODES];
+  int first = 0;
   fb_status status;
   FBI_REQUIRE(body && work && desc && ((beam && modes) || n_beam == 0), FB_ERR_NULL);
   FBI_REQUIRE(desc->n_part >= 0 && desc->n_part <= FB_MAX_PARTS, FB_ERR_CAPACITY);
-  work->part = -1;
-  work->n = 0;
 
-  /* hub and parts, in a shape with room for every coordinate */
-  status = fb_shape_init(&work->all, FB_MAX_MODES);
+  /* beams, and the coordinates that there are */
+  status = fbi_parts_solve(work, desc, beam, modes, n_beam);
+  if (status != FB_OK) {
+    return status;
+  }
+
+  /* hub and parts */
+  work->part = -1;
+  status = fb_shape_init(&work->shape, work->n);
   if (!fbi_is_zero(&desc->mass, 1) || !fbi_is_zero(desc->inertia, 6)) {
-    status = status ? status : fb_shape_add_rigid(&work->all, desc->mass, desc->center, desc->inertia);
+    status = status ? status : fb_shape_add_rigid(&work->shape, desc->mass, desc->center, desc->inertia);
   }
   for (int k = 0; k < desc->n_part && status == FB_OK; k++) {
-    const fb_part *const part = &desc->part[k];
+    const fb_modes *const basis = &work->modes[k];
     work->part = k;
-    FBI_REQUIRE(part->beam >= 0 && part->beam < n_beam, FB_ERR_CAPACITY);
-    FBI_REQUIRE(part->n_node >= 0 && part->n_node <= FB_MAX_NODES, FB_ERR_CAPACITY);
-    status = fbi_part_add(work, part, &beam[part->beam], &modes[part->beam], desc->body.effects);
+    status = fbi_part_add(&work->shape, &desc->part[k], first, &work->beam[k], basis, desc->body.effects);
+    first += basis->joined ? 0 : basis->n;
   }
   if (status != FB_OK) {
     return status;
   }
 
-  /* the coordinates that there are */
-  work->part = desc->n_part;
-  for (int k = 0; k < work->n; k++) {
-    coordinate[k] = k;
-  }
-  status = fb_shape_select(&work->shape, &work->all, coordinate, work->n);
-
   /* one damping ratio for all */
+  work->part = desc->n_part;
   work->desc = desc->body;
-  if (status == FB_OK && !fbi_is_zero(&desc->zeta, 1)) {
+  if (!fbi_is_zero(&desc->zeta, 1)) {
     status = fbi_is_zero(desc->body.zeta, work->n) ? FB_OK : FB_ERR_VALUE;
     for (int k = 0; k < work->n; k++) {
       work->desc.zeta[k] = desc->zeta;
     }
   }
-  return status ? status : fb_body_init(body, &work->body_work, &work->shape, &work->desc);
+  return status ? status : fb_body_init(body, &work->scratch.body, &work->shape, &work->desc);
 }
 
 #if FB_WITH_SYSTEM

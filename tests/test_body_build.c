@@ -71,6 +71,155 @@ TEST(one_description_is_the_chain)
   FBT_TRUE(fb_body_crc(&chain) == fb_body_crc(&body));
 }
 
+/* A boom whose tip is its boundary: the same bits as the chain, and the tip's node moves with its own coordinates, by
+   their unit. */
+TEST(a_component_is_the_chain)
+{
+  static fb_body chain;
+  static fb_beam beam;
+  static fb_modes modes;
+  static fb_modes_work modes_work;
+  static fb_shape shape;
+  static fb_body_work body_work;
+  static const int axis[4] = {1, 2, 4, 5};
+  int tip;
+  two_booms();
+  keep.basis = FB_BASIS_COMPONENT;
+  keep.count[FB_KIND_BEND_Y] = keep.count[FB_KIND_BEND_Z] = 1;
+  keep.n_boundary = 4;
+  for (int k = 0; k < 4; k++) {
+    keep.boundary[k].node = boom.n_element;
+    keep.boundary[k].axis = axis[k];
+  }
+  desc.n_part = 1;
+  desc.zeta = FB_R(0.0);
+  desc.body.effects = FB_EFFECTS_FULL;
+  FBT_INT_EQ(fb_body_build(&body, &work, &desc, &boom, &keep, 1), FB_OK);
+  FBT_INT_EQ(body.n, 6);
+  for (int k = 0; k < 4; k++) {
+    const fb_real *const moved = axis[k] < 3 ? body.node[1].psi : body.node[1].theta;
+    for (int a = 0; a < 6; a++) {
+      FBT_NEAR_ABS(moved[3 * a + axis[k] % 3], a == k ? 1.0 : 0.0, FBT_TOL(1e-12, 1e-4));
+    }
+  }
+
+  memcpy(boom.position, desc.part[0].position, sizeof boom.position);
+  FBT_INT_EQ(fb_beam_init(&beam, &boom), FB_OK);
+  FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_OK);
+  FBT_INT_EQ(fb_shape_init(&shape, 6), FB_OK);
+  FBT_INT_EQ(fb_shape_add_rigid(&shape, desc.mass, desc.center, desc.inertia), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam_node(&shape, &tip, 0, &beam, &modes, boom.length), FB_OK);
+  FBT_INT_EQ(fb_body_init(&chain, &body_work, &shape, &desc.body), FB_OK);
+  FBT_TRUE(fb_body_crc(&chain) == fb_body_crc(&body));
+}
+
+static fb_beam_desc tube[2];
+static fb_modes_desc component[2];
+
+/* A hub with a mast of 2 m along x and an arm of 3 m on its tip, turned by `angle` about z: both components, with the
+   place where they meet for boundary. */
+static void mast_and_arm(double angle)
+{
+  two_booms();
+  memset(component, 0, sizeof component);
+  boom.station[0].EA = FB_R(1e5);
+  boom.station[0].GJ = FB_R(300.0);
+  boom.station[0].i_y = boom.station[0].i_z = FB_R(0.01);
+  for (int k = 0; k < 2; k++) {
+    tube[k] = boom;
+    tube[k].length = k ? FB_R(3.0) : FB_R(2.0);
+    tube[k].n_element = k ? 6 : 4;
+    tube[k].root = k ? FB_ROOT_FREE : FB_ROOT_CLAMPED;
+    component[k].basis = FB_BASIS_COMPONENT;
+    component[k].count[FB_KIND_BEND_Y] = component[k].count[FB_KIND_BEND_Z] = 2;
+    component[k].count[FB_KIND_TORSION] = 1;
+    component[k].n_boundary = 6;
+    for (int i = 0; i < 6; i++) {
+      component[k].boundary[i].node = k ? 0 : tube[0].n_element;
+      component[k].boundary[i].axis = i;
+    }
+    desc.part[k].beam = k;
+    desc.part[k].node[0] = tube[k].length;
+  }
+  desc.part[1].position[0] = desc.part[0].position[0] + tube[0].length;
+  desc.part[1].attitude[0] = (fb_real)cos(0.5 * angle);
+  desc.part[1].attitude[3] = (fb_real)sin(0.5 * angle);
+  desc.join.n_weld = 1;
+  desc.join.weld[0].component[1] = 1;
+  desc.join.weld[0].node[0] = tube[0].n_element;
+  desc.join.lowest = 6;
+}
+
+/* The same bits as the chain with fb_modes_join, at an angle. */
+TEST(joined_parts_are_the_chain)
+{
+  static fb_body chain;
+  static fb_beam beam[2];
+  static fb_modes basis[2], joined[2];
+  static fb_modes_work modes_work;
+  static fb_join_work join_work;
+  static fb_shape shape;
+  static fb_body_work body_work;
+  fb_body_desc level;
+  mast_and_arm(1.0);
+  FBT_INT_EQ(fb_body_build(&body, &work, &desc, tube, component, 2), FB_OK);
+  FBT_INT_EQ(body.n, 6);
+  FBT_INT_EQ(body.n_node, 3);
+  for (int k = 0; k < 2; k++) {
+    memcpy(tube[k].position, desc.part[k].position, sizeof tube[k].position);
+    memcpy(tube[k].attitude, desc.part[k].attitude, sizeof tube[k].attitude);
+    FBT_INT_EQ(fb_beam_init(&beam[k], &tube[k]), FB_OK);
+    FBT_INT_EQ(fb_modes_solve(&basis[k], &modes_work, &beam[k], &component[k]), FB_OK);
+  }
+  FBT_INT_EQ(fb_modes_join(joined, &join_work, beam, basis, &desc.join, 2), FB_OK);
+  FBT_INT_EQ(fb_shape_init(&shape, 6), FB_OK);
+  FBT_INT_EQ(fb_shape_add_rigid(&shape, desc.mass, desc.center, desc.inertia), FB_OK);
+  for (int k = 0; k < 2; k++) {
+    int tip;
+    FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam[k], &joined[k]), FB_OK);
+    FBT_INT_EQ(fb_shape_add_beam_node(&shape, &tip, 0, &beam[k], &joined[k], tube[k].length), FB_OK);
+  }
+  level = desc.body;
+  for (int k = 0; k < 6; k++) {
+    level.zeta[k] = desc.zeta;
+  }
+  FBT_INT_EQ(fb_body_init(&chain, &body_work, &shape, &level), FB_OK);
+  FBT_TRUE(fb_body_crc(&chain) == fb_body_crc(&body));
+}
+
+/* E7.12: mast and arm in one line are a boom of 5 m that was never cut: two pairs of bending modes, torsion, a third
+   pair. */
+TEST(joined_parts_are_the_uncut_beam)
+{
+  static fb_body whole;
+  double omega[6];
+  mast_and_arm(0.0);
+  FBT_INT_EQ(fb_body_build(&body, &work, &desc, tube, component, 2), FB_OK);
+  for (int k = 0; k < 6; k++) {
+    omega[k] = (double)work.modes[1].omega[k];
+  }
+  memset(&desc.join, 0, sizeof desc.join);
+  memset(keep.count, 0, sizeof keep.count);
+  keep.lowest = 6;
+  desc.n_part = 1;
+  FBT_INT_EQ(fb_body_build(&whole, &work, &desc, &boom, &keep, 1), FB_OK);
+  for (int k = 0; k < 6; k++) {
+    FBT_NEAR_REL(omega[k], work.modes[0].omega[k], 2e-3);
+  }
+  FBT_NEAR_REL(body.mass, whole.mass, FBT_TOL(1e-14, 1e-6));
+}
+
+/* Without a weld, what is joined are the modes of all parts, sorted by frequency: of two equal booms the lowest pairs. */
+TEST(parts_may_share_a_count_of_modes)
+{
+  two_booms();
+  desc.join.lowest = 4;
+  FBT_INT_EQ(fb_body_build(&body, &work, &desc, &boom, &keep, 1), FB_OK);
+  FBT_INT_EQ(body.n, 4);
+  FBT_NEAR_REL(work.modes[0].omega[3], work.modes[0].omega[0], FBT_TOL(1e-9, 1e-4));
+}
+
 /* The place of a part and that of its beam's description follow each other: a beam a meter along z of its description,
    on a part that is turned by 90 degrees about x, lies a meter along -y. */
 TEST(parts_carry_the_place_of_their_beam)
@@ -138,8 +287,48 @@ TEST(the_part_at_fault_is_told)
     FBT_INT_EQ(fb_body_build(&body, &work, &desc, &boom, &keep, 1), FB_ERR_NOT_FINITE);
     FBT_INT_EQ(work.part, what - 1 + (what == 2));
   }
+  two_booms();
+  desc.n_part = 3; /* more coordinates than there may be */
+  keep.count[FB_KIND_BEND_Y] = keep.count[FB_KIND_BEND_Z] = FB_MAX_MODES / 4;
+  FBT_INT_EQ(fb_body_build(&body, &work, &desc, &boom, &keep, 1), FB_ERR_CAPACITY);
+  FBT_INT_EQ(work.part, 2);
   FBT_TRUE(memcmp(&body, &before, sizeof body) == 0);
 }
 
-SUITE(body_build, RUN(one_description_is_the_chain), RUN(parts_carry_the_place_of_their_beam),
-      RUN(parts_may_be_missing), RUN(the_part_at_fault_is_told))
+/* Joining fails as a whole; a part that hangs on another one wants a node there. */
+TEST(parts_that_do_not_meet_are_refused)
+{
+  static fb_body before;
+  memset(&body, 255, sizeof body);
+  before = body;
+  for (int what = 0; what < 5; what++) {
+    mast_and_arm(1.0);
+    switch (what) {
+    case 0:
+      desc.part[1].position[0] += FB_R(0.01);
+      break;
+    case 1:
+      desc.join.weld[0].component[1] = 2; /* no such part */
+      break;
+    case 2:
+      desc.join.n_weld = -1;
+      break;
+    case 3:
+      desc.join.omega_limit = (fb_real)NAN;
+      break;
+    default:
+      desc.part[0].n_node = 0;
+      break;
+    }
+    FBT_INT_EQ(fb_body_build(&body, &work, &desc, tube, component, 2), what == 1   ? FB_ERR_CAPACITY
+                                                                       : what == 3 ? FB_ERR_NOT_FINITE
+                                                                                   : FB_ERR_VALUE);
+    FBT_INT_EQ(work.part, what == 4 ? 1 : 2);
+  }
+  FBT_TRUE(memcmp(&body, &before, sizeof body) == 0);
+}
+
+SUITE(body_build, RUN(one_description_is_the_chain), RUN(a_component_is_the_chain), RUN(joined_parts_are_the_chain),
+      RUN(joined_parts_are_the_uncut_beam), RUN(parts_may_share_a_count_of_modes),
+      RUN(parts_carry_the_place_of_their_beam), RUN(parts_may_be_missing), RUN(the_part_at_fault_is_told),
+      RUN(parts_that_do_not_meet_are_refused))

@@ -33,6 +33,34 @@ TEST(the_lowest_modes_are_the_lowest_of_all_kinds)
   }
 }
 
+/* E7.2: the lowest modes of a round beam, whose bending modes come in pairs: a list that ends with a pair lacks no mode
+   below it. */
+TEST(the_lowest_modes_may_end_with_a_pair)
+{
+  fb_real omega[8];
+  fb_modes_desc *keep;
+  uniform_desc(8, FB_ROOT_CLAMPED);
+  desc.length = FB_R(5.0);
+  desc.station[0].mass = FB_R(0.5);
+  desc.station[0].EA = FB_R(1e5);
+  desc.station[0].EI_y = desc.station[0].EI_z = FB_R(400.0);
+  desc.station[0].i_y = desc.station[0].i_z = FB_R(0.01);
+  desc.station[0].GJ = FB_R(300.0); /* the first mode of torsion is between the second and the third pair */
+  keep = choice();
+  keep->lowest = 8;
+  FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), FB_OK);
+  memcpy(omega, modes.omega, sizeof omega);
+  FBT_INT_EQ(modes.kind[4], FB_KIND_TORSION);
+  for (int n = 1; n < 8; n++) {
+    keep->lowest = n;
+    FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, keep), FB_OK);
+    FBT_INT_EQ(modes.n, n);
+    for (int k = 0; k < n; k++) {
+      FBT_NEAR_REL(modes.omega[k], omega[k], FBT_TOL(1e-9, 1e-4));
+    }
+  }
+}
+
 /* E7.2: the lowest modes under a limit are as many as asked for, or all below it, of all kinds together. */
 TEST(the_lowest_modes_below_a_limit_are_all_below_it)
 {
@@ -717,10 +745,11 @@ TEST(momenta_are_told_of_beams_without_mass)
 }
 
 SUITE(modes_selection, RUN(momenta_are_told_of_beams_without_mass), RUN(the_lowest_modes_are_the_lowest_of_all_kinds),
-      RUN(functions_are_orthonormal_and_as_smooth_as_they_claim), RUN(functions_of_one_direction_are_its_lowest_modes),
-      RUN(functions_carry_the_lumped_bodies), RUN(the_lowest_modes_below_a_limit_are_all_below_it),
-      RUN(modes_are_orthonormal_with_a_fixed_sign), RUN(a_held_tip_does_not_choose_the_sign),
-      RUN(a_round_beam_has_pairs_of_unexact_modes), RUN(modes_may_fill_all_their_room),
-      RUN(functions_of_a_changing_beam_are_its_own), RUN(momenta_and_effective_masses_are_those_of_the_whole_beam),
-      RUN(bodies_couple_the_kinds_that_they_should), RUN(modes_are_selected_by_count_and_frequency),
-      RUN(element_coordinates_keep_the_element_matrices), RUN(modes_that_do_not_exist_are_refused))
+      RUN(the_lowest_modes_may_end_with_a_pair), RUN(functions_are_orthonormal_and_as_smooth_as_they_claim),
+      RUN(functions_of_one_direction_are_its_lowest_modes), RUN(functions_carry_the_lumped_bodies),
+      RUN(the_lowest_modes_below_a_limit_are_all_below_it), RUN(modes_are_orthonormal_with_a_fixed_sign),
+      RUN(a_held_tip_does_not_choose_the_sign), RUN(a_round_beam_has_pairs_of_unexact_modes),
+      RUN(modes_may_fill_all_their_room), RUN(functions_of_a_changing_beam_are_its_own),
+      RUN(momenta_and_effective_masses_are_those_of_the_whole_beam), RUN(bodies_couple_the_kinds_that_they_should),
+      RUN(modes_are_selected_by_count_and_frequency), RUN(element_coordinates_keep_the_element_matrices),
+      RUN(modes_that_do_not_exist_are_refused))

@@ -1,9 +1,11 @@
 /* elastodyn - a blade of OpenFAST (ElastoDyn's blade file: span fraction, twist, mass and stiffness per length) becomes
    a beam description for `reduce`. Columns are found by their names; adjustment factors and damping are applied.
    Exit: 0 well, 2 bad options or input. */
+#define PROGRAM "elastodyn"
+#include "../common/options.h"
+#include "../common/output.h"
 #include "../common/text.h"
 #include "words.h"
-#include "../common/output.h"
 
 static const char help[] =
     "elastodyn - from ElastoDyn's blade file to a beam description\n"
@@ -11,7 +13,7 @@ static const char help[] =
     "  --length L      [m] of the blade, root to tip (the turbine's TipRad - HubRad)\n"
     "  --hub-radius R  [m] of the root (0)\n"
     "  --rpm N         the modes are shaped for this speed (0: for rest)\n"
-    "  --modes F E     flap and edge modes to keep (3 3)\n"
+    "  --modes F,E     flap and edge modes to keep (3,3)\n"
     "  --help          this text\n"
     "z is out of the rotor plane (flap), x along the span. The file has no GJ, EA and no "
     "offsets: the blade is rigid in twist\n"
@@ -24,12 +26,6 @@ static struct blade {
   double mass_factor, flap_factor, edge_factor, damping[3]; /* flap 1, flap 2, edge 1: part of critical */
   double x[MAX_STATIONS], twist[MAX_STATIONS], mass[MAX_STATIONS], flap[MAX_STATIONS], edge[MAX_STATIONS];
 } blade;
-
-static int fail(const char *what, const char *value)
-{
-  fprintf(stderr, "elastodyn: %s%s%s (see --help)\n", what, value[0] ? ": " : "", value);
-  return 2;
-}
 
 /* `value NAME - text`: takes the value if the line is that of name. */
 static int take(text_file *t, const char *name, double *value)
@@ -141,18 +137,37 @@ static int read_blade(const char *file)
   return !t.failed;
 }
 
-static void write_blade(const char *file, double length, double hub_radius, double rpm, int flap, int edge)
+typedef struct conversion {
+  double length, hub_radius, rpm, modes[2]; /* [m], [m], [rev/min], flap and edge */
+} conversion;
+
+static int conversion_option(void *target, const char *name, const char *text)
+{
+  conversion *const c = target;
+  const number_option numbers[] = {
+      {"--length", &c->length, 1e-3, 1e4}, {"--hub-radius", &c->hub_radius, 0, 1e4}, {"--rpm", &c->rpm, 0, 1e6}};
+  if (strcmp(name, "--modes") == 0) {
+    const double *const m = c->modes;
+    return read_list(c->modes, 2, text) == 2 && m[0] == floor(m[0]) && m[1] == floor(m[1]) && m[0] >= 0 && m[1] >= 0 &&
+                   m[0] + m[1] >= 1 && m[0] + m[1] <= 24
+               ? 0
+               : fail("--modes wants two whole numbers with a comma between, 1 to 24 together", text);
+  }
+  return read_number(numbers, 3, name, text);
+}
+
+static void write_blade(const char *file, const conversion *c)
 {
   const double mean = (blade.damping[0] + blade.damping[1] + blade.damping[2]) / 3.0;
   printf("# from %s by elastodyn; x along the span, z out of the rotor plane\nbeam\nname blade\nlength %.17g\n"
-         "elements 12\nroot clamped\nposition %.17g 0 0\nmodes bend_y %d bend_z %d\n",
-         file, length, hub_radius, edge, flap);
-  if (rpm > 0) {
-    printf("spin %.17g %.17g\n", rpm * 2.0 * 3.14159265358979324 / 60.0, hub_radius);
+         "elements 12\nroot clamped\nposition %.17g 0 0\nmodes bend_y %g bend_z %g\n",
+         file, c->length, c->hub_radius, c->modes[1], c->modes[0]);
+  if (c->rpm > 0) {
+    printf("spin %.17g %.17g\n", c->rpm * 2.0 * 3.14159265358979324 / 60.0, c->hub_radius);
   }
   printf("damping %.17g # mean of flap 1, flap 2, edge 1: %g %g %g\neffects full damping\nbase prescribed\nnode %.17g\n"
          "stations fraction twist_deg mass EI_y EI_z\n",
-         mean, blade.damping[0], blade.damping[1], blade.damping[2], length);
+         mean, blade.damping[0], blade.damping[1], blade.damping[2], c->length);
   for (int k = 0; k < blade.stations; k++) {
     printf("%.17g %.17g %.17g %.17g %.17g\n", k + 1 < blade.stations ? blade.x[k] : 1.0, blade.twist[k],
            blade.mass[k] * blade.mass_factor, blade.flap[k] * blade.flap_factor, blade.edge[k] * blade.edge_factor);
@@ -162,47 +177,18 @@ static void write_blade(const char *file, double length, double hub_radius, doub
 
 int elastodyn_main(int argc, char **argv)
 {
-  const char *file = NULL;
-  double length = 0, hub_radius = 0, rpm = 0, flap = 3, edge = 3;
-  output_begin("elastodyn");
-  for (int i = 1; i < argc; i++) {
-    double *const one = strcmp(argv[i], "--length") == 0       ? &length
-                        : strcmp(argv[i], "--hub-radius") == 0 ? &hub_radius
-                        : strcmp(argv[i], "--rpm") == 0        ? &rpm
-                        : strcmp(argv[i], "--modes") == 0      ? &flap
-                                                               : NULL;
-    if (strcmp(argv[i], "--help") == 0) {
-      fputs(help, stdout);
-      return 0;
-    } else if (one) {
-      const int values = one == &flap ? 2 : 1;
-      const char *const name = argv[i];
-      for (int k = 0; k < values; k++) {
-        char *end;
-        double *const to = k ? &edge : one;
-        if (++i == argc) {
-          return fail("a value is missing", name);
-        }
-        *to = strtod(argv[i], &end);
-        if (*end || end == argv[i] || !isfinite(*to) || *to < 0) {
-          return fail("not a number >= 0", argv[i]);
-        }
-      }
-    } else if (argv[i][0] == '-' || file) {
-      return fail(argv[i][0] == '-' ? "unknown option" : "one file at a time", argv[i]);
-    } else {
-      file = argv[i];
-    }
-  }
-  if (!file || length <= 0) {
-    return fail(file ? "--length is missing" : "a blade file is missing", "");
-  }
-  if (flap != floor(flap) || edge != floor(edge) || flap < 0 || edge < 0 || flap + edge < 1 || flap + edge > 24) {
-    return fail("--modes wants two whole numbers, 1 to 24 together", "");
-  }
-  if (!read_blade(file)) {
+  const int named = argc > 1 && argv[1][0] != '-';
+  conversion c = {0, 0, 0, {3, 3}};
+  output_begin(PROGRAM);
+  if (read_all(argc - named, argv + named, help, conversion_option, &c) != 0) {
     return 2;
   }
-  write_blade(file, length, hub_radius, rpm, (int)flap, (int)edge);
+  if (!named || !(c.length > 0)) {
+    return fail(named ? "--length is missing" : "a blade file is missing", "");
+  }
+  if (!read_blade(argv[1])) {
+    return 2;
+  }
+  write_blade(argv[1], &c);
   return 0;
 }

@@ -31,9 +31,9 @@ static struct world {
   fb_profile from, to;
   fb_section section;
   fb_build_desc build_desc;
-  fb_beam_desc beam_desc, taper;
+  fb_beam_desc beam_desc, taper, build_beam[2];
   fb_beam beam[2];
-  fb_modes_desc modes_desc, buckling_desc, component_desc;
+  fb_modes_desc modes_desc, buckling_desc, component_desc, build_modes[2];
   fb_modes modes, component[2];
   fb_join_desc join_desc;
   fb_shape shape, empty, natural;
@@ -241,7 +241,7 @@ typedef fb_exact_node nodes[FB_MAX_EXACT + 1];
     WHOLE(2))                                                                                                          \
   F(fb_body_init, fb_body_init(p[0], p[1], p[2], p[3]), 1, OUT(fb_body), WORK(body_work), IN(shape), IN(body_desc))    \
   F(fb_body_build, fb_body_build(p[0], p[1], p[2], p[3], p[4], i[0]), 1, OUT(fb_body), WORK(build_work),               \
-    IN(build_desc), IN(beam_desc), IN(modes_desc), WHOLE(1))                                                           \
+    IN(build_desc), IN(build_beam), IN(build_modes), WHOLE(2))                                                         \
   F(fb_body_check, fb_body_check(p[0]), 1, MODEL(body))                                                                \
   F(fb_body_crc, give((fb_real)fb_body_crc(p[0])), 0, MODEL(body))                                                     \
   F(fb_state_init, fb_state_init(p[0], p[1]), 1, MODEL(body), OUT(fb_state))                                           \
@@ -491,10 +491,16 @@ static void body_fill(void)
   need(fb_body_init(&w.body, &body_work, &w.natural, &w.body_desc), "body");
   w.build_desc.mass = FB_R(5.0);
   w.build_desc.inertia[0] = w.build_desc.inertia[1] = w.build_desc.inertia[2] = FB_R(2.0);
-  w.build_desc.n_part = w.build_desc.part[0].n_node = 1;
-  w.build_desc.part[0].node[0] = w.beam_desc.length;
+  w.build_beam[0] = w.build_beam[1] = w.beam_desc;
+  w.build_beam[1].root = FB_ROOT_FREE;
+  w.build_modes[0] = w.modes_desc;
+  w.build_modes[1] = w.component_desc;
+  w.build_desc.n_part = 2;
+  w.build_desc.part[0].n_node = w.build_desc.part[1].beam = 1;
+  w.build_desc.part[0].node[0] = w.build_desc.part[1].position[0] = w.beam_desc.length;
+  w.build_desc.join = w.join_desc;
   w.build_desc.body = w.body_desc;
-  need(fb_body_build(&w.held, &build_work, &w.build_desc, &w.beam_desc, &w.modes_desc, 1), "body in one call");
+  need(fb_body_build(&w.held, &build_work, &w.build_desc, w.build_beam, w.build_modes, 2), "body in one call");
   w.scene_desc = w.body_desc;
   w.scene_desc.base = FB_BASE_PRESCRIBED;
   need(fb_body_init(&w.held, &body_work, &w.natural, &w.scene_desc), "held body");

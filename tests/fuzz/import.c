@@ -14,10 +14,9 @@ static FILE *fuzz_file(const char *name, const char *mode); /* in place of fopen
 #define fopen fuzz_file
 #include "../../examples/tools/model.h"
 #include "../../examples/tools/exact.c"
-#define fail elastodyn_fail
+#undef PROGRAM
 #define help elastodyn_help
 #include "../../examples/tools/elastodyn.c"
-#undef fail
 #undef help
 #include "../../examples/tools/rom.h"
 #undef fopen
