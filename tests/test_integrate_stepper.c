@@ -30,7 +30,7 @@ static void ten_steps(double dt, int apart)
   FBT_NEAR_REL(stepper.t, 10.0 * dt, FBT_TOL(1e-15, 1e-7));
 }
 
-/* E11.3, E11.5, E11.6, E11.10: of a body, every integrator gives the bits of its own step, with an input that is held
+/* E11.3, E11.7, E11.8, E11.10: of a body, every integrator gives the bits of its own step, with an input that is held
    and with one for each instant of a step. */
 TEST(steppers_of_bodies_take_the_steps_of_their_integrator)
 {
@@ -63,7 +63,7 @@ TEST(steppers_of_bodies_take_the_steps_of_their_integrator)
   }
 }
 
-/* E11.13, E11.16: the same of a system, a boom that hangs on a hinge. */
+/* E11.12, E11.14: the same of a system, a boom that hangs on a hinge. */
 TEST(steppers_of_systems_take_the_steps_of_their_integrator)
 {
   static fb_system_state state, other;
