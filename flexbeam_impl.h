@@ -5100,7 +5100,8 @@ static int fbi_rows_pivot(const fb_system_work *w, const fb_real *scale, int k)
   int best = k;
   for (int i = k + 1; i < w->n_row; i++) {
     const int a = w->order[i], b = w->order[best];
-    best = w->diagonal[a] * scale[b] > w->diagonal[b] * scale[a] ? i : best;
+    const int larger = w->diagonal[a] * scale[b] > w->diagonal[b] * scale[a];
+    best += larger * (i - best); /* no branch: the work of a step depends on no value */
   }
   return best;
 }
@@ -5210,9 +5211,7 @@ static fb_status fbi_rows_check(fb_system_work *w, const fb_system *system, cons
 {
   const fb_real tol = FB_SINGLE ? FB_R(0.1) : FB_R(0.01);
   const int m = w->n_row;
-  if (w->rank < m) {
-    fbi_ends_move(w, system, body);
-  }
+  fbi_ends_move(w, system, body);
   for (int k = w->rank; k < m; k++) {
     const int r = w->order[k];
     const fbi_row *row = &w->row[r];
@@ -5255,7 +5254,10 @@ static FBI_NOINLINE fb_status fbi_constrained_solve(fb_system_work *w, const fb_
   fbi_rows_multipliers(w);
   fbi_rhs_push(w, system, body);
   status = fbi_speeds_solve(w, system, body);
-  return status == FB_OK && given && check ? fbi_rows_check(w, system, body) : status;
+  if (status == FB_OK && w->rank < w->n_row && given && check) { /* the rank first: a step's work depends on no value */
+    status = fbi_rows_check(w, system, body);
+  }
+  return status;
 }
 
 /* ---- rates */
