@@ -622,7 +622,8 @@ typedef enum fb_base { /* how the body frame moves */
                        FB_BASE_FREE = 0,
                        FB_BASE_PRESCRIBED = 1, /* v, w of the input */
                        FB_BASE_PINNED = 2,     /* O stays where it is, all rotations are free */
-                       FB_BASE_HINGED = 3      /* O and the z axis stay where they are, the body turns about z */
+                       FB_BASE_HINGED = 3,     /* O and the z axis stay where they are, the body turns about z */
+                       FB_BASE_COUNT
 } fb_base;
 
 #if FB_WITH_FORMS
@@ -632,9 +633,10 @@ typedef enum fb_form {
   FB_FORM_SECOND =
       1, /* [DB] (7)-(8): velocities and q_dot; a mass matrix that follows the shape, factored at every evaluation */
   FB_FORM_FIRST =
-      2 /* [DB] (23)-(25): velocities and elastic velocities v_e, a constant mass matrix, a stiffness torque.
+      2, /* [DB] (23)-(25): velocities and elastic velocities v_e, a constant mass matrix, a stiffness torque.
                          It has no inertia that follows the shape (FB_EFFECT_RESIDUAL_INERTIA adds nothing) and no
                          quadratic field */
+  FB_FORM_COUNT
 } fb_form;
 
 /* The stiffness torque K_re q of the first-order form. The frame and the beam exchange energy through it: one that
@@ -642,7 +644,8 @@ typedef enum fb_form {
 typedef enum fb_stiffness_torque {
   FB_TORQUE_IDENTITY = 0, /* [DB] (49), q_b Upsilon_b M^-1 dU/dq: energy-exact on every basis */
   FB_TORQUE_PRINTED = 1,  /* [DB] (34)-(36): wrong where u_x' is free at the root, and refinement does not mend it */
-  FB_TORQUE_BOUNDARY = 2  /* (36) with the boundary term - u_x'(0) EI u_y''(0) that its integration by parts leaves */
+  FB_TORQUE_BOUNDARY = 2, /* (36) with the boundary term - u_x'(0) EI u_y''(0) that its integration by parts leaves */
+  FB_TORQUE_COUNT
 } fb_stiffness_torque;
 #endif
 
@@ -795,7 +798,8 @@ typedef struct fb_state {
 typedef enum fb_axes {
   FB_AXES_INERTIAL = 0, /* dead load */
   FB_AXES_NODE = 1,     /* follower: turns with the node's section */
-  FB_AXES_BODY = 2      /* turns with the body frame */
+  FB_AXES_BODY = 2,     /* turns with the body frame */
+  FB_AXES_COUNT
 } fb_axes;
 
 typedef struct fb_load {
@@ -921,21 +925,24 @@ typedef enum fb_joint_kind {                     /* z, x: axes of the joint fram
                              FB_JOINT_CYLINDRICAL = 4, /* angle about z, slide along z */
                              FB_JOINT_SCREW = 5,       /* angle about z, slides by pitch times it */
                              FB_JOINT_UNIVERSAL = 6,   /* angle about z, then about the turned x */
-                             FB_JOINT_SPHERICAL = 7    /* any rotation; speeds about the child's joint axes */
+                             FB_JOINT_SPHERICAL = 7,   /* any rotation; speeds about the child's joint axes */
+                             FB_JOINT_COUNT
 } fb_joint_kind;
 
 typedef enum fb_axis_mode {
-  FB_AXIS_FREE = 0,      /* moves by its spring, damper and motor */
-  FB_AXIS_LOCKED = 1,    /* stays as it is */
-  FB_AXIS_PRESCRIBED = 2 /* moves as the input says; a jump of its value is one */
+  FB_AXIS_FREE = 0,       /* moves by its spring, damper and motor */
+  FB_AXIS_LOCKED = 1,     /* stays as it is */
+  FB_AXIS_PRESCRIBED = 2, /* moves as the input says; a jump of its value is one */
+  FB_AXIS_COUNT
 } fb_axis_mode;
 
 typedef enum fb_method {
-  FB_METHOD_RECURSIVE = 0,  /* tree in joint coordinates, work linear in the number of bodies */
-  FB_METHOD_DENSE = 1,      /* the same by one dense LU of all speeds (FB_MAX_SPEEDS) */
-  FB_METHOD_MULTIPLIERS = 2 /* every body free, every joint a set of constraints (FB_MAX_ROWS): the state has poses,
+  FB_METHOD_RECURSIVE = 0,   /* tree in joint coordinates, work linear in the number of bodies */
+  FB_METHOD_DENSE = 1,       /* the same by one dense LU of all speeds (FB_MAX_SPEEDS) */
+  FB_METHOD_MULTIPLIERS = 2, /* every body free, every joint a set of constraints (FB_MAX_ROWS): the state has poses,
                                angles are within half a turn, also for springs; every body needs a positive definite
                                S(q) of its own; a bare clamped beam loses it at small deflections: add a hub */
+  FB_METHOD_COUNT
 } fb_method;
 
 #define FBI_MAX_JOINTS (FB_MAX_BODIES + FB_MAX_LOOPS) /* joints of the tree, then loops */
@@ -1542,7 +1549,7 @@ typedef struct fb_material {
   fb_real density; /* [kg/m^3] */
 } fb_material;
 
-typedef enum fb_profile_kind { FB_PROFILE_RECTANGLE = 0, FB_PROFILE_TUBE = 1 } fb_profile_kind;
+typedef enum fb_profile_kind { FB_PROFILE_RECTANGLE = 0, FB_PROFILE_TUBE = 1, FB_PROFILE_COUNT } fb_profile_kind;
 
 typedef struct fb_profile { /* outline of a section */
   fb_profile_kind kind;
@@ -1562,7 +1569,12 @@ typedef struct fb_lump { /* rigid body fixed to an element node */
   fb_real inertia[6];    /* [kg m^2] about the mass center: xx, yy, zz, xy, xz, yz (matrix entries, not products) */
 } fb_lump;
 
-typedef enum fb_root { FB_ROOT_CLAMPED = 0, FB_ROOT_PINNED = 1, FB_ROOT_FREE = 2 } fb_root; /* pinned: slopes free */
+typedef enum fb_root {
+  FB_ROOT_CLAMPED = 0,
+  FB_ROOT_PINNED = 1, /* slopes free */
+  FB_ROOT_FREE = 2,
+  FB_ROOT_COUNT
+} fb_root;
 
 typedef struct fb_beam_desc {
   fb_real length; /* [m] > 0 */
@@ -1616,7 +1628,7 @@ typedef enum fb_kind {                     /* what a mode mainly does */
                        FB_KIND_BEND_Z = 1, /* displacement along z, stiffness EI_y */
                        FB_KIND_AXIAL = 2,
                        FB_KIND_TORSION = 3,
-                       FB_KIND_COUNT = 4
+                       FB_KIND_COUNT
 } fb_kind;
 
 #define FB_ALL_MODES 1000 /* a count: as many as there are (below omega_limit) */
@@ -1631,7 +1643,8 @@ typedef enum fb_basis {
   FB_BASIS_FUNCTIONS = 2,
   /* Hurty, Craig-Bampton: the displacements of boundary coordinates, each with the static shape of a unit displacement
      (constraint modes), then natural modes with the boundary held. What loads the boundary deflects it exactly. */
-  FB_BASIS_COMPONENT = 3
+  FB_BASIS_COMPONENT = 3,
+  FB_BASIS_COUNT
 } fb_basis;
 
 typedef struct fb_coordinate { /* of an element node, beam axes */
@@ -1851,7 +1864,8 @@ typedef enum fb_truncation {
   FB_TRUNCATE_NONE = 0,
   FB_TRUNCATE_ABOVE_0 = 1, /* [DB] Q = 0 */
   FB_TRUNCATE_ABOVE_1 = 2, /* Q = 1: the strain energy has no lower bound, the motion diverges */
-  FB_TRUNCATE_ABOVE_2 = 3  /* Q = 2 */
+  FB_TRUNCATE_ABOVE_2 = 3, /* Q = 2 */
+  FB_TRUNCATE_COUNT
 } fb_truncation;
 
 typedef struct fb_body_desc {
@@ -2065,7 +2079,8 @@ typedef enum fb_port_kind {
   /* systems only; body: which hangs by the joint, axis: of the joint; node is left out */
   FB_PORT_DRIVE = 8,      /* input [N m], [N] of the motor of a free axis */
   FB_PORT_COORDINATE = 9, /* output [rad], [m] as fb_joint_motion.value; */
-  FB_PORT_SPEED = 10      /* output [rad/s], [m/s], its speed */
+  FB_PORT_SPEED = 10,     /* output [rad/s], [m/s], its speed */
+  FB_PORT_COUNT
 } fb_port_kind;
 
 typedef struct fb_port {
@@ -2271,7 +2286,8 @@ typedef enum fb_integrator {
   FB_INTEGRATOR_RK4 = 0,
   FB_INTEGRATOR_MIDPOINT = 1,
   FB_INTEGRATOR_SDIRK = 2,
-  FB_INTEGRATOR_EXPONENTIAL = 3 /* of fb_advice alone: a spectrum does not say what it errs by */
+  FB_INTEGRATOR_EXPONENTIAL = 3, /* of fb_advice alone: a spectrum does not say what it errs by */
+  FB_INTEGRATOR_COUNT
 } fb_integrator;
 /* Largest step [s] at which no mode grows that should not, and none that grows does so by its frequency, too; FB_HUGE
    where there is none (the implicit integrators); 0 where integrator or spectrum make no sense. Where the base spins
@@ -2332,7 +2348,8 @@ typedef enum fb_exact_port_kind {
   FB_EXACT_PORT_INTERNAL_FORCE = 8,  /* output [N], mean over an element, section axes */
   FB_EXACT_PORT_INTERNAL_MOMENT = 9, /* output [N m] */
   FB_EXACT_PORT_FORCE_STRAIN = 10,   /* output [-], of the section */
-  FB_EXACT_PORT_MOMENT_STRAIN = 11   /* output [1/m] */
+  FB_EXACT_PORT_MOMENT_STRAIN = 11,  /* output [1/m] */
+  FB_EXACT_PORT_COUNT
 } fb_exact_port_kind;
 
 typedef struct fb_exact_port {
@@ -2448,9 +2465,10 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
   fb_real bend; /* the deflection as if it had no limit */
   int buckled;  /* at some instant */
   fb_real error[FBI_ADVICE_SETS], error_modes[FB_MAX_MODES];
-  fb_real step_cost[FBI_ADVICE_SETS][FB_MAX_MODES][4], longest[FBI_ADVICE_SETS][FB_MAX_MODES][4];
-  fb_real last[FBI_ADVICE_SETS][FB_MAX_MODES][4];
-  int part[FBI_ADVICE_SETS][FB_MAX_MODES][4];
+  fb_real step_cost[FBI_ADVICE_SETS][FB_MAX_MODES][FB_INTEGRATOR_COUNT];
+  fb_real longest[FBI_ADVICE_SETS][FB_MAX_MODES][FB_INTEGRATOR_COUNT];
+  fb_real last[FBI_ADVICE_SETS][FB_MAX_MODES][FB_INTEGRATOR_COUNT];
+  int part[FBI_ADVICE_SETS][FB_MAX_MODES][FB_INTEGRATOR_COUNT];
 } fb_advice_work;
 
 /* The cheapest set of effects, modes, integrator and step whose estimated errors add up to the tolerance (a part of the
@@ -2481,7 +2499,7 @@ typedef struct fb_trial { /* how a scene is simulated */
    error: largest distance from the reference, of its largest sample. FB_ERR_CONVERGENCE: none does, or all modes and
    effects in short steps miss twice the tolerance; FB_ERR_VALUE, FB_ERR_NOT_FINITE: also of a reference; what run
    returns for all modes and effects; else as fb_advice_solve. Desktop: tens to thousands of simulations, at most 1 +
-   640 n of n modes. */
+   160 n FB_INTEGRATOR_COUNT of n modes. */
 FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const fb_shape *shape,
                                   const fb_body_desc *desc, const fb_envelope *envelope, fb_real tolerance,
                                   const fb_trial *trial);
