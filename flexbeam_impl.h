@@ -3418,12 +3418,12 @@ FB_DEF void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *
 
 /* ---- joints */
 
-/* What a kind of joint is, by fb_joint_kind: the number of its axes; of one whose coordinates are a number an axis, which
+/* What a kind of joint is, by fb_joint_kind: the number of its axes; where the coordinates are a number an axis, which
    axis rotates about z (angle), translates along z (slide), rotates about the x that the angle has rotated (tilt); -1:
    none. pitched: the angle translates, too, by the pitch. holds: directions that its constraint rows hold,
    translations 0..2, then right angles between axis i of the parent and j of the child; -1 ends the list.
-   Pose, twists, coordinates, efforts and rows follow from these. A tilt makes the twist of the angle depend on it: A_dot
-   of the universal joint, in fbi_joint_turn, fbi_momentum_rate and fbi_bias_acceleration, takes them as axes 0 and 1. */
+   Pose, twists, coordinates, efforts and rows follow from these. By a tilt the twist of the angle varies: A_dot of the
+   universal joint (fbi_joint_turn, fbi_momentum_rate, fbi_bias_acceleration) takes them as axes 0 and 1. */
 #define FBI_SQUARE(i, j) (3 + 3 * (i) + (j))
 typedef struct fbi_joint_traits {
   signed char n_axis, angle, slide, tilt, pitched, holds[7];
@@ -19631,33 +19631,69 @@ FB_DEF fb_real fb_spectrum_margin(int *mode, const fb_real *re, int n)
   return margin;
 }
 
-/* What a step of |lambda| dt = r multiplies a motion along exp(lambda t) by, lambda = |lambda| d.
+/* What a step multiplies a motion exp(lambda t) by, z = lambda dt: 1 + z (1 + z/2 (1 + z/3 (1 + z/4))).
    Source: [HW] IV.3.  Fails: never.  Test: step_limits_are_those_of_the_spectrum. */
+static fbi_complex fbi_rk4_amplify(fbi_complex z)
+{
+  fbi_complex up = {FB_R(1.0), FB_R(0.0)};
+  for (int k = 4; k > 0; k--) {
+    up = fbi_complex_mul(z, up);
+    up.re = FB_R(1.0) + up.re / (fb_real)k;
+    up.im /= (fb_real)k;
+  }
+  return up;
+}
+
+/* (1 + z/2) / (1 - z/2) */
+static fbi_complex fbi_midpoint_amplify(fbi_complex z)
+{
+  const fbi_complex up = {FB_R(1.0) + FB_R(0.5) * z.re, FB_R(0.5) * z.im};
+  const fbi_complex down = {FB_R(1.0) - FB_R(0.5) * z.re, FB_R(0.0) - FB_R(0.5) * z.im};
+  return fbi_complex_div(up, down);
+}
+
+/* (1 + (1 - 2 c) z) / (1 - c z)^2, c = 1 - 1/sqrt(2) */
+static fbi_complex fbi_sdirk_amplify(fbi_complex z)
+{
+  const fb_real c = FB_R(1.0) - FB_SQRT(FB_R(0.5)), b = FB_R(1.0) - FB_R(2.0) * c;
+  const fbi_complex up = {FB_R(1.0) + b * z.re, b * z.im};
+  const fbi_complex down = {FB_R(1.0) - c * z.re, FB_R(0.0) - c * z.im};
+  return fbi_complex_div(fbi_complex_div(up, down), down);
+}
+
+/* What an integrator of one body is, by fb_integrator. amplify NULL: it solves the linear part exactly, and a spectrum
+   does not say what it errs by. limit: the longest step that it takes; bounded: beyond it, it is unstable. order: 2 or
+   more; leading: it errs by leading z^(order + 1). A step costs evaluations of the rates, with a solution of a linear
+   system each if implicit, and own (1 + n) instructions of n modes. */
+typedef struct fbi_integrator_traits {
+  fbi_complex (*amplify)(fbi_complex z);
+  fb_real (*limit)(const fb_body *body, fb_real spin, fb_real acceleration);
+  int order;
+  fb_real leading;
+  int bounded, evaluations, implicit;
+  fb_real own;
+} fbi_integrator_traits;
+
+static const fbi_integrator_traits fbi_integrator_table[] = {
+    {fbi_rk4_amplify, fb_rk4_limit, 4, FB_R(8.3333333333333333e-3), 1, 4, 0, FB_R(0.0)},           /* RK4 */
+    {fbi_midpoint_amplify, fb_implicit_limit, 2, FB_R(8.3333333333333333e-2), 0, 3, 1, FB_R(0.0)}, /* MIDPOINT */
+    {fbi_sdirk_amplify, fb_implicit_limit, 2, FB_R(4.0440114519881e-2), 0, 5, 1, FB_R(0.0)},       /* SDIRK */
+    {NULL, fb_exponential_limit, 4, FB_R(0.0), 0, 4, 0, FB_R(1500.0)},                             /* EXPONENTIAL */
+};
+typedef char fbi_integrator_table_is_whole
+    [sizeof fbi_integrator_table / sizeof fbi_integrator_table[0] == FB_INTEGRATOR_COUNT ? 1 : -1];
+
+/* Is it one whose errors a spectrum says? */
+static int fbi_has_amplification(fb_integrator integrator)
+{
+  return fbi_is_choice((int)integrator, (int)FB_INTEGRATOR_COUNT - 1) && fbi_integrator_table[(int)integrator].amplify;
+}
+
+/* Of a step of |lambda| dt = r, lambda = |lambda| d. */
 static fbi_complex fbi_amplification(fb_integrator integrator, fbi_complex d, fb_real r)
 {
-  const fb_real c = FB_R(1.0) - FB_SQRT(FB_R(0.5));
   const fbi_complex z = {r * d.re, r * d.im};
-  fbi_complex up = {FB_R(1.0), FB_R(0.0)}, down = up;
-  if (integrator == FB_INTEGRATOR_RK4) {
-    for (int k = 4; k > 0; k--) { /* 1 + z (1 + z/2 (1 + z/3 (1 + z/4))) */
-      up = fbi_complex_mul(z, up);
-      up.re = FB_R(1.0) + up.re / (fb_real)k;
-      up.im /= (fb_real)k;
-    }
-    return up;
-  }
-  if (integrator == FB_INTEGRATOR_MIDPOINT) {
-    up.re += FB_R(0.5) * z.re;
-    up.im += FB_R(0.5) * z.im;
-    down.re -= FB_R(0.5) * z.re;
-    down.im -= FB_R(0.5) * z.im;
-    return fbi_complex_div(up, down);
-  }
-  up.re += (FB_R(1.0) - FB_R(2.0) * c) * z.re;
-  up.im += (FB_R(1.0) - FB_R(2.0) * c) * z.im;
-  down.re -= c * z.re;
-  down.im -= c * z.im;
-  return fbi_complex_div(fbi_complex_div(up, down), down);
+  return fbi_integrator_table[(int)integrator].amplify(z);
 }
 
 /* Whether it grows, by more than rounding. */
@@ -19666,7 +19702,7 @@ static int fbi_step_grows(fb_integrator integrator, fbi_complex d, fb_real r)
   return fbi_complex_abs(fbi_amplification(integrator, d, r)) > FB_R(1.0) + FBI_ROUNDING;
 }
 
-/* Largest r up to which rk4's motion along d does not grow: the only crossing, by bisection. */
+/* Largest r up to which a motion along d does not grow: the only crossing, by bisection. */
 static fb_real fbi_stable_radius(fb_integrator integrator, fbi_complex d)
 {
   fb_real low = FB_R(0.0), high = FB_R(0.0);
@@ -19694,9 +19730,8 @@ static fb_real fbi_stable_radius(fb_integrator integrator, fbi_complex d)
 FB_DEF fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_integrator integrator)
 {
   fb_real limit = FB_HUGE;
-  FBI_REQUIRE(spectrum && spectrum->n <= FB_MAX_LINEAR && fbi_is_choice((int)integrator, (int)FB_INTEGRATOR_SDIRK),
-              FB_R(0.0));
-  for (int k = 0; k < spectrum->n && integrator == FB_INTEGRATOR_RK4; k++) {
+  FBI_REQUIRE(spectrum && spectrum->n <= FB_MAX_LINEAR && fbi_has_amplification(integrator), FB_R(0.0));
+  for (int k = 0; k < spectrum->n && fbi_integrator_table[(int)integrator].bounded; k++) {
     const fbi_complex value = {fbi_smaller(spectrum->re[k], FB_R(0.0)), spectrum->im[k]};
     const fb_real size = fbi_complex_abs(value);
     if (!fbi_is_finite(&spectrum->re[k], 1) || !fbi_is_finite(&size, 1)) {
@@ -19714,12 +19749,15 @@ FB_DEF fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_integrator inte
 /* |G(z) - exp(z)| along d, |z| = r: what a step errs by. Of a short one the leading term, for the difference rounds. */
 static fb_real fbi_step_error(fb_integrator integrator, fbi_complex d, fb_real r)
 {
-  static const fb_real leading[3] = {FB_R(8.3333333333333333e-3), FB_R(8.3333333333333333e-2),
-                                     FB_R(4.0440114519881e-2)};
+  const fbi_integrator_traits *is = &fbi_integrator_table[(int)integrator];
   const fb_real grown = FB_EXP(d.re * r);
   fbi_complex G;
-  if (r < FB_R(0.3)) { /* of z^5, of z^3 */
-    return leading[integrator] * r * r * r * (integrator == FB_INTEGRATOR_RK4 ? r * r : FB_R(1.0));
+  if (r < FB_R(0.3)) {
+    fb_real beyond = FB_R(1.0); /* z^3 */
+    for (int k = 2; k < is->order; k++) {
+      beyond *= r;
+    }
+    return is->leading * r * r * r * beyond;
   }
   G = fbi_amplification(integrator, d, r);
   G.re -= grown * FB_COS(d.im * r);
@@ -19761,8 +19799,8 @@ FB_DEF fb_real fb_spectrum_dt(const fb_spectrum *spectrum, fb_integrator integra
 {
   const fb_real most = fbi_smaller(FB_R(0.9) * fb_spectrum_limit(spectrum, integrator), duration);
   fb_real low = FB_R(0.0), high = FB_R(8.6736173798840355e-19) * most; /* 2^-60 */
-  if (!spectrum || spectrum->n > FB_MAX_LINEAR || !fbi_is_choice((int)integrator, (int)FB_INTEGRATOR_SDIRK) ||
-      !(duration > FB_R(0.0)) || !(tolerance > FB_R(0.0)) || !(most > FB_R(0.0)) ||
+  if (!spectrum || spectrum->n > FB_MAX_LINEAR || !fbi_has_amplification(integrator) || !(duration > FB_R(0.0)) ||
+      !(tolerance > FB_R(0.0)) || !(most > FB_R(0.0)) ||
       !(fbi_spectrum_error(spectrum, integrator, amplitude, high, duration) >= FB_R(0.0))) { /* not a number */
     return FB_R(0.0);
   }
@@ -20824,6 +20862,7 @@ static fb_real fbi_advise_set(fb_advice_work *work, const fb_envelope *e, const 
    Test: costs_are_those_of_counted_instructions. */
 static fb_real fbi_step_instructions(const fb_body *body, fb_integrator integrator)
 {
+  const fbi_integrator_traits *is = &fbi_integrator_table[(int)integrator];
   const int held = body->base == FB_BASE_PRESCRIBED;
   const fb_real n = (fb_real)body->n, quadratic = (fb_real)(body->n_S > 0),
                 terms = (fb_real)(body->n_lambda + body->n_S);
@@ -20832,16 +20871,8 @@ static fb_real fbi_step_instructions(const fb_body *body, fb_integrator integrat
   const fb_real solve = held ? 460 + 255 * n : 1900 + 360 * n;
   const fb_real ends = held ? 250 + 90 * n : 150 + 30 * n; /* where O is, what momenta are relative to */
   const fb_real factor = held ? 30 * terms + 130 * n : 85 * terms + 3900 + 830 * n;
-  switch (integrator) {
-  case FB_INTEGRATOR_RK4:
-    return 4 * rates + ends;
-  case FB_INTEGRATOR_MIDPOINT:
-    return 3 * (rates + solve) + factor + ends;
-  case FB_INTEGRATOR_SDIRK:
-    return 5 * (rates + solve) + factor + ends;
-  default:
-    return 4 * rates + 1500 + 1500 * n + ends;
-  }
+  const fb_real implicit = (fb_real)is->implicit;
+  return (fb_real)is->evaluations * (rates + implicit * solve) + implicit * factor + is->own + is->own * n + ends;
 }
 
 /* The longest step [s] that makes sense. */
@@ -20855,10 +20886,7 @@ static fb_real fbi_integrator_limit(const fb_body *body, fb_integrator integrato
 {
   const fb_real spin = fbi_vec3_norm(e->spin);
   const fb_real acceleration = body->base == FB_BASE_FREE ? FB_R(0.0) : fbi_vec3_norm(e->acceleration);
-  fb_real limit = fb_implicit_limit(body, spin, acceleration);
-  limit = integrator == FB_INTEGRATOR_RK4 ? fb_rk4_limit(body, spin, acceleration) : limit;
-  limit = integrator == FB_INTEGRATOR_EXPONENTIAL ? fb_exponential_limit(body, spin, acceleration) : limit;
-  return fbi_smaller(limit, fbi_longest_step(e));
+  return fbi_smaller(fbi_integrator_table[(int)integrator].limit(body, spin, acceleration), fbi_longest_step(e));
 }
 
 /* A step of at most dt, which is no longer than the frame, that divides it. */
@@ -20877,8 +20905,8 @@ static fb_real fbi_advice_step(fb_advice_work *work, const fb_envelope *e, fb_in
                                fb_real tolerance)
 {
   fb_spectrum *const s = &work->spectrum;
-  const int exponential = integrator == FB_INTEGRATOR_EXPONENTIAL;
-  const fb_real spin = fbi_vec3_norm(e->spin), inertial = exponential ? work->error[0] : 1;
+  const int exact = !fbi_has_amplification(integrator); /* in the linear part */
+  const fb_real spin = fbi_vec3_norm(e->spin), inertial = exact ? work->error[0] : 1;
   fb_real amplitude[FB_MAX_MODES + 1];
   s->n = 0;
   for (int k = 0; k < n; k++) {
@@ -20892,7 +20920,7 @@ static fb_real fbi_advice_step(fb_advice_work *work, const fb_envelope *e, fb_in
     s->re[s->n] = FB_R(0.0);
     s->im[s->n++] = e->frequency;
   }
-  return fb_spectrum_dt(s, exponential ? FB_INTEGRATOR_RK4 : integrator, amplitude, e->duration, tolerance);
+  return fb_spectrum_dt(s, exact ? FB_INTEGRATOR_RK4 : integrator, amplitude, e->duration, tolerance);
 }
 
 /* ---- advice */
@@ -20970,7 +20998,7 @@ static fb_real fbi_advice_model_error(const fb_advice_work *work, const fb_shape
 static void fbi_advise_integrator(fb_advice *advice, fb_advice_work *work, const fb_envelope *e, fb_real tolerance)
 {
   advice->cost = FB_HUGE;
-  for (int s = 0; s <= (int)FB_INTEGRATOR_EXPONENTIAL; s++) {
+  for (int s = 0; s < (int)FB_INTEGRATOR_COUNT; s++) {
     const fb_integrator integrator = (fb_integrator)s;
     const fb_real limit = fbi_integrator_limit(&work->body, integrator, e);
     const fb_real step = fbi_advice_step(work, e, integrator, advice->n, tolerance);
@@ -21061,12 +21089,13 @@ static fb_status fbi_search_prepare(fb_advice_work *work, const fb_shape *shape,
     if (status != FB_OK && status != FB_ERR_EFFECTS) {
       return status;
     }
-    for (int s = 0; s < 4; s++) {
+    for (int s = 0; s < (int)FB_INTEGRATOR_COUNT; s++) {
+      const fb_integrator integrator = (fb_integrator)s;
       work->last[set][i][s] = FB_HUGE;
       work->part[set][i][s] = status == FB_OK ? 0 : FBI_ADVICE_PARTS;
-      work->step_cost[set][i][s] = status == FB_OK ? fbi_step_instructions(&work->body, (fb_integrator)s) : FB_R(0.0);
+      work->step_cost[set][i][s] = status == FB_OK ? fbi_step_instructions(&work->body, integrator) : FB_R(0.0);
       work->longest[set][i][s] =
-          s == (int)FB_INTEGRATOR_RK4 ? fbi_integrator_limit(&work->body, FB_INTEGRATOR_RK4, e) : fbi_longest_step(e);
+          fbi_integrator_table[s].bounded ? fbi_integrator_limit(&work->body, integrator, e) : fbi_longest_step(e);
     }
   }
   return FB_OK;
@@ -21076,8 +21105,9 @@ static fb_status fbi_search_prepare(fb_advice_work *work, const fb_shape *shape,
 static int fbi_search_next(int at[3], fb_advice *advice, const fb_advice_work *work, const fb_envelope *e, int n)
 {
   fb_real best = FB_HUGE;
-  for (int k = 0; k < FBI_ADVICE_SETS * n * 4; k++) {
-    const int set = k / (4 * n), i = k / 4 % n, s = k % 4;
+  const int count = (int)FB_INTEGRATOR_COUNT;
+  for (int k = 0; k < FBI_ADVICE_SETS * n * count; k++) {
+    const int set = k / (count * n), i = k / count % n, s = k % count;
     if (work->part[set][i][s] < FBI_ADVICE_PARTS && work->longest[set][i][s] > FB_R(0.0)) {
       const fb_real dt = fbi_trial_step(work->longest[set][i][s], e->frame, work->part[set][i][s]);
       const fb_real cost = work->step_cost[set][i][s] / dt;
@@ -21127,7 +21157,7 @@ static void fbi_search_note(fb_advice_work *work, const fb_envelope *e, const in
   do { /* to another step: of few parts of a frame some are the same */
     part[at[2]]++;
   } while (part[at[2]] < FBI_ADVICE_PARTS && !(fbi_trial_step(longest, e->frame, part[at[2]]) < FB_R(0.999) * dt));
-  for (int s = 0; s < 4 && same && error > FB_R(1.2) * tolerance; s++) {
+  for (int s = 0; s < (int)FB_INTEGRATOR_COUNT && same && error > FB_R(1.2) * tolerance; s++) {
     part[s] = FBI_ADVICE_PARTS;
   }
   *last = error;
@@ -21141,8 +21171,8 @@ static fb_status fbi_search_fullest(fb_advice *fullest, fb_advice_work *work, co
   fb_real size;
   fb_status status;
   fbi_advice_fill(fullest, work, desc, FBI_ADVICE_FULL, n);
-  fullest->dt = fbi_trial_step(work->longest[FBI_ADVICE_FULL][n - 1][0], e->frame, FBI_ADVICE_SHORT);
-  fullest->cost = work->step_cost[FBI_ADVICE_FULL][n - 1][0] / fullest->dt;
+  fullest->dt = fbi_trial_step(work->longest[FBI_ADVICE_FULL][n - 1][FB_INTEGRATOR_RK4], e->frame, FBI_ADVICE_SHORT);
+  fullest->cost = work->step_cost[FBI_ADVICE_FULL][n - 1][FB_INTEGRATOR_RK4] / fullest->dt;
   if (!(fullest->dt > FB_R(0.0)) || !(fullest->cost < FB_HUGE)) {
     return FB_ERR_STEP;
   }
