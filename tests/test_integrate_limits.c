@@ -333,9 +333,10 @@ TEST(deflection_and_stretch_shorten_the_step)
 static double limit_of(integrator which, double spin, double acceleration)
 {
   const fb_real w = (fb_real)spin, a = (fb_real)acceleration;
-  return (double)(which == RK4           ? fb_rk4_limit(&body, w, a)
-                  : which == EXPONENTIAL ? fb_exponential_limit(&body, w, a)
-                                         : fb_implicit_limit(&body, w, a));
+  static fb_real (*const limit[])(const fb_body *, fb_real, fb_real) = {fb_rk4_limit, fb_implicit_limit,
+                                                                        fb_implicit_limit, fb_exponential_limit};
+  FBT_INT_EQ(FBT_COUNT(limit), INTEGRATORS);
+  return (double)limit[which](&body, w, a);
 }
 
 typedef struct scene { /* what a base does, its limits' spin and acceleration of O */
