@@ -241,7 +241,7 @@ void hard_absurd(int brief)
     }
     for (int which = 0; which < STEPPERS; which++) {
       before = bad;
-      if (which == 3 && k / NUMBERS == 0) {
+      if (which == FB_INTEGRATOR_EXPONENTIAL && k / NUMBERS == 0) {
         continue; /* made for a step, it takes none */
       }
       tried++;
