@@ -367,9 +367,7 @@ static void multiply(fb_real *x, int n, double s)
 /* Unit of axis i of a joint: of a length, or 1. */
 static double unit_of(fb_joint_kind kind, int i)
 {
-  return kind == FB_JOINT_PRISMATIC || (kind == FB_JOINT_CYLINDRICAL && i == 1) || (kind == FB_JOINT_FREE && i < 3)
-             ? meter
-             : 1.0;
+  return i == axes_of((int)kind)->slide || (kind == FB_JOINT_FREE && i < 3) ? meter : 1.0;
 }
 
 /* From SI to the units: a joint, how it starts and what drives it. */
