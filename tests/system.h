@@ -31,12 +31,13 @@ typedef struct joint_axes {
   int count, angle, slide, tilt;
 } joint_axes;
 
+static const joint_axes joint_axes_by_kind[] = {{6, -1, -1, -1}, {0, -1, -1, -1}, {1, 0, -1, -1}, {1, -1, 0, -1},
+                                                {2, 0, 1, -1},   {1, 0, -1, -1},  {2, 0, -1, 1},  {3, -1, -1, -1}};
+FBT_ONE_EACH(joint_axes_by_kind, FB_JOINT_COUNT);
+
 static inline const joint_axes *axes_of(int kind)
 {
-  static const joint_axes axes[] = {{6, -1, -1, -1}, {0, -1, -1, -1}, {1, 0, -1, -1}, {1, -1, 0, -1},
-                                    {2, 0, 1, -1},   {1, 0, -1, -1},  {2, 0, -1, 1},  {3, -1, -1, -1}};
-  FBT_INT_EQ(FBT_COUNT(axes), FB_JOINT_COUNT);
-  return &axes[kind];
+  return &joint_axes_by_kind[kind];
 }
 
 static inline void fresh(void)

@@ -175,7 +175,15 @@ TEST(spin_up_follows_the_geometrically_exact_beam)
 
 /* ---- all integrators */
 
-static const char *const integrator_name[] = {"rk4", "implicit midpoint", "SDIRK2", "exponential"};
+static const struct {
+  const char *name;
+  double order;
+  int steps[2]; /* modes; nonlinear strain, where all modes are struck, the axial ones, too. rk4 is the reference */
+} textbook[] = {{"rk4", 4.0, {0}},
+                {"implicit midpoint", 2.0, {200, 4000}},
+                {"SDIRK2", 2.0, {200, 4000}},
+                {"exponential", 4.0, {50, 800}}};
+FBT_ONE_EACH(textbook, INTEGRATORS);
 
 /* Error of q, the attitude [rad] and the position [m] at t_end = 1 s with so many steps, against fine. */
 static double error_of(integrator which, int steps, const fb_state *fine)
@@ -201,7 +209,7 @@ static void order_of(integrator which, const fb_state *fine, double order, int s
   const double coarse = error_of(which, steps, fine), half = error_of(which, 2 * steps, fine);
   if (!FB_SINGLE) {
     char text[96];
-    snprintf(text, sizeof text, "order of %s, %s", integrator_name[which], what);
+    snprintf(text, sizeof text, "order of %s, %s", textbook[which].name, what);
     fbt_figure(text, order > 3 ? "4" : "2", log2(coarse / half));
     FBT_NEAR_ABS(log2(coarse / half), order, 0.35);
   } else {
@@ -213,11 +221,6 @@ static void order_of(integrator which, const fb_state *fine, double order, int s
    quadratic field and nonlinear strain, follower loads and base motion that vary within the step. */
 TEST(each_integrator_converges_at_its_order)
 {
-  static const struct {
-    double order;
-    int steps[2]; /* modes; nonlinear strain, where all modes are struck, the axial ones, too */
-  } textbook[] = {{4.0, {0}}, {2.0, {200, 4000}}, {2.0, {200, 4000}}, {4.0, {50, 800}}}; /* rk4 is what they end in */
-  FBT_INT_EQ(FBT_COUNT(textbook), INTEGRATORS);
   for (int k = 0; k < 4; k++) {
     const fb_base base = k % 2 ? FB_BASE_PRESCRIBED : FB_BASE_FREE;
     const char *const what = k == 0   ? "modes, free"
