@@ -155,7 +155,7 @@
      Compile: cc -std=c99 program.c -lm. Constants of type fb_real are written FB_R(1.0), with a decimal point.
      SI units and radians. Matrices are flat and row-major, packed with the run-time n. Quaternions are (w,x,y,z), unit,
      and map body components to inertial ones. Outputs may not overlap inputs unless a function says so. Zero means default in a desc struct. A failing call changes nothing
-     that it was given to change.
+     that it was given to change. An enum of choices ends with ..._COUNT, their number and no choice.
 
      WHAT BAD ARGUMENTS GIVE (every function, tests/checks/hostile.c; below stands only what departs from it)
      A programmer's error, FB_ASSERT(0) and then:
