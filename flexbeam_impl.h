@@ -18907,7 +18907,7 @@ FB_DEF fb_status fb_exact_path_step(const fb_exact *m, fb_exact_path *path, fb_e
 
 /* ---------------------------------------------------------------------------------------------------------------
    ANALYSE >>linear: linear models, complex modes, step advice
-   (uses config, status, vec3, rotation, solve, body, system, exact, eigen, trim) */
+   (uses config, status, vec3, rotation, solve, body, system, exact, integrate, eigen, trim) */
 
 #if FB_WITH_SYSTEM
 /* Force of the order of those that act on a body: its weight, and what moves it by `size` at the rate k [1/s^2]. */
@@ -20451,7 +20451,7 @@ FB_DEF fb_status fb_exact_linearize(const fb_exact *m, fb_exact_linear_work *w, 
 
 /* ---------------------------------------------------------------------------------------------------------------
    ANALYSE >>advise: which effects, modes, integrator and step a scene calls for
-   (uses config, status, vec3, solve, body, integrate, assemble, trim, linear) */
+   (uses config, status, vec3, solve, body, assemble, trim, linear) */
 
 /* The sets there are, by what they cost; the last is the full one. */
 static const unsigned fbi_advice_set[FBI_ADVICE_SETS] = {
