@@ -167,7 +167,8 @@
      Compile: cc -std=c99 program.c -lm. Constants of type fb_real are written FB_R(1.0), with a decimal point.
      SI units and radians. Matrices are flat and row-major, packed with the run-time n. Quaternions are (w,x,y,z), unit,
      and map body components to inertial ones. Outputs may not overlap inputs unless a function says so. Zero means
-     default in a desc struct. A failing call changes nothing that it was given to change.
+     default in a desc struct. A failing call changes nothing that it was given to change. An enum of choices
+     ends with ..._COUNT, their number and no choice.
 
      WHAT BAD ARGUMENTS GIVE (every function, tests/checks/hostile.c; below stands only what departs from it)
      A programmer's error, FB_ASSERT(0) and then:
@@ -636,7 +637,8 @@ typedef enum fb_base { /* how the body frame moves */
                        FB_BASE_FREE = 0,
                        FB_BASE_PRESCRIBED = 1, /* v, w of the input */
                        FB_BASE_PINNED = 2,     /* O stays where it is, all rotations are free */
-                       FB_BASE_HINGED = 3      /* O and the z axis stay where they are, the body turns about z */
+                       FB_BASE_HINGED = 3,     /* O and the z axis stay where they are, the body turns about z */
+                       FB_BASE_COUNT
 } fb_base;
 
 #if FB_WITH_FORMS
@@ -646,9 +648,10 @@ typedef enum fb_form {
   FB_FORM_SECOND =
       1, /* [DB] (7)-(8): velocities and q_dot; a mass matrix that follows the shape, factored at every evaluation */
   FB_FORM_FIRST =
-      2 /* [DB] (23)-(25): velocities and elastic velocities v_e, a constant mass matrix, a stiffness torque.
+      2, /* [DB] (23)-(25): velocities and elastic velocities v_e, a constant mass matrix, a stiffness torque.
                          It has no inertia that follows the shape (FB_EFFECT_RESIDUAL_INERTIA adds nothing) and no
                          quadratic field */
+  FB_FORM_COUNT
 } fb_form;
 
 /* The stiffness torque K_re q of the first-order form. The frame and the beam exchange energy through it: one that
@@ -656,7 +659,8 @@ typedef enum fb_form {
 typedef enum fb_stiffness_torque {
   FB_TORQUE_IDENTITY = 0, /* [DB] (49), q_b Upsilon_b M^-1 dU/dq: energy-exact on every basis */
   FB_TORQUE_PRINTED = 1,  /* [DB] (34)-(36): wrong where u_x' is free at the root, and refinement does not mend it */
-  FB_TORQUE_BOUNDARY = 2  /* (36) with the boundary term - u_x'(0) EI u_y''(0) that its integration by parts leaves */
+  FB_TORQUE_BOUNDARY = 2, /* (36) with the boundary term - u_x'(0) EI u_y''(0) that its integration by parts leaves */
+  FB_TORQUE_COUNT
 } fb_stiffness_torque;
 #endif
 
@@ -809,7 +813,8 @@ typedef struct fb_state {
 typedef enum fb_axes {
   FB_AXES_INERTIAL = 0, /* dead load */
   FB_AXES_NODE = 1,     /* follower: turns with the node's section */
-  FB_AXES_BODY = 2      /* turns with the body frame */
+  FB_AXES_BODY = 2,     /* turns with the body frame */
+  FB_AXES_COUNT
 } fb_axes;
 
 typedef struct fb_load {
@@ -935,21 +940,24 @@ typedef enum fb_joint_kind {                     /* z, x: axes of the joint fram
                              FB_JOINT_CYLINDRICAL = 4, /* angle about z, slide along z */
                              FB_JOINT_SCREW = 5,       /* angle about z, slides by pitch times it */
                              FB_JOINT_UNIVERSAL = 6,   /* angle about z, then about the turned x */
-                             FB_JOINT_SPHERICAL = 7    /* any rotation; speeds about the child's joint axes */
+                             FB_JOINT_SPHERICAL = 7,   /* any rotation; speeds about the child's joint axes */
+                             FB_JOINT_COUNT
 } fb_joint_kind;
 
 typedef enum fb_axis_mode {
-  FB_AXIS_FREE = 0,      /* moves by its spring, damper and motor */
-  FB_AXIS_LOCKED = 1,    /* stays as it is */
-  FB_AXIS_PRESCRIBED = 2 /* moves as the input says; a jump of its value is one */
+  FB_AXIS_FREE = 0,       /* moves by its spring, damper and motor */
+  FB_AXIS_LOCKED = 1,     /* stays as it is */
+  FB_AXIS_PRESCRIBED = 2, /* moves as the input says; a jump of its value is one */
+  FB_AXIS_COUNT
 } fb_axis_mode;
 
 typedef enum fb_method {
-  FB_METHOD_RECURSIVE = 0,  /* tree in joint coordinates, work linear in the number of bodies */
-  FB_METHOD_DENSE = 1,      /* the same by one dense LU of all speeds (FB_MAX_SPEEDS) */
-  FB_METHOD_MULTIPLIERS = 2 /* every body free, every joint a set of constraints (FB_MAX_ROWS): the state has poses,
+  FB_METHOD_RECURSIVE = 0,   /* tree in joint coordinates, work linear in the number of bodies */
+  FB_METHOD_DENSE = 1,       /* the same by one dense LU of all speeds (FB_MAX_SPEEDS) */
+  FB_METHOD_MULTIPLIERS = 2, /* every body free, every joint a set of constraints (FB_MAX_ROWS): the state has poses,
                                angles are within half a turn, also for springs; every body needs a positive definite
                                S(q) of its own; a bare clamped beam loses it at small deflections: add a hub */
+  FB_METHOD_COUNT
 } fb_method;
 
 #define FBI_MAX_JOINTS (FB_MAX_BODIES + FB_MAX_LOOPS) /* joints of the tree, then loops */
@@ -1507,7 +1515,8 @@ typedef enum fb_integrator {
   FB_INTEGRATOR_RK4 = 0,
   FB_INTEGRATOR_MIDPOINT = 1,
   FB_INTEGRATOR_SDIRK = 2,
-  FB_INTEGRATOR_EXPONENTIAL = 3 /* not for fb_spectrum_limit and _dt: its error does not follow from a spectrum */
+  FB_INTEGRATOR_EXPONENTIAL = 3, /* not for fb_spectrum_limit and _dt: its error does not follow from a spectrum */
+  FB_INTEGRATOR_COUNT
 } fb_integrator;
 
 /* What is stepped: a body (body, state), a system (system, its models body, system_state, system_work) or an exact beam
@@ -1608,7 +1617,7 @@ typedef struct fb_material {
   fb_real density; /* [kg/m^3] */
 } fb_material;
 
-typedef enum fb_profile_kind { FB_PROFILE_RECTANGLE = 0, FB_PROFILE_TUBE = 1 } fb_profile_kind;
+typedef enum fb_profile_kind { FB_PROFILE_RECTANGLE = 0, FB_PROFILE_TUBE = 1, FB_PROFILE_COUNT } fb_profile_kind;
 
 typedef struct fb_profile { /* outline of a section */
   fb_profile_kind kind;
@@ -1628,7 +1637,12 @@ typedef struct fb_lump { /* lumped body: a rigid body fixed to an element node *
   fb_real inertia[6];    /* [kg m^2] about the center of mass: xx, yy, zz, xy, xz, yz (matrix elements: xy = -int xy) */
 } fb_lump;
 
-typedef enum fb_root { FB_ROOT_CLAMPED = 0, FB_ROOT_PINNED = 1, FB_ROOT_FREE = 2 } fb_root; /* pinned: rotations free */
+typedef enum fb_root {
+  FB_ROOT_CLAMPED = 0,
+  FB_ROOT_PINNED = 1, /* rotations free */
+  FB_ROOT_FREE = 2,   /* of a beam that is the whole body, its hub an fb_lump, or is joined to others (fb_modes_join) */
+  FB_ROOT_COUNT
+} fb_root;
 
 typedef struct fb_beam_desc {
   fb_real length; /* [m] > 0 */
@@ -1682,7 +1696,7 @@ typedef enum fb_kind {                     /* what a mode mainly does */
                        FB_KIND_BEND_Z = 1, /* displacement along z, stiffness EI_y */
                        FB_KIND_AXIAL = 2,
                        FB_KIND_TORSION = 3,
-                       FB_KIND_COUNT = 4
+                       FB_KIND_COUNT
 } fb_kind;
 
 #define FB_ALL_MODES 1000 /* a count: all modes that exist (below omega_limit) */
@@ -1697,7 +1711,8 @@ typedef enum fb_basis {
   FB_BASIS_FUNCTIONS = 2,
   /* Hurty, Craig-Bampton: constraint modes, the static shapes of unit displacements of the boundary coordinates, then
      fixed-boundary natural modes. Exact for static loads on the boundary. */
-  FB_BASIS_COMPONENT = 3
+  FB_BASIS_COMPONENT = 3,
+  FB_BASIS_COUNT
 } fb_basis;
 
 typedef struct fb_coordinate { /* of an element node, beam axes */
@@ -1924,7 +1939,8 @@ typedef enum fb_truncation {
   FB_TRUNCATE_NONE = 0,
   FB_TRUNCATE_ABOVE_0 = 1, /* [DB] Q = 0 */
   FB_TRUNCATE_ABOVE_1 = 2, /* Q = 1: the strain energy is not bounded below, the motion diverges */
-  FB_TRUNCATE_ABOVE_2 = 3  /* Q = 2 */
+  FB_TRUNCATE_ABOVE_2 = 3, /* Q = 2 */
+  FB_TRUNCATE_COUNT
 } fb_truncation;
 
 typedef struct fb_body_desc {
@@ -2151,7 +2167,8 @@ typedef enum fb_port_kind {
   /* systems only; body: the one carried by the joint, axis: of the joint; node is not used */
   FB_PORT_DRIVE = 8,      /* input [N m], [N], motor of a free axis */
   FB_PORT_COORDINATE = 9, /* output [rad], [m], joint coordinate as fb_joint_motion.value */
-  FB_PORT_SPEED = 10      /* output [rad/s], [m/s], its speed */
+  FB_PORT_SPEED = 10,     /* output [rad/s], [m/s], its speed */
+  FB_PORT_COUNT
 } fb_port_kind;
 
 typedef struct fb_port {
@@ -2421,7 +2438,8 @@ typedef enum fb_exact_port_kind {
   FB_EXACT_PORT_INTERNAL_FORCE = 8,  /* output [N], mean over an element, section axes */
   FB_EXACT_PORT_INTERNAL_MOMENT = 9, /* output [N m] */
   FB_EXACT_PORT_FORCE_STRAIN = 10,   /* output [-], of the section */
-  FB_EXACT_PORT_MOMENT_STRAIN = 11   /* output [1/m] */
+  FB_EXACT_PORT_MOMENT_STRAIN = 11,  /* output [1/m] */
+  FB_EXACT_PORT_COUNT
 } fb_exact_port_kind;
 
 typedef struct fb_exact_port {
@@ -2538,9 +2556,10 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
   fb_real bend; /* [m] the deflection without its limit */
   int buckled;  /* 1: in some load case */
   fb_real error[FBI_ADVICE_SETS], error_modes[FB_MAX_MODES];
-  fb_real step_cost[FBI_ADVICE_SETS][FB_MAX_MODES][4], longest[FBI_ADVICE_SETS][FB_MAX_MODES][4];
-  fb_real last[FBI_ADVICE_SETS][FB_MAX_MODES][4];
-  int part[FBI_ADVICE_SETS][FB_MAX_MODES][4];
+  fb_real step_cost[FBI_ADVICE_SETS][FB_MAX_MODES][FB_INTEGRATOR_COUNT];
+  fb_real longest[FBI_ADVICE_SETS][FB_MAX_MODES][FB_INTEGRATOR_COUNT];
+  fb_real last[FBI_ADVICE_SETS][FB_MAX_MODES][FB_INTEGRATOR_COUNT];
+  int part[FBI_ADVICE_SETS][FB_MAX_MODES][FB_INTEGRATOR_COUNT];
 } fb_advice_work;
 
 /* Finds the cheapest set of effects, modes, integrator and step whose estimated errors add up to at most the tolerance
@@ -2571,7 +2590,7 @@ typedef struct fb_trial { /* simulation of a scene, by the caller */
    the reference, until one meets the tolerance. Every cheaper candidate was simulated and rejected, or the error of its
    effects and modes no longer depended on the step.
    error: largest distance from the reference, relative to its largest sample. For desktop use: tens to thousands of
-   simulations, with n modes at most 1 + 640 n.
+   simulations, with n modes at most 1 + 160 n FB_INTEGRATOR_COUNT.
    FB_ERR_CONVERGENCE: no candidate meets the tolerance, or all modes and effects with a short step exceed twice the
    tolerance; FB_ERR_VALUE, FB_ERR_NOT_FINITE: also a reference of zeros or that is not finite; a status of run for all
    modes and effects; else as fb_advice_solve. */

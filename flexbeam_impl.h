@@ -1749,7 +1749,7 @@ static fb_status fbi_input_check(const fb_body *body, const fb_input *input)
   FBI_REQUIRE(input->n_load >= 0 && input->n_load <= FB_MAX_LOADS, FB_ERR_CAPACITY);
   for (int i = 0; i < input->n_load; i++) {
     FBI_REQUIRE(input->load[i].node >= 0 && input->load[i].node < body->n_node, FB_ERR_CAPACITY);
-    FBI_REQUIRE((int)input->load[i].axes >= 0 && (int)input->load[i].axes <= (int)FB_AXES_BODY, FB_ERR_VALUE);
+    FBI_REQUIRE(fbi_is_choice((int)input->load[i].axes, (int)FB_AXES_COUNT - 1), FB_ERR_VALUE);
     if (!fbi_vec3_is_finite(input->load[i].force) || !fbi_vec3_is_finite(input->load[i].torque)) {
       return FB_ERR_NOT_FINITE; /* no other check sees loads on a prescribed base */
     }
@@ -3118,8 +3118,8 @@ static int fbi_S_is_sound(const fb_body *body)
 #if FB_WITH_FORMS
 static int fbi_form_is_sound(const fb_body *body)
 {
-  int sound = fbi_is_choice((int)body->form, (int)FB_FORM_FIRST) &&
-              fbi_is_choice((int)body->stiffness_torque, (int)FB_TORQUE_BOUNDARY) &&
+  int sound = fbi_is_choice((int)body->form, (int)FB_FORM_COUNT - 1) &&
+              fbi_is_choice((int)body->stiffness_torque, (int)FB_TORQUE_COUNT - 1) &&
               fbi_is_within(body->torque_degree, 3) && fbi_is_within(body->n_run_value, body->n_run) &&
               fbi_is_within(body->n_lambda_value, body->n_lambda) && fbi_is_within(body->n_gam, 9 * body->n) &&
               fbi_is_within(body->n_torque, FBI_MAX_TORQUE) && fbi_is_finite(body->M_rr, 21);
@@ -3188,7 +3188,7 @@ FB_DEF fb_status fb_body_check(const fb_body *body)
   }
 
   /* values */
-  sound = !fbi_is_excluded(body->effects) && fbi_is_choice((int)body->base, (int)FB_BASE_HINGED) &&
+  sound = !fbi_is_excluded(body->effects) && fbi_is_choice((int)body->base, (int)FB_BASE_COUNT - 1) &&
           fbi_is_flag(body->unit_mass) && fbi_is_flag(body->constant_S) && fbi_is_flag(body->allow_long_step) &&
           fbi_rigid_is_sound(body) && fbi_matrices_are_sound(body) && fbi_lambda_is_sound(body) && fbi_S_is_sound(body);
 #if FB_WITH_FORMS
@@ -3433,10 +3433,38 @@ FB_DEF void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *
 
 /* ---- joints */
 
-static int fbi_joint_axes(fb_joint_kind kind)
+/* What a kind of joint is, by fb_joint_kind: the number of its axes; where the coordinates are a number an axis, which
+   axis rotates about z (angle), translates along z (slide), rotates about the x that the angle has rotated (tilt); -1:
+   none. pitched: the angle translates, too, by the pitch. holds: directions that its constraint rows hold,
+   translations 0..2, then right angles between axis i of the parent and j of the child; -1 ends the list.
+   Pose, twists, coordinates, efforts and rows follow from these. By a tilt the twist of the angle varies: A_dot of the
+   universal joint (fbi_joint_turn, fbi_momentum_rate, fbi_bias_acceleration) takes them as axes 0 and 1. */
+#define FBI_SQUARE(i, j) (3 + 3 * (i) + (j))
+typedef struct fbi_joint_traits {
+  signed char n_axis, angle, slide, tilt, pitched, holds[7];
+} fbi_joint_traits;
+
+static const fbi_joint_traits fbi_joint_table[] = {
+    {6, -1, -1, -1, 0, {-1}},                                                                /* FREE */
+    {0, -1, -1, -1, 0, {0, 1, 2, FBI_SQUARE(0, 1), FBI_SQUARE(1, 2), FBI_SQUARE(2, 0), -1}}, /* RIGID */
+    {1, 0, -1, -1, 0, {0, 1, 2, FBI_SQUARE(0, 2), FBI_SQUARE(1, 2), -1}},                    /* REVOLUTE */
+    {1, -1, 0, -1, 0, {0, 1, FBI_SQUARE(0, 1), FBI_SQUARE(1, 2), FBI_SQUARE(2, 0), -1}},     /* PRISMATIC */
+    {2, 0, 1, -1, 0, {0, 1, FBI_SQUARE(0, 2), FBI_SQUARE(1, 2), -1}},                        /* CYLINDRICAL */
+    {1, 0, -1, -1, 1, {0, 1, FBI_SQUARE(0, 2), FBI_SQUARE(1, 2), -1}},                       /* SCREW */
+    {2, 0, -1, 1, 0, {0, 1, 2, FBI_SQUARE(2, 0), -1}},                                       /* UNIVERSAL */
+    {3, -1, -1, -1, 0, {0, 1, 2, -1}},                                                       /* SPHERICAL */
+};
+typedef char fbi_joint_table_is_whole[sizeof fbi_joint_table / sizeof fbi_joint_table[0] == FB_JOINT_COUNT ? 1 : -1];
+
+static const fbi_joint_traits *fbi_traits(const fb_joint *joint)
 {
-  static const int count[] = {6, 0, 1, 1, 2, 1, 2, 3};
-  return count[(int)kind];
+  return &fbi_joint_table[(int)joint->kind];
+}
+
+/* Are its coordinates an attitude? Then all its axes have one mode. */
+static int fbi_is_ball(fb_joint_kind kind)
+{
+  return kind == FB_JOINT_FREE || kind == FB_JOINT_SPHERICAL;
 }
 
 /* Joint that connects body k to its parent. With multipliers all joints are constraints and every body is free. */
@@ -3490,23 +3518,20 @@ static int fbi_node_moves(const fb_body *body, int node)
 static void fbi_joint_turn(fb_real C[9], fb_real *slide, fbi_link_work *L, const fb_joint *joint, const fb_real axes[9],
                            const fb_link_state *x)
 {
-  const fb_joint_kind kind = joint->kind;
+  const fbi_joint_traits *is = fbi_traits(joint);
 
   /* translation along z */
-  *slide = kind == FB_JOINT_PRISMATIC     ? x->x[0]
-           : kind == FB_JOINT_CYLINDRICAL ? x->x[1]
-           : kind == FB_JOINT_SCREW       ? joint->pitch * x->x[0]
-                                          : FB_R(0.0);
+  *slide = is->slide >= 0 ? x->x[is->slide] : is->pitched ? joint->pitch * x->x[is->angle] : FB_R(0.0);
 
   /* rotation: by a quaternion, none, or by an angle about z */
-  if (kind == FB_JOINT_SPHERICAL) {
+  if (fbi_is_ball(joint->kind)) {
     fb_real turn[9];
     fb_quat_to_mat33(turn, x->quat);
     fb_mat33_mul(C, axes, turn);
-  } else if (kind == FB_JOINT_RIGID || kind == FB_JOINT_PRISMATIC) {
+  } else if (is->angle < 0) {
     fbi_mat33_copy(C, axes);
   } else {
-    const fb_real c = FB_COS(x->x[0]), s = FB_SIN(x->x[0]);
+    const fb_real c = FB_COS(x->x[is->angle]), s = FB_SIN(x->x[is->angle]);
     FBI_UNROLL
     for (int i = 0; i < 9; i += 3) {
       C[i] = c * axes[i] + s * axes[i + 1];
@@ -3516,8 +3541,8 @@ static void fbi_joint_turn(fb_real C[9], fb_real *slide, fbi_link_work *L, const
   }
 
   /* universal: then by the second angle about the rotated x; first axis seen from the child */
-  if (kind == FB_JOINT_UNIVERSAL) {
-    const fb_real c = FB_COS(x->x[1]), s = FB_SIN(x->x[1]);
+  if (is->tilt >= 0) {
+    const fb_real c = FB_COS(x->x[is->tilt]), s = FB_SIN(x->x[is->tilt]);
     const fb_real first[3] = {FB_R(0.0), s, c}, rate[3] = {FB_R(0.0), c, -s};
     for (int i = 0; i < 9; i += 3) {
       const fb_real y = C[i + 1], z = C[i + 2];
@@ -4616,39 +4641,37 @@ static fb_status fbi_frames_eval(fbi_frames *f, fb_system_work *w, const fb_syst
    Source: [H] 3.1.  Test: the_three_methods_agree. */
 static void fbi_frames_value(fb_real value[3], const fbi_frames *f, const fb_joint *joint)
 {
-  const fb_real slide = fb_vec3_dot(f->step, f->a[2]);
-  const fb_joint_kind kind = joint->kind;
+  const fbi_joint_traits *is = fbi_traits(joint);
   fbi_vec3_zero(value);
-  if (kind == FB_JOINT_PRISMATIC) {
-    value[0] = slide;
-  } else if (kind == FB_JOINT_SPHERICAL) {
+  if (fbi_is_ball(joint->kind)) {
     fb_real R[9], quat[4];
     for (int i = 0; i < 9; i++) {
       R[i] = fb_vec3_dot(f->a[i / 3], f->b[i % 3]);
     }
     fbi_quat_from_mat33(quat, R);
     fb_quat_to_rotvec(value, quat);
-  } else {
-    value[0] = FB_ATAN2(fb_vec3_dot(f->a[1], f->b[0]), fb_vec3_dot(f->a[0], f->b[0]));
-    value[1] = kind == FB_JOINT_CYLINDRICAL ? slide : FB_R(0.0);
-    if (kind == FB_JOINT_UNIVERSAL) {
-      value[1] = FB_ATAN2(fb_vec3_dot(f->a[2], f->b[1]), fb_vec3_dot(f->a[2], f->b[2]));
-    }
+  }
+  if (is->angle >= 0) {
+    value[is->angle] = FB_ATAN2(fb_vec3_dot(f->a[1], f->b[0]), fb_vec3_dot(f->a[0], f->b[0]));
+  }
+  if (is->slide >= 0) {
+    value[is->slide] = fb_vec3_dot(f->step, f->a[2]);
+  }
+  if (is->tilt >= 0) {
+    value[is->tilt] = FB_ATAN2(fb_vec3_dot(f->a[2], f->b[1]), fb_vec3_dot(f->a[2], f->b[2]));
   }
 }
 
 /* Direction (force, torque) in which an effort on axis i of a joint acts on the child, at the child's joint frame. */
 static void fbi_frames_axis(fb_real force[3], fb_real torque[3], const fbi_frames *f, const fb_joint *joint, int i)
 {
-  const fb_joint_kind kind = joint->kind;
+  const fbi_joint_traits *is = fbi_traits(joint);
   fbi_vec3_zero(force);
   fbi_vec3_zero(torque);
-  if (kind == FB_JOINT_PRISMATIC || (kind == FB_JOINT_CYLINDRICAL && i == 1)) {
+  if (i == is->slide) {
     fbi_vec3_copy(force, f->a[2]);
-  } else if (kind == FB_JOINT_SPHERICAL) {
-    fbi_vec3_copy(torque, f->b[i]);
   } else {
-    fbi_vec3_copy(torque, kind == FB_JOINT_UNIVERSAL && i == 1 ? f->b[0] : f->a[2]);
+    fbi_vec3_copy(torque, fbi_is_ball(joint->kind) ? f->b[i] : i == is->tilt ? f->b[0] : f->a[2]);
   }
 }
 
@@ -4681,21 +4704,6 @@ static fbi_row *fbi_row_new(fb_system_work *w, const fbi_frames *f, int j, const
   return row;
 }
 
-/* Directions that a joint constrains: translations 0..2, then right angles between axis i of the parent and j of the
-   child, as 3 + 3 i + j; -1 ends the list. */
-static const signed char *fbi_joint_holds(fb_joint_kind kind)
-{
-  static const signed char list[8][7] = {{-1},
-                                         {0, 1, 2, 3 + 1, 3 + 5, 3 + 6, -1},
-                                         {0, 1, 2, 3 + 2, 3 + 5, -1},
-                                         {0, 1, 3 + 1, 3 + 5, 3 + 6, -1},
-                                         {0, 1, 3 + 2, 3 + 5, -1},
-                                         {0, 1, 3 + 2, 3 + 5, -1},
-                                         {0, 1, 2, 3 + 6, -1},
-                                         {0, 1, 2, -1}};
-  return list[(int)kind];
-}
-
 static fb_real fbi_angle_wrap(fb_real angle)
 {
   return FB_ATAN2(FB_SIN(angle), FB_COS(angle));
@@ -4704,7 +4712,7 @@ static fb_real fbi_angle_wrap(fb_real angle)
 /* Is axis i of the joint a translation? */
 static int fbi_axis_slides(const fb_joint *joint, int i)
 {
-  return joint->kind == FB_JOINT_PRISMATIC || (joint->kind == FB_JOINT_CYLINDRICAL && i == 1);
+  return i == fbi_traits(joint)->slide;
 }
 
 /* Rows of the axes that are locked or prescribed; 0: no room. */
@@ -4770,7 +4778,7 @@ static fb_status fbi_joint_rows(fb_system_work *w, const fb_system *system, cons
   }
 
   /* translations and right angles */
-  for (const signed char *hold = fbi_joint_holds(joint->kind); *hold >= 0 && room; hold++) {
+  for (const signed char *hold = fbi_traits(joint)->holds; *hold >= 0 && room; hold++) {
     const fb_real *a = f.a[*hold < 3 ? *hold : (*hold - 3) / 3];
     fbi_row *row;
     if (*hold < 3) {
@@ -4788,17 +4796,18 @@ static fb_status fbi_joint_rows(fb_system_work *w, const fb_system *system, cons
   }
 
   /* screw: slide - pitch angle, modulo whole revolutions */
-  if (joint->kind == FB_JOINT_SCREW && room) {
+  if (fbi_traits(joint)->pitched && room) {
+    const int angle = fbi_traits(joint)->angle;
     const fb_real slide = fb_vec3_dot(f.a[2], f.step);
-    fb_real value[3], torque[3] = {0};
+    fb_real value[3], torque[3] = {0}, miss;
     fbi_row *row;
     fbi_frames_value(value, &f, joint);
     fbi_vec3_add(torque, -joint->pitch, f.a[2]);
-    value[0] = joint->pitch == FB_R(0.0) ? slide : joint->pitch * fbi_angle_wrap(slide / joint->pitch - value[0]);
-    row = fbi_row_new(w, &f, j, f.a[2], torque, value[0]);
+    miss = joint->pitch == FB_R(0.0) ? slide : joint->pitch * fbi_angle_wrap(slide / joint->pitch - value[angle]);
+    row = fbi_row_new(w, &f, j, f.a[2], torque, miss);
     room = row != NULL;
     if (row) {
-      row->axis = 0;
+      row->axis = angle;
     }
   }
 
@@ -5359,7 +5368,7 @@ static fb_status fbi_system_input_check(const fb_system *system, const fb_body *
     const fb_system_load *load = &input->load[i];
     FBI_REQUIRE(load->body >= 0 && load->body < system->n_body, FB_ERR_CAPACITY);
     FBI_REQUIRE(load->load.node >= 0 && load->load.node < fbi_model(system, body, load->body)->n_node, FB_ERR_CAPACITY);
-    FBI_REQUIRE((int)load->load.axes >= 0 && (int)load->load.axes <= (int)FB_AXES_BODY, FB_ERR_VALUE);
+    FBI_REQUIRE(fbi_is_choice((int)load->load.axes, (int)FB_AXES_COUNT - 1), FB_ERR_VALUE);
   }
   return FB_OK;
 }
@@ -6177,7 +6186,7 @@ static void fbi_state_displace(fb_system_state *state, fb_system_work *w, const 
     fbi_coordinate_rates(&move, L, joint, x);
 
     /* rotation */
-    if (joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL) {
+    if (fbi_is_ball(joint->kind)) {
       for (int i = 0; i < 4; i++) {
         x->quat[i] += move.quat[i];
       }
@@ -6260,7 +6269,7 @@ static void fbi_free_momenta_keep(fb_system_state *state, const fb_system_state 
 {
   for (int k = 0; k < system->n_body; k++) {
     const fb_joint *joint = &system->joint[k];
-    const int all = joint->kind == FB_JOINT_SPHERICAL || joint->kind == FB_JOINT_FREE;
+    const int all = fbi_is_ball(joint->kind);
     for (int i = 0; i < joint->n_axis; i++) {
       if (modes->mode[k][all ? 0 : i] == FB_AXIS_FREE) {
         state->link[k].p[i] = before->link[k].p[i];
@@ -6452,13 +6461,12 @@ static fb_status fbi_holds_set(fb_system_state *state, fb_system_work *w, const 
 /* Is a joint assembled the right way round? Its perpendicularity constraints also hold when it is rotated by pi. */
 static int fbi_is_upright(fb_system_work *w, const fb_system *system, const fb_body *body, int j)
 {
-  const fb_joint_kind kind = system->joint[j].kind;
-  const int all = kind == FB_JOINT_RIGID || kind == FB_JOINT_PRISMATIC;
+  const fbi_joint_traits *is = fbi_traits(&system->joint[j]);
   fbi_frames f;
-  if (kind == FB_JOINT_SPHERICAL || kind == FB_JOINT_UNIVERSAL || fbi_frames_eval(&f, w, system, body, j) != FB_OK) {
+  if (fbi_is_ball(system->joint[j].kind) || is->tilt >= 0 || fbi_frames_eval(&f, w, system, body, j) != FB_OK) {
     return 1;
   }
-  return fb_vec3_dot(f.a[2], f.b[2]) > FB_R(0.0) && (!all || fb_vec3_dot(f.a[0], f.b[0]) > FB_R(0.0));
+  return fb_vec3_dot(f.a[2], f.b[2]) > FB_R(0.0) && (is->angle >= 0 || fb_vec3_dot(f.a[0], f.b[0]) > FB_R(0.0));
 }
 
 /* Newton steps of E9.17 from a rough guess; locked axes of loops are free meanwhile and locked where they end. */
@@ -6588,7 +6596,7 @@ FB_DEF fb_status fb_system_axis_set(const fb_system *system, const fb_body *body
   FBI_REQUIRE(system && body && work && state, FB_ERR_NULL);
   FBI_REQUIRE(joint >= 0 && joint < system->n_body + system->n_loop && axis >= 0, FB_ERR_CAPACITY);
   FBI_REQUIRE(axis < system->joint[joint].n_axis && axis < 3, FB_ERR_CAPACITY);
-  FBI_REQUIRE(fbi_is_choice((int)mode, (int)FB_AXIS_PRESCRIBED), FB_ERR_VALUE);
+  FBI_REQUIRE(fbi_is_choice((int)mode, (int)FB_AXIS_COUNT - 1), FB_ERR_VALUE);
   status = fbi_system_input_check(system, body, input);
   if (status != FB_OK) {
     return status;
@@ -6605,7 +6613,7 @@ FB_DEF fb_status fb_system_axis_set(const fb_system *system, const fb_body *body
 
   /* new mode; free and spherical joints have one for all axes */
   for (int i = 0; i < 3; i++) {
-    const int all = system->joint[joint].kind == FB_JOINT_SPHERICAL || system->joint[joint].kind == FB_JOINT_FREE;
+    const int all = fbi_is_ball(system->joint[joint].kind);
     if (all || i == axis) {
       out->mode[joint][i] = mode;
     }
@@ -6950,7 +6958,7 @@ static void fbi_kept_joint_motion(fb_joint_motion *out, fb_system_work *w, const
       fbi_vec3_add(out->torque, tau, torque);
     }
     out->drive[i] = fb_vec3_dot(force, out->force) + fb_vec3_dot(torque, out->torque);
-    if (joint->kind == FB_JOINT_SCREW) {
+    if (fbi_traits(joint)->pitched) {
       out->drive[i] += joint->pitch * fb_vec3_dot(f.a[2], out->force);
     }
   }
@@ -7191,13 +7199,13 @@ static int fbi_joint_is_sound(const fb_system *system, const fb_body *body, int 
 {
   const fb_joint *joint = &system->joint[j];
   const int loop = j >= system->n_body, most = loop ? system->n_body : j;
-  int sound = fbi_is_choice((int)joint->kind, (int)FB_JOINT_SPHERICAL) && joint->parent >= FB_GROUND &&
+  int sound = fbi_is_choice((int)joint->kind, (int)FB_JOINT_COUNT - 1) && joint->parent >= FB_GROUND &&
               joint->parent < most && fbi_is_within(joint->child, system->n_body - 1) && (loop || joint->child == j) &&
               joint->parent_node >= 0 && joint->child_node >= 0 && fbi_is_flag(joint->moves) &&
               fbi_is_flag(joint->turned);
 
   /* axes and nodes */
-  sound = sound && joint->n_axis == fbi_joint_axes(joint->kind) &&
+  sound = sound && joint->n_axis == fbi_traits(joint)->n_axis &&
           (joint->parent < 0 ? joint->parent_node == 0 && !joint->moves
                              : joint->parent_node < fbi_model(system, body, joint->parent)->n_node) &&
           joint->child_node < fbi_model(system, body, joint->child)->n_node;
@@ -7208,7 +7216,7 @@ static int fbi_joint_is_sound(const fb_system *system, const fb_body *body, int 
           fbi_is_finite(joint->A, 18) && fbi_is_finite(&joint->pitch, 1) && fbi_is_finite(joint->stiffness, 3) &&
           fbi_is_finite(joint->rest, 3) && fbi_is_finite(joint->damping, 3);
   for (int i = 0; sound && i < 3; i++) {
-    sound = fbi_is_choice((int)joint->mode[i], (int)FB_AXIS_PRESCRIBED) && joint->stiffness[i] >= FB_R(0.0) &&
+    sound = fbi_is_choice((int)joint->mode[i], (int)FB_AXIS_COUNT - 1) && joint->stiffness[i] >= FB_R(0.0) &&
             joint->damping[i] >= FB_R(0.0);
   }
   return sound;
@@ -7225,7 +7233,7 @@ FB_DEF fb_status fb_system_check(const fb_system *system, const fb_body *body, i
   {
     const fb_real limit[4] = {system->limit_elastic, system->limit_damping, system->limit_kept_elastic,
                               system->limit_kept_damping};
-    sound = fbi_is_choice((int)system->method, (int)FB_METHOD_MULTIPLIERS) && fbi_is_flag(system->allow_long_step) &&
+    sound = fbi_is_choice((int)system->method, (int)FB_METHOD_COUNT - 1) && fbi_is_flag(system->allow_long_step) &&
             fbi_is_within(system->tied, 2) && fbi_is_finite(limit, 4) && system->free.kind == FB_JOINT_FREE &&
             system->free.n_axis == 6 && system->free.parent == FB_GROUND;
   }
@@ -7301,10 +7309,9 @@ FB_DEF fb_status fb_system_state_check(const fb_system *system, const fb_body *b
   for (int j = 0; status == FB_OK && j < system->n_body + system->n_loop; j++) {
     fb_real quat[4] = {FB_R(1.0)};
     for (int i = 0; i < 3; i++) {
-      status = fbi_is_choice((int)state->mode[j][i], (int)FB_AXIS_PRESCRIBED) ? status : FB_ERR_VALUE;
+      status = fbi_is_choice((int)state->mode[j][i], (int)FB_AXIS_COUNT - 1) ? status : FB_ERR_VALUE;
     }
-    if (j < system->n_body && (system->joint[j].kind == FB_JOINT_SPHERICAL || system->joint[j].kind == FB_JOINT_FREE ||
-                               system->method == FB_METHOD_MULTIPLIERS)) {
+    if (j < system->n_body && (fbi_is_ball(system->joint[j].kind) || system->method == FB_METHOD_MULTIPLIERS)) {
       fbi_copy(quat, state->link[j].quat, 4);
     }
     if (status == FB_OK && (!fbi_is_finite(state->hold[j], 3) || !fbi_is_finite(state->hold_quat[j], 4))) {
@@ -8448,7 +8455,7 @@ static fb_status fbi_exact_input_check(const fb_exact *m, const fb_exact_input *
     if (load->node < 0 || load->node > m->n) {
       return FB_ERR_CAPACITY;
     }
-    if (!fbi_is_choice((int)load->axes, (int)FB_AXES_BODY)) {
+    if (!fbi_is_choice((int)load->axes, (int)FB_AXES_COUNT - 1)) {
       return FB_ERR_VALUE;
     }
     if (!fbi_is_finite(load->force, 3) || !fbi_is_finite(load->torque, 3)) {
@@ -8459,7 +8466,7 @@ static fb_status fbi_exact_input_check(const fb_exact *m, const fb_exact_input *
   /* Line loads */
   for (int k = 0; k < m->n; k++) {
     const fb_line_load *line = &input->line[k];
-    if (!fbi_is_choice((int)line->axes, (int)FB_AXES_BODY)) {
+    if (!fbi_is_choice((int)line->axes, (int)FB_AXES_COUNT - 1)) {
       return FB_ERR_VALUE;
     }
     if (!fbi_is_finite(line->force, 3) || !fbi_is_finite(line->torque, 3)) {
@@ -10468,7 +10475,7 @@ static fb_status fbi_link_move(fb_link_state *x, fb_link_state *increment, const
   fb_status status = FB_OK;
 
   /* Attitude */
-  if (joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL) {
+  if (fbi_is_ball(joint->kind)) {
     status = fbi_quat_increment(increment->quat, x->quat);
     FBI_ADD(x, increment, quat, 4);
     status = status == FB_OK && !fbi_quat_is_unit(x->quat) ? FB_ERR_STEP : status;
@@ -10857,7 +10864,7 @@ static void fbi_newton_take(fb_system_state *r, fb_system_work *w, const fb_syst
     fbi_damping_add(x->pi, -FB_R(1.0), model, L->q_dot);
 
     /* Coordinates of the joint, then its momenta by springs and dampers */
-    if (joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL) {
+    if (fbi_is_ball(joint->kind)) {
       fbi_row_sub(x->quat, -FB_R(1.0), move.quat, 4);
     }
     if (joint->kind == FB_JOINT_FREE) {
@@ -10898,7 +10905,7 @@ static fb_real fbi_rates_size(fb_real *deformed, const fb_system_state *k, const
     fb_real bent = FB_R(0.0);
 
     /* Joint */
-    if (joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL) {
+    if (fbi_is_ball(joint->kind)) {
       sum += FB_R(4.0) * (x->quat[0] * x->quat[0] + fb_vec3_dot(x->quat + 1, x->quat + 1));
     } else {
       for (int j = 0; j < joint->n_axis; j++) {
@@ -11436,7 +11443,7 @@ FB_DEF fb_status fb_stepper_init(fb_stepper *stepper, const fb_stepper_desc *des
 {
   fb_status status;
   FBI_REQUIRE(stepper && desc, FB_ERR_NULL);
-  if (!fbi_is_choice((int)desc->integrator, (int)FB_INTEGRATOR_EXPONENTIAL) || fbi_stepper_count(desc) > 1) {
+  if (!fbi_is_choice((int)desc->integrator, (int)FB_INTEGRATOR_COUNT - 1) || fbi_stepper_count(desc) > 1) {
     return FB_ERR_VALUE;
   }
   status = fbi_stepper_kind(desc);
@@ -11468,6 +11475,8 @@ static fb_status fbi_stepper_body(fb_stepper *stepper)
     return fb_exponential_step(d->body, d->exponential, d->state, &stepper->work.exponential, start, middle, end);
   case FB_INTEGRATOR_RK4:
     return fb_rk4_step(d->body, d->state, &stepper->work.rk4, start, middle, end, d->dt);
+  case FB_INTEGRATOR_COUNT:
+    break;
   }
   return FB_ERR_VALUE;
 }
@@ -12711,7 +12720,7 @@ static fb_status fbi_beam_desc_check(const fb_beam_desc *desc)
     return FB_ERR_VALUE;
   }
   return desc->n_element >= 1 && desc->n_station >= 1 && desc->n_lump >= 0 &&
-                 fbi_is_choice((int)desc->root, (int)FB_ROOT_FREE)
+                 fbi_is_choice((int)desc->root, (int)FB_ROOT_COUNT - 1)
              ? FB_OK
              : FB_ERR_VALUE;
 }
@@ -14409,7 +14418,7 @@ static fb_status fbi_modes_desc_check(const fb_modes_desc *desc, const fb_beam *
     }
   }
   if (desc->omega_limit < FB_R(0.0) || desc->lowest < 0 || desc->mass_fraction < FB_R(0.0) ||
-      desc->mass_fraction > FB_R(1.0) || !fbi_is_choice((int)desc->basis, (int)FB_BASIS_COMPONENT)) {
+      desc->mass_fraction > FB_R(1.0) || !fbi_is_choice((int)desc->basis, (int)FB_BASIS_COUNT - 1)) {
     return FB_ERR_VALUE;
   }
 
@@ -16567,8 +16576,8 @@ static int fbi_depends_on_origin(unsigned effects, fb_base base)
 static fb_status fbi_form_check(const fb_shape *shape, const fb_body_desc *desc)
 {
   const int spin = fbi_has(desc->effects, FB_EFFECT_SPIN_COUPLING);
-  if (!fbi_is_choice((int)desc->form, (int)FB_FORM_FIRST) ||
-      !fbi_is_choice((int)desc->stiffness_torque, (int)FB_TORQUE_BOUNDARY)) {
+  if (!fbi_is_choice((int)desc->form, (int)FB_FORM_COUNT - 1) ||
+      !fbi_is_choice((int)desc->stiffness_torque, (int)FB_TORQUE_COUNT - 1)) {
     return FB_ERR_VALUE;
   }
 
@@ -16655,10 +16664,10 @@ static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *
     }
   }
   if (!(shape->mass > FB_R(0.0) || (shape->mass == FB_R(0.0) && desc->base == FB_BASE_PRESCRIBED)) ||
-      desc->deflection_limit < FB_R(0.0) || !fbi_is_choice((int)desc->base, (int)FB_BASE_HINGED)) {
+      desc->deflection_limit < FB_R(0.0) || !fbi_is_choice((int)desc->base, (int)FB_BASE_COUNT - 1)) {
     return FB_ERR_VALUE;
   }
-  if (!fbi_is_choice((int)desc->truncation, (int)FB_TRUNCATE_ABOVE_2)) {
+  if (!fbi_is_choice((int)desc->truncation, (int)FB_TRUNCATE_COUNT - 1)) {
     return FB_ERR_VALUE;
   }
 
@@ -16987,22 +16996,15 @@ FB_DEF fb_status fb_body_build(fb_body *body, fb_build_work *work, const fb_buil
 /* Unit twists of the axes of a joint, six numbers each, in joint.A. */
 static void fbi_joint_twists(fb_joint *joint)
 {
-  static const fb_real x[3] = {FB_R(1.0), FB_R(0.0), FB_R(0.0)}, y[3] = {FB_R(0.0), FB_R(1.0), FB_R(0.0)};
-  static const fb_real z[3] = {FB_R(0.0), FB_R(0.0), FB_R(1.0)};
-  const fb_real one = FB_R(1.0), none = FB_R(0.0);
-  const fb_joint_kind kind = joint->kind;
-  if (kind == FB_JOINT_PRISMATIC) {
-    fbi_axis_twist(joint->A, joint, z, none, one);
-  } else if (kind == FB_JOINT_SPHERICAL) {
-    fbi_axis_twist(joint->A, joint, x, one, none);
-    fbi_axis_twist(joint->A + 6, joint, y, one, none);
-    fbi_axis_twist(joint->A + 12, joint, z, one, none);
-  } else {
-    fbi_axis_twist(joint->A, joint, z, one, kind == FB_JOINT_SCREW ? joint->pitch : none);
-    if (kind == FB_JOINT_CYLINDRICAL) {
-      fbi_axis_twist(joint->A + 6, joint, z, none, one);
+  static const fb_real unit[3][3] = {
+      {FB_R(1.0), FB_R(0.0), FB_R(0.0)}, {FB_R(0.0), FB_R(1.0), FB_R(0.0)}, {FB_R(0.0), FB_R(0.0), FB_R(1.0)}};
+  const fbi_joint_traits *is = fbi_traits(joint);
+  for (int i = 0; i < is->n_axis && joint->kind != FB_JOINT_FREE; i++) {
+    const fb_real *axis = unit[fbi_is_ball(joint->kind) ? i : i == is->tilt ? 0 : 2];
+    if (i == is->slide) {
+      fbi_axis_twist(joint->A + 6 * i, joint, axis, FB_R(0.0), FB_R(1.0));
     } else {
-      fbi_axis_twist(joint->A + 6, joint, x, one, none); /* universal joint */
+      fbi_axis_twist(joint->A + 6 * i, joint, axis, FB_R(1.0), is->pitched ? joint->pitch : FB_R(0.0));
     }
   }
 }
@@ -17047,7 +17049,7 @@ static fb_status fbi_joint_check(const fb_system_desc *desc, const fb_body *body
       !fbi_is_finite(d->child_axis, 3)) {
     return FB_ERR_NOT_FINITE;
   }
-  if (!fbi_is_choice((int)d->kind, (int)FB_JOINT_SPHERICAL) || !fbi_is_attitude(d->attitude) ||
+  if (!fbi_is_choice((int)d->kind, (int)FB_JOINT_COUNT - 1) || !fbi_is_attitude(d->attitude) ||
       !fbi_is_attitude(d->child_attitude) || !fbi_is_side(d->axis, d->attitude) ||
       !fbi_is_side(d->child_axis, d->child_attitude) || (d->kind == FB_JOINT_FREE && loop)) {
     return FB_ERR_VALUE;
@@ -17056,7 +17058,7 @@ static fb_status fbi_joint_check(const fb_system_desc *desc, const fb_body *body
   /* Axes */
   for (int i = 0; i < 3; i++) {
     if (d->stiffness[i] < FB_R(0.0) || d->damping[i] < FB_R(0.0) ||
-        !fbi_is_choice((int)d->mode[i], (int)FB_AXIS_PRESCRIBED) ||
+        !fbi_is_choice((int)d->mode[i], (int)FB_AXIS_COUNT - 1) ||
         (d->kind == FB_JOINT_FREE && (d->stiffness[i] > FB_R(0.0) || d->damping[i] > FB_R(0.0)))) {
       return FB_ERR_VALUE;
     }
@@ -17108,7 +17110,7 @@ static void fbi_joint_fill(fb_joint *joint, const fb_system_desc *desc, const fb
   joint->parent_node = d->kind == FB_JOINT_FREE ? 0 : d->parent_node;
   joint->child = loop ? d->child : j;
   joint->child_node = loop ? d->child_node : 0;
-  joint->n_axis = fbi_joint_axes(d->kind);
+  joint->n_axis = fbi_traits(joint)->n_axis;
   joint->moves = joint->parent >= 0 && fbi_node_moves(&body[desc->model[joint->parent]], joint->parent_node);
 
   /* Frames on both bodies; a parent's node that no mode moves is part of the position */
@@ -17128,7 +17130,7 @@ static void fbi_joint_fill(fb_joint *joint, const fb_system_desc *desc, const fb
     joint->rest[i] = d->kind == FB_JOINT_SPHERICAL ? FB_R(0.0) : d->rest[i];
     joint->damping[i] = d->damping[i];
   }
-  if (d->kind == FB_JOINT_SPHERICAL || d->kind == FB_JOINT_FREE) {
+  if (fbi_is_ball(d->kind)) {
     for (int i = 1; i < 3; i++) {
       joint->mode[i] = d->mode[0];
       joint->stiffness[i] = d->stiffness[0];
@@ -17277,7 +17279,7 @@ static fb_status fbi_system_desc_check(const fb_body *body, int n_model, const f
   int used = 0;
   FBI_REQUIRE(desc->n_body >= 1 && desc->n_body <= FB_MAX_BODIES, FB_ERR_CAPACITY);
   FBI_REQUIRE(desc->n_loop >= 0 && desc->n_loop <= FB_MAX_LOOPS, FB_ERR_CAPACITY);
-  if (!fbi_is_choice((int)desc->method, (int)FB_METHOD_MULTIPLIERS)) {
+  if (!fbi_is_choice((int)desc->method, (int)FB_METHOD_COUNT - 1)) {
     return FB_ERR_VALUE;
   }
   for (int k = 0; k < desc->n_body; k++) {
@@ -17343,7 +17345,7 @@ static void fbi_system_fill(fb_system *out, const fb_body *body, const fb_system
   /* The joint of every body when multipliers enforce all joints */
   out->free.kind = FB_JOINT_FREE;
   out->free.parent = FB_GROUND;
-  out->free.n_axis = fbi_joint_axes(FB_JOINT_FREE);
+  out->free.n_axis = fbi_traits(&out->free)->n_axis;
 }
 
 FB_DEF fb_status fb_system_init(fb_system *system, fb_system_work *work, const fb_body *body,
@@ -18823,11 +18825,6 @@ static fb_status fbi_system_analyse_check(fb_system_analyse_work *work, const fb
   return status ? status : fbi_system_range(system, body, state);
 }
 
-static int fbi_is_ball(fb_joint_kind kind) /* the attitude is (part of) its coordinates */
-{
-  return kind == FB_JOINT_FREE || kind == FB_JOINT_SPHERICAL;
-}
-
 /* Characteristic length of a system [m], the scale of sliding coordinates: the largest radius of gyration of a body or
    offset of a joint; 1 m where all are zero. */
 static fb_real fbi_system_size(const fb_system *system, const fb_body *body)
@@ -19678,7 +19675,7 @@ FB_DEF fb_status fb_exact_path_step(const fb_exact *m, fb_exact_path *path, fb_e
 
 /* ---------------------------------------------------------------------------------------------------------------
    ANALYSE >>linear: linear models, complex modes, step advice
-   (uses config, status, vec3, rotation, solve, body, system, exact, eigen, trim) */
+   (uses config, status, vec3, rotation, solve, body, system, exact, integrate, eigen, trim) */
 
 #if FB_WITH_SYSTEM
 /* Order of magnitude of the forces on a body [N]: its weight, and mass times `size` times k [1/s^2]. */
@@ -19725,12 +19722,12 @@ static int fbi_port_is_input(fb_port_kind kind)
   return kind <= FB_PORT_BASE_RATE || kind == FB_PORT_DRIVE;
 }
 
-/* Checks a channel; last: last kind that the subject has; base: 1 if the motion of its base is prescribed; room: 1 if
+/* Checks a channel; end: the kinds of the subject are below it; base: 1 if the motion of its base is prescribed; room: 1 if
    the input has room for one more load. */
-static fb_status fbi_port_check(const fb_port *port, int is_input, fb_port_kind last, int base, int n_node, int room)
+static fb_status fbi_port_check(const fb_port *port, int is_input, fb_port_kind end, int base, int n_node, int room)
 {
   const int moves_base = port->kind == FB_PORT_BASE_VELOCITY || port->kind == FB_PORT_BASE_RATE;
-  if (!fbi_is_choice(port->axis, 2) || !fbi_is_choice((int)port->kind, (int)last) ||
+  if (!fbi_is_choice(port->axis, 2) || !fbi_is_choice((int)port->kind, (int)end - 1) ||
       fbi_port_is_input(port->kind) != is_input || (moves_base && !base)) {
     return FB_ERR_VALUE;
   }
@@ -19805,7 +19802,7 @@ static fb_status fbi_linear_desc_check(const fb_body *body, const fb_input *inpu
   for (int k = 0; k < desc->n_in + desc->n_out; k++) {
     const int is_input = k < desc->n_in;
     const fb_port *const port = is_input ? &desc->in[k] : &desc->out[k - desc->n_in];
-    const fb_status status = fbi_port_check(port, is_input, FB_PORT_ACCELERATION, body->base == FB_BASE_PRESCRIBED,
+    const fb_status status = fbi_port_check(port, is_input, FB_PORT_DRIVE, body->base == FB_BASE_PRESCRIBED,
                                             body->n_node, input->n_load < FB_MAX_LOADS);
     if (status != FB_OK || port->body != 0) {
       return status ? status : FB_ERR_CAPACITY;
@@ -19824,7 +19821,7 @@ static fb_status fbi_system_port_check(const fbi_subject *s, const fb_port *port
   FBI_REQUIRE(port->body >= 0 && port->body < s->system->n_body, FB_ERR_CAPACITY);
   joint = &s->system->joint[port->body];
   mode = s->system_state->mode[port->body];
-  status = fbi_port_check(port, is_input, FB_PORT_SPEED, joint->kind == FB_JOINT_FREE && mode[0] == FB_AXIS_PRESCRIBED,
+  status = fbi_port_check(port, is_input, FB_PORT_COUNT, joint->kind == FB_JOINT_FREE && mode[0] == FB_AXIS_PRESCRIBED,
                           fbi_model(s->system, s->body, port->body)->n_node,
                           !s->system_input || s->system_input->n_load < FB_MAX_LOADS);
   if (status != FB_OK || port->kind < FB_PORT_DRIVE) {
@@ -20442,39 +20439,70 @@ FB_DEF fb_real fb_spectrum_margin(int *mode, const fb_real *re, int n)
   return margin;
 }
 
-/* Stability function G(z) of an integrator, z = lambda dt = r d with |d| = 1: the factor of one step on exp(lambda t).
+/* Stability function G(z) of an integrator, z = lambda dt: the factor of one step on exp(lambda t). rk4:
+   1 + z (1 + z/2 (1 + z/3 (1 + z/4))).
    Source: [HW] IV.3.  Fails: never.  Test: step_limits_are_those_of_the_spectrum. */
+static fbi_complex fbi_rk4_amplify(fbi_complex z)
+{
+  fbi_complex up = {FB_R(1.0), FB_R(0.0)};
+  for (int k = 4; k > 0; k--) {
+    up = fbi_complex_mul(z, up);
+    up.re = FB_R(1.0) + up.re / (fb_real)k;
+    up.im /= (fb_real)k;
+  }
+  return up;
+}
+
+/* (1 + z/2) / (1 - z/2) */
+static fbi_complex fbi_midpoint_amplify(fbi_complex z)
+{
+  const fbi_complex up = {FB_R(1.0) + FB_R(0.5) * z.re, FB_R(0.5) * z.im};
+  const fbi_complex down = {FB_R(1.0) - FB_R(0.5) * z.re, FB_R(0.0) - FB_R(0.5) * z.im};
+  return fbi_complex_div(up, down);
+}
+
+/* (1 + (1 - 2 c) z) / (1 - c z)^2, c = 1 - 1/sqrt(2) */
+static fbi_complex fbi_sdirk_amplify(fbi_complex z)
+{
+  const fb_real c = FB_R(1.0) - FB_SQRT(FB_R(0.5)), b = FB_R(1.0) - FB_R(2.0) * c;
+  const fbi_complex up = {FB_R(1.0) + b * z.re, b * z.im};
+  const fbi_complex down = {FB_R(1.0) - c * z.re, FB_R(0.0) - c * z.im};
+  return fbi_complex_div(fbi_complex_div(up, down), down);
+}
+
+/* What an integrator of one body is, by fb_integrator. amplify NULL: it solves the linear part exactly, and a spectrum
+   does not say what it errs by. limit: the longest step that it takes; bounded: beyond it, it is unstable. order: 2 or
+   more; leading: it errs by leading z^(order + 1). A step costs evaluations of the rates, with a solution of a linear
+   system each if implicit, and own (1 + n) instructions of n modes. */
+typedef struct fbi_integrator_traits {
+  fbi_complex (*amplify)(fbi_complex z);
+  fb_real (*limit)(const fb_body *body, fb_real spin, fb_real acceleration);
+  int order;
+  fb_real leading;
+  int bounded, evaluations, implicit;
+  fb_real own;
+} fbi_integrator_traits;
+
+static const fbi_integrator_traits fbi_integrator_table[] = {
+    {fbi_rk4_amplify, fb_rk4_limit, 4, FB_R(8.3333333333333333e-3), 1, 4, 0, FB_R(0.0)},           /* RK4 */
+    {fbi_midpoint_amplify, fb_implicit_limit, 2, FB_R(8.3333333333333333e-2), 0, 3, 1, FB_R(0.0)}, /* MIDPOINT */
+    {fbi_sdirk_amplify, fb_implicit_limit, 2, FB_R(4.0440114519881e-2), 0, 5, 1, FB_R(0.0)},       /* SDIRK */
+    {NULL, fb_exponential_limit, 4, FB_R(0.0), 0, 4, 0, FB_R(1500.0)},                             /* EXPONENTIAL */
+};
+typedef char fbi_integrator_table_is_whole
+    [sizeof fbi_integrator_table / sizeof fbi_integrator_table[0] == FB_INTEGRATOR_COUNT ? 1 : -1];
+
+/* Is it one whose errors a spectrum says? */
+static int fbi_has_amplification(fb_integrator integrator)
+{
+  return fbi_is_choice((int)integrator, (int)FB_INTEGRATOR_COUNT - 1) && fbi_integrator_table[(int)integrator].amplify;
+}
+
+/* Of a step of |lambda| dt = r, lambda = |lambda| d. */
 static fbi_complex fbi_amplification(fb_integrator integrator, fbi_complex d, fb_real r)
 {
-  const fb_real c = FB_R(1.0) - FB_SQRT(FB_R(0.5));
   const fbi_complex z = {r * d.re, r * d.im};
-  fbi_complex up = {FB_R(1.0), FB_R(0.0)}, down = up;
-
-  /* rk4: 1 + z (1 + z/2 (1 + z/3 (1 + z/4))) */
-  if (integrator == FB_INTEGRATOR_RK4) {
-    for (int k = 4; k > 0; k--) {
-      up = fbi_complex_mul(z, up);
-      up.re = FB_R(1.0) + up.re / (fb_real)k;
-      up.im /= (fb_real)k;
-    }
-    return up;
-  }
-
-  /* Implicit midpoint: (1 + z/2)/(1 - z/2) */
-  if (integrator == FB_INTEGRATOR_MIDPOINT) {
-    up.re += FB_R(0.5) * z.re;
-    up.im += FB_R(0.5) * z.im;
-    down.re -= FB_R(0.5) * z.re;
-    down.im -= FB_R(0.5) * z.im;
-    return fbi_complex_div(up, down);
-  }
-
-  /* SDIRK2: (1 + (1 - 2 c) z)/(1 - c z)^2, c = 1 - sqrt(1/2) */
-  up.re += (FB_R(1.0) - FB_R(2.0) * c) * z.re;
-  up.im += (FB_R(1.0) - FB_R(2.0) * c) * z.im;
-  down.re -= c * z.re;
-  down.im -= c * z.im;
-  return fbi_complex_div(fbi_complex_div(up, down), down);
+  return fbi_integrator_table[(int)integrator].amplify(z);
 }
 
 /* |G(r d)| > 1 by more than round-off? */
@@ -20511,9 +20539,8 @@ static fb_real fbi_stable_radius(fb_integrator integrator, fbi_complex d)
 FB_DEF fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_integrator integrator)
 {
   fb_real limit = FB_HUGE;
-  FBI_REQUIRE(spectrum && spectrum->n <= FB_MAX_LINEAR && fbi_is_choice((int)integrator, (int)FB_INTEGRATOR_SDIRK),
-              FB_R(0.0));
-  for (int k = 0; k < spectrum->n && integrator == FB_INTEGRATOR_RK4; k++) {
+  FBI_REQUIRE(spectrum && spectrum->n <= FB_MAX_LINEAR && fbi_has_amplification(integrator), FB_R(0.0));
+  for (int k = 0; k < spectrum->n && fbi_integrator_table[(int)integrator].bounded; k++) {
     const fbi_complex value = {fbi_smaller(spectrum->re[k], FB_R(0.0)), spectrum->im[k]};
     const fb_real size = fbi_complex_abs(value);
     if (!fbi_is_finite(&spectrum->re[k], 1) || !fbi_is_finite(&size, 1)) {
@@ -20532,12 +20559,15 @@ FB_DEF fb_real fb_spectrum_limit(const fb_spectrum *spectrum, fb_integrator inte
    loses digits. */
 static fb_real fbi_step_error(fb_integrator integrator, fbi_complex d, fb_real r)
 {
-  static const fb_real leading[3] = {FB_R(8.3333333333333333e-3), FB_R(8.3333333333333333e-2),
-                                     FB_R(4.0440114519881e-2)};
+  const fbi_integrator_traits *is = &fbi_integrator_table[(int)integrator];
   const fb_real grown = FB_EXP(d.re * r);
   fbi_complex G;
-  if (r < FB_R(0.3)) { /* of z^5, of z^3 */
-    return leading[integrator] * r * r * r * (integrator == FB_INTEGRATOR_RK4 ? r * r : FB_R(1.0));
+  if (r < FB_R(0.3)) {
+    fb_real beyond = FB_R(1.0); /* z^3 */
+    for (int k = 2; k < is->order; k++) {
+      beyond *= r;
+    }
+    return is->leading * r * r * r * beyond;
   }
   G = fbi_amplification(integrator, d, r);
   G.re -= grown * FB_COS(d.im * r);
@@ -20580,8 +20610,8 @@ FB_DEF fb_real fb_spectrum_dt(const fb_spectrum *spectrum, fb_integrator integra
 {
   const fb_real most = fbi_smaller(FB_R(0.9) * fb_spectrum_limit(spectrum, integrator), duration);
   fb_real low = FB_R(0.0), high = FB_R(8.6736173798840355e-19) * most; /* 2^-60 */
-  if (!spectrum || spectrum->n > FB_MAX_LINEAR || !fbi_is_choice((int)integrator, (int)FB_INTEGRATOR_SDIRK) ||
-      !(duration > FB_R(0.0)) || !(tolerance > FB_R(0.0)) || !(most > FB_R(0.0)) ||
+  if (!spectrum || spectrum->n > FB_MAX_LINEAR || !fbi_has_amplification(integrator) || !(duration > FB_R(0.0)) ||
+      !(tolerance > FB_R(0.0)) || !(most > FB_R(0.0)) ||
       !(fbi_spectrum_error(spectrum, integrator, amplitude, high, duration) >= FB_R(0.0))) { /* NaN */
     return FB_R(0.0);
   }
@@ -20953,8 +20983,8 @@ static fb_status fbi_exact_ports_check(const fb_exact *m, const fb_exact_linear_
     const int is_in = k < desc->n_in;
     const fb_exact_port *const port = is_in ? &desc->in[k] : &desc->out[k - desc->n_in];
     const int kind = (int)port->kind, base = kind == 2 || kind == 3;
-    if (!fbi_is_choice(port->axis, 2) || !fbi_is_choice(kind, (int)FB_EXACT_PORT_MOMENT_STRAIN) ||
-        !fbi_is_choice((int)port->axes, (int)FB_AXES_BODY) || (kind <= (int)FB_EXACT_PORT_BASE_RATE) != is_in) {
+    if (!fbi_is_choice(port->axis, 2) || !fbi_is_choice(kind, (int)FB_EXACT_PORT_COUNT - 1) ||
+        !fbi_is_choice((int)port->axes, (int)FB_AXES_COUNT - 1) || (kind <= (int)FB_EXACT_PORT_BASE_RATE) != is_in) {
       return FB_ERR_VALUE;
     }
     if (!base && !fbi_is_choice(port->at, kind >= (int)FB_EXACT_PORT_INTERNAL_FORCE ? m->n - 1 : m->n)) {
@@ -21303,7 +21333,7 @@ FB_DEF fb_status fb_exact_linearize(const fb_exact *m, fb_exact_linear_work *w, 
 
 /* ---------------------------------------------------------------------------------------------------------------
    ANALYSE >>advise: which effects, modes, integrator and step a scene calls for
-   (uses config, status, vec3, solve, body, integrate, assemble, trim, linear) */
+   (uses config, status, vec3, solve, body, assemble, trim, linear) */
 
 /* Candidate sets of effects, ascending in cost; the last is the full set. */
 static const unsigned fbi_advice_set[FBI_ADVICE_SETS] = {
@@ -21740,6 +21770,7 @@ static fb_real fbi_advise_set(fb_advice_work *work, const fb_envelope *e, const 
    Test: costs_are_those_of_counted_instructions. */
 static fb_real fbi_step_instructions(const fb_body *body, fb_integrator integrator)
 {
+  const fbi_integrator_traits *is = &fbi_integrator_table[(int)integrator];
   const int held = body->base == FB_BASE_PRESCRIBED;
   const fb_real n = (fb_real)body->n, quadratic = (fb_real)(body->n_S > 0),
                 terms = (fb_real)(body->n_lambda + body->n_S);
@@ -21751,17 +21782,9 @@ static fb_real fbi_step_instructions(const fb_body *body, fb_integrator integrat
   const fb_real ends = held ? 250 + 90 * n : 150 + 30 * n; /* position of O, frame of the momenta */
   const fb_real factor = held ? 30 * terms + 130 * n : 85 * terms + 3900 + 830 * n;
 
-  /* Stages of each integrator */
-  switch (integrator) {
-  case FB_INTEGRATOR_RK4:
-    return 4 * rates + ends;
-  case FB_INTEGRATOR_MIDPOINT:
-    return 3 * (rates + solve) + factor + ends;
-  case FB_INTEGRATOR_SDIRK:
-    return 5 * (rates + solve) + factor + ends;
-  default:
-    return 4 * rates + 1500 + 1500 * n + ends;
-  }
+  /* Stages of the integrator */
+  const fb_real implicit = (fb_real)is->implicit;
+  return (fb_real)is->evaluations * (rates + implicit * solve) + implicit * factor + is->own + is->own * n + ends;
 }
 
 /* Longest step considered [s]: the frame, else an eighth of the duration. */
@@ -21775,10 +21798,7 @@ static fb_real fbi_integrator_limit(const fb_body *body, fb_integrator integrato
 {
   const fb_real spin = fbi_vec3_norm(e->spin);
   const fb_real acceleration = body->base == FB_BASE_FREE ? FB_R(0.0) : fbi_vec3_norm(e->acceleration);
-  fb_real limit = fb_implicit_limit(body, spin, acceleration);
-  limit = integrator == FB_INTEGRATOR_RK4 ? fb_rk4_limit(body, spin, acceleration) : limit;
-  limit = integrator == FB_INTEGRATOR_EXPONENTIAL ? fb_exponential_limit(body, spin, acceleration) : limit;
-  return fbi_smaller(limit, fbi_longest_step(e));
+  return fbi_smaller(fbi_integrator_table[(int)integrator].limit(body, spin, acceleration), fbi_longest_step(e));
 }
 
 /* Largest step that divides the frame and is at most dt (dt <= frame). */
@@ -21798,8 +21818,8 @@ static fb_real fbi_advice_step(fb_advice_work *work, const fb_envelope *e, fb_in
                                fb_real tolerance)
 {
   fb_spectrum *const s = &work->spectrum;
-  const int exponential = integrator == FB_INTEGRATOR_EXPONENTIAL;
-  const fb_real spin = fbi_vec3_norm(e->spin), inertial = exponential ? work->error[0] : 1;
+  const int exact = !fbi_has_amplification(integrator); /* in the linear part */
+  const fb_real spin = fbi_vec3_norm(e->spin), inertial = exact ? work->error[0] : 1;
   fb_real amplitude[FB_MAX_MODES + 1];
 
   /* Free vibration */
@@ -21817,7 +21837,7 @@ static fb_real fbi_advice_step(fb_advice_work *work, const fb_envelope *e, fb_in
     s->re[s->n] = FB_R(0.0);
     s->im[s->n++] = e->frequency;
   }
-  return fb_spectrum_dt(s, exponential ? FB_INTEGRATOR_RK4 : integrator, amplitude, e->duration, tolerance);
+  return fb_spectrum_dt(s, exact ? FB_INTEGRATOR_RK4 : integrator, amplitude, e->duration, tolerance);
 }
 
 /* ---- advice */
@@ -21902,7 +21922,7 @@ static fb_real fbi_advice_model_error(const fb_advice_work *work, const fb_shape
 static void fbi_advise_integrator(fb_advice *advice, fb_advice_work *work, const fb_envelope *e, fb_real tolerance)
 {
   advice->cost = FB_HUGE;
-  for (int s = 0; s <= (int)FB_INTEGRATOR_EXPONENTIAL; s++) {
+  for (int s = 0; s < (int)FB_INTEGRATOR_COUNT; s++) {
     const fb_integrator integrator = (fb_integrator)s;
     const fb_real limit = fbi_integrator_limit(&work->body, integrator, e);
     const fb_real step = fbi_advice_step(work, e, integrator, advice->n, tolerance);
@@ -21998,12 +22018,13 @@ static fb_status fbi_search_prepare(fb_advice_work *work, const fb_shape *shape,
     if (status != FB_OK && status != FB_ERR_EFFECTS) {
       return status;
     }
-    for (int s = 0; s < 4; s++) {
+    for (int s = 0; s < (int)FB_INTEGRATOR_COUNT; s++) {
+      const fb_integrator integrator = (fb_integrator)s;
       work->last[set][i][s] = FB_HUGE;
       work->part[set][i][s] = status == FB_OK ? 0 : FBI_ADVICE_PARTS;
-      work->step_cost[set][i][s] = status == FB_OK ? fbi_step_instructions(&work->body, (fb_integrator)s) : FB_R(0.0);
+      work->step_cost[set][i][s] = status == FB_OK ? fbi_step_instructions(&work->body, integrator) : FB_R(0.0);
       work->longest[set][i][s] =
-          s == (int)FB_INTEGRATOR_RK4 ? fbi_integrator_limit(&work->body, FB_INTEGRATOR_RK4, e) : fbi_longest_step(e);
+          fbi_integrator_table[s].bounded ? fbi_integrator_limit(&work->body, integrator, e) : fbi_longest_step(e);
     }
   }
   return FB_OK;
@@ -22013,8 +22034,9 @@ static fb_status fbi_search_prepare(fb_advice_work *work, const fb_shape *shape,
 static int fbi_search_next(int at[3], fb_advice *advice, const fb_advice_work *work, const fb_envelope *e, int n)
 {
   fb_real best = FB_HUGE;
-  for (int k = 0; k < FBI_ADVICE_SETS * n * 4; k++) {
-    const int set = k / (4 * n), i = k / 4 % n, s = k % 4;
+  const int count = (int)FB_INTEGRATOR_COUNT;
+  for (int k = 0; k < FBI_ADVICE_SETS * n * count; k++) {
+    const int set = k / (count * n), i = k / count % n, s = k % count;
     if (work->part[set][i][s] < FBI_ADVICE_PARTS && work->longest[set][i][s] > FB_R(0.0)) {
       const fb_real dt = fbi_trial_step(work->longest[set][i][s], e->frame, work->part[set][i][s]);
       const fb_real cost = work->step_cost[set][i][s] / dt;
@@ -22065,7 +22087,7 @@ static void fbi_search_note(fb_advice_work *work, const fb_envelope *e, const in
   do { /* the next different step; rounded to parts of the frame, some are equal */
     part[at[2]]++;
   } while (part[at[2]] < FBI_ADVICE_PARTS && !(fbi_trial_step(longest, e->frame, part[at[2]]) < FB_R(0.999) * dt));
-  for (int s = 0; s < 4 && same && error > FB_R(1.2) * tolerance; s++) {
+  for (int s = 0; s < (int)FB_INTEGRATOR_COUNT && same && error > FB_R(1.2) * tolerance; s++) {
     part[s] = FBI_ADVICE_PARTS;
   }
   *last = error;
@@ -22080,8 +22102,8 @@ static fb_status fbi_search_fullest(fb_advice *fullest, fb_advice_work *work, co
   fb_real size;
   fb_status status;
   fbi_advice_fill(fullest, work, desc, FBI_ADVICE_FULL, n);
-  fullest->dt = fbi_trial_step(work->longest[FBI_ADVICE_FULL][n - 1][0], e->frame, FBI_ADVICE_SHORT);
-  fullest->cost = work->step_cost[FBI_ADVICE_FULL][n - 1][0] / fullest->dt;
+  fullest->dt = fbi_trial_step(work->longest[FBI_ADVICE_FULL][n - 1][FB_INTEGRATOR_RK4], e->frame, FBI_ADVICE_SHORT);
+  fullest->cost = work->step_cost[FBI_ADVICE_FULL][n - 1][FB_INTEGRATOR_RK4] / fullest->dt;
   if (!(fullest->dt > FB_R(0.0)) || !(fullest->cost < FB_HUGE)) {
     return FB_ERR_STEP;
   }

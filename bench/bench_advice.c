@@ -119,7 +119,7 @@ static void judge(fbb_tally *tally, fbb_trial *trial, const fb_advice *a, double
   printf("    %-8s %s%s%s%s%s %d modes, %s, %.3g ms: error %.2g %%, time %.2f\n", name,
          a->effects & FB_EFFECT_SPIN_COUPLING ? "C" : "", a->effects & FB_EFFECT_RESIDUAL_INERTIA ? "R" : "",
          a->effects & FB_EFFECT_SPIN_STIFFENING ? "S" : "", a->effects & FB_EFFECT_ACCELERATION_STIFFENING ? "A" : "",
-         a->effects & FB_EFFECTS_FULL & ~FB_EFFECTS_LINEAR ? "," : "linear,", a->n, fbb_integrator_name[a->integrator],
+         a->effects & FB_EFFECTS_FULL & ~FB_EFFECTS_LINEAR ? "," : "linear,", a->n, stepper_name[a->integrator],
          1e3 * (double)a->dt, 100 * error, best ? fastest / best->ns_per_s : 0.0);
 }
 

@@ -374,9 +374,6 @@ static void fbb_exact_run(fbb_history *history, const fbb_case *c, int n_element
 
 /* ---- modal bodies */
 
-#define FBB_INTEGRATORS 4 /* those of fb_integrator */
-static const char *const fbb_integrator_name[] = {"rk4", "midpoint", "sdirk", "exponential"};
-
 /* What deforms: bending modes along y and z, or with `elements` > 0 their cubic functions in both directions and along
    the beam, for nonlinear strain. */
 typedef struct fbb_basis {

@@ -118,14 +118,14 @@ static void fbb_climb_steps(const fbb_case *c, const fb_body *body, fbb_entry *e
   static fbb_history h;
   const double sample = c->duration / FBB_SAMPLES, limit = (double)fb_rk4_limit(body, (fb_real)fbb_largest_spin(c), 0);
   const int fewest = limit < sample ? (int)ceil(sample / limit) : 1;
-  for (int integrator = 0; integrator < FBB_INTEGRATORS; integrator++) {
+  for (int integrator = 0; integrator < (int)FB_INTEGRATOR_COUNT; integrator++) {
     for (int k = 0, steps = integrator == FB_INTEGRATOR_RK4 ? fewest : 1; k < 4 && steps <= 4 * fewest;
          k++, steps *= 2) {
       if (integrator == FB_INTEGRATOR_RK4 && e->basis.elements && k > 0) {
         break; /* its steps are short enough */
       }
       fbb_body_run(&h, c, body, (fb_integrator)integrator, steps);
-      e->integrator = fbb_integrator_name[integrator];
+      e->integrator = stepper_name[integrator];
       e->dt = sample / steps;
       fbb_record(e, &h);
     }

@@ -33,6 +33,8 @@ typedef struct fbt_case {
 } fbt_case;
 
 #define FBT_COUNT(array) ((int)(sizeof(array) / sizeof((array)[0])))
+/* At file scope: the array has one element for each of `count` enumerators, else it does not compile. */
+#define FBT_ONE_EACH(array, count) typedef char array##_one_each[FBT_COUNT(array) == (int)(count) ? 1 : -1]
 #define TEST(name) static void name(void)
 #define RUN(name)  \
   {                \

@@ -70,7 +70,12 @@ static inline double energy_of(const fb_state *state)
 
 /* ---- all integrators */
 
-typedef enum integrator { RK4, MIDPOINT, SDIRK, EXPONENTIAL, INTEGRATORS } integrator;
+typedef fb_integrator integrator;
+#define RK4 FB_INTEGRATOR_RK4
+#define MIDPOINT FB_INTEGRATOR_MIDPOINT
+#define SDIRK FB_INTEGRATOR_SDIRK
+#define EXPONENTIAL FB_INTEGRATOR_EXPONENTIAL
+#define INTEGRATORS FB_INTEGRATOR_COUNT
 static fb_exponential exponential;
 static fb_implicit_work implicit_work;
 static fb_exponential_work exponential_work;
@@ -87,9 +92,12 @@ static inline fb_status step(integrator which, fb_state *state, const fb_input *
     return fb_midpoint_step(&body, state, &implicit_work, in1, (fb_real)dt, 0);
   case SDIRK:
     return fb_sdirk_step(&body, state, &implicit_work, in0, in2, (fb_real)dt, 0);
-  default:
+  case EXPONENTIAL:
     return fb_exponential_step(&body, &exponential, state, &exponential_work, in0, in1, in2);
+  case INTEGRATORS:
+    break;
   }
+  return FB_ERR_UNSUPPORTED;
 }
 
 static inline void prepare(integrator which, double dt)

@@ -25,6 +25,21 @@ static fb_system_motion motion;
 static fb_link_motion start[FB_MAX_BODIES];
 static double kilogram = 1.0, meter = 1.0, second = 1.0; /* what bodies are measured in */
 
+/* A kind of joint as the header has it: its axes; the numbers of that which is an angle about z, a slide along z, an
+   angle about the turned x; -1: none. The angle of a screw slides, too. */
+typedef struct joint_axes {
+  int count, angle, slide, tilt;
+} joint_axes;
+
+static const joint_axes joint_axes_by_kind[] = {{6, -1, -1, -1}, {0, -1, -1, -1}, {1, 0, -1, -1}, {1, -1, 0, -1},
+                                                {2, 0, 1, -1},   {1, 0, -1, -1},  {2, 0, -1, 1},  {3, -1, -1, -1}};
+FBT_ONE_EACH(joint_axes_by_kind, FB_JOINT_COUNT);
+
+static inline const joint_axes *axes_of(int kind)
+{
+  return &joint_axes_by_kind[kind];
+}
+
 static inline void fresh(void)
 {
   memset(&desc, 0, sizeof desc);

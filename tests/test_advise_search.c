@@ -157,8 +157,7 @@ typedef struct looked_at { /* a scene of which everything is known */
   int n_run, diverges;
   fb_real last_cost, floor, most, shortest; /* the first run's cost and step */
   int in_order;
-  fb_real dt[FB_EFFECTS_FULL + 1][FB_MAX_MODES + 1]
-            [FB_INTEGRATOR_EXPONENTIAL + 1]; /* last tried, by set, modes and integrator */
+  fb_real dt[FB_EFFECTS_FULL + 1][FB_MAX_MODES + 1][FB_INTEGRATOR_COUNT]; /* last tried, by set, modes and integrator */
 } looked_at;
 
 /* Off by 0.2 without spin stiffening, by 0.05 without the second mode, by the square of the step; `floor` or twice that
@@ -319,11 +318,13 @@ static void new_judge(picky *p, unsigned effects, int n, int integrator)
   envelope.spin[2] = FB_R(0.5);
 }
 
+static const char *const column[] = {"rk4", "midpoint", "sdirk", "exponential"};
+FBT_ONE_EACH(column, FB_INTEGRATOR_COUNT);
+
 /* The estimated costs of steps are those of counted instructions (step_instructions.csv): each integrator, a base that
    flies and one that is held, without and with terms of second degree, 2 to 12 modes. */
 TEST(costs_are_those_of_counted_instructions)
 {
-  static const char *const integrator[4] = {"rk4", "midpoint", "sdirk", "exponential"};
   static picky p; /* takes anything */
   const fb_real center[3] = {0, 0, 0}, inertia[6] = {80, 80, 80, 0, 0, 0};
   const fbt_table *table = fbt_reference("step_instructions.csv");
@@ -338,8 +339,8 @@ TEST(costs_are_those_of_counted_instructions)
     level.base = strcmp(fbt_word(table, row, "base"), "free") == 0 ? FB_BASE_FREE : FB_BASE_PRESCRIBED;
     memset(&p, 0, sizeof p);
     FBT_INT_EQ(search_for(&p), FB_OK);
-    for (int s = 0; s < 4; s++) {
-      FBT_NEAR_REL(work.step_cost[set][shape.n - 1][s], fbt_value(table, row, integrator[s]), 0.12);
+    for (int s = 0; s < (int)FB_INTEGRATOR_COUNT; s++) {
+      FBT_NEAR_REL(work.step_cost[set][shape.n - 1][s], fbt_value(table, row, column[s]), 0.12);
     }
   }
 }

@@ -263,7 +263,7 @@ TEST(analysis_of_systems_refuses_bad_input)
                {{FB_PORT_BASE_RATE, 1, 0, 0}, 1, FB_ERR_VALUE},     /* not prescribed */
                {{FB_PORT_FORCE, 0, 7, 0}, 1, FB_ERR_CAPACITY},      /* no such node */
                {{FB_PORT_RATE, 3, 9, 0}, 0, FB_ERR_CAPACITY},       /* no such node */
-               {{(fb_port_kind)11, 1, 0, 0}, 0, FB_ERR_VALUE}};     /* no such kind */
+               {{FB_PORT_COUNT, 1, 0, 0}, 0, FB_ERR_VALUE}};        /* no such kind */
   static fb_linear linear, linear_before;
   static fb_spectrum before_spectrum;
   static fb_system_state before;

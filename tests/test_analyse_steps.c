@@ -181,7 +181,7 @@ TEST(advised_steps_err_as_wanted)
     FBT_BELOW(error, 3.0 * tolerance);
     FBT_BELOW(tolerance / 3.0, error);
   }
-  FBT_NEAR_ABS(fb_spectrum_dt(&spectrum, (fb_integrator)3, NULL, FB_R(1.0), FB_R(0.1)), 0.0, 0.0);
+  FBT_NEAR_ABS(fb_spectrum_dt(&spectrum, FB_INTEGRATOR_COUNT, NULL, FB_R(1.0), FB_R(0.1)), 0.0, 0.0);
   FBT_NEAR_ABS(fb_spectrum_dt(&spectrum, FB_INTEGRATOR_RK4, NULL, FB_R(0.0), FB_R(0.1)), 0.0, 0.0);
   FBT_NEAR_ABS(fb_spectrum_dt(&spectrum, FB_INTEGRATOR_RK4, NULL, FB_R(1.0), (fb_real)NAN), 0.0, 0.0);
 }

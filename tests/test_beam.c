@@ -488,7 +488,7 @@ static fb_status spoil(int fault)
     desc.n_lump = FB_MAX_LUMPS + 1;
     return FB_ERR_CAPACITY;
   case 10:
-    desc.root = (fb_root)3;
+    desc.root = FB_ROOT_COUNT;
     return FB_ERR_VALUE;
   case 11:
     middle->x = desc.station[1].x; /* not ascending */

@@ -92,7 +92,7 @@ TEST(bodies_refuse_bad_input)
   input.load[0].node = 3;
   FBT_INT_EQ(fb_body_rates_eval(&body, &same, &state, &input), FB_ERR_CAPACITY);
   input.load[0].node = 1;
-  input.load[0].axes = (fb_axes)3;
+  input.load[0].axes = FB_AXES_COUNT;
   FBT_INT_EQ(fb_body_rates_eval(&body, &same, &state, &input), FB_ERR_VALUE);
   input.load[0].axes = FB_AXES_BODY;
   input.load[0].force[0] = (fb_real)NAN;

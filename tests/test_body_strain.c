@@ -874,10 +874,10 @@ TEST(half_an_inertia_is_refused)
   desc_clear();
   desc.effects = FB_EFFECTS_STRAIN;
 #if FB_WITH_FORMS
-  desc.form = (fb_form)3;
+  desc.form = FB_FORM_COUNT;
   refused(FB_ERR_VALUE);
   desc.form = FB_FORM_FIRST;
-  desc.stiffness_torque = (fb_stiffness_torque)3;
+  desc.stiffness_torque = FB_TORQUE_COUNT;
   refused(FB_ERR_VALUE);
   desc.stiffness_torque = FB_TORQUE_PRINTED;
   FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc), FB_OK);

@@ -448,7 +448,7 @@ TEST(linear_beams_refuse_bad_input)
     wrong.out[7].at = bad == 4 ? 4 : wrong.out[7].at; /* a node is, an element is not */
     wrong.out[0].axis = bad == 5 ? 3 : 0;
     wrong.in[0].kind = bad == 6 ? FB_EXACT_PORT_RATE : FB_EXACT_PORT_FORCE;
-    wrong.out[0].kind = bad == 7 ? (fb_exact_port_kind)12 : FB_EXACT_PORT_DISPLACEMENT;
+    wrong.out[0].kind = bad == 7 ? FB_EXACT_PORT_COUNT : FB_EXACT_PORT_DISPLACEMENT;
     FBT_INT_EQ(fb_exact_linearize(&exact, &linear_work, &linear, &steady, &input, &wrong, 2),
                bad < 5 ? FB_ERR_CAPACITY : FB_ERR_VALUE);
   }

@@ -330,12 +330,14 @@ TEST(deflection_and_stretch_shorten_the_step)
 }
 
 /* The step that an integrator's limit allows at this spin and this acceleration of O. */
+static fb_real (*const longest_step[])(const fb_body *, fb_real, fb_real) = {fb_rk4_limit, fb_implicit_limit,
+                                                                             fb_implicit_limit, fb_exponential_limit};
+FBT_ONE_EACH(longest_step, INTEGRATORS);
+
 static double limit_of(integrator which, double spin, double acceleration)
 {
   const fb_real w = (fb_real)spin, a = (fb_real)acceleration;
-  return (double)(which == RK4           ? fb_rk4_limit(&body, w, a)
-                  : which == EXPONENTIAL ? fb_exponential_limit(&body, w, a)
-                                         : fb_implicit_limit(&body, w, a));
+  return (double)longest_step[which](&body, w, a);
 }
 
 typedef struct scene { /* what a base does, its limits' spin and acceleration of O */

@@ -265,9 +265,10 @@ static void turned(double y[3], const fb_real quat[4], const double x[3])
    by the coordinates as the header says, by quaternions. */
 TEST(every_joint_moves_as_it_should)
 {
-  for (int kind = (int)FB_JOINT_RIGID; kind <= (int)FB_JOINT_SPHERICAL; kind++) {
+  for (int kind = (int)FB_JOINT_RIGID; kind < (int)FB_JOINT_COUNT; kind++) {
     fb_real frame[4], child[4], rel[4], two[4], all[4], back[4];
-    double origin[3], out[3], shift[3] = {0}, axis[3] = {0, 0, 1}, miss = 0.0, angle = 0.4, slide = 0.0;
+    double origin[3], out[3], shift[3] = {0}, axis[3] = {0, 0, 1}, miss = 0.0, angle, slide;
+    const joint_axes *axes = axes_of(kind);
     fb_joint_desc *j;
     fresh();
     fbt_seed((unsigned)kind);
@@ -290,10 +291,10 @@ TEST(every_joint_moves_as_it_should)
     init(FB_METHOD_RECURSIVE);
     FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
     FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, NULL), FB_OK);
-    slide = kind == FB_JOINT_PRISMATIC ? 0.4 : kind == FB_JOINT_CYLINDRICAL ? -0.3 : kind == FB_JOINT_SCREW ? 0.1 : 0.0;
-    angle = kind == FB_JOINT_PRISMATIC || kind == FB_JOINT_RIGID ? 0.0 : angle;
+    angle = axes->angle < 0 ? 0.0 : (double)start[1].value[axes->angle];
+    slide = axes->slide >= 0 ? (double)start[1].value[axes->slide] : kind == FB_JOINT_SCREW ? 0.25 * angle : 0.0;
     turn(rel, 0, 0, angle);
-    turn(two, kind == FB_JOINT_UNIVERSAL ? -0.3 : 0.0, 0, 0);
+    turn(two, axes->tilt < 0 ? 0.0 : (double)start[1].value[axes->tilt], 0, 0);
     fb_quat_mul(all, rel, two);
     memcpy(rel, kind == FB_JOINT_SPHERICAL ? start[1].quat : all, sizeof rel);
     fb_quat_mul(frame, motion.pose[0].quat, j->attitude); /* joint frame of the parent */

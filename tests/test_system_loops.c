@@ -179,9 +179,9 @@ TEST(springs_of_loops_pull_like_those_of_the_tree)
 /* E9.17: a loop whose axis is prescribed closes where it is told to be, from a start aside, whichever way it runs. */
 TEST(a_prescribed_loop_closes_where_it_is_told)
 {
-  for (int kind = (int)FB_JOINT_REVOLUTE; kind < (int)FB_JOINT_SPHERICAL; kind++) {
-    const int axis = kind == FB_JOINT_CYLINDRICAL || kind == FB_JOINT_UNIVERSAL;
-    for (int form = 0; form < (kind == FB_JOINT_UNIVERSAL ? 1 : 2); form++) {
+  for (int kind = (int)FB_JOINT_REVOLUTE; kind < (int)FB_JOINT_COUNT; kind++) {
+    const int axis = axes_of(kind)->count - 1;
+    for (int form = 0; form < (kind == FB_JOINT_SPHERICAL ? 0 : kind == FB_JOINT_UNIVERSAL ? 1 : 2); form++) {
       couple((fb_joint_kind)kind, axis, FB_AXIS_PRESCRIBED);
       init(FB_METHOD_RECURSIVE);
       FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
@@ -341,18 +341,18 @@ TEST(a_loop_closes_the_shortest_way)
 /* E9.17: right angles are there half a turn off, too: a loop closed that way is refused, by kind and axis. */
 TEST(loops_are_closed_the_right_way_round)
 {
-  for (int kind = (int)FB_JOINT_RIGID; kind <= (int)FB_JOINT_SPHERICAL; kind++) {
+  for (int kind = (int)FB_JOINT_RIGID; kind < (int)FB_JOINT_COUNT; kind++) {
     const int ball = kind == FB_JOINT_SPHERICAL;
-    const int slides = kind == FB_JOINT_PRISMATIC || kind == FB_JOINT_RIGID;
+    const int slides = !ball && axes_of(kind)->angle < 0;
     for (int axis = 0; axis < 3; axis++) {
-      const int turns = ball || (kind == FB_JOINT_UNIVERSAL && axis != 1) || (axis == 2 && !slides);
+      const int turns = ball || (axes_of(kind)->tilt >= 0 && axis != 1) || (axis == 2 && !slides);
       fresh();
       rigid(&model[0], 1.0, 0.2, 0, 0, 0.1, 0.1, 0.1);
       hang(0, 0, FB_JOINT_SPHERICAL, FB_GROUND, 0);
       close_loop((fb_joint_kind)kind, FB_GROUND, 0, 0, 0);
       turn(start[0].quat, axis == 0 ? 3.0 : 0.0, axis == 1 ? 3.0 : 0.0, axis == 2 ? 3.0 : 0.0);
       init(FB_METHOD_RECURSIVE);
-      if (kind != FB_JOINT_UNIVERSAL || axis != 1) {
+      if (axes_of(kind)->tilt < 0 || axis != 1) {
         FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL),
                    turns ? FB_OK : FB_ERR_CONTRADICTION);
       }

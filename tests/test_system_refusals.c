@@ -126,7 +126,7 @@ TEST(systems_that_memory_has_changed_are_refused)
   refused_with(&mechanism.n_body, FB_MAX_BODIES + 1);
   refused_with(&mechanism.n_loop, -1);
   refused_with(&mechanism.n_loop, FB_MAX_LOOPS + 1);
-  refused_with(&mechanism.method, FB_METHOD_MULTIPLIERS + 1);
+  refused_with(&mechanism.method, FB_METHOD_COUNT);
   refused_with(&mechanism.allow_long_step, 2);
   refused_with(&mechanism.model[1], 1);
   refused_with(&mechanism.model[1], -1);
@@ -144,7 +144,7 @@ TEST(systems_that_memory_has_changed_are_refused)
   refused_with(&joint[1].parent, 1);
   refused_with(&joint[1].child, 0);
   for (int j = 1; j < 3; j++) {
-    refused_with(&joint[j].kind, FB_JOINT_SPHERICAL + 1);
+    refused_with(&joint[j].kind, FB_JOINT_COUNT);
     refused_with(&joint[j].parent, FB_GROUND - 1);
     refused_with(&joint[j].parent, 2);
     refused_with(&joint[j].child, 2);
@@ -168,7 +168,7 @@ TEST(systems_that_memory_has_changed_are_refused)
     refused_without(joint[j].damping, 3);
     for (int i = 0; i < 3; i++) {
       const fb_real stiffness = joint[j].stiffness[i], damping = joint[j].damping[i];
-      refused_with(&joint[j].mode[i], FB_AXIS_PRESCRIBED + 1);
+      refused_with(&joint[j].mode[i], FB_AXIS_COUNT);
       joint[j].stiffness[i] = -FB_R(1.0);
       FBT_TRUE(fb_system_check(&mechanism, model, 1) != FB_OK);
       joint[j].stiffness[i] = stiffness;
@@ -183,7 +183,7 @@ TEST(systems_that_memory_has_changed_are_refused)
    are; as far as a body may be deflected and no further. */
 TEST(states_out_of_range_are_refused)
 {
-  const int beyond = FB_AXIS_PRESCRIBED + 1;
+  const int beyond = FB_AXIS_COUNT;
   for (int j = 0; j < 3; j++) { /* free, spherical, revolute */
     couple(FB_JOINT_SPHERICAL, 0, FB_AXIS_FREE);
     hang(2, 0, FB_JOINT_REVOLUTE, 1, 1);

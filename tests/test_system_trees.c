@@ -367,9 +367,7 @@ static void multiply(fb_real *x, int n, double s)
 /* Unit of axis i of a joint: of a length, or 1. */
 static double unit_of(fb_joint_kind kind, int i)
 {
-  return kind == FB_JOINT_PRISMATIC || (kind == FB_JOINT_CYLINDRICAL && i == 1) || (kind == FB_JOINT_FREE && i < 3)
-             ? meter
-             : 1.0;
+  return i == axes_of((int)kind)->slide || (kind == FB_JOINT_FREE && i < 3) ? meter : 1.0;
 }
 
 /* From SI to the units: a joint, how it starts and what drives it. */
@@ -504,10 +502,11 @@ TEST(systems_know_no_units)
 TEST(every_joint_is_the_same_eliminated_kept_or_closing_a_loop)
 {
   static fb_system_motion first[3];
-  for (int kind = (int)FB_JOINT_RIGID; kind <= (int)FB_JOINT_SPHERICAL; kind++) {
-    const int axes = kind == FB_JOINT_CYLINDRICAL || kind == FB_JOINT_UNIVERSAL ? 2 : kind == FB_JOINT_RIGID ? 0 : 1;
-    const int forms = kind == FB_JOINT_UNIVERSAL || kind == FB_JOINT_SPHERICAL ? 4 : 5; /* their axes have an order */
-    for (int given = 0; given <= 2 * axes; given++) {                                   /* each locked, prescribed */
+  for (int kind = (int)FB_JOINT_RIGID; kind < (int)FB_JOINT_COUNT; kind++) {
+    const int ball = kind == FB_JOINT_SPHERICAL;
+    const int axes = ball ? 1 : axes_of(kind)->count;           /* all of a ball have one mode */
+    const int forms = ball || axes_of(kind)->tilt >= 0 ? 4 : 5; /* their axes have an order */
+    for (int given = 0; given <= 2 * axes; given++) {           /* each locked, prescribed */
       const fb_axis_mode mode = given == 0 ? FB_AXIS_FREE : given % 2 ? FB_AXIS_LOCKED : FB_AXIS_PRESCRIBED;
       fb_real whole[3][3], other[3];
       for (int form = 0; form < forms; form++) {

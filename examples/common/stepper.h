@@ -3,6 +3,10 @@
 #ifndef STEPPER_H
 #define STEPPER_H
 
+/* Names of the integrators, by fb_integrator: of fb_NAME_step. */
+static const char *const stepper_name[] = {"rk4", "midpoint", "sdirk", "exponential"};
+typedef char stepper_names_are_whole[sizeof stepper_name / sizeof stepper_name[0] == FB_INTEGRATOR_COUNT ? 1 : -1];
+
 /* input: at the start, the middle and the end of a step; exponential: room for that integrator. */
 static inline fb_status body_stepper(fb_stepper *stepper, fb_exponential *exponential, fb_body_work *work,
                                      const fb_body *body, fb_state *state, const fb_input *input,

@@ -244,6 +244,7 @@ static void scene_read_motion(text_file *t, scene *s)
 /* ---- the file */
 
 static const char *const scene_integrators[] = {"rk4", "midpoint", "sdirk", "exponential", "auto", NULL};
+typedef char scene_integrators_are_whole[sizeof scene_integrators / sizeof(char *) == FB_INTEGRATOR_COUNT + 2 ? 1 : -1];
 
 static void scene_read_step(text_file *t, scene *s)
 {

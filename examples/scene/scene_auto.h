@@ -8,6 +8,7 @@ static const double scene_accuracy =
     1e-3; /* of the slowest mode at the end, where a step is chosen; exact beams: ten times */
 /* [rad] of the fastest that acts, by integrator: of order 4 and 2 its integral errs by less than that */
 static const double scene_part[] = {0.3, 0.1, 0.1, 0.3};
+typedef char scene_parts_are_whole[sizeof scene_part / sizeof scene_part[0] == FB_INTEGRATOR_COUNT ? 1 : -1];
 
 static long scene_rows(const scene *s)
 {
@@ -374,7 +375,7 @@ static int scene_may_choose(const scene *s, fb_integrator integrator)
 /* Integrator and step where they are not asked for. */
 static void scene_choose(scene *s)
 {
-  static const double work[] = {4, 7, 11}; /* evaluations; twice as many where the order is 2 */
+  static const double work[FB_INTEGRATOR_COUNT] = {4, 7, 11, 4}; /* evaluations; twice as many where the order is 2 */
   const fb_advice *const advice = &automatic.advice[0];
   double least = HUGE_VAL;
   s->dt = s->step;
@@ -391,11 +392,11 @@ static void scene_choose(scene *s)
     s->dt = fmin(s->interval, (double)advice->dt);
   } else {
     const int has_spectrum = scene_spectrum(s) == FB_OK;
-    for (int integrator = 0; integrator < 4; integrator++) {
+    for (int integrator = 0; integrator < (int)FB_INTEGRATOR_COUNT; integrator++) {
       const int tried = scene_may_choose(s, (fb_integrator)integrator);
       const double dt = tried ? scene_step_of(s, (fb_integrator)integrator, has_spectrum) : 0;
-      if (tried && work[integrator % 3] / dt < least) {
-        least = work[integrator % 3] / dt;
+      if (tried && work[integrator] / dt < least) {
+        least = work[integrator] / dt;
         engine.integrator = (fb_integrator)integrator;
         s->dt = dt;
       }

@@ -3,11 +3,22 @@
 #define SCENE_JOINT_H
 #include "scene_body.h"
 
-/* Axes that a joint has, free: its speeds. */
+/* Kinds of joints by fb_joint_kind: their words; their axes, of a free one its speeds; the first and the number of those
+   whose unit is m; whether the child moves along the joint. */
+static const char *const scene_joint_words[] = {"free",  "rigid",     "revolute",  "prismatic", "cylindrical",
+                                                "screw", "universal", "spherical", NULL};
+static const struct {
+  int axes, slide, slides, moves;
+} scene_joint_kinds[] = {{6, 0, 3, 0}, {0, 0, 0, 0}, {1, 0, 0, 0}, {1, 0, 1, 1},
+                         {2, 1, 1, 1}, {1, 0, 0, 1}, {2, 0, 0, 0}, {3, 0, 0, 0}};
+typedef char scene_joint_kinds_are_whole[sizeof scene_joint_kinds / sizeof scene_joint_kinds[0] == FB_JOINT_COUNT &&
+                                                 sizeof scene_joint_words / sizeof(char *) == FB_JOINT_COUNT + 1
+                                             ? 1
+                                             : -1];
+
 static int scene_axes(const scene_joint *joint)
 {
-  static const int axes[] = {6, 0, 1, 1, 2, 1, 2, 3};
-  return axes[joint->desc.kind];
+  return scene_joint_kinds[joint->desc.kind].axes;
 }
 
 static int scene_read_axis(text_file *t, const scene_joint *joint)
@@ -23,8 +34,8 @@ static int scene_read_axis(text_file *t, const scene_joint *joint)
 /* Is the unit of the axis m? */
 static int scene_axis_slides(const scene_joint *joint, int axis)
 {
-  return joint->desc.kind == FB_JOINT_PRISMATIC || (joint->desc.kind == FB_JOINT_CYLINDRICAL && axis == 1) ||
-         (joint->desc.kind == FB_JOINT_FREE && axis < 3);
+  const int slide = scene_joint_kinds[joint->desc.kind].slide;
+  return axis >= slide && axis < slide + scene_joint_kinds[joint->desc.kind].slides;
 }
 
 static int scene_joint_of(text_file *t, const scene *s)
@@ -257,8 +268,6 @@ static void scene_read_ends(text_file *t, scene *s, scene_joint *joint, int loop
 
 static void scene_read_any_joint(text_file *t, scene *s, int loop)
 {
-  static const char *const kinds[] = {"free",  "rigid",     "revolute",  "prismatic", "cylindrical",
-                                      "screw", "universal", "spherical", NULL};
   scene_joint *const joint = &s->joint[s->n_joint];
   const int begin = t->line;
   int ended = 0;
@@ -277,7 +286,7 @@ static void scene_read_any_joint(text_file *t, scene *s, int loop)
       text_fail(t, "two joints have the name %s", joint->name);
     }
   }
-  joint->desc.kind = (fb_joint_kind)text_choice(t, "a joint", kinds);
+  joint->desc.kind = (fb_joint_kind)text_choice(t, "a joint", scene_joint_words);
   scene_read_ends(t, s, joint, loop);
   text_end_of_line(t);
   while (!ended && text_line(t)) {

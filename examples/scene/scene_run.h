@@ -318,7 +318,7 @@ static void scene_mark_base(const scene *s, scene_frame *frame)
 static void scene_mark_joint(const scene *s, scene_frame *frame, const fb_joint_desc *d)
 {
   scene_line at = {0, {{0}}};
-  if (d->kind == FB_JOINT_PRISMATIC || d->kind == FB_JOINT_CYLINDRICAL || d->kind == FB_JOINT_SCREW) {
+  if (scene_joint_kinds[d->kind].moves) {
     scene_add_point(s, &at, d->child, d->child_node);
   } else {
     scene_seen(s, at.x[0], d->position);

@@ -291,8 +291,6 @@ static const char *letters(unsigned mask)
   return text;
 }
 
-static const char *const integrator_name[] = {"rk4", "midpoint", "sdirk", "exponential"};
-
 /* Percent of a part, two digits; beyond tenfold: large. */
 static const char *percent(fb_real part)
 {
@@ -346,7 +344,7 @@ static void print_table(const options *o, const fb_advice *advice)
   for (int k = 0; k < o->n_tolerance; k++) {
     const fb_advice *const a = &advice[k];
     printf("%7g %%  %-7s  %-18s  %-11s %9.3g %7.1e %8s %6s %6s %6s %6s\n", o->tolerance[k], letters(a->effects),
-           kinds_text(a), integrator_name[a->integrator], (double)a->dt, (double)a->cost, percent(a->error_effects),
+           kinds_text(a), stepper_name[a->integrator], (double)a->dt, (double)a->cost, percent(a->error_effects),
            percent(a->error_modes), percent(a->error_step), percent(a->error_model), percent(a->error));
   }
 }
@@ -526,7 +524,7 @@ static fb_status run_trial(void *user, fb_real *output, const fb_advice *candida
   if ((double)(clock() - find->said) > 2.0 * CLOCKS_PER_SEC) {
     find->said = clock();
     fprintf(stderr, PROGRAM ": %g %%: %d simulations, now %s, %d modes, %s, step %.3g s\n", find->tolerance,
-            find->count, letters(candidate->effects), candidate->n, integrator_name[candidate->integrator],
+            find->count, letters(candidate->effects), candidate->n, stepper_name[candidate->integrator],
             (double)candidate->dt);
   }
   return scene_simulate(find->s, output, &model_shape, candidate);
@@ -564,7 +562,7 @@ static double distance(const search *find)
 static void print_trial(const char *what, const fb_advice *a, double error, fb_real estimate)
 {
   printf(" %-8s  %-7s  %-18s  %-11s %9.3g %7.1e  %9s  %9s\n", what, letters(a->effects), kinds_text(a),
-         integrator_name[a->integrator], (double)a->dt, (double)a->cost, percent((fb_real)fmin(error, 1e9)),
+         stepper_name[a->integrator], (double)a->dt, (double)a->cost, percent((fb_real)fmin(error, 1e9)),
          percent(estimate));
 }
 

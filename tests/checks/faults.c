@@ -71,27 +71,39 @@ static fb_status check_exact_state(void)
   return fb_exact_state_check(&w.exact, &w.exact_state);
 }
 
+static fb_status step_body(fb_integrator integrator, fb_state *state)
+{
+  const fb_input *const in = &w.input;
+  const fb_real dt = FB_R(0.01);
+  switch (integrator) {
+  case FB_INTEGRATOR_RK4:
+    return fb_rk4_step(&w.body, state, &rk4_work, in, in, in, dt);
+  case FB_INTEGRATOR_MIDPOINT:
+    return fb_midpoint_step(&w.body, state, &implicit_work, in, dt, 0);
+  case FB_INTEGRATOR_SDIRK:
+    return fb_sdirk_step(&w.body, state, &implicit_work, in, in, dt, 0);
+  case FB_INTEGRATOR_EXPONENTIAL:
+    return fb_exponential_step(&w.body, &w.exponential, state, &exponential_work, in, in, in);
+  case FB_INTEGRATOR_COUNT:
+    break;
+  }
+  return FB_ERR_UNSUPPORTED;
+}
+
 /* The first status that is not FB_OK of a step by each integrator, motion, motion of a node, energy, momentum. */
 static fb_status use_body(void)
 {
-  const fb_real dt = FB_R(0.01);
   fb_state state = w.state;
   fb_motion motion;
   fb_node_motion node;
   fb_energy energy;
   fb_momentum momentum;
-  fb_status status;
+  fb_status status = FB_OK;
   memset(&motion, 0, sizeof motion);
-  status = fb_rk4_step(&w.body, &state, &rk4_work, &w.input, &w.input, &w.input, dt);
-  status = finite_or(status, &state, sizeof state);
-  status = status ? status : fb_midpoint_step(&w.body, &state, &implicit_work, &w.input, dt, 0);
-  status = finite_or(status, &state, sizeof state);
-  status = status ? status : fb_sdirk_step(&w.body, &state, &implicit_work, &w.input, &w.input, dt, 0);
-  status = finite_or(status, &state, sizeof state);
-  status = status
-               ? status
-               : fb_exponential_step(&w.body, &w.exponential, &state, &exponential_work, &w.input, &w.input, &w.input);
-  status = finite_or(status, &state, sizeof state);
+  for (int k = 0; k < (int)FB_INTEGRATOR_COUNT; k++) {
+    status = status ? status : step_body((fb_integrator)k, &state);
+    status = finite_or(status, &state, sizeof state);
+  }
   status = status ? status : fb_body_motion_eval(&w.body, &motion, &state, &w.input);
   status = finite_or(status, &motion, sizeof motion);
   status = status ? status : fb_body_node_motion_eval(&w.body, &node, &state, &motion, 1);

@@ -64,7 +64,7 @@ static int build_body(bytes *b, int plain)
   desc.station[0].EI_z = take_byte(b) & 1 ? FB_R(100.0) : FB_R(3e4);
   desc.station[0].i_y = desc.station[0].i_z = FB_R(0.01);
   level.effects = effects[take_below(b, 7)];
-  level.base = (fb_base)take_below(b, 4);
+  level.base = (fb_base)take_below(b, FB_BASE_COUNT);
   form = plain ? 0 : take_below(b, 3); /* with or without forms, the bytes mean the same */
 #if FB_WITH_FORMS
   level.form = (fb_form)form;
@@ -103,7 +103,7 @@ static int build_body(bytes *b, int plain)
 static void take_load(fb_load *load, bytes *b)
 {
   load->node = take_byte(b) & 1;
-  load->axes = (fb_axes)take_below(b, 3);
+  load->axes = (fb_axes)take_below(b, FB_AXES_COUNT);
   for (int i = 0; i < 3; i++) {
     load->force[i] = take_part(b, 5.0);
     load->torque[i] = take_part(b, 5.0);
@@ -144,21 +144,24 @@ static fb_status step_body(const char **name, bytes *b, const fb_input *start, c
   const fb_real dt = take_step(b);
   const int iterations = take_byte(b) < 250 ? take_byte(b) % 4 : take_whole(b);
   fb_status status;
-  switch (take_below(b, 4)) {
-  case 0:
+  switch ((fb_integrator)take_below(b, FB_INTEGRATOR_COUNT)) {
+  case FB_INTEGRATOR_RK4:
     *name = "fb_rk4_step";
     return fb_rk4_step(&body, &state, &rk4_work, start, start, end, dt);
-  case 1:
+  case FB_INTEGRATOR_MIDPOINT:
     *name = "fb_midpoint_step";
     return fb_midpoint_step(&body, &state, &implicit_work, start, dt, iterations);
-  case 2:
+  case FB_INTEGRATOR_SDIRK:
     *name = "fb_sdirk_step";
     return fb_sdirk_step(&body, &state, &implicit_work, start, end, dt, iterations);
-  default:
+  case FB_INTEGRATOR_EXPONENTIAL:
     *name = "fb_exponential_step";
     status = fb_exponential_init(&exponential, &body_work, &body, dt);
     return status ? status : fb_exponential_step(&body, &exponential, &state, &exponential_work, start, start, end);
+  case FB_INTEGRATOR_COUNT:
+    break;
   }
+  return FB_ERR_UNSUPPORTED;
 }
 
 static void run_body(bytes *b)
@@ -210,7 +213,7 @@ static void run_body(bytes *b)
 
 static void take_joint(fb_joint_desc *joint, bytes *b, int below)
 {
-  joint->kind = (fb_joint_kind)take_below(b, 8);
+  joint->kind = (fb_joint_kind)take_below(b, FB_JOINT_COUNT);
   joint->parent = take_below(b, below + 1) - 1;
   joint->parent_node = joint->parent < 0 ? 0 : take_byte(b) & 1;
   joint->position[0] = take_part(b, 1.0);
@@ -221,7 +224,7 @@ static void take_joint(fb_joint_desc *joint, bytes *b, int below)
   for (int i = 0; i < 3 && joint->kind != FB_JOINT_FREE; i++) {
     joint->stiffness[i] = take_byte(b) & 1 ? FB_R(100.0) : FB_R(0.0);
     joint->damping[i] = take_byte(b) & 1 ? FB_R(1.0) : FB_R(0.0);
-    joint->mode[i] = (fb_axis_mode)(take_byte(b) < 200 ? 0 : take_below(b, 3));
+    joint->mode[i] = (fb_axis_mode)(take_byte(b) < 200 ? 0 : take_below(b, FB_AXIS_COUNT));
   }
 }
 
@@ -230,7 +233,7 @@ static int build_system(bytes *b)
   static fb_system_desc desc;
   memset(&desc, 0, sizeof desc);
   desc.n_body = 1 + take_below(b, 3);
-  desc.method = (fb_method)take_below(b, 3);
+  desc.method = (fb_method)take_below(b, FB_METHOD_COUNT);
   desc.allow_long_step = take_byte(b) & 1;
   for (int k = 0; k < desc.n_body; k++) {
     take_joint(&desc.joint[k], b, k);
@@ -293,7 +296,7 @@ static void run_system(bytes *b)
     before = system_state;
     if (way == 4) {
       status = fb_system_axis_set(&links, &body, &system_state, &system_work, take_below(b, 4), take_below(b, 3),
-                                  (fb_axis_mode)take_below(b, 3), &input);
+                                  (fb_axis_mode)take_below(b, FB_AXIS_COUNT), &input);
     } else if (way & 1) {
       status = fb_system_rk4_step(&links, &body, &system_state, &system_work, &input, &input, &input, dt);
     } else {
