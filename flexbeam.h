@@ -137,6 +137,10 @@
      FB_WITH_EXACT                    1        0, 1    0 removes the geometrically exact beam
      FB_WITH_BUILD                    1        0, 1    0 removes BUILD: for firmware whose models are in ROM
      FB_WITH_ANALYSE                  as BUILD 0, 1    0 removes ANALYSE
+     FB_WITH_DETAIL                   0        0, 1    1: fb_detail_last says what was refused and why; for desktops
+                                                       (texts, thread-local storage). No struct depends on it: it may
+                                                       differ between files, which call fb_detail_last if it is 1 in
+                                                       the one that has the code
      FB_ASSERT(x)                     nothing  -       called with 0 on a programmer's error (NULL, index, capacity)
      FB_ALLOW_FAST_MATH               -        -       compile under -ffast-math (finite checks are then void, and
                                                        small increments are lost). Without it refused are -ffast-math,
@@ -362,6 +366,9 @@
 #ifndef FB_WITH_ANALYSE
 #define FB_WITH_ANALYSE FB_WITH_BUILD
 #endif
+#ifndef FB_WITH_DETAIL
+#define FB_WITH_DETAIL 0
+#endif
 #ifndef FB_ASSERT
 #define FB_ASSERT(x) ((void)0)
 #endif
@@ -390,6 +397,9 @@
      FB_WITH_DAMPING | FB_WITH_GRAVITY | FB_WITH_NONLINEAR_STRAIN | FB_WITH_FORMS | FB_WITH_SYSTEM | FB_WITH_EXACT | \
      FB_WITH_BUILD | FB_WITH_ANALYSE) > 1
 #error "flexbeam: FB_WITH_... are 0 or 1"
+#endif
+#if FB_WITH_DETAIL != 0 && FB_WITH_DETAIL != 1
+#error "flexbeam: FB_WITH_DETAIL is 0 or 1"
 #endif
 #if FB_WITH_ANALYSE && !FB_WITH_BUILD
 #error "flexbeam: FB_WITH_ANALYSE needs FB_WITH_BUILD"
@@ -522,6 +532,23 @@ typedef enum fb_status { FB_STATUS_LIST(FBI_STATUS_ENUM) } fb_status;
 
 /* Text of a status; never NULL. */
 FB_API const char *fb_status_string(fb_status status);
+
+#if FB_WITH_DETAIL
+/* What was refused, why, and by how much. */
+typedef struct fb_detail {
+  fb_status status;
+  const char *function; /* the public function that refused; one that another of the library called has its own name */
+  const char *what;     /* field or argument, unit, relation wanted: "EI_y [N m^2], at least 0" */
+  int index;          /* of the station, mode, joint, body, node, load .. that `what` or the argument is of; -1: none */
+  fb_real have, need; /* the value found and the bound; 0, 0: `what` says all */
+  fb_real at;         /* a further number that `what` names: the spin [rad/s]; which number of a field of several */
+} fb_detail;
+
+/* This thread's last refusal of data or argument that has a record; never NULL. At first FB_OK with empty texts; no
+   success clears it, and a refusal without a record leaves it: look at it after a failure, if its status is that which
+   was returned. Threads have their own where the compiler has thread-local storage (C11, C++11, gcc, clang, MSVC). */
+FB_API const fb_detail *fb_detail_last(void);
+#endif
 
 /* ---------------------------------------------------------------------------------------------------------------
    RUN >>vec3: sizes are fixed; outputs may not overlap inputs unless said */

@@ -61,12 +61,31 @@ const char FBI_CONFIG_SYMBOL[] = FBI_STRING_(FBI_CONFIG_SYMBOL);
 #define FB_DEF
 #endif
 
-#define FBI_REQUIRE(condition, status) \
-  do {                                 \
-    if (!(condition)) {                \
-      FB_ASSERT(0);                    \
-      return status;                   \
-    }                                  \
+/* Every public function that takes a pointer begins with one. With FB_WITH_DETAIL it tells whose refusals follow; those
+   that others call on the way, the solvers, have FBI_REQUIRE_INNER. */
+#if FB_WITH_DETAIL
+#define FBI_DETAIL_ENTER(status) fbi_detail_enter(status, __func__)
+#define FBI_DETAIL_REQUIRE(status, condition) fbi_detail_require(status, __func__, condition)
+#else
+#define FBI_DETAIL_ENTER(status) ((void)0)
+#define FBI_DETAIL_REQUIRE(status, condition) ((void)0)
+#endif
+#define FBI_REQUIRE_INNER(condition, status)   \
+  do {                                         \
+    if (!(condition)) {                        \
+      FBI_DETAIL_REQUIRE(#status, #condition); \
+      FB_ASSERT(0);                            \
+      return status;                           \
+    }                                          \
+  } while (0)
+#define FBI_REQUIRE(condition, status)         \
+  do {                                         \
+    FBI_DETAIL_ENTER(#status);                 \
+    if (!(condition)) {                        \
+      FBI_DETAIL_REQUIRE(#status, #condition); \
+      FB_ASSERT(0);                            \
+      return status;                           \
+    }                                          \
   } while (0)
 
 /* Relative tolerance: a result below this fraction of its summands is treated as round-off, that of a few hundred
@@ -113,6 +132,78 @@ FB_DEF const char *fb_status_string(fb_status status)
   return "unknown status";
 }
 #undef FBI_STATUS_TEXT
+
+/* FBI_REFUSE(status, what, index, have, need) is that status; with FB_WITH_DETAIL it is recorded with the rest, else
+   the rest is not evaluated. FBI_REFUSE_AT: and with `at`. A static function records the public one entered last. */
+#if FB_WITH_DETAIL
+#if defined(__cplusplus)
+#define FBI_THREAD thread_local
+#elif defined(__GNUC__)
+#define FBI_THREAD __thread
+#elif defined(_MSC_VER)
+#define FBI_THREAD __declspec(thread)
+#elif defined(__STDC_VERSION__) && __STDC_VERSION__ >= 201112L
+#define FBI_THREAD _Thread_local
+#else
+#define FBI_THREAD
+#endif
+static FBI_THREAD fb_detail fbi_detail = {FB_OK, "", "", -1, FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+static FBI_THREAD const char *fbi_entered = "";
+
+FB_DEF const fb_detail *fb_detail_last(void)
+{
+  return &fbi_detail;
+}
+
+static int fbi_is_public(const char *function)
+{
+  return function[2] == '_'; /* fb_, not fbi_ */
+}
+
+/* `status` as it is written: functions that return another thing are not entered. */
+static void fbi_detail_enter(const char *status, const char *function)
+{
+  fbi_entered = fbi_is_public(function) && strncmp(status, "FB_ERR_", 7) == 0 ? function : fbi_entered;
+}
+
+static fb_status fbi_refuse(fb_status status, const char *function, const char *what, int index, fb_real have,
+                            fb_real need, fb_real at)
+{
+  fbi_detail.status = status;
+  fbi_detail.function = fbi_is_public(function) ? function : fbi_entered;
+  fbi_detail.what = what;
+  fbi_detail.index = index;
+  fbi_detail.have = have;
+  fbi_detail.need = need;
+  fbi_detail.at = at;
+  return status;
+}
+
+#define FBI_STATUS_ENTRY(name, value, text) {name, #name},
+static void fbi_detail_require(const char *status, const char *function, const char *condition)
+{
+  static const struct {
+    fb_status status;
+    const char *name;
+  } list[] = {FB_STATUS_LIST(FBI_STATUS_ENTRY)};
+  for (int i = 0; i < (int)(sizeof list / sizeof *list); i++) {
+    if (strcmp(list[i].name, status) == 0) {
+      (void)fbi_refuse(list[i].status, function, condition, -1, FB_R(0.0), FB_R(0.0), FB_R(0.0));
+    }
+  }
+}
+#undef FBI_STATUS_ENTRY
+#define FBI_REFUSE_AT(status, what, index, have, need, at) fbi_refuse(status, __func__, what, index, have, need, at)
+#else
+#define FBI_REFUSE_AT(status, what, index, have, need, at) (status)
+#endif
+/* The number of the body, node or joint that an inner check does not know. */
+#if FB_WITH_DETAIL
+#define FBI_DETAIL_INDEX(status, i) fbi_detail.index = (status) != FB_OK ? (i) : fbi_detail.index
+#else
+#define FBI_DETAIL_INDEX(status, i) ((void)0)
+#endif
+#define FBI_REFUSE(status, what, index, have, need) FBI_REFUSE_AT(status, what, index, have, need, FB_R(0.0))
 
 /* 1 if sum |x[i]| <= FB_HUGE: x and its squares are finite; 0 for NaN. */
 static int fbi_is_finite(const fb_real *x, int n)
@@ -569,7 +660,7 @@ FB_DEF fb_status fb_sym6_solve(fb_real x[6], const fb_real S[21], const fb_real 
 {
   fb_real out[6];
   fb_status status;
-  FBI_REQUIRE(x && S && y, FB_ERR_NULL);
+  FBI_REQUIRE_INNER(x && S && y, FB_ERR_NULL);
   status = fbi_sym6_solve(out, S, y);
   if (status == FB_OK && !fbi_is_finite(out, 6)) {
     status = FB_ERR_NOT_FINITE;
@@ -768,7 +859,7 @@ FB_DEF void fb_quat_from_wiener_milenkovic(fb_real quat[4], const fb_real c[3])
 
 FB_DEF fb_status fb_quat_normalize(fb_real q[4])
 {
-  FBI_REQUIRE(q, FB_ERR_NULL);
+  FBI_REQUIRE_INNER(q, FB_ERR_NULL);
   const fb_real norm2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
   if (!(norm2 > FB_R(1e-20) && norm2 < FB_HUGE)) {
     return FB_ERR_VALUE;
@@ -852,8 +943,8 @@ static void fbi_swap(fb_real *x, fb_real *y, int n)
    Test: lu_solves_random_graded_and_refuses_singular_matrices. */
 FB_DEF fb_status fb_lu_factor(fb_real *A, int *perm, fb_real *scale, int n)
 {
-  FBI_REQUIRE(A && perm && scale, FB_ERR_NULL);
-  FBI_REQUIRE(n >= 0, FB_ERR_VALUE);
+  FBI_REQUIRE_INNER(A && perm && scale, FB_ERR_NULL);
+  FBI_REQUIRE_INNER(n >= 0, FB_ERR_VALUE);
 
   /* row scales */
   for (int i = 0; i < n; i++) {
@@ -973,8 +1064,8 @@ static void fbi_lu_plain_solve(fb_real *x, const fb_real *A, int n)
    Test: cholesky_factors_graded_and_refuses_indefinite_matrices. */
 FB_DEF fb_status fb_chol_factor(fb_real *A, int n)
 {
-  FBI_REQUIRE(A, FB_ERR_NULL);
-  FBI_REQUIRE(n >= 0, FB_ERR_VALUE);
+  FBI_REQUIRE_INNER(A, FB_ERR_NULL);
+  FBI_REQUIRE_INNER(n >= 0, FB_ERR_VALUE);
   for (int j = 0; j < n; j++) {
     const fb_real diagonal = A[j * n + j];
     const fb_real sum = diagonal - fbi_dot(A + j * n, A + j * n, j);
@@ -1751,7 +1842,9 @@ static fb_status fbi_input_check(const fb_body *body, const fb_input *input)
     FBI_REQUIRE(input->load[i].node >= 0 && input->load[i].node < body->n_node, FB_ERR_CAPACITY);
     FBI_REQUIRE((int)input->load[i].axes >= 0 && (int)input->load[i].axes <= (int)FB_AXES_BODY, FB_ERR_VALUE);
     if (!fbi_vec3_is_finite(input->load[i].force) || !fbi_vec3_is_finite(input->load[i].torque)) {
-      return FB_ERR_NOT_FINITE; /* no other check sees loads on a prescribed base */
+      /* no other check sees loads on a prescribed base */
+      return FBI_REFUSE(FB_ERR_NOT_FINITE, "input.load: force [N] or torque [N m], not finite", i, FB_R(0.0),
+                        FB_R(0.0));
     }
   }
   return FB_OK;
@@ -2452,6 +2545,22 @@ static int fbi_quat_is_unit(const fb_real quat[4])
   return FB_FABS(norm2 - FB_R(1.0)) <= FB_R(2e-3);
 }
 
+#if FB_WITH_DETAIL
+#define FBI_WORD_DEFLECTION "deflection [m], sum over the modes, at most deflection_limit; mode of the largest share"
+/* The mode with the largest share of the deflection; the first that is not a number. */
+static int fbi_farthest(const fb_body *body, const fb_real *q)
+{
+  int most = 0;
+  for (int a = 0; a < body->n; a++) {
+    if (!fbi_is_finite(q + a, 1)) {
+      return a;
+    }
+    most = body->reach[a] * FB_FABS(q[a]) > body->reach[most] * FB_FABS(q[most]) ? a : most;
+  }
+  return most;
+}
+#endif
+
 /* Checks that a state is finite and within the deflection limit. */
 static fb_status fbi_state_range(const fb_body *body, const fb_state *state)
 {
@@ -2466,7 +2575,11 @@ static fb_status fbi_state_range(const fb_body *body, const fb_state *state)
     return FB_ERR_NOT_FINITE;
   }
   if (!(deflection <= body->deflection_limit)) {
-    return fbi_is_finite(state->q, body->n) ? FB_ERR_RANGE : FB_ERR_NOT_FINITE;
+    return fbi_is_finite(state->q, body->n)
+               ? FBI_REFUSE_AT(FB_ERR_RANGE, FBI_WORD_DEFLECTION, fbi_farthest(body, state->q), deflection,
+                               body->deflection_limit, state->q[fbi_farthest(body, state->q)])
+               : FBI_REFUSE(FB_ERR_NOT_FINITE, "state.q, coordinate of a mode", fbi_farthest(body, state->q), FB_R(0.0),
+                            FB_R(0.0));
   }
   return FB_OK;
 }
@@ -8952,6 +9065,12 @@ static void fbi_largest_slopes(fb_real *slope, fb_real *strain, const fbi_kineti
 }
 #endif
 
+#define FBI_WORD_DT "dt [s], above 0, finite"
+#define FBI_WORD_STEP "dt [s], at most the limit by the "
+#define FBI_WORD_NEWTON "last Newton correction of a stage [rad], at most: shorten the step or iterate more"
+#define FBI_WORD_LOST "rotation in a step, so large that the attitude is lost to round-off"
+#define FBI_WORD_TURN "change of the angular velocity in a step times dt [rad], at most 0.5; over dt [s]"
+
 /* Arguments of the step limits: spin, and acceleration of O from the prescribed motion and gravity or, of a free base,
    from the rotation about the mass center and the loads. */
 static void fbi_step_conditions(fb_real *spin, fb_real *acceleration, const fb_body *body, const fbi_kinetics *k,
@@ -8989,7 +9108,10 @@ static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const
   }
 #endif
   bound = fbi_frequency_bound(body, spin, acceleration, slope, strain);
-  return dt <= fbi_step_limit(FBI_RK4_RADIUS, bound) ? FB_OK : FB_ERR_STEP;
+  return dt <= fbi_step_limit(FBI_RK4_RADIUS, bound)
+             ? FB_OK
+             : FBI_REFUSE_AT(FB_ERR_STEP, FBI_WORD_STEP "modes and the spin [rad/s]", -1, dt,
+                             fbi_step_limit(FBI_RK4_RADIUS, bound), spin);
 }
 
 /* [E11.26] Refuses a step in which the angular velocity at a stage differs from that at the start by more than half a
@@ -8999,7 +9121,9 @@ static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const
 static fb_status fbi_turn_check(const fb_real start[3], const fb_real w[3], fb_real dt)
 {
   const fb_real x = dt * (w[0] - start[0]), y = dt * (w[1] - start[1]), z = dt * (w[2] - start[2]);
-  return x * x + y * y + z * z <= FB_R(0.25) ? FB_OK : FB_ERR_STEP;
+  return x * x + y * y + z * z <= FB_R(0.25)
+             ? FB_OK
+             : FBI_REFUSE_AT(FB_ERR_STEP, FBI_WORD_TURN, -1, FB_SQRT(x * x + y * y + z * z), FB_R(0.5), dt);
 }
 
 /* [E11.22] Kahan (compensated) summation: d becomes the sum x + d, and `lost` its round-off error, which the next step
@@ -9190,7 +9314,7 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, const fb_state *s
   /* Range, then commit */
   status = status ? status : fbi_state_range(body, next);
   if (status == FB_OK && !fbi_quat_is_unit(next->quat)) {
-    status = FB_ERR_STEP;
+    status = FBI_REFUSE(FB_ERR_STEP, FBI_WORD_LOST, -1, FB_R(0.0), FB_R(0.0));
   }
   if (status == FB_OK) {
     fbi_state_take(state, next, n);
@@ -9212,7 +9336,7 @@ FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, f
   fb_status status = FB_OK;
   FBI_REQUIRE(body && state && work, FB_ERR_NULL);
   if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
-    return FB_ERR_VALUE;
+    return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
   }
 
   /* Inputs of the four stages */
@@ -9631,14 +9755,18 @@ static fb_status fbi_implicit_check(const fb_body *body, const fbi_kinetics *k, 
     return FB_OK;
   }
   fbi_step_conditions(&spin, &acceleration, body, k, input);
-  return dt <= fb_implicit_limit(body, spin, acceleration) ? FB_OK : FB_ERR_STEP;
+  return dt <= fb_implicit_limit(body, spin, acceleration)
+             ? FB_OK
+             : FBI_REFUSE_AT(FB_ERR_STEP, FBI_WORD_STEP "spin [rad/s]", -1, dt,
+                             fb_implicit_limit(body, spin, acceleration), spin);
 }
 
 /* Start of an implicit step: rates at the state, step limit, factored iteration matrix. */
 static fb_status fbi_implicit_start(fb_implicit_work *w, fbi_kinetics *k, const fb_body *body, const fb_state *state,
                                     const fb_input *input, fb_real dt, fb_real g)
 {
-  fb_status status = dt > FB_R(0.0) && dt < FB_HUGE ? fbi_input_check(body, input) : FB_ERR_VALUE;
+  fb_status status = dt > FB_R(0.0) && dt < FB_HUGE ? fbi_input_check(body, input)
+                                                    : FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
   fbi_state_enter(&w->start, k->R, body, state);
   if (status == FB_OK) {
     status = fbi_rates(&w->rate, k, body, &w->start, input);
@@ -9657,7 +9785,7 @@ static fb_status fbi_stage_check(fb_real first, fb_real last, fb_real change)
 {
   const fb_real floor = FB_R(0.01) * FB_EPSILON;
   const fb_real bound = fbi_larger(fbi_larger(FB_R(0.01) * first, FB_R(1e-4) * change), floor);
-  return last > bound ? FB_ERR_CONVERGENCE : FB_OK;
+  return last > bound ? FBI_REFUSE(FB_ERR_CONVERGENCE, FBI_WORD_NEWTON, -1, FB_SQRT(last), FB_SQRT(bound)) : FB_OK;
 }
 
 /* [E11.32] Squared size of the increment g k [rad^2], for E11.25: rotation of the attitude, modal displacements over
@@ -10076,7 +10204,10 @@ static fb_status fbi_exponential_limited(const fb_body *body, const fbi_kinetics
     return FB_OK;
   }
   fbi_step_conditions(&spin, &acceleration, body, k, input);
-  return h <= fb_exponential_limit(body, spin, acceleration) ? FB_OK : FB_ERR_STEP;
+  return h <= fb_exponential_limit(body, spin, acceleration)
+             ? FB_OK
+             : FBI_REFUSE_AT(FB_ERR_STEP, FBI_WORD_STEP "spin [rad/s] and the lightest base", -1, h,
+                             fb_exponential_limit(body, spin, acceleration), spin);
 }
 
 /* [E11.10] Exponential Runge-Kutta integrator of order 4 for z' = L z + N(t, z), stages at 0, 1/2, 1/2, 1:
@@ -10226,7 +10357,10 @@ static fb_status fbi_turns_check(fb_system_work *w, const fb_system *system, fb_
     if (begin) {
       fbi_vec3_copy(L->turn, L->V + 3);
     }
-    status = status == FB_OK ? fbi_turn_check(L->turn, L->V + 3, dt) : status;
+    if (status == FB_OK) {
+      status = fbi_turn_check(L->turn, L->V + 3, dt);
+      FBI_DETAIL_INDEX(status, k);
+    }
   }
   return status;
 }
@@ -10273,6 +10407,59 @@ static void fbi_system_conditions(fb_real *spin, fb_real *stiffening, fb_system_
   }
 }
 
+#if FB_WITH_DETAIL
+/* FB_ERR_STEP with what bounds the step most and the fastest spin: a body's spin, stiffening, modes, or a joint's spring
+   or damper against what hangs on it (D of the articulated inertia). all: rk4, which modes and joints of the tree bound,
+   too. */
+static fb_status fbi_refuse_step(const fb_system_work *w, const fb_system *system, int all, fb_real dt, fb_real limit,
+                                 const char *function)
+{
+  const char *what = "";
+  fb_real most = -FB_R(1.0), spin = FB_R(0.0), own[5];
+  int index = -1;
+  for (int j = 0; j < system->n_body + system->n_loop; j++) {
+    static const char *const text[5] = {FBI_WORD_STEP "spin of the body, which is the fastest [rad/s]",
+                                        FBI_WORD_STEP "modes of the body; fastest spin [rad/s]",
+                                        FBI_WORD_STEP "modal damping of the body; fastest spin [rad/s]",
+                                        FBI_WORD_STEP "spring of the joint; fastest spin [rad/s]",
+                                        FBI_WORD_STEP "damper of the joint; fastest spin [rad/s]"};
+    const fb_joint *joint = &system->joint[j];
+    const int kept = fbi_is_kept(system, w, j);
+    fbi_zero(own, 5);
+
+    /* The body */
+    if (j < system->n_body) {
+      const fbi_link_work *L = &w->link[j];
+      spin = fbi_larger(spin, L->spin);
+      own[0] = (all ? FB_R(2.0) : FB_R(10.0)) * L->spin;
+      own[1] = FB_SQRT(L->model->limit_spin * L->spin * L->spin + L->model->limit_acceleration * L->acceleration +
+                       (all ? L->model->limit_elastic : FB_R(0.0)));
+      own[2] = all ? L->model->limit_damping : FB_R(0.0);
+    }
+
+    /* Its joint, or one that constraint rows enforce */
+    for (int i = 0; i < joint->n_axis && i < 3 && joint->kind != FB_JOINT_FREE; i++) {
+      const int tree = all && !kept && w->link[j].mode[i] == FB_AXIS_FREE;
+      const fb_real stiff = kept   ? system->limit_kept_elastic
+                            : tree ? joint->stiffness[i] * w->link[j].D[i]
+                                   : FB_R(0.0);
+      const fb_real damp = kept ? system->limit_kept_damping : tree ? joint->damping[i] * w->link[j].D[i] : FB_R(0.0);
+      own[3] = joint->stiffness[i] > FB_R(0.0) ? fbi_larger(own[3], FB_SQRT(stiff)) : own[3];
+      own[4] = joint->damping[i] > FB_R(0.0) ? fbi_larger(own[4], damp) : own[4];
+    }
+    for (int i = 0; i < 5; i++) {
+      what = own[i] > most ? text[i] : what;
+      index = own[i] > most ? j : index;
+      most = fbi_larger(most, own[i]);
+    }
+  }
+  return fbi_refuse(FB_ERR_STEP, function, what, index, dt, limit, spin);
+}
+#define FBI_REFUSE_STEP(w, system, all, dt, limit) fbi_refuse_step(w, system, all, dt, limit, __func__)
+#else
+#define FBI_REFUSE_STEP(w, system, all, dt, limit) (FB_ERR_STEP)
+#endif
+
 #if FB_SINGLE
 #define FBI_ADD(x, d, what, n) FBI_SUM(d, x, what, n), FBI_TAKE(x, d, what, n)
 #else
@@ -10289,7 +10476,9 @@ static fb_status fbi_link_move(fb_link_state *x, fb_link_state *increment, const
   if (joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL) {
     status = fbi_quat_increment(increment->quat, x->quat);
     FBI_ADD(x, increment, quat, 4);
-    status = status == FB_OK && !fbi_quat_is_unit(x->quat) ? FB_ERR_STEP : status;
+    status = status == FB_OK && !fbi_quat_is_unit(x->quat)
+                 ? FBI_REFUSE(FB_ERR_STEP, FBI_WORD_LOST, -1, FB_R(0.0), FB_R(0.0))
+                 : status;
   }
 
   /* Position, joint coordinates, modes */
@@ -10501,6 +10690,7 @@ static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const
   w->owns = 0;
   for (int k = 0; k < system->n_body && status == FB_OK; k++) {
     status = fbi_link_move(&next->link[k], &w->sum.link[k], w->link[k].joint, w->link[k].model->n);
+    FBI_DETAIL_INDEX(status, k);
   }
   if (status != FB_OK) {
     return status;
@@ -10538,7 +10728,8 @@ static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const
 static fb_status fbi_system_step_check(const fb_system *system, const fb_body *body, const fb_system_input *input,
                                        fb_real dt)
 {
-  return dt > FB_R(0.0) && dt < FB_HUGE ? fbi_system_input_check(system, body, input) : FB_ERR_VALUE;
+  return dt > FB_R(0.0) && dt < FB_HUGE ? fbi_system_input_check(system, body, input)
+                                        : FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
 }
 
 /* [E11.12] Classical Runge-Kutta on a system. Constraint impulses start at zero in each step, so that an ordinary
@@ -10585,7 +10776,10 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
     if (status == FB_OK && stage == 0 && !system->allow_long_step) {
       fb_real spin, stiff;
       fbi_system_conditions(&spin, &stiff, work, system);
-      status = dt <= fbi_step_limit(FBI_RK4_RADIUS, fbi_system_frequency(system, spin, stiff)) ? FB_OK : FB_ERR_STEP;
+      status = dt <= fbi_step_limit(FBI_RK4_RADIUS, fbi_system_frequency(system, spin, stiff))
+                   ? FB_OK
+                   : FBI_REFUSE_STEP(work, system, 1, dt,
+                                     fbi_step_limit(FBI_RK4_RADIUS, fbi_system_frequency(system, spin, stiff)));
     }
     if (status == FB_OK && !system->allow_long_step) {
       status = fbi_turns_check(work, system, dt, stage == 0);
@@ -10854,12 +11048,15 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
 
   /* Step limit at the start */
   if (status == FB_OK && !system->allow_long_step) {
-    fb_real spin, stiff;
+    fb_real spin, stiff, bound;
     status = fbi_system_rates(work, system, body, &work->first, state, state, start);
     if (status == FB_OK) {
       fbi_system_conditions(&spin, &stiff, work, system);
-      spin = fbi_larger(FB_R(10.0) * spin, FB_SQRT(stiff + system->limit_kept_elastic));
-      status = dt <= fbi_step_limit(FB_R(1.0), fbi_larger(spin, system->limit_kept_damping)) ? FB_OK : FB_ERR_STEP;
+      bound = fbi_larger(FB_R(10.0) * spin, FB_SQRT(stiff + system->limit_kept_elastic));
+      bound = fbi_larger(bound, system->limit_kept_damping);
+      status = dt <= fbi_step_limit(FB_R(1.0), bound)
+                   ? FB_OK
+                   : FBI_REFUSE_STEP(work, system, 0, dt, fbi_step_limit(FB_R(1.0), bound));
       (void)fbi_turns_check(work, system, dt, 1);
     }
   }
@@ -11179,7 +11376,7 @@ FB_DEF fb_status fb_exact_step(const fb_exact *m, fb_exact_state *state, fb_exac
     return status;
   }
   if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
-    return FB_ERR_VALUE;
+    return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
   }
 
   /* Residual and factors at mid-step */
@@ -11294,8 +11491,8 @@ FB_DEF fb_status fb_eig_sym_solve(fb_real *d, fb_real *V, fb_real *A, int n)
 {
   fb_real norm = FB_R(0.0);
   int rotated = 1;
-  FBI_REQUIRE(d && V && A, FB_ERR_NULL);
-  FBI_REQUIRE(n >= 0, FB_ERR_VALUE);
+  FBI_REQUIRE_INNER(d && V && A, FB_ERR_NULL);
+  FBI_REQUIRE_INNER(n >= 0, FB_ERR_VALUE);
 
   /* V = 1; norm is the largest element of A */
   for (int i = 0; i < n; i++) {
@@ -11339,7 +11536,7 @@ FB_DEF fb_status fb_eig_sym_solve(fb_real *d, fb_real *V, fb_real *A, int n)
 FB_DEF fb_status fb_eig_gen_solve(fb_real *d, fb_real *X, fb_real *K, fb_real *M, int n)
 {
   fb_status status;
-  FBI_REQUIRE(d && X && K && M, FB_ERR_NULL);
+  FBI_REQUIRE_INNER(d && X && K && M, FB_ERR_NULL);
 
   /* M = L L^T */
   status = fb_chol_factor(M, n);
@@ -11722,8 +11919,8 @@ static fb_status fbi_eig_general(fb_real *re, fb_real *im, fb_real *X, fb_real *
 FB_DEF fb_status fb_eig_general_solve(fb_real *re, fb_real *im, fb_real *X, fb_real *A, fb_real *work, int n)
 {
   fb_real least;
-  FBI_REQUIRE(re && im && X && A && work, FB_ERR_NULL);
-  FBI_REQUIRE(n >= 0, FB_ERR_VALUE);
+  FBI_REQUIRE_INNER(re && im && X && A && work, FB_ERR_NULL);
+  FBI_REQUIRE_INNER(n >= 0, FB_ERR_VALUE);
   return fbi_eig_general(re, im, X, &least, A, work, n);
 }
 
