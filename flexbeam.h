@@ -15,6 +15,7 @@
 
    QUICK START (examples/quickstart.c; do this in ONE file, the others include flexbeam.h alone)
 
+     #define FB_WITH_DETAIL 1 // says what was refused
      #define FLEXBEAM_IMPLEMENTATION
      #include "flexbeam.h"
      #include <stdio.h>
@@ -54,6 +55,7 @@
        status = status ? status : fb_body_node_motion_eval(&body, &tip, &state, &motion, node);
        if (status != FB_OK) {
          printf("%s\n", fb_status_string(status));
+         printf("%s: %s: %g\n", fb_detail_last()->function, fb_detail_last()->what, (double)fb_detail_last()->have);
          return 1;
        }
        printf("after 1 s: hub %.4f rad/s, tip %.4f m\n", (double)motion.w[2], (double)tip.displacement[1]);
@@ -538,10 +540,12 @@ FB_API const char *fb_status_string(fb_status status);
 typedef struct fb_detail {
   fb_status status;
   const char *function; /* the public function that refused; one that another of the library called has its own name */
-  const char *what;     /* field or argument, unit, relation wanted: "EI_y [N m^2], at least 0" */
-  int index;          /* of the station, mode, joint, body, node, load .. that `what` or the argument is of; -1: none */
+  const char *what;   /* field or argument, unit, relation wanted: "dt [s] at this spin [rad/s], at most"; with an index
+                           first what it counts: "station: EI_y [N m^2], at least" */
+  int index;          /* of the station, mode, joint, body, node, load, ..; -1: none */
   fb_real have, need; /* the value found and the bound; 0, 0: `what` says all */
-  fb_real at;         /* a further number that `what` names: the spin [rad/s]; which number of a field of several */
+  fb_real at;         /* a further number that `what` names: the spin; of a field of several numbers: which, from 0 */
+  int part;           /* of fb_build_desc, where fb_body_build called the function; -1: none */
 } fb_detail;
 
 /* This thread's last refusal of data or argument that has a record; never NULL. At first FB_OK with empty texts; no
@@ -1476,7 +1480,11 @@ FB_API fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real a
    step. FB_ERR_STEP: beyond 2.785 / (bound of the highest frequency: springs and modes of the whole as it is undeformed
    at zero joint coordinates, spin, stiffening), or a body turns faster or slower within it by more than half a radian;
    FB_ERR_UNDETERMINED, FB_ERR_CONTRADICTION: work->joint; else as
-   fb_rk4_step. On failure state is as before the call. */
+   fb_rk4_step. On failure state is as before the call.
+   FB_ERR_CONTRADICTION is also a prescribed axis of the tree (not of spherical joints or FB_METHOD_MULTIPLIERS) whose
+   value at the end is exactly that at the start of the step, or has moved the other way, though its rates add up to a
+   motion (1e-9 rad or m, and round-off): a forgotten value or rate, or a value held over several steps. Give it rate 0
+   where it stays or jumps; values that follow the rates in part only are taken as jumps. */
 FB_API fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body, fb_system_state *state,
                                     fb_system_work *work, const fb_system_input *start, const fb_system_input *middle,
                                     const fb_system_input *end, fb_real dt);
