@@ -19,6 +19,7 @@
 
    QUICK START (examples/quickstart.c; do this in ONE file, the others include flexbeam.h alone)
 
+     #define FB_WITH_DETAIL 1 // says what was refused
      #define FLEXBEAM_IMPLEMENTATION
      #include "flexbeam.h"
      #include <stdio.h>
@@ -58,6 +59,7 @@
        status = status ? status : fb_body_node_motion_eval(&body, &tip, &state, &motion, node);
        if (status != FB_OK) {
          printf("%s\n", fb_status_string(status));
+         printf("%s: %s: %g\n", fb_detail_last()->function, fb_detail_last()->what, (double)fb_detail_last()->have);
          return 1;
        }
        printf("after 1 s: hub %.4f rad/s, tip %.4f m\n", (double)motion.w[2], (double)tip.displacement[1]);
@@ -141,6 +143,10 @@
      FB_WITH_EXACT                    1        0, 1    0 removes the geometrically exact beam
      FB_WITH_BUILD                    1        0, 1    0 removes BUILD: for firmware whose models are in ROM
      FB_WITH_ANALYSE                  as BUILD 0, 1    0 removes ANALYSE
+     FB_WITH_DETAIL                   0        0, 1    1: fb_detail_last says what was refused and why; for desktops
+                                                       (texts, thread-local storage). No struct depends on it: it may
+                                                       differ between files, which call fb_detail_last if it is 1 in
+                                                       the one that has the code
      FB_ASSERT(x)                     nothing  -       called with 0 on a programmer's error (NULL, index, capacity)
      FB_ALLOW_FAST_MATH               -        -       compile under -ffast-math (finite checks are then void, and
                                                        small increments are lost). Without it refused are -ffast-math,
@@ -376,6 +382,9 @@
 #ifndef FB_WITH_ANALYSE
 #define FB_WITH_ANALYSE FB_WITH_BUILD
 #endif
+#ifndef FB_WITH_DETAIL
+#define FB_WITH_DETAIL 0
+#endif
 #ifndef FB_ASSERT
 #define FB_ASSERT(x) ((void)0)
 #endif
@@ -404,6 +413,9 @@
      FB_WITH_DAMPING | FB_WITH_GRAVITY | FB_WITH_NONLINEAR_STRAIN | FB_WITH_FORMS | FB_WITH_SYSTEM | FB_WITH_EXACT | \
      FB_WITH_BUILD | FB_WITH_ANALYSE) > 1
 #error "flexbeam: FB_WITH_... are 0 or 1"
+#endif
+#if FB_WITH_DETAIL != 0 && FB_WITH_DETAIL != 1
+#error "flexbeam: FB_WITH_DETAIL is 0 or 1"
 #endif
 #if FB_WITH_ANALYSE && !FB_WITH_BUILD
 #error "flexbeam: FB_WITH_ANALYSE needs FB_WITH_BUILD"
@@ -537,6 +549,25 @@ typedef enum fb_status { FB_STATUS_LIST(FBI_STATUS_ENUM) } fb_status;
 
 /* Text of a status; never NULL. */
 FB_API const char *fb_status_string(fb_status status);
+
+#if FB_WITH_DETAIL
+/* What was refused, why, and by how much. */
+typedef struct fb_detail {
+  fb_status status;
+  const char *function; /* the public function that refused; one that another of the library called has its own name */
+  const char *what;   /* field or argument, unit, relation wanted: "dt [s] at this spin [rad/s], at most"; with an index
+                           first what it counts: "station: EI_y [N m^2], at least" */
+  int index;          /* of the station, mode, joint, body, node, load, ..; -1: none */
+  fb_real have, need; /* the value found and the bound; 0, 0: `what` says all */
+  fb_real at;         /* a further number that `what` names: the spin; of a field of several numbers: which, from 0 */
+  int part;           /* of fb_build_desc, where fb_body_build called the function; -1: none */
+} fb_detail;
+
+/* This thread's last refusal of data or argument that has a record; never NULL. At first FB_OK with empty texts; no
+   success clears it, and a refusal without a record leaves it: look at it after a failure, if its status is that which
+   was returned. Threads have their own where the compiler has thread-local storage (C11, C++11, gcc, clang, MSVC). */
+FB_API const fb_detail *fb_detail_last(void);
+#endif
 
 /* ---------------------------------------------------------------------------------------------------------------
    RUN >>vec3: sizes are fixed; outputs may not overlap inputs unless said */
@@ -1471,7 +1502,11 @@ FB_API fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real a
    step. FB_ERR_STEP: beyond 2.785 / (bound of the highest frequency: springs and modes of the whole as it is undeformed
    at zero joint coordinates, spin, stiffening), or a body turns faster or slower within it by more than half a radian;
    FB_ERR_UNDETERMINED, FB_ERR_CONTRADICTION: work->joint; else as
-   fb_rk4_step. On failure state is as before the call. */
+   fb_rk4_step. On failure state is as before the call.
+   FB_ERR_CONTRADICTION is also a prescribed axis of the tree (not of spherical joints or FB_METHOD_MULTIPLIERS) whose
+   value at the end is exactly that at the start of the step, or has moved the other way, though its rates add up to a
+   motion (1e-9 rad or m, and round-off): a forgotten value or rate, or a value held over several steps. Give it rate 0
+   where it stays or jumps; values that follow the rates in part only are taken as jumps. */
 FB_API fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body, fb_system_state *state,
                                     fb_system_work *work, const fb_system_input *start, const fb_system_input *middle,
                                     const fb_system_input *end, fb_real dt);

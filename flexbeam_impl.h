@@ -61,14 +61,6 @@ const char FBI_CONFIG_SYMBOL[] = FBI_STRING_(FBI_CONFIG_SYMBOL);
 #define FB_DEF
 #endif
 
-#define FBI_REQUIRE(condition, status) \
-  do {                                 \
-    if (!(condition)) {                \
-      FB_ASSERT(0);                    \
-      return status;                   \
-    }                                  \
-  } while (0)
-
 /* Relative tolerance: a result below this fraction of its summands is treated as round-off, that of a few hundred
    operations. */
 #define FBI_ROUNDING ((FB_SINGLE ? FB_R(64.0) : FB_R(1024.0)) * FB_EPSILON)
@@ -114,6 +106,108 @@ FB_DEF const char *fb_status_string(fb_status status)
 }
 #undef FBI_STATUS_TEXT
 
+/* FBI_REFUSE(status, what, index, have, need) is that status; with FB_WITH_DETAIL it is recorded with the rest, else
+   the rest is not evaluated. FBI_REFUSE_AT: and with `at`. A static function records the public one entered last. */
+#if FB_WITH_DETAIL
+#if defined(__cplusplus)
+#define FBI_THREAD thread_local
+#elif defined(__GNUC__)
+#define FBI_THREAD __thread
+#elif defined(_MSC_VER)
+#define FBI_THREAD __declspec(thread)
+#elif defined(__STDC_VERSION__) && __STDC_VERSION__ >= 201112L
+#define FBI_THREAD _Thread_local
+#else
+#define FBI_THREAD
+#endif
+static FBI_THREAD fb_detail fbi_detail = {FB_OK, "", "", -1, FB_R(0.0), FB_R(0.0), FB_R(0.0), -1};
+static FBI_THREAD const char *fbi_entered = "";
+
+FB_DEF const fb_detail *fb_detail_last(void)
+{
+  return &fbi_detail;
+}
+
+static int fbi_is_public(const char *function)
+{
+  return function[2] == '_'; /* fb_, not fbi_ */
+}
+
+/* `status` as it is written: functions that return another thing are not entered. */
+static void fbi_detail_enter(const char *status, const char *function)
+{
+  fbi_entered = fbi_is_public(function) && strncmp(status, "FB_ERR_", 7) == 0 ? function : fbi_entered;
+}
+
+static FBI_NOINLINE fb_status fbi_refuse(fb_status status, const char *function, const char *what, int index,
+                                         fb_real have, fb_real need, fb_real at)
+{
+  fbi_detail.status = status;
+  fbi_detail.function = fbi_is_public(function) ? function : fbi_entered;
+  fbi_detail.what = what;
+  fbi_detail.index = index;
+  fbi_detail.have = have;
+  fbi_detail.need = need;
+  fbi_detail.at = at;
+  fbi_detail.part = -1;
+  return status;
+}
+
+/* A condition of FBI_REQUIRE that does not hold; its status by name, none where the function returns another thing. */
+#define FBI_STATUS_ENTRY(name, value, text) {name, #name},
+static void fbi_detail_require(const char *status, const char *function, const char *condition)
+{
+  static const struct {
+    fb_status status;
+    const char *name;
+  } list[] = {FB_STATUS_LIST(FBI_STATUS_ENTRY)};
+  for (int i = 0; i < (int)(sizeof list / sizeof *list); i++) {
+    if (strcmp(list[i].name, status) == 0) {
+      (void)fbi_refuse(list[i].status, function, condition, -1, FB_R(0.0), FB_R(0.0), FB_R(0.0));
+    }
+  }
+}
+#undef FBI_STATUS_ENTRY
+/* FBI_DETAIL_INDEX, FBI_DETAIL_PART: the number of the body, of the part that an inner check does not know. */
+#define FBI_REFUSE_AT(status, what, index, have, need, at) fbi_refuse(status, __func__, what, index, have, need, at)
+#define FBI_DETAIL_INDEX(status, i) fbi_detail.index = (status) != FB_OK ? (i) : fbi_detail.index
+#define FBI_DETAIL_PART(k) fbi_detail.part = (k)
+#else
+#define FBI_REFUSE_AT(status, what, index, have, need, at) (status)
+#define FBI_DETAIL_INDEX(status, i) ((void)0)
+#define FBI_DETAIL_PART(k) ((void)0)
+#endif
+#define FBI_REFUSE(status, what, index, have, need) FBI_REFUSE_AT(status, what, index, have, need, FB_R(0.0))
+
+/* Every public function that takes a pointer begins with one. With FB_WITH_DETAIL it tells whose refusals follow; those
+   that others call on the way, the solvers, have FBI_REQUIRE_INNER. */
+#if FB_WITH_DETAIL
+#define FBI_DETAIL_ENTER(status) fbi_detail_enter(status, __func__)
+#define FBI_DETAIL_REQUIRE(status, condition) fbi_detail_require(status, __func__, condition)
+#define FBI_ENTERED(call) (fbi_detail_enter("FB_ERR_NULL", __func__), (call)) /* where a check of others is the first */
+#else
+#define FBI_ENTERED(call) (call)
+#define FBI_DETAIL_ENTER(status) ((void)0)
+#define FBI_DETAIL_REQUIRE(status, condition) ((void)0)
+#endif
+#define FBI_REQUIRE_INNER(condition, status)   \
+  do {                                         \
+    if (!(condition)) {                        \
+      FBI_DETAIL_REQUIRE(#status, #condition); \
+      FB_ASSERT(0);                            \
+      return status;                           \
+    }                                          \
+  } while (0)
+#define FBI_REQUIRE(condition, status)         \
+  do {                                         \
+    FBI_DETAIL_ENTER(#status);                 \
+    if (!(condition)) {                        \
+      FBI_DETAIL_REQUIRE(#status, #condition); \
+      FB_ASSERT(0);                            \
+      return status;                           \
+    }                                          \
+  } while (0)
+
 /* 1 if sum |x[i]| <= FB_HUGE: x and its squares are finite; 0 for NaN. */
 static int fbi_is_finite(const fb_real *x, int n)
 {
@@ -144,6 +238,112 @@ static int fbi_is_exact(void)
 #define FBI_REQUIRE_EXACT() ((void)0)
 #else
 #define FBI_REQUIRE_EXACT() FBI_REQUIRE(fbi_is_exact(), FB_ERR_BUILD)
+#endif
+
+#if FB_WITH_BUILD
+/* Checks as tables: each entry with what is wrong if it does not hold, kept with FB_WITH_DETAIL alone. index: that of
+   the station, joint, ... that the table is of. */
+#if FB_WITH_DETAIL
+#define FBI_WHAT const char *what;
+#define FBI_NUMBER(x, n, least, most, what) \
+  {                                         \
+    x, n, least, most, what                 \
+  }
+#define FBI_COUNT(have, least, most, what) \
+  {                                        \
+    have, least, most, what                \
+  }
+#define FBI_CLAIM(holds, what) \
+  {                            \
+    holds, what                \
+  }
+#else
+#define FBI_WHAT
+#define FBI_NUMBER(x, n, least, most, what) \
+  {                                         \
+    x, n, least, most                       \
+  }
+#define FBI_COUNT(have, least, most, what) \
+  {                                        \
+    have, least, most                      \
+  }
+#define FBI_CLAIM(holds, what) \
+  {                            \
+    holds                      \
+  }
+#endif
+#define FBI_ANY(x, n, what) FBI_NUMBER(x, n, -FB_HUGE, FB_HUGE, what ", finite")
+#define FBI_NOT_NEGATIVE(x, n, what) FBI_NUMBER(x, n, FB_R(0.0), FB_HUGE, what ", at least")
+#define FBI_AT_LEAST(have, least, what) FBI_COUNT(have, least, have, what ", at least")
+#define FBI_AT_MOST(have, most, what) FBI_COUNT(have, have, most, what ", at most")
+#define FBI_LENGTH(table) ((int)(sizeof(table) / sizeof *(table)))
+
+typedef struct fbi_number { /* n numbers between least and most */
+  const fb_real *x;
+  int n;
+  fb_real least, most;
+  FBI_WHAT
+} fbi_number;
+
+typedef struct fbi_count {
+  int have, least, most;
+  FBI_WHAT
+} fbi_count;
+
+typedef struct fbi_claim {
+  int holds;
+  FBI_WHAT
+} fbi_claim;
+
+/* FB_ERR_NOT_FINITE for any of the numbers, then FB_ERR_VALUE. */
+static fb_status fbi_numbers_check(const fbi_number *field, int n, int index)
+{
+  (void)index;
+  for (int k = 0; k < n; k++) {
+    if (!fbi_is_finite(field[k].x, field[k].n)) {
+      int i = 0;
+      while (i < field[k].n - 1 && fbi_is_finite(field[k].x + i, 1)) {
+        i++;
+      }
+      return FBI_REFUSE_AT(FB_ERR_NOT_FINITE, field[k].what, index, field[k].x[i],
+                           field[k].least > -FB_HUGE ? field[k].least : FB_R(0.0), (fb_real)i);
+    }
+  }
+  for (int k = 0; k < n; k++) {
+    for (int i = 0; i < field[k].n; i++) {
+      if (field[k].x[i] < field[k].least || field[k].x[i] > field[k].most) {
+        return FBI_REFUSE_AT(FB_ERR_VALUE, field[k].what, index, field[k].x[i],
+                             field[k].x[i] < field[k].least ? field[k].least : field[k].most, (fb_real)i);
+      }
+    }
+  }
+  return FB_OK;
+}
+
+/* The status is that of a count out of its range. */
+static fb_status fbi_counts_check(fb_status status, const fbi_count *count, int n, int index)
+{
+  (void)index;
+  for (int k = 0; k < n; k++) {
+    if (count[k].have < count[k].least || count[k].have > count[k].most) {
+      return FBI_REFUSE(status, count[k].what, index, (fb_real)count[k].have,
+                        (fb_real)(count[k].have < count[k].least ? count[k].least : count[k].most));
+    }
+  }
+  return FB_OK;
+}
+
+/* FB_ERR_VALUE: a claim does not hold. */
+static fb_status fbi_claims_check(const fbi_claim *claim, int n, int index)
+{
+  (void)index;
+  for (int k = 0; k < n; k++) {
+    if (!claim[k].holds) {
+      return FBI_REFUSE(FB_ERR_VALUE, claim[k].what, index, FB_R(0.0), FB_R(0.0));
+    }
+  }
+  return FB_OK;
+}
 #endif
 
 static void fbi_zero(fb_real *x, int n)
@@ -569,7 +769,7 @@ FB_DEF fb_status fb_sym6_solve(fb_real x[6], const fb_real S[21], const fb_real 
 {
   fb_real out[6];
   fb_status status;
-  FBI_REQUIRE(x && S && y, FB_ERR_NULL);
+  FBI_REQUIRE_INNER(x && S && y, FB_ERR_NULL);
   status = fbi_sym6_solve(out, S, y);
   if (status == FB_OK && !fbi_is_finite(out, 6)) {
     status = FB_ERR_NOT_FINITE;
@@ -768,7 +968,7 @@ FB_DEF void fb_quat_from_wiener_milenkovic(fb_real quat[4], const fb_real c[3])
 
 FB_DEF fb_status fb_quat_normalize(fb_real q[4])
 {
-  FBI_REQUIRE(q, FB_ERR_NULL);
+  FBI_REQUIRE_INNER(q, FB_ERR_NULL);
   const fb_real norm2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
   if (!(norm2 > FB_R(1e-20) && norm2 < FB_HUGE)) {
     return FB_ERR_VALUE;
@@ -852,8 +1052,8 @@ static void fbi_swap(fb_real *x, fb_real *y, int n)
    Test: lu_solves_random_graded_and_refuses_singular_matrices. */
 FB_DEF fb_status fb_lu_factor(fb_real *A, int *perm, fb_real *scale, int n)
 {
-  FBI_REQUIRE(A && perm && scale, FB_ERR_NULL);
-  FBI_REQUIRE(n >= 0, FB_ERR_VALUE);
+  FBI_REQUIRE_INNER(A && perm && scale, FB_ERR_NULL);
+  FBI_REQUIRE_INNER(n >= 0, FB_ERR_VALUE);
 
   /* row scales */
   for (int i = 0; i < n; i++) {
@@ -973,8 +1173,8 @@ static void fbi_lu_plain_solve(fb_real *x, const fb_real *A, int n)
    Test: cholesky_factors_graded_and_refuses_indefinite_matrices. */
 FB_DEF fb_status fb_chol_factor(fb_real *A, int n)
 {
-  FBI_REQUIRE(A, FB_ERR_NULL);
-  FBI_REQUIRE(n >= 0, FB_ERR_VALUE);
+  FBI_REQUIRE_INNER(A, FB_ERR_NULL);
+  FBI_REQUIRE_INNER(n >= 0, FB_ERR_VALUE);
   for (int j = 0; j < n; j++) {
     const fb_real diagonal = A[j * n + j];
     const fb_real sum = diagonal - fbi_dot(A + j * n, A + j * n, j);
@@ -1056,14 +1256,17 @@ static int fbi_is_excluded(unsigned effects)
          ((effects & FB_EFFECT_NONLINEAR_STRAIN) && (effects & FBI_QUADRATIC_EFFECTS));
 }
 
+#define FBI_WORD_EXCLUDED \
+  "effects: all compiled in (FB_WITH_..), nonlinear strain without spin and acceleration stiffening"
 FB_DEF fb_status fb_effects_check(unsigned effects)
 {
   if (fbi_is_excluded(effects)) {
-    return FB_ERR_EFFECTS;
+    return FBI_REFUSE(FB_ERR_EFFECTS, FBI_WORD_EXCLUDED, -1, FB_R(0.0), FB_R(0.0));
   }
   if ((effects & FB_EFFECT_RESIDUAL_INERTIA) &&
       (!(effects & FB_EFFECT_SPIN_COUPLING) || !(effects & (FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_NONLINEAR_STRAIN)))) {
-    return FB_ERR_EFFECTS;
+    return FBI_REFUSE(FB_ERR_EFFECTS, "effects: residual inertia, with spin coupling and a stiffening", -1, FB_R(0.0),
+                      FB_R(0.0));
   }
   return FB_OK;
 }
@@ -1751,7 +1954,8 @@ static fb_status fbi_input_check(const fb_body *body, const fb_input *input)
     FBI_REQUIRE(input->load[i].node >= 0 && input->load[i].node < body->n_node, FB_ERR_CAPACITY);
     FBI_REQUIRE(fbi_is_choice((int)input->load[i].axes, (int)FB_AXES_COUNT - 1), FB_ERR_VALUE);
     if (!fbi_vec3_is_finite(input->load[i].force) || !fbi_vec3_is_finite(input->load[i].torque)) {
-      return FB_ERR_NOT_FINITE; /* no other check sees loads on a prescribed base */
+      /* no other check sees loads on a prescribed base */
+      return FBI_REFUSE(FB_ERR_NOT_FINITE, "load: force [N] or torque [N m], finite", i, FB_R(0.0), FB_R(0.0));
     }
   }
   return FB_OK;
@@ -2452,6 +2656,22 @@ static int fbi_quat_is_unit(const fb_real quat[4])
   return FB_FABS(norm2 - FB_R(1.0)) <= FB_R(2e-3);
 }
 
+#if FB_WITH_DETAIL
+#define FBI_WORD_DEFLECTION "mode: has the largest share of the deflection [m], the sum over all modes, at most"
+/* The mode with the largest share of the deflection; the first that is not a number. */
+static int fbi_farthest(const fb_body *body, const fb_real *q)
+{
+  int most = 0;
+  for (int a = 0; a < body->n; a++) {
+    if (!fbi_is_finite(q + a, 1)) {
+      return a;
+    }
+    most = body->reach[a] * FB_FABS(q[a]) > body->reach[most] * FB_FABS(q[most]) ? a : most;
+  }
+  return most;
+}
+#endif
+
 /* Checks that a state is finite and within the deflection limit. */
 static fb_status fbi_state_range(const fb_body *body, const fb_state *state)
 {
@@ -2466,7 +2686,11 @@ static fb_status fbi_state_range(const fb_body *body, const fb_state *state)
     return FB_ERR_NOT_FINITE;
   }
   if (!(deflection <= body->deflection_limit)) {
-    return fbi_is_finite(state->q, body->n) ? FB_ERR_RANGE : FB_ERR_NOT_FINITE;
+    return fbi_is_finite(state->q, body->n)
+               ? FBI_REFUSE_AT(FB_ERR_RANGE, FBI_WORD_DEFLECTION, fbi_farthest(body, state->q), deflection,
+                               body->deflection_limit, state->q[fbi_farthest(body, state->q)])
+               : FBI_REFUSE(FB_ERR_NOT_FINITE, "mode: coordinate q of the state, finite", fbi_farthest(body, state->q),
+                            FB_R(0.0), FB_R(0.0));
   }
   return FB_OK;
 }
@@ -9129,6 +9353,12 @@ static void fbi_largest_slopes(fb_real *slope, fb_real *strain, const fbi_kineti
 }
 #endif
 
+#define FBI_WORD_DT "dt [s], finite and above"
+#define FBI_WORD_SPIN "dt [s] at this spin [rad/s], at most"
+#define FBI_WORD_NEWTON "last Newton correction of a stage [rad], at most"
+#define FBI_WORD_LOST "body: rotates so far in a step that its attitude is lost to round-off"
+#define FBI_WORD_TURN "body: change of the angular velocity, times this dt [s], at most"
+
 /* Arguments of the step limits: spin, and acceleration of O from the prescribed motion and gravity or, of a free base,
    from the rotation about the mass center and the loads. */
 static void fbi_step_conditions(fb_real *spin, fb_real *acceleration, const fb_body *body, const fbi_kinetics *k,
@@ -9166,7 +9396,10 @@ static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const
   }
 #endif
   bound = fbi_frequency_bound(body, spin, acceleration, slope, strain);
-  return dt <= fbi_step_limit(FBI_RK4_RADIUS, bound) ? FB_OK : FB_ERR_STEP;
+  return dt <= fbi_step_limit(FBI_RK4_RADIUS, bound)
+             ? FB_OK
+             : FBI_REFUSE_AT(FB_ERR_STEP, "dt [s] for the modes at this spin [rad/s], at most", -1, dt,
+                             fbi_step_limit(FBI_RK4_RADIUS, bound), spin);
 }
 
 /* [E11.26] Refuses a step in which the angular velocity at a stage differs from that at the start by more than half a
@@ -9176,7 +9409,9 @@ static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const
 static fb_status fbi_turn_check(const fb_real start[3], const fb_real w[3], fb_real dt)
 {
   const fb_real x = dt * (w[0] - start[0]), y = dt * (w[1] - start[1]), z = dt * (w[2] - start[2]);
-  return x * x + y * y + z * z <= FB_R(0.25) ? FB_OK : FB_ERR_STEP;
+  return x * x + y * y + z * z <= FB_R(0.25)
+             ? FB_OK
+             : FBI_REFUSE_AT(FB_ERR_STEP, FBI_WORD_TURN, -1, FB_SQRT(x * x + y * y + z * z), FB_R(0.5), dt);
 }
 
 /* [E11.22] Kahan (compensated) summation: d becomes the sum x + d, and `lost` its round-off error, which the next step
@@ -9367,7 +9602,7 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, const fb_state *s
   /* Range, then commit */
   status = status ? status : fbi_state_range(body, next);
   if (status == FB_OK && !fbi_quat_is_unit(next->quat)) {
-    status = FB_ERR_STEP;
+    status = FBI_REFUSE(FB_ERR_STEP, FBI_WORD_LOST, -1, FB_R(0.0), FB_R(0.0));
   }
   if (status == FB_OK) {
     fbi_state_take(state, next, n);
@@ -9389,7 +9624,7 @@ FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, f
   fb_status status = FB_OK;
   FBI_REQUIRE(body && state && work, FB_ERR_NULL);
   if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
-    return FB_ERR_VALUE;
+    return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
   }
 
   /* Inputs of the four stages */
@@ -9808,14 +10043,17 @@ static fb_status fbi_implicit_check(const fb_body *body, const fbi_kinetics *k, 
     return FB_OK;
   }
   fbi_step_conditions(&spin, &acceleration, body, k, input);
-  return dt <= fb_implicit_limit(body, spin, acceleration) ? FB_OK : FB_ERR_STEP;
+  return dt <= fb_implicit_limit(body, spin, acceleration)
+             ? FB_OK
+             : FBI_REFUSE_AT(FB_ERR_STEP, FBI_WORD_SPIN, -1, dt, fb_implicit_limit(body, spin, acceleration), spin);
 }
 
 /* Start of an implicit step: rates at the state, step limit, factored iteration matrix. */
 static fb_status fbi_implicit_start(fb_implicit_work *w, fbi_kinetics *k, const fb_body *body, const fb_state *state,
                                     const fb_input *input, fb_real dt, fb_real g)
 {
-  fb_status status = dt > FB_R(0.0) && dt < FB_HUGE ? fbi_input_check(body, input) : FB_ERR_VALUE;
+  fb_status status = dt > FB_R(0.0) && dt < FB_HUGE ? fbi_input_check(body, input)
+                                                    : FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
   fbi_state_enter(&w->start, k->R, body, state);
   if (status == FB_OK) {
     status = fbi_rates(&w->rate, k, body, &w->start, input);
@@ -9834,7 +10072,7 @@ static fb_status fbi_stage_check(fb_real first, fb_real last, fb_real change)
 {
   const fb_real floor = FB_R(0.01) * FB_EPSILON;
   const fb_real bound = fbi_larger(fbi_larger(FB_R(0.01) * first, FB_R(1e-4) * change), floor);
-  return last > bound ? FB_ERR_CONVERGENCE : FB_OK;
+  return last > bound ? FBI_REFUSE(FB_ERR_CONVERGENCE, FBI_WORD_NEWTON, -1, FB_SQRT(last), FB_SQRT(bound)) : FB_OK;
 }
 
 /* [E11.32] Squared size of the increment g k [rad^2], for E11.25: rotation of the attitude, modal displacements over
@@ -10253,7 +10491,9 @@ static fb_status fbi_exponential_limited(const fb_body *body, const fbi_kinetics
     return FB_OK;
   }
   fbi_step_conditions(&spin, &acceleration, body, k, input);
-  return h <= fb_exponential_limit(body, spin, acceleration) ? FB_OK : FB_ERR_STEP;
+  return h <= fb_exponential_limit(body, spin, acceleration)
+             ? FB_OK
+             : FBI_REFUSE_AT(FB_ERR_STEP, FBI_WORD_SPIN, -1, h, fb_exponential_limit(body, spin, acceleration), spin);
 }
 
 /* Stages of E11.10 after the first: z_2, z_3, z_4 and their N; w->full = (e^(hL) - 1) z + h phi_1(hL) N_1. */
@@ -10415,7 +10655,10 @@ static fb_status fbi_turns_check(fb_system_work *w, const fb_system *system, fb_
     if (begin) {
       fbi_vec3_copy(L->turn, L->V + 3);
     }
-    status = status == FB_OK ? fbi_turn_check(L->turn, L->V + 3, dt) : status;
+    if (status == FB_OK) {
+      status = fbi_turn_check(L->turn, L->V + 3, dt);
+      FBI_DETAIL_INDEX(status, k);
+    }
   }
   return status;
 }
@@ -10462,6 +10705,59 @@ static void fbi_system_conditions(fb_real *spin, fb_real *stiffening, fb_system_
   }
 }
 
+#if FB_WITH_DETAIL
+/* FB_ERR_STEP with what bounds the step most and the fastest spin: a body's spin, stiffening or modes, a joint's spring
+   or damper against what hangs on it (D of the articulated inertia). all: rk4, bounded by modes and joints of the tree,
+   too. */
+static fb_status fbi_refuse_step(const fb_system_work *w, const fb_system *system, int all, fb_real dt, fb_real limit,
+                                 const char *function)
+{
+  const char *what = "";
+  fb_real most = -FB_R(1.0), spin = FB_R(0.0), own[5];
+  int index = -1;
+  for (int j = 0; j < system->n_body + system->n_loop; j++) {
+    static const char *const text[5] = {"body: dt [s] for its spin, with the fastest spin [rad/s], at most",
+                                        "body: dt [s] for its modes, with the fastest spin [rad/s], at most",
+                                        "body: dt [s] for its modal damping, with the fastest spin [rad/s], at most",
+                                        "joint: dt [s] for its spring, with the fastest spin [rad/s], at most",
+                                        "joint: dt [s] for its damper, with the fastest spin [rad/s], at most"};
+    const fb_joint *joint = &system->joint[j];
+    const int kept = fbi_is_kept(system, w, j);
+    fbi_zero(own, 5);
+
+    /* The body */
+    if (j < system->n_body) {
+      const fbi_link_work *L = &w->link[j];
+      spin = fbi_larger(spin, L->spin);
+      own[0] = (all ? FB_R(2.0) : FB_R(10.0)) * L->spin;
+      own[1] = FB_SQRT(L->model->limit_spin * L->spin * L->spin + L->model->limit_acceleration * L->acceleration +
+                       (all ? L->model->limit_elastic : FB_R(0.0)));
+      own[2] = all ? L->model->limit_damping : FB_R(0.0);
+    }
+
+    /* Its joint, or one that constraint rows enforce */
+    for (int i = 0; i < joint->n_axis && i < 3 && joint->kind != FB_JOINT_FREE; i++) {
+      const int tree = all && !kept && w->link[j].mode[i] == FB_AXIS_FREE;
+      const fb_real stiff = kept   ? system->limit_kept_elastic
+                            : tree ? joint->stiffness[i] * w->link[j].D[i]
+                                   : FB_R(0.0);
+      const fb_real damp = kept ? system->limit_kept_damping : tree ? joint->damping[i] * w->link[j].D[i] : FB_R(0.0);
+      own[3] = joint->stiffness[i] > FB_R(0.0) ? fbi_larger(own[3], FB_SQRT(stiff)) : own[3];
+      own[4] = joint->damping[i] > FB_R(0.0) ? fbi_larger(own[4], damp) : own[4];
+    }
+    for (int i = 0; i < 5; i++) {
+      what = own[i] > most ? text[i] : what;
+      index = own[i] > most ? j : index;
+      most = fbi_larger(most, own[i]);
+    }
+  }
+  return fbi_refuse(FB_ERR_STEP, function, what, index, dt, limit, spin);
+}
+#define FBI_REFUSE_STEP(w, system, all, dt, limit) fbi_refuse_step(w, system, all, dt, limit, __func__)
+#else
+#define FBI_REFUSE_STEP(w, system, all, dt, limit) (FB_ERR_STEP)
+#endif
+
 #if FB_SINGLE
 #define FBI_ADD(x, d, what, n) FBI_SUM(d, x, what, n), FBI_TAKE(x, d, what, n)
 #else
@@ -10478,7 +10774,9 @@ static fb_status fbi_link_move(fb_link_state *x, fb_link_state *increment, const
   if (fbi_is_ball(joint->kind)) {
     status = fbi_quat_increment(increment->quat, x->quat);
     FBI_ADD(x, increment, quat, 4);
-    status = status == FB_OK && !fbi_quat_is_unit(x->quat) ? FB_ERR_STEP : status;
+    status = status == FB_OK && !fbi_quat_is_unit(x->quat)
+                 ? FBI_REFUSE(FB_ERR_STEP, FBI_WORD_LOST, -1, FB_R(0.0), FB_R(0.0))
+                 : status;
   }
 
   /* Position, joint coordinates, modes */
@@ -10669,6 +10967,25 @@ static fb_status fbi_rows_end(fb_system_state *next, fb_system_work *w, const fb
   return status;
 }
 
+/* Sets axis i of joint k to its prescribed value at the end of a step, where next is still what the rates of the input
+   add up to. A value that has stayed exactly as it was at the start, or has moved as far the other way, is refused. */
+static FBI_NOINLINE fb_status fbi_axis_end(fb_system_state *next, fb_system_work *w, const fb_system_state *state,
+                                           const fb_system_input *input, int k, int i)
+{
+  const fb_real value = input ? input->drive[k].value[i] : FB_R(0.0), start = state->link[k].x[i];
+  const fb_real size = FB_R(1e-9) + FBI_ROUNDING * FB_FABS(start), by_rate = next->link[k].x[i] - start;
+  const fb_real moved = value - start;
+  next->link[k].x[i] = value;
+  if (FB_FABS(by_rate) > size && (moved == FB_R(0.0) || FB_FABS(moved + by_rate) < FB_R(1e-3) * FB_FABS(by_rate))) {
+    w->joint = k;
+    return FBI_REFUSE_AT(
+        FB_ERR_CONTRADICTION,
+        "joint: change of the prescribed value of this axis in the step [rad, m], by its rate equal to", k, moved,
+        by_rate, (fb_real)i);
+  }
+  return FB_OK;
+}
+
 /* Common end of every step: sums the increments (work.sum), sets prescribed coordinates, projects onto the constraints,
    updates the frames of free-flying trees, checks the range of the model. */
 static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body,
@@ -10678,7 +10995,7 @@ static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const
   const int flies = fbi_flies(system, w), rows = fbi_has_rows(system, w, input);
   fb_status status = FB_OK;
 
-  /* Attitude of free roots (E11.28), positions */
+  /* Attitude of free roots (E11.28), positions, prescribed coordinates */
   w->clock = dt;
   fbi_links_copy(next, state, system);
   next->motor_work += w->sum.motor_work;
@@ -10689,14 +11006,21 @@ static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const
   }
   w->owns = 0;
   for (int k = 0; k < system->n_body && status == FB_OK; k++) {
-    status = fbi_link_move(&next->link[k], &w->sum.link[k], w->link[k].joint, w->link[k].model->n);
+    const fb_joint *joint = w->link[k].joint;
+    const int axes = joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL ? 0 : joint->n_axis;
+    status = fbi_link_move(&next->link[k], &w->sum.link[k], joint, w->link[k].model->n);
+    FBI_DETAIL_INDEX(status, k);
+    for (int i = 0; i < axes; i++) {
+      if (state->mode[k][i] == FB_AXIS_PRESCRIBED) {
+        status = fbi_axis_end(next, w, state, input, k, i) == FB_OK ? status : FB_ERR_CONTRADICTION;
+      }
+    }
   }
   if (status != FB_OK) {
     return status;
   }
 
-  /* Prescribed coordinates, momenta */
-  fbi_prescribe(next, system, w, state, input);
+  /* Momenta */
   if (flies && !rows) {
     fbi_links_place(w, system, body, next, state);
     fbi_frames_take(w, system, next, &w->sum, state, input);
@@ -10727,7 +11051,8 @@ static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const
 static fb_status fbi_system_step_check(const fb_system *system, const fb_body *body, const fb_system_input *input,
                                        fb_real dt)
 {
-  return dt > FB_R(0.0) && dt < FB_HUGE ? fbi_system_input_check(system, body, input) : FB_ERR_VALUE;
+  return dt > FB_R(0.0) && dt < FB_HUGE ? fbi_system_input_check(system, body, input)
+                                        : FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
 }
 
 /* [E11.12] Classical Runge-Kutta on a system. Constraint impulses start at zero in each step, so that an ordinary
@@ -10774,7 +11099,10 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
     if (status == FB_OK && stage == 0 && !system->allow_long_step) {
       fb_real spin, stiff;
       fbi_system_conditions(&spin, &stiff, work, system);
-      status = dt <= fbi_step_limit(FBI_RK4_RADIUS, fbi_system_frequency(system, spin, stiff)) ? FB_OK : FB_ERR_STEP;
+      status = dt <= fbi_step_limit(FBI_RK4_RADIUS, fbi_system_frequency(system, spin, stiff))
+                   ? FB_OK
+                   : FBI_REFUSE_STEP(work, system, 1, dt,
+                                     fbi_step_limit(FBI_RK4_RADIUS, fbi_system_frequency(system, spin, stiff)));
     }
     if (status == FB_OK && !system->allow_long_step) {
       status = fbi_turns_check(work, system, dt, stage == 0);
@@ -11014,15 +11342,17 @@ static fb_status fbi_system_between(fb_system_input *out, const fb_system_input 
 static fb_status fbi_system_sdirk_limited(fb_system_work *w, const fb_system *system, const fb_body *body,
                                           const fb_system_state *state, const fb_system_input *start, fb_real dt)
 {
-  fb_real spin, stiff;
-  const fb_status status = fbi_system_rates(w, system, body, &w->first, state, state, start);
+  fb_real spin, stiff, limit;
+  fb_status status = fbi_system_rates(w, system, body, &w->first, state, state, start);
   if (status != FB_OK) {
     return status;
   }
   fbi_system_conditions(&spin, &stiff, w, system);
   spin = fbi_larger(FB_R(10.0) * spin, FB_SQRT(stiff + system->limit_kept_elastic));
+  limit = fbi_step_limit(FB_R(1.0), fbi_larger(spin, system->limit_kept_damping));
+  status = dt <= limit ? FB_OK : FBI_REFUSE_STEP(w, system, 0, dt, limit);
   (void)fbi_turns_check(w, system, dt, 1);
-  return dt <= fbi_step_limit(FB_R(1.0), fbi_larger(spin, system->limit_kept_damping)) ? FB_OK : FB_ERR_STEP;
+  return status;
 }
 
 /* [E11.14] Two-stage SDIRK integrator of order 2 (E11.8) on a system, L-stable: damps stiff joints and modes.
@@ -11374,7 +11704,7 @@ FB_DEF fb_status fb_exact_step(const fb_exact *m, fb_exact_state *state, fb_exac
     return status;
   }
   if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
-    return FB_ERR_VALUE;
+    return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
   }
 
   /* Residual and factors at mid-step */
@@ -11646,8 +11976,8 @@ static fb_status fbi_jacobi_solve(fb_real *d, fb_real *V, fb_real *A, int n)
 
 FB_DEF fb_status fb_eig_sym_solve(fb_real *d, fb_real *V, fb_real *A, int n)
 {
-  FBI_REQUIRE(d && V && A, FB_ERR_NULL);
-  FBI_REQUIRE(n >= 0, FB_ERR_VALUE);
+  FBI_REQUIRE_INNER(d && V && A, FB_ERR_NULL);
+  FBI_REQUIRE_INNER(n >= 0, FB_ERR_VALUE);
   for (int i = 0; i < n; i++) {
     if (!fbi_is_finite(A + i * n, n)) {
       return FB_ERR_NOT_FINITE;
@@ -11704,8 +12034,8 @@ static fb_status fbi_eig_gen_solve(fb_real *d, fb_real *X, fb_real *A, int n)
 
 FB_DEF fb_status fb_eig_gen_solve(fb_real *d, fb_real *X, const fb_real *K, fb_real *M, int n)
 {
-  FBI_REQUIRE(d && X && K && M, FB_ERR_NULL);
-  FBI_REQUIRE(n >= 0, FB_ERR_VALUE);
+  FBI_REQUIRE_INNER(d && X && K && M, FB_ERR_NULL);
+  FBI_REQUIRE_INNER(n >= 0, FB_ERR_VALUE);
   fbi_copy(X, K, n * n);
   return fbi_eig_gen_solve(d, X, M, n);
 }
@@ -12060,8 +12390,8 @@ static fb_status fbi_eig_general(fb_real *re, fb_real *im, fb_real *X, fb_real *
 FB_DEF fb_status fb_eig_general_solve(fb_real *re, fb_real *im, fb_real *X, fb_real *A, fb_real *work, int n)
 {
   fb_real least;
-  FBI_REQUIRE(re && im && X && A && work, FB_ERR_NULL);
-  FBI_REQUIRE(n >= 0, FB_ERR_VALUE);
+  FBI_REQUIRE_INNER(re && im && X && A && work, FB_ERR_NULL);
+  FBI_REQUIRE_INNER(n >= 0, FB_ERR_VALUE);
   return fbi_eig_general(re, im, X, &least, A, work, n);
 }
 
@@ -12071,6 +12401,8 @@ FB_DEF fb_status fb_eig_general_solve(fb_real *re, fb_real *im, fb_real *X, fb_r
 /* Names: station, a place with given section properties, linear in between; lump, a rigid (lumped) body fixed to a
    node; cell, an integration interval; chain, a beam along a polygon of points. */
 
+#define FBI_WORD_ATTITUDE "attitude, a quaternion whose length can be brought to 1, or all zero"
+
 /* Unit quaternion of a desc's attitude; all zeros mean identity. */
 static fb_status fbi_quat_from_attitude(fb_real q[4], const fb_real attitude[4])
 {
@@ -12078,7 +12410,7 @@ static fb_status fbi_quat_from_attitude(fb_real q[4], const fb_real attitude[4])
     q[i] = attitude[i];
   }
   q[0] = fbi_is_zero(attitude, 4) ? FB_R(1.0) : q[0];
-  return fb_quat_normalize(q);
+  return fb_quat_normalize(q) == FB_OK ? FB_OK : FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_ATTITUDE, -1, FB_R(0.0), FB_R(0.0));
 }
 
 /* Nine Gauss quadrature points on 0..1: integrals exact to degree 17, partial ones (fbi_partial_weights) to 8. */
@@ -12371,14 +12703,22 @@ FB_DEF fb_status fb_section_init(fb_section *section, const fb_material *materia
   {
     const fb_real *size = profile->size;
     const fb_real given[6] = {material->E, material->G, material->density, profile->x, size[0], size[1]};
-    if (!fbi_is_finite(given, 6)) {
-      return FB_ERR_NOT_FINITE;
-    }
-    if (!(material->E > FB_R(0.0) && material->G > FB_R(0.0) && material->density >= FB_R(0.0)) ||
-        !(size[0] > FB_R(0.0)) ||
-        !(profile->kind == FB_PROFILE_TUBE ? size[1] >= FB_R(0.0) && size[1] < size[0]
-                                           : profile->kind == FB_PROFILE_RECTANGLE && size[1] > FB_R(0.0))) {
-      return FB_ERR_VALUE;
+    const int tube = profile->kind == FB_PROFILE_TUBE;
+    const fbi_number field[] = {
+        FBI_NOT_NEGATIVE(&material->E, 1, "material.E [Pa]"), FBI_NOT_NEGATIVE(&material->G, 1, "material.G [Pa]"),
+        FBI_NOT_NEGATIVE(&material->density, 1, "material.density [kg/m^3]"), FBI_ANY(&profile->x, 1, "profile.x [m]"),
+        FBI_NOT_NEGATIVE(size, 2, "profile.size [m]")};
+    const fbi_claim claim[] = {
+        FBI_CLAIM(material->E > FB_R(0.0), "material.E [Pa], not 0"),
+        FBI_CLAIM(material->G > FB_R(0.0), "material.G [Pa], not 0"),
+        FBI_CLAIM(size[0] > FB_R(0.0), "profile.size[0] [m], not 0"),
+        FBI_CLAIM(tube || profile->kind == FB_PROFILE_RECTANGLE, "profile.kind, an fb_profile_kind"),
+        FBI_CLAIM(!tube || size[1] < size[0], "profile.size[1] [m] of a tube, below size[0]"),
+        FBI_CLAIM(tube || size[1] > FB_R(0.0), "profile.size[1] [m] of a rectangle, not 0")};
+    fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
+    status = status ? status : fbi_claims_check(claim, FBI_LENGTH(claim), -1);
+    if (status != FB_OK || !fbi_is_finite(given, 6)) {
+      return fbi_is_finite(given, 6) ? status : FB_ERR_NOT_FINITE;
     }
   }
 
@@ -12442,8 +12782,15 @@ FB_DEF fb_status fb_beam_desc_add_taper(fb_beam_desc *desc, const fb_material *m
   if (status != FB_OK) {
     return status;
   }
-  if (n < 2 || from->kind != to->kind || !(to->x > from->x) || desc->n_station < 0) {
-    return FB_ERR_VALUE;
+  {
+    const fbi_claim claim[] = {FBI_CLAIM(n >= 2, "n, at least 2"),
+                               FBI_CLAIM(from->kind == to->kind, "profile.kind, the same at both ends"),
+                               FBI_CLAIM(to->x > from->x, "to.x [m], above from.x"),
+                               FBI_CLAIM(desc->n_station >= 0, "desc.n_station, not negative")};
+    status = fbi_claims_check(claim, FBI_LENGTH(claim), -1);
+    if (status != FB_OK) {
+      return status;
+    }
   }
 
   /* The first new station replaces a last one at or beyond its place */
@@ -12452,7 +12799,8 @@ FB_DEF fb_status fb_beam_desc_add_taper(fb_beam_desc *desc, const fb_material *m
     at--;
   }
   if (n > FB_MAX_STATIONS || at > FB_MAX_STATIONS - n) {
-    return FB_ERR_CAPACITY;
+    return FBI_REFUSE(FB_ERR_CAPACITY, "count of stations with those of the desc, FB_MAX_STATIONS, at most", -1,
+                      (fb_real)at + (fb_real)n, FB_R(1.0) * FB_MAX_STATIONS);
   }
 
   /* New stations at equal distances */
@@ -12532,6 +12880,8 @@ static void fbi_second_moments(fb_real S[9], const fb_real inertia[6])
   S[5] = S[7] = -inertia[5];
 }
 
+#define FBI_WORD_INERTIA "inertia [kg m^2], that of a body of positive mass (no moment above the sum of the others)"
+
 /* [E6.2] Directions of spread of a rigid body: three vectors s_k with int r r^T dm = sum s_k s_k^T (semidefinite
    Cholesky, the largest diagonal element first), so that integrals of degree 2 over the body become sums. Rods and
    plates are the semidefinite cases.
@@ -12565,54 +12915,69 @@ static fb_status fbi_spread(fb_real s[3][3], const fb_real inertia[6])
   return FB_OK;
 }
 
-/* Values of a section: finite, not negative, consistent. bent: the beam is a chain of points. */
-static fb_status fbi_section_check(const fb_section *s, int bent)
+/* Values of a section: finite, not negative, consistent. bent: the beam is a chain of points. k: number of the
+   station. */
+static fb_status fbi_section_check(const fb_section *s, int bent, int k)
 {
-  const fb_real *const zero_or_more[] = {&s->mass, &s->EA,  &s->GJ,   &s->EI_y, &s->EI_z,
-                                         &s->i_y,  &s->i_z, &s->GA_y, &s->GA_z};
+  const fbi_number field[] = {FBI_ANY(&s->x, 1, "station: x [m]"),
+                              FBI_NOT_NEGATIVE(&s->mass, 1, "station: mass [kg/m]"),
+                              FBI_NOT_NEGATIVE(&s->EA, 1, "station: EA [N]"),
+                              FBI_NOT_NEGATIVE(&s->GJ, 1, "station: GJ [N m^2]"),
+                              FBI_NOT_NEGATIVE(&s->EI_y, 1, "station: EI_y [N m^2]"),
+                              FBI_NOT_NEGATIVE(&s->EI_z, 1, "station: EI_z [N m^2]"),
+                              FBI_NOT_NEGATIVE(&s->i_y, 1, "station: i_y [kg m]"),
+                              FBI_NOT_NEGATIVE(&s->i_z, 1, "station: i_z [kg m]"),
+                              FBI_NOT_NEGATIVE(&s->GA_y, 1, "station: GA_y [N]"),
+                              FBI_NOT_NEGATIVE(&s->GA_z, 1, "station: GA_z [N]"),
+                              FBI_ANY(&s->twist, 1, "station: twist [rad]"),
+                              FBI_ANY(&s->mass_y, 1, "station: mass_y [m]"),
+                              FBI_ANY(&s->mass_z, 1, "station: mass_z [m]"),
+                              FBI_ANY(&s->tension_y, 1, "station: tension_y [m]"),
+                              FBI_ANY(&s->tension_z, 1, "station: tension_z [m]"),
+                              FBI_ANY(&s->shear_y, 1, "station: shear_y [m]"),
+                              FBI_ANY(&s->shear_z, 1, "station: shear_z [m]")};
   const int turned = FB_FABS(s->twist) > FB_R(0.0), sheared = s->GA_y > FB_R(0.0);
+  const int soft_y = s->EI_y > FB_R(0.0), soft_z = s->EI_z > FB_R(0.0);
+  const fbi_claim claim[] = {
+      FBI_CLAIM(!turned || soft_y == soft_z, "station: EI_y, EI_z [N m^2] of a twisted section, both 0 or neither"),
+      /* in a chain all kinds of motion are coupled: none may be rigid */
+      FBI_CLAIM(!bent || (s->EA > FB_R(0.0) && s->GJ > FB_R(0.0) && soft_y && soft_z),
+                "station: EA, GJ, EI_y, EI_z of a beam by points, none 0"),
+      FBI_CLAIM(sheared == (s->GA_z > FB_R(0.0)), "station: GA_y, GA_z [N], both 0 or neither"),
+      FBI_CLAIM(sheared || !(FB_FABS(s->shear_y) + FB_FABS(s->shear_z) > FB_R(0.0)),
+                "station: shear_y, shear_z [m], 0 without GA_y, GA_z")};
   fb_real all[FBI_SECTION];
+  fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), k);
   memcpy(all, s, sizeof all);
-  if (!fbi_is_finite(all, FBI_SECTION)) {
-    return FB_ERR_NOT_FINITE;
-  }
-  for (int i = 0; i < (int)(sizeof zero_or_more / sizeof *zero_or_more); i++) {
-    if (*zero_or_more[i] < FB_R(0.0)) {
-      return FB_ERR_VALUE;
-    }
-  }
-  if (turned && (s->EI_y > FB_R(0.0)) != (s->EI_z > FB_R(0.0))) { /* rigid in one plane only, but twisted */
-    return FB_ERR_VALUE;
-  }
-
-  /* In a chain all kinds of motion are coupled: none may be rigid */
-  if (bent && !(s->EA > FB_R(0.0) && s->GJ > FB_R(0.0) && s->EI_y > FB_R(0.0) && s->EI_z > FB_R(0.0))) {
-    return FB_ERR_VALUE;
-  }
-
-  /* Shear stiffness in both directions or in none; without it no shear center */
-  if (sheared != (s->GA_z > FB_R(0.0)) || (!sheared && FB_FABS(s->shear_y) + FB_FABS(s->shear_z) > FB_R(0.0))) {
-    return FB_ERR_VALUE;
-  }
-  return FB_OK;
+  status = fbi_is_finite(all, FBI_SECTION) ? status : FB_ERR_NOT_FINITE;
+  return status ? status : fbi_claims_check(claim, FBI_LENGTH(claim), k);
 }
 
 static fb_status fbi_stations_check(const fb_beam_desc *desc)
 {
   for (int k = 0; k < desc->n_station; k++) {
-    const fb_status status = fbi_section_check(&desc->station[k], desc->n_point > 0);
+    const fb_status status = fbi_section_check(&desc->station[k], desc->n_point > 0, k);
     if (status != FB_OK) {
       return status;
     }
-    if (k > 0 && (!(desc->station[k].x > desc->station[k - 1].x) ||
-                  (desc->station[k].GA_y > FB_R(0.0)) != (desc->station[0].GA_y > FB_R(0.0)))) {
-      return FB_ERR_VALUE;
+    if (k > 0 && !(desc->station[k].x > desc->station[k - 1].x)) {
+      return FBI_REFUSE(FB_ERR_VALUE, "station: x [m] after that of the station before, above", k, desc->station[k].x,
+                        desc->station[k - 1].x);
+    }
+    if (k > 0 && (desc->station[k].GA_y > FB_R(0.0)) != (desc->station[0].GA_y > FB_R(0.0))) {
+      return FBI_REFUSE(FB_ERR_VALUE, "station: GA_y [N], 0 everywhere or nowhere, as of the first, equal to", k,
+                        desc->station[k].GA_y, desc->station[0].GA_y);
     }
   }
   if (desc->n_station > 1) { /* slack: the length of a chain is a sum of square roots */
     const fb_real slack = (desc->n_point > 0 ? FB_R(1e-5) : FBI_ROUNDING) * desc->length;
-    if (FB_FABS(desc->station[0].x) > slack || FB_FABS(desc->station[desc->n_station - 1].x - desc->length) > slack) {
-      return FB_ERR_VALUE;
+    const int last = desc->n_station - 1;
+    if (FB_FABS(desc->station[0].x) > slack) {
+      return FBI_REFUSE(FB_ERR_VALUE, "station: x [m] of the first, equal to", 0, desc->station[0].x, FB_R(0.0));
+    }
+    if (FB_FABS(desc->station[last].x - desc->length) > slack) {
+      return FBI_REFUSE(FB_ERR_VALUE, "station: x [m] of the last, the length, equal to", last, desc->station[last].x,
+                        desc->length);
     }
   }
   return FB_OK;
@@ -12661,13 +13026,14 @@ static fb_status fbi_line_fill(fb_beam *beam)
       /* Unit chord; kinks of 90 deg and more are refused, as is a first chord (nearly) opposite to x */
       length = fbi_vec3_norm(chord);
       if (!(length > FB_R(0.0))) {
-        return FB_ERR_VALUE;
+        return FBI_REFUSE(FB_ERR_VALUE, "point: distance [m] from the one before, above", e + 1, length, FB_R(0.0));
       }
       for (int i = 0; i < 3; i++) {
         chord[i] /= length;
       }
       if (!(fb_vec3_dot(along, chord) > (e == 0 ? -FB_R(0.99) : FB_R(0.0)))) {
-        return FB_ERR_VALUE;
+        return FBI_REFUSE(FB_ERR_VALUE, "point: cosine of the kink before it (of the first: against x), above", e + 1,
+                          fb_vec3_dot(along, chord), e == 0 ? -FB_R(0.99) : FB_R(0.0));
       }
 
       /* Frame: that of the previous element, rotated by the shortest rotation */
@@ -12687,14 +13053,20 @@ static fb_status fbi_lumps_check(const fb_lump *lumps, int n, int last_node)
   for (int k = 0; k < n; k++) {
     const fb_lump *lump = &lumps[k];
     fb_real spread[3][3];
-    if (!fbi_is_finite(&lump->mass, 1) || !fbi_is_finite(lump->center, 3) || !fbi_is_finite(lump->inertia, 6)) {
-      return FB_ERR_NOT_FINITE;
+    const fbi_number field[] = {FBI_ANY(&lump->mass, 1, "lump: mass [kg]"),
+                                FBI_ANY(lump->center, 3, "lump: center [m]"),
+                                FBI_ANY(lump->inertia, 6, "lump: inertia [kg m^2]")};
+    const fbi_count count[] = {FBI_COUNT(lump->node, 0, last_node, "lump: node, beyond")};
+    fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), k);
+    status = status ? status : fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), k);
+    if (status != FB_OK) {
+      return status;
     }
-    if (lump->node < 0 || lump->node > last_node) {
-      return FB_ERR_CAPACITY;
+    if (!(lump->mass >= FB_R(0.0))) {
+      return FBI_REFUSE(FB_ERR_VALUE, "lump: mass [kg], at least", k, lump->mass, FB_R(0.0));
     }
-    if (!(lump->mass >= FB_R(0.0)) || fbi_spread(spread, lump->inertia) != FB_OK) {
-      return FB_ERR_VALUE;
+    if (fbi_spread(spread, lump->inertia) != FB_OK) {
+      return FBI_REFUSE(FB_ERR_VALUE, "lump: " FBI_WORD_INERTIA, k, FB_R(0.0), FB_R(0.0));
     }
   }
   return FB_OK;
@@ -12703,26 +13075,34 @@ static fb_status fbi_lumps_check(const fb_lump *lumps, int n, int last_node)
 /* Counts, finite values and ranges of a desc; its line and stations are checked later. */
 static fb_status fbi_beam_desc_check(const fb_beam_desc *desc)
 {
-  if (desc->n_element > FB_MAX_ELEMENTS || desc->n_station > FB_MAX_STATIONS || desc->n_lump > FB_MAX_LUMPS ||
-      desc->n_point > FB_MAX_ELEMENTS + 1) {
-    return FB_ERR_CAPACITY;
+  const int straight = desc->n_point == 0;
+  const fbi_count most[] = {FBI_AT_MOST(desc->n_element, FB_MAX_ELEMENTS, "n_element, FB_MAX_ELEMENTS"),
+                            FBI_AT_MOST(desc->n_station, FB_MAX_STATIONS, "n_station, FB_MAX_STATIONS"),
+                            FBI_AT_MOST(desc->n_lump, FB_MAX_LUMPS, "n_lump, FB_MAX_LUMPS"),
+                            FBI_AT_MOST(desc->n_point, FB_MAX_ELEMENTS + 1, "n_point, FB_MAX_ELEMENTS + 1")};
+  const fbi_number field[] = {FBI_ANY(&desc->length, 1, "length [m]"), FBI_ANY(desc->position, 3, "position [m]"),
+                              FBI_ANY(desc->attitude, 4, "attitude")};
+  const fbi_count least[] = {FBI_AT_LEAST(desc->n_element, 1, "n_element"),
+                             FBI_AT_LEAST(desc->n_station, 1, "n_station"), FBI_AT_LEAST(desc->n_lump, 0, "n_lump"),
+                             FBI_COUNT((int)desc->root, 0, (int)FB_ROOT_COUNT - 1, "root, an fb_root, beyond"),
+                             FBI_COUNT(desc->n_point, straight ? 0 : desc->n_element + 1,
+                                       straight ? 0 : desc->n_element + 1,
+                                       "n_point, one more than n_element, equal to")};
+  fb_status status = fbi_counts_check(FB_ERR_CAPACITY, most, FBI_LENGTH(most), -1);
+  status = status ? status : fbi_numbers_check(field, FBI_LENGTH(field), -1);
+  for (int k = 0; k < desc->n_point && status == FB_OK; k++) {
+    const fbi_number point[] = {FBI_ANY(desc->point[k], 3, "point: coordinates [m]")};
+    status = fbi_numbers_check(point, 1, k);
   }
-  if (!fbi_is_finite(&desc->length, 1) || !fbi_is_finite(desc->position, 3) || !fbi_is_finite(desc->attitude, 4)) {
-    return FB_ERR_NOT_FINITE;
+  status = status ? status : fbi_counts_check(FB_ERR_VALUE, least, FBI_LENGTH(least), -1);
+  if (status == FB_OK && straight && !(desc->length > FB_R(0.0))) {
+    return FBI_REFUSE(FB_ERR_VALUE, "length [m], above", -1, desc->length, FB_R(0.0));
   }
-  for (int k = 0; k < desc->n_point; k++) {
-    if (!fbi_is_finite(desc->point[k], 3)) {
-      return FB_ERR_NOT_FINITE;
-    }
+  if (status == FB_OK && !straight && fbi_vec3_norm(desc->point[0]) > FB_R(0.0)) {
+    return FBI_REFUSE(FB_ERR_VALUE, "point: distance [m] of the first from the origin, equal to", 0,
+                      fbi_vec3_norm(desc->point[0]), FB_R(0.0));
   }
-  if (desc->n_point == 0 ? !(desc->length > FB_R(0.0))
-                         : desc->n_point != desc->n_element + 1 || fbi_vec3_norm(desc->point[0]) > FB_R(0.0)) {
-    return FB_ERR_VALUE;
-  }
-  return desc->n_element >= 1 && desc->n_station >= 1 && desc->n_lump >= 0 &&
-                 fbi_is_choice((int)desc->root, (int)FB_ROOT_COUNT - 1)
-             ? FB_OK
-             : FB_ERR_VALUE;
+  return status;
 }
 
 static fb_real fbi_beam_mass(const fb_beam *beam)
@@ -12788,7 +13168,7 @@ FB_DEF fb_status fb_beam_init(fb_beam *beam, const fb_beam_desc *desc)
   fb_quat_to_mat33(checked.axes, quat);
   checked.mass = fbi_beam_mass(&checked);
   if (!(checked.mass > FB_R(0.0))) {
-    return FB_ERR_VALUE;
+    return FBI_REFUSE(FB_ERR_VALUE, "mass [kg] of all stations and lumps, above", -1, checked.mass, FB_R(0.0));
   }
   *beam = checked;
   return FB_OK;
@@ -13871,12 +14251,14 @@ static int fbi_free_fill(fb_modes_work *work, const fb_beam *beam)
   return n;
 }
 
+#define FBI_WORD_ROOM "count of modes, FB_MAX_MODES, at most"
+
 /* Puts the n rigid-body modes of work.free in front of the modes found. */
 static fb_status fbi_free_take(fb_modes_work *work, const fb_beam *beam, int n)
 {
   fb_modes *out = &work->found;
   if (out->n > FB_MAX_MODES - n) {
-    return FB_ERR_CAPACITY;
+    return FBI_REFUSE(FB_ERR_CAPACITY, FBI_WORD_ROOM, -1, (fb_real)(out->n + n), FB_R(1.0) * FB_MAX_MODES);
   }
   for (int k = out->n - 1; k >= 0; k--) {
     fbi_shape_move(out, k + n, k);
@@ -13928,7 +14310,7 @@ static fb_status fbi_static_take(const fb_modes_desc *desc, fb_modes_work *work,
 
     /* Taken unless the modes span it */
     if (out->n == FB_MAX_MODES) {
-      status = FB_ERR_CAPACITY;
+      status = FBI_REFUSE(FB_ERR_CAPACITY, FBI_WORD_ROOM, -1, FB_R(1.0) + (fb_real)out->n, FB_R(1.0) * FB_MAX_MODES);
     } else {
       (void)fbi_shape_take(work, beam, x, FB_R(0.0));
     }
@@ -13940,12 +14322,16 @@ static fb_status fbi_static_take(const fb_modes_desc *desc, fb_modes_work *work,
 static fb_status fbi_count_check(const fb_modes_desc *desc, const int taken[FB_KIND_COUNT], int n)
 {
   if (desc->lowest > 0) {
-    return n < desc->lowest && !(desc->omega_limit > FB_R(0.0)) ? FB_ERR_MODES : FB_OK;
+    return n < desc->lowest && !(desc->omega_limit > FB_R(0.0))
+               ? FBI_REFUSE(FB_ERR_MODES, "lowest: count of modes that there are, at least", -1, (fb_real)n,
+                            (fb_real)desc->lowest)
+               : FB_OK;
   }
   for (int k = 0; k < FB_KIND_COUNT; k++) {
     if (desc->count[k] < FB_ALL_MODES && !(desc->omega_limit > FB_R(0.0)) && !(desc->mass_fraction > FB_R(0.0)) &&
         taken[k] < desc->count[k]) {
-      return taken[k] > 0 ? FB_ERR_MODES : FB_ERR_KIND;
+      return FBI_REFUSE(taken[k] > 0 ? FB_ERR_MODES : FB_ERR_KIND, "kind: count of its modes that there are, at least",
+                        k, (fb_real)taken[k], (fb_real)desc->count[k]);
     }
   }
   return FB_OK;
@@ -14113,7 +14499,8 @@ static fb_status fbi_component_take(const fb_modes_desc *desc, fb_modes_work *wo
 
   /* Constraint modes, for now at the end of the table */
   if (out->n > FB_MAX_MODES - (desc->boundary_inertia ? 2 : 1) * m) {
-    return FB_ERR_CAPACITY;
+    return FBI_REFUSE(FB_ERR_CAPACITY, FBI_WORD_ROOM, -1, (fb_real)(out->n + (desc->boundary_inertia ? 2 : 1) * m),
+                      FB_R(1.0) * FB_MAX_MODES);
   }
   constraint = out->shape + (FB_MAX_MODES - m) * out->ndof;
   n = fbi_static_factor(&status, dof, work, beam, group);
@@ -14372,29 +14759,54 @@ static fb_status fbi_functions_take(const fb_modes_desc *desc, fb_modes_work *wo
   return FB_OK;
 }
 
+#if FB_WITH_DETAIL
+/* What a beam lacks to have modes of kind k. */
+static const char *fbi_kind_word(const fb_beam *beam, int k)
+{
+  static const char *const soft[FB_KIND_COUNT] = {
+      "kind: bending modes along y asked for, EI_z [N m^2] of some station, above",
+      "kind: bending modes along z asked for, EI_y [N m^2] of some station, above",
+      "kind: axial modes asked for, EA [N] of some station, above",
+      "kind: torsion modes asked for, GJ [N m^2] of some station, above"};
+  static const char *const heavy[FB_KIND_COUNT] = {
+      "kind: bending modes along y asked for, mass [kg/m] of some station, above",
+      "kind: bending modes along z asked for, mass [kg/m] of some station, above",
+      "kind: axial modes asked for, mass [kg/m] of some station, above",
+      "kind: torsion modes asked for, i_y or i_z [kg m] of some station, above"};
+  fb_real most = FB_R(0.0);
+  for (int i = 0; i < beam->desc.n_station; i++) {
+    const fb_section *s = &beam->desc.station[i];
+    const fb_real stiffness[FB_KIND_COUNT] = {s->EI_z, s->EI_y, s->EA, s->GJ};
+    most = fbi_larger(most, stiffness[k]);
+  }
+  return most > FB_R(0.0) ? heavy[k] : soft[k];
+}
+#endif
+
 /* Checks a list of nodal coordinates: existing, not constrained, of an existing kind, each named once. */
 static fb_status fbi_coordinates_check(const fb_coordinate *list, int n, const fb_beam *beam,
                                        const int group[FB_KIND_COUNT])
 {
-  if (n < 0) {
-    return FB_ERR_VALUE;
-  }
-  if (n > FB_MAX_COORDINATES) {
-    return FB_ERR_CAPACITY;
+  if (n < 0 || n > FB_MAX_COORDINATES) {
+    return FBI_REFUSE(n < 0 ? FB_ERR_VALUE : FB_ERR_CAPACITY, "n_load or n_boundary, 0 to FB_MAX_COORDINATES, beyond",
+                      -1, (fb_real)n, n < 0 ? FB_R(0.0) : FB_R(1.0) * FB_MAX_COORDINATES);
   }
   for (int k = 0; k < n; k++) {
-    if (list[k].node < 0 || list[k].node > beam->desc.n_element || list[k].axis < 0 || list[k].axis > 5) {
-      return FB_ERR_CAPACITY;
+    const fbi_count there[] = {FBI_COUNT(list[k].node, 0, beam->desc.n_element, "coordinate: node, beyond"),
+                               FBI_COUNT(list[k].axis, 0, 5, "coordinate: axis, beyond")};
+    const fb_status status = fbi_counts_check(FB_ERR_CAPACITY, there, FBI_LENGTH(there), k);
+    if (status != FB_OK) {
+      return status;
     }
     if (fbi_is_held(beam, fbi_coordinate_dof(&list[k]))) {
-      return FB_ERR_VALUE;
+      return FBI_REFUSE(FB_ERR_VALUE, "coordinate: held by the root", k, FB_R(0.0), FB_R(0.0));
     }
     if (group[fbi_dof_kind(beam, fbi_coordinate_dof(&list[k]))] < 0) {
-      return FB_ERR_KIND;
+      return FBI_REFUSE(FB_ERR_KIND, "coordinate: of a kind without stiffness or inertia", k, FB_R(0.0), FB_R(0.0));
     }
     for (int j = 0; j < k; j++) {
       if (fbi_coordinate_dof(&list[j]) == fbi_coordinate_dof(&list[k])) {
-        return FB_ERR_VALUE;
+        return FBI_REFUSE(FB_ERR_VALUE, "coordinate: named twice", k, FB_R(0.0), FB_R(0.0));
       }
     }
   }
@@ -14407,36 +14819,40 @@ static fb_status fbi_modes_desc_check(const fb_modes_desc *desc, const fb_beam *
   const fb_real all[8] = {desc->omega_limit, desc->spin,         desc->spin_radius, desc->mass_fraction,
                           load->force,       load->acceleration, load->spin,        load->spin_radius};
   const int spinning = FB_FABS(desc->spin) > FB_R(0.0), by_mass = desc->mass_fraction > FB_R(0.0);
+  const int loaded = fbi_is_loaded(load), modes = desc->basis == FB_BASIS_MODES;
+  const int clamped = beam->desc.root == FB_ROOT_CLAMPED;
 
   /* Finite values in range */
-  if (!fbi_is_finite(all, 8)) {
-    return FB_ERR_NOT_FINITE;
-  }
-  for (int k = 0; k < FB_KIND_COUNT; k++) {
-    if (desc->count[k] < 0) {
-      return FB_ERR_VALUE;
-    }
-  }
-  if (desc->omega_limit < FB_R(0.0) || desc->lowest < 0 || desc->mass_fraction < FB_R(0.0) ||
-      desc->mass_fraction > FB_R(1.0) || !fbi_is_choice((int)desc->basis, (int)FB_BASIS_COUNT - 1)) {
-    return FB_ERR_VALUE;
-  }
+  const fbi_number field[] = {FBI_NOT_NEGATIVE(&desc->omega_limit, 1, "omega_limit [rad/s]"),
+                              FBI_NUMBER(&desc->mass_fraction, 1, FB_R(0.0), FB_R(1.0), "mass_fraction, beyond"),
+                              FBI_ANY(&desc->spin, 1, "spin [rad/s]"),
+                              FBI_ANY(&desc->spin_radius, 1, "spin_radius [m]"),
+                              FBI_ANY(&load->force, 1, "preload.force [N]"),
+                              FBI_ANY(&load->acceleration, 1, "preload.acceleration [m/s^2]"),
+                              FBI_ANY(&load->spin, 1, "preload.spin [rad/s]"),
+                              FBI_ANY(&load->spin_radius, 1, "preload.spin_radius [m]")};
+  const fbi_count count[] = {FBI_AT_LEAST(desc->count[FB_KIND_BEND_Y], 0, "count of bending modes along y"),
+                             FBI_AT_LEAST(desc->count[FB_KIND_BEND_Z], 0, "count of bending modes along z"),
+                             FBI_AT_LEAST(desc->count[FB_KIND_AXIAL], 0, "count of axial modes"),
+                             FBI_AT_LEAST(desc->count[FB_KIND_TORSION], 0, "count of torsion modes"),
+                             FBI_AT_LEAST(desc->lowest, 0, "lowest"),
+                             FBI_COUNT((int)desc->basis, 0, (int)FB_BASIS_COUNT - 1, "basis, an fb_basis, beyond")};
 
-  /* Options that need a clamped root or natural modes */
-  if ((spinning || by_mass) && (beam->desc.root != FB_ROOT_CLAMPED || desc->basis != FB_BASIS_MODES)) {
-    return FB_ERR_VALUE;
-  }
-  if (fbi_is_loaded(load) && desc->basis == FB_BASIS_MODES && beam->desc.root != FB_ROOT_CLAMPED && !hold_boundary) {
-    return FB_ERR_VALUE; /* a preload acts on rigid-body motion, too */
-  }
-
-  /* Options that exclude each other */
-  if ((spinning && desc->lowest > 0) || ((spinning || fbi_is_loaded(load)) && beam->desc.n_point > 0) ||
-      (spinning && fbi_is_loaded(load)) || (fbi_is_loaded(load) && desc->basis == FB_BASIS_FUNCTIONS) ||
-      (by_mass && desc->lowest > 0)) {
-    return FB_ERR_VALUE;
-  }
-  return FB_OK;
+  /* Options that need a clamped root (a preload acts on rigid-body motion, too) or natural modes, or that exclude each
+     other */
+  const fbi_claim claim[] = {
+      FBI_CLAIM(!(spinning || by_mass) || clamped, "spin or mass_fraction, with FB_ROOT_CLAMPED only"),
+      FBI_CLAIM(!(spinning || by_mass) || modes, "spin or mass_fraction, with FB_BASIS_MODES only"),
+      FBI_CLAIM(!loaded || !modes || clamped || hold_boundary, "preload of natural modes, with FB_ROOT_CLAMPED only"),
+      FBI_CLAIM(!spinning || desc->lowest <= 0, "spin, not with lowest"),
+      FBI_CLAIM(!(spinning || loaded) || beam->desc.n_point <= 0, "spin or preload, not of a beam by points"),
+      FBI_CLAIM(!spinning || !loaded, "spin, not with preload"),
+      FBI_CLAIM(!loaded || desc->basis != FB_BASIS_FUNCTIONS, "preload, not with FB_BASIS_FUNCTIONS"),
+      FBI_CLAIM(!by_mass || desc->lowest <= 0, "mass_fraction, not with lowest")};
+  fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
+  status = fbi_is_finite(all, 8) ? status : FB_ERR_NOT_FINITE;
+  status = status ? status : fbi_counts_check(FB_ERR_VALUE, count, FBI_LENGTH(count), -1);
+  return status ? status : fbi_claims_check(claim, FBI_LENGTH(claim), -1);
 }
 
 /* Matrices, groups, rigid motions and constrained coordinates: the common beginning of all bases and of buckling. */
@@ -14458,7 +14874,7 @@ static fb_status fbi_modes_prepare(int group[FB_KIND_COUNT], fb_modes_work *work
   fbi_kind_groups(group, beam, work->K, work->M);
   for (int k = 0; k < FB_KIND_COUNT; k++) {
     if (desc->count[k] > 0 && desc->count[k] < FB_ALL_MODES && group[k] < 0) {
-      return FB_ERR_KIND;
+      return FBI_REFUSE(FB_ERR_KIND, fbi_kind_word(beam, k), k, FB_R(0.0), FB_R(0.0));
     }
   }
   status = fbi_coordinates_check(desc->load, desc->n_load, beam, group);
@@ -14569,7 +14985,9 @@ FB_DEF fb_status fb_buckling_solve(fb_modes *modes, fb_modes_work *work, const f
   /* Number of factors; a preload must be there */
   wanted = desc->lowest > 0 ? desc->lowest : 1;
   if (!fbi_is_loaded(&desc->preload) || wanted > FB_MAX_MODES) {
-    return wanted > FB_MAX_MODES ? FB_ERR_CAPACITY : FB_ERR_VALUE;
+    return wanted > FB_MAX_MODES ? FBI_REFUSE(FB_ERR_CAPACITY, "lowest, FB_MAX_MODES, at most", -1, (fb_real)wanted,
+                                              FB_R(1.0) * FB_MAX_MODES)
+                                 : FBI_REFUSE(FB_ERR_VALUE, "preload, not all 0", -1, FB_R(0.0), FB_R(0.0));
   }
 
   /* -K_G x = (1/factor) K x; K + K_G is that of the preload, K alone must be definite */
@@ -14595,7 +15013,9 @@ FB_DEF fb_status fb_buckling_solve(fb_modes *modes, fb_modes_work *work, const f
     out->n++;
   }
   if (status != FB_OK || out->n < wanted) {
-    return status != FB_OK ? status : FB_ERR_MODES;
+    return status != FB_OK ? status
+                           : FBI_REFUSE(FB_ERR_MODES, "lowest: count of positive factors that there are, at least", -1,
+                                        (fb_real)out->n, (fb_real)wanted);
   }
 
   /* M and K of the shapes */
@@ -14623,44 +15043,49 @@ static void fbi_weld_place(fb_real place[3], const fb_beam *beam, int node)
 static fb_status fbi_join_check(const fb_beam *beam, const fb_modes *component, const fb_join_desc *desc,
                                 int n_component)
 {
-  if (!(FB_FABS(desc->omega_limit) <= FB_HUGE)) {
-    return FB_ERR_NOT_FINITE;
-  }
-  if (desc->lowest < 0 || desc->omega_limit < FB_R(0.0) || n_component < 1 || desc->n_weld < 0) {
-    return FB_ERR_VALUE;
-  }
-  if (n_component > FB_MAX_COMPONENTS || desc->n_weld > FB_MAX_WELDS) {
-    return FB_ERR_CAPACITY;
-  }
+  const fbi_number field[] = {FBI_NOT_NEGATIVE(&desc->omega_limit, 1, "omega_limit [rad/s]")};
+  const fbi_count least[] = {FBI_AT_LEAST(desc->lowest, 0, "lowest"), FBI_AT_LEAST(n_component, 1, "n_component"),
+                             FBI_AT_LEAST(desc->n_weld, 0, "n_weld")};
+  const fbi_count most[] = {FBI_AT_MOST(n_component, FB_MAX_COMPONENTS, "n_component, FB_MAX_COMPONENTS"),
+                            FBI_AT_MOST(desc->n_weld, FB_MAX_WELDS, "n_weld, FB_MAX_WELDS")};
+  fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
+  status = status ? status : fbi_counts_check(FB_ERR_VALUE, least, FBI_LENGTH(least), -1);
+  status = status ? status : fbi_counts_check(FB_ERR_CAPACITY, most, FBI_LENGTH(most), -1);
 
   /* Components: modes of these beams */
-  for (int c = 0; c < n_component; c++) {
-    if (component[c].n < 0 || component[c].n > FB_MAX_MODES) {
-      return FB_ERR_CAPACITY;
-    }
-    if (component[c].degree > 0 || component[c].ndof != fbi_beam_ndof(&beam[c])) {
-      return FB_ERR_VALUE;
-    }
+  for (int c = 0; c < n_component && status == FB_OK; c++) {
+    const fbi_count count[] = {FBI_COUNT(component[c].n, 0, FB_MAX_MODES, "component: count of modes, beyond")};
+    const fbi_claim claim[] = {
+        FBI_CLAIM(component[c].degree <= 0, "component: modes of another basis than FB_BASIS_FUNCTIONS"),
+        FBI_CLAIM(component[c].ndof == fbi_beam_ndof(&beam[c]), "component: modes of the beam of the same number")};
+    status = fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), c);
+    status = status ? status : fbi_claims_check(claim, FBI_LENGTH(claim), c);
   }
 
   /* Rigid connections: nodes of two components at the same place */
-  for (int k = 0; k < desc->n_weld; k++) {
+  for (int k = 0; k < desc->n_weld && status == FB_OK; k++) {
     const fb_weld *const weld = &desc->weld[k];
     fb_real place[2][3], size = FB_R(0.0);
     for (int side = 0; side < 2; side++) {
       const int c = weld->component[side];
       if (c < 0 || c >= n_component || weld->node[side] < 0 || weld->node[side] > beam[c].desc.n_element) {
-        return FB_ERR_CAPACITY;
+        return FBI_REFUSE_AT(FB_ERR_CAPACITY, "weld: component and node, both existing; on its side, 0 or 1, node", k,
+                             (fb_real)weld->node[side], FB_R(0.0), (fb_real)side);
       }
       fbi_weld_place(place[side], &beam[c], weld->node[side]);
       size = fbi_larger(size, beam[c].desc.length);
     }
     fbi_vec3_add(place[0], -FB_R(1.0), place[1]);
-    if (weld->component[0] == weld->component[1] || fbi_vec3_norm(place[0]) > FB_R(1e-4) * size) {
-      return FB_ERR_VALUE;
+    if (weld->component[0] == weld->component[1]) {
+      return FBI_REFUSE(FB_ERR_VALUE, "weld: two different components, not twice", k, (fb_real)weld->component[0],
+                        FB_R(0.0));
+    }
+    if (fbi_vec3_norm(place[0]) > FB_R(1e-4) * size) {
+      return FBI_REFUSE(FB_ERR_VALUE, "weld: distance [m] of its nodes, at most", k, fbi_vec3_norm(place[0]),
+                        FB_R(1e-4) * size);
     }
   }
-  return FB_OK;
+  return status;
 }
 
 /* Scales of a component's coordinates to modal mass 1, without mass to modal stiffness 1. */
@@ -15024,7 +15449,9 @@ FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
     n++;
   }
   if (n > FB_MAX_MODES || (n < desc->lowest && !(desc->omega_limit > FB_R(0.0)))) {
-    return n > FB_MAX_MODES ? FB_ERR_CAPACITY : FB_ERR_MODES;
+    return n > FB_MAX_MODES ? FBI_REFUSE(FB_ERR_CAPACITY, FBI_WORD_ROOM, -1, (fb_real)n, FB_R(1.0) * FB_MAX_MODES)
+                            : FBI_REFUSE(FB_ERR_MODES, "lowest: count of modes that there are, at least", -1,
+                                         (fb_real)n, (fb_real)desc->lowest);
   }
 
   /* Kinds and signs, shapes of each component; joined may be component */
@@ -15146,12 +15573,14 @@ FB_DEF fb_status fb_shape_add_particle(fb_shape *shape, fb_real mass, const fb_r
                                        const fb_real *chi)
 {
   FBI_REQUIRE(shape && r && (psi || shape->n == 0), FB_ERR_NULL);
-  if (!fbi_is_finite(&mass, 1) || !fbi_is_finite(r, 3) || !fbi_is_finite(psi, 3 * shape->n) ||
-      !fbi_is_finite(chi, chi ? 3 * shape->n * shape->n : 0)) {
-    return FB_ERR_NOT_FINITE;
-  }
-  if (mass < FB_R(0.0)) {
-    return FB_ERR_VALUE;
+  {
+    const fbi_number field[] = {FBI_NOT_NEGATIVE(&mass, 1, "mass [kg]"), FBI_ANY(r, 3, "r [m]"),
+                                FBI_ANY(psi, 3 * shape->n, "psi"),
+                                FBI_ANY(chi, chi ? 3 * shape->n * shape->n : 0, "chi")};
+    const fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
+    if (status != FB_OK) {
+      return status;
+    }
   }
   fbi_shape_add(shape, mass, mass, r, psi, chi, 0, shape->n);
   fbi_shape_extend(shape, r, psi, 0, shape->n);
@@ -15162,11 +15591,16 @@ FB_DEF fb_status fb_shape_add_rigid(fb_shape *shape, fb_real mass, const fb_real
 {
   fb_real spread[3][3];
   FBI_REQUIRE(shape && center && inertia, FB_ERR_NULL);
-  if (!fbi_is_finite(&mass, 1) || !fbi_is_finite(center, 3) || !fbi_is_finite(inertia, 6)) {
-    return FB_ERR_NOT_FINITE;
+  {
+    const fbi_number field[] = {FBI_NOT_NEGATIVE(&mass, 1, "mass [kg]"), FBI_ANY(center, 3, "center [m]"),
+                                FBI_ANY(inertia, 6, "inertia [kg m^2]")};
+    const fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
+    if (status != FB_OK) {
+      return status;
+    }
   }
-  if (mass < FB_R(0.0) || fbi_spread(spread, inertia) != FB_OK) {
-    return FB_ERR_VALUE;
+  if (fbi_spread(spread, inertia) != FB_OK) {
+    return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_INERTIA, -1, FB_R(0.0), FB_R(0.0));
   }
   fbi_shape_add(shape, mass, mass, center, NULL, NULL, 0, 0);
   for (int k = 0; k < 3; k++) {
@@ -15382,9 +15816,11 @@ static void fbi_section_to_shape(fb_shape *shape, const fbi_station *st, const f
 static fb_status fbi_shapes_check(const fb_shape *shape, const fb_real r[3], const fb_real *psi, const fb_real *theta)
 {
   FBI_REQUIRE(shape && r && ((psi && theta) || shape->n == 0), FB_ERR_NULL);
-  return fbi_is_finite(r, 3) && fbi_is_finite(psi, 3 * shape->n) && fbi_is_finite(theta, 3 * shape->n)
-             ? FB_OK
-             : FB_ERR_NOT_FINITE;
+  {
+    const fbi_number field[] = {FBI_ANY(r, 3, "r [m]"), FBI_ANY(psi, 3 * shape->n, "psi"),
+                                FBI_ANY(theta, 3 * shape->n, "theta")};
+    return fbi_numbers_check(field, FBI_LENGTH(field), -1);
+  }
 }
 
 FB_DEF fb_status fb_shape_add_lump(fb_shape *shape, fb_real mass, const fb_real r[3], const fb_real *inertia,
@@ -15393,15 +15829,20 @@ FB_DEF fb_status fb_shape_add_lump(fb_shape *shape, fb_real mass, const fb_real 
   const fb_real none[6] = {FB_R(0.0)}, unit[3] = {FB_R(1.0), FB_R(1.0), FB_R(1.0)};
   fb_real spread[3][3];
   fbi_station st;
-  fb_status status = fbi_shapes_check(shape, r, psi, theta);
+  fb_status status = FBI_ENTERED(fbi_shapes_check(shape, r, psi, theta));
   if (status != FB_OK) {
     return status;
   }
-  if (!fbi_is_finite(&mass, 1) || !fbi_is_finite(inertia ? inertia : none, 6)) {
-    return FB_ERR_NOT_FINITE;
+  {
+    const fbi_number field[] = {FBI_NOT_NEGATIVE(&mass, 1, "mass [kg]"),
+                                FBI_ANY(inertia ? inertia : none, 6, "inertia [kg m^2]")};
+    status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
+    if (status != FB_OK) {
+      return status;
+    }
   }
-  if (mass < FB_R(0.0) || fbi_spread(spread, inertia ? inertia : none) != FB_OK) {
-    return FB_ERR_VALUE;
+  if (fbi_spread(spread, inertia ? inertia : none) != FB_OK) {
+    return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_INERTIA, -1, FB_R(0.0), FB_R(0.0));
   }
   memset(&st, 0, sizeof st);
   fbi_copy(st.r, r, 3);
@@ -15414,14 +15855,15 @@ FB_DEF fb_status fb_shape_add_lump(fb_shape *shape, fb_real mass, const fb_real 
 FB_DEF fb_status fb_shape_add_node(fb_shape *shape, int *node, const fb_real r[3], const fb_real *psi,
                                    const fb_real *theta)
 {
-  const fb_status status = fbi_shapes_check(shape, r, psi, theta);
+  const fb_status status = FBI_ENTERED(fbi_shapes_check(shape, r, psi, theta));
   fb_node *out;
   if (status != FB_OK) {
     return status;
   }
   FBI_REQUIRE(node, FB_ERR_NULL);
   if (shape->n_node >= FB_MAX_NODES) {
-    return FB_ERR_CAPACITY;
+    return FBI_REFUSE(FB_ERR_CAPACITY, "count of nodes with node 0, FB_MAX_NODES, at most", -1,
+                      (fb_real)shape->n_node + FB_R(1.0), FB_R(1.0) * FB_MAX_NODES);
   }
   out = &shape->node[shape->n_node];
   memset(out, 0, sizeof *out);
@@ -15516,8 +15958,12 @@ FB_DEF fb_status fb_shape_add_pair(fb_shape *shape, int a, int b, const fb_real 
   const fb_real *const p = pchi ? pchi : none, *const h = hchi ? hchi : none, *const G = Gamchi ? Gamchi : none;
   FBI_REQUIRE(shape, FB_ERR_NULL);
   FBI_REQUIRE(a >= 0 && a < shape->n && b >= 0 && b < shape->n, FB_ERR_CAPACITY);
-  if (!fbi_is_finite(p, 3) || !fbi_is_finite(h, 3) || !fbi_is_finite(G, 9)) {
-    return FB_ERR_NOT_FINITE;
+  {
+    const fbi_number field[] = {FBI_ANY(p, 3, "pchi"), FBI_ANY(h, 3, "hchi"), FBI_ANY(G, 9, "Gamchi")};
+    const fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
+    if (status != FB_OK) {
+      return status;
+    }
   }
 
   /* Both orders of the pair: the tables are symmetric */
@@ -15639,9 +16085,12 @@ static fb_status fbi_station_start(fbi_station *st, fbi_cell_fields *scratch, co
   return FB_OK;
 }
 
+#define FBI_WORD_HANGS \
+  "modes of a joined component whose root moves, a node of the shape at its root that moves with it"
+
 FB_DEF fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes)
 {
-  const fb_status status = fbi_beam_fits(shape, first, beam, modes);
+  const fb_status status = FBI_ENTERED(fbi_beam_fits(shape, first, beam, modes));
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
   fbi_cell_fields fields;
   fbi_station start, st;
@@ -15650,7 +16099,7 @@ FB_DEF fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *be
     return status;
   }
   if (fbi_station_start(&start, &fields, shape, first, beam, modes) != FB_OK) {
-    return FB_ERR_VALUE;
+    return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_HANGS, -1, FB_R(0.0), FB_R(0.0));
   }
 
   /* Interval by interval; `start` holds the fields at its beginning */
@@ -15692,7 +16141,7 @@ FB_DEF fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *be
 FB_DEF fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, const fb_beam *beam,
                                         const fb_modes *modes, fb_real x)
 {
-  const fb_status status = fbi_beam_fits(shape, first, beam, modes);
+  const fb_status status = FBI_ENTERED(fbi_beam_fits(shape, first, beam, modes));
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
   fbi_cell_fields fields;
   fbi_station st;
@@ -15701,19 +16150,21 @@ FB_DEF fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, c
   }
   FBI_REQUIRE(node, FB_ERR_NULL);
   if (!fbi_is_finite(&x, 1)) {
-    return FB_ERR_NOT_FINITE;
+    return FBI_REFUSE(FB_ERR_NOT_FINITE, "x [m] along the beam, finite", -1, x, FB_R(0.0));
   }
   if (x < FB_R(0.0) || x > beam->desc.length * (FB_R(1.0) + FB_R(1e-5))) {
-    return FB_ERR_VALUE;
+    return FBI_REFUSE(FB_ERR_VALUE, "x [m] along the beam, 0 to its length, beyond", -1, x,
+                      x < FB_R(0.0) ? FB_R(0.0) : beam->desc.length);
   }
 
   /* A little beyond the length (a chain's is rounded) is the tip */
   x = x < beam->desc.length ? x : beam->desc.length;
   if (shape->n_node >= FB_MAX_NODES) {
-    return FB_ERR_CAPACITY;
+    return FBI_REFUSE(FB_ERR_CAPACITY, "count of nodes with node 0, FB_MAX_NODES, at most", -1,
+                      (fb_real)shape->n_node + FB_R(1.0), FB_R(1.0) * FB_MAX_NODES);
   }
   if (fbi_station_start(&st, &fields, shape, first, beam, modes) != FB_OK) {
-    return FB_ERR_VALUE;
+    return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_HANGS, -1, FB_R(0.0), FB_R(0.0));
   }
 
   /* Fields at the beginning of the interval with x, then at x */
@@ -15761,7 +16212,8 @@ FB_DEF fb_status fb_gauge_init(fb_gauge *gauge, int first, const fb_beam *beam, 
     return FB_ERR_NOT_FINITE;
   }
   if (x < FB_R(0.0) || x > beam->desc.length * (FB_R(1.0) + FB_R(1e-5))) {
-    return FB_ERR_VALUE;
+    return FBI_REFUSE(FB_ERR_VALUE, "x [m] along the beam, 0 to its length, beyond", -1, x,
+                      x < FB_R(0.0) ? FB_R(0.0) : beam->desc.length);
   }
 
   /* Interval with x */
@@ -15886,7 +16338,7 @@ FB_DEF fb_status fb_shape_add_beam_strain(fb_shape *shape, int first, const fb_b
   fb_real x[FBI_RULE], w[FBI_RULE], moment = FB_R(0.0), softest = FB_HUGE;
   fbi_cell cell = {0, FB_R(0.0), FB_R(0.0)};
   int n, intervals = 0;
-  fb_status status = fbi_beam_fits(shape, first, beam, modes);
+  fb_status status = FBI_ENTERED(fbi_beam_fits(shape, first, beam, modes));
   status = status ? status : fbi_strain_intervals(&intervals, beam);
   if (status != FB_OK) {
     return status;
@@ -16607,84 +17059,91 @@ static fb_status fbi_form_check(const fb_shape *shape, const fb_body_desc *desc)
 /* Counts within the tables and all values finite: the caller may write into a shape. */
 static fb_status fbi_shape_check(const fb_shape *shape)
 {
-  const int n = shape->n;
-  int nn, finite;
-  FBI_REQUIRE(n >= 0 && n <= FB_MAX_MODES && shape->n_node >= 1 && shape->n_node <= FB_MAX_NODES, FB_ERR_CAPACITY);
-
-  /* Finite values, table by table */
-  nn = n * n;
-  finite = fbi_is_finite(&shape->mass, 1) && fbi_is_finite(&shape->size, 1) && fbi_is_finite(shape->c, 3) &&
-           fbi_is_finite(shape->J, 9) && fbi_is_finite(shape->P, 3 * n) && fbi_is_finite(shape->H, 3 * n) &&
-           fbi_is_finite(shape->M, nn) && fbi_is_finite(shape->K, nn) && fbi_is_finite(shape->reach, n);
+  const int n = shape->n >= 0 && shape->n <= FB_MAX_MODES ? shape->n : 0, nn = n * n;
+  const fbi_number table[] = {
+    FBI_ANY(&shape->mass, 1, "shape.mass [kg]"),
+    FBI_ANY(&shape->size, 1, "shape.size [m]"),
+    FBI_ANY(shape->c, 3, "shape.c [kg m]"),
+    FBI_ANY(shape->J, 9, "shape.J [kg m^2]"),
+    FBI_ANY(shape->P, 3 * n, "shape.P"),
+    FBI_ANY(shape->H, 3 * n, "shape.H"),
+    FBI_ANY(shape->M, nn, "shape.M"),
+    FBI_ANY(shape->K, nn, "shape.K"),
+    FBI_ANY(shape->reach, n, "shape.reach"),
 #if FB_WITH_SPIN_COUPLING
-  finite = finite && fbi_is_finite(shape->ups, 3 * nn);
+    FBI_ANY(shape->ups, 3 * nn, "shape.ups"),
 #endif
 #if FB_WITH_RESIDUAL_INERTIA
-  finite = finite && fbi_is_finite(shape->Gam, 9 * n) && fbi_is_finite(shape->Pi, 9 * nn);
+    FBI_ANY(shape->Gam, 9 * n, "shape.Gam"),
+    FBI_ANY(shape->Pi, 9 * nn, "shape.Pi"),
 #endif
 #if FB_WITH_SPIN_STIFFENING
-  finite = finite && fbi_is_finite(shape->Gamchi, 9 * nn);
+    FBI_ANY(shape->Gamchi, 9 * nn, "shape.Gamchi"),
 #endif
 #if FB_WITH_ACCELERATION_STIFFENING
-  finite = finite && fbi_is_finite(shape->pchi, 3 * nn) && fbi_is_finite(shape->hchi, 3 * nn);
+    FBI_ANY(shape->pchi, 3 * nn, "shape.pchi"),
+    FBI_ANY(shape->hchi, 3 * nn, "shape.hchi"),
 #endif
 #if FB_WITH_NONLINEAR_STRAIN
-  FBI_REQUIRE(shape->n_strain >= 0 && shape->n_strain <= FBI_MAX_STRAINS && shape->n_strain % 4 == 0, FB_ERR_CAPACITY);
-  finite = finite && fbi_is_finite(&shape->stretch, 1) && fbi_is_finite(shape->strain_weight, shape->n_strain);
-  for (int k = 0; k < 3 * n; k++) {
-    finite = finite && fbi_is_finite(shape->slope + k * FBI_MAX_STRAINS, shape->n_strain);
-  }
+    FBI_ANY(&shape->stretch, 1, "shape.stretch"),
+    FBI_ANY(shape->strain_weight, shape->n_strain, "shape.strain_weight"),
 #if FB_WITH_FORMS
-  finite = finite && fbi_is_finite(shape->torque, 3 * nn) && fbi_is_finite(shape->torque_boundary, 3 * nn);
+    FBI_ANY(shape->torque, 3 * nn, "shape.torque"),
+    FBI_ANY(shape->torque_boundary, 3 * nn, "shape.torque_boundary"),
 #endif
 #endif
-  for (int k = 0; k < shape->n_node; k++) {
-    finite = finite && fbi_node_is_finite(&shape->node[k], n);
-  }
-  return finite ? FB_OK : FB_ERR_NOT_FINITE;
-}
+  };
+  fb_status status;
+  FBI_REQUIRE(shape->n == n && shape->n_node >= 1 && shape->n_node <= FB_MAX_NODES, FB_ERR_CAPACITY);
+#if FB_WITH_NONLINEAR_STRAIN
+  FBI_REQUIRE(shape->n_strain >= 0 && shape->n_strain <= FBI_MAX_STRAINS && shape->n_strain % 4 == 0, FB_ERR_CAPACITY);
+#endif
 
-static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *desc)
-{
-  const fb_status status = fbi_shape_check(shape);
-  if (status != FB_OK) {
-    return status;
+  /* Finite values, table by table */
+  status = fbi_numbers_check(table, FBI_LENGTH(table), -1);
+#if FB_WITH_NONLINEAR_STRAIN
+  for (int k = 0; k < 3 * n && status == FB_OK; k++) {
+    const fbi_number slope[] = {FBI_ANY(shape->slope + k * FBI_MAX_STRAINS, shape->n_strain, "mode: shape.slope")};
+    status = fbi_numbers_check(slope, 1, k / 3);
   }
-
-  /* Finite values */
-  if (!fbi_is_finite(desc->zeta, shape->n) || !fbi_is_finite(desc->gravity, 3) ||
-      !fbi_is_finite(&desc->deflection_limit, 1)) {
-    return FB_ERR_NOT_FINITE;
-  }
-
-  /* Ranges */
-  for (int k = 0; k < shape->n; k++) {
-    if (desc->zeta[k] < FB_R(0.0) || shape->K[k * shape->n + k] < FB_R(0.0)) {
-      return FB_ERR_VALUE;
+#endif
+  for (int k = 0; k < shape->n_node && status == FB_OK; k++) {
+    if (!fbi_node_is_finite(&shape->node[k], n)) {
+      status = FBI_REFUSE(FB_ERR_NOT_FINITE, "node: place and shapes, finite", k, FB_R(0.0), FB_R(0.0));
     }
   }
-  if (!(shape->mass > FB_R(0.0) || (shape->mass == FB_R(0.0) && desc->base == FB_BASE_PRESCRIBED)) ||
-      desc->deflection_limit < FB_R(0.0) || !fbi_is_choice((int)desc->base, (int)FB_BASE_COUNT - 1)) {
-    return FB_ERR_VALUE;
-  }
-  if (!fbi_is_choice((int)desc->truncation, (int)FB_TRUNCATE_COUNT - 1)) {
-    return FB_ERR_VALUE;
-  }
+  return status;
+}
 
-  /* Effects: no value without its effect, none excluded by the build, none without its partner */
-  if ((!fbi_has(desc->effects, FB_EFFECT_DAMPING) && !fbi_is_zero(desc->zeta, shape->n)) ||
-      (!fbi_has(desc->effects, FB_EFFECT_GRAVITY) && !fbi_is_zero(desc->gravity, 3))) {
-    return FB_ERR_EFFECTS;
+/* Effects: no value without its effect, none excluded by the build, none without its partner. */
+static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_desc *desc)
+{
+  if (!fbi_has(desc->effects, FB_EFFECT_DAMPING) && !fbi_is_zero(desc->zeta, shape->n)) {
+    return FBI_REFUSE(FB_ERR_EFFECTS, "zeta, 0 without FB_EFFECT_DAMPING", -1, FB_R(0.0), FB_R(0.0));
   }
-  if (fbi_is_excluded(desc->effects) ||
-      (!desc->allow_split_effects &&
-       (fb_effects_check(desc->effects) != FB_OK || fbi_depends_on_origin(desc->effects, desc->base) ||
-        desc->truncation != FB_TRUNCATE_NONE))) {
-    return FB_ERR_EFFECTS;
+  if (!fbi_has(desc->effects, FB_EFFECT_GRAVITY) && !fbi_is_zero(desc->gravity, 3)) {
+    return FBI_REFUSE(FB_ERR_EFFECTS, "gravity [m/s^2], 0 without FB_EFFECT_GRAVITY", -1, FB_R(0.0), FB_R(0.0));
+  }
+  if (fbi_is_excluded(desc->effects)) {
+    return FBI_REFUSE(FB_ERR_EFFECTS, FBI_WORD_EXCLUDED, -1, FB_R(0.0), FB_R(0.0));
+  }
+  if (!desc->allow_split_effects) {
+    const int whole = fb_effects_check(desc->effects) == FB_OK; /* with a record of its own */
+    if (!whole) {
+      return FB_ERR_EFFECTS;
+    }
+    if (fbi_depends_on_origin(desc->effects, desc->base)) {
+      return FBI_REFUSE(FB_ERR_EFFECTS, "effects: spin stiffening of a free body, with acceleration stiffening", -1,
+                        FB_R(0.0), FB_R(0.0));
+    }
+    if (desc->truncation != FB_TRUNCATE_NONE) {
+      return FBI_REFUSE(FB_ERR_EFFECTS, "truncation, with allow_split_effects only", -1, FB_R(0.0), FB_R(0.0));
+    }
   }
 #if FB_WITH_NONLINEAR_STRAIN
   if (fbi_has(desc->effects, FB_EFFECT_NONLINEAR_STRAIN) && shape->n_strain == 0) {
-    return FB_ERR_EFFECTS;
+    return FBI_REFUSE(FB_ERR_EFFECTS, "effects: nonlinear strain, with fb_shape_add_beam_strain", -1, FB_R(0.0),
+                      FB_R(0.0));
   }
 #endif
 #if FB_WITH_FORMS
@@ -16692,6 +17151,27 @@ static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *
 #else
   return FB_OK;
 #endif
+}
+
+static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *desc)
+{
+  const fbi_number field[] = {FBI_ANY(desc->zeta, shape->n, "zeta"), FBI_ANY(desc->gravity, 3, "gravity [m/s^2]"),
+                              FBI_NOT_NEGATIVE(&desc->deflection_limit, 1, "deflection_limit [m]")};
+  const fbi_count count[] = {
+      FBI_COUNT((int)desc->base, 0, (int)FB_BASE_COUNT - 1, "base, an fb_base, beyond"),
+      FBI_COUNT((int)desc->truncation, 0, (int)FB_TRUNCATE_COUNT - 1, "truncation, an fb_truncation, beyond")};
+  fb_status status = fbi_shape_check(shape);
+  status = status ? status : fbi_numbers_check(field, FBI_LENGTH(field), -1);
+  status = status ? status : fbi_counts_check(FB_ERR_VALUE, count, FBI_LENGTH(count), -1);
+  for (int k = 0; k < shape->n && status == FB_OK; k++) {
+    const fbi_number mode[] = {FBI_NOT_NEGATIVE(&desc->zeta[k], 1, "mode: damping ratio zeta"),
+                               FBI_NOT_NEGATIVE(&shape->K[k * shape->n + k], 1, "mode: stiffness shape.K (buckled)")};
+    status = fbi_numbers_check(mode, FBI_LENGTH(mode), k);
+  }
+  if (status == FB_OK && !(shape->mass > FB_R(0.0) || (shape->mass == FB_R(0.0) && desc->base == FB_BASE_PRESCRIBED))) {
+    return FBI_REFUSE(FB_ERR_VALUE, "mass [kg] (of a prescribed base at least) above", -1, shape->mass, FB_R(0.0));
+  }
+  return status ? status : fbi_body_effects_check(shape, desc);
 }
 
 /* Copies a node for n coordinates. */
@@ -16884,10 +17364,10 @@ static fb_status fbi_part_place(fb_beam_desc *placed, const fb_part *part, const
 {
   fb_real frame[4], own[4], R[9], offset[3];
   fb_status status;
-  if (!fbi_is_finite(part->attitude, 4) || !fbi_is_finite(beam->attitude, 4)) {
-    return FB_ERR_NOT_FINITE;
-  }
-  status = fbi_quat_from_attitude(frame, part->attitude);
+  const fbi_number field[] = {FBI_ANY(part->attitude, 4, "attitude of the part"),
+                              FBI_ANY(beam->attitude, 4, "attitude of the beam")};
+  status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
+  status = status ? status : fbi_quat_from_attitude(frame, part->attitude);
   status = status ? status : fbi_quat_from_attitude(own, beam->attitude);
   if (status != FB_OK) {
     return status;
@@ -16975,14 +17455,17 @@ FB_DEF fb_status fb_body_build(fb_body *body, fb_build_work *work, const fb_buil
     first += basis->joined ? 0 : basis->n;
   }
   if (status != FB_OK) {
+    FBI_DETAIL_PART(work->part);
     return status;
   }
 
   /* one damping ratio for all */
   work->part = desc->n_part;
   work->desc = desc->body;
-  if (!fbi_is_zero(&desc->zeta, 1)) {
-    status = fbi_is_zero(desc->body.zeta, work->n) ? FB_OK : FB_ERR_VALUE;
+  if (status == FB_OK && !fbi_is_zero(&desc->zeta, 1)) {
+    status = fbi_is_zero(desc->body.zeta, work->n)
+                 ? FB_OK
+                 : FBI_REFUSE(FB_ERR_VALUE, "zeta for all modes, not with body.zeta", -1, desc->zeta, FB_R(0.0));
     for (int k = 0; k < work->n; k++) {
       work->desc.zeta[k] = desc->zeta;
     }
@@ -17041,42 +17524,53 @@ static fb_status fbi_joint_check(const fb_system_desc *desc, const fb_body *body
 {
   const int loop = j >= desc->n_body, last = loop ? desc->n_body : j;
   const fb_joint_desc *d = loop ? &desc->loop[j - desc->n_body] : &desc->joint[j];
+  const int kind = (int)d->kind, free = d->kind == FB_JOINT_FREE,
+            bare = fbi_is_zero(d->stiffness, 3) && fbi_is_zero(d->damping, 3);
+  const fbi_number field[] = {FBI_ANY(d->position, 3, "joint: position [m]"),
+                              FBI_ANY(d->child_position, 3, "joint: child_position [m]"),
+                              FBI_ANY(&d->pitch, 1, "joint: pitch [m/rad]"),
+                              FBI_NOT_NEGATIVE(d->stiffness, 3, "joint: stiffness [N m/rad, N/m]"),
+                              FBI_ANY(d->rest, 3, "joint: rest [rad, m]"),
+                              FBI_NOT_NEGATIVE(d->damping, 3, "joint: damping [N m s/rad, N s/m]"),
+                              FBI_ANY(d->attitude, 4, "joint: attitude"),
+                              FBI_ANY(d->child_attitude, 4, "joint: child_attitude"),
+                              FBI_ANY(d->axis, 3, "joint: axis"),
+                              FBI_ANY(d->child_axis, 3, "joint: child_axis")};
+  const fbi_count choice[] = {FBI_COUNT(kind, 0, (int)FB_JOINT_COUNT - 1, "joint: kind, an fb_joint_kind, beyond"),
+                              FBI_COUNT((int)d->mode[0], 0, (int)FB_AXIS_COUNT - 1, "joint: mode[0], beyond"),
+                              FBI_COUNT((int)d->mode[1], 0, (int)FB_AXIS_COUNT - 1, "joint: mode[1], beyond"),
+                              FBI_COUNT((int)d->mode[2], 0, (int)FB_AXIS_COUNT - 1, "joint: mode[2], beyond")};
+  const fbi_claim claim[] = {
+      FBI_CLAIM(fbi_is_attitude(d->attitude), "joint: attitude, a quaternion, or all zero"),
+      FBI_CLAIM(fbi_is_attitude(d->child_attitude), "joint: child_attitude, a quaternion, or all zero"),
+      FBI_CLAIM(fbi_is_side(d->axis, d->attitude), "joint: axis, not so short and without attitude"),
+      FBI_CLAIM(fbi_is_side(d->child_axis, d->child_attitude),
+                "joint: child_axis, not so short and without child_attitude"),
+      FBI_CLAIM(!free || !loop, "joint: kind of one that closes a loop, not FB_JOINT_FREE"),
+      FBI_CLAIM(!free || bare, "joint: stiffness and damping of FB_JOINT_FREE, 0")};
 
-  /* Finite values and ranges */
-  if (!fbi_is_finite(d->position, 3) || !fbi_is_finite(d->child_position, 3) || !fbi_is_finite(&d->pitch, 1) ||
-      !fbi_is_finite(d->stiffness, 3) || !fbi_is_finite(d->rest, 3) || !fbi_is_finite(d->damping, 3) ||
-      !fbi_is_finite(d->attitude, 4) || !fbi_is_finite(d->child_attitude, 4) || !fbi_is_finite(d->axis, 3) ||
-      !fbi_is_finite(d->child_axis, 3)) {
-    return FB_ERR_NOT_FINITE;
+  /* Parents of a tree come first; nodes are counted where the bodies exist */
+  const int tied = !free && d->parent >= FB_GROUND && d->parent < last;
+  const int tied_loop = loop && d->child >= 0 && d->child < desc->n_body;
+  const int parent_nodes = tied && d->parent >= 0 ? body[desc->model[d->parent]].n_node : 1;
+  const fbi_count parent[] = {
+      FBI_COUNT(d->parent, FB_GROUND, last - 1, "joint: parent, a body before it or FB_GROUND, beyond"),
+      FBI_COUNT(loop ? d->child : 0, 0, desc->n_body - 1, "joint: child, a body, beyond")};
+  const fbi_count node[] = {FBI_COUNT(d->parent_node, 0, parent_nodes - 1, "joint: parent_node, beyond"),
+                            FBI_COUNT(loop ? d->child_node : 0, 0,
+                                      tied_loop ? body[desc->model[d->child]].n_node - 1 : 0,
+                                      "joint: child_node, beyond")};
+  fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), j);
+  status = status ? status : fbi_counts_check(FB_ERR_VALUE, choice, FBI_LENGTH(choice), j);
+  status = status ? status : fbi_claims_check(claim, FBI_LENGTH(claim), j);
+  if (status != FB_OK || free) {
+    return status;
   }
-  if (!fbi_is_choice((int)d->kind, (int)FB_JOINT_COUNT - 1) || !fbi_is_attitude(d->attitude) ||
-      !fbi_is_attitude(d->child_attitude) || !fbi_is_side(d->axis, d->attitude) ||
-      !fbi_is_side(d->child_axis, d->child_attitude) || (d->kind == FB_JOINT_FREE && loop)) {
-    return FB_ERR_VALUE;
+  status = fbi_counts_check(FB_ERR_VALUE, parent, FBI_LENGTH(parent), j);
+  if (status == FB_OK && loop && d->child == d->parent) {
+    return FBI_REFUSE(FB_ERR_VALUE, "joint: child, not its parent", j, (fb_real)d->child, FB_R(0.0));
   }
-
-  /* Axes */
-  for (int i = 0; i < 3; i++) {
-    if (d->stiffness[i] < FB_R(0.0) || d->damping[i] < FB_R(0.0) ||
-        !fbi_is_choice((int)d->mode[i], (int)FB_AXIS_COUNT - 1) ||
-        (d->kind == FB_JOINT_FREE && (d->stiffness[i] > FB_R(0.0) || d->damping[i] > FB_R(0.0)))) {
-      return FB_ERR_VALUE;
-    }
-  }
-  if (d->kind == FB_JOINT_FREE) {
-    return FB_OK;
-  }
-
-  /* Bodies and nodes; parents of a tree come first */
-  if (d->parent < FB_GROUND || d->parent >= last ||
-      (loop && (d->child < 0 || d->child >= desc->n_body || d->child == d->parent))) {
-    return FB_ERR_VALUE;
-  }
-  if (d->parent_node < 0 || d->parent_node >= (d->parent < 0 ? 1 : body[desc->model[d->parent]].n_node) ||
-      (loop && (d->child_node < 0 || d->child_node >= body[desc->model[d->child]].n_node))) {
-    return FB_ERR_CAPACITY;
-  }
-  return FB_OK;
+  return status ? status : fbi_counts_check(FB_ERR_CAPACITY, node, FBI_LENGTH(node), j);
 }
 
 /* The joint's frame on both sides, by its axes where they are given. turned: the one on the child differs from the
@@ -17280,17 +17774,22 @@ static fb_status fbi_system_desc_check(const fb_body *body, int n_model, const f
   FBI_REQUIRE(desc->n_body >= 1 && desc->n_body <= FB_MAX_BODIES, FB_ERR_CAPACITY);
   FBI_REQUIRE(desc->n_loop >= 0 && desc->n_loop <= FB_MAX_LOOPS, FB_ERR_CAPACITY);
   if (!fbi_is_choice((int)desc->method, (int)FB_METHOD_COUNT - 1)) {
-    return FB_ERR_VALUE;
+    return FBI_REFUSE(FB_ERR_VALUE, "method, an fb_method, beyond", -1, (fb_real)(int)desc->method,
+                      (fb_real)(int)FB_METHOD_COUNT - 1);
   }
   for (int k = 0; k < desc->n_body; k++) {
     FBI_REQUIRE(desc->model[k] >= 0 && desc->model[k] < n_model, FB_ERR_CAPACITY);
     used += fbi_is_first(desc->model, k);
     if (fbi_form(&body[desc->model[k]]) != 0 || fbi_holds_origin(body[desc->model[k]].base)) {
-      return FB_ERR_VALUE;
+      return FBI_REFUSE(FB_ERR_VALUE, "body: its model, momentum form and neither pinned nor hinged", k, FB_R(0.0),
+                        FB_R(0.0));
     }
   }
   /* an unused model though there are bodies enough: desc->model was forgotten */
-  return n_model != desc->n_body || used == n_model ? FB_OK : FB_ERR_VALUE;
+  return n_model != desc->n_body || used == n_model
+             ? FB_OK
+             : FBI_REFUSE(FB_ERR_VALUE, "count of models that desc.model names, of as many as bodies, equal to", -1,
+                          (fb_real)used, (fb_real)n_model);
 }
 
 /* Is the joint at the root of body k's tree free? */
@@ -17450,13 +17949,21 @@ FB_DEF fb_status fb_exact_station_init(fb_exact_station *station, const fb_secti
     const fb_real offset[2] = {s->shear_y, s->shear_z};
 
     /* Finite values in range */
+    const fbi_number field[] = {
+        FBI_NUMBER(rigid, 6, FB_R(0.0), FB_HUGE, "EA, GA_y, GA_z [N], GJ, EI_y, EI_z [N m^2], each at least"),
+        FBI_NOT_NEGATIVE(&s->mass, 1, "mass [kg/m]"),
+        FBI_NOT_NEGATIVE(&s->i_y, 1, "i_y [kg m]"),
+        FBI_NOT_NEGATIVE(&s->i_z, 1, "i_z [kg m]"),
+        FBI_ANY(all, 15, "a number of the section"),
+        FBI_ANY(offset, 2, "shear_y, shear_z [m]")};
+    fb_status status;
     if (!fbi_is_finite(all, 15) || !fbi_is_finite(offset, 2)) {
+      (void)fbi_numbers_check(field, FBI_LENGTH(field), -1); /* for its record */
       return FB_ERR_NOT_FINITE;
     }
-    for (int i = 0; i < 6; i++) {
-      if (!(rigid[i] >= FB_R(0.0) && mass[i % 3] >= FB_R(0.0) && rotary[i] >= FB_R(0.0))) {
-        return FB_ERR_VALUE;
-      }
+    status = fbi_numbers_check(field, FBI_LENGTH(field), -1);
+    if (status != FB_OK) {
+      return status;
     }
 
     /* Matrices about tension, shear and mass center */
@@ -17543,30 +18050,49 @@ static int fbi_is_inertia(const fb_real M[36])
 static fb_status fbi_exact_station_check(const fb_exact_desc *desc, int k)
 {
   const fb_exact_station *s = &desc->station[k];
+  const fbi_number field[] = {FBI_ANY(s->stiffness, 36, "station: stiffness"),
+                              FBI_ANY(s->inertia, 36, "station: inertia"),
+                              FBI_ANY(s->curvature, 3, "station: curvature [rad/m]"),
+                              FBI_ANY(&s->twist, 1, "station: twist [rad]"), FBI_ANY(&s->x, 1, "station: x [m]")};
   fb_real C[36];
-  if (!fbi_is_finite(s->stiffness, 36) || !fbi_is_finite(s->inertia, 36) || !fbi_is_finite(s->curvature, 3) ||
-      !fbi_is_finite(&s->twist, 1) || !fbi_is_finite(&s->x, 1)) {
-    return FB_ERR_NOT_FINITE;
-  }
+  fb_status status = fbi_numbers_check(field, FBI_LENGTH(field), k);
 
   /* Stiffness zero (rigid) in the same directions at all stations */
-  for (int i = 0; i < 6; i++) {
-    if (s->stiffness[7 * i] < FB_R(0.0) ||
-        (s->stiffness[7 * i] > FB_R(0.0) && s->stiffness[7 * i] < FB_R(1.0) / FB_HUGE) ||
-        s->inertia[7 * i] < FB_R(0.0) ||
-        (s->stiffness[7 * i] == FB_R(0.0)) != (desc->station[0].stiffness[7 * i] == FB_R(0.0))) {
-      return FB_ERR_VALUE;
+  for (int i = 0; i < 6 && status == FB_OK; i++) {
+    const fb_real stiff = s->stiffness[7 * i], first = desc->station[0].stiffness[7 * i];
+    if (stiff < FB_R(0.0) || (stiff > FB_R(0.0) && stiff < FB_R(1.0) / FB_HUGE)) {
+      return FBI_REFUSE_AT(FB_ERR_VALUE, "station: stiffness on the diagonal, at least", k, stiff, FB_R(0.0),
+                           (fb_real)i);
     }
+    if (s->inertia[7 * i] < FB_R(0.0)) {
+      return FBI_REFUSE_AT(FB_ERR_VALUE, "station: inertia on the diagonal, at least", k, s->inertia[7 * i], FB_R(0.0),
+                           (fb_real)i);
+    }
+    if ((stiff == FB_R(0.0)) != (first == FB_R(0.0))) {
+      return FBI_REFUSE_AT(FB_ERR_VALUE, "station: stiffness on the diagonal, 0 (rigid) if that of the first, equal to",
+                           k, stiff, first, (fb_real)i);
+    }
+  }
+  if (status != FB_OK) {
+    return status;
   }
 
   /* Matrices, order of the stations */
-  if (!fbi_is_symmetric6(s->stiffness) || !fbi_is_symmetric6(s->inertia) || !fbi_is_inertia(s->inertia)) {
-    return FB_ERR_VALUE;
+  {
+    const int ordered = desc->n_station < 2 || (k == 0 ? s->x == FB_R(0.0) : s->x > desc->station[k - 1].x);
+    const fbi_claim claim[] = {FBI_CLAIM(fbi_is_symmetric6(s->stiffness), "station: stiffness, symmetric"),
+                               FBI_CLAIM(fbi_is_symmetric6(s->inertia), "station: inertia, symmetric"),
+                               FBI_CLAIM(fbi_is_inertia(s->inertia), "station: inertia, positive semidefinite"),
+                               FBI_CLAIM(ordered, "station: x [m], 0 of the first, above that of the station before")};
+    status = fbi_claims_check(claim, FBI_LENGTH(claim), k);
   }
-  if (desc->n_station > 1 && !(k == 0 ? s->x == FB_R(0.0) : s->x > desc->station[k - 1].x)) {
-    return FB_ERR_VALUE;
+  if (status == FB_OK) {
+    status = fbi_compliance(C, s->stiffness);
+    status = status ? FBI_REFUSE(status, "station: stiffness, positive definite where it is not rigid", k, FB_R(0.0),
+                                 FB_R(0.0))
+                    : FB_OK;
   }
-  return fbi_compliance(C, s->stiffness);
+  return status;
 }
 
 /* Linear interpolation between the stations around x. */
@@ -17625,7 +18151,10 @@ static fb_status fbi_exact_turn_check(const fb_exact_desc *desc, int k)
     }
   }
   turn[0] += a.twist;
-  return fb_vec3_dot(turn, turn) < FB_R(9.0) ? FB_OK : FB_ERR_VALUE;
+  return fb_vec3_dot(turn, turn) < FB_R(9.0)
+             ? FB_OK
+             : FBI_REFUSE(FB_ERR_VALUE, "element: rotation of its ends against each other [rad], below", k,
+                          fbi_vec3_norm(turn), FB_R(3.0));
 }
 
 static int fbi_is_end(int held)
@@ -17633,39 +18162,47 @@ static int fbi_is_end(int held)
   return held == FB_END_FREE || (held >= 0 && held <= FB_END_CLAMPED);
 }
 
-static fb_status fbi_exact_check(const fb_exact_desc *desc)
+/* Places of the nodes ascend to the length. */
+static fb_status fbi_exact_places_check(const fb_exact_desc *desc)
 {
   const int n = desc->n_element;
-  fb_status status = FB_OK;
-
-  /* Counts */
-  if (n < 1 || n > FB_MAX_EXACT || desc->n_station < 1 || desc->n_station > FB_MAX_STATIONS || desc->n_support < 0 ||
-      desc->n_support > FB_MAX_LUMPS || desc->n_lump < 0 || desc->n_lump > FB_MAX_LUMPS) {
-    return FB_ERR_CAPACITY;
-  }
-
-  /* Finite values */
-  if (!fbi_is_finite(&desc->length, 1) || !fbi_is_finite(desc->place, n + 1) || !fbi_is_finite(desc->position, 3) ||
-      !fbi_is_finite(desc->attitude, 4) || !fbi_is_finite(desc->gravity, 3) || !fbi_is_finite(&desc->dissipation, 1)) {
-    return FB_ERR_NOT_FINITE;
-  }
-
-  /* Ranges */
-  if (!(desc->length > FB_R(1.0) / FB_HUGE) || desc->dissipation < FB_R(0.0) ||
-      desc->dissipation > FB_R(2.0) / FB_R(3.0) || !fbi_is_choice(desc->iterations, 20) ||
-      !fbi_is_choice(desc->factorizations, 20) || !fbi_is_end(desc->root) || !fbi_is_end(desc->tip)) {
-    return FB_ERR_VALUE;
-  }
-
-  /* Places of the nodes, ascending to the length */
   for (int k = 0; k <= n && !fbi_is_zero(desc->place, n + 1); k++) {
     if (k == 0 ? desc->place[0] != FB_R(0.0) : !(desc->place[k] > desc->place[k - 1])) {
-      return FB_ERR_VALUE;
+      return FBI_REFUSE(FB_ERR_VALUE, "node: place [m], 0 of the first, above that of the node before", k,
+                        desc->place[k], k == 0 ? FB_R(0.0) : desc->place[k - 1]);
     }
   }
   if (desc->place[n] != FB_R(0.0) && FB_FABS(desc->place[n] - desc->length) > FB_R(1e-5) * desc->length) {
-    return FB_ERR_VALUE;
+    return FBI_REFUSE(FB_ERR_VALUE, "node: place [m] of the last, the length, equal to", n, desc->place[n],
+                      desc->length);
   }
+  return FB_OK;
+}
+
+static fb_status fbi_exact_check(const fb_exact_desc *desc)
+{
+  const int n = desc->n_element, places = n >= 1 && n <= FB_MAX_EXACT ? n + 1 : 0;
+  const fbi_count count[] = {FBI_COUNT(n, 1, FB_MAX_EXACT, "n_element, 1 to FB_MAX_EXACT, beyond"),
+                             FBI_COUNT(desc->n_station, 1, FB_MAX_STATIONS, "n_station, 1 to FB_MAX_STATIONS, beyond"),
+                             FBI_COUNT(desc->n_support, 0, FB_MAX_LUMPS, "n_support, 0 to FB_MAX_LUMPS, beyond"),
+                             FBI_COUNT(desc->n_lump, 0, FB_MAX_LUMPS, "n_lump, 0 to FB_MAX_LUMPS, beyond")};
+  const fbi_number field[] = {
+      FBI_ANY(&desc->length, 1, "length [m]"),
+      FBI_ANY(desc->place, places, "place [m]"),
+      FBI_ANY(desc->position, 3, "position [m]"),
+      FBI_ANY(desc->attitude, 4, "attitude"),
+      FBI_ANY(desc->gravity, 3, "gravity [m/s^2]"),
+      FBI_NUMBER(&desc->dissipation, 1, FB_R(0.0), FB_R(2.0) / FB_R(3.0), "dissipation, 0 to 2/3, beyond")};
+  const fbi_count choice[] = {FBI_COUNT(desc->iterations, 0, 20, "iterations, 0 to 20, beyond"),
+                              FBI_COUNT(desc->factorizations, 0, 20, "factorizations, 0 to 20, beyond")};
+  const fbi_claim claim[] = {FBI_CLAIM(desc->length > FB_R(1.0) / FB_HUGE, "length [m], above 0"),
+                             FBI_CLAIM(fbi_is_end(desc->root), "root, an FB_END_.."),
+                             FBI_CLAIM(fbi_is_end(desc->tip), "tip, an FB_END_..")};
+  fb_status status = fbi_counts_check(FB_ERR_CAPACITY, count, FBI_LENGTH(count), -1);
+  status = status ? status : fbi_numbers_check(field, FBI_LENGTH(field), -1);
+  status = status ? status : fbi_counts_check(FB_ERR_VALUE, choice, FBI_LENGTH(choice), -1);
+  status = status ? status : fbi_claims_check(claim, FBI_LENGTH(claim), -1);
+  status = status ? status : fbi_exact_places_check(desc);
 
   /* Stations to the length */
   for (int k = 0; k < desc->n_station && status == FB_OK; k++) {
@@ -17673,13 +18210,17 @@ static fb_status fbi_exact_check(const fb_exact_desc *desc)
   }
   if (status == FB_OK && desc->n_station > 1 &&
       FB_FABS(desc->station[desc->n_station - 1].x - desc->length) > FB_R(1e-5) * desc->length) {
-    status = FB_ERR_VALUE;
+    status = FBI_REFUSE(FB_ERR_VALUE, "station: x [m] of the last, the length, equal to", desc->n_station - 1,
+                        desc->station[desc->n_station - 1].x, desc->length);
   }
 
   /* Supports, lumped bodies, initial rotations */
   for (int k = 0; k < desc->n_support && status == FB_OK; k++) {
     const fb_support *s = &desc->support[k];
-    status = s->node < 0 || s->node > n ? FB_ERR_CAPACITY : fbi_is_end(s->held) ? FB_OK : FB_ERR_VALUE;
+    const fbi_count node[] = {FBI_COUNT(s->node, 0, n, "support: node, beyond")};
+    const fbi_claim held[] = {FBI_CLAIM(fbi_is_end(s->held), "support: held, an FB_END_..")};
+    status = fbi_counts_check(FB_ERR_CAPACITY, node, 1, k);
+    status = status ? status : fbi_claims_check(held, 1, k);
   }
   status = status ? status : fbi_lumps_check(desc->lump, desc->n_lump, n);
   for (int k = 0; k < n && status == FB_OK; k++) {

@@ -1,4 +1,5 @@
 /* The smallest whole program: a boom on a hub, turned by a torque for a second. It is the QUICK START of flexbeam.h. */
+#define FB_WITH_DETAIL 1 // says what was refused
 #define FLEXBEAM_IMPLEMENTATION
 #include "flexbeam.h"
 #include <stdio.h>
@@ -38,6 +39,7 @@ int main(void)
   status = status ? status : fb_body_node_motion_eval(&body, &tip, &state, &motion, node);
   if (status != FB_OK) {
     printf("%s\n", fb_status_string(status));
+    printf("%s: %s: %g\n", fb_detail_last()->function, fb_detail_last()->what, (double)fb_detail_last()->have);
     return 1;
   }
   printf("after 1 s: hub %.4f rad/s, tip %.4f m\n", (double)motion.w[2], (double)tip.displacement[1]);

@@ -16,7 +16,7 @@
 #endif
 // clang-format off
 #define SUITES(X) \
-  X(status) X(vec3) X(rotation) X(linalg) X(beam) \
+  X(status) X(status_detail) X(vec3) X(rotation) X(linalg) X(beam) \
   X(modes_frequencies) X(modes_components) X(modes_selection) \
   X(body_particles) X(body_coordinates) X(body_integrals) X(body_motion) X(body_joined) X(body_strain) X(body_refusals) X(body_build) \
   FORMS(X) \

@@ -407,7 +407,53 @@ TEST(forgotten_models_are_refused)
   }
 }
 
-SUITE(system_refusals, RUN(forgotten_models_are_refused), RUN(systems_that_memory_has_changed_are_refused),
-      RUN(states_out_of_range_are_refused), RUN(systems_refuse_what_is_not_right), RUN(free_bodies_have_no_parent),
-      RUN(work_means_nothing_between_calls), RUN(every_mode_is_within_its_range), RUN(no_input_is_an_input_of_zeros),
+/* One step of a prescribed axis from the value 0.3 rad to `value`, with these rates at its start, middle and end. */
+static fb_status step_prescribed(double value, double first, double middle, double last, double dt)
+{
+  static fb_system_input in[3];
+  const double rate[3] = {first, middle, last};
+  memset(in, 0, sizeof in);
+  for (int k = 0; k < 3; k++) {
+    in[k].drive[1].value[0] = (fb_real)(k == 0 ? 0.3 : k == 1 ? 0.5 * (0.3 + value) : value);
+    in[k].drive[1].rate[0] = (fb_real)rate[k];
+  }
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, NULL, &in[0]), FB_OK);
+  kept = state;
+  return implicit ? fb_system_sdirk_step(&mechanism, model, &state, &work, &in[0], &in[2], (fb_real)dt, 3)
+                  : fb_system_rk4_step(&mechanism, model, &state, &work, &in[0], &in[1], &in[2], (fb_real)dt);
+}
+
+/* A prescribed value that stays, or runs the other way, while its rate says that it moves, is refused and named; values
+   that stay by a rate that adds up to nothing, jumps and round-off are not. By both integrators. */
+TEST(a_prescribed_value_that_denies_its_rate_is_refused)
+{
+  const double dt = 1e-3;
+  fresh();
+  rigid(&model[0], 2, 0.5, 0, 0, 0.1, 0.4, 0.4);
+  hang(0, 0, FB_JOINT_REVOLUTE, FB_GROUND, 0);
+  hang(1, 0, FB_JOINT_REVOLUTE, 0, 1);
+  desc.joint[1].mode[0] = FB_AXIS_PRESCRIBED;
+  for (int method = FB_METHOD_RECURSIVE; method <= FB_METHOD_DENSE; method++) {
+    init((fb_method)method);
+    for (implicit = 0; implicit <= 1; implicit++) {
+      FBT_INT_EQ(step_prescribed(0.3, 2, 2, 2, dt), FB_ERR_CONTRADICTION);
+      FBT_INT_EQ(work.joint, 1);
+      FBT_TRUE(memcmp(&state, &kept, sizeof state) == 0);
+      FBT_INT_EQ(step_prescribed(0.3 - 2 * dt, 2, 2, 2, dt), FB_ERR_CONTRADICTION);
+      FBT_INT_EQ(step_prescribed(0.3 + 2 * dt, 2, 2, 2, dt), FB_OK);
+      FBT_INT_EQ(step_prescribed(0.3, 0, 0, 0, dt), FB_OK);
+      FBT_INT_EQ(step_prescribed(0.3, FBT_TOL(1e-9, 1e-5), FBT_TOL(1e-9, 1e-5), FBT_TOL(1e-9, 1e-5), dt), FB_OK);
+      FBT_INT_EQ(step_prescribed(0.4, 0, 0, 0, dt), FB_OK);
+      FBT_INT_EQ(step_prescribed(0.4, 2, 2, 2, dt), FB_OK);
+      FBT_INT_EQ(step_prescribed(0.3 + 1 * dt, 2, 2, 2, dt), FB_OK);
+    }
+  }
+  implicit = 0;
+  FBT_INT_EQ(step_prescribed(0.3, 1, 0, -1, dt), FB_OK);
+}
+
+SUITE(system_refusals, RUN(forgotten_models_are_refused), RUN(a_prescribed_value_that_denies_its_rate_is_refused),
+      RUN(systems_that_memory_has_changed_are_refused), RUN(states_out_of_range_are_refused),
+      RUN(systems_refuse_what_is_not_right), RUN(free_bodies_have_no_parent), RUN(work_means_nothing_between_calls),
+      RUN(every_mode_is_within_its_range), RUN(no_input_is_an_input_of_zeros),
       RUN(the_check_word_of_a_system_sees_every_byte))

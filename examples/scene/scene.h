@@ -56,7 +56,7 @@ static void scene_build_body(text_file *t, scene *s, scene_body *body, const sce
   }
   if (status != FB_OK) {
     scene_at_part(t, what);
-    text_fail(t, "%s: %s", what, fb_status_string(status));
+    text_fail(t, "%s: %s", what, refusal_text(status));
   }
   body->shape = model_shape;
   if (s->exact_elements > 0 && !t->failed) {

@@ -314,7 +314,7 @@ static int scene_advise(scene *s, int k, FILE *talk)
   status = fb_advice_solve(&automatic.advice[k], &automatic.work, &b->shape, &level, e, (fb_real)b->tolerance);
   if (status != FB_OK) {
     return scene_fail_at(s, b->line, "body %s: no advice by auto: %s", b->name,
-                         status == FB_ERR_VALUE ? "nothing that acts moves its last node" : fb_status_string(status));
+                         status == FB_ERR_VALUE ? "nothing that acts moves its last node" : refusal_text(status));
   }
   if (talk) {
     scene_tell_advice(s, k, talk);

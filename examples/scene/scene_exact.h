@@ -163,7 +163,7 @@ static void scene_convert_exact(text_file *t, scene *s, scene_body *body)
   }
   scene_convert_lumps(t, &s->exact);
   if (status != FB_OK) {
-    text_fail(t, "the beam, exactly: %s", fb_status_string(status));
+    text_fail(t, "the beam, exactly: %s", refusal_text(status));
     return;
   }
   body->n_node = model.n_mark + 1;

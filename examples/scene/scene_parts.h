@@ -11,6 +11,7 @@
 #define FB_MAX_LOOPS 4
 #define FB_MAX_EXACT 100
 #define FB_WITH_FORMS 1
+#define FB_WITH_DETAIL 1
 #define FLEXBEAM_IMPLEMENTATION
 #include "../../flexbeam.h"
 #include "../tools/model.h"

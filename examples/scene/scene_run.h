@@ -478,8 +478,8 @@ static int scene_failed(scene *s, const char *when, fb_status status)
   for (int k = 0; k < s->n_joint && at >= 0; k++) {
     line = s->joint[k].at == at ? s->joint[k].line : line;
   }
-  return scene_fail_at(s, line, "%s: %s%s%s", when, fb_status_string(status), scene_at_fault(s),
-                       status == FB_ERR_STEP ? "; give a shorter step, or none" : "");
+  return scene_fail_at(s, line, "%s: %s%s%s%s", when, fb_status_string(status), scene_at_fault(s),
+                       status == FB_ERR_STEP ? "; give a shorter step, or none" : "", refusal_detail(status));
 }
 
 /* The joint with an axis that nothing holds: where it is locked, and nothing else, there is a steady state. NULL:
@@ -675,7 +675,7 @@ static int scene_build(scene *s, const scene_options *o)
     }
     status = scene_init_body(s, k, advised ? &automatic.advice[k] : NULL);
     if (status != FB_OK) {
-      return scene_fail_at(s, s->body[k].line, "body %s: %s", s->body[k].name, fb_status_string(status));
+      return scene_fail_at(s, s->body[k].line, "body %s: %s", s->body[k].name, refusal_text(status));
     }
   }
   return 0;

@@ -7,6 +7,7 @@
 #define FB_MAX_STATIONS 200
 #define FB_WITH_NONLINEAR_STRAIN 0
 #define FLEXBEAM_STATIC
+#define FB_WITH_DETAIL 1
 #include "../../flexbeam.h"
 #include "model.h"
 #define PROGRAM "advise"
@@ -582,13 +583,13 @@ static int simulate_one(search *find, const options *o, const fb_envelope *e, co
   status = fb_advice_search(&found[k], &work, &model_shape, &model.level, e, (fb_real)allowed, &trial);
   printf("%g %%: %d simulations, displacement of at most %.3g m\n", o->tolerance[k], find->count, largest(find));
   if (find->count < 2) {
-    printf(" nothing: the reference: %s\n", fb_status_string(status));
+    printf(" nothing: the reference: %s\n", refusal_text(status));
     return 1;
   }
   error = scene_simulate(&o->scene, find->output, &model_shape, advised) == FB_OK ? distance(find) : HUGE_VAL;
   print_trial("advised", advised, error, advised->error - advised->error_model);
   if (status != FB_OK) {
-    printf(" nothing: %s\n", find->count < find->most ? fb_status_string(status) : "no more are allowed (--trials)");
+    printf(" nothing: %s\n", find->count < find->most ? refusal_text(status) : "no more are allowed (--trials)");
     return 1;
   }
   status = scene_simulate(&o->scene, find->output, &model_shape, &found[k]);
@@ -697,7 +698,7 @@ static void set_samples(options *o)
 
 static int fail_with(const char *file, const char *what, fb_status status)
 {
-  fprintf(stderr, PROGRAM ": %s: %s: %s\n", file, what, fb_status_string(status));
+  fprintf(stderr, PROGRAM ": %s: %s: %s\n", file, what, refusal_text(status));
   return 1;
 }
 

@@ -7,6 +7,7 @@
 #define FB_MAX_STATIONS 200
 #define FB_WITH_NONLINEAR_STRAIN 0
 #define FLEXBEAM_STATIC
+#define FB_WITH_DETAIL 1
 #include "../../flexbeam.h"
 #include "model.h"
 #define PROGRAM "analyse"
@@ -107,7 +108,7 @@ static int fail_at(double spin, fb_status status)
 {
   fprintf(stderr, PROGRAM ": at %.6g rad/s: %s\n", spin,
           status == FB_ERR_VALUE && model_body.base == FB_BASE_HINGED ? "a hinged base turns about z alone"
-                                                                      : fb_status_string(status));
+                                                                      : refusal_text(status));
   return 1;
 }
 
@@ -297,7 +298,7 @@ int analyse_main(int argc, char **argv)
   status = model_build(&what);
   status = status ? status : fb_state_init(&model_body, &state);
   if (status != FB_OK) {
-    fprintf(stderr, PROGRAM ": %s: %s: %s\n", o.file, what, fb_status_string(status));
+    fprintf(stderr, PROGRAM ": %s: %s: %s\n", o.file, what, refusal_text(status));
     return 1;
   }
   if (model_body.base == FB_BASE_FREE) {

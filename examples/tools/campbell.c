@@ -7,7 +7,9 @@
 #define FB_MAX_ELEMENTS 20
 #define FB_MAX_STATIONS 200
 #define FLEXBEAM_STATIC
+#define FB_WITH_DETAIL 1
 #include "../../flexbeam.h"
+#include "../common/refusal.h"
 #include "../common/boom.h"
 #define PROGRAM "campbell"
 #include "../common/options.h"
@@ -312,7 +314,7 @@ int campbell_main(int argc, char **argv)
     status = status ? status : solve(&o);
   }
   if (status != FB_OK) {
-    fprintf(stderr, "campbell: %s\n", fb_status_string(status));
+    fprintf(stderr, "campbell: %s\n", refusal_text(status));
     return 1;
   }
   printf("spin,kind,mode,omega\n");

@@ -4,7 +4,9 @@
 #define _POSIX_C_SOURCE 200809L /* popen, for gnuplot */
 #define FB_MAX_EXACT 400
 #define FLEXBEAM_STATIC
+#define FB_WITH_DETAIL 1
 #include "../../flexbeam.h"
+#include "../common/refusal.h"
 #define PROGRAM "exact"
 #include "../common/options.h"
 #include "words.h"
@@ -155,7 +157,7 @@ int exact_main(int argc, char **argv)
   }
   status = beam_start();
   if (status != FB_OK) {
-    fprintf(stderr, "exact: %s: %s\n", argv[1], fb_status_string(status));
+    fprintf(stderr, "exact: %s: %s\n", argv[1], refusal_text(status));
     return 2;
   }
   status = beam_settle();
@@ -163,11 +165,11 @@ int exact_main(int argc, char **argv)
     tell_state();
     status = modes > 0 ? tell_modes(modes) : FB_OK;
     if (status != FB_OK) {
-      fprintf(stderr, "exact: modes: %s\n", fb_status_string(status));
+      fprintf(stderr, "exact: modes: %s\n", refusal_text(status));
       return 1;
     }
   } else {
-    fprintf(stderr, "exact: no steady state found: %s (%d load increments tried)%s\n", fb_status_string(status),
+    fprintf(stderr, "exact: no steady state found: %s (%d load increments tried)%s\n", refusal_text(status),
             beam_work.increments,
             status == FB_ERR_SINGULAR
                 ? "; is it held against every motion, and the root, not the tip, where it is rigid?"

@@ -2,6 +2,7 @@
    Include flexbeam.h first. Everything is static: one model at a time. */
 #ifndef MODEL_H
 #define MODEL_H
+#include "../common/refusal.h"
 #include "../common/text.h"
 
 #define MODEL_NODES 4096 /* of a finite-element component */
@@ -269,7 +270,7 @@ static void model_taper(text_file *t)
   text_end_of_line(t);
   status = t->failed ? FB_OK : fb_beam_desc_add_taper(&model.beam, &material, &end[0], &end[1], n);
   if (status != FB_OK) {
-    text_fail(t, "%s", fb_status_string(status));
+    text_fail(t, "%s", refusal_text(status));
   }
 }
 

@@ -6,6 +6,7 @@
 #define FB_MAX_STATIONS 200
 #define FB_WITH_NONLINEAR_STRAIN 0
 #define FLEXBEAM_STATIC
+#define FB_WITH_DETAIL 1
 #include "../../flexbeam.h"
 #include "model.h"
 #include "rom.h"
@@ -94,7 +95,7 @@ int reduce_main(int argc, char **argv)
   }
   status = model_build(&what);
   if (status != FB_OK) {
-    fprintf(stderr, "reduce: %s: %s: %s\n", file, what, fb_status_string(status));
+    fprintf(stderr, "reduce: %s: %s: %s\n", file, what, refusal_text(status));
     return 1;
   }
   summarize(file);

@@ -13,6 +13,7 @@
 #define FB_MAX_ROWS 6
 #define FB_MAX_SPEEDS 20
 #define FB_MAX_EXACT 3
+#define FB_WITH_DETAIL 1
 #define FLEXBEAM_IMPLEMENTATION
 #include "flexbeam.h"
 #include <limits.h>
@@ -174,6 +175,7 @@ typedef fb_exact_node nodes[FB_MAX_EXACT + 1];
 #define ARITHMETIC 3 /* none, and pointers are valid */
 #define FUNCTIONS(F)                                                                                                   \
   F(fb_status_string, fb_status_string((fb_status)i[0]) ? 0 : -1, 0, WHOLE(0))                                         \
+  F(fb_detail_last, fb_detail_last() ? 0 : -1, 0, REAL(0))                                                             \
   F(fb_vec3_dot, give(fb_vec3_dot(p[0], p[1])), ARITHMETIC, IN(a), IN(b))                                              \
   F(fb_vec3_cross, (fb_vec3_cross(p[0], p[1], p[2]), 0), ARITHMETIC, OUT(vec3), IN(a), IN(b))                          \
   F(fb_mat33_mul_vec3, (fb_mat33_mul_vec3(p[0], p[1], p[2]), 0), ARITHMETIC, OUT(vec3), IN(A), IN(a))                  \

@@ -24,12 +24,20 @@ for system in 0 1; do
         try clang $c99 $options -DFB_SINGLE=$single -DFB_WITH_FORMS=1 -fsyntax-only "$out/impl.c"
         try g++ -std=c++11 $base $options -DFB_SINGLE=$single -O0 -x c++ -c -o "$out/cpp.o" "$out/impl.c"
         count=$((count + 5))
+        [ $system$exact = 11 ] || continue # the record of refusals, as C, C++ and in both precisions
+        try gcc $c99 -O0 $options -DFB_SINGLE=$single -DFB_WITH_DETAIL=1 -c -o "$out/detail.o" "$out/impl.c"
+        try clang $c99 $options -DFB_SINGLE=$single -DFB_WITH_DETAIL=1 -fsyntax-only "$out/impl.c"
+        try g++ -std=c++11 $base $options -DFB_SINGLE=$single -DFB_WITH_DETAIL=1 -O0 -x c++ -c -o "$out/cpp.o" "$out/impl.c"
+        count=$((count + 3))
       done
     done
   done
 done
 gcc $c99 -DFB_WITH_ANALYSE=1 -DFB_WITH_BUILD=0 -fsyntax-only "$out/impl.c" 2> "$out/log" && fail "ANALYSE without BUILD is taken"
 grep -q 'FB_WITH_ANALYSE needs FB_WITH_BUILD' "$out/log" || fail "no word on FB_WITH_ANALYSE without FB_WITH_BUILD"
+gcc $c99 -DFB_WITH_DETAIL=2 -fsyntax-only "$out/impl.c" 2> "$out/log" && fail "FB_WITH_DETAIL=2 is taken"
+grep -q 'FB_WITH_DETAIL is 0 or 1' "$out/log" || fail "no word on FB_WITH_DETAIL=2"
+nm "$out/1111.o" | grep -i -e fb_detail -e fbi_detail -e fbi_refuse && fail "records of refusals without FB_WITH_DETAIL"
 exported() { nm -g --defined-only "$out/$1.o" | grep -c ' T fb_'; }
 nm -g --defined-only "$out/0000.o" | grep -E ' T fb_(system|exact|eig|beam|modes|shape|advi|[a-z_]*_init$)' | grep -v fb_state_init &&
   fail "functions of a removed room are still there"
