@@ -24,39 +24,31 @@
      #include "flexbeam.h"
      #include <stdio.h>
 
-     static fb_beam beam;
-     static fb_modes modes;
-     static fb_modes_work modes_work;
-     static fb_shape shape;
      static fb_body body;
-     static fb_body_work body_work;
+     static fb_build_work build_work;
 
      int main(void)
      {
        const fb_section uniform = {.mass = FB_R(1.2), .EI_y = 14004, .EI_z = 14004}; // [kg/m], [N m^2]
        const fb_beam_desc boom = {.length = 10, .n_element = 10, .n_station = 1, .station = {uniform}};
-       const fb_modes_desc keep = {.count = {3, 3}};                             // bending modes along y, along z
-       const fb_body_desc level = {.effects = FB_EFFECTS_FULL};                  // or fewer: FB_EFFECTS_LINEAR, ...
+       const fb_modes_desc keep = {.count = {3, 3}}; // bending modes along y, along z
+       const fb_build_desc craft = {.mass = 500,     // of the hub [kg], [kg m^2]
+                                    .inertia = {80, 80, 80},
+                                    .n_part = 1, // the boom; its tip is node 1
+                                    .part = {{.n_node = 1, .node = {10}}},
+                                    .body = {.effects = FB_EFFECTS_FULL}};       // or fewer: FB_EFFECTS_LINEAR, ...
        const fb_input torque = {.n_load = 1, .load = {{.torque = {0, 0, 160}}}}; // [N m] at node 0, the origin
-       const fb_real center[3] = {0}, inertia[6] = {80, 80, 80};                 // [m], [kg m^2] of the hub
        fb_state state;
        fb_rk4_work work;
        fb_motion motion;
        fb_node_motion tip;
-       int node = 0;
-       fb_status status = fb_beam_init(&beam, &boom); // build: on the desktop or at start-up
-       status = status ? status : fb_modes_solve(&modes, &modes_work, &beam, &keep);
-       status = status ? status : fb_shape_init(&shape, modes.n);
-       status = status ? status : fb_shape_add_rigid(&shape, 500, center, inertia);
-       status = status ? status : fb_shape_add_beam(&shape, 0, &beam, &modes);
-       status = status ? status : fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, 10);
-       status = status ? status : fb_body_init(&body, &body_work, &shape, &level);
+       fb_status status = fb_body_build(&body, &build_work, &craft, &boom, &keep, 1); // on the desktop or at start-up
        status = status ? status : fb_state_init(&body, &state);
        for (int k = 0; k < 1000 && status == FB_OK; k++) { // run: one step of 1 ms
          status = fb_rk4_step(&body, &state, &work, &torque, &torque, &torque, FB_R(0.001));
        }
        status = status ? status : fb_body_motion_eval(&body, &motion, &state, &torque);
-       status = status ? status : fb_body_node_motion_eval(&body, &tip, &state, &motion, node);
+       status = status ? status : fb_body_node_motion_eval(&body, &tip, &state, &motion, 1);
        if (status != FB_OK) {
          printf("%s\n", fb_status_string(status));
          printf("%s: %s: %g\n", fb_detail_last()->function, fb_detail_last()->what, (double)fb_detail_last()->have);
@@ -1057,8 +1049,10 @@ typedef struct fb_link_motion {
 } fb_link_motion;
 
 typedef struct fb_drive { /* of a joint, by axis */
-  fb_real torque[3];      /* [N m], [N] of the motor, on the child (and back on the parent), of free axes */
-  fb_real value[3];       /* [rad], [m] of prescribed axes; free and spherical joints integrate the rate instead */
+  /* [N m], [N] of the motor on the child (and back on the parent), of free axes; [0] is the first axis of the joint. An
+     axis that the joint does not have has no motor, nor has a free joint: FB_ERR_VALUE unless zero (load a node) */
+  fb_real torque[3];
+  fb_real value[3]; /* [rad], [m] of prescribed axes; free and spherical joints integrate the rate instead */
   fb_real rate[6];
   fb_real acceleration[6]; /* for accelerations and reactions only */
 } fb_drive;
@@ -1418,9 +1412,10 @@ FB_API fb_status fb_exact_momentum_eval(const fb_exact *exact, fb_momentum *mome
 
 /* Classical Runge-Kutta, order 4, four evaluations, fixed work. The inputs are those at t, t + dt/2 and t + dt; pass
    the same pointer three times for inputs held over the step, NULL for none. The quaternion is normalized, momenta and
-   elastic values below FB_TINY become zero. FB_ERR_STEP: dt exceeds fb_rk4_limit at the present spin;
-   FB_ERR_VALUE: dt <= 0; FB_ERR_RANGE, FB_ERR_NOT_FINITE: the motion has left the model. On failure
-   state is as before the call. */
+   elastic values below FB_TINY become zero. FB_ERR_STEP: dt exceeds fb_rk4_limit at the present spin, acceleration and
+   slopes (unless allow_long_step), or the angular velocity changes within the step by more than half a radian a step, or
+   the attitude is lost; FB_ERR_VALUE: dt <= 0; FB_ERR_RANGE, FB_ERR_NOT_FINITE: the motion has left the model. On
+   failure state is as before the call. WHAT A STEP OF ONE BODY RUNS in flexbeam_impl.h lists the functions. */
 typedef struct fb_rk4_work {
   fb_state start, stage, rate, sum;
 } fb_rk4_work;
@@ -1590,8 +1585,8 @@ typedef struct fb_stepper {
   } work;
 } fb_stepper;
 
-/* FB_ERR_NULL: none of the three, or one without its state and work; FB_ERR_UNSUPPORTED: an integrator that it does not
-   have; FB_ERR_VALUE: two of the three, dt, iterations (0..50), n_input, an exponential of another dt. */
+/* Call it again to change the description. FB_ERR_NULL: none of the three, or one without its state and work;
+   FB_ERR_UNSUPPORTED: an integrator that it does not have; what the check of that state returns; FB_ERR_VALUE: two of the three, dt, iterations (0..50), n_input, an exponential of another dt. */
 FB_API fb_status fb_stepper_init(fb_stepper *stepper, const fb_stepper_desc *desc);
 /* One step; status and failure as the step of that integrator, t is then as before. It costs what that one costs. */
 FB_API fb_status fb_stepper_step(fb_stepper *stepper);
@@ -1981,9 +1976,11 @@ typedef enum fb_truncation {
 typedef struct fb_body_desc {
   unsigned effects; /* FB_EFFECT_... or-ed; 0: rigid body */
   fb_base base;
-  fb_real zeta[FB_MAX_MODES]; /* damping ratio of each mode (for a general M: of the k-th mode by frequency); must be
-                                 zero without FB_EFFECT_DAMPING (FB_ERR_EFFECTS) */
-  fb_real gravity[3];         /* [m/s^2] inertial axes; must be zero without FB_EFFECT_GRAVITY (FB_ERR_EFFECTS) */
+  /* Damping ratio of each mode (for a general M: of the k-th mode by frequency) as the basis has it: of a clamped root
+     with the frame held. On a hub that moves, a mode of frequency omega then has about zeta omega / omega_held, which
+     fb_body_spectrum_solve tells. Must be zero without FB_EFFECT_DAMPING (FB_ERR_EFFECTS) */
+  fb_real zeta[FB_MAX_MODES];
+  fb_real gravity[3]; /* [m/s^2] inertial axes; must be zero without FB_EFFECT_GRAVITY (FB_ERR_EFFECTS) */
   fb_real
       deflection_limit; /* [m] limit of the sum of modal deflections, beyond it FB_ERR_RANGE; 0: half the body's size.
                                  The error of the model is about 0.1 % at deflections of 6 % of the length, some percent
@@ -2018,7 +2015,7 @@ FB_API fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape 
 typedef struct fb_part {
   int beam;                   /* index in the arrays of beam and modes descriptions; parts may share one */
   fb_real position[3];        /* [m] origin of the beam description, body axes */
-  fb_real attitude[4];        /* quaternion, axes of that description to body axes; all zero: identity */
+  fb_real attitude[4];        /* quaternion, axes of that description to body axes, normalized; all zero: identity */
   int n_node;                 /* nodes along the beam, numbered after those of the parts before; the first one is 1 */
   fb_real node[FB_MAX_NODES]; /* [m] from the root */
 } fb_part;
@@ -2032,7 +2029,7 @@ typedef struct fb_build_desc {
      the coordinates. A part attached to another one follows it in the list, and that one has a node at the weld. All
      zero: not joined */
   fb_join_desc join;
-  fb_real zeta; /* damping ratio of all modes, with FB_EFFECT_DAMPING; 0: those of body.zeta */
+  fb_real zeta; /* damping ratio of all modes (see fb_body_desc.zeta), with FB_EFFECT_DAMPING; 0: body.zeta */
   fb_body_desc body;
 } fb_build_desc;
 

@@ -5594,6 +5594,17 @@ static fb_status fbi_system_input_check(const fb_system *system, const fb_body *
     FBI_REQUIRE(load->load.node >= 0 && load->load.node < fbi_model(system, body, load->body)->n_node, FB_ERR_CAPACITY);
     FBI_REQUIRE(fbi_is_choice((int)load->load.axes, (int)FB_AXES_COUNT - 1), FB_ERR_VALUE);
   }
+
+  /* Motors: where there is none, a torque would do nothing */
+  for (int j = 0; j < system->n_body + system->n_loop; j++) {
+    const fb_joint *joint = &system->joint[j];
+    for (int i = joint->kind == FB_JOINT_FREE ? 0 : joint->n_axis; i < 3; i++) {
+      if (!(input->drive[j].torque[i] == FB_R(0.0))) {
+        return FBI_REFUSE(FB_ERR_VALUE, "drive: torque of an axis without motor, equal to", j,
+                          input->drive[j].torque[i], FB_R(0.0));
+      }
+    }
+  }
   return FB_OK;
 }
 
@@ -9610,6 +9621,19 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, const fb_state *s
   return status;
 }
 
+/* WHAT A STEP OF ONE BODY RUNS, in the momentum form: NAME: what it calls, but for vectors, copies and what is off by
+   default (check-rooms compares these lines with the code). The equations are those of the section body.
+     fb_rk4_step: fbi_state_enter fbi_input_check fbi_rates fbi_rk4_check fbi_turn_check fbi_stage_advance fbi_step_end
+     fbi_rates: fbi_velocity fbi_forces fbi_momentum_rates
+     fbi_velocity: fbi_lambda_sub fbi_S_eval fbi_base_solve fbi_mass_solve fbi_given_velocity
+     fbi_forces: fbi_load_add fbi_gravity_add fbi_fall
+     fbi_load_add: fbi_node_eval fbi_node_quat
+     fbi_momentum_rates: fbi_elastic_rates fbi_rigid_rates
+     fbi_elastic_rates: fbi_lambda_gradients fbi_S_gradient fbi_elastic_forces fbi_mass_solve
+     fbi_elastic_forces: fbi_sparse_eval fbi_damping_add fbi_strain_sub
+     fbi_rk4_check: fbi_step_conditions fbi_largest_slopes fbi_frequency_bound fbi_step_limit
+     fbi_step_end: fbi_state_align fbi_quat_increment fbi_frame_follow fbi_origin_lead fbi_state_range fbi_state_take */
+
 /* [E11.3] Classical Runge-Kutta. Source: textbook.  Cost: 4 evaluations.  Test: rk4_converges_with_order_four. */
 FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work, const fb_input *start,
                                          const fb_input *middle, const fb_input *end, fb_real dt)
@@ -11750,23 +11774,26 @@ static int fbi_stepper_count(const fb_stepper_desc *d)
   return count + (d->state != NULL || (count == 0 && d->body != NULL));
 }
 
-/* What each of the three must have: FB_ERR_NULL, FB_ERR_UNSUPPORTED. */
+/* What each of the three must have: FB_ERR_NULL, FB_ERR_UNSUPPORTED, what the check of its state returns. */
 static fb_status fbi_stepper_kind(const fb_stepper_desc *d)
 {
 #if FB_WITH_EXACT
   if (d->exact) {
     FBI_REQUIRE(d->exact_state && d->exact_work, FB_ERR_NULL);
-    return d->integrator <= FB_INTEGRATOR_MIDPOINT ? FB_OK : FB_ERR_UNSUPPORTED;
+    return d->integrator <= FB_INTEGRATOR_MIDPOINT ? fb_exact_state_check(d->exact, d->exact_state)
+                                                   : FB_ERR_UNSUPPORTED;
   }
 #endif
 #if FB_WITH_SYSTEM
   if (d->system) {
     FBI_REQUIRE(d->body && d->system_state && d->system_work, FB_ERR_NULL);
-    return d->integrator == FB_INTEGRATOR_RK4 || d->integrator == FB_INTEGRATOR_SDIRK ? FB_OK : FB_ERR_UNSUPPORTED;
+    return d->integrator == FB_INTEGRATOR_RK4 || d->integrator == FB_INTEGRATOR_SDIRK
+               ? fb_system_state_check(d->system, d->body, d->system_state)
+               : FB_ERR_UNSUPPORTED;
   }
 #endif
   FBI_REQUIRE(d->body && d->state && (d->integrator != FB_INTEGRATOR_EXPONENTIAL || d->exponential), FB_ERR_NULL);
-  return FB_OK;
+  return fb_state_check(d->body, d->state);
 }
 
 FB_DEF fb_status fb_stepper_init(fb_stepper *stepper, const fb_stepper_desc *desc)
@@ -17428,24 +17455,48 @@ static fb_status fbi_part_add(fb_shape *shape, const fb_part *part, int first, c
   return status;
 }
 
+/* First part that nothing attaches to the rest, -1: none. The root of a part is fixed to the frame, as the hub is, but
+   for a free one, which hangs on other parts by welds; a part that is the whole body may be free. */
+static int fbi_part_apart(const fb_build_work *work, const fb_build_desc *desc, int hub)
+{
+  int fixed = 0, apart = -1;
+  for (int k = desc->n_part - 1; k >= 0; k--) {
+    int welds = 0;
+    for (int w = 0; w < desc->join.n_weld; w++) {
+      welds += desc->join.weld[w].component[0] == k || desc->join.weld[w].component[1] == k;
+    }
+    fixed += work->beam[k].desc.root != FB_ROOT_FREE;
+    apart = work->beam[k].desc.root == FB_ROOT_FREE && welds == 0 ? k : apart;
+  }
+  if (desc->n_part == 1 && !hub) {
+    return -1;
+  }
+  return hub && desc->n_part > 0 && fixed == 0 ? 0 : apart;
+}
+
 FB_DEF fb_status fb_body_build(fb_body *body, fb_build_work *work, const fb_build_desc *desc, const fb_beam_desc *beam,
                                const fb_modes_desc *modes, int n_beam)
 {
-  int first = 0;
+  int first = 0, hub;
   fb_status status;
   FBI_REQUIRE(body && work && desc && ((beam && modes) || n_beam == 0), FB_ERR_NULL);
   FBI_REQUIRE(desc->n_part >= 0 && desc->n_part <= FB_MAX_PARTS, FB_ERR_CAPACITY);
 
   /* beams, and the coordinates that there are */
+  hub = !fbi_is_zero(&desc->mass, 1) || !fbi_is_zero(desc->inertia, 6);
   status = fbi_parts_solve(work, desc, beam, modes, n_beam);
   if (status != FB_OK) {
     return status;
   }
 
   /* hub and parts */
-  work->part = -1;
+  work->part = fbi_part_apart(work, desc, hub);
+  if (work->part >= 0) {
+    return FBI_REFUSE(FB_ERR_VALUE, "part: root, not FB_ROOT_FREE without a weld, of part", work->part, FB_R(0.0),
+                      FB_R(0.0));
+  }
   status = fb_shape_init(&work->shape, work->n);
-  if (!fbi_is_zero(&desc->mass, 1) || !fbi_is_zero(desc->inertia, 6)) {
+  if (hub) {
     status = status ? status : fb_shape_add_rigid(&work->shape, desc->mass, desc->center, desc->inertia);
   }
   for (int k = 0; k < desc->n_part && status == FB_OK; k++) {

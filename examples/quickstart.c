@@ -4,39 +4,31 @@
 #include "flexbeam.h"
 #include <stdio.h>
 
-static fb_beam beam;
-static fb_modes modes;
-static fb_modes_work modes_work;
-static fb_shape shape;
 static fb_body body;
-static fb_body_work body_work;
+static fb_build_work build_work;
 
 int main(void)
 {
   const fb_section uniform = {.mass = FB_R(1.2), .EI_y = 14004, .EI_z = 14004}; // [kg/m], [N m^2]
   const fb_beam_desc boom = {.length = 10, .n_element = 10, .n_station = 1, .station = {uniform}};
-  const fb_modes_desc keep = {.count = {3, 3}};                             // bending modes along y, along z
-  const fb_body_desc level = {.effects = FB_EFFECTS_FULL};                  // or fewer: FB_EFFECTS_LINEAR, ...
+  const fb_modes_desc keep = {.count = {3, 3}}; // bending modes along y, along z
+  const fb_build_desc craft = {.mass = 500,     // of the hub [kg], [kg m^2]
+                               .inertia = {80, 80, 80},
+                               .n_part = 1, // the boom; its tip is node 1
+                               .part = {{.n_node = 1, .node = {10}}},
+                               .body = {.effects = FB_EFFECTS_FULL}};       // or fewer: FB_EFFECTS_LINEAR, ...
   const fb_input torque = {.n_load = 1, .load = {{.torque = {0, 0, 160}}}}; // [N m] at node 0, the origin
-  const fb_real center[3] = {0}, inertia[6] = {80, 80, 80};                 // [m], [kg m^2] of the hub
   fb_state state;
   fb_rk4_work work;
   fb_motion motion;
   fb_node_motion tip;
-  int node = 0;
-  fb_status status = fb_beam_init(&beam, &boom); // build: on the desktop or at start-up
-  status = status ? status : fb_modes_solve(&modes, &modes_work, &beam, &keep);
-  status = status ? status : fb_shape_init(&shape, modes.n);
-  status = status ? status : fb_shape_add_rigid(&shape, 500, center, inertia);
-  status = status ? status : fb_shape_add_beam(&shape, 0, &beam, &modes);
-  status = status ? status : fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, 10);
-  status = status ? status : fb_body_init(&body, &body_work, &shape, &level);
+  fb_status status = fb_body_build(&body, &build_work, &craft, &boom, &keep, 1); // on the desktop or at start-up
   status = status ? status : fb_state_init(&body, &state);
   for (int k = 0; k < 1000 && status == FB_OK; k++) { // run: one step of 1 ms
     status = fb_rk4_step(&body, &state, &work, &torque, &torque, &torque, FB_R(0.001));
   }
   status = status ? status : fb_body_motion_eval(&body, &motion, &state, &torque);
-  status = status ? status : fb_body_node_motion_eval(&body, &tip, &state, &motion, node);
+  status = status ? status : fb_body_node_motion_eval(&body, &tip, &state, &motion, 1);
   if (status != FB_OK) {
     printf("%s\n", fb_status_string(status));
     printf("%s: %s: %g\n", fb_detail_last()->function, fb_detail_last()->what, (double)fb_detail_last()->have);

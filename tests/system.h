@@ -237,12 +237,19 @@ static inline double motion_difference(const fb_system_motion *a, const fb_syste
   return worst;
 }
 
+/* A torque where the joint has a motor, else zero. */
+static inline fb_real motor_of(int joint, int axis, double torque)
+{
+  const fb_joint_kind kind = desc.joint[joint].kind;
+  return kind != FB_JOINT_FREE && axis < axes_of((int)kind)->count ? (fb_real)torque : FB_R(0.0);
+}
+
 /* Motors, loads on nodes in all axes, some axes locked, some prescribed. */
 static inline void drives(void)
 {
   for (int k = 1; k < desc.n_body; k++) {
     for (int i = 0; i < 3; i++) {
-      input.drive[k].torque[i] = (fb_real)(0.3 * fbt_random());
+      input.drive[k].torque[i] = motor_of(k, i, 0.3 * fbt_random());
     }
   }
   input.n_load = 3;
@@ -391,7 +398,7 @@ static inline void couple(fb_joint_kind kind, int axis, fb_axis_mode mode)
     fbt_fill(start[k].q_dot, model[0].n, 0.2);
   }
   for (int i = 0; i < 3; i++) {
-    input.drive[1].torque[i] = (fb_real)fbt_random();
+    input.drive[1].torque[i] = motor_of(1, i, fbt_random());
     input.drive[1].value[i] = start[1].value[i];
     input.drive[1].rate[i] = start[1].speed[i];
     input.drive[1].acceleration[i] = (fb_real)fbt_random();
@@ -426,6 +433,7 @@ static inline void couple_by_a_loop(const fb_system_motion *at, int backwards)
     const fb_drive *d = &input.drive[1];
     loop->rest[i] *= sign;
     input.drive[2].torque[i] = sign * d->torque[i];
+    input.drive[1].torque[i] = FB_R(0.0);
     input.drive[2].value[i] = sign * d->value[i];
     input.drive[2].rate[i] = sign * d->rate[i];
     input.drive[2].acceleration[i] = sign * d->acceleration[i];

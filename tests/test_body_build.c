@@ -328,7 +328,28 @@ TEST(parts_that_do_not_meet_are_refused)
   FBT_TRUE(memcmp(&body, &before, sizeof body) == 0);
 }
 
-SUITE(body_build, RUN(one_description_is_the_chain), RUN(a_component_is_the_chain), RUN(joined_parts_are_the_chain),
-      RUN(joined_parts_are_the_uncut_beam), RUN(parts_may_share_a_count_of_modes),
-      RUN(parts_carry_the_place_of_their_beam), RUN(parts_may_be_missing), RUN(the_part_at_fault_is_told),
-      RUN(parts_that_do_not_meet_are_refused))
+/* A free root that no weld attaches does not belong to the hub, whose motion would not bend it: refused, with the part;
+   a beam that is the whole body may be free, with what it carries. */
+TEST(free_roots_without_a_weld_are_refused)
+{
+  two_booms();
+  boom.root = FB_ROOT_FREE;
+  boom.station[0].i_y = boom.station[0].i_z = FB_R(0.01);
+  desc.zeta = FB_R(0.0);
+  desc.body.effects = FB_EFFECTS_FULL;
+  FBT_INT_EQ(fb_body_build(&body, &work, &desc, &boom, &keep, 1), FB_ERR_VALUE);
+  FBT_INT_EQ(work.part, 0);
+  desc.n_part = 1;
+  FBT_INT_EQ(fb_body_build(&body, &work, &desc, &boom, &keep, 1), FB_ERR_VALUE);
+  desc.n_part = 2;
+  desc.mass = FB_R(0.0);
+  memset(desc.inertia, 0, sizeof desc.inertia);
+  FBT_INT_EQ(fb_body_build(&body, &work, &desc, &boom, &keep, 1), FB_ERR_VALUE);
+  desc.n_part = 1;
+  FBT_INT_EQ(fb_body_build(&body, &work, &desc, &boom, &keep, 1), FB_OK);
+}
+
+SUITE(body_build, RUN(free_roots_without_a_weld_are_refused), RUN(one_description_is_the_chain),
+      RUN(a_component_is_the_chain), RUN(joined_parts_are_the_chain), RUN(joined_parts_are_the_uncut_beam),
+      RUN(parts_may_share_a_count_of_modes), RUN(parts_carry_the_place_of_their_beam), RUN(parts_may_be_missing),
+      RUN(the_part_at_fault_is_told), RUN(parts_that_do_not_meet_are_refused))

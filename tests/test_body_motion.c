@@ -698,7 +698,7 @@ TEST(linear_models_of_spinning_beams_have_the_published_frequencies)
   FBT_BELOW(tapered, FBT_TOL(1e-6, 5e-2));
 }
 
-/* E8.13 with n = 0: a rigid body is a case of the same code; a free asymmetric top against Jacobi elliptic
+/* E8.13, E8.18 with n = 0: a rigid body is a case of the same code; a free asymmetric top against Jacobi elliptic
    functions. */
 TEST(a_rigid_body_is_the_case_of_no_modes)
 {

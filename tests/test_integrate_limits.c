@@ -458,7 +458,7 @@ TEST(loads_shorten_the_steps_of_systems)
 
 /* fb_exponential_check walks G by the body's number of strain stations: a count beyond the tables is told before
    that. */
-TEST(the_check_of_a_integrator_stays_within_its_tables)
+TEST(the_check_of_an_integrator_stays_within_its_tables)
 {
   static const int counts[] = {-1, FBI_MAX_STRAINS + 1, 1 << 30};
   strained_beam(1, 1e4, 0.0, 0);
@@ -480,6 +480,31 @@ TEST(the_check_of_a_integrator_stays_within_its_tables)
   FBT_INT_EQ(fb_exponential_check(&exponential, &body), FB_OK);
   exponential.G[FBI_MAX_STRAINS + body.n_strain - 1] = (fb_real)NAN;
   FBT_INT_EQ(fb_exponential_check(&exponential, &body), FB_ERR_VALUE);
+}
+
+/* E11.26: a step in which a body at rest comes to turn by more than half a radian is refused by every integrator, and
+   the state is as before; a tenth of that torque goes through, and gives the spin of a rigid body, t T / J. */
+TEST(steps_of_a_body_that_turn_too_far_are_refused)
+{
+  fb_input input;
+  boom(FB_EFFECTS_LINEAR, FB_BASE_HINGED, 0, 0, 0, 0.0);
+  memset(&input, 0, sizeof input);
+  input.n_load = 1;
+  for (int which = 0; which < (int)FB_INTEGRATOR_COUNT; which++) {
+    const double J = 50.0 + 12.0 * 100.0 / 3.0; /* [kg m^2] about the hinge */
+    fb_state state, before;
+    fb_motion motion;
+    FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
+    before = state;
+    prepare((integrator)which, 1.0);
+    input.load[0].torque[2] = (fb_real)(1.1 * J);
+    FBT_INT_EQ(step((integrator)which, &state, &input, &input, &input, 1.0), FB_ERR_STEP);
+    FBT_TRUE(memcmp(&state, &before, sizeof state) == 0);
+    input.load[0].torque[2] = (fb_real)(0.11 * J);
+    FBT_INT_EQ(step((integrator)which, &state, &input, &input, &input, 1.0), FB_OK);
+    FBT_INT_EQ(fb_body_motion_eval(&body, &motion, &state, NULL), FB_OK);
+    FBT_NEAR_REL(motion.w[2], 0.11, FBT_TOL(1e-12, 1e-5));
+  }
 }
 
 /* E11.15: a rigid body at rest that nothing acts on takes any step. */
@@ -569,4 +594,5 @@ SUITE(integrate_limits, RUN(light_hubs_on_pins_and_hinges_gain_no_energy), RUN(s
       RUN(the_tension_limit_counts_all_modes), RUN(loads_shorten_the_steps_of_systems),
       RUN(steps_of_a_rigid_system_have_no_limit), RUN_FORMS(every_integrator_refuses_bad_input),
       RUN(the_step_limit_is_the_stability_boundary), RUN(the_step_limit_knows_the_acceleration_of_a_far_origin),
-      RUN(the_check_of_a_integrator_stays_within_its_tables), RUN(rk4_refuses_bad_input_and_repeats_itself))
+      RUN(steps_of_a_body_that_turn_too_far_are_refused), RUN(the_check_of_an_integrator_stays_within_its_tables),
+      RUN(rk4_refuses_bad_input_and_repeats_itself))

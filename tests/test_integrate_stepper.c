@@ -169,10 +169,17 @@ TEST(steppers_refuse_what_they_cannot_step)
   static fb_system_state system_state;
   static fb_exact_state exact_state;
   fb_state state, before;
+  memset(&pair, 0, sizeof pair);
+  pair.n_body = 1;
+  pair.joint[0].kind = FB_JOINT_REVOLUTE;
+  pair.joint[0].parent = FB_GROUND;
+  slender_beam(&exact_state);
   boom(FB_EFFECTS_FULL, FB_BASE_FREE, 2, 2, 0, 0.0);
   fbt_seed(3);
   start(&state, 0.1, 0.3);
   prepare(EXPONENTIAL, 0.002);
+  FBT_INT_EQ(fb_system_init(&pendulum, &system_work, &body, &pair, 1), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&pendulum, &body, &system_state, &system_work, NULL, NULL), FB_OK);
   memset(&way, 0, sizeof way);
   FBT_INT_EQ(fb_stepper_init(&stepper, NULL), FB_ERR_NULL);
   FBT_INT_EQ(fb_stepper_init(NULL, &way), FB_ERR_NULL);
@@ -183,6 +190,10 @@ TEST(steppers_refuse_what_they_cannot_step)
   FBT_INT_EQ(fb_stepper_init(&stepper, &way), FB_ERR_NULL); /* no state */
   way.state = &state;
   FBT_INT_EQ(fb_stepper_init(&stepper, &way), FB_OK);
+  before = state;
+  memset(state.quat, 0, sizeof state.quat); /* not from fb_state_init */
+  FBT_INT_EQ(fb_stepper_init(&stepper, &way), FB_ERR_VALUE);
+  state = before;
   way.integrator = FB_INTEGRATOR_EXPONENTIAL;
   FBT_INT_EQ(fb_stepper_init(&stepper, &way), FB_ERR_NULL); /* not prepared */
   way.exponential = &exponential;

@@ -144,7 +144,7 @@ TEST(springs_and_dampers_balance_energy)
   fbt_seed(3);
   for (int k = 1; k < desc.n_body; k++) {
     for (int i = 0; i < 3; i++) {
-      input.drive[k].torque[i] = (fb_real)fbt_random();
+      input.drive[k].torque[i] = motor_of(k, i, fbt_random());
     }
   }
   init(FB_METHOD_RECURSIVE);

@@ -393,6 +393,35 @@ TEST(systems_refuse_what_is_not_right)
   FBT_NEAR_ABS(motion.pose[0].quat[1], -0.5e-9, 1e-13);
 }
 
+/* >>system: a torque of an axis that a joint does not have, or of a free joint, which has no motor, would do nothing: it is
+   refused, of every kind of joint and of one that closes a loop. */
+TEST(torques_without_a_motor_are_refused)
+{
+  for (int kind = 0; kind < FB_JOINT_COUNT; kind++) {
+    couple((fb_joint_kind)kind, 0, FB_AXIS_FREE);
+    memset(&input, 0, sizeof input);
+    memset(desc.joint[1].stiffness, 0, sizeof desc.joint[1].stiffness); /* free joints have none */
+    memset(desc.joint[1].damping, 0, sizeof desc.joint[1].damping);
+    desc.joint[1].parent = kind == FB_JOINT_FREE ? FB_GROUND : 0;
+    desc.joint[1].parent_node = kind == FB_JOINT_FREE ? 0 : 1;
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, NULL, NULL), FB_OK);
+    for (int i = 0; i < 3; i++) {
+      const int has = kind != FB_JOINT_FREE && i < axes_of(kind)->count;
+      input.drive[1].torque[i] = FB_R(1.0);
+      FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), has ? FB_OK : FB_ERR_VALUE);
+      input.drive[1].torque[i] = FB_R(0.0);
+    }
+  }
+  couple(FB_JOINT_REVOLUTE, 0, FB_AXIS_FREE);
+  memset(&input, 0, sizeof input);
+  close_loop(FB_JOINT_REVOLUTE, FB_GROUND, 0, 1, 0);
+  init(FB_METHOD_RECURSIVE);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, NULL, NULL), FB_OK);
+  input.drive[2].torque[1] = FB_R(1.0);
+  FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_ERR_VALUE);
+}
+
 /* A model that no body has, of as many models as bodies: desc.model was forgotten, and the default, 0, would double
    another body. An array of more or fewer models may hold spare ones. */
 TEST(forgotten_models_are_refused)
@@ -452,8 +481,8 @@ TEST(a_prescribed_value_that_denies_its_rate_is_refused)
   FBT_INT_EQ(step_prescribed(0.3, 1, 0, -1, dt), FB_OK);
 }
 
-SUITE(system_refusals, RUN(forgotten_models_are_refused), RUN(a_prescribed_value_that_denies_its_rate_is_refused),
-      RUN(systems_that_memory_has_changed_are_refused), RUN(states_out_of_range_are_refused),
-      RUN(systems_refuse_what_is_not_right), RUN(free_bodies_have_no_parent), RUN(work_means_nothing_between_calls),
-      RUN(every_mode_is_within_its_range), RUN(no_input_is_an_input_of_zeros),
+SUITE(system_refusals, RUN(torques_without_a_motor_are_refused), RUN(forgotten_models_are_refused),
+      RUN(a_prescribed_value_that_denies_its_rate_is_refused), RUN(systems_that_memory_has_changed_are_refused),
+      RUN(states_out_of_range_are_refused), RUN(systems_refuse_what_is_not_right), RUN(free_bodies_have_no_parent),
+      RUN(work_means_nothing_between_calls), RUN(every_mode_is_within_its_range), RUN(no_input_is_an_input_of_zeros),
       RUN(the_check_word_of_a_system_sees_every_byte))

@@ -595,6 +595,9 @@ static void full_house(void)
       j->stiffness[i] = (fb_real)(2.0 + fbt_random());
     }
     fbt_fill(input.drive[k].torque, 3, 0.5);
+    for (int i = 0; i < 3; i++) {
+      input.drive[k].torque[i] = motor_of(k, i, (double)input.drive[k].torque[i]);
+    }
     input.load[k % FB_MAX_LOADS].body = k;
   }
   desc.joint[4].mode[1] = FB_AXIS_LOCKED;

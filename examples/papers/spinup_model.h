@@ -254,6 +254,7 @@ static void run(history *h, const scene *s, long stride)
   fb_input input[3];
   power start, end;
   clock_t begin;
+  (void)fb_state_init(&model.body, &state);
   h->status =
       body_stepper(&by, &exponential, &model.body_work, &model.body, &state, input, (fb_integrator)s->integrator, dt);
   if (h->status != FB_OK) {
@@ -263,7 +264,6 @@ static void run(history *h, const scene *s, long stride)
   }
   begin = clock();
   memset(input, 0, sizeof input);
-  (void)fb_state_init(&model.body, &state);
   (void)drive(&input[0], s, 0, 0);
   h->status = FB_OK;
   h->t_stop = s->t_end;

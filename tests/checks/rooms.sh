@@ -38,6 +38,15 @@ grep -q 'FB_WITH_ANALYSE needs FB_WITH_BUILD' "$out/log" || fail "no word on FB_
 gcc $c99 -DFB_WITH_DETAIL=2 -fsyntax-only "$out/impl.c" 2> "$out/log" && fail "FB_WITH_DETAIL=2 is taken"
 grep -q 'FB_WITH_DETAIL is 0 or 1' "$out/log" || fail "no word on FB_WITH_DETAIL=2"
 nm "$out/1111.o" | grep -i -e fb_detail -e fbi_detail -e fbi_refuse && fail "records of refusals without FB_WITH_DETAIL"
+# the functions that a step runs, as the comment above fb_rk4_step lists them
+sed -n '/WHAT A STEP OF ONE BODY RUNS/,/\*\//p' flexbeam_impl.h | sed -n 's/^     \(fbi*_[A-Za-z0-9_]*\): \(.*[a-z_]\).*/\1 \2/p' | sed 's/ \*$//' > "$out/tree"
+[ "$(wc -l < "$out/tree")" -ge 10 ] || fail "WHAT A STEP OF ONE BODY RUNS is not found"
+while read -r caller callees; do
+  awk -v start="[ *]$caller\\(" '/^(static|FB_DEF)/ && $0 ~ start { on = 1 } on { print } /^}/ { on = 0 }' flexbeam_impl.h > "$out/function"
+  for callee in $callees; do
+    grep -q "[^a-zA-Z0-9_]$callee(" "$out/function" || fail "WHAT A STEP OF ONE BODY RUNS: $caller does not call $callee"
+  done
+done < "$out/tree"
 exported() { nm -g --defined-only "$out/$1.o" | grep -c ' T fb_'; }
 nm -g --defined-only "$out/0000.o" | grep -E ' T fb_(system|exact|eig|beam|modes|shape|advi|[a-z_]*_init$)' | grep -vE "fb_(state|stepper)_init" &&
   fail "functions of a removed room are still there"
