@@ -1413,8 +1413,8 @@ FB_API fb_status fb_exact_momentum_eval(const fb_exact *exact, fb_momentum *mome
 /* Classical Runge-Kutta, order 4, four evaluations, fixed work. The inputs are those at t, t + dt/2 and t + dt; pass
    the same pointer three times for inputs held over the step, NULL for none. The quaternion is normalized, momenta and
    elastic values below FB_TINY become zero. FB_ERR_STEP: dt exceeds fb_rk4_limit at the present spin, acceleration and
-   slopes (unless allow_long_step), or the angular velocity changes within the step by more than half a radian a step, or
-   the attitude is lost; FB_ERR_VALUE: dt <= 0; FB_ERR_RANGE, FB_ERR_NOT_FINITE: the motion has left the model. On
+   slopes (unless allow_long_step), or the angular velocity changes within the step by more than half a radian a step,
+   or the attitude is lost; FB_ERR_VALUE: dt <= 0; FB_ERR_RANGE, FB_ERR_NOT_FINITE: the motion has left the model. On
    failure state is as before the call. WHAT A STEP OF ONE BODY RUNS in flexbeam_impl.h lists the functions. */
 typedef struct fb_rk4_work {
   fb_state start, stage, rate, sum;
@@ -1498,10 +1498,9 @@ FB_API fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real a
    at zero joint coordinates, spin, stiffening), or a body turns faster or slower within it by more than half a radian;
    FB_ERR_UNDETERMINED, FB_ERR_CONTRADICTION: work->joint; else as
    fb_rk4_step. On failure state is as before the call.
-   FB_ERR_CONTRADICTION is also a prescribed axis of the tree (not of spherical joints or FB_METHOD_MULTIPLIERS) whose
-   value at the end is exactly that at the start of the step, or has moved the other way, though its rates add up to a
-   motion (1e-9 rad or m, and round-off): a forgotten value or rate, or a value held over several steps. Give it rate 0
-   where it stays or jumps; values that follow the rates in part only are taken as jumps. */
+   FB_ERR_CONTRADICTION is also a prescribed axis whose value is the same at the start and the end of the step while its
+   rates there have the same sign (of different inputs: one that is held over the step does not tell). Let value and
+   rate belong together, with rate 0 where the value stays. */
 FB_API fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body, fb_system_state *state,
                                     fb_system_work *work, const fb_system_input *start, const fb_system_input *middle,
                                     const fb_system_input *end, fb_real dt);
@@ -1586,7 +1585,8 @@ typedef struct fb_stepper {
 } fb_stepper;
 
 /* Call it again to change the description. FB_ERR_NULL: none of the three, or one without its state and work;
-   FB_ERR_UNSUPPORTED: an integrator that it does not have; what the check of that state returns; FB_ERR_VALUE: two of the three, dt, iterations (0..50), n_input, an exponential of another dt. */
+   FB_ERR_UNSUPPORTED: an integrator that it does not have; what the check of that state returns; FB_ERR_VALUE: two of
+   the three, dt, iterations (0..50), n_input, an exponential of another dt. */
 FB_API fb_status fb_stepper_init(fb_stepper *stepper, const fb_stepper_desc *desc);
 /* One step; status and failure as the step of that integrator, t is then as before. It costs what that one costs. */
 FB_API fb_status fb_stepper_step(fb_stepper *stepper);
@@ -1866,12 +1866,12 @@ typedef struct fb_join_work { /* scratch; large: make it static */
   fb_modes joined;
 } fb_join_work;
 
-/* joined, beam and component are arrays of n_component; joined may be component. A component attached to another one needs a free root and
-   rigid-body modes (fb_modes_desc.rigid), all coordinates of FB_BASIS_ELEMENTS, or its root in the boundary; a clamped
-   root stays fixed to the body frame. Motion of a weld that one side does not have in its basis is locked on both.
-   Natural modes alone converge slowly at a weld: add attachment modes there (load), or make its node a boundary.
-   Rigid-body modes of the whole are left out. joined[k].M and K are the contribution of component k. Redundant welds do
-   no harm.
+/* joined, beam and component are arrays of n_component; joined may be component. A component attached to another one
+   needs a free root and rigid-body modes (fb_modes_desc.rigid), all coordinates of FB_BASIS_ELEMENTS, or its root in
+   the boundary; a clamped root stays fixed to the body frame. Motion of a weld that one side does not have in its basis
+   is locked on both. Natural modes alone converge slowly at a weld: add attachment modes there (load), or make its node
+   a boundary. Rigid-body modes of the whole are left out. joined[k].M and K are the contribution of component k.
+   Redundant welds do no harm.
    Build the shape as for one beam, all parts with first = 0 and n = joined->n: add beam 0, a node at each of its welds,
    then the beams attached there by their roots (their second-order displacement continues from that node), and so on.
    FB_ERR_CONVERGENCE: slow elastic modes cannot be distinguished from rigid-body modes in this precision (keep fewer,
@@ -2051,8 +2051,10 @@ typedef struct fb_build_work { /* scratch; large: make it static */
 } fb_build_work;
 
 /* beam, modes: n_beam beam descriptions, and the modes to keep of each. FB_ERR_CAPACITY: n_part, n_node, an index from
-   n_beam on, more than FB_MAX_MODES coordinates or FB_MAX_NODES nodes; FB_ERR_VALUE: both zeta and body.zeta are set, no
-   node where a part is attached; else as the functions it calls. body is written only on FB_OK. */
+   n_beam on, more than FB_MAX_MODES coordinates or FB_MAX_NODES nodes; FB_ERR_VALUE: both zeta and body.zeta are set,
+   no node where a part is attached, a root that is not attached: a free or pinned one needs rigid (fb_modes_desc) and,
+   free, a weld, unless the part is the whole body; a clamped one is fixed to the frame and takes no weld; else as the
+   functions it calls. body is written only on FB_OK. */
 FB_API fb_status fb_body_build(fb_body *body, fb_build_work *work, const fb_build_desc *desc, const fb_beam_desc *beam,
                                const fb_modes_desc *modes, int n_beam);
 

@@ -10991,25 +10991,6 @@ static fb_status fbi_rows_end(fb_system_state *next, fb_system_work *w, const fb
   return status;
 }
 
-/* Sets axis i of joint k to its prescribed value at the end of a step, where next is still what the rates of the input
-   add up to. A value that has stayed exactly as it was at the start, or has moved as far the other way, is refused. */
-static FBI_NOINLINE fb_status fbi_axis_end(fb_system_state *next, fb_system_work *w, const fb_system_state *state,
-                                           const fb_system_input *input, int k, int i)
-{
-  const fb_real value = input ? input->drive[k].value[i] : FB_R(0.0), start = state->link[k].x[i];
-  const fb_real size = FB_R(1e-9) + FBI_ROUNDING * FB_FABS(start), by_rate = next->link[k].x[i] - start;
-  const fb_real moved = value - start;
-  next->link[k].x[i] = value;
-  if (FB_FABS(by_rate) > size && (moved == FB_R(0.0) || FB_FABS(moved + by_rate) < FB_R(1e-3) * FB_FABS(by_rate))) {
-    w->joint = k;
-    return FBI_REFUSE_AT(
-        FB_ERR_CONTRADICTION,
-        "joint: change of the prescribed value of this axis in the step [rad, m], by its rate equal to", k, moved,
-        by_rate, (fb_real)i);
-  }
-  return FB_OK;
-}
-
 /* Common end of every step: sums the increments (work.sum), sets prescribed coordinates, projects onto the constraints,
    updates the frames of free-flying trees, checks the range of the model. */
 static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const fb_system *system, const fb_body *body,
@@ -11019,7 +11000,7 @@ static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const
   const int flies = fbi_flies(system, w), rows = fbi_has_rows(system, w, input);
   fb_status status = FB_OK;
 
-  /* Attitude of free roots (E11.28), positions, prescribed coordinates */
+  /* Attitude of free roots (E11.28), positions */
   w->clock = dt;
   fbi_links_copy(next, state, system);
   next->motor_work += w->sum.motor_work;
@@ -11030,21 +11011,15 @@ static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const
   }
   w->owns = 0;
   for (int k = 0; k < system->n_body && status == FB_OK; k++) {
-    const fb_joint *joint = w->link[k].joint;
-    const int axes = joint->kind == FB_JOINT_FREE || joint->kind == FB_JOINT_SPHERICAL ? 0 : joint->n_axis;
-    status = fbi_link_move(&next->link[k], &w->sum.link[k], joint, w->link[k].model->n);
+    status = fbi_link_move(&next->link[k], &w->sum.link[k], w->link[k].joint, w->link[k].model->n);
     FBI_DETAIL_INDEX(status, k);
-    for (int i = 0; i < axes; i++) {
-      if (state->mode[k][i] == FB_AXIS_PRESCRIBED) {
-        status = fbi_axis_end(next, w, state, input, k, i) == FB_OK ? status : FB_ERR_CONTRADICTION;
-      }
-    }
   }
   if (status != FB_OK) {
     return status;
   }
 
-  /* Momenta */
+  /* Prescribed coordinates, momenta */
+  fbi_prescribe(next, system, w, state, input);
   if (flies && !rows) {
     fbi_links_place(w, system, body, next, state);
     fbi_frames_take(w, system, next, &w->sum, state, input);
@@ -11079,6 +11054,26 @@ static fb_status fbi_system_step_check(const fb_system *system, const fb_body *b
                                         : FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
 }
 
+/* Does a prescribed value stay as it is over a step while its rates at both ends go the same way? One input that is
+   held over the step does not tell. */
+static FBI_NOINLINE fb_status fbi_drives_check(fb_system_work *w, const fb_system *system, const fb_system_state *state,
+                                               const fb_system_input *start, const fb_system_input *end)
+{
+  for (int j = 0; j < system->n_body + system->n_loop && start && end && start != end; j++) {
+    const fb_drive *const a = &start->drive[j], *const b = &end->drive[j];
+    const int axes = fbi_is_ball(system->joint[j].kind) ? 0 : system->joint[j].n_axis;
+    for (int i = 0; i < axes; i++) {
+      if (state->mode[j][i] == FB_AXIS_PRESCRIBED && a->value[i] == b->value[i] &&
+          a->rate[i] * b->rate[i] > FB_R(0.0)) {
+        w->joint = j;
+        return FBI_REFUSE_AT(FB_ERR_CONTRADICTION, "joint: rate of a prescribed value that stays, equal to", j,
+                             b->rate[i], FB_R(0.0), (fb_real)i);
+      }
+    }
+  }
+  return FB_OK;
+}
+
 /* [E11.12] Classical Runge-Kutta on a system. Constraint impulses start at zero in each step, so that an ordinary
    differential equation is integrated; after the step positions and velocities are projected onto the constraints.
    Source: textbook, E9.15, E9.17.  Cost: 4 evaluations, with constraints 2 solutions more.
@@ -11107,6 +11102,7 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
   }
 
   /* Stages */
+  status = fbi_drives_check(work, system, state, start, end);
   fbi_system_clear(&work->sum, system, body);
   for (int stage = 0; stage < 4 && status == FB_OK; stage++) {
     const fb_system_state *at = stage == 0 ? state : &work->stage;
@@ -11406,7 +11402,8 @@ FB_DEF fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *bo
   status = fbi_system_step_check(system, body, start, dt);
   status = status == FB_OK ? fbi_system_step_check(system, body, end, dt) : status;
   if (status == FB_OK && start != end) {
-    status = fbi_system_between(&work->between, start, end, c);
+    status = fbi_drives_check(work, system, state, start, end);
+    status = status ? status : fbi_system_between(&work->between, start, end, c);
     first = &work->between;
   }
   if (status == FB_OK && !system->allow_long_step) {
@@ -11761,17 +11758,18 @@ FB_DEF fb_status fb_exact_step(const fb_exact *m, fb_exact_state *state, fb_exac
 
 /* ---- any of them */
 
-/* Bodies, systems and exact beams that a description names. */
-static int fbi_stepper_count(const fb_stepper_desc *d)
+/* Is only one of body, system and exact beam described, with nothing of the others? */
+static int fbi_stepper_is_one(const fb_stepper_desc *d)
 {
-  int count = 0;
+  int exact = 0, system = 0;
+  const int body = d->state || d->input || d->exponential;
 #if FB_WITH_SYSTEM
-  count += d->system != NULL || d->system_state != NULL;
+  system = d->system || d->system_state || d->system_work || d->system_input;
 #endif
 #if FB_WITH_EXACT
-  count += d->exact != NULL || d->exact_state != NULL;
+  exact = d->exact || d->exact_state || d->exact_work || d->exact_input;
 #endif
-  return count + (d->state != NULL || (count == 0 && d->body != NULL));
+  return body + system + exact <= 1 && !(exact && d->body);
 }
 
 /* What each of the three must have: FB_ERR_NULL, FB_ERR_UNSUPPORTED, what the check of its state returns. */
@@ -11800,7 +11798,7 @@ FB_DEF fb_status fb_stepper_init(fb_stepper *stepper, const fb_stepper_desc *des
 {
   fb_status status;
   FBI_REQUIRE(stepper && desc, FB_ERR_NULL);
-  if (!fbi_is_choice((int)desc->integrator, (int)FB_INTEGRATOR_COUNT - 1) || fbi_stepper_count(desc) > 1) {
+  if (!fbi_is_choice((int)desc->integrator, (int)FB_INTEGRATOR_COUNT - 1) || !fbi_stepper_is_one(desc)) {
     return FB_ERR_VALUE;
   }
   status = fbi_stepper_kind(desc);
@@ -14058,8 +14056,8 @@ static fb_status fbi_group_open(int *dof, int *n, int *rigid, int *found, fb_mod
   return fbi_group_solve(beam, work, dof, *n, *rigid, found);
 }
 
-/* How many of the n lowest elastic modes each group has; equal ones at the end of the list go to the first group. Lowers
-   limit to the frequency of the n-th; unchanged if there are fewer modes. */
+/* How many of the n lowest elastic modes each group has; equal ones at the end of the list go to the first group.
+   Lowers limit to the frequency of the n-th; unchanged if there are fewer modes. */
 static fb_status fbi_lowest_limit(fb_real *limit, int share[FB_KIND_COUNT], fb_modes_work *work, const fb_beam *beam,
                                   const int group[FB_KIND_COUNT], int lowest)
 {
@@ -17408,10 +17406,28 @@ static fb_status fbi_part_place(fb_beam_desc *placed, const fb_part *part, const
   return FB_OK;
 }
 
+/* Is part k attached to the frame or to other parts, and once? A clamped root is fixed to the frame, so that a weld
+   there could only lock the other part. A free or pinned one of natural modes takes part in the motion of what it hangs
+   on by its rigid-body modes. A part that is the whole body moves with the frame. */
+static int fbi_part_fits(const fb_build_desc *desc, const fb_modes_desc *modes, fb_root root, int k, int alone)
+{
+  const int moves = modes->basis != FB_BASIS_MODES || modes->rigid;
+  int welds = 0, at_root = 0;
+  for (int w = 0; w < 2 * desc->join.n_weld; w++) {
+    const fb_weld *const weld = &desc->join.weld[w / 2];
+    if (weld->component[w % 2] == k) {
+      welds++;
+      at_root += weld->node[w % 2] == 0;
+    }
+  }
+  return root == FB_ROOT_CLAMPED ? at_root == 0 : alone || (moves && (welds > 0 || root == FB_ROOT_PINNED));
+}
+
 /* The beam of each part and its modes, common ones where parts are joined; work->n: how many coordinates they make. */
 static fb_status fbi_parts_solve(fb_build_work *work, const fb_build_desc *desc, const fb_beam_desc *beam,
-                                 const fb_modes_desc *modes, int n_beam)
+                                 const fb_modes_desc *modes, int n_beam, int hub)
 {
+  const int alone = desc->n_part == 1 && !hub;
   const fb_join_desc *const join = &desc->join;
   const int joined = join->n_weld != 0 || join->lowest != 0 || !fbi_is_zero(&join->omega_limit, 1);
   fb_status status = FB_OK;
@@ -17432,6 +17448,18 @@ static fb_status fbi_parts_solve(fb_build_work *work, const fb_build_desc *desc,
     work->part = desc->n_part;
     status = fb_modes_join(work->modes, &work->scratch.join, work->beam, work->modes, join, desc->n_part);
     work->n = status == FB_OK ? work->modes[0].n : 0;
+  }
+
+  /* what attaches each part */
+  for (int k = 0; k < desc->n_part && status == FB_OK; k++) {
+    const fb_root root = work->beam[k].desc.root;
+    work->part = k;
+    if (!fbi_part_fits(desc, &modes[desc->part[k].beam], root, k, alone)) {
+      return FBI_REFUSE(
+          FB_ERR_VALUE,
+          "part: clamped root without a weld there, or another one with `rigid` and, free, a weld, not root", k,
+          (fb_real)(int)root, FB_R(0.0));
+    }
   }
   return status;
 }
@@ -17455,25 +17483,6 @@ static fb_status fbi_part_add(fb_shape *shape, const fb_part *part, int first, c
   return status;
 }
 
-/* First part that nothing attaches to the rest, -1: none. The root of a part is fixed to the frame, as the hub is, but
-   for a free one, which hangs on other parts by welds; a part that is the whole body may be free. */
-static int fbi_part_apart(const fb_build_work *work, const fb_build_desc *desc, int hub)
-{
-  int fixed = 0, apart = -1;
-  for (int k = desc->n_part - 1; k >= 0; k--) {
-    int welds = 0;
-    for (int w = 0; w < desc->join.n_weld; w++) {
-      welds += desc->join.weld[w].component[0] == k || desc->join.weld[w].component[1] == k;
-    }
-    fixed += work->beam[k].desc.root != FB_ROOT_FREE;
-    apart = work->beam[k].desc.root == FB_ROOT_FREE && welds == 0 ? k : apart;
-  }
-  if (desc->n_part == 1 && !hub) {
-    return -1;
-  }
-  return hub && desc->n_part > 0 && fixed == 0 ? 0 : apart;
-}
-
 FB_DEF fb_status fb_body_build(fb_body *body, fb_build_work *work, const fb_build_desc *desc, const fb_beam_desc *beam,
                                const fb_modes_desc *modes, int n_beam)
 {
@@ -17484,17 +17493,14 @@ FB_DEF fb_status fb_body_build(fb_body *body, fb_build_work *work, const fb_buil
 
   /* beams, and the coordinates that there are */
   hub = !fbi_is_zero(&desc->mass, 1) || !fbi_is_zero(desc->inertia, 6);
-  status = fbi_parts_solve(work, desc, beam, modes, n_beam);
+  status = fbi_parts_solve(work, desc, beam, modes, n_beam, hub);
   if (status != FB_OK) {
+    FBI_DETAIL_PART(work->part);
     return status;
   }
 
   /* hub and parts */
-  work->part = fbi_part_apart(work, desc, hub);
-  if (work->part >= 0) {
-    return FBI_REFUSE(FB_ERR_VALUE, "part: root, not FB_ROOT_FREE without a weld, of part", work->part, FB_R(0.0),
-                      FB_R(0.0));
-  }
+  work->part = -1;
   status = fb_shape_init(&work->shape, work->n);
   if (hub) {
     status = status ? status : fb_shape_add_rigid(&work->shape, desc->mass, desc->center, desc->inertia);
@@ -20314,8 +20320,8 @@ static int fbi_port_is_input(fb_port_kind kind)
   return kind <= FB_PORT_BASE_RATE || kind == FB_PORT_DRIVE;
 }
 
-/* Checks a channel; end: the kinds of the subject are below it; base: 1 if the motion of its base is prescribed; room: 1 if
-   the input has room for one more load. */
+/* Checks a channel; end: the kinds of the subject are below it; base: 1 if the motion of its base is prescribed; room:
+   1 if the input has room for one more load. */
 static fb_status fbi_port_check(const fb_port *port, int is_input, fb_port_kind end, int base, int n_node, int room)
 {
   const int moves_base = port->kind == FB_PORT_BASE_VELOCITY || port->kind == FB_PORT_BASE_RATE;

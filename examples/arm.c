@@ -151,8 +151,8 @@ static void sense(plant *p)
   p->off = (p->tip[1] - rigid[1]) * cos(sum) - (p->tip[0] - rigid[0]) * sin(sum);
 }
 
-/* Torques. The joints give way by r' = g (M - slow M) - w r: the moment's band around w and above, integrated; at rest r
-   is zero and the demand holds. */
+/* Torques. The joints give way by r' = g (M - slow M) - w r: the moment's band around w and above, integrated; at rest
+   r is zero and the demand holds. */
 static void control(plant *p, const demand *d, int damped)
 {
   const double w = 2 * pi * 0.5; /* [rad/s] well below the vibration */

@@ -93,8 +93,8 @@ typedef struct scene {
   double error, low[BODIES], high[BODIES]; /* in the last 10 s: largest error [rad], range of the tips [m] */
 } scene;
 
-/* Torque on the hub, in its axes, and where the drives are at time t: at 0.06 deg/s, as in low orbit, the same way about
-   y of the hub. */
+/* Torque on the hub, in its axes, and where the drives are at time t: at 0.06 deg/s, as in low orbit, the same way
+   about y of the hub. */
 static void set_input(fb_system_input *input, double t, const double torque[3])
 {
   const double rate = 0.06 * degree;
@@ -169,8 +169,8 @@ static void advance(scene *s, double t, const double torque[3])
   s->turned += dt * sqrt(torque[0] * torque[0] + torque[1] * torque[1] + torque[2] * torque[2]);
 }
 
-/* Torque command of the next period [N m], at 0.4 rad/s with damping ratio 0.8, at most 10 N m, along a slew about x whose
-   rate is a versine. error: the small rotation [rad] from where the hub should be to where it is, body axes:
+/* Torque command of the next period [N m], at 0.4 rad/s with damping ratio 0.8, at most 10 N m, along a slew about x
+   whose rate is a versine. error: the small rotation [rad] from where the hub should be to where it is, body axes:
    2 vec(conj(q_ref) o q). */
 static void command(scene *s, double torque[3], double error[3], const options *o, double t,
                     const fb_node_motion *sensors)

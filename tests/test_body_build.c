@@ -210,7 +210,8 @@ TEST(joined_parts_are_the_uncut_beam)
   FBT_NEAR_REL(body.mass, whole.mass, FBT_TOL(1e-14, 1e-6));
 }
 
-/* Without a weld, what is joined are the modes of all parts, sorted by frequency: of two equal booms the lowest pairs. */
+/* Without a weld, what is joined are the modes of all parts, sorted by frequency: of two equal booms the lowest pairs.
+   */
 TEST(parts_may_share_a_count_of_modes)
 {
   two_booms();

@@ -232,6 +232,8 @@ TEST(steppers_refuse_what_they_cannot_step)
   way.system = &pendulum;
   FBT_INT_EQ(fb_stepper_init(&stepper, &way), FB_ERR_VALUE);
   way.state = NULL;
+  FBT_INT_EQ(fb_stepper_init(&stepper, &way), FB_ERR_VALUE); /* something of a body is left */
+  way.exponential = NULL;
   FBT_INT_EQ(fb_stepper_init(&stepper, &way), FB_ERR_NULL);
   way.system_state = &system_state;
   FBT_INT_EQ(fb_stepper_init(&stepper, &way), FB_ERR_NULL);
@@ -247,6 +249,8 @@ TEST(steppers_refuse_what_they_cannot_step)
   FBT_INT_EQ(fb_stepper_init(&stepper, &way), FB_ERR_VALUE);
   way.system = NULL;
   way.system_state = NULL;
+  FBT_INT_EQ(fb_stepper_init(&stepper, &way), FB_ERR_VALUE);
+  way.system_work = NULL;
   FBT_INT_EQ(fb_stepper_init(&stepper, &way), FB_ERR_NULL);
   way.exact_state = &exact_state;
   way.exact_work = &exact_work;

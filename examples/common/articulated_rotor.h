@@ -1,5 +1,5 @@
-/* articulated_rotor.h - four flexible blades on hinges for flap and lag and pitch bearings, on a shaft that is driven. At
-   the offset each blade hangs on a universal joint, its cross without mass, and on that by its bearing. Include
+/* articulated_rotor.h - four flexible blades on hinges for flap and lag and pitch bearings, on a shaft that is driven.
+   At the offset each blade hangs on a universal joint, its cross without mass, and on that by its bearing. Include
    flexbeam.h and check.h before, with nine bodies. */
 #ifndef ARTICULATED_ROTOR_H
 #define ARTICULATED_ROTOR_H

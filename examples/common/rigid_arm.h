@@ -1,5 +1,5 @@
-/* rigid_arm.h - the textbook's arm of two links in a vertical plane, by closed forms: the torques that move it when it is
-   rigid, its tip, and where the tip of bending links hangs. */
+/* rigid_arm.h - the textbook's arm of two links in a vertical plane, by closed forms: the torques that move it when it
+   is rigid, its tip, and where the tip of bending links hangs. */
 #ifndef RIGID_ARM_H
 #define RIGID_ARM_H
 #include <math.h>

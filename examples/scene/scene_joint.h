@@ -3,8 +3,8 @@
 #define SCENE_JOINT_H
 #include "scene_body.h"
 
-/* Kinds of joints by fb_joint_kind: their words; their axes, of a free one its speeds; the first and the number of those
-   whose unit is m; whether the child moves along the joint. */
+/* Kinds of joints by fb_joint_kind: their words; their axes, of a free one its speeds; the first and the number of
+   those whose unit is m; whether the child moves along the joint. */
 static const char *const scene_joint_words[] = {"free",  "rigid",     "revolute",  "prismatic", "cylindrical",
                                                 "screw", "universal", "spherical", NULL};
 static const struct {
