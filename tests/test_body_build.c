@@ -330,8 +330,9 @@ TEST(parts_that_do_not_meet_are_refused)
 }
 
 /* A free root that no weld attaches does not belong to the hub, whose motion would not bend it: refused, with the part;
-   a beam that is the whole body may be free, with what it carries. */
-TEST(free_roots_without_a_weld_are_refused)
+   a beam that is the whole body may be free, with what it carries. A pinned root beside a hub turns on its pin by its
+   rigid-body modes alone: without them it would be locked in the mean. */
+TEST(roots_that_nothing_attaches_are_refused)
 {
   two_booms();
   boom.root = FB_ROOT_FREE;
@@ -340,17 +341,42 @@ TEST(free_roots_without_a_weld_are_refused)
   desc.body.effects = FB_EFFECTS_FULL;
   FBT_INT_EQ(fb_body_build(&body, &work, &desc, &boom, &keep, 1), FB_ERR_VALUE);
   FBT_INT_EQ(work.part, 0);
+  keep.rigid = 1;
+  FBT_INT_EQ(fb_body_build(&body, &work, &desc, &boom, &keep, 1), FB_ERR_VALUE);
   desc.n_part = 1;
   FBT_INT_EQ(fb_body_build(&body, &work, &desc, &boom, &keep, 1), FB_ERR_VALUE);
-  desc.n_part = 2;
+  keep.rigid = 0;
+  boom.root = FB_ROOT_PINNED;
+  FBT_INT_EQ(fb_body_build(&body, &work, &desc, &boom, &keep, 1), FB_ERR_VALUE);
+  keep.rigid = 1;
+  FBT_INT_EQ(fb_body_build(&body, &work, &desc, &boom, &keep, 1), FB_OK);
+  keep.rigid = 0;
   desc.mass = FB_R(0.0);
   memset(desc.inertia, 0, sizeof desc.inertia);
-  FBT_INT_EQ(fb_body_build(&body, &work, &desc, &boom, &keep, 1), FB_ERR_VALUE);
-  desc.n_part = 1;
-  FBT_INT_EQ(fb_body_build(&body, &work, &desc, &boom, &keep, 1), FB_OK);
+  for (int n = 2; n > 0; n--) { /* two that nothing holds together; one that is the body */
+    desc.n_part = n;
+    boom.root = FB_ROOT_FREE;
+    FBT_INT_EQ(fb_body_build(&body, &work, &desc, &boom, &keep, 1), n > 1 ? FB_ERR_VALUE : FB_OK);
+  }
 }
 
-SUITE(body_build, RUN(free_roots_without_a_weld_are_refused), RUN(one_description_is_the_chain),
-      RUN(a_component_is_the_chain), RUN(joined_parts_are_the_chain), RUN(joined_parts_are_the_uncut_beam),
-      RUN(parts_may_share_a_count_of_modes), RUN(parts_carry_the_place_of_their_beam), RUN(parts_may_be_missing),
-      RUN(the_part_at_fault_is_told), RUN(parts_that_do_not_meet_are_refused))
+/* What is welded must be able to move with its partner: a part that is clamped to the frame, too, or has natural modes
+   without its rigid-body motion, would lock the weld; a free one with them does not. */
+TEST(welds_that_a_root_would_lock_are_refused)
+{
+  for (int what = 0; what < 3; what++) {
+    mast_and_arm(0.0);
+    component[1].basis = FB_BASIS_MODES;
+    component[1].n_boundary = 0;
+    component[1].rigid = what > 1;
+    tube[1].root = what == 0 ? FB_ROOT_CLAMPED : FB_ROOT_FREE;
+    FBT_INT_EQ(fb_body_build(&body, &work, &desc, tube, component, 2), what > 1 ? FB_OK : FB_ERR_VALUE);
+    FBT_INT_EQ(work.part, what > 1 ? 2 : 1);
+  }
+}
+
+SUITE(body_build, RUN(roots_that_nothing_attaches_are_refused), RUN(welds_that_a_root_would_lock_are_refused),
+      RUN(one_description_is_the_chain), RUN(a_component_is_the_chain), RUN(joined_parts_are_the_chain),
+      RUN(joined_parts_are_the_uncut_beam), RUN(parts_may_share_a_count_of_modes),
+      RUN(parts_carry_the_place_of_their_beam), RUN(parts_may_be_missing), RUN(the_part_at_fault_is_told),
+      RUN(parts_that_do_not_meet_are_refused))
