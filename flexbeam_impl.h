@@ -3665,7 +3665,7 @@ FB_DEF void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *
    universal joint (fbi_joint_turn, fbi_momentum_rate, fbi_bias_acceleration) takes them as axes 0 and 1. */
 #define FBI_SQUARE(i, j) (3 + 3 * (i) + (j))
 typedef struct fbi_joint_traits {
-  signed char n_axis, angle, slide, tilt, pitched, holds[7];
+  int n_axis, angle, slide, tilt, pitched, holds[7];
 } fbi_joint_traits;
 
 static const fbi_joint_traits fbi_joint_table[] = {
@@ -5002,7 +5002,7 @@ static fb_status fbi_joint_rows(fb_system_work *w, const fb_system *system, cons
   }
 
   /* translations and right angles */
-  for (const signed char *hold = fbi_traits(joint)->holds; *hold >= 0 && room; hold++) {
+  for (const int *hold = fbi_traits(joint)->holds; *hold >= 0 && room; hold++) {
     const fb_real *a = f.a[*hold < 3 ? *hold : (*hold - 3) / 3];
     fbi_row *row;
     if (*hold < 3) {
@@ -13248,7 +13248,8 @@ static void fbi_row_runs(fbi_run run[3], const fbi_rows *rows, int i)
     from = node > 0 ? node - 1 : 0;
     to = node < n ? node + 1 : n;
   } else {
-    from = i < second ? (i - start) / rows->internal[0] : (i - second) / rows->internal[1];
+    const int per = i < second ? rows->internal[0] : rows->internal[1];
+    from = per > 0 ? (i - (i < second ? start : second)) / per : 0;
     to = from + 1;
   }
   memset(run, 0, 3 * sizeof *run);
@@ -14943,7 +14944,7 @@ static void fbi_effective_fill(fb_modes_work *work, const fb_beam *beam)
     return;
   }
   for (int i = 0; i < 6; i++) {
-    fb_real momentum[FB_MAX_MODES], x[FB_MAX_MODES];
+    fb_real momentum[FB_MAX_MODES] = {FB_R(0.0)}, x[FB_MAX_MODES] = {FB_R(0.0)};
     for (int a = 0; a < n; a++) {
       momentum[a] = out->momentum[6 * a + i];
     }
@@ -16763,8 +16764,10 @@ static fb_status fbi_damping_fill(fb_body *body, fb_body_work *work, const fb_sh
         work->A[i] += shape->M[i * n + j] * work->X[k * n + j];
       }
     }
-    for (int i = 0; i < n * n; i++) {
-      C[i] += factor * work->A[i / n] * work->A[i % n];
+    for (int a = 0; a < n; a++) {
+      for (int b = 0; b < n; b++) {
+        C[a * n + b] += factor * work->A[a] * work->A[b];
+      }
     }
   }
   fbi_sparse_fill(&body->C, C, n);
@@ -21075,17 +21078,15 @@ static fbi_complex fbi_sdirk_amplify(fbi_complex z)
 typedef struct fbi_integrator_traits {
   fbi_complex (*amplify)(fbi_complex z);
   fb_real (*limit)(const fb_body *body, fb_real spin, fb_real acceleration);
-  int order;
-  fb_real leading;
-  int bounded, evaluations, implicit;
-  fb_real own;
+  fb_real leading, own;
+  int order, bounded, evaluations, implicit;
 } fbi_integrator_traits;
 
 static const fbi_integrator_traits fbi_integrator_table[] = {
-    {fbi_rk4_amplify, fb_rk4_limit, 4, FB_R(8.3333333333333333e-3), 1, 4, 0, FB_R(0.0)},           /* RK4 */
-    {fbi_midpoint_amplify, fb_implicit_limit, 2, FB_R(8.3333333333333333e-2), 0, 3, 1, FB_R(0.0)}, /* MIDPOINT */
-    {fbi_sdirk_amplify, fb_implicit_limit, 2, FB_R(4.0440114519881e-2), 0, 5, 1, FB_R(0.0)},       /* SDIRK */
-    {NULL, fb_exponential_limit, 4, FB_R(0.0), 0, 4, 0, FB_R(1500.0)},                             /* EXPONENTIAL */
+    {fbi_rk4_amplify, fb_rk4_limit, FB_R(8.3333333333333333e-3), FB_R(0.0), 4, 1, 4, 0},           /* RK4 */
+    {fbi_midpoint_amplify, fb_implicit_limit, FB_R(8.3333333333333333e-2), FB_R(0.0), 2, 0, 3, 1}, /* MIDPOINT */
+    {fbi_sdirk_amplify, fb_implicit_limit, FB_R(4.0440114519881e-2), FB_R(0.0), 2, 0, 5, 1},       /* SDIRK */
+    {NULL, fb_exponential_limit, FB_R(0.0), FB_R(1500.0), 4, 0, 4, 0},                             /* EXPONENTIAL */
 };
 typedef char fbi_integrator_table_is_whole
     [sizeof fbi_integrator_table / sizeof fbi_integrator_table[0] == FB_INTEGRATOR_COUNT ? 1 : -1];

@@ -117,7 +117,7 @@ static fb_status dense_factor(int way)
   for (int k = 0; k < beam.n; k++) {
     const int a = 12 * k, e = a + 6, b = a + 12;
     fbi_exact_cell_eval(&work.cell, &work, &beam, k);
-    fbi_exact_cell_jacobian(j, &work.cell, &work, &beam, k);
+    fbi_exact_cell_jacobian(j, &work, &beam, k);
     put(n, e, a, j->D1, -1);
     put(n, e, b, j->D2, -1);
     put(n, e, e, j->E, 1);

@@ -345,7 +345,7 @@ TEST(components_keep_their_rigid_motions)
   static const int rigid[3] = {0, 2, 6};
   static const fb_kind kind[6] = {FB_KIND_AXIAL,   FB_KIND_BEND_Y, FB_KIND_BEND_Z,
                                   FB_KIND_TORSION, FB_KIND_BEND_Z, FB_KIND_BEND_Y};
-  static const double none[3];
+  static const double none[3] = {0};
   for (int root = 0; root < 3; root++) {
     fb_modes_desc *keep;
     uniform_desc(4, (fb_root)root);

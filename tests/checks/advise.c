@@ -12,7 +12,7 @@ int main(void)
   static fb_shape shape, selected;
   static fb_body body;
   static fb_body_work body_work;
-  static fb_exponential scheme;
+  static fb_exponential integrator;
   static WORK work;
   static fb_input start, middle, end;
   const fb_section section = {.mass = FB_R(1.2), .EI_y = 14004, .EI_z = 14004};

@@ -188,7 +188,7 @@ static void assemble(void)
   for (int k = 0; k < beam.n; k++) {
     const int s = 6 * k, a = nodes + 6 * k, b = a + 6;
     fbi_exact_cell_eval(&work.cell, &work, &beam, k);
-    fbi_exact_cell_jacobian(&work.jacobian, &work.cell, &work, &beam, k);
+    fbi_exact_cell_jacobian(&work.jacobian, &work, &beam, k);
     put(s, s, j->E, 1);
     put(s, a, j->D1, -1);
     put(s, b, j->D2, -1);
