@@ -2,6 +2,8 @@
    what does. Include flexbeam.h and check.h before. */
 #ifndef BALANCE_H
 #define BALANCE_H
+#include <math.h>
+#include <string.h>
 
 typedef struct balance {
   double energy, momentum[3];           /* [J], [N m s] about the origin, at the beginning */
