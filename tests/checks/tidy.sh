@@ -27,7 +27,7 @@ for single in 0 1; do
 done
 analyze="gcc -std=c99 -I. -O0 -fanalyzer -fanalyzer-call-summaries --param analyzer-max-svalue-depth=4 -Werror"
 analyze="$analyze -Wno-analyzer-use-of-uninitialized-value -c -o $out/analyzed.o"
-for file in tests/test_*.c; do
+for file in $(ls tests/test_*.c | grep -v test_status_detail.c); do # that one has a copy of the library, which is next
   try $analyze -DFB_WITH_FORMS=1 -DFLEXBEAM_IMPL_INCLUDED $file
 done
 try $analyze -DFB_WITH_FORMS=1 "$out/impl.c"
