@@ -8922,8 +8922,8 @@ FB_DEF fb_status fb_exact_state_init(const fb_exact *m, fb_exact_state *state, f
 {
   const fbi_exact_motion still = {0, 0, 0, 0, 0, 0};
   FBI_REQUIRE(m && state && work, FB_ERR_NULL);
-  FBI_REQUIRE(fbi_exact_is_sized(m), FB_ERR_CAPACITY);
   FBI_REQUIRE_EXACT();
+  FBI_REQUIRE(fbi_exact_is_sized(m), FB_ERR_CAPACITY);
   if (input && (!fbi_is_finite(input->v, 3) || !fbi_is_finite(input->w, 3))) {
     return FB_ERR_NOT_FINITE;
   }

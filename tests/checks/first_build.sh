@@ -38,5 +38,5 @@ says "only available with '-std=c++20'" g++ -x c++ -std=c++11 -Wpedantic -Werror
 try $cc -std=c99 -DFB_MAX_MODES=5 $program -lm
 says "more than the compile-time capacity" "$out/program"
 try $cc -std=c99 "$out/on_stack.c" -lm
-says "Segmentation fault" sh -c "ulimit -s 8192; '$out/program'; exit \$?"
+says "Segmentation fault" sh -c "ulimit -s 2048; '$out/program'; exit \$?"
 ok "$cases mistakes give the messages that README.md explains"
