@@ -89,6 +89,7 @@
                 >>vec3       3-vectors, 3x3 and symmetric 6x6 matrices
                 >>rotation   unit quaternions, exponential and logarithm
                 >>solve      LU and Cholesky factors
+                >>line       geometrically exact lines: the beams of a body that bend far
                 >>body       one body: effects, state, loads, motion, nodes, sensors, energy
                 >>system     bodies on joints: trees, loops, constraints
                 >>exact      the geometrically exact beam
@@ -126,7 +127,9 @@
      FB_WITH_DAMPING                  1        0, 1    "
      FB_WITH_GRAVITY                  1        0, 1    "
      FB_WITH_NONLINEAR_STRAIN         1        0, 1    "
+     FB_WITH_LARGE_DEFLECTION         1        0, 1    "
      FB_MAX_STRAINS                   24       1..999  strain stations of a body (nonlinear strain only)
+     FB_MAX_POINTS                    32       2..998  points of a body's lines (large deflection only), even
      FB_MAX_LAMBDA, FB_MAX_S,         0       0..     terms of Lambda(q) and S(q) that a body holds, runs of the latter;
      FB_MAX_RUNS                                      0: as many as there can be. For models in ROM: build/flexbeam
                                                       reduce (make tool) tells what one takes
@@ -190,11 +193,11 @@
      m, c, J        shape.mass, .c, .J       1, 3, 3x3  kg, kg m, kg m^2   moments of mass about O
      p_a, h_a       shape.P, .H              3 x n      kg, kg m      momenta of the modes (columns)
      M_ab, K_ab     shape.M, .K              n x n      kg, N/m       elastic mass and stiffness
-     upsilon_ab     shape.ups                n x n x 3  kg            -int psi_a x psi_b dm
-     Gamma_a        shape.Gam                n x 3 x 3  kg m          -int psi_a^ r^ dm
-     Pi_ab          shape.Pi                 n x n x 9  kg            -int psi_a^ psi_b^ dm
+     upsilon_ab     shape.second.ups                n x n x 3  kg            -int psi_a x psi_b dm
+     Gamma_a        shape.second.Gam                n x 3 x 3  kg m          -int psi_a^ r^ dm
+     Pi_ab          shape.second.Pi                 n x n x 9  kg            -int psi_a^ psi_b^ dm
      chi_ab         (at a point)             n x n x 3  1/m           quadratic displacement u = psi q + 1/2 chi q q
-     p^chi, h^chi, Gamma^chi   shape.pchi, .hchi, .Gamchi              their integrals
+     p^chi, h^chi, Gamma^chi   shape.second.pchi, .hchi, .Gamchi              their integrals
      rho, q         state.rho, .quat         3, 4       m, -          pose of the body frame
      q_a            state.q                  n          m             elastic coordinates
      pi_e           state.pi                 n          kg m/s        elastic momenta
@@ -347,6 +350,12 @@
 #ifndef FB_WITH_NONLINEAR_STRAIN
 #define FB_WITH_NONLINEAR_STRAIN 1
 #endif
+#ifndef FB_WITH_LARGE_DEFLECTION
+#define FB_WITH_LARGE_DEFLECTION 1
+#endif
+#ifndef FB_MAX_POINTS
+#define FB_MAX_POINTS 32
+#endif
 #ifndef FB_MAX_STRAINS
 #define FB_MAX_STRAINS 24
 #endif
@@ -401,9 +410,9 @@
 #if FB_MAX_EXACT < 1 || FB_MAX_EXACT > 999
 #error "flexbeam: FB_MAX_EXACT is 1..999"
 #endif
-#if (FB_WITH_SPIN_COUPLING | FB_WITH_RESIDUAL_INERTIA | FB_WITH_SPIN_STIFFENING | FB_WITH_ACCELERATION_STIFFENING |  \
-     FB_WITH_DAMPING | FB_WITH_GRAVITY | FB_WITH_NONLINEAR_STRAIN | FB_WITH_FORMS | FB_WITH_SYSTEM | FB_WITH_EXACT | \
-     FB_WITH_BUILD | FB_WITH_ANALYSE) > 1
+#if (FB_WITH_SPIN_COUPLING | FB_WITH_RESIDUAL_INERTIA | FB_WITH_SPIN_STIFFENING | FB_WITH_ACCELERATION_STIFFENING | \
+     FB_WITH_DAMPING | FB_WITH_GRAVITY | FB_WITH_NONLINEAR_STRAIN | FB_WITH_LARGE_DEFLECTION | FB_WITH_FORMS |      \
+     FB_WITH_SYSTEM | FB_WITH_EXACT | FB_WITH_BUILD | FB_WITH_ANALYSE) > 1
 #error "flexbeam: FB_WITH_... are 0 or 1"
 #endif
 #if FB_WITH_DETAIL != 0 && FB_WITH_DETAIL != 1
@@ -411,6 +420,9 @@
 #endif
 #if FB_WITH_ANALYSE && !FB_WITH_BUILD
 #error "flexbeam: FB_WITH_ANALYSE needs FB_WITH_BUILD"
+#endif
+#if FB_MAX_POINTS < 2 || FB_MAX_POINTS > 998 || FB_MAX_POINTS % 2
+#error "flexbeam: FB_MAX_POINTS is 2..998, even"
 #endif
 #if FB_MAX_STRAINS < 1 || FB_MAX_STRAINS > 999
 #error "flexbeam: FB_MAX_STRAINS is 1..999"
@@ -468,16 +480,16 @@ typedef double fb_real;
 #else
 #define FBI_PRECISION double
 #endif
-#define FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D) \
-  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_lambda##v##_s##w##_runs##y##_bodies##i##_loops##j##_rows##k##_speeds##r##_exact##x##_with##a##b##c##d##f##g##h##_forms##o##_rooms##A##B##C##D
-#define FBI_CAT_(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D) \
-  FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D)
+#define FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F) \
+  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_lambda##v##_s##w##_runs##y##_bodies##i##_loops##j##_rows##k##_speeds##r##_exact##x##_points##F##_with##a##b##c##d##f##g##h##E##_forms##o##_rooms##A##B##C##D
+#define FBI_CAT_(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F) \
+  FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F)
 #define FBI_CONFIG_SYMBOL                                                                                              \
   FBI_CAT_(FBI_PRECISION, FB_MAX_MODES, FB_MAX_NODES, FB_MAX_LOADS, FB_MAX_ELEMENTS, FB_MAX_STATIONS, FB_MAX_LUMPS,    \
            FB_MAX_STRAINS, FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_RUNS, FB_MAX_BODIES, FB_MAX_LOOPS, FB_MAX_ROWS,             \
            FB_MAX_SPEEDS, FB_MAX_EXACT, FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA, FB_WITH_SPIN_STIFFENING,      \
            FB_WITH_ACCELERATION_STIFFENING, FB_WITH_DAMPING, FB_WITH_GRAVITY, FB_WITH_NONLINEAR_STRAIN, FB_WITH_FORMS, \
-           FB_WITH_SYSTEM, FB_WITH_EXACT, FB_WITH_BUILD, FB_WITH_ANALYSE)
+           FB_WITH_SYSTEM, FB_WITH_EXACT, FB_WITH_BUILD, FB_WITH_ANALYSE, FB_WITH_LARGE_DEFLECTION, FB_MAX_POINTS)
 #define FBI_STRING(x) #x
 #define FBI_STRING_(x) FBI_STRING(x)
 
@@ -608,6 +620,89 @@ FB_API void fb_lu_solve(fb_real *x, const fb_real *LU, const int *perm, const fb
 FB_API fb_status fb_chol_factor(fb_real *A, int n);
 FB_API void fb_chol_solve(fb_real *x, const fb_real *L, const fb_real *b, int n); /* x = A^-1 b; x may be b */
 
+#if FB_WITH_LARGE_DEFLECTION
+/* ---------------------------------------------------------------------------------------------------------------
+   RUN >>line: geometrically exact lines, the beams of a body whose modes are read as modes of curvature
+   (FB_EFFECT_LARGE_DEFLECTION). Along the reference line, H the rotation of a section, e and H e its tangent undeformed
+   and deformed, theta_a the rotation and Gamma_a the stretch and shear of mode a:
+
+     H' = H (sum theta_a' q_a)^      r = r_root + int H (e + sum Gamma_a q_a) dx
+
+   Nothing is truncated: kinetic energy follows from these fields at points along the line, strain energy is
+   1/2 q^T K q, quadratic in the curvatures. Points are those of Gauss-Lobatto quadrature on each smooth stretch; from
+   point to point H turns by the rotation vector A q - 1/6 A q x B q, A and B from the rotations of the modes there and
+   their mean between the points. */
+
+#define FB_MAX_LINES 8
+#define FBI_MAX_LINE_ROWS (6 * FB_MAX_MODES * FB_MAX_LINES)
+#define FBI_MAX_LINE_TABLE \
+  (9 * FB_MAX_MODES * FB_MAX_POINTS + FB_MAX_POINTS * FB_MAX_POINTS + 3 * FB_MAX_MODES * FB_MAX_LINES)
+
+typedef struct fb_line_row { /* what coordinate a of a line adds about or along an axis at all of its points */
+  unsigned short axis, a;
+  int at; /* turns: A, then B; stretches: Gamma; from table[at] on */
+} fb_line_row;
+
+typedef struct fb_line {
+  unsigned short first, n; /* coordinates that deform it */
+  unsigned short point, count,
+      stride; /* first point, number of points, that rounded up to even: rows have this length */
+  unsigned short row, n_turn, n_stretch; /* rows: turns by coordinate, then stretches by coordinate */
+  int weight; /* table: what each point's tangent adds to the position of every point, count x stride */
+  int shift;  /* table, n x 3: displacement of a root that moves with the modes; moves = 0: none */
+  unsigned short moves;
+  unsigned short hangs;      /* 1 + the point of an earlier line that the root moves with; 0: the body frame */
+  unsigned short carries;    /* 1: others hang on it */
+  unsigned short solid;      /* 1: points have offset mass centers or rotary inertia */
+  unsigned short turned;     /* 1: the line's axes are not the body's */
+  fb_real axes[9];           /* line axes to body axes */
+  fb_real root[3], frame[9]; /* [m] root, beam axes to body axes: by which init finds a beam's line */
+} fb_line;
+
+typedef struct fb_lines {
+  int n_line, n_point, n_row, n_table; /* used; n_point is even */
+  fb_line line[FB_MAX_LINES];
+  fb_real mass[FB_MAX_POINTS];                                /* [kg] */
+  fb_real center[3 * FB_MAX_POINTS];                          /* [m] mass center from the line, line axes */
+  fb_real inertia[6 * FB_MAX_POINTS];                         /* [kg m^2] about it, packed: xx, xy, xz, yy, yz, zz */
+  fb_real start[3][FB_MAX_POINTS], tangent[3][FB_MAX_POINTS]; /* r = start + sum of weight t; e; line axes */
+  fb_line_row row[FBI_MAX_LINE_ROWS];
+  fb_real table[FBI_MAX_LINE_TABLE];
+} fb_lines;
+
+typedef struct fb_line_node {              /* a node on a line, line axes */
+  unsigned short line;                     /* 1 + its number; 0: none, the node is described by its shapes */
+  unsigned short after;                    /* 1 + the point before it; 0: the root */
+  fb_real start[3], weight[FB_MAX_POINTS]; /* r = start + sum of weight t */
+  fb_real turn[3 * FB_MAX_MODES], bow[3 * FB_MAX_MODES]; /* A, B of the interval from that point, n x 3 */
+} fb_line_node;
+
+typedef struct fbi_line_work { /* what an evaluation knows about the lines, line axes, by coordinate axis and point */
+  fb_real turn[3][FB_MAX_POINTS], bow[3][FB_MAX_POINTS]; /* A q, B q of the interval before a point */
+  fb_real stretch[3][FB_MAX_POINTS];                     /* sum Gamma_a q_a */
+  fb_real phi[3][FB_MAX_POINTS];                         /* rotation vector of the interval */
+  fb_real x[FB_MAX_POINTS];                              /* |phi|^2 */
+  fb_real a[FB_MAX_POINTS], b[FB_MAX_POINTS];            /* (1 - cos)/|phi|^2, (|phi| - sin)/|phi|^3 */
+  fb_real a1[FB_MAX_POINTS], b1[FB_MAX_POINTS];          /* their derivatives by |phi|^2 */
+  fb_real H[9][FB_MAX_POINTS], N[9][FB_MAX_POINTS];      /* rotation; rate of it per rate of phi */
+  fb_real t[3][FB_MAX_POINTS], r[3][FB_MAX_POINTS];      /* tangent, position from O */
+  fb_real turn_dot[3][FB_MAX_POINTS], bow_dot[3][FB_MAX_POINTS], phi_dot[3][FB_MAX_POINTS]; /* rates */
+  fb_real glide[3][FB_MAX_POINTS];                                                          /* H Gamma q_dot */
+  fb_real w[3][FB_MAX_POINTS], v[3][FB_MAX_POINTS];         /* velocities relative to the frame */
+  fb_real w_dot[3][FB_MAX_POINTS], v_dot[3][FB_MAX_POINTS]; /* accelerations by velocities, E14.9 */
+  fb_real hung[9][FB_MAX_POINTS]; /* what lines that hang on a point add to its force and moments */
+  fb_real by_A[3][FB_MAX_POINTS], by_B[3][FB_MAX_POINTS];                             /* moments on the turns */
+  fb_real gradient[FB_MAX_MODES];                                                     /* dT/dq */
+  fb_real push[3];                                                                    /* [N] E14.15 */
+  fb_real Jw[3 * FB_MAX_MODES * FB_MAX_POINTS], Jv[3 * FB_MAX_MODES * FB_MAX_POINTS]; /* per rate of a coordinate */
+  fb_real L[FB_MAX_MODES * FB_MAX_MODES];                                             /* Cholesky factor of M(q) */
+  fb_real X[6 * FB_MAX_MODES];                                                        /* Lambda(q), 6 x n, body axes */
+  fb_real Z[6 * FB_MAX_MODES];                                                        /* Lambda L^-T */
+  fb_real M_rr[21];                                                                   /* M_rr(q) */
+  fb_real e[FB_MAX_MODES];                                                            /* L^-1 pi */
+} fbi_line_work;
+#endif
+
 /* ---------------------------------------------------------------------------------------------------------------
    RUN >>body: one body in a floating frame */
 
@@ -620,13 +715,15 @@ typedef enum fb_effect {
   FB_EFFECT_ACCELERATION_STIFFENING = 16, /* the same by acceleration of O, angular acceleration, gravity */
   FB_EFFECT_DAMPING = 32,                 /* modal damping */
   FB_EFFECT_GRAVITY = 64,                 /* uniform gravity */
-  FB_EFFECT_NONLINEAR_STRAIN = 128 /* axial strain u_x' + 1/2 (u_y'^2 + u_z'^2): stiffening by axial coordinates */
+  FB_EFFECT_NONLINEAR_STRAIN = 128, /* axial strain u_x' + 1/2 (u_y'^2 + u_z'^2): stiffening by axial coordinates */
+  FB_EFFECT_LARGE_DEFLECTION = 256  /* beams bend and twist by any angle: their modes are modes of curvature (>>line) */
 } fb_effect;
 #define FB_EFFECTS_RIGID 0u
 #define FB_EFFECTS_LINEAR 1u   /* level 1 of the accuracy ladder */
 #define FB_EFFECTS_SPIN 3u     /* level 2 */
 #define FB_EFFECTS_FULL 31u    /* level 3: every inertial effect; add damping and gravity as called for */
-#define FB_EFFECTS_STRAIN 135u /* level 4: stiffening by axial coordinates instead of the quadratic field */
+#define FB_EFFECTS_LARGE 287u  /* level 4: geometrically exact beams, any deflection */
+#define FB_EFFECTS_STRAIN 135u /* stiffening by axial coordinates instead of the quadratic field, beside level 3 */
 
 /* FB_ERR_EFFECTS when the set is half of something: residual inertia without spin coupling or without spin stiffening
    (or nonlinear strain) keeps the centrifugal softening and drops what outweighs it (a slender beam then diverges
@@ -647,6 +744,9 @@ typedef struct fb_node {
 #if FBI_WITH_QUADRATIC
   fb_real chi[3 * FBI_MAX_PAIRS];       /* pairs a >= b at a (a+1)/2 + b: quadratic displacement */
   fb_real chi_theta[3 * FBI_MAX_PAIRS]; /* quadratic rotation */
+#endif
+#if FB_WITH_LARGE_DEFLECTION
+  fb_line_node line; /* with that effect, in place of the shapes */
 #endif
 } fb_node;
 
@@ -787,8 +887,13 @@ typedef struct fb_body {
   fb_real strain_weight[FBI_MAX_STRAINS];
   fb_strain_row strain_row[3 * FB_MAX_MODES];
 #endif
-  fb_real S0[21], S0_inverse[36];
-  fb_sparse M, Minv, K; /* elastic mass (it and its inverse are used when not 1) and stiffness */
+#if FB_WITH_LARGE_DEFLECTION
+  fb_lines lines;
+  fb_sparse M_rest;  /* elastic mass and.. */
+  fb_real c_rest[3]; /* ..first moment of mass without those of the lines */
+#endif
+  fb_real S0[21], S0_inverse[36]; /* with lines M_rr of the rest of the body; S of all of it, inverted */
+  fb_sparse M, Minv, K;           /* elastic mass (it and its inverse are used when not 1) and stiffness */
 #if FB_WITH_DAMPING
   fb_sparse C;
 #endif
@@ -925,6 +1030,9 @@ typedef struct fbi_kinetics {   /* what an evaluation knows about a state */
 #if FB_WITH_NONLINEAR_STRAIN
   fb_real slope[3][FBI_MAX_STRAINS]; /* u_x', u_y', u_z' at the strain stations */
 #endif
+#if FB_WITH_LARGE_DEFLECTION
+  fbi_line_work *line;
+#endif
 } fbi_kinetics;
 
 typedef struct fbi_node_field {   /* a node on the deformed body, body axes */
@@ -932,6 +1040,9 @@ typedef struct fbi_node_field {   /* a node on the deformed body, body axes */
   fb_real Ju[3 * FB_MAX_MODES];   /* n x 3: velocity per q_dot */
   fb_real Jphi[3 * FB_MAX_MODES]; /* n x 3: angular rate per q_dot */
   fb_real turn[3 * FB_MAX_MODES]; /* n x 3: rate of phi per q_dot */
+#if FB_WITH_LARGE_DEFLECTION
+  fb_real quat[4]; /* of a node on a line, in place of phi and its rates */
+#endif
 } fbi_node_field;
 
 /* ---- functions; body is the caller's array of models, the same in every call. Bodies of a system are of the momentum
@@ -1418,6 +1529,9 @@ FB_API fb_status fb_exact_momentum_eval(const fb_exact *exact, fb_momentum *mome
    failure state is as before the call. WHAT A STEP OF ONE BODY RUNS in flexbeam_impl.h lists the functions. */
 typedef struct fb_rk4_work {
   fb_state start, stage, rate, sum;
+#if FB_WITH_LARGE_DEFLECTION
+  fbi_line_work line;
+#endif
 } fb_rk4_work;
 FB_API fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *work, const fb_input *start,
                              const fb_input *middle, const fb_input *end, fb_real dt);
@@ -1440,6 +1554,9 @@ typedef struct fb_implicit_work {
   fb_real K[FB_MAX_MODES * FB_MAX_MODES]; /* tangent stiffness */
   fb_real V[6];                           /* velocities of the gyroscopic terms */
   fb_real X[6 * FB_MAX_MODES], Y[6 * FB_MAX_MODES], Z[6 * FB_MAX_MODES], A[36]; /* recoil of the base */
+#if FB_WITH_LARGE_DEFLECTION
+  fbi_line_work line;
+#endif
 } fb_implicit_work;
 
 /* Largest step [s] of the implicit integrators at a spin |w| [rad/s] and an acceleration of O [m/s^2]: |w| dt <= 1/10,
@@ -1476,6 +1593,9 @@ typedef struct fb_exponential { /* constant after init, may live in ROM */
 } fb_exponential;
 typedef struct fb_exponential_work {
   fb_state start, z, half, full, at, rate, sum, N[4];
+#if FB_WITH_LARGE_DEFLECTION
+  fbi_line_work line;
+#endif
 } fb_exponential_work;
 /* As fb_body_check. */
 FB_API fb_status fb_exponential_check(const fb_exponential *scheme, const fb_body *body);
@@ -1790,6 +1910,8 @@ typedef struct fb_modes_desc {
   int boundary_inertia; /* 1: FB_BASIS_COMPONENT adds the quasi-static shapes under the inertia forces of an accelerated
                            boundary (inertia-relief modes); worth more than as many natural modes */
   int rigid;            /* 1: the rigid-body modes of a pinned or free root come first: for components to be joined */
+  int line_points; /* FB_EFFECT_LARGE_DEFLECTION: points along the beam, 2.. (>>line); 0: as many as the plane with most
+                      modes has, and 7 */
   int cubic; /* 1: natural modes and components of the nodal (cubic Hermite) coordinates alone, no internal shapes */
 } fb_modes_desc;
 
@@ -1798,6 +1920,7 @@ typedef struct fb_modes {
   int ndof;   /* length of a shape: 6 per node, then 8 internal ones per element, with shear 8 more */
   int degree; /* 0, or that of FB_BASIS_FUNCTIONS: a shape then is value and slope per node, then internal functions */
   int joined; /* 1: from fb_modes_join */
+  int line_points;             /* as in the desc */
   fb_kind kind[FB_MAX_MODES];  /* by the largest share of kinetic energy */
   fb_real omega[FB_MAX_MODES]; /* [rad/s]; 0 for coordinates that are not modes */
   fb_real
@@ -1884,6 +2007,14 @@ FB_API fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
 /* ---------------------------------------------------------------------------------------------------------------
    BUILD >>assemble: shape integrals; every _init of a model */
 
+typedef struct fb_second { /* shape integrals of second degree, and what the modes move at most */
+  fb_real ups[3 * FB_MAX_MODES * FB_MAX_MODES];
+  fb_real Gam[9 * FB_MAX_MODES], Pi[9 * FB_MAX_MODES * FB_MAX_MODES];
+  fb_real Gamchi[9 * FB_MAX_MODES * FB_MAX_MODES];
+  fb_real pchi[3 * FB_MAX_MODES * FB_MAX_MODES], hchi[3 * FB_MAX_MODES * FB_MAX_MODES];
+  fb_real reach[FB_MAX_MODES]; /* largest displacement of each mode shape */
+} fb_second;
+
 /* Inertia shape integrals over the undeformed body, M and K; built once, not used by the step. */
 typedef struct fb_shape {
   int n;      /* elastic coordinates */
@@ -1891,18 +2022,7 @@ typedef struct fb_shape {
   fb_real mass, c[3], J[9];
   fb_real P[3 * FB_MAX_MODES], H[3 * FB_MAX_MODES]; /* n x 3 here: row a is p_a, h_a */
   fb_real M[FB_MAX_MODES * FB_MAX_MODES], K[FB_MAX_MODES * FB_MAX_MODES];
-#if FB_WITH_SPIN_COUPLING
-  fb_real ups[3 * FB_MAX_MODES * FB_MAX_MODES];
-#endif
-#if FB_WITH_RESIDUAL_INERTIA
-  fb_real Gam[9 * FB_MAX_MODES], Pi[9 * FB_MAX_MODES * FB_MAX_MODES];
-#endif
-#if FB_WITH_SPIN_STIFFENING
-  fb_real Gamchi[9 * FB_MAX_MODES * FB_MAX_MODES];
-#endif
-#if FB_WITH_ACCELERATION_STIFFENING
-  fb_real pchi[3 * FB_MAX_MODES * FB_MAX_MODES], hchi[3 * FB_MAX_MODES * FB_MAX_MODES];
-#endif
+  fb_second second; /* of all of the body */
 #if FB_WITH_NONLINEAR_STRAIN
   int n_strain;                           /* quadrature points of the axial strain, a multiple of four */
   fb_real stretch;                        /* [s^2] bound of the centrifugal strain of a beam per spin squared */
@@ -1915,8 +2035,12 @@ typedef struct fb_shape {
   int torque_unknown;
 #endif
 #endif
-  fb_real size;                /* [m] largest distance of a mass from O */
-  fb_real reach[FB_MAX_MODES]; /* largest displacement of each mode shape */
+#if FB_WITH_LARGE_DEFLECTION
+  fb_lines lines;         /* of the beams */
+  fb_status lines_status; /* why a beam has none: FB_EFFECT_LARGE_DEFLECTION is then refused with it */
+  fb_second rest;         /* as `second`, of all but the beams */
+#endif
+  fb_real size; /* [m] largest distance of a mass from O */
   fb_node node[FB_MAX_NODES];
 } fb_shape;
 
@@ -2001,6 +2125,10 @@ typedef struct fb_body_work {
   fb_real L[FB_MAX_MODES * FB_MAX_MODES], A[FB_MAX_MODES * FB_MAX_MODES], B[FB_MAX_MODES * FB_MAX_MODES];
   fb_real X[FB_MAX_MODES * FB_MAX_MODES], d[FB_MAX_MODES];
   fb_real Lambda[(FB_MAX_MODES + 1) * 6 * FB_MAX_MODES], S[FBI_MAX_PAIRS_S][21];
+#if FB_WITH_LARGE_DEFLECTION
+  fb_shape rest;
+  fbi_line_work line;
+#endif
   fb_body body;
 } fb_body_work;
 /* FB_ERR_CAPACITY (FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_RUNS), FB_ERR_EFFECTS (see fb_effects_check), FB_ERR_SINGULAR (M, or

@@ -1216,11 +1216,1253 @@ static void fbi_chol_back(fb_real *x, const fb_real *L, const fb_real *b, int n)
   }
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* y = L L^T x */
+static void fbi_chol_mul(fb_real *y, const fb_real *L, const fb_real *x, int n)
+{
+  for (int i = n - 1; i >= 0; i--) {
+    y[i] = FB_R(0.0);
+    for (int j = i; j < n; j++) {
+      y[i] += L[j * n + i] * x[j];
+    }
+  }
+  for (int i = n - 1; i >= 0; i--) {
+    y[i] = fbi_dot(L + i * n, y, i + 1);
+  }
+}
+#endif
+
 FB_DEF void fb_chol_solve(fb_real *x, const fb_real *L, const fb_real *b, int n)
 {
   fbi_chol_forward(x, L, b, n);
   fbi_chol_back(x, L, x, n);
 }
+
+#if FB_WITH_LARGE_DEFLECTION
+/* ---------------------------------------------------------------------------------------------------------------
+   RUN >>line: geometrically exact lines: poses, velocities, inertia and its gradient
+   (uses config, status, vec3, solve) */
+
+/* Largest squared rotation of an interval [rad^2], and the terms of the series that are then exact to rounding. */
+#define FBI_LINE_TURN FB_R(1.5)
+#define FBI_LINE_TERMS 9
+#define FBI_SIXTH (FB_R(1.0) / FB_R(6.0))
+
+/* ---- kinematics; a line's numbers stand by axis and point, those of a rounded-up point are zero */
+
+/* y_i = sum of the rows' coefficients times q by their axes; `at` is added to the rows' places in the table. */
+static void fbi_line_rows_eval(fb_real y[3][FB_MAX_POINTS], const fb_lines *all, const fb_line *line, int row,
+                               int n_row, int at, const fb_real *q)
+{
+  const int p = line->point, m = line->stride;
+  for (int j = p; j < p + m; j++) {
+    y[0][j] = y[1][j] = y[2][j] = FB_R(0.0);
+  }
+  for (const fb_line_row *r = all->row + row, *end = r + n_row; r < end; r++) {
+    fbi_row_sub(y[r->axis] + p, -q[line->first + r->a], all->table + r->at + at, m);
+  }
+}
+
+/* x_a += sum over the points of the rows' coefficients times f by their axes */
+static void fbi_line_rows_add(fb_real *x, const fb_lines *all, const fb_line *line, int row, int n_row, int at,
+                              fb_real f[3][FB_MAX_POINTS])
+{
+  for (const fb_line_row *r = all->row + row, *end = r + n_row; r < end; r++) {
+    x[line->first + r->a] += fbi_dot(all->table + r->at + at, f[r->axis] + line->point, line->stride);
+  }
+}
+
+/* [E14.1] Rotation vector of the interval before each point, phi = A q - 1/6 (A q) x (B q): the Magnus expansion of
+   H' = H (sum theta_a' q_a)^ to second order where the rotations are quadratic in x from point to point. A_a = theta_a
+   there less at the point before, B_a = 6 (its mean between them less the mean of both). Without the second term
+   bending in two planes converges with the square of the interval alone.
+   Source: Magnus (1954), THEORY.md 14.  Shapes: rows of A, B.  Cost: 4 flops a row and point.  Fails: never.
+   Test: lines_turn_as_the_differential_equation. */
+static void fbi_line_turns(fbi_line_work *w, const fb_lines *all, const fb_line *line, const fb_real *q)
+{
+  fbi_line_rows_eval(w->turn, all, line, line->row, line->n_turn, 0, q);
+  fbi_line_rows_eval(w->bow, all, line, line->row, line->n_turn, line->stride, q);
+  fbi_line_rows_eval(w->stretch, all, line, line->row + line->n_turn, line->n_stretch, 0, q);
+  for (int j = line->point; j < line->point + line->stride; j++) {
+    const fb_real x = w->turn[0][j], y = w->turn[1][j], z = w->turn[2][j];
+    const fb_real u = w->bow[0][j], v = w->bow[1][j], s = w->bow[2][j];
+    w->phi[0][j] = x - FBI_SIXTH * (y * s - z * v);
+    w->phi[1][j] = y - FBI_SIXTH * (z * u - x * s);
+    w->phi[2][j] = z - FBI_SIXTH * (x * v - y * u);
+  }
+}
+
+/* 1/(2k + 2)! and 1/(2k + 3)! with alternating signs */
+static const fb_real fbi_line_cosine[FBI_LINE_TERMS] = {FB_R(1.0) / FB_R(2.0),
+                                                        -FB_R(1.0) / FB_R(24.0),
+                                                        FB_R(1.0) / FB_R(720.0),
+                                                        -FB_R(1.0) / FB_R(40320.0),
+                                                        FB_R(1.0) / FB_R(3628800.0),
+                                                        -FB_R(1.0) / FB_R(479001600.0),
+                                                        FB_R(1.0) / FB_R(87178291200.0),
+                                                        -FB_R(1.0) / FB_R(20922789888000.0),
+                                                        FB_R(1.0) / FB_R(6402373705728000.0)};
+static const fb_real fbi_line_sine[FBI_LINE_TERMS] = {FB_R(1.0) / FB_R(6.0),
+                                                      -FB_R(1.0) / FB_R(120.0),
+                                                      FB_R(1.0) / FB_R(5040.0),
+                                                      -FB_R(1.0) / FB_R(362880.0),
+                                                      FB_R(1.0) / FB_R(39916800.0),
+                                                      -FB_R(1.0) / FB_R(6227020800.0),
+                                                      FB_R(1.0) / FB_R(1307674368000.0),
+                                                      -FB_R(1.0) / FB_R(355687428096000.0),
+                                                      FB_R(1.0) / FB_R(121645100408832000.0)};
+
+/* [E14.2] Coefficients of rotations by x = |phi|^2: a = (1 - cos)/x, b = (|phi| - sin)/|phi|^3 and their derivatives
+   a1, b1 by x, series without a branch, exact to rounding up to FBI_LINE_TURN.
+   Source: Taylor series.  Cost: 72 flops.  Fails: never.
+   Test: lines_turn_as_the_differential_equation. */
+static void fbi_line_series(fb_real *a, fb_real *b, fb_real *a1, fb_real *b1, fb_real x)
+{
+  fb_real c = fbi_line_cosine[FBI_LINE_TERMS - 1], s = fbi_line_sine[FBI_LINE_TERMS - 1], c1 = FB_R(0.0),
+          s1 = FB_R(0.0);
+  for (int k = FBI_LINE_TERMS - 2; k >= 0; k--) {
+    c1 = c1 * x + c;
+    s1 = s1 * x + s;
+    c = c * x + fbi_line_cosine[k];
+    s = s * x + fbi_line_sine[k];
+  }
+  *a = c;
+  *b = s;
+  *a1 = c1;
+  *b1 = s1;
+}
+
+/* Those of all intervals of a line; 0 where one turns beyond FBI_LINE_TURN or is not a number. */
+static int fbi_line_coefficients(fbi_line_work *w, const fb_line *line)
+{
+  int sound = 1;
+  for (int j = line->point; j < line->point + line->stride; j++) {
+    const fb_real x = w->phi[0][j] * w->phi[0][j] + w->phi[1][j] * w->phi[1][j] + w->phi[2][j] * w->phi[2][j];
+    fbi_line_series(&w->a[j], &w->b[j], &w->a1[j], &w->b1[j], x);
+    w->x[j] = x;
+    sound &= x <= FBI_LINE_TURN;
+  }
+  return sound;
+}
+
+static void fbi_line_get9(fb_real A[9], fb_real from[9][FB_MAX_POINTS], int j)
+{
+  for (int i = 0; i < 9; i++) {
+    A[i] = from[i][j];
+  }
+}
+
+static void fbi_line_get3(fb_real x[3], fb_real from[3][FB_MAX_POINTS], int j)
+{
+  x[0] = from[0][j];
+  x[1] = from[1][j];
+  x[2] = from[2][j];
+}
+
+static void fbi_line_set3(fb_real to[3][FB_MAX_POINTS], int j, const fb_real x[3])
+{
+  to[0][j] = x[0];
+  to[1][j] = x[1];
+  to[2][j] = x[2];
+}
+
+/* c 1 + s phi^ + a phi phi^T */
+static void fbi_line_matrix(fb_real A[9], fb_real c, fb_real s, fb_real a, const fb_real phi[3])
+{
+  const fb_real x = phi[0], y = phi[1], z = phi[2], xy = a * x * y, xz = a * x * z, yz = a * y * z;
+  A[0] = c + a * x * x;
+  A[1] = xy - s * z;
+  A[2] = xz + s * y;
+  A[3] = xy + s * z;
+  A[4] = c + a * y * y;
+  A[5] = yz - s * x;
+  A[6] = xz - s * y;
+  A[7] = yz + s * x;
+  A[8] = c + a * z * z;
+}
+
+/* Rotation of what a line begins with: that of the point it hangs on, else 1. */
+static void fbi_line_begin(fb_real H[9], fbi_line_work *w, const fb_line *line)
+{
+  static const fb_real one[9] = {FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(1.0),
+                                 FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(1.0)};
+  if (line->hangs) {
+    fbi_line_get9(H, w->H, line->hangs - 1);
+  } else {
+    fbi_mat33_copy(H, one);
+  }
+}
+
+/* [E14.3] Rotations along a line, H_j = H_(j-1) exp(phi_j^), tangents t = H (e + stretch), and N_j = H_(j-1) T(phi_j)
+   with T = 1 + a phi^ + b phi^2, so that N phi_dot is the angular velocity that interval j adds.
+   Source: Rodrigues; left Jacobian of SO(3).  Cost: 160 flops a point.  Fails: never.
+   Test: lines_turn_as_the_differential_equation. */
+static void fbi_line_rotations(fbi_line_work *w, const fb_lines *all, const fb_line *line)
+{
+  fb_real H[9], own[9], out[9];
+  fbi_line_begin(H, w, line);
+  for (int j = line->point; j < line->point + line->count; j++) {
+    const fb_real phi[3] = {w->phi[0][j], w->phi[1][j], w->phi[2][j]}, sine = FB_R(1.0) - w->b[j] * w->x[j];
+    fb_real e[3], t[3];
+
+    /* N */
+    fbi_line_matrix(own, sine, w->a[j], w->b[j], phi);
+    fb_mat33_mul(out, H, own);
+    for (int i = 0; i < 9; i++) {
+      w->N[i][j] = out[i];
+    }
+
+    /* H */
+    fbi_line_matrix(own, FB_R(1.0) - w->a[j] * w->x[j], sine, w->a[j], phi);
+    fb_mat33_mul(out, H, own);
+    for (int i = 0; i < 9; i++) {
+      w->H[i][j] = H[i] = out[i];
+    }
+
+    /* t */
+    for (int i = 0; i < 3; i++) {
+      e[i] = all->tangent[i][j] + w->stretch[i][j];
+    }
+    fb_mat33_mul_vec3(t, H, e);
+    fbi_line_set3(w->t, j, t);
+  }
+  if (line->stride > line->count) {
+    const int j = line->point + line->count;
+    for (int i = 0; i < 9; i++) {
+      w->N[i][j] = w->H[i][j] = FB_R(0.0);
+    }
+    w->t[0][j] = w->t[1][j] = w->t[2][j] = FB_R(0.0);
+  }
+}
+
+/* y_i += sum over the points j of weight_j x_ij, columns of a line's table: integrals along it up to every point */
+static void fbi_line_integrals_add(fb_real *y, int spacing, const fb_lines *all, const fb_line *line, const fb_real *x)
+{
+  const fb_real *weight = all->table + line->weight;
+  for (int i = 0; i < 3; i++) {
+    for (int j = 0; j < line->count; j++) {
+      fbi_row_sub(y + i * spacing, -x[i * spacing + j], weight + j * line->stride, line->stride);
+    }
+  }
+}
+
+/* [E14.4] Positions of the points from O, r = start + int t dx: the tangents' interpolating polynomials on each smooth
+   stretch, integrated; the tangent of a root at rest is part of start.
+   Source: Lobatto quadrature.  Cost: 6 flops a pair of points.  Fails: never.
+   Test: lines_reach_where_the_differential_equation_does. */
+static void fbi_line_positions(fbi_line_work *w, const fb_lines *all, const fb_line *line, const fb_real *q)
+{
+  const int p = line->point, m = line->stride;
+  fb_real root[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  if (line->hangs) {
+    fbi_line_get3(root, w->r, line->hangs - 1);
+  }
+  for (int a = 0; a < line->n && line->moves; a++) {
+    fbi_vec3_add(root, q[line->first + a], all->table + line->shift + 3 * a);
+  }
+  for (int i = 0; i < 3; i++) {
+    for (int j = p; j < p + m; j++) {
+      w->r[i][j] = all->start[i][j] + root[i];
+    }
+  }
+  fbi_line_integrals_add(w->r[0] + p, FB_MAX_POINTS, all, line, w->t[0] + p);
+}
+
+/* Poses of all lines at q. Returns 0 where an interval turns too far (E14.2). */
+static int fbi_lines_pose(fbi_line_work *w, const fb_lines *all, const fb_real *q)
+{
+  int sound = 1;
+  for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
+    fbi_line_turns(w, all, line, q);
+    sound &= fbi_line_coefficients(w, line);
+    fbi_line_rotations(w, all, line);
+    fbi_line_positions(w, all, line, q);
+  }
+  return sound;
+}
+
+/* Where the velocities of a line per rate of its coordinate k stand: three rows of stride numbers. */
+static int fbi_line_place(const fb_line *line, int k)
+{
+  return 3 * (FB_MAX_MODES * line->point + k * line->stride);
+}
+
+/* The line that a point belongs to. */
+static const fb_line *fbi_line_of(const fb_lines *all, int point)
+{
+  const fb_line *line = all->line;
+  while (point >= line->point + line->stride) {
+    line++;
+  }
+  return line;
+}
+
+/* [E14.5] Angular velocity and velocity of the points per rate of each coordinate,
+   Jw_a = sum over the intervals before of N ((1 + B^/6) A_a - A^/6 B_a),  Jv_a = int (Jw_a x t + H Gamma_a) dx.
+   Source: derivative of E14.1 to E14.4.  Shapes: n x 3 x stride each.  Cost: (50 + 6 points) flops a coordinate and
+   point.  Fails: never.  Test: line_velocities_are_derivatives_of_poses. */
+static void fbi_line_jacobians(fbi_line_work *w, const fb_lines *all, const fb_line *line)
+{
+  const int p = line->point, m = line->stride;
+  const fb_line_row *r = all->row + line->row, *const last = r + line->n_turn, *s = last;
+  const fb_line_row *const end = last + line->n_stretch;
+  fb_real NA[9][FB_MAX_POINTS], NB[9][FB_MAX_POINTS], K[3 * FB_MAX_POINTS];
+
+  /* N (1 + B^/6), -N A^/6; columns by axis */
+  for (int j = p; j < p + m; j++) {
+    const fb_real A[3] = {FBI_SIXTH * w->turn[0][j], FBI_SIXTH * w->turn[1][j], FBI_SIXTH * w->turn[2][j]};
+    const fb_real B[3] = {FBI_SIXTH * w->bow[0][j], FBI_SIXTH * w->bow[1][j], FBI_SIXTH * w->bow[2][j]};
+    for (int i = 0; i < 9; i += 3) {
+      const fb_real x = w->N[i][j], y = w->N[i + 1][j], z = w->N[i + 2][j];
+      NA[i][j] = x + y * B[2] - z * B[1];
+      NA[i + 1][j] = y + z * B[0] - x * B[2];
+      NA[i + 2][j] = z + x * B[1] - y * B[0];
+      NB[i][j] = z * A[1] - y * A[2];
+      NB[i + 1][j] = x * A[2] - z * A[0];
+      NB[i + 2][j] = y * A[0] - x * A[1];
+    }
+  }
+
+  for (int k = 0; k < line->n; k++) {
+    fb_real *const Jw = w->Jw + fbi_line_place(line, k), *const Jv = w->Jv + fbi_line_place(line, k);
+    fb_real carry[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, moved[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+
+    /* what the intervals add */
+    fbi_zero(Jw, 3 * m);
+    for (; r < last && r->a == k; r++) {
+      const fb_real *A = all->table + r->at, *B = A + m;
+      for (int i = 0; i < 3; i++) {
+        const fb_real *by_A = NA[3 * i + r->axis] + p, *by_B = NB[3 * i + r->axis] + p;
+        for (int j = 0; j < m; j++) {
+          Jw[i * m + j] += by_A[j] * A[j] + by_B[j] * B[j];
+        }
+      }
+    }
+
+    /* its sum along the line, from where it hangs */
+    if (line->hangs) {
+      const fb_line *on = fbi_line_of(all, line->hangs - 1);
+      const int at = fbi_line_place(on, k) + line->hangs - 1 - on->point;
+      for (int i = 0; i < 3; i++) {
+        carry[i] = w->Jw[at + i * on->stride];
+        moved[i] = w->Jv[at + i * on->stride];
+      }
+    }
+    if (line->moves) {
+      fbi_vec3_add(moved, FB_R(1.0), all->table + line->shift + 3 * k);
+    }
+    for (int i = 0; i < 3; i++) {
+      fb_real sum = carry[i];
+      for (int j = 0; j < m; j++) {
+        sum += Jw[i * m + j];
+        Jw[i * m + j] = sum;
+        Jv[i * m + j] = moved[i];
+      }
+    }
+
+    /* Jw x t + H Gamma */
+    for (int j = 0; j < m; j++) {
+      const fb_real x = Jw[j], y = Jw[m + j], z = Jw[2 * m + j];
+      K[j] = y * w->t[2][p + j] - z * w->t[1][p + j];
+      K[m + j] = z * w->t[0][p + j] - x * w->t[2][p + j];
+      K[2 * m + j] = x * w->t[1][p + j] - y * w->t[0][p + j];
+    }
+    for (; s < end && s->a == k; s++) {
+      for (int i = 0; i < 3; i++) {
+        for (int j = 0; j < m; j++) {
+          K[i * m + j] += w->H[3 * i + s->axis][p + j] * all->table[s->at + j];
+        }
+      }
+    }
+    for (int i = 0; i < 3; i++) {
+      for (int j = 0; j < line->count; j++) {
+        fbi_row_sub(Jv + i * m, -K[i * m + j], all->table + line->weight + j * m, m);
+      }
+    }
+  }
+}
+
+/* Mass center of point j from the line, rho = H center. */
+static void fbi_line_offset(fb_real rho[3], fbi_line_work *w, const fb_lines *all, int j)
+{
+  fb_real H[9];
+  fbi_line_get9(H, w->H, j);
+  fb_mat33_mul_vec3(rho, H, all->center + 3 * j);
+}
+
+/* Rotary inertia of point j in the line's axes, I = H inertia H^T (packed xx, xy, xz, yy, yz, zz). */
+static void fbi_line_spread(fb_real I[9], fbi_line_work *w, const fb_lines *all, int j)
+{
+  const fb_real *c = all->inertia + 6 * j;
+  const fb_real own[9] = {c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5]};
+  fb_real H[9], HI[9], back[9];
+  fbi_line_get9(H, w->H, j);
+  fb_mat33_mul(HI, H, own);
+  for (int i = 0; i < 9; i++) {
+    back[i] = H[3 * (i % 3) + i / 3];
+  }
+  fb_mat33_mul(I, HI, back);
+}
+
+/* ---- inertia */
+
+/* Moments of mass of a line, line axes: mass, first moment and inertia about O (packed xx, xy, xz, yy, yz, zz). */
+typedef struct fbi_line_mass {
+  fb_real mass, c[3], J[6];
+} fbi_line_mass;
+
+/* J += w (|r|^2 1 - r r^T) */
+static void fbi_line_particle(fb_real J[6], fb_real w, const fb_real r[3])
+{
+  J[0] += w * (r[1] * r[1] + r[2] * r[2]);
+  J[1] -= w * r[0] * r[1];
+  J[2] -= w * r[0] * r[2];
+  J[3] += w * (r[0] * r[0] + r[2] * r[2]);
+  J[4] -= w * r[1] * r[2];
+  J[5] += w * (r[0] * r[0] + r[1] * r[1]);
+}
+
+/* Moments of mass in body axes: A takes the line's axes there. */
+static void fbi_line_mass_turn(fbi_line_mass *m, const fb_real A[9])
+{
+  const fb_real J[9] = {m->J[0], m->J[1], m->J[2], m->J[1], m->J[3], m->J[4], m->J[2], m->J[4], m->J[5]};
+  fb_real c[3], AJ[9];
+  fbi_vec3_copy(c, m->c);
+  fb_mat33_mul_vec3(m->c, A, c);
+  fb_mat33_mul(AJ, A, J);
+  for (int i = 0, at = 0; i < 3; i++) {
+    for (int j = i; j < 3; j++) {
+      m->J[at++] = fb_vec3_dot(AJ + 3 * i, A + 3 * j);
+    }
+  }
+}
+
+/* M_rr += [m 1, -c^; c^, J], packed */
+static void fbi_line_mass_add(fb_real M_rr[21], const fbi_line_mass *m)
+{
+  M_rr[0] += m->mass;
+  M_rr[6] += m->mass;
+  M_rr[11] += m->mass;
+  M_rr[4] += m->c[2];
+  M_rr[5] -= m->c[1];
+  M_rr[8] -= m->c[2];
+  M_rr[10] += m->c[0];
+  M_rr[12] += m->c[1];
+  M_rr[13] -= m->c[0];
+  for (int i = 0; i < 6; i++) {
+    M_rr[15 + i] += m->J[i];
+  }
+}
+
+/* Velocities of the mass centers in place of those of the line, and the points' rotary inertia; solid lines alone. */
+static void fbi_line_solid(fbi_line_work *w, fb_real r[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_POINTS],
+                           const fb_lines *all, const fb_line *line)
+{
+  const int p = line->point, m = line->stride;
+  for (int j = p; j < p + line->count; j++) {
+    fb_real rho[3], own[9];
+    fbi_line_offset(rho, w, all, j);
+    fbi_line_spread(own, w, all, j);
+    for (int i = 0; i < 9; i++) {
+      I[i][j] = own[i];
+    }
+    for (int i = 0; i < 3; i++) {
+      r[i][j] += rho[i];
+    }
+    for (int k = 0; k < line->n; k++) {
+      const int at = fbi_line_place(line, k) + j - p;
+      const fb_real turn[3] = {w->Jw[at], w->Jw[at + m], w->Jw[at + 2 * m]};
+      fb_real more[3];
+      fb_vec3_cross(more, turn, rho);
+      for (int i = 0; i < 3; i++) {
+        w->Jv[at + i * m] += more[i];
+      }
+    }
+  }
+}
+
+/* [E14.6] Inertia of a line: M_ab += sum m Jv_a.Jv_b + Jw_a.I Jw_b (lower triangle, spacing nb), columns of Lambda,
+   sum (m Jv; m r x Jv + I Jw), moments of mass; over the points' mass centers.
+   Source: kinetic energy of the points.  Cost: 3 points (n + 9) n flops.  Fails: never.
+   Test: line_inertia_is_that_of_particles. */
+static void fbi_line_inertia_eval(fb_real *M, fb_real *X, fbi_line_mass *out, fbi_line_work *w, const fb_lines *all,
+                                  const fb_line *line, int nb)
+{
+  const int p = line->point, m = line->stride, n = line->n;
+  fb_real r[3][FB_MAX_POINTS], I[9][FB_MAX_POINTS], mJ[3 * FB_MAX_POINTS], IJ[3 * FB_MAX_POINTS];
+
+  /* points */
+  for (int i = 0; i < 3; i++) {
+    fbi_copy(r[i] + p, w->r[i] + p, m);
+  }
+  if (line->solid) {
+    fbi_line_solid(w, r, I, all, line);
+  }
+
+  /* moments of mass */
+  memset(out, 0, sizeof *out);
+  for (int j = p; j < p + line->count; j++) {
+    const fb_real at[3] = {r[0][j], r[1][j], r[2][j]};
+    out->mass += all->mass[j];
+    fbi_vec3_add(out->c, all->mass[j], at);
+    fbi_line_particle(out->J, all->mass[j], at);
+    for (int i = 0; i < 6 && line->solid; i++) {
+      static const int packed[6] = {0, 1, 2, 4, 5, 8};
+      out->J[i] += I[packed[i]][j];
+    }
+  }
+
+  for (int k = 0; k < n; k++) {
+    const fb_real *const Jv = w->Jv + fbi_line_place(line, k), *const Jw = w->Jw + fbi_line_place(line, k);
+    fb_real *const row = M + (line->first + k) * nb + line->first;
+    fb_real momentum[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, moment[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+
+    /* momentum and angular momentum of the points */
+    for (int j = 0; j < m; j++) {
+      const fb_real x = all->mass[p + j] * Jv[j], y = all->mass[p + j] * Jv[m + j],
+                    z = all->mass[p + j] * Jv[2 * m + j];
+      mJ[j] = x;
+      mJ[m + j] = y;
+      mJ[2 * m + j] = z;
+      momentum[0] += x;
+      momentum[1] += y;
+      momentum[2] += z;
+      moment[0] += r[1][p + j] * z - r[2][p + j] * y;
+      moment[1] += r[2][p + j] * x - r[0][p + j] * z;
+      moment[2] += r[0][p + j] * y - r[1][p + j] * x;
+    }
+    for (int l = 0; l <= k; l++) {
+      row[l] += fbi_dot(mJ, w->Jv + fbi_line_place(line, l), 3 * m);
+    }
+
+    /* of rotary inertia */
+    if (line->solid) {
+      fbi_zero(IJ, 3 * m);
+      for (int j = 0; j < line->count; j++) {
+        for (int i = 0; i < 3; i++) {
+          const fb_real h =
+              I[3 * i][p + j] * Jw[j] + I[3 * i + 1][p + j] * Jw[m + j] + I[3 * i + 2][p + j] * Jw[2 * m + j];
+          IJ[i * m + j] = h;
+          moment[i] += h;
+        }
+      }
+      for (int l = 0; l <= k; l++) {
+        row[l] += fbi_dot(IJ, w->Jw + fbi_line_place(line, l), 3 * m);
+      }
+    }
+
+    /* body axes */
+    if (line->turned) {
+      fb_real own[6];
+      fbi_copy(own, momentum, 3);
+      fbi_copy(own + 3, moment, 3);
+      fb_mat33_mul_vec3(momentum, line->axes, own);
+      fb_mat33_mul_vec3(moment, line->axes, own + 3);
+    }
+    for (int i = 0; i < 3; i++) {
+      X[i * nb + line->first + k] += momentum[i];
+      X[(3 + i) * nb + line->first + k] += moment[i];
+    }
+  }
+  if (line->turned) {
+    fbi_line_mass_turn(out, line->axes);
+  }
+}
+
+/* Adds all lines to the elastic mass M (lower triangle), Lambda (6 x nb) and, unless NULL, M_rr (packed) of a body. */
+static void fbi_lines_inertia_add(fb_real *M, fb_real *X, fb_real *M_rr, fbi_line_work *w, const fb_lines *all, int nb)
+{
+  for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
+    fbi_line_jacobians(w, all, line);
+  }
+  for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
+    fbi_line_mass mass;
+    fbi_line_inertia_eval(M, X, &mass, w, all, line, nb);
+    if (M_rr) {
+      fbi_line_mass_add(M_rr, &mass);
+    }
+  }
+}
+
+/* ---- velocities and forces */
+
+/* Velocities of the points relative to the frame, w and v, from the rates of the coordinates (E14.5 without its
+   matrices), and the rates of the rotation vectors. */
+static void fbi_line_rates(fbi_line_work *w, const fb_lines *all, const fb_line *line, const fb_real *q_dot)
+{
+  const int p = line->point, m = line->stride;
+  fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, move[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_real u[3][FB_MAX_POINTS];
+  fbi_line_rows_eval(w->turn_dot, all, line, line->row, line->n_turn, 0, q_dot);
+  fbi_line_rows_eval(w->bow_dot, all, line, line->row, line->n_turn, m, q_dot);
+  fbi_line_rows_eval(w->glide, all, line, line->row + line->n_turn, line->n_stretch, 0, q_dot);
+  if (line->hangs) {
+    fbi_line_get3(turn, w->w, line->hangs - 1);
+    fbi_line_get3(move, w->v, line->hangs - 1);
+  }
+  for (int a = 0; a < line->n && line->moves; a++) {
+    fbi_vec3_add(move, q_dot[line->first + a], all->table + line->shift + 3 * a);
+  }
+  for (int j = p; j < p + m; j++) {
+    fb_real A[3], B[3], A_dot[3], B_dot[3], more[3], x[3], t[3], H[9], own[3];
+    fbi_line_get3(A, w->turn, j);
+    fbi_line_get3(B, w->bow, j);
+    fbi_line_get3(A_dot, w->turn_dot, j);
+    fbi_line_get3(B_dot, w->bow_dot, j);
+    fb_vec3_cross(more, A_dot, B);
+    fbi_vec3_add_cross(more, A, B_dot);
+    fbi_vec3_advance(x, A_dot, -FBI_SIXTH, more);
+    fbi_line_set3(w->phi_dot, j, x);
+
+    /* w, t_dot = w x t + H Gamma q_dot */
+    fbi_line_get9(H, w->N, j);
+    fb_mat33_mul_vec3(own, H, x);
+    fbi_vec3_add(turn, FB_R(1.0), own);
+    fbi_line_set3(w->w, j, turn);
+    fbi_line_get3(x, w->glide, j);
+    fbi_line_get9(H, w->H, j);
+    fb_mat33_mul_vec3(own, H, x);
+    fbi_line_set3(w->glide, j, own);
+    fbi_line_get3(t, w->t, j);
+    fbi_vec3_add_cross(own, turn, t);
+    fbi_line_set3(u, j, own);
+    fbi_line_set3(w->v, j, move);
+  }
+  fbi_line_integrals_add(w->v[0] + p, FB_MAX_POINTS, all, line, u[0] + p);
+}
+
+/* y_ij = sum over the points s of weight_j(s) x_is: what acts on the points, felt at the tangents; the transpose of
+   fbi_line_integrals_add. */
+static void fbi_line_outboard(fb_real y[3][FB_MAX_POINTS], const fb_lines *all, const fb_line *line,
+                              fb_real x[3][FB_MAX_POINTS])
+{
+  const int p = line->point, m = line->stride;
+  for (int i = 0; i < 3; i++) {
+    for (int j = 0; j < line->count; j++) {
+      y[i][p + j] = fbi_dot(all->table + line->weight + j * m, x[i] + p, m);
+    }
+    if (m > line->count) {
+      y[i][p + line->count] = FB_R(0.0);
+    }
+  }
+}
+
+/* What acts on the sections beyond an interval, in the axes before it: y by phi, s by phi_dot (E14.7). To coordinates:
+   x_a += A_a.(y - 1/6 (B x y + B' x s)) - 1/6 B_a.(y x A + s x A'). */
+static void fbi_line_moments_add(fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_line *line,
+                                 fb_real y[3][FB_MAX_POINTS], fb_real s[3][FB_MAX_POINTS])
+{
+  for (int j = line->point; j < line->point + line->stride; j++) {
+    fb_real A[3], B[3], A_dot[3], B_dot[3], own[3], rate[3], by_A[3], by_B[3], out[3];
+    fbi_line_get3(A, w->turn, j);
+    fbi_line_get3(B, w->bow, j);
+    fbi_line_get3(own, y, j);
+    fb_vec3_cross(by_A, B, own);
+    fb_vec3_cross(by_B, own, A);
+    if (s) {
+      fbi_line_get3(A_dot, w->turn_dot, j);
+      fbi_line_get3(B_dot, w->bow_dot, j);
+      fbi_line_get3(rate, s, j);
+      fbi_vec3_add_cross(by_A, B_dot, rate);
+      fbi_vec3_add_cross(by_B, rate, A_dot);
+    }
+    fbi_vec3_advance(out, own, -FBI_SIXTH, by_A);
+    fbi_line_set3(w->by_A, j, out);
+    for (int i = 0; i < 3; i++) {
+      w->by_B[i][j] = -FBI_SIXTH * by_B[i];
+    }
+  }
+  fbi_line_rows_add(x, all, line, line->row, line->n_turn, 0, w->by_A);
+  fbi_line_rows_add(x, all, line, line->row, line->n_turn, line->stride, w->by_B);
+}
+
+/* (dT/dt)^T c of T = 1 + a phi^ + b phi^2 at point j (E14.3). */
+static void fbi_line_turning(fb_real out[3], fbi_line_work *w, int j, const fb_real phi[3], const fb_real rate[3],
+                             const fb_real c[3])
+{
+  const fb_real x_dot = FB_R(2.0) * fb_vec3_dot(phi, rate), a_dot = w->a1[j] * x_dot, b_dot = w->b1[j] * x_dot;
+  fb_real pc[3], rc[3], ppc[3], mixed[3];
+  fb_vec3_cross(pc, phi, c);
+  fb_vec3_cross(rc, rate, c);
+  fb_vec3_cross(ppc, phi, pc);
+  fb_vec3_cross(mixed, phi, rc);
+  fbi_vec3_add_cross(mixed, rate, pc);
+  for (int i = 0; i < 3; i++) {
+    out[i] = -a_dot * pc[i] - w->a[j] * rc[i] + b_dot * ppc[i] + w->b[j] * mixed[i];
+  }
+}
+
+/* Rotation and angular velocity before the interval of point j. */
+static void fbi_line_before(fb_real H[9], fb_real turn[3], fbi_line_work *w, const fb_line *line, int j)
+{
+  if (j > line->point) {
+    fbi_line_get9(H, w->H, j - 1);
+    fbi_line_get3(turn, w->w, j - 1);
+  } else {
+    fbi_line_begin(H, w, line);
+    fbi_vec3_zero(turn);
+    if (line->hangs) {
+      fbi_line_get3(turn, w->w, line->hangs - 1);
+    }
+  }
+}
+
+/* Forces by points, F, where a root moves with the modes, or with the point of another line: there with the further
+   vectors of its moments. */
+static void fbi_line_root_add(fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_line *line,
+                              fb_real F[3][FB_MAX_POINTS], fb_real hung[3][FB_MAX_POINTS], const fb_real B[3],
+                              const fb_real C[3])
+{
+  const int on = line->hangs - 1;
+  fb_real sum[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  for (int i = 0; i < 3; i++) {
+    for (int j = line->point; j < line->point + line->count; j++) {
+      sum[i] += F[i][j];
+      if (line->hangs) {
+        w->hung[i][on] += hung[i][j];
+      }
+    }
+    if (line->hangs) {
+      w->hung[3 + i][on] += B[i];
+      w->hung[6 + i][on] += C[i];
+    }
+  }
+  for (int a = 0; a < line->n && line->moves; a++) {
+    x[line->first + a] += fb_vec3_dot(sum, all->table + line->shift + 3 * a);
+  }
+}
+
+/* dT/dt phi_dot of T = 1 + a phi^ + b phi^2 (E14.3). */
+static void fbi_line_spin(fb_real out[3], fb_real a_dot, fb_real b_dot, fb_real b, const fb_real phi[3],
+                          const fb_real rate[3])
+{
+  fb_real pr[3], ppr[3], rpr[3];
+  fb_vec3_cross(pr, phi, rate);
+  fb_vec3_cross(ppr, phi, pr);
+  fb_vec3_cross(rpr, rate, pr);
+  for (int i = 0; i < 3; i++) {
+    out[i] = a_dot * pr[i] + b_dot * ppr[i] + b * rpr[i];
+  }
+}
+
+/* [E14.7] Gradient of the kinetic energy of a line by its coordinates at fixed velocities, x_a += dT/dq_a, by one
+   sweep from the tip. u, o: velocity and angular velocity of the frame; at the points' mass centers, r = line + rho,
+   P = m (u + o x r + v + w x rho), L = I (o + w);  F, G: P and P x o outboard (E14.4);
+   c = t x F + rho x P + L,  b = t x (G + F x w) + g x F + rho x (P x o + P x w) + L x (o + w) + w x c,  g = H Gamma q';
+   B, C: b and c summed from the tip. With w and H before the interval,
+   y = N^T (B + C x w) + (dT/dt)^T H^T C,  s = N^T C  to the turns (fbi_line_moments_add),  H^T (G + F x w) to the
+   stretches, sum of P x o to the shifts of the root.
+   Source: THEORY.md 14; the angular velocity of a section depends on the rotations before it.
+   Cost: 350 flops and 12 points a point.  Fails: never.  Test: line_forces_are_the_gradient_of_the_energy. */
+static void fbi_line_gradient_add(fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_line *line,
+                                  const fb_real u[3], const fb_real o[3])
+{
+  const int p = line->point, m = line->stride;
+  fb_real P[3][FB_MAX_POINTS], Q[3][FB_MAX_POINTS], F[3][FB_MAX_POINTS], G[3][FB_MAX_POINTS], b[3][FB_MAX_POINTS],
+      c[3][FB_MAX_POINTS], y[3][FB_MAX_POINTS], s[3][FB_MAX_POINTS];
+  fb_real B[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, C[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+
+  /* momenta of the points; what rho and L add */
+  for (int j = p; j < p + m; j++) {
+    fb_real r[3], turn[3], P_j[3], PxO[3], b_j[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)},
+                                           c_j[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+    fbi_line_get3(r, w->r, j);
+    fbi_line_get3(turn, w->w, j);
+    fbi_line_get3(P_j, w->v, j);
+    fbi_vec3_add(P_j, FB_R(1.0), u);
+    if (line->solid && j < p + line->count) {
+      fb_real rho[3], I[9], whole[3], L[3], own[3];
+      fbi_line_offset(rho, w, all, j);
+      fbi_line_spread(I, w, all, j);
+      fbi_vec3_add_cross(P_j, turn, rho);
+      fbi_vec3_add(r, FB_R(1.0), rho);
+      fbi_vec3_add_cross(P_j, o, r);
+      for (int i = 0; i < 3; i++) {
+        P_j[i] *= all->mass[j];
+        whole[i] = o[i] + turn[i];
+      }
+      fb_mat33_mul_vec3(L, I, whole);
+      fb_vec3_cross(PxO, P_j, whole);
+      fb_vec3_cross(b_j, rho, PxO);
+      fbi_vec3_add_cross(b_j, L, whole);
+      fb_vec3_cross(own, rho, P_j);
+      fbi_vec3_advance(c_j, own, FB_R(1.0), L);
+    } else {
+      fbi_vec3_add_cross(P_j, o, r);
+      for (int i = 0; i < 3; i++) {
+        P_j[i] *= all->mass[j];
+      }
+    }
+    for (int i = 0; i < 3 && line->carries; i++) { /* lines that hang here */
+      P_j[i] += w->hung[i][j];
+      b_j[i] += w->hung[3 + i][j];
+      c_j[i] += w->hung[6 + i][j];
+    }
+    fb_vec3_cross(PxO, P_j, o);
+    fbi_line_set3(P, j, P_j);
+    fbi_line_set3(Q, j, PxO);
+    fbi_line_set3(b, j, b_j);
+    fbi_line_set3(c, j, c_j);
+  }
+
+  /* from the tip to the root */
+  fbi_line_outboard(F, all, line, P);
+  fbi_line_outboard(G, all, line, Q);
+  for (int j = p + line->count - 1; j >= p; j--) {
+    fb_real H[9], N[9], t[3], F_j[3], turn[3], before[3], g[3], own[3], more[3], back[3], phi[3], rate[3];
+    fbi_line_get3(t, w->t, j);
+    fbi_line_get3(F_j, F, j);
+    fbi_line_get3(turn, w->w, j);
+    fbi_line_get3(g, w->glide, j);
+
+    /* G + F x w, to stretches in section axes */
+    fbi_line_get3(own, G, j);
+    fbi_vec3_add_cross(own, F_j, turn);
+    fbi_line_get9(H, w->H, j);
+    fb_mat33_mulT_vec3(more, H, own);
+    fbi_line_set3(G, j, more);
+
+    /* c, b and their sums */
+    fbi_line_get3(more, c, j);
+    fbi_vec3_add_cross(more, t, F_j);
+    fbi_vec3_add(C, FB_R(1.0), more);
+    fbi_vec3_add_cross(B, turn, more);
+    fbi_vec3_add_cross(B, t, own);
+    fbi_vec3_add_cross(B, g, F_j);
+    fbi_line_get3(more, b, j);
+    fbi_vec3_add(B, FB_R(1.0), more);
+
+    /* H and w before the interval; y, s */
+    fbi_line_before(H, before, w, line, j);
+    fb_mat33_mulT_vec3(back, H, C);
+    fbi_line_get9(N, w->N, j);
+    fbi_line_get3(phi, w->phi, j);
+    fbi_line_get3(rate, w->phi_dot, j);
+    fbi_vec3_copy(own, B);
+    fbi_vec3_add_cross(own, C, before);
+    fb_mat33_mulT_vec3(more, N, own);
+    fbi_line_turning(own, w, j, phi, rate, back);
+    fbi_vec3_add(own, FB_R(1.0), more);
+    fbi_line_set3(y, j, own);
+    fb_mat33_mulT_vec3(own, N, C);
+    fbi_line_set3(s, j, own);
+  }
+  if (m > line->count) {
+    for (int i = 0; i < 3; i++) {
+      y[i][p + line->count] = s[i][p + line->count] = FB_R(0.0);
+    }
+  }
+  fbi_line_moments_add(x, w, all, line, y, s);
+  fbi_line_rows_add(x, all, line, line->row + line->n_turn, line->n_stretch, 0, G);
+  fbi_line_root_add(x, w, all, line, Q, P, B, C);
+}
+
+/* Nothing hangs on the lines yet. */
+static void fbi_lines_unload(fbi_line_work *w, const fb_lines *all)
+{
+  for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
+    for (int i = 0; i < 9 && line->carries; i++) {
+      fbi_zero(w->hung[i] + line->point, line->stride);
+    }
+  }
+}
+
+/* x in line axes: A takes them to body axes. */
+static void fbi_line_axes(fb_real x[3], const fb_line *line, const fb_real in_body[3])
+{
+  if (line->turned) {
+    fb_mat33_mulT_vec3(x, line->axes, in_body);
+  } else {
+    fbi_vec3_copy(x, in_body);
+  }
+}
+
+/* x_a += dT/dq_a of all lines at fixed velocities V (body axes) and q_dot. */
+static void fbi_lines_gradient_add(fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_real V[6],
+                                   const fb_real *q_dot)
+{
+  for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
+    fbi_line_rates(w, all, line, q_dot);
+  }
+  fbi_lines_unload(w, all);
+  for (const fb_line *line = all->line + all->n_line; line-- > all->line;) {
+    fb_real u[3], o[3];
+    fbi_line_axes(u, line, V);
+    fbi_line_axes(o, line, V + 3);
+    fbi_line_gradient_add(x, w, all, line, u, o);
+  }
+}
+
+/* [E14.8] Virtual work of forces F at the mass centers of the points and torques T (NULL: none) on them, line axes:
+   x_a += sum F.Jv_a + T.Jw_a, by one sweep from the tip.
+   Source: transpose of E14.5.  Cost: 100 flops and 6 points a point.  Fails: never.
+   Test: power_of_loads_is_the_rate_of_energy. */
+static void fbi_line_load_add(fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_line *line,
+                              fb_real F[3][FB_MAX_POINTS], fb_real T[3][FB_MAX_POINTS])
+{
+  const int p = line->point, m = line->stride;
+  fb_real f[3][FB_MAX_POINTS], y[3][FB_MAX_POINTS], g[3][FB_MAX_POINTS], own[3][FB_MAX_POINTS];
+  fb_real B[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  const fb_real none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  for (int i = 0; i < 3; i++) {
+    for (int j = p; j < p + m; j++) {
+      own[i][j] = F[i][j] + (line->carries ? w->hung[i][j] : FB_R(0.0));
+    }
+  }
+  fbi_line_outboard(f, all, line, own);
+  for (int j = p + line->count - 1; j >= p; j--) {
+    fb_real t[3], at[3], H[9], N[9], out[3];
+    fbi_line_get3(t, w->t, j);
+    fbi_line_get3(at, f, j);
+    fbi_vec3_add_cross(B, t, at);
+    if (line->solid) {
+      fb_real rho[3], force[3];
+      fbi_line_offset(rho, w, all, j);
+      fbi_line_get3(force, F, j);
+      fbi_vec3_add_cross(B, rho, force);
+    }
+    for (int i = 0; i < 3; i++) {
+      B[i] += (T ? T[i][j] : FB_R(0.0)) + (line->carries ? w->hung[3 + i][j] : FB_R(0.0));
+    }
+    fbi_line_get9(N, w->N, j);
+    fb_mat33_mulT_vec3(out, N, B);
+    fbi_line_set3(y, j, out);
+    fbi_line_get9(H, w->H, j);
+    fb_mat33_mulT_vec3(out, H, at);
+    fbi_line_set3(g, j, out);
+  }
+  for (int i = 0; i < 3 && m > line->count; i++) {
+    y[i][p + line->count] = g[i][p + line->count] = FB_R(0.0);
+  }
+  fbi_line_moments_add(x, w, all, line, y, NULL);
+  fbi_line_rows_add(x, all, line, line->row + line->n_turn, line->n_stretch, 0, g);
+  fbi_line_root_add(x, w, all, line, own, own, B, none);
+}
+
+/* Of all lines: c += first moment of mass about O, body axes; unless x is NULL x_a += g.dc/dq_a. */
+static void fbi_lines_pull(fb_real c[3], fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_real g[3])
+{
+  if (x) {
+    fbi_lines_unload(w, all);
+  }
+  for (const fb_line *line = all->line + all->n_line; line-- > all->line;) {
+    fb_real sum[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, own[3], F[3][FB_MAX_POINTS];
+    for (int j = line->point; j < line->point + line->count; j++) {
+      fb_real r[3];
+      fbi_line_get3(r, w->r, j);
+      if (line->solid) {
+        fb_real rho[3];
+        fbi_line_offset(rho, w, all, j);
+        fbi_vec3_add(r, FB_R(1.0), rho);
+      }
+      fbi_vec3_add(sum, all->mass[j], r);
+    }
+    fbi_vec3_copy(own, sum);
+    if (line->turned) {
+      fb_mat33_mul_vec3(own, line->axes, sum);
+    }
+    fbi_vec3_add(c, FB_R(1.0), own);
+    if (x) {
+      fbi_line_axes(own, line, g);
+      for (int i = 0; i < 3; i++) {
+        for (int j = line->point; j < line->point + line->stride; j++) {
+          F[i][j] = all->mass[j] * own[i];
+        }
+      }
+      fbi_line_load_add(x, w, all, line, F, NULL);
+    }
+  }
+}
+
+/* Second derivative of the tangent at point j without accelerations of the coordinates, w_dot x t + w x (w x t) + 2 w x
+   g. */
+static void fbi_line_tangent_bias(fb_real out[3], fbi_line_work *w, int j)
+{
+  fb_real t[3], g[3], turn[3], alpha[3], own[3];
+  fbi_line_get3(t, w->t, j);
+  fbi_line_get3(g, w->glide, j);
+  fbi_line_get3(turn, w->w, j);
+  fbi_line_get3(alpha, w->w_dot, j);
+  fb_vec3_cross(own, turn, t);
+  fbi_vec3_add(own, FB_R(2.0), g);
+  fb_vec3_cross(out, turn, own);
+  fbi_vec3_add_cross(out, alpha, t);
+}
+
+/* [E14.9] Accelerations of the points relative to the frame that the coordinates' velocities alone cause:
+   phi_dd = -1/3 A' x B',  w_dot = sum over the intervals before of w x N phi_dot + H (T_dot phi_dot + T phi_dd),
+   v_dot = int (w_dot x t + w x (w x t) + 2 w x g) dx,  g = H Gamma q_dot.
+   Source: derivative of E14.5.  Cost: 250 flops and 6 points a point.  Fails: never.
+   Test: line_velocities_are_derivatives_of_poses. */
+static void fbi_line_bias(fbi_line_work *w, const fb_lines *all, const fb_line *line)
+{
+  const int p = line->point, m = line->stride;
+  fb_real u[3][FB_MAX_POINTS], alpha[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, a[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  if (line->hangs) {
+    fbi_line_get3(alpha, w->w_dot, line->hangs - 1);
+    fbi_line_get3(a, w->v_dot, line->hangs - 1);
+  }
+  for (int j = p; j < p + line->count; j++) {
+    fb_real H[9], N[9], before[3], phi[3], rate[3], A_dot[3], B_dot[3], more[3], own[3], x_dot;
+    fbi_line_before(H, before, w, line, j);
+    fbi_line_get9(N, w->N, j);
+    fbi_line_get3(phi, w->phi, j);
+    fbi_line_get3(rate, w->phi_dot, j);
+    fbi_line_get3(A_dot, w->turn_dot, j);
+    fbi_line_get3(B_dot, w->bow_dot, j);
+
+    /* alpha */
+    fb_mat33_mul_vec3(own, N, rate);
+    fbi_vec3_add_cross(alpha, before, own);
+    x_dot = FB_R(2.0) * fb_vec3_dot(phi, rate);
+    fbi_line_spin(own, w->a1[j] * x_dot, w->b1[j] * x_dot, w->b[j], phi, rate);
+    fb_mat33_mul_vec3(more, H, own);
+    fbi_vec3_add(alpha, FB_R(1.0), more);
+    fb_vec3_cross(own, A_dot, B_dot);
+    fb_mat33_mul_vec3(more, N, own);
+    fbi_vec3_add(alpha, -FB_R(2.0) * FBI_SIXTH, more);
+    fbi_line_set3(w->w_dot, j, alpha);
+
+    fbi_line_tangent_bias(own, w, j);
+    fbi_line_set3(u, j, own);
+    fbi_line_set3(w->v_dot, j, a);
+  }
+  if (m > line->count) {
+    const fb_real none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+    fbi_line_set3(w->v_dot, p + line->count, none);
+  }
+  fbi_line_integrals_add(w->v_dot[0] + p, FB_MAX_POINTS, all, line, u[0] + p);
+}
+
+/* x of a line's axes in body axes */
+static void fbi_line_to_body(fb_real x[3], const fb_line *line, const fb_real own[3])
+{
+  if (line->turned) {
+    fb_mat33_mul_vec3(x, line->axes, own);
+  } else {
+    fbi_vec3_copy(x, own);
+  }
+}
+
+/* Poses and velocities per rate of the coordinates of all lines. */
+static void fbi_lines_move(fbi_line_work *w, const fb_lines *all, const fb_real *q)
+{
+  (void)fbi_lines_pose(w, all, q);
+  for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
+    fbi_line_jacobians(w, all, line);
+  }
+}
+
+/* Velocities at q_dot and the accelerations that they alone cause, of all lines. */
+static void fbi_lines_drift(fbi_line_work *w, const fb_lines *all, const fb_real *q_dot)
+{
+  for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
+    fbi_line_rates(w, all, line, q_dot);
+    fbi_line_bias(w, all, line);
+  }
+}
+
+/* [E14.15] Inertia forces of the velocities alone: accelerations a = V_w x V_v + 2 V_w x v + V_w x (V_w x r) + E14.9 of
+   the points' mass centers, with what their rotary inertia adds: y += (resultant, moment about O), body axes,
+   x_b += sum m a.Jv_b + ..; push: sum of m times the last part of a.
+   Source: Newton-Euler.  Fails: never.  Test: accelerations_of_lines_are_derivatives_of_velocities. */
+static void fbi_lines_bias_add(fb_real y[6], fb_real *x, fb_real push[3], fbi_line_work *w, const fb_lines *all,
+                               const fb_real V[6], const fb_real *q_dot)
+{
+  fb_real F[3][FB_MAX_POINTS], T[3][FB_MAX_POINTS];
+  fbi_lines_drift(w, all, q_dot);
+  fbi_lines_unload(w, all);
+  fbi_vec3_zero(push);
+  for (const fb_line *line = all->line + all->n_line; line-- > all->line;) {
+    fb_real u[3], o[3], total[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, moment[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+    fb_real drift[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, out[3];
+    fbi_line_axes(u, line, V);
+    fbi_line_axes(o, line, V + 3);
+    for (int j = line->point; j < line->point + line->stride; j++) {
+      fb_real r[3], v[3], a[3], turn[3], alpha[3], own[3], torque[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+      fbi_line_get3(r, w->r, j);
+      fbi_line_get3(v, w->v, j);
+      fbi_line_get3(a, w->v_dot, j);
+      if (line->solid && j < line->point + line->count) {
+        fb_real rho[3], I[9], whole[3], L[3];
+        fbi_line_get3(turn, w->w, j);
+        fbi_line_get3(alpha, w->w_dot, j);
+        fbi_line_offset(rho, w, all, j);
+        fbi_line_spread(I, w, all, j);
+        fbi_vec3_add(r, FB_R(1.0), rho);
+        fbi_vec3_add_cross(a, alpha, rho);
+        fb_vec3_cross(own, turn, rho);
+        fbi_vec3_add_cross(a, turn, own);
+        fbi_vec3_add(v, FB_R(1.0), own);
+        fbi_vec3_add_cross(alpha, o, turn);
+        fb_mat33_mul_vec3(torque, I, alpha);
+        fbi_vec3_advance(whole, o, FB_R(1.0), turn);
+        fb_mat33_mul_vec3(L, I, whole);
+        fbi_vec3_add_cross(torque, whole, L);
+      }
+      fbi_vec3_add(drift, all->mass[j], a);
+      fb_vec3_cross(own, o, r);
+      fbi_vec3_add(own, FB_R(2.0), v);
+      fbi_vec3_add(own, FB_R(1.0), u);
+      fbi_vec3_add_cross(a, o, own);
+      for (int i = 0; i < 3; i++) {
+        a[i] *= all->mass[j];
+      }
+      fbi_vec3_add(total, FB_R(1.0), a);
+      fbi_vec3_add_cross(moment, r, a);
+      fbi_vec3_add(moment, FB_R(1.0), torque);
+      fbi_line_set3(F, j, a);
+      fbi_line_set3(T, j, torque);
+    }
+    fbi_line_load_add(x, w, all, line, F, line->solid ? T : NULL);
+    fbi_line_to_body(out, line, total);
+    fbi_vec3_add(y, FB_R(1.0), out);
+    fbi_line_to_body(out, line, moment);
+    fbi_vec3_add(y + 3, FB_R(1.0), out);
+    fbi_line_to_body(out, line, drift);
+    fbi_vec3_add(push, FB_R(1.0), out);
+  }
+}
+
+/* ---- nodes */
+
+/* The interval from the point before a node to it, line axes. */
+typedef struct fbi_line_step {
+  fb_real A[3], B[3], phi[3], x, a, b, a1, b1;
+  fb_real before[9], H[9], N[9]; /* rotations before it and behind it; as in E14.3 */
+} fbi_line_step;
+
+static void fbi_line_step_eval(fbi_line_step *s, fbi_line_work *w, const fb_line *line, const fb_line_node *node,
+                               const fb_real *q)
+{
+  fb_real more[3], own[9];
+  fbi_vec3_zero(s->A);
+  fbi_vec3_zero(s->B);
+  for (int k = 0; k < line->n; k++) {
+    fbi_vec3_add(s->A, q[line->first + k], node->turn + 3 * k);
+    fbi_vec3_add(s->B, q[line->first + k], node->bow + 3 * k);
+  }
+  fb_vec3_cross(more, s->A, s->B);
+  fbi_vec3_advance(s->phi, s->A, -FBI_SIXTH, more);
+  s->x = fb_vec3_dot(s->phi, s->phi);
+  fbi_line_series(&s->a, &s->b, &s->a1, &s->b1, s->x);
+  if (node->after) {
+    fbi_line_get9(s->before, w->H, node->after - 1);
+  } else {
+    fbi_line_begin(s->before, w, line);
+  }
+  fbi_line_matrix(own, FB_R(1.0) - s->b * s->x, s->a, s->b, s->phi);
+  fb_mat33_mul(s->N, s->before, own);
+  fbi_line_matrix(own, FB_R(1.0) - s->a * s->x, FB_R(1.0) - s->b * s->x, s->a, s->phi);
+  fb_mat33_mul(s->H, s->before, own);
+}
+
+/* Position of a node from O, and the rotation of its section, line axes. */
+static void fbi_line_node_pose(fb_real r[3], fbi_line_work *w, const fb_line *line, const fb_line_node *node,
+                               const fb_lines *all, const fb_real *q)
+{
+  fbi_vec3_copy(r, node->start);
+  for (int j = 0; j < line->count; j++) {
+    for (int i = 0; i < 3; i++) {
+      r[i] += node->weight[j] * w->t[i][line->point + j];
+    }
+  }
+  for (int i = 0; i < 3 && line->hangs; i++) {
+    r[i] += w->r[i][line->hangs - 1];
+  }
+  for (int k = 0; k < line->n && line->moves; k++) {
+    fbi_vec3_add(r, q[line->first + k], all->table + line->shift + 3 * k);
+  }
+}
+
+/* Angular velocity Jw and velocity Jv of a node per rate of the line's coordinate k (E14.5). */
+static void fbi_line_node_rates(fb_real Jw[3], fb_real Jv[3], fbi_line_work *w, const fb_line *line,
+                                const fb_line_node *node, const fb_lines *all, const fbi_line_step *s, int k)
+{
+  const int m = line->stride, at = fbi_line_place(line, k);
+  const fb_real *A = node->turn + 3 * k, *B = node->bow + 3 * k;
+  fb_real mixed[3], own[3];
+
+  /* angular velocity */
+  fb_vec3_cross(mixed, A, s->B);
+  fbi_vec3_add_cross(mixed, s->A, B);
+  fbi_vec3_advance(own, A, -FBI_SIXTH, mixed);
+  fb_mat33_mul_vec3(Jw, s->N, own);
+  fbi_vec3_zero(Jv);
+  if (line->moves) {
+    fbi_vec3_copy(Jv, all->table + line->shift + 3 * k);
+  }
+  if (line->hangs) {
+    const fb_line *on = fbi_line_of(all, line->hangs - 1);
+    const int there = fbi_line_place(on, k) + line->hangs - 1 - on->point;
+    for (int i = 0; i < 3; i++) {
+      Jw[i] += node->after ? FB_R(0.0) : w->Jw[there + i * on->stride];
+      Jv[i] += w->Jv[there + i * on->stride];
+    }
+  }
+  for (int i = 0; i < 3 && node->after; i++) {
+    Jw[i] += w->Jw[at + i * m + node->after - 1 - line->point];
+  }
+
+  /* velocity */
+  for (int j = 0; j < line->count; j++) {
+    const fb_real turn[3] = {w->Jw[at + j], w->Jw[at + m + j], w->Jw[at + 2 * m + j]};
+    fb_real t[3];
+    fbi_line_get3(t, w->t, line->point + j);
+    fb_vec3_cross(own, turn, t);
+    fbi_vec3_add(Jv, node->weight[j], own);
+  }
+  for (const fb_line_row *r = all->row + line->row + line->n_turn, *end = r + line->n_stretch; r < end; r++) {
+    for (int j = 0; j < line->count && r->a == k; j++) {
+      for (int i = 0; i < 3; i++) {
+        Jv[i] += node->weight[j] * w->H[3 * i + r->axis][line->point + j] * all->table[r->at + j];
+      }
+    }
+  }
+}
+
+/* Accelerations of a node relative to the frame that the coordinates' velocities alone cause, line axes (E14.9). */
+static void fbi_line_node_bias(fb_real a[3], fb_real alpha[3], fbi_line_work *w, const fb_line *line,
+                               const fb_line_node *node, const fbi_line_step *s, const fb_real *q_dot)
+{
+  fb_real A_dot[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, B_dot[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, rate[3], mixed[3], own[3], more[3], x_dot;
+  const int on = line->hangs ? line->hangs - 1 : 0;
+  for (int k = 0; k < line->n; k++) {
+    fbi_vec3_add(A_dot, q_dot[line->first + k], node->turn + 3 * k);
+    fbi_vec3_add(B_dot, q_dot[line->first + k], node->bow + 3 * k);
+  }
+  fb_vec3_cross(mixed, A_dot, s->B);
+  fbi_vec3_add_cross(mixed, s->A, B_dot);
+  fbi_vec3_advance(rate, A_dot, -FBI_SIXTH, mixed);
+
+  /* rotation: before the interval, then in it */
+  fbi_vec3_zero(alpha);
+  if (node->after || line->hangs) {
+    fbi_line_get3(turn, w->w, node->after ? node->after - 1 : on);
+    fbi_line_get3(alpha, w->w_dot, node->after ? node->after - 1 : on);
+  }
+  fb_mat33_mul_vec3(own, s->N, rate);
+  fbi_vec3_add_cross(alpha, turn, own);
+  x_dot = FB_R(2.0) * fb_vec3_dot(s->phi, rate);
+  fbi_line_spin(own, s->a1 * x_dot, s->b1 * x_dot, s->b, s->phi, rate);
+  fb_mat33_mul_vec3(more, s->before, own);
+  fbi_vec3_add(alpha, FB_R(1.0), more);
+  fb_vec3_cross(own, A_dot, B_dot);
+  fb_mat33_mul_vec3(more, s->N, own);
+  fbi_vec3_add(alpha, -FB_R(2.0) * FBI_SIXTH, more);
+
+  /* position */
+  fbi_vec3_zero(a);
+  if (line->hangs) {
+    fbi_line_get3(a, w->v_dot, on);
+  }
+  for (int j = line->point; j < line->point + line->count; j++) {
+    fbi_line_tangent_bias(own, w, j);
+    fbi_vec3_add(a, node->weight[j - line->point], own);
+  }
+}
+#endif
 
 /* ---------------------------------------------------------------------------------------------------------------
    RUN >>body: one body in a floating frame: rates, motion, nodes, sensors, energy, checks
@@ -1240,7 +2482,8 @@ FB_DEF fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q)
    (FB_WITH_SPIN_STIFFENING ? FB_EFFECT_SPIN_STIFFENING : 0) |                             \
    (FB_WITH_ACCELERATION_STIFFENING ? FB_EFFECT_ACCELERATION_STIFFENING : 0) |             \
    (FB_WITH_DAMPING ? FB_EFFECT_DAMPING : 0) | (FB_WITH_GRAVITY ? FB_EFFECT_GRAVITY : 0) | \
-   (FB_WITH_NONLINEAR_STRAIN ? FB_EFFECT_NONLINEAR_STRAIN : 0))
+   (FB_WITH_NONLINEAR_STRAIN ? FB_EFFECT_NONLINEAR_STRAIN : 0) |                           \
+   (FB_WITH_LARGE_DEFLECTION ? FB_EFFECT_LARGE_DEFLECTION : 0))
 #define FBI_QUADRATIC_EFFECTS (FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING)
 /* 1 if one of these effects is on; a compile-time 0 where they were removed. */
 static int fbi_has(unsigned effects, int effect)
@@ -1253,7 +2496,7 @@ static int fbi_has(unsigned effects, int effect)
 static int fbi_is_excluded(unsigned effects)
 {
   return (effects & ~(unsigned)FBI_EFFECTS_BUILT) ||
-         ((effects & FB_EFFECT_NONLINEAR_STRAIN) && (effects & FBI_QUADRATIC_EFFECTS));
+         ((effects & FB_EFFECT_NONLINEAR_STRAIN) && (effects & (FBI_QUADRATIC_EFFECTS | FB_EFFECT_LARGE_DEFLECTION)));
 }
 
 #define FBI_WORD_EXCLUDED \
@@ -1268,8 +2511,33 @@ FB_DEF fb_status fb_effects_check(unsigned effects)
     return FBI_REFUSE(FB_ERR_EFFECTS, "effects: residual inertia, with spin coupling and a stiffening", -1, FB_R(0.0),
                       FB_R(0.0));
   }
+  if ((effects & FB_EFFECT_LARGE_DEFLECTION) && (~effects & FB_EFFECTS_FULL & FBI_EFFECTS_BUILT)) {
+    return FBI_REFUSE(FB_ERR_EFFECTS, "effects: large deflection, with all of FB_EFFECTS_FULL", -1, FB_R(0.0),
+                      FB_R(0.0));
+  }
   return FB_OK;
 }
+
+/* 1 if the beams of a body are lines of large deflection; a compile-time 0 where the effect was removed. */
+static int fbi_is_large(const fb_body *body)
+{
+  return fbi_has(body->effects, FB_EFFECT_LARGE_DEFLECTION);
+}
+
+#if FB_WITH_LARGE_DEFLECTION
+#define FBI_WITH_LINES(k)     \
+  fbi_line_work k##_line_own; \
+  (k).line = &k##_line_own
+#define FBI_LINES(work) (&(work)->line)
+#define FBI_USE_LINES(k, work) ((k).line = &(work)->line)
+#define FBI_LINE_OF(k) ((k)->line)
+#else
+#define FBI_WITH_LINES(k) ((void)0)
+#define FBI_LINES(work) NULL
+#define FBI_USE_LINES(k, work) ((void)0)
+#define FBI_LINE_OF(k) NULL
+typedef void fbi_line_work;
+#endif
 
 static void fbi_sparse_add(fb_real *A, fb_real s, const fb_sparse *sparse, int n)
 {
@@ -1669,6 +2937,81 @@ static fb_real fbi_strain_energy(const fb_body *body, const fb_real *q)
 }
 #endif
 
+#if FB_WITH_LARGE_DEFLECTION
+/* ---- bodies with lines of large deflection: M, Lambda and M_rr depend on q and are formed at every evaluation */
+
+/* S(q) = M_rr - Lambda M^-1 Lambda^T to k.S, from Z = Lambda L^-T. */
+static void fbi_large_S(fbi_kinetics *k, const fb_body *body)
+{
+  const int n = body->n;
+  fbi_line_work *const w = k->line;
+  int at = 0;
+  for (int i = 0; i < 6; i++) {
+    fbi_chol_forward(w->Z + i * n, w->L, w->X + i * n, n);
+  }
+  for (int i = 0; i < 6; i++) {
+    for (int j = i; j < 6; j++, at++) {
+      k->S[at] = w->M_rr[at] - fbi_dot(w->Z + i * n, w->Z + j * n, n);
+    }
+  }
+}
+
+/* [E14.12] Inertia of a body with lines at q: M(q) = M_rest + M_lines(q), factored, Lambda(q) and M_rr(q) likewise; the
+   rest are hub, lumped bodies and imported components with their terms of E8.9 and E8.11.
+   Source: sum of kinetic energies.  Fails: an interval turns beyond E14.2, M not positive definite.
+   Test: momenta_of_lines_agree_with_particles. */
+static fb_status fbi_large_inertia(fbi_kinetics *k, const fb_body *body, const fb_real *q)
+{
+  const int n = body->n;
+  fbi_line_work *const w = k->line;
+  if (!fbi_lines_pose(w, &body->lines, q)) {
+    return fbi_is_finite(q, n) ? FB_ERR_RANGE : FB_ERR_NOT_FINITE;
+  }
+  fbi_sparse_to_dense(w->L, &body->M_rest, n);
+  fbi_lambda_rows(w->X, body, k->qx, 0, body->n_lambda);
+  fbi_S_eval(w->M_rr, body, k->qx, body->n_run);
+  fbi_lines_inertia_add(w->L, w->X, w->M_rr, w, &body->lines, n);
+  return fb_chol_factor(w->L, n) == FB_OK ? FB_OK : FB_ERR_RANGE;
+}
+
+/* y -= Lambda(q) x */
+static void fbi_large_lambda_sub(fb_real y[6], const fbi_kinetics *k, const fb_body *body, const fb_real *x)
+{
+  for (int i = 0; i < 6; i++) {
+    y[i] -= fbi_dot(k->line->X + i * body->n, x, body->n);
+  }
+}
+
+/* e -= Lambda(q)^T V */
+static void fbi_large_lambdaT_sub(fb_real *e, const fbi_kinetics *k, const fb_body *body, const fb_real V[6])
+{
+  for (int i = 0; i < 6; i++) {
+    fbi_row_sub(e, V[i], k->line->X + i * body->n, body->n);
+  }
+}
+
+/* [E14.13] Elastic equations with lines, q_dot = M^-1 (pi - Lambda^T V),  pi_dot = f_e - K q - C q_dot + dT/dq at fixed
+   V and q_dot: Hamilton's equations for any M, Lambda and M_rr of q, hence conservative.
+   Source: THEORY.md 14.  Fails: never.  Test: lines_conserve_energy_and_momentum. */
+static void fbi_large_rates(fb_real *q_dot, fbi_kinetics *k, const fb_body *body, const fb_real *pi)
+{
+  fb_real unused[FB_MAX_MODES];
+  fbi_line_work *const w = k->line;
+  fbi_copy(w->e, pi, body->n);
+  fbi_large_lambdaT_sub(w->e, k, body, k->V);
+  fb_chol_solve(q_dot, w->L, w->e, body->n);
+  fbi_zero(w->gradient, body->n);
+  fbi_lines_gradient_add(w->gradient, w, &body->lines, k->V, q_dot);
+  fbi_lambda_linear_gradients(unused, k->x, body, k->V, k->qx, q_dot);
+#if FBI_WITH_SHAPE_INERTIA
+  fbi_S_gradient(k->x, body, k->V, k->qx);
+#endif
+  for (int a = 0; a < body->n; a++) {
+    k->x[a + 1] += w->gradient[a];
+  }
+}
+#endif
+
 /* V of a prescribed base: v relative to the frame of state.pi, which moves at state.u (momentum form), or to O and zero
    (the other forms). */
 static void fbi_given_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
@@ -1684,6 +3027,34 @@ static void fbi_given_velocity(fbi_kinetics *k, const fb_body *body, const fb_st
     fbi_vec3_copy(k->V + 3, input->w);
   }
 }
+
+#if FB_WITH_LARGE_DEFLECTION
+/* E8.13 for a body with lines; k.qx is set. */
+static fb_status fbi_large_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
+{
+  fb_real y[6];
+  const fb_status status = fbi_large_inertia(k, body, state->q);
+  if (status != FB_OK) {
+    return status;
+  }
+  fb_chol_solve(k->Minv_pi, k->line->L, state->pi, body->n);
+  k->pb = k->Minv_pi;
+  if (body->base == FB_BASE_PRESCRIBED) {
+    fbi_given_velocity(k, body, state, input);
+    return FB_OK;
+  }
+  fbi_vec3_zero(k->V);
+  fbi_vec3_zero(k->ph);
+  fbi_vec3_copy(k->ph + 3, state->h);
+  fbi_vec6_copy(y, k->ph);
+  fbi_large_lambda_sub(y, k, body, k->pb);
+  fbi_large_S(k, body);
+  if (fbi_base_solve(k->V, body->base, k->S, y) != FB_OK) {
+    return fbi_is_finite(k->S, 21) ? FB_ERR_RANGE : FB_ERR_NOT_FINITE;
+  }
+  return FB_OK;
+}
+#endif
 
 /* [E8.13] Velocities from momenta, S(q) V = (0, h) - Lambda(q) pb, relative to the mass center; the prescribed ones of
    a prescribed base. On entry k.R is that of state.quat where fbi_is_oriented.
@@ -1702,6 +3073,11 @@ static fb_status fbi_velocity(fbi_kinetics *k, const fb_body *body, const fb_sta
     k->x[a + 1] = FB_R(0.0);
   }
   k->pb = state->pi;
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    return fbi_large_velocity(k, body, state, input);
+  }
+#endif
   if (!body->unit_mass && fbi_form(body) == 0) {
     fbi_mass_solve(k->Minv_pi, body, state->pi);
     k->pb = k->Minv_pi;
@@ -1753,6 +3129,59 @@ static int fbi_pair(int a, int b)
 }
 #endif
 
+#if FB_WITH_LARGE_DEFLECTION
+static int fbi_is_on_line(const fb_body *body, const fb_node *node)
+{
+  return fbi_is_large(body) && node->line.line > 0;
+}
+
+/* [E14.14] A node on a line: displacement, attitude, velocity and angular velocity per rate of each coordinate, from
+   the points before it.
+   Source: E14.1 to E14.5.  Cost: (60 + 15 points) n flops.  Fails: never.
+   Test: line_velocities_are_derivatives_of_poses. */
+static void fbi_large_node(fbi_node_field *f, fbi_line_work *w, const fb_body *body, const fb_node *node,
+                           const fb_real *q)
+{
+  const fb_line_node *const place = &node->line;
+  const fb_line *const line = &body->lines.line[place->line - 1];
+  fbi_line_step s;
+  fb_real own[3], H[9], Jw[3], Jv[3], turn[9];
+  fbi_line_step_eval(&s, w, line, place, q);
+  fbi_line_node_pose(own, w, line, place, &body->lines, q);
+  fbi_line_to_body(f->u, line, own);
+  fbi_vec3_add(f->u, -FB_R(1.0), node->r);
+  fbi_mat33_copy(H, s.H);
+  if (line->turned) { /* A H A^T */
+    fb_mat33_mul(turn, line->axes, s.H);
+    for (int i = 0; i < 9; i++) {
+      H[i] = fb_vec3_dot(turn + 3 * (i / 3), line->axes + 3 * (i % 3));
+    }
+  }
+  fbi_quat_from_mat33(f->quat, H);
+  fbi_zero(f->Ju, 3 * body->n);
+  fbi_zero(f->Jphi, 3 * body->n);
+  for (int k = 0; k < line->n; k++) {
+    fbi_line_node_rates(Jw, Jv, w, line, place, &body->lines, &s, k);
+    fbi_line_to_body(f->Ju + 3 * (line->first + k), line, Jv);
+    fbi_line_to_body(f->Jphi + 3 * (line->first + k), line, Jw);
+  }
+}
+
+/* E14.9 of a node, body axes. */
+static void fbi_large_convection(fb_real u_dd[3], fb_real turn_dd[3], fbi_line_work *w, const fb_body *body,
+                                 const fb_node *node, const fb_real *q, const fb_real *q_dot)
+{
+  const fb_line *const line = &body->lines.line[node->line.line - 1];
+  fbi_line_step s;
+  fb_real a[3], alpha[3];
+  fbi_lines_drift(w, &body->lines, q_dot);
+  fbi_line_step_eval(&s, w, line, &node->line, q);
+  fbi_line_node_bias(a, alpha, w, line, &node->line, &s, q_dot);
+  fbi_line_to_body(u_dd, line, a);
+  fbi_line_to_body(turn_dd, line, alpha);
+}
+#endif
+
 /* [E8.14] Displacement and rotation of a node, u = psi q + 1/2 chi q q, phi = theta q + 1/2 chi_theta q q (chi:
    second-order displacement field), and their variations J_u,a = psi_a + chi_ab q_b,
    J_phi,a = (t_a + 1/2 phi x t_a) / (1 + phi.phi/4),  t_a = d phi/dq_a = theta_a + chi_theta_ab q_b. phi are the
@@ -1760,10 +3189,18 @@ static int fbi_pair(int a, int b)
    vector, and J_phi is the exact rate of that rotation, without sine and cosine.
    Source: THEORY.md 8.3; Rodrigues parameters.  Cost: 12 n (n+1) flops.  Fails: never.
    Test: node_kinematics_match_finite_differences. */
-static FBI_NOINLINE void fbi_node_eval(fbi_node_field *f, const fb_body *body, const fb_node *node, const fb_real *q)
+static FBI_NOINLINE void fbi_node_eval(fbi_node_field *f, const fbi_kinetics *k, const fb_body *body,
+                                       const fb_node *node, const fb_real *q)
 {
   const int n = body->n;
   fb_real scale;
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_on_line(body, node)) {
+    fbi_large_node(f, k->line, body, node, q);
+    return;
+  }
+#endif
+  (void)k;
 
   /* J_u,a and t_a */
   fbi_zero(f->u, 3);
@@ -1804,8 +3241,15 @@ static FBI_NOINLINE void fbi_node_eval(fbi_node_field *f, const fb_body *body, c
 }
 
 /* Quaternion of a node's rotation in its body. */
-static void fbi_node_quat(fb_real quat[4], const fbi_node_field *f)
+static void fbi_node_quat(fb_real quat[4], const fbi_node_field *f, const fb_body *body, const fb_node *node)
 {
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_on_line(body, node)) {
+    fbi_copy(quat, f->quat, 4);
+    return;
+  }
+#endif
+  (void)body, (void)node;
   quat[0] = FB_R(1.0);
   for (int i = 0; i < 3; i++) {
     quat[1 + i] = FB_R(0.5) * f->phi[i];
@@ -1847,11 +3291,18 @@ static void fbi_vec3_sum(fb_real y[3], const fb_real *x, const fb_real *q_dot, i
    (phi_dd + 1/2 phi x phi_dd - 1/2 (phi.phi_dot) J_phi q_dot) / (1 + phi.phi/4),  phi_dd = turn_dot q_dot.
    Source: derivative of E8.14.  Shapes: u_dd, turn_dd 3.  Fails: never.
    Test: node_kinematics_match_finite_differences. */
-static void fbi_node_convection(fb_real u_dd[3], fb_real turn_dd[3], const fbi_node_field *f, const fb_body *body,
-                                const fb_node *node, const fb_real *q_dot)
+static void fbi_node_convection(fb_real u_dd[3], fb_real turn_dd[3], const fbi_node_field *f, const fbi_kinetics *k,
+                                const fb_body *body, const fb_node *node, const fb_real *q, const fb_real *q_dot)
 {
   const int n = body->n;
   fb_real Ju_dot[3 * FB_MAX_MODES], turn_dot[3 * FB_MAX_MODES], phi_dot[3], phi_dd[3], rate[3];
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_on_line(body, node)) {
+    fbi_large_convection(u_dd, turn_dd, k->line, body, node, q, q_dot);
+    return;
+  }
+#endif
+  (void)k, (void)q;
   const fb_real scale = FB_R(1.0) / (FB_R(1.0) + FB_R(0.25) * fb_vec3_dot(f->phi, f->phi));
   fbi_node_rates(Ju_dot, turn_dot, body, node, q_dot);
   fbi_vec3_sum(u_dd, Ju_dot, q_dot, n);
@@ -1891,10 +3342,10 @@ static FBI_NOINLINE void fbi_load_add(fbi_kinetics *k, const fb_body *body, cons
   }
 
   /* rotate from the axes of the section */
-  fbi_node_eval(&f, body, node, q);
+  fbi_node_eval(&f, k, body, node, q);
   if (load->axes == FB_AXES_NODE) {
     fb_real turn[4], section[9];
-    fbi_node_quat(turn, &f);
+    fbi_node_quat(turn, &f, body, node);
     fb_quat_to_mat33(section, turn);
     fb_mat33_mul_vec3(F, section, load->force);
     fb_mat33_mul_vec3(T, section, load->torque);
@@ -1912,15 +3363,26 @@ static FBI_NOINLINE void fbi_load_add(fbi_kinetics *k, const fb_body *body, cons
   }
 }
 
+/* First moment of mass of the undeformed body; with lines of all but them. */
+static const fb_real *fbi_center_start(const fb_body *body)
+{
+#if FB_WITH_LARGE_DEFLECTION
+  return fbi_is_large(body) ? body->c_rest : body->c;
+#else
+  return body->c;
+#endif
+}
+
 /* [E8.16] Forces of a uniform acceleration field g, of potential -m g.rho - g.R c(q), c(q) = c + P q + 1/2 p^chi q q
    the first moment of mass: force m g, torque c(q) x g, modal forces x += (dc/dq)^T g, x indexed as (1, q). c and its
    gradient come from the terms of the linear momentum in Lambda. g in body axes; yields c and x.
    Source: potential energy.  Cost: 8 flops a term.  Fails: never.
    Test: a_falling_body_does_not_deform, power_of_loads_is_the_rate_of_energy. */
-static void fbi_pull_eval(fb_real c[3], fb_real *x, const fb_body *body, const fb_real *qx, const fb_real g[3])
+static void fbi_pull_eval(fb_real c[3], fb_real *x, const fbi_kinetics *k, const fb_body *body, const fb_real *qx,
+                          const fb_real g[3])
 {
   const fb_lambda_term *t = body->lambda;
-  fbi_copy(c, body->c, 3);
+  fbi_copy(c, fbi_center_start(body), 3);
   for (const fb_lambda_term *end = t + body->n_linear_constant; t < end; t++) {
     c[t->i] -= t->c * qx[t->b + 1];
     x[t->b + 1] -= t->c * g[t->i];
@@ -1931,6 +3393,12 @@ static void fbi_pull_eval(fb_real c[3], fb_real *x, const fb_body *body, const f
     c[t->i] -= FB_R(0.5) * s * qx[t->b + 1];
     x[t->b + 1] -= s * g[t->i];
   }
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    fbi_lines_pull(c, x + 1, k->line, &body->lines, g);
+  }
+#endif
+  (void)k;
 }
 
 #if FB_WITH_GRAVITY
@@ -1938,7 +3406,7 @@ static void fbi_gravity_add(fbi_kinetics *k, const fb_body *body)
 {
   fb_real g[3], c[3];
   fb_mat33_mulT_vec3(g, k->R, body->gravity);
-  fbi_pull_eval(c, k->x, body, k->qx, g);
+  fbi_pull_eval(c, k->x, k, body, k->qx, g);
   fbi_vec3_add(k->fg, body->mass, g);
   fbi_vec3_add_cross(k->fg + 3, c, g);
 }
@@ -1988,7 +3456,7 @@ static void fbi_fall(fbi_kinetics *k, const fb_body *body)
     field[i] = -k->a[i];
     k->fg[i] = FB_R(0.0);
   }
-  fbi_pull_eval(c, k->x, body, k->qx, field);
+  fbi_pull_eval(c, k->x, k, body, k->qx, field);
   fbi_vec3_add_cross(k->fg + 3, c, field);
 }
 
@@ -2050,6 +3518,13 @@ static void fbi_turning(fb_real turn[6], const fb_real V[6], const fb_real ph[6]
 static void fbi_elastic_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state)
 {
   fb_real *e = body->unit_mass ? rate->q : k->e; /* pi - Lambda^T V */
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    fbi_large_rates(rate->q, k, body, state->pi);
+    fbi_elastic_forces(rate->pi, k, body, state->q, rate->q);
+    return;
+  }
+#endif
   fbi_copy(e, state->pi, body->n);
   fbi_lambda_gradients(e, k->x, body, k->V, k->qx, k->pb);
 #if FBI_WITH_SHAPE_INERTIA
@@ -2534,11 +4009,21 @@ static int fbi_is_following(const fb_body *body)
    of a uniform field.
    Source: E8.16.  Cost: 5 flops a term.  Fails: never.  Test: flight_speed_does_not_matter,
    the_speed_of_a_prescribed_base_does_not_matter. */
-static void fbi_frame_shift(fb_real *pi, const fb_body *body, const fb_real *q, const fb_real R[9], const fb_real du[3])
+static void fbi_frame_shift(fb_real *pi, fbi_line_work *line, const fb_body *body, const fb_real *q, const fb_real R[9],
+                            const fb_real du[3])
 {
   const fb_lambda_term *t = body->lambda;
   fb_real back[3];
   fb_mat33_mulT_vec3(back, R, du);
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    const fb_real less[3] = {-back[0], -back[1], -back[2]};
+    fb_real c[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+    (void)fbi_lines_pose(line, &body->lines, q);
+    fbi_lines_pull(c, pi, line, &body->lines, less);
+  }
+#endif
+  (void)line;
   for (const fb_lambda_term *end = t + body->n_linear_constant; t < end; t++) {
     pi[t->b] += t->c * back[t->i];
   }
@@ -2550,10 +4035,10 @@ static void fbi_frame_shift(fb_real *pi, const fb_body *body, const fb_real *q, 
 
 /* [E8.34] First moment of mass c(q) = c + P q + 1/2 p^chi q q, body axes [kg m].
    Source: E8.16.  Cost: 4 flops a term.  Fails: never.  Test: the_mass_center_goes_where_momentum_leads_it. */
-static void fbi_center_eval(fb_real c[3], const fb_body *body, const fb_real *q)
+static void fbi_center_eval(fb_real c[3], fbi_line_work *line, const fb_body *body, const fb_real *q)
 {
   const fb_lambda_term *t = body->lambda;
-  fbi_copy(c, body->c, 3);
+  fbi_copy(c, fbi_center_start(body), 3);
   for (const fb_lambda_term *end = t + body->n_linear_constant; t < end; t++) {
     c[t->i] -= t->c * q[t->b];
   }
@@ -2561,13 +4046,25 @@ static void fbi_center_eval(fb_real c[3], const fb_body *body, const fb_real *q)
   for (const fb_lambda_term *end = t + body->n_linear; t < end; t++) {
     c[t->i] -= FB_R(0.5) * t->c * q[t->a - 1] * q[t->b];
   }
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    (void)fbi_lines_pose(line, &body->lines, q);
+    fbi_lines_pull(c, NULL, line, &body->lines, c);
+  }
+#endif
+  (void)line;
 }
 
 /* c(q) before and after a step by one pass over the terms; the sums of a row stay in registers. */
-static void fbi_center_pair(fb_real before[3], fb_real after[3], const fb_body *body, const fb_real *q,
-                            const fb_real *next)
+static void fbi_center_pair(fb_real before[3], fb_real after[3], fbi_line_work *line, const fb_body *body,
+                            const fb_real *q, const fb_real *next)
 {
   const fb_lambda_term *t = body->lambda;
+  if (fbi_is_large(body)) {
+    fbi_center_eval(before, line, body, q);
+    fbi_center_eval(after, line, body, next);
+    return;
+  }
   fbi_vec3_copy(before, body->c);
   fbi_vec3_copy(after, body->c);
   for (const fb_lambda_term *end = t + body->n_linear_constant; t < end; t++) {
@@ -2586,11 +4083,21 @@ static void fbi_center_pair(fb_real before[3], fb_real after[3], const fb_body *
   }
 }
 
-/* Rate of c(q) in body axes, (dc/dq) q_dot. */
-static void fbi_center_rate(fb_real c_dot[3], const fb_body *body, const fb_real *q, const fb_real *q_dot)
+/* Rate of c(q) in body axes, (dc/dq) q_dot; with lines k has Lambda(q). */
+static void fbi_center_rate(fb_real c_dot[3], const fbi_kinetics *k, const fb_body *body, const fb_real *q,
+                            const fb_real *q_dot)
 {
   const fb_lambda_term *t = body->lambda;
   fbi_zero(c_dot, 3);
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    for (int i = 0; i < 3; i++) {
+      c_dot[i] = fbi_dot(k->line->X + i * body->n, q_dot, body->n);
+    }
+    return;
+  }
+#endif
+  (void)k;
   for (const fb_lambda_term *end = t + body->n_linear_constant; t < end; t++) {
     c_dot[t->i] -= t->c * q_dot[t->b];
   }
@@ -2607,8 +4114,8 @@ static void fbi_origin_velocity(fb_real v[3], const fbi_kinetics *k, const fb_bo
   fb_real own[3], c[3];
   fbi_copy(own, k->V, 3);
   if (fbi_is_flying(body)) {
-    fbi_center_eval(c, body, k->qx + 1);
-    fbi_center_rate(own, body, k->qx + 1, q_dot);
+    fbi_center_eval(c, FBI_LINE_OF(k), body, k->qx + 1);
+    fbi_center_rate(own, k, body, k->qx + 1, q_dot);
     fbi_vec3_add_cross(own, k->V + 3, c);
     for (int i = 0; i < 3; i++) {
       own[i] /= -body->mass;
@@ -2623,6 +4130,7 @@ FB_DEF fb_status fb_body_rates_eval(const fb_body *body, fb_state *rate, const f
   fbi_kinetics k;
   fb_state out, at;
   fb_status status;
+  FBI_WITH_LINES(k);
   FBI_REQUIRE(body && rate && state, FB_ERR_NULL);
   status = fbi_input_check(body, input);
   fbi_state_enter(&at, k.R, body, state);
@@ -2722,13 +4230,37 @@ FB_DEF fb_status fb_state_check(const fb_body *body, const fb_state *state)
   return status == FB_OK && !fbi_quat_is_unit(state->quat) ? FB_ERR_VALUE : status;
 }
 
+/* k.S = S(q) */
+static void fbi_S_now(fbi_kinetics *k, const fb_body *body)
+{
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    fbi_large_S(k, body);
+    return;
+  }
+#endif
+  fbi_S_eval(k->S, body, k->qx, body->n_run);
+}
+
+/* y -= Lambda(q) x */
+static void fbi_lambda_now_sub(fb_real y[6], const fbi_kinetics *k, const fb_body *body, const fb_real *x)
+{
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    fbi_large_lambda_sub(y, k, body, x);
+    return;
+  }
+#endif
+  fbi_lambda_sub(y, body, k->qx, x);
+}
+
 /* Momenta of known velocities V: (p, h) = S(q) V + Lambda(q) pb; S(q) goes to k.S. */
 static void fbi_momenta(fbi_kinetics *k, const fb_body *body)
 {
   fb_real elastic[6] = {0};
-  fbi_S_eval(k->S, body, k->qx, body->n_run);
+  fbi_S_now(k, body);
   fb_sym6_mul_vec6(k->ph, k->S, k->V);
-  fbi_lambda_sub(elastic, body, k->qx, k->pb);
+  fbi_lambda_now_sub(elastic, k, body, k->pb);
   for (int i = 0; i < 6; i++) {
     k->ph[i] -= elastic[i];
   }
@@ -2739,6 +4271,19 @@ static void fbi_momenta_from(fbi_kinetics *k, fb_real *pi, const fb_body *body, 
 {
   fb_real e[FB_MAX_MODES], unused[FB_MAX_MODES + 1] = {0}, zero[FB_MAX_MODES] = {0};
   fbi_zero(e, body->n);
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    fbi_large_lambdaT_sub(e, k, body, k->V);
+    fbi_chol_mul(pi, k->line->L, q_dot, body->n);
+    for (int a = 0; a < body->n; a++) {
+      pi[a] -= e[a];
+    }
+    fb_chol_solve(k->Minv_pi, k->line->L, pi, body->n);
+    k->pb = k->Minv_pi;
+    fbi_momenta(k, body);
+    return;
+  }
+#endif
   fbi_lambda_gradients(e, unused, body, k->V, k->qx, zero);
   fbi_mass_mul(pi, body, q_dot);
   for (int a = 0; a < body->n; a++) {
@@ -2824,8 +4369,8 @@ static void fbi_momenta_set(fb_state *state, fbi_kinetics *k, const fb_body *bod
       k->V[i] = -k->ph[i] / body->mass;
     }
     fbi_momenta_from(k, state->pi, body, q_dot);
-    fbi_center_eval(c, body, state->q);
-    fbi_center_rate(moved, body, state->q, q_dot);
+    fbi_center_eval(c, FBI_LINE_OF(k), body, state->q);
+    fbi_center_rate(moved, k, body, state->q, q_dot);
     fbi_vec3_add_cross(moved, k->V + 3, c);
     fb_mat33_mul_vec3(own, k->R, moved);
     fbi_vec3_add(state->u, FB_R(1.0) / body->mass, own);
@@ -2844,6 +4389,7 @@ FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, co
   fb_state out;
   fbi_kinetics k;
   fb_status status;
+  FBI_WITH_LINES(k);
   FBI_REQUIRE(body && state && v && w, FB_ERR_NULL);
   status = fbi_velocity_check(body, state, v, w, rates);
   if (status != FB_OK) {
@@ -2869,6 +4415,12 @@ FB_DEF fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, co
 #endif
 
   /* momenta; no compensation terms */
+#if FB_WITH_LARGE_DEFLECTION
+  status = fbi_is_large(body) ? fbi_large_inertia(&k, body, state->q) : FB_OK;
+  if (status != FB_OK) {
+    return status;
+  }
+#endif
   fbi_momenta_set(&out, &k, body, v, rates);
   fbi_zero(out.lost_u, 3);
 #if FB_SINGLE
@@ -2929,13 +4481,18 @@ static void fbi_origin_acceleration(fb_real out[3], const fb_real a[3], const fb
                                     const fb_real *xd, const fb_motion *m)
 {
   fb_real c[3], c_dot[3], c_ddot[3], turn[3];
-  fbi_center_eval(c, body, k->qx + 1);
-  fbi_center_rate(c_ddot, body, k->qx + 1, m->q_ddot);
-  fbi_center_rate(c_dot, body, k->qx + 1, xd + 1);
+  fbi_center_eval(c, FBI_LINE_OF(k), body, k->qx + 1);
+  fbi_center_rate(c_ddot, k, body, k->qx + 1, m->q_ddot);
+  fbi_center_rate(c_dot, k, body, k->qx + 1, xd + 1);
   const fb_lambda_term *t = body->lambda + body->n_lambda_constant;
   for (const fb_lambda_term *end = t + body->n_linear; t < end; t++) {
     c_ddot[t->i] -= t->c * xd[t->a] * xd[t->b + 1];
   }
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    fbi_vec3_add(c_ddot, FB_R(1.0), k->line->push);
+  }
+#endif
   fb_vec3_cross(turn, k->V + 3, c);
   fbi_vec3_add(turn, FB_R(2.0), c_dot);
   fbi_vec3_add_cross(c_ddot, m->w_dot, c);
@@ -2944,6 +4501,85 @@ static void fbi_origin_acceleration(fb_real out[3], const fb_real a[3], const fb
     out[i] = a[i] - c_ddot[i] / body->mass;
   }
 }
+
+/* V_dot of the rows that the base leaves free from S V_dot = y, of the others as prescribed; reactions; acceleration of
+   a prescribed O to m. */
+static fb_status fbi_base_accelerate(fb_motion *m, fb_real V_dot[6], const fbi_kinetics *k, const fb_body *body,
+                                     const fb_real y[6], const fb_input *input)
+{
+  if (fbi_base_solve(V_dot, body->base, k->S, y) != FB_OK) {
+    return FB_ERR_RANGE;
+  }
+  fbi_zero(m->acceleration, 3);
+  if (body->base == FB_BASE_PRESCRIBED && input) { /* V = v - R^T u: V_dot = v_dot + w x R^T u */
+    fbi_given_acceleration(m->acceleration, input);
+    fb_vec3_cross(V_dot, k->V, k->V + 3);
+    fbi_vec3_add(V_dot, FB_R(1.0), m->acceleration);
+    fbi_copy(V_dot + 3, input->w_dot, 3);
+  }
+  fbi_reactions(m, body, k->S, V_dot, y);
+  return FB_OK;
+}
+
+#if FB_WITH_LARGE_DEFLECTION
+/* [E14.16] Accelerations of a body with lines, Newton's equations with the inertia forces of its velocities alone:
+   M_rr V_dot + Lambda q_ddot = (f, g) - bias,  Lambda^T V_dot + M q_ddot = pi_dot - dT/dq of the lines - bias, E14.15
+   of the lines and E8.19 of the rest.
+   Source: Lagrange's equations in quasi-coordinates.  Fails: S(q) not positive definite.
+   Test: accelerations_of_lines_are_derivatives_of_velocities. */
+static fb_status fbi_large_accelerations(fb_motion *m, fbi_kinetics *k, const fb_body *body, const fb_state *rate,
+                                         const fb_input *input)
+{
+  const int n = body->n;
+  fbi_line_work *const w = k->line;
+  fb_real xd[FB_MAX_MODES + 1], y[6], V_dot[6], turn[6], SV[6], bias[6] = {FB_R(0.0)}, x[FB_MAX_MODES], e[FB_MAX_MODES];
+  fb_status status;
+  xd[0] = FB_R(0.0);
+  fbi_copy(xd + 1, rate->q, n);
+
+  /* the rest: its momenta, turning, rates of its M_rr and Lambda */
+  fbi_S_eval(k->S, body, k->qx, body->n_run);
+  fb_sym6_mul_vec6(k->ph, k->S, k->V);
+  fbi_vec6_zero(y);
+  fbi_lambda_sub(y, body, k->qx, rate->q);
+  fbi_vec6_add(k->ph, -FB_R(1.0), y);
+  fbi_turning(turn, k->V, k->ph);
+  fbi_S_rate(k->dS, body, k->qx, xd);
+  fb_sym6_mul_vec6(SV, k->dS, k->V);
+  for (int i = 0; i < 6; i++) {
+    y[i] = k->fg[i] - turn[i] - SV[i];
+  }
+  fbi_lambda_linear_sub(y, body, xd, rate->q);
+  fbi_copy(e, rate->pi, n);
+  fbi_lambda_linear_gradients(e, k->x, body, k->V, xd, rate->q); /* k.x: scratch by now */
+
+  /* the lines */
+  fbi_zero(x, n);
+  fbi_lines_bias_add(bias, x, w->push, w, &body->lines, k->V, rate->q);
+  for (int a = 0; a < n; a++) {
+    e[a] -= w->gradient[a] + x[a];
+  }
+  fbi_vec6_add(y, -FB_R(1.0), bias);
+
+  /* Schur complement */
+  fb_chol_solve(x, w->L, e, n);
+  fbi_large_lambda_sub(y, k, body, x);
+  fbi_large_S(k, body);
+  status = fbi_base_accelerate(m, V_dot, k, body, y, input);
+  if (status != FB_OK) {
+    return status;
+  }
+  fbi_large_lambdaT_sub(e, k, body, V_dot);
+  fb_chol_solve(m->q_ddot, w->L, e, n);
+  fbi_copy(m->w_dot, V_dot + 3, 3);
+  if (body->base == FB_BASE_FREE) {
+    fb_real a[3];
+    fb_mat33_mulT_vec3(a, k->R, rate->u);
+    fbi_origin_acceleration(m->acceleration, a, body, k, xd, m);
+  }
+  return FB_OK;
+}
+#endif
 
 /* [E8.19] Accelerations from the rates of the state: differentiate E8.13 and E8.17,
    S V_dot = d/dt(p, h) - S_dot V - Lambda_dot pb - Lambda pb_dot, all relative to the frame of the momenta,
@@ -2956,6 +4592,12 @@ static fb_status fbi_accelerations(fb_motion *m, fbi_kinetics *k, const fb_body 
 {
   const int n = body->n;
   fb_real xd[FB_MAX_MODES + 1], pb_dot[FB_MAX_MODES], y[6], V_dot[6], turn[6], SV[6];
+
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    return fbi_large_accelerations(m, k, body, rate, input);
+  }
+#endif
 
   /* y: right-hand side of the rigid-body rows */
   xd[0] = FB_R(0.0);
@@ -2972,17 +4614,9 @@ static fb_status fbi_accelerations(fb_motion *m, fbi_kinetics *k, const fb_body 
   fbi_lambda_sub(y, body, k->qx, pb_dot);
 
   /* V_dot by solution or prescribed, then the reactions */
-  if (fbi_base_solve(V_dot, body->base, k->S, y) != FB_OK) {
+  if (fbi_base_accelerate(m, V_dot, k, body, y, input) != FB_OK) {
     return FB_ERR_RANGE;
   }
-  fbi_zero(m->acceleration, 3);
-  if (body->base == FB_BASE_PRESCRIBED && input) { /* V = v - R^T u: V_dot = v_dot + w x R^T u */
-    fbi_given_acceleration(m->acceleration, input);
-    fb_vec3_cross(V_dot, k->V, k->V + 3);
-    fbi_vec3_add(V_dot, FB_R(1.0), m->acceleration);
-    fbi_copy(V_dot + 3, input->w_dot, 3);
-  }
-  fbi_reactions(m, body, k->S, V_dot, y);
 
   /* q_ddot */
   fbi_copy(k->e, rate->pi, n);
@@ -3008,6 +4642,7 @@ FB_DEF fb_status fb_body_motion_eval(const fb_body *body, fb_motion *motion, con
   fb_motion out;
   fb_real velocity[3];
   fb_status status;
+  FBI_WITH_LINES(k);
   FBI_REQUIRE(body && motion && state, FB_ERR_NULL);
 
   /* rates of the state */
@@ -3063,7 +4698,14 @@ static void fbi_node_motion(fb_node_motion *out, const fb_body *body, const fb_s
 {
   fbi_node_field f;
   fb_real R[9], turn[4], s[3], ud[3] = {0}, pd[3] = {0}, ws[3], a[3], alpha[3], vel[3], rate[3], u_dd[3], turn_dd[3];
-  fbi_node_eval(&f, body, &body->node[node], state->q);
+  fbi_kinetics at;
+  FBI_WITH_LINES(at);
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_on_line(body, &body->node[node])) {
+    fbi_lines_move(at.line, &body->lines, state->q);
+  }
+#endif
+  fbi_node_eval(&f, &at, body, &body->node[node], state->q);
   fb_quat_to_mat33(R, state->quat);
 
   /* node in the body frame: u_dot, J_phi q_dot, and the elastic part of the accelerations */
@@ -3075,7 +4717,7 @@ static void fbi_node_motion(fb_node_motion *out, const fb_body *body, const fb_s
     fbi_vec3_add(a, motion->q_ddot[k], f.Ju + 3 * k);
     fbi_vec3_add(alpha, motion->q_ddot[k], f.Jphi + 3 * k);
   }
-  fbi_node_convection(u_dd, turn_dd, &f, body, &body->node[node], motion->q_dot);
+  fbi_node_convection(u_dd, turn_dd, &f, &at, body, &body->node[node], state->q, motion->q_dot);
   fbi_vec3_add(a, FB_R(1.0), u_dd);
   fbi_vec3_add(alpha, FB_R(1.0), turn_dd);
 
@@ -3095,7 +4737,7 @@ static void fbi_node_motion(fb_node_motion *out, const fb_body *body, const fb_s
   /* inertial axes */
   fb_mat33_mul_vec3(out->position, R, s);
   fbi_vec3_add(out->position, FB_R(1.0), state->rho);
-  fbi_node_quat(turn, &f);
+  fbi_node_quat(turn, &f, body, &body->node[node]);
   fb_quat_mul(out->quat, state->quat, turn);
   fb_mat33_mul_vec3(out->velocity, R, vel);
   fb_mat33_mul_vec3(out->angular_rate, R, rate);
@@ -3135,7 +4777,7 @@ static fb_real fbi_kinetic_energy(fbi_kinetics *k, const fb_body *body, const fb
     return T + FB_R(0.5) * fbi_vec6_dot(k->ph, k->V);
   }
 #endif
-  fbi_S_eval(k->S, body, k->qx, body->n_run);
+  fbi_S_now(k, body);
   fb_sym6_mul_vec6(SV, k->S, k->V);
   for (int a = 0; a < body->n; a++) {
     T += FB_R(0.5) * state->pi[a] * k->pb[a];
@@ -3165,7 +4807,7 @@ static void fbi_potential_add(fb_energy *energy, fbi_kinetics *k, const fb_body 
 #if FB_WITH_GRAVITY
   {
     fb_real c[3], moment[3];
-    fbi_pull_eval(c, k->x, body, k->qx, body->gravity);
+    fbi_pull_eval(c, k->x, k, body, k->qx, body->gravity);
     fb_mat33_mul_vec3(moment, k->R, c);
     fbi_vec3_add(moment, body->mass, rho);
     energy->gravity -= fb_vec3_dot(moment, body->gravity);
@@ -3210,6 +4852,7 @@ FB_DEF fb_status fb_body_energy_eval(const fb_body *body, fb_energy *energy, con
   fb_state at;
   fb_real u[3], p[3];
   fb_status status;
+  FBI_WITH_LINES(k);
   FBI_REQUIRE(body && energy && state, FB_ERR_NULL);
 
   /* velocities */
@@ -3247,6 +4890,7 @@ FB_DEF fb_status fb_body_momentum_eval(const fb_body *body, fb_momentum *momentu
   fb_state at;
   fb_real u[3], c[3], arm[3];
   fb_status status;
+  FBI_WITH_LINES(k);
   FBI_REQUIRE(body && momentum && state, FB_ERR_NULL);
 
   /* velocities, (p, h) */
@@ -3267,7 +4911,7 @@ FB_DEF fb_status fb_body_momentum_eval(const fb_body *body, fb_momentum *momentu
   }
 
   /* angular about the inertial origin */
-  fbi_center_eval(c, body, at.q);
+  fbi_center_eval(c, FBI_LINE_OF(&k), body, at.q);
   fb_mat33_mul_vec3(arm, k.R, c);
   fbi_vec3_add_cross(out.angular, arm, u);
   fbi_vec3_add_cross(out.angular, at.rho, out.linear);
@@ -3792,8 +5436,8 @@ static const fb_real *fbi_parent_frame(fb_real origin[3], fb_real turned[9], fbi
     return joint->axes;
   }
   node = &on->node[joint->parent_node];
-  fbi_node_eval(&L->node, on, node, parent->k.qx + 1);
-  fbi_node_quat(quat, &L->node);
+  fbi_node_eval(&L->node, &parent->k, on, node, parent->k.qx + 1);
+  fbi_node_quat(quat, &L->node, on, node);
   fb_quat_to_mat33(R, quat);
   fb_mat33_mul(turned, R, joint->axes);
   fb_mat33_mul_vec3(origin, R, joint->position);
@@ -4750,10 +6394,10 @@ static fb_status fbi_end_find(int *at, fb_system_work *w, const fb_system *syste
     const fbi_link_work *L = &w->link[link];
     fb_real quat[4], turn[9];
     end->moves = fbi_node_moves(model, node);
-    fbi_node_eval(&end->f, model, &model->node[node], L->k.qx + 1);
+    fbi_node_eval(&end->f, &L->k, model, &model->node[node], L->k.qx + 1);
     fbi_vec3_copy(end->n, model->node[node].r);
     fbi_vec3_add(end->n, FB_R(1.0), end->f.u);
-    fbi_node_quat(quat, &end->f);
+    fbi_node_quat(quat, &end->f, model, &model->node[node]);
     fb_quat_to_mat33(turn, quat);
     fb_mat33_mul(end->R, L->k.R, turn);
     fb_mat33_mul_vec3(end->x, L->k.R, end->n);
@@ -6084,7 +7728,7 @@ static void fbi_drift_momenta(fb_real F[6], fb_real *e, fb_real c[3], const fbi_
 {
   fb_real x[FB_MAX_MODES + 1];
   fbi_zero(x, body->n + 1);
-  fbi_pull_eval(c, x, body, L->k.qx, d);
+  fbi_pull_eval(c, x, &L->k, body, L->k.qx, d);
   fbi_copy(e, x + 1, body->n);
   if (body->constant_S && body->n > 0) {
     const fb_real V[6] = {d[0], d[1], d[2], FB_R(0.0), FB_R(0.0), FB_R(0.0)};
@@ -6116,7 +7760,7 @@ static void fbi_trees_weigh(fb_system_work *w, const fb_system *system, int chan
       fb_mat33_mulT_vec3(d, L->k.R, w->link[L->root].change);
       fbi_drift_momenta(L->b, L->e, L->first, L, model, d);
     } else {
-      fbi_center_eval(L->first, model, L->k.qx + 1);
+      fbi_center_eval(L->first, FBI_LINE_OF(&L->k), model, L->k.qx + 1);
     }
   }
 
@@ -6955,7 +8599,8 @@ static void fbi_bias_acceleration(fbi_link_work *L, const fb_joint *joint, const
       fb_real T[6], u_dd[3], turn_dd[3];
       fbi_vec3_sum(T, L->node.Ju, parent->q_dot, on->n);
       fbi_vec3_sum(T + 3, L->node.Jphi, parent->q_dot, on->n);
-      fbi_node_convection(u_dd, turn_dd, &L->node, on, &on->node[joint->parent_node], parent->q_dot);
+      fbi_node_convection(u_dd, turn_dd, &L->node, &parent->k, on, &on->node[joint->parent_node], parent->k.qx + 1,
+                          parent->q_dot);
       fbi_vec3_add(a, FB_R(1.0), u_dd);
       fbi_vec3_add(a + 3, FB_R(1.0), turn_dd);
       fbi_vec3_add_cross(a, T, T + 3);
@@ -6992,7 +8637,7 @@ static void fbi_end_acceleration(fbi_end *end, const fb_system_work *w, const fb
     fb_real a[3], alpha[3], ud[3], pd[3], u_dd[3], turn_dd[3], inner[3];
     fbi_vec3_sum(ud, end->f.Ju, L->q_dot, model->n);
     fbi_vec3_sum(pd, end->f.Jphi, L->q_dot, model->n);
-    fbi_node_convection(u_dd, turn_dd, &end->f, model, &model->node[end->node], L->q_dot);
+    fbi_node_convection(u_dd, turn_dd, &end->f, &L->k, model, &model->node[end->node], L->k.qx + 1, L->q_dot);
 
     /* a = v_dot + u_dd + w_dot x n + w x (w x n + 2 u_dot + v), alpha = w_dot + phi_dd + w x phi_dot */
     fb_vec3_cross(inner, L->V + 3, end->n);
@@ -9545,12 +11190,12 @@ static FBI_NOINLINE void fbi_state_align(fb_state *d, const fb_body *body, const
    about the inertial origin is then conserved for any step. rho: int u dt; next: the rest of the state after the step.
    Old and new terms use the same operations, so that a body at rest leaves no round-off.
    Source: Newton.  Cost: 16 flops a term.  Fails: never.  Test: the_mass_center_goes_where_momentum_leads_it. */
-static FBI_NOINLINE void fbi_origin_lead(fb_real rho[3], const fb_body *body, const fb_state *start,
-                                         const fb_state *next)
+static FBI_NOINLINE void fbi_origin_lead(fb_real rho[3], fbi_line_work *line, const fb_body *body,
+                                         const fb_state *start, const fb_state *next)
 {
   const fb_real share = FB_R(1.0) / body->mass;
   fb_real before[3], after[3], old[3], own[3];
-  fbi_center_pair(before, after, body, start->q, next->q);
+  fbi_center_pair(before, after, line, body, start->q, next->q);
   fbi_quat_turn(old, start->quat, before);
   fbi_quat_turn(own, next->quat, after);
   for (int i = 0; i < 3; i++) {
@@ -9561,8 +11206,8 @@ static FBI_NOINLINE void fbi_origin_lead(fb_real rho[3], const fb_body *body, co
 /* [E11.31] Makes the elastic momenta of a body on a prescribed base relative to v, the last known velocity of the base
    (body axes at the attitude `at`). next: the state after the step, except that u is its change and pi its increment.
    Source: E8.35.  Cost: 5 flops a term.  Test: the_speed_of_a_prescribed_base_does_not_matter. */
-static FBI_NOINLINE void fbi_frame_follow(fb_state *next, const fb_body *body, const fb_state *start,
-                                          const fb_real at[4], const fb_real v[3])
+static FBI_NOINLINE void fbi_frame_follow(fb_state *next, fbi_line_work *line, const fb_body *body,
+                                          const fb_state *start, const fb_real at[4], const fb_real v[3])
 {
   fb_real R[9];
   fb_quat_to_mat33(R, next->quat);
@@ -9572,14 +11217,14 @@ static FBI_NOINLINE void fbi_frame_follow(fb_state *next, const fb_body *body, c
     fb_mat33_mul_vec3(next->u, R, v);
   }
   fbi_vec3_add(next->u, -FB_R(1.0), start->u);
-  fbi_frame_shift(next->pi, body, next->q, R, next->u);
+  fbi_frame_shift(next->pi, line, body, next->q, R, next->u);
 }
 
 /* Common end of every step: sums the increments, flushes small values, normalizes the quaternion and checks the range
    of the model. start: the state with its h; last: the input at the attitude `at` (NULL: that of the end). FB_ERR_STEP:
    a rotation in one step so large that the attitude is lost to round-off. */
-static fb_status fbi_step_end(fb_state *state, fb_state *next, const fb_state *start, const fb_body *body,
-                              const fb_input *last, const fb_real at[4])
+static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *line, const fb_state *start,
+                              const fb_body *body, const fb_input *last, const fb_real at[4])
 {
   const int n = body->n;
   fb_status status;
@@ -9590,7 +11235,7 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, const fb_state *s
   FBI_SUM_4(next, state, quat);
   FBI_SUM_FLUSHED(next, state, q, n);
   if (fbi_is_following(body)) {
-    fbi_frame_follow(next, body, start, at, last ? last->v : fbi_origin);
+    fbi_frame_follow(next, line, body, start, at, last ? last->v : fbi_origin);
   }
 
   /* Momenta and velocity */
@@ -9606,7 +11251,7 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, const fb_state *s
 
   /* Position */
   if (fbi_is_flying(body)) {
-    fbi_origin_lead(next->rho, body, start, next);
+    fbi_origin_lead(next->rho, line, body, start, next);
   }
   FBI_SUM_KEPT(next, state, rho, 3);
 
@@ -9647,6 +11292,7 @@ FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, f
   fb_real spin[3] = {FB_R(0.0)};
   fb_status status = FB_OK;
   FBI_REQUIRE(body && state && work, FB_ERR_NULL);
+  FBI_USE_LINES(k, work);
   if (!(dt > FB_R(0.0) && dt < FB_HUGE)) {
     return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
   }
@@ -9692,7 +11338,7 @@ FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, f
       at = &work->stage;
     }
   }
-  return fbi_step_end(state, &work->sum, &work->start, body, end, NULL);
+  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, end, NULL);
 }
 
 /* ---- implicit integrators */
@@ -10183,7 +11829,7 @@ FB_DEF fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_impli
 
   /* dt k */
   fbi_state_scale(&work->sum, dt, &work->first, body->n);
-  return fbi_step_end(state, &work->sum, &work->start, body, middle, work->stage.quat);
+  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, middle, work->stage.quat);
 }
 
 /* Input interpolated at the fraction s; loads must be at the same nodes in the same axes. */
@@ -10291,7 +11937,7 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
 
   /* (1-c) dt k_1 + c dt k_2 */
   fbi_state_advance(&work->sum, &work->sum, c * dt, &work->first, body->n);
-  return fbi_step_end(state, &work->sum, &work->start, body, end, NULL);
+  return fbi_step_end(state, &work->sum, FBI_LINES(work), &work->start, body, end, NULL);
 }
 
 /* ---- exponential integrator */
@@ -10603,7 +12249,7 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   }
   fbi_exponential_sum(work, scheme, body->n);
   fbi_modal_increments(work, scheme, body, state);
-  return fbi_step_end(state, &work->at, &work->start, body, end, NULL);
+  return fbi_step_end(state, &work->at, FBI_LINES(work), &work->start, body, end, NULL);
 }
 
 #if FB_WITH_SYSTEM
@@ -14862,6 +16508,7 @@ static fb_status fbi_modes_desc_check(const fb_modes_desc *desc, const fb_beam *
                              FBI_AT_LEAST(desc->count[FB_KIND_AXIAL], 0, "count of axial modes"),
                              FBI_AT_LEAST(desc->count[FB_KIND_TORSION], 0, "count of torsion modes"),
                              FBI_AT_LEAST(desc->lowest, 0, "lowest"),
+                             FBI_COUNT(desc->line_points, 0, FB_MAX_POINTS, "line_points, FB_MAX_POINTS, at most"),
                              FBI_COUNT((int)desc->basis, 0, (int)FB_BASIS_COUNT - 1, "basis, an fb_basis, beyond")};
 
   /* Options that need a clamped root (a preload acts on rigid-body motion, too) or natural modes, or that exclude each
@@ -14953,6 +16600,18 @@ static void fbi_effective_fill(fb_modes_work *work, const fb_beam *beam)
   }
 }
 
+/* Points along the beam for large deflection, if the desc does not say how many: with 7 more than modes of a plane random
+   shapes of 1 rad in both planes reach to 0.03 % of the length, and turn to 0.05 degrees. */
+static int fbi_line_points(const fb_modes *modes, const fb_modes_desc *desc)
+{
+  int count[FB_KIND_COUNT] = {0}, most = 0;
+  for (int k = 0; k < modes->n; k++) {
+    const int now = ++count[(int)modes->kind[k]];
+    most = now > most ? now : most;
+  }
+  return desc->line_points > 0 ? desc->line_points : most + 7;
+}
+
 FB_DEF fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_beam *beam, const fb_modes_desc *desc)
 {
   int group[FB_KIND_COUNT];
@@ -14985,6 +16644,7 @@ FB_DEF fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_b
   if (desc->basis != FB_BASIS_FUNCTIONS) {
     fbi_effective_fill(work, beam);
   }
+  work->found.line_points = fbi_line_points(&work->found, desc);
   *modes = work->found;
   return FB_OK;
 }
@@ -15526,20 +17186,27 @@ static void fbi_add_minus_cross_cross(fb_real A[9], fb_real w, const fb_real a[3
   }
 }
 
-/* The terms of E8.1 with the quadratic (second-order) displacement chi of the pair ab. */
-static void fbi_shape_add_quadratic(fb_shape *shape, fb_real m1, fb_real m2, const fb_real r[3], const fb_real chi[3],
-                                    int ab)
+/* The integrals of second degree of E8.1, coordinates first.. of n. */
+static void fbi_second_add(fb_second *to, fb_real m1, fb_real m2, const fb_real r[3], const fb_real *psi,
+                           const fb_real *chi, int first, int nb, int n)
 {
-#if FB_WITH_ACCELERATION_STIFFENING
-  fb_real cross[3];
-  fb_vec3_cross(cross, r, chi);
-  fbi_vec3_add(shape->pchi + 3 * ab, m1, chi);
-  fbi_vec3_add(shape->hchi + 3 * ab, m2, cross);
-#endif
-#if FB_WITH_SPIN_STIFFENING
-  fbi_add_minus_cross_cross(shape->Gamchi + 9 * ab, m2, chi, r);
-#endif
-  (void)shape, (void)m1, (void)m2, (void)r, (void)chi, (void)ab;
+  for (int a = 0; a < nb; a++) {
+    fbi_add_minus_cross_cross(to->Gam + 9 * (first + a), m2, psi + 3 * a, r);
+    for (int b = 0; b < nb; b++) {
+      const int ab = (first + a) * n + first + b;
+      fb_real cross[3];
+      fb_vec3_cross(cross, psi + 3 * a, psi + 3 * b);
+      fbi_vec3_add(to->ups + 3 * ab, -m2, cross);
+      fbi_add_minus_cross_cross(to->Pi + 9 * ab, m2, psi + 3 * a, psi + 3 * b);
+      if (chi) {
+        const fb_real *x = chi + 3 * (a * nb + b);
+        fb_vec3_cross(cross, r, x);
+        fbi_vec3_add(to->pchi + 3 * ab, m1, x);
+        fbi_vec3_add(to->hchi + 3 * ab, m2, cross);
+        fbi_add_minus_cross_cross(to->Gamchi + 9 * ab, m2, x, r);
+      }
+    }
+  }
 }
 
 /* [E8.1] Inertia shape integrals (constants of the floating frame of reference formulation) of one mass element.
@@ -15550,7 +17217,7 @@ static void fbi_shape_add_quadratic(fb_shape *shape, fb_real m1, fb_real m2, con
    Source: [DB] after (4) and (7).  Shapes: psi nb x 3, chi nb x nb x 3 (NULL: none), coordinates first.. of shape.
    Cost: 70 nb^2 flops.  Fails: never.  Test: accelerations_agree_with_a_particle_model. */
 static void fbi_shape_add(fb_shape *shape, fb_real m1, fb_real m2, const fb_real r[3], const fb_real *psi,
-                          const fb_real *chi, int first, int nb)
+                          const fb_real *chi, int first, int nb, int is_line)
 {
   const int n = shape->n;
 
@@ -15566,33 +17233,33 @@ static void fbi_shape_add(fb_shape *shape, fb_real m1, fb_real m2, const fb_real
     fb_vec3_cross(cross, r, psi + 3 * a);
     fbi_vec3_add(shape->P + 3 * at, m1, psi + 3 * a);
     fbi_vec3_add(shape->H + 3 * at, m2, cross);
-#if FB_WITH_RESIDUAL_INERTIA
-    fbi_add_minus_cross_cross(shape->Gam + 9 * at, m2, psi + 3 * a, r);
-#endif
     for (int b = 0; b < nb; b++) {
-      const int ab = at * n + first + b;
-      shape->M[ab] += m2 * fb_vec3_dot(psi + 3 * a, psi + 3 * b);
-#if FB_WITH_SPIN_COUPLING
-      fb_vec3_cross(cross, psi + 3 * a, psi + 3 * b);
-      fbi_vec3_add(shape->ups + 3 * ab, -m2, cross);
-#endif
-#if FB_WITH_RESIDUAL_INERTIA
-      fbi_add_minus_cross_cross(shape->Pi + 9 * ab, m2, psi + 3 * a, psi + 3 * b);
-#endif
-      if (chi) {
-        fbi_shape_add_quadratic(shape, m1, m2, r, chi + 3 * (a * nb + b), ab);
-      }
+      shape->M[at * n + first + b] += m2 * fb_vec3_dot(psi + 3 * a, psi + 3 * b);
     }
   }
+
+  /* Second degree */
+  fbi_second_add(&shape->second, m1, m2, r, psi, chi, first, nb, n);
+#if FB_WITH_LARGE_DEFLECTION
+  if (!is_line) {
+    fbi_second_add(&shape->rest, m1, m2, r, psi, chi, first, nb, n);
+  }
+#endif
+  (void)is_line;
 }
 
 /* Updates the body's largest radius and each mode's largest displacement, for the deflection limit. */
-static void fbi_shape_extend(fb_shape *shape, const fb_real r[3], const fb_real *psi, int first, int nb)
+static void fbi_shape_extend(fb_shape *shape, const fb_real r[3], const fb_real *psi, int first, int nb, int is_line)
 {
   shape->size = fbi_larger(shape->size, fbi_vec3_norm(r));
   for (int a = 0; a < nb; a++) {
-    shape->reach[first + a] = fbi_larger(shape->reach[first + a], fbi_vec3_norm(psi + 3 * a));
+    const fb_real size = fbi_vec3_norm(psi + 3 * a);
+    shape->second.reach[first + a] = fbi_larger(shape->second.reach[first + a], size);
+#if FB_WITH_LARGE_DEFLECTION
+    shape->rest.reach[first + a] = fbi_larger(shape->rest.reach[first + a], is_line ? FB_R(0.0) : size);
+#endif
   }
+  (void)is_line;
 }
 
 FB_DEF fb_status fb_shape_add_particle(fb_shape *shape, fb_real mass, const fb_real r[3], const fb_real *psi,
@@ -15608,8 +17275,8 @@ FB_DEF fb_status fb_shape_add_particle(fb_shape *shape, fb_real mass, const fb_r
       return status;
     }
   }
-  fbi_shape_add(shape, mass, mass, r, psi, chi, 0, shape->n);
-  fbi_shape_extend(shape, r, psi, 0, shape->n);
+  fbi_shape_add(shape, mass, mass, r, psi, chi, 0, shape->n, 0);
+  fbi_shape_extend(shape, r, psi, 0, shape->n, 0);
   return FB_OK;
 }
 
@@ -15628,11 +17295,11 @@ FB_DEF fb_status fb_shape_add_rigid(fb_shape *shape, fb_real mass, const fb_real
   if (fbi_spread(spread, inertia) != FB_OK) {
     return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_INERTIA, -1, FB_R(0.0), FB_R(0.0));
   }
-  fbi_shape_add(shape, mass, mass, center, NULL, NULL, 0, 0);
+  fbi_shape_add(shape, mass, mass, center, NULL, NULL, 0, 0, 0);
   for (int k = 0; k < 3; k++) {
-    fbi_shape_add(shape, FB_R(0.0), FB_R(1.0), spread[k], NULL, NULL, 0, 0);
+    fbi_shape_add(shape, FB_R(0.0), FB_R(1.0), spread[k], NULL, NULL, 0, 0, 0);
   }
-  fbi_shape_extend(shape, center, NULL, 0, 0);
+  fbi_shape_extend(shape, center, NULL, 0, 0, 0);
   return FB_OK;
 }
 
@@ -15789,18 +17456,18 @@ static void fbi_offset_field(fb_real *psi, fb_real *chi, const fbi_station *st, 
 /* Adds a rigid slice at a point of the reference line: a mass at the offset d and directions of spread s_k with
    weights w_k (E6.2), body axes. */
 static void fbi_slice_add(fb_shape *shape, const fbi_station *st, int first, int n, fb_real mass, const fb_real d[3],
-                          fb_real spread[3][3], const fb_real w[3])
+                          fb_real spread[3][3], const fb_real w[3], int is_line)
 {
   fb_real psi[3 * FB_MAX_MODES], chi[3 * FB_MAX_MODES * FB_MAX_MODES], r[3];
   fbi_copy(r, st->r, 3);
   fbi_vec3_add(r, FB_R(1.0), d);
   fbi_offset_field(psi, chi, st, d, n, 1);
-  fbi_shape_add(shape, mass, mass, r, psi, chi, first, n);
-  fbi_shape_extend(shape, r, psi, first, n);
+  fbi_shape_add(shape, mass, mass, r, psi, chi, first, n, is_line);
+  fbi_shape_extend(shape, r, psi, first, n, is_line);
   for (int k = 0; k < 3; k++) {
     if (w[k] > FB_R(0.0)) {
       fbi_offset_field(psi, chi, st, spread[k], n, 0);
-      fbi_shape_add(shape, FB_R(0.0), w[k], spread[k], psi, chi, first, n);
+      fbi_shape_add(shape, FB_R(0.0), w[k], spread[k], psi, chi, first, n, is_line);
     }
   }
 }
@@ -15817,7 +17484,7 @@ static void fbi_lumps_to_shape(fb_shape *shape, const fb_beam *beam, const fbi_s
         fb_mat33_mul_vec3(spread[i], beam->axes, local[i]);
       }
       fb_mat33_mul_vec3(d, beam->axes, lump->center);
-      fbi_slice_add(shape, st, first, n, lump->mass, d, spread, unit);
+      fbi_slice_add(shape, st, first, n, lump->mass, d, spread, unit, 1);
     }
   }
 }
@@ -15836,7 +17503,7 @@ static void fbi_section_to_shape(fb_shape *shape, const fbi_station *st, const f
   }
   fbi_turn_yz(&local[1], &local[2], section->mass_y, section->mass_z, -section->twist);
   fb_mat33_mul_vec3(d, axes, local);
-  fbi_slice_add(shape, st, first, n, dx * section->mass, d, spread, w);
+  fbi_slice_add(shape, st, first, n, dx * section->mass, d, spread, w, 1);
 }
 
 static fb_status fbi_shapes_check(const fb_shape *shape, const fb_real r[3], const fb_real *psi, const fb_real *theta)
@@ -15874,7 +17541,7 @@ FB_DEF fb_status fb_shape_add_lump(fb_shape *shape, fb_real mass, const fb_real 
   fbi_copy(st.r, r, 3);
   fbi_copy(st.u, psi, 3 * shape->n);
   fbi_copy(st.theta, theta, 3 * shape->n);
-  fbi_slice_add(shape, &st, 0, shape->n, mass, none, spread, unit);
+  fbi_slice_add(shape, &st, 0, shape->n, mass, none, spread, unit, 0);
   return FB_OK;
 }
 
@@ -15916,7 +17583,7 @@ static void fbi_select_pairs(fb_real *out, const fb_real *in, int width, const i
   }
 }
 
-static void fbi_node_select(fb_node *out, const fb_node *in, const int *coordinate, int n)
+static void fbi_node_select(fb_node *out, const fb_node *in, const fb_shape *shape, const int *coordinate, int n)
 {
   memset(out, 0, sizeof *out);
   fbi_copy(out->r, in->r, 3);
@@ -15929,7 +17596,69 @@ static void fbi_node_select(fb_node *out, const fb_node *in, const int *coordina
     fbi_select_rows(out->chi_theta + to, in->chi_theta + from, 3, coordinate, k + 1);
   }
 #endif
+#if FB_WITH_LARGE_DEFLECTION
+  out->line = in->line;
+  for (int k = 0, at = 0; k < n && in->line.line > 0; k++) { /* coordinates of its line */
+    const fb_line *const line = &shape->lines.line[in->line.line - 1];
+    const int a = coordinate[k] - line->first;
+    if (a >= 0 && a < line->n) {
+      fbi_copy(out->line.turn + 3 * at, in->line.turn + 3 * a, 3);
+      fbi_copy(out->line.bow + 3 * at++, in->line.bow + 3 * a, 3);
+    }
+  }
+#endif
+  (void)shape;
 }
+
+static void fbi_second_select(fb_second *out, const fb_second *in, const int *coordinate, int n, int n_in)
+{
+  fbi_select_rows(out->reach, in->reach, 1, coordinate, n);
+  fbi_select_rows(out->Gam, in->Gam, 9, coordinate, n);
+  fbi_select_pairs(out->ups, in->ups, 3, coordinate, n, n_in);
+  fbi_select_pairs(out->Pi, in->Pi, 9, coordinate, n, n_in);
+  fbi_select_pairs(out->Gamchi, in->Gamchi, 9, coordinate, n, n_in);
+  fbi_select_pairs(out->pchi, in->pchi, 3, coordinate, n, n_in);
+  fbi_select_pairs(out->hchi, in->hchi, 3, coordinate, n, n_in);
+}
+
+#if FB_WITH_LARGE_DEFLECTION
+/* The lines with the coordinates coordinate[0..n-1] alone; the others are zero. */
+static void fbi_lines_select(fb_lines *out, const fb_lines *in, const int *coordinate, int n)
+{
+  out->n_row = 0;
+  for (int l = 0; l < in->n_line; l++) {
+    const fb_line *const from = &in->line[l];
+    fb_line *const to = &out->line[l];
+    int first = 0, count = 0, turns = 0, all = 0;
+    while (first < n && coordinate[first] < from->first) {
+      first++;
+    }
+    for (int k = first; k < n && coordinate[k] < from->first + from->n; k++, count++) {
+      const int a = coordinate[k] - from->first;
+      if (from->moves) {
+        fbi_copy(out->table + from->shift + 3 * count, in->table + from->shift + 3 * a, 3);
+      }
+    }
+    to->first = (unsigned short)first;
+    to->n = (unsigned short)count;
+    to->row = (unsigned short)out->n_row;
+    for (int r = from->row; r < from->row + from->n_turn + from->n_stretch; r++) {
+      int k = first;
+      while (k < first + count && coordinate[k] != from->first + in->row[r].a) {
+        k++;
+      }
+      if (k < first + count) {
+        out->row[out->n_row] = in->row[r];
+        out->row[out->n_row++].a = (unsigned short)(k - first);
+        turns += r < from->row + from->n_turn;
+        all++;
+      }
+    }
+    to->n_turn = (unsigned short)turns;
+    to->n_stretch = (unsigned short)(all - turns);
+  }
+}
+#endif
 
 FB_DEF fb_status fb_shape_select(fb_shape *selected, const fb_shape *shape, const int *coordinate, int n)
 {
@@ -15945,22 +17674,12 @@ FB_DEF fb_status fb_shape_select(fb_shape *selected, const fb_shape *shape, cons
   selected->n = n;
   fbi_select_rows(selected->P, shape->P, 3, coordinate, n);
   fbi_select_rows(selected->H, shape->H, 3, coordinate, n);
-  fbi_select_rows(selected->reach, shape->reach, 1, coordinate, n);
   fbi_select_pairs(selected->M, shape->M, 1, coordinate, n, shape->n);
   fbi_select_pairs(selected->K, shape->K, 1, coordinate, n, shape->n);
-#if FB_WITH_SPIN_COUPLING
-  fbi_select_pairs(selected->ups, shape->ups, 3, coordinate, n, shape->n);
-#endif
-#if FB_WITH_RESIDUAL_INERTIA
-  fbi_select_rows(selected->Gam, shape->Gam, 9, coordinate, n);
-  fbi_select_pairs(selected->Pi, shape->Pi, 9, coordinate, n, shape->n);
-#endif
-#if FB_WITH_SPIN_STIFFENING
-  fbi_select_pairs(selected->Gamchi, shape->Gamchi, 9, coordinate, n, shape->n);
-#endif
-#if FB_WITH_ACCELERATION_STIFFENING
-  fbi_select_pairs(selected->pchi, shape->pchi, 3, coordinate, n, shape->n);
-  fbi_select_pairs(selected->hchi, shape->hchi, 3, coordinate, n, shape->n);
+  fbi_second_select(&selected->second, &shape->second, coordinate, n, shape->n);
+#if FB_WITH_LARGE_DEFLECTION
+  fbi_second_select(&selected->rest, &shape->rest, coordinate, n, shape->n);
+  fbi_lines_select(&selected->lines, &shape->lines, coordinate, n);
 #endif
 #if FB_WITH_NONLINEAR_STRAIN
   fbi_select_rows(selected->slope, shape->slope, 3 * FBI_MAX_STRAINS, coordinate, n);
@@ -15972,9 +17691,23 @@ FB_DEF fb_status fb_shape_select(fb_shape *selected, const fb_shape *shape, cons
 
   /* Nodes */
   for (int j = 0; j < shape->n_node; j++) {
-    fbi_node_select(&selected->node[j], &shape->node[j], coordinate, n);
+    fbi_node_select(&selected->node[j], &shape->node[j], shape, coordinate, n);
   }
   return FB_OK;
+}
+
+/* Adds both orders of a pair of n coordinates: the tables are symmetric. */
+static void fbi_second_add_pair(fb_second *to, const fb_real p[3], const fb_real h[3], const fb_real G[9], int a, int b,
+                                int n)
+{
+  for (int side = 0; side < (a == b ? 1 : 2); side++) {
+    const int ab = side ? b * n + a : a * n + b;
+    fbi_vec3_add(to->pchi + 3 * ab, FB_R(1.0), p);
+    fbi_vec3_add(to->hchi + 3 * ab, FB_R(1.0), h);
+    for (int i = 0; i < 9; i++) {
+      to->Gamchi[9 * ab + i] += G[i];
+    }
+  }
 }
 
 FB_DEF fb_status fb_shape_add_pair(fb_shape *shape, int a, int b, const fb_real *pchi, const fb_real *hchi,
@@ -15992,20 +17725,10 @@ FB_DEF fb_status fb_shape_add_pair(fb_shape *shape, int a, int b, const fb_real 
     }
   }
 
-  /* Both orders of the pair: the tables are symmetric */
-  for (int side = 0; side < (a == b ? 1 : 2); side++) {
-    const int ab = side ? b * shape->n + a : a * shape->n + b;
-#if FB_WITH_ACCELERATION_STIFFENING
-    fbi_vec3_add(shape->pchi + 3 * ab, FB_R(1.0), p);
-    fbi_vec3_add(shape->hchi + 3 * ab, FB_R(1.0), h);
+  fbi_second_add_pair(&shape->second, p, h, G, a, b, shape->n);
+#if FB_WITH_LARGE_DEFLECTION
+  fbi_second_add_pair(&shape->rest, p, h, G, a, b, shape->n);
 #endif
-#if FB_WITH_SPIN_STIFFENING
-    for (int i = 0; i < 9; i++) {
-      shape->Gamchi[9 * ab + i] += G[i];
-    }
-#endif
-    (void)ab;
-  }
   return FB_OK;
 }
 
@@ -16111,6 +17834,574 @@ static fb_status fbi_station_start(fbi_station *st, fbi_cell_fields *scratch, co
   return FB_OK;
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* ---- points of lines: where the beams of FB_EFFECT_LARGE_DEFLECTION are integrated */
+
+#define FBI_MAX_BREAKS (FB_MAX_LUMPS + FB_MAX_STATIONS + FB_MAX_ELEMENTS + 2)
+#define FBI_LINE_NODES (FB_MAX_POINTS + 1) /* of a stretch, its beginning included */
+
+typedef struct fbi_line_break { /* where a smooth stretch of a beam ends and the next one begins */
+  fb_real x, left, right;       /* [m] place; where the sections of either side are taken */
+  int kink;                     /* the tangent jumps */
+} fbi_line_break;
+
+/* [E14.10] Lobatto quadrature on 0..1, m + 1 nodes with both ends: zeros of (1 - z^2) P_m'(z) by Newton's iteration.
+   Source: Abramowitz and Stegun 25.4.32.  Cost: 10 m^2 flops an iteration.  Fails: never.
+   Test: lobatto_rules_integrate_polynomials. */
+static void fbi_lobatto_rule(fb_real *x, fb_real *w, int m)
+{
+  for (int j = 0; j <= m; j++) {
+    fb_real z = FB_COS(FB_R(3.14159265358979324) * (fb_real)(m - j) / (fb_real)m), P = FB_R(1.0);
+    for (int newton = 0; newton < 12; newton++) {
+      fb_real Q = FB_R(0.0); /* P_j, P_(j-1) */
+      P = FB_R(1.0);
+      for (int k = 0; k < m; k++) {
+        const fb_real N = ((fb_real)(2 * k + 1) * z * P - (fb_real)k * Q) / (fb_real)(k + 1);
+        Q = P;
+        P = N;
+      }
+      z -= (z * P - Q) / ((fb_real)(m + 1) * P);
+    }
+    x[j] = FB_R(0.5) * (FB_R(1.0) + z);
+    w[j] = FB_R(1.0) / ((fb_real)(m * (m + 1)) * P * P);
+  }
+}
+
+/* y_j = int of the Lagrange polynomial of node j from x_0 to `to` over m + 1 nodes, by Gauss quadrature between the
+   nodes. */
+static void fbi_lagrange_integrals(fb_real *y, const fb_real *x, int m, fb_real to)
+{
+  fbi_zero(y, m + 1);
+  for (int k = 0; k < m && x[k] < to; k++) {
+    const fb_real width = (x[k + 1] < to ? x[k + 1] : to) - x[k];
+    for (int g = 0; g < FBI_GAUSS; g++) {
+      const fb_real at = x[k] + width * fbi_gauss_x[g];
+      for (int j = 0; j <= m; j++) {
+        fb_real L = width * fbi_gauss_w[g];
+        for (int i = 0; i <= m; i++) {
+          L *= i == j ? FB_R(1.0) : (at - x[i]) / (x[j] - x[i]);
+        }
+        y[j] += L;
+      }
+    }
+  }
+}
+
+/* Element of x; at a node the one behind it, or with `before` the one before it. */
+static int fbi_beam_element(const fb_beam *beam, fb_real x, int before)
+{
+  int element = 0;
+  const fb_real gap = FB_R(1e-6) * beam->desc.length / (fb_real)beam->desc.n_element;
+  while (element < beam->desc.n_element - 1 && x > beam->start[element + 1] + (before ? gap : -gap)) {
+    element++;
+  }
+  return element;
+}
+
+/* Takes a vector of element axes to line axes: the beam's, or the body's for joined modes. */
+static void fbi_line_vector(fb_real out[3], const fb_beam *beam, const fb_modes *modes, int element,
+                            const fb_real in[3])
+{
+  fb_real own[3];
+  fb_mat33_mul_vec3(own, beam->frame + 9 * element, in);
+  if (modes->joined) {
+    fb_mat33_mul_vec3(out, beam->axes, own);
+  } else {
+    fbi_vec3_copy(out, own);
+  }
+}
+
+/* Displacement, rotation and stretch (strain, shear) of a mode at x, line axes. */
+static void fbi_line_field(fb_real u[3], fb_real theta[3], fb_real stretch[3], const fb_beam *beam,
+                           const fb_modes *modes, int mode, fb_real x, int before)
+{
+  const int element = fbi_beam_element(beam, x, before);
+  fbi_field f;
+  fb_real own[3];
+  fbi_mode_field(&f, beam, modes, mode, element, (x - beam->start[element]) / fbi_element_length(beam, element));
+  own[0] = f.strain;
+  own[1] = f.slope[0] - f.theta[2];
+  own[2] = f.slope[1] + f.theta[1];
+  fbi_line_vector(u, beam, modes, element, f.u);
+  fbi_line_vector(theta, beam, modes, element, f.theta);
+  fbi_line_vector(stretch, beam, modes, element, own);
+}
+
+/* A, B of the interval from x0 to x1 for a mode (E14.1). */
+static void fbi_line_interval(fb_real A[3], fb_real B[3], const fb_beam *beam, const fb_modes *modes, int mode,
+                              fb_real x0, fb_real x1)
+{
+  fb_real u[3], root[3], theta[3], stretch[3], mean[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fbi_line_field(u, root, stretch, beam, modes, mode, x0, 0);
+  fbi_line_field(u, A, stretch, beam, modes, mode, x1, 1);
+  fbi_vec3_add(A, -FB_R(1.0), root);
+  for (fb_real at = x0; at < x1;) {
+    const int element = fbi_beam_element(beam, at, 0);
+    const fb_real end =
+        element == beam->desc.n_element - 1 || x1 < beam->start[element + 1] ? x1 : beam->start[element + 1];
+    for (int g = 0; g < FBI_GAUSS; g++) {
+      fbi_line_field(u, theta, stretch, beam, modes, mode, at + fbi_gauss_x[g] * (end - at), 0);
+      fbi_vec3_add(theta, -FB_R(1.0), root);
+      fbi_vec3_add(mean, fbi_gauss_w[g] * (end - at) / (x1 - x0), theta);
+    }
+    at = end;
+  }
+  for (int i = 0; i < 3; i++) {
+    B[i] = FB_R(6.0) * (x1 > x0 ? mean[i] - FB_R(0.5) * A[i] : FB_R(0.0));
+  }
+}
+
+/* Appends a break unless there is one. */
+static void fbi_line_break_add(fbi_line_break *list, int *n, fb_real x, fb_real half, int kink, fb_real gap)
+{
+  int at = *n;
+  for (int k = 0; k < *n; k++) {
+    if (FB_FABS(list[k].x - x) < gap) {
+      list[k].kink = list[k].kink || kink;
+      return;
+    }
+  }
+  for (; at > 0 && list[at - 1].x > x; at--) {
+    list[at] = list[at - 1];
+  }
+  list[at].x = x;
+  list[at].left = x - half;
+  list[at].right = x + half;
+  list[at].kink = kink;
+  (*n)++;
+}
+
+static int fbi_is_step(fb_real a, fb_real b)
+{
+  return FB_FABS(a - b) > FB_R(0.1) * fbi_larger(FB_FABS(a), FB_FABS(b));
+}
+
+/* Ends of the smooth stretches of a beam, root and tip included: lumped bodies, kinks above 0.1 rad, and steps of mass
+   or stiffness, where they change by a tenth within a hundredth of the length. */
+static int fbi_line_breaks(fbi_line_break *list, const fb_beam *beam)
+{
+  const fb_real length = beam->start[beam->desc.n_element], gap = FB_R(1e-3) * length;
+  int n = 0;
+  fbi_line_break_add(list, &n, FB_R(0.0), FB_R(0.0), 0, gap);
+  fbi_line_break_add(list, &n, length, FB_R(0.0), 0, gap);
+  for (int k = 1; k < beam->desc.n_element; k++) {
+    const fb_real *const before = beam->frame + 9 * (k - 1), *const behind = beam->frame + 9 * k;
+    const fb_real jump[3] = {behind[0] - before[0], behind[3] - before[3], behind[6] - before[6]};
+    if (fbi_vec3_norm(jump) > FB_R(0.1)) {
+      fbi_line_break_add(list, &n, beam->start[k], FB_R(0.0), 1, gap);
+    }
+  }
+  for (int k = 0; k < beam->desc.n_lump; k++) {
+    fbi_line_break_add(list, &n, beam->start[beam->desc.lump[k].node], FB_R(0.0), 0, gap);
+  }
+  for (int k = 1; k < beam->desc.n_station; k++) {
+    const fb_section *const a = &beam->desc.station[k - 1], *const b = &beam->desc.station[k];
+    const fb_real half = FB_R(0.5) * (b->x - a->x);
+    if (half < FB_R(0.005) * length &&
+        (fbi_is_step(a->mass, b->mass) || fbi_is_step(a->EI_y, b->EI_y) || fbi_is_step(a->EI_z, b->EI_z) ||
+         fbi_is_step(a->GJ, b->GJ) || fbi_is_step(a->EA, b->EA))) {
+      fbi_line_break_add(list, &n, a->x + half, half, 0, gap);
+    }
+  }
+  return n;
+}
+
+typedef struct fbi_line_slice {      /* mass at a point: of sections and lumped bodies, line axes */
+  fb_real mass, first[3], moment[9]; /* sum of m, m d, and of the inertia about the point */
+} fbi_line_slice;
+
+/* Adds a mass with its center and its directions of spread (E6.2). */
+static void fbi_line_slice_add(fbi_line_slice *s, fb_real mass, const fb_real d[3], fb_real spread[3][3],
+                               const fb_real w[3])
+{
+  s->mass += mass;
+  fbi_vec3_add(s->first, mass, d);
+  fbi_add_minus_cross_cross(s->moment, mass, d, d);
+  for (int k = 0; k < 3; k++) {
+    fbi_add_minus_cross_cross(s->moment, w[k], spread[k], spread[k]);
+  }
+}
+
+/* Adds a length dx of beam at x with the section taken at `from`. */
+static void fbi_line_section_add(fbi_line_slice *s, const fb_beam *beam, const fb_modes *modes, fb_real x, int before,
+                                 fb_real from, fb_real dx)
+{
+  const int element = fbi_beam_element(beam, x, before);
+  fb_section section;
+  fb_real local[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, spread[3][3], d[3], w[3];
+  memset(spread, 0, sizeof spread);
+  fb_beam_section_eval(beam, &section, from);
+  w[0] = FB_R(0.0);
+  w[1] = dx * section.i_z;
+  w[2] = dx * section.i_y;
+  for (int k = 1; k < 3; k++) {
+    fbi_turn_yz(&local[1], &local[2], k == 1 ? FB_R(1.0) : FB_R(0.0), k == 2 ? FB_R(1.0) : FB_R(0.0), -section.twist);
+    fbi_line_vector(spread[k], beam, modes, element, local);
+  }
+  fbi_turn_yz(&local[1], &local[2], section.mass_y, section.mass_z, -section.twist);
+  fbi_line_vector(d, beam, modes, element, local);
+  fbi_line_slice_add(s, dx * section.mass, d, spread, w);
+}
+
+/* Adds the lumped bodies at x. */
+static void fbi_line_lumps_add(fbi_line_slice *s, const fb_beam *beam, const fb_modes *modes, fb_real x)
+{
+  const fb_real unit[3] = {FB_R(1.0), FB_R(1.0), FB_R(1.0)};
+  for (int k = 0; k < beam->desc.n_lump; k++) {
+    const fb_lump *lump = &beam->desc.lump[k];
+    fb_real local[3][3], spread[3][3], d[3];
+    if (FB_FABS(beam->start[lump->node] - x) < FB_R(1e-6) * beam->desc.length &&
+        fbi_spread(local, lump->inertia) == FB_OK) {
+      for (int i = 0; i < 3; i++) {
+        fbi_vec3_copy(spread[i], local[i]);
+        if (modes->joined) {
+          fb_mat33_mul_vec3(spread[i], beam->axes, local[i]);
+        }
+      }
+      fbi_vec3_copy(d, lump->center);
+      if (modes->joined) {
+        fb_mat33_mul_vec3(d, beam->axes, lump->center);
+      }
+      fbi_line_slice_add(s, lump->mass, d, spread, unit);
+    }
+  }
+}
+
+typedef struct fbi_line_stretch {
+  fb_real x0, x1;
+  int m, start,
+      next; /* m + 1 nodes: point `start` (-1: a root at rest, which is no point), then m points from `next` */
+} fbi_line_stretch;
+
+typedef struct fbi_line_plan {     /* points of a beam, from the root on */
+  int n, n_stretch, moves, flexes; /* the root moves with the modes; modes stretch or shear */
+  fb_real x[FB_MAX_POINTS];
+  int before[FB_MAX_POINTS]; /* of two points at a kink the first */
+  fbi_line_slice slice[FB_MAX_POINTS];
+  fbi_line_stretch stretch[FBI_MAX_BREAKS];
+} fbi_line_plan;
+
+/* Does the root move in a mode? Does one of them stretch or shear the line? To rounding. */
+static void fbi_line_plan_kind(fbi_line_plan *plan, const fb_beam *beam, const fb_modes *modes)
+{
+  fb_real move = FB_R(0.0), turn = FB_R(0.0), size = FB_R(0.0), flex = FB_R(0.0);
+  for (int a = 0; a < modes->n; a++) {
+    for (int k = 0; k <= 2 * beam->desc.n_element; k++) {
+      const fb_real x = beam->start[beam->desc.n_element] * (fb_real)k / (fb_real)(2 * beam->desc.n_element);
+      fb_real u[3], theta[3], stretch[3];
+      fbi_line_field(u, theta, stretch, beam, modes, a, x, k > 0);
+      move = k == 0 ? fbi_larger(move, fbi_vec3_norm(u)) : move;
+      turn = k == 0 ? fbi_larger(turn, beam->desc.length * fbi_vec3_norm(theta)) : turn;
+      flex = fbi_larger(flex, beam->desc.length * fbi_vec3_norm(stretch));
+      size = fbi_larger(size, fbi_larger(fbi_vec3_norm(u), beam->desc.length * fbi_vec3_norm(theta)));
+    }
+  }
+  plan->moves = move > FBI_ROUNDING * size || turn > FBI_ROUNDING * size;
+  plan->flexes = flex > FBI_ROUNDING * size;
+}
+
+/* Appends a point. */
+static int fbi_line_plan_add(fbi_line_plan *plan, fb_real x, int before)
+{
+  if (plan->n < FB_MAX_POINTS) {
+    plan->x[plan->n] = x;
+    plan->before[plan->n] = before;
+    memset(&plan->slice[plan->n], 0, sizeof plan->slice[plan->n]);
+  }
+  return plan->n++;
+}
+
+/* [E14.11] Points of a beam: Lobatto nodes on each smooth stretch, modes->line_points of them behind the root where it is
+   one stretch, of several 3 for each and the rest by their lengths; the mass there by the weights and the sections, and
+   the lumped bodies. A root that does not move is no point. FB_ERR_CAPACITY: more than FB_MAX_POINTS; plan.n says how
+   many.
+   Source: THEORY.md 14.  Test: lines_have_enough_points. */
+static fb_status fbi_line_plan_fill(fbi_line_plan *plan, const fb_beam *beam, const fb_modes *modes)
+{
+  fbi_line_break list[FBI_MAX_BREAKS];
+  fb_real node[FBI_LINE_NODES], weight[FBI_LINE_NODES];
+  const fb_real length = beam->start[beam->desc.n_element];
+  const int n_break = fbi_line_breaks(list, beam), want = modes->line_points;
+  int point;
+  memset(plan, 0, sizeof *plan);
+  fbi_line_plan_kind(plan, beam, modes);
+  point = plan->moves || plan->flexes ? fbi_line_plan_add(plan, FB_R(0.0), 0) : -1;
+  for (int k = 0; k + 1 < n_break; k++) {
+    fbi_line_stretch *const s = &plan->stretch[plan->n_stretch++];
+    const fb_real part = (list[k + 1].x - list[k].x) / length;
+    s->x0 = list[k].x;
+    s->x1 = list[k + 1].x;
+    s->m = n_break == 2 ? want : 3 + (int)(part * (fb_real)(want - 3) + FB_R(0.999));
+    s->start = list[k].kink ? fbi_line_plan_add(plan, s->x0, 0) : point;
+    s->next = plan->n;
+    if (plan->n + s->m > FB_MAX_POINTS) {
+      plan->n += s->m; /* counts on */
+      continue;
+    }
+    fbi_lobatto_rule(node, weight, s->m);
+    for (int j = 0; j <= s->m; j++) {
+      const fb_real x = s->x0 + node[j] * (s->x1 - s->x0);
+      const fb_real from = j == 0 ? list[k].right : j == s->m ? list[k + 1].left : x;
+      point = j == 0 ? s->start : fbi_line_plan_add(plan, j == s->m ? s->x1 : x, 1);
+      if (point >= 0) {
+        fbi_line_section_add(&plan->slice[point], beam, modes, x, j > 0, from, weight[j] * (s->x1 - s->x0));
+      }
+    }
+  }
+  if (plan->n > FB_MAX_POINTS) {
+    return FB_ERR_CAPACITY;
+  }
+  for (int j = 0; j < plan->n; j++) {
+    if (j == 0 || plan->x[j] > plan->x[j - 1]) {
+      fbi_line_lumps_add(&plan->slice[j], beam, modes, plan->x[j]);
+    }
+  }
+  return FB_OK;
+}
+
+/* What the tangent of each point adds to the position at x, and that of a root at rest. */
+static void fbi_line_weights(fb_real *weight, fb_real *root, const fbi_line_plan *plan, fb_real x)
+{
+  fb_real node[FBI_LINE_NODES], rule[FBI_LINE_NODES], y[FBI_LINE_NODES];
+  fbi_zero(weight, plan->n);
+  *root = FB_R(0.0);
+  for (int k = 0; k < plan->n_stretch && plan->stretch[k].x0 < x; k++) {
+    const fbi_line_stretch *const s = &plan->stretch[k];
+    const fb_real width = s->x1 - s->x0;
+    fbi_lobatto_rule(node, rule, s->m);
+    fbi_lagrange_integrals(y, node, s->m, x < s->x1 ? (x - s->x0) / width : FB_R(1.0));
+    for (int j = 0; j <= s->m; j++) {
+      const int at = j == 0 ? s->start : s->next + j - 1;
+      if (at >= 0) {
+        weight[at] += width * y[j];
+      } else {
+        *root += width * y[j];
+      }
+    }
+  }
+}
+
+/* The point of an earlier line at the place of a joined beam's root, with which it moves; -1: none. */
+static int fbi_line_support(const fb_lines *all, int first, int n, const fb_real position[3], fb_real size)
+{
+  static const fb_real zero[FB_MAX_MODES] = {FB_R(0.0)};
+  fbi_line_work w;
+  int found = -1;
+  (void)fbi_lines_pose(&w, all, zero);
+  for (int l = 0; l < all->n_line && found < 0; l++) {
+    const fb_line *const line = &all->line[l];
+    for (int j = line->point; j < line->point + line->count && line->first == first && line->n == n; j++) {
+      const fb_real apart[3] = {w.r[0][j] - position[0], w.r[1][j] - position[1], w.r[2][j] - position[2]};
+      found = fbi_vec3_norm(apart) < FB_R(1e-4) * size ? j : found;
+    }
+  }
+  return found;
+}
+
+/* Appends rows of one kind: turns (A, B of the interval before each point) or stretches. */
+static fb_status fbi_line_rows_fill(fb_lines *all, fb_line *line, const fbi_line_plan *plan, const fb_beam *beam,
+                                    const fb_modes *modes, int stretches)
+{
+  const int m = line->stride;
+  fb_real largest = FB_R(0.0), *to;
+  for (int pass = 0; pass < 2; pass++) { /* the largest number; the rows above its rounding */
+    for (int a = 0; a < modes->n; a++) {
+      fb_real own[3][2 * FB_MAX_POINTS];
+      memset(own, 0, sizeof own);
+      for (int j = 0; j < plan->n; j++) {
+        fb_real A[3], B[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, u[3], theta[3];
+        if (stretches) {
+          fbi_line_field(u, theta, A, beam, modes, a, plan->x[j], plan->before[j]);
+        } else if (j > 0 || !plan->moves) {
+          fbi_line_interval(A, B, beam, modes, a, j > 0 ? plan->x[j - 1] : FB_R(0.0), plan->x[j]);
+        } else {
+          fbi_line_field(u, A, theta, beam, modes, a, FB_R(0.0), 0);
+          if (line->hangs) {
+            fbi_vec3_zero(A); /* turns with what it hangs on */
+          }
+        }
+        for (int i = 0; i < 3; i++) {
+          own[i][j] = A[i];
+          own[i][m + j] = B[i];
+          largest = pass == 0 ? fbi_larger(largest, fbi_larger(FB_FABS(A[i]), FB_FABS(B[i]))) : largest;
+        }
+      }
+      for (int i = 0; i < 3 && pass == 1; i++) {
+        const int length = stretches ? m : 2 * m;
+        fb_real most = FB_R(0.0);
+        for (int j = 0; j < length; j++) {
+          most = fbi_larger(most, FB_FABS(own[i][j]));
+        }
+        if (!(most > FBI_ROUNDING * largest)) {
+          continue;
+        }
+        if (all->n_row >= FBI_MAX_LINE_ROWS || all->n_table + length > FBI_MAX_LINE_TABLE) {
+          return FB_ERR_CAPACITY;
+        }
+        all->row[all->n_row].axis = (unsigned short)i;
+        all->row[all->n_row].a = (unsigned short)a;
+        all->row[all->n_row].at = (unsigned short)all->n_table;
+        to = all->table + all->n_table;
+        fbi_copy(to, own[i], length);
+        all->n_table += length;
+        all->n_row++;
+      }
+    }
+  }
+  return FB_OK;
+}
+
+/* Mass, center and inertia of a point from its slice. */
+static void fbi_line_point_fill(fb_lines *all, fb_line *line, int at, const fbi_line_slice *s)
+{
+  static const int packed[6] = {0, 1, 2, 4, 5, 8};
+  fb_real moment[9], size = FB_R(0.0);
+  all->mass[at] = s->mass;
+  fbi_copy(moment, s->moment, 9);
+  for (int i = 0; i < 3; i++) {
+    all->center[3 * at + i] = s->mass > FB_R(0.0) ? s->first[i] / s->mass : FB_R(0.0);
+  }
+  fbi_add_minus_cross_cross(moment, -s->mass, all->center + 3 * at, all->center + 3 * at);
+  for (int i = 0; i < 6; i++) {
+    all->inertia[6 * at + i] = moment[packed[i]];
+    size = fbi_larger(size, FB_FABS(moment[packed[i]]));
+  }
+  if (size > FB_R(0.0) || !fbi_is_zero(all->center + 3 * at, 3)) {
+    line->solid = 1;
+  }
+}
+
+/* Adds a beam with its modes to the lines of a shape. FB_ERR_CAPACITY: points, lines or tables; FB_ERR_KIND: the root of
+   a joined beam moves with no point of an earlier one. */
+static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, const fb_beam *beam, const fb_modes *modes)
+{
+  fb_line *const line = &all->line[all->n_line];
+  const fb_real tip[3] = {FB_R(1.0), FB_R(0.0), FB_R(0.0)};
+  fb_real position[3], root_weight, column[FB_MAX_POINTS];
+  int on = -1;
+  fb_status status = all->n_line < FB_MAX_LINES ? fbi_line_plan_fill(plan, beam, modes) : FB_ERR_CAPACITY;
+  if (status != FB_OK || all->n_point + (plan->n + 1) / 2 * 2 > FB_MAX_POINTS) {
+    return status ? status : FB_ERR_CAPACITY;
+  }
+
+  /* what it is */
+  memset(line, 0, sizeof *line);
+  line->first = (unsigned short)first;
+  line->n = (unsigned short)modes->n;
+  line->point = (unsigned short)all->n_point;
+  line->count = (unsigned short)plan->n;
+  line->stride = (unsigned short)((plan->n + 1) / 2 * 2);
+  line->row = (unsigned short)all->n_row;
+  for (int i = 0; i < 9; i++) {
+    line->axes[i] = modes->joined ? (i % 4 ? FB_R(0.0) : FB_R(1.0)) : beam->axes[i];
+    line->turned = line->turned || FB_FABS(line->axes[i] - (i % 4 ? FB_R(0.0) : FB_R(1.0))) > FBI_ROUNDING;
+  }
+  fb_mat33_mulT_vec3(position, line->axes, beam->desc.position);
+  fbi_vec3_copy(line->root, beam->desc.position);
+  fbi_mat33_copy(line->frame, beam->axes);
+  if (modes->joined && plan->moves) {
+    on = fbi_line_support(all, first, modes->n, beam->desc.position, beam->desc.length);
+    if (on < 0) {
+      return FB_ERR_KIND;
+    }
+    line->hangs = (unsigned short)(1 + on);
+    all->line[fbi_line_of(all, on) - all->line].carries = 1;
+  }
+  line->moves = (unsigned short)(plan->moves && on < 0);
+
+  /* rows */
+  status = fbi_line_rows_fill(all, line, plan, beam, modes, 0);
+  line->n_turn = (unsigned short)(all->n_row - line->row);
+  status = status == FB_OK && plan->flexes ? fbi_line_rows_fill(all, line, plan, beam, modes, 1) : status;
+  line->n_stretch = (unsigned short)(all->n_row - line->row - line->n_turn);
+  if (status != FB_OK || all->n_table + line->count * line->stride + 3 * modes->n > FBI_MAX_LINE_TABLE) {
+    return status ? status : FB_ERR_CAPACITY;
+  }
+
+  /* displacement of the root */
+  line->shift = (unsigned short)all->n_table;
+  for (int a = 0; a < modes->n && line->moves; a++) {
+    fb_real theta[3], stretch[3];
+    fbi_line_field(all->table + line->shift + 3 * a, theta, stretch, beam, modes, a, FB_R(0.0), 0);
+    all->n_table += 3;
+  }
+
+  /* points: mass, tangents, integrals along the line */
+  line->weight = (unsigned short)all->n_table;
+  all->n_table += line->count * line->stride;
+  fbi_zero(all->table + line->weight, line->count * line->stride);
+  for (int s = 0; s < line->stride; s++) {
+    const int at = line->point + s;
+    fb_real e[3];
+    all->mass[at] = FB_R(0.0);
+    fbi_zero(all->center + 3 * at, 3);
+    fbi_zero(all->inertia + 6 * at, 6);
+    for (int i = 0; i < 3; i++) {
+      all->start[i][at] = all->tangent[i][at] = FB_R(0.0);
+    }
+    if (s < line->count) {
+      fbi_line_point_fill(all, line, at, &plan->slice[s]);
+      fbi_line_vector(e, beam, modes, fbi_beam_element(beam, plan->x[s], plan->before[s]), tip);
+      fbi_line_set3(all->tangent, at, e);
+      fbi_line_weights(column, &root_weight, plan, plan->x[s]);
+      for (int j = 0; j < line->count; j++) {
+        all->table[line->weight + j * line->stride + s] = column[j];
+      }
+      fbi_line_vector(e, beam, modes, 0, tip);
+      for (int i = 0; i < 3; i++) {
+        all->start[i][at] = (on < 0 ? position[i] : FB_R(0.0)) + root_weight * e[i];
+      }
+    }
+  }
+  all->n_point += line->stride;
+  all->n_line++;
+  return FB_OK;
+}
+
+/* The line of a beam with its modes, -1: it has none. */
+static int fbi_line_find(const fb_lines *all, int first, const fb_beam *beam, const fb_modes *modes)
+{
+  for (int l = 0; l < all->n_line; l++) {
+    const fb_real *const r = all->line[l].root, *const p = beam->desc.position;
+    if (all->line[l].first == first && all->line[l].n == modes->n && r[0] == p[0] && r[1] == p[1] && r[2] == p[2] &&
+        memcmp(all->line[l].frame, beam->axes, sizeof beam->axes) == 0) {
+      return l;
+    }
+  }
+  return -1;
+}
+
+/* A node at x of a beam's line: the interval from the point before it, and the integrals up to it. */
+static void fbi_line_node_fill(fb_line_node *node, const fb_lines *all, fbi_line_plan *plan, int first,
+                               const fb_beam *beam, const fb_modes *modes, fb_real x)
+{
+  const int at = fbi_line_find(all, first, beam, modes);
+  const fb_real tip[3] = {FB_R(1.0), FB_R(0.0), FB_R(0.0)};
+  fb_real e[3], position[3], root_weight;
+  int before = -1;
+  const fb_line *line;
+  if (at < 0 || fbi_line_plan_fill(plan, beam, modes) != FB_OK) {
+    return;
+  }
+  line = &all->line[at];
+  while (before + 1 < plan->n && plan->x[before + 1] <= x) {
+    before++;
+  }
+  node->line = (unsigned short)(1 + at);
+  node->after = (unsigned short)(before < 0 ? 0 : 1 + line->point + before);
+  for (int a = 0; a < modes->n; a++) {
+    fbi_line_interval(node->turn + 3 * a, node->bow + 3 * a, beam, modes, a, before < 0 ? FB_R(0.0) : plan->x[before],
+                      x);
+  }
+  fbi_line_weights(node->weight, &root_weight, plan, x);
+  fbi_line_vector(e, beam, modes, 0, tip);
+  fb_mat33_mulT_vec3(position, line->axes, beam->desc.position);
+  for (int i = 0; i < 3; i++) {
+    node->start[i] = (line->hangs ? FB_R(0.0) : position[i]) + root_weight * e[i];
+  }
+}
+#endif
+
 #define FBI_WORD_HANGS \
   "modes of a joined component whose root moves, a node of the shape at its root that moves with it"
 
@@ -16151,7 +18442,7 @@ FB_DEF fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *be
     fbi_station_eval(&start, beam, modes, &fields, FB_R(1.0), &start);
     if (fbi_cell_is_last(&cell, beam)) {
       fbi_lumps_to_shape(shape, beam, &start, node, first, modes->n);
-      fbi_shape_extend(shape, start.r, start.u, first, modes->n);
+      fbi_shape_extend(shape, start.r, start.u, first, modes->n, 1);
     }
   }
 
@@ -16161,6 +18452,12 @@ FB_DEF fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *be
       shape->K[(first + a) * shape->n + first + b] += modes->K[a * modes->n + b];
     }
   }
+#if FB_WITH_LARGE_DEFLECTION
+  if (shape->lines_status == FB_OK) {
+    fbi_line_plan plan;
+    shape->lines_status = fbi_line_add(&shape->lines, &plan, first, beam, modes);
+  }
+#endif
   return FB_OK;
 }
 
@@ -16217,6 +18514,12 @@ FB_DEF fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, c
         fbi_copy(out->chi + pair, st.chi + ab, 3);
         fbi_copy(out->chi_theta + pair, st.chi_theta + ab, 3);
       }
+    }
+#endif
+#if FB_WITH_LARGE_DEFLECTION
+    if (shape->lines_status == FB_OK) {
+      fbi_line_plan plan;
+      fbi_line_node_fill(&out->line, &shape->lines, &plan, first, beam, modes, x);
     }
 #endif
   }
@@ -16423,11 +18726,11 @@ static void fbi_lambda_fill(fb_real *Lambda, const fb_shape *shape, int n, int w
         const int ab = 3 * (a * n + b) + i;
         fb_real *row = Lambda + ((a + 1) * 6 + i) * n + b;
 #if FB_WITH_ACCELERATION_STIFFENING
-        row[0] += with_chi ? shape->pchi[ab] : FB_R(0.0);
-        row[3 * n] += with_chi ? shape->hchi[ab] : FB_R(0.0);
+        row[0] += with_chi ? shape->second.pchi[ab] : FB_R(0.0);
+        row[3 * n] += with_chi ? shape->second.hchi[ab] : FB_R(0.0);
 #endif
 #if FB_WITH_SPIN_COUPLING
-        row[3 * n] -= with_ups ? shape->ups[ab] : FB_R(0.0);
+        row[3 * n] -= with_ups ? shape->second.ups[ab] : FB_R(0.0);
 #endif
         (void)row, (void)ab, (void)with_chi, (void)with_ups;
       }
@@ -16456,7 +18759,7 @@ static fb_real fbi_lambda_size(const fb_shape *shape, int i, int a, int b)
   a--;
   size = i < 3 ? FB_R(0.0) : mb * FB_SQRT(shape->M[a * n + a]);
 #if FB_WITH_ACCELERATION_STIFFENING
-  size += fbi_chi_size(i < 3 ? shape->pchi : shape->hchi, n, a, b);
+  size += fbi_chi_size(i < 3 ? shape->second.pchi : shape->second.hchi, n, a, b);
 #endif
   return size;
 }
@@ -16561,20 +18864,20 @@ static void fbi_rigid_term(fb_real S[21], const fb_shape *shape, unsigned effect
 #if FB_WITH_RESIDUAL_INERTIA
   if (a > 0 && b == 0 && fbi_has(effects, FB_EFFECT_RESIDUAL_INERTIA)) {
     fbi_copy(c, shape->P + 3 * (a - 1), 3);
-    fbi_vec9_add(J, FB_R(2.0), shape->Gam + 9 * (a - 1));
+    fbi_vec9_add(J, FB_R(2.0), shape->second.Gam + 9 * (a - 1));
   }
   if (a > 0 && b > 0 && fbi_has(effects, FB_EFFECT_RESIDUAL_INERTIA)) {
-    fbi_vec9_add(J, twice, shape->Pi + 9 * ab);
+    fbi_vec9_add(J, twice, shape->second.Pi + 9 * ab);
   }
 #endif
 #if FB_WITH_SPIN_STIFFENING
   if (a > 0 && b > 0 && fbi_has(effects, FB_EFFECT_SPIN_STIFFENING)) {
-    fbi_vec9_add(J, twice, shape->Gamchi + 9 * ab);
+    fbi_vec9_add(J, twice, shape->second.Gamchi + 9 * ab);
   }
 #endif
 #if FB_WITH_ACCELERATION_STIFFENING
   if (a > 0 && b > 0 && fbi_has(effects, FB_EFFECT_ACCELERATION_STIFFENING)) {
-    fbi_vec3_add(c, FB_R(0.5) * twice, shape->pchi + 3 * ab);
+    fbi_vec3_add(c, FB_R(0.5) * twice, shape->second.pchi + 3 * ab);
   }
 #endif
   (void)effects, (void)ab, (void)twice;
@@ -16597,7 +18900,7 @@ static fb_real fbi_S_size(const fb_shape *shape, const fb_real *Z, int a, int b,
   }
 #if FB_WITH_ACCELERATION_STIFFENING
   if (j >= 3 && i < 3 && b > 0) {
-    size = fbi_chi_size(shape->pchi, n, a - 1, b - 1);
+    size = fbi_chi_size(shape->second.pchi, n, a - 1, b - 1);
   }
 #endif
   return size + FB_SQRT(fbi_dot(Za + i * n, Za + i * n, n)) * FB_SQRT(fbi_dot(Zb + j * n, Zb + j * n, n)) +
@@ -16964,12 +19267,13 @@ static fb_status fbi_limits_fill(fb_body *body, fb_body_work *work, const fb_sha
 #endif
 #if FB_WITH_SPIN_STIFFENING
   if (fbi_has(body->effects, FB_EFFECT_SPIN_STIFFENING)) {
-    status = status == FB_OK ? fbi_table_norm(&body->limit_spin, work, shape->Gamchi, 9, reduced, n) : status;
+    status = status == FB_OK ? fbi_table_norm(&body->limit_spin, work, shape->second.Gamchi, 9, reduced, n) : status;
   }
 #endif
 #if FB_WITH_ACCELERATION_STIFFENING
   if (fbi_has(body->effects, FB_EFFECT_ACCELERATION_STIFFENING)) {
-    status = status == FB_OK ? fbi_table_norm(&body->limit_acceleration, work, shape->pchi, 3, reduced, n) : status;
+    status =
+        status == FB_OK ? fbi_table_norm(&body->limit_acceleration, work, shape->second.pchi, 3, reduced, n) : status;
   }
 #endif
   return status;
@@ -17097,20 +19401,20 @@ static fb_status fbi_shape_check(const fb_shape *shape)
     FBI_ANY(shape->H, 3 * n, "shape.H"),
     FBI_ANY(shape->M, nn, "shape.M"),
     FBI_ANY(shape->K, nn, "shape.K"),
-    FBI_ANY(shape->reach, n, "shape.reach"),
+    FBI_ANY(shape->second.reach, n, "shape.second.reach"),
 #if FB_WITH_SPIN_COUPLING
-    FBI_ANY(shape->ups, 3 * nn, "shape.ups"),
+    FBI_ANY(shape->second.ups, 3 * nn, "shape.second.ups"),
 #endif
 #if FB_WITH_RESIDUAL_INERTIA
-    FBI_ANY(shape->Gam, 9 * n, "shape.Gam"),
-    FBI_ANY(shape->Pi, 9 * nn, "shape.Pi"),
+    FBI_ANY(shape->second.Gam, 9 * n, "shape.second.Gam"),
+    FBI_ANY(shape->second.Pi, 9 * nn, "shape.second.Pi"),
 #endif
 #if FB_WITH_SPIN_STIFFENING
-    FBI_ANY(shape->Gamchi, 9 * nn, "shape.Gamchi"),
+    FBI_ANY(shape->second.Gamchi, 9 * nn, "shape.second.Gamchi"),
 #endif
 #if FB_WITH_ACCELERATION_STIFFENING
-    FBI_ANY(shape->pchi, 3 * nn, "shape.pchi"),
-    FBI_ANY(shape->hchi, 3 * nn, "shape.hchi"),
+    FBI_ANY(shape->second.pchi, 3 * nn, "shape.second.pchi"),
+    FBI_ANY(shape->second.hchi, 3 * nn, "shape.second.hchi"),
 #endif
 #if FB_WITH_NONLINEAR_STRAIN
     FBI_ANY(&shape->stretch, 1, "shape.stretch"),
@@ -17143,6 +19447,8 @@ static fb_status fbi_shape_check(const fb_shape *shape)
   return status;
 }
 
+#define FBI_WORD_LINES \
+  "effects: large deflection: points of all beams, FB_MAX_POINTS, at most; of joined ones, that hang on points"
 /* Effects: no value without its effect, none excluded by the build, none without its partner. */
 static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_desc *desc)
 {
@@ -17172,6 +19478,11 @@ static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_des
   if (fbi_has(desc->effects, FB_EFFECT_NONLINEAR_STRAIN) && shape->n_strain == 0) {
     return FBI_REFUSE(FB_ERR_EFFECTS, "effects: nonlinear strain, with fb_shape_add_beam_strain", -1, FB_R(0.0),
                       FB_R(0.0));
+  }
+#endif
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_has(desc->effects, FB_EFFECT_LARGE_DEFLECTION) && shape->lines_status != FB_OK) {
+    return FBI_REFUSE(shape->lines_status, FBI_WORD_LINES, -1, FB_R(0.0), FB_R(1.0) * FB_MAX_POINTS);
   }
 #endif
 #if FB_WITH_FORMS
@@ -17212,6 +19523,9 @@ static void fbi_node_copy(fb_node *to, const fb_node *from, int n)
   fbi_copy(to->chi, from->chi, 3 * n * (n + 1) / 2);
   fbi_copy(to->chi_theta, from->chi_theta, 3 * n * (n + 1) / 2);
 #endif
+#if FB_WITH_LARGE_DEFLECTION
+  to->line = from->line;
+#endif
 }
 
 /* Fills a body but for damping, limits, inverses and the terms of Lambda and S. */
@@ -17243,13 +19557,14 @@ static void fbi_body_fill(fb_body *body, const fb_shape *shape, const fb_body_de
   fbi_sparse_fill(&body->M, shape->M, body->n);
   fbi_sparse_fill(&body->K, shape->K, body->n);
   body->unit_mass = fbi_is_unit(&body->M, body->n);
-  body->constant_S = body->n == 0 || !fbi_has(body->effects, FB_EFFECT_RESIDUAL_INERTIA | FBI_QUADRATIC_EFFECTS);
+  body->constant_S = body->n == 0 || !fbi_has(body->effects, FB_EFFECT_RESIDUAL_INERTIA | FBI_QUADRATIC_EFFECTS |
+                                                                 FB_EFFECT_LARGE_DEFLECTION);
 
   /* Rigid body, deflection limit, nodes */
   body->mass = shape->mass;
   fbi_copy(body->c, shape->c, 3);
   body->deflection_limit = desc->deflection_limit > FB_R(0.0) ? desc->deflection_limit : FB_R(0.5) * shape->size;
-  fbi_copy(body->reach, shape->reach, body->n);
+  fbi_copy(body->reach, shape->second.reach, body->n);
 #if FB_WITH_GRAVITY
   if (fbi_has(body->effects, FB_EFFECT_GRAVITY)) {
     fbi_copy(body->gravity, desc->gravity, 3);
@@ -17313,7 +19628,7 @@ static void fbi_form_fill(fb_body *body, fb_body_work *work, const fb_shape *sha
   if (body->form != FB_FORM_FIRST) {
     return;
   }
-  fbi_table_list(body->gam, &body->n_gam, shape->Gam, 9, n, 0, FB_R(1.0));
+  fbi_table_list(body->gam, &body->n_gam, shape->second.Gam, 9, n, 0, FB_R(1.0));
 #if FB_WITH_NONLINEAR_STRAIN
   if (body->stiffness_torque != FB_TORQUE_IDENTITY && body->torque_degree > 0) {
     fb_real *table = work->Lambda; /* free by now */
@@ -17362,6 +19677,77 @@ static fb_status fbi_terms_fill(fb_body *body, fb_body_work *work, const fb_shap
   return body->n_S > FBI_MAX_S || body->n_run > FBI_MAX_RUNS ? FB_ERR_CAPACITY : FB_OK;
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* Differences that are rounding of `size` become zero. */
+static void fbi_rest_clean(fb_real *x, const fb_real *whole, int n)
+{
+  fb_real size = FB_R(0.0);
+  for (int i = 0; i < n; i++) {
+    size = fbi_larger(size, FB_FABS(whole[i]));
+  }
+  fbi_flush(x, n, FBI_ROUNDING * size);
+}
+
+/* A body without its lines: all integrals but those of the points at q = 0, those of second degree of what is no beam.
+   The sum of both has the integrals of the undeformed body to rounding, whatever the points miss. */
+static void fbi_rest_fill(fb_body_work *work, const fb_body *body, const fb_shape *shape)
+{
+  const int n = shape->n;
+  fb_shape *const rest = &work->rest;
+  fbi_line_work *const w = &work->line;
+  fb_real zero[FB_MAX_MODES] = {FB_R(0.0)};
+  *rest = *shape;
+  rest->second = shape->rest;
+  fbi_zero(w->L, n * n);
+  fbi_zero(w->X, 6 * n);
+  fbi_zero(w->M_rr, 21);
+  (void)fbi_lines_pose(w, &body->lines, zero);
+  fbi_lines_inertia_add(w->L, w->X, w->M_rr, w, &body->lines, n);
+  for (int a = 0; a < n; a++) {
+    for (int b = 0; b <= a; b++) {
+      rest->M[a * n + b] = rest->M[b * n + a] = shape->M[a * n + b] - w->L[a * n + b];
+    }
+    for (int i = 0; i < 3; i++) {
+      rest->P[3 * a + i] = shape->P[3 * a + i] - w->X[i * n + a];
+      rest->H[3 * a + i] = shape->H[3 * a + i] - w->X[(3 + i) * n + a];
+    }
+  }
+  fbi_rest_clean(rest->M, shape->M, n * n);
+  fbi_rest_clean(rest->P, shape->P, 3 * n);
+  fbi_rest_clean(rest->H, shape->H, 3 * n);
+  rest->mass = shape->mass - w->M_rr[0];
+  rest->c[0] = shape->c[0] - w->M_rr[10];
+  rest->c[1] = shape->c[1] - w->M_rr[12];
+  rest->c[2] = shape->c[2] - w->M_rr[4];
+  for (int i = 0; i < 3; i++) {
+    for (int j = 0; j < 3; j++) {
+      rest->J[3 * i + j] = shape->J[3 * i + j] - w->M_rr[fb_sym6_index(3 + i, 3 + j)];
+    }
+  }
+}
+
+/* What a body with lines holds beside them: the terms of the rest in Lambda(q), and in place of S(q) its M_rr(q). */
+static fb_status fbi_large_fill(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc)
+{
+  const int n = body->n;
+  const int chi = fbi_has(body->effects, FB_EFFECT_ACCELERATION_STIFFENING);
+  body->lines = shape->lines;
+  fbi_rest_fill(work, body, shape);
+  fbi_sparse_fill(&body->M_rest, work->rest.M, n);
+  fbi_lambda_fill(work->Lambda, &work->rest, n, fbi_has(body->effects, FB_EFFECT_SPIN_COUPLING), chi);
+  fbi_lambda_list(body, &work->rest, work->Lambda);
+  fbi_zero(work->Lambda, (n + 1) * 6 * n);
+  fbi_zero(body->S0, 21);
+  (void)fbi_S_list(body, work, &work->rest);
+  fbi_copy(body->c_rest, work->rest.c, 3);
+  if (!(desc->deflection_limit > FB_R(0.0))) { /* lines have their own limit */
+    fbi_copy(body->reach, shape->rest.reach, n);
+  }
+  return body->n_lambda > FBI_MAX_LAMBDA || body->n_S > FBI_MAX_S || body->n_run > FBI_MAX_RUNS ? FB_ERR_CAPACITY
+                                                                                                : FB_OK;
+}
+#endif
+
 FB_DEF fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc)
 {
   fb_body *out;
@@ -17381,6 +19767,11 @@ FB_DEF fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape 
   status = status == FB_OK ? fbi_terms_fill(out, work, shape) : status;
   status = status == FB_OK ? fbi_inverses_fill(out, work) : status;
   status = status == FB_OK ? fbi_recoil_fill(out, shape) : status;
+#if FB_WITH_LARGE_DEFLECTION
+  if (status == FB_OK && fbi_is_large(out)) {
+    status = fbi_large_fill(out, work, shape, desc);
+  }
+#endif
   if (status == FB_OK) {
     *body = *out;
   }
@@ -19179,8 +21570,10 @@ static void fbi_momenta_about_origin(fb_real ph[6], const fb_body *body, const f
   fb_mat33_mulT_vec3(ph + 3, R, state->L);
   fbi_zero(ph, 3);
   if (body->base == FB_BASE_FREE) {
+    fbi_kinetics k;
+    FBI_WITH_LINES(k);
     fbi_vec3_add(ph, body->mass, u);
-    fbi_center_eval(c, body, state->q);
+    fbi_center_eval(c, FBI_LINE_OF(&k), body, state->q);
     fbi_vec3_add_cross(ph + 3, c, u);
   }
 }
@@ -19194,8 +21587,10 @@ static fb_status fbi_state_of(const fb_body *body, fb_state *state, const fb_rea
   if (status == FB_OK && fbi_is_following(body)) {
     const fb_real back[3] = {-state->u[0], -state->u[1], -state->u[2]};
     fb_real R[9];
+    fbi_kinetics k;
+    FBI_WITH_LINES(k);
     fb_quat_to_mat33(R, state->quat);
-    fbi_frame_shift(state->pi, body, state->q, R, back);
+    fbi_frame_shift(state->pi, FBI_LINE_OF(&k), body, state->q, R, back);
     fbi_zero(state->u, 3);
   }
   return status;

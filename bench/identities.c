@@ -47,7 +47,8 @@ int main(void)
     fbb_check(fb_shape_add_beam(&shape, 0, &beam, &modes), "integrals");
     printf("%12d %16.6f %16.6f %24.6f\n", n, sum(shape.P, shape.P) / (3 * (double)shape.mass),
            sum(shape.H, shape.H) / (double)(shape.J[0] + shape.J[4] + shape.J[8]),
-           sum(shape.ups, shape.ups) / (double)(shape.Pi[0] + shape.Pi[4] + shape.Pi[8]));
+           sum(shape.second.ups, shape.second.ups) /
+               (double)(shape.second.Pi[0] + shape.second.Pi[4] + shape.second.Pi[8]));
   }
   return 0;
 }

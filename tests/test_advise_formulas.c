@@ -23,9 +23,9 @@ TEST(selection_takes_rows_and_pairs)
   const int coordinate[3] = {1, 4, 6};
   make_boom(&shape, &modes, 4, 3);
   fbt_seed(5);
-  fbt_fill(shape.reach, 7, 1.0);
+  fbt_fill(shape.second.reach, 7, 1.0);
 #if FB_WITH_ACCELERATION_STIFFENING
-  fbt_fill(shape.hchi, 3 * 49, 1.0);
+  fbt_fill(shape.second.hchi, 3 * 49, 1.0);
 #endif
 #if FB_WITH_NONLINEAR_STRAIN
   fbt_fill(shape.slope, FBT_COUNT(shape.slope), 1.0);
@@ -36,10 +36,10 @@ TEST(selection_takes_rows_and_pairs)
 #endif
   FBT_INT_EQ(fb_shape_select(&other, &shape, coordinate, 3), FB_OK);
   for (int k = 0; k < 3; k++) {
-    FBT_NEAR_ABS(other.reach[k], shape.reach[coordinate[k]], 0.0);
+    FBT_NEAR_ABS(other.second.reach[k], shape.second.reach[coordinate[k]], 0.0);
   }
 #if FB_WITH_ACCELERATION_STIFFENING
-  FBT_TRUE(pairs_follow(other.hchi, shape.hchi, 3, coordinate));
+  FBT_TRUE(pairs_follow(other.second.hchi, shape.second.hchi, 3, coordinate));
 #endif
 #if FB_WITH_NONLINEAR_STRAIN
   for (int k = 0; k < 3; k++) {

@@ -388,16 +388,20 @@ static double shape_difference(const fb_shape *a, const fb_shape *b, int first)
     const int at = first + i;
     worst = fmax(worst, fbt_difference(a->P + 3 * at, b->P + 3 * i, 3) / fbt_largest(b->P, 3 * b->n));
     worst = fmax(worst, fbt_difference(a->H + 3 * at, b->H + 3 * i, 3) / fbt_largest(b->H, 3 * b->n));
-    worst = fmax(worst, fbt_difference(a->Gam + 9 * at, b->Gam + 9 * i, 9) / fbt_largest(b->Gam, 9 * b->n));
+    worst = fmax(worst, fbt_difference(a->second.Gam + 9 * at, b->second.Gam + 9 * i, 9) /
+                            fbt_largest(b->second.Gam, 9 * b->n));
     for (int k = 0; k < b->n; k++) {
       const int x = at * a->n + first + k, y = i * b->n + k, nn = b->n * b->n;
       worst = fmax(worst, fabs((double)(a->M[x] - b->M[y])));
       worst = fmax(worst, fabs((double)(a->K[x] - b->K[y])) / fbt_largest(b->K, nn));
-      worst = fmax(worst, fbt_difference(a->ups + 3 * x, b->ups + 3 * y, 3));
-      worst = fmax(worst, fbt_difference(a->Pi + 9 * x, b->Pi + 9 * y, 9));
-      worst = fmax(worst, fbt_difference(a->pchi + 3 * x, b->pchi + 3 * y, 3) / fbt_largest(b->pchi, 3 * nn));
-      worst = fmax(worst, fbt_difference(a->hchi + 3 * x, b->hchi + 3 * y, 3) / fbt_largest(b->hchi, 3 * nn));
-      worst = fmax(worst, fbt_difference(a->Gamchi + 9 * x, b->Gamchi + 9 * y, 9) / fbt_largest(b->Gamchi, 9 * nn));
+      worst = fmax(worst, fbt_difference(a->second.ups + 3 * x, b->second.ups + 3 * y, 3));
+      worst = fmax(worst, fbt_difference(a->second.Pi + 9 * x, b->second.Pi + 9 * y, 9));
+      worst = fmax(worst, fbt_difference(a->second.pchi + 3 * x, b->second.pchi + 3 * y, 3) /
+                              fbt_largest(b->second.pchi, 3 * nn));
+      worst = fmax(worst, fbt_difference(a->second.hchi + 3 * x, b->second.hchi + 3 * y, 3) /
+                              fbt_largest(b->second.hchi, 3 * nn));
+      worst = fmax(worst, fbt_difference(a->second.Gamchi + 9 * x, b->second.Gamchi + 9 * y, 9) /
+                              fbt_largest(b->second.Gamchi, 9 * nn));
     }
   }
   return worst;
@@ -592,16 +596,18 @@ TEST(shape_integrals_obey_the_vector_identities)
     double h[9], gam[9];
     skew(h, shape.H + 3 * a, 1.0);
     for (int i = 0; i < 9; i++) {
-      gam[i] = (double)shape.Gam[9 * a + i] - (double)shape.Gam[9 * a + 3 * (i % 3) + i / 3];
+      gam[i] = (double)shape.second.Gam[9 * a + i] - (double)shape.second.Gam[9 * a + 3 * (i % 3) + i / 3];
     }
     FBT_BELOW(largest_difference(h, gam), FBT_TOL(1e-13, 1e-4));
     for (int b = 0; b < BOOM_MODES; b++) {
-      const fb_real *ups = shape.ups + 3 * (a * BOOM_MODES + b), *back = shape.ups + 3 * (b * BOOM_MODES + a);
+      const fb_real *ups = shape.second.ups + 3 * (a * BOOM_MODES + b),
+                    *back = shape.second.ups + 3 * (b * BOOM_MODES + a);
       double u[9], minus[9], pi_ab[9];
       skew(u, ups, 1.0);
       skew(minus, back, -1.0);
       for (int i = 0; i < 9; i++) {
-        pi_ab[i] = (double)shape.Pi[9 * (a * BOOM_MODES + b) + i] - (double)shape.Pi[9 * (b * BOOM_MODES + a) + i];
+        pi_ab[i] = (double)shape.second.Pi[9 * (a * BOOM_MODES + b) + i] -
+                   (double)shape.second.Pi[9 * (b * BOOM_MODES + a) + i];
       }
       FBT_BELOW(largest_difference(u, minus), FBT_TOL(1e-15, 1e-6));
       FBT_BELOW(largest_difference(u, pi_ab), FBT_TOL(1e-14, 1e-5));
@@ -646,7 +652,7 @@ TEST(inertial_identities_hold_as_published)
     FBT_NEAR_ABS(1.0 - d[8] / 400.0, fbt_value(table, row, "HMH"), FBT_TOL(2e-6, 1e-4));
     for (int b = 0; b < shape.n && closed; b++) {
       double expected[9];
-      inertial_product(d, shape.ups + 3 * b * shape.n, 3, shape.P, 3, &shape);
+      inertial_product(d, shape.second.ups + 3 * b * shape.n, 3, shape.P, 3, &shape);
       skew(expected, shape.P + 3 * b, -1.0);
       for (int i = 0; i < 9; i++) { /* in the plane: about z */
         FBT_NEAR_ABS(i >= 6 ? d[i] - expected[i] : 0.0, 0.0, FBT_TOL(1e-12, 1e-4));
@@ -674,17 +680,17 @@ TEST(inertial_identities_hold_as_published)
       for (int k = 0; k < 3; k++) {
         double now;
         inertial_product(d,
-                         k == 2 ? shape.ups
+                         k == 2 ? shape.second.ups
                          : k    ? shape.H
                                 : shape.P,
                          3,
-                         k == 2 ? shape.ups
+                         k == 2 ? shape.second.ups
                          : k    ? shape.H
                                 : shape.P,
                          3, &shape);
         now = k == 0   ? (d[0] + d[4] + d[8]) / 36.0
               : k == 1 ? (d[0] + d[4] + d[8]) / (double)(shape.J[0] + shape.J[4] + shape.J[8])
-                       : (d[0] + d[4] + d[8]) / (double)(shape.Pi[0] + shape.Pi[4] + shape.Pi[8]);
+                       : (d[0] + d[4] + d[8]) / (double)(shape.second.Pi[0] + shape.second.Pi[4] + shape.second.Pi[8]);
         FBT_TRUE(now > before[k] && now < 1.0);
         before[k] = now;
       }
@@ -744,13 +750,13 @@ TEST(hopkins_element_has_the_exact_integrals)
     } else if (strcmp(kind, "P") == 0) {
       got = (double)shape.P[3 * a + i];
     } else if (strcmp(kind, "I1") == 0) {
-      got = (double)shape.Gam[9 * a + 3 * i + j];
+      got = (double)shape.second.Gam[9 * a + 3 * i + j];
     } else if (strcmp(kind, "O1") == 0) {
       got = (double)shape.H[3 * a + i];
     } else if (strcmp(kind, "I2") == 0) {
-      got = (double)shape.Pi[9 * ba + 3 * i + j];
+      got = (double)shape.second.Pi[9 * ba + 3 * i + j];
     } else {
-      got = -(double)shape.ups[3 * ab + i];
+      got = -(double)shape.second.ups[3 * ab + i];
     }
     FBT_NEAR_ABS(got, value, FBT_TOL(2e-12, 2e-6) * (1.0 + fabs(value))); /* the file has 12 digits */
     largest = fmax(largest, fabs(got - value));
@@ -788,7 +794,7 @@ TEST(a_strain_gauge_reads_the_bending_moment)
   FBT_NEAR_REL(shape.size, 2.0, FBT_TOL(1e-14, 1e-6)); /* out to the tip */
   for (int a = 0; a < modes.n; a++) {
     const fb_real *const tip = shape.node[node].psi + 3 * a;
-    FBT_TRUE((double)shape.reach[a] >= (1.0 - FBT_TOL(1e-14, 1e-6)) * sqrt((double)fb_vec3_dot(tip, tip)));
+    FBT_TRUE((double)shape.second.reach[a] >= (1.0 - FBT_TOL(1e-14, 1e-6)) * sqrt((double)fb_vec3_dot(tip, tip)));
     f[a] = FB_R(0.3) * shape.node[node].psi[3 * a + 1] + FB_R(0.2) * shape.node[node].psi[3 * a + 2];
   }
   memcpy(K, modes.K, sizeof K);

@@ -91,8 +91,8 @@ TEST(joined_halves_are_the_whole)
       FBT_NEAR_ABS(shape.K[ab], a == b ? pow((double)modes.omega[a], 2.0) : 0.0,
                    FBT_TOL(1e-6, 1e-2) * pow((double)modes.omega[6], 2.0));
       for (int i = 0; i < 9; i++) {
-        FBT_NEAR_ABS(shape.Gamchi[9 * ab + i], sign[a] * sign[b] * (double)whole.Gamchi[9 * ab + i],
-                     FBT_TOL(1e-5, 5e-2) * (1.0 + fabs((double)whole.Gamchi[9 * ab + i])));
+        FBT_NEAR_ABS(shape.second.Gamchi[9 * ab + i], sign[a] * sign[b] * (double)whole.second.Gamchi[9 * ab + i],
+                     FBT_TOL(1e-5, 5e-2) * (1.0 + fabs((double)whole.second.Gamchi[9 * ab + i])));
       }
     }
     for (int b = 0; b <= a; b++) {
@@ -154,7 +154,7 @@ TEST(a_free_beam_bends_about_its_mass_center)
       largest = fmax(largest, fabs((double)(shape.mass * shape.node[tip].chi[i])));
     }
     FBT_TRUE(largest > 0.01);
-    FBT_BELOW(fbt_largest(shape.pchi, 3 * modes.n * modes.n), 1e-3 * largest);
+    FBT_BELOW(fbt_largest(shape.second.pchi, 3 * modes.n * modes.n), 1e-3 * largest);
   }
 }
 
@@ -417,17 +417,17 @@ TEST(finite_element_models_are_the_beams_they_came_from)
       const int ab = a * modes.n + b;
       FBT_NEAR_ABS(model.M[ab], shape.M[ab], 1e-3);
       for (int i = 0; i < 9; i++) {
-        FBT_NEAR_ABS(model.Pi[9 * ab + i], shape.Pi[9 * ab + i], 1e-3);
+        FBT_NEAR_ABS(model.second.Pi[9 * ab + i], shape.second.Pi[9 * ab + i], 1e-3);
       }
       if (b <= a) {
-        const fb_real *G = shape.Gamchi + 9 * ab;
+        const fb_real *G = shape.second.Gamchi + 9 * ab;
         fb_real rest[9];
         for (int i = 0; i < 9; i++) {
-          rest[i] = G[i] - model.Gamchi[9 * ab + i];
+          rest[i] = G[i] - model.second.Gamchi[9 * ab + i];
         }
-        FBT_INT_EQ(fb_shape_add_pair(&model, a, b, shape.pchi + 3 * ab, NULL, rest), FB_OK);
+        FBT_INT_EQ(fb_shape_add_pair(&model, a, b, shape.second.pchi + 3 * ab, NULL, rest), FB_OK);
         for (int i = 0; i < 9; i++) {
-          FBT_NEAR_ABS(model.Gamchi[9 * (b * modes.n + a) + i], G[i], FBT_TOL(1e-12, 1e-4));
+          FBT_NEAR_ABS(model.second.Gamchi[9 * (b * modes.n + a) + i], G[i], FBT_TOL(1e-12, 1e-4));
         }
       }
     }

@@ -207,7 +207,7 @@ static double momentum_of(const fb_state *state, int a)
     for (int b = 0; b < shape.n; b++) {
       double slope = (double)shape.P[3 * b + i];
       for (int d = 0; d < shape.n; d++) {
-        slope += (double)(shape.pchi[3 * (b * shape.n + d) + i] * state->q[d]);
+        slope += (double)(shape.second.pchi[3 * (b * shape.n + d) + i] * state->q[d]);
       }
       c[i] += (fb_real)(0.5 * ((double)shape.P[3 * b + i] + slope) * (double)state->q[b]);
       more += b == a - 6 ? slope * (double)u[i] : 0.0;
@@ -613,7 +613,7 @@ static void set_center(double c[3], const particles *p, const velocity *s, const
     for (int a = 0; a < p->n; a++) {
       c[i] += (double)shape.P[3 * a + i] * q[a];
       for (int b = 0; b < p->n && (effects & FB_EFFECT_ACCELERATION_STIFFENING); b++) {
-        c[i] += 0.5 * (double)shape.pchi[3 * (a * p->n + b) + i] * q[a] * q[b];
+        c[i] += 0.5 * (double)shape.second.pchi[3 * (a * p->n + b) + i] * q[a] * q[b];
       }
     }
   }
@@ -713,7 +713,7 @@ TEST(size_and_reach_are_those_of_the_particles)
   }
   FBT_NEAR_REL(shape.size, size, FBT_TOL(1e-14, 1e-6));
   for (int a = 0; a < n; a++) {
-    FBT_NEAR_REL(shape.reach[a], reach[a], FBT_TOL(1e-14, 1e-6));
+    FBT_NEAR_REL(shape.second.reach[a], reach[a], FBT_TOL(1e-14, 1e-6));
   }
   FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(1.0), center, inertia), FB_OK); /* 13 m away */
   memset(&level, 0, sizeof level);
@@ -721,7 +721,7 @@ TEST(size_and_reach_are_those_of_the_particles)
   FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
   FBT_NEAR_REL(shape.size, 13.0, FBT_TOL(1e-14, 1e-6));
   FBT_NEAR_REL(body.deflection_limit, 6.5, FBT_TOL(1e-14, 1e-6)); /* half of it */
-  FBT_TRUE(memcmp(body.reach, shape.reach, sizeof(fb_real) * (size_t)n) == 0);
+  FBT_TRUE(memcmp(body.reach, shape.second.reach, sizeof(fb_real) * (size_t)n) == 0);
   FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
   for (int k = 0; k < n; k++) { /* of any two what they may have together, with either sign */
     const int next = (k + 1) % n;
@@ -749,9 +749,9 @@ TEST(integrals_of_a_pair_stand_in_both_places)
     for (int ij = 0; ij < n * n; ij++) {
       const int here = ij == a * n + b || ij == b * n + a;
       for (int x = 0; x < 9; x++) {
-        FBT_TRUE(shape.pchi[3 * ij + x % 3] == (here && which == 0 ? p[x % 3] : FB_R(0.0)));
-        FBT_TRUE(shape.hchi[3 * ij + x % 3] == (here && which == 1 ? h[x % 3] : FB_R(0.0)));
-        FBT_TRUE(shape.Gamchi[9 * ij + x] == (here && which == 2 ? G[x] : FB_R(0.0)));
+        FBT_TRUE(shape.second.pchi[3 * ij + x % 3] == (here && which == 0 ? p[x % 3] : FB_R(0.0)));
+        FBT_TRUE(shape.second.hchi[3 * ij + x % 3] == (here && which == 1 ? h[x % 3] : FB_R(0.0)));
+        FBT_TRUE(shape.second.Gamchi[9 * ij + x] == (here && which == 2 ? G[x] : FB_R(0.0)));
       }
     }
   }

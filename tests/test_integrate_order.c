@@ -806,7 +806,7 @@ TEST(the_mass_center_goes_where_momentum_leads_it)
       for (int a = 0; a < body.n; a++) {
         c[i] += (double)(shape.P[3 * a + i] * state.q[a]);
         for (int b = 0; b < body.n; b++) {
-          c[i] += 0.5 * (double)(shape.pchi[3 * (a * body.n + b) + i] * state.q[a] * state.q[b]);
+          c[i] += 0.5 * (double)(shape.second.pchi[3 * (a * body.n + b) + i] * state.q[a] * state.q[b]);
         }
       }
     }
