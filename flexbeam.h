@@ -150,13 +150,22 @@
                                                        -ffp-contract=fast; -fno-math-errno, -fno-trapping-math: none
      FB_SQRT FB_SIN FB_COS FB_ATAN2 FB_FABS FB_EXP     replace libm; declare what they call before, in FLEXBEAM_CONFIG
 
-   MEMORY of the work structs [bytes], with the defaults above and double; in single precision about half
-     fb_rk4_work 1500, fb_implicit_work 7100, fb_exponential_work 4000, fb_system_work 182 000, fb_exact_work 174 000
-     fb_modes_work     3.6 million: (2 n + 113) n reals, n = 22 FB_MAX_ELEMENTS + 6 coordinates of a beam, one fb_modes
-     fb_join_work      417 000: 5 n^2 reals, n = 8 FB_MAX_MODES coordinates of the components, and one fb_modes
-     fb_body_work      117 000; fb_build_work 4.0 million, most of it an fb_modes_work
-     fb_analyse_work   1.3 million; fb_system_analyse_work 1.5, fb_exact_path_work 0.2, fb_exact_spectrum_work 1.6,
-                       fb_exact_linear_work 2.0, fb_advice_work 0.5 million
+   MEMORY of the work structs: sizeof, with the defaults above, double, 64-bit pointers; in single precision about half
+     fb_rk4_work                  1472
+     fb_implicit_work             7136
+     fb_exponential_work          4048
+     fb_system_work             182344
+     fb_exact_work              173904
+     fb_modes_work             3633576  (2 n + 113) n reals, n = 22 FB_MAX_ELEMENTS + 6 coordinates of a beam; one fb_modes
+     fb_join_work               416512  5 n^2 reals, n = 8 FB_MAX_MODES coordinates of the components; one fb_modes
+     fb_body_work               117448
+     fb_build_work             4185888  most of it an fb_modes_work
+     fb_analyse_work           1288568
+     fb_system_analyse_work    1508144
+     fb_exact_path_work         203040
+     fb_exact_spectrum_work    1625760
+     fb_exact_linear_work      1999440
+     fb_advice_work             535376
 
    CONVENTIONS
      Arguments: context (models, then the state that changes, then work), outputs, inputs, sizes. An _init has what it
