@@ -180,7 +180,8 @@ static void fbi_detail_require(const char *status, const char *function, const c
 #define FBI_REFUSE(status, what, index, have, need) FBI_REFUSE_AT(status, what, index, have, need, FB_R(0.0))
 
 /* Every public function that takes a pointer begins with one. With FB_WITH_DETAIL it tells whose refusals follow; those
-   that others call on the way, the solvers, have FBI_REQUIRE_INNER. */
+   that others call on the way, the solvers, have FBI_REQUIRE_INNER. Both hand on their arguments as they are written:
+   in FBI_REQUIRE_AS they are expanded. */
 #if FB_WITH_DETAIL
 #define FBI_DETAIL_ENTER(status) fbi_detail_enter(status, __func__)
 #define FBI_DETAIL_REQUIRE(status, condition) fbi_detail_require(status, __func__, condition)
@@ -190,22 +191,19 @@ static void fbi_detail_require(const char *status, const char *function, const c
 #define FBI_DETAIL_ENTER(status) ((void)0)
 #define FBI_DETAIL_REQUIRE(status, condition) ((void)0)
 #endif
-#define FBI_REQUIRE_INNER(condition, status)   \
-  do {                                         \
-    if (!(condition)) {                        \
-      FBI_DETAIL_REQUIRE(#status, #condition); \
-      FB_ASSERT(0);                            \
-      return status;                           \
-    }                                          \
+#define FBI_REQUIRE_AS(condition, status, condition_text, status_text) \
+  do {                                                                 \
+    if (!(condition)) {                                                \
+      FBI_DETAIL_REQUIRE(status_text, condition_text);                 \
+      FB_ASSERT(0);                                                    \
+      return status;                                                   \
+    }                                                                  \
   } while (0)
-#define FBI_REQUIRE(condition, status)         \
-  do {                                         \
-    FBI_DETAIL_ENTER(#status);                 \
-    if (!(condition)) {                        \
-      FBI_DETAIL_REQUIRE(#status, #condition); \
-      FB_ASSERT(0);                            \
-      return status;                           \
-    }                                          \
+#define FBI_REQUIRE_INNER(condition, status) FBI_REQUIRE_AS(condition, status, #condition, #status)
+#define FBI_REQUIRE(condition, status)                      \
+  do {                                                      \
+    FBI_DETAIL_ENTER(#status);                              \
+    FBI_REQUIRE_AS(condition, status, #condition, #status); \
   } while (0)
 
 /* 1 if sum |x[i]| <= FB_HUGE: x and its squares are finite; 0 for NaN. */
