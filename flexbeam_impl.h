@@ -11776,8 +11776,10 @@ static fb_status fbi_stepper_kind(const fb_stepper_desc *d)
 #if FB_WITH_EXACT
   if (d->exact) {
     FBI_REQUIRE(d->exact_state && d->exact_work, FB_ERR_NULL);
-    return d->integrator <= FB_INTEGRATOR_MIDPOINT ? fb_exact_state_check(d->exact, d->exact_state)
-                                                   : FB_ERR_UNSUPPORTED;
+    return d->integrator <= FB_INTEGRATOR_MIDPOINT
+               ? fb_exact_state_check(d->exact, d->exact_state)
+               : FBI_REFUSE(FB_ERR_UNSUPPORTED, "integrator of an exact beam, its own: FB_INTEGRATOR_RK4 or _MIDPOINT",
+                            -1, FB_R(0.0), FB_R(0.0));
   }
 #endif
 #if FB_WITH_SYSTEM
@@ -11785,7 +11787,8 @@ static fb_status fbi_stepper_kind(const fb_stepper_desc *d)
     FBI_REQUIRE(d->body && d->system_state && d->system_work, FB_ERR_NULL);
     return d->integrator == FB_INTEGRATOR_RK4 || d->integrator == FB_INTEGRATOR_SDIRK
                ? fb_system_state_check(d->system, d->body, d->system_state)
-               : FB_ERR_UNSUPPORTED;
+               : FBI_REFUSE(FB_ERR_UNSUPPORTED, "integrator of a system, FB_INTEGRATOR_RK4 or _SDIRK", -1, FB_R(0.0),
+                            FB_R(0.0));
   }
 #endif
   FBI_REQUIRE(d->body && d->state && (d->integrator != FB_INTEGRATOR_EXPONENTIAL || d->exponential), FB_ERR_NULL);
@@ -11796,17 +11799,34 @@ FB_DEF fb_status fb_stepper_init(fb_stepper *stepper, const fb_stepper_desc *des
 {
   fb_status status;
   FBI_REQUIRE(stepper && desc, FB_ERR_NULL);
-  if (!fbi_is_choice((int)desc->integrator, (int)FB_INTEGRATOR_COUNT - 1) || !fbi_stepper_is_one(desc)) {
-    return FB_ERR_VALUE;
+
+  /* What is stepped, and by what */
+  if (!fbi_is_choice((int)desc->integrator, (int)FB_INTEGRATOR_COUNT - 1)) {
+    return FBI_REFUSE(FB_ERR_VALUE, "integrator, an fb_integrator, beyond", -1, (fb_real)(int)desc->integrator,
+                      (int)desc->integrator < 0 ? FB_R(0.0) : (fb_real)(int)FB_INTEGRATOR_COUNT - FB_R(1.0));
+  }
+  if (!fbi_stepper_is_one(desc)) {
+    return FBI_REFUSE(FB_ERR_VALUE, "body, system or exact beam: one of them, nothing of the others", -1, FB_R(0.0),
+                      FB_R(0.0));
   }
   status = fbi_stepper_kind(desc);
   if (status != FB_OK) {
     return status;
   }
-  if (!(desc->dt > FB_R(0.0) && desc->dt < FB_HUGE) || desc->iterations < 0 || desc->iterations > 50 ||
-      (desc->n_input != 0 && desc->n_input != 1 && desc->n_input != 3) ||
-      (desc->integrator == FB_INTEGRATOR_EXPONENTIAL && !(desc->exponential->dt == desc->dt))) {
-    return FB_ERR_VALUE;
+
+  /* Numbers */
+  if (!(desc->dt > FB_R(0.0) && desc->dt < FB_HUGE)) {
+    return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, desc->dt, FB_R(0.0));
+  }
+  if (!fbi_is_choice(desc->iterations, FBI_MAX_ITERATIONS)) {
+    return FBI_REFUSE(FB_ERR_VALUE, "iterations, 0 to 50, beyond", -1, (fb_real)desc->iterations,
+                      desc->iterations < 0 ? FB_R(0.0) : FB_R(1.0) * FBI_MAX_ITERATIONS);
+  }
+  if (desc->n_input != 0 && desc->n_input != 1 && desc->n_input != 3) {
+    return FBI_REFUSE(FB_ERR_VALUE, "n_input, 0, 1 or 3", -1, FB_R(0.0), FB_R(0.0));
+  }
+  if (desc->integrator == FB_INTEGRATOR_EXPONENTIAL && !(desc->exponential->dt == desc->dt)) {
+    return FBI_REFUSE(FB_ERR_VALUE, "dt [s], that of the exponential, equal to", -1, desc->dt, desc->exponential->dt);
   }
   memset(stepper, 0, sizeof *stepper);
   stepper->desc = *desc;
