@@ -2060,10 +2060,10 @@ typedef struct fb_build_work { /* scratch; large: make it static */
 } fb_build_work;
 
 /* beam, modes: n_beam beam descriptions, and the modes to keep of each. FB_ERR_CAPACITY: n_part, n_node, an index from
-   n_beam on, more than FB_MAX_MODES coordinates or FB_MAX_NODES nodes; FB_ERR_VALUE: both zeta and body.zeta are set,
-   no node where a part is attached, a root that is not attached: a free or pinned one needs rigid (fb_modes_desc) and,
-   free, a weld, unless the part is the whole body; a clamped one is fixed to the frame and takes no weld; else as the
-   functions it calls. body is written only on FB_OK. */
+   n_beam on, more than FB_MAX_MODES coordinates or FB_MAX_NODES nodes; FB_ERR_VALUE: both zeta and body.zeta are set;
+   no node where a part is attached; a weld at a clamped root, which is fixed to the frame; natural modes of a pinned
+   root without rigid (fb_modes_desc); a free root without a weld, or its natural modes without rigid. A part that is
+   the whole body needs neither weld nor rigid. Else as the functions it calls. body is written only on FB_OK. */
 FB_API fb_status fb_body_build(fb_body *body, fb_build_work *work, const fb_build_desc *desc, const fb_beam_desc *beam,
                                const fb_modes_desc *modes, int n_beam);
 

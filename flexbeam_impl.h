@@ -11064,7 +11064,8 @@ static FBI_NOINLINE fb_status fbi_drives_check(fb_system_work *w, const fb_syste
       if (state->mode[j][i] == FB_AXIS_PRESCRIBED && a->value[i] == b->value[i] &&
           a->rate[i] * b->rate[i] > FB_R(0.0)) {
         w->joint = j;
-        return FBI_REFUSE_AT(FB_ERR_CONTRADICTION, "joint: rate of a prescribed value that stays, equal to", j,
+        return FBI_REFUSE_AT(FB_ERR_CONTRADICTION,
+                             "joint: rate of a prescribed axis whose value does not change in the step, equal to", j,
                              b->rate[i], FB_R(0.0), (fb_real)i);
       }
     }
@@ -17427,9 +17428,9 @@ static fb_status fbi_part_place(fb_beam_desc *placed, const fb_part *part, const
   return FB_OK;
 }
 
-/* Is part k attached to the frame or to other parts, and once? A clamped root is fixed to the frame, so that a weld
-   there could only lock the other part. A free or pinned one of natural modes takes part in the motion of what it hangs
-   on by its rigid-body modes. A part that is the whole body moves with the frame. */
+/* Is part k attached, and once? A clamped root is fixed to the frame: a weld there would only lock the other part. A
+   pinned root is attached to the frame, a free one by a weld; natural modes need their rigid-body modes to follow what
+   they are attached to. A part that is the whole body moves with the frame. */
 static int fbi_part_fits(const fb_build_desc *desc, const fb_modes_desc *modes, fb_root root, int k, int alone)
 {
   const int moves = modes->basis != FB_BASIS_MODES || modes->rigid;
@@ -17444,11 +17445,16 @@ static int fbi_part_fits(const fb_build_desc *desc, const fb_modes_desc *modes, 
   return root == FB_ROOT_CLAMPED ? at_root == 0 : alone || (moves && (welds > 0 || root == FB_ROOT_PINNED));
 }
 
+/* What is wrong with a part that does not fit, by its root. */
+#define FBI_ROOT_WORD(root)                                                                         \
+  ((root) == FB_ROOT_CLAMPED  ? "part: clamped root with a weld there, although fixed to the frame" \
+   : (root) == FB_ROOT_PINNED ? "part: pinned root, natural modes without rigid"                    \
+                              : "part: free root without a weld, or natural modes without rigid")
+
 /* The beam of each part and its modes, common ones where parts are joined; work->n: how many coordinates they make. */
 static fb_status fbi_parts_solve(fb_build_work *work, const fb_build_desc *desc, const fb_beam_desc *beam,
-                                 const fb_modes_desc *modes, int n_beam, int hub)
+                                 const fb_modes_desc *modes, int n_beam)
 {
-  const int alone = desc->n_part == 1 && !hub;
   const fb_join_desc *const join = &desc->join;
   const int joined = join->n_weld != 0 || join->lowest != 0 || !fbi_is_zero(&join->omega_limit, 1);
   fb_status status = FB_OK;
@@ -17470,19 +17476,19 @@ static fb_status fbi_parts_solve(fb_build_work *work, const fb_build_desc *desc,
     status = fb_modes_join(work->modes, &work->scratch.join, work->beam, work->modes, join, desc->n_part);
     work->n = status == FB_OK ? work->modes[0].n : 0;
   }
+  return status;
+}
 
-  /* what attaches each part */
-  for (int k = 0; k < desc->n_part && status == FB_OK; k++) {
-    const fb_root root = work->beam[k].desc.root;
-    work->part = k;
-    if (!fbi_part_fits(desc, &modes[desc->part[k].beam], root, k, alone)) {
-      return FBI_REFUSE(
-          FB_ERR_VALUE,
-          "part: clamped root without a weld there, or another one with `rigid` and, free, a weld, not root", k,
-          (fb_real)(int)root, FB_R(0.0));
+/* The first part that is not attached as fbi_part_fits wants it; -1: none. */
+static int fbi_part_at_fault(const fb_build_work *work, const fb_build_desc *desc, const fb_modes_desc *modes, int hub)
+{
+  const int alone = desc->n_part == 1 && !hub;
+  for (int k = 0; k < desc->n_part; k++) {
+    if (!fbi_part_fits(desc, &modes[desc->part[k].beam], work->beam[k].desc.root, k, alone)) {
+      return k;
     }
   }
-  return status;
+  return -1;
 }
 
 /* One beam of the body, its coordinates from `first` on: its integrals, and its nodes as the next nodes. */
@@ -17507,14 +17513,19 @@ static fb_status fbi_part_add(fb_shape *shape, const fb_part *part, int first, c
 FB_DEF fb_status fb_body_build(fb_body *body, fb_build_work *work, const fb_build_desc *desc, const fb_beam_desc *beam,
                                const fb_modes_desc *modes, int n_beam)
 {
-  int first = 0, hub;
+  int first = 0, hub, fault;
   fb_status status;
   FBI_REQUIRE(body && work && desc && ((beam && modes) || n_beam == 0), FB_ERR_NULL);
   FBI_REQUIRE(desc->n_part >= 0 && desc->n_part <= FB_MAX_PARTS, FB_ERR_CAPACITY);
 
   /* beams, and the coordinates that there are */
   hub = !fbi_is_zero(&desc->mass, 1) || !fbi_is_zero(desc->inertia, 6);
-  status = fbi_parts_solve(work, desc, beam, modes, n_beam, hub);
+  status = fbi_parts_solve(work, desc, beam, modes, n_beam);
+  fault = status == FB_OK ? fbi_part_at_fault(work, desc, modes, hub) : -1;
+  if (fault >= 0) {
+    work->part = fault;
+    status = FBI_REFUSE(FB_ERR_VALUE, FBI_ROOT_WORD(work->beam[fault].desc.root), fault, FB_R(0.0), FB_R(0.0));
+  }
   if (status != FB_OK) {
     FBI_DETAIL_PART(work->part);
     return status;

@@ -221,6 +221,26 @@ TEST(a_refused_part_is_named_with_what_it_lacks)
   (void)told(fb_body_build(&body, &build, &whole, &boom, &keep, 1), FB_ERR_VALUE, "fb_shape_add_beam_node",
              "x [m] along the beam", -1, 12.0, 10.0);
   FBT_INT_EQ(fb_detail_last()->part, 1);
+
+  /* roots that are not attached, or twice */
+  whole.n_part = 1;
+  boom.root = FB_ROOT_PINNED;
+  (void)told(fb_body_build(&body, &build, &whole, &boom, &keep, 1), FB_ERR_VALUE, "fb_body_build",
+             "part: pinned root, natural modes without", 0, 0.0, 0.0);
+  boom.root = FB_ROOT_FREE;
+  keep.rigid = 1;
+  (void)told(fb_body_build(&body, &build, &whole, &boom, &keep, 1), FB_ERR_VALUE, "fb_body_build",
+             "part: free root without a weld", 0, 0.0, 0.0);
+  boom.root = FB_ROOT_CLAMPED;
+  keep.rigid = 0;
+  whole.n_part = 2;
+  whole.part[1].n_node = 0;
+  whole.part[1].position[0] = boom.length;
+  whole.join.n_weld = 1;
+  whole.join.weld[0].component[1] = 1;
+  whole.join.weld[0].node[0] = boom.n_element;
+  (void)told(fb_body_build(&body, &build, &whole, &boom, &keep, 1), FB_ERR_VALUE, "fb_body_build",
+             "part: clamped root with a weld there", 1, 0.0, 0.0);
 }
 
 /* >>status: steps of one body name the step, its limit and the spin; loads and ranges their number. */
@@ -302,6 +322,7 @@ TEST(refused_systems_name_the_joint_and_what_bounds_a_step)
 {
   const char *const init = "fb_system_init", *const step = "fb_system_rk4_step";
   static fb_link_motion start[FB_MAX_BODIES];
+  static fb_system_input later;
   const fb_detail *d;
   fresh();
   arm.joint[1].stiffness[0] = -7;
@@ -336,6 +357,16 @@ TEST(refused_systems_name_the_joint_and_what_bounds_a_step)
   }
   FBT_INT_EQ(fb_system_sdirk_step(&mechanism, &body, &turning, &work, &drive, &drive, 1, 2), FB_ERR_STEP);
   FBT_TRUE(strcmp(fb_detail_last()->function, "fb_system_sdirk_step") == 0);
+
+  /* A prescribed axis that does not move, although its rate says so */
+  arm.joint[1].stiffness[0] = 0;
+  arm.joint[1].mode[0] = FB_AXIS_PRESCRIBED;
+  later = drive;
+  drive.drive[1].rate[0] = later.drive[1].rate[0] = FB_R(0.25);
+  FBT_INT_EQ(fb_system_init(&mechanism, &work, &body, &arm, 1), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, &body, &turning, &work, NULL, &drive), FB_OK);
+  (void)told(fb_system_rk4_step(&mechanism, &body, &turning, &work, &drive, &drive, &later, FB_R(1e-4)),
+             FB_ERR_CONTRADICTION, step, "joint: rate of a prescribed axis whose value does not change", 1, 0.25, 0.0);
 }
 
 /* >>status: descs of exact beams name station, support, element. */
