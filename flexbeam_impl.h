@@ -3655,12 +3655,17 @@ FB_DEF void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *
 
 /* ---- joints */
 
-/* What a kind of joint is, by fb_joint_kind: the number of its axes; where the coordinates are a number an axis, which
-   axis rotates about z (angle), translates along z (slide), rotates about the x that the angle has rotated (tilt); -1:
-   none. pitched: the angle translates, too, by the pitch. holds: directions that its constraint rows hold,
-   translations 0..2, then right angles between axis i of the parent and j of the child; -1 ends the list.
-   Pose, twists, coordinates, efforts and rows follow from these. By a tilt the twist of the angle varies: A_dot of the
-   universal joint (fbi_joint_turn, fbi_momentum_rate, fbi_bias_acceleration) takes them as axes 0 and 1. */
+/* Kinematics of each kind of joint, in the order of fb_joint_kind.
+   n_axis: number of axes.
+   angle, slide, tilt: the axis that rotates about z, that translates along z, that rotates about the x axis as the
+   angle has rotated it; -1: none. The free and the spherical joint, which have no scalar coordinate for each axis,
+   have none of them.
+   pitched: 1 if the angle also translates along z, by the pitch.
+   holds: the directions of its constraint rows, 0..2 translations along x, y, z, FBI_SQUARE(i, j) the right angle
+   between axis i of the parent and axis j of the child; -1 ends the list.
+   Pose, twists, coordinates, efforts and rows follow from these. With a tilt the twist of the angle depends on the
+   coordinates: A_dot of the universal joint (fbi_joint_turn, fbi_momentum_rate, fbi_bias_acceleration) takes the angle
+   as axis 0 and the tilt as axis 1. */
 #define FBI_SQUARE(i, j) (3 + 3 * (i) + (j))
 typedef struct fbi_joint_traits {
   int n_axis, angle, slide, tilt, pitched, holds[7];
@@ -21100,10 +21105,13 @@ static fbi_complex fbi_sdirk_amplify(fbi_complex z)
   return fbi_complex_div(fbi_complex_div(up, down), down);
 }
 
-/* What an integrator of one body is, by fb_integrator. amplify NULL: it solves the linear part exactly, and a spectrum
-   does not say what it errs by. limit: the longest step that it takes; bounded: beyond it, it is unstable. order: 2 or
-   more; leading: it errs by leading z^(order + 1). A step costs evaluations of the rates, with a solution of a linear
-   system each if implicit, and own (1 + n) instructions of n modes. */
+/* Stability, error and cost of each integrator of one body, in the order of fb_integrator.
+   amplify: stability function G(z); NULL: the integrator solves the linear part exactly, so that its error does not
+   follow from the eigenvalues.
+   limit: longest step accepted; bounded: 1 if |G| <= 1 for every mode bounds the step.
+   order: of accuracy, at least 2; leading: |G(z) - exp(z)| = leading |z|^(order + 1) for small z.
+   evaluations: of the rates in a step; implicit: 1 if each solves a linear system; own: instructions beside them, of n
+   modes own (1 + n). */
 typedef struct fbi_integrator_traits {
   fbi_complex (*amplify)(fbi_complex z);
   fb_real (*limit)(const fb_body *body, fb_real spin, fb_real acceleration);
@@ -21120,13 +21128,13 @@ static const fbi_integrator_traits fbi_integrator_table[] = {
 typedef char fbi_integrator_table_is_whole
     [sizeof fbi_integrator_table / sizeof fbi_integrator_table[0] == FB_INTEGRATOR_COUNT ? 1 : -1];
 
-/* Is it one whose errors a spectrum says? */
+/* Has the integrator a stability function, so that its error follows from the eigenvalues? */
 static int fbi_has_amplification(fb_integrator integrator)
 {
   return fbi_is_choice((int)integrator, (int)FB_INTEGRATOR_COUNT - 1) && fbi_integrator_table[(int)integrator].amplify;
 }
 
-/* Of a step of |lambda| dt = r, lambda = |lambda| d. */
+/* Stability function G(r d) of a step with |lambda| dt = r, of an eigenvalue lambda = |lambda| d. */
 static fbi_complex fbi_amplification(fb_integrator integrator, fbi_complex d, fb_real r)
 {
   const fbi_complex z = {r * d.re, r * d.im};
