@@ -156,8 +156,8 @@
      fb_exponential_work          4048
      fb_system_work             182344
      fb_exact_work              173904
-     fb_modes_work             3633576  (2 n + 113) n reals, n = 22 FB_MAX_ELEMENTS + 6 coordinates of a beam; one fb_modes
-     fb_join_work               416512  5 n^2 reals, n = 8 FB_MAX_MODES coordinates of the components; one fb_modes
+     fb_modes_work             3633576  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
+     fb_join_work               416512  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
      fb_body_work               117448
      fb_build_work             4185888  most of it an fb_modes_work
      fb_analyse_work           1288568
@@ -2672,6 +2672,8 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
             fb_spectrum_step                              fb_spectrum_dt
             fb_spectrum_margin(re, mode, n)               fb_spectrum_margin(mode, re, n)
             FB_ERR_KIND                                   split: FB_ERR_KIND, _MODES, _UNREST, _UNSUPPORTED
+            build/flexbeam beam3d                         build/flexbeam exact
+            scheme in scenes, --scheme of the examples    integrator, --integrator
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,
           pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme; sections with shear, twist and
           centers off the line, bent lines, component modes, buckling, synthesis, finite-element models, complex
