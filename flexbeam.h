@@ -153,13 +153,22 @@
                                                        -ffp-contract=fast; -fno-math-errno, -fno-trapping-math: none
      FB_SQRT FB_SIN FB_COS FB_ATAN2 FB_FABS FB_EXP     replace libm; declare what they call before, in FLEXBEAM_CONFIG
 
-   MEMORY of the work structs [bytes], with the defaults above and double; in single precision about half
-     fb_rk4_work 1500, fb_implicit_work 7100, fb_exponential_work 4000, fb_system_work 182 000, fb_exact_work 174 000
-     fb_modes_work     3.6 million: (2 n + 113) n reals, n = 22 FB_MAX_ELEMENTS + 6 coordinates of a beam, one fb_modes
-     fb_join_work      417 000: 5 n^2 reals, n = 8 FB_MAX_MODES coordinates of the components, and one fb_modes
-     fb_body_work      117 000; fb_build_work 4.0 million, most of it an fb_modes_work
-     fb_analyse_work   1.3 million; fb_system_analyse_work 1.5, fb_exact_path_work 0.2, fb_exact_spectrum_work 1.6,
-                       fb_exact_linear_work 2.0, fb_advice_work 0.5 million
+   MEMORY of the work structs: sizeof, with the defaults above, double, 64-bit pointers; in single precision about half
+     fb_rk4_work                  1472
+     fb_implicit_work             7136
+     fb_exponential_work          4048
+     fb_system_work             182344
+     fb_exact_work              173904
+     fb_modes_work             3633576  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
+     fb_join_work               416512  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
+     fb_body_work               117448
+     fb_build_work             4185888  most of it an fb_modes_work
+     fb_analyse_work           1288568
+     fb_system_analyse_work    1508144
+     fb_exact_path_work         203040
+     fb_exact_spectrum_work    1625760
+     fb_exact_linear_work      1999440
+     fb_advice_work             535376
 
    CONVENTIONS
      Arguments: context (models, then the state that changes, then work), outputs, inputs, sizes. An _init has what it
@@ -2179,10 +2188,10 @@ typedef struct fb_build_work { /* scratch; large: make it static */
 } fb_build_work;
 
 /* beam, modes: n_beam beam descriptions, and the modes to keep of each. FB_ERR_CAPACITY: n_part, n_node, an index from
-   n_beam on, more than FB_MAX_MODES coordinates or FB_MAX_NODES nodes; FB_ERR_VALUE: both zeta and body.zeta are set,
-   no node where a part is attached, a root that is not attached: a free or pinned one needs rigid (fb_modes_desc) and,
-   free, a weld, unless the part is the whole body; a clamped one is fixed to the frame and takes no weld; else as the
-   functions it calls. body is written only on FB_OK. */
+   n_beam on, more than FB_MAX_MODES coordinates or FB_MAX_NODES nodes; FB_ERR_VALUE: both zeta and body.zeta are set;
+   no node where a part is attached; a weld at a clamped root, which is fixed to the frame; natural modes of a pinned
+   root without rigid (fb_modes_desc); a free root without a weld, or its natural modes without rigid. A part that is
+   the whole body needs neither weld nor rigid. Else as the functions it calls. body is written only on FB_OK. */
 FB_API fb_status fb_body_build(fb_body *body, fb_build_work *work, const fb_build_desc *desc, const fb_beam_desc *beam,
                                const fb_modes_desc *modes, int n_beam);
 
@@ -2791,6 +2800,8 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
             fb_spectrum_step                              fb_spectrum_dt
             fb_spectrum_margin(re, mode, n)               fb_spectrum_margin(mode, re, n)
             FB_ERR_KIND                                   split: FB_ERR_KIND, _MODES, _UNREST, _UNSUPPORTED
+            build/flexbeam beam3d                         build/flexbeam exact
+            scheme in scenes, --scheme of the examples    integrator, --integrator
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,
           pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme; sections with shear, twist and
           centers off the line, bent lines, component modes, buckling, synthesis, finite-element models, complex

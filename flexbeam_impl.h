@@ -180,7 +180,8 @@ static void fbi_detail_require(const char *status, const char *function, const c
 #define FBI_REFUSE(status, what, index, have, need) FBI_REFUSE_AT(status, what, index, have, need, FB_R(0.0))
 
 /* Every public function that takes a pointer begins with one. With FB_WITH_DETAIL it tells whose refusals follow; those
-   that others call on the way, the solvers, have FBI_REQUIRE_INNER. */
+   that others call on the way, the solvers, have FBI_REQUIRE_INNER. Both hand on their arguments as they are written:
+   in FBI_REQUIRE_AS they are expanded. */
 #if FB_WITH_DETAIL
 #define FBI_DETAIL_ENTER(status) fbi_detail_enter(status, __func__)
 #define FBI_DETAIL_REQUIRE(status, condition) fbi_detail_require(status, __func__, condition)
@@ -190,22 +191,19 @@ static void fbi_detail_require(const char *status, const char *function, const c
 #define FBI_DETAIL_ENTER(status) ((void)0)
 #define FBI_DETAIL_REQUIRE(status, condition) ((void)0)
 #endif
-#define FBI_REQUIRE_INNER(condition, status)   \
-  do {                                         \
-    if (!(condition)) {                        \
-      FBI_DETAIL_REQUIRE(#status, #condition); \
-      FB_ASSERT(0);                            \
-      return status;                           \
-    }                                          \
+#define FBI_REQUIRE_AS(condition, status, condition_text, status_text) \
+  do {                                                                 \
+    if (!(condition)) {                                                \
+      FBI_DETAIL_REQUIRE(status_text, condition_text);                 \
+      FB_ASSERT(0);                                                    \
+      return status;                                                   \
+    }                                                                  \
   } while (0)
-#define FBI_REQUIRE(condition, status)         \
-  do {                                         \
-    FBI_DETAIL_ENTER(#status);                 \
-    if (!(condition)) {                        \
-      FBI_DETAIL_REQUIRE(#status, #condition); \
-      FB_ASSERT(0);                            \
-      return status;                           \
-    }                                          \
+#define FBI_REQUIRE_INNER(condition, status) FBI_REQUIRE_AS(condition, status, #condition, #status)
+#define FBI_REQUIRE(condition, status)                      \
+  do {                                                      \
+    FBI_DETAIL_ENTER(#status);                              \
+    FBI_REQUIRE_AS(condition, status, #condition, #status); \
   } while (0)
 
 /* 1 if sum |x[i]| <= FB_HUGE: x and its squares are finite; 0 for NaN. */
@@ -5301,12 +5299,17 @@ FB_DEF void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *
 
 /* ---- joints */
 
-/* What a kind of joint is, by fb_joint_kind: the number of its axes; where the coordinates are a number an axis, which
-   axis rotates about z (angle), translates along z (slide), rotates about the x that the angle has rotated (tilt); -1:
-   none. pitched: the angle translates, too, by the pitch. holds: directions that its constraint rows hold,
-   translations 0..2, then right angles between axis i of the parent and j of the child; -1 ends the list.
-   Pose, twists, coordinates, efforts and rows follow from these. By a tilt the twist of the angle varies: A_dot of the
-   universal joint (fbi_joint_turn, fbi_momentum_rate, fbi_bias_acceleration) takes them as axes 0 and 1. */
+/* Kinematics of each kind of joint, in the order of fb_joint_kind.
+   n_axis: number of axes.
+   angle, slide, tilt: the axis that rotates about z, that translates along z, that rotates about the x axis as the
+   angle has rotated it; -1: none. The free and the spherical joint, which have no scalar coordinate for each axis,
+   have none of them.
+   pitched: 1 if the angle also translates along z, by the pitch.
+   holds: the directions of its constraint rows, 0..2 translations along x, y, z, FBI_SQUARE(i, j) the right angle
+   between axis i of the parent and axis j of the child; -1 ends the list.
+   Pose, twists, coordinates, efforts and rows follow from these. With a tilt the twist of the angle depends on the
+   coordinates: A_dot of the universal joint (fbi_joint_turn, fbi_momentum_rate, fbi_bias_acceleration) takes the angle
+   as axis 0 and the tilt as axis 1. */
 #define FBI_SQUARE(i, j) (3 + 3 * (i) + (j))
 typedef struct fbi_joint_traits {
   int n_axis, angle, slide, tilt, pitched, holds[7];
@@ -12712,7 +12715,8 @@ static FBI_NOINLINE fb_status fbi_drives_check(fb_system_work *w, const fb_syste
       if (state->mode[j][i] == FB_AXIS_PRESCRIBED && a->value[i] == b->value[i] &&
           a->rate[i] * b->rate[i] > FB_R(0.0)) {
         w->joint = j;
-        return FBI_REFUSE_AT(FB_ERR_CONTRADICTION, "joint: rate of a prescribed value that stays, equal to", j,
+        return FBI_REFUSE_AT(FB_ERR_CONTRADICTION,
+                             "joint: rate of a prescribed axis whose value does not change in the step, equal to", j,
                              b->rate[i], FB_R(0.0), (fb_real)i);
       }
     }
@@ -13424,8 +13428,10 @@ static fb_status fbi_stepper_kind(const fb_stepper_desc *d)
 #if FB_WITH_EXACT
   if (d->exact) {
     FBI_REQUIRE(d->exact_state && d->exact_work, FB_ERR_NULL);
-    return d->integrator <= FB_INTEGRATOR_MIDPOINT ? fb_exact_state_check(d->exact, d->exact_state)
-                                                   : FB_ERR_UNSUPPORTED;
+    return d->integrator <= FB_INTEGRATOR_MIDPOINT
+               ? fb_exact_state_check(d->exact, d->exact_state)
+               : FBI_REFUSE(FB_ERR_UNSUPPORTED, "integrator of an exact beam, its own: FB_INTEGRATOR_RK4 or _MIDPOINT",
+                            -1, FB_R(0.0), FB_R(0.0));
   }
 #endif
 #if FB_WITH_SYSTEM
@@ -13433,7 +13439,8 @@ static fb_status fbi_stepper_kind(const fb_stepper_desc *d)
     FBI_REQUIRE(d->body && d->system_state && d->system_work, FB_ERR_NULL);
     return d->integrator == FB_INTEGRATOR_RK4 || d->integrator == FB_INTEGRATOR_SDIRK
                ? fb_system_state_check(d->system, d->body, d->system_state)
-               : FB_ERR_UNSUPPORTED;
+               : FBI_REFUSE(FB_ERR_UNSUPPORTED, "integrator of a system, FB_INTEGRATOR_RK4 or _SDIRK", -1, FB_R(0.0),
+                            FB_R(0.0));
   }
 #endif
   FBI_REQUIRE(d->body && d->state && (d->integrator != FB_INTEGRATOR_EXPONENTIAL || d->exponential), FB_ERR_NULL);
@@ -13444,17 +13451,34 @@ FB_DEF fb_status fb_stepper_init(fb_stepper *stepper, const fb_stepper_desc *des
 {
   fb_status status;
   FBI_REQUIRE(stepper && desc, FB_ERR_NULL);
-  if (!fbi_is_choice((int)desc->integrator, (int)FB_INTEGRATOR_COUNT - 1) || !fbi_stepper_is_one(desc)) {
-    return FB_ERR_VALUE;
+
+  /* What is stepped, and by what */
+  if (!fbi_is_choice((int)desc->integrator, (int)FB_INTEGRATOR_COUNT - 1)) {
+    return FBI_REFUSE(FB_ERR_VALUE, "integrator, an fb_integrator, beyond", -1, (fb_real)(int)desc->integrator,
+                      (int)desc->integrator < 0 ? FB_R(0.0) : (fb_real)(int)FB_INTEGRATOR_COUNT - FB_R(1.0));
+  }
+  if (!fbi_stepper_is_one(desc)) {
+    return FBI_REFUSE(FB_ERR_VALUE, "body, system or exact beam: one of them, nothing of the others", -1, FB_R(0.0),
+                      FB_R(0.0));
   }
   status = fbi_stepper_kind(desc);
   if (status != FB_OK) {
     return status;
   }
-  if (!(desc->dt > FB_R(0.0) && desc->dt < FB_HUGE) || desc->iterations < 0 || desc->iterations > 50 ||
-      (desc->n_input != 0 && desc->n_input != 1 && desc->n_input != 3) ||
-      (desc->integrator == FB_INTEGRATOR_EXPONENTIAL && !(desc->exponential->dt == desc->dt))) {
-    return FB_ERR_VALUE;
+
+  /* Numbers */
+  if (!(desc->dt > FB_R(0.0) && desc->dt < FB_HUGE)) {
+    return FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, desc->dt, FB_R(0.0));
+  }
+  if (!fbi_is_choice(desc->iterations, FBI_MAX_ITERATIONS)) {
+    return FBI_REFUSE(FB_ERR_VALUE, "iterations, 0 to 50, beyond", -1, (fb_real)desc->iterations,
+                      desc->iterations < 0 ? FB_R(0.0) : FB_R(1.0) * FBI_MAX_ITERATIONS);
+  }
+  if (desc->n_input != 0 && desc->n_input != 1 && desc->n_input != 3) {
+    return FBI_REFUSE(FB_ERR_VALUE, "n_input, 0, 1 or 3", -1, FB_R(0.0), FB_R(0.0));
+  }
+  if (desc->integrator == FB_INTEGRATOR_EXPONENTIAL && !(desc->exponential->dt == desc->dt)) {
+    return FBI_REFUSE(FB_ERR_VALUE, "dt [s], that of the exponential, equal to", -1, desc->dt, desc->exponential->dt);
   }
   memset(stepper, 0, sizeof *stepper);
   stepper->desc = *desc;
@@ -19800,9 +19824,9 @@ static fb_status fbi_part_place(fb_beam_desc *placed, const fb_part *part, const
   return FB_OK;
 }
 
-/* Is part k attached to the frame or to other parts, and once? A clamped root is fixed to the frame, so that a weld
-   there could only lock the other part. A free or pinned one of natural modes takes part in the motion of what it hangs
-   on by its rigid-body modes. A part that is the whole body moves with the frame. */
+/* Is part k attached, and once? A clamped root is fixed to the frame: a weld there would only lock the other part. A
+   pinned root is attached to the frame, a free one by a weld; natural modes need their rigid-body modes to follow what
+   they are attached to. A part that is the whole body moves with the frame. */
 static int fbi_part_fits(const fb_build_desc *desc, const fb_modes_desc *modes, fb_root root, int k, int alone)
 {
   const int moves = modes->basis != FB_BASIS_MODES || modes->rigid;
@@ -19817,11 +19841,16 @@ static int fbi_part_fits(const fb_build_desc *desc, const fb_modes_desc *modes, 
   return root == FB_ROOT_CLAMPED ? at_root == 0 : alone || (moves && (welds > 0 || root == FB_ROOT_PINNED));
 }
 
+/* What is wrong with a part that does not fit, by its root. */
+#define FBI_ROOT_WORD(root)                                                                         \
+  ((root) == FB_ROOT_CLAMPED  ? "part: clamped root with a weld there, although fixed to the frame" \
+   : (root) == FB_ROOT_PINNED ? "part: pinned root, natural modes without rigid"                    \
+                              : "part: free root without a weld, or natural modes without rigid")
+
 /* The beam of each part and its modes, common ones where parts are joined; work->n: how many coordinates they make. */
 static fb_status fbi_parts_solve(fb_build_work *work, const fb_build_desc *desc, const fb_beam_desc *beam,
-                                 const fb_modes_desc *modes, int n_beam, int hub)
+                                 const fb_modes_desc *modes, int n_beam)
 {
-  const int alone = desc->n_part == 1 && !hub;
   const fb_join_desc *const join = &desc->join;
   const int joined = join->n_weld != 0 || join->lowest != 0 || !fbi_is_zero(&join->omega_limit, 1);
   fb_status status = FB_OK;
@@ -19843,19 +19872,19 @@ static fb_status fbi_parts_solve(fb_build_work *work, const fb_build_desc *desc,
     status = fb_modes_join(work->modes, &work->scratch.join, work->beam, work->modes, join, desc->n_part);
     work->n = status == FB_OK ? work->modes[0].n : 0;
   }
+  return status;
+}
 
-  /* what attaches each part */
-  for (int k = 0; k < desc->n_part && status == FB_OK; k++) {
-    const fb_root root = work->beam[k].desc.root;
-    work->part = k;
-    if (!fbi_part_fits(desc, &modes[desc->part[k].beam], root, k, alone)) {
-      return FBI_REFUSE(
-          FB_ERR_VALUE,
-          "part: clamped root without a weld there, or another one with `rigid` and, free, a weld, not root", k,
-          (fb_real)(int)root, FB_R(0.0));
+/* The first part that is not attached as fbi_part_fits wants it; -1: none. */
+static int fbi_part_at_fault(const fb_build_work *work, const fb_build_desc *desc, const fb_modes_desc *modes, int hub)
+{
+  const int alone = desc->n_part == 1 && !hub;
+  for (int k = 0; k < desc->n_part; k++) {
+    if (!fbi_part_fits(desc, &modes[desc->part[k].beam], work->beam[k].desc.root, k, alone)) {
+      return k;
     }
   }
-  return status;
+  return -1;
 }
 
 /* One beam of the body, its coordinates from `first` on: its integrals, and its nodes as the next nodes. */
@@ -19880,14 +19909,19 @@ static fb_status fbi_part_add(fb_shape *shape, const fb_part *part, int first, c
 FB_DEF fb_status fb_body_build(fb_body *body, fb_build_work *work, const fb_build_desc *desc, const fb_beam_desc *beam,
                                const fb_modes_desc *modes, int n_beam)
 {
-  int first = 0, hub;
+  int first = 0, hub, fault;
   fb_status status;
   FBI_REQUIRE(body && work && desc && ((beam && modes) || n_beam == 0), FB_ERR_NULL);
   FBI_REQUIRE(desc->n_part >= 0 && desc->n_part <= FB_MAX_PARTS, FB_ERR_CAPACITY);
 
   /* beams, and the coordinates that there are */
   hub = !fbi_is_zero(&desc->mass, 1) || !fbi_is_zero(desc->inertia, 6);
-  status = fbi_parts_solve(work, desc, beam, modes, n_beam, hub);
+  status = fbi_parts_solve(work, desc, beam, modes, n_beam);
+  fault = status == FB_OK ? fbi_part_at_fault(work, desc, modes, hub) : -1;
+  if (fault >= 0) {
+    work->part = fault;
+    status = FBI_REFUSE(FB_ERR_VALUE, FBI_ROOT_WORD(work->beam[fault].desc.root), fault, FB_R(0.0), FB_R(0.0));
+  }
   if (status != FB_OK) {
     FBI_DETAIL_PART(work->part);
     return status;
@@ -23466,10 +23500,13 @@ static fbi_complex fbi_sdirk_amplify(fbi_complex z)
   return fbi_complex_div(fbi_complex_div(up, down), down);
 }
 
-/* What an integrator of one body is, by fb_integrator. amplify NULL: it solves the linear part exactly, and a spectrum
-   does not say what it errs by. limit: the longest step that it takes; bounded: beyond it, it is unstable. order: 2 or
-   more; leading: it errs by leading z^(order + 1). A step costs evaluations of the rates, with a solution of a linear
-   system each if implicit, and own (1 + n) instructions of n modes. */
+/* Stability, error and cost of each integrator of one body, in the order of fb_integrator.
+   amplify: stability function G(z); NULL: the integrator solves the linear part exactly, so that its error does not
+   follow from the eigenvalues.
+   limit: longest step accepted; bounded: 1 if |G| <= 1 for every mode bounds the step.
+   order: of accuracy, at least 2; leading: |G(z) - exp(z)| = leading |z|^(order + 1) for small z.
+   evaluations: of the rates in a step; implicit: 1 if each solves a linear system; own: instructions beside them, of n
+   modes own (1 + n). */
 typedef struct fbi_integrator_traits {
   fbi_complex (*amplify)(fbi_complex z);
   fb_real (*limit)(const fb_body *body, fb_real spin, fb_real acceleration);
@@ -23486,13 +23523,13 @@ static const fbi_integrator_traits fbi_integrator_table[] = {
 typedef char fbi_integrator_table_is_whole
     [sizeof fbi_integrator_table / sizeof fbi_integrator_table[0] == FB_INTEGRATOR_COUNT ? 1 : -1];
 
-/* Is it one whose errors a spectrum says? */
+/* Has the integrator a stability function, so that its error follows from the eigenvalues? */
 static int fbi_has_amplification(fb_integrator integrator)
 {
   return fbi_is_choice((int)integrator, (int)FB_INTEGRATOR_COUNT - 1) && fbi_integrator_table[(int)integrator].amplify;
 }
 
-/* Of a step of |lambda| dt = r, lambda = |lambda| d. */
+/* Stability function G(r d) of a step with |lambda| dt = r, of an eigenvalue lambda = |lambda| d. */
 static fbi_complex fbi_amplification(fb_integrator integrator, fbi_complex d, fb_real r)
 {
   const fbi_complex z = {r * d.re, r * d.im};

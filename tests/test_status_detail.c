@@ -26,6 +26,10 @@ static fb_system_state turning;
 static fb_system_input drive;
 static fb_exact_desc rod;
 static fb_exact exact;
+static fb_exact_state swaying;
+static fb_exact_work exact_work;
+static fb_stepper stepper;
+static fb_stepper_desc way;
 
 /* A boom on a hub and an arm of two of them, all valid. */
 static void fresh(void)
@@ -217,6 +221,26 @@ TEST(a_refused_part_is_named_with_what_it_lacks)
   (void)told(fb_body_build(&body, &build, &whole, &boom, &keep, 1), FB_ERR_VALUE, "fb_shape_add_beam_node",
              "x [m] along the beam", -1, 12.0, 10.0);
   FBT_INT_EQ(fb_detail_last()->part, 1);
+
+  /* roots that are not attached, or twice */
+  whole.n_part = 1;
+  boom.root = FB_ROOT_PINNED;
+  (void)told(fb_body_build(&body, &build, &whole, &boom, &keep, 1), FB_ERR_VALUE, "fb_body_build",
+             "part: pinned root, natural modes without", 0, 0.0, 0.0);
+  boom.root = FB_ROOT_FREE;
+  keep.rigid = 1;
+  (void)told(fb_body_build(&body, &build, &whole, &boom, &keep, 1), FB_ERR_VALUE, "fb_body_build",
+             "part: free root without a weld", 0, 0.0, 0.0);
+  boom.root = FB_ROOT_CLAMPED;
+  keep.rigid = 0;
+  whole.n_part = 2;
+  whole.part[1].n_node = 0;
+  whole.part[1].position[0] = boom.length;
+  whole.join.n_weld = 1;
+  whole.join.weld[0].component[1] = 1;
+  whole.join.weld[0].node[0] = boom.n_element;
+  (void)told(fb_body_build(&body, &build, &whole, &boom, &keep, 1), FB_ERR_VALUE, "fb_body_build",
+             "part: clamped root with a weld there", 1, 0.0, 0.0);
 }
 
 /* >>status: steps of one body name the step, its limit and the spin; loads and ranges their number. */
@@ -250,11 +274,55 @@ TEST(refused_steps_name_the_limit)
   FBT_NEAR_ABS((double)d->at, 1000.0, 1e-3);
 }
 
+/* >>status: steppers name what of their description is refused. */
+TEST(refused_steppers_name_the_field)
+{
+  const char *const init = "fb_stepper_init";
+  static fb_exponential exponential;
+  fresh();
+  memset(&way, 0, sizeof way);
+  way.body = &body;
+  way.state = &state;
+  (void)told(fb_stepper_init(&stepper, &way), FB_ERR_VALUE, init, "dt [s], finite and above", -1, 0.0, 0.0);
+  way.dt = FB_R(0.01);
+  way.iterations = 51;
+  (void)told(fb_stepper_init(&stepper, &way), FB_ERR_VALUE, init, "iterations, 0 to 50, beyond", -1, 51.0, 50.0);
+  way.iterations = 0;
+  way.n_input = 2;
+  (void)told(fb_stepper_init(&stepper, &way), FB_ERR_VALUE, init, "n_input, 0, 1 or 3", -1, 0.0, 0.0);
+  way.n_input = 0;
+  way.integrator = FB_INTEGRATOR_EXPONENTIAL;
+  way.exponential = &exponential;
+  FBT_INT_EQ(fb_exponential_init(&exponential, &body_work, &body, FB_R(0.02)), FB_OK);
+  (void)told(fb_stepper_init(&stepper, &way), FB_ERR_VALUE, init, "dt [s], that of the exponential, equal to", -1, 0.01,
+             0.02);
+  way.integrator = FB_INTEGRATOR_COUNT;
+  (void)told(fb_stepper_init(&stepper, &way), FB_ERR_VALUE, init, "integrator, an fb_integrator, beyond", -1,
+             FB_INTEGRATOR_COUNT, FB_INTEGRATOR_COUNT - 1.0);
+  way.integrator = FB_INTEGRATOR_MIDPOINT;
+  way.system = &mechanism;
+  (void)told(fb_stepper_init(&stepper, &way), FB_ERR_VALUE, init, "body, system or exact beam: one of them", -1, 0.0,
+             0.0);
+  way.state = NULL;
+  way.exponential = NULL;
+  way.system_state = &turning;
+  way.system_work = &work;
+  (void)told(fb_stepper_init(&stepper, &way), FB_ERR_UNSUPPORTED, init,
+             "integrator of a system, FB_INTEGRATOR_RK4 or _SDIRK", -1, 0.0, 0.0);
+  memset(&way, 0, sizeof way);
+  way.exact = &exact;
+  way.exact_state = &swaying;
+  way.exact_work = &exact_work;
+  way.integrator = FB_INTEGRATOR_SDIRK;
+  (void)told(fb_stepper_init(&stepper, &way), FB_ERR_UNSUPPORTED, init, "integrator of an exact beam", -1, 0.0, 0.0);
+}
+
 /* >>status: descs of systems name joint and field; a step beyond the limit the body or joint that bounds it. */
 TEST(refused_systems_name_the_joint_and_what_bounds_a_step)
 {
   const char *const init = "fb_system_init", *const step = "fb_system_rk4_step";
   static fb_link_motion start[FB_MAX_BODIES];
+  static fb_system_input later;
   const fb_detail *d;
   fresh();
   arm.joint[1].stiffness[0] = -7;
@@ -289,6 +357,16 @@ TEST(refused_systems_name_the_joint_and_what_bounds_a_step)
   }
   FBT_INT_EQ(fb_system_sdirk_step(&mechanism, &body, &turning, &work, &drive, &drive, 1, 2), FB_ERR_STEP);
   FBT_TRUE(strcmp(fb_detail_last()->function, "fb_system_sdirk_step") == 0);
+
+  /* A prescribed axis that does not move, although its rate says so */
+  arm.joint[1].stiffness[0] = 0;
+  arm.joint[1].mode[0] = FB_AXIS_PRESCRIBED;
+  later = drive;
+  drive.drive[1].rate[0] = later.drive[1].rate[0] = FB_R(0.25);
+  FBT_INT_EQ(fb_system_init(&mechanism, &work, &body, &arm, 1), FB_OK);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, &body, &turning, &work, NULL, &drive), FB_OK);
+  (void)told(fb_system_rk4_step(&mechanism, &body, &turning, &work, &drive, &drive, &later, FB_R(1e-4)),
+             FB_ERR_CONTRADICTION, step, "joint: rate of a prescribed axis whose value does not change", 1, 0.25, 0.0);
 }
 
 /* >>status: descs of exact beams name station, support, element. */
@@ -319,5 +397,5 @@ TEST(refused_exact_beams_name_the_station)
 SUITE(status_detail, RUN(a_success_leaves_the_record_of_the_last_refusal),
       RUN(refused_beams_name_the_station_and_the_field), RUN(refused_modes_name_what_the_beam_lacks),
       RUN(refused_bodies_name_the_field_and_the_mode), RUN(a_refused_part_is_named_with_what_it_lacks),
-      RUN(refused_steps_name_the_limit), RUN(refused_systems_name_the_joint_and_what_bounds_a_step),
-      RUN(refused_exact_beams_name_the_station))
+      RUN(refused_steps_name_the_limit), RUN(refused_steppers_name_the_field),
+      RUN(refused_systems_name_the_joint_and_what_bounds_a_step), RUN(refused_exact_beams_name_the_station))

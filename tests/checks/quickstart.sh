@@ -1,5 +1,6 @@
 #!/bin/sh
-# The QUICK START of flexbeam.h and the program of README.md are examples/quickstart.c, line by line.
+# The QUICK START of flexbeam.h and the program of README.md are examples/quickstart.c, line by line; it prints what README.md
+# says. The sizes of MEMORY in flexbeam.h are those of the structs.
 . tests/checks/common.sh
 sed -n '/^#/,$p' examples/quickstart.c > "$out/example"
 sed -n '/^   QUICK START/,/^   A SYSTEM of bodies/p' flexbeam.h | sed -e '1d;$d' -e 's/^     //' | sed -n '/^#/,$p' |
@@ -16,4 +17,52 @@ diff "$out/readme" "$out/example" > "$out/log" || {
   head -n 20 "$out/log"
   fail "the program of README.md is not examples/quickstart.c"
 }
-ok "flexbeam.h, README.md and examples/quickstart.c agree ($(wc -l < "$out/example") lines)"
+# What it prints, compiled as README.md says
+sentence='.*`cc \([^`]*\)` it prints "\([^"]*\)".*'
+flags=$(sed -n "s/$sentence/\1/p" README.md)
+sed -n "s/$sentence/\2/p" README.md > "$out/said"
+[ -n "$flags" ] || fail 'README.md does not say on one line: `cc FLAGS` it prints "LINE"'
+try ${CC:-cc} $flags -o "$out/quickstart"
+"$out/quickstart" > "$out/printed" || fail "examples/quickstart.c: $(cat "$out/printed")"
+cmp -s "$out/printed" "$out/said" || fail "examples/quickstart.c prints \"$(cat "$out/printed")\", README.md says \"$(cat "$out/said")\""
+
+# The table of MEMORY: a line for each work struct, its size, a note
+structs=$(sed -n 's/^} \(fb_[a-z0-9_]*_work\);$/\1/p' flexbeam.h)
+{
+  printf '#define FLEXBEAM_STATIC\n#include "flexbeam.h"\n#include <stdio.h>\nint main(void)\n{\n'
+  printf '  printf("pointer %%d\\n", (int)sizeof(void *));\n'
+  printf '  printf("%s %%lu\\n", (unsigned long)sizeof(%s));\n' $(for struct in $structs; do echo $struct $struct; done)
+  printf '  return 0;\n}\n'
+} > "$out/sizes.c"
+try ${CC:-cc} -std=c99 -I. -o "$out/sizes" "$out/sizes.c" -lm
+"$out/sizes" > "$out/sizeof"
+sed -n '/^   MEMORY/,/^$/p' flexbeam.h | sed 1d > "$out/memory"
+awk -v first="$(sed -n '/^   MEMORY/=' flexbeam.h)" '
+  NR == FNR { order[NR] = $1; size[$1] = $2; next }
+  NF { line[$1] = $0; number[$1] = first + FNR }
+  END {
+    for (k = 2; k in order; k++) {
+      name = order[k]
+      has = name in line
+      note = has ? line[name] : ""
+      sub(/^ *[^ ]+ +[^ ]+ */, "", note)
+      right = sprintf("     %-24s %8d  %s", name, size[name], note)
+      sub(/ +$/, "", right)
+      if (!has)
+        printf "flexbeam.h: MEMORY has no line of %s, which is:\n%s\n", name, right
+      else if (line[name] != right)
+        printf "flexbeam.h:%d: sizeof(%s) is %d; the line should be:\n%s\n", number[name], name, size[name], right
+      delete line[name]
+    }
+    for (name in line) printf "flexbeam.h:%d: MEMORY has a line of %s, which is no work struct\n", number[name], name
+  }' "$out/sizeof" "$out/memory" > "$out/log"
+if grep -qx 'pointer 8' "$out/sizeof"; then
+  sizes="sizes of $(echo "$structs" | wc -l) structs"
+  [ ! -s "$out/log" ] || {
+    cat "$out/log"
+    fail "the table of MEMORY in flexbeam.h is not what sizeof says: the above"
+  }
+else
+  sizes="sizes of structs not compared: pointers of other than 64 bits"
+fi
+ok "flexbeam.h, README.md and examples/quickstart.c agree ($(wc -l < "$out/example") lines, what is printed); $sizes"

@@ -1,6 +1,7 @@
 /* Every integrator on a valid body, system or exact beam of the bytes' choice, and the path of the beam's steady
    states, with plausible and absurd states, inputs and steps. A step that fails leaves the state as it was, one that
-   does not leaves it finite; then the motion is finite, or a status says why not. */
+   does not leaves it finite; then the motion is finite, or a status says why not. Every fourth step is repeated by
+   fb_stepper: the same status, the same bits. */
 #define FB_MAX_MODES 7
 #define FB_MAX_NODES 3
 #define FB_MAX_LOADS 2
@@ -35,6 +36,36 @@ static fb_exact_state exact_state;
 static fb_exact_work exact_work;
 static fb_exact_path path;
 static fb_exact_path_work path_work;
+
+/* Repeats by fb_stepper a step that took a state of `size` bytes from `before` to what it is now, with `status`. What
+   fb_stepper_init refuses: a state that does not pass its check, `fit`, or numbers out of their range. */
+static void step_again(const fb_stepper_desc *way, void *now, const void *before, size_t size, fb_status status,
+                       fb_status fit)
+{
+  static fb_stepper stepper;
+  static union {
+    fb_state body;
+    fb_system_state system;
+    fb_exact_state exact;
+  } after;
+  const int in_range = way->dt > FB_R(0.0) && way->dt < FB_HUGE && way->iterations >= 0 && way->iterations <= 50;
+  fb_status again;
+  memcpy(&after, now, size);
+  memcpy(now, before, size);
+  again = fb_stepper_init(&stepper, way);
+  promise(again == (fit != FB_OK ? fit
+                    : in_range   ? FB_OK
+                                 : FB_ERR_VALUE),
+          "another status than that of its reason", "fb_stepper_init");
+  promise(memcmp(now, before, size) == 0, "changed the state", "fb_stepper_init");
+  if (again == FB_OK) {
+    again = fb_stepper_step(&stepper);
+    promise(again == status, "another status than the step itself", "fb_stepper_step");
+    promise(memcmp(now, &after, size) == 0, "other bits than the step itself", "fb_stepper_step");
+    promise(stepper.t == (status == FB_OK ? way->dt : FB_R(0.0)), "the clock", "fb_stepper_step");
+  }
+  memcpy(now, &after, size);
+}
 
 /* A beam on a hub, with the effects, base and form that the bytes say; 0: refused. */
 static int build_body(bytes *b, int plain)
@@ -138,26 +169,39 @@ static int state_is_finite(const fb_state *s, int n)
          all_finite(s->q, n) && all_finite(s->pi, n);
 }
 
-/* One step of an integrator: its name goes to *name. */
-static fb_status step_body(const char **name, bytes *b, const fb_input *start, const fb_input *end)
+/* One step of an integrator, of one input that is held or of three: its name goes to *name, the step to *way; without
+   body if it was not made. */
+static fb_status step_body(const char **name, fb_stepper_desc *way, bytes *b, const fb_input *input, int n_input)
 {
+  const fb_input *const start = input, *const middle = n_input == 3 ? input + 1 : input,
+                        *const end = n_input == 3 ? input + 2 : input;
   const fb_real dt = take_step(b);
   const int iterations = take_byte(b) < 250 ? take_byte(b) % 4 : take_whole(b);
   fb_status status;
-  switch ((fb_integrator)take_below(b, FB_INTEGRATOR_COUNT)) {
+  memset(way, 0, sizeof *way);
+  way->body = &body;
+  way->state = &state;
+  way->input = input;
+  way->n_input = n_input;
+  way->integrator = (fb_integrator)take_below(b, FB_INTEGRATOR_COUNT);
+  way->exponential = &exponential;
+  way->dt = dt;
+  way->iterations = iterations;
+  switch (way->integrator) {
   case FB_INTEGRATOR_RK4:
     *name = "fb_rk4_step";
-    return fb_rk4_step(&body, &state, &rk4_work, start, start, end, dt);
+    return fb_rk4_step(&body, &state, &rk4_work, start, middle, end, dt);
   case FB_INTEGRATOR_MIDPOINT:
     *name = "fb_midpoint_step";
-    return fb_midpoint_step(&body, &state, &implicit_work, start, dt, iterations);
+    return fb_midpoint_step(&body, &state, &implicit_work, middle, dt, iterations);
   case FB_INTEGRATOR_SDIRK:
     *name = "fb_sdirk_step";
     return fb_sdirk_step(&body, &state, &implicit_work, start, end, dt, iterations);
   case FB_INTEGRATOR_EXPONENTIAL:
     *name = "fb_exponential_step";
     status = fb_exponential_init(&exponential, &body_work, &body, dt);
-    return status ? status : fb_exponential_step(&body, &exponential, &state, &exponential_work, start, start, end);
+    way->body = status ? NULL : way->body;
+    return status ? status : fb_exponential_step(&body, &exponential, &state, &exponential_work, start, middle, end);
   case FB_INTEGRATOR_COUNT:
     break;
   }
@@ -171,15 +215,16 @@ static void run_body(bytes *b)
   }
   promise(fb_state_init(&body, &state) == FB_OK, "refused", "fb_state_init");
   for (int k = 0; k < 16 && b->left > 0; k++) {
-    fb_input start, end;
+    fb_input input[3];
     fb_state before;
     fb_motion motion;
     fb_energy energy;
     fb_node_motion node;
+    fb_stepper_desc way;
     const char *name;
     fb_status status;
-    take_input(&start, b);
-    end = start;
+    take_input(&input[0], b);
+    input[1] = input[2] = input[0];
     for (int i = 0; i < body.n; i++) {
       state.q[i] += take_part(b, 0.1);
       state.pi[i] += take_part(b, 1.0);
@@ -189,11 +234,14 @@ static void run_body(bytes *b)
       spoil(&state, sizeof state, b);
     }
     before = state;
-    status = step_body(&name, b, &start, take_byte(b) & 1 ? &start : &end);
+    status = step_body(&name, &way, b, input, take_byte(b) & 1 ? 1 : 3);
     promise(status == FB_OK || memcmp(&before, &state, sizeof state) == 0, "a failure changed the state", name);
     promise(status != FB_OK || state_is_finite(&state, body.n), "the state is not finite", name);
     promise(status != FB_OK || fb_state_check(&body, &state) == FB_OK, "the state does not pass its check", name);
-    status = fb_body_motion_eval(&body, &motion, &state, &start);
+    if (k % 4 == 0 && way.body) {
+      step_again(&way, &state, &before, sizeof state, status, fb_state_check(&body, &before));
+    }
+    status = fb_body_motion_eval(&body, &motion, &state, input);
     promise(status != FB_OK ||
                 (all_finite(motion.v, 3) && all_finite(motion.w, 3) && all_finite(motion.acceleration, 3) &&
                  all_finite(motion.w_dot, 3) && all_finite(motion.q_ddot, body.n) &&
@@ -202,7 +250,7 @@ static void run_body(bytes *b)
     if (status == FB_OK && fb_body_node_motion_eval(&body, &node, &state, &motion, 1) == FB_OK) {
       promise(all_finite(node.acceleration, 3) && all_finite(node.quat, 4), "not finite", "fb_body_node_motion_eval");
     }
-    status = fb_body_energy_eval(&body, &energy, &state, &start);
+    status = fb_body_energy_eval(&body, &energy, &state, input);
     promise(status != FB_OK || (isfinite(energy.kinetic) && isfinite(energy.strain)), "not finite",
             "fb_body_energy_eval");
     if (fb_state_check(&body, &state) != FB_OK) {
@@ -285,6 +333,7 @@ static void run_system(bytes *b)
   for (int k = 0; k < 10 && b->left > 0; k++) {
     static fb_system_input input;
     fb_status status;
+    fb_stepper_desc by;
     const int way = take_below(b, 5), link = take_below(b, links.n_body);
     const fb_real dt = take_step(b);
     take_system_input(&input, b);
@@ -294,19 +343,31 @@ static void run_system(bytes *b)
       spoil(&system_state, sizeof system_state, b);
     }
     before = system_state;
+    memset(&by, 0, sizeof by);
+    by.body = &body;
+    by.system = &links;
+    by.system_state = &system_state;
+    by.system_work = &system_work;
+    by.system_input = &input;
+    by.dt = dt;
+    by.integrator = way & 1 ? FB_INTEGRATOR_RK4 : FB_INTEGRATOR_SDIRK;
     if (way == 4) {
       status = fb_system_axis_set(&links, &body, &system_state, &system_work, take_below(b, 4), take_below(b, 3),
                                   (fb_axis_mode)take_below(b, FB_AXIS_COUNT), &input);
     } else if (way & 1) {
       status = fb_system_rk4_step(&links, &body, &system_state, &system_work, &input, &input, &input, dt);
     } else {
-      status = fb_system_sdirk_step(&links, &body, &system_state, &system_work, &input, &input, dt, take_byte(b) % 4);
+      by.iterations = take_byte(b) % 4;
+      status = fb_system_sdirk_step(&links, &body, &system_state, &system_work, &input, &input, dt, by.iterations);
     }
     promise(status == FB_OK || memcmp(&before, &system_state, sizeof before) == 0, "a failure changed the state",
             way == 4 ? "fb_system_axis_set" : "a step of a system");
     promise(status != FB_OK || system_is_finite(&system_state), "the state is not finite", "a system");
     promise(status != FB_OK || way == 4 || fb_system_state_check(&links, &body, &system_state) == FB_OK,
             "a step has made what is no state", "a system");
+    if (k % 4 == 0 && way != 4) {
+      step_again(&by, &system_state, &before, sizeof before, status, fb_system_state_check(&links, &body, &before));
+    }
     status = fb_system_motion_eval(&links, &body, &system_work, &motion, &system_state, &input);
     for (int j = 0; j < links.n_body && status == FB_OK; j++) {
       promise(all_finite(motion.motion[j].acceleration, 3) && all_finite(motion.motion[j].q_ddot, body.n) &&
@@ -415,6 +476,16 @@ static void run_exact(bytes *b)
                 (all_finite(exact_state.r, 3 * (exact.n + 1)) && all_finite(exact_state.quat, 4 * (exact.n + 1)) &&
                  all_finite(exact_state.strain, 6 * exact.n) && all_finite(exact_state.momentum, 6 * exact.n)),
             "the state is not finite", "the exact beam");
+    if (k % 4 == 0 && !steady && !along) {
+      fb_stepper_desc by;
+      memset(&by, 0, sizeof by);
+      by.exact = &exact;
+      by.exact_state = &exact_state;
+      by.exact_work = &exact_work;
+      by.exact_input = &input;
+      by.dt = dt;
+      step_again(&by, &exact_state, &before, sizeof before, status, fb_exact_state_check(&exact, &before));
+    }
     if (fb_exact_nodes_eval(&exact, node, &exact_state) == FB_OK) {
       promise(all_finite(node[exact.n].position, 3) && all_finite(node[0].force, 3), "not finite",
               "fb_exact_nodes_eval");
