@@ -2530,7 +2530,7 @@ static int fbi_is_large(const fb_body *body)
 #define FBI_USE_LINES(k, work) ((k).line = &(work)->line)
 #define FBI_LINE_OF(k) ((k)->line)
 #else
-#define FBI_WITH_LINES(k) ((void)0)
+#define FBI_WITH_LINES(k) ((void)&(k))
 #define FBI_LINES(work) NULL
 #define FBI_USE_LINES(k, work) ((void)0)
 #define FBI_LINE_OF(k) NULL
