@@ -98,6 +98,13 @@ const char FBI_CONFIG_SYMBOL[] = FBI_STRING_(FBI_CONFIG_SYMBOL);
 #define FBI_RESTRICT
 #endif
 
+/* FBI_INLINE: a function whose call would cost as much as it does, or keep a loop from being vectorized. */
+#if defined(__GNUC__)
+#define FBI_INLINE inline __attribute__((always_inline))
+#else
+#define FBI_INLINE inline
+#endif
+
 /* ---------------------------------------------------------------------------------------------------------------
    RUN >>status: codes and their texts, finite checks (uses config) */
 
@@ -1262,6 +1269,14 @@ static int fbi_line_width(const fb_line *line)
   return 2 * (line->stride / 2);
 }
 
+/* y += s x over m numbers, m even */
+static FBI_INLINE void fbi_line_row_add(fb_real *FBI_RESTRICT y, fb_real s, const fb_real *x, int m)
+{
+  for (int j = 0; j < 2 * (m / 2); j++) {
+    y[j] += s * x[j];
+  }
+}
+
 /* y_i = sum of the rows' coefficients times q by their axes; `at` is added to the rows' places in the table. */
 static void fbi_line_rows_eval(fb_real y[3][FB_MAX_POINTS], const fb_lines *all, const fb_line *line, int row,
                                int n_row, int at, const fb_real *q)
@@ -1271,11 +1286,7 @@ static void fbi_line_rows_eval(fb_real y[3][FB_MAX_POINTS], const fb_lines *all,
     y[0][p + j] = y[1][p + j] = y[2][p + j] = FB_R(0.0);
   }
   for (const fb_line_row *r = all->row + row, *end = r + n_row; r < end; r++) {
-    const fb_real by = q[line->first + r->a], *const from = all->table + r->at + at;
-    fb_real *FBI_RESTRICT const to = y[r->axis] + p;
-    for (int j = 0; j < m; j++) {
-      to[j] += by * from[j];
-    }
+    fbi_line_row_add(y[r->axis] + p, q[line->first + r->a], all->table + r->at + at, m);
   }
 }
 
@@ -1289,12 +1300,8 @@ static void fbi_line_turns_eval(fb_real y[3][FB_MAX_POINTS], fb_real z[3][FB_MAX
     z[0][p + j] = z[1][p + j] = z[2][p + j] = FB_R(0.0);
   }
   for (const fb_line_row *r = all->row + line->row, *end = r + line->n_turn; r < end; r++) {
-    const fb_real by = q[line->first + r->a], *const A = all->table + r->at, *const B = A + m;
-    fb_real *FBI_RESTRICT const to_A = y[r->axis] + p, *FBI_RESTRICT const to_B = z[r->axis] + p;
-    for (int j = 0; j < m; j++) {
-      to_A[j] += by * A[j];
-      to_B[j] += by * B[j];
-    }
+    fbi_line_row_add(y[r->axis] + p, q[line->first + r->a], all->table + r->at, m);
+    fbi_line_row_add(z[r->axis] + p, q[line->first + r->a], all->table + r->at + m, m);
   }
 }
 
@@ -1343,7 +1350,7 @@ static void fbi_line_turns(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, c
 }
 
 /* c0 + x (c1 + x (c2 + ...)); in single precision five terms are exact to rounding. */
-static fb_real fbi_line_series(const fb_real c[FBI_LINE_TERMS], fb_real x)
+static FBI_INLINE fb_real fbi_line_series(const fb_real c[FBI_LINE_TERMS], fb_real x)
 {
 #if FB_SINGLE
   return c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * c[5]))));
