@@ -706,7 +706,7 @@ typedef struct fbi_line_work { /* what an evaluation knows about the lines, line
   fb_real push[3];                                                                /* [N] E14.15 */
   fb_real L[FB_MAX_MODES * FB_MAX_MODES];                                         /* Cholesky factor of M(q) */
   fb_real X[6 * FB_MAX_MODES];                                                    /* Lambda(q), 6 x n, body axes */
-  fb_real Z[6 * FB_MAX_MODES];                                                    /* Lambda L^-T */
+  fb_real Z[6 * FB_MAX_MODES], column[FB_MAX_MODES][6];                           /* Lambda L^-T, its columns */
   fb_real M_rr[21];                                                               /* M_rr(q) */
   fb_real e[FB_MAX_MODES];                                                        /* L^-1 pi */
 } fbi_line_work;

@@ -1697,7 +1697,7 @@ static const fb_line_row *fbi_line_turn_rates(fb_real (*FBI_RESTRICT c)[FB_MAX_P
    Jw_a = sum over the intervals before of N ((1 + B^/6) A_a - A^/6 B_a),  Jv_a = int (Jw_a x t + H Gamma_a) dx.
    Source: derivative of E14.1 to E14.4.  Shapes: n x 3 x points each.  Cost: (50 + 6 points) flops a coordinate and
    point.  Fails: never.  Test: line_velocities_are_derivatives_of_poses. */
-static void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line)
+static FBI_NOINLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line)
 {
   const int p = line->point, m = fbi_line_width(line);
   const fb_line_row *r = all->row + line->row, *const last = r + line->n_turn, *s = last;
@@ -1891,28 +1891,30 @@ static void fbi_line_sum_moment(fb_real sum[3], fb_real moment[3], fb_real x[3][
 {
   const fb_real *const a = x[0] + p, *const b = x[1] + p, *const c = x[2] + p;
   const fb_real *const d = y[0] + p, *const e = y[1] + p, *const f = y[2] + p;
-  fb_real u[2] = {FB_R(0.0), FB_R(0.0)}, v[2] = {FB_R(0.0), FB_R(0.0)}, s[2] = {FB_R(0.0), FB_R(0.0)};
-  fb_real X[2] = {FB_R(0.0), FB_R(0.0)}, Y[2] = {FB_R(0.0), FB_R(0.0)}, Z[2] = {FB_R(0.0), FB_R(0.0)};
+  fb_real u = FB_R(0.0), v = FB_R(0.0), l = FB_R(0.0), U = FB_R(0.0), V = FB_R(0.0), L = FB_R(0.0);
   for (int j = 0; j < m; j += 2) {
-    u[0] += d[j];
-    u[1] += d[j + 1];
-    v[0] += e[j];
-    v[1] += e[j + 1];
-    s[0] += f[j];
-    s[1] += f[j + 1];
-    X[0] += b[j] * f[j] - c[j] * e[j];
-    X[1] += b[j + 1] * f[j + 1] - c[j + 1] * e[j + 1];
-    Y[0] += c[j] * d[j] - a[j] * f[j];
-    Y[1] += c[j + 1] * d[j + 1] - a[j + 1] * f[j + 1];
-    Z[0] += a[j] * e[j] - b[j] * d[j];
-    Z[1] += a[j + 1] * e[j + 1] - b[j + 1] * d[j + 1];
+    u += d[j];
+    U += d[j + 1];
+    v += e[j];
+    V += e[j + 1];
+    l += f[j];
+    L += f[j + 1];
   }
-  sum[0] = u[0] + u[1];
-  sum[1] = v[0] + v[1];
-  sum[2] = s[0] + s[1];
-  moment[0] = X[0] + X[1];
-  moment[1] = Y[0] + Y[1];
-  moment[2] = Z[0] + Z[1];
+  sum[0] = u + U;
+  sum[1] = v + V;
+  sum[2] = l + L;
+  u = v = l = U = V = L = FB_R(0.0);
+  for (int j = 0; j < m; j += 2) {
+    u += b[j] * f[j] - c[j] * e[j];
+    U += b[j + 1] * f[j + 1] - c[j + 1] * e[j + 1];
+    v += c[j] * d[j] - a[j] * f[j];
+    V += c[j + 1] * d[j + 1] - a[j + 1] * f[j + 1];
+    l += a[j] * e[j] - b[j] * d[j];
+    L += a[j + 1] * e[j + 1] - b[j + 1] * d[j + 1];
+  }
+  moment[0] = u + U;
+  moment[1] = v + V;
+  moment[2] = l + L;
 }
 
 /* Moments of mass of a line, its axes. */
@@ -1940,7 +1942,7 @@ static void fbi_line_mass_eval(fbi_line_mass *out, fbi_line_work *w, const fb_li
    sum (p; r x p + h), moments of mass; over the points.
    Source: kinetic energy of the points.  Cost: 3 points (n + 9) n flops.  Fails: never.
    Test: line_inertia_is_that_of_particles. */
-static void fbi_line_inertia_eval(fb_real *M, fb_real *X, fbi_line_work *w, const fb_lines *all, const fb_line *line,
+static FBI_NOINLINE void fbi_line_inertia_eval(fb_real *M, fb_real *X, fbi_line_work *w, const fb_lines *all, const fb_line *line,
                                   int nb, fb_real rho[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_POINTS])
 {
   const int p = line->point, m = fbi_line_width(line);
@@ -2007,7 +2009,7 @@ static FBI_NOINLINE void fbi_lines_inertia_add(fb_real *M, fb_real *X, fb_real *
 
 /* Velocities of the points relative to the frame, w and v, from the rates of the coordinates (E14.5 without its
    matrices), the rates of the tangents, w x t + H Gamma q_dot, and of the rotation vectors. */
-static void fbi_line_rates(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line,
+static FBI_NOINLINE void fbi_line_rates(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line,
                            const fb_real *q_dot)
 {
   const int p = line->point, m = fbi_line_width(line);
@@ -2103,7 +2105,7 @@ static void fbi_line_outboard(fb_real y[3][FB_MAX_POINTS], const fb_lines *all, 
 
 /* What acts on the sections beyond an interval, in the axes before it: y by phi, s by phi_dot (E14.7; 0: none). To
    coordinates: x_a += A_a.(y - 1/6 (B x y + B' x s)) - 1/6 B_a.(y x A + s x A'). */
-static void fbi_line_moments_add(fb_real *x, const fbi_line_work *w, const fb_lines *all, const fb_line *line,
+static FBI_NOINLINE void fbi_line_moments_add(fb_real *x, const fbi_line_work *w, const fb_lines *all, const fb_line *line,
                                  fb_real y[3][FB_MAX_POINTS], fb_real s[3][FB_MAX_POINTS])
 {
   const int p = line->point, m = fbi_line_width(line);
@@ -2226,7 +2228,7 @@ static void fbi_line_solid_momenta(fb_real P[3][FB_MAX_POINTS], fb_real b[3][FB_
 }
 
 /* y and s of E14.7 from the moments B and C beyond each interval. */
-static void fbi_line_gradient_moments(fb_real y[3][FB_MAX_POINTS], fb_real s[3][FB_MAX_POINTS],
+static FBI_NOINLINE void fbi_line_gradient_moments(fb_real y[3][FB_MAX_POINTS], fb_real s[3][FB_MAX_POINTS],
                                       const fbi_line_work *w, const fb_line *line, fb_real B[3][FB_MAX_POINTS],
                                       fb_real C[3][FB_MAX_POINTS])
 {
@@ -2278,7 +2280,7 @@ static void fbi_line_gradient_moments(fb_real y[3][FB_MAX_POINTS], fb_real s[3][
    stretches: H^T (F x (o + w)); shifts of the root: sum of P x o.
    Source: THEORY.md 14; the angular velocity of a section depends on the rotations before it.
    Cost: 300 flops and 6 points a point.  Fails: never.  Test: line_forces_are_the_gradient_of_the_energy. */
-static void fbi_line_gradient_add(fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_line *line,
+static FBI_NOINLINE void fbi_line_gradient_add(fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_line *line,
                                   const fb_real u[3], const fb_real o[3])
 {
   const int p = line->point, m = fbi_line_width(line);
@@ -2375,7 +2377,7 @@ static void fbi_line_axes(fb_real x[3], const fb_line *line, const fb_real in_bo
 }
 
 /* x_a += dT/dq_a of all lines at fixed velocities V (body axes) and q_dot. */
-static void fbi_lines_gradient_add(fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_real V[6],
+static FBI_NOINLINE void fbi_lines_gradient_add(fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_real V[6],
                                    const fb_real *q_dot)
 {
   for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
@@ -2437,7 +2439,7 @@ static void fbi_line_load_add(fb_real *x, fbi_line_work *w, const fb_lines *all,
 }
 
 /* Of all lines: c += first moment of mass about O, body axes; unless x is NULL x_a += g.dc/dq_a. */
-static void fbi_lines_pull(fb_real c[3], fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_real g[3])
+static FBI_NOINLINE void fbi_lines_pull(fb_real c[3], fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_real g[3])
 {
   if (x) {
     fbi_lines_unload(w, all);
@@ -3237,20 +3239,82 @@ static fb_real fbi_strain_energy(const fb_body *body, const fb_real *q)
 #if FB_WITH_LARGE_DEFLECTION
 /* ---- bodies with lines of large deflection: M, Lambda and M_rr depend on q and are formed at every evaluation */
 
-/* S(q) = M_rr - Lambda M^-1 Lambda^T to k.S, from Z = Lambda L^-T. */
-static void fbi_large_S(fbi_kinetics *k, const fb_body *body)
+/* Columns of Z = Lambda L^-T to w.column, and Z itself. */
+static void fbi_large_reduce(fbi_line_work *FBI_RESTRICT w, int n)
+{
+  for (int a = 0; a < n; a++) {
+    const fb_real *const L = w->L + a * n, *const X = w->X + a, by = FB_R(1.0) / L[a];
+    fb_real s = X[0], t = X[n], u = X[2 * n], x = X[3 * n], y = X[4 * n], z = X[5 * n];
+    for (int b = 0; b < a; b++) {
+      s -= L[b] * w->column[b][0];
+      t -= L[b] * w->column[b][1];
+      u -= L[b] * w->column[b][2];
+      x -= L[b] * w->column[b][3];
+      y -= L[b] * w->column[b][4];
+      z -= L[b] * w->column[b][5];
+    }
+    w->column[a][0] = s * by;
+    w->column[a][1] = t * by;
+    w->column[a][2] = u * by;
+    w->column[a][3] = x * by;
+    w->column[a][4] = y * by;
+    w->column[a][5] = z * by;
+    for (int i = 0; i < 6; i++) {
+      w->Z[i * n + a] = w->column[a][i];
+    }
+  }
+}
+
+/* S(q) = M_rr - Lambda M^-1 Lambda^T = M_rr - Z Z^T to k.S. */
+static FBI_NOINLINE void fbi_large_S(fbi_kinetics *k, const fb_body *body)
 {
   const int n = body->n;
   fbi_line_work *const w = k->line;
-  int at = 0;
-  for (int i = 0; i < 6; i++) {
-    fbi_chol_forward(w->Z + i * n, w->L, w->X + i * n, n);
-  }
-  for (int i = 0; i < 6; i++) {
+  fb_real row[6];
+  fbi_large_reduce(w, n);
+  for (int i = 0, at = 0; i < 6; i++) {
+    fb_real s = FB_R(0.0), t = FB_R(0.0), u = FB_R(0.0), x = FB_R(0.0), y = FB_R(0.0), z = FB_R(0.0);
+    for (int a = 0; a < n; a++) {
+      const fb_real by = w->column[a][i];
+      s += by * w->column[a][0];
+      t += by * w->column[a][1];
+      u += by * w->column[a][2];
+      x += by * w->column[a][3];
+      y += by * w->column[a][4];
+      z += by * w->column[a][5];
+    }
+    row[0] = s;
+    row[1] = t;
+    row[2] = u;
+    row[3] = x;
+    row[4] = y;
+    row[5] = z;
     for (int j = i; j < 6; j++, at++) {
-      k->S[at] = w->M_rr[at] - fbi_dot(w->Z + i * n, w->Z + j * n, n);
+      k->S[at] = w->M_rr[at] - row[j];
     }
   }
+}
+
+/* M = L L^T of few rows, lower triangle; as fb_chol_factor. */
+static int fbi_large_factor(fb_real *M, int n)
+{
+  int sound = 1;
+  for (int i = 0; i < n; i++) {
+    fb_real *const L = M + i * n;
+    fb_real sum = L[i];
+    for (int j = 0; j < i; j++) {
+      const fb_real *const of = M + j * n;
+      fb_real l = L[j];
+      for (int k = 0; k < j; k++) {
+        l -= L[k] * of[k];
+      }
+      L[j] = l = l / of[j];
+      sum -= l * l;
+    }
+    sound &= sum > (fb_real)n * FB_EPSILON * L[i] && sum < FB_HUGE;
+    L[i] = FB_SQRT(sound ? sum : FB_R(1.0));
+  }
+  return sound;
 }
 
 /* [E14.12] Inertia of a body with lines at q: M(q) = M_rest + M_lines(q), factored, Lambda(q) and M_rr(q) likewise; the
@@ -3268,7 +3332,7 @@ static fb_status fbi_large_inertia(fbi_kinetics *k, const fb_body *body, const f
   fbi_lambda_rows(w->X, body, k->qx, 0, body->n_lambda);
   fbi_S_eval(w->M_rr, body, k->qx, body->n_run);
   fbi_lines_inertia_add(w->L, w->X, w->M_rr, w, &body->lines, n);
-  return fb_chol_factor(w->L, n) == FB_OK ? FB_OK : FB_ERR_RANGE;
+  return fbi_large_factor(w->L, n) ? FB_OK : FB_ERR_RANGE;
 }
 
 /* y -= Lambda(q) x */
@@ -3290,7 +3354,7 @@ static void fbi_large_lambdaT_sub(fb_real *e, const fbi_kinetics *k, const fb_bo
 /* [E14.13] Elastic equations with lines, q_dot = M^-1 (pi - Lambda^T V),  pi_dot = f_e - K q - C q_dot + dT/dq at fixed
    V and q_dot: Hamilton's equations for any M, Lambda and M_rr of q, hence conservative.
    Source: THEORY.md 14.  Fails: never.  Test: lines_conserve_energy_and_momentum. */
-static void fbi_large_rates(fb_real *q_dot, fbi_kinetics *k, const fb_body *body, const fb_real *pi)
+static FBI_NOINLINE void fbi_large_rates(fb_real *q_dot, fbi_kinetics *k, const fb_body *body, const fb_real *pi)
 {
   fb_real unused[FB_MAX_MODES];
   fbi_line_work *const w = k->line;
@@ -3327,7 +3391,7 @@ static void fbi_given_velocity(fbi_kinetics *k, const fb_body *body, const fb_st
 
 #if FB_WITH_LARGE_DEFLECTION
 /* E8.13 for a body with lines; k.qx is set. */
-static fb_status fbi_large_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
+static FBI_NOINLINE fb_status fbi_large_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
 {
   fb_real y[6];
   const fb_status status = fbi_large_inertia(k, body, state->q);
