@@ -692,23 +692,23 @@ typedef struct fbi_line_work { /* what an evaluation knows about the lines, line
   fb_real phi[3][FB_MAX_POINTS];                         /* rotation vector of the interval */
   fb_real x[FB_MAX_POINTS];                              /* |phi|^2 */
   fb_real a[FB_MAX_POINTS], b[FB_MAX_POINTS];            /* (1 - cos)/|phi|^2, (|phi| - sin)/|phi|^3 */
-  fb_real a1[FB_MAX_POINTS], b1[FB_MAX_POINTS];          /* their derivatives by |phi|^2 */
+  fb_real a_dot[FB_MAX_POINTS], b_dot[FB_MAX_POINTS];    /* their rates */
+  fb_real quat[4][FB_MAX_POINTS];                        /* rotation as a quaternion */
   fb_real H[9][FB_MAX_POINTS], N[9][FB_MAX_POINTS];      /* rotation; rate of it per rate of phi */
   fb_real t[3][FB_MAX_POINTS], r[3][FB_MAX_POINTS];      /* tangent, position from O */
   fb_real turn_dot[3][FB_MAX_POINTS], bow_dot[3][FB_MAX_POINTS], phi_dot[3][FB_MAX_POINTS]; /* rates */
-  fb_real glide[3][FB_MAX_POINTS];                                                          /* H Gamma q_dot */
+  fb_real glide[3][FB_MAX_POINTS], t_dot[3][FB_MAX_POINTS]; /* H Gamma q_dot, rate of the tangent */
   fb_real w[3][FB_MAX_POINTS], v[3][FB_MAX_POINTS];         /* velocities relative to the frame */
   fb_real w_dot[3][FB_MAX_POINTS], v_dot[3][FB_MAX_POINTS]; /* accelerations by velocities, E14.9 */
   fb_real hung[9][FB_MAX_POINTS]; /* what lines that hang on a point add to its force and moments */
-  fb_real by_A[3][FB_MAX_POINTS], by_B[3][FB_MAX_POINTS];                             /* moments on the turns */
-  fb_real gradient[FB_MAX_MODES];                                                     /* dT/dq */
-  fb_real push[3];                                                                    /* [N] E14.15 */
-  fb_real Jw[3 * FB_MAX_MODES * FB_MAX_POINTS], Jv[3 * FB_MAX_MODES * FB_MAX_POINTS]; /* per rate of a coordinate */
-  fb_real L[FB_MAX_MODES * FB_MAX_MODES];                                             /* Cholesky factor of M(q) */
-  fb_real X[6 * FB_MAX_MODES];                                                        /* Lambda(q), 6 x n, body axes */
-  fb_real Z[6 * FB_MAX_MODES];                                                        /* Lambda L^-T */
-  fb_real M_rr[21];                                                                   /* M_rr(q) */
-  fb_real e[FB_MAX_MODES];                                                            /* L^-1 pi */
+  fb_real Jw[FB_MAX_MODES][3][FB_MAX_POINTS], Jv[FB_MAX_MODES][3][FB_MAX_POINTS]; /* per rate of a line's coordinate */
+  fb_real gradient[FB_MAX_MODES];                                                 /* dT/dq */
+  fb_real push[3];                                                                /* [N] E14.15 */
+  fb_real L[FB_MAX_MODES * FB_MAX_MODES];                                         /* Cholesky factor of M(q) */
+  fb_real X[6 * FB_MAX_MODES];                                                    /* Lambda(q), 6 x n, body axes */
+  fb_real Z[6 * FB_MAX_MODES], column[FB_MAX_MODES][6];                           /* Lambda L^-T, its columns */
+  fb_real M_rr[21];                                                               /* M_rr(q) */
+  fb_real e[FB_MAX_MODES];                                                        /* L^-1 pi */
 } fbi_line_work;
 #endif
 

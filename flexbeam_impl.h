@@ -91,6 +91,20 @@ const char FBI_CONFIG_SYMBOL[] = FBI_STRING_(FBI_CONFIG_SYMBOL);
 #define FBI_NOINLINE
 #endif
 
+/* FBI_RESTRICT: what this pointer reaches is written through no other, so that a loop's iterations may overlap. */
+#if defined(__GNUC__)
+#define FBI_RESTRICT __restrict__
+#else
+#define FBI_RESTRICT
+#endif
+
+/* FBI_INLINE: a function whose call would cost as much as it does, or keep a loop from being vectorized. */
+#if defined(__GNUC__)
+#define FBI_INLINE inline __attribute__((always_inline))
+#else
+#define FBI_INLINE inline
+#endif
+
 /* ---------------------------------------------------------------------------------------------------------------
    RUN >>status: codes and their texts, finite checks (uses config) */
 
@@ -1246,27 +1260,69 @@ FB_DEF void fb_chol_solve(fb_real *x, const fb_real *L, const fb_real *b, int n)
 #define FBI_LINE_TERMS 9
 #define FBI_SIXTH (FB_R(1.0) / FB_R(6.0))
 
-/* ---- kinematics; a line's numbers stand by axis and point, those of a rounded-up point are zero */
+/* ---- kinematics; a line's numbers stand by axis and point. Loops over the points are free of sums from point to point
+   wherever possible: then compilers vectorize them, for the number of points is even. */
+
+/* Number of points, rounded up to even. The spare one has neither mass nor tangent nor rows and turns with the last. */
+static int fbi_line_width(const fb_line *line)
+{
+  return 2 * (line->stride / 2);
+}
+
+/* y += s x over m numbers, m even */
+static FBI_INLINE void fbi_line_row_add(fb_real *FBI_RESTRICT y, fb_real s, const fb_real *x, int m)
+{
+  for (int j = 0; j < 2 * (m / 2); j++) {
+    y[j] += s * x[j];
+  }
+}
 
 /* y_i = sum of the rows' coefficients times q by their axes; `at` is added to the rows' places in the table. */
 static void fbi_line_rows_eval(fb_real y[3][FB_MAX_POINTS], const fb_lines *all, const fb_line *line, int row,
                                int n_row, int at, const fb_real *q)
 {
-  const int p = line->point, m = line->stride;
-  for (int j = p; j < p + m; j++) {
-    y[0][j] = y[1][j] = y[2][j] = FB_R(0.0);
+  const int p = line->point, m = fbi_line_width(line);
+  for (int j = 0; j < m; j++) {
+    y[0][p + j] = y[1][p + j] = y[2][p + j] = FB_R(0.0);
   }
   for (const fb_line_row *r = all->row + row, *end = r + n_row; r < end; r++) {
-    fbi_row_sub(y[r->axis] + p, -q[line->first + r->a], all->table + r->at + at, m);
+    fbi_line_row_add(y[r->axis] + p, q[line->first + r->a], all->table + r->at + at, m);
   }
+}
+
+/* The same of the turns: A to y, B to z. */
+static void fbi_line_turns_eval(fb_real y[3][FB_MAX_POINTS], fb_real z[3][FB_MAX_POINTS], const fb_lines *all,
+                                const fb_line *line, const fb_real *q)
+{
+  const int p = line->point, m = fbi_line_width(line);
+  for (int j = 0; j < m; j++) {
+    y[0][p + j] = y[1][p + j] = y[2][p + j] = FB_R(0.0);
+    z[0][p + j] = z[1][p + j] = z[2][p + j] = FB_R(0.0);
+  }
+  for (const fb_line_row *r = all->row + line->row, *end = r + line->n_turn; r < end; r++) {
+    fbi_line_row_add(y[r->axis] + p, q[line->first + r->a], all->table + r->at, m);
+    fbi_line_row_add(z[r->axis] + p, q[line->first + r->a], all->table + r->at + m, m);
+  }
+}
+
+/* Sum of x y over n numbers, n even */
+static fb_real fbi_line_dot(const fb_real *x, const fb_real *y, int n)
+{
+  fb_real a = FB_R(0.0), b = FB_R(0.0);
+  for (int j = 0; j < n; j += 2) {
+    a += x[j] * y[j];
+    b += x[j + 1] * y[j + 1];
+  }
+  return a + b;
 }
 
 /* x_a += sum over the points of the rows' coefficients times f by their axes */
 static void fbi_line_rows_add(fb_real *x, const fb_lines *all, const fb_line *line, int row, int n_row, int at,
                               fb_real f[3][FB_MAX_POINTS])
 {
+  const int m = fbi_line_width(line);
   for (const fb_line_row *r = all->row + row, *end = r + n_row; r < end; r++) {
-    x[line->first + r->a] += fbi_dot(all->table + r->at + at, f[r->axis] + line->point, line->stride);
+    x[line->first + r->a] += fbi_line_dot(all->table + r->at + at, f[r->axis] + line->point, m);
   }
 }
 
@@ -1276,69 +1332,91 @@ static void fbi_line_rows_add(fb_real *x, const fb_lines *all, const fb_line *li
    bending in two planes converges with the square of the interval alone.
    Source: Magnus (1954), THEORY.md 14.  Shapes: rows of A, B.  Cost: 4 flops a row and point.  Fails: never.
    Test: lines_turn_as_the_differential_equation. */
-static void fbi_line_turns(fbi_line_work *w, const fb_lines *all, const fb_line *line, const fb_real *q)
+static void fbi_line_turns(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line, const fb_real *q)
 {
-  fbi_line_rows_eval(w->turn, all, line, line->row, line->n_turn, 0, q);
-  fbi_line_rows_eval(w->bow, all, line, line->row, line->n_turn, line->stride, q);
+  const int p = line->point, m = fbi_line_width(line);
+  fbi_line_turns_eval(w->turn, w->bow, all, line, q);
   fbi_line_rows_eval(w->stretch, all, line, line->row + line->n_turn, line->n_stretch, 0, q);
-  for (int j = line->point; j < line->point + line->stride; j++) {
-    const fb_real x = w->turn[0][j], y = w->turn[1][j], z = w->turn[2][j];
-    const fb_real u = w->bow[0][j], v = w->bow[1][j], s = w->bow[2][j];
-    w->phi[0][j] = x - FBI_SIXTH * (y * s - z * v);
-    w->phi[1][j] = y - FBI_SIXTH * (z * u - x * s);
-    w->phi[2][j] = z - FBI_SIXTH * (x * v - y * u);
+  for (int j = 0; j < m; j++) {
+    const fb_real x = w->turn[0][p + j], y = w->turn[1][p + j], z = w->turn[2][p + j];
+    const fb_real u = w->bow[0][p + j], v = w->bow[1][p + j], s = w->bow[2][p + j];
+    const fb_real a = x - FBI_SIXTH * (y * s - z * v), b = y - FBI_SIXTH * (z * u - x * s),
+                  c = z - FBI_SIXTH * (x * v - y * u);
+    w->phi[0][p + j] = a;
+    w->phi[1][p + j] = b;
+    w->phi[2][p + j] = c;
+    w->x[p + j] = a * a + b * b + c * c;
   }
 }
 
-/* 1/(2k + 2)! and 1/(2k + 3)! with alternating signs */
-static const fb_real fbi_line_cosine[FBI_LINE_TERMS] = {FB_R(1.0) / FB_R(2.0),
-                                                        -FB_R(1.0) / FB_R(24.0),
-                                                        FB_R(1.0) / FB_R(720.0),
-                                                        -FB_R(1.0) / FB_R(40320.0),
-                                                        FB_R(1.0) / FB_R(3628800.0),
-                                                        -FB_R(1.0) / FB_R(479001600.0),
-                                                        FB_R(1.0) / FB_R(87178291200.0),
-                                                        -FB_R(1.0) / FB_R(20922789888000.0),
-                                                        FB_R(1.0) / FB_R(6402373705728000.0)};
-static const fb_real fbi_line_sine[FBI_LINE_TERMS] = {FB_R(1.0) / FB_R(6.0),
-                                                      -FB_R(1.0) / FB_R(120.0),
-                                                      FB_R(1.0) / FB_R(5040.0),
-                                                      -FB_R(1.0) / FB_R(362880.0),
-                                                      FB_R(1.0) / FB_R(39916800.0),
-                                                      -FB_R(1.0) / FB_R(6227020800.0),
-                                                      FB_R(1.0) / FB_R(1307674368000.0),
-                                                      -FB_R(1.0) / FB_R(355687428096000.0),
-                                                      FB_R(1.0) / FB_R(121645100408832000.0)};
-
-/* [E14.2] Coefficients of rotations by x = |phi|^2: a = (1 - cos)/x, b = (|phi| - sin)/|phi|^3 and their derivatives
-   a1, b1 by x, series without a branch, exact to rounding up to FBI_LINE_TURN.
-   Source: Taylor series.  Cost: 72 flops.  Fails: never.
-   Test: lines_turn_as_the_differential_equation. */
-static void fbi_line_series(fb_real *a, fb_real *b, fb_real *a1, fb_real *b1, fb_real x)
+/* c0 + x (c1 + x (c2 + ...)); in single precision five terms are exact to rounding. */
+static FBI_INLINE fb_real fbi_line_series(const fb_real c[FBI_LINE_TERMS], fb_real x)
 {
-  fb_real c = fbi_line_cosine[FBI_LINE_TERMS - 1], s = fbi_line_sine[FBI_LINE_TERMS - 1], c1 = FB_R(0.0),
-          s1 = FB_R(0.0);
-  for (int k = FBI_LINE_TERMS - 2; k >= 0; k--) {
-    c1 = c1 * x + c;
-    s1 = s1 * x + s;
-    c = c * x + fbi_line_cosine[k];
-    s = s * x + fbi_line_sine[k];
-  }
-  *a = c;
-  *b = s;
-  *a1 = c1;
-  *b1 = s1;
+#if FB_SINGLE
+  return c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * c[5]))));
+#else
+  return c[0] +
+         x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * (c[5] + x * (c[6] + x * (c[7] + x * c[8])))))));
+#endif
 }
 
-/* Those of all intervals of a line; 0 where one turns beyond FBI_LINE_TURN or is not a number. */
-static int fbi_line_coefficients(fbi_line_work *w, const fb_line *line)
+/* [E14.2] Rotations by x = |phi|^2, series without a branch, exact to rounding up to FBI_LINE_TURN:
+   half the angle, c = cos(|phi|/2), s = sin(|phi|/2)/|phi|;  b = (|phi| - sin|phi|)/|phi|^3;  a = (1 - cos|phi|)/x
+   = 2 s^2;  a1, b1: derivatives of a and b by x.
+   Source: Taylor series.  Cost: 16 flops each.  Fails: never.
+   Test: lines_turn_as_the_differential_equation. */
+static const fb_real fbi_line_c[FBI_LINE_TERMS] = {FB_R(1.0),
+                                                   -FB_R(1.0) / FB_R(8.0),
+                                                   FB_R(1.0) / FB_R(384.0),
+                                                   -FB_R(1.0) / FB_R(46080.0),
+                                                   FB_R(1.0) / FB_R(10321920.0),
+                                                   -FB_R(1.0) / FB_R(3715891200.0),
+                                                   FB_R(1.0) / FB_R(1961990553600.0),
+                                                   -FB_R(1.0) / FB_R(1428329123020800.0),
+                                                   FB_R(1.0) / FB_R(1371195958099968000.0)};
+static const fb_real fbi_line_s[FBI_LINE_TERMS] = {FB_R(0.5),
+                                                   -FB_R(1.0) / FB_R(48.0),
+                                                   FB_R(1.0) / FB_R(3840.0),
+                                                   -FB_R(1.0) / FB_R(645120.0),
+                                                   FB_R(1.0) / FB_R(185794560.0),
+                                                   -FB_R(1.0) / FB_R(81749606400.0),
+                                                   FB_R(1.0) / FB_R(51011754393600.0),
+                                                   -FB_R(1.0) / FB_R(42849873690624000.0),
+                                                   FB_R(1.0) / FB_R(46620662575398912000.0)};
+static const fb_real fbi_line_b[FBI_LINE_TERMS] = {FB_R(1.0) / FB_R(6.0),
+                                                   -FB_R(1.0) / FB_R(120.0),
+                                                   FB_R(1.0) / FB_R(5040.0),
+                                                   -FB_R(1.0) / FB_R(362880.0),
+                                                   FB_R(1.0) / FB_R(39916800.0),
+                                                   -FB_R(1.0) / FB_R(6227020800.0),
+                                                   FB_R(1.0) / FB_R(1307674368000.0),
+                                                   -FB_R(1.0) / FB_R(355687428096000.0),
+                                                   FB_R(1.0) / FB_R(121645100408832000.0)};
+static const fb_real fbi_line_a1[FBI_LINE_TERMS] = {-FB_R(1.0) / FB_R(24.0),
+                                                    FB_R(2.0) / FB_R(720.0),
+                                                    -FB_R(3.0) / FB_R(40320.0),
+                                                    FB_R(4.0) / FB_R(3628800.0),
+                                                    -FB_R(5.0) / FB_R(479001600.0),
+                                                    FB_R(6.0) / FB_R(87178291200.0),
+                                                    -FB_R(7.0) / FB_R(20922789888000.0),
+                                                    FB_R(8.0) / FB_R(6402373705728000.0),
+                                                    -FB_R(9.0) / FB_R(2432902008176640000.0)};
+static const fb_real fbi_line_b1[FBI_LINE_TERMS] = {-FB_R(1.0) / FB_R(120.0),
+                                                    FB_R(2.0) / FB_R(5040.0),
+                                                    -FB_R(3.0) / FB_R(362880.0),
+                                                    FB_R(4.0) / FB_R(39916800.0),
+                                                    -FB_R(5.0) / FB_R(6227020800.0),
+                                                    FB_R(6.0) / FB_R(1307674368000.0),
+                                                    -FB_R(7.0) / FB_R(355687428096000.0),
+                                                    FB_R(8.0) / FB_R(121645100408832000.0),
+                                                    -FB_R(9.0) / FB_R(51090942171709440000.0)};
+
+/* 0 where an interval of a line turns beyond FBI_LINE_TURN or by what is not a number. */
+static int fbi_line_is_sound(const fbi_line_work *w, const fb_line *line)
 {
   int sound = 1;
-  for (int j = line->point; j < line->point + line->stride; j++) {
-    const fb_real x = w->phi[0][j] * w->phi[0][j] + w->phi[1][j] * w->phi[1][j] + w->phi[2][j] * w->phi[2][j];
-    fbi_line_series(&w->a[j], &w->b[j], &w->a1[j], &w->b1[j], x);
-    w->x[j] = x;
-    sound &= x <= FBI_LINE_TURN;
+  for (int j = line->point; j < line->point + line->count; j++) {
+    sound &= w->x[j] <= FBI_LINE_TURN;
   }
   return sound;
 }
@@ -1391,56 +1469,120 @@ static void fbi_line_begin(fb_real H[9], fbi_line_work *w, const fb_line *line)
   }
 }
 
-/* [E14.3] Rotations along a line, H_j = H_(j-1) exp(phi_j^), tangents t = H (e + stretch), and N_j = H_(j-1) T(phi_j)
-   with T = 1 + a phi^ + b phi^2, so that N phi_dot is the angular velocity that interval j adds.
-   Source: Rodrigues; left Jacobian of SO(3).  Cost: 160 flops a point.  Fails: never.
-   Test: lines_turn_as_the_differential_equation. */
-static void fbi_line_rotations(fbi_line_work *w, const fb_lines *all, const fb_line *line)
+/* [E14.3] Rotations along a line as unit quaternions, quat_j = quat_(j-1) o exp(phi_j/2): the only recursion.
+   Source: Rodrigues.  Cost: 64 flops a point.  Fails: never.  Test: lines_turn_as_the_differential_equation. */
+static void fbi_line_quats(fbi_line_work *FBI_RESTRICT w, const fb_line *line)
 {
-  fb_real H[9], own[9], out[9];
-  fbi_line_begin(H, w, line);
-  for (int j = line->point; j < line->point + line->count; j++) {
-    const fb_real phi[3] = {w->phi[0][j], w->phi[1][j], w->phi[2][j]}, sine = FB_R(1.0) - w->b[j] * w->x[j];
-    fb_real e[3], t[3];
-
-    /* N */
-    fbi_line_matrix(own, sine, w->a[j], w->b[j], phi);
-    fb_mat33_mul(out, H, own);
-    for (int i = 0; i < 9; i++) {
-      w->N[i][j] = out[i];
-    }
-
-    /* H */
-    fbi_line_matrix(own, FB_R(1.0) - w->a[j] * w->x[j], sine, w->a[j], phi);
-    fb_mat33_mul(out, H, own);
-    for (int i = 0; i < 9; i++) {
-      w->H[i][j] = H[i] = out[i];
-    }
-
-    /* t */
-    for (int i = 0; i < 3; i++) {
-      e[i] = all->tangent[i][j] + w->stretch[i][j];
-    }
-    fb_mat33_mul_vec3(t, H, e);
-    fbi_line_set3(w->t, j, t);
+  const int p = line->point, m = fbi_line_width(line);
+  fb_real a = FB_R(1.0), b = FB_R(0.0), c = FB_R(0.0), d = FB_R(0.0);
+  for (int j = 0; j < m; j++) {
+    const fb_real x = w->x[p + j], s = fbi_line_series(fbi_line_s, x);
+    w->quat[0][p + j] = fbi_line_series(fbi_line_c, x);
+    w->quat[1][p + j] = s * w->phi[0][p + j];
+    w->quat[2][p + j] = s * w->phi[1][p + j];
+    w->quat[3][p + j] = s * w->phi[2][p + j];
+    w->a[p + j] = FB_R(2.0) * s * s;
   }
-  if (line->stride > line->count) {
-    const int j = line->point + line->count;
-    for (int i = 0; i < 9; i++) {
-      w->N[i][j] = w->H[i][j] = FB_R(0.0);
-    }
-    w->t[0][j] = w->t[1][j] = w->t[2][j] = FB_R(0.0);
+  if (line->hangs) {
+    const int on = line->hangs - 1;
+    a = w->quat[0][on];
+    b = w->quat[1][on];
+    c = w->quat[2][on];
+    d = w->quat[3][on];
+  }
+  for (int j = p; j < p + m; j++) {
+    const fb_real e = w->quat[0][j], x = w->quat[1][j], y = w->quat[2][j], z = w->quat[3][j];
+    const fb_real A = a * e - b * x - c * y - d * z, B = a * x + b * e + c * z - d * y,
+                  C = a * y - b * z + c * e + d * x, D = a * z + b * y - c * x + d * e;
+    w->quat[0][j] = a = A;
+    w->quat[1][j] = b = B;
+    w->quat[2][j] = c = C;
+    w->quat[3][j] = d = D;
+  }
+}
+
+/* Their matrices H, and the tangents t = H (e + stretch). */
+static void fbi_line_tangents(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line)
+{
+  const int p = line->point, m = fbi_line_width(line);
+  for (int j = 0; j < m; j++) {
+    const fb_real a = w->quat[0][p + j], b = FB_R(2.0) * w->quat[1][p + j], c = FB_R(2.0) * w->quat[2][p + j],
+                  d = FB_R(2.0) * w->quat[3][p + j];
+    const fb_real x = w->quat[1][p + j], y = w->quat[2][p + j], z = w->quat[3][p + j];
+    const fb_real u = all->tangent[0][p + j] + w->stretch[0][p + j], v = all->tangent[1][p + j] + w->stretch[1][p + j],
+                  s = all->tangent[2][p + j] + w->stretch[2][p + j];
+    const fb_real xx = FB_R(1.0) - (c * y + d * z), xy = b * y - a * d, xz = b * z + a * c;
+    const fb_real yx = b * y + a * d, yy = FB_R(1.0) - (b * x + d * z), yz = c * z - a * b;
+    const fb_real zx = b * z - a * c, zy = c * z + a * b, zz = FB_R(1.0) - (b * x + c * y);
+    w->H[0][p + j] = xx;
+    w->H[1][p + j] = xy;
+    w->H[2][p + j] = xz;
+    w->H[3][p + j] = yx;
+    w->H[4][p + j] = yy;
+    w->H[5][p + j] = yz;
+    w->H[6][p + j] = zx;
+    w->H[7][p + j] = zy;
+    w->H[8][p + j] = zz;
+    w->t[0][p + j] = xx * u + xy * v + xz * s;
+    w->t[1][p + j] = yx * u + yy * v + yz * s;
+    w->t[2][p + j] = zx * u + zy * v + zz * s;
+  }
+}
+
+/* N = H T, T = 1 - a phi^ + b phi^2: N phi_dot is the angular velocity that an interval adds. T times a rotation by
+   phi is the left Jacobian of SO(3), T its right one.
+   Source: Rodrigues.  Cost: 100 flops a point. */
+static void fbi_line_tangent_maps(fbi_line_work *FBI_RESTRICT w, const fb_line *line)
+{
+  const int p = line->point, m = fbi_line_width(line);
+  for (int j = 0; j < m; j++) {
+    const fb_real x = w->phi[0][p + j], y = w->phi[1][p + j], z = w->phi[2][p + j];
+    const fb_real a = w->a[p + j], b = fbi_line_series(fbi_line_b, w->x[p + j]), c = FB_R(1.0) - b * w->x[p + j];
+    const fb_real X = b * x, Y = b * y, Z = b * z, u = a * x, v = a * y, s = a * z;
+    const fb_real xx = c + X * x, xy = X * y + s, xz = X * z - v, yx = X * y - s, yy = c + Y * y, yz = Y * z + u,
+                  zx = X * z + v, zy = Y * z - u, zz = c + Z * z;
+    const fb_real A = w->H[0][p + j], B = w->H[1][p + j], C = w->H[2][p + j];
+    const fb_real D = w->H[3][p + j], E = w->H[4][p + j], F = w->H[5][p + j];
+    const fb_real G = w->H[6][p + j], H = w->H[7][p + j], K = w->H[8][p + j];
+    w->b[p + j] = b;
+    w->N[0][p + j] = A * xx + B * yx + C * zx;
+    w->N[1][p + j] = A * xy + B * yy + C * zy;
+    w->N[2][p + j] = A * xz + B * yz + C * zz;
+    w->N[3][p + j] = D * xx + E * yx + F * zx;
+    w->N[4][p + j] = D * xy + E * yy + F * zy;
+    w->N[5][p + j] = D * xz + E * yz + F * zz;
+    w->N[6][p + j] = G * xx + H * yx + K * zx;
+    w->N[7][p + j] = G * xy + H * yy + K * zy;
+    w->N[8][p + j] = G * xz + H * yz + K * zz;
   }
 }
 
 /* y_i += sum over the points j of weight_j x_ij, columns of a line's table: integrals along it up to every point */
-static void fbi_line_integrals_add(fb_real *y, int spacing, const fb_lines *all, const fb_line *line, const fb_real *x)
+static void fbi_line_integrals_add(fb_real y[3][FB_MAX_POINTS], const fb_lines *all, const fb_line *line,
+                                   fb_real x[3][FB_MAX_POINTS])
 {
-  const fb_real *weight = all->table + line->weight;
-  for (int i = 0; i < 3; i++) {
-    for (int j = 0; j < line->count; j++) {
-      fbi_row_sub(y + i * spacing, -x[i * spacing + j], weight + j * line->stride, line->stride);
+  const int p = line->point, m = fbi_line_width(line), count = line->count;
+  const fb_real *const X = x[0] + p, *const Y = x[1] + p, *const Z = x[2] + p;
+  for (int j = 0; j < m; j += 2) { /* two points, three axes */
+    const fb_real *weight = all->table + line->weight + j;
+    fb_real a = y[0][p + j], b = y[0][p + j + 1], c = y[1][p + j], d = y[1][p + j + 1], e = y[2][p + j],
+            f = y[2][p + j + 1];
+    FBI_UNROLL_2
+    for (int k = 0; k < count; k++, weight += m) {
+      const fb_real u = weight[0], v = weight[1];
+      a += u * X[k];
+      b += v * X[k];
+      c += u * Y[k];
+      d += v * Y[k];
+      e += u * Z[k];
+      f += v * Z[k];
     }
+    y[0][p + j] = a;
+    y[0][p + j + 1] = b;
+    y[1][p + j] = c;
+    y[1][p + j + 1] = d;
+    y[2][p + j] = e;
+    y[2][p + j + 1] = f;
   }
 }
 
@@ -1448,9 +1590,10 @@ static void fbi_line_integrals_add(fb_real *y, int spacing, const fb_lines *all,
    stretch, integrated; the tangent of a root at rest is part of start.
    Source: Lobatto quadrature.  Cost: 6 flops a pair of points.  Fails: never.
    Test: lines_reach_where_the_differential_equation_does. */
-static void fbi_line_positions(fbi_line_work *w, const fb_lines *all, const fb_line *line, const fb_real *q)
+static void fbi_line_positions(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line,
+                               const fb_real *q)
 {
-  const int p = line->point, m = line->stride;
+  const int p = line->point, m = fbi_line_width(line);
   fb_real root[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   if (line->hangs) {
     fbi_line_get3(root, w->r, line->hangs - 1);
@@ -1458,31 +1601,36 @@ static void fbi_line_positions(fbi_line_work *w, const fb_lines *all, const fb_l
   for (int a = 0; a < line->n && line->moves; a++) {
     fbi_vec3_add(root, q[line->first + a], all->table + line->shift + 3 * a);
   }
-  for (int i = 0; i < 3; i++) {
-    for (int j = p; j < p + m; j++) {
-      w->r[i][j] = all->start[i][j] + root[i];
-    }
+  for (int j = 0; j < m; j++) {
+    w->r[0][p + j] = all->start[0][p + j] + root[0];
+    w->r[1][p + j] = all->start[1][p + j] + root[1];
+    w->r[2][p + j] = all->start[2][p + j] + root[2];
   }
-  fbi_line_integrals_add(w->r[0] + p, FB_MAX_POINTS, all, line, w->t[0] + p);
+  fbi_line_integrals_add(w->r, all, line, w->t);
 }
 
-/* Poses of all lines at q. Returns 0 where an interval turns too far (E14.2). */
-static int fbi_lines_pose(fbi_line_work *w, const fb_lines *all, const fb_real *q)
+/* Where the points of all lines are at q: x, quat, H, t, r. Returns 0 where an interval turns too far (E14.2). */
+static int fbi_lines_place(fbi_line_work *w, const fb_lines *all, const fb_real *q)
 {
   int sound = 1;
   for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
     fbi_line_turns(w, all, line, q);
-    sound &= fbi_line_coefficients(w, line);
-    fbi_line_rotations(w, all, line);
+    fbi_line_quats(w, line);
+    fbi_line_tangents(w, all, line);
     fbi_line_positions(w, all, line, q);
+    sound &= fbi_line_is_sound(w, line);
   }
   return sound;
 }
 
-/* Where the velocities of a line per rate of its coordinate k stand: three rows of stride numbers. */
-static int fbi_line_place(const fb_line *line, int k)
+/* Poses of all lines at q, also how they turn with the rotation vectors. Returns 0 where an interval turns too far. */
+static FBI_NOINLINE int fbi_lines_pose(fbi_line_work *w, const fb_lines *all, const fb_real *q)
 {
-  return 3 * (FB_MAX_MODES * line->point + k * line->stride);
+  const int sound = fbi_lines_place(w, all, q);
+  for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
+    fbi_line_tangent_maps(w, line);
+  }
+  return sound;
 }
 
 /* The line that a point belongs to. */
@@ -1495,88 +1643,115 @@ static const fb_line *fbi_line_of(const fb_lines *all, int point)
   return line;
 }
 
-/* [E14.5] Angular velocity and velocity of the points per rate of each coordinate,
-   Jw_a = sum over the intervals before of N ((1 + B^/6) A_a - A^/6 B_a),  Jv_a = int (Jw_a x t + H Gamma_a) dx.
-   Source: derivative of E14.1 to E14.4.  Shapes: n x 3 x stride each.  Cost: (50 + 6 points) flops a coordinate and
-   point.  Fails: never.  Test: line_velocities_are_derivatives_of_poses. */
-static void fbi_line_jacobians(fbi_line_work *w, const fb_lines *all, const fb_line *line)
+/* About an axis, the columns of N (1 + B^/6) and -N A^/6: the angular velocities that A and B of a coordinate add. */
+static void fbi_line_column(fb_real NA[3][FB_MAX_POINTS], fb_real NB[3][FB_MAX_POINTS], fbi_line_work *w,
+                            const fb_line *line, int axis)
 {
-  const int p = line->point, m = line->stride;
-  const fb_line_row *r = all->row + line->row, *const last = r + line->n_turn, *s = last;
-  const fb_line_row *const end = last + line->n_stretch;
-  fb_real NA[9][FB_MAX_POINTS], NB[9][FB_MAX_POINTS], K[3 * FB_MAX_POINTS];
-
-  /* N (1 + B^/6), -N A^/6; columns by axis */
-  for (int j = p; j < p + m; j++) {
-    const fb_real A[3] = {FBI_SIXTH * w->turn[0][j], FBI_SIXTH * w->turn[1][j], FBI_SIXTH * w->turn[2][j]};
-    const fb_real B[3] = {FBI_SIXTH * w->bow[0][j], FBI_SIXTH * w->bow[1][j], FBI_SIXTH * w->bow[2][j]};
-    for (int i = 0; i < 9; i += 3) {
-      const fb_real x = w->N[i][j], y = w->N[i + 1][j], z = w->N[i + 2][j];
-      NA[i][j] = x + y * B[2] - z * B[1];
-      NA[i + 1][j] = y + z * B[0] - x * B[2];
-      NA[i + 2][j] = z + x * B[1] - y * B[0];
-      NB[i][j] = z * A[1] - y * A[2];
-      NB[i + 1][j] = x * A[2] - z * A[0];
-      NB[i + 2][j] = y * A[0] - x * A[1];
+  const int p = line->point, m = fbi_line_width(line), next = (axis + 1) % 3, last = (axis + 2) % 3;
+  const fb_real *const A_y = w->turn[next] + p, *const A_z = w->turn[last] + p;
+  const fb_real *const B_y = w->bow[next] + p, *const B_z = w->bow[last] + p;
+  for (int i = 0; i < 3; i++) {
+    const fb_real *const x = w->N[3 * i + axis] + p, *const y = w->N[3 * i + next] + p,
+                         *const z = w->N[3 * i + last] + p;
+    fb_real *FBI_RESTRICT const to_A = NA[i], *FBI_RESTRICT const to_B = NB[i];
+    for (int j = 0; j < m; j++) {
+      const fb_real Y = FBI_SIXTH * y[j], Z = FBI_SIXTH * z[j];
+      to_A[j] = x[j] + (Y * B_z[j] - Z * B_y[j]);
+      to_B[j] = Z * A_y[j] - Y * A_z[j];
     }
   }
+}
 
-  for (int k = 0; k < line->n; k++) {
-    fb_real *const Jw = w->Jw + fbi_line_place(line, k), *const Jv = w->Jv + fbi_line_place(line, k);
-    fb_real carry[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, moved[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-
-    /* what the intervals add */
-    fbi_zero(Jw, 3 * m);
-    for (; r < last && r->a == k; r++) {
-      const fb_real *A = all->table + r->at, *B = A + m;
-      for (int i = 0; i < 3; i++) {
-        const fb_real *by_A = NA[3 * i + r->axis] + p, *by_B = NB[3 * i + r->axis] + p;
-        for (int j = 0; j < m; j++) {
-          Jw[i * m + j] += by_A[j] * A[j] + by_B[j] * B[j];
-        }
+/* What the intervals add to the angular velocities per rate of coordinate k: rows r to end. Returns the next row. */
+static const fb_line_row *fbi_line_turn_rates(fb_real (*FBI_RESTRICT c)[FB_MAX_POINTS], fb_real NA[3][3][FB_MAX_POINTS],
+                                              fb_real NB[3][3][FB_MAX_POINTS], const fb_lines *all,
+                                              const fb_line *line, const fb_line_row *r, const fb_line_row *end, int k)
+{
+  const int m = fbi_line_width(line);
+  if (r == end || r->a != k) {
+    for (int i = 0; i < 3; i++) {
+      fbi_zero(c[i], m);
+    }
+  }
+  for (int first = 1; r < end && r->a == k; r++, first = 0) {
+    const fb_real *const A = all->table + r->at, *const B = A + m;
+    fb_real(*by_A)[FB_MAX_POINTS] = NA[r->axis], (*by_B)[FB_MAX_POINTS] = NB[r->axis];
+    if (first) {
+      for (int j = 0; j < m; j++) {
+        c[0][j] = by_A[0][j] * A[j] + by_B[0][j] * B[j];
+        c[1][j] = by_A[1][j] * A[j] + by_B[1][j] * B[j];
+        c[2][j] = by_A[2][j] * A[j] + by_B[2][j] * B[j];
+      }
+    } else {
+      for (int j = 0; j < m; j++) {
+        c[0][j] += by_A[0][j] * A[j] + by_B[0][j] * B[j];
+        c[1][j] += by_A[1][j] * A[j] + by_B[1][j] * B[j];
+        c[2][j] += by_A[2][j] * A[j] + by_B[2][j] * B[j];
       }
     }
+  }
+  return r;
+}
+
+/* [E14.5] Angular velocity and velocity of the points per rate of each coordinate,
+   Jw_a = sum over the intervals before of N ((1 + B^/6) A_a - A^/6 B_a),  Jv_a = int (Jw_a x t + H Gamma_a) dx.
+   Source: derivative of E14.1 to E14.4.  Shapes: n x 3 x points each.  Cost: (50 + 6 points) flops a coordinate and
+   point.  Fails: never.  Test: line_velocities_are_derivatives_of_poses. */
+static FBI_NOINLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line)
+{
+  const int p = line->point, m = fbi_line_width(line);
+  const fb_line_row *r = all->row + line->row, *const last = r + line->n_turn, *s = last;
+  const fb_line_row *const end = last + line->n_stretch;
+  fb_real NA[3][3][FB_MAX_POINTS], NB[3][3][FB_MAX_POINTS], c[3][FB_MAX_POINTS], K[3][FB_MAX_POINTS];
+  int used[3] = {0, 0, 0};
+  for (const fb_line_row *i = r; i < last; i++) {
+    used[i->axis] = 1;
+  }
+  for (int i = 0; i < 3; i++) {
+    if (used[i]) {
+      fbi_line_column(NA[i], NB[i], w, line, i);
+    }
+  }
+  for (int k = 0; k < line->n; k++) {
+    fb_real(*const Jw)[FB_MAX_POINTS] = w->Jw[k], (*const Jv)[FB_MAX_POINTS] = w->Jv[k];
+    fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, move[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+    r = fbi_line_turn_rates(c, NA, NB, all, line, r, last, k);
 
     /* its sum along the line, from where it hangs */
     if (line->hangs) {
-      const fb_line *on = fbi_line_of(all, line->hangs - 1);
-      const int at = fbi_line_place(on, k) + line->hangs - 1 - on->point;
-      for (int i = 0; i < 3; i++) {
-        carry[i] = w->Jw[at + i * on->stride];
-        moved[i] = w->Jv[at + i * on->stride];
-      }
+      fbi_line_get3(turn, Jw, line->hangs - 1);
+      fbi_line_get3(move, Jv, line->hangs - 1);
     }
     if (line->moves) {
-      fbi_vec3_add(moved, FB_R(1.0), all->table + line->shift + 3 * k);
+      fbi_vec3_add(move, FB_R(1.0), all->table + line->shift + 3 * k);
     }
-    for (int i = 0; i < 3; i++) {
-      fb_real sum = carry[i];
-      for (int j = 0; j < m; j++) {
-        sum += Jw[i * m + j];
-        Jw[i * m + j] = sum;
-        Jv[i * m + j] = moved[i];
-      }
+    for (int j = 0; j < m; j++) {
+      Jw[0][p + j] = turn[0] += c[0][j];
+      Jw[1][p + j] = turn[1] += c[1][j];
+      Jw[2][p + j] = turn[2] += c[2][j];
     }
 
     /* Jw x t + H Gamma */
     for (int j = 0; j < m; j++) {
-      const fb_real x = Jw[j], y = Jw[m + j], z = Jw[2 * m + j];
-      K[j] = y * w->t[2][p + j] - z * w->t[1][p + j];
-      K[m + j] = z * w->t[0][p + j] - x * w->t[2][p + j];
-      K[2 * m + j] = x * w->t[1][p + j] - y * w->t[0][p + j];
+      const fb_real x = Jw[0][p + j], y = Jw[1][p + j], z = Jw[2][p + j];
+      const fb_real u = w->t[0][p + j], v = w->t[1][p + j], l = w->t[2][p + j];
+      K[0][p + j] = y * l - z * v;
+      K[1][p + j] = z * u - x * l;
+      K[2][p + j] = x * v - y * u;
     }
     for (; s < end && s->a == k; s++) {
-      for (int i = 0; i < 3; i++) {
-        for (int j = 0; j < m; j++) {
-          K[i * m + j] += w->H[3 * i + s->axis][p + j] * all->table[s->at + j];
-        }
+      for (int j = 0; j < m; j++) {
+        K[0][p + j] += w->H[s->axis][p + j] * all->table[s->at + j];
+        K[1][p + j] += w->H[3 + s->axis][p + j] * all->table[s->at + j];
+        K[2][p + j] += w->H[6 + s->axis][p + j] * all->table[s->at + j];
       }
     }
-    for (int i = 0; i < 3; i++) {
-      for (int j = 0; j < line->count; j++) {
-        fbi_row_sub(Jv + i * m, -K[i * m + j], all->table + line->weight + j * m, m);
-      }
+    for (int j = 0; j < m; j++) {
+      Jv[0][p + j] = move[0];
+      Jv[1][p + j] = move[1];
+      Jv[2][p + j] = move[2];
     }
+    fbi_line_integrals_add(Jv, all, line, K);
   }
 }
 
@@ -1652,100 +1827,142 @@ static void fbi_line_mass_add(fb_real M_rr[21], const fbi_line_mass *m)
   }
 }
 
-/* Velocities of the mass centers in place of those of the line, and the points' rotary inertia; solid lines alone. */
-static void fbi_line_solid(fbi_line_work *w, fb_real r[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_POINTS],
+/* Mass centers of the points from the line, and rotary inertia about them; solid lines alone. */
+static void fbi_line_solid(fb_real rho[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_POINTS], fbi_line_work *w,
                            const fb_lines *all, const fb_line *line)
 {
-  const int p = line->point, m = line->stride;
-  for (int j = p; j < p + line->count; j++) {
-    fb_real rho[3], own[9];
-    fbi_line_offset(rho, w, all, j);
+  for (int j = line->point; j < line->point + fbi_line_width(line); j++) {
+    fb_real at[3], own[9];
+    fbi_line_offset(at, w, all, j);
     fbi_line_spread(own, w, all, j);
+    fbi_line_set3(rho, j, at);
     for (int i = 0; i < 9; i++) {
       I[i][j] = own[i];
-    }
-    for (int i = 0; i < 3; i++) {
-      r[i][j] += rho[i];
-    }
-    for (int k = 0; k < line->n; k++) {
-      const int at = fbi_line_place(line, k) + j - p;
-      const fb_real turn[3] = {w->Jw[at], w->Jw[at + m], w->Jw[at + 2 * m]};
-      fb_real more[3];
-      fb_vec3_cross(more, turn, rho);
-      for (int i = 0; i < 3; i++) {
-        w->Jv[at + i * m] += more[i];
-      }
     }
   }
 }
 
-/* [E14.6] Inertia of a line: M_ab += sum m Jv_a.Jv_b + Jw_a.I Jw_b (lower triangle, spacing nb), columns of Lambda,
-   sum (m Jv; m r x Jv + I Jw), moments of mass; over the points' mass centers.
-   Source: kinetic energy of the points.  Cost: 3 points (n + 9) n flops.  Fails: never.
-   Test: line_inertia_is_that_of_particles. */
-static void fbi_line_inertia_eval(fb_real *M, fb_real *X, fbi_line_mass *out, fbi_line_work *w, const fb_lines *all,
-                                  const fb_line *line, int nb)
+/* Momenta of the points per rate of coordinate k: p = m (Jv + Jw x rho) and, of solid lines, h = I Jw + rho x p. */
+static void fbi_line_momenta(fb_real (*FBI_RESTRICT P)[FB_MAX_POINTS], fb_real h[3][FB_MAX_POINTS], fbi_line_work *w,
+                             const fb_lines *all, const fb_line *line, int k, fb_real rho[3][FB_MAX_POINTS],
+                             fb_real I[9][FB_MAX_POINTS])
 {
-  const int p = line->point, m = line->stride, n = line->n;
-  fb_real r[3][FB_MAX_POINTS], I[9][FB_MAX_POINTS], mJ[3 * FB_MAX_POINTS], IJ[3 * FB_MAX_POINTS];
-
-  /* points */
-  for (int i = 0; i < 3; i++) {
-    fbi_copy(r[i] + p, w->r[i] + p, m);
+  const int p = line->point, m = fbi_line_width(line);
+  fb_real(*const Jv)[FB_MAX_POINTS] = w->Jv[k], (*const Jw)[FB_MAX_POINTS] = w->Jw[k];
+  if (!line->solid) {
+    for (int j = 0; j < m; j++) {
+      P[0][p + j] = all->mass[p + j] * Jv[0][p + j];
+      P[1][p + j] = all->mass[p + j] * Jv[1][p + j];
+      P[2][p + j] = all->mass[p + j] * Jv[2][p + j];
+    }
+    return;
   }
-  if (line->solid) {
-    fbi_line_solid(w, r, I, all, line);
+  for (int j = p; j < p + m; j++) {
+    const fb_real turn[3] = {Jw[0][j], Jw[1][j], Jw[2][j]};
+    fb_real own[3], at[3], move[3] = {Jv[0][j], Jv[1][j], Jv[2][j]};
+    fbi_line_get3(at, rho, j);
+    fbi_vec3_add_cross(move, turn, at);
+    for (int i = 0; i < 3; i++) {
+      move[i] *= all->mass[j];
+      own[i] = I[3 * i][j] * turn[0] + I[3 * i + 1][j] * turn[1] + I[3 * i + 2][j] * turn[2];
+    }
+    fbi_vec3_add_cross(own, at, move);
+    fbi_line_set3(P, j, move);
+    fbi_line_set3(h, j, own);
   }
+}
 
-  /* moments of mass */
+/* Sum over m points, m even, of x.y */
+static fb_real fbi_line_sum_dot(fb_real x[3][FB_MAX_POINTS], fb_real y[3][FB_MAX_POINTS], int p, int m)
+{
+  const fb_real *const a = x[0] + p, *const b = x[1] + p, *const c = x[2] + p;
+  const fb_real *const d = y[0] + p, *const e = y[1] + p, *const f = y[2] + p;
+  fb_real s = FB_R(0.0), t = FB_R(0.0);
+  for (int j = 0; j < m; j += 2) {
+    s += a[j] * d[j] + b[j] * e[j] + c[j] * f[j];
+    t += a[j + 1] * d[j + 1] + b[j + 1] * e[j + 1] + c[j + 1] * f[j + 1];
+  }
+  return s + t;
+}
+
+/* Sums over m points, m even, of y and x x y */
+static void fbi_line_sum_moment(fb_real sum[3], fb_real moment[3], fb_real x[3][FB_MAX_POINTS],
+                                fb_real y[3][FB_MAX_POINTS], int p, int m)
+{
+  const fb_real *const a = x[0] + p, *const b = x[1] + p, *const c = x[2] + p;
+  const fb_real *const d = y[0] + p, *const e = y[1] + p, *const f = y[2] + p;
+  fb_real u = FB_R(0.0), v = FB_R(0.0), l = FB_R(0.0), U = FB_R(0.0), V = FB_R(0.0), L = FB_R(0.0);
+  for (int j = 0; j < m; j += 2) {
+    u += d[j];
+    U += d[j + 1];
+    v += e[j];
+    V += e[j + 1];
+    l += f[j];
+    L += f[j + 1];
+  }
+  sum[0] = u + U;
+  sum[1] = v + V;
+  sum[2] = l + L;
+  u = v = l = U = V = L = FB_R(0.0);
+  for (int j = 0; j < m; j += 2) {
+    u += b[j] * f[j] - c[j] * e[j];
+    U += b[j + 1] * f[j + 1] - c[j + 1] * e[j + 1];
+    v += c[j] * d[j] - a[j] * f[j];
+    V += c[j + 1] * d[j + 1] - a[j + 1] * f[j + 1];
+    l += a[j] * e[j] - b[j] * d[j];
+    L += a[j + 1] * e[j + 1] - b[j + 1] * d[j + 1];
+  }
+  moment[0] = u + U;
+  moment[1] = v + V;
+  moment[2] = l + L;
+}
+
+/* Moments of mass of a line, its axes. */
+static void fbi_line_mass_eval(fbi_line_mass *out, fbi_line_work *w, const fb_lines *all, const fb_line *line,
+                               fb_real rho[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_POINTS])
+{
   memset(out, 0, sizeof *out);
-  for (int j = p; j < p + line->count; j++) {
-    const fb_real at[3] = {r[0][j], r[1][j], r[2][j]};
+  for (int j = line->point; j < line->point + line->count; j++) {
+    static const int packed[6] = {0, 1, 2, 4, 5, 8};
+    fb_real at[3];
+    fbi_line_get3(at, w->r, j);
+    for (int i = 0; i < 3 && line->solid; i++) {
+      at[i] += rho[i][j];
+    }
     out->mass += all->mass[j];
     fbi_vec3_add(out->c, all->mass[j], at);
     fbi_line_particle(out->J, all->mass[j], at);
     for (int i = 0; i < 6 && line->solid; i++) {
-      static const int packed[6] = {0, 1, 2, 4, 5, 8};
       out->J[i] += I[packed[i]][j];
     }
   }
+}
 
-  for (int k = 0; k < n; k++) {
-    const fb_real *const Jv = w->Jv + fbi_line_place(line, k), *const Jw = w->Jw + fbi_line_place(line, k);
+/* [E14.6] Inertia of a line: M_ab += sum p_a.Jv_b + h_a.Jw_b (lower triangle, spacing nb), columns of Lambda,
+   sum (p; r x p + h), moments of mass; over the points.
+   Source: kinetic energy of the points.  Cost: 3 points (n + 9) n flops.  Fails: never.
+   Test: line_inertia_is_that_of_particles. */
+static FBI_NOINLINE void fbi_line_inertia_eval(fb_real *M, fb_real *X, fbi_line_work *w, const fb_lines *all, const fb_line *line,
+                                  int nb, fb_real rho[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_POINTS])
+{
+  const int p = line->point, m = fbi_line_width(line);
+  fb_real P[3][FB_MAX_POINTS], h[3][FB_MAX_POINTS];
+  for (int k = 0; k < line->n; k++) {
     fb_real *const row = M + (line->first + k) * nb + line->first;
-    fb_real momentum[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, moment[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-
-    /* momentum and angular momentum of the points */
-    for (int j = 0; j < m; j++) {
-      const fb_real x = all->mass[p + j] * Jv[j], y = all->mass[p + j] * Jv[m + j],
-                    z = all->mass[p + j] * Jv[2 * m + j];
-      mJ[j] = x;
-      mJ[m + j] = y;
-      mJ[2 * m + j] = z;
-      momentum[0] += x;
-      momentum[1] += y;
-      momentum[2] += z;
-      moment[0] += r[1][p + j] * z - r[2][p + j] * y;
-      moment[1] += r[2][p + j] * x - r[0][p + j] * z;
-      moment[2] += r[0][p + j] * y - r[1][p + j] * x;
-    }
+    fb_real momentum[3], moment[3];
+    fbi_line_momenta(P, h, w, all, line, k, rho, I);
+    fbi_line_sum_moment(momentum, moment, w->r, P, p, m);
     for (int l = 0; l <= k; l++) {
-      row[l] += fbi_dot(mJ, w->Jv + fbi_line_place(line, l), 3 * m);
+      row[l] += fbi_line_sum_dot(P, w->Jv[l], p, m);
     }
-
-    /* of rotary inertia */
     if (line->solid) {
-      fbi_zero(IJ, 3 * m);
-      for (int j = 0; j < line->count; j++) {
-        for (int i = 0; i < 3; i++) {
-          const fb_real h =
-              I[3 * i][p + j] * Jw[j] + I[3 * i + 1][p + j] * Jw[m + j] + I[3 * i + 2][p + j] * Jw[2 * m + j];
-          IJ[i * m + j] = h;
-          moment[i] += h;
-        }
-      }
       for (int l = 0; l <= k; l++) {
-        row[l] += fbi_dot(IJ, w->Jw + fbi_line_place(line, l), 3 * m);
+        row[l] += fbi_line_sum_dot(h, w->Jw[l], p, m);
+      }
+      for (int j = p; j < p + m; j++) {
+        moment[0] += h[0][j];
+        moment[1] += h[1][j];
+        moment[2] += h[2][j];
       }
     }
 
@@ -1762,21 +1979,27 @@ static void fbi_line_inertia_eval(fb_real *M, fb_real *X, fbi_line_mass *out, fb
       X[(3 + i) * nb + line->first + k] += moment[i];
     }
   }
-  if (line->turned) {
-    fbi_line_mass_turn(out, line->axes);
-  }
 }
 
 /* Adds all lines to the elastic mass M (lower triangle), Lambda (6 x nb) and, unless NULL, M_rr (packed) of a body. */
-static void fbi_lines_inertia_add(fb_real *M, fb_real *X, fb_real *M_rr, fbi_line_work *w, const fb_lines *all, int nb)
+static FBI_NOINLINE void fbi_lines_inertia_add(fb_real *M, fb_real *X, fb_real *M_rr, fbi_line_work *w,
+                                               const fb_lines *all, int nb)
 {
   for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
     fbi_line_jacobians(w, all, line);
   }
   for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
     fbi_line_mass mass;
-    fbi_line_inertia_eval(M, X, &mass, w, all, line, nb);
+    fb_real rho[3][FB_MAX_POINTS], I[9][FB_MAX_POINTS];
+    if (line->solid) {
+      fbi_line_solid(rho, I, w, all, line);
+    }
+    fbi_line_inertia_eval(M, X, w, all, line, nb, rho, I);
     if (M_rr) {
+      fbi_line_mass_eval(&mass, w, all, line, rho, I);
+      if (line->turned) {
+        fbi_line_mass_turn(&mass, line->axes);
+      }
       fbi_line_mass_add(M_rr, &mass);
     }
   }
@@ -1785,14 +2008,13 @@ static void fbi_lines_inertia_add(fb_real *M, fb_real *X, fb_real *M_rr, fbi_lin
 /* ---- velocities and forces */
 
 /* Velocities of the points relative to the frame, w and v, from the rates of the coordinates (E14.5 without its
-   matrices), and the rates of the rotation vectors. */
-static void fbi_line_rates(fbi_line_work *w, const fb_lines *all, const fb_line *line, const fb_real *q_dot)
+   matrices), the rates of the tangents, w x t + H Gamma q_dot, and of the rotation vectors. */
+static FBI_NOINLINE void fbi_line_rates(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line,
+                           const fb_real *q_dot)
 {
-  const int p = line->point, m = line->stride;
+  const int p = line->point, m = fbi_line_width(line);
   fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, move[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-  fb_real u[3][FB_MAX_POINTS];
-  fbi_line_rows_eval(w->turn_dot, all, line, line->row, line->n_turn, 0, q_dot);
-  fbi_line_rows_eval(w->bow_dot, all, line, line->row, line->n_turn, m, q_dot);
+  fbi_line_turns_eval(w->turn_dot, w->bow_dot, all, line, q_dot);
   fbi_line_rows_eval(w->glide, all, line, line->row + line->n_turn, line->n_stretch, 0, q_dot);
   if (line->hangs) {
     fbi_line_get3(turn, w->w, line->hangs - 1);
@@ -1801,32 +2023,58 @@ static void fbi_line_rates(fbi_line_work *w, const fb_lines *all, const fb_line 
   for (int a = 0; a < line->n && line->moves; a++) {
     fbi_vec3_add(move, q_dot[line->first + a], all->table + line->shift + 3 * a);
   }
-  for (int j = p; j < p + m; j++) {
-    fb_real A[3], B[3], A_dot[3], B_dot[3], more[3], x[3], t[3], H[9], own[3];
-    fbi_line_get3(A, w->turn, j);
-    fbi_line_get3(B, w->bow, j);
-    fbi_line_get3(A_dot, w->turn_dot, j);
-    fbi_line_get3(B_dot, w->bow_dot, j);
-    fb_vec3_cross(more, A_dot, B);
-    fbi_vec3_add_cross(more, A, B_dot);
-    fbi_vec3_advance(x, A_dot, -FBI_SIXTH, more);
-    fbi_line_set3(w->phi_dot, j, x);
 
-    /* w, t_dot = w x t + H Gamma q_dot */
-    fbi_line_get9(H, w->N, j);
-    fb_mat33_mul_vec3(own, H, x);
-    fbi_vec3_add(turn, FB_R(1.0), own);
-    fbi_line_set3(w->w, j, turn);
-    fbi_line_get3(x, w->glide, j);
-    fbi_line_get9(H, w->H, j);
-    fb_mat33_mul_vec3(own, H, x);
-    fbi_line_set3(w->glide, j, own);
-    fbi_line_get3(t, w->t, j);
-    fbi_vec3_add_cross(own, turn, t);
-    fbi_line_set3(u, j, own);
-    fbi_line_set3(w->v, j, move);
+  /* phi_dot = A' - 1/6 (A' x B + A x B'), N phi_dot, the rates of a and b */
+  for (int j = 0; j < m; j++) {
+    const fb_real A = w->turn[0][p + j], B = w->turn[1][p + j], C = w->turn[2][p + j];
+    const fb_real D = w->bow[0][p + j], E = w->bow[1][p + j], F = w->bow[2][p + j];
+    const fb_real a = w->turn_dot[0][p + j], b = w->turn_dot[1][p + j], c = w->turn_dot[2][p + j];
+    const fb_real d = w->bow_dot[0][p + j], e = w->bow_dot[1][p + j], f = w->bow_dot[2][p + j];
+    const fb_real x = a - FBI_SIXTH * (b * F - c * E + (B * f - C * e)),
+                  y = b - FBI_SIXTH * (c * D - a * F + (C * d - A * f)),
+                  z = c - FBI_SIXTH * (a * E - b * D + (A * e - B * d));
+    w->phi_dot[0][p + j] = x;
+    w->phi_dot[1][p + j] = y;
+    w->phi_dot[2][p + j] = z;
+    w->w[0][p + j] = w->N[0][p + j] * x + w->N[1][p + j] * y + w->N[2][p + j] * z;
+    w->w[1][p + j] = w->N[3][p + j] * x + w->N[4][p + j] * y + w->N[5][p + j] * z;
+    w->w[2][p + j] = w->N[6][p + j] * x + w->N[7][p + j] * y + w->N[8][p + j] * z;
   }
-  fbi_line_integrals_add(w->v[0] + p, FB_MAX_POINTS, all, line, u[0] + p);
+  for (int j = 0; j < m; j++) {
+    const fb_real x = w->x[p + j], twice = FB_R(2.0) * (w->phi[0][p + j] * w->phi_dot[0][p + j] +
+                                                        w->phi[1][p + j] * w->phi_dot[1][p + j] +
+                                                        w->phi[2][p + j] * w->phi_dot[2][p + j]);
+    w->a_dot[p + j] = twice * fbi_line_series(fbi_line_a1, x);
+    w->b_dot[p + j] = twice * fbi_line_series(fbi_line_b1, x);
+  }
+
+  /* w; H Gamma q_dot */
+  for (int j = p; j < p + m; j++) {
+    w->w[0][j] = turn[0] += w->w[0][j];
+    w->w[1][j] = turn[1] += w->w[1][j];
+    w->w[2][j] = turn[2] += w->w[2][j];
+  }
+  if (line->n_stretch) {
+    for (int j = 0; j < m; j++) {
+      const fb_real x = w->glide[0][p + j], y = w->glide[1][p + j], z = w->glide[2][p + j];
+      w->glide[0][p + j] = w->H[0][p + j] * x + w->H[1][p + j] * y + w->H[2][p + j] * z;
+      w->glide[1][p + j] = w->H[3][p + j] * x + w->H[4][p + j] * y + w->H[5][p + j] * z;
+      w->glide[2][p + j] = w->H[6][p + j] * x + w->H[7][p + j] * y + w->H[8][p + j] * z;
+    }
+  }
+
+  /* t_dot, v */
+  for (int j = 0; j < m; j++) {
+    const fb_real x = w->w[0][p + j], y = w->w[1][p + j], z = w->w[2][p + j];
+    const fb_real u = w->t[0][p + j], v = w->t[1][p + j], s = w->t[2][p + j];
+    w->t_dot[0][p + j] = y * s - z * v + w->glide[0][p + j];
+    w->t_dot[1][p + j] = z * u - x * s + w->glide[1][p + j];
+    w->t_dot[2][p + j] = x * v - y * u + w->glide[2][p + j];
+    w->v[0][p + j] = move[0];
+    w->v[1][p + j] = move[1];
+    w->v[2][p + j] = move[2];
+  }
+  fbi_line_integrals_add(w->v, all, line, w->t_dot);
 }
 
 /* y_ij = sum over the points s of weight_j(s) x_is: what acts on the points, felt at the tangents; the transpose of
@@ -1834,59 +2082,67 @@ static void fbi_line_rates(fbi_line_work *w, const fb_lines *all, const fb_line 
 static void fbi_line_outboard(fb_real y[3][FB_MAX_POINTS], const fb_lines *all, const fb_line *line,
                               fb_real x[3][FB_MAX_POINTS])
 {
-  const int p = line->point, m = line->stride;
-  for (int i = 0; i < 3; i++) {
-    for (int j = 0; j < line->count; j++) {
-      y[i][p + j] = fbi_dot(all->table + line->weight + j * m, x[i] + p, m);
+  const int p = line->point, m = fbi_line_width(line);
+  const fb_real *const X = x[0] + p, *const Y = x[1] + p, *const Z = x[2] + p, *weight = all->table + line->weight;
+  for (int j = p; j < p + line->count; j++, weight += m) {
+    fb_real a = FB_R(0.0), b = FB_R(0.0), c = FB_R(0.0), d = FB_R(0.0), e = FB_R(0.0), f = FB_R(0.0);
+    for (int s = 0; s < m; s += 2) {
+      a += weight[s] * X[s];
+      b += weight[s + 1] * X[s + 1];
+      c += weight[s] * Y[s];
+      d += weight[s + 1] * Y[s + 1];
+      e += weight[s] * Z[s];
+      f += weight[s + 1] * Z[s + 1];
     }
-    if (m > line->count) {
-      y[i][p + line->count] = FB_R(0.0);
-    }
+    y[0][j] = a + b;
+    y[1][j] = c + d;
+    y[2][j] = e + f;
+  }
+  for (int j = p + line->count; j < p + m; j++) {
+    y[0][j] = y[1][j] = y[2][j] = FB_R(0.0);
   }
 }
 
-/* What acts on the sections beyond an interval, in the axes before it: y by phi, s by phi_dot (E14.7). To coordinates:
-   x_a += A_a.(y - 1/6 (B x y + B' x s)) - 1/6 B_a.(y x A + s x A'). */
-static void fbi_line_moments_add(fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_line *line,
+/* What acts on the sections beyond an interval, in the axes before it: y by phi, s by phi_dot (E14.7; 0: none). To
+   coordinates: x_a += A_a.(y - 1/6 (B x y + B' x s)) - 1/6 B_a.(y x A + s x A'). */
+static FBI_NOINLINE void fbi_line_moments_add(fb_real *x, const fbi_line_work *w, const fb_lines *all, const fb_line *line,
                                  fb_real y[3][FB_MAX_POINTS], fb_real s[3][FB_MAX_POINTS])
 {
-  for (int j = line->point; j < line->point + line->stride; j++) {
-    fb_real A[3], B[3], A_dot[3], B_dot[3], own[3], rate[3], by_A[3], by_B[3], out[3];
-    fbi_line_get3(A, w->turn, j);
-    fbi_line_get3(B, w->bow, j);
-    fbi_line_get3(own, y, j);
-    fb_vec3_cross(by_A, B, own);
-    fb_vec3_cross(by_B, own, A);
-    if (s) {
-      fbi_line_get3(A_dot, w->turn_dot, j);
-      fbi_line_get3(B_dot, w->bow_dot, j);
-      fbi_line_get3(rate, s, j);
-      fbi_vec3_add_cross(by_A, B_dot, rate);
-      fbi_vec3_add_cross(by_B, rate, A_dot);
-    }
-    fbi_vec3_advance(out, own, -FBI_SIXTH, by_A);
-    fbi_line_set3(w->by_A, j, out);
-    for (int i = 0; i < 3; i++) {
-      w->by_B[i][j] = -FBI_SIXTH * by_B[i];
+  const int p = line->point, m = fbi_line_width(line);
+  fb_real by_A[3][FB_MAX_POINTS], by_B[3][FB_MAX_POINTS];
+  for (int j = 0; j < m; j++) {
+    const fb_real A = w->turn[0][p + j], B = w->turn[1][p + j], C = w->turn[2][p + j];
+    const fb_real D = w->bow[0][p + j], E = w->bow[1][p + j], F = w->bow[2][p + j];
+    const fb_real u = y[0][p + j], v = y[1][p + j], l = y[2][p + j];
+    by_A[0][p + j] = u - FBI_SIXTH * (E * l - F * v);
+    by_A[1][p + j] = v - FBI_SIXTH * (F * u - D * l);
+    by_A[2][p + j] = l - FBI_SIXTH * (D * v - E * u);
+    by_B[0][p + j] = FBI_SIXTH * (B * l - C * v);
+    by_B[1][p + j] = FBI_SIXTH * (C * u - A * l);
+    by_B[2][p + j] = FBI_SIXTH * (A * v - B * u);
+  }
+  if (s) {
+    for (int j = 0; j < m; j++) {
+      const fb_real A = w->turn_dot[0][p + j], B = w->turn_dot[1][p + j], C = w->turn_dot[2][p + j];
+      const fb_real D = w->bow_dot[0][p + j], E = w->bow_dot[1][p + j], F = w->bow_dot[2][p + j];
+      const fb_real u = s[0][p + j], v = s[1][p + j], l = s[2][p + j];
+      by_A[0][p + j] -= FBI_SIXTH * (E * l - F * v);
+      by_A[1][p + j] -= FBI_SIXTH * (F * u - D * l);
+      by_A[2][p + j] -= FBI_SIXTH * (D * v - E * u);
+      by_B[0][p + j] += FBI_SIXTH * (B * l - C * v);
+      by_B[1][p + j] += FBI_SIXTH * (C * u - A * l);
+      by_B[2][p + j] += FBI_SIXTH * (A * v - B * u);
     }
   }
-  fbi_line_rows_add(x, all, line, line->row, line->n_turn, 0, w->by_A);
-  fbi_line_rows_add(x, all, line, line->row, line->n_turn, line->stride, w->by_B);
-}
-
-/* (dT/dt)^T c of T = 1 + a phi^ + b phi^2 at point j (E14.3). */
-static void fbi_line_turning(fb_real out[3], fbi_line_work *w, int j, const fb_real phi[3], const fb_real rate[3],
-                             const fb_real c[3])
-{
-  const fb_real x_dot = FB_R(2.0) * fb_vec3_dot(phi, rate), a_dot = w->a1[j] * x_dot, b_dot = w->b1[j] * x_dot;
-  fb_real pc[3], rc[3], ppc[3], mixed[3];
-  fb_vec3_cross(pc, phi, c);
-  fb_vec3_cross(rc, rate, c);
-  fb_vec3_cross(ppc, phi, pc);
-  fb_vec3_cross(mixed, phi, rc);
-  fbi_vec3_add_cross(mixed, rate, pc);
-  for (int i = 0; i < 3; i++) {
-    out[i] = -a_dot * pc[i] - w->a[j] * rc[i] + b_dot * ppc[i] + w->b[j] * mixed[i];
+  for (const fb_line_row *r = all->row + line->row, *end = r + line->n_turn; r < end; r++) {
+    const fb_real *const A = all->table + r->at, *const B = A + m;
+    const fb_real *const of_A = by_A[r->axis] + p, *const of_B = by_B[r->axis] + p;
+    fb_real a = FB_R(0.0), b = FB_R(0.0);
+    for (int j = 0; j < m; j += 2) {
+      a += A[j] * of_A[j] + B[j] * of_B[j];
+      b += A[j + 1] * of_A[j + 1] + B[j + 1] * of_B[j + 1];
+    }
+    x[line->first + r->a] += a + b;
   }
 }
 
@@ -1943,116 +2199,161 @@ static void fbi_line_spin(fb_real out[3], fb_real a_dot, fb_real b_dot, fb_real 
   }
 }
 
+/* Momenta of the points of a solid line: P at the mass centers; what their offsets and rotary inertia add to c and b
+   (E14.7). */
+static void fbi_line_solid_momenta(fb_real P[3][FB_MAX_POINTS], fb_real b[3][FB_MAX_POINTS],
+                                   fb_real c[3][FB_MAX_POINTS], fbi_line_work *w, const fb_lines *all,
+                                   const fb_line *line, const fb_real o[3])
+{
+  for (int j = line->point; j < line->point + line->count; j++) {
+    fb_real turn[3], whole[3], rho[3], I[9], L[3], P_j[3], more[3], own[3];
+    fbi_line_get3(turn, w->w, j);
+    fbi_line_get3(P_j, P, j);
+    fbi_vec3_advance(whole, o, FB_R(1.0), turn);
+    fbi_line_offset(rho, w, all, j);
+    fbi_line_spread(I, w, all, j);
+    fb_vec3_cross(more, whole, rho);
+    fbi_vec3_add(P_j, all->mass[j], more);
+    fbi_line_set3(P, j, P_j);
+    fb_mat33_mul_vec3(L, I, whole);
+    fb_vec3_cross(own, rho, P_j);
+    fbi_vec3_add(own, FB_R(1.0), L);
+    fbi_line_set3(c, j, own);
+    fb_vec3_cross(more, turn, own);
+    fb_vec3_cross(own, P_j, whole);
+    fbi_vec3_add_cross(more, rho, own);
+    fbi_vec3_add_cross(more, L, whole);
+    fbi_line_set3(b, j, more);
+  }
+}
+
+/* y and s of E14.7 from the moments B and C beyond each interval. */
+static FBI_NOINLINE void fbi_line_gradient_moments(fb_real y[3][FB_MAX_POINTS], fb_real s[3][FB_MAX_POINTS],
+                                      const fbi_line_work *w, const fb_line *line, fb_real B[3][FB_MAX_POINTS],
+                                      fb_real C[3][FB_MAX_POINTS])
+{
+  const int p = line->point, m = fbi_line_width(line);
+  fb_real back[3][FB_MAX_POINTS];
+
+  /* N^T (B + C x w), H^T C */
+  for (int j = 0; j < m; j++) {
+    const fb_real u = C[0][p + j], v = C[1][p + j], l = C[2][p + j];
+    const fb_real a = w->w[0][p + j], b = w->w[1][p + j], c = w->w[2][p + j];
+    const fb_real X = B[0][p + j] + (v * c - l * b), Y = B[1][p + j] + (l * a - u * c),
+                  Z = B[2][p + j] + (u * b - v * a);
+    y[0][p + j] = w->N[0][p + j] * X + w->N[3][p + j] * Y + w->N[6][p + j] * Z;
+    y[1][p + j] = w->N[1][p + j] * X + w->N[4][p + j] * Y + w->N[7][p + j] * Z;
+    y[2][p + j] = w->N[2][p + j] * X + w->N[5][p + j] * Y + w->N[8][p + j] * Z;
+    back[0][p + j] = w->H[0][p + j] * u + w->H[3][p + j] * v + w->H[6][p + j] * l;
+    back[1][p + j] = w->H[1][p + j] * u + w->H[4][p + j] * v + w->H[7][p + j] * l;
+    back[2][p + j] = w->H[2][p + j] * u + w->H[5][p + j] * v + w->H[8][p + j] * l;
+  }
+
+  /* T^T and (dT/dt)^T of that */
+  for (int j = 0; j < m; j++) {
+    const fb_real x = w->phi[0][p + j], Y = w->phi[1][p + j], z = w->phi[2][p + j];
+    const fb_real X = w->phi_dot[0][p + j], V = w->phi_dot[1][p + j], Z = w->phi_dot[2][p + j];
+    const fb_real u = back[0][p + j], v = back[1][p + j], l = back[2][p + j];
+    const fb_real a = w->a[p + j], b = w->b[p + j], a_dot = w->a_dot[p + j], b_dot = w->b_dot[p + j];
+    const fb_real pc_x = Y * l - z * v, pc_y = z * u - x * l, pc_z = x * v - Y * u;
+    const fb_real rc_x = V * l - Z * v, rc_y = Z * u - X * l, rc_z = X * v - V * u;
+    const fb_real ppc_x = Y * pc_z - z * pc_y, ppc_y = z * pc_x - x * pc_z, ppc_z = x * pc_y - Y * pc_x;
+    const fb_real mixed_x = Y * rc_z - z * rc_y + (V * pc_z - Z * pc_y),
+                  mixed_y = z * rc_x - x * rc_z + (Z * pc_x - X * pc_z),
+                  mixed_z = x * rc_y - Y * rc_x + (X * pc_y - V * pc_x);
+    s[0][p + j] = u + a * pc_x + b * ppc_x;
+    s[1][p + j] = v + a * pc_y + b * ppc_y;
+    s[2][p + j] = l + a * pc_z + b * ppc_z;
+    y[0][p + j] += a_dot * pc_x + a * rc_x + b_dot * ppc_x + b * mixed_x;
+    y[1][p + j] += a_dot * pc_y + a * rc_y + b_dot * ppc_y + b * mixed_y;
+    y[2][p + j] += a_dot * pc_z + a * rc_z + b_dot * ppc_z + b * mixed_z;
+  }
+}
+
 /* [E14.7] Gradient of the kinetic energy of a line by its coordinates at fixed velocities, x_a += dT/dq_a, by one
-   sweep from the tip. u, o: velocity and angular velocity of the frame; at the points' mass centers, r = line + rho,
-   P = m (u + o x r + v + w x rho), L = I (o + w);  F, G: P and P x o outboard (E14.4);
-   c = t x F + rho x P + L,  b = t x (G + F x w) + g x F + rho x (P x o + P x w) + L x (o + w) + w x c,  g = H Gamma q';
-   B, C: b and c summed from the tip. With w and H before the interval,
-   y = N^T (B + C x w) + (dT/dt)^T H^T C,  s = N^T C  to the turns (fbi_line_moments_add),  H^T (G + F x w) to the
-   stretches, sum of P x o to the shifts of the root.
+   sweep from the tip. A virtual rotation d of a section moves the points by the integral of d x t, and changes their
+   velocities by that of d' x t + d x t_dot, so that with the momenta P of the points and F, P outboard (E14.4),
+   c = t x F by d',  b = t x (F x o) + t_dot x F by d,  u, o: velocity and angular velocity of the frame;
+   solid lines add c' = rho x P + L and b' = w x c' + rho x (P x (o + w)) + L x (o + w) at mass centers r + rho with the
+   angular momenta L about them. B, C: b and c summed from the tip. d = sum N d phi gives
+   y = N^T (B + C x w) + (dT/dt)^T H^T C by phi,  s = N^T C by phi_dot  (fbi_line_moments_add), T that of E14.3;
+   stretches: H^T (F x (o + w)); shifts of the root: sum of P x o.
    Source: THEORY.md 14; the angular velocity of a section depends on the rotations before it.
-   Cost: 350 flops and 12 points a point.  Fails: never.  Test: line_forces_are_the_gradient_of_the_energy. */
-static void fbi_line_gradient_add(fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_line *line,
+   Cost: 300 flops and 6 points a point.  Fails: never.  Test: line_forces_are_the_gradient_of_the_energy. */
+static FBI_NOINLINE void fbi_line_gradient_add(fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_line *line,
                                   const fb_real u[3], const fb_real o[3])
 {
-  const int p = line->point, m = line->stride;
-  fb_real P[3][FB_MAX_POINTS], Q[3][FB_MAX_POINTS], F[3][FB_MAX_POINTS], G[3][FB_MAX_POINTS], b[3][FB_MAX_POINTS],
-      c[3][FB_MAX_POINTS], y[3][FB_MAX_POINTS], s[3][FB_MAX_POINTS];
+  const int p = line->point, m = fbi_line_width(line);
+  fb_real P[3][FB_MAX_POINTS], F[3][FB_MAX_POINTS], G[3][FB_MAX_POINTS], b[3][FB_MAX_POINTS], c[3][FB_MAX_POINTS],
+      y[3][FB_MAX_POINTS], s[3][FB_MAX_POINTS];
   fb_real B[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, C[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
 
-  /* momenta of the points; what rho and L add */
-  for (int j = p; j < p + m; j++) {
-    fb_real r[3], turn[3], P_j[3], PxO[3], b_j[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)},
-                                           c_j[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-    fbi_line_get3(r, w->r, j);
-    fbi_line_get3(turn, w->w, j);
-    fbi_line_get3(P_j, w->v, j);
-    fbi_vec3_add(P_j, FB_R(1.0), u);
-    if (line->solid && j < p + line->count) {
-      fb_real rho[3], I[9], whole[3], L[3], own[3];
-      fbi_line_offset(rho, w, all, j);
-      fbi_line_spread(I, w, all, j);
-      fbi_vec3_add_cross(P_j, turn, rho);
-      fbi_vec3_add(r, FB_R(1.0), rho);
-      fbi_vec3_add_cross(P_j, o, r);
-      for (int i = 0; i < 3; i++) {
-        P_j[i] *= all->mass[j];
-        whole[i] = o[i] + turn[i];
-      }
-      fb_mat33_mul_vec3(L, I, whole);
-      fb_vec3_cross(PxO, P_j, whole);
-      fb_vec3_cross(b_j, rho, PxO);
-      fbi_vec3_add_cross(b_j, L, whole);
-      fb_vec3_cross(own, rho, P_j);
-      fbi_vec3_advance(c_j, own, FB_R(1.0), L);
-    } else {
-      fbi_vec3_add_cross(P_j, o, r);
-      for (int i = 0; i < 3; i++) {
-        P_j[i] *= all->mass[j];
-      }
-    }
-    for (int i = 0; i < 3 && line->carries; i++) { /* lines that hang here */
-      P_j[i] += w->hung[i][j];
-      b_j[i] += w->hung[3 + i][j];
-      c_j[i] += w->hung[6 + i][j];
-    }
-    fb_vec3_cross(PxO, P_j, o);
-    fbi_line_set3(P, j, P_j);
-    fbi_line_set3(Q, j, PxO);
-    fbi_line_set3(b, j, b_j);
-    fbi_line_set3(c, j, c_j);
+  /* momenta of the points; what offset masses and lines that hang there add */
+  for (int j = 0; j < m; j++) {
+    const fb_real X = w->r[0][p + j], Y = w->r[1][p + j], Z = w->r[2][p + j], mass = all->mass[p + j];
+    P[0][p + j] = mass * (w->v[0][p + j] + u[0] + (o[1] * Z - o[2] * Y));
+    P[1][p + j] = mass * (w->v[1][p + j] + u[1] + (o[2] * X - o[0] * Z));
+    P[2][p + j] = mass * (w->v[2][p + j] + u[2] + (o[0] * Y - o[1] * X));
+    b[0][p + j] = b[1][p + j] = b[2][p + j] = c[0][p + j] = c[1][p + j] = c[2][p + j] = FB_R(0.0);
   }
-
-  /* from the tip to the root */
-  fbi_line_outboard(F, all, line, P);
-  fbi_line_outboard(G, all, line, Q);
-  for (int j = p + line->count - 1; j >= p; j--) {
-    fb_real H[9], N[9], t[3], F_j[3], turn[3], before[3], g[3], own[3], more[3], back[3], phi[3], rate[3];
-    fbi_line_get3(t, w->t, j);
-    fbi_line_get3(F_j, F, j);
-    fbi_line_get3(turn, w->w, j);
-    fbi_line_get3(g, w->glide, j);
-
-    /* G + F x w, to stretches in section axes */
-    fbi_line_get3(own, G, j);
-    fbi_vec3_add_cross(own, F_j, turn);
-    fbi_line_get9(H, w->H, j);
-    fb_mat33_mulT_vec3(more, H, own);
-    fbi_line_set3(G, j, more);
-
-    /* c, b and their sums */
-    fbi_line_get3(more, c, j);
-    fbi_vec3_add_cross(more, t, F_j);
-    fbi_vec3_add(C, FB_R(1.0), more);
-    fbi_vec3_add_cross(B, turn, more);
-    fbi_vec3_add_cross(B, t, own);
-    fbi_vec3_add_cross(B, g, F_j);
-    fbi_line_get3(more, b, j);
-    fbi_vec3_add(B, FB_R(1.0), more);
-
-    /* H and w before the interval; y, s */
-    fbi_line_before(H, before, w, line, j);
-    fb_mat33_mulT_vec3(back, H, C);
-    fbi_line_get9(N, w->N, j);
-    fbi_line_get3(phi, w->phi, j);
-    fbi_line_get3(rate, w->phi_dot, j);
-    fbi_vec3_copy(own, B);
-    fbi_vec3_add_cross(own, C, before);
-    fb_mat33_mulT_vec3(more, N, own);
-    fbi_line_turning(own, w, j, phi, rate, back);
-    fbi_vec3_add(own, FB_R(1.0), more);
-    fbi_line_set3(y, j, own);
-    fb_mat33_mulT_vec3(own, N, C);
-    fbi_line_set3(s, j, own);
+  if (line->solid) {
+    fbi_line_solid_momenta(P, b, c, w, all, line, o);
   }
-  if (m > line->count) {
+  for (int j = 0; j < m && line->carries; j++) {
     for (int i = 0; i < 3; i++) {
-      y[i][p + line->count] = s[i][p + line->count] = FB_R(0.0);
+      P[i][p + j] += w->hung[i][p + j];
+      b[i][p + j] += w->hung[3 + i][p + j];
+      c[i][p + j] += w->hung[6 + i][p + j];
     }
   }
+
+  /* b, c and their sums from the tip to the root */
+  fbi_line_outboard(F, all, line, P);
+  for (int j = 0; j < m; j++) {
+    const fb_real X = F[0][p + j], Y = F[1][p + j], Z = F[2][p + j];
+    const fb_real a = w->t[0][p + j], d = w->t[1][p + j], e = w->t[2][p + j];
+    const fb_real f = w->t_dot[0][p + j], g = w->t_dot[1][p + j], h = w->t_dot[2][p + j];
+    const fb_real Q_x = Y * o[2] - Z * o[1], Q_y = Z * o[0] - X * o[2], Q_z = X * o[1] - Y * o[0];
+    c[0][p + j] += d * Z - e * Y;
+    c[1][p + j] += e * X - a * Z;
+    c[2][p + j] += a * Y - d * X;
+    b[0][p + j] += d * Q_z - e * Q_y + (g * Z - h * Y);
+    b[1][p + j] += e * Q_x - a * Q_z + (h * X - f * Z);
+    b[2][p + j] += a * Q_y - d * Q_x + (f * Y - g * X);
+  }
+  for (int j = p + m - 1; j >= p; j--) {
+    b[0][j] = B[0] += b[0][j];
+    b[1][j] = B[1] += b[1][j];
+    b[2][j] = B[2] += b[2][j];
+    c[0][j] = C[0] += c[0][j];
+    c[1][j] = C[1] += c[1][j];
+    c[2][j] = C[2] += c[2][j];
+  }
+  fbi_line_gradient_moments(y, s, w, line, b, c);
   fbi_line_moments_add(x, w, all, line, y, s);
+
+  /* stretches, root */
+  if (line->n_stretch) {
+    for (int j = 0; j < m; j++) {
+      const fb_real X = F[0][p + j], Y = F[1][p + j], Z = F[2][p + j];
+      const fb_real a = o[0] + w->w[0][p + j], d = o[1] + w->w[1][p + j], e = o[2] + w->w[2][p + j];
+      const fb_real Q_x = Y * e - Z * d, Q_y = Z * a - X * e, Q_z = X * d - Y * a;
+      G[0][p + j] = w->H[0][p + j] * Q_x + w->H[3][p + j] * Q_y + w->H[6][p + j] * Q_z;
+      G[1][p + j] = w->H[1][p + j] * Q_x + w->H[4][p + j] * Q_y + w->H[7][p + j] * Q_z;
+      G[2][p + j] = w->H[2][p + j] * Q_x + w->H[5][p + j] * Q_y + w->H[8][p + j] * Q_z;
+    }
+  }
   fbi_line_rows_add(x, all, line, line->row + line->n_turn, line->n_stretch, 0, G);
-  fbi_line_root_add(x, w, all, line, Q, P, B, C);
+  if (line->moves || line->hangs) {
+    fb_real Q[3][FB_MAX_POINTS];
+    for (int j = p; j < p + m; j++) {
+      fb_real P_j[3], own[3];
+      fbi_line_get3(P_j, P, j);
+      fb_vec3_cross(own, P_j, o);
+      fbi_line_set3(Q, j, own);
+    }
+    fbi_line_root_add(x, w, all, line, Q, P, B, C);
+  }
 }
 
 /* Nothing hangs on the lines yet. */
@@ -2076,7 +2377,7 @@ static void fbi_line_axes(fb_real x[3], const fb_line *line, const fb_real in_bo
 }
 
 /* x_a += dT/dq_a of all lines at fixed velocities V (body axes) and q_dot. */
-static void fbi_lines_gradient_add(fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_real V[6],
+static FBI_NOINLINE void fbi_lines_gradient_add(fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_real V[6],
                                    const fb_real *q_dot)
 {
   for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
@@ -2138,7 +2439,7 @@ static void fbi_line_load_add(fb_real *x, fbi_line_work *w, const fb_lines *all,
 }
 
 /* Of all lines: c += first moment of mass about O, body axes; unless x is NULL x_a += g.dc/dq_a. */
-static void fbi_lines_pull(fb_real c[3], fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_real g[3])
+static FBI_NOINLINE void fbi_lines_pull(fb_real c[3], fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_real g[3])
 {
   if (x) {
     fbi_lines_unload(w, all);
@@ -2201,7 +2502,7 @@ static void fbi_line_bias(fbi_line_work *w, const fb_lines *all, const fb_line *
     fbi_line_get3(a, w->v_dot, line->hangs - 1);
   }
   for (int j = p; j < p + line->count; j++) {
-    fb_real H[9], N[9], before[3], phi[3], rate[3], A_dot[3], B_dot[3], more[3], own[3], x_dot;
+    fb_real H[9], N[9], before[3], phi[3], rate[3], A_dot[3], B_dot[3], more[3], own[3];
     fbi_line_before(H, before, w, line, j);
     fbi_line_get9(N, w->N, j);
     fbi_line_get3(phi, w->phi, j);
@@ -2212,8 +2513,7 @@ static void fbi_line_bias(fbi_line_work *w, const fb_lines *all, const fb_line *
     /* alpha */
     fb_mat33_mul_vec3(own, N, rate);
     fbi_vec3_add_cross(alpha, before, own);
-    x_dot = FB_R(2.0) * fb_vec3_dot(phi, rate);
-    fbi_line_spin(own, w->a1[j] * x_dot, w->b1[j] * x_dot, w->b[j], phi, rate);
+    fbi_line_spin(own, w->a_dot[j], w->b_dot[j], w->b[j], phi, rate);
     fb_mat33_mul_vec3(more, H, own);
     fbi_vec3_add(alpha, FB_R(1.0), more);
     fb_vec3_cross(own, A_dot, B_dot);
@@ -2229,7 +2529,7 @@ static void fbi_line_bias(fbi_line_work *w, const fb_lines *all, const fb_line *
     const fb_real none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
     fbi_line_set3(w->v_dot, p + line->count, none);
   }
-  fbi_line_integrals_add(w->v_dot[0] + p, FB_MAX_POINTS, all, line, u[0] + p);
+  fbi_line_integrals_add(w->v_dot, all, line, u);
 }
 
 /* x of a line's axes in body axes */
@@ -2333,7 +2633,7 @@ typedef struct fbi_line_step {
 static void fbi_line_step_eval(fbi_line_step *s, fbi_line_work *w, const fb_line *line, const fb_line_node *node,
                                const fb_real *q)
 {
-  fb_real more[3], own[9];
+  fb_real more[3], own[9], half;
   fbi_vec3_zero(s->A);
   fbi_vec3_zero(s->B);
   for (int k = 0; k < line->n; k++) {
@@ -2343,7 +2643,11 @@ static void fbi_line_step_eval(fbi_line_step *s, fbi_line_work *w, const fb_line
   fb_vec3_cross(more, s->A, s->B);
   fbi_vec3_advance(s->phi, s->A, -FBI_SIXTH, more);
   s->x = fb_vec3_dot(s->phi, s->phi);
-  fbi_line_series(&s->a, &s->b, &s->a1, &s->b1, s->x);
+  half = fbi_line_series(fbi_line_s, s->x);
+  s->a = FB_R(2.0) * half * half;
+  s->b = fbi_line_series(fbi_line_b, s->x);
+  s->a1 = fbi_line_series(fbi_line_a1, s->x);
+  s->b1 = fbi_line_series(fbi_line_b1, s->x);
   if (node->after) {
     fbi_line_get9(s->before, w->H, node->after - 1);
   } else {
@@ -2377,7 +2681,6 @@ static void fbi_line_node_pose(fb_real r[3], fbi_line_work *w, const fb_line *li
 static void fbi_line_node_rates(fb_real Jw[3], fb_real Jv[3], fbi_line_work *w, const fb_line *line,
                                 const fb_line_node *node, const fb_lines *all, const fbi_line_step *s, int k)
 {
-  const int m = line->stride, at = fbi_line_place(line, k);
   const fb_real *A = node->turn + 3 * k, *B = node->bow + 3 * k;
   fb_real mixed[3], own[3];
 
@@ -2391,21 +2694,19 @@ static void fbi_line_node_rates(fb_real Jw[3], fb_real Jv[3], fbi_line_work *w, 
     fbi_vec3_copy(Jv, all->table + line->shift + 3 * k);
   }
   if (line->hangs) {
-    const fb_line *on = fbi_line_of(all, line->hangs - 1);
-    const int there = fbi_line_place(on, k) + line->hangs - 1 - on->point;
     for (int i = 0; i < 3; i++) {
-      Jw[i] += node->after ? FB_R(0.0) : w->Jw[there + i * on->stride];
-      Jv[i] += w->Jv[there + i * on->stride];
+      Jw[i] += node->after ? FB_R(0.0) : w->Jw[k][i][line->hangs - 1];
+      Jv[i] += w->Jv[k][i][line->hangs - 1];
     }
   }
   for (int i = 0; i < 3 && node->after; i++) {
-    Jw[i] += w->Jw[at + i * m + node->after - 1 - line->point];
+    Jw[i] += w->Jw[k][i][node->after - 1];
   }
 
   /* velocity */
   for (int j = 0; j < line->count; j++) {
-    const fb_real turn[3] = {w->Jw[at + j], w->Jw[at + m + j], w->Jw[at + 2 * m + j]};
-    fb_real t[3];
+    fb_real t[3], turn[3];
+    fbi_line_get3(turn, w->Jw[k], line->point + j);
     fbi_line_get3(t, w->t, line->point + j);
     fb_vec3_cross(own, turn, t);
     fbi_vec3_add(Jv, node->weight[j], own);
@@ -2938,20 +3239,82 @@ static fb_real fbi_strain_energy(const fb_body *body, const fb_real *q)
 #if FB_WITH_LARGE_DEFLECTION
 /* ---- bodies with lines of large deflection: M, Lambda and M_rr depend on q and are formed at every evaluation */
 
-/* S(q) = M_rr - Lambda M^-1 Lambda^T to k.S, from Z = Lambda L^-T. */
-static void fbi_large_S(fbi_kinetics *k, const fb_body *body)
+/* Columns of Z = Lambda L^-T to w.column, and Z itself. */
+static void fbi_large_reduce(fbi_line_work *FBI_RESTRICT w, int n)
+{
+  for (int a = 0; a < n; a++) {
+    const fb_real *const L = w->L + a * n, *const X = w->X + a, by = FB_R(1.0) / L[a];
+    fb_real s = X[0], t = X[n], u = X[2 * n], x = X[3 * n], y = X[4 * n], z = X[5 * n];
+    for (int b = 0; b < a; b++) {
+      s -= L[b] * w->column[b][0];
+      t -= L[b] * w->column[b][1];
+      u -= L[b] * w->column[b][2];
+      x -= L[b] * w->column[b][3];
+      y -= L[b] * w->column[b][4];
+      z -= L[b] * w->column[b][5];
+    }
+    w->column[a][0] = s * by;
+    w->column[a][1] = t * by;
+    w->column[a][2] = u * by;
+    w->column[a][3] = x * by;
+    w->column[a][4] = y * by;
+    w->column[a][5] = z * by;
+    for (int i = 0; i < 6; i++) {
+      w->Z[i * n + a] = w->column[a][i];
+    }
+  }
+}
+
+/* S(q) = M_rr - Lambda M^-1 Lambda^T = M_rr - Z Z^T to k.S. */
+static FBI_NOINLINE void fbi_large_S(fbi_kinetics *k, const fb_body *body)
 {
   const int n = body->n;
   fbi_line_work *const w = k->line;
-  int at = 0;
-  for (int i = 0; i < 6; i++) {
-    fbi_chol_forward(w->Z + i * n, w->L, w->X + i * n, n);
-  }
-  for (int i = 0; i < 6; i++) {
+  fb_real row[6];
+  fbi_large_reduce(w, n);
+  for (int i = 0, at = 0; i < 6; i++) {
+    fb_real s = FB_R(0.0), t = FB_R(0.0), u = FB_R(0.0), x = FB_R(0.0), y = FB_R(0.0), z = FB_R(0.0);
+    for (int a = 0; a < n; a++) {
+      const fb_real by = w->column[a][i];
+      s += by * w->column[a][0];
+      t += by * w->column[a][1];
+      u += by * w->column[a][2];
+      x += by * w->column[a][3];
+      y += by * w->column[a][4];
+      z += by * w->column[a][5];
+    }
+    row[0] = s;
+    row[1] = t;
+    row[2] = u;
+    row[3] = x;
+    row[4] = y;
+    row[5] = z;
     for (int j = i; j < 6; j++, at++) {
-      k->S[at] = w->M_rr[at] - fbi_dot(w->Z + i * n, w->Z + j * n, n);
+      k->S[at] = w->M_rr[at] - row[j];
     }
   }
+}
+
+/* M = L L^T of few rows, lower triangle; as fb_chol_factor. */
+static int fbi_large_factor(fb_real *M, int n)
+{
+  int sound = 1;
+  for (int i = 0; i < n; i++) {
+    fb_real *const L = M + i * n;
+    fb_real sum = L[i];
+    for (int j = 0; j < i; j++) {
+      const fb_real *const of = M + j * n;
+      fb_real l = L[j];
+      for (int k = 0; k < j; k++) {
+        l -= L[k] * of[k];
+      }
+      L[j] = l = l / of[j];
+      sum -= l * l;
+    }
+    sound &= sum > (fb_real)n * FB_EPSILON * L[i] && sum < FB_HUGE;
+    L[i] = FB_SQRT(sound ? sum : FB_R(1.0));
+  }
+  return sound;
 }
 
 /* [E14.12] Inertia of a body with lines at q: M(q) = M_rest + M_lines(q), factored, Lambda(q) and M_rr(q) likewise; the
@@ -2969,7 +3332,7 @@ static fb_status fbi_large_inertia(fbi_kinetics *k, const fb_body *body, const f
   fbi_lambda_rows(w->X, body, k->qx, 0, body->n_lambda);
   fbi_S_eval(w->M_rr, body, k->qx, body->n_run);
   fbi_lines_inertia_add(w->L, w->X, w->M_rr, w, &body->lines, n);
-  return fb_chol_factor(w->L, n) == FB_OK ? FB_OK : FB_ERR_RANGE;
+  return fbi_large_factor(w->L, n) ? FB_OK : FB_ERR_RANGE;
 }
 
 /* y -= Lambda(q) x */
@@ -2991,7 +3354,7 @@ static void fbi_large_lambdaT_sub(fb_real *e, const fbi_kinetics *k, const fb_bo
 /* [E14.13] Elastic equations with lines, q_dot = M^-1 (pi - Lambda^T V),  pi_dot = f_e - K q - C q_dot + dT/dq at fixed
    V and q_dot: Hamilton's equations for any M, Lambda and M_rr of q, hence conservative.
    Source: THEORY.md 14.  Fails: never.  Test: lines_conserve_energy_and_momentum. */
-static void fbi_large_rates(fb_real *q_dot, fbi_kinetics *k, const fb_body *body, const fb_real *pi)
+static FBI_NOINLINE void fbi_large_rates(fb_real *q_dot, fbi_kinetics *k, const fb_body *body, const fb_real *pi)
 {
   fb_real unused[FB_MAX_MODES];
   fbi_line_work *const w = k->line;
@@ -3028,7 +3391,7 @@ static void fbi_given_velocity(fbi_kinetics *k, const fb_body *body, const fb_st
 
 #if FB_WITH_LARGE_DEFLECTION
 /* E8.13 for a body with lines; k.qx is set. */
-static fb_status fbi_large_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
+static FBI_NOINLINE fb_status fbi_large_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
 {
   fb_real y[6];
   const fb_status status = fbi_large_inertia(k, body, state->q);
