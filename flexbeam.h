@@ -130,6 +130,9 @@
      FB_WITH_LARGE_DEFLECTION         1        0, 1    "
      FB_MAX_STRAINS                   24       1..999  strain stations of a body (nonlinear strain only)
      FB_MAX_POINTS                    32       2..998  points of a body's lines (large deflection only), even
+     FB_MAX_LINES                     8        1..99   its lines: beams of a body (large deflection only)
+     FB_MAX_LINE_ROWS,                0        0..     rows and numbers in the tables of the lines; 0: as many as there
+     FB_MAX_LINE_TABLE                                 can be. As FB_MAX_LAMBDA for models in ROM
      FB_MAX_LAMBDA, FB_MAX_S,         0       0..     terms of Lambda(q) and S(q) that a body holds, runs of the latter;
      FB_MAX_RUNS                                      0: as many as there can be. For models in ROM: build/flexbeam
                                                       reduce (make tool) tells what one takes
@@ -365,6 +368,15 @@
 #ifndef FB_MAX_POINTS
 #define FB_MAX_POINTS 32
 #endif
+#ifndef FB_MAX_LINES
+#define FB_MAX_LINES 8
+#endif
+#ifndef FB_MAX_LINE_ROWS
+#define FB_MAX_LINE_ROWS 0
+#endif
+#ifndef FB_MAX_LINE_TABLE
+#define FB_MAX_LINE_TABLE 0
+#endif
 #ifndef FB_MAX_STRAINS
 #define FB_MAX_STRAINS 24
 #endif
@@ -433,6 +445,12 @@
 #if FB_MAX_POINTS < 2 || FB_MAX_POINTS > 998 || FB_MAX_POINTS % 2
 #error "flexbeam: FB_MAX_POINTS is 2..998, even"
 #endif
+#if FB_MAX_LINES < 1 || FB_MAX_LINES > 99
+#error "flexbeam: FB_MAX_LINES is 1..99"
+#endif
+#if FB_MAX_LINE_ROWS < 0 || FB_MAX_LINE_ROWS > 60000 || FB_MAX_LINE_TABLE < 0 || FB_MAX_LINE_TABLE > 9999999
+#error "flexbeam: FB_MAX_LINE_ROWS is 0..60000, FB_MAX_LINE_TABLE 0..9999999"
+#endif
 #if FB_MAX_STRAINS < 1 || FB_MAX_STRAINS > 999
 #error "flexbeam: FB_MAX_STRAINS is 1..999"
 #endif
@@ -489,16 +507,17 @@ typedef double fb_real;
 #else
 #define FBI_PRECISION double
 #endif
-#define FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F) \
-  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_lambda##v##_s##w##_runs##y##_bodies##i##_loops##j##_rows##k##_speeds##r##_exact##x##_points##F##_with##a##b##c##d##f##g##h##E##_forms##o##_rooms##A##B##C##D
-#define FBI_CAT_(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F) \
-  FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F)
+#define FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F, G, H, J) \
+  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_lambda##v##_s##w##_runs##y##_bodies##i##_loops##j##_rows##k##_speeds##r##_exact##x##_points##F##_lines##G##_linerows##H##_linetable##J##_with##a##b##c##d##f##g##h##E##_forms##o##_rooms##A##B##C##D
+#define FBI_CAT_(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F, G, H, J) \
+  FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F, G, H, J)
 #define FBI_CONFIG_SYMBOL                                                                                              \
   FBI_CAT_(FBI_PRECISION, FB_MAX_MODES, FB_MAX_NODES, FB_MAX_LOADS, FB_MAX_ELEMENTS, FB_MAX_STATIONS, FB_MAX_LUMPS,    \
            FB_MAX_STRAINS, FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_RUNS, FB_MAX_BODIES, FB_MAX_LOOPS, FB_MAX_ROWS,             \
            FB_MAX_SPEEDS, FB_MAX_EXACT, FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA, FB_WITH_SPIN_STIFFENING,      \
            FB_WITH_ACCELERATION_STIFFENING, FB_WITH_DAMPING, FB_WITH_GRAVITY, FB_WITH_NONLINEAR_STRAIN, FB_WITH_FORMS, \
-           FB_WITH_SYSTEM, FB_WITH_EXACT, FB_WITH_BUILD, FB_WITH_ANALYSE, FB_WITH_LARGE_DEFLECTION, FB_MAX_POINTS)
+           FB_WITH_SYSTEM, FB_WITH_EXACT, FB_WITH_BUILD, FB_WITH_ANALYSE, FB_WITH_LARGE_DEFLECTION, FB_MAX_POINTS,     \
+           FB_MAX_LINES, FB_MAX_LINE_ROWS, FB_MAX_LINE_TABLE)
 #define FBI_STRING(x) #x
 #define FBI_STRING_(x) FBI_STRING(x)
 
@@ -642,10 +661,17 @@ FB_API void fb_chol_solve(fb_real *x, const fb_real *L, const fb_real *b, int n)
    point to point H turns by the rotation vector A q - 1/6 A q x B q, A and B from the rotations of the modes there and
    their mean between the points. */
 
-#define FB_MAX_LINES 8
+#if FB_MAX_LINE_ROWS > 0
+#define FBI_MAX_LINE_ROWS FB_MAX_LINE_ROWS
+#else
 #define FBI_MAX_LINE_ROWS (6 * FB_MAX_MODES * FB_MAX_LINES)
+#endif
+#if FB_MAX_LINE_TABLE > 0
+#define FBI_MAX_LINE_TABLE FB_MAX_LINE_TABLE
+#else
 #define FBI_MAX_LINE_TABLE \
   (9 * FB_MAX_MODES * FB_MAX_POINTS + FB_MAX_POINTS * FB_MAX_POINTS + 3 * FB_MAX_MODES * FB_MAX_LINES)
+#endif
 
 typedef struct fb_line_row { /* what coordinate a of a line adds about or along an axis at all of its points */
   unsigned short axis, a;

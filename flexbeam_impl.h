@@ -1253,7 +1253,7 @@ FB_DEF void fb_chol_solve(fb_real *x, const fb_real *L, const fb_real *b, int n)
 #if FB_WITH_LARGE_DEFLECTION
 /* ---------------------------------------------------------------------------------------------------------------
    RUN >>line: geometrically exact lines: poses, velocities, inertia and its gradient
-   (uses config, status, vec3, solve) */
+   (uses status, vec3, solve) */
 
 /* Largest squared rotation of an interval [rad^2], and the terms of the series that are then exact to rounding. */
 #define FBI_LINE_TURN FB_R(1.5)
@@ -2765,7 +2765,7 @@ static void fbi_line_node_bias(fb_real a[3], fb_real alpha[3], fbi_line_work *w,
 
 /* ---------------------------------------------------------------------------------------------------------------
    RUN >>body: one body in a floating frame: rates, motion, nodes, sensors, energy, checks
-   (uses config, status, vec3, rotation, solve) */
+   (uses config, status, vec3, rotation, solve, line) */
 
 FB_DEF fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q)
 {
@@ -5375,6 +5375,89 @@ static int fbi_strain_is_sound(const fb_body *body)
 }
 #endif
 
+#if FB_WITH_LARGE_DEFLECTION
+/* Checks n rows of a line from `row` on, by coordinate, with `length` numbers each. */
+static int fbi_line_rows_are_sound(const fb_lines *all, const fb_line *line, int row, int n, int length)
+{
+  int sound = row + n <= all->n_row;
+  for (int k = 0; sound && k < n; k++) {
+    const fb_line_row *const r = &all->row[row + k];
+    sound =
+        r->axis < 3 && r->a < line->n && (k == 0 || r->a >= r[-1].a) && r->at >= 0 && r->at <= all->n_table - length;
+  }
+  return sound;
+}
+
+/* Checks the l-th line: its points follow those of the one before; it hangs on a point of an earlier line with the same
+   coordinates. */
+static int fbi_line_is_sound(const fb_lines *all, int l, int n)
+{
+  const fb_line *const line = &all->line[l];
+  const int next = l > 0 ? line[-1].point + line[-1].stride : 0;
+  int sound = line->first + line->n <= n && line->point == next && line->count > 0 &&
+              line->stride == (line->count + 1) / 2 * 2 && line->point + line->stride <= all->n_point &&
+              fbi_line_rows_are_sound(all, line, line->row, line->n_turn, 2 * line->stride) &&
+              fbi_line_rows_are_sound(all, line, line->row + line->n_turn, line->n_stretch, line->stride) &&
+              line->weight >= 0 && line->weight <= all->n_table - line->count * line->stride &&
+              fbi_is_flag(line->moves) && fbi_is_flag(line->carries) && fbi_is_flag(line->solid) &&
+              fbi_is_flag(line->turned) && (!line->turned || fbi_is_finite(line->axes, 9)) &&
+              (!line->moves || (line->shift >= 0 && line->shift <= all->n_table - 3 * line->n));
+  if (sound && line->hangs) {
+    sound = line->hangs <= next;
+    for (int k = 0; sound && k < l; k++) {
+      const fb_line *const on = &all->line[k];
+      if (line->hangs > on->point && line->hangs <= on->point + on->stride) {
+        sound = line->hangs <= on->point + on->count && on->carries && on->first == line->first && on->n == line->n;
+      }
+    }
+  }
+  return sound;
+}
+
+static int fbi_line_counts_are_sound(const fb_lines *all)
+{
+  return fbi_is_within(all->n_line, FB_MAX_LINES) && fbi_is_within(all->n_point, FB_MAX_POINTS) &&
+         fbi_is_within(all->n_row, FBI_MAX_LINE_ROWS) && fbi_is_within(all->n_table, FBI_MAX_LINE_TABLE);
+}
+
+/* Checks a node's place on its line, and that it has one only where there is a line. */
+static int fbi_line_node_is_sound(const fb_lines *all, const fb_line_node *node)
+{
+  const fb_line *const line = node->line > 0 && node->line <= all->n_line ? &all->line[node->line - 1] : NULL;
+  return node->line == 0 ||
+         (line && (node->after == 0 || (node->after > line->point && node->after <= line->point + line->count)) &&
+          fbi_is_finite(node->start, 3) && fbi_is_finite(node->weight, line->count) &&
+          fbi_is_finite(node->turn, 3 * line->n) && fbi_is_finite(node->bow, 3 * line->n));
+}
+
+/* Checks the lines, S_0^-1 in place of S_0, and what the rest of the body has. */
+static int fbi_lines_are_sound(const fb_body *body)
+{
+  const fb_lines *const all = &body->lines;
+  const int n = all->n_point;
+  int points = 0;
+  int sound = fbi_form(body) == 0 && fbi_line_counts_are_sound(all) && fbi_sparse_is_sound(&body->M_rest, body->n) &&
+              fbi_is_finite(body->c_rest, 3);
+  for (int l = 0; sound && l < all->n_line; l++) {
+    sound = fbi_line_is_sound(all, l, body->n);
+    points += all->line[l].stride;
+  }
+  sound = sound && points == n;
+  sound = sound && fbi_is_finite(all->mass, n) && fbi_is_finite(all->center, 3 * n) &&
+          fbi_is_finite(all->inertia, 6 * n) && fbi_is_finite(all->table, all->n_table);
+  for (int i = 0; sound && i < 3; i++) {
+    sound = fbi_is_finite(all->start[i], n) && fbi_is_finite(all->tangent[i], n);
+  }
+  for (int j = 0; sound && j < n; j++) {
+    sound = all->mass[j] >= FB_R(0.0);
+  }
+  for (int k = 0; sound && k < body->n_node; k++) {
+    sound = fbi_line_node_is_sound(all, &body->node[k].line);
+  }
+  return sound;
+}
+#endif
+
 static int fbi_matrices_are_sound(const fb_body *body)
 {
   int sound = fbi_sparse_is_sound(&body->M, body->n) && fbi_sparse_is_sound(&body->Minv, body->n) &&
@@ -5389,21 +5472,31 @@ static int fbi_matrices_are_sound(const fb_body *body)
   return sound;
 }
 
-/* Checks the scalars and S_0, which is positive definite for a free body, and that its inverse is finite. */
+/* Checks the scalars and S_0, which is positive definite for a free body, and that its inverse is finite; of a body with
+   lines the inverse is, and S_0 finite. */
 static int fbi_rigid_is_sound(const fb_body *body)
 {
   const fb_real number[8] = {body->mass,          body->deflection_limit, body->recoil,     body->gyration,
                              body->limit_elastic, body->limit_damping,    body->limit_spin, body->limit_acceleration};
   const fb_real unit[6] = {FB_R(1.0)};
-  fb_real x[6];
+  fb_real x[6], S0[21];
+  fbi_copy(S0, body->S0, 21);
   for (int k = 0; k < 8; k++) {
     if (!(number[k] >= FB_R(0.0) && number[k] <= FB_HUGE)) {
       return 0;
     }
   }
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) { /* S0 is of the rest, which may be nothing */
+    for (int i = 0, at = 0; i < 6; i++) {
+      for (int j = i; j < 6; j++) {
+        S0[at++] = body->S0_inverse[6 * i + j];
+      }
+    }
+  }
+#endif
   return fbi_is_finite(body->c, 3) && fbi_is_finite(body->reach, body->n) && fbi_is_finite(body->S0, 21) &&
-         fbi_is_finite(body->S0_inverse, 36) &&
-         (body->base != FB_BASE_FREE || fbi_sym6_solve(x, body->S0, unit) == FB_OK);
+         fbi_is_finite(body->S0_inverse, 36) && (body->base != FB_BASE_FREE || fbi_sym6_solve(x, S0, unit) == FB_OK);
 }
 
 FB_DEF fb_status fb_body_check(const fb_body *body)
@@ -5425,6 +5518,9 @@ FB_DEF fb_status fb_body_check(const fb_body *body)
 #endif
 #if FB_WITH_NONLINEAR_STRAIN
   sound = sound && fbi_strain_is_sound(body);
+#endif
+#if FB_WITH_LARGE_DEFLECTION
+  sound = sound && (!fbi_is_large(body) || fbi_lines_are_sound(body));
 #endif
 #if FB_WITH_GRAVITY
   sound = sound && fbi_is_finite(body->gravity, 3);
@@ -5557,6 +5653,51 @@ static unsigned fbi_crc_strain(unsigned crc, const fb_body *body, int single)
 }
 #endif
 
+#if FB_WITH_LARGE_DEFLECTION
+/* A line; without its root and frame, which no step reads. */
+static unsigned fbi_crc_line(unsigned crc, const fb_line *line, int single)
+{
+  const int whole[] = {line->first, line->n,      line->point,     line->count,  line->stride,
+                       line->row,   line->n_turn, line->n_stretch, line->weight, line->shift,
+                       line->moves, line->hangs,  line->carries,   line->solid,  line->turned};
+  crc = fbi_crc_ints(crc, whole, (int)(sizeof whole / sizeof *whole));
+  return line->turned ? fbi_crc_reals(crc, line->axes, 9, single) : crc;
+}
+
+/* Lines, their nodes, and the rest of the body. */
+static unsigned fbi_crc_lines(unsigned crc, const fb_body *body, int single)
+{
+  const fb_lines *const all = &body->lines;
+  const int whole[4] = {all->n_line, all->n_point, all->n_row, all->n_table}, n = all->n_point;
+  crc = fbi_crc_ints(crc, whole, 4);
+  for (int l = 0; l < all->n_line; l++) {
+    crc = fbi_crc_line(crc, &all->line[l], single);
+  }
+  crc = fbi_crc_reals(fbi_crc_reals(crc, all->mass, n, single), all->center, 3 * n, single);
+  crc = fbi_crc_reals(crc, all->inertia, 6 * n, single);
+  for (int i = 0; i < 3; i++) {
+    crc = fbi_crc_reals(fbi_crc_reals(crc, all->start[i], n, single), all->tangent[i], n, single);
+  }
+  for (int k = 0; k < all->n_row; k++) {
+    crc = fbi_crc_word(fbi_crc_word(crc, all->row[k].axis | (unsigned)all->row[k].a << 16), (unsigned)all->row[k].at);
+  }
+  crc = fbi_crc_reals(crc, all->table, all->n_table, single);
+  crc = fbi_crc_reals(fbi_crc_sparse(crc, &body->M_rest, body->n, single), body->c_rest, 3, single);
+  for (int k = 0; k < body->n_node; k++) {
+    const fb_line_node *const node = &body->node[k].line;
+    crc = fbi_crc_word(crc, node->line | (unsigned)node->after << 16);
+    if (node->line > 0 && node->line <= all->n_line) {
+      const fb_line *const line = &all->line[node->line - 1];
+      const int count = line->count < FB_MAX_POINTS ? line->count : FB_MAX_POINTS,
+                a = line->n < FB_MAX_MODES ? line->n : FB_MAX_MODES;
+      crc = fbi_crc_reals(fbi_crc_reals(crc, node->start, 3, single), node->weight, count, single);
+      crc = fbi_crc_reals(fbi_crc_reals(crc, node->turn, 3 * a, single), node->bow, 3 * a, single);
+    }
+  }
+  return crc;
+}
+#endif
+
 /* Data of optional effects and forms; a body without them adds nothing. */
 static unsigned fbi_crc_further(unsigned crc, const fb_body *body, int single)
 {
@@ -5578,6 +5719,11 @@ static unsigned fbi_crc_further(unsigned crc, const fb_body *body, int single)
 #if FB_WITH_NONLINEAR_STRAIN
   if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
     crc = fbi_crc_strain(crc, body, single);
+  }
+#endif
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    crc = fbi_crc_lines(crc, body, single);
   }
 #endif
   (void)body, (void)single; /* all of it may be removed at compile time */
@@ -5630,6 +5776,10 @@ static int fbi_counts_are_sound(const fb_body *body)
 #if FB_WITH_NONLINEAR_STRAIN
   sound =
       sound && fbi_is_within(body->n_strain, FBI_MAX_STRAINS) && fbi_is_within(body->n_strain_row, 3 * FB_MAX_MODES);
+#endif
+#if FB_WITH_LARGE_DEFLECTION
+  sound = sound && (!fbi_is_large(body) ||
+                    (fbi_line_counts_are_sound(&body->lines) && fbi_is_within(body->M_rest.n_term, FBI_MAX_PAIRS)));
 #endif
   return sound;
 }
@@ -17546,7 +17696,7 @@ FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
 
 /* ---------------------------------------------------------------------------------------------------------------
    BUILD >>assemble: shape integrals, effects to terms, every _init of a model
-   (uses config, status, vec3, rotation, solve, body, system, exact, eigen, beam, modes) */
+   (uses config, status, vec3, rotation, solve, line, body, system, exact, eigen, beam, modes) */
 
 /* ---- shape integrals: an fb_shape holds the inertia shape integrals of a body, its modal stiffness and its nodes */
 
@@ -18568,17 +18718,30 @@ static void fbi_line_weights(fb_real *weight, fb_real *root, const fbi_line_plan
   }
 }
 
+/* Positions of all points at q = 0, as E14.4; each in its line's axes. */
+static void fbi_lines_undeformed(fb_real r[3][FB_MAX_POINTS], const fb_lines *all)
+{
+  for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
+    for (int i = 0; i < 3; i++) {
+      const fb_real root = line->hangs ? r[i][line->hangs - 1] : FB_R(0.0);
+      for (int j = line->point; j < line->point + line->stride; j++) {
+        r[i][j] = all->start[i][j] + root;
+      }
+    }
+    fbi_line_integrals_add(r[0] + line->point, FB_MAX_POINTS, all, line, all->tangent[0] + line->point);
+  }
+}
+
 /* The point of an earlier line at the place of a joined beam's root, with which it moves; -1: none. */
 static int fbi_line_support(const fb_lines *all, int first, int n, const fb_real position[3], fb_real size)
 {
-  static const fb_real zero[FB_MAX_MODES] = {FB_R(0.0)};
-  fbi_line_work w;
+  fb_real r[3][FB_MAX_POINTS];
   int found = -1;
-  (void)fbi_lines_pose(&w, all, zero);
+  fbi_lines_undeformed(r, all);
   for (int l = 0; l < all->n_line && found < 0; l++) {
     const fb_line *const line = &all->line[l];
     for (int j = line->point; j < line->point + line->count && line->first == first && line->n == n; j++) {
-      const fb_real apart[3] = {w.r[0][j] - position[0], w.r[1][j] - position[1], w.r[2][j] - position[2]};
+      const fb_real apart[3] = {r[0][j] - position[0], r[1][j] - position[1], r[2][j] - position[2]};
       found = fbi_vec3_norm(apart) < FB_R(1e-4) * size ? j : found;
     }
   }
@@ -18627,7 +18790,7 @@ static fb_status fbi_line_rows_fill(fb_lines *all, fb_line *line, const fbi_line
         }
         all->row[all->n_row].axis = (unsigned short)i;
         all->row[all->n_row].a = (unsigned short)a;
-        all->row[all->n_row].at = (unsigned short)all->n_table;
+        all->row[all->n_row].at = all->n_table;
         to = all->table + all->n_table;
         fbi_copy(to, own[i], length);
         all->n_table += length;
@@ -18706,7 +18869,7 @@ static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, con
   }
 
   /* displacement of the root */
-  line->shift = (unsigned short)all->n_table;
+  line->shift = all->n_table;
   for (int a = 0; a < modes->n && line->moves; a++) {
     fb_real theta[3], stretch[3];
     fbi_line_field(all->table + line->shift + 3 * a, theta, stretch, beam, modes, a, FB_R(0.0), 0);
@@ -18714,7 +18877,7 @@ static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, con
   }
 
   /* points: mass, tangents, integrals along the line */
-  line->weight = (unsigned short)all->n_table;
+  line->weight = all->n_table;
   all->n_table += line->count * line->stride;
   fbi_zero(all->table + line->weight, line->count * line->stride);
   for (int s = 0; s < line->stride; s++) {
@@ -20072,7 +20235,9 @@ static void fbi_rest_clean(fb_real *x, const fb_real *whole, int n)
   for (int i = 0; i < n; i++) {
     size = fbi_larger(size, FB_FABS(whole[i]));
   }
-  fbi_flush(x, n, FBI_ROUNDING * size);
+  for (int i = 0; i < n; i++) {
+    x[i] = FB_FABS(x[i]) <= FBI_ROUNDING * size ? FB_R(0.0) : x[i];
+  }
 }
 
 /* A body without its lines: all integrals but those of the points at q = 0, those of second degree of what is no beam.
@@ -20126,6 +20291,10 @@ static fb_status fbi_large_fill(fb_body *body, fb_body_work *work, const fb_shap
   fbi_zero(work->Lambda, (n + 1) * 6 * n);
   fbi_zero(body->S0, 21);
   (void)fbi_S_list(body, work, &work->rest);
+#if FB_WITH_FORMS
+  body->n_run_value = body->n_run;
+  body->n_lambda_value = body->n_lambda;
+#endif
   fbi_copy(body->c_rest, work->rest.c, 3);
   if (!(desc->deflection_limit > FB_R(0.0))) { /* lines have their own limit */
     fbi_copy(body->reach, shape->rest.reach, n);
