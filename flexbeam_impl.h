@@ -20269,6 +20269,10 @@ static fb_status fbi_system_desc_check(const fb_body *body, int n_model, const f
       return FBI_REFUSE(FB_ERR_VALUE, "body: its model, momentum form and neither pinned nor hinged", k, FB_R(0.0),
                         FB_R(0.0));
     }
+    if (fbi_is_large(&body[desc->model[k]])) {
+      return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: its model, in a system without FB_EFFECT_LARGE_DEFLECTION", k,
+                        FB_R(0.0), FB_R(0.0));
+    }
   }
   /* an unused model though there are bodies enough: desc->model was forgotten */
   return n_model != desc->n_body || used == n_model
