@@ -1270,6 +1270,9 @@ typedef struct fbi_link_work {
   fb_real V_dot[6], twist[6], speed[6], given[6], q_speed[FB_MAX_MODES]; /* of accelerations */
   fb_real G[6], F[6];                                                    /* momentum and load of all that hangs here */
   fb_real spin, acceleration;
+#if FB_WITH_LARGE_DEFLECTION
+  fb_status sound; /* of its lines at q: FB_OK, or an interval turns too far */
+#endif
 } fbi_link_work;
 
 typedef struct fbi_end { /* one side of a constraint */
@@ -1307,6 +1310,9 @@ typedef struct fb_system_work { /* scratch; large: make it static */
   fb_system system;
   fb_system_input between;
   fb_system_state stage, rate, sum, first, base;
+#if FB_WITH_LARGE_DEFLECTION
+  fbi_line_work line[FB_MAX_BODIES];
+#endif
 } fb_system_work;
 
 /* ---- functions; body is the caller's array of models, the same in every call. Bodies of a system are of the momentum

@@ -1355,8 +1355,7 @@ static FBI_INLINE fb_real fbi_line_series(const fb_real c[FBI_LINE_TERMS], fb_re
 #if FB_SINGLE
   return c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * c[5]))));
 #else
-  return c[0] +
-         x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * (c[5] + x * (c[6] + x * (c[7] + x * c[8])))))));
+  return c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * (c[5] + x * (c[6] + x * (c[7] + x * c[8])))))));
 #endif
 }
 
@@ -1412,7 +1411,7 @@ static const fb_real fbi_line_b1[FBI_LINE_TERMS] = {-FB_R(1.0) / FB_R(120.0),
                                                     -FB_R(9.0) / FB_R(51090942171709440000.0)};
 
 /* 0 where an interval of a line turns beyond FBI_LINE_TURN or by what is not a number. */
-static int fbi_line_is_sound(const fbi_line_work *w, const fb_line *line)
+static int fbi_line_is_in_range(const fbi_line_work *w, const fb_line *line)
 {
   int sound = 1;
   for (int j = line->point; j < line->point + line->count; j++) {
@@ -1618,7 +1617,7 @@ static int fbi_lines_place(fbi_line_work *w, const fb_lines *all, const fb_real 
     fbi_line_quats(w, line);
     fbi_line_tangents(w, all, line);
     fbi_line_positions(w, all, line, q);
-    sound &= fbi_line_is_sound(w, line);
+    sound &= fbi_line_is_in_range(w, line);
   }
   return sound;
 }
@@ -1664,8 +1663,8 @@ static void fbi_line_column(fb_real NA[3][FB_MAX_POINTS], fb_real NB[3][FB_MAX_P
 
 /* What the intervals add to the angular velocities per rate of coordinate k: rows r to end. Returns the next row. */
 static const fb_line_row *fbi_line_turn_rates(fb_real (*FBI_RESTRICT c)[FB_MAX_POINTS], fb_real NA[3][3][FB_MAX_POINTS],
-                                              fb_real NB[3][3][FB_MAX_POINTS], const fb_lines *all,
-                                              const fb_line *line, const fb_line_row *r, const fb_line_row *end, int k)
+                                              fb_real NB[3][3][FB_MAX_POINTS], const fb_lines *all, const fb_line *line,
+                                              const fb_line_row *r, const fb_line_row *end, int k)
 {
   const int m = fbi_line_width(line);
   if (r == end || r->a != k) {
@@ -1942,8 +1941,9 @@ static void fbi_line_mass_eval(fbi_line_mass *out, fbi_line_work *w, const fb_li
    sum (p; r x p + h), moments of mass; over the points.
    Source: kinetic energy of the points.  Cost: 3 points (n + 9) n flops.  Fails: never.
    Test: line_inertia_is_that_of_particles. */
-static FBI_NOINLINE void fbi_line_inertia_eval(fb_real *M, fb_real *X, fbi_line_work *w, const fb_lines *all, const fb_line *line,
-                                  int nb, fb_real rho[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_POINTS])
+static FBI_NOINLINE void fbi_line_inertia_eval(fb_real *M, fb_real *X, fbi_line_work *w, const fb_lines *all,
+                                               const fb_line *line, int nb, fb_real rho[3][FB_MAX_POINTS],
+                                               fb_real I[9][FB_MAX_POINTS])
 {
   const int p = line->point, m = fbi_line_width(line);
   fb_real P[3][FB_MAX_POINTS], h[3][FB_MAX_POINTS];
@@ -2010,7 +2010,7 @@ static FBI_NOINLINE void fbi_lines_inertia_add(fb_real *M, fb_real *X, fb_real *
 /* Velocities of the points relative to the frame, w and v, from the rates of the coordinates (E14.5 without its
    matrices), the rates of the tangents, w x t + H Gamma q_dot, and of the rotation vectors. */
 static FBI_NOINLINE void fbi_line_rates(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line,
-                           const fb_real *q_dot)
+                                        const fb_real *q_dot)
 {
   const int p = line->point, m = fbi_line_width(line);
   fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, move[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
@@ -2105,8 +2105,9 @@ static void fbi_line_outboard(fb_real y[3][FB_MAX_POINTS], const fb_lines *all, 
 
 /* What acts on the sections beyond an interval, in the axes before it: y by phi, s by phi_dot (E14.7; 0: none). To
    coordinates: x_a += A_a.(y - 1/6 (B x y + B' x s)) - 1/6 B_a.(y x A + s x A'). */
-static FBI_NOINLINE void fbi_line_moments_add(fb_real *x, const fbi_line_work *w, const fb_lines *all, const fb_line *line,
-                                 fb_real y[3][FB_MAX_POINTS], fb_real s[3][FB_MAX_POINTS])
+static FBI_NOINLINE void fbi_line_moments_add(fb_real *x, const fbi_line_work *w, const fb_lines *all,
+                                              const fb_line *line, fb_real y[3][FB_MAX_POINTS],
+                                              fb_real s[3][FB_MAX_POINTS])
 {
   const int p = line->point, m = fbi_line_width(line);
   fb_real by_A[3][FB_MAX_POINTS], by_B[3][FB_MAX_POINTS];
@@ -2144,6 +2145,28 @@ static FBI_NOINLINE void fbi_line_moments_add(fb_real *x, const fbi_line_work *w
     }
     x[line->first + r->a] += a + b;
   }
+}
+
+/* (dT/dt)^T c of T = 1 + a phi^ + b phi^2 (E14.3). */
+static void fbi_line_turned(fb_real out[3], fb_real a, fb_real b, fb_real a_dot, fb_real b_dot, const fb_real phi[3],
+                            const fb_real rate[3], const fb_real c[3])
+{
+  fb_real pc[3], rc[3], ppc[3], mixed[3];
+  fb_vec3_cross(pc, phi, c);
+  fb_vec3_cross(rc, rate, c);
+  fb_vec3_cross(ppc, phi, pc);
+  fb_vec3_cross(mixed, phi, rc);
+  fbi_vec3_add_cross(mixed, rate, pc);
+  for (int i = 0; i < 3; i++) {
+    out[i] = -a_dot * pc[i] - a * rc[i] + b_dot * ppc[i] + b * mixed[i];
+  }
+}
+
+/* The same at point j. */
+static void fbi_line_turning(fb_real out[3], fbi_line_work *w, int j, const fb_real phi[3], const fb_real rate[3],
+                             const fb_real c[3])
+{
+  fbi_line_turned(out, w->a[j], w->b[j], w->a_dot[j], w->b_dot[j], phi, rate, c);
 }
 
 /* Rotation and angular velocity before the interval of point j. */
@@ -2229,8 +2252,8 @@ static void fbi_line_solid_momenta(fb_real P[3][FB_MAX_POINTS], fb_real b[3][FB_
 
 /* y and s of E14.7 from the moments B and C beyond each interval. */
 static FBI_NOINLINE void fbi_line_gradient_moments(fb_real y[3][FB_MAX_POINTS], fb_real s[3][FB_MAX_POINTS],
-                                      const fbi_line_work *w, const fb_line *line, fb_real B[3][FB_MAX_POINTS],
-                                      fb_real C[3][FB_MAX_POINTS])
+                                                   const fbi_line_work *w, const fb_line *line,
+                                                   fb_real B[3][FB_MAX_POINTS], fb_real C[3][FB_MAX_POINTS])
 {
   const int p = line->point, m = fbi_line_width(line);
   fb_real back[3][FB_MAX_POINTS];
@@ -2281,7 +2304,7 @@ static FBI_NOINLINE void fbi_line_gradient_moments(fb_real y[3][FB_MAX_POINTS], 
    Source: THEORY.md 14; the angular velocity of a section depends on the rotations before it.
    Cost: 300 flops and 6 points a point.  Fails: never.  Test: line_forces_are_the_gradient_of_the_energy. */
 static FBI_NOINLINE void fbi_line_gradient_add(fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_line *line,
-                                  const fb_real u[3], const fb_real o[3])
+                                               const fb_real u[3], const fb_real o[3])
 {
   const int p = line->point, m = fbi_line_width(line);
   fb_real P[3][FB_MAX_POINTS], F[3][FB_MAX_POINTS], G[3][FB_MAX_POINTS], b[3][FB_MAX_POINTS], c[3][FB_MAX_POINTS],
@@ -2378,7 +2401,7 @@ static void fbi_line_axes(fb_real x[3], const fb_line *line, const fb_real in_bo
 
 /* x_a += dT/dq_a of all lines at fixed velocities V (body axes) and q_dot. */
 static FBI_NOINLINE void fbi_lines_gradient_add(fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_real V[6],
-                                   const fb_real *q_dot)
+                                                const fb_real *q_dot)
 {
   for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
     fbi_line_rates(w, all, line, q_dot);
@@ -2439,7 +2462,8 @@ static void fbi_line_load_add(fb_real *x, fbi_line_work *w, const fb_lines *all,
 }
 
 /* Of all lines: c += first moment of mass about O, body axes; unless x is NULL x_a += g.dc/dq_a. */
-static FBI_NOINLINE void fbi_lines_pull(fb_real c[3], fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_real g[3])
+static FBI_NOINLINE void fbi_lines_pull(fb_real c[3], fb_real *x, fbi_line_work *w, const fb_lines *all,
+                                        const fb_real g[3])
 {
   if (x) {
     fbi_lines_unload(w, all);
@@ -2759,6 +2783,121 @@ static void fbi_line_node_bias(fb_real a[3], fb_real alpha[3], fbi_line_work *w,
   for (int j = line->point; j < line->point + line->count; j++) {
     fbi_line_tangent_bias(own, w, j);
     fbi_vec3_add(a, node->weight[j - line->point], own);
+  }
+}
+
+/* x_k += J_dot_k.L of the interval before a node: what L about the node adds by that interval (E9.25). */
+static void fbi_line_step_take(fb_real *x, fbi_line_work *w, const fb_line *line, const fb_line_node *node,
+                               const fbi_line_step *s, const fb_real *q_dot, const fb_real L[3])
+{
+  fb_real A_dot[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, B_dot[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_real before[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, rate[3], mixed[3], back[3], y[3], own[3], by[3], x_dot;
+  for (int k = 0; k < line->n; k++) {
+    fbi_vec3_add(A_dot, q_dot[line->first + k], node->turn + 3 * k);
+    fbi_vec3_add(B_dot, q_dot[line->first + k], node->bow + 3 * k);
+  }
+  fb_vec3_cross(mixed, A_dot, s->B);
+  fbi_vec3_add_cross(mixed, s->A, B_dot);
+  fbi_vec3_advance(rate, A_dot, -FBI_SIXTH, mixed);
+  if (node->after || line->hangs) {
+    fbi_line_get3(before, w->w, (node->after ? node->after : line->hangs) - 1);
+  }
+
+  /* by phi, y = N^T (L x w) + (dT/dt)^T H^T L, and by its rate, N^T L */
+  fb_mat33_mulT_vec3(back, s->before, L);
+  x_dot = FB_R(2.0) * fb_vec3_dot(s->phi, rate);
+  fbi_line_turned(y, s->a, s->b, s->a1 * x_dot, s->b1 * x_dot, s->phi, rate, back);
+  fb_vec3_cross(own, L, before);
+  fb_mat33_mulT_vec3(mixed, s->N, own);
+  fbi_vec3_add(y, FB_R(1.0), mixed);
+  fb_mat33_mulT_vec3(by, s->N, L);
+
+  /* to the coordinates */
+  fb_vec3_cross(mixed, s->B, y);
+  fbi_vec3_add_cross(mixed, B_dot, by);
+  fbi_vec3_advance(own, y, -FBI_SIXTH, mixed);
+  fb_vec3_cross(mixed, y, s->A);
+  fbi_vec3_add_cross(mixed, by, A_dot);
+  for (int k = 0; k < line->n; k++) {
+    x[line->first + k] += fb_vec3_dot(node->turn + 3 * k, own) - FBI_SIXTH * fb_vec3_dot(node->bow + 3 * k, mixed);
+  }
+}
+
+/* [E9.25] Rate of a node's Jacobian on a line times a momentum (P, L) about the node, line axes: x_a += Jv_dot_a.P +
+   Jw_dot_a.L at the velocities of fbi_line_rates, by one sweep from the tip. With the weights W_j of the tangents in the
+   node's position, F_j = W_j P,  C: t x F, and L where the node is, summed from the tip,  D: t_dot x F likewise,
+   t_dot = w x t + g:  y = N^T (D + C x w) + (dT/dt)^T H^T C,  s = N^T C  to the turns, w and H before the interval,
+   H^T (F x w) to the stretches.
+   Source: derivative of E14.5 and E14.14 by time, transposed.  Cost: 250 flops a point.  Fails: never.
+   Test: rates_of_systems_with_lines_are_those_of_hamilton. */
+static void fbi_line_node_take(fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_line *line,
+                               const fb_line_node *node, const fbi_line_step *step, const fb_real *q_dot,
+                               const fb_real P[3], const fb_real L[3])
+{
+  fb_real y[3][FB_MAX_POINTS], s[3][FB_MAX_POINTS], f[3][FB_MAX_POINTS];
+  fb_real C_in[3] = {L[0], L[1], L[2]}, D_in[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  int at = (int)node->after - 1, spacing = 1;
+  const fb_real *weight = node->weight;
+  fbi_line_step_take(x, w, line, node, step, q_dot, L);
+
+  /* its line, then those that it hangs on; at: the point where (C_in, D_in) enter */
+  for (int more = 1; more;) {
+    const int p = line->point, m = line->stride;
+    fb_real C[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, D[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+    for (int j = p + line->count - 1; j >= p; j--) {
+      fb_real t[3], t_dot[3], turn[3], F[3], H[9], N[9], before[3], phi[3], rate[3], own[3], back[3];
+      fbi_line_get3(t, w->t, j);
+      fbi_line_get3(turn, w->w, j);
+      fbi_line_get3(t_dot, w->t_dot, j);
+      for (int i = 0; i < 3; i++) {
+        F[i] = weight[(j - p) * spacing] * P[i];
+      }
+      fbi_vec3_add_cross(C, t, F);
+      fbi_vec3_add_cross(D, t_dot, F);
+      if (j == at) {
+        fbi_vec3_add(C, FB_R(1.0), C_in);
+        fbi_vec3_add(D, FB_R(1.0), D_in);
+      }
+      fb_vec3_cross(own, F, turn);
+      fbi_line_get9(H, w->H, j);
+      fb_mat33_mulT_vec3(back, H, own);
+      fbi_line_set3(f, j, back);
+
+      /* H and w before the interval; y, s */
+      fbi_line_before(H, before, w, line, j);
+      fb_mat33_mulT_vec3(back, H, C);
+      fbi_line_get9(N, w->N, j);
+      fbi_line_get3(phi, w->phi, j);
+      fbi_line_get3(rate, w->phi_dot, j);
+      fbi_vec3_copy(own, D);
+      fbi_vec3_add_cross(own, C, before);
+      fb_mat33_mulT_vec3(turn, N, own);
+      fbi_line_turning(own, w, j, phi, rate, back);
+      fbi_vec3_add(own, FB_R(1.0), turn);
+      fbi_line_set3(y, j, own);
+      fb_mat33_mulT_vec3(own, N, C);
+      fbi_line_set3(s, j, own);
+    }
+    for (int i = 0; i < 3 && m > line->count; i++) {
+      y[i][p + line->count] = s[i][p + line->count] = f[i][p + line->count] = FB_R(0.0);
+    }
+    fbi_line_moments_add(x, w, all, line, y, s);
+    fbi_line_rows_add(x, all, line, line->row + line->n_turn, line->n_stretch, 0, f);
+
+    /* the line that it hangs on */
+    if (at < p) {
+      fbi_vec3_add(C, FB_R(1.0), C_in);
+      fbi_vec3_add(D, FB_R(1.0), D_in);
+    }
+    more = line->hangs > 0;
+    if (more) {
+      at = line->hangs - 1;
+      line = fbi_line_of(all, at);
+      weight = all->table + line->weight + at - line->point;
+      spacing = line->stride;
+      fbi_vec3_copy(C_in, C);
+      fbi_vec3_copy(D_in, D);
+    }
   }
 }
 #endif
@@ -3317,11 +3456,12 @@ static int fbi_large_factor(fb_real *M, int n)
   return sound;
 }
 
-/* [E14.12] Inertia of a body with lines at q: M(q) = M_rest + M_lines(q), factored, Lambda(q) and M_rr(q) likewise; the
+/* [E14.12] Inertia of a body with lines at q: M(q) = M_rest + M_lines(q) (lower triangle to w->L), Lambda(q)
+   and M_rr(q) likewise; the
    rest are hub, lumped bodies and imported components with their terms of E8.9 and E8.11.
    Source: sum of kinetic energies.  Fails: an interval turns beyond E14.2, M not positive definite.
    Test: momenta_of_lines_agree_with_particles. */
-static fb_status fbi_large_inertia(fbi_kinetics *k, const fb_body *body, const fb_real *q)
+static FBI_NOINLINE fb_status fbi_large_matrices(fbi_kinetics *k, const fb_body *body, const fb_real *q)
 {
   const int n = body->n;
   fbi_line_work *const w = k->line;
@@ -3332,7 +3472,14 @@ static fb_status fbi_large_inertia(fbi_kinetics *k, const fb_body *body, const f
   fbi_lambda_rows(w->X, body, k->qx, 0, body->n_lambda);
   fbi_S_eval(w->M_rr, body, k->qx, body->n_run);
   fbi_lines_inertia_add(w->L, w->X, w->M_rr, w, &body->lines, n);
-  return fbi_large_factor(w->L, n) ? FB_OK : FB_ERR_RANGE;
+  return FB_OK;
+}
+
+/* The same, M factored. */
+static fb_status fbi_large_inertia(fbi_kinetics *k, const fb_body *body, const fb_real *q)
+{
+  const fb_status status = fbi_large_matrices(k, body, q);
+  return status ? status : fbi_large_factor(k->line->L, body->n) ? FB_OK : FB_ERR_RANGE;
 }
 
 /* y -= Lambda(q) x */
@@ -3351,16 +3498,12 @@ static void fbi_large_lambdaT_sub(fb_real *e, const fbi_kinetics *k, const fb_bo
   }
 }
 
-/* [E14.13] Elastic equations with lines, q_dot = M^-1 (pi - Lambda^T V),  pi_dot = f_e - K q - C q_dot + dT/dq at fixed
-   V and q_dot: Hamilton's equations for any M, Lambda and M_rr of q, hence conservative.
-   Source: THEORY.md 14.  Fails: never.  Test: lines_conserve_energy_and_momentum. */
-static FBI_NOINLINE void fbi_large_rates(fb_real *q_dot, fbi_kinetics *k, const fb_body *body, const fb_real *pi)
+/* k.x += dT/dq at fixed V and q_dot, of the lines and of the rest; that of the lines stays in w->gradient. */
+static FBI_NOINLINE void fbi_large_gradient(fbi_kinetics *k, const fb_body *body, const fb_real *q_dot)
 {
   fb_real unused[FB_MAX_MODES];
   fbi_line_work *const w = k->line;
-  fbi_copy(w->e, pi, body->n);
-  fbi_large_lambdaT_sub(w->e, k, body, k->V);
-  fb_chol_solve(q_dot, w->L, w->e, body->n);
+  fbi_zero(unused, body->n);
   fbi_zero(w->gradient, body->n);
   fbi_lines_gradient_add(w->gradient, w, &body->lines, k->V, q_dot);
   fbi_lambda_linear_gradients(unused, k->x, body, k->V, k->qx, q_dot);
@@ -3370,6 +3513,18 @@ static FBI_NOINLINE void fbi_large_rates(fb_real *q_dot, fbi_kinetics *k, const 
   for (int a = 0; a < body->n; a++) {
     k->x[a + 1] += w->gradient[a];
   }
+}
+
+/* [E14.13] Elastic equations with lines, q_dot = M^-1 (pi - Lambda^T V),  pi_dot = f_e - K q - C q_dot + dT/dq at fixed
+   V and q_dot: Hamilton's equations for any M, Lambda and M_rr of q, hence conservative.
+   Source: THEORY.md 14.  Fails: never.  Test: lines_conserve_energy_and_momentum. */
+static void fbi_large_rates(fb_real *q_dot, fbi_kinetics *k, const fb_body *body, const fb_real *pi)
+{
+  fbi_line_work *const w = k->line;
+  fbi_copy(w->e, pi, body->n);
+  fbi_large_lambdaT_sub(w->e, k, body, k->V);
+  fb_chol_solve(q_dot, w->L, w->e, body->n);
+  fbi_large_gradient(k, body, q_dot);
 }
 #endif
 
@@ -3391,7 +3546,8 @@ static void fbi_given_velocity(fbi_kinetics *k, const fb_body *body, const fb_st
 
 #if FB_WITH_LARGE_DEFLECTION
 /* E8.13 for a body with lines; k.qx is set. */
-static FBI_NOINLINE fb_status fbi_large_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
+static FBI_NOINLINE fb_status fbi_large_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state,
+                                                 const fb_input *input)
 {
   fb_real y[6];
   const fb_status status = fbi_large_inertia(k, body, state->q);
@@ -3540,6 +3696,19 @@ static void fbi_large_convection(fb_real u_dd[3], fb_real turn_dd[3], fbi_line_w
   fbi_line_node_bias(a, alpha, w, line, &node->line, &s, q_dot);
   fbi_line_to_body(u_dd, line, a);
   fbi_line_to_body(turn_dd, line, alpha);
+}
+
+/* x_a += (rate of the Jacobian of a node)_a . G, G a momentum about the node, body axes (E9.25). */
+static void fbi_large_node_take(fb_real *x, const fbi_kinetics *k, const fb_body *body, const fb_node *node,
+                                const fb_real *q_dot, const fb_real G[6])
+{
+  const fb_line *const line = &body->lines.line[node->line.line - 1];
+  fbi_line_step s;
+  fb_real P[3], L[3];
+  fbi_line_axes(P, line, G);
+  fbi_line_axes(L, line, G + 3);
+  fbi_line_step_eval(&s, k->line, line, &node->line, k->qx + 1);
+  fbi_line_node_take(x, k->line, &body->lines, line, &node->line, &s, q_dot, P, L);
 }
 #endif
 
@@ -4883,6 +5052,42 @@ static fb_status fbi_base_accelerate(fb_motion *m, fb_real V_dot[6], const fbi_k
 }
 
 #if FB_WITH_LARGE_DEFLECTION
+/* Of a body with lines less the inertia forces that its velocities alone cause, y and e: turning and rates of M_rr and
+   Lambda of the rest; E14.15 and dT/dq of the lines. */
+static FBI_NOINLINE void fbi_large_bias_sub(fb_real y[6], fb_real *e, fbi_kinetics *k, const fb_body *body,
+                                            const fb_real *q_dot)
+{
+  const int n = body->n;
+  fbi_line_work *const w = k->line;
+  fb_real xd[FB_MAX_MODES + 1], own[6], turn[6], SV[6], bias[6] = {FB_R(0.0)}, x[FB_MAX_MODES],
+                                                        unused[FB_MAX_MODES + 1] = {FB_R(0.0)};
+  xd[0] = FB_R(0.0);
+  fbi_copy(xd + 1, q_dot, n);
+
+  /* the rest */
+  fbi_S_eval(k->S, body, k->qx, body->n_run);
+  fb_sym6_mul_vec6(k->ph, k->S, k->V);
+  fbi_vec6_zero(own);
+  fbi_lambda_sub(own, body, k->qx, q_dot);
+  fbi_vec6_add(k->ph, -FB_R(1.0), own);
+  fbi_turning(turn, k->V, k->ph);
+  fbi_S_rate(k->dS, body, k->qx, xd);
+  fb_sym6_mul_vec6(SV, k->dS, k->V);
+  for (int i = 0; i < 6; i++) {
+    y[i] -= turn[i] + SV[i];
+  }
+  fbi_lambda_linear_sub(y, body, xd, q_dot);
+  fbi_lambda_linear_gradients(e, unused, body, k->V, xd, q_dot);
+
+  /* the lines */
+  fbi_zero(x, n);
+  fbi_lines_bias_add(bias, x, w->push, w, &body->lines, k->V, q_dot);
+  for (int a = 0; a < n; a++) {
+    e[a] -= w->gradient[a] + x[a];
+  }
+  fbi_vec6_add(y, -FB_R(1.0), bias);
+}
+
 /* [E14.16] Accelerations of a body with lines, Newton's equations with the inertia forces of its velocities alone:
    M_rr V_dot + Lambda q_ddot = (f, g) - bias,  Lambda^T V_dot + M q_ddot = pi_dot - dT/dq of the lines - bias, E14.15
    of the lines and E8.19 of the rest.
@@ -4893,34 +5098,15 @@ static fb_status fbi_large_accelerations(fb_motion *m, fbi_kinetics *k, const fb
 {
   const int n = body->n;
   fbi_line_work *const w = k->line;
-  fb_real xd[FB_MAX_MODES + 1], y[6], V_dot[6], turn[6], SV[6], bias[6] = {FB_R(0.0)}, x[FB_MAX_MODES], e[FB_MAX_MODES];
+  fb_real xd[FB_MAX_MODES + 1], y[6], V_dot[6], x[FB_MAX_MODES], e[FB_MAX_MODES];
   fb_status status;
   xd[0] = FB_R(0.0);
   fbi_copy(xd + 1, rate->q, n);
 
-  /* the rest: its momenta, turning, rates of its M_rr and Lambda */
-  fbi_S_eval(k->S, body, k->qx, body->n_run);
-  fb_sym6_mul_vec6(k->ph, k->S, k->V);
-  fbi_vec6_zero(y);
-  fbi_lambda_sub(y, body, k->qx, rate->q);
-  fbi_vec6_add(k->ph, -FB_R(1.0), y);
-  fbi_turning(turn, k->V, k->ph);
-  fbi_S_rate(k->dS, body, k->qx, xd);
-  fb_sym6_mul_vec6(SV, k->dS, k->V);
-  for (int i = 0; i < 6; i++) {
-    y[i] = k->fg[i] - turn[i] - SV[i];
-  }
-  fbi_lambda_linear_sub(y, body, xd, rate->q);
+  /* loads less inertia forces of the velocities */
+  fbi_vec6_copy(y, k->fg);
   fbi_copy(e, rate->pi, n);
-  fbi_lambda_linear_gradients(e, k->x, body, k->V, xd, rate->q); /* k.x: scratch by now */
-
-  /* the lines */
-  fbi_zero(x, n);
-  fbi_lines_bias_add(bias, x, w->push, w, &body->lines, k->V, rate->q);
-  for (int a = 0; a < n; a++) {
-    e[a] -= w->gradient[a] + x[a];
-  }
-  fbi_vec6_add(y, -FB_R(1.0), bias);
+  fbi_large_bias_sub(y, e, k, body, rate->q);
 
   /* Schur complement */
   fb_chol_solve(x, w->L, e, n);
@@ -6106,6 +6292,13 @@ static void fbi_links_place(fb_system_work *w, const fb_system *system, const fb
       L->k.qx[a + 1] = state->link[k].q[a];
     }
 
+#if FB_WITH_LARGE_DEFLECTION
+    if (fbi_is_large(model)) { /* poses of its lines, M, Lambda and M_rr at q */
+      L->k.line = &w->line[k];
+      L->sound = fbi_large_matrices(&L->k, model, L->k.qx + 1);
+    }
+#endif
+
     /* axis modes; a body whose joint is enforced by multipliers is free */
     if (fbi_is_kept(system, w, k)) {
       L->mode[0] = L->mode[1] = L->mode[2] = FB_AXIS_FREE;
@@ -6291,6 +6484,23 @@ static void fbi_from_node(fb_real V[6], const fbi_link_work *L, const fb_real no
   fb_mat33_mulT_vec3(V + 3, L->C, node + 3);
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* fbi_link_open of a body with lines: E += s M(q) (lower triangle), X = Lambda(q)^T, S = M_rr(q). */
+static void fbi_large_open(fbi_link_work *L, int n, fb_real s)
+{
+  const fbi_line_work *const w = L->k.line;
+  for (int a = 0; a < n; a++) {
+    for (int b = 0; b <= a; b++) {
+      L->E[a * n + b] += s * w->L[a * n + b];
+    }
+    for (int i = 0; i < 6; i++) {
+      L->X[6 * a + i] = w->X[i * n + a];
+    }
+  }
+  fbi_sym6_copy(L->S, w->M_rr);
+}
+#endif
+
 /* Elastic block of the articulated-body inertia, for bodies whose nodes carry children or whose modes are integrated
    implicitly: E = (1 + heavy) M + g C + g^2 K_t, X = Lambda^T (6 per mode), S = M_rr = S + Lambda M^-1 Lambda^T.
    heavy: extra modal mass while loops are closed. */
@@ -6318,6 +6528,12 @@ static FBI_NOINLINE void fbi_link_open(fbi_link_work *L, const fb_body *body, fb
     }
 #endif
   }
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    fbi_large_open(L, n, FB_R(1.0) + heavy);
+    return;
+  }
+#endif
   fbi_sparse_add(L->E, FB_R(1.0) + heavy, &body->M, n);
 
   /* X = Lambda^T */
@@ -6344,6 +6560,18 @@ static FBI_NOINLINE void fbi_link_open(fbi_link_work *L, const fb_body *body, fb
     }
   }
   fbi_row_sub(L->S, -FB_R(1.0), sum, 21); /* the sum first: S is rounded once */
+}
+
+/* Of a body with lines as placed: S = M_rr(q), and whether its lines are in range. */
+static fb_status fbi_large_begin(fbi_link_work *L)
+{
+#if FB_WITH_LARGE_DEFLECTION
+  fbi_sym6_copy(L->S, L->k.line->M_rr);
+  return L->sound;
+#else
+  (void)L;
+  return FB_OK;
+#endif
 }
 
 /* Adds a child of inertia S on a node that modes move: E += J^T I J (the lower triangle, which is factored),
@@ -6443,12 +6671,17 @@ static FBI_FLATTEN fb_status fbi_tree_factor(fb_system_work *w, const fb_system 
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     const fb_body *model = L->model;
-    if (model->constant_S) {
+    if (fbi_is_large(model)) {
+      if (fbi_large_begin(L) != FB_OK) {
+        w->joint = k;
+        return fbi_large_begin(L);
+      }
+    } else if (model->constant_S) {
       fbi_sym6_copy(L->S, model->S0);
     } else {
       fbi_S_eval(L->S, model, L->k.qx, model->n_run);
     }
-    L->open = model->n > 0 && (L->coupled || g + w->heavy > FB_R(0.0));
+    L->open = model->n > 0 && (L->coupled || g + w->heavy > FB_R(0.0) || fbi_is_large(model));
     if (L->open) {
       fbi_link_open(L, model, g, w->heavy);
     }
@@ -6736,7 +6969,9 @@ static void fbi_dense_add(fb_system_work *w, const fb_system *system, const fb_b
   const fb_real *T = w->T + 6 * k * N;
 
   /* own inertia and velocity map */
-  fbi_S_eval(L->S, model, L->k.qx, model->n_run);
+  if (!fbi_is_large(model)) {
+    fbi_S_eval(L->S, model, L->k.qx, model->n_run);
+  }
   fbi_link_open(L, model, g, w->heavy);
   fbi_velocity_map(w, system, body, k, N);
 
@@ -6787,6 +7022,10 @@ static FBI_NOINLINE fb_status fbi_dense_factor(fb_system_work *w, const fb_syste
   /* lower triangle, mirrored to the upper one */
   fbi_zero(w->M, N * N);
   for (int k = 0; k < system->n_body; k++) {
+    if (fbi_is_large(fbi_model(system, body, k)) && fbi_large_begin(&w->link[k]) != FB_OK) {
+      w->joint = k;
+      return fbi_large_begin(&w->link[k]);
+    }
     fbi_dense_add(w, system, body, g, k, N);
   }
   for (int c = 0; c < N; c++) {
@@ -7819,10 +8058,56 @@ static void fbi_link_kinetics(fbi_link_work *L, const fb_body *body)
   }
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* Momenta of a body with lines at V and q_dot: (p, h) = M_rr V + Lambda q_dot to k.ph, M q_dot + Lambda^T V to e. */
+static void fbi_large_momenta(fb_real *e, fbi_link_work *L, const fb_real V[6], const fb_real *q_dot, int n)
+{
+  const fbi_line_work *const w = L->k.line;
+  fb_sym6_mul_vec6(L->k.ph, w->M_rr, V);
+  for (int i = 0; i < 6; i++) {
+    L->k.ph[i] += fbi_dot(w->X + i * n, q_dot, n);
+  }
+  for (int a = 0; a < n; a++) {
+    e[a] = fbi_dot(w->L + a * n, q_dot, a + 1);
+    for (int b = a + 1; b < n; b++) {
+      e[a] += w->L[b * n + a] * q_dot[b];
+    }
+    for (int i = 0; i < 6; i++) {
+      e[a] += w->X[i * n + a] * V[i];
+    }
+  }
+}
+#endif
+
+/* Kinetics of a body as above, and its own momenta (p, h), k.ph; those of its modes with modes != 0 to L->e. */
+static void fbi_link_momenta(fbi_link_work *L, const fb_body *body, int modes)
+{
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    fbi_vec6_copy(L->k.V, L->V);
+    fbi_large_momenta(L->e, L, L->V, L->q_dot, body->n);
+    return;
+  }
+#endif
+  fbi_link_kinetics(L, body);
+  fbi_momenta(&L->k, body);
+  if (modes) {
+    fbi_mass_mul(L->e, body, L->k.pb);
+  }
+}
+
 /* k.x, the forces of the body's own inertia on its modes (E8.17), and its kinetics as above. For modes that carry no
    children the solution has left pb in L->e; q_dot is then found here. */
 static void fbi_link_inertia(fbi_link_work *L, const fb_body *body)
 {
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    fbi_vec6_copy(L->k.V, L->V);
+    fbi_zero(L->k.x, body->n + 1);
+    fbi_large_gradient(&L->k, body, L->q_dot);
+    return;
+  }
+#endif
   if (body->n > 0) {
     if (L->has_speeds) {
       fbi_link_kinetics(L, body);
@@ -7950,16 +8235,46 @@ static FBI_NOINLINE fb_real fbi_kept_springs(fb_system_work *w, const fb_system 
   return power;
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* E9.12 of a node on a line, with J_dot_a.G by E9.25. */
+static FBI_NOINLINE void fbi_large_take(fb_real *x, const fbi_node_field *f, const fbi_kinetics *k, const fb_body *body,
+                                        const fb_node *node, const fb_real *q_dot, const fb_real V[6],
+                                        const fb_real n[3], const fb_real G[6], const fb_real F[6])
+{
+  fb_real at[6], turn[6], load[6];
+  fbi_vec6_copy(at, V);
+  fbi_vec3_add_cross(at, V + 3, n);
+  for (int a = 0; a < body->n; a++) {
+    fbi_vec3_add(at, q_dot[a], f->Ju + 3 * a);
+  }
+  fbi_turning(turn, at, G);
+  for (int i = 0; i < 6; i++) {
+    load[i] = F[i] - turn[i];
+  }
+  for (int a = 0; a < body->n; a++) {
+    x[a] += fb_vec3_dot(f->Ju + 3 * a, load) + fb_vec3_dot(f->Jphi + 3 * a, load + 3);
+  }
+  fbi_large_node_take(x, k, body, node, q_dot, G);
+}
+#endif
+
 /* [E9.12] Generalized force on the modes of a body by what a node carries that they move: with the momentum G and load
    F of that about the node, body axes,
    pi_dot_a += J_a.(F - turning of G) + J_dot_a.G,  turning: the transport term (w x p, w x h + v_n x p) with v_n of
    the node, w of the body.
    Source: d/dt of pi_a = pi_own,a + J_a.G.  Cost: 40 n flops, with a quadratic field 24 n^2.  Fails: never.
    Test: systems_keep_energy_and_momentum. */
-static FBI_NOINLINE void fbi_node_take(fb_real *x, const fbi_node_field *f, const fb_body *body, const fb_node *node,
-                                       const fb_real *q_dot, const fb_real V[6], const fb_real n[3], const fb_real G[6],
-                                       const fb_real F[6])
+static FBI_NOINLINE void fbi_node_take(fb_real *x, const fbi_node_field *f, const fbi_kinetics *k, const fb_body *body,
+                                       const fb_node *node, const fb_real *q_dot, const fb_real V[6],
+                                       const fb_real n[3], const fb_real G[6], const fb_real F[6])
 {
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_on_line(body, node)) {
+    fbi_large_take(x, f, k, body, node, q_dot, V, n, G, F);
+    return;
+  }
+#endif
+  (void)k;
   const fb_real scale = FB_R(1.0) / (FB_R(1.0) + FB_R(0.25) * fb_vec3_dot(f->phi, f->phi));
   fb_real Ju_dot[3 * FB_MAX_MODES], turn_dot[3 * FB_MAX_MODES], at[6], turn[6], load[6], phi_dot[3], shrink;
 
@@ -8024,7 +8339,7 @@ static FBI_NOINLINE void fbi_rows_loads(fb_system_work *w, const fb_system *syst
       /* on the modes; on the body about O */
       if (end->moves) {
         const fb_body *model = fbi_model(system, body, end->link);
-        fbi_node_take(L->k.x + 1, &end->f, model, &model->node[end->node], L->q_dot, L->V, end->n, G, F);
+        fbi_node_take(L->k.x + 1, &end->f, &L->k, model, &model->node[end->node], L->q_dot, L->V, end->n, G, F);
       }
       fbi_vec3_add_cross(F + 3, end->n, F);
       fbi_vec6_add(L->F, FB_R(1.0), F);
@@ -8120,7 +8435,8 @@ static void fbi_load_hand_in(const fbi_link_work *L)
     fb_real F[6] = {0}, G[6] = {0};
     fbi_to_parent_add(F, L, L->F);
     fbi_to_parent_add(G, L, L->G);
-    fbi_node_take(parent->k.x + 1, &L->node, on, &on->node[joint->parent_node], parent->q_dot, parent->V, L->n, G, F);
+    fbi_node_take(parent->k.x + 1, &L->node, &parent->k, on, &on->node[joint->parent_node], parent->q_dot, parent->V,
+                  L->n, G, F);
     fbi_vec3_add_cross(F + 3, L->n, F);
     fbi_vec6_add(parent->F, FB_R(1.0), F);
   } else {
@@ -8185,10 +8501,8 @@ static void fbi_momenta_fill(fb_system_state *state, fb_system_work *w, const fb
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     const fb_body *model = fbi_model(system, body, k);
-    fbi_link_kinetics(L, model);
-    fbi_momenta(&L->k, model);
+    fbi_link_momenta(L, model, 1);
     fbi_vec6_copy(L->b, L->k.ph);
-    fbi_mass_mul(L->e, model, L->k.pb);
     for (int a = 0; a < model->n; a++) {
       L->e[a] = -L->e[a]; /* fbi_hand_in subtracts from e */
     }
@@ -8720,6 +9034,23 @@ static fb_status fbi_system_range(const fb_system *system, const fb_body *body, 
   return FB_OK;
 }
 
+/* Every interval of a line within E14.2, so that no step leaves a state that the next one refuses. */
+static fb_status fbi_large_range(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                 const fb_system_state *state)
+{
+  int sound = 1;
+#if FB_WITH_LARGE_DEFLECTION
+  for (int k = 0; k < system->n_body; k++) {
+    const fb_body *model = fbi_model(system, body, k);
+    if (fbi_is_large(model)) {
+      sound &= fbi_lines_pose(&w->line[k], &model->lines, state->link[k].q);
+    }
+  }
+#endif
+  (void)w, (void)system, (void)body, (void)state;
+  return sound ? FB_OK : FB_ERR_RANGE;
+}
+
 /* Speeds of a placed tree: of motion (NULL: none) where axes are free, of the input where they are prescribed. */
 static void fbi_speeds_take(fb_system_work *w, const fb_system *system, const fb_body *body,
                             const fb_system_state *state, const fb_link_motion *motion, const fb_system_input *input)
@@ -8976,6 +9307,7 @@ FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *bo
 
   /* range check; result */
   status = status == FB_OK ? fbi_system_range(system, body, out) : status;
+  status = status == FB_OK ? fbi_large_range(work, system, body, out) : status;
   if (status == FB_OK) {
     *state = *out;
   }
@@ -9170,11 +9502,31 @@ static void fbi_end_acceleration(fbi_end *end, const fb_system_work *w, const fb
   }
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* fbi_own_residual of a body with lines (E14.16): y = F - bias - M_rr V_dot - Lambda q_ddot. */
+static FBI_NOINLINE void fbi_large_residual(fbi_link_work *L, const fb_body *body, const fb_real V_dot[6],
+                                            const fb_real *q_ddot)
+{
+  fb_real bias[FB_MAX_MODES] = {FB_R(0.0)};
+  fbi_vec6_copy(L->y, L->k.fg);
+  fbi_large_bias_sub(L->y, bias, &L->k, body, L->q_dot);
+  fbi_large_momenta(L->e, L, V_dot, q_ddot, body->n);
+  fbi_vec6_add(L->y, -FB_R(1.0), L->k.ph);
+  fbi_row_sub(L->e, FB_R(1.0), bias, body->n);
+}
+#endif
+
 /* Residual of a body's equations of motion, to be balanced by its joints: y = F - turning of G - G_dot; pi_dot to
    L->e. */
 static void fbi_own_residual(fbi_link_work *L, const fb_body *body, const fb_real V_dot[6], const fb_real *q_ddot)
 {
   fb_real turn[6];
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    fbi_large_residual(L, body, V_dot, q_ddot);
+    return;
+  }
+#endif
   fbi_own_momentum_rates(L, body, V_dot, q_ddot);
   fbi_turning(turn, L->V, L->k.ph);
   for (int i = 0; i < 6; i++) {
@@ -9444,8 +9796,7 @@ FB_DEF fb_status fb_system_motion_eval(const fb_system *system, const fb_body *b
   fbi_system_enter(work, system);
   status = status == FB_OK ? fbi_system_velocity(work, system, body, state, state, input, 0) : status;
   for (int k = 0; k < system->n_body && status == FB_OK; k++) {
-    fbi_link_kinetics(&work->link[k], fbi_model(system, body, k));
-    fbi_momenta(&work->link[k].k, fbi_model(system, body, k));
+    fbi_link_momenta(&work->link[k], fbi_model(system, body, k), 0);
   }
 
   /* accelerations; all finite? */
@@ -9483,9 +9834,7 @@ static void fbi_link_energy_add(fb_energy *out, fb_system_work *w, const fb_body
 {
   fbi_link_work *L = &w->link[k];
   fb_real u[3] = {0}, rho[3];
-  fbi_link_kinetics(L, model);
-  fbi_momenta(&L->k, model);
-  fbi_mass_mul(L->e, model, L->k.pb);
+  fbi_link_momenta(L, model, 1);
   out->kinetic += FB_R(0.5) * (fbi_vec6_dot(L->k.ph, L->V) + fbi_dot(L->e, L->q_dot, model->n));
   fbi_own_frame_add(u, FB_R(1.0), w, k);
   out->kinetic += fb_vec3_dot(L->k.ph, u) + FB_R(0.5) * model->mass * fb_vec3_dot(u, u);
@@ -9568,8 +9917,7 @@ FB_DEF fb_status fb_system_momentum_eval(const fb_system *system, const fb_body 
     const fb_body *model = fbi_model(system, body, k);
     fbi_link_work *L = &work->link[k];
     fb_real P[3], h[3], u[3] = {0}, rho[3];
-    fbi_link_kinetics(L, model);
-    fbi_momenta(&L->k, model);
+    fbi_link_momenta(L, model, 0);
     fbi_own_frame_add(u, FB_R(1.0), work, k);
     fbi_drift_momenta(L->b, L->e, L->first, L, model, u);
     fbi_vec6_add(L->k.ph, FB_R(1.0), L->b);
@@ -13203,6 +13551,7 @@ static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const
 
   /* Range, then commit */
   status = status == FB_OK ? fbi_system_range(system, body, next) : status;
+  status = status == FB_OK ? fbi_large_range(w, system, body, next) : status;
   if (status == FB_OK) {
     fbi_links_copy(state, next, system);
   }
@@ -18721,6 +19070,7 @@ static void fbi_line_weights(fb_real *weight, fb_real *root, const fbi_line_plan
 /* Positions of all points at q = 0, as E14.4; each in its line's axes. */
 static void fbi_lines_undeformed(fb_real r[3][FB_MAX_POINTS], const fb_lines *all)
 {
+  fb_real e[3][FB_MAX_POINTS];
   for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
     for (int i = 0; i < 3; i++) {
       const fb_real root = line->hangs ? r[i][line->hangs - 1] : FB_R(0.0);
@@ -18728,7 +19078,10 @@ static void fbi_lines_undeformed(fb_real r[3][FB_MAX_POINTS], const fb_lines *al
         r[i][j] = all->start[i][j] + root;
       }
     }
-    fbi_line_integrals_add(r[0] + line->point, FB_MAX_POINTS, all, line, all->tangent[0] + line->point);
+    for (int i = 0; i < 3; i++) {
+      fbi_copy(e[i] + line->point, all->tangent[i] + line->point, line->stride);
+    }
+    fbi_line_integrals_add(r, all, line, e);
   }
 }
 
