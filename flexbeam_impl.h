@@ -11347,6 +11347,7 @@ FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, f
 /* ---- implicit integrators */
 
 #define FBI_MAX_ITERATIONS 50
+#define FBI_WORD_LARGE "body: large deflection, steps of rk4 alone"
 /* Tangent stiffness matrix at q to w.K. */
 static void fbi_tangent(fb_implicit_work *w, const fb_body *body, const fb_real *q)
 {
@@ -11812,6 +11813,10 @@ FB_DEF fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_impli
   FBI_REQUIRE(body && state && work, FB_ERR_NULL);
   FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
 
+  if (fbi_is_large(body)) {
+    return FBI_REFUSE(FB_ERR_UNSUPPORTED, FBI_WORD_LARGE, -1, FB_R(0.0), FB_R(0.0));
+  }
+
   /* Iteration matrix at the start */
   if (fbi_is_following(body) && middle) {
     work->between = *middle;
@@ -11910,6 +11915,10 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
   FBI_REQUIRE(body && state && work, FB_ERR_NULL);
   FBI_REQUIRE((start != NULL) == (end != NULL), FB_ERR_NULL);
   FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
+
+  if (fbi_is_large(body)) {
+    return FBI_REFUSE(FB_ERR_UNSUPPORTED, FBI_WORD_LARGE, -1, FB_R(0.0), FB_R(0.0));
+  }
 
   /* Iteration matrix at the start, input at the first stage */
   status = fbi_implicit_start(work, &at, body, state, start, dt, c * dt);
@@ -12234,6 +12243,10 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   fb_real turn[3];
   fb_status status;
   FBI_REQUIRE(body && scheme && state && work, FB_ERR_NULL);
+
+  if (fbi_is_large(body)) {
+    return FBI_REFUSE(FB_ERR_UNSUPPORTED, FBI_WORD_LARGE, -1, FB_R(0.0), FB_R(0.0));
+  }
 
   /* N_1, step limit */
   fbi_state_enter(&work->start, k.R, body, state);
@@ -21078,6 +21091,9 @@ FB_DEF fb_status fb_exponential_init(fb_exponential *scheme, fb_body_work *work,
   FBI_REQUIRE_EXACT();
   if (!(dt > FB_R(0.0) && dt < FB_HUGE) || fbi_form(body) != 0) {
     return FB_ERR_VALUE;
+  }
+  if (fbi_is_large(body)) {
+    return FBI_REFUSE(FB_ERR_UNSUPPORTED, FBI_WORD_LARGE, -1, FB_R(0.0), FB_R(0.0));
   }
 
   /* Modes, membrane coordinates, Stumpff functions of half and full steps */
