@@ -1558,9 +1558,9 @@ FB_API fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real accelerat
 
 /* The implicit steppers factor one n x n matrix per step (LU): in the momentum form the Jacobian of the equations of
    motion but for the stiffening of the quadratic field, products of the spin and compression (with
-   FB_EFFECT_LARGE_DEFLECTION all but loads and gravity, by differences that cost n/2 evaluations); in the other forms
-   without gyroscopic terms and, first order, without the stiffness torque. Newton iterations with that matrix, a
-   fixed number (50 at most). Status and failure as fb_rk4_step, FB_ERR_STEP beyond fb_implicit_limit. */
+   FB_EFFECT_LARGE_DEFLECTION all but loads and gravity, by differences that cost two thirds of n + 1 evaluations); in
+   the other forms without gyroscopic terms and, first order, without the stiffness torque. Newton iterations with that
+   matrix, a fixed number (50 at most). Status and failure as fb_rk4_step, FB_ERR_STEP beyond fb_implicit_limit. */
 typedef struct fb_implicit_work {
   fb_state start, rate, first, base, stage, sum;
   fb_input between;

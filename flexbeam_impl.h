@@ -1466,27 +1466,24 @@ static void fbi_line_positions(fbi_line_work *w, const fb_lines *all, const fb_l
   fbi_line_integrals_add(w->r[0] + p, FB_MAX_POINTS, all, line, w->t[0] + p);
 }
 
-/* Squared angle by which the interval before a point turns at q; point: the one whose interval turns most or is not a
-   number. */
-static fb_real fbi_lines_turn(int *point, const fb_lines *all, const fb_real *q)
+/* Squared angles by which the intervals before the points turn at q; 0 where one is beyond FBI_LINE_TURN or not a number
+   (E14.2). */
+static int fbi_lines_within(fb_real *turn, const fb_lines *all, const fb_real *q)
 {
-  fb_real A[3][FB_MAX_POINTS], B[3][FB_MAX_POINTS], most = FB_R(0.0);
-  *point = 0;
+  fb_real A[3][FB_MAX_POINTS], B[3][FB_MAX_POINTS];
+  int sound = 1;
   for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
     fbi_line_rows_eval(A, all, line, line->row, line->n_turn, 0, q);
     fbi_line_rows_eval(B, all, line, line->row, line->n_turn, line->stride, q);
-    for (int j = line->point; j < line->point + line->count; j++) {
+    for (int j = line->point; j < line->point + line->stride; j++) {
       const fb_real x = A[0][j] - FBI_SIXTH * (A[1][j] * B[2][j] - A[2][j] * B[1][j]);
       const fb_real y = A[1][j] - FBI_SIXTH * (A[2][j] * B[0][j] - A[0][j] * B[2][j]);
       const fb_real z = A[2][j] - FBI_SIXTH * (A[0][j] * B[1][j] - A[1][j] * B[0][j]);
-      const fb_real turn = x * x + y * y + z * z;
-      if (!(turn <= most)) {
-        most = turn;
-        *point = j;
-      }
+      turn[j] = x * x + y * y + z * z;
+      sound &= turn[j] <= FBI_LINE_TURN;
     }
   }
-  return most;
+  return sound;
 }
 
 /* Poses of all lines at q. Returns 0 where an interval turns too far (E14.2). */
@@ -2982,13 +2979,17 @@ static void fbi_large_S(fbi_kinetics *k, const fb_body *body)
 /* Range of the lines: no interval turns by more than FBI_LINE_TURN (E14.2). */
 static fb_status fbi_large_range(const fb_body *body, const fb_real *q)
 {
-  int point;
-  const fb_real turn = fbi_lines_turn(&point, &body->lines, q);
-  if (turn <= FBI_LINE_TURN) {
+  fb_real turn[FB_MAX_POINTS];
+  int most = 0;
+  if (fbi_lines_within(turn, &body->lines, q)) {
     return FB_OK;
   }
+  for (int j = 1; j < body->lines.n_point; j++) {
+    most = turn[j] > turn[most] ? j : most;
+  }
+  (void)most;
   return fbi_is_finite(q, body->n)
-             ? FBI_REFUSE(FB_ERR_RANGE, FBI_WORD_INTERVAL, point, FB_SQRT(turn), FB_SQRT(FBI_LINE_TURN))
+             ? FBI_REFUSE(FB_ERR_RANGE, FBI_WORD_INTERVAL, most, FB_SQRT(turn[most]), FB_SQRT(FBI_LINE_TURN))
              : FB_ERR_NOT_FINITE;
 }
 
@@ -11108,8 +11109,8 @@ static fb_real fbi_lines_spin(const fbi_line_work *w, const fb_lines *all)
 }
 
 /* [E11.36] Inertia against which the modes swing at the present deflection, with the recoil of the base's free rows,
-   inverted: G = (M - Lambda^T M_rr^-1 Lambda)^-1 = P^T P + F^T F, P = L^-1, F = S^-1/2 Lambda M^-1. Returns 0 where S is
-   not positive definite.
+   inverted: G = (M - Lambda^T M_rr^-1 Lambda)^-1 = P^T P + F^T F, P = L^-1, F = S^-1/2 Lambda M^-1. 0: S is not
+   positive definite.
    Source: Schur complement.  Cost: n^3 + 6 n^2 flops.  Fails: see there.  Test: rk4_limits_hold_for_bent_lines. */
 static int fbi_large_mobility(fb_real *G, const fbi_kinetics *k, const fb_body *body)
 {
@@ -11169,15 +11170,6 @@ static int fbi_large_mobility(fb_real *G, const fbi_kinetics *k, const fb_body *
     }
   }
   return 1;
-}
-
-/* Inertia of the undeformed body; zero: scratch, n */
-static fb_status fbi_large_undeformed(fbi_kinetics *k, fb_real *zero, const fb_body *body)
-{
-  fbi_zero(zero, body->n);
-  fbi_zero(k->qx, body->n + 1);
-  k->qx[0] = FB_R(1.0);
-  return fbi_large_inertia(k, body, zero);
 }
 
 /* [E11.37] Bound of the largest eigenvalue of A, K or C, against the elastic mass of the present deflection, B = G A:
@@ -11741,9 +11733,9 @@ static fb_real fbi_lines_inertia(const fbi_line_work *w, const fb_lines *all)
 }
 
 /* [E11.38] Derivatives of the momenta and of dT/dq by q at fixed velocities, for E11.4 with lines: N' = dp/dq
-   (N = -N'^T), Y = dy/dq, K -= d^2T/dq^2, by forward differences, which have half the digits: the iteration needs two or
-   three.
-   Source: Hamilton's equations, linearized.  Cost: n + 1 poses and sweeps, some n/3 evaluations.  Fails: never.
+   (N = -N'^T), Y = dy/dq, K -= d^2T/dq^2, by forward differences, which have half the digits: the iteration needs two
+   or three.
+   Source: Hamilton's equations, linearized.  Cost: n + 1 poses and sweeps, two thirds of an evaluation each.  Fails: never.
    Test: newton_contracts_with_lines. */
 static void fbi_lines_slopes_add(fb_implicit_work *w, const fb_body *body, const fb_real *q, const fb_real *q_dot,
                                  int first)
@@ -11771,8 +11763,8 @@ static void fbi_lines_slopes_add(fb_implicit_work *w, const fb_body *body, const
 }
 
 /* Coupling (fbi_coupling) of a body with lines, w.rate: the rates at the start: M, X = Lambda and A = M_rr of the
-   start, derivatives N, Y at fixed velocities of the rest by its terms (Y as fbi_shape_rates, with q_dot for M^-1 pi and
-   M_rr for S), of the lines by E11.38; K loses d^2T/dq^2. */
+   start, derivatives N, Y at fixed velocities of the rest by its terms (Y as fbi_shape_rates, with q_dot for M^-1 pi
+   and M_rr for S), of the lines by E11.38; K loses d^2T/dq^2. */
 static fb_status fbi_large_coupling(fb_implicit_work *w, const fbi_kinetics *k, const fb_body *body)
 {
   const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first;
@@ -20161,6 +20153,15 @@ static void fbi_rest_fill(fb_body_work *work, const fb_body *body, const fb_shap
       rest->J[3 * i + j] = shape->J[3 * i + j] - w->M_rr[fb_sym6_index(3 + i, 3 + j)];
     }
   }
+}
+
+/* Inertia of the undeformed body; zero: scratch, n */
+static fb_status fbi_large_undeformed(fbi_kinetics *k, fb_real *zero, const fb_body *body)
+{
+  fbi_zero(zero, body->n);
+  fbi_zero(k->qx, body->n + 1);
+  k->qx[0] = FB_R(1.0);
+  return fbi_large_inertia(k, body, zero);
 }
 
 /* Bounds of E8.8 of the undeformed body with lines as steps find them (E11.37), so that fb_rk4_limit is what a step at
