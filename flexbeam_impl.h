@@ -10943,7 +10943,7 @@ FB_DEF fb_status fb_exact_momentum_eval(const fb_exact *m, fb_momentum *momentum
 #endif /* FB_WITH_EXACT */
 
 /* ---------------------------------------------------------------------------------------------------------------
-   RUN >>integrate: every step and its limit (uses config, status, vec3, rotation, solve, body, system, exact) */
+   RUN >>integrate: every step and its limit (uses config, status, vec3, rotation, solve, line, body, system, exact) */
 
 /* Bound of the highest frequency (E8.8) of deflected, stretched beams: with slope s and strain e
    k <= (sqrt(limit_elastic) + s sqrt(limit_slope))^2 + e limit_slope, the triangle inequality for u_x' + s u_y'. */
@@ -17588,7 +17588,7 @@ FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
 
 /* ---------------------------------------------------------------------------------------------------------------
    BUILD >>assemble: shape integrals, effects to terms, every _init of a model
-   (uses config, status, vec3, rotation, solve, body, system, exact, eigen, beam, modes) */
+   (uses config, status, vec3, rotation, solve, line, body, system, exact, integrate, eigen, beam, modes) */
 
 /* ---- shape integrals: an fb_shape holds the inertia shape integrals of a body, its modal stiffness and its nodes */
 
