@@ -1026,7 +1026,9 @@ FB_API fb_status fb_state_init(const fb_body *body, fb_state *state);
    FB_ERR_VALUE: a velocity that a pinned or hinged base holds at zero. */
 FB_API fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, const fb_real v[3], const fb_real w[3],
                                         const fb_real *q_dot);
-/* Finite, unit quaternion, within the deflection limit. FB_ERR_NOT_FINITE, FB_ERR_VALUE, FB_ERR_RANGE. */
+/* Finite, unit quaternion, within the deflection limit (of large deflection: no interval of a line turns by more than
+   1.22 rad), u and lost_u zero on a pinned or hinged base. FB_ERR_NOT_FINITE, FB_ERR_VALUE, FB_ERR_RANGE. Every state
+   that a step leaves passes. */
 FB_API fb_status fb_state_check(const fb_body *body, const fb_state *state);
 /* Time derivative of state under input (NULL: nothing acts). rate may not be state. FB_ERR_RANGE: S(q) is no longer
    positive definite, the deflection has left the model. FB_ERR_CAPACITY: a load names a node that does not exist. */
@@ -1580,13 +1582,17 @@ FB_API fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *
    the highest frequency, with rigid-elastic coupling, gyroscopic, stiffening and damping terms). The stiffening by
    loads and by angular acceleration is not in it, and nonlinear strain is that of the undeformed body: the step's own
    check takes the slopes it finds, which lower the limit (0.1 by some 5 %). FB_HUGE for a rigid body at rest, 0 for
-   input that is not a number. */
+   input that is not a number. FB_EFFECT_LARGE_DEFLECTION: of the undeformed body, too; mass and recoil change as it
+   bends, and the step's own check takes those it finds, and the fastest rotation of a section: a tip at 80 degrees may
+   allow 1.3 times this step or, beside a hub lighter than the beam, a third. A bound that costs no eigenvalues stands
+   for the highest frequency: up to 9 % too high where two are equal, as in both planes of a round beam. */
 FB_API fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real acceleration);
 
 /* The implicit steppers factor one n x n matrix per step (LU): in the momentum form the Jacobian of the equations of
-   motion but for the stiffening of the quadratic field, products of the spin and compression; in the other forms
-   without gyroscopic terms and, first order, without the stiffness torque. Newton iterations with that matrix, a
-   fixed number (50 at most). Status and failure as fb_rk4_step, FB_ERR_STEP beyond fb_implicit_limit. */
+   motion but for the stiffening of the quadratic field, products of the spin and compression (with
+   FB_EFFECT_LARGE_DEFLECTION all but loads and gravity, by differences that cost two thirds of n + 1 evaluations); in
+   the other forms without gyroscopic terms and, first order, without the stiffness torque. Newton iterations with that
+   matrix, a fixed number (50 at most). Status and failure as fb_rk4_step, FB_ERR_STEP beyond fb_implicit_limit. */
 typedef struct fb_implicit_work {
   fb_state start, rate, first, base, stage, sum;
   fb_input between;
@@ -1597,11 +1603,15 @@ typedef struct fb_implicit_work {
   fb_real X[6 * FB_MAX_MODES], Y[6 * FB_MAX_MODES], Z[6 * FB_MAX_MODES], A[36]; /* recoil of the base */
 #if FB_WITH_LARGE_DEFLECTION
   fbi_line_work line;
+  fb_real M[FB_MAX_MODES * FB_MAX_MODES]; /* elastic mass at the start of the step */
+  fb_real N[FB_MAX_MODES * FB_MAX_MODES]; /* less the transpose of the derivative of the elastic momenta by q */
+  fb_real inertia;                        /* [kg m^2] of the lines' points about O */
 #endif
 } fb_implicit_work;
 
 /* Largest step [s] of the implicit integrators at a spin |w| [rad/s] and an acceleration of O [m/s^2]: |w| dt <= 1/10,
-   less where the quadratic field stiffens much. FB_HUGE at rest, 0 for input that is not a number. */
+   less where the quadratic field stiffens much. FB_HUGE at rest, 0 for input that is not a number. It does not know how
+   far a body of large deflection bends within a step: one that bends too far is FB_ERR_CONVERGENCE. */
 FB_API fb_real fb_implicit_limit(const fb_body *body, fb_real spin, fb_real acceleration);
 
 /* Implicit midpoint rule, order 2, symmetric, without dissipation: fast modes keep ringing, at a frequency that is
@@ -1648,7 +1658,9 @@ FB_API fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
    tension of a spinning beam stiffens much, where the base is lighter than its modes and trembles with them (recoil
    of fb_body, 1 for a heavy hub; it counts squared), and with damping ratios above 1/4: choose a heavy hub, or an
    implicit integrator. The limit holds for any motion; a smooth one may be stepped further (allow_long_step). Order 4
-   is seen where omega dt is below about 5 for the modes that move. */
+   is seen where omega dt is below about 5 for the modes that move. FB_EFFECT_LARGE_DEFLECTION: the linear part is that
+   of the undeformed body, and what a deflection changes in it is explicit; the step refuses with FB_ERR_STEP when that
+   change times dt, or the rotation of a section within dt, is too large. For bodies that bend a little. */
 FB_API fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real acceleration);
 
 #if FB_WITH_SYSTEM

@@ -1608,6 +1608,26 @@ static void fbi_line_positions(fbi_line_work *FBI_RESTRICT w, const fb_lines *al
   fbi_line_integrals_add(w->r, all, line, w->t);
 }
 
+/* Squared angles by which the intervals before the points turn at q; 0 where one is beyond FBI_LINE_TURN or not a number
+   (E14.2). */
+static int fbi_lines_within(fb_real *turn, const fb_lines *all, const fb_real *q)
+{
+  fb_real A[3][FB_MAX_POINTS], B[3][FB_MAX_POINTS];
+  int sound = 1;
+  for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
+    fbi_line_rows_eval(A, all, line, line->row, line->n_turn, 0, q);
+    fbi_line_rows_eval(B, all, line, line->row, line->n_turn, line->stride, q);
+    for (int j = line->point; j < line->point + line->stride; j++) {
+      const fb_real x = A[0][j] - FBI_SIXTH * (A[1][j] * B[2][j] - A[2][j] * B[1][j]);
+      const fb_real y = A[1][j] - FBI_SIXTH * (A[2][j] * B[0][j] - A[0][j] * B[2][j]);
+      const fb_real z = A[2][j] - FBI_SIXTH * (A[0][j] * B[1][j] - A[1][j] * B[0][j]);
+      turn[j] = x * x + y * y + z * z;
+      sound &= turn[j] <= FBI_LINE_TURN;
+    }
+  }
+  return sound;
+}
+
 /* Where the points of all lines are at q: x, quat, H, t, r. Returns 0 where an interval turns too far (E14.2). */
 static int fbi_lines_place(fbi_line_work *w, const fb_lines *all, const fb_real *q)
 {
@@ -3378,6 +3398,8 @@ static fb_real fbi_strain_energy(const fb_body *body, const fb_real *q)
 #if FB_WITH_LARGE_DEFLECTION
 /* ---- bodies with lines of large deflection: M, Lambda and M_rr depend on q and are formed at every evaluation */
 
+#define FBI_WORD_INTERVAL "line: the interval before this of all points turns by an angle [rad], at most"
+
 /* Columns of Z = Lambda L^-T to w.column, and Z itself. */
 static void fbi_large_reduce(fbi_line_work *FBI_RESTRICT w, int n)
 {
@@ -3456,6 +3478,23 @@ static int fbi_large_factor(fb_real *M, int n)
   return sound;
 }
 
+/* Range of the lines: no interval turns by more than FBI_LINE_TURN (E14.2). */
+static fb_status fbi_large_range(const fb_body *body, const fb_real *q)
+{
+  fb_real turn[FB_MAX_POINTS];
+  int most = 0;
+  if (fbi_lines_within(turn, &body->lines, q)) {
+    return FB_OK;
+  }
+  for (int j = 1; j < body->lines.n_point; j++) {
+    most = turn[j] > turn[most] ? j : most;
+  }
+  (void)most;
+  return fbi_is_finite(q, body->n)
+             ? FBI_REFUSE(FB_ERR_RANGE, FBI_WORD_INTERVAL, most, FB_SQRT(turn[most]), FB_SQRT(FBI_LINE_TURN))
+             : FB_ERR_NOT_FINITE;
+}
+
 /* [E14.12] Inertia of a body with lines at q: M(q) = M_rest + M_lines(q) (lower triangle to w->L), Lambda(q)
    and M_rr(q) likewise; the
    rest are hub, lumped bodies and imported components with their terms of E8.9 and E8.11.
@@ -3466,7 +3505,7 @@ static FBI_NOINLINE fb_status fbi_large_matrices(fbi_kinetics *k, const fb_body 
   const int n = body->n;
   fbi_line_work *const w = k->line;
   if (!fbi_lines_pose(w, &body->lines, q)) {
-    return fbi_is_finite(q, n) ? FB_ERR_RANGE : FB_ERR_NOT_FINITE;
+    return fbi_large_range(body, q);
   }
   fbi_sparse_to_dense(w->L, &body->M_rest, n);
   fbi_lambda_rows(w->X, body, k->qx, 0, body->n_lambda);
@@ -4710,6 +4749,16 @@ static int fbi_farthest(const fb_body *body, const fb_real *q)
 }
 #endif
 
+/* O of a pinned or hinged base does not leave its pin: no velocity, nor a compensation term that becomes one. */
+static fb_status fbi_pin_check(const fb_body *body, const fb_state *state)
+{
+  if ((body->base == FB_BASE_PINNED || body->base == FB_BASE_HINGED) &&
+      !(fbi_is_zero(state->u, 3) && fbi_is_zero(state->lost_u, 3))) {
+    return FBI_REFUSE(FB_ERR_VALUE, "state: u and lost_u of a pinned or hinged base, zero", -1, FB_R(0.0), FB_R(0.0));
+  }
+  return FB_OK;
+}
+
 /* Checks that a state is finite and within the deflection limit. */
 static fb_status fbi_state_range(const fb_body *body, const fb_state *state)
 {
@@ -4730,6 +4779,11 @@ static fb_status fbi_state_range(const fb_body *body, const fb_state *state)
                : FBI_REFUSE(FB_ERR_NOT_FINITE, "mode: coordinate q of the state, finite", fbi_farthest(body, state->q),
                             FB_R(0.0), FB_R(0.0));
   }
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    return fbi_large_range(body, state->q);
+  }
+#endif
   return FB_OK;
 }
 
@@ -4754,9 +4808,7 @@ FB_DEF fb_status fb_state_check(const fb_body *body, const fb_state *state)
 #if FB_SINGLE
   status = status ? status : fbi_lost_check(body, state);
 #endif
-  if ((body->base == FB_BASE_PINNED || body->base == FB_BASE_HINGED) && !fbi_is_zero(state->u, 3)) {
-    status = status ? status : FB_ERR_VALUE; /* O would leave its pin */
-  }
+  status = status ? status : fbi_pin_check(body, state);
   return status == FB_OK && !fbi_quat_is_unit(state->quat) ? FB_ERR_VALUE : status;
 }
 
@@ -9030,25 +9082,16 @@ static fb_status fbi_system_range(const fb_system *system, const fb_body *body, 
     if (!(deflection <= model->deflection_limit)) {
       return FB_ERR_RANGE;
     }
+#if FB_WITH_LARGE_DEFLECTION
+    if (fbi_is_large(model)) {
+      const fb_status status = fbi_large_range(model, state->link[k].q);
+      if (status != FB_OK) {
+        return status;
+      }
+    }
+#endif
   }
   return FB_OK;
-}
-
-/* Every interval of a line within E14.2, so that no step leaves a state that the next one refuses. */
-static fb_status fbi_large_range(fb_system_work *w, const fb_system *system, const fb_body *body,
-                                 const fb_system_state *state)
-{
-  int sound = 1;
-#if FB_WITH_LARGE_DEFLECTION
-  for (int k = 0; k < system->n_body; k++) {
-    const fb_body *model = fbi_model(system, body, k);
-    if (fbi_is_large(model)) {
-      sound &= fbi_lines_pose(&w->line[k], &model->lines, state->link[k].q);
-    }
-  }
-#endif
-  (void)w, (void)system, (void)body, (void)state;
-  return sound ? FB_OK : FB_ERR_RANGE;
 }
 
 /* Speeds of a placed tree: of motion (NULL: none) where axes are free, of the input where they are prescribed. */
@@ -9307,7 +9350,6 @@ FB_DEF fb_status fb_system_state_init(const fb_system *system, const fb_body *bo
 
   /* range check; result */
   status = status == FB_OK ? fbi_system_range(system, body, out) : status;
-  status = status == FB_OK ? fbi_large_range(work, system, body, out) : status;
   if (status == FB_OK) {
     *state = *out;
   }
@@ -11752,7 +11794,7 @@ FB_DEF fb_status fb_exact_momentum_eval(const fb_exact *m, fb_momentum *momentum
 #endif /* FB_WITH_EXACT */
 
 /* ---------------------------------------------------------------------------------------------------------------
-   RUN >>integrate: every step and its limit (uses config, status, vec3, rotation, solve, body, system, exact) */
+   RUN >>integrate: every step and its limit (uses config, status, vec3, rotation, solve, line, body, system, exact) */
 
 /* Bound of the highest frequency (E8.8) of deflected, stretched beams: with slope s and strain e
    k <= (sqrt(limit_elastic) + s sqrt(limit_slope))^2 + e limit_slope, the triangle inequality for u_x' + s u_y'. */
@@ -11906,6 +11948,124 @@ static void fbi_step_conditions(fb_real *spin, fb_real *acceleration, const fb_b
 #endif
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* Fastest rotation of a point of the lines relative to the frame [rad/s], after rates. */
+static fb_real fbi_lines_spin(const fbi_line_work *w, const fb_lines *all)
+{
+  fb_real most = FB_R(0.0);
+  for (int j = 0; j < all->n_point; j++) {
+    most = fbi_larger(most, w->w[0][j] * w->w[0][j] + w->w[1][j] * w->w[1][j] + w->w[2][j] * w->w[2][j]);
+  }
+  return FB_SQRT(most);
+}
+
+/* [E11.36] Inertia against which the modes swing at the present deflection, with the recoil of the base's free rows,
+   inverted: G = (M - Lambda^T M_rr^-1 Lambda)^-1 = P^T P + F^T F, P = L^-1, F = S^-1/2 Lambda M^-1. 0: S is not
+   positive definite.
+   Source: Schur complement.  Cost: n^3 + 6 n^2 flops.  Fails: see there.  Test: rk4_limits_hold_for_bent_lines. */
+static int fbi_large_mobility(fb_real *G, const fbi_kinetics *k, const fb_body *body)
+{
+  const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first;
+  const fb_real *const L = k->line->L;
+  fb_real P[FB_MAX_MODES * FB_MAX_MODES], F[6 * FB_MAX_MODES], S[36];
+
+  /* P, lower triangle */
+  for (int i = 0; i < n; i++) {
+    const fb_real own = FB_R(1.0) / L[i * n + i];
+    for (int j = 0; j < i; j++) {
+      fb_real sum = FB_R(0.0);
+      for (int m = j; m < i; m++) {
+        sum += L[i * n + m] * P[m * n + j];
+      }
+      P[i * n + j] = -own * sum;
+    }
+    P[i * n + i] = own;
+  }
+
+  /* F */
+  for (int i = 0; i < rows; i++) {
+    for (int j = 0; j < rows; j++) {
+      S[i * rows + j] = k->S[fb_sym6_index(first + i, first + j)];
+    }
+    for (int a = 0; a < n; a++) {
+      fb_real sum = FB_R(0.0);
+      for (int m = a; m < n; m++) {
+        sum += k->line->Z[(first + i) * n + m] * P[m * n + a];
+      }
+      F[i * n + a] = sum;
+    }
+  }
+  if (rows > 0 && fb_chol_factor(S, rows) != FB_OK) {
+    return 0;
+  }
+  for (int i = 0; i < rows; i++) {
+    for (int j = 0; j < i; j++) {
+      fbi_row_sub(F + i * n, S[i * rows + j], F + j * n, n);
+    }
+    for (int a = 0; a < n; a++) {
+      F[i * n + a] /= S[i * (rows + 1)];
+    }
+  }
+
+  /* G */
+  for (int a = 0; a < n; a++) {
+    for (int b = 0; b <= a; b++) {
+      fb_real sum = FB_R(0.0);
+      for (int m = a; m < n; m++) {
+        sum += P[m * n + a] * P[m * n + b];
+      }
+      for (int i = 0; i < rows; i++) {
+        sum += F[i * n + a] * F[i * n + b];
+      }
+      G[a * n + b] = G[b * n + a] = sum;
+    }
+  }
+  return 1;
+}
+
+/* [E11.37] Bound of the largest eigenvalue of A, K or C, against the elastic mass of the present deflection, B = G A:
+   lambda^4 <= trace B^4, the sum of the fourth powers of all of them, none of which is negative. At most n^(1/8) too
+   high as a frequency, with two equal largest ones 9 %. unit: about what is to be found, against overflow.
+   Source: trace of a power.  Cost: 3 n^3 flops.  Fails: never.  Test: rk4_limits_hold_for_bent_lines. */
+static fb_real fbi_large_norm(const fb_real *G, const fb_sparse *A, fb_real unit, int n)
+{
+  const fb_real share = unit > FB_R(0.0) ? FB_R(1.0) / unit : FB_R(0.0);
+  fb_real B[FB_MAX_MODES * FB_MAX_MODES], C[FB_MAX_MODES * FB_MAX_MODES], trace = FB_R(0.0);
+  for (int a = 0; a < n; a++) { /* rows of G A */
+    fbi_sparse_eval(B + a * n, NULL, share, A, G + a * n, n);
+  }
+  for (int a = 0; a < n; a++) {
+    fbi_zero(C + a * n, n);
+    for (int b = 0; b < n; b++) {
+      fbi_row_sub(C + a * n, -B[a * n + b], B + b * n, n);
+    }
+  }
+  for (int ab = 0; ab < n * n; ab++) {
+    trace += C[ab] * C[ab % n * n + ab / n];
+  }
+  return unit * FB_SQRT(FB_SQRT(trace));
+}
+
+/* Bound of the highest frequency (E8.8) at the present deflection; the spin is that of the fastest section. */
+static FBI_NOINLINE fb_real fbi_large_bound(const fb_body *body, const fbi_kinetics *k, fb_real spin,
+                                            fb_real acceleration)
+{
+  const fb_real whole = spin + fbi_lines_spin(k->line, &body->lines);
+  fb_real G[FB_MAX_MODES * FB_MAX_MODES], g = whole, stiff;
+  if (!fbi_large_mobility(G, k, body)) {
+    return FB_HUGE;
+  }
+#if FB_WITH_DAMPING
+  if (fbi_has(body->effects, FB_EFFECT_DAMPING)) {
+    g += FB_R(0.5) * fbi_large_norm(G, &body->C, body->limit_damping, body->n);
+  }
+#endif
+  stiff = fbi_large_norm(G, &body->K, body->limit_elastic, body->n);
+  stiff += body->limit_spin * whole * whole + body->limit_acceleration * acceleration;
+  return g + FB_SQRT(g * g + stiff);
+}
+#endif
+
 static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const fb_input *input, fb_real dt)
 {
   fb_real spin, acceleration, slope = FB_R(0.0), strain = FB_R(0.0), bound;
@@ -11916,6 +12076,9 @@ static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const
   }
 #endif
   bound = fbi_frequency_bound(body, spin, acceleration, slope, strain);
+#if FB_WITH_LARGE_DEFLECTION
+  bound = fbi_is_large(body) ? fbi_large_bound(body, k, spin, acceleration) : bound;
+#endif
   return dt <= fbi_step_limit(FBI_RK4_RADIUS, bound)
              ? FB_OK
              : FBI_REFUSE_AT(FB_ERR_STEP, "dt [s] for the modes at this spin [rad/s], at most", -1, dt,
@@ -12116,6 +12279,8 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
   /* Position */
   if (fbi_is_flying(body)) {
     fbi_origin_lead(next->rho, line, body, start, next);
+  } else {
+    status = status ? status : fbi_pin_check(body, state);
   }
   FBI_SUM_KEPT(next, state, rho, 3);
 
@@ -12330,6 +12495,157 @@ static void fbi_turning_sub(fb_real *A, fb_real g, const fb_real h[3], int first
   }
 }
 
+/* Gyroscopic terms of the rigid mass matrix A and its LU factors, Z = A^-1 (X + g Y). */
+static fb_status fbi_coupling_factor(fb_implicit_work *w, const fbi_kinetics *k, const fb_body *body)
+{
+  const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first, momentum = fbi_form(body) == 0;
+  if (momentum) {
+    fbi_turning_mul(w->A, w->g, w->V + 3, first, rows);
+    fbi_turning_sub(w->A, w->g, k->ph + 3, first);
+  }
+  if (fbi_lu_plain_factor(w->A, rows) != FB_OK) {
+    return FB_ERR_RANGE;
+  }
+  for (int i = 0; i < rows * n; i++) {
+    w->Z[i] = w->X[i] + w->g * w->Y[i];
+  }
+  if (momentum) {
+    fbi_turning_mul(w->Z, w->g, w->V + 3, first, n);
+  }
+  fbi_rows_solve(w->Z, w->A, rows, n);
+  return FB_OK;
+}
+
+#if FB_WITH_LARGE_DEFLECTION
+/* Momenta of the lines from the velocities of their points (fbi_line_rates): y += (linear, angular about O), body axes,
+   p_a += that of coordinate a. */
+static void fbi_lines_momenta_add(fb_real y[6], fb_real *p, fbi_line_work *w, const fb_lines *all, const fb_real V[6])
+{
+  fb_real P[3][FB_MAX_POINTS], L[3][FB_MAX_POINTS];
+  fbi_lines_unload(w, all);
+  for (const fb_line *line = all->line + all->n_line; line-- > all->line;) {
+    fb_real u[3], o[3], total[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, moment[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+    fbi_line_axes(u, line, V);
+    fbi_line_axes(o, line, V + 3);
+    for (int j = line->point; j < line->point + line->stride; j++) {
+      fb_real r[3], own[3], turn[3], spun[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+      fbi_line_get3(r, w->r, j);
+      fbi_line_get3(own, w->v, j);
+      if (line->solid && j < line->point + line->count) {
+        fb_real rho[3], I[9];
+        fbi_line_get3(turn, w->w, j);
+        fbi_line_offset(rho, w, all, j);
+        fbi_line_spread(I, w, all, j);
+        fbi_vec3_add(r, FB_R(1.0), rho);
+        fbi_vec3_add_cross(own, turn, rho);
+        fbi_vec3_add(turn, FB_R(1.0), o);
+        fb_mat33_mul_vec3(spun, I, turn);
+      }
+      fbi_vec3_add(own, FB_R(1.0), u);
+      fbi_vec3_add_cross(own, o, r);
+      for (int i = 0; i < 3; i++) {
+        own[i] *= all->mass[j];
+      }
+      fbi_vec3_add(total, FB_R(1.0), own);
+      fbi_vec3_add(moment, FB_R(1.0), spun);
+      fbi_vec3_add_cross(moment, r, own);
+      fbi_line_set3(P, j, own);
+      fbi_line_set3(L, j, spun);
+    }
+    fbi_line_load_add(p, w, all, line, P, line->solid ? L : NULL);
+    fbi_line_to_body(u, line, total);
+    fbi_line_to_body(o, line, moment);
+    fbi_vec3_add(y, FB_R(1.0), u);
+    fbi_vec3_add(y + 3, FB_R(1.0), o);
+  }
+}
+
+/* Of the lines at q and fixed velocities: momenta p and y, gradient x = dT/dq. */
+static void fbi_lines_slopes(fb_real *x, fb_real *p, fb_real y[6], fbi_line_work *w, const fb_body *body,
+                             const fb_real V[6], const fb_real *q, const fb_real *q_dot)
+{
+  fbi_zero(x, body->n);
+  fbi_zero(p, body->n);
+  fbi_zero(y, 6);
+  (void)fbi_lines_pose(w, &body->lines, q);
+  fbi_lines_gradient_add(x, w, &body->lines, V, q_dot);
+  fbi_lines_momenta_add(y, p, w, &body->lines, V);
+}
+
+/* Squares of the points' distances from O, weighed by their masses; not zero. */
+static fb_real fbi_lines_inertia(const fbi_line_work *w, const fb_lines *all)
+{
+  fb_real sum = FB_TINY;
+  for (int j = 0; j < all->n_point; j++) {
+    const fb_real x = w->r[0][j], y = w->r[1][j], z = w->r[2][j];
+    sum += all->mass[j] * (x * x + y * y + z * z);
+  }
+  return sum;
+}
+
+/* [E11.38] Derivatives of the momenta and of dT/dq by q at fixed velocities, for E11.4 with lines: N' = dp/dq
+   (N = -N'^T), Y = dy/dq, K -= d^2T/dq^2, by forward differences, which have half the digits: the iteration needs two
+   or three.
+   Source: Hamilton's equations, linearized.  Cost: n + 1 poses and sweeps, two thirds of an evaluation each.  Fails: never.
+   Test: newton_contracts_with_lines. */
+static void fbi_lines_slopes_add(fb_implicit_work *w, const fb_body *body, const fb_real *q, const fb_real *q_dot,
+                                 int first)
+{
+  const int n = body->n;
+  const fb_real h = FB_SQRT(FB_EPSILON);
+  fb_real at[FB_MAX_MODES], x[FB_MAX_MODES], p[FB_MAX_MODES], y[6], x_b[FB_MAX_MODES], p_b[FB_MAX_MODES], y_b[6];
+  fbi_lines_slopes(x, p, y, &w->line, body, w->V, q, q_dot);
+  fbi_copy(at, q, n);
+  for (int b = 0; b < n; b++) {
+    const fb_real inertia = w->M[b * (n + 1)], s = h * FB_SQRT(w->inertia / inertia), by = FB_R(1.0) / s;
+    at[b] = q[b] + s;
+    fbi_lines_slopes(x_b, p_b, y_b, &w->line, body, w->V, at, q_dot);
+    at[b] = q[b];
+    for (int a = 0; a < n; a++) {
+      const fb_real curve = FB_R(0.5) * by * (x_b[a] - x[a]);
+      w->N[b * n + a] -= by * (p_b[a] - p[a]);
+      w->K[a * n + b] -= curve;
+      w->K[b * n + a] -= curve;
+    }
+    for (int i = first; i < 6; i++) {
+      w->Y[(i - first) * n + b] += by * (y_b[i] - y[i]);
+    }
+  }
+}
+
+/* Coupling (fbi_coupling) of a body with lines, w.rate: the rates at the start: M, X = Lambda and A = M_rr of the
+   start, derivatives N, Y at fixed velocities of the rest by its terms (Y as fbi_shape_rates, with q_dot for M^-1 pi
+   and M_rr for S), of the lines by E11.38; K loses d^2T/dq^2. */
+static fb_status fbi_large_coupling(fb_implicit_work *w, const fbi_kinetics *k, const fb_body *body)
+{
+  const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first;
+  const fbi_line_work *line = k->line;
+  const fb_real *M_rr = line->M_rr + 21 - rows * (rows + 1) / 2;
+  fbi_kinetics at = *k;
+
+  /* M, X, A */
+  for (int a = 0; a < n; a++) {
+    for (int b = 0; b <= a; b++) {
+      w->M[a * n + b] = w->M[b * n + a] = fbi_dot(line->L + a * n, line->L + b * n, b + 1);
+    }
+  }
+  fbi_copy(w->X, line->X + first * n, rows * n);
+  for (int i = 0; i < rows; i++) {
+    for (int j = i; j < rows; j++) {
+      w->A[i * rows + j] = w->A[j * rows + i] = *M_rr++;
+    }
+  }
+  w->inertia = fbi_lines_inertia(line, &body->lines);
+
+  /* N, Y, K */
+  at.pb = w->rate.q;
+  fbi_zero(w->N, n * n);
+  fbi_shape_rates(w->Y, &at, body, first);
+  fbi_lines_slopes_add(w, body, k->qx + 1, w->rate.q, first);
+  return rows > 0 ? fbi_coupling_factor(w, k, body) : FB_OK;
+}
+#endif
+
 /* Coupling of the free rigid rows to the modes at the present deformation: X = Lambda, Y = D - Lambda M^-1 N^T, Z =
    A^-1 (X + g Y) with the rigid mass matrix A, which for the momentum form is (1 + g w^) (S + Lambda M^-1 Lambda^T) - g
    h^, as are X + g Y then. */
@@ -12367,26 +12683,26 @@ static fb_status fbi_coupling(fb_implicit_work *w, const fbi_kinetics *k, const 
       w->A[i * rows + j] = w->A[j * rows + i] = *S++ + elastic;
     }
   }
-
-  /* Gyroscopic terms of A, then its LU factors */
-  if (momentum) {
-    fbi_turning_mul(w->A, w->g, w->V + 3, first, rows);
-    fbi_turning_sub(w->A, w->g, k->ph + 3, first);
-  }
-  if (fbi_lu_plain_factor(w->A, rows) != FB_OK) {
-    return FB_ERR_RANGE;
-  }
-
-  /* Z = A^-1 (X + g Y) */
-  for (int i = 0; i < rows * n; i++) {
-    w->Z[i] = w->X[i] + w->g * w->Y[i];
-  }
-  if (momentum) {
-    fbi_turning_mul(w->Z, w->g, w->V + 3, first, n);
-  }
-  fbi_rows_solve(w->Z, w->A, rows, n);
-  return FB_OK;
+  return fbi_coupling_factor(w, k, body);
 }
+
+#if FB_WITH_LARGE_DEFLECTION
+/* E = M + g (N - N^T) of a body with lines */
+static FBI_NOINLINE void fbi_large_matrix(fb_implicit_work *w, int n)
+{
+  for (int i = 0; i < n * n; i++) {
+    w->E[i] = w->M[i] + w->g * (w->N[i] - w->N[i % n * n + i / n]);
+  }
+}
+
+/* y += s A x, A n x n */
+static FBI_NOINLINE void fbi_square_add(fb_real *y, fb_real s, const fb_real *A, const fb_real *x, int n)
+{
+  for (int a = 0; a < n; a++) {
+    y[a] += s * fbi_dot(A + a * n, x, n);
+  }
+}
+#endif
 
 /* [E11.4] Iteration matrix of the implicit integrators: k = (I - g W)^-1 r with g = gamma dt and W the Jacobian of the
    momentum form, q' = M^-1 (pi - Lambda^T V),  pi' = -K_t q - C q' + .., V = S^-1 (y - Lambda M^-1 pi),
@@ -12404,14 +12720,23 @@ static fb_status fbi_implicit_factor(fb_implicit_work *w, const fbi_kinetics *k,
   /* X, Y, Z and A of the free base */
   w->g = g;
   fbi_copy(w->V, k->V, 6);
+  fbi_tangent(w, body, k->qx + 1);
+#if FB_WITH_LARGE_DEFLECTION
+  status = fbi_is_large(body) ? fbi_large_coupling(w, k, body) : fbi_coupling(w, k, body);
+#else
   status = fbi_coupling(w, k, body);
+#endif
   if (status != FB_OK) {
     return status;
   }
 
   /* E = M + g^2 K_t + g (N - N^T) */
-  fbi_tangent(w, body, k->qx + 1);
   fbi_sparse_to_dense(w->E, &body->M, n);
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    fbi_large_matrix(w, n);
+  }
+#endif
   fbi_row_sub(w->E, -g * g, w->K, n * n);
   for (int t = body->n_lambda_constant; t < body->n_lambda && fbi_form(body) == 0; t++) {
     const fb_lambda_term *term = &body->lambda[t];
@@ -12508,6 +12833,13 @@ static void fbi_implicit_solve(fb_state *r, const fb_implicit_work *w, const fb_
   /* Right-hand side of the modes */
   fbi_copy(d, u, n);
   fbi_mass_mul(b, body, u);
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    fbi_zero(b, n);
+    fbi_square_add(b, FB_R(1.0), w->M, u, n);
+    fbi_square_add(b, g, w->N, r->q, n);
+  }
+#endif
   fbi_base_answer(t, w, body, r, u);
   for (int i = 0; i < rows; i++) {
     fbi_row_sub(b, t[i], w->X + i * n, n);
@@ -12536,6 +12868,11 @@ static void fbi_implicit_solve(fb_state *r, const fb_implicit_work *w, const fb_
     fbi_symmetric_sub(r->pi, g, w->K, r->q, n);
     fbi_damping_add(r->pi, -FB_R(1.0), body, d);
     fbi_gyro_add(r->pi, -FB_R(1.0), w->V, body, d);
+#if FB_WITH_LARGE_DEFLECTION
+    if (fbi_is_large(body)) {
+      fbi_square_add(r->pi, -FB_R(1.0), w->N, d, n);
+    }
+#endif
     for (int i = 0; i < rows; i++) {
       fbi_row_sub(r->pi, -V[first + i], w->Y + i * n, n);
     }
@@ -12609,13 +12946,30 @@ static fb_status fbi_stage_check(fb_real first, fb_real last, fb_real change)
   return last > bound ? FBI_REFUSE(FB_ERR_CONVERGENCE, FBI_WORD_NEWTON, -1, FB_SQRT(last), FB_SQRT(bound)) : FB_OK;
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* Of modes of lines for E11.32: the rate's kinetic energy over that of the lines in rotation. */
+static FBI_NOINLINE fb_real fbi_large_rate_size(const fb_state *k, const fb_implicit_work *w, int n)
+{
+  fb_real Mk[FB_MAX_MODES];
+  fbi_zero(Mk, n);
+  fbi_square_add(Mk, FB_R(1.0), w->M, k->q, n);
+  return fbi_dot(k->q, Mk, n) / w->inertia;
+}
+#endif
+
 /* [E11.32] Squared size of the increment g k [rad^2], for E11.25: rotation of the attitude, modal displacements over
    the radius of gyration.
    Source: definition.  Cost: 2 n flops.  Test: implicit_steps_that_have_not_converged_say_so. */
-static fb_real fbi_rate_size(const fb_state *k, const fb_body *body, fb_real g)
+static fb_real fbi_rate_size(const fb_state *k, const fb_implicit_work *w, const fb_body *body, fb_real g)
 {
   const fb_real turn = k->quat[0] * k->quat[0] + fb_vec3_dot(k->quat + 1, k->quat + 1);
   fb_real bent = FB_R(0.0);
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    return g * g * (FB_R(4.0) * turn + fbi_large_rate_size(k, w, body->n));
+  }
+#endif
+  (void)w;
   for (int a = 0; a < body->n; a++) {
     bent += body->reach[a] * FB_FABS(k->q[a]);
   }
@@ -12631,6 +12985,7 @@ static fb_status fbi_stage_solve(fb_implicit_work *w, fb_state *k, const fb_body
   fb_real first = FB_R(0.0), last = FB_R(0.0);
   for (int i = 0; i < iterations && status == FB_OK; i++) {
     fbi_kinetics here;
+    FBI_USE_LINES(here, w);
 
     /* Residual f - k */
     fbi_stage_advance(&w->stage, body, base, w->g, k);
@@ -12646,10 +13001,10 @@ static fb_status fbi_stage_solve(fb_implicit_work *w, fb_state *k, const fb_body
     /* Correction */
     fbi_implicit_solve(&w->rate, w, body, at, &w->start);
     fbi_state_advance(k, k, FB_R(1.0), &w->rate, body->n);
-    last = fbi_rate_size(&w->rate, body, w->g);
+    last = fbi_rate_size(&w->rate, w, body, w->g);
     first = i == 0 ? last : first;
   }
-  return status == FB_OK && iterations > 1 ? fbi_stage_check(first, last, fbi_rate_size(k, body, w->g)) : status;
+  return status == FB_OK && iterations > 1 ? fbi_stage_check(first, last, fbi_rate_size(k, w, body, w->g)) : status;
 }
 
 /* Velocity of a prescribed base at the midpoint of E11.7 in the axes of the start, for the first guess. */
@@ -12672,6 +13027,7 @@ FB_DEF fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_impli
   fb_status status;
   FBI_REQUIRE(body && state && work, FB_ERR_NULL);
   FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
+  FBI_USE_LINES(at, work);
 
   /* Iteration matrix at the start */
   if (fbi_is_following(body) && middle) {
@@ -12771,6 +13127,7 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
   FBI_REQUIRE(body && state && work, FB_ERR_NULL);
   FBI_REQUIRE((start != NULL) == (end != NULL), FB_ERR_NULL);
   FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
+  FBI_USE_LINES(at, work);
 
   /* Iteration matrix at the start, input at the first stage */
   status = fbi_implicit_start(work, &at, body, state, start, dt, c * dt);
@@ -13018,12 +13375,49 @@ FB_DEF fb_status fb_exponential_check(const fb_exponential *scheme, const fb_bod
   return sound ? FB_OK : FB_ERR_VALUE;
 }
 
-static fb_status fbi_exponential_limited(const fb_body *body, const fbi_kinetics *k, const fb_input *input, fb_real h)
+#if FB_WITH_LARGE_DEFLECTION
+/* [E11.39] Size of what a present deflection changes in the linear part of E11.10, x' = (1 + D) p with
+   1 + D = X M_free G M_free X^T, in the norm of the energy: |omega D|, and twice the fastest rotation of a section
+   relative to the frame, whose gyroscopic terms are explicit, too.
+   Source: x' = p of E11.10 is that of the undeformed body.  Cost: 4 n^3 flops.  Fails: FB_HUGE where S is not positive
+   definite.
+   Test: exponential_steps_know_the_deflection. */
+static fb_real fbi_exponential_change(const fbi_kinetics *k, const fb_exponential *scheme, const fb_body *body)
 {
+  const int n = body->n;
+  fb_real G[FB_MAX_MODES * FB_MAX_MODES], b[FB_MAX_MODES], sum = FB_R(0.0);
+  if (!fbi_large_mobility(G, k, body)) {
+    return FB_HUGE;
+  }
+  for (int i = 0; i < n; i++) {
+    for (int a = 0; a < n; a++) {
+      b[a] = fbi_dot(G + a * n, scheme->MX + i * n, n);
+    }
+    for (int j = 0; j < n; j++) {
+      const fb_real D = fbi_dot(b, scheme->MX + j * n, n) - (i == j ? FB_R(1.0) : FB_R(0.0));
+      sum += scheme->omega2[i] * D * D;
+    }
+  }
+  return FB_SQRT(sum) + FB_R(2.0) * fbi_lines_spin(k->line, &body->lines);
+}
+#endif
+
+static fb_status fbi_exponential_limited(const fb_body *body, const fbi_kinetics *k, const fb_exponential *scheme,
+                                         const fb_input *input)
+{
+  const fb_real h = scheme->dt;
   fb_real spin, acceleration;
   if (body->allow_long_step) {
     return FB_OK;
   }
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    const fb_real limit = fbi_step_limit(FB_R(0.5), fbi_exponential_change(k, scheme, body));
+    if (!(h <= limit)) {
+      return FBI_REFUSE(FB_ERR_STEP, "dt [s] for what the deflection changes in the modes, at most", -1, h, limit);
+    }
+  }
+#endif
   fbi_step_conditions(&spin, &acceleration, body, k, input);
   return h <= fb_exponential_limit(body, spin, acceleration)
              ? FB_OK
@@ -13095,6 +13489,7 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   fb_real turn[3];
   fb_status status;
   FBI_REQUIRE(body && scheme && state && work, FB_ERR_NULL);
+  FBI_USE_LINES(k, work);
 
   /* N_1, step limit */
   fbi_state_enter(&work->start, k.R, body, state);
@@ -13102,7 +13497,7 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   fbi_elastic_copy(&work->at, &work->start, body->n);
   fbi_modal_from(&work->z, scheme, body, &work->at);
   status = fbi_modal_rates(&work->N[0], &k, work, scheme, body, &work->z, start);
-  status = status == FB_OK ? fbi_exponential_limited(body, &k, start, scheme->dt) : status;
+  status = status == FB_OK ? fbi_exponential_limited(body, &k, scheme, start) : status;
   fbi_vec3_copy(turn, k.V + 3);
 
   /* z_2, z_3, z_4 and their N; increments, in z and in the state */
@@ -13551,7 +13946,6 @@ static fb_status fbi_system_end(fb_system_state *state, fb_system_work *w, const
 
   /* Range, then commit */
   status = status == FB_OK ? fbi_system_range(system, body, next) : status;
-  status = status == FB_OK ? fbi_large_range(w, system, body, next) : status;
   if (status == FB_OK) {
     fbi_links_copy(state, next, system);
   }
@@ -18045,7 +18439,7 @@ FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
 
 /* ---------------------------------------------------------------------------------------------------------------
    BUILD >>assemble: shape integrals, effects to terms, every _init of a model
-   (uses config, status, vec3, rotation, solve, line, body, system, exact, eigen, beam, modes) */
+   (uses config, status, vec3, rotation, solve, line, body, system, exact, integrate, eigen, beam, modes) */
 
 /* ---- shape integrals: an fb_shape holds the inertia shape integrals of a body, its modal stiffness and its nodes */
 
@@ -20631,6 +21025,38 @@ static void fbi_rest_fill(fb_body_work *work, const fb_body *body, const fb_shap
   }
 }
 
+/* Inertia of the undeformed body; zero: scratch, n */
+static fb_status fbi_large_undeformed(fbi_kinetics *k, fb_real *zero, const fb_body *body)
+{
+  fbi_zero(zero, body->n);
+  fbi_zero(k->qx, body->n + 1);
+  k->qx[0] = FB_R(1.0);
+  return fbi_large_inertia(k, body, zero);
+}
+
+/* Bounds of E8.8 of the undeformed body with lines as steps find them (E11.37), so that fb_rk4_limit is what a step at
+   rest allows. */
+static fb_status fbi_large_limits_fill(fb_body *body, fb_body_work *work)
+{
+  fb_real G[FB_MAX_MODES * FB_MAX_MODES];
+  fbi_kinetics k;
+  fb_status status;
+  FBI_WITH_LINES(k);
+  status = fbi_large_undeformed(&k, work->d, body);
+  if (status == FB_OK) {
+    fbi_large_S(&k, body);
+    status = fbi_large_mobility(G, &k, body) ? FB_OK : FB_ERR_SINGULAR;
+  }
+  if (status != FB_OK) {
+    return status;
+  }
+  body->limit_elastic = fbi_large_norm(G, &body->K, body->limit_elastic, body->n);
+#if FB_WITH_DAMPING
+  body->limit_damping = fbi_large_norm(G, &body->C, body->limit_damping, body->n);
+#endif
+  return FB_OK;
+}
+
 /* What a body with lines holds beside them: the terms of the rest in Lambda(q), and in place of S(q) its M_rr(q). */
 static fb_status fbi_large_fill(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc)
 {
@@ -20652,8 +21078,9 @@ static fb_status fbi_large_fill(fb_body *body, fb_body_work *work, const fb_shap
   if (!(desc->deflection_limit > FB_R(0.0))) { /* lines have their own limit */
     fbi_copy(body->reach, shape->rest.reach, n);
   }
-  return body->n_lambda > FBI_MAX_LAMBDA || body->n_S > FBI_MAX_S || body->n_run > FBI_MAX_RUNS ? FB_ERR_CAPACITY
-                                                                                                : FB_OK;
+  return body->n_lambda > FBI_MAX_LAMBDA || body->n_S > FBI_MAX_S || body->n_run > FBI_MAX_RUNS
+             ? FB_ERR_CAPACITY
+             : fbi_large_limits_fill(body, work);
 }
 #endif
 
@@ -21900,11 +22327,37 @@ static void fbi_stumpff_fill(fb_real table[5][FB_MAX_MODES], int k, fb_real t)
   }
 }
 
-/* Modes of the linear part: K x = omega^2 M_free x, M_free the mass of the modes of a base that may recoil. */
-static fb_status fbi_exponential_modes(fb_exponential *scheme, fb_body_work *work, const fb_body *body)
+#if FB_WITH_LARGE_DEFLECTION
+/* M_free = M - Lambda^T M_rr^-1 Lambda of the undeformed body with lines */
+static fb_status fbi_large_free_mass(fb_real *M, fb_body_work *work, const fb_body *body)
+{
+  const int n = body->n;
+  fbi_kinetics k;
+  fb_status status;
+  FBI_WITH_LINES(k);
+  status = fbi_large_undeformed(&k, work->d, body);
+  for (int b = 0; b < n && status == FB_OK; b++) {
+    fb_real column[6];
+    for (int i = 0; i < 6; i++) {
+      column[i] = k.line->X[i * n + b];
+    }
+    status = fbi_base_solve(column, body->base, k.line->M_rr, column);
+    for (int a = 0; a < n; a++) {
+      M[a * n + b] = fbi_dot(k.line->L + a * n, k.line->L + b * n, (a < b ? a : b) + 1);
+      for (int i = 0; i < 6; i++) {
+        M[a * n + b] -= column[i] * k.line->X[i * n + a];
+      }
+    }
+  }
+  return status;
+}
+#endif
+
+/* M_free = (M^-1 + B^T S_0^-1 B)^-1, B = Lambda_0 M^-1: the mass of the modes of a base that may recoil */
+static fb_status fbi_free_mass(fb_real *M, fb_body_work *work, const fb_body *body)
 {
   const int n = body->n, first = fbi_first_free(body->base);
-  fb_real *rows = work->Lambda, *M = work->Lambda + 6 * n; /* M_free = (M^-1 + B^T S_0^-1 B)^-1, B = Lambda_0 M^-1 */
+  fb_real *rows = work->Lambda;
   fb_real unit[FB_MAX_MODES + 1] = {FB_R(1.0)};
   fb_status status;
 
@@ -21937,6 +22390,19 @@ static fb_status fbi_exponential_modes(fb_exponential *scheme, fb_body_work *wor
     work->d[a] = FB_R(1.0);
     fb_chol_solve(M + a * n, work->B, work->d, n);
   }
+  return status;
+}
+
+/* Modes of the linear part: K x = omega^2 M_free x. */
+static fb_status fbi_exponential_modes(fb_exponential *scheme, fb_body_work *work, const fb_body *body)
+{
+  const int n = body->n;
+  fb_real *M = work->Lambda + 6 * n;
+#if FB_WITH_LARGE_DEFLECTION
+  fb_status status = fbi_is_large(body) ? fbi_large_free_mass(M, work, body) : fbi_free_mass(M, work, body);
+#else
+  fb_status status = fbi_free_mass(M, work, body);
+#endif
   if (status != FB_OK) {
     return status;
   }

@@ -21,7 +21,7 @@
   X(body_particles) X(body_coordinates) X(body_integrals) X(body_motion) X(body_joined) X(body_strain) X(body_refusals) X(body_build) \
   X(line_parts) \
   FORMS(X) \
-  X(integrate_limits) X(integrate_implicit) X(integrate_order) X(integrate_stepper) \
+  X(integrate_limits) X(integrate_implicit) X(integrate_order) X(integrate_stepper) X(integrate_lines) \
   X(system_trees) X(system_joints) X(system_loops) X(system_rows) X(system_steps) X(system_lines) X(system_references) X(system_refusals) \
   X(exact_statics) X(exact_motion) X(exact_flight) X(exact_spectrum) X(exact_linear) \
   X(analyse_body) X(analyse_steps) X(analyse_system) X(analyse_loops) \
