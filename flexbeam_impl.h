@@ -17863,6 +17863,7 @@ static fb_status fbi_station_start(fbi_station *st, fbi_cell_fields *scratch, co
 
 #define FBI_MAX_BREAKS (FB_MAX_LUMPS + FB_MAX_STATIONS + FB_MAX_ELEMENTS + 2)
 #define FBI_LINE_NODES (FB_MAX_POINTS + 1) /* of a stretch, its beginning included */
+#define FBI_LINE_KINK FB_R(0.1)            /* [rad] bent lines are smooth up to this angle between their elements */
 
 typedef struct fbi_line_break { /* where a smooth stretch of a beam ends and the next one begins */
   fb_real x, left, right;       /* [m] place; where the sections of either side are taken */
@@ -18011,7 +18012,7 @@ static int fbi_line_breaks(fbi_line_break *list, const fb_beam *beam)
   for (int k = 1; k < beam->desc.n_element; k++) {
     const fb_real *const before = beam->frame + 9 * (k - 1), *const behind = beam->frame + 9 * k;
     const fb_real jump[3] = {behind[0] - before[0], behind[3] - before[3], behind[6] - before[6]};
-    if (fbi_vec3_norm(jump) > FB_R(0.1)) {
+    if (fbi_vec3_norm(jump) > FBI_LINE_KINK) {
       fbi_line_break_add(list, &n, beam->start[k], FB_R(0.0), 1, gap);
     }
   }
@@ -18205,6 +18206,59 @@ static void fbi_line_weights(fb_real *weight, fb_real *root, const fbi_line_plan
   }
 }
 
+/* Undeformed unit tangent at x, line axes. Elements of a bent line are chords of a smooth one: from the middle of one to
+   that of the next the tangent turns evenly, but where a kink ends a stretch. */
+static void fbi_line_tangent(fb_real out[3], const fb_beam *beam, const fb_modes *modes, fb_real x, int before)
+{
+  const fb_real tip[3] = {FB_R(1.0), FB_R(0.0), FB_R(0.0)};
+  const int at = fbi_beam_element(beam, x, before);
+  const fb_real s = (x - beam->start[at]) / fbi_element_length(beam, at) - FB_R(0.5);
+  const int last = beam->desc.n_element - 1, ahead = s >= FB_R(0.0) ? 1 : -1;
+  fb_real e[3], f[3];
+  int next = at + ahead;
+  fbi_line_vector(out, beam, modes, at, tip);
+  for (int attempt = 0; attempt < 2 && beam->desc.n_point > 0; attempt++, next = at - ahead) { /* else from behind */
+    if (next >= 0 && next <= last) {
+      const fb_real gap = FB_R(0.5) * (fbi_element_length(beam, at) + fbi_element_length(beam, next));
+      const fb_real share = s * fbi_element_length(beam, at) / (next > at ? gap : -gap);
+      fbi_line_vector(f, beam, modes, next, tip);
+      fbi_vec3_advance(e, f, -FB_R(1.0), out);
+      if (fbi_vec3_norm(e) <= FBI_LINE_KINK) {
+        fb_real size;
+        fbi_vec3_add(out, share, e);
+        size = FB_R(1.0) / fbi_vec3_norm(out);
+        for (int i = 0; i < 3; i++) {
+          out[i] *= size;
+        }
+        return;
+      }
+    }
+  }
+}
+
+/* Undeformed position at x, line axes, from the beam's root, less the integral of the points' tangents to it: that of the
+   tangent of a root at rest, and what interpolation misses of a bent line. */
+static void fbi_line_start(fb_real out[3], const fb_real *weight, const fb_lines *all, const fb_line *line,
+                           const fb_beam *beam, const fb_modes *modes, fb_real x)
+{
+  const int element = fbi_beam_element(beam, x, 1);
+  const fb_real *const node = beam->node + 3 * element;
+  fb_real along[3], e[3];
+  const fb_real ahead[3] = {x - beam->start[element], FB_R(0.0), FB_R(0.0)};
+  fbi_line_vector(out, beam, modes, element, ahead);
+  fbi_vec3_copy(along, node);
+  if (modes->joined) {
+    fb_mat33_mul_vec3(along, beam->axes, node);
+  }
+  fbi_vec3_add(out, FB_R(1.0), along);
+  for (int j = 0; j < line->count; j++) {
+    for (int i = 0; i < 3; i++) {
+      e[i] = all->tangent[i][line->point + j];
+    }
+    fbi_vec3_add(out, -weight[j], e);
+  }
+}
+
 /* The point of an earlier line at the place of a joined beam's root, with which it moves; -1: none. */
 static int fbi_line_support(const fb_lines *all, int first, int n, const fb_real position[3], fb_real size)
 {
@@ -18300,7 +18354,6 @@ static void fbi_line_point_fill(fb_lines *all, fb_line *line, int at, const fbi_
 static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, const fb_beam *beam, const fb_modes *modes)
 {
   fb_line *const line = &all->line[all->n_line];
-  const fb_real tip[3] = {FB_R(1.0), FB_R(0.0), FB_R(0.0)};
   fb_real position[3], root_weight, column[FB_MAX_POINTS];
   int on = -1;
   fb_status status = all->n_line < FB_MAX_LINES ? fbi_line_plan_fill(plan, beam, modes) : FB_ERR_CAPACITY;
@@ -18365,16 +18418,20 @@ static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, con
     }
     if (s < line->count) {
       fbi_line_point_fill(all, line, at, &plan->slice[s]);
-      fbi_line_vector(e, beam, modes, fbi_beam_element(beam, plan->x[s], plan->before[s]), tip);
+      fbi_line_tangent(e, beam, modes, plan->x[s], plan->before[s]);
       fbi_line_set3(all->tangent, at, e);
-      fbi_line_weights(column, &root_weight, plan, plan->x[s]);
-      for (int j = 0; j < line->count; j++) {
-        all->table[line->weight + j * line->stride + s] = column[j];
-      }
-      fbi_line_vector(e, beam, modes, 0, tip);
-      for (int i = 0; i < 3; i++) {
-        all->start[i][at] = (on < 0 ? position[i] : FB_R(0.0)) + root_weight * e[i];
-      }
+    }
+  }
+  for (int s = 0; s < line->count; s++) {
+    const int at = line->point + s;
+    fb_real start[3];
+    fbi_line_weights(column, &root_weight, plan, plan->x[s]);
+    fbi_line_start(start, column, all, line, beam, modes, plan->x[s]);
+    for (int j = 0; j < line->count; j++) {
+      all->table[line->weight + j * line->stride + s] = column[j];
+    }
+    for (int i = 0; i < 3; i++) {
+      all->start[i][at] = (on < 0 ? position[i] : FB_R(0.0)) + start[i];
     }
   }
   all->n_point += line->stride;
@@ -18400,8 +18457,7 @@ static void fbi_line_node_fill(fb_line_node *node, const fb_lines *all, fbi_line
                                const fb_beam *beam, const fb_modes *modes, fb_real x)
 {
   const int at = fbi_line_find(all, first, beam, modes);
-  const fb_real tip[3] = {FB_R(1.0), FB_R(0.0), FB_R(0.0)};
-  fb_real e[3], position[3], root_weight;
+  fb_real start[3], position[3], root_weight;
   int before = -1;
   const fb_line *line;
   if (at < 0 || fbi_line_plan_fill(plan, beam, modes) != FB_OK) {
@@ -18418,10 +18474,10 @@ static void fbi_line_node_fill(fb_line_node *node, const fb_lines *all, fbi_line
                       x);
   }
   fbi_line_weights(node->weight, &root_weight, plan, x);
-  fbi_line_vector(e, beam, modes, 0, tip);
+  fbi_line_start(start, node->weight, all, line, beam, modes, x);
   fb_mat33_mulT_vec3(position, line->axes, beam->desc.position);
   for (int i = 0; i < 3; i++) {
-    node->start[i] = (line->hangs ? FB_R(0.0) : position[i]) + root_weight * e[i];
+    node->start[i] = (line->hangs ? FB_R(0.0) : position[i]) + start[i];
   }
 }
 #endif
