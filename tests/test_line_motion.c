@@ -620,16 +620,16 @@ static void chain_build(void)
   static fb_build_desc desc;
   static fb_modes_desc kept[2];
   static fb_beam_desc beams[2];
-  line_beam(1.0, 1.0, 20.0, 30.0, 6);
+  line_beam(1.0, 1.0, 20.0, 30.0, 1);
   line_solid(0.01, 0.02, 25.0);
   line_count(2, 2, 0, 1);
   beam_desc.station[0].mass_y = FB_R(0.03);
   beams[0] = beams[1] = beam_desc;
   beams[1].root = FB_ROOT_FREE;
   kept[0] = kept[1] = keep;
-  kept[0].line_points = 8;
+  kept[0].line_points = 9;
   for (int axis = 0; axis < 6; axis++) { /* what the next beam does to a tip */
-    kept[0].load[kept[0].n_load].node = 6;
+    kept[0].load[kept[0].n_load].node = 1;
     kept[0].load[kept[0].n_load].axis = axis;
     kept[0].n_load += axis != 0;
   }
@@ -652,7 +652,7 @@ static void chain_build(void)
   for (int k = 0; k < 2; k++) {
     desc.join.weld[k].component[0] = k;
     desc.join.weld[k].component[1] = k + 1;
-    desc.join.weld[k].node[0] = 6;
+    desc.join.weld[k].node[0] = 1;
   }
   desc.join.lowest = 6;
   desc.body = body_desc;
