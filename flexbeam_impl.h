@@ -1312,7 +1312,7 @@ static const fb_real fbi_line_sine[FBI_LINE_TERMS] = {FB_R(1.0) / FB_R(6.0),
 
 /* [E14.2] Coefficients of rotations by x = |phi|^2: a = (1 - cos)/x, b = (|phi| - sin)/|phi|^3 and their derivatives
    a1, b1 by x, series without a branch, exact to rounding up to FBI_LINE_TURN.
-   Source: Taylor series.  Cost: 72 flops.  Fails: never.
+   Source: textbook, Taylor series.  Cost: 72 flops.  Fails: never.
    Test: lines_turn_as_the_differential_equation. */
 static void fbi_line_series(fb_real *a, fb_real *b, fb_real *a1, fb_real *b1, fb_real x)
 {
@@ -1446,7 +1446,7 @@ static void fbi_line_integrals_add(fb_real *y, int spacing, const fb_lines *all,
 
 /* [E14.4] Positions of the points from O, r = start + int t dx: the tangents' interpolating polynomials on each smooth
    stretch, integrated; the tangent of a root at rest is part of start.
-   Source: Lobatto quadrature.  Cost: 6 flops a pair of points.  Fails: never.
+   Source: [AS] 25.4, Lobatto quadrature.  Cost: 6 flops a pair of points.  Fails: never.
    Test: lines_reach_where_the_differential_equation_does. */
 static void fbi_line_positions(fbi_line_work *w, const fb_lines *all, const fb_line *line, const fb_real *q)
 {
@@ -1700,7 +1700,7 @@ static void fbi_line_hollow(fbi_line_work *w, const fb_lines *all, const fb_line
 
 /* [E14.6] Inertia of a line: M_ab += sum m Jv_a.Jv_b + Jw_a.I Jw_b (lower triangle, spacing nb), columns of Lambda,
    sum (m Jv; m r x Jv + I Jw), moments of mass; over the points' mass centers.
-   Source: kinetic energy of the points.  Cost: 3 points (n + 9) n flops.  Fails: never.
+   Source: Koenig, kinetic energy of the points.  Cost: 3 points (n + 9) n flops.  Fails: never.
    Test: line_inertia_is_that_of_particles. */
 static void fbi_line_inertia_eval(fb_real *M, fb_real *X, fbi_line_mass *out, fbi_line_work *w, const fb_lines *all,
                                   const fb_line *line, int nb)
@@ -2980,7 +2980,7 @@ static void fbi_large_S(fbi_kinetics *k, const fb_body *body)
 
 /* [E14.12] Inertia of a body with lines at q: M(q) = M_rest + M_lines(q), factored, Lambda(q) and M_rr(q) likewise; the
    rest are hub, lumped bodies and imported components with their terms of E8.9 and E8.11.
-   Source: sum of kinetic energies.  Fails: an interval turns beyond E14.2, M not positive definite.
+   Source: Koenig, sum of kinetic energies.  Fails: an interval turns beyond E14.2, M not positive definite.
    Test: momenta_of_lines_agree_with_particles. */
 static fb_status fbi_large_inertia(fbi_kinetics *k, const fb_body *body, const fb_real *q)
 {
@@ -4547,7 +4547,7 @@ static fb_status fbi_base_accelerate(fb_motion *m, fb_real V_dot[6], const fbi_k
 /* [E14.16] Accelerations of a body with lines, Newton's equations with the inertia forces of its velocities alone:
    M_rr V_dot + Lambda q_ddot = (f, g) - bias,  Lambda^T V_dot + M q_ddot = pi_dot - dT/dq of the lines - bias, E14.15
    of the lines and E8.19 of the rest.
-   Source: Lagrange's equations in quasi-coordinates.  Fails: S(q) not positive definite.
+   Source: Newton and Euler, block elimination.  Fails: S(q) not positive definite.
    Test: accelerations_of_lines_are_derivatives_of_velocities. */
 static fb_status fbi_large_accelerations(fb_motion *m, fbi_kinetics *k, const fb_body *body, const fb_state *rate,
                                          const fb_input *input)

@@ -109,12 +109,6 @@ TEST(lines_reach_where_the_differential_equation_does)
 
 /* ---- velocities and accelerations: E14.5, E14.9, E14.14 */
 
-static double path(int a, double q, double speed, double rate, double t)
-{
-  (void)a;
-  return q + t * speed + 0.5 * t * t * rate;
-}
-
 /* Along q + t q_dot + t^2/2 q_ddot, the frame at rest: velocities and accelerations of nodes are derivatives of poses. */
 TEST(line_velocities_are_derivatives_of_poses)
 {
@@ -131,12 +125,13 @@ TEST(line_velocities_are_derivatives_of_poses)
       fb_real R[5][9];
       fb_state state;
       for (int k = 0; k < 5; k++) {
+        const double t = (k - 2) * h;
         fb_motion motion;
         memset(&motion, 0, sizeof motion);
         FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
         for (int a = 0; a < body.n; a++) {
-          state.q[a] = (fb_real)path(a, q[a], speed[a], rate[a], (k - 2) * h);
-          motion.q_dot[a] = (fb_real)(speed[a] + (k - 2) * h * rate[a]);
+          state.q[a] = (fb_real)(q[a] + t * speed[a] + 0.5 * t * t * rate[a]);
+          motion.q_dot[a] = (fb_real)(speed[a] + t * rate[a]);
           motion.q_ddot[a] = (fb_real)rate[a];
         }
         FBT_INT_EQ(fb_body_node_motion_eval(&body, &at[k], &state, &motion, number), FB_OK);
@@ -587,6 +582,7 @@ TEST(lines_begin_as_the_polynomial_body)
   const int kinds[3] = {LINE_PLAIN, LINE_PINNED, LINE_TWISTED}; /* of free roots the frames differ, to degree 2 */
   for (int k = 0; k < 3; k++) {
     const fb_real still[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+    const double tol = kinds[k] == LINE_TWISTED ? 1e-6 : 1e-7; /* both integrate the twist by quadrature */
     double x[FB_MAX_MODES];
     line_make(kinds[k], 20);
     keep.lowest = 0;
@@ -627,13 +623,13 @@ TEST(lines_begin_as_the_polynomial_body)
         size = fmax(size, fabs(b[i]));
       }
       for (int i = 0; i < 6; i++) {
-        FBT_NEAR_ABS(a[i], b[i], FBT_TOL(1e-7, 2e-3) * fmax(size, 1.0));
+        FBT_NEAR_ABS(a[i], b[i], FBT_TOL(tol, 2e-3) * fmax(size, 1.0));
       }
       momentum_derivatives(a, a2, &body, x, FBT_TOL(0.008, 0.1), v, w, none);
       momentum_derivatives(b, b2, &full, x, FBT_TOL(0.008, 0.1), v, w, none);
       for (int i = 0; i < 6; i++) {
-        FBT_NEAR_ABS(a[i], b[i], FBT_TOL(1e-7, 2e-3) * fmax(size, 1.0));
-        FBT_NEAR_ABS(a2[i], b2[i], FBT_TOL(1e-6, 5e-2) * fmax(size, 1.0));
+        FBT_NEAR_ABS(a[i], b[i], FBT_TOL(tol, 2e-3) * fmax(size, 1.0));
+        FBT_NEAR_ABS(a2[i], b2[i], FBT_TOL(10.0 * tol, 5e-2) * fmax(size, 1.0));
       }
     }
   }
