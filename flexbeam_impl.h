@@ -1362,7 +1362,7 @@ static FBI_INLINE fb_real fbi_line_series(const fb_real c[FBI_LINE_TERMS], fb_re
 /* [E14.2] Rotations by x = |phi|^2, series without a branch, exact to rounding up to FBI_LINE_TURN:
    half the angle, c = cos(|phi|/2), s = sin(|phi|/2)/|phi|;  b = (|phi| - sin|phi|)/|phi|^3;  a = (1 - cos|phi|)/x
    = 2 s^2;  a1, b1: derivatives of a and b by x.
-   Source: Taylor series.  Cost: 16 flops each.  Fails: never.
+   Source: textbook, Taylor series.  Cost: 16 flops each.  Fails: never.
    Test: lines_turn_as_the_differential_equation. */
 static const fb_real fbi_line_c[FBI_LINE_TERMS] = {FB_R(1.0),
                                                    -FB_R(1.0) / FB_R(8.0),
@@ -1587,7 +1587,7 @@ static void fbi_line_integrals_add(fb_real y[3][FB_MAX_POINTS], const fb_lines *
 
 /* [E14.4] Positions of the points from O, r = start + int t dx: the tangents' interpolating polynomials on each smooth
    stretch, integrated; the tangent of a root at rest is part of start.
-   Source: Lobatto quadrature.  Cost: 6 flops a pair of points.  Fails: never.
+   Source: [AS] 25.4, Lobatto quadrature.  Cost: 6 flops a pair of points.  Fails: never.
    Test: lines_reach_where_the_differential_equation_does. */
 static void fbi_line_positions(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line,
                                const fb_real *q)
@@ -3498,7 +3498,7 @@ static fb_status fbi_large_range(const fb_body *body, const fb_real *q)
 /* [E14.12] Inertia of a body with lines at q: M(q) = M_rest + M_lines(q) (lower triangle to w->L), Lambda(q)
    and M_rr(q) likewise; the
    rest are hub, lumped bodies and imported components with their terms of E8.9 and E8.11.
-   Source: sum of kinetic energies.  Fails: an interval turns beyond E14.2, M not positive definite.
+   Source: Koenig, sum of kinetic energies.  Fails: an interval turns beyond E14.2, M not positive definite.
    Test: momenta_of_lines_agree_with_particles. */
 static FBI_NOINLINE fb_status fbi_large_matrices(fbi_kinetics *k, const fb_body *body, const fb_real *q)
 {
@@ -5143,7 +5143,7 @@ static FBI_NOINLINE void fbi_large_bias_sub(fb_real y[6], fb_real *e, fbi_kineti
 /* [E14.16] Accelerations of a body with lines, Newton's equations with the inertia forces of its velocities alone:
    M_rr V_dot + Lambda q_ddot = (f, g) - bias,  Lambda^T V_dot + M q_ddot = pi_dot - dT/dq of the lines - bias, E14.15
    of the lines and E8.19 of the rest.
-   Source: Lagrange's equations in quasi-coordinates.  Fails: S(q) not positive definite.
+   Source: Newton and Euler, block elimination.  Fails: S(q) not positive definite.
    Test: accelerations_of_lines_are_derivatives_of_velocities. */
 static fb_status fbi_large_accelerations(fb_motion *m, fbi_kinetics *k, const fb_body *body, const fb_state *rate,
                                          const fb_input *input)
@@ -17880,8 +17880,9 @@ static void fbi_effective_fill(fb_modes_work *work, const fb_beam *beam)
   }
 }
 
-/* Points along the beam for large deflection, if the desc does not say how many: with 7 more than modes of a plane random
-   shapes of 1 rad in both planes reach to 0.03 % of the length, and turn to 0.05 degrees. */
+/* Points along the beam for large deflection, if the desc does not say how many: 7 more than modes of a plane. Random
+   shapes of 1 rad in both planes, each mode with the same share, then reach to 0.02 % of the length and turn to 0.02
+   degrees with two modes a plane, 0.08 % and 0.12 degrees with three; 4 n + 2 points keep both below 0.05. */
 static int fbi_line_points(const fb_modes *modes, const fb_modes_desc *desc)
 {
   int count[FB_KIND_COUNT] = {0}, most = 0;
@@ -18324,6 +18325,7 @@ static void fbi_join_expand(fb_modes *out, fb_join_work *work, const fb_modes *c
   out->n = n;
   out->ndof = component->ndof;
   out->joined = 1;
+  out->line_points = component->line_points;
 
   /* q, and the shapes combined by it */
   for (int a = 0; a < nc; a++) {
@@ -19119,6 +19121,7 @@ static fb_status fbi_station_start(fbi_station *st, fbi_cell_fields *scratch, co
 
 #define FBI_MAX_BREAKS (FB_MAX_LUMPS + FB_MAX_STATIONS + FB_MAX_ELEMENTS + 2)
 #define FBI_LINE_NODES (FB_MAX_POINTS + 1) /* of a stretch, its beginning included */
+#define FBI_LINE_KINK FB_R(0.1)            /* [rad] bent lines are smooth up to this angle between their elements */
 
 typedef struct fbi_line_break { /* where a smooth stretch of a beam ends and the next one begins */
   fb_real x, left, right;       /* [m] place; where the sections of either side are taken */
@@ -19267,7 +19270,7 @@ static int fbi_line_breaks(fbi_line_break *list, const fb_beam *beam)
   for (int k = 1; k < beam->desc.n_element; k++) {
     const fb_real *const before = beam->frame + 9 * (k - 1), *const behind = beam->frame + 9 * k;
     const fb_real jump[3] = {behind[0] - before[0], behind[3] - before[3], behind[6] - before[6]};
-    if (fbi_vec3_norm(jump) > FB_R(0.1)) {
+    if (fbi_vec3_norm(jump) > FBI_LINE_KINK) {
       fbi_line_break_add(list, &n, beam->start[k], FB_R(0.0), 1, gap);
     }
   }
@@ -19376,7 +19379,7 @@ static void fbi_line_plan_kind(fbi_line_plan *plan, const fb_beam *beam, const f
       size = fbi_larger(size, fbi_larger(fbi_vec3_norm(u), beam->desc.length * fbi_vec3_norm(theta)));
     }
   }
-  plan->moves = move > FBI_ROUNDING * size || turn > FBI_ROUNDING * size;
+  plan->moves = beam->desc.root != FB_ROOT_CLAMPED && (move > FBI_ROUNDING * size || turn > FBI_ROUNDING * size);
   plan->flexes = flex > FBI_ROUNDING * size;
 }
 
@@ -19404,6 +19407,9 @@ static fb_status fbi_line_plan_fill(fbi_line_plan *plan, const fb_beam *beam, co
   const int n_break = fbi_line_breaks(list, beam), want = modes->line_points;
   int point;
   memset(plan, 0, sizeof *plan);
+  if (want < 2) { /* modes that no function of the library made */
+    return FB_ERR_VALUE;
+  }
   fbi_line_plan_kind(plan, beam, modes);
   point = plan->moves || plan->flexes ? fbi_line_plan_add(plan, FB_R(0.0), 0) : -1;
   for (int k = 0; k + 1 < n_break; k++) {
@@ -19476,6 +19482,59 @@ static void fbi_lines_undeformed(fb_real r[3][FB_MAX_POINTS], const fb_lines *al
       fbi_copy(e[i] + line->point, all->tangent[i] + line->point, line->stride);
     }
     fbi_line_integrals_add(r, all, line, e);
+  }
+}
+
+/* Undeformed unit tangent at x, line axes. Elements of a bent line are chords of a smooth one: from the middle of one to
+   that of the next the tangent turns evenly, but where a kink ends a stretch. */
+static void fbi_line_tangent(fb_real out[3], const fb_beam *beam, const fb_modes *modes, fb_real x, int before)
+{
+  const fb_real tip[3] = {FB_R(1.0), FB_R(0.0), FB_R(0.0)};
+  const int at = fbi_beam_element(beam, x, before);
+  const fb_real s = (x - beam->start[at]) / fbi_element_length(beam, at) - FB_R(0.5);
+  const int last = beam->desc.n_element - 1, ahead = s >= FB_R(0.0) ? 1 : -1;
+  fb_real e[3], f[3];
+  int next = at + ahead;
+  fbi_line_vector(out, beam, modes, at, tip);
+  for (int attempt = 0; attempt < 2 && beam->desc.n_point > 0; attempt++, next = at - ahead) { /* else from behind */
+    if (next >= 0 && next <= last) {
+      const fb_real gap = FB_R(0.5) * (fbi_element_length(beam, at) + fbi_element_length(beam, next));
+      const fb_real share = s * fbi_element_length(beam, at) / (next > at ? gap : -gap);
+      fbi_line_vector(f, beam, modes, next, tip);
+      fbi_vec3_advance(e, f, -FB_R(1.0), out);
+      if (fbi_vec3_norm(e) <= FBI_LINE_KINK) {
+        fb_real size;
+        fbi_vec3_add(out, share, e);
+        size = FB_R(1.0) / fbi_vec3_norm(out);
+        for (int i = 0; i < 3; i++) {
+          out[i] *= size;
+        }
+        return;
+      }
+    }
+  }
+}
+
+/* Undeformed position at x, line axes, from the beam's root, less the integral of the points' tangents to it: that of the
+   tangent of a root at rest, and what interpolation misses of a bent line. */
+static void fbi_line_start(fb_real out[3], const fb_real *weight, const fb_lines *all, const fb_line *line,
+                           const fb_beam *beam, const fb_modes *modes, fb_real x)
+{
+  const int element = fbi_beam_element(beam, x, 1);
+  const fb_real *const node = beam->node + 3 * element;
+  fb_real along[3], e[3];
+  const fb_real ahead[3] = {x - beam->start[element], FB_R(0.0), FB_R(0.0)};
+  fbi_line_vector(out, beam, modes, element, ahead);
+  fbi_vec3_copy(along, node);
+  if (modes->joined) {
+    fb_mat33_mul_vec3(along, beam->axes, node);
+  }
+  fbi_vec3_add(out, FB_R(1.0), along);
+  for (int j = 0; j < line->count; j++) {
+    for (int i = 0; i < 3; i++) {
+      e[i] = all->tangent[i][line->point + j];
+    }
+    fbi_vec3_add(out, -weight[j], e);
   }
 }
 
@@ -19573,7 +19632,6 @@ static void fbi_line_point_fill(fb_lines *all, fb_line *line, int at, const fbi_
 static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, const fb_beam *beam, const fb_modes *modes)
 {
   fb_line *const line = &all->line[all->n_line];
-  const fb_real tip[3] = {FB_R(1.0), FB_R(0.0), FB_R(0.0)};
   fb_real position[3], root_weight, column[FB_MAX_POINTS];
   int on = -1;
   fb_status status = all->n_line < FB_MAX_LINES ? fbi_line_plan_fill(plan, beam, modes) : FB_ERR_CAPACITY;
@@ -19638,16 +19696,20 @@ static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, con
     }
     if (s < line->count) {
       fbi_line_point_fill(all, line, at, &plan->slice[s]);
-      fbi_line_vector(e, beam, modes, fbi_beam_element(beam, plan->x[s], plan->before[s]), tip);
+      fbi_line_tangent(e, beam, modes, plan->x[s], plan->before[s]);
       fbi_line_set3(all->tangent, at, e);
-      fbi_line_weights(column, &root_weight, plan, plan->x[s]);
-      for (int j = 0; j < line->count; j++) {
-        all->table[line->weight + j * line->stride + s] = column[j];
-      }
-      fbi_line_vector(e, beam, modes, 0, tip);
-      for (int i = 0; i < 3; i++) {
-        all->start[i][at] = (on < 0 ? position[i] : FB_R(0.0)) + root_weight * e[i];
-      }
+    }
+  }
+  for (int s = 0; s < line->count; s++) {
+    const int at = line->point + s;
+    fb_real start[3];
+    fbi_line_weights(column, &root_weight, plan, plan->x[s]);
+    fbi_line_start(start, column, all, line, beam, modes, plan->x[s]);
+    for (int j = 0; j < line->count; j++) {
+      all->table[line->weight + j * line->stride + s] = column[j];
+    }
+    for (int i = 0; i < 3; i++) {
+      all->start[i][at] = (on < 0 ? position[i] : FB_R(0.0)) + start[i];
     }
   }
   all->n_point += line->stride;
@@ -19673,8 +19735,7 @@ static void fbi_line_node_fill(fb_line_node *node, const fb_lines *all, fbi_line
                                const fb_beam *beam, const fb_modes *modes, fb_real x)
 {
   const int at = fbi_line_find(all, first, beam, modes);
-  const fb_real tip[3] = {FB_R(1.0), FB_R(0.0), FB_R(0.0)};
-  fb_real e[3], position[3], root_weight;
+  fb_real start[3], position[3], root_weight;
   int before = -1;
   const fb_line *line;
   if (at < 0 || fbi_line_plan_fill(plan, beam, modes) != FB_OK) {
@@ -19691,10 +19752,10 @@ static void fbi_line_node_fill(fb_line_node *node, const fb_lines *all, fbi_line
                       x);
   }
   fbi_line_weights(node->weight, &root_weight, plan, x);
-  fbi_line_vector(e, beam, modes, 0, tip);
+  fbi_line_start(start, node->weight, all, line, beam, modes, x);
   fb_mat33_mulT_vec3(position, line->axes, beam->desc.position);
   for (int i = 0; i < 3; i++) {
-    node->start[i] = (line->hangs ? FB_R(0.0) : position[i]) + root_weight * e[i];
+    node->start[i] = (line->hangs ? FB_R(0.0) : position[i]) + start[i];
   }
 }
 #endif
