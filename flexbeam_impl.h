@@ -20105,17 +20105,18 @@ static fb_real fbi_chi_size(const fb_real *x, int n, int a, int b)
 }
 #endif
 
-/* Magnitude against which element i of Lambda_a for mode b is judged as round-off: bounds of the integrals in it. */
+/* Magnitude against which element i of Lambda_a for mode b is judged as round-off: bounds of the integrals in it. What
+   a body has beside its lines may have negative mass: what their points miss. */
 static fb_real fbi_lambda_size(const fb_shape *shape, int i, int a, int b)
 {
   const int n = shape->n;
-  const fb_real mb = FB_SQRT(shape->M[b * n + b]);
+  const fb_real mb = FB_SQRT(FB_FABS(shape->M[b * n + b]));
   fb_real size;
   if (a == 0) {
-    return mb * FB_SQRT(i < 3 ? shape->mass : shape->J[0] + shape->J[4] + shape->J[8]);
+    return mb * FB_SQRT(FB_FABS(i < 3 ? shape->mass : shape->J[0] + shape->J[4] + shape->J[8]));
   }
   a--;
-  size = i < 3 ? FB_R(0.0) : mb * FB_SQRT(shape->M[a * n + a]);
+  size = i < 3 ? FB_R(0.0) : mb * FB_SQRT(FB_FABS(shape->M[a * n + a]));
 #if FB_WITH_ACCELERATION_STIFFENING
   size += fbi_chi_size(i < 3 ? shape->second.pchi : shape->second.hchi, n, a, b);
 #endif
@@ -20247,13 +20248,13 @@ static void fbi_rigid_term(fb_real S[21], const fb_shape *shape, unsigned effect
 static fb_real fbi_S_size(const fb_shape *shape, const fb_real *Z, int a, int b, int i, int j)
 {
   const int n = shape->n;
-  const fb_real J = FB_SQRT(shape->J[0] + shape->J[4] + shape->J[8]);
-  const fb_real m = FB_SQRT(shape->mass);
+  const fb_real J = FB_SQRT(FB_FABS(shape->J[0] + shape->J[4] + shape->J[8]));
+  const fb_real m = FB_SQRT(FB_FABS(shape->mass));
   const fb_real *const Za = Z + 6 * a * n, *const Zb = Z + 6 * b * n;
   fb_real size = FB_R(0.0);
   if (j >= 3 && (i >= 3 || b == 0)) {
-    const fb_real sa = a > 0 ? FB_SQRT(shape->M[(a - 1) * n + a - 1]) : J;
-    const fb_real sb = b > 0 ? FB_SQRT(shape->M[(b - 1) * n + b - 1]) : (i < 3 ? m : J);
+    const fb_real sa = a > 0 ? FB_SQRT(FB_FABS(shape->M[(a - 1) * n + a - 1])) : J;
+    const fb_real sb = b > 0 ? FB_SQRT(FB_FABS(shape->M[(b - 1) * n + b - 1])) : (i < 3 ? m : J);
     size = sa * sb;
   }
 #if FB_WITH_ACCELERATION_STIFFENING
