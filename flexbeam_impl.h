@@ -4679,7 +4679,7 @@ static FBI_NOINLINE void fbi_large_bias_sub(fb_real y[6], fb_real *e, fbi_kineti
   const int n = body->n;
   fbi_line_work *const w = k->line;
   fb_real xd[FB_MAX_MODES + 1], own[6], turn[6], SV[6], bias[6] = {FB_R(0.0)}, x[FB_MAX_MODES],
-                                                           unused[FB_MAX_MODES + 1] = {FB_R(0.0)};
+                                                        unused[FB_MAX_MODES + 1] = {FB_R(0.0)};
   xd[0] = FB_R(0.0);
   fbi_copy(xd + 1, q_dot, n);
 
