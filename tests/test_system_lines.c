@@ -390,7 +390,33 @@ TEST(a_latch_on_a_line_conserves_momentum)
   }
 }
 
-SUITE(system_lines, RUN(lines_move_alike_by_the_three_methods), RUN(rates_of_systems_with_lines_are_those_of_hamilton),
-      RUN(accelerations_of_systems_with_lines_are_rates), RUN(lines_of_every_kind_carry_their_bodies),
-      RUN(momenta_of_lines_give_back_the_speeds), RUN(a_line_alone_is_the_single_body),
-      RUN(systems_with_lines_keep_energy_and_momentum), RUN(a_latch_on_a_line_conserves_momentum))
+/* E11.14 with M(q) and Lambda(q) of each stage in its iteration matrix: order 2, against rk4 with short steps. */
+TEST(sdirk_with_lines_converges_to_rk4)
+{
+  static fb_system_state fine;
+  double error[3] = {0.0, 0.0, 0.0};
+  for (int run = 0; run < 3 && !FB_SINGLE; run++) { /* differences of 1e-7 */
+    const int n = run ? 100 << run : 2000;
+    booms(CLAMPED, FB_JOINT_FREE, FB_JOINT_REVOLUTE, 1);
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+    for (int k = 0; k < n; k++) {
+      const fb_real dt = (fb_real)(0.05 / n);
+      FBT_INT_EQ(run ? fb_system_sdirk_step(&mechanism, model, &state, &work, &input, &input, dt, 3)
+                     : fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, dt),
+                 FB_OK);
+    }
+    fine = run ? fine : state;
+    for (int k = 0; k < 3; k++) {
+      error[run] = fmax(error[run], fbt_difference(fine.link[k].q, state.link[k].q, model[0].n));
+    }
+  }
+  FBT_BELOW(error[2], 1e-6);
+  FBT_TRUE(FB_SINGLE || error[1] > 3.9 * error[2]);
+}
+
+SUITE(system_lines, RUN(sdirk_with_lines_converges_to_rk4), RUN(lines_move_alike_by_the_three_methods),
+      RUN(rates_of_systems_with_lines_are_those_of_hamilton), RUN(accelerations_of_systems_with_lines_are_rates),
+      RUN(lines_of_every_kind_carry_their_bodies), RUN(momenta_of_lines_give_back_the_speeds),
+      RUN(a_line_alone_is_the_single_body), RUN(systems_with_lines_keep_energy_and_momentum),
+      RUN(a_latch_on_a_line_conserves_momentum))
