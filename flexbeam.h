@@ -160,14 +160,14 @@
      fb_rk4_work                  1472
      fb_implicit_work             7136
      fb_exponential_work          4048
-     fb_system_work             182344
+     fb_system_work             516168
      fb_exact_work              173904
      fb_modes_work             3633576  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416512  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
      fb_body_work               117448
      fb_build_work             4185888  most of it an fb_modes_work
      fb_analyse_work           1288568
-     fb_system_analyse_work    1508144
+     fb_system_analyse_work    1841968
      fb_exact_path_work         203040
      fb_exact_spectrum_work    1625760
      fb_exact_linear_work      1999440

@@ -8601,6 +8601,28 @@ static void fbi_keep(fb_real *x, fb_real *lost, const fb_real *d, int n)
   }
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* First moment of mass of a body with lines, from M_rr(q). */
+static void fbi_large_center(fb_real c[3], const fbi_line_work *w)
+{
+  c[0] = w->M_rr[10];
+  c[1] = w->M_rr[12];
+  c[2] = w->M_rr[4];
+}
+
+/* E9.24 of a body with lines, from M_rr(q) and Lambda(q), so that solving the equations of motion returns d to
+   rounding: the field of E8.16 differs from them by what the points miss of the integrals. */
+static void fbi_large_drift(fb_real F[6], fb_real *e, fb_real c[3], const fbi_line_work *w, int n, const fb_real d[3])
+{
+  const fb_real V[6] = {d[0], d[1], d[2], FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_sym6_mul_vec6(F, w->M_rr, V);
+  for (int a = 0; a < n; a++) {
+    e[a] = d[0] * w->X[a] + d[1] * w->X[n + a] + d[2] * w->X[2 * n + a];
+  }
+  fbi_large_center(c, w);
+}
+#endif
+
 /* [E9.24] Momenta of a body by a velocity d of the whole tree (body axes): linear m d and angular c(q) x d in F,
    Lambda^T d in e of its modes; c: its first moment. Without residual inertia F follows from S0 and Lambda as in the
    equations of motion, so that solving them returns the velocity d.
@@ -8609,6 +8631,12 @@ static void fbi_drift_momenta(fb_real F[6], fb_real *e, fb_real c[3], const fbi_
                               const fb_real d[3])
 {
   fb_real x[FB_MAX_MODES + 1];
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    fbi_large_drift(F, e, c, L->k.line, body->n, d);
+    return;
+  }
+#endif
   fbi_zero(x, body->n + 1);
   fbi_pull_eval(c, x, &L->k, body, L->k.qx, d);
   fbi_copy(e, x + 1, body->n);
@@ -8642,6 +8670,12 @@ static void fbi_trees_weigh(fb_system_work *w, const fb_system *system, int chan
       fb_mat33_mulT_vec3(d, L->k.R, w->link[L->root].change);
       fbi_drift_momenta(L->b, L->e, L->first, L, model, d);
     } else {
+#if FB_WITH_LARGE_DEFLECTION
+      if (fbi_is_large(model)) {
+        fbi_large_center(L->first, L->k.line);
+        continue;
+      }
+#endif
       fbi_center_eval(L->first, FBI_LINE_OF(&L->k), model, L->k.qx + 1);
     }
   }
