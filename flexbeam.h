@@ -2465,7 +2465,7 @@ typedef struct fb_analyse_work { /* scratch; large: make it static */
    v, w of the input; gravity and loads in inertial axes, which do not rotate with it, are taken in their present
    direction. Otherwise the body spins freely at |input.w| about the principal axis of the deformed body nearest to
    input.w, with its center of mass (or the pin) at rest; a hinged body spins at input.w about the hinge. Gravity and
-   loads are included. state gives the attitude and the first guess; at most 40 Newton iterations. input is required,
+   loads are included, distributed ones as they are at the state and input.t. state gives the attitude and the first guess; at most 40 Newton iterations. input is required,
    here and in the following functions of one body.
    FB_ERR_UNREST: loads or gravity accelerate a base that is not prescribed; FB_ERR_CONVERGENCE; FB_ERR_RANGE: beyond
    the deflection limit (buckled, or a large load); FB_ERR_SINGULAR: the stiffness is zero in some direction;

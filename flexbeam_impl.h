@@ -22101,6 +22101,37 @@ static int fbi_is_balanced(const fb_real P_dot[3], const fb_real L_dot[3], const
 
 /* Step of the finite differences, relative to the size of the body, or in radians. */
 #define FBI_DIFFERENCE (FB_SINGLE ? FB_R(1e-2) : FB_R(1e-3))
+#if FB_WITH_LARGE_DEFLECTION
+/* Most that a unit of coordinate a turns a point of the lines [rad], or stretches and shifts one in parts of `size`
+   [m]. */
+static fb_real fbi_lines_turn(const fb_lines *all, int a, fb_real size)
+{
+  fb_real most = FB_R(0.0);
+  for (int l = 0; l < all->n_line; l++) {
+    const fb_line *const line = &all->line[l];
+    const int k = a - line->first;
+    fb_real shift = FB_R(0.0);
+    if (k < 0 || k >= line->n) {
+      continue;
+    }
+    for (const fb_line_row *r = all->row + line->row, *end = r + line->n_turn + line->n_stretch; r < end; r++) {
+      const int turns = r < all->row + line->row + line->n_turn;
+      fb_real sum = FB_R(0.0);
+      for (int j = 0; j < line->count && r->a == k; j++) {
+        const fb_real own = all->table[r->at + j];
+        sum += turns ? own : FB_FABS(own) * all->station[line->point + j].length / size;
+        most = fbi_larger(most, FB_FABS(sum));
+      }
+    }
+    for (int i = 0; i < 3 && line->moves; i++) {
+      shift = fbi_larger(shift, FB_FABS(all->table[line->shift + 3 * k + i]));
+    }
+    most = fbi_larger(most, shift / size);
+  }
+  return most;
+}
+#endif
+
 /* Finite-difference step of modal coordinate a: it moves no point by more than FBI_DIFFERENCE times the radius of
    gyration (or the deflection limit, where that is smaller) and rotates no node by more than FBI_DIFFERENCE radians,
    since bodies and loads on a node rotate with it. */
@@ -22112,6 +22143,11 @@ static fb_real fbi_difference_step(const fb_body *body, int a)
   for (int k = 0; k < body->n_node; k++) {
     most = fbi_larger(most, fbi_vec3_norm(body->node[k].theta + 3 * a));
   }
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    most = fbi_larger(most, fbi_lines_turn(&body->lines, a, large));
+  }
+#endif
   return most > FB_R(0.0) ? FBI_DIFFERENCE / most : FB_R(1.0);
 }
 
@@ -22319,16 +22355,37 @@ static fb_real fbi_across(const fb_real w[3], const fb_real x[3])
   return spin > FB_R(0.0) ? fbi_vec3_norm(turn) / spin : FB_R(0.0);
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* torque += summed magnitudes of the distributed loads at the trimmed state, forces with the lever `length`. */
+static fb_status fbi_distributed_size(fb_real *torque, const fb_analyse_work *work, const fb_body *body,
+                                      const fb_input *input, fb_real length)
+{
+  fb_line_motion point[FB_MAX_LINE_POINTS];
+  int n = 0;
+  const fb_status status = fb_body_lines_eval(body, point, &n, &work->moved, &work->motion, input);
+  for (int k = 0; k < n && status == FB_OK; k++) {
+    *torque += fbi_vec3_norm(point[k].at.torque) + length * fbi_vec3_norm(point[k].at.force);
+  }
+  return status;
+}
+#endif
+
 /* Is the base of the trimmed state in equilibrium, too? FB_ERR_UNREST where force or torque accelerate it, now or after
    it has rotated further: loads in inertial axes and gravity need to be along the spin axis. */
 static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const fb_input *input)
 {
   const fb_real length = body->gyration, none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_real w[3], push[3], R[9], torque = FB_R(0.0), across = FB_R(0.0);
-  const fb_status status = fb_body_motion_eval(body, &work->motion, &work->moved, input);
+  fb_status status = fb_body_motion_eval(body, &work->motion, &work->moved, input);
   if (status != FB_OK || body->base == FB_BASE_PRESCRIBED) {
     return status;
   }
+#if FB_WITH_LARGE_DEFLECTION
+  status = fbi_is_distributed(input) ? fbi_distributed_size(&torque, work, body, input, length) : FB_OK;
+  if (status != FB_OK) {
+    return status;
+  }
+#endif
 
   /* Summed magnitudes of loads and gravity; `across`: of what rotates relative to the body */
   fb_quat_to_mat33(R, work->moved.quat);
@@ -23842,6 +23899,7 @@ FB_DEF fb_status fb_body_linearize(const fb_body *body, fb_analyse_work *work, f
 static int fbi_pose_acts(const fb_body *body, const fb_input *input)
 {
   int acts = fbi_has(body->effects, FB_EFFECT_GRAVITY);
+  acts |= fbi_is_distributed(input);
   for (int k = 0; k < input->n_load; k++) {
     acts |= input->load[k].axes == FB_AXES_INERTIAL;
   }

@@ -24,7 +24,7 @@
   X(integrate_limits) X(integrate_implicit) X(integrate_order) X(integrate_stepper) \
   X(system_trees) X(system_joints) X(system_loops) X(system_rows) X(system_steps) X(system_references) X(system_refusals) \
   X(exact_statics) X(exact_motion) X(exact_flight) X(exact_spectrum) X(exact_linear) \
-  X(analyse_body) X(analyse_steps) X(analyse_system) X(analyse_loops) \
+  X(analyse_body) X(analyse_steps) X(analyse_system) X(analyse_loops) X(analyse_lines) \
   X(advise_formulas) X(advise_search) X(build)
 // clang-format on
 
