@@ -2325,7 +2325,7 @@ static void fbi_lines_bias_add(fb_real y[6], fb_real *x, fb_real push[3], fbi_li
 /* ---- loads by points */
 
 /* Place of the first point of line l among the points for loads; of n_line their number. */
-static int fbi_lines_place(const fb_lines *all, int l)
+static int fbi_lines_first(const fb_lines *all, int l)
 {
   int n = 0;
   for (int i = 0; i < l; i++) {
@@ -2426,7 +2426,7 @@ static void fbi_lines_push(fb_real fg[6], fb_real *x, fbi_line_work *w, const fb
   fbi_lines_unload(w, all);
   for (int l = all->n_line - 1; l >= 0; l--) {
     const fb_line *const line = &all->line[l];
-    const fb_line_point *p = w->point + fbi_lines_place(all, l);
+    const fb_line_point *p = w->point + fbi_lines_first(all, l);
     fb_real r[3], force[3], torque[3];
     if (all->root[l].length > FB_R(0.0)) {
       fbi_line_axes(r, line, line->root);
@@ -5033,8 +5033,12 @@ static void fbi_cut_slice_add(fb_real y[6], const fbi_cut_point *p, const fb_rea
   fbi_vec3_add(y + 3, FB_R(1.0), T);
 }
 
+typedef struct fbi_cut_lead { /* accelerations of the points by those of the coordinates, J q_ddot, line axes */
+  fb_real a[3][FB_MAX_POINTS], alpha[3][FB_MAX_POINTS];
+} fbi_cut_lead;
+
 /* Motion of point j of a line (-1: its root at rest) from that of the frame, line axes. */
-static void fbi_cut_move(fbi_cut_point *p, fbi_line_work *w, const fb_line *line, int j, const fb_real *q_ddot,
+static void fbi_cut_move(fbi_cut_point *p, fbi_line_work *w, const fb_line *line, int j, fbi_cut_lead *lead,
                          const fb_real frame[12])
 {
   static const fb_real one[9] = {FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(1.0),
@@ -5051,12 +5055,9 @@ static void fbi_cut_move(fbi_cut_point *p, fbi_line_work *w, const fb_line *line
     fbi_line_get3(p->alpha, w->w_dot, j);
     fbi_line_get3(v, w->v, j);
     fbi_line_get3(turn, w->w, j);
-    for (int k = 0; k < line->n; k++) {
-      const int at = fbi_line_place(line, k) + j - line->point;
-      for (int i = 0; i < 3; i++) {
-        p->a[i] += w->Jv[at + i * line->stride] * q_ddot[line->first + k];
-        p->alpha[i] += w->Jw[at + i * line->stride] * q_ddot[line->first + k];
-      }
+    for (int i = 0; i < 3; i++) {
+      p->a[i] += lead->a[i][j];
+      p->alpha[i] += lead->alpha[i][j];
     }
   }
 
@@ -5191,12 +5192,12 @@ static void fbi_cut_write(fb_line_motion *out, const fbi_cut_point *p, const fb_
 
 /* Points and internal loads of line l; what hangs on it is in w.hung. */
 static void fbi_cut_line(fb_line_motion *out, fbi_kinetics *k, const fb_body *body, int l, const fb_state *state,
-                         const fb_motion *motion, const fb_input *input, const fb_real g_body[3])
+                         const fb_motion *motion, fbi_cut_lead *lead, const fb_input *input, const fb_real g_body[3])
 {
   const fb_lines *const all = &body->lines;
   const fb_line *const line = &all->line[l];
   fbi_line_work *const w = k->line;
-  const fb_line_point *const load = w->point + fbi_lines_place(all, l);
+  const fb_line_point *const load = w->point + fbi_lines_first(all, l);
   const int rests = all->root[l].length > FB_R(0.0), first = rests ? -1 : 0;
   fbi_cut_point point[FB_MAX_POINTS], root;
   fb_real frame[12], g[3], y[6];
@@ -5207,13 +5208,13 @@ static void fbi_cut_line(fb_line_motion *out, fbi_kinetics *k, const fb_body *bo
   fbi_line_axes(frame + 6, line, motion->acceleration);
   fbi_line_axes(frame + 9, line, motion->w_dot);
   fbi_line_axes(g, line, g_body);
-  fbi_cut_move(&root, w, line, -1, motion->q_ddot, frame);
+  fbi_cut_move(&root, w, line, -1, lead, frame);
   if (rests) {
     fbi_cut_load(&root, all, line, &all->root[l], -1, load, k->R, g);
   }
   for (int i = 0; i < line->count; i++) {
     const int j = line->point + i;
-    fbi_cut_move(&point[j], w, line, j, motion->q_ddot, frame);
+    fbi_cut_move(&point[j], w, line, j, lead, frame);
     fbi_cut_load(&point[j], all, line, &all->station[j], j, load + i + rests, k->R, g);
     for (int c = 0; c < 6 && line->carries; c++) {
       point[j].part[2][c] += w->hung[c][j];
@@ -5245,6 +5246,7 @@ FB_DEF fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, 
                                     const fb_motion *motion, const fb_input *input)
 {
   fb_line_motion out[FB_MAX_LINE_POINTS];
+  fbi_cut_lead lead;
   fbi_kinetics k;
   fb_real V[6], g[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_status status;
@@ -5264,6 +5266,11 @@ FB_DEF fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, 
   fbi_vec3_copy(V, motion->v);
   fbi_vec3_copy(V + 3, motion->w);
   fbi_lines_move(k.line, &body->lines, state->q);
+  for (int l = 0; l < body->lines.n_line; l++) {
+    fbi_line_rates(k.line, &body->lines, &body->lines.line[l], motion->q_ddot);
+  }
+  memcpy(lead.a, k.line->v, sizeof lead.a);
+  memcpy(lead.alpha, k.line->w, sizeof lead.alpha);
   fbi_lines_drift(k.line, &body->lines, motion->q_dot);
   count = fbi_lines_look(k.line, &body->lines, k.R, state->rho, V);
   status = fbi_is_distributed(input) ? input->distributed(k.line->point, count, input->t, input->user) : FB_OK;
@@ -5279,7 +5286,7 @@ FB_DEF fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, 
   /* from lines that hang to those that carry them */
   fbi_lines_unload(k.line, &body->lines);
   for (int l = body->lines.n_line - 1; l >= 0; l--) {
-    fbi_cut_line(out + fbi_lines_place(&body->lines, l), &k, body, l, state, motion, input, g);
+    fbi_cut_line(out + fbi_lines_first(&body->lines, l), &k, body, l, state, motion, &lead, input, g);
   }
   for (int i = 0; i < count; i++) {
     if (!fbi_vec3_is_finite(out[i].at.position) || !fbi_vec3_is_finite(out[i].force) ||
@@ -20136,6 +20143,11 @@ static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_des
   if (fbi_has(desc->effects, FB_EFFECT_NONLINEAR_STRAIN) && shape->n_strain == 0) {
     return FBI_REFUSE(FB_ERR_EFFECTS, "effects: nonlinear strain, with fb_shape_add_beam_strain", -1, FB_R(0.0),
                       FB_R(0.0));
+  }
+#endif
+#if FB_WITH_LARGE_DEFLECTION && FB_WITH_FORMS
+  if (fbi_has(desc->effects, FB_EFFECT_LARGE_DEFLECTION) && desc->form != FB_FORM_MOMENTUM) {
+    return FBI_REFUSE(FB_ERR_EFFECTS, "effects: large deflection, with the momentum form", -1, FB_R(0.0), FB_R(0.0));
   }
 #endif
 #if FB_WITH_LARGE_DEFLECTION

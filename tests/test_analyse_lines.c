@@ -113,6 +113,11 @@ static void exact_settle(void)
   exact_desc.n_element = FB_MAX_EXACT;
   exact_desc.n_station = 1;
   FBT_INT_EQ(fb_exact_station_init(&exact_desc.station[0], &line.station[0]), FB_OK);
+  exact_desc.n_lump = line.n_lump;
+  for (int k = 0; k < line.n_lump; k++) {
+    exact_desc.lump[k] = line.lump[k];
+    exact_desc.lump[k].node = line.lump[k].node * FB_MAX_EXACT / line.n_element;
+  }
   for (int i = 0; i < 3; i++) {
     exact_desc.position[i] = line.position[i];
     exact_desc.gravity[i] = level.gravity[i];
@@ -159,7 +164,41 @@ TEST(cantilevers_bend_under_their_weight_as_exact_beams)
   }
 }
 
-/* A blade that turns and droops: its steady state and frequencies; with torsion and a mass center off its line. */
+/* E14.41: internal loads, by parabolas between the nodes of the exact beam, to `tol` of the largest force or moment. */
+static void same_internal_loads(double tol)
+{
+  static fb_line_motion point[FB_MAX_LINE_POINTS];
+  int n;
+  double force = 0.0, moment = 0.0;
+  FBT_INT_EQ(fb_body_lines_eval(&body, point, &n, &state, &motion, &input), FB_OK);
+  for (int i = 0; i < 3; i++) {
+    force = fmax(force, fabs((double)exact_node[0].force[i]));
+    moment = fmax(moment, fabs((double)exact_node[0].moment[i]));
+  }
+  for (int p = 0; p < n; p++) {
+    const double at = FB_MAX_EXACT * (double)point[p].at.x / (double)line.length;
+    const int low = at < FB_MAX_EXACT - 1 ? (int)at : FB_MAX_EXACT - 1;
+    const int ends = low == 0 || (line.n_lump > 0 && 2 * (low - 1) == FB_MAX_EXACT);
+    const fb_exact_node *const a = &exact_node[ends ? low : low - 1];
+    const double u = at - (ends ? low : low - 1),
+                 w[3] = {0.5 * (u - 1.0) * (u - 2.0), u * (2.0 - u), 0.5 * u * (u - 1.0)};
+    if (line.n_lump > 0 && 2 * low == FB_MAX_EXACT && at > low + 1e-6) {
+      continue; /* the node before is on the inboard side of the lumped body */
+    }
+    for (int i = 0; i < 3; i++) {
+      double F = 0.0, M = 0.0;
+      for (int k = 0; k < 3; k++) {
+        F += w[k] * (double)a[k].force[i];
+        M += w[k] * (double)a[k].moment[i];
+      }
+      FBT_NEAR_ABS(point[p].force[i], F, tol * force);
+      FBT_NEAR_ABS(point[p].moment[i], M, tol * moment);
+    }
+  }
+}
+
+/* A blade that turns and droops: its steady state, internal loads and frequencies; with torsion, a mass center off its
+   line and a lumped body at its middle. */
 TEST(spinning_blades_have_the_frequencies_of_exact_beams)
 {
   for (int k = 0; k < 3; k++) {
@@ -179,11 +218,19 @@ TEST(spinning_blades_have_the_frequencies_of_exact_beams)
       line.station[0].i_y = FB_R(1e-3);
       line.station[0].i_z = FB_R(3e-3);
       line.station[0].mass_y = FB_R(0.02);
-      keep.count[FB_KIND_TORSION] = 2;
+      /* coupled modes: those of torsion bend, too */
+      keep.count[FB_KIND_BEND_Y] = keep.count[FB_KIND_BEND_Z] = keep.count[FB_KIND_TORSION] = 6;
+      line.n_lump = 1;
+      line.lump[0].node = line.n_element / 2;
+      line.lump[0].mass = FB_R(0.2);
+      line.lump[0].center[1] = FB_R(0.03);
+      line.lump[0].center[2] = FB_R(0.02);
+      line.lump[0].inertia[0] = line.lump[0].inertia[1] = line.lump[0].inertia[2] = FB_R(1e-3);
     }
     line_body(0.0);
     settle();
     exact_settle();
+    same_internal_loads(FBT_TOL(1e-3, 1e-2));
     same_tip(FBT_TOL(1e-3, 3e-3));
     same_frequencies(4, FBT_TOL(1e-3, 1e-2));
   }
