@@ -694,16 +694,53 @@ typedef struct fb_line {
   fb_real root[3], frame[9]; /* [m] root, beam axes to body axes: by which init finds a beam's line */
 } fb_line;
 
+/* Loads and internal loads by points: those of each line in its order, before them its root where that is at rest. */
+#define FB_MAX_LINE_POINTS (FB_MAX_POINTS + FB_MAX_LINES)
+#define FBI_MAX_LINE_SIDES (FB_MAX_POINTS / 2 + FB_MAX_LINES)
+
+typedef struct fb_line_station { /* where a point, or a root at rest, stands */
+  fb_real x, length, before;     /* [m] from the root; of the line, by the quadrature, and the part before the point */
+  fb_real axes[9];               /* section axes, undeformed, to line axes */
+  unsigned short side; /* 1 + its number in `side`; 0: within a stretch, mass and load are alike on both sides */
+} fb_line_station;
+
+typedef struct fb_line_side { /* mass of the sections before and behind an end of a stretch, without lumped bodies */
+  fb_real mass[2], first[2][3], moment[2][6]; /* about the point, line axes: sum of m, m d, inertia as above */
+} fb_line_side;
+
 typedef struct fb_lines {
   int n_line, n_point, n_row, n_table; /* used; n_point is even */
+  int n_side;
   fb_line line[FB_MAX_LINES];
   fb_real mass[FB_MAX_POINTS];                                /* [kg] */
   fb_real center[3 * FB_MAX_POINTS];                          /* [m] mass center from the line, line axes */
   fb_real inertia[6 * FB_MAX_POINTS];                         /* [kg m^2] about it, packed: xx, xy, xz, yy, yz, zz */
   fb_real start[3][FB_MAX_POINTS], tangent[3][FB_MAX_POINTS]; /* r = start + sum of weight t; e; line axes */
+  fb_line_station station[FB_MAX_POINTS], root[FB_MAX_LINES]; /* by point, by line (length 0: the root is a point) */
+  fb_line_side side[FBI_MAX_LINE_SIDES];
   fb_line_row row[FBI_MAX_LINE_ROWS];
   fb_real table[FBI_MAX_LINE_TABLE];
 } fb_lines;
+
+/* A point of the lines, inertial axes. Section axes: x along the line, y and z the principal axes of the section. */
+typedef struct fb_line_point {
+  int line;                             /* number of the beam, in the order of fb_shape_add_beam */
+  fb_real x;                            /* [m] along the line from its root, undeformed */
+  fb_real length;                       /* [m] of the line that the point stands for; their sum is its length */
+  fb_real position[3], R[9];            /* [m] of the line; section to inertial axes */
+  fb_real velocity[3], angular_rate[3]; /* [m/s], [rad/s] of the section at the line */
+  fb_real force[3], torque[3];          /* [N], [N m] what acts there, at the line: force per length times
+                                                     `length` */
+} fb_line_point;
+
+/* Distributed loads: writes force and torque of all n points, which are zero before, at time t; called once an
+   evaluation. Points are the roots and the nodes of quadrature, by lines from the root on: a load that varies smoothly
+   along the line is integrated as accurately as its product with the modes by a polynomial through them; one that jumps
+   where no point ends a stretch (lumped body, kink, step of the sections), less so. The status of a callback that fails
+   ends the call, which then leaves the state as it was; FB_ERR_NOT_FINITE: it has written what is no number. It may be
+   called several times for one step, at attempts too: keep no history in it. Loads that grow with the velocity are not
+   part of the step limit. */
+typedef fb_status (*fb_distributed)(fb_line_point *point, int n, fb_real t, void *user);
 
 typedef struct fb_line_node {              /* a node on a line, line axes */
   unsigned short line;                     /* 1 + its number; 0: none, the node is described by its shapes */
@@ -735,6 +772,8 @@ typedef struct fbi_line_work { /* what an evaluation knows about the lines, line
   fb_real Z[6 * FB_MAX_MODES], column[FB_MAX_MODES][6];                           /* Lambda L^-T, its columns */
   fb_real M_rr[21];                                                               /* M_rr(q) */
   fb_real e[FB_MAX_MODES];                                                        /* L^-1 pi */
+  fb_real center[3]; /* [m] R c(q)/m of a free body where its step began, inertial axes: O from the mass center */
+  fb_line_point point[FB_MAX_LINE_POINTS]; /* with distributed loads */
 } fbi_line_work;
 #endif
 
@@ -789,7 +828,8 @@ typedef struct fb_gauge { /* a strain gauge: what each coordinate of a body adds
   int n;
   fb_real gain[FB_MAX_MODES];
 } fb_gauge;
-FB_API fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q); /* [-] */
+/* Strain [-], linear in q; with lines of large deflection exact for any: coordinates are those of curvature. */
+FB_API fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q);
 
 typedef enum fb_base { /* how the body frame moves */
                        FB_BASE_FREE = 0,
@@ -995,6 +1035,12 @@ typedef struct fb_input { /* what acts on a body at one instant; all zero: nothi
   fb_real v[3], w[3];
   fb_real v_dot[3], w_dot[3]; /* [m/s^2], [rad/s^2] their rates in body axes: accelerations, reactions, step limit, and
                                  the equations of motion of the second- and first-order forms */
+#if FB_WITH_LARGE_DEFLECTION
+  fb_distributed distributed; /* loads along the lines of a body with FB_EFFECT_LARGE_DEFLECTION; NULL: none; others:
+                                 FB_ERR_UNSUPPORTED */
+  void *user;
+  fb_real t; /* [s] for distributed */
+#endif
 } fb_input;
 
 typedef struct fb_motion { /* velocities and accelerations, body axes */
@@ -1039,6 +1085,21 @@ FB_API fb_status fb_body_motion_eval(const fb_body *body, fb_motion *motion, con
 /* Pose, velocity and acceleration of a node, from the motion at the same state. */
 FB_API fb_status fb_body_node_motion_eval(const fb_body *body, fb_node_motion *out, const fb_state *state,
                                           const fb_motion *motion, int node);
+#if FB_WITH_LARGE_DEFLECTION
+typedef struct fb_line_motion {
+  fb_line_point at;                                 /* with the distributed load that acts there */
+  fb_real acceleration[3], angular_acceleration[3]; /* [m/s^2], [rad/s^2] inertial axes */
+  fb_real force[3], moment[3]; /* [N], [N m] internal loads, section axes: force[0] tension, moment[0] torsion */
+} fb_line_motion;
+/* Motion and internal loads at all points of the lines of a single body, point[FB_MAX_LINE_POINTS], *n of them, in the
+   order of fb_distributed. Internal loads are what the line beyond the section exerts on it at the line, by equilibrium:
+   loads of the input, gravity and inertia forces of all that is outboard, lumped bodies and loads at the point itself
+   included. They hold whatever the modes can represent, and with damping its part, too; at a root at rest they are the
+   load on the hub. motion and input are those of fb_body_motion_eval at state. FB_ERR_UNSUPPORTED: a body without lines;
+   FB_ERR_NOT_FINITE; a status of input->distributed. On failure point and n are as before. */
+FB_API fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, int *n, const fb_state *state,
+                                    const fb_motion *motion, const fb_input *input);
+#endif
 FB_API fb_status fb_body_energy_eval(const fb_body *body, fb_energy *energy, const fb_state *state,
                                      const fb_input *input);
 FB_API fb_status fb_body_momentum_eval(const fb_body *body, fb_momentum *momentum, const fb_state *state,
@@ -2448,7 +2509,7 @@ typedef struct fb_analyse_work { /* scratch; large: make it static */
    v, w of the input; gravity and loads in inertial axes, which do not rotate with it, are taken in their present
    direction. Otherwise the body spins freely at |input.w| about the principal axis of the deformed body nearest to
    input.w, with its center of mass (or the pin) at rest; a hinged body spins at input.w about the hinge. Gravity and
-   loads are included. state gives the attitude and the first guess; at most 40 Newton iterations. input is required,
+   loads are included, distributed ones as they are at the state and input.t. state gives the attitude and the first guess; at most 40 Newton iterations. input is required,
    here and in the following functions of one body.
    FB_ERR_UNREST: loads or gravity accelerate a base that is not prescribed; FB_ERR_CONVERGENCE; FB_ERR_RANGE: beyond
    the deflection limit (buckled, or a large load); FB_ERR_SINGULAR: the stiffness is zero in some direction;

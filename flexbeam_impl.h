@@ -2666,6 +2666,136 @@ static void fbi_lines_bias_add(fb_real y[6], fb_real *x, fb_real push[3], fbi_li
   }
 }
 
+/* ---- loads by points */
+
+/* Place of the first point of line l among the points for loads; of n_line their number. */
+static int fbi_lines_first(const fb_lines *all, int l)
+{
+  int n = 0;
+  for (int i = 0; i < l; i++) {
+    n += all->line[i].count + (all->root[i].length > FB_R(0.0));
+  }
+  return n;
+}
+
+/* A point at r (line axes, from O) whose section has turned by H, with the velocities v, w relative to the frame; origin
+   and V: of O, inertial and body axes; R: body to inertial axes. */
+static void fbi_line_point_look(fb_line_point *p, const fb_line *line, const fb_line_station *at, const fb_real H[9],
+                                const fb_real r[3], const fb_real v[3], const fb_real w[3], const fb_real R[9],
+                                const fb_real origin[3], const fb_real V[6])
+{
+  fb_real A[9], AH[9], body[3], velocity[3], rate[3];
+  memset(p, 0, sizeof *p);
+  p->x = at->x;
+  p->length = at->length;
+
+  /* section to inertial axes */
+  fb_mat33_mul(A, R, line->axes);
+  fb_mat33_mul(AH, A, H);
+  fb_mat33_mul(p->R, AH, at->axes);
+
+  /* position, V_v + V_w x r + v, V_w + w */
+  fbi_line_to_body(body, line, r);
+  fbi_line_to_body(velocity, line, v);
+  fbi_line_to_body(rate, line, w);
+  fbi_vec3_add(velocity, FB_R(1.0), V);
+  fbi_vec3_add_cross(velocity, V + 3, body);
+  fbi_vec3_add(rate, FB_R(1.0), V + 3);
+  fb_mat33_mul_vec3(p->position, R, body);
+  fbi_vec3_add(p->position, FB_R(1.0), origin);
+  fb_mat33_mul_vec3(p->velocity, R, velocity);
+  fb_mat33_mul_vec3(p->angular_rate, R, rate);
+}
+
+/* All points for loads; poses and velocities of the lines are known. Returns their number. */
+static int fbi_lines_look(fbi_line_work *w, const fb_lines *all, const fb_real R[9], const fb_real origin[3],
+                          const fb_real V[6])
+{
+  static const fb_real one[9] = {FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(1.0),
+                                 FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(1.0)};
+  static const fb_real none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_line_point *p = w->point;
+  for (int l = 0; l < all->n_line; l++) {
+    const fb_line *const line = &all->line[l];
+    fb_real H[9], r[3], v[3], turn[3];
+    if (all->root[l].length > FB_R(0.0)) {
+      fbi_line_axes(r, line, line->root);
+      fbi_line_point_look(p, line, &all->root[l], one, r, none, none, R, origin, V);
+      (p++)->line = l;
+    }
+    for (int j = line->point; j < line->point + line->count; j++) {
+      fbi_line_get9(H, w->H, j);
+      fbi_line_get3(r, w->r, j);
+      fbi_line_get3(v, w->v, j);
+      fbi_line_get3(turn, w->w, j);
+      fbi_line_point_look(p, line, &all->station[j], H, r, v, turn, R, origin, V);
+      (p++)->line = l;
+    }
+  }
+  return (int)(p - w->point);
+}
+
+/* Adds a force and a torque at r, line axes, to the resultant and the moment about O, body axes. */
+static void fbi_line_wrench_add(fb_real fg[6], const fb_line *line, const fb_real r[3], const fb_real F[3],
+                                const fb_real T[3])
+{
+  fb_real moment[3], own[3];
+  fb_vec3_cross(moment, r, F);
+  fbi_vec3_add(moment, FB_R(1.0), T);
+  fbi_line_to_body(own, line, F);
+  fbi_vec3_add(fg, FB_R(1.0), own);
+  fbi_line_to_body(own, line, moment);
+  fbi_vec3_add(fg + 3, FB_R(1.0), own);
+}
+
+/* Force and torque of a point for loads in a line's axes. */
+static void fbi_line_point_load(fb_real F[3], fb_real T[3], const fb_line_point *p, const fb_line *line,
+                                const fb_real R[9])
+{
+  fb_real own[3];
+  fb_mat33_mulT_vec3(own, R, p->force);
+  fbi_line_axes(F, line, own);
+  fb_mat33_mulT_vec3(own, R, p->torque);
+  fbi_line_axes(T, line, own);
+}
+
+/* [E14.40] Forces F and torques T at the points of the lines: fg += (sum F, sum r x F + T), body axes, x_a += their
+   virtual work by E14.8, whose forces are at the mass centers: there the torque is T - rho x F. What acts on a root at
+   rest does no work.
+   Source: virtual work.  Cost: as E14.8.  Fails: never.
+   Test: a_weight_by_callback_is_gravity, power_of_distributed_loads_is_the_rate_of_energy. */
+static void fbi_lines_push(fb_real fg[6], fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_real R[9])
+{
+  fb_real F[3][FB_MAX_POINTS], T[3][FB_MAX_POINTS];
+  fbi_lines_unload(w, all);
+  for (int l = all->n_line - 1; l >= 0; l--) {
+    const fb_line *const line = &all->line[l];
+    const fb_line_point *p = w->point + fbi_lines_first(all, l);
+    fb_real r[3], force[3], torque[3];
+    if (all->root[l].length > FB_R(0.0)) {
+      fbi_line_axes(r, line, line->root);
+      fbi_line_point_load(force, torque, p++, line, R);
+      fbi_line_wrench_add(fg, line, r, force, torque);
+    }
+    for (int j = line->point; j < line->point + line->count; j++) {
+      fbi_line_get3(r, w->r, j);
+      fbi_line_point_load(force, torque, p++, line, R);
+      fbi_line_wrench_add(fg, line, r, force, torque);
+      if (line->solid) {
+        fb_real rho[3];
+        fbi_line_offset(rho, w, all, j);
+        fbi_vec3_add_cross(torque, force, rho);
+      }
+      fbi_line_set3(F, j, force);
+      fbi_line_set3(T, j, torque);
+    }
+    for (int i = 0; i < 3 && line->stride > line->count; i++) {
+      F[i][line->point + line->count] = T[i][line->point + line->count] = FB_R(0.0);
+    }
+    fbi_line_load_add(x, w, all, line, F, T);
+  }
+}
+
 /* ---- nodes */
 
 /* The interval from the point before a node to it, line axes. */
@@ -3981,10 +4111,25 @@ static void fbi_gravity_add(fbi_kinetics *k, const fb_body *body)
 }
 #endif
 
+/* 1 if distributed loads act. */
+static int fbi_is_distributed(const fb_input *input)
+{
+#if FB_WITH_LARGE_DEFLECTION
+  return input && input->distributed;
+#else
+  (void)input;
+  return 0;
+#endif
+}
+
 static fb_status fbi_input_check(const fb_body *body, const fb_input *input)
 {
   if (!input) {
     return FB_OK;
+  }
+  if (fbi_is_distributed(input) && !fbi_is_large(body)) {
+    return FBI_REFUSE(FB_ERR_UNSUPPORTED, "input: distributed loads, of a body with FB_EFFECT_LARGE_DEFLECTION", -1,
+                      FB_R(0.0), FB_R(0.0));
   }
   FBI_REQUIRE(input->n_load >= 0 && input->n_load <= FB_MAX_LOADS, FB_ERR_CAPACITY);
   for (int i = 0; i < input->n_load; i++) {
@@ -4009,7 +4154,7 @@ static int fbi_is_flying(const fb_body *body)
 static int fbi_is_oriented(const fb_body *body, const fb_input *input)
 {
   return fbi_form(body) != 0 || body->base == FB_BASE_PRESCRIBED || (input && input->n_load > 0) ||
-         (body->base != FB_BASE_FREE && fbi_has(body->effects, FB_EFFECT_GRAVITY));
+         fbi_is_distributed(input) || (body->base != FB_BASE_FREE && fbi_has(body->effects, FB_EFFECT_GRAVITY));
 }
 
 /* [E8.33] Loads in the frame of the mass center, which they accelerate by a = f/m: there every mass element feels the
@@ -4029,12 +4174,71 @@ static void fbi_fall(fbi_kinetics *k, const fb_body *body)
   fbi_vec3_add_cross(k->fg + 3, c, field);
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* O of a body at a stage of a step whose state has the position of the mass center relative to O where the step began
+   (w.center): rho + w.center - R c(q)/m of a free body. */
+static void fbi_line_origin(fb_real origin[3], const fbi_kinetics *k, const fb_body *body, const fb_state *state)
+{
+  fbi_vec3_copy(origin, state->rho);
+  if (fbi_is_flying(body)) {
+    const fbi_line_work *const w = k->line;
+    fb_real c[3], own[3];
+    c[0] = w->M_rr[10];
+    c[1] = w->M_rr[12];
+    c[2] = w->M_rr[4];
+    fb_mat33_mul_vec3(own, k->R, c);
+    fbi_vec3_add(origin, FB_R(1.0), w->center);
+    fbi_vec3_add(origin, -FB_R(1.0) / body->mass, own);
+  }
+}
+
+/* Distributed loads: the points with poses and velocities, what acts on them, E14.40. */
+static fb_status fbi_distributed_add(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
+{
+  const int n = body->n;
+  const fb_lines *const all = &body->lines;
+  fbi_line_work *const w = k->line;
+  fb_real q_dot[FB_MAX_MODES], origin[3], V[6];
+  fb_status status;
+  int n_point;
+
+  /* q_dot = M^-1 (pi - Lambda^T V); velocity of O */
+  fbi_copy(w->e, state->pi, n);
+  fbi_large_lambdaT_sub(w->e, k, body, k->V);
+  fb_chol_solve(q_dot, w->L, w->e, n);
+  fb_mat33_mulT_vec3(V, k->R, state->u);
+  fbi_vec3_add(V, FB_R(1.0), k->V);
+  fbi_vec3_copy(V + 3, k->V + 3);
+
+  /* points */
+  for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
+    fbi_line_rates(w, all, line, q_dot);
+  }
+  fbi_line_origin(origin, k, body, state);
+  n_point = fbi_lines_look(w, all, k->R, origin, V);
+
+  /* loads */
+  status = input->distributed(w->point, n_point, input->t, input->user);
+  for (int i = 0; i < n_point && status == FB_OK; i++) {
+    if (!fbi_vec3_is_finite(w->point[i].force) || !fbi_vec3_is_finite(w->point[i].torque)) {
+      status = FBI_REFUSE(FB_ERR_NOT_FINITE, "point: distributed force [N] or torque [N m], finite", i, FB_R(0.0),
+                          FB_R(0.0));
+    }
+  }
+  if (status == FB_OK) {
+    fbi_lines_push(k->fg, k->x + 1, w, all, k->R);
+  }
+  return status;
+}
+#endif
+
 /* k.fg, k.x, k.a of gravity and loads; relative to the mass center (E8.33) for a free body in momentum form. */
-static void fbi_forces(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
+static fb_status fbi_forces(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
 {
   const int n_load = input ? input->n_load : 0, flying = fbi_is_flying(body);
+  const int loaded = n_load > 0 || fbi_is_distributed(input);
   fbi_vec6_zero(k->fg);
-  k->loaded = n_load > 0 || (fbi_has(body->effects, FB_EFFECT_GRAVITY) && !flying);
+  k->loaded = loaded || (fbi_has(body->effects, FB_EFFECT_GRAVITY) && !flying);
 #if FB_WITH_GRAVITY
   if (fbi_has(body->effects, FB_EFFECT_GRAVITY) && !flying) {
     fbi_gravity_add(k, body);
@@ -4043,10 +4247,19 @@ static void fbi_forces(fbi_kinetics *k, const fb_body *body, const fb_state *sta
   for (int i = 0; i < n_load; i++) {
     fbi_load_add(k, body, &input->load[i], state->q);
   }
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_distributed(input)) {
+    const fb_status status = fbi_distributed_add(k, body, state, input);
+    if (status != FB_OK) {
+      return status;
+    }
+  }
+#endif
   fbi_vec3_zero(k->a);
-  if (flying && n_load > 0) {
+  if (flying && loaded) {
     fbi_fall(k, body);
   }
+  return FB_OK;
 }
 
 /* y += s (C x) where damping is on */
@@ -4475,11 +4688,11 @@ static fb_status fbi_form_rates(fb_state *rate, fbi_kinetics *k, const fb_body *
 static fb_status fbi_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
                            const fb_input *input)
 {
-  const fb_status status = fbi_velocity(k, body, state, input);
+  fb_status status = fbi_velocity(k, body, state, input);
+  status = status == FB_OK ? fbi_forces(k, body, state, input) : status;
   if (status != FB_OK) {
     return status;
   }
-  fbi_forces(k, body, state, input);
 #if FB_WITH_FORMS
   return fbi_form_rates(rate, k, body, state, input);
 #else
@@ -4694,6 +4907,23 @@ static void fbi_origin_velocity(fb_real v[3], const fbi_kinetics *k, const fb_bo
   fbi_vec3_add(v, FB_R(1.0), state->u);
 }
 
+/* Before the evaluations of a step from a state whose attitude is R: E14.40 needs O of its stages (fbi_line_origin). */
+static void fbi_line_start(fbi_line_work *line, const fb_body *body, const fb_state *state, const fb_real R[9],
+                           const fb_input *input)
+{
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_distributed(input) && fbi_is_large(body)) {
+    fb_real c[3], own[3];
+    fbi_center_eval(c, line, body, state->q);
+    fb_mat33_mul_vec3(own, R, c);
+    for (int i = 0; i < 3; i++) {
+      line->center[i] = fbi_is_flying(body) ? own[i] / body->mass : FB_R(0.0);
+    }
+  }
+#endif
+  (void)line, (void)body, (void)state, (void)R, (void)input;
+}
+
 FB_DEF fb_status fb_body_rates_eval(const fb_body *body, fb_state *rate, const fb_state *state, const fb_input *input)
 {
   fbi_kinetics k;
@@ -4703,6 +4933,7 @@ FB_DEF fb_status fb_body_rates_eval(const fb_body *body, fb_state *rate, const f
   FBI_REQUIRE(body && rate && state, FB_ERR_NULL);
   status = fbi_input_check(body, input);
   fbi_state_enter(&at, k.R, body, state);
+  fbi_line_start(FBI_LINE_OF(&k), body, &at, k.R, input);
   memset(&out, 0, sizeof out);
   status = status == FB_OK ? fbi_rates(&out, &k, body, &at, input) : status;
   if (status == FB_OK && fbi_is_flying(body)) {
@@ -5247,6 +5478,7 @@ FB_DEF fb_status fb_body_motion_eval(const fb_body *body, fb_motion *motion, con
   /* rates of the state */
   status = fbi_input_check(body, input);
   fbi_state_enter(&at, k.R, body, state);
+  fbi_line_start(FBI_LINE_OF(&k), body, &at, k.R, input);
   if (status == FB_OK) {
     status = fbi_rates(&rate, &k, body, &at, input);
   }
@@ -5361,6 +5593,313 @@ FB_DEF fb_status fb_body_node_motion_eval(const fb_body *body, fb_node_motion *o
   *out = found;
   return FB_OK;
 }
+
+#if FB_WITH_LARGE_DEFLECTION
+/* ---- internal loads of lines */
+
+typedef struct fbi_cut_point {              /* a point of a line or its root at rest, line axes */
+  fb_real H[9], r[3], a[3], alpha[3], w[3]; /* rotation, position from O, accelerations, angular velocity */
+  fb_real part[3][6]; /* force and moment about O of the sections before and behind it, and of what is right there */
+} fbi_cut_point;
+
+/* y += force and moment about O of a slice of mass m, first moment S and inertia J (packed) about its point, axes of the
+   undeformed line: gravity g, and by inertia m (g - a) - alpha x S - w x (w x S),  S x (g - a) - J alpha - w x J w. */
+static void fbi_cut_slice_add(fb_real y[6], const fbi_cut_point *p, const fb_real g[3], fb_real m, const fb_real S[3],
+                              const fb_real J[6])
+{
+  const fb_real whole[9] = {J[0], J[1], J[2], J[1], J[3], J[4], J[2], J[4], J[5]};
+  fb_real s[3], away[3], own[3], turn[3], F[3], T[3], h[3];
+  fb_mat33_mul_vec3(s, p->H, S);
+  fbi_vec3_advance(away, g, -FB_R(1.0), p->a);
+
+  /* force */
+  fb_vec3_cross(turn, p->w, s);
+  fb_vec3_cross(F, turn, p->w);
+  fbi_vec3_add_cross(F, s, p->alpha);
+  fbi_vec3_add(F, m, away);
+
+  /* moment about the point: H (J H^T alpha), w x H (J H^T w) */
+  fb_vec3_cross(T, s, away);
+  fb_mat33_mulT_vec3(own, p->H, p->alpha);
+  fb_mat33_mul_vec3(turn, whole, own);
+  fb_mat33_mul_vec3(h, p->H, turn);
+  fbi_vec3_add(T, -FB_R(1.0), h);
+  fb_mat33_mulT_vec3(own, p->H, p->w);
+  fb_mat33_mul_vec3(turn, whole, own);
+  fb_mat33_mul_vec3(h, p->H, turn);
+  fbi_vec3_add_cross(T, h, p->w);
+
+  fbi_vec3_add_cross(T, p->r, F);
+  fbi_vec3_add(y, FB_R(1.0), F);
+  fbi_vec3_add(y + 3, FB_R(1.0), T);
+}
+
+typedef struct fbi_cut_lead { /* accelerations of the points by those of the coordinates, J q_ddot, line axes */
+  fb_real a[3][FB_MAX_POINTS], alpha[3][FB_MAX_POINTS];
+} fbi_cut_lead;
+
+/* Motion of point j of a line (-1: its root at rest) from that of the frame, line axes. */
+static void fbi_cut_move(fbi_cut_point *p, fbi_line_work *w, const fb_line *line, int j, fbi_cut_lead *lead,
+                         const fb_real frame[12])
+{
+  static const fb_real one[9] = {FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(1.0),
+                                 FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(1.0)};
+  const fb_real *const o = frame + 3, *const o_dot = frame + 9;
+  fb_real v[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, own[3];
+  memset(p, 0, sizeof *p);
+  fbi_mat33_copy(p->H, one);
+  fbi_line_axes(p->r, line, line->root);
+  if (j >= 0) {
+    fbi_line_get9(p->H, w->H, j);
+    fbi_line_get3(p->r, w->r, j);
+    fbi_line_get3(p->a, w->v_dot, j);
+    fbi_line_get3(p->alpha, w->w_dot, j);
+    fbi_line_get3(v, w->v, j);
+    fbi_line_get3(turn, w->w, j);
+    for (int i = 0; i < 3; i++) {
+      p->a[i] += lead->a[i][j];
+      p->alpha[i] += lead->alpha[i][j];
+    }
+  }
+
+  /* a += a_O + w_dot x r + w x (w x r + 2 v), alpha += w_dot + w x turn */
+  fb_vec3_cross(own, o, p->r);
+  fbi_vec3_add(own, FB_R(2.0), v);
+  fbi_vec3_add(p->a, FB_R(1.0), frame + 6);
+  fbi_vec3_add_cross(p->a, o_dot, p->r);
+  fbi_vec3_add_cross(p->a, o, own);
+  fbi_vec3_add(p->alpha, FB_R(1.0), o_dot);
+  fbi_vec3_add_cross(p->alpha, o, turn);
+  fbi_vec3_advance(p->w, o, FB_R(1.0), turn);
+}
+
+/* Inertia forces, gravity and distributed load of a point; mass of sections by sides, the rest of it lumped. */
+static void fbi_cut_load(fbi_cut_point *p, const fb_lines *all, const fb_line *line, const fb_line_station *at, int j,
+                         const fb_line_point *load, const fb_real R[9], const fb_real g[3])
+{
+  const fb_real before = at->before / at->length;
+  fb_real F[3], T[3];
+  if (at->side > 0) {
+    const fb_line_side *const side = &all->side[at->side - 1];
+    for (int k = 0; k < 2; k++) {
+      fbi_cut_slice_add(p->part[k], p, g, side->mass[k], side->first[k], side->moment[k]);
+    }
+  }
+  if (j >= 0) {
+    const int whole = at->side > 0 ? 2 : 0;
+    fb_real S[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, J[6];
+    fbi_vec3_add(S, all->mass[j], all->center + 3 * j);
+    fbi_copy(J, all->inertia + 6 * j, 6);
+    fbi_line_particle(J, all->mass[j], all->center + 3 * j);
+    fbi_cut_slice_add(p->part[whole], p, g, all->mass[j], S, J);
+    for (int i = 0; i < 6 && whole; i++) {
+      p->part[2][i] -= p->part[0][i] + p->part[1][i];
+    }
+  }
+  fbi_line_point_load(F, T, load, line, R);
+  fbi_vec3_add_cross(T, p->r, F);
+  for (int i = 0; i < 3; i++) {
+    p->part[0][i] += before * F[i];
+    p->part[0][3 + i] += before * T[i];
+    p->part[1][i] += (FB_R(1.0) - before) * F[i];
+    p->part[1][3 + i] += (FB_R(1.0) - before) * T[i];
+  }
+}
+
+/* y += the load at a node of a line, line axes, force and moment about O, unless it is inboard of point j. */
+static void fbi_cut_node_add(fb_real y[6], fbi_kinetics *k, const fb_body *body, const fb_load *load, int l, int j,
+                             const fb_real *q)
+{
+  const fb_node *const node = &body->node[load->node];
+  const fb_line *const line = &body->lines.line[l];
+  fbi_node_field f;
+  fb_real F[3], T[3], r[3], own[3];
+  if (node->line.line != l + 1 || (j >= 0 && node->line.after < j + 1)) {
+    return;
+  }
+  fbi_node_eval(&f, k, body, node, q);
+  fbi_copy(F, load->force, 3);
+  fbi_copy(T, load->torque, 3);
+  if (load->axes == FB_AXES_INERTIAL) {
+    fb_mat33_mulT_vec3(F, k->R, load->force);
+    fb_mat33_mulT_vec3(T, k->R, load->torque);
+  }
+  if (load->axes == FB_AXES_NODE) {
+    fb_real turn[9];
+    fb_quat_to_mat33(turn, f.quat);
+    fb_mat33_mul_vec3(F, turn, load->force);
+    fb_mat33_mul_vec3(T, turn, load->torque);
+  }
+  fbi_vec3_advance(r, node->r, FB_R(1.0), f.u);
+  fbi_vec3_add_cross(T, r, F);
+  fbi_line_axes(own, line, F);
+  fbi_vec3_add(y, FB_R(1.0), own);
+  fbi_line_axes(own, line, T);
+  fbi_vec3_add(y + 3, FB_R(1.0), own);
+}
+
+/* What acts on a line beyond its point at (-1: the root at rest): the sections' load per length is the polynomial
+   through the nodes of each stretch, of which the line's weights are the integrals from the root. */
+static void fbi_cut_sum(fb_real y[6], const fb_lines *all, const fb_line *line, const fbi_cut_point *point,
+                        const fbi_cut_point *root, int at)
+{
+  const int l = (int)(line - all->line);
+  fbi_vec6_zero(y);
+  for (int j = line->point; j < line->point + line->count; j++) {
+    const fb_line_station *const s = &all->station[j];
+    const fbi_cut_point *const p = &point[j];
+    const fb_real inner =
+        at < 0 ? FB_R(0.0) : all->table[line->weight + (j - line->point) * line->stride + at - line->point];
+    const fb_real behind = s->length - s->before;
+    fb_real share[3] = {FB_R(0.0), FB_R(1.0), FB_R(1.0)};
+    if (s->side == 0 || at <= j) {
+      share[0] = s->before > FB_R(0.0) ? FB_R(1.0) - inner / s->before : FB_R(0.0);
+    } else {
+      share[1] = behind > FB_R(0.0) ? FB_R(1.0) - (inner - s->before) / behind : FB_R(0.0);
+      share[2] = FB_R(0.0);
+    }
+    for (int k = 0; k < 3; k++) {
+      fbi_vec6_add(y, share[k], p->part[k]);
+    }
+  }
+  if (all->root[l].length > FB_R(0.0)) {
+    const fb_line_station *const s = &all->root[l];
+    fb_real inner = FB_R(0.0);
+    for (int i = 0; i < 3 && at >= 0; i++) {
+      inner += s->axes[3 * i] * (all->start[i][at] - root->r[i]);
+    }
+    fbi_vec6_add(y, FB_R(1.0) - inner / s->length, root->part[1]);
+  }
+}
+
+/* Internal loads at a point from what acts beyond it, section axes, and its accelerations, inertial axes. */
+static void fbi_cut_write(fb_line_motion *out, const fbi_cut_point *p, const fb_real y[6], const fb_line *line,
+                          const fb_line_station *at, const fb_line_point *load, const fb_real R[9])
+{
+  fb_real own[3], M[3];
+  memset(out, 0, sizeof *out);
+  out->at = *load;
+  fbi_line_to_body(own, line, p->a);
+  fb_mat33_mul_vec3(out->acceleration, R, own);
+  fbi_line_to_body(own, line, p->alpha);
+  fb_mat33_mul_vec3(out->angular_acceleration, R, own);
+  fb_mat33_mulT_vec3(own, p->H, y);
+  fb_mat33_mulT_vec3(out->force, at->axes, own);
+  fbi_vec3_copy(M, y + 3);
+  fbi_vec3_add_cross(M, y, p->r);
+  fb_mat33_mulT_vec3(own, p->H, M);
+  fb_mat33_mulT_vec3(out->moment, at->axes, own);
+}
+
+/* Points and internal loads of line l; what hangs on it is in w.hung. */
+static void fbi_cut_line(fb_line_motion *out, fbi_kinetics *k, const fb_body *body, int l, const fb_state *state,
+                         const fb_motion *motion, fbi_cut_lead *lead, const fb_input *input, const fb_real g_body[3])
+{
+  const fb_lines *const all = &body->lines;
+  const fb_line *const line = &all->line[l];
+  fbi_line_work *const w = k->line;
+  const fb_line_point *const load = w->point + fbi_lines_first(all, l);
+  const int rests = all->root[l].length > FB_R(0.0), first = rests ? -1 : 0;
+  fbi_cut_point point[FB_MAX_POINTS], root;
+  fb_real frame[12], g[3], y[6];
+
+  /* motion and loads of the points; place 0 is the root at rest */
+  fbi_line_axes(frame, line, motion->v);
+  fbi_line_axes(frame + 3, line, motion->w);
+  fbi_line_axes(frame + 6, line, motion->acceleration);
+  fbi_line_axes(frame + 9, line, motion->w_dot);
+  fbi_line_axes(g, line, g_body);
+  fbi_cut_move(&root, w, line, -1, lead, frame);
+  if (rests) {
+    fbi_cut_load(&root, all, line, &all->root[l], -1, load, k->R, g);
+  }
+  for (int i = 0; i < line->count; i++) {
+    const int j = line->point + i;
+    fbi_cut_move(&point[j], w, line, j, lead, frame);
+    fbi_cut_load(&point[j], all, line, &all->station[j], j, load + i + rests, k->R, g);
+    for (int c = 0; c < 6 && line->carries; c++) {
+      point[j].part[2][c] += w->hung[c][j];
+    }
+  }
+
+  /* cuts */
+  for (int i = first; i < line->count; i++) {
+    const int j = i < 0 ? -1 : line->point + i;
+    fbi_cut_sum(y, all, line, point, &root, j);
+    for (int n = 0; input && n < input->n_load; n++) {
+      fbi_cut_node_add(y, k, body, &input->load[n], l, j, state->q);
+    }
+    fbi_cut_write(out + i - first, i < 0 ? &root : &point[j], y, line, i < 0 ? &all->root[l] : &all->station[j],
+                  load + i - first, k->R);
+    for (int c = 0; c < 6 && i == first && line->hangs; c++) {
+      w->hung[c][line->hangs - 1] += y[c];
+    }
+  }
+}
+
+/* [E14.41] Internal loads of lines by equilibrium: at a section the resultant of what acts on all that is outboard,
+   F = int_x^L f dx + sum of concentrated forces,  M = int_x^L (r - r(x)) x f + t dx + sum (r_k - r(x)) x F_k + T_k,
+   f and t: loads, gravity, and inertia forces -m a by the accelerations of E14.16.
+   Source: d'Alembert's principle.  Cost: 200 flops a point, 40 a pair of points of a line.
+   Fails: no lines, the callback, not finite.
+   Test: a_spinning_rod_is_under_its_tension, internal_loads_end_at_the_base, internal_moments_bend_the_line. */
+FB_DEF fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, int *n, const fb_state *state,
+                                    const fb_motion *motion, const fb_input *input)
+{
+  fb_line_motion out[FB_MAX_LINE_POINTS];
+  fbi_cut_lead lead;
+  fbi_kinetics k;
+  fb_real V[6], g[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_status status;
+  int count;
+  FBI_WITH_LINES(k);
+  FBI_REQUIRE(body && point && n && state && motion, FB_ERR_NULL);
+  if (!fbi_is_large(body)) {
+    return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: lines, with FB_EFFECT_LARGE_DEFLECTION", -1, FB_R(0.0), FB_R(0.0));
+  }
+  status = fbi_input_check(body, input);
+  if (status != FB_OK) {
+    return status;
+  }
+
+  /* poses, velocities, loads */
+  fb_quat_to_mat33(k.R, state->quat);
+  fbi_vec3_copy(V, motion->v);
+  fbi_vec3_copy(V + 3, motion->w);
+  fbi_lines_move(k.line, &body->lines, state->q);
+  for (int l = 0; l < body->lines.n_line; l++) {
+    fbi_line_rates(k.line, &body->lines, &body->lines.line[l], motion->q_ddot);
+  }
+  memcpy(lead.a, k.line->v, sizeof lead.a);
+  memcpy(lead.alpha, k.line->w, sizeof lead.alpha);
+  fbi_lines_drift(k.line, &body->lines, motion->q_dot);
+  count = fbi_lines_look(k.line, &body->lines, k.R, state->rho, V);
+  status = fbi_is_distributed(input) ? input->distributed(k.line->point, count, input->t, input->user) : FB_OK;
+  if (status != FB_OK) {
+    return status;
+  }
+#if FB_WITH_GRAVITY
+  if (fbi_has(body->effects, FB_EFFECT_GRAVITY)) {
+    fb_mat33_mulT_vec3(g, k.R, body->gravity);
+  }
+#endif
+
+  /* from lines that hang to those that carry them */
+  fbi_lines_unload(k.line, &body->lines);
+  for (int l = body->lines.n_line - 1; l >= 0; l--) {
+    fbi_cut_line(out + fbi_lines_first(&body->lines, l), &k, body, l, state, motion, &lead, input, g);
+  }
+  for (int i = 0; i < count; i++) {
+    if (!fbi_vec3_is_finite(out[i].at.position) || !fbi_vec3_is_finite(out[i].force) ||
+        !fbi_vec3_is_finite(out[i].moment)) {
+      return FB_ERR_NOT_FINITE;
+    }
+  }
+  memcpy(point, out, (size_t)count * sizeof *out);
+  *n = count;
+  return FB_OK;
+}
+#endif
 
 static fb_real fbi_kinetic_energy(fbi_kinetics *k, const fb_body *body, const fb_state *state)
 {
@@ -11904,7 +12443,8 @@ static void fbi_state_scale(fb_state *out, fb_real s, const fb_state *rate, int 
   }
 }
 
-/* Stage value out = state + s rate of all that rates depend on; L only in forms other than the momentum form. */
+/* Stage value out = state + s rate of all that rates depend on; L only in forms other than the momentum form, rho only
+   of bodies with lines. */
 static void fbi_stage_advance(fb_state *out, const fb_body *body, const fb_state *state, fb_real s,
                               const fb_state *rate)
 {
@@ -11913,6 +12453,9 @@ static void fbi_stage_advance(fb_state *out, const fb_body *body, const fb_state
   fbi_vec3_advance(out->h, state->h, s, rate->h);
   if (fbi_form(body) != 0) {
     fbi_vec3_advance(out->L, state->L, s, rate->L);
+  }
+  if (fbi_is_large(body)) { /* distributed loads see where they act */
+    fbi_vec3_advance(out->rho, state->rho, s, rate->rho);
   }
   fbi_modes_advance(out, state, s, rate, body->n);
 }
@@ -12366,6 +12909,10 @@ FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, f
   input[3] = end;
   at = &work->start;
   fbi_state_enter(&work->start, k.R, body, state);
+  fbi_line_start(FBI_LINES(work), body, state, k.R,
+                 fbi_is_distributed(start) ? start
+                 : fbi_is_distributed(end) ? end
+                                           : middle);
 
   /* Stages */
   for (int stage = 0; stage < 4; stage++) {
@@ -12960,6 +13507,7 @@ static fb_status fbi_implicit_start(fb_implicit_work *w, fbi_kinetics *k, const 
   fb_status status = dt > FB_R(0.0) && dt < FB_HUGE ? fbi_input_check(body, input)
                                                     : FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
   fbi_state_enter(&w->start, k->R, body, state);
+  fbi_line_start(FBI_LINES(w), body, state, k->R, input);
   if (status == FB_OK) {
     status = fbi_rates(&w->rate, k, body, &w->start, input);
   }
@@ -13100,6 +13648,12 @@ static fb_status fbi_input_between(fb_input *out, const fb_input *a, const fb_in
       return FB_ERR_VALUE;
     }
   }
+#if FB_WITH_LARGE_DEFLECTION
+  if (a->distributed != b->distributed || a->user != b->user) {
+    return FB_ERR_VALUE;
+  }
+  out->t += s * (b->t - a->t);
+#endif
 
   /* Linear interpolation */
   for (int i = 0; i < 3; i++) {
@@ -13527,6 +14081,10 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
 
   /* N_1, step limit */
   fbi_state_enter(&work->start, k.R, body, state);
+  fbi_line_start(FBI_LINES(work), body, state, k.R,
+                 fbi_is_distributed(start) ? start
+                 : fbi_is_distributed(end) ? end
+                                           : middle);
   fbi_frame_copy(&work->at, &work->start);
   fbi_elastic_copy(&work->at, &work->start, body->n);
   fbi_modal_from(&work->z, scheme, body, &work->at);
@@ -19275,6 +19833,8 @@ static void fbi_line_break_add(fbi_line_break *list, int *n, fb_real x, fb_real 
   for (int k = 0; k < *n; k++) {
     if (FB_FABS(list[k].x - x) < gap) {
       list[k].kink = list[k].kink || kink;
+      list[k].left = x - half < list[k].left ? x - half : list[k].left;
+      list[k].right = fbi_larger(list[k].right, x + half);
       return;
     }
   }
@@ -19385,7 +19945,7 @@ static void fbi_line_lumps_add(fbi_line_slice *s, const fb_beam *beam, const fb_
 }
 
 typedef struct fbi_line_stretch {
-  fb_real x0, x1;
+  fb_real x0, x1, right, left; /* ends; where sections are taken behind the first and before the last */
   int m, start,
       next; /* m + 1 nodes: point `start` (-1: a root at rest, which is no point), then m points from `next` */
 } fbi_line_stretch;
@@ -19451,6 +20011,8 @@ static fb_status fbi_line_plan_fill(fbi_line_plan *plan, const fb_beam *beam, co
     const fb_real part = (list[k + 1].x - list[k].x) / length;
     s->x0 = list[k].x;
     s->x1 = list[k + 1].x;
+    s->right = list[k].right;
+    s->left = list[k + 1].left;
     s->m = n_break == 2 ? want : 3 + (int)(part * (fb_real)(want - 3) + FB_R(0.999));
     s->start = list[k].kink ? fbi_line_plan_add(plan, s->x0, 0) : point;
     s->next = plan->n;
@@ -19551,8 +20113,8 @@ static void fbi_line_tangent(fb_real out[3], const fb_beam *beam, const fb_modes
 
 /* Undeformed position at x, line axes, from the beam's root, less the integral of the points' tangents to it: that of the
    tangent of a root at rest, and what interpolation misses of a bent line. */
-static void fbi_line_start(fb_real out[3], const fb_real *weight, const fb_lines *all, const fb_line *line,
-                           const fb_beam *beam, const fb_modes *modes, fb_real x)
+static void fbi_line_begins_at(fb_real out[3], const fb_real *weight, const fb_lines *all, const fb_line *line,
+                               const fb_beam *beam, const fb_modes *modes, fb_real x)
 {
   const int element = fbi_beam_element(beam, x, 1);
   const fb_real *const node = beam->node + 3 * element;
@@ -19661,6 +20223,81 @@ static void fbi_line_point_fill(fb_lines *all, fb_line *line, int at, const fbi_
   }
 }
 
+/* Adds the length dx of a stretch to what a station stands for; `from`: where its section is taken. An end of the
+   stretch (behind: its first one) has its mass by sides, too. */
+static fb_status fbi_line_station_add(fb_lines *all, fb_line_station *to, const fb_beam *beam, const fb_modes *modes,
+                                      fb_real x, int behind, int is_end, fb_real from, fb_real dx)
+{
+  const int element = fbi_beam_element(beam, x, !behind);
+  if (!(to->length > FB_R(0.0))) { /* its section axes */
+    fb_section section;
+    fb_real column[3], local[3] = {FB_R(1.0), FB_R(0.0), FB_R(0.0)};
+    fb_beam_section_eval(beam, &section, from);
+    for (int k = 0; k < 3; k++) {
+      if (k > 0) {
+        local[0] = FB_R(0.0);
+        fbi_turn_yz(&local[1], &local[2], k == 1 ? FB_R(1.0) : FB_R(0.0), k == 2 ? FB_R(1.0) : FB_R(0.0),
+                    -section.twist);
+      }
+      fbi_line_vector(column, beam, modes, element, local);
+      for (int i = 0; i < 3; i++) {
+        to->axes[3 * i + k] = column[i];
+      }
+    }
+  }
+  to->x = x;
+  to->length += dx;
+  to->before += behind ? FB_R(0.0) : dx;
+  if (is_end) {
+    static const int packed[6] = {0, 1, 2, 4, 5, 8};
+    fbi_line_slice slice;
+    fb_line_side *side;
+    if (to->side == 0 && all->n_side >= FBI_MAX_LINE_SIDES) {
+      return FB_ERR_CAPACITY;
+    }
+    if (to->side == 0) {
+      to->side = (unsigned short)++all->n_side;
+      memset(&all->side[to->side - 1], 0, sizeof all->side[0]);
+    }
+    side = &all->side[to->side - 1];
+    memset(&slice, 0, sizeof slice);
+    fbi_line_section_add(&slice, beam, modes, x, !behind, from, dx);
+    side->mass[behind] = slice.mass;
+    fbi_vec3_copy(side->first[behind], slice.first);
+    for (int i = 0; i < 6; i++) {
+      side->moment[behind][i] = slice.moment[packed[i]];
+    }
+  }
+  return FB_OK;
+}
+
+/* Stations of the last line: its points, and its root unless that is one. */
+static fb_status fbi_line_stations_fill(fb_lines *all, const fbi_line_plan *plan, const fb_beam *beam,
+                                        const fb_modes *modes)
+{
+  const fb_line *const line = &all->line[all->n_line];
+  fb_real node[FBI_LINE_NODES], weight[FBI_LINE_NODES];
+  fb_status status = FB_OK;
+  memset(&all->root[all->n_line], 0, sizeof all->root[0]);
+  memset(&all->station[line->point], 0, (size_t)line->stride * sizeof all->station[0]);
+  for (int k = 0; k < plan->n_stretch; k++) {
+    const fbi_line_stretch *const s = &plan->stretch[k];
+    const fb_real width = s->x1 - s->x0;
+    fbi_lobatto_rule(node, weight, s->m);
+    for (int j = 0; j <= s->m && status == FB_OK; j++) {
+      const int at = j == 0 ? s->start : s->next + j - 1;
+      const fb_real x = j == s->m ? s->x1 : s->x0 + node[j] * width;
+      status = fbi_line_station_add(all, at < 0 ? &all->root[all->n_line] : &all->station[line->point + at], beam,
+                                    modes, x, j == 0, j == 0 || j == s->m,
+                                    j == 0      ? s->right
+                                    : j == s->m ? s->left
+                                                : x,
+                                    weight[j] * width);
+    }
+  }
+  return status;
+}
+
 /* Adds a beam with its modes to the lines of a shape. FB_ERR_CAPACITY: points, lines or tables; FB_ERR_KIND: the root of
    a joined beam moves with no point of an earlier one. */
 static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, const fb_beam *beam, const fb_modes *modes)
@@ -19738,13 +20375,17 @@ static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, con
     const int at = line->point + s;
     fb_real start[3];
     fbi_line_weights(column, &root_weight, plan, plan->x[s]);
-    fbi_line_start(start, column, all, line, beam, modes, plan->x[s]);
+    fbi_line_begins_at(start, column, all, line, beam, modes, plan->x[s]);
     for (int j = 0; j < line->count; j++) {
       all->table[line->weight + j * line->stride + s] = column[j];
     }
     for (int i = 0; i < 3; i++) {
       all->start[i][at] = (on < 0 ? position[i] : FB_R(0.0)) + start[i];
     }
+  }
+  status = fbi_line_stations_fill(all, plan, beam, modes);
+  if (status != FB_OK) {
+    return status;
   }
   all->n_point += line->stride;
   all->n_line++;
@@ -19786,7 +20427,7 @@ static void fbi_line_node_fill(fb_line_node *node, const fb_lines *all, fbi_line
                       x);
   }
   fbi_line_weights(node->weight, &root_weight, plan, x);
-  fbi_line_start(start, node->weight, all, line, beam, modes, x);
+  fbi_line_begins_at(start, node->weight, all, line, beam, modes, x);
   fb_mat33_mulT_vec3(position, line->axes, beam->desc.position);
   for (int i = 0; i < 3; i++) {
     node->start[i] = (line->hangs ? FB_R(0.0) : position[i]) + start[i];
@@ -20871,6 +21512,11 @@ static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_des
   if (fbi_has(desc->effects, FB_EFFECT_NONLINEAR_STRAIN) && shape->n_strain == 0) {
     return FBI_REFUSE(FB_ERR_EFFECTS, "effects: nonlinear strain, with fb_shape_add_beam_strain", -1, FB_R(0.0),
                       FB_R(0.0));
+  }
+#endif
+#if FB_WITH_LARGE_DEFLECTION && FB_WITH_FORMS
+  if (fbi_has(desc->effects, FB_EFFECT_LARGE_DEFLECTION) && desc->form != FB_FORM_MOMENTUM) {
+    return FBI_REFUSE(FB_ERR_EFFECTS, "effects: large deflection, with the momentum form", -1, FB_R(0.0), FB_R(0.0));
   }
 #endif
 #if FB_WITH_LARGE_DEFLECTION
@@ -22914,6 +23560,37 @@ static int fbi_is_balanced(const fb_real P_dot[3], const fb_real L_dot[3], const
 
 /* Step of the finite differences, relative to the size of the body, or in radians. */
 #define FBI_DIFFERENCE (FB_SINGLE ? FB_R(1e-2) : FB_R(1e-3))
+#if FB_WITH_LARGE_DEFLECTION
+/* Most that a unit of coordinate a turns a point of the lines [rad], or stretches and shifts one in parts of `size`
+   [m]. */
+static fb_real fbi_lines_turn(const fb_lines *all, int a, fb_real size)
+{
+  fb_real most = FB_R(0.0);
+  for (int l = 0; l < all->n_line; l++) {
+    const fb_line *const line = &all->line[l];
+    const int k = a - line->first;
+    fb_real shift = FB_R(0.0);
+    if (k < 0 || k >= line->n) {
+      continue;
+    }
+    for (const fb_line_row *r = all->row + line->row, *end = r + line->n_turn + line->n_stretch; r < end; r++) {
+      const int turns = r < all->row + line->row + line->n_turn;
+      fb_real sum = FB_R(0.0);
+      for (int j = 0; j < line->count && r->a == k; j++) {
+        const fb_real own = all->table[r->at + j];
+        sum += turns ? own : FB_FABS(own) * all->station[line->point + j].length / size;
+        most = fbi_larger(most, FB_FABS(sum));
+      }
+    }
+    for (int i = 0; i < 3 && line->moves; i++) {
+      shift = fbi_larger(shift, FB_FABS(all->table[line->shift + 3 * k + i]));
+    }
+    most = fbi_larger(most, shift / size);
+  }
+  return most;
+}
+#endif
+
 /* Finite-difference step of modal coordinate a: it moves no point by more than FBI_DIFFERENCE times the radius of
    gyration (or the deflection limit, where that is smaller) and rotates no node by more than FBI_DIFFERENCE radians,
    since bodies and loads on a node rotate with it. */
@@ -22925,6 +23602,11 @@ static fb_real fbi_difference_step(const fb_body *body, int a)
   for (int k = 0; k < body->n_node; k++) {
     most = fbi_larger(most, fbi_vec3_norm(body->node[k].theta + 3 * a));
   }
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    most = fbi_larger(most, fbi_lines_turn(&body->lines, a, large));
+  }
+#endif
   return most > FB_R(0.0) ? FBI_DIFFERENCE / most : FB_R(1.0);
 }
 
@@ -23132,16 +23814,37 @@ static fb_real fbi_across(const fb_real w[3], const fb_real x[3])
   return spin > FB_R(0.0) ? fbi_vec3_norm(turn) / spin : FB_R(0.0);
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* torque += summed magnitudes of the distributed loads at the trimmed state, forces with the lever `length`. */
+static fb_status fbi_distributed_size(fb_real *torque, const fb_analyse_work *work, const fb_body *body,
+                                      const fb_input *input, fb_real length)
+{
+  fb_line_motion point[FB_MAX_LINE_POINTS];
+  int n = 0;
+  const fb_status status = fb_body_lines_eval(body, point, &n, &work->moved, &work->motion, input);
+  for (int k = 0; k < n && status == FB_OK; k++) {
+    *torque += fbi_vec3_norm(point[k].at.torque) + length * fbi_vec3_norm(point[k].at.force);
+  }
+  return status;
+}
+#endif
+
 /* Is the base of the trimmed state in equilibrium, too? FB_ERR_UNREST where force or torque accelerate it, now or after
    it has rotated further: loads in inertial axes and gravity need to be along the spin axis. */
 static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const fb_input *input)
 {
   const fb_real length = body->gyration, none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_real w[3], push[3], R[9], torque = FB_R(0.0), across = FB_R(0.0);
-  const fb_status status = fb_body_motion_eval(body, &work->motion, &work->moved, input);
+  fb_status status = fb_body_motion_eval(body, &work->motion, &work->moved, input);
   if (status != FB_OK || body->base == FB_BASE_PRESCRIBED) {
     return status;
   }
+#if FB_WITH_LARGE_DEFLECTION
+  status = fbi_is_distributed(input) ? fbi_distributed_size(&torque, work, body, input, length) : FB_OK;
+  if (status != FB_OK) {
+    return status;
+  }
+#endif
 
   /* Summed magnitudes of loads and gravity; `across`: of what rotates relative to the body */
   fb_quat_to_mat33(R, work->moved.quat);
@@ -24655,6 +25358,7 @@ FB_DEF fb_status fb_body_linearize(const fb_body *body, fb_analyse_work *work, f
 static int fbi_pose_acts(const fb_body *body, const fb_input *input)
 {
   int acts = fbi_has(body->effects, FB_EFFECT_GRAVITY);
+  acts |= fbi_is_distributed(input);
   for (int k = 0; k < input->n_load; k++) {
     acts |= input->load[k].axes == FB_AXES_INERTIAL;
   }

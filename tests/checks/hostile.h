@@ -380,7 +380,9 @@ static const function functions[] = {FUNCTIONS(AS_ROW)};
 static const struct {
   const void *at;
   size_t size;
-} untouched[] = {{&w.system_input.rows, sizeof w.system_input.rows},
+} untouched[] = {{&w.input.distributed, sizeof w.input.distributed},
+                 {&w.input.user, sizeof w.input.user},
+                 {&w.system_input.rows, sizeof w.system_input.rows},
                  {&w.system_input.user, sizeof w.system_input.user},
                  {&w.trial, sizeof w.trial},
                  {&w.stepper_desc, offsetof(fb_stepper_desc, n_input)},
