@@ -168,7 +168,7 @@
      fb_exact_path_work         203040
      fb_exact_spectrum_work    1625760
      fb_exact_linear_work      1999440
-     fb_advice_work             535376
+     fb_advice_work            1000736
 
    CONVENTIONS
      Arguments: context (models, then the state that changes, then work), outputs, inputs, sizes. An _init has what it
@@ -2691,15 +2691,15 @@ typedef struct fb_advice {
   fb_real cost;       /* approximate number of instructions of a 64-bit processor per simulated second */
   fb_real deflection; /* [m] estimated maximum of the output */
   /* estimated errors of the output relative to deflection: by missing effects, by missing modes, by the step (an upper
-     bound; not from fb_advice_search), and by terms that no modal body has (above the tolerance: use the geometrically
-     exact beam) */
-  fb_real error_effects, error_modes, error_step, error_model;
+     bound; not from fb_advice_search), and by terms that the model lacks: those of its displacement field, error_field,
+     unless effects have FB_EFFECT_LARGE_DEFLECTION (above the tolerance: use the geometrically exact beam) */
+  fb_real error_effects, error_modes, error_step, error_model, error_field;
   fb_real without[FB_ADVICE_EFFECTS]; /* the same without effect 1 << i, for the best set without it */
   fb_real error;                      /* by simulation (fb_advice_search), else the sum of the four */
   int n_trial;                        /* number of simulations */
 } fb_advice;
 
-#define FBI_ADVICE_SETS 10
+#define FBI_ADVICE_SETS 11
 #define FBI_ADVICE_INSTANTS 5
 #define FBI_ADVICE_PHASES 3
 #define FBI_ADVICE_PARTS 16 /* trial steps per integrator */
@@ -2734,8 +2734,9 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
 } fb_advice_work;
 
 /* Finds the cheapest set of effects, modes, integrator and step whose estimated errors add up to at most the tolerance
-   (relative to the largest output). error_model uses at most half of the tolerance; if it is larger, error exceeds the
-   tolerance.
+   (relative to the largest output). error_model uses at most half of the tolerance: beyond that large deflection is
+   advised (FB_EFFECTS_LARGE) if the shape has lines (lines_status FB_OK) and an integrator for them; if not, or if the
+   body buckles, error exceeds the tolerance.
    The estimates compare the accelerations of each set at the extremes of the envelope: bounded work, no simulation.
    They are often wrong by a factor of three. shape: natural modes, more than will be needed.
    FB_ERR_EFFECTS: an effect was removed at compile time; FB_ERR_VALUE: negative frequency or frame, duration or
@@ -2760,8 +2761,10 @@ typedef struct fb_trial { /* simulation of a scene, by the caller */
 /* Finds the cheapest set by simulation: candidates are simulated in the order of their estimated cost, up to that of
    the reference, until one meets the tolerance. Every cheaper candidate was simulated and rejected, or the error of its
    effects and modes no longer depended on the step.
+   The reference has large deflection if the shape has lines; where run returns FB_ERR_UNSUPPORTED for it all effects but
+   that, and for a candidate no step of its integrator with its effects is tried again.
    error: largest distance from the reference, relative to its largest sample. For desktop use: tens to thousands of
-   simulations, with n modes at most 1 + 160 n FB_INTEGRATOR_COUNT.
+   simulations, with n modes at most 2 + 176 n FB_INTEGRATOR_COUNT.
    FB_ERR_CONVERGENCE: no candidate meets the tolerance, or all modes and effects with a short step exceed twice the
    tolerance; FB_ERR_VALUE, FB_ERR_NOT_FINITE: also a reference of zeros or that is not finite; a status of run for all
    modes and effects; else as fb_advice_solve. */
