@@ -168,7 +168,7 @@
      fb_exact_path_work         203040
      fb_exact_spectrum_work    1625760
      fb_exact_linear_work      1999440
-     fb_advice_work            1000736
+     fb_advice_work            1000832
 
    CONVENTIONS
      Arguments: context (models, then the state that changes, then work), outputs, inputs, sizes. An _init has what it
@@ -2723,6 +2723,7 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
   fb_real displacement[FBI_ADVICE_INSTANTS][FBI_ADVICE_PHASES][3];
   fb_real omega[FB_MAX_MODES], most[FB_MAX_MODES]; /* highest frequency and largest contribution of each mode */
   int order[FB_MAX_MODES];                         /* modes in descending order of contribution */
+  fb_real beside[FB_MAX_MODES]; /* what a mode gives to the output by large deflection alone, relative to it */
   fb_real zeta[FB_MAX_MODES], deflection, drawn, ringing;
   fb_real bend; /* [m] the deflection without its limit */
   int buckled;  /* 1: in some load case */
@@ -2734,9 +2735,9 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
 } fb_advice_work;
 
 /* Finds the cheapest set of effects, modes, integrator and step whose estimated errors add up to at most the tolerance
-   (relative to the largest output). error_model uses at most half of the tolerance: beyond that large deflection is
-   advised (FB_EFFECTS_LARGE) if the shape has lines (lines_status FB_OK) and an integrator for them; if not, or if the
-   body buckles, error exceeds the tolerance.
+   (relative to the largest output). error_model uses at most half of the tolerance; if it is larger, error exceeds the
+   tolerance, and where it alone does, large deflection is advised (FB_EFFECTS_LARGE), if the shape has lines
+   (lines_status FB_OK) and no load case buckles it or bends it by more than five lengths.
    The estimates compare the accelerations of each set at the extremes of the envelope: bounded work, no simulation.
    They are often wrong by a factor of three. shape: natural modes, more than will be needed.
    FB_ERR_EFFECTS: an effect was removed at compile time; FB_ERR_VALUE: negative frequency or frame, duration or
