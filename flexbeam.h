@@ -15,7 +15,8 @@
    the angular momentum about it; f, g and f_e are force, moment and modal loads. V, the velocity of the frame, and pi
    are relative to u, so that the speed of flight does not matter. The only matrix that depends on q is the 6x6 Schur
    complement S(q) = M_rr(q) - Lambda(q) M^-1 Lambda(q)^T, a polynomial of degree 2 in q. Its terms are collected once,
-   at init, for the selected effects alone: an effect that is off costs nothing.
+   at init, for the selected effects alone: an effect that is off costs nothing. A beam that bends far takes the same
+   modes as modes of curvature, and is geometrically exact (FB_EFFECTS_LARGE).
 
    QUICK START (examples/quickstart.c; do this in ONE file, the others include flexbeam.h alone)
 
@@ -247,7 +248,8 @@
                                    and moment
      what is locked or latched     fb_system_axis_set
      an IMU, a strain gauge        fb_imu_eval, fb_gauge_init
-     a beam that bends far         fb_exact_desc: any deflection, curved, twisted, full 6x6 sections; steady and moving
+     a beam that bends far         FB_EFFECTS_LARGE: the same modes, any deflection (examples/tutorial_large.c); as the
+                                   judge fb_exact_desc: curved, twisted, full 6x6 sections; steady and moving
      flutter, whirl, buckling      fb_exact_spectrum_solve about a steady state, fb_spectrum_margin; fb_buckling_solve
      snap-through, beyond buckling fb_exact_path_step: steady states along their path; fb_exact_work.unstable
      control of a bent beam        fb_exact_linearize: its slow modes as A, B, C, D with inputs and outputs
@@ -2116,8 +2118,9 @@ typedef struct fb_body_desc {
   fb_real gravity[3]; /* [m/s^2] inertial axes; must be zero without FB_EFFECT_GRAVITY (FB_ERR_EFFECTS) */
   fb_real
       deflection_limit; /* [m] limit of the sum of modal deflections, beyond it FB_ERR_RANGE; 0: half the body's size.
-                                 The error of the model is about 0.1 % at deflections of 6 % of the length, some percent
-                                 at 15 % */
+                                 The error of the quadratic displacement field is about 0.1 % at deflections of 6 % of
+                                 the length, some percent at 15 %. Large deflection has none (FB_EFFECTS_LARGE): 0 then
+                                 limits the modes in which no beam bends alone */
   /* Leaves out terms of a higher degree in q (bracketed superscript in [DB]) than this, to study their influence as in
      [DB] Figures 4 and 5: terms of the stiffness, of the stiffness torque and, in the second-order form, of the
      inertia. Requires allow_split_effects. */
