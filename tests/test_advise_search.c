@@ -433,7 +433,7 @@ TEST(search_gives_up_bodies_that_miss_alike)
   int bodies = 0;
   new_judge(&p, 0u, 0, 0);
   for (int s = 0; s < 4; s++) {
-    p.miss[s] = FB_R(0.3) + FB_R(0.04) * (fb_real)s;
+    p.miss[s] = FB_R(0.32) + FB_R(0.04) * (fb_real)s;
   }
   FBT_INT_EQ(search_for(&p), FB_ERR_CONVERGENCE);
   for (int k = 0; k < 3 * SETS; k++) {
