@@ -12,7 +12,7 @@ LIBRARY  = flexbeam.h flexbeam_impl.h
 TESTS    = $(wildcard tests/test_*.c)
 EXAMPLES = quickstart spinup table1 assembly firmware spacecraft rotor rotor_flap arm fourbar \
            elastica follower flap whirl leigh hil_plant hil_controller \
-           tutorial_satellite tutorial_blade tutorial_import tutorial_firmware
+           tutorial_satellite tutorial_blade tutorial_import tutorial_large tutorial_firmware
 EXAMPLES += $(if $(shell command -v mpicc),campaign_mpi)
 WORDS    = scene campaign reduce elastodyn analyse advise exact campbell
 HEADERS  = $(wildcard examples/*/*.h)

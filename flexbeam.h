@@ -15,7 +15,8 @@
    the angular momentum about it; f, g and f_e are force, moment and modal loads. V, the velocity of the frame, and pi
    are relative to u, so that the speed of flight does not matter. The only matrix that depends on q is the 6x6 Schur
    complement S(q) = M_rr(q) - Lambda(q) M^-1 Lambda(q)^T, a polynomial of degree 2 in q. Its terms are collected once,
-   at init, for the selected effects alone: an effect that is off costs nothing.
+   at init, for the selected effects alone: an effect that is off costs nothing. A beam that bends far takes the same
+   modes as modes of curvature, and is geometrically exact (FB_EFFECTS_LARGE).
 
    QUICK START (examples/quickstart.c; do this in ONE file, the others include flexbeam.h alone)
 
@@ -171,7 +172,7 @@
      fb_exact_path_work         203040
      fb_exact_spectrum_work    1625760
      fb_exact_linear_work      1999440
-     fb_advice_work             535376
+     fb_advice_work            1000832
 
    CONVENTIONS
      Arguments: context (models, then the state that changes, then work), outputs, inputs, sizes. An _init has what it
@@ -250,7 +251,8 @@
                                    and moment
      what is locked or latched     fb_system_axis_set
      an IMU, a strain gauge        fb_imu_eval, fb_gauge_init
-     a beam that bends far         fb_exact_desc: any deflection, curved, twisted, full 6x6 sections; steady and moving
+     a beam that bends far         FB_EFFECTS_LARGE: the same modes, any deflection (examples/tutorial_large.c); as the
+                                   judge fb_exact_desc: curved, twisted, full 6x6 sections; steady and moving
      flutter, whirl, buckling      fb_exact_spectrum_solve about a steady state, fb_spectrum_margin; fb_buckling_solve
      snap-through, beyond buckling fb_exact_path_step: steady states along their path; fb_exact_work.unstable
      control of a bent beam        fb_exact_linearize: its slow modes as A, B, C, D with inputs and outputs
@@ -2221,8 +2223,9 @@ typedef struct fb_body_desc {
   fb_real gravity[3]; /* [m/s^2] inertial axes; must be zero without FB_EFFECT_GRAVITY (FB_ERR_EFFECTS) */
   fb_real
       deflection_limit; /* [m] limit of the sum of modal deflections, beyond it FB_ERR_RANGE; 0: half the body's size.
-                                 The error of the model is about 0.1 % at deflections of 6 % of the length, some percent
-                                 at 15 % */
+                                 The error of the quadratic displacement field is about 0.1 % at deflections of 6 % of
+                                 the length, some percent at 15 %. Large deflection has none (FB_EFFECTS_LARGE): 0 then
+                                 limits the modes in which no beam bends alone */
   /* Leaves out terms of a higher degree in q (bracketed superscript in [DB]) than this, to study their influence as in
      [DB] Figures 4 and 5: terms of the stiffness, of the stiffness torque and, in the second-order form, of the
      inertia. Requires allow_split_effects. */
@@ -2796,15 +2799,15 @@ typedef struct fb_advice {
   fb_real cost;       /* approximate number of instructions of a 64-bit processor per simulated second */
   fb_real deflection; /* [m] estimated maximum of the output */
   /* estimated errors of the output relative to deflection: by missing effects, by missing modes, by the step (an upper
-     bound; not from fb_advice_search), and by terms that no modal body has (above the tolerance: use the geometrically
-     exact beam) */
-  fb_real error_effects, error_modes, error_step, error_model;
+     bound; not from fb_advice_search), and by terms that the model lacks: those of its displacement field, error_field,
+     unless effects have FB_EFFECT_LARGE_DEFLECTION (above the tolerance: use the geometrically exact beam) */
+  fb_real error_effects, error_modes, error_step, error_model, error_field;
   fb_real without[FB_ADVICE_EFFECTS]; /* the same without effect 1 << i, for the best set without it */
   fb_real error;                      /* by simulation (fb_advice_search), else the sum of the four */
   int n_trial;                        /* number of simulations */
 } fb_advice;
 
-#define FBI_ADVICE_SETS 10
+#define FBI_ADVICE_SETS 11
 #define FBI_ADVICE_INSTANTS 5
 #define FBI_ADVICE_PHASES 3
 #define FBI_ADVICE_PARTS 16 /* trial steps per integrator */
@@ -2828,6 +2831,7 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
   fb_real displacement[FBI_ADVICE_INSTANTS][FBI_ADVICE_PHASES][3];
   fb_real omega[FB_MAX_MODES], most[FB_MAX_MODES]; /* highest frequency and largest contribution of each mode */
   int order[FB_MAX_MODES];                         /* modes in descending order of contribution */
+  fb_real beside[FB_MAX_MODES]; /* what a mode gives to the output by large deflection alone, relative to it */
   fb_real zeta[FB_MAX_MODES], deflection, drawn, ringing;
   fb_real bend; /* [m] the deflection without its limit */
   int buckled;  /* 1: in some load case */
@@ -2840,7 +2844,8 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
 
 /* Finds the cheapest set of effects, modes, integrator and step whose estimated errors add up to at most the tolerance
    (relative to the largest output). error_model uses at most half of the tolerance; if it is larger, error exceeds the
-   tolerance.
+   tolerance, and where it alone does, large deflection is advised (FB_EFFECTS_LARGE), if the shape has lines
+   (lines_status FB_OK) and no load case buckles it or bends it by more than five lengths.
    The estimates compare the accelerations of each set at the extremes of the envelope: bounded work, no simulation.
    They are often wrong by a factor of three. shape: natural modes, more than will be needed.
    FB_ERR_EFFECTS: an effect was removed at compile time; FB_ERR_VALUE: negative frequency or frame, duration or
@@ -2865,8 +2870,10 @@ typedef struct fb_trial { /* simulation of a scene, by the caller */
 /* Finds the cheapest set by simulation: candidates are simulated in the order of their estimated cost, up to that of
    the reference, until one meets the tolerance. Every cheaper candidate was simulated and rejected, or the error of its
    effects and modes no longer depended on the step.
+   The reference has large deflection if the shape has lines; where run returns FB_ERR_UNSUPPORTED for it all effects but
+   that, and for a candidate no step of its integrator with its effects is tried again.
    error: largest distance from the reference, relative to its largest sample. For desktop use: tens to thousands of
-   simulations, with n modes at most 1 + 160 n FB_INTEGRATOR_COUNT.
+   simulations, with n modes at most 2 + 176 n FB_INTEGRATOR_COUNT.
    FB_ERR_CONVERGENCE: no candidate meets the tolerance, or all modes and effects with a short step exceed twice the
    tolerance; FB_ERR_VALUE, FB_ERR_NOT_FINITE: also a reference of zeros or that is not finite; a status of run for all
    modes and effects; else as fb_advice_solve. */

@@ -25657,19 +25657,19 @@ static fbi_complex fbi_sdirk_amplify(fbi_complex z)
    limit: longest step accepted; bounded: 1 if |G| <= 1 for every mode bounds the step.
    order: of accuracy, at least 2; leading: |G(z) - exp(z)| = leading |z|^(order + 1) for small z.
    evaluations: of the rates in a step; implicit: 1 if each solves a linear system; own: instructions beside them, of n
-   modes own (1 + n). */
+   modes own (1 + n); lines: 1 if it steps bodies with FB_EFFECT_LARGE_DEFLECTION. */
 typedef struct fbi_integrator_traits {
   fbi_complex (*amplify)(fbi_complex z);
   fb_real (*limit)(const fb_body *body, fb_real spin, fb_real acceleration);
   fb_real leading, own;
-  int order, bounded, evaluations, implicit;
+  int order, bounded, evaluations, implicit, lines;
 } fbi_integrator_traits;
 
 static const fbi_integrator_traits fbi_integrator_table[] = {
-    {fbi_rk4_amplify, fb_rk4_limit, FB_R(8.3333333333333333e-3), FB_R(0.0), 4, 1, 4, 0},           /* RK4 */
-    {fbi_midpoint_amplify, fb_implicit_limit, FB_R(8.3333333333333333e-2), FB_R(0.0), 2, 0, 3, 1}, /* MIDPOINT */
-    {fbi_sdirk_amplify, fb_implicit_limit, FB_R(4.0440114519881e-2), FB_R(0.0), 2, 0, 5, 1},       /* SDIRK */
-    {NULL, fb_exponential_limit, FB_R(0.0), FB_R(1500.0), 4, 0, 4, 0},                             /* EXPONENTIAL */
+    {fbi_rk4_amplify, fb_rk4_limit, FB_R(8.3333333333333333e-3), FB_R(0.0), 4, 1, 4, 0, 1},           /* RK4 */
+    {fbi_midpoint_amplify, fb_implicit_limit, FB_R(8.3333333333333333e-2), FB_R(0.0), 2, 0, 3, 1, 0}, /* MIDPOINT */
+    {fbi_sdirk_amplify, fb_implicit_limit, FB_R(4.0440114519881e-2), FB_R(0.0), 2, 0, 5, 1, 0},       /* SDIRK */
+    {NULL, fb_exponential_limit, FB_R(0.0), FB_R(1500.0), 4, 0, 4, 0, 0},                             /* EXPONENTIAL */
 };
 typedef char fbi_integrator_table_is_whole
     [sizeof fbi_integrator_table / sizeof fbi_integrator_table[0] == FB_INTEGRATOR_COUNT ? 1 : -1];
@@ -26517,7 +26517,8 @@ FB_DEF fb_status fb_exact_linearize(const fb_exact *m, fb_exact_linear_work *w, 
    ANALYSE >>advise: which effects, modes, integrator and step a scene calls for
    (uses config, status, vec3, solve, body, assemble, trim, linear) */
 
-/* Candidate sets of effects, ascending in cost; the last is the full set. */
+/* Candidate sets of effects, ascending in cost; the last but one is the full set, which errors of effects are relative
+   to, the last that of geometrically exact beams. */
 static const unsigned fbi_advice_set[FBI_ADVICE_SETS] = {
     FB_EFFECTS_LINEAR,
     FB_EFFECTS_SPIN,
@@ -26528,9 +26529,11 @@ static const unsigned fbi_advice_set[FBI_ADVICE_SETS] = {
     FB_EFFECTS_SPIN | FB_EFFECT_ACCELERATION_STIFFENING,
     FB_EFFECTS_SPIN | FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING,
     FB_EFFECTS_SPIN | FB_EFFECT_RESIDUAL_INERTIA | FB_EFFECT_SPIN_STIFFENING,
-    FB_EFFECTS_FULL};
+    FB_EFFECTS_FULL,
+    FB_EFFECTS_LARGE};
 
-#define FBI_ADVICE_FULL (FBI_ADVICE_SETS - 1)
+#define FBI_ADVICE_FULL (FBI_ADVICE_SETS - 2)
+#define FBI_ADVICE_LARGE (FBI_ADVICE_SETS - 1)
 /* Load cases ("instants") of an envelope: factors of spin, spin rate, acceleration and loads, since the extremes of all
    do not occur together. */
 #define FBI_ADVICE_REST FBI_ADVICE_INSTANTS /* one more: at rest, without loads */
@@ -26540,6 +26543,17 @@ static const signed char fbi_advice_instant[FBI_ADVICE_INSTANTS + 1][4] = {{1, 1
 /* Phases of an oscillation: factors of its deflection and of its speed. */
 static const fb_real fbi_advice_phase[FBI_ADVICE_PHASES][2] = {
     {FB_R(1.0), FB_R(0.0)}, {FB_R(0.70710678118654752), FB_R(0.70710678118654752)}, {FB_R(0.0), FB_R(1.0)}};
+
+/* Can a body of this shape have the set? Large deflection wants beams with lines. */
+static int fbi_advice_has(const fb_shape *shape, int set)
+{
+#if FB_WITH_LARGE_DEFLECTION
+  return set != FBI_ADVICE_LARGE || (shape->lines_status == FB_OK && shape->lines.n_line > 0);
+#else
+  (void)shape;
+  return set != FBI_ADVICE_LARGE;
+#endif
+}
 
 /* FB_ERR_UNSUPPORTED unless the coordinates are natural modes: M = 1 and K diagonal, within 1e-3. */
 static fb_status fbi_advise_modes_check(const fb_shape *shape)
@@ -26799,7 +26813,7 @@ static fb_status fbi_advise_answers(fb_advice_work *work, const fb_envelope *e)
   work->buckled = 0;
   for (int a = 0; a < work->full.n; a++) {
     work->order[a] = a;
-    work->most[a] = work->omega[a] = FB_R(0.0);
+    work->most[a] = work->omega[a] = work->beside[a] = FB_R(0.0);
   }
   for (int i = 0; i < FBI_ADVICE_INSTANTS && status == FB_OK; i++) {
     status = fbi_advise_answer(work, e, i);
@@ -26943,7 +26957,45 @@ static fb_real fbi_advise_set(fb_advice_work *work, const fb_envelope *e, const 
   return place / work->deflection + fbi_advice_error(work, motion / work->deflection);
 }
 
+/* [E13.5] What each mode gives to the output, statically, by what large deflection (work.body, with all modes) has
+   beyond the full set: foreshortening that moves across a spin, for instance, bends a rotor blade in its plane. A body
+   with large deflection that lacks the mode lacks that.
+   Source: own.  Cost: 15 evaluations.  Fails: as fb_body_motion_eval.
+   Test: large_deflection_takes_the_modes_that_it_drives. */
+static fb_status fbi_advise_beside(fb_advice_work *work, const fb_envelope *e, const int *all)
+{
+  fb_status status = FB_OK;
+  for (int k = 0; k < FBI_ADVICE_INSTANTS * FBI_ADVICE_PHASES && status == FB_OK; k++) {
+    const int at = k / FBI_ADVICE_PHASES, phase = k % FBI_ADVICE_PHASES;
+    status = fbi_advise_phase(work, &work->body, e, all, at, phase);
+    for (int a = 0; a < work->full.n && status == FB_OK; a++) {
+      const fb_real K = work->tangent[FBI_ADVICE_REST][a * (work->full.n + 1)];
+      const fb_real f = FB_FABS(work->motion.q_ddot[a] - work->q_ddot[at][phase][a]);
+      const fb_real give = f / K * fbi_vec3_norm(work->full.node[e->node].psi + 3 * a) / work->deflection;
+      work->beside[a] = fbi_larger(work->beside[a], give);
+    }
+  }
+  return status;
+}
+
 /* ---- cost and step of a candidate */
+
+/* Instructions of an evaluation of the rates with lines: at each point its own, those of each mode and of each pair of
+   modes; the Cholesky factor of M(q). Counted by callgrind for 1 to 12 modes, 8 to 13 points: in proportion to this
+   within 10 %. */
+#define FBI_LARGE_POINT FB_R(850.0)
+#define FBI_LARGE_MODE FB_R(100.0)
+#define FBI_LARGE_PAIR FB_R(4.0)
+static fb_real fbi_large_instructions(const fb_body *body)
+{
+#if FB_WITH_LARGE_DEFLECTION
+  const fb_real n = (fb_real)body->n;
+  return (fb_real)body->lines.n_point * (FBI_LARGE_POINT + (FBI_LARGE_MODE + FBI_LARGE_PAIR * n) * n) + n * n * n / 6;
+#else
+  (void)body;
+  return FB_R(0.0);
+#endif
+}
 
 /* Approximate number of instructions of a step, so that the times of candidates have the right ratio: evaluations of
    the rates, solutions of the linear system of an implicit integrator, begin and end of the step, matrix and its LU
@@ -26959,7 +27011,8 @@ static fb_real fbi_step_instructions(const fb_body *body, fb_integrator integrat
 
   /* Counts of each part */
   const fb_real sums = 490 + 28 * n + 12 * terms;
-  const fb_real rates = held ? sums + 390 * quadratic : FB_R(1.4) * sums + 1200 * quadratic - 20;
+  const fb_real modal = held ? sums + 390 * quadratic : FB_R(1.4) * sums + 1200 * quadratic - 20;
+  const fb_real rates = modal + (fbi_is_large(body) ? fbi_large_instructions(body) : FB_R(0.0));
   const fb_real solve = held ? 460 + 255 * n : 1900 + 360 * n;
   const fb_real ends = held ? 250 + 90 * n : 150 + 30 * n; /* position of O, frame of the momenta */
   const fb_real factor = held ? 30 * terms + 130 * n : 85 * terms + 3900 + 830 * n;
@@ -26973,6 +27026,12 @@ static fb_real fbi_step_instructions(const fb_body *body, fb_integrator integrat
 static fb_real fbi_longest_step(const fb_envelope *e)
 {
   return e->frame > FB_R(0.0) ? fbi_smaller(e->frame, e->duration) : FB_R(0.125) * e->duration;
+}
+
+/* Does an integrator step the body at all? */
+static int fbi_integrator_takes(const fb_body *body, fb_integrator integrator)
+{
+  return fbi_integrator_table[(int)integrator].lines || !fbi_is_large(body);
 }
 
 /* Largest step [s] that an integrator accepts for the body in this envelope. */
@@ -27051,8 +27110,12 @@ static fb_status fbi_advise_prepare(fb_advice_work *work, const fb_shape *shape,
 
   /* Errors by missing effects, then by missing modes */
   for (int set = 0; set < FBI_ADVICE_SETS && status == FB_OK; set++) {
-    const int is = fbi_advise_body(&work->body, work, shape, desc, NULL, fbi_advice_set[set]) == FB_OK;
-    work->error[set] = is ? fbi_advise_set(work, e, all, 1) : FB_HUGE; /* incomplete sets are refused */
+    const int is = fbi_advice_has(shape, set) && /* incomplete sets are refused */
+                   fbi_advise_body(&work->body, work, shape, desc, NULL, fbi_advice_set[set]) == FB_OK;
+    work->error[set] = is && set != FBI_ADVICE_LARGE ? fbi_advise_set(work, e, all, 1) : FB_HUGE;
+    if (is && set == FBI_ADVICE_LARGE) { /* what is beyond the full set is no error: E13.4 */
+      work->error[set] = fbi_advise_beside(work, e, all) == FB_OK ? FB_R(0.0) : FB_HUGE;
+    }
   }
   for (int k = 0; k < shape->n && status == FB_OK; k++) {
     work->error_modes[k] = fbi_advise_modes(work, e, k + 1);
@@ -27067,6 +27130,9 @@ static void fbi_advice_fill(fb_advice *advice, const fb_advice_work *work, const
   advice->effects = fbi_advice_set[set] | (desc->effects & (FB_EFFECT_DAMPING | FB_EFFECT_GRAVITY));
   advice->error_effects = work->error[set];
   advice->error_modes = work->error_modes[n - 1];
+  for (int k = n; k < work->full.n && set == FBI_ADVICE_LARGE; k++) {
+    advice->error_modes += work->beside[work->order[k]];
+  }
   advice->n = n;
   for (int k = 0; k < n; k++) {
     int at = k;
@@ -27084,20 +27150,58 @@ static fb_status fbi_candidate(fb_advice_work *work, const fb_shape *shape, cons
   const fb_status status = fb_shape_select(&work->shape, shape, advice->coordinate, advice->n);
   return status ? status
                 : fbi_advise_body(&work->body, work, &work->shape, desc, advice->coordinate,
-                                  advice->effects & FB_EFFECTS_FULL);
+                                  advice->effects & FB_EFFECTS_LARGE);
 }
 
-/* [E13.4] Relative error of every modal body, by the energies above degree 2 in q that it leaves out. The tip of a beam
-   bent by delta moves inward by 1.2 delta^2/2L (foreshortening); the speed of that times the spin w is an acceleration
-   that the model lacks, a part r = 1.2 (delta/L) |w| rate/omega^2 of the load that bends the beam. In addition
-   0.3 (delta/L)^2, growing with a quarter of the phase of the free vibration, since amplitudes are seldom the largest.
+/* Relative error of a candidate by the effects and the other modes it lacks: E13.3; one of large deflection errs as the
+   full set of its modes, from which it differs by what that lacks. Leaves the candidate in work.body. */
+static fb_status fbi_advise_candidate(fb_real *error, fb_advice_work *work, const fb_shape *shape,
+                                      const fb_body_desc *desc, const fb_envelope *e, const fb_advice *advice)
+{
+  fb_advice judged = *advice;
+  fb_status status;
+  judged.effects &= ~(unsigned)FB_EFFECT_LARGE_DEFLECTION;
+  status = fbi_candidate(work, shape, desc, &judged);
+  *error = status == FB_OK ? fbi_advise_set(work, e, advice->coordinate, 0) : FB_HUGE;
+  return status || judged.effects == advice->effects ? status : fbi_candidate(work, shape, desc, advice);
+}
+
+/* Part of the deflection that is of modes in which no beam bends: they have the quadratic displacement field always. */
+static fb_real fbi_advice_aside(const fb_advice_work *work, const fb_shape *shape)
+{
+#if FB_WITH_LARGE_DEFLECTION
+  fb_real aside = FB_R(0.0), all = FB_R(0.0);
+  for (int a = 0; a < shape->n; a++) {
+    int bends = 0;
+    for (int k = 0; k < shape->lines.n_row; k++) {
+      bends |= shape->lines.row[k].a == a;
+    }
+    all += work->most[a];
+    aside += bends ? FB_R(0.0) : work->most[a];
+  }
+  return all > FB_R(0.0) ? aside / all : FB_R(1.0);
+#else
+  (void)work, (void)shape;
+  return FB_R(1.0);
+#endif
+}
+
+/* [E13.4] Relative error of every body with the quadratic displacement field, by the energies above degree 2 in q that
+   it leaves out. The tip of a beam bent by delta moves inward by 1.2 delta^2/2L (foreshortening); the speed of that
+   times the spin w is an acceleration that the model lacks, a part r = 1.2 (delta/L) |w| rate/omega^2 of the load that
+   bends the beam. In addition 0.3 (delta/L)^2, growing with a quarter of the phase of the free vibration, since
+   amplitudes are seldom the largest. Large deflection leaves of it what modes without lines have of the deflection, as
+   long as the linear deflection is below 5 lengths: an elastica under a dead force lacks no more of its deflection, by
+   modes left out, than the linear beam (static; measured up to there).
    Source: own; the 0.3 and the quarter fitted to simulations of the exact beam.  Fails: never.
-   Test: advice_knows_where_modes_end. */
-static fb_real fbi_advice_model_error(const fb_advice_work *work, const fb_shape *shape)
+   Test: advice_knows_where_modes_end, large_deflection_has_no_error_of_the_field. */
+static fb_real fbi_advice_model_error(const fb_advice_work *work, const fb_shape *shape, int large)
 {
   const fb_real bend = work->bend / shape->size;
   const fb_real phase = FB_R(0.3) * bend * bend * (FB_R(1.0) + FB_R(0.25) * work->ringing);
-  return work->buckled ? FB_HUGE : fbi_smaller(FB_R(1.2) * work->drawn / shape->size + phase, FB_HUGE);
+  const fb_real field = fbi_smaller(FB_R(1.2) * work->drawn / shape->size + phase, FB_HUGE);
+  const int known = large && bend < FB_R(5.0);
+  return work->buckled ? FB_HUGE : known ? field * fbi_advice_aside(work, shape) : field;
 }
 
 /* Integrator and step with the least cost within `tolerance`, what effects and modes have left. */
@@ -27110,7 +27214,7 @@ static void fbi_advise_integrator(fb_advice *advice, fb_advice_work *work, const
     const fb_real step = fbi_advice_step(work, e, integrator, advice->n, tolerance);
     const fb_real dt = fbi_frame_part(fbi_smaller(limit, step), e->frame);
     const fb_real cost = fbi_step_instructions(&work->body, integrator) / dt;
-    if (step > FB_R(0.0) && limit > FB_R(0.0) && cost < advice->cost) {
+    if (fbi_integrator_takes(&work->body, integrator) && step > FB_R(0.0) && limit > FB_R(0.0) && cost < advice->cost) {
       advice->integrator = integrator;
       advice->dt = dt;
       advice->cost = cost;
@@ -27131,15 +27235,15 @@ static void fbi_advice_finish(fb_advice *advice, const fb_advice_work *work, con
     }
   }
   advice->deflection = work->deflection;
-  advice->error_model = fbi_advice_model_error(work, shape);
+  advice->error_field = fbi_advice_model_error(work, shape, 0);
+  advice->error_model = fbi_advice_model_error(work, shape, fbi_has(advice->effects, FB_EFFECT_LARGE_DEFLECTION));
   advice->error = advice->error_effects + advice->error_modes + advice->error_step + advice->error_model;
 }
 
 FB_DEF fb_status fb_advice_solve(fb_advice *advice, fb_advice_work *work, const fb_shape *shape,
                                  const fb_body_desc *desc, const fb_envelope *envelope, fb_real tolerance)
 {
-  fb_advice best, candidate;
-  fb_real left; /* tolerance less the error of every modal body, at least half of it */
+  fb_advice best[2], candidate; /* the cheapest within the tolerance; of those whose displacement field errs by more */
   fb_status status;
 
   /* Responses and error estimates */
@@ -27149,28 +27253,32 @@ FB_DEF fb_status fb_advice_solve(fb_advice *advice, fb_advice_work *work, const 
     return status;
   }
 
-  /* The cheapest candidate whose errors add up to the tolerance */
-  best.cost = FB_HUGE;
-  left = tolerance - fbi_smaller(fbi_advice_model_error(work, shape), FB_R(0.5) * tolerance);
+  /* The cheapest candidate whose errors add up to the tolerance, of which that of the displacement field counts up to
+     half */
+  best[0].cost = best[1].cost = FB_HUGE;
   for (int k = 0; k < FBI_ADVICE_SETS * shape->n; k++) {
     const int set = k / shape->n, n = 1 + k % shape->n;
-    fb_real rest = left - work->error[set] - work->error_modes[n - 1], own;
+    const fb_real model = fbi_advice_model_error(work, shape, set == FBI_ADVICE_LARGE);
+    const fb_real left = tolerance - fbi_smaller(model, FB_R(0.5) * tolerance);
+    const int beyond = model > tolerance;
+    fb_real rest, own;
     fbi_advice_fill(&candidate, work, desc, set, n);
-    if (rest > FB_R(0.0) && fbi_candidate(work, shape, desc, &candidate) == FB_OK) {
-      own = fbi_advise_set(work, envelope, candidate.coordinate, 0);
+    rest = left - candidate.error_effects - candidate.error_modes;
+    if (rest > FB_R(0.0) && fbi_advise_candidate(&own, work, shape, desc, envelope, &candidate) == FB_OK) {
       candidate.error_effects = fbi_larger(candidate.error_effects, own);
       rest = left - candidate.error_effects - candidate.error_modes;
       if (rest > FB_R(0.0)) {
         fbi_advise_integrator(&candidate, work, envelope, rest);
-        best = candidate.cost < best.cost ? candidate : best;
+        best[beyond] = candidate.cost < best[beyond].cost ? candidate : best[beyond];
       }
     }
   }
-  if (!(best.cost < FB_HUGE)) {
+  best[0] = best[0].cost < FB_HUGE ? best[0] : best[1];
+  if (!(best[0].cost < FB_HUGE)) {
     return FB_ERR_STEP;
   }
-  fbi_advice_finish(&best, work, shape);
-  *advice = best;
+  fbi_advice_finish(&best[0], work, shape);
+  *advice = best[0];
   return FB_OK;
 }
 
@@ -27196,14 +27304,14 @@ static fb_status fbi_search_prepare(fb_advice_work *work, const fb_shape *shape,
     const int set = k / shape->n, i = k % shape->n;
     fb_status status;
     fbi_advice_fill(&candidate, work, desc, set, i + 1);
-    status = fbi_candidate(work, shape, desc, &candidate);
-    if (status != FB_OK && status != FB_ERR_EFFECTS) {
+    status = fbi_advice_has(shape, set) ? fbi_candidate(work, shape, desc, &candidate) : FB_ERR_EFFECTS;
+    if (status != FB_OK && status != FB_ERR_EFFECTS && set != FBI_ADVICE_LARGE) {
       return status;
     }
     for (int s = 0; s < (int)FB_INTEGRATOR_COUNT; s++) {
       const fb_integrator integrator = (fb_integrator)s;
       work->last[set][i][s] = FB_HUGE;
-      work->part[set][i][s] = status == FB_OK ? 0 : FBI_ADVICE_PARTS;
+      work->part[set][i][s] = status == FB_OK && fbi_integrator_takes(&work->body, integrator) ? 0 : FBI_ADVICE_PARTS;
       work->step_cost[set][i][s] = status == FB_OK ? fbi_step_instructions(&work->body, integrator) : FB_R(0.0);
       work->longest[set][i][s] =
           fbi_integrator_table[s].bounded ? fbi_integrator_limit(&work->body, integrator, e) : fbi_longest_step(e);
@@ -27275,23 +27383,40 @@ static void fbi_search_note(fb_advice_work *work, const fb_envelope *e, const in
   *last = error;
 }
 
-/* Simulates all modes and effects with a short step: the reference, or its error against a given one. Its cost is the
-   upper bound of the search. */
-static fb_status fbi_search_fullest(fb_advice *fullest, fb_advice_work *work, const fb_shape *shape,
-                                    const fb_body_desc *desc, const fb_envelope *e, const fb_trial *trial)
+/* Simulates all modes with a set of effects and a short step of rk4 as the reference, or for its error against a given
+   one. */
+static fb_status fbi_search_reference(fb_advice *fullest, const fb_advice_work *work, const fb_shape *shape,
+                                      const fb_body_desc *desc, const fb_envelope *e, const fb_trial *trial, int set)
 {
   const int n = shape->n;
-  fb_real size;
-  fb_status status;
-  fbi_advice_fill(fullest, work, desc, FBI_ADVICE_FULL, n);
-  fullest->dt = fbi_trial_step(work->longest[FBI_ADVICE_FULL][n - 1][FB_INTEGRATOR_RK4], e->frame, FBI_ADVICE_SHORT);
-  fullest->cost = work->step_cost[FBI_ADVICE_FULL][n - 1][FB_INTEGRATOR_RK4] / fullest->dt;
+  fbi_advice_fill(fullest, work, desc, set, n);
+  fullest->dt = fbi_trial_step(work->longest[set][n - 1][FB_INTEGRATOR_RK4], e->frame, FBI_ADVICE_SHORT);
+  fullest->cost = work->step_cost[set][n - 1][FB_INTEGRATOR_RK4] / fullest->dt;
   if (!(fullest->dt > FB_R(0.0)) || !(fullest->cost < FB_HUGE)) {
     return FB_ERR_STEP;
   }
-  status = trial->run(trial->user, trial->has_reference ? trial->output : trial->reference, fullest);
-  size = fbi_trial_largest(trial, trial->reference, NULL);
-  if (status == FB_OK && !(size > FB_R(0.0) && size < FB_HUGE)) { /* errors are relative to it */
+  return trial->run(trial->user, trial->has_reference ? trial->output : trial->reference, fullest);
+}
+
+/* The same with all effects, large deflection among them where the shape has lines and the scene takes them (a system
+   may refuse them). Its cost is the upper bound of the search. */
+static fb_status fbi_search_fullest(fb_advice *fullest, fb_advice_work *work, const fb_shape *shape,
+                                    const fb_body_desc *desc, const fb_envelope *e, const fb_trial *trial)
+{
+  const int large = work->part[FBI_ADVICE_LARGE][shape->n - 1][FB_INTEGRATOR_RK4] == 0;
+  fb_real size;
+  fb_status status =
+      large ? fbi_search_reference(fullest, work, shape, desc, e, trial, FBI_ADVICE_LARGE) : FB_ERR_UNSUPPORTED;
+  for (int k = 0; k < shape->n * (int)FB_INTEGRATOR_COUNT && status == FB_ERR_UNSUPPORTED; k++) {
+    work->part[FBI_ADVICE_LARGE][k / (int)FB_INTEGRATOR_COUNT][k % (int)FB_INTEGRATOR_COUNT] = FBI_ADVICE_PARTS;
+  }
+  if (status == FB_ERR_UNSUPPORTED) {
+    status = fbi_search_reference(fullest, work, shape, desc, e, trial, FBI_ADVICE_FULL);
+  }
+
+  /* Errors are relative to its size */
+  size = status == FB_OK ? fbi_trial_largest(trial, trial->reference, NULL) : FB_R(0.0);
+  if (status == FB_OK && !(size > FB_R(0.0) && size < FB_HUGE)) {
     status = size > FB_R(0.0) ? FB_ERR_NOT_FINITE : FB_ERR_VALUE;
   }
   fullest->error = status == FB_OK && trial->has_reference ? fbi_trial_error(trial) : FB_R(0.0);
@@ -27304,6 +27429,7 @@ static fb_status fbi_search_run(fb_advice *found, fb_advice_work *work, const fb
 {
   int at[3] = {0, 0, 0}, n_trial = 1;
   fb_advice next;
+  fb_status status;
   memset(&next, 0, sizeof next);
   while (fbi_search_next(at, &next, work, e, work->full.n) && next.cost <= most) {
     fbi_advice_fill(found, work, desc, at[0], at[1] + 1);
@@ -27311,11 +27437,15 @@ static fb_status fbi_search_run(fb_advice *found, fb_advice_work *work, const fb
     found->cost = next.cost;
     found->integrator = (fb_integrator)at[2];
     found->n_trial = ++n_trial;
-    found->error = trial->run(trial->user, trial->output, found) == FB_OK ? fbi_trial_error(trial) : FB_HUGE;
+    status = trial->run(trial->user, trial->output, found);
+    found->error = status == FB_OK ? fbi_trial_error(trial) : FB_HUGE;
     if (found->error <= tolerance) {
       return FB_OK;
     }
     fbi_search_note(work, e, at, found->error, tolerance);
+    for (int i = 0; i < work->full.n && status == FB_ERR_UNSUPPORTED; i++) { /* no step will do */
+      work->part[at[0]][i][at[2]] = FBI_ADVICE_PARTS;
+    }
   }
   return FB_ERR_CONVERGENCE;
 }

@@ -276,11 +276,15 @@ static void scene_tell_advice(const scene *s, int k, FILE *talk)
       fprintf(talk, " %s", name[i]);
     }
   }
-  fprintf(talk, "%s%s\n  estimated error %.2g %% of %.3g m, allowed %.2g %%; by leaving out",
+  fprintf(talk, "%s%s%s\n  estimated error %.2g %% of %.3g m, allowed %.2g %%; by leaving out",
+          a->effects & FB_EFFECT_LARGE_DEFLECTION ? " large_deflection" : "",
           a->effects & FB_EFFECT_DAMPING ? " damping" : "", a->effects & FB_EFFECT_GRAVITY ? " gravity" : "",
           100 * (double)a->error, (double)a->deflection, 100 * s->body[k].tolerance);
   for (int i = 1; i < FB_ADVICE_EFFECTS; i++) {
     fprintf(talk, "%s %s: %.2g %%", i > 1 ? "," : "", name[i], 100 * (double)a->without[i]);
+  }
+  if (a->effects & FB_EFFECT_LARGE_DEFLECTION) {
+    fprintf(talk, ", large_deflection: %.2g %%", 100 * (double)a->error_field);
   }
   fputs("\n", talk);
 }
@@ -301,6 +305,7 @@ static void scene_tell_missed(scene *s, int k, FILE *warn)
 /* Effects and modes of body k. */
 static int scene_advise(scene *s, int k, FILE *talk)
 {
+  static fb_shape shape;
   const scene_body *const b = &s->body[k];
   fb_envelope *const e = &automatic.envelope[k];
   fb_body_desc level = b->level;
@@ -311,7 +316,11 @@ static int scene_advise(scene *s, int k, FILE *talk)
   e->frequency = frequency < HUGE_VAL ? (fb_real)frequency : FB_HUGE;
   e->duration = (fb_real)s->duration;
   e->node = b->n_node - 1;
-  status = fb_advice_solve(&automatic.advice[k], &automatic.work, &b->shape, &level, e, (fb_real)b->tolerance);
+  shape = b->shape;
+  if (scene_is_system(s)) {
+    shape.lines_status = FB_ERR_UNSUPPORTED; /* fb_system_init refuses large deflection */
+  }
+  status = fb_advice_solve(&automatic.advice[k], &automatic.work, &shape, &level, e, (fb_real)b->tolerance);
   if (status != FB_OK) {
     return scene_fail_at(s, b->line, "body %s: no advice by auto: %s", b->name,
                          status == FB_ERR_VALUE ? "nothing that acts moves its last node" : refusal_text(status));
@@ -360,12 +369,31 @@ static double scene_step_of(const scene *s, fb_integrator integrator, int has_sp
   return has_spectrum ? dt : fmin(dt, 0.2 * limit);
 }
 
+/* Does the integrator step the only body at all? Large deflection may be refused: one short step tells. */
+static int scene_takes(const scene *s, fb_integrator integrator)
+{
+  fb_status status;
+  if (scene_is_system(s) || !(engine.body[0].effects & FB_EFFECT_LARGE_DEFLECTION)) {
+    return 1;
+  }
+  status = fb_state_init(&engine.body[0], &engine.state);
+  status = status ? status
+                  : body_stepper(&engine.by, &engine.exponential, &engine.body_work, &engine.body[0], &engine.state,
+                                 engine.at, integrator, 1e-6 * s->interval);
+  status = status ? status : fb_stepper_step(&engine.by);
+  engine.by_step = 0;
+  return status != FB_ERR_UNSUPPORTED;
+}
+
 /* Is the integrator one to choose from? The stiffness torque of the first-order form is explicit in implicit
    integrators. */
 static int scene_may_choose(const scene *s, fb_integrator integrator)
 {
   if (!s->integrator_auto) {
     return integrator == s->integrator;
+  }
+  if (!scene_takes(s, integrator)) {
+    return 0;
   }
   return integrator == FB_INTEGRATOR_RK4 ||
          (s->body[0].level.form != FB_FORM_FIRST &&
