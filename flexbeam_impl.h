@@ -6194,7 +6194,8 @@ static int fbi_line_is_sound(const fb_lines *all, int l, int n)
 static int fbi_line_counts_are_sound(const fb_lines *all)
 {
   return fbi_is_within(all->n_line, FB_MAX_LINES) && fbi_is_within(all->n_point, FB_MAX_POINTS) &&
-         fbi_is_within(all->n_row, FBI_MAX_LINE_ROWS) && fbi_is_within(all->n_table, FBI_MAX_LINE_TABLE);
+         fbi_is_within(all->n_row, FBI_MAX_LINE_ROWS) && fbi_is_within(all->n_table, FBI_MAX_LINE_TABLE) &&
+         fbi_is_within(all->n_side, FBI_MAX_LINE_SIDES);
 }
 
 /* Checks a node's place on its line, and that it has one only where there is a line. */
@@ -6205,6 +6206,27 @@ static int fbi_line_node_is_sound(const fb_lines *all, const fb_line_node *node)
          (line && (node->after == 0 || (node->after > line->point && node->after <= line->point + line->count)) &&
           fbi_is_finite(node->start, 3) && fbi_is_finite(node->weight, line->count) &&
           fbi_is_finite(node->turn, 3 * line->n) && fbi_is_finite(node->bow, 3 * line->n));
+}
+
+/* Checks where points stand, and the masses beside them. */
+static int fbi_stations_are_sound(const fb_line_station *s, int n, int n_side)
+{
+  int sound = 1;
+  for (int k = 0; sound && k < n; k++) {
+    const fb_real place[3] = {s[k].x, s[k].length, s[k].before};
+    sound = fbi_is_finite(place, 3) && fbi_is_finite(s[k].axes, 9) && s[k].side <= n_side;
+  }
+  return sound;
+}
+
+static int fbi_sides_are_sound(const fb_lines *all)
+{
+  int sound = 1;
+  for (int k = 0; sound && k < all->n_side; k++) {
+    sound = fbi_is_finite(all->side[k].mass, 2) && fbi_is_finite(all->side[k].first[0], 6) &&
+            fbi_is_finite(all->side[k].moment[0], 12);
+  }
+  return sound;
 }
 
 /* Checks the lines, S_0^-1 in place of S_0, and what the rest of the body has. */
@@ -6219,7 +6241,8 @@ static int fbi_lines_are_sound(const fb_body *body)
     sound = fbi_line_is_sound(all, l, body->n);
     points += all->line[l].stride;
   }
-  sound = sound && points == n;
+  sound = sound && points == n && fbi_stations_are_sound(all->station, n, all->n_side) &&
+          fbi_stations_are_sound(all->root, all->n_line, all->n_side) && fbi_sides_are_sound(all);
   sound = sound && fbi_is_finite(all->mass, n) && fbi_is_finite(all->center, 3 * n) &&
           fbi_is_finite(all->inertia, 6 * n) && fbi_is_finite(all->table, all->n_table);
   for (int i = 0; sound && i < 3; i++) {
@@ -6442,11 +6465,27 @@ static unsigned fbi_crc_line(unsigned crc, const fb_line *line, int single)
 }
 
 /* Lines, their nodes, and the rest of the body. */
+/* Where points stand, and the masses on either side of the ends of stretches. */
+static unsigned fbi_crc_stations(unsigned crc, const fb_line_station *s, int n, int single)
+{
+  for (int k = 0; k < n; k++) {
+    const fb_real place[3] = {s[k].x, s[k].length, s[k].before};
+    crc = fbi_crc_word(fbi_crc_reals(fbi_crc_reals(crc, place, 3, single), s[k].axes, 9, single), s[k].side);
+  }
+  return crc;
+}
+
 static unsigned fbi_crc_lines(unsigned crc, const fb_body *body, int single)
 {
   const fb_lines *const all = &body->lines;
-  const int whole[4] = {all->n_line, all->n_point, all->n_row, all->n_table}, n = all->n_point;
-  crc = fbi_crc_ints(crc, whole, 4);
+  const int whole[5] = {all->n_line, all->n_point, all->n_row, all->n_table, all->n_side}, n = all->n_point;
+  crc = fbi_crc_ints(crc, whole, 5);
+  crc = fbi_crc_stations(fbi_crc_stations(crc, all->station, n, single), all->root, all->n_line, single);
+  for (int k = 0; k < all->n_side; k++) {
+    const fb_line_side *const s = &all->side[k];
+    crc = fbi_crc_reals(fbi_crc_reals(crc, s->mass, 2, single), s->first[0], 6, single);
+    crc = fbi_crc_reals(crc, s->moment[0], 12, single);
+  }
   for (int l = 0; l < all->n_line; l++) {
     crc = fbi_crc_line(crc, &all->line[l], single);
   }

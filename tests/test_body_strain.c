@@ -925,7 +925,7 @@ static void list_unused_of_lines(void)
     unused_from(body.c_rest, 0, sizeof body.c_rest);
     return;
   }
-  unused_from(all, 4 * sizeof(int), 4 * sizeof(int)); /* counts */
+  unused_from(all, 5 * sizeof(int), 5 * sizeof(int)); /* counts */
   for (int l = 0; l < all->n_line; l++) {
     unused_from(&all->line[l], (size_t)((char *)&all->line[l].turned - (char *)&all->line[l]) + sizeof(short),
                 sizeof(short) + (size_t)((char *)&all->line[l].turned - (char *)&all->line[l]));
@@ -938,6 +938,9 @@ static void list_unused_of_lines(void)
     UNUSED(all->start[i], n);
     UNUSED(all->tangent[i], n);
   }
+  UNUSED(all->station, n);
+  UNUSED(all->root, all->n_line);
+  UNUSED(all->side, all->n_side);
   UNUSED(all->row, all->n_row);
   UNUSED(all->table, all->n_table);
   unused_sparse(&body.M_rest);
@@ -1012,7 +1015,13 @@ static int padding(void)
   const int lambda = (int)(sizeof(fb_lambda_term) - sizeof(fb_real) - 3 * sizeof(short));
   const int pair = (int)(sizeof(fb_pair_term) - sizeof(fb_real) - 2 * sizeof(short));
   const int row = (int)(sizeof(fb_strain_row) - sizeof body.strain_row[0].slope - 2 * sizeof(short));
-  return lambda * (body.n_lambda + first_order_terms()) + row * body.n_strain_row +
+#if FB_WITH_LARGE_DEFLECTION
+  const int station = (int)(sizeof(fb_line_station) - 12 * sizeof(fb_real) - sizeof(short));
+  const int stations = station * (body.lines.n_point + body.lines.n_line);
+#else
+  const int stations = 0;
+#endif
+  return stations + lambda * (body.n_lambda + first_order_terms()) + row * body.n_strain_row +
          pair * (body.M.n_term + body.Minv.n_term + body.K.n_term + body.C.n_term) +
          4 * (int)(sizeof(fb_real) - sizeof(int));
 }
