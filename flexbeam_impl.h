@@ -2530,7 +2530,7 @@ static int fbi_is_large(const fb_body *body)
 #define FBI_USE_LINES(k, work) ((k).line = &(work)->line)
 #define FBI_LINE_OF(k) ((k)->line)
 #else
-#define FBI_WITH_LINES(k) ((void)&(k))
+#define FBI_WITH_LINES(k) ((void)&(k), (k).pb = NULL) /* a member, so that gcc lets k be handed on */
 #define FBI_LINES(work) NULL
 #define FBI_USE_LINES(k, work) ((void)0)
 #define FBI_LINE_OF(k) NULL
@@ -11429,6 +11429,13 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
      fbi_momentum_rates: fbi_elastic_rates fbi_rigid_rates
      fbi_elastic_rates: fbi_lambda_gradients fbi_S_gradient fbi_elastic_forces fbi_mass_solve
      fbi_elastic_forces: fbi_sparse_eval fbi_damping_add fbi_strain_sub
+   with lines of large deflection
+     fbi_velocity: fbi_large_velocity
+     fbi_large_velocity: fbi_large_inertia fbi_large_lambda_sub fbi_large_S
+     fbi_large_inertia: fbi_lines_pose fbi_lambda_rows fbi_S_eval fbi_lines_inertia_add
+     fbi_elastic_rates: fbi_large_rates
+     fbi_large_rates: fbi_large_lambdaT_sub fbi_lines_gradient_add fbi_lambda_linear_gradients fbi_S_gradient
+   with and without
      fbi_rk4_check: fbi_step_conditions fbi_largest_slopes fbi_frequency_bound fbi_step_limit
      fbi_step_end: fbi_state_align fbi_quat_increment fbi_frame_follow fbi_origin_lead fbi_state_range fbi_state_take */
 
