@@ -11431,7 +11431,7 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
      fbi_elastic_forces: fbi_sparse_eval fbi_damping_add fbi_strain_sub
    with lines of large deflection
      fbi_velocity: fbi_large_velocity
-     fbi_large_velocity: fbi_large_inertia fbi_large_lambda_sub fbi_large_S
+     fbi_large_velocity: fbi_large_inertia fbi_large_S fbi_large_lambda_sub
      fbi_large_inertia: fbi_lines_pose fbi_lambda_rows fbi_S_eval fbi_lines_inertia_add
      fbi_elastic_rates: fbi_large_rates
      fbi_large_rates: fbi_large_lambdaT_sub fbi_lines_gradient_add fbi_lambda_linear_gradients fbi_S_gradient

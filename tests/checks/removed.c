@@ -3,16 +3,13 @@
 #include "flexbeam.h"
 #include <stdio.h>
 
-/* with what it wants of the others that are compiled in */
-#define LARGE (FB_EFFECT_LARGE_DEFLECTION | (FB_EFFECTS_FULL & FBI_EFFECTS_BUILT))
-
 int main(void)
 {
   static const unsigned effects[] = {
       FB_EFFECT_SPIN_COUPLING,    FB_EFFECT_SPIN_COUPLING | FB_EFFECT_RESIDUAL_INERTIA | FB_EFFECT_SPIN_STIFFENING,
       FB_EFFECT_SPIN_STIFFENING,  FB_EFFECT_ACCELERATION_STIFFENING,
       FB_EFFECT_DAMPING,          FB_EFFECT_GRAVITY,
-      FB_EFFECT_NONLINEAR_STRAIN, LARGE};
+      FB_EFFECT_NONLINEAR_STRAIN, FB_EFFECTS_LARGE};
   static fb_shape shape;
   static fb_body body;
   static fb_body_work work;
