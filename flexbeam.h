@@ -163,10 +163,10 @@
      fb_exponential_work          4048
      fb_system_work             516168
      fb_exact_work              173904
-     fb_modes_work             3633576  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
-     fb_join_work               416512  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
-     fb_body_work               117448
-     fb_build_work             4185888  most of it an fb_modes_work
+     fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
+     fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
+     fb_body_work               380312
+     fb_build_work             4273472  most of it an fb_modes_work
      fb_analyse_work           1288568
      fb_system_analyse_work    1841968
      fb_exact_path_work         203040
@@ -2914,6 +2914,9 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
             FB_ERR_KIND                                   split: FB_ERR_KIND, _MODES, _UNREST, _UNSUPPORTED
             build/flexbeam beam3d                         build/flexbeam exact
             scheme in scenes, --scheme of the examples    integrator, --integrator
+            shape.ups, .Gam, .Pi, .Gamchi, .pchi, .hchi,  shape.second.ups, ...
+            .reach
+          FB_EFFECT_LARGE_DEFLECTION: beams of a body that bend and twist by any angle (>>line), FB_EFFECTS_LARGE.
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,
           pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme; sections with shear, twist and
           centers off the line, bent lines, component modes, buckling, synthesis, finite-element models, complex

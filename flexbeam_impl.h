@@ -3120,7 +3120,7 @@ static int fbi_is_large(const fb_body *body)
 #define FBI_USE_LINES(k, work) ((k).line = &(work)->line)
 #define FBI_LINE_OF(k) ((k)->line)
 #else
-#define FBI_WITH_LINES(k) ((void)&(k))
+#define FBI_WITH_LINES(k) ((void)&(k), (k).pb = NULL) /* a member, so that gcc lets k be handed on */
 #define FBI_LINES(work) NULL
 #define FBI_USE_LINES(k, work) ((void)0)
 #define FBI_LINE_OF(k) NULL
@@ -12921,6 +12921,13 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
      fbi_momentum_rates: fbi_elastic_rates fbi_rigid_rates
      fbi_elastic_rates: fbi_lambda_gradients fbi_S_gradient fbi_elastic_forces fbi_mass_solve
      fbi_elastic_forces: fbi_sparse_eval fbi_damping_add fbi_strain_sub
+   with lines of large deflection
+     fbi_velocity: fbi_large_velocity
+     fbi_large_velocity: fbi_large_inertia fbi_large_S fbi_large_lambda_sub
+     fbi_large_inertia: fbi_lines_pose fbi_lambda_rows fbi_S_eval fbi_lines_inertia_add
+     fbi_elastic_rates: fbi_large_rates
+     fbi_large_rates: fbi_large_lambdaT_sub fbi_lines_gradient_add fbi_lambda_linear_gradients fbi_S_gradient
+   with and without
      fbi_rk4_check: fbi_step_conditions fbi_largest_slopes fbi_frequency_bound fbi_step_limit
      fbi_step_end: fbi_state_align fbi_quat_increment fbi_frame_follow fbi_origin_lead fbi_state_range fbi_state_take */
 
@@ -25696,19 +25703,19 @@ static fbi_complex fbi_sdirk_amplify(fbi_complex z)
    limit: longest step accepted; bounded: 1 if |G| <= 1 for every mode bounds the step.
    order: of accuracy, at least 2; leading: |G(z) - exp(z)| = leading |z|^(order + 1) for small z.
    evaluations: of the rates in a step; implicit: 1 if each solves a linear system; own: instructions beside them, of n
-   modes own (1 + n); lines: 1 if it steps bodies with FB_EFFECT_LARGE_DEFLECTION. */
+   modes own (1 + n). */
 typedef struct fbi_integrator_traits {
   fbi_complex (*amplify)(fbi_complex z);
   fb_real (*limit)(const fb_body *body, fb_real spin, fb_real acceleration);
   fb_real leading, own;
-  int order, bounded, evaluations, implicit, lines;
+  int order, bounded, evaluations, implicit;
 } fbi_integrator_traits;
 
 static const fbi_integrator_traits fbi_integrator_table[] = {
-    {fbi_rk4_amplify, fb_rk4_limit, FB_R(8.3333333333333333e-3), FB_R(0.0), 4, 1, 4, 0, 1},           /* RK4 */
-    {fbi_midpoint_amplify, fb_implicit_limit, FB_R(8.3333333333333333e-2), FB_R(0.0), 2, 0, 3, 1, 0}, /* MIDPOINT */
-    {fbi_sdirk_amplify, fb_implicit_limit, FB_R(4.0440114519881e-2), FB_R(0.0), 2, 0, 5, 1, 0},       /* SDIRK */
-    {NULL, fb_exponential_limit, FB_R(0.0), FB_R(1500.0), 4, 0, 4, 0, 0},                             /* EXPONENTIAL */
+    {fbi_rk4_amplify, fb_rk4_limit, FB_R(8.3333333333333333e-3), FB_R(0.0), 4, 1, 4, 0},           /* RK4 */
+    {fbi_midpoint_amplify, fb_implicit_limit, FB_R(8.3333333333333333e-2), FB_R(0.0), 2, 0, 3, 1}, /* MIDPOINT */
+    {fbi_sdirk_amplify, fb_implicit_limit, FB_R(4.0440114519881e-2), FB_R(0.0), 2, 0, 5, 1},       /* SDIRK */
+    {NULL, fb_exponential_limit, FB_R(0.0), FB_R(1500.0), 4, 0, 4, 0},                             /* EXPONENTIAL */
 };
 typedef char fbi_integrator_table_is_whole
     [sizeof fbi_integrator_table / sizeof fbi_integrator_table[0] == FB_INTEGRATOR_COUNT ? 1 : -1];
@@ -27067,12 +27074,6 @@ static fb_real fbi_longest_step(const fb_envelope *e)
   return e->frame > FB_R(0.0) ? fbi_smaller(e->frame, e->duration) : FB_R(0.125) * e->duration;
 }
 
-/* Does an integrator step the body at all? */
-static int fbi_integrator_takes(const fb_body *body, fb_integrator integrator)
-{
-  return fbi_integrator_table[(int)integrator].lines || !fbi_is_large(body);
-}
-
 /* Largest step [s] that an integrator accepts for the body in this envelope. */
 static fb_real fbi_integrator_limit(const fb_body *body, fb_integrator integrator, const fb_envelope *e)
 {
@@ -27253,7 +27254,7 @@ static void fbi_advise_integrator(fb_advice *advice, fb_advice_work *work, const
     const fb_real step = fbi_advice_step(work, e, integrator, advice->n, tolerance);
     const fb_real dt = fbi_frame_part(fbi_smaller(limit, step), e->frame);
     const fb_real cost = fbi_step_instructions(&work->body, integrator) / dt;
-    if (fbi_integrator_takes(&work->body, integrator) && step > FB_R(0.0) && limit > FB_R(0.0) && cost < advice->cost) {
+    if (step > FB_R(0.0) && limit > FB_R(0.0) && cost < advice->cost) {
       advice->integrator = integrator;
       advice->dt = dt;
       advice->cost = cost;
@@ -27350,7 +27351,7 @@ static fb_status fbi_search_prepare(fb_advice_work *work, const fb_shape *shape,
     for (int s = 0; s < (int)FB_INTEGRATOR_COUNT; s++) {
       const fb_integrator integrator = (fb_integrator)s;
       work->last[set][i][s] = FB_HUGE;
-      work->part[set][i][s] = status == FB_OK && fbi_integrator_takes(&work->body, integrator) ? 0 : FBI_ADVICE_PARTS;
+      work->part[set][i][s] = status == FB_OK ? 0 : FBI_ADVICE_PARTS;
       work->step_cost[set][i][s] = status == FB_OK ? fbi_step_instructions(&work->body, integrator) : FB_R(0.0);
       work->longest[set][i][s] =
           fbi_integrator_table[s].bounded ? fbi_integrator_limit(&work->body, integrator, e) : fbi_longest_step(e);

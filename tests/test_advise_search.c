@@ -366,7 +366,7 @@ TEST(gravity_shortens_no_step_of_a_free_body)
   envelope.acceleration[0] = FB_R(100.0);
   FBT_INT_EQ(search_for(&p), FB_OK);
   FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
-  FBT_NEAR_REL(work.longest[FBI_ADVICE_SETS - 1][1][FB_INTEGRATOR_RK4], fb_rk4_limit(&body, FB_R(0.5), FB_R(0.0)),
+  FBT_NEAR_REL(work.longest[FBI_ADVICE_FULL][1][FB_INTEGRATOR_RK4], fb_rk4_limit(&body, FB_R(0.5), FB_R(0.0)),
                FBT_TOL(1e-12, 1e-6));
 }
 
@@ -497,32 +497,6 @@ TEST(scenes_may_refuse_large_deflection)
       FBT_TRUE(r.n_refused > 4 && r.n_refused <= 7 * (int)FB_INTEGRATOR_COUNT);
     }
   }
-}
-
-/* Integrators are advised for lines if they step them. */
-TEST(lines_have_their_integrators)
-{
-#if FB_WITH_LARGE_DEFLECTION
-  static fb_exponential scheme;
-  static fb_implicit_work implicit;
-  static fb_rk4_work rk4;
-  static picky p;
-  fb_state state;
-  fb_status status[4];
-  new_judge(&p, 0u, 0, 0);
-  level.effects = FB_EFFECTS_LARGE;
-  FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
-  FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
-  status[FB_INTEGRATOR_RK4] = fb_rk4_step(&body, &state, &rk4, NULL, NULL, NULL, FB_R(1e-3));
-  status[FB_INTEGRATOR_MIDPOINT] = fb_midpoint_step(&body, &state, &implicit, NULL, FB_R(1e-3), 0);
-  status[FB_INTEGRATOR_SDIRK] = fb_sdirk_step(&body, &state, &implicit, NULL, NULL, FB_R(1e-3), 0);
-  status[FB_INTEGRATOR_EXPONENTIAL] = fb_exponential_init(&scheme, &body_work, &body, FB_R(1e-3));
-  FBT_INT_EQ(search_for(&p), FB_ERR_CONVERGENCE);
-  for (int s = 0; s < 4; s++) {
-    FBT_TRUE(status[s] == FB_OK || status[s] == FB_ERR_UNSUPPORTED);
-    FBT_INT_EQ(p.tries[place_of(FB_EFFECTS_LARGE)][2][s] > 0, status[s] == FB_OK);
-  }
-#endif
 }
 
 /* The error is the largest distance of samples, of the largest sample. */
@@ -752,5 +726,5 @@ SUITE(advise_search, RUN(steps_are_the_longest_parts_of_a_frame), RUN(advice_is_
       RUN(costs_are_those_of_counted_instructions), RUN(gravity_shortens_no_step_of_a_free_body),
       RUN(search_finds_what_alone_will_do), RUN(search_ends_with_the_run_of_the_reference),
       RUN(search_gives_up_bodies_that_miss_alike), RUN(scenes_may_refuse_large_deflection),
-      RUN(lines_have_their_integrators), RUN(errors_are_distances_of_samples),
+      RUN(errors_are_distances_of_samples),
       RUN(search_takes_no_nonsense_for_an_answer), RUN(advice_meets_its_tolerance), RUN(advice_refuses_nonsense))

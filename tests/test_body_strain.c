@@ -1041,7 +1041,7 @@ TEST(the_check_word_sees_every_form)
     fb_state state, rate, again;
     unsigned word;
     int missed = 0;
-    if (form[k] >= FBT_FORMS) {
+    if (form[k] >= FBT_FORMS || (!FB_WITH_LARGE_DEFLECTION && effects[k] == FB_EFFECTS_LARGE)) {
       continue;
     }
     desc.gravity[1] = FB_R(2.0);

@@ -305,7 +305,6 @@ static void scene_tell_missed(scene *s, int k, FILE *warn)
 /* Effects and modes of body k. */
 static int scene_advise(scene *s, int k, FILE *talk)
 {
-  static fb_shape shape;
   const scene_body *const b = &s->body[k];
   fb_envelope *const e = &automatic.envelope[k];
   fb_body_desc level = b->level;
@@ -316,11 +315,7 @@ static int scene_advise(scene *s, int k, FILE *talk)
   e->frequency = frequency < HUGE_VAL ? (fb_real)frequency : FB_HUGE;
   e->duration = (fb_real)s->duration;
   e->node = b->n_node - 1;
-  shape = b->shape;
-  if (scene_is_system(s)) {
-    shape.lines_status = FB_ERR_UNSUPPORTED; /* fb_system_init refuses large deflection */
-  }
-  status = fb_advice_solve(&automatic.advice[k], &automatic.work, &shape, &level, e, (fb_real)b->tolerance);
+  status = fb_advice_solve(&automatic.advice[k], &automatic.work, &b->shape, &level, e, (fb_real)b->tolerance);
   if (status != FB_OK) {
     return scene_fail_at(s, b->line, "body %s: no advice by auto: %s", b->name,
                          status == FB_ERR_VALUE ? "nothing that acts moves its last node" : refusal_text(status));

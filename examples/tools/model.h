@@ -79,6 +79,7 @@ static void model_effects(text_file *t)
                                      "linear",
                                      "spin",
                                      "full",
+                                     "large",
                                      "spin_coupling",
                                      "residual_inertia",
                                      "spin_stiffening",
@@ -86,12 +87,13 @@ static void model_effects(text_file *t)
                                      "damping",
                                      "gravity",
                                      "strain",
-                                     "large",
+                                     "large_deflection",
                                      NULL};
   static const unsigned mask[] = {FB_EFFECTS_RIGID,
                                   FB_EFFECTS_LINEAR,
                                   FB_EFFECTS_SPIN,
                                   FB_EFFECTS_FULL,
+                                  FB_EFFECTS_LARGE,
                                   FB_EFFECT_ELASTIC | FB_EFFECT_SPIN_COUPLING,
                                   FB_EFFECT_ELASTIC | FB_EFFECT_RESIDUAL_INERTIA,
                                   FB_EFFECT_ELASTIC | FB_EFFECT_SPIN_STIFFENING,
@@ -99,7 +101,7 @@ static void model_effects(text_file *t)
                                   FB_EFFECT_DAMPING,
                                   FB_EFFECT_GRAVITY,
                                   FB_EFFECTS_STRAIN,
-                                  FB_EFFECTS_LARGE};
+                                  FB_EFFECT_ELASTIC | FB_EFFECT_LARGE_DEFLECTION};
   model.level.effects = 0;
   do {
     model.level.effects |= mask[text_choice(t, "an effect", name)];
