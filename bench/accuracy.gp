@@ -35,7 +35,7 @@ do for [n = 1:8] {
   s = word(scenes, n)
   set title s offset 0,-0.7
   set ylabel n % 4 == 1 ? 'error' : ''
-  if (n == 1) { set key inside bottom left samplen 1 spacing 0.9 opaque box lc rgb '#cccccc' } else { unset key }
+  if (n == 5) { set key inside bottom left samplen 1 spacing 0.9 opaque box lc rgb '#cccccc' } else { unset key }
   plot for [k = 1:6] rows(s, word(rungs, k), 13) using 11:10 with linespoints pt 7 ps 0.3 lw width(k) lc rgb word(colors, k) title word(rungs, k)
 }
 unset multiplot
