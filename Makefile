@@ -137,9 +137,10 @@ bench: build/bench/bench_step_double build/bench/bench_step_single build/bench/b
 
 bench-accuracy: build/bench/bench_accuracy_double
 	@mkdir -p build/accuracy
-	@$< build/accuracy > build/accuracy/tables.txt; status=$$?; cat build/accuracy/tables.txt; exit $$status
-	@if gnuplot --version > /dev/null 2>&1; then gnuplot -e "folder='build/accuracy'" bench/accuracy.gp; else \
-	  echo "no pictures: gnuplot is not installed (Debian: apt-get install gnuplot-nox); build/accuracy/accuracy.csv has the points"; fi
+	@$< build/accuracy > build/accuracy/tables.txt; status=$$?; cat build/accuracy/tables.txt; \
+	if gnuplot --version > /dev/null 2>&1; then gnuplot -e "folder='build/accuracy'" bench/accuracy.gp; else \
+	  echo "no pictures: gnuplot is not installed (Debian: apt-get install gnuplot-nox); build/accuracy/accuracy.csv has the points"; fi; \
+	exit $$status
 
 bench-advice: build/bench/bench_advice_double
 	@$< > build/bench_advice.txt && cat build/bench_advice.txt
