@@ -196,9 +196,10 @@ static void scene(fbb_tally tally[2], const fbb_case *c)
 {
   static const double tolerance[] = {0.1, 0.01, 0.001};
   static fb_shape shape;
-  const fbb_basis basis = {c->y * FBB_ADVICE_MODES, c->z * FBB_ADVICE_MODES, 0};
+  const fbb_basis basis = fbb_modes_of(c, c->y * FBB_ADVICE_MODES, c->z * FBB_ADVICE_MODES);
+  double exact_off;
   fbb_shape_make(&shape, c, &basis);
-  (void)fbb_climb(c);
+  (void)fbb_climb(&exact_off, c, 1);
   for (int k = 0; k < 3 * FBB_SAMPLES; k++) {
     target[k] = (fb_real)fbb_reference.out[k / 3][k % 3];
   }
