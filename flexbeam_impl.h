@@ -1252,8 +1252,7 @@ FB_DEF void fb_chol_solve(fb_real *x, const fb_real *L, const fb_real *b, int n)
 
 #if FB_WITH_LARGE_DEFLECTION
 /* ---------------------------------------------------------------------------------------------------------------
-   RUN >>line: geometrically exact lines: poses, velocities, inertia and its gradient
-   (uses status, vec3, solve) */
+   RUN >>line: geometrically exact lines: poses, velocities, inertia and its gradient (uses config, status, vec3) */
 
 /* Largest squared rotation of an interval [rad^2], and the terms of the series that are then exact to rounding. */
 #define FBI_LINE_TURN FB_R(1.5)
@@ -1959,7 +1958,7 @@ static void fbi_line_mass_eval(fbi_line_mass *out, fbi_line_work *w, const fb_li
 
 /* [E14.6] Inertia of a line: M_ab += sum p_a.Jv_b + h_a.Jw_b (lower triangle, spacing nb), columns of Lambda,
    sum (p; r x p + h), moments of mass; over the points.
-   Source: kinetic energy of the points.  Cost: 3 points (n + 9) n flops.  Fails: never.
+   Source: Koenig, kinetic energy of the points.  Cost: 3 points (n + 9) n flops.  Fails: never.
    Test: line_inertia_is_that_of_particles. */
 static FBI_NOINLINE void fbi_line_inertia_eval(fb_real *M, fb_real *X, fbi_line_work *w, const fb_lines *all,
                                                const fb_line *line, int nb, fb_real rho[3][FB_MAX_POINTS],
@@ -5840,7 +5839,7 @@ static void fbi_cut_line(fb_line_motion *out, fbi_kinetics *k, const fb_body *bo
 /* [E14.41] Internal loads of lines by equilibrium: at a section the resultant of what acts on all that is outboard,
    F = int_x^L f dx + sum of concentrated forces,  M = int_x^L (r - r(x)) x f + t dx + sum (r_k - r(x)) x F_k + T_k,
    f and t: loads, gravity, and inertia forces -m a by the accelerations of E14.16.
-   Source: d'Alembert's principle.  Cost: 200 flops a point, 40 a pair of points of a line.
+   Source: equilibrium with inertia forces (d'Alembert).  Cost: 200 flops a point, 40 a pair of points of a line.
    Fails: no lines, the callback, not finite.
    Test: a_spinning_rod_is_under_its_tension, internal_loads_end_at_the_base, internal_moments_bend_the_line. */
 FB_DEF fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, int *n, const fb_state *state,
@@ -12578,7 +12577,7 @@ static fb_real fbi_lines_spin(const fbi_line_work *w, const fb_lines *all)
 /* [E11.36] Inertia against which the modes swing at the present deflection, with the recoil of the base's free rows,
    inverted: G = (M - Lambda^T M_rr^-1 Lambda)^-1 = P^T P + F^T F, P = L^-1, F = S^-1/2 Lambda M^-1. 0: S is not
    positive definite.
-   Source: Schur complement.  Cost: n^3 + 6 n^2 flops.  Fails: see there.  Test: rk4_limits_hold_for_bent_lines. */
+   Source: block elimination.  Cost: n^3 + 6 n^2 flops.  Fails: see there.  Test: rk4_limits_hold_for_bent_lines. */
 static int fbi_large_mobility(fb_real *G, const fbi_kinetics *k, const fb_body *body)
 {
   const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first;
@@ -12642,7 +12641,7 @@ static int fbi_large_mobility(fb_real *G, const fbi_kinetics *k, const fb_body *
 /* [E11.37] Bound of the largest eigenvalue of A, K or C, against the elastic mass of the present deflection, B = G A:
    lambda^4 <= trace B^4, the sum of the fourth powers of all of them, none of which is negative. At most n^(1/8) too
    high as a frequency, with two equal largest ones 9 %. unit: about what is to be found, against overflow.
-   Source: trace of a power.  Cost: 3 n^3 flops.  Fails: never.  Test: rk4_limits_hold_for_bent_lines. */
+   Source: linear algebra, trace of a power.  Cost: 3 n^3 flops.  Fails: never.  Test: rk4_limits_hold_for_bent_lines. */
 static fb_real fbi_large_norm(const fb_real *G, const fb_sparse *A, fb_real unit, int n)
 {
   const fb_real share = unit > FB_R(0.0) ? FB_R(1.0) / unit : FB_R(0.0);
@@ -13213,7 +13212,7 @@ static fb_real fbi_lines_inertia(const fbi_line_work *w, const fb_lines *all)
 /* [E11.38] Derivatives of the momenta and of dT/dq by q at fixed velocities, for E11.4 with lines: N' = dp/dq
    (N = -N'^T), Y = dy/dq, K -= d^2T/dq^2, by forward differences, which have half the digits: the iteration needs two
    or three.
-   Source: Hamilton's equations, linearized.  Cost: n + 1 poses and sweeps, two thirds of an evaluation each.  Fails: never.
+   Source: derivative of E14.13.  Cost: n + 1 poses and sweeps, two thirds of an evaluation each.  Fails: never.
    Test: newton_contracts_with_lines. */
 static void fbi_lines_slopes_add(fb_implicit_work *w, const fb_body *body, const fb_real *q, const fb_real *q_dot,
                                  int first)

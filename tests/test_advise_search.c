@@ -726,5 +726,5 @@ SUITE(advise_search, RUN(steps_are_the_longest_parts_of_a_frame), RUN(advice_is_
       RUN(costs_are_those_of_counted_instructions), RUN(gravity_shortens_no_step_of_a_free_body),
       RUN(search_finds_what_alone_will_do), RUN(search_ends_with_the_run_of_the_reference),
       RUN(search_gives_up_bodies_that_miss_alike), RUN(scenes_may_refuse_large_deflection),
-      RUN(errors_are_distances_of_samples),
-      RUN(search_takes_no_nonsense_for_an_answer), RUN(advice_meets_its_tolerance), RUN(advice_refuses_nonsense))
+      RUN(errors_are_distances_of_samples), RUN(search_takes_no_nonsense_for_an_answer),
+      RUN(advice_meets_its_tolerance), RUN(advice_refuses_nonsense))

@@ -139,8 +139,8 @@ TEST(rates_of_mixed_bodies_are_hamiltonian)
         moved.pi[a] += (fb_real)(side * h);
         by_pi += side * energy_of(&moved) / (2.0 * h);
       }
-      error_q = fmax(error_q, fabs(rate.q[a] - by_pi));
-      error_pi = fmax(error_pi, fabs(rate.pi[a] - by_q));
+      error_q = fmax(error_q, fabs((double)rate.q[a] - by_pi));
+      error_pi = fmax(error_pi, fabs((double)rate.pi[a] - by_q));
       size_q = fmax(size_q, fabs(by_pi));
       size_pi = fmax(size_pi, fabs(by_q));
     }
@@ -174,14 +174,14 @@ TEST(accelerations_of_mixed_bodies_are_derivatives)
       FBT_INT_EQ(fb_rk4_step(&body, &state, &work, &input, &input, &input, (fb_real)h), FB_OK);
     }
     for (int a = 0; a < body.n; a++) {
-      FBT_NEAR_ABS(motion[1].q_ddot[a], (motion[2].q_dot[a] - motion[0].q_dot[a]) / (2 * h), 0.02);
+      FBT_NEAR_ABS(motion[1].q_ddot[a], (double)(motion[2].q_dot[a] - motion[0].q_dot[a]) / (2 * h), 0.02);
     }
     for (int i = 0; i < 3; i++) {
-      FBT_NEAR_ABS(motion[1].w_dot[i], (motion[2].w[i] - motion[0].w[i]) / (2 * h), 1e-3);
-      FBT_NEAR_ABS(node[1].velocity[i], (node[2].position[i] - node[0].position[i]) / (2 * h), 1e-5);
-      FBT_NEAR_ABS(node[1].acceleration[i], (node[2].velocity[i] - node[0].velocity[i]) / (2 * h), 5e-3);
-      FBT_NEAR_ABS(node[1].angular_acceleration[i], (node[2].angular_rate[i] - node[0].angular_rate[i]) / (2 * h),
-                   2e-2);
+      FBT_NEAR_ABS(motion[1].w_dot[i], (double)(motion[2].w[i] - motion[0].w[i]) / (2 * h), 1e-3);
+      FBT_NEAR_ABS(node[1].velocity[i], (double)(node[2].position[i] - node[0].position[i]) / (2 * h), 1e-5);
+      FBT_NEAR_ABS(node[1].acceleration[i], (double)(node[2].velocity[i] - node[0].velocity[i]) / (2 * h), 5e-3);
+      FBT_NEAR_ABS(node[1].angular_acceleration[i],
+                   (double)(node[2].angular_rate[i] - node[0].angular_rate[i]) / (2 * h), 2e-2);
     }
   }
 }
