@@ -175,6 +175,46 @@ static void rom_line(rom *r, const fb_line *line)
   rom_text(r, "},"); /* root and frame are for model building */
 }
 
+/* Where n points or roots stand. */
+static void rom_stations(rom *r, const char *member, const fb_line_station *s, int n)
+{
+  rom_open(r, member);
+  for (int k = 0; k < n; k++) {
+    rom_text(r, "{");
+    rom_real(r, s[k].x);
+    rom_real(r, s[k].length);
+    rom_real(r, s[k].before);
+    rom_list(r, s[k].axes, 9);
+    rom_whole(r, s[k].side);
+    rom_text(r, "},");
+  }
+  rom_text(r, n ? "" : "{0}");
+  rom_close(r);
+}
+
+/* Before and behind, n numbers each. */
+static void rom_two_rows(rom *r, const fb_real *x, int n)
+{
+  rom_text(r, "{");
+  rom_list(r, x, n);
+  rom_list(r, x + n, n);
+  rom_text(r, "},");
+}
+
+static void rom_sides(rom *r, const fb_lines *all)
+{
+  rom_open(r, "side");
+  for (int k = 0; k < all->n_side; k++) {
+    rom_text(r, "{");
+    rom_list(r, all->side[k].mass, 2);
+    rom_two_rows(r, all->side[k].first[0], 3);
+    rom_two_rows(r, all->side[k].moment[0], 6);
+    rom_text(r, "},");
+  }
+  rom_text(r, all->n_side ? "" : "{0}");
+  rom_close(r);
+}
+
 /* Points of three axes. */
 static void rom_axes(rom *r, const char *member, const fb_real x[3][FB_MAX_POINTS], int n)
 {
@@ -188,8 +228,8 @@ static void rom_axes(rom *r, const char *member, const fb_real x[3][FB_MAX_POINT
 static void rom_lines(rom *r, const fb_body *body)
 {
   const fb_lines *const all = &body->lines;
-  fprintf(r->out, "\n  .lines = {\n  .n_line = %d, .n_point = %d, .n_row = %d, .n_table = %d,", all->n_line,
-          all->n_point, all->n_row, all->n_table);
+  fprintf(r->out, "\n  .lines = {\n  .n_line = %d, .n_point = %d, .n_row = %d, .n_table = %d, .n_side = %d,",
+          all->n_line, all->n_point, all->n_row, all->n_table, all->n_side);
   rom_open(r, "line");
   for (int l = 0; l < all->n_line; l++) {
     rom_line(r, &all->line[l]);
@@ -201,6 +241,9 @@ static void rom_lines(rom *r, const fb_body *body)
   rom_reals(r, "inertia", all->inertia, 6 * all->n_point);
   rom_axes(r, "start", all->start, all->n_point);
   rom_axes(r, "tangent", all->tangent, all->n_point);
+  rom_stations(r, "station", all->station, all->n_point);
+  rom_stations(r, "root", all->root, all->n_line);
+  rom_sides(r, all);
   rom_open(r, "row");
   for (int k = 0; k < all->n_row; k++) {
     rom_text(r, "{");
