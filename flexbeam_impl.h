@@ -458,7 +458,7 @@ static void fbi_vec3_zero(fb_real y[3])
   y[0] = y[1] = y[2] = FB_R(0.0);
 }
 
-#if FB_WITH_SYSTEM
+#if FB_WITH_SYSTEM || FB_WITH_LARGE_DEFLECTION
 static void fbi_mat33_copy(fb_real C[9], const fb_real A[9])
 {
   fbi_vec3_copy(C, A);
@@ -526,7 +526,7 @@ static void fbi_vec6_copy(fb_real y[6], const fb_real x[6])
   y[5] = f;
 }
 
-#if FB_WITH_SYSTEM || FB_WITH_EXACT
+#if FB_WITH_SYSTEM || FB_WITH_EXACT || FB_WITH_LARGE_DEFLECTION
 static void fbi_vec6_advance(fb_real y[6], const fb_real x[6], fb_real s, const fb_real rate[6])
 {
   const fb_real a = x[0] + s * rate[0], b = x[1] + s * rate[1], c = x[2] + s * rate[2];
@@ -886,7 +886,7 @@ FB_DEF void fb_quat_to_rotvec(fb_real phi[3], const fb_real q[4])
   (void)fbi_quat_log(phi, q);
 }
 
-#if FB_WITH_SYSTEM
+#if FB_WITH_SYSTEM || FB_WITH_LARGE_DEFLECTION
 /* [E4.5] Quaternion of a rotation matrix, from its largest component, so that no divisor is small; w >= 0.
    Source: S.W. Shepperd, Quaternion from rotation matrix, J. Guidance 1(3), 1978.  Cost: 25 flops, a square root.
    Fails: never.  Test: attitudes_come_back_as_they_were. */
@@ -1651,6 +1651,7 @@ static FBI_NOINLINE int fbi_lines_pose(fbi_line_work *w, const fb_lines *all, co
   return sound;
 }
 
+#if FB_WITH_SYSTEM || FB_WITH_BUILD
 /* The line that a point belongs to. */
 static const fb_line *fbi_line_of(const fb_lines *all, int point)
 {
@@ -1660,6 +1661,7 @@ static const fb_line *fbi_line_of(const fb_lines *all, int point)
   }
   return line;
 }
+#endif
 
 /* About an axis, the columns of N (1 + B^/6) and -N A^/6: the angular velocities that A and B of a coordinate add. */
 static void fbi_line_column(fb_real NA[3][FB_MAX_POINTS], fb_real NB[3][FB_MAX_POINTS], fbi_line_work *w,
@@ -2166,6 +2168,7 @@ static FBI_NOINLINE void fbi_line_moments_add(fb_real *x, const fbi_line_work *w
   }
 }
 
+#if FB_WITH_SYSTEM
 /* (dT/dt)^T c of T = 1 + a phi^ + b phi^2 (E14.3). */
 static void fbi_line_turned(fb_real out[3], fb_real a, fb_real b, fb_real a_dot, fb_real b_dot, const fb_real phi[3],
                             const fb_real rate[3], const fb_real c[3])
@@ -2180,13 +2183,16 @@ static void fbi_line_turned(fb_real out[3], fb_real a, fb_real b, fb_real a_dot,
     out[i] = -a_dot * pc[i] - a * rc[i] + b_dot * ppc[i] + b * mixed[i];
   }
 }
+#endif
 
+#if FB_WITH_SYSTEM
 /* The same at point j. */
 static void fbi_line_turning(fb_real out[3], fbi_line_work *w, int j, const fb_real phi[3], const fb_real rate[3],
                              const fb_real c[3])
 {
   fbi_line_turned(out, w->a[j], w->b[j], w->a_dot[j], w->b_dot[j], phi, rate, c);
 }
+#endif
 
 /* Rotation and angular velocity before the interval of point j. */
 static void fbi_line_before(fb_real H[9], fb_real turn[3], fbi_line_work *w, const fb_line *line, int j)
@@ -2935,6 +2941,7 @@ static void fbi_line_node_bias(fb_real a[3], fb_real alpha[3], fbi_line_work *w,
   }
 }
 
+#if FB_WITH_SYSTEM
 /* x_k += J_dot_k.L of the interval before a node: what L about the node adds by that interval (E9.25). */
 static void fbi_line_step_take(fb_real *x, fbi_line_work *w, const fb_line *line, const fb_line_node *node,
                                const fbi_line_step *s, const fb_real *q_dot, const fb_real L[3])
@@ -2971,7 +2978,9 @@ static void fbi_line_step_take(fb_real *x, fbi_line_work *w, const fb_line *line
     x[line->first + k] += fb_vec3_dot(node->turn + 3 * k, own) - FBI_SIXTH * fb_vec3_dot(node->bow + 3 * k, mixed);
   }
 }
+#endif
 
+#if FB_WITH_SYSTEM
 /* [E9.25] Rate of a node's Jacobian on a line times a momentum (P, L) about the node, line axes: x_a += Jv_dot_a.P +
    Jw_dot_a.L at the velocities of fbi_line_rates, by one sweep from the tip. With the weights W_j of the tangents in the
    node's position, F_j = W_j P,  C: t x F, and L where the node is, summed from the tip,  D: t_dot x F likewise,
@@ -3049,6 +3058,7 @@ static void fbi_line_node_take(fb_real *x, fbi_line_work *w, const fb_lines *all
     }
   }
 }
+#endif
 #endif
 
 /* ---------------------------------------------------------------------------------------------------------------
@@ -3866,6 +3876,7 @@ static void fbi_large_convection(fb_real u_dd[3], fb_real turn_dd[3], fbi_line_w
   fbi_line_to_body(turn_dd, line, alpha);
 }
 
+#if FB_WITH_SYSTEM
 /* x_a += (rate of the Jacobian of a node)_a . G, G a momentum about the node, body axes (E9.25). */
 static void fbi_large_node_take(fb_real *x, const fbi_kinetics *k, const fb_body *body, const fb_node *node,
                                 const fb_real *q_dot, const fb_real G[6])
@@ -3878,6 +3889,7 @@ static void fbi_large_node_take(fb_real *x, const fbi_kinetics *k, const fb_body
   fbi_line_step_eval(&s, k->line, line, &node->line, k->qx + 1);
   fbi_line_node_take(x, k->line, &body->lines, line, &node->line, &s, q_dot, P, L);
 }
+#endif
 #endif
 
 /* [E8.14] Displacement and rotation of a node, u = psi q + 1/2 chi q q, phi = theta q + 1/2 chi_theta q q (chi:

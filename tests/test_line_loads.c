@@ -284,8 +284,8 @@ TEST(drag_by_mass_slows_momenta_in_closed_form)
   }
   FBT_INT_EQ(fb_body_momentum_eval(&body, &last, &state, NULL), FB_OK);
   for (int i = 0; i < 3; i++) {
-    FBT_NEAR_ABS(last.linear[i], first.linear[i] * exp(-drag * 0.5), FBT_TOL(1e-10, 1e-4));
-    FBT_NEAR_ABS(last.angular[i], first.angular[i] * exp(-drag * 0.5), FBT_TOL(2e-9, 1e-3));
+    FBT_NEAR_ABS(last.linear[i], (double)first.linear[i] * exp(-drag * 0.5), FBT_TOL(1e-10, 1e-4));
+    FBT_NEAR_ABS(last.angular[i], (double)first.angular[i] * exp(-drag * 0.5), FBT_TOL(2e-9, 1e-3));
   }
 }
 
