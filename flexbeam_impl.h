@@ -12935,9 +12935,11 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
    with lines of large deflection
      fbi_velocity: fbi_large_velocity
      fbi_large_velocity: fbi_large_inertia fbi_large_S fbi_large_lambda_sub
-     fbi_large_inertia: fbi_lines_pose fbi_lambda_rows fbi_S_eval fbi_lines_inertia_add
+     fbi_large_inertia: fbi_large_matrices fbi_large_factor
+     fbi_large_matrices: fbi_lines_pose fbi_lambda_rows fbi_S_eval fbi_lines_inertia_add
      fbi_elastic_rates: fbi_large_rates
-     fbi_large_rates: fbi_large_lambdaT_sub fbi_lines_gradient_add fbi_lambda_linear_gradients fbi_S_gradient
+     fbi_large_rates: fbi_large_lambdaT_sub fbi_large_gradient
+     fbi_large_gradient: fbi_lines_gradient_add fbi_lambda_linear_gradients fbi_S_gradient
    with and without
      fbi_rk4_check: fbi_step_conditions fbi_largest_slopes fbi_frequency_bound fbi_step_limit
      fbi_step_end: fbi_state_align fbi_quat_increment fbi_frame_follow fbi_origin_lead fbi_state_range fbi_state_take */
