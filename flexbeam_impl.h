@@ -5901,8 +5901,11 @@ FB_DEF fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, 
     fbi_cut_line(out + fbi_lines_first(&body->lines, l), &k, body, l, state, motion, &lead, input, g);
   }
   for (int i = 0; i < count; i++) {
-    if (!fbi_vec3_is_finite(out[i].at.position) || !fbi_vec3_is_finite(out[i].force) ||
-        !fbi_vec3_is_finite(out[i].moment)) {
+    const fb_line_point *const at = &out[i].at;
+    if (!fbi_vec3_is_finite(at->position) || !fbi_is_finite(at->R, 9) || !fbi_vec3_is_finite(at->velocity) ||
+        !fbi_vec3_is_finite(at->angular_rate) || !fbi_vec3_is_finite(at->force) || !fbi_vec3_is_finite(at->torque) ||
+        !fbi_vec3_is_finite(out[i].acceleration) || !fbi_vec3_is_finite(out[i].angular_acceleration) ||
+        !fbi_vec3_is_finite(out[i].force) || !fbi_vec3_is_finite(out[i].moment)) {
       return FB_ERR_NOT_FINITE;
     }
   }
@@ -21481,6 +21484,63 @@ static fb_status fbi_form_check(const fb_shape *shape, const fb_body_desc *desc)
 }
 #endif
 
+#if FB_WITH_LARGE_DEFLECTION
+/* As fbi_shape_check, of the lines and of what is beside them. */
+static fb_status fbi_shape_lines_check(const fb_shape *shape)
+{
+  const fb_lines *const all = &shape->lines;
+  const fb_second *const rest = &shape->rest;
+  const int n = shape->n, nn = n * n, sound = fbi_line_counts_are_sound(all), points = sound ? all->n_point : 0;
+  const fbi_number table[] = {FBI_NOT_NEGATIVE(all->mass, points, "shape.lines.mass [kg]"),
+                              FBI_ANY(all->center, 3 * points, "shape.lines.center [m]"),
+                              FBI_ANY(all->inertia, 6 * points, "shape.lines.inertia [kg m^2]"),
+                              FBI_ANY(all->start[0], points, "shape.lines.start[0] [m]"),
+                              FBI_ANY(all->start[1], points, "shape.lines.start[1] [m]"),
+                              FBI_ANY(all->start[2], points, "shape.lines.start[2] [m]"),
+                              FBI_ANY(all->tangent[0], points, "shape.lines.tangent[0]"),
+                              FBI_ANY(all->tangent[1], points, "shape.lines.tangent[1]"),
+                              FBI_ANY(all->tangent[2], points, "shape.lines.tangent[2]"),
+                              FBI_ANY(all->table, sound ? all->n_table : 0, "shape.lines.table"),
+                              FBI_ANY(rest->reach, n, "shape.rest.reach"),
+                              FBI_ANY(rest->ups, 3 * nn, "shape.rest.ups"),
+                              FBI_ANY(rest->Gam, 9 * n, "shape.rest.Gam"),
+                              FBI_ANY(rest->Pi, 9 * nn, "shape.rest.Pi"),
+                              FBI_ANY(rest->Gamchi, 9 * nn, "shape.rest.Gamchi"),
+                              FBI_ANY(rest->pchi, 3 * nn, "shape.rest.pchi"),
+                              FBI_ANY(rest->hchi, 3 * nn, "shape.rest.hchi")};
+  int stride = 0;
+  fb_status status;
+  if (!sound) {
+    return FBI_REFUSE(FB_ERR_CAPACITY, "shape.lines: counts within its tables", -1, FB_R(0.0), FB_R(0.0));
+  }
+  status = fbi_numbers_check(table, FBI_LENGTH(table), -1);
+  for (int l = 0; l < all->n_line && status == FB_OK; l++) {
+    const fbi_number line[] = {FBI_ANY(all->line[l].axes, 9, "line: shape.lines.line.axes"),
+                               FBI_ANY(all->line[l].root, 3, "line: shape.lines.line.root [m]"),
+                               FBI_ANY(all->line[l].frame, 9, "line: shape.lines.line.frame")};
+    status = fbi_numbers_check(line, FBI_LENGTH(line), l);
+    if (status == FB_OK && !fbi_line_is_sound(all, l, n)) {
+      status = FBI_REFUSE(FB_ERR_CAPACITY, "line: rows and points within the tables", l, FB_R(0.0), FB_R(0.0));
+    }
+    stride += all->line[l].stride;
+  }
+  if (status == FB_OK && stride != points) {
+    status =
+        FBI_REFUSE(FB_ERR_CAPACITY, "shape.lines.n_point, those of its lines", -1, (fb_real)points, (fb_real)stride);
+  }
+  if (status == FB_OK && !(fbi_stations_are_sound(all->station, points, all->n_side) &&
+                           fbi_stations_are_sound(all->root, all->n_line, all->n_side) && fbi_sides_are_sound(all))) {
+    status = FBI_REFUSE(FB_ERR_NOT_FINITE, "shape.lines: station, root and side, finite", -1, FB_R(0.0), FB_R(0.0));
+  }
+  for (int k = 0; k < shape->n_node && status == FB_OK; k++) {
+    if (!fbi_line_node_is_sound(all, &shape->node[k].line)) {
+      status = FBI_REFUSE(FB_ERR_NOT_FINITE, "node: its place on a line, finite", k, FB_R(0.0), FB_R(0.0));
+    }
+  }
+  return status;
+}
+#endif
+
 /* Counts within the tables and all values finite: the caller may write into a shape. */
 static fb_status fbi_shape_check(const fb_shape *shape)
 {
@@ -21537,6 +21597,15 @@ static fb_status fbi_shape_check(const fb_shape *shape)
       status = FBI_REFUSE(FB_ERR_NOT_FINITE, "node: place and shapes, finite", k, FB_R(0.0), FB_R(0.0));
     }
   }
+#if FB_WITH_LARGE_DEFLECTION
+  if (status == FB_OK &&
+      ((int)shape->lines_status > (int)FB_OK || (int)shape->lines_status < (int)FB_ERR_UNSUPPORTED)) {
+    status = FBI_REFUSE(FB_ERR_VALUE, "shape.lines_status, an fb_status", -1, FB_R(0.0), FB_R(0.0));
+  }
+  if (status == FB_OK && shape->lines_status == FB_OK) { /* else nothing reads them */
+    status = fbi_shape_lines_check(shape);
+  }
+#endif
   return status;
 }
 
@@ -21611,8 +21680,8 @@ static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *
   return status ? status : fbi_body_effects_check(shape, desc);
 }
 
-/* Copies a node for n coordinates. */
-static void fbi_node_copy(fb_node *to, const fb_node *from, int n)
+/* Copies a node for n coordinates; its place on a line for a body with lines. */
+static void fbi_node_copy(fb_node *to, const fb_node *from, int n, int large)
 {
   fbi_copy(to->r, from->r, 3);
   fbi_copy(to->psi, from->psi, 3 * n);
@@ -21622,7 +21691,11 @@ static void fbi_node_copy(fb_node *to, const fb_node *from, int n)
   fbi_copy(to->chi_theta, from->chi_theta, 3 * n * (n + 1) / 2);
 #endif
 #if FB_WITH_LARGE_DEFLECTION
-  to->line = from->line;
+  if (large && from->line.line > 0) {
+    to->line = from->line;
+  }
+#else
+  (void)large;
 #endif
 }
 
@@ -21672,7 +21745,7 @@ static void fbi_body_fill(fb_body *body, const fb_shape *shape, const fb_body_de
   fbi_strain_fill(body, shape, desc->truncation);
 #endif
   for (int k = 0; k < shape->n_node; k++) {
-    fbi_node_copy(&body->node[k], &shape->node[k], body->n);
+    fbi_node_copy(&body->node[k], &shape->node[k], body->n, fbi_has(body->effects, FB_EFFECT_LARGE_DEFLECTION));
   }
 }
 
@@ -21858,12 +21931,36 @@ static fb_status fbi_large_limits_fill(fb_body *body, fb_body_work *work)
   return FB_OK;
 }
 
+/* Copies what lines use of their tables; to: zero. */
+static void fbi_lines_copy(fb_lines *to, const fb_lines *from)
+{
+  const int n = from->n_point;
+  to->n_line = from->n_line;
+  to->n_point = n;
+  to->n_row = from->n_row;
+  to->n_table = from->n_table;
+  to->n_side = from->n_side;
+  memcpy(to->line, from->line, (size_t)from->n_line * sizeof *to->line);
+  fbi_copy(to->mass, from->mass, n);
+  fbi_copy(to->center, from->center, 3 * n);
+  fbi_copy(to->inertia, from->inertia, 6 * n);
+  for (int i = 0; i < 3; i++) {
+    fbi_copy(to->start[i], from->start[i], n);
+    fbi_copy(to->tangent[i], from->tangent[i], n);
+  }
+  memcpy(to->station, from->station, (size_t)n * sizeof *to->station);
+  memcpy(to->root, from->root, (size_t)from->n_line * sizeof *to->root);
+  memcpy(to->side, from->side, (size_t)from->n_side * sizeof *to->side);
+  memcpy(to->row, from->row, (size_t)from->n_row * sizeof *to->row);
+  fbi_copy(to->table, from->table, from->n_table);
+}
+
 /* What a body with lines holds beside them: the terms of the rest in Lambda(q), and in place of S(q) its M_rr(q). */
 static fb_status fbi_large_fill(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc)
 {
   const int n = body->n;
   const int chi = fbi_has(body->effects, FB_EFFECT_ACCELERATION_STIFFENING);
-  body->lines = shape->lines;
+  fbi_lines_copy(&body->lines, &shape->lines);
   fbi_rest_fill(work, body, shape);
   fbi_sparse_fill(&body->M_rest, work->rest.M, n);
   fbi_lambda_fill(work->Lambda, &work->rest, n, fbi_has(body->effects, FB_EFFECT_SPIN_COUPLING), chi);
