@@ -12660,12 +12660,11 @@ static int fbi_large_mobility(fb_real *G, const fbi_kinetics *k, const fb_body *
 static fb_real fbi_large_norm(const fb_real *G, const fb_sparse *A, fb_real unit, int n)
 {
   const fb_real share = unit > FB_R(0.0) ? FB_R(1.0) / unit : FB_R(0.0);
-  fb_real B[FB_MAX_MODES * FB_MAX_MODES], C[FB_MAX_MODES * FB_MAX_MODES], trace = FB_R(0.0);
+  fb_real B[FB_MAX_MODES * FB_MAX_MODES], C[FB_MAX_MODES * FB_MAX_MODES] = {FB_R(0.0)}, trace = FB_R(0.0);
   for (int a = 0; a < n; a++) { /* rows of G A */
     fbi_sparse_eval(B + a * n, NULL, share, A, G + a * n, n);
   }
   for (int a = 0; a < n; a++) {
-    fbi_zero(C + a * n, n);
     for (int b = 0; b < n; b++) {
       fbi_row_sub(C + a * n, -B[a * n + b], B + b * n, n);
     }

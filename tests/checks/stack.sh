@@ -9,7 +9,7 @@ step_bound=6144
 forms_bound=10240 # with FB_WITH_FORMS=1
 build_bound=36864
 large_step_bound=22528 # with FB_WITH_LARGE_DEFLECTION=1: points of the lines by axis
-large_bound=71680      # evaluations beside the step and building: what an evaluation knows about the lines (fbi_line_work)
+large_bound=102400      # evaluations beside the step and building: what an evaluation knows about the lines (fbi_line_work)
 # usage NAME COMPILER...: writes the call graph of one build, to a file of that name and a number
 builds=0
 usage() {
