@@ -580,7 +580,7 @@ TEST(search_takes_no_nonsense_for_an_answer)
     FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.1), &trial), run[k].expected);
     FBT_TRUE((advice.n == -7) == (run[k].expected != FB_OK));
     FBT_TRUE(s.longest <= envelope.duration);
-    FBT_TRUE(k < 4 ? s.n_run > 1 && s.n_run <= 1 + 640 * shape.n : s.n_run == 1);
+    FBT_TRUE(k < 4 ? s.n_run > 1 && s.n_run <= 1 + 128 * FBI_ADVICE_SETS * shape.n : s.n_run == 1);
     trial.width = 3;
     FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.1), &trial), FB_ERR_VALUE);
   }

@@ -678,8 +678,8 @@ interval 0.5
 step 0.1
 END
 warned "auto of body beam: estimated error .* %, beyond the allowed .* MISSED" 1 << END
-$(echo "$beam" | sed 's/^end/  auto 1e-9\nend/')
-motion rate 0 0 1 smooth 0.5 0 1
+$(echo "$beam" | sed 's/^end/  auto 1e-3\nend/')
+motion rate 0 0 35 smooth 0.5 0 1
 duration 1
 END
 # exactly LINE REASON < FILE: a beam of modes that the exact one would not be
