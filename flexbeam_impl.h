@@ -1355,8 +1355,7 @@ static FBI_INLINE fb_real fbi_line_series(const fb_real c[FBI_LINE_TERMS], fb_re
 #if FB_SINGLE
   return c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * c[5]))));
 #else
-  return c[0] +
-         x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * (c[5] + x * (c[6] + x * (c[7] + x * c[8])))))));
+  return c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * (c[4] + x * (c[5] + x * (c[6] + x * (c[7] + x * c[8])))))));
 #endif
 }
 
@@ -1567,7 +1566,6 @@ static void fbi_line_integrals_add(fb_real y[3][FB_MAX_POINTS], const fb_lines *
     const fb_real *weight = all->table + line->weight + j;
     fb_real a = y[0][p + j], b = y[0][p + j + 1], c = y[1][p + j], d = y[1][p + j + 1], e = y[2][p + j],
             f = y[2][p + j + 1];
-    FBI_UNROLL_2
     for (int k = 0; k < count; k++, weight += m) {
       const fb_real u = weight[0], v = weight[1];
       a += u * X[k];
@@ -1583,6 +1581,47 @@ static void fbi_line_integrals_add(fb_real y[3][FB_MAX_POINTS], const fb_lines *
     y[1][p + j + 1] = d;
     y[2][p + j] = e;
     y[2][p + j + 1] = f;
+  }
+}
+
+/* The same of two fields, one behind the other in memory, by one pass over the weights. */
+static void fbi_line_integrals_add_2(fb_real y[2][3][FB_MAX_POINTS], const fb_lines *all, const fb_line *line,
+                                     fb_real x[2][3][FB_MAX_POINTS])
+{
+  const int p = line->point, m = fbi_line_width(line), count = line->count;
+  for (int j = 0; j < m; j += 2) {
+    const fb_real *weight = all->table + line->weight + j;
+    const fb_real *from = x[0][0] + p;
+    fb_real a = y[0][0][p + j], b = y[0][0][p + j + 1], c = y[0][1][p + j], d = y[0][1][p + j + 1];
+    fb_real e = y[0][2][p + j], f = y[0][2][p + j + 1], g = y[1][0][p + j], h = y[1][0][p + j + 1];
+    fb_real o = y[1][1][p + j], q = y[1][1][p + j + 1], r = y[1][2][p + j], s = y[1][2][p + j + 1];
+    for (int k = count; k > 0; k--, weight += m, from++) {
+      const fb_real u = weight[0], v = weight[1];
+      a += u * from[0];
+      b += v * from[0];
+      c += u * from[FB_MAX_POINTS];
+      d += v * from[FB_MAX_POINTS];
+      e += u * from[2 * FB_MAX_POINTS];
+      f += v * from[2 * FB_MAX_POINTS];
+      g += u * from[3 * FB_MAX_POINTS];
+      h += v * from[3 * FB_MAX_POINTS];
+      o += u * from[4 * FB_MAX_POINTS];
+      q += v * from[4 * FB_MAX_POINTS];
+      r += u * from[5 * FB_MAX_POINTS];
+      s += v * from[5 * FB_MAX_POINTS];
+    }
+    y[0][0][p + j] = a;
+    y[0][0][p + j + 1] = b;
+    y[0][1][p + j] = c;
+    y[0][1][p + j + 1] = d;
+    y[0][2][p + j] = e;
+    y[0][2][p + j + 1] = f;
+    y[1][0][p + j] = g;
+    y[1][0][p + j + 1] = h;
+    y[1][1][p + j] = o;
+    y[1][1][p + j + 1] = q;
+    y[1][2][p + j] = r;
+    y[1][2][p + j + 1] = s;
   }
 }
 
@@ -1664,8 +1703,8 @@ static void fbi_line_column(fb_real NA[3][FB_MAX_POINTS], fb_real NB[3][FB_MAX_P
 
 /* What the intervals add to the angular velocities per rate of coordinate k: rows r to end. Returns the next row. */
 static const fb_line_row *fbi_line_turn_rates(fb_real (*FBI_RESTRICT c)[FB_MAX_POINTS], fb_real NA[3][3][FB_MAX_POINTS],
-                                              fb_real NB[3][3][FB_MAX_POINTS], const fb_lines *all,
-                                              const fb_line *line, const fb_line_row *r, const fb_line_row *end, int k)
+                                              fb_real NB[3][3][FB_MAX_POINTS], const fb_lines *all, const fb_line *line,
+                                              const fb_line_row *r, const fb_line_row *end, int k)
 {
   const int m = fbi_line_width(line);
   if (r == end || r->a != k) {
@@ -1702,7 +1741,7 @@ static FBI_NOINLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const
   const int p = line->point, m = fbi_line_width(line);
   const fb_line_row *r = all->row + line->row, *const last = r + line->n_turn, *s = last;
   const fb_line_row *const end = last + line->n_stretch;
-  fb_real NA[3][3][FB_MAX_POINTS], NB[3][3][FB_MAX_POINTS], c[3][FB_MAX_POINTS], K[3][FB_MAX_POINTS];
+  fb_real NA[3][3][FB_MAX_POINTS], NB[3][3][FB_MAX_POINTS], c[3][FB_MAX_POINTS], rates[FB_MAX_MODES][3][FB_MAX_POINTS];
   int used[3] = {0, 0, 0};
   for (const fb_line_row *i = r; i < last; i++) {
     used[i->axis] = 1;
@@ -1713,7 +1752,8 @@ static FBI_NOINLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const
     }
   }
   for (int k = 0; k < line->n; k++) {
-    fb_real(*const Jw)[FB_MAX_POINTS] = w->Jw[k], (*const Jv)[FB_MAX_POINTS] = w->Jv[k];
+    fb_real(*const Jw)[FB_MAX_POINTS] = w->Jw[k], (*const Jv)[FB_MAX_POINTS] = w->Jv[k],
+                   (*const K)[FB_MAX_POINTS] = rates[k];
     fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, move[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
     r = fbi_line_turn_rates(c, NA, NB, all, line, r, last, k);
 
@@ -1751,7 +1791,12 @@ static FBI_NOINLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const
       Jv[1][p + j] = move[1];
       Jv[2][p + j] = move[2];
     }
-    fbi_line_integrals_add(Jv, all, line, K);
+  }
+  for (int k = 0; k + 1 < line->n; k += 2) {
+    fbi_line_integrals_add_2(w->Jv + k, all, line, rates + k);
+  }
+  if (line->n % 2) {
+    fbi_line_integrals_add(w->Jv[line->n - 1], all, line, rates[line->n - 1]);
   }
 }
 
@@ -1891,7 +1936,7 @@ static void fbi_line_sum_moment(fb_real sum[3], fb_real moment[3], fb_real x[3][
 {
   const fb_real *const a = x[0] + p, *const b = x[1] + p, *const c = x[2] + p;
   const fb_real *const d = y[0] + p, *const e = y[1] + p, *const f = y[2] + p;
-  fb_real u = FB_R(0.0), v = FB_R(0.0), l = FB_R(0.0), U = FB_R(0.0), V = FB_R(0.0), L = FB_R(0.0);
+  fb_real u = FB_R(0.0), v = FB_R(0.0), l = FB_R(0.0), U = FB_R(0.0), V = FB_R(0.0), L = FB_R(0.0), s[12];
   for (int j = 0; j < m; j += 2) {
     u += d[j];
     U += d[j + 1];
@@ -1900,9 +1945,12 @@ static void fbi_line_sum_moment(fb_real sum[3], fb_real moment[3], fb_real x[3][
     l += f[j];
     L += f[j + 1];
   }
-  sum[0] = u + U;
-  sum[1] = v + V;
-  sum[2] = l + L;
+  s[0] = u;
+  s[1] = U;
+  s[2] = v;
+  s[3] = V;
+  s[4] = l;
+  s[5] = L;
   u = v = l = U = V = L = FB_R(0.0);
   for (int j = 0; j < m; j += 2) {
     u += b[j] * f[j] - c[j] * e[j];
@@ -1912,9 +1960,16 @@ static void fbi_line_sum_moment(fb_real sum[3], fb_real moment[3], fb_real x[3][
     l += a[j] * e[j] - b[j] * d[j];
     L += a[j + 1] * e[j + 1] - b[j + 1] * d[j + 1];
   }
-  moment[0] = u + U;
-  moment[1] = v + V;
-  moment[2] = l + L;
+  s[6] = u;
+  s[7] = U;
+  s[8] = v;
+  s[9] = V;
+  s[10] = l;
+  s[11] = L;
+  for (int i = 0; i < 3; i++) {
+    sum[i] = s[2 * i] + s[2 * i + 1];
+    moment[i] = s[2 * i + 6] + s[2 * i + 7];
+  }
 }
 
 /* Moments of mass of a line, its axes. */
@@ -1942,8 +1997,9 @@ static void fbi_line_mass_eval(fbi_line_mass *out, fbi_line_work *w, const fb_li
    sum (p; r x p + h), moments of mass; over the points.
    Source: kinetic energy of the points.  Cost: 3 points (n + 9) n flops.  Fails: never.
    Test: line_inertia_is_that_of_particles. */
-static FBI_NOINLINE void fbi_line_inertia_eval(fb_real *M, fb_real *X, fbi_line_work *w, const fb_lines *all, const fb_line *line,
-                                  int nb, fb_real rho[3][FB_MAX_POINTS], fb_real I[9][FB_MAX_POINTS])
+static FBI_NOINLINE void fbi_line_inertia_eval(fb_real *M, fb_real *X, fbi_line_work *w, const fb_lines *all,
+                                               const fb_line *line, int nb, fb_real rho[3][FB_MAX_POINTS],
+                                               fb_real I[9][FB_MAX_POINTS])
 {
   const int p = line->point, m = fbi_line_width(line);
   fb_real P[3][FB_MAX_POINTS], h[3][FB_MAX_POINTS];
@@ -2010,7 +2066,7 @@ static FBI_NOINLINE void fbi_lines_inertia_add(fb_real *M, fb_real *X, fb_real *
 /* Velocities of the points relative to the frame, w and v, from the rates of the coordinates (E14.5 without its
    matrices), the rates of the tangents, w x t + H Gamma q_dot, and of the rotation vectors. */
 static FBI_NOINLINE void fbi_line_rates(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line,
-                           const fb_real *q_dot)
+                                        const fb_real *q_dot)
 {
   const int p = line->point, m = fbi_line_width(line);
   fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, move[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
@@ -2105,8 +2161,9 @@ static void fbi_line_outboard(fb_real y[3][FB_MAX_POINTS], const fb_lines *all, 
 
 /* What acts on the sections beyond an interval, in the axes before it: y by phi, s by phi_dot (E14.7; 0: none). To
    coordinates: x_a += A_a.(y - 1/6 (B x y + B' x s)) - 1/6 B_a.(y x A + s x A'). */
-static FBI_NOINLINE void fbi_line_moments_add(fb_real *x, const fbi_line_work *w, const fb_lines *all, const fb_line *line,
-                                 fb_real y[3][FB_MAX_POINTS], fb_real s[3][FB_MAX_POINTS])
+static FBI_NOINLINE void fbi_line_moments_add(fb_real *x, const fbi_line_work *w, const fb_lines *all,
+                                              const fb_line *line, fb_real y[3][FB_MAX_POINTS],
+                                              fb_real s[3][FB_MAX_POINTS])
 {
   const int p = line->point, m = fbi_line_width(line);
   fb_real by_A[3][FB_MAX_POINTS], by_B[3][FB_MAX_POINTS];
@@ -2228,9 +2285,10 @@ static void fbi_line_solid_momenta(fb_real P[3][FB_MAX_POINTS], fb_real b[3][FB_
 }
 
 /* y and s of E14.7 from the moments B and C beyond each interval. */
-static FBI_NOINLINE void fbi_line_gradient_moments(fb_real y[3][FB_MAX_POINTS], fb_real s[3][FB_MAX_POINTS],
-                                      const fbi_line_work *w, const fb_line *line, fb_real B[3][FB_MAX_POINTS],
-                                      fb_real C[3][FB_MAX_POINTS])
+static FBI_NOINLINE void fbi_line_gradient_moments(fb_real (*FBI_RESTRICT y)[FB_MAX_POINTS],
+                                                   fb_real (*FBI_RESTRICT s)[FB_MAX_POINTS], const fbi_line_work *w,
+                                                   const fb_line *line, fb_real B[3][FB_MAX_POINTS],
+                                                   fb_real C[3][FB_MAX_POINTS])
 {
   const int p = line->point, m = fbi_line_width(line);
   fb_real back[3][FB_MAX_POINTS];
@@ -2281,7 +2339,7 @@ static FBI_NOINLINE void fbi_line_gradient_moments(fb_real y[3][FB_MAX_POINTS], 
    Source: THEORY.md 14; the angular velocity of a section depends on the rotations before it.
    Cost: 300 flops and 6 points a point.  Fails: never.  Test: line_forces_are_the_gradient_of_the_energy. */
 static FBI_NOINLINE void fbi_line_gradient_add(fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_line *line,
-                                  const fb_real u[3], const fb_real o[3])
+                                               const fb_real u[3], const fb_real o[3])
 {
   const int p = line->point, m = fbi_line_width(line);
   fb_real P[3][FB_MAX_POINTS], F[3][FB_MAX_POINTS], G[3][FB_MAX_POINTS], b[3][FB_MAX_POINTS], c[3][FB_MAX_POINTS],
@@ -2378,7 +2436,7 @@ static void fbi_line_axes(fb_real x[3], const fb_line *line, const fb_real in_bo
 
 /* x_a += dT/dq_a of all lines at fixed velocities V (body axes) and q_dot. */
 static FBI_NOINLINE void fbi_lines_gradient_add(fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_real V[6],
-                                   const fb_real *q_dot)
+                                                const fb_real *q_dot)
 {
   for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
     fbi_line_rates(w, all, line, q_dot);
@@ -2439,7 +2497,8 @@ static void fbi_line_load_add(fb_real *x, fbi_line_work *w, const fb_lines *all,
 }
 
 /* Of all lines: c += first moment of mass about O, body axes; unless x is NULL x_a += g.dc/dq_a. */
-static FBI_NOINLINE void fbi_lines_pull(fb_real c[3], fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_real g[3])
+static FBI_NOINLINE void fbi_lines_pull(fb_real c[3], fb_real *x, fbi_line_work *w, const fb_lines *all,
+                                        const fb_real g[3])
 {
   if (x) {
     fbi_lines_unload(w, all);
@@ -3391,7 +3450,8 @@ static void fbi_given_velocity(fbi_kinetics *k, const fb_body *body, const fb_st
 
 #if FB_WITH_LARGE_DEFLECTION
 /* E8.13 for a body with lines; k.qx is set. */
-static FBI_NOINLINE fb_status fbi_large_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
+static FBI_NOINLINE fb_status fbi_large_velocity(fbi_kinetics *k, const fb_body *body, const fb_state *state,
+                                                 const fb_input *input)
 {
   fb_real y[6];
   const fb_status status = fbi_large_inertia(k, body, state->q);
