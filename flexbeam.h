@@ -15,7 +15,8 @@
    the angular momentum about it; f, g and f_e are force, moment and modal loads. V, the velocity of the frame, and pi
    are relative to u, so that the speed of flight does not matter. The only matrix that depends on q is the 6x6 Schur
    complement S(q) = M_rr(q) - Lambda(q) M^-1 Lambda(q)^T, a polynomial of degree 2 in q. Its terms are collected once,
-   at init, for the selected effects alone: an effect that is off costs nothing.
+   at init, for the selected effects alone: an effect that is off costs nothing. A beam that bends far takes the same
+   modes as modes of curvature, and is geometrically exact (FB_EFFECTS_LARGE).
 
    QUICK START (examples/quickstart.c; do this in ONE file, the others include flexbeam.h alone)
 
@@ -130,6 +131,9 @@
      FB_WITH_LARGE_DEFLECTION         1        0, 1    "
      FB_MAX_STRAINS                   24       1..999  strain stations of a body (nonlinear strain only)
      FB_MAX_POINTS                    32       2..998  points of a body's lines (large deflection only), even
+     FB_MAX_LINES                     8        1..99   its lines: beams of a body (large deflection only)
+     FB_MAX_LINE_ROWS,                0        0..     rows and numbers in the tables of the lines; 0: as many as there
+     FB_MAX_LINE_TABLE                                 can be. As FB_MAX_LAMBDA for models in ROM
      FB_MAX_LAMBDA, FB_MAX_S,         0       0..     terms of Lambda(q) and S(q) that a body holds, runs of the latter;
      FB_MAX_RUNS                                      0: as many as there can be. For models in ROM: build/flexbeam
                                                       reduce (make tool) tells what one takes
@@ -154,21 +158,21 @@
      FB_SQRT FB_SIN FB_COS FB_ATAN2 FB_FABS FB_EXP     replace libm; declare what they call before, in FLEXBEAM_CONFIG
 
    MEMORY of the work structs: sizeof, with the defaults above, double, 64-bit pointers; in single precision about half
-     fb_rk4_work                  1472
-     fb_implicit_work             7136
-     fb_exponential_work          4048
-     fb_system_work             182344
+     fb_rk4_work                 52568
+     fb_implicit_work            60568
+     fb_exponential_work         55144
+     fb_system_work             592136
      fb_exact_work              173904
-     fb_modes_work             3633576  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
-     fb_join_work               416512  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
-     fb_body_work               117448
-     fb_build_work             4185888  most of it an fb_modes_work
-     fb_analyse_work           1288568
-     fb_system_analyse_work    1508144
+     fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
+     fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
+     fb_body_work               405824
+     fb_build_work             4281480  most of it an fb_modes_work
+     fb_analyse_work           1288592
+     fb_system_analyse_work    1917936
      fb_exact_path_work         203040
      fb_exact_spectrum_work    1625760
      fb_exact_linear_work      1999440
-     fb_advice_work             535376
+     fb_advice_work            1050392
 
    CONVENTIONS
      Arguments: context (models, then the state that changes, then work), outputs, inputs, sizes. An _init has what it
@@ -247,7 +251,8 @@
                                    and moment
      what is locked or latched     fb_system_axis_set
      an IMU, a strain gauge        fb_imu_eval, fb_gauge_init
-     a beam that bends far         fb_exact_desc: any deflection, curved, twisted, full 6x6 sections; steady and moving
+     a beam that bends far         FB_EFFECTS_LARGE: the same modes, any deflection (examples/tutorial_large.c); as the
+                                   judge fb_exact_desc: curved, twisted, full 6x6 sections; steady and moving
      flutter, whirl, buckling      fb_exact_spectrum_solve about a steady state, fb_spectrum_margin; fb_buckling_solve
      snap-through, beyond buckling fb_exact_path_step: steady states along their path; fb_exact_work.unstable
      control of a bent beam        fb_exact_linearize: its slow modes as A, B, C, D with inputs and outputs
@@ -365,6 +370,15 @@
 #ifndef FB_MAX_POINTS
 #define FB_MAX_POINTS 32
 #endif
+#ifndef FB_MAX_LINES
+#define FB_MAX_LINES 8
+#endif
+#ifndef FB_MAX_LINE_ROWS
+#define FB_MAX_LINE_ROWS 0
+#endif
+#ifndef FB_MAX_LINE_TABLE
+#define FB_MAX_LINE_TABLE 0
+#endif
 #ifndef FB_MAX_STRAINS
 #define FB_MAX_STRAINS 24
 #endif
@@ -433,6 +447,12 @@
 #if FB_MAX_POINTS < 2 || FB_MAX_POINTS > 998 || FB_MAX_POINTS % 2
 #error "flexbeam: FB_MAX_POINTS is 2..998, even"
 #endif
+#if FB_MAX_LINES < 1 || FB_MAX_LINES > 99
+#error "flexbeam: FB_MAX_LINES is 1..99"
+#endif
+#if FB_MAX_LINE_ROWS < 0 || FB_MAX_LINE_ROWS > 60000 || FB_MAX_LINE_TABLE < 0 || FB_MAX_LINE_TABLE > 9999999
+#error "flexbeam: FB_MAX_LINE_ROWS is 0..60000, FB_MAX_LINE_TABLE 0..9999999"
+#endif
 #if FB_MAX_STRAINS < 1 || FB_MAX_STRAINS > 999
 #error "flexbeam: FB_MAX_STRAINS is 1..999"
 #endif
@@ -489,16 +509,17 @@ typedef double fb_real;
 #else
 #define FBI_PRECISION double
 #endif
-#define FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F) \
-  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_lambda##v##_s##w##_runs##y##_bodies##i##_loops##j##_rows##k##_speeds##r##_exact##x##_points##F##_with##a##b##c##d##f##g##h##E##_forms##o##_rooms##A##B##C##D
-#define FBI_CAT_(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F) \
-  FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F)
+#define FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F, G, H, J) \
+  fb_config_is_##p##_modes##m##_nodes##n##_loads##l##_elements##e##_stations##s##_lumps##u##_strains##t##_lambda##v##_s##w##_runs##y##_bodies##i##_loops##j##_rows##k##_speeds##r##_exact##x##_points##F##_lines##G##_linerows##H##_linetable##J##_with##a##b##c##d##f##g##h##E##_forms##o##_rooms##A##B##C##D
+#define FBI_CAT_(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F, G, H, J) \
+  FBI_CAT(p, m, n, l, e, s, u, t, v, w, y, i, j, k, r, x, a, b, c, d, f, g, h, o, A, B, C, D, E, F, G, H, J)
 #define FBI_CONFIG_SYMBOL                                                                                              \
   FBI_CAT_(FBI_PRECISION, FB_MAX_MODES, FB_MAX_NODES, FB_MAX_LOADS, FB_MAX_ELEMENTS, FB_MAX_STATIONS, FB_MAX_LUMPS,    \
            FB_MAX_STRAINS, FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_RUNS, FB_MAX_BODIES, FB_MAX_LOOPS, FB_MAX_ROWS,             \
            FB_MAX_SPEEDS, FB_MAX_EXACT, FB_WITH_SPIN_COUPLING, FB_WITH_RESIDUAL_INERTIA, FB_WITH_SPIN_STIFFENING,      \
            FB_WITH_ACCELERATION_STIFFENING, FB_WITH_DAMPING, FB_WITH_GRAVITY, FB_WITH_NONLINEAR_STRAIN, FB_WITH_FORMS, \
-           FB_WITH_SYSTEM, FB_WITH_EXACT, FB_WITH_BUILD, FB_WITH_ANALYSE, FB_WITH_LARGE_DEFLECTION, FB_MAX_POINTS)
+           FB_WITH_SYSTEM, FB_WITH_EXACT, FB_WITH_BUILD, FB_WITH_ANALYSE, FB_WITH_LARGE_DEFLECTION, FB_MAX_POINTS,     \
+           FB_MAX_LINES, FB_MAX_LINE_ROWS, FB_MAX_LINE_TABLE)
 #define FBI_STRING(x) #x
 #define FBI_STRING_(x) FBI_STRING(x)
 
@@ -642,10 +663,17 @@ FB_API void fb_chol_solve(fb_real *x, const fb_real *L, const fb_real *b, int n)
    point to point H turns by the rotation vector A q - 1/6 A q x B q, A and B from the rotations of the modes there and
    their mean between the points. */
 
-#define FB_MAX_LINES 8
+#if FB_MAX_LINE_ROWS > 0
+#define FBI_MAX_LINE_ROWS FB_MAX_LINE_ROWS
+#else
 #define FBI_MAX_LINE_ROWS (6 * FB_MAX_MODES * FB_MAX_LINES)
+#endif
+#if FB_MAX_LINE_TABLE > 0
+#define FBI_MAX_LINE_TABLE FB_MAX_LINE_TABLE
+#else
 #define FBI_MAX_LINE_TABLE \
   (9 * FB_MAX_MODES * FB_MAX_POINTS + FB_MAX_POINTS * FB_MAX_POINTS + 3 * FB_MAX_MODES * FB_MAX_LINES)
+#endif
 
 typedef struct fb_line_row { /* what coordinate a of a line adds about or along an axis at all of its points */
   unsigned short axis, a;
@@ -668,16 +696,53 @@ typedef struct fb_line {
   fb_real root[3], frame[9]; /* [m] root, beam axes to body axes: by which init finds a beam's line */
 } fb_line;
 
+/* Loads and internal loads by points: those of each line in its order, before them its root where that is at rest. */
+#define FB_MAX_LINE_POINTS (FB_MAX_POINTS + FB_MAX_LINES)
+#define FBI_MAX_LINE_SIDES (FB_MAX_POINTS / 2 + FB_MAX_LINES)
+
+typedef struct fb_line_station { /* where a point, or a root at rest, stands */
+  fb_real x, length, before;     /* [m] from the root; of the line, by the quadrature, and the part before the point */
+  fb_real axes[9];               /* section axes, undeformed, to line axes */
+  unsigned short side; /* 1 + its number in `side`; 0: within a stretch, mass and load are alike on both sides */
+} fb_line_station;
+
+typedef struct fb_line_side { /* mass of the sections before and behind an end of a stretch, without lumped bodies */
+  fb_real mass[2], first[2][3], moment[2][6]; /* about the point, line axes: sum of m, m d, inertia as above */
+} fb_line_side;
+
 typedef struct fb_lines {
   int n_line, n_point, n_row, n_table; /* used; n_point is even */
+  int n_side;
   fb_line line[FB_MAX_LINES];
   fb_real mass[FB_MAX_POINTS];                                /* [kg] */
   fb_real center[3 * FB_MAX_POINTS];                          /* [m] mass center from the line, line axes */
   fb_real inertia[6 * FB_MAX_POINTS];                         /* [kg m^2] about it, packed: xx, xy, xz, yy, yz, zz */
   fb_real start[3][FB_MAX_POINTS], tangent[3][FB_MAX_POINTS]; /* r = start + sum of weight t; e; line axes */
+  fb_line_station station[FB_MAX_POINTS], root[FB_MAX_LINES]; /* by point, by line (length 0: the root is a point) */
+  fb_line_side side[FBI_MAX_LINE_SIDES];
   fb_line_row row[FBI_MAX_LINE_ROWS];
   fb_real table[FBI_MAX_LINE_TABLE];
 } fb_lines;
+
+/* A point of the lines, inertial axes. Section axes: x along the line, y and z the principal axes of the section. */
+typedef struct fb_line_point {
+  int line;                             /* number of the beam, in the order of fb_shape_add_beam */
+  fb_real x;                            /* [m] along the line from its root, undeformed */
+  fb_real length;                       /* [m] of the line that the point stands for; their sum is its length */
+  fb_real position[3], R[9];            /* [m] of the line; section to inertial axes */
+  fb_real velocity[3], angular_rate[3]; /* [m/s], [rad/s] of the section at the line */
+  fb_real force[3], torque[3];          /* [N], [N m] what acts there, at the line: force per length times
+                                                     `length` */
+} fb_line_point;
+
+/* Distributed loads: writes force and torque of all n points, which are zero before, at time t; called once an
+   evaluation. Points are the roots and the nodes of quadrature, by lines from the root on: a load that varies smoothly
+   along the line is integrated as accurately as its product with the modes by a polynomial through them; one that jumps
+   where no point ends a stretch (lumped body, kink, step of the sections), less so. The status of a callback that fails
+   ends the call, which then leaves the state as it was; FB_ERR_NOT_FINITE: it has written what is no number. It may be
+   called several times for one step, at attempts too: keep no history in it. Loads that grow with the velocity are not
+   part of the step limit. */
+typedef fb_status (*fb_distributed)(fb_line_point *point, int n, fb_real t, void *user);
 
 typedef struct fb_line_node {              /* a node on a line, line axes */
   unsigned short line;                     /* 1 + its number; 0: none, the node is described by its shapes */
@@ -709,6 +774,8 @@ typedef struct fbi_line_work { /* what an evaluation knows about the lines, line
   fb_real Z[6 * FB_MAX_MODES], column[FB_MAX_MODES][6];                           /* Lambda L^-T, its columns */
   fb_real M_rr[21];                                                               /* M_rr(q) */
   fb_real e[FB_MAX_MODES];                                                        /* L^-1 pi */
+  fb_real center[3]; /* [m] R c(q)/m of a free body where its step began, inertial axes: O from the mass center */
+  fb_line_point point[FB_MAX_LINE_POINTS]; /* with distributed loads */
 } fbi_line_work;
 #endif
 
@@ -763,7 +830,8 @@ typedef struct fb_gauge { /* a strain gauge: what each coordinate of a body adds
   int n;
   fb_real gain[FB_MAX_MODES];
 } fb_gauge;
-FB_API fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q); /* [-] */
+/* Strain [-], linear in q; with lines of large deflection exact for any: coordinates are those of curvature. */
+FB_API fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q);
 
 typedef enum fb_base { /* how the body frame moves */
                        FB_BASE_FREE = 0,
@@ -969,6 +1037,12 @@ typedef struct fb_input { /* what acts on a body at one instant; all zero: nothi
   fb_real v[3], w[3];
   fb_real v_dot[3], w_dot[3]; /* [m/s^2], [rad/s^2] their rates in body axes: accelerations, reactions, step limit, and
                                  the equations of motion of the second- and first-order forms */
+#if FB_WITH_LARGE_DEFLECTION
+  fb_distributed distributed; /* loads along the lines of a body with FB_EFFECT_LARGE_DEFLECTION; NULL: none; others:
+                                 FB_ERR_UNSUPPORTED */
+  void *user;
+  fb_real t; /* [s] for distributed */
+#endif
 } fb_input;
 
 typedef struct fb_motion { /* velocities and accelerations, body axes */
@@ -1000,7 +1074,9 @@ FB_API fb_status fb_state_init(const fb_body *body, fb_state *state);
    FB_ERR_VALUE: a velocity that a pinned or hinged base holds at zero. */
 FB_API fb_status fb_state_from_velocity(const fb_body *body, fb_state *state, const fb_real v[3], const fb_real w[3],
                                         const fb_real *q_dot);
-/* Finite, unit quaternion, within the deflection limit. FB_ERR_NOT_FINITE, FB_ERR_VALUE, FB_ERR_RANGE. */
+/* Finite, unit quaternion, within the deflection limit (of large deflection: no interval of a line turns by more than
+   1.22 rad), u and lost_u zero on a pinned or hinged base. FB_ERR_NOT_FINITE, FB_ERR_VALUE, FB_ERR_RANGE. Every state
+   that a step leaves passes. */
 FB_API fb_status fb_state_check(const fb_body *body, const fb_state *state);
 /* Time derivative of state under input (NULL: nothing acts). rate may not be state. FB_ERR_RANGE: S(q) is no longer
    positive definite, the deflection has left the model. FB_ERR_CAPACITY: a load names a node that does not exist. */
@@ -1011,6 +1087,21 @@ FB_API fb_status fb_body_motion_eval(const fb_body *body, fb_motion *motion, con
 /* Pose, velocity and acceleration of a node, from the motion at the same state. */
 FB_API fb_status fb_body_node_motion_eval(const fb_body *body, fb_node_motion *out, const fb_state *state,
                                           const fb_motion *motion, int node);
+#if FB_WITH_LARGE_DEFLECTION
+typedef struct fb_line_motion {
+  fb_line_point at;                                 /* with the distributed load that acts there */
+  fb_real acceleration[3], angular_acceleration[3]; /* [m/s^2], [rad/s^2] inertial axes */
+  fb_real force[3], moment[3]; /* [N], [N m] internal loads, section axes: force[0] tension, moment[0] torsion */
+} fb_line_motion;
+/* Motion and internal loads at all points of the lines of a single body, point[FB_MAX_LINE_POINTS], *n of them, in the
+   order of fb_distributed. Internal loads are what the line beyond the section exerts on it at the line, by equilibrium:
+   loads of the input, gravity and inertia forces of all that is outboard, lumped bodies and loads at the point itself
+   included. They hold whatever the modes can represent, and with damping its part, too; at a root at rest they are the
+   load on the hub. motion and input are those of fb_body_motion_eval at state. FB_ERR_UNSUPPORTED: a body without lines;
+   FB_ERR_NOT_FINITE; a status of input->distributed. On failure point and n are as before. */
+FB_API fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, int *n, const fb_state *state,
+                                    const fb_motion *motion, const fb_input *input);
+#endif
 FB_API fb_status fb_body_energy_eval(const fb_body *body, fb_energy *energy, const fb_state *state,
                                      const fb_input *input);
 FB_API fb_status fb_body_momentum_eval(const fb_body *body, fb_momentum *momentum, const fb_state *state,
@@ -1244,6 +1335,9 @@ typedef struct fbi_link_work {
   fb_real V_dot[6], twist[6], speed[6], given[6], q_speed[FB_MAX_MODES]; /* of accelerations */
   fb_real G[6], F[6];                                                    /* momentum and load of all that hangs here */
   fb_real spin, acceleration;
+#if FB_WITH_LARGE_DEFLECTION
+  fb_status sound; /* of its lines at q: FB_OK, or an interval turns too far */
+#endif
 } fbi_link_work;
 
 typedef struct fbi_end { /* one side of a constraint */
@@ -1281,6 +1375,9 @@ typedef struct fb_system_work { /* scratch; large: make it static */
   fb_system system;
   fb_system_input between;
   fb_system_state stage, rate, sum, first, base;
+#if FB_WITH_LARGE_DEFLECTION
+  fbi_line_work line[FB_MAX_BODIES];
+#endif
 } fb_system_work;
 
 /* ---- functions; body is the caller's array of models, the same in every call. Bodies of a system are of the momentum
@@ -1548,13 +1645,17 @@ FB_API fb_status fb_rk4_step(const fb_body *body, fb_state *state, fb_rk4_work *
    the highest frequency, with rigid-elastic coupling, gyroscopic, stiffening and damping terms). The stiffening by
    loads and by angular acceleration is not in it, and nonlinear strain is that of the undeformed body: the step's own
    check takes the slopes it finds, which lower the limit (0.1 by some 5 %). FB_HUGE for a rigid body at rest, 0 for
-   input that is not a number. */
+   input that is not a number. FB_EFFECT_LARGE_DEFLECTION: of the undeformed body, too; mass and recoil change as it
+   bends, and the step's own check takes those it finds, and the fastest rotation of a section: a tip at 80 degrees may
+   allow 1.3 times this step or, beside a hub lighter than the beam, a third. A bound that costs no eigenvalues stands
+   for the highest frequency: up to 9 % too high where two are equal, as in both planes of a round beam. */
 FB_API fb_real fb_rk4_limit(const fb_body *body, fb_real spin, fb_real acceleration);
 
 /* The implicit steppers factor one n x n matrix per step (LU): in the momentum form the Jacobian of the equations of
-   motion but for the stiffening of the quadratic field, products of the spin and compression; in the other forms
-   without gyroscopic terms and, first order, without the stiffness torque. Newton iterations with that matrix, a
-   fixed number (50 at most). Status and failure as fb_rk4_step, FB_ERR_STEP beyond fb_implicit_limit. */
+   motion but for the stiffening of the quadratic field, products of the spin and compression (with
+   FB_EFFECT_LARGE_DEFLECTION all but loads and gravity, by differences that cost two thirds of n + 1 evaluations); in
+   the other forms without gyroscopic terms and, first order, without the stiffness torque. Newton iterations with that
+   matrix, a fixed number (50 at most). Status and failure as fb_rk4_step, FB_ERR_STEP beyond fb_implicit_limit. */
 typedef struct fb_implicit_work {
   fb_state start, rate, first, base, stage, sum;
   fb_input between;
@@ -1565,11 +1666,15 @@ typedef struct fb_implicit_work {
   fb_real X[6 * FB_MAX_MODES], Y[6 * FB_MAX_MODES], Z[6 * FB_MAX_MODES], A[36]; /* recoil of the base */
 #if FB_WITH_LARGE_DEFLECTION
   fbi_line_work line;
+  fb_real M[FB_MAX_MODES * FB_MAX_MODES]; /* elastic mass at the start of the step */
+  fb_real N[FB_MAX_MODES * FB_MAX_MODES]; /* less the transpose of the derivative of the elastic momenta by q */
+  fb_real inertia;                        /* [kg m^2] of the lines' points about O */
 #endif
 } fb_implicit_work;
 
 /* Largest step [s] of the implicit integrators at a spin |w| [rad/s] and an acceleration of O [m/s^2]: |w| dt <= 1/10,
-   less where the quadratic field stiffens much. FB_HUGE at rest, 0 for input that is not a number. */
+   less where the quadratic field stiffens much. FB_HUGE at rest, 0 for input that is not a number. It does not know how
+   far a body of large deflection bends within a step: one that bends too far is FB_ERR_CONVERGENCE. */
 FB_API fb_real fb_implicit_limit(const fb_body *body, fb_real spin, fb_real acceleration);
 
 /* Implicit midpoint rule, order 2, symmetric, without dissipation: fast modes keep ringing, at a frequency that is
@@ -1616,7 +1721,9 @@ FB_API fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
    tension of a spinning beam stiffens much, where the base is lighter than its modes and trembles with them (recoil
    of fb_body, 1 for a heavy hub; it counts squared), and with damping ratios above 1/4: choose a heavy hub, or an
    implicit integrator. The limit holds for any motion; a smooth one may be stepped further (allow_long_step). Order 4
-   is seen where omega dt is below about 5 for the modes that move. */
+   is seen where omega dt is below about 5 for the modes that move. FB_EFFECT_LARGE_DEFLECTION: the linear part is that
+   of the undeformed body, and what a deflection changes in it is explicit; the step refuses with FB_ERR_STEP when that
+   change times dt, or the rotation of a section within dt, is too large. For bodies that bend a little. */
 FB_API fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real acceleration);
 
 #if FB_WITH_SYSTEM
@@ -2116,8 +2223,9 @@ typedef struct fb_body_desc {
   fb_real gravity[3]; /* [m/s^2] inertial axes; must be zero without FB_EFFECT_GRAVITY (FB_ERR_EFFECTS) */
   fb_real
       deflection_limit; /* [m] limit of the sum of modal deflections, beyond it FB_ERR_RANGE; 0: half the body's size.
-                                 The error of the model is about 0.1 % at deflections of 6 % of the length, some percent
-                                 at 15 % */
+                                 The error of the quadratic displacement field is about 0.1 % at deflections of 6 % of
+                                 the length, some percent at 15 %. Large deflection has none (FB_EFFECTS_LARGE): 0 then
+                                 limits the modes in which no beam bends alone */
   /* Leaves out terms of a higher degree in q (bracketed superscript in [DB]) than this, to study their influence as in
      [DB] Figures 4 and 5: terms of the stiffness, of the stiffness torque and, in the second-order form, of the
      inertia. Requires allow_split_effects. */
@@ -2404,7 +2512,7 @@ typedef struct fb_analyse_work { /* scratch; large: make it static */
    v, w of the input; gravity and loads in inertial axes, which do not rotate with it, are taken in their present
    direction. Otherwise the body spins freely at |input.w| about the principal axis of the deformed body nearest to
    input.w, with its center of mass (or the pin) at rest; a hinged body spins at input.w about the hinge. Gravity and
-   loads are included. state gives the attitude and the first guess; at most 40 Newton iterations. input is required,
+   loads are included, distributed ones as they are at the state and input.t. state gives the attitude and the first guess; at most 40 Newton iterations. input is required,
    here and in the following functions of one body.
    FB_ERR_UNREST: loads or gravity accelerate a base that is not prescribed; FB_ERR_CONVERGENCE; FB_ERR_RANGE: beyond
    the deflection limit (buckled, or a large load); FB_ERR_SINGULAR: the stiffness is zero in some direction;
@@ -2691,15 +2799,15 @@ typedef struct fb_advice {
   fb_real cost;       /* approximate number of instructions of a 64-bit processor per simulated second */
   fb_real deflection; /* [m] estimated maximum of the output */
   /* estimated errors of the output relative to deflection: by missing effects, by missing modes, by the step (an upper
-     bound; not from fb_advice_search), and by terms that no modal body has (above the tolerance: use the geometrically
-     exact beam) */
-  fb_real error_effects, error_modes, error_step, error_model;
+     bound; not from fb_advice_search), and by terms that the model lacks: those of its displacement field, error_field,
+     unless effects have FB_EFFECT_LARGE_DEFLECTION (above the tolerance: use the geometrically exact beam) */
+  fb_real error_effects, error_modes, error_step, error_model, error_field;
   fb_real without[FB_ADVICE_EFFECTS]; /* the same without effect 1 << i, for the best set without it */
   fb_real error;                      /* by simulation (fb_advice_search), else the sum of the four */
   int n_trial;                        /* number of simulations */
 } fb_advice;
 
-#define FBI_ADVICE_SETS 10
+#define FBI_ADVICE_SETS 11
 #define FBI_ADVICE_INSTANTS 5
 #define FBI_ADVICE_PHASES 3
 #define FBI_ADVICE_PARTS 16 /* trial steps per integrator */
@@ -2723,6 +2831,7 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
   fb_real displacement[FBI_ADVICE_INSTANTS][FBI_ADVICE_PHASES][3];
   fb_real omega[FB_MAX_MODES], most[FB_MAX_MODES]; /* highest frequency and largest contribution of each mode */
   int order[FB_MAX_MODES];                         /* modes in descending order of contribution */
+  fb_real beside[FB_MAX_MODES]; /* what a mode gives to the output by large deflection alone, relative to it */
   fb_real zeta[FB_MAX_MODES], deflection, drawn, ringing;
   fb_real bend; /* [m] the deflection without its limit */
   int buckled;  /* 1: in some load case */
@@ -2735,7 +2844,8 @@ typedef struct fb_advice_work { /* scratch; large: make it static */
 
 /* Finds the cheapest set of effects, modes, integrator and step whose estimated errors add up to at most the tolerance
    (relative to the largest output). error_model uses at most half of the tolerance; if it is larger, error exceeds the
-   tolerance.
+   tolerance, and where it alone does, large deflection is advised (FB_EFFECTS_LARGE), if the shape has lines
+   (lines_status FB_OK) and no load case buckles it or bends it by more than five lengths.
    The estimates compare the accelerations of each set at the extremes of the envelope: bounded work, no simulation.
    They are often wrong by a factor of three. shape: natural modes, more than will be needed.
    FB_ERR_EFFECTS: an effect was removed at compile time; FB_ERR_VALUE: negative frequency or frame, duration or
@@ -2760,8 +2870,10 @@ typedef struct fb_trial { /* simulation of a scene, by the caller */
 /* Finds the cheapest set by simulation: candidates are simulated in the order of their estimated cost, up to that of
    the reference, until one meets the tolerance. Every cheaper candidate was simulated and rejected, or the error of its
    effects and modes no longer depended on the step.
+   The reference has large deflection if the shape has lines; where run returns FB_ERR_UNSUPPORTED for it all effects but
+   that, and for a candidate no step of its integrator with its effects is tried again.
    error: largest distance from the reference, relative to its largest sample. For desktop use: tens to thousands of
-   simulations, with n modes at most 1 + 160 n FB_INTEGRATOR_COUNT.
+   simulations, with n modes at most 2 + 176 n FB_INTEGRATOR_COUNT.
    FB_ERR_CONVERGENCE: no candidate meets the tolerance, or all modes and effects with a short step exceed twice the
    tolerance; FB_ERR_VALUE, FB_ERR_NOT_FINITE: also a reference of zeros or that is not finite; a status of run for all
    modes and effects; else as fb_advice_solve. */
@@ -2802,6 +2914,9 @@ FB_API fb_status fb_advice_search(fb_advice *advice, fb_advice_work *work, const
             FB_ERR_KIND                                   split: FB_ERR_KIND, _MODES, _UNREST, _UNSUPPORTED
             build/flexbeam beam3d                         build/flexbeam exact
             scheme in scenes, --scheme of the examples    integrator, --integrator
+            shape.ups, .Gam, .Pi, .Gamchi, .pchi, .hchi,  shape.second.ups, ...
+            .reach
+          FB_EFFECT_LARGE_DEFLECTION: beams of a body that bend and twist by any angle (>>line), FB_EFFECTS_LARGE.
    0.1.0  one flexible body: beams, modes, momentum form, rk4; nonlinear axial strain, second- and first-order form,
           pinned and hinged bases, implicit midpoint, SDIRK2, exponential scheme; sections with shear, twist and
           centers off the line, bent lines, component modes, buckling, synthesis, finite-element models, complex

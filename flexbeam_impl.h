@@ -458,7 +458,7 @@ static void fbi_vec3_zero(fb_real y[3])
   y[0] = y[1] = y[2] = FB_R(0.0);
 }
 
-#if FB_WITH_SYSTEM
+#if FB_WITH_SYSTEM || FB_WITH_LARGE_DEFLECTION
 static void fbi_mat33_copy(fb_real C[9], const fb_real A[9])
 {
   fbi_vec3_copy(C, A);
@@ -526,7 +526,7 @@ static void fbi_vec6_copy(fb_real y[6], const fb_real x[6])
   y[5] = f;
 }
 
-#if FB_WITH_SYSTEM || FB_WITH_EXACT
+#if FB_WITH_SYSTEM || FB_WITH_EXACT || FB_WITH_LARGE_DEFLECTION
 static void fbi_vec6_advance(fb_real y[6], const fb_real x[6], fb_real s, const fb_real rate[6])
 {
   const fb_real a = x[0] + s * rate[0], b = x[1] + s * rate[1], c = x[2] + s * rate[2];
@@ -886,7 +886,7 @@ FB_DEF void fb_quat_to_rotvec(fb_real phi[3], const fb_real q[4])
   (void)fbi_quat_log(phi, q);
 }
 
-#if FB_WITH_SYSTEM
+#if FB_WITH_SYSTEM || FB_WITH_LARGE_DEFLECTION
 /* [E4.5] Quaternion of a rotation matrix, from its largest component, so that no divisor is small; w >= 0.
    Source: S.W. Shepperd, Quaternion from rotation matrix, J. Guidance 1(3), 1978.  Cost: 25 flops, a square root.
    Fails: never.  Test: attitudes_come_back_as_they_were. */
@@ -1252,8 +1252,7 @@ FB_DEF void fb_chol_solve(fb_real *x, const fb_real *L, const fb_real *b, int n)
 
 #if FB_WITH_LARGE_DEFLECTION
 /* ---------------------------------------------------------------------------------------------------------------
-   RUN >>line: geometrically exact lines: poses, velocities, inertia and its gradient
-   (uses config, status, vec3, solve) */
+   RUN >>line: geometrically exact lines: poses, velocities, inertia and its gradient (uses config, status, vec3) */
 
 /* Largest squared rotation of an interval [rad^2], and the terms of the series that are then exact to rounding. */
 #define FBI_LINE_TURN FB_R(1.5)
@@ -1362,7 +1361,7 @@ static FBI_INLINE fb_real fbi_line_series(const fb_real c[FBI_LINE_TERMS], fb_re
 /* [E14.2] Rotations by x = |phi|^2, series without a branch, exact to rounding up to FBI_LINE_TURN:
    half the angle, c = cos(|phi|/2), s = sin(|phi|/2)/|phi|;  b = (|phi| - sin|phi|)/|phi|^3;  a = (1 - cos|phi|)/x
    = 2 s^2;  a1, b1: derivatives of a and b by x.
-   Source: Taylor series.  Cost: 16 flops each.  Fails: never.
+   Source: textbook, Taylor series.  Cost: 16 flops each.  Fails: never.
    Test: lines_turn_as_the_differential_equation. */
 static const fb_real fbi_line_c[FBI_LINE_TERMS] = {FB_R(1.0),
                                                    -FB_R(1.0) / FB_R(8.0),
@@ -1411,7 +1410,7 @@ static const fb_real fbi_line_b1[FBI_LINE_TERMS] = {-FB_R(1.0) / FB_R(120.0),
                                                     -FB_R(9.0) / FB_R(51090942171709440000.0)};
 
 /* 0 where an interval of a line turns beyond FBI_LINE_TURN or by what is not a number. */
-static int fbi_line_is_sound(const fbi_line_work *w, const fb_line *line)
+static int fbi_line_is_in_range(const fbi_line_work *w, const fb_line *line)
 {
   int sound = 1;
   for (int j = line->point; j < line->point + line->count; j++) {
@@ -1591,24 +1590,23 @@ static void fbi_line_integrals_add_2(fb_real y[2][3][FB_MAX_POINTS], const fb_li
   const int p = line->point, m = fbi_line_width(line), count = line->count;
   for (int j = 0; j < m; j += 2) {
     const fb_real *weight = all->table + line->weight + j;
-    const fb_real *from = x[0][0] + p;
     fb_real a = y[0][0][p + j], b = y[0][0][p + j + 1], c = y[0][1][p + j], d = y[0][1][p + j + 1];
     fb_real e = y[0][2][p + j], f = y[0][2][p + j + 1], g = y[1][0][p + j], h = y[1][0][p + j + 1];
     fb_real o = y[1][1][p + j], q = y[1][1][p + j + 1], r = y[1][2][p + j], s = y[1][2][p + j + 1];
-    for (int k = count; k > 0; k--, weight += m, from++) {
+    for (int k = p; k < p + count; k++, weight += m) {
       const fb_real u = weight[0], v = weight[1];
-      a += u * from[0];
-      b += v * from[0];
-      c += u * from[FB_MAX_POINTS];
-      d += v * from[FB_MAX_POINTS];
-      e += u * from[2 * FB_MAX_POINTS];
-      f += v * from[2 * FB_MAX_POINTS];
-      g += u * from[3 * FB_MAX_POINTS];
-      h += v * from[3 * FB_MAX_POINTS];
-      o += u * from[4 * FB_MAX_POINTS];
-      q += v * from[4 * FB_MAX_POINTS];
-      r += u * from[5 * FB_MAX_POINTS];
-      s += v * from[5 * FB_MAX_POINTS];
+      a += u * x[0][0][k];
+      b += v * x[0][0][k];
+      c += u * x[0][1][k];
+      d += v * x[0][1][k];
+      e += u * x[0][2][k];
+      f += v * x[0][2][k];
+      g += u * x[1][0][k];
+      h += v * x[1][0][k];
+      o += u * x[1][1][k];
+      q += v * x[1][1][k];
+      r += u * x[1][2][k];
+      s += v * x[1][2][k];
     }
     y[0][0][p + j] = a;
     y[0][0][p + j + 1] = b;
@@ -1627,7 +1625,7 @@ static void fbi_line_integrals_add_2(fb_real y[2][3][FB_MAX_POINTS], const fb_li
 
 /* [E14.4] Positions of the points from O, r = start + int t dx: the tangents' interpolating polynomials on each smooth
    stretch, integrated; the tangent of a root at rest is part of start.
-   Source: Lobatto quadrature.  Cost: 6 flops a pair of points.  Fails: never.
+   Source: [AS] 25.4, Lobatto quadrature.  Cost: 6 flops a pair of points.  Fails: never.
    Test: lines_reach_where_the_differential_equation_does. */
 static void fbi_line_positions(fbi_line_work *FBI_RESTRICT w, const fb_lines *all, const fb_line *line,
                                const fb_real *q)
@@ -1648,6 +1646,26 @@ static void fbi_line_positions(fbi_line_work *FBI_RESTRICT w, const fb_lines *al
   fbi_line_integrals_add(w->r, all, line, w->t);
 }
 
+/* Squared angles by which the intervals before the points turn at q; 0 where one is beyond FBI_LINE_TURN or not a number
+   (E14.2). */
+static int fbi_lines_within(fb_real *turn, const fb_lines *all, const fb_real *q)
+{
+  fb_real A[3][FB_MAX_POINTS], B[3][FB_MAX_POINTS];
+  int sound = 1;
+  for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
+    fbi_line_rows_eval(A, all, line, line->row, line->n_turn, 0, q);
+    fbi_line_rows_eval(B, all, line, line->row, line->n_turn, line->stride, q);
+    for (int j = line->point; j < line->point + line->stride; j++) {
+      const fb_real x = A[0][j] - FBI_SIXTH * (A[1][j] * B[2][j] - A[2][j] * B[1][j]);
+      const fb_real y = A[1][j] - FBI_SIXTH * (A[2][j] * B[0][j] - A[0][j] * B[2][j]);
+      const fb_real z = A[2][j] - FBI_SIXTH * (A[0][j] * B[1][j] - A[1][j] * B[0][j]);
+      turn[j] = x * x + y * y + z * z;
+      sound &= turn[j] <= FBI_LINE_TURN;
+    }
+  }
+  return sound;
+}
+
 /* Where the points of all lines are at q: x, quat, H, t, r. Returns 0 where an interval turns too far (E14.2). */
 static int fbi_lines_place(fbi_line_work *w, const fb_lines *all, const fb_real *q)
 {
@@ -1657,7 +1675,7 @@ static int fbi_lines_place(fbi_line_work *w, const fb_lines *all, const fb_real 
     fbi_line_quats(w, line);
     fbi_line_tangents(w, all, line);
     fbi_line_positions(w, all, line, q);
-    sound &= fbi_line_is_sound(w, line);
+    sound &= fbi_line_is_in_range(w, line);
   }
   return sound;
 }
@@ -1672,6 +1690,7 @@ static FBI_NOINLINE int fbi_lines_pose(fbi_line_work *w, const fb_lines *all, co
   return sound;
 }
 
+#if FB_WITH_SYSTEM || FB_WITH_BUILD
 /* The line that a point belongs to. */
 static const fb_line *fbi_line_of(const fb_lines *all, int point)
 {
@@ -1681,6 +1700,7 @@ static const fb_line *fbi_line_of(const fb_lines *all, int point)
   }
   return line;
 }
+#endif
 
 /* About an axis, the columns of N (1 + B^/6) and -N A^/6: the angular velocities that A and B of a coordinate add. */
 static void fbi_line_column(fb_real NA[3][FB_MAX_POINTS], fb_real NB[3][FB_MAX_POINTS], fbi_line_work *w,
@@ -1741,7 +1761,7 @@ static FBI_NOINLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const
   const int p = line->point, m = fbi_line_width(line);
   const fb_line_row *r = all->row + line->row, *const last = r + line->n_turn, *s = last;
   const fb_line_row *const end = last + line->n_stretch;
-  fb_real NA[3][3][FB_MAX_POINTS], NB[3][3][FB_MAX_POINTS], c[3][FB_MAX_POINTS], rates[FB_MAX_MODES][3][FB_MAX_POINTS];
+  fb_real NA[3][3][FB_MAX_POINTS], NB[3][3][FB_MAX_POINTS], c[3][FB_MAX_POINTS], rates[2][3][FB_MAX_POINTS];
   int used[3] = {0, 0, 0};
   for (const fb_line_row *i = r; i < last; i++) {
     used[i->axis] = 1;
@@ -1753,7 +1773,7 @@ static FBI_NOINLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const
   }
   for (int k = 0; k < line->n; k++) {
     fb_real(*const Jw)[FB_MAX_POINTS] = w->Jw[k], (*const Jv)[FB_MAX_POINTS] = w->Jv[k],
-                   (*const K)[FB_MAX_POINTS] = rates[k];
+                   (*const K)[FB_MAX_POINTS] = rates[k % 2];
     fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, move[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
     r = fbi_line_turn_rates(c, NA, NB, all, line, r, last, k);
 
@@ -1791,12 +1811,13 @@ static FBI_NOINLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const
       Jv[1][p + j] = move[1];
       Jv[2][p + j] = move[2];
     }
-  }
-  for (int k = 0; k + 1 < line->n; k += 2) {
-    fbi_line_integrals_add_2(w->Jv + k, all, line, rates + k);
-  }
-  if (line->n % 2) {
-    fbi_line_integrals_add(w->Jv[line->n - 1], all, line, rates[line->n - 1]);
+
+    /* integrals of two coordinates together */
+    if (k % 2) {
+      fbi_line_integrals_add_2(w->Jv + k - 1, all, line, rates);
+    } else if (k + 1 == line->n) {
+      fbi_line_integrals_add(Jv, all, line, K);
+    }
   }
 }
 
@@ -1995,7 +2016,7 @@ static void fbi_line_mass_eval(fbi_line_mass *out, fbi_line_work *w, const fb_li
 
 /* [E14.6] Inertia of a line: M_ab += sum p_a.Jv_b + h_a.Jw_b (lower triangle, spacing nb), columns of Lambda,
    sum (p; r x p + h), moments of mass; over the points.
-   Source: kinetic energy of the points.  Cost: 3 points (n + 9) n flops.  Fails: never.
+   Source: Koenig, kinetic energy of the points.  Cost: 3 points (n + 9) n flops.  Fails: never.
    Test: line_inertia_is_that_of_particles. */
 static FBI_NOINLINE void fbi_line_inertia_eval(fb_real *M, fb_real *X, fbi_line_work *w, const fb_lines *all,
                                                const fb_line *line, int nb, fb_real rho[3][FB_MAX_POINTS],
@@ -2202,6 +2223,32 @@ static FBI_NOINLINE void fbi_line_moments_add(fb_real *x, const fbi_line_work *w
     x[line->first + r->a] += a + b;
   }
 }
+
+#if FB_WITH_SYSTEM
+/* (dT/dt)^T c of T = 1 + a phi^ + b phi^2 (E14.3). */
+static void fbi_line_turned(fb_real out[3], fb_real a, fb_real b, fb_real a_dot, fb_real b_dot, const fb_real phi[3],
+                            const fb_real rate[3], const fb_real c[3])
+{
+  fb_real pc[3], rc[3], ppc[3], mixed[3];
+  fb_vec3_cross(pc, phi, c);
+  fb_vec3_cross(rc, rate, c);
+  fb_vec3_cross(ppc, phi, pc);
+  fb_vec3_cross(mixed, phi, rc);
+  fbi_vec3_add_cross(mixed, rate, pc);
+  for (int i = 0; i < 3; i++) {
+    out[i] = -a_dot * pc[i] - a * rc[i] + b_dot * ppc[i] + b * mixed[i];
+  }
+}
+#endif
+
+#if FB_WITH_SYSTEM
+/* The same at point j. */
+static void fbi_line_turning(fb_real out[3], fbi_line_work *w, int j, const fb_real phi[3], const fb_real rate[3],
+                             const fb_real c[3])
+{
+  fbi_line_turned(out, w->a[j], w->b[j], w->a_dot[j], w->b_dot[j], phi, rate, c);
+}
+#endif
 
 /* Rotation and angular velocity before the interval of point j. */
 static void fbi_line_before(fb_real H[9], fb_real turn[3], fbi_line_work *w, const fb_line *line, int j)
@@ -2681,6 +2728,136 @@ static void fbi_lines_bias_add(fb_real y[6], fb_real *x, fb_real push[3], fbi_li
   }
 }
 
+/* ---- loads by points */
+
+/* Place of the first point of line l among the points for loads; of n_line their number. */
+static int fbi_lines_first(const fb_lines *all, int l)
+{
+  int n = 0;
+  for (int i = 0; i < l; i++) {
+    n += all->line[i].count + (all->root[i].length > FB_R(0.0));
+  }
+  return n;
+}
+
+/* A point at r (line axes, from O) whose section has turned by H, with the velocities v, w relative to the frame; origin
+   and V: of O, inertial and body axes; R: body to inertial axes. */
+static void fbi_line_point_look(fb_line_point *p, const fb_line *line, const fb_line_station *at, const fb_real H[9],
+                                const fb_real r[3], const fb_real v[3], const fb_real w[3], const fb_real R[9],
+                                const fb_real origin[3], const fb_real V[6])
+{
+  fb_real A[9], AH[9], body[3], velocity[3], rate[3];
+  memset(p, 0, sizeof *p);
+  p->x = at->x;
+  p->length = at->length;
+
+  /* section to inertial axes */
+  fb_mat33_mul(A, R, line->axes);
+  fb_mat33_mul(AH, A, H);
+  fb_mat33_mul(p->R, AH, at->axes);
+
+  /* position, V_v + V_w x r + v, V_w + w */
+  fbi_line_to_body(body, line, r);
+  fbi_line_to_body(velocity, line, v);
+  fbi_line_to_body(rate, line, w);
+  fbi_vec3_add(velocity, FB_R(1.0), V);
+  fbi_vec3_add_cross(velocity, V + 3, body);
+  fbi_vec3_add(rate, FB_R(1.0), V + 3);
+  fb_mat33_mul_vec3(p->position, R, body);
+  fbi_vec3_add(p->position, FB_R(1.0), origin);
+  fb_mat33_mul_vec3(p->velocity, R, velocity);
+  fb_mat33_mul_vec3(p->angular_rate, R, rate);
+}
+
+/* All points for loads; poses and velocities of the lines are known. Returns their number. */
+static int fbi_lines_look(fbi_line_work *w, const fb_lines *all, const fb_real R[9], const fb_real origin[3],
+                          const fb_real V[6])
+{
+  static const fb_real one[9] = {FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(1.0),
+                                 FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(1.0)};
+  static const fb_real none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_line_point *p = w->point;
+  for (int l = 0; l < all->n_line; l++) {
+    const fb_line *const line = &all->line[l];
+    fb_real H[9], r[3], v[3], turn[3];
+    if (all->root[l].length > FB_R(0.0)) {
+      fbi_line_axes(r, line, line->root);
+      fbi_line_point_look(p, line, &all->root[l], one, r, none, none, R, origin, V);
+      (p++)->line = l;
+    }
+    for (int j = line->point; j < line->point + line->count; j++) {
+      fbi_line_get9(H, w->H, j);
+      fbi_line_get3(r, w->r, j);
+      fbi_line_get3(v, w->v, j);
+      fbi_line_get3(turn, w->w, j);
+      fbi_line_point_look(p, line, &all->station[j], H, r, v, turn, R, origin, V);
+      (p++)->line = l;
+    }
+  }
+  return (int)(p - w->point);
+}
+
+/* Adds a force and a torque at r, line axes, to the resultant and the moment about O, body axes. */
+static void fbi_line_wrench_add(fb_real fg[6], const fb_line *line, const fb_real r[3], const fb_real F[3],
+                                const fb_real T[3])
+{
+  fb_real moment[3], own[3];
+  fb_vec3_cross(moment, r, F);
+  fbi_vec3_add(moment, FB_R(1.0), T);
+  fbi_line_to_body(own, line, F);
+  fbi_vec3_add(fg, FB_R(1.0), own);
+  fbi_line_to_body(own, line, moment);
+  fbi_vec3_add(fg + 3, FB_R(1.0), own);
+}
+
+/* Force and torque of a point for loads in a line's axes. */
+static void fbi_line_point_load(fb_real F[3], fb_real T[3], const fb_line_point *p, const fb_line *line,
+                                const fb_real R[9])
+{
+  fb_real own[3];
+  fb_mat33_mulT_vec3(own, R, p->force);
+  fbi_line_axes(F, line, own);
+  fb_mat33_mulT_vec3(own, R, p->torque);
+  fbi_line_axes(T, line, own);
+}
+
+/* [E14.40] Forces F and torques T at the points of the lines: fg += (sum F, sum r x F + T), body axes, x_a += their
+   virtual work by E14.8, whose forces are at the mass centers: there the torque is T - rho x F. What acts on a root at
+   rest does no work.
+   Source: virtual work.  Cost: as E14.8.  Fails: never.
+   Test: a_weight_by_callback_is_gravity, power_of_distributed_loads_is_the_rate_of_energy. */
+static void fbi_lines_push(fb_real fg[6], fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_real R[9])
+{
+  fb_real F[3][FB_MAX_POINTS], T[3][FB_MAX_POINTS];
+  fbi_lines_unload(w, all);
+  for (int l = all->n_line - 1; l >= 0; l--) {
+    const fb_line *const line = &all->line[l];
+    const fb_line_point *p = w->point + fbi_lines_first(all, l);
+    fb_real r[3], force[3], torque[3];
+    if (all->root[l].length > FB_R(0.0)) {
+      fbi_line_axes(r, line, line->root);
+      fbi_line_point_load(force, torque, p++, line, R);
+      fbi_line_wrench_add(fg, line, r, force, torque);
+    }
+    for (int j = line->point; j < line->point + line->count; j++) {
+      fbi_line_get3(r, w->r, j);
+      fbi_line_point_load(force, torque, p++, line, R);
+      fbi_line_wrench_add(fg, line, r, force, torque);
+      if (line->solid) {
+        fb_real rho[3];
+        fbi_line_offset(rho, w, all, j);
+        fbi_vec3_add_cross(torque, force, rho);
+      }
+      fbi_line_set3(F, j, force);
+      fbi_line_set3(T, j, torque);
+    }
+    for (int i = 0; i < 3 && line->stride > line->count; i++) {
+      F[i][line->point + line->count] = T[i][line->point + line->count] = FB_R(0.0);
+    }
+    fbi_line_load_add(x, w, all, line, F, T);
+  }
+}
+
 /* ---- nodes */
 
 /* The interval from the point before a node to it, line axes. */
@@ -2820,11 +2997,130 @@ static void fbi_line_node_bias(fb_real a[3], fb_real alpha[3], fbi_line_work *w,
     fbi_vec3_add(a, node->weight[j - line->point], own);
   }
 }
+
+#if FB_WITH_SYSTEM
+/* x_k += J_dot_k.L of the interval before a node: what L about the node adds by that interval (E9.25). */
+static void fbi_line_step_take(fb_real *x, fbi_line_work *w, const fb_line *line, const fb_line_node *node,
+                               const fbi_line_step *s, const fb_real *q_dot, const fb_real L[3])
+{
+  fb_real A_dot[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, B_dot[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_real before[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, rate[3], mixed[3], back[3], y[3], own[3], by[3], x_dot;
+  for (int k = 0; k < line->n; k++) {
+    fbi_vec3_add(A_dot, q_dot[line->first + k], node->turn + 3 * k);
+    fbi_vec3_add(B_dot, q_dot[line->first + k], node->bow + 3 * k);
+  }
+  fb_vec3_cross(mixed, A_dot, s->B);
+  fbi_vec3_add_cross(mixed, s->A, B_dot);
+  fbi_vec3_advance(rate, A_dot, -FBI_SIXTH, mixed);
+  if (node->after || line->hangs) {
+    fbi_line_get3(before, w->w, (node->after ? node->after : line->hangs) - 1);
+  }
+
+  /* by phi, y = N^T (L x w) + (dT/dt)^T H^T L, and by its rate, N^T L */
+  fb_mat33_mulT_vec3(back, s->before, L);
+  x_dot = FB_R(2.0) * fb_vec3_dot(s->phi, rate);
+  fbi_line_turned(y, s->a, s->b, s->a1 * x_dot, s->b1 * x_dot, s->phi, rate, back);
+  fb_vec3_cross(own, L, before);
+  fb_mat33_mulT_vec3(mixed, s->N, own);
+  fbi_vec3_add(y, FB_R(1.0), mixed);
+  fb_mat33_mulT_vec3(by, s->N, L);
+
+  /* to the coordinates */
+  fb_vec3_cross(mixed, s->B, y);
+  fbi_vec3_add_cross(mixed, B_dot, by);
+  fbi_vec3_advance(own, y, -FBI_SIXTH, mixed);
+  fb_vec3_cross(mixed, y, s->A);
+  fbi_vec3_add_cross(mixed, by, A_dot);
+  for (int k = 0; k < line->n; k++) {
+    x[line->first + k] += fb_vec3_dot(node->turn + 3 * k, own) - FBI_SIXTH * fb_vec3_dot(node->bow + 3 * k, mixed);
+  }
+}
+#endif
+
+#if FB_WITH_SYSTEM
+/* [E9.25] Rate of a node's Jacobian on a line times a momentum (P, L) about the node, line axes: x_a += Jv_dot_a.P +
+   Jw_dot_a.L at the velocities of fbi_line_rates, by one sweep from the tip. With the weights W_j of the tangents in the
+   node's position, F_j = W_j P,  C: t x F, and L where the node is, summed from the tip,  D: t_dot x F likewise,
+   t_dot = w x t + g:  y = N^T (D + C x w) + (dT/dt)^T H^T C,  s = N^T C  to the turns, w and H before the interval,
+   H^T (F x w) to the stretches.
+   Source: derivative of E14.5 and E14.14 by time, transposed.  Cost: 250 flops a point.  Fails: never.
+   Test: rates_of_systems_with_lines_are_those_of_hamilton. */
+static void fbi_line_node_take(fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_line *line,
+                               const fb_line_node *node, const fbi_line_step *step, const fb_real *q_dot,
+                               const fb_real P[3], const fb_real L[3])
+{
+  fb_real y[3][FB_MAX_POINTS], s[3][FB_MAX_POINTS], f[3][FB_MAX_POINTS];
+  fb_real C_in[3] = {L[0], L[1], L[2]}, D_in[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  int at = (int)node->after - 1, spacing = 1;
+  const fb_real *weight = node->weight;
+  fbi_line_step_take(x, w, line, node, step, q_dot, L);
+
+  /* its line, then those that it hangs on; at: the point where (C_in, D_in) enter */
+  for (int more = 1; more;) {
+    const int p = line->point, m = line->stride;
+    fb_real C[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, D[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+    for (int j = p + line->count - 1; j >= p; j--) {
+      fb_real t[3], t_dot[3], turn[3], F[3], H[9], N[9], before[3], phi[3], rate[3], own[3], back[3];
+      fbi_line_get3(t, w->t, j);
+      fbi_line_get3(turn, w->w, j);
+      fbi_line_get3(t_dot, w->t_dot, j);
+      for (int i = 0; i < 3; i++) {
+        F[i] = weight[(j - p) * spacing] * P[i];
+      }
+      fbi_vec3_add_cross(C, t, F);
+      fbi_vec3_add_cross(D, t_dot, F);
+      if (j == at) {
+        fbi_vec3_add(C, FB_R(1.0), C_in);
+        fbi_vec3_add(D, FB_R(1.0), D_in);
+      }
+      fb_vec3_cross(own, F, turn);
+      fbi_line_get9(H, w->H, j);
+      fb_mat33_mulT_vec3(back, H, own);
+      fbi_line_set3(f, j, back);
+
+      /* H and w before the interval; y, s */
+      fbi_line_before(H, before, w, line, j);
+      fb_mat33_mulT_vec3(back, H, C);
+      fbi_line_get9(N, w->N, j);
+      fbi_line_get3(phi, w->phi, j);
+      fbi_line_get3(rate, w->phi_dot, j);
+      fbi_vec3_copy(own, D);
+      fbi_vec3_add_cross(own, C, before);
+      fb_mat33_mulT_vec3(turn, N, own);
+      fbi_line_turning(own, w, j, phi, rate, back);
+      fbi_vec3_add(own, FB_R(1.0), turn);
+      fbi_line_set3(y, j, own);
+      fb_mat33_mulT_vec3(own, N, C);
+      fbi_line_set3(s, j, own);
+    }
+    for (int i = 0; i < 3 && m > line->count; i++) {
+      y[i][p + line->count] = s[i][p + line->count] = f[i][p + line->count] = FB_R(0.0);
+    }
+    fbi_line_moments_add(x, w, all, line, y, s);
+    fbi_line_rows_add(x, all, line, line->row + line->n_turn, line->n_stretch, 0, f);
+
+    /* the line that it hangs on */
+    if (at < p) {
+      fbi_vec3_add(C, FB_R(1.0), C_in);
+      fbi_vec3_add(D, FB_R(1.0), D_in);
+    }
+    more = line->hangs > 0;
+    if (more) {
+      at = line->hangs - 1;
+      line = fbi_line_of(all, at);
+      weight = all->table + line->weight + at - line->point;
+      spacing = line->stride;
+      fbi_vec3_copy(C_in, C);
+      fbi_vec3_copy(D_in, D);
+    }
+  }
+}
+#endif
 #endif
 
 /* ---------------------------------------------------------------------------------------------------------------
    RUN >>body: one body in a floating frame: rates, motion, nodes, sensors, energy, checks
-   (uses config, status, vec3, rotation, solve) */
+   (uses config, status, vec3, rotation, solve, line) */
 
 FB_DEF fb_real fb_gauge_eval(const fb_gauge *gauge, const fb_real *q)
 {
@@ -2890,7 +3186,7 @@ static int fbi_is_large(const fb_body *body)
 #define FBI_USE_LINES(k, work) ((k).line = &(work)->line)
 #define FBI_LINE_OF(k) ((k)->line)
 #else
-#define FBI_WITH_LINES(k) ((void)&(k))
+#define FBI_WITH_LINES(k) ((void)&(k), (k).pb = NULL) /* a member, so that gcc lets k be handed on */
 #define FBI_LINES(work) NULL
 #define FBI_USE_LINES(k, work) ((void)0)
 #define FBI_LINE_OF(k) NULL
@@ -3298,6 +3594,8 @@ static fb_real fbi_strain_energy(const fb_body *body, const fb_real *q)
 #if FB_WITH_LARGE_DEFLECTION
 /* ---- bodies with lines of large deflection: M, Lambda and M_rr depend on q and are formed at every evaluation */
 
+#define FBI_WORD_INTERVAL "line: the interval before this of all points turns by an angle [rad], at most"
+
 /* Columns of Z = Lambda L^-T to w.column, and Z itself. */
 static void fbi_large_reduce(fbi_line_work *FBI_RESTRICT w, int n)
 {
@@ -3376,22 +3674,47 @@ static int fbi_large_factor(fb_real *M, int n)
   return sound;
 }
 
-/* [E14.12] Inertia of a body with lines at q: M(q) = M_rest + M_lines(q), factored, Lambda(q) and M_rr(q) likewise; the
+/* Range of the lines: no interval turns by more than FBI_LINE_TURN (E14.2). */
+static fb_status fbi_large_range(const fb_body *body, const fb_real *q)
+{
+  fb_real turn[FB_MAX_POINTS];
+  int most = 0;
+  if (fbi_lines_within(turn, &body->lines, q)) {
+    return FB_OK;
+  }
+  for (int j = 1; j < body->lines.n_point; j++) {
+    most = turn[j] > turn[most] ? j : most;
+  }
+  (void)most;
+  return fbi_is_finite(q, body->n)
+             ? FBI_REFUSE(FB_ERR_RANGE, FBI_WORD_INTERVAL, most, FB_SQRT(turn[most]), FB_SQRT(FBI_LINE_TURN))
+             : FB_ERR_NOT_FINITE;
+}
+
+/* [E14.12] Inertia of a body with lines at q: M(q) = M_rest + M_lines(q) (lower triangle to w->L), Lambda(q)
+   and M_rr(q) likewise; the
    rest are hub, lumped bodies and imported components with their terms of E8.9 and E8.11.
-   Source: sum of kinetic energies.  Fails: an interval turns beyond E14.2, M not positive definite.
+   Source: Koenig, sum of kinetic energies.  Fails: an interval turns beyond E14.2, M not positive definite.
    Test: momenta_of_lines_agree_with_particles. */
-static fb_status fbi_large_inertia(fbi_kinetics *k, const fb_body *body, const fb_real *q)
+static FBI_NOINLINE fb_status fbi_large_matrices(fbi_kinetics *k, const fb_body *body, const fb_real *q)
 {
   const int n = body->n;
   fbi_line_work *const w = k->line;
   if (!fbi_lines_pose(w, &body->lines, q)) {
-    return fbi_is_finite(q, n) ? FB_ERR_RANGE : FB_ERR_NOT_FINITE;
+    return fbi_large_range(body, q);
   }
   fbi_sparse_to_dense(w->L, &body->M_rest, n);
   fbi_lambda_rows(w->X, body, k->qx, 0, body->n_lambda);
   fbi_S_eval(w->M_rr, body, k->qx, body->n_run);
   fbi_lines_inertia_add(w->L, w->X, w->M_rr, w, &body->lines, n);
-  return fbi_large_factor(w->L, n) ? FB_OK : FB_ERR_RANGE;
+  return FB_OK;
+}
+
+/* The same, M factored. */
+static fb_status fbi_large_inertia(fbi_kinetics *k, const fb_body *body, const fb_real *q)
+{
+  const fb_status status = fbi_large_matrices(k, body, q);
+  return status ? status : fbi_large_factor(k->line->L, body->n) ? FB_OK : FB_ERR_RANGE;
 }
 
 /* y -= Lambda(q) x */
@@ -3410,16 +3733,12 @@ static void fbi_large_lambdaT_sub(fb_real *e, const fbi_kinetics *k, const fb_bo
   }
 }
 
-/* [E14.13] Elastic equations with lines, q_dot = M^-1 (pi - Lambda^T V),  pi_dot = f_e - K q - C q_dot + dT/dq at fixed
-   V and q_dot: Hamilton's equations for any M, Lambda and M_rr of q, hence conservative.
-   Source: THEORY.md 14.  Fails: never.  Test: lines_conserve_energy_and_momentum. */
-static FBI_NOINLINE void fbi_large_rates(fb_real *q_dot, fbi_kinetics *k, const fb_body *body, const fb_real *pi)
+/* k.x += dT/dq at fixed V and q_dot, of the lines and of the rest; that of the lines stays in w->gradient. */
+static FBI_NOINLINE void fbi_large_gradient(fbi_kinetics *k, const fb_body *body, const fb_real *q_dot)
 {
   fb_real unused[FB_MAX_MODES];
   fbi_line_work *const w = k->line;
-  fbi_copy(w->e, pi, body->n);
-  fbi_large_lambdaT_sub(w->e, k, body, k->V);
-  fb_chol_solve(q_dot, w->L, w->e, body->n);
+  fbi_zero(unused, body->n);
   fbi_zero(w->gradient, body->n);
   fbi_lines_gradient_add(w->gradient, w, &body->lines, k->V, q_dot);
   fbi_lambda_linear_gradients(unused, k->x, body, k->V, k->qx, q_dot);
@@ -3429,6 +3748,18 @@ static FBI_NOINLINE void fbi_large_rates(fb_real *q_dot, fbi_kinetics *k, const 
   for (int a = 0; a < body->n; a++) {
     k->x[a + 1] += w->gradient[a];
   }
+}
+
+/* [E14.13] Elastic equations with lines, q_dot = M^-1 (pi - Lambda^T V),  pi_dot = f_e - K q - C q_dot + dT/dq at fixed
+   V and q_dot: Hamilton's equations for any M, Lambda and M_rr of q, hence conservative.
+   Source: THEORY.md 14.  Fails: never.  Test: lines_conserve_energy_and_momentum. */
+static void fbi_large_rates(fb_real *q_dot, fbi_kinetics *k, const fb_body *body, const fb_real *pi)
+{
+  fbi_line_work *const w = k->line;
+  fbi_copy(w->e, pi, body->n);
+  fbi_large_lambdaT_sub(w->e, k, body, k->V);
+  fb_chol_solve(q_dot, w->L, w->e, body->n);
+  fbi_large_gradient(k, body, q_dot);
 }
 #endif
 
@@ -3601,6 +3932,21 @@ static void fbi_large_convection(fb_real u_dd[3], fb_real turn_dd[3], fbi_line_w
   fbi_line_to_body(u_dd, line, a);
   fbi_line_to_body(turn_dd, line, alpha);
 }
+
+#if FB_WITH_SYSTEM
+/* x_a += (rate of the Jacobian of a node)_a . G, G a momentum about the node, body axes (E9.25). */
+static void fbi_large_node_take(fb_real *x, const fbi_kinetics *k, const fb_body *body, const fb_node *node,
+                                const fb_real *q_dot, const fb_real G[6])
+{
+  const fb_line *const line = &body->lines.line[node->line.line - 1];
+  fbi_line_step s;
+  fb_real P[3], L[3];
+  fbi_line_axes(P, line, G);
+  fbi_line_axes(L, line, G + 3);
+  fbi_line_step_eval(&s, k->line, line, &node->line, k->qx + 1);
+  fbi_line_node_take(x, k->line, &body->lines, line, &node->line, &s, q_dot, P, L);
+}
+#endif
 #endif
 
 /* [E8.14] Displacement and rotation of a node, u = psi q + 1/2 chi q q, phi = theta q + 1/2 chi_theta q q (chi:
@@ -3833,10 +4179,25 @@ static void fbi_gravity_add(fbi_kinetics *k, const fb_body *body)
 }
 #endif
 
+/* 1 if distributed loads act. */
+static int fbi_is_distributed(const fb_input *input)
+{
+#if FB_WITH_LARGE_DEFLECTION
+  return input && input->distributed;
+#else
+  (void)input;
+  return 0;
+#endif
+}
+
 static fb_status fbi_input_check(const fb_body *body, const fb_input *input)
 {
   if (!input) {
     return FB_OK;
+  }
+  if (fbi_is_distributed(input) && !fbi_is_large(body)) {
+    return FBI_REFUSE(FB_ERR_UNSUPPORTED, "input: distributed loads, of a body with FB_EFFECT_LARGE_DEFLECTION", -1,
+                      FB_R(0.0), FB_R(0.0));
   }
   FBI_REQUIRE(input->n_load >= 0 && input->n_load <= FB_MAX_LOADS, FB_ERR_CAPACITY);
   for (int i = 0; i < input->n_load; i++) {
@@ -3861,7 +4222,7 @@ static int fbi_is_flying(const fb_body *body)
 static int fbi_is_oriented(const fb_body *body, const fb_input *input)
 {
   return fbi_form(body) != 0 || body->base == FB_BASE_PRESCRIBED || (input && input->n_load > 0) ||
-         (body->base != FB_BASE_FREE && fbi_has(body->effects, FB_EFFECT_GRAVITY));
+         fbi_is_distributed(input) || (body->base != FB_BASE_FREE && fbi_has(body->effects, FB_EFFECT_GRAVITY));
 }
 
 /* [E8.33] Loads in the frame of the mass center, which they accelerate by a = f/m: there every mass element feels the
@@ -3881,12 +4242,71 @@ static void fbi_fall(fbi_kinetics *k, const fb_body *body)
   fbi_vec3_add_cross(k->fg + 3, c, field);
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* O of a body at a stage of a step whose state has the position of the mass center relative to O where the step began
+   (w.center): rho + w.center - R c(q)/m of a free body. */
+static void fbi_line_origin(fb_real origin[3], const fbi_kinetics *k, const fb_body *body, const fb_state *state)
+{
+  fbi_vec3_copy(origin, state->rho);
+  if (fbi_is_flying(body)) {
+    const fbi_line_work *const w = k->line;
+    fb_real c[3], own[3];
+    c[0] = w->M_rr[10];
+    c[1] = w->M_rr[12];
+    c[2] = w->M_rr[4];
+    fb_mat33_mul_vec3(own, k->R, c);
+    fbi_vec3_add(origin, FB_R(1.0), w->center);
+    fbi_vec3_add(origin, -FB_R(1.0) / body->mass, own);
+  }
+}
+
+/* Distributed loads: the points with poses and velocities, what acts on them, E14.40. */
+static fb_status fbi_distributed_add(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
+{
+  const int n = body->n;
+  const fb_lines *const all = &body->lines;
+  fbi_line_work *const w = k->line;
+  fb_real q_dot[FB_MAX_MODES], origin[3], V[6];
+  fb_status status;
+  int n_point;
+
+  /* q_dot = M^-1 (pi - Lambda^T V); velocity of O */
+  fbi_copy(w->e, state->pi, n);
+  fbi_large_lambdaT_sub(w->e, k, body, k->V);
+  fb_chol_solve(q_dot, w->L, w->e, n);
+  fb_mat33_mulT_vec3(V, k->R, state->u);
+  fbi_vec3_add(V, FB_R(1.0), k->V);
+  fbi_vec3_copy(V + 3, k->V + 3);
+
+  /* points */
+  for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
+    fbi_line_rates(w, all, line, q_dot);
+  }
+  fbi_line_origin(origin, k, body, state);
+  n_point = fbi_lines_look(w, all, k->R, origin, V);
+
+  /* loads */
+  status = input->distributed(w->point, n_point, input->t, input->user);
+  for (int i = 0; i < n_point && status == FB_OK; i++) {
+    if (!fbi_vec3_is_finite(w->point[i].force) || !fbi_vec3_is_finite(w->point[i].torque)) {
+      status = FBI_REFUSE(FB_ERR_NOT_FINITE, "point: distributed force [N] or torque [N m], finite", i, FB_R(0.0),
+                          FB_R(0.0));
+    }
+  }
+  if (status == FB_OK) {
+    fbi_lines_push(k->fg, k->x + 1, w, all, k->R);
+  }
+  return status;
+}
+#endif
+
 /* k.fg, k.x, k.a of gravity and loads; relative to the mass center (E8.33) for a free body in momentum form. */
-static void fbi_forces(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
+static fb_status fbi_forces(fbi_kinetics *k, const fb_body *body, const fb_state *state, const fb_input *input)
 {
   const int n_load = input ? input->n_load : 0, flying = fbi_is_flying(body);
+  const int loaded = n_load > 0 || fbi_is_distributed(input);
   fbi_vec6_zero(k->fg);
-  k->loaded = n_load > 0 || (fbi_has(body->effects, FB_EFFECT_GRAVITY) && !flying);
+  k->loaded = loaded || (fbi_has(body->effects, FB_EFFECT_GRAVITY) && !flying);
 #if FB_WITH_GRAVITY
   if (fbi_has(body->effects, FB_EFFECT_GRAVITY) && !flying) {
     fbi_gravity_add(k, body);
@@ -3895,10 +4315,19 @@ static void fbi_forces(fbi_kinetics *k, const fb_body *body, const fb_state *sta
   for (int i = 0; i < n_load; i++) {
     fbi_load_add(k, body, &input->load[i], state->q);
   }
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_distributed(input)) {
+    const fb_status status = fbi_distributed_add(k, body, state, input);
+    if (status != FB_OK) {
+      return status;
+    }
+  }
+#endif
   fbi_vec3_zero(k->a);
-  if (flying && n_load > 0) {
+  if (flying && loaded) {
     fbi_fall(k, body);
   }
+  return FB_OK;
 }
 
 /* y += s (C x) where damping is on */
@@ -4327,11 +4756,11 @@ static fb_status fbi_form_rates(fb_state *rate, fbi_kinetics *k, const fb_body *
 static fb_status fbi_rates(fb_state *rate, fbi_kinetics *k, const fb_body *body, const fb_state *state,
                            const fb_input *input)
 {
-  const fb_status status = fbi_velocity(k, body, state, input);
+  fb_status status = fbi_velocity(k, body, state, input);
+  status = status == FB_OK ? fbi_forces(k, body, state, input) : status;
   if (status != FB_OK) {
     return status;
   }
-  fbi_forces(k, body, state, input);
 #if FB_WITH_FORMS
   return fbi_form_rates(rate, k, body, state, input);
 #else
@@ -4469,7 +4898,7 @@ static void fbi_center_eval(fb_real c[3], fbi_line_work *line, const fb_body *bo
   }
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_is_large(body)) {
-    (void)fbi_lines_pose(line, &body->lines, q);
+    (void)fbi_lines_place(line, &body->lines, q);
     fbi_lines_pull(c, NULL, line, &body->lines, c);
   }
 #endif
@@ -4546,6 +4975,23 @@ static void fbi_origin_velocity(fb_real v[3], const fbi_kinetics *k, const fb_bo
   fbi_vec3_add(v, FB_R(1.0), state->u);
 }
 
+/* Before the evaluations of a step from a state whose attitude is R: E14.40 needs O of its stages (fbi_line_origin). */
+static void fbi_line_start(fbi_line_work *line, const fb_body *body, const fb_state *state, const fb_real R[9],
+                           const fb_input *input)
+{
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_distributed(input) && fbi_is_large(body)) {
+    fb_real c[3], own[3];
+    fbi_center_eval(c, line, body, state->q);
+    fb_mat33_mul_vec3(own, R, c);
+    for (int i = 0; i < 3; i++) {
+      line->center[i] = fbi_is_flying(body) ? own[i] / body->mass : FB_R(0.0);
+    }
+  }
+#endif
+  (void)line, (void)body, (void)state, (void)R, (void)input;
+}
+
 FB_DEF fb_status fb_body_rates_eval(const fb_body *body, fb_state *rate, const fb_state *state, const fb_input *input)
 {
   fbi_kinetics k;
@@ -4555,6 +5001,7 @@ FB_DEF fb_status fb_body_rates_eval(const fb_body *body, fb_state *rate, const f
   FBI_REQUIRE(body && rate && state, FB_ERR_NULL);
   status = fbi_input_check(body, input);
   fbi_state_enter(&at, k.R, body, state);
+  fbi_line_start(FBI_LINE_OF(&k), body, &at, k.R, input);
   memset(&out, 0, sizeof out);
   status = status == FB_OK ? fbi_rates(&out, &k, body, &at, input) : status;
   if (status == FB_OK && fbi_is_flying(body)) {
@@ -4601,6 +5048,16 @@ static int fbi_farthest(const fb_body *body, const fb_real *q)
 }
 #endif
 
+/* O of a pinned or hinged base does not leave its pin: no velocity, nor a compensation term that becomes one. */
+static fb_status fbi_pin_check(const fb_body *body, const fb_state *state)
+{
+  if ((body->base == FB_BASE_PINNED || body->base == FB_BASE_HINGED) &&
+      !(fbi_is_zero(state->u, 3) && fbi_is_zero(state->lost_u, 3))) {
+    return FBI_REFUSE(FB_ERR_VALUE, "state: u and lost_u of a pinned or hinged base, zero", -1, FB_R(0.0), FB_R(0.0));
+  }
+  return FB_OK;
+}
+
 /* Checks that a state is finite and within the deflection limit. */
 static fb_status fbi_state_range(const fb_body *body, const fb_state *state)
 {
@@ -4621,6 +5078,11 @@ static fb_status fbi_state_range(const fb_body *body, const fb_state *state)
                : FBI_REFUSE(FB_ERR_NOT_FINITE, "mode: coordinate q of the state, finite", fbi_farthest(body, state->q),
                             FB_R(0.0), FB_R(0.0));
   }
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    return fbi_large_range(body, state->q);
+  }
+#endif
   return FB_OK;
 }
 
@@ -4645,9 +5107,7 @@ FB_DEF fb_status fb_state_check(const fb_body *body, const fb_state *state)
 #if FB_SINGLE
   status = status ? status : fbi_lost_check(body, state);
 #endif
-  if ((body->base == FB_BASE_PINNED || body->base == FB_BASE_HINGED) && !fbi_is_zero(state->u, 3)) {
-    status = status ? status : FB_ERR_VALUE; /* O would leave its pin */
-  }
+  status = status ? status : fbi_pin_check(body, state);
   return status == FB_OK && !fbi_quat_is_unit(state->quat) ? FB_ERR_VALUE : status;
 }
 
@@ -4943,44 +5403,61 @@ static fb_status fbi_base_accelerate(fb_motion *m, fb_real V_dot[6], const fbi_k
 }
 
 #if FB_WITH_LARGE_DEFLECTION
+/* Of a body with lines less the inertia forces that its velocities alone cause, y and e: turning and rates of M_rr and
+   Lambda of the rest; E14.15 and dT/dq of the lines. */
+static FBI_NOINLINE void fbi_large_bias_sub(fb_real y[6], fb_real *e, fbi_kinetics *k, const fb_body *body,
+                                            const fb_real *q_dot)
+{
+  const int n = body->n;
+  fbi_line_work *const w = k->line;
+  fb_real xd[FB_MAX_MODES + 1], own[6], turn[6], SV[6], bias[6] = {FB_R(0.0)}, x[FB_MAX_MODES],
+                                                        unused[FB_MAX_MODES + 1] = {FB_R(0.0)};
+  xd[0] = FB_R(0.0);
+  fbi_copy(xd + 1, q_dot, n);
+
+  /* the rest */
+  fbi_S_eval(k->S, body, k->qx, body->n_run);
+  fb_sym6_mul_vec6(k->ph, k->S, k->V);
+  fbi_vec6_zero(own);
+  fbi_lambda_sub(own, body, k->qx, q_dot);
+  fbi_vec6_add(k->ph, -FB_R(1.0), own);
+  fbi_turning(turn, k->V, k->ph);
+  fbi_S_rate(k->dS, body, k->qx, xd);
+  fb_sym6_mul_vec6(SV, k->dS, k->V);
+  for (int i = 0; i < 6; i++) {
+    y[i] -= turn[i] + SV[i];
+  }
+  fbi_lambda_linear_sub(y, body, xd, q_dot);
+  fbi_lambda_linear_gradients(e, unused, body, k->V, xd, q_dot);
+
+  /* the lines */
+  fbi_zero(x, n);
+  fbi_lines_bias_add(bias, x, w->push, w, &body->lines, k->V, q_dot);
+  for (int a = 0; a < n; a++) {
+    e[a] -= w->gradient[a] + x[a];
+  }
+  fbi_vec6_add(y, -FB_R(1.0), bias);
+}
+
 /* [E14.16] Accelerations of a body with lines, Newton's equations with the inertia forces of its velocities alone:
    M_rr V_dot + Lambda q_ddot = (f, g) - bias,  Lambda^T V_dot + M q_ddot = pi_dot - dT/dq of the lines - bias, E14.15
    of the lines and E8.19 of the rest.
-   Source: Lagrange's equations in quasi-coordinates.  Fails: S(q) not positive definite.
+   Source: Newton and Euler, block elimination.  Fails: S(q) not positive definite.
    Test: accelerations_of_lines_are_derivatives_of_velocities. */
 static fb_status fbi_large_accelerations(fb_motion *m, fbi_kinetics *k, const fb_body *body, const fb_state *rate,
                                          const fb_input *input)
 {
   const int n = body->n;
   fbi_line_work *const w = k->line;
-  fb_real xd[FB_MAX_MODES + 1], y[6], V_dot[6], turn[6], SV[6], bias[6] = {FB_R(0.0)}, x[FB_MAX_MODES], e[FB_MAX_MODES];
+  fb_real xd[FB_MAX_MODES + 1], y[6], V_dot[6], x[FB_MAX_MODES], e[FB_MAX_MODES];
   fb_status status;
   xd[0] = FB_R(0.0);
   fbi_copy(xd + 1, rate->q, n);
 
-  /* the rest: its momenta, turning, rates of its M_rr and Lambda */
-  fbi_S_eval(k->S, body, k->qx, body->n_run);
-  fb_sym6_mul_vec6(k->ph, k->S, k->V);
-  fbi_vec6_zero(y);
-  fbi_lambda_sub(y, body, k->qx, rate->q);
-  fbi_vec6_add(k->ph, -FB_R(1.0), y);
-  fbi_turning(turn, k->V, k->ph);
-  fbi_S_rate(k->dS, body, k->qx, xd);
-  fb_sym6_mul_vec6(SV, k->dS, k->V);
-  for (int i = 0; i < 6; i++) {
-    y[i] = k->fg[i] - turn[i] - SV[i];
-  }
-  fbi_lambda_linear_sub(y, body, xd, rate->q);
+  /* loads less inertia forces of the velocities */
+  fbi_vec6_copy(y, k->fg);
   fbi_copy(e, rate->pi, n);
-  fbi_lambda_linear_gradients(e, k->x, body, k->V, xd, rate->q); /* k.x: scratch by now */
-
-  /* the lines */
-  fbi_zero(x, n);
-  fbi_lines_bias_add(bias, x, w->push, w, &body->lines, k->V, rate->q);
-  for (int a = 0; a < n; a++) {
-    e[a] -= w->gradient[a] + x[a];
-  }
-  fbi_vec6_add(y, -FB_R(1.0), bias);
+  fbi_large_bias_sub(y, e, k, body, rate->q);
 
   /* Schur complement */
   fb_chol_solve(x, w->L, e, n);
@@ -5069,6 +5546,7 @@ FB_DEF fb_status fb_body_motion_eval(const fb_body *body, fb_motion *motion, con
   /* rates of the state */
   status = fbi_input_check(body, input);
   fbi_state_enter(&at, k.R, body, state);
+  fbi_line_start(FBI_LINE_OF(&k), body, &at, k.R, input);
   if (status == FB_OK) {
     status = fbi_rates(&rate, &k, body, &at, input);
   }
@@ -5183,6 +5661,316 @@ FB_DEF fb_status fb_body_node_motion_eval(const fb_body *body, fb_node_motion *o
   *out = found;
   return FB_OK;
 }
+
+#if FB_WITH_LARGE_DEFLECTION
+/* ---- internal loads of lines */
+
+typedef struct fbi_cut_point {              /* a point of a line or its root at rest, line axes */
+  fb_real H[9], r[3], a[3], alpha[3], w[3]; /* rotation, position from O, accelerations, angular velocity */
+  fb_real part[3][6]; /* force and moment about O of the sections before and behind it, and of what is right there */
+} fbi_cut_point;
+
+/* y += force and moment about O of a slice of mass m, first moment S and inertia J (packed) about its point, axes of the
+   undeformed line: gravity g, and by inertia m (g - a) - alpha x S - w x (w x S),  S x (g - a) - J alpha - w x J w. */
+static void fbi_cut_slice_add(fb_real y[6], const fbi_cut_point *p, const fb_real g[3], fb_real m, const fb_real S[3],
+                              const fb_real J[6])
+{
+  const fb_real whole[9] = {J[0], J[1], J[2], J[1], J[3], J[4], J[2], J[4], J[5]};
+  fb_real s[3], away[3], own[3], turn[3], F[3], T[3], h[3];
+  fb_mat33_mul_vec3(s, p->H, S);
+  fbi_vec3_advance(away, g, -FB_R(1.0), p->a);
+
+  /* force */
+  fb_vec3_cross(turn, p->w, s);
+  fb_vec3_cross(F, turn, p->w);
+  fbi_vec3_add_cross(F, s, p->alpha);
+  fbi_vec3_add(F, m, away);
+
+  /* moment about the point: H (J H^T alpha), w x H (J H^T w) */
+  fb_vec3_cross(T, s, away);
+  fb_mat33_mulT_vec3(own, p->H, p->alpha);
+  fb_mat33_mul_vec3(turn, whole, own);
+  fb_mat33_mul_vec3(h, p->H, turn);
+  fbi_vec3_add(T, -FB_R(1.0), h);
+  fb_mat33_mulT_vec3(own, p->H, p->w);
+  fb_mat33_mul_vec3(turn, whole, own);
+  fb_mat33_mul_vec3(h, p->H, turn);
+  fbi_vec3_add_cross(T, h, p->w);
+
+  fbi_vec3_add_cross(T, p->r, F);
+  fbi_vec3_add(y, FB_R(1.0), F);
+  fbi_vec3_add(y + 3, FB_R(1.0), T);
+}
+
+typedef struct fbi_cut_lead { /* accelerations of the points by those of the coordinates, J q_ddot, line axes */
+  fb_real a[3][FB_MAX_POINTS], alpha[3][FB_MAX_POINTS];
+} fbi_cut_lead;
+
+/* Motion of point j of a line (-1: its root at rest) from that of the frame, line axes. */
+static void fbi_cut_move(fbi_cut_point *p, fbi_line_work *w, const fb_line *line, int j, fbi_cut_lead *lead,
+                         const fb_real frame[12])
+{
+  static const fb_real one[9] = {FB_R(1.0), FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(1.0),
+                                 FB_R(0.0), FB_R(0.0), FB_R(0.0), FB_R(1.0)};
+  const fb_real *const o = frame + 3, *const o_dot = frame + 9;
+  fb_real v[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, own[3];
+  memset(p, 0, sizeof *p);
+  fbi_mat33_copy(p->H, one);
+  fbi_line_axes(p->r, line, line->root);
+  if (j >= 0) {
+    fbi_line_get9(p->H, w->H, j);
+    fbi_line_get3(p->r, w->r, j);
+    fbi_line_get3(p->a, w->v_dot, j);
+    fbi_line_get3(p->alpha, w->w_dot, j);
+    fbi_line_get3(v, w->v, j);
+    fbi_line_get3(turn, w->w, j);
+    for (int i = 0; i < 3; i++) {
+      p->a[i] += lead->a[i][j];
+      p->alpha[i] += lead->alpha[i][j];
+    }
+  }
+
+  /* a += a_O + w_dot x r + w x (w x r + 2 v), alpha += w_dot + w x turn */
+  fb_vec3_cross(own, o, p->r);
+  fbi_vec3_add(own, FB_R(2.0), v);
+  fbi_vec3_add(p->a, FB_R(1.0), frame + 6);
+  fbi_vec3_add_cross(p->a, o_dot, p->r);
+  fbi_vec3_add_cross(p->a, o, own);
+  fbi_vec3_add(p->alpha, FB_R(1.0), o_dot);
+  fbi_vec3_add_cross(p->alpha, o, turn);
+  fbi_vec3_advance(p->w, o, FB_R(1.0), turn);
+}
+
+/* Inertia forces, gravity and distributed load of a point; mass of sections by sides, the rest of it lumped. */
+static void fbi_cut_load(fbi_cut_point *p, const fb_lines *all, const fb_line *line, const fb_line_station *at, int j,
+                         const fb_line_point *load, const fb_real R[9], const fb_real g[3])
+{
+  const fb_real before = at->before / at->length;
+  fb_real F[3], T[3];
+  if (at->side > 0) {
+    const fb_line_side *const side = &all->side[at->side - 1];
+    for (int k = 0; k < 2; k++) {
+      fbi_cut_slice_add(p->part[k], p, g, side->mass[k], side->first[k], side->moment[k]);
+    }
+  }
+  if (j >= 0) {
+    const int whole = at->side > 0 ? 2 : 0;
+    fb_real S[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, J[6];
+    fbi_vec3_add(S, all->mass[j], all->center + 3 * j);
+    fbi_copy(J, all->inertia + 6 * j, 6);
+    fbi_line_particle(J, all->mass[j], all->center + 3 * j);
+    fbi_cut_slice_add(p->part[whole], p, g, all->mass[j], S, J);
+    for (int i = 0; i < 6 && whole; i++) {
+      p->part[2][i] -= p->part[0][i] + p->part[1][i];
+    }
+  }
+  fbi_line_point_load(F, T, load, line, R);
+  fbi_vec3_add_cross(T, p->r, F);
+  for (int i = 0; i < 3; i++) {
+    p->part[0][i] += before * F[i];
+    p->part[0][3 + i] += before * T[i];
+    p->part[1][i] += (FB_R(1.0) - before) * F[i];
+    p->part[1][3 + i] += (FB_R(1.0) - before) * T[i];
+  }
+}
+
+/* y += the load at a node of a line, line axes, force and moment about O, unless it is inboard of point j. */
+static void fbi_cut_node_add(fb_real y[6], fbi_kinetics *k, const fb_body *body, const fb_load *load, int l, int j,
+                             const fb_real *q)
+{
+  const fb_node *const node = &body->node[load->node];
+  const fb_line *const line = &body->lines.line[l];
+  fbi_node_field f;
+  fb_real F[3], T[3], r[3], own[3];
+  if (node->line.line != l + 1 || (j >= 0 && node->line.after < j + 1)) {
+    return;
+  }
+  fbi_node_eval(&f, k, body, node, q);
+  fbi_copy(F, load->force, 3);
+  fbi_copy(T, load->torque, 3);
+  if (load->axes == FB_AXES_INERTIAL) {
+    fb_mat33_mulT_vec3(F, k->R, load->force);
+    fb_mat33_mulT_vec3(T, k->R, load->torque);
+  }
+  if (load->axes == FB_AXES_NODE) {
+    fb_real turn[9];
+    fb_quat_to_mat33(turn, f.quat);
+    fb_mat33_mul_vec3(F, turn, load->force);
+    fb_mat33_mul_vec3(T, turn, load->torque);
+  }
+  fbi_vec3_advance(r, node->r, FB_R(1.0), f.u);
+  fbi_vec3_add_cross(T, r, F);
+  fbi_line_axes(own, line, F);
+  fbi_vec3_add(y, FB_R(1.0), own);
+  fbi_line_axes(own, line, T);
+  fbi_vec3_add(y + 3, FB_R(1.0), own);
+}
+
+/* What acts on a line beyond its point at (-1: the root at rest): the sections' load per length is the polynomial
+   through the nodes of each stretch, of which the line's weights are the integrals from the root. */
+static void fbi_cut_sum(fb_real y[6], const fb_lines *all, const fb_line *line, const fbi_cut_point *point,
+                        const fbi_cut_point *root, int at)
+{
+  const int l = (int)(line - all->line);
+  fbi_vec6_zero(y);
+  for (int j = line->point; j < line->point + line->count; j++) {
+    const fb_line_station *const s = &all->station[j];
+    const fbi_cut_point *const p = &point[j];
+    const fb_real inner =
+        at < 0 ? FB_R(0.0) : all->table[line->weight + (j - line->point) * line->stride + at - line->point];
+    const fb_real behind = s->length - s->before;
+    fb_real share[3] = {FB_R(0.0), FB_R(1.0), FB_R(1.0)};
+    if (s->side == 0 || at <= j) {
+      share[0] = s->before > FB_R(0.0) ? FB_R(1.0) - inner / s->before : FB_R(0.0);
+    } else {
+      share[1] = behind > FB_R(0.0) ? FB_R(1.0) - (inner - s->before) / behind : FB_R(0.0);
+      share[2] = FB_R(0.0);
+    }
+    for (int k = 0; k < 3; k++) {
+      fbi_vec6_add(y, share[k], p->part[k]);
+    }
+  }
+  if (all->root[l].length > FB_R(0.0)) {
+    const fb_line_station *const s = &all->root[l];
+    fb_real inner = FB_R(0.0);
+    for (int i = 0; i < 3 && at >= 0; i++) {
+      inner += s->axes[3 * i] * (all->start[i][at] - root->r[i]);
+    }
+    fbi_vec6_add(y, FB_R(1.0) - inner / s->length, root->part[1]);
+  }
+}
+
+/* Internal loads at a point from what acts beyond it, section axes, and its accelerations, inertial axes. */
+static void fbi_cut_write(fb_line_motion *out, const fbi_cut_point *p, const fb_real y[6], const fb_line *line,
+                          const fb_line_station *at, const fb_line_point *load, const fb_real R[9])
+{
+  fb_real own[3], M[3];
+  memset(out, 0, sizeof *out);
+  out->at = *load;
+  fbi_line_to_body(own, line, p->a);
+  fb_mat33_mul_vec3(out->acceleration, R, own);
+  fbi_line_to_body(own, line, p->alpha);
+  fb_mat33_mul_vec3(out->angular_acceleration, R, own);
+  fb_mat33_mulT_vec3(own, p->H, y);
+  fb_mat33_mulT_vec3(out->force, at->axes, own);
+  fbi_vec3_copy(M, y + 3);
+  fbi_vec3_add_cross(M, y, p->r);
+  fb_mat33_mulT_vec3(own, p->H, M);
+  fb_mat33_mulT_vec3(out->moment, at->axes, own);
+}
+
+/* Points and internal loads of line l; what hangs on it is in w.hung. */
+static void fbi_cut_line(fb_line_motion *out, fbi_kinetics *k, const fb_body *body, int l, const fb_state *state,
+                         const fb_motion *motion, fbi_cut_lead *lead, const fb_input *input, const fb_real g_body[3])
+{
+  const fb_lines *const all = &body->lines;
+  const fb_line *const line = &all->line[l];
+  fbi_line_work *const w = k->line;
+  const fb_line_point *const load = w->point + fbi_lines_first(all, l);
+  const int rests = all->root[l].length > FB_R(0.0), first = rests ? -1 : 0;
+  fbi_cut_point point[FB_MAX_POINTS], root;
+  fb_real frame[12], g[3], y[6];
+
+  /* motion and loads of the points; place 0 is the root at rest */
+  fbi_line_axes(frame, line, motion->v);
+  fbi_line_axes(frame + 3, line, motion->w);
+  fbi_line_axes(frame + 6, line, motion->acceleration);
+  fbi_line_axes(frame + 9, line, motion->w_dot);
+  fbi_line_axes(g, line, g_body);
+  fbi_cut_move(&root, w, line, -1, lead, frame);
+  if (rests) {
+    fbi_cut_load(&root, all, line, &all->root[l], -1, load, k->R, g);
+  }
+  for (int i = 0; i < line->count; i++) {
+    const int j = line->point + i;
+    fbi_cut_move(&point[j], w, line, j, lead, frame);
+    fbi_cut_load(&point[j], all, line, &all->station[j], j, load + i + rests, k->R, g);
+    for (int c = 0; c < 6 && line->carries; c++) {
+      point[j].part[2][c] += w->hung[c][j];
+    }
+  }
+
+  /* cuts */
+  for (int i = first; i < line->count; i++) {
+    const int j = i < 0 ? -1 : line->point + i;
+    fbi_cut_sum(y, all, line, point, &root, j);
+    for (int n = 0; input && n < input->n_load; n++) {
+      fbi_cut_node_add(y, k, body, &input->load[n], l, j, state->q);
+    }
+    fbi_cut_write(out + i - first, i < 0 ? &root : &point[j], y, line, i < 0 ? &all->root[l] : &all->station[j],
+                  load + i - first, k->R);
+    for (int c = 0; c < 6 && i == first && line->hangs; c++) {
+      w->hung[c][line->hangs - 1] += y[c];
+    }
+  }
+}
+
+/* [E14.41] Internal loads of lines by equilibrium: at a section the resultant of what acts on all that is outboard,
+   F = int_x^L f dx + sum of concentrated forces,  M = int_x^L (r - r(x)) x f + t dx + sum (r_k - r(x)) x F_k + T_k,
+   f and t: loads, gravity, and inertia forces -m a by the accelerations of E14.16.
+   Source: equilibrium with inertia forces (d'Alembert).  Cost: 200 flops a point, 40 a pair of points of a line.
+   Fails: no lines, the callback, not finite.
+   Test: a_spinning_rod_is_under_its_tension, internal_loads_end_at_the_base, internal_moments_bend_the_line. */
+FB_DEF fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, int *n, const fb_state *state,
+                                    const fb_motion *motion, const fb_input *input)
+{
+  fb_line_motion out[FB_MAX_LINE_POINTS];
+  fbi_cut_lead lead;
+  fbi_kinetics k;
+  fb_real V[6], g[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_status status;
+  int count;
+  FBI_WITH_LINES(k);
+  FBI_REQUIRE(body && point && n && state && motion, FB_ERR_NULL);
+  if (!fbi_is_large(body)) {
+    return FBI_REFUSE(FB_ERR_UNSUPPORTED, "body: lines, with FB_EFFECT_LARGE_DEFLECTION", -1, FB_R(0.0), FB_R(0.0));
+  }
+  status = fbi_input_check(body, input);
+  if (status != FB_OK) {
+    return status;
+  }
+
+  /* poses, velocities, loads */
+  fb_quat_to_mat33(k.R, state->quat);
+  fbi_vec3_copy(V, motion->v);
+  fbi_vec3_copy(V + 3, motion->w);
+  fbi_lines_move(k.line, &body->lines, state->q);
+  for (int l = 0; l < body->lines.n_line; l++) {
+    fbi_line_rates(k.line, &body->lines, &body->lines.line[l], motion->q_ddot);
+  }
+  memcpy(lead.a, k.line->v, sizeof lead.a);
+  memcpy(lead.alpha, k.line->w, sizeof lead.alpha);
+  fbi_lines_drift(k.line, &body->lines, motion->q_dot);
+  count = fbi_lines_look(k.line, &body->lines, k.R, state->rho, V);
+  status = fbi_is_distributed(input) ? input->distributed(k.line->point, count, input->t, input->user) : FB_OK;
+  if (status != FB_OK) {
+    return status;
+  }
+#if FB_WITH_GRAVITY
+  if (fbi_has(body->effects, FB_EFFECT_GRAVITY)) {
+    fb_mat33_mulT_vec3(g, k.R, body->gravity);
+  }
+#endif
+
+  /* from lines that hang to those that carry them */
+  fbi_lines_unload(k.line, &body->lines);
+  for (int l = body->lines.n_line - 1; l >= 0; l--) {
+    fbi_cut_line(out + fbi_lines_first(&body->lines, l), &k, body, l, state, motion, &lead, input, g);
+  }
+  for (int i = 0; i < count; i++) {
+    const fb_line_point *const at = &out[i].at;
+    if (!fbi_vec3_is_finite(at->position) || !fbi_is_finite(at->R, 9) || !fbi_vec3_is_finite(at->velocity) ||
+        !fbi_vec3_is_finite(at->angular_rate) || !fbi_vec3_is_finite(at->force) || !fbi_vec3_is_finite(at->torque) ||
+        !fbi_vec3_is_finite(out[i].acceleration) || !fbi_vec3_is_finite(out[i].angular_acceleration) ||
+        !fbi_vec3_is_finite(out[i].force) || !fbi_vec3_is_finite(out[i].moment)) {
+      return FB_ERR_NOT_FINITE;
+    }
+  }
+  memcpy(point, out, (size_t)count * sizeof *out);
+  *n = count;
+  return FB_OK;
+}
+#endif
 
 static fb_real fbi_kinetic_energy(fbi_kinetics *k, const fb_body *body, const fb_state *state)
 {
@@ -5435,6 +6223,112 @@ static int fbi_strain_is_sound(const fb_body *body)
 }
 #endif
 
+#if FB_WITH_LARGE_DEFLECTION
+/* Checks n rows of a line from `row` on, by coordinate, with `length` numbers each. */
+static int fbi_line_rows_are_sound(const fb_lines *all, const fb_line *line, int row, int n, int length)
+{
+  int sound = row + n <= all->n_row;
+  for (int k = 0; sound && k < n; k++) {
+    const fb_line_row *const r = &all->row[row + k];
+    sound =
+        r->axis < 3 && r->a < line->n && (k == 0 || r->a >= r[-1].a) && r->at >= 0 && r->at <= all->n_table - length;
+  }
+  return sound;
+}
+
+/* Checks the l-th line: its points follow those of the one before; it hangs on a point of an earlier line with the same
+   coordinates. */
+static int fbi_line_is_sound(const fb_lines *all, int l, int n)
+{
+  const fb_line *const line = &all->line[l];
+  const int next = l > 0 ? line[-1].point + line[-1].stride : 0;
+  int sound = line->first + line->n <= n && line->point == next && line->count > 0 &&
+              line->stride == (line->count + 1) / 2 * 2 && line->point + line->stride <= all->n_point &&
+              fbi_line_rows_are_sound(all, line, line->row, line->n_turn, 2 * line->stride) &&
+              fbi_line_rows_are_sound(all, line, line->row + line->n_turn, line->n_stretch, line->stride) &&
+              line->weight >= 0 && line->weight <= all->n_table - line->count * line->stride &&
+              fbi_is_flag(line->moves) && fbi_is_flag(line->carries) && fbi_is_flag(line->solid) &&
+              fbi_is_flag(line->turned) && (!line->turned || fbi_is_finite(line->axes, 9)) &&
+              (!line->moves || (line->shift >= 0 && line->shift <= all->n_table - 3 * line->n));
+  if (sound && line->hangs) {
+    sound = line->hangs <= next;
+    for (int k = 0; sound && k < l; k++) {
+      const fb_line *const on = &all->line[k];
+      if (line->hangs > on->point && line->hangs <= on->point + on->stride) {
+        sound = line->hangs <= on->point + on->count && on->carries && on->first == line->first && on->n == line->n;
+      }
+    }
+  }
+  return sound;
+}
+
+static int fbi_line_counts_are_sound(const fb_lines *all)
+{
+  return fbi_is_within(all->n_line, FB_MAX_LINES) && fbi_is_within(all->n_point, FB_MAX_POINTS) &&
+         fbi_is_within(all->n_row, FBI_MAX_LINE_ROWS) && fbi_is_within(all->n_table, FBI_MAX_LINE_TABLE) &&
+         fbi_is_within(all->n_side, FBI_MAX_LINE_SIDES);
+}
+
+/* Checks a node's place on its line, and that it has one only where there is a line. */
+static int fbi_line_node_is_sound(const fb_lines *all, const fb_line_node *node)
+{
+  const fb_line *const line = node->line > 0 && node->line <= all->n_line ? &all->line[node->line - 1] : NULL;
+  return node->line == 0 ||
+         (line && (node->after == 0 || (node->after > line->point && node->after <= line->point + line->count)) &&
+          fbi_is_finite(node->start, 3) && fbi_is_finite(node->weight, line->count) &&
+          fbi_is_finite(node->turn, 3 * line->n) && fbi_is_finite(node->bow, 3 * line->n));
+}
+
+/* Checks where points stand, and the masses beside them. */
+static int fbi_stations_are_sound(const fb_line_station *s, int n, int n_side)
+{
+  int sound = 1;
+  for (int k = 0; sound && k < n; k++) {
+    const fb_real place[3] = {s[k].x, s[k].length, s[k].before};
+    sound = fbi_is_finite(place, 3) && fbi_is_finite(s[k].axes, 9) && s[k].side <= n_side;
+  }
+  return sound;
+}
+
+static int fbi_sides_are_sound(const fb_lines *all)
+{
+  int sound = 1;
+  for (int k = 0; sound && k < all->n_side; k++) {
+    sound = fbi_is_finite(all->side[k].mass, 2) && fbi_is_finite(all->side[k].first[0], 6) &&
+            fbi_is_finite(all->side[k].moment[0], 12);
+  }
+  return sound;
+}
+
+/* Checks the lines, S_0^-1 in place of S_0, and what the rest of the body has. */
+static int fbi_lines_are_sound(const fb_body *body)
+{
+  const fb_lines *const all = &body->lines;
+  const int n = all->n_point;
+  int points = 0;
+  int sound = fbi_form(body) == 0 && fbi_line_counts_are_sound(all) && fbi_sparse_is_sound(&body->M_rest, body->n) &&
+              fbi_is_finite(body->c_rest, 3);
+  for (int l = 0; sound && l < all->n_line; l++) {
+    sound = fbi_line_is_sound(all, l, body->n);
+    points += all->line[l].stride;
+  }
+  sound = sound && points == n && fbi_stations_are_sound(all->station, n, all->n_side) &&
+          fbi_stations_are_sound(all->root, all->n_line, all->n_side) && fbi_sides_are_sound(all);
+  sound = sound && fbi_is_finite(all->mass, n) && fbi_is_finite(all->center, 3 * n) &&
+          fbi_is_finite(all->inertia, 6 * n) && fbi_is_finite(all->table, all->n_table);
+  for (int i = 0; sound && i < 3; i++) {
+    sound = fbi_is_finite(all->start[i], n) && fbi_is_finite(all->tangent[i], n);
+  }
+  for (int j = 0; sound && j < n; j++) {
+    sound = all->mass[j] >= FB_R(0.0);
+  }
+  for (int k = 0; sound && k < body->n_node; k++) {
+    sound = fbi_line_node_is_sound(all, &body->node[k].line);
+  }
+  return sound;
+}
+#endif
+
 static int fbi_matrices_are_sound(const fb_body *body)
 {
   int sound = fbi_sparse_is_sound(&body->M, body->n) && fbi_sparse_is_sound(&body->Minv, body->n) &&
@@ -5449,21 +6343,31 @@ static int fbi_matrices_are_sound(const fb_body *body)
   return sound;
 }
 
-/* Checks the scalars and S_0, which is positive definite for a free body, and that its inverse is finite. */
+/* Checks the scalars and S_0, which is positive definite for a free body, and that its inverse is finite; of a body with
+   lines the inverse is, and S_0 finite. */
 static int fbi_rigid_is_sound(const fb_body *body)
 {
   const fb_real number[8] = {body->mass,          body->deflection_limit, body->recoil,     body->gyration,
                              body->limit_elastic, body->limit_damping,    body->limit_spin, body->limit_acceleration};
   const fb_real unit[6] = {FB_R(1.0)};
-  fb_real x[6];
+  fb_real x[6], S0[21];
+  fbi_copy(S0, body->S0, 21);
   for (int k = 0; k < 8; k++) {
     if (!(number[k] >= FB_R(0.0) && number[k] <= FB_HUGE)) {
       return 0;
     }
   }
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) { /* S0 is of the rest, which may be nothing */
+    for (int i = 0, at = 0; i < 6; i++) {
+      for (int j = i; j < 6; j++) {
+        S0[at++] = body->S0_inverse[6 * i + j];
+      }
+    }
+  }
+#endif
   return fbi_is_finite(body->c, 3) && fbi_is_finite(body->reach, body->n) && fbi_is_finite(body->S0, 21) &&
-         fbi_is_finite(body->S0_inverse, 36) &&
-         (body->base != FB_BASE_FREE || fbi_sym6_solve(x, body->S0, unit) == FB_OK);
+         fbi_is_finite(body->S0_inverse, 36) && (body->base != FB_BASE_FREE || fbi_sym6_solve(x, S0, unit) == FB_OK);
 }
 
 FB_DEF fb_status fb_body_check(const fb_body *body)
@@ -5485,6 +6389,9 @@ FB_DEF fb_status fb_body_check(const fb_body *body)
 #endif
 #if FB_WITH_NONLINEAR_STRAIN
   sound = sound && fbi_strain_is_sound(body);
+#endif
+#if FB_WITH_LARGE_DEFLECTION
+  sound = sound && (!fbi_is_large(body) || fbi_lines_are_sound(body));
 #endif
 #if FB_WITH_GRAVITY
   sound = sound && fbi_is_finite(body->gravity, 3);
@@ -5617,6 +6524,67 @@ static unsigned fbi_crc_strain(unsigned crc, const fb_body *body, int single)
 }
 #endif
 
+#if FB_WITH_LARGE_DEFLECTION
+/* A line; without its root and frame, which no step reads. */
+static unsigned fbi_crc_line(unsigned crc, const fb_line *line, int single)
+{
+  const int whole[] = {line->first, line->n,      line->point,     line->count,  line->stride,
+                       line->row,   line->n_turn, line->n_stretch, line->weight, line->shift,
+                       line->moves, line->hangs,  line->carries,   line->solid,  line->turned};
+  crc = fbi_crc_ints(crc, whole, (int)(sizeof whole / sizeof *whole));
+  return line->turned ? fbi_crc_reals(crc, line->axes, 9, single) : crc;
+}
+
+/* Lines, their nodes, and the rest of the body. */
+/* Where points stand, and the masses on either side of the ends of stretches. */
+static unsigned fbi_crc_stations(unsigned crc, const fb_line_station *s, int n, int single)
+{
+  for (int k = 0; k < n; k++) {
+    const fb_real place[3] = {s[k].x, s[k].length, s[k].before};
+    crc = fbi_crc_word(fbi_crc_reals(fbi_crc_reals(crc, place, 3, single), s[k].axes, 9, single), s[k].side);
+  }
+  return crc;
+}
+
+static unsigned fbi_crc_lines(unsigned crc, const fb_body *body, int single)
+{
+  const fb_lines *const all = &body->lines;
+  const int whole[5] = {all->n_line, all->n_point, all->n_row, all->n_table, all->n_side}, n = all->n_point;
+  crc = fbi_crc_ints(crc, whole, 5);
+  crc = fbi_crc_stations(fbi_crc_stations(crc, all->station, n, single), all->root, all->n_line, single);
+  for (int k = 0; k < all->n_side; k++) {
+    const fb_line_side *const s = &all->side[k];
+    crc = fbi_crc_reals(fbi_crc_reals(crc, s->mass, 2, single), s->first[0], 6, single);
+    crc = fbi_crc_reals(crc, s->moment[0], 12, single);
+  }
+  for (int l = 0; l < all->n_line; l++) {
+    crc = fbi_crc_line(crc, &all->line[l], single);
+  }
+  crc = fbi_crc_reals(fbi_crc_reals(crc, all->mass, n, single), all->center, 3 * n, single);
+  crc = fbi_crc_reals(crc, all->inertia, 6 * n, single);
+  for (int i = 0; i < 3; i++) {
+    crc = fbi_crc_reals(fbi_crc_reals(crc, all->start[i], n, single), all->tangent[i], n, single);
+  }
+  for (int k = 0; k < all->n_row; k++) {
+    crc = fbi_crc_word(fbi_crc_word(crc, all->row[k].axis | (unsigned)all->row[k].a << 16), (unsigned)all->row[k].at);
+  }
+  crc = fbi_crc_reals(crc, all->table, all->n_table, single);
+  crc = fbi_crc_reals(fbi_crc_sparse(crc, &body->M_rest, body->n, single), body->c_rest, 3, single);
+  for (int k = 0; k < body->n_node; k++) {
+    const fb_line_node *const node = &body->node[k].line;
+    crc = fbi_crc_word(crc, node->line | (unsigned)node->after << 16);
+    if (node->line > 0 && node->line <= all->n_line) {
+      const fb_line *const line = &all->line[node->line - 1];
+      const int count = line->count < FB_MAX_POINTS ? line->count : FB_MAX_POINTS,
+                a = line->n < FB_MAX_MODES ? line->n : FB_MAX_MODES;
+      crc = fbi_crc_reals(fbi_crc_reals(crc, node->start, 3, single), node->weight, count, single);
+      crc = fbi_crc_reals(fbi_crc_reals(crc, node->turn, 3 * a, single), node->bow, 3 * a, single);
+    }
+  }
+  return crc;
+}
+#endif
+
 /* Data of optional effects and forms; a body without them adds nothing. */
 static unsigned fbi_crc_further(unsigned crc, const fb_body *body, int single)
 {
@@ -5638,6 +6606,11 @@ static unsigned fbi_crc_further(unsigned crc, const fb_body *body, int single)
 #if FB_WITH_NONLINEAR_STRAIN
   if (fbi_has(body->effects, FB_EFFECT_NONLINEAR_STRAIN)) {
     crc = fbi_crc_strain(crc, body, single);
+  }
+#endif
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    crc = fbi_crc_lines(crc, body, single);
   }
 #endif
   (void)body, (void)single; /* all of it may be removed at compile time */
@@ -5690,6 +6663,10 @@ static int fbi_counts_are_sound(const fb_body *body)
 #if FB_WITH_NONLINEAR_STRAIN
   sound =
       sound && fbi_is_within(body->n_strain, FBI_MAX_STRAINS) && fbi_is_within(body->n_strain_row, 3 * FB_MAX_MODES);
+#endif
+#if FB_WITH_LARGE_DEFLECTION
+  sound = sound && (!fbi_is_large(body) ||
+                    (fbi_line_counts_are_sound(&body->lines) && fbi_is_within(body->M_rest.n_term, FBI_MAX_PAIRS)));
 #endif
   return sound;
 }
@@ -6016,6 +6993,13 @@ static void fbi_links_place(fb_system_work *w, const fb_system *system, const fb
       L->k.qx[a + 1] = state->link[k].q[a];
     }
 
+#if FB_WITH_LARGE_DEFLECTION
+    if (fbi_is_large(model)) { /* poses of its lines, M, Lambda and M_rr at q */
+      L->k.line = &w->line[k];
+      L->sound = fbi_large_matrices(&L->k, model, L->k.qx + 1);
+    }
+#endif
+
     /* axis modes; a body whose joint is enforced by multipliers is free */
     if (fbi_is_kept(system, w, k)) {
       L->mode[0] = L->mode[1] = L->mode[2] = FB_AXIS_FREE;
@@ -6201,6 +7185,23 @@ static void fbi_from_node(fb_real V[6], const fbi_link_work *L, const fb_real no
   fb_mat33_mulT_vec3(V + 3, L->C, node + 3);
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* fbi_link_open of a body with lines: E += s M(q) (lower triangle), X = Lambda(q)^T, S = M_rr(q). */
+static void fbi_large_open(fbi_link_work *L, int n, fb_real s)
+{
+  const fbi_line_work *const w = L->k.line;
+  for (int a = 0; a < n; a++) {
+    for (int b = 0; b <= a; b++) {
+      L->E[a * n + b] += s * w->L[a * n + b];
+    }
+    for (int i = 0; i < 6; i++) {
+      L->X[6 * a + i] = w->X[i * n + a];
+    }
+  }
+  fbi_sym6_copy(L->S, w->M_rr);
+}
+#endif
+
 /* Elastic block of the articulated-body inertia, for bodies whose nodes carry children or whose modes are integrated
    implicitly: E = (1 + heavy) M + g C + g^2 K_t, X = Lambda^T (6 per mode), S = M_rr = S + Lambda M^-1 Lambda^T.
    heavy: extra modal mass while loops are closed. */
@@ -6228,6 +7229,12 @@ static FBI_NOINLINE void fbi_link_open(fbi_link_work *L, const fb_body *body, fb
     }
 #endif
   }
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    fbi_large_open(L, n, FB_R(1.0) + heavy);
+    return;
+  }
+#endif
   fbi_sparse_add(L->E, FB_R(1.0) + heavy, &body->M, n);
 
   /* X = Lambda^T */
@@ -6254,6 +7261,18 @@ static FBI_NOINLINE void fbi_link_open(fbi_link_work *L, const fb_body *body, fb
     }
   }
   fbi_row_sub(L->S, -FB_R(1.0), sum, 21); /* the sum first: S is rounded once */
+}
+
+/* Of a body with lines as placed: S = M_rr(q), and whether its lines are in range. */
+static fb_status fbi_large_begin(fbi_link_work *L)
+{
+#if FB_WITH_LARGE_DEFLECTION
+  fbi_sym6_copy(L->S, L->k.line->M_rr);
+  return L->sound;
+#else
+  (void)L;
+  return FB_OK;
+#endif
 }
 
 /* Adds a child of inertia S on a node that modes move: E += J^T I J (the lower triangle, which is factored),
@@ -6353,12 +7372,17 @@ static FBI_FLATTEN fb_status fbi_tree_factor(fb_system_work *w, const fb_system 
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     const fb_body *model = L->model;
-    if (model->constant_S) {
+    if (fbi_is_large(model)) {
+      if (fbi_large_begin(L) != FB_OK) {
+        w->joint = k;
+        return fbi_large_begin(L);
+      }
+    } else if (model->constant_S) {
       fbi_sym6_copy(L->S, model->S0);
     } else {
       fbi_S_eval(L->S, model, L->k.qx, model->n_run);
     }
-    L->open = model->n > 0 && (L->coupled || g + w->heavy > FB_R(0.0));
+    L->open = model->n > 0 && (L->coupled || g + w->heavy > FB_R(0.0) || fbi_is_large(model));
     if (L->open) {
       fbi_link_open(L, model, g, w->heavy);
     }
@@ -6646,7 +7670,9 @@ static void fbi_dense_add(fb_system_work *w, const fb_system *system, const fb_b
   const fb_real *T = w->T + 6 * k * N;
 
   /* own inertia and velocity map */
-  fbi_S_eval(L->S, model, L->k.qx, model->n_run);
+  if (!fbi_is_large(model)) {
+    fbi_S_eval(L->S, model, L->k.qx, model->n_run);
+  }
   fbi_link_open(L, model, g, w->heavy);
   fbi_velocity_map(w, system, body, k, N);
 
@@ -6697,6 +7723,10 @@ static FBI_NOINLINE fb_status fbi_dense_factor(fb_system_work *w, const fb_syste
   /* lower triangle, mirrored to the upper one */
   fbi_zero(w->M, N * N);
   for (int k = 0; k < system->n_body; k++) {
+    if (fbi_is_large(fbi_model(system, body, k)) && fbi_large_begin(&w->link[k]) != FB_OK) {
+      w->joint = k;
+      return fbi_large_begin(&w->link[k]);
+    }
     fbi_dense_add(w, system, body, g, k, N);
   }
   for (int c = 0; c < N; c++) {
@@ -7729,10 +8759,56 @@ static void fbi_link_kinetics(fbi_link_work *L, const fb_body *body)
   }
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* Momenta of a body with lines at V and q_dot: (p, h) = M_rr V + Lambda q_dot to k.ph, M q_dot + Lambda^T V to e. */
+static void fbi_large_momenta(fb_real *e, fbi_link_work *L, const fb_real V[6], const fb_real *q_dot, int n)
+{
+  const fbi_line_work *const w = L->k.line;
+  fb_sym6_mul_vec6(L->k.ph, w->M_rr, V);
+  for (int i = 0; i < 6; i++) {
+    L->k.ph[i] += fbi_dot(w->X + i * n, q_dot, n);
+  }
+  for (int a = 0; a < n; a++) {
+    e[a] = fbi_dot(w->L + a * n, q_dot, a + 1);
+    for (int b = a + 1; b < n; b++) {
+      e[a] += w->L[b * n + a] * q_dot[b];
+    }
+    for (int i = 0; i < 6; i++) {
+      e[a] += w->X[i * n + a] * V[i];
+    }
+  }
+}
+#endif
+
+/* Kinetics of a body as above, and its own momenta (p, h), k.ph; those of its modes with modes != 0 to L->e. */
+static void fbi_link_momenta(fbi_link_work *L, const fb_body *body, int modes)
+{
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    fbi_vec6_copy(L->k.V, L->V);
+    fbi_large_momenta(L->e, L, L->V, L->q_dot, body->n);
+    return;
+  }
+#endif
+  fbi_link_kinetics(L, body);
+  fbi_momenta(&L->k, body);
+  if (modes) {
+    fbi_mass_mul(L->e, body, L->k.pb);
+  }
+}
+
 /* k.x, the forces of the body's own inertia on its modes (E8.17), and its kinetics as above. For modes that carry no
    children the solution has left pb in L->e; q_dot is then found here. */
 static void fbi_link_inertia(fbi_link_work *L, const fb_body *body)
 {
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    fbi_vec6_copy(L->k.V, L->V);
+    fbi_zero(L->k.x, body->n + 1);
+    fbi_large_gradient(&L->k, body, L->q_dot);
+    return;
+  }
+#endif
   if (body->n > 0) {
     if (L->has_speeds) {
       fbi_link_kinetics(L, body);
@@ -7860,16 +8936,46 @@ static FBI_NOINLINE fb_real fbi_kept_springs(fb_system_work *w, const fb_system 
   return power;
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* E9.12 of a node on a line, with J_dot_a.G by E9.25. */
+static FBI_NOINLINE void fbi_large_take(fb_real *x, const fbi_node_field *f, const fbi_kinetics *k, const fb_body *body,
+                                        const fb_node *node, const fb_real *q_dot, const fb_real V[6],
+                                        const fb_real n[3], const fb_real G[6], const fb_real F[6])
+{
+  fb_real at[6], turn[6], load[6];
+  fbi_vec6_copy(at, V);
+  fbi_vec3_add_cross(at, V + 3, n);
+  for (int a = 0; a < body->n; a++) {
+    fbi_vec3_add(at, q_dot[a], f->Ju + 3 * a);
+  }
+  fbi_turning(turn, at, G);
+  for (int i = 0; i < 6; i++) {
+    load[i] = F[i] - turn[i];
+  }
+  for (int a = 0; a < body->n; a++) {
+    x[a] += fb_vec3_dot(f->Ju + 3 * a, load) + fb_vec3_dot(f->Jphi + 3 * a, load + 3);
+  }
+  fbi_large_node_take(x, k, body, node, q_dot, G);
+}
+#endif
+
 /* [E9.12] Generalized force on the modes of a body by what a node carries that they move: with the momentum G and load
    F of that about the node, body axes,
    pi_dot_a += J_a.(F - turning of G) + J_dot_a.G,  turning: the transport term (w x p, w x h + v_n x p) with v_n of
    the node, w of the body.
    Source: d/dt of pi_a = pi_own,a + J_a.G.  Cost: 40 n flops, with a quadratic field 24 n^2.  Fails: never.
    Test: systems_keep_energy_and_momentum. */
-static FBI_NOINLINE void fbi_node_take(fb_real *x, const fbi_node_field *f, const fb_body *body, const fb_node *node,
-                                       const fb_real *q_dot, const fb_real V[6], const fb_real n[3], const fb_real G[6],
-                                       const fb_real F[6])
+static FBI_NOINLINE void fbi_node_take(fb_real *x, const fbi_node_field *f, const fbi_kinetics *k, const fb_body *body,
+                                       const fb_node *node, const fb_real *q_dot, const fb_real V[6],
+                                       const fb_real n[3], const fb_real G[6], const fb_real F[6])
 {
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_on_line(body, node)) {
+    fbi_large_take(x, f, k, body, node, q_dot, V, n, G, F);
+    return;
+  }
+#endif
+  (void)k;
   const fb_real scale = FB_R(1.0) / (FB_R(1.0) + FB_R(0.25) * fb_vec3_dot(f->phi, f->phi));
   fb_real Ju_dot[3 * FB_MAX_MODES], turn_dot[3 * FB_MAX_MODES], at[6], turn[6], load[6], phi_dot[3], shrink;
 
@@ -7934,7 +9040,7 @@ static FBI_NOINLINE void fbi_rows_loads(fb_system_work *w, const fb_system *syst
       /* on the modes; on the body about O */
       if (end->moves) {
         const fb_body *model = fbi_model(system, body, end->link);
-        fbi_node_take(L->k.x + 1, &end->f, model, &model->node[end->node], L->q_dot, L->V, end->n, G, F);
+        fbi_node_take(L->k.x + 1, &end->f, &L->k, model, &model->node[end->node], L->q_dot, L->V, end->n, G, F);
       }
       fbi_vec3_add_cross(F + 3, end->n, F);
       fbi_vec6_add(L->F, FB_R(1.0), F);
@@ -8030,7 +9136,8 @@ static void fbi_load_hand_in(const fbi_link_work *L)
     fb_real F[6] = {0}, G[6] = {0};
     fbi_to_parent_add(F, L, L->F);
     fbi_to_parent_add(G, L, L->G);
-    fbi_node_take(parent->k.x + 1, &L->node, on, &on->node[joint->parent_node], parent->q_dot, parent->V, L->n, G, F);
+    fbi_node_take(parent->k.x + 1, &L->node, &parent->k, on, &on->node[joint->parent_node], parent->q_dot, parent->V,
+                  L->n, G, F);
     fbi_vec3_add_cross(F + 3, L->n, F);
     fbi_vec6_add(parent->F, FB_R(1.0), F);
   } else {
@@ -8095,10 +9202,8 @@ static void fbi_momenta_fill(fb_system_state *state, fb_system_work *w, const fb
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     const fb_body *model = fbi_model(system, body, k);
-    fbi_link_kinetics(L, model);
-    fbi_momenta(&L->k, model);
+    fbi_link_momenta(L, model, 1);
     fbi_vec6_copy(L->b, L->k.ph);
-    fbi_mass_mul(L->e, model, L->k.pb);
     for (int a = 0; a < model->n; a++) {
       L->e[a] = -L->e[a]; /* fbi_hand_in subtracts from e */
     }
@@ -8145,6 +9250,28 @@ static void fbi_keep(fb_real *x, fb_real *lost, const fb_real *d, int n)
   }
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* First moment of mass of a body with lines, from M_rr(q). */
+static void fbi_large_center(fb_real c[3], const fbi_line_work *w)
+{
+  c[0] = w->M_rr[10];
+  c[1] = w->M_rr[12];
+  c[2] = w->M_rr[4];
+}
+
+/* E9.24 of a body with lines, from M_rr(q) and Lambda(q), so that solving the equations of motion returns d to
+   rounding: the field of E8.16 differs from them by what the points miss of the integrals. */
+static void fbi_large_drift(fb_real F[6], fb_real *e, fb_real c[3], const fbi_line_work *w, int n, const fb_real d[3])
+{
+  const fb_real V[6] = {d[0], d[1], d[2], FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+  fb_sym6_mul_vec6(F, w->M_rr, V);
+  for (int a = 0; a < n; a++) {
+    e[a] = d[0] * w->X[a] + d[1] * w->X[n + a] + d[2] * w->X[2 * n + a];
+  }
+  fbi_large_center(c, w);
+}
+#endif
+
 /* [E9.24] Momenta of a body by a velocity d of the whole tree (body axes): linear m d and angular c(q) x d in F,
    Lambda^T d in e of its modes; c: its first moment. Without residual inertia F follows from S0 and Lambda as in the
    equations of motion, so that solving them returns the velocity d.
@@ -8153,6 +9280,12 @@ static void fbi_drift_momenta(fb_real F[6], fb_real *e, fb_real c[3], const fbi_
                               const fb_real d[3])
 {
   fb_real x[FB_MAX_MODES + 1];
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    fbi_large_drift(F, e, c, L->k.line, body->n, d);
+    return;
+  }
+#endif
   fbi_zero(x, body->n + 1);
   fbi_pull_eval(c, x, &L->k, body, L->k.qx, d);
   fbi_copy(e, x + 1, body->n);
@@ -8186,6 +9319,12 @@ static void fbi_trees_weigh(fb_system_work *w, const fb_system *system, int chan
       fb_mat33_mulT_vec3(d, L->k.R, w->link[L->root].change);
       fbi_drift_momenta(L->b, L->e, L->first, L, model, d);
     } else {
+#if FB_WITH_LARGE_DEFLECTION
+      if (fbi_is_large(model)) {
+        fbi_large_center(L->first, L->k.line);
+        continue;
+      }
+#endif
       fbi_center_eval(L->first, FBI_LINE_OF(&L->k), model, L->k.qx + 1);
     }
   }
@@ -8626,6 +9765,14 @@ static fb_status fbi_system_range(const fb_system *system, const fb_body *body, 
     if (!(deflection <= model->deflection_limit)) {
       return FB_ERR_RANGE;
     }
+#if FB_WITH_LARGE_DEFLECTION
+    if (fbi_is_large(model)) {
+      const fb_status status = fbi_large_range(model, state->link[k].q);
+      if (status != FB_OK) {
+        return status;
+      }
+    }
+#endif
   }
   return FB_OK;
 }
@@ -9080,11 +10227,31 @@ static void fbi_end_acceleration(fbi_end *end, const fb_system_work *w, const fb
   }
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* fbi_own_residual of a body with lines (E14.16): y = F - bias - M_rr V_dot - Lambda q_ddot. */
+static FBI_NOINLINE void fbi_large_residual(fbi_link_work *L, const fb_body *body, const fb_real V_dot[6],
+                                            const fb_real *q_ddot)
+{
+  fb_real bias[FB_MAX_MODES] = {FB_R(0.0)};
+  fbi_vec6_copy(L->y, L->k.fg);
+  fbi_large_bias_sub(L->y, bias, &L->k, body, L->q_dot);
+  fbi_large_momenta(L->e, L, V_dot, q_ddot, body->n);
+  fbi_vec6_add(L->y, -FB_R(1.0), L->k.ph);
+  fbi_row_sub(L->e, FB_R(1.0), bias, body->n);
+}
+#endif
+
 /* Residual of a body's equations of motion, to be balanced by its joints: y = F - turning of G - G_dot; pi_dot to
    L->e. */
 static void fbi_own_residual(fbi_link_work *L, const fb_body *body, const fb_real V_dot[6], const fb_real *q_ddot)
 {
   fb_real turn[6];
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    fbi_large_residual(L, body, V_dot, q_ddot);
+    return;
+  }
+#endif
   fbi_own_momentum_rates(L, body, V_dot, q_ddot);
   fbi_turning(turn, L->V, L->k.ph);
   for (int i = 0; i < 6; i++) {
@@ -9354,8 +10521,7 @@ FB_DEF fb_status fb_system_motion_eval(const fb_system *system, const fb_body *b
   fbi_system_enter(work, system);
   status = status == FB_OK ? fbi_system_velocity(work, system, body, state, state, input, 0) : status;
   for (int k = 0; k < system->n_body && status == FB_OK; k++) {
-    fbi_link_kinetics(&work->link[k], fbi_model(system, body, k));
-    fbi_momenta(&work->link[k].k, fbi_model(system, body, k));
+    fbi_link_momenta(&work->link[k], fbi_model(system, body, k), 0);
   }
 
   /* accelerations; all finite? */
@@ -9393,9 +10559,7 @@ static void fbi_link_energy_add(fb_energy *out, fb_system_work *w, const fb_body
 {
   fbi_link_work *L = &w->link[k];
   fb_real u[3] = {0}, rho[3];
-  fbi_link_kinetics(L, model);
-  fbi_momenta(&L->k, model);
-  fbi_mass_mul(L->e, model, L->k.pb);
+  fbi_link_momenta(L, model, 1);
   out->kinetic += FB_R(0.5) * (fbi_vec6_dot(L->k.ph, L->V) + fbi_dot(L->e, L->q_dot, model->n));
   fbi_own_frame_add(u, FB_R(1.0), w, k);
   out->kinetic += fb_vec3_dot(L->k.ph, u) + FB_R(0.5) * model->mass * fb_vec3_dot(u, u);
@@ -9478,8 +10642,7 @@ FB_DEF fb_status fb_system_momentum_eval(const fb_system *system, const fb_body 
     const fb_body *model = fbi_model(system, body, k);
     fbi_link_work *L = &work->link[k];
     fb_real P[3], h[3], u[3] = {0}, rho[3];
-    fbi_link_kinetics(L, model);
-    fbi_momenta(&L->k, model);
+    fbi_link_momenta(L, model, 0);
     fbi_own_frame_add(u, FB_R(1.0), work, k);
     fbi_drift_momenta(L->b, L->e, L->first, L, model, u);
     fbi_vec6_add(L->k.ph, FB_R(1.0), L->b);
@@ -11314,7 +12477,7 @@ FB_DEF fb_status fb_exact_momentum_eval(const fb_exact *m, fb_momentum *momentum
 #endif /* FB_WITH_EXACT */
 
 /* ---------------------------------------------------------------------------------------------------------------
-   RUN >>integrate: every step and its limit (uses config, status, vec3, rotation, solve, body, system, exact) */
+   RUN >>integrate: every step and its limit (uses config, status, vec3, rotation, solve, line, body, system, exact) */
 
 /* Bound of the highest frequency (E8.8) of deflected, stretched beams: with slope s and strain e
    k <= (sqrt(limit_elastic) + s sqrt(limit_slope))^2 + e limit_slope, the triangle inequality for u_x' + s u_y'. */
@@ -11390,7 +12553,8 @@ static void fbi_state_scale(fb_state *out, fb_real s, const fb_state *rate, int 
   }
 }
 
-/* Stage value out = state + s rate of all that rates depend on; L only in forms other than the momentum form. */
+/* Stage value out = state + s rate of all that rates depend on; L only in forms other than the momentum form, rho only
+   of bodies with lines. */
 static void fbi_stage_advance(fb_state *out, const fb_body *body, const fb_state *state, fb_real s,
                               const fb_state *rate)
 {
@@ -11399,6 +12563,9 @@ static void fbi_stage_advance(fb_state *out, const fb_body *body, const fb_state
   fbi_vec3_advance(out->h, state->h, s, rate->h);
   if (fbi_form(body) != 0) {
     fbi_vec3_advance(out->L, state->L, s, rate->L);
+  }
+  if (fbi_is_large(body)) { /* distributed loads see where they act */
+    fbi_vec3_advance(out->rho, state->rho, s, rate->rho);
   }
   fbi_modes_advance(out, state, s, rate, body->n);
 }
@@ -11468,6 +12635,123 @@ static void fbi_step_conditions(fb_real *spin, fb_real *acceleration, const fb_b
 #endif
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* Fastest rotation of a point of the lines relative to the frame [rad/s], after rates. */
+static fb_real fbi_lines_spin(const fbi_line_work *w, const fb_lines *all)
+{
+  fb_real most = FB_R(0.0);
+  for (int j = 0; j < all->n_point; j++) {
+    most = fbi_larger(most, w->w[0][j] * w->w[0][j] + w->w[1][j] * w->w[1][j] + w->w[2][j] * w->w[2][j]);
+  }
+  return FB_SQRT(most);
+}
+
+/* [E11.36] Inertia against which the modes swing at the present deflection, with the recoil of the base's free rows,
+   inverted: G = (M - Lambda^T M_rr^-1 Lambda)^-1 = P^T P + F^T F, P = L^-1, F = S^-1/2 Lambda M^-1. 0: S is not
+   positive definite.
+   Source: block elimination.  Cost: n^3 + 6 n^2 flops.  Fails: see there.  Test: rk4_limits_hold_for_bent_lines. */
+static int fbi_large_mobility(fb_real *G, const fbi_kinetics *k, const fb_body *body)
+{
+  const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first;
+  const fb_real *const L = k->line->L;
+  fb_real P[FB_MAX_MODES * FB_MAX_MODES], F[6 * FB_MAX_MODES], S[36];
+
+  /* P, lower triangle */
+  for (int i = 0; i < n; i++) {
+    const fb_real own = FB_R(1.0) / L[i * n + i];
+    for (int j = 0; j < i; j++) {
+      fb_real sum = FB_R(0.0);
+      for (int m = j; m < i; m++) {
+        sum += L[i * n + m] * P[m * n + j];
+      }
+      P[i * n + j] = -own * sum;
+    }
+    P[i * n + i] = own;
+  }
+
+  /* F */
+  for (int i = 0; i < rows; i++) {
+    for (int j = 0; j < rows; j++) {
+      S[i * rows + j] = k->S[fb_sym6_index(first + i, first + j)];
+    }
+    for (int a = 0; a < n; a++) {
+      fb_real sum = FB_R(0.0);
+      for (int m = a; m < n; m++) {
+        sum += k->line->Z[(first + i) * n + m] * P[m * n + a];
+      }
+      F[i * n + a] = sum;
+    }
+  }
+  if (rows > 0 && fb_chol_factor(S, rows) != FB_OK) {
+    return 0;
+  }
+  for (int i = 0; i < rows; i++) {
+    for (int j = 0; j < i; j++) {
+      fbi_row_sub(F + i * n, S[i * rows + j], F + j * n, n);
+    }
+    for (int a = 0; a < n; a++) {
+      F[i * n + a] /= S[i * (rows + 1)];
+    }
+  }
+
+  /* G */
+  for (int a = 0; a < n; a++) {
+    for (int b = 0; b <= a; b++) {
+      fb_real sum = FB_R(0.0);
+      for (int m = a; m < n; m++) {
+        sum += P[m * n + a] * P[m * n + b];
+      }
+      for (int i = 0; i < rows; i++) {
+        sum += F[i * n + a] * F[i * n + b];
+      }
+      G[a * n + b] = G[b * n + a] = sum;
+    }
+  }
+  return 1;
+}
+
+/* [E11.37] Bound of the largest eigenvalue of A, K or C, against the elastic mass of the present deflection, B = G A:
+   lambda^4 <= trace B^4, the sum of the fourth powers of all of them, none of which is negative. At most n^(1/8) too
+   high as a frequency, with two equal largest ones 9 %. unit: about what is to be found, against overflow.
+   Source: linear algebra, trace of a power.  Cost: 3 n^3 flops.  Fails: never.  Test: rk4_limits_hold_for_bent_lines. */
+static fb_real fbi_large_norm(const fb_real *G, const fb_sparse *A, fb_real unit, int n)
+{
+  const fb_real share = unit > FB_R(0.0) ? FB_R(1.0) / unit : FB_R(0.0);
+  fb_real B[FB_MAX_MODES * FB_MAX_MODES], C[FB_MAX_MODES * FB_MAX_MODES] = {FB_R(0.0)}, trace = FB_R(0.0);
+  for (int a = 0; a < n; a++) { /* rows of G A */
+    fbi_sparse_eval(B + a * n, NULL, share, A, G + a * n, n);
+  }
+  for (int a = 0; a < n; a++) {
+    for (int b = 0; b < n; b++) {
+      fbi_row_sub(C + a * n, -B[a * n + b], B + b * n, n);
+    }
+  }
+  for (int ab = 0; ab < n * n; ab++) {
+    trace += C[ab] * C[ab % n * n + ab / n];
+  }
+  return unit * FB_SQRT(FB_SQRT(trace));
+}
+
+/* Bound of the highest frequency (E8.8) at the present deflection; the spin is that of the fastest section. */
+static FBI_NOINLINE fb_real fbi_large_bound(const fb_body *body, const fbi_kinetics *k, fb_real spin,
+                                            fb_real acceleration)
+{
+  const fb_real whole = spin + fbi_lines_spin(k->line, &body->lines);
+  fb_real G[FB_MAX_MODES * FB_MAX_MODES], g = whole, stiff;
+  if (!fbi_large_mobility(G, k, body)) {
+    return FB_HUGE;
+  }
+#if FB_WITH_DAMPING
+  if (fbi_has(body->effects, FB_EFFECT_DAMPING)) {
+    g += FB_R(0.5) * fbi_large_norm(G, &body->C, body->limit_damping, body->n);
+  }
+#endif
+  stiff = fbi_large_norm(G, &body->K, body->limit_elastic, body->n);
+  stiff += body->limit_spin * whole * whole + body->limit_acceleration * acceleration;
+  return g + FB_SQRT(g * g + stiff);
+}
+#endif
+
 static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const fb_input *input, fb_real dt)
 {
   fb_real spin, acceleration, slope = FB_R(0.0), strain = FB_R(0.0), bound;
@@ -11478,6 +12762,9 @@ static fb_status fbi_rk4_check(const fb_body *body, const fbi_kinetics *k, const
   }
 #endif
   bound = fbi_frequency_bound(body, spin, acceleration, slope, strain);
+#if FB_WITH_LARGE_DEFLECTION
+  bound = fbi_is_large(body) ? fbi_large_bound(body, k, spin, acceleration) : bound;
+#endif
   return dt <= fbi_step_limit(FBI_RK4_RADIUS, bound)
              ? FB_OK
              : FBI_REFUSE_AT(FB_ERR_STEP, "dt [s] for the modes at this spin [rad/s], at most", -1, dt,
@@ -11678,6 +12965,8 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
   /* Position */
   if (fbi_is_flying(body)) {
     fbi_origin_lead(next->rho, line, body, start, next);
+  } else {
+    status = status ? status : fbi_pin_check(body, state);
   }
   FBI_SUM_KEPT(next, state, rho, 3);
 
@@ -11702,6 +12991,15 @@ static fb_status fbi_step_end(fb_state *state, fb_state *next, fbi_line_work *li
      fbi_momentum_rates: fbi_elastic_rates fbi_rigid_rates
      fbi_elastic_rates: fbi_lambda_gradients fbi_S_gradient fbi_elastic_forces fbi_mass_solve
      fbi_elastic_forces: fbi_sparse_eval fbi_damping_add fbi_strain_sub
+   with lines of large deflection
+     fbi_velocity: fbi_large_velocity
+     fbi_large_velocity: fbi_large_inertia fbi_large_S fbi_large_lambda_sub
+     fbi_large_inertia: fbi_large_matrices fbi_large_factor
+     fbi_large_matrices: fbi_lines_pose fbi_lambda_rows fbi_S_eval fbi_lines_inertia_add
+     fbi_elastic_rates: fbi_large_rates
+     fbi_large_rates: fbi_large_lambdaT_sub fbi_large_gradient
+     fbi_large_gradient: fbi_lines_gradient_add fbi_lambda_linear_gradients fbi_S_gradient
+   with and without
      fbi_rk4_check: fbi_step_conditions fbi_largest_slopes fbi_frequency_bound fbi_step_limit
      fbi_step_end: fbi_state_align fbi_quat_increment fbi_frame_follow fbi_origin_lead fbi_state_range fbi_state_take */
 
@@ -11729,6 +13027,10 @@ FB_DEF FBI_FLATTEN fb_status fb_rk4_step(const fb_body *body, fb_state *state, f
   input[3] = end;
   at = &work->start;
   fbi_state_enter(&work->start, k.R, body, state);
+  fbi_line_start(FBI_LINES(work), body, state, k.R,
+                 fbi_is_distributed(start) ? start
+                 : fbi_is_distributed(end) ? end
+                                           : middle);
 
   /* Stages */
   for (int stage = 0; stage < 4; stage++) {
@@ -11892,6 +13194,157 @@ static void fbi_turning_sub(fb_real *A, fb_real g, const fb_real h[3], int first
   }
 }
 
+/* Gyroscopic terms of the rigid mass matrix A and its LU factors, Z = A^-1 (X + g Y). */
+static fb_status fbi_coupling_factor(fb_implicit_work *w, const fbi_kinetics *k, const fb_body *body)
+{
+  const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first, momentum = fbi_form(body) == 0;
+  if (momentum) {
+    fbi_turning_mul(w->A, w->g, w->V + 3, first, rows);
+    fbi_turning_sub(w->A, w->g, k->ph + 3, first);
+  }
+  if (fbi_lu_plain_factor(w->A, rows) != FB_OK) {
+    return FB_ERR_RANGE;
+  }
+  for (int i = 0; i < rows * n; i++) {
+    w->Z[i] = w->X[i] + w->g * w->Y[i];
+  }
+  if (momentum) {
+    fbi_turning_mul(w->Z, w->g, w->V + 3, first, n);
+  }
+  fbi_rows_solve(w->Z, w->A, rows, n);
+  return FB_OK;
+}
+
+#if FB_WITH_LARGE_DEFLECTION
+/* Momenta of the lines from the velocities of their points (fbi_line_rates): y += (linear, angular about O), body axes,
+   p_a += that of coordinate a. */
+static void fbi_lines_momenta_add(fb_real y[6], fb_real *p, fbi_line_work *w, const fb_lines *all, const fb_real V[6])
+{
+  fb_real P[3][FB_MAX_POINTS], L[3][FB_MAX_POINTS];
+  fbi_lines_unload(w, all);
+  for (const fb_line *line = all->line + all->n_line; line-- > all->line;) {
+    fb_real u[3], o[3], total[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, moment[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+    fbi_line_axes(u, line, V);
+    fbi_line_axes(o, line, V + 3);
+    for (int j = line->point; j < line->point + line->stride; j++) {
+      fb_real r[3], own[3], turn[3], spun[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
+      fbi_line_get3(r, w->r, j);
+      fbi_line_get3(own, w->v, j);
+      if (line->solid && j < line->point + line->count) {
+        fb_real rho[3], I[9];
+        fbi_line_get3(turn, w->w, j);
+        fbi_line_offset(rho, w, all, j);
+        fbi_line_spread(I, w, all, j);
+        fbi_vec3_add(r, FB_R(1.0), rho);
+        fbi_vec3_add_cross(own, turn, rho);
+        fbi_vec3_add(turn, FB_R(1.0), o);
+        fb_mat33_mul_vec3(spun, I, turn);
+      }
+      fbi_vec3_add(own, FB_R(1.0), u);
+      fbi_vec3_add_cross(own, o, r);
+      for (int i = 0; i < 3; i++) {
+        own[i] *= all->mass[j];
+      }
+      fbi_vec3_add(total, FB_R(1.0), own);
+      fbi_vec3_add(moment, FB_R(1.0), spun);
+      fbi_vec3_add_cross(moment, r, own);
+      fbi_line_set3(P, j, own);
+      fbi_line_set3(L, j, spun);
+    }
+    fbi_line_load_add(p, w, all, line, P, line->solid ? L : NULL);
+    fbi_line_to_body(u, line, total);
+    fbi_line_to_body(o, line, moment);
+    fbi_vec3_add(y, FB_R(1.0), u);
+    fbi_vec3_add(y + 3, FB_R(1.0), o);
+  }
+}
+
+/* Of the lines at q and fixed velocities: momenta p and y, gradient x = dT/dq. */
+static void fbi_lines_slopes(fb_real *x, fb_real *p, fb_real y[6], fbi_line_work *w, const fb_body *body,
+                             const fb_real V[6], const fb_real *q, const fb_real *q_dot)
+{
+  fbi_zero(x, body->n);
+  fbi_zero(p, body->n);
+  fbi_zero(y, 6);
+  (void)fbi_lines_pose(w, &body->lines, q);
+  fbi_lines_gradient_add(x, w, &body->lines, V, q_dot);
+  fbi_lines_momenta_add(y, p, w, &body->lines, V);
+}
+
+/* Squares of the points' distances from O, weighed by their masses; not zero. */
+static fb_real fbi_lines_inertia(const fbi_line_work *w, const fb_lines *all)
+{
+  fb_real sum = FB_TINY;
+  for (int j = 0; j < all->n_point; j++) {
+    const fb_real x = w->r[0][j], y = w->r[1][j], z = w->r[2][j];
+    sum += all->mass[j] * (x * x + y * y + z * z);
+  }
+  return sum;
+}
+
+/* [E11.38] Derivatives of the momenta and of dT/dq by q at fixed velocities, for E11.4 with lines: N' = dp/dq
+   (N = -N'^T), Y = dy/dq, K -= d^2T/dq^2, by forward differences, which have half the digits: the iteration needs two
+   or three.
+   Source: derivative of E14.13.  Cost: n + 1 poses and sweeps, two thirds of an evaluation each.  Fails: never.
+   Test: newton_contracts_with_lines. */
+static void fbi_lines_slopes_add(fb_implicit_work *w, const fb_body *body, const fb_real *q, const fb_real *q_dot,
+                                 int first)
+{
+  const int n = body->n;
+  const fb_real h = FB_SQRT(FB_EPSILON);
+  fb_real at[FB_MAX_MODES], x[FB_MAX_MODES], p[FB_MAX_MODES], y[6], x_b[FB_MAX_MODES], p_b[FB_MAX_MODES], y_b[6];
+  fbi_lines_slopes(x, p, y, &w->line, body, w->V, q, q_dot);
+  fbi_copy(at, q, n);
+  for (int b = 0; b < n; b++) {
+    const fb_real inertia = w->M[b * (n + 1)], s = h * FB_SQRT(w->inertia / inertia), by = FB_R(1.0) / s;
+    at[b] = q[b] + s;
+    fbi_lines_slopes(x_b, p_b, y_b, &w->line, body, w->V, at, q_dot);
+    at[b] = q[b];
+    for (int a = 0; a < n; a++) {
+      const fb_real curve = FB_R(0.5) * by * (x_b[a] - x[a]);
+      w->N[b * n + a] -= by * (p_b[a] - p[a]);
+      w->K[a * n + b] -= curve;
+      w->K[b * n + a] -= curve;
+    }
+    for (int i = first; i < 6; i++) {
+      w->Y[(i - first) * n + b] += by * (y_b[i] - y[i]);
+    }
+  }
+}
+
+/* Coupling (fbi_coupling) of a body with lines, w.rate: the rates at the start: M, X = Lambda and A = M_rr of the
+   start, derivatives N, Y at fixed velocities of the rest by its terms (Y as fbi_shape_rates, with q_dot for M^-1 pi
+   and M_rr for S), of the lines by E11.38; K loses d^2T/dq^2. */
+static fb_status fbi_large_coupling(fb_implicit_work *w, const fbi_kinetics *k, const fb_body *body)
+{
+  const int n = body->n, first = fbi_first_free(body->base), rows = 6 - first;
+  const fbi_line_work *line = k->line;
+  const fb_real *M_rr = line->M_rr + 21 - rows * (rows + 1) / 2;
+  fbi_kinetics at = *k;
+
+  /* M, X, A */
+  for (int a = 0; a < n; a++) {
+    for (int b = 0; b <= a; b++) {
+      w->M[a * n + b] = w->M[b * n + a] = fbi_dot(line->L + a * n, line->L + b * n, b + 1);
+    }
+  }
+  fbi_copy(w->X, line->X + first * n, rows * n);
+  for (int i = 0; i < rows; i++) {
+    for (int j = i; j < rows; j++) {
+      w->A[i * rows + j] = w->A[j * rows + i] = *M_rr++;
+    }
+  }
+  w->inertia = fbi_lines_inertia(line, &body->lines);
+
+  /* N, Y, K */
+  at.pb = w->rate.q;
+  fbi_zero(w->N, n * n);
+  fbi_shape_rates(w->Y, &at, body, first);
+  fbi_lines_slopes_add(w, body, k->qx + 1, w->rate.q, first);
+  return rows > 0 ? fbi_coupling_factor(w, k, body) : FB_OK;
+}
+#endif
+
 /* Coupling of the free rigid rows to the modes at the present deformation: X = Lambda, Y = D - Lambda M^-1 N^T, Z =
    A^-1 (X + g Y) with the rigid mass matrix A, which for the momentum form is (1 + g w^) (S + Lambda M^-1 Lambda^T) - g
    h^, as are X + g Y then. */
@@ -11929,26 +13382,26 @@ static fb_status fbi_coupling(fb_implicit_work *w, const fbi_kinetics *k, const 
       w->A[i * rows + j] = w->A[j * rows + i] = *S++ + elastic;
     }
   }
-
-  /* Gyroscopic terms of A, then its LU factors */
-  if (momentum) {
-    fbi_turning_mul(w->A, w->g, w->V + 3, first, rows);
-    fbi_turning_sub(w->A, w->g, k->ph + 3, first);
-  }
-  if (fbi_lu_plain_factor(w->A, rows) != FB_OK) {
-    return FB_ERR_RANGE;
-  }
-
-  /* Z = A^-1 (X + g Y) */
-  for (int i = 0; i < rows * n; i++) {
-    w->Z[i] = w->X[i] + w->g * w->Y[i];
-  }
-  if (momentum) {
-    fbi_turning_mul(w->Z, w->g, w->V + 3, first, n);
-  }
-  fbi_rows_solve(w->Z, w->A, rows, n);
-  return FB_OK;
+  return fbi_coupling_factor(w, k, body);
 }
+
+#if FB_WITH_LARGE_DEFLECTION
+/* E = M + g (N - N^T) of a body with lines */
+static FBI_NOINLINE void fbi_large_matrix(fb_implicit_work *w, int n)
+{
+  for (int i = 0; i < n * n; i++) {
+    w->E[i] = w->M[i] + w->g * (w->N[i] - w->N[i % n * n + i / n]);
+  }
+}
+
+/* y += s A x, A n x n */
+static FBI_NOINLINE void fbi_square_add(fb_real *y, fb_real s, const fb_real *A, const fb_real *x, int n)
+{
+  for (int a = 0; a < n; a++) {
+    y[a] += s * fbi_dot(A + a * n, x, n);
+  }
+}
+#endif
 
 /* [E11.4] Iteration matrix of the implicit integrators: k = (I - g W)^-1 r with g = gamma dt and W the Jacobian of the
    momentum form, q' = M^-1 (pi - Lambda^T V),  pi' = -K_t q - C q' + .., V = S^-1 (y - Lambda M^-1 pi),
@@ -11966,14 +13419,23 @@ static fb_status fbi_implicit_factor(fb_implicit_work *w, const fbi_kinetics *k,
   /* X, Y, Z and A of the free base */
   w->g = g;
   fbi_copy(w->V, k->V, 6);
+  fbi_tangent(w, body, k->qx + 1);
+#if FB_WITH_LARGE_DEFLECTION
+  status = fbi_is_large(body) ? fbi_large_coupling(w, k, body) : fbi_coupling(w, k, body);
+#else
   status = fbi_coupling(w, k, body);
+#endif
   if (status != FB_OK) {
     return status;
   }
 
   /* E = M + g^2 K_t + g (N - N^T) */
-  fbi_tangent(w, body, k->qx + 1);
   fbi_sparse_to_dense(w->E, &body->M, n);
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    fbi_large_matrix(w, n);
+  }
+#endif
   fbi_row_sub(w->E, -g * g, w->K, n * n);
   for (int t = body->n_lambda_constant; t < body->n_lambda && fbi_form(body) == 0; t++) {
     const fb_lambda_term *term = &body->lambda[t];
@@ -12070,6 +13532,13 @@ static void fbi_implicit_solve(fb_state *r, const fb_implicit_work *w, const fb_
   /* Right-hand side of the modes */
   fbi_copy(d, u, n);
   fbi_mass_mul(b, body, u);
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    fbi_zero(b, n);
+    fbi_square_add(b, FB_R(1.0), w->M, u, n);
+    fbi_square_add(b, g, w->N, r->q, n);
+  }
+#endif
   fbi_base_answer(t, w, body, r, u);
   for (int i = 0; i < rows; i++) {
     fbi_row_sub(b, t[i], w->X + i * n, n);
@@ -12098,6 +13567,11 @@ static void fbi_implicit_solve(fb_state *r, const fb_implicit_work *w, const fb_
     fbi_symmetric_sub(r->pi, g, w->K, r->q, n);
     fbi_damping_add(r->pi, -FB_R(1.0), body, d);
     fbi_gyro_add(r->pi, -FB_R(1.0), w->V, body, d);
+#if FB_WITH_LARGE_DEFLECTION
+    if (fbi_is_large(body)) {
+      fbi_square_add(r->pi, -FB_R(1.0), w->N, d, n);
+    }
+#endif
     for (int i = 0; i < rows; i++) {
       fbi_row_sub(r->pi, -V[first + i], w->Y + i * n, n);
     }
@@ -12151,6 +13625,7 @@ static fb_status fbi_implicit_start(fb_implicit_work *w, fbi_kinetics *k, const 
   fb_status status = dt > FB_R(0.0) && dt < FB_HUGE ? fbi_input_check(body, input)
                                                     : FBI_REFUSE(FB_ERR_VALUE, FBI_WORD_DT, -1, dt, FB_R(0.0));
   fbi_state_enter(&w->start, k->R, body, state);
+  fbi_line_start(FBI_LINES(w), body, state, k->R, input);
   if (status == FB_OK) {
     status = fbi_rates(&w->rate, k, body, &w->start, input);
   }
@@ -12171,13 +13646,30 @@ static fb_status fbi_stage_check(fb_real first, fb_real last, fb_real change)
   return last > bound ? FBI_REFUSE(FB_ERR_CONVERGENCE, FBI_WORD_NEWTON, -1, FB_SQRT(last), FB_SQRT(bound)) : FB_OK;
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* Of modes of lines for E11.32: the rate's kinetic energy over that of the lines in rotation. */
+static FBI_NOINLINE fb_real fbi_large_rate_size(const fb_state *k, const fb_implicit_work *w, int n)
+{
+  fb_real Mk[FB_MAX_MODES];
+  fbi_zero(Mk, n);
+  fbi_square_add(Mk, FB_R(1.0), w->M, k->q, n);
+  return fbi_dot(k->q, Mk, n) / w->inertia;
+}
+#endif
+
 /* [E11.32] Squared size of the increment g k [rad^2], for E11.25: rotation of the attitude, modal displacements over
    the radius of gyration.
    Source: definition.  Cost: 2 n flops.  Test: implicit_steps_that_have_not_converged_say_so. */
-static fb_real fbi_rate_size(const fb_state *k, const fb_body *body, fb_real g)
+static fb_real fbi_rate_size(const fb_state *k, const fb_implicit_work *w, const fb_body *body, fb_real g)
 {
   const fb_real turn = k->quat[0] * k->quat[0] + fb_vec3_dot(k->quat + 1, k->quat + 1);
   fb_real bent = FB_R(0.0);
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    return g * g * (FB_R(4.0) * turn + fbi_large_rate_size(k, w, body->n));
+  }
+#endif
+  (void)w;
   for (int a = 0; a < body->n; a++) {
     bent += body->reach[a] * FB_FABS(k->q[a]);
   }
@@ -12193,6 +13685,7 @@ static fb_status fbi_stage_solve(fb_implicit_work *w, fb_state *k, const fb_body
   fb_real first = FB_R(0.0), last = FB_R(0.0);
   for (int i = 0; i < iterations && status == FB_OK; i++) {
     fbi_kinetics here;
+    FBI_USE_LINES(here, w);
 
     /* Residual f - k */
     fbi_stage_advance(&w->stage, body, base, w->g, k);
@@ -12208,10 +13701,10 @@ static fb_status fbi_stage_solve(fb_implicit_work *w, fb_state *k, const fb_body
     /* Correction */
     fbi_implicit_solve(&w->rate, w, body, at, &w->start);
     fbi_state_advance(k, k, FB_R(1.0), &w->rate, body->n);
-    last = fbi_rate_size(&w->rate, body, w->g);
+    last = fbi_rate_size(&w->rate, w, body, w->g);
     first = i == 0 ? last : first;
   }
-  return status == FB_OK && iterations > 1 ? fbi_stage_check(first, last, fbi_rate_size(k, body, w->g)) : status;
+  return status == FB_OK && iterations > 1 ? fbi_stage_check(first, last, fbi_rate_size(k, w, body, w->g)) : status;
 }
 
 /* Velocity of a prescribed base at the midpoint of E11.7 in the axes of the start, for the first guess. */
@@ -12234,6 +13727,7 @@ FB_DEF fb_status fb_midpoint_step(const fb_body *body, fb_state *state, fb_impli
   fb_status status;
   FBI_REQUIRE(body && state && work, FB_ERR_NULL);
   FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
+  FBI_USE_LINES(at, work);
 
   /* Iteration matrix at the start */
   if (fbi_is_following(body) && middle) {
@@ -12272,6 +13766,12 @@ static fb_status fbi_input_between(fb_input *out, const fb_input *a, const fb_in
       return FB_ERR_VALUE;
     }
   }
+#if FB_WITH_LARGE_DEFLECTION
+  if (a->distributed != b->distributed || a->user != b->user) {
+    return FB_ERR_VALUE;
+  }
+  out->t += s * (b->t - a->t);
+#endif
 
   /* Linear interpolation */
   for (int i = 0; i < 3; i++) {
@@ -12333,6 +13833,7 @@ FB_DEF fb_status fb_sdirk_step(const fb_body *body, fb_state *state, fb_implicit
   FBI_REQUIRE(body && state && work, FB_ERR_NULL);
   FBI_REQUIRE((start != NULL) == (end != NULL), FB_ERR_NULL);
   FBI_REQUIRE(iterations >= 0 && iterations <= FBI_MAX_ITERATIONS, FB_ERR_VALUE);
+  FBI_USE_LINES(at, work);
 
   /* Iteration matrix at the start, input at the first stage */
   status = fbi_implicit_start(work, &at, body, state, start, dt, c * dt);
@@ -12580,12 +14081,49 @@ FB_DEF fb_status fb_exponential_check(const fb_exponential *scheme, const fb_bod
   return sound ? FB_OK : FB_ERR_VALUE;
 }
 
-static fb_status fbi_exponential_limited(const fb_body *body, const fbi_kinetics *k, const fb_input *input, fb_real h)
+#if FB_WITH_LARGE_DEFLECTION
+/* [E11.39] Size of what a present deflection changes in the linear part of E11.10, x' = (1 + D) p with
+   1 + D = X M_free G M_free X^T, in the norm of the energy: |omega D|, and twice the fastest rotation of a section
+   relative to the frame, whose gyroscopic terms are explicit, too.
+   Source: x' = p of E11.10 is that of the undeformed body.  Cost: 4 n^3 flops.  Fails: FB_HUGE where S is not positive
+   definite.
+   Test: exponential_steps_know_the_deflection. */
+static fb_real fbi_exponential_change(const fbi_kinetics *k, const fb_exponential *scheme, const fb_body *body)
 {
+  const int n = body->n;
+  fb_real G[FB_MAX_MODES * FB_MAX_MODES], b[FB_MAX_MODES], sum = FB_R(0.0);
+  if (!fbi_large_mobility(G, k, body)) {
+    return FB_HUGE;
+  }
+  for (int i = 0; i < n; i++) {
+    for (int a = 0; a < n; a++) {
+      b[a] = fbi_dot(G + a * n, scheme->MX + i * n, n);
+    }
+    for (int j = 0; j < n; j++) {
+      const fb_real D = fbi_dot(b, scheme->MX + j * n, n) - (i == j ? FB_R(1.0) : FB_R(0.0));
+      sum += scheme->omega2[i] * D * D;
+    }
+  }
+  return FB_SQRT(sum) + FB_R(2.0) * fbi_lines_spin(k->line, &body->lines);
+}
+#endif
+
+static fb_status fbi_exponential_limited(const fb_body *body, const fbi_kinetics *k, const fb_exponential *scheme,
+                                         const fb_input *input)
+{
+  const fb_real h = scheme->dt;
   fb_real spin, acceleration;
   if (body->allow_long_step) {
     return FB_OK;
   }
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    const fb_real limit = fbi_step_limit(FB_R(0.5), fbi_exponential_change(k, scheme, body));
+    if (!(h <= limit)) {
+      return FBI_REFUSE(FB_ERR_STEP, "dt [s] for what the deflection changes in the modes, at most", -1, h, limit);
+    }
+  }
+#endif
   fbi_step_conditions(&spin, &acceleration, body, k, input);
   return h <= fb_exponential_limit(body, spin, acceleration)
              ? FB_OK
@@ -12657,14 +14195,19 @@ FB_DEF fb_status fb_exponential_step(const fb_body *body, const fb_exponential *
   fb_real turn[3];
   fb_status status;
   FBI_REQUIRE(body && scheme && state && work, FB_ERR_NULL);
+  FBI_USE_LINES(k, work);
 
   /* N_1, step limit */
   fbi_state_enter(&work->start, k.R, body, state);
+  fbi_line_start(FBI_LINES(work), body, state, k.R,
+                 fbi_is_distributed(start) ? start
+                 : fbi_is_distributed(end) ? end
+                                           : middle);
   fbi_frame_copy(&work->at, &work->start);
   fbi_elastic_copy(&work->at, &work->start, body->n);
   fbi_modal_from(&work->z, scheme, body, &work->at);
   status = fbi_modal_rates(&work->N[0], &k, work, scheme, body, &work->z, start);
-  status = status == FB_OK ? fbi_exponential_limited(body, &k, start, scheme->dt) : status;
+  status = status == FB_OK ? fbi_exponential_limited(body, &k, scheme, start) : status;
   fbi_vec3_copy(turn, k.V + 3);
 
   /* z_2, z_3, z_4 and their N; increments, in z and in the state */
@@ -17047,8 +18590,9 @@ static void fbi_effective_fill(fb_modes_work *work, const fb_beam *beam)
   }
 }
 
-/* Points along the beam for large deflection, if the desc does not say how many: with 7 more than modes of a plane random
-   shapes of 1 rad in both planes reach to 0.03 % of the length, and turn to 0.05 degrees. */
+/* Points along the beam for large deflection, if the desc does not say how many: 7 more than modes of a plane. Random
+   shapes of 1 rad in both planes, each mode with the same share, then reach to 0.02 % of the length and turn to 0.02
+   degrees with two modes a plane, 0.08 % and 0.12 degrees with three; 4 n + 2 points keep both below 0.05. */
 static int fbi_line_points(const fb_modes *modes, const fb_modes_desc *desc)
 {
   int count[FB_KIND_COUNT] = {0}, most = 0;
@@ -17491,6 +19035,7 @@ static void fbi_join_expand(fb_modes *out, fb_join_work *work, const fb_modes *c
   out->n = n;
   out->ndof = component->ndof;
   out->joined = 1;
+  out->line_points = component->line_points;
 
   /* q, and the shapes combined by it */
   for (int a = 0; a < nc; a++) {
@@ -17606,7 +19151,7 @@ FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
 
 /* ---------------------------------------------------------------------------------------------------------------
    BUILD >>assemble: shape integrals, effects to terms, every _init of a model
-   (uses config, status, vec3, rotation, solve, body, system, exact, eigen, beam, modes) */
+   (uses config, status, vec3, rotation, solve, line, body, system, exact, integrate, eigen, beam, modes) */
 
 /* ---- shape integrals: an fb_shape holds the inertia shape integrals of a body, its modal stiffness and its nodes */
 
@@ -18286,6 +19831,7 @@ static fb_status fbi_station_start(fbi_station *st, fbi_cell_fields *scratch, co
 
 #define FBI_MAX_BREAKS (FB_MAX_LUMPS + FB_MAX_STATIONS + FB_MAX_ELEMENTS + 2)
 #define FBI_LINE_NODES (FB_MAX_POINTS + 1) /* of a stretch, its beginning included */
+#define FBI_LINE_KINK FB_R(0.1)            /* [rad] bent lines are smooth up to this angle between their elements */
 
 typedef struct fbi_line_break { /* where a smooth stretch of a beam ends and the next one begins */
   fb_real x, left, right;       /* [m] place; where the sections of either side are taken */
@@ -18405,6 +19951,8 @@ static void fbi_line_break_add(fbi_line_break *list, int *n, fb_real x, fb_real 
   for (int k = 0; k < *n; k++) {
     if (FB_FABS(list[k].x - x) < gap) {
       list[k].kink = list[k].kink || kink;
+      list[k].left = x - half < list[k].left ? x - half : list[k].left;
+      list[k].right = fbi_larger(list[k].right, x + half);
       return;
     }
   }
@@ -18434,7 +19982,7 @@ static int fbi_line_breaks(fbi_line_break *list, const fb_beam *beam)
   for (int k = 1; k < beam->desc.n_element; k++) {
     const fb_real *const before = beam->frame + 9 * (k - 1), *const behind = beam->frame + 9 * k;
     const fb_real jump[3] = {behind[0] - before[0], behind[3] - before[3], behind[6] - before[6]};
-    if (fbi_vec3_norm(jump) > FB_R(0.1)) {
+    if (fbi_vec3_norm(jump) > FBI_LINE_KINK) {
       fbi_line_break_add(list, &n, beam->start[k], FB_R(0.0), 1, gap);
     }
   }
@@ -18515,7 +20063,7 @@ static void fbi_line_lumps_add(fbi_line_slice *s, const fb_beam *beam, const fb_
 }
 
 typedef struct fbi_line_stretch {
-  fb_real x0, x1;
+  fb_real x0, x1, right, left; /* ends; where sections are taken behind the first and before the last */
   int m, start,
       next; /* m + 1 nodes: point `start` (-1: a root at rest, which is no point), then m points from `next` */
 } fbi_line_stretch;
@@ -18543,7 +20091,7 @@ static void fbi_line_plan_kind(fbi_line_plan *plan, const fb_beam *beam, const f
       size = fbi_larger(size, fbi_larger(fbi_vec3_norm(u), beam->desc.length * fbi_vec3_norm(theta)));
     }
   }
-  plan->moves = move > FBI_ROUNDING * size || turn > FBI_ROUNDING * size;
+  plan->moves = beam->desc.root != FB_ROOT_CLAMPED && (move > FBI_ROUNDING * size || turn > FBI_ROUNDING * size);
   plan->flexes = flex > FBI_ROUNDING * size;
 }
 
@@ -18571,6 +20119,9 @@ static fb_status fbi_line_plan_fill(fbi_line_plan *plan, const fb_beam *beam, co
   const int n_break = fbi_line_breaks(list, beam), want = modes->line_points;
   int point;
   memset(plan, 0, sizeof *plan);
+  if (want < 2) { /* modes that no function of the library made */
+    return FB_ERR_VALUE;
+  }
   fbi_line_plan_kind(plan, beam, modes);
   point = plan->moves || plan->flexes ? fbi_line_plan_add(plan, FB_R(0.0), 0) : -1;
   for (int k = 0; k + 1 < n_break; k++) {
@@ -18578,6 +20129,8 @@ static fb_status fbi_line_plan_fill(fbi_line_plan *plan, const fb_beam *beam, co
     const fb_real part = (list[k + 1].x - list[k].x) / length;
     s->x0 = list[k].x;
     s->x1 = list[k + 1].x;
+    s->right = list[k].right;
+    s->left = list[k + 1].left;
     s->m = n_break == 2 ? want : 3 + (int)(part * (fb_real)(want - 3) + FB_R(0.999));
     s->start = list[k].kink ? fbi_line_plan_add(plan, s->x0, 0) : point;
     s->next = plan->n;
@@ -18628,17 +20181,87 @@ static void fbi_line_weights(fb_real *weight, fb_real *root, const fbi_line_plan
   }
 }
 
+/* Positions of all points at q = 0, as E14.4; each in its line's axes. */
+static void fbi_lines_undeformed(fb_real r[3][FB_MAX_POINTS], const fb_lines *all)
+{
+  fb_real e[3][FB_MAX_POINTS];
+  for (const fb_line *line = all->line, *end = line + all->n_line; line < end; line++) {
+    for (int i = 0; i < 3; i++) {
+      const fb_real root = line->hangs ? r[i][line->hangs - 1] : FB_R(0.0);
+      for (int j = line->point; j < line->point + line->stride; j++) {
+        r[i][j] = all->start[i][j] + root;
+      }
+    }
+    for (int i = 0; i < 3; i++) {
+      fbi_copy(e[i] + line->point, all->tangent[i] + line->point, line->stride);
+    }
+    fbi_line_integrals_add(r, all, line, e);
+  }
+}
+
+/* Undeformed unit tangent at x, line axes. Elements of a bent line are chords of a smooth one: from the middle of one to
+   that of the next the tangent turns evenly, but where a kink ends a stretch. */
+static void fbi_line_tangent(fb_real out[3], const fb_beam *beam, const fb_modes *modes, fb_real x, int before)
+{
+  const fb_real tip[3] = {FB_R(1.0), FB_R(0.0), FB_R(0.0)};
+  const int at = fbi_beam_element(beam, x, before);
+  const fb_real s = (x - beam->start[at]) / fbi_element_length(beam, at) - FB_R(0.5);
+  const int last = beam->desc.n_element - 1, ahead = s >= FB_R(0.0) ? 1 : -1;
+  fb_real e[3], f[3];
+  int next = at + ahead;
+  fbi_line_vector(out, beam, modes, at, tip);
+  for (int attempt = 0; attempt < 2 && beam->desc.n_point > 0; attempt++, next = at - ahead) { /* else from behind */
+    if (next >= 0 && next <= last) {
+      const fb_real gap = FB_R(0.5) * (fbi_element_length(beam, at) + fbi_element_length(beam, next));
+      const fb_real share = s * fbi_element_length(beam, at) / (next > at ? gap : -gap);
+      fbi_line_vector(f, beam, modes, next, tip);
+      fbi_vec3_advance(e, f, -FB_R(1.0), out);
+      if (fbi_vec3_norm(e) <= FBI_LINE_KINK) {
+        fb_real size;
+        fbi_vec3_add(out, share, e);
+        size = FB_R(1.0) / fbi_vec3_norm(out);
+        for (int i = 0; i < 3; i++) {
+          out[i] *= size;
+        }
+        return;
+      }
+    }
+  }
+}
+
+/* Undeformed position at x, line axes, from the beam's root, less the integral of the points' tangents to it: that of the
+   tangent of a root at rest, and what interpolation misses of a bent line. */
+static void fbi_line_begins_at(fb_real out[3], const fb_real *weight, const fb_lines *all, const fb_line *line,
+                               const fb_beam *beam, const fb_modes *modes, fb_real x)
+{
+  const int element = fbi_beam_element(beam, x, 1);
+  const fb_real *const node = beam->node + 3 * element;
+  fb_real along[3], e[3];
+  const fb_real ahead[3] = {x - beam->start[element], FB_R(0.0), FB_R(0.0)};
+  fbi_line_vector(out, beam, modes, element, ahead);
+  fbi_vec3_copy(along, node);
+  if (modes->joined) {
+    fb_mat33_mul_vec3(along, beam->axes, node);
+  }
+  fbi_vec3_add(out, FB_R(1.0), along);
+  for (int j = 0; j < line->count; j++) {
+    for (int i = 0; i < 3; i++) {
+      e[i] = all->tangent[i][line->point + j];
+    }
+    fbi_vec3_add(out, -weight[j], e);
+  }
+}
+
 /* The point of an earlier line at the place of a joined beam's root, with which it moves; -1: none. */
 static int fbi_line_support(const fb_lines *all, int first, int n, const fb_real position[3], fb_real size)
 {
-  static const fb_real zero[FB_MAX_MODES] = {FB_R(0.0)};
-  fbi_line_work w;
+  fb_real r[3][FB_MAX_POINTS];
   int found = -1;
-  (void)fbi_lines_pose(&w, all, zero);
+  fbi_lines_undeformed(r, all);
   for (int l = 0; l < all->n_line && found < 0; l++) {
     const fb_line *const line = &all->line[l];
     for (int j = line->point; j < line->point + line->count && line->first == first && line->n == n; j++) {
-      const fb_real apart[3] = {w.r[0][j] - position[0], w.r[1][j] - position[1], w.r[2][j] - position[2]};
+      const fb_real apart[3] = {r[0][j] - position[0], r[1][j] - position[1], r[2][j] - position[2]};
       found = fbi_vec3_norm(apart) < FB_R(1e-4) * size ? j : found;
     }
   }
@@ -18687,7 +20310,7 @@ static fb_status fbi_line_rows_fill(fb_lines *all, fb_line *line, const fbi_line
         }
         all->row[all->n_row].axis = (unsigned short)i;
         all->row[all->n_row].a = (unsigned short)a;
-        all->row[all->n_row].at = (unsigned short)all->n_table;
+        all->row[all->n_row].at = all->n_table;
         to = all->table + all->n_table;
         fbi_copy(to, own[i], length);
         all->n_table += length;
@@ -18718,12 +20341,86 @@ static void fbi_line_point_fill(fb_lines *all, fb_line *line, int at, const fbi_
   }
 }
 
+/* Adds the length dx of a stretch to what a station stands for; `from`: where its section is taken. An end of the
+   stretch (behind: its first one) has its mass by sides, too. */
+static fb_status fbi_line_station_add(fb_lines *all, fb_line_station *to, const fb_beam *beam, const fb_modes *modes,
+                                      fb_real x, int behind, int is_end, fb_real from, fb_real dx)
+{
+  const int element = fbi_beam_element(beam, x, !behind);
+  if (!(to->length > FB_R(0.0))) { /* its section axes */
+    fb_section section;
+    fb_real column[3], local[3] = {FB_R(1.0), FB_R(0.0), FB_R(0.0)};
+    fb_beam_section_eval(beam, &section, from);
+    for (int k = 0; k < 3; k++) {
+      if (k > 0) {
+        local[0] = FB_R(0.0);
+        fbi_turn_yz(&local[1], &local[2], k == 1 ? FB_R(1.0) : FB_R(0.0), k == 2 ? FB_R(1.0) : FB_R(0.0),
+                    -section.twist);
+      }
+      fbi_line_vector(column, beam, modes, element, local);
+      for (int i = 0; i < 3; i++) {
+        to->axes[3 * i + k] = column[i];
+      }
+    }
+  }
+  to->x = x;
+  to->length += dx;
+  to->before += behind ? FB_R(0.0) : dx;
+  if (is_end) {
+    static const int packed[6] = {0, 1, 2, 4, 5, 8};
+    fbi_line_slice slice;
+    fb_line_side *side;
+    if (to->side == 0 && all->n_side >= FBI_MAX_LINE_SIDES) {
+      return FB_ERR_CAPACITY;
+    }
+    if (to->side == 0) {
+      to->side = (unsigned short)++all->n_side;
+      memset(&all->side[to->side - 1], 0, sizeof all->side[0]);
+    }
+    side = &all->side[to->side - 1];
+    memset(&slice, 0, sizeof slice);
+    fbi_line_section_add(&slice, beam, modes, x, !behind, from, dx);
+    side->mass[behind] = slice.mass;
+    fbi_vec3_copy(side->first[behind], slice.first);
+    for (int i = 0; i < 6; i++) {
+      side->moment[behind][i] = slice.moment[packed[i]];
+    }
+  }
+  return FB_OK;
+}
+
+/* Stations of the last line: its points, and its root unless that is one. */
+static fb_status fbi_line_stations_fill(fb_lines *all, const fbi_line_plan *plan, const fb_beam *beam,
+                                        const fb_modes *modes)
+{
+  const fb_line *const line = &all->line[all->n_line];
+  fb_real node[FBI_LINE_NODES], weight[FBI_LINE_NODES];
+  fb_status status = FB_OK;
+  memset(&all->root[all->n_line], 0, sizeof all->root[0]);
+  memset(&all->station[line->point], 0, (size_t)line->stride * sizeof all->station[0]);
+  for (int k = 0; k < plan->n_stretch; k++) {
+    const fbi_line_stretch *const s = &plan->stretch[k];
+    const fb_real width = s->x1 - s->x0;
+    fbi_lobatto_rule(node, weight, s->m);
+    for (int j = 0; j <= s->m && status == FB_OK; j++) {
+      const int at = j == 0 ? s->start : s->next + j - 1;
+      const fb_real x = j == s->m ? s->x1 : s->x0 + node[j] * width;
+      status = fbi_line_station_add(all, at < 0 ? &all->root[all->n_line] : &all->station[line->point + at], beam,
+                                    modes, x, j == 0, j == 0 || j == s->m,
+                                    j == 0      ? s->right
+                                    : j == s->m ? s->left
+                                                : x,
+                                    weight[j] * width);
+    }
+  }
+  return status;
+}
+
 /* Adds a beam with its modes to the lines of a shape. FB_ERR_CAPACITY: points, lines or tables; FB_ERR_KIND: the root of
    a joined beam moves with no point of an earlier one. */
 static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, const fb_beam *beam, const fb_modes *modes)
 {
   fb_line *const line = &all->line[all->n_line];
-  const fb_real tip[3] = {FB_R(1.0), FB_R(0.0), FB_R(0.0)};
   fb_real position[3], root_weight, column[FB_MAX_POINTS];
   int on = -1;
   fb_status status = all->n_line < FB_MAX_LINES ? fbi_line_plan_fill(plan, beam, modes) : FB_ERR_CAPACITY;
@@ -18766,7 +20463,7 @@ static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, con
   }
 
   /* displacement of the root */
-  line->shift = (unsigned short)all->n_table;
+  line->shift = all->n_table;
   for (int a = 0; a < modes->n && line->moves; a++) {
     fb_real theta[3], stretch[3];
     fbi_line_field(all->table + line->shift + 3 * a, theta, stretch, beam, modes, a, FB_R(0.0), 0);
@@ -18774,7 +20471,7 @@ static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, con
   }
 
   /* points: mass, tangents, integrals along the line */
-  line->weight = (unsigned short)all->n_table;
+  line->weight = all->n_table;
   all->n_table += line->count * line->stride;
   fbi_zero(all->table + line->weight, line->count * line->stride);
   for (int s = 0; s < line->stride; s++) {
@@ -18788,17 +20485,25 @@ static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, con
     }
     if (s < line->count) {
       fbi_line_point_fill(all, line, at, &plan->slice[s]);
-      fbi_line_vector(e, beam, modes, fbi_beam_element(beam, plan->x[s], plan->before[s]), tip);
+      fbi_line_tangent(e, beam, modes, plan->x[s], plan->before[s]);
       fbi_line_set3(all->tangent, at, e);
-      fbi_line_weights(column, &root_weight, plan, plan->x[s]);
-      for (int j = 0; j < line->count; j++) {
-        all->table[line->weight + j * line->stride + s] = column[j];
-      }
-      fbi_line_vector(e, beam, modes, 0, tip);
-      for (int i = 0; i < 3; i++) {
-        all->start[i][at] = (on < 0 ? position[i] : FB_R(0.0)) + root_weight * e[i];
-      }
     }
+  }
+  for (int s = 0; s < line->count; s++) {
+    const int at = line->point + s;
+    fb_real start[3];
+    fbi_line_weights(column, &root_weight, plan, plan->x[s]);
+    fbi_line_begins_at(start, column, all, line, beam, modes, plan->x[s]);
+    for (int j = 0; j < line->count; j++) {
+      all->table[line->weight + j * line->stride + s] = column[j];
+    }
+    for (int i = 0; i < 3; i++) {
+      all->start[i][at] = (on < 0 ? position[i] : FB_R(0.0)) + start[i];
+    }
+  }
+  status = fbi_line_stations_fill(all, plan, beam, modes);
+  if (status != FB_OK) {
+    return status;
   }
   all->n_point += line->stride;
   all->n_line++;
@@ -18823,8 +20528,7 @@ static void fbi_line_node_fill(fb_line_node *node, const fb_lines *all, fbi_line
                                const fb_beam *beam, const fb_modes *modes, fb_real x)
 {
   const int at = fbi_line_find(all, first, beam, modes);
-  const fb_real tip[3] = {FB_R(1.0), FB_R(0.0), FB_R(0.0)};
-  fb_real e[3], position[3], root_weight;
+  fb_real start[3], position[3], root_weight;
   int before = -1;
   const fb_line *line;
   if (at < 0 || fbi_line_plan_fill(plan, beam, modes) != FB_OK) {
@@ -18841,10 +20545,10 @@ static void fbi_line_node_fill(fb_line_node *node, const fb_lines *all, fbi_line
                       x);
   }
   fbi_line_weights(node->weight, &root_weight, plan, x);
-  fbi_line_vector(e, beam, modes, 0, tip);
+  fbi_line_begins_at(start, node->weight, all, line, beam, modes, x);
   fb_mat33_mulT_vec3(position, line->axes, beam->desc.position);
   for (int i = 0; i < 3; i++) {
-    node->start[i] = (line->hangs ? FB_R(0.0) : position[i]) + root_weight * e[i];
+    node->start[i] = (line->hangs ? FB_R(0.0) : position[i]) + start[i];
   }
 }
 #endif
@@ -19194,17 +20898,18 @@ static fb_real fbi_chi_size(const fb_real *x, int n, int a, int b)
 }
 #endif
 
-/* Magnitude against which element i of Lambda_a for mode b is judged as round-off: bounds of the integrals in it. */
+/* Magnitude against which element i of Lambda_a for mode b is judged as round-off: bounds of the integrals in it. What
+   a body has beside its lines may have negative mass: what their points miss. */
 static fb_real fbi_lambda_size(const fb_shape *shape, int i, int a, int b)
 {
   const int n = shape->n;
-  const fb_real mb = FB_SQRT(shape->M[b * n + b]);
+  const fb_real mb = FB_SQRT(FB_FABS(shape->M[b * n + b]));
   fb_real size;
   if (a == 0) {
-    return mb * FB_SQRT(i < 3 ? shape->mass : shape->J[0] + shape->J[4] + shape->J[8]);
+    return mb * FB_SQRT(FB_FABS(i < 3 ? shape->mass : shape->J[0] + shape->J[4] + shape->J[8]));
   }
   a--;
-  size = i < 3 ? FB_R(0.0) : mb * FB_SQRT(shape->M[a * n + a]);
+  size = i < 3 ? FB_R(0.0) : mb * FB_SQRT(FB_FABS(shape->M[a * n + a]));
 #if FB_WITH_ACCELERATION_STIFFENING
   size += fbi_chi_size(i < 3 ? shape->second.pchi : shape->second.hchi, n, a, b);
 #endif
@@ -19336,13 +21041,13 @@ static void fbi_rigid_term(fb_real S[21], const fb_shape *shape, unsigned effect
 static fb_real fbi_S_size(const fb_shape *shape, const fb_real *Z, int a, int b, int i, int j)
 {
   const int n = shape->n;
-  const fb_real J = FB_SQRT(shape->J[0] + shape->J[4] + shape->J[8]);
-  const fb_real m = FB_SQRT(shape->mass);
+  const fb_real J = FB_SQRT(FB_FABS(shape->J[0] + shape->J[4] + shape->J[8]));
+  const fb_real m = FB_SQRT(FB_FABS(shape->mass));
   const fb_real *const Za = Z + 6 * a * n, *const Zb = Z + 6 * b * n;
   fb_real size = FB_R(0.0);
   if (j >= 3 && (i >= 3 || b == 0)) {
-    const fb_real sa = a > 0 ? FB_SQRT(shape->M[(a - 1) * n + a - 1]) : J;
-    const fb_real sb = b > 0 ? FB_SQRT(shape->M[(b - 1) * n + b - 1]) : (i < 3 ? m : J);
+    const fb_real sa = a > 0 ? FB_SQRT(FB_FABS(shape->M[(a - 1) * n + a - 1])) : J;
+    const fb_real sb = b > 0 ? FB_SQRT(FB_FABS(shape->M[(b - 1) * n + b - 1])) : (i < 3 ? m : J);
     size = sa * sb;
   }
 #if FB_WITH_ACCELERATION_STIFFENING
@@ -19835,6 +21540,63 @@ static fb_status fbi_form_check(const fb_shape *shape, const fb_body_desc *desc)
 }
 #endif
 
+#if FB_WITH_LARGE_DEFLECTION
+/* As fbi_shape_check, of the lines and of what is beside them. */
+static fb_status fbi_shape_lines_check(const fb_shape *shape)
+{
+  const fb_lines *const all = &shape->lines;
+  const fb_second *const rest = &shape->rest;
+  const int n = shape->n, nn = n * n, sound = fbi_line_counts_are_sound(all), points = sound ? all->n_point : 0;
+  const fbi_number table[] = {FBI_NOT_NEGATIVE(all->mass, points, "shape.lines.mass [kg]"),
+                              FBI_ANY(all->center, 3 * points, "shape.lines.center [m]"),
+                              FBI_ANY(all->inertia, 6 * points, "shape.lines.inertia [kg m^2]"),
+                              FBI_ANY(all->start[0], points, "shape.lines.start[0] [m]"),
+                              FBI_ANY(all->start[1], points, "shape.lines.start[1] [m]"),
+                              FBI_ANY(all->start[2], points, "shape.lines.start[2] [m]"),
+                              FBI_ANY(all->tangent[0], points, "shape.lines.tangent[0]"),
+                              FBI_ANY(all->tangent[1], points, "shape.lines.tangent[1]"),
+                              FBI_ANY(all->tangent[2], points, "shape.lines.tangent[2]"),
+                              FBI_ANY(all->table, sound ? all->n_table : 0, "shape.lines.table"),
+                              FBI_ANY(rest->reach, n, "shape.rest.reach"),
+                              FBI_ANY(rest->ups, 3 * nn, "shape.rest.ups"),
+                              FBI_ANY(rest->Gam, 9 * n, "shape.rest.Gam"),
+                              FBI_ANY(rest->Pi, 9 * nn, "shape.rest.Pi"),
+                              FBI_ANY(rest->Gamchi, 9 * nn, "shape.rest.Gamchi"),
+                              FBI_ANY(rest->pchi, 3 * nn, "shape.rest.pchi"),
+                              FBI_ANY(rest->hchi, 3 * nn, "shape.rest.hchi")};
+  int stride = 0;
+  fb_status status;
+  if (!sound) {
+    return FBI_REFUSE(FB_ERR_CAPACITY, "shape.lines: counts within its tables", -1, FB_R(0.0), FB_R(0.0));
+  }
+  status = fbi_numbers_check(table, FBI_LENGTH(table), -1);
+  for (int l = 0; l < all->n_line && status == FB_OK; l++) {
+    const fbi_number line[] = {FBI_ANY(all->line[l].axes, 9, "line: shape.lines.line.axes"),
+                               FBI_ANY(all->line[l].root, 3, "line: shape.lines.line.root [m]"),
+                               FBI_ANY(all->line[l].frame, 9, "line: shape.lines.line.frame")};
+    status = fbi_numbers_check(line, FBI_LENGTH(line), l);
+    if (status == FB_OK && !fbi_line_is_sound(all, l, n)) {
+      status = FBI_REFUSE(FB_ERR_CAPACITY, "line: rows and points within the tables", l, FB_R(0.0), FB_R(0.0));
+    }
+    stride += all->line[l].stride;
+  }
+  if (status == FB_OK && stride != points) {
+    status =
+        FBI_REFUSE(FB_ERR_CAPACITY, "shape.lines.n_point, those of its lines", -1, (fb_real)points, (fb_real)stride);
+  }
+  if (status == FB_OK && !(fbi_stations_are_sound(all->station, points, all->n_side) &&
+                           fbi_stations_are_sound(all->root, all->n_line, all->n_side) && fbi_sides_are_sound(all))) {
+    status = FBI_REFUSE(FB_ERR_NOT_FINITE, "shape.lines: station, root and side, finite", -1, FB_R(0.0), FB_R(0.0));
+  }
+  for (int k = 0; k < shape->n_node && status == FB_OK; k++) {
+    if (!fbi_line_node_is_sound(all, &shape->node[k].line)) {
+      status = FBI_REFUSE(FB_ERR_NOT_FINITE, "node: its place on a line, finite", k, FB_R(0.0), FB_R(0.0));
+    }
+  }
+  return status;
+}
+#endif
+
 /* Counts within the tables and all values finite: the caller may write into a shape. */
 static fb_status fbi_shape_check(const fb_shape *shape)
 {
@@ -19891,6 +21653,15 @@ static fb_status fbi_shape_check(const fb_shape *shape)
       status = FBI_REFUSE(FB_ERR_NOT_FINITE, "node: place and shapes, finite", k, FB_R(0.0), FB_R(0.0));
     }
   }
+#if FB_WITH_LARGE_DEFLECTION
+  if (status == FB_OK &&
+      ((int)shape->lines_status > (int)FB_OK || (int)shape->lines_status < (int)FB_ERR_UNSUPPORTED)) {
+    status = FBI_REFUSE(FB_ERR_VALUE, "shape.lines_status, an fb_status", -1, FB_R(0.0), FB_R(0.0));
+  }
+  if (status == FB_OK && shape->lines_status == FB_OK) { /* else nothing reads them */
+    status = fbi_shape_lines_check(shape);
+  }
+#endif
   return status;
 }
 
@@ -19927,6 +21698,11 @@ static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_des
                       FB_R(0.0));
   }
 #endif
+#if FB_WITH_LARGE_DEFLECTION && FB_WITH_FORMS
+  if (fbi_has(desc->effects, FB_EFFECT_LARGE_DEFLECTION) && desc->form != FB_FORM_MOMENTUM) {
+    return FBI_REFUSE(FB_ERR_EFFECTS, "effects: large deflection, with the momentum form", -1, FB_R(0.0), FB_R(0.0));
+  }
+#endif
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_has(desc->effects, FB_EFFECT_LARGE_DEFLECTION) && shape->lines_status != FB_OK) {
     return FBI_REFUSE(shape->lines_status, FBI_WORD_LINES, -1, FB_R(0.0), FB_R(1.0) * FB_MAX_POINTS);
@@ -19960,8 +21736,8 @@ static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *
   return status ? status : fbi_body_effects_check(shape, desc);
 }
 
-/* Copies a node for n coordinates. */
-static void fbi_node_copy(fb_node *to, const fb_node *from, int n)
+/* Copies a node for n coordinates; its place on a line for a body with lines. */
+static void fbi_node_copy(fb_node *to, const fb_node *from, int n, int large)
 {
   fbi_copy(to->r, from->r, 3);
   fbi_copy(to->psi, from->psi, 3 * n);
@@ -19971,7 +21747,11 @@ static void fbi_node_copy(fb_node *to, const fb_node *from, int n)
   fbi_copy(to->chi_theta, from->chi_theta, 3 * n * (n + 1) / 2);
 #endif
 #if FB_WITH_LARGE_DEFLECTION
-  to->line = from->line;
+  if (large && from->line.line > 0) {
+    to->line = from->line;
+  }
+#else
+  (void)large;
 #endif
 }
 
@@ -20021,7 +21801,7 @@ static void fbi_body_fill(fb_body *body, const fb_shape *shape, const fb_body_de
   fbi_strain_fill(body, shape, desc->truncation);
 #endif
   for (int k = 0; k < shape->n_node; k++) {
-    fbi_node_copy(&body->node[k], &shape->node[k], body->n);
+    fbi_node_copy(&body->node[k], &shape->node[k], body->n, fbi_has(body->effects, FB_EFFECT_LARGE_DEFLECTION));
   }
 }
 
@@ -20132,7 +21912,9 @@ static void fbi_rest_clean(fb_real *x, const fb_real *whole, int n)
   for (int i = 0; i < n; i++) {
     size = fbi_larger(size, FB_FABS(whole[i]));
   }
-  fbi_flush(x, n, FBI_ROUNDING * size);
+  for (int i = 0; i < n; i++) {
+    x[i] = FB_FABS(x[i]) <= FBI_ROUNDING * size ? FB_R(0.0) : x[i];
+  }
 }
 
 /* A body without its lines: all integrals but those of the points at q = 0, those of second degree of what is no beam.
@@ -20173,12 +21955,68 @@ static void fbi_rest_fill(fb_body_work *work, const fb_body *body, const fb_shap
   }
 }
 
+/* Inertia of the undeformed body; zero: scratch, n */
+static fb_status fbi_large_undeformed(fbi_kinetics *k, fb_real *zero, const fb_body *body)
+{
+  fbi_zero(zero, body->n);
+  fbi_zero(k->qx, body->n + 1);
+  k->qx[0] = FB_R(1.0);
+  return fbi_large_inertia(k, body, zero);
+}
+
+/* Bounds of E8.8 of the undeformed body with lines as steps find them (E11.37), so that fb_rk4_limit is what a step at
+   rest allows. */
+static fb_status fbi_large_limits_fill(fb_body *body, fb_body_work *work)
+{
+  fb_real G[FB_MAX_MODES * FB_MAX_MODES];
+  fbi_kinetics k;
+  fb_status status;
+  FBI_WITH_LINES(k);
+  status = fbi_large_undeformed(&k, work->d, body);
+  if (status == FB_OK) {
+    fbi_large_S(&k, body);
+    status = fbi_large_mobility(G, &k, body) ? FB_OK : FB_ERR_SINGULAR;
+  }
+  if (status != FB_OK) {
+    return status;
+  }
+  body->limit_elastic = fbi_large_norm(G, &body->K, body->limit_elastic, body->n);
+#if FB_WITH_DAMPING
+  body->limit_damping = fbi_large_norm(G, &body->C, body->limit_damping, body->n);
+#endif
+  return FB_OK;
+}
+
+/* Copies what lines use of their tables; to: zero. */
+static void fbi_lines_copy(fb_lines *to, const fb_lines *from)
+{
+  const int n = from->n_point;
+  to->n_line = from->n_line;
+  to->n_point = n;
+  to->n_row = from->n_row;
+  to->n_table = from->n_table;
+  to->n_side = from->n_side;
+  memcpy(to->line, from->line, (size_t)from->n_line * sizeof *to->line);
+  fbi_copy(to->mass, from->mass, n);
+  fbi_copy(to->center, from->center, 3 * n);
+  fbi_copy(to->inertia, from->inertia, 6 * n);
+  for (int i = 0; i < 3; i++) {
+    fbi_copy(to->start[i], from->start[i], n);
+    fbi_copy(to->tangent[i], from->tangent[i], n);
+  }
+  memcpy(to->station, from->station, (size_t)n * sizeof *to->station);
+  memcpy(to->root, from->root, (size_t)from->n_line * sizeof *to->root);
+  memcpy(to->side, from->side, (size_t)from->n_side * sizeof *to->side);
+  memcpy(to->row, from->row, (size_t)from->n_row * sizeof *to->row);
+  fbi_copy(to->table, from->table, from->n_table);
+}
+
 /* What a body with lines holds beside them: the terms of the rest in Lambda(q), and in place of S(q) its M_rr(q). */
 static fb_status fbi_large_fill(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc)
 {
   const int n = body->n;
   const int chi = fbi_has(body->effects, FB_EFFECT_ACCELERATION_STIFFENING);
-  body->lines = shape->lines;
+  fbi_lines_copy(&body->lines, &shape->lines);
   fbi_rest_fill(work, body, shape);
   fbi_sparse_fill(&body->M_rest, work->rest.M, n);
   fbi_lambda_fill(work->Lambda, &work->rest, n, fbi_has(body->effects, FB_EFFECT_SPIN_COUPLING), chi);
@@ -20186,12 +22024,17 @@ static fb_status fbi_large_fill(fb_body *body, fb_body_work *work, const fb_shap
   fbi_zero(work->Lambda, (n + 1) * 6 * n);
   fbi_zero(body->S0, 21);
   (void)fbi_S_list(body, work, &work->rest);
+#if FB_WITH_FORMS
+  body->n_run_value = body->n_run;
+  body->n_lambda_value = body->n_lambda;
+#endif
   fbi_copy(body->c_rest, work->rest.c, 3);
   if (!(desc->deflection_limit > FB_R(0.0))) { /* lines have their own limit */
     fbi_copy(body->reach, shape->rest.reach, n);
   }
-  return body->n_lambda > FBI_MAX_LAMBDA || body->n_S > FBI_MAX_S || body->n_run > FBI_MAX_RUNS ? FB_ERR_CAPACITY
-                                                                                                : FB_OK;
+  return body->n_lambda > FBI_MAX_LAMBDA || body->n_S > FBI_MAX_S || body->n_run > FBI_MAX_RUNS
+             ? FB_ERR_CAPACITY
+             : fbi_large_limits_fill(body, work);
 }
 #endif
 
@@ -21438,11 +23281,37 @@ static void fbi_stumpff_fill(fb_real table[5][FB_MAX_MODES], int k, fb_real t)
   }
 }
 
-/* Modes of the linear part: K x = omega^2 M_free x, M_free the mass of the modes of a base that may recoil. */
-static fb_status fbi_exponential_modes(fb_exponential *scheme, fb_body_work *work, const fb_body *body)
+#if FB_WITH_LARGE_DEFLECTION
+/* M_free = M - Lambda^T M_rr^-1 Lambda of the undeformed body with lines */
+static fb_status fbi_large_free_mass(fb_real *M, fb_body_work *work, const fb_body *body)
+{
+  const int n = body->n;
+  fbi_kinetics k;
+  fb_status status;
+  FBI_WITH_LINES(k);
+  status = fbi_large_undeformed(&k, work->d, body);
+  for (int b = 0; b < n && status == FB_OK; b++) {
+    fb_real column[6];
+    for (int i = 0; i < 6; i++) {
+      column[i] = k.line->X[i * n + b];
+    }
+    status = fbi_base_solve(column, body->base, k.line->M_rr, column);
+    for (int a = 0; a < n; a++) {
+      M[a * n + b] = fbi_dot(k.line->L + a * n, k.line->L + b * n, (a < b ? a : b) + 1);
+      for (int i = 0; i < 6; i++) {
+        M[a * n + b] -= column[i] * k.line->X[i * n + a];
+      }
+    }
+  }
+  return status;
+}
+#endif
+
+/* M_free = (M^-1 + B^T S_0^-1 B)^-1, B = Lambda_0 M^-1: the mass of the modes of a base that may recoil */
+static fb_status fbi_free_mass(fb_real *M, fb_body_work *work, const fb_body *body)
 {
   const int n = body->n, first = fbi_first_free(body->base);
-  fb_real *rows = work->Lambda, *M = work->Lambda + 6 * n; /* M_free = (M^-1 + B^T S_0^-1 B)^-1, B = Lambda_0 M^-1 */
+  fb_real *rows = work->Lambda;
   fb_real unit[FB_MAX_MODES + 1] = {FB_R(1.0)};
   fb_status status;
 
@@ -21475,6 +23344,19 @@ static fb_status fbi_exponential_modes(fb_exponential *scheme, fb_body_work *wor
     work->d[a] = FB_R(1.0);
     fb_chol_solve(M + a * n, work->B, work->d, n);
   }
+  return status;
+}
+
+/* Modes of the linear part: K x = omega^2 M_free x. */
+static fb_status fbi_exponential_modes(fb_exponential *scheme, fb_body_work *work, const fb_body *body)
+{
+  const int n = body->n;
+  fb_real *M = work->Lambda + 6 * n;
+#if FB_WITH_LARGE_DEFLECTION
+  fb_status status = fbi_is_large(body) ? fbi_large_free_mass(M, work, body) : fbi_free_mass(M, work, body);
+#else
+  fb_status status = fbi_free_mass(M, work, body);
+#endif
   if (status != FB_OK) {
     return status;
   }
@@ -21890,6 +23772,37 @@ static int fbi_is_balanced(const fb_real P_dot[3], const fb_real L_dot[3], const
 
 /* Step of the finite differences, relative to the size of the body, or in radians. */
 #define FBI_DIFFERENCE (FB_SINGLE ? FB_R(1e-2) : FB_R(1e-3))
+#if FB_WITH_LARGE_DEFLECTION
+/* Most that a unit of coordinate a turns a point of the lines [rad], or stretches and shifts one in parts of `size`
+   [m]. */
+static fb_real fbi_lines_turn(const fb_lines *all, int a, fb_real size)
+{
+  fb_real most = FB_R(0.0);
+  for (int l = 0; l < all->n_line; l++) {
+    const fb_line *const line = &all->line[l];
+    const int k = a - line->first;
+    fb_real shift = FB_R(0.0);
+    if (k < 0 || k >= line->n) {
+      continue;
+    }
+    for (const fb_line_row *r = all->row + line->row, *end = r + line->n_turn + line->n_stretch; r < end; r++) {
+      const int turns = r < all->row + line->row + line->n_turn;
+      fb_real sum = FB_R(0.0);
+      for (int j = 0; j < line->count && r->a == k; j++) {
+        const fb_real own = all->table[r->at + j];
+        sum += turns ? own : FB_FABS(own) * all->station[line->point + j].length / size;
+        most = fbi_larger(most, FB_FABS(sum));
+      }
+    }
+    for (int i = 0; i < 3 && line->moves; i++) {
+      shift = fbi_larger(shift, FB_FABS(all->table[line->shift + 3 * k + i]));
+    }
+    most = fbi_larger(most, shift / size);
+  }
+  return most;
+}
+#endif
+
 /* Finite-difference step of modal coordinate a: it moves no point by more than FBI_DIFFERENCE times the radius of
    gyration (or the deflection limit, where that is smaller) and rotates no node by more than FBI_DIFFERENCE radians,
    since bodies and loads on a node rotate with it. */
@@ -21901,6 +23814,11 @@ static fb_real fbi_difference_step(const fb_body *body, int a)
   for (int k = 0; k < body->n_node; k++) {
     most = fbi_larger(most, fbi_vec3_norm(body->node[k].theta + 3 * a));
   }
+#if FB_WITH_LARGE_DEFLECTION
+  if (fbi_is_large(body)) {
+    most = fbi_larger(most, fbi_lines_turn(&body->lines, a, large));
+  }
+#endif
   return most > FB_R(0.0) ? FBI_DIFFERENCE / most : FB_R(1.0);
 }
 
@@ -22108,16 +24026,37 @@ static fb_real fbi_across(const fb_real w[3], const fb_real x[3])
   return spin > FB_R(0.0) ? fbi_vec3_norm(turn) / spin : FB_R(0.0);
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* torque += summed magnitudes of the distributed loads at the trimmed state, forces with the lever `length`. */
+static fb_status fbi_distributed_size(fb_real *torque, const fb_analyse_work *work, const fb_body *body,
+                                      const fb_input *input, fb_real length)
+{
+  fb_line_motion point[FB_MAX_LINE_POINTS];
+  int n = 0;
+  const fb_status status = fb_body_lines_eval(body, point, &n, &work->moved, &work->motion, input);
+  for (int k = 0; k < n && status == FB_OK; k++) {
+    *torque += fbi_vec3_norm(point[k].at.torque) + length * fbi_vec3_norm(point[k].at.force);
+  }
+  return status;
+}
+#endif
+
 /* Is the base of the trimmed state in equilibrium, too? FB_ERR_UNREST where force or torque accelerate it, now or after
    it has rotated further: loads in inertial axes and gravity need to be along the spin axis. */
 static fb_status fbi_body_rest(fb_analyse_work *work, const fb_body *body, const fb_input *input)
 {
   const fb_real length = body->gyration, none[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
   fb_real w[3], push[3], R[9], torque = FB_R(0.0), across = FB_R(0.0);
-  const fb_status status = fb_body_motion_eval(body, &work->motion, &work->moved, input);
+  fb_status status = fb_body_motion_eval(body, &work->motion, &work->moved, input);
   if (status != FB_OK || body->base == FB_BASE_PRESCRIBED) {
     return status;
   }
+#if FB_WITH_LARGE_DEFLECTION
+  status = fbi_is_distributed(input) ? fbi_distributed_size(&torque, work, body, input, length) : FB_OK;
+  if (status != FB_OK) {
+    return status;
+  }
+#endif
 
   /* Summed magnitudes of loads and gravity; `across`: of what rotates relative to the body */
   fb_quat_to_mat33(R, work->moved.quat);
@@ -23631,6 +25570,7 @@ FB_DEF fb_status fb_body_linearize(const fb_body *body, fb_analyse_work *work, f
 static int fbi_pose_acts(const fb_body *body, const fb_input *input)
 {
   int acts = fbi_has(body->effects, FB_EFFECT_GRAVITY);
+  acts |= fbi_is_distributed(input);
   for (int k = 0; k < input->n_load; k++) {
     acts |= input->load[k].axes == FB_AXES_INERTIAL;
   }
@@ -24789,7 +26729,8 @@ FB_DEF fb_status fb_exact_linearize(const fb_exact *m, fb_exact_linear_work *w, 
    ANALYSE >>advise: which effects, modes, integrator and step a scene calls for
    (uses config, status, vec3, solve, body, assemble, trim, linear) */
 
-/* Candidate sets of effects, ascending in cost; the last is the full set. */
+/* Candidate sets of effects, ascending in cost; the last but one is the full set, which errors of effects are relative
+   to, the last that of geometrically exact beams. */
 static const unsigned fbi_advice_set[FBI_ADVICE_SETS] = {
     FB_EFFECTS_LINEAR,
     FB_EFFECTS_SPIN,
@@ -24800,9 +26741,11 @@ static const unsigned fbi_advice_set[FBI_ADVICE_SETS] = {
     FB_EFFECTS_SPIN | FB_EFFECT_ACCELERATION_STIFFENING,
     FB_EFFECTS_SPIN | FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING,
     FB_EFFECTS_SPIN | FB_EFFECT_RESIDUAL_INERTIA | FB_EFFECT_SPIN_STIFFENING,
-    FB_EFFECTS_FULL};
+    FB_EFFECTS_FULL,
+    FB_EFFECTS_LARGE};
 
-#define FBI_ADVICE_FULL (FBI_ADVICE_SETS - 1)
+#define FBI_ADVICE_FULL (FBI_ADVICE_SETS - 2)
+#define FBI_ADVICE_LARGE (FBI_ADVICE_SETS - 1)
 /* Load cases ("instants") of an envelope: factors of spin, spin rate, acceleration and loads, since the extremes of all
    do not occur together. */
 #define FBI_ADVICE_REST FBI_ADVICE_INSTANTS /* one more: at rest, without loads */
@@ -24812,6 +26755,17 @@ static const signed char fbi_advice_instant[FBI_ADVICE_INSTANTS + 1][4] = {{1, 1
 /* Phases of an oscillation: factors of its deflection and of its speed. */
 static const fb_real fbi_advice_phase[FBI_ADVICE_PHASES][2] = {
     {FB_R(1.0), FB_R(0.0)}, {FB_R(0.70710678118654752), FB_R(0.70710678118654752)}, {FB_R(0.0), FB_R(1.0)}};
+
+/* Can a body of this shape have the set? Large deflection wants beams with lines. */
+static int fbi_advice_has(const fb_shape *shape, int set)
+{
+#if FB_WITH_LARGE_DEFLECTION
+  return set != FBI_ADVICE_LARGE || (shape->lines_status == FB_OK && shape->lines.n_line > 0);
+#else
+  (void)shape;
+  return set != FBI_ADVICE_LARGE;
+#endif
+}
 
 /* FB_ERR_UNSUPPORTED unless the coordinates are natural modes: M = 1 and K diagonal, within 1e-3. */
 static fb_status fbi_advise_modes_check(const fb_shape *shape)
@@ -25071,7 +27025,7 @@ static fb_status fbi_advise_answers(fb_advice_work *work, const fb_envelope *e)
   work->buckled = 0;
   for (int a = 0; a < work->full.n; a++) {
     work->order[a] = a;
-    work->most[a] = work->omega[a] = FB_R(0.0);
+    work->most[a] = work->omega[a] = work->beside[a] = FB_R(0.0);
   }
   for (int i = 0; i < FBI_ADVICE_INSTANTS && status == FB_OK; i++) {
     status = fbi_advise_answer(work, e, i);
@@ -25215,7 +27169,45 @@ static fb_real fbi_advise_set(fb_advice_work *work, const fb_envelope *e, const 
   return place / work->deflection + fbi_advice_error(work, motion / work->deflection);
 }
 
+/* [E13.5] What each mode gives to the output, statically, by what large deflection (work.body, with all modes) has
+   beyond the full set: foreshortening that moves across a spin, for instance, bends a rotor blade in its plane. A body
+   with large deflection that lacks the mode lacks that.
+   Source: own.  Cost: 15 evaluations.  Fails: as fb_body_motion_eval.
+   Test: large_deflection_takes_the_modes_that_it_drives. */
+static fb_status fbi_advise_beside(fb_advice_work *work, const fb_envelope *e, const int *all)
+{
+  fb_status status = FB_OK;
+  for (int k = 0; k < FBI_ADVICE_INSTANTS * FBI_ADVICE_PHASES && status == FB_OK; k++) {
+    const int at = k / FBI_ADVICE_PHASES, phase = k % FBI_ADVICE_PHASES;
+    status = fbi_advise_phase(work, &work->body, e, all, at, phase);
+    for (int a = 0; a < work->full.n && status == FB_OK; a++) {
+      const fb_real K = work->tangent[FBI_ADVICE_REST][a * (work->full.n + 1)];
+      const fb_real f = FB_FABS(work->motion.q_ddot[a] - work->q_ddot[at][phase][a]);
+      const fb_real give = f / K * fbi_vec3_norm(work->full.node[e->node].psi + 3 * a) / work->deflection;
+      work->beside[a] = fbi_larger(work->beside[a], give);
+    }
+  }
+  return status;
+}
+
 /* ---- cost and step of a candidate */
+
+/* Instructions of an evaluation of the rates with lines: at each point its own, those of each mode and of each pair of
+   modes; the Cholesky factor of M(q). Counted by callgrind for 1 to 12 modes, 8 to 13 points: in proportion to this
+   within 10 %. */
+#define FBI_LARGE_POINT FB_R(850.0)
+#define FBI_LARGE_MODE FB_R(100.0)
+#define FBI_LARGE_PAIR FB_R(4.0)
+static fb_real fbi_large_instructions(const fb_body *body)
+{
+#if FB_WITH_LARGE_DEFLECTION
+  const fb_real n = (fb_real)body->n;
+  return (fb_real)body->lines.n_point * (FBI_LARGE_POINT + (FBI_LARGE_MODE + FBI_LARGE_PAIR * n) * n) + n * n * n / 6;
+#else
+  (void)body;
+  return FB_R(0.0);
+#endif
+}
 
 /* Approximate number of instructions of a step, so that the times of candidates have the right ratio: evaluations of
    the rates, solutions of the linear system of an implicit integrator, begin and end of the step, matrix and its LU
@@ -25231,7 +27223,8 @@ static fb_real fbi_step_instructions(const fb_body *body, fb_integrator integrat
 
   /* Counts of each part */
   const fb_real sums = 490 + 28 * n + 12 * terms;
-  const fb_real rates = held ? sums + 390 * quadratic : FB_R(1.4) * sums + 1200 * quadratic - 20;
+  const fb_real modal = held ? sums + 390 * quadratic : FB_R(1.4) * sums + 1200 * quadratic - 20;
+  const fb_real rates = modal + (fbi_is_large(body) ? fbi_large_instructions(body) : FB_R(0.0));
   const fb_real solve = held ? 460 + 255 * n : 1900 + 360 * n;
   const fb_real ends = held ? 250 + 90 * n : 150 + 30 * n; /* position of O, frame of the momenta */
   const fb_real factor = held ? 30 * terms + 130 * n : 85 * terms + 3900 + 830 * n;
@@ -25323,8 +27316,12 @@ static fb_status fbi_advise_prepare(fb_advice_work *work, const fb_shape *shape,
 
   /* Errors by missing effects, then by missing modes */
   for (int set = 0; set < FBI_ADVICE_SETS && status == FB_OK; set++) {
-    const int is = fbi_advise_body(&work->body, work, shape, desc, NULL, fbi_advice_set[set]) == FB_OK;
-    work->error[set] = is ? fbi_advise_set(work, e, all, 1) : FB_HUGE; /* incomplete sets are refused */
+    const int is = fbi_advice_has(shape, set) && /* incomplete sets are refused */
+                   fbi_advise_body(&work->body, work, shape, desc, NULL, fbi_advice_set[set]) == FB_OK;
+    work->error[set] = is && set != FBI_ADVICE_LARGE ? fbi_advise_set(work, e, all, 1) : FB_HUGE;
+    if (is && set == FBI_ADVICE_LARGE) { /* what is beyond the full set is no error: E13.4 */
+      work->error[set] = fbi_advise_beside(work, e, all) == FB_OK ? FB_R(0.0) : FB_HUGE;
+    }
   }
   for (int k = 0; k < shape->n && status == FB_OK; k++) {
     work->error_modes[k] = fbi_advise_modes(work, e, k + 1);
@@ -25339,6 +27336,9 @@ static void fbi_advice_fill(fb_advice *advice, const fb_advice_work *work, const
   advice->effects = fbi_advice_set[set] | (desc->effects & (FB_EFFECT_DAMPING | FB_EFFECT_GRAVITY));
   advice->error_effects = work->error[set];
   advice->error_modes = work->error_modes[n - 1];
+  for (int k = n; k < work->full.n && set == FBI_ADVICE_LARGE; k++) {
+    advice->error_modes += work->beside[work->order[k]];
+  }
   advice->n = n;
   for (int k = 0; k < n; k++) {
     int at = k;
@@ -25356,20 +27356,58 @@ static fb_status fbi_candidate(fb_advice_work *work, const fb_shape *shape, cons
   const fb_status status = fb_shape_select(&work->shape, shape, advice->coordinate, advice->n);
   return status ? status
                 : fbi_advise_body(&work->body, work, &work->shape, desc, advice->coordinate,
-                                  advice->effects & FB_EFFECTS_FULL);
+                                  advice->effects & FB_EFFECTS_LARGE);
 }
 
-/* [E13.4] Relative error of every modal body, by the energies above degree 2 in q that it leaves out. The tip of a beam
-   bent by delta moves inward by 1.2 delta^2/2L (foreshortening); the speed of that times the spin w is an acceleration
-   that the model lacks, a part r = 1.2 (delta/L) |w| rate/omega^2 of the load that bends the beam. In addition
-   0.3 (delta/L)^2, growing with a quarter of the phase of the free vibration, since amplitudes are seldom the largest.
+/* Relative error of a candidate by the effects and the other modes it lacks: E13.3; one of large deflection errs as the
+   full set of its modes, from which it differs by what that lacks. Leaves the candidate in work.body. */
+static fb_status fbi_advise_candidate(fb_real *error, fb_advice_work *work, const fb_shape *shape,
+                                      const fb_body_desc *desc, const fb_envelope *e, const fb_advice *advice)
+{
+  fb_advice judged = *advice;
+  fb_status status;
+  judged.effects &= ~(unsigned)FB_EFFECT_LARGE_DEFLECTION;
+  status = fbi_candidate(work, shape, desc, &judged);
+  *error = status == FB_OK ? fbi_advise_set(work, e, advice->coordinate, 0) : FB_HUGE;
+  return status || judged.effects == advice->effects ? status : fbi_candidate(work, shape, desc, advice);
+}
+
+/* Part of the deflection that is of modes in which no beam bends: they have the quadratic displacement field always. */
+static fb_real fbi_advice_aside(const fb_advice_work *work, const fb_shape *shape)
+{
+#if FB_WITH_LARGE_DEFLECTION
+  fb_real aside = FB_R(0.0), all = FB_R(0.0);
+  for (int a = 0; a < shape->n; a++) {
+    int bends = 0;
+    for (int k = 0; k < shape->lines.n_row; k++) {
+      bends |= shape->lines.row[k].a == a;
+    }
+    all += work->most[a];
+    aside += bends ? FB_R(0.0) : work->most[a];
+  }
+  return all > FB_R(0.0) ? aside / all : FB_R(1.0);
+#else
+  (void)work, (void)shape;
+  return FB_R(1.0);
+#endif
+}
+
+/* [E13.4] Relative error of every body with the quadratic displacement field, by the energies above degree 2 in q that
+   it leaves out. The tip of a beam bent by delta moves inward by 1.2 delta^2/2L (foreshortening); the speed of that
+   times the spin w is an acceleration that the model lacks, a part r = 1.2 (delta/L) |w| rate/omega^2 of the load that
+   bends the beam. In addition 0.3 (delta/L)^2, growing with a quarter of the phase of the free vibration, since
+   amplitudes are seldom the largest. Large deflection leaves of it what modes without lines have of the deflection, as
+   long as the linear deflection is below 5 lengths: an elastica under a dead force lacks no more of its deflection, by
+   modes left out, than the linear beam (static; measured up to there).
    Source: own; the 0.3 and the quarter fitted to simulations of the exact beam.  Fails: never.
-   Test: advice_knows_where_modes_end. */
-static fb_real fbi_advice_model_error(const fb_advice_work *work, const fb_shape *shape)
+   Test: advice_knows_where_modes_end, large_deflection_has_no_error_of_the_field. */
+static fb_real fbi_advice_model_error(const fb_advice_work *work, const fb_shape *shape, int large)
 {
   const fb_real bend = work->bend / shape->size;
   const fb_real phase = FB_R(0.3) * bend * bend * (FB_R(1.0) + FB_R(0.25) * work->ringing);
-  return work->buckled ? FB_HUGE : fbi_smaller(FB_R(1.2) * work->drawn / shape->size + phase, FB_HUGE);
+  const fb_real field = fbi_smaller(FB_R(1.2) * work->drawn / shape->size + phase, FB_HUGE);
+  const int known = large && bend < FB_R(5.0);
+  return work->buckled ? FB_HUGE : known ? field * fbi_advice_aside(work, shape) : field;
 }
 
 /* Integrator and step with the least cost within `tolerance`, what effects and modes have left. */
@@ -25403,15 +27441,15 @@ static void fbi_advice_finish(fb_advice *advice, const fb_advice_work *work, con
     }
   }
   advice->deflection = work->deflection;
-  advice->error_model = fbi_advice_model_error(work, shape);
+  advice->error_field = fbi_advice_model_error(work, shape, 0);
+  advice->error_model = fbi_advice_model_error(work, shape, fbi_has(advice->effects, FB_EFFECT_LARGE_DEFLECTION));
   advice->error = advice->error_effects + advice->error_modes + advice->error_step + advice->error_model;
 }
 
 FB_DEF fb_status fb_advice_solve(fb_advice *advice, fb_advice_work *work, const fb_shape *shape,
                                  const fb_body_desc *desc, const fb_envelope *envelope, fb_real tolerance)
 {
-  fb_advice best, candidate;
-  fb_real left; /* tolerance less the error of every modal body, at least half of it */
+  fb_advice best[2], candidate; /* the cheapest within the tolerance; of those whose displacement field errs by more */
   fb_status status;
 
   /* Responses and error estimates */
@@ -25421,28 +27459,32 @@ FB_DEF fb_status fb_advice_solve(fb_advice *advice, fb_advice_work *work, const 
     return status;
   }
 
-  /* The cheapest candidate whose errors add up to the tolerance */
-  best.cost = FB_HUGE;
-  left = tolerance - fbi_smaller(fbi_advice_model_error(work, shape), FB_R(0.5) * tolerance);
+  /* The cheapest candidate whose errors add up to the tolerance, of which that of the displacement field counts up to
+     half */
+  best[0].cost = best[1].cost = FB_HUGE;
   for (int k = 0; k < FBI_ADVICE_SETS * shape->n; k++) {
     const int set = k / shape->n, n = 1 + k % shape->n;
-    fb_real rest = left - work->error[set] - work->error_modes[n - 1], own;
+    const fb_real model = fbi_advice_model_error(work, shape, set == FBI_ADVICE_LARGE);
+    const fb_real left = tolerance - fbi_smaller(model, FB_R(0.5) * tolerance);
+    const int beyond = model > tolerance;
+    fb_real rest, own;
     fbi_advice_fill(&candidate, work, desc, set, n);
-    if (rest > FB_R(0.0) && fbi_candidate(work, shape, desc, &candidate) == FB_OK) {
-      own = fbi_advise_set(work, envelope, candidate.coordinate, 0);
+    rest = left - candidate.error_effects - candidate.error_modes;
+    if (rest > FB_R(0.0) && fbi_advise_candidate(&own, work, shape, desc, envelope, &candidate) == FB_OK) {
       candidate.error_effects = fbi_larger(candidate.error_effects, own);
       rest = left - candidate.error_effects - candidate.error_modes;
       if (rest > FB_R(0.0)) {
         fbi_advise_integrator(&candidate, work, envelope, rest);
-        best = candidate.cost < best.cost ? candidate : best;
+        best[beyond] = candidate.cost < best[beyond].cost ? candidate : best[beyond];
       }
     }
   }
-  if (!(best.cost < FB_HUGE)) {
+  best[0] = best[0].cost < FB_HUGE ? best[0] : best[1];
+  if (!(best[0].cost < FB_HUGE)) {
     return FB_ERR_STEP;
   }
-  fbi_advice_finish(&best, work, shape);
-  *advice = best;
+  fbi_advice_finish(&best[0], work, shape);
+  *advice = best[0];
   return FB_OK;
 }
 
@@ -25468,8 +27510,8 @@ static fb_status fbi_search_prepare(fb_advice_work *work, const fb_shape *shape,
     const int set = k / shape->n, i = k % shape->n;
     fb_status status;
     fbi_advice_fill(&candidate, work, desc, set, i + 1);
-    status = fbi_candidate(work, shape, desc, &candidate);
-    if (status != FB_OK && status != FB_ERR_EFFECTS) {
+    status = fbi_advice_has(shape, set) ? fbi_candidate(work, shape, desc, &candidate) : FB_ERR_EFFECTS;
+    if (status != FB_OK && status != FB_ERR_EFFECTS && set != FBI_ADVICE_LARGE) {
       return status;
     }
     for (int s = 0; s < (int)FB_INTEGRATOR_COUNT; s++) {
@@ -25547,23 +27589,40 @@ static void fbi_search_note(fb_advice_work *work, const fb_envelope *e, const in
   *last = error;
 }
 
-/* Simulates all modes and effects with a short step: the reference, or its error against a given one. Its cost is the
-   upper bound of the search. */
-static fb_status fbi_search_fullest(fb_advice *fullest, fb_advice_work *work, const fb_shape *shape,
-                                    const fb_body_desc *desc, const fb_envelope *e, const fb_trial *trial)
+/* Simulates all modes with a set of effects and a short step of rk4 as the reference, or for its error against a given
+   one. */
+static fb_status fbi_search_reference(fb_advice *fullest, const fb_advice_work *work, const fb_shape *shape,
+                                      const fb_body_desc *desc, const fb_envelope *e, const fb_trial *trial, int set)
 {
   const int n = shape->n;
-  fb_real size;
-  fb_status status;
-  fbi_advice_fill(fullest, work, desc, FBI_ADVICE_FULL, n);
-  fullest->dt = fbi_trial_step(work->longest[FBI_ADVICE_FULL][n - 1][FB_INTEGRATOR_RK4], e->frame, FBI_ADVICE_SHORT);
-  fullest->cost = work->step_cost[FBI_ADVICE_FULL][n - 1][FB_INTEGRATOR_RK4] / fullest->dt;
+  fbi_advice_fill(fullest, work, desc, set, n);
+  fullest->dt = fbi_trial_step(work->longest[set][n - 1][FB_INTEGRATOR_RK4], e->frame, FBI_ADVICE_SHORT);
+  fullest->cost = work->step_cost[set][n - 1][FB_INTEGRATOR_RK4] / fullest->dt;
   if (!(fullest->dt > FB_R(0.0)) || !(fullest->cost < FB_HUGE)) {
     return FB_ERR_STEP;
   }
-  status = trial->run(trial->user, trial->has_reference ? trial->output : trial->reference, fullest);
-  size = fbi_trial_largest(trial, trial->reference, NULL);
-  if (status == FB_OK && !(size > FB_R(0.0) && size < FB_HUGE)) { /* errors are relative to it */
+  return trial->run(trial->user, trial->has_reference ? trial->output : trial->reference, fullest);
+}
+
+/* The same with all effects, large deflection among them where the shape has lines and the scene takes them (a system
+   may refuse them). Its cost is the upper bound of the search. */
+static fb_status fbi_search_fullest(fb_advice *fullest, fb_advice_work *work, const fb_shape *shape,
+                                    const fb_body_desc *desc, const fb_envelope *e, const fb_trial *trial)
+{
+  const int large = work->part[FBI_ADVICE_LARGE][shape->n - 1][FB_INTEGRATOR_RK4] == 0;
+  fb_real size;
+  fb_status status =
+      large ? fbi_search_reference(fullest, work, shape, desc, e, trial, FBI_ADVICE_LARGE) : FB_ERR_UNSUPPORTED;
+  for (int k = 0; k < shape->n * (int)FB_INTEGRATOR_COUNT && status == FB_ERR_UNSUPPORTED; k++) {
+    work->part[FBI_ADVICE_LARGE][k / (int)FB_INTEGRATOR_COUNT][k % (int)FB_INTEGRATOR_COUNT] = FBI_ADVICE_PARTS;
+  }
+  if (status == FB_ERR_UNSUPPORTED) {
+    status = fbi_search_reference(fullest, work, shape, desc, e, trial, FBI_ADVICE_FULL);
+  }
+
+  /* Errors are relative to its size */
+  size = status == FB_OK ? fbi_trial_largest(trial, trial->reference, NULL) : FB_R(0.0);
+  if (status == FB_OK && !(size > FB_R(0.0) && size < FB_HUGE)) {
     status = size > FB_R(0.0) ? FB_ERR_NOT_FINITE : FB_ERR_VALUE;
   }
   fullest->error = status == FB_OK && trial->has_reference ? fbi_trial_error(trial) : FB_R(0.0);
@@ -25576,6 +27635,7 @@ static fb_status fbi_search_run(fb_advice *found, fb_advice_work *work, const fb
 {
   int at[3] = {0, 0, 0}, n_trial = 1;
   fb_advice next;
+  fb_status status;
   memset(&next, 0, sizeof next);
   while (fbi_search_next(at, &next, work, e, work->full.n) && next.cost <= most) {
     fbi_advice_fill(found, work, desc, at[0], at[1] + 1);
@@ -25583,11 +27643,15 @@ static fb_status fbi_search_run(fb_advice *found, fb_advice_work *work, const fb
     found->cost = next.cost;
     found->integrator = (fb_integrator)at[2];
     found->n_trial = ++n_trial;
-    found->error = trial->run(trial->user, trial->output, found) == FB_OK ? fbi_trial_error(trial) : FB_HUGE;
+    status = trial->run(trial->user, trial->output, found);
+    found->error = status == FB_OK ? fbi_trial_error(trial) : FB_HUGE;
     if (found->error <= tolerance) {
       return FB_OK;
     }
     fbi_search_note(work, e, at, found->error, tolerance);
+    for (int i = 0; i < work->full.n && status == FB_ERR_UNSUPPORTED; i++) { /* no step will do */
+      work->part[at[0]][i][at[2]] = FBI_ADVICE_PARTS;
+    }
   }
   return FB_ERR_CONVERGENCE;
 }

@@ -1,7 +1,8 @@
 # Pictures of accuracy.csv: error over time for each scene, and one of all. gnuplot -e "folder='...'" bench/accuracy.gp
 scenes = "spin-up rotor slew arm pendulum shaken tumbling sag"
-rungs = "linear some full strain exact"
-colors = "#999999 #e69f00 #0072b2 #009e73 #d55e00"
+rungs = "linear some full strain large exact"
+colors = "#999999 #e69f00 #0072b2 #009e73 #cc0000 #000000"
+width(k) = k == 5 ? 2.5 : 1.5
 set datafile separator ','
 set logscale xy
 set format '10^{%L}'
@@ -19,8 +20,8 @@ set key outside right
 do for [s in scenes] {
   set output folder . '/' . s . '.svg'
   set title s
-  plot for [k = 1:5] all(s, word(rungs, k)) using 11:10 with points pt 7 ps 0.3 lc rgb word(colors, k) title word(rungs, k), \
-       rows(s, '', 12) using 11:10 with steps lw 1.5 lc rgb '#000000' title 'best'
+  plot for [k = 1:6] all(s, word(rungs, k)) using 11:10 with points pt 7 ps 0.3 lc rgb word(colors, k) title word(rungs, k), \
+       rows(s, '', 12) using 11:10 with steps lw 1 dt 2 lc rgb '#000000' title 'best'
 }
 
 set terminal svg size 1000,560 font 'Helvetica,11' background '#ffffff'
@@ -34,7 +35,7 @@ do for [n = 1:8] {
   s = word(scenes, n)
   set title s offset 0,-0.7
   set ylabel n % 4 == 1 ? 'error' : ''
-  if (n == 1) { set key inside bottom left samplen 1 spacing 0.9 } else { unset key }
-  plot for [k = 1:5] rows(s, word(rungs, k), 13) using 11:10 with linespoints pt 7 ps 0.3 lw 1.5 lc rgb word(colors, k) title word(rungs, k)
+  if (n == 5) { set key inside bottom left samplen 1 spacing 0.9 opaque box lc rgb '#cccccc' } else { unset key }
+  plot for [k = 1:6] rows(s, word(rungs, k), 13) using 11:10 with linespoints pt 7 ps 0.3 lw width(k) lc rgb word(colors, k) title word(rungs, k)
 }
 unset multiplot

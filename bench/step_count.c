@@ -1,6 +1,7 @@
 /* step_count - steps one body, for a counter of instructions (tests/checks/instructions.sh).
-   usage: step_count Y Z AXIAL EFFECTS STEPS [INTEGRATOR [decayed | held]]
-   Y, Z, AXIAL: modes of each kind; EFFECTS: mask of FB_EFFECT_...; INTEGRATOR: fb_rk4_step (default), fb_midpoint_step,
+   usage: step_count Y Z AXIAL EFFECTS[/POINTS] STEPS [INTEGRATOR [decayed | held]]
+   Y, Z, AXIAL: modes of each kind; EFFECTS: mask of FB_EFFECT_...; POINTS: along the boom, for large deflection (287;
+   default: the library's); INTEGRATOR: fb_rk4_step (default), fb_midpoint_step,
    fb_sdirk_step, fb_exponential_step; decayed: the elastic motion is about to vanish; held: so is the hub, else it
    flies. */
 #include "sets.h"
@@ -47,18 +48,22 @@ int main(int argc, char **argv)
   fb_state state;
   const int decayed = argc == 8 && strcmp(argv[7], "decayed") == 0, held = argc == 8 && strcmp(argv[7], "held") == 0;
   const int integrator = integrator_of(argc > 6 ? argv[6] : "fb_rk4_step");
+  const char *points;
   fb_real dt;
   if (argc < 6 || argc > 8 || (argc == 8 && !decayed && !held) || integrator == FB_INTEGRATOR_COUNT) {
-    fprintf(stderr, "usage: step_count Y Z AXIAL EFFECTS STEPS [INTEGRATOR [decayed | held]]\n");
+    fprintf(stderr, "usage: step_count Y Z AXIAL EFFECTS[/POINTS] STEPS [INTEGRATOR [decayed | held]]\n");
     return 2;
   }
-  fbb_check(boom_craft(&body, held ? FB_BASE_PRESCRIBED : FB_BASE_FREE, atoi(argv[1]), atoi(argv[2]), atoi(argv[3]),
-                       (unsigned)atoi(argv[4]), FB_R(0.5)),
+  points = strchr(argv[4], '/');
+  fbb_check(boom_craft_points(&body, held ? FB_BASE_PRESCRIBED : FB_BASE_FREE, atoi(argv[1]), atoi(argv[2]),
+                              atoi(argv[3]), (unsigned)atoi(argv[4]), FB_R(0.5), points ? atoi(points + 1) : 0),
             "body");
   fbb_state(&state, &body, 0, decayed || held ? FB_R(0.0) : FB_R(1.0), decayed ? (fb_real)1e-133 : FB_R(0.01));
   dt = FB_R(0.5) * fb_rk4_limit(&body, FB_R(2.0), FB_R(10.0));
   dt = dt < FB_R(0.01) ? dt : FB_R(0.01);
-  fbb_check(fb_exponential_init(&exponential, &body_work, &body, dt), "exponential scheme");
+  if (integrator == FB_INTEGRATOR_EXPONENTIAL) {
+    fbb_check(fb_exponential_init(&exponential, &body_work, &body, dt), "exponential scheme");
+  }
   for (int k = atoi(argv[5]); k > 0; k--) {
     fbb_check(step((fb_integrator)integrator, &state, dt), "step");
   }

@@ -553,6 +553,104 @@ TEST(model_error_is_its_formula)
   FBT_NEAR_REL(advice.error_model, 0.3 * bend * bend, 0.01);
 }
 
+/* E13.4: a dead force that bends the boom by a fifth of its length takes large deflection for 1 %, not for 10 %, one
+   that bends it by 2 % takes it for neither; of a beam without lines the advice is what it would be without the effect,
+   and says that it misses. What is beyond 5 lengths is not known. */
+TEST(large_deflection_has_no_error_of_the_field)
+{
+#if FB_WITH_LARGE_DEFLECTION
+  const double unit = 3.0 * 500.0 / 9.0; /* [N] bends it by its length, linearly */
+  const double tolerance[2] = {0.1, 0.01}, bend[3] = {0.02, 0.2, 6.0};
+  for (int k = 0; k < 6; k++) {
+    const int large = k == 3;
+    boom_under_a_force(bend[k / 2] * unit, 0, 6);
+    FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, (fb_real)tolerance[k % 2]), FB_OK);
+    FBT_INT_EQ(advice.effects == FB_EFFECTS_LARGE, large);
+    FBT_NEAR_REL(advice.error_field, 0.3 * pow(bend[k / 2], 2.0), 0.1); /* the tip comes in, too */
+    FBT_NEAR_ABS(advice.error_model, large ? 0.0 : (double)advice.error_field, 0.0);
+    FBT_INT_EQ((double)advice.error <= tolerance[k % 2] * 1.00001, k < 4);
+    if (large) {
+      const fb_real cost = advice.cost;
+      fb_advice rough;
+      shape.lines_status = FB_ERR_UNSUPPORTED; /* as of a beam that cannot have any */
+      FBT_INT_EQ(fb_advice_solve(&rough, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
+      FBT_INT_EQ(rough.effects & FB_EFFECT_LARGE_DEFLECTION, 0);
+      FBT_TRUE(rough.error > FB_R(0.01));
+      FBT_TRUE(rough.cost < cost);
+    }
+  }
+#endif
+}
+
+/* E13.5: the boom turns about z and moves along z, across its axis and the spin, with a speed that draws its tip in by
+   1.2 delta delta_rate/L: times 2 s that is an acceleration along y, and bends the boom there. Modes for that are taken,
+   though the force, which is along z, drives none of them. */
+TEST(large_deflection_takes_the_modes_that_it_drives)
+{
+#if FB_WITH_LARGE_DEFLECTION
+  const double bend = 0.1, s = 3.0, f = 2.0;
+  int taken = 0;
+  boom_under_a_force(bend * 3.0 * 500.0 / 9.0, 1, 3);
+  envelope.spin[2] = (fb_real)s;
+  envelope.frequency = (fb_real)f;
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
+  for (int a = 0, along_y = 0; a < 4; a++) {
+    const int is_y = fabs((double)shape.node[1].psi[3 * a + 1]) > fabs((double)shape.node[1].psi[3 * a + 2]);
+    const double delta = (double)work.deflection, omega2 = (double)shape.K[5 * a];
+    along_y += is_y;
+    if (is_y) { /* at 45 degrees of phase; within what shapes of u u' weigh */
+      const double part = 2.0 * s * 1.2 * 0.5 * delta * f / 3.0 / omega2;
+      FBT_TRUE((double)work.beside[a] > 0.3 * part && (double)work.beside[a] < 3.0 * part);
+      for (int k = 0; k < advice.n; k++) {
+        taken |= advice.coordinate[k] == a;
+      }
+    }
+    FBT_TRUE(a < 3 || along_y == 1);
+  }
+  FBT_INT_EQ(advice.effects, FB_EFFECTS_LARGE);
+  FBT_TRUE(taken);
+#endif
+}
+
+/* E13.4: a body with lines and a mode in which no beam bends keeps the error of the field by what that mode gives. */
+TEST(modes_beside_lines_keep_the_error_of_the_field)
+{
+#if FB_WITH_LARGE_DEFLECTION
+  static fb_modes modes;
+  static fb_beam_desc desc;
+  static fb_beam beam;
+  static fb_shape boom;
+  const fb_real at[3] = {0, 0, FB_R(0.1)}, inertia[6] = {0}, theta[9] = {0};
+  fb_real psi[9] = {0};
+  double aside, all = 0.0;
+  int node;
+  boom_under_a_force(0.2 * 3.0 * 500.0 / 9.0, 0, 2);
+  make_boom(&boom, &modes, 0, 2);
+  desc.length = FB_R(3.0);
+  desc.n_element = 6;
+  desc.n_station = 1;
+  desc.station[0].mass = FB_R(2.0);
+  desc.station[0].EI_y = FB_R(500.0);
+  desc.station[0].EI_z = FB_R(900.0);
+  psi[8] = FB_R(1.0); /* a kilogram on a spring, as slow as the boom, moves the output, too */
+  FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+  FBT_INT_EQ(fb_shape_init(&shape, 3), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
+  FBT_INT_EQ(fb_shape_add_lump(&shape, FB_R(1.0), at, inertia, psi, theta), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, desc.length), FB_OK);
+  shape.node[node].psi[8] = FB_R(1.0);
+  shape.K[8] = shape.K[0];
+  FBT_INT_EQ(fb_advice_solve(&advice, &work, &shape, &level, &envelope, FB_R(0.06)), FB_OK);
+  for (int a = 0; a < 3; a++) {
+    all += (double)work.most[a];
+  }
+  aside = (double)work.most[2] / all;
+  FBT_TRUE(aside > 0.1 && aside < 0.9);
+  FBT_INT_EQ(advice.effects, FB_EFFECTS_LARGE);
+  FBT_NEAR_REL(advice.error_model, aside * (double)advice.error_field, FBT_TOL(1e-9, 1e-4));
+#endif
+}
+
 /* E13.3: an acceleration a along the boom is m a L^3/(7.837 EI) of what buckles it, or the same stiffer, and by that
    part is off what leaves the acceleration's stiffening out. */
 TEST(accelerations_stiffen_and_soften)
@@ -731,6 +829,8 @@ SUITE(advise_formulas, RUN_FORMS(selection_takes_rows_and_pairs), RUN(selected_m
       RUN(modes_answer_as_oscillators), RUN(a_rate_too_small_to_matter_changes_no_advice), RUN(advice_knows_no_axes),
       RUN(advice_takes_as_many_modes_as_there_can_be), RUN(modes_are_taken_by_what_they_give),
       RUN(velocities_are_those_of_a_prescribed_base), RUN(bending_and_speed_have_their_phases),
-      RUN(accelerations_stiffen_and_soften), RUN(velocities_of_a_spinning_base_are_loads),
-      RUN(advice_counts_loads_through_other_modes), RUN(gravity_is_nothing_to_a_free_body),
-      RUN(damping_goes_with_its_mode), RUN(advice_does_not_hide_what_is_out_of_range), RUN(advice_knows_no_units))
+      RUN(large_deflection_has_no_error_of_the_field), RUN(modes_beside_lines_keep_the_error_of_the_field),
+      RUN(large_deflection_takes_the_modes_that_it_drives), RUN(accelerations_stiffen_and_soften),
+      RUN(velocities_of_a_spinning_base_are_loads), RUN(advice_counts_loads_through_other_modes),
+      RUN(gravity_is_nothing_to_a_free_body), RUN(damping_goes_with_its_mode),
+      RUN(advice_does_not_hide_what_is_out_of_range), RUN(advice_knows_no_units))

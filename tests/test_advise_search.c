@@ -153,12 +153,20 @@ TEST(advice_is_the_cheapest_that_adds_up)
 
 /* ---- search */
 
+#define SETS (2 * ((int)FB_EFFECTS_FULL + 1))
+
 typedef struct looked_at { /* a scene of which everything is known */
   int n_run, diverges;
   fb_real last_cost, floor, most, shortest; /* the first run's cost and step */
   int in_order;
-  fb_real dt[FB_EFFECTS_FULL + 1][FB_MAX_MODES + 1][FB_INTEGRATOR_COUNT]; /* last tried, by set, modes and integrator */
+  fb_real dt[SETS][FB_MAX_MODES + 1][FB_INTEGRATOR_COUNT]; /* last tried, by set, modes and integrator */
 } looked_at;
+
+/* Place of a set of effects in tables of all. */
+static int place_of(unsigned effects)
+{
+  return (int)(effects & FB_EFFECTS_FULL) + (effects & FB_EFFECT_LARGE_DEFLECTION ? SETS / 2 : 0);
+}
 
 /* Off by 0.2 without spin stiffening, by 0.05 without the second mode, by the square of the step; `floor` or twice that
    at least. */
@@ -175,7 +183,7 @@ static fb_status look_at(void *user, fb_real *out, const fb_advice *candidate)
   } else {
     seen->in_order &= candidate->cost >= seen->last_cost && candidate->cost <= seen->most;
     seen->last_cost = candidate->cost;
-    fb_real *const last = &seen->dt[candidate->effects & FB_EFFECTS_FULL][candidate->n][candidate->integrator];
+    fb_real *const last = &seen->dt[place_of(candidate->effects)][candidate->n][candidate->integrator];
     FBT_TRUE(!(*last > FB_R(0.0)) ||
              (dt < FB_R(0.99) * *last && dt > FB_R(0.49) * *last)); /* none twice, none left out */
     *last = dt;
@@ -264,7 +272,7 @@ typedef struct picky { /* takes one kind of candidate alone: effects, modes, int
   fb_real longest, miss[4]; /* what all others are off by, by integrator */
   int n_run;
   fb_advice first;
-  int tries[FB_EFFECTS_FULL + 1][FB_MAX_MODES + 1][4];
+  int tries[SETS][FB_MAX_MODES + 1][4];
   unsigned parts; /* of the frame that the steps are of the cheapest body by the midpoint rule: 1 << number */
 } picky;
 
@@ -272,13 +280,13 @@ static fb_status pick(void *user, fb_real *out, const fb_advice *candidate)
 {
   picky *const p = (picky *)user;
   const int integrator = (int)candidate->integrator;
-  const unsigned effects = candidate->effects & FB_EFFECTS_FULL;
+  const unsigned effects = candidate->effects & FB_EFFECTS_LARGE;
   out[0] = FB_R(1.0);
   if (p->n_run++ == 0) {
     p->first = *candidate;
     return FB_OK;
   }
-  p->tries[effects][candidate->n][integrator]++;
+  p->tries[place_of(effects)][candidate->n][integrator]++;
   if (effects == FB_EFFECTS_LINEAR && candidate->n == 1 && integrator == (int)FB_INTEGRATOR_MIDPOINT) {
     const long parts = lround((double)(envelope.frame / candidate->dt));
     p->parts |= parts < 32 ? 1u << parts : 0u;
@@ -332,8 +340,8 @@ TEST(costs_are_those_of_counted_instructions)
     const unsigned effects = (unsigned)fbt_value(table, row, "effects");
     const int y = (int)fbt_value(table, row, "y"), z = (int)fbt_value(table, row, "z");
     const int set = effects == FB_EFFECTS_LINEAR ? 0
-                    : effects == FB_EFFECTS_FULL ? FBI_ADVICE_SETS - 1
-                                                 : FBI_ADVICE_SETS - 2;
+                    : effects == FB_EFFECTS_FULL ? FBI_ADVICE_SETS - 2
+                                                 : FBI_ADVICE_SETS - 3;
     boom_under_a_force(0.5, y, z);
     FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(500.0), center, inertia), FB_OK);
     level.base = strcmp(fbt_word(table, row, "base"), "free") == 0 ? FB_BASE_FREE : FB_BASE_PRESCRIBED;
@@ -358,7 +366,7 @@ TEST(gravity_shortens_no_step_of_a_free_body)
   envelope.acceleration[0] = FB_R(100.0);
   FBT_INT_EQ(search_for(&p), FB_OK);
   FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &level), FB_OK);
-  FBT_NEAR_REL(work.longest[FBI_ADVICE_SETS - 1][1][FB_INTEGRATOR_RK4], fb_rk4_limit(&body, FB_R(0.5), FB_R(0.0)),
+  FBT_NEAR_REL(work.longest[FBI_ADVICE_SETS - 2][1][FB_INTEGRATOR_RK4], fb_rk4_limit(&body, FB_R(0.5), FB_R(0.0)),
                FBT_TOL(1e-12, 1e-6));
 }
 
@@ -380,6 +388,13 @@ TEST(search_finds_what_alone_will_do)
     FBT_NEAR_ABS(advice.error, 0.0, 0.0);
     FBT_TRUE(advice.integrator != FB_INTEGRATOR_RK4 || advice.long_step == 0);
   }
+  if (FB_WITH_LARGE_DEFLECTION) {
+    new_judge(&p, FB_EFFECTS_LARGE, 2, (int)FB_INTEGRATOR_RK4);
+    FBT_INT_EQ(search_for(&p), FB_OK);
+    FBT_INT_EQ(advice.effects, FB_EFFECTS_LARGE);
+    FBT_NEAR_ABS(advice.error_model, 0.0, 0.0);
+    FBT_TRUE(advice.error_field > FB_R(0.0));
+  }
   new_judge(&p, 0u, 0, 0);
   FBT_INT_EQ(fb_advice_solve(&without, &work, &shape, &level, &envelope, FB_R(0.01)), FB_OK);
   new_judge(&p, without.effects, without.n, (int)without.integrator);
@@ -394,9 +409,9 @@ TEST(search_finds_what_alone_will_do)
 TEST(search_ends_with_the_run_of_the_reference)
 {
   static picky p;
-  new_judge(&p, FB_EFFECTS_FULL, 2, (int)FB_INTEGRATOR_RK4);
+  new_judge(&p, FB_WITH_LARGE_DEFLECTION ? FB_EFFECTS_LARGE : FB_EFFECTS_FULL, 2, (int)FB_INTEGRATOR_RK4);
   FBT_INT_EQ(search_for(&p), FB_OK);
-  new_judge(&p, FB_EFFECTS_FULL, 2, (int)FB_INTEGRATOR_RK4);
+  new_judge(&p, FB_WITH_LARGE_DEFLECTION ? FB_EFFECTS_LARGE : FB_EFFECTS_FULL, 2, (int)FB_INTEGRATOR_RK4);
   p.longest = FB_R(1.0001) * advice.dt / 4; /* a quarter of the longest, as the reference has it */
   FBT_INT_EQ(search_for(&p), FB_OK);
   FBT_NEAR_REL(advice.dt, p.first.dt, FBT_TOL(1e-12, 1e-5));
@@ -418,10 +433,10 @@ TEST(search_gives_up_bodies_that_miss_alike)
   int bodies = 0;
   new_judge(&p, 0u, 0, 0);
   for (int s = 0; s < 4; s++) {
-    p.miss[s] = FB_R(0.3) + FB_R(0.04) * (fb_real)s;
+    p.miss[s] = FB_R(0.32) + FB_R(0.04) * (fb_real)s;
   }
   FBT_INT_EQ(search_for(&p), FB_ERR_CONVERGENCE);
-  for (int k = 0; k < 3 * ((int)FB_EFFECTS_FULL + 1); k++) {
+  for (int k = 0; k < 3 * SETS; k++) {
     const int *const tries = p.tries[k / 3][k % 3];
     int all = 0, most = 0;
     for (int s = 0; s < 4; s++) {
@@ -438,6 +453,50 @@ TEST(search_gives_up_bodies_that_miss_alike)
   envelope.frame = FB_R(0.5);
   FBT_INT_EQ(search_for(&p), FB_ERR_CONVERGENCE);
   FBT_INT_EQ(p.parts & (1u << 2 | 1u << 4 | 1u << 8), 1u << 2 | 1u << 4 | 1u << 8);
+}
+
+/* A scene that refuses large deflection is judged without it; an integrator that refuses lines is not tried with them,
+   and one of which that is not known once. */
+typedef struct refuser {
+  unsigned refused; /* effects */
+  int n_run, n_refused;
+  unsigned last; /* effects of the last run */
+} refuser;
+
+static fb_status refuse(void *user, fb_real *out, const fb_advice *candidate)
+{
+  refuser *const r = (refuser *)user;
+  const int no = (candidate->effects & r->refused) != 0 && (r->n_run > 0 || r->refused == FB_EFFECT_LARGE_DEFLECTION);
+  out[0] = r->n_run++ - r->n_refused > 0 ? FB_R(3.0) : FB_R(1.0);
+  r->n_refused += no;
+  r->last = candidate->effects;
+  return no ? FB_ERR_UNSUPPORTED : FB_OK;
+}
+
+TEST(scenes_may_refuse_large_deflection)
+{
+  fb_real output, reference;
+  refuser r;
+  fb_trial trial;
+  memset(&trial, 0, sizeof trial);
+  trial.run = refuse;
+  trial.user = &r;
+  trial.n = trial.width = 1;
+  trial.output = &output;
+  trial.reference = &reference;
+  for (int k = 0; k < 2; k++) {
+    memset(&r, 0, sizeof r);
+    r.refused = k ? (unsigned)FB_EFFECT_SPIN_COUPLING : (unsigned)FB_EFFECT_LARGE_DEFLECTION;
+    boom_under_a_force(0.5, 0, 2);
+    envelope.spin[0] = FB_R(0.1);
+    FBT_INT_EQ(fb_advice_search(&advice, &work, &shape, &level, &envelope, FB_R(0.25), &trial), FB_ERR_CONVERGENCE);
+    FBT_TRUE(r.n_run > 10);
+    if (k == 0) {
+      FBT_INT_EQ(r.n_refused, FB_WITH_LARGE_DEFLECTION); /* the reference alone */
+    } else { /* once by set and integrator: five sets of which two have all effects */
+      FBT_TRUE(r.n_refused > 4 && r.n_refused <= 7 * (int)FB_INTEGRATOR_COUNT);
+    }
+  }
 }
 
 /* The error is the largest distance of samples, of the largest sample. */
@@ -666,5 +725,6 @@ SUITE(advise_search, RUN(steps_are_the_longest_parts_of_a_frame), RUN(advice_is_
       RUN(search_stops_at_the_cheapest_that_will_do), RUN(search_tries_each_part_of_a_frame_once),
       RUN(costs_are_those_of_counted_instructions), RUN(gravity_shortens_no_step_of_a_free_body),
       RUN(search_finds_what_alone_will_do), RUN(search_ends_with_the_run_of_the_reference),
-      RUN(search_gives_up_bodies_that_miss_alike), RUN(errors_are_distances_of_samples),
-      RUN(search_takes_no_nonsense_for_an_answer), RUN(advice_meets_its_tolerance), RUN(advice_refuses_nonsense))
+      RUN(search_gives_up_bodies_that_miss_alike), RUN(scenes_may_refuse_large_deflection),
+      RUN(errors_are_distances_of_samples), RUN(search_takes_no_nonsense_for_an_answer),
+      RUN(advice_meets_its_tolerance), RUN(advice_refuses_nonsense))

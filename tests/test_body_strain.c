@@ -910,6 +910,52 @@ static void unused_sparse(const fb_sparse *m)
   UNUSED(m->term, m->n_term);
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* Of what a body with lines has, the room that is not used; without the effect all of it. */
+static void list_unused_of_lines(void)
+{
+  fb_lines *const all = &body.lines;
+  const int large = (body.effects & FB_EFFECT_LARGE_DEFLECTION) != 0, n = large ? all->n_point : 0;
+  unused_from(all, 0, sizeof *all);
+  for (int k = 0; k < body.n_node; k++) {
+    unused_from(&body.node[k].line, 0, sizeof body.node[k].line);
+  }
+  if (!large) {
+    unused_from(&body.M_rest, 0, sizeof body.M_rest);
+    unused_from(body.c_rest, 0, sizeof body.c_rest);
+    return;
+  }
+  unused_from(all, 5 * sizeof(int), 5 * sizeof(int)); /* counts */
+  for (int l = 0; l < all->n_line; l++) {
+    unused_from(&all->line[l], (size_t)((char *)&all->line[l].turned - (char *)&all->line[l]) + sizeof(short),
+                sizeof(short) + (size_t)((char *)&all->line[l].turned - (char *)&all->line[l]));
+    UNUSED(all->line[l].axes, all->line[l].turned ? 9 : 0);
+  }
+  UNUSED(all->mass, n);
+  UNUSED(all->center, 3 * n);
+  UNUSED(all->inertia, 6 * n);
+  for (int i = 0; i < 3; i++) {
+    UNUSED(all->start[i], n);
+    UNUSED(all->tangent[i], n);
+  }
+  UNUSED(all->station, n);
+  UNUSED(all->root, all->n_line);
+  UNUSED(all->side, all->n_side);
+  UNUSED(all->row, all->n_row);
+  UNUSED(all->table, all->n_table);
+  unused_sparse(&body.M_rest);
+  for (int k = 0; k < body.n_node; k++) {
+    fb_line_node *const node = &body.node[k].line;
+    const fb_line *const line = node->line > 0 ? &all->line[node->line - 1] : NULL;
+    unused_from(node, 2 * sizeof(short), 2 * sizeof(short));
+    UNUSED(node->start, line ? 3 : 0);
+    UNUSED(node->weight, line ? line->count : 0);
+    UNUSED(node->turn, line ? 3 * line->n : 0);
+    UNUSED(node->bow, line ? 3 * line->n : 0);
+  }
+}
+#endif
+
 /* What there is: the room of tables that is not used, and what other forms have. */
 static void list_unused(void)
 {
@@ -940,6 +986,9 @@ static void list_unused(void)
     unused_from(&body.n_strain, 0, 2 * sizeof(int));
     unused_from(&body.quartic, 0, 3 * sizeof(fb_real)); /* and limits */
   }
+#if FB_WITH_LARGE_DEFLECTION
+  list_unused_of_lines();
+#endif
 #if FB_WITH_FORMS
   UNUSED(body.gam, body.n_gam);
   UNUSED(body.torque, body.n_torque);
@@ -966,7 +1015,13 @@ static int padding(void)
   const int lambda = (int)(sizeof(fb_lambda_term) - sizeof(fb_real) - 3 * sizeof(short));
   const int pair = (int)(sizeof(fb_pair_term) - sizeof(fb_real) - 2 * sizeof(short));
   const int row = (int)(sizeof(fb_strain_row) - sizeof body.strain_row[0].slope - 2 * sizeof(short));
-  return lambda * (body.n_lambda + first_order_terms()) + row * body.n_strain_row +
+#if FB_WITH_LARGE_DEFLECTION
+  const int station = (int)(sizeof(fb_line_station) - 12 * sizeof(fb_real) - sizeof(short));
+  const int stations = station * (body.lines.n_point + body.lines.n_line);
+#else
+  const int stations = 0;
+#endif
+  return stations + lambda * (body.n_lambda + first_order_terms()) + row * body.n_strain_row +
          pair * (body.M.n_term + body.Minv.n_term + body.K.n_term + body.C.n_term) +
          4 * (int)(sizeof(fb_real) - sizeof(int));
 }
@@ -976,8 +1031,9 @@ static int padding(void)
 TEST(the_check_word_sees_every_form)
 {
   static const scene short_one = {1, 3, 0, 1, 0};
-  static const int form[] = {FBT_MOMENTUM, FBT_SECOND, FBT_FIRST, FBT_MOMENTUM};
-  static const unsigned effects[] = {FB_EFFECTS_STRAIN, FB_EFFECTS_STRAIN, FB_EFFECTS_STRAIN, FB_EFFECTS_FULL};
+  static const int form[] = {FBT_MOMENTUM, FBT_SECOND, FBT_FIRST, FBT_MOMENTUM, FBT_MOMENTUM};
+  static const unsigned effects[] = {FB_EFFECTS_STRAIN, FB_EFFECTS_STRAIN, FB_EFFECTS_STRAIN, FB_EFFECTS_FULL,
+                                     FB_EFFECTS_LARGE};
   static fb_body flipped, unseen;
   scene_shape(&short_one, BENDING, 1);
   desc_clear();
@@ -985,7 +1041,7 @@ TEST(the_check_word_sees_every_form)
     fb_state state, rate, again;
     unsigned word;
     int missed = 0;
-    if (form[k] >= FBT_FORMS) {
+    if (form[k] >= FBT_FORMS || (!FB_WITH_LARGE_DEFLECTION && effects[k] == FB_EFFECTS_LARGE)) {
       continue;
     }
     desc.gravity[1] = FB_R(2.0);
@@ -1010,6 +1066,7 @@ TEST(the_check_word_sees_every_form)
       *byte = was;
     }
     FBT_TRUE(word != 0 && missed <= padding());
+    FBT_INT_EQ(fb_body_check(&body), FB_OK);
     FBT_INT_EQ(fb_state_init(&body, &state), FB_OK);
     state.L[2] = state.u[0] = FB_R(0.3);
     state.q[0] = state.pi[1] = FB_R(0.001);

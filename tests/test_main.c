@@ -19,11 +19,13 @@
   X(status) X(status_detail) X(vec3) X(rotation) X(linalg) X(beam) \
   X(modes_frequencies) X(modes_components) X(modes_selection) \
   X(body_particles) X(body_coordinates) X(body_integrals) X(body_motion) X(body_joined) X(body_strain) X(body_refusals) X(body_build) \
+  X(line_parts) X(line_loads) \
   FORMS(X) \
-  X(integrate_limits) X(integrate_implicit) X(integrate_order) X(integrate_stepper) \
-  X(system_trees) X(system_joints) X(system_loops) X(system_rows) X(system_steps) X(system_references) X(system_refusals) \
+  X(integrate_limits) X(integrate_implicit) X(integrate_order) X(integrate_stepper) X(integrate_lines) \
+  X(system_trees) X(system_joints) X(system_loops) X(system_rows) X(system_steps) X(system_lines) X(system_references) X(system_refusals) \
+  X(line_kinematics) X(line_statics) X(line_motion) \
   X(exact_statics) X(exact_motion) X(exact_flight) X(exact_spectrum) X(exact_linear) \
-  X(analyse_body) X(analyse_steps) X(analyse_system) X(analyse_loops) \
+  X(analyse_body) X(analyse_steps) X(analyse_system) X(analyse_loops) X(analyse_lines) \
   X(advise_formulas) X(advise_search) X(build)
 // clang-format on
 

@@ -65,8 +65,9 @@ static inline fb_status boom_shape(fb_shape *shape, int *tip, const boom *b)
 }
 
 /* The reference boom on a rigid hub of 500 kg: natural modes along y, z and x, each damped by zeta where damping is
-   among the effects. */
-static inline fb_status boom_craft(fb_body *body, fb_base base, int y, int z, int axial, unsigned effects, fb_real zeta)
+   among the effects. points: along the boom, for large deflection; 0: as many as the library takes. */
+static inline fb_status boom_craft_points(fb_body *body, fb_base base, int y, int z, int axial, unsigned effects,
+                                          fb_real zeta, int points)
 {
   static const fb_real center[3] = {0}, inertia[6] = {80, 80, 80}; /* [m], [kg m^2] of the hub */
   static const boom reference = {BOOM_LENGTH, BOOM_MASS, BOOM_EI, BOOM_EA, 2, 0, 0, 0, 0};
@@ -85,6 +86,7 @@ static inline fb_status boom_craft(fb_body *body, fb_base base, int y, int z, in
   keep.count[FB_KIND_BEND_Y] = y;
   keep.count[FB_KIND_BEND_Z] = z;
   keep.count[FB_KIND_AXIAL] = axial;
+  keep.line_points = points;
   desc.effects = effects;
   desc.base = base;
   desc.allow_split_effects = 1;                                            /* to time residual inertia alone */
@@ -98,6 +100,11 @@ static inline fb_status boom_craft(fb_body *body, fb_base base, int y, int z, in
   status = status ? status : fb_shape_add_rigid(&shape, 500, center, inertia);
   status = status ? status : fb_shape_add_beam(&shape, 0, &beam, &modes);
   return status ? status : fb_body_init(body, &body_work, &shape, &desc);
+}
+
+static inline fb_status boom_craft(fb_body *body, fb_base base, int y, int z, int axial, unsigned effects, fb_real zeta)
+{
+  return boom_craft_points(body, base, y, z, axial, effects, zeta, 0);
 }
 
 #endif

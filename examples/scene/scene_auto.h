@@ -276,11 +276,15 @@ static void scene_tell_advice(const scene *s, int k, FILE *talk)
       fprintf(talk, " %s", name[i]);
     }
   }
-  fprintf(talk, "%s%s\n  estimated error %.2g %% of %.3g m, allowed %.2g %%; by leaving out",
+  fprintf(talk, "%s%s%s\n  estimated error %.2g %% of %.3g m, allowed %.2g %%; by leaving out",
+          a->effects & FB_EFFECT_LARGE_DEFLECTION ? " large_deflection" : "",
           a->effects & FB_EFFECT_DAMPING ? " damping" : "", a->effects & FB_EFFECT_GRAVITY ? " gravity" : "",
           100 * (double)a->error, (double)a->deflection, 100 * s->body[k].tolerance);
   for (int i = 1; i < FB_ADVICE_EFFECTS; i++) {
     fprintf(talk, "%s %s: %.2g %%", i > 1 ? "," : "", name[i], 100 * (double)a->without[i]);
+  }
+  if (a->effects & FB_EFFECT_LARGE_DEFLECTION) {
+    fprintf(talk, ", large_deflection: %.2g %%", 100 * (double)a->error_field);
   }
   fputs("\n", talk);
 }
@@ -360,12 +364,31 @@ static double scene_step_of(const scene *s, fb_integrator integrator, int has_sp
   return has_spectrum ? dt : fmin(dt, 0.2 * limit);
 }
 
+/* Does the integrator step the only body at all? Large deflection may be refused: one short step tells. */
+static int scene_takes(const scene *s, fb_integrator integrator)
+{
+  fb_status status;
+  if (scene_is_system(s) || !(engine.body[0].effects & FB_EFFECT_LARGE_DEFLECTION)) {
+    return 1;
+  }
+  status = fb_state_init(&engine.body[0], &engine.state);
+  status = status ? status
+                  : body_stepper(&engine.by, &engine.exponential, &engine.body_work, &engine.body[0], &engine.state,
+                                 engine.at, integrator, 1e-6 * s->interval);
+  status = status ? status : fb_stepper_step(&engine.by);
+  engine.by_step = 0;
+  return status != FB_ERR_UNSUPPORTED;
+}
+
 /* Is the integrator one to choose from? The stiffness torque of the first-order form is explicit in implicit
    integrators. */
 static int scene_may_choose(const scene *s, fb_integrator integrator)
 {
   if (!s->integrator_auto) {
     return integrator == s->integrator;
+  }
+  if (!scene_takes(s, integrator)) {
+    return 0;
   }
   return integrator == FB_INTEGRATOR_RK4 ||
          (s->body[0].level.form != FB_FORM_FIRST &&

@@ -79,6 +79,7 @@ static void model_effects(text_file *t)
                                      "linear",
                                      "spin",
                                      "full",
+                                     "large",
                                      "spin_coupling",
                                      "residual_inertia",
                                      "spin_stiffening",
@@ -86,18 +87,21 @@ static void model_effects(text_file *t)
                                      "damping",
                                      "gravity",
                                      "strain",
+                                     "large_deflection",
                                      NULL};
   static const unsigned mask[] = {FB_EFFECTS_RIGID,
                                   FB_EFFECTS_LINEAR,
                                   FB_EFFECTS_SPIN,
                                   FB_EFFECTS_FULL,
+                                  FB_EFFECTS_LARGE,
                                   FB_EFFECT_ELASTIC | FB_EFFECT_SPIN_COUPLING,
                                   FB_EFFECT_ELASTIC | FB_EFFECT_RESIDUAL_INERTIA,
                                   FB_EFFECT_ELASTIC | FB_EFFECT_SPIN_STIFFENING,
                                   FB_EFFECT_ELASTIC | FB_EFFECT_ACCELERATION_STIFFENING,
                                   FB_EFFECT_DAMPING,
                                   FB_EFFECT_GRAVITY,
-                                  FB_EFFECTS_STRAIN};
+                                  FB_EFFECTS_STRAIN,
+                                  FB_EFFECT_ELASTIC | FB_EFFECT_LARGE_DEFLECTION};
   model.level.effects = 0;
   do {
     model.level.effects |= mask[text_choice(t, "an effect", name)];
@@ -277,8 +281,8 @@ static void model_taper(text_file *t)
 /* modes WORD NUMBER ... */
 static void model_modes_line(text_file *t)
 {
-  static const char *const name[] = {"bend_y", "bend_z",   "axial",         "torsion",
-                                     "lowest", "limit_hz", "mass_fraction", NULL};
+  static const char *const name[] = {"bend_y",   "bend_z",        "axial",  "torsion", "lowest",
+                                     "limit_hz", "mass_fraction", "points", NULL};
   text_words seen = {0};
   int total = 0;
   model.has_modes = 1;
@@ -292,6 +296,8 @@ static void model_modes_line(text_file *t)
       model.modes.lowest = text_whole(t, name[k], 1, FB_MAX_MODES);
     } else if (k == 5) {
       model.modes.omega_limit = (fb_real)(text_number(t, name[k]) * 2.0 * model_pi);
+    } else if (k == 7) {
+      model.modes.line_points = text_whole(t, name[k], 2, FB_MAX_POINTS);
     } else {
       model.modes.mass_fraction = (fb_real)text_number(t, name[k]);
     }
@@ -556,7 +562,7 @@ static void model_effects_check(text_file *t)
   const int pulled = fabs((double)g[0]) + fabs((double)g[1]) + fabs((double)g[2]) > 0;
   if (!(effects & FB_EFFECT_ELASTIC) && (effects & FB_EFFECT_DAMPING)) {
     model_at(t, "effects");
-    text_fail(t, "effects names damping but no modes: add linear, spin or full");
+    text_fail(t, "effects names damping but no modes: add linear, spin, full or large");
   }
   if (pulled && !(effects & FB_EFFECT_GRAVITY)) {
     model_at(t, "gravity");

@@ -144,6 +144,123 @@ static void rom_list(rom *r, const fb_real *x, int n)
   rom_text(r, n ? "}," : "0},");
 }
 
+#if FB_WITH_LARGE_DEFLECTION
+/* A node's place on its line; node 0 and others that are on none: zero. */
+static void rom_line_node(rom *r, const fb_lines *lines, const fb_line_node *node)
+{
+  if (node->line == 0) {
+    rom_text(r, "{0},");
+    return;
+  }
+  rom_text(r, "{");
+  rom_whole(r, node->line);
+  rom_whole(r, node->after);
+  rom_list(r, node->start, 3);
+  rom_list(r, node->weight, lines->line[node->line - 1].count);
+  rom_list(r, node->turn, 3 * lines->line[node->line - 1].n);
+  rom_list(r, node->bow, 3 * lines->line[node->line - 1].n);
+  rom_text(r, "},");
+}
+
+static void rom_line(rom *r, const fb_line *line)
+{
+  const int whole[] = {line->first, line->n,      line->point,     line->count,  line->stride,
+                       line->row,   line->n_turn, line->n_stretch, line->weight, line->shift,
+                       line->moves, line->hangs,  line->carries,   line->solid,  line->turned};
+  rom_text(r, "{");
+  for (int i = 0; i < (int)(sizeof whole / sizeof *whole); i++) {
+    rom_whole(r, whole[i]);
+  }
+  rom_list(r, line->axes, line->turned ? 9 : 0);
+  rom_text(r, "},"); /* root and frame are for model building */
+}
+
+/* Where n points or roots stand. */
+static void rom_stations(rom *r, const char *member, const fb_line_station *s, int n)
+{
+  rom_open(r, member);
+  for (int k = 0; k < n; k++) {
+    rom_text(r, "{");
+    rom_real(r, s[k].x);
+    rom_real(r, s[k].length);
+    rom_real(r, s[k].before);
+    rom_list(r, s[k].axes, 9);
+    rom_whole(r, s[k].side);
+    rom_text(r, "},");
+  }
+  rom_text(r, n ? "" : "{0}");
+  rom_close(r);
+}
+
+/* Before and behind, n numbers each. */
+static void rom_two_rows(rom *r, const fb_real *x, int n)
+{
+  rom_text(r, "{");
+  rom_list(r, x, n);
+  rom_list(r, x + n, n);
+  rom_text(r, "},");
+}
+
+static void rom_sides(rom *r, const fb_lines *all)
+{
+  rom_open(r, "side");
+  for (int k = 0; k < all->n_side; k++) {
+    rom_text(r, "{");
+    rom_list(r, all->side[k].mass, 2);
+    rom_two_rows(r, all->side[k].first[0], 3);
+    rom_two_rows(r, all->side[k].moment[0], 6);
+    rom_text(r, "},");
+  }
+  rom_text(r, all->n_side ? "" : "{0}");
+  rom_close(r);
+}
+
+/* Points of three axes. */
+static void rom_axes(rom *r, const char *member, const fb_real x[3][FB_MAX_POINTS], int n)
+{
+  rom_open(r, member);
+  for (int i = 0; i < 3; i++) {
+    rom_list(r, x[i], n);
+  }
+  rom_close(r);
+}
+
+static void rom_lines(rom *r, const fb_body *body)
+{
+  const fb_lines *const all = &body->lines;
+  fprintf(r->out, "\n  .lines = {\n  .n_line = %d, .n_point = %d, .n_row = %d, .n_table = %d, .n_side = %d,",
+          all->n_line, all->n_point, all->n_row, all->n_table, all->n_side);
+  rom_open(r, "line");
+  for (int l = 0; l < all->n_line; l++) {
+    rom_line(r, &all->line[l]);
+  }
+  rom_text(r, all->n_line ? "" : "{0}");
+  rom_close(r);
+  rom_reals(r, "mass", all->mass, all->n_point);
+  rom_reals(r, "center", all->center, 3 * all->n_point);
+  rom_reals(r, "inertia", all->inertia, 6 * all->n_point);
+  rom_axes(r, "start", all->start, all->n_point);
+  rom_axes(r, "tangent", all->tangent, all->n_point);
+  rom_stations(r, "station", all->station, all->n_point);
+  rom_stations(r, "root", all->root, all->n_line);
+  rom_sides(r, all);
+  rom_open(r, "row");
+  for (int k = 0; k < all->n_row; k++) {
+    rom_text(r, "{");
+    rom_whole(r, all->row[k].axis);
+    rom_whole(r, all->row[k].a);
+    rom_whole(r, all->row[k].at);
+    rom_text(r, "},");
+  }
+  rom_text(r, all->n_row ? "" : "{0}");
+  rom_close(r);
+  rom_reals(r, "table", all->table, all->n_table);
+  rom_close(r);
+  rom_sparse(r, "M_rest", &body->M_rest, body->n);
+  rom_reals(r, "c_rest", body->c_rest, 3);
+}
+#endif
+
 static void rom_nodes(rom *r, const fb_body *body)
 {
   rom_open(r, "node");
@@ -157,6 +274,11 @@ static void rom_nodes(rom *r, const fb_body *body)
     if (body->effects & (FB_EFFECT_SPIN_STIFFENING | FB_EFFECT_ACCELERATION_STIFFENING)) { /* else nobody looks */
       rom_list(r, node->chi, 3 * body->n * (body->n + 1) / 2);
       rom_list(r, node->chi_theta, 3 * body->n * (body->n + 1) / 2);
+    }
+#endif
+#if FB_WITH_LARGE_DEFLECTION
+    if (body->effects & FB_EFFECT_LARGE_DEFLECTION) {
+      rom_line_node(r, &body->lines, &node->line);
     }
 #endif
     rom_text(r, "},");
@@ -188,6 +310,14 @@ static void rom_capacities(rom *r, const fb_body *body)
   rom_capacity(r, "FB_MAX_LAMBDA", body->n_lambda, 1);
   rom_capacity(r, "FB_MAX_S", body->n_S, 1);
   rom_capacity(r, "FB_MAX_RUNS", body->n_run, 1);
+#if FB_WITH_LARGE_DEFLECTION
+  if (body->effects & FB_EFFECT_LARGE_DEFLECTION) {
+    rom_capacity(r, "FB_MAX_POINTS", body->lines.n_point, 0);
+    rom_capacity(r, "FB_MAX_LINES", body->lines.n_line, 0);
+    rom_capacity(r, "FB_MAX_LINE_ROWS", body->lines.n_row, 1);
+    rom_capacity(r, "FB_MAX_LINE_TABLE", body->lines.n_table, 1);
+  }
+#endif
   for (int k = 0; k < CONFIG_EFFECTS; k++) {
     if (body->effects & config_effects[k].effect) {
       fprintf(r->out, "#if !FB_WITH_%s\n#error \"this model wants FB_WITH_%s\"\n#endif\n", config_effects[k].name,
@@ -226,6 +356,11 @@ static void rom_write(FILE *out, const fb_body *body, const char *name, const ch
   rom_number(&r, "limit_damping", body->limit_damping);
   rom_number(&r, "limit_spin", body->limit_spin);
   rom_number(&r, "limit_acceleration", body->limit_acceleration);
+#if FB_WITH_LARGE_DEFLECTION
+  if (body->effects & FB_EFFECT_LARGE_DEFLECTION) {
+    rom_lines(&r, body);
+  }
+#endif
   rom_reals(&r, "S0", body->S0, 21);
   rom_reals(&r, "S0_inverse", body->S0_inverse, 36);
   rom_sparse(&r, "M", &body->M, body->n);

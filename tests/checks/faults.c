@@ -114,6 +114,41 @@ static fb_status use_body(void)
   return finite_or(status, &momentum, sizeof momentum);
 }
 
+static fb_body large; /* with lines */
+
+static fb_status check_large(void)
+{
+  return fb_body_check(&large);
+}
+
+static unsigned large_word(void)
+{
+  return fb_body_crc(&large);
+}
+
+/* The first status that is not FB_OK of a step, motion, motion of a node, energy, momentum of a body with lines. */
+static fb_status use_large(void)
+{
+  fb_state state;
+  fb_motion motion;
+  fb_node_motion node;
+  fb_energy energy;
+  fb_momentum momentum;
+  fb_status status = fb_state_init(&large, &state);
+  memset(&motion, 0, sizeof motion);
+  state.q[0] = FB_R(0.01);
+  status = status ? status : fb_rk4_step(&large, &state, &rk4_work, &w.input, &w.input, &w.input, FB_R(0.0001));
+  status = finite_or(status, &state, sizeof state);
+  status = status ? status : fb_body_motion_eval(&large, &motion, &state, &w.input);
+  status = finite_or(status, &motion, sizeof motion);
+  status = status ? status : fb_body_node_motion_eval(&large, &node, &state, &motion, 1);
+  status = finite_or(status, &node, sizeof node);
+  status = status ? status : fb_body_energy_eval(&large, &energy, &state, &w.input);
+  status = finite_or(status, &energy, sizeof energy);
+  status = status ? status : fb_body_momentum_eval(&large, &momentum, &state, &w.input);
+  return finite_or(status, &momentum, sizeof momentum);
+}
+
 static fb_status use_system(void)
 {
   static fb_system_state state;
@@ -210,6 +245,7 @@ int main(void)
 {
   static const subject subjects[] = {
       {"fb_body", &w.body, sizeof w.body, check_body, use_body, body_word},
+      {"fb_body, lines", &large, sizeof large, check_large, use_large, large_word},
       {"fb_exponential", &w.exponential, sizeof w.exponential, check_exponential, use_body, NULL},
       {"fb_state", &w.state, sizeof w.state, check_state, use_body, NULL},
       {"fb_system", &w.system, sizeof w.system, check_system, use_system, system_word},
@@ -218,8 +254,15 @@ int main(void)
       {"fb_exact_state", &w.exact_state, sizeof w.exact_state, check_exact_state, use_exact, NULL},
       {"fb_exact_path", &w.exact_path, sizeof w.exact_path, check_path, use_path, NULL}};
   static fb_exact_state state;
+  fb_body_desc desc;
   int silent = 0;
   world_fill();
+  desc = w.body_desc;
+  desc.effects |= FB_EFFECTS_LARGE;
+  if (fb_body_init(&large, &body_work, &w.natural, &desc) != FB_OK || large.lines.n_line < 1) {
+    printf("no body with lines\n");
+    return 1;
+  }
   state = w.exact_state;
   if (fb_exact_path_step(&w.exact, &w.exact_path, &state, &path_work, NULL, &w.exact_input, FB_R(0.05)) != FB_OK) {
     printf("no path of steady states\n");

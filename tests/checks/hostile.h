@@ -43,11 +43,11 @@ static struct world {
   int coordinate[2];
   fb_gauge gauge;
   fb_real coordinates[FB_MAX_MODES];
-  fb_body_desc body_desc, scene_desc;
-  fb_body body, held;
-  fb_state state;
+  fb_body_desc body_desc, scene_desc, bent_desc;
+  fb_body body, held, bent; /* the last with lines */
+  fb_state state, bent_state;
   fb_input input;
-  fb_motion motion;
+  fb_motion motion, bent_motion;
   fb_node_motion node_motion;
   fb_real v[3], w[3], q_dot[FB_MAX_MODES], gravity[3];
   fb_exponential exponential;
@@ -169,6 +169,7 @@ static int give(fb_real value)
 typedef fb_real vec3[3], vec4[4], vec6[6], mat33[9], mat44[16], mat48[32];
 typedef fb_real matrices[36 * (FB_MAX_ELEMENTS + 1) * (FB_MAX_ELEMENTS + 1)];
 typedef fb_exact_node nodes[FB_MAX_EXACT + 1];
+typedef fb_line_motion line_points[FB_MAX_LINE_POINTS];
 
 /* F(function, call, has a status, arguments...) */
 #define SLOW 2       /* it has: few poisons */
@@ -256,6 +257,8 @@ typedef fb_exact_node nodes[FB_MAX_EXACT + 1];
     OPTIONAL(input))                                                                                                   \
   F(fb_body_node_motion_eval, fb_body_node_motion_eval(p[0], p[1], p[2], p[3], i[0]), 1, MODEL(body),                  \
     OUT(fb_node_motion), IN(state), IN(motion), WHOLE(1))                                                              \
+  F(fb_body_lines_eval, fb_body_lines_eval(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(bent), OUT(line_points),      \
+    OUT(int), IN(bent_state), IN(bent_motion), OPTIONAL(input))                                                        \
   F(fb_body_energy_eval, fb_body_energy_eval(p[0], p[1], p[2], p[3]), 1, MODEL(body), OUT(fb_energy), IN(state),       \
     OPTIONAL(input))                                                                                                   \
   F(fb_body_momentum_eval, fb_body_momentum_eval(p[0], p[1], p[2], p[3]), 1, MODEL(body), OUT(fb_momentum), IN(state), \
@@ -380,7 +383,9 @@ static const function functions[] = {FUNCTIONS(AS_ROW)};
 static const struct {
   const void *at;
   size_t size;
-} untouched[] = {{&w.system_input.rows, sizeof w.system_input.rows},
+} untouched[] = {{&w.input.distributed, sizeof w.input.distributed},
+                 {&w.input.user, sizeof w.input.user},
+                 {&w.system_input.rows, sizeof w.system_input.rows},
                  {&w.system_input.user, sizeof w.system_input.user},
                  {&w.trial, sizeof w.trial},
                  {&w.stepper_desc, offsetof(fb_stepper_desc, n_input)},
@@ -503,6 +508,10 @@ static void body_fill(void)
   w.build_desc.join = w.join_desc;
   w.build_desc.body = w.body_desc;
   need(fb_body_build(&w.held, &build_work, &w.build_desc, w.build_beam, w.build_modes, 2), "body in one call");
+  w.bent_desc = w.body_desc;
+  w.bent_desc.effects |= FB_EFFECTS_LARGE;
+  need(fb_body_init(&w.bent, &body_work, &w.natural, &w.bent_desc), "body with lines");
+  need(fb_state_init(&w.bent, &w.bent_state), "its state");
   w.scene_desc = w.body_desc;
   w.scene_desc.base = FB_BASE_PRESCRIBED;
   need(fb_body_init(&w.held, &body_work, &w.natural, &w.scene_desc), "held body");
@@ -513,6 +522,7 @@ static void body_fill(void)
   w.input.load[0].node = 1;
   w.input.load[0].force[1] = FB_R(0.1);
   need(fb_body_motion_eval(&w.body, &w.motion, &w.state, &w.input), "motion");
+  need(fb_body_motion_eval(&w.bent, &w.bent_motion, &w.bent_state, &w.input), "motion of the body with lines");
   need(fb_body_node_motion_eval(&w.body, &w.node_motion, &w.state, &w.motion, 1), "motion of a node");
   need(fb_exponential_init(&w.exponential, &body_work, &w.body, FB_R(0.01)), "exponential scheme");
   w.stepper_desc.body = &w.body;

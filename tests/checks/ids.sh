@@ -70,7 +70,7 @@ unknown=$(grep -ohE 'ERRATA\.md (DB|H|L)[0-9a-z]+((,| and| to) (DB|H|L)[0-9a-z]+
           sort -u | comm -23 - "$out/labels" | tr '\n' ' ')
 [ -z "$unknown" ] || fail "no such label in $errata: $unknown"
 # Every Source of an equation: a key, an id, a section, a label, a listed name, or one of the words that stand for one.
-{ sed '1,/^### 14\.1/d' "$theory" | tr '\n' ' ' | grep -o '`[^`]*`' | tr -d '`'
+{ sed '1,/^### 15\.1/d' "$theory" | tr '\n' ' ' | grep -o '`[^`]*`' | tr -d '`'
   sed -n 's/^- \*\*\[[A-Z]*\]\*\* \([^,(]*\)[,(].*/\1/p' "$theory" | sed 's/ and /\n/' | sed 's/.*[. ]//' | grep '...'
   printf '%s\n' 'IEEE 754' 'IEEE 802.3'; } > "$out/words"
 sed 's/^/[/; s/$/]/' "$out/keys" >> "$out/words"

@@ -108,7 +108,7 @@ system rows rk4 176300 # 239507
 system rows sdirk 334000 # 476585
 
 # off at run time against compiled out: EFFECT of flexbeam.h, mask without it
-for pair in SPIN_COUPLING:1 RESIDUAL_INERTIA:27 SPIN_STIFFENING:19 ACCELERATION_STIFFENING:15 DAMPING:31 GRAVITY:31 NONLINEAR_STRAIN:31; do
+for pair in SPIN_COUPLING:1 RESIDUAL_INERTIA:27 SPIN_STIFFENING:19 ACCELERATION_STIFFENING:15 DAMPING:31 GRAVITY:31 NONLINEAR_STRAIN:31 LARGE_DEFLECTION:31; do
   effect=${pair%:*}
   build without -DFB_WITH_$effect=0
   count default 3 3 0 ${pair#*:}

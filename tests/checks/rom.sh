@@ -5,16 +5,23 @@
 need gcc gcc
 need g++ g++
 try gcc $c99 -O2 -o "$out/reduce" -Dreduce_main=main examples/tools/reduce.c -lm
-for model in blade panel satellite; do
+sed 's/effects full damping/effects large damping/' examples/satellite.txt > "$out/large.txt"
+grep -q 'effects large' "$out/large.txt" || fail "examples/satellite.txt has no effects full damping"
+for model in examples/blade examples/panel examples/satellite "$out/large"; do
   for single in 0 1; do
     precision=$([ $single = 1 ] && echo --single || true)
-    try "$out/reduce" examples/$model.txt $precision --name rom_body --out "$out/rom.h"
+    try "$out/reduce" $model.txt $precision --name rom_body --out "$out/rom.h"
     flags=$(grep -o -e '-DFB_[A-Z_]*=[0-9]*' "$out/rom.h")
-    try gcc $c99 -I"$out" $flags -DSOURCE="\"examples/$model.txt\"" -o "$out/again" tests/checks/rom.c -lm
+    try gcc $c99 -I"$out" $flags -DSOURCE="\"$model.txt\"" -o "$out/again" tests/checks/rom.c -lm
     "$out/again" > "$out/again.h"
     try g++ -x c++ -std=c++20 $base -Wno-missing-field-initializers -I"$out" $flags -DSOURCE='""' -fsyntax-only tests/checks/rom.c
     cmp -s "$out/rom.h" "$out/again.h" || fail "$model, $([ $single = 1 ] && echo single || echo double): not every number comes back"
   done
+done
+for capacity in FB_MAX_POINTS=8 FB_MAX_LINE_ROWS=5 FB_MAX_LINE_TABLE=219; do # 10, 6 and 220 are wanted
+  try gcc $c99 -O0 -g -fsanitize=address,undefined -D$capacity -o "$out/small" -Dreduce_main=main examples/tools/reduce.c -lm
+  ! "$out/small" "$out/large.txt" --out "$out/small.h" 2> "$out/log" || fail "$capacity takes the satellite with lines"
+  grep -q "the body: more than the compile-time capacity" "$out/log" || fail "$capacity: $(cat "$out/log")"
 done
 for capacity in FB_MAX_LAMBDA=20 FB_MAX_S=40 FB_MAX_RUNS=5; do # 48, 111 and 16 are wanted
   try gcc $c99 -O0 -g -fsanitize=address,undefined -D$capacity -o "$out/small" -Dreduce_main=main examples/tools/reduce.c -lm

@@ -460,6 +460,23 @@ body a beam
   modes bend_y 2 bend_y 2
 end
 END
+refuse 3 "points must be a whole number from 2 to 32" << END
+body a beam
+  length 1
+  modes bend_y 2 points 33
+end
+END
+refuse 4 "an effect must be one of rigid" << END
+body a beam
+  length 1
+  modes bend_y 2
+  effects larger
+end
+END
+# an integrator that does not step large deflection says so, or meets what the scene asks for
+sed 's/^gravity/integrator sdirk\ngravity/' examples/scenes/large_drop.txt > "$out/implicit.txt"
+"$out/scene" "$out/implicit.txt" --quiet > "$out/log" 2>&1 || grep -q 'large deflection\|MISSED' "$out/log" ||
+  fail "large deflection by sdirk: $(cat "$out/log")"
 refuse 3 "an attitude must not be zero" << END
 body a beam
   length 1

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Stack of the steps and of model building, summed along the call graph that gcc writes (12 modes, 20 elements, -O2 and -Os,
-# both precisions, all forms of the equations, both boards). libc and libm count as nothing. Bounds: what was measured and
+# both precisions, all forms of the equations, both boards; without large deflection, and with it). libc and libm count as nothing. Bounds: what was measured and
 # about a quarter more.
 . tests/checks/common.sh
 . tests/checks/board.sh
@@ -8,6 +8,8 @@ need gcc gcc
 step_bound=6144
 forms_bound=10240 # with FB_WITH_FORMS=1
 build_bound=36864
+large_step_bound=22528 # with FB_WITH_LARGE_DEFLECTION=1: points of the lines by axis
+large_bound=102400      # evaluations beside the step and building: what an evaluation knows about the lines (fbi_line_work)
 # usage NAME COMPILER...: writes the call graph of one build, to a file of that name and a number
 builds=0
 usage() {
@@ -20,10 +22,11 @@ usage() {
 for opt in -O2 -Os; do
   for single in 0 1; do
     for forms in 0 1; do
-      usage forms$forms gcc $opt -DFB_SINGLE=$single -DFB_WITH_FORMS=$forms
+      usage forms$forms gcc $opt -DFB_SINGLE=$single -DFB_WITH_FORMS=$forms -DFB_WITH_LARGE_DEFLECTION=0
     done
+    usage large gcc $opt -DFB_SINGLE=$single
     precision $([ $single = 1 ] && echo single || echo double)
-    usage board arm-none-eabi-gcc $processor -mthumb -mfloat-abi=hard $opt -DFB_SINGLE=$single
+    usage board arm-none-eabi-gcc $processor -mthumb -mfloat-abi=hard $opt -DFB_SINGLE=$single -DFB_WITH_LARGE_DEFLECTION=0
   done
 done
 # node: { title: "impl.c:f" label: "f\nfile:line:col\nBYTES bytes (static)" }, edge: { sourcename: "f" targetname: "g" }
@@ -41,7 +44,7 @@ awk -F '"' '
     return total[file, f] = own[file, f] + most
   }
   END { for (key in name) { split(key, part, SUBSEP); f = part[2]; sub(/.*:/, "", f)
-                            forms = part[1] ~ /forms1/ ? "forms" : ""
+                            forms = part[1] ~ /forms1/ ? "forms" : part[1] ~ /large/ ? "large" : ""
                             print "total" forms, f, depth(part[1], part[2]); print "own", f, own[key] } }
 ' "$out"/*.ci | sort -k 3,3nr > "$out/stack"
 grep -E '^(unbounded|recursion)' "$out/stack" && fail "stack without a bound"
@@ -53,8 +56,12 @@ deepest() {
 stepper='^fb_((system_)?rk4|midpoint|(system_)?sdirk|exponential|exact)_step$'
 step=$(deepest total $stepper) forms=$(deepest totalforms $stepper) build=$(deepest total .)
 worst=$(awk '$1 == "own" { print $3 " in " $2; exit }' "$out/stack")
+large_step=$(deepest totallarge $stepper) large=$(deepest totallarge .)
 step=${step:-99999} forms=${forms:-99999}
 [ "${step%% *}" -le $step_bound ] || fail "a step takes $step bytes with what it calls, bound $step_bound"
 [ "${forms%% *}" -le $forms_bound ] || fail "a step takes $forms bytes with FB_WITH_FORMS, bound $forms_bound"
+large_step=${large_step:-99999} large=${large:-99999}
+[ "${large_step%% *}" -le $large_step_bound ] || fail "with large deflection a step takes $large_step bytes, bound $large_step_bound"
+[ "${large%% *}" -le $large_bound ] || fail "with large deflection $large bytes, bound $large_bound"
 [ "${build%% *}" -le $build_bound ] || fail "model building takes $build bytes, bound $build_bound"
-ok "$builds builds, steps with all below them $step bytes, with all forms $forms, deepest $build, single function $worst"
+ok "$builds builds, steps with all below them $step bytes, with all forms $forms, deepest $build, single function $worst; with large deflection a step $large_step, deepest $large"

@@ -56,10 +56,12 @@ static void spoil_arguments(const function *f, call *c, bytes *b)
       c->x[c->role[j]] = take_real(b);
     } else if (a->role == 'n') {
       c->i[c->role[j]] = take_whole(b);
-    } else if (strchr("i?s", a->role) && is_touchable(a->at) && a->at != &w.system_input) {
+    } else if (strchr("i?s", a->role) && is_touchable(a->at) && a->at != &w.system_input && a->at != &w.input) {
       spoil(a->at, a->size, b);
     } else if (a->at == &w.system_input) { /* but its pointers */
       spoil(&w.system_input, offsetof(fb_system_input, rows), b);
+    } else if (a->at == &w.input) {
+      spoil(&w.input, offsetof(fb_input, distributed), b);
     } else if (a->role == 'o' && f->has_status % ARITHMETIC) {
       c->p[c->role[j]] = NULL;
     }

@@ -35,7 +35,8 @@ static const hard_case cases[] = {
     {"long-steps", hard_long_steps}, {"many-modes", hard_many_modes},
     {"units", hard_units},           {"absurd", hard_absurd},
     {"rotor", hard_rotor},           {"flight", hard_flight},
-    {"slender", hard_slender},
+    {"slender", hard_slender},       {"roll", hard_roll},
+    {"release", hard_release},
 };
 
 typedef struct options {

@@ -61,6 +61,8 @@ void hard_absurd(int brief);
 void hard_rotor(int brief);
 void hard_flight(int brief);
 void hard_slender(int brief);
+void hard_roll(int brief);
+void hard_release(int brief);
 
 /* ---- shared */
 

@@ -1,0 +1,424 @@
+/* >>system: bodies whose beams are lines (FB_EFFECT_LARGE_DEFLECTION) on joints: by every method, Hamilton's equations by
+   differences, against single bodies and against the same beams cut finer. */
+#include "system.h"
+
+static const double stencil[5] = {1.0 / 12, -2.0 / 3, 0, 2.0 / 3, -1.0 / 12}; /* derivative of fourth order */
+static fb_system_state rate, kept;
+
+/* The tree of every kind of joint, its beams bent by some 20 % of their length. */
+static void bent_tree(int damped)
+{
+  tree(FB_EFFECTS_LARGE, damped);
+  for (int k = 0; k < desc.n_body; k++) {
+    for (int a = 0; a < model[desc.model[k]].n; a++) {
+      start[k].q[a] *= FB_R(5.0);
+      start[k].q_dot[a] *= FB_R(5.0);
+    }
+  }
+}
+
+/* E9.4, E9.6, E9.8 with M(q), Lambda(q), M_rr(q) of E14.12, E9.25 by the rows: motors, loads, axes that are locked and
+   prescribed, by elimination, one dense matrix and multipliers; accelerations and reactions, then along a run. */
+TEST(lines_move_alike_by_the_three_methods)
+{
+  static fb_system_motion first, recursive;
+  double energy = 0.0;
+  for (int method = 0; method < 3; method++) {
+    bent_tree(1);
+    drives();
+    init((fb_method)method);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+    if (method == 0) {
+      first = motion;
+      energy = energy_of(&state);
+    }
+    FBT_BELOW(motion_difference(&motion, &first), FBT_TOL(1e-10, 1e-2));
+    FBT_NEAR_REL(energy_of(&state), energy, FBT_TOL(1e-12, 1e-5));
+    stepped(&state, FB_SINGLE ? 20 : 200, FB_SINGLE ? 2e-3 : 2e-4);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+    if (method == 0) {
+      recursive = motion;
+    }
+    FBT_BELOW(motion_difference(&motion, &recursive), FBT_TOL(1e-9, 2e-2));
+  }
+}
+
+/* E9.25, E9.15, E14.13: along the rates the energy does not change and the momenta stay, by differences; a joint on a
+   line whose Jacobian's rate were wrong would do work. */
+TEST(rates_of_systems_with_lines_are_those_of_hamilton)
+{
+  for (int method = 0; method < 3 && !FB_SINGLE; method++) { /* differences */
+    const double h = 5e-5;
+    double slope = 0.0;
+    fb_momentum at, before;
+    bent_tree(0);
+    init((fb_method)method);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+    memset(&rate, 0, sizeof rate);
+    FBT_INT_EQ(fb_system_rates_eval(&mechanism, model, &work, &rate, &state, &input), FB_OK);
+    FBT_INT_EQ(fb_system_momentum_eval(&mechanism, model, &work, &before, &state, &input), FB_OK);
+    for (int side = -2; side <= 2; side++) {
+      moved(&kept, &state, &rate, side * h);
+      slope += stencil[side + 2] / h * energy_of(&kept);
+      FBT_INT_EQ(fb_system_momentum_eval(&mechanism, model, &work, &at, &kept, &input), FB_OK);
+      if (method < 2) {
+        FBT_BELOW(fbt_difference(at.linear, before.linear, 3), 1e-12);
+      }
+    }
+    FBT_NEAR_ABS(slope, 0.0, 3e-8);
+  }
+}
+
+/* E9.19, E14.16 in a system: accelerations of bodies, modes and joints are the rates of the velocities along the
+   rates. */
+TEST(accelerations_of_systems_with_lines_are_rates)
+{
+  static fb_system_motion at, side;
+  const double h = FBT_TOL(1e-4, 1e-2);
+  fb_real v_dot[FB_MAX_BODIES][3];
+  double worst = 0.0;
+  bent_tree(1);
+  drives();
+  init(FB_METHOD_RECURSIVE);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+  FBT_INT_EQ(fb_system_rates_eval(&mechanism, model, &work, &rate, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &at, &state, &input), FB_OK);
+  for (int k = 0; k < desc.n_body; k++) {
+    memcpy(v_dot[k], fbt_v_dot(&at.motion[k]), sizeof v_dot[k]);
+  }
+  for (int s = -2; s <= 2; s++) {
+    fb_system_input moving = input;
+    for (int k = 1; k < 3; k++) {
+      moving.drive[k].rate[k - 1] += (fb_real)(s * h) * moving.drive[k].acceleration[k - 1];
+    }
+    moved(&kept, &state, &rate, s * h);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &side, &kept, &moving), FB_OK);
+    for (int k = 0; k < desc.n_body; k++) {
+      for (int i = 0; i < 3; i++) {
+        v_dot[k][i] -= (fb_real)(stencil[s + 2] / h) * side.motion[k].v[i];
+        at.motion[k].w_dot[i] -= (fb_real)(stencil[s + 2] / h) * side.motion[k].w[i];
+        at.joint[k].acceleration[i] -= (fb_real)(stencil[s + 2] / h) * side.joint[k].speed[i];
+      }
+      for (int a = 0; a < model[desc.model[k]].n; a++) {
+        at.motion[k].q_ddot[a] -= (fb_real)(stencil[s + 2] / h) * side.motion[k].q_dot[a];
+      }
+    }
+  }
+  for (int k = 0; k < desc.n_body; k++) {
+    worst = fmax(worst, fmax(fbt_largest(v_dot[k], 3), fbt_largest(at.motion[k].w_dot, 3)));
+    worst = fmax(worst, fbt_largest(at.motion[k].q_ddot, model[desc.model[k]].n));
+    worst = fmax(worst, fbt_largest(at.joint[k].acceleration, 3));
+  }
+  FBT_BELOW(worst, FBT_TOL(1e-7, 1.0));
+}
+
+/* ---- lines of every kind */
+
+static fb_join_work join_work;
+
+enum {
+  CLAMPED,
+  PINNED,
+  FLOATING,
+  THICK,
+  WELDED,
+  ROOTS
+}; /* the root of the line; with all that it may have; two lines */
+
+static void boom_desc(fb_root root, double length)
+{
+  memset(&beam_desc, 0, sizeof beam_desc);
+  beam_desc.root = root;
+  beam_desc.length = (fb_real)length;
+  beam_desc.n_element = 6;
+  beam_desc.n_station = 1;
+  beam_desc.station[0].mass = FB_R(0.8);
+  beam_desc.station[0].EI_y = FB_R(3.0);
+  beam_desc.station[0].EI_z = FB_R(2.0);
+  beam_desc.station[0].GJ = FB_R(1.5);
+  beam_desc.station[0].i_y = FB_R(0.004);
+  beam_desc.station[0].i_z = FB_R(0.003);
+}
+
+/* The outer of two lines at an angle, on the end of the first, which is clamped: all their elements, then the lowest
+   modes of both. */
+static void welded_booms(fb_beam part[2], fb_modes joined[2])
+{
+  static fb_modes basis[2];
+  static const fb_weld weld = {{0, 1}, {3, 0}};
+  for (int k = 0; k < 2; k++) {
+    fb_modes_desc keep;
+    memset(&keep, 0, sizeof keep);
+    keep.basis = FB_BASIS_ELEMENTS;
+    keep.count[FB_KIND_BEND_Y] = keep.count[FB_KIND_BEND_Z] = keep.count[FB_KIND_TORSION] = 1;
+    boom_desc(k ? FB_ROOT_FREE : FB_ROOT_CLAMPED, 0.5);
+    beam_desc.n_element = 3;
+    beam_desc.position[0] = k ? FB_R(0.5) : FB_R(0.0);
+    turn(beam_desc.attitude, 0.0, 0.0, k ? 1.0 : 0.0);
+    beam_desc.station[0].EA = FB_R(2000.0);
+    FBT_INT_EQ(fb_beam_init(&part[k], &beam_desc), FB_OK);
+    FBT_INT_EQ(fb_modes_solve(&basis[k], &modes_work, &part[k], &keep), FB_OK);
+  }
+  FBT_INT_EQ(joined_by(joined, &join_work, part, basis, 2, &weld, 1, 5, FB_R(0.0)), FB_OK);
+}
+
+/* A body with a hub and a boom of some kind, node 1 at its end, 2 between its points. */
+static fb_base base = FB_BASE_PRESCRIBED; /* of boom */
+
+static void boom(fb_body *body, int kind)
+{
+  static fb_beam part[2];
+  static fb_modes joined[2];
+  static const fb_root roots[ROOTS] = {FB_ROOT_CLAMPED, FB_ROOT_PINNED, FB_ROOT_FREE, FB_ROOT_CLAMPED, FB_ROOT_CLAMPED};
+  const fb_real root[3] = {FB_R(0.1), FB_R(0.05), 0}, inertia[6] = {FB_R(0.03), FB_R(0.04), FB_R(0.05), 0, 0, 0};
+  fb_modes_desc keep;
+  int node;
+  fb_body_desc d = body_desc;
+  memset(&keep, 0, sizeof keep);
+  keep.count[FB_KIND_BEND_Y] = keep.count[FB_KIND_BEND_Z] = 2;
+  keep.count[FB_KIND_TORSION] = 1;
+  keep.count[FB_KIND_AXIAL] = kind == THICK;
+  boom_desc(roots[kind], 1.0);
+  if (kind == THICK) {
+    turn(beam_desc.attitude, 0.5, -0.7, 1.1);
+    beam_desc.position[0] = FB_R(0.2);
+    beam_desc.position[1] = -FB_R(0.1);
+    beam_desc.station[0].EA = FB_R(400.0);
+    beam_desc.station[0].GA_y = beam_desc.station[0].GA_z = FB_R(100.0);
+    beam_desc.station[0].mass_y = FB_R(0.02);
+    beam_desc.station[0].tension_z = FB_R(0.01);
+    beam_desc.n_lump = 1;
+    beam_desc.lump[0].node = 4;
+    beam_desc.lump[0].mass = FB_R(0.3);
+    beam_desc.lump[0].center[1] = FB_R(0.05);
+    beam_desc.lump[0].inertia[0] = beam_desc.lump[0].inertia[1] = beam_desc.lump[0].inertia[2] = FB_R(0.01);
+  }
+  if (kind == WELDED) {
+    welded_booms(part, joined);
+  } else {
+    FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
+    FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_OK);
+  }
+  d.base = base;
+  d.effects = FB_EFFECTS_LARGE;
+  d.deflection_limit = FB_R(9.0);
+  FBT_INT_EQ(fb_shape_init(&shape, kind == WELDED ? joined[0].n : modes.n), FB_OK);
+  FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(1.5), root, inertia), FB_OK);
+  if (kind == WELDED) {
+    FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &part[0], &joined[0]), FB_OK);
+    FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &part[0], &joined[0], FB_R(0.5)), FB_OK);
+    FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &part[1], &joined[1]), FB_OK);
+    FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &part[1], &joined[1], FB_R(0.37)), FB_OK);
+  } else {
+    FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
+    FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, FB_R(1.0)), FB_OK);
+    FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, FB_R(0.43)), FB_OK);
+  }
+  FBT_INT_EQ(fb_body_init(body, &body_work, &shape, &d), FB_OK);
+}
+
+/* Three such bodies: the second on the node `at` of the first, the third on the end of the second. */
+static void booms(int kind, fb_joint_kind first, fb_joint_kind joint, int at)
+{
+  fresh();
+  boom(&model[0], kind);
+  hang(0, 0, first, FB_GROUND, 0);
+  hang(1, 0, joint, 0, at);
+  hang(2, 0, FB_JOINT_UNIVERSAL, 1, 1);
+  fbt_seed((unsigned)(17 + kind));
+  for (int k = 0; k < 3; k++) {
+    fb_joint_desc *j = &desc.joint[k];
+    turn_anyhow(j->attitude, 1.0);
+    turn_anyhow(j->child_attitude, 1.0);
+    fbt_fill(j->position, 3, k ? 0.2 : 0.0);
+    fbt_fill(j->child_position, 3, k ? 0.2 : 0.0);
+    fbt_fill(start[k].value, 3, 0.4);
+    turn_anyhow(start[k].quat, 0.6);
+    fbt_fill(start[k].speed, 6, 1.0);
+    fbt_fill(start[k].q, model[0].n, kind == FLOATING ? 0.02 : 0.1);
+    fbt_fill(start[k].q_dot, model[0].n, 0.6);
+    for (int i = 0; i < 3 && (k || first != FB_JOINT_FREE); i++) {
+      j->stiffness[i] = (fb_real)(2.0 + fbt_random());
+    }
+  }
+}
+
+/* E9.25, E9.12, E14.7 with lines of every kind: along the rates the energy does not change, by differences. */
+TEST(lines_of_every_kind_carry_their_bodies)
+{
+  for (int run = 0; run < 2 * WELDED && !FB_SINGLE; run++) { /* differences */
+    const double h = 2e-5;
+    double slope = 0.0, power = 0.0;
+    booms(run / 2, run % 2 ? FB_JOINT_FREE : FB_JOINT_REVOLUTE, FB_JOINT_SPHERICAL, 1 + run % 2);
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+    memset(&rate, 0, sizeof rate);
+    FBT_INT_EQ(fb_system_rates_eval(&mechanism, model, &work, &rate, &state, &input), FB_OK);
+    for (int side = -2; side <= 2; side++) {
+      moved(&kept, &state, &rate, side * h);
+      slope += stencil[side + 2] / h * energy_of(&kept);
+    }
+    for (int k = 0; k < 3; k++) {
+      for (int a = 0; a < model[0].n; a++) {
+        power += fabs((double)(rate.link[k].pi[a] * rate.link[k].q[a]));
+      }
+    }
+    FBT_BELOW(fabs(slope) / power, 1e-9);
+  }
+}
+
+/* E9.16, E9.5: the speeds that made the momenta come back, momenta of all methods are the same. */
+TEST(momenta_of_lines_give_back_the_speeds)
+{
+  for (int method = 0; method < 3; method++) {
+    booms(THICK, FB_JOINT_FREE, FB_JOINT_SPHERICAL, 2);
+    init((fb_method)method);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+    for (int k = 0; k < 3; k++) {
+      FBT_BELOW(fbt_difference(motion.motion[k].q_dot, start[k].q_dot, model[0].n), FBT_TOL(1e-11, 1e-3));
+    }
+    FBT_BELOW(fbt_difference(motion.joint[2].speed, start[2].speed, 2) * (method < 2), FBT_TOL(1e-11, 1e-3));
+  }
+}
+
+/* ---- against single bodies */
+
+/* E9.15, E11.12 against E14.13, E11.1: one body in free flight, as a system and by itself. */
+TEST(a_line_alone_is_the_single_body)
+{
+  static fb_rk4_work rk4_work;
+  for (int kind = 0; kind < WELDED; kind++) {
+    fb_state single;
+    fb_motion alone;
+    fb_real v[3], w[3];
+    fresh();
+    base = FB_BASE_FREE;
+    boom(&model[0], kind);
+    base = FB_BASE_PRESCRIBED;
+    hang(0, 0, FB_JOINT_FREE, FB_GROUND, 0);
+    fbt_seed(3);
+    turn_anyhow(start[0].quat, 0.6);
+    fbt_fill(start[0].speed, 6, 1.0);
+    fbt_fill(start[0].q, model[0].n, 0.02);
+    fbt_fill(start[0].q_dot, model[0].n, 0.8);
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+    FBT_INT_EQ(fb_state_init(&model[0], &single), FB_OK);
+    memcpy(single.quat, start[0].quat, sizeof single.quat);
+    memcpy(single.q, start[0].q, sizeof single.q);
+    memcpy(v, start[0].speed, sizeof v);
+    memcpy(w, start[0].speed + 3, sizeof w);
+    memset(single.rho, 0, sizeof single.rho);
+    FBT_INT_EQ(fb_state_from_velocity(&model[0], &single, v, w, start[0].q_dot), FB_OK);
+    for (int step = 0; step < 100; step++) {
+      const fb_real dt = FBT_TOL(FB_R(5e-5), FB_R(4e-4));
+      FBT_INT_EQ(fb_rk4_step(&model[0], &single, &rk4_work, NULL, NULL, NULL, dt), FB_OK);
+      FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, dt), FB_OK);
+    }
+    FBT_INT_EQ(fb_body_motion_eval(&model[0], &alone, &single, NULL), FB_OK);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+    FBT_BELOW(fbt_difference(single.q, state.link[0].q, model[0].n), FBT_TOL(1e-10, 1e-3));
+    FBT_BELOW(fbt_difference(alone.w, motion.motion[0].w, 3), FBT_TOL(1e-10, 1e-2));
+    FBT_BELOW(fbt_difference(alone.q_dot, motion.motion[0].q_dot, model[0].n), FBT_TOL(1e-9, 1e-2));
+    FBT_BELOW(fbt_difference(alone.w_dot, motion.motion[0].w_dot, 3), FBT_TOL(1e-8, 1e-1));
+    FBT_BELOW(fbt_difference(alone.q_ddot, motion.motion[0].q_ddot, model[0].n), FBT_TOL(1e-7, 1.0));
+  }
+}
+
+/* ---- energy, momentum, latches */
+
+/* E11.12: the energy less the work of motors, and its order when the step is halved; momenta of a free tree. */
+TEST(systems_with_lines_keep_energy_and_momentum)
+{
+  double change[3];
+  for (int run = 0; run < 3; run++) {
+    const int n = 100 << run;
+    double before;
+    fb_momentum first, last;
+    booms(CLAMPED, FB_JOINT_FREE, FB_JOINT_REVOLUTE, 1);
+    input.drive[1].torque[0] = FB_R(0.3);
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+    before = energy_of(&state);
+    FBT_INT_EQ(fb_system_momentum_eval(&mechanism, model, &work, &first, &state, &input), FB_OK);
+    for (int k = 0; k < n; k++) {
+      FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, (fb_real)(0.1 / n)),
+                 FB_OK);
+    }
+    change[run] = fabs((energy_of(&state) - (double)state.motor_work) / before - 1.0);
+    FBT_INT_EQ(fb_system_momentum_eval(&mechanism, model, &work, &last, &state, &input), FB_OK);
+    FBT_BELOW(fbt_difference(first.linear, last.linear, 3), FBT_TOL(1e-12, 1e-4));
+    FBT_BELOW(fbt_difference(first.angular, last.angular, 3), FBT_TOL(change[run] + 1e-12, 1e-3));
+  }
+  FBT_BELOW(change[2], FBT_TOL(1e-9, 1e-4));
+  FBT_TRUE(FB_SINGLE || (change[0] > 12.0 * change[1] && change[1] > 14.0 * change[2]));
+}
+
+/* E9.16, E14.12: locking the axes of a moving tree keeps its momenta and loses energy; to release costs nothing. */
+TEST(a_latch_on_a_line_conserves_momentum)
+{
+  for (int method = 0; method < 3; method += 2) {
+    fb_momentum before, after;
+    double energy;
+    booms(CLAMPED, FB_JOINT_FREE, FB_JOINT_REVOLUTE, 1);
+    for (int k = 1; k < 3; k++) {
+      memset(desc.joint[k].stiffness, 0, sizeof desc.joint[k].stiffness);
+    }
+    init((fb_method)method);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+    FBT_INT_EQ(fb_system_momentum_eval(&mechanism, model, &work, &before, &state, &input), FB_OK);
+    energy = energy_of(&state);
+    for (int joint = 1; joint < 3; joint++) {
+      FBT_INT_EQ(fb_system_axis_set(&mechanism, model, &state, &work, joint, 0, FB_AXIS_LOCKED, &input), FB_OK);
+      FBT_INT_EQ(fb_system_momentum_eval(&mechanism, model, &work, &after, &state, &input), FB_OK);
+      FBT_BELOW(fbt_difference(after.linear, before.linear, 3), FBT_TOL(1e-12, 1e-4));
+      FBT_BELOW(fbt_difference(after.angular, before.angular, 3), FBT_TOL(1e-12, 1e-4));
+      FBT_BELOW(energy_of(&state), energy);
+      energy = energy_of(&state);
+    }
+    for (int k = 0; k < 100; k++) {
+      FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, FB_R(2e-4)), FB_OK);
+    }
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+    for (int joint = 1; joint < 3; joint++) {
+      FBT_NEAR_ABS(motion.joint[joint].speed[0], 0.0, FBT_TOL(1e-11, 1e-3));
+      FBT_INT_EQ(fb_system_axis_set(&mechanism, model, &state, &work, joint, 0, FB_AXIS_FREE, &input), FB_OK);
+    }
+    FBT_NEAR_REL(energy_of(&state), energy, FBT_TOL(1e-8, 1e-3));
+    FBT_INT_EQ(fb_system_momentum_eval(&mechanism, model, &work, &after, &state, &input), FB_OK);
+    FBT_BELOW(fbt_difference(after.angular, before.angular, 3), FBT_TOL(1e-8, 1e-3));
+  }
+}
+
+/* E11.14 with M(q) and Lambda(q) of each stage in its iteration matrix: order 2, against rk4 with short steps. */
+TEST(sdirk_with_lines_converges_to_rk4)
+{
+  static fb_system_state fine;
+  double error[3] = {0.0, 0.0, 0.0};
+  for (int run = 0; run < 3 && !FB_SINGLE; run++) { /* differences of 1e-7 */
+    const int n = run ? 100 << run : 2000;
+    booms(CLAMPED, FB_JOINT_FREE, FB_JOINT_REVOLUTE, 1);
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+    for (int k = 0; k < n; k++) {
+      const fb_real dt = (fb_real)(0.05 / n);
+      FBT_INT_EQ(run ? fb_system_sdirk_step(&mechanism, model, &state, &work, &input, &input, dt, 3)
+                     : fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, dt),
+                 FB_OK);
+    }
+    fine = run ? fine : state;
+    for (int k = 0; k < 3; k++) {
+      error[run] = fmax(error[run], fbt_difference(fine.link[k].q, state.link[k].q, model[0].n));
+    }
+  }
+  FBT_BELOW(error[2], 1e-6);
+  FBT_TRUE(FB_SINGLE || error[1] > 3.9 * error[2]);
+}
+
+SUITE(system_lines, RUN(sdirk_with_lines_converges_to_rk4), RUN(lines_move_alike_by_the_three_methods),
+      RUN(rates_of_systems_with_lines_are_those_of_hamilton), RUN(accelerations_of_systems_with_lines_are_rates),
+      RUN(lines_of_every_kind_carry_their_bodies), RUN(momenta_of_lines_give_back_the_speeds),
+      RUN(a_line_alone_is_the_single_body), RUN(systems_with_lines_keep_energy_and_momentum),
+      RUN(a_latch_on_a_line_conserves_momentum))
