@@ -1565,7 +1565,6 @@ static void fbi_line_integrals_add(fb_real y[3][FB_MAX_POINTS], const fb_lines *
     const fb_real *weight = all->table + line->weight + j;
     fb_real a = y[0][p + j], b = y[0][p + j + 1], c = y[1][p + j], d = y[1][p + j + 1], e = y[2][p + j],
             f = y[2][p + j + 1];
-    FBI_UNROLL_2
     for (int k = 0; k < count; k++, weight += m) {
       const fb_real u = weight[0], v = weight[1];
       a += u * X[k];
@@ -1581,6 +1580,46 @@ static void fbi_line_integrals_add(fb_real y[3][FB_MAX_POINTS], const fb_lines *
     y[1][p + j + 1] = d;
     y[2][p + j] = e;
     y[2][p + j + 1] = f;
+  }
+}
+
+/* The same of two fields, one behind the other in memory, by one pass over the weights. */
+static void fbi_line_integrals_add_2(fb_real y[2][3][FB_MAX_POINTS], const fb_lines *all, const fb_line *line,
+                                     fb_real x[2][3][FB_MAX_POINTS])
+{
+  const int p = line->point, m = fbi_line_width(line), count = line->count;
+  for (int j = 0; j < m; j += 2) {
+    const fb_real *weight = all->table + line->weight + j;
+    fb_real a = y[0][0][p + j], b = y[0][0][p + j + 1], c = y[0][1][p + j], d = y[0][1][p + j + 1];
+    fb_real e = y[0][2][p + j], f = y[0][2][p + j + 1], g = y[1][0][p + j], h = y[1][0][p + j + 1];
+    fb_real o = y[1][1][p + j], q = y[1][1][p + j + 1], r = y[1][2][p + j], s = y[1][2][p + j + 1];
+    for (int k = p; k < p + count; k++, weight += m) {
+      const fb_real u = weight[0], v = weight[1];
+      a += u * x[0][0][k];
+      b += v * x[0][0][k];
+      c += u * x[0][1][k];
+      d += v * x[0][1][k];
+      e += u * x[0][2][k];
+      f += v * x[0][2][k];
+      g += u * x[1][0][k];
+      h += v * x[1][0][k];
+      o += u * x[1][1][k];
+      q += v * x[1][1][k];
+      r += u * x[1][2][k];
+      s += v * x[1][2][k];
+    }
+    y[0][0][p + j] = a;
+    y[0][0][p + j + 1] = b;
+    y[0][1][p + j] = c;
+    y[0][1][p + j + 1] = d;
+    y[0][2][p + j] = e;
+    y[0][2][p + j + 1] = f;
+    y[1][0][p + j] = g;
+    y[1][0][p + j + 1] = h;
+    y[1][1][p + j] = o;
+    y[1][1][p + j + 1] = q;
+    y[1][2][p + j] = r;
+    y[1][2][p + j + 1] = s;
   }
 }
 
@@ -1722,7 +1761,7 @@ static FBI_NOINLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const
   const int p = line->point, m = fbi_line_width(line);
   const fb_line_row *r = all->row + line->row, *const last = r + line->n_turn, *s = last;
   const fb_line_row *const end = last + line->n_stretch;
-  fb_real NA[3][3][FB_MAX_POINTS], NB[3][3][FB_MAX_POINTS], c[3][FB_MAX_POINTS], K[3][FB_MAX_POINTS];
+  fb_real NA[3][3][FB_MAX_POINTS], NB[3][3][FB_MAX_POINTS], c[3][FB_MAX_POINTS], rates[2][3][FB_MAX_POINTS];
   int used[3] = {0, 0, 0};
   for (const fb_line_row *i = r; i < last; i++) {
     used[i->axis] = 1;
@@ -1733,7 +1772,8 @@ static FBI_NOINLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const
     }
   }
   for (int k = 0; k < line->n; k++) {
-    fb_real(*const Jw)[FB_MAX_POINTS] = w->Jw[k], (*const Jv)[FB_MAX_POINTS] = w->Jv[k];
+    fb_real(*const Jw)[FB_MAX_POINTS] = w->Jw[k], (*const Jv)[FB_MAX_POINTS] = w->Jv[k],
+                   (*const K)[FB_MAX_POINTS] = rates[k % 2];
     fb_real turn[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)}, move[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
     r = fbi_line_turn_rates(c, NA, NB, all, line, r, last, k);
 
@@ -1771,7 +1811,13 @@ static FBI_NOINLINE void fbi_line_jacobians(fbi_line_work *FBI_RESTRICT w, const
       Jv[1][p + j] = move[1];
       Jv[2][p + j] = move[2];
     }
-    fbi_line_integrals_add(Jv, all, line, K);
+
+    /* integrals of two coordinates together */
+    if (k % 2) {
+      fbi_line_integrals_add_2(w->Jv + k - 1, all, line, rates);
+    } else if (k + 1 == line->n) {
+      fbi_line_integrals_add(Jv, all, line, K);
+    }
   }
 }
 
@@ -1911,7 +1957,7 @@ static void fbi_line_sum_moment(fb_real sum[3], fb_real moment[3], fb_real x[3][
 {
   const fb_real *const a = x[0] + p, *const b = x[1] + p, *const c = x[2] + p;
   const fb_real *const d = y[0] + p, *const e = y[1] + p, *const f = y[2] + p;
-  fb_real u = FB_R(0.0), v = FB_R(0.0), l = FB_R(0.0), U = FB_R(0.0), V = FB_R(0.0), L = FB_R(0.0);
+  fb_real u = FB_R(0.0), v = FB_R(0.0), l = FB_R(0.0), U = FB_R(0.0), V = FB_R(0.0), L = FB_R(0.0), s[12];
   for (int j = 0; j < m; j += 2) {
     u += d[j];
     U += d[j + 1];
@@ -1920,9 +1966,12 @@ static void fbi_line_sum_moment(fb_real sum[3], fb_real moment[3], fb_real x[3][
     l += f[j];
     L += f[j + 1];
   }
-  sum[0] = u + U;
-  sum[1] = v + V;
-  sum[2] = l + L;
+  s[0] = u;
+  s[1] = U;
+  s[2] = v;
+  s[3] = V;
+  s[4] = l;
+  s[5] = L;
   u = v = l = U = V = L = FB_R(0.0);
   for (int j = 0; j < m; j += 2) {
     u += b[j] * f[j] - c[j] * e[j];
@@ -1932,9 +1981,16 @@ static void fbi_line_sum_moment(fb_real sum[3], fb_real moment[3], fb_real x[3][
     l += a[j] * e[j] - b[j] * d[j];
     L += a[j + 1] * e[j + 1] - b[j + 1] * d[j + 1];
   }
-  moment[0] = u + U;
-  moment[1] = v + V;
-  moment[2] = l + L;
+  s[6] = u;
+  s[7] = U;
+  s[8] = v;
+  s[9] = V;
+  s[10] = l;
+  s[11] = L;
+  for (int i = 0; i < 3; i++) {
+    sum[i] = s[2 * i] + s[2 * i + 1];
+    moment[i] = s[2 * i + 6] + s[2 * i + 7];
+  }
 }
 
 /* Moments of mass of a line, its axes. */
@@ -2276,9 +2332,10 @@ static void fbi_line_solid_momenta(fb_real P[3][FB_MAX_POINTS], fb_real b[3][FB_
 }
 
 /* y and s of E14.7 from the moments B and C beyond each interval. */
-static FBI_NOINLINE void fbi_line_gradient_moments(fb_real y[3][FB_MAX_POINTS], fb_real s[3][FB_MAX_POINTS],
-                                                   const fbi_line_work *w, const fb_line *line,
-                                                   fb_real B[3][FB_MAX_POINTS], fb_real C[3][FB_MAX_POINTS])
+static FBI_NOINLINE void fbi_line_gradient_moments(fb_real (*FBI_RESTRICT y)[FB_MAX_POINTS],
+                                                   fb_real (*FBI_RESTRICT s)[FB_MAX_POINTS], const fbi_line_work *w,
+                                                   const fb_line *line, fb_real B[3][FB_MAX_POINTS],
+                                                   fb_real C[3][FB_MAX_POINTS])
 {
   const int p = line->point, m = fbi_line_width(line);
   fb_real back[3][FB_MAX_POINTS];
@@ -4841,7 +4898,7 @@ static void fbi_center_eval(fb_real c[3], fbi_line_work *line, const fb_body *bo
   }
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_is_large(body)) {
-    (void)fbi_lines_pose(line, &body->lines, q);
+    (void)fbi_lines_place(line, &body->lines, q);
     fbi_lines_pull(c, NULL, line, &body->lines, c);
   }
 #endif
