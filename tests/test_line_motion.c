@@ -705,7 +705,8 @@ TEST(lines_that_twist_move_as_the_exact_beam)
   FBT_INT_EQ(status, FB_OK);
   FBT_BELOW(0.5, sqrt(size) / 2.0);
   FBT_BELOW(sqrt(most / size), FBT_TOL(1e-3, 1e-2));
-  fbt_figure("bending by 54 % in both planes with twist, 4 + 4 + 4 modes", "exact beam, 24 elements", sqrt(most / size));
+  fbt_figure("bending by 54 % in both planes with twist, 4 + 4 + 4 modes", "exact beam, 24 elements",
+             sqrt(most / size));
 }
 
 /* ---- chains of joined beams, whose lines hang on each other: E14.5 to E14.9 with their first rotation, E14.13 */
