@@ -689,9 +689,9 @@ typedef struct fb_line {
   int shift;  /* table, n x 3: displacement of a root that moves with the modes; moves = 0: none */
   unsigned short moves;
   unsigned short hangs;      /* 1 + the point of an earlier line that the root moves with; 0: the body frame */
-  unsigned short carries;    /* 1: others hang on it */
-  unsigned short solid;      /* 1: points have offset mass centers or rotary inertia */
-  unsigned short turned;     /* 1: the line's axes are not the body's */
+  int carries;               /* 1: others hang on it */
+  int solid;                 /* 1: points have offset mass centers or rotary inertia */
+  int turned;                /* 1: the line's axes are not the body's */
   fb_real axes[9];           /* line axes to body axes */
   fb_real root[3], frame[9]; /* [m] root, beam axes to body axes: by which init finds a beam's line */
 } fb_line;
@@ -745,8 +745,8 @@ typedef struct fb_line_point {
 typedef fb_status (*fb_distributed)(fb_line_point *point, int n, fb_real t, void *user);
 
 typedef struct fb_line_node {              /* a node on a line, line axes */
-  unsigned short line;                     /* 1 + its number; 0: none, the node is described by its shapes */
-  unsigned short after;                    /* 1 + the point before it; 0: the root */
+  int line;                                /* 1 + its number; 0: none, the node is described by its shapes */
+  int after;                               /* 1 + the point before it; 0: the root */
   fb_real start[3], weight[FB_MAX_POINTS]; /* r = start + sum of weight t */
   fb_real turn[3 * FB_MAX_MODES], bow[3 * FB_MAX_MODES]; /* A, B of the interval from that point, n x 3 */
 } fb_line_node;

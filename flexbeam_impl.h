@@ -3051,7 +3051,7 @@ static void fbi_line_node_take(fb_real *x, fbi_line_work *w, const fb_lines *all
 {
   fb_real y[3][FB_MAX_POINTS], s[3][FB_MAX_POINTS], f[3][FB_MAX_POINTS];
   fb_real C_in[3] = {L[0], L[1], L[2]}, D_in[3] = {FB_R(0.0), FB_R(0.0), FB_R(0.0)};
-  int at = (int)node->after - 1, spacing = 1;
+  int at = node->after - 1, spacing = 1;
   const fb_real *weight = node->weight;
   fbi_line_step_take(x, w, line, node, step, q_dot, L);
 
@@ -6248,8 +6248,8 @@ static int fbi_line_is_sound(const fb_lines *all, int l, int n)
               fbi_line_rows_are_sound(all, line, line->row + line->n_turn, line->n_stretch, line->stride) &&
               line->weight >= 0 && line->weight <= all->n_table - line->count * line->stride &&
               fbi_is_flag(line->moves) && fbi_is_flag(line->carries) && fbi_is_flag(line->solid) &&
-              fbi_is_flag(line->turned) && (!line->turned || fbi_is_finite(line->axes, 9)) &&
-              (!line->moves || (line->shift >= 0 && line->shift <= all->n_table - 3 * line->n));
+              fbi_is_flag(line->turned) && (!line->turned || fbi_is_finite(line->axes, 9)) && line->shift >= 0 &&
+              line->shift <= all->n_table - 3 * line->n * line->moves;
   if (sound && line->hangs) {
     sound = line->hangs <= next;
     for (int k = 0; sound && k < l; k++) {
@@ -6572,7 +6572,7 @@ static unsigned fbi_crc_lines(unsigned crc, const fb_body *body, int single)
   crc = fbi_crc_reals(fbi_crc_sparse(crc, &body->M_rest, body->n, single), body->c_rest, 3, single);
   for (int k = 0; k < body->n_node; k++) {
     const fb_line_node *const node = &body->node[k].line;
-    crc = fbi_crc_word(crc, node->line | (unsigned)node->after << 16);
+    crc = fbi_crc_word(fbi_crc_word(crc, (unsigned)node->line), (unsigned)node->after);
     if (node->line > 0 && node->line <= all->n_line) {
       const fb_line *const line = &all->line[node->line - 1];
       const int count = line->count < FB_MAX_POINTS ? line->count : FB_MAX_POINTS,
@@ -20538,8 +20538,8 @@ static void fbi_line_node_fill(fb_line_node *node, const fb_lines *all, fbi_line
   while (before + 1 < plan->n && plan->x[before + 1] <= x) {
     before++;
   }
-  node->line = (unsigned short)(1 + at);
-  node->after = (unsigned short)(before < 0 ? 0 : 1 + line->point + before);
+  node->line = 1 + at;
+  node->after = before < 0 ? 0 : 1 + line->point + before;
   for (int a = 0; a < modes->n; a++) {
     fbi_line_interval(node->turn + 3 * a, node->bow + 3 * a, beam, modes, a, before < 0 ? FB_R(0.0) : plan->x[before],
                       x);
@@ -21736,8 +21736,22 @@ static fb_status fbi_body_desc_check(const fb_shape *shape, const fb_body_desc *
   return status ? status : fbi_body_effects_check(shape, desc);
 }
 
-/* Copies a node for n coordinates; its place on a line for a body with lines. */
-static void fbi_node_copy(fb_node *to, const fb_node *from, int n, int large)
+#if FB_WITH_LARGE_DEFLECTION
+/* Copies what a node on a line uses; to: zero. */
+static void fbi_line_node_copy(fb_line_node *to, const fb_line_node *from, const fb_lines *all)
+{
+  const fb_line *const line = &all->line[from->line - 1];
+  to->line = from->line;
+  to->after = from->after;
+  fbi_copy(to->start, from->start, 3);
+  fbi_copy(to->weight, from->weight, line->count);
+  fbi_copy(to->turn, from->turn, 3 * line->n);
+  fbi_copy(to->bow, from->bow, 3 * line->n);
+}
+#endif
+
+/* Copies a node for n coordinates. */
+static void fbi_node_copy(fb_node *to, const fb_node *from, int n)
 {
   fbi_copy(to->r, from->r, 3);
   fbi_copy(to->psi, from->psi, 3 * n);
@@ -21745,13 +21759,6 @@ static void fbi_node_copy(fb_node *to, const fb_node *from, int n, int large)
 #if FBI_WITH_QUADRATIC
   fbi_copy(to->chi, from->chi, 3 * n * (n + 1) / 2);
   fbi_copy(to->chi_theta, from->chi_theta, 3 * n * (n + 1) / 2);
-#endif
-#if FB_WITH_LARGE_DEFLECTION
-  if (large && from->line.line > 0) {
-    to->line = from->line;
-  }
-#else
-  (void)large;
 #endif
 }
 
@@ -21801,7 +21808,12 @@ static void fbi_body_fill(fb_body *body, const fb_shape *shape, const fb_body_de
   fbi_strain_fill(body, shape, desc->truncation);
 #endif
   for (int k = 0; k < shape->n_node; k++) {
-    fbi_node_copy(&body->node[k], &shape->node[k], body->n, fbi_has(body->effects, FB_EFFECT_LARGE_DEFLECTION));
+    fbi_node_copy(&body->node[k], &shape->node[k], body->n);
+#if FB_WITH_LARGE_DEFLECTION
+    if (fbi_has(body->effects, FB_EFFECT_LARGE_DEFLECTION) && shape->node[k].line.line > 0) {
+      fbi_line_node_copy(&body->node[k].line, &shape->node[k].line, &shape->lines);
+    }
+#endif
   }
 }
 
@@ -21987,6 +21999,18 @@ static fb_status fbi_large_limits_fill(fb_body *body, fb_body_work *work)
   return FB_OK;
 }
 
+/* Copies stations but for what pads them; to: zero. */
+static void fbi_stations_copy(fb_line_station *to, const fb_line_station *from, int n)
+{
+  for (int k = 0; k < n; k++) {
+    to[k].x = from[k].x;
+    to[k].length = from[k].length;
+    to[k].before = from[k].before;
+    fbi_copy(to[k].axes, from[k].axes, 9);
+    to[k].side = from[k].side;
+  }
+}
+
 /* Copies what lines use of their tables; to: zero. */
 static void fbi_lines_copy(fb_lines *to, const fb_lines *from)
 {
@@ -22004,8 +22028,8 @@ static void fbi_lines_copy(fb_lines *to, const fb_lines *from)
     fbi_copy(to->start[i], from->start[i], n);
     fbi_copy(to->tangent[i], from->tangent[i], n);
   }
-  memcpy(to->station, from->station, (size_t)n * sizeof *to->station);
-  memcpy(to->root, from->root, (size_t)from->n_line * sizeof *to->root);
+  fbi_stations_copy(to->station, from->station, n);
+  fbi_stations_copy(to->root, from->root, from->n_line);
   memcpy(to->side, from->side, (size_t)from->n_side * sizeof *to->side);
   memcpy(to->row, from->row, (size_t)from->n_row * sizeof *to->row);
   fbi_copy(to->table, from->table, from->n_table);

@@ -365,6 +365,52 @@ TEST(distributed_drag_damps_modes_in_closed_form)
   }
 }
 
+/* A bearing at the tip as a distributed load: a spring across the axis of the spin, the same in every attitude. */
+static fb_status bearing(fb_line_point *p, int n, fb_real t, void *user)
+{
+  const double *const stiffness = (const double *)user;
+  for (int k = 0; k < n; k++) {
+    for (int i = 1; i < 3 && p[k].x > FB_R(0.999); i++) {
+      p[k].force[i] = (fb_real)(-stiffness[0]) * p[k].position[i];
+    }
+  }
+  (void)t;
+  return FB_OK;
+}
+
+/* E12.4, E14.6: gyroscopic whirl of a round shaft with rotary inertia, on a pin at its root and a stiff bearing at its
+   tip, in the axes of its spin: each frequency less the spin (tests/reference/p06_shaft_whirl.csv). */
+TEST(shafts_of_lines_whirl_as_in_closed_form)
+{
+  const fbt_table *t = fbt_reference("p06_shaft_whirl.csv");
+  double stiffness = FBT_TOL(1e6, 1e5), most = 0.0;
+  for (int row = 0; row < t->rows; row++) {
+    const double r = fbt_value(t, row, "r_over_L"), spin = fbt_value(t, row, "Om");
+    const double way[2] = {fabs(fbt_value(t, row, "forward") - spin), fbt_value(t, row, "backward") + spin};
+    unit_line(6, 6);
+    line.root = FB_ROOT_PINNED;
+    line.station[0].i_y = line.station[0].i_z = (fb_real)(r * r);
+    keep.rigid = 1;
+    load_mode(1);
+    load_mode(2);
+    line_body(0.0);
+    input.w[0] = (fb_real)spin;
+    input.distributed = bearing;
+    input.user = &stiffness;
+    settle();
+    spectrum_now();
+    for (int i = 0; i < 2; i++) {
+      double best = 1e9;
+      for (int k = 0; k < spectrum.n; k++) {
+        best = fmin(best, fabs(fabs((double)spectrum.im[k]) - way[i]));
+      }
+      most = fmax(most, best / fbt_value(t, row, "forward"));
+    }
+  }
+  FBT_BELOW(most, FBT_TOL(2e-4, 1e-2));
+  fbt_figure("whirl of a shaft as a line, 8 modes a plane, relative", "closed form", most);
+}
+
 /* E12.2: about a state bent by 40 %, C A^-1 B of the linear model is the change of the trimmed tip by a small force. */
 TEST(linear_models_of_bent_lines_answer_as_trims_do)
 {
@@ -417,4 +463,5 @@ TEST(linear_models_of_bent_lines_answer_as_trims_do)
 SUITE(analyse_lines, RUN(cantilevers_bend_under_their_weight_as_exact_beams),
       RUN(spinning_blades_have_the_frequencies_of_exact_beams), RUN(columns_under_follower_forces_flutter_as_beck_says),
       RUN(columns_buckle_as_euler_says), RUN(deep_cantilevers_tip_over_at_prandtls_load), RUN(trimmed_spins_are_steady),
-      RUN(distributed_drag_damps_modes_in_closed_form), RUN(linear_models_of_bent_lines_answer_as_trims_do))
+      RUN(distributed_drag_damps_modes_in_closed_form), RUN(shafts_of_lines_whirl_as_in_closed_form),
+      RUN(linear_models_of_bent_lines_answer_as_trims_do))

@@ -44,17 +44,17 @@ static struct world {
   fb_gauge gauge;
   fb_real coordinates[FB_MAX_MODES];
   fb_body_desc body_desc, scene_desc, bent_desc;
-  fb_body body, held, bent; /* the last with lines */
+  fb_body body, held, bent, bent_held; /* the last two with lines */
   fb_state state, bent_state;
-  fb_input input;
+  fb_input input, bent_input;
   fb_motion motion, bent_motion;
   fb_node_motion node_motion;
   fb_real v[3], w[3], q_dot[FB_MAX_MODES], gravity[3];
-  fb_exponential exponential;
+  fb_exponential exponential, bent_exponential;
   fb_system_desc system_desc;
-  fb_system system;
+  fb_system system, bent_system;
   fb_link_motion link_motion[FB_MAX_BODIES];
-  fb_system_state system_state;
+  fb_system_state system_state, bent_system_state;
   fb_system_input system_input;
   fb_exact_station exact_station;
   fb_exact_desc exact_desc;
@@ -174,6 +174,53 @@ typedef fb_line_motion line_points[FB_MAX_LINE_POINTS];
 /* F(function, call, has a status, arguments...) */
 #define SLOW 2       /* it has: few poisons */
 #define ARITHMETIC 3 /* none, and pointers are valid */
+/* Again with a body with lines, its loads distributed by a callback; hostile.sh takes the ending off. */
+#define OF_LINES(F)                                                                                                   \
+  F(fb_body_init_of_lines, fb_body_init(p[0], p[1], p[2], p[3]), SLOW, OUT(fb_body), WORK(body_work), IN(natural),    \
+    IN(bent_desc))                                                                                                    \
+  F(fb_body_check_of_lines, fb_body_check(p[0]), 1, MODEL(bent))                                                      \
+  F(fb_body_crc_of_lines, give((fb_real)fb_body_crc(p[0])), 0, MODEL(bent))                                           \
+  F(fb_state_from_velocity_of_lines, fb_state_from_velocity(p[0], p[1], p[2], p[3], p[4]), 1, MODEL(bent),            \
+    STATE(bent_state), IN(v), IN(w), OPTIONAL(q_dot))                                                                 \
+  F(fb_state_check_of_lines, fb_state_check(p[0], p[1]), 1, MODEL(bent), IN(bent_state))                              \
+  F(fb_body_rates_eval_of_lines, fb_body_rates_eval(p[0], p[1], p[2], p[3]), 1, MODEL(bent), OUT(fb_state),           \
+    IN(bent_state), OPTIONAL(bent_input))                                                                             \
+  F(fb_body_motion_eval_of_lines, fb_body_motion_eval(p[0], p[1], p[2], p[3]), 1, MODEL(bent), OUT(fb_motion),        \
+    IN(bent_state), OPTIONAL(bent_input))                                                                             \
+  F(fb_body_node_motion_eval_of_lines, fb_body_node_motion_eval(p[0], p[1], p[2], p[3], i[0]), 1, MODEL(bent),        \
+    OUT(fb_node_motion), IN(bent_state), IN(bent_motion), WHOLE(1))                                                   \
+  F(fb_body_energy_eval_of_lines, fb_body_energy_eval(p[0], p[1], p[2], p[3]), 1, MODEL(bent), OUT(fb_energy),        \
+    IN(bent_state), OPTIONAL(bent_input))                                                                             \
+  F(fb_body_momentum_eval_of_lines, fb_body_momentum_eval(p[0], p[1], p[2], p[3]), 1, MODEL(bent), OUT(fb_momentum),  \
+    IN(bent_state), OPTIONAL(bent_input))                                                                             \
+  F(fb_rk4_step_of_lines, fb_rk4_step(p[0], p[1], p[2], p[3], p[4], p[5], x[0]), 1, MODEL(bent), STATE(bent_state),   \
+    WORK(rk4_work), OPTIONAL(bent_input), OPTIONAL(bent_input), OPTIONAL(bent_input), REAL(FB_R(0.01)))               \
+  F(fb_midpoint_step_of_lines, fb_midpoint_step(p[0], p[1], p[2], p[3], x[0], i[0]), 1, MODEL(bent),                  \
+    STATE(bent_state), WORK(implicit_work), OPTIONAL(bent_input), REAL(FB_R(0.01)), WHOLE(2))                         \
+  F(fb_sdirk_step_of_lines, fb_sdirk_step(p[0], p[1], p[2], p[3], p[4], x[0], i[0]), 1, MODEL(bent),                  \
+    STATE(bent_state), WORK(implicit_work), IN(bent_input), IN(bent_input), REAL(FB_R(0.01)), WHOLE(2))               \
+  F(fb_exponential_init_of_lines, fb_exponential_init(p[0], p[1], p[2], x[0]), 1, OUT(fb_exponential),                \
+    WORK(body_work), MODEL(bent), REAL(FB_R(0.01)))                                                                   \
+  F(fb_exponential_step_of_lines, fb_exponential_step(p[0], p[1], p[2], p[3], p[4], p[5], p[6]), 1, MODEL(bent),      \
+    MODEL(bent_exponential), STATE(bent_state), WORK(exponential_work), OPTIONAL(bent_input), OPTIONAL(bent_input),   \
+    OPTIONAL(bent_input))                                                                                             \
+  F(fb_body_trim_of_lines, fb_body_trim(p[0], p[1], p[2], p[3]), SLOW, MODEL(bent_held), STATE(bent_state),           \
+    WORK(analyse_work), IN(bent_input))                                                                               \
+  F(fb_body_linearize_of_lines, fb_body_linearize(p[0], p[1], p[2], p[3], p[4], p[5]), SLOW, MODEL(bent_held),        \
+    WORK(analyse_work), OUT(fb_linear), IN(bent_state), IN(bent_input), OPTIONAL(linear_desc))                        \
+  F(fb_body_spectrum_solve_of_lines, fb_body_spectrum_solve(p[0], p[1], p[2], p[3], p[4]), SLOW, MODEL(bent_held),    \
+    WORK(analyse_work), OUT(fb_spectrum), IN(bent_state), IN(bent_input))                                             \
+  F(fb_system_rates_eval_of_lines, fb_system_rates_eval(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(bent_system),   \
+    MODEL(bent), WORK(system_work), OUT(fb_system_state), IN(bent_system_state), OPTIONAL(system_input))              \
+  F(fb_system_motion_eval_of_lines, fb_system_motion_eval(p[0], p[1], p[2], p[3], p[4], p[5]), 1, MODEL(bent_system), \
+    MODEL(bent), WORK(system_work), OUT(fb_system_motion), IN(bent_system_state), OPTIONAL(system_input))             \
+  F(fb_system_rk4_step_of_lines, fb_system_rk4_step(p[0], p[1], p[2], p[3], p[4], p[5], p[6], x[0]), 1,               \
+    MODEL(bent_system), MODEL(bent), STATE(bent_system_state), WORK(system_work), OPTIONAL(system_input),             \
+    OPTIONAL(system_input), OPTIONAL(system_input), REAL(FB_R(0.001)))                                                \
+  F(fb_system_sdirk_step_of_lines, fb_system_sdirk_step(p[0], p[1], p[2], p[3], p[4], p[5], x[0], i[0]), 1,           \
+    MODEL(bent_system), MODEL(bent), STATE(bent_system_state), WORK(system_work), IN(system_input), IN(system_input), \
+    REAL(FB_R(0.001)), WHOLE(2))
+
 #define FUNCTIONS(F)                                                                                                   \
   F(fb_status_string, fb_status_string((fb_status)i[0]) ? 0 : -1, 0, WHOLE(0))                                         \
   F(fb_detail_last, fb_detail_last() ? 0 : -1, 0, REAL(0))                                                             \
@@ -356,7 +403,8 @@ typedef fb_line_motion line_points[FB_MAX_LINE_POINTS];
   F(fb_version_string, fb_version_string() ? 0 : -1, 0, REAL(0))                                                       \
   F(fb_config_string, fb_config_string() ? 0 : -1, 0, REAL(0))                                                         \
   F(fb_config_check, fb_config_check(p[0]), 1, MODEL(config))                                                          \
-  F(fb_build_check, fb_build_check(), 0, REAL(0))
+  F(fb_build_check, fb_build_check(), 0, REAL(0))                                                                      \
+  OF_LINES(F)
 
 #define AS_CALL(function, call, has_status, ...) CALL(function, call)
 FUNCTIONS(AS_CALL)
@@ -385,6 +433,8 @@ static const struct {
   size_t size;
 } untouched[] = {{&w.input.distributed, sizeof w.input.distributed},
                  {&w.input.user, sizeof w.input.user},
+                 {&w.bent_input.distributed, sizeof w.bent_input.distributed},
+                 {&w.bent_input.user, sizeof w.bent_input.user},
                  {&w.system_input.rows, sizeof w.system_input.rows},
                  {&w.system_input.user, sizeof w.system_input.user},
                  {&w.trial, sizeof w.trial},
@@ -401,6 +451,19 @@ static fb_status trial_run(void *user, fb_real *output, const fb_advice *candida
   (void)candidate;
   for (int k = 0; k < 3; k++) {
     output[k] = FB_R(1.0);
+  }
+  return FB_OK;
+}
+
+/* A force that opposes the velocity. */
+static fb_status drag(fb_line_point *point, int n, fb_real t, void *user)
+{
+  (void)t;
+  (void)user;
+  for (int k = 0; k < n; k++) {
+    for (int i = 0; i < 3; i++) {
+      point[k].force[i] = -point[k].length * point[k].velocity[i];
+    }
   }
   return FB_OK;
 }
@@ -512,6 +575,11 @@ static void body_fill(void)
   w.bent_desc.effects |= FB_EFFECTS_LARGE;
   need(fb_body_init(&w.bent, &body_work, &w.natural, &w.bent_desc), "body with lines");
   need(fb_state_init(&w.bent, &w.bent_state), "its state");
+  w.bent_input.distributed = drag;
+  w.scene_desc = w.bent_desc;
+  w.scene_desc.base = FB_BASE_PRESCRIBED;
+  need(fb_body_init(&w.bent_held, &body_work, &w.natural, &w.scene_desc), "held body with lines");
+  need(fb_exponential_init(&w.bent_exponential, &body_work, &w.bent, FB_R(0.01)), "its exponential scheme");
   w.scene_desc = w.body_desc;
   w.scene_desc.base = FB_BASE_PRESCRIBED;
   need(fb_body_init(&w.held, &body_work, &w.natural, &w.scene_desc), "held body");
@@ -555,6 +623,8 @@ static void system_fill(void)
   w.system_desc.joint[0].stiffness[0] = w.system_desc.joint[1].stiffness[0] = FB_R(1000.0);
   need(fb_system_init(&w.system, &system_work, &w.body, &w.system_desc, 1), "system");
   need(fb_system_state_init(&w.system, &w.body, &w.system_state, &system_work, NULL, NULL), "state of the system");
+  need(fb_system_init(&w.bent_system, &system_work, &w.bent, &w.system_desc, 1), "system with lines");
+  need(fb_system_state_init(&w.bent_system, &w.bent, &w.bent_system_state, &system_work, NULL, NULL), "its state");
   w.system_input.n_load = 1;
   w.system_input.load[0].load = w.input.load[0];
   w.system_linear_desc = w.linear_desc;

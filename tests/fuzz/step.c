@@ -13,6 +13,8 @@
 #define FB_MAX_ROWS 20
 #define FB_MAX_SPEEDS 39
 #define FB_MAX_EXACT 4
+#define FB_MAX_POINTS 16
+#define FB_MAX_LINES 1
 #define FLEXBEAM_IMPLEMENTATION
 #include "flexbeam.h"
 #include "fuzz.h"
@@ -67,8 +69,41 @@ static void step_again(const fb_stepper_desc *way, void *now, const void *before
   memcpy(now, &after, size);
 }
 
+/* What a callback for distributed loads does: the same at every call, so that steps can be repeated. */
+typedef enum trick { DRAG, SPRING, HUGE_LOAD, LOST_NUMBER, LOST_TORQUE, FAILS, NO_STATUS, SPOILS, TRICKS } trick;
+
+static fb_status distributed(fb_line_point *point, int n, fb_real t, void *user)
+{
+  const trick *const how = user;
+  (void)t;
+  for (int k = 0; k < n; k++) {
+    for (int i = 0; i < 3; i++) {
+      point[k].force[i] = *how == DRAG        ? -point[k].length * point[k].velocity[i]
+                          : *how == SPRING    ? -point[k].length * point[k].position[i]
+                          : *how == HUGE_LOAD ? (fb_real)1e30
+                                              : FB_R(0.0);
+    }
+  }
+  switch (*how) {
+  case LOST_NUMBER:
+    point[n - 1].force[1] = (fb_real)NAN;
+    break;
+  case LOST_TORQUE:
+    point[0].torque[2] = (fb_real)HUGE_VAL;
+    break;
+  case SPOILS: /* all but loads */
+    for (int k = 0; k < n; k++) {
+      memset(&point[k], 0xff, offsetof(fb_line_point, force));
+    }
+    break;
+  default:
+    break;
+  }
+  return *how == FAILS ? FB_ERR_CONVERGENCE : *how == NO_STATUS ? (fb_status)77 : FB_OK;
+}
+
 /* A beam on a hub, with the effects, base and form that the bytes say; 0: refused. */
-static int build_body(bytes *b, int plain)
+static int build_body(bytes *b, int plain, int lines)
 {
   static const unsigned effects[] = {FB_EFFECTS_RIGID,
                                      FB_EFFECTS_LINEAR,
@@ -95,6 +130,7 @@ static int build_body(bytes *b, int plain)
   desc.station[0].EI_z = take_byte(b) & 1 ? FB_R(100.0) : FB_R(3e4);
   desc.station[0].i_y = desc.station[0].i_z = FB_R(0.01);
   level.effects = effects[take_below(b, 7)];
+  level.effects |= lines ? FB_EFFECTS_LARGE : 0u;
   level.base = (fb_base)take_below(b, FB_BASE_COUNT);
   form = plain ? 0 : take_below(b, 3); /* with or without forms, the bytes mean the same */
 #if FB_WITH_FORMS
@@ -208,9 +244,22 @@ static fb_status step_body(const char **name, fb_stepper_desc *way, bytes *b, co
   return FB_ERR_UNSUPPORTED;
 }
 
-static void run_body(bytes *b)
+static void lines_look(const fb_motion *motion, const fb_input *input)
 {
-  if (!build_body(b, 0)) {
+  fb_line_motion point[FB_MAX_LINE_POINTS];
+  int n;
+  if (fb_body_lines_eval(&body, point, &n, &state, motion, input) == FB_OK) {
+    for (int k = 0; k < n; k++) {
+      promise(all_finite(point[k].at.position, 3) && all_finite(point[k].force, 3) && all_finite(point[k].moment, 3),
+              "not finite", "fb_body_lines_eval");
+    }
+  }
+}
+
+static void run_body(bytes *b, int lines)
+{
+  trick how = DRAG;
+  if (!build_body(b, 0, lines)) {
     return;
   }
   promise(fb_state_init(&body, &state) == FB_OK, "refused", "fb_state_init");
@@ -224,6 +273,13 @@ static void run_body(bytes *b)
     const char *name;
     fb_status status;
     take_input(&input[0], b);
+    input[0].distributed = NULL;
+    if (lines) {
+      const int byte = take_byte(b);
+      how = (trick)(byte % (int)TRICKS);
+      input[0].distributed = byte < 128 ? distributed : NULL;
+      input[0].user = &how;
+    }
     input[1] = input[2] = input[0];
     for (int i = 0; i < body.n; i++) {
       state.q[i] += take_part(b, 0.1);
@@ -249,6 +305,9 @@ static void run_body(bytes *b)
             "not finite", "fb_body_motion_eval");
     if (status == FB_OK && fb_body_node_motion_eval(&body, &node, &state, &motion, 1) == FB_OK) {
       promise(all_finite(node.acceleration, 3) && all_finite(node.quat, 4), "not finite", "fb_body_node_motion_eval");
+    }
+    if (status == FB_OK && lines) {
+      lines_look(&motion, input);
     }
     status = fb_body_energy_eval(&body, &energy, &state, input);
     promise(status != FB_OK || (isfinite(energy.kinetic) && isfinite(energy.strain)), "not finite",
@@ -323,11 +382,11 @@ static void take_system_input(fb_system_input *input, bytes *b)
   }
 }
 
-static void run_system(bytes *b)
+static void run_system(bytes *b, int lines)
 {
   static fb_system_state before;
   static fb_system_motion motion;
-  if (!build_body(b, 1) || !build_system(b)) {
+  if (!build_body(b, 1, lines) || !build_system(b)) {
     return;
   }
   for (int k = 0; k < 10 && b->left > 0; k++) {
@@ -503,12 +562,21 @@ static void run_exact(bytes *b)
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size)
 {
   bytes b = {data, size};
-  switch (take_below(&b, 3)) {
+  const int first = take_byte(&b);
+  if (first >= 249 && first < 255) {
+    if (first < 252) {
+      run_body(&b, 1);
+    } else {
+      run_system(&b, 1);
+    }
+    return 0;
+  }
+  switch (first % 3) {
   case 0:
-    run_body(&b);
+    run_body(&b, 0);
     break;
   case 1:
-    run_system(&b);
+    run_system(&b, 0);
     break;
   default:
     run_exact(&b);

@@ -36,7 +36,7 @@ static const hard_case cases[] = {
     {"units", hard_units},           {"absurd", hard_absurd},
     {"rotor", hard_rotor},           {"flight", hard_flight},
     {"slender", hard_slender},       {"roll", hard_roll},
-    {"release", hard_release},
+    {"release", hard_release},       {"long-bent", hard_long_bent},
 };
 
 typedef struct options {

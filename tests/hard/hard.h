@@ -46,6 +46,7 @@ void hard_flat_spin(int brief);
 void hard_fast_spin(int brief);
 void hard_axial(int brief);
 void hard_long(int brief);
+void hard_long_bent(int brief);
 void hard_resonance(int brief);
 void hard_rounding(int brief);
 void hard_decay(int brief);
