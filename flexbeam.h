@@ -1055,7 +1055,7 @@ typedef struct fb_node_motion { /* inertial axes */
   fb_real position[3], quat[4]; /* of the node and its section */
   fb_real velocity[3], angular_rate[3];
   fb_real acceleration[3], angular_acceleration[3];
-  fb_real displacement[3], rotation[3]; /* elastic, body axes [m], rotation vector [rad] */
+  fb_real displacement[3], rotation[3]; /* elastic, body axes [m], rotation vector [rad], half a turn at most */
 } fb_node_motion;
 
 typedef struct fb_energy {
@@ -2443,7 +2443,8 @@ typedef enum fb_port_kind {
   FB_PORT_BASE_VELOCITY = 2, /* input [m/s] of a prescribed base (system: free joint), body axes; node is not used */
   FB_PORT_BASE_RATE = 3,     /* input [rad/s] */
   FB_PORT_DISPLACEMENT = 4,  /* output [m], elastic displacement of a node, body axes */
-  FB_PORT_ROTATION = 5,      /* output [rad], elastic rotation of its section; attitude is a state, see fb_linear */
+  FB_PORT_ROTATION = 5,      /* output [rad], elastic rotation of its section, rotation vector near that of the steady
+                                state; attitude is a state, see fb_linear */
   FB_PORT_RATE = 6,          /* output [rad/s], a gyro at the node, axes of its section */
   /* output [m/s^2], an accelerometer at the node: acceleration less gravity. With base motion as input the term in the
      rate of the input is left out (y = C x + D u has no u_dot) */

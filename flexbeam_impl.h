@@ -995,6 +995,30 @@ FB_DEF fb_status fb_quat_normalize(fb_real q[4])
   return FB_OK;
 }
 
+#if FB_WITH_EXACT || FB_WITH_ANALYSE
+/* Nearest whole number. */
+static fb_real fbi_round(fb_real x)
+{
+  return (fb_real)(int)(x + (x < FB_R(0.0) ? -FB_R(0.5) : FB_R(0.5)));
+}
+
+/* Rotation vector of quat nearest to the given phi among all that differ by full turns. */
+static void fbi_rotvec_near(fb_real phi[3], const fb_real quat[4])
+{
+  const fb_real near_to[3] = {phi[0], phi[1], phi[2]};
+  const fb_real turn = FB_R(6.283185307179586), axis = fbi_vec3_norm(near_to);
+  fb_real size;
+  fb_quat_to_rotvec(phi, quat);
+  size = fbi_vec3_norm(phi);
+  if (size < FB_R(1e-3) && axis > FB_R(3.0)) { /* near full turns: take the axis of the given vector */
+    fbi_vec3_add(phi, fbi_round(axis / turn) * turn / axis, near_to);
+  } else if (size > FB_R(0.0)) {
+    const fb_real turns = fbi_round((fb_vec3_dot(near_to, phi) / size - size) / turn);
+    fbi_vec3_add(phi, turns * turn / size, phi);
+  }
+}
+#endif
+
 /* ---------------------------------------------------------------------------------------------------------------
    RUN >>solve: LU and Cholesky factors (uses config, status) */
 
@@ -12199,28 +12223,6 @@ FB_DEF fb_status fb_exact_state_init(const fb_exact *m, fb_exact_state *state, f
 }
 
 /* ---- outputs */
-
-/* Nearest whole number. */
-static fb_real fbi_round(fb_real x)
-{
-  return (fb_real)(int)(x + (x < FB_R(0.0) ? -FB_R(0.5) : FB_R(0.5)));
-}
-
-/* Rotation vector of quat nearest to the given phi among all that differ by full turns. */
-static void fbi_rotvec_near(fb_real phi[3], const fb_real quat[4])
-{
-  const fb_real near_to[3] = {phi[0], phi[1], phi[2]};
-  const fb_real turn = FB_R(6.283185307179586), axis = fbi_vec3_norm(near_to);
-  fb_real size;
-  fb_quat_to_rotvec(phi, quat);
-  size = fbi_vec3_norm(phi);
-  if (size < FB_R(1e-3) && axis > FB_R(3.0)) { /* near full turns: take the axis of the given vector */
-    fbi_vec3_add(phi, fbi_round(axis / turn) * turn / axis, near_to);
-  } else if (size > FB_R(0.0)) {
-    const fb_real turns = fbi_round((fb_vec3_dot(near_to, phi) / size - size) / turn);
-    fbi_vec3_add(phi, turns * turn / size, phi);
-  }
-}
 
 FB_DEF fb_status fb_exact_nodes_eval(const fb_exact *m, fb_exact_node *node, const fb_exact_state *state)
 {
@@ -24029,17 +24031,27 @@ static void fbi_port_load(fb_load *load, const fb_port *port, fb_real h)
   (port->kind == FB_PORT_FORCE ? load->force : load->torque)[port->axis] = h;
 }
 
-/* Output y at a node of a body. */
+/* Output y at a node of a body; steady: coordinates whose rotation vector that of the node is near. */
 static fb_status fbi_port_read(fb_real *y, const fb_body *body, const fb_state *state, const fb_motion *motion,
-                               const fb_port *port)
+                               const fb_port *port, const fb_real *steady)
 {
   const fb_real *gravity = NULL;
   fb_node_motion node;
   fb_imu imu;
-  const fb_status status = fb_body_node_motion_eval(body, &node, state, motion, port->node);
+  fb_status status = fb_body_node_motion_eval(body, &node, state, motion, port->node);
 #if FB_WITH_GRAVITY
   gravity = fbi_has(body->effects, FB_EFFECT_GRAVITY) ? body->gravity : NULL;
 #endif
+  if (status == FB_OK && port->kind == FB_PORT_ROTATION) {
+    fb_node_motion from;
+    fb_state at = *state;
+    fb_real turn[4];
+    fbi_copy(at.q, steady, body->n);
+    status = fb_body_node_motion_eval(body, &from, &at, motion, port->node);
+    fb_quat_from_rotvec(turn, node.rotation);
+    fbi_vec3_copy(node.rotation, from.rotation);
+    fbi_rotvec_near(node.rotation, turn);
+  }
   if (status == FB_OK) {
     fb_imu_eval(&imu, &node, gravity);
     *y = port->kind == FB_PORT_DISPLACEMENT ? node.displacement[port->axis]
@@ -24320,7 +24332,7 @@ static fb_status fbi_body_response(fb_real *f, const fbi_subject *s, int j, fb_r
   fbi_copy(f + 2 * n + n_free, frame + 6 + first, n_free);
   fbi_linear_momenta(f + states + s->desc->n_out, body, &work->moved);
   for (int k = 0; k < s->desc->n_out && status == FB_OK; k++) {
-    status = fbi_port_read(f + states + k, body, &work->moved, &work->motion, &s->desc->out[k]);
+    status = fbi_port_read(f + states + k, body, &work->moved, &work->motion, &s->desc->out[k], s->state->q);
   }
   return status;
 }
@@ -24779,7 +24791,8 @@ static fb_status fbi_system_port_read(fb_real *y, const fbi_subject *s, const fb
     *y = (port->kind == FB_PORT_SPEED ? motion->joint[k].speed : motion->joint[k].value)[port->axis];
     return FB_OK;
   }
-  return fbi_port_read(y, fbi_model(s->system, s->body, k), &motion->pose[k], &motion->motion[k], port);
+  return fbi_port_read(y, fbi_model(s->system, s->body, k), &motion->pose[k], &motion->motion[k], port,
+                       s->system_state->link[k].q);
 }
 
 /* f = (rates of x, outputs, momenta of the linear model) with x_j, or from `states` on an input, increased by h. */
