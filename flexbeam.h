@@ -1055,7 +1055,7 @@ typedef struct fb_node_motion { /* inertial axes */
   fb_real position[3], quat[4]; /* of the node and its section */
   fb_real velocity[3], angular_rate[3];
   fb_real acceleration[3], angular_acceleration[3];
-  fb_real displacement[3], rotation[3]; /* elastic, body axes [m], rotation vector [rad] */
+  fb_real displacement[3], rotation[3]; /* elastic, body axes [m], rotation vector [rad], half a turn at most */
 } fb_node_motion;
 
 typedef struct fb_energy {
@@ -2035,8 +2035,8 @@ typedef struct fb_modes {
   int n;      /* modes kept, ascending in frequency (equal ones in the order of the kinds) */
   int ndof;   /* length of a shape: 6 per node, then 8 internal ones per element, with shear 8 more */
   int degree; /* 0, or that of FB_BASIS_FUNCTIONS: a shape then is value and slope per node, then internal functions */
-  int joined; /* 1: from fb_modes_join */
-  int line_points;             /* as in the desc */
+  int joined; /* 1: from fb_modes_join; 2: its welds close a loop */
+  int line_points;             /* as in the desc; 0: none, modes under a preload or of buckling */
   fb_kind kind[FB_MAX_MODES];  /* by the largest share of kinetic energy */
   fb_real omega[FB_MAX_MODES]; /* [rad/s]; 0 for coordinates that are not modes */
   fb_real
@@ -2153,7 +2153,9 @@ typedef struct fb_shape {
 #endif
 #if FB_WITH_LARGE_DEFLECTION
   fb_lines lines;         /* of the beams */
-  fb_status lines_status; /* why a beam has none: FB_EFFECT_LARGE_DEFLECTION is then refused with it */
+  fb_status lines_status; /* why a beam has none: FB_EFFECT_LARGE_DEFLECTION is then refused with it. FB_ERR_CAPACITY:
+                             points, lines; FB_ERR_KIND: a joined beam hangs where no point is; FB_ERR_UNSUPPORTED: modes
+                             under a preload or of buckling, welds that close a loop, two beams in one place */
   fb_second rest;         /* as `second`, of all but the beams */
 #endif
   fb_real size; /* [m] largest distance of a mass from O */
@@ -2185,7 +2187,8 @@ FB_API fb_status fb_shape_add_pair(fb_shape *shape, int a, int b, const fb_real 
    with the modes, the second-order displacement continues from the node of the shape that has the same position and
    motion (fb_modes_join); without such a node joined modes are refused (FB_ERR_VALUE). */
 FB_API fb_status fb_shape_add_beam(fb_shape *shape, int first, const fb_beam *beam, const fb_modes *modes);
-/* Adds a node on that beam at x [m] from the root; *node is its number. */
+/* Adds a node on that beam at x [m] from the root; *node is its number. For FB_EFFECT_LARGE_DEFLECTION after the beam:
+   fb_body_init refuses nodes that move with a beam otherwise (FB_ERR_UNSUPPORTED). */
 FB_API fb_status fb_shape_add_beam_node(fb_shape *shape, int *node, int first, const fb_beam *beam,
                                         const fb_modes *modes, fb_real x);
 /* Strain gauge along that beam (coordinates from first on) at x [m] from the root and y, z [m] off the reference line,
@@ -2250,7 +2253,9 @@ typedef struct fb_body_work {
 } fb_body_work;
 /* FB_ERR_CAPACITY (FB_MAX_LAMBDA, FB_MAX_S, FB_MAX_RUNS), FB_ERR_EFFECTS (see fb_effects_check), FB_ERR_SINGULAR (M, or
    S_0 of a free or pinned body, which needs inertia about every axis: 1e-12 of the largest, in single precision 1e-5),
-   FB_ERR_VALUE (no mass, negative damping), FB_ERR_NOT_FINITE, FB_ERR_NULL. body is written only on FB_OK. */
+   FB_ERR_VALUE (no mass, negative damping), FB_ERR_NOT_FINITE, FB_ERR_NULL; FB_EFFECT_LARGE_DEFLECTION: lines_status of
+   the shape, FB_ERR_UNSUPPORTED of a node that moves with a beam but was added before it, or by fb_shape_add_node. body
+   is written only on FB_OK. */
 FB_API fb_status fb_body_init(fb_body *body, fb_body_work *work, const fb_shape *shape, const fb_body_desc *desc);
 
 /* Builds a body of a rigid hub, beams on it or joined to each other, and nodes from one description: fb_beam_init,
@@ -2438,7 +2443,8 @@ typedef enum fb_port_kind {
   FB_PORT_BASE_VELOCITY = 2, /* input [m/s] of a prescribed base (system: free joint), body axes; node is not used */
   FB_PORT_BASE_RATE = 3,     /* input [rad/s] */
   FB_PORT_DISPLACEMENT = 4,  /* output [m], elastic displacement of a node, body axes */
-  FB_PORT_ROTATION = 5,      /* output [rad], elastic rotation of its section; attitude is a state, see fb_linear */
+  FB_PORT_ROTATION = 5,      /* output [rad], elastic rotation of its section, rotation vector near that of the steady
+                                state; attitude is a state, see fb_linear */
   FB_PORT_RATE = 6,          /* output [rad/s], a gyro at the node, axes of its section */
   /* output [m/s^2], an accelerometer at the node: acceleration less gravity. With base motion as input the term in the
      rate of the input is left out (y = C x + D u has no u_dot) */

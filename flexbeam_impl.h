@@ -995,6 +995,30 @@ FB_DEF fb_status fb_quat_normalize(fb_real q[4])
   return FB_OK;
 }
 
+#if FB_WITH_EXACT || FB_WITH_ANALYSE
+/* Nearest whole number. */
+static fb_real fbi_round(fb_real x)
+{
+  return (fb_real)(int)(x + (x < FB_R(0.0) ? -FB_R(0.5) : FB_R(0.5)));
+}
+
+/* Rotation vector of quat nearest to the given phi among all that differ by full turns. */
+static void fbi_rotvec_near(fb_real phi[3], const fb_real quat[4])
+{
+  const fb_real near_to[3] = {phi[0], phi[1], phi[2]};
+  const fb_real turn = FB_R(6.283185307179586), axis = fbi_vec3_norm(near_to);
+  fb_real size;
+  fb_quat_to_rotvec(phi, quat);
+  size = fbi_vec3_norm(phi);
+  if (size < FB_R(1e-3) && axis > FB_R(3.0)) { /* near full turns: take the axis of the given vector */
+    fbi_vec3_add(phi, fbi_round(axis / turn) * turn / axis, near_to);
+  } else if (size > FB_R(0.0)) {
+    const fb_real turns = fbi_round((fb_vec3_dot(near_to, phi) / size - size) / turn);
+    fbi_vec3_add(phi, turns * turn / size, phi);
+  }
+}
+#endif
+
 /* ---------------------------------------------------------------------------------------------------------------
    RUN >>solve: LU and Cholesky factors (uses config, status) */
 
@@ -3691,9 +3715,8 @@ static fb_status fbi_large_range(const fb_body *body, const fb_real *q)
              : FB_ERR_NOT_FINITE;
 }
 
-/* [E14.12] Inertia of a body with lines at q: M(q) = M_rest + M_lines(q) (lower triangle to w->L), Lambda(q)
-   and M_rr(q) likewise; the
-   rest are hub, lumped bodies and imported components with their terms of E8.9 and E8.11.
+/* [E14.12] Inertia of a body with lines at q: M(q) = M_rest + M_lines(q) (lower triangle to w->L), Lambda(q) and M_rr(q)
+   likewise; the rest are hub, lumped bodies and imported components with their terms of E8.9 and E8.11.
    Source: Koenig, sum of kinetic energies.  Fails: an interval turns beyond E14.2, M not positive definite.
    Test: momenta_of_lines_agree_with_particles. */
 static FBI_NOINLINE fb_status fbi_large_matrices(fbi_kinetics *k, const fb_body *body, const fb_real *q)
@@ -3701,7 +3724,8 @@ static FBI_NOINLINE fb_status fbi_large_matrices(fbi_kinetics *k, const fb_body 
   const int n = body->n;
   fbi_line_work *const w = k->line;
   if (!fbi_lines_pose(w, &body->lines, q)) {
-    return fbi_large_range(body, q);
+    const fb_status status = fbi_large_range(body, q);
+    return status ? status : FB_ERR_RANGE; /* at the limit, where rounding decides */
   }
   fbi_sparse_to_dense(w->L, &body->M_rest, n);
   fbi_lambda_rows(w->X, body, k->qx, 0, body->n_lambda);
@@ -6248,8 +6272,8 @@ static int fbi_line_is_sound(const fb_lines *all, int l, int n)
               fbi_line_rows_are_sound(all, line, line->row + line->n_turn, line->n_stretch, line->stride) &&
               line->weight >= 0 && line->weight <= all->n_table - line->count * line->stride &&
               fbi_is_flag(line->moves) && fbi_is_flag(line->carries) && fbi_is_flag(line->solid) &&
-              fbi_is_flag(line->turned) && (!line->turned || fbi_is_finite(line->axes, 9)) && line->shift >= 0 &&
-              line->shift <= all->n_table - 3 * line->n * line->moves;
+              fbi_is_flag(line->turned) && (!line->turned || fbi_is_finite(line->axes, 9)) && fbi_vec3_is_finite(line->root) &&
+              line->shift >= 0 && line->shift <= all->n_table - 3 * line->n * line->moves;
   if (sound && line->hangs) {
     sound = line->hangs <= next;
     for (int k = 0; sound && k < l; k++) {
@@ -6525,17 +6549,16 @@ static unsigned fbi_crc_strain(unsigned crc, const fb_body *body, int single)
 #endif
 
 #if FB_WITH_LARGE_DEFLECTION
-/* A line; without its root and frame, which no step reads. */
+/* A line; without its frame, by which init alone finds it. */
 static unsigned fbi_crc_line(unsigned crc, const fb_line *line, int single)
 {
   const int whole[] = {line->first, line->n,      line->point,     line->count,  line->stride,
                        line->row,   line->n_turn, line->n_stretch, line->weight, line->shift,
                        line->moves, line->hangs,  line->carries,   line->solid,  line->turned};
   crc = fbi_crc_ints(crc, whole, (int)(sizeof whole / sizeof *whole));
-  return line->turned ? fbi_crc_reals(crc, line->axes, 9, single) : crc;
+  return fbi_crc_reals(fbi_crc_reals(crc, line->axes, 9, single), line->root, 3, single);
 }
 
-/* Lines, their nodes, and the rest of the body. */
 /* Where points stand, and the masses on either side of the ends of stretches. */
 static unsigned fbi_crc_stations(unsigned crc, const fb_line_station *s, int n, int single)
 {
@@ -6546,6 +6569,7 @@ static unsigned fbi_crc_stations(unsigned crc, const fb_line_station *s, int n, 
   return crc;
 }
 
+/* Lines, their nodes, and the rest of the body. */
 static unsigned fbi_crc_lines(unsigned crc, const fb_body *body, int single)
 {
   const fb_lines *const all = &body->lines;
@@ -12199,28 +12223,6 @@ FB_DEF fb_status fb_exact_state_init(const fb_exact *m, fb_exact_state *state, f
 }
 
 /* ---- outputs */
-
-/* Nearest whole number. */
-static fb_real fbi_round(fb_real x)
-{
-  return (fb_real)(int)(x + (x < FB_R(0.0) ? -FB_R(0.5) : FB_R(0.5)));
-}
-
-/* Rotation vector of quat nearest to the given phi among all that differ by full turns. */
-static void fbi_rotvec_near(fb_real phi[3], const fb_real quat[4])
-{
-  const fb_real near_to[3] = {phi[0], phi[1], phi[2]};
-  const fb_real turn = FB_R(6.283185307179586), axis = fbi_vec3_norm(near_to);
-  fb_real size;
-  fb_quat_to_rotvec(phi, quat);
-  size = fbi_vec3_norm(phi);
-  if (size < FB_R(1e-3) && axis > FB_R(3.0)) { /* near full turns: take the axis of the given vector */
-    fbi_vec3_add(phi, fbi_round(axis / turn) * turn / axis, near_to);
-  } else if (size > FB_R(0.0)) {
-    const fb_real turns = fbi_round((fb_vec3_dot(near_to, phi) / size - size) / turn);
-    fbi_vec3_add(phi, turns * turn / size, phi);
-  }
-}
 
 FB_DEF fb_status fb_exact_nodes_eval(const fb_exact *m, fb_exact_node *node, const fb_exact_state *state)
 {
@@ -18507,6 +18509,7 @@ static fb_status fbi_modes_desc_check(const fb_modes_desc *desc, const fb_beam *
       FBI_CLAIM(!(spinning || by_mass) || clamped, "spin or mass_fraction, with FB_ROOT_CLAMPED only"),
       FBI_CLAIM(!(spinning || by_mass) || modes, "spin or mass_fraction, with FB_BASIS_MODES only"),
       FBI_CLAIM(!loaded || !modes || clamped || hold_boundary, "preload of natural modes, with FB_ROOT_CLAMPED only"),
+      FBI_CLAIM(desc->line_points != 1, "line_points, 0 or at least 2"),
       FBI_CLAIM(!spinning || desc->lowest <= 0, "spin, not with lowest"),
       FBI_CLAIM(!(spinning || loaded) || beam->desc.n_point <= 0, "spin or preload, not of a beam by points"),
       FBI_CLAIM(!spinning || !loaded, "spin, not with preload"),
@@ -18531,7 +18534,7 @@ static fb_status fbi_modes_prepare(int group[FB_KIND_COUNT], fb_modes_work *work
 
   /* Matrices under the preload, kinds and coordinates that they have */
   out->n = 0;
-  out->degree = out->joined = 0;
+  out->degree = out->joined = out->line_points = 0;
   out->ndof = rows.ndof;
   fbi_matrices(work->K, work->M, &rows, beam, &desc->preload);
   fbi_kind_groups(group, beam, work->K, work->M);
@@ -18635,7 +18638,9 @@ FB_DEF fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_b
   if (desc->basis != FB_BASIS_FUNCTIONS) {
     fbi_effective_fill(work, beam);
   }
-  work->found.line_points = fbi_line_points(&work->found, desc);
+  if (!fbi_is_loaded(&desc->preload)) { /* else K is not the stiffness of curvatures alone */
+    work->found.line_points = fbi_line_points(&work->found, desc);
+  }
   *modes = work->found;
   return FB_OK;
 }
@@ -19025,16 +19030,69 @@ static fb_status fbi_join_solve(fb_join_work *work, int m, int *found)
   return FB_OK;
 }
 
+static void fbi_relabel(int *label, int n, int from, int to)
+{
+  for (int i = 0; i < n; i++) {
+    label[i] = label[i] == from ? to : label[i];
+  }
+}
+
+static int fbi_weld_is_at(const fb_join_desc *desc, int e, int f)
+{
+  const fb_weld *const a = &desc->weld[e / 2], *const b = &desc->weld[f / 2];
+  return a->component[e % 2] == b->component[f % 2] && a->node[e % 2] == b->node[f % 2];
+}
+
+/* Do components, with the frame that holds the roots, and the places of the welds form a loop? Repeated welds of one
+   place do not. */
+static int fbi_join_is_closed(const fb_beam *beam, const fb_join_desc *desc, int n_component)
+{
+  enum { ENDS = 2 * FB_MAX_WELDS, FRAME = ENDS + FB_MAX_COMPONENTS, ALL };
+  int place[ENDS], tree[ALL], closed = 0;
+  const int n_end = 2 * desc->n_weld;
+  for (int i = 0; i < ALL; i++) {
+    tree[i] = i;
+  }
+  for (int c = 0; c < n_component; c++) {
+    tree[ENDS + c] = beam[c].desc.root == FB_ROOT_FREE ? ENDS + c : FRAME;
+  }
+
+  /* Places: both ends of a weld, and ends at one node */
+  for (int e = 0; e < n_end; e++) {
+    place[e] = e;
+    for (int f = 0; f < e; f++) {
+      if (e / 2 == f / 2 || fbi_weld_is_at(desc, e, f)) {
+        fbi_relabel(place, e + 1, place[e], place[f]);
+      }
+    }
+  }
+
+  /* Component by component at its places, each once: connected already? */
+  for (int e = 0; e < n_end; e++) {
+    int again = 0;
+    for (int f = 0; f < e; f++) {
+      again |= fbi_weld_is_at(desc, e, f);
+    }
+    if (!again) {
+      const int own = tree[ENDS + desc->weld[e / 2].component[e % 2]], there = tree[place[e]];
+      closed |= own == there;
+      fbi_relabel(tree, ALL, own, there);
+    }
+  }
+  return closed;
+}
+
 /* Shapes of a component in the first n common modes: its coordinates (rows `at`.. of all) are q = scale Z x. Then its
    share of the common M and K, q^T M q and q^T K q. */
-static void fbi_join_expand(fb_modes *out, fb_join_work *work, const fb_modes *component, int at, int n, int m)
+static void fbi_join_expand(fb_modes *out, fb_join_work *work, const fb_modes *component, int at, int n, int m,
+                            int closed)
 {
   fb_real *const q = work->K, *const half = work->M; /* component->n x n each; K and M are not needed any more */
   const int nc = component->n;
   memset(out, 0, sizeof *out);
   out->n = n;
   out->ndof = component->ndof;
-  out->joined = 1;
+  out->joined = closed ? 2 : 1;
   out->line_points = component->line_points;
 
   /* q, and the shapes combined by it */
@@ -19102,7 +19160,7 @@ FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
                                const fb_join_desc *desc, int n_component)
 {
   fb_kind kind[FB_MAX_MODES];
-  int N, m, at = 0, found = 0, n = 0;
+  int N, m, at = 0, found = 0, n = 0, closed;
   fb_real limit;
   fb_status status;
   FBI_REQUIRE(joined && work && beam && component && desc, FB_ERR_NULL);
@@ -19112,6 +19170,7 @@ FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
   }
 
   /* Constraints eliminated: K = Z^T K Z, M = Z^T M Z */
+  closed = fbi_join_is_closed(beam, desc, n_component);
   N = fbi_join_assemble(work, beam, component, desc, n_component);
   m = N - fbi_null_space(work->Z, work->X, work->pivot, 6 * desc->n_weld, N);
   fbi_congruence(work->K, work->Z, work->A, N, m);
@@ -19139,7 +19198,7 @@ FB_DEF fb_status fb_modes_join(fb_modes *joined, fb_join_work *work, const fb_be
   for (int c = 0; c < n_component; c++) {
     const int first = at;
     at += component[c].n;
-    fbi_join_expand(&work->joined, work, &component[c], first, n, m);
+    fbi_join_expand(&work->joined, work, &component[c], first, n, m, closed);
     memcpy(work->joined.kind, kind, (size_t)n * sizeof *kind);
     for (int k = 0; k < n; k++) {
       work->joined.omega[k] = FB_SQRT(work->d[k]);
@@ -19832,6 +19891,7 @@ static fb_status fbi_station_start(fbi_station *st, fbi_cell_fields *scratch, co
 #define FBI_MAX_BREAKS (FB_MAX_LUMPS + FB_MAX_STATIONS + FB_MAX_ELEMENTS + 2)
 #define FBI_LINE_NODES (FB_MAX_POINTS + 1) /* of a stretch, its beginning included */
 #define FBI_LINE_KINK FB_R(0.1)            /* [rad] bent lines are smooth up to this angle between their elements */
+#define FBI_LINE_GAP FB_R(1e-3)            /* least length of a stretch, of that of the line */
 
 typedef struct fbi_line_break { /* where a smooth stretch of a beam ends and the next one begins */
   fb_real x, left, right;       /* [m] place; where the sections of either side are taken */
@@ -19975,7 +20035,7 @@ static int fbi_is_step(fb_real a, fb_real b)
    or stiffness, where they change by a tenth within a hundredth of the length. */
 static int fbi_line_breaks(fbi_line_break *list, const fb_beam *beam)
 {
-  const fb_real length = beam->start[beam->desc.n_element], gap = FB_R(1e-3) * length;
+  const fb_real length = beam->start[beam->desc.n_element], gap = FBI_LINE_GAP * length;
   int n = 0;
   fbi_line_break_add(list, &n, FB_R(0.0), FB_R(0.0), 0, gap);
   fbi_line_break_add(list, &n, length, FB_R(0.0), 0, gap);
@@ -20038,28 +20098,47 @@ static void fbi_line_section_add(fbi_line_slice *s, const fb_beam *beam, const f
   fbi_line_slice_add(s, dx * section.mass, d, spread, w);
 }
 
-/* Adds the lumped bodies at x. */
-static void fbi_line_lumps_add(fbi_line_slice *s, const fb_beam *beam, const fb_modes *modes, fb_real x)
+/* Undeformed position at x from the beam's root, line axes. */
+static void fbi_line_place(fb_real out[3], const fb_beam *beam, const fb_modes *modes, fb_real x)
 {
-  const fb_real unit[3] = {FB_R(1.0), FB_R(1.0), FB_R(1.0)};
-  for (int k = 0; k < beam->desc.n_lump; k++) {
-    const fb_lump *lump = &beam->desc.lump[k];
-    fb_real local[3][3], spread[3][3], d[3];
-    if (FB_FABS(beam->start[lump->node] - x) < FB_R(1e-6) * beam->desc.length &&
-        fbi_spread(local, lump->inertia) == FB_OK) {
-      for (int i = 0; i < 3; i++) {
-        fbi_vec3_copy(spread[i], local[i]);
-        if (modes->joined) {
-          fb_mat33_mul_vec3(spread[i], beam->axes, local[i]);
-        }
-      }
-      fbi_vec3_copy(d, lump->center);
-      if (modes->joined) {
-        fb_mat33_mul_vec3(d, beam->axes, lump->center);
-      }
-      fbi_line_slice_add(s, lump->mass, d, spread, unit);
+  const int element = fbi_beam_element(beam, x, 1);
+  const fb_real *const node = beam->node + 3 * element;
+  const fb_real ahead[3] = {x - beam->start[element], FB_R(0.0), FB_R(0.0)};
+  fb_real along[3];
+  fbi_line_vector(out, beam, modes, element, ahead);
+  fbi_vec3_copy(along, node);
+  if (modes->joined) {
+    fb_mat33_mul_vec3(along, beam->axes, node);
+  }
+  fbi_vec3_add(out, FB_R(1.0), along);
+}
+
+/* Adds a lumped body to the point at x, with which it moves. */
+static void fbi_line_lump_add(fbi_line_slice *s, const fb_beam *beam, const fb_modes *modes, const fb_lump *lump,
+                              fb_real x)
+{
+  const fb_real unit[3] = {FB_R(1.0), FB_R(1.0), FB_R(1.0)}, at = beam->start[lump->node];
+  fb_real local[3][3], spread[3][3], d[3], place[3];
+  if (fbi_spread(local, lump->inertia) != FB_OK) {
+    return;
+  }
+  for (int i = 0; i < 3; i++) {
+    fbi_vec3_copy(spread[i], local[i]);
+    if (modes->joined) {
+      fb_mat33_mul_vec3(spread[i], beam->axes, local[i]);
     }
   }
+  fbi_vec3_copy(d, lump->center);
+  if (modes->joined) {
+    fb_mat33_mul_vec3(d, beam->axes, lump->center);
+  }
+  if (FB_FABS(at - x) > FB_R(1e-6) * beam->desc.length) {
+    fbi_line_place(place, beam, modes, at);
+    fbi_vec3_add(d, FB_R(1.0), place);
+    fbi_line_place(place, beam, modes, x);
+    fbi_vec3_add(d, -FB_R(1.0), place);
+  }
+  fbi_line_slice_add(s, lump->mass, d, spread, unit);
 }
 
 typedef struct fbi_line_stretch {
@@ -20106,6 +20185,22 @@ static int fbi_line_plan_add(fbi_line_plan *plan, fb_real x, int before)
   return plan->n++;
 }
 
+/* Lumped bodies go to the nearest point, which is at most the least length of a stretch away; at a root at rest they
+   belong to the body. */
+static void fbi_line_lumps_take(fbi_line_plan *plan, const fb_beam *beam, const fb_modes *modes)
+{
+  for (int k = 0; k < beam->desc.n_lump; k++) {
+    const fb_real x = beam->start[beam->desc.lump[k].node];
+    int at = 0;
+    for (int j = 1; j < plan->n; j++) {
+      at = FB_FABS(plan->x[j] - x) < FB_FABS(plan->x[at] - x) ? j : at;
+    }
+    if (FB_FABS(plan->x[at] - x) < FBI_LINE_GAP * beam->start[beam->desc.n_element]) {
+      fbi_line_lump_add(&plan->slice[at], beam, modes, &beam->desc.lump[k], plan->x[at]);
+    }
+  }
+}
+
 /* [E14.11] Points of a beam: Lobatto nodes on each smooth stretch, modes->line_points of them behind the root where it is
    one stretch, of several 3 for each and the rest by their lengths; the mass there by the weights and the sections, and
    the lumped bodies. A root that does not move is no point. FB_ERR_CAPACITY: more than FB_MAX_POINTS; plan.n says how
@@ -20119,8 +20214,8 @@ static fb_status fbi_line_plan_fill(fbi_line_plan *plan, const fb_beam *beam, co
   const int n_break = fbi_line_breaks(list, beam), want = modes->line_points;
   int point;
   memset(plan, 0, sizeof *plan);
-  if (want < 2) { /* modes that no function of the library made */
-    return FB_ERR_VALUE;
+  if (want < 2 || modes->joined == 2) { /* under a preload, of buckling; welds that close a loop */
+    return FB_ERR_UNSUPPORTED;
   }
   fbi_line_plan_kind(plan, beam, modes);
   point = plan->moves || plan->flexes ? fbi_line_plan_add(plan, FB_R(0.0), 0) : -1;
@@ -20151,11 +20246,7 @@ static fb_status fbi_line_plan_fill(fbi_line_plan *plan, const fb_beam *beam, co
   if (plan->n > FB_MAX_POINTS) {
     return FB_ERR_CAPACITY;
   }
-  for (int j = 0; j < plan->n; j++) {
-    if (j == 0 || plan->x[j] > plan->x[j - 1]) {
-      fbi_line_lumps_add(&plan->slice[j], beam, modes, plan->x[j]);
-    }
-  }
+  fbi_line_lumps_take(plan, beam, modes);
   return FB_OK;
 }
 
@@ -20234,16 +20325,8 @@ static void fbi_line_tangent(fb_real out[3], const fb_beam *beam, const fb_modes
 static void fbi_line_begins_at(fb_real out[3], const fb_real *weight, const fb_lines *all, const fb_line *line,
                                const fb_beam *beam, const fb_modes *modes, fb_real x)
 {
-  const int element = fbi_beam_element(beam, x, 1);
-  const fb_real *const node = beam->node + 3 * element;
-  fb_real along[3], e[3];
-  const fb_real ahead[3] = {x - beam->start[element], FB_R(0.0), FB_R(0.0)};
-  fbi_line_vector(out, beam, modes, element, ahead);
-  fbi_vec3_copy(along, node);
-  if (modes->joined) {
-    fb_mat33_mul_vec3(along, beam->axes, node);
-  }
-  fbi_vec3_add(out, FB_R(1.0), along);
+  fb_real e[3];
+  fbi_line_place(out, beam, modes, x);
   for (int j = 0; j < line->count; j++) {
     for (int i = 0; i < 3; i++) {
       e[i] = all->tangent[i][line->point + j];
@@ -20416,8 +20499,32 @@ static fb_status fbi_line_stations_fill(fb_lines *all, const fbi_line_plan *plan
   return status;
 }
 
+/* The line of a beam with its modes, by its place from root to tip, -1: it has none. */
+static int fbi_line_find(const fb_lines *all, int first, const fb_beam *beam, const fb_modes *modes)
+{
+  fb_real r[3][FB_MAX_POINTS];
+  fbi_lines_undeformed(r, all);
+  for (int l = 0; l < all->n_line; l++) {
+    const fb_line *const line = &all->line[l];
+    const int tip = line->point + line->count - 1;
+    fb_real place[3], root[3], apart[3] = {r[0][tip], r[1][tip], r[2][tip]};
+    fbi_line_place(place, beam, modes, beam->start[beam->desc.n_element]);
+    fb_mat33_mulT_vec3(root, line->axes, beam->desc.position);
+    fbi_vec3_add(apart, -FB_R(1.0), place);
+    fbi_vec3_add(apart, -FB_R(1.0), root);
+    if (line->first == first && line->n == modes->n &&
+        memcmp(line->root, beam->desc.position, sizeof line->root) == 0 &&
+        memcmp(line->frame, beam->axes, sizeof beam->axes) == 0 &&
+        fbi_vec3_norm(apart) < FBI_LINE_GAP * beam->desc.length) {
+      return l;
+    }
+  }
+  return -1;
+}
+
 /* Adds a beam with its modes to the lines of a shape. FB_ERR_CAPACITY: points, lines or tables; FB_ERR_KIND: the root of
-   a joined beam moves with no point of an earlier one. */
+   a joined beam moves with no point of an earlier one; FB_ERR_UNSUPPORTED: its modes, or another beam in its place with
+   the same coordinates. */
 static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, const fb_beam *beam, const fb_modes *modes)
 {
   fb_line *const line = &all->line[all->n_line];
@@ -20426,6 +20533,9 @@ static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, con
   fb_status status = all->n_line < FB_MAX_LINES ? fbi_line_plan_fill(plan, beam, modes) : FB_ERR_CAPACITY;
   if (status != FB_OK || all->n_point + (plan->n + 1) / 2 * 2 > FB_MAX_POINTS) {
     return status ? status : FB_ERR_CAPACITY;
+  }
+  if (fbi_line_find(all, first, beam, modes) >= 0) {
+    return FB_ERR_UNSUPPORTED;
   }
 
   /* what it is */
@@ -20508,19 +20618,6 @@ static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, con
   all->n_point += line->stride;
   all->n_line++;
   return FB_OK;
-}
-
-/* The line of a beam with its modes, -1: it has none. */
-static int fbi_line_find(const fb_lines *all, int first, const fb_beam *beam, const fb_modes *modes)
-{
-  for (int l = 0; l < all->n_line; l++) {
-    const fb_real *const r = all->line[l].root, *const p = beam->desc.position;
-    if (all->line[l].first == first && all->line[l].n == modes->n && r[0] == p[0] && r[1] == p[1] && r[2] == p[2] &&
-        memcmp(all->line[l].frame, beam->axes, sizeof beam->axes) == 0) {
-      return l;
-    }
-  }
-  return -1;
 }
 
 /* A node at x of a beam's line: the interval from the point before it, and the integrals up to it. */
@@ -21667,6 +21764,32 @@ static fb_status fbi_shape_check(const fb_shape *shape)
 
 #define FBI_WORD_LINES \
   "effects: large deflection: points of all beams, FB_MAX_POINTS, at most; of joined ones, that hang on points"
+#if FB_WITH_LARGE_DEFLECTION
+#define FBI_WORD_UNLINED                                                                                              \
+  "effects: large deflection: modes without preload, not of buckling; welds that close no loop; no two beams in one " \
+  "place"
+/* Can all beams be lines, and do all nodes that move with them stand on one? */
+static fb_status fbi_lines_status(const fb_shape *shape)
+{
+  const fb_lines *const all = &shape->lines;
+  if (shape->lines_status != FB_OK) {
+    return shape->lines_status == FB_ERR_UNSUPPORTED
+               ? FBI_REFUSE(FB_ERR_UNSUPPORTED, FBI_WORD_UNLINED, -1, FB_R(0.0), FB_R(0.0))
+               : FBI_REFUSE(shape->lines_status, FBI_WORD_LINES, -1, FB_R(0.0), FB_R(1.0) * FB_MAX_POINTS);
+  }
+  for (int k = 1; k < shape->n_node; k++) {
+    for (int l = 0; l < all->n_line && shape->node[k].line.line == 0; l++) {
+      const int first = 3 * all->line[l].first, n = 3 * all->line[l].n;
+      if (!fbi_is_zero(shape->node[k].psi + first, n) || !fbi_is_zero(shape->node[k].theta + first, n)) {
+        return FBI_REFUSE(FB_ERR_UNSUPPORTED, "node: moves with a beam, by fb_shape_add_beam_node after that beam", k,
+                          FB_R(0.0), FB_R(0.0));
+      }
+    }
+  }
+  return FB_OK;
+}
+#endif
+
 /* Effects: no value without its effect, none excluded by the build, none without its partner. */
 static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_desc *desc)
 {
@@ -21704,8 +21827,11 @@ static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_des
   }
 #endif
 #if FB_WITH_LARGE_DEFLECTION
-  if (fbi_has(desc->effects, FB_EFFECT_LARGE_DEFLECTION) && shape->lines_status != FB_OK) {
-    return FBI_REFUSE(shape->lines_status, FBI_WORD_LINES, -1, FB_R(0.0), FB_R(1.0) * FB_MAX_POINTS);
+  if (fbi_has(desc->effects, FB_EFFECT_LARGE_DEFLECTION)) {
+    const fb_status status = fbi_lines_status(shape);
+    if (status != FB_OK) {
+      return status;
+    }
   }
 #endif
 #if FB_WITH_FORMS
@@ -23929,17 +24055,27 @@ static void fbi_port_load(fb_load *load, const fb_port *port, fb_real h)
   (port->kind == FB_PORT_FORCE ? load->force : load->torque)[port->axis] = h;
 }
 
-/* Output y at a node of a body. */
+/* Output y at a node of a body; steady: coordinates whose rotation vector that of the node is near. */
 static fb_status fbi_port_read(fb_real *y, const fb_body *body, const fb_state *state, const fb_motion *motion,
-                               const fb_port *port)
+                               const fb_port *port, const fb_real *steady)
 {
   const fb_real *gravity = NULL;
   fb_node_motion node;
   fb_imu imu;
-  const fb_status status = fb_body_node_motion_eval(body, &node, state, motion, port->node);
+  fb_status status = fb_body_node_motion_eval(body, &node, state, motion, port->node);
 #if FB_WITH_GRAVITY
   gravity = fbi_has(body->effects, FB_EFFECT_GRAVITY) ? body->gravity : NULL;
 #endif
+  if (status == FB_OK && port->kind == FB_PORT_ROTATION) {
+    fb_node_motion from;
+    fb_state at = *state;
+    fb_real turn[4];
+    fbi_copy(at.q, steady, body->n);
+    status = fb_body_node_motion_eval(body, &from, &at, motion, port->node);
+    fb_quat_from_rotvec(turn, node.rotation);
+    fbi_vec3_copy(node.rotation, from.rotation);
+    fbi_rotvec_near(node.rotation, turn);
+  }
   if (status == FB_OK) {
     fb_imu_eval(&imu, &node, gravity);
     *y = port->kind == FB_PORT_DISPLACEMENT ? node.displacement[port->axis]
@@ -24220,7 +24356,7 @@ static fb_status fbi_body_response(fb_real *f, const fbi_subject *s, int j, fb_r
   fbi_copy(f + 2 * n + n_free, frame + 6 + first, n_free);
   fbi_linear_momenta(f + states + s->desc->n_out, body, &work->moved);
   for (int k = 0; k < s->desc->n_out && status == FB_OK; k++) {
-    status = fbi_port_read(f + states + k, body, &work->moved, &work->motion, &s->desc->out[k]);
+    status = fbi_port_read(f + states + k, body, &work->moved, &work->motion, &s->desc->out[k], s->state->q);
   }
   return status;
 }
@@ -24679,7 +24815,8 @@ static fb_status fbi_system_port_read(fb_real *y, const fbi_subject *s, const fb
     *y = (port->kind == FB_PORT_SPEED ? motion->joint[k].speed : motion->joint[k].value)[port->axis];
     return FB_OK;
   }
-  return fbi_port_read(y, fbi_model(s->system, s->body, k), &motion->pose[k], &motion->motion[k], port);
+  return fbi_port_read(y, fbi_model(s->system, s->body, k), &motion->pose[k], &motion->motion[k], port,
+                       s->system_state->link[k].q);
 }
 
 /* f = (rates of x, outputs, momenta of the linear model) with x_j, or from `states` on an input, increased by h. */

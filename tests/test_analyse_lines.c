@@ -460,8 +460,32 @@ TEST(linear_models_of_bent_lines_answer_as_trims_do)
   }
 }
 
+/* E12.2: bent in one plane a tip turns by sum theta_a q_a, also at half a turn, where rotation vectors jump. */
+TEST(rotations_of_half_a_turn_have_linear_models)
+{
+  static fb_linear linear;
+  fb_linear_desc ports;
+  memset(&ports, 0, sizeof ports);
+  ports.n_out = 1;
+  ports.out[0].kind = FB_PORT_ROTATION;
+  ports.out[0].node = 1;
+  ports.out[0].axis = 2;
+  for (int side = -1; side <= 1; side++) {
+    fb_state bent;
+    unit_line(2, 0);
+    line_body(0.0);
+    FBT_INT_EQ(fb_state_init(&body, &bent), FB_OK);
+    memset(&input, 0, sizeof input);
+    bent.q[0] = (fb_real)(3.14159265358979 * (1.0 + side * FBT_TOL(1e-7, 1e-4)) / (double)body.node[1].theta[2]);
+    FBT_INT_EQ(fb_body_linearize(&body, &work, &linear, &bent, &input, &ports), FB_OK);
+    for (int a = 0; a < body.n; a++) {
+      FBT_NEAR_REL(linear.C[a], (double)body.node[1].theta[3 * a + 2], FBT_TOL(1e-9, 1e-2));
+    }
+  }
+}
+
 SUITE(analyse_lines, RUN(cantilevers_bend_under_their_weight_as_exact_beams),
       RUN(spinning_blades_have_the_frequencies_of_exact_beams), RUN(columns_under_follower_forces_flutter_as_beck_says),
       RUN(columns_buckle_as_euler_says), RUN(deep_cantilevers_tip_over_at_prandtls_load), RUN(trimmed_spins_are_steady),
       RUN(distributed_drag_damps_modes_in_closed_form), RUN(shafts_of_lines_whirl_as_in_closed_form),
-      RUN(linear_models_of_bent_lines_answer_as_trims_do))
+      RUN(linear_models_of_bent_lines_answer_as_trims_do), RUN(rotations_of_half_a_turn_have_linear_models))

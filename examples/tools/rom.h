@@ -171,8 +171,9 @@ static void rom_line(rom *r, const fb_line *line)
   for (int i = 0; i < (int)(sizeof whole / sizeof *whole); i++) {
     rom_whole(r, whole[i]);
   }
-  rom_list(r, line->axes, line->turned ? 9 : 0);
-  rom_text(r, "},"); /* root and frame are for model building */
+  rom_list(r, line->axes, 9);
+  rom_list(r, line->root, 3);
+  rom_text(r, "},"); /* the frame is for model building */
 }
 
 /* Where n points or roots stand. */
