@@ -2797,6 +2797,19 @@ static int fbi_lines_look(fbi_line_work *w, const fb_lines *all, const fb_real R
   return (int)(p - w->point);
 }
 
+/* What acts on n points, which know where they are, at time t. */
+static fb_status fbi_points_load(fb_line_point *point, int n, fb_distributed distributed, fb_real t, void *user)
+{
+  fb_status status = distributed(point, n, t, user);
+  for (int i = 0; i < n && status == FB_OK; i++) {
+    if (!fbi_vec3_is_finite(point[i].force) || !fbi_vec3_is_finite(point[i].torque)) {
+      status = FBI_REFUSE(FB_ERR_NOT_FINITE, "point: distributed force [N] or torque [N m], finite", i, FB_R(0.0),
+                          FB_R(0.0));
+    }
+  }
+  return status;
+}
+
 /* Adds a force and a torque at r, line axes, to the resultant and the moment about O, body axes. */
 static void fbi_line_wrench_add(fb_real fg[6], const fb_line *line, const fb_real r[3], const fb_real F[3],
                                 const fb_real T[3])
@@ -2825,7 +2838,8 @@ static void fbi_line_point_load(fb_real F[3], fb_real T[3], const fb_line_point 
    virtual work by E14.8, whose forces are at the mass centers: there the torque is T - rho x F. What acts on a root at
    rest does no work.
    Source: virtual work.  Cost: as E14.8.  Fails: never.
-   Test: a_weight_by_callback_is_gravity, power_of_distributed_loads_is_the_rate_of_energy. */
+   Test: a_weight_by_callback_is_gravity, power_of_distributed_loads_is_the_rate_of_energy,
+   power_of_distributed_loads_on_systems_is_the_rate_of_energy. */
 static void fbi_lines_push(fb_real fg[6], fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_real R[9])
 {
   fb_real F[3][FB_MAX_POINTS], T[3][FB_MAX_POINTS];
@@ -4286,13 +4300,7 @@ static fb_status fbi_distributed_add(fbi_kinetics *k, const fb_body *body, const
   n_point = fbi_lines_look(w, all, k->R, origin, V);
 
   /* loads */
-  status = input->distributed(w->point, n_point, input->t, input->user);
-  for (int i = 0; i < n_point && status == FB_OK; i++) {
-    if (!fbi_vec3_is_finite(w->point[i].force) || !fbi_vec3_is_finite(w->point[i].torque)) {
-      status = FBI_REFUSE(FB_ERR_NOT_FINITE, "point: distributed force [N] or torque [N m], finite", i, FB_R(0.0),
-                          FB_R(0.0));
-    }
-  }
+  status = fbi_points_load(w->point, n_point, input->distributed, input->t, input->user);
   if (status == FB_OK) {
     fbi_lines_push(k->fg, k->x + 1, w, all, k->R);
   }
@@ -6695,7 +6703,7 @@ FB_DEF void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *
 
 #if FB_WITH_SYSTEM
 /* ---------------------------------------------------------------------------------------------------------------
-   RUN >>system: bodies on joints: trees, loops, constraint rows (uses config, status, vec3, rotation, solve, body) */
+   RUN >>system: bodies on joints: trees, loops, constraint rows (uses config, status, vec3, rotation, solve, line, body) */
 
 /* ---- joints */
 
@@ -8682,6 +8690,29 @@ static void fbi_prescribe(fb_system_state *state, const fb_system *system, const
   }
 }
 
+/* 1 if distributed loads act on a system. */
+static int fbi_has_distributed(const fb_system_input *input)
+{
+#if FB_WITH_LARGE_DEFLECTION
+  return input && input->distributed;
+#else
+  (void)input;
+  return 0;
+#endif
+}
+
+/* Distributed loads want a body with lines. */
+static fb_status fbi_system_lines_check(const fb_system *system, const fb_body *body, const fb_system_input *input)
+{
+  int large = !fbi_has_distributed(input);
+  for (int k = 0; k < system->n_body; k++) {
+    large |= fbi_is_large(fbi_model(system, body, k));
+  }
+  return large ? FB_OK
+               : FBI_REFUSE(FB_ERR_UNSUPPORTED, "input: distributed loads, of a body with FB_EFFECT_LARGE_DEFLECTION",
+                            -1, FB_R(0.0), FB_R(0.0));
+}
+
 static fb_status fbi_system_input_check(const fb_system *system, const fb_body *body, const fb_system_input *input)
 {
   if (!input) {
@@ -8705,7 +8736,7 @@ static fb_status fbi_system_input_check(const fb_system *system, const fb_body *
       }
     }
   }
-  return FB_OK;
+  return fbi_system_lines_check(system, body, input);
 }
 
 /* Positions, velocities and impulses at a state: E9.2, E9.5, E9.10. lazy: q_dot of modes that carry no children is
@@ -8836,10 +8867,42 @@ static void fbi_link_inertia(fbi_link_work *L, const fb_body *body)
   }
 }
 
-/* Forces on all bodies by their own inertia, gravity and loads: k.fg and k.x. */
-static void fbi_system_loads(fb_system_work *w, const fb_system *system, const fb_body *body,
-                             const fb_system_input *input)
+#if FB_WITH_LARGE_DEFLECTION
+/* Distributed loads on body k, E14.40; velocities of its points relative to O are known. */
+static fb_status fbi_link_distributed(fb_system_work *w, const fb_system_input *input, int k)
 {
+  fbi_link_work *const L = &w->link[k];
+  fbi_line_work *const line = L->k.line;
+  const fb_lines *const all = &L->model->lines;
+  fb_real origin[3], V[6];
+  fb_status status;
+  int n;
+
+  /* points; velocity of O from the ground */
+  for (int i = 0; i < 3; i++) {
+    origin[i] = fbi_true_position(w, k, L->rho, i);
+  }
+  fbi_vec6_copy(V, L->V);
+  fbi_own_frame_add(V, FB_R(1.0), w, k);
+  n = fbi_lines_look(line, all, L->k.R, origin, V);
+  for (int i = 0; i < n; i++) {
+    line->point[i].body = k;
+  }
+
+  /* loads */
+  status = fbi_points_load(line->point, n, input->distributed, input->t, input->user);
+  if (status == FB_OK) {
+    fbi_lines_push(L->k.fg, L->k.x + 1, line, all, L->k.R);
+  }
+  return status;
+}
+#endif
+
+/* Forces on all bodies by their own inertia, gravity and loads: k.fg and k.x. */
+static fb_status fbi_system_loads(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                  const fb_system_input *input)
+{
+  fb_status status = FB_OK;
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     fbi_link_inertia(L, L->model);
@@ -8854,6 +8917,12 @@ static void fbi_system_loads(fb_system_work *w, const fb_system *system, const f
     fbi_link_work *L = &w->link[input->load[i].body];
     fbi_load_add(&L->k, fbi_model(system, body, input->load[i].body), &input->load[i].load, L->k.qx + 1);
   }
+#if FB_WITH_LARGE_DEFLECTION
+  for (int k = 0; k < system->n_body && status == FB_OK && fbi_has_distributed(input); k++) {
+    status = fbi_is_large(w->link[k].model) ? fbi_link_distributed(w, input, k) : FB_OK;
+  }
+#endif
+  return status;
 }
 
 /* [E9.11] Effort of motor, spring and damper on axis i: tau = motor - k (x - rest) - c u; on a spherical joint -k
@@ -9152,13 +9221,13 @@ static FBI_FLATTEN fb_status fbi_system_rates(fb_system_work *w, const fb_system
                                               fb_system_state *rate, const fb_system_state *state,
                                               const fb_system_state *modes, const fb_system_input *input)
 {
-  const fb_status status = fbi_system_velocity(w, system, body, state, modes, input, 1);
+  fb_status status = fbi_system_velocity(w, system, body, state, modes, input, 1);
+
+  /* forces on the bodies: loads, springs, impulses of the rows */
+  status = status == FB_OK ? fbi_system_loads(w, system, body, input) : status;
   if (status != FB_OK) {
     return status;
   }
-
-  /* forces on the bodies: loads, springs, impulses of the rows */
-  fbi_system_loads(w, system, body, input);
   rate->motor_work = w->kept || system->n_loop > 0 ? fbi_kept_springs(w, system, body, modes, input) : FB_R(0.0);
   for (int k = 0; k < system->n_body; k++) {
     fbi_vec6_copy(w->link[k].F, w->link[k].k.fg);
@@ -10345,7 +10414,10 @@ static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *sy
                                           const fb_system_state *state, const fb_system_input *input)
 {
   /* forces on the bodies, then the efforts of joints enforced by multipliers */
-  fbi_system_loads(w, system, body, input);
+  const fb_status status = fbi_system_loads(w, system, body, input);
+  if (status != FB_OK) {
+    return status;
+  }
   for (int k = 0; k < system->n_body; k++) {
     fbi_vec6_copy(w->link[k].F, w->link[k].k.fg); /* without the joints */
   }
@@ -14947,6 +15019,11 @@ static fb_status fbi_system_between(fb_system_input *out, const fb_system_input 
   if (a->n_load != b->n_load || a->rows != b->rows) {
     return FB_ERR_VALUE;
   }
+#if FB_WITH_LARGE_DEFLECTION
+  if (a->distributed != b->distributed || (a->distributed && a->user != b->user)) {
+    return FB_ERR_VALUE;
+  }
+#endif
 
   /* Time and loads */
   out->t += s * (b->t - a->t);
@@ -25761,6 +25838,7 @@ static int fbi_system_pose_acts(const fb_system *system, const fb_body *body, co
   for (int k = 0; k < system->n_body; k++) {
     acts |= fbi_has(fbi_model(system, body, k)->effects, FB_EFFECT_GRAVITY);
   }
+  acts |= fbi_has_distributed(input);
   for (int i = 0; input && i < input->n_load; i++) {
     acts |= input->load[i].load.axes == FB_AXES_INERTIAL;
   }

@@ -387,6 +387,7 @@ static const struct {
                  {&w.input.user, sizeof w.input.user},
                  {&w.system_input.rows, sizeof w.system_input.rows},
                  {&w.system_input.user, sizeof w.system_input.user},
+                 {&w.system_input.distributed, sizeof w.system_input.distributed},
                  {&w.trial, sizeof w.trial},
                  {&w.stepper_desc, offsetof(fb_stepper_desc, n_input)},
                  {&w.stepper_desc.exponential, sizeof w.stepper_desc.exponential},
