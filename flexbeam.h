@@ -1737,7 +1737,7 @@ FB_API fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real a
 
 /* rk4; with constraints (loops, rows, FB_METHOD_MULTIPLIERS) positions and velocities are brought onto them after every
    step. FB_ERR_STEP: beyond 2.785 / (bound of the highest frequency: springs and modes of the whole as it is undeformed
-   at zero joint coordinates, spin, stiffening), or a body turns faster or slower within it by more than half a radian;
+   at zero joint coordinates or, with lines of large deflection, as it is bent if that is higher; spin, stiffening), or a body turns faster or slower within it by more than half a radian;
    FB_ERR_UNDETERMINED, FB_ERR_CONTRADICTION: work->joint; else as
    fb_rk4_step. On failure state is as before the call.
    FB_ERR_CONTRADICTION is also a prescribed axis whose value is the same at the start and the end of the step while its
@@ -1755,8 +1755,9 @@ FB_API fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
 FB_API fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *body, fb_system_state *state,
                                       fb_system_work *work, const fb_system_input *start, const fb_system_input *end,
                                       fb_real dt, int iterations);
-/* Largest stable step [s] of rk4 for the system at a spin [rad/s] and acceleration [m/s^2] of all of it; 0, 0: at rest.
-   For accuracy of the fastest mode take a fifth of it. */
+/* Largest stable step [s] of rk4 for the system, undeformed, at a spin [rad/s] and acceleration [m/s^2] of all of it;
+   0, 0: at rest. For accuracy of the fastest mode take a fifth of it. With lines of large deflection the step's own check
+   may allow less, down to a fifth beside hubs much lighter than what bends. */
 FB_API fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body, fb_real spin, fb_real acceleration);
 #endif
 

@@ -14416,6 +14416,132 @@ static void fbi_system_conditions(fb_real *spin, fb_real *stiffening, fb_system_
   }
 }
 
+#if FB_WITH_LARGE_DEFLECTION || FB_WITH_BUILD
+typedef enum fbi_coefficient { FBI_STIFFNESS, FBI_DAMPING } fbi_coefficient; /* K or D of modes and joints */
+
+/* p = A x of a body's modes and its joint's free axes, A = K or D; size += x^T A x. */
+static void fbi_power_multiply(fb_real *size, fbi_link_work *L, const fb_body *body, const fb_joint *joint,
+                               fbi_coefficient A)
+{
+  const fb_real *const axis = A == FBI_STIFFNESS ? joint->stiffness : joint->damping;
+
+  /* Modes */
+  fbi_zero(L->pi, body->n);
+  if (A == FBI_STIFFNESS) {
+    fbi_sparse_eval(L->pi, NULL, FB_R(1.0), &body->K, L->q_dot, body->n);
+  } else {
+    fbi_damping_add(L->pi, FB_R(1.0), body, L->q_dot);
+  }
+  *size += fbi_dot(L->pi, L->q_dot, body->n);
+
+  /* Axes; a free joint has neither springs nor dampers */
+  for (int i = 0; i < joint->n_axis && i < 3 && joint->kind != FB_JOINT_FREE; i++) {
+    L->p[i] = L->mode[i] == FB_AXIS_FREE ? axis[i] * L->u[i] : FB_R(0.0);
+    *size += L->p[i] * L->u[i];
+  }
+}
+
+/* p = A x / sqrt(x^T A x) of the system; 0 and p = A x where x^T A x = 0, else 1. */
+static int fbi_power_scaled(fb_system_work *w, const fb_system *system, const fb_body *body, fbi_coefficient A)
+{
+  fb_real size = FB_R(0.0);
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_power_multiply(&size, &w->link[k], fbi_model(system, body, k), fbi_link_joint(system, w, k), A);
+  }
+  if (!(size > FB_R(0.0))) {
+    return 0;
+  }
+  size = FB_R(1.0) / FB_SQRT(size);
+  for (int k = 0; k < system->n_body; k++) {
+    for (int a = 0; a < fbi_model(system, body, k)->n; a++) {
+      w->link[k].pi[a] *= size;
+    }
+    for (int i = 0; i < 3; i++) {
+      w->link[k].p[i] *= size;
+    }
+  }
+  return 1;
+}
+
+/* p^T x over modes and free axes. */
+static fb_real fbi_power_product(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  fb_real sum = FB_R(0.0);
+  for (int k = 0; k < system->n_body; k++) {
+    const fbi_link_work *L = &w->link[k];
+    sum += fbi_dot(L->pi, L->q_dot, fbi_model(system, body, k)->n);
+    for (int i = 0; i < fbi_link_joint(system, w, k)->n_axis && i < 3; i++) {
+      sum += L->mode[i] == FB_AXIS_FREE ? L->p[i] * L->u[i] : FB_R(0.0);
+    }
+  }
+  return sum;
+}
+
+#endif
+
+#if FB_WITH_LARGE_DEFLECTION
+/* [E11.40] Largest eigenvalue of the stiffness of modes and springs against the system's mass at the present deflection
+   and pose: the power method with the factors at hand, from impulses sqrt(K_aa) on all coordinates, of which each of
+   its steps multiplies the fastest mode by the square of its frequency; the estimate is from below, + 5 % as where it
+   is undeformed (E11.15). Velocities V of the bodies are kept.
+   Source: linear algebra.  Cost: a solution and FBI_POWER_STEPS more.  Fails: never.
+   Test: systems_refuse_steps_that_a_bent_line_does_not_allow. */
+#define FBI_POWER_STEPS 3
+static fb_real fbi_system_bent(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  fb_status status;
+  fb_real size = FB_R(0.0);
+  fbi_rhs_clear(w, system, body);
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *const L = &w->link[k];
+    const fb_sparse *const K = &L->model->K;
+    fbi_vec6_copy(L->twist, L->V);
+    for (int a = 0; a < L->model->n; a++) {
+      L->pi[a] = K->diagonal[a] > FB_R(0.0) ? FB_SQRT(K->diagonal[a]) : FB_R(0.0);
+      L->pi[a] = (7 * k + 3 * a) % 5 < 2 ? -L->pi[a] : L->pi[a];
+    }
+    for (int i = 0; i < L->joint->n_axis && i < 3 && L->joint->kind != FB_JOINT_FREE; i++) {
+      L->p[i] = L->mode[i] == FB_AXIS_FREE ? FB_SQRT(L->joint->stiffness[i]) : FB_R(0.0);
+    }
+  }
+  status = fbi_speeds_solve(w, system, body);
+  for (int step = 0; step < FBI_POWER_STEPS && status == FB_OK && fbi_power_scaled(w, system, body, FBI_STIFFNESS);
+       step++) {
+    status = fbi_speeds_solve(w, system, body);
+    size = fbi_power_product(w, system, body);
+  }
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_vec6_copy(w->link[k].V, w->link[k].twist);
+  }
+  return FB_R(1.05) * size;
+}
+#endif
+
+/* Bound of the highest frequency (E11.15) where a step of rk4 begins; of bent lines with E11.40 and the fastest rotation
+   of a section. */
+static fb_real fbi_system_bound(fb_system_work *w, const fb_system *system, const fb_body *body, fb_real spin,
+                                fb_real stiffening)
+{
+#if FB_WITH_LARGE_DEFLECTION
+  fb_real most = FB_R(0.0);
+  int large = 0;
+  for (int k = 0; k < system->n_body; k++) {
+    const fbi_link_work *const L = &w->link[k];
+    if (fbi_is_large(L->model)) {
+      most = fbi_larger(most, fbi_lines_spin(L->k.line, &L->model->lines));
+      large = 1;
+    }
+  }
+  if (large) {
+    const fb_real bent = fbi_system_bent(w, system, body);
+    spin += most;
+    stiffening += fbi_larger(bent - system->limit_elastic, FB_R(0.0));
+  }
+#endif
+  (void)w, (void)body;
+  return fbi_system_frequency(system, spin, stiffening);
+}
+
 #if FB_WITH_DETAIL
 /* FB_ERR_STEP with what bounds the step most and the fastest spin: a body's spin, stiffening or modes, a joint's spring
    or damper against what hangs on it (D of the articulated inertia). all: rk4, bounded by modes and joints of the tree,
@@ -14805,12 +14931,10 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
 
     /* Step limit at the start, rotation at every stage */
     if (status == FB_OK && stage == 0 && !system->allow_long_step) {
-      fb_real spin, stiff;
+      fb_real spin, stiff, limit;
       fbi_system_conditions(&spin, &stiff, work, system);
-      status = dt <= fbi_step_limit(FBI_RK4_RADIUS, fbi_system_frequency(system, spin, stiff))
-                   ? FB_OK
-                   : FBI_REFUSE_STEP(work, system, 1, dt,
-                                     fbi_step_limit(FBI_RK4_RADIUS, fbi_system_frequency(system, spin, stiff)));
+      limit = fbi_step_limit(FBI_RK4_RADIUS, fbi_system_bound(work, system, body, spin, stiff));
+      status = dt <= limit ? FB_OK : FBI_REFUSE_STEP(work, system, 1, dt, limit);
     }
     if (status == FB_OK && !system->allow_long_step) {
       status = fbi_turns_check(work, system, dt, stage == 0);
@@ -22463,8 +22587,6 @@ static void fbi_joint_fill(fb_joint *joint, const fb_system_desc *desc, const fb
 
 /* ---- systems */
 
-typedef enum fbi_coefficient { FBI_STIFFNESS, FBI_DAMPING } fbi_coefficient; /* K or D of modes and joints */
-
 /* Start vector x of the power method: unequal speeds q_dot of the modes and u of the axes of every body. */
 static void fbi_power_start(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
@@ -22476,64 +22598,6 @@ static void fbi_power_start(fb_system_work *w, const fb_system *system, const fb
       w->link[k].u[i] = FB_R(1.0) / (fb_real)(1 + (5 * k + 2 * i) % 3);
     }
   }
-}
-
-/* p = A x of a body's modes and its joint's free axes, A = K or D; size += x^T A x. */
-static void fbi_power_multiply(fb_real *size, fbi_link_work *L, const fb_body *body, const fb_joint *joint,
-                               fbi_coefficient A)
-{
-  const fb_real *const axis = A == FBI_STIFFNESS ? joint->stiffness : joint->damping;
-
-  /* Modes */
-  fbi_zero(L->pi, body->n);
-  if (A == FBI_STIFFNESS) {
-    fbi_sparse_eval(L->pi, NULL, FB_R(1.0), &body->K, L->q_dot, body->n);
-  } else {
-    fbi_damping_add(L->pi, FB_R(1.0), body, L->q_dot);
-  }
-  *size += fbi_dot(L->pi, L->q_dot, body->n);
-
-  /* Axes; a free joint has neither springs nor dampers */
-  for (int i = 0; i < joint->n_axis && i < 3 && joint->kind != FB_JOINT_FREE; i++) {
-    L->p[i] = L->mode[i] == FB_AXIS_FREE ? axis[i] * L->u[i] : FB_R(0.0);
-    *size += L->p[i] * L->u[i];
-  }
-}
-
-/* p = A x / sqrt(x^T A x) of the system; 0 and p = A x where x^T A x = 0, else 1. */
-static int fbi_power_scaled(fb_system_work *w, const fb_system *system, const fb_body *body, fbi_coefficient A)
-{
-  fb_real size = FB_R(0.0);
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_power_multiply(&size, &w->link[k], fbi_model(system, body, k), fbi_link_joint(system, w, k), A);
-  }
-  if (!(size > FB_R(0.0))) {
-    return 0;
-  }
-  size = FB_R(1.0) / FB_SQRT(size);
-  for (int k = 0; k < system->n_body; k++) {
-    for (int a = 0; a < fbi_model(system, body, k)->n; a++) {
-      w->link[k].pi[a] *= size;
-    }
-    for (int i = 0; i < 3; i++) {
-      w->link[k].p[i] *= size;
-    }
-  }
-  return 1;
-}
-
-/* p^T x over modes and free axes. */
-static fb_real fbi_power_product(fb_system_work *w, const fb_system *system, const fb_body *body)
-{
-  fb_real sum = FB_R(0.0);
-  for (int k = 0; k < system->n_body; k++) {
-    const fbi_link_work *L = &w->link[k];
-    sum += fbi_dot(L->pi, L->q_dot, fbi_model(system, body, k)->n);
-    for (int i = 0; i < fbi_link_joint(system, w, k)->n_axis && i < 3; i++) {
-      sum += L->mode[i] == FB_AXIS_FREE ? L->p[i] * L->u[i] : FB_R(0.0);
-    }
-  }
-  return sum;
 }
 
 /* Largest eigenvalue of A x = lambda M x, A the stiffness or damping of modes and joints, undeformed, at joint

@@ -528,9 +528,123 @@ TEST(sdirk_with_lines_converges_to_rk4)
   FBT_TRUE(FB_SINGLE || error[1] > 3.9 * error[2]);
 }
 
+/* ---- step limits */
+
+/* Links of 3 + 3 modes on a light hub that flies free, hinges between them, at random shapes of some size. */
+static void light_chain(int links, double hub, int sprung, double size)
+{
+  const fb_real root[3] = {0},
+                inertia[6] = {(fb_real)(0.25 * hub), (fb_real)(0.25 * hub), (fb_real)(0.25 * hub), 0, 0, 0};
+  fb_modes_desc keep;
+  int node;
+  fresh();
+  memset(&keep, 0, sizeof keep);
+  boom_desc(FB_ROOT_CLAMPED, 10.0);
+  beam_desc.n_element = 10;
+  beam_desc.station[0].EI_y = beam_desc.station[0].EI_z = FB_R(14000.0);
+  beam_desc.station[0].mass = FB_R(1.2);
+  beam_desc.station[0].i_y = beam_desc.station[0].i_z = beam_desc.station[0].GJ = FB_R(0.0);
+  keep.count[FB_KIND_BEND_Y] = keep.count[FB_KIND_BEND_Z] = 3;
+  body_desc.base = FB_BASE_PRESCRIBED;
+  body_desc.effects = FB_EFFECTS_LARGE;
+  body_desc.deflection_limit = FB_R(1000.0);
+  FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
+  FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_OK);
+  FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
+  FBT_INT_EQ(fb_shape_add_rigid(&shape, (fb_real)hub, root, inertia), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, FB_R(10.0)), FB_OK);
+  FBT_INT_EQ(fb_body_init(&model[0], &body_work, &shape, &body_desc), FB_OK);
+  for (int k = 0; k < links; k++) {
+    hang(k, 0, k ? FB_JOINT_REVOLUTE : FB_JOINT_FREE, k - 1, k > 0);
+    desc.joint[k].stiffness[0] = k && sprung ? FB_R(3000.0) : FB_R(0.0);
+    start[k].value[0] = k ? (fb_real)fbt_random() : FB_R(0.0);
+    for (int a = 0; a < 6; a++) {
+      start[k].q[a] = (fb_real)(6.0 * size * fbt_random() / (1.0 + 4.0 * (a % 3) * (a % 3)));
+    }
+  }
+}
+
+/* Twice the kinetic energy with unit speed i and sign times unit speed j: of the modes, then of the joint, by bodies. */
+static double twice_energy(int i, int j, double sign)
+{
+  static fb_system_state moving;
+  fb_link_motion speeds[FB_MAX_BODIES];
+  fb_energy e;
+  memcpy(speeds, start, sizeof speeds);
+  for (int k = 0, c = 0; k < desc.n_body; k++) {
+    for (int a = 0; a < 6 + (k ? 1 : 6); a++, c++) {
+      *(a < 6 ? &speeds[k].q_dot[a] : &speeds[k].speed[a - 6]) = (fb_real)((c == i) + sign * (c == j));
+    }
+  }
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &moving, &work, speeds, NULL), FB_OK);
+  FBT_INT_EQ(fb_system_energy_eval(&mechanism, model, &work, &e, &moving, NULL), FB_OK);
+  return 2.0 * (double)e.kinetic;
+}
+
+/* Highest frequency of the chain as it is bent, by its mass matrix from energies. */
+static double chain_frequency(void)
+{
+  static fb_real M[FB_MAX_SPEEDS * FB_MAX_SPEEDS], K[FB_MAX_SPEEDS * FB_MAX_SPEEDS], X[FB_MAX_SPEEDS * FB_MAX_SPEEDS];
+  static fb_real d[FB_MAX_SPEEDS];
+  const int N = 7 * desc.n_body + 5;
+  memset(K, 0, sizeof K);
+  for (int k = 0, c = 0; k < desc.n_body; k++) {
+    for (int a = 0; a < 6 + (k ? 1 : 6); a++, c++) {
+      K[c * (N + 1)] = a < 6 ? model[0].K.diagonal[a] : k ? desc.joint[k].stiffness[0] : FB_R(0.0);
+    }
+  }
+  for (int i = 0; i < N; i++) {
+    for (int j = 0; j <= i; j++) {
+      M[i * N + j] = M[j * N + i] =
+          (fb_real)(i == j ? twice_energy(i, i, 0.0) : 0.25 * (twice_energy(i, j, 1.0) - twice_energy(i, j, -1.0)));
+    }
+  }
+  FBT_INT_EQ(fb_eig_gen_solve(d, X, K, M, N), FB_OK);
+  return sqrt((double)d[N - 1]);
+}
+
+/* Longest step that rk4 takes from the state, up to `most`. */
+static double longest_step(double most)
+{
+  double least = 0.0;
+  for (int i = 0; i < 20; i++) {
+    const double dt = 0.5 * (least + most);
+    kept = state;
+    if (fb_system_rk4_step(&mechanism, model, &kept, &work, &input, &input, &input, (fb_real)dt) == FB_OK) {
+      least = dt;
+    } else {
+      most = dt;
+    }
+  }
+  return least;
+}
+
+/* E11.40: no step is taken that is beyond the limit of stability of the bent chain, up to a percent, though the limit of
+   the undeformed one is up to four times as long; nearly all of it is where nothing turns. */
+TEST(systems_refuse_steps_that_a_bent_line_does_not_allow)
+{
+  double least = HUGE_VAL, longer = 0.0;
+  fbt_seed(11);
+  for (int run = 0; run < 24 && !FB_SINGLE; run++) { /* differences of energies */
+    const double size = 0.5 * (run / 2 % 4);
+    double limit, frequency, longest;
+    light_chain(1 + run / 8, run % 2 ? 2.5 : 0.1, run / 4 % 2, size);
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+    limit = (double)fb_system_rk4_limit(&mechanism, model, 0, 0);
+    frequency = chain_frequency();
+    longest = longest_step(4.0 * limit);
+    FBT_BELOW(longest * frequency, 1.01 * 2.785);
+    longer = fmax(longer, limit * frequency / 2.785);
+    least = size > 0.0 ? least : fmin(least, longest * frequency / 2.785);
+  }
+  FBT_TRUE(FB_SINGLE || (longer > 2.0 && least > 0.9));
+}
+
 SUITE(system_lines, RUN(sdirk_with_lines_converges_to_rk4), RUN(lines_move_alike_by_the_three_methods),
       RUN(rates_of_systems_with_lines_are_those_of_hamilton), RUN(accelerations_of_systems_with_lines_are_rates),
       RUN(lines_of_every_kind_carry_their_bodies), RUN(momenta_of_lines_give_back_the_speeds),
       RUN(a_line_alone_is_the_single_body), RUN(systems_with_lines_keep_energy_and_momentum),
       RUN(a_latch_on_a_line_conserves_momentum), RUN(power_of_distributed_loads_on_systems_is_the_rate_of_energy),
-      RUN(systems_refuse_distributed_loads_that_fail))
+      RUN(systems_refuse_distributed_loads_that_fail), RUN(systems_refuse_steps_that_a_bent_line_does_not_allow))
