@@ -161,14 +161,14 @@
      fb_rk4_work                 52568
      fb_implicit_work            60568
      fb_exponential_work         55144
-     fb_system_work             592136
+     fb_system_work             592144
      fb_exact_work              173904
      fb_modes_work             3633584  (2 n + 113) n reals of n = 22 FB_MAX_ELEMENTS + 6 coordinates, an fb_modes
      fb_join_work               416520  5 n^2 reals of n = 8 FB_MAX_MODES coordinates, an fb_modes
      fb_body_work               405824
      fb_build_work             4281480  most of it an fb_modes_work
      fb_analyse_work           1288592
-     fb_system_analyse_work    1917936
+     fb_system_analyse_work    1917952
      fb_exact_path_work         203040
      fb_exact_spectrum_work    1625760
      fb_exact_linear_work      1999440
@@ -726,6 +726,7 @@ typedef struct fb_lines {
 
 /* A point of the lines, inertial axes. Section axes: x along the line, y and z the principal axes of the section. */
 typedef struct fb_line_point {
+  int body;                             /* of a system: its number; 0: a single body */
   int line;                             /* number of the beam, in the order of fb_shape_add_beam */
   fb_real x;                            /* [m] along the line from its root, undeformed */
   fb_real length;                       /* [m] of the line that the point stands for; their sum is its length */
@@ -735,8 +736,8 @@ typedef struct fb_line_point {
                                                      `length` */
 } fb_line_point;
 
-/* Distributed loads: writes force and torque of all n points, which are zero before, at time t; called once an
-   evaluation. Points are the roots and the nodes of quadrature, by lines from the root on: a load that varies smoothly
+/* Distributed loads: writes force and torque of all n points of a body, which are zero before, at time t; called once
+   an evaluation, of a system for each body with lines. Points are the roots and the nodes of quadrature, by lines from the root on: a load that varies smoothly
    along the line is integrated as accurately as its product with the modes by a polynomial through them; one that jumps
    where no point ends a stretch (lumped body, kink, step of the sections), less so. The status of a callback that fails
    ends the call, which then leaves the state as it was; FB_ERR_NOT_FINITE: it has written what is no number. It may be
@@ -1296,8 +1297,13 @@ typedef struct fb_system_input { /* all zero: nothing acts */
   fb_system_load load[FB_MAX_LOADS];
   fb_drive drive[FBI_MAX_JOINTS]; /* by joint: that of the body of the same number, then the loops */
   fb_rows rows;                   /* NULL: none */
-  void *user;
-  fb_real t; /* [s] for rows */
+  void *user;                     /* for rows and distributed */
+  fb_real t;                      /* [s] for rows and distributed */
+#if FB_WITH_LARGE_DEFLECTION
+  fb_distributed
+      distributed; /* loads along the lines of all bodies that have FB_EFFECT_LARGE_DEFLECTION; NULL: none; no
+                                 such body: FB_ERR_UNSUPPORTED */
+#endif
 } fb_system_input;
 
 /* ---- parts of the work: not to be looked at */
@@ -1731,7 +1737,7 @@ FB_API fb_real fb_exponential_limit(const fb_body *body, fb_real spin, fb_real a
 
 /* rk4; with constraints (loops, rows, FB_METHOD_MULTIPLIERS) positions and velocities are brought onto them after every
    step. FB_ERR_STEP: beyond 2.785 / (bound of the highest frequency: springs and modes of the whole as it is undeformed
-   at zero joint coordinates, spin, stiffening), or a body turns faster or slower within it by more than half a radian;
+   at zero joint coordinates or, with lines of large deflection, as it is bent if that is higher; spin, stiffening), or a body turns faster or slower within it by more than half a radian;
    FB_ERR_UNDETERMINED, FB_ERR_CONTRADICTION: work->joint; else as
    fb_rk4_step. On failure state is as before the call.
    FB_ERR_CONTRADICTION is also a prescribed axis whose value is the same at the start and the end of the step while its
@@ -1749,8 +1755,9 @@ FB_API fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
 FB_API fb_status fb_system_sdirk_step(const fb_system *system, const fb_body *body, fb_system_state *state,
                                       fb_system_work *work, const fb_system_input *start, const fb_system_input *end,
                                       fb_real dt, int iterations);
-/* Largest stable step [s] of rk4 for the system at a spin [rad/s] and acceleration [m/s^2] of all of it; 0, 0: at rest.
-   For accuracy of the fastest mode take a fifth of it. */
+/* Largest stable step [s] of rk4 for the system, undeformed, at a spin [rad/s] and acceleration [m/s^2] of all of it;
+   0, 0: at rest. For accuracy of the fastest mode take a fifth of it. With lines of large deflection the step's own check
+   may allow less, down to a fifth beside hubs much lighter than what bends. */
 FB_API fb_real fb_system_rk4_limit(const fb_system *system, const fb_body *body, fb_real spin, fb_real acceleration);
 #endif
 

@@ -2821,6 +2821,19 @@ static int fbi_lines_look(fbi_line_work *w, const fb_lines *all, const fb_real R
   return (int)(p - w->point);
 }
 
+/* What acts on n points, which know where they are, at time t. */
+static fb_status fbi_points_load(fb_line_point *point, int n, fb_distributed distributed, fb_real t, void *user)
+{
+  fb_status status = distributed(point, n, t, user);
+  for (int i = 0; i < n && status == FB_OK; i++) {
+    if (!fbi_vec3_is_finite(point[i].force) || !fbi_vec3_is_finite(point[i].torque)) {
+      status = FBI_REFUSE(FB_ERR_NOT_FINITE, "point: distributed force [N] or torque [N m], finite", i, FB_R(0.0),
+                          FB_R(0.0));
+    }
+  }
+  return status;
+}
+
 /* Adds a force and a torque at r, line axes, to the resultant and the moment about O, body axes. */
 static void fbi_line_wrench_add(fb_real fg[6], const fb_line *line, const fb_real r[3], const fb_real F[3],
                                 const fb_real T[3])
@@ -2849,7 +2862,8 @@ static void fbi_line_point_load(fb_real F[3], fb_real T[3], const fb_line_point 
    virtual work by E14.8, whose forces are at the mass centers: there the torque is T - rho x F. What acts on a root at
    rest does no work.
    Source: virtual work.  Cost: as E14.8.  Fails: never.
-   Test: a_weight_by_callback_is_gravity, power_of_distributed_loads_is_the_rate_of_energy. */
+   Test: a_weight_by_callback_is_gravity, power_of_distributed_loads_is_the_rate_of_energy,
+   power_of_distributed_loads_on_systems_is_the_rate_of_energy. */
 static void fbi_lines_push(fb_real fg[6], fb_real *x, fbi_line_work *w, const fb_lines *all, const fb_real R[9])
 {
   fb_real F[3][FB_MAX_POINTS], T[3][FB_MAX_POINTS];
@@ -4310,13 +4324,7 @@ static fb_status fbi_distributed_add(fbi_kinetics *k, const fb_body *body, const
   n_point = fbi_lines_look(w, all, k->R, origin, V);
 
   /* loads */
-  status = input->distributed(w->point, n_point, input->t, input->user);
-  for (int i = 0; i < n_point && status == FB_OK; i++) {
-    if (!fbi_vec3_is_finite(w->point[i].force) || !fbi_vec3_is_finite(w->point[i].torque)) {
-      status = FBI_REFUSE(FB_ERR_NOT_FINITE, "point: distributed force [N] or torque [N m], finite", i, FB_R(0.0),
-                          FB_R(0.0));
-    }
-  }
+  status = fbi_points_load(w->point, n_point, input->distributed, input->t, input->user);
   if (status == FB_OK) {
     fbi_lines_push(k->fg, k->x + 1, w, all, k->R);
   }
@@ -6719,7 +6727,7 @@ FB_DEF void fb_imu_eval(fb_imu *imu, const fb_node_motion *node, const fb_real *
 
 #if FB_WITH_SYSTEM
 /* ---------------------------------------------------------------------------------------------------------------
-   RUN >>system: bodies on joints: trees, loops, constraint rows (uses config, status, vec3, rotation, solve, body) */
+   RUN >>system: bodies on joints: trees, loops, constraint rows (uses config, status, vec3, rotation, solve, line, body) */
 
 /* ---- joints */
 
@@ -8706,6 +8714,29 @@ static void fbi_prescribe(fb_system_state *state, const fb_system *system, const
   }
 }
 
+/* 1 if distributed loads act on a system. */
+static int fbi_has_distributed(const fb_system_input *input)
+{
+#if FB_WITH_LARGE_DEFLECTION
+  return input && input->distributed;
+#else
+  (void)input;
+  return 0;
+#endif
+}
+
+/* Distributed loads want a body with lines. */
+static fb_status fbi_system_lines_check(const fb_system *system, const fb_body *body, const fb_system_input *input)
+{
+  int large = !fbi_has_distributed(input);
+  for (int k = 0; k < system->n_body; k++) {
+    large |= fbi_is_large(fbi_model(system, body, k));
+  }
+  return large ? FB_OK
+               : FBI_REFUSE(FB_ERR_UNSUPPORTED, "input: distributed loads, of a body with FB_EFFECT_LARGE_DEFLECTION",
+                            -1, FB_R(0.0), FB_R(0.0));
+}
+
 static fb_status fbi_system_input_check(const fb_system *system, const fb_body *body, const fb_system_input *input)
 {
   if (!input) {
@@ -8729,7 +8760,7 @@ static fb_status fbi_system_input_check(const fb_system *system, const fb_body *
       }
     }
   }
-  return FB_OK;
+  return fbi_system_lines_check(system, body, input);
 }
 
 /* Positions, velocities and impulses at a state: E9.2, E9.5, E9.10. lazy: q_dot of modes that carry no children is
@@ -8860,10 +8891,42 @@ static void fbi_link_inertia(fbi_link_work *L, const fb_body *body)
   }
 }
 
-/* Forces on all bodies by their own inertia, gravity and loads: k.fg and k.x. */
-static void fbi_system_loads(fb_system_work *w, const fb_system *system, const fb_body *body,
-                             const fb_system_input *input)
+#if FB_WITH_LARGE_DEFLECTION
+/* Distributed loads on body k, E14.40; velocities of its points relative to O are known. */
+static fb_status fbi_link_distributed(fb_system_work *w, const fb_system_input *input, int k)
 {
+  fbi_link_work *const L = &w->link[k];
+  fbi_line_work *const line = L->k.line;
+  const fb_lines *const all = &L->model->lines;
+  fb_real origin[3], V[6];
+  fb_status status;
+  int n;
+
+  /* points; velocity of O from the ground */
+  for (int i = 0; i < 3; i++) {
+    origin[i] = fbi_true_position(w, k, L->rho, i);
+  }
+  fbi_vec6_copy(V, L->V);
+  fbi_own_frame_add(V, FB_R(1.0), w, k);
+  n = fbi_lines_look(line, all, L->k.R, origin, V);
+  for (int i = 0; i < n; i++) {
+    line->point[i].body = k;
+  }
+
+  /* loads */
+  status = fbi_points_load(line->point, n, input->distributed, input->t, input->user);
+  if (status == FB_OK) {
+    fbi_lines_push(L->k.fg, L->k.x + 1, line, all, L->k.R);
+  }
+  return status;
+}
+#endif
+
+/* Forces on all bodies by their own inertia, gravity and loads: k.fg and k.x. */
+static fb_status fbi_system_loads(fb_system_work *w, const fb_system *system, const fb_body *body,
+                                  const fb_system_input *input)
+{
+  fb_status status = FB_OK;
   for (int k = 0; k < system->n_body; k++) {
     fbi_link_work *L = &w->link[k];
     fbi_link_inertia(L, L->model);
@@ -8878,6 +8941,12 @@ static void fbi_system_loads(fb_system_work *w, const fb_system *system, const f
     fbi_link_work *L = &w->link[input->load[i].body];
     fbi_load_add(&L->k, fbi_model(system, body, input->load[i].body), &input->load[i].load, L->k.qx + 1);
   }
+#if FB_WITH_LARGE_DEFLECTION
+  for (int k = 0; k < system->n_body && status == FB_OK && fbi_has_distributed(input); k++) {
+    status = fbi_is_large(w->link[k].model) ? fbi_link_distributed(w, input, k) : FB_OK;
+  }
+#endif
+  return status;
 }
 
 /* [E9.11] Effort of motor, spring and damper on axis i: tau = motor - k (x - rest) - c u; on a spherical joint -k
@@ -9176,13 +9245,13 @@ static FBI_FLATTEN fb_status fbi_system_rates(fb_system_work *w, const fb_system
                                               fb_system_state *rate, const fb_system_state *state,
                                               const fb_system_state *modes, const fb_system_input *input)
 {
-  const fb_status status = fbi_system_velocity(w, system, body, state, modes, input, 1);
+  fb_status status = fbi_system_velocity(w, system, body, state, modes, input, 1);
+
+  /* forces on the bodies: loads, springs, impulses of the rows */
+  status = status == FB_OK ? fbi_system_loads(w, system, body, input) : status;
   if (status != FB_OK) {
     return status;
   }
-
-  /* forces on the bodies: loads, springs, impulses of the rows */
-  fbi_system_loads(w, system, body, input);
   rate->motor_work = w->kept || system->n_loop > 0 ? fbi_kept_springs(w, system, body, modes, input) : FB_R(0.0);
   for (int k = 0; k < system->n_body; k++) {
     fbi_vec6_copy(w->link[k].F, w->link[k].k.fg);
@@ -10369,7 +10438,10 @@ static fb_status fbi_system_accelerations(fb_system_work *w, const fb_system *sy
                                           const fb_system_state *state, const fb_system_input *input)
 {
   /* forces on the bodies, then the efforts of joints enforced by multipliers */
-  fbi_system_loads(w, system, body, input);
+  const fb_status status = fbi_system_loads(w, system, body, input);
+  if (status != FB_OK) {
+    return status;
+  }
   for (int k = 0; k < system->n_body; k++) {
     fbi_vec6_copy(w->link[k].F, w->link[k].k.fg); /* without the joints */
   }
@@ -14346,6 +14418,132 @@ static void fbi_system_conditions(fb_real *spin, fb_real *stiffening, fb_system_
   }
 }
 
+#if FB_WITH_LARGE_DEFLECTION || FB_WITH_BUILD
+typedef enum fbi_coefficient { FBI_STIFFNESS, FBI_DAMPING } fbi_coefficient; /* K or D of modes and joints */
+
+/* p = A x of a body's modes and its joint's free axes, A = K or D; size += x^T A x. */
+static void fbi_power_multiply(fb_real *size, fbi_link_work *L, const fb_body *body, const fb_joint *joint,
+                               fbi_coefficient A)
+{
+  const fb_real *const axis = A == FBI_STIFFNESS ? joint->stiffness : joint->damping;
+
+  /* Modes */
+  fbi_zero(L->pi, body->n);
+  if (A == FBI_STIFFNESS) {
+    fbi_sparse_eval(L->pi, NULL, FB_R(1.0), &body->K, L->q_dot, body->n);
+  } else {
+    fbi_damping_add(L->pi, FB_R(1.0), body, L->q_dot);
+  }
+  *size += fbi_dot(L->pi, L->q_dot, body->n);
+
+  /* Axes; a free joint has neither springs nor dampers */
+  for (int i = 0; i < joint->n_axis && i < 3 && joint->kind != FB_JOINT_FREE; i++) {
+    L->p[i] = L->mode[i] == FB_AXIS_FREE ? axis[i] * L->u[i] : FB_R(0.0);
+    *size += L->p[i] * L->u[i];
+  }
+}
+
+/* p = A x / sqrt(x^T A x) of the system; 0 and p = A x where x^T A x = 0, else 1. */
+static int fbi_power_scaled(fb_system_work *w, const fb_system *system, const fb_body *body, fbi_coefficient A)
+{
+  fb_real size = FB_R(0.0);
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_power_multiply(&size, &w->link[k], fbi_model(system, body, k), fbi_link_joint(system, w, k), A);
+  }
+  if (!(size > FB_R(0.0))) {
+    return 0;
+  }
+  size = FB_R(1.0) / FB_SQRT(size);
+  for (int k = 0; k < system->n_body; k++) {
+    for (int a = 0; a < fbi_model(system, body, k)->n; a++) {
+      w->link[k].pi[a] *= size;
+    }
+    for (int i = 0; i < 3; i++) {
+      w->link[k].p[i] *= size;
+    }
+  }
+  return 1;
+}
+
+/* p^T x over modes and free axes. */
+static fb_real fbi_power_product(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  fb_real sum = FB_R(0.0);
+  for (int k = 0; k < system->n_body; k++) {
+    const fbi_link_work *L = &w->link[k];
+    sum += fbi_dot(L->pi, L->q_dot, fbi_model(system, body, k)->n);
+    for (int i = 0; i < fbi_link_joint(system, w, k)->n_axis && i < 3; i++) {
+      sum += L->mode[i] == FB_AXIS_FREE ? L->p[i] * L->u[i] : FB_R(0.0);
+    }
+  }
+  return sum;
+}
+
+#endif
+
+#if FB_WITH_LARGE_DEFLECTION
+/* [E11.40] Largest eigenvalue of the stiffness of modes and springs against the system's mass at the present deflection
+   and pose: the power method with the factors at hand, from impulses sqrt(K_aa) on all coordinates, of which each of
+   its steps multiplies the fastest mode by the square of its frequency; the estimate is from below, + 5 % as where it
+   is undeformed (E11.15). Velocities V of the bodies are kept.
+   Source: linear algebra.  Cost: a solution and FBI_POWER_STEPS more.  Fails: never.
+   Test: systems_refuse_steps_that_a_bent_line_does_not_allow. */
+#define FBI_POWER_STEPS 3
+static fb_real fbi_system_bent(fb_system_work *w, const fb_system *system, const fb_body *body)
+{
+  fb_status status;
+  fb_real size = FB_R(0.0);
+  fbi_rhs_clear(w, system, body);
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_link_work *const L = &w->link[k];
+    const fb_sparse *const K = &L->model->K;
+    fbi_vec6_copy(L->twist, L->V);
+    for (int a = 0; a < L->model->n; a++) {
+      L->pi[a] = K->diagonal[a] > FB_R(0.0) ? FB_SQRT(K->diagonal[a]) : FB_R(0.0);
+      L->pi[a] = (7 * k + 3 * a) % 5 < 2 ? -L->pi[a] : L->pi[a];
+    }
+    for (int i = 0; i < L->joint->n_axis && i < 3 && L->joint->kind != FB_JOINT_FREE; i++) {
+      L->p[i] = L->mode[i] == FB_AXIS_FREE ? FB_SQRT(L->joint->stiffness[i]) : FB_R(0.0);
+    }
+  }
+  status = fbi_speeds_solve(w, system, body);
+  for (int step = 0; step < FBI_POWER_STEPS && status == FB_OK && fbi_power_scaled(w, system, body, FBI_STIFFNESS);
+       step++) {
+    status = fbi_speeds_solve(w, system, body);
+    size = fbi_power_product(w, system, body);
+  }
+  for (int k = 0; k < system->n_body; k++) {
+    fbi_vec6_copy(w->link[k].V, w->link[k].twist);
+  }
+  return FB_R(1.05) * size;
+}
+#endif
+
+/* Bound of the highest frequency (E11.15) where a step of rk4 begins; of bent lines with E11.40 and the fastest rotation
+   of a section. */
+static fb_real fbi_system_bound(fb_system_work *w, const fb_system *system, const fb_body *body, fb_real spin,
+                                fb_real stiffening)
+{
+#if FB_WITH_LARGE_DEFLECTION
+  fb_real most = FB_R(0.0);
+  int large = 0;
+  for (int k = 0; k < system->n_body; k++) {
+    const fbi_link_work *const L = &w->link[k];
+    if (fbi_is_large(L->model)) {
+      most = fbi_larger(most, fbi_lines_spin(L->k.line, &L->model->lines));
+      large = 1;
+    }
+  }
+  if (large) {
+    const fb_real bent = fbi_system_bent(w, system, body);
+    spin += most;
+    stiffening += fbi_larger(bent - system->limit_elastic, FB_R(0.0));
+  }
+#endif
+  (void)w, (void)body;
+  return fbi_system_frequency(system, spin, stiffening);
+}
+
 #if FB_WITH_DETAIL
 /* FB_ERR_STEP with what bounds the step most and the fastest spin: a body's spin, stiffening or modes, a joint's spring
    or damper against what hangs on it (D of the articulated inertia). all: rk4, bounded by modes and joints of the tree,
@@ -14735,12 +14933,10 @@ FB_DEF fb_status fb_system_rk4_step(const fb_system *system, const fb_body *body
 
     /* Step limit at the start, rotation at every stage */
     if (status == FB_OK && stage == 0 && !system->allow_long_step) {
-      fb_real spin, stiff;
+      fb_real spin, stiff, limit;
       fbi_system_conditions(&spin, &stiff, work, system);
-      status = dt <= fbi_step_limit(FBI_RK4_RADIUS, fbi_system_frequency(system, spin, stiff))
-                   ? FB_OK
-                   : FBI_REFUSE_STEP(work, system, 1, dt,
-                                     fbi_step_limit(FBI_RK4_RADIUS, fbi_system_frequency(system, spin, stiff)));
+      limit = fbi_step_limit(FBI_RK4_RADIUS, fbi_system_bound(work, system, body, spin, stiff));
+      status = dt <= limit ? FB_OK : FBI_REFUSE_STEP(work, system, 1, dt, limit);
     }
     if (status == FB_OK && !system->allow_long_step) {
       status = fbi_turns_check(work, system, dt, stage == 0);
@@ -14949,6 +15145,11 @@ static fb_status fbi_system_between(fb_system_input *out, const fb_system_input 
   if (a->n_load != b->n_load || a->rows != b->rows) {
     return FB_ERR_VALUE;
   }
+#if FB_WITH_LARGE_DEFLECTION
+  if (a->distributed != b->distributed || (a->distributed && a->user != b->user)) {
+    return FB_ERR_VALUE;
+  }
+#endif
 
   /* Time and loads */
   out->t += s * (b->t - a->t);
@@ -22536,8 +22737,6 @@ static void fbi_joint_fill(fb_joint *joint, const fb_system_desc *desc, const fb
 
 /* ---- systems */
 
-typedef enum fbi_coefficient { FBI_STIFFNESS, FBI_DAMPING } fbi_coefficient; /* K or D of modes and joints */
-
 /* Start vector x of the power method: unequal speeds q_dot of the modes and u of the axes of every body. */
 static void fbi_power_start(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
@@ -22549,64 +22748,6 @@ static void fbi_power_start(fb_system_work *w, const fb_system *system, const fb
       w->link[k].u[i] = FB_R(1.0) / (fb_real)(1 + (5 * k + 2 * i) % 3);
     }
   }
-}
-
-/* p = A x of a body's modes and its joint's free axes, A = K or D; size += x^T A x. */
-static void fbi_power_multiply(fb_real *size, fbi_link_work *L, const fb_body *body, const fb_joint *joint,
-                               fbi_coefficient A)
-{
-  const fb_real *const axis = A == FBI_STIFFNESS ? joint->stiffness : joint->damping;
-
-  /* Modes */
-  fbi_zero(L->pi, body->n);
-  if (A == FBI_STIFFNESS) {
-    fbi_sparse_eval(L->pi, NULL, FB_R(1.0), &body->K, L->q_dot, body->n);
-  } else {
-    fbi_damping_add(L->pi, FB_R(1.0), body, L->q_dot);
-  }
-  *size += fbi_dot(L->pi, L->q_dot, body->n);
-
-  /* Axes; a free joint has neither springs nor dampers */
-  for (int i = 0; i < joint->n_axis && i < 3 && joint->kind != FB_JOINT_FREE; i++) {
-    L->p[i] = L->mode[i] == FB_AXIS_FREE ? axis[i] * L->u[i] : FB_R(0.0);
-    *size += L->p[i] * L->u[i];
-  }
-}
-
-/* p = A x / sqrt(x^T A x) of the system; 0 and p = A x where x^T A x = 0, else 1. */
-static int fbi_power_scaled(fb_system_work *w, const fb_system *system, const fb_body *body, fbi_coefficient A)
-{
-  fb_real size = FB_R(0.0);
-  for (int k = 0; k < system->n_body; k++) {
-    fbi_power_multiply(&size, &w->link[k], fbi_model(system, body, k), fbi_link_joint(system, w, k), A);
-  }
-  if (!(size > FB_R(0.0))) {
-    return 0;
-  }
-  size = FB_R(1.0) / FB_SQRT(size);
-  for (int k = 0; k < system->n_body; k++) {
-    for (int a = 0; a < fbi_model(system, body, k)->n; a++) {
-      w->link[k].pi[a] *= size;
-    }
-    for (int i = 0; i < 3; i++) {
-      w->link[k].p[i] *= size;
-    }
-  }
-  return 1;
-}
-
-/* p^T x over modes and free axes. */
-static fb_real fbi_power_product(fb_system_work *w, const fb_system *system, const fb_body *body)
-{
-  fb_real sum = FB_R(0.0);
-  for (int k = 0; k < system->n_body; k++) {
-    const fbi_link_work *L = &w->link[k];
-    sum += fbi_dot(L->pi, L->q_dot, fbi_model(system, body, k)->n);
-    for (int i = 0; i < fbi_link_joint(system, w, k)->n_axis && i < 3; i++) {
-      sum += L->mode[i] == FB_AXIS_FREE ? L->p[i] * L->u[i] : FB_R(0.0);
-    }
-  }
-  return sum;
 }
 
 /* Largest eigenvalue of A x = lambda M x, A the stiffness or damping of modes and joints, undeformed, at joint
@@ -25922,6 +26063,7 @@ static int fbi_system_pose_acts(const fb_system *system, const fb_body *body, co
   for (int k = 0; k < system->n_body; k++) {
     acts |= fbi_has(fbi_model(system, body, k)->effects, FB_EFFECT_GRAVITY);
   }
+  acts |= fbi_has_distributed(input);
   for (int i = 0; input && i < input->n_load; i++) {
     acts |= input->load[i].load.axes == FB_AXES_INERTIAL;
   }

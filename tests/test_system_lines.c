@@ -234,6 +234,7 @@ static void booms(int kind, fb_joint_kind first, fb_joint_kind joint, int at)
     fbt_fill(j->position, 3, k ? 0.2 : 0.0);
     fbt_fill(j->child_position, 3, k ? 0.2 : 0.0);
     fbt_fill(start[k].value, 3, 0.4);
+    j->pitch = FB_R(0.1);
     turn_anyhow(start[k].quat, 0.6);
     fbt_fill(start[k].speed, 6, 1.0);
     fbt_fill(start[k].q, model[0].n, kind == FLOATING ? 0.02 : 0.1);
@@ -244,13 +245,16 @@ static void booms(int kind, fb_joint_kind first, fb_joint_kind joint, int at)
   }
 }
 
-/* E9.25, E9.12, E14.7 with lines of every kind: along the rates the energy does not change, by differences. */
+/* E9.25, E9.12, E14.7 with lines of every kind and joints of every kind on them: along the rates the energy does not
+   change, by differences. */
 TEST(lines_of_every_kind_carry_their_bodies)
 {
-  for (int run = 0; run < 2 * WELDED && !FB_SINGLE; run++) { /* differences */
+  const int kinds = (int)FB_JOINT_COUNT - (int)FB_JOINT_RIGID;
+  for (int run = 0; run < kinds * ROOTS && !FB_SINGLE; run++) { /* differences */
     const double h = 2e-5;
     double slope = 0.0, power = 0.0;
-    booms(run / 2, run % 2 ? FB_JOINT_FREE : FB_JOINT_REVOLUTE, FB_JOINT_SPHERICAL, 1 + run % 2);
+    booms(run / kinds, run % 2 ? FB_JOINT_FREE : FB_JOINT_REVOLUTE, (fb_joint_kind)((int)FB_JOINT_RIGID + run % kinds),
+          1 + run % 2);
     init(FB_METHOD_RECURSIVE);
     FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
     memset(&rate, 0, sizeof rate);
@@ -285,11 +289,44 @@ TEST(momenta_of_lines_give_back_the_speeds)
 
 /* ---- against single bodies */
 
-/* E9.15, E11.12 against E14.13, E11.1: one body in free flight, as a system and by itself. */
+/* Distributed loads that depend on all that a point knows; user: their power and the bodies that were asked. */
+typedef struct gale {
+  double power;
+  unsigned bodies;
+  int calls, fails; /* the call that fails: with a status, < 0: by a force that is no number */
+} gale;
+
+static fb_status blow(fb_line_point *p, int n, fb_real t, void *user)
+{
+  gale *const own = (gale *)user;
+  own->bodies |= 1u << p[0].body;
+  for (int k = 0; k < n; k++) {
+    for (int i = 0; i < 3; i++) {
+      const double x = (double)p[k].x, r = (double)p[k].position[i], v = (double)p[k].velocity[i];
+      const double w = (double)p[k].angular_rate[i], R = (double)p[k].R[3 * i + 1];
+      p[k].force[i] = p[k].length *
+                      (fb_real)(sin(1.0 + i + 3.0 * x + 20.0 * (double)t) - 0.8 * v - 0.5 * r + (1.0 + p[k].line) * R);
+      p[k].torque[i] = p[k].length * (fb_real)(0.1 * cos(2.0 - i + x) - 0.05 * w);
+    }
+    own->power += (double)fb_vec3_dot(p[k].force, p[k].velocity) + (double)fb_vec3_dot(p[k].torque, p[k].angular_rate);
+  }
+  if (own->fails && ++own->calls == abs(own->fails)) {
+    p[n - 1].torque[1] = own->fails < 0 ? (fb_real)NAN : FB_R(0.0);
+    return own->fails < 0 ? FB_OK : FB_ERR_CONVERGENCE;
+  }
+  return FB_OK;
+}
+
+/* E9.15, E11.12, E14.40 against E14.13, E11.1: one body in free flight, as a system and by itself, without and with
+   distributed loads. */
 TEST(a_line_alone_is_the_single_body)
 {
   static fb_rk4_work rk4_work;
-  for (int kind = 0; kind < WELDED; kind++) {
+  for (int run = 0; run < 2 * ROOTS; run++) {
+    const int kind = run / 2;
+    static fb_input own[3];
+    static fb_system_input at[3];
+    static gale gales;
     fb_state single;
     fb_motion alone;
     fb_real v[3], w[3];
@@ -314,17 +351,91 @@ TEST(a_line_alone_is_the_single_body)
     FBT_INT_EQ(fb_state_from_velocity(&model[0], &single, v, w, start[0].q_dot), FB_OK);
     for (int step = 0; step < 100; step++) {
       const fb_real dt = FBT_TOL(FB_R(5e-5), FB_R(4e-4));
-      FBT_INT_EQ(fb_rk4_step(&model[0], &single, &rk4_work, NULL, NULL, NULL, dt), FB_OK);
-      FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, dt), FB_OK);
+      for (int i = 0; i < 3; i++) {
+        memset(&own[i], 0, sizeof own[i]);
+        at[i] = input;
+        at[i].distributed = own[i].distributed = run % 2 ? blow : NULL;
+        at[i].user = own[i].user = &gales;
+        at[i].t = own[i].t = dt * ((fb_real)step + FB_R(0.5) * (fb_real)i);
+      }
+      FBT_INT_EQ(fb_rk4_step(&model[0], &single, &rk4_work, &own[0], &own[1], &own[2], dt), FB_OK);
+      FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &at[0], &at[1], &at[2], dt), FB_OK);
     }
-    FBT_INT_EQ(fb_body_motion_eval(&model[0], &alone, &single, NULL), FB_OK);
-    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+    FBT_INT_EQ(fb_body_motion_eval(&model[0], &alone, &single, &own[2]), FB_OK);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &at[2]), FB_OK);
+    FBT_BELOW(fbt_difference(single.rho, motion.pose[0].rho, 3), FBT_TOL(1e-10, 1e-3));
     FBT_BELOW(fbt_difference(single.q, state.link[0].q, model[0].n), FBT_TOL(1e-10, 1e-3));
     FBT_BELOW(fbt_difference(alone.w, motion.motion[0].w, 3), FBT_TOL(1e-10, 1e-2));
     FBT_BELOW(fbt_difference(alone.q_dot, motion.motion[0].q_dot, model[0].n), FBT_TOL(1e-9, 1e-2));
     FBT_BELOW(fbt_difference(alone.w_dot, motion.motion[0].w_dot, 3), FBT_TOL(1e-8, 1e-1));
     FBT_BELOW(fbt_difference(alone.q_ddot, motion.motion[0].q_ddot, model[0].n), FBT_TOL(1e-7, 1.0));
   }
+}
+
+/* ---- distributed loads */
+
+/* E14.40 in a system: what the loads on all points do is the rate of the energy, by differences; each body is asked.
+   By every method, accelerations are the same. */
+TEST(power_of_distributed_loads_on_systems_is_the_rate_of_energy)
+{
+  static fb_system_motion first;
+  for (int run = 0; run < 3 * ROOTS; run++) {
+    const double h = 2e-5;
+    double slope = 0.0;
+    gale gales;
+    memset(&gales, 0, sizeof gales);
+    if (run / 3 == FLOATING && run % 3 == FB_METHOD_MULTIPLIERS) {
+      continue;
+    }
+    booms(run / 3, FB_JOINT_FREE, FB_JOINT_UNIVERSAL, 2);
+    input.distributed = blow;
+    input.user = &gales;
+    input.t = FB_R(0.1);
+    init((fb_method)(run % 3));
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+    FBT_INT_EQ(fb_system_rates_eval(&mechanism, model, &work, &rate, &state, &input), FB_OK);
+    FBT_INT_EQ((int)gales.bodies, 7);
+    for (int side = -2; side <= 2; side++) {
+      moved(&kept, &state, &rate, side * h);
+      slope += stencil[side + 2] / h * energy_of(&kept);
+    }
+    FBT_NEAR_REL(slope, gales.power, FBT_TOL(1e-7, 1e9)); /* differences */
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+    first = run % 3 ? first : motion;
+    FBT_BELOW(motion_difference(&motion, &first), FBT_TOL(1e-9, 1e-1));
+  }
+}
+
+/* A callback that fails ends the step, which changes nothing; loads on lines of bodies without lines are refused. */
+TEST(systems_refuse_distributed_loads_that_fail)
+{
+  gale gales;
+  for (int run = 0; run < 4; run++) {
+    memset(&gales, 0, sizeof gales);
+    gales.fails = run % 2 ? -5 : 5;
+    booms(CLAMPED, FB_JOINT_FREE, FB_JOINT_REVOLUTE, 1);
+    input.distributed = blow;
+    input.user = &gales;
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+    kept = state;
+    FBT_INT_EQ(run < 2 ? fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, FB_R(1e-4))
+                       : fb_system_sdirk_step(&mechanism, model, &state, &work, &input, &input, FB_R(1e-4), 2),
+               run % 2 ? FB_ERR_NOT_FINITE : FB_ERR_CONVERGENCE);
+    FBT_TRUE(memcmp(&kept, &state, sizeof state) == 0);
+  }
+  gales.calls = 4;
+  FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_ERR_NOT_FINITE);
+  fresh();
+  flexible(&model[0], 1, 1, 0, FB_EFFECTS_FULL);
+  hang(0, 0, FB_JOINT_FREE, FB_GROUND, 0);
+  input.distributed = blow;
+  input.user = &gales;
+  init(FB_METHOD_RECURSIVE);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, NULL), FB_OK);
+  FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, FB_R(1e-4)),
+             FB_ERR_UNSUPPORTED);
+  FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_ERR_UNSUPPORTED);
 }
 
 /* ---- energy, momentum, latches */
@@ -417,8 +528,123 @@ TEST(sdirk_with_lines_converges_to_rk4)
   FBT_TRUE(FB_SINGLE || error[1] > 3.9 * error[2]);
 }
 
+/* ---- step limits */
+
+/* Links of 3 + 3 modes on a light hub that flies free, hinges between them, at random shapes of some size. */
+static void light_chain(int links, double hub, int sprung, double size)
+{
+  const fb_real root[3] = {0},
+                inertia[6] = {(fb_real)(0.25 * hub), (fb_real)(0.25 * hub), (fb_real)(0.25 * hub), 0, 0, 0};
+  fb_modes_desc keep;
+  int node;
+  fresh();
+  memset(&keep, 0, sizeof keep);
+  boom_desc(FB_ROOT_CLAMPED, 10.0);
+  beam_desc.n_element = 10;
+  beam_desc.station[0].EI_y = beam_desc.station[0].EI_z = FB_R(14000.0);
+  beam_desc.station[0].mass = FB_R(1.2);
+  beam_desc.station[0].i_y = beam_desc.station[0].i_z = beam_desc.station[0].GJ = FB_R(0.0);
+  keep.count[FB_KIND_BEND_Y] = keep.count[FB_KIND_BEND_Z] = 3;
+  body_desc.base = FB_BASE_PRESCRIBED;
+  body_desc.effects = FB_EFFECTS_LARGE;
+  body_desc.deflection_limit = FB_R(1000.0);
+  FBT_INT_EQ(fb_beam_init(&beam, &beam_desc), FB_OK);
+  FBT_INT_EQ(fb_modes_solve(&modes, &modes_work, &beam, &keep), FB_OK);
+  FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
+  FBT_INT_EQ(fb_shape_add_rigid(&shape, (fb_real)hub, root, inertia), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam(&shape, 0, &beam, &modes), FB_OK);
+  FBT_INT_EQ(fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, FB_R(10.0)), FB_OK);
+  FBT_INT_EQ(fb_body_init(&model[0], &body_work, &shape, &body_desc), FB_OK);
+  for (int k = 0; k < links; k++) {
+    hang(k, 0, k ? FB_JOINT_REVOLUTE : FB_JOINT_FREE, k - 1, k > 0);
+    desc.joint[k].stiffness[0] = k && sprung ? FB_R(3000.0) : FB_R(0.0);
+    start[k].value[0] = k ? (fb_real)fbt_random() : FB_R(0.0);
+    for (int a = 0; a < 6; a++) {
+      start[k].q[a] = (fb_real)(6.0 * size * fbt_random() / (1.0 + 4.0 * (a % 3) * (a % 3)));
+    }
+  }
+}
+
+/* Twice the kinetic energy with unit speed i and sign times unit speed j: of the modes, then of the joint, by bodies. */
+static double twice_energy(int i, int j, double sign)
+{
+  static fb_system_state moving;
+  fb_link_motion speeds[FB_MAX_BODIES];
+  fb_energy e;
+  memcpy(speeds, start, sizeof speeds);
+  for (int k = 0, c = 0; k < desc.n_body; k++) {
+    for (int a = 0; a < 6 + (k ? 1 : 6); a++, c++) {
+      *(a < 6 ? &speeds[k].q_dot[a] : &speeds[k].speed[a - 6]) = (fb_real)((c == i) + sign * (c == j));
+    }
+  }
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &moving, &work, speeds, NULL), FB_OK);
+  FBT_INT_EQ(fb_system_energy_eval(&mechanism, model, &work, &e, &moving, NULL), FB_OK);
+  return 2.0 * (double)e.kinetic;
+}
+
+/* Highest frequency of the chain as it is bent, by its mass matrix from energies. */
+static double chain_frequency(void)
+{
+  static fb_real M[FB_MAX_SPEEDS * FB_MAX_SPEEDS], K[FB_MAX_SPEEDS * FB_MAX_SPEEDS], X[FB_MAX_SPEEDS * FB_MAX_SPEEDS];
+  static fb_real d[FB_MAX_SPEEDS];
+  const int N = 7 * desc.n_body + 5;
+  memset(K, 0, sizeof K);
+  for (int k = 0, c = 0; k < desc.n_body; k++) {
+    for (int a = 0; a < 6 + (k ? 1 : 6); a++, c++) {
+      K[c * (N + 1)] = a < 6 ? model[0].K.diagonal[a] : k ? desc.joint[k].stiffness[0] : FB_R(0.0);
+    }
+  }
+  for (int i = 0; i < N; i++) {
+    for (int j = 0; j <= i; j++) {
+      M[i * N + j] = M[j * N + i] =
+          (fb_real)(i == j ? twice_energy(i, i, 0.0) : 0.25 * (twice_energy(i, j, 1.0) - twice_energy(i, j, -1.0)));
+    }
+  }
+  FBT_INT_EQ(fb_eig_gen_solve(d, X, K, M, N), FB_OK);
+  return sqrt((double)d[N - 1]);
+}
+
+/* Longest step that rk4 takes from the state, up to `most`. */
+static double longest_step(double most)
+{
+  double least = 0.0;
+  for (int i = 0; i < 20; i++) {
+    const double dt = 0.5 * (least + most);
+    kept = state;
+    if (fb_system_rk4_step(&mechanism, model, &kept, &work, &input, &input, &input, (fb_real)dt) == FB_OK) {
+      least = dt;
+    } else {
+      most = dt;
+    }
+  }
+  return least;
+}
+
+/* E11.40: no step is taken that is beyond the limit of stability of the bent chain, up to a percent, though the limit of
+   the undeformed one is up to four times as long; nearly all of it is where nothing turns. */
+TEST(systems_refuse_steps_that_a_bent_line_does_not_allow)
+{
+  double least = HUGE_VAL, longer = 0.0;
+  fbt_seed(11);
+  for (int run = 0; run < 24 && !FB_SINGLE; run++) { /* differences of energies */
+    const double size = 0.5 * (run / 2 % 4);
+    double limit, frequency, longest;
+    light_chain(1 + run / 8, run % 2 ? 2.5 : 0.1, run / 4 % 2, size);
+    init(FB_METHOD_RECURSIVE);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+    limit = (double)fb_system_rk4_limit(&mechanism, model, 0, 0);
+    frequency = chain_frequency();
+    longest = longest_step(4.0 * limit);
+    FBT_BELOW(longest * frequency, 1.01 * 2.785);
+    longer = fmax(longer, limit * frequency / 2.785);
+    least = size > 0.0 ? least : fmin(least, longest * frequency / 2.785);
+  }
+  FBT_TRUE(FB_SINGLE || (longer > 2.0 && least > 0.9));
+}
+
 SUITE(system_lines, RUN(sdirk_with_lines_converges_to_rk4), RUN(lines_move_alike_by_the_three_methods),
       RUN(rates_of_systems_with_lines_are_those_of_hamilton), RUN(accelerations_of_systems_with_lines_are_rates),
       RUN(lines_of_every_kind_carry_their_bodies), RUN(momenta_of_lines_give_back_the_speeds),
       RUN(a_line_alone_is_the_single_body), RUN(systems_with_lines_keep_energy_and_momentum),
-      RUN(a_latch_on_a_line_conserves_momentum))
+      RUN(a_latch_on_a_line_conserves_momentum), RUN(power_of_distributed_loads_on_systems_is_the_rate_of_energy),
+      RUN(systems_refuse_distributed_loads_that_fail), RUN(systems_refuse_steps_that_a_bent_line_does_not_allow))

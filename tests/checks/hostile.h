@@ -437,6 +437,7 @@ static const struct {
                  {&w.bent_input.user, sizeof w.bent_input.user},
                  {&w.system_input.rows, sizeof w.system_input.rows},
                  {&w.system_input.user, sizeof w.system_input.user},
+                 {&w.system_input.distributed, sizeof w.system_input.distributed},
                  {&w.trial, sizeof w.trial},
                  {&w.stepper_desc, offsetof(fb_stepper_desc, n_input)},
                  {&w.stepper_desc.exponential, sizeof w.stepper_desc.exponential},
