@@ -2026,8 +2026,11 @@ typedef struct fb_modes_desc {
   int boundary_inertia; /* 1: FB_BASIS_COMPONENT adds the quasi-static shapes under the inertia forces of an accelerated
                            boundary (inertia-relief modes); worth more than as many natural modes */
   int rigid;            /* 1: the rigid-body modes of a pinned or free root come first: for components to be joined */
-  int line_points; /* FB_EFFECT_LARGE_DEFLECTION: points along the beam, 2.. (>>line); 0: as many as the plane with most
-                      modes has, and 7 */
+  /* FB_EFFECT_LARGE_DEFLECTION: points along the beam, 2.. (>>line). 0: 7 more than the most modes of a kind, at least 3
+     for each of the plane with most and 1, and 4.5 for each where the beam bends in both planes or twists, as far as
+     FB_MAX_POINTS holds those of one beam. Shapes of 1 rad in which up to 6 modes a plane have equal shares are then
+     exact to 0.05 % of the length and 0.05 degrees; where higher modes move little, 5 more than modes are enough. */
+  int line_points;
   int cubic; /* 1: natural modes and components of the nodal (cubic Hermite) coordinates alone, no internal shapes */
 } fb_modes_desc;
 

@@ -18590,17 +18590,27 @@ static void fbi_effective_fill(fb_modes_work *work, const fb_beam *beam)
   }
 }
 
-/* Points along the beam for large deflection, if the desc does not say how many: 7 more than modes of a plane. Random
-   shapes of 1 rad in both planes, each mode with the same share, then reach to 0.02 % of the length and turn to 0.02
-   degrees with two modes a plane, 0.08 % and 0.12 degrees with three; 4 n + 2 points keep both below 0.05. */
+/* Points along the beam for large deflection, if the desc does not say how many. Where the sections turn about one axis,
+   3 n + 1 for its n modes, where about several 4.5 n for the axis that has most: random shapes of 1 rad, each mode with
+   the same share, then reach to 0.05 % of the length and turn to 0.05 degrees for n up to 6 (E14.11). No fewer than 7
+   more than modes, for the frequencies, and no more than FB_MAX_POINTS holds of one beam. */
 static int fbi_line_points(const fb_modes *modes, const fb_modes_desc *desc)
 {
-  int count[FB_KIND_COUNT] = {0}, most = 0;
+  int count[FB_KIND_COUNT] = {0}, most = 0, n = 0, axes = 0, points;
   for (int k = 0; k < modes->n; k++) {
-    const int now = ++count[(int)modes->kind[k]];
-    most = now > most ? now : most;
+    count[(int)modes->kind[k]]++;
   }
-  return desc->line_points > 0 ? desc->line_points : most + 7;
+  for (int k = 0; k < (int)FB_KIND_COUNT; k++) {
+    most = count[k] > most ? count[k] : most;
+    if (k != (int)FB_KIND_AXIAL) {
+      n = count[k] > n ? count[k] : n;
+      axes += count[k] > 0;
+    }
+  }
+  points = axes > 1 ? (9 * n + 1) / 2 : 3 * n + 1;
+  points = points < FB_MAX_POINTS ? points : FB_MAX_POINTS - 1;
+  points = points > most + 7 ? points : most + 7;
+  return desc->line_points > 0 ? desc->line_points : points;
 }
 
 FB_DEF fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_beam *beam, const fb_modes_desc *desc)
@@ -20423,9 +20433,17 @@ static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, con
   fb_line *const line = &all->line[all->n_line];
   fb_real position[3], root_weight, column[FB_MAX_POINTS];
   int on = -1;
-  fb_status status = all->n_line < FB_MAX_LINES ? fbi_line_plan_fill(plan, beam, modes) : FB_ERR_CAPACITY;
-  if (status != FB_OK || all->n_point + (plan->n + 1) / 2 * 2 > FB_MAX_POINTS) {
-    return status ? status : FB_ERR_CAPACITY;
+  fb_status status;
+  if (all->n_line >= FB_MAX_LINES) {
+    return FB_ERR_CAPACITY;
+  }
+  status = fbi_line_plan_fill(plan, beam, modes);
+  if (all->n_point + (plan->n + 1) / 2 * 2 > FB_MAX_POINTS) {
+    all->n_point += (plan->n + 1) / 2 * 2; /* what is wanted */
+    return FB_ERR_CAPACITY;
+  }
+  if (status != FB_OK) {
+    return status;
   }
 
   /* what it is */
@@ -21665,8 +21683,10 @@ static fb_status fbi_shape_check(const fb_shape *shape)
   return status;
 }
 
-#define FBI_WORD_LINES \
-  "effects: large deflection: points of all beams, FB_MAX_POINTS, at most; of joined ones, that hang on points"
+#define FBI_WORD_LINES                                                                                            \
+  "effects: large deflection: points of all beams (line_points of the modes), FB_MAX_POINTS, at most; of joined " \
+  "ones, "                                                                                                        \
+  "that hang on points"
 /* Effects: no value without its effect, none excluded by the build, none without its partner. */
 static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_desc *desc)
 {
@@ -21705,7 +21725,8 @@ static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_des
 #endif
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_has(desc->effects, FB_EFFECT_LARGE_DEFLECTION) && shape->lines_status != FB_OK) {
-    return FBI_REFUSE(shape->lines_status, FBI_WORD_LINES, -1, FB_R(0.0), FB_R(1.0) * FB_MAX_POINTS);
+    return FBI_REFUSE(shape->lines_status, FBI_WORD_LINES, -1, (fb_real)shape->lines.n_point,
+                      FB_R(1.0) * FB_MAX_POINTS);
   }
 #endif
 #if FB_WITH_FORMS
