@@ -2176,8 +2176,9 @@ FB_API fb_status fb_shape_add_rigid(fb_shape *shape, fb_real mass, const fb_real
    the node (xx, yy, zz, xy, xz, yz; NULL: none), displacement and rotation shapes psi, theta (n x 3).
    fb_shape_add_node adds a node for loads and sensors. fb_shape_add_pair adds the integrals of the second-order
    displacement of the coordinates a and b (p^chi [kg/m], h^chi, Gamma^chi 3 x 3 [kg]; NULL: none), which are symmetric
-   in a and b. Set shape->K yourself: for modes omega^2 times shape->M on the diagonal. Errors as fb_shape_add_particle;
-   FB_ERR_CAPACITY: nodes, coordinates. */
+   in a and b. Set shape->K yourself: for modes omega^2 times shape->M on the diagonal. With FB_EFFECT_LARGE_DEFLECTION
+   not for coordinates of a beam: such shapes do not follow it far (fb_beam_desc.lump, fb_shape_add_beam_node do).
+   Errors as fb_shape_add_particle; FB_ERR_CAPACITY: nodes, coordinates. */
 FB_API fb_status fb_shape_add_lump(fb_shape *shape, fb_real mass, const fb_real r[3], const fb_real *inertia,
                                    const fb_real *psi, const fb_real *theta);
 FB_API fb_status fb_shape_add_node(fb_shape *shape, int *node, const fb_real r[3], const fb_real *psi,

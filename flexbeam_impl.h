@@ -21683,10 +21683,56 @@ static fb_status fbi_shape_check(const fb_shape *shape)
   return status;
 }
 
-#define FBI_WORD_LINES                                                                                            \
-  "effects: large deflection: points of all beams (line_points of the modes), FB_MAX_POINTS, at most; of joined " \
-  "ones, "                                                                                                        \
-  "that hang on points"
+#if FB_WITH_LARGE_DEFLECTION
+#define FBI_WORD_LINES                                                                                               \
+  "effects: large deflection: points of all beams (line_points), FB_MAX_POINTS, at most; of joined ones, that hang " \
+  "on points"
+#define FBI_WORD_RIDES \
+  "mode of a beam: large deflection: masses that it moves, of the beam (fb_beam_desc.lump), not of fb_shape_add_"
+#define FBI_WORD_NODE "node: large deflection: modes of a beam that move it, with fb_shape_add_beam_node after the beam"
+/* What moves with modes of a beam by shapes of the caller, which stay polynomials while the beam bends far: a mass of
+   coordinate *mass, node *node; -1: none. 1 if there is neither. */
+static int fbi_lines_are_alone(int *mass, int *node, const fb_shape *shape)
+{
+  const fb_second *const rest = &shape->rest;
+  const int n = shape->n;
+  *mass = *node = -1;
+  for (int l = 0; l < shape->lines.n_line; l++) {
+    const fb_line *const line = &shape->lines.line[l];
+    for (int a = line->first; a < line->first + line->n; a++) {
+      const int row = a * n;
+      if (!(fbi_is_zero(rest->reach + a, 1) && fbi_is_zero(rest->Gam + 9 * a, 9) &&
+            fbi_is_zero(rest->Pi + 9 * row, 9 * n) && fbi_is_zero(rest->pchi + 3 * row, 3 * n) &&
+            fbi_is_zero(rest->hchi + 3 * row, 3 * n) && fbi_is_zero(rest->Gamchi + 9 * row, 9 * n))) {
+        *mass = a;
+      }
+    }
+    for (int k = 1; k < shape->n_node; k++) {
+      const fb_node *const at = &shape->node[k];
+      if (at->line.line == 0 && !(fbi_is_zero(at->psi + 3 * line->first, 3 * line->n) &&
+                                  fbi_is_zero(at->theta + 3 * line->first, 3 * line->n))) {
+        *node = k;
+      }
+    }
+  }
+  return *mass < 0 && *node < 0;
+}
+
+static fb_status fbi_body_lines_check(const fb_shape *shape)
+{
+  int mass, node;
+  if (shape->lines_status != FB_OK) {
+    return FBI_REFUSE(shape->lines_status, FBI_WORD_LINES, -1, (fb_real)shape->lines.n_point,
+                      FB_R(1.0) * FB_MAX_POINTS);
+  }
+  if (!fbi_lines_are_alone(&mass, &node, shape)) {
+    return mass >= 0 ? FBI_REFUSE(FB_ERR_EFFECTS, FBI_WORD_RIDES, mass, FB_R(0.0), FB_R(0.0))
+                     : FBI_REFUSE(FB_ERR_EFFECTS, FBI_WORD_NODE, node, FB_R(0.0), FB_R(0.0));
+  }
+  return FB_OK;
+}
+#endif
+
 /* Effects: no value without its effect, none excluded by the build, none without its partner. */
 static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_desc *desc)
 {
@@ -21724,9 +21770,11 @@ static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_des
   }
 #endif
 #if FB_WITH_LARGE_DEFLECTION
-  if (fbi_has(desc->effects, FB_EFFECT_LARGE_DEFLECTION) && shape->lines_status != FB_OK) {
-    return FBI_REFUSE(shape->lines_status, FBI_WORD_LINES, -1, (fb_real)shape->lines.n_point,
-                      FB_R(1.0) * FB_MAX_POINTS);
+  if (fbi_has(desc->effects, FB_EFFECT_LARGE_DEFLECTION)) {
+    const fb_status status = fbi_body_lines_check(shape);
+    if (status != FB_OK) {
+      return status;
+    }
   }
 #endif
 #if FB_WITH_FORMS
@@ -26777,11 +26825,13 @@ static const signed char fbi_advice_instant[FBI_ADVICE_INSTANTS + 1][4] = {{1, 1
 static const fb_real fbi_advice_phase[FBI_ADVICE_PHASES][2] = {
     {FB_R(1.0), FB_R(0.0)}, {FB_R(0.70710678118654752), FB_R(0.70710678118654752)}, {FB_R(0.0), FB_R(1.0)}};
 
-/* Can a body of this shape have the set? Large deflection wants beams with lines. */
+/* Can a body of this shape have the set? Large deflection wants beams with lines, and nothing else that they move. */
 static int fbi_advice_has(const fb_shape *shape, int set)
 {
 #if FB_WITH_LARGE_DEFLECTION
-  return set != FBI_ADVICE_LARGE || (shape->lines_status == FB_OK && shape->lines.n_line > 0);
+  int mass, node;
+  return set != FBI_ADVICE_LARGE ||
+         (shape->lines_status == FB_OK && shape->lines.n_line > 0 && fbi_lines_are_alone(&mass, &node, shape));
 #else
   (void)shape;
   return set != FBI_ADVICE_LARGE;
