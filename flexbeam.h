@@ -804,8 +804,9 @@ typedef enum fb_effect {
 /* FB_ERR_EFFECTS when the set is half of something: residual inertia without spin coupling or without spin stiffening
    (or nonlinear strain) keeps the centrifugal softening and drops what outweighs it (a slender beam then diverges
    above its first bending frequency), when nonlinear strain comes with spin or acceleration stiffening (the
-   foreshortening would count twice), or when an effect was removed at compile time. fb_body_init also refuses spin
-   stiffening of a FREE body without acceleration stiffening: its meaning would depend on the choice of O.
+   foreshortening would count twice), when large deflection comes without all of FB_EFFECTS_FULL, which the parts that
+   are no beams need, or when an effect was removed at compile time. fb_body_init also refuses spin stiffening of a FREE
+   body without acceleration stiffening: its meaning would depend on the choice of O.
    Without residual inertia the inertia does not follow the shape, and with few modes the centrifugal loads on them
    (products of w) are missing, too: such sets are for a body that turns slowly, however fast it flies by itself. In a
    system they are for bodies whose O is slow, too: the loads w x v of O on their modes are missing there. On a

@@ -3165,7 +3165,7 @@ FB_DEF fb_status fb_effects_check(unsigned effects)
     return FBI_REFUSE(FB_ERR_EFFECTS, "effects: residual inertia, with spin coupling and a stiffening", -1, FB_R(0.0),
                       FB_R(0.0));
   }
-  if ((effects & FB_EFFECT_LARGE_DEFLECTION) && (~effects & FB_EFFECTS_FULL & FBI_EFFECTS_BUILT)) {
+  if ((effects & FB_EFFECT_LARGE_DEFLECTION) && (~effects & FB_EFFECTS_FULL)) {
     return FBI_REFUSE(FB_ERR_EFFECTS, "effects: large deflection, with all of FB_EFFECTS_FULL", -1, FB_R(0.0),
                       FB_R(0.0));
   }
