@@ -3594,6 +3594,7 @@ static fb_real fbi_strain_energy(const fb_body *body, const fb_real *q)
 #if FB_WITH_LARGE_DEFLECTION
 /* ---- bodies with lines of large deflection: M, Lambda and M_rr depend on q and are formed at every evaluation */
 
+#define FBI_WORD_MASS "mass matrix of lines, definite: fewer modes, or more elements, where points do not resolve them"
 #define FBI_WORD_INTERVAL "line: the interval before this of all points turns by an angle [rad], at most"
 
 /* Columns of Z = Lambda L^-T to w.column, and Z itself. */
@@ -3714,7 +3715,11 @@ static FBI_NOINLINE fb_status fbi_large_matrices(fbi_kinetics *k, const fb_body 
 static fb_status fbi_large_inertia(fbi_kinetics *k, const fb_body *body, const fb_real *q)
 {
   const fb_status status = fbi_large_matrices(k, body, q);
-  return status ? status : fbi_large_factor(k->line->L, body->n) ? FB_OK : FB_ERR_RANGE;
+  if (status != FB_OK) {
+    return status;
+  }
+  return fbi_large_factor(k->line->L, body->n) ? FB_OK
+                                               : FBI_REFUSE(FB_ERR_RANGE, FBI_WORD_MASS, -1, FB_R(0.0), FB_R(0.0));
 }
 
 /* y -= Lambda(q) x */
