@@ -3203,7 +3203,7 @@ FB_DEF fb_status fb_effects_check(unsigned effects)
     return FBI_REFUSE(FB_ERR_EFFECTS, "effects: residual inertia, with spin coupling and a stiffening", -1, FB_R(0.0),
                       FB_R(0.0));
   }
-  if ((effects & FB_EFFECT_LARGE_DEFLECTION) && (~effects & FB_EFFECTS_FULL & FBI_EFFECTS_BUILT)) {
+  if ((effects & FB_EFFECT_LARGE_DEFLECTION) && (~effects & FB_EFFECTS_FULL)) {
     return FBI_REFUSE(FB_ERR_EFFECTS, "effects: large deflection, with all of FB_EFFECTS_FULL", -1, FB_R(0.0),
                       FB_R(0.0));
   }
@@ -3632,6 +3632,7 @@ static fb_real fbi_strain_energy(const fb_body *body, const fb_real *q)
 #if FB_WITH_LARGE_DEFLECTION
 /* ---- bodies with lines of large deflection: M, Lambda and M_rr depend on q and are formed at every evaluation */
 
+#define FBI_WORD_MASS "mass matrix of lines, definite: fewer modes, or more elements, where points do not resolve them"
 #define FBI_WORD_INTERVAL "line: the interval before this of all points turns by an angle [rad], at most"
 
 /* Columns of Z = Lambda L^-T to w.column, and Z itself. */
@@ -3752,7 +3753,11 @@ static FBI_NOINLINE fb_status fbi_large_matrices(fbi_kinetics *k, const fb_body 
 static fb_status fbi_large_inertia(fbi_kinetics *k, const fb_body *body, const fb_real *q)
 {
   const fb_status status = fbi_large_matrices(k, body, q);
-  return status ? status : fbi_large_factor(k->line->L, body->n) ? FB_OK : FB_ERR_RANGE;
+  if (status != FB_OK) {
+    return status;
+  }
+  return fbi_large_factor(k->line->L, body->n) ? FB_OK
+                                               : FBI_REFUSE(FB_ERR_RANGE, FBI_WORD_MASS, -1, FB_R(0.0), FB_R(0.0));
 }
 
 /* y -= Lambda(q) x */
@@ -6280,7 +6285,7 @@ static int fbi_line_is_sound(const fb_lines *all, int l, int n)
               fbi_line_rows_are_sound(all, line, line->row + line->n_turn, line->n_stretch, line->stride) &&
               line->weight >= 0 && line->weight <= all->n_table - line->count * line->stride &&
               fbi_is_flag(line->moves) && fbi_is_flag(line->carries) && fbi_is_flag(line->solid) &&
-              fbi_is_flag(line->turned) && (!line->turned || fbi_is_finite(line->axes, 9)) && fbi_vec3_is_finite(line->root) &&
+              fbi_is_flag(line->turned) && fbi_is_finite(line->axes, 9) && fbi_vec3_is_finite(line->root) &&
               line->shift >= 0 && line->shift <= all->n_table - 3 * line->n * line->moves;
   if (sound && line->hangs) {
     sound = line->hangs <= next;
@@ -18794,17 +18799,27 @@ static void fbi_effective_fill(fb_modes_work *work, const fb_beam *beam)
   }
 }
 
-/* Points along the beam for large deflection, if the desc does not say how many: 7 more than modes of a plane. Random
-   shapes of 1 rad in both planes, each mode with the same share, then reach to 0.02 % of the length and turn to 0.02
-   degrees with two modes a plane, 0.08 % and 0.12 degrees with three; 4 n + 2 points keep both below 0.05. */
+/* Points along the beam for large deflection, if the desc does not say how many. Where the sections turn about one axis,
+   3 n + 1 for its n modes, where about several 4.5 n for the axis that has most: random shapes of 1 rad, each mode with
+   the same share, then reach to 0.05 % of the length and turn to 0.05 degrees for n up to 6 (E14.11). No fewer than 7
+   more than modes, for the frequencies, and no more than FB_MAX_POINTS holds of one beam. */
 static int fbi_line_points(const fb_modes *modes, const fb_modes_desc *desc)
 {
-  int count[FB_KIND_COUNT] = {0}, most = 0;
+  int count[FB_KIND_COUNT] = {0}, most = 0, n = 0, axes = 0, points;
   for (int k = 0; k < modes->n; k++) {
-    const int now = ++count[(int)modes->kind[k]];
-    most = now > most ? now : most;
+    count[(int)modes->kind[k]]++;
   }
-  return desc->line_points > 0 ? desc->line_points : most + 7;
+  for (int k = 0; k < (int)FB_KIND_COUNT; k++) {
+    most = count[k] > most ? count[k] : most;
+    if (k != (int)FB_KIND_AXIAL) {
+      n = count[k] > n ? count[k] : n;
+      axes += count[k] > 0;
+    }
+  }
+  points = axes > 1 ? (9 * n + 1) / 2 : 3 * n + 1;
+  points = points < FB_MAX_POINTS ? points : FB_MAX_POINTS - 1;
+  points = points > most + 7 ? points : most + 7;
+  return desc->line_points > 0 ? desc->line_points : points;
 }
 
 FB_DEF fb_status fb_modes_solve(fb_modes *modes, fb_modes_work *work, const fb_beam *beam, const fb_modes_desc *desc)
@@ -20731,9 +20746,17 @@ static fb_status fbi_line_add(fb_lines *all, fbi_line_plan *plan, int first, con
   fb_line *const line = &all->line[all->n_line];
   fb_real position[3], root_weight, column[FB_MAX_POINTS];
   int on = -1;
-  fb_status status = all->n_line < FB_MAX_LINES ? fbi_line_plan_fill(plan, beam, modes) : FB_ERR_CAPACITY;
-  if (status != FB_OK || all->n_point + (plan->n + 1) / 2 * 2 > FB_MAX_POINTS) {
-    return status ? status : FB_ERR_CAPACITY;
+  fb_status status;
+  if (all->n_line >= FB_MAX_LINES) {
+    return FB_ERR_CAPACITY;
+  }
+  status = fbi_line_plan_fill(plan, beam, modes);
+  if (all->n_point + (plan->n + 1) / 2 * 2 > FB_MAX_POINTS) {
+    all->n_point += (plan->n + 1) / 2 * 2; /* what is wanted */
+    return FB_ERR_CAPACITY;
+  }
+  if (status != FB_OK) {
+    return status;
   }
   if (fbi_line_find(all, first, beam, modes) >= 0) {
     return FB_ERR_UNSUPPORTED;
@@ -21963,29 +21986,57 @@ static fb_status fbi_shape_check(const fb_shape *shape)
   return status;
 }
 
-#define FBI_WORD_LINES \
-  "effects: large deflection: points of all beams, FB_MAX_POINTS, at most; of joined ones, that hang on points"
 #if FB_WITH_LARGE_DEFLECTION
+#define FBI_WORD_LINES                                                                                               \
+  "effects: large deflection: points of all beams (line_points), FB_MAX_POINTS, at most; of joined ones, that hang " \
+  "on points"
 #define FBI_WORD_UNLINED                                                                                              \
   "effects: large deflection: modes without preload, not of buckling; welds that close no loop; no two beams in one " \
   "place"
-/* Can all beams be lines, and do all nodes that move with them stand on one? */
-static fb_status fbi_lines_status(const fb_shape *shape)
+#define FBI_WORD_RIDES \
+  "mode of a beam: large deflection: masses that it moves, of the beam (fb_beam_desc.lump), not of fb_shape_add_"
+#define FBI_WORD_NODE "node: large deflection: modes of a beam that move it, with fb_shape_add_beam_node after the beam"
+/* What moves with modes of a beam by shapes of the caller, which stay polynomials while the beam bends far: a mass of
+   coordinate *mass, node *node; -1: none. 1 if there is neither. */
+static int fbi_lines_are_alone(int *mass, int *node, const fb_shape *shape)
 {
-  const fb_lines *const all = &shape->lines;
-  if (shape->lines_status != FB_OK) {
-    return shape->lines_status == FB_ERR_UNSUPPORTED
-               ? FBI_REFUSE(FB_ERR_UNSUPPORTED, FBI_WORD_UNLINED, -1, FB_R(0.0), FB_R(0.0))
-               : FBI_REFUSE(shape->lines_status, FBI_WORD_LINES, -1, FB_R(0.0), FB_R(1.0) * FB_MAX_POINTS);
-  }
-  for (int k = 1; k < shape->n_node; k++) {
-    for (int l = 0; l < all->n_line && shape->node[k].line.line == 0; l++) {
-      const int first = 3 * all->line[l].first, n = 3 * all->line[l].n;
-      if (!fbi_is_zero(shape->node[k].psi + first, n) || !fbi_is_zero(shape->node[k].theta + first, n)) {
-        return FBI_REFUSE(FB_ERR_UNSUPPORTED, "node: moves with a beam, by fb_shape_add_beam_node after that beam", k,
-                          FB_R(0.0), FB_R(0.0));
+  const fb_second *const rest = &shape->rest;
+  const int n = shape->n;
+  *mass = *node = -1;
+  for (int l = 0; l < shape->lines.n_line; l++) {
+    const fb_line *const line = &shape->lines.line[l];
+    for (int a = line->first; a < line->first + line->n; a++) {
+      const int row = a * n;
+      if (!(fbi_is_zero(rest->reach + a, 1) && fbi_is_zero(rest->Gam + 9 * a, 9) &&
+            fbi_is_zero(rest->Pi + 9 * row, 9 * n) && fbi_is_zero(rest->pchi + 3 * row, 3 * n) &&
+            fbi_is_zero(rest->hchi + 3 * row, 3 * n) && fbi_is_zero(rest->Gamchi + 9 * row, 9 * n))) {
+        *mass = a;
       }
     }
+    for (int k = 1; k < shape->n_node; k++) {
+      const fb_node *const at = &shape->node[k];
+      if (at->line.line == 0 && !(fbi_is_zero(at->psi + 3 * line->first, 3 * line->n) &&
+                                  fbi_is_zero(at->theta + 3 * line->first, 3 * line->n))) {
+        *node = k;
+      }
+    }
+  }
+  return *mass < 0 && *node < 0;
+}
+
+static fb_status fbi_body_lines_check(const fb_shape *shape)
+{
+  int mass, node;
+  if (shape->lines_status == FB_ERR_UNSUPPORTED) {
+    return FBI_REFUSE(FB_ERR_UNSUPPORTED, FBI_WORD_UNLINED, -1, FB_R(0.0), FB_R(0.0));
+  }
+  if (shape->lines_status != FB_OK) {
+    return FBI_REFUSE(shape->lines_status, FBI_WORD_LINES, -1, (fb_real)shape->lines.n_point,
+                      FB_R(1.0) * FB_MAX_POINTS);
+  }
+  if (!fbi_lines_are_alone(&mass, &node, shape)) {
+    return mass >= 0 ? FBI_REFUSE(FB_ERR_EFFECTS, FBI_WORD_RIDES, mass, FB_R(0.0), FB_R(0.0))
+                     : FBI_REFUSE(FB_ERR_EFFECTS, FBI_WORD_NODE, node, FB_R(0.0), FB_R(0.0));
   }
   return FB_OK;
 }
@@ -22029,7 +22080,7 @@ static fb_status fbi_body_effects_check(const fb_shape *shape, const fb_body_des
 #endif
 #if FB_WITH_LARGE_DEFLECTION
   if (fbi_has(desc->effects, FB_EFFECT_LARGE_DEFLECTION)) {
-    const fb_status status = fbi_lines_status(shape);
+    const fb_status status = fbi_body_lines_check(shape);
     if (status != FB_OK) {
       return status;
     }
@@ -27059,11 +27110,13 @@ static const signed char fbi_advice_instant[FBI_ADVICE_INSTANTS + 1][4] = {{1, 1
 static const fb_real fbi_advice_phase[FBI_ADVICE_PHASES][2] = {
     {FB_R(1.0), FB_R(0.0)}, {FB_R(0.70710678118654752), FB_R(0.70710678118654752)}, {FB_R(0.0), FB_R(1.0)}};
 
-/* Can a body of this shape have the set? Large deflection wants beams with lines. */
+/* Can a body of this shape have the set? Large deflection wants beams with lines, and nothing else that they move. */
 static int fbi_advice_has(const fb_shape *shape, int set)
 {
 #if FB_WITH_LARGE_DEFLECTION
-  return set != FBI_ADVICE_LARGE || (shape->lines_status == FB_OK && shape->lines.n_line > 0);
+  int mass, node;
+  return set != FBI_ADVICE_LARGE ||
+         (shape->lines_status == FB_OK && shape->lines.n_line > 0 && fbi_lines_are_alone(&mass, &node, shape));
 #else
   (void)shape;
   return set != FBI_ADVICE_LARGE;

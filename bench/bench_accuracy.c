@@ -41,7 +41,7 @@ static void print_basis(const fbb_entry *e)
 {
   const fbb_basis *const b = &e->basis;
   if (e->rung == FBB_LARGE) {
-    printf(", %d points", b->points ? b->points : (b->y > b->z ? b->y : b->z) + 7);
+    printf(", %d points", b->points);
   }
   if (b->spin != 0.0 || b->load) {
     printf(", modes%s%s%s", b->spin != 0.0 ? " of the spin" : "", b->spin != 0.0 && b->load ? " and" : "",

@@ -218,13 +218,13 @@ static void fbb_climb_strain(const fbb_case *c)
 
 static const fbb_level fbb_large = {"large", FBB_LARGE, FB_EFFECTS_LARGE};
 
-/* Geometrically exact bodies of a basis with several numbers of points: 0 is the library's, 7 more than modes. */
+/* Geometrically exact bodies of a basis with several numbers of points, by what they are more than modes of a plane. */
 static void fbb_climb_points(const fbb_case *c, const fbb_basis *basis)
 {
-  static const int more[] = {3, 5, 0};
+  static const int more[] = {3, 5, 7};
   for (int k = 0; k < FBB_COUNT(more); k++) {
     fbb_basis b = *basis;
-    b.points = more[k] ? (b.y > b.z ? b.y : b.z) + more[k] : 0;
+    b.points = (b.y > b.z ? b.y : b.z) + more[k];
     fbb_climb_body(c, &fbb_large, &b);
   }
 }

@@ -85,6 +85,102 @@ TEST(each_integrator_keeps_its_order_when_lines_bend_far)
   }
 }
 
+/* A load per length that turns with the sections and pulses, and drag: what presses [N/m], drags [N s/m^2]. */
+static struct {
+  double press, drag;
+} wind;
+
+static fb_status blow(fb_line_point *point, int n, fb_real t, void *user)
+{
+  for (int k = 0; k < n; k++) {
+    for (int i = 0; i < 3; i++) {
+      const double along = (double)point[k].R[3 * i + 1], speed = (double)point[k].velocity[i];
+      point[k].force[i] = point[k].length * (fb_real)(wind.press * sin(3.0 * (double)t) * along - wind.drag * speed);
+    }
+  }
+  (void)user;
+  return FB_OK;
+}
+
+/* Runs in that wind to time T from the bent state; the status of the step that ends it. */
+static fb_status blown(fb_state *state, integrator which, int steps, double T, int iterations)
+{
+  const double dt = T / steps;
+  fb_status status = FB_OK;
+  fb_input in[3];
+  bend(state, 0.4, 0.3);
+  prepare(which, dt);
+  for (int k = 0; k < steps && status == FB_OK; k++) {
+    const fb_state before = *state;
+    for (int i = 0; i < 3; i++) {
+      in[i] = still;
+      in[i].distributed = blow;
+      in[i].t = (fb_real)((k + 0.5 * i) * dt);
+    }
+    status = which == MIDPOINT ? fb_midpoint_step(&body, state, &implicit_work, &in[1], (fb_real)dt, iterations)
+             : which == SDIRK  ? fb_sdirk_step(&body, state, &implicit_work, &in[0], &in[2], (fb_real)dt, iterations)
+                               : step(which, state, &in[0], &in[1], &in[2], dt);
+    FBT_TRUE(status == FB_OK || memcmp(&before, state, sizeof before) == 0);
+  }
+  return status;
+}
+
+/* E11.3, E11.4, E11.7, E11.8, E11.10, E14.40: so they do under loads along the line that follow it, drag and pulse. */
+TEST(each_integrator_keeps_its_order_under_distributed_loads)
+{
+  static const double order[] = {4.0, 2.0, 2.0, 4.0};
+  static const int steps[] = {320, 160, 160, 80};
+  wind.press = 15.0;
+  wind.drag = 0.3;
+  for (int b = 0; b < 4; b++) {
+    fb_state fine;
+    large_boom(bases[b]);
+    body.allow_long_step = 1;
+    FBT_INT_EQ(blown(&fine, RK4, FBT_TOL(4000, 500), 0.5, 0), FB_OK);
+    for (int which = RK4; which < INTEGRATORS; which++) {
+      fb_state coarse, half;
+      FBT_INT_EQ(blown(&coarse, (integrator)which, steps[which], 0.5, 0), FB_OK);
+      if (FB_SINGLE && order[which] > 2.0) {
+        FBT_BELOW(apart(&coarse, &fine), 1e-2);
+        continue;
+      }
+      FBT_INT_EQ(blown(&half, (integrator)which, 2 * steps[which], 0.5, 0), FB_OK);
+      FBT_NEAR_ABS(log2(apart(&coarse, &fine) / apart(&half, &fine)), order[which], FBT_TOL(0.25, 0.4));
+    }
+  }
+}
+
+/* E11.25: loads are not in the Newton matrix. Strong ones, up to 20 times what bends the boom by half its length, make
+   iterations contract less; steps that end well have the error of their order all the same, the others say so and leave
+   the state as it was. */
+TEST(implicit_steps_under_strong_loads_are_right_or_refused)
+{
+  int refused = 0;
+  wind.drag = 0.0;
+  for (int strong = 0; strong < 3; strong++) {
+    fb_state fine;
+    wind.press = strong == 0 ? 20.0 : strong == 1 ? 80.0 : 300.0;
+    large_boom(FB_BASE_PRESCRIBED);
+    body.allow_long_step = 1;
+    FBT_INT_EQ(blown(&fine, RK4, FBT_TOL(4000, 2000), 0.5, 0), FB_OK);
+    body.allow_long_step = 0;
+    for (int which = MIDPOINT; which <= SDIRK; which++) {
+      for (int steps = 4; steps <= 64; steps *= 4) {
+        fb_state few, many;
+        const fb_status two = blown(&few, (integrator)which, steps, 0.5, 2);
+        const fb_status eight = blown(&many, (integrator)which, steps, 0.5, 8);
+        const double bound = FBT_TOL(8.0, 10.0) / (steps * steps);
+        FBT_TRUE(two == FB_OK || two == FB_ERR_CONVERGENCE || two == FB_ERR_STEP || two == FB_ERR_RANGE);
+        FBT_TRUE(eight == FB_OK || eight == FB_ERR_CONVERGENCE || eight == FB_ERR_STEP || eight == FB_ERR_RANGE);
+        FBT_TRUE(two != FB_OK || apart(&few, &fine) < bound);
+        FBT_TRUE(eight != FB_OK || apart(&many, &fine) < bound);
+        refused += two == FB_ERR_CONVERGENCE;
+      }
+    }
+  }
+  FBT_TRUE(refused > 0);
+}
+
 /* E11.7: the energy of bent lines swings within a bound that falls with the square of the step and does not grow. */
 TEST(midpoint_bounds_the_energy_of_bent_lines)
 {
@@ -503,11 +599,12 @@ TEST(pins_hold_what_rounding_keeps)
 }
 
 SUITE(integrate_lines, RUN(each_integrator_keeps_its_order_when_lines_bend_far),
-      RUN(midpoint_bounds_the_energy_of_bent_lines), RUN(bent_lines_keep_their_momenta_over_many_steps),
-      RUN(rk4_limits_hold_for_bent_lines), RUN(undeformed_lines_have_the_limit_of_their_function),
-      RUN(steps_of_bent_lines_within_the_limit_are_stable), RUN(newton_contracts_with_lines),
-      RUN(long_steps_find_the_elastica), RUN(implicit_steps_follow_the_slow_swing_of_bent_lines),
-      RUN(lines_spin_at_ten_times_their_frequency), RUN(tips_swing_past_half_a_turn),
-      RUN(exponential_steps_know_the_deflection), RUN(intervals_of_lines_turn_so_far_and_no_farther),
-      RUN(committed_states_of_lines_pass_their_check), RUN(steppers_take_the_steps_of_lines),
-      RUN(pins_hold_what_rounding_keeps))
+      RUN(each_integrator_keeps_its_order_under_distributed_loads),
+      RUN(implicit_steps_under_strong_loads_are_right_or_refused), RUN(midpoint_bounds_the_energy_of_bent_lines),
+      RUN(bent_lines_keep_their_momenta_over_many_steps), RUN(rk4_limits_hold_for_bent_lines),
+      RUN(undeformed_lines_have_the_limit_of_their_function), RUN(steps_of_bent_lines_within_the_limit_are_stable),
+      RUN(newton_contracts_with_lines), RUN(long_steps_find_the_elastica),
+      RUN(implicit_steps_follow_the_slow_swing_of_bent_lines), RUN(lines_spin_at_ten_times_their_frequency),
+      RUN(tips_swing_past_half_a_turn), RUN(exponential_steps_know_the_deflection),
+      RUN(intervals_of_lines_turn_so_far_and_no_farther), RUN(committed_states_of_lines_pass_their_check),
+      RUN(steppers_take_the_steps_of_lines), RUN(pins_hold_what_rounding_keeps))

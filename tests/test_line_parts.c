@@ -1,5 +1,4 @@
-/* >>line: bodies of several lines beside parts with polynomial terms: imported components, lumped bodies that move with
-   coordinates of a line. */
+/* >>line: bodies of several lines beside imported components with polynomial terms. */
 #include "fbt.h"
 
 #include <math.h>
@@ -68,8 +67,8 @@ static void particles_add(int first, int count)
   }
 }
 
-/* Hub, two booms, an imported component of two coordinates, and where `mixed` particles that move with a boom, too. */
-static void parts_make(fb_base base, int mixed)
+/* Hub, two booms, an imported component of two coordinates. */
+static void parts_make(fb_base base)
 {
   const fb_real center[3] = {FB_R(0.1), FB_R(0.0), FB_R(-0.1)};
   const fb_real inertia[6] = {FB_R(8.0), FB_R(9.0), FB_R(10.0), FB_R(0.5), FB_R(0.0), FB_R(0.2)};
@@ -81,9 +80,6 @@ static void parts_make(fb_base base, int mixed)
   boom_add(0, at[0], turn[0]);
   boom_add(BOOM, at[1], turn[1]);
   particles_add(2 * BOOM, 2);
-  if (mixed) {
-    particles_add(1, BOOM + 2);
-  }
   shape.K[(PARTS - 2) * (PARTS + 1)] += FB_R(50.0);
   shape.K[(PARTS - 1) * (PARTS + 1)] += FB_R(80.0);
   memset(&desc, 0, sizeof desc);
@@ -119,10 +115,10 @@ static double energy_of(const fb_state *state)
    a free base gravity is left out: it acts on rho. */
 TEST(rates_of_mixed_bodies_are_hamiltonian)
 {
-  for (int k = 0; k < (FB_SINGLE ? 0 : 8); k++) { /* differences want double precision */
+  for (int k = 0; k < (FB_SINGLE ? 0 : (int)FB_BASE_COUNT); k++) { /* differences want double precision */
     fb_state state, rate;
     double size_q = 0.0, size_pi = 0.0, error_q = 0.0, error_pi = 0.0;
-    parts_make((fb_base)(k / 2), k % 2);
+    parts_make((fb_base)k);
     if (body.base == FB_BASE_FREE) {
       memset(body.gravity, 0, sizeof body.gravity);
     }
@@ -165,7 +161,7 @@ TEST(accelerations_of_mixed_bodies_are_derivatives)
     input.load[0].axes = FB_AXES_NODE;
     input.load[0].force[1] = FB_R(3.0);
     input.load[0].torque[0] = FB_R(0.5);
-    parts_make((fb_base)k, 1);
+    parts_make((fb_base)k);
     body.allow_long_step = 1;
     state_make(&state, 1.0);
     for (int i = 0; i < 3; i++) {
@@ -231,7 +227,7 @@ TEST(mixed_bodies_tie_to_polynomial_ones)
 {
   const double size = FBT_TOL(1e-4, 1e-2);
   fb_state state, rate, expected;
-  parts_make(FB_BASE_FREE, 1);
+  parts_make(FB_BASE_FREE);
   state_make(&state, size);
   FBT_INT_EQ(fb_body_rates_eval(&body, &rate, &state, NULL), FB_OK);
   FBT_INT_EQ(fb_body_rates_eval(&other, &expected, &state, NULL), FB_OK);
@@ -241,5 +237,87 @@ TEST(mixed_bodies_tie_to_polynomial_ones)
   }
 }
 
-SUITE(line_parts, RUN(rates_of_mixed_bodies_are_hamiltonian), RUN(accelerations_of_mixed_bodies_are_derivatives),
+/* Status of the body with large deflection, 0, and without it, 1. */
+static fb_status parts_again(int polynomial)
+{
+  fb_body_desc desc;
+  memset(&desc, 0, sizeof desc);
+  desc.effects = polynomial ? FB_EFFECTS_FULL : FB_EFFECTS_LARGE;
+  return fb_body_init(polynomial ? &other : &body, &body_work, &shape, &desc);
+}
+
+/* What moves with modes of a beam by shapes that the caller gives would stay on its polynomial while the beam bends far.
+   It is refused; on coordinates that are not of a beam it is not. */
+TEST(parts_that_shapes_move_with_a_line_are_refused)
+{
+  const fb_real r[3] = {FB_R(1.0), FB_R(0.5), FB_R(0.0)}, inertia[6] = {FB_R(0.1), FB_R(0.1), FB_R(0.1)};
+  fb_real psi[3 * PARTS], theta[3 * PARTS], none[3 * PARTS];
+  memset(none, 0, sizeof none);
+  for (int kind = 0; kind < 6; kind++) {
+    for (int on = 0; on < 2; on++) { /* the imported component, the second boom */
+      const int a = on ? BOOM + 2 : PARTS - 1;
+      int node = 0;
+      parts_make(FB_BASE_FREE);
+      memset(psi, 0, sizeof psi);
+      memset(theta, 0, sizeof theta);
+      psi[3 * a] = theta[3 * a + 1] = FB_R(0.4);
+      switch (kind) {
+      case 0:
+        FBT_INT_EQ(fb_shape_add_particle(&shape, FB_R(0.1), r, psi, NULL), FB_OK);
+        break;
+      case 1:
+        FBT_INT_EQ(fb_shape_add_lump(&shape, FB_R(0.1), r, NULL, psi, theta), FB_OK);
+        break;
+      case 2: /* turns with it alone */
+        FBT_INT_EQ(fb_shape_add_lump(&shape, FB_R(0.1), r, inertia, none, theta), FB_OK);
+        break;
+      case 3:
+        FBT_INT_EQ(fb_shape_add_node(&shape, &node, r, psi, none), FB_OK);
+        break;
+      case 4:
+        FBT_INT_EQ(fb_shape_add_node(&shape, &node, r, none, theta), FB_OK);
+        break;
+      default:
+        FBT_INT_EQ(fb_shape_add_pair(&shape, a, PARTS - 1, psi + 3 * a, NULL, NULL), FB_OK);
+      }
+      FBT_INT_EQ(parts_again(0), on ? FB_ERR_EFFECTS : FB_OK);
+      FBT_INT_EQ(parts_again(1), FB_OK);
+    }
+  }
+}
+
+/* A node that was placed before its beam has no place on the line. */
+TEST(nodes_before_their_beam_are_refused)
+{
+  static fb_beam_desc desc;
+  static fb_beam beam;
+  static fb_modes modes;
+  static fb_modes_work work;
+  fb_modes_desc keep;
+  int node;
+  memset(&desc, 0, sizeof desc);
+  memset(&keep, 0, sizeof keep);
+  desc.length = FB_R(2.0);
+  desc.n_element = 4;
+  desc.n_station = 1;
+  desc.station[0].mass = FB_R(1.0);
+  desc.station[0].EI_y = desc.station[0].EI_z = FB_R(10.0);
+  keep.count[FB_KIND_BEND_Y] = 2;
+  FBT_INT_EQ(fb_beam_init(&beam, &desc), FB_OK);
+  FBT_INT_EQ(fb_modes_solve(&modes, &work, &beam, &keep), FB_OK);
+  for (int before = 0; before < 2; before++) {
+    const fb_real center[3] = {FB_R(0.0)}, inertia[6] = {FB_R(1.0), FB_R(1.0), FB_R(1.0)};
+    FBT_INT_EQ(fb_shape_init(&shape, modes.n), FB_OK);
+    FBT_INT_EQ(fb_shape_add_rigid(&shape, FB_R(5.0), center, inertia), FB_OK);
+    for (int k = 0; k < 2; k++) {
+      FBT_INT_EQ((k == 0) == before ? fb_shape_add_beam_node(&shape, &node, 0, &beam, &modes, FB_R(1.5))
+                                    : fb_shape_add_beam(&shape, 0, &beam, &modes),
+                 FB_OK);
+    }
+    FBT_INT_EQ(parts_again(0), before ? FB_ERR_EFFECTS : FB_OK);
+  }
+}
+
+SUITE(line_parts, RUN(parts_that_shapes_move_with_a_line_are_refused), RUN(nodes_before_their_beam_are_refused),
+      RUN(rates_of_mixed_bodies_are_hamiltonian), RUN(accelerations_of_mixed_bodies_are_derivatives),
       RUN(without_beams_the_effect_changes_nothing), RUN(mixed_bodies_tie_to_polynomial_ones))

@@ -100,7 +100,7 @@ TEST(nodes_beside_their_line_are_refused)
     if (imported) {
       FBT_INT_EQ(fb_shape_add_node(&shape, &node, place, psi, psi), FB_OK);
     }
-    FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc.body), FB_ERR_UNSUPPORTED);
+    FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &desc.body), FB_ERR_EFFECTS);
     FBT_INT_EQ(fb_body_init(&body, &body_work, &shape, &plain), FB_OK);
 
     /* one that does not move, and one added in time */

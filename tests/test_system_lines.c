@@ -151,6 +151,7 @@ static void welded_booms(fb_beam part[2], fb_modes joined[2])
     fb_modes_desc keep;
     memset(&keep, 0, sizeof keep);
     keep.basis = FB_BASIS_ELEMENTS;
+    keep.line_points = 13;
     keep.count[FB_KIND_BEND_Y] = keep.count[FB_KIND_BEND_Z] = keep.count[FB_KIND_TORSION] = 1;
     boom_desc(k ? FB_ROOT_FREE : FB_ROOT_CLAMPED, 0.5);
     beam_desc.n_element = 3;

@@ -33,6 +33,14 @@ int main(void)
     }
     printf("%d", status == FB_ERR_EFFECTS);
   }
+  for (unsigned set = 0; set < 512;
+       set++) { /* large deflection: the check says what fb_body_init takes, on a free base, too */
+    fb_body_desc desc = {0};
+    desc.effects = set | FB_EFFECT_LARGE_DEFLECTION;
+    if (fb_body_init(&body, &work, &shape, &desc) != fb_effects_check(desc.effects)) {
+      return 1;
+    }
+  }
   printf("\n");
   return 0;
 }
