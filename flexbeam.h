@@ -1096,11 +1096,11 @@ typedef struct fb_line_motion {
   fb_real force[3], moment[3]; /* [N], [N m] internal loads, section axes: force[0] tension, moment[0] torsion */
 } fb_line_motion;
 /* Motion and internal loads at all points of the lines of a single body, point[FB_MAX_LINE_POINTS], *n of them, in the
-   order of fb_distributed. Internal loads are what the line beyond the section exerts on it at the line, by equilibrium:
-   loads of the input, gravity and inertia forces of all that is outboard, lumped bodies and loads at the point itself
-   included. They hold whatever the modes can represent, and with damping its part, too; at a root at rest they are the
-   load on the hub. motion and input are those of fb_body_motion_eval at state. FB_ERR_UNSUPPORTED: a body without lines;
-   FB_ERR_NOT_FINITE; a status of input->distributed. On failure point and n are as before. */
+   order of fb_distributed. Internal loads are what the line beyond the section exerts on it at the line, by
+   equilibrium: loads of the input, gravity and inertia forces of all that is outboard, lumped bodies and loads at the
+   point itself included. They hold whatever the modes can represent, and with damping its part, too; at a root at rest
+   they are the load on the hub. motion and input are those of fb_body_motion_eval at state. FB_ERR_UNSUPPORTED: a body
+   without lines; FB_ERR_NOT_FINITE; a status of input->distributed. On failure point and n are as before. */
 FB_API fb_status fb_body_lines_eval(const fb_body *body, fb_line_motion *point, int *n, const fb_state *state,
                                     const fb_motion *motion, const fb_input *input);
 #endif
@@ -2023,7 +2023,8 @@ typedef struct fb_modes_desc {
      0: selection by count. */
   fb_real mass_fraction;
   fb_preload preload; /* modes are those under the preload, and K contains its geometric stiffness ([H] C.1): leave the
-                         load itself out of the effects of the body. Not for FB_BASIS_FUNCTIONS */
+                         load itself out of the effects of the body. Not for FB_BASIS_FUNCTIONS, nor for
+                         FB_EFFECT_LARGE_DEFLECTION: lines take their loads themselves */
   /* Natural modes: positions of loads for which the static deflection shall be exact. Each adds a residual-flexibility
      attachment mode (static correction): the deflection under a unit load that the kept modes miss; of a free beam with
      inertia relief. They are further modes, orthogonal to the others. */
@@ -2121,7 +2122,8 @@ typedef struct fb_join_work { /* scratch; large: make it static */
    the boundary; a clamped root stays fixed to the body frame. Motion of a weld that one side does not have in its basis
    is locked on both. Natural modes alone converge slowly at a weld: add attachment modes there (load), or make its node
    a boundary. Rigid-body modes of the whole are left out. joined[k].M and K are the contribution of component k.
-   Redundant welds do no harm.
+   Redundant welds do no harm. Welds that close a loop are kept to first degree in the coordinates:
+   FB_EFFECT_LARGE_DEFLECTION refuses them (joined = 2); close loops by joints of a system.
    Build the shape as for one beam, all parts with first = 0 and n = joined->n: add beam 0, a node at each of its welds,
    then the beams attached there by their roots (their second-order displacement continues from that node), and so on.
    FB_ERR_CONVERGENCE: slow elastic modes cannot be distinguished from rigid-body modes in this precision (keep fewer,
@@ -2165,8 +2167,8 @@ typedef struct fb_shape {
 #if FB_WITH_LARGE_DEFLECTION
   fb_lines lines;         /* of the beams */
   fb_status lines_status; /* why a beam has none: FB_EFFECT_LARGE_DEFLECTION is then refused with it. FB_ERR_CAPACITY:
-                             points, lines; FB_ERR_KIND: a joined beam hangs where no point is; FB_ERR_UNSUPPORTED: modes
-                             under a preload or of buckling, welds that close a loop, two beams in one place */
+                             points, lines; FB_ERR_KIND: a joined beam hangs where no point is; FB_ERR_UNSUPPORTED:
+                             modes under a preload or of buckling, welds that close a loop, two beams in one place */
   fb_second rest;         /* as `second`, of all but the beams */
 #endif
   fb_real size; /* [m] largest distance of a mass from O */
@@ -2530,8 +2532,8 @@ typedef struct fb_analyse_work { /* scratch; large: make it static */
    v, w of the input; gravity and loads in inertial axes, which do not rotate with it, are taken in their present
    direction. Otherwise the body spins freely at |input.w| about the principal axis of the deformed body nearest to
    input.w, with its center of mass (or the pin) at rest; a hinged body spins at input.w about the hinge. Gravity and
-   loads are included, distributed ones as they are at the state and input.t. state gives the attitude and the first guess; at most 40 Newton iterations. input is required,
-   here and in the following functions of one body.
+   loads are included, distributed ones as they are at the state and input.t. state gives the attitude and the first
+   guess; at most 40 Newton iterations. input is required, here and in the following functions of one body.
    FB_ERR_UNREST: loads or gravity accelerate a base that is not prescribed; FB_ERR_CONVERGENCE; FB_ERR_RANGE: beyond
    the deflection limit (buckled, or a large load); FB_ERR_SINGULAR: the stiffness is zero in some direction;
    FB_ERR_VALUE: a w that the hinge does not permit; another form than the momentum form with a base that is not
@@ -2888,8 +2890,8 @@ typedef struct fb_trial { /* simulation of a scene, by the caller */
 /* Finds the cheapest set by simulation: candidates are simulated in the order of their estimated cost, up to that of
    the reference, until one meets the tolerance. Every cheaper candidate was simulated and rejected, or the error of its
    effects and modes no longer depended on the step.
-   The reference has large deflection if the shape has lines; where run returns FB_ERR_UNSUPPORTED for it all effects but
-   that, and for a candidate no step of its integrator with its effects is tried again.
+   The reference has large deflection if the shape has lines; where run returns FB_ERR_UNSUPPORTED for it all effects
+   but that, and for a candidate no step of its integrator with its effects is tried again.
    error: largest distance from the reference, relative to its largest sample. For desktop use: tens to thousands of
    simulations, with n modes at most 2 + 176 n FB_INTEGRATOR_COUNT.
    FB_ERR_CONVERGENCE: no candidate meets the tolerance, or all modes and effects with a short step exceed twice the

@@ -20421,7 +20421,7 @@ static void fbi_line_lumps_take(fbi_line_plan *plan, const fb_beam *beam, const 
    one stretch, of several 3 for each and the rest by their lengths; the mass there by the weights and the sections, and
    the lumped bodies. A root that does not move is no point. FB_ERR_CAPACITY: more than FB_MAX_POINTS; plan.n says how
    many.
-   Source: THEORY.md 14.  Test: lines_have_enough_points. */
+   Source: THEORY.md 14.  Test: lines_have_enough_points, lumped_bodies_near_the_tip_move_with_the_line. */
 static fb_status fbi_line_plan_fill(fbi_line_plan *plan, const fb_beam *beam, const fb_modes *modes)
 {
   fbi_line_break list[FBI_MAX_BREAKS];
