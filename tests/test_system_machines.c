@@ -295,5 +295,195 @@ TEST(slider_cranks_turn_as_finer_ones_do)
   fbt_figure("slider-crank with a rod that bends far [rod lengths]", "rod cut in four", apart(&whole, &finer) / 0.3);
 }
 
+/* ---- loops, rows, forces, nodes */
+
+static const double stencil[5] = {1.0 / 12, -2.0 / 3, 0, 2.0 / 3, -1.0 / 12}; /* derivative of fourth order */
+static fb_system_state rate, kept;
+
+/* Two bodies with lines, bent by some 20 %, on a joint of that kind. */
+static void bent_couple(fb_joint_kind kind, int axis, fb_axis_mode mode)
+{
+  couple(kind, axis, mode);
+  flexible(&model[0], 1, 1, 1, FB_EFFECTS_LARGE);
+  for (int k = 0; k < 2; k++) {
+    for (int a = 0; a < model[0].n; a++) {
+      start[k].q[a] *= FB_R(6.0);
+      start[k].q_dot[a] *= FB_R(3.0);
+    }
+  }
+}
+
+/* E9.8 to E9.15, E9.17, E9.19 with E14.14, E14.16: on lines, too, every kind of joint moves two bodies alike from joint
+   coordinates, by the dense matrix, as constraints of free bodies and as a loop, forwards and backwards; at the start,
+   after a while, and after an axis is locked in motion. */
+TEST(every_joint_on_lines_is_the_same_eliminated_kept_or_closing_a_loop)
+{
+  static fb_system_motion first[3];
+  for (int kind = (int)FB_JOINT_RIGID; kind < (int)FB_JOINT_COUNT; kind++) {
+    const int ball = kind == FB_JOINT_SPHERICAL, axes = ball ? 1 : axes_of(kind)->count;
+    const int forms = ball || axes_of(kind)->tilt >= 0 ? 4 : 5; /* their axes have an order */
+    for (int given = 0; given <= (axes > 0 ? 2 : 0); given++) { /* the last axis is locked, prescribed */
+      for (int form = 0; form < forms; form++) {
+        const int joint = form < 3 ? 1 : 2;
+        bent_couple((fb_joint_kind)kind, axes > 0 ? axes - 1 : 0, (fb_axis_mode)given);
+        if (form >= 3) {
+          couple_by_a_loop(&first[0], form == 4);
+        }
+        init(form < 3 ? (fb_method)form : FB_METHOD_RECURSIVE);
+        FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+        for (int instant = 0; instant < 3; instant++) {
+          couple_steps(instant > 0 ? 10 : 0, FBT_TOL(2e-4, 1e-3));
+          if (instant == 2 && axes > 0) {
+            FBT_INT_EQ(fb_system_axis_set(&mechanism, model, &state, &work, joint, axes - 1, FB_AXIS_LOCKED, &input),
+                       FB_OK);
+            couple_steps(5, FBT_TOL(2e-4, 1e-3));
+          }
+          FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+          first[instant] = form ? first[instant] : motion;
+          motion.joint[1] =
+              form == 4 ? first[instant].joint[1] : motion.joint[joint]; /* they are about the other frame */
+          FBT_BELOW(motion_difference(&motion, &first[instant]), instant ? FBT_TOL(1e-8, 3e-2) : FBT_TOL(1e-10, 5e-3));
+        }
+      }
+    }
+  }
+}
+
+/* No velocity of node 1 of body 1 along user's direction. */
+static int on_its_plane(fb_row *row, int capacity, const fb_pose *pose, fb_real t, void *user)
+{
+  const double *const hold = (const double *)user;
+  (void)capacity, (void)t, (void)pose;
+  row[0].body[0] = 1;
+  row[0].node[0] = 1;
+  row[0].body[1] = FB_GROUND;
+  for (int i = 0; i < 3; i++) {
+    row[0].force[0][i] = (fb_real)hold[i];
+  }
+  return 1;
+}
+
+/* E9.10, E9.13 with E14.14: the caller's row on a node of a line does no work and keeps that node where it is along the
+   row; by all methods. */
+TEST(rows_hold_nodes_of_lines)
+{
+  double hold[3] = {0.6, 0.0, 0.8};
+  for (int method = 0; method < 3; method++) {
+    double before, x[3], y[3], energy;
+    bent_couple(FB_JOINT_UNIVERSAL, 0, FB_AXIS_FREE);
+    input.n_load = 0;
+    memset(&input.drive[1], 0, sizeof input.drive[1]);
+    memset(desc.joint[1].damping, 0, sizeof desc.joint[1].damping);
+    input.rows = on_its_plane;
+    input.user = hold;
+    init((fb_method)method);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+    before = energy_of(&state);
+    node_at(x, &state, 1, 1);
+    for (int k = 0; k < 200; k++) {
+      FBT_INT_EQ(fb_system_rk4_step(&mechanism, model, &state, &work, &input, &input, &input, FB_R(2e-4)), FB_OK);
+    }
+    energy = energy_of(&state);
+    node_at(y, &state, 1, 1);
+    FBT_NEAR_REL(energy, before, FBT_TOL(1e-8, 1e-3));
+    FBT_NEAR_ABS(hold[0] * (y[0] - x[0]) + hold[2] * (y[2] - x[2]), 0.0, FBT_TOL(1e-9, 1e-4));
+    FBT_BELOW(1e-3, fabs(y[1] - x[1]));
+  }
+}
+
+/* E9.19, E14.15, E14.16: the force of the joint at the root of a tree with lines is the rate of the momentum of all that
+   hangs on it, less gravity, by differences; nodes on lines accelerate as their velocities change. */
+TEST(joint_forces_on_lines_carry_what_hangs_on_them)
+{
+  const double h = FBT_TOL(1e-4, 1e-2), g = 9.81;
+  static fb_system_motion at, side;
+  fb_node_motion now, node;
+  fb_momentum momentum;
+  double F[3] = {0.0, 0.0, 0.0}, a[4][3], alpha[4][3];
+  tree(FB_EFFECTS_LARGE, 1);
+  body_desc.gravity[2] = -(fb_real)g;
+  body_desc.effects = FB_EFFECT_GRAVITY;
+  rigid(&model[0], 3.0, 0.1, -0.05, 0.02, 0.3, 0.4, 0.5);
+  flexible(&model[1], 2, 1, 1, FB_EFFECTS_LARGE | FB_EFFECT_GRAVITY);
+  rigid(&model[2], 0.7, 0.2, 0.1, -0.1, 0.03, 0.05, 0.04);
+  for (int k = 0; k < desc.n_body; k++) {
+    for (int i = 0; i < model[desc.model[k]].n; i++) {
+      start[k].q[i] *= FB_R(6.0);
+    }
+  }
+  desc.joint[0].kind = FB_JOINT_RIGID;
+  desc.joint[0].parent = FB_GROUND;
+  init(FB_METHOD_RECURSIVE);
+  FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+  FBT_INT_EQ(fb_system_rates_eval(&mechanism, model, &work, &rate, &state, &input), FB_OK);
+  FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &at, &state, &input), FB_OK);
+  memset(a, 0, sizeof a);
+  memset(alpha, 0, sizeof alpha);
+  for (int s = -2; s <= 2; s++) {
+    moved(&kept, &state, &rate, s * h);
+    FBT_INT_EQ(fb_system_momentum_eval(&mechanism, model, &work, &momentum, &kept, &input), FB_OK);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &side, &kept, &input), FB_OK);
+    for (int i = 0; i < 3; i++) {
+      F[i] += stencil[s + 2] / h * (double)momentum.linear[i];
+    }
+    for (int k = 0; k < 4; k++) { /* bodies 1 and 2 have lines; tip and middle */
+      FBT_INT_EQ(fb_body_node_motion_eval(&model[1], &node, &side.pose[1 + k / 2], &side.motion[1 + k / 2], 1 + k % 2),
+                 FB_OK);
+      for (int i = 0; i < 3; i++) {
+        a[k][i] += stencil[s + 2] / h * (double)node.velocity[i];
+        alpha[k][i] += stencil[s + 2] / h * (double)node.angular_rate[i];
+      }
+    }
+  }
+  for (int i = 0; i < 3; i++) {
+    double weight = 0.0;
+    for (int k = 0; k < desc.n_body && i == 2; k++) {
+      weight += (double)model[desc.model[k]].mass * g;
+    }
+    FBT_NEAR_ABS(at.joint[0].force[i], F[i] + weight, FBT_TOL(1e-7, 3e-1));
+  }
+  for (int k = 0; k < 4; k++) {
+    FBT_INT_EQ(fb_body_node_motion_eval(&model[1], &now, &at.pose[1 + k / 2], &at.motion[1 + k / 2], 1 + k % 2), FB_OK);
+    for (int i = 0; i < 3; i++) {
+      FBT_NEAR_ABS(now.acceleration[i], a[k][i], FBT_TOL(1e-6, 3.0));
+      FBT_NEAR_ABS(now.angular_acceleration[i], alpha[k][i], FBT_TOL(1e-6, 3.0));
+    }
+  }
+}
+
+/* E9.19 with lines: the reactions on a body are what its joints bear, about its origin in its axes, by all methods. */
+TEST(reactions_on_lines_are_the_sum_of_joint_forces)
+{
+  for (int method = 0; method < 3; method++) {
+    bent_couple(FB_JOINT_UNIVERSAL, 1, FB_AXIS_PRESCRIBED);
+    init((fb_method)method);
+    FBT_INT_EQ(fb_system_state_init(&mechanism, model, &state, &work, start, &input), FB_OK);
+    FBT_INT_EQ(fb_system_motion_eval(&mechanism, model, &work, &motion, &state, &input), FB_OK);
+    for (int k = 0; k < 2; k++) {
+      const fb_joint_motion *at = &motion.joint[1];
+      fb_real R[9], frame[3], arm[3], moment[3], force[3], torque[3];
+      fb_quat_to_mat33(R, motion.pose[1].quat);
+      fb_mat33_mul_vec3(frame, R, desc.joint[1].child_position);
+      for (int i = 0; i < 3; i++) {
+        arm[i] = motion.pose[1].rho[i] + frame[i] - motion.pose[k].rho[i];
+      }
+      fb_vec3_cross(moment, arm, at->force);
+      for (int i = 0; i < 3; i++) {
+        moment[i] += at->torque[i];
+      }
+      fb_quat_to_mat33(R, motion.pose[k].quat);
+      fb_mat33_mulT_vec3(force, R, at->force);
+      fb_mat33_mulT_vec3(torque, R, moment);
+      for (int i = 0; i < 3; i++) {
+        const double sign = k == 0 ? -1.0 : 1.0;
+        FBT_NEAR_ABS(motion.motion[k].reaction_force[i], sign * (double)force[i], FBT_TOL(1e-10, 1e-2));
+        FBT_NEAR_ABS(motion.motion[k].reaction_torque[i], sign * (double)torque[i], FBT_TOL(1e-10, 1e-2));
+      }
+    }
+  }
+}
+
 SUITE(system_machines, RUN(double_pendulums_of_lines_follow_the_reference), RUN(folded_booms_unfold_as_finer_ones_do),
-      RUN(hinged_rotors_turn_as_finer_ones_do), RUN(slider_cranks_turn_as_finer_ones_do))
+      RUN(hinged_rotors_turn_as_finer_ones_do), RUN(slider_cranks_turn_as_finer_ones_do),
+      RUN(every_joint_on_lines_is_the_same_eliminated_kept_or_closing_a_loop), RUN(rows_hold_nodes_of_lines),
+      RUN(joint_forces_on_lines_carry_what_hangs_on_them), RUN(reactions_on_lines_are_the_sum_of_joint_forces))
