@@ -8734,8 +8734,8 @@ static int fbi_has_distributed(const fb_system_input *input)
 static fb_status fbi_system_lines_check(const fb_system *system, const fb_body *body, const fb_system_input *input)
 {
   int large = !fbi_has_distributed(input);
-  for (int k = 0; k < system->n_body; k++) {
-    large |= fbi_is_large(fbi_model(system, body, k));
+  for (int k = 0; k < system->n_body && !large; k++) {
+    large = fbi_is_large(fbi_model(system, body, k));
   }
   return large ? FB_OK
                : FBI_REFUSE(FB_ERR_UNSUPPORTED, "input: distributed loads, of a body with FB_EFFECT_LARGE_DEFLECTION",
@@ -8898,7 +8898,7 @@ static void fbi_link_inertia(fbi_link_work *L, const fb_body *body)
 
 #if FB_WITH_LARGE_DEFLECTION
 /* Distributed loads on body k, E14.40; velocities of its points relative to O are known. */
-static fb_status fbi_link_distributed(fb_system_work *w, const fb_system_input *input, int k)
+static FBI_NOINLINE fb_status fbi_link_distributed(fb_system_work *w, const fb_system_input *input, int k)
 {
   fbi_link_work *const L = &w->link[k];
   fbi_line_work *const line = L->k.line;
@@ -8947,8 +8947,10 @@ static fb_status fbi_system_loads(fb_system_work *w, const fb_system *system, co
     fbi_load_add(&L->k, fbi_model(system, body, input->load[i].body), &input->load[i].load, L->k.qx + 1);
   }
 #if FB_WITH_LARGE_DEFLECTION
-  for (int k = 0; k < system->n_body && status == FB_OK && fbi_has_distributed(input); k++) {
-    status = fbi_is_large(w->link[k].model) ? fbi_link_distributed(w, input, k) : FB_OK;
+  if (fbi_has_distributed(input)) {
+    for (int k = 0; k < system->n_body && status == FB_OK; k++) {
+      status = fbi_is_large(w->link[k].model) ? fbi_link_distributed(w, input, k) : FB_OK;
+    }
   }
 #endif
   return status;
@@ -14494,7 +14496,7 @@ static fb_real fbi_power_product(fb_system_work *w, const fb_system *system, con
    Source: linear algebra.  Cost: a solution and FBI_POWER_STEPS more.  Fails: never.
    Test: systems_refuse_steps_that_a_bent_line_does_not_allow. */
 #define FBI_POWER_STEPS 3
-static fb_real fbi_system_bent(fb_system_work *w, const fb_system *system, const fb_body *body)
+static FBI_NOINLINE fb_real fbi_system_bent(fb_system_work *w, const fb_system *system, const fb_body *body)
 {
   fb_status status;
   fb_real size = FB_R(0.0);

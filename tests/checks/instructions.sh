@@ -92,7 +92,7 @@ row "full, exponential, decayed" default 3 3 0 63 0 fb_exponential_step decayed
 try gcc -std=c99 -I. -O2 -o "$out/systems" bench/system_count.c "$out/default.o" -lm -Wl,-z,now
 system rigid rk4 9800 # 8326
 system rigid sdirk 20660 # 20889
-system hinge rk4 21870 # 20112
+system hinge rk4 21900 # 20112
 system hinge sdirk 48790 # 49483
 system booms rk4 62900 # 58830
 system booms sdirk 175900 # 217877
