@@ -172,7 +172,7 @@ static void rom_line(rom *r, const fb_line *line)
     rom_whole(r, whole[i]);
   }
   rom_list(r, line->axes, line->turned ? 9 : 0);
-  rom_text(r, "},"); /* root and frame are for model building */
+  rom_text(r, "{0},{0},},"); /* root and frame are for model building */
 }
 
 /* Where n points or roots stand. */
